@@ -1,0 +1,597 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The C library from Python: parameters by introspection, rendering and rasterising of numpy arrays.
+
+Nothing here knows Blender. Errors are EncreError, whose text is one sentence for the user.
+"""
+
+import ctypes as c
+import difflib
+import functools
+import math
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+API_VERSION = 1
+LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
+CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
+MAX_LEVELS = 16
+
+
+class EncreError(Exception):
+    """Something the user can mend; str() is one sentence that names the thing and the cure."""
+
+
+class Cancelled(EncreError):
+    """The progress callback returned False."""
+
+
+# ---- csrc/encre.h ----------------------------------------------------------------------------------------------
+
+
+class _Image(c.Structure):
+    _fields_ = [("data", c.c_void_p), ("width", c.c_int32), ("height", c.c_int32), ("channels", c.c_int32),
+                ("reserved", c.c_int32), ("pixel_stride", c.c_int64), ("row_stride", c.c_int64)]
+
+
+class _LayerInfo(c.Structure):
+    _fields_ = [("name", c.c_char_p), ("help", c.c_char_p), ("channels", c.c_int32), ("required", c.c_int32)]
+
+
+class _Level(c.Structure):
+    _fields_ = [("value", c.c_float * 6)]  # intensity, threshold, transition, r, g, b
+
+
+class _Levels(c.Structure):
+    _fields_ = [("count", c.c_int32), ("level", _Level * MAX_LEVELS)]
+
+
+class _Item(c.Structure):
+    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("number", c.c_int64)]
+
+
+class _ParamInfo(c.Structure):
+    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("unit", c.c_char_p),
+                ("enabled_if", c.c_char_p), ("items", c.POINTER(_Item)), ("n_items", c.c_int32), ("type", c.c_int32),
+                ("scope", c.c_int32), ("offset", c.c_int32), ("value", c.c_double * 3), ("hard_min", c.c_double),
+                ("hard_max", c.c_double), ("soft_min", c.c_double), ("soft_max", c.c_double),
+                ("levels", c.POINTER(_Levels))]
+
+
+class _StageInfo(c.Structure):
+    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("params", c.POINTER(_ParamInfo)),
+                ("n_params", c.c_int32), ("reserved", c.c_int32)]
+
+
+class _Camera(c.Structure):
+    _fields_ = [("view", c.c_float * 9), ("orthographic", c.c_int32), ("height", c.c_float)]
+
+
+class _Frame(c.Structure):
+    _fields_ = [("width", c.c_int32), ("height", c.c_int32), ("x", c.c_int32), ("y", c.c_int32)]
+
+
+_Progress = c.CFUNCTYPE(c.c_bool, c.c_void_p, c.c_double)
+
+
+class _Mesh(c.Structure):
+    _fields_ = [("kind", c.c_int32), ("n_primitives", c.c_int32), ("n_points", c.c_int32), ("n_channels", c.c_int32),
+                ("points", c.c_void_p), ("corners", c.c_void_p), ("attributes", c.c_void_p),
+                ("material", c.c_void_p), ("style", c.c_void_p), ("model", c.c_double * 16),
+                ("object_index", c.c_int32), ("material_index", c.c_int32), ("style_index", c.c_int32),
+                ("reserved", c.c_int32)]
+
+
+_RASTER_OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes")
+
+
+class _RasterJob(c.Structure):
+    _fields_ = [("meshes", c.POINTER(_Mesh)), ("n_meshes", c.c_int32), ("n_channels", c.c_int32),
+                ("view", c.c_double * 16), ("projection", c.c_double * 16), ("clip_start", c.c_double),
+                ("clip_end", c.c_double), ("frame", _Frame), *((n, _Image) for n in _RASTER_OUTPUTS),
+                ("progress", _Progress), ("user", c.c_void_p)]
+
+
+# ---- parameters --------------------------------------------------------------------------------------------------
+
+_TYPES = ("bool", "int", "float", "enum", "color", "image", "levels")
+_UNLIMITED = float(np.finfo(np.float32).max)
+
+
+@dataclass(frozen=True)
+class Item:
+    id: str
+    label: str
+    help: str
+    number: int
+
+
+@dataclass(frozen=True)
+class Param:
+    """One row of a stage's table. `default` has the form that check() gives values of this type."""
+
+    id: str
+    stage: str
+    type: str
+    scope: str
+    label: str
+    help: str
+    unit: str
+    enabled_if: str
+    default: object
+    hard_min: float | None
+    hard_max: float | None
+    soft_min: float
+    soft_max: float
+    items: tuple[Item, ...]
+    offset: int = field(repr=False)
+
+    @property
+    def number(self):
+        """Enum item id -> number."""
+        return {item.id: item.number for item in self.items}
+
+
+@dataclass(frozen=True)
+class Stage:
+    id: str
+    label: str
+    help: str
+    params: tuple[Param, ...]
+
+
+@dataclass
+class Camera:
+    """view: rotation world -> camera, 9 floats row by row; height: orthographic frame height in scene units."""
+
+    view: Sequence[float] = (1, 0, 0, 0, 1, 0, 0, 0, 1)
+    orthographic: bool = False
+    height: float = 1.0
+
+
+@dataclass
+class Frame:
+    """Size of the full frame in pixels, and where the images' top left pixel lies in it."""
+
+    width: int
+    height: int
+    x: int = 0
+    y: int = 0
+
+
+@dataclass
+class Mesh:
+    """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels)."""
+
+    points: np.ndarray
+    corners: np.ndarray | None = None
+    attributes: np.ndarray | None = None
+    material: np.ndarray | None = None
+    style: np.ndarray | None = None
+    model: np.ndarray = field(default_factory=lambda: np.eye(4))
+    object_index: int = 0
+    material_index: int = 0
+    style_index: int = 0
+    kind: str = "triangles"
+
+
+@dataclass
+class Result:
+    images: dict[str, np.ndarray]
+    nonfinite: int
+
+
+def _text(b):
+    return (b or b"").decode()
+
+
+def _levels(levels):
+    """encre_levels -> list of tuples (i,), (i, t, w) or (i, t, w, r, g, b)."""
+    out = []
+    for k in range(levels.count):
+        v = tuple(_tidy(x) for x in levels.level[k].value)
+        v = v[:3] if v[3:] == (1, 1, 1) else v
+        out.append(v[:1] if k == 0 and len(v) == 3 else v)
+    return out
+
+
+def _tidy(x):
+    """The shortest decimal that is this float32: 0.9, not 0.8999999762."""
+    return float(str(np.float32(x)))
+
+
+class Library:
+    """One loaded libencre. `path` None: the one beside this file."""
+
+    def __init__(self, path=None):
+        path = path or os.path.join(os.path.dirname(os.path.abspath(__file__)), LIBRARY)
+        if not os.path.exists(path):
+            raise EncreError(f"{path}: the Encre library is missing; install Encre again for this platform")
+        try:
+            lib = c.CDLL(path)
+            lib.encre_create.restype = lib.encre_error.restype = c.c_void_p
+            lib.encre_create.argtypes = [c.c_int32]
+        except (OSError, AttributeError) as e:
+            raise EncreError(f"{path}: the Encre library can't be loaded ({e}); install Encre again") from None
+        lib.encre_error.argtypes = [c.c_void_p]
+        lib.encre_error.restype = c.c_char_p
+        lib.encre_destroy.argtypes = [c.c_void_p]
+        lib.encre_destroy.restype = None
+        context = lib.encre_create(API_VERSION)
+        if not context:
+            raise EncreError(f"{path}: the Encre library has another version than its Python code; "
+                             "install both from one package")
+        lib.encre_destroy(context)
+        lib.encre_stage_info.restype = c.POINTER(_StageInfo)
+        lib.encre_layer_info.restype = lib.encre_output_info.restype = c.POINTER(_LayerInfo)
+        lib.encre_params_size.restype = c.c_int64
+        lib.encre_params_check.restype = c.c_char_p
+        lib.encre_params_check.argtypes = [c.c_void_p, c.c_char_p, c.c_int64]
+        lib.encre_params_init.argtypes = [c.c_void_p]
+        for name in ("encre_set_threads", "encre_set_simd"):
+            getattr(lib, name).argtypes = [c.c_void_p, c.c_int32]
+        for name in ("encre_render", "encre_raster"):
+            getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
+        self.path, self.lib = path, lib
+        self.layers = self._names(lib.encre_layer_info)
+        self.required = tuple(n for n, (_, r) in self.layers.items() if r)
+        self.layers = {n: ch for n, (ch, _) in self.layers.items()}
+        self.outputs = {n: ch for n, (ch, _) in self._names(lib.encre_output_info).items()}
+        self.stages = tuple(self._stages())
+        self.params = {p.id: p for s in self.stages for p in s.params}
+
+        class Job(c.Structure):
+            _fields_ = [("layers", _Image * len(self.layers)), ("outputs", _Image * len(self.outputs)),
+                        ("camera", _Camera), ("frame", _Frame), ("params", c.c_void_p), ("n_styles", c.c_int32),
+                        ("reserved", c.c_int32), ("progress", _Progress), ("user", c.c_void_p),
+                        ("nonfinite", c.c_int64)]
+
+        self._job = Job
+
+    @staticmethod
+    def _names(info):
+        out, i = {}, 0
+        while p := info(i):
+            out[_text(p.contents.name)] = (p.contents.channels, bool(p.contents.required))
+            i += 1
+        return out
+
+    def _stages(self):
+        i = 0
+        while p := self.lib.encre_stage_info(i):
+            s = p.contents
+            sid = _text(s.id)
+            yield Stage(sid, _text(s.label), _text(s.help),
+                        tuple(self._param(sid, s.params[k]) for k in range(s.n_params)))
+            i += 1
+
+    @staticmethod
+    def _param(stage, r):
+        kind = _TYPES[r.type]
+        items = tuple(Item(_text(x.id), _text(x.label), _text(x.help), x.number)
+                      for x in (r.items[k] for k in range(r.n_items)))
+        value = r.value[0]
+        default = {"bool": lambda: bool(value), "int": lambda: int(value), "float": lambda: _tidy(value),
+                   "enum": lambda: next(x.id for x in items if x.number == int(value)),
+                   "color": lambda: tuple(_tidy(x) for x in r.value), "image": lambda: None,
+                   "levels": lambda: _levels(r.levels.contents)}[kind]()
+        numeric = kind in ("int", "float")
+        return Param(_text(r.id), stage, kind, ("frame", "surface")[r.scope], _text(r.label), _text(r.help),
+                     _text(r.unit), _text(r.enabled_if), default,
+                     _tidy(r.hard_min) if numeric else None,
+                     _tidy(r.hard_max) if numeric and r.hard_max < _UNLIMITED else None,
+                     _tidy(r.soft_min), _tidy(r.soft_max), items, r.offset)
+
+    # -- values
+
+    def pack(self, values, image=None):
+        """A parameter block of checked values; `image` loads paper images. Returns (bytearray, things to keep)."""
+        block = (c.c_char * self.lib.encre_params_size())()
+        self.lib.encre_params_init(block)
+        keep = []
+        for id_, value in values.items():
+            p = self.params[id_]
+            at = c.addressof(block) + p.offset
+            if p.type in ("bool", "int"):
+                c.c_int32.from_address(at).value = int(value)
+            elif p.type == "enum":
+                c.c_int32.from_address(at).value = p.number[value]
+            elif p.type == "float":
+                c.c_float.from_address(at).value = value
+            elif p.type == "color":
+                (c.c_float * 3).from_address(at)[:] = value
+            elif p.type == "levels":
+                levels = _Levels.from_address(at)
+                levels.count = len(value)
+                for k, level in enumerate(value):
+                    levels.level[k].value[:] = (*level, *(0, 0, 0, 1, 1, 1)[len(level):])
+            elif value is not None and image:
+                a = np.ascontiguousarray(image(value), np.float32)
+                keep.append(a)
+                _Image.from_buffer((c.c_char * c.sizeof(_Image)).from_address(at))
+                c.memmove(at, c.byref(_image(a)), c.sizeof(_Image))
+        return block, keep
+
+    def check(self, values):
+        """Normalises parameter values; EncreError for an unknown id, a wrong type, a value out of range."""
+        out = {}
+        for id_, value in values.items():
+            if id_ not in self.params:
+                raise EncreError(unknown("parameter", id_, self.params))
+            out[id_] = _normal(self.params[id_], value)
+        text = c.create_string_buffer(512)
+        block, _ = self.pack(out)
+        sentence = self.lib.encre_params_check(block, text, len(text))
+        if sentence:
+            raise EncreError(_text(sentence))
+        return out
+
+    # -- work
+
+    def _context(self, threads, simd):
+        context = self.lib.encre_create(API_VERSION)
+        if not context:
+            raise EncreError("memory: there is none left for rendering; close other programs")
+        for code in (self.lib.encre_set_threads(context, threads), self.lib.encre_set_simd(context, simd)):
+            if code:
+                sentence = _text(self.lib.encre_error(context))
+                self.lib.encre_destroy(context)
+                raise EncreError(sentence)
+        return context
+
+    def _call(self, function, job, threads, simd, progress):
+        failure = []
+
+        def forward(_user, fraction):
+            try:
+                return progress(fraction) is not False
+            except BaseException as e:  # noqa: BLE001 - it must not be lost in C: raised again below
+                failure.append(e)
+                return False
+
+        job.progress = _Progress(forward) if progress else _Progress()
+        context = self._context(threads, simd)
+        try:
+            code = function(context, c.byref(job))
+            sentence = _text(self.lib.encre_error(context))
+        finally:
+            self.lib.encre_destroy(context)
+        if failure:
+            raise failure[0]
+        if code:
+            raise (Cancelled if code == 3 else EncreError)(sentence)
+
+    def render(self, layers: Mapping[str, np.ndarray], scene: Mapping | None = None, styles: Sequence[Mapping] = (),
+               camera: Camera | None = None, frame: Frame | None = None, outputs: Sequence[str] = ("Combined",),
+               threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None,
+               image: Callable[[str], np.ndarray] | None = None) -> Result:
+        """Runs the stages on layers of shape (H, W, channels) or (H, W), float32, row 0 at the top, any strides.
+
+        scene: values that differ from the defaults; styles[k]: what style number k + 1 changes, of which values of
+        frame scope are ignored. Result.images has an array (H, W, channels) for each of `outputs`.
+        """
+        job, keep = self._job(), []
+        for i, (name, channels) in enumerate(self.layers.items()):
+            a = layers.get(name)
+            if a is not None:
+                a, job.layers[i] = _input(name, a, channels)
+                keep.append(a)
+        for name in layers:
+            if name not in self.layers:
+                raise EncreError(unknown("layer", name, self.layers))
+        if layers.get("combined") is None:
+            raise EncreError("combined: this layer is missing and required; render it or name the file that has it")
+        height, width = layers["combined"].shape[:2]
+        images = {}
+        for i, (name, channels) in enumerate(self.outputs.items()):
+            if name in outputs:
+                images[name] = np.empty((height, width, channels), np.float32)
+                job.outputs[i] = _image(images[name])
+        for name in outputs:
+            if name not in self.outputs:
+                raise EncreError(unknown("output", name, self.outputs))
+        scene = self.check(scene or {})
+        values = [scene] + [{**scene, **{k: v for k, v in self.check(s).items() if self.params[k].scope == "surface"}}
+                            for s in styles]
+        if scene.get("paper_source") == "IMAGE" and not (scene.get("paper_image") and image):
+            raise EncreError("paper_image: the paper's source is an image but none is given; choose an image")
+        blocks = [self.pack(v, image if k == 0 else None) for k, v in enumerate(values)]
+        block = b"".join(bytes(b) for b, _ in blocks)
+        keep += [b for _, b in blocks] + [block]
+        job.params = c.cast(c.c_char_p(block), c.c_void_p)
+        job.n_styles = len(values)
+        camera = camera or Camera()
+        job.camera = _Camera((c.c_float * 9)(*camera.view), bool(camera.orthographic), camera.height)
+        frame = frame or Frame(width, height)
+        job.frame = _Frame(frame.width, frame.height, frame.x, frame.y)
+        self._call(self.lib.encre_render, job, threads, simd, progress)
+        return Result(images, job.nonfinite)
+
+    def raster(self, meshes: Sequence[Mesh], view, projection, frame: Frame, size: tuple[int, int],
+               clip_start: float, clip_end: float = 0.0, channels: int = 0,
+               outputs: Sequence[str] = _RASTER_OUTPUTS, threads: int = 0, progress=None) -> dict[str, np.ndarray]:
+        """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
+
+        Returns float32 arrays (H, W), `normal` (H, W, 3) and `attributes` (H, W, channels).
+        """
+        job, keep = _RasterJob(), []
+        array = (_Mesh * max(1, len(meshes)))()
+        for m, mesh in zip(array, meshes, strict=False):
+            keep.append(_pack_mesh(m, mesh))
+        job.meshes, job.n_meshes, job.n_channels = array, len(meshes), channels
+        job.view[:] = np.asarray(view, np.float64).ravel()
+        job.projection[:] = np.asarray(projection, np.float64).ravel()
+        job.clip_start, job.clip_end = clip_start, clip_end
+        job.frame = _Frame(frame.width, frame.height, frame.x, frame.y)
+        width, height = size
+        images = {}
+        for name in outputs:
+            shape = {"normal": (height, width, 3), "attributes": (height, width, channels)}.get(name, (height, width))
+            images[name] = np.zeros(shape, np.float32)
+            if images[name].size:
+                setattr(job, name, _image(images[name]))
+        self._call(self.lib.encre_raster, job, threads, 1, progress)
+        return images
+
+
+def _image(a):
+    """encre_image of an array (H, W) or (H, W, C) whose channels are adjacent."""
+    channels = a.shape[2] if a.ndim == 3 else 1
+    return _Image(a.ctypes.data, a.shape[1], a.shape[0], channels, 0, a.strides[1], a.strides[0])
+
+
+def _input(name, a, channels):
+    a = np.asarray(a)
+    if a.ndim not in (2, 3) or (a.shape[2] if a.ndim == 3 else 1) != channels:
+        raise EncreError(f"{name}: the array has shape {a.shape}; give (height, width, {channels})")
+    if a.shape[0] == 0 or a.shape[1] == 0:
+        raise EncreError(f"{name}: is {a.shape[1]} x {a.shape[0]} pixels; give at least one pixel each way")
+    if a.dtype != np.float32 or (a.ndim == 3 and a.strides[2] != 4) or a.strides[1] < 4 * channels:
+        a = np.ascontiguousarray(a, np.float32)
+    return a, _image(a)
+
+
+def _pack_mesh(m, mesh):
+    points = np.ascontiguousarray(mesh.points, np.float32).reshape(-1, 3)
+    keep = [points]
+
+    def pointer(a, dtype):
+        if a is None:
+            return None
+        keep.append(np.ascontiguousarray(a, dtype))
+        return keep[-1].ctypes.data
+
+    m.kind = ("triangles",).index(mesh.kind)
+    m.n_points = len(points)
+    m.n_primitives = len(points) // 3 if mesh.corners is None else len(mesh.corners)
+    m.n_channels = 0 if mesh.attributes is None else mesh.attributes.shape[-1]
+    m.points = points.ctypes.data
+    m.corners = pointer(mesh.corners, np.int32)
+    m.attributes = pointer(mesh.attributes, np.float32)
+    m.material = pointer(mesh.material, np.int32)
+    m.style = pointer(mesh.style, np.int32)
+    m.model[:] = np.asarray(mesh.model, np.float64).ravel()
+    m.object_index, m.material_index, m.style_index = mesh.object_index, mesh.material_index, mesh.style_index
+    return keep
+
+
+def unknown(kind, name, names):
+    """One sentence about an unknown name, with the nearest known ones."""
+    near = difflib.get_close_matches(str(name), list(names), 3, 0.5)
+    return f"{name}: unknown {kind}; " + (f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(names)}")
+
+
+def _number(p, value):
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise EncreError(f"{p.id}: {value!r} is not a number; give one")
+    number = float(value)
+    low, high = (p.hard_min, p.hard_max) if p.type in ("int", "float") else (0.0, None)
+    if not math.isfinite(number) or number < low or (high is not None and number > high):
+        limits = f"from {low:g} to {high:g}" if high is not None else f"of {low:g} or more"
+        raise EncreError(f"{p.id}: {value:g} is out of range; give a value {limits}")
+    return number
+
+
+def _numbers(p, value, counts, form):
+    try:
+        numbers = [float(x) for x in value]
+    except (TypeError, ValueError):
+        numbers = []
+    if isinstance(value, str) or len(numbers) not in counts or not all(0 <= x < math.inf for x in numbers):
+        raise EncreError(f"{p.id}: {value!r} is not {form}; give numbers of 0 or more")
+    return tuple(numbers)
+
+
+def _normal(p, value):
+    """`value` in the form of its type, or EncreError."""
+    if p.type == "bool":
+        if not isinstance(value, (bool, np.bool_)) and value not in (0, 1):
+            raise EncreError(f"{p.id}: {value!r} is neither on nor off; give one of them")
+        return bool(value)
+    if p.type == "int":
+        number = _number(p, value)
+        if number != int(number):
+            raise EncreError(f"{p.id}: {value:g} is not a whole number; give one")
+        return int(number)
+    if p.type == "float":
+        return _number(p, value)
+    if p.type == "enum":
+        if value not in p.number:
+            raise EncreError(f"{p.id}: " + unknown("value", value, p.number))
+        return value
+    if p.type == "color":
+        return _numbers(p, value, (3,), "a colour r, g, b")
+    if p.type == "levels":
+        if isinstance(value, str) or not isinstance(value, Sequence) or not 1 <= len(value) <= MAX_LEVELS:
+            raise EncreError(f"{p.id}: {value!r} is not a list of 1 to {MAX_LEVELS} levels; "
+                             "give intensity, threshold, transition for each")
+        form = "a level (intensity, threshold, transition and perhaps r, g, b; the first may be an intensity alone)"
+        return [_numbers(p, x, (1, 3, 6) if k == 0 else (3, 6), form) for k, x in enumerate(value)]
+    if value is not None and not isinstance(value, (str, os.PathLike)):
+        raise EncreError(f"{p.id}: {value!r} is not the path of an image; give one")
+    return os.fspath(value) if value else None
+
+
+def parse(id_, text):
+    """A value from the command line's text: on/off, a number, an item, r,g,b, a path, or levels "a; b; c"."""
+    if id_ not in params():
+        raise EncreError(unknown("parameter", id_, params()))
+    p, text = params()[id_], text.strip()
+    try:
+        if p.type == "bool":
+            value = {"on": True, "off": False}[text.lower()]
+        elif p.type in ("int", "float"):
+            value = float(text)
+        elif p.type == "enum":
+            value = text.upper()
+        elif p.type == "color":
+            value = [float(x) for x in text.split(",")]
+        elif p.type == "levels":
+            value = [[float(x) for x in level.split(",")] for level in text.split(";")]
+        else:
+            value = text
+    except (ValueError, KeyError):
+        form = {"bool": "on or off", "color": "r,g,b", "levels": '"0.5; 0.7,0.5,0.025; ..."'}.get(p.type, "a number")
+        raise EncreError(f"{id_}: {text!r} can't be read; give {form}") from None
+    return check({id_: value})[id_]
+
+
+@functools.cache
+def library() -> Library:
+    """The package's own library, loaded once."""
+    return Library()
+
+
+def stages() -> tuple[Stage, ...]:
+    return library().stages
+
+
+def params() -> dict[str, Param]:
+    return library().params
+
+
+def defaults() -> dict:
+    return {p.id: p.default for p in params().values()}
+
+
+def check(values):
+    return library().check(values)
+
+
+def render(*args, **kwargs) -> Result:
+    return library().render(*args, **kwargs)
+
+
+def raster(*args, **kwargs):
+    return library().raster(*args, **kwargs)
+
+
+def __getattr__(name):
+    if name == "LAYERS":
+        return library().layers
+    if name == "OUTPUTS":
+        return library().outputs
+    raise AttributeError(name)

@@ -1,0 +1,525 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The boundary: everything that comes in is validated here once, layers are made clean and packed, then the stages
+ * run in order. Stages trust what they are given. */
+#include "raster.h"
+#include "stage.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { MAX_SIZE = 65536, MAX_STYLES = 256, MAX_THREADS = 256 };
+
+struct encre_context {
+	int32_t threads, simd;
+	rows *pool; /* NULL until needed, or after a change of threads */
+	char error[512];
+};
+
+static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
+	[ENCRE_LAYER_COMBINED] = {"combined", "the rendered image, scene-linear, premultiplied alpha", 4, 1},
+	[ENCRE_LAYER_COLOR] = {"color", "diffuse surface colour, scene-linear", 3, 1},
+	[ENCRE_LAYER_ALBEDO] = {"albedo", "unlit colour of any surface", 3, 0},
+	[ENCRE_LAYER_DIFFUSE] = {"diffuse", "diffuse light without the surface colour", 3, 1},
+	[ENCRE_LAYER_SPECULAR] = {"specular", "reflected specular light", 3, 0},
+	[ENCRE_LAYER_DEPTH] = {"depth", "distance along the view axis in scene units", 1, 1},
+	[ENCRE_LAYER_NORMAL] = {"normal", "world-space normal averaged over the pixel", 3, 1},
+	[ENCRE_LAYER_OBJECT] = {"object", "object index", 1, 0},
+	[ENCRE_LAYER_MATERIAL] = {"material", "material index", 1, 0},
+	[ENCRE_LAYER_STYLE] = {"style", "style number, 0 the scene's", 1, 0},
+	[ENCRE_LAYER_CONTROLS] = {"controls", "thickness, intensity, color_edge, smudge_range, smudge_falloff, hatching; each -1..1", 6, 0},
+};
+
+static const encre_layer_description outputs[ENCRE_OUTPUT_COUNT] = {
+	[ENCRE_OUTPUT_COMBINED] = {"Combined", "the finished picture, scene-linear, premultiplied alpha", 4, 0},
+	[ENCRE_OUTPUT_LINES] = {"Encre Lines", "the ink alone, premultiplied", 4, 0},
+	[ENCRE_OUTPUT_SURFACE] = {"Encre Surface", "the picture before the lines", 4, 0},
+	[ENCRE_OUTPUT_EDGES] = {"Encre Edges", "edge strength", 1, 0},
+	[ENCRE_OUTPUT_LIGHT] = {"Encre Light", "discrete, tinted light", 3, 0},
+};
+
+#define POINTER(name) &JOIN(stage, JOIN_(name, base)),
+static const stage *const stages_base[] = {STAGES(POINTER)};
+#undef POINTER
+#ifdef ENCRE_HAVE_V3
+#define POINTER(name) &JOIN(stage, JOIN_(name, v3)),
+static const stage *const stages_v3[] = {STAGES(POINTER)};
+#undef POINTER
+#endif
+enum { N_STAGES = sizeof stages_base / sizeof *stages_base };
+
+const encre_layer_description *encre_layer_info(int32_t layer)
+{
+	return layer >= 0 && layer < ENCRE_LAYER_COUNT ? layers + layer : NULL;
+}
+
+const encre_layer_description *encre_output_info(int32_t output)
+{
+	return output >= 0 && output < ENCRE_OUTPUT_COUNT ? outputs + output : NULL;
+}
+
+/* ---- context --------------------------------------------------------------------------------------------- */
+
+encre_context *encre_create(int32_t api_version)
+{
+	encre_context *context = api_version == ENCRE_API_VERSION ? calloc(1, sizeof *context) : NULL;
+	if (context)
+		context->simd = 1;
+	return context;
+}
+
+void encre_destroy(encre_context *context)
+{
+	if (!context)
+		return;
+	rows_destroy(context->pool);
+	free(context);
+}
+
+const char *encre_error(const encre_context *context)
+{
+	return context ? context->error : "encre: no memory for a context, or libencre has another API version; install one version of both";
+}
+
+#if defined __GNUC__
+__attribute__((format(printf, 3, 4)))
+#endif
+static int32_t fail(encre_context *context, int32_t code, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(context->error, sizeof context->error, format, arguments);
+	va_end(arguments);
+	return code;
+}
+
+static int32_t fail_code(encre_context *context, int32_t code)
+{
+	switch (code) {
+	case ENCRE_ERROR_MEMORY: return fail(context, code, "memory: this frame needs more than there is; render it smaller or in borders");
+	case ENCRE_ERROR_CANCELLED: return fail(context, code, "cancelled");
+	default: return code;
+	}
+}
+
+int32_t encre_set_threads(encre_context *context, int32_t threads)
+{
+	context->error[0] = 0;
+	if (threads < 0 || threads > MAX_THREADS)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "threads: %d is outside 0..%d; give 0 for as many as processors", (int)threads, MAX_THREADS);
+	if (threads != context->threads) {
+		rows_destroy(context->pool);
+		context->pool = NULL;
+	}
+	context->threads = threads;
+	return ENCRE_OK;
+}
+
+int32_t encre_set_simd(encre_context *context, int32_t level)
+{
+	context->error[0] = 0;
+	if (level < 0 || level > 1)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "simd: level %d is outside 0..1; give 1 for the best there is", (int)level);
+	context->simd = level;
+	return ENCRE_OK;
+}
+
+static rows *pool_of(encre_context *context)
+{
+	if (!context->pool) {
+		long n = context->threads ? context->threads : sysconf(_SC_NPROCESSORS_ONLN);
+		context->pool = rows_create(n < 1 ? 1 : n > MAX_THREADS ? MAX_THREADS : (int)n);
+	}
+	return context->pool;
+}
+
+static const stage *const *stages_of(const encre_context *context)
+{
+#ifdef ENCRE_HAVE_V3
+	if (context->simd && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
+		return stages_v3;
+#endif
+	(void)context;
+	return stages_base;
+}
+
+/* ---- parameters ------------------------------------------------------------------------------------------ */
+
+static const char *check_number(const encre_param_info *p, double value, char *text, size_t size)
+{
+	if (value >= p->hard_min && value <= p->hard_max)
+		return NULL;
+	if (p->hard_max >= FLT_MAX)
+		snprintf(text, size, "%s: %g is out of range; give %g or more", p->id, value, p->hard_min);
+	else
+		snprintf(text, size, "%s: %g is out of range; give a value from %g to %g", p->id, value, p->hard_min, p->hard_max);
+	return text;
+}
+
+static const char *check_row(const encre_param_info *p, const char *field, char *text, size_t size)
+{
+	int32_t n;
+	float f[3];
+	switch (p->type) {
+	case ENCRE_BOOL:
+	case ENCRE_INT:
+	case ENCRE_ENUM:
+		memcpy(&n, field, sizeof n);
+		if (p->type == ENCRE_INT)
+			return check_number(p, n, text, size);
+		for (int32_t i = 0; i < p->n_items; i++)
+			if (p->items[i].number == n)
+				return NULL;
+		if (p->type == ENCRE_BOOL && (n == 0 || n == 1))
+			return NULL;
+		snprintf(text, size, "%s: %d is none of its values; see encre_stage_info()", p->id, (int)n);
+		return text;
+	case ENCRE_FLOAT:
+		memcpy(f, field, sizeof *f);
+		return check_number(p, (double)f[0], text, size);
+	case ENCRE_COLOR:
+		memcpy(f, field, sizeof f);
+		for (int c = 0; c < 3; c++)
+			if (!(f[c] >= 0 && f[c] <= FLT_MAX)) {
+				snprintf(text, size, "%s: %g is no colour component; give 0 or more", p->id, (double)f[c]);
+				return text;
+			}
+		return NULL;
+	default: return NULL;
+	}
+}
+
+const char *encre_params_check(const void *params, char *text, int64_t size)
+{
+	for (int s = 0; encre_stage_info(s); s++) {
+		const encre_stage_description *d = encre_stage_info(s);
+		for (int i = 0; i < d->n_params; i++) {
+			const char *e = check_row(d->params + i, (const char *)params + d->params[i].offset, text, (size_t)size);
+			if (e)
+				return e;
+		}
+	}
+	for (int s = 0; s < N_STAGES; s++) {
+		const char *e = stages_base[s]->check ? stages_base[s]->check(params, text, (size_t)size) : NULL;
+		if (e)
+			return e;
+	}
+	return NULL;
+}
+
+/* ---- images ---------------------------------------------------------------------------------------------- */
+
+static encre_image with_strides(encre_image image)
+{
+	if (!image.pixel_stride)
+		image.pixel_stride = 4 * (int64_t)image.channels;
+	if (!image.row_stride)
+		image.row_stride = image.pixel_stride * image.width;
+	return image;
+}
+
+static bool packed(const encre_image *image)
+{
+	return image->pixel_stride == 4 * (int64_t)image->channels;
+}
+
+static int32_t check_image(encre_context *context, const encre_image *image, const encre_layer_description *what, int width, int height)
+{
+	if (image->channels != what->channels)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: has %d channels; give %d", what->name, (int)image->channels, (int)what->channels);
+	if (image->width < 1 || image->height < 1 || image->width > MAX_SIZE || image->height > MAX_SIZE)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: is %d x %d pixels; give 1 to %d each way", what->name, (int)image->width, (int)image->height, MAX_SIZE);
+	if (image->width != width || image->height != height)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: is %d x %d pixels, but combined is %d x %d; give all layers the same size", what->name, (int)image->width, (int)image->height, width, height);
+	if (image->pixel_stride % 4 || image->row_stride % 4 || (image->pixel_stride && image->pixel_stride < 4 * (int64_t)image->channels))
+		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: strides are not whole floats or shorter than a pixel; give bytes, multiples of 4", what->name);
+	return ENCRE_OK;
+}
+
+static plane plane_of(const encre_image *image)
+{
+	return (plane){image->data, (ptrdiff_t)(image->row_stride / 4)};
+}
+
+/* What a pass over one layer does: count values that are not finite, find whether controls leave -1..1, and, with
+ * `to`, write a packed and clean copy. */
+typedef struct clean {
+	const encre_image *image;
+	int layer;
+	float *to;
+	atomic_llong bad;
+	atomic_bool unclean;
+} clean;
+
+static void clean_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	clean *c = data;
+	const encre_image *image = c->image;
+	int channels = image->channels, width = image->width;
+	ptrdiff_t step = (ptrdiff_t)(image->pixel_stride / 4);
+	float limit = c->layer == ENCRE_LAYER_CONTROLS ? 1.0f : FLT_MAX;
+	long long bad = 0;
+	int over = 0;
+	for (int y = y0; y < y1; y++) {
+		const float *in = (const float *)((const char *)image->data + y * image->row_stride);
+		if (packed(image)) {
+			int n = width * channels, nan = 0, inf = 0, out = 0;
+			for (int i = 0; i < n; i++) {
+				float a = fabsf(in[i]);
+				nan += !(a <= INFINITY);
+				inf += a > FLT_MAX;
+				out |= a > limit;
+			}
+			bad += nan + (c->layer == ENCRE_LAYER_DEPTH ? 0 : inf);
+			over |= out;
+		} else {
+			over = 1;
+			for (int x = 0; x < width; x++)
+				for (int k = 0; k < channels; k++) {
+					float a = fabsf(in[x * step + k]);
+					bad += !(a <= (c->layer == ENCRE_LAYER_DEPTH ? INFINITY : FLT_MAX));
+				}
+		}
+		if (!c->to)
+			continue;
+		float *out = c->to + (size_t)y * (size_t)width * (size_t)channels;
+		for (int x = 0; x < width; x++)
+			for (int k = 0; k < channels; k++) {
+				float v = in[x * step + k];
+				if (c->layer != ENCRE_LAYER_DEPTH) {
+					v = fabsf(v) <= FLT_MAX ? v : 0;
+					v = v > limit ? limit : v < -limit ? -limit : v;
+				}
+				out[x * channels + k] = v;
+			}
+	}
+	if (!c->to)
+		atomic_fetch_add(&c->bad, bad);
+	if (over)
+		atomic_store(&c->unclean, true);
+}
+
+/* ---- render ---------------------------------------------------------------------------------------------- */
+
+typedef struct work {
+	encre_context *context;
+	encre_job *job;
+	frame f;
+	encre_image in[ENCRE_LAYER_COUNT], out[ENCRE_OUTPUT_COUNT];
+	bool copy[ENCRE_LAYER_COUNT];
+	uint8_t *style;
+} work;
+
+static int32_t check_job(work *w)
+{
+	encre_context *context = w->context;
+	encre_job *job = w->job;
+	int32_t code;
+	for (int i = 0; i < ENCRE_LAYER_COUNT; i++) {
+		if (!job->layers[i].data && layers[i].required)
+			return fail(context, ENCRE_ERROR_ARGUMENT, "%s: this layer is missing and required; render it or name the file that has it", layers[i].name);
+		if (job->layers[i].data && (code = check_image(context, job->layers + i, layers + i, job->layers[0].width, job->layers[0].height)))
+			return code;
+		w->in[i] = with_strides(job->layers[i]);
+	}
+	w->f.width = job->layers[0].width;
+	w->f.height = job->layers[0].height;
+	for (int i = 0; i < ENCRE_OUTPUT_COUNT; i++) {
+		if (job->outputs[i].data && (code = check_image(context, job->outputs + i, outputs + i, w->f.width, w->f.height)))
+			return code;
+		w->out[i] = with_strides(job->outputs[i]);
+	}
+	if (!job->params || job->n_styles < 1 || job->n_styles > MAX_STYLES)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "params: %d styles; give 1 to %d parameter blocks", (int)job->n_styles, MAX_STYLES);
+	char text[400];
+	for (int i = 0; i < job->n_styles; i++) {
+		const char *e = encre_params_check((const encre_params *)job->params + i, text, sizeof text);
+		if (e && i)
+			return fail(context, ENCRE_ERROR_ARGUMENT, "style %d: %s", i, e);
+		if (e)
+			return fail(context, ENCRE_ERROR_ARGUMENT, "%s", e);
+	}
+	const encre_frame *p = &job->frame;
+	if (p->width < 1 || p->height < 1 || p->x < 0 || p->y < 0 || p->x > p->width - w->f.width || p->y > p->height - w->f.height)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "frame: %d x %d pixels at %d, %d do not lie in a frame of %d x %d; give the full frame and the place of the images in it",
+			    w->f.width, w->f.height, (int)p->x, (int)p->y, (int)p->width, (int)p->height);
+	if (job->camera.orthographic && !(job->camera.height > 0 && job->camera.height <= FLT_MAX))
+		return fail(context, ENCRE_ERROR_ARGUMENT, "camera: an orthographic height of %g; give the frame's height in scene units", (double)job->camera.height);
+	return ENCRE_OK;
+}
+
+/* Counts what is not finite and finds which layers must be copied. */
+static int32_t scan(work *w)
+{
+	w->job->nonfinite = 0;
+	for (int i = 0; i < ENCRE_LAYER_COUNT; i++) {
+		if (!w->in[i].data)
+			continue;
+		clean c = {.image = w->in + i, .layer = i};
+		int32_t code = rows_run(w->f.rows, w->f.height, 0, clean_rows, &c);
+		if (code)
+			return code;
+		w->job->nonfinite += atomic_load(&c.bad);
+		w->copy[i] = i == ENCRE_LAYER_DEPTH ? !packed(w->in + i) : atomic_load(&c.unclean) || atomic_load(&c.bad) > 0;
+	}
+	return ENCRE_OK;
+}
+
+static void plan(work *w, arena *a)
+{
+	frame *f = &w->f;
+	size_t n = (size_t)f->width * (size_t)f->height;
+	for (int i = 0; i < ENCRE_LAYER_COUNT; i++)
+		if (w->copy[i])
+			f->layer[i] = (plane){arena_take(a, n, 4 * (size_t)layers[i].channels), (ptrdiff_t)f->width * layers[i].channels};
+		else
+			f->layer[i] = plane_of(w->in + i);
+	if (!f->layer[ENCRE_LAYER_ALBEDO].data)
+		f->layer[ENCRE_LAYER_ALBEDO] = f->layer[ENCRE_LAYER_COLOR];
+	for (int i = 0; i < ENCRE_OUTPUT_COUNT; i++)
+		if (w->out[i].data && packed(w->out + i))
+			f->output[i] = plane_of(w->out + i);
+		else if (w->out[i].data || i == ENCRE_OUTPUT_COMBINED)
+			f->output[i] = (plane){arena_take(a, n, 4 * (size_t)outputs[i].channels), (ptrdiff_t)f->width * outputs[i].channels};
+	w->style = f->n_styles > 1 ? arena_take(a, n, 1) : NULL;
+	f->style = w->style;
+	const stage *const *stages = stages_of(w->context);
+	f->edge = f->near = NULL;
+	f->strength = NULL;
+	f->nearest = NULL;
+	f->nearest_planned = false;
+	for (int s = 0; s < N_STAGES; s++)
+		if (stages[s]->plan)
+			stages[s]->plan(f, a);
+}
+
+static void style_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	work *w = data;
+	plane p = w->f.layer[ENCRE_LAYER_STYLE];
+	for (int y = y0; y < y1; y++) {
+		uint8_t *out = w->style + (size_t)y * (size_t)w->f.width;
+		for (int x = 0; x < w->f.width; x++) {
+			float v = p.data ? p.data[y * p.row + x] : 0;
+			out[x] = v >= 1 && v < (float)w->f.n_styles ? (uint8_t)v : 0;
+		}
+	}
+}
+
+static void export_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	work *w = data;
+	for (int i = 0; i < ENCRE_OUTPUT_COUNT; i++) {
+		const encre_image *image = w->out + i;
+		if (!image->data || packed(image))
+			continue;
+		for (int y = y0; y < y1; y++)
+			for (int x = 0; x < w->f.width; x++)
+				memcpy((char *)image->data + y * image->row_stride + x * image->pixel_stride,
+				       w->f.output[i].data + y * w->f.output[i].row + (ptrdiff_t)x * image->channels, 4 * (size_t)image->channels);
+	}
+}
+
+static int32_t run(work *w)
+{
+	frame *f = &w->f;
+	const stage *const *stages = stages_of(w->context);
+	int32_t code = ENCRE_OK;
+	for (int i = 0; !code && i < ENCRE_LAYER_COUNT; i++)
+		if (w->copy[i]) {
+			clean c = {.image = w->in + i, .layer = i, .to = f->layer[i].data};
+			code = rows_run(f->rows, f->height, 0, clean_rows, &c);
+		}
+	if (!code && w->style)
+		code = rows_run(f->rows, f->height, 0, style_rows, w);
+	for (int s = 0; !code && s < N_STAGES; s++) {
+		rows_span(f->rows, (s + 0.5) / (N_STAGES + 1), (s + 1.5) / (N_STAGES + 1));
+		code = stages[s]->run(f);
+	}
+	rows_span(f->rows, (N_STAGES + 0.5) / (N_STAGES + 1), 1);
+	return code ? code : rows_run(f->rows, f->height, 0, export_rows, w);
+}
+
+int32_t encre_render(encre_context *context, encre_job *job)
+{
+	context->error[0] = 0;
+	work w = {.context = context, .job = job};
+	int32_t code = check_job(&w);
+	if (code)
+		return code;
+	frame *f = &w.f;
+	f->camera = job->camera;
+	f->place = job->frame;
+	f->params = job->params;
+	f->n_styles = job->n_styles;
+	f->scale = f->params->length_unit == length_unit_RELATIVE ? (float)f->place.height / 1080 : 1;
+	for (int i = 0; i < f->n_styles; i++) {
+		f->any_lines |= f->params[i].use_lines;
+		f->any_shading |= f->params[i].use_shading;
+		f->any_smudging |= f->params[i].use_smudging;
+		f->any_hatching |= f->params[i].use_hatching;
+	}
+	f->want_edges = f->any_lines || f->any_smudging || w.out[ENCRE_OUTPUT_EDGES].data;
+	f->rows = pool_of(context);
+	if (!f->rows)
+		return fail_code(context, ENCRE_ERROR_MEMORY);
+	rows_progress(f->rows, job->progress, job->user);
+	rows_span(f->rows, 0, 0.5 / (N_STAGES + 1));
+	code = scan(&w);
+	if (code)
+		return fail_code(context, code);
+
+	arena a = {0};
+	plan(&w, &a);
+	char *memory = a.used <= SIZE_MAX - 64 ? malloc(a.used + 64) : NULL;
+	if (!memory)
+		return fail_code(context, ENCRE_ERROR_MEMORY);
+	a = (arena){memory + (64 - (uintptr_t)memory % 64), 0};
+	plan(&w, &a);
+	code = run(&w);
+	free(memory);
+	return fail_code(context, code);
+}
+
+/* ---- raster ---------------------------------------------------------------------------------------------- */
+
+int32_t encre_raster(encre_context *context, encre_raster_job *job)
+{
+	context->error[0] = 0;
+	const encre_layer_description what[] = {
+		{"depth", "", 1, 0}, {"normal", "", 3, 0}, {"object", "", 1, 0}, {"material", "", 1, 0}, {"style", "", 1, 0},
+		{"attributes", "", job->n_channels, 0},
+	};
+	encre_image *images[] = {&job->depth, &job->normal, &job->object, &job->material, &job->style, &job->attributes};
+	const encre_image *first = NULL;
+	encre_raster_job clean = *job;
+	encre_image *clean_images[] = {&clean.depth, &clean.normal, &clean.object, &clean.material, &clean.style, &clean.attributes};
+	if (job->n_channels < 0 || job->n_channels > ENCRE_MAX_CHANNELS)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "attributes: %d channels; give 0 to %d", (int)job->n_channels, ENCRE_MAX_CHANNELS);
+	for (int i = 0; i < 6; i++) {
+		if (!images[i]->data)
+			continue;
+		if (!first)
+			first = images[i];
+		int32_t code = check_image(context, images[i], what + i, first->width, first->height);
+		if (code)
+			return code;
+		*clean_images[i] = with_strides(*images[i]);
+	}
+	if (!first)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "raster: no output is given; give at least one image to draw into");
+	rows *pool = pool_of(context);
+	if (!pool)
+		return fail_code(context, ENCRE_ERROR_MEMORY);
+	rows_progress(pool, job->progress, job->user);
+	int32_t code = raster_run(pool, &clean, context->error, sizeof context->error);
+	return context->error[0] ? code : fail_code(context, code);
+}

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Encre: comic-book rendering of finished layers, as a plain C library.
+ *
+ * A caller fills an encre_job with images it owns (the layers of a rendered frame and the outputs it wants),
+ * parameter blocks packed after encre_stage_info(), a camera and a frame, and calls encre_render(). Nothing is
+ * kept of the job after the call. Sizes of all structs are fixed; new fields are added at the end and
+ * ENCRE_API_VERSION grows. A context may be used by one thread at a time; several contexts are independent. */
+#ifndef ENCRE_H
+#define ENCRE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined _WIN32
+#define ENCRE_API __declspec(dllexport)
+#else
+#define ENCRE_API __attribute__((visibility("default")))
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ENCRE_API_VERSION = 1 };
+
+/* What every function that returns int32_t returns. */
+enum encre_code {
+	ENCRE_OK = 0,
+	ENCRE_ERROR_ARGUMENT = 1,  /* the sentence in encre_error() names the thing and the cure */
+	ENCRE_ERROR_MEMORY = 2,    /* an allocation failed; outputs are unspecified */
+	ENCRE_ERROR_CANCELLED = 3, /* the progress callback returned false; outputs are unspecified */
+};
+
+/* ---- images ---------------------------------------------------------------------------------------------- */
+
+/* A caller-owned image of float32 samples. data NULL = absent. Sample c of pixel (x, y), row 0 at the top, lies
+ * at (char *)data + y * row_stride + x * pixel_stride + 4 * c. Strides are in bytes, multiples of 4; row_stride
+ * may be negative (a picture stored bottom-up); 0 stands for "packed". Outputs must not overlap anything. */
+typedef struct encre_image {
+	float *data;
+	int32_t width, height, channels, reserved;
+	int64_t pixel_stride, row_stride;
+} encre_image;
+
+/* The layers that encre_render() reads; encre_layer_info() gives names, channels and meanings. */
+enum encre_layer {
+	ENCRE_LAYER_COMBINED = 0, /* 4: the rendered image, scene-linear, premultiplied alpha */
+	ENCRE_LAYER_COLOR,        /* 3: diffuse surface colour, scene-linear */
+	ENCRE_LAYER_ALBEDO,       /* 3: unlit colour of any surface (absent: color) */
+	ENCRE_LAYER_DIFFUSE,      /* 3: diffuse light without the surface colour */
+	ENCRE_LAYER_SPECULAR,     /* 3: reflected specular light (absent: 0) */
+	ENCRE_LAYER_DEPTH,        /* 1: distance along the view axis, scene units; nothing: >= 1e9, <= 0, not finite */
+	ENCRE_LAYER_NORMAL,       /* 3: world-space normal averaged over the pixel; 0 = nothing there */
+	ENCRE_LAYER_OBJECT,       /* 1: object index, an integer in a float (absent: constant) */
+	ENCRE_LAYER_MATERIAL,     /* 1: material index, likewise */
+	ENCRE_LAYER_STYLE,        /* 1: style number, 0 = the scene's (absent: 0) */
+	ENCRE_LAYER_CONTROLS,     /* 6: painted controls -1..1: thickness, intensity, color_edge, smudge_range,
+	                                smudge_falloff, hatching (absent: 0) */
+	ENCRE_LAYER_COUNT
+};
+
+/* The images that encre_render() writes; absent ones are not computed. */
+enum encre_output {
+	ENCRE_OUTPUT_COMBINED = 0, /* 4: the finished picture, scene-linear, premultiplied alpha */
+	ENCRE_OUTPUT_LINES,        /* 4: ink * T, T: the lines alone, premultiplied */
+	ENCRE_OUTPUT_SURFACE,      /* 4: the picture before the lines */
+	ENCRE_OUTPUT_EDGES,        /* 1: edge strength */
+	ENCRE_OUTPUT_LIGHT,        /* 3: discrete, tinted light */
+	ENCRE_OUTPUT_COUNT
+};
+
+typedef struct encre_layer_description {
+	const char *name, *help; /* static storage */
+	int32_t channels;
+	int32_t required; /* layers only: 1 = encre_render() refuses a job without it */
+} encre_layer_description;
+
+/* NULL past the end. */
+ENCRE_API const encre_layer_description *encre_layer_info(int32_t layer);
+ENCRE_API const encre_layer_description *encre_output_info(int32_t output);
+
+/* ---- parameters ------------------------------------------------------------------------------------------ */
+
+enum { ENCRE_MAX_LEVELS = 16 };
+
+/* One level of discrete light. threshold and transition of the first are ignored. */
+typedef struct encre_level {
+	float intensity, threshold, transition, color[3];
+} encre_level;
+
+typedef struct encre_levels {
+	int32_t count; /* 1..ENCRE_MAX_LEVELS, darkest first */
+	encre_level level[ENCRE_MAX_LEVELS];
+} encre_levels;
+
+enum encre_type {
+	ENCRE_BOOL = 0, /* int32_t 0 or 1 */
+	ENCRE_INT,      /* int32_t */
+	ENCRE_FLOAT,    /* float */
+	ENCRE_ENUM,     /* int32_t, the number of one of the items */
+	ENCRE_COLOR,    /* float[3], scene-linear */
+	ENCRE_IMAGE,    /* encre_image; data NULL = none */
+	ENCRE_LEVELS,   /* encre_levels */
+};
+
+enum encre_scope {
+	ENCRE_FRAME = 0, /* read from the scene's parameters (style 0) only */
+	ENCRE_SURFACE,   /* read from the style of the pixel */
+};
+
+typedef struct encre_enum_item {
+	const char *id, *label, *help;
+	int64_t number; /* never reordered: files store it */
+} encre_enum_item;
+
+/* One parameter. Strings have static storage. enabled_if: "" or terms joined by '&', each `id`, `!id` or
+ * `id=ITEM|ITEM`; it greys a widget out and changes nothing else. */
+typedef struct encre_param_info {
+	const char *id, *label, *help, *unit, *enabled_if;
+	const encre_enum_item *items; /* ENCRE_ENUM */
+	int32_t n_items;
+	int32_t type, scope;
+	int32_t offset; /* bytes from the start of the parameter block */
+	double value[3]; /* default; COLOR has three */
+	double hard_min, hard_max, soft_min, soft_max; /* INT and FLOAT */
+	const encre_levels *levels; /* default of ENCRE_LEVELS */
+} encre_param_info;
+
+typedef struct encre_stage_description {
+	const char *id, *label, *help;
+	const encre_param_info *params;
+	int32_t n_params;
+	int32_t reserved;
+} encre_stage_description;
+
+/* Stage number `stage` in the order in which panels show them; NULL past the end. */
+ENCRE_API const encre_stage_description *encre_stage_info(int32_t stage);
+
+/* Bytes of one parameter block. */
+ENCRE_API int64_t encre_params_size(void);
+/* Fills a block with the defaults. */
+ENCRE_API void encre_params_init(void *params);
+/* NULL if the block can be rendered with, else a sentence (static storage or in `text`, capacity `size`). */
+ENCRE_API const char *encre_params_check(const void *params, char *text, int64_t size);
+
+/* ---- rendering ------------------------------------------------------------------------------------------- */
+
+typedef struct encre_context encre_context;
+
+/* Called between bands on the calling thread only, fraction 0..1, never decreasing; false cancels. */
+typedef bool (*encre_progress)(void *user, double fraction);
+
+typedef struct encre_camera {
+	float view[9];        /* rotation world -> camera, row by row */
+	int32_t orthographic; /* 0 or 1 */
+	float height;         /* orthographic: height of the full frame in scene units, > 0 */
+} encre_camera;
+
+/* Full frame in pixels and where the images' top left pixel lies in it (border rendering). */
+typedef struct encre_frame {
+	int32_t width, height, x, y;
+} encre_frame;
+
+typedef struct encre_job {
+	encre_image layers[ENCRE_LAYER_COUNT];
+	encre_image outputs[ENCRE_OUTPUT_COUNT];
+	encre_camera camera;
+	encre_frame frame;
+	const void *params; /* n_styles blocks of encre_params_size() bytes; block k is style k, 0 the scene's */
+	int32_t n_styles;   /* at least 1; a style number outside counts as 0 */
+	int32_t reserved;
+	encre_progress progress; /* may be NULL */
+	void *user;
+	int64_t nonfinite; /* out: how many input values were NaN or infinite and read as 0 */
+} encre_job;
+
+/* `api_version`: ENCRE_API_VERSION of the caller. NULL if it is not this library's, or without memory. */
+ENCRE_API encre_context *encre_create(int32_t api_version);
+ENCRE_API void encre_destroy(encre_context *context); /* NULL is allowed */
+/* Threads to use, the calling one included; 0 (default) = as many as processors. Results never depend on it;
+ * where threads can't be started, fewer are used. */
+ENCRE_API int32_t encre_set_threads(encre_context *context, int32_t threads);
+/* 0 = baseline instructions, 1 (default) = the best that processor and build have. Results never depend on it. */
+ENCRE_API int32_t encre_set_simd(encre_context *context, int32_t level);
+/* The sentence of the last error of this context, "" if none; valid until its next call. NULL context: why
+ * encre_create() fails. */
+ENCRE_API const char *encre_error(const encre_context *context);
+
+/* Runs all stages. `combined`, `color`, `diffuse`, `depth`, `normal` and params are required; every present image
+ * must have the channels that encre_layer_info() tells and one common size of at least 1x1 and at most
+ * 65536x65536. With use_lines, use_shading, use_smudging and use_hatching off in every style, the output
+ * combined equals the layer bit for bit but for values that are not finite. */
+ENCRE_API int32_t encre_render(encre_context *context, encre_job *job);
+
+/* ---- rasteriser ------------------------------------------------------------------------------------------ */
+
+enum encre_primitive {
+	ENCRE_TRIANGLES = 0, /* 3 corners each */
+};
+
+/* One mesh. Attributes are interpolated perspective-correctly between corners. */
+typedef struct encre_mesh {
+	int32_t kind;             /* enum encre_primitive */
+	int32_t n_primitives;     /* corners: 3 * n_primitives */
+	int32_t n_points;
+	int32_t n_channels;       /* attribute channels per corner, 0..ENCRE_MAX_CHANNELS; missing ones are 0 */
+	const float *points;      /* n_points x 3, object space */
+	const int32_t *corners;   /* n_primitives x 3 indices into points; NULL = 0, 1, 2, ... */
+	const float *attributes;  /* corner-major: n_primitives x 3 x n_channels; NULL = 0 */
+	const int32_t *material;  /* material number per primitive; NULL = material_index for all */
+	const int32_t *style;     /* style number per primitive; NULL = style_index for all */
+	double model[16];         /* object -> world, row by row */
+	int32_t object_index, material_index, style_index, reserved;
+} encre_mesh;
+
+enum { ENCRE_MAX_CHANNELS = 16 };
+
+typedef struct encre_raster_job {
+	const encre_mesh *meshes;
+	int32_t n_meshes;
+	int32_t n_channels;      /* channels of `attributes` */
+	double view[16];         /* world -> camera (looking along -z), row by row */
+	double projection[16];   /* camera -> clip, row by row, for the full frame (OpenGL convention) */
+	double clip_start;       /* nearest distance along the view axis that is drawn, scene units */
+	double clip_end;         /* farthest; <= clip_start = no limit */
+	encre_frame frame;       /* full frame and place of the images in it */
+	encre_image depth;       /* out, 1 channel: distance along the view axis, 1e10 = nothing */
+	encre_image normal;      /* out, 3: geometric, unit, world space, facing the camera; 0 = nothing */
+	encre_image object;      /* out, 1: object_index, 0 = nothing */
+	encre_image material;    /* out, 1 */
+	encre_image style;       /* out, 1 */
+	encre_image attributes;  /* out, n_channels; 0 = nothing */
+	encre_progress progress; /* may be NULL */
+	void *user;
+} encre_raster_job;
+
+/* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent
+ * triangles neither overlap nor leave gaps (top-left rule); equal depths: the earlier mesh, then the earlier
+ * primitive. Absent outputs are skipped; present ones share one size. Indices out of range are an error. */
+ENCRE_API int32_t encre_raster(encre_context *context, encre_raster_job *job);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

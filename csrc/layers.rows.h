@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the engine does before and after the library: choice and cleaning of the layers. No C stage reads these. */
+STAGE(layers, "Layers", "What the engine renders and saves for the stages")
+ENUM(object_index, FRAME, 0, "", "Object Index", "What counts as an object of its own where outlines are drawn",
+     ITEM(object_index, AUTO, 0, "Automatic", "A running number for every object or named line group, whatever the pass index is")
+     ITEM(object_index, PASS, 1, "Pass Index", "The pass index set in the object's properties"))
+ENUM(light_denoise, FRAME, 0, "use_shading", "Denoise Light", "How Monte-Carlo noise is taken out of the light before it is cut into levels",
+     ITEM(light_denoise, OIDN, 0, "Open Image Denoise", "Denoise the light with the albedo and the normal as guides, where the library is there")
+     ITEM(light_denoise, NONE, 1, "None", "Use the light as it was rendered"))
+ENUM(save_layers, FRAME, 0, "", "Save Layers", "Write the layers that restyling a saved frame needs into the file",
+     ITEM(save_layers, AUTO, 0, "Automatic", "When the output is a multilayer OpenEXR file")
+     ITEM(save_layers, ON, 1, "Always", "Always")
+     ITEM(save_layers, OFF, 2, "Never", "Never"))

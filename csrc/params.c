@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The stages' rows as tables that other languages read: encre_stage_info() and the functions on parameter blocks. */
+#include "stage.h"
+
+#include <float.h>
+#include <stddef.h>
+#include <string.h>
+
+#define LEVEL(i, t, w) {i, t, w, {1, 1, 1}}
+/* Vainumäe 2020, 4.1: shade, half light, light. */
+static const encre_levels shade_levels_default = {3, {LEVEL(0.5f, 0, 0), LEVEL(0.7f, 0.5f, 0.025f), LEVEL(1.1f, 0.9f, 0.025f)}};
+#undef LEVEL
+
+#define STAGE(...)
+#define ITEM(pid, name, num, lab, hlp) {.id = #name, .label = lab, .help = hlp, .number = num},
+#define BOOL(...)
+#define INT(...)
+#define FLOAT(...)
+#define COLOR(...)
+#define IMAGE(...)
+#define LEVELS(...)
+#define ENUM(pid, scp, val, enb, lab, hlp, its) static const encre_enum_item pid##_items[] = {its};
+#include "all.rows.h"
+#undef STAGE
+#undef BOOL
+#undef INT
+#undef FLOAT
+#undef COLOR
+#undef IMAGE
+#undef LEVELS
+#undef ENUM
+
+#define HEAD(pid, scp, typ, unt, enb, lab, hlp)                                                                        \
+	.id = #pid, .label = lab, .help = hlp, .unit = unt, .enabled_if = enb, .type = typ, .scope = ENCRE_##scp,      \
+	.offset = offsetof(encre_params, pid)
+#define NUMBER(dft, hmin, hmax, smin, smax)                                                                            \
+	.value = {dft}, .hard_min = hmin, .hard_max = hmax, .soft_min = smin, .soft_max = smax
+#define STAGE(...)
+#define BOOL(pid, scp, dft, enb, lab, hlp) {HEAD(pid, scp, ENCRE_BOOL, "", enb, lab, hlp), .value = {dft}},
+#define INT(pid, scp, dft, hmin, hmax, smin, smax, unt, enb, lab, hlp)                                                 \
+	{HEAD(pid, scp, ENCRE_INT, unt, enb, lab, hlp), NUMBER(dft, hmin, hmax, smin, smax)},
+#define FLOAT(pid, scp, dft, hmin, hmax, smin, smax, unt, enb, lab, hlp)                                               \
+	{HEAD(pid, scp, ENCRE_FLOAT, unt, enb, lab, hlp), NUMBER(dft, hmin, hmax, smin, smax)},
+#define ENUM(pid, scp, dft, enb, lab, hlp, its)                                                                        \
+	{HEAD(pid, scp, ENCRE_ENUM, "", enb, lab, hlp), .value = {dft}, .items = pid##_items,                          \
+	 .n_items = sizeof pid##_items / sizeof *pid##_items},
+#define COLOR(pid, scp, r, g, b, enb, lab, hlp) {HEAD(pid, scp, ENCRE_COLOR, "", enb, lab, hlp), .value = {r, g, b}},
+#define IMAGE(pid, scp, enb, lab, hlp) {HEAD(pid, scp, ENCRE_IMAGE, "", enb, lab, hlp)},
+#define LEVELS(pid, scp, enb, lab, hlp, dft) {HEAD(pid, scp, ENCRE_LEVELS, "", enb, lab, hlp), .levels = &(dft)},
+static const encre_param_info table[] = {
+#include "all.rows.h"
+};
+#undef STAGE
+#undef BOOL
+#undef INT
+#undef FLOAT
+#undef ENUM
+#undef COLOR
+#undef IMAGE
+#undef LEVELS
+
+/* A stage's share of the table: from its first row to the next stage's. An enum that counts rows gives the places. */
+#define STAGE(sid, lab, hlp) sid##_first, sid##_fence = sid##_first - 1,
+#define ROW(pid) pid##_row,
+#define BOOL(pid, ...) ROW(pid)
+#define INT(pid, ...) ROW(pid)
+#define FLOAT(pid, ...) ROW(pid)
+#define ENUM(pid, ...) ROW(pid)
+#define COLOR(pid, ...) ROW(pid)
+#define IMAGE(pid, ...) ROW(pid)
+#define LEVELS(pid, ...) ROW(pid)
+enum row {
+#include "all.rows.h"
+	n_rows
+};
+#undef STAGE
+#undef ROW
+#undef BOOL
+#undef INT
+#undef FLOAT
+#undef ENUM
+#undef COLOR
+#undef IMAGE
+#undef LEVELS
+#undef ITEM
+#undef HEAD
+#undef NUMBER
+
+#define BOOL(...) + 1
+#define INT(...) + 1
+#define FLOAT(...) + 1
+#define ENUM(...) + 1
+#define COLOR(...) + 1
+#define IMAGE(...) + 1
+#define LEVELS(...) + 1
+#define STAGE(sid, lab, hlp) }, {.id = #sid, .label = lab, .help = hlp, .params = table + sid##_first, .n_params = 0
+static const encre_stage_description stages[] = {{.id = NULL
+#include "all.rows.h"
+}};
+#undef STAGE
+#undef BOOL
+#undef INT
+#undef FLOAT
+#undef ENUM
+#undef COLOR
+#undef IMAGE
+#undef LEVELS
+
+const encre_stage_description *encre_stage_info(int32_t stage)
+{
+	int n = sizeof stages / sizeof *stages - 1;
+	return stage >= 0 && stage < n ? stages + 1 + stage : NULL;
+}
+
+int64_t encre_params_size(void)
+{
+	return sizeof(encre_params);
+}
+
+void encre_params_init(void *params)
+{
+	memset(params, 0, sizeof(encre_params));
+	for (int i = 0; i < n_rows; i++) {
+		const encre_param_info *p = table + i;
+		char *field = (char *)params + p->offset;
+		float f[3] = {(float)p->value[0], (float)p->value[1], (float)p->value[2]};
+		int32_t n = (int32_t)p->value[0];
+		switch (p->type) {
+		case ENCRE_FLOAT: memcpy(field, f, sizeof *f); break;
+		case ENCRE_COLOR: memcpy(field, f, sizeof f); break;
+		case ENCRE_LEVELS: memcpy(field, p->levels, sizeof *p->levels); break;
+		case ENCRE_IMAGE: break;
+		default: memcpy(field, &n, sizeof n);
+		}
+	}
+}

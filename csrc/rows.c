@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Bands of rows on a small pool of threads. Bands are handed out by an atomic counter, so who does which band varies,
+ * but a kernel writes only the rows of its band: results do not. The calling thread works too, and it alone reports
+ * progress, so that a callback may be any single-threaded code. */
+#include "stage.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+typedef struct worker {
+	rows *pool;
+	pthread_t id;
+	int number;
+} worker;
+
+struct rows {
+	int threads; /* that work: the calling one and those started */
+	pthread_mutex_t lock;
+	pthread_cond_t start, done;
+	unsigned round; /* grows with each job: a worker that has seen it has had it */
+	int busy;
+	bool quit;
+
+	/* the job: */
+	rows_kernel kernel;
+	void *data;
+	int height, band, bands;
+	atomic_int next, finished;
+
+	encre_progress call;
+	void *user;
+	double from, middle, to;
+	atomic_bool cancelled;
+
+	worker workers[];
+};
+
+static void work(rows *pool, int thread)
+{
+	int i;
+	while ((i = atomic_fetch_add(&pool->next, 1)) < pool->bands) {
+		int y0 = i * pool->band, y1 = pool->height - y0 < pool->band ? pool->height : y0 + pool->band;
+		if (!atomic_load(&pool->cancelled))
+			pool->kernel(pool->data, y0, y1, thread);
+		int finished = atomic_fetch_add(&pool->finished, 1) + 1;
+		if (thread == 0 && pool->call && !atomic_load(&pool->cancelled)) {
+			double share = (double)finished / pool->bands;
+			if (!pool->call(pool->user, pool->from + (pool->middle - pool->from) * share))
+				atomic_store(&pool->cancelled, true);
+		}
+	}
+}
+
+static void *worker_main(void *argument)
+{
+	worker *self = argument;
+	rows *pool = self->pool;
+	unsigned seen = 0;
+	pthread_mutex_lock(&pool->lock);
+	for (;;) {
+		while (pool->round == seen && !pool->quit)
+			pthread_cond_wait(&pool->start, &pool->lock);
+		if (pool->quit)
+			break;
+		seen = pool->round;
+		pthread_mutex_unlock(&pool->lock);
+		work(pool, self->number);
+		pthread_mutex_lock(&pool->lock);
+		if (--pool->busy == 0)
+			pthread_cond_signal(&pool->done);
+	}
+	pthread_mutex_unlock(&pool->lock);
+	return NULL;
+}
+
+rows *rows_create(int threads)
+{
+	rows *pool = calloc(1, sizeof *pool + (size_t)(threads - 1) * sizeof *pool->workers);
+	if (!pool)
+		return NULL;
+	pthread_mutex_init(&pool->lock, NULL);
+	pthread_cond_init(&pool->start, NULL);
+	pthread_cond_init(&pool->done, NULL);
+	pool->to = 1;
+	for (pool->threads = 1; pool->threads < threads; pool->threads++) {
+		worker *w = pool->workers + pool->threads - 1;
+		*w = (worker){.pool = pool, .number = pool->threads};
+		if (pthread_create(&w->id, NULL, worker_main, w))
+			break;
+	}
+	return pool;
+}
+
+void rows_destroy(rows *pool)
+{
+	if (!pool)
+		return;
+	pthread_mutex_lock(&pool->lock);
+	pool->quit = true;
+	pthread_cond_broadcast(&pool->start);
+	pthread_mutex_unlock(&pool->lock);
+	for (int i = 0; i < pool->threads - 1; i++)
+		pthread_join(pool->workers[i].id, NULL);
+	pthread_cond_destroy(&pool->done);
+	pthread_cond_destroy(&pool->start);
+	pthread_mutex_destroy(&pool->lock);
+	free(pool);
+}
+
+int rows_threads(const rows *pool)
+{
+	return pool->threads;
+}
+
+void rows_progress(rows *pool, encre_progress call, void *user)
+{
+	pool->call = call;
+	pool->user = user;
+	pool->from = 0;
+	pool->to = 1;
+	atomic_store(&pool->cancelled, false);
+}
+
+void rows_span(rows *pool, double from, double to)
+{
+	pool->from = from;
+	pool->to = to;
+}
+
+int32_t rows_run(rows *pool, int height, int band, rows_kernel kernel, void *data)
+{
+	if (atomic_load(&pool->cancelled))
+		return ENCRE_ERROR_CANCELLED;
+	if (height <= 0)
+		return ENCRE_OK;
+	if (band <= 0) { /* small enough to share evenly and to cancel soon, large enough to keep rows in cache */
+		band = height / (pool->threads * 8);
+		band = band < 8 ? 8 : band > 64 ? 64 : band;
+	}
+	pthread_mutex_lock(&pool->lock);
+	pool->kernel = kernel;
+	pool->data = data;
+	pool->height = height;
+	pool->band = band;
+	/* how many runs a stage makes is not known here: each takes half of what is left of the stage's share */
+	pool->middle = (pool->from + pool->to) / 2;
+	pool->bands = (height - 1) / band + 1;
+	atomic_store(&pool->next, 0);
+	atomic_store(&pool->finished, 0);
+	if (pool->threads > 1 && pool->bands > 1) {
+		pool->busy = pool->threads - 1;
+		pool->round++;
+		pthread_cond_broadcast(&pool->start);
+	}
+	pthread_mutex_unlock(&pool->lock);
+	work(pool, 0);
+	pthread_mutex_lock(&pool->lock);
+	while (pool->busy)
+		pthread_cond_wait(&pool->done, &pool->lock);
+	pthread_mutex_unlock(&pool->lock);
+	pool->from = pool->middle;
+	return atomic_load(&pool->cancelled) ? ENCRE_ERROR_CANCELLED : ENCRE_OK;
+}

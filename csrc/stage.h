@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a stage is, and what it can see.
+ *
+ * To add a stage: write NAME.rows.h (a STAGE row, then its parameters), name it in all.rows.h and in STAGES below in
+ * the order in which stages run, and write NAME.c: row kernels, the run function, the descriptor
+ * `const stage STAGE_SYMBOL(NAME) = {...}`. Its products, if others read them, are fields of `frame`.
+ *
+ * Stage files are compiled once per instruction set; everything in them is static but the descriptor and the few
+ * functions that are declared here and named with ISA(). */
+#ifndef ENCRE_STAGE_H
+#define ENCRE_STAGE_H
+
+#include "params.h"
+
+#include <stddef.h>
+
+/* ENCRE_ISA is `base` or `v3`, given by the build. */
+#ifndef ENCRE_ISA
+#define ENCRE_ISA base
+#endif
+#define JOIN_(a, b) a##_##b
+#define JOIN(a, b) JOIN_(a, b)
+#define ISA(name) JOIN(name, ENCRE_ISA)
+#define STAGE_SYMBOL(name) ISA(JOIN(stage, name))
+
+#define STAGES(X) X(edges) X(shade) X(smudge) X(paper) X(hatch) X(lines)
+
+/* ---- rows.c: bands of rows on a pool of threads --------------------------------------------------------- */
+
+typedef struct rows rows;
+/* Works on rows y0..y1-1 and writes only these. thread is 0..rows_threads()-1, for per-thread scratch. */
+typedef void (*rows_kernel)(void *data, int y0, int y1, int thread);
+
+/* NULL without memory. Threads that can't be started are done without. */
+rows *rows_create(int threads);
+void rows_destroy(rows *pool);
+int rows_threads(const rows *pool);
+/* From now on finished bands are reported to `call` (may be NULL); takes back a cancellation. */
+void rows_progress(rows *pool, encre_progress call, void *user);
+/* The share of the whole that each following rows_run reports. */
+void rows_span(rows *pool, double from, double to);
+/* Cuts 0..height-1 into bands of `band` rows (0 = a good height) and runs the kernel on all. Returns ENCRE_OK or
+ * ENCRE_ERROR_CANCELLED; after a cancellation it does nothing more. Must not be called from a kernel. */
+int32_t rows_run(rows *pool, int height, int band, rows_kernel kernel, void *data);
+
+/* ---- arena.c: one allocation per frame ------------------------------------------------------------------- */
+
+/* Planning runs twice with the same calls: first with base NULL, to measure, then with memory. */
+typedef struct arena {
+	char *base;
+	size_t used;
+} arena;
+
+/* `count` items of `size` bytes, aligned to 64 bytes, not cleared; NULL while measuring. Sizes that overflow make
+ * the sum stick at SIZE_MAX, which no allocation satisfies. */
+void *arena_take(arena *a, size_t count, size_t size);
+
+/* ---- frame: what stages read and make -------------------------------------------------------------------- */
+
+typedef struct plane {
+	float *data;   /* NULL = absent; pixels are packed: channels floats each */
+	ptrdiff_t row; /* floats from one row to the next; may be negative */
+} plane;
+
+enum source { SOURCE_OBJECT, SOURCE_MATERIAL, SOURCE_DEPTH, SOURCE_NORMAL, SOURCE_COLOR, SOURCE_LIGHT, SOURCE_COUNT };
+
+typedef struct frame {
+	int width, height;
+	plane layer[ENCRE_LAYER_COUNT]; /* finite values, controls within -1..1, ALBEDO never absent; depth as given */
+	plane output[ENCRE_OUTPUT_COUNT]; /* COMBINED never absent: stages from shade on change it in place */
+	encre_camera camera;
+	encre_frame place;
+	float scale;                /* pixels of this frame per "px" of a parameter (length_unit) */
+	int n_styles;
+	const encre_params *params; /* [n_styles]; [0] is the scene's */
+	const uint8_t *style;       /* width * height, < n_styles; NULL when n_styles is 1 */
+	bool want_edges;            /* someone reads edges: lines, smudging or the output */
+	bool any_lines, any_shading, any_smudging, any_hatching; /* the switch is on in some style */
+	rows *rows;
+
+	/* edges: */
+	uint8_t *edge;   /* width * height: 0, or 1 + enum source of an edge pixel; NULL unless want_edges */
+	float *strength; /* width * height: edge strength */
+	uint8_t *near;   /* width * height, valid at edge pixels: place (dy + 2) * 5 + dx + 2 of the pixel with the least
+	                    depth in the 5x5 window, from which an edge takes its controls */
+	/* nearest.c (planned when smudging or a search needs it): */
+	bool nearest_planned; /* by any stage: nearest_plan() takes its memory once */
+	int16_t *nearest; /* width * height x 2: dx, dy to the Euclidean-nearest edge pixel; NEAREST_NONE in dx = none */
+	/* paper: heights h(p) after roughness, clamped to 0..1; call ISA(paper_row) */
+	void *paper;
+} frame;
+
+enum { NEAREST_NONE = INT16_MIN };
+
+typedef struct stage {
+	const char *id;
+	/* What no single row can say, of one style's parameters: NULL, or a sentence in text[size]. May be NULL. */
+	const char *(*check)(const encre_params *params, char *text, size_t size);
+	/* Takes the stage's products and scratch from the arena. May be NULL. */
+	void (*plan)(frame *f, arena *a);
+	/* Returns ENCRE_OK, ENCRE_ERROR_CANCELLED or ENCRE_ERROR_MEMORY. Called when planned, in order. */
+	int32_t (*run)(frame *f);
+} stage;
+
+#define DECLARE(name) extern const stage JOIN(stage, JOIN_(name, base)), JOIN(stage, JOIN_(name, v3));
+STAGES(DECLARE)
+#undef DECLARE
+
+/* shade.c: I of discrete shading for pixels x0..x1-1 of row y, each by its own style, whether or not shading is on. */
+void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone);
+/* paper.c: heights h of the paper (after roughness, 0..1) for pixels x0..x1-1 of row y; `none` where there is no
+ * paper (lines see 1, hatching 0.5). Coordinates are of this frame's images; the sheet starts at the full frame's
+ * top left. */
+void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *height);
+/* nearest.c: exact Euclidean nearest edge pixels; ties: least distance, row, column. plan is called by the stages
+ * that read frame.nearest (twice is once); run fills it if it isn't filled. Edges farther than `reach` pixels may be
+ * reported as none. */
+void ISA(nearest_plan)(frame *f, arena *a);
+int32_t ISA(nearest_run)(frame *f);
+
+#endif

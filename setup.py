@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Builds csrc/ into one plain shared library inside the package.
+
+    python setup.py build_ext --inplace [--debug] [--werror] [--scalar] [--sanitize=address,undefined]
+
+CC chooses the compiler. --scalar builds without vectorisation and without the second instruction set: results are
+the same bytes, and the test suite holds them to it. The library has no Python ABI, so the wheel is tagged py3-none.
+"""
+
+import os
+import platform
+import shlex
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+from setuptools.command.bdist_wheel import bdist_wheel
+
+NAME = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
+# Files without stages are compiled once, stages once per instruction set (csrc/stage.h).
+PLAIN = ("arena.c", "encre.c", "params.c", "raster.c", "rows.c")
+# No option that lets the compiler change a result: every build gives the same bits.
+FLAGS = ("-std=c11 -D_POSIX_C_SOURCE=200809L -fPIC -fvisibility=hidden -pthread -Wall -Wextra -Wpedantic "
+         "-fno-math-errno -fno-trapping-math -ffp-contract=off").split()
+
+
+def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""):
+    """Compiler commands for the objects in `build` and then for the library `out`."""
+    cc = shlex.split(os.environ.get("CC", "cc"))
+    flags = FLAGS + shlex.split(os.environ.get("CFLAGS", ""))
+    flags += ["-O1", "-g"] if debug or sanitize else ["-O1", "-fno-tree-vectorize"] if scalar else ["-O3"]
+    flags += ["-Werror"] if werror else []
+    flags += [f"-fsanitize={sanitize}", "-fno-sanitize-recover=all"] if sanitize else []
+    variants = {"base": []}
+    if platform.machine() in ("x86_64", "AMD64") and not scalar:
+        variants["v3"] = ["-march=x86-64-v3"]
+        flags.append("-DENCRE_HAVE_V3")
+    compile_, objects = [], []
+    for source in sorted(Path("csrc").glob("*.c")):
+        for isa, march in variants.items():
+            if source.name in PLAIN and isa != "base":
+                continue
+            objects.append(str(build / f"{source.stem}-{isa}.o"))
+            compile_.append([*cc, *flags, *march, f"-DENCRE_ISA={isa}", "-c", str(source), "-o", objects[-1]])
+    link = [*cc, *flags, "-shared", *objects, "-o", str(out), *shlex.split(os.environ.get("LDFLAGS", "")), "-lm"]
+    return compile_, link
+
+
+class BuildLibrary(build_ext):
+    user_options = build_ext.user_options + [
+        ("werror", None, "make warnings errors"),
+        ("scalar", None, "build without vectorisation"),
+        ("sanitize=", None, "sanitizers, separated by commas"),
+    ]
+    boolean_options = build_ext.boolean_options + ["werror", "scalar"]
+
+    def initialize_options(self):
+        super().initialize_options()
+        self.werror, self.scalar, self.sanitize = False, False, ""
+
+    def get_ext_filename(self, fullname):
+        return os.path.join(*fullname.split(".")[:-1], NAME)
+
+    def build_extension(self, ext):
+        out = Path(self.get_ext_fullpath(ext.name))
+        variant = "-".join(filter(None, ["debug" * bool(self.debug), "scalar" * bool(self.scalar), self.sanitize]))
+        build = Path(self.build_temp, variant.replace(",", "-") or "release")
+        build.mkdir(parents=True, exist_ok=True)
+        out.parent.mkdir(parents=True, exist_ok=True)
+        part = out.with_name(out.name + ".part")
+        compile_, link = commands(part, build, debug=self.debug, werror=self.werror, scalar=self.scalar,
+                                  sanitize=self.sanitize)
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            failed = any(list(pool.map(subprocess.call, compile_))) or subprocess.call(link)
+        if failed:
+            raise SystemExit("encre: the C library does not compile; read the compiler's messages above")
+        os.replace(part, out)  # a running program keeps the old file
+
+
+class Wheel(bdist_wheel):
+    def get_tag(self):
+        return "py3", "none", super().get_tag()[2]
+
+
+setup(ext_modules=[Extension("encre.libencre", [])], cmdclass={"build_ext": BuildLibrary, "bdist_wheel": Wheel})
