@@ -1,0 +1,364 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Passes of a rendered picture -> the layers that the library reads, and the settings in a file's metadata.
+
+Pure numpy: the engine uses it on Cycles' passes in memory, the command line on those of a saved file. Pictures are
+float32 (height, width, channels), row 0 at the top, of any strides, so a picture stored bottom-up is a flipped view.
+Passes go by their classic names; `classic()` translates those of Blender 5.
+"""
+
+import json
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from . import core
+
+# What Cycles must render for us: classic name -> channel names, as RenderEngine.register_pass() takes them.
+CYCLES = {
+    "Combined": "RGBA",
+    "Depth": "Z",
+    "Normal": "XYZ",
+    "DiffDir": "RGB",
+    "DiffInd": "RGB",
+    "DiffCol": "RGB",
+    "GlossDir": "RGB",
+    "GlossInd": "RGB",
+    "GlossCol": "RGB",
+    "TransCol": "RGB",
+    "Emit": "RGB",
+    "IndexOB": "X",
+}
+# The pictures that the library draws beside Combined.
+DRAWN = {"Encre Lines": "RGBA", "Encre Surface": "RGBA", "Encre Edges": "X", "Encre Light": "RGB"}
+# What restyling a saved picture needs besides Cycles' passes.
+SAVED = {
+    "Encre Source": "RGBA",
+    "Encre Diffuse": "RGB",
+    "Encre Index": "XYZ",
+    "Encre Line Controls": "XYZ",
+    "Encre Surface Controls": "XYZ",
+}
+# Blender 5 renamed these passes.
+RENAMED = {
+    "DiffDir": "Diffuse Direct",
+    "DiffInd": "Diffuse Indirect",
+    "DiffCol": "Diffuse Color",
+    "GlossDir": "Glossy Direct",
+    "GlossInd": "Glossy Indirect",
+    "GlossCol": "Glossy Color",
+    "TransCol": "Transmission Color",
+    "Emit": "Emission",
+    "IndexOB": "Object Index",
+    "IndexMA": "Material Index",
+}
+_CLASSIC = {new: old for old, new in RENAMED.items()}
+SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching")
+
+
+def classic(name):
+    """The classic name of a pass that any Blender wrote."""
+    return _CLASSIC.get(name, name)
+
+
+def every_style(scene, styles):
+    """The complete values of each style, number 0 (the scene's) first; `styles` holds only what each changes."""
+    base = {**core.defaults(), **scene}
+    return [base] + [{**base, **values} for values in styles]
+
+
+def active(scene, styles):
+    """Whether any stage draws anything: with all switches off the picture stays as it was rendered."""
+    return any(values[switch] for values in every_style(scene, styles) for switch in SWITCHES)
+
+
+def shaded(scene, styles):
+    """Whether light is cut into levels anywhere."""
+    return any(values["use_shading"] for values in every_style(scene, styles))
+
+
+def wants_light(scene, styles):
+    """Whether anything compares light with a threshold, so that its noise would show as speckle."""
+    return active(scene, styles) and any(
+        values["use_shading"] or values["use_hatching"] or values["edge_light"] or values["line_light"]
+        for values in every_style(scene, styles))
+
+
+class _Passes:
+    """Reads passes as (height, width, channels) without NaN and infinities, and counts those it found."""
+
+    def __init__(self, passes):
+        self.passes, self.clean, self.nonfinite = passes, {}, 0
+
+    def __contains__(self, name):
+        return self.passes.get(name) is not None
+
+    def raw(self, name):
+        picture = np.asarray(self.passes[name], np.float32)
+        return picture[..., None] if picture.ndim == 2 else picture
+
+    def __call__(self, name):
+        if name not in self.clean:
+            picture = self.raw(name)
+            bad = ~np.isfinite(picture)
+            found = np.count_nonzero(bad)
+            self.nonfinite += found
+            self.clean[name] = np.where(bad, np.float32(0), picture) if found else picture
+        return self.clean[name]
+
+    def total(self, *names):
+        """The sum of those of the passes that are there; None without any."""
+        there = [self(name) for name in names if name in self]
+        return sum(there[1:], there[0]) if there else None
+
+
+def _require(passes, *choices):
+    if not any(name in passes for name in choices):
+        found = ", ".join(sorted(name for name in passes.passes if name in passes)) or "none"
+        raise core.EncreError(f"pass {choices[-1]} is missing: render the picture with it; passes found: {found}")
+
+
+def _by_style(style, flags):
+    """flags[style number] per pixel, (height, width, 1); one bool where all styles agree."""
+    if style is None or len(set(flags)) == 1:
+        return flags[0]
+    known = (style >= 0) & (style < len(flags))
+    return np.asarray(flags)[np.where(known, style, 0).astype(np.intp)]
+
+
+def _pick(flags, yes, no):
+    """yes() where the flags are set, else no(); neither is computed where nothing asks for it."""
+    if np.ndim(flags):
+        return np.where(flags, yes(), no())
+    return yes() if flags else no()
+
+
+class _Light:
+    """Light without the colour of the surface, direct alone or all of it, as rendered or denoised."""
+
+    def __init__(self, passes, denoise, guides):
+        self.passes, self.denoise, self.guides, self.kept = passes, denoise, guides, {}
+
+    def rendered(self, direct):
+        if ("rendered", direct) not in self.kept:
+            names = ("DiffDir",) if direct else ("DiffDir", "DiffInd")
+            self.kept["rendered", direct] = self.passes.total(*names)
+        return self.kept["rendered", direct]
+
+    def clean(self, direct):
+        if not self.denoise:
+            return self.rendered(direct)
+        if ("clean", direct) not in self.kept:
+            self.kept["clean", direct] = self.denoise(self.rendered(direct), *self.guides)
+        return self.kept["clean", direct]
+
+
+def assemble(passes, scene, styles=(), denoise=None, denoise_other=False):
+    """The layers of one picture.
+
+    passes: {classic name: picture}, Cycles' and any of SAVED, which are preferred; absent ones None or not there.
+    scene, styles: values of the scene and what each style changes.
+    denoise: function of (picture, albedo, normal) that gives the picture (height, width, 3) without noise, or None.
+    denoise_other: clean also what is not diffuse light (Cycles' own denoiser is off while shading is on, because
+    it would clean Combined but not the passes, and their difference would be noise).
+    Returns ({layer: picture}, number of values read as 0 because they were not finite). EncreError: a pass that
+    can't be done without is missing; the sentence lists those found.
+    """
+    read = _Passes(passes)
+    _require(read, "Encre Source", "Combined")
+    _require(read, "Encre Diffuse", "DiffDir")
+    for name in ("DiffCol", "Depth", "Normal"):
+        _require(read, name)
+    # The library itself cleans and counts what goes through unchanged: depth may be infinite.
+    layers = {"depth": read.raw("Depth"), "normal": read.raw("Normal"), "color": read("DiffCol")}
+    layers["albedo"] = np.minimum(read.total("DiffCol", "GlossCol", "TransCol", "Emit"), np.float32(1))
+    gloss = read.total("GlossDir", "GlossInd")
+    if gloss is not None and "GlossCol" in read:
+        layers["specular"] = gloss * read("GlossCol")
+    if "Encre Index" in read:
+        index = read.raw("Encre Index")
+        layers.update(object=index[..., :1], material=index[..., 1:2], style=index[..., 2:3])
+    else:
+        for layer, name in (("object", "IndexOB"), ("material", "IndexMA")):
+            if name in read:
+                layers[layer] = read.raw(name)
+    if "Encre Line Controls" in read and "Encre Surface Controls" in read:
+        layers["controls"] = np.concatenate(
+            [read.raw("Encre Line Controls"), read.raw("Encre Surface Controls")], axis=2)
+
+    values = every_style(scene, styles)
+    shading = _by_style(layers.get("style"), [v["use_shading"] for v in values])
+    direct = _by_style(layers.get("style"), [v["shade_light"] == "DIRECT" for v in values])
+    if denoise:
+        light = _Light(read, denoise, (layers["albedo"], read("Normal")))
+    else:
+        light = _Light(read, None, None)
+    if "Encre Diffuse" in read:
+        layers["diffuse"] = read("Encre Diffuse")
+    else:
+        layers["diffuse"] = _pick(direct, lambda: light.clean(True), lambda: light.clean(False))
+    if "Encre Source" in read:
+        layers["combined"] = read.raw("Encre Source")
+    else:
+        layers["combined"] = _put_together(read, layers, light, shading, denoise_other)
+    return layers, read.nonfinite
+
+
+def _put_together(read, layers, light, shading, denoise_other):
+    """The layer `combined`: as rendered, but where light is cut into levels the diffuse part is that of `diffuse`.
+
+    What is left of the picture besides diffuse light is the difference of the passes as rendered; were it taken
+    from the denoised light, the noise would come back through it.
+    """
+    if not np.any(shading) or "DiffDir" not in read:
+        return read.raw("Combined")
+    rendered, color = light.rendered(False), layers["color"]
+    if layers["diffuse"] is rendered:
+        return read.raw("Combined")
+    combined = read("Combined")
+    other = combined[..., :3] - color * rendered
+    plain = combined[..., :3]
+    if denoise_other and light.denoise:
+        # Nothing but rounding makes it negative in a pixel of its own, and the denoiser knows no negative light.
+        other = light.denoise(np.maximum(other, 0), *light.guides) + np.minimum(other, 0)
+        if np.ndim(shading):
+            plain = color * light.clean(False) + other
+    result = np.empty_like(combined, order="C")
+    result[..., :3] = _pick(shading, lambda: color * layers["diffuse"] + other, lambda: plain)
+    result[..., 3] = combined[..., 3]
+    return result
+
+
+# Rasterised layers
+
+# The 5x5 window about a pixel without it: least distance first, then least row, then least column.
+_WINDOW = sorted(((y, x) for y in range(-2, 3) for x in range(-2, 3) if y or x),
+                 key=lambda at: (at[0] ** 2 + at[1] ** 2, at))
+
+
+def own_pixels(index, drawn):
+    """Where to read what was rasterised, so that each pixel gets what belongs to its own object.
+
+    index: (height, width) object numbers of the picture; drawn: those of the rasteriser, which knows nothing of
+    clipped leaves, hair and displacement. Returns (pixels, sources), flat pixel numbers: `pixels` are those
+    where the two differ, `sources` the nearest pixel of the 5x5 whose `drawn` is the pixel's object, -1 for none.
+    """
+    height, width = index.shape
+    pixels = np.flatnonzero(index != drawn)
+    rows, columns = np.divmod(pixels, width)
+    own, sources = index[rows, columns], np.full(pixels.size, -1, np.intp)
+    for y, x in _WINDOW:
+        at = np.flatnonzero(sources < 0)
+        row, column = rows[at] + y, columns[at] + x
+        inside = (row >= 0) & (row < height) & (column >= 0) & (column < width)
+        at, row, column = at[inside], row[inside], column[inside]
+        hit = drawn[row, column] == own[at]
+        sources[at[hit]] = row[hit] * width + column[hit]
+    return pixels, sources
+
+
+def rasterised(index, maps, owners, numbers, strays):
+    """The passes Encre Index, Encre Line Controls and Encre Surface Controls.
+
+    index: (height, width) object index that Cycles wrote. maps: the rasteriser's pictures `object` (a number per
+    instance, 0 = nothing), `material`, `style` and `attributes` (the six controls). owners[instance]: what Cycles
+    wrote for that instance; numbers[instance]: what the object layer says for it. strays(indices): the same for
+    pixels whose object was not drawn nearby, from Cycles' indices.
+    """
+    shape = index.shape
+    instance = maps["object"].reshape(shape).astype(np.intp)
+    pixels, sources = own_pixels(index, owners[instance])
+    found = sources >= 0
+    passes = {}
+
+    def moved(picture, channels, neutral=0):
+        flat = np.array(picture, np.float32, order="C").reshape(-1, channels)
+        flat[pixels[found]] = flat[sources[found]]
+        flat[pixels[~found]] = neutral
+        return flat.reshape(*shape, channels)
+
+    lost = strays(index.reshape(-1)[pixels[~found]]).reshape(-1, 1)
+    passes["Encre Index"] = np.concatenate(
+        [moved(numbers[instance], 1, lost), moved(maps["material"], 1), moved(maps["style"], 1)], axis=2)
+    controls = moved(maps["attributes"], 6)
+    passes["Encre Line Controls"], passes["Encre Surface Controls"] = controls[..., :3], controls[..., 3:]
+    return passes
+
+
+# Metadata
+
+PARAMS, FRAME, CAMERA = "encre.params", "encre.frame", "encre.camera"
+VERSION = 1
+
+
+@dataclass
+class Settings:
+    """What a file's metadata say. None: the file does not say it. `styles` are (name, values) pairs."""
+
+    scene: dict | None = None
+    styles: list = field(default_factory=list)
+    camera: core.Camera | None = None
+    frame: core.Frame | None = None
+    warnings: list = field(default_factory=list)
+
+
+def metadata(scene, styles, camera, frame):
+    """{key: JSON text} to store in a file. `styles`: (name, values) pairs in the order of their numbers."""
+    said = {
+        PARAMS: {"version": VERSION, "scene": scene,
+                 "styles": [{"name": name, "values": values} for name, values in styles]},
+        FRAME: {"width": frame.width, "height": frame.height, "x": frame.x, "y": frame.y},
+        CAMERA: {"orthographic": bool(camera.orthographic), "height": float(camera.height),
+                 "view": [float(v) for v in np.ravel(camera.view)]},
+    }
+    return {key: json.dumps(value, allow_nan=False) for key, value in said.items()}
+
+
+def read_metadata(stored):
+    """The Settings in {key: text}; keys that are not ours are ignored.
+
+    A parameter that this version does not know is a warning. EncreError: metadata that can't be understood, the
+    sentence names them.
+    """
+    settings = Settings()
+    for key, understand in ((PARAMS, _read_params), (FRAME, _read_frame), (CAMERA, _read_camera)):
+        if key not in stored:
+            continue
+        try:
+            understand(json.loads(stored[key]), settings)
+        except core.EncreError as error:
+            raise core.EncreError(f"the metadata {key} can't be used: {error}") from None
+        except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):
+            raise core.EncreError(f"the metadata {key} can't be read: render the picture again, or remove them "
+                                  "from the file") from None
+    return settings
+
+
+def _known(values, settings):
+    if not isinstance(values, dict):
+        raise TypeError
+    for name in values.keys() - core.params().keys():
+        settings.warnings.append(f"the metadata {PARAMS} hold the unknown parameter {name}: it is ignored")
+    return core.check({name: value for name, value in values.items() if name in core.params()})
+
+
+def _read_params(said, settings):
+    if said["version"] != VERSION:
+        raise core.EncreError(f"they have version {said['version']}, and this Encre reads {VERSION}")
+    settings.scene = _known(said.get("scene", {}), settings)
+    settings.styles = [(str(style["name"]), _known(style.get("values", {}), settings))
+                       for style in said.get("styles", [])]
+
+
+def _read_frame(said, settings):
+    sizes = [said[key] for key in ("width", "height", "x", "y")]
+    if any(type(size) is not int for size in sizes) or sizes[0] < 1 or sizes[1] < 1:
+        raise ValueError
+    settings.frame = core.Frame(*sizes)
+
+
+def _read_camera(said, settings):
+    view = np.array(said["view"], np.float64)
+    orthographic, height = said["orthographic"], float(said["height"])
+    if view.shape != (9,) or not np.isfinite(view).all() or type(orthographic) is not bool or not height > 0:
+        raise ValueError
+    settings.camera = core.Camera(tuple(view), orthographic, height)
