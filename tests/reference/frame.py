@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers in, cleaned; the stages in their order; passes out."""
+
+import numpy as np
+
+from . import edges as edge_stage
+from . import hatch, lines, paper, shade, smudge
+from .params import SWITCHES, Params
+
+REQUIRED = {"combined": 4, "color": 3, "diffuse": 3, "depth": 1, "normal": 3}
+OPTIONAL = {"albedo": 3, "specular": 3, "object": 1, "material": 1, "style": 1, "controls": 6}
+CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
+_LARGEST = float(np.finfo(np.float32).max)
+
+
+class Layers:
+    """Cleaned float64 layers; `depth` is inf where nothing is there, `style` always a valid number."""
+
+    def __init__(self, layers, styles, camera, frame):
+        missing = [name for name in REQUIRED if name not in layers]
+        if missing:
+            raise ValueError(f"required layers are missing: {', '.join(missing)}")
+        self.nonfinite = 0
+        height, width = np.shape(layers["depth"])[:2]
+
+        def clean(name, channels):
+            if layers.get(name) is None:
+                return np.zeros((height, width, channels))
+            data = np.array(layers[name], np.float64).reshape(height, width, channels)
+            bad = np.isnan(data) if name == "depth" else ~np.isfinite(data)
+            self.nonfinite += int(bad.sum())
+            data[bad] = 0.0  # a depth of 0 is nothing there
+            return data
+
+        data = {name: clean(name, channels) for name, channels in {**REQUIRED, **OPTIONAL}.items()}
+        self.combined, self.color, self.diffuse = data["combined"], data["color"], data["diffuse"]
+        self.normal, self.specular = data["normal"], data["specular"]
+        self.albedo = self.color if layers.get("albedo") is None else data["albedo"]
+        self.object, self.material = data["object"][..., 0], data["material"][..., 0]
+        z = data["depth"][..., 0]
+        self.there = (z > 0) & (z < 1e9)
+        self.depth = np.where(self.there, z, np.inf)
+        number = data["style"][..., 0]
+        known = (number == np.floor(number)) & (number >= 1) & (number <= styles)
+        self.style = np.where(known, number, 0).astype(int)
+        painted = np.clip(data["controls"], -1.0, 1.0)
+        self.controls = {name: painted[..., k] for k, name in enumerate(CONTROLS)}
+
+        camera, frame = camera or {}, frame or {}
+        self.orthographic = bool(camera.get("orthographic", False))
+        self.height = float(camera.get("height", 1.0))
+        self.full_height = frame.get("height", height)
+        self.x, self.y = frame.get("x", 0), frame.get("y", 0)
+
+
+def render(layers, scene=None, styles=(), camera=None, frame=None):
+    """The picture and its passes, float64, row 0 on top.
+
+    layers: name -> (H, W, C) or (H, W); scene: {parameter: value}; styles[k - 1]: the values of style k;
+    camera: {"orthographic", "height" of the frame in scene units}; frame: {"width", "height", "x", "y"}.
+    Besides the passes: edge_mask, edge_source (index into SOURCES, -1 = none), sources {name: S}, nonfinite,
+    edge_unsure (strengths that float32 may miss by more than the tolerance) and unsure (likewise colours).
+    Raises ValueError for an unknown parameter or a missing layer.
+    """
+    params = Params(scene, styles)
+    layers = Layers(layers, len(styles), camera, frame)
+    line_paper, hatch_paper = paper.heights(layers, params)
+    edges = edge_stage.find(layers, params)
+    surface, light, doubtful = shade.surface(layers, params)
+    surface, smudge_doubtful = smudge.smudge(layers, params, edges, surface, doubtful)
+    surface = hatch.hatch(layers, params, surface, hatch_paper)
+
+    rgb, alpha = surface[..., :3], surface[..., 3:]
+    active = np.any([params.at(switch, layers.style) for switch in SWITCHES], axis=0)[..., None]
+    fade = np.where(active, params["surface_fade"], 0.0)
+    rgb = rgb + (alpha - rgb) * fade
+    t, ink, line_doubtful = lines.draw(layers, params, edges, line_paper)
+    t = t[..., None]
+    drawn = np.concatenate([rgb * (1 - t) + ink * t, alpha + t - alpha * t], axis=-1)
+    passes = {
+        "Combined": drawn,
+        "Encre Lines": np.concatenate([ink * t, t], axis=-1),
+        "Encre Surface": np.concatenate([rgb, alpha], axis=-1),
+        "Encre Edges": edges.strength,
+        "Encre Light": light,
+    }
+    passes = {name: np.clip(image, -_LARGEST, _LARGEST) for name, image in passes.items()}
+    return {
+        **passes, "edge_mask": edges.mask, "edge_source": edges.source, "sources": edges.sources,
+        "nonfinite": layers.nonfinite, "edge_unsure": edges.strength_doubtful,
+        "unsure": doubtful | smudge_doubtful | line_doubtful,
+    }

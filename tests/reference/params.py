@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every parameter with its default, and which style a value is read from."""
+
+import numpy as np
+
+DEFAULTS = {
+    # edges
+    "edge_detector": "DOG", "depth_space": "INVERSE", "color_detector": "CONTRAST", "color_layer": "ALBEDO",
+    "edge_threshold": 0.5, "edge_sigma": 1.0, "depth_near": 0.1, "depth_far": 100.0,
+    "edge_depth": 1.0, "edge_normal": 1.0, "edge_object": 1.0, "edge_material": 0.0, "edge_color": 0.0,
+    "edge_seen": 1.0, "edge_light": 0.0, "sobel_shape_threshold": 0.25,
+    "contrast_metric": "RGB", "contrast_threshold": 0.01, "contrast_max": 1.0,
+    "contrast_auto": False, "contrast_window": 64.0,
+    # lines
+    "use_lines": True, "line_thickness": 8.0, "line_max_thickness": 128.0, "line_contrast": 0.0,
+    "width_object": 1.0, "width_material": 1.0, "width_depth": 0.8, "width_normal": 0.6, "width_color": 0.6,
+    "width_light": 0.5, "width_seen": 1.0, "line_depth_distance": 0.0, "line_light": 0.0, "line_taper": 0.0,
+    "line_softness": 0.9, "line_occlude": True, "line_paper": 0.6, "line_intensity": 1.0, "line_gain": 4.0,
+    "line_search": "EXACT", "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0, "line_tint_value": 0.35,
+    "surface_fade": 0.0, "length_unit": "RELATIVE", "supersample": 1.0,
+    # shading
+    "use_shading": True, "shade_levels": [(0.5,), (0.7, 0.5, 0.025), (1.1, 0.9, 0.025)],
+    "shade_exposure": 1.0, "shade_tint": (0.60, 0.55, 0.90), "shade_tint_weight": 1.0,
+    "shade_saturation": 0.6, "shade_strength": 1.0, "other_light": 1.0,
+    "surface": "SHADED", "paper_color": (1.0, 1.0, 1.0),
+    # smudging
+    "use_smudging": True, "smudge_range": 10.0, "smudge_pick": 7.0, "smudge_depth": 0.01,
+    "smudge_falloff": 0.5, "smudge_speed": 1.0,
+    # hatching and paper
+    "use_hatching": True, "hatch_amount": 0.7, "hatch_color": (0.0, 0.0, 0.0),
+    "hatch_color_threshold": 0.35, "hatch_light_threshold": 0.5,
+    "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
+    "paper_seed": 0,
+    # read before the layers reach the stages
+    "object_index": "AUTO", "shade_light": "ALL", "light_denoise": "OIDN", "save_layers": "AUTO",
+}
+
+ENGINE = {"object_index", "shade_light", "light_denoise", "save_layers"}
+SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching")
+
+_WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light")}
+_FRAME_LINES = {"line_search", "line_max_thickness", "line_occlude"}
+
+
+def is_surface(name):
+    """Whether a style may change the parameter `name`; all others belong to the frame."""
+    if name in ENGINE or name in _FRAME_LINES:
+        return False
+    return name in _WEIGHTS or name.startswith(("width_", "line_", "shade_", "hatch_", "smudge_", "use_"))
+
+
+class Params:
+    """The scene's and its styles' values: `p["id"]` of frame scope, `p.at("id", style)` of surface scope."""
+
+    def __init__(self, scene, styles):
+        scene, styles = dict(scene or {}), [dict(style) for style in styles]
+        for name in {name for values in [scene, *styles] for name in values}:
+            if name not in DEFAULTS:
+                raise ValueError(f"there is no parameter {name!r}")
+        base = {**DEFAULTS, **scene}
+        own = [{name: value for name, value in style.items() if is_surface(name)} for style in styles]
+        self.tables = [base, *({**base, **values} for values in own)]
+
+    def __getitem__(self, name):
+        assert not is_surface(name), f"{name} is a style's"
+        return self.tables[0][name]
+
+    def at(self, name, style):
+        """Values of `name` for a map of style numbers: the map's shape, and (…, 3) for a colour."""
+        assert is_surface(name), f"{name} is the frame's"
+        return np.array([table[name] for table in self.tables])[style]
+
+    def levels(self):
+        """(style number, its shade_levels) for the scene and each style."""
+        return [(k, table["shade_levels"]) for k, table in enumerate(self.tables)]
+
+    def pixels(self, full_height):
+        """Pixels in one unit of length."""
+        return full_height / 1080.0 if self["length_unit"] == "RELATIVE" else float(self["supersample"])

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light in flat levels, tinted and desaturated shade (Vainumäe 2020, 4.1)."""
+
+import numpy as np
+
+from .metric import clamp01, mix, value
+
+
+def levels(layers, params):
+    """The level I (H, W) and its colour K (H, W, 3) by the pixel's own style; and where a step is near."""
+    exposure = params.at("shade_exposure", layers.style)
+    x = value(layers.diffuse) * exposure
+    level, color, doubtful = np.zeros_like(x), np.zeros((*x.shape, 3)), np.zeros(x.shape, bool)
+    for k, steps in params.levels():
+        own = layers.style == k
+        level[own], color[own], doubtful[own] = _ramp(x[own], steps)
+    return level, color, doubtful
+
+
+def _ramp(x, steps):
+    """The levels' intensity and colour at x: straight from one to the next over each transition."""
+    level = np.full(x.shape, float(steps[0][0]))
+    color = np.broadcast_to(np.array(steps[0][1:] or (1.0, 1.0, 1.0)), (*x.shape, 3))
+    doubtful = np.zeros(x.shape, bool)
+    for intensity, threshold, transition, *rgb in steps[1:]:
+        if transition > 0:
+            t = clamp01((x - (threshold - transition / 2)) / transition)
+        else:
+            t = (x > threshold).astype(float)
+        if transition < 1e-3:
+            doubtful |= np.abs(x - threshold) < transition / 2 + 1e-4
+        level = mix(level, intensity, t)
+        color = mix(color, np.array(rgb or (1.0, 1.0, 1.0)), t[..., None])
+    return level, color, doubtful
+
+
+def light(layers, params):
+    """D' (H, W, 3): the discrete light with its tint; the level (H, W); and where a step is near."""
+    level, color, doubtful = levels(layers, params)
+    v = value(layers.diffuse)[..., None]
+    hue = np.where(v > 0, mix(1.0, layers.diffuse / np.where(v > 0, v, 1.0), clamp01(v / 0.02)), 1.0)
+    shade = np.maximum(0.0, 1 - level) * params.at("shade_tint_weight", layers.style)
+    tint = params.at("shade_tint", layers.style)
+    tinted = (hue * (level[..., None] * color) + shade[..., None] * tint) / (1 + shade[..., None])
+    return tinted, level, doubtful
+
+
+def other(layers):
+    """What `color·diffuse` leaves of the image: emission, reflections, glass, sky; signed."""
+    return layers.combined[..., :3] - layers.color * layers.diffuse
+
+
+def surface(layers, params):
+    """(H, W, 4) the shaded surface, (H, W, 3) D', and where float32 may be on the other side of a step."""
+    tinted, level, doubtful = light(layers, params)
+    alpha = layers.combined[..., 3:]
+    saturation = clamp01(params.at("shade_saturation", layers.style))
+    grey = np.maximum(0.0, 1 - level) * (1 - saturation)
+    v = value(layers.color)[..., None]
+    pale = v - (v - layers.color) * (1 - grey[..., None])
+    strength = params.at("shade_strength", layers.style)[..., None]
+    shaded = mix(layers.color * layers.diffuse, pale * tinted, strength)
+    paper = params["surface"] == "PAPER"
+    if paper:
+        shaded = np.array(params["paper_color"]) * alpha
+    rgb = np.maximum(0.0, shaded + params["other_light"] * other(layers))
+
+    on = params.at("use_shading", layers.style)[..., None]
+    if not paper:
+        on = on & (alpha != 0)
+    rgb = np.where(on, rgb, layers.combined[..., :3])
+    return np.concatenate([rgb, alpha], axis=-1), tinted, doubtful & on[..., 0] & (not paper)
