@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Inline maths of single pixels. No libm but sqrtf, fabsf, floorf, fminf, fmaxf: others give other bits on other
+ * machines. Everything is free of branches, so that a loop over a row vectorises, and within 4 ulp on the domain that
+ * its comment names. */
+#ifndef ENCRE_PIXEL_H
+#define ENCRE_PIXEL_H
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+static inline int32_t float_bits(float x)
+{
+	int32_t i;
+	memcpy(&i, &x, sizeof i);
+	return i;
+}
+
+static inline float bits_float(int32_t i)
+{
+	float x;
+	memcpy(&x, &i, sizeof x);
+	return x;
+}
+
+/* NaN gives 0. */
+static inline float clamp01(float x)
+{
+	x = x > 0 ? x : 0;
+	return x < 1 ? x : 1;
+}
+
+static inline float mix(float a, float b, float t)
+{
+	return a + (b - a) * t;
+}
+
+static inline float max3(float a, float b, float c)
+{
+	float ab = a > b ? a : b;
+	return ab > c ? ab : c;
+}
+
+/* Rec. 709 luminance of a linear colour. */
+static inline float luminance(float r, float g, float b)
+{
+	return 0.2126f * r + 0.7152f * g + 0.0722f * b;
+}
+
+/* What a depth layer's value means: INFINITY where nothing is there (Cycles writes 1e10; 0, negative and NaN come
+ * from other renderers). */
+static inline float depth_of(float z)
+{
+	return z > 0 && z < 1e9f ? z : INFINITY;
+}
+
+/* Cube root, x = 0 or 1e-30 <= x <= 1e30. A third of the exponent is within 4 %, two Halley steps cube that twice; each is
+ * written as a correction, whose rounding then hardly counts. */
+static inline float pixel_cbrt(float x)
+{
+	float t = bits_float(float_bits(x) / 3 + 0x2a5137a0);
+	float c = t * t * t;
+	t = t - t * ((c - x) / (c + c + x));
+	c = t * t * t;
+	t = t - t * ((c - x) / (c + c + x));
+	return x > 0 ? t : 0;
+}
+
+/* sRGB transfer function of IEC 61966-2-1, x in 0..1, exactly 1 at 1. x^(1/2.4) is c^(5/4), c the cube root. */
+static inline float srgb_encode(float x)
+{
+	float c = pixel_cbrt(x), power = c * sqrtf(sqrtf(c));
+	return x <= 0.0031308f ? 12.92f * x : power + 0.055f * (power - 1);
+}
+
+/* 2^n * e^r for |r| <= 0.35 and n -126..127. */
+static inline float scaled_exp(float r, int32_t n)
+{
+	float tail = 1.0f / 24 + r * (1.0f / 120 + r * (1.0f / 720 + r * (1.0f / 5040)));
+	float p = 1 + r * (1 + r * (0.5f + r * (1.0f / 6 + r * tail)));
+	return p * bits_float((n + 127) << 23);
+}
+
+/* e^x; 0 below -87 and e^88 above 88. ln 2 in two parts, the first short enough that n times it is exact. */
+static inline float pixel_exp(float x)
+{
+	float y = x > 88 ? 88 : x < -87 ? -87 : x;
+	int32_t n = (int32_t)(y * 1.44269504f + (y < 0 ? -0.5f : 0.5f));
+	float r = (y - (float)n * 0.693359375f) + (float)n * 2.12194440e-4f;
+	return x < -87 ? 0 : scaled_exp(r, n);
+}
+
+/* x^y for x >= 0, finite, y >= 0; 0 where that is below 2^-126, 2^127 where it is above. The exponent needs double: it is
+ * multiplied by up to 128 before it is looked at to a part in 2^24. Logarithm by the series of artanh. */
+static inline float pixel_pow(float x, float y)
+{
+	float normal = x < FLT_MIN ? x * 16777216.0f : x;
+	int32_t bits = float_bits(normal) - 0x3f3504f3; /* mantissa from sqrt(1/2) to sqrt(2) */
+	int32_t exponent = (bits >> 23) - (x < FLT_MIN ? 24 : 0);
+	double m = (double)bits_float((bits & 0x7fffff) + 0x3f3504f3);
+	double s = (m - 1) / (m + 1), z = s * s;
+	double series = 1 + z * (1.0 / 3 + z * (1.0 / 5 + z * (1.0 / 7 + z * (1.0 / 9 + z * (1.0 / 11 + z * (1.0 / 13))))));
+	double t = (double)y * ((double)exponent + 2.8853900817779268 * s * series);
+	double u = t > 127 ? 127 : t < -126 ? -126 : t;
+	int32_t n = (int32_t)(u + (u < 0 ? -0.5 : 0.5));
+	float power = scaled_exp((float)((u - (double)n) * 0.69314718055994531), n);
+	power = x > 0 && t >= -126 ? power : 0;
+	return y > 0 ? power : 1;
+}
+
+/* Angle of (x, y) in -pi..pi; 0 for (0, 0). Finite, and not so small that their ratio's operands are subnormal. */
+static inline float pixel_atan2(float y, float x)
+{
+	float ax = fabsf(x), ay = fabsf(y);
+	float low = ax < ay ? ax : ay, high = ax < ay ? ay : ax;
+	/* beyond tan(pi/8): atan(low/high) = pi/4 + atan((low - high)/(low + high)) */
+	int folded = low > 0.414213562f * high;
+	float over = folded ? low - high : low, under = folded ? low + high : high;
+	float t = over / (under > 0 ? under : 1), z = t * t;
+	float a = t + t * z * (-3.33329491539e-1f + z * (1.99777106478e-1f + z * (-1.38776856032e-1f + z * 8.05374449538e-2f)));
+	a = folded ? 0.785398163f + a : a;
+	a = ax < ay ? 1.57079633f - a : a;
+	a = x < 0 ? 3.14159265f - a : a;
+	return y < 0 ? -a : a;
+}
+
+/* Sine of x + quarter * pi/2, |x| <= 1e4. pi/2 in two parts, the first short enough that j times it is exact. */
+static inline float sine(float x, int32_t quarter)
+{
+	int32_t j = (int32_t)(x * 0.636619772f + (x < 0 ? -0.5f : 0.5f));
+	float r = (float)(((double)x - (double)j * 1.57079632673412561417) - (double)j * 6.07710050650619224932e-11);
+	float z = r * r;
+	float s = r + r * z * (-1.6666654611e-1f + z * (8.3321608736e-3f + z * -1.9515295891e-4f));
+	float c = 1 - 0.5f * z + z * z * (4.166664568298827e-2f + z * (-1.388731625493765e-3f + z * 2.443315711809948e-5f));
+	float value = (j + quarter) & 1 ? c : s;
+	return (j + quarter) & 2 ? -value : value;
+}
+
+static inline float pixel_sin(float x)
+{
+	return sine(x, 0);
+}
+
+static inline float pixel_cos(float x)
+{
+	return sine(x, 1);
+}
+
+#endif
