@@ -16,16 +16,14 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from setuptools import Extension, setup
-from setuptools.command.build_ext import build_ext
-
 from setuptools.command.bdist_wheel import bdist_wheel
+from setuptools.command.build_ext import build_ext
 
 NAME = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 # Files without stages are compiled once, stages once per instruction set (csrc/stage.h).
-PLAIN = ("arena.c", "encre.c", "params.c", "raster.c", "rows.c")
+PLAIN = ("arena.c", "encre.c", "outline.c", "params.c", "raster.c", "rows.c")
 # No option that lets the compiler change a result: every build gives the same bits.
-FLAGS = ("-std=c11 -D_POSIX_C_SOURCE=200809L -fPIC -fvisibility=hidden -pthread -Wall -Wextra -Wpedantic "
-         "-fno-math-errno -fno-trapping-math -ffp-contract=off").split()
+FLAGS = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-fPIC", "-fvisibility=hidden", "-pthread", "-Wall", "-Wextra", "-Wpedantic", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"]
 
 
 def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""):

@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One primitive on the screen: clipped, snapped, covering pixels.
+ *
+ * Coverage is decided on outlines snapped to 1/4096 pixel, in integers, hence without gaps or overlaps between
+ * neighbours: equal corners snap alike, and the top-left rule gives a centre on an edge to one side. Depth and shares
+ * come from the corners as they are, in homogeneous coordinates of the screen (Olano & Greer 1997), hence exact however
+ * a surface is cut up, and without clipping. */
+#include "outline.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+	GUARD = OUTLINE_GUARD,
+	SUB_BITS = 12,
+	SUB = 1 << SUB_BITS, /* steps of the grid to a pixel: frame and guard are 2^17 pixels, 2^29 steps wide */
+};
+
+enum clip_plane { CLIP_START, CLIP_END, CLIP_EYE, CLIP_LEFT, CLIP_RIGHT, CLIP_TOP, CLIP_BOTTOM, CLIP_COUNT };
+
+/* At least 0 on the side that is kept. */
+static inline double side(const room *r, int plane, const corner *c)
+{
+	switch (plane) {
+	case CLIP_START: return c->z - r->start;
+	case CLIP_END: return r->end - c->z;
+	case CLIP_EYE: return c->w - 1e-12;
+	case CLIP_LEFT: return c->x + GUARD * c->w;
+	case CLIP_RIGHT: return (r->frame_width + GUARD) * c->w - c->x;
+	case CLIP_TOP: return c->y + GUARD * c->w;
+	default: return (r->frame_height + GUARD) * c->w - c->y;
+	}
+}
+
+/* Where an edge leaves a plane, always computed from the kept end: two neighbours get the same bits. */
+static corner cut(const corner *in, const corner *out, double s_in, double s_out)
+{
+	double t = s_in / (s_in - s_out);
+	return (corner){in->x + t * (out->x - in->x), in->y + t * (out->y - in->y), in->w + t * (out->w - in->w), in->z + t * (out->z - in->z)};
+}
+
+/* Returns the number of corners left. A sliver within rounding of a plane, which may cross it any number of times, is
+ * dropped when there is no room for it. */
+static int clip(const room *r, corner *a, int n)
+{
+	corner b[OUTLINE_CORNERS];
+	for (int plane = 0; plane < CLIP_COUNT; plane++) {
+		int m = 0;
+		for (int i = 0; i < n; i++) {
+			if (m > OUTLINE_CORNERS - 2)
+				return 0;
+			const corner *p = a + i, *q = a + (i + 1) % n;
+			double s = side(r, plane, p), t = side(r, plane, q);
+			if (s >= 0)
+				b[m++] = *p;
+			if ((s >= 0) != (t >= 0))
+				b[m++] = s >= 0 ? cut(p, q, s, t) : cut(q, p, t, s);
+		}
+		n = m;
+		memcpy(a, b, (size_t)n * sizeof *a);
+	}
+	return n;
+}
+
+/* The guard's room is kept whatever rounding does, as integers depend on it. */
+static inline int32_t snap(double pixel, double limit)
+{
+	pixel = pixel > -GUARD ? pixel : -GUARD;
+	pixel = pixel < limit ? pixel : limit;
+	return (int32_t)((pixel + GUARD) * SUB + 0.5);
+}
+
+/* First pixel whose centre is at or past `step`. */
+static inline int32_t pixel_from(int32_t step)
+{
+	return (step + SUB / 2 - 1) >> SUB_BITS;
+}
+
+bool outline_make(const room *r, const corner corner[3], outline *o)
+{
+	struct corner a[OUTLINE_CORNERS];
+	memcpy(o->corner, corner, sizeof o->corner);
+	memcpy(a, corner, sizeof o->corner);
+	unsigned some = 0, all = ~0u;
+	for (int k = 0; k < 3; k++) {
+		unsigned out = 0;
+		/* Not finite, or so large that products would not be: dropped. */
+		if (!(fabs(a[k].x) + fabs(a[k].y) + fabs(a[k].w) + fabs(a[k].z) < 1e60))
+			return false;
+		for (int plane = 0; plane < CLIP_COUNT; plane++)
+			out |= (unsigned)(side(r, plane, a + k) < 0) << plane;
+		some |= out;
+		all &= out;
+	}
+	if (all)
+		return false;
+	o->n = some ? clip(r, a, 3) : 3;
+	if (o->n < 3)
+		return false;
+	int32_t x0 = INT32_MAX, x1 = 0, y0 = INT32_MAX, y1 = 0;
+	o->nearest = INFINITY;
+	o->farthest = -INFINITY;
+	for (int k = 0; k < o->n; k++) {
+		int32_t x = o->x[k] = snap(a[k].x / a[k].w, r->frame_width + GUARD);
+		int32_t y = o->y[k] = snap(a[k].y / a[k].w, r->frame_height + GUARD);
+		x0 = x < x0 ? x : x0;
+		x1 = x > x1 ? x : x1;
+		y0 = y < y0 ? y : y0;
+		y1 = y > y1 ? y : y1;
+		o->nearest = a[k].z < o->nearest ? a[k].z : o->nearest;
+		o->farthest = a[k].z > o->farthest ? a[k].z : o->farthest;
+	}
+	o->x0 = pixel_from(x0);
+	o->y0 = pixel_from(y0);
+	o->x1 = pixel_from(x1 + 1);
+	o->y1 = pixel_from(y1 + 1);
+	return o->x0 < o->x1 && o->y0 < o->y1 && o->x0 < r->x1 && o->x1 > r->x0 && o->y0 < r->y1 && o->y1 > r->y0;
+}
+
+/* Depth = n / d, both linear on the screen: at column x and row y a x + b y + c. */
+typedef struct depth_plane {
+	double n[3], d[3];
+} depth_plane;
+
+/* Columns and rows are counted from the outline's box, not from the images: a border gets the full frame's bits. */
+static depth_plane plane_of(const outline *o)
+{
+	depth_plane plane = {{0}, {0}};
+	double x[3], y[3];
+	const corner *c = o->corner;
+	for (int k = 0; k < 3; k++) {
+		x[k] = c[k].x - (o->x0 - GUARD + 0.5) * c[k].w;
+		y[k] = c[k].y - (o->y0 - GUARD + 0.5) * c[k].w;
+	}
+	for (int k = 0; k < 3; k++) {
+		int i = (k + 1) % 3, j = (k + 2) % 3;
+		double e[3] = {y[i] * c[j].w - y[j] * c[i].w, c[i].w * x[j] - c[j].w * x[i], x[i] * y[j] - x[j] * y[i]};
+		for (int m = 0; m < 3; m++) {
+			plane.n[m] += e[m] * c[k].z;
+			plane.d[m] += e[m];
+		}
+	}
+	return plane;
+}
+
+/* Divides by d > 0, rounding down. Exact in double: |k| < 2^52, so a quotient that is not whole is farther from the next
+ * whole number, 1/d at least, than it is rounded. */
+static inline int64_t floor_divide(int64_t k, int64_t d)
+{
+	double q = (double)k / (double)d;
+	int64_t whole = (int64_t)q;
+	return whole - ((double)whole > q);
+}
+
+static void draw_span(const depth_plane *plane, const outline *o, int x, int y, int n, uint32_t number, float *restrict depth, uint32_t *restrict front)
+{
+	double row = y - o->y0, above = plane->n[1] * row + plane->n[2], below = plane->d[1] * row + plane->d[2];
+	double step_n = plane->n[0], step_d = plane->d[0], nearest = o->nearest, farthest = o->farthest;
+	int column = x - o->x0;
+	for (int i = 0; i < n; i++) {
+		double z = (step_n * (column + i) + above) / (step_d * (column + i) + below);
+		/* A surface seen on its edge has no depth of its own (not even a number), but its corners have. */
+		z = z > nearest ? z : nearest;
+		z = z < farthest ? z : farthest;
+		float f = (float)z;
+		front[i] = f < depth[i] ? number : front[i];
+		depth[i] = f < depth[i] ? f : depth[i];
+	}
+}
+
+/* Draws the triangle of the outline's corners 0, j, j + 1. A centre at column x is inside an edge from a to b where
+ * dx (y - ya) - dy (x - xa) >= 0, and > 0 unless the edge is a left or a top one. In whole pixels that is
+ * k >= dy x, and k grows by dx a row: each edge bounds the row's span on one side. */
+static void draw_triangle(const band *b, const outline *o, int j, const depth_plane *plane, uint32_t number)
+{
+	int64_t x[3] = {o->x[0], o->x[j], o->x[j + 1]}, y[3] = {o->y[0], o->y[j], o->y[j + 1]};
+	int64_t area = (x[1] - x[0]) * (y[2] - y[0]) - (y[1] - y[0]) * (x[2] - x[0]);
+	if (area == 0)
+		return;
+	int64_t dx[3], dy[3], k[3];
+	int y0 = o->y0 > b->y0 ? o->y0 : b->y0, y1 = o->y1 < b->y1 ? o->y1 : b->y1;
+	for (int i = 0; i < 3; i++) {
+		int from = area > 0 ? i : (i + 1) % 3, to = area > 0 ? (i + 1) % 3 : i;
+		dx[i] = x[to] - x[from];
+		dy[i] = y[to] - y[from];
+		bool top_left = dy[i] < 0 || (dy[i] == 0 && dx[i] > 0);
+		int64_t e = dx[i] * ((int64_t)y0 * SUB + SUB / 2 - y[from]) - dy[i] * (SUB / 2 - x[from]) - !top_left;
+		k[i] = e >> SUB_BITS; /* rounds down: all compilers shift arithmetically */
+	}
+	for (int row = y0; row < y1; row++) {
+		int64_t left = b->x0, right = b->x1 - 1;
+		for (int i = 0; i < 3; i++) {
+			if (dy[i] > 0) {
+				int64_t q = floor_divide(k[i], dy[i]);
+				right = q < right ? q : right;
+			} else if (dy[i] < 0) {
+				int64_t q = -floor_divide(k[i], -dy[i]);
+				left = q > left ? q : left;
+			} else if (k[i] < 0)
+				right = left - 1;
+			k[i] += dx[i];
+		}
+		if (left > right)
+			continue;
+		size_t at = (size_t)(row - b->y0) * (size_t)(b->x1 - b->x0) + (size_t)(left - b->x0);
+		draw_span(plane, o, (int)left, row, (int)(right - left + 1), number, b->depth + at, b->front + at);
+	}
+}
+
+void outline_draw(const outline *o, uint32_t number, const band *b)
+{
+	depth_plane plane = plane_of(o);
+	for (int j = 1; j + 1 < o->n; j++)
+		draw_triangle(b, o, j, &plane, number);
+}
+
+void outline_shares(const corner c[3], double x, double y, double *second, double *third)
+{
+	double px[3], py[3], e[3];
+	for (int k = 0; k < 3; k++) {
+		px[k] = c[k].x - x * c[k].w;
+		py[k] = c[k].y - y * c[k].w;
+	}
+	for (int k = 0; k < 3; k++) {
+		int i = (k + 1) % 3, j = (k + 2) % 3;
+		e[k] = px[i] * py[j] - px[j] * py[i];
+	}
+	double sign = e[0] + e[1] + e[2] < 0 ? -1 : 1, sum = 0;
+	for (int k = 0; k < 3; k++) {
+		e[k] = sign * e[k] > 0 ? sign * e[k] : 0;
+		sum += e[k];
+	}
+	*second = sum > 0 ? e[1] / sum : 0;
+	*third = sum > 0 ? e[2] / sum : 0;
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One primitive on the screen: what it covers and how deep it lies. */
+#ifndef ENCRE_OUTLINE_H
+#define ENCRE_OUTLINE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum {
+	OUTLINE_FRAME = 65536, /* pixels of a frame each way, at most */
+	OUTLINE_GUARD = 32768, /* pixels kept outside of it on all sides */
+	OUTLINE_CORNERS = 12,  /* room for a triangle cut by seven planes, and two more that clipping looks ahead */
+};
+
+/* A corner on the screen: x / w and y / w are pixels of the full frame, z is the distance along the view axis. */
+typedef struct corner {
+	double x, y, w, z;
+} corner;
+
+/* What can be seen: z from start to end, and the columns x0..x1-1 and rows y0..y1-1 of the images. Here and below,
+ * columns and rows are counted from the guard's top left: OUTLINE_GUARD more than in the full frame. */
+typedef struct room {
+	double start, end;
+	int frame_width, frame_height;
+	int x0, x1, y0, y1;
+} room;
+
+/* A convex outline in steps of the sub-pixel grid, the box of pixels whose centres may be in it (not clipped to the
+ * images), the corners as they came and the depths between which it lies. */
+typedef struct outline {
+	corner corner[3];
+	int n;
+	int32_t x[OUTLINE_CORNERS], y[OUTLINE_CORNERS];
+	int x0, x1, y0, y1;
+	double nearest, farthest;
+} outline;
+
+/* Rows y0..y1-1 of the images, packed: depth (INFINITY to begin with) and number of what is nearest. */
+typedef struct band {
+	int x0, x1, y0, y1;
+	float *depth;
+	uint32_t *front;
+} band;
+
+/* False where the triangle covers no pixel of the images, is not finite, or cannot be told from that. */
+bool outline_make(const room *room, const corner corner[3], outline *o);
+/* Puts `number` where the outline is nearer than what is there. */
+void outline_draw(const outline *o, uint32_t number, const band *b);
+/* Shares of the second and the third corner at a place in pixels of the full frame, perspective-correct; 0..1 also
+ * where snapping has moved an edge. */
+void outline_shares(const corner corner[3], double x, double y, double *second, double *third);
+
+#endif

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef ENCRE_RASTER_H
+#define ENCRE_RASTER_H
+
+#include "stage.h"
+
+/* What encre_raster() does. Images of the job have been checked and have strides; meshes, matrices and the frame are
+ * checked here. Returns a code of enum encre_code; `error` gets a sentence for ENCRE_ERROR_ARGUMENT only. */
+int32_t raster_run(rows *pool, const encre_raster_job *job, char *error, size_t size);
+
+#endif
