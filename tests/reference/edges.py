@@ -247,6 +247,7 @@ def _contrast(encoded, layers, params):
     steep = (ramp < 0.02) & (np.abs(deltas - least) < 1e-4 + np.maximum(ramp, 0.0))
     jumps = np.array([metric.jumps(kind, *pair) for pair in ends]) & (deltas > least - 1e-3)
     doubtful = (steep | jumps).any(axis=0)
-    if params["contrast_auto"]:
-        doubtful = grid.most(doubtful, _auto_radius(layers, params))
+    if params["contrast_auto"]:  # the window's largest may be another
+        unsteady = grid.most(np.where(jumps, deltas, 0.0).max(axis=0), _auto_radius(layers, params))
+        doubtful |= (unsteady > 0) & (unsteady >= (1 - metric.JUMP[kind]) * full)
     return Source(response, limit=1.0, doubtful=doubtful)

@@ -191,14 +191,25 @@ def _walk(pen, edges):
     row, column = _own(mask)
     faint = (length < 0.02 * grid.most(blurred, 1)) & ~mask
     doubtful = faint.copy()
+    def land(i, dy, dx):
+        spots = zip((y + i * uy + dy, x + i * ux + dx), mask.shape, strict=True)
+        return tuple(np.clip(grid.round_half_up(f), 0, n - 1) for f, n in spots)
+
     for i in range(1, 20):
         looking = walks & (row < 0)
-        fy, fx = y + i * uy, x + i * ux
-        doubtful |= looking & (grid.rounds_doubtfully(fy, 1e-3) | grid.rounds_doubtfully(fx, 1e-3))
-        qy, qx = (np.clip(grid.round_half_up(f), 0, n - 1) for f, n in zip((fy, fx), mask.shape, strict=True))
-        hit = looking & mask[qy, qx]
-        row[hit], column[hit] = qy[hit], qx[hit]
+        q = land(i, 0, 0)
+        for near in (land(i, dy, dx) for dy in (-1e-3, 1e-3) for dx in (-1e-3, 1e-3)):
+            moved = (near[0] != q[0]) | (near[1] != q[1])
+            doubtful |= looking & moved & (mask[near] | mask[q])
+        hit = looking & mask[q]
+        row[hit], column[hit] = q[0][hit], q[1][hit]
+    doubtful |= grid.most(edges.mask_doubtful, 21)  # the gradient there is, and so the way
+
+    nearest = grid.nearest(mask)
     for _ in range(2):
+        # nothing that a doubtful neighbour may hold beats the nearest of all
+        sure = _closest_held(np.where(doubtful, -1, row), column)
+        settled = (sure[0] == nearest[0]) & (sure[1] == nearest[1]) & (sure[0] >= 0)
+        doubtful = grid.most(doubtful, 1) & ~settled
         row, column = _closest_held(row, column)
-    unblurred = grid.most(edges.mask_doubtful, 21)  # the gradient there, and so the way
-    return row, column, grid.most(doubtful | unblurred, 2) & _inked(pen, edges)
+    return row, column, (doubtful | grid.most(edges.mask_doubtful, 23)) & _inked(pen, edges)

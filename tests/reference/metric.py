@@ -112,17 +112,19 @@ def difference(metric, one, two):
     return _LAB[metric](lab(one), lab(two)) / 100
 
 
+JUMP = {"RGB": 0.0, "CIE76": 0.0, "CIEDE2000": 0.5, "CMC": 0.01}  # the most of ΔE that a jump changes
+
+
 def jumps(metric, one, two):
     """Where the metric itself is discontinuous: opposite hues in CIEDE2000, the branches of CMC."""
-    if metric not in ("CIEDE2000", "CMC"):
+    if not JUMP[metric]:
         return np.zeros(one.shape[:-1], bool)
     (l1, a1, b1), (l2, a2, b2) = (np.moveaxis(lab(c), -1, 0) for c in (one, two))
     c1, c2 = np.hypot(a1, b1), np.hypot(a2, b2)
     h1, h2 = np.degrees(np.arctan2(b1, a1)) % 360, np.degrees(np.arctan2(b2, a2)) % 360
     if metric == "CMC":
-        hues = [
-            np.abs(h - at) < 0.01 + 0.01 / (c + 1e-3) for h, c in ((h1, c1), (h2, c2)) for at in (164, 345)
-        ]
+        # a hue weighs with the square of its chroma: nearly grey, the branch makes no difference
+        hues = [(c > 1) & (np.abs(h - at) < 0.02) for h, c in ((h1, c1), (h2, c2)) for at in (164, 345)]
         return np.any([*hues, np.abs(l1 - 16) < 1e-3, np.abs(l2 - 16) < 1e-3], axis=0)
     # the red-green stretch moves both hues, though never across 90 or 270 degrees
     mean7 = ((c1 + c2) / 2) ** 7

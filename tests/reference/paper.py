@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The paper's height under every pixel: an image, or the procedural sheet of docs/paper.md."""
+"""The paper's height under every pixel: an image, or the built-in sheet of docs/paper.md."""
+
+from functools import cache
 
 import numpy as np
 
@@ -13,7 +15,8 @@ def heights(layers, params):
     shape = layers.depth.shape
     if params["paper_source"] == "NONE":
         return np.ones(shape), np.full(shape, 0.5)
-    texels = _image(params["paper_image"])
+    image = params["paper_source"] == "IMAGE"
+    texels = _image(params["paper_image"]) if image else sheet(params["paper_seed"])
     height = clamp01(0.8 + (_sample(texels, layers, params) - 0.8) * params["paper_roughness"])
     return height, height
 
@@ -23,6 +26,57 @@ def _image(image):
         raise ValueError("paper_source is IMAGE, but paper_image is not set")
     image = np.nan_to_num(np.asarray(image, np.float64), nan=0.0, posinf=0.0, neginf=0.0)
     return image if image.ndim == 2 else image[..., :3] @ _LUMINANCE
+
+
+def _mix(n):
+    """A bijective hash of uint32, which wraps silently in arrays."""
+    n = (n ^ (n >> 16)) * np.uint32(0x7FEB352D)
+    n = (n ^ (n >> 15)) * np.uint32(0x846CA68B)
+    return n ^ (n >> 16)
+
+
+def _wave(angle):
+    """A sine of two parabolas: 2^32 is a full turn, 2^23 one texel."""
+    p = angle >> 16
+    q = p & 32767
+    s = (q * (32768 - q)) >> 5
+    return np.where(p < 32768, s, 0 - s)
+
+
+def _around(image, weights):
+    """Sum over the neighbours in each direction, wrapping."""
+    for axis in (0, 1):
+        reach = len(weights) // 2
+        image = sum(w * np.roll(image, k - reach, axis) for k, w in enumerate(weights))
+    return image
+
+
+@cache
+def sheet(seed):
+    """(512, 512) heights, 0.6…1."""
+    key = _mix(np.array([seed + 1], np.int64).astype(np.uint32))
+
+    def number(index):
+        return _mix(index.astype(np.uint32) + key)
+
+    pulp = (number(np.arange(512 * 512)) >> 24).astype(np.int64).reshape(512, 512)
+    x, y, a, c = number(262144 + np.arange(4 * 8192)).reshape(8192, 4).T
+    steps = (16 + (c & 31)).astype(np.int64)
+    ink = (16 + 2 * ((c >> 5) & 7)).astype(np.int64)
+    turn = (((c >> 8) & 65535) - np.uint32(32768)) << 9
+    bend = ((c >> 24) - np.uint32(128)) << 13
+    for t in range(47):
+        on = t < steps
+        depth = np.minimum(np.minimum(t + 1, steps - t), 4) * ink
+        np.add.at(pulp, ((y >> 23)[on], (x >> 23)[on]), depth[on])
+        x, y = x + _wave(a + np.uint32(0x40000000)), y + _wave(a)
+        a, turn = a + turn, turn + bend
+
+    felt = _around(pulp, (1, 2, 1))
+    level = np.minimum(16383, np.maximum(0, 49 * felt + 262144 - _around(felt, (1,) * 7)) >> 5)
+    _, which, count = np.unique(level, return_inverse=True, return_counts=True)
+    rank = 2 * (np.cumsum(count) - count) + count
+    return 0.6 + 0.4 * rank[which].reshape(512, 512) / 524288
 
 
 def _sample(texels, layers, params):
