@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where Blender's versions differ, each with the version and the reason. Nothing else asks for the version."""
+
+import bpy
+import numpy as np
+
+from . import layers
+
+# 5.0 gave the passes readable names.
+_READABLE_NAMES = bpy.app.version >= (5, 0, 0)
+# 4.1 made RenderPass.rect one flat list; before, it takes one row of channels for each pixel.
+_FLAT_RECT = bpy.app.version >= (4, 1, 0)
+# 5.0 made Brush.color scene-linear; before, it is sRGB-encoded.
+LINEAR_BRUSH = bpy.app.version >= (5, 0, 0)
+
+
+def pass_name(name):
+    """This Blender's name of a pass whose classic name is given."""
+    return layers.RENAMED.get(name, name) if _READABLE_NAMES else name
+
+
+def read_pass(render_pass, width, height):
+    """The pixels of a render pass: float32 (height, width, channels), row 0 at the top, a view of a copy."""
+    channels, pixels = render_pass.channels, width * height
+    flat = np.empty(pixels * channels if _FLAT_RECT else (pixels, channels), np.float32)
+    render_pass.rect.foreach_get(flat)
+    return flat.reshape(height, width, channels)[::-1]
+
+
+def write_pass(render_pass, picture):
+    """Stores a picture (height, width, channels) or (height, width), row 0 at the top, in a render pass."""
+    flat = np.ascontiguousarray(picture[::-1], np.float32)
+    render_pass.rect.foreach_set(flat.reshape(-1) if _FLAT_RECT else flat.reshape(-1, render_pass.channels))
+
+
+def has_cycles_denoiser():
+    """Whether this build's Cycles has Open Image Denoise. Distributions leave it out, and Cycles then refuses to
+    render any scene that asks for it, as every factory scene does."""
+    import _cycles
+
+    return bool(getattr(_cycles, "with_openimagedenoise", True))

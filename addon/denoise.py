@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Open Image Denoise as Blender brings it, by its C functions: light without Monte-Carlo noise."""
+
+import ctypes as c
+import ctypes.util
+import functools
+import glob
+import os
+import sys
+
+import numpy as np
+
+from . import core
+
+_CPU, _FLOAT3, _CANCELLED = 1, 3, 6
+_Monitor = c.CFUNCTYPE(c.c_bool, c.c_void_p, c.c_double)
+# Parameters and result of each function used; handles are pointers.
+_SIGNATURES = {
+    "oidnNewDevice": (c.c_void_p, c.c_int),
+    "oidnCommitDevice": (None, c.c_void_p),
+    "oidnReleaseDevice": (None, c.c_void_p),
+    "oidnGetDeviceError": (c.c_int, c.c_void_p, c.POINTER(c.c_char_p)),
+    "oidnNewFilter": (c.c_void_p, c.c_void_p, c.c_char_p),
+    "oidnReleaseFilter": (None, c.c_void_p),
+    "oidnSetFilterBool": (None, c.c_void_p, c.c_char_p, c.c_bool),
+    "oidnSetFilterProgressMonitorFunction": (None, c.c_void_p, _Monitor, c.c_void_p),
+    "oidnSetSharedFilterImage": (None, c.c_void_p, c.c_char_p, c.c_void_p, c.c_int, *[c.c_size_t] * 5),
+    "oidnCommitFilter": (None, c.c_void_p),
+    "oidnExecuteFilter": (None, c.c_void_p),
+}
+
+
+def _candidates():
+    """Paths of the library: beside the bpy module or Blender's program, then the system's."""
+    import bpy
+
+    homes = [os.path.dirname(os.path.abspath(bpy.__file__))]
+    if bpy.app.binary_path:
+        homes.append(os.path.dirname(os.path.realpath(bpy.app.binary_path)))
+    names = {"darwin": ("libOpenImageDenoise*.dylib",), "win32": ("OpenImageDenoise.dll",)}.get(
+        sys.platform, ("libOpenImageDenoise.so*",))
+    for home in homes:
+        for folder in ("lib", "blender.shared", os.path.join("..", "Resources", "lib"), "."):
+            for name in names:
+                yield from sorted(glob.glob(os.path.join(home, folder, name)))
+    system = ctypes.util.find_library("OpenImageDenoise")
+    if system:
+        yield system
+
+
+@functools.cache
+def _library():
+    for path in _candidates():
+        try:
+            library = c.CDLL(path)
+            for name, (result, *arguments) in _SIGNATURES.items():
+                function = getattr(library, name)
+                function.restype, function.argtypes = result, arguments
+        except (OSError, AttributeError):  # of another platform, or version 1 with other functions
+            continue
+        return library
+    return None
+
+
+def available():
+    """Whether Open Image Denoise is there."""
+    return _library() is not None
+
+
+def denoise(picture, albedo, normal, keep_on=None):
+    """`picture` (height, width, 3), linear and unlimited, without noise; albedo and normal guide it.
+
+    keep_on: called while it works, perhaps on other threads; False cancels (core.Cancelled). EncreError: the
+    denoiser failed.
+    """
+    library = _library()
+    inputs = {b"color": picture, b"albedo": albedo, b"normal": normal}
+    inputs = {name: np.ascontiguousarray(image, np.float32) for name, image in inputs.items()}
+    height, width = picture.shape[:2]
+    output = np.empty((height, width, 3), np.float32)
+    monitor = _Monitor(lambda _user, _fraction: keep_on is None or bool(keep_on()))
+    device = library.oidnNewDevice(_CPU)
+    library.oidnCommitDevice(device)
+    work = library.oidnNewFilter(device, b"RT")
+    for name, image in (*inputs.items(), (b"output", output)):
+        library.oidnSetSharedFilterImage(work, name, image.ctypes.data, _FLOAT3, width, height, 0, 0, 0)
+    library.oidnSetFilterBool(work, b"hdr", True)
+    library.oidnSetFilterProgressMonitorFunction(work, monitor, None)
+    library.oidnCommitFilter(work)
+    library.oidnExecuteFilter(work)
+    sentence = c.c_char_p()
+    code = library.oidnGetDeviceError(device, c.byref(sentence))
+    library.oidnReleaseFilter(work)
+    library.oidnReleaseDevice(device)
+    if code == _CANCELLED:
+        raise core.Cancelled("denoising was cancelled")
+    if code:
+        reason = (sentence.value or b"").decode(errors="replace")
+        raise core.EncreError(f"Open Image Denoise failed ({reason}); set Denoise Light to None")
+    return output

@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluated objects -> triangles with painted controls, numbers of objects, and the camera's matrices."""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from . import core, properties
+
+MESHABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
+_MOST_INDICES = 32767  # pass_index is a short
+
+
+@dataclass
+class Objects:
+    """Triangles of one view layer. Arrays are by instance number, the `object_index` of a mesh; 0 is nothing."""
+
+    meshes: list
+    owners: np.ndarray   # the object index that Cycles writes for the instance
+    numbers: np.ndarray  # what the layer `object` says
+    indices: np.ndarray | None  # by Cycles' index: what the layer says where nothing was drawn; None: see strays()
+    automatic: bool
+
+    def strays(self, index):
+        """What the layer `object` says at pixels with Cycles' index, whose object the rasteriser did not draw."""
+        if self.indices is not None:
+            return self.indices[np.clip(index, 0, len(self.indices) - 1).astype(np.intp)]
+        return -index if self.automatic else index  # negative: no automatic number is
+
+
+# Object numbers
+
+def renumber(depsgraph):
+    """Gives each evaluated object a pass index of its own; originals keep theirs.
+
+    Cycles draws the index of clipped leaves, hair and displaced surfaces, which no rasteriser of ours can, but
+    pass indices are 0 unless set by hand. Returns (line, user) by the new index: the number of the object or its
+    line group, and the index that the user gave. None, with nothing changed, where a material reads the index.
+    """
+    blocks = list(depsgraph.ids)
+    if any(_reads_index(block) for block in blocks):
+        return None
+    line, user, groups = [0], [0], {}
+    for obj in blocks:
+        if not isinstance(obj, bpy.types.Object):
+            continue
+        obj.pass_index = (len(line) - 1) % _MOST_INDICES + 1
+        if len(line) <= _MOST_INDICES:
+            line.append(_group_number(obj, groups, len(line)))
+            user.append(obj.original.pass_index)
+    return np.array(line, np.float32), np.array(user, np.float32)
+
+
+def _group_number(obj, groups, number):
+    group = obj.encre.line_group
+    return groups.setdefault(group, number) if group else number
+
+
+def _reads_index(block):
+    """Whether a material's or a node group's colours depend on the pass index."""
+    tree = block if isinstance(block, bpy.types.ShaderNodeTree) else getattr(block, "node_tree", None)
+    if not isinstance(tree, bpy.types.ShaderNodeTree):
+        return False
+    return any(
+        (node.bl_idname == "ShaderNodeObjectInfo" and node.outputs["Object Index"].is_linked)
+        or (node.bl_idname == "ShaderNodeAttribute" and node.attribute_name == "pass_index")
+        for node in tree.nodes)
+
+
+# Triangles
+
+def extract(depsgraph, automatic, line_numbers):
+    """The Objects that the camera can see. `line_numbers`: what renumber() gave, None if it was not called."""
+    meshes, owners, numbers = [], [0], [0]
+    cache, running, materials = {}, {}, _Materials(depsgraph.scene_eval)
+    first_free = 0 if line_numbers is None else len(line_numbers)
+    for instance in depsgraph.object_instances:
+        obj = instance.object
+        if obj.type not in MESHABLE or not instance.show_self or not _in_camera(obj, depsgraph):
+            continue
+        # Instances share a mesh but not always an object, and objects of one mesh not their modifiers.
+        key = (obj.type, (obj.data if obj.type == "MESH" else obj).as_pointer())
+        if key not in cache:
+            cache[key] = _triangles(obj)
+        if cache[key] is None:
+            continue
+        number = len(owners)
+        owners.append(obj.pass_index)
+        numbers.append(_line_number(instance, obj, automatic, line_numbers, running, first_free + number))
+        meshes.append(_mesh(cache[key], obj, materials, instance.matrix_world, number))
+    return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
+                   line_numbers if automatic else None, automatic)
+
+
+def _in_camera(obj, depsgraph):
+    if not obj.visible_camera:
+        return False
+    return not obj.original.indirect_only_get(view_layer=depsgraph.view_layer)
+
+
+def _line_number(instance, obj, automatic, line_numbers, running, own):
+    """What the layer `object` says for an instance; `own`: a number that nothing else has."""
+    if not automatic:
+        return obj.pass_index
+    group = obj.encre.line_group
+    if instance.is_instance and not group:
+        return own
+    if line_numbers is not None:
+        return line_numbers[obj.pass_index]
+    return running.setdefault((bool(group), group or obj.name_full), own)
+
+
+@dataclass
+class _Triangles:
+    points: np.ndarray
+    corners: np.ndarray
+    material: np.ndarray | None  # slot of each triangle, None: all 0
+    painted: np.ndarray | None   # (triangles, 3, 6)
+
+
+def _triangles(obj):
+    """The triangles of an evaluated object, None if it has none."""
+    try:
+        mesh = obj.to_mesh()
+    except RuntimeError:  # no geometry
+        return None
+    if mesh is None:
+        return None
+    try:
+        return _read(mesh) if len(mesh.polygons) else None
+    finally:
+        obj.to_mesh_clear()
+
+
+def _get(collection, name, dtype, width=1):
+    values = np.empty(len(collection) * width, dtype)
+    collection.foreach_get(name, values)
+    return values.reshape(-1, width) if width > 1 else values
+
+
+def _read(mesh):
+    position = mesh.attributes.get("position")
+    points = (_get(position.data, "vector", np.float32, 3) if position
+              else _get(mesh.vertices, "co", np.float32, 3))
+    corner_vertex = mesh.attributes.get(".corner_vert")  # many times faster than the loops, where it is there
+    vertex = (_get(corner_vertex.data, "value", np.int32) if corner_vertex
+              else _get(mesh.loops, "vertex_index", np.int32))
+    loops, face = _triangulate(mesh, points, vertex)
+    material = mesh.attributes.get("material_index")
+    if material is not None and material.domain == "FACE" and len(material.data):
+        material = _get(material.data, "value", np.int32)[face]
+        material = material if material.any() else None
+    else:
+        material = None
+    corners = vertex[loops]
+    return _Triangles(points, corners, material, _painted(mesh, loops, corners, face))
+
+
+def _triangulate(mesh, points, vertex):
+    """(corners of each triangle (t, 3), face of each (t,)), as Blender, and so Cycles, cuts the faces."""
+    start, total = _get(mesh.polygons, "loop_start", np.int32), _get(mesh.polygons, "loop_total", np.int32)
+    if total.max() > 4:
+        mesh.calc_loop_triangles()
+        return (_get(mesh.loop_triangles, "loops", np.int32, 3),
+                _get(mesh.loop_triangles, "polygon_index", np.int32))
+    faces = np.arange(len(total), dtype=np.int32)
+    triangle, quad = faces[total == 3], faces[total == 4]
+    four = start[quad][:, None] + np.arange(4, dtype=np.int32)
+    a, b, c, d = points[vertex[four]].transpose(1, 0, 2)
+    # A quad folded about its first diagonal, or concave there, is cut along the second.
+    flip = np.einsum("ij,ij->i", np.cross(b - a, c - a), np.cross(d - a, c - a)) > 0
+    cut = np.where(flip[:, None], [[0, 1, 3, 1, 2, 3]], [[0, 1, 2, 0, 2, 3]])
+    halves = np.take_along_axis(four, cut, 1).reshape(-1, 3)
+    loops = np.concatenate([start[triangle][:, None] + np.arange(3, dtype=np.int32), halves])
+    return loops, np.concatenate([triangle, np.repeat(quad, 2)])
+
+
+# Painted controls
+
+def control_values(linear):
+    """Control values of scene-linear colours (n, 3 or more): -1 black ... 0 mid grey ... 1 white."""
+    grey = np.asarray(linear, np.float64)[:, :3] @ (0.2126, 0.7152, 0.0722)
+    encoded = np.where(grey <= 0.0031308, 12.92 * grey, 1.055 * np.maximum(grey, 0) ** (1 / 2.4) - 0.055)
+    value = 2 * encoded - 1
+    return np.where(np.abs(value) < 1 / 128, 0, value).astype(np.float32)  # 8-bit mid grey is neutral
+
+
+def _painted(mesh, loops, corners, face):
+    """Control values at the triangles' corners, (t, 3, 6); None if nothing is painted."""
+    painted = None
+    for channel, control in enumerate(core.CONTROLS):
+        attribute = mesh.attributes.get(f"encre_{control}")
+        if attribute is None or not len(attribute.data):
+            continue
+        if attribute.data_type in ("FLOAT_COLOR", "BYTE_COLOR"):
+            values = control_values(_get(attribute.data, "color", np.float32, 4))
+        elif attribute.data_type == "FLOAT":
+            values = _get(attribute.data, "value", np.float32)
+        else:
+            continue
+        where = {"POINT": corners, "CORNER": loops, "FACE": face[:, None]}.get(attribute.domain)
+        if where is None:
+            continue
+        if painted is None:
+            painted = np.zeros((len(loops), 3, len(core.CONTROLS)), np.float32)
+        painted[..., channel] = values[where]
+    return painted
+
+
+class _Materials:
+    """Numbers, styles and controls of materials; each material is asked once."""
+
+    def __init__(self, scene):
+        self.scene, self.known = scene, {None: (0, 0, np.zeros(len(core.CONTROLS), np.float32))}
+
+    def __call__(self, material):
+        key = material and material.name_full
+        if key not in self.known:
+            self.known[key] = (len(self.known), properties.style_number(material, self.scene),
+                               np.array(properties.controls(material), np.float32))
+        return self.known[key]
+
+
+def _mesh(triangles, obj, materials, matrix, number):
+    slots = [materials(slot.material) for slot in obj.material_slots] or [materials(None)]
+    own_style = properties.style_number(obj, materials.scene)
+    controls = np.array([slot[2] for slot in slots]) + np.array(properties.controls(obj), np.float32)
+    mesh = core.Mesh(triangles.points, triangles.corners, object_index=number,
+                     model=np.array(matrix, np.float64), material_index=slots[0][0],
+                     style_index=own_style or slots[0][1])
+    slot = np.zeros(len(triangles.corners), np.intp)
+    if triangles.material is not None and len(slots) > 1:
+        slot = np.clip(triangles.material, 0, len(slots) - 1)  # as Cycles does
+        mesh.material = np.array([s[0] for s in slots], np.int32)[slot]
+        mesh.style = np.array([own_style or s[1] for s in slots], np.int32)[slot]
+    if controls.any():
+        added = controls[slot][:, None]
+        mesh.attributes = added.repeat(3, 1) if triangles.painted is None else triangles.painted + added
+    else:
+        mesh.attributes = triangles.painted
+    return mesh
+
+
+# Camera
+
+def border(render):
+    """(full width, full height, x, y, width, height) of what is rendered, in pixels, y from the top."""
+    full_width = render.resolution_x * render.resolution_percentage // 100
+    full_height = render.resolution_y * render.resolution_percentage // 100
+    if not render.use_border:
+        return full_width, full_height, 0, 0, full_width, full_height
+    # Blender multiplies in single precision and cuts the decimals off.
+    x0, x1 = (int(np.float32(v) * np.float32(full_width)) for v in (render.border_min_x, render.border_max_x))
+    y0, y1 = (int(np.float32(v) * np.float32(full_height)) for v in (render.border_min_y, render.border_max_y))
+    return full_width, full_height, x0, full_height - y1, x1 - x0, y1 - y0
+
+
+def views(engine, depsgraph, camera, width, height):
+    """{view name: (world -> camera, camera -> clip)}, 4 x 4; the only name is "" unless stereo is on."""
+    render = depsgraph.scene_eval.render
+    projection = np.array(camera.calc_matrix_camera(
+        depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y))
+    if not render.use_multiview:
+        return {"": (np.array(camera.matrix_world.normalized().inverted()), projection)}
+    names = (("left", "right") if render.views_format == "STEREO_3D"
+             else [view.name for view in render.views if view.use])
+    found, before = {}, engine.active_view_get()
+    for name in names:
+        engine.active_view_set(name)
+        sheared = projection.copy()
+        sheared[0, 2] += 2 * (engine.camera_shift_x(camera) - camera.data.shift_x)
+        placed = engine.camera_model_matrix(camera)
+        found[name] = np.linalg.inv(_unscaled(np.array(placed))), sheared
+    engine.active_view_set(before or names[0])
+    return found
+
+
+def _unscaled(matrix):
+    matrix = matrix.astype(np.float64)
+    matrix[:3, :3] /= np.linalg.norm(matrix[:3, :3], axis=0)
+    return matrix
