@@ -1,107 +1,177 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings as Blender properties, made from the library's parameter table."""
+"""The library's parameter table as Blender properties: scene.encre, and encre on objects and materials.
+
+Every reading function takes evaluated data, so that keyframes and drivers count.
+"""
 
 import bpy
-from bpy.props import (
-    BoolProperty,
-    CollectionProperty,
-    EnumProperty,
-    FloatProperty,
-    FloatVectorProperty,
-    IntProperty,
-    PointerProperty,
-    StringProperty,
-)
 
 from . import core
 
-
-class EncreLevel(bpy.types.PropertyGroup):
-    intensity: FloatProperty(name="Intensity", default=1, min=0)
-    threshold: FloatProperty(name="Threshold", default=0.5, min=0)
-    transition: FloatProperty(name="Transition", default=0.025, min=0)
-    color: FloatVectorProperty(name="Color", subtype="COLOR", default=(1, 1, 1), min=0)
-
-
-def _property(param):
-    text = {"name": param.label, "description": param.help}
-    limits = {"soft_min": param.soft_min, "soft_max": param.soft_max}
-    for side, limit in (("min", param.hard_min), ("max", param.hard_max)):
-        if limit is not None:
-            limits[side] = limit
-    if param.type == "bool":
-        return BoolProperty(default=param.default, **text)
-    if param.type == "int":
-        return IntProperty(default=param.default, **{k: int(v) for k, v in limits.items()}, **text)
-    if param.type == "float":
-        return FloatProperty(default=param.default, **limits, **text)
-    if param.type == "enum":
-        items = [(i.id, i.label, i.help, i.number) for i in param.items]
-        return EnumProperty(items=items, default=param.default, **text)
-    if param.type == "color":
-        return FloatVectorProperty(subtype="COLOR", default=param.default, min=0, **text)
-    if param.type == "image":
-        return StringProperty(subtype="FILE_PATH", **text)
-    return CollectionProperty(type=EncreLevel, **text)
-
-
-class EncreControls(bpy.types.PropertyGroup):
-    """What an object or a material adds to the painted controls."""
-
-    __annotations__ = {name: FloatProperty(name=name.replace("_", " ").title(), min=-1, max=1)
-                       for name in core.CONTROLS}
-    __annotations__["line_group"] = StringProperty(
-        name="Line Group", description="Objects of one group have no outline between them")
-
-
-def _value(settings, param):
-    value = getattr(settings, param.id)
-    if param.type == "color":
-        return tuple(value)
-    if param.type == "image":
-        return bpy.path.abspath(value) if value else None
-    if param.type == "levels":
-        levels = [(v.intensity, v.threshold, v.transition, *v.color) for v in value]
-        return [levels[0][:1], *levels[1:]] if levels else param.default
-    return value
-
-
-def scene_values(scene):
-    """{id: value} of the scene's parameters."""
-    return core.check({name: _value(scene.encre, param) for name, param in core.params().items()})
-
-
-def styles(scene):
-    """(name, what it changes) of each style, in the order of their numbers."""
-    return []
-
-
-def style_number(block, scene):
-    """The number of the style that an object or a material names, 0 for the scene's."""
-    return 0
-
-
-def controls(block):
-    """The six control values of an object or a material."""
-    return tuple(getattr(block.encre, name) for name in core.CONTROLS)
-
-
+LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
 _classes = []
 
 
-def register():
-    settings = type("EncreScene", (bpy.types.PropertyGroup,), {
-        "__annotations__": {name: _property(param) for name, param in core.params().items()}})
-    _classes[:] = EncreLevel, settings, EncreControls
+def _common(p):
+    return {"name": p.label, "description": p.help}
+
+
+def _limits(p):
+    out = {"min": p.hard_min, "soft_min": p.soft_min, "soft_max": p.soft_max}
+    return out if p.hard_max is None else {**out, "max": p.hard_max}
+
+
+def _property(p):
+    """The bpy.props definition of a parameter."""
+    if p.type == "bool":
+        return bpy.props.BoolProperty(default=p.default, **_common(p))
+    if p.type == "int":
+        limits = {k: int(v) for k, v in _limits(p).items()}
+        return bpy.props.IntProperty(default=p.default, **limits, **_common(p))
+    if p.type == "float":
+        return bpy.props.FloatProperty(default=p.default, subtype=LENGTHS.get(p.unit, "NONE"), precision=3,
+                                       **_limits(p), **_common(p))
+    if p.type == "enum":
+        items = [(x.id, x.label, x.help, x.number) for x in p.items]
+        return bpy.props.EnumProperty(items=items, default=p.default, **_common(p))
+    if p.type == "color":
+        return bpy.props.FloatVectorProperty(size=3, subtype="COLOR", default=p.default, min=0.0, soft_max=1.0,
+                                             **_common(p))
+    if p.type == "image":
+        return bpy.props.PointerProperty(type=bpy.types.Image, **_common(p))
+    return bpy.props.CollectionProperty(type=_level_class(), **_common(p))
+
+
+def _class(name, annotations, **members):
+    cls = type(name, (bpy.types.PropertyGroup,), {"__annotations__": annotations, **members})
+    bpy.utils.register_class(cls)
+    _classes.append(cls)
+    return cls
+
+
+def _tone(level):
+    return [min(1.0, level.intensity * c) for c in level.color]
+
+
+def _level_class():
+    """One level of discrete light; `tone` shows what it looks like."""
     for cls in _classes:
-        bpy.utils.register_class(cls)
-    bpy.types.Scene.encre = PointerProperty(type=settings)
-    bpy.types.Object.encre = PointerProperty(type=EncreControls)
-    bpy.types.Material.encre = PointerProperty(type=EncreControls)
+        if cls.__name__ == "EncreLevel":
+            return cls
+    number = bpy.props.FloatProperty
+    return _class("EncreLevel", {
+        "intensity": number(name="Intensity", description="Brightness of this level", default=1.0, min=0.0, soft_max=2.0),
+        "threshold": number(name="Threshold", description="Light from which on this level holds",
+                            default=0.5, min=0.0, soft_max=2.0),
+        "transition": number(name="Transition", description="Width over which it blends with the level below",
+                             default=0.025, min=0.0, soft_max=1.0),
+        "color": bpy.props.FloatVectorProperty(name="Color", description="Colour of this level's light", size=3,
+                                               subtype="COLOR", default=(1, 1, 1), min=0.0, soft_max=1.0),
+        "tone": bpy.props.FloatVectorProperty(name="Tone", description="A white surface at this level", size=3,
+                                              subtype="COLOR", min=0.0, max=1.0, get=_tone),
+    })
+
+
+def register():
+    params = core.params().values()
+    style = _class("EncreStyle", {
+        "name": bpy.props.StringProperty(name="Name", default="Style"),
+        **{p.id: _property(p) for p in params if p.scope == "surface"},
+        "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
+    })
+    scene = _class("EncreScene", {
+        **{p.id: _property(p) for p in params},
+        "styles": bpy.props.CollectionProperty(type=style, name="Styles"),
+        "active_style": bpy.props.IntProperty(options={"HIDDEN"}),
+        "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
+    })
+    controls = {
+        name: bpy.props.FloatProperty(name=name.replace("_", " ").title(), default=0.0, min=-1.0, max=1.0,
+                                      description=f"Added to the painted control encre_{name}")
+        for name in core.CONTROLS
+    }
+    controls["style"] = bpy.props.StringProperty(
+        name="Style", description="The scene's style that this surface uses; an object's word counts more than a material's")
+    material = _class("EncreMaterial", dict(controls))
+    obj = _class("EncreObject", {**controls, "line_group": bpy.props.StringProperty(
+        name="Line Group", description="Objects of the same group have no outlines between them")})
+    bpy.types.Scene.encre = bpy.props.PointerProperty(type=scene)
+    bpy.types.Material.encre = bpy.props.PointerProperty(type=material)
+    bpy.types.Object.encre = bpy.props.PointerProperty(type=obj)
 
 
 def unregister():
-    for owner in (bpy.types.Scene, bpy.types.Object, bpy.types.Material):
+    for owner in (bpy.types.Scene, bpy.types.Material, bpy.types.Object):
         del owner.encre
-    for cls in reversed(_classes):
-        bpy.utils.unregister_class(cls)
+    while _classes:
+        bpy.utils.unregister_class(_classes.pop())
+
+
+# ---- reading -----------------------------------------------------------------------------------------------------
+
+
+def levels(group):
+    """The levels of a scene or style as core.check takes them; an untouched list is the default."""
+    rows = [(v.intensity, v.threshold, v.transition, *v.color) for v in group.shade_levels]
+    return [(rows[0][0], 0.0, 0.0, *rows[0][3:]), *rows[1:]] if rows else core.params()["shade_levels"].default
+
+
+def image_key(image):
+    """How settings name a Blender image: its file, or its name where it has none."""
+    return bpy.path.abspath(image.filepath, library=image.library) if image.filepath else image.name
+
+
+def _value(group, p):
+    value = getattr(group, p.id)
+    if p.type == "color":
+        return tuple(value)
+    if p.type == "image":
+        return image_key(value) if value else None
+    return levels(group) if p.type == "levels" else value
+
+
+def scene_values(scene):
+    """{id: value} of every parameter of the scene."""
+    return {p.id: _value(scene.encre, p) for p in core.params().values()}
+
+
+def stores(style, p):
+    """Whether a style changes this parameter."""
+    return bool(len(style.shade_levels)) if p.type == "levels" else style.is_property_set(p.id)
+
+
+def styles(scene):
+    """[(name, {id: value} that it changes)]; style number k is the k-th, 0 the scene's own parameters."""
+    surface = [p for p in core.params().values() if p.scope == "surface"]
+    return [(s.name, {p.id: _value(s, p) for p in surface if stores(s, p)}) for s in scene.encre.styles]
+
+
+def style_number(block, scene):
+    """Number of the style that an object or a material names, 0 if it names none of the scene's."""
+    return scene.encre.styles.find(block.encre.style) + 1 if block and block.encre.style else 0
+
+
+def controls(block):
+    """The six controls of an object or a material, each -1..1; None counts as neutral."""
+    return tuple(getattr(block.encre, name) for name in core.CONTROLS) if block else (0.0,) * len(core.CONTROLS)
+
+
+# ---- writing -----------------------------------------------------------------------------------------------------
+
+
+def set_value(group, id_, value):
+    """Sets a parameter of a scene's or style's group to a checked value."""
+    p = core.params()[id_]
+    if p.type == "image":
+        group[id_] = None
+        setattr(group, id_, bpy.data.images.load(value, check_existing=True) if value else None)
+    elif p.type == "levels":
+        group.shade_levels.clear()
+        for k, level in enumerate(value):
+            row = group.shade_levels.add()
+            row.intensity = level[0]
+            if len(level) > 1 and k:
+                row.threshold, row.transition = level[1:3]
+            row.color = level[3:] if len(level) == 6 else (1, 1, 1)
+    else:
+        setattr(group, id_, value)
