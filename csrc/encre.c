@@ -375,11 +375,14 @@ static void plan(work *w, arena *a)
 {
 	frame *f = &w->f;
 	size_t n = (size_t)f->width * (size_t)f->height;
-	for (int i = 0; i < ENCRE_LAYER_COUNT; i++)
-		if (w->copy[i])
-			f->layer[i] = (plane){arena_take(a, n, 4 * (size_t)layers[i].channels), (ptrdiff_t)f->width * layers[i].channels};
-		else
-			f->layer[i] = plane_of(w->in + i);
+	for (int i = 0; i < ENCRE_LAYER_COUNT; i++) {
+		f->layer[i] = plane_of(w->in + i);
+		if (!w->copy[i])
+			continue;
+		float *copy = arena_take(a, n, 4 * (size_t)layers[i].channels);
+		/* while measuring the original stands in: a stage's plan may ask whether a layer is there */
+		f->layer[i] = (plane){copy ? copy : w->in[i].data, (ptrdiff_t)f->width * layers[i].channels};
+	}
 	if (!f->layer[ENCRE_LAYER_ALBEDO].data)
 		f->layer[ENCRE_LAYER_ALBEDO] = f->layer[ENCRE_LAYER_COLOR];
 	for (int i = 0; i < ENCRE_OUTPUT_COUNT; i++)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Inline maths of single pixels. No libm but sqrtf, fabsf, floorf, fminf, fmaxf: others give other bits on other
  * machines. Everything is free of branches, so that a loop over a row vectorises, and within 4 ulp on the domain that
- * its comment names. */
+ * its comment names (srgb_encode: 6, where its constant cancels half of the power). */
 #ifndef ENCRE_PIXEL_H
 #define ENCRE_PIXEL_H
 
@@ -36,6 +36,19 @@ static inline float mix(float a, float b, float t)
 	return a + (b - a) * t;
 }
 
+/* mix() that is exact at t = 1 too, however large a is, and does not overflow between finite numbers. */
+static inline float blend(float a, float b, float t)
+{
+	return a * (1 - t) + b * t;
+}
+
+/* Infinities become the largest numbers, so that they make no NaN later. */
+static inline float bounded(float x)
+{
+	x = x > -FLT_MAX ? x : -FLT_MAX;
+	return x < FLT_MAX ? x : FLT_MAX;
+}
+
 static inline float max3(float a, float b, float c)
 {
 	float ab = a > b ? a : b;
@@ -55,15 +68,17 @@ static inline float depth_of(float z)
 	return z > 0 && z < 1e9f ? z : INFINITY;
 }
 
-/* Cube root, x = 0 or 1e-30 <= x <= 1e30. A third of the exponent is within 4 %, two Halley steps cube that twice; each is
- * written as a correction, whose rounding then hardly counts. */
+/* Cube root, x = 0 or 1e-30 <= x <= 1e30. A third of the exponent is within 4 %, a Halley step cubes that. Then the root
+ * is cut to 8 bits, so that its cube is exact, and mended by the binomial series of (1 + d)^(1/3). */
 static inline float pixel_cbrt(float x)
 {
 	float t = bits_float(float_bits(x) / 3 + 0x2a5137a0);
 	float c = t * t * t;
 	t = t - t * ((c - x) / (c + c + x));
+	t = bits_float((float_bits(t) + 0x8000) & ~0xffff);
 	c = t * t * t;
-	t = t - t * ((c - x) / (c + c + x));
+	float d = (x - c) / c;
+	t = t + t * d * (1.0f / 3 - d * (1.0f / 9 - d * (5.0f / 81)));
 	return x > 0 ? t : 0;
 }
 

@@ -88,9 +88,26 @@ typedef struct frame {
 	int16_t *nearest; /* width * height x 2: dx, dy to the Euclidean-nearest edge pixel; NEAREST_NONE in dx = none */
 	/* paper: heights h(p) after roughness, clamped to 0..1; call ISA(paper_row) */
 	void *paper;
+	/* lines: scratch */
+	void *lines;
 } frame;
 
 enum { NEAREST_NONE = INT16_MIN };
+
+/* Parameters of the style of pixel x of row y, and in *end where the run of pixels with that style ends, at most x1. */
+static inline const encre_params *style_run(const frame *f, int y, int x, int x1, int *end)
+{
+	*end = x1;
+	if (!f->style)
+		return f->params;
+	const uint8_t *style = f->style + (ptrdiff_t)y * f->width;
+	for (int i = x + 1; i < x1; i++)
+		if (style[i] != style[x]) {
+			*end = i;
+			break;
+		}
+	return f->params + style[x];
+}
 
 typedef struct stage {
 	const char *id;
