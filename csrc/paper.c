@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The paper under pencil lines and hatching (Vainumäe 2020, 4.3): a sheet of heights that tiles the frame. The
+ * built-in sheet is felted from random fibres, by whole numbers only, so that every build has the same one; its
+ * recipe is docs/paper.md. */
+#include "pixel.h"
+#include "stage.h"
+
+#include <float.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SIZE = 512, SIZE_BITS = 9, FIBRES = 8192, LEVELS = 16384 };
+
+typedef struct paper {
+	const encre_image *image; /* NULL: the built-in sheet */
+	int width, height;
+	ptrdiff_t row; /* width + 1: the first column stands again after the last */
+	float *sheet;
+	float scale, roughness;
+	int32_t *column; /* per pixel of a row: texel to the left, and how far towards the next */
+	float *share;
+	/* the built-in sheet in the making: */
+	uint32_t key, *pulp, *felt, *count;
+	uint16_t *level;
+} paper;
+
+/* ---- the built-in sheet ---------------------------------------------------------------------------------- */
+
+static uint32_t mix_bits(uint32_t n)
+{
+	n = (n ^ n >> 16) * 0x7feb352du;
+	n = (n ^ n >> 15) * 0x846ca68bu;
+	return n ^ n >> 16;
+}
+
+/* A sine of two parabolas; a full turn is 2^32, the height one texel of fibre(). */
+static uint32_t wave(uint32_t a)
+{
+	uint32_t p = a >> 16, q = p & 32767, s = q * (32768 - q) >> 5;
+	return p < 32768 ? s : 0 - s;
+}
+
+/* Positions are shares of the tile in 2^32, so overflow is the wrap. */
+static void fibre(const paper *p, uint32_t m)
+{
+	uint32_t x = mix_bits(m + p->key), y = mix_bits(m + 1 + p->key), a = mix_bits(m + 2 + p->key), c = mix_bits(m + 3 + p->key);
+	uint32_t n = 16 + (c & 31), ink = 16 + 2 * (c >> 5 & 7);
+	uint32_t turn = ((c >> 8 & 65535) - 32768) << 9, bend = ((c >> 24) - 128) << 13;
+	for (uint32_t t = 0; t < n; t++) {
+		uint32_t end = t + 1 < n - t ? t + 1 : n - t;
+		p->pulp[(y >> (32 - SIZE_BITS)) * SIZE + (x >> (32 - SIZE_BITS))] += (end < 4 ? end : 4) * ink;
+		x += wave(a + 0x40000000u);
+		y += wave(a);
+		a += turn;
+		turn += bend;
+	}
+}
+
+static void ground_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const paper *p = data;
+	uint32_t key = p->key, *restrict pulp = p->pulp;
+	for (uint32_t i = (uint32_t)y0 * SIZE; i < (uint32_t)y1 * SIZE; i++)
+		pulp[i] = mix_bits(i + key) >> 24;
+}
+
+static const uint32_t *wrapped_row(const uint32_t *tile, int y)
+{
+	return tile + (ptrdiff_t)(y & (SIZE - 1)) * SIZE;
+}
+
+/* Sums down columns, with `reach` wrapped sums on either side. */
+static void wrap_columns(uint32_t *sum, int reach)
+{
+	memcpy(sum, sum + SIZE, (size_t)reach * sizeof *sum);
+	memcpy(sum + reach + SIZE, sum + reach, (size_t)reach * sizeof *sum);
+}
+
+static void press_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const paper *p = data;
+	for (int y = y0; y < y1; y++) {
+		const uint32_t *restrict a = wrapped_row(p->pulp, y - 1), *restrict b = wrapped_row(p->pulp, y), *restrict c = wrapped_row(p->pulp, y + 1);
+		uint32_t sum[SIZE + 2], *restrict out = p->felt + (ptrdiff_t)y * SIZE;
+		for (int x = 0; x < SIZE; x++)
+			sum[1 + x] = a[x] + 2 * b[x] + c[x];
+		wrap_columns(sum, 1);
+		for (int x = 0; x < SIZE; x++)
+			out[x] = sum[x] + 2 * sum[x + 1] + sum[x + 2];
+	}
+}
+
+static void level_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const paper *p = data;
+	for (int y = y0; y < y1; y++) {
+		const uint32_t *restrict felt = wrapped_row(p->felt, y);
+		uint32_t sum[SIZE + 6] = {0};
+		uint16_t *restrict out = p->level + (ptrdiff_t)y * SIZE;
+		for (int k = -3; k <= 3; k++) {
+			const uint32_t *restrict in = wrapped_row(p->felt, y + k);
+			for (int x = 0; x < SIZE; x++)
+				sum[3 + x] += in[x];
+		}
+		wrap_columns(sum, 3);
+		for (int x = 0; x < SIZE; x++) {
+			uint32_t around = sum[x] + sum[x + 1] + sum[x + 2] + sum[x + 3] + sum[x + 4] + sum[x + 5] + sum[x + 6];
+			int32_t level = (int32_t)(49 * felt[x] + 262144 - around);
+			level = level > 0 ? level >> 5 : 0;
+			out[x] = (uint16_t)(level < LEVELS - 1 ? level : LEVELS - 1);
+		}
+	}
+}
+
+/* count becomes each level's rank: twice the texels below it and once its own. */
+static void rank_levels(const paper *p)
+{
+	uint32_t below = 0;
+	memset(p->count, 0, LEVELS * sizeof *p->count);
+	for (int i = 0; i < SIZE * SIZE; i++)
+		p->count[p->level[i]]++;
+	for (int i = 0; i < LEVELS; i++) {
+		uint32_t same = p->count[i];
+		p->count[i] = 2 * below + same;
+		below += same;
+	}
+}
+
+static void spread_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const paper *p = data;
+	for (int y = y0; y < y1; y++) {
+		const uint16_t *level = p->level + (ptrdiff_t)y * SIZE;
+		float *out = p->sheet + y * p->row;
+		for (int x = 0; x < SIZE; x++)
+			out[x] = 0.6f + 0.4f * ((float)p->count[level[x]] / (2.0f * SIZE * SIZE));
+		out[SIZE] = out[0];
+	}
+}
+
+static int32_t make_sheet(frame *f, paper *p)
+{
+	rows_kernel kernels[] = {press_rows, level_rows, spread_rows};
+	p->key = mix_bits((uint32_t)f->params->paper_seed + 1);
+	int32_t code = rows_run(f->rows, SIZE, 0, ground_rows, p);
+	for (uint32_t k = 0; k < FIBRES; k++)
+		fibre(p, SIZE * SIZE + 4 * k);
+	for (int i = 0; !code && i < 3; i++) {
+		if (kernels[i] == spread_rows)
+			rank_levels(p);
+		code = rows_run(f->rows, SIZE, 0, kernels[i], p);
+	}
+	return code;
+}
+
+/* ---- the user's sheet ------------------------------------------------------------------------------------ */
+
+/* What is not a number, or too large to interpolate, is a hole. */
+static float clean_height(float v)
+{
+	return fabsf(v) <= 1e30f ? v : 0;
+}
+
+static void image_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const paper *p = data;
+	const encre_image *image = p->image;
+	ptrdiff_t step = image->pixel_stride ? (ptrdiff_t)(image->pixel_stride / 4) : image->channels;
+	ptrdiff_t row = image->row_stride ? (ptrdiff_t)(image->row_stride / 4) : step * image->width;
+	for (int y = y0; y < y1; y++) {
+		const float *in = image->data + y * row;
+		float *out = p->sheet + y * p->row;
+		for (int x = 0; x < p->width; x++, in += step)
+			out[x] = image->channels < 3 ? clean_height(in[0]) : luminance(clean_height(in[0]), clean_height(in[1]), clean_height(in[2]));
+		out[p->width] = out[0];
+	}
+}
+
+/* ---- from texels to pixels ------------------------------------------------------------------------------- */
+
+/* Texel at or before pixel `at` of the full frame, within a sheet of n texels, and how far towards the next. */
+static int32_t texel(const paper *p, int at, int n, float *share)
+{
+	double u = ((double)at + 0.5) / (double)p->scale - 0.5, whole = (double)(int64_t)u;
+	whole -= whole > u;
+	*share = (float)(u - whole);
+	return (int32_t)(((int64_t)whole % n + n) % n);
+}
+
+void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *height)
+{
+	const paper *p = f->paper;
+	if (!p) {
+		for (int x = x0; x < x1; x++)
+			height[x - x0] = none;
+		return;
+	}
+	float down;
+	int32_t j = texel(p, f->place.y + y, p->height, &down);
+	const float *a = p->sheet + j * p->row, *b = j + 1 < p->height ? a + p->row : p->sheet;
+	float roughness = p->roughness;
+	for (int x = x0; x < x1; x++) {
+		int32_t i = p->column[x];
+		float t = p->share[x], top = mix(a[i], a[i + 1], t), bottom = mix(b[i], b[i + 1], t);
+		height[x - x0] = clamp01(0.8f + (mix(top, bottom, down) - 0.8f) * roughness);
+	}
+}
+
+/* ---- stage ----------------------------------------------------------------------------------------------- */
+
+static const char *check(const encre_params *params, char *text, size_t size)
+{
+	const encre_image *i = &params->paper_image;
+	if (!i->data || (i->width > 0 && i->height > 0 && i->width <= 65536 && i->height <= 65536 && i->channels > 0 && i->channels <= 4))
+		return NULL;
+	snprintf(text, size, "paper_image: is %d x %d pixels of %d channels; give 1 to 65536 pixels each way and 1, 3 or 4 channels",
+		 (int)i->width, (int)i->height, (int)i->channels);
+	return text;
+}
+
+static bool wanted(const frame *f)
+{
+	const encre_params *scene = f->params;
+	if (scene->paper_source == paper_source_NONE || (scene->paper_source == paper_source_IMAGE && !scene->paper_image.data))
+		return false;
+	for (int i = 0; i < f->n_styles; i++)
+		if ((f->params[i].use_lines && f->params[i].line_paper > 0) || (f->params[i].use_hatching && f->params[i].hatch_amount > 0))
+			return true;
+	return false;
+}
+
+static void plan(frame *f, arena *a)
+{
+	f->paper = NULL;
+	if (!wanted(f))
+		return;
+	const encre_params *scene = f->params;
+	paper p = {.width = SIZE, .height = SIZE, .scale = scene->paper_scale * f->scale, .roughness = scene->paper_roughness};
+	if (scene->paper_source == paper_source_IMAGE) {
+		p.image = &scene->paper_image;
+		p.width = p.image->width;
+		p.height = p.image->height;
+	} else {
+		p.pulp = arena_take(a, SIZE * SIZE, sizeof *p.pulp);
+		p.felt = arena_take(a, SIZE * SIZE, sizeof *p.felt);
+		p.level = arena_take(a, SIZE * SIZE, sizeof *p.level);
+		p.count = arena_take(a, LEVELS, sizeof *p.count);
+	}
+	p.row = (ptrdiff_t)p.width + 1;
+	p.sheet = arena_take(a, (size_t)p.row * (size_t)p.height, sizeof *p.sheet);
+	p.column = arena_take(a, (size_t)f->width, sizeof *p.column);
+	p.share = arena_take(a, (size_t)f->width, sizeof *p.share);
+	f->paper = arena_take(a, 1, sizeof p);
+	if (f->paper)
+		memcpy(f->paper, &p, sizeof p);
+}
+
+static int32_t run(frame *f)
+{
+	paper *p = f->paper;
+	if (!p)
+		return ENCRE_OK;
+	for (int x = 0; x < f->width; x++)
+		p->column[x] = texel(p, f->place.x + x, p->width, p->share + x);
+	return p->image ? rows_run(f->rows, p->height, 0, image_rows, p) : make_sheet(f, p);
+}
+
+const stage STAGE_SYMBOL(paper) = {.id = "paper", .check = check, .plan = plan, .run = run};
