@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How different two colours look: the measures of the inter-color metric (Herring 2016, 3.2). */
+#ifndef ENCRE_METRIC_H
+#define ENCRE_METRIC_H
+
+#include "stage.h"
+
+/* Turns n linear colours within 0..1, one plane a channel, into those that contrast_metric `metric` compares, in place:
+ * sRGB-encoded for RGB, CIE L*a*b* for the others. */
+void ISA(metric_space)(int metric, int n, float *restrict r, float *restrict g, float *restrict b);
+
+/* greatest[i] = the larger of itself and the difference of colours i of `a` and `b`, three planes each, from
+ * metric_space. Black and white differ by 1. */
+void ISA(metric_difference)(int metric, int n, const float *const a[3], const float *const b[3], float *restrict greatest);
+
+#endif
