@@ -31,18 +31,12 @@ _SIGNATURES = {
 
 
 def _candidates():
-    """Paths of the library: beside the bpy module or Blender's program, then the system's."""
+    """Paths of the library: Blender's own, which lies beside its folder of scripts, then the system's."""
     import bpy
 
-    homes = [os.path.dirname(os.path.abspath(bpy.__file__))]
-    if bpy.app.binary_path:
-        homes.append(os.path.dirname(os.path.realpath(bpy.app.binary_path)))
-    names = {"darwin": ("libOpenImageDenoise*.dylib",), "win32": ("OpenImageDenoise.dll",)}.get(
-        sys.platform, ("libOpenImageDenoise.so*",))
-    for home in homes:
-        for folder in ("lib", "blender.shared", os.path.join("..", "Resources", "lib"), "."):
-            for name in names:
-                yield from sorted(glob.glob(os.path.join(home, folder, name)))
+    names = {"darwin": "lib/libOpenImageDenoise*.dylib", "win32": "blender.shared/OpenImageDenoise.dll"}
+    home = os.path.dirname(bpy.utils.resource_path("LOCAL"))
+    yield from sorted(glob.glob(os.path.join(home, names.get(sys.platform, "lib/libOpenImageDenoise.so*"))))
     system = ctypes.util.find_library("OpenImageDenoise")
     if system:
         yield system

@@ -57,10 +57,11 @@ class Frames:
         self.prepared = None
         scene = depsgraph.scene_eval
         camera = self._camera(depsgraph)
-        values, styles = properties.scene_values(scene), properties.styles(scene)
+        values = core.check(properties.scene_values(scene))
+        styles = [(name, core.check(changed)) for name, changed in properties.styles(scene)]
         overrides = [changed for _, changed in styles]
-        if values["paper_source"] == "IMAGE":
-            papers.load(values["paper_image"])
+        if values["paper_source"] == "IMAGE" and values["paper_image"]:
+            papers.load(values["paper_image"])  # that it can't be read is said before Cycles starts
         if not compat.has_cycles_denoiser() and scene.cycles.use_denoising:
             scene.cycles.use_denoising = False
             self.engine.say("INFO", "this build of Blender has no Open Image Denoise: Cycles' denoiser is off")

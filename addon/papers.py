@@ -7,36 +7,47 @@ import os
 import bpy
 import numpy as np
 
-from . import core
+from . import core, properties
 
 
-def load(path):
-    """The image at `path` as float32 (height, width, channels), row 0 at the top, values as stored.
+def load(name):
+    """The image that settings call `name` as float32 (height, width, channels), row 0 at the top, values as stored.
 
-    The last one is kept, until its file changes. EncreError: it can't be read.
+    Files are read anew, because an image that the user opened may be shown in another colour space; generated and
+    packed images are taken as they are. EncreError: there is no such image, or it can't be read.
     """
-    path = bpy.path.abspath(path or "")
+    for image in bpy.data.images:
+        if properties.image_key(image) == name and (image.packed_file or not image.filepath):
+            return _pixels(image, name)
     try:
-        changed = os.stat(path).st_mtime_ns
+        changed = os.stat(name).st_mtime_ns
     except OSError:
-        raise core.EncreError(f"paper image {path or '(none)'}: there is no such file; choose another") from None
-    return _load(path, changed)
+        raise core.EncreError(f"paper image {name}: there is no such file; choose another image") from None
+    return _read(name, changed)
 
 
 @functools.lru_cache(maxsize=1)
-def _load(path, _changed):
-    failed = core.EncreError(f"paper image {path}: it can't be read; choose a picture that Blender opens")
+def _read(path, _changed):
+    """The file, kept until another is read or it changes."""
     try:
         image = bpy.data.images.load(path, check_existing=False)
     except RuntimeError:
-        raise failed from None
+        raise _unreadable(path) from None
     try:
         image.colorspace_settings.name = "Non-Color"
-        width, height = image.size
-        if not width or not height:
-            raise failed
-        pixels = np.empty(width * height * image.channels, np.float32)
-        image.pixels.foreach_get(pixels)
-        return pixels.reshape(height, width, image.channels)[::-1]
+        return _pixels(image, path)
     finally:
         bpy.data.images.remove(image)
+
+
+def _pixels(image, name):
+    width, height = image.size
+    if not width or not height:
+        raise _unreadable(name)
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    return pixels.reshape(height, width, image.channels)[::-1]
+
+
+def _unreadable(name):
+    return core.EncreError(f"paper image {name}: it can't be read; choose a picture that Blender opens")
