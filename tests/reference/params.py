@@ -44,7 +44,7 @@ _FRAME_LINES = {"line_search", "line_max_thickness", "line_occlude"}
 
 def is_surface(name):
     """Whether a style may change the parameter `name`; all others belong to the frame."""
-    if name in ENGINE or name in _FRAME_LINES:
+    if name in _FRAME_LINES:
         return False
     return name in _WEIGHTS or name.startswith(("width_", "line_", "shade_", "hatch_", "smudge_", "use_"))
 

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which triangle is in front at each pixel's centre, one triangle after the other, in float64 and whole numbers."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+STEPS = 4096  # of the sub-pixel grid, to a pixel
+NOTHING = 1e10
+
+
+def covered(x, y, columns, rows):
+    """Bool (rows, columns): which pixel centres lie in a triangle of corners x, y in whole steps, int64.
+
+    A centre on an edge belongs to the triangle when the edge is its left one or its horizontal top one.
+    """
+    x, y = np.asarray(x, np.int64), np.asarray(y, np.int64)
+    area = (x[1] - x[0]) * (y[2] - y[0]) - (y[1] - y[0]) * (x[2] - x[0])
+    if area == 0:
+        return np.zeros((len(rows), len(columns)), bool)
+    order = (0, 1, 2) if area > 0 else (0, 2, 1)
+    cx, cy = columns[None, :] * STEPS + STEPS // 2, rows[:, None] * STEPS + STEPS // 2
+    inside = np.ones((len(rows), len(columns)), bool)
+    for i in range(3):
+        a, b = order[i], order[(i + 1) % 3]
+        e = (x[b] - x[a]) * (cy - y[a]) - (y[b] - y[a]) * (cx - x[a])
+        left, top = y[b] < y[a], y[b] == y[a] and x[b] > x[a]
+        inside &= e >= 0 if left or top else e > 0
+    return inside
+
+
+def _clip(polygon, distance):
+    """Corners (n, 4) of a polygon where distance(corner) >= 0."""
+    out = []
+    for p, q in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        s, t = distance(p), distance(q)
+        if s >= 0:
+            out.append(p)
+        if (s >= 0) != (t >= 0):
+            out.append(p + (q - p) * (s / (s - t)))
+    return np.array(out).reshape(-1, 4)
+
+
+def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channels=0):
+    """What core.raster() draws, float64, and `unsure`: pixels where two surfaces are within 1e-6 of equally deep."""
+    width, height = size
+    columns, rows = np.arange(width) + frame.x, np.arange(height) + frame.y
+    view, projection = np.asarray(view, float), np.asarray(projection, float)
+    out = SimpleNamespace(depth=np.full((height, width), NOTHING), normal=np.zeros((height, width, 3)),
+                          object=np.zeros((height, width)), material=np.zeros((height, width)),
+                          style=np.zeros((height, width)), attributes=np.zeros((height, width, channels)),
+                          unsure=np.zeros((height, width), bool))
+    nearest = np.full((height, width), np.inf)
+    for mesh in meshes:
+        points = np.asarray(mesh.points, np.float32).astype(float)
+        corners = np.arange(len(points)).reshape(-1, 3) if mesh.corners is None else mesh.corners
+        for t, corner in enumerate(corners):
+            world = points[corner] @ mesh.model[:3, :3].T + mesh.model[:3, 3]
+            camera = world @ view[:3, :3].T + view[:3, 3]
+            if not np.isfinite(camera).all():
+                continue
+            clip = np.c_[camera, np.ones(3)] @ projection.T
+            # x and y times w in pixels, w, depth
+            screen = np.c_[(clip[:, 0] + clip[:, 3]) / 2 * frame.width, (clip[:, 3] - clip[:, 1]) / 2 * frame.height,
+                           clip[:, 3], -camera[:, 2]]
+            seen = _clip(screen, lambda c: c[3] - clip_start)
+            if clip_end > clip_start:
+                seen = _clip(seen, lambda c: clip_end - c[3])
+            if len(seen) < 3:
+                continue
+            x, y = (np.floor(seen[:, k] / seen[:, 2] * STEPS + 0.5).astype(np.int64) for k in (0, 1))
+            inside = np.zeros((height, width), bool)
+            for j in range(1, len(seen) - 1):
+                inside |= covered(x[[0, j, j + 1]], y[[0, j, j + 1]], columns, rows)
+            py, px = np.nonzero(inside)
+            if len(py) == 0:
+                continue
+            # shares of the corners: the point of the triangle's plane on the line of sight
+            cx, cy = columns[px] + 0.5, rows[py] + 0.5
+            system = np.stack([screen[:, 0] - cx[:, None] * screen[:, 2], screen[:, 1] - cy[:, None] * screen[:, 2],
+                               np.ones((len(px), 3))], axis=1)
+            share = np.linalg.solve(system, np.broadcast_to([0.0, 0.0, 1.0], (len(px), 3))[:, :, None])[:, :, 0]
+            depth = np.clip(share @ screen[:, 3], seen[:, 3].min(), seen[:, 3].max())
+            share = np.maximum(share, 0)
+            share /= share.sum(1, keepdims=True)
+            before = nearest[py, px]
+            out.unsure[py, px] |= np.abs(depth - before) < 1e-6 * np.abs(depth)
+            front = depth.astype(np.float32) < before.astype(np.float32)
+            py, px, depth, share = py[front], px[front], depth[front], share[front]
+            normal = np.cross(world[1] - world[0], world[2] - world[0])
+            towards = view[2, :3] if projection[3, 2] == 0 else -view[:3, :3].T @ view[:3, 3] - world[0]
+            normal *= (1 if normal @ towards >= 0 else -1) / np.linalg.norm(normal)
+            nearest[py, px] = out.depth[py, px] = depth
+            out.normal[py, px] = normal
+            out.object[py, px] = mesh.object_index
+            out.material[py, px] = mesh.material_index if mesh.material is None else mesh.material[t]
+            out.style[py, px] = mesh.style_index if mesh.style is None else mesh.style[t]
+            out.attributes[py, px] = 0
+            if mesh.attributes is not None:
+                n = min(channels, mesh.attributes.shape[-1])
+                out.attributes[py, px, :n] = share @ mesh.attributes[t, :, :n].astype(float)
+    return vars(out)
