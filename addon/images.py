@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Image files, through OpenImageIO: multilayer EXR in, EXR and PNG out, paper images.
+
+Only the command line uses this: Blender reads and writes its own images.
+"""
+
+import contextlib
+import os
+import tempfile
+from dataclasses import dataclass
+
+import numpy as np
+
+from .core import EncreError
+
+ROWS = 256  # read at a time: enough for every thread to decompress, little memory for the channels not wanted
+
+
+def _oiio():
+    try:
+        import OpenImageIO
+    except ImportError:
+        raise EncreError("the Python module OpenImageIO is missing; run: pip install openimageio") from None
+    return OpenImageIO
+
+
+@dataclass(frozen=True)
+class Window:
+    """Where an EXR's pixels lie: size and place of the data window in the display window (full_*)."""
+
+    width: int
+    height: int
+    x: int
+    y: int
+    full_width: int
+    full_height: int
+
+
+class Exr:
+    """An open EXR: `channels` maps each channel's full name to its (part, number), in the file's order;
+    `metadata` holds the text attributes of all parts. Use as a context manager.
+
+    Raises EncreError for a file that is missing, unreadable or empty, or whose parts differ in size.
+    """
+
+    def __init__(self, path, threads=0):
+        oiio = _oiio()
+        if not os.path.isfile(path):
+            raise EncreError(f"{path}: there is no such file; check the path")
+        if threads:
+            oiio.attribute("threads", threads)
+            oiio.attribute("exr_threads", threads)
+        self.path, self.channels, self.metadata, self.window = path, {}, {}, None
+        self._file = oiio.ImageInput.open(os.fspath(path))
+        if not self._file or self._file.format_name() != "openexr":
+            oiio.geterror()
+            self.close()
+            raise EncreError(f"{path}: is not a readable OpenEXR file; give a multilayer EXR")
+        part = 0
+        while self._file.seek_subimage(part, 0):
+            self._add(part, self._file.spec())
+            part += 1
+
+    def _add(self, part, spec):
+        # The display window starts where the file says; only the distance between the two windows matters.
+        window = Window(spec.width, spec.height, spec.x - spec.full_x, spec.y - spec.full_y,
+                        spec.full_width, spec.full_height)
+        if min(spec.width, spec.height) < 1:
+            raise EncreError(f"{self.path}: has no pixels; render it again")
+        if self.window not in (None, window):
+            raise EncreError(f"{self.path}: its parts differ in size; save all passes in one size")
+        self.window = window
+        for number, name in enumerate(spec.channelnames):
+            self.channels.setdefault(name, (part, number))
+        for attribute in spec.extra_attribs:
+            if isinstance(attribute.value, str):
+                self.metadata.setdefault(attribute.name, attribute.value)
+
+    def read(self, passes):
+        """{name: array (H, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}."""
+        shape = self.window.height, self.window.width
+        out = {name: np.empty((*shape, len(channels)), np.float32) for name, channels in passes.items()}
+        wanted = {}
+        for name, channels in passes.items():
+            for k, channel in enumerate(channels):
+                part, number = self.channels[channel]
+                wanted.setdefault(part, []).append((number, out[name][:, :, k]))
+        for part, targets in wanted.items():
+            self._read_part(part, targets)
+        return out
+
+    def _read_part(self, part, targets):
+        """Every chunk is decompressed once, whatever the number of channels wanted from it."""
+        self._file.seek_subimage(part, 0)
+        spec = self._file.spec()
+        first, last = min(n for n, _ in targets), max(n for n, _ in targets) + 1
+        step = spec.height if spec.tile_width else ROWS
+        for y in range(0, spec.height, step):
+            end = min(y + step, spec.height)
+            if spec.tile_width:
+                rows = self._file.read_image(part, 0, first, last, "float")
+            else:
+                rows = self._file.read_scanlines(part, 0, spec.y + y, spec.y + end, 0, first, last, "float")
+            if rows is None:
+                self._file.geterror()
+                raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
+            rows = rows.reshape(end - y, spec.width, last - first)
+            for number, target in targets:
+                target[y:end] = rows[:, :, number - first]
+
+    def close(self):
+        if self._file:
+            self._file.close()
+            self._file = None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
+def read_paper(path):
+    """An image of any kind as an array (H, W) or (H, W, 3) of float32, values as stored, without its alpha."""
+    oiio = _oiio()
+    if not os.path.isfile(path):
+        raise EncreError(f"paper_image: there is no file {path}; check the path")
+    as_stored = oiio.ImageSpec()
+    as_stored["oiio:UnassociatedAlpha"] = 1
+    file = oiio.ImageInput.open(os.fspath(path), as_stored)
+    pixels = file and file.read_image("float")
+    if pixels is None:
+        raise EncreError(f"paper_image: {path} can't be read; give an image such as a PNG or an EXR")
+    file.close()
+    pixels = pixels.reshape(pixels.shape[0], -1, file.spec().nchannels)
+    return np.ascontiguousarray(pixels[:, :, :3] if pixels.shape[2] > 2 else pixels[:, :, 0])
+
+
+def encode_srgb(linear):
+    """IEC 61966-2-1, 0…1 in and out; what lies outside is clipped."""
+    x = np.clip(linear, 0, 1)
+    return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.power(x, 1 / 2.4) - 0.055)
+
+
+def write_exr(path, channels, window):
+    """Writes {full channel name: array (H, W)} as one part of 32-bit floats, whole or not at all.
+
+    Raises WriteError where the file can't be written.
+    """
+    oiio = _oiio()
+    spec = oiio.ImageSpec(window.width, window.height, len(channels), "float")
+    spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
+    spec.channelnames = tuple(channels)
+    spec["compression"] = "zip"
+    _write(path, spec, np.stack(list(channels.values()), axis=2))
+
+
+def write_png(path, rgba, window):
+    """Writes scene-linear, premultiplied (H, W, 4) as 8-bit sRGB with straight alpha, whole or not at all.
+
+    The picture is the display window: PNG has no other. Raises WriteError where the file can't be written.
+    """
+    oiio = _oiio()
+    alpha = np.clip(rgba[:, :, 3:], 0, 1)
+    straight = rgba[:, :, :3] / np.where(alpha > 0, alpha, 1)
+    picture = np.zeros((window.full_height, window.full_width, 4), np.uint8)
+    top, left = max(window.y, 0), max(window.x, 0)
+    pixels = np.round(255 * np.concatenate([encode_srgb(straight), alpha], axis=2)).astype(np.uint8)
+    pixels = pixels[top - window.y:, left - window.x:][:max(window.full_height - top, 0),
+                                                       :max(window.full_width - left, 0)]
+    picture[top:top + pixels.shape[0], left:left + pixels.shape[1]] = pixels
+    spec = oiio.ImageSpec(window.full_width, window.full_height, 4, "uint8")
+    spec["oiio:ColorSpace"] = "sRGB"
+    spec["oiio:UnassociatedAlpha"] = 1  # the pixels are straight already
+    _write(path, spec, picture)
+
+
+class WriteError(EncreError):
+    """A file can't be written, which shows only after the work."""
+
+
+def unwritable(path, reason):
+    return f"{path}: can't be written ({reason}); make room there or choose another folder"
+
+
+def prepare(path):
+    """Finds out before any work whether `path` can be written; makes its folder. Raises EncreError."""
+    folder = os.path.dirname(os.path.abspath(path))
+    if os.path.isdir(path):
+        raise EncreError(unwritable(path, "it is a folder"))
+    if os.path.exists(path) and not os.access(path, os.W_OK):
+        raise EncreError(unwritable(path, "it is write-protected"))
+    try:
+        os.makedirs(folder, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(bytes(65536))
+    except OSError as error:
+        raise EncreError(unwritable(path, error.strerror)) from None
+
+
+def _write(path, spec, pixels):
+    oiio = _oiio()
+    folder, name = os.path.split(os.path.abspath(path))
+    part = os.path.join(folder, f".encre-{os.getpid()}-{name}")  # the ending tells OpenImageIO the format
+    try:
+        out = oiio.ImageOutput.create(part)
+        good = out.open(part, spec) and out.write_image(pixels)
+        good = out.close() and good
+        if not good:
+            raise WriteError(unwritable(path, out.geterror()))
+        os.replace(part, path)
+    except OSError as error:
+        raise WriteError(unwritable(path, error.strerror)) from None
+    finally:
+        with contextlib.suppress(OSError):
+            os.remove(part)

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`encre render`: finds a Blender, has it run runner.py, shows what that reports.
+
+runner.py writes each frame into a hidden folder beside the output and renames it when it is whole.
+"""
+
+import contextlib
+import importlib.util
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import deque
+from pathlib import Path
+
+from . import core, images
+
+RUNNER = Path(__file__).with_name("runner.py")
+_SAMPLE = re.compile(r"Sample (\d+)/(\d+)")
+_REPORT = re.compile(r"(Info|Warning): (.+)")  # how Blender prints what the engine reports
+
+
+class RenderError(core.EncreError):
+    """Rendering failed under way."""
+
+
+def find_blender(path=None):
+    """The command, without arguments of ours, that runs a script in Blender: the program `path`, else this Python
+    where bpy can be imported, else `blender` on PATH. Raises core.EncreError naming all three."""
+    if path:
+        program = shutil.which(path)
+        if not program:
+            raise core.EncreError(f"--blender {path}: is not a program that can be run; give the path of Blender's")
+        return [program, "-b", "--python"]
+    if importlib.util.find_spec("bpy"):
+        return [sys.executable]
+    program = shutil.which("blender")
+    if program:
+        return [program, "-b", "--python"]
+    raise core.EncreError("there is no Blender: name one with --blender PATH, install the Python module bpy into "
+                          "this Python, or put the program blender on PATH")
+
+
+def render(scene, out, *, frames=None, values=None, samples=None, size=None, resume=False, blender=None,
+           say=print, verbose=False):
+    """Renders `scene` (.blend or .py) to `out` (.png or .exr).
+
+    frames: None (the scene's current one), a number, or (first, last), either None for the scene's own; values:
+    what to change of the scene's parameters; say(kind, sentence) hears notes and warnings; verbose passes on all
+    that Blender prints. Raises core.EncreError for bad input, RenderError for what fails under way.
+    """
+    images.prepare(out)
+    command = find_blender(blender)
+    out = os.path.abspath(out)
+    with _folder(out) as folder:
+        job = {"scene": os.path.abspath(scene), "out": out, "folder": folder, "frames": frames, "values": values or {},
+               "samples": samples, "size": size, "resume": resume}
+        path = os.path.join(folder, "job.json")
+        Path(path).write_text(json.dumps(job), encoding="utf-8")
+        _watch([*command, str(RUNNER), "--", path], _Progress(say), verbose)
+
+
+@contextlib.contextmanager
+def _folder(out):
+    try:
+        folder = tempfile.mkdtemp(prefix=".encre-", dir=os.path.dirname(out))
+    except OSError as error:
+        raise core.EncreError(images.unwritable(out, error.strerror)) from None
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _watch(command, progress, verbose):
+    """Runs the child to its end; what it prints after a line's `ENCRE ` is a report to `progress`."""
+    last = deque(maxlen=1)
+    child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                             encoding="utf-8", errors="replace")
+    try:
+        for line in child.stdout:
+            line = line.strip()
+            if line.startswith("ENCRE "):
+                progress.report(json.loads(line[6:]))
+                continue
+            if verbose:
+                print(line, file=sys.stderr)
+            if sample := _SAMPLE.search(line):
+                progress.sample(int(sample[1]), int(sample[2]))
+            elif words := _REPORT.match(line):
+                progress.engine(words[1], words[2])
+            elif line:
+                last.append(line)
+        code = child.wait()
+    finally:
+        progress.clear()
+        if child.poll() is None:
+            child.terminate()
+            try:
+                child.wait(5)
+            except subprocess.TimeoutExpired:
+                child.kill()
+                child.wait()
+    if not progress.done:
+        how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit status {code}"
+        words = f'; its last words were "{last[0]}"' if last else ""
+        where = f"while {progress.doing}" if progress.doing else "before it ran Encre; is it Blender?"
+        sentence = f"{command[0]} stopped {where} ({how}){words}"
+        raise (RenderError if progress.rendering else core.EncreError)(sentence)
+
+
+class _Progress:
+    """What the child reports, as a bar on a terminal or a line a frame elsewhere."""
+
+    WIDTH = 30
+
+    def __init__(self, say):
+        self.say, self.doing, self.rendering, self.done = say, "", False, False
+        self.label, self.start, self.tty, self.told = "", 0.0, sys.stderr.isatty(), set()
+
+    def report(self, event):
+        kind = event["event"]
+        if kind == "doing":
+            self.doing = event["text"]
+        elif kind == "frame":
+            self.doing, self.rendering = f"rendering frame {event['frame']}", True
+            self.label, self.start = f"frame {event['frame']} ({event['number']}/{event['count']})", time.monotonic()
+            self.sample(0, 1)
+        elif kind == "finished":
+            self.clear()
+            print(f"{self.label}: {event['path']} ({time.monotonic() - self.start:.1f} s)", file=sys.stderr, flush=True)
+        elif kind == "error":
+            self.clear()
+            raise (RenderError if self.rendering else core.EncreError)(event["text"])
+        elif kind == "done":
+            self.done = True
+        else:
+            self.clear()
+            self.say(kind, event["text"])
+
+    def engine(self, kind, text):
+        """A sentence of the engine's: once, though every frame says it."""
+        if self.rendering and text not in self.told:
+            self.told.add(text)
+            self.clear()
+            self.say({"Info": "note", "Warning": "warning"}[kind], text)
+
+    def sample(self, number, count):
+        if self.tty and self.label:
+            filled = self.WIDTH * number // max(count, 1)
+            bar = "#" * filled + "." * (self.WIDTH - filled)
+            print(f"\r{self.label} [{bar}] {100 * number // max(count, 1):3d} %", end="", file=sys.stderr, flush=True)
+
+    def clear(self):
+        if self.tty:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
