@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Hatching (Vainumäe 2020, 4.3): pencil rubbed into dark and shaded surfaces, where the paper is high enough to take it.
+ * Glossy highlights stay clean. */
+#include "pixel.h"
+#include "stage.h"
+
+enum { CHUNK = 256, HATCHING = 5, CONTROLS = 6 };
+
+/* ---- row kernels ----------------------------------------------------------------------------------------- */
+
+/* Brightness that keeps the pencil away, at most 1: the lesser of colour's and light's, each as a share of its threshold. */
+static void bright_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color, const float *restrict diffuse,
+		       float *restrict bright)
+{
+	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold, exposure = p->shade_exposure;
+	for (int i = 0; i < n; i++)
+		bright[i] = 1;
+	if (color_threshold > 0)
+		for (int i = 0; i < n; i++) {
+			const float *a = color + 3 * i, *d = diffuse + 3 * i, *all = combined + 4 * i;
+			float other = max3(all[0] - a[0] * d[0], all[1] - a[1] * d[1], all[2] - a[2] * d[2]);
+			float own = max3(a[0], a[1], a[2]), share = (own > other ? own : other) / color_threshold;
+			bright[i] = share < 1 ? share : 1;
+		}
+	if (light_threshold > 0)
+		for (int i = 0; i < n; i++) {
+			const float *d = diffuse + 3 * i;
+			float share = max3(d[0], d[1], d[2]) * exposure / light_threshold;
+			bright[i] = share < bright[i] ? share : bright[i];
+		}
+}
+
+/* Pressure of the pencil, by the painted control. Returns whether it can reach the highest paper anywhere. */
+static bool pressure_row(float amount, int n, const float *restrict controls, const float *restrict bright, float *restrict pressure)
+{
+	for (int i = 0; i < n; i++)
+		pressure[i] = controls ? (1 + controls[CONTROLS * i + HATCHING]) * amount : amount;
+	int any = 0;
+	for (int i = 0; i < n; i++)
+		any |= pressure[i] > bright[i];
+	return any;
+}
+
+static void hatch_row(const float *pencil, int n, const float *restrict specular, const float *restrict depth, const float *restrict bright,
+		      const float *restrict pressure, const float *restrict paper, float *restrict surface)
+{
+	for (int i = 0; i < n; i++) {
+		float gloss = specular ? clamp01(max3(specular[3 * i], specular[3 * i + 1], specular[3 * i + 2])) : 0;
+		float t = clamp01((1 - gloss) * 2.5f * (paper[i] * pressure[i] - bright[i]));
+		t = depth_of(depth[i]) < INFINITY ? t : 0;
+		for (int c = 0; c < 3; c++)
+			surface[4 * i + c] = blend(surface[4 * i + c], bounded(pencil[c] * surface[4 * i + 3]), t);
+	}
+}
+
+/* ---- stage ----------------------------------------------------------------------------------------------- */
+
+static const float *pixels(const frame *f, int layer, int channels, int y, int x)
+{
+	plane p = f->layer[layer];
+	return p.data ? p.data + y * p.row + (ptrdiff_t)channels * x : NULL;
+}
+
+static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n)
+{
+	float bright[CHUNK], pressure[CHUNK], paper[CHUNK];
+	bright_row(p, n, pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), pixels(f, ENCRE_LAYER_COLOR, 3, y, x), pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), bright);
+	if (!pressure_row(p->hatch_amount, n, pixels(f, ENCRE_LAYER_CONTROLS, CONTROLS, y, x), bright, pressure))
+		return;
+	ISA(paper_row)(f, y, x, x + n, 0.5f, paper);
+	plane out = f->output[ENCRE_OUTPUT_COMBINED];
+	hatch_row(p->hatch_color, n, pixels(f, ENCRE_LAYER_SPECULAR, 3, y, x), pixels(f, ENCRE_LAYER_DEPTH, 1, y, x), bright, pressure, paper,
+		  out.data + y * out.row + 4 * (ptrdiff_t)x);
+}
+
+static void hatch_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const frame *f = data;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0, end; x < f->width; x = end) {
+			const encre_params *p = style_run(f, y, x, f->width - x > CHUNK ? x + CHUNK : f->width, &end);
+			if (p->use_hatching)
+				hatch_run(f, p, y, x, end - x);
+		}
+}
+
+static int32_t run(frame *f)
+{
+	return f->any_hatching ? rows_run(f->rows, f->height, 0, hatch_rows, f) : ENCRE_OK;
+}
+
+const stage STAGE_SYMBOL(hatch) = {.id = "hatch", .run = run};

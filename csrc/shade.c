@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Discrete shading (Vainumäe 2020, 4.1): light in a few flat levels, tinted and less saturated in the shade. What
+ * was not diffuse light (emission, reflections, glass, sky) lies over it as it was rendered. */
+#include "pixel.h"
+#include "stage.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { CHUNK = 256 };
+
+/* ---- row kernels ----------------------------------------------------------------------------------------- */
+
+/* NaN, which only overflowing input makes, gives 0. */
+static inline float positive(float x)
+{
+	x = x > 0 ? x : 0;
+	return x < FLT_MAX ? x : FLT_MAX;
+}
+
+/* What levels are compared with. */
+static void exposed_row(int n, const float *restrict diffuse, float exposure, float *restrict x)
+{
+	for (int i = 0; i < n; i++)
+		x[i] = max3(diffuse[3 * i], diffuse[3 * i + 1], diffuse[3 * i + 2]) * exposure;
+}
+
+/* Share of the way from the level below to this one. Below 1e-30 a transition is a step: its inverse may overflow. */
+static inline float passed(float x, const encre_level *level, float inverse)
+{
+	return inverse > 0 ? clamp01((x - level->threshold) * inverse + 0.5f) : x > level->threshold ? 1.0f : 0.0f;
+}
+
+static float inverse_width(const encre_level *level)
+{
+	return level->transition > 1e-30f ? 1 / level->transition : 0;
+}
+
+static void tone_row(const encre_levels *levels, int n, const float *restrict x, float *restrict tone)
+{
+	for (int i = 0; i < n; i++)
+		tone[i] = levels->level[0].intensity;
+	for (int k = 1; k < levels->count; k++) {
+		encre_level level = levels->level[k];
+		float inverse = inverse_width(&level);
+		for (int i = 0; i < n; i++)
+			tone[i] = mix(tone[i], level.intensity, passed(x[i], &level, inverse));
+	}
+}
+
+static void level_color_row(const encre_levels *levels, int n, const float *restrict x, float *restrict color)
+{
+	for (int c = 0; c < 3; c++)
+		for (int i = 0; i < n; i++)
+			color[3 * i + c] = levels->level[0].color[c];
+	for (int k = 1; k < levels->count; k++) {
+		encre_level level = levels->level[k];
+		if (!memcmp(level.color, levels->level[k - 1].color, sizeof level.color))
+			continue;
+		float inverse = inverse_width(&level);
+		for (int i = 0; i < n; i++) {
+			float t = passed(x[i], &level, inverse);
+			for (int c = 0; c < 3; c++)
+				color[3 * i + c] = mix(color[3 * i + c], level.color[c], t);
+		}
+	}
+}
+
+/* light: the colour of the level in, the discrete and tinted light out. The hue of dark light fades to white, or noise
+ * would shine: mix(1, diffuse/V, V/0.02) is 1 + (diffuse - V)/max(V, 0.02). Likewise (D + w tint)/(1 + w) is a mix. */
+static void light_row(const encre_params *p, int n, const float *restrict diffuse, const float *restrict tone, float *restrict light)
+{
+	float weight = p->shade_tint_weight, tint[3] = {p->shade_tint[0], p->shade_tint[1], p->shade_tint[2]};
+	for (int i = 0; i < n; i++) {
+		const float *d = diffuse + 3 * i;
+		float v = max3(d[0], d[1], d[2]), hue = v > 0 ? 1 / (v > 0.02f ? v : 0.02f) : 0;
+		float shade = 1 - tone[i], w = (shade > 0 ? shade : 0) * weight, share = w / (1 + w);
+		for (int c = 0; c < 3; c++)
+			light[3 * i + c] = bounded(mix((1 + (d[c] - v) * hue) * tone[i] * light[3 * i + c], tint[c], share));
+	}
+}
+
+static void shaded_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color, const float *restrict diffuse,
+		       const float *restrict tone, const float *restrict light, float other_light, float *restrict out)
+{
+	float grey = 1 - clamp01(p->shade_saturation), strength = p->shade_strength;
+	for (int i = 0; i < n; i++) {
+		const float *a = color + 3 * i;
+		float v = max3(a[0], a[1], a[2]), shade = 1 - tone[i], kept = 1 - (shade > 0 ? shade : 0) * grey;
+		for (int c = 0; c < 3; c++) {
+			float lit = bounded(a[c] * diffuse[3 * i + c]), other = bounded(combined[4 * i + c] - lit);
+			float flat = bounded((v - (v - a[c]) * kept) * light[3 * i + c]);
+			out[4 * i + c] = combined[4 * i + 3] == 0 ? combined[4 * i + c] : positive(blend(lit, flat, strength) + other_light * other);
+		}
+		out[4 * i + 3] = combined[4 * i + 3];
+	}
+}
+
+static void bare_row(const float *paper, int n, const float *restrict combined, const float *restrict color, const float *restrict diffuse,
+		     float other_light, float *restrict out)
+{
+	for (int i = 0; i < n; i++) {
+		for (int c = 0; c < 3; c++) {
+			float other = bounded(combined[4 * i + c] - bounded(color[3 * i + c] * diffuse[3 * i + c]));
+			out[4 * i + c] = positive(paper[c] * combined[4 * i + 3] + other_light * other);
+		}
+		out[4 * i + 3] = combined[4 * i + 3];
+	}
+}
+
+/* ---- stage ----------------------------------------------------------------------------------------------- */
+
+void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone)
+{
+	plane diffuse = f->layer[ENCRE_LAYER_DIFFUSE];
+	for (int x = x0, end; x < x1; x = end) {
+		float light[CHUNK];
+		const encre_params *p = style_run(f, y, x, x1 - x > CHUNK ? x + CHUNK : x1, &end);
+		exposed_row(end - x, diffuse.data + y * diffuse.row + 3 * x, p->shade_exposure, light);
+		tone_row(&p->shade_levels, end - x, light, tone + (x - x0));
+	}
+}
+
+static void shade_run(const frame *f, const encre_params *p, int y, int x, int n)
+{
+	const plane *in = f->layer, *out = f->output;
+	const float *combined = in[ENCRE_LAYER_COMBINED].data + y * in[ENCRE_LAYER_COMBINED].row + 4 * x;
+	const float *color = in[ENCRE_LAYER_COLOR].data + y * in[ENCRE_LAYER_COLOR].row + 3 * x;
+	const float *diffuse = in[ENCRE_LAYER_DIFFUSE].data + y * in[ENCRE_LAYER_DIFFUSE].row + 3 * x;
+	float *surface = out[ENCRE_OUTPUT_COMBINED].data + y * out[ENCRE_OUTPUT_COMBINED].row + 4 * x;
+	bool want_light = out[ENCRE_OUTPUT_LIGHT].data, bare = f->params->surface == surface_PAPER;
+	float exposed[CHUNK] = {0}, tone[CHUNK], own_light[3 * CHUNK], other_light = f->params->other_light;
+	float *light = want_light ? out[ENCRE_OUTPUT_LIGHT].data + y * out[ENCRE_OUTPUT_LIGHT].row + 3 * x : own_light;
+	if (want_light || (p->use_shading && !bare)) {
+		exposed_row(n, diffuse, p->shade_exposure, exposed);
+		tone_row(&p->shade_levels, n, exposed, tone);
+		level_color_row(&p->shade_levels, n, exposed, light);
+		light_row(p, n, diffuse, tone, light);
+	}
+	if (!p->use_shading)
+		memcpy(surface, combined, (size_t)n * 4 * sizeof *surface);
+	else if (bare)
+		bare_row(f->params->paper_color, n, combined, color, diffuse, other_light, surface);
+	else
+		shaded_row(p, n, combined, color, diffuse, tone, light, other_light, surface);
+}
+
+static void shade_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const frame *f = data;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0, end; x < f->width; x = end) {
+			const encre_params *p = style_run(f, y, x, f->width - x > CHUNK ? x + CHUNK : f->width, &end);
+			shade_run(f, p, y, x, end - x);
+		}
+}
+
+static const char *check(const encre_params *params, char *text, size_t size)
+{
+	const encre_levels *levels = &params->shade_levels;
+	if (levels->count < 1 || levels->count > ENCRE_MAX_LEVELS) {
+		snprintf(text, size, "shade_levels: %d levels; give 1 to %d", (int)levels->count, ENCRE_MAX_LEVELS);
+		return text;
+	}
+	for (int k = 0; k < levels->count; k++) {
+		const encre_level *l = levels->level + k, *below = l - 1;
+		bool valid = l->intensity >= 0 && l->intensity <= FLT_MAX;
+		for (int c = 0; c < 3; c++)
+			valid &= l->color[c] >= 0 && l->color[c] <= FLT_MAX;
+		if (k > 0)
+			valid &= fabsf(l->threshold) <= FLT_MAX && l->transition >= 0 && l->transition <= FLT_MAX;
+		if (!valid) {
+			snprintf(text, size, "shade_levels: level %d has a negative or no number; give intensity, transition and color from 0 up", k + 1);
+			return text;
+		}
+		if (k < 2)
+			continue;
+		if (l->threshold < below->threshold) {
+			snprintf(text, size, "shade_levels: the threshold %g of level %d lies under %g of the one before; give darkest first",
+				 (double)l->threshold, k + 1, (double)below->threshold);
+			return text;
+		}
+		/* a hair's breadth is allowed: thresholds that touch in decimals may not in binary */
+		double end = (double)below->threshold + 0.5 * (double)below->transition, start = (double)l->threshold - 0.5 * (double)l->transition;
+		if (end > start + 1e-6 * (1 + fabs(start))) {
+			snprintf(text, size, "shade_levels: the transitions of levels %d and %d overlap; move thresholds %g and %g apart or give narrower transitions",
+				 k, k + 1, (double)below->threshold, (double)l->threshold);
+			return text;
+		}
+	}
+	return NULL;
+}
+
+static int32_t run(frame *f)
+{
+	return rows_run(f->rows, f->height, 0, shade_rows, f);
+}
+
+const stage STAGE_SYMBOL(shade) = {.id = "shade", .check = check, .run = run};
