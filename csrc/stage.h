@@ -86,10 +86,11 @@ typedef struct frame {
 	/* nearest.c (planned when smudging or a search needs it): */
 	bool nearest_planned; /* by any stage: nearest_plan() takes its memory once */
 	int16_t *nearest; /* width * height x 2: dx, dy to the Euclidean-nearest edge pixel; NEAREST_NONE in dx = none */
+	void *nearest_scratch; /* NULL once nearest is filled */
 	/* paper: heights h(p) after roughness, clamped to 0..1; call ISA(paper_row) */
 	void *paper;
-	/* lines: scratch */
-	void *lines;
+	/* edges, lines: scratch */
+	void *edges, *lines;
 } frame;
 
 enum { NEAREST_NONE = INT16_MIN };
