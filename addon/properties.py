@@ -163,7 +163,6 @@ def set_value(group, id_, value):
     """Sets a parameter of a scene's or style's group to a checked value."""
     p = core.params()[id_]
     if p.type == "image":
-        group[id_] = None
         setattr(group, id_, bpy.data.images.load(value, check_existing=True) if value else None)
     elif p.type == "levels":
         group.shade_levels.clear()
