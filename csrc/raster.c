@@ -398,18 +398,16 @@ static int32_t run(rows *pool, raster *r)
 	int32_t code;
 	aim(r);
 	memset(r->place, 0, (size_t)r->n_chunks * (size_t)r->n_bands * sizeof *r->place);
-	rows_span(pool, 0, 0.4);
 	if ((code = rows_run(pool, r->n_chunks, 1, count_chunks, r)))
 		return code;
 	sum_places(r);
-	arena a = {0};
-	r->entry = arena_take(&a, r->list[r->n_bands], sizeof *r->entry);
-	r->entry = malloc(a.used + 1);
+	size_t n = r->list[r->n_bands];
+	r->entry = n < SIZE_MAX / sizeof *r->entry ? malloc((n + 1) * sizeof *r->entry) : NULL;
 	if (!r->entry)
 		return ENCRE_ERROR_MEMORY;
 	if ((code = rows_run(pool, r->n_chunks, 1, file_chunks, r)))
 		return code;
-	rows_span(pool, 0.3, 1.7); /* a run takes half its span */
+	rows_span(pool, 0.75, 1.25); /* a run takes half of what is left: so far a half and a quarter, now all the rest */
 	return rows_run(pool, r->n_bands, 1, draw_bands, r);
 }
 

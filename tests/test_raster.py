@@ -1,0 +1,423 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rasteriser against tests/reference/raster.py, against formulas, and against itself cut up in other ways."""
+
+import ctypes
+
+import numpy as np
+import pytest
+from encre import core
+from encre.core import Frame, Mesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from reference.raster import NOTHING, STEPS, draw
+
+OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes")
+
+
+def pixels(width, height):
+    """An orthographic camera under which points are (column, row, -depth) in pixels of the frame."""
+    projection = np.diag([2 / width, -2 / height, -1e-3, 1.0])
+    projection[0, 3], projection[1, 3] = -1, 1
+    return np.eye(4), projection
+
+
+def perspective(width, height, lens=1.2, shift=(0.0, 0.0), start=0.1, end=100.0):
+    return np.array([[lens, 0, shift[0], 0], [0, lens * width / height, shift[1], 0],
+                     [0, 0, -(end + start) / (end - start), -2 * end * start / (end - start)], [0, 0, -1, 0]])
+
+
+def orthographic(width, height, scale=0.3):
+    return np.diag([scale, scale * width / height, -0.01, 1.0])
+
+
+def rotation(rng):
+    q, r = np.linalg.qr(rng.standard_normal((3, 3)))
+    q = q * np.sign(np.diag(r))
+    return q * np.linalg.det(q)
+
+
+def looking(rng, place=(0, 0, 6.0)):
+    """World -> camera for a camera near `place`, turned a little about its own axis."""
+    view = np.eye(4)
+    a = rng.uniform(-0.5, 0.5)
+    view[:2, :2] = [[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]
+    view[:3, 3] = view[:3, :3] @ -(np.array(place) + rng.uniform(-0.2, 0.2, 3))
+    return view
+
+
+def soup(rng, n, size=1.0, spread=2.5, channels=3, **more):
+    """A mesh of n unconnected triangles."""
+    points = rng.uniform(-spread, spread, (n, 1, 3)) + rng.uniform(-size, size, (n, 3, 3))
+    model = np.eye(4)
+    model[:3, :3] = rotation(rng) * rng.uniform(0.5, 1.5, 3)
+    return Mesh(points.reshape(-1, 3).astype(np.float32), None, rng.uniform(-1, 1, (n, 3, channels)).astype(np.float32),
+                model=model, **more)
+
+
+def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=0):
+    got = core.raster(meshes, view, projection, frame, size, start, end, channels)
+    want = draw(meshes, view, projection, frame, size, start, end, channels)
+    sure = ~want["unsure"]
+    assert sure.mean() > 0.9
+    for name in ("object", "material", "style"):
+        np.testing.assert_array_equal(got[name][sure], want[name][sure], name)
+    np.testing.assert_allclose(got["depth"], want["depth"], rtol=1e-6)
+    np.testing.assert_allclose(got["normal"][sure], want["normal"][sure], atol=1e-6)
+    np.testing.assert_allclose(got["attributes"][sure], want["attributes"][sure], atol=1e-5)
+    return got
+
+
+def bordered(full, x, y, width, height):
+    return {k: v[y:y + height, x:x + width] for k, v in full.items()}
+
+
+def same(a, b):
+    assert a.keys() == b.keys()
+    for name in a:
+        assert a[name].tobytes() == np.ascontiguousarray(b[name]).tobytes(), name
+
+
+# ---- against the reference ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 40), (40, 1), (97, 53)])
+@pytest.mark.parametrize("projection", [perspective, orthographic])
+def test_soup(size, projection):
+    rng = np.random.default_rng(size[0] + 7)
+    meshes = [soup(rng, 60, object_index=3, material_index=5, style_index=2),
+              Mesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32)),
+              soup(rng, 80, 0.4, object_index=4, material=np.arange(80), style=np.arange(80) % 3, channels=5),
+              soup(rng, 50, object_index=-7, channels=1)]
+    meshes[3].attributes = None
+    got = compare(meshes, looking(rng), projection(*size), Frame(*size), size, channels=4)
+    if size == (97, 53):
+        assert {0, 3, 4, -7} == set(np.unique(got["object"]))
+
+
+def test_many_small_triangles_of_many_meshes():
+    rng = np.random.default_rng(1)
+    meshes = [soup(rng, int(n), 0.05, object_index=k + 1) for k, n in enumerate(rng.integers(0, 400, 20))]
+    assert sum(len(m.points) for m in meshes) // 3 > 2048  # several chunks
+    compare(meshes, looking(rng), perspective(120, 80, shift=(0.1, -0.2)), Frame(120, 80), (120, 80), channels=3)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1, 2, 8, STEPS, 2 * STEPS]), st.sampled_from([0, 3]))
+def test_corners_on_and_beside_pixel_centres(seed, parts, reach):
+    """Corners a few 1/parts of a pixel from centres: edges through centres, and decided by the sub-pixel grid."""
+    rng = np.random.default_rng(seed)
+    n = 12
+    points = rng.integers(0, 12, (3 * n, 3)) + 0.5 + rng.integers(-reach, reach + 1, (3 * n, 3)) / parts
+    points[:, 2] = -np.repeat(rng.permutation(n) + 1, 3)  # flat, all at different depths
+    mesh = Mesh(points.astype(np.float32), material=np.arange(n) + 1, object_index=1)
+    compare([mesh], *pixels(16, 16), Frame(16, 16), (16, 16), start=0.5)  # powers of two: no rounding before the grid's
+
+
+@pytest.mark.parametrize("projection", [perspective, orthographic])
+def test_clipped_at_both_ends(projection):
+    rng = np.random.default_rng(5)
+    mesh = soup(rng, 60, 4.0, material=np.arange(60) + 1)
+    got = compare([mesh], looking(rng), projection(64, 48), Frame(64, 48), (64, 48), 5.0, 6.5, 3)
+    there = got["depth"] < NOTHING
+    assert 0.1 < there.mean() < 0.9
+    assert 5 - 1e-5 <= got["depth"].min() and got["depth"][there].max() <= 6.5 + 1e-5
+
+
+# ---- watertight --------------------------------------------------------------------------------------------------
+
+
+def jittered(rng, nx, ny, width, height, jitter, grid=None):
+    """Points and triangles of a sheet over a frame of width x height and a margin around it."""
+    x, y = np.meshgrid(np.linspace(-0.3, 1.3, nx + 1) * width, np.linspace(-0.3, 1.3, ny + 1) * height)
+    x = x + rng.uniform(-jitter, jitter, x.shape) * width / nx
+    y = y + rng.uniform(-jitter, jitter, y.shape) * height / ny
+    points = np.stack([x, y, np.full_like(x, -2)], -1).reshape(-1, 3)
+    if grid:
+        points[:, :2] = np.floor(points[:, :2] * grid) / grid
+    a = (np.arange(ny)[:, None] * (nx + 1) + np.arange(nx)).ravel()
+    b, c, d = a + 1, a + nx + 2, a + nx + 1
+    flip = (rng.random(len(a)) < 0.5)[:, None, None]
+    quads = np.where(flip, np.stack([[a, b, c], [a, c, d]]).transpose(2, 0, 1), np.stack([[a, b, d], [b, c, d]]).transpose(2, 0, 1))
+    triangles = quads.reshape(-1, 3)
+    turned = rng.random(len(triangles)) < 0.5
+    triangles[turned] = triangles[turned][:, ::-1]
+    return points.astype(np.float32), triangles.astype(np.int32)
+
+
+def times_covered(points, triangles, view, projection, width, height, start=0.1):
+    """How many of the triangles cover each pixel: each is drawn alone."""
+    count = np.zeros((height, width), int)
+    for t in triangles:
+        mesh = Mesh(points, t[None], object_index=1)
+        count += core.raster([mesh], view, projection, Frame(width, height), (width, height), start,
+                             outputs=("object",), threads=1)["object"] == 1
+    return count
+
+
+@pytest.mark.parametrize("seed, grid", [(0, None), (1, 1), (2, 2), (3, 64)])
+def test_a_sheet_covers_each_pixel_once(seed, grid):
+    rng = np.random.default_rng(seed)
+    points, triangles = jittered(rng, 7, 6, 41, 33, 0.3, grid)
+    points[:, :2] += 0.5 if grid else 0
+    np.testing.assert_array_equal(times_covered(points, triangles, *pixels(41, 33), 41, 33), 1)
+
+
+def test_a_fan_of_slivers_covers_each_pixel_once():
+    angles = np.linspace(0, 2 * np.pi, 182)[:-1]
+    points = np.r_[[[20.5, 16.5, -2]], np.c_[20.5 + 99 * np.cos(angles), 16.5 + 99 * np.sin(angles), 0 * angles - 2]]
+    triangles = np.stack([0 * angles, np.arange(181) + 1, np.roll(np.arange(181) + 1, -1)], 1).astype(np.int32)
+    np.testing.assert_array_equal(times_covered(points.astype(np.float32), triangles, *pixels(41, 33), 41, 33), 1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("reach", [20.0, 1e4, 1e7])
+def test_a_floor_through_the_camera_covers_each_pixel_below_the_horizon_once(seed, reach):
+    """Clipped at clip_start and at the guard: cut edges of neighbours coincide."""
+    rng = np.random.default_rng(seed)
+    points, triangles = jittered(rng, 6, 6, 1, 1, 0.3)
+    floor = np.c_[(points[:, 0] - 0.5) * reach, np.full(len(points), -1.0), (points[:, 1] - 0.45) * reach]
+    angle = 0.3
+    view = np.eye(4)
+    view[1:3, 1:3] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    count = times_covered(floor.astype(np.float32), triangles, view, perspective(48, 36), 48, 36)
+    assert count.max() == 1
+    y = np.nonzero(count.all(1))[0]
+    assert len(y) > 8 and y[-1] == 35 and (np.diff(y) == 1).all()  # down to the frame's end without a hole
+
+
+# ---- against formulas --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("projection", [perspective, orthographic])
+def test_a_plane_is_where_its_equation_says(projection):
+    """However the plane is cut up: depth, normal and place, given as an attribute, on each line of sight."""
+    rng = np.random.default_rng(3)
+    width, height = 80, 60
+    points, triangles = jittered(rng, 5, 4, 2, 2, 0.2)
+    points = (points - (1, 1, 0)) * (8, 8, 0)
+    model = np.eye(4)
+    tilt = 1.2
+    model[1:3, 1:3] = [[np.cos(tilt), np.sin(tilt)], [-np.sin(tilt), np.cos(tilt)]]
+    model[:3, 3] = 0.3, -0.5, 0.2
+    world = points @ model[:3, :3].T + model[:3, 3]
+    view = looking(rng)
+    p = projection(width, height)
+    mesh = Mesh(points.astype(np.float32), triangles, world[triangles].astype(np.float32), model=model, object_index=1)
+    got = core.raster([mesh], view, p, Frame(width, height), (width, height), 0.1, 0, 3)
+    there = got["object"] == 1
+    assert there.mean() > 0.5
+    x, y = np.meshgrid((np.arange(width) + 0.5) / width * 2 - 1, 1 - (np.arange(height) + 0.5) / height * 2)
+    inverse = np.linalg.inv(p @ view)
+    a, b = (np.stack([x, y, np.full_like(x, z), np.ones_like(x)], -1) @ inverse.T for z in (-1, 1))
+    a, b = a[..., :3] / a[..., 3:], b[..., :3] / b[..., 3:]
+    normal = model[:3, 2]
+    t = ((model[:3, 3] - a) @ normal / ((b - a) @ normal))[..., None]
+    hit = a + t * (b - a)
+    depth = -(hit @ view[2, :3] + view[2, 3])
+    np.testing.assert_allclose(got["depth"][there], depth[there], rtol=3e-7)
+    np.testing.assert_allclose(got["attributes"][there], hit[there], atol=2e-5)
+    towards = normal * np.sign(normal @ (a[0, 0] - hit[0, 0]))
+    np.testing.assert_allclose(got["normal"][there], np.broadcast_to(towards, hit.shape)[there], atol=1e-6)
+    assert not got["normal"][~there].any() and not got["attributes"][~there].any()
+    assert (got["depth"][~there] == np.float32(1e10)).all()
+
+
+def test_back_faces_and_mirrored_models_face_the_camera():
+    points = np.array([[-1, -1, 0], [1, -1, 0.4], [0, 1, 0]], np.float32)
+    results = []
+    for corners in ([[0, 1, 2]], [[0, 2, 1]]):
+        for mirror in (1, -1):
+            model = np.diag([mirror, 1, 1, 1.0])
+            mesh = Mesh(points * (mirror, 1, 1), np.array(corners, np.int32), model=model, object_index=1)
+            for p in (perspective, orthographic):
+                view = np.eye(4)
+                view[2, 3] = -3
+                results.append(core.raster([mesh], view, p(30, 30), Frame(30, 30), (30, 30), 0.1))
+    for r in results:
+        there = r["object"] == 1
+        assert there.sum() > 30 and (r["normal"][there][:, 2] > 0.9).all()
+        np.testing.assert_allclose(np.linalg.norm(r["normal"][there], axis=1), 1, atol=1e-6)
+
+
+def test_equal_depths_go_to_the_earlier_mesh_and_primitive():
+    rng = np.random.default_rng(9)
+    one = soup(rng, 30, object_index=1, material=np.arange(30))
+    twice = Mesh(np.concatenate([one.points, one.points]), material=np.arange(60), model=one.model, object_index=2)
+    view, p, frame = looking(rng), perspective(90, 60), Frame(90, 60)
+    first = core.raster([one, twice], view, p, frame, (90, 60), 0.1)
+    there = first["depth"] < NOTHING
+    assert (first["object"][there] == 1).all()
+    second = core.raster([twice, one], view, p, frame, (90, 60), 0.1)
+    assert (second["object"][there] == 2).all() and second["material"].max() < 30
+    np.testing.assert_array_equal(first["depth"], second["depth"])
+
+
+def test_constant_attributes_stay_exact():
+    rng = np.random.default_rng(2)
+    mesh = soup(rng, 40, channels=2, object_index=1)
+    mesh.attributes[:] = np.float32(0.7), np.float32(-1 / 3)
+    got = core.raster([mesh], looking(rng), perspective(60, 60), Frame(60, 60), (60, 60), 0.1, 0, 3)
+    there = got["object"] == 1
+    assert (got["attributes"][there] == np.array([0.7, -1 / 3, 0], np.float32)).all()
+
+
+# ---- the same pixels however the work is cut up ------------------------------------------------------------------
+
+
+def crowded(rng):
+    return [soup(rng, 150, 0.7, object_index=1, material=np.arange(150)), soup(rng, 900, 0.1, object_index=2),
+            Mesh(np.array([[-50, -2, 9], [50, -2, 9], [0, -2, -200]], np.float32), object_index=3)]
+
+
+@pytest.mark.parametrize("projection", [perspective, orthographic])
+def test_a_border_is_the_same_pixels(projection):
+    rng = np.random.default_rng(11)
+    meshes, view, p, frame = crowded(rng), looking(rng), projection(131, 77), Frame(131, 77)
+    full = core.raster(meshes, view, p, frame, (131, 77), 0.1, 0, 3)
+    for _ in range(12):
+        x, y = int(rng.integers(0, 131)), int(rng.integers(0, 77))
+        w, h = int(rng.integers(1, 132 - x)), int(rng.integers(1, 78 - y))
+        same(core.raster(meshes, view, p, Frame(131, 77, x, y), (w, h), 0.1, 0, 3), bordered(full, x, y, w, h))
+
+
+def test_threads_do_not_matter():
+    rng = np.random.default_rng(12)
+    meshes, view, p = crowded(rng), looking(rng), perspective(200, 150)
+    runs = [core.raster(meshes, view, p, Frame(200, 150), (200, 150), 0.1, 0, 3, threads=n) for n in (1, 2, 3, 8)]
+    for r in runs[1:]:
+        same(runs[0], r)
+
+
+def test_strides_and_absent_outputs():
+    rng = np.random.default_rng(13)
+    meshes, view, p, frame = crowded(rng), looking(rng), perspective(50, 40), Frame(50, 40)
+    full = core.raster(meshes, view, p, frame, (50, 40), 0.1, 0, 3)
+    for name in OUTPUTS:
+        same(core.raster(meshes, view, p, frame, (50, 40), 0.1, 0, 3, outputs=(name,)), {name: full[name]})
+    lib, job = core.library(), core._RasterJob()
+    array = (core._Mesh * len(meshes))()
+    keep = [core._pack_mesh(m, mesh) for m, mesh in zip(array, meshes, strict=True)]
+    job.meshes, job.n_meshes, job.n_channels = array, len(meshes), 3
+    job.view[:], job.projection[:], job.clip_start, job.frame = view.ravel(), p.ravel(), 0.1, core._Frame(50, 40, 0, 0)
+    images = {}
+    for name in OUTPUTS:
+        channels = full[name].shape[2] if full[name].ndim == 3 else 1
+        images[name] = np.full((42, 54, channels + 2), -5, np.float32)
+        setattr(job, name, core._image(images[name][-2:0:-1, 2:-2, 1:-1]))  # bottom-up, padded all round
+    lib._call(lib.lib.encre_raster, job, 2, 1, None)
+    del keep
+    for name, a in images.items():
+        inner = a[-2:0:-1, 2:-2, 1:-1].copy()
+        np.testing.assert_array_equal(inner.reshape(full[name].shape), full[name])
+        a[-2:0:-1, 2:-2, 1:-1] = -5
+        assert (a == -5).all(), name
+
+
+# ---- bad and odd input -------------------------------------------------------------------------------------------
+
+
+def test_nothing_to_draw():
+    for meshes in ([], [Mesh(np.zeros((0, 3), np.float32))]):
+        got = core.raster(meshes, np.eye(4), perspective(5, 4), Frame(5, 4), (5, 4), 0.1, 0, 2)
+        assert (got["depth"] == np.float32(1e10)).all()
+        assert not any(got[name].any() for name in OUTPUTS[1:])
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_primitives_that_are_not_finite_are_dropped(bad):
+    rng = np.random.default_rng(14)
+    mesh = soup(rng, 40, object_index=1)
+    broken = Mesh(mesh.points.copy(), None, mesh.attributes, model=mesh.model, object_index=1)
+    broken.points[::9, 1] = bad  # a corner of every third triangle
+    whole = Mesh(mesh.points.reshape(40, 9)[np.arange(40) % 3 != 0].reshape(-1, 3), None,
+                 mesh.attributes[np.arange(40) % 3 != 0], model=mesh.model, object_index=1)
+    view, p = looking(rng), perspective(60, 40)
+    same(*(core.raster([m], view, p, Frame(60, 40), (60, 40), 0.1, 0, 3) for m in (broken, whole)))
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1e-30, 1e-3, 1e6, 1e20, 3e38]), st.booleans())
+def test_any_size_of_triangle_gives_clean_pixels(seed, size, flat):
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-1, 1, (60, 3)) * size * (1, 1, 0 if flat else 1) + rng.choice([0, 0, size], (60, 1))
+    points[rng.random(60) < 0.2] = points[0]  # degenerate ones too
+    mesh = Mesh(np.clip(points, -3e38, 3e38).astype(np.float32), None, rng.uniform(-1, 1, (20, 3, 2)).astype(np.float32),
+                object_index=1)
+    view = np.eye(4)
+    view[2, 3] = -0.5 * size if size < 1e6 else -1
+    for p in (perspective(33, 17), orthographic(33, 17)):
+        got = core.raster([mesh], view, p, Frame(33, 17), (33, 17), 1e-3 * min(size, 1), 0, 2)
+        there = got["object"] == 1
+        assert all(np.isfinite(a).all() for a in got.values())
+        assert (np.abs(got["attributes"]) <= 1).all()
+        np.testing.assert_allclose(np.linalg.norm(got["normal"][there], axis=-1), 1, atol=1e-6)
+
+
+def drawn(mesh=None, view=None, projection=None, frame=None, size=(8, 8), start=0.1):
+    points = np.array([[-1, -1, -2], [1, -1, -2], [0, 1, -2]], np.float32)
+    view = np.eye(4) if view is None else view
+    projection = perspective(8, 8) if projection is None else projection
+    return core.raster([mesh or Mesh(points)], view, projection, frame or Frame(8, 8), size, start)
+
+
+@pytest.mark.parametrize("wrong, words", [
+    (dict(mesh=Mesh(np.zeros((3, 3)), np.array([[0, 1, 3]]))), "mesh 0: primitive 0 has a corner at point 3 of 3"),
+    (dict(mesh=Mesh(np.zeros((3, 3)), np.array([[0, 1, 2], [2, -1, 0]]))), "mesh 0: primitive 1 has a corner at point -1"),
+    (dict(view=np.full((4, 4), np.nan)), "camera: "),
+    (dict(projection=np.full((4, 4), np.inf)), "camera: "),
+    (dict(start=np.nan), "camera: "),
+    (dict(frame=Frame(0, 8)), "frame: is 0 x 8"),
+    (dict(frame=Frame(65537, 8)), "frame: is 65537 x 8"),
+    (dict(frame=Frame(8, 8, 1, 0)), "frame: 8 x 8 pixels at 1, 0 do not lie in a frame of 8 x 8"),
+    (dict(frame=Frame(8, 8, 0, -1)), "frame: 8 x 8 pixels at 0, -1"),
+])
+def test_wrong_input_is_named(wrong, words):
+    with pytest.raises(core.EncreError, match=words) as e:
+        drawn(**wrong)
+    assert ";" in str(e.value) and "\n" not in str(e.value)
+
+
+@pytest.mark.parametrize("field, value, words", [
+    ("kind", 7, "kind 7 is not known"), ("n_primitives", -1, "-1 primitives"), ("n_channels", 17, "17 attribute channels"),
+    ("n_points", 2, "take more points than its 2"), ("points", None, "no points"),
+])
+def test_wrong_meshes_are_named(field, value, words):
+    lib, job, mesh = core.library(), core._RasterJob(), core._Mesh()
+    keep = core._pack_mesh(mesh, Mesh(np.zeros((3, 3), np.float32)))
+    setattr(mesh, field, value)
+    job.meshes, job.n_meshes, job.frame = ctypes.pointer(mesh), 1, core._Frame(4, 4, 0, 0)
+    depth = np.zeros((4, 4), np.float32)
+    job.depth = core._image(depth)
+    with pytest.raises(core.EncreError, match="mesh 0: .*" + words):
+        lib._call(lib.lib.encre_raster, job, 1, 1, None)
+    del keep
+
+
+def test_the_largest_frame_is_drawn():
+    width = height = 65536
+    square = np.array([[0, 0, -1], [width, 0, -1], [width, height, -1], [0, height, -1]], np.float32)
+    mesh = Mesh(square, np.array([[0, 1, 2], [0, 2, 3]], np.int32), object_index=1)
+    for x, y in ((0, 0), (width - 9, height - 9), (width // 2, height // 2)):
+        got = core.raster([mesh], *pixels(width, height), Frame(width, height, x, y), (9, 9), 0.1)
+        assert (got["object"] == 1).all() and (got["depth"] == 1).all()
+
+
+def test_progress_grows_and_cancels_at_every_band():
+    rng = np.random.default_rng(15)
+    meshes, view, p = crowded(rng), looking(rng), perspective(40, 100)
+
+    def run(stop):
+        seen = []
+
+        def progress(fraction):
+            seen.append(fraction)
+            return len(seen) < stop
+
+        core.raster(meshes, view, p, Frame(40, 100), (40, 100), 0.1, threads=1, progress=progress)
+        return seen
+
+    seen = run(10**9)
+    assert seen == sorted(seen) and 0 < seen[0] and seen[-1] == 1 and len(seen) >= 7
+    for stop in range(1, len(seen) + 1):
+        with pytest.raises(core.Cancelled):
+            run(stop)
