@@ -1,0 +1,409 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The strongest edge for every pixel, exactly: every edge pixel is a disc, the line is the union of the discs.
+ *
+ * Most of a disc lies nearer to a neighbouring edge pixel that inks at least as much, and so adds nothing. Each
+ * disc is cut down to the pixels where it can win before anything is drawn, which makes the work about as large as
+ * the inked area and not that times the radius. Equal discs side by side in a row are drawn as one. */
+#include "discs.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { TILE = 32 };
+
+typedef struct gather {
+	const frame *f;
+	discs *all;
+} gather;
+
+/* ---- what an edge pixel draws ---------------------------------------------------------------------------- */
+
+bool ISA(disc_of)(const frame *f, int x, int y, disc *d)
+{
+	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
+	int nx, ny;
+	near_of(f, x, y, &nx, &ny);
+	int style = f->style ? f->style[(size_t)ny * (size_t)f->width + (size_t)nx] : 0;
+	const encre_params *p = f->params + style;
+	if (!p->use_lines)
+		return false;
+	const float *controls = f->layer[ENCRE_LAYER_CONTROLS].data;
+	if (controls)
+		controls += ny * f->layer[ENCRE_LAYER_CONTROLS].row + (ptrdiff_t)6 * nx;
+	float thickness = controls ? controls[0] : 0, intensity = 1 + (controls ? controls[1] : 0);
+	float z = depth_of(f->layer[ENCRE_LAYER_DEPTH].data[ny * f->layer[ENCRE_LAYER_DEPTH].row + nx]);
+	const float widths[SOURCE_COUNT] = {
+		[SOURCE_OBJECT] = p->width_object, [SOURCE_MATERIAL] = p->width_material, [SOURCE_DEPTH] = p->width_depth,
+		[SOURCE_NORMAL] = p->width_normal, [SOURCE_COLOR] = p->width_color, [SOURCE_LIGHT] = p->width_light,
+	};
+
+	/* bounded before anything that may be 0 is multiplied in: infinity times 0 is no number */
+	float radius = fminf(0.5f * p->line_thickness * f->scale * widths[f->edge[at] - 1], 1e30f);
+	radius *= thickness > 0 ? 1 + 8 * thickness : 1 + thickness;
+	radius *= mix(1, fminf(1, f->strength[at]), p->line_contrast);
+	if (p->line_depth_distance > 0 && !f->camera.orthographic)
+		radius *= fminf(p->line_depth_distance / z, 4);
+	if (p->line_light != 0) {
+		plane light = f->layer[ENCRE_LAYER_DIFFUSE];
+		const float *rgb = light.data + ny * light.row + (ptrdiff_t)3 * nx;
+		float lit = clamp01(max3(rgb[0], rgb[1], rgb[2]) * p->shade_exposure);
+		radius *= fmaxf(0, 1 + p->line_light * (1 - 2 * lit));
+	}
+	radius = fminf(radius, 0.5f * f->params->line_max_thickness * f->scale);
+
+	intensity = fminf(intensity * p->line_intensity, 1e30f);
+	d->x = d->last = (uint16_t)x;
+	d->style = (uint16_t)style;
+	d->radius = radius;
+	d->fade = fmaxf(p->line_softness * radius, 1);
+	d->gain = fminf(p->line_gain * intensity, 1e30f);
+	d->bias = fmaxf(0, 1 - 0.5f * intensity);
+	d->paper = p->line_paper;
+	d->reach = radius - d->fade * d->bias;
+	d->limit = !f->params->line_occlude ? 0 : f->camera.orthographic ? z - 0.1f * f->camera.height : 0.9f * z;
+	return d->reach > 0 && d->gain > 0;
+}
+
+static void count_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const gather *g = data;
+	for (int y = y0; y < y1; y++) {
+		const uint8_t *edge = g->f->edge + (size_t)y * (size_t)g->f->width;
+		uint32_t n = 0;
+		for (int x = 0; x < g->f->width; x++)
+			n += edge[x] != 0;
+		g->all->count[y] = n;
+	}
+}
+
+static void fill_row(const frame *f, discs *all, int y)
+{
+	const uint8_t *edge = f->edge + (size_t)y * (size_t)f->width;
+	disc *out = all->disc + all->first[y];
+	uint32_t left = all->count[y];
+	float reach = 0;
+	for (int x = 0; left; x++) {
+		uint64_t eight;
+		if (x + 8 <= f->width && (memcpy(&eight, edge + x, 8), eight == 0)) {
+			x += 7;
+			continue;
+		}
+		if (!edge[x])
+			continue;
+		left--;
+		if (!ISA(disc_of)(f, x, y, out))
+			continue;
+		reach = fmaxf(reach, out->reach);
+		out++;
+	}
+	all->count[y] = (uint32_t)(out - (all->disc + all->first[y]));
+	all->up[y] = all->down[y] = (uint16_t)fminf(reach, OPEN - 1);
+}
+
+static void tile_row(const frame *f, int y, float *tiles)
+{
+	const float *depth = f->layer[ENCRE_LAYER_DEPTH].data + y * f->layer[ENCRE_LAYER_DEPTH].row;
+	for (int x0 = 0; x0 < f->width; x0 += TILE) {
+		float least = tiles[x0 / TILE];
+		int n = f->width - x0 < TILE ? f->width - x0 : TILE;
+		for (int x = 0; x < n; x++) {
+			float z = depth_of(depth[x0 + x]);
+			least = z < least ? z : least;
+		}
+		tiles[x0 / TILE] = least;
+	}
+}
+
+/* A band is a row of tiles. */
+static void fill_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const gather *g = data;
+	const frame *f = g->f;
+	int across = (f->width - 1) / TILE + 1;
+	float *tiles = g->all->nearest + (size_t)(y0 / TILE) * (size_t)across;
+	for (int i = 0; i < across; i++)
+		tiles[i] = INFINITY;
+	for (int y = y0; y < y1; y++) {
+		fill_row(f, g->all, y);
+		if (f->params->line_occlude)
+			tile_row(f, y, tiles);
+	}
+}
+
+/* Each of n values `step` apart becomes the least of those up to k away. */
+static void least_within(float *v, float *copy, int n, int step, int k)
+{
+	for (int i = 0; i < n; i++)
+		copy[i] = v[(ptrdiff_t)i * step];
+	for (int i = 0; i < n; i++) {
+		float least = copy[i];
+		for (int j = i < k ? 0 : i - k; j < n && j <= i + k; j++)
+			least = fminf(least, copy[j]);
+		v[(ptrdiff_t)i * step] = least;
+	}
+}
+
+/* ---- bounds ---------------------------------------------------------------------------------------------- */
+
+/* How far e must go towards its edge neighbour n, on the axis of the two or diagonally in dx + dy. A pixel at distance
+ * d <= reach of e is nearer to n by at least (dx - 1/2) / reach, diagonally by (dx + dy - 1) / reach: that is `lead`. If this
+ * makes up for a smaller radius, n covers it at least as well as e does. `least`: the bound where radii are equal; of two
+ * diagonal neighbours at the same distance the one in the upper row has the pixel. Every pixel so passed on gets nearer
+ * to its edge, so the chain ends. */
+static int bound(const disc *e, const disc *n, float lead, int least, float nearest)
+{
+	if (!n || n->style != e->style || n->gain < e->gain || n->bias > e->bias || (n->limit > e->limit && n->limit > nearest))
+		return OPEN;
+	float smaller = fmaxf(0, e->radius - n->radius);
+	float far = lead + smaller * e->reach;
+	if (far > 1.5f * e->reach || far >= OPEN)
+		return far > 1 ? OPEN : least;
+	int k = (int)far;
+	k -= (float)k == far; /* the last pixel before it */
+	return k > least ? k : least;
+}
+
+static const disc *at(const disc *row, const disc *end, int x)
+{
+	return row < end && row->x == x ? row : NULL;
+}
+
+static void bound_row(const frame *f, discs *all, int y)
+{
+	disc *row = all->disc + all->first[y], *end = row + all->count[y];
+	const disc *beside[2] = {NULL, NULL}, *beside_end[2] = {NULL, NULL}; /* the row above, the row below */
+	for (int i = 0; i < 2; i++)
+		if (y + 2 * i - 1 >= 0 && y + 2 * i - 1 < f->height) {
+			beside[i] = all->disc + all->first[y + 2 * i - 1];
+			beside_end[i] = beside[i] + all->count[y + 2 * i - 1];
+		}
+	const float *tiles = all->nearest + (size_t)(y / TILE) * (size_t)((f->width - 1) / TILE + 1);
+	for (disc *e = row; e < end; e++) {
+		float nearest = f->params->line_occlude ? tiles[e->x / TILE] : INFINITY;
+		e->left = (uint16_t)bound(e, e > row ? at(e - 1, end, e->x - 1) : NULL, 0.5f, 0, nearest);
+		e->right = (uint16_t)bound(e, at(e + 1, end, e->x + 1), 0.5f, 0, nearest);
+		uint16_t *straight[2] = {&e->up, &e->down};
+		for (int i = 0; i < 2; i++) {
+			const disc *n = beside[i];
+			while (n < beside_end[i] && n->x + 1 < e->x)
+				n++;
+			beside[i] = n;
+			const disc *l = at(n, beside_end[i], e->x - 1);
+			n += l != NULL;
+			const disc *m = at(n, beside_end[i], e->x);
+			n += m != NULL;
+			const disc *r = at(n, beside_end[i], e->x + 1);
+			*straight[i] = (uint16_t)bound(e, m, 0.5f, 0, nearest);
+			e->corner[i][0] = (uint16_t)bound(e, l, 1, i, nearest);
+			e->corner[i][1] = (uint16_t)bound(e, r, 1, i, nearest);
+		}
+	}
+}
+
+static void bound_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const gather *g = data;
+	for (int y = y0; y < y1; y++)
+		bound_row(g->f, g->all, y);
+}
+
+static bool same(const disc *a, const disc *b)
+{
+	return b->x == a->last + 1 && a->right == 0 && b->left == 0 && a->style == b->style && a->radius == b->radius &&
+	       a->gain == b->gain && a->bias == b->bias && a->limit == b->limit && a->up == b->up && a->down == b->down;
+}
+
+/* Joins equal neighbours. What no pixel within reach can tell apart is equal: limits that hide nothing. */
+static void join_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const gather *g = data;
+	discs *all = g->all;
+	int across = (g->f->width - 1) / TILE + 1;
+	for (int y = y0; y < y1; y++) {
+		const float *tiles = all->nearest + (size_t)(y / TILE) * (size_t)across;
+		disc *row = all->disc + all->first[y], *end = row + all->count[y], *out = row;
+		int up = 0, down = 0;
+		for (disc *e = row; e < end; e++) {
+			int most = (int)fminf(e->reach, OPEN - 1);
+			e->up = (uint16_t)(e->up < most ? e->up : most);
+			e->down = (uint16_t)(e->down < most ? e->down : most);
+			up = e->up > up ? e->up : up;
+			down = e->down > down ? e->down : down;
+			if (g->f->params->line_occlude && e->limit <= tiles[e->x / TILE])
+				e->limit = 0;
+			if (out > row && same(out - 1, e)) {
+				out[-1].last = e->last;
+				out[-1].right = e->right;
+				out[-1].corner[0][1] = e->corner[0][1];
+				out[-1].corner[1][1] = e->corner[1][1];
+			} else {
+				*out++ = *e;
+			}
+		}
+		all->count[y] = (uint32_t)(out - row);
+		all->up[y] = (uint16_t)up;
+		all->down[y] = (uint16_t)down;
+	}
+}
+
+/* ---- drawing --------------------------------------------------------------------------------------------- */
+
+/* Eight pixels from x on at a time: pixels beyond the end of the span get what they are due, which is no more than
+ * another disc gives them. */
+static void ink_span(const disc *restrict e, float dy, int x, int end, float *restrict dark, const float *restrict depth,
+		     const float *restrict grain)
+{
+	float first = e->x, last = e->last, radius = e->radius, steep = e->gain / e->fade, gain = e->gain;
+	float cut = e->gain * e->bias, paper = e->paper, limit = e->limit, dy2 = dy * dy;
+	for (; x < end; x += LANES)
+		for (int k = 0; k < LANES; k++) {
+			float px = (float)(x + k), a = first - px, b = px - last;
+			float dx = a > b ? a : b;
+			dx = dx > 0 ? dx : 0;
+			float t = (radius - sqrtf(dx * dx + dy2)) * steep;
+			t = t < gain ? t : gain;
+			t = (1 + paper * grain[x + k]) * t - cut;
+			t = depth[x + k] >= limit ? t : 0;
+			dark[x + k] = t > dark[x + k] ? t : dark[x + k];
+		}
+}
+
+/* Likewise, and remembers who inked. Discs come in reading order: an equal takes over only if it is nearer. */
+static void own_span(const disc *restrict e, int y, float dy, int x, int end, float *restrict dark, const float *restrict depth,
+		     const float *restrict grain, float *restrict distance, uint32_t *restrict owner)
+{
+	float radius = e->radius, steep = e->gain / e->fade, gain = e->gain;
+	float cut = e->gain * e->bias, paper = e->paper, limit = e->limit, dy2 = dy * dy;
+	int first = e->x, last = e->last, row = (int)((uint32_t)y << 16);
+	for (; x < end; x += LANES)
+		for (int k = 0; k < LANES; k++) {
+			int px = x + k, ex = px < first ? first : px > last ? last : px;
+			float dx = (float)(px - ex), d2 = dx * dx + dy2;
+			float t = (radius - sqrtf(d2)) * steep;
+			t = t < gain ? t : gain;
+			t = (1 + paper * grain[px]) * t - cut;
+			t = t < 1 ? t : 1;
+			t = depth[px] >= limit ? t : 0;
+			int wins = (t > dark[px]) | ((t == dark[px]) & (t > 0) & (d2 < distance[px]));
+			dark[px] = wins ? t : dark[px];
+			distance[px] = wins ? d2 : distance[px];
+			owner[px] = wins ? (uint32_t)(row | ex) : owner[px];
+		}
+}
+
+static void draw_disc(const disc *e, int y, canvas *c)
+{
+	int from = y - e->up < c->y0 ? c->y0 : y - e->up, to = y + e->down >= c->y1 ? c->y1 - 1 : y + e->down;
+	for (int row = from; row <= to; row++) {
+		int dy = row - y, below = dy > 0, ahead = dy < 0 ? -dy : dy;
+		float square = e->reach * e->reach - (float)dy * (float)dy;
+		int half = square > 0 ? (int)sqrtf(square) : 0;
+		int left = half < e->left ? half : e->left, right = half < e->right ? half : e->right;
+		for (int i = 0; i < 2; i++) { /* towards the corners of the other half the bound is looser by 2 * ahead */
+			int signed_ahead = i == below ? ahead : -ahead;
+			int l = e->corner[i][0] - signed_ahead, r = e->corner[i][1] - signed_ahead;
+			left = e->corner[i][0] != OPEN && l < left ? l : left;
+			right = e->corner[i][1] != OPEN && r < right ? r : right;
+		}
+		if (e->last > e->x) { /* the bounds are those of its ends; what lies between them is its own */
+			left = left > 0 ? left : 0;
+			right = right > 0 ? right : 0;
+		}
+		int x = e->x - left, end = e->last + right + 1;
+		x = x < 0 ? 0 : x;
+		end = end > c->width ? c->width : end;
+		size_t at = (size_t)(row - c->y0) * c->stride;
+		if (c->owner)
+			own_span(e, y, (float)dy, x, end, c->dark + at, c->depth + at, c->grain + at, c->distance + at, c->owner + at);
+		else
+			ink_span(e, (float)dy, x, end, c->dark + at, c->depth + at, c->grain + at);
+	}
+}
+
+void ISA(discs_rows)(const frame *f, const discs *all, int *y0, int *y1)
+{
+	int first = *y1, end = *y0;
+	for (int y = *y0 - all->reach < 0 ? 0 : *y0 - all->reach; y < f->height && y < *y1 + all->reach; y++) {
+		if (!all->count[y] || y + all->down[y] < *y0 || y - all->up[y] >= *y1)
+			continue;
+		first = y - all->up[y] < first ? y - all->up[y] : first;
+		end = y + all->down[y] + 1 > end ? y + all->down[y] + 1 : end;
+	}
+	*y0 = first > *y0 ? first : *y0;
+	*y1 = end < *y1 ? end : *y1;
+}
+
+void ISA(discs_draw)(const frame *f, const discs *all, canvas *c)
+{
+	for (int y = c->y0 - all->reach < 0 ? 0 : c->y0 - all->reach; y < f->height && y < c->y1 + all->reach; y++) {
+		if (y + all->down[y] < c->y0 || y - all->up[y] >= c->y1)
+			continue;
+		const disc *row = all->disc + all->first[y];
+		for (uint32_t i = 0; i < all->count[y]; i++)
+			draw_disc(row + i, y, c);
+	}
+}
+
+/* ---- the passes ------------------------------------------------------------------------------------------ */
+
+discs ISA(discs_plan)(const frame *f, arena *a)
+{
+	size_t rows = (size_t)f->height, across = (size_t)(f->width - 1) / TILE + 1, tall = (rows - 1) / TILE + 1;
+	return (discs){
+		.first = arena_take(a, rows, sizeof(size_t)),
+		.count = arena_take(a, rows, sizeof(uint32_t)),
+		.up = arena_take(a, rows, sizeof(uint16_t)),
+		.down = arena_take(a, rows, sizeof(uint16_t)),
+		.nearest = arena_take(a, across * tall, sizeof(float)),
+		.row_nearest = arena_take(a, across > tall ? across : tall, sizeof(float)),
+	};
+}
+
+static void sum_reach(const frame *f, discs *all)
+{
+	all->reach = 0;
+	for (int y = 0; y < f->height; y++) {
+		all->reach = all->up[y] > all->reach ? all->up[y] : all->reach;
+		all->reach = all->down[y] > all->reach ? all->down[y] : all->reach;
+	}
+}
+
+int32_t ISA(discs_gather)(const frame *f, discs *all)
+{
+	gather g = {f, all};
+	int32_t code = rows_run(f->rows, f->height, 0, count_rows, &g);
+	if (code)
+		return code;
+	size_t n = 0;
+	for (int y = 0; y < f->height; y++) {
+		all->first[y] = n;
+		n += all->count[y];
+	}
+	all->disc = n <= SIZE_MAX / sizeof *all->disc ? malloc(n ? n * sizeof *all->disc : 1) : NULL;
+	if (!all->disc)
+		return ENCRE_ERROR_MEMORY;
+	code = rows_run(f->rows, f->height, TILE, fill_rows, &g);
+	if (code)
+		return code;
+	sum_reach(f, all);
+	int across = (f->width - 1) / TILE + 1, tall = (f->height - 1) / TILE + 1, k = all->reach / TILE + 1;
+	for (int i = 0; i < tall; i++)
+		least_within(all->nearest + (ptrdiff_t)i * across, all->row_nearest, across, 1, k);
+	for (int i = 0; i < across; i++)
+		least_within(all->nearest + i, all->row_nearest, tall, across, k);
+	code = rows_run(f->rows, f->height, 0, bound_rows, &g);
+	if (!code)
+		code = rows_run(f->rows, f->height, 0, join_rows, &g);
+	sum_reach(f, all);
+	return code;
+}
+
+void ISA(discs_free)(discs *all)
+{
+	free(all->disc);
+	all->disc = NULL;
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files that draw lines share: the disc of an edge pixel, its darkness, and the ways to find the edge that
+ * inks a pixel. */
+#ifndef ENCRE_DISCS_H
+#define ENCRE_DISCS_H
+
+#include "pixel.h"
+#include "stage.h"
+
+#include <math.h>
+
+/* The disc of an edge pixel, or of the edge pixels x..last of one row whose discs differ in nothing but their place.
+ * The darkness that it gives a pixel at distance d, on paper of height h, is, before it is clamped to 0..1,
+ *   gain * ((1 + paper * (h - 1)) * min(1, (radius - d) / fade) - bias). */
+typedef struct disc {
+	uint16_t x, last;
+	uint16_t style;
+	float radius, fade;  /* fade: from the rim inwards until coverage is full */
+	float gain, bias;    /* gain times intensity; 1 - intensity / 2 */
+	float paper;
+	float reach;         /* nothing is darkened from here on, however high the paper */
+	float limit;         /* pixels with less depth are not covered */
+	/* Pixels that a neighbouring edge covers at least as well are left to it: how far the disc goes left of x, right
+	 * of last, up and down; and at most dx + dy = corner[below][right] towards a corner (OPEN: no bound). */
+	uint16_t left, right, up, down, corner[2][2];
+} disc;
+
+enum { OPEN = UINT16_MAX };
+
+/* Fills all fields but the bounds; false if the edge pixel inks nothing. */
+bool ISA(disc_of)(const frame *f, int x, int y, disc *d);
+
+/* Where an edge pixel takes its controls from. */
+static inline void near_of(const frame *f, int x, int y, int *nx, int *ny)
+{
+	int k = f->near[(size_t)y * (size_t)f->width + (size_t)x];
+	*nx = x + k % 5 - 2;
+	*ny = y + k / 5 - 2;
+}
+
+enum { LANES = 8 }; /* pixels are inked by so many at a time; a canvas has as many to spare right of each row */
+
+/* A band of rows that is being inked; row y is at (y - y0) * stride in each plane. */
+typedef struct canvas {
+	int y0, y1, width;
+	size_t stride;
+	float *dark;     /* darkness, at least 0, not yet clamped to 1 */
+	float *depth;    /* INFINITY = nothing there */
+	float *grain;    /* height of the paper - 1 */
+	/* Which edge inks each pixel, as y << 16 | x, and the square of its distance; NULL where all ink is the same. Then
+	 * dark is clamped, so that among equals the nearest, then the first in reading order, can be kept. */
+	uint32_t *owner;
+	float *distance;
+} canvas;
+
+/* discs.c: the strongest of all edges. Discs lie in the order of their pixels. */
+typedef struct discs {
+	size_t *first;       /* per row */
+	uint32_t *count;     /* per row */
+	uint16_t *up, *down; /* per row: how far any disc goes */
+	int reach;           /* the largest of them */
+	float *nearest;      /* least depth about each tile */
+	float *row_nearest;  /* scratch */
+	disc *disc;          /* allocated when they are counted */
+} discs;
+
+discs ISA(discs_plan)(const frame *f, arena *a);
+/* Finds all discs. Returns ENCRE_OK or an error; discs_free() is due in any case. */
+int32_t ISA(discs_gather)(const frame *f, discs *all);
+void ISA(discs_free)(discs *all);
+/* Narrows *y0..*y1 - 1 to the rows that any disc can darken. */
+void ISA(discs_rows)(const frame *f, const discs *all, int *y0, int *y1);
+void ISA(discs_draw)(const frame *f, const discs *all, canvas *c);
+
+/* search.c: the other ways name one edge for every pixel. */
+typedef struct search {
+	uint16_t *held, *next; /* width * height: (dy + 32) << 6 | dx + 32 of the edge, HELD_NONE = none; not for NEAREST */
+	float *blurred;        /* width * height, for WALK */
+	float *column;         /* scratch per thread, for WALK */
+} search;
+
+enum { HELD_NONE = UINT16_MAX };
+
+search ISA(search_plan)(frame *f, arena *a);
+int32_t ISA(search_run)(frame *f, search *s); /* fills held, or for NEAREST f->nearest */
+
+#endif

@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The Euclidean-nearest edge pixel of every pixel, exactly, in time that does not depend on distances: first along
+ * columns, then along rows by the lower envelope of parabolas (Meijster, Roerdink & Hesselink 2000). Of edges at
+ * the same distance the one in the least row, then in the least column is taken, which is the envelope of parabolas
+ * raised by an infinitesimal amount per row, and so holds together. */
+#include "stage.h"
+
+#include <math.h>
+
+enum { STRIPE = 256, FAR = INT16_MAX };
+
+typedef struct nearest {
+	int16_t *down;  /* width * height: rows down to the nearest edge of the column, NEAREST_NONE = none within reach */
+	int32_t *stack; /* per thread: columns whose parabolas make the envelope, and where each begins */
+	int reach;
+} nearest;
+
+typedef struct job {
+	const frame *f;
+	nearest *n;
+} job;
+
+/* ---- columns --------------------------------------------------------------------------------------------- */
+
+/* Rows since the last edge, saturated. */
+static void step(const uint8_t *restrict edge, int n, int16_t *restrict since)
+{
+	for (int x = 0; x < n; x++) {
+		int16_t next = (int16_t)(since[x] < FAR ? since[x] + 1 : FAR);
+		since[x] = edge[x] ? 0 : next;
+	}
+}
+
+static void turn_up(const int16_t *restrict since, int n, int16_t *restrict down)
+{
+	for (int x = 0; x < n; x++)
+		down[x] = (int16_t)-since[x];
+}
+
+/* An edge above is in a lesser row than one as far below. */
+static void turn_down(const int16_t *restrict since, int n, int reach, int16_t *restrict down)
+{
+	for (int x = 0; x < n; x++) {
+		int up = -down[x], below = since[x], best = up <= below ? -up : below;
+		down[x] = (int16_t)(best > reach || -best > reach ? NEAREST_NONE : best);
+	}
+}
+
+/* "Rows" are stripes of columns here, as the sweeps need whole columns. */
+static void column_stripes(void *data, int s0, int s1, int thread)
+{
+	(void)thread;
+	const job *j = data;
+	const frame *f = j->f;
+	for (int s = s0; s < s1; s++) {
+		int x0 = s * STRIPE, n = f->width - x0 < STRIPE ? f->width - x0 : STRIPE;
+		int16_t since[STRIPE];
+		for (int x = 0; x < n; x++)
+			since[x] = FAR;
+		for (int y = 0; y < f->height; y++) {
+			size_t at = (size_t)y * (size_t)f->width + (size_t)x0;
+			step(f->edge + at, n, since);
+			turn_up(since, n, j->n->down + at);
+		}
+		for (int x = 0; x < n; x++)
+			since[x] = FAR;
+		for (int y = f->height - 1; y >= 0; y--) {
+			size_t at = (size_t)y * (size_t)f->width + (size_t)x0;
+			step(f->edge + at, n, since);
+			turn_down(since, n, j->n->reach, j->n->down + at);
+		}
+	}
+}
+
+/* ---- rows ------------------------------------------------------------------------------------------------ */
+
+static int64_t square(int64_t x)
+{
+	return x * x;
+}
+
+/* The last pixel at which column i has a nearer edge than column u > i. */
+static int last_before(int i, int u, const int16_t *down)
+{
+	int64_t up = square(u) - square(i) + square(down[u]) - square(down[i]), run = 2 * ((int64_t)u - i);
+	int64_t q = up / run;
+	if (q * run > up)
+		q--; /* rounded towards 0 */
+	else if (q * run == up && down[u] < down[i])
+		q--; /* equally far, and u's edge is in a lesser row */
+	return (int)(q < -1 ? -1 : q > INT32_MAX - 1 ? INT32_MAX - 1 : q);
+}
+
+static void nearest_row(const int16_t *down, int width, int32_t *column, int32_t *begin, int16_t *out)
+{
+	int top = -1;
+	for (int u = 0; u < width; u++) {
+		if (down[u] == NEAREST_NONE)
+			continue;
+		int from = 0;
+		while (top >= 0 && (from = last_before(column[top], u, down) + 1) <= begin[top])
+			top--;
+		if (top < 0)
+			from = 0;
+		if (from >= width)
+			continue;
+		column[++top] = u;
+		begin[top] = from;
+	}
+	int end = width;
+	for (; top >= 0; top--) {
+		int u = column[top], dy = down[u];
+		for (int x = begin[top]; x < end; x++) {
+			int64_t far = square(u - x) + square(dy);
+			out[2 * x] = (int16_t)(far <= square(FAR) ? u - x : NEAREST_NONE);
+			out[2 * x + 1] = (int16_t)dy;
+		}
+		end = begin[top];
+	}
+	for (int x = 0; x < end; x++)
+		out[2 * x] = NEAREST_NONE;
+}
+
+static void nearest_rows(void *data, int y0, int y1, int thread)
+{
+	const job *j = data;
+	size_t width = (size_t)j->f->width;
+	int32_t *stack = j->n->stack + (size_t)thread * 2 * width;
+	for (int y = y0; y < y1; y++)
+		nearest_row(j->n->down + (size_t)y * width, j->f->width, stack, stack + width, j->f->nearest + (size_t)y * width * 2);
+}
+
+/* ---- what stages call ------------------------------------------------------------------------------------ */
+
+/* No farther than anyone looks. */
+static int reach_of(const frame *f)
+{
+	float reach = 0;
+	for (int i = 0; i < f->n_styles; i++)
+		reach = fmaxf(reach, f->params[i].use_smudging ? f->params[i].smudge_range * f->scale : 0);
+	if (f->any_lines && f->params->line_search == line_search_NEAREST)
+		reach = fmaxf(reach, 0.5f * f->params->line_max_thickness * f->scale);
+	return (int)fminf(reach + 1, FAR);
+}
+
+void ISA(nearest_plan)(frame *f, arena *a)
+{
+	if (f->nearest_planned)
+		return;
+	size_t width = (size_t)f->width, pixels = width * (size_t)f->height;
+	nearest *n = arena_take(a, 1, sizeof *n), made = {
+		.down = arena_take(a, pixels, sizeof(int16_t)),
+		.stack = arena_take(a, (size_t)rows_threads(f->rows) * width, 2 * sizeof(int32_t)),
+		.reach = reach_of(f),
+	};
+	f->nearest = arena_take(a, pixels, 2 * sizeof(int16_t));
+	f->nearest_planned = true;
+	f->nearest_scratch = n;
+	if (n)
+		*n = made;
+}
+
+int32_t ISA(nearest_run)(frame *f)
+{
+	if (!f->nearest_scratch)
+		return ENCRE_OK;
+	job j = {f, f->nearest_scratch};
+	int32_t code = rows_run(f->rows, (f->width - 1) / STRIPE + 1, 1, column_stripes, &j);
+	if (!code)
+		code = rows_run(f->rows, f->height, 0, nearest_rows, &j);
+	if (!code)
+		f->nearest_scratch = NULL;
+	return code;
+}
