@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Layers -> edge strength: where lines can be (Vainumäe 2020, 4.3; Herring 2016, 3.2).
+ *
+ * Each source of edges has a ring of sampled rows; tile by tile its strength is weighed, and the strongest source wins
+ * the pixel. To add a source: name it in enum source (the order decides ties), sample its layer in edges_samples.c, give
+ * its strength in edges_sources.c and its weight here. */
+#include "edges.h"
+#include "pixel.h"
+
+#include <stdio.h>
+
+enum { LANES = 16 };
+
+/* Divisors may be tiny: factors up to this leave all products finite. */
+static const float most_factor = 1e28f;
+
+/* ---- 5x5 least depth ------------------------------------------------------------------------------------- */
+
+/* Place (dy + 2) * 5 + dx + 2 of the least depth of the 5x5 window about n pixels from (x0, y). Ties: least distance,
+ * row, column, which 32 * distance^2 + place orders; first down the columns, then across. */
+static void nearest_places(const frame *f, int y, int x0, int n, uint8_t *restrict place)
+{
+	float column[TILE + 4], least[TILE];
+	int32_t column_key[TILE + 4], key[TILE];
+	int from = x0 < 2 ? 2 - x0 : 0, to = f->width - x0 + 2 < n + 4 ? f->width - x0 + 2 : n + 4;
+	for (int i = 0; i < n + 4; i++) {
+		column[i] = INFINITY;
+		column_key[i] = INT32_MAX / 2;
+	}
+	for (int dy = -2; dy <= 2; dy++) {
+		if (y + dy < 0 || y + dy >= f->height)
+			continue;
+		const float *restrict row = f->layer[ENCRE_LAYER_DEPTH].data + (y + dy) * f->layer[ENCRE_LAYER_DEPTH].row + x0 - 2;
+		int32_t k = 32 * dy * dy + (dy + 2) * 5 + 2;
+		for (int i = from; i < to; i++) {
+			float z = depth_of(row[i]);
+			int nearer = (z < column[i]) | ((z == column[i]) & (k < column_key[i]));
+			column[i] = nearer ? z : column[i];
+			column_key[i] = nearer ? k : column_key[i];
+		}
+	}
+	for (int i = 0; i < n; i++) {
+		least[i] = column[i + 2];
+		key[i] = column_key[i + 2];
+	}
+	for (int dx = -2; dx <= 2; dx++)
+		for (int i = 0; i < n; i++) {
+			float z = column[i + 2 + dx];
+			int32_t k = column_key[i + 2 + dx] + 32 * dx * dx + dx;
+			int nearer = (z < least[i]) | ((z == least[i]) & (k < key[i]));
+			least[i] = nearer ? z : least[i];
+			key[i] = nearer ? k : key[i];
+		}
+	for (int i = 0; i < n; i++)
+		place[i] = (uint8_t)(key[i] & 31);
+}
+
+/* ---- weights --------------------------------------------------------------------------------------------- */
+
+static float weight_in(const encre_params *p, enum source s)
+{
+	switch (s) {
+	case SOURCE_OBJECT: return p->edge_object;
+	case SOURCE_MATERIAL: return p->edge_material;
+	case SOURCE_DEPTH: return p->edge_depth;
+	case SOURCE_NORMAL: return p->edge_normal;
+	case SOURCE_COLOR: return p->edge_color;
+	default: return p->edge_light;
+	}
+}
+
+/* Weights of source s at n pixels; false if all are 0. style: that of the pixel the controls come from, NULL = the
+ * scene's. The painted control is that of the pixel itself. */
+static bool weigh(const edges *e, enum source s, int y, int x0, int n, const uint8_t *style, float *restrict weight)
+{
+	float most = 0;
+	for (int i = 0; i < n; i++)
+		weight[i] = e->weight[s][style ? style[i] : 0];
+	plane controls = e->f->layer[ENCRE_LAYER_CONTROLS];
+	if (s == SOURCE_COLOR && controls.data) {
+		const float *painted = controls.data + y * controls.row + (ptrdiff_t)x0 * 6 + 2;
+		for (int i = 0; i < n; i++)
+			weight[i] += painted[(ptrdiff_t)i * 6];
+	}
+	for (int i = 0; i < n; i++) {
+		weight[i] = weight[i] > 0 ? weight[i] : 0;
+		most = weight[i] > most ? weight[i] : most;
+	}
+	return most > 0;
+}
+
+/* ---- rows ------------------------------------------------------------------------------------------------ */
+
+static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
+{
+	const frame *f = e->f;
+	ptrdiff_t at = (ptrdiff_t)y * f->width + x0;
+	float strength[TILE], one[TILE], weight[TILE];
+	int32_t winner[TILE];
+	uint8_t style[TILE];
+	for (int i = 0; i < n; i++) {
+		strength[i] = 0;
+		winner[i] = 0;
+	}
+	if (f->style) {
+		nearest_places(f, y, x0, n, f->near + at);
+		for (int i = 0; i < n; i++)
+			style[i] = f->style[at + i + (f->near[at + i] / 5 - 2) * (ptrdiff_t)f->width + f->near[at + i] % 5 - 2];
+	}
+	for (int s = 0; s < SOURCE_COUNT; s++) {
+		if (!e->on[s] || !weigh(e, (enum source)s, y, x0, n, f->style ? style : NULL, weight))
+			continue;
+		ISA(ring_fill)(rings + s, y);
+		ISA(source_strength)(rings + s, y, x0, n, one);
+		for (int i = 0; i < n; i++) {
+			float w = weight[i] * one[i];
+			w = w < FLT_MAX ? w : FLT_MAX;
+			winner[i] = w > strength[i] ? 1 + s : winner[i];
+			strength[i] = w > strength[i] ? w : strength[i];
+		}
+	}
+	float threshold = e->p->edge_threshold;
+	int any = 0;
+	for (int i = 0; i < n; i++) {
+		winner[i] = strength[i] >= threshold ? winner[i] : 0; /* 0 where the strength is */
+		any |= winner[i];
+	}
+	for (int i = 0; i < n; i++)
+		f->edge[at + i] = (uint8_t)winner[i];
+	memcpy(f->strength + at, strength, (size_t)n * sizeof *strength);
+	plane out = f->output[ENCRE_OUTPUT_EDGES];
+	if (out.data)
+		memcpy(out.data + y * out.row + x0, strength, (size_t)n * sizeof *strength);
+	if (any && !f->style)
+		nearest_places(f, y, x0, n, f->near + at);
+}
+
+static void edge_rows(void *data, int y0, int y1, int thread)
+{
+	const edges *e = data;
+	ring rings[SOURCE_COUNT];
+	for (int s = 0; s < SOURCE_COUNT; s++)
+		rings[s] = ISA(ring_of)(e, (enum source)s, thread);
+	for (int y = y0; y < y1; y++)
+		for (int x0 = 0; x0 < e->f->width; x0 += TILE)
+			edge_tile(e, rings, y, x0, e->f->width - x0 < TILE ? e->f->width - x0 : TILE);
+}
+
+/* ---- contrast_auto: the strongest difference nearby gives a full line ------------------------------------ */
+
+static int window_reach(const edges *e, int size)
+{
+	float reach = floorf(e->p->contrast_window * e->f->scale / 2);
+	return reach < (float)(size - 1) ? (int)reach : size - 1; /* a wider window sees no more */
+}
+
+static void difference_rows(void *data, int y0, int y1, int thread)
+{
+	const edges *e = data;
+	int width = e->f->width, reach = window_reach(e, width);
+	float *padded = e->filter + thread * e->thread_filter;
+	for (int s = SOURCE_COLOR; s <= SOURCE_LIGHT; s++) {
+		if (!e->full[s])
+			continue;
+		ring r = ISA(ring_of)(e, (enum source)s, thread);
+		for (int y = y0; y < y1; y++) {
+			float *row = e->difference[s] + (ptrdiff_t)y * width;
+			ISA(ring_fill)(&r, y);
+			for (int x0 = 0; x0 < width; x0 += TILE)
+				ISA(source_difference)(&r, y, x0, width - x0 < TILE ? width - x0 : TILE, row + x0);
+			memset(padded, 0, (size_t)(width + 2 * reach) * sizeof *padded);
+			memcpy(padded + reach, row, (size_t)width * sizeof *row);
+			ISA(window_greatest)(padded, width, reach, 1);
+			memcpy(e->full[s] + (ptrdiff_t)y * width, padded, (size_t)width * sizeof *row);
+		}
+	}
+}
+
+/* "Rows" are strips of LANES columns here: a strip reads and writes its own columns only. */
+static void greatest_strips(void *data, int first, int end, int thread)
+{
+	const edges *e = data;
+	int width = e->f->width, height = e->f->height, reach = window_reach(e, height);
+	float *padded = e->filter + thread * e->thread_filter;
+	for (int s = SOURCE_COLOR; s <= SOURCE_LIGHT; s++)
+		for (int strip = first; e->full[s] && strip < end; strip++) {
+			int x0 = strip * LANES, n = width - x0 < LANES ? width - x0 : LANES;
+			float *column = e->full[s] + x0;
+			memset(padded, 0, (size_t)(height + 2 * reach) * LANES * sizeof *padded);
+			for (int y = 0; y < height; y++)
+				memcpy(padded + (ptrdiff_t)(reach + y) * LANES, column + (ptrdiff_t)y * width, (size_t)n * sizeof *column);
+			ISA(window_greatest)(padded, height, reach, LANES);
+			for (int y = 0; y < height; y++)
+				memcpy(column + (ptrdiff_t)y * width, padded + (ptrdiff_t)y * LANES, (size_t)n * sizeof *column);
+		}
+}
+
+/* ---- stage ----------------------------------------------------------------------------------------------- */
+
+static const char *check(const encre_params *p, char *text, size_t size)
+{
+	if (p->depth_space != depth_space_LINEAR || p->depth_far > p->depth_near)
+		return NULL;
+	snprintf(text, size, "depth_far: %g is not beyond depth_near, %g; give a larger depth_far", (double)p->depth_far, (double)p->depth_near);
+	return text;
+}
+
+static float factor(float numerator, float divisor)
+{
+	return numerator / divisor < most_factor ? numerator / divisor : most_factor;
+}
+
+/* Everything that follows from parameters alone. */
+static edges setup(const frame *f)
+{
+	const encre_params *p = f->params;
+	edges e = {.f = f, .p = p, .gauss = ISA(gaussians_of)(p->edge_sigma), .dog = p->edge_detector == edge_detector_DOG};
+	e.contrast = !e.dog || p->color_detector == color_detector_CONTRAST;
+	e.inverse = p->depth_space == depth_space_INVERSE;
+	e.ortho = e.inverse && f->camera.orthographic;
+	e.height = fminf(f->camera.height, 1e30f);
+	float gain = !e.dog ? 10 : e.inverse ? 60 : 200;
+	e.depth_factor = e.ortho ? factor(gain, e.height) : e.inverse ? gain : factor(gain, p->depth_far - p->depth_near);
+	for (int s = 0; s < SOURCE_COUNT; s++) {
+		for (int i = 0; i < f->n_styles; i++) {
+			e.weight[s][i] = weight_in(p + i, (enum source)s);
+			e.on[s] |= e.weight[s][i] > 0;
+		}
+		bool dog = s == SOURCE_DEPTH || s == SOURCE_NORMAL ? e.dog : s >= SOURCE_COLOR && !e.contrast;
+		e.reach[s] = dog ? e.gauss.reach : 1;
+	}
+	e.on[SOURCE_OBJECT] &= f->layer[ENCRE_LAYER_OBJECT].data != NULL;
+	e.on[SOURCE_MATERIAL] &= f->layer[ENCRE_LAYER_MATERIAL].data != NULL;
+	e.on[SOURCE_COLOR] |= f->layer[ENCRE_LAYER_CONTROLS].data != NULL;
+	return e;
+}
+
+static void plan(frame *f, arena *a)
+{
+	if (!f->want_edges)
+		return;
+	edges e = setup(f);
+	size_t pixels = (size_t)f->width * (size_t)f->height, threads = (size_t)rows_threads(f->rows);
+	f->edge = arena_take(a, pixels, 1);
+	f->strength = arena_take(a, pixels, sizeof *f->strength);
+	f->near = arena_take(a, pixels, 1);
+	e.plane_samples = (f->width + 2 * MAX_REACH + 15) & ~15;
+	for (int s = 0; s < SOURCE_COUNT; s++) {
+		e.ring_at[s] = e.thread_samples;
+		e.thread_samples += e.on[s] ? (2 * e.reach[s] + 1) * planes_of((enum source)s) * e.plane_samples : 0;
+		if (e.on[s] && s >= SOURCE_COLOR && e.contrast && e.p->contrast_auto) {
+			e.difference[s] = arena_take(a, pixels, sizeof *e.difference[s]);
+			e.full[s] = arena_take(a, pixels, sizeof *e.full[s]);
+			ptrdiff_t row = f->width + 2 * window_reach(&e, f->width);
+			ptrdiff_t strip = (f->height + 2 * (ptrdiff_t)window_reach(&e, f->height)) * LANES;
+			e.thread_filter = row > strip ? row : strip;
+		}
+	}
+	e.samples = arena_take(a, threads * (size_t)e.thread_samples, sizeof *e.samples);
+	e.filter = arena_take(a, threads * (size_t)e.thread_filter, sizeof *e.filter);
+	f->edges = arena_take(a, 1, sizeof e);
+	if (f->edges)
+		*(edges *)f->edges = e;
+}
+
+static int32_t run(frame *f)
+{
+	edges *e = f->edges;
+	if (!f->want_edges)
+		return ENCRE_OK;
+	int32_t code = ENCRE_OK;
+	if (e->thread_filter) {
+		code = rows_run(f->rows, f->height, 0, difference_rows, e);
+		if (!code)
+			code = rows_run(f->rows, (f->width - 1) / LANES + 1, 1, greatest_strips, e);
+	}
+	return code ? code : rows_run(f->rows, f->height, 0, edge_rows, e);
+}
+
+const stage STAGE_SYMBOL(edges) = {.id = "edges", .check = check, .plan = plan, .run = run};

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of the edge stage share: edges_samples.c turns layers into rows of samples, edges_sources.c turns those
+ * into the strength of each source, edges.c weighs them and decides. */
+#ifndef ENCRE_EDGES_H
+#define ENCRE_EDGES_H
+
+#include "detect.h"
+
+enum { MAX_ROWS = 2 * MAX_REACH + 1 };
+
+typedef struct edges {
+	const frame *f;
+	const encre_params *p; /* the scene's */
+	gaussians gauss;
+	bool on[SOURCE_COUNT];
+	bool dog;            /* the detector of depth and normals, else Sobel */
+	bool contrast;       /* colour and light are compared by the inter-color metric, else by DOG */
+	bool inverse, ortho; /* depth is compared as 1/z, or as z under an orthographic camera */
+	float height;        /* of the orthographic frame */
+	float depth_factor;  /* from a detector's response on the samples to strength */
+	float weight[SOURCE_COUNT][UINT8_MAX + 1]; /* by style */
+	int reach[SOURCE_COUNT];
+
+	float *samples; /* rings of all sources, for each thread */
+	ptrdiff_t thread_samples, plane_samples;
+	ptrdiff_t ring_at[SOURCE_COUNT];
+	float *difference[SOURCE_COUNT], *full[SOURCE_COUNT]; /* width * height, with contrast_auto */
+	float *filter; /* for each thread, likewise */
+	ptrdiff_t thread_filter;
+} edges;
+
+/* The rows of samples about the one worked on. Row y lies in slot (y + reach) modulo their number: rows outside the
+ * frame have a place too. */
+typedef struct ring {
+	const edges *e;
+	enum source source;
+	int reach, planes;
+	float *data;
+	int held[MAX_ROWS]; /* which row lies in the slot */
+} ring;
+
+static inline int clamp_index(int i, int n)
+{
+	return i < 0 ? 0 : i < n ? i : n - 1;
+}
+
+/* Channels that are compared: planes of a ring. */
+static inline int planes_of(enum source s)
+{
+	return s == SOURCE_NORMAL || s == SOURCE_COLOR || s == SOURCE_LIGHT ? 3 : 1;
+}
+
+/* Sample 0 of row y; `reach` more lie before it and after the last. */
+static inline float *ring_row(const ring *r, int y, int plane)
+{
+	int slot = (y + r->reach) % (2 * r->reach + 1);
+	return r->data + (slot * r->planes + plane) * r->e->plane_samples + r->reach;
+}
+
+/* An empty ring in the memory of a thread. */
+ring ISA(ring_of)(const edges *e, enum source s, int thread);
+/* Makes the rows of the window about row y that it does not hold yet. */
+void ISA(ring_fill)(ring *r, int y);
+/* Pointers to sample x0 of the rows about y, as detect.h wants them. */
+void ISA(ring_window)(const ring *r, int y, int x0, int plane, const float **row);
+
+/* Strength of the ring's source at n <= TILE pixels from (x0, y); negative = none. The ring holds the window about y. */
+void ISA(source_strength)(const ring *r, int y, int x0, int n, float *restrict strength);
+/* Largest colour difference across these pixels. */
+void ISA(source_difference)(const ring *r, int y, int x0, int n, float *restrict difference);
+
+#endif

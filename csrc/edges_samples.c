@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Layers -> rows of samples, in a quantity that edge detectors can compare, padded at the frame's border. */
+#include "edges.h"
+#include "metric.h"
+#include "pixel.h"
+
+#include <limits.h>
+
+/* 1/z and normals beyond these are cut, so that sums and squares of them stay finite. */
+static const float most_inverse = 1e30f, most_normal = 1e15f;
+
+/* ---- layers -> samples ----------------------------------------------------------------------------------- */
+
+static const float *layer_row(const edges *e, enum encre_layer layer, int y)
+{
+	return e->f->layer[layer].data + (ptrdiff_t)y * e->f->layer[layer].row;
+}
+
+/* Interleaved channels, cut to low..high, to planes. */
+static void split(const float *restrict in, int channels, int n, float low, float high, float *restrict a, float *restrict b,
+		  float *restrict c)
+{
+	float *plane[3] = {a, b, c};
+	for (int k = 0; k < 3; k++) {
+		float *restrict out = plane[k];
+		for (int i = 0; i < n; i++) {
+			float v = in[i * channels + k];
+			v = v > low ? v : low;
+			out[i] = v < high ? v : high;
+		}
+	}
+}
+
+/* 1/z is linear on planes on screen, under an orthographic camera z is: there -z, -INFINITY where nothing is. */
+static void depth_samples(const edges *e, const float *restrict z, int n, float *restrict out)
+{
+	float near = e->p->depth_near, far = e->p->depth_far;
+	if (!e->inverse)
+		for (int i = 0; i < n; i++) {
+			float d = depth_of(z[i]);
+			d = d > near ? d : near;
+			out[i] = d < far ? d : far;
+		}
+	else if (e->ortho)
+		for (int i = 0; i < n; i++)
+			out[i] = -depth_of(z[i]);
+	else
+		for (int i = 0; i < n; i++) {
+			float u = 1 / depth_of(z[i]);
+			out[i] = u < most_inverse ? u : most_inverse;
+		}
+}
+
+/* Row y, inside the frame, of plane 0; other planes follow e->plane_samples apart. */
+static void sample_row(const edges *e, enum source s, int y, float *out)
+{
+	int n = e->f->width;
+	float *second = out + e->plane_samples, *third = second + e->plane_samples;
+	bool lit = e->p->color_layer == color_layer_LIT;
+	switch (s) {
+	case SOURCE_OBJECT: memcpy(out, layer_row(e, ENCRE_LAYER_OBJECT, y), (size_t)n * sizeof *out); return;
+	case SOURCE_MATERIAL: memcpy(out, layer_row(e, ENCRE_LAYER_MATERIAL, y), (size_t)n * sizeof *out); return;
+	case SOURCE_DEPTH: depth_samples(e, layer_row(e, ENCRE_LAYER_DEPTH, y), n, out); return;
+	case SOURCE_NORMAL:
+		split(layer_row(e, ENCRE_LAYER_NORMAL, y), 3, n, -most_normal, most_normal, out, second, third);
+		return;
+	case SOURCE_COLOR:
+		if (lit)
+			split(layer_row(e, ENCRE_LAYER_COMBINED, y), 4, n, 0, 1, out, second, third);
+		else
+			split(layer_row(e, ENCRE_LAYER_ALBEDO, y), 3, n, 0, 1, out, second, third);
+		break;
+	default:
+		ISA(shade_tones)(e->f, y, 0, n, out);
+		for (int i = 0; i < n; i++)
+			out[i] = second[i] = third[i] = clamp01(out[i]);
+	}
+	ISA(metric_space)(e->contrast ? e->p->contrast_metric : contrast_metric_RGB, n, out, second, third);
+}
+
+/* ---- rings ----------------------------------------------------------------------------------------------- */
+
+ring ISA(ring_of)(const edges *e, enum source s, int thread)
+{
+	ring r = {.e = e, .source = s, .reach = e->reach[s], .planes = planes_of(s)};
+	r.data = e->samples + thread * e->thread_samples + e->ring_at[s];
+	for (int i = 0; i < MAX_ROWS; i++)
+		r.held[i] = INT_MIN;
+	return r;
+}
+
+static bool continues(const ring *r)
+{
+	return r->source == SOURCE_DEPTH && r->e->inverse;
+}
+
+/* The nearest sample, or for inverse depth the straight line through the border: a plane must stay one. */
+static void pad(const ring *r, float *row, int n)
+{
+	for (int k = 1; k <= r->reach; k++) {
+		int in = k < n ? k : n - 1;
+		row[-k] = continues(r) ? 2 * row[0] - row[in] : row[0];
+		row[n - 1 + k] = continues(r) ? 2 * row[n - 1] - row[n - 1 - in] : row[n - 1];
+	}
+}
+
+static void continue_row(ring *r, int y, int border, int inside)
+{
+	int slot = (y + r->reach) % (2 * r->reach + 1), n = r->e->f->width;
+	if (r->held[slot] == y)
+		return;
+	float *restrict out = ring_row(r, y, 0);
+	const float *restrict from = ring_row(r, border, 0), *restrict in = ring_row(r, inside, 0);
+	for (int i = -r->reach; i < n + r->reach; i++)
+		out[i] = 2 * from[i] - in[i];
+	r->held[slot] = y;
+}
+
+/* Rows outside the frame continue rows of the same window. */
+void ISA(ring_fill)(ring *r, int y)
+{
+	int height = r->e->f->height, last = height - 1, reach = r->reach;
+	for (int i = clamp_index(y - reach, height); i <= clamp_index(y + reach, height); i++) {
+		int slot = (i + reach) % (2 * reach + 1);
+		if (r->held[slot] == i)
+			continue;
+		sample_row(r->e, r->source, i, ring_row(r, i, 0));
+		for (int k = 0; k < r->planes; k++)
+			pad(r, ring_row(r, i, k), r->e->f->width);
+		r->held[slot] = i;
+	}
+	if (!continues(r))
+		return;
+	for (int k = 1; k <= reach - y; k++)
+		continue_row(r, -k, 0, clamp_index(k, height));
+	for (int k = 1; k <= y + reach - last; k++)
+		continue_row(r, last + k, last, clamp_index(last - k, height));
+}
+
+void ISA(ring_window)(const ring *r, int y, int x0, int plane, const float **row)
+{
+	for (int k = -r->reach; k <= r->reach; k++)
+		row[k + r->reach] = ring_row(r, continues(r) ? y + k : clamp_index(y + k, r->e->f->height), plane) + x0;
+}
