@@ -21,7 +21,7 @@ from setuptools.command.build_ext import build_ext
 
 NAME = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 # Files without stages are compiled once, stages once per instruction set (csrc/stage.h).
-PLAIN = ("arena.c", "encre.c", "outline.c", "params.c", "raster.c", "rows.c")
+PLAIN = ("arena.c", "encre.c", "geometry.c", "outline.c", "params.c", "raster.c", "rows.c")
 # No option that lets the compiler change a result: every build gives the same bits.
 FLAGS = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-fPIC", "-fvisibility=hidden", "-pthread", "-Wall", "-Wextra", "-Wpedantic", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"]
 
@@ -44,6 +44,8 @@ def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""
                 continue
             objects.append(str(build / f"{source.stem}-{isa}.o"))
             compile_.append([*cc, *flags, *march, f"-DENCRE_ISA={isa}", "-c", str(source), "-o", objects[-1]])
+    if sys.platform == "linux" and not sanitize:
+        flags.append("-Wl,--no-undefined")
     link = [*cc, *flags, "-shared", *objects, "-o", str(out), *shlex.split(os.environ.get("LDFLAGS", "")), "-lm"]
     return compile_, link
 
