@@ -41,15 +41,30 @@ static bool pressure_row(float amount, int n, const float *restrict controls, co
 	return any;
 }
 
-static void hatch_row(const float *pencil, int n, const float *restrict specular, const float *restrict depth, const float *restrict bright,
-		      const float *restrict pressure, const float *restrict paper, float *restrict surface)
+/* bright becomes the pencil's cover. */
+static void cover_row(int n, const float *restrict specular, const float *restrict depth, const float *restrict pressure, const float *restrict paper,
+		      float *restrict bright)
 {
 	for (int i = 0; i < n; i++) {
-		float gloss = specular ? clamp01(max3(specular[3 * i], specular[3 * i + 1], specular[3 * i + 2])) : 0;
-		float t = clamp01((1 - gloss) * 2.5f * (paper[i] * pressure[i] - bright[i]));
-		t = depth_of(depth[i]) < INFINITY ? t : 0;
-		for (int c = 0; c < 3; c++)
-			surface[4 * i + c] = blend(surface[4 * i + c], bounded(pencil[c] * surface[4 * i + 3]), t);
+		float t = 2.5f * (paper[i] * pressure[i] - bright[i]);
+		bright[i] = depth_of(depth[i]) < INFINITY ? t : 0;
+	}
+	if (specular)
+		for (int i = 0; i < n; i++)
+			bright[i] *= 1 - clamp01(max3(specular[3 * i], specular[3 * i + 1], specular[3 * i + 2]));
+	for (int i = 0; i < n; i++)
+		bright[i] = clamp01(bright[i]);
+}
+
+static void draw_row(const float *pencil, int n, const float *restrict cover, float *restrict surface)
+{
+	float r = pencil[0], g = pencil[1], b = pencil[2];
+	for (int i = 0; i < n; i++) {
+		float alpha = surface[4 * i + 3], t = cover[i];
+		surface[4 * i] = blend(surface[4 * i], bounded(r * alpha), t);
+		surface[4 * i + 1] = blend(surface[4 * i + 1], bounded(g * alpha), t);
+		surface[4 * i + 2] = blend(surface[4 * i + 2], bounded(b * alpha), t);
+		surface[4 * i + 3] = alpha;
 	}
 }
 
@@ -69,8 +84,8 @@ static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n
 		return;
 	ISA(paper_row)(f, y, x, x + n, 0.5f, paper);
 	plane out = f->output[ENCRE_OUTPUT_COMBINED];
-	hatch_row(p->hatch_color, n, pixels(f, ENCRE_LAYER_SPECULAR, 3, y, x), pixels(f, ENCRE_LAYER_DEPTH, 1, y, x), bright, pressure, paper,
-		  out.data + y * out.row + 4 * (ptrdiff_t)x);
+	cover_row(n, pixels(f, ENCRE_LAYER_SPECULAR, 3, y, x), pixels(f, ENCRE_LAYER_DEPTH, 1, y, x), pressure, paper, bright);
+	draw_row(p->hatch_color, n, bright, out.data + y * out.row + 4 * (ptrdiff_t)x);
 }
 
 static void hatch_rows(void *data, int y0, int y1, int thread)

@@ -192,6 +192,27 @@ static int32_t texel(const paper *p, int at, int n, float *share)
 	return (int32_t)(((int64_t)whole % n + n) % n);
 }
 
+static inline float rough(float raw, float roughness)
+{
+	return clamp01(0.8f + (raw - 0.8f) * roughness);
+}
+
+static void copied_row(int n, const float *restrict raw, float roughness, float *restrict height)
+{
+	for (int i = 0; i < n; i++)
+		height[i] = rough(raw[i], roughness);
+}
+
+static void sampled_row(int n, const float *restrict above, const float *restrict below, const int32_t *restrict column, const float *restrict share,
+			float down, float roughness, float *restrict height)
+{
+	for (int i = 0; i < n; i++) {
+		const float *a = above + column[i], *b = below + column[i];
+		float t = share[i];
+		height[i] = rough(mix(mix(a[0], a[1], t), mix(b[0], b[1], t), down), roughness);
+	}
+}
+
 void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *height)
 {
 	const paper *p = f->paper;
@@ -202,13 +223,16 @@ void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *he
 	}
 	float down;
 	int32_t j = texel(p, f->place.y + y, p->height, &down);
-	const float *a = p->sheet + j * p->row, *b = j + 1 < p->height ? a + p->row : p->sheet;
-	float roughness = p->roughness;
-	for (int x = x0; x < x1; x++) {
-		int32_t i = p->column[x];
-		float t = p->share[x], top = mix(a[i], a[i + 1], t), bottom = mix(b[i], b[i + 1], t);
-		height[x - x0] = clamp01(0.8f + (mix(top, bottom, down) - 0.8f) * roughness);
-	}
+	const float *above = p->sheet + j * p->row, *below = j + 1 < p->height ? above + p->row : p->sheet;
+	for (int x = x0, n; x < x1; x += n)
+		if (p->scale == 1) { /* every pixel has a texel of its own */
+			int32_t i = p->column[x];
+			n = p->width - i < x1 - x ? p->width - i : x1 - x;
+			copied_row(n, above + i, p->roughness, height + (x - x0));
+		} else {
+			n = x1 - x;
+			sampled_row(n, above, below, p->column + x, p->share + x, down, p->roughness, height + (x - x0));
+		}
 }
 
 /* ---- stage ----------------------------------------------------------------------------------------------- */
