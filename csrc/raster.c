@@ -4,29 +4,22 @@
  * Primitives are sorted into bands of rows once (counted, summed up, filed), so that every band holds its primitives in
  * the order of the job whatever the threads. A band then finds the nearest primitive of each pixel in a buffer that
  * stays in cache, and only these are shaded: attributes, normals and indices are never computed for what is hidden.
- * Primitives are transformed anew where they are needed, in double; that is cheaper than keeping them. What a
- * primitive covers is outline.c's. */
+ * Primitives are transformed anew where they are needed, in double; that is cheaper than keeping them. Where
+ * they lie is geometry.c's, what one covers outline.c's. */
 #include "raster.h"
-#include "outline.h"
+
+#include "geometry.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-	BAND = 16,           /* rows that are drawn at once */
-	MAX_CHUNKS = 256,    /* of primitives, sorted in parallel */
+	BAND = 16,        /* rows that are drawn at once */
+	CHUNK = 1024,     /* primitives that are sorted at once, at least */
+	MAX_CHUNKS = 256, /* each has a count for every band */
 };
 static const uint32_t NOTHING = UINT32_MAX;
-
-/* A mesh that has primitives, and its share of their running numbers. */
-typedef struct part {
-	const encre_mesh *mesh;
-	uint32_t first;
-	double screen[16]; /* object space -> corner, row by row */
-} part;
 
 typedef struct band_range {
 	uint16_t first, end;
@@ -34,14 +27,13 @@ typedef struct band_range {
 
 typedef struct raster {
 	const encre_raster_job *job;
+	geometry geometry;
 	int width, height; /* of the images */
 	room room;
-	double eye[4]; /* world space; [3] 0 = the direction towards an eye infinitely far */
-	int n_parts, n_bands, n_chunks;
-	uint32_t n_primitives, chunk; /* all of them; in a chunk */
+	int n_bands, n_chunks;
+	uint32_t chunk; /* primitives in a chunk */
 
-	part *parts;
-	band_range *range; /* n_primitives */
+	band_range *range; /* of each primitive */
 	size_t *place;     /* n_chunks x n_bands: how many, then where the next one goes */
 	size_t *list;      /* n_bands + 1: where a band's primitives start */
 	float *depth;      /* per thread BAND x width */
@@ -49,64 +41,19 @@ typedef struct raster {
 	uint32_t *entry;   /* primitives by band */
 } raster;
 
-/* ---- geometry ---------------------------------------------------------------------------------------------- */
-
-static void multiply(const double a[16], const double b[16], double out[16])
-{
-	for (int i = 0; i < 4; i++)
-		for (int j = 0; j < 4; j++)
-			out[4 * i + j] = a[4 * i] * b[j] + a[4 * i + 1] * b[4 + j] + a[4 * i + 2] * b[8 + j] + a[4 * i + 3] * b[12 + j];
-}
-
-static const float *point_of(const encre_mesh *mesh, uint32_t primitive, int k)
-{
-	int64_t c = 3 * (int64_t)primitive + k;
-	return mesh->points + 3 * (int64_t)(mesh->corners ? mesh->corners[c] : c);
-}
-
-static inline double row_times(const double *row, const float *p)
-{
-	return row[0] * (double)p[0] + row[1] * (double)p[1] + row[2] * (double)p[2] + row[3];
-}
-
-static void corners_of(const part *part, uint32_t primitive, corner c[3])
-{
-	for (int k = 0; k < 3; k++) {
-		const float *p = point_of(part->mesh, primitive, k);
-		const double *m = part->screen;
-		c[k] = (corner){row_times(m, p), row_times(m + 4, p), row_times(m + 8, p), row_times(m + 12, p)};
-	}
-}
-
 /* False where it covers no pixel of the images. Another kind of primitive is another outline made here. */
 static bool outline_of(const raster *r, const part *part, uint32_t primitive, outline *o)
 {
 	corner c[3];
-	corners_of(part, primitive, c);
+	geometry_corners(part, primitive, c);
 	return outline_make(&r->room, c, o);
 }
 
 /* ---- sorting into bands ------------------------------------------------------------------------------------ */
 
-/* The part that a primitive belongs to; `last`, that of the primitive before, is most often right. */
-static const part *part_of(const raster *r, const part *last, uint32_t number)
-{
-	if (last && number - last->first < (uint32_t)last->mesh->n_primitives)
-		return last;
-	int low = 0, high = r->n_parts;
-	while (high - low > 1) {
-		int middle = low + (high - low) / 2;
-		if (r->parts[middle].first <= number)
-			low = middle;
-		else
-			high = middle;
-	}
-	return r->parts + low;
-}
-
 static uint32_t chunk_end(const raster *r, uint32_t from)
 {
-	return r->n_primitives - from < r->chunk ? r->n_primitives : from + r->chunk;
+	return r->geometry.n_primitives - from < r->chunk ? r->geometry.n_primitives : from + r->chunk;
 }
 
 static void count_chunks(void *data, int c0, int c1, int thread)
@@ -119,7 +66,7 @@ static void count_chunks(void *data, int c0, int c1, int thread)
 		uint32_t from = (uint32_t)c * r->chunk, end = chunk_end(r, from);
 		for (uint32_t i = from; i < end; i++) {
 			outline o;
-			part = part_of(r, part, i);
+			part = geometry_part(&r->geometry, part, i);
 			r->range[i] = (band_range){0, 0};
 			if (!outline_of(r, part, i - part->first, &o))
 				continue;
@@ -170,41 +117,18 @@ typedef struct surface {
 	const float *attributes; /* of the three corners; NULL = 0 */
 } surface;
 
-static void normal_of(const raster *r, const encre_mesh *mesh, uint32_t primitive, float normal[3])
-{
-	double p[3][3], n[3], to[3], facing = 0, square = 0;
-	for (int k = 0; k < 3; k++)
-		for (int i = 0; i < 3; i++)
-			p[k][i] = row_times(mesh->model + 4 * i, point_of(mesh, primitive, k));
-	for (int i = 0; i < 3; i++) {
-		int a = (i + 1) % 3, b = (i + 2) % 3;
-		n[i] = (p[1][a] - p[0][a]) * (p[2][b] - p[0][b]) - (p[1][b] - p[0][b]) * (p[2][a] - p[0][a]);
-		to[i] = r->eye[i] - r->eye[3] * p[0][i];
-		square += n[i] * n[i];
-	}
-	if (!(square > 0)) { /* a line that snapping made a surface: the eye sees it from the front */
-		for (int i = 0; i < 3; i++)
-			square += (n[i] = to[i]) * to[i];
-	}
-	for (int i = 0; i < 3; i++)
-		facing += n[i] * to[i];
-	double length = square > 0 ? sqrt(square) : 1;
-	for (int i = 0; i < 3; i++)
-		normal[i] = (float)(facing < 0 ? -n[i] / length : n[i] / length);
-}
-
 static void load_surface(const raster *r, uint32_t number, surface *s)
 {
-	s->part = part_of(r, s->part, number);
+	s->part = geometry_part(&r->geometry, s->part, number);
 	const encre_mesh *mesh = s->part->mesh;
 	uint32_t i = number - s->part->first;
 	s->material = (float)(mesh->material ? mesh->material[i] : mesh->material_index);
 	s->style = (float)(mesh->style ? mesh->style[i] : mesh->style_index);
 	s->attributes = mesh->attributes && mesh->n_channels ? mesh->attributes + (size_t)i * 3 * (size_t)mesh->n_channels : NULL;
 	if (r->job->attributes.data && s->attributes)
-		corners_of(s->part, i, s->corner);
+		geometry_corners(s->part, i, s->corner);
 	if (r->job->normal.data)
-		normal_of(r, mesh, i, s->normal);
+		geometry_normal(&r->geometry, s->part, i, s->normal);
 }
 
 static inline float *pixel_at(const encre_image *image, int x, int y)
@@ -273,7 +197,7 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 		const part *part = NULL;
 		for (size_t k = r->list[i]; k < r->list[i + 1]; k++) {
 			outline o;
-			part = part_of(r, part, r->entry[k]);
+			part = geometry_part(&r->geometry, part, r->entry[k]);
 			if (outline_of(r, part, r->entry[k] - part->first, &o))
 				outline_draw(&o, r->entry[k], &b);
 		}
@@ -284,109 +208,11 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 
 /* ---- the job ----------------------------------------------------------------------------------------------- */
 
-static bool finite(const double *values, int n)
-{
-	for (int i = 0; i < n; i++)
-		if (!isfinite(values[i]))
-			return false;
-	return true;
-}
-
-#if defined __GNUC__
-__attribute__((format(printf, 3, 4)))
-#endif
-static int32_t refuse(char *error, size_t size, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(error, size, format, arguments);
-	va_end(arguments);
-	return ENCRE_ERROR_ARGUMENT;
-}
-
-static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_t size)
-{
-	if (mesh->kind != ENCRE_TRIANGLES)
-		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES", number, (int)mesh->kind);
-	if (mesh->n_primitives < 0 || mesh->n_points < 0)
-		return refuse(error, size, "mesh %d: %d primitives of %d points; give 0 or more of each", number, (int)mesh->n_primitives, (int)mesh->n_points);
-	if (mesh->n_channels < 0 || mesh->n_channels > ENCRE_MAX_CHANNELS)
-		return refuse(error, size, "mesh %d: has %d attribute channels; give 0 to %d", number, (int)mesh->n_channels, ENCRE_MAX_CHANNELS);
-	if (mesh->n_primitives && !mesh->points)
-		return refuse(error, size, "mesh %d: has %d primitives, but no points; give them", number, (int)mesh->n_primitives);
-	int64_t corners = 3 * (int64_t)mesh->n_primitives;
-	if (!mesh->corners && corners > mesh->n_points)
-		return refuse(error, size, "mesh %d: %d primitives without corners take more points than its %d; give corners", number, (int)mesh->n_primitives, (int)mesh->n_points);
-	for (int64_t i = 0; mesh->corners && i < corners; i++)
-		if ((uint32_t)mesh->corners[i] >= (uint32_t)mesh->n_points)
-			return refuse(error, size, "mesh %d: primitive %d has a corner at point %d of %d; give indices from 0 to the number of points less one",
-				      number, (int)(i / 3), (int)mesh->corners[i], (int)mesh->n_points);
-	return ENCRE_OK;
-}
-
-static int32_t check(raster *r, char *error, size_t size)
-{
-	const encre_raster_job *job = r->job;
-	const encre_frame *f = &job->frame;
-	const int most = OUTLINE_FRAME;
-	if (f->width < 1 || f->height < 1 || f->width > most || f->height > most)
-		return refuse(error, size, "frame: is %d x %d pixels; give 1 to %d each way", (int)f->width, (int)f->height, most);
-	if (f->x < 0 || f->y < 0 || f->x > f->width - r->width || f->y > f->height - r->height)
-		return refuse(error, size, "frame: %d x %d pixels at %d, %d do not lie in a frame of %d x %d; give the full frame and the place of the images in it",
-			      r->width, r->height, (int)f->x, (int)f->y, (int)f->width, (int)f->height);
-	if (!finite(job->view, 16) || !finite(job->projection, 16) || !finite(&job->clip_start, 1) || isnan(job->clip_end))
-		return refuse(error, size, "camera: a matrix or clip distance is not a finite number; give the camera another place or lens");
-	if (job->n_meshes < 0 || (job->n_meshes && !job->meshes))
-		return refuse(error, size, "meshes: %d of them are not there; give their number and where they lie", (int)job->n_meshes);
-	int64_t n = 0;
-	for (int i = 0; i < job->n_meshes; i++) {
-		int32_t code = check_mesh(job->meshes + i, i, error, size);
-		if (code)
-			return code;
-		n += job->meshes[i].n_primitives;
-	}
-	if (n >= NOTHING)
-		return refuse(error, size, "meshes: have more than %lld primitives; draw them in several jobs", (long long)NOTHING - 1);
-	r->n_primitives = (uint32_t)n;
-	return ENCRE_OK;
-}
-
-/* Rows of matrices that take object space to the screen, and the eye. */
-static void aim(raster *r)
-{
-	const encre_raster_job *job = r->job;
-	const double *v = job->view, *p = job->projection;
-	double camera[16];
-	for (int k = 0; k < 4; k++) { /* clip space -> pixels: row 0 is the top */
-		camera[k] = 0.5 * job->frame.width * (p[12 + k] + p[k]);
-		camera[4 + k] = 0.5 * job->frame.height * (p[12 + k] - p[4 + k]);
-		camera[8 + k] = p[12 + k];
-		camera[12 + k] = k == 2 ? -1 : 0;
-	}
-	uint32_t first = 0;
-	for (int i = 0; i < job->n_meshes; i++) {
-		const encre_mesh *mesh = job->meshes + i;
-		if (!mesh->n_primitives)
-			continue;
-		part *part = r->parts + r->n_parts++;
-		double view[16];
-		multiply(v, mesh->model, view);
-		multiply(camera, view, part->screen);
-		part->mesh = mesh;
-		part->first = first;
-		first += (uint32_t)mesh->n_primitives;
-	}
-	bool perspective = p[14] != 0;
-	for (int i = 0; i < 3; i++)
-		r->eye[i] = perspective ? -(v[i] * v[3] + v[4 + i] * v[7] + v[8 + i] * v[11]) : v[8 + i];
-	r->eye[3] = perspective;
-}
-
 static void plan(raster *r, int threads, arena *a)
 {
 	size_t band = (size_t)threads * BAND * (size_t)r->width;
-	r->parts = arena_take(a, (size_t)r->job->n_meshes, sizeof *r->parts);
-	r->range = arena_take(a, r->n_primitives, sizeof *r->range);
+	r->geometry.parts = arena_take(a, (size_t)r->job->n_meshes, sizeof *r->geometry.parts);
+	r->range = arena_take(a, r->geometry.n_primitives, sizeof *r->range);
 	r->place = arena_take(a, (size_t)r->n_chunks * (size_t)r->n_bands, sizeof *r->place);
 	r->list = arena_take(a, (size_t)r->n_bands + 1, sizeof *r->list);
 	r->depth = arena_take(a, band, sizeof *r->depth);
@@ -396,7 +222,7 @@ static void plan(raster *r, int threads, arena *a)
 static int32_t run(rows *pool, raster *r)
 {
 	int32_t code;
-	aim(r);
+	geometry_aim(&r->geometry);
 	memset(r->place, 0, (size_t)r->n_chunks * (size_t)r->n_bands * sizeof *r->place);
 	if ((code = rows_run(pool, r->n_chunks, 1, count_chunks, r)))
 		return code;
@@ -418,8 +244,8 @@ int32_t raster_run(rows *pool, const encre_raster_job *job, char *error, size_t 
 	for (int i = 0; i < 6; i++)
 		if (images[i]->data)
 			image = images[i];
-	raster r = {.job = job, .width = image->width, .height = image->height};
-	int32_t code = check(&r, error, size);
+	raster r = {.job = job, .geometry = {.job = job}, .width = image->width, .height = image->height};
+	int32_t code = geometry_check(&r.geometry, r.width, r.height, error, size);
 	if (code)
 		return code;
 	const encre_frame *f = &job->frame;
@@ -428,8 +254,9 @@ int32_t raster_run(rows *pool, const encre_raster_job *job, char *error, size_t 
 	r.room.x1 = r.room.x0 + r.width;
 	r.room.y1 = r.room.y0 + r.height;
 	r.n_bands = (r.height - 1) / BAND + 1;
-	r.chunk = r.n_primitives / MAX_CHUNKS + 1 > 1024 ? r.n_primitives / MAX_CHUNKS + 1 : 1024;
-	r.n_chunks = (int)((r.n_primitives + (uint64_t)r.chunk - 1) / r.chunk);
+	r.chunk = r.geometry.n_primitives / MAX_CHUNKS + 1;
+	r.chunk = r.chunk > CHUNK ? r.chunk : CHUNK;
+	r.n_chunks = (int)((r.geometry.n_primitives + (uint64_t)r.chunk - 1) / r.chunk);
 	arena a = {0};
 	plan(&r, rows_threads(pool), &a);
 	a = (arena){.base = malloc(a.used)};

@@ -120,7 +120,7 @@ def test_clipped_at_both_ends(projection):
     got = compare([mesh], looking(rng), projection(64, 48), Frame(64, 48), (64, 48), 5.0, 6.5, 3)
     there = got["depth"] < NOTHING
     assert 0.1 < there.mean() < 0.9
-    assert 5 - 1e-5 <= got["depth"].min() and got["depth"][there].max() <= 6.5 + 1e-5
+    assert got["depth"].min() >= 5 - 1e-5 and got["depth"][there].max() <= 6.5 + 1e-5
 
 
 # ---- watertight --------------------------------------------------------------------------------------------------
@@ -137,8 +137,8 @@ def jittered(rng, nx, ny, width, height, jitter, grid=None):
     a = (np.arange(ny)[:, None] * (nx + 1) + np.arange(nx)).ravel()
     b, c, d = a + 1, a + nx + 2, a + nx + 1
     flip = (rng.random(len(a)) < 0.5)[:, None, None]
-    quads = np.where(flip, np.stack([[a, b, c], [a, c, d]]).transpose(2, 0, 1), np.stack([[a, b, d], [b, c, d]]).transpose(2, 0, 1))
-    triangles = quads.reshape(-1, 3)
+    one, other = np.array([[a, b, c], [a, c, d]]), np.array([[a, b, d], [b, c, d]])
+    triangles = np.where(flip, one.transpose(2, 0, 1), other.transpose(2, 0, 1)).reshape(-1, 3)
     turned = rng.random(len(triangles)) < 0.5
     triangles[turned] = triangles[turned][:, ::-1]
     return points.astype(np.float32), triangles.astype(np.int32)
@@ -341,8 +341,8 @@ def test_any_size_of_triangle_gives_clean_pixels(seed, size, flat):
     rng = np.random.default_rng(seed)
     points = rng.uniform(-1, 1, (60, 3)) * size * (1, 1, 0 if flat else 1) + rng.choice([0, 0, size], (60, 1))
     points[rng.random(60) < 0.2] = points[0]  # degenerate ones too
-    mesh = Mesh(np.clip(points, -3e38, 3e38).astype(np.float32), None, rng.uniform(-1, 1, (20, 3, 2)).astype(np.float32),
-                object_index=1)
+    attributes = rng.uniform(-1, 1, (20, 3, 2)).astype(np.float32)
+    mesh = Mesh(np.clip(points, -3e38, 3e38).astype(np.float32), None, attributes, object_index=1)
     view = np.eye(4)
     view[2, 3] = -0.5 * size if size < 1e6 else -1
     for p in (perspective(33, 17), orthographic(33, 17)):
@@ -362,7 +362,7 @@ def drawn(mesh=None, view=None, projection=None, frame=None, size=(8, 8), start=
 
 @pytest.mark.parametrize("wrong, words", [
     (dict(mesh=Mesh(np.zeros((3, 3)), np.array([[0, 1, 3]]))), "mesh 0: primitive 0 has a corner at point 3 of 3"),
-    (dict(mesh=Mesh(np.zeros((3, 3)), np.array([[0, 1, 2], [2, -1, 0]]))), "mesh 0: primitive 1 has a corner at point -1"),
+    (dict(mesh=Mesh(np.zeros((3, 3)), np.array([[0, 1, 2], [2, -1, 0]]))), "primitive 1 has a corner at point -1"),
     (dict(view=np.full((4, 4), np.nan)), "camera: "),
     (dict(projection=np.full((4, 4), np.inf)), "camera: "),
     (dict(start=np.nan), "camera: "),
@@ -378,8 +378,8 @@ def test_wrong_input_is_named(wrong, words):
 
 
 @pytest.mark.parametrize("field, value, words", [
-    ("kind", 7, "kind 7 is not known"), ("n_primitives", -1, "-1 primitives"), ("n_channels", 17, "17 attribute channels"),
-    ("n_points", 2, "take more points than its 2"), ("points", None, "no points"),
+    ("kind", 7, "kind 7 is not known"), ("n_primitives", -1, "-1 primitives"), ("points", None, "no points"),
+    ("n_channels", 17, "17 attribute channels"), ("n_points", 2, "take more points than its 2"),
 ])
 def test_wrong_meshes_are_named(field, value, words):
     lib, job, mesh = core.library(), core._RasterJob(), core._Mesh()
@@ -417,7 +417,7 @@ def test_progress_grows_and_cancels_at_every_band():
         return seen
 
     seen = run(10**9)
-    assert seen == sorted(seen) and 0 < seen[0] and seen[-1] == 1 and len(seen) >= 7
+    assert seen == sorted(seen) and seen[0] > 0 and seen[-1] == 1 and len(seen) >= 7
     for stop in range(1, len(seen) + 1):
         with pytest.raises(core.Cancelled):
             run(stop)

@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Meshes and camera of a raster job: checked, numbered through, brought onto the screen. All in double: a float of
+ * object space, moved to the world and into pixels, would lose what decides pixels at an edge. */
+#include "geometry.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+
+static bool finite(const double *values, int n)
+{
+	for (int i = 0; i < n; i++)
+		if (!isfinite(values[i]))
+			return false;
+	return true;
+}
+
+#if defined __GNUC__
+__attribute__((format(printf, 3, 4)))
+#endif
+static int32_t refuse(char *error, size_t size, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(error, size, format, arguments);
+	va_end(arguments);
+	return ENCRE_ERROR_ARGUMENT;
+}
+
+static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_t size)
+{
+	if (mesh->kind != ENCRE_TRIANGLES)
+		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES", number, (int)mesh->kind);
+	if (mesh->n_primitives < 0 || mesh->n_points < 0)
+		return refuse(error, size, "mesh %d: %d primitives of %d points; give 0 or more of each", number, (int)mesh->n_primitives, (int)mesh->n_points);
+	if (mesh->n_channels < 0 || mesh->n_channels > ENCRE_MAX_CHANNELS)
+		return refuse(error, size, "mesh %d: has %d attribute channels; give 0 to %d", number, (int)mesh->n_channels, ENCRE_MAX_CHANNELS);
+	if (mesh->n_primitives && !mesh->points)
+		return refuse(error, size, "mesh %d: has %d primitives, but no points; give them", number, (int)mesh->n_primitives);
+	int64_t corners = 3 * (int64_t)mesh->n_primitives;
+	if (!mesh->corners && corners > mesh->n_points)
+		return refuse(error, size, "mesh %d: %d primitives without corners take more points than its %d; give corners", number, (int)mesh->n_primitives, (int)mesh->n_points);
+	for (int64_t i = 0; mesh->corners && i < corners; i++)
+		if ((uint32_t)mesh->corners[i] >= (uint32_t)mesh->n_points)
+			return refuse(error, size, "mesh %d: primitive %d has a corner at point %d of %d; give indices from 0 to the number of points less one",
+				      number, (int)(i / 3), (int)mesh->corners[i], (int)mesh->n_points);
+	return ENCRE_OK;
+}
+
+int32_t geometry_check(geometry *g, int width, int height, char *error, size_t size)
+{
+	const encre_raster_job *job = g->job;
+	const encre_frame *f = &job->frame;
+	const int most = OUTLINE_FRAME;
+	if (f->width < 1 || f->height < 1 || f->width > most || f->height > most)
+		return refuse(error, size, "frame: is %d x %d pixels; give 1 to %d each way", (int)f->width, (int)f->height, most);
+	if (f->x < 0 || f->y < 0 || f->x > f->width - width || f->y > f->height - height)
+		return refuse(error, size, "frame: %d x %d pixels at %d, %d do not lie in a frame of %d x %d; give the full frame and the place of the images in it",
+			      width, height, (int)f->x, (int)f->y, (int)f->width, (int)f->height);
+	if (!finite(job->view, 16) || !finite(job->projection, 16) || !finite(&job->clip_start, 1) || isnan(job->clip_end))
+		return refuse(error, size, "camera: a matrix or clip distance is not a finite number; give the camera another place or lens");
+	if (job->n_meshes < 0 || (job->n_meshes && !job->meshes))
+		return refuse(error, size, "meshes: %d of them are not there; give their number and where they lie", (int)job->n_meshes);
+	int64_t n = 0;
+	for (int i = 0; i < job->n_meshes; i++) {
+		int32_t code = check_mesh(job->meshes + i, i, error, size);
+		if (code)
+			return code;
+		n += job->meshes[i].n_primitives;
+	}
+	if (n >= UINT32_MAX)
+		return refuse(error, size, "meshes: have more than %lld primitives; draw them in several jobs", (long long)UINT32_MAX - 1);
+	g->n_primitives = (uint32_t)n;
+	return ENCRE_OK;
+}
+
+static void multiply(const double a[16], const double b[16], double out[16])
+{
+	for (int i = 0; i < 4; i++)
+		for (int j = 0; j < 4; j++)
+			out[4 * i + j] = a[4 * i] * b[j] + a[4 * i + 1] * b[4 + j] + a[4 * i + 2] * b[8 + j] + a[4 * i + 3] * b[12 + j];
+}
+
+void geometry_aim(geometry *g)
+{
+	const encre_raster_job *job = g->job;
+	const double *v = job->view, *p = job->projection;
+	double camera[16];
+	for (int k = 0; k < 4; k++) { /* clip space -> pixels: row 0 is the top */
+		camera[k] = 0.5 * job->frame.width * (p[12 + k] + p[k]);
+		camera[4 + k] = 0.5 * job->frame.height * (p[12 + k] - p[4 + k]);
+		camera[8 + k] = p[12 + k];
+		camera[12 + k] = k == 2 ? -1 : 0;
+	}
+	uint32_t first = 0;
+	for (int i = 0; i < job->n_meshes; i++) {
+		const encre_mesh *mesh = job->meshes + i;
+		if (!mesh->n_primitives)
+			continue;
+		part *part = g->parts + g->n_parts++;
+		double view[16];
+		multiply(v, mesh->model, view);
+		multiply(camera, view, part->screen);
+		part->mesh = mesh;
+		part->first = first;
+		first += (uint32_t)mesh->n_primitives;
+	}
+	bool perspective = p[14] != 0;
+	for (int i = 0; i < 3; i++)
+		g->eye[i] = perspective ? -(v[i] * v[3] + v[4 + i] * v[7] + v[8 + i] * v[11]) : v[8 + i];
+	g->eye[3] = perspective;
+}
+
+const part *geometry_part(const geometry *g, const part *last, uint32_t number)
+{
+	if (last && number - last->first < (uint32_t)last->mesh->n_primitives)
+		return last;
+	int low = 0, high = g->n_parts;
+	while (high - low > 1) {
+		int middle = low + (high - low) / 2;
+		if (g->parts[middle].first <= number)
+			low = middle;
+		else
+			high = middle;
+	}
+	return g->parts + low;
+}
+
+static const float *point_of(const encre_mesh *mesh, uint32_t primitive, int k)
+{
+	int64_t c = 3 * (int64_t)primitive + k;
+	return mesh->points + 3 * (int64_t)(mesh->corners ? mesh->corners[c] : c);
+}
+
+static inline double row_times(const double *row, const float *p)
+{
+	return row[0] * (double)p[0] + row[1] * (double)p[1] + row[2] * (double)p[2] + row[3];
+}
+
+void geometry_corners(const part *part, uint32_t i, corner c[3])
+{
+	for (int k = 0; k < 3; k++) {
+		const float *p = point_of(part->mesh, i, k);
+		const double *m = part->screen;
+		c[k] = (corner){row_times(m, p), row_times(m + 4, p), row_times(m + 8, p), row_times(m + 12, p)};
+	}
+}
+
+void geometry_normal(const geometry *g, const part *part, uint32_t i, float normal[3])
+{
+	const encre_mesh *mesh = part->mesh;
+	double p[3][3], n[3], to[3], facing = 0, square = 0;
+	for (int k = 0; k < 3; k++)
+		for (int c = 0; c < 3; c++)
+			p[k][c] = row_times(mesh->model + 4 * c, point_of(mesh, i, k));
+	for (int c = 0; c < 3; c++) {
+		int a = (c + 1) % 3, b = (c + 2) % 3;
+		n[c] = (p[1][a] - p[0][a]) * (p[2][b] - p[0][b]) - (p[1][b] - p[0][b]) * (p[2][a] - p[0][a]);
+		to[c] = g->eye[c] - g->eye[3] * p[0][c];
+		square += n[c] * n[c];
+	}
+	if (!(square > 0)) { /* a line that snapping made a surface: the eye sees it from the front */
+		for (int c = 0; c < 3; c++)
+			square += (n[c] = to[c]) * to[c];
+	}
+	for (int c = 0; c < 3; c++)
+		facing += n[c] * to[c];
+	double length = square > 0 ? sqrt(square) : 1;
+	for (int c = 0; c < 3; c++)
+		normal[c] = (float)(facing < 0 ? -n[c] / length : n[c] / length);
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The meshes of a raster job as one row of primitives, seen by its camera. */
+#ifndef ENCRE_GEOMETRY_H
+#define ENCRE_GEOMETRY_H
+
+#include "encre.h"
+#include "outline.h"
+
+#include <stddef.h>
+
+/* A mesh that has primitives, and its share of their running numbers. */
+typedef struct part {
+	const encre_mesh *mesh;
+	uint32_t first;
+	double screen[16]; /* object space -> corner, row by row */
+} part;
+
+typedef struct geometry {
+	const encre_raster_job *job;
+	uint32_t n_primitives; /* of all meshes, at most UINT32_MAX - 1 */
+	int n_parts;
+	part *parts;   /* room for job->n_meshes, the owner's */
+	double eye[4]; /* world space; [3] 0 = the direction towards an eye infinitely far */
+} geometry;
+
+/* Checks frame, camera and meshes for images of width x height, and counts the primitives. Returns ENCRE_OK, or
+ * ENCRE_ERROR_ARGUMENT and a sentence. */
+int32_t geometry_check(geometry *g, int width, int height, char *error, size_t size);
+/* Fills `parts` and `eye`. */
+void geometry_aim(geometry *g);
+/* The part that a primitive belongs to; `last` (may be NULL), that of the primitive before, is most often right. */
+const part *geometry_part(const geometry *g, const part *last, uint32_t number);
+/* Corners of primitive `i` of a part. */
+void geometry_corners(const part *part, uint32_t i, corner c[3]);
+/* Its unit normal, world space, facing the eye. */
+void geometry_normal(const geometry *g, const part *part, uint32_t i, float normal[3]);
+
+#endif
