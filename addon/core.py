@@ -279,11 +279,12 @@ class Library:
                    "color": lambda: tuple(_tidy(x) for x in r.value), "image": lambda: None,
                    "levels": lambda: _levels(r.levels.contents)}[kind]()
         numeric = kind in ("int", "float")
+        tidy = int if kind == "int" else _tidy
         return Param(_text(r.id), stage, kind, ("frame", "surface")[r.scope], _text(r.label), _text(r.help),
                      _text(r.unit), _text(r.enabled_if), default,
-                     _tidy(r.hard_min) if numeric else None,
-                     _tidy(r.hard_max) if numeric and r.hard_max < _UNLIMITED else None,
-                     _tidy(r.soft_min), _tidy(r.soft_max), items, r.offset)
+                     tidy(r.hard_min) if numeric else None,
+                     tidy(r.hard_max) if numeric and r.hard_max < _UNLIMITED else None,
+                     tidy(r.soft_min), tidy(r.soft_max), items, r.offset)
 
     # -- values
 
