@@ -1,0 +1,336 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shading, smudging, hatching and the paper against tests/reference/, and against themselves cut up in other ways."""
+
+import ctypes
+import struct
+
+import numpy as np
+import pytest
+from encre import core
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from reference import paper as reference_paper
+from reference import render as reference
+
+# Edges between objects alone are the same in float32 and float64, so that smudging can be judged everywhere.
+SIMPLE = dict(use_lines=False, edge_depth=0, edge_normal=0, length_unit="PIXELS")
+ONLY_SHADING = dict(SIMPLE, use_smudging=False, use_hatching=False)
+ONLY_SMUDGING = dict(SIMPLE, use_shading=False, use_hatching=False)
+ONLY_HATCHING = dict(SIMPLE, use_shading=False, use_smudging=False)
+TONES = [(0.2, 0.9, 0.8, 1.0), (0.6, 0.3, 0.4, 1.0, 0.9, 0.8), (0.9, 0.8, 0.2, 1.0, 0.9, 0.8), (1.3, 1.1, 0)]
+STYLES = [
+    dict(shade_levels=TONES, shade_tint=(0.2, 0.5, 0.9), shade_tint_weight=0.4, shade_saturation=0.3, shade_exposure=1.3,
+         shade_strength=0.8, hatch_amount=1.2, hatch_color=(0.3, 0.1, 0.0), smudge_range=25.0, smudge_pick=3.0,
+         smudge_falloff=0.2, smudge_speed=2.5),
+    dict(use_shading=False, hatch_color_threshold=0.9, hatch_light_threshold=0.0, smudge_depth=0.4, smudge_speed=0.5),
+]
+SIZES = [(89, 257), (1, 1), (1, 40), (40, 1)]
+
+
+def random_layers(height, width, seed=0):
+    """Noise on which every branch is taken: holes, sky, dark light, painted controls beyond their range, three styles."""
+    rng = np.random.default_rng(seed)
+
+    def noise(channels, low=0.0, high=1.0):
+        return rng.uniform(low, high, (height, width, channels))
+
+    def chance(p):
+        return rng.random((height, width, 1)) < p
+
+    color, diffuse = noise(3), noise(3, -0.05, 1.6) * np.where(chance(0.2), 0.02, 1.0)
+    alpha = np.where(chance(0.1), 0.0, np.where(chance(0.5), 1.0, noise(1)))
+    rgb = color * diffuse + noise(3, -0.2, 0.3)
+    controls = noise(6, -1.3, 1.3)
+    controls[..., 2] = 0
+    layers = dict(
+        combined=np.concatenate([rgb, alpha], -1), color=color, diffuse=diffuse, specular=noise(3) * chance(0.4),
+        depth=np.where(chance(0.1), 1e10, rng.integers(2, 6, (height, width, 1)) + 0.01 * noise(1)),
+        normal=noise(3, -1), object=chance(0.006), style=rng.integers(0, 3, (height, width, 1)), controls=controls)
+    return {name: a.astype(np.float32) for name, a in layers.items()}
+
+
+def draw(layers, scene, styles=(), image=None, **how):
+    how.setdefault("outputs", ("Combined", "Encre Light"))
+    if image is not None:
+        scene = dict(scene, paper_source="IMAGE", paper_image="grain.png")
+    return core.render(layers, scene, styles, image=lambda path: image, **how).images
+
+
+def assert_agrees(layers, scene, styles=(), image=None, camera=None, frame=None, tolerance=2e-5):
+    expected = reference(
+        layers, scene if image is None else dict(scene, paper_source="IMAGE", paper_image=image), styles,
+        camera and dict(orthographic=camera.orthographic, height=camera.height), frame and vars(frame))
+    got = draw(layers, scene, styles, image, camera=camera, frame=frame)
+    sure = ~expected["unsure"]
+    assert sure.mean() > 0.95
+    for name in ("Combined", "Encre Light"):
+        np.testing.assert_allclose(got[name][sure], expected[name][sure], rtol=1e-5, atol=tolerance, err_msg=name)
+
+
+# ---- against the reference
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("scene", [
+    ONLY_SHADING,
+    dict(ONLY_SHADING, surface="PAPER", paper_color=(0.9, 0.8, 0.7), other_light=0.3),
+    dict(ONLY_SHADING, other_light=0.4, shade_strength=0.3, shade_tint_weight=0.0),
+    dict(ONLY_SHADING, shade_levels=[(0.7,)]),
+    ONLY_SMUDGING,
+    dict(ONLY_SMUDGING, smudge_range=64.0, smudge_pick=20.0, smudge_falloff=1.0),
+    dict(ONLY_SMUDGING, smudge_range=40.0, smudge_pick=0.0, smudge_depth=0.0, length_unit="RELATIVE"),
+    ONLY_HATCHING,
+    dict(ONLY_HATCHING, paper_source="NONE", hatch_amount=2.0),
+    dict(ONLY_HATCHING, hatch_color_threshold=0.0, hatch_color=(0.2, 0.4, 0.6), paper_scale=2.7),
+    SIMPLE,
+])
+def test_agrees_with_the_reference(scene, size):
+    assert_agrees(random_layers(*size), scene, STYLES)
+
+
+def test_agrees_without_optional_layers():
+    layers = {name: a for name, a in random_layers(40, 64).items() if name not in ("specular", "controls", "style")}
+    assert_agrees(layers, SIMPLE)
+
+
+def test_agrees_under_an_orthographic_camera():
+    assert_agrees(random_layers(60, 90), dict(ONLY_SMUDGING, smudge_depth=0.3), STYLES,
+                  camera=core.Camera(orthographic=True, height=5.0))
+
+
+def test_lengths_follow_the_height_of_the_full_frame():
+    assert_agrees(random_layers(60, 90), dict(SIMPLE, length_unit="RELATIVE", smudge_range=30, paper_scale=1.6), STYLES,
+                  frame=core.Frame(400, 700, 31, 45), tolerance=1e-4)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_any_levels(data):
+    number = st.floats(0, 2, width=32)
+    levels, end = [(data.draw(number),)], 0.0
+    for _ in range(data.draw(st.integers(0, 15))):
+        transition = data.draw(st.one_of(st.just(0.0), st.floats(0.01, 0.5)))
+        threshold = end + transition / 2 + data.draw(st.floats(0.001, 0.3))
+        end = threshold + transition / 2
+        levels.append((data.draw(number), threshold, transition, data.draw(number), data.draw(number), data.draw(number)))
+    light = np.linspace(-0.1, 1.1 * end + 0.5, 500, dtype=np.float32).reshape(1, -1, 1) * np.float32([1, 0.9, 0.4])
+    layers = dict(random_layers(1, 500), diffuse=light)
+    del layers["style"]
+    assert_agrees(layers, dict(ONLY_SHADING, shade_levels=levels, shade_tint_weight=0.7), tolerance=1e-4)
+
+
+# ---- against themselves
+
+NASTY = [np.nan, np.inf, -np.inf, 3e38, -3e38, 1e-40, -1e-40, 0.0, 1e9, 1e10]
+
+
+def nasty_layers(height, width, values=NASTY):
+    rng = np.random.default_rng(7)
+    layers = random_layers(height, width)
+    for a in layers.values():
+        at = rng.random(a.shape) < 0.2
+        a[at] = rng.choice(np.float32(values), a.shape)[at]
+    return layers
+
+
+@pytest.mark.parametrize("layers", [random_layers(89, 257), nasty_layers(89, 257)], ids=["noise", "nasty"])
+@pytest.mark.parametrize("scene", [SIMPLE, dict(SIMPLE, surface="PAPER", paper_scale=1.7)], ids=["shaded", "paper"])
+def test_bytes_depend_on_neither_threads_nor_instructions(layers, scene):
+    expected = draw(layers, scene, STYLES, threads=1, simd=1)
+    for threads, simd in ((2, 1), (3, 1), (8, 1), (1, 0), (3, 0)):
+        for name, image in draw(layers, scene, STYLES, threads=threads, simd=simd).items():
+            assert image.tobytes() == expected[name].tobytes(), (name, threads, simd)
+
+
+def test_nothing_comes_out_infinite():
+    image = np.random.default_rng(1).choice(np.float32(NASTY), (9, 5, 3))
+    extremes = dict(SIMPLE, shade_exposure=3e38, shade_tint_weight=3e38, hatch_amount=3e38, paper_roughness=3e38,
+                    shade_tint=(3e38, 0, 1), hatch_color=(3e38, 1, 0), paper_color=(3e38, 1, 0), smudge_depth=3e38)
+    for scene in (SIMPLE, extremes, dict(extremes, surface="PAPER")):
+        for grain in (None, image):
+            for name, out in draw(nasty_layers(70, 130), scene, STYLES, grain).items():
+                assert np.isfinite(out).all(), name
+
+
+def test_shading_off_leaves_the_image_as_it_is():
+    layers = random_layers(40, 64)
+    for scene, styles, there in [
+        (dict(ONLY_SHADING, use_shading=False, use_hatching=True, hatch_amount=0.0), (), True),
+        (dict(ONLY_SHADING, shade_strength=0.0), STYLES, layers["style"][..., 0] == 2),
+        (dict(ONLY_SHADING), (), layers["combined"][..., 3] == 0),
+    ]:
+        same = (draw(layers, scene, styles)["Combined"].view(np.uint32) == layers["combined"].view(np.uint32)).all(-1)
+        assert same[there].all()
+
+
+def test_light_is_given_where_shading_is_off_and_nothing_is_there():
+    layers = random_layers(40, 64)
+    on = draw(layers, ONLY_SHADING)["Encre Light"]
+    off = draw(layers, dict(ONLY_SHADING, use_shading=False, use_hatching=True))["Encre Light"]
+    np.testing.assert_array_equal(on, off)
+    assert on.std() > 0.1
+
+
+def test_a_flat_tone_is_flat():
+    rng = np.random.default_rng(2)
+    diffuse = np.repeat(rng.uniform(0.6, 0.8, (30, 40, 1)), 3, -1).astype(np.float32)
+    ones = np.ones((30, 40, 3), np.float32)
+    layers = dict(combined=np.concatenate([diffuse * 0.5, ones[..., :1]], -1), color=ones * 0.5, diffuse=diffuse,
+                  depth=ones[..., :1], normal=ones)
+    picture = draw(layers, ONLY_SHADING)["Combined"][..., :3]
+    assert np.ptp(picture.reshape(-1, 3), axis=0).max() < 1e-6
+
+
+# ---- smudging
+
+def two_halves(width=40, edge=20):
+    """A near red surface on the left of a far blue one; the edge pixels are columns edge - 1 and edge."""
+    x = np.broadcast_to(np.arange(width), (9, width))[..., None]
+    left = x < edge
+    ones = np.ones((9, width, 1), np.float32)
+    rgba = np.where(left, (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 0.5)).astype(np.float32)
+    return dict(combined=rgba, color=rgba[..., :3], diffuse=np.repeat(ones, 3, -1), normal=np.repeat(ones, 3, -1),
+                depth=np.where(left, 2.0, 3.0).astype(np.float32), object=left.astype(np.float32))
+
+
+def painted(layers, smudge_range, falloff):
+    controls = np.zeros((*layers["depth"].shape[:2], 6), np.float32)
+    controls[..., 3], controls[..., 4] = smudge_range, falloff
+    return dict(layers, controls=controls)
+
+
+@pytest.mark.parametrize("reach", [1.0, 0.5, -0.5, -1.0])
+def test_colour_runs_over_the_edge(reach):
+    """Colour from behind runs into the near surface, or that of the near one over what is behind."""
+    layers = painted(two_halves(), reach, 1.0)
+    scene = dict(ONLY_SMUDGING, smudge_range=10.0, smudge_falloff=0.0)
+    share = draw(layers, scene)["Combined"][4, :, 2 if reach > 0 else 0]
+    distance = 19 - np.arange(40) if reach > 0 else np.arange(40) - 20
+    side = (distance > 0) & (distance <= 10 * abs(reach))
+    expected = np.where(side, 1 - distance / (10 * abs(reach)), 0)
+    own = layers["combined"][4, :, 2 if reach > 0 else 0]
+    np.testing.assert_allclose(share, np.where(side, expected, own), atol=1e-6)
+
+
+def test_the_reach_is_sharp():
+    """A range of 1 reaches the pixel beside the edge; one of 0.99 reaches none."""
+    for reach, reached in ((1.0, 1), (0.99, 0)):
+        layers = painted(two_halves(), 1.0, 1.0)
+        picture = draw(layers, dict(ONLY_SMUDGING, smudge_range=reach, smudge_falloff=0.5))["Combined"]
+        assert (picture != layers["combined"]).any(-1)[4].sum() == reached
+
+
+def test_unpainted_pixels_keep_every_bit():
+    layers = random_layers(50, 70)
+    layers["controls"][:, :35, 3] = 0
+    off = draw(layers, dict(ONLY_SHADING), STYLES)["Combined"]
+    on = draw(layers, dict(ONLY_SHADING, use_smudging=True), STYLES)["Combined"]
+    assert off[:, :35].tobytes() == on[:, :35].tobytes()
+    assert (off[:, 35:] != on[:, 35:]).any()
+
+
+# ---- paper
+
+def heights(width, height, scene=(), image=None, **how):
+    """The paper as hatching sees it: over white light and a colour of 0.3, T = 2.5 (amount h - 0.3)."""
+    ones = np.ones((height, width, 4), np.float32)
+    layers = dict(combined=ones, color=ones[..., :3] * np.float32(0.3), diffuse=ones[..., :3] * np.float32(1 / 0.3),
+                  normal=ones[..., :3], depth=ones[..., :1])
+    scene = dict(ONLY_HATCHING, hatch_amount=0.7, hatch_light_threshold=0, hatch_color_threshold=1.0, **dict(scene))
+    return (1 - np.float64(draw(layers, scene, image=image, **how)["Combined"][..., 0])) / 2.5 / 0.7 + 0.3 / 0.7
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2**31 - 1])
+def test_the_sheet_is_the_recipe(seed):
+    np.testing.assert_allclose(heights(520, 515, dict(paper_seed=seed)),
+                               np.pad(reference_paper.sheet(seed), ((0, 3), (0, 8)), "wrap"), atol=5e-7)
+
+
+def test_the_sheet_is_evenly_spread_and_even():
+    sheet = heights(512, 512)
+    assert sheet.min() >= 0.6 - 1e-6 and sheet.max() <= 1 + 1e-6
+    assert abs(sheet.mean() - 0.8) < 1e-6
+    share, _ = np.histogram(sheet, 8, (0.6, 1.0))
+    assert np.ptp(share) < 0.01 * share.mean()
+    blocks = sheet.reshape(16, 32, 16, 32).mean((1, 3))
+    assert np.ptp(blocks) < 0.02, "a blotch would show the tiling"
+    power = np.abs(np.fft.fft2(sheet - sheet.mean())) ** 2
+    alike = np.fft.ifft2(power).real / power.mean()
+    assert 0.4 < alike[0, 1] < 0.7 and 0.4 < alike[1, 0] < 0.7, "grain of about a pixel"
+    assert abs(alike[0, 1] - alike[1, 0]) < 0.02, "no grain direction"
+    assert np.abs(alike[8:-8, 8:-8]).max() < 0.03, "no repetition within the sheet"
+
+
+def test_another_seed_is_another_sheet():
+    a, b = heights(200, 200), heights(200, 200, dict(paper_seed=1))
+    assert abs(np.corrcoef(a.ravel(), b.ravel())[0, 1]) < 0.02
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.37, 2.6])
+def test_a_border_shows_its_piece_of_the_sheet(scale):
+    scene = dict(paper_scale=scale, length_unit="PIXELS")
+    whole = heights(700, 560, scene)
+    piece = heights(90, 40, scene, frame=core.Frame(700, 560, 600, 515))
+    np.testing.assert_array_equal(piece, whole[515:555, 600:690])
+
+
+@pytest.mark.parametrize("channels", [0, 1, 2, 3, 4])
+@pytest.mark.parametrize("scale", [1.0, 1.7, 0.3])
+def test_an_image_is_paper(channels, scale):
+    shape = (7, 13, channels) if channels else (7, 13)
+    image = np.random.default_rng(channels).uniform(0.5, 1.0, shape).astype(np.float32)
+    image[3, 4] = np.nan
+    grey = {0: image, 1: image, 2: image[..., :1]}.get(channels, image)
+    grey = grey.reshape(7, 13, -1)
+    expected = reference_paper.heights(
+        _Place(50, 60), _Values(dict(paper_source="IMAGE", paper_scale=scale, paper_roughness=0.8,
+                                     paper_image=grey[..., 0] if grey.shape[-1] == 1 else grey)))[0]
+    got = heights(60, 50, dict(paper_scale=scale, paper_roughness=0.8, length_unit="PIXELS"), image)
+    visible = expected > 0.45
+    np.testing.assert_allclose(got[visible], expected[visible], atol=1e-5)
+
+
+class _Place:
+    """What the reference's paper wants to know of the layers."""
+
+    def __init__(self, height, width):
+        self.depth, self.x, self.y, self.full_height = np.zeros((height, width)), 0, 0, height
+
+
+class _Values(dict):
+    def pixels(self, full_height):
+        return 1.0
+
+
+# ---- what is refused
+
+@pytest.mark.parametrize("levels, words", [
+    ([(0.5,), (0.7, 0.5, 0.2), (1.1, 0.6, 0.2)], "overlap"),
+    ([(0.5,), (0.7, 0.5, 0.0), (1.1, 0.4, 0.0)], "darkest first"),
+    ([(0.5,)] + [(1.0, k, 0.0) for k in range(16)], "16"),
+    ([], "16"),
+    ([(0.5,), (-0.7, 0.5, 0.2)], "0 or more"),
+    ([(0.5,), (0.7, 0.5, -0.2)], "0 or more"),
+])
+def test_levels_that_make_no_sense(levels, words):
+    with pytest.raises(core.EncreError, match=words) as error:
+        core.check(dict(shade_levels=levels))
+    assert "shade_levels" in str(error.value) and "\n" not in str(error.value)
+
+
+def test_levels_that_touch():
+    core.check(dict(shade_levels=[(0.5,), (0.7, 0.3, 0.2), (1.1, 0.5, 0.2), (1.2, 0.6, 0.0), (1.3, 0.6, 0.0)]))
+
+
+@pytest.mark.parametrize("count, words", [(0, b"give 1 to 16"), (17, b"give 1 to 16")])
+def test_the_library_counts_levels_itself(count, words):
+    library = core.library()
+    block = library.pack({})[0]
+    struct.pack_into("i", block, library.params["shade_levels"].offset, count)
+    assert words in library.lib.encre_params_check(block, ctypes.create_string_buffer(400), 400)
+
+
+def test_the_library_looks_at_the_image():
+    library = core.library()
+    block, keep = library.pack(dict(paper_image="x"), lambda path: np.zeros((4, 4, 5), np.float32))
+    assert b"paper_image" in library.lib.encre_params_check(block, ctypes.create_string_buffer(400), 400)
+    assert keep
