@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The render engine: Cycles renders the layers, the library draws on them, the picture goes back into Combined."""
 
+import contextlib
+
 import bpy
 from bpy.app.handlers import persistent
 
@@ -39,7 +41,8 @@ class EncreEngine(bpy.types.RenderEngine):
         self.refused = False
 
     def __del__(self):
-        if getattr(self, "session", None):
+        # Blender may have taken the engine away already, and its attributes with it.
+        with contextlib.suppress(ReferenceError, AttributeError, core.EncreError):
             _cycles().free(self)
 
     def say(self, kind, sentence):

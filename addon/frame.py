@@ -45,6 +45,8 @@ class Frames:
     def __init__(self, engine):
         self.engine = engine
         self.prepared, self.extracted = None, {}
+        self.line_numbers = None
+        self.overrode = False  # with persistent data, what a frame overrode is there in the next
 
     # Before Cycles reads the scene
 
@@ -65,26 +67,25 @@ class Frames:
         if not compat.has_cycles_denoiser() and scene.cycles.use_denoising:
             scene.cycles.use_denoising = False
             self.engine.say("INFO", "this build of Blender has no Open Image Denoise: Cycles' denoiser is off")
-        active = layers.active(values, overrides)
+        active, shaded = layers.active(values, overrides), layers.shaded(values, overrides)
         if camera.data.type == "PANO":
             if active:
                 raise core.EncreError(f"camera {camera.name}: a panoramic camera has no straight lines that Encre "
                                       "could draw; make it perspective or orthographic")
             return
+        user = depsgraph.scene.cycles.use_denoising and depsgraph.view_layer.cycles.use_denoising
         numbers = None
-        if active:
-            self._switch_blur_off(depsgraph)
-            if values["object_index"] == "AUTO":
-                numbers = meshes.renumber(depsgraph)
-        denoise_other = False
-        if layers.shaded(values, overrides):
-            denoise_other = depsgraph.scene.cycles.use_denoising and depsgraph.view_layer.cycles.use_denoising
-            scene.cycles.use_denoising = False
+        if active or self.overrode:
+            self._switch_blur(depsgraph, active)
+            numbers = meshes.renumber(depsgraph, active and values["object_index"] == "AUTO")
+        if shaded or self.overrode:
+            scene.cycles.use_denoising = depsgraph.scene.cycles.use_denoising and not shaded
+        self.overrode = active
         if values["light_denoise"] == "OIDN" and not denoise.available() and layers.wants_light(values, overrides):
             self.engine.say("INFO", "Open Image Denoise is not there: the light keeps its noise")
-        line, user = numbers if numbers else (None, None)
-        self.prepared = _ViewLayer(values, styles, user, depsgraph.view_layer.use_pass_object_index, denoise_other)
-        self.line_numbers = line
+        self.line_numbers, indices = numbers or (None, None)
+        self.prepared = _ViewLayer(values, styles, indices, depsgraph.view_layer.use_pass_object_index,
+                                   user and shaded)
 
     def _camera(self, depsgraph):
         camera = self.engine.camera_override or depsgraph.scene.camera
@@ -92,19 +93,19 @@ class Frames:
             raise core.EncreError("the scene has no camera: add one and make it the scene's")
         return camera.evaluated_get(depsgraph)
 
-    def _switch_blur_off(self, depsgraph):
+    def _switch_blur(self, depsgraph, off):
         """Lines need layers in which a pixel shows one thing."""
         render, found = depsgraph.scene_eval.render, []
-        if render.use_motion_blur:
-            render.use_motion_blur = False
+        if depsgraph.scene.render.use_motion_blur:
+            render.use_motion_blur = not off
             found.append("motion blur")
         for block in depsgraph.ids:
-            if isinstance(block, bpy.types.Camera) and block.dof.use_dof:
-                block.dof.use_dof = False
+            if isinstance(block, bpy.types.Camera) and block.original.dof.use_dof:
+                block.dof.use_dof = not off
                 found.append("depth of field")
-        if found:
-            off = " and ".join(sorted(set(found)))
-            self.engine.say("WARNING", f"{off}: rendered without, because lines need sharp layers")
+        if found and off:
+            names = " and ".join(sorted(set(found)))
+            self.engine.say("WARNING", f"{names}: rendered without, because lines need sharp layers")
 
     # Before Cycles frees the scene
 

@@ -31,25 +31,28 @@ class Objects:
 
 # Object numbers
 
-def renumber(depsgraph):
-    """Gives each evaluated object a pass index of its own; originals keep theirs.
+def renumber(depsgraph, automatic):
+    """Gives each evaluated object a pass index of its own, or back its user's; originals keep theirs.
 
     Cycles draws the index of clipped leaves, hair and displaced surfaces, which no rasteriser of ours can, but
     pass indices are 0 unless set by hand. Returns (line, user) by the new index: the number of the object or its
-    line group, and the index that the user gave. None, with nothing changed, where a material reads the index.
+    line group, and the index that the user gave; None if indices are the user's, as they stay where a material
+    reads them.
     """
     blocks = list(depsgraph.ids)
-    if any(_reads_index(block) for block in blocks):
-        return None
+    automatic = automatic and not any(_reads_index(block) for block in blocks)
     line, user, groups = [0], [0], {}
     for obj in blocks:
         if not isinstance(obj, bpy.types.Object):
+            continue
+        if not automatic:
+            obj.pass_index = obj.original.pass_index
             continue
         obj.pass_index = (len(line) - 1) % _MOST_INDICES + 1
         if len(line) <= _MOST_INDICES:
             line.append(_group_number(obj, groups, len(line)))
             user.append(obj.original.pass_index)
-    return np.array(line, np.float32), np.array(user, np.float32)
+    return (np.array(line, np.float32), np.array(user, np.float32)) if automatic else None
 
 
 def _group_number(obj, groups, number):

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Blenders at hand, and what they rendered."""
+
+import functools
+import json
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from encre import images, layers
+
+CASES = Path(__file__).with_name("blender") / "cases.py"
+
+
+@functools.cache
+def commands():
+    """{name: command line up to the script's arguments}; "bpy" is the module of the Python that runs the tests."""
+    found = {"bpy": [sys.executable, str(CASES)]}
+    for python in sorted(Path("/opt/blenders").glob("bpy-*/bin/python")):
+        found[python.parts[3]] = [str(python), str(CASES)]
+    if program := shutil.which("blender"):
+        found["blender"] = [program, "-b", "--factory-startup", "-P", str(CASES)]
+    return found
+
+
+@dataclass
+class Shot:
+    """Pictures that a case rendered and the facts and words that it printed."""
+
+    folder: Path
+    output: str
+    facts: dict = field(default_factory=dict)
+
+    def passes(self, name, layer="ViewLayer", view=None):
+        """{classic pass name: (height, width, channels)} of an EXR."""
+        with images.Exr(self.folder / f"{name}.exr") as file:
+            wanted = {}
+            for channel in file.channels:
+                head, *parts = channel.split(".")
+                if head == layer and (view is None or view in parts):
+                    wanted.setdefault(layers.classic(parts[0]), []).append(channel)
+            order = "RGBAXYZ"
+            pictures = file.read({n: sorted(c, key=lambda x: order.index(x[-1])) for n, c in wanted.items()})
+        return {n: np.ascontiguousarray(p) for n, p in pictures.items()}
+
+    def metadata(self, name):
+        with images.Exr(self.folder / f"{name}.exr") as file:
+            return file.metadata
+
+    def wrote(self, name):
+        return (self.folder / f"{name}.exr").exists()
+
+
+def run(blender, case, folder):
+    done = subprocess.run([*commands()[blender], "--", case, str(folder)], capture_output=True, text=True,
+                          timeout=300, errors="replace", stdin=subprocess.DEVNULL)
+    words = done.stdout + done.stderr
+    assert done.returncode == 0, words[-4000:]
+    facts = {}
+    for line in done.stdout.splitlines():
+        if line.startswith("FACT "):
+            name, value = json.loads(line[5:])
+            facts.setdefault(name, []).append(value)
+    return Shot(Path(folder), words, facts)
+
+
+@functools.cache
+def _bpy_here():
+    return subprocess.run([sys.executable, "-c", "import bpy"], capture_output=True).returncode == 0
+
+
+def params():
+    """The test's own bpy is part of every run, other Blenders of the long one; without bpy, the program."""
+    names = list(commands())
+    if not _bpy_here():
+        names.remove("bpy")
+    return [name if k == 0 else pytest.param(name, marks=pytest.mark.long) for k, name in enumerate(names)]

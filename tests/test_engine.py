@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The engine in Blender: each case of blender/cases.py is rendered in a process of its own and its pixels looked at."""
+
+import json
+
+import blenders
+import numpy as np
+import pytest
+
+from encre import core, layers
+
+
+@pytest.fixture(params=blenders.params(), scope="module")
+def blender(request):
+    return request.param
+
+
+@pytest.fixture
+def render(blender, tmp_path):
+    return lambda case: blenders.run(blender, case, tmp_path)
+
+
+def over(lines, surface):
+    return np.concatenate([surface[..., :3] * (1 - lines[..., 3:]) + lines[..., :3],
+                           surface[..., 3:] + lines[..., 3:] * (1 - surface[..., 3:])], 2)
+
+
+def test_picture(render):
+    shot = render("picture")
+    found = shot.passes("picture")
+    assert found.keys() >= layers.CYCLES.keys() | layers.DRAWN.keys() | layers.SAVED.keys()
+    assert found["Encre Lines"][..., 3].max() > 0.9  # there is ink
+    assert np.abs(over(found["Encre Lines"], found["Encre Surface"]) - found["Combined"]).max() < 1e-6
+    assert np.abs(found["Combined"] - found["Encre Source"]).max() > 0.1
+    # The user's numbers are in the pass that the user asked for; automatic ones in ours.
+    assert set(np.unique(found["IndexOB"])) == {0, 7}
+    assert len(np.unique(found["Encre Index"][..., 0])) == 4
+    assert shot.facts["pass_index"][0].count(7) == 1
+    # The same from what the file holds.
+    settings = layers.read_metadata(shot.metadata("picture"))
+    images, nonfinite = layers.assemble(found, settings.scene, [v for _, v in settings.styles])
+    again = core.render(images, settings.scene, camera=settings.camera, frame=settings.frame,
+                        outputs=("Combined", *layers.DRAWN))
+    assert nonfinite + again.nonfinite == 0
+    for name, picture in again.images.items():
+        assert np.abs(picture - found[name]).max() <= 1e-5, name
+
+
+def test_all_off_is_cycles(render):
+    for case in ("cycles", "factory"):
+        shot = render(case)
+        cycles, off = shot.passes("cycles"), shot.passes("off")
+        assert cycles["Combined"].tobytes() == off["Combined"].tobytes()
+        assert off["Encre Lines"].max() == 0
+
+
+def test_view_layers(render):
+    shot = render("view_layers")
+    for layer in ("First", "Second"):
+        both, alone = shot.passes("both", layer), shot.passes(layer.lower(), layer)
+        for name in ("Combined", "Encre Lines", "Depth"):
+            assert np.array_equal(both[name], alone[name]), name
+    assert not np.array_equal(shot.passes("both", "First")["Combined"], shot.passes("both", "Second")["Combined"])
+
+
+def test_border(render):
+    shot = render("border")
+    full, crop, border = (shot.passes(name)["Combined"] for name in ("full", "crop", "border"))
+    frame = layers.read_metadata(shot.metadata("crop")).frame
+    assert (frame.width, frame.height) == (320, 240) and frame.x == 35
+    height, width = crop.shape[:2]
+    assert height < 240 and width < 320
+    inner = np.s_[64:height - 64, 64:width - 64]
+    same = full[frame.y:frame.y + height, frame.x:frame.x + width][inner]
+    assert same.size > 10000 and same.std() > 0.05
+    assert np.abs(crop[inner] - same).max() < 1e-5
+    assert border.shape == full.shape
+    assert np.array_equal(border[frame.y:frame.y + height, frame.x:frame.x + width], crop)
+    placed = layers.read_metadata(shot.metadata("border")).frame
+    assert (placed.width, placed.height, placed.x, placed.y) == (320, 240, 0, 0)
+
+
+def test_resolution_percentage(render):
+    shot = render("percentage")
+    assert np.array_equal(shot.passes("whole")["Combined"], shot.passes("half")["Combined"])
+
+
+def test_transparent_film(render):
+    found = render("film").passes("film")
+    alpha, ink = found["Combined"][..., 3], found["Encre Lines"][..., 3]
+    nothing = found["Depth"][..., 0] > 1e9
+    assert found["Encre Source"][..., 3][nothing].min() == 0
+    assert alpha.min() == 0 and alpha.max() == 1
+    assert ((ink > 0.5) & nothing).any(), "outlines reach over the transparent background"
+    assert np.array_equal(found["Encre Surface"][..., 3] == 0, found["Encre Source"][..., 3] == 0)
+
+
+def test_tiles(render):
+    shot = render("tiles")
+    assert np.abs(shot.passes("whole")["Combined"] - shot.passes("tiles")["Combined"]).max() < 1e-4
+
+
+def test_animation(render):
+    shot = render("animation")
+    for name in ("once", "persistent"):
+        ink = [shot.passes(f"{name}-{frame:04}")["Encre Lines"][..., 3] for frame in (1, 2, 3)]
+        assert ink[1].max() == 0 and ink[0].max() > 0.9 and ink[2].max() > 0.9
+        assert np.abs(ink[0] - ink[2]).max() > 0.5
+    still = shot.passes("second")["Combined"]
+    assert np.array_equal(still, shot.passes("once-0002")["Combined"])
+    assert np.array_equal(still, shot.passes("persistent-0002")["Combined"])
+    assert shot.output.count("Warning: depth of field") <= 3  # two animations and a still
+
+
+def test_overrides_do_not_stay(render):
+    shot = render("switches_animated")
+    cycles = shot.passes("cycles")
+    for name in ("once", "persistent"):
+        second = shot.passes(f"{name}-0002")
+        assert np.array_equal(second["Combined"], cycles["Combined"]), name
+        assert set(np.unique(second["IndexOB"])) == {0, 7}
+
+
+def test_blur_is_off(render):
+    shot = render("blur")
+    assert np.array_equal(shot.passes("sharp")["Combined"], shot.passes("blurred")["Combined"])
+    assert shot.output.count("depth of field and motion blur: rendered without") == 1
+    assert shot.facts["kept"] == [[True, True]]
+
+
+def test_cameras(render):
+    facts = render("cameras").facts
+    assert len(facts) >= 14
+    pixels, wrong = (sum(fact[0][k] for fact in facts.values()) for k in (0, 1))
+    assert wrong < 0.0005 * pixels, facts
+    assert all(fact[0][3] > 1000 and fact[0][1] < 0.002 * fact[0][0] for fact in facts.values()), facts
+    assert all(fact[0][2] < 1e-4 for fact in facts.values()), facts
+
+
+def test_stereo(render):
+    shot = render("stereo")
+    assert shot.facts["error"] == [None]
+    assert len(shot.facts["mismatch"]) == 2 and max(shot.facts["mismatch"]) < 0.002
+    written = sorted(path.name for path in shot.folder.glob("stereo*.exr"))
+    assert written
+
+
+def test_object_numbers(render):
+    shot = render("numbers")
+
+    def objects(name):
+        found = shot.passes(name)
+        return found["Encre Index"][..., 0], found["IndexOB"][..., 0]
+
+    index, user = objects("automatic")
+    assert len(np.unique(index)) == 6, "nothing, cube, ball, ground and two instances of one cube"
+    assert set(np.unique(user)) == {0, 7}
+    cube = user == 7
+    assert len(np.unique(index[cube])) == 1
+    index, user = objects("group")
+    assert len(np.unique(index)) == 5 and np.array_equal(user == 7, cube)
+    index, user = objects("pass")
+    assert np.array_equal(index, user) and np.array_equal(user == 7, cube)
+    # The cube's strength is its own index, which therefore is not ours.
+    index, user = objects("reads")
+    assert set(np.unique(user)) == {0, 7}
+    assert len(np.unique(index)) == 5
+    assert abs(np.median(shot.passes("reads")["Emit"][cube]) - 7) < 0.1
+
+
+def test_clipped_leaves(render):
+    found = render("leaves").passes("leaves")
+    index, thickness = found["Encre Index"][..., 0], found["Encre Line Controls"][..., 0]
+    assert set(np.unique(thickness)) == {-0.5, 0, 0.5}
+    leaf = thickness == 0.5
+    assert leaf.sum() > 500 and len(np.unique(index[leaf])) == 1
+    assert (index == index[leaf][0]).sum() == leaf.sum()
+    # Through a hole the cube is seen, without the leaf's control; beside the leaf it has its own.
+    cube = index == index[thickness == -0.5][0]
+    assert (cube & (thickness == 0)).any()
+    assert len(np.unique(index)) == 4
+
+
+def test_painted_controls(render):
+    found = render("controls").passes("controls")
+    thickness, hatching = found["Encre Line Controls"][..., 0], found["Encre Surface Controls"][..., 2]
+    index = found["Encre Index"][..., 0]
+    order = list(dict.fromkeys(index[index.shape[0] // 2][index[index.shape[0] // 2] > 0]))
+    assert len(order) == 6
+    for number, value, k in zip(order, (1, 0, -1, 0.25, -0.5, 3), range(6), strict=True):
+        here = index == number
+        assert np.abs(thickness[here] - value).max() < 1e-5
+        assert np.abs(hatching[here] - (0.5 + 0.125 * k)).max() < 1e-6
+    assert not thickness[index == 0].any()
+
+
+def test_denoised_light(render):
+    shot = render("denoised")
+    if not shot.facts["available"][0]:
+        assert shot.output.count("Open Image Denoise is not there") >= 1
+        return
+    clean, noisy = shot.passes("denoised"), shot.passes("noisy")
+
+    def speckle(picture):
+        return np.abs(np.diff(picture, axis=1)).mean()
+
+    assert speckle(clean["Encre Diffuse"]) < 0.5 * speckle(noisy["Encre Diffuse"])
+    assert speckle(clean["Encre Source"]) < 0.5 * speckle(noisy["Encre Source"])
+    assert abs(clean["Encre Diffuse"].mean() / noisy["Encre Diffuse"].mean() - 1) < 0.05
+    assert shot.facts["kept"] == [True]
+
+
+def test_direct_light(render):
+    found = render("direct").passes("direct")
+    assert np.array_equal(found["Encre Diffuse"], found["DiffDir"])
+    assert found["DiffInd"].max() > 0.01
+    color = found["DiffCol"]
+    other = found["Encre Source"][..., :3] - color * found["DiffDir"]
+    assert np.percentile(np.abs(other - found["GlossCol"] * (found["GlossDir"] + found["GlossInd"])), 99) < 0.06
+
+
+def test_styles(render):
+    shot = render("styled")
+    found = shot.passes("styled")
+    style = found["Encre Index"][..., 2]
+    assert set(np.unique(style)) == {0, 1, 2}
+    ball = (style == 2) & (found["Encre Lines"][..., 3] == 0) & (found["Encre Light"][..., 0] >= 0)
+    assert ball.sum() > 100
+    settings = layers.read_metadata(shot.metadata("styled"))
+    assert settings.styles == [("Bare", {"use_lines": False}), ("Flat", {"use_shading": False})]
+
+
+def test_save_layers(render):
+    shot = render("saved")
+    assert shot.passes("on").keys() >= layers.SAVED.keys()
+    assert shot.passes("auto").keys() >= layers.SAVED.keys()
+    assert not shot.passes("off").keys() & layers.SAVED.keys()
+    assert json.loads(shot.metadata("off")["encre.params"])["scene"]["save_layers"] == "OFF"
+
+
+def test_scene_is_untouched(render):
+    assert render("untouched").facts["changed"] == [[]]
+
+
+@pytest.mark.parametrize("case", ["refused"])
+def test_refused(render, case):
+    shot = render(case)
+    words = {"panoramic": "panoramic", "no camera": "camera", "levels": "overlap", "no paper": "image",
+             "lost paper": "no such file"}
+    for name, word in words.items():
+        sentence = shot.facts[name][0]
+        assert sentence and word in sentence and "Traceback" not in sentence, (name, sentence)
+        assert not shot.wrote(name.replace(" ", "-")), name
+    assert "Traceback" not in shot.output
+    assert shot.facts["panoramic off"] == [None] and shot.wrote("panoramic-off")
+
+
+def test_library_missing(render):
+    shot = render("no_library")
+    assert "missing" in shot.facts["missing"][0] and not shot.wrote("missing")
+    assert "version" in shot.facts["version"][0] and not shot.wrote("version")
+    assert "Traceback" not in shot.output
+
+
+def test_not_finite(render):
+    shot = render("nonfinite")
+    assert shot.facts["error"] == [None]
+    assert shot.output.count("were not finite") == 1
+    assert np.isfinite(shot.passes("nonfinite")["Combined"]).all()
+
+
+def test_freestyle_and_bake(render):
+    shot = render("freestyle")
+    assert shot.facts["error"] == [None] and shot.wrote("freestyle")
+    assert "Traceback" not in shot.output
+    shot = render("bake")
+    assert shot.facts["baked"][0] > 0.5
+    assert np.array_equal(shot.passes("before")["Combined"], shot.passes("after")["Combined"])
+
+
+def test_cancel(render, blender):
+    shot = render("cancelled")
+    assert "Traceback" not in shot.output
+    assert shot.facts["seconds"][0] < 0.5
+    if blender != "blender":
+        return
+    shot = render("interrupted")  # only Blender's program hears the interrupt
+    assert shot.facts["finish"][0] < 0.5
+    assert not shot.wrote("interrupted")
