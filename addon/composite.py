@@ -7,37 +7,42 @@ from . import core, images, layers
 
 _KNOWN = {**layers.CYCLES, "IndexMA": "X", **layers.SAVED}
 _LETTERS = "RGBAXYZW"
+_BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
 
 
-def view_layers(channels):
-    """{view layer: {classic pass name: [full channel name …]}} in the file's order.
+def view_layers(channels, views=()):
+    """{view layer: {view: {classic pass name: [full channel name …]}}} in the file's order.
 
-    Blender writes `ViewLayer.Pass.C`; both names may hold dots themselves, so known passes are looked for at the
-    end. A file without view layers has the one called "", where R, G, B, A alone are Combined and Z is Depth.
+    Blender writes `ViewLayer.Pass.C`, in stereo `ViewLayer.Pass.view.C`; both names may hold dots themselves, so
+    known passes are looked for at the end. A picture without view layers or views has the one called "", where
+    R, G, B, A alone are Combined and Z is Depth.
     """
     found = {}
     for full in channels:
         name, _, letter = full.rpartition(".")
-        if not name:
-            name = {"R": "Combined", "G": "Combined", "B": "Combined", "A": "Combined", "Z": "Depth"}.get(full, full)
+        view = next((view for view in views if name.rpartition(".")[2] == view), "")
+        name = name.removesuffix(view).removesuffix(".") or _BARE.get(letter, letter)
         layer, _, last = name.rpartition(".")
         for known in (*_KNOWN, *layers.RENAMED.values()):
             if name == known or name.endswith("." + known):
                 layer, last = name[:-len(known)].removesuffix("."), known
-        found.setdefault(layer, {}).setdefault(layers.classic(last), []).append(full)
-    for passes in found.values():
-        for names in passes.values():
-            names.sort(key=lambda full: _LETTERS.find(full[-1].upper()))
+        passes = found.setdefault(layer, {}).setdefault(view, {})
+        passes.setdefault(layers.classic(last), []).append(full)
+    for eyes in found.values():
+        for passes in eyes.values():
+            for names in passes.values():
+                names.sort(key=lambda full: _LETTERS.find(full[-1].upper()))
     return found
 
 
 def _choose(found, name, path):
     """The view layer called `name`, or the file's first; the compositor's result is not one."""
     if name is None:
-        names = [n for n, passes in found.items() if n != "Composite" or set(passes) != {"Combined"}]
+        names = [n for n, eyes in found.items()
+                 if n != "Composite" or any(set(passes) != {"Combined"} for passes in eyes.values())]
         return (names or list(found))[0]
     if name not in found:
-        raise core.EncreError(f"{path}: " + core.unknown("view layer", name, [n or '""' for n in found]))
+        raise core.EncreError(f"{path}: " + core.unknown("view layer", name, found))
     return name
 
 
@@ -54,67 +59,71 @@ def _wanted(passes, path):
     return wanted
 
 
-def _settings(exr, say):
-    """The file's Settings; `say` is told what they leave open."""
-    settings = layers.read_metadata(exr.metadata)
-    assumed = [text for value, text in ((settings.scene, "all parameters have their defaults"),
-                                        (settings.frame, "its own size is the frame"),
-                                        (settings.camera, "the camera is a perspective one")) if value is None]
-    if assumed:
-        say("note", f"{exr.path} does not hold all of Encre's metadata: {', '.join(assumed)}")
-    for warning in settings.warnings:
-        say("warning", warning)
-    # The metadata tell where the display window lies in the frame; a data window may be a part of it.
-    window = exr.window
-    if settings.frame:
-        settings.frame.x += window.x
-        settings.frame.y += window.y
-    else:  # overscan makes the frame larger than the display window
-        left, top = min(window.x, 0), min(window.y, 0)
-        settings.frame = core.Frame(max(window.full_width, window.x + window.width) - left,
-                                    max(window.full_height, window.y + window.height) - top,
-                                    window.x - left, window.y - top)
-    return settings
+def _place(frame, window):
+    """The frame of a data window: the metadata's, or else the display window, which overscan makes larger."""
+    if frame:
+        return core.Frame(frame.width, frame.height, frame.x + window.x, frame.y + window.y)
+    left, top = min(window.x, 0), min(window.y, 0)
+    return core.Frame(max(window.full_width, window.x + window.width) - left,
+                      max(window.full_height, window.y + window.height) - top, window.x - left, window.y - top)
+
+
+def _notes(settings, passes, path):
+    """What the file leaves open, in one sentence; None: nothing."""
+    assumed = [text for known, text in (
+        (settings.scene is not None, "all parameters start from their defaults"),
+        (settings.frame, "its own size is the frame"),
+        (settings.camera, "the camera is a perspective one"),
+        ("Encre Source" in passes, "Combined is taken as the picture without Encre")) if not known]
+    return f"{path} does not hold all that Encre saves: {', '.join(assumed)}" if assumed else None
 
 
 def composite(path, out, change, view_layer=None, threads=0, say=print):
     """Restyles the EXR `path` into `out` (.exr or .png).
 
-    change: the values to set on those in the file; say(kind, sentence) hears notes and
-    warnings. Raises EncreError for the input, images.WriteError where `out` can't be written.
+    change: the values to set on those in the file; say(kind, sentence) hears notes and warnings. Raises
+    core.EncreError for the input, images.WriteError where `out` can't be written.
     """
+    png, channels, nonfinite, note = out.lower().endswith(".png"), {}, 0, None
     with images.Exr(path, threads) as exr:
-        found = view_layers(exr.channels)
-        layer = _choose(found, view_layer, path)
-        settings = _settings(exr, say)
+        settings = layers.read_metadata(exr.metadata)
         scene = core.check({**(settings.scene or {}), **change})
-        passes = exr.read(_wanted(found[layer], path))
-        names, window = found[layer], exr.window
-    styles = [values for _, values in settings.styles]
-    try:
-        pictures, nonfinite = layers.assemble(passes, scene, styles)
-    except core.EncreError as error:
-        others = ", ".join(sorted(set(names) - set(passes)))
-        raise core.EncreError(f"{path}: {error}" + (f"; also in the file: {others}" if others else "")) from None
-    outputs = ("Combined",) if out.lower().endswith(".png") else ("Combined", *layers.DRAWN)
-    result = core.render(pictures, scene, styles, settings.camera, settings.frame, outputs, threads,
-                         progress=lambda _fraction: True,  # or Ctrl-C waits for the end
-                         image=images.read_paper)
-    nonfinite += result.nonfinite
+        styles = [values for _, values in settings.styles]
+        found = view_layers(exr.channels, exr.views)
+        layer = _choose(found, view_layer, path)
+        if png and len(found[layer]) > 1:
+            raise core.EncreError(f"{path}: is stereo, and a PNG has one view; write an .exr")
+        for view, names in found[layer].items():
+            passes = exr.read(_wanted(names, path))
+            try:
+                pictures, bad = layers.assemble(passes, scene, styles)
+            except core.EncreError as error:
+                others = ", ".join(sorted(set(names) - set(passes))) or "nothing"
+                raise core.EncreError(f"{path}: {error}; besides in the file: {others}") from None
+            note = note or _notes(settings, passes, path)
+            result = core.render(pictures, scene, styles, settings.camera, _place(settings.frame, exr.window),
+                                 ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
+                                 progress=lambda _fraction: True,  # without it, Ctrl-C would wait for the end
+                                 image=images.read_paper)
+            channels.update(_named(result.images, layer, view, names))
+            nonfinite += bad + result.nonfinite
+    for kind, text in [("note", note), *(("warning", warning) for warning in settings.warnings)]:
+        if text:
+            say(kind, text)
     if nonfinite:
         say("warning", f"{path}: {nonfinite} values were NaN or infinite and were read as 0")
-    if out.lower().endswith(".png"):
-        images.write_png(out, result.images["Combined"], window)
+    if png:
+        images.write_png(out, result.images["Combined"], exr.window)
     else:
-        images.write_exr(out, _named(result.images, layer, names), window)
+        images.write_exr(out, channels, exr.window, exr.views)
 
 
-def _named(pictures, layer, names):
+def _named(pictures, layer, view, names):
     """{full channel name: array (H, W)}, named as the input's channels."""
     channels = {}
     for name, picture in pictures.items():
-        letters = _KNOWN.get(name) or layers.DRAWN[name]
-        prefix = f"{layer}.{name}" if layer else name
-        full = names["Combined"] if name == "Combined" and "Combined" in names else [f"{prefix}.{c}" for c in letters]
+        prefix = ".".join(filter(None, [layer, name, view]))
+        full = names["Combined"] if name == "Combined" and "Combined" in names else [
+            f"{prefix}.{letter}" for letter in {**_KNOWN, **layers.DRAWN}[name]]
         channels.update(zip(full, np.moveaxis(picture, 2, 0), strict=True))
     return channels

@@ -37,8 +37,8 @@ class Window:
 
 
 class Exr:
-    """An open EXR: `channels` maps each channel's full name to its (part, number), in the file's order;
-    `metadata` holds the text attributes of all parts. Use as a context manager.
+    """An open EXR: `channels` maps each channel's full name to its (part, number), in the file's order; `views`
+    names the eyes of a stereo picture, else (); `metadata` holds the text attributes. Use as a context manager.
 
     Raises EncreError for a file that is missing, unreadable or empty, or whose parts differ in size.
     """
@@ -50,10 +50,10 @@ class Exr:
         if threads:
             oiio.attribute("threads", threads)
             oiio.attribute("exr_threads", threads)
-        self.path, self.channels, self.metadata, self.window = path, {}, {}, None
+        self.path, self.channels, self.views, self.metadata, self.window = path, {}, (), {}, None
         self._file = oiio.ImageInput.open(os.fspath(path))
         if not self._file or self._file.format_name() != "openexr":
-            oiio.geterror()
+            oiio.geterror()  # or it would be printed at exit
             self.close()
             raise EncreError(f"{path}: is not a readable OpenEXR file; give a multilayer EXR")
         part = 0
@@ -70,7 +70,12 @@ class Exr:
         if self.window not in (None, window):
             raise EncreError(f"{self.path}: its parts differ in size; save all passes in one size")
         self.window = window
+        # One part holds all views, and says so; or each part holds one, and its channels do not name it.
+        view = spec.get_string_attribute("view")
+        self.views = tuple(dict.fromkeys([*self.views, *(spec.getattribute("multiView") or ()), *filter(None, [view])]))
         for number, name in enumerate(spec.channelnames):
+            if view:
+                name = ".".join([*name.split(".")[:-1], view, name.split(".")[-1]])
             self.channels.setdefault(name, (part, number))
         for attribute in spec.extra_attribs:
             if isinstance(attribute.value, str):
@@ -122,18 +127,27 @@ class Exr:
 
 def read_paper(path):
     """An image of any kind as an array (H, W) or (H, W, 3) of float32, values as stored, without its alpha."""
-    oiio = _oiio()
     if not os.path.isfile(path):
         raise EncreError(f"paper_image: there is no file {path}; check the path")
+    pixels = _stored(path, "float")
+    if pixels is None:
+        raise EncreError(f"paper_image: {path} can't be read; give an image such as a PNG or an EXR")
+    return np.ascontiguousarray(pixels[:, :, :3] if pixels.shape[2] > 2 else pixels[:, :, 0])
+
+
+def _stored(path, kind):
+    """All pixels (H, W, channels) of an image without conversion of colour or alpha; None: it can't be read."""
+    oiio = _oiio()
     as_stored = oiio.ImageSpec()
     as_stored["oiio:UnassociatedAlpha"] = 1
     file = oiio.ImageInput.open(os.fspath(path), as_stored)
-    pixels = file and file.read_image("float")
+    pixels = file.read_image(kind) if file else None
+    oiio.geterror()  # or it would be printed at exit
     if pixels is None:
-        raise EncreError(f"paper_image: {path} can't be read; give an image such as a PNG or an EXR")
+        return None
+    spec = file.spec()
     file.close()
-    pixels = pixels.reshape(pixels.shape[0], -1, file.spec().nchannels)
-    return np.ascontiguousarray(pixels[:, :, :3] if pixels.shape[2] > 2 else pixels[:, :, 0])
+    return pixels.reshape(spec.height, spec.width, spec.nchannels)
 
 
 def encode_srgb(linear):
@@ -142,7 +156,7 @@ def encode_srgb(linear):
     return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.power(x, 1 / 2.4) - 0.055)
 
 
-def write_exr(path, channels, window):
+def write_exr(path, channels, window, views=()):
     """Writes {full channel name: array (H, W)} as one part of 32-bit floats, whole or not at all.
 
     Raises WriteError where the file can't be written.
@@ -152,6 +166,8 @@ def write_exr(path, channels, window):
     spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
     spec.channelnames = tuple(channels)
     spec["compression"] = "zip"
+    if views:
+        spec.attribute("multiView", oiio.TypeDesc(f"string[{len(views)}]"), views)
     _write(path, spec, np.stack(list(channels.values()), axis=2))
 
 
@@ -206,8 +222,12 @@ def _write(path, spec, pixels):
         out = oiio.ImageOutput.create(part)
         good = out.open(part, spec) and out.write_image(pixels)
         good = out.close() and good
+        # OpenImageIO's PNG writer does not notice a full disk.
+        if good and spec.format == "uint8" and not np.array_equal(_stored(part, "uint8"), pixels):
+            good = False
         if not good:
-            raise WriteError(unwritable(path, out.geterror()))
+            reason = (out.geterror().replace(part, path).splitlines() or ["the disk may be full"])[0]
+            raise WriteError(unwritable(path, reason.rstrip(" .")))
         os.replace(part, path)
     except OSError as error:
         raise WriteError(unwritable(path, error.strerror)) from None

@@ -1,0 +1,365 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: params, presets, composite. `encre render` has test_cli_render.py."""
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+
+import drawn
+import exr
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+from encre import cli, composite, core, layers, presets
+
+SIZE = 96, 64
+OFF = [f"--set={switch}=off" for switch in layers.SWITCHES]
+STYLES = [("Ink", {"line_thickness": 30.0, "use_shading": False})]
+
+
+@pytest.fixture(scope="session")
+def scene():
+    """Layers of a small picture, the lower half in another style."""
+    made = drawn.scene(*SIZE)
+    made["style"][SIZE[1] // 2:] = 1
+    return made
+
+
+@pytest.fixture
+def run(capsys):
+    def run(*args):
+        """(exit status, stdout, stderr) of `encre args`."""
+        try:
+            status = cli.main([str(arg) for arg in args])
+        except SystemExit as end:
+            status = end.code
+        return status, *capsys.readouterr()
+    return run
+
+
+def fails(result, *words, status=2):
+    """The outcome is one sentence of error that holds all words."""
+    code, out, err = result
+    assert code == status and out == "" and err.startswith("encre: error: ") and err.count("\n") == 1, err
+    for word in words:
+        assert word in err, err
+
+
+def expected(pictures, scene=None, styles=(), camera=None, frame=None, outputs=("Combined",)):
+    """What the library makes of passes in memory."""
+    made, _ = layers.assemble(pictures, core.check(scene or {}), styles)
+    return core.render(made, scene or {}, styles, camera, frame, outputs).images
+
+
+# params and presets
+
+
+def test_params(run):
+    status, out, err = run("params", "--json")
+    rows = {row["id"]: row for row in json.loads(out)}
+    assert status == 0 and err == "" and list(rows) == list(core.params())
+    assert core.check({id_: row["default"] for id_, row in rows.items()}) == core.defaults()
+    assert [item["id"] for item in rows["edge_detector"]["items"]][:2] == ["DOG", "SOBEL"]
+    status, out, _ = run("params")
+    assert status == 0 and all(f"  {id_} = " in out for id_ in rows)
+
+
+def test_params_are_written_as_set_takes_them(run):
+    lines = [line.strip() for line in run("params")[1].splitlines() if " = " in line]
+    for line in lines:
+        id_, value = line.partition("  (")[0].split(" = ", 1)
+        if value != "none":
+            assert core.parse(id_, value.strip('"')) == core.defaults()[id_], line
+
+
+def test_presets(run):
+    status, out, _ = run("presets")
+    assert status == 0 and [line.partition(":")[0] for line in out.splitlines()] == [p.id for p in presets.presets()]
+    values = presets.find("water-memory").values
+    assert values == {id_: core.defaults()[id_] for id_ in values}, "the first preset is what the defaults are"
+    assert presets.find("After W") == presets.find("water_memory_2020")
+    assert "color_detector" not in presets.find("inter_color_2016").values
+
+
+@pytest.mark.parametrize("command", [(), ("render",), ("composite",), ("params",), ("presets",)])
+def test_help(run, command):
+    status, out, err = run(*command, "--help")
+    assert status == 0 and err == "" and out.startswith("usage: encre")
+
+
+# composite
+
+
+@pytest.mark.parametrize("layout", exr.LAYOUTS)
+@pytest.mark.parametrize("settings", [{}, {"edge_detector": "SOBEL", "line_thickness": 12, "use_smudging": False}])
+def test_composite_reads_what_every_blender_writes(run, tmp_path, scene, layout, settings):
+    pictures = exr.passes(scene)
+    path = exr.write(tmp_path / "in.exr", pictures, layout)
+    sets = [f"--set={id_}={'off' if value is False else value}" for id_, value in settings.items()]
+    status, out, err = run("composite", path, "-o", tmp_path / "out.exr", *sets)
+    assert status == 0 and out == "" and err.startswith("encre: note: ") and err.count("\n") == 1
+    prefix = "" if layout == "bare" else "ViewLayer."
+    for name, picture in expected(pictures, settings, outputs=("Combined", *layers.DRAWN)).items():
+        assert np.array_equal(exr.picture(tmp_path / "out.exr", prefix + name), picture), name
+    assert len(exr.read(tmp_path / "out.exr")) == 16
+    assert oiio.ImageInput.open(str(tmp_path / "out.exr")).spec().format == oiio.FLOAT
+
+
+@pytest.fixture
+def frame_file(tmp_path, scene):
+    """A file as the engine saves it, whose Cycles passes say something else than Encre's own."""
+    pictures = {**exr.passes(scene), **exr.saved(scene)}
+    for name in ("Combined", "DiffDir", "IndexOB"):
+        pictures[name] = pictures[name] * np.float32(0.5)
+    camera, frame = core.Camera((0, 1, 0, -1, 0, 0, 0, 0, 1), True, 7.0), core.Frame(400, 300, 30, 20)
+    scene_values = {"line_thickness": 20.0, "shade_levels": [(0.4,), (1.0, 0.5, 0.1)]}
+    metadata = layers.metadata(scene_values, STYLES, camera, frame)
+    path = exr.write(tmp_path / "saved.exr", pictures, metadata=metadata)
+    return path, pictures, camera, frame
+
+
+def test_composite_gives_a_saved_frame_again(run, tmp_path, frame_file):
+    path, pictures, camera, frame = frame_file
+    status, out, err = run("composite", path, "-o", tmp_path / "out.exr")
+    assert (status, out, err) == (0, "", "")
+    settings = {"line_thickness": 20, "shade_levels": [(0.4,), (1, 0.5, 0.1)]}
+    again = expected(pictures, settings, [STYLES[0][1]], camera, frame)["Combined"]
+    assert np.array_equal(exr.picture(tmp_path / "out.exr"), again)
+
+
+def test_composite_changes_the_scenes_settings_and_no_styles(run, tmp_path, frame_file):
+    path, pictures, camera, frame = frame_file
+    status, _, err = run("composite", path, "-o", tmp_path / "out.exr", "--preset", "ink only",
+                         "--set", "line_thickness=40", "--set", "shade_levels=0.2; 0.7,0.3,0.1; 1,0.6,0.1,1,0.5,0")
+    assert status == 0 and err == ""
+    settings = {**presets.find("ink_only").values, "line_thickness": 40,
+                "shade_levels": [(0.2,), (0.7, 0.3, 0.1), (1, 0.6, 0.1, 1, 0.5, 0)]}
+    again = expected(pictures, settings, [STYLES[0][1]], camera, frame)["Combined"]
+    assert np.array_equal(exr.picture(tmp_path / "out.exr"), again)
+
+
+def test_composite_off_is_the_picture_itself(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    assert run("composite", path, "-o", tmp_path / "out.exr", *OFF)[0] == 0
+    assert np.array_equal(exr.picture(tmp_path / "out.exr"), scene["combined"])
+
+
+def test_composite_threads(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    made = set()
+    for threads in (1, 2, 3, 8):
+        assert run("composite", path, "-o", tmp_path / "out.exr", "--threads", threads)[0] == 0
+        made.add(exr.picture(tmp_path / "out.exr").tobytes())
+    assert len(made) == 1
+
+
+def test_composite_half(run, tmp_path, scene):
+    pictures = exr.passes(scene)
+    path = exr.write(tmp_path / "in.exr", pictures, half=True)
+    assert run("composite", path, "-o", tmp_path / "out.exr")[0] == 0
+    with np.errstate(over="ignore"):  # nothing is there at 1e10, which is infinite in half
+        rounded = {name: p.astype(np.float16).astype(np.float32) for name, p in pictures.items()}
+    assert np.array_equal(exr.picture(tmp_path / "out.exr"), expected(rounded)["Combined"])
+
+
+def test_composite_png(run, tmp_path, scene):
+    scene = {**scene, "combined": scene["combined"] * np.float32(0.5)}  # premultiplied, half transparent
+    pictures = exr.passes(scene)
+    path = exr.write(tmp_path / "in.exr", pictures)
+    assert run("composite", path, "-o", tmp_path / "new" / "out.png")[0] == 0
+    file = oiio.ImageInput.open(str(tmp_path / "new" / "out.png"))
+    as_stored = oiio.ImageSpec()
+    as_stored["oiio:UnassociatedAlpha"] = 1
+    pixels = oiio.ImageInput.open(str(tmp_path / "new" / "out.png"), as_stored).read_image("uint8").astype(int)
+    assert file.spec().format == oiio.UINT8 and pixels.shape == (SIZE[1], SIZE[0], 4)
+    combined = expected(pictures)["Combined"].astype(np.float64)
+    alpha = np.clip(combined[..., 3:], 0, 1)
+    x = np.clip(combined[..., :3] / np.where(alpha > 0, alpha, 1), 0, 1)
+    encoded = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
+    assert np.abs(pixels - 255 * np.concatenate([encoded, alpha], -1)).max() <= 0.501
+
+
+def test_composite_keeps_the_data_window(run, tmp_path, scene):
+    pictures = exr.passes(scene)
+    path = exr.write(tmp_path / "in.exr", pictures, window=(10, 20, 300, 200))
+    assert run("composite", path, "-o", tmp_path / "out.exr")[0] == 0
+    spec = oiio.ImageInput.open(str(tmp_path / "out.exr")).spec()
+    assert (spec.x, spec.y, spec.full_width, spec.full_height) == (10, 20, 300, 200)
+    again = expected(pictures, frame=core.Frame(300, 200, 10, 20))["Combined"]
+    assert np.array_equal(exr.picture(tmp_path / "out.exr"), again)
+    assert run("composite", path, "-o", tmp_path / "out.png")[0] == 0
+    pixels = oiio.ImageInput.open(str(tmp_path / "out.png")).read_image("uint8")
+    assert pixels.shape == (200, 300, 4) and not pixels[:20].any() and pixels[20:84, 10:106].any()
+
+
+def test_composite_accepts_overscan(run, tmp_path, scene):
+    pictures = exr.passes(scene)
+    path = exr.write(tmp_path / "in.exr", pictures, window=(-8, -4, 80, 56))
+    assert run("composite", path, "-o", tmp_path / "out.exr")[0] == 0
+    assert np.array_equal(exr.picture(tmp_path / "out.exr"), expected(pictures)["Combined"])
+    assert run("composite", path, "-o", tmp_path / "out.png")[0] == 0
+    assert oiio.ImageInput.open(str(tmp_path / "out.png")).read_image("uint8").shape == (56, 80, 4)
+
+
+def test_composite_view_layers(run, tmp_path, scene):
+    first, second = exr.passes(scene), exr.passes(drawn.scene(*SIZE, seed=1))
+    renamed = {f"{layer}.{name}": picture for layer, pictures in (("A.b", first), ("Two", second))
+               for name, picture in pictures.items()}
+    channels = {f"{full}.{letter}": np.atleast_3d(picture)[..., k] for full, picture in renamed.items()
+                for k, letter in enumerate(exr.LETTERS[full.rpartition(".")[2]])}
+    channels["Composite.Combined.R"] = channels["Two.Combined.R"]
+    path = tmp_path / "in.exr"
+    spec = oiio.ImageSpec(*SIZE, len(channels), "float")
+    spec.channelnames = tuple(channels)
+    out = oiio.ImageOutput.create(str(path))
+    assert out.open(str(path), spec) and out.write_image(np.stack(list(channels.values()), -1)) and out.close()
+    for option, layer, pictures in (((), "A.b", first), (("--view-layer", "Two"), "Two", second)):
+        assert run("composite", path, "-o", tmp_path / "out.exr", *option)[0] == 0
+        assert np.array_equal(exr.picture(tmp_path / "out.exr", f"{layer}.Combined"), expected(pictures)["Combined"])
+    fails(run("composite", path, "-o", tmp_path / "x.exr", "--view-layer", "Tow"), "Tow", "Two")
+
+
+def test_view_layers_of_stereo_files():
+    names = ["A.Combined.left.R", "A.Combined.right.R", "A.Depth.left.Z", "A.left.Depth.right.Z"]
+    assert composite.view_layers(names, ("left", "right")) == {
+        "A": {"left": {"Combined": [names[0]], "Depth": [names[2]]}, "right": {"Combined": [names[1]]}},
+        "A.left": {"right": {"Depth": [names[3]]}}}
+
+
+def test_composite_counts_what_is_not_finite(run, tmp_path, scene):
+    pictures = exr.passes(scene)
+    pictures["Normal"] = pictures["Normal"].copy()
+    pictures["Normal"][3, :5, 0] = np.nan
+    path = exr.write(tmp_path / "in.exr", pictures)
+    status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
+    assert status == 0 and "warning" in err and " 5 values" in err
+
+
+def test_composite_without_the_four_switches_needs_no_metadata_but_says_so(run, tmp_path, scene):
+    pictures = {**exr.passes(scene), **exr.saved(scene)}
+    for missing in layers.PARAMS, layers.FRAME, layers.CAMERA:
+        metadata = layers.metadata({}, [], core.Camera(), core.Frame(*SIZE))
+        del metadata[missing]
+        path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+        status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
+        assert status == 0 and err.count("\n") == 1 and err.startswith("encre: note: ")
+
+
+# Bad input
+
+
+def test_composite_names_missing_passes(run, tmp_path, scene, data):
+    for name in ("Combined", "Depth", "Normal", "DiffDir", "DiffCol"):
+        pictures = exr.passes(scene)
+        del pictures[name]
+        path = exr.write(tmp_path / "in.exr", pictures)
+        fails(run("composite", path, "-o", tmp_path / "x.exr"), name, "IndexOB", "in.exr")
+    beachball = data / "beachball.0001.exr"  # a data window, and only colour and depth
+    fails(run("composite", beachball, "-o", tmp_path / "x.exr"), "DiffDir", "Combined, Depth")
+    assert not (tmp_path / "x.exr").exists()
+
+
+@pytest.mark.parametrize(("options", "words"), [
+    (["--set", "line_thicknes=3"], ["line_thicknes:", "line_thickness"]),
+    (["--set", "line_thickness=-1"], ["line_thickness", "0 to 4096"]),
+    (["--set", "line_thickness=thick"], ["line_thickness", "thick"]),
+    (["--set", "line_thickness=nan"], ["line_thickness", "nan"]),
+    (["--set", "line_thickness"], ["line_thickness", "ID=VALUE"]),
+    (["--set", "edge_detector=DOGS"], ["edge_detector", "DOG"]),
+    (["--set", "use_lines=maybe"], ["use_lines", "maybe"]),
+    (["--set", "line_color=1,0"], ["line_color"]),
+    (["--set", "shade_levels=0.5; 0.7,0.5,0.2; 1,0.55,0.2"], ["shade_levels", "overlap"]),
+    (["--set", "paper_image=nowhere.png"], ["nowhere.png"]),
+    (["--preset", "watermemory"], ["watermemory", "Water Memory"]),
+    (["--threads", "0"], ["--threads", "'0'"]),
+    (["--frobnicate"], ["--frobnicate"]),
+    (["-o", "out.jpg"], ["out.jpg", ".png"]),
+    (["-o", "/proc/nothing/out.exr"], ["/proc/nothing/out.exr", "can't be written"]),
+])
+def test_composite_refuses(run, tmp_path, scene, options, words, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    fails(run("composite", path, "-o", "x.exr", *options), *words)
+    assert os.listdir(tmp_path) == ["in.exr"]
+
+
+@pytest.mark.parametrize("content", [None, b"", b"not an image", "cut", "tail"])
+def test_composite_refuses_files_that_are_no_exr(run, tmp_path, scene, content):
+    path = tmp_path / "in.exr"
+    if isinstance(content, str):
+        whole = exr.write(path, exr.passes(scene)).read_bytes()
+        content = whole[:len(whole) // 2] if content == "cut" else whole[:300]
+    if content is not None:
+        path.write_bytes(content)
+    fails(run("composite", path, "-o", tmp_path / "x.exr"), "in.exr")
+    assert not (tmp_path / "x.exr").exists()
+
+
+@pytest.mark.parametrize(("key", "text"), [
+    (layers.PARAMS, "{"), (layers.PARAMS, "[]"), (layers.PARAMS, '{"version": 9, "scene": {}, "styles": []}'),
+    (layers.PARAMS, '{"version": 1, "scene": {"line_thickness": "wide"}, "styles": []}'),
+    (layers.FRAME, '{"width": 10, "height": 10, "x": 0, "y": 0}'), (layers.FRAME, '{"width": 0}'),
+    (layers.CAMERA, '{"orthographic": true, "height": 0, "view": [1, 0, 0]}'),
+])
+def test_composite_refuses_metadata(run, tmp_path, scene, key, text):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene), metadata={key: text})
+    fails(run("composite", path, "-o", tmp_path / "x.exr"), key.removeprefix("encre."))
+
+
+def test_composite_warns_of_unknown_ids_in_metadata(run, tmp_path, scene):
+    said = json.dumps({"version": 1, "scene": {"line_glitter": 1}, "styles": []})
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene), metadata={layers.PARAMS: said})
+    status, _, err = run("composite", path, "-o", tmp_path / "x.exr")
+    assert status == 0 and "warning" in err and "line_glitter" in err
+
+
+def test_parts_of_different_sizes(run, tmp_path, scene):
+    pictures = exr.passes(scene)
+    pictures["Normal"] = pictures["Normal"][:-1]
+    path = exr.write(tmp_path / "in.exr", pictures, "parts")
+    fails(run("composite", path, "-o", tmp_path / "x.exr"), "in.exr", "size")
+
+
+# Processes
+
+
+def encre(*args, **options):
+    return subprocess.Popen([sys.executable, "-m", "encre", *map(str, args)], stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, text=True, **options)
+
+
+@pytest.mark.parametrize("ending", ["exr", "png"])
+def test_a_full_disk_leaves_the_old_file(tmp_path, ending):
+    layers_ = exr.passes(drawn.scene(480, 320, noise=1.0))
+    path = exr.write(tmp_path / "in.exr", layers_)
+    out = tmp_path / "out" / f"out.{ending}"
+    out.parent.mkdir()
+    out.write_bytes(b"old")
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (80_000,) * 2)  # enough for the probe, not for the picture
+
+    child = encre("composite", path, "-o", out, *OFF, preexec_fn=limit)  # the noise of the input fills files
+    err = child.communicate(timeout=60)[1]
+    assert child.returncode == 1 and "can't be written" in err.splitlines()[-1] and "Traceback" not in err, err
+    assert os.listdir(out.parent) == [out.name] and out.read_bytes() == b"old"
+
+
+def test_interrupting_composite(tmp_path):
+    """The process takes the signal at whatever point it is, and leaves nothing."""
+    path = exr.write(tmp_path / "in.exr", exr.passes(drawn.scene(1280, 720)))
+    child = encre("composite", path, "-o", tmp_path / "out.exr", "--threads", "1")
+    time.sleep(0.6)
+    child.send_signal(signal.SIGINT)
+    err = child.communicate(timeout=60)[1]
+    assert child.returncode in (130, 0) and "Traceback" not in err
+    assert sorted(os.listdir(tmp_path)) == (["in.exr"] if child.returncode else ["in.exr", "out.exr"])
+
+
+def test_a_reader_that_leaves_early():
+    child = subprocess.run(f'"{sys.executable}" -m encre params | head -1', shell=True, capture_output=True, text=True,
+                           timeout=60)
+    assert child.returncode == 0 and child.stderr == ""
