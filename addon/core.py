@@ -529,7 +529,7 @@ def _normal(p, value):
         if isinstance(value, str) or not isinstance(value, Sequence) or not 1 <= len(value) <= MAX_LEVELS:
             raise EncreError(f"{p.id}: {value!r} is not a list of 1 to {MAX_LEVELS} levels; "
                              "give intensity, threshold, transition for each")
-        form = "a level (intensity, threshold, transition and perhaps r, g, b; the first an intensity and perhaps r, g, b)"
+        form = "a level (intensity, threshold, transition, perhaps r, g, b; the first an intensity, perhaps r, g, b)"
         first, *rest = [_numbers(p, x, (3, 6) if k else (1, 3, 4, 6), form) for k, x in enumerate(value)]
         return [(first[0], 0.0, 0.0, *first[1:]) if len(first) == 4 else first, *rest]
     if value is not None and not isinstance(value, (str, os.PathLike)):

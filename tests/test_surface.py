@@ -19,8 +19,8 @@ ONLY_SMUDGING = dict(SIMPLE, use_shading=False, use_hatching=False)
 ONLY_HATCHING = dict(SIMPLE, use_shading=False, use_smudging=False)
 TONES = [(0.2, 0.9, 0.8, 1.0), (0.6, 0.3, 0.4, 1.0, 0.9, 0.8), (0.9, 0.8, 0.2, 1.0, 0.9, 0.8), (1.3, 1.1, 0)]
 STYLES = [
-    dict(shade_levels=TONES, shade_tint=(0.2, 0.5, 0.9), shade_tint_weight=0.4, shade_saturation=0.3, shade_exposure=1.3,
-         shade_strength=0.8, hatch_amount=1.2, hatch_color=(0.3, 0.1, 0.0), smudge_range=25.0, smudge_pick=3.0,
+    dict(shade_levels=TONES, shade_tint=(0.2, 0.5, 0.9), shade_tint_weight=0.4, shade_saturation=0.3,
+         shade_exposure=1.3, shade_strength=0.8, hatch_amount=1.2, hatch_color=(0.3, 0.1, 0.0), smudge_range=25.0, smudge_pick=3.0,
          smudge_falloff=0.2, smudge_speed=2.5),
     dict(use_shading=False, hatch_color_threshold=0.9, hatch_light_threshold=0.0, smudge_depth=0.4, smudge_speed=0.5),
 ]
@@ -28,7 +28,7 @@ SIZES = [(89, 257), (1, 1), (1, 40), (40, 1)]
 
 
 def random_layers(height, width, seed=0):
-    """Noise on which every branch is taken: holes, sky, dark light, painted controls beyond their range, three styles."""
+    """Noise that takes every branch: holes, sky, dark light, three styles, controls beyond their range."""
     rng = np.random.default_rng(seed)
 
     def noise(channels, low=0.0, high=1.0):
@@ -111,7 +111,7 @@ def test_any_levels(data):
         transition = data.draw(st.one_of(st.just(0.0), st.floats(0.01, 0.5)))
         threshold = end + transition / 2 + data.draw(st.floats(0.001, 0.3))
         end = threshold + transition / 2
-        levels.append((data.draw(number), threshold, transition, data.draw(number), data.draw(number), data.draw(number)))
+        levels.append((data.draw(number), threshold, transition, *(data.draw(number) for _ in range(3))))
     light = np.linspace(-0.1, 1.1 * end + 0.5, 500, dtype=np.float32).reshape(1, -1, 1) * np.float32([1, 0.9, 0.4])
     layers = dict(random_layers(1, 500), diffuse=light)
     del layers["style"]
