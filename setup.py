@@ -3,6 +3,8 @@
 
     python setup.py build_ext --inplace [--debug] [--werror] [--scalar] [--sanitize=address,undefined]
 
+    python setup.py extension       build/encre-VERSION-PLATFORM.zip, what Blender 4.2 and later installs
+
 CC chooses the compiler. --scalar builds without vectorisation and without the second instruction set: results are
 the same bytes, and the test suite holds them to it. The library has no Python ABI, so the wheel is tagged py3-none.
 """
@@ -12,10 +14,11 @@ import platform
 import shlex
 import subprocess
 import sys
+import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from setuptools import Extension, setup
+from setuptools import Command, Extension, setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
 
@@ -23,7 +26,8 @@ NAME = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "
 # Files without stages are compiled once, stages once per instruction set (csrc/stage.h).
 PLAIN = ("arena.c", "encre.c", "geometry.c", "outline.c", "params.c", "raster.c", "rows.c")
 # No option that lets the compiler change a result: every build gives the same bits.
-FLAGS = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-fPIC", "-fvisibility=hidden", "-pthread", "-Wall", "-Wextra", "-Wpedantic", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"]
+FLAGS = shlex.split("-std=c11 -D_POSIX_C_SOURCE=200809L -fPIC -fvisibility=hidden -pthread -Wall -Wextra -Wpedantic "
+                    "-fno-math-errno -fno-trapping-math -ffp-contract=off")
 
 
 def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""):
@@ -86,4 +90,39 @@ class Wheel(bdist_wheel):
         return "py3", "none", super().get_tag()[2]
 
 
-setup(ext_modules=[Extension("encre.libencre", [])], cmdclass={"build_ext": BuildLibrary, "bdist_wheel": Wheel})
+FORWARD = """# SPDX-License-Identifier: GPL-3.0-or-later
+from encre import register, unregister  # noqa: F401
+"""
+
+
+class ExtensionZip(Command):
+    """The zip that Blender installs: manifest, forwarding __init__.py, and the wheel with all code."""
+
+    user_options = []
+
+    def initialize_options(self):
+        pass
+
+    def finalize_options(self):
+        pass
+
+    def run(self):
+        self.run_command("bdist_wheel")
+        wheel = Path(self.distribution.dist_files[-1][2])
+        version = self.distribution.get_version()
+        system = {"darwin": "macos", "win32": "windows"}.get(sys.platform, "linux")
+        cpu = {"x86_64": "x64", "AMD64": "x64", "aarch64": "arm64"}.get(platform.machine(), platform.machine())
+        manifest = Path("addon/blender_manifest.toml").read_text(encoding="utf-8")
+        head = f'version = "{version}"\nplatforms = ["{system}-{cpu}"]\nwheels = ["./wheels/{wheel.name}"]\n'
+        out = Path("build", f"encre-{version}-{system}-{cpu}.zip")
+        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as file:
+            file.writestr("blender_manifest.toml", head + manifest)
+            file.writestr("__init__.py", FORWARD)
+            file.write(wheel, f"wheels/{wheel.name}")
+        print(out)
+
+
+setup(
+    ext_modules=[Extension("encre.libencre", [])],
+    cmdclass={"build_ext": BuildLibrary, "bdist_wheel": Wheel, "extension": ExtensionZip},
+)

@@ -12,9 +12,9 @@ bl_info = {
 
 def _modules():
     """What registers with Blender, in this order."""
-    from . import engine, properties
+    from . import engine, paint, properties, ui
 
-    return properties, engine
+    return properties, engine, ui, paint
 
 
 def register():

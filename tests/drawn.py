@@ -49,7 +49,7 @@ def scene(width, height, n=40, seed=0, noise=0.0):
     there = (depth < 1e9)[..., None]
     diffuse = np.maximum(normal @ LIGHT, 0)[..., None] * (1.3, 1.25, 1.1) + there * (0.15, 0.15, 0.25)
     diffuse = np.maximum(diffuse * (1 + noise * rng.standard_normal(diffuse.shape)), 0)
-    specular = np.maximum(normal @ LIGHT, 0)[..., None] ** 40 * there * 0.6
+    specular = np.maximum(normal @ LIGHT, 0)[..., None] ** 40 * there * (0.6, 0.6, 0.6)
     combined = np.concatenate([albedo * diffuse + specular, there], -1)
     controls = np.zeros((height, width, 6))
     controls[..., 0] = np.where(index % 7 == 3, 0.3, 0)
