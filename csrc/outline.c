@@ -112,8 +112,8 @@ bool outline_make(const room *r, const corner corner[3], outline *o)
 	}
 	o->x0 = pixel_from(x0);
 	o->y0 = pixel_from(y0);
-	o->x1 = pixel_from(x1 + 1);
-	o->y1 = pixel_from(y1 + 1);
+	o->x1 = pixel_from(x1); /* a centre on the right or bottom edge is not inside */
+	o->y1 = pixel_from(y1);
 	return o->x0 < o->x1 && o->y0 < o->y1 && o->x0 < r->x1 && o->x1 > r->x0 && o->y0 < r->y1 && o->y1 > r->y0;
 }
 

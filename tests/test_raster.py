@@ -101,13 +101,14 @@ def test_many_small_triangles_of_many_meshes():
     compare(meshes, looking(rng), perspective(120, 80, shift=(0.1, -0.2)), Frame(120, 80), (120, 80), channels=3)
 
 
-@settings(max_examples=40, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.sampled_from([1, 2, 8, STEPS, 2 * STEPS]), st.sampled_from([0, 3]))
-def test_corners_on_and_beside_pixel_centres(seed, parts, reach):
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1, 2, 8, STEPS, 2 * STEPS]), st.sampled_from([0, 3]), st.booleans())
+def test_corners_on_and_beside_pixel_centres(seed, parts, reach, off):
     """Corners a few 1/parts of a pixel from centres: edges through centres, and decided by the sub-pixel grid."""
     rng = np.random.default_rng(seed)
     n = 12
     points = rng.integers(0, 12, (3 * n, 3)) + 0.5 + rng.integers(-reach, reach + 1, (3 * n, 3)) / parts
+    points += off * rng.integers(-1, 2, (3 * n, 3)) / 2**20
     points[:, 2] = -np.repeat(rng.permutation(n) + 1, 3)  # flat, all at different depths
     mesh = Mesh(points.astype(np.float32), material=np.arange(n) + 1, object_index=1)
     compare([mesh], *pixels(16, 16), Frame(16, 16), (16, 16), start=0.5)  # powers of two: no rounding before the grid's
@@ -121,6 +122,49 @@ def test_clipped_at_both_ends(projection):
     there = got["depth"] < NOTHING
     assert 0.1 < there.mean() < 0.9
     assert got["depth"].min() >= 5 - 1e-5 and got["depth"][there].max() <= 6.5 + 1e-5
+
+
+def test_slivers_keep_to_their_corners():
+    """Snapping lets each cover a row of centres that it just misses: nothing is extrapolated to there."""
+    rows = np.arange(8) + 0.5
+    depths = np.where(rows < 4, 2.0, 90.0), np.where(rows < 4, 90.0, 2.0)
+    points = np.array([[[0.5, y + 1e-4, -a], [30.5, y + 1e-4, -a], [16.5, y + 3e-4, -b]]
+                       for y, a, b in zip(rows, *depths, strict=True)])
+    attributes = np.zeros((8, 3, 1), np.float32)
+    attributes[:, 2] = 1
+    mesh = Mesh(points.reshape(-1, 3).astype(np.float32), None, attributes, object_index=1)
+    got = compare([mesh], *pixels(32, 8), Frame(32, 8), (32, 8), channels=1)
+    there = got["object"] == 1
+    assert there[:, 1:30].all()
+    np.testing.assert_array_equal(got["depth"][there], np.broadcast_to(depths[0][:, None], there.shape)[there])
+    assert not got["attributes"].any()
+
+
+def test_lines_that_snapping_makes_surfaces_face_the_camera():
+    rng = np.random.default_rng(8)
+    start = rng.integers(0, 7, (4000, 2)) + 0.5 + np.c_[np.zeros(4000), rng.integers(-20, 21, 4000) / (2 * STEPS)]
+    step = np.c_[rng.integers(1, 4, 4000), rng.integers(-9, 10, 4000) / (2 * STEPS)]
+    points = start[:, None] + step[:, None] * np.array([0, 1, 3])[:, None]
+    points = np.concatenate([points, np.full((4000, 3, 1), -2)], -1).astype(np.float32).reshape(-1, 3)
+    got = core.raster([Mesh(points, object_index=1)], *pixels(16, 16), Frame(16, 16), (16, 16), 0.1)
+    there = got["object"] == 1
+    assert there.sum() > 20 and (got["normal"][there] == (0, 0, 1)).all()
+
+
+def test_without_a_near_limit_the_eye_is_one():
+    rng = np.random.default_rng(6)
+    mesh = soup(rng, 40, 0.6, 0.6, object_index=1)
+    view, p, frame = np.eye(4), perspective(60, 40), Frame(60, 40)
+    near, none = (core.raster([mesh], view, p, frame, (60, 40), start, start)["depth"] for start in (1e-7, -9.0))
+    assert near.min() < 0.1 and (near < NOTHING).mean() > 0.5
+    np.testing.assert_allclose(none, near, rtol=1e-6)
+
+
+def test_triangles_that_reach_very_far():
+    far = np.array([[-1e35, -1e35, -2], [1e35, -1e35, -2], [0, 1e35, -2]], np.float32)
+    for camera in (pixels(12, 9), (np.eye(4), perspective(12, 9))):
+        got = core.raster([Mesh(far, object_index=1)], *camera, Frame(12, 9), (12, 9), 0.1)
+        assert (got["object"] == 1).all() and (got["depth"] == 2).all()
 
 
 # ---- watertight --------------------------------------------------------------------------------------------------
