@@ -191,6 +191,21 @@ def write_png(path, rgba, window):
     _write(path, spec, picture)
 
 
+def whole(path):
+    """Whether every pixel of an image file can be read."""
+    oiio, part = _oiio(), 0
+    file = oiio.ImageInput.open(os.fspath(path))
+    while file and file.seek_subimage(part, 0):
+        spec, part = file.spec(), part + 1
+        for y in range(spec.y, spec.y + spec.height, ROWS):
+            end = min(y + ROWS, spec.y + spec.height)
+            if file.read_scanlines(part - 1, 0, y, end, 0, 0, spec.nchannels, spec.format) is None:
+                file.geterror()
+                return False
+    oiio.geterror()  # or it would be printed at exit
+    return part > 0
+
+
 class WriteError(EncreError):
     """A file can't be written, which shows only after the work."""
 

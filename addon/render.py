@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`encre render`: finds a Blender, has it run runner.py, shows what that reports.
 
-runner.py writes each frame into a hidden folder beside the output and renames it when it is whole.
+runner.py has each frame written into a hidden folder beside the output; here it is renamed once it is whole.
 """
 
 import contextlib
@@ -131,9 +131,15 @@ class _Progress:
             self.doing, self.rendering = f"rendering frame {event['frame']}", True
             self.label, self.start = f"frame {event['frame']} ({event['number']}/{event['count']})", time.monotonic()
             self.sample(0, 1)
-        elif kind == "finished":
-            self.clear()
-            print(f"{self.label}: {event['path']} ({time.monotonic() - self.start:.1f} s)", file=sys.stderr, flush=True)
+        elif kind == "written":
+            for part, path in event["files"]:
+                # Blender does not notice a full disk: it says that it saved.
+                if not images.whole(part):
+                    raise RenderError(images.unwritable(path, "the disk may be full"))
+                os.replace(part, path)
+                self.clear()
+                took = time.monotonic() - self.start
+                print(f"{self.label}: {path} ({took:.1f} s)", file=sys.stderr, flush=True)
         elif kind == "error":
             self.clear()
             raise (RenderError if self.rendering else core.EncreError)(event["text"])

@@ -151,20 +151,18 @@ def render(job, scene, error):
     for number, (frame, path) in enumerate(left, 1):
         report("frame", frame=frame, number=number, count=len(left))
         scene.frame_set(frame)
-        ending = os.path.splitext(path)[1]
-        scene.render.filepath = os.path.join(job["folder"], "frame" + ending)
+        stem, ending = os.path.splitext(path)
+        scene.render.filepath = os.path.join(job["folder"], f"{frame}{ending}")
         try:
             done = bpy.ops.render.render(write_still=True)
         except RuntimeError as reason:
             raise error(f"frame {frame}: {sentence(reason)}") from None
-        # Stereo makes a file for each eye, named frame_L and frame_R.
-        made = [name for name in os.listdir(job["folder"]) if name.startswith("frame")]
+        # Stereo makes a file for each eye, named 1_L and 1_R.
+        made = [name for name in os.listdir(job["folder"]) if re.fullmatch(rf"{frame}(_.*)?{ending}", name)]
         if "FINISHED" not in done or not made:
             raise error(f"frame {frame}: Blender wrote no picture; run again with --verbose to see why")
-        for name in made:
-            stem = os.path.splitext(path)[0]
-            os.replace(os.path.join(job["folder"], name), stem + os.path.splitext(name)[0][len("frame"):] + ending)
-        report("finished", path=path)
+        report("written", files=[[os.path.join(job["folder"], name), stem + name.removeprefix(str(frame))]
+                                 for name in made])
 
 
 def main():

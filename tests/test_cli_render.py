@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`encre render`, in a real Blender: the bpy of this Python, and with the marker `long` every other at hand."""
+
+import os
+import pty
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import blenders
+import exr
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+from encre import core, layers, render
+
+CUBE = '''
+import bpy
+scene = bpy.context.scene
+assert not scene.objects, "the file is not empty"
+mesh = bpy.data.meshes.new("Cube")
+mesh.from_pydata([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], [],
+                 [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+sun = bpy.data.lights.new("Sun", "SUN")
+sun.energy = 3
+camera = bpy.data.cameras.new("Camera")
+for name, data in ("Cube", mesh), ("Sun", sun), ("Camera", camera):
+    scene.collection.objects.link(bpy.data.objects.new(name, data))
+bpy.data.objects["Sun"].rotation_euler = 0.5, 0.3, 0
+bpy.data.objects["Camera"].location = 4, -5, 3
+bpy.data.objects["Camera"].rotation_euler = 1.15, 0, 0.67
+scene.camera = bpy.data.objects["Camera"]
+scene.cycles.samples, scene.cycles.use_denoising = 1, False
+scene.render.resolution_x, scene.render.resolution_y = 64, 36
+scene.view_settings.view_transform = "Standard"
+scene.frame_start, scene.frame_end = 3, 4
+'''
+
+
+@pytest.fixture
+def cube(tmp_path):
+    (tmp_path / "cube.py").write_text(CUBE)
+    return tmp_path / "cube.py"
+
+
+def script(tmp_path, more):
+    """The cube's scene and some lines after."""
+    path = tmp_path / "scene.py"
+    path.write_text(CUBE + more)
+    return path
+
+
+def encre(*args, python=sys.executable, **options):
+    command = [python, "-m", "encre", *map(str, args)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, **options)
+
+
+def works(result):
+    assert result.returncode == 0 and result.stdout == "" and "error" not in result.stderr, result.stderr
+    return result.stderr
+
+
+def fails(result, *words, status=2):
+    assert result.returncode == status and result.stdout == "" and "Traceback" not in result.stderr, result.stderr
+    sentence = result.stderr.splitlines()[-1]
+    assert sentence.startswith("encre: error: ") and all(word in sentence for word in words), sentence
+
+
+def left(folder):
+    return sorted(p.name for p in folder.iterdir() if p.suffix != ".py")
+
+
+def png(path):
+    return oiio.ImageInput.open(str(path)).read_image("uint8")
+
+
+def test_exr_and_back(cube, tmp_path):
+    """The file holds all passes, and composite without options gives its Combined again."""
+    works(encre("render", cube, "-o", tmp_path / "out.exr"))
+    for name in ("Depth", "Normal", *layers.DRAWN, *layers.SAVED):
+        assert exr.part(tmp_path / "out.exr", f"ViewLayer.{name}").shape[:2] == (36, 64)
+    assert works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.exr")) == ""
+    picture = exr.part(tmp_path / "out.exr", "ViewLayer.Combined")
+    assert picture[..., :3].std() > 0.05
+    assert np.abs(exr.picture(tmp_path / "again.exr") - picture).max() <= 1e-5
+
+
+def test_png_is_the_same_picture(cube, tmp_path):
+    works(encre("render", cube, "-o", tmp_path / "out.png", "--size", "80x45"))
+    works(encre("render", cube, "-o", tmp_path / "out.exr", "--size", "80x45"))
+    works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.png"))
+    a, b = png(tmp_path / "out.png").astype(int), png(tmp_path / "again.png").astype(int)
+    assert a.shape == b.shape == (45, 80, 4) and np.abs(a - b).max() <= 2  # Blender dithers
+
+
+def test_settings_reach_the_engine(cube, tmp_path):
+    first, second = tmp_path / "a.exr", tmp_path / "b.exr"
+    works(encre("render", cube, "-o", first, "--preset", "Ink only", "--set", "line_color=1,0,0",
+                "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0", "--samples", "3"))
+    settings = layers.read_metadata(exr.metadata(first))
+    assert settings.scene["line_color"] == (1, 0, 0) and settings.scene["surface"] == "PAPER"
+    assert settings.scene["shade_levels"][1] == pytest.approx((1, 0.5, 0.1, 1, 0, 0))
+    assert exr.metadata(first)["cycles.ViewLayer.samples"] == "3"
+    # A frame restyled equals a frame rendered in the new style.
+    works(encre("render", cube, "-o", second, "--samples", "3"))
+    works(encre("composite", second, "-o", tmp_path / "c.exr", "--preset", "Ink only", "--set", "line_color=1,0,0",
+                "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0"))
+    assert np.abs(exr.picture(tmp_path / "c.exr") - exr.part(first, "ViewLayer.Combined")).max() <= 1e-5
+
+
+def test_set_wins_over_keyframes(tmp_path):
+    path = script(tmp_path, 'scene.encre.line_thickness = 9\nscene.encre.keyframe_insert("line_thickness", frame=1)\n'
+                            'scene.encre.driver_add("paper_seed").driver.expression = "7"\n')
+    for options, thickness, seed in (([], 9, 7), (["--set", "line_thickness=31", "--set", "paper_seed=2"], 31, 2)):
+        works(encre("render", path, "-o", tmp_path / "out.exr", *options))
+        settings = layers.read_metadata(exr.metadata(tmp_path / "out.exr"))
+        assert (settings.scene["line_thickness"], settings.scene["paper_seed"]) == (thickness, seed)
+
+
+def test_frames_and_resume(cube, tmp_path):
+    err = works(encre("render", cube, "-o", tmp_path / "new" / "f_##.png", "-s", "3", "-e", "4"))
+    assert left(tmp_path / "new") == ["f_03.png", "f_04.png"]
+    assert re.fullmatch(r"frame 3 \(1/2\): \S+f_03.png \(\S+ s\)\nframe 4 \(2/2\): \S+f_04.png \(\S+ s\)\n", err), err
+    works(encre("render", cube, "-o", tmp_path / "new" / "f.png", "-s", "4"))
+    assert left(tmp_path / "new") == ["f0004.png", "f_03.png", "f_04.png"]
+    (tmp_path / "new" / "f_03.png").write_bytes(b"finished")
+    (tmp_path / "new" / "f_04.png").unlink()
+    err = works(encre("render", cube, "-o", tmp_path / "new" / "f_##.png", "-s", "3", "-e", "4", "--resume"))
+    assert "1 of 2 frames are finished" in err and png(tmp_path / "new" / "f_04.png").shape == (36, 64, 4)
+    assert (tmp_path / "new" / "f_03.png").read_bytes() == b"finished"
+
+
+def test_blend_file(tmp_path):
+    """A saved file renders as it stands: its own engine, frame and settings are no obstacle."""
+    blend = tmp_path / "cube.blend"
+    path = script(tmp_path, 'scene.encre.line_thickness = 21\nscene.render.engine = "CYCLES"\nscene.frame_current = 7\n'
+                            f'bpy.ops.wm.save_as_mainfile(filepath={str(blend)!r})\n')
+    works(encre("render", path, "-o", tmp_path / "a.exr"))
+    before = blend.read_bytes()
+    assert works(encre("render", blend, "-o", tmp_path / "b.exr")).startswith("frame 7 ")
+    assert layers.read_metadata(exr.metadata(tmp_path / "b.exr")).scene["line_thickness"] == 21
+    assert blend.read_bytes() == before
+
+
+def test_script_runs_as_main_beside_its_modules(tmp_path):
+    (tmp_path / "core.py").write_text("size = 40, 30\n")  # the name of one of ours
+    path = script(tmp_path, "import core, sys\nassert __name__ == '__main__' and sys.argv == [__file__]\n"
+                            "scene.render.resolution_x, scene.render.resolution_y = core.size\nsys.exit()\n")
+    works(encre("render", path, "-o", tmp_path / "out.png"))
+    assert png(tmp_path / "out.png").shape == (30, 40, 4)
+
+
+# Bad input
+
+
+@pytest.mark.parametrize(("lines", "words"), [
+    ("scene.camera = None\n", ["no camera", "scene.py"]),
+    ('camera.type = "PANO"\n', ["Camera", "panoramic"]),
+    ("scene.nothing = missing\n", ["scene.py, line 21", "NameError", "missing"]),
+    ("def\n", ["scene.py, line 21", "SyntaxError"]),
+    ('raise SystemExit("no panel today")\n', ["scene.py", "no panel today"]),
+])
+def test_scenes_that_do_not_render(tmp_path, lines, words):
+    fails(encre("render", script(tmp_path, lines), "-o", tmp_path / "out.png"), *words)
+    assert left(tmp_path) == []
+
+
+@pytest.mark.parametrize("content", [b"", b"not a .blend", b"BLENDER-v405" + bytes(4000)])
+def test_broken_blend(tmp_path, content):
+    (tmp_path / "broken.blend").write_bytes(content)
+    fails(encre("render", tmp_path / "broken.blend", "-o", tmp_path / "out.png"), "broken.blend")
+    assert left(tmp_path) == ["broken.blend"]
+
+
+@pytest.mark.parametrize(("options", "words"), [
+    (["missing.py"], ["missing.py", "no such file"]),
+    (["scene.txt"], ["scene.txt", ".blend or .py"]),
+    (["cube.py", "-o", "out.jpg"], ["out.jpg"]),
+    (["cube.py", "-o", "/proc/nothing/out.png"], ["/proc/nothing/out.png", "can't be written"]),
+    (["cube.py", "-f", "1", "-s", "2"], ["-f", "-s"]),
+    (["cube.py", "-s", "5", "-e", "2"], ["-s 5", "-e 2"]),
+    (["cube.py", "-s", "9"], ["cube.py", "no frame"]),
+    (["cube.py", "--size", "0x10"], ["0x10"]),
+    (["cube.py", "--samples", "many"], ["many"]),
+    (["cube.py", "--set", "line_thickness=-3"], ["line_thickness"]),
+    (["cube.py", "--preset", "Ink onyl"], ["Ink onyl", "Ink only"]),
+    (["cube.py", "--blender", "no/blender"], ["no/blender"]),
+    (["cube.py", "--blender", "/bin/true"], ["/bin/true", "is it Blender?"]),
+    (["cube.py", "--blender", "./crash"], ["./crash", "SIGSEGV"]),
+])
+def test_usage(cube, tmp_path, options, words):
+    crash = tmp_path / "crash"
+    crash.write_text("#!/bin/sh\nkill -SEGV $$\n")
+    crash.chmod(0o755)
+    output = [] if "-o" in options else ["-o", "out.png"]
+    fails(encre("render", *options, *output, cwd=tmp_path), *words)
+    assert left(tmp_path) == ["crash"]
+
+
+def test_which_blender(monkeypatch, tmp_path):
+    program = tmp_path / "blender"
+    program.write_text("#!/bin/sh\n")
+    program.chmod(0o755)
+    monkeypatch.setattr(render.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert render.find_blender()[0] == str(program)
+    program.unlink()
+    with pytest.raises(core.EncreError, match="(?s)--blender.*bpy.*PATH"):
+        render.find_blender()
+    monkeypatch.setattr(render.importlib.util, "find_spec", lambda name: name)
+    assert render.find_blender() == [sys.executable]
+
+
+def test_a_full_disk(cube, tmp_path):
+    """Found under way: status 1, nothing is left, and the old file is as it was."""
+    import resource
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (70_000,) * 2)
+
+    out = tmp_path / "out.exr"
+    out.write_bytes(b"old")
+    result = encre("render", cube, "-o", out, "--size", "320x180", preexec_fn=limit)
+    fails(result, "out.exr", "can't be written", status=1)
+    assert left(tmp_path) == ["out.exr"] and out.read_bytes() == b"old"
+
+
+def test_interrupt(cube, tmp_path):
+    child = subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png", "--size",
+                              "1280x720", "--samples", "4000"], stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 60
+    while not list(tmp_path.glob(".encre-*")) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(2)
+    child.send_signal(signal.SIGINT)
+    err = child.communicate(timeout=30)[1]
+    assert child.returncode == 130 and "Traceback" not in err and left(tmp_path) == []
+
+
+def test_bar_on_a_terminal(cube, tmp_path):
+    main, child = pty.openpty()
+    with subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png"], stderr=child):
+        os.close(child)
+        text = b""
+        while chunk := _read(main):
+            text += chunk
+    assert b"\rframe 1 (1/1) [" in text and b"100 %" in text and b"out.png" in text
+
+
+def _read(fd):
+    try:
+        return os.read(fd, 4096)
+    except OSError:  # the other end closed
+        return b""
+
+
+# Every Blender at hand
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("blender", [command[0] for name, command in blenders.commands().items() if name != "bpy"])
+def test_other_blenders(cube, tmp_path, blender):
+    if blender.endswith("python"):  # a bpy in another Python: our package by PYTHONPATH, its libraries its own
+        (tmp_path / "site").mkdir()
+        (tmp_path / "site" / "encre").symlink_to(Path(core.__file__).parent)
+        environment = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
+        works(encre("render", cube, "-o", tmp_path / "out.exr", python=blender, env=environment))
+    else:
+        works(encre("render", cube, "-o", tmp_path / "out.exr", "--blender", blender))
+    assert works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.exr")) == ""
+    difference = exr.picture(tmp_path / "again.exr") - exr.part(tmp_path / "out.exr", "ViewLayer.Combined")
+    assert np.abs(difference).max() <= 1e-5
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not shutil.which("blender"), reason="needs the program blender")
+def test_this_encre_takes_the_place_of_the_installed_one(cube, tmp_path):
+    package = tmp_path / "user" / "addons" / "encre"
+    shutil.copytree(Path(core.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
+    environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(tmp_path / "user"), "BLENDER_USER_CONFIG": str(tmp_path)}
+    enable = "import bpy; bpy.ops.preferences.addon_enable(module='encre'); bpy.ops.wm.save_userpref()"
+    subprocess.run(["blender", "-b", "--python-expr", enable], env=environment, check=True, timeout=60,
+                   capture_output=True)
+    err = works(encre("render", cube, "-o", tmp_path / "out.png", "--blender", "blender", env=environment))
+    assert "takes the place" in err and str(package) in err
