@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every allocation and every thread refused once: a sentence or the same picture, and nothing is left behind."""
+
+import ctypes
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import drawn
+import numpy as np
+import pytest
+from encre import core
+
+ROOT = Path(__file__).resolve().parents[1]
+WRAPPED = ("malloc", "calloc", "free", "pthread_create")
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    if sys.platform != "linux":
+        pytest.skip("needs a linker that wraps functions")
+    out = tmp_path_factory.mktemp("failing") / core.LIBRARY
+    subprocess.run([*shlex.split(os.environ.get("CC", "cc")), "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1", "-fPIC",
+                    "-ffp-contract=off", "-fvisibility=hidden", "-pthread", "-shared", *map(str, ROOT.glob("csrc/*.c")),
+                    str(ROOT / "tests" / "failing.c"), *(f"-Wl,--wrap={f}" for f in WRAPPED), "-lm", "-o", str(out)],
+                   check=True)
+    return core.Library(str(out))
+
+
+def render(library, settings):
+    layers = drawn.scene(61, 37, n=6)
+    layers["controls"][..., 3:5] = 0.5
+    layers["style"][10:20] = 1
+    layers["color"][3, 4] = np.nan  # makes the library copy the layer
+    styles = [dict(line_thickness=20.0)]
+    return library.render(layers, settings, styles, outputs=list(library.outputs), threads=3).images
+
+
+def raster(library, _settings):
+    points = np.random.default_rng(0).uniform(-1, 1, (60, 3)).astype(np.float32)
+    mesh, matrix = core.Mesh(points, object_index=1), np.eye(4)
+    return library.raster([mesh], matrix, matrix, core.Frame(40, 30), (40, 30), -1, -1, threads=3)
+
+
+JOBS = [(render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")), (render, dict(line_search="WALK")),
+        (render, dict(line_search="DILATE", contrast_auto=True, edge_color=1.0)), (raster, {})]
+
+
+@pytest.mark.parametrize("job, settings", JOBS)
+@pytest.mark.parametrize("what", ["allocation", "thread"])
+def test_each_refused_once(library, job, settings, what):
+    def number(name):
+        return ctypes.c_int.in_dll(library.lib, name)
+
+    refuse, calls, held = number("refuse_" + what), number(what + "s"), number("held")
+    whole = job(library, settings)
+    refused = 0
+    while True:
+        calls.value, refuse.value = 0, refused + 1
+        try:
+            images = job(library, settings)
+        except core.EncreError as e:
+            assert what == "allocation" and str(e).startswith("memory: ") and ";" in str(e)
+        else:
+            assert what == "thread" or calls.value <= refused
+            assert all(images[name].tobytes() == whole[name].tobytes() for name in whole)
+        finally:
+            refuse.value = 0
+        assert held.value == 0
+        if calls.value <= refused:
+            break
+        refused += 1
+    assert refused >= 2
