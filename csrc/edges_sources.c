@@ -54,7 +54,7 @@ static float response_beside_nothing(const ring *r, int y, int x)
 		float *out = patch[i - y + reach];
 		for (int j = left; j <= right; j++) {
 			float z = ring_row(r, i, 0)[j];
-			out[at + j] = z > -INFINITY ? z : farthest - e->height;
+			out[at + j] = z > -INFINITY ? z - farthest : -e->height; /* small numbers keep their digits */
 		}
 		for (int j = x - reach; j < 0; j++)
 			out[at + j] = 2 * out[at] - out[at + clamp_index(-j, width)];
