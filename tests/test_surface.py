@@ -20,8 +20,8 @@ ONLY_HATCHING = dict(SIMPLE, use_shading=False, use_smudging=False)
 TONES = [(0.2, 0.9, 0.8, 1.0), (0.6, 0.3, 0.4, 1.0, 0.9, 0.8), (0.9, 0.8, 0.2, 1.0, 0.9, 0.8), (1.3, 1.1, 0)]
 STYLES = [
     dict(shade_levels=TONES, shade_tint=(0.2, 0.5, 0.9), shade_tint_weight=0.4, shade_saturation=0.3,
-         shade_exposure=1.3, shade_strength=0.8, hatch_amount=1.2, hatch_color=(0.3, 0.1, 0.0), smudge_range=25.0, smudge_pick=3.0,
-         smudge_falloff=0.2, smudge_speed=2.5),
+         shade_exposure=1.3, shade_strength=0.8, hatch_amount=1.2, hatch_color=(0.3, 0.1, 0.0),
+         smudge_range=25.0, smudge_pick=3.0, smudge_falloff=0.2, smudge_speed=2.5),
     dict(use_shading=False, hatch_color_threshold=0.9, hatch_light_threshold=0.0, smudge_depth=0.4, smudge_speed=0.5),
 ]
 SIZES = [(89, 257), (1, 1), (1, 40), (40, 1)]
