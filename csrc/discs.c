@@ -16,6 +16,17 @@ typedef struct gather {
 	discs *all;
 } gather;
 
+/* Unlike fminf() and fmaxf() these never are calls. */
+static inline float least(float a, float b)
+{
+	return a < b ? a : b;
+}
+
+static inline float most(float a, float b)
+{
+	return a > b ? a : b;
+}
+
 /* ---- what an edge pixel draws ---------------------------------------------------------------------------- */
 
 bool ISA(disc_of)(const frame *f, int x, int y, disc *d)
@@ -38,26 +49,26 @@ bool ISA(disc_of)(const frame *f, int x, int y, disc *d)
 	};
 
 	/* bounded before anything that may be 0 is multiplied in: infinity times 0 is no number */
-	float radius = fminf(0.5f * p->line_thickness * f->scale * widths[f->edge[at] - 1], 1e30f);
+	float radius = least(0.5f * p->line_thickness * f->scale * widths[f->edge[at] - 1], 1e30f);
 	radius *= thickness > 0 ? 1 + 8 * thickness : 1 + thickness;
-	radius *= mix(1, fminf(1, f->strength[at]), p->line_contrast);
+	radius *= mix(1, least(1, f->strength[at]), p->line_contrast);
 	if (p->line_depth_distance > 0 && !f->camera.orthographic)
-		radius *= fminf(p->line_depth_distance / z, 4);
+		radius *= least(p->line_depth_distance / z, 4);
 	if (p->line_light != 0) {
 		plane light = f->layer[ENCRE_LAYER_DIFFUSE];
 		const float *rgb = light.data + ny * light.row + (ptrdiff_t)3 * nx;
 		float lit = clamp01(max3(rgb[0], rgb[1], rgb[2]) * p->shade_exposure);
-		radius *= fmaxf(0, 1 + p->line_light * (1 - 2 * lit));
+		radius *= most(0, 1 + p->line_light * (1 - 2 * lit));
 	}
-	radius = fminf(radius, 0.5f * f->params->line_max_thickness * f->scale);
+	radius = least(radius, 0.5f * f->params->line_max_thickness * f->scale);
 
-	intensity = fminf(intensity * p->line_intensity, 1e30f);
+	intensity = least(intensity * p->line_intensity, 1e30f);
 	d->x = d->last = (uint16_t)x;
 	d->style = (uint16_t)style;
 	d->radius = radius;
-	d->fade = fmaxf(p->line_softness * radius, 1);
-	d->gain = fminf(p->line_gain * intensity, 1e30f);
-	d->bias = fmaxf(0, 1 - 0.5f * intensity);
+	d->fade = most(p->line_softness * radius, 1);
+	d->gain = least(p->line_gain * intensity, 1e30f);
+	d->bias = most(0, 1 - 0.5f * intensity);
 	d->paper = p->line_paper;
 	d->reach = radius - d->fade * d->bias;
 	d->limit = !f->params->line_occlude ? 0 : f->camera.orthographic ? z - 0.1f * f->camera.height : 0.9f * z;
@@ -94,24 +105,24 @@ static void fill_row(const frame *f, discs *all, int y)
 		left--;
 		if (!ISA(disc_of)(f, x, y, out))
 			continue;
-		reach = fmaxf(reach, out->reach);
+		reach = most(reach, out->reach);
 		out++;
 	}
 	all->count[y] = (uint32_t)(out - (all->disc + all->first[y]));
-	all->up[y] = all->down[y] = (uint16_t)fminf(reach, OPEN - 1);
+	all->up[y] = all->down[y] = (uint16_t)least(reach, OPEN - 1);
 }
 
 static void tile_row(const frame *f, int y, float *tiles)
 {
 	const float *depth = f->layer[ENCRE_LAYER_DEPTH].data + y * f->layer[ENCRE_LAYER_DEPTH].row;
 	for (int x0 = 0; x0 < f->width; x0 += TILE) {
-		float least = tiles[x0 / TILE];
+		float nearest = tiles[x0 / TILE];
 		int n = f->width - x0 < TILE ? f->width - x0 : TILE;
 		for (int x = 0; x < n; x++) {
 			float z = depth_of(depth[x0 + x]);
-			least = z < least ? z : least;
+			nearest = least(nearest, z);
 		}
-		tiles[x0 / TILE] = least;
+		tiles[x0 / TILE] = nearest;
 	}
 }
 
@@ -138,10 +149,10 @@ static void least_within(float *v, float *copy, int n, int step, int k)
 	for (int i = 0; i < n; i++)
 		copy[i] = v[(ptrdiff_t)i * step];
 	for (int i = 0; i < n; i++) {
-		float least = copy[i];
+		float all = copy[i];
 		for (int j = i < k ? 0 : i - k; j < n && j <= i + k; j++)
-			least = fminf(least, copy[j]);
-		v[(ptrdiff_t)i * step] = least;
+			all = least(all, copy[j]);
+		v[(ptrdiff_t)i * step] = all;
 	}
 }
 
@@ -149,20 +160,20 @@ static void least_within(float *v, float *copy, int n, int step, int k)
 
 /* How far e must go towards its edge neighbour n, on the axis of the two or diagonally in dx + dy. A pixel at distance
  * d <= reach of e is nearer to n by at least (dx - 1/2) / reach, diagonally by (dx + dy - 1) / reach: that is `lead`. If this
- * makes up for a smaller radius, n covers it at least as well as e does. `least`: the bound where radii are equal; of two
+ * makes up for a smaller radius, n covers it at least as well as e does. `equal`: the bound where radii are equal; of two
  * diagonal neighbours at the same distance the one in the upper row has the pixel. Every pixel so passed on gets nearer
  * to its edge, so the chain ends. */
-static int bound(const disc *e, const disc *n, float lead, int least, float nearest)
+static int bound(const disc *e, const disc *n, float lead, int equal, float nearest)
 {
 	if (!n || n->style != e->style || n->gain < e->gain || n->bias > e->bias || (n->limit > e->limit && n->limit > nearest))
 		return OPEN;
-	float smaller = fmaxf(0, e->radius - n->radius);
+	float smaller = most(0, e->radius - n->radius);
 	float far = lead + smaller * e->reach;
 	if (far > 1.5f * e->reach || far >= OPEN)
-		return far > 1 ? OPEN : least;
+		return far > 1 ? OPEN : equal;
 	int k = (int)far;
 	k -= (float)k == far; /* the last pixel before it */
-	return k > least ? k : least;
+	return k > equal ? k : equal;
 }
 
 static const disc *at(const disc *row, const disc *end, int x)
@@ -228,9 +239,9 @@ static void join_rows(void *data, int y0, int y1, int thread)
 		disc *row = all->disc + all->first[y], *end = row + all->count[y], *out = row;
 		int up = 0, down = 0;
 		for (disc *e = row; e < end; e++) {
-			int most = (int)fminf(e->reach, OPEN - 1);
-			e->up = (uint16_t)(e->up < most ? e->up : most);
-			e->down = (uint16_t)(e->down < most ? e->down : most);
+			int reach = (int)least(e->reach, OPEN - 1);
+			e->up = (uint16_t)(e->up < reach ? e->up : reach);
+			e->down = (uint16_t)(e->down < reach ? e->down : reach);
 			up = e->up > up ? e->up : up;
 			down = e->down > down ? e->down : down;
 			if (g->f->params->line_occlude && e->limit <= tiles[e->x / TILE])
@@ -278,20 +289,23 @@ static void own_span(const disc *restrict e, int y, float dy, int x, int end, fl
 {
 	float radius = e->radius, steep = e->gain / e->fade, gain = e->gain;
 	float cut = e->gain * e->bias, paper = e->paper, limit = e->limit, dy2 = dy * dy;
-	int first = e->x, last = e->last, row = (int)((uint32_t)y << 16);
+	float first = e->x, last = e->last;
+	uint32_t row = (uint32_t)y << 16;
 	for (; x < end; x += LANES)
 		for (int k = 0; k < LANES; k++) {
-			int px = x + k, ex = px < first ? first : px > last ? last : px;
-			float dx = (float)(px - ex), d2 = dx * dx + dy2;
+			float px = (float)(x + k), ex = px < first ? first : px;
+			ex = ex > last ? last : ex;
+			float dx = px - ex, d2 = dx * dx + dy2, before = dark[x + k];
 			float t = (radius - sqrtf(d2)) * steep;
 			t = t < gain ? t : gain;
-			t = (1 + paper * grain[px]) * t - cut;
+			t = (1 + paper * grain[x + k]) * t - cut;
 			t = t < 1 ? t : 1;
-			t = depth[px] >= limit ? t : 0;
-			int wins = (t > dark[px]) | ((t == dark[px]) & (t > 0) & (d2 < distance[px]));
-			dark[px] = wins ? t : dark[px];
-			distance[px] = wins ? d2 : distance[px];
-			owner[px] = wins ? (uint32_t)(row | ex) : owner[px];
+			t = depth[x + k] >= limit ? t : 0;
+			float rival = t == before ? distance[x + k] : -1; /* squared distance that an equal must beat */
+			int wins = t > before || (t > 0 && d2 < rival);
+			dark[x + k] = wins ? t : before;
+			distance[x + k] = wins ? d2 : distance[x + k];
+			owner[x + k] = wins ? row | (uint32_t)(int)ex : owner[x + k];
 		}
 }
 
@@ -315,7 +329,10 @@ static void draw_disc(const disc *e, int y, canvas *c)
 		}
 		int x = e->x - left, end = e->last + right + 1;
 		x = x < 0 ? 0 : x;
-		end = end > c->width ? c->width : end;
+		end = end > c->f->width ? c->f->width : end;
+		if (x >= end)
+			continue;
+		canvas_touch(c, row, x, end);
 		size_t at = (size_t)(row - c->y0) * c->stride;
 		if (c->owner)
 			own_span(e, y, (float)dy, x, end, c->dark + at, c->depth + at, c->grain + at, c->distance + at, c->owner + at);
@@ -324,22 +341,9 @@ static void draw_disc(const disc *e, int y, canvas *c)
 	}
 }
 
-void ISA(discs_rows)(const frame *f, const discs *all, int *y0, int *y1)
+void ISA(discs_draw)(const discs *all, canvas *c)
 {
-	int first = *y1, end = *y0;
-	for (int y = *y0 - all->reach < 0 ? 0 : *y0 - all->reach; y < f->height && y < *y1 + all->reach; y++) {
-		if (!all->count[y] || y + all->down[y] < *y0 || y - all->up[y] >= *y1)
-			continue;
-		first = y - all->up[y] < first ? y - all->up[y] : first;
-		end = y + all->down[y] + 1 > end ? y + all->down[y] + 1 : end;
-	}
-	*y0 = first > *y0 ? first : *y0;
-	*y1 = end < *y1 ? end : *y1;
-}
-
-void ISA(discs_draw)(const frame *f, const discs *all, canvas *c)
-{
-	for (int y = c->y0 - all->reach < 0 ? 0 : c->y0 - all->reach; y < f->height && y < c->y1 + all->reach; y++) {
+	for (int y = c->y0 - all->reach < 0 ? 0 : c->y0 - all->reach; y < c->f->height && y < c->y1 + all->reach; y++) {
 		if (y + all->down[y] < c->y0 || y - all->up[y] >= c->y1)
 			continue;
 		const disc *row = all->disc + all->first[y];

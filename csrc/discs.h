@@ -38,20 +38,35 @@ static inline void near_of(const frame *f, int x, int y, int *nx, int *ny)
 	*ny = y + k / 5 - 2;
 }
 
-enum { LANES = 8 }; /* pixels are inked by so many at a time; a canvas has as many to spare right of each row */
+/* LANES pixels are inked at a time; a canvas has as many to spare right of each row. BAND: few rows, for the cache. */
+enum { LANES = 8, BAND = 16 };
 
-/* A band of rows that is being inked; row y is at (y - y0) * stride in each plane. */
+/* A band of rows that is being inked; row y is at (y - y0) * stride in each plane. Pixels are opened, that is given
+ * their depth, paper and no darkness, in blocks of 1 << shift when a disc first touches them. */
 typedef struct canvas {
-	int y0, y1, width;
+	const frame *f;
+	int y0, y1, shift;
 	size_t stride;
-	float *dark;     /* darkness, at least 0, not yet clamped to 1 */
-	float *depth;    /* INFINITY = nothing there */
-	float *grain;    /* height of the paper - 1 */
+	uint64_t open[BAND]; /* by row, a bit per block */
+	float *dark;         /* darkness, at least 0, not yet clamped to 1 */
+	float *depth;        /* INFINITY = nothing there */
+	float *grain;        /* height of the paper - 1 */
 	/* Which edge inks each pixel, as y << 16 | x, and the square of its distance; NULL where all ink is the same. Then
 	 * dark is clamped, so that among equals the nearest, then the first in reading order, can be kept. */
 	uint32_t *owner;
 	float *distance;
 } canvas;
+
+void ISA(canvas_open)(canvas *c, int y, uint64_t blocks);
+
+/* Opens what inking pixels x..end-1 of row y touches. */
+static inline void canvas_touch(canvas *c, int y, int x, int end)
+{
+	uint64_t first = (uint64_t)1 << (x >> c->shift), last = (uint64_t)1 << ((end + LANES - 1) >> c->shift);
+	uint64_t closed = ((last - first) | last) & ~c->open[y - c->y0];
+	if (closed)
+		ISA(canvas_open)(c, y, closed);
+}
 
 /* discs.c: the strongest of all edges. Discs lie in the order of their pixels. */
 typedef struct discs {
@@ -68,9 +83,7 @@ discs ISA(discs_plan)(const frame *f, arena *a);
 /* Finds all discs. Returns ENCRE_OK or an error; discs_free() is due in any case. */
 int32_t ISA(discs_gather)(const frame *f, discs *all);
 void ISA(discs_free)(discs *all);
-/* Narrows *y0..*y1 - 1 to the rows that any disc can darken. */
-void ISA(discs_rows)(const frame *f, const discs *all, int *y0, int *y1);
-void ISA(discs_draw)(const frame *f, const discs *all, canvas *c);
+void ISA(discs_draw)(const discs *all, canvas *c);
 
 /* search.c: the other ways name one edge for every pixel. */
 typedef struct search {

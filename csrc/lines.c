@@ -5,28 +5,28 @@
 
 #include <string.h>
 
-enum { BAND = 16 }; /* rows on a canvas: small enough to stay in a core's cache */
-
 typedef struct lines {
 	frame *f;
-	canvas canvas; /* y0, y1 unset; planes of thread 0, those of the others follow */
+	canvas canvas; /* y0, y1 unset; planes of thread 0, those of the other threads follow */
 	discs discs;
 	search search;
+	float color[3]; /* of all ink, where it doesn't differ */
 } lines;
 
 /* ---- ink ------------------------------------------------------------------------------------------------- */
 
-/* Does the colour of the ink depend on the edge? */
-static bool inks_differ(const frame *f)
+/* Does the colour of the ink depend on the edge? If not, it is in `color`. */
+static bool inks_differ(const frame *f, float *color)
 {
-	const float *color = NULL;
+	bool found = false;
 	for (int i = 0; i < f->n_styles; i++) {
 		const encre_params *p = f->params + i;
 		if (!p->use_lines)
 			continue;
-		if (p->line_tint > 0 || (color && memcmp(color, p->line_color, sizeof p->line_color)))
+		if (p->line_tint > 0 || (found && memcmp(color, p->line_color, sizeof p->line_color)))
 			return true;
-		color = p->line_color;
+		memcpy(color, p->line_color, sizeof p->line_color);
+		found = true;
 	}
 	return false;
 }
@@ -82,39 +82,47 @@ static void ink_pixels(const frame *f, const float *dark, const uint32_t *owner,
 	}
 }
 
-/* Fades, saves what other outputs show, and puts the ink over. dark is NULL where there is none. */
-static void finish_row(const lines *l, int y, const float *dark, const uint32_t *owner)
+/* The ink of one row of the canvas over its pixels. */
+static void ink_row(const canvas *c, int y, const float *color, float *rgba, float *lines)
 {
-	const frame *f = l->f;
-	size_t bytes = (size_t)f->width * 4 * sizeof(float);
-	float *rgba = f->output[ENCRE_OUTPUT_COMBINED].data + y * f->output[ENCRE_OUTPUT_COMBINED].row, *out = NULL;
-	fade_row(f, y, rgba);
-	if (f->output[ENCRE_OUTPUT_SURFACE].data)
-		memcpy(f->output[ENCRE_OUTPUT_SURFACE].data + y * f->output[ENCRE_OUTPUT_SURFACE].row, rgba, bytes);
-	if (f->output[ENCRE_OUTPUT_LINES].data)
-		out = memset(f->output[ENCRE_OUTPUT_LINES].data + y * f->output[ENCRE_OUTPUT_LINES].row, 0, bytes);
-	const float *color = f->params->line_color;
-	for (int i = 0; i < f->n_styles; i++)
-		if (f->params[i].use_lines)
-			color = f->params[i].line_color;
-	for (int x = 0; dark && x < f->width; x += LANES) {
+	size_t row = (size_t)(y - c->y0) * c->stride;
+	const float *dark = c->dark + row;
+	const uint32_t *owner = c->owner ? c->owner + row : NULL;
+	for (int x = 0; x < c->f->width; x += LANES) {
+		if (!(c->open[y - c->y0] >> (x >> c->shift) & 1)) {
+			x |= (1 << c->shift) - LANES; /* on to the next block */
+			continue;
+		}
 		float most = 0;
 		for (int k = 0; k < LANES; k++)
 			most = dark[x + k] > most ? dark[x + k] : most;
 		if (most > 0)
-			ink_pixels(f, dark + x, owner ? owner + x : NULL, color, f->width - x < LANES ? f->width - x : LANES,
-				   rgba + (ptrdiff_t)4 * x, out ? out + (ptrdiff_t)4 * x : NULL);
+			ink_pixels(c->f, dark + x, owner ? owner + x : NULL, color, c->f->width - x < LANES ? c->f->width - x : LANES,
+				   rgba + (ptrdiff_t)4 * x, lines ? lines + (ptrdiff_t)4 * x : NULL);
 	}
+}
+
+/* Fades, saves what other outputs show, and puts the ink over. */
+static void finish_row(const lines *l, const canvas *c, int y)
+{
+	const frame *f = l->f;
+	size_t bytes = (size_t)f->width * 4 * sizeof(float);
+	float *rgba = f->output[ENCRE_OUTPUT_COMBINED].data + y * f->output[ENCRE_OUTPUT_COMBINED].row, *lines = NULL;
+	fade_row(f, y, rgba);
+	if (f->output[ENCRE_OUTPUT_SURFACE].data)
+		memcpy(f->output[ENCRE_OUTPUT_SURFACE].data + y * f->output[ENCRE_OUTPUT_SURFACE].row, rgba, bytes);
+	if (f->output[ENCRE_OUTPUT_LINES].data)
+		lines = memset(f->output[ENCRE_OUTPUT_LINES].data + y * f->output[ENCRE_OUTPUT_LINES].row, 0, bytes);
+	if (c->open[y - c->y0])
+		ink_row(c, y, l->color, rgba, lines);
 }
 
 /* ---- bands ----------------------------------------------------------------------------------------------- */
 
-/* An empty canvas of rows y0..y1-1. */
 static canvas canvas_of(const lines *l, int y0, int y1, int thread)
 {
-	const frame *f = l->f;
 	canvas c = l->canvas;
-	size_t plane = BAND * c.stride, offset = (size_t)thread * plane;
+	size_t offset = (size_t)thread * BAND * c.stride;
 	c.y0 = y0;
 	c.y1 = y1;
 	c.dark += offset;
@@ -124,19 +132,28 @@ static canvas canvas_of(const lines *l, int y0, int y1, int thread)
 		c.owner += offset;
 		c.distance += offset;
 	}
-	for (int y = y0; y < y1; y++) {
-		const float *depth = f->layer[ENCRE_LAYER_DEPTH].data + y * f->layer[ENCRE_LAYER_DEPTH].row;
-		size_t at = (size_t)(y - y0) * c.stride;
-		ISA(paper_row)(f, y, 0, f->width, 1, c.grain + at);
-		for (int x = 0; x < f->width; x++) {
-			c.grain[at + (size_t)x] -= 1;
-			c.depth[at + (size_t)x] = depth_of(depth[x]);
-		}
-		for (size_t x = (size_t)f->width; x < c.stride; x++)
-			c.grain[at + x] = c.depth[at + x] = 0;
-		memset(c.dark + at, 0, c.stride * sizeof *c.dark);
-	}
 	return c;
+}
+
+void ISA(canvas_open)(canvas *c, int y, uint64_t blocks)
+{
+	const frame *f = c->f;
+	const float *depth = f->layer[ENCRE_LAYER_DEPTH].data + y * f->layer[ENCRE_LAYER_DEPTH].row;
+	size_t row = (size_t)(y - c->y0) * c->stride;
+	c->open[y - c->y0] |= blocks;
+	for (int b = 0; b < 64; b++) {
+		int x0 = b << c->shift, x1 = (b + 1) << c->shift, end = x1 < f->width ? x1 : f->width;
+		if (!(blocks >> b & 1))
+			continue;
+		if (x0 < end)
+			ISA(paper_row)(f, y, x0, end, 1, c->grain + row + x0);
+		for (int x = x0; x < x1; x++) {
+			bool inside = x < f->width;
+			c->grain[row + (size_t)x] = inside ? c->grain[row + (size_t)x] - 1 : 0;
+			c->depth[row + (size_t)x] = inside ? depth_of(depth[x]) : 0;
+			c->dark[row + (size_t)x] = 0;
+		}
+	}
 }
 
 /* The offset of the edge found for a pixel, or false. */
@@ -170,7 +187,10 @@ static void draw_found(const lines *l, canvas *c)
 				inks = ISA(disc_of)(f, ex, ey, &d);
 			}
 			float d2 = (float)dx * (float)dx + (float)dy * (float)dy;
-			if (!inks || d2 >= d.reach * d.reach || c->depth[at + (size_t)x] < d.limit)
+			if (!inks || d2 >= d.reach * d.reach)
+				continue;
+			canvas_touch(c, y, x, x + 1);
+			if (c->depth[at + (size_t)x] < d.limit)
 				continue;
 			float coverage = fminf(1, (d.radius - sqrtf(d2)) / d.fade);
 			c->dark[at + (size_t)x] = d.gain * ((1 + d.paper * c->grain[at + (size_t)x]) * coverage - d.bias);
@@ -183,23 +203,13 @@ static void draw_found(const lines *l, canvas *c)
 static void lines_rows(void *data, int y0, int y1, int thread)
 {
 	const lines *l = data;
-	bool strongest = l->f->params->line_search == line_search_EXACT;
-	int from = y0, to = l->f->any_lines ? y1 : y0;
-	if (from < to && strongest)
-		ISA(discs_rows)(l->f, &l->discs, &from, &to);
-	canvas c = {0};
-	if (from < to) {
-		c = canvas_of(l, from, to, thread);
-		if (strongest)
-			ISA(discs_draw)(l->f, &l->discs, &c);
-		else
-			draw_found(l, &c);
-	}
-	for (int y = y0; y < y1; y++) {
-		bool inked = y >= from && y < to;
-		size_t at = inked ? (size_t)(y - from) * c.stride : 0;
-		finish_row(l, y, inked ? c.dark + at : NULL, inked && c.owner ? c.owner + at : NULL);
-	}
+	canvas c = canvas_of(l, y0, y1, thread);
+	if (l->f->any_lines && l->f->params->line_search == line_search_EXACT)
+		ISA(discs_draw)(&l->discs, &c);
+	else if (l->f->any_lines)
+		draw_found(l, &c);
+	for (int y = y0; y < y1; y++)
+		finish_row(l, &c, y);
 }
 
 /* ---- the stage ------------------------------------------------------------------------------------------- */
@@ -208,10 +218,14 @@ static void plan(frame *f, arena *a)
 {
 	lines *l = arena_take(a, 1, sizeof *l), made = {.f = f};
 	if (f->any_lines) {
-		bool owned = inks_differ(f);
-		size_t stride = ((size_t)f->width + 2 * LANES - 1) / LANES * LANES, n = stride * BAND * (size_t)rows_threads(f->rows);
+		bool owned = inks_differ(f, made.color);
+		int shift = 5;
+		while ((f->width + LANES) >> shift >= 64)
+			shift++;
+		size_t stride = (((size_t)(f->width + LANES) >> shift) + 1) << shift, n = stride * BAND * (size_t)rows_threads(f->rows);
 		made.canvas = (canvas){
-			.width = f->width,
+			.f = f,
+			.shift = shift,
 			.stride = stride,
 			.dark = arena_take(a, n, sizeof(float)),
 			.depth = arena_take(a, n, sizeof(float)),
