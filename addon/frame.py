@@ -62,7 +62,7 @@ class Frames:
         values = core.check(properties.scene_values(scene))
         styles = [(name, core.check(changed)) for name, changed in properties.styles(scene)]
         overrides = [changed for _, changed in styles]
-        if values["paper_source"] == "IMAGE" and values["paper_image"]:
+        if values["paper_source"] == "IMAGE":
             papers.load(values["paper_image"])  # that it can't be read is said before Cycles starts
         if not compat.has_cycles_denoiser() and scene.cycles.use_denoising:
             scene.cycles.use_denoising = False

@@ -16,6 +16,8 @@ def load(name):
     Files are read anew, because an image that the user opened may be shown in another colour space; generated and
     packed images are taken as they are. EncreError: there is no such image, or it can't be read.
     """
+    if not name:
+        raise core.EncreError("paper_image: the paper's source is an image but none is given; choose an image")
     for image in bpy.data.images:
         if properties.image_key(image) == name and (image.packed_file or not image.filepath):
             return _pixels(image, name)

@@ -96,7 +96,7 @@ def mute(scene, path):
 
 def prepare(job, error):
     """Sets the scene up as the job asks. Nothing of it is saved."""
-    from encre import layers, properties
+    from encre import core, layers, papers, properties
 
     scene = bpy.context.scene
     scene.render.engine = "ENCRE"
@@ -106,8 +106,10 @@ def prepare(job, error):
     camera = scene.camera
     if not camera or camera.type != "CAMERA":
         raise error(f"{job['scene']}: scene {scene.name} has no camera; add one and make it the scene's active camera")
-    styles = [values for _, values in properties.styles(scene)]
-    if camera.data.type == "PANO" and layers.active(properties.scene_values(scene), styles):
+    values, styles = core.check(properties.scene_values(scene)), [values for _, values in properties.styles(scene)]
+    if values["paper_source"] == "IMAGE":
+        papers.load(values["paper_image"])
+    if camera.data.type == "PANO" and layers.active(values, styles):
         raise error(f"{job['scene']}: camera {camera.name} is panoramic; make it perspective or orthographic")
     if job["samples"]:
         scene.cycles.samples = job["samples"]
@@ -158,7 +160,7 @@ def render(job, scene, error):
         except RuntimeError as reason:
             raise error(f"frame {frame}: {sentence(reason)}") from None
         # Stereo makes a file for each eye, named 1_L and 1_R.
-        made = [name for name in os.listdir(job["folder"]) if re.fullmatch(rf"{frame}(_.*)?{ending}", name)]
+        made = [name for name in os.listdir(job["folder"]) if re.fullmatch(rf"{frame}(_.*)?{re.escape(ending)}", name)]
         if "FINISHED" not in done or not made:
             raise error(f"frame {frame}: Blender wrote no picture; run again with --verbose to see why")
         report("written", files=[[os.path.join(job["folder"], name), stem + name.removeprefix(str(frame))]

@@ -187,6 +187,7 @@ def test_broken_blend(tmp_path, content):
     (["cube.py", "--size", "0x10"], ["0x10"]),
     (["cube.py", "--samples", "many"], ["many"]),
     (["cube.py", "--set", "line_thickness=-3"], ["line_thickness"]),
+    (["cube.py", "--set", "paper_source=IMAGE"], ["paper_image", "choose an image"]),
     (["cube.py", "--preset", "Ink onyl"], ["Ink onyl", "Ink only"]),
     (["cube.py", "--blender", "no/blender"], ["no/blender"]),
     (["cube.py", "--blender", "/bin/true"], ["/bin/true", "is it Blender?"]),
