@@ -145,7 +145,7 @@ def lathe(name, profile, at, material, steps=24, turn=(0, 0, 0), thick=0, parent
 def text(name, words, at, size, material, turn=(90, 0, 0), parent=None):
     """Raised letters in Blender's own font, centred on `at`; a mesh, so that they can be painted."""
     curve = bpy.data.curves.new(name, "FONT")
-    curve.body, curve.size, curve.extrude, curve.align_x = words, size, size * 0.06, "CENTER"
+    curve.body, curve.size, curve.extrude, curve.align_x = words, size, size * 0.02, "CENTER"
     letters = bpy.data.objects.new(name, curve)
     mesh = bpy.data.meshes.new_from_object(letters)
     bpy.data.objects.remove(letters)

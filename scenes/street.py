@@ -41,13 +41,13 @@ FRONT = 0.56  # where the shop's front stands, just before the wall
 def colors():
     water = {"color": (0.08, 0.10, 0.20), "mirror": 0.75}
     return {
-        "asphalt": bricks("Asphalt", (0.33, 0.34, 0.45), (0.40, 0.40, 0.50), (0.22, 0.22, 0.35), (0.42, 0.2, 0.02)),
-        "paving": bricks("Paving", (0.58, 0.54, 0.53), (0.66, 0.61, 0.58), (0.36, 0.34, 0.42), (0.6, 0.6, 0.015)),
+        "asphalt": bricks("Asphalt", (0.26, 0.27, 0.38), (0.32, 0.33, 0.43), (0.20, 0.20, 0.32), (0.42, 0.2, 0.02)),
+        "paving": bricks("Paving", (0.62, 0.56, 0.53), (0.72, 0.65, 0.60), (0.40, 0.36, 0.42), (0.6, 0.6, 0.015)),
         "sky water": rippled("Sky water", **water, height=0.12, length=0.35),
         "lamp water": rippled("Lamp water", **water, height=0.16, length=0.2, lean=0.42),
         "shop water": rippled("Shop water", **water, height=0.12, length=0.12, lean=0.22),
         "kerb": flat("Kerb", (0.68, 0.64, 0.64)),
-        "wall": flat("Wall", (0.27, 0.22, 0.36)),
+        "wall": flat("Wall", (0.23, 0.19, 0.34)),
         "stone": flat("Stone", (0.45, 0.42, 0.50)),
         "brick": flat("Brick", (0.42, 0.16, 0.14)),
         "pale brick": flat("Pale brick", (0.50, 0.24, 0.18)),
@@ -63,8 +63,8 @@ def colors():
         "red": flat("Red", (0.66, 0.06, 0.05)),
         "navy": flat("Navy", (0.05, 0.08, 0.22)),
         "black": flat("Black", (0.02, 0.02, 0.03)),
-        "far": flat("Far wall", (0.30, 0.33, 0.56)),
-        "farther": flat("Farther wall", (0.24, 0.30, 0.58)),
+        "far": flat("Far wall", (0.22, 0.25, 0.48)),
+        "farther": flat("Farther wall", (0.21, 0.26, 0.52)),
         "roof": flat("Roof", (0.20, 0.18, 0.36)),
         "dark glass": flat("Dark glass", (0.05, 0.07, 0.18), mirror=0.2),
         "lit glass": glow("Lit glass", (0.95, 0.63, 0.19)),
@@ -110,18 +110,18 @@ def lamp(c):
     root = group("Lamp", LAMP)
     lathe("Lamp foot", [(0, 0.5), (0.06, 0.5), (0.08, 0.42), (0.07, 0.36), (0.12, 0.28), (0.15, 0.1), (0.19, 0.08),
                         (0.2, 0)], (0, 0, 0.14), c["iron"], parent=root)
-    lathe("Lamp post", [(0.03, 2.1), (0.045, 1.3), (0.07, 1.28), (0.07, 1.22), (0.05, 1.2), (0.055, 0.4)],
+    lathe("Lamp post", [(0.03, 1.95), (0.045, 1.3), (0.07, 1.28), (0.07, 1.22), (0.05, 1.2), (0.055, 0.4)],
           (0, 0, 0.14), c["iron"], parent=root)
     lathe("Lamp collar", [(0.035, 0), (0.08, 0.03), (0.08, 0.07), (0.04, 0.1), (0.06, 0.18), (0, 0.18)],
-          (0, 0, 2.2), c["iron"], parent=root)
+          (0, 0, 2.05), c["iron"], parent=root)
     lathe("Lamp hood", [(0, 0.34), (0.02, 0.3), (0.035, 0.26), (0.02, 0.22), (0.07, 0.2), (0.1, 0.12), (0.26, 0),
-                        (0.24, -0.02), (0, -0.02)], (0, 0, 2.81), c["iron"], parent=root)
-    tube("Lamp arm", [(-0.26, 0, 2.1), (0.26, 0, 2.1)], 0.018, c["iron"], sides=6, smooth=0, parent=root)
+                        (0.24, -0.02), (0, -0.02)], (0, 0, 2.66), c["iron"], parent=root)
+    tube("Lamp arm", [(-0.26, 0, 1.96), (0.26, 0, 1.96)], 0.018, c["iron"], sides=6, smooth=0, parent=root)
     for k in range(6):
         x, y = cos(pi * k / 3), sin(pi * k / 3)
-        tube(f"Lamp bar {k}", [(0.115 * x, 0.115 * y, 2.38), (0.2 * x, 0.2 * y, 2.81)], 0.012, c["iron"], sides=4,
+        tube(f"Lamp bar {k}", [(0.115 * x, 0.115 * y, 2.23), (0.2 * x, 0.2 * y, 2.66)], 0.012, c["iron"], sides=4,
              smooth=0, parent=root)
-    glass = lathe("Lamp glass", [(0.1, 0), (0.19, 0.42), (0, 0.42)], (0, 0, 2.38), c["lamp glass"], steps=6,
+    glass = lathe("Lamp glass", [(0.1, 0), (0.19, 0.42), (0, 0.42)], (0, 0, 2.23), c["lamp glass"], steps=6,
                   parent=root)
     glass.visible_shadow = glass.visible_diffuse = False
 
@@ -189,10 +189,12 @@ def shop(c):
     repeat(box("Shop bar", (0.06, 0.1, 1.42), (2.63, FRONT - 0.06, 0.92), c["green"]), 4, (0.78, 0, 0))
     box("Shop rail", (2.4, 0.1, 0.06), (3.8, FRONT - 0.06, 1.88), c["green"])
     box("Shop sill", (2.6, 0.24, 0.07), (3.8, FRONT - 0.12, 0.86), c["cream"])
-    for i, (x, r, h) in enumerate(((2.78, 0.07, 0.30), (2.98, 0.05, 0.2), (3.2, 0.085, 0.26), (3.62, 0.06, 0.34),
-                                   (3.85, 0.09, 0.2), (4.05, 0.05, 0.28))):
+    bottles = ((2.78, 0, 0.07, 0.30), (2.98, 0, 0.05, 0.2), (3.2, 0, 0.085, 0.26), (3.62, 0, 0.06, 0.34),
+               (3.85, 0, 0.09, 0.2), (4.05, 0, 0.05, 0.28), (2.8, 1, 0.08, 0.16), (3.0, 1, 0.08, 0.16),
+               (3.2, 1, 0.05, 0.24), (3.7, 1, 0.07, 0.2), (3.95, 1, 0.05, 0.26))
+    for i, (x, shelf, r, h) in enumerate(bottles):
         lathe(f"Bottle {i}", [(0, h), (0.35 * r, h), (0.35 * r, 0.72 * h), (r, 0.6 * h), (r, 0), (0, 0)],
-              (x, FRONT - 0.1, 0.93), c["navy" if i % 2 else "red"], steps=12)
+              (x, FRONT - 0.1, 0.93 + 1.01 * shelf), c["navy" if i % 2 else "red"], steps=12)
     tiles(c)
     awning(c)
     tube("Sign arm", [(1.6, 1.3, 3.0), (0.55, 1.3, 3.0)], 0.02, c["iron"], sides=6, smooth=0)
@@ -227,13 +229,13 @@ def awning(c):
 
 def foreground(c):
     """Crates, a barrel and the cat, close to the viewer."""
-    crate(c, "Crate low", (-1.65, -4.25, 0), (0.62, 0.55, 0.46), 12)
-    crate(c, "Crate high", (-1.68, -4.22, 0.485), (0.5, 0.42, 0.26), 24)
-    cat((-1.63, -4.24, 0.77), 62)
+    crate(c, "Crate low", (-1.6, -4.25, 0), (0.62, 0.55, 0.46), 12)
+    crate(c, "Crate high", (-1.63, -4.22, 0.485), (0.5, 0.42, 0.26), 24)
+    cat((-1.58, -4.24, 0.77), 62)
     lathe("Barrel", [(0, 0.62), (0.19, 0.62), (0.19, 0.66), (0.215, 0.66), (0.25, 0.5), (0.265, 0.33), (0.25, 0.16),
-                     (0.215, 0)], (-2.4, -3.8, 0), c["wood"], steps=20)
+                     (0.215, 0)], (-2.05, -1.3, 0), c["wood"], steps=20)
     for i, (z, r) in enumerate(((0.1, 0.245), (0.22, 0.262), (0.42, 0.263), (0.54, 0.246))):
-        lathe(f"Hoop {i}", [(r, 0), (r + 0.012, 0), (r + 0.012, 0.045), (r, 0.045)], (-2.4, -3.8, z), c["iron"])
+        lathe(f"Hoop {i}", [(r, 0), (r + 0.012, 0), (r + 0.012, 0.045), (r, 0.045)], (-2.05, -1.3, z), c["iron"])
 
 
 def crate(c, name, at, size, turn):
@@ -252,12 +254,12 @@ def crate(c, name, at, size, turn):
 
 def clutter(c):
     """What stands about on the pavement."""
-    box("Box big", (0.62, 0.5, 0.46), (2.15, 0.15, 0.14), c["card"], turn=-8)
-    box("Box flat", (0.5, 0.4, 0.22), (2.1, 0.18, 0.6), c["card"], turn=10)
-    box("Box tape", (0.52, 0.09, 0.235), (2.1, 0.18, 0.593), c["cream"], turn=10, bevel=0)
+    box("Box big", (0.62, 0.5, 0.46), (3.6, 0.12, 0.14), c["card"], turn=-8)
+    box("Box flat", (0.5, 0.4, 0.22), (3.56, 0.14, 0.6), c["card"], turn=10)
+    box("Box tape", (0.52, 0.09, 0.235), (3.56, 0.14, 0.593), c["cream"], turn=10, bevel=0)
     lathe("Bin", [(0, 0.72), (0.05, 0.72), (0.06, 0.68), (0.22, 0.64), (0.235, 0.6), (0.2, 0.6), (0.17, 0), (0, 0)],
           (1.15, 2.9, 0.14), c["zinc"])
-    for i, (x, y) in enumerate(((2.5, -0.6), (3.9, -0.6), (-0.72, 2.7))):
+    for i, (x, y) in enumerate(((2.95, -0.6), (4.5, -0.6), (-0.72, 2.7))):
         lathe(f"Bollard {i}", [(0, 0.78), (0.05, 0.76), (0.065, 0.7), (0.05, 0.64), (0.06, 0.6), (0.075, 0.08),
                                (0.1, 0.05), (0.1, 0)], (x, y, 0.14), c["iron"])
 
@@ -283,8 +285,8 @@ def far_house(c, name, x, y, w, h):
 def lights():
     """All three together are below 0.5 in the shade, the first tone's end, and above 0.9 under the lamp."""
     world(sky=(0.045, 0.075, 0.27), fill=(0.18, 0.21, 0.37))
-    bulb = LAMP + Vector((0, 0, 2.74))
-    light("SPOT", "Lamplight", bulb, LAMP, (1.0, 0.80, 0.45), 420, spot_size=radians(96), spot_blend=0.02,
+    bulb = LAMP + Vector((0, 0, 2.6))
+    light("SPOT", "Lamplight", bulb, LAMP, (1.0, 0.77, 0.38), 400, spot_size=radians(100), spot_blend=0.02,
           shadow_soft_size=0.03)
     light("SUN", "Moonlight", (-7, -4.5, 1.6), (0, 0, 0), (0.5, 0.62, 1.0), 1.5, angle=radians(0.5))
 
@@ -295,20 +297,21 @@ def controls():
         return (co - EYE).length
 
     # A bold pencil near the viewer, a fine one far away, for small things, and for the face.
-    paint("thickness", ["Crate", "Barrel", "Hoop"], lambda co: 0.08 * ramp(distance(co), 5, 3))
-    paint("thickness", ["Far", "Lit", "Dark", "Kerb"], lambda co: -0.6 * ramp(distance(co), 6, 18))
-    paint("thickness", ["Sign", "Window", "Wire", "Collar", "Hair", "Lock", "Face", "Hand", "Fingers", "Puddle", "Bare",
-                        "Bottle", "Lamp bar", "Placket", "Pocket", "Cat"], -0.4)
-    paint("thickness", ["Eye", "Brow", "Mouth", "Nose", "Thumb", "Rib", "Stretcher", "Button", "Cat eye",
-                        "Letters"], -0.7)
+    paint("thickness", ["Crate", "Barrel", "Hoop"], lambda co: 0.06 * ramp(distance(co), 5, 3))
+    paint("thickness", ["Far", "Lit", "Dark", "Kerb"], lambda co: -0.45 * ramp(distance(co), 6, 18))
+    paint("thickness", ["Sign", "Window", "Wire", "Collar", "Hair", "Lock", "Face", "Puddle", "Bare",
+                        "Bottle", "Lamp bar", "Placket", "Pocket", "Cat"], -0.3)
+    paint("thickness", ["Eye", "Brow", "Mouth", "Nose", "Hand", "Thumb", "Crook", "Rib", "Stretcher", "Button",
+                        "Cat eye", "Letters"], -0.55)
     # The glare of the lamp eats the lines of the kerb beside it.
     paint("intensity", ["Kerb"], lambda co: -1.2 * ramp((co - LAMP).length, 1.5, 0.8))
     # What is wet runs a little over its outline.
     paint("smudge_range", ["Canopy", "Coat", "Sou'wester"], lambda co: 0.9 * ramp(co.z, 0.3, 0.6))
     paint("smudge_falloff", ["Canopy", "Coat", "Sou'wester"], 0.4)
     # No hatching on water, lit glass and the face; little in the mist at the end of the street.
-    paint("hatching", ["Puddle", "Lamp glass", "Lit", "Face", "Nose", "Hair", "Hand", "Fingers", "Canopy"], -1)
+    paint("hatching", ["Puddle", "Lamp glass", "Lit", "Face", "Nose", "Hair", "Hand", "Thumb", "Canopy"], -1)
     paint("hatching", ["Far", "House", "Plinth"], lambda co: -0.35 * ramp(co.y, 4, 9) - 0.3 * ramp(co.z, 1, 4))
+    paint("hatching", ["Bottle", "Tiles"], -0.4)
     paint("hatching", ["Cat"], lambda co: -0.5 * ramp(co.z, 0.8, 1.05))
 
 
@@ -318,13 +321,13 @@ def build():
     lamp(c)
     house(c)
     shop(c)
-    girl((1.0, -1.24, 0), -58)
+    girl((1.1, -0.58, 0.14), -58)
     foreground(c)
     clutter(c)
     background(c)
     lights()
     controls()
-    camera(EYE, (0.35, 0.0, 1.4), 42, shift=(0, -0.008))
+    camera(EYE, (0.4, 0.0, 1.4), 44, shift=(0, -0.018))
     settings()
 
 
