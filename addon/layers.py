@@ -188,10 +188,7 @@ def assemble(passes, scene, styles=(), denoise=None, denoise_other=False):
     values = every_style(scene, styles)
     shading = _by_style(layers.get("style"), [v["use_shading"] for v in values])
     direct = _by_style(layers.get("style"), [v["shade_light"] == "DIRECT" for v in values])
-    if denoise:
-        light = _Light(read, denoise, (layers["albedo"], read("Normal")))
-    else:
-        light = _Light(read, None, None)
+    light = _Light(read, denoise, (layers["albedo"], read("Normal")) if denoise else None)
     if "Encre Diffuse" in read:
         layers["diffuse"] = read("Encre Diffuse")
     else:

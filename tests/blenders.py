@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from encre import images, layers
 
 CASES = Path(__file__).with_name("blender") / "cases.py"

@@ -6,7 +6,6 @@ import json
 import blenders
 import numpy as np
 import pytest
-
 from encre import core, layers
 
 
@@ -134,7 +133,7 @@ def test_cameras(render):
     pixels, wrong = (sum(fact[0][k] for fact in facts.values()) for k in (0, 1))
     assert wrong < 0.0005 * pixels, facts
     assert all(fact[0][3] > 1000 and fact[0][1] < 0.002 * fact[0][0] for fact in facts.values()), facts
-    assert all(fact[0][2] < 1e-4 for fact in facts.values()), facts
+    assert all(fact[0][2] < 2e-3 for fact in facts.values()), facts
 
 
 def test_stereo(render):
@@ -270,9 +269,9 @@ def test_not_finite(render):
 
 
 def test_freestyle_and_bake(render):
-    shot = render("freestyle")
-    assert shot.facts["error"] == [None] and shot.wrote("freestyle")
-    assert "Traceback" not in shot.output
+    shot = render("freestyle")  # without a line style it says so itself, with a traceback
+    assert shot.facts["error"] == [None] and "engine.py" not in shot.output
+    assert shot.passes("freestyle")["Encre Lines"].max() > 0.9
     shot = render("bake")
     assert shot.facts["baked"][0] > 0.5
     assert np.array_equal(shot.passes("before")["Combined"], shot.passes("after")["Combined"])
