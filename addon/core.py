@@ -459,10 +459,13 @@ def _pack_mesh(m, mesh):
     points = np.ascontiguousarray(mesh.points, np.float32).reshape(-1, 3)
     keep = [points]
 
-    def pointer(a, dtype):
+    def pointer(what, a, dtype, shape):
+        """C can't know how long an array is: one that is too short would be read past its end."""
         if a is None:
             return None
         keep.append(np.ascontiguousarray(a, dtype))
+        if keep[-1].shape[:len(shape)] != shape:
+            raise EncreError(f"mesh: {what} has shape {keep[-1].shape}; give one entry for each of {shape}")
         return keep[-1].ctypes.data
 
     m.kind = ("triangles",).index(mesh.kind)
@@ -470,10 +473,11 @@ def _pack_mesh(m, mesh):
     m.n_primitives = len(points) // 3 if mesh.corners is None else len(mesh.corners)
     m.n_channels = 0 if mesh.attributes is None else mesh.attributes.shape[-1]
     m.points = points.ctypes.data
-    m.corners = pointer(mesh.corners, np.int32)
-    m.attributes = pointer(mesh.attributes, np.float32)
-    m.material = pointer(mesh.material, np.int32)
-    m.style = pointer(mesh.style, np.int32)
+    count = m.n_primitives
+    m.corners = pointer("corners", mesh.corners, np.int32, (count, 3))
+    m.attributes = pointer("attributes", mesh.attributes, np.float32, (count, 3))
+    m.material = pointer("material", mesh.material, np.int32, (count,))
+    m.style = pointer("style", mesh.style, np.int32, (count,))
     m.model[:] = np.asarray(mesh.model, np.float64).ravel()
     m.object_index, m.material_index, m.style_index = mesh.object_index, mesh.material_index, mesh.style_index
     return keep
@@ -482,7 +486,8 @@ def _pack_mesh(m, mesh):
 def unknown(kind, name, names):
     """One sentence about an unknown name, with the nearest known ones."""
     near = difflib.get_close_matches(str(name), list(names), 3, 0.5)
-    return f"{name}: unknown {kind}; " + (f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(names)}")
+    cure = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(names)}"
+    return f"{name}: unknown {kind}; {cure}"
 
 
 def _number(p, value):
