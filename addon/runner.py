@@ -122,6 +122,8 @@ def prepare(job, error):
         settings.media_type = "MULTI_LAYER_IMAGE" if exr else "IMAGE"
     settings.file_format = "OPEN_EXR_MULTILAYER" if exr else "PNG"
     settings.color_mode, settings.color_depth = "RGBA", "32" if exr else "8"
+    if exr:
+        settings.views_format = "MULTIVIEW"  # both eyes in one file
     scene.render.use_file_extension = True
     return scene
 

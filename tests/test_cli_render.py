@@ -16,7 +16,7 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre import core, layers, render
+from encre import core, images, layers, render
 
 CUBE = '''
 import bpy
@@ -95,6 +95,23 @@ def test_png_is_the_same_picture(cube, tmp_path):
     works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.png"))
     a, b = png(tmp_path / "out.png").astype(int), png(tmp_path / "again.png").astype(int)
     assert a.shape == b.shape == (45, 80, 4) and np.abs(a - b).max() <= 2  # Blender dithers
+
+
+def test_stereo(tmp_path):
+    """Each eye of a restyled picture is the eye that was rendered."""
+    path = script(tmp_path, "scene.render.use_multiview = True\n")
+    works(encre("render", path, "-o", tmp_path / "out.exr"))
+    works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.exr"))
+    eyes = []
+    for file in "out", "again":
+        with images.Exr(tmp_path / f"{file}.exr") as opened:
+            assert opened.views == ("left", "right")
+            names = {eye: [f"ViewLayer.Combined.{eye}.{c}" for c in "RGBA"] for eye in opened.views}
+            eyes.append(opened.read(names))
+    assert np.abs(eyes[0]["left"] - eyes[0]["right"]).max() > 0.1
+    for eye in "left", "right":
+        assert np.abs(eyes[0][eye] - eyes[1][eye]).max() <= 1e-5
+    fails(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "out.png"), "out.exr", "stereo")
 
 
 def test_settings_reach_the_engine(cube, tmp_path):
