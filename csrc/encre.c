@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The boundary: everything that comes in is validated here once, layers are made clean and packed, then the stages
  * run in order. Stages trust what they are given. */
+#include "clean.h"
 #include "raster.h"
 #include "stage.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdarg.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -148,70 +147,6 @@ static const stage *const *stages_of(const encre_context *context)
 	return stages_base;
 }
 
-/* ---- parameters ------------------------------------------------------------------------------------------ */
-
-static const char *check_number(const encre_param_info *p, double value, char *text, size_t size)
-{
-	if (value >= p->hard_min && value <= p->hard_max)
-		return NULL;
-	if (p->hard_max >= FLT_MAX)
-		snprintf(text, size, "%s: %g is out of range; give %g or more", p->id, value, p->hard_min);
-	else
-		snprintf(text, size, "%s: %g is out of range; give a value from %g to %g", p->id, value, p->hard_min, p->hard_max);
-	return text;
-}
-
-static const char *check_row(const encre_param_info *p, const char *field, char *text, size_t size)
-{
-	int32_t n;
-	float f[3];
-	switch (p->type) {
-	case ENCRE_BOOL:
-	case ENCRE_INT:
-	case ENCRE_ENUM:
-		memcpy(&n, field, sizeof n);
-		if (p->type == ENCRE_INT)
-			return check_number(p, n, text, size);
-		for (int32_t i = 0; i < p->n_items; i++)
-			if (p->items[i].number == n)
-				return NULL;
-		if (p->type == ENCRE_BOOL && (n == 0 || n == 1))
-			return NULL;
-		snprintf(text, size, "%s: %d is none of its values; see encre_stage_info()", p->id, (int)n);
-		return text;
-	case ENCRE_FLOAT:
-		memcpy(f, field, sizeof *f);
-		return check_number(p, (double)f[0], text, size);
-	case ENCRE_COLOR:
-		memcpy(f, field, sizeof f);
-		for (int c = 0; c < 3; c++)
-			if (!(f[c] >= 0 && f[c] <= FLT_MAX)) {
-				snprintf(text, size, "%s: %g is no colour component; give 0 or more", p->id, (double)f[c]);
-				return text;
-			}
-		return NULL;
-	default: return NULL;
-	}
-}
-
-const char *encre_params_check(const void *params, char *text, int64_t size)
-{
-	for (int s = 0; encre_stage_info(s); s++) {
-		const encre_stage_description *d = encre_stage_info(s);
-		for (int i = 0; i < d->n_params; i++) {
-			const char *e = check_row(d->params + i, (const char *)params + d->params[i].offset, text, (size_t)size);
-			if (e)
-				return e;
-		}
-	}
-	for (int s = 0; s < N_STAGES; s++) {
-		const char *e = stages_base[s]->check ? stages_base[s]->check(params, text, (size_t)size) : NULL;
-		if (e)
-			return e;
-	}
-	return NULL;
-}
-
 /* ---- images ---------------------------------------------------------------------------------------------- */
 
 static encre_image with_strides(encre_image image)
@@ -221,11 +156,6 @@ static encre_image with_strides(encre_image image)
 	if (!image.row_stride)
 		image.row_stride = image.pixel_stride * image.width;
 	return image;
-}
-
-static bool packed(const encre_image *image)
-{
-	return image->pixel_stride == 4 * (int64_t)image->channels;
 }
 
 static int32_t check_image(encre_context *context, const encre_image *image, const encre_layer_description *what, int width, int height)
@@ -244,65 +174,6 @@ static int32_t check_image(encre_context *context, const encre_image *image, con
 static plane plane_of(const encre_image *image)
 {
 	return (plane){image->data, (ptrdiff_t)(image->row_stride / 4)};
-}
-
-/* What a pass over one layer does: count values that are not finite, find whether controls leave -1..1, and, with
- * `to`, write a packed and clean copy. */
-typedef struct clean {
-	const encre_image *image;
-	int layer;
-	float *to;
-	atomic_llong bad;
-	atomic_bool unclean;
-} clean;
-
-static void clean_rows(void *data, int y0, int y1, int thread)
-{
-	(void)thread;
-	clean *c = data;
-	const encre_image *image = c->image;
-	int channels = image->channels, width = image->width;
-	ptrdiff_t step = (ptrdiff_t)(image->pixel_stride / 4);
-	float limit = c->layer == ENCRE_LAYER_CONTROLS ? 1.0f : FLT_MAX;
-	long long bad = 0;
-	int over = 0;
-	for (int y = y0; y < y1; y++) {
-		const float *in = (const float *)((const char *)image->data + y * image->row_stride);
-		if (packed(image)) {
-			int n = width * channels, nan = 0, inf = 0, out = 0;
-			for (int i = 0; i < n; i++) {
-				float a = fabsf(in[i]);
-				nan += !(a <= INFINITY);
-				inf += a > FLT_MAX;
-				out |= a > limit;
-			}
-			bad += nan + (c->layer == ENCRE_LAYER_DEPTH ? 0 : inf);
-			over |= out;
-		} else {
-			over = 1;
-			for (int x = 0; x < width; x++)
-				for (int k = 0; k < channels; k++) {
-					float a = fabsf(in[x * step + k]);
-					bad += !(a <= (c->layer == ENCRE_LAYER_DEPTH ? INFINITY : FLT_MAX));
-				}
-		}
-		if (!c->to)
-			continue;
-		float *out = c->to + (size_t)y * (size_t)width * (size_t)channels;
-		for (int x = 0; x < width; x++)
-			for (int k = 0; k < channels; k++) {
-				float v = in[x * step + k];
-				if (c->layer != ENCRE_LAYER_DEPTH) {
-					v = fabsf(v) <= FLT_MAX ? v : 0;
-					v = v > limit ? limit : v < -limit ? -limit : v;
-				}
-				out[x * channels + k] = v;
-			}
-	}
-	if (!c->to)
-		atomic_fetch_add(&c->bad, bad);
-	if (over)
-		atomic_store(&c->unclean, true);
 }
 
 /* ---- render ---------------------------------------------------------------------------------------------- */
@@ -361,12 +232,9 @@ static int32_t scan(work *w)
 	for (int i = 0; i < ENCRE_LAYER_COUNT; i++) {
 		if (!w->in[i].data)
 			continue;
-		clean c = {.image = w->in + i, .layer = i};
-		int32_t code = rows_run(w->f.rows, w->f.height, 0, clean_rows, &c);
+		int32_t code = clean_scan(w->f.rows, w->in + i, i, &w->job->nonfinite, w->copy + i);
 		if (code)
 			return code;
-		w->job->nonfinite += atomic_load(&c.bad);
-		w->copy[i] = i == ENCRE_LAYER_DEPTH ? !packed(w->in + i) : atomic_load(&c.unclean) || atomic_load(&c.bad) > 0;
 	}
 	return ENCRE_OK;
 }
@@ -437,10 +305,8 @@ static int32_t run(work *w)
 	const stage *const *stages = stages_of(w->context);
 	int32_t code = ENCRE_OK;
 	for (int i = 0; !code && i < ENCRE_LAYER_COUNT; i++)
-		if (w->copy[i]) {
-			clean c = {.image = w->in + i, .layer = i, .to = f->layer[i].data};
-			code = rows_run(f->rows, f->height, 0, clean_rows, &c);
-		}
+		if (w->copy[i])
+			code = clean_copy(f->rows, w->in + i, i, f->layer[i].data);
 	if (!code && w->style)
 		code = rows_run(f->rows, f->height, 0, style_rows, w);
 	for (int s = 0; !code && s < N_STAGES; s++) {

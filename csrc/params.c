@@ -4,6 +4,7 @@
 
 #include <float.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 #define LEVEL(i, t, w) {i, t, w, {1, 1, 1}}
@@ -133,4 +134,69 @@ void encre_params_init(void *params)
 		default: memcpy(field, &n, sizeof n);
 		}
 	}
+}
+
+static const char *check_number(const encre_param_info *p, double value, char *text, size_t size)
+{
+	if (value >= p->hard_min && value <= p->hard_max)
+		return NULL;
+	if (p->hard_max >= FLT_MAX)
+		snprintf(text, size, "%s: %g is out of range; give %g or more", p->id, value, p->hard_min);
+	else
+		snprintf(text, size, "%s: %g is out of range; give a value from %g to %g", p->id, value, p->hard_min, p->hard_max);
+	return text;
+}
+
+static const char *check_row(const encre_param_info *p, const char *field, char *text, size_t size)
+{
+	int32_t n;
+	float f[3];
+	switch (p->type) {
+	case ENCRE_BOOL:
+	case ENCRE_INT:
+	case ENCRE_ENUM:
+		memcpy(&n, field, sizeof n);
+		if (p->type == ENCRE_INT)
+			return check_number(p, n, text, size);
+		for (int32_t i = 0; i < p->n_items; i++)
+			if (p->items[i].number == n)
+				return NULL;
+		if (p->type == ENCRE_BOOL && (n == 0 || n == 1))
+			return NULL;
+		snprintf(text, size, "%s: %d is none of its values; see encre_stage_info()", p->id, (int)n);
+		return text;
+	case ENCRE_FLOAT:
+		memcpy(f, field, sizeof *f);
+		return check_number(p, (double)f[0], text, size);
+	case ENCRE_COLOR:
+		memcpy(f, field, sizeof f);
+		for (int c = 0; c < 3; c++)
+			if (!(f[c] >= 0 && f[c] <= FLT_MAX)) {
+				snprintf(text, size, "%s: %g is no colour component; give 0 or more", p->id, (double)f[c]);
+				return text;
+			}
+		return NULL;
+	default: return NULL;
+	}
+}
+
+const char *encre_params_check(const void *params, char *text, int64_t size)
+{
+	for (int s = 0; encre_stage_info(s); s++) {
+		const encre_stage_description *d = encre_stage_info(s);
+		for (int i = 0; i < d->n_params; i++) {
+			const char *e = check_row(d->params + i, (const char *)params + d->params[i].offset, text, (size_t)size);
+			if (e)
+				return e;
+		}
+	}
+#define POINTER(name) &JOIN(stage, JOIN_(name, base)),
+	static const stage *const checked[] = {STAGES(POINTER)};
+#undef POINTER
+	for (size_t s = 0; s < sizeof checked / sizeof *checked; s++) {
+		const char *e = checked[s]->check ? checked[s]->check(params, text, (size_t)size) : NULL;
+		if (e)
+			return e;
+	}
+	return NULL;
 }
