@@ -29,14 +29,13 @@ typedef struct edges {
 	ptrdiff_t thread_filter;
 } edges;
 
-/* The rows of samples about the one worked on. Row y lies in slot (y + reach) modulo their number: rows outside the
- * frame have a place too. */
+/* The rows of samples about the one worked on. Row y lies in slot y modulo their number. */
 typedef struct ring {
 	const edges *e;
 	enum source source;
 	int reach, planes;
 	float *data;
-	int held[MAX_ROWS]; /* which row lies in the slot */
+	int held[MAX_ROWS]; /* which row lies in the slot; -1 = none */
 } ring;
 
 static inline int clamp_index(int i, int n)
@@ -53,7 +52,7 @@ static inline int planes_of(enum source s)
 /* Sample 0 of row y; `reach` more lie before it and after the last. */
 static inline float *ring_row(const ring *r, int y, int plane)
 {
-	int slot = (y + r->reach) % (2 * r->reach + 1);
+	int slot = y % (2 * r->reach + 1);
 	return r->data + (slot * r->planes + plane) * r->e->plane_samples + r->reach;
 }
 
@@ -61,7 +60,7 @@ static inline float *ring_row(const ring *r, int y, int plane)
 ring ISA(ring_of)(const edges *e, enum source s, int thread);
 /* Makes the rows of the window about row y that it does not hold yet. */
 void ISA(ring_fill)(ring *r, int y);
-/* Pointers to sample x0 of the rows about y, as detect.h wants them. */
+/* Pointers to sample x0 of the rows about y, as detect.h wants them; outside the frame the nearest row. */
 void ISA(ring_window)(const ring *r, int y, int x0, int plane, const float **row);
 
 /* Strength of the ring's source at n <= TILE pixels from (x0, y); negative = none. The ring holds the window about y. */

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Layers -> rows of samples, in a quantity that edge detectors can compare, padded at the frame's border. */
+/* Layers -> rows of samples, in a quantity that edge detectors can compare, padded with the nearest at the frame's border. */
 #include "edges.h"
 #include "metric.h"
 #include "pixel.h"
 
-#include <limits.h>
-
-/* 1/z and normals beyond these are cut, so that sums and squares of them stay finite. */
-static const float most_inverse = 1e30f, most_normal = 1e15f;
+/* 1/z and normals beyond this are cut, so that sums and squares of them stay finite. */
+static const float most_sample = 1e15f;
 
 /* ---- layers -> samples ----------------------------------------------------------------------------------- */
 
@@ -47,7 +45,7 @@ static void depth_samples(const edges *e, const float *restrict z, int n, float 
 	else
 		for (int i = 0; i < n; i++) {
 			float u = 1 / depth_of(z[i]);
-			out[i] = u < most_inverse ? u : most_inverse;
+			out[i] = u < most_sample ? u : most_sample;
 		}
 }
 
@@ -62,7 +60,7 @@ static void sample_row(const edges *e, enum source s, int y, float *out)
 	case SOURCE_MATERIAL: memcpy(out, layer_row(e, ENCRE_LAYER_MATERIAL, y), (size_t)n * sizeof *out); return;
 	case SOURCE_DEPTH: depth_samples(e, layer_row(e, ENCRE_LAYER_DEPTH, y), n, out); return;
 	case SOURCE_NORMAL:
-		split(layer_row(e, ENCRE_LAYER_NORMAL, y), 3, n, -most_normal, most_normal, out, second, third);
+		split(layer_row(e, ENCRE_LAYER_NORMAL, y), 3, n, -most_sample, most_sample, out, second, third);
 		return;
 	case SOURCE_COLOR:
 		if (lit)
@@ -85,60 +83,31 @@ ring ISA(ring_of)(const edges *e, enum source s, int thread)
 	ring r = {.e = e, .source = s, .reach = e->reach[s], .planes = planes_of(s)};
 	r.data = e->samples + thread * e->thread_samples + e->ring_at[s];
 	for (int i = 0; i < MAX_ROWS; i++)
-		r.held[i] = INT_MIN;
+		r.held[i] = -1;
 	return r;
 }
 
-static bool continues(const ring *r)
-{
-	return r->source == SOURCE_DEPTH && r->e->inverse;
-}
-
-/* The nearest sample, or for inverse depth the straight line through the border: a plane must stay one. */
-static void pad(const ring *r, float *row, int n)
-{
-	for (int k = 1; k <= r->reach; k++) {
-		int in = k < n ? k : n - 1;
-		row[-k] = continues(r) ? 2 * row[0] - row[in] : row[0];
-		row[n - 1 + k] = continues(r) ? 2 * row[n - 1] - row[n - 1 - in] : row[n - 1];
-	}
-}
-
-static void continue_row(ring *r, int y, int border, int inside)
-{
-	int slot = (y + r->reach) % (2 * r->reach + 1), n = r->e->f->width;
-	if (r->held[slot] == y)
-		return;
-	float *restrict out = ring_row(r, y, 0);
-	const float *restrict from = ring_row(r, border, 0), *restrict in = ring_row(r, inside, 0);
-	for (int i = -r->reach; i < n + r->reach; i++)
-		out[i] = 2 * from[i] - in[i];
-	r->held[slot] = y;
-}
-
-/* Rows outside the frame continue rows of the same window. */
 void ISA(ring_fill)(ring *r, int y)
 {
-	int height = r->e->f->height, last = height - 1, reach = r->reach;
-	for (int i = clamp_index(y - reach, height); i <= clamp_index(y + reach, height); i++) {
-		int slot = (i + reach) % (2 * reach + 1);
+	int width = r->e->f->width, height = r->e->f->height;
+	for (int i = clamp_index(y - r->reach, height); i <= clamp_index(y + r->reach, height); i++) {
+		int slot = i % (2 * r->reach + 1);
 		if (r->held[slot] == i)
 			continue;
-		sample_row(r->e, r->source, i, ring_row(r, i, 0));
-		for (int k = 0; k < r->planes; k++)
-			pad(r, ring_row(r, i, k), r->e->f->width);
 		r->held[slot] = i;
+		sample_row(r->e, r->source, i, ring_row(r, i, 0));
+		for (int k = 0; k < r->planes; k++) {
+			float *row = ring_row(r, i, k);
+			for (int j = 1; j <= r->reach; j++) {
+				row[-j] = row[0];
+				row[width - 1 + j] = row[width - 1];
+			}
+		}
 	}
-	if (!continues(r))
-		return;
-	for (int k = 1; k <= reach - y; k++)
-		continue_row(r, -k, 0, clamp_index(k, height));
-	for (int k = 1; k <= y + reach - last; k++)
-		continue_row(r, last + k, last, clamp_index(last - k, height));
 }
 
 void ISA(ring_window)(const ring *r, int y, int x0, int plane, const float **row)
 {
 	for (int k = -r->reach; k <= r->reach; k++)
-		row[k + r->reach] = ring_row(r, continues(r) ? y + k : clamp_index(y + k, r->e->f->height), plane) + x0;
+		row[k + r->reach] = ring_row(r, clamp_index(y + k, r->e->f->height), plane) + x0;
 }

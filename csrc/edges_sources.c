@@ -21,60 +21,67 @@ static void divide_by_nearest(const ring *r, int y, int x0, int n, float *restri
 		response[i] = most[i] > 0 ? response[i] / most[i] : 0;
 }
 
-static void detect_depth(const edges *e, const float *const *row, int n, float *response)
+/* detect_dog and detect_bend for the middle of one window. */
+static float dog_alone(const gaussians *g, double (*patch)[MAX_ROWS])
 {
-	if (e->dog)
-		ISA(detect_dog)(&e->gauss, row, n, response);
-	else if (e->inverse)
-		ISA(detect_bend)(row, n, response);
-	else
-		ISA(detect_slope)(row, n, response);
+	double sum = 0;
+	for (int i = -g->reach; i <= g->reach; i++)
+		for (int j = -g->reach; j <= g->reach; j++) {
+			int a = i < 0 ? -i : i, b = j < 0 ? -j : j;
+			double kernel = (double)g->narrow[a] * (double)g->narrow[b] - (double)g->wide[a] * (double)g->wide[b];
+			sum += kernel * (patch[g->reach + i][g->reach + j] - patch[g->reach][g->reach]);
+		}
+	return (float)sum;
 }
 
-/* Under an orthographic camera nothing-there lies one frame height behind the farthest pixel of the window: no frame-wide
- * number would do, so the few windows that see both are done again one by one. */
-static float response_beside_nothing(const ring *r, int y, int x)
+static float bend_alone(double (*patch)[MAX_ROWS])
 {
-	float patch[MAX_ROWS][MAX_ROWS];
-	const float *row[MAX_ROWS];
+	double lx = 0, ly = 0;
+	for (int i = 0; i < 3; i++) {
+		int weight = 2 - (i - 1) * (i - 1);
+		lx += weight * (patch[i][0] - 2 * patch[i][1] + patch[i][2]);
+		ly += weight * (patch[0][i] - 2 * patch[1][i] + patch[2][i]);
+	}
+	return sqrtf((float)(lx * lx + ly * ly));
+}
+
+/* In 1/z the window of (x, y) continues linearly outside the frame: a plane must stay one. Under an orthographic camera
+ * nothing-there lies one frame height behind the farthest pixel of the window, so that no frame-wide number would do. The
+ * few windows that see either are done one by one, and in double: what is added cancels where the surface is smooth. */
+static float response_alone(const ring *r, int y, int x)
+{
+	double patch[MAX_ROWS][MAX_ROWS];
 	const edges *e = r->e;
 	int reach = r->reach, width = e->f->width, height = e->f->height;
 	int left = clamp_index(x - reach, width), right = clamp_index(x + reach, width);
 	int top = clamp_index(y - reach, height), bottom = clamp_index(y + reach, height);
-	float farthest = INFINITY; /* samples are -z */
+	float farthest = INFINITY;
 	for (int i = top; i <= bottom; i++)
 		for (int j = left; j <= right; j++) {
-			float z = ring_row(r, i, 0)[j];
-			farthest = z > -INFINITY && z < farthest ? z : farthest;
+			float u = ring_row(r, i, 0)[j];
+			farthest = u > -INFINITY && u < farthest ? u : farthest;
 		}
 	if (farthest == INFINITY)
 		return 0;
-	int at = reach - x; /* of sample 0 in the patch */
+	int at = reach - x; /* of sample 0 in a row of the patch */
 	for (int i = top; i <= bottom; i++) {
-		float *out = patch[i - y + reach];
+		double *out = patch[i - y + reach];
 		for (int j = left; j <= right; j++) {
-			float z = ring_row(r, i, 0)[j];
-			out[at + j] = z > -INFINITY ? z - farthest : -e->height; /* small numbers keep their digits */
+			float u = ring_row(r, i, 0)[j];
+			out[at + j] = u > -INFINITY ? (double)u : (double)farthest - (double)e->height;
 		}
 		for (int j = x - reach; j < 0; j++)
 			out[at + j] = 2 * out[at] - out[at + clamp_index(-j, width)];
 		for (int j = width; j <= x + reach; j++)
 			out[at + j] = 2 * out[at + width - 1] - out[at + clamp_index(2 * (width - 1) - j, width)];
 	}
-	for (int k = 0; k < 2 * reach + 1; k++) {
-		int i = y + k - reach;
-		if (i >= 0 && i < height)
-			continue;
-		const float *border = patch[clamp_index(i, height) - y + reach];
-		const float *inside = patch[clamp_index(i < 0 ? -i : 2 * (height - 1) - i, height) - y + reach];
-		for (int j = 0; j < 2 * reach + 1; j++)
-			patch[k][j] = 2 * border[j] - inside[j];
+	for (int i = y - reach; i <= y + reach; i++) {
+		const double *border = patch[clamp_index(i, height) - y + reach];
+		const double *inside = patch[clamp_index(i < 0 ? -i : 2 * (height - 1) - i, height) - y + reach];
+		for (int j = 0; (i < 0 || i >= height) && j <= 2 * reach; j++)
+			patch[i - y + reach][j] = 2 * border[j] - inside[j];
 	}
-	for (int k = 0; k < 2 * reach + 1; k++)
-		row[k] = patch[k] + reach;
-	float response;
-	detect_depth(e, row, 1, &response);
-	return response;
+	return e->dog ? dog_alone(&e->gauss, patch) : bend_alone(patch);
 }
 
 static void depth_strength(const ring *r, int y, int x0, int n, float *restrict response)
@@ -82,11 +89,18 @@ static void depth_strength(const ring *r, int y, int x0, int n, float *restrict 
 	const edges *e = r->e;
 	const float *row[MAX_ROWS];
 	ISA(ring_window)(r, y, x0, 0, row);
-	detect_depth(e, row, n, response);
-	if (e->ortho)
+	if (e->dog)
+		ISA(detect_dog)(&e->gauss, row, n, response);
+	else if (e->inverse)
+		ISA(detect_bend)(row, n, response);
+	else
+		ISA(detect_slope)(row, n, response);
+	if (e->inverse) {
+		bool outside = y < r->reach || y >= e->f->height - r->reach;
 		for (int i = 0; i < n; i++)
-			if (!(fabsf(response[i]) <= FLT_MAX)) /* the window sees -INFINITY */
-				response[i] = response_beside_nothing(r, y, x0 + i);
+			if (outside | (x0 + i < r->reach) | (x0 + i >= e->f->width - r->reach) | !(fabsf(response[i]) <= FLT_MAX))
+				response[i] = response_alone(r, y, x0 + i);
+	}
 	if (e->inverse && !e->ortho)
 		divide_by_nearest(r, y, x0, n, response);
 	float most = e->dog ? FLT_MAX : 1;
