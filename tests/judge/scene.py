@@ -1,0 +1,381 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes by formula: the layers a renderer would give, and where their contours truly are."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from reference import metric
+
+from .shapes import circle, meet
+
+THRESHOLDS = (0.5, 0.9)  # of the default shade_levels
+GREYS = metric.encode(np.array([0.5, 0.7, 1.1]))
+NOTHING = 1e10
+STEP = 0.125  # pixels between two points of a contour
+_SIDE = 0.004  # pixels: how far to either side of a contour its two sides are looked at
+_GRID = 8  # samples a pixel and axis
+
+
+@dataclass
+class Camera:
+    eye: np.ndarray
+    view: np.ndarray  # (3, 3) world to camera: x right, y up, looking along -z
+    focal: float = 1.2  # in frame heights
+    height: float = 0.0  # of the frame in scene units: orthographic
+
+    def rays(self, x, y, size):
+        """Origins and directions (…, 3) through places of the frame; t is the depth along the view axis."""
+        h, w = size
+        u, v = (x - (w - 1) / 2) / h, ((h - 1) / 2 - y) / h
+        if self.height:
+            flat = np.stack([u * self.height, v * self.height, np.zeros_like(u)], -1)
+            return self.eye + flat @ self.view, np.broadcast_to(-self.view[2], flat.shape)
+        d = np.stack([u / self.focal, v / self.focal, np.full_like(u, -1.0)], -1) @ self.view
+        return np.broadcast_to(self.eye, d.shape), d
+
+    def project(self, p, size):
+        """x, y and depth of points (…, 3)."""
+        h, w = size
+        c = (p - self.eye) @ self.view.T
+        z = -c[..., 2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            scale = h / self.height if self.height else self.focal * h / z
+            return c[..., 0] * scale + (w - 1) / 2, (h - 1) / 2 - c[..., 1] * scale, z
+
+    @property
+    def homogeneous(self):
+        return np.append(self.view[2], 0.0) if self.height else np.append(self.eye, 1.0)
+
+
+def look(eye, at, roll=0.0, **more):
+    """A camera at `eye` that looks at a point, turned by `roll` radians about its axis."""
+    eye, at = np.asarray(eye, float), np.asarray(at, float)
+    back = (eye - at) / np.linalg.norm(eye - at)
+    right = np.cross([0, 1, 0], back)
+    right /= np.linalg.norm(right)
+    up = np.cross(back, right)
+    c, s = np.cos(roll), np.sin(roll)
+    return Camera(eye, np.array([c * right + s * up, c * up - s * right, back]), **more)
+
+
+@dataclass
+class Light:
+    """A sun with hard shadows on whatever casts none itself, and a soft round pool on flat parts."""
+    way: np.ndarray  # unit, towards the sun
+    sun: float = 0.8
+    ambient: float = 0.3
+    pool: tuple | None = None  # (centre, strength, radius)
+    tint: tuple = (1.0, 0.95, 0.85)
+
+
+@dataclass
+class Truth:
+    """Dense points of all contours, `STEP` pixels apart: arrays of length N, and what differs across each point.
+
+    Coordinates are those of pixel centres: pixel (row, column) lies at x = column, y = row."""
+    x: np.ndarray
+    y: np.ndarray
+    nx: np.ndarray  # unit normal of the contour in the frame
+    ny: np.ndarray
+    curve: np.ndarray  # points of one curve lie one after another
+    depth: np.ndarray  # relative step of depth, inf where one side is nothing
+    index: np.ndarray  # another object
+    angle: np.ndarray  # degrees between the normals
+    color: np.ndarray  # contrast of the encoded albedos (Herring 2016, eq. 3.1)
+    light: np.ndarray  # contrast of the two light levels' greys
+    narrow: np.ndarray  # a face beside it is less than 3 pixels wide
+    size: tuple  # rows, columns
+
+    def take(self, where):
+        arrays = {k: v[where] for k, v in vars(self).items() if k != "size"}
+        return Truth(size=self.size, **arrays)
+
+    def visible(self):
+        """The points across which anything differs."""
+        return self.take((self.depth > 0.005) | self.index | (self.angle > 3) | (self.color > 0.01) | (self.light > 0))
+
+    def one_index(self):
+        """The contours that are left when all objects have one index."""
+        return replace(self, index=np.isinf(self.depth)).visible()
+
+    @property
+    def outline(self):
+        return (self.depth >= 0.02) | self.index
+
+    def required(self, kind):
+        """Mask of the points that must be inked; `kind` is outline, crease, color, light, or all."""
+        crease = (self.angle >= 20) & ~self.narrow & ~self.outline
+        color = (self.color >= 0.12) & ~self.outline & ~(self.angle >= 8)
+        light = (self.light > 0.05) & ~self.outline & ~(self.angle >= 8) & ~(self.color >= 0.05)
+        masks = {"outline": self.outline, "crease": crease, "color": color, "light": light}
+        return np.any(list(masks.values()), axis=0) if kind == "all" else masks[kind]
+
+
+def _measured(seen):
+    """(…, 8): normal, albedo, light, coverage."""
+    alpha = (seen["solid"] > 0)[..., None]
+    return np.concatenate([seen["normal"], seen["albedo"], seen["light"][..., None], alpha], -1)
+
+
+def _blackman(at):
+    """Blackman-Harris, at = -0.5…0.5 of its width."""
+    at = 2 * np.pi * (at + 0.5)
+    return 0.35875 - 0.48829 * np.cos(at) + 0.14128 * np.cos(2 * at) - 0.01168 * np.cos(3 * at)
+
+
+@dataclass
+class Scene:
+    camera: Camera
+    solids: list
+    light: Light
+    size: tuple = (300, 400)  # rows, columns
+
+    def __post_init__(self):
+        for k, solid in enumerate(self.solids, 1):
+            solid.index = k
+
+    def _crossings(self):
+        curves = []
+        for k, one in enumerate(self.solids):
+            for two in self.solids[:k]:
+                ends = [solid.reach for solid in (one, two) if solid.reach]
+                apart = len(ends) == 2 and np.linalg.norm(ends[0][0] - ends[1][0]) > ends[0][1] + ends[1][1]
+                curves += [] if apart else meet(one, two)
+        return curves
+
+    # Layers
+
+    def trace(self, x, y):
+        """What is seen at places of the frame: depth (inf: nothing), solid (0), part, normal, albedo, light."""
+        x, y = np.asarray(x, float), np.asarray(y, float)
+        shape = x.shape
+        x, y = x.ravel(), y.ravel()
+        depth, which, part = np.full(x.shape, np.inf), np.zeros(x.shape, np.int8), np.zeros(x.shape, np.int8)
+        o, d = self.camera.rays(x, y, self.size)
+        for solid in self.solids:
+            spot = self._near(solid, x, y)
+            t, face = solid.hit(o[spot], d[spot])
+            t = np.where(t > 1e9, np.inf, t)
+            front = t < depth[spot]
+            spot = spot[front]
+            depth[spot], which[spot], part[spot] = t[front], solid.index, face[front]
+        normal, albedo, light = np.zeros((x.size, 3)), np.zeros((x.size, 3)), np.zeros(x.size)
+        for solid in self.solids:
+            spot = np.flatnonzero(which == solid.index)
+            p, face = o[spot] + d[spot] * depth[spot, None], part[spot]
+            normal[spot], albedo[spot] = solid.normal(p, face), solid.albedo(p, face)
+            light[spot] = self._light(solid, p, face, normal[spot])
+        return {"depth": depth.reshape(shape), "solid": which.reshape(shape), "part": part.reshape(shape),
+                "normal": normal.reshape(*shape, 3), "albedo": albedo.reshape(*shape, 3),
+                "light": light.reshape(shape)}
+
+    def _near(self, solid, x, y):
+        """The places that may see a solid."""
+        if solid.reach is None:
+            return np.arange(x.size)
+        (centre, radius), camera = solid.reach, self.camera
+        cx, cy, z = camera.project(centre, self.size)
+        if camera.height:
+            reach = radius * self.size[0] / camera.height
+        elif z <= 2 * radius:
+            return np.arange(x.size)
+        else:
+            reach = 1.3 * radius * self.size[0] * camera.focal / (z - radius)
+        return np.flatnonzero((np.abs(x - cx) <= reach + 1) & (np.abs(y - cy) <= reach + 1))
+
+    def _light(self, solid, p, part, normal):
+        light = self.light
+        facing = np.maximum(normal @ light.way, 0)
+        if solid.reach is None:
+            for other in self.solids:
+                if other.reach is None:
+                    continue
+                centre, radius = other.reach
+                off = p - centre
+                spot = np.flatnonzero((off**2).sum(-1) - (off @ light.way) ** 2 < radius**2)
+                t, _ = other.hit(p[spot], np.broadcast_to(light.way, (spot.size, 3)))
+                facing[spot[np.isfinite(t)]] = 0
+        value = light.ambient + light.sun * facing
+        if light.pool:
+            centre, strength, radius = light.pool
+            glow = strength * np.exp(-((p - centre) ** 2).sum(-1) / radius**2)
+            value = value + np.where(np.isin(part, self._flat(solid)), glow, 0)
+        return value
+
+    @staticmethod
+    def _flat(solid):
+        return [k for k, part in enumerate(solid.parts) if hasattr(part, "n")]
+
+    def layers(self, filter="box", noise=0.0, seed=0, one_index=False):
+        """The layers, float32 (rows, columns, channels): depth and index exact at the pixel centres; normal, colour and
+        light averaged by a "box" of one pixel or by "blackman" (Blackman-Harris, 1.5 pixels wide), 64 samples a pixel.
+
+        noise: 1 is 3 % of white noise in the light and 1 % in normal and colour. one_index: all is one object."""
+        h, w = self.size
+        y, x = np.mgrid[0.0:h, 0.0:w]
+        centre = self.trace(x, y)
+        there = np.isfinite(centre["depth"])
+        soft = _measured(centre)
+        self._average(soft, filter)
+        normal, albedo, light, alpha = soft[..., :3], soft[..., 3:6], soft[..., 6:7], soft[..., 7:]
+        g = np.random.default_rng(seed).standard_normal((3, h, w, 3)) * noise * (alpha > 0)
+        diffuse = light * self.light.tint * (1 + 0.03 * g[0])
+        normal, albedo = normal + 0.01 * g[1], np.clip(albedo * (1 + 0.01 * g[2]), 0, 1)
+        index = there.astype(float) if one_index else centre["solid"]
+        layers = {"combined": np.concatenate([albedo * diffuse, alpha], -1), "color": albedo, "albedo": albedo,
+                  "diffuse": diffuse, "depth": np.where(there, centre["depth"], NOTHING)[..., None], "normal": normal,
+                  "object": index[..., None]}
+        return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+    def _average(self, soft, filter):
+        """Replace soft (rows, columns, 8) by averages where a contour is within 2 pixels; else the centre will do.
+
+        One jittered sample in each of 8×8 cells, each pixel with its own."""
+        truth, (h, w) = self.truth, self.size
+        busy = np.zeros(self.size, bool)
+        for dy in range(-2, 3):
+            for dx in range(-2, 3):
+                busy[np.clip(np.rint(truth.y + dy).astype(int), 0, h - 1),
+                     np.clip(np.rint(truth.x + dx).astype(int), 0, w - 1)] = True
+        width = 1.0 if filter == "box" else 1.5
+        cell_y, cell_x = np.indices((_GRID, _GRID)).reshape(2, -1)
+        rng = np.random.default_rng(1)
+        spots = np.argwhere(busy)
+        for spot in np.array_split(spots, len(spots) // 4096 + 1):
+            jitter = rng.random((2, len(spot), _GRID**2))
+            dy, dx = ((cell + j) / _GRID - 0.5 for cell, j in zip((cell_y, cell_x), jitter, strict=True))
+            weight = np.ones(dy.shape) if filter == "box" else _blackman(dy) * _blackman(dx)
+            samples = _measured(self.trace(spot[:, 1:] + width * dx, spot[:, :1] + width * dy))
+            soft[spot[:, 0], spot[:, 1]] = (samples * weight[..., None]).sum(1) / weight.sum(1)[:, None]
+
+    @property
+    def camera_settings(self):
+        """The camera as `encre.camera` tells it."""
+        return {"orthographic": self.camera.height > 0, "height": self.camera.height or 1.0,
+                "view": self.camera.view.ravel().tolist()}
+
+    # Truth
+
+    def _curves(self):
+        curves = self._crossings()
+        for solid in self.solids:
+            curves += solid.curves(self.camera.homogeneous)
+            curves += [c for patch in solid.patches for c in patch.curves]
+            for threshold in THRESHOLDS if self.light.sun else ():
+                for part in solid.parts:
+                    curves += part.levels(self.light.way, (threshold - self.light.ambient) / self.light.sun)
+            for threshold in THRESHOLDS:
+                curves += self._pools(solid, threshold)
+            if solid.reach is None:
+                curves += self._ground(solid)
+        return curves
+
+    def _ground(self, ground):
+        plane, eye = ground.parts[0], self.camera.eye
+        far = np.array([eye[0], plane.k, eye[2]])
+        curves = []
+        if not self.camera.height:
+            def horizon(s):
+                turn = 2 * np.pi * np.asarray(s)
+                return far + 1e8 * np.stack([np.cos(turn), 0 * turn, np.sin(turn)], -1)
+            curves.append(horizon)
+        way = self.light.way
+
+        def shadow(curve):
+            def at(s):
+                p = curve(s)
+                return p + way * ((plane.k - p @ plane.n) / (way @ plane.n))[..., None]
+            return at
+        sun = np.append(way, 0.0)
+        return curves + [shadow(c) for solid in self.solids if solid.reach for c in solid.curves(sun)]
+
+    def _pools(self, solid, threshold):
+        if not self.light.pool:
+            return []
+        centre, strength, radius = self.light.pool
+        curves = []
+        for k in self._flat(solid):
+            part = solid.parts[k]
+            plane_distance = part.k - part.n @ centre
+            facing = max(0.0, part.n @ self.light.way)
+            for base in {self.light.ambient, self.light.ambient + self.light.sun * facing}:
+                share = (threshold - base) / strength
+                square = -radius**2 * np.log(share) - plane_distance**2 if 0 < share < 1 else -1
+                if square > 0:
+                    curves.append(circle(centre + part.n * plane_distance, part.n, np.sqrt(square)))
+        return curves
+
+    def _points(self, curve):
+        """x, y and the unit normal in the frame, `STEP` apart, of what lies in the frame."""
+        h, w = self.size
+        s = np.linspace(0, 1, 4097)
+        x, y, z = self.camera.project(curve(s), self.size)
+        inside = (z > 0.05) & (x > -9) & (x < w + 8) & (y > -9) & (y < h + 8)
+        step = np.where(inside[1:] & inside[:-1], np.hypot(np.diff(x), np.diff(y)), 0)
+        length = np.append(0, np.cumsum(step))
+        if not length[-1] > 0:
+            return np.zeros((4, 0))
+        n = max(2, int(np.ceil(length[-1] / STEP)))
+        rising = np.append(True, np.diff(length) > 0)
+        s = np.interp((np.arange(n) + 0.5) / n * length[-1], length[rising], s[rising])
+        x, y, z = self.camera.project(curve(s), self.size)
+        ax, ay, _ = self.camera.project(curve(np.maximum(s - 1e-6, 0)), self.size)
+        bx, by, _ = self.camera.project(curve(np.minimum(s + 1e-6, 1)), self.size)
+        tx, ty = bx - ax, by - ay
+        length = np.hypot(tx, ty)
+        ok = (z > 0.05) & (x > -0.5) & (x < w - 0.5) & (y > -0.5) & (y < h - 0.5) & (length > 0)
+        return np.array([x, y, -ty / np.where(length, length, 1), tx / np.where(length, length, 1)])[:, ok]
+
+    @cached_property
+    def truth(self):
+        """The contours; see Truth."""
+        found = [self._points(curve) for curve in self._curves()]
+        number = np.concatenate([np.full(p.shape[1], k) for k, p in enumerate(found)])
+        x, y, nx, ny = np.concatenate(found, axis=1)
+        one, two = (self.trace(x + side * nx, y + side * ny) for side in (-_SIDE, _SIDE))
+        none = [~np.isfinite(s["depth"]) for s in (one, two)]
+        a, b = (np.where(n, 1.0, s["depth"]) for n, s in zip(none, (one, two), strict=True))
+        scale = self.camera.height or np.minimum(a, b)
+        depth = np.where(none[0] & none[1], 0.0, np.where(none[0] | none[1], np.inf, np.abs(a - b) / scale))
+        index = one["solid"] != two["solid"]
+        dot = (one["normal"] * two["normal"]).sum(-1)
+        angle = np.where(none[0] | none[1], 0, np.degrees(np.arccos(np.clip(dot, -1, 1))))
+        color = metric.rgb(metric.encode(one["albedo"]), metric.encode(two["albedo"]))
+        levels = [np.searchsorted(THRESHOLDS, s["light"]) for s in (one, two)]
+        light = np.abs(GREYS[levels[0]] - GREYS[levels[1]])
+        narrow = self._narrow(x, y, nx, ny, one, two)
+        truth = Truth(x, y, nx, ny, number, depth, index, angle, color, light, narrow, self.size)
+        return truth.visible()
+
+    def _narrow(self, x, y, nx, ny, one, two):
+        """Whether a face beside the point has no disc of 3 pixels within 3 pixels of it."""
+        h, w = self.size
+        fine = 3  # places a pixel and axis
+        rows, columns = np.meshgrid(np.arange(-3 * fine, (h + 3) * fine) / fine,
+                                    np.arange(-3 * fine, (w + 3) * fine) / fine, indexing="ij")
+        seen = self.trace(columns, rows)
+        label = seen["solid"].astype(np.int32) * 64 + seen["part"]
+        r = int(1.5 * fine)
+        span = np.arange(-r, r + 1)
+        whole = np.ones(label.shape, bool)
+        for dy in span:
+            for dx in span:
+                if dx * dx + dy * dy <= (1.5 * fine) ** 2:
+                    whole &= np.roll(label, (dy, dx), (0, 1)) == label
+        reach = int(4.5 * fine)
+        ring = [(dy, dx) for dy in range(-reach, reach + 1) for dx in range(-reach, reach + 1)
+                if dy * dy + dx * dx <= (4.5 * fine) ** 2]
+        narrow = np.zeros(x.shape, bool)
+        for s in (one, two):
+            face = s["solid"].astype(np.int32) * 64 + s["part"]
+            wide = np.zeros(x.shape, bool)
+            iy, ix = (np.round(v * fine).astype(int) + 3 * fine for v in (y, x))
+            todo = np.arange(x.size)
+            for dy, dx in ring:
+                at = np.clip(iy[todo] + dy, 0, label.shape[0] - 1), np.clip(ix[todo] + dx, 0, label.shape[1] - 1)
+                hit = whole[at] & (label[at] == face[todo])
+                wide[todo[hit]] = True
+                todo = todo[~hit]
+            narrow |= ~wide
+        return narrow

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The judge of lines is itself on trial: ideal ink keeps every promise, each defect breaks the promise about it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from judge import measure, scenes, verdict
+from reference import near
+
+SCENES = [*scenes.NAMED, 11, 12]
+
+
+def scene_of(name):
+    return scenes.NAMED[name]() if name in scenes.NAMED else scenes.draw(name)
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def truth(request):
+    return scene_of(request.param).truth
+
+
+@pytest.fixture(scope="module")
+def contours():
+    return scenes.patches().truth
+
+
+def shifted(truth, pixels):
+    return replace(truth, x=truth.x + pixels * truth.nx, y=truth.y + pixels * truth.ny)
+
+
+def broken(t, truth):
+    """The promises that the ink breaks."""
+    return {promise for promise, value in verdict.lines(t, truth).items() if not verdict.kept(promise, value)}
+
+
+def test_ideal_ink_keeps_every_promise(truth):
+    assert broken(measure.ideal(truth), truth) == set()
+    for asked in (1, 2, 4, 8):
+        width = measure.width(measure.ideal(truth, asked), truth, asked)
+        assert np.isnan(width) or abs(width - asked) < 0.01
+
+
+def test_ideal_ink_is_well_placed(truth):
+    place = measure.place(measure.ideal(truth), truth)
+    assert place["count"] > 500 and place["p95"] < 0.05 and place["max"] < 0.16
+
+
+@pytest.mark.parametrize("pixels", [-0.4, 0.3])
+def test_shifted_ink_is_out_of_place(contours, pixels):
+    t = measure.ideal(shifted(contours, pixels))
+    assert {"place p95"} <= broken(t, contours) <= {"place p95", "evenness"}
+    assert measure.place(t, contours)["p95"] == pytest.approx(abs(pixels), abs=0.05)
+
+
+def test_ink_far_out_of_place_in_one_spot(contours):
+    bump = 0.95 * (np.arange(contours.x.size) // 64 % 40 == 0)
+    t = measure.ideal(shifted(contours, bump))
+    assert "place max" in broken(t, contours)
+
+
+@pytest.mark.parametrize("pixels", [2.5, 4, 5.5])
+def test_doubled_ink_is_not_once(contours, pixels):
+    t = np.maximum(measure.ideal(contours), measure.ideal(shifted(contours, pixels)))
+    assert "once" in broken(t, contours)
+
+
+def test_a_short_double_is_found(contours):
+    some = contours.take(np.arange(contours.x.size) // 40 % 20 == 0)  # 5 pixels in 100
+    t = np.maximum(measure.ideal(contours), measure.ideal(shifted(some, 3)))
+    assert "once" in broken(t, contours)
+
+
+@pytest.mark.parametrize("kind", ["outline", "crease", "color"])
+def test_gaps_are_found_in_their_kind(contours, kind):
+    gap = contours.required(kind) & (np.arange(contours.x.size) % 640 < 20)  # 2.5 of 80 pixels
+    lines = broken(measure.ideal(contours.take(~gap)), contours)
+    assert "whole " + kind in lines and lines <= {"whole " + kind, "evenness"}
+
+
+def test_gaps_in_light_are_found():
+    truth = scenes.terminators().truth
+    gap = truth.required("light") & (np.arange(truth.x.size) % 640 < 20)
+    assert "whole light" in broken(measure.ideal(truth.take(~gap)), truth)
+
+
+def test_widened_ink_has_another_width(contours):
+    assert "evenness" in broken(measure.ideal(contours, 1.4), contours)
+    for asked in (1, 2, 4, 8):
+        width = measure.width(measure.ideal(contours, asked + 0.2), contours, asked)
+        assert width == pytest.approx(asked + 0.2, abs=0.03)
+
+
+def test_beads_are_uneven(contours):
+    bead = 1 + 0.5 * np.sin(np.arange(contours.x.size) * 0.125 * 2 * np.pi / 8)
+    t = np.max([measure.ideal(contours.take(np.abs(bead - w) < 0.13), w) for w in np.arange(0.5, 1.6, 0.25)], axis=0)
+    assert "evenness" in broken(t, contours)
+
+
+def test_stray_ink_is_found(contours):
+    t = measure.ideal(contours)
+    clear = measure.ideal(contours, 16) == 0
+    t[tuple(np.argwhere(clear)[::900].T)] = 1
+    assert broken(t, contours) == {"stray"}
+
+
+def test_popping_ink_is_not_still():
+    moving = [scenes.sphere(shift=k / 8, size=(150, 200)).truth for k in range(9)]
+    assert measure.stillness([measure.ideal(truth) for truth in moving], moving) == 1
+    jumpy = [measure.ideal(replace(truth, x=np.rint(2 * truth.x) / 2, y=np.rint(2 * truth.y) / 2)) for truth in moving]
+    assert measure.stillness(jumpy, moving) > 1.1
+    late = [measure.ideal(moving[k // 4 * 4]) for k in range(9)]
+    assert measure.stillness(late, moving) > 1.1
+
+
+def test_unfair_ink_differs(contours):
+    t = measure.ideal(contours)
+    for symmetry in measure.SYMMETRIES:
+        assert measure.differs(measure.moved(t, symmetry), measure.moved(t, symmetry)) == 0
+    assert measure.differs(measure.ideal(shifted(contours, 0.3)), t) > 0.002
+
+
+@pytest.mark.parametrize("name", ["boxes", "terminators", "parallel"])
+def test_layers_agree_with_the_truth(name):
+    """Across an outline the index or the depth of the pixels changes, and elsewhere it does not."""
+    scene = scene_of(name)
+    layers, truth = scene.layers(), scene.truth
+    index = layers["object"][..., 0]
+    rows, columns = np.nonzero(index[:, 1:] != index[:, :-1])
+    i, j = near.pairs(np.stack([rows, columns + 0.5], 1), np.stack([truth.y, truth.x], 1)[truth.index], 0.51)
+    assert len(np.unique(i)) == len(rows)
+
+
+@pytest.mark.parametrize("filter", ["box", "blackman"])
+def test_averages_are_what_a_filter_gives(filter):
+    """A vertical edge of the table leaves, row by row, the share of the pixel that it uncovers."""
+    scene = scenes.sphere(size=(60, 80))
+    alpha = scene.layers(filter)["combined"][..., 3]
+    assert np.all((alpha >= 0) & (alpha <= 1))
+    r = 1.2 * 60 * 1.3 / np.sqrt(25 - 1.3**2)  # the ball's outline is nearly a circle
+    assert alpha.sum() == pytest.approx(np.pi * r * r, rel=0.01)
+
+
+def test_noise_is_as_strong_as_it_says():
+    scene = scenes.sphere(size=(90, 120))
+    clean, noisy = scene.layers(), scene.layers(noise=1.0)
+    inside = clean["combined"][..., 3] == 1
+    assert (noisy["normal"] - clean["normal"])[inside].std() == pytest.approx(0.01, rel=0.1)
+    assert (noisy["diffuse"] / np.maximum(clean["diffuse"], 1e-9) - 1)[inside].std() == pytest.approx(0.03, rel=0.1)
