@@ -5,9 +5,7 @@ Nothing here knows Blender. Errors are EncreError, whose text is one sentence fo
 """
 
 import ctypes as c
-import difflib
 import functools
-import math
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -15,14 +13,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .table import MAX_LEVELS, EncreError, Item, Param, Stage, normal, read, unknown
+
 API_VERSION = 1
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
-MAX_LEVELS = 16
-
-
-class EncreError(Exception):
-    """Something the user can mend; str() is one sentence that names the thing and the cure."""
 
 
 class Cancelled(EncreError):
@@ -99,48 +94,6 @@ class _RasterJob(c.Structure):
 
 _TYPES = ("bool", "int", "float", "enum", "color", "image", "levels")
 _UNLIMITED = float(np.finfo(np.float32).max)
-
-
-@dataclass(frozen=True)
-class Item:
-    id: str
-    label: str
-    help: str
-    number: int
-
-
-@dataclass(frozen=True)
-class Param:
-    """One row of a stage's table. `default` has the form that check() gives values of this type."""
-
-    id: str
-    stage: str
-    type: str
-    scope: str
-    label: str
-    help: str
-    unit: str
-    enabled_if: str
-    default: object
-    hard_min: float | None
-    hard_max: float | None
-    soft_min: float
-    soft_max: float
-    items: tuple[Item, ...]
-    offset: int = field(repr=False)
-
-    @property
-    def number(self):
-        """Enum item id -> number."""
-        return {item.id: item.number for item in self.items}
-
-
-@dataclass(frozen=True)
-class Stage:
-    id: str
-    label: str
-    help: str
-    params: tuple[Param, ...]
 
 
 @dataclass
@@ -322,7 +275,7 @@ class Library:
         for id_, value in values.items():
             if id_ not in self.params:
                 raise EncreError(unknown("parameter", id_, self.params))
-            out[id_] = _normal(self.params[id_], value)
+            out[id_] = normal(self.params[id_], value)
         text = c.create_string_buffer(512)
         block, _ = self.pack(out)
         sentence = self.lib.encre_params_check(block, text, len(text))
@@ -483,89 +436,6 @@ def _pack_mesh(m, mesh):
     return keep
 
 
-def unknown(kind, name, names):
-    """One sentence about an unknown name, with the nearest known ones."""
-    near = difflib.get_close_matches(str(name), list(names), 3, 0.5)
-    cure = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(names)}"
-    return f"{name}: unknown {kind}; {cure}"
-
-
-def _number(p, value):
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise EncreError(f"{p.id}: {value!r} is not a number; give one")
-    number = float(value)
-    low, high = (p.hard_min, p.hard_max) if p.type in ("int", "float") else (0.0, None)
-    if not math.isfinite(number) or number < low or (high is not None and number > high):
-        limits = f"from {low:g} to {high:g}" if high is not None else f"of {low:g} or more"
-        raise EncreError(f"{p.id}: {value:g} is out of range; give a value {limits}")
-    return number
-
-
-def _numbers(p, value, counts, form):
-    try:
-        numbers = [float(x) for x in value]
-    except (TypeError, ValueError):
-        numbers = []
-    if isinstance(value, str) or len(numbers) not in counts or not all(0 <= x < math.inf for x in numbers):
-        raise EncreError(f"{p.id}: {value!r} is not {form}; give numbers of 0 or more")
-    return tuple(numbers)
-
-
-def _normal(p, value):
-    """`value` in the form of its type, or EncreError."""
-    if p.type == "bool":
-        if not isinstance(value, (bool, np.bool_)) and value not in (0, 1):
-            raise EncreError(f"{p.id}: {value!r} is neither on nor off; give one of them")
-        return bool(value)
-    if p.type == "int":
-        number = _number(p, value)
-        if number != int(number):
-            raise EncreError(f"{p.id}: {value:g} is not a whole number; give one")
-        return int(number)
-    if p.type == "float":
-        return _number(p, value)
-    if p.type == "enum":
-        if value not in p.number:
-            raise EncreError(f"{p.id}: " + unknown("value", value, p.number))
-        return value
-    if p.type == "color":
-        return _numbers(p, value, (3,), "a colour r, g, b")
-    if p.type == "levels":
-        if isinstance(value, str) or not isinstance(value, Sequence) or not 1 <= len(value) <= MAX_LEVELS:
-            raise EncreError(f"{p.id}: {value!r} is not a list of 1 to {MAX_LEVELS} levels; "
-                             "give intensity, threshold, transition for each")
-        form = "a level (intensity, threshold, transition, perhaps r, g, b; the first an intensity, perhaps r, g, b)"
-        first, *rest = [_numbers(p, x, (3, 6) if k else (1, 3, 4, 6), form) for k, x in enumerate(value)]
-        return [(first[0], 0.0, 0.0, *first[1:]) if len(first) == 4 else first, *rest]
-    if value is not None and not isinstance(value, (str, os.PathLike)):
-        raise EncreError(f"{p.id}: {value!r} is not the path of an image; give one")
-    return os.fspath(value) if value else None
-
-
-def parse(id_, text):
-    """A value from the command line's text: on/off, a number, an item, r,g,b, a path, or levels "a; b; c"."""
-    if id_ not in params():
-        raise EncreError(unknown("parameter", id_, params()))
-    p, text = params()[id_], text.strip()
-    try:
-        if p.type == "bool":
-            value = {"on": True, "off": False}[text.lower()]
-        elif p.type in ("int", "float"):
-            value = float(text)
-        elif p.type == "enum":
-            value = text.upper()
-        elif p.type == "color":
-            value = [float(x) for x in text.split(",")]
-        elif p.type == "levels":
-            value = [[float(x) for x in level.split(",")] for level in text.split(";")]
-        else:
-            value = text
-    except (ValueError, KeyError):
-        form = {"bool": "on or off", "color": "r,g,b", "levels": '"0.5; 0.7,0.5,0.025; ..."'}.get(p.type, "a number")
-        raise EncreError(f"{id_}: {text!r} can't be read; give {form}") from None
-    return check({id_: value})[id_]
-
-
 @functools.cache
 def library() -> Library:
     """The package's own library, loaded once."""
@@ -582,6 +452,13 @@ def params() -> dict[str, Param]:
 
 def defaults() -> dict:
     return {p.id: p.default for p in params().values()}
+
+
+def parse(id_, text):
+    """A checked value from the command line's text. EncreError: unknown id, or it can't be read."""
+    if id_ not in params():
+        raise EncreError(unknown("parameter", id_, params()))
+    return check({id_: read(params()[id_], text)})[id_]
 
 
 def check(values):

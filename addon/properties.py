@@ -60,7 +60,8 @@ def _level_class():
             return cls
     number = bpy.props.FloatProperty
     return _class("EncreLevel", {
-        "intensity": number(name="Intensity", description="Brightness of this level", default=1.0, min=0.0, soft_max=2.0),
+        "intensity": number(name="Intensity", description="Brightness of this level", default=1.0,
+                            min=0.0, soft_max=2.0),
         "threshold": number(name="Threshold", description="Light from which on this level holds",
                             default=0.5, min=0.0, soft_max=2.0),
         "transition": number(name="Transition", description="Width over which it blends with the level below",
@@ -91,7 +92,7 @@ def register():
         for name in core.CONTROLS
     }
     controls["style"] = bpy.props.StringProperty(
-        name="Style", description="The scene's style that this surface uses; an object's word counts more than a material's")
+        name="Style", description="Style that this surface uses; an object's word counts more than a material's")
     material = _class("EncreMaterial", dict(controls))
     obj = _class("EncreObject", {**controls, "line_group": bpy.props.StringProperty(
         name="Line Group", description="Objects of the same group have no outlines between them")})
