@@ -6,7 +6,7 @@ PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command 
 BPY := $(shell $(PYTHON) -c 'import sys; print({(3, 11): "bpy==4.5.*", (3, 13): "bpy==5.2.*"}.get(sys.version_info[:2], ""))')
 RUN := .venv/bin/python
 
-.PHONY: demo extension test test-long bench lint clean build
+.PHONY: demo extension blenders test test-long bench lint clean build
 
 .venv/ready: pyproject.toml
 	@test -n "$(BPY)" || command -v blender >/dev/null || \
@@ -33,8 +33,16 @@ extension: .venv/ready
 test: build
 	$(RUN) -m pytest -q -m "not long"
 
-test-long: build
+test-long: build $(if $(filter bpy==4.5%,$(BPY)),blenders)
 	$(RUN) -m pytest -q
+
+# Other versions of Blender for test-long; blender on PATH is tested as well.
+build/blenders/bpy-%/ready:
+	$(PYTHON) -m venv $(@D)
+	$(@D)/bin/python -m pip install -q "bpy==$*.*" numpy openimageio
+	@touch $@
+
+blenders: build/blenders/bpy-4.2/ready build/blenders/bpy-5.0/ready
 
 bench: build
 	$(RUN) tests/bench.py

@@ -14,14 +14,15 @@ import pytest
 from encre import images, layers
 
 CASES = Path(__file__).with_name("blender") / "cases.py"
+OTHERS = Path(__file__).parents[1] / "build" / "blenders"  # one environment per version of bpy: make blenders
 
 
 @functools.cache
 def commands():
     """{name: command line up to the script's arguments}; "bpy" is the module of the Python that runs the tests."""
     found = {"bpy": [sys.executable, str(CASES)]}
-    for python in sorted(Path("/opt/blenders").glob("bpy-*/bin/python")):
-        found[python.parts[3]] = [str(python), str(CASES)]
+    for python in sorted(OTHERS.glob("bpy-*/bin/python")):
+        found[python.parents[1].name] = [str(python), str(CASES)]
     if program := shutil.which("blender"):
         found["blender"] = [program, "-b", "--factory-startup", "-P", str(CASES)]
     return found
