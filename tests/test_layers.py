@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Passes to layers, the rasteriser's pictures to passes, and the metadata of a file, without any Blender."""
+
+import json
+
+import numpy as np
+import pytest
+from encre import core, layers
+
+SHAPE = (7, 9)
+
+
+@pytest.fixture
+def passes():
+    random = np.random.default_rng(4)
+    made = {name: random.random((*SHAPE, len(channels)), np.float32) for name, channels in layers.CYCLES.items()}
+    made["IndexOB"] = np.floor(4 * made["IndexOB"])
+    return made
+
+
+def close(a, b, tolerance=2e-6):
+    assert a.shape == b.shape and np.abs(np.asarray(a, np.float64) - b).max() <= tolerance
+
+
+def test_layers_of_a_picture(passes):
+    made, nonfinite = layers.assemble(passes, {})
+    assert nonfinite == 0 and made.keys() <= core.LAYERS.keys()
+    close(made["albedo"], np.minimum(1, passes["DiffCol"] + passes["GlossCol"] + passes["TransCol"] + passes["Emit"]))
+    close(made["specular"], (passes["GlossDir"] + passes["GlossInd"]) * passes["GlossCol"])
+    close(made["diffuse"], passes["DiffDir"] + passes["DiffInd"])
+    for layer, name in (("combined", "Combined"), ("color", "DiffCol"), ("depth", "Depth"), ("normal", "Normal"),
+                        ("object", "IndexOB")):
+        assert np.array_equal(made[layer], passes[name])
+
+
+def test_pictures_of_any_strides(passes):
+    flipped = {name: np.ascontiguousarray(picture[::-1])[::-1] for name, picture in passes.items()}
+    flat = {**passes, "Depth": passes["Depth"][..., 0], "IndexOB": passes["IndexOB"][..., 0]}
+    for other in (flipped, flat):
+        for layer, picture in layers.assemble(other, {})[0].items():
+            assert np.array_equal(picture, layers.assemble(passes, {})[0][layer])
+
+
+def test_missing_passes(passes):
+    for name in ("Combined", "DiffDir", "DiffCol", "Depth", "Normal"):
+        with pytest.raises(core.EncreError, match=f"pass {name} is missing.*GlossCol"):
+            layers.assemble({k: v for k, v in passes.items() if k != name}, {})
+    few = {k: passes[k] for k in ("Combined", "DiffDir", "DiffCol", "Depth", "Normal")}
+    made, _ = layers.assemble(few, {})
+    assert made.keys() == {"combined", "diffuse", "color", "albedo", "depth", "normal"}
+    assert np.array_equal(made["diffuse"], passes["DiffDir"])
+
+
+def test_direct_light(passes):
+    made, _ = layers.assemble(passes, {"shade_light": "DIRECT"})
+    assert np.array_equal(made["diffuse"], passes["DiffDir"])
+    close(made["combined"][..., :3], passes["Combined"][..., :3] - passes["DiffCol"] * passes["DiffInd"])
+    assert np.array_equal(made["combined"][..., 3], passes["Combined"][..., 3])
+    made, _ = layers.assemble(passes, {"shade_light": "DIRECT", "use_shading": False})
+    assert np.array_equal(made["combined"], passes["Combined"])
+
+
+def test_light_by_style(passes):
+    index = np.zeros((*SHAPE, 3), np.float32)
+    index[:, 3:6, 2], index[:, 6:, 2], index[0, 0, 2], index[1, 0, 2] = 1, 2, 7, -1  # 7 and -1 are no styles: 0
+    passes["Encre Index"] = index
+    made, _ = layers.assemble(passes, {}, [{"shade_light": "DIRECT"}, {"shade_light": "DIRECT", "use_shading": False}])
+    everything = passes["DiffDir"] + passes["DiffInd"]
+    close(made["diffuse"][:, :3], everything[:, :3])
+    assert np.array_equal(made["diffuse"][:, 3:], passes["DiffDir"][:, 3:])
+    close(made["combined"][:, :3], passes["Combined"][:, :3])
+    close(made["combined"][:, 3:6, :3], (passes["Combined"][..., :3] - passes["DiffCol"] * passes["DiffInd"])[:, 3:6])
+    assert np.array_equal(made["combined"][:, 6:], passes["Combined"][:, 6:])
+
+
+def half(picture, albedo, normal):
+    assert albedo.shape == normal.shape == picture.shape and picture.min() >= 0
+    return picture / 2
+
+
+def test_denoised_light_is_put_back(passes):
+    light, color = passes["DiffDir"] + passes["DiffInd"], passes["DiffCol"]
+    rest = passes["Combined"][..., :3] - color * light
+    made, _ = layers.assemble(passes, {}, denoise=half)
+    close(made["diffuse"], light / 2)
+    close(made["combined"][..., :3], color * light / 2 + rest)
+    made, _ = layers.assemble(passes, {}, denoise=half, denoise_other=True)
+    close(made["combined"][..., :3], color * light / 2 + np.maximum(rest, 0) / 2 + np.minimum(rest, 0))
+    made, _ = layers.assemble(passes, {"use_shading": False}, denoise=half)
+    assert np.array_equal(made["combined"], passes["Combined"])
+    # A style without shading keeps what was rendered, or has it denoised as Cycles would have done.
+    passes["Encre Index"] = np.zeros((*SHAPE, 3), np.float32)
+    passes["Encre Index"][:, 4:, 2] = 1
+    styles = [{"use_shading": False, "shade_light": "DIRECT"}]
+    made, _ = layers.assemble(passes, {}, styles, half)
+    assert np.array_equal(made["combined"][:, 4:], passes["Combined"][:, 4:])
+    made, _ = layers.assemble(passes, {}, styles, half, True)
+    close(made["combined"][..., :3], color * light / 2 + np.maximum(rest, 0) / 2 + np.minimum(rest, 0))
+
+
+def test_saved_layers_are_preferred(passes):
+    for name, channels in layers.SAVED.items():
+        passes[name] = np.full((*SHAPE, len(channels)), 0.25, np.float32)
+    passes["Encre Index"] += np.arange(3, dtype=np.float32)
+    made, _ = layers.assemble(passes, {"shade_light": "DIRECT"}, denoise=half)
+    assert np.array_equal(made["combined"], passes["Encre Source"])
+    assert np.array_equal(made["diffuse"], passes["Encre Diffuse"])
+    assert [made[k].mean() for k in ("object", "material", "style")] == [0.25, 1.25, 2.25]
+    assert made["controls"].shape == (*SHAPE, 6)
+    del passes["Combined"], passes["DiffDir"], passes["DiffInd"]
+    layers.assemble(passes, {})
+
+
+def test_values_that_are_no_numbers(passes):
+    passes["DiffDir"][1, 2] = np.nan, np.inf, 1
+    passes["DiffInd"][1, 2] = 2
+    passes["Combined"][3, 3, 1] = -np.inf
+    passes["Depth"][0, 0] = np.nan
+    made, found = layers.assemble(passes, {"shade_light": "DIRECT"})
+    assert found == 3
+    assert made["diffuse"][1, 2].tolist() == [0, 0, 1]
+    assert np.isfinite(made["combined"]).all()
+    drawn = core.render(made, {}, camera=core.Camera(), frame=core.Frame(*SHAPE[::-1]))
+    assert found + drawn.nonfinite == 4
+    made, found = layers.assemble(passes, {"use_shading": False})
+    assert found + core.render(made, {"use_shading": False}).nonfinite == 4
+
+
+def test_own_pixels():
+    random = np.random.default_rng(1)
+    for _ in range(20):
+        height, width = random.integers(1, 9, 2)
+        index, drawn = (random.integers(0, 4, (height, width)).astype(np.float32) for _ in range(2))
+        pixels, sources = layers.own_pixels(index, drawn)
+        assert np.array_equal(pixels, np.flatnonzero(index != drawn))
+        for pixel, source in zip(pixels, sources, strict=True):
+            y, x = divmod(int(pixel), int(width))
+            near = [((j - y) ** 2 + (i - x) ** 2, j, i) for j in range(max(0, y - 2), min(height, y + 3))
+                    for i in range(max(0, x - 2), min(width, x + 3)) if drawn[j, i] == index[y, x]]
+            assert source == (min(near)[1] * width + min(near)[2] if near else -1)
+
+
+def test_rasterised_passes():
+    index = np.array([[0, 5, 5, 7, 9]], np.float32)
+    maps = {"object": np.array([[0, 1, 2, 2, 2]], np.float32), "material": np.array([[0, 3, 4, 4, 4]], np.float32),
+            "style": np.array([[0, 0, 1, 1, 1]], np.float32), "attributes": np.zeros((1, 5, 6), np.float32)}
+    maps["attributes"][0, :, 0], maps["attributes"][0, :, 5] = [0, 0.1, 0.2, 0.2, 0.2], [0, 1, 2, 2, 2]
+    owners, numbers = np.array([0, 5, 5], np.float32), np.array([0, 50, 51], np.float32)
+    made = layers.rasterised(index, maps, owners, numbers, lambda stray: 100 + stray)
+    assert made["Encre Index"].tolist() == [[[0, 0, 0], [50, 3, 0], [51, 4, 1], [107, 0, 0], [109, 0, 0]]]
+    close(made["Encre Line Controls"][0, :, 0], np.array([0, 0.1, 0.2, 0, 0]))
+    close(made["Encre Surface Controls"][0, :, 2], np.array([0, 1, 2, 0, 0]))
+    assert made["Encre Line Controls"].shape == (1, 5, 3)
+
+
+def test_metadata_round_trip():
+    scene = core.check({**core.defaults(), "line_thickness": 3.5, "shade_tint": (0.1, 0.2, 0.3),
+                        "shade_levels": [(0.4,), (0.7, 0.5, 0.025, 1, 0.5, 0)], "paper_image": "/some/paper.png"})
+    styles = [("Skin", {"line_thickness": 2.0}), ("Cloth", {"use_lines": False})]
+    camera = core.Camera((0, 1, 0, 0, 0, 1, 1, 0, 0), True, 4.5)
+    written = layers.metadata(scene, styles, camera, core.Frame(1920, 1080, 100, 50))
+    said = {key: json.loads(text) for key, text in written.items()}
+    assert said["encre.params"]["version"] == 1
+    assert said["encre.params"]["scene"]["shade_levels"] == [[0.4], [0.7, 0.5, 0.025, 1, 0.5, 0]]
+    assert said["encre.frame"] == {"width": 1920, "height": 1080, "x": 100, "y": 50}
+    assert said["encre.camera"] == {"orthographic": True, "height": 4.5, "view": [0, 1, 0, 0, 0, 1, 1, 0, 0]}
+    read = layers.read_metadata({**written, "Software": "another"})
+    assert core.check(read.scene) == scene and read.styles == styles and read.camera == camera
+    assert read.frame == core.Frame(1920, 1080, 100, 50) and not read.warnings
+
+
+def test_metadata_stand_alone():
+    read = layers.read_metadata({})
+    assert read.scene is read.camera is read.frame is None and read.styles == []
+    read = layers.read_metadata({"encre.params": '{"version": 1, "scene": {"edge_threshold": 0.25, "edge_magic": 1}}'})
+    assert read.scene == {"edge_threshold": 0.25} and read.frame is None
+    assert len(read.warnings) == 1 and "edge_magic" in read.warnings[0]
+
+
+@pytest.mark.parametrize(("key", "text"), [
+    ("encre.params", "{"), ("encre.params", "[]"), ("encre.params", "{}"), ("encre.params", '{"version": 2}'),
+    ("encre.params", '{"version": 1, "scene": {"line_thickness": -1}}'),
+    ("encre.params", '{"version": 1, "scene": []}'), ("encre.params", '{"version": 1, "styles": [{}]}'),
+    ("encre.params", '{"version": 1, "scene": {"surface": "GOLD"}}'), ("encre.params", "[" * 100000),
+    ("encre.frame", '{"width": 0, "height": 2, "x": 0, "y": 0}'), ("encre.frame", '{"width": 2.5}'),
+    ("encre.frame", "null"), ("encre.camera", '{"orthographic": true, "height": 0, "view": [1,0,0,0,1,0,0,0,1]}'),
+    ("encre.camera", '{"orthographic": 1, "height": 1, "view": [1,0,0,0,1,0,0,0,1]}'),
+    ("encre.camera", '{"orthographic": true, "height": 1, "view": [1, 2]}'),
+    ("encre.camera", '{"orthographic": true, "height": 1, "view": [NaN,0,0,0,1,0,0,0,1]}'),
+])
+def test_metadata_that_make_no_sense(key, text):
+    with pytest.raises(core.EncreError, match=f"metadata {key}"):
+        layers.read_metadata({key: text})
+
+
+def test_what_is_active():
+    off = dict.fromkeys(layers.SWITCHES, False)
+    assert layers.active({}, []) and not layers.active(off, []) and layers.active(off, [{"use_hatching": True}])
+    assert layers.shaded({}, [{"use_shading": False}]) and not layers.shaded(off, [])
+    assert layers.wants_light({}, []) and not layers.wants_light(off, [])
+    assert not layers.wants_light({**off, "use_lines": True}, [])
+    assert layers.wants_light({**off, "use_lines": True}, [{"edge_light": 1.0}])
