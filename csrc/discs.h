@@ -9,6 +9,17 @@
 
 #include <math.h>
 
+/* Unlike fminf() and fmaxf() these never are calls. */
+static inline float least(float a, float b)
+{
+	return a < b ? a : b;
+}
+
+static inline float most(float a, float b)
+{
+	return a > b ? a : b;
+}
+
 /* The disc of an edge pixel, or of the edge pixels x..last of one row whose discs differ in nothing but their place.
  * The darkness that it gives a pixel at distance d, on paper of height h, is, before it is clamped to 0..1,
  *   gain * ((1 + paper * (h - 1)) * min(1, (radius - d) / fade) - bias). */
@@ -27,7 +38,7 @@ typedef struct disc {
 
 enum { OPEN = UINT16_MAX };
 
-/* Fills all fields but the bounds; false if the edge pixel inks nothing. */
+/* lines.c: fills all fields but the bounds; false if the edge pixel inks nothing. */
 bool ISA(disc_of)(const frame *f, int x, int y, disc *d);
 
 /* Where an edge pixel takes its controls from. */

@@ -13,6 +13,54 @@ typedef struct lines {
 	float color[3]; /* of all ink, where it doesn't differ */
 } lines;
 
+/* ---- the pen ------------------------------------------------------------------------------------------------ */
+
+bool ISA(disc_of)(const frame *f, int x, int y, disc *d)
+{
+	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
+	int nx, ny;
+	near_of(f, x, y, &nx, &ny);
+	int style = f->style ? f->style[(size_t)ny * (size_t)f->width + (size_t)nx] : 0;
+	const encre_params *p = f->params + style;
+	if (!p->use_lines)
+		return false;
+	const float *controls = f->layer[ENCRE_LAYER_CONTROLS].data;
+	if (controls)
+		controls += ny * f->layer[ENCRE_LAYER_CONTROLS].row + (ptrdiff_t)6 * nx;
+	float thickness = controls ? controls[0] : 0, intensity = 1 + (controls ? controls[1] : 0);
+	float z = depth_of(f->layer[ENCRE_LAYER_DEPTH].data[ny * f->layer[ENCRE_LAYER_DEPTH].row + nx]);
+	const float widths[SOURCE_COUNT] = {
+		[SOURCE_OBJECT] = p->width_object, [SOURCE_MATERIAL] = p->width_material, [SOURCE_DEPTH] = p->width_depth,
+		[SOURCE_NORMAL] = p->width_normal, [SOURCE_COLOR] = p->width_color, [SOURCE_LIGHT] = p->width_light,
+	};
+
+	/* bounded before anything that may be 0 is multiplied in: infinity times 0 is no number */
+	float radius = least(0.5f * p->line_thickness * f->scale * widths[f->edge[at] - 1], 1e30f);
+	radius *= thickness > 0 ? 1 + 8 * thickness : 1 + thickness;
+	radius *= mix(1, least(1, f->strength[at]), p->line_contrast);
+	if (p->line_depth_distance > 0 && !f->camera.orthographic)
+		radius *= least(p->line_depth_distance / z, 4);
+	if (p->line_light != 0) {
+		plane light = f->layer[ENCRE_LAYER_DIFFUSE];
+		const float *rgb = light.data + ny * light.row + (ptrdiff_t)3 * nx;
+		float lit = clamp01(max3(rgb[0], rgb[1], rgb[2]) * p->shade_exposure);
+		radius *= most(0, 1 + p->line_light * (1 - 2 * lit));
+	}
+	radius = least(radius, 0.5f * f->params->line_max_thickness * f->scale);
+
+	intensity = least(intensity * p->line_intensity, 1e30f);
+	d->x = d->last = (uint16_t)x;
+	d->style = (uint16_t)style;
+	d->radius = radius;
+	d->fade = most(p->line_softness * radius, 1);
+	d->gain = least(p->line_gain * intensity, 1e30f);
+	d->bias = most(0, 1 - 0.5f * intensity);
+	d->paper = p->line_paper;
+	d->reach = radius - d->fade * d->bias;
+	d->limit = !f->params->line_occlude ? 0 : f->camera.orthographic ? z - 0.1f * f->camera.height : 0.9f * z;
+	return d->reach > 0 && d->gain > 0;
+}
+
 /* ---- ink ------------------------------------------------------------------------------------------------- */
 
 /* Does the colour of the ink depend on the edge? If not, it is in `color`. */
@@ -192,7 +240,7 @@ static void draw_found(const lines *l, canvas *c)
 			canvas_touch(c, y, x, x + 1);
 			if (c->depth[at + (size_t)x] < d.limit)
 				continue;
-			float coverage = fminf(1, (d.radius - sqrtf(d2)) / d.fade);
+			float coverage = least(1, (d.radius - sqrtf(d2)) / d.fade);
 			c->dark[at + (size_t)x] = d.gain * ((1 + d.paper * c->grain[at + (size_t)x]) * coverage - d.bias);
 			if (c->owner)
 				c->owner[at + (size_t)x] = (uint32_t)ey << 16 | (uint32_t)ex;
