@@ -68,10 +68,12 @@ class EncreEngine(bpy.types.RenderEngine):
                 self.register_pass(scene, layer, name, len(channels), channels, kind)
 
     def update(self, data, depsgraph):
+        self.refused = False
         try:
-            if not self.is_preview and not depsgraph.scene.name.startswith("FRS"):  # Freestyle's strokes
+            # Freestyle's strokes come as a scene of their own; neither they nor previews are drawn on.
+            if not self.is_preview and not depsgraph.scene.name.startswith("FRS"):
                 self.frames = self.frames or frame.Frames(self)
-                self.frames.prepare(depsgraph)
+                self.frames.renumber(depsgraph)
             if not self.session:
                 _cycles().create(self, data)
             _cycles().reset(self, data, depsgraph)
@@ -83,7 +85,7 @@ class EncreEngine(bpy.types.RenderEngine):
             return
         try:
             if self.frames:
-                self.frames.extract(depsgraph)  # before Cycles renders: it frees the depsgraph
+                self.frames.before(depsgraph)
         except core.Cancelled:
             return
         except core.EncreError as error:
@@ -96,8 +98,8 @@ class EncreEngine(bpy.types.RenderEngine):
             return
         _cycles().render_frame_finish(self)  # only now are all tiles there
         try:
-            if self.frames and not self.test_break():
-                self.frames.draw(self.get_result())
+            if self.frames:
+                self.frames.after()
         except core.Cancelled:
             pass
         except core.EncreError as error:
@@ -109,6 +111,8 @@ class EncreEngine(bpy.types.RenderEngine):
     def view_update(self, context, depsgraph):
         data = context.blend_data
         if not self.session:
+            # As with Cycles, to choose the rendered view starts it, whether or not it was paused before.
+            context.scene.cycles.preview_pause = depsgraph.scene_eval.cycles.preview_pause = False
             _cycles().create(self, data, context.region, context.space_data, context.region_data)
         _cycles().reset(self, data, depsgraph)
         _cycles().sync(self, depsgraph, data)
@@ -123,6 +127,14 @@ class EncreEngine(bpy.types.RenderEngine):
         from cycles import osl
 
         osl.update_script_node(node, self.report)
+
+    def update_custom_camera(self, camera):
+        if not _cycles().with_osl():
+            self.report({"ERROR"}, "Open Shading Language is missing in this build of Blender")
+            return
+        from cycles import osl
+
+        osl.update_custom_camera_shader(camera, self.report)
 
 
 def register():

@@ -584,7 +584,9 @@ def nonfinite(out):
 def freestyle(out):
     scene = stage()
     scene.render.use_freestyle = True
-    scene.view_layers[0].freestyle_settings.linesets.new("Set")
+    sets = scene.view_layers[0].freestyle_settings.linesets
+    for strokes in list(sets) or [sets.new("Set")]:
+        strokes.linestyle = strokes.linestyle or bpy.data.linestyles.new("Style")
     fact("error", shoot(out, "freestyle"))
 
 
@@ -599,13 +601,14 @@ def bake(out):
     box.select_set(True)
     bpy.context.view_layer.objects.active = box
     shoot(out, "before")
+    camera, scene.camera = scene.camera, None  # baking needs none
     try:
         bpy.ops.object.bake(type="DIFFUSE", pass_filter={"COLOR"})
         fact("baked", max(node.image.pixels[:]))
     except RuntimeError as error:
         fact("baked", str(error))
+    scene.camera = camera
     fact("error", shoot(out, "after"))
-    del scene
 
 
 def cancelled(out):
