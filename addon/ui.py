@@ -207,6 +207,7 @@ class ENCRE_OT_standard_view(bpy.types.Operator):
 class ENCRE_PT_encre(EncrePanel, bpy.types.Panel):
     bl_label = "Encre"
     bl_idname = "ENCRE_PT_encre"
+    bl_order = -1  # above Cycles' own panels
 
     def draw(self, context):
         layout = self.layout

@@ -59,6 +59,11 @@ class Shot:
 def run(blender, case, folder):
     done = subprocess.run([*commands()[blender], "--", case, str(folder)], capture_output=True, text=True,
                           timeout=300, errors="replace", stdin=subprocess.DEVNULL)
+    return read(done, folder)
+
+
+def read(done, folder):
+    """What a finished Blender printed and drew."""
     words = done.stdout + done.stderr
     assert done.returncode == 0, words[-4000:]
     facts = {}

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in a Blender with a window: `window.py -- window FOLDER` clicks and paints as a user does.
+
+Needs --enable-event-simulate. Every step is a function; between two steps Blender's main loop has run.
+"""
+
+import os
+import sys
+import traceback
+
+import bpy
+
+sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+import cases  # noqa: E402
+
+FOLDER = sys.argv[-1]
+
+
+def window():
+    return bpy.context.window_manager.windows[0]
+
+
+def area(kind):
+    return next(a for a in window().screen.areas if a.type == kind)
+
+
+def override(kind):
+    found = area(kind)
+    region = next(r for r in found.regions if r.type == "WINDOW")
+    return bpy.context.temp_override(window=window(), screen=window().screen, area=found, region=region)
+
+
+def screenshot(name):
+    with bpy.context.temp_override(window=window(), screen=window().screen):
+        bpy.ops.screen.screenshot(filepath=os.path.join(FOLDER, f"{name}.png"))
+
+
+def choose():
+    """The default scene with a finer cube; Encre from the dropdown."""
+    cases.register()
+    scene = bpy.context.scene
+    cube = bpy.data.objects["Cube"]
+    cube.modifiers.new("Subdivision", "SUBSURF").subdivision_type = "SIMPLE"
+    cube.modifiers["Subdivision"].levels = 4
+    with override("VIEW_3D"):
+        bpy.ops.object.modifier_apply(modifier="Subdivision")
+    scene.render.engine = "ENCRE"
+    scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 320, 180, 4
+    scene.cycles.preview_samples = 4
+    area("PROPERTIES").spaces.active.context = "RENDER"
+
+
+def panels():
+    with override("PROPERTIES"):
+        shown = sorted(name for name in dir(bpy.types) if name.startswith("ENCRE_PT_")
+                       and getattr(getattr(bpy.types, name), "bl_context", "") == "render" and getattr(bpy.types, name).poll(bpy.context))
+        cases.fact("panels", shown)
+        every = [p for p in cases_panels() if "CYCLES" in getattr(p, "COMPAT_ENGINES", ())]
+        cases.fact("cycles panels without Encre", [p.__name__ for p in every if "ENCRE" not in p.COMPAT_ENGINES])
+        cases.fact("cycles panels", len(every))
+        import nodeitems_builtins as old
+        menu = sys.modules.get("bl_ui.node_add_menu_shader", old)
+        poll = getattr(menu, "cycles_shader_nodes_poll", None) or old.cycles_shader_nodes_poll
+        cases.fact("shader nodes", bool(poll(bpy.context)))
+        cases.fact("view transform", bpy.context.scene.view_settings.view_transform)
+        cases.fact("preset", list(bpy.ops.encre.preset(preset="ink_only")))
+        cases.fact("thickness", bpy.context.scene.encre.line_thickness)
+        bpy.ops.encre.preset(preset="water_memory")
+        bpy.ops.encre.level_add()
+        cases.fact("levels", len(bpy.context.scene.encre.shade_levels))
+        bpy.ops.encre.level_remove()
+        bpy.ops.encre.style_add()
+        bpy.ops.encre.style_store(param="line_thickness")
+        bpy.ops.encre.standard_view()
+        cases.fact("new view transform", bpy.context.scene.view_settings.view_transform)
+
+
+def cases_panels(cls=bpy.types.Panel):
+    for sub in cls.__subclasses__():
+        yield sub
+        yield from cases_panels(sub)
+
+
+def tabs():
+    """Every tab of the properties draws with Encre's panels in it."""
+    space = area("PROPERTIES").spaces.active
+    for tab in ("OBJECT", "MATERIAL", "RENDER"):
+        space.context = tab
+        yield
+        screenshot(tab.lower())
+
+
+def paint_mode():
+    with override("VIEW_3D"):
+        bpy.context.space_data.show_region_ui = True
+        cases.fact("paint", list(bpy.ops.encre.paint(control="thickness")))
+    cases.fact("mode", bpy.context.object.mode)
+    values = painted()
+    cases.fact("neutral", [min(values), max(values)])
+    with override("VIEW_3D"):
+        bpy.ops.encre.brush(value=1.0)
+
+
+def painted():
+    data = bpy.context.object.data.color_attributes["encre_thickness"].data
+    return [round(item.color_srgb[0] * 255) for item in data]
+
+
+def stroke():
+    """Press, drag across the left half of the view, release."""
+    region = next(r for r in area("VIEW_3D").regions if r.type == "WINDOW")
+    y = region.y + region.height // 2
+    xs = range(region.x + region.width // 4, region.x + region.width // 2, 8)
+    window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=xs[0], y=y)
+    yield
+    window().event_simulate(type="LEFTMOUSE", value="PRESS", x=xs[0], y=y)
+    for x in xs:
+        yield
+        window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
+    yield
+    window().event_simulate(type="LEFTMOUSE", value="RELEASE", x=xs[-1], y=y)
+    yield
+    values = painted()
+    cases.fact("painted", [sum(v > 200 for v in values), sum(v == 128 for v in values), len(values)])
+    screenshot("paint")
+
+
+def f12():
+    with override("VIEW_3D"):
+        bpy.ops.object.mode_set(mode="OBJECT")
+    window().event_simulate(type="F12", value="PRESS")
+    yield
+    window().event_simulate(type="F12", value="RELEASE")
+    for _ in range(600):
+        yield
+        if not bpy.app.is_job_running("RENDER") and bpy.data.images.get("Render Result"):
+            break
+    yield
+    bpy.context.scene.render.image_settings.file_format = "PNG"
+    bpy.data.images["Render Result"].save_render(os.path.join(FOLDER, "f12.png"))
+
+
+def viewport():
+    """Rendered shading in the 3D view."""
+    for found in bpy.context.window_manager.windows:
+        for a in found.screen.areas:
+            if a.type == "VIEW_3D":
+                a.spaces.active.shading.type = "RENDERED"
+                a.spaces.active.overlay.show_overlays = False
+    for _ in range(40):
+        yield
+    screenshot("viewport")
+
+
+def steps():
+    for step in (choose, panels, tabs, paint_mode, stroke, f12, viewport):
+        made = step()
+        if made is not None:
+            yield from made
+        yield
+
+
+def run(todo):
+    try:
+        next(todo)
+    except StopIteration:
+        cases.fact("finished", True)
+        sys.stdout.flush()
+        os._exit(0)
+    except BaseException:
+        traceback.print_exc()
+        sys.stderr.flush()
+        os._exit(1)
+    return 0.1
+
+
+if __name__ == "__main__":
+    todo = steps()
+    bpy.context.preferences.view.show_splash = False
+    bpy.app.timers.register(lambda: run(todo), first_interval=1.0)

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender with a window: panels, real brush strokes, F12, the viewport (blender/window.py does the clicking)."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import blenders
+import OpenImageIO as oiio
+import pytest
+from encre import core
+
+WINDOW = Path(__file__).with_name("blender") / "window.py"
+
+
+@pytest.fixture(scope="module")
+def shot(tmp_path_factory):
+    if not shutil.which("blender") or not shutil.which("xvfb-run"):
+        pytest.skip("needs the programs blender and xvfb-run")
+    folder = tmp_path_factory.mktemp("window")
+    command = ["xvfb-run", "-a", "-s", "-screen 0 1600x1000x24", "blender", "--factory-startup",
+               "--enable-event-simulate", "-p", "0", "0", "1600", "1000", "-P", str(WINDOW), "--", "window", str(folder)]
+    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace"), folder)
+
+
+def read(path):
+    return oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT)[..., :3]
+
+
+def fact(shot, name):
+    return shot.facts[name][0]
+
+
+def test_no_panel_fails_to_draw(shot):
+    assert fact(shot, "finished")
+    assert "Traceback" not in shot.output and "rna_uiItem" not in shot.output, shot.output[-3000:]
+
+
+def test_every_stage_has_its_panel(shot):
+    assert set(fact(shot, "panels")) == {"ENCRE_PT_encre", "ENCRE_PT_styles"} | {
+        f"ENCRE_PT_{stage.id}" for stage in core.stages()}
+
+
+def test_cycles_panels_and_nodes_are_there(shot):
+    assert fact(shot, "cycles panels") > 100
+    assert fact(shot, "cycles panels without Encre") == []
+    assert fact(shot, "shader nodes")
+
+
+def test_operators(shot):
+    assert fact(shot, "thickness") == 4  # Ink only
+    assert fact(shot, "levels") == 4
+    assert (fact(shot, "view transform"), fact(shot, "new view transform")) == ("Filmic", "Standard")
+
+
+def test_brush_strokes_paint_the_control(shot):
+    assert fact(shot, "mode") == "VERTEX_PAINT"
+    assert fact(shot, "neutral") == [128, 128]
+    painted, neutral, corners = fact(shot, "painted")
+    assert painted > 100 and neutral > corners / 3
+
+
+def test_f12_draws_the_stroke(shot):
+    """Painted white, the cube's left contour is several times as wide as its right one."""
+    picture = read(shot.folder / "f12.png").max(-1)
+    black = (picture < 0.05).sum(0)
+    half = picture.shape[1] // 2
+    assert black[:half].sum() > 1000 and black[half + 40:].sum() < 200
+
+
+def test_viewport_shows_the_scene(shot):
+    picture = read(shot.folder / "viewport.png")
+    view = picture[200:800, 200:900].mean(-1)
+    assert (view > view.min() + 0.2).mean() > 0.005
