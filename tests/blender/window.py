@@ -52,9 +52,9 @@ def choose():
 
 def panels():
     with override("PROPERTIES"):
-        shown = sorted(name for name in dir(bpy.types) if name.startswith("ENCRE_PT_")
-                       and getattr(getattr(bpy.types, name), "bl_context", "") == "render" and getattr(bpy.types, name).poll(bpy.context))
-        cases.fact("panels", shown)
+        ours = {name: getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("ENCRE_PT_")}
+        cases.fact("panels", [name for name, panel in ours.items()
+                              if getattr(panel, "bl_context", "") == "render" and panel.poll(bpy.context)])
         every = [p for p in cases_panels() if "CYCLES" in getattr(p, "COMPAT_ENGINES", ())]
         cases.fact("cycles panels without Encre", [p.__name__ for p in every if "ENCRE" not in p.COMPAT_ENGINES])
         cases.fact("cycles panels", len(every))
