@@ -36,42 +36,52 @@ gaussians ISA(gaussians_of)(float sigma)
 	return g;
 }
 
-/* Down a column, of differences from its sample in the centre row. */
-static void blur_columns(const gaussians *g, const float *const *row, int n, float *restrict narrow, float *restrict wide)
+/* First down the columns, of differences from their sample in the centre row. Then across: with c the centre, u a sample
+ * of its row and u + v that sample's blurred column, the blur less c is the weighted sum of (u - c) + v. Called with a
+ * constant reach each time: the taps become straight code over whole rows. */
+static inline void dog(const gaussians *g, const int reach, const float *const *row, int n, float *restrict response)
 {
-	const float *restrict centre = row[g->reach] - g->reach;
-	for (int i = 0; i < n; i++)
-		narrow[i] = wide[i] = 0;
-	for (int k = 1; k <= g->reach; k++) {
-		const float *restrict above = row[g->reach - k] - g->reach, *restrict below = row[g->reach + k] - g->reach;
-		float a = g->narrow[k], b = g->wide[k];
-		for (int i = 0; i < n; i++) {
-			float d = (above[i] - centre[i]) + (below[i] - centre[i]);
-			narrow[i] += a * d;
-			wide[i] += b * d;
+	float narrow[TILE + 2 * MAX_REACH], wide[TILE + 2 * MAX_REACH];
+	const float *above[MAX_REACH + 1], *below[MAX_REACH + 1], *restrict centre = row[reach] - reach;
+	float a[MAX_REACH + 1], b[MAX_REACH + 1];
+	for (int k = 0; k <= reach; k++) {
+		above[k] = row[reach - k] - reach;
+		below[k] = row[reach + k] - reach;
+		a[k] = g->narrow[k];
+		b[k] = g->wide[k];
+	}
+	for (int i = 0; i < n + 2 * reach; i++) {
+		float u = 0, v = 0;
+		for (int k = 1; k <= reach; k++) {
+			float d = (above[k][i] - centre[i]) + (below[k][i] - centre[i]);
+			u += a[k] * d;
+			v += b[k] * d;
 		}
+		narrow[i] = u;
+		wide[i] = v;
+	}
+	for (int i = 0; i < n; i++) {
+		int c = i + reach;
+		float sum = a[0] * narrow[c] - b[0] * wide[c];
+		for (int k = 1; k <= reach; k++) {
+			float d = (centre[c - k] - centre[c]) + (centre[c + k] - centre[c]);
+			sum += (a[k] - b[k]) * d + (a[k] * (narrow[c - k] + narrow[c + k]) - b[k] * (wide[c - k] + wide[c + k]));
+		}
+		response[i] = sum;
 	}
 }
 
-/* With c the centre, u a sample of its row and u + v that sample's blurred column: the blur less c is the weighted sum
- * of (u - c) + v. */
 void ISA(detect_dog)(const gaussians *g, const float *const *row, int n, float *restrict response)
 {
-	float narrow[TILE + 2 * MAX_REACH], wide[TILE + 2 * MAX_REACH];
-	int reach = g->reach;
-	blur_columns(g, row, n + 2 * reach, narrow, wide);
-	for (int i = 0; i < n; i++)
-		response[i] = g->narrow[0] * narrow[i + reach] - g->wide[0] * wide[i + reach];
-	const float *restrict u = row[reach];
-	for (int k = 1; k <= reach; k++) {
-		const float *restrict before = u - k, *restrict after = u + k;
-		const float *narrow0 = narrow + reach - k, *narrow1 = narrow + reach + k;
-		const float *wide0 = wide + reach - k, *wide1 = wide + reach + k;
-		float a = g->narrow[k], b = g->wide[k], ab = a - b;
-		for (int i = 0; i < n; i++) {
-			float d = (before[i] - u[i]) + (after[i] - u[i]);
-			response[i] += ab * d + (a * (narrow0[i] + narrow1[i]) - b * (wide0[i] + wide1[i]));
-		}
+	switch (g->reach) {
+	case 1: dog(g, 1, row, n, response); break;
+	case 2: dog(g, 2, row, n, response); break;
+	case 3: dog(g, 3, row, n, response); break;
+	case 4: dog(g, 4, row, n, response); break;
+	case 5: dog(g, 5, row, n, response); break;
+	case 6: dog(g, 6, row, n, response); break;
+	case 7: dog(g, 7, row, n, response); break;
+	default: dog(g, MAX_REACH, row, n, response);
 	}
 }
 
@@ -126,16 +136,23 @@ void ISA(detect_contrast)(int metric, const float *(*row)[3], int n, float *rest
 
 /* ---- greatest of a window -------------------------------------------------------------------------------- */
 
-/* Spans of 1, 2, 4, ... items, then two of the longest that fits overlap. In place: items are read ahead of where they
- * are written. */
-void ISA(window_greatest)(float *a, ptrdiff_t n, ptrdiff_t reach, ptrdiff_t lanes)
+static void greater(const float *restrict a, ptrdiff_t ahead, ptrdiff_t n, float *restrict out)
+{
+	for (ptrdiff_t i = 0; i < n; i++)
+		out[i] = a[i] > a[i + ahead] ? a[i] : a[i + ahead];
+}
+
+/* Spans of 1, 2, 4, ... items, then two of the longest that fits overlap. */
+float *ISA(window_greatest)(float *a, float *spare, ptrdiff_t n, ptrdiff_t reach, ptrdiff_t lanes)
 {
 	ptrdiff_t window = 2 * reach + 1, left = n + 2 * reach, span = 1;
 	for (; 2 * span <= window; span *= 2) {
 		left -= span;
-		for (ptrdiff_t i = 0, ahead = span * lanes; i < left * lanes; i++)
-			a[i] = a[i] > a[i + ahead] ? a[i] : a[i + ahead];
+		greater(a, span * lanes, left * lanes, spare);
+		float *swap = a;
+		a = spare;
+		spare = swap;
 	}
-	for (ptrdiff_t i = 0, ahead = (window - span) * lanes; i < n * lanes; i++)
-		a[i] = a[i] > a[i + ahead] ? a[i] : a[i + ahead];
+	greater(a, (window - span) * lanes, n * lanes, spare);
+	return spare;
 }

@@ -73,7 +73,7 @@ static float weight_in(const encre_params *p, enum source s)
  * scene's. The painted control is that of the pixel itself. */
 static bool weigh(const edges *e, enum source s, int y, int x0, int n, const uint8_t *style, float *restrict weight)
 {
-	float most = 0;
+	int any = 0;
 	for (int i = 0; i < n; i++)
 		weight[i] = e->weight[s][style ? style[i] : 0];
 	plane controls = e->f->layer[ENCRE_LAYER_CONTROLS];
@@ -84,9 +84,9 @@ static bool weigh(const edges *e, enum source s, int y, int x0, int n, const uin
 	}
 	for (int i = 0; i < n; i++) {
 		weight[i] = weight[i] > 0 ? weight[i] : 0;
-		most = weight[i] > most ? weight[i] : most;
+		any |= weight[i] > 0;
 	}
-	return most > 0;
+	return any;
 }
 
 /* ---- rows ------------------------------------------------------------------------------------------------ */
@@ -125,8 +125,9 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 		winner[i] = strength[i] >= threshold ? winner[i] : 0; /* 0 where the strength is */
 		any |= winner[i];
 	}
+	uint8_t *restrict edge = f->edge + at;
 	for (int i = 0; i < n; i++)
-		f->edge[at + i] = (uint8_t)winner[i];
+		edge[i] = (uint8_t)winner[i];
 	memcpy(f->strength + at, strength, (size_t)n * sizeof *strength);
 	plane out = f->output[ENCRE_OUTPUT_EDGES];
 	if (out.data)
@@ -158,7 +159,7 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 {
 	const edges *e = data;
 	int width = e->f->width, reach = window_reach(e, width);
-	float *padded = e->filter + thread * e->thread_filter;
+	float *padded = e->filter + 2 * thread * e->thread_filter, *spare = padded + e->thread_filter;
 	for (int s = SOURCE_COLOR; s <= SOURCE_LIGHT; s++) {
 		if (!e->full[s])
 			continue;
@@ -170,8 +171,7 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 				ISA(source_difference)(&r, y, x0, width - x0 < TILE ? width - x0 : TILE, row + x0);
 			memset(padded, 0, (size_t)(width + 2 * reach) * sizeof *padded);
 			memcpy(padded + reach, row, (size_t)width * sizeof *row);
-			ISA(window_greatest)(padded, width, reach, 1);
-			memcpy(e->full[s] + (ptrdiff_t)y * width, padded, (size_t)width * sizeof *row);
+			memcpy(e->full[s] + (ptrdiff_t)y * width, ISA(window_greatest)(padded, spare, width, reach, 1), (size_t)width * sizeof *row);
 		}
 	}
 }
@@ -181,7 +181,7 @@ static void greatest_strips(void *data, int first, int end, int thread)
 {
 	const edges *e = data;
 	int width = e->f->width, height = e->f->height, reach = window_reach(e, height);
-	float *padded = e->filter + thread * e->thread_filter;
+	float *padded = e->filter + 2 * thread * e->thread_filter, *spare = padded + e->thread_filter;
 	for (int s = SOURCE_COLOR; s <= SOURCE_LIGHT; s++)
 		for (int strip = first; e->full[s] && strip < end; strip++) {
 			int x0 = strip * LANES, n = width - x0 < LANES ? width - x0 : LANES;
@@ -189,9 +189,9 @@ static void greatest_strips(void *data, int first, int end, int thread)
 			memset(padded, 0, (size_t)(height + 2 * reach) * LANES * sizeof *padded);
 			for (int y = 0; y < height; y++)
 				memcpy(padded + (ptrdiff_t)(reach + y) * LANES, column + (ptrdiff_t)y * width, (size_t)n * sizeof *column);
-			ISA(window_greatest)(padded, height, reach, LANES);
+			const float *greatest = ISA(window_greatest)(padded, spare, height, reach, LANES);
 			for (int y = 0; y < height; y++)
-				memcpy(column + (ptrdiff_t)y * width, padded + (ptrdiff_t)y * LANES, (size_t)n * sizeof *column);
+				memcpy(column + (ptrdiff_t)y * width, greatest + (ptrdiff_t)y * LANES, (size_t)n * sizeof *column);
 		}
 }
 
@@ -257,7 +257,7 @@ static void plan(frame *f, arena *a)
 		}
 	}
 	e.samples = arena_take(a, threads * (size_t)e.thread_samples, sizeof *e.samples);
-	e.filter = arena_take(a, threads * (size_t)e.thread_filter, sizeof *e.filter);
+	e.filter = arena_take(a, 2 * threads * (size_t)e.thread_filter, sizeof *e.filter);
 	f->edges = arena_take(a, 1, sizeof e);
 	if (f->edges)
 		*(edges *)f->edges = e;

@@ -25,7 +25,7 @@ typedef struct edges {
 	ptrdiff_t thread_samples, plane_samples;
 	ptrdiff_t ring_at[SOURCE_COUNT];
 	float *difference[SOURCE_COUNT], *full[SOURCE_COUNT]; /* width * height, with contrast_auto */
-	float *filter; /* for each thread, likewise */
+	float *filter; /* two for each thread, likewise */
 	ptrdiff_t thread_filter;
 } edges;
 

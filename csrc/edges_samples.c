@@ -14,18 +14,18 @@ static const float *layer_row(const edges *e, enum encre_layer layer, int y)
 	return e->f->layer[layer].data + (ptrdiff_t)y * e->f->layer[layer].row;
 }
 
-/* Interleaved channels, cut to low..high, to planes. */
-static void split(const float *restrict in, int channels, int n, float low, float high, float *restrict a, float *restrict b,
-		  float *restrict c)
+/* Interleaved channels, cut to low..high, to planes. Called with a constant number of channels each time. */
+static inline void split(const float *restrict in, const int channels, int n, float low, float high, float *restrict a,
+			 float *restrict b, float *restrict c)
 {
-	float *plane[3] = {a, b, c};
-	for (int k = 0; k < 3; k++) {
-		float *restrict out = plane[k];
-		for (int i = 0; i < n; i++) {
-			float v = in[i * channels + k];
-			v = v > low ? v : low;
-			out[i] = v < high ? v : high;
-		}
+	for (int i = 0; i < n; i++) {
+		float u = in[i * channels], v = in[i * channels + 1], w = in[i * channels + 2];
+		u = u > low ? u : low;
+		v = v > low ? v : low;
+		w = w > low ? w : low;
+		a[i] = u < high ? u : high;
+		b[i] = v < high ? v : high;
+		c[i] = w < high ? w : high;
 	}
 }
 

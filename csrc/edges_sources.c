@@ -6,7 +6,7 @@
 /* What a perspective response in 1/z is divided by: the largest 1/z of the window inside the frame. */
 static void divide_by_nearest(const ring *r, int y, int x0, int n, float *restrict response)
 {
-	float most[TILE + 2 * MAX_REACH];
+	float most[TILE + 2 * MAX_REACH], spare[TILE + 2 * MAX_REACH];
 	int reach = r->reach, width = r->e->f->width, height = r->e->f->height;
 	int from = x0 < reach ? reach - x0 : 0, to = n + 2 * reach;
 	to = to < width - x0 + reach ? to : width - x0 + reach;
@@ -16,9 +16,9 @@ static void divide_by_nearest(const ring *r, int y, int x0, int n, float *restri
 		for (int k = from; k < to; k++)
 			most[k] = most[k] > row[k] ? most[k] : row[k];
 	}
-	ISA(window_greatest)(most, n, reach, 1);
+	const float *nearest = ISA(window_greatest)(most, spare, n, reach, 1);
 	for (int i = 0; i < n; i++)
-		response[i] = most[i] > 0 ? response[i] / most[i] : 0;
+		response[i] = nearest[i] > 0 ? response[i] / nearest[i] : 0;
 }
 
 /* detect_dog and detect_bend for the middle of one window. */

@@ -141,6 +141,22 @@ def test_black_white_grey(probe, name):
     assert abs(ends[0] - (1 if name != "CMC" else reference.difference(name, np.zeros(3), np.ones(3)))) < 1e-6
 
 
+def test_lab_where_its_cube_root_meets_the_line(probe):
+    """The two meet with one slope, so that only fine differences tell where."""
+    grey = np.repeat(np.linspace(0.0087, 0.0090, 301)[:, None], 3, axis=1).astype(np.float32)
+    want = reference.lab(reference.encode(grey.astype(np.float64)))
+    assert np.abs(space(probe, "CIE76", grey) - want).max() < 2e-5
+
+
+def test_cmc_branches_at_164_and_345_degrees(probe):
+    hue = np.radians(np.float64([163.998, 164.002, 344.998, 345.002]))
+    one = np.stack([np.full(4, 50.0), 90 * np.cos(hue), 90 * np.sin(hue)], axis=1).astype(np.float32)
+    for turn in (-0.3, 0.3):  # one order's branch, then the other's, is the larger
+        two = np.stack([np.full(4, 50.0), 60 * np.cos(hue + turn), 60 * np.sin(hue + turn)], axis=1).astype(np.float32)
+        want = reference.cmc(one.astype(np.float64), two.astype(np.float64)) / 100
+        assert difference(probe, "CMC", one, two) == pytest.approx(want, rel=1e-5)
+
+
 def test_difference_keeps_the_largest(probe):
     one, two = planes([[0, 0, 0]] * 2), planes([[1, 1, 1]] * 2)
     out = np.float32([0.5, 3])
