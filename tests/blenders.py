@@ -3,6 +3,7 @@
 
 import functools
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -72,6 +73,24 @@ def read(done, folder):
             name, value = json.loads(line[5:])
             facts.setdefault(name, []).append(value)
     return Shot(Path(folder), words, facts)
+
+
+def encre(blender, folder, *args):
+    """The command `encre` with a Blender of commands(); `folder` is for what only this run needs."""
+    python, environment, options = sys.executable, dict(os.environ), []
+    if blender == "blender":
+        options = ["--blender", shutil.which("blender")] if args[0] == "render" else []
+    elif blender != "bpy":  # a bpy in another Python: our package by PYTHONPATH, the libraries its own
+        python = commands()[blender][0]
+        site = Path(folder) / "site"
+        site.mkdir(exist_ok=True)
+        if not (site / "encre").exists():
+            (site / "encre").symlink_to(Path(layers.__file__).parent)
+        environment["PYTHONPATH"] = str(site)
+    done = subprocess.run([python, "-m", "encre", *map(str, args), *options], capture_output=True, text=True,
+                          timeout=600, env=environment, stdin=subprocess.DEVNULL)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stderr
 
 
 @functools.cache
