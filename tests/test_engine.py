@@ -6,7 +6,7 @@ import json
 import blenders
 import numpy as np
 import pytest
-from encre import core, layers
+from encre import core, images, layers
 
 
 @pytest.fixture(params=blenders.params(), scope="module")
@@ -227,6 +227,16 @@ def test_styles(render):
     assert ball.sum() > 100
     settings = layers.read_metadata(shot.metadata("styled"))
     assert settings.styles == [("Bare", {"use_lines": False}), ("Flat", {"use_shading": False})]
+
+
+def test_compositor(render):
+    shot = render("compositor")
+    plain = shot.passes("plain")
+    with images.Exr(shot.folder / "composite-combined.exr") as file:
+        assert any(name.startswith("Composite") for name in file.channels), list(file.channels)
+    for name, wanted in (("combined", plain["Combined"]), ("light", plain["Encre Light"])):
+        composite = shot.passes(f"composite-{name}", "Composite")["Combined"]
+        assert np.abs(composite[..., :3] - wanted[..., :3]).max() < 1e-5, name
 
 
 def test_save_layers(render):

@@ -488,6 +488,26 @@ def styled(out):
     shoot(out, "styled")
 
 
+def compositor(out):
+    """The compositor shows the light's pass, doubled, in place of the picture; another output takes the picture."""
+    scene = stage()
+    shoot(out, "plain")
+    if hasattr(scene, "compositing_node_group"):
+        tree = scene.compositing_node_group = bpy.data.node_groups.new("Tree", "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        end = tree.nodes.new("NodeGroupOutput")
+    else:
+        scene.use_nodes = True
+        tree = scene.node_tree
+        tree.nodes.clear()
+        end = tree.nodes.new("CompositorNodeComposite")
+    source = tree.nodes.new("CompositorNodeRLayers")
+    for name in ("Combined", "Light"):
+        socket = source.outputs["Image" if name == "Combined" else "Encre Light"]
+        tree.links.new(socket, end.inputs[0])
+        shoot(out, f"composite-{name.lower()}")
+
+
 def saved(out):
     scene = stage()
     for mode in ("AUTO", "ON", "OFF"):
