@@ -122,7 +122,7 @@ static inline float pixel_pow(float x, float y)
 	int32_t exponent = (bits >> 23) - (x < FLT_MIN ? 24 : 0);
 	double m = (double)bits_float((bits & 0x7fffff) + 0x3f3504f3);
 	double s = (m - 1) / (m + 1), z = s * s;
-	double series = 1 + z * (1.0 / 3 + z * (1.0 / 5 + z * (1.0 / 7 + z * (1.0 / 9 + z * (1.0 / 11 + z * (1.0 / 13))))));
+	double series = 1 + z * (1.0 / 3 + z * (1.0 / 5 + z * (1.0 / 7 + z * (1.0 / 9 + z * (1.0 / 11)))));
 	double t = (double)y * ((double)exponent + 2.8853900817779268 * s * series);
 	double u = t > 127 ? 127 : t < -126 ? -126 : t;
 	float n = nearest_int((float)u);
@@ -147,7 +147,7 @@ static inline float pixel_atan2(float y, float x)
 	return y < 0 ? -a : a;
 }
 
-/* Sine of x + quarter * pi/2, |x| <= 1e4. pi/2 in two parts, the first short enough that j times it is exact. */
+/* Sine of x + quarter * pi/2, |x| <= 1e4. pi/2 in two parts, the first short enough that n times it is exact. */
 static inline float sine(float x, int32_t quarter)
 {
 	float n = nearest_int(x * 0.636619772f);

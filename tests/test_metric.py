@@ -74,6 +74,7 @@ SMALL_TO_1 = (10 ** RNG.uniform(-8, 0, N)).astype(np.float32)
     ("pow", UNIT, 6 * SMALL_TO_1, lambda x, y: x**y, 4),
     ("pow", SMALL_TO_1, 6 * UNIT, lambda x, y: x**y, 4),
     ("pow", WIDE, UNIT, lambda x, y: x**y, 4),
+    ("pow", 0.75 + 0.6 * UNIT, 180 * UNIT[::-1], lambda x, y: x**y, 4),
     ("pow", 1e-42 + 1e-38 * UNIT, UNIT, lambda x, y: x**y, 4),  # subnormal numbers
     ("atan2", SIGNED, SIGNED[::-1], lambda x, y: np.arctan2(x, y), 4),
     ("atan2", WIDE * np.sign(SIGNED), WIDE[::-1] * np.sign(SIGNED[::-1]), lambda x, y: np.arctan2(x, y), 4),
@@ -94,8 +95,8 @@ def test_inline_maths(probe, name, x, y, want, limit):
 def test_exact_values(probe):
     assert call(probe.probe_srgb, [0, 1]).tolist() == [0, 1]
     assert call(probe.probe_cbrt, [0, 1, 8, 27]).tolist() == [0, 1, 2, 3]
-    assert call(probe.probe_pow, [0, 0, 1, 0.5, 3, 1e-30, 1e30], [0, 2, 9, 1, 0, 9, 9]).tolist() == \
-        [1, 0, 1, 0.5, 1, 0, 2.0**127]
+    assert call(probe.probe_pow, [0, 0, 1, 0.5, 3, 1e-30, 1e30, 2], [0, 2, 9, 1, 0, 9, 9, 127.5]).tolist() == \
+        [1, 0, 1, 0.5, 1, 0, 2.0**127, 2.0**127]
     assert call(probe.probe_atan2, [0, 0, 1, -1], [0, 1, 0, 0]).tolist() == \
         np.float32([0, 0, np.pi / 2, -np.pi / 2]).tolist()
     assert call(probe.probe_exp, [0, -1e30, -87.1]).tolist() == [1, *call(probe.probe_exp, [-87, -87]).tolist()]
