@@ -46,7 +46,8 @@ def test_much_is_in_it(saved):
     assert len(np.unique(objects[objects > 0])) >= 25
 
 
-@pytest.mark.parametrize(("control", "far"), [("thickness", 12), ("intensity", 12), ("smudge_range", 0), ("hatching", 0)])
+@pytest.mark.parametrize(("control", "far"), [
+    ("thickness", 12), ("intensity", 12), ("smudge_range", 0), ("hatching", 0)])
 def test_each_painted_control_changes_its_region_alone(saved, control, far):
     """No pixel changes farther than `far` pixels from what is painted: lines reach out, surfaces do not."""
     pictures, settings = saved
@@ -70,5 +71,5 @@ def test_a_strangers_file_renders(data, tmp_path):
     """Its world image is missing and it has no lamp: a black head, and its ink."""
     blenders.encre("bpy", tmp_path, "render", data / "suzanne.blend", "-o", tmp_path / "suzanne.exr",
                    "--size", "320x180", "--samples", "1")
-    ink = exr.part(tmp_path / "suzanne.exr", "ViewLayer.Encre Lines")[..., 3]
+    ink = exr.part(tmp_path / "suzanne.exr", "RenderLayer.Encre Lines")[..., 3]
     assert 0.005 < (ink > 0.5).mean() < 0.4
