@@ -76,9 +76,11 @@ static float response_alone(const ring *r, int y, int x)
 			out[at + j] = 2 * out[at + width - 1] - out[at + clamp_index(2 * (width - 1) - j, width)];
 	}
 	for (int i = y - reach; i <= y + reach; i++) {
+		if (i >= 0 && i < height)
+			continue;
 		const double *border = patch[clamp_index(i, height) - y + reach];
 		const double *inside = patch[clamp_index(i < 0 ? -i : 2 * (height - 1) - i, height) - y + reach];
-		for (int j = 0; (i < 0 || i >= height) && j <= 2 * reach; j++)
+		for (int j = 0; j <= 2 * reach; j++)
 			patch[i - y + reach][j] = 2 * border[j] - inside[j];
 	}
 	return e->dog ? dog_alone(&e->gauss, patch) : bend_alone(patch);
