@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Encre, a comic-book render engine. Blender's modules are imported only where Blender calls."""
 
+import sys
+
 bl_info = {
     "name": "Encre",
     "description": "Comic-book rendering: inked lines, flat tinted light, smudged colour, pencil hatching",
@@ -10,9 +12,19 @@ bl_info = {
 }
 
 
+_registered = []
+
+
 def _modules():
     """What registers with Blender, in this order."""
-    from . import engine, paint, properties, ui
+    from . import core, engine
+
+    try:
+        core.library()
+    except core.EncreError as error:
+        print(f"encre: {error}", file=sys.stderr)
+        return (engine,)  # it says so to whoever renders
+    from . import paint, properties, ui
 
     return properties, engine, ui, paint
 
@@ -20,8 +32,9 @@ def _modules():
 def register():
     for module in _modules():
         module.register()
+        _registered.append(module)
 
 
 def unregister():
-    for module in reversed(_modules()):
-        module.unregister()
+    while _registered:
+        _registered.pop().unregister()

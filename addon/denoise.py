@@ -17,6 +17,7 @@ _Monitor = c.CFUNCTYPE(c.c_bool, c.c_void_p, c.c_double)
 # Parameters and result of each function used; handles are pointers.
 _SIGNATURES = {
     "oidnNewDevice": (c.c_void_p, c.c_int),
+    "oidnSetDeviceInt": (None, c.c_void_p, c.c_char_p, c.c_int),
     "oidnCommitDevice": (None, c.c_void_p),
     "oidnReleaseDevice": (None, c.c_void_p),
     "oidnGetDeviceError": (c.c_int, c.c_void_p, c.POINTER(c.c_char_p)),
@@ -61,11 +62,11 @@ def available():
     return _library() is not None
 
 
-def denoise(picture, albedo, normal, keep_on=None):
+def denoise(picture, albedo, normal, threads=0, keep_on=None):
     """`picture` (height, width, 3), linear and unlimited, without noise; albedo and normal guide it.
 
-    keep_on: called while it works, perhaps on other threads; False cancels (core.Cancelled). EncreError: the
-    denoiser failed.
+    threads: 0 = as many as there are processors. keep_on: called while it works, perhaps on other threads; False
+    cancels (core.Cancelled). EncreError: the denoiser failed.
     """
     library = _library()
     inputs = {b"color": picture, b"albedo": albedo, b"normal": normal}
@@ -74,6 +75,8 @@ def denoise(picture, albedo, normal, keep_on=None):
     output = np.empty((height, width, 3), np.float32)
     monitor = _Monitor(lambda _user, _fraction: keep_on is None or bool(keep_on()))
     device = library.oidnNewDevice(_CPU)
+    if threads:
+        library.oidnSetDeviceInt(device, b"numThreads", threads)
     library.oidnCommitDevice(device)
     work = library.oidnNewFilter(device, b"RT")
     for name, image in (*inputs.items(), (b"output", output)):

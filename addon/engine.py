@@ -51,10 +51,19 @@ class EncreEngine(bpy.types.RenderEngine):
             _said.add(sentence)
             self.report({kind}, sentence)
 
-    def refuse(self, error):
-        """Ends the render with a sentence; Blender then writes no file."""
-        self.refused = True
-        self.say("ERROR", str(error))
+    @contextlib.contextmanager
+    def refusing(self):
+        """What goes wrong inside ends the render with a sentence, and Blender then writes no file."""
+        try:
+            yield
+        except core.Cancelled:
+            self.refused = True
+        except MemoryError:
+            self.refused = True
+            self.say("ERROR", "memory: there is none left for this frame; make it smaller or close other programs")
+        except core.EncreError as error:
+            self.refused = True
+            self.say("ERROR", str(error))
 
     def update_render_passes(self, scene, layer):
         passes = [tuple(known) for known in _cycles().list_render_passes(scene, layer)]
@@ -69,7 +78,7 @@ class EncreEngine(bpy.types.RenderEngine):
 
     def update(self, data, depsgraph):
         self.refused = False
-        try:
+        with self.refusing():
             # Freestyle's strokes come as a scene of their own; neither they nor previews are drawn on.
             if not self.is_preview and not depsgraph.scene.name.startswith("FRS"):
                 self.frames = self.frames or frame.Frames(self)
@@ -77,33 +86,21 @@ class EncreEngine(bpy.types.RenderEngine):
             if not self.session:
                 _cycles().create(self, data)
             _cycles().reset(self, data, depsgraph)
-        except core.EncreError as error:
-            self.refuse(error)
 
     def render(self, depsgraph):
-        if self.refused:
-            return
-        try:
+        with self.refusing():
             if self.frames:
                 self.frames.before(depsgraph)
-        except core.Cancelled:
-            return
-        except core.EncreError as error:
-            self.refuse(error)
-            return
-        _cycles().render(self, depsgraph)
+        if not self.refused:
+            _cycles().render(self, depsgraph)
 
     def render_frame_finish(self):
         if self.refused:
             return
         _cycles().render_frame_finish(self)  # only now are all tiles there
-        try:
+        with self.refusing():
             if self.frames:
                 self.frames.after()
-        except core.Cancelled:
-            pass
-        except core.EncreError as error:
-            self.refuse(error)
 
     def bake(self, depsgraph, obj, pass_type, pass_filter, width, height):
         _cycles().bake(self, depsgraph, obj, pass_type, pass_filter, width, height)

@@ -39,7 +39,7 @@ class _ViewLayer:
 
 def passes(scene):
     """What Cycles and the stages must have a place for: (name, channel names, kind), as register_pass() takes."""
-    mode = scene.encre.save_layers
+    mode = scene.encre.save_layers if hasattr(scene, "encre") else "OFF"  # the library may be missing
     multilayer = scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
     saved = layers.SAVED if mode == "ON" or (mode == "AUTO" and multilayer) else {}
     for name, channels in {**layers.CYCLES, **layers.DRAWN, **saved}.items():
@@ -107,16 +107,18 @@ class Frames:
 
     def _switch_blur(self, depsgraph, off):
         """Lines need layers in which a pixel shows one thing."""
-        render, found = depsgraph.scene_eval.render, []
-        if depsgraph.scene.render.use_motion_blur:
-            render.use_motion_blur = not off
-            found.append("motion blur")
-        for block in depsgraph.ids:
-            if isinstance(block, bpy.types.Camera) and block.original.dof.use_dof:
-                block.dof.use_dof = not off
-                found.append("depth of field")
-        if found and off:
-            names = " and ".join(sorted(set(found)))
+        cameras = (block for block in depsgraph.ids if isinstance(block, bpy.types.Camera))
+        blurs = [(depsgraph.scene_eval.render, depsgraph.scene.render, "use_motion_blur", "motion blur"),
+                 *((camera.dof, camera.original.dof, "use_dof", "depth of field") for camera in cameras)]
+        found = set()
+        for evaluated, user, switch, name in blurs:
+            if not off:
+                setattr(evaluated, switch, getattr(user, switch))
+            elif getattr(evaluated, switch):
+                setattr(evaluated, switch, False)
+                found.add(name)
+        if found:
+            names = " and ".join(sorted(found))
             self.engine.say("WARNING", f"{names}: rendered without, because lines need sharp layers")
 
     def _rasterise(self, depsgraph, camera, settings, denoise_other):
@@ -176,7 +178,7 @@ class Frames:
         index = pictures["IndexOB"][..., 0]
         pictures.update(layers.rasterised(index, maps, objects.owners, objects.numbers, objects.strays))
         images, nonfinite = layers.assemble(pictures, settings.scene, settings.overrides,
-                                            self._denoiser(settings), layer.denoise_other)
+                                            self._denoiser(layer), layer.denoise_other)
         drawn = core.render(images, settings.scene, settings.overrides, camera, layer.frame,
                             outputs=("Combined", *layers.DRAWN), threads=layer.threads, progress=self._go_on,
                             image=papers.load)
@@ -189,10 +191,10 @@ class Frames:
             compat.write_pass(there[name], out[name])
         return nonfinite + drawn.nonfinite
 
-    def _denoiser(self, settings):
-        if not settings.denoise or not denoise.available():
+    def _denoiser(self, layer):
+        if not layer.settings.denoise or not denoise.available():
             return None
-        return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, self._go_on)
+        return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, self._go_on)
 
     def _stamp(self, result, layer):
         """The settings go into the saved file, so that it can be drawn again without Blender."""

@@ -57,9 +57,11 @@ class Shot:
         return (self.folder / f"{name}.exr").exists()
 
 
-def run(blender, case, folder):
+def run(blender, case, folder, environment=None):
+    """Runs a case of blender/cases.py, with more environment variables if given."""
     done = subprocess.run([*commands()[blender], "--", case, str(folder)], capture_output=True, text=True,
-                          timeout=300, errors="replace", stdin=subprocess.DEVNULL)
+                          timeout=300, errors="replace",
+                          stdin=subprocess.DEVNULL, env={**os.environ, **(environment or {})})
     return read(done, folder)
 
 

@@ -2,6 +2,7 @@
 """The engine in Blender: each case of blender/cases.py is rendered in a process of its own and its pixels looked at."""
 
 import json
+from pathlib import Path
 
 import blenders
 import numpy as np
@@ -16,7 +17,7 @@ def blender(request):
 
 @pytest.fixture
 def render(blender, tmp_path):
-    return lambda case: blenders.run(blender, case, tmp_path)
+    return lambda case, **environment: blenders.run(blender, case, tmp_path, environment)
 
 
 def over(lines, surface):
@@ -251,9 +252,8 @@ def test_scene_is_untouched(render):
     assert render("untouched").facts["changed"] == [[]]
 
 
-@pytest.mark.parametrize("case", ["refused"])
-def test_refused(render, case):
-    shot = render(case)
+def test_refused(render):
+    shot = render("refused")
     words = {"panoramic": "panoramic", "no camera": "camera", "levels": "overlap", "no paper": "image",
              "lost paper": "no such file"}
     for name, word in words.items():
@@ -264,7 +264,22 @@ def test_refused(render, case):
     assert shot.facts["panoramic off"] == [None] and shot.wrote("panoramic-off")
 
 
-def test_library_missing(render):
+def test_failure_under_way(render):
+    shot = render("fails")
+    assert "denoiser failed" in shot.facts["late"][0] and not shot.wrote("late")
+    assert "memory" in shot.facts["memory"][0] and not shot.wrote("memory")
+    assert "Traceback" not in shot.output
+
+
+def test_library_missing(render, tmp_path):
+    bare = tmp_path / "bare"
+    bare.mkdir()
+    for path in Path(core.__file__).parent.iterdir():
+        if path.suffix in {".py", ".json"} or path.is_dir():
+            (bare / path.name).symlink_to(path)
+    shot = render("without_library", ENCRE_PACKAGE=str(bare))
+    assert "library is missing" in shot.facts["missing"][0] and not shot.wrote("missing")
+    assert "Traceback" not in shot.output
     shot = render("no_library")
     assert "missing" in shot.facts["missing"][0] and not shot.wrote("missing")
     assert "version" in shot.facts["version"][0] and not shot.wrote("version")

@@ -579,6 +579,32 @@ def refused(out):
     fact("lost paper", shoot(out, "lost-paper"))
 
 
+def fails(out):
+    """Something goes wrong after Cycles: no file either."""
+    stage()
+    from encre import core, frame
+
+    def fail(*_args, **_more):
+        raise core.EncreError("the denoiser failed; switch it off")
+
+    frame.core.render = fail
+    fact("late", shoot(out, "late"))
+
+    def exhaust(*_args, **_more):
+        raise MemoryError
+
+    frame.core.render = exhaust
+    fact("memory", shoot(out, "memory"))
+
+
+def without_library(out):
+    """ENCRE_PACKAGE is a package without its library."""
+    bpy.ops.wm.read_factory_settings()
+    register()
+    bpy.context.scene.render.engine = "ENCRE"
+    fact("missing", shoot(out, "missing"))
+
+
 def no_library(out):
     stage()
     from encre import core
