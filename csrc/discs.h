@@ -100,7 +100,9 @@ void ISA(discs_draw)(const discs *all, canvas *c);
 typedef struct search {
 	uint16_t *held, *next; /* width * height: (dy + 32) << 6 | dx + 32 of the edge, HELD_NONE = none; not for NEAREST */
 	float *blurred;        /* width * height, for WALK */
-	float *column;         /* scratch per thread, for WALK */
+	uint8_t *gap;          /* width * height, for WALK: pixels to the nearest edge pixel, the larger of dx and dy */
+	float *column;         /* scratch per thread, for WALK; likewise rows */
+	uint8_t *rows;
 } search;
 
 enum { HELD_NONE = UINT16_MAX };

@@ -6,6 +6,8 @@
  * their rows, then columns do, and the nearest is the least number with the squared distance in front. */
 #include "discs.h"
 
+#include <string.h>
+
 enum { STEPS = 20, ORIGIN = 32 << 6 | 32, BLUR_SIGMA = 10, BLUR_RADIUS = 20 };
 
 typedef struct job {
@@ -82,6 +84,16 @@ static void add_pair(const uint8_t *restrict above, const uint8_t *restrict belo
 		sum[x] += weight * (float)((above[x] != 0) + (below[x] != 0));
 }
 
+static size_t column_size(const frame *f)
+{
+	return 4 * ((size_t)f->width + BLUR_RADIUS);
+}
+
+static float *column_of(const job *j, int thread)
+{
+	return j->s->column + (size_t)thread * column_size(j->f);
+}
+
 /* Columns first. Taps are summed in pairs from the middle, so that what is symmetrical stays so to the bit, and the
  * gradient on an axis of symmetry is 0. */
 static void blur_rows(void *data, int y0, int y1, int thread)
@@ -89,7 +101,7 @@ static void blur_rows(void *data, int y0, int y1, int thread)
 	const job *j = data;
 	const frame *f = j->f;
 	int width = f->width;
-	float *sum = j->s->column + (size_t)thread * ((size_t)width + 2 * BLUR_RADIUS) + BLUR_RADIUS;
+	float *sum = column_of(j, thread) + BLUR_RADIUS;
 	for (int y = y0; y < y1; y++) {
 		for (int x = 0; x < width; x++)
 			sum[x] = j->weight[0] * (float)(f->edge[(size_t)y * (size_t)width + (size_t)x] != 0);
@@ -112,35 +124,100 @@ static void blur_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-/* Where the walk from x, y along the unit vector g ends. */
-static uint16_t walk(const frame *f, int x, int y, float gx, float gy)
+static void mark_edges(const uint8_t *restrict edge, int n, uint8_t k, uint8_t *restrict rows)
 {
-	for (int i = 0; i < STEPS; i++) {
-		int dx = (int)floorf((float)i * gx + 0.5f), dy = (int)floorf((float)i * gy + 0.5f);
+	for (int x = 0; x < n; x++)
+		rows[x] = edge[x] ? k : rows[x];
+}
+
+/* Rows to the nearest edge pixel of each column, at most STEPS. */
+static void least_rows(const frame *f, int y, uint8_t *rows)
+{
+	memset(rows, STEPS, (size_t)f->width);
+	for (int k = STEPS - 1; k >= 0; k--) {
+		if (y + k < f->height)
+			mark_edges(f->edge + (size_t)(y + k) * (size_t)f->width, f->width, (uint8_t)k, rows);
+		if (y - k >= 0)
+			mark_edges(f->edge + (size_t)(y - k) * (size_t)f->width, f->width, (uint8_t)k, rows);
+	}
+}
+
+static void step_beside(const uint8_t *restrict left, const uint8_t *restrict right, int n, uint8_t k, uint8_t *restrict gap)
+{
+	for (int x = 0; x < n; x++) {
+		uint8_t beside = left[x] < right[x] ? left[x] : right[x];
+		beside = beside > k ? beside : k;
+		gap[x] = beside < gap[x] ? beside : gap[x];
+	}
+}
+
+/* Chessboard distance to the nearest edge pixel, at most STEPS: so many steps of a walk find nothing. */
+static void gap_rows(void *data, int y0, int y1, int thread)
+{
+	const job *j = data;
+	const frame *f = j->f;
+	uint8_t *rows = j->s->rows + (size_t)thread * ((size_t)f->width + 2 * STEPS) + STEPS;
+	memset(rows - STEPS, STEPS, STEPS);
+	memset(rows + f->width, STEPS, STEPS);
+	for (int y = y0; y < y1; y++) {
+		least_rows(f, y, rows);
+		uint8_t *gap = j->s->gap + (size_t)y * (size_t)f->width;
+		memcpy(gap, rows, (size_t)f->width);
+		for (int k = 1; k < STEPS; k++)
+			step_beside(rows - k, rows + k, f->width, (uint8_t)k, gap);
+	}
+}
+
+/* Where the walk from x, y along the unit vector g ends. */
+static uint16_t walk(const frame *f, const uint8_t *gap, int x, int y, float gx, float gy)
+{
+	for (int i = 0; i < STEPS;) {
+		/* rounding half up; 32 makes them positive, for which a conversion is floor() */
+		int dx = (int)((float)i * gx + 32.5f) - 32, dy = (int)((float)i * gy + 32.5f) - 32;
 		dx = dx < -x ? -x : dx > f->width - 1 - x ? f->width - 1 - x : dx;
 		dy = dy < -y ? -y : dy > f->height - 1 - y ? f->height - 1 - y : dy;
-		if (f->edge[(size_t)(y + dy) * (size_t)f->width + (size_t)(x + dx)])
+		int skip = gap[(size_t)(y + dy) * (size_t)f->width + (size_t)(x + dx)];
+		if (!skip)
 			return (uint16_t)(ORIGIN + dy * 64 + dx);
+		i += skip;
 	}
 	return HELD_NONE;
 }
 
+/* Unit gradient of the rows t, m and b; 0 where it is too short to be one. Scratch: n + 2 floats each. */
+static void slope_row(const float *restrict t, const float *restrict m, const float *restrict b, int n, float *restrict across,
+		      float *restrict down, float *restrict gx, float *restrict gy)
+{
+	for (int x = 0; x < n; x++) {
+		across[x + 1] = m[x] + 0.5f * (t[x] + b[x]);
+		down[x + 1] = b[x] - t[x];
+	}
+	across[0] = across[1];
+	across[n + 1] = across[n];
+	down[0] = down[1];
+	down[n + 1] = down[n];
+	for (int x = 0; x < n; x++) {
+		float dx = across[x + 2] - across[x], dy = down[x + 1] + 0.5f * (down[x] + down[x + 2]);
+		float length = sqrtf(dx * dx + dy * dy), scale = length >= 1e-12f ? 1 / length : 0;
+		gx[x] = dx * scale;
+		gy[x] = dy * scale;
+	}
+}
+
 static void walk_rows(void *data, int y0, int y1, int thread)
 {
-	(void)thread;
 	const job *j = data;
 	const frame *f = j->f;
 	size_t width = (size_t)f->width;
+	float *gx = column_of(j, thread), *gy = gx + width, *scratch = gy + width;
 	for (int y = y0; y < y1; y++) {
 		const float *m = j->s->blurred + (size_t)y * width, *t = y > 0 ? m - width : m, *b = y < f->height - 1 ? m + width : m;
-		const uint8_t *edge = f->edge + (size_t)y * width;
+		const uint8_t *gap = j->s->gap + (size_t)y * width;
 		uint16_t *held = j->s->held + (size_t)y * width;
+		slope_row(t, m, b, f->width, scratch, scratch + width + 2, gx, gy);
 		for (int x = 0; x < f->width; x++) {
-			int l = x > 0 ? x - 1 : x, r = x < f->width - 1 ? x + 1 : x;
-			float gx = (m[r] + 0.5f * (t[r] + b[r])) - (m[l] + 0.5f * (t[l] + b[l]));
-			float gy = (b[x] + 0.5f * (b[l] + b[r])) - (t[x] + 0.5f * (t[l] + t[r]));
-			float length = sqrtf(gx * gx + gy * gy);
-			held[x] = edge[x] ? ORIGIN : length < 1e-12f ? HELD_NONE : walk(f, x, y, gx / length, gy / length);
+			bool reached = gap[x] == 0, hopeless = gap[x] == STEPS || (gx[x] == 0 && gy[x] == 0);
+			held[x] = reached ? ORIGIN : hopeless ? HELD_NONE : walk(f, j->s->gap, x, y, gx[x], gy[x]);
 		}
 	}
 }
@@ -155,6 +232,8 @@ static int32_t walk_all(job *j)
 	for (int k = 0; k <= BLUR_RADIUS; k++)
 		j->weight[k] /= sum;
 	int32_t code = rows_run(j->f->rows, j->f->height, 0, blur_rows, j);
+	if (!code)
+		code = rows_run(j->f->rows, j->f->height, 0, gap_rows, j);
 	if (!code)
 		code = rows_run(j->f->rows, j->f->height, 0, walk_rows, j);
 	return code ? code : hold_nearest(j, 2);
@@ -174,7 +253,9 @@ search ISA(search_plan)(frame *f, arena *a)
 	s.next = arena_take(a, pixels, sizeof(uint16_t));
 	if (f->params->line_search == line_search_WALK) {
 		s.blurred = arena_take(a, pixels, sizeof(float));
-		s.column = arena_take(a, (width + 2 * BLUR_RADIUS) * (size_t)rows_threads(f->rows), sizeof(float));
+		s.gap = arena_take(a, pixels, sizeof(uint8_t));
+		s.column = arena_take(a, column_size(f) * (size_t)rows_threads(f->rows), sizeof(float));
+		s.rows = arena_take(a, (width + 2 * STEPS) * (size_t)rows_threads(f->rows), sizeof(uint8_t));
 	}
 	return s;
 }

@@ -149,6 +149,20 @@ def test_strongest_of_all(seed, thickness, softness, intensity, occlude, tint):
                        line_tint=0.6 * tint, edge_material=0.0), frame=full(40, 64))
 
 
+@pytest.mark.parametrize("search", ["EXACT", "NEAREST"])
+@pytest.mark.parametrize("camera,share", [(core.Camera(), 0.1), (core.Camera(orthographic=True, height=4.0), 0.08)])
+def test_occlusion_begins_a_tenth_nearer(search, camera, share):
+    """Of the edge's depth, or of the frame's height; the edge is at 5 and its line lies over a gentle slope."""
+    layers = {name: a * 0 for name, a in noise_layers(9, 400).items()}
+    slope = 5 * (1 - share) + np.linspace(-0.01, 0.01, 390)
+    layers["depth"][:] = np.concatenate([np.full(10, 5), slope])
+    layers["albedo"][4, 4] = 1
+    scene = dict(SHARP, line_search=search, line_thickness=2000.0, line_max_thickness=2000.0, length_unit="PIXELS",
+                 line_softness=0.0, paper_source="NONE", line_intensity=2.0)
+    ink = core.render(layers, scene, camera=camera, outputs=PASSES).images["Encre Lines"][4, 10:, 3]
+    assert (ink[slope < 5 * (1 - share) - 1e-4] == 0).all() and (ink[slope > 5 * (1 - share) + 1e-4] == 1).all()
+
+
 # ---- which edge ------------------------------------------------------------------------------------------------
 
 
