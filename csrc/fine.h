@@ -17,7 +17,6 @@ enum family {
 	FAMILY_COLOR_BAND, FAMILY_COLOR,
 	FAMILY_LIGHT_BAND, FAMILY_LIGHT_STEP,
 	FAMILY_LIGHT,        /* where smooth light crosses a threshold: between two pixels */
-	FAMILY_CORNER,       /* where the lines of two loose ends meet */
 	FAMILY_COUNT
 };
 
@@ -56,6 +55,7 @@ typedef struct fine {
 	uint32_t *cell, *member;
 	/* The sites that site i is linked to: to[at[i]] to to[at[i + 1] - 1], ascending. */
 	uint32_t *at, *to;
+	uint32_t linked; /* sites that `at` knows */
 } fine;
 
 enum { CELL = 4 };
@@ -138,6 +138,12 @@ bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, floa
 int32_t ISA(fine_drop_crumbs)(fine *n, enum family family);
 /* Fills at and to. */
 int32_t ISA(fine_link)(fine *n);
+/* Adds links, of sites that may be new. */
+int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count);
+/* ends.c */
+int32_t ISA(fine_join_ends)(fine *n);
+/* sites.c: fills cell and member. */
+int32_t ISA(fine_sort)(fine *n);
 
 /* sites.c, called by the edge stage. */
 void ISA(fine_plan)(frame *f, const edges *e, arena *a);

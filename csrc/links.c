@@ -178,8 +178,35 @@ static void link_sites(void *data, int first, int end, int thread)
 	}
 }
 
+int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count)
+{
+	uint32_t *at = late_take(&n->f->late, n->count + 1, sizeof *at), *to = late_take(&n->f->late, n->at[n->linked] + 2 * count, sizeof *to);
+	if (!at || !to)
+		return ENCRE_ERROR_MEMORY;
+	memset(at, 0, (n->count + 1) * sizeof *at);
+	for (uint32_t i = 0; i < n->linked; i++)
+		at[i + 1] = n->at[i + 1] - n->at[i];
+	for (uint32_t i = 0; i < 2 * count; i++)
+		at[link[i / 2][i % 2] + 1]++;
+	for (uint32_t i = 0; i < n->count; i++)
+		at[i + 1] += at[i];
+	for (uint32_t i = 0; i < n->linked; i++)
+		memcpy(to + at[i], n->to + n->at[i], (n->at[i + 1] - n->at[i]) * sizeof *to);
+	for (uint32_t i = 2 * count; i-- > 0;) { /* from the back of each site's list, which still ends where the next begins */
+		uint32_t site = link[i / 2][i % 2];
+		to[--at[site + 1]] = link[i / 2][1 - i % 2];
+	}
+	for (uint32_t i = 0; i < 2 * count; i++)
+		at[link[i / 2][i % 2] + 1]++;
+	n->at = at;
+	n->to = to;
+	n->linked = n->count;
+	return ENCRE_OK;
+}
+
 int32_t ISA(fine_link)(fine *n)
 {
+	n->linked = n->count;
 	n->at = late_take(&n->f->late, n->count + 1, sizeof *n->at);
 	if (!n->at)
 		return ENCRE_ERROR_MEMORY;

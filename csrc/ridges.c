@@ -67,17 +67,20 @@ static int steeper(const window *w, int x)
 	return sum[AXIS_COLUMN] > sum[AXIS_ROW] ? AXIS_COLUMN : AXIS_ROW;
 }
 
-/* Samples along an axis about x; value[REACH] is its own. */
-static void along(const window *w, int x, int axis, float (*value)[3])
+/* Samples along an axis about x; value[REACH] is its own. Returns how far they go before they repeat, on the shorter side. */
+static int along(const window *w, int x, int axis, float (*value)[3])
 {
+	int shorter = REACH;
 	for (int side = -1; side <= 1; side += 2) {
-		int held = 0; /* how far one may go */
+		int held = 0;
 		for (int k = 1; k <= REACH && held == k - 1; k++)
 			held += !w->mixed[REACH + (axis ? side * k : 0)][x + (axis ? 0 : side * k)];
 		for (int k = 0; k <= REACH; k++)
 			for (int c = 0, at = side * (k < held ? k : held); c < w->planes; c++)
 				value[REACH + side * k][c] = w->row[c][REACH + (axis ? at : 0)][x + (axis ? 0 : at)];
+		shorter = held < shorter ? held : shorter;
 	}
+	return shorter;
 }
 
 /* Whether the step at x is the greatest of the five along its axis. Of two equal ones, which lie at the same place, the
@@ -85,7 +88,8 @@ static void along(const window *w, int x, int axis, float (*value)[3])
 static bool greatest(const window *w, int x, int axis)
 {
 	float value[SPAN][3], own;
-	along(w, x, axis, value);
+	if (along(w, x, axis, value) < 2 && w->source == SOURCE_LIGHT)
+		return false; /* where a surface turns away its light falls ever faster, and repeated values would make that a step */
 	own = difference2(value[REACH + 1], value[REACH - 1], w->planes);
 	for (int k = -2; k <= 2; k++) {
 		float other = difference2(value[REACH + k + 1], value[REACH + k - 1], w->planes);

@@ -186,7 +186,7 @@ static size_t cell_of(const fine *n, const site *s)
 	return (size_t)y * (size_t)n->across + (size_t)x;
 }
 
-static int32_t sort(fine *n)
+int32_t ISA(fine_sort)(fine *n)
 {
 	size_t cells = (size_t)n->across * (size_t)n->tall;
 	n->member = late_take(&n->f->late, n->count, sizeof *n->member);
@@ -292,11 +292,13 @@ int32_t ISA(fine_run)(frame *f)
 	if (!code)
 		code = gather(n);
 	if (!code)
-		code = sort(n);
+		code = ISA(fine_sort)(n);
 	if (!code)
 		code = clear(n);
 	if (!code)
 		code = ISA(fine_link)(n);
+	if (!code)
+		code = ISA(fine_join_ends)(n);
 	if (!code)
 		show_strength(n);
 	return code;
