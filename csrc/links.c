@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 2048, ROOM = 64, CRUMB = 3 };
+enum { CHUNK = 2048, ROOM = 64 };
 
 static const float link_reach = 1.6f; /* pixels */
 
@@ -113,14 +113,27 @@ typedef struct turn {
 	uint32_t first;
 } turn;
 
-/* Whether fewer than CRUMB sites hang together here. */
+/* Fewer sites than this that hang together are no line. */
+static int crumb_of(const site *s)
+{
+	return s->family == FAMILY_NORMAL_BAND || s->family == FAMILY_COLOR_BAND || s->family == FAMILY_LIGHT_BAND ? 4 : 3;
+}
+
 static bool crumb(const fine *n, uint32_t i)
 {
-	uint32_t to[ROOM], further[ROOM];
-	int count = close_sites(n, i, to);
-	if (count + 1 >= CRUMB || count == 0)
-		return count == 0;
-	return close_sites(n, to[0], further) < 2;
+	uint32_t found[ROOM] = {i}, to[ROOM];
+	int count = 1, wanted = crumb_of(n->site + i);
+	for (int k = 0; k < count && count < wanted; k++) {
+		int near = close_sites(n, found[k], to);
+		for (int j = 0; j < near && count < wanted; j++) {
+			bool known = false;
+			for (int l = 0; l < count; l++)
+				known |= found[l] == to[j];
+			if (!known)
+				found[count++] = to[j];
+		}
+	}
+	return count < wanted;
 }
 
 static void find_crumbs(void *data, int first, int end, int thread)

@@ -10,6 +10,10 @@ enum { REACH = 3, SPAN = 2 * REACH + 1 };
 static const float least_of_step = 0.4f;   /* share of a step that slopes beside it may not explain */
 static const float crease_from = 0.35f, crease_ramp = 0.37f; /* of the difference of normals at crease_angle */
 static const float least_color = 0.01f, least_light = 0.02f;
+static const float more_of_band = 1.2f, least_light_band = 0.1f; /* floor: times a step's; of light */
+static const float widest_band = 2.05f;    /* pixels */
+static const float least_of_peak = 1.5f;   /* times the step across a band */
+static const float most_against = 0.1f;    /* share of a band that a pixel of it may lie the other way */
 
 /* Rows about the one worked on: sample 0 of each, REACH more before it and after the last. */
 typedef struct window {
@@ -20,14 +24,24 @@ typedef struct window {
 	const uint8_t *mixed[SPAN];
 } window;
 
-static enum family family_of(enum source s)
+static enum family step_of(enum source s)
 {
 	return s == SOURCE_NORMAL ? FAMILY_NORMAL : s == SOURCE_COLOR ? FAMILY_COLOR : FAMILY_LIGHT_STEP;
+}
+
+static enum family band_of(enum source s)
+{
+	return (enum family)(step_of(s) - 1);
 }
 
 static float floor_of(const fine *n, enum source s)
 {
 	return s == SOURCE_NORMAL ? crease_from * n->crease : s == SOURCE_COLOR ? least_color : least_light;
+}
+
+static float band_floor(const fine *n, enum source s)
+{
+	return s == SOURCE_LIGHT ? least_light_band : more_of_band * floor_of(n, s);
 }
 
 /* ---- in a window ----------------------------------------------------------------------------------------- */
@@ -88,8 +102,8 @@ static int along(const window *w, int x, int axis, float (*value)[3])
 static bool greatest(const window *w, int x, int axis)
 {
 	float value[SPAN][3], own;
-	if (along(w, x, axis, value) < 2 && w->source == SOURCE_LIGHT)
-		return false; /* where a surface turns away its light falls ever faster, and repeated values would make that a step */
+	if (along(w, x, axis, value) < 1)
+		return false;
 	own = difference2(value[REACH + 1], value[REACH - 1], w->planes);
 	for (int k = -2; k <= 2; k++) {
 		float other = difference2(value[REACH + k + 1], value[REACH + k - 1], w->planes);
@@ -97,6 +111,30 @@ static bool greatest(const window *w, int x, int axis)
 			return false;
 	}
 	return own > 0;
+}
+
+/* How far the three pixels about x lie from the line between their neighbours. */
+static float bulge2(const window *w, int x, int k, int axis)
+{
+	float sum = 0;
+	for (int c = 0; c < w->planes; c++) {
+		float v[5];
+		for (int i = -2; i <= 2; i++)
+			v[i + 2] = w->row[c][k + (axis ? i : 0)][x + (axis ? 0 : i)];
+		float e = (v[1] + v[2] + v[3]) - 1.5f * (v[0] + v[4]);
+		sum += e * e;
+	}
+	return sum;
+}
+
+static int bulging(const window *w, int x)
+{
+	float sum[2] = {0, 0};
+	for (int k = REACH - 1; k <= REACH + 1; k++)
+		for (int i = x - 1; i <= x + 1; i++)
+			for (int axis = 0; axis < 2; axis++)
+				sum[axis] += sqrtf(bulge2(w, i, k, axis));
+	return sum[AXIS_COLUMN] > sum[AXIS_ROW] ? AXIS_COLUMN : AXIS_ROW;
 }
 
 /* ---- sites ----------------------------------------------------------------------------------------------- */
@@ -116,8 +154,8 @@ static void read(const fine *n, enum source source, int x, int y, float *value)
 	}
 }
 
-/* Values at -2..2 along the axis of a site, read outwards up to where a pixel holds two surfaces. */
-static void read_along(const fine *n, enum source source, const site *s, float (*value)[3])
+/* Values at -2..2 along the axis of a site, read outwards up to where a pixel holds two surfaces: so far they go. */
+static void read_along(const fine *n, enum source source, const site *s, float (*value)[3], int *far)
 {
 	for (int side = -1; side <= 1; side += 2) {
 		int held = 0;
@@ -131,6 +169,7 @@ static void read_along(const fine *n, enum source source, const site *s, float (
 			read(n, source, clamp_index(s->column + (s->axis ? 0 : at), n->f->width),
 			     clamp_index(s->row + (s->axis ? at : 0), n->f->height), value[2 + side * k]);
 		}
+		far[side > 0] = held;
 	}
 }
 
@@ -165,24 +204,95 @@ static float contrast(const fine *n, float difference)
 	return difference < p->contrast_threshold ? 0 : ramp > 0 ? clamp01((difference - p->contrast_threshold) / ramp) : 1;
 }
 
+static float distance2(const float *a, const float *b, int planes)
+{
+	float sum = 0;
+	for (int c = 0; c < planes; c++)
+		sum += (a[c] - b[c]) * (a[c] - b[c]);
+	return sum;
+}
+
+/* Which values stand for the two sides of a step: the outer ones, unless the step is one side of a stripe. */
+static void sides(float (*value)[3], int planes, int *low, int *high)
+{
+	static const int pair[4][2] = {{0, 4}, {1, 3}, {0, 3}, {1, 4}};
+	float most = -1;
+	for (int i = 0; i < 4; i++) {
+		float d = distance2(value[pair[i][0]], value[pair[i][1]], planes);
+		if (d > most) {
+			most = d;
+			*low = pair[i][0];
+			*high = pair[i][1];
+		}
+	}
+}
+
+static void put(site *s, float offset)
+{
+	offset = offset < -1 ? -1 : offset > 1 ? 1 : offset;
+	s->x = (float)s->column + (s->axis ? 0 : offset);
+	s->y = (float)s->row + (s->axis ? offset : 0);
+}
+
+/* A stripe, narrow enough that its two boundaries are one line. */
+static bool band_site(const fine *n, site *s, enum source source, int planes, float (*value)[3])
+{
+	float base[3], e[3], c[3] = {0, 0, 0}, area = 0;
+	if (source == SOURCE_COLOR)
+		encode(n, value);
+	for (int k = 0; k < planes; k++) {
+		e[k] = (value[1][k] + value[2][k] + value[3][k]) - 1.5f * (value[0][k] + value[4][k]);
+		base[k] = 0.5f * (value[0][k] + value[4][k]);
+		area += e[k] * e[k];
+	}
+	area = sqrtf(area);
+	if (!(area > band_floor(n, source)))
+		return false;
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < planes; k++)
+			c[i] += (value[i + 1][k] - mix(value[0][k], value[4][k], 0.25f * (float)(i + 1))) * e[k] / area;
+	float against = -most_against * area;
+	if (!(c[1] > c[0] && c[1] > c[2] && area <= widest_band * c[1] && c[0] > against && c[2] > against &&
+	      c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes))))
+		return false;
+	put(s, (c[2] - c[0]) / area);
+	int style = ISA(fine_controls)(n, s);
+	s->strength = 0;
+	if (source == SOURCE_NORMAL)
+		return ISA(fine_weigh)(n, s, style, source, clamp01((area - crease_from * n->crease) / (crease_ramp * n->crease)));
+	float difference = 0;
+	if (source == SOURCE_LIGHT) { /* the stripe may be narrower than a pixel, and so darker than what is seen of it */
+		float rise = e[0] > 0 ? 1 : -1, near = rise * value[0][0] > rise * value[4][0] ? value[0][0] : value[4][0];
+		float deep = near + 2 * e[0], far = rise * deep > rise * value[2][0] ? deep : value[2][0];
+		difference = ISA(light_contrast)(n, n->f->params + style, near, far);
+	} else {
+		const float *a[3] = {value[2], value[2] + 1, value[2] + 2}, *b[3] = {base, base + 1, base + 2};
+		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
+	}
+	return ISA(fine_weigh)(n, s, style, source, contrast(n, difference));
+}
+
 bool ISA(ridge_site)(const fine *n, site *s)
 {
 	float value[5][3], difference = 0, bend = 0, step = 0;
 	enum source source = s->family <= FAMILY_NORMAL ? SOURCE_NORMAL : s->family <= FAMILY_COLOR ? SOURCE_COLOR : SOURCE_LIGHT;
-	int planes = source == SOURCE_LIGHT ? 1 : 3;
-	read_along(n, source, s, value);
+	int planes = source == SOURCE_LIGHT ? 1 : 3, far[2], low = 0, high = 4;
+	read_along(n, source, s, value, far);
+	if (s->family == band_of(source))
+		return far[0] == 2 && far[1] == 2 && band_site(n, s, source, planes, value);
+	sides(value, planes, &low, &high);
 	float offset = -1.5f;
 	for (int k = 1; k <= 3; k++)
-		offset += share(value[k], value[0], value[4], planes);
-	offset = offset < -1 ? -1 : offset > 1 ? 1 : offset;
-	s->x = (float)s->column + (s->axis ? 0 : offset);
-	s->y = (float)s->row + (s->axis ? offset : 0);
+		offset += share(value[k], value[low], value[high], planes);
+	put(s, offset);
 	int style = ISA(fine_controls)(n, s);
 
 	if (source == SOURCE_COLOR)
 		encode(n, value);
+	/* where a surface turns away it turns ever faster: the slope up to the last pixel goes on at least as steeply */
+	int from = far[0] < 2, to = 4 - (far[1] < 2);
 	for (int c = 0; c < planes; c++) {
-		float d = value[3][c] - value[1][c], j = d - (value[1][c] - value[0][c]) - (value[4][c] - value[3][c]);
+		float d = value[3][c] - value[1][c], j = d - (value[from + 1][c] - value[from][c]) - (value[to][c] - value[to - 1][c]);
 		bend += j * j;
 		step += d * d;
 	}
@@ -193,9 +303,9 @@ bool ISA(ridge_site)(const fine *n, site *s)
 	if (source == SOURCE_NORMAL)
 		return ISA(fine_weigh)(n, s, style, source, clamp01((bend - crease_from * n->crease) / (crease_ramp * n->crease)));
 	if (source == SOURCE_LIGHT)
-		difference = ISA(light_contrast)(n, n->f->params + style, value[0][0], value[4][0]);
+		difference = ISA(light_contrast)(n, n->f->params + style, value[low][0], value[high][0]);
 	else {
-		const float *a[3] = {value[0], value[0] + 1, value[0] + 2}, *b[3] = {value[4], value[4] + 1, value[4] + 2};
+		const float *a[3] = {value[low], value[low] + 1, value[low] + 2}, *b[3] = {value[high], value[high] + 1, value[high] + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
 	}
 	return ISA(fine_weigh)(n, s, style, source, contrast(n, difference));
@@ -219,40 +329,54 @@ static void mixed_row(const fine *n, int y, uint8_t *out)
 	}
 }
 
-/* Where there may be a step: the difference across is large enough, or a crack nearby makes it what it is not. */
-static void candidates(const window *w, int x0, int n, float least, uint8_t *restrict out)
+enum { STEP = 1, BAND = 2 };
+
+/* Where there may be a step or a band: the difference across is large enough, or a crack nearby makes it what it is not. */
+static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 {
-	float across[TILE] = {0}, down[TILE] = {0};
+	float across[TILE] = {0}, down[TILE] = {0}, bulge_across[TILE] = {0}, bulge_down[TILE] = {0};
+	float least = floor_of(w->n, w->source), least_band = band_floor(w->n, w->source);
 	for (int c = 0; c < w->planes; c++) {
+		const float *restrict further_up = w->row[c][REACH - 2] + x0, *further_down = w->row[c][REACH + 2] + x0;
 		const float *restrict row = w->row[c][REACH] + x0, *above = w->row[c][REACH - 1] + x0, *below = w->row[c][REACH + 1] + x0;
 		for (int i = 0; i < n; i++) {
 			float dx = row[i + 1] - row[i - 1], dy = below[i] - above[i];
 			across[i] += dx * dx;
 			down[i] += dy * dy;
+			float ex = (row[i - 1] + row[i] + row[i + 1]) - 1.5f * (row[i - 2] + row[i + 2]);
+			float ey = (above[i] + row[i] + below[i]) - 1.5f * (further_up[i] + further_down[i]);
+			bulge_across[i] += ex * ex;
+			bulge_down[i] += ey * ey;
 		}
 	}
 	const uint8_t *mixed = w->mixed[REACH] + x0, *above = w->mixed[REACH - 1] + x0, *below = w->mixed[REACH + 1] + x0;
 	for (int i = 0; i < n; i++) {
-		float most = across[i] > down[i] ? across[i] : down[i];
-		int strong = most > least * least, beside_crack = mixed[i - 1] | mixed[i + 1] | above[i] | below[i];
-		out[i] = (mixed[i] == 0) & (strong | (beside_crack != 0));
+		float most = across[i] > down[i] ? across[i] : down[i], bulge = bulge_across[i] > bulge_down[i] ? bulge_across[i] : bulge_down[i];
+		int step = most > least * least, band = bulge > least_band * least_band;
+		int beside_crack = mixed[i - 1] | mixed[i + 1] | above[i] | below[i];
+		out[i] = (uint8_t)(mixed[i] ? 0 : (step | (beside_crack != 0) ? STEP : 0) | (band ? BAND : 0));
 	}
+}
+
+static void mark(const window *w, int x, int y, enum family family, int axis, uint16_t *ridge)
+{
+	site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = (uint8_t)family, .axis = (uint8_t)axis};
+	if (ISA(ridge_site)(w->n, &s))
+		ridge[x] |= (uint16_t)(1 << (2 * (int)family + axis));
 }
 
 static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
 {
 	uint8_t candidate[TILE];
-	candidates(w, x0, n, floor_of(w->n, w->source), candidate);
+	candidates(w, x0, n, candidate);
 	for (int i = 0; i < n; i++) {
-		if (!candidate[i])
-			continue;
-		int axis = steeper(w, x0 + i);
-		if (!greatest(w, x0 + i, axis))
-			continue;
-		enum family family = family_of(w->source);
-		site s = {.column = (uint16_t)(x0 + i), .row = (uint16_t)y, .family = (uint8_t)family, .axis = (uint8_t)axis};
-		if (ISA(ridge_site)(w->n, &s))
-			ridge[x0 + i] |= (uint16_t)(1 << (2 * (int)family + axis));
+		if (candidate[i] & BAND)
+			mark(w, x0 + i, y, band_of(w->source), bulging(w, x0 + i), ridge);
+		if (candidate[i] & STEP) {
+			int axis = steeper(w, x0 + i);
+			if (greatest(w, x0 + i, axis))
+				mark(w, x0 + i, y, step_of(w->source), axis, ridge);
+		}
 	}
 }
 

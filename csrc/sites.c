@@ -218,7 +218,7 @@ static bool owned(const fine *n, const site *s)
 		const site *other = n->site + i;
 		if (other->dropped || other->family >= s->family)
 			continue;
-		bool band = other->family == s->family - 1 && (other->family == FAMILY_NORMAL_BAND || other->family == FAMILY_COLOR_BAND);
+		bool band = other->family == s->family - 1 && (other->family == FAMILY_NORMAL_BAND || other->family == FAMILY_COLOR_BAND || other->family == FAMILY_LIGHT_BAND);
 		float clear = band ? clear_of_band : clear_of_earlier;
 		if (apart2(s, other) < clear * clear)
 			return true;
