@@ -97,8 +97,8 @@ static int along(const window *w, int x, int axis, float (*value)[3])
 	return shorter;
 }
 
-/* Whether the step at x is the greatest of the five along its axis. Of two equal ones, which lie at the same place, the
- * first counts. */
+/* Whether the step at x is the greatest of those of the five along its axis that go the same way: the far side of a thin
+ * stripe goes the other way. Of two equal ones, which lie at the same place, the first counts. */
 static bool greatest(const window *w, int x, int axis)
 {
 	float value[SPAN][3], own;
@@ -106,8 +106,10 @@ static bool greatest(const window *w, int x, int axis)
 		return false;
 	own = difference2(value[REACH + 1], value[REACH - 1], w->planes);
 	for (int k = -2; k <= 2; k++) {
-		float other = difference2(value[REACH + k + 1], value[REACH + k - 1], w->planes);
-		if (other > own || (k < 0 && other == own))
+		float other = difference2(value[REACH + k + 1], value[REACH + k - 1], w->planes), dot = 0;
+		for (int c = 0; c < w->planes; c++)
+			dot += (value[REACH + k + 1][c] - value[REACH + k - 1][c]) * (value[REACH + 1][c] - value[REACH - 1][c]);
+		if (dot > 0 && (other > own || (k < 0 && other == own)))
 			return false;
 	}
 	return own > 0;
