@@ -176,7 +176,7 @@ static float crossing(const frame *f, const site *s)
 	}
 	if (!(weight > 0 && weight < FLT_MAX))
 		return 0.5f;
-	float t = clamp01(clamp01(first / weight) + clamp01(second / weight) - 0.5f);
+	float t = unbiased(clamp01(clamp01(first / weight) + clamp01(second / weight) - 0.5f));
 	return (weight * t + 2) / (weight + 4);
 }
 

@@ -5,9 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 2048, ROOM = 64 };
+enum { CHUNK = 2048, ROOM = 64, EVEN_ROUNDS = 2 };
 
 static const float link_reach = 1.6f; /* pixels */
+static const float most_uneven = 0.3f;
 
 /* ---- who is linked --------------------------------------------------------------------------------------- */
 
@@ -189,6 +190,59 @@ static void link_sites(void *data, int first, int end, int thread)
 		qsort(to, (size_t)count, sizeof *to, ascending);
 		memcpy(n->to + n->at[i], to, (size_t)count * sizeof *to);
 	}
+}
+
+/* ---- evenness -------------------------------------------------------------------------------------------- */
+
+typedef struct smooth {
+	fine *n;
+	float (*moved)[2];
+} smooth;
+
+/* Halves how far a site lies beside the line between its neighbours in the chain: what few samples a pixel have is not even. */
+static void find_even(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const smooth *m = data;
+	const fine *n = m->n;
+	for (int i = first; i < end; i++) {
+		const site *s = n->site + i;
+		m->moved[i][0] = s->x;
+		m->moved[i][1] = s->y;
+		if (s->dropped || n->at[i + 1] - n->at[i] != 2)
+			continue;
+		const site *a = n->site + n->to[n->at[i]], *b = n->site + n->to[n->at[i] + 1];
+		float dx = b->x - a->x, dy = b->y - a->y, square = dx * dx + dy * dy;
+		float off = ((s->x - a->x) * dy - (s->y - a->y) * dx) / (square > 0.01f ? square : 0.01f);
+		if (off * off * square > most_uneven * most_uneven)
+			continue;
+		m->moved[i][0] = s->x - 0.5f * off * dy;
+		m->moved[i][1] = s->y + 0.5f * off * dx;
+	}
+}
+
+static void move_even(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const smooth *m = data;
+	for (int i = first; i < end; i++) {
+		m->n->site[i].x = m->moved[i][0];
+		m->n->site[i].y = m->moved[i][1];
+	}
+}
+
+int32_t ISA(fine_smooth)(fine *n)
+{
+	smooth m = {n, late_take(&n->f->late, n->count, sizeof *m.moved)};
+	if (!m.moved)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = ENCRE_OK;
+	for (int i = 0; !code && i < EVEN_ROUNDS; i++) {
+		code = rows_run(n->f->rows, (int)n->count, CHUNK, find_even, &m);
+		if (!code)
+			code = rows_run(n->f->rows, (int)n->count, CHUNK, move_even, &m);
+	}
+	return code ? code : ISA(fine_sort)(n);
 }
 
 int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count)

@@ -286,7 +286,7 @@ bool ISA(ridge_site)(const fine *n, site *s)
 	float offset = -1.5f;
 	for (int k = 1; k <= 3; k++)
 		offset += share(value[k], value[low], value[high], planes);
-	put(s, offset);
+	put(s, unbiased(offset));
 	int style = ISA(fine_controls)(n, s);
 
 	if (source == SOURCE_COLOR)
