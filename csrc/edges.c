@@ -218,9 +218,8 @@ static edges setup(const frame *f)
 	e.contrast = !e.dog || p->color_detector == color_detector_CONTRAST;
 	e.inverse = p->depth_space == depth_space_INVERSE;
 	e.ortho = e.inverse && f->camera.orthographic;
-	e.height = fminf(f->camera.height, 1e30f);
 	float gain = !e.dog ? 10 : e.inverse ? 60 : 200;
-	e.depth_factor = e.ortho ? factor(gain, e.height) : e.inverse ? gain : factor(gain, p->depth_far - p->depth_near);
+	e.depth_factor = e.ortho ? factor(gain, f->camera.height) : e.inverse ? gain : factor(gain, p->depth_far - p->depth_near);
 	for (int s = 0; s < SOURCE_COUNT; s++) {
 		for (int i = 0; i < f->n_styles; i++) {
 			e.weight[s][i] = weight_in(p + i, (enum source)s);

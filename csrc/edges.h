@@ -16,7 +16,6 @@ typedef struct edges {
 	bool dog;            /* the detector of depth and normals, else Sobel */
 	bool contrast;       /* colour and light are compared by the inter-color metric, else by DOG */
 	bool inverse, ortho; /* depth is compared as 1/z, or as z under an orthographic camera */
-	float height;        /* of the orthographic frame */
 	float depth_factor;  /* from a detector's response on the samples to strength */
 	float weight[SOURCE_COUNT][UINT8_MAX + 1]; /* by style */
 	int reach[SOURCE_COUNT];

@@ -68,7 +68,7 @@ static float response_alone(const ring *r, int y, int x)
 		double *out = patch[i - y + reach];
 		for (int j = left; j <= right; j++) {
 			float u = ring_row(r, i, 0)[j];
-			out[at + j] = u > -INFINITY ? (double)u : (double)farthest - (double)e->height;
+			out[at + j] = u > -INFINITY ? (double)u : (double)farthest - (double)e->f->camera.height;
 		}
 		for (int j = x - reach; j < 0; j++)
 			out[at + j] = 2 * out[at] - out[at + clamp_index(-j, width)];
