@@ -77,6 +77,23 @@ def test_params_are_written_as_set_takes_them(run):
             assert core.parse(id_, value.strip('"')) == core.defaults()[id_], line
 
 
+@pytest.mark.parametrize("id_", [id_ for id_, p in core.params().items() if p.type in ("int", "float")])
+def test_limits_are_inside(id_):
+    """Also as the float that Blender keeps of them, which may lie a little beyond the decimal."""
+    p = core.params()[id_]
+    kept = int if p.type == "int" else lambda x: float(np.float32(x))
+    inside = [limit for limit in (p.hard_min, p.hard_max) if limit is not None]
+    for value in [*inside, *map(kept, inside)]:
+        assert core.normal(p, value) == value
+        rest = {"depth_far": {"depth_near": 0.0}}.get(id_, {})
+        assert core.check({id_: value, **rest})[id_] == value
+    beyond = [p.hard_min - 1e-3 if p.type == "float" else p.hard_min - 1,
+              p.hard_max * 1.001 + 1 if p.hard_max is not None else 1e39]
+    for value in beyond:
+        with pytest.raises(core.EncreError, match=f"{id_}: .* is out of range"):
+            core.check({id_: value})
+
+
 def test_presets(run):
     status, out, _ = run("presets")
     assert status == 0 and [line.partition(":")[0] for line in out.splitlines()] == [p.id for p in presets.presets()]
