@@ -73,8 +73,8 @@ def _number(p, value):
     # Blender and the library keep single floats: the one nearest to a limit counts as the limit itself.
     kept = np.float32 if p.type == "float" else float
     with np.errstate(over="ignore"):
-        inside = math.isfinite(kept(number)) and kept(low) <= kept(number) and (high is None or kept(number) <= kept(high))
-    if not inside:
+        least, given, most = (kept(x) for x in (low, number, math.inf if high is None else high))
+    if not (math.isfinite(given) and least <= given <= most):
         limits = f"from {low:g} to {high:g}" if high is not None else f"of {low:g} or more"
         raise EncreError(f"{p.id}: {value:g} is out of range; give a value {limits}")
     return number
