@@ -81,7 +81,7 @@ static void enter_all(const gather *g, uint32_t *next)
 	for (uint32_t i = 0; i < n->count; i++) {
 		if (n->site[i].dropped)
 			continue;
-		if (n->at[i] == n->at[i + 1] && n->site[i].axis != AXIS_JUNCTION)
+		if (n->at[i] == n->at[i + 1])
 			enter(g, i, i, next);
 		for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
 			if (n->to[k] > i)

@@ -17,24 +17,6 @@ static const float *layer_row(const frame *f, enum encre_layer layer, int y)
 	return f->layer[layer].data + (ptrdiff_t)y * f->layer[layer].row;
 }
 
-/* What depths are compared in: it is linear on planes on screen. Nothing there is 0, under an orthographic camera
- * -INFINITY. */
-static inline float sample(const edges *e, float z)
-{
-	z = depth_of(z);
-	return e->ortho ? -z / e->height : 1 / z;
-}
-
-static void sample_row(const edges *e, const float *restrict z, int n, float *restrict u)
-{
-	if (e->ortho)
-		for (int i = 0; i < n; i++)
-			u[i] = -depth_of(z[i]) / e->height;
-	else
-		for (int i = 0; i < n; i++)
-			u[i] = 1 / depth_of(z[i]);
-}
-
 static inline float smaller(float a, float b)
 {
 	return a < b ? a : b;
@@ -43,6 +25,24 @@ static inline float smaller(float a, float b)
 static inline float larger(float a, float b)
 {
 	return a > b ? a : b;
+}
+
+/* What depths are compared in: it is linear on planes on screen. Nothing there is 0, under an orthographic camera
+ * -INFINITY. */
+static inline float sample(const edges *e, float z)
+{
+	z = depth_of(z);
+	return e->ortho ? -z / larger(e->f->camera.height, 1e-20f) : 1 / z;
+}
+
+static void sample_row(const edges *e, const float *restrict z, int n, float *restrict u)
+{
+	if (e->ortho)
+		for (int i = 0; i < n; i++)
+			u[i] = sample(e, z[i]);
+	else
+		for (int i = 0; i < n; i++)
+			u[i] = 1 / depth_of(z[i]);
 }
 
 /* How far b and c are apart beyond what the slopes from a and to d explain. */

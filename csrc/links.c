@@ -286,5 +286,7 @@ int32_t ISA(fine_link)(fine *n)
 	n->to = late_take(&n->f->late, n->at[n->count], sizeof *n->to);
 	if (!n->to)
 		return ENCRE_ERROR_MEMORY;
+	for (uint32_t i = 0; i < n->count; i++) /* what it joined an earlier family has taken */
+		n->site[i].dropped |= n->site[i].axis == AXIS_JUNCTION && n->at[i] == n->at[i + 1];
 	return rows_run(n->f->rows, (int)n->count, CHUNK, link_sites, n);
 }

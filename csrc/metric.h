@@ -11,6 +11,7 @@ void ISA(metric_space)(int metric, int n, float *restrict r, float *restrict g, 
 
 /* greatest[i] = the larger of itself and the difference of colours i of `a` and `b`, three planes each, from
  * metric_space. Black and white differ by 1. */
-void ISA(metric_difference)(int metric, int n, const float *const a[3], const float *const b[3], float *restrict greatest);
+void ISA(metric_difference)(int metric, int n, const float *const a[3], const float *const b[3],
+			    float *restrict greatest);
 
 #endif

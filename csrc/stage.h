@@ -150,5 +150,8 @@ void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *he
  * reported as none. */
 void ISA(nearest_plan)(frame *f, arena *a);
 int32_t ISA(nearest_run)(frame *f);
+/* The way from a pixel to its nearest edge, with detector FINE the nearest site; false if none is within reach. After
+ * nearest_run(). */
+bool ISA(nearest_edge)(const frame *f, int x, int y, float reach, float way[2]);
 
 #endif

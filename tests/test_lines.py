@@ -237,8 +237,23 @@ def test_large_discs_reach_their_radius():
     scene = dict(SHARP, line_thickness=4096.0, line_max_thickness=4096.0, length_unit="PIXELS", line_softness=0.0,
                  paper_source="NONE", line_intensity=2.0, line_gain=1.0, width_color=1.0)
     for search in ("EXACT", "NEAREST"):
-        ink = core.render(layers, dict(scene, line_search=search), outputs=PASSES).images["Encre Lines"][1, :, 3]
-        assert (ink[:2147] > 0.999).all() and (ink[2148:] == 0).all()
+        for turn in (False, True):
+            turned = {name: np.ascontiguousarray(a.swapaxes(0, 1)) if turn else a for name, a in layers.items()}
+            ink = core.render(turned, dict(scene, line_search=search), outputs=PASSES).images["Encre Lines"][..., 3]
+            ink = ink[:, 1] if turn else ink[1]
+            assert (ink[:2147] > 0.999).all() and (ink[2148:] == 0).all()
+
+
+@pytest.mark.parametrize("search", SEARCHES)
+def test_no_line_without_an_edge(search):
+    layers = {name: a * 0 for name, a in noise_layers(300, 6).items()}
+    layers["depth"] += 5
+    layers["combined"] += 1
+    scene = dict(SHARP, line_search=search, length_unit="PIXELS", line_thickness=30.0, line_max_thickness=30.0)
+    for edges in (0, 1):
+        layers["albedo"][3, 3] = edges
+        ink = core.render(layers, scene, outputs=PASSES).images["Encre Lines"][..., 3]
+        assert ink[:10].any() == bool(edges) and not ink[20:].any()
 
 
 # ---- bits ------------------------------------------------------------------------------------------------------
