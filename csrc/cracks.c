@@ -191,7 +191,7 @@ bool ISA(crack_site)(const fine *n, site *s)
 	const frame *f = n->f;
 	int x = s->column, y = s->row, qx = x + (s->axis == AXIS_ROW), qy = y + (s->axis == AXIS_COLUMN);
 	place(s, crossing(f, s));
-	int style = ISA(fine_controls)(n, s);
+	int style = fine_style(n, s);
 	float zp = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, y)[x]), zq = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, qy)[qx]);
 	bool object = (zp == INFINITY) != (zq == INFINITY), material = false;
 	if (f->layer[ENCRE_LAYER_OBJECT].data)
@@ -211,7 +211,7 @@ bool ISA(light_site)(const fine *n, site *s)
 	const float *p = layer_row(f, ENCRE_LAYER_DIFFUSE, s->row) + (ptrdiff_t)3 * s->column;
 	const float *q = layer_row(f, ENCRE_LAYER_DIFFUSE, qy) + (ptrdiff_t)3 * qx;
 	place(s, 0.5f);
-	int style = ISA(fine_controls)(n, s);
+	int style = fine_style(n, s);
 	const encre_params *own = f->params + style;
 	float one = bounded(max3(p[0], p[1], p[2]) * own->shade_exposure), two = bounded(max3(q[0], q[1], q[2]) * own->shade_exposure);
 	int low = level_of(&own->shade_levels, smaller(one, two)), high = level_of(&own->shade_levels, larger(one, two));
@@ -220,7 +220,6 @@ bool ISA(light_site)(const fine *n, site *s)
 	/* a step over several thresholds is one line */
 	float threshold = 0.5f * (own->shade_levels.level[low + 1].threshold + own->shade_levels.level[high].threshold);
 	place(s, clamp01((threshold - one) / (two - one)));
-	ISA(fine_controls)(n, s);
 	s->strength = 0;
 	return ISA(fine_weigh)(n, s, style, SOURCE_LIGHT, ISA(light_contrast)(n, own, one, two));
 }
@@ -288,6 +287,16 @@ static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const
 		refine(n, y, mark, bits);
 }
 
+/* Whether the control asks for colour edges anywhere in the row. */
+static bool is_painted(const frame *f, int y)
+{
+	const float *controls = f->layer[ENCRE_LAYER_CONTROLS].data ? layer_row(f, ENCRE_LAYER_CONTROLS, y) : NULL;
+	int painted = 0;
+	for (int x = 0; controls && x < f->width; x++)
+		painted |= controls[(ptrdiff_t)6 * x + 2] > 0;
+	return painted;
+}
+
 static ptrdiff_t stride_of(const frame *f)
 {
 	return (f->width + 15) & ~(ptrdiff_t)15;
@@ -320,5 +329,6 @@ void ISA(crack_rows)(void *data, int y0, int y1, int thread)
 				level_row(f, y + k, level[k]);
 		}
 		mark_row(n, y, u, (const uint8_t *const *)level);
+		n->colored[y] = n->e->on[SOURCE_COLOR] && (n->most_color > 0 || is_painted(f, y));
 	}
 }

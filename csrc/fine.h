@@ -42,6 +42,9 @@ typedef struct fine {
 	frame *f;
 	const edges *e;
 	float crease;     /* length of the difference of two normals at crease_angle */
+	float most_color; /* the largest weight of colour, without the painted control */
+	float least_contrast; /* between colours across a step */
+	uint8_t *colored; /* by row: colours may make edges */
 	uint8_t *crack;   /* width * height */
 	uint16_t *ridge;  /* width * height: bit 2 * family + axis */
 	uint32_t *first;  /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
@@ -139,6 +142,10 @@ bool ISA(ridge_site)(const fine *n, site *s);
 
 /* sites.c: finds where a placed site takes its controls; returns the style there. */
 int ISA(fine_controls)(const fine *n, site *s);
+static inline int fine_style(const fine *n, site *s)
+{
+	return n->f->style ? ISA(fine_controls)(n, s) : 0;
+}
 /* The site gets this strength, weighted, if it is larger than what it has; returns whether it is an edge now. */
 bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, float strength);
 

@@ -22,6 +22,7 @@ typedef struct window {
 	int planes;
 	const float *row[3][SPAN];
 	const uint8_t *mixed[SPAN];
+	float least_contrast; /* difference across, below which no step is strong enough */
 } window;
 
 static enum family step_of(enum source s)
@@ -101,10 +102,12 @@ static int along(const window *w, int x, int axis, float (*value)[3])
  * stripe goes the other way. Of two equal ones, which lie at the same place, the first counts. */
 static bool greatest(const window *w, int x, int axis)
 {
-	float value[SPAN][3], own;
+	float value[SPAN][3], own, floor = floor_of(w->n, w->source);
 	if (along(w, x, axis, value) < 1)
 		return false;
 	own = difference2(value[REACH + 1], value[REACH - 1], w->planes);
+	if (!(own > floor * floor))
+		return false;
 	for (int k = -2; k <= 2; k++) {
 		float other = difference2(value[REACH + k + 1], value[REACH + k - 1], w->planes), dot = 0;
 		for (int c = 0; c < w->planes; c++)
@@ -112,7 +115,7 @@ static bool greatest(const window *w, int x, int axis)
 		if (dot > 0 && (other > own || (k < 0 && other == own)))
 			return false;
 	}
-	return own > 0;
+	return true;
 }
 
 /* How far the three pixels about x lie from the line between their neighbours. */
@@ -127,6 +130,21 @@ static float bulge2(const window *w, int x, int k, int axis)
 		sum += e * e;
 	}
 	return sum;
+}
+
+/* Whether the pixel at x is the one of a band that lies farthest from that line. */
+static bool peaks(const window *w, int x, int axis)
+{
+	float value[SPAN][3], dot[3] = {0, 0, 0};
+	if (along(w, x, axis, value) < 2)
+		return false;
+	const float (*v)[3] = (const float (*)[3])value + REACH - 2;
+	for (int c = 0; c < w->planes; c++) {
+		float e = (v[1][c] + v[2][c] + v[3][c]) - 1.5f * (v[0][c] + v[4][c]);
+		for (int i = 0; i < 3; i++)
+			dot[i] += (v[i + 1][c] - mix(v[0][c], v[4][c], 0.25f * (float)(i + 1))) * e;
+	}
+	return dot[1] > dot[0] && dot[1] > dot[2];
 }
 
 static int bulging(const window *w, int x)
@@ -217,16 +235,9 @@ static float distance2(const float *a, const float *b, int planes)
 /* Which values stand for the two sides of a step: the outer ones, unless the step is one side of a stripe. */
 static void sides(float (*value)[3], int planes, int *low, int *high)
 {
-	static const int pair[4][2] = {{0, 4}, {1, 3}, {0, 3}, {1, 4}};
-	float most = -1;
-	for (int i = 0; i < 4; i++) {
-		float d = distance2(value[pair[i][0]], value[pair[i][1]], planes);
-		if (d > most) {
-			most = d;
-			*low = pair[i][0];
-			*high = pair[i][1];
-		}
-	}
+	bool inner = distance2(value[1], value[3], planes) > distance2(value[0], value[4], planes);
+	*low = inner ? 1 : 0;
+	*high = inner ? 3 : 4;
 }
 
 static void put(site *s, float offset)
@@ -258,7 +269,7 @@ static bool band_site(const fine *n, site *s, enum source source, int planes, fl
 	      c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes))))
 		return false;
 	put(s, (c[2] - c[0]) / area);
-	int style = ISA(fine_controls)(n, s);
+	int style = fine_style(n, s);
 	s->strength = 0;
 	if (source == SOURCE_NORMAL)
 		return ISA(fine_weigh)(n, s, style, source, clamp01((area - crease_from * n->crease) / (crease_ramp * n->crease)));
@@ -287,7 +298,7 @@ bool ISA(ridge_site)(const fine *n, site *s)
 	for (int k = 1; k <= 3; k++)
 		offset += share(value[k], value[low], value[high], planes);
 	put(s, unbiased(offset));
-	int style = ISA(fine_controls)(n, s);
+	int style = fine_style(n, s);
 
 	if (source == SOURCE_COLOR)
 		encode(n, value);
@@ -331,32 +342,49 @@ static void mixed_row(const fine *n, int y, uint8_t *out)
 	}
 }
 
-enum { STEP = 1, BAND = 2 };
+/* Bits by axis. */
+enum { STEP = 1, BAND = 4 };
 
-/* Where there may be a step or a band: the difference across is large enough, or a crack nearby makes it what it is not. */
+/* Squared lengths of what makes a step, across one pixel and across two, and of what makes a band. */
+static void measure(const window *w, int x0, int n, int axis, float *restrict step, float *restrict wide, float *restrict bulge)
+{
+	for (int i = 0; i < n; i++)
+		step[i] = wide[i] = bulge[i] = 0;
+	for (int c = 0; c < w->planes; c++) {
+		const float *const *row = w->row[c] + REACH;
+		const float *restrict v0 = axis ? row[-2] + x0 : row[0] + x0 - 2, *restrict v1 = axis ? row[-1] + x0 : row[0] + x0 - 1;
+		const float *restrict v2 = row[0] + x0;
+		const float *restrict v3 = axis ? row[1] + x0 : row[0] + x0 + 1, *restrict v4 = axis ? row[2] + x0 : row[0] + x0 + 2;
+		for (int i = 0; i < n; i++) {
+			float d = v3[i] - v1[i], far = v4[i] - v0[i], e = (v1[i] + v2[i] + v3[i]) - 1.5f * (v0[i] + v4[i]);
+			step[i] += d * d;
+			wide[i] += far * far;
+			bulge[i] += e * e;
+		}
+	}
+}
+
+/* Where a step or a band may be along which axis. Beside a crack a step is what it is up to there. */
 static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 {
-	float across[TILE] = {0}, down[TILE] = {0}, bulge_across[TILE] = {0}, bulge_down[TILE] = {0};
-	float least = floor_of(w->n, w->source), least_band = band_floor(w->n, w->source);
-	for (int c = 0; c < w->planes; c++) {
-		const float *restrict further_up = w->row[c][REACH - 2] + x0, *further_down = w->row[c][REACH + 2] + x0;
-		const float *restrict row = w->row[c][REACH] + x0, *above = w->row[c][REACH - 1] + x0, *below = w->row[c][REACH + 1] + x0;
+	float step[TILE], wide[TILE], bulge[TILE];
+	int32_t bits[TILE];
+	float least = floor_of(w->n, w->source), band = band_floor(w->n, w->source), contrast = w->least_contrast;
+	for (int i = 0; i < n; i++)
+		bits[i] = 0;
+	for (int axis = 0; axis < 2; axis++) {
+		measure(w, x0, n, axis, step, wide, bulge);
 		for (int i = 0; i < n; i++) {
-			float dx = row[i + 1] - row[i - 1], dy = below[i] - above[i];
-			across[i] += dx * dx;
-			down[i] += dy * dy;
-			float ex = (row[i - 1] + row[i] + row[i + 1]) - 1.5f * (row[i - 2] + row[i + 2]);
-			float ey = (above[i] + row[i] + below[i]) - 1.5f * (further_up[i] + further_down[i]);
-			bulge_across[i] += ex * ex;
-			bulge_down[i] += ey * ey;
+			float far = wide[i] > step[i] ? wide[i] : step[i];
+			int is_step = (step[i] > least * least) & (far > contrast * contrast), is_band = bulge[i] > band * band;
+			bits[i] |= (is_step ? STEP << axis : 0) | (is_band ? BAND << axis : 0);
 		}
 	}
 	const uint8_t *mixed = w->mixed[REACH] + x0, *above = w->mixed[REACH - 1] + x0, *below = w->mixed[REACH + 1] + x0;
 	for (int i = 0; i < n; i++) {
-		float most = across[i] > down[i] ? across[i] : down[i], bulge = bulge_across[i] > bulge_down[i] ? bulge_across[i] : bulge_down[i];
-		int step = most > least * least, band = bulge > least_band * least_band;
-		int beside_crack = mixed[i - 1] | mixed[i + 1] | above[i] | below[i];
-		out[i] = (uint8_t)(mixed[i] ? 0 : (step | (beside_crack != 0) ? STEP : 0) | (band ? BAND : 0));
+		uint8_t beside = mixed[i - 1] | mixed[i + 1] | above[i] | below[i];
+		uint8_t all = (uint8_t)((uint8_t)bits[i] | (beside ? STEP | STEP << 1 : 0));
+		out[i] = mixed[i] ? 0 : all;
 	}
 }
 
@@ -369,16 +397,22 @@ static void mark(const window *w, int x, int y, enum family family, int axis, ui
 
 static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
 {
-	uint8_t candidate[TILE];
+	uint8_t candidate[TILE + 8] = {0};
 	candidates(w, x0, n, candidate);
 	for (int i = 0; i < n; i++) {
-		if (candidate[i] & BAND)
-			mark(w, x0 + i, y, band_of(w->source), bulging(w, x0 + i), ridge);
-		if (candidate[i] & STEP) {
-			int axis = steeper(w, x0 + i);
-			if (greatest(w, x0 + i, axis))
-				mark(w, x0 + i, y, step_of(w->source), axis, ridge);
+		uint64_t eight;
+		memcpy(&eight, candidate + i, 8);
+		if (!eight) {
+			i += 7;
+			continue;
 		}
+		int x = x0 + i, axis;
+		for (axis = 0; axis < 2; axis++)
+			if ((candidate[i] & BAND << axis) && peaks(w, x, axis) && bulging(w, x) == axis)
+				mark(w, x, y, band_of(w->source), axis, ridge);
+		for (axis = 0; axis < 2; axis++)
+			if ((candidate[i] & STEP << axis) && greatest(w, x, axis) && steeper(w, x) == axis)
+				mark(w, x, y, step_of(w->source), axis, ridge);
 	}
 }
 
@@ -407,11 +441,16 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 			w.mixed[k] = at;
 		}
 		for (int s = SOURCE_NORMAL; s <= SOURCE_LIGHT; s++) {
-			if (!n->e->on[s])
+			bool wanted = n->e->on[s];
+			for (int k = -1; s == SOURCE_COLOR && wanted && k <= 1; k++) /* a site may lie in the next row */
+				if ((wanted = n->colored[clamp_index(y + k, f->height)]))
+					break;
+			if (!wanted)
 				continue;
 			ISA(ring_fill)(rings + s, y);
 			w.source = (enum source)s;
 			w.planes = s == SOURCE_LIGHT ? 1 : 3;
+			w.least_contrast = s == SOURCE_COLOR ? n->least_contrast : 0;
 			for (int c = 0; c < w.planes; c++)
 				ISA(ring_window)(rings + s, y, 0, c, w.row[c]);
 			for (int x0 = 0; x0 < f->width; x0 += TILE)

@@ -81,7 +81,6 @@ static void junction_site(const fine *n, site *s)
 	}
 	s->x = x / (float)found;
 	s->y = y / (float)found;
-	ISA(fine_controls)(n, s);
 }
 
 static void place_site(const fine *n, site *s)
@@ -104,6 +103,7 @@ static void visit(const fine *n, uint32_t *number, enum family family, int x, in
 		site *s = n->site + number[family];
 		*s = (site){.column = (uint16_t)x, .row = (uint16_t)y, .family = (uint8_t)family, .axis = (uint8_t)axis};
 		place_site(n, s);
+		ISA(fine_controls)(n, s);
 	}
 	number[family]++;
 }
@@ -249,6 +249,16 @@ static int32_t clear(fine *n)
 	return code;
 }
 
+/* The distance of two colours in the space of the metric below which none is an edge. */
+static float least_contrast(const encre_params *p, float weight)
+{
+	float most = p->contrast_auto ? fminf(p->contrast_max, 0.25f) : p->contrast_max, least = p->contrast_threshold;
+	if (weight > 0 && most > least)
+		least += (most - least) * fminf(1, p->edge_threshold / weight);
+	/* a difference is at most 2/3 of the distance in RGB, and that distance itself in CIE76; the others bend the space */
+	return least * (p->contrast_metric == contrast_metric_RGB ? 1.5f : p->contrast_metric == contrast_metric_CIE76 ? 1 : 0.33f);
+}
+
 /* ---- the detector ---------------------------------------------------------------------------------------- */
 
 void ISA(fine_plan)(frame *f, const edges *e, arena *a)
@@ -256,11 +266,15 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	size_t pixels = (size_t)f->width * (size_t)f->height;
 	float half = f->params->crease_angle * 0.00872664626f; /* in radians */
 	fine made = {.f = f, .e = e, .crease = 2 * pixel_sin(half)};
+	for (int i = 0; i < f->n_styles; i++)
+		made.most_color = fmaxf(made.most_color, e ? e->weight[SOURCE_COLOR][i] : 0);
+	made.least_contrast = least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
 	made.across = (f->width - 1) / CELL + 1;
 	made.tall = (f->height - 1) / CELL + 1;
 	made.crack = arena_take(a, pixels, sizeof *made.crack);
 	made.ridge = arena_take(a, pixels, sizeof *made.ridge);
 	made.first = arena_take(a, (size_t)FAMILY_COUNT * (size_t)f->height + 1, sizeof *made.first);
+	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
 	made.thread_scratch = ISA(crack_scratch)(f) > ISA(ridge_scratch)(f) ? ISA(crack_scratch)(f) : ISA(ridge_scratch)(f);
 	made.scratch = arena_take(a, (size_t)rows_threads(f->rows) * (size_t)made.thread_scratch, sizeof *made.scratch);
