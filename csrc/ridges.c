@@ -345,23 +345,49 @@ static void mixed_row(const fine *n, int y, uint8_t *out)
 /* Bits by axis. */
 enum { STEP = 1, BAND = 4 };
 
-/* Squared lengths of what makes a step, across one pixel and across two, and of what makes a band. */
-static void measure(const window *w, int x0, int n, int axis, float *restrict step, float *restrict wide, float *restrict bulge)
+/* Squared lengths of what makes a step, across one pixel and across two, and of what makes a band. Called with a constant
+ * number of planes, so that the loop over them is unrolled and the one over pixels vectorised. */
+static inline void measure(const float *const (*v)[3], int planes, int n, float *restrict step, float *restrict wide, float *restrict bulge)
 {
-	for (int i = 0; i < n; i++)
-		step[i] = wide[i] = bulge[i] = 0;
-	for (int c = 0; c < w->planes; c++) {
-		const float *const *row = w->row[c] + REACH;
-		const float *restrict v0 = axis ? row[-2] + x0 : row[0] + x0 - 2, *restrict v1 = axis ? row[-1] + x0 : row[0] + x0 - 1;
-		const float *restrict v2 = row[0] + x0;
-		const float *restrict v3 = axis ? row[1] + x0 : row[0] + x0 + 1, *restrict v4 = axis ? row[2] + x0 : row[0] + x0 + 2;
+	for (int i = 0; i < n; i++) {
+		float step2 = 0, wide2 = 0, bulge2 = 0;
+		for (int c = 0; c < planes; c++) {
+			float near = v[3][c][i] - v[1][c][i], far = v[4][c][i] - v[0][c][i];
+			float e = (v[1][c][i] + v[2][c][i] + v[3][c][i]) - 1.5f * (v[0][c][i] + v[4][c][i]);
+			step2 += near * near;
+			wide2 += far * far;
+			bulge2 += e * e;
+		}
+		step[i] = step2;
+		wide[i] = wide2;
+		bulge[i] = bulge2;
+	}
+}
+
+/* Takes back what no level of light lies between: v are samples -2..2 along an axis. */
+static void keep_levels(const encre_levels *levels, const float *const *v, int n, int axis, int32_t *restrict bits)
+{
+	float low[TILE], high[TILE], deep_low[TILE], deep_high[TILE];
+	int32_t step[TILE], band[TILE];
+	for (int i = 0; i < n; i++) {
+		float a = v[0][i], b = v[1][i], c = v[2][i], d = v[3][i], e = v[4][i];
+		float ab = a < b ? a : b, de = d < e ? d : e, AB = a > b ? a : b, DE = d > e ? d : e;
+		float least = ab < de ? ab : de, most = AB > DE ? AB : DE, bulge = 2 * ((b + c + d) - 1.5f * (a + e));
+		low[i] = least < c ? least : c;
+		high[i] = most > c ? most : c;
+		deep_low[i] = low[i] + (bulge < 0 ? bulge : 0);
+		deep_high[i] = high[i] + (bulge > 0 ? bulge : 0);
+		step[i] = band[i] = 0;
+	}
+	for (int k = 1; k < levels->count; k++) {
+		float threshold = levels->level[k].threshold;
 		for (int i = 0; i < n; i++) {
-			float d = v3[i] - v1[i], far = v4[i] - v0[i], e = (v1[i] + v2[i] + v3[i]) - 1.5f * (v0[i] + v4[i]);
-			step[i] += d * d;
-			wide[i] += far * far;
-			bulge[i] += e * e;
+			step[i] |= (low[i] <= threshold) & (high[i] > threshold);
+			band[i] |= (deep_low[i] <= threshold) & (deep_high[i] > threshold);
 		}
 	}
+	for (int i = 0; i < n; i++)
+		bits[i] &= ~(((step[i] ? 0 : STEP) | (band[i] ? 0 : BAND)) << axis);
 }
 
 /* Where a step or a band may be along which axis. Beside a crack a step is what it is up to there. */
@@ -373,12 +399,21 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 	for (int i = 0; i < n; i++)
 		bits[i] = 0;
 	for (int axis = 0; axis < 2; axis++) {
-		measure(w, x0, n, axis, step, wide, bulge);
+		const float *v[5][3];
+		for (int k = -2; k <= 2; k++)
+			for (int c = 0; c < w->planes; c++)
+				v[k + 2][c] = w->row[c][REACH + (axis ? k : 0)] + x0 + (axis ? 0 : k);
+		if (w->planes == 3)
+			measure((const float *const (*)[3])v, 3, n, step, wide, bulge);
+		else
+			measure((const float *const (*)[3])v, 1, n, step, wide, bulge);
 		for (int i = 0; i < n; i++) {
 			float far = wide[i] > step[i] ? wide[i] : step[i];
 			int is_step = (step[i] > least * least) & (far > contrast * contrast), is_band = bulge[i] > band * band;
 			bits[i] |= (is_step ? STEP << axis : 0) | (is_band ? BAND << axis : 0);
 		}
+		if (w->source == SOURCE_LIGHT && !w->n->f->style)
+			keep_levels(&w->n->e->p->shade_levels, (const float *const[]){v[0][0], v[1][0], v[2][0], v[3][0], v[4][0]}, n, axis, bits);
 	}
 	const uint8_t *mixed = w->mixed[REACH] + x0, *above = w->mixed[REACH - 1] + x0, *below = w->mixed[REACH + 1] + x0;
 	for (int i = 0; i < n; i++) {
