@@ -24,9 +24,10 @@ typedef struct gather {
 	const frame *f;
 	const fine *n;
 	capsules *all;
+	float *length; /* to the nearest free end, by site; NULL where no line tapers */
 } gather;
 
-static pen_end pen_end_of(const frame *f, const site *s)
+static pen_end pen_end_of(const frame *f, const site *s, float length)
 {
 	int nx, ny;
 	pen pen;
@@ -36,6 +37,9 @@ static pen_end pen_end_of(const frame *f, const site *s)
 	e.fade = 1;
 	if (!ISA(pen_of)(f, nx, ny, (enum source)s->source, s->strength, &pen))
 		return e;
+	float taper = pen.p->line_taper * f->scale;
+	if (length < taper)
+		pen.radius *= length / taper;
 	float half = most(pen.radius, 0.5f), soft = pen.p->line_softness * half;
 	e.fade = most(soft, 1);
 	e.out = half - most(soft, 0.5f) + e.fade;
@@ -54,7 +58,7 @@ static void make_pens(void *data, int first, int end, int thread)
 	const gather *g = data;
 	for (int i = first; i < end; i++)
 		if (!g->n->site[i].dropped)
-			g->all->end[i] = pen_end_of(g->f, g->n->site + i);
+			g->all->end[i] = pen_end_of(g->f, g->n->site + i, g->length ? g->length[i] : INFINITY);
 }
 
 /* ---- bands ----------------------------------------------------------------------------------------------- */
@@ -92,12 +96,21 @@ static void enter_all(const gather *g, uint32_t *next)
 int32_t ISA(capsules_gather)(frame *f, capsules *all)
 {
 	const fine *n = f->fine;
-	gather g = {f, n, all};
+	gather g = {.f = f, .n = n, .all = all};
 	size_t bands = (size_t)(f->height - 1) / BAND + 1;
 	all->end = late_take(&f->late, n->count, sizeof *all->end);
 	all->first = late_take(&f->late, bands + 2, sizeof *all->first);
 	if (!all->end || !all->first)
 		return ENCRE_ERROR_MEMORY;
+	float taper = 0;
+	for (int i = 0; i < f->n_styles; i++)
+		taper = most(taper, f->params[i].line_taper * f->scale);
+	if (taper > 0) {
+		g.length = late_take(&f->late, n->count, sizeof *g.length);
+		if (!g.length)
+			return ENCRE_ERROR_MEMORY;
+		ISA(fine_free_lengths)(n, taper, g.length);
+	}
 	int32_t code = rows_run(f->rows, (int)n->count, CHUNK, make_pens, &g);
 	if (code)
 		return code;

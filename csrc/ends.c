@@ -11,6 +11,7 @@ static const float back = 3;                       /* pixels over which a chain'
 static const float near_reach = 3, near_cosine = 0.7f, far_reach = 6, far_cosine = 0.94f; /* of what an end may tie to */
 static const float least_sine = 0.34f;             /* about 20 degrees: what is less runs in parallel */
 static const float ray_from = -0.5f, ray_to = 4;   /* pixels ahead of both ends at which their lines may meet */
+static const float cut_off = 2;                     /* pixels from the border within which an end is the frame's doing */
 static const float margin = 0.25f;                 /* by how much something else must be nearer to come first */
 
 typedef struct end {
@@ -368,4 +369,36 @@ int32_t ISA(fine_join_ends)(fine *n)
 	for (int i = 0; !code && i < ROUNDS; i++)
 		code = round_of(n);
 	return code;
+}
+
+/* ---- taper ----------------------------------------------------------------------------------------------- */
+
+/* Where the frame cuts a line off it goes on. */
+static bool at_border(const frame *f, const site *s)
+{
+	return s->x < cut_off || s->y < cut_off || s->x > (float)(f->width - 1) - cut_off || s->y > (float)(f->height - 1) - cut_off;
+}
+
+void ISA(fine_free_lengths)(const fine *n, float reach, float *length)
+{
+	for (uint32_t i = 0; i < n->count; i++)
+		length[i] = INFINITY;
+	for (uint32_t i = 0; i < n->count; i++) {
+		const site *s = n->site + i;
+		uint32_t links = n->at[i + 1] - n->at[i];
+		if (s->dropped || links > 1 || at_border(n->f, s))
+			continue;
+		length[i] = 0;
+		float along = 0;
+		uint32_t from = i, at = links ? n->to[n->at[i]] : UINT32_MAX;
+		while (at != UINT32_MAX) {
+			along += sqrtf(apart2(n->site + from, n->site + at));
+			if (along >= reach)
+				break;
+			length[at] = along < length[at] ? along : length[at];
+			uint32_t next = next_of(n, from, at);
+			from = at;
+			at = next;
+		}
+	}
 }

@@ -158,6 +158,8 @@ int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count);
 int32_t ISA(fine_smooth)(fine *n);
 /* ends.c */
 int32_t ISA(fine_join_ends)(fine *n);
+/* Lengths along its chain from each site to the nearest end that is tied to nothing, INFINITY beyond `reach`. */
+void ISA(fine_free_lengths)(const fine *n, float reach, float *length);
 /* sites.c: fills cell and member. */
 int32_t ISA(fine_sort)(fine *n);
 
