@@ -29,13 +29,11 @@ typedef struct gather {
 
 static pen_end pen_end_of(const frame *f, const site *s, float length)
 {
-	int nx, ny;
 	pen pen;
 	pen_end e = {.x = s->x, .y = s->y};
-	near_site(f, s, &nx, &ny);
-	e.owner = (uint32_t)ny << 16 | (uint32_t)nx;
+	e.owner = (uint32_t)s->near_y << 16 | s->near_x;
 	e.fade = 1;
-	if (!ISA(pen_of)(f, nx, ny, (enum source)s->source, s->strength, &pen))
+	if (!ISA(pen_of)(f, s->near_x, s->near_y, (enum source)s->source, s->strength, &pen))
 		return e;
 	float taper = pen.p->line_taper * f->scale;
 	if (length < taper)

@@ -29,8 +29,8 @@ typedef struct site {
 	float x, y;             /* pixels; centres are whole numbers */
 	float strength;         /* weighted */
 	uint16_t column, row;   /* of the pixel that it was found at */
+	uint16_t near_x, near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
 	uint8_t family, axis, source;
-	uint8_t near;           /* place in the 5x5 about the pixel that holds it, from which it takes its controls */
 	uint8_t dropped;
 	uint8_t degree;         /* links, saturated */
 } site;
@@ -67,12 +67,6 @@ enum { CELL = 4 };
 static inline int pixel_of(float at, int n)
 {
 	return clamp_index((int)floorf(at + 0.5f), n);
-}
-
-static inline void near_site(const frame *f, const site *s, int *nx, int *ny)
-{
-	*nx = pixel_of(s->x, f->width) + s->near % 5 - 2;
-	*ny = pixel_of(s->y, f->height) + s->near / 5 - 2;
 }
 
 /* Pixels beside a crack hold two surfaces. */

@@ -15,9 +15,11 @@ static const float clear_of_earlier = 1.5f, clear_of_band = 2.0f;
 int ISA(fine_controls)(const fine *n, site *s)
 {
 	const frame *f = n->f;
-	int x = pixel_of(s->x, f->width), y = pixel_of(s->y, f->height), best = 12;
+	int x = pixel_of(s->x, f->width), y = pixel_of(s->y, f->height);
 	float least = INFINITY;
 	int least_key = INT32_MAX;
+	s->near_x = (uint16_t)x;
+	s->near_y = (uint16_t)y;
 	for (int dy = -2; dy <= 2; dy++) {
 		if (y + dy < 0 || y + dy >= f->height)
 			continue;
@@ -30,12 +32,12 @@ int ISA(fine_controls)(const fine *n, site *s)
 			if (z < least || (z == least && key < least_key)) {
 				least = z;
 				least_key = key;
-				best = (dy + 2) * 5 + dx + 2;
+				s->near_x = (uint16_t)(x + dx);
+				s->near_y = (uint16_t)(y + dy);
 			}
 		}
 	}
-	s->near = (uint8_t)best;
-	return f->style ? f->style[(ptrdiff_t)(y + best / 5 - 2) * f->width + x + best % 5 - 2] : 0;
+	return f->style ? f->style[(ptrdiff_t)s->near_y * f->width + s->near_x] : 0;
 }
 
 bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, float strength)
