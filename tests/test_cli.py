@@ -185,6 +185,13 @@ def test_composite_half(run, tmp_path, scene):
     assert np.array_equal(exr.picture(tmp_path / "out.exr"), expected(rounded)["Combined"])
 
 
+def test_composite_writes_the_longest_name(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    out = tmp_path / ("a" * 251 + ".png")
+    assert run("composite", path, "-o", out)[0] == 0
+    assert sorted(os.listdir(tmp_path)) == [out.name, "in.exr"]
+
+
 def test_composite_png(run, tmp_path, scene):
     scene = {**scene, "combined": scene["combined"] * np.float32(0.5)}  # premultiplied, half transparent
     pictures = exr.passes(scene)
@@ -294,9 +301,13 @@ def test_composite_names_missing_passes(run, tmp_path, scene, data):
     (["--set", "shade_levels=0.5; 0.7,0.5,0.2; 1,0.55,0.2"], ["shade_levels", "overlap"]),
     (["--set", "paper_image=nowhere.png"], ["nowhere.png"]),
     (["--preset", "watermemory"], ["watermemory", "Water Memory"]),
+    (["--preset", ""], ["unknown preset", "Water Memory"]),
     (["--threads", "0"], ["--threads", "'0'"]),
+    (["--threads", "1025"], ["threads", "1025", "1024"]),
     (["--frobnicate"], ["--frobnicate"]),
     (["-o", "out.jpg"], ["out.jpg", ".png"]),
+    (["-o", ".exr"], [".exr must be a name"]),
+    (["-o", "a" * 252 + ".exr"], ["can't be written", "too long"]),
     (["-o", "/proc/nothing/out.exr"], ["/proc/nothing/out.exr", "can't be written"]),
 ])
 def test_composite_refuses(run, tmp_path, scene, options, words, monkeypatch):
