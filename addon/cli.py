@@ -91,7 +91,7 @@ def _parser():
     command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of an animation")
     command.add_argument("--samples", metavar="N", type=_count, help="samples a pixel")
     command.add_argument("--size", metavar="WxH", type=_size, help="size of the full frame in pixels")
-    command.add_argument("--resume", action="store_true", help="leave frames alone whose file is there")
+    command.add_argument("--resume", action="store_true", help="leave frames alone whose file is there and whole")
     command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
     command.add_argument("--verbose", action="store_true", help="pass on what Blender prints")
     command.set_defaults(run=_render)
@@ -147,6 +147,8 @@ def _render(args):
 def _composite(args):
     changes = _changes(args)
     images.prepare(args.output)
+    if os.path.exists(args.output) and os.path.exists(args.layers) and os.path.samefile(args.output, args.layers):
+        raise core.EncreError(f"{args.output}: is the file that is read, whose layers would be lost; give another name")
     start = time.perf_counter()
     composite(args.layers, args.output, changes, args.view_layer, args.threads, _say)
     print(f"{args.output} ({time.perf_counter() - start:.1f} s)")

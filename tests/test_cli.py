@@ -325,8 +325,27 @@ def test_composite_refuses_files_that_are_no_exr(run, tmp_path, scene, content):
         content = whole[:len(whole) // 2] if content == "cut" else whole[:300]
     if content is not None:
         path.write_bytes(content)
-    fails(run("composite", path, "-o", tmp_path / "x.exr"), "in.exr")
+    # OpenEXR's own words pass by Python's stderr.
+    fails(finish(encre("composite", path, "-o", tmp_path / "x.exr")), "in.exr")
     assert not (tmp_path / "x.exr").exists()
+
+
+def test_composite_spares_its_input(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    before = path.read_bytes()
+    (tmp_path / "link.exr").symlink_to(path)
+    fails(run("composite", path, "-o", tmp_path / "link.exr"), "link.exr", "layers would be lost")
+    assert path.read_bytes() == before
+
+
+def test_composite_refuses_names_that_are_not_utf8(tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    odd = os.fsdecode(os.fsencode(tmp_path / "in") + b"\xff.exr")
+    os.rename(path, odd)
+    fails(finish(encre("composite", odd, "-o", tmp_path / "x.exr")), "UTF-8")
+    os.rename(odd, path)
+    fails(finish(encre("composite", path, "-o", odd)), "UTF-8")
+    assert os.listdir(tmp_path) == ["in.exr"]
 
 
 @pytest.mark.parametrize(("key", "text"), [
@@ -360,6 +379,12 @@ def test_parts_of_different_sizes(run, tmp_path, scene):
 def encre(*args, **options):
     return subprocess.Popen([sys.executable, "-m", "encre", *map(str, args)], stdout=subprocess.PIPE,
                             stderr=subprocess.PIPE, text=True, **options)
+
+
+def finish(child):
+    """(exit status, stdout, stderr) of a process."""
+    out, err = child.communicate(timeout=60)
+    return child.returncode, out, err
 
 
 @pytest.mark.parametrize("ending", ["exr", "png"])

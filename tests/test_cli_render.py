@@ -144,11 +144,20 @@ def test_frames_and_resume(cube, tmp_path):
     assert re.fullmatch(r"frame 3 \(1/2\): \S+f_03.png \(\S+ s\)\nframe 4 \(2/2\): \S+f_04.png \(\S+ s\)\n", err), err
     works(encre("render", cube, "-o", tmp_path / "new" / "f.png", "-s", "4"))
     assert left(tmp_path / "new") == ["f0004.png", "f_03.png", "f_04.png"]
-    (tmp_path / "new" / "f_03.png").write_bytes(b"finished")
-    (tmp_path / "new" / "f_04.png").unlink()
-    err = works(encre("render", cube, "-o", tmp_path / "new" / "f_##.png", "-s", "3", "-e", "4", "--resume"))
-    assert "1 of 2 frames are finished" in err and png(tmp_path / "new" / "f_04.png").shape == (36, 64, 4)
-    assert (tmp_path / "new" / "f_03.png").read_bytes() == b"finished"
+
+
+@pytest.mark.parametrize("ending", ["png", "exr"])
+def test_resume_leaves_alone_what_is_whole(cube, tmp_path, ending):
+    out = tmp_path / f"f_##.{ending}"
+    works(encre("render", cube, "-o", out, "-s", "3", "-e", "4"))
+    finished, half, missing, empty = (tmp_path / f"f_{k:02}.{ending}" for k in (3, 4, 5, 6))
+    before = finished.read_bytes()
+    half.write_bytes(half.read_bytes()[:-2000])
+    empty.touch()
+    err = works(encre("render", cube, "-o", out, "-s", "3", "-e", "6", "--resume"))
+    assert "1 of 4 frames are finished" in err and err.count("\n") == 4
+    assert finished.read_bytes() == before
+    assert all(images.whole(path) for path in (half, missing, empty))
 
 
 def test_a_frame_that_cannot_be_written_is_found_before_rendering(cube, tmp_path):
