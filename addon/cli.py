@@ -2,7 +2,7 @@
 """The command `encre`: render, composite, params, presets.
 
 Exit status: 0; 2 for usage, bad input and an output that can't be written; 1 for what fails under way; 130 when
-interrupted. Every error is one line `encre: error: …` on the standard error.
+interrupted (by __main__.py). Every error is one line `encre: error: …` on the standard error.
 """
 
 import argparse
@@ -205,9 +205,6 @@ def main(argv=None):
         args.run(args)
         sys.stdout.flush()
         return 0
-    except KeyboardInterrupt:
-        print("encre: interrupted", file=sys.stderr)
-        return 130
     except BrokenPipeError:  # the reader of our output left, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0

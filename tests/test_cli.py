@@ -415,6 +415,22 @@ def test_interrupting_composite(tmp_path):
     assert os.listdir(tmp_path) == ["in.exr"]
 
 
+def test_interrupting_the_start():
+    """While the modules are loading."""
+    code = """
+import os, signal, sys
+import encre.__main__
+class Finder:
+    def find_spec(name, *rest):
+        if name == "encre.cli":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Finder)
+sys.exit(encre.__main__.main())
+"""
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert (child.returncode, child.stderr) == (130, "encre: interrupted\n")
+
+
 def test_a_reader_that_leaves_early():
     child = subprocess.run(f'"{sys.executable}" -m encre params | head -1', shell=True, capture_output=True, text=True,
                            timeout=60)

@@ -266,16 +266,19 @@ def test_a_full_disk(cube, tmp_path):
     assert left(tmp_path) == ["out.exr"] and out.read_bytes() == b"old"
 
 
-def test_interrupt(cube, tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_interrupt(cube, tmp_path, number):
     child = subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png", "--size",
                               "1280x720", "--samples", "4000"], stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 60
     while not list(tmp_path.glob(".encre-*")) and time.monotonic() < deadline:
         time.sleep(0.05)
     time.sleep(2)
-    child.send_signal(signal.SIGINT)
+    child.send_signal(number)
     err = child.communicate(timeout=30)[1]
-    assert child.returncode == 130 and "Traceback" not in err and left(tmp_path) == []
+    assert child.returncode == 130 and err == "encre: interrupted\n" and left(tmp_path) == []
+    running = b"".join(path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline"))
+    assert bytes(tmp_path) not in running, "Blender runs on"
 
 
 def test_bar_on_a_terminal(cube, tmp_path):
