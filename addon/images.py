@@ -6,6 +6,7 @@ Only the command line uses this: Blender reads and writes its own images.
 
 import contextlib
 import os
+import sys
 import tempfile
 from dataclasses import dataclass
 
@@ -22,6 +23,28 @@ def _oiio():
     except ImportError:
         raise EncreError("the Python module OpenImageIO is missing; run: pip install openimageio") from None
     return OpenImageIO
+
+
+@contextlib.contextmanager
+def _quiet():
+    """OpenEXR itself writes about broken files to the standard error; here it is ours to say so, in a sentence."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    try:
+        with open(os.devnull, "w") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+
+
+def _utf8(path):
+    """`path` as OpenImageIO takes it."""
+    try:
+        return os.fspath(path).encode().decode()
+    except UnicodeEncodeError:
+        raise EncreError(f"{path}: this name is not UTF-8; rename the file or its folder") from None
 
 
 @dataclass(frozen=True)
@@ -51,7 +74,7 @@ class Exr:
             oiio.attribute("threads", threads)
             oiio.attribute("exr_threads", threads)
         self.path, self.channels, self.views, self.metadata, self.window = path, {}, (), {}, None
-        self._file = oiio.ImageInput.open(os.fspath(path))
+        self._file = oiio.ImageInput.open(_utf8(path))
         if not self._file or self._file.format_name() != "openexr":
             oiio.geterror()  # or it would be printed at exit
             self.close()
@@ -90,8 +113,9 @@ class Exr:
             for k, channel in enumerate(channels):
                 part, number = self.channels[channel]
                 wanted.setdefault(part, []).append((number, out[name][:, :, k]))
-        for part, targets in wanted.items():
-            self._read_part(part, targets)
+        with _quiet():
+            for part, targets in wanted.items():
+                self._read_part(part, targets)
         return out
 
     def _read_part(self, part, targets):
@@ -140,8 +164,9 @@ def _stored(path, kind):
     oiio = _oiio()
     as_stored = oiio.ImageSpec()
     as_stored["oiio:UnassociatedAlpha"] = 1
-    file = oiio.ImageInput.open(os.fspath(path), as_stored)
-    pixels = file.read_image(kind) if file else None
+    file = oiio.ImageInput.open(_utf8(path), as_stored)
+    with _quiet():
+        pixels = file.read_image(kind) if file else None
     oiio.geterror()  # or it would be printed at exit
     if pixels is None:
         return None
@@ -191,15 +216,17 @@ def write_png(path, rgba, window):
     _write(path, spec, picture)
 
 
-def whole(path):
-    """Whether every pixel of an image file can be read."""
+@_quiet()
+def whole(path, last_row=False):
+    """Whether every pixel of an image file can be read; last_row: whether the last ones can, which is quick to see."""
     oiio, part = _oiio(), 0
-    file = oiio.ImageInput.open(os.fspath(path))
+    file = oiio.ImageInput.open(_utf8(path))
     while file and file.seek_subimage(part, 0):
         spec, part = file.spec(), part + 1
-        for y in range(spec.y, spec.y + spec.height, ROWS):
-            end = min(y + ROWS, spec.y + spec.height)
-            if file.read_scanlines(part - 1, 0, y, end, 0, 0, spec.nchannels, spec.format) is None:
+        end = spec.y + spec.height
+        for y in range(end - 1 if last_row else spec.y, end, ROWS):
+            rows = file.read_scanlines(part - 1, 0, y, min(y + ROWS, end), 0, 0, spec.nchannels, spec.format)
+            if rows is None:
                 file.geterror()
                 return False
     oiio.geterror()  # or it would be printed at exit
@@ -216,13 +243,15 @@ def unwritable(path, reason):
 
 def prepare(path):
     """Finds out before any work whether `path` can be written; makes its folder. Raises EncreError."""
-    folder = os.path.dirname(os.path.abspath(path))
+    folder = os.path.dirname(_utf8(os.path.abspath(path)))
     if os.path.isdir(path):
         raise EncreError(unwritable(path, "it is a folder"))
     if os.path.exists(path) and not os.access(path, os.W_OK):
         raise EncreError(unwritable(path, "it is write-protected"))
     try:
         os.makedirs(folder, exist_ok=True)
+        with contextlib.suppress(FileNotFoundError):
+            os.stat(path)  # fails where the name is too long
         with tempfile.TemporaryFile(dir=folder) as probe:
             probe.write(bytes(65536))
     except OSError as error:
@@ -231,8 +260,8 @@ def prepare(path):
 
 def _write(path, spec, pixels):
     oiio = _oiio()
-    folder, name = os.path.split(os.path.abspath(path))
-    part = os.path.join(folder, f".encre-{os.getpid()}-{name}")  # the ending tells OpenImageIO the format
+    folder, ending = os.path.dirname(os.path.abspath(path)), os.path.splitext(path)[1]
+    part = os.path.join(folder, f".encre-{os.getpid()}{ending}")  # the ending tells OpenImageIO the format
     try:
         out = oiio.ImageOutput.create(part)
         good = out.open(part, spec) and out.write_image(pixels)

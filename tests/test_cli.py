@@ -185,6 +185,13 @@ def test_composite_half(run, tmp_path, scene):
     assert np.array_equal(exr.picture(tmp_path / "out.exr"), expected(rounded)["Combined"])
 
 
+def test_composite_writes_the_longest_name(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    out = tmp_path / ("a" * 251 + ".png")
+    assert run("composite", path, "-o", out)[0] == 0
+    assert sorted(os.listdir(tmp_path)) == [out.name, "in.exr"]
+
+
 def test_composite_png(run, tmp_path, scene):
     scene = {**scene, "combined": scene["combined"] * np.float32(0.5)}  # premultiplied, half transparent
     pictures = exr.passes(scene)
@@ -294,9 +301,13 @@ def test_composite_names_missing_passes(run, tmp_path, scene, data):
     (["--set", "shade_levels=0.5; 0.7,0.5,0.2; 1,0.55,0.2"], ["shade_levels", "overlap"]),
     (["--set", "paper_image=nowhere.png"], ["nowhere.png"]),
     (["--preset", "watermemory"], ["watermemory", "Water Memory"]),
+    (["--preset", ""], ["unknown preset", "Water Memory"]),
     (["--threads", "0"], ["--threads", "'0'"]),
+    (["--threads", "1025"], ["threads", "1025", "1024"]),
     (["--frobnicate"], ["--frobnicate"]),
     (["-o", "out.jpg"], ["out.jpg", ".png"]),
+    (["-o", ".exr"], [".exr must be a name"]),
+    (["-o", "a" * 252 + ".exr"], ["can't be written", "too long"]),
     (["-o", "/proc/nothing/out.exr"], ["/proc/nothing/out.exr", "can't be written"]),
 ])
 def test_composite_refuses(run, tmp_path, scene, options, words, monkeypatch):
@@ -314,8 +325,27 @@ def test_composite_refuses_files_that_are_no_exr(run, tmp_path, scene, content):
         content = whole[:len(whole) // 2] if content == "cut" else whole[:300]
     if content is not None:
         path.write_bytes(content)
-    fails(run("composite", path, "-o", tmp_path / "x.exr"), "in.exr")
+    # OpenEXR's own words pass by Python's stderr.
+    fails(finish(encre("composite", path, "-o", tmp_path / "x.exr")), "in.exr")
     assert not (tmp_path / "x.exr").exists()
+
+
+def test_composite_spares_its_input(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    before = path.read_bytes()
+    (tmp_path / "link.exr").symlink_to(path)
+    fails(run("composite", path, "-o", tmp_path / "link.exr"), "link.exr", "layers would be lost")
+    assert path.read_bytes() == before
+
+
+def test_composite_refuses_names_that_are_not_utf8(tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    odd = os.fsdecode(os.fsencode(tmp_path / "in") + b"\xff.exr")
+    os.rename(path, odd)
+    fails(finish(encre("composite", odd, "-o", tmp_path / "x.exr")), "UTF-8")
+    os.rename(odd, path)
+    fails(finish(encre("composite", path, "-o", odd)), "UTF-8")
+    assert os.listdir(tmp_path) == ["in.exr"]
 
 
 @pytest.mark.parametrize(("key", "text"), [
@@ -351,6 +381,12 @@ def encre(*args, **options):
                             stderr=subprocess.PIPE, text=True, **options)
 
 
+def finish(child):
+    """(exit status, stdout, stderr) of a process."""
+    out, err = child.communicate(timeout=60)
+    return child.returncode, out, err
+
+
 @pytest.mark.parametrize("ending", ["exr", "png"])
 def test_a_full_disk_leaves_the_old_file(tmp_path, ending):
     layers_ = exr.passes(drawn.scene(480, 320, noise=1.0))
@@ -377,6 +413,22 @@ def test_interrupting_composite(tmp_path):
     err = child.communicate(timeout=60)[1]
     assert (child.returncode, err) == (130, "encre: interrupted\n")
     assert os.listdir(tmp_path) == ["in.exr"]
+
+
+def test_interrupting_the_start():
+    """While the modules are loading."""
+    code = """
+import os, signal, sys
+import encre.__main__
+class Finder:
+    def find_spec(name, *rest):
+        if name == "encre.cli":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Finder)
+sys.exit(encre.__main__.main())
+"""
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert (child.returncode, child.stderr) == (130, "encre: interrupted\n")
 
 
 def test_a_reader_that_leaves_early():

@@ -19,10 +19,14 @@ def neighbours(count, links):
     return lists
 
 
-def linked(at):
-    """Links (n, 2) of points at most `LINK` apart, less those for which two shorter ones do."""
+def linked(found):
+    """Links (n, 2) of sites at most `LINK` apart, less those for which two shorter ones do.
+
+    Where a face thins out to a point its two edges come close, but they step in opposite directions."""
+    at = found.at
     i, j = near.pairs(at, at, LINK)
-    i, j = i[i < j], j[i < j]
+    ok = (i < j) & ((found.step[i] * found.step[j]).sum(1) >= 0)
+    i, j = i[ok], j[ok]
     length = np.round(np.hypot(*(at[i] - at[j]).T), 9)
     order = np.lexsort((j, i, length))
     rank = {(int(i[k]), int(j[k])): n for n, k in enumerate(order)}
@@ -129,26 +133,28 @@ class Web:
             for b in keys[n + 1:]:
                 gap = at[b] - at[a]
                 d = np.hypot(*gap)
-                if family[a] != family[b] or d > 8 or d == 0 or b in ends[a][2]:
+                kin = max(family[a], 1) == max(family[b], 1)  # a silhouette that fades may go on as a crease
+                if not kin or d > 8 or d == 0 or b in ends[a][2]:
                     continue
+                name = FAMILIES[max(family[a], family[b])]
                 one, two = ends[a][1], ends[b][1]
                 facing = min(gap @ one, -gap @ two) / d
                 sine = one[0] * two[1] - one[1] * two[0]
                 if facing >= np.cos(np.radians(20)) and d <= REACH:
-                    if d <= SHORT or agree(FAMILIES[family[a]], at[a], at[b]):
+                    if d <= SHORT or agree(name, at[a], at[b]):
                         joins.append((d / 2, a, b, None))
                 elif abs(sine) >= 0.25:
                     s = (gap[0] * two[1] - gap[1] * two[0]) / sine
                     t = (gap[0] * one[1] - gap[1] * one[0]) / sine
                     corner = at[a] + s * one
                     if min(s, t) >= -0.5 and (max(s, t) <= 4 and abs(sine) >= 0.34 or max(s, t) <= 10 and wedge(
-                            FAMILIES[family[a]], at[a], at[b], corner)):
+                            name, at[a], at[b], corner)):
                         joins.append((max(s, t), a, b, corner))
         done = set()
         for cost, a, b, corner in sorted(joins, key=lambda join: join[:3]):
             if a in done or b in done:
                 continue
-            if any(aim and aim[0][0] < cost - 0.25 and aim[0][1] not in (a, b) for aim in (aims[a], aims[b])):
+            if any(aim and aim[0][0] < cost - 0.25 and aim[0][1] not in ends[a][2] + ends[b][2] for aim in (aims[a], aims[b])):
                 continue
             done |= {a, b}
             if corner is None:
@@ -157,7 +163,8 @@ class Web:
                 new = len(self.sites)
                 s = self.sites
                 stronger = a if s.strength[a] >= s.strength[b] else b
-                self.add(sites([corner], FAMILIES[s.family[a]], s.source[stronger], s.strength[stronger], self.shape), [])
+                name = FAMILIES[max(s.family[a], s.family[b])]
+                self.add(sites([corner], name, s.source[stronger], s.strength[stronger], self.shape), [])
                 self.links = np.concatenate([self.links, [[a, new], [b, new]]])
                 for c in keys:  # a third end may come to the same corner
                     if c not in done and family[c] == family[a]:

@@ -70,7 +70,7 @@ def find(layers, params, crease_angle=CREASE_ANGLE):
             found = kind(*args, thin=thin)
             found = found.take((found.strength >= threshold) & (found.strength > 0))
             found = found.take(clear_of(found.at, web.curve(), CLEAR))
-            links = linked(found.at)
+            links = linked(found)
             web.add(*drop_crumbs(found, links, least + thin))
     found, links = _terminators(layers, params, weights, threshold)
     keep = clear_of(found.at, web.curve(), CLEAR)
@@ -78,7 +78,8 @@ def find(layers, params, crease_angle=CREASE_ANGLE):
     web.add(found.take(keep), number[links[keep[links].all(1)]])
 
     light = metric.value(layers.diffuse)[..., None]
-    signals = {"outline": (layers.normal, 0.12), "normal": (layers.normal, 0.12), "color": (encoded, 0.02), "light": (light, 0.05)}
+    signals = {"outline": (layers.normal, 0.12), "normal": (layers.normal, 0.12),
+               "color": (encoded, 0.02), "light": (light, 0.05)}
     web.tie(lambda family, a, b: family == "light" or _agree(*signals[family], a, b),
             lambda family, a, b, corner: _wedge(*signals[family], a, b, corner))
     pixel = tuple(web.sites.pixel.T)
@@ -94,13 +95,13 @@ def _weight(weights, name, at, shape):
 def _creases(layers, params, weights, mixed, albedo, encoded, bend, thin):
     floor = 0.35 * bend
     if thin:
-        at, jump, _, _ = bands(layers.normal, mixed, BAND * floor)
+        at, jump, *_, step = bands(layers.normal, mixed, BAND * floor)
         jump = jump / BAND
     else:
-        at, jump, _, _ = ridges(layers.normal, layers.normal, mixed, floor)
+        at, jump, *_, step = ridges(layers.normal, layers.normal, mixed, floor)
     strength = clamp01((jump - floor) / (0.37 * bend))
     strength = strength * _weight(weights, "normal", at, mixed.shape)
-    return sites(at, "normal", SOURCES.index("normal"), strength, mixed.shape)
+    return sites(at, "normal", SOURCES.index("normal"), strength, mixed.shape, step)
 
 
 def _contrast(params, one, two):
@@ -113,11 +114,11 @@ def _contrast(params, one, two):
 
 def _colors(layers, params, weights, mixed, albedo, encoded, bend, thin):
     if thin:
-        at, _, one, two = bands(encoded, mixed, BAND * 0.01)
+        at, _, one, two, step = bands(encoded, mixed, BAND * 0.01)
     else:
-        at, _, one, two = ridges(encoded, albedo, mixed, 0.01)
+        at, _, one, two, step = ridges(encoded, albedo, mixed, 0.01)
     strength = _contrast(params, one, two) * _weight(weights, "color", at, mixed.shape)
-    return sites(at, "color", SOURCES.index("color"), strength, mixed.shape)
+    return sites(at, "color", SOURCES.index("color"), strength, mixed.shape, step)
 
 
 def _steps(layers, params):
@@ -131,14 +132,14 @@ def _shadows(layers, params, weights, mixed, albedo, encoded, bend, thin):
     every = Sites()
     for style, steps, x in _steps(layers, params):
         if thin:
-            at, _, one, two = bands(x[..., None], mixed, 0.1)
+            at, _, one, two, step = bands(x[..., None], mixed, 0.1)
         else:
-            at, _, one, two = ridges(x[..., None], x[..., None], mixed, 0.05)
+            at, _, one, two, step = ridges(x[..., None], x[..., None], mixed, 0.05)
         greys = [grey_of(level_of(side[:, 0], steps), steps) for side in (one, two)]
         strength = _contrast(params, *greys) * _weight(weights, "light", at, mixed.shape)
         pixel = tuple(np.clip(grid.round_half_up(at), 0, np.array(mixed.shape) - 1).T)
         strength = np.where(layers.style[pixel] == style, strength, 0)
-        every = every.add(sites(at, "light", SOURCES.index("light"), strength, mixed.shape))
+        every = every.add(sites(at, "light", SOURCES.index("light"), strength, mixed.shape, step))
     return every
 
 
