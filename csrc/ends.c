@@ -41,7 +41,8 @@ typedef struct ends {
 static int rank_of(const site *s)
 {
 	switch ((enum family)s->family) {
-	case FAMILY_CRACK: return 0;
+	case FAMILY_CRACK:
+	case FAMILY_THIN: return 0;
 	case FAMILY_NORMAL_BAND:
 	case FAMILY_NORMAL: return 1;
 	case FAMILY_COLOR_BAND:

@@ -13,6 +13,7 @@
 /* In the order in which they claim the picture: each keeps clear of the earlier ones. */
 enum family {
 	FAMILY_CRACK,        /* depth, object, material: between two pixels */
+	FAMILY_THIN,         /* the same, of things too thin for two lines */
 	FAMILY_NORMAL_BAND, FAMILY_NORMAL, /* averaged layers: a thin stripe; a step */
 	FAMILY_COLOR_BAND, FAMILY_COLOR,
 	FAMILY_LIGHT_BAND, FAMILY_LIGHT_STEP,
@@ -38,6 +39,8 @@ typedef struct site {
 
 /* Marks of a pixel in fine.crack. */
 enum { CRACK_RIGHT = 1, CRACK_DOWN = 2, LIGHT_RIGHT = 4, LIGHT_DOWN = 8 };
+/* Marks in fine.thin, besides the cracks that are taken back: a thin thing, other in index or in depth only. */
+enum { HIT_OBJECT = 4, HIT_DEPTH = 8 };
 
 typedef struct fine {
 	frame *f;
@@ -47,6 +50,8 @@ typedef struct fine {
 	float least_contrast; /* between colours across a step */
 	uint8_t *colored; /* by row: colours may make edges */
 	uint8_t *crack;   /* width * height */
+	uint8_t *thin;    /* width * height */
+	uint8_t *hit;     /* by row: there is a mark in thin */
 	uint16_t *ridge;  /* width * height: bit 2 * family + axis */
 	uint32_t *first;  /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
 	float *scratch;   /* for each thread */
@@ -129,6 +134,12 @@ bool ISA(light_site)(const fine *n, site *s);
 /* Strength of the boundary between two values of light; the levels are those of p. */
 float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two);
 ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
+
+/* thin.c: finds the cracks of thin things, and takes them back; marks and places the sites that stand for them. */
+void ISA(thin_rows)(void *data, int y0, int y1, int thread);
+void ISA(carve_rows)(void *data, int y0, int y1, int thread);
+void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge);
+bool ISA(thin_site)(const fine *n, site *s);
 
 /* ridges.c */
 ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */

@@ -478,6 +478,7 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 				mixed_row(n, row, at);
 			w.mixed[k] = at;
 		}
+		ISA(thin_mark)(n, y, ridge);
 		for (int s = SOURCE_NORMAL; s <= SOURCE_LIGHT; s++) {
 			bool wanted = n->e->on[s];
 			for (int k = -1; s == SOURCE_COLOR && wanted && k <= 1; k++) /* a site may lie in the next row */

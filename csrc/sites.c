@@ -93,6 +93,8 @@ static void place_site(const fine *n, site *s)
 		ISA(crack_site)(n, s);
 	else if (s->family == FAMILY_LIGHT)
 		ISA(light_site)(n, s);
+	else if (s->family == FAMILY_THIN)
+		ISA(thin_site)(n, s);
 	else
 		ISA(ridge_site)(n, s);
 }
@@ -276,6 +278,8 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	made.crack = arena_take(a, pixels, sizeof *made.crack);
 	made.ridge = arena_take(a, pixels, sizeof *made.ridge);
 	made.first = arena_take(a, (size_t)FAMILY_COUNT * (size_t)f->height + 1, sizeof *made.first);
+	made.thin = arena_take(a, pixels, sizeof *made.thin);
+	made.hit = arena_take(a, (size_t)f->height, sizeof *made.hit);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
 	made.thread_scratch = ISA(crack_scratch)(f) > ISA(ridge_scratch)(f) ? ISA(crack_scratch)(f) : ISA(ridge_scratch)(f);
@@ -303,6 +307,10 @@ int32_t ISA(fine_run)(frame *f)
 {
 	fine *n = f->fine;
 	int32_t code = rows_run(f->rows, f->height, 0, ISA(crack_rows), n);
+	if (!code)
+		code = rows_run(f->rows, f->height, 0, ISA(thin_rows), n);
+	if (!code)
+		code = rows_run(f->rows, f->height, 0, ISA(carve_rows), n);
 	if (!code)
 		code = rows_run(f->rows, f->height, 0, ISA(ridge_rows), n);
 	if (!code)

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Things up to two pixels wide: a wire, a blade, a strand of hair. Depth and index hit them now and then only, and cracks
+ * round each hit would be two beaded lines. Where the averaged layers show a stripe there, the cracks go, and the stripe is
+ * one line along its middle, hit or not. */
+#include "fine.h"
+
+enum { PLANES = 6, MOST_HIT = 2, NEARBY = 4 };
+
+static const float widest = 2.05f;                 /* pixels */
+static const float least_hit = 0.1f, least_between = 0.05f; /* peak of a stripe, in albedo and half normals, at a hit and beside one */
+static const float least_of_slope = 1.5f;          /* times what lies on both sides differs */
+static const float against = 0.1f;                 /* share of a stripe that a pixel of it may lie the other way */
+
+static void read(const frame *f, int x, int y, float value[PLANES])
+{
+	x = clamp_index(x, f->width);
+	y = clamp_index(y, f->height);
+	const float *albedo = f->layer[ENCRE_LAYER_ALBEDO].data + y * f->layer[ENCRE_LAYER_ALBEDO].row + (ptrdiff_t)3 * x;
+	const float *normal = f->layer[ENCRE_LAYER_NORMAL].data + y * f->layer[ENCRE_LAYER_NORMAL].row + (ptrdiff_t)3 * x;
+	for (int c = 0; c < 3; c++) {
+		value[c] = clamp01(albedo[c]);
+		value[3 + c] = 0.5f * bounded(normal[c]);
+	}
+}
+
+static float depth_at(const frame *f, int x, int y)
+{
+	return depth_of(f->layer[ENCRE_LAYER_DEPTH].data[y * f->layer[ENCRE_LAYER_DEPTH].row + x]);
+}
+
+static float object_at(const frame *f, int x, int y)
+{
+	plane p = f->layer[ENCRE_LAYER_OBJECT];
+	return p.data ? p.data[y * p.row + x] : 0;
+}
+
+/* ---- stripes --------------------------------------------------------------------------------------------- */
+
+/* How the `count` pixels from (x, y) on along an axis, the ends taken as ground, stand out: in all, at most and where. */
+typedef struct stripe {
+	float area, peak, middle, least;
+	int highest; /* which pixel stands out most */
+	float slope; /* between the ends */
+} stripe;
+
+static bool is_stripe(const stripe *s, float least_peak)
+{
+	return s->peak >= least_peak && s->area <= widest * s->peak && s->least > -against * s->area && s->peak > least_of_slope * s->slope;
+}
+
+static stripe stripe_of(const frame *f, int x, int y, int axis, int count)
+{
+	float value[MOST_HIT + 4][PLANES], e[PLANES] = {0}, square = 0, slope = 0;
+	stripe s = {0};
+	for (int k = 0; k < count; k++)
+		read(f, x + (axis ? 0 : k), y + (axis ? k : 0), value[k]);
+	for (int k = 1; k < count - 1; k++)
+		for (int c = 0; c < PLANES; c++) {
+			value[k][c] -= mix(value[0][c], value[count - 1][c], (float)k / (float)(count - 1));
+			e[c] += value[k][c];
+		}
+	for (int c = 0; c < PLANES; c++)
+		square += e[c] * e[c];
+	for (int c = 0; c < PLANES; c++)
+		slope += (value[count - 1][c] - value[0][c]) * (value[count - 1][c] - value[0][c]);
+	s.slope = sqrtf(slope);
+	s.area = sqrtf(square);
+	for (int k = 1; k < count - 1 && s.area > 0; k++) {
+		float own = 0;
+		for (int c = 0; c < PLANES; c++)
+			own += value[k][c] * e[c] / s.area;
+		if (own > s.peak) {
+			s.peak = own;
+			s.highest = k;
+		}
+		s.least = own < s.least ? own : s.least;
+		s.middle += own * (float)k / s.area;
+	}
+	return s;
+}
+
+/* ---- hits ------------------------------------------------------------------------------------------------ */
+
+static bool cracked(const fine *n, int x, int y, int axis)
+{
+	return n->crack[(ptrdiff_t)y * n->f->width + x] & CRACK_RIGHT << axis;
+}
+
+/* Whether the pixel is part of a stripe along an axis: one or two pixels between cracks, before one and the same thing. */
+static bool is_thin(const fine *n, int x, int y, int axis, float *ground)
+{
+	const frame *f = n->f;
+	int dx = axis ? 0 : 1, dy = axis ? 1 : 0, size = axis ? f->height : f->width, at = axis ? y : x;
+	int first = at, last = at;
+	while (first > 0 && last - first < MOST_HIT && !cracked(n, axis ? x : first - 1, axis ? first - 1 : y, axis))
+		first--;
+	while (last + 1 < size && last - first < MOST_HIT && !cracked(n, axis ? x : last, axis ? last : y, axis))
+		last++;
+	if (first == 0 || last + 1 == size || last - first >= MOST_HIT)
+		return false;
+	int px = axis ? x : first - 1, py = axis ? first - 1 : y, rx = axis ? x : last + 1, ry = axis ? last + 1 : y;
+	float z = depth_at(f, x, y);
+	*ground = object_at(f, px, py);
+	if (*ground != object_at(f, rx, ry) || !(z < depth_at(f, px, py)) || !(z < depth_at(f, rx, ry)))
+		return false;
+	stripe s = stripe_of(f, px - dx, py - dy, axis, last - first + 5);
+	return is_stripe(&s, least_hit);
+}
+
+/* The thing behind a hit, or -1 where the pixel is none. */
+static float ground_of(const fine *n, int x, int y)
+{
+	float ground;
+	return is_thin(n, x, y, AXIS_ROW, &ground) || is_thin(n, x, y, AXIS_COLUMN, &ground) ? ground : -1;
+}
+
+/* What marks a pixel's cracks as part of a stripe, and a hit by what its cracks are made of. */
+void ISA(thin_rows)(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const fine *n = data;
+	const frame *f = n->f;
+	for (int y = y0; y < y1; y++) {
+		const uint8_t *crack = n->crack + (ptrdiff_t)y * f->width;
+		uint8_t *thin = n->thin + (ptrdiff_t)y * f->width;
+		memset(thin, 0, (size_t)f->width);
+		n->hit[y] = 0;
+		for (int x = 0; x < f->width; x++) {
+			if (!mixed_at(n, x, y))
+				continue;
+			float own = ground_of(n, x, y);
+			if (own >= 0) {
+				thin[x] |= own == object_at(f, x, y) ? HIT_DEPTH : HIT_OBJECT;
+				n->hit[y] = 1;
+			}
+			for (int axis = 0; axis < 2; axis++) {
+				int qx = x + !axis, qy = y + axis;
+				if (!(crack[x] & CRACK_RIGHT << axis))
+					continue;
+				/* a crack is the stripe's if the other side is what lies behind it, or of the stripe too */
+				float other = ground_of(n, qx, qy);
+				bool its = own >= 0 && (own == object_at(f, qx, qy) || other >= 0);
+				its |= other >= 0 && other == object_at(f, x, y);
+				thin[x] |= (uint8_t)(its ? CRACK_RIGHT << axis : 0);
+			}
+		}
+	}
+}
+
+void ISA(carve_rows)(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const fine *n = data;
+	ptrdiff_t first = (ptrdiff_t)y0 * n->f->width, end = (ptrdiff_t)y1 * n->f->width;
+	for (ptrdiff_t i = first; i < end; i++)
+		n->crack[i] &= (uint8_t)~(n->thin[i] & (CRACK_RIGHT | CRACK_DOWN));
+}
+
+/* ---- sites ----------------------------------------------------------------------------------------------- */
+
+static int hits_near(const fine *n, int x, int y)
+{
+	int hits = 0;
+	for (int i = y - NEARBY < 0 ? 0 : y - NEARBY; i < n->f->height && i <= y + NEARBY; i++)
+		for (int j = x - NEARBY < 0 ? 0 : x - NEARBY; n->hit[i] && j < n->f->width && j <= x + NEARBY; j++)
+			hits |= n->thin[(ptrdiff_t)i * n->f->width + j];
+	return hits & (HIT_OBJECT | HIT_DEPTH);
+}
+
+bool ISA(thin_site)(const fine *n, site *s)
+{
+	const frame *f = n->f;
+	int x = s->column, y = s->row, hits = hits_near(n, x, y);
+	for (int k = -2; k <= 2; k++)
+		if (mixed_at(n, clamp_index(x + (s->axis ? 0 : k), f->width), clamp_index(y + (s->axis ? k : 0), f->height)))
+			return false;
+	stripe t = stripe_of(f, x - (s->axis ? 0 : 2), y - (s->axis ? 2 : 0), s->axis, 5);
+	float offset = t.middle - 2;
+	if (!hits || t.highest != 2 || !is_stripe(&t, least_between))
+		return false;
+	s->x = (float)x + (s->axis ? 0 : offset);
+	s->y = (float)y + (s->axis ? offset : 0);
+	s->strength = 0;
+	int style = fine_style(n, s);
+	ISA(fine_weigh)(n, s, style, SOURCE_OBJECT, hits & HIT_OBJECT ? 1 : 0);
+	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, hits & HIT_DEPTH ? 1 : 0);
+}
+
+/* How strongly a stripe crosses each axis about a pixel. */
+static float crossing(const fine *n, int x, int y, int axis)
+{
+	float sum = 0;
+	for (int k = -1; k <= 1; k++)
+		sum += stripe_of(n->f, x + (axis ? k : 0) - (axis ? 0 : 2), y + (axis ? 0 : k) - (axis ? 2 : 0), axis, 5).area;
+	return sum;
+}
+
+void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge)
+{
+	int any = 0;
+	for (int i = y - NEARBY < 0 ? 0 : y - NEARBY; i < n->f->height && i <= y + NEARBY; i++)
+		any |= n->hit[i];
+	for (int x = 0; any && x < n->f->width; x++) {
+		if (!hits_near(n, x, y))
+			continue;
+		int axis = crossing(n, x, y, AXIS_COLUMN) > crossing(n, x, y, AXIS_ROW) ? AXIS_COLUMN : AXIS_ROW;
+		site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = FAMILY_THIN, .axis = (uint8_t)axis};
+		if (ISA(thin_site)(n, &s))
+			ridge[x] |= (uint16_t)(1 << (2 * FAMILY_THIN + axis));
+	}
+}
