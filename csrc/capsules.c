@@ -86,7 +86,7 @@ static void enter_all(const gather *g, uint32_t *next)
 		if (n->at[i] == n->at[i + 1])
 			enter(g, i, i, next);
 		for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
-			if (n->to[k] > i)
+			if (n->to[k] > i && !n->site[n->to[k]].dropped)
 				enter(g, i, n->to[k], next);
 	}
 }

@@ -5,13 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 256, ROUNDS = 2, OWN = 9, NONE = -1 };
+enum { CHUNK = 256, ROUNDS = 2, OWN = 9, SPUR = 8 };
 
 static const float back = 3;                       /* pixels over which a chain's direction is taken */
 static const float near_reach = 3, near_cosine = 0.7f, far_reach = 6, far_cosine = 0.94f; /* of what an end may tie to */
 static const float ray_from = -0.5f, ray_to = 4, least_sine = 0.34f;  /* pixels ahead of both ends at which their lines may meet */
 static const float wedge_apart = 8, wedge_to = 10, wedge_sine = 0.25f; /* likewise, if the picture shows an acute corner there */
 static const float beside = 1.5f;                  /* pixels to either side of a line where the picture is looked at */
+static const float longest_spur = 2.0f;            /* pixels */
 static const float cut_off = 2;                     /* pixels from the border within which an end is the frame's doing */
 static const float margin = 0.25f;                 /* by how much something else must be nearer to come first */
 
@@ -401,11 +402,38 @@ static int32_t round_of(fine *n)
 	return code ? code : ISA(fine_add_links)(n, to.link, to.count);
 }
 
+/* ---- spurs ----------------------------------------------------------------------------------------------- */
+
+/* Cuts what branches off a line and ends at once. */
+static void cut_spurs(const fine *n)
+{
+	for (uint32_t i = 0; i < n->count; i++) {
+		if (!is_end(n, i) || rank_of(n->site + i) == 0)
+			continue;
+		uint32_t spur[SPUR], from = i, at = n->to[n->at[i]];
+		float length = sqrtf(apart2(n->site + i, n->site + at));
+		int count = 1;
+		spur[0] = i;
+		while (count < SPUR && length < longest_spur && n->at[at + 1] - n->at[at] == 2) {
+			uint32_t next = next_of(n, from, at);
+			length += sqrtf(apart2(n->site + at, n->site + next));
+			spur[count++] = at;
+			from = at;
+			at = next;
+		}
+		bool branches = n->at[at + 1] - n->at[at] > 2 && length < longest_spur;
+		for (int k = 0; branches && k < count; k++)
+			n->site[spur[k]].dropped = 1;
+	}
+}
+
 int32_t ISA(fine_join_ends)(fine *n)
 {
 	int32_t code = ENCRE_OK;
 	for (int i = 0; !code && i < ROUNDS; i++)
 		code = round_of(n);
+	if (!code)
+		cut_spurs(n);
 	return code;
 }
 

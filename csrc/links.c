@@ -125,7 +125,13 @@ typedef struct turn {
 /* Fewer sites than this that hang together are no line. */
 static int crumb_of(const site *s)
 {
-	return s->family == FAMILY_NORMAL_BAND || s->family == FAMILY_COLOR_BAND || s->family == FAMILY_LIGHT_BAND ? 4 : 3;
+	switch ((enum family)s->family) {
+	case FAMILY_NORMAL_BAND:
+	case FAMILY_COLOR_BAND:
+	case FAMILY_LIGHT_BAND: return 4;
+	case FAMILY_LIGHT: return 3;
+	default: return 3;
+	}
 }
 
 static bool crumb(const fine *n, uint32_t i)
@@ -170,7 +176,7 @@ int32_t ISA(fine_drop_crumbs)(fine *n, enum family family)
 {
 	turn t = {n, n->first[family * n->f->height]};
 	int count = (int)(n->first[(family + 1) * n->f->height] - t.first);
-	if (family == FAMILY_CRACK || family == FAMILY_LIGHT)
+	if (family <= FAMILY_THIN)
 		return ENCRE_OK;
 	int32_t code = rows_run(n->f->rows, count, CHUNK, find_crumbs, &t);
 	return code ? code : rows_run(n->f->rows, count, CHUNK, drop_crumbs, &t);

@@ -114,6 +114,19 @@ static float ground_of(const fine *n, int x, int y)
 	return is_thin(n, x, y, AXIS_ROW, &ground) || is_thin(n, x, y, AXIS_COLUMN, &ground) ? ground : -1;
 }
 
+/* Whether none of the eight pixels from x on lies beside a crack. */
+static bool none_ahead(const fine *n, int x, int y)
+{
+	uint64_t own, above = 0, cracks = 0x0101010101010101u * (CRACK_RIGHT | CRACK_DOWN);
+	const uint8_t *crack = n->crack + (ptrdiff_t)y * n->f->width + x;
+	if (x + 8 > n->f->width || (x > 0 && (crack[-1] & CRACK_RIGHT)))
+		return false;
+	memcpy(&own, crack, sizeof own);
+	if (y > 0)
+		memcpy(&above, crack - n->f->width, sizeof above);
+	return ((own | above) & cracks) == 0;
+}
+
 /* What marks a pixel's cracks as part of a stripe, and a hit by what its cracks are made of. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 {
@@ -126,13 +139,15 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 		memset(thin, 0, (size_t)f->width);
 		n->hit[y] = 0;
 		for (int x = 0; x < f->width; x++) {
+			if (none_ahead(n, x, y)) {
+				x += 7;
+				continue;
+			}
 			if (!mixed_at(n, x, y))
 				continue;
 			float own = ground_of(n, x, y);
-			if (own >= 0) {
+			if (own >= 0)
 				thin[x] |= own == object_at(f, x, y) ? HIT_DEPTH : HIT_OBJECT;
-				n->hit[y] = 1;
-			}
 			for (int axis = 0; axis < 2; axis++) {
 				int qx = x + !axis, qy = y + axis;
 				if (!(crack[x] & CRACK_RIGHT << axis))
@@ -143,6 +158,7 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 				its |= other >= 0 && other == object_at(f, x, y);
 				thin[x] |= (uint8_t)(its ? CRACK_RIGHT << axis : 0);
 			}
+			n->hit[y] |= thin[x] != 0;
 		}
 	}
 }
@@ -151,9 +167,10 @@ void ISA(carve_rows)(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const fine *n = data;
-	ptrdiff_t first = (ptrdiff_t)y0 * n->f->width, end = (ptrdiff_t)y1 * n->f->width;
-	for (ptrdiff_t i = first; i < end; i++)
-		n->crack[i] &= (uint8_t)~(n->thin[i] & (CRACK_RIGHT | CRACK_DOWN));
+	ptrdiff_t width = n->f->width;
+	for (int y = y0; y < y1; y++)
+		for (ptrdiff_t i = y * width; n->hit[y] && i < (y + 1) * width; i++)
+			n->crack[i] &= (uint8_t)~(n->thin[i] & (CRACK_RIGHT | CRACK_DOWN));
 }
 
 /* ---- sites ----------------------------------------------------------------------------------------------- */
