@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Ink along links: the union of discs whose centre, radius, darkness and depth run evenly from one site to the next. Of a
- * wide line each link draws only the pixels that lie before its own ends, as its neighbours draw the others. */
+/* Ink along links: the union of discs whose centre, radius, darkness and depth run evenly from one site to the next. Of
+ * a wide line each link draws only the pixels that lie before its own ends, as its neighbours draw the others. */
 #include "discs.h"
 #include "fine.h"
 
@@ -15,7 +15,8 @@ typedef struct pen_end {
 
 enum { CHUNK = 1024 };
 
-/* A link draws this many pixels beyond the line that halves the angle with its neighbour, because the radius may vary. */
+/* A link draws this many pixels beyond the line that halves the angle with its neighbour, because the radius may vary.
+ */
 static const float overlap = 1.0f;
 
 /* ---- pens ------------------------------------------------------------------------------------------------ */
@@ -65,10 +66,12 @@ static void make_pens(void *data, int first, int end, int thread)
 static void enter(const gather *g, uint32_t a, uint32_t b, uint32_t *next)
 {
 	const pen_end *one = g->all->end + a, *two = g->all->end + b;
-	float reach = most(one->reach, two->reach), top = least(one->y, two->y) - reach, bottom = most(one->y, two->y) + reach;
+	float reach = most(one->reach, two->reach), top = least(one->y, two->y) - reach,
+	      bottom = most(one->y, two->y) + reach;
 	if (!(reach > 0) || bottom < 0 || top > (float)(g->f->height - 1))
 		return;
-	for (int k = pixel_of(top - 0.5f, g->f->height) / BAND; k <= pixel_of(bottom + 0.5f, g->f->height) / BAND; k++) {
+	for (int k = pixel_of(top - 0.5f, g->f->height) / BAND; k <= pixel_of(bottom + 0.5f, g->f->height) / BAND;
+	     k++) {
 		if (g->all->list) {
 			g->all->list[next[k]][0] = a;
 			g->all->list[next[k]][1] = b;
@@ -181,7 +184,8 @@ static void span_of(const capsule *c, int y, int width, int *first, int *end)
 {
 	float ahead = (float)y - c->a->y, low = least(0, c->dx) - c->reach, high = most(0, c->dx) + c->reach;
 	if (fabsf(c->dy) > 1e-6f) { /* between the tangents */
-		float middle = ahead * c->dx / c->dy, half = c->reach * sqrtf(c->dx * c->dx + c->dy * c->dy) / fabsf(c->dy);
+		float middle = ahead * c->dx / c->dy,
+		      half = c->reach * sqrtf(c->dx * c->dx + c->dy * c->dy) / fabsf(c->dy);
 		low = most(low, middle - half);
 		high = least(high, middle + half);
 	}
@@ -201,13 +205,15 @@ static void span_of(const capsule *c, int y, int width, int *first, int *end)
 	*end = high < 0 ? 0 : high < (float)(width - 1) ? (int)high + 1 : width;
 }
 
-static void ink_span(const capsule *restrict e, float y, int x, int end, float *restrict dark, const float *restrict depth,
-		     const float *restrict grain)
+static void ink_span(const capsule *restrict e, float y, int x, int end, float *restrict dark,
+		     const float *restrict depth, const float *restrict grain)
 {
 	const pen_end *a = e->a, *b = e->b;
 	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;
-	float out = a->out, fade = a->faint / a->fade, faint = a->faint, gain = a->gain, bias = a->bias, paper = a->paper, limit = a->limit;
-	float more_out = b->out - out, more_fade = b->faint / b->fade - fade, more_faint = b->faint - faint, more_gain = b->gain - gain;
+	float out = a->out, fade = a->faint / a->fade, faint = a->faint, gain = a->gain, bias = a->bias,
+	      paper = a->paper, limit = a->limit;
+	float more_out = b->out - out, more_fade = b->faint / b->fade - fade, more_faint = b->faint - faint,
+	      more_gain = b->gain - gain;
 	float more_bias = b->bias - bias, more_paper = b->paper - paper, more_limit = b->limit - limit;
 	for (; x < end; x += LANES)
 		for (int k = 0; k < LANES; k++) {
@@ -215,22 +221,27 @@ static void ink_span(const capsule *restrict e, float y, int x, int end, float *
 			s = s > 0 ? s : 0;
 			s = s < 1 ? s : 1;
 			float ex = px - s * dx, ey = py - s * dy;
-			float t = (out + s * more_out - sqrtf(ex * ex + ey * ey)) * (fade + s * more_fade), most = faint + s * more_faint;
+			float t = (out + s * more_out - sqrtf(ex * ex + ey * ey)) * (fade + s * more_fade),
+			      most = faint + s * more_faint;
 			t = t < most ? t : most;
-			t = (gain + s * more_gain) * ((1 + (paper + s * more_paper) * grain[x + k]) * t - (bias + s * more_bias));
+			t = (gain + s * more_gain) *
+			    ((1 + (paper + s * more_paper) * grain[x + k]) * t - (bias + s * more_bias));
 			t = depth[x + k] >= limit + s * more_limit ? t : 0;
 			dark[x + k] = t > dark[x + k] ? t : dark[x + k];
 		}
 }
 
 /* Likewise, and remembers who inked: among equals the nearest. */
-static void own_span(const capsule *restrict e, float y, int x, int end, float *restrict dark, const float *restrict depth,
-		     const float *restrict grain, float *restrict distance, uint32_t *restrict owner)
+static void own_span(const capsule *restrict e, float y, int x, int end, float *restrict dark,
+		     const float *restrict depth, const float *restrict grain, float *restrict distance,
+		     uint32_t *restrict owner)
 {
 	const pen_end *a = e->a, *b = e->b;
 	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;
-	float out = a->out, fade = a->faint / a->fade, faint = a->faint, gain = a->gain, bias = a->bias, paper = a->paper, limit = a->limit;
-	float more_out = b->out - out, more_fade = b->faint / b->fade - fade, more_faint = b->faint - faint, more_gain = b->gain - gain;
+	float out = a->out, fade = a->faint / a->fade, faint = a->faint, gain = a->gain, bias = a->bias,
+	      paper = a->paper, limit = a->limit;
+	float more_out = b->out - out, more_fade = b->faint / b->fade - fade, more_faint = b->faint - faint,
+	      more_gain = b->gain - gain;
 	float more_bias = b->bias - bias, more_paper = b->paper - paper, more_limit = b->limit - limit;
 	uint32_t one = a->owner, two = b->owner;
 	for (; x < end; x += LANES)
@@ -239,9 +250,11 @@ static void own_span(const capsule *restrict e, float y, int x, int end, float *
 			s = s > 0 ? s : 0;
 			s = s < 1 ? s : 1;
 			float ex = px - s * dx, ey = py - s * dy, d2 = ex * ex + ey * ey;
-			float t = (out + s * more_out - sqrtf(d2)) * (fade + s * more_fade), most = faint + s * more_faint;
+			float t = (out + s * more_out - sqrtf(d2)) * (fade + s * more_fade),
+			      most = faint + s * more_faint;
 			t = t < most ? t : most;
-			t = (gain + s * more_gain) * ((1 + (paper + s * more_paper) * grain[x + k]) * t - (bias + s * more_bias));
+			t = (gain + s * more_gain) *
+			    ((1 + (paper + s * more_paper) * grain[x + k]) * t - (bias + s * more_bias));
 			t = t < 1 ? t : 1;
 			t = depth[x + k] >= limit + s * more_limit ? t : 0;
 			float rival = t == before ? distance[x + k] : -1; /* squared distance that an equal must beat */
@@ -264,7 +277,8 @@ static void draw_capsule(const capsule *e, canvas *c)
 		canvas_touch(c, y, x, end);
 		size_t at = (size_t)(y - c->y0) * c->stride;
 		if (c->owner)
-			own_span(e, (float)y, x, end, c->dark + at, c->depth + at, c->grain + at, c->distance + at, c->owner + at);
+			own_span(e, (float)y, x, end, c->dark + at, c->depth + at, c->grain + at, c->distance + at,
+				 c->owner + at);
 		else
 			ink_span(e, (float)y, x, end, c->dark + at, c->depth + at, c->grain + at);
 	}

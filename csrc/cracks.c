@@ -7,7 +7,8 @@
 
 enum { ROWS = 4 };
 
-/* Of a jump in depth, relative to the nearest of the four pixels: from where it counts, and from there to full strength. */
+/* Of a jump in depth, relative to the nearest of the four pixels: from where it counts, and from there to full
+ * strength. */
 static const float jump_from = 0.003f, jump_ramp = 0.007f;
 
 /* ---- depth ----------------------------------------------------------------------------------------------- */
@@ -62,8 +63,8 @@ static inline float jump_ortho(float a, float b, float c, float d)
 }
 
 /* ORs `bit` where b and c are a jump of more than `least`. */
-static void mark_jumps(bool ortho, const float *a, const float *b, const float *c, const float *d, int n, float least, uint8_t bit,
-		       uint8_t *restrict out)
+static void mark_jumps(bool ortho, const float *a, const float *b, const float *c, const float *d, int n, float least,
+		       uint8_t bit, uint8_t *restrict out)
 {
 	if (ortho)
 		for (int i = 0; i < n; i++)
@@ -125,7 +126,8 @@ float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float
 {
 	int metric = n->e->p->contrast_metric;
 	const encre_level *level = p->shade_levels.level;
-	float a = clamp01(level[level_of(&p->shade_levels, one)].intensity), b = clamp01(level[level_of(&p->shade_levels, two)].intensity);
+	float a = clamp01(level[level_of(&p->shade_levels, one)].intensity),
+	      b = clamp01(level[level_of(&p->shade_levels, two)].intensity);
 	if (a == b)
 		return 0;
 	float plane[3][2] = {{a, b}, {a, b}, {a, b}}, difference = 0;
@@ -152,13 +154,15 @@ static float depth_strength(const fine *n, const site *s)
 	return clamp01((j - jump_from) / jump_ramp);
 }
 
-/* Share of the way from pixel p to q at which the averaged layers pass from one side's colours and normals to the other's. */
+/* Share of the way from pixel p to q at which the averaged layers pass from one side's colours and normals to the
+ * other's. */
 static float crossing(const frame *f, const site *s)
 {
 	float v[6][6]; /* of pixels p - 2 to q + 2 */
 	int dx = s->axis == AXIS_ROW, dy = 1 - dx;
 	for (int k = 0; k < 6; k++) {
-		int x = clamp_index(s->column + (k - 2) * dx, f->width), y = clamp_index(s->row + (k - 2) * dy, f->height);
+		int x = clamp_index(s->column + (k - 2) * dx, f->width),
+		    y = clamp_index(s->row + (k - 2) * dy, f->height);
 		const float *albedo = layer_row(f, ENCRE_LAYER_ALBEDO, y) + (ptrdiff_t)3 * x;
 		const float *normal = layer_row(f, ENCRE_LAYER_NORMAL, y) + (ptrdiff_t)3 * x;
 		for (int c = 0; c < 3; c++) {
@@ -192,7 +196,8 @@ bool ISA(crack_site)(const fine *n, site *s)
 	int x = s->column, y = s->row, qx = x + (s->axis == AXIS_ROW), qy = y + (s->axis == AXIS_COLUMN);
 	place(s, crossing(f, s));
 	int style = fine_style(n, s);
-	float zp = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, y)[x]), zq = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, qy)[qx]);
+	float zp = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, y)[x]),
+	      zq = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, qy)[qx]);
 	bool object = (zp == INFINITY) != (zq == INFINITY), material = false;
 	if (f->layer[ENCRE_LAYER_OBJECT].data)
 		object |= layer_row(f, ENCRE_LAYER_OBJECT, y)[x] != layer_row(f, ENCRE_LAYER_OBJECT, qy)[qx];
@@ -213,8 +218,10 @@ bool ISA(light_site)(const fine *n, site *s)
 	place(s, 0.5f);
 	int style = fine_style(n, s);
 	const encre_params *own = f->params + style;
-	float one = bounded(max3(p[0], p[1], p[2]) * own->shade_exposure), two = bounded(max3(q[0], q[1], q[2]) * own->shade_exposure);
-	int low = level_of(&own->shade_levels, smaller(one, two)), high = level_of(&own->shade_levels, larger(one, two));
+	float one = bounded(max3(p[0], p[1], p[2]) * own->shade_exposure),
+	      two = bounded(max3(q[0], q[1], q[2]) * own->shade_exposure);
+	int low = level_of(&own->shade_levels, smaller(one, two)),
+	    high = level_of(&own->shade_levels, larger(one, two));
 	if (low == high)
 		return false;
 	/* a step over several thresholds is one line */
@@ -282,7 +289,8 @@ static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const
 		if (below)
 			mark_levels(level[0], level[1], width, LIGHT_DOWN, mark);
 	}
-	uint8_t bits = (uint8_t)((f->style ? CRACK_RIGHT | CRACK_DOWN : 0) | (e->on[SOURCE_LIGHT] ? LIGHT_RIGHT | LIGHT_DOWN : 0));
+	uint8_t bits =
+	    (uint8_t)((f->style ? CRACK_RIGHT | CRACK_DOWN : 0) | (e->on[SOURCE_LIGHT] ? LIGHT_RIGHT | LIGHT_DOWN : 0));
 	if (bits)
 		refine(n, y, mark, bits);
 }

@@ -5,21 +5,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 256, ROUNDS = 2, OWN = 9, SPUR = 8 };
+enum { CHUNK = 256, ROUNDS = 2, OWN = 9 };
 
-static const float back = 3;                       /* pixels over which a chain's direction is taken */
-static const float near_reach = 3, near_cosine = 0.7f, far_reach = 6, far_cosine = 0.94f; /* of what an end may tie to */
-static const float ray_from = -0.5f, ray_to = 4, least_sine = 0.34f;  /* pixels ahead of both ends at which their lines may meet */
-static const float wedge_apart = 8, wedge_to = 10, wedge_sine = 0.25f; /* likewise, if the picture shows an acute corner there */
-static const float beside = 1.5f;                  /* pixels to either side of a line where the picture is looked at */
-static const float longest_spur = 2.0f;            /* pixels */
-static const float cut_off = 2;                     /* pixels from the border within which an end is the frame's doing */
-static const float margin = 0.25f;                 /* by how much something else must be nearer to come first */
+static const float back = 3; /* pixels over which a chain's direction is taken */
+static const float near_reach = 3, near_cosine = 0.7f, far_reach = 6,
+		   far_cosine = 0.94f; /* of what an end may tie to */
+static const float ray_from = -0.5f, ray_to = 4,
+		   least_sine = 0.34f; /* pixels ahead of both ends at which their lines may meet */
+static const float wedge_apart = 8, wedge_to = 10,
+		   wedge_sine = 0.25f; /* likewise, if the picture shows an acute corner there */
+static const float margin = 0.25f;     /* by how much something else must be nearer to come first */
 
 typedef struct end {
 	uint32_t site;
-	float dx, dy;        /* unit, ahead */
-	uint32_t best[2];    /* the sites to tie to first and second; UINT32_MAX = none */
+	float dx, dy;     /* unit, ahead */
+	uint32_t best[2]; /* the sites to tie to first and second; UINT32_MAX = none */
 	float cost[2];
 	uint32_t pairs, first; /* its pairs with later ends */
 	bool taken;
@@ -38,31 +38,6 @@ typedef struct ends {
 	pair *pair;
 	uint32_t *number; /* of the end, by site */
 } ends;
-
-static int rank_of(const site *s)
-{
-	switch ((enum family)s->family) {
-	case FAMILY_CRACK:
-	case FAMILY_THIN: return 0;
-	case FAMILY_NORMAL_BAND:
-	case FAMILY_NORMAL: return 1;
-	case FAMILY_COLOR_BAND:
-	case FAMILY_COLOR: return 2;
-	default: return 3;
-	}
-}
-
-static bool is_end(const fine *n, uint32_t i)
-{
-	return !n->site[i].dropped && n->at[i + 1] - n->at[i] == 1;
-}
-
-/* The next site of a chain, coming from `from`; UINT32_MAX at its end. */
-static uint32_t next_of(const fine *n, uint32_t from, uint32_t i)
-{
-	const uint32_t *to = n->to + n->at[i];
-	return n->at[i + 1] - n->at[i] != 2 ? UINT32_MAX : to[0] == from ? to[1] : to[0];
-}
 
 /* The first sites of the chain from its end. */
 static int own_chain(const fine *n, uint32_t i, uint32_t *own)
@@ -88,75 +63,6 @@ static bool is_in(uint32_t i, const uint32_t *list, int count)
 }
 
 /* ---- what lies ahead ------------------------------------------------------------------------------------- */
-
-static void bilinear(const frame *f, enum encre_layer layer, int channels, float x, float y, float *value)
-{
-	x = x > 0 ? x < (float)(f->width - 1) ? x : (float)(f->width - 1) : 0;
-	y = y > 0 ? y < (float)(f->height - 1) ? y : (float)(f->height - 1) : 0;
-	int x0 = (int)x, y0 = (int)y, x1 = x0 + 1 < f->width ? x0 + 1 : x0, y1 = y0 + 1 < f->height ? y0 + 1 : y0;
-	const float *above = f->layer[layer].data + y0 * f->layer[layer].row, *below = f->layer[layer].data + y1 * f->layer[layer].row;
-	for (int c = 0; c < 3; c++) {
-		float top = mix(bounded(above[channels * x0 + c]), bounded(above[channels * x1 + c]), x - (float)x0);
-		float bottom = mix(bounded(below[channels * x0 + c]), bounded(below[channels * x1 + c]), x - (float)x0);
-		value[c] = mix(top, bottom, y - (float)y0);
-	}
-}
-
-/* The layer that shows an edge of that rank, as it is compared. */
-static void look(const fine *n, int rank, float x, float y, float *value)
-{
-	bool lit = n->e->p->color_layer == color_layer_LIT;
-	if (rank <= 1)
-		bilinear(n->f, ENCRE_LAYER_NORMAL, 3, x, y, value);
-	else if (rank == 2)
-		bilinear(n->f, lit ? ENCRE_LAYER_COMBINED : ENCRE_LAYER_ALBEDO, lit ? 4 : 3, x, y, value);
-	else
-		bilinear(n->f, ENCRE_LAYER_DIFFUSE, 3, x, y, value);
-	for (int c = 0; rank == 2 && c < 3; c++)
-		value[c] = srgb_encode(clamp01(value[c]));
-}
-
-static bool differ(const float *a, const float *b, int rank)
-{
-	float square = 0, least = rank <= 1 ? 0.12f : rank == 2 ? 0.02f : 0.05f;
-	for (int c = 0; c < 3; c++)
-		square += (a[c] - b[c]) * (a[c] - b[c]);
-	return square >= least * least;
-}
-
-/* Over a longer gap a line goes on only if what lies to either side of it differs. Light says too little. */
-static bool picture_agrees(const fine *n, const site *a, const site *b)
-{
-	int rank = rank_of(a);
-	float dx = b->x - a->x, dy = b->y - a->y, length = sqrtf(dx * dx + dy * dy), ox = -beside * dy / length, oy = beside * dx / length;
-	for (int k = 1; k <= 3 && rank < 3; k++) {
-		float x = a->x + 0.25f * (float)k * dx, y = a->y + 0.25f * (float)k * dy, one[3], two[3];
-		look(n, rank, x + ox, y + oy, one);
-		look(n, rank, x - ox, y - oy, two);
-		if (!differ(one, two, rank))
-			return false;
-	}
-	return true;
-}
-
-/* Far lines meet in an acute corner only if what lies between them differs from what lies outside of both. */
-static bool is_wedge(const fine *n, const site *a, const site *b, int rank, float x, float y)
-{
-	const site *end[2] = {a, b};
-	float inside[3], outside[3];
-	look(n, rank, (a->x + b->x + x) / 3, (a->y + b->y + y) / 3, inside);
-	for (int i = 0; i < 2; i++) {
-		const site *s = end[i], *other = end[1 - i];
-		float dx = x - s->x, dy = y - s->y, length = sqrtf(dx * dx + dy * dy);
-		if (!(length > 1e-6f))
-			return false;
-		float ox = -beside * dy / length, oy = beside * dx / length, way = ox * (other->x - s->x) + oy * (other->y - s->y) > 0 ? -1 : 1;
-		look(n, rank, 0.5f * (s->x + x) + way * ox, 0.5f * (s->y + y) + way * oy, outside);
-		if (!differ(inside, outside, rank))
-			return false;
-	}
-	return true;
-}
 
 /* May an end of one be led to the other? */
 static bool older(const site *s, const site *other)
@@ -191,7 +97,7 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 	p->corner = false;
 	p->cost = 0.5f * length;
 	if (length <= far_reach && one >= far_cosine && two >= far_cosine)
-		return length <= near_reach || picture_agrees(n, s, t);
+		return length <= near_reach || ISA(picture_agrees)(n, s, t);
 	float sine = a->dx * b->dy - a->dy * b->dx;
 	if (!(fabsf(sine) >= wedge_sine))
 		return false;
@@ -202,7 +108,7 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 	p->y = s->y + u * a->dy;
 	if (u < ray_from || v < ray_from || p->cost > wedge_to)
 		return false;
-	return (p->cost <= ray_to && fabsf(sine) >= least_sine) || is_wedge(n, s, t, rank, p->x, p->y);
+	return (p->cost <= ray_to && fabsf(sine) >= least_sine) || ISA(picture_wedge)(n, s, t, rank, p->x, p->y);
 }
 
 static void look_ahead(const ends *all, end *e)
@@ -223,7 +129,7 @@ static void look_ahead(const ends *all, end *e)
 		if (!(d <= near_reach ? cosine >= near_cosine : cosine >= far_cosine) || is_in(j, own, count))
 			continue;
 		float cost = d / (cosine * cosine * cosine * cosine);
-		if (cost < e->cost[1] && (d <= near_reach || picture_agrees(n, s, t)))
+		if (cost < e->cost[1] && (d <= near_reach || ISA(picture_agrees)(n, s, t)))
 			consider(e, j, cost);
 	}
 }
@@ -345,7 +251,8 @@ static void join_ends(ends *all, uint32_t pairs, added *to)
 		if (e->taken || e->best[0] == UINT32_MAX)
 			continue;
 		const end *other = is_end(n, e->best[0]) ? all->end + all->number[e->best[0]] : NULL;
-		if (!other || other > e || other->taken || other->best[0] != e->site) /* once where they choose each other */
+		if (!other || other > e || other->taken ||
+		    other->best[0] != e->site) /* once where they choose each other */
 			add(to, e->site, e->best[0]);
 	}
 }
@@ -402,69 +309,12 @@ static int32_t round_of(fine *n)
 	return code ? code : ISA(fine_add_links)(n, to.link, to.count);
 }
 
-/* ---- spurs ----------------------------------------------------------------------------------------------- */
-
-/* Cuts what branches off a line and ends at once. */
-static void cut_spurs(const fine *n)
-{
-	for (uint32_t i = 0; i < n->count; i++) {
-		if (!is_end(n, i) || rank_of(n->site + i) == 0)
-			continue;
-		uint32_t spur[SPUR], from = i, at = n->to[n->at[i]];
-		float length = sqrtf(apart2(n->site + i, n->site + at));
-		int count = 1;
-		spur[0] = i;
-		while (count < SPUR && length < longest_spur && n->at[at + 1] - n->at[at] == 2) {
-			uint32_t next = next_of(n, from, at);
-			length += sqrtf(apart2(n->site + at, n->site + next));
-			spur[count++] = at;
-			from = at;
-			at = next;
-		}
-		bool branches = n->at[at + 1] - n->at[at] > 2 && length < longest_spur;
-		for (int k = 0; branches && k < count; k++)
-			n->site[spur[k]].dropped = 1;
-	}
-}
-
 int32_t ISA(fine_join_ends)(fine *n)
 {
 	int32_t code = ENCRE_OK;
 	for (int i = 0; !code && i < ROUNDS; i++)
 		code = round_of(n);
 	if (!code)
-		cut_spurs(n);
+		ISA(fine_cut_spurs)(n);
 	return code;
-}
-
-/* ---- taper ----------------------------------------------------------------------------------------------- */
-
-/* Where the frame cuts a line off it goes on. */
-static bool at_border(const frame *f, const site *s)
-{
-	return s->x < cut_off || s->y < cut_off || s->x > (float)(f->width - 1) - cut_off || s->y > (float)(f->height - 1) - cut_off;
-}
-
-void ISA(fine_free_lengths)(const fine *n, float reach, float *length)
-{
-	for (uint32_t i = 0; i < n->count; i++)
-		length[i] = INFINITY;
-	for (uint32_t i = 0; i < n->count; i++) {
-		const site *s = n->site + i;
-		uint32_t links = n->at[i + 1] - n->at[i];
-		if (s->dropped || links > 1 || at_border(n->f, s))
-			continue;
-		length[i] = 0;
-		float along = 0;
-		uint32_t from = i, at = links ? n->to[n->at[i]] : UINT32_MAX;
-		while (at != UINT32_MAX) {
-			along += sqrtf(apart2(n->site + from, n->site + at));
-			if (along >= reach)
-				break;
-			length[at] = along < length[at] ? along : length[at];
-			uint32_t next = next_of(n, from, at);
-			from = at;
-			at = next;
-		}
-	}
 }

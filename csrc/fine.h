@@ -12,12 +12,15 @@
 
 /* In the order in which they claim the picture: each keeps clear of the earlier ones. */
 enum family {
-	FAMILY_CRACK,        /* depth, object, material: between two pixels */
-	FAMILY_THIN,         /* the same, of things too thin for two lines */
-	FAMILY_NORMAL_BAND, FAMILY_NORMAL, /* averaged layers: a thin stripe; a step */
-	FAMILY_COLOR_BAND, FAMILY_COLOR,
-	FAMILY_LIGHT_BAND, FAMILY_LIGHT_STEP,
-	FAMILY_LIGHT,        /* where smooth light crosses a threshold: between two pixels */
+	FAMILY_CRACK, /* depth, object, material: between two pixels */
+	FAMILY_THIN,  /* the same, of things too thin for two lines */
+	FAMILY_NORMAL_BAND,
+	FAMILY_NORMAL, /* averaged layers: a thin stripe; a step */
+	FAMILY_COLOR_BAND,
+	FAMILY_COLOR,
+	FAMILY_LIGHT_BAND,
+	FAMILY_LIGHT_STEP,
+	FAMILY_LIGHT, /* where smooth light crosses a threshold: between two pixels */
 	FAMILY_COUNT
 };
 
@@ -27,15 +30,27 @@ enum axis { AXIS_ROW, AXIS_COLUMN, AXIS_JUNCTION };
 
 /* A point of a line. Numbers of sites grow by family, row, column and axis. */
 typedef struct site {
-	float x, y;             /* pixels; centres are whole numbers */
-	float strength;         /* weighted */
-	uint16_t column, row;   /* of the pixel that it was found at */
-	uint16_t near_x, near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
+	float x, y;           /* pixels; centres are whole numbers */
+	float strength;       /* weighted */
+	uint16_t column, row; /* of the pixel that it was found at */
+	uint16_t near_x,
+	    near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
 	uint8_t family, axis, source;
 	uint8_t dropped;
 	uint8_t crumb;
-	int8_t step[3];         /* a ridge's way along its axis through the values of its layer, at most 127 long; 0 for bands */
+	int8_t
+	    step[3]; /* a ridge's way along its axis through the values of its layer, at most 127 long; 0 for bands */
 } site;
+
+static inline enum family step_of(enum source s)
+{
+	return s == SOURCE_NORMAL ? FAMILY_NORMAL : s == SOURCE_COLOR ? FAMILY_COLOR : FAMILY_LIGHT_STEP;
+}
+
+static inline enum family band_of(enum source s)
+{
+	return (enum family)(step_of(s) - 1);
+}
 
 /* Marks of a pixel in fine.crack. */
 enum { CRACK_RIGHT = 1, CRACK_DOWN = 2, LIGHT_RIGHT = 4, LIGHT_DOWN = 8 };
@@ -45,21 +60,23 @@ enum { HIT_OBJECT = 4, HIT_DEPTH = 8 };
 typedef struct fine {
 	frame *f;
 	const edges *e;
-	float crease;     /* length of the difference of two normals at crease_angle */
-	float most_color; /* the largest weight of colour, without the painted control */
+	float crease; /* length of the difference of two normals at crease_angle */
+	float floor[SOURCE_COUNT], band_floor[SOURCE_COUNT]; /* of what is a step or a band in an averaged layer */
+	float most_color;     /* the largest weight of colour, without the painted control */
 	float least_contrast; /* between colours across a step */
-	uint8_t *colored; /* by row: colours may make edges */
-	uint8_t *crack;   /* width * height */
-	uint8_t *thin;    /* width * height */
-	uint8_t *hit;     /* by row: there is a mark in thin */
-	uint16_t *ridge;  /* width * height: bit 2 * family + axis */
-	uint32_t *first;  /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
-	float *scratch;   /* for each thread */
+	uint8_t *colored;     /* by row: colours may make edges */
+	uint8_t *crack;       /* width * height */
+	uint8_t *thin;        /* width * height */
+	uint8_t *hit;         /* by row: there is a mark in thin */
+	uint16_t *ridge;      /* width * height: bit 2 * family + axis */
+	uint32_t *first;      /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
+	float *scratch;       /* for each thread */
 	ptrdiff_t thread_scratch;
 
 	uint32_t count;
 	site *site;
-	/* Sites by cells of CELL pixels each way, ascending within a cell: member[cell[i]] to member[cell[i + 1] - 1]. */
+	/* Sites by cells of CELL pixels each way, ascending within a cell: member[cell[i]] to member[cell[i + 1] - 1].
+	 */
 	int across, tall;
 	uint32_t *cell, *member;
 	/* The sites that site i is linked to: to[at[i]] to to[at[i + 1] - 1], ascending. */
@@ -79,7 +96,8 @@ static inline int pixel_of(float at, int n)
 static inline bool mixed_at(const fine *n, int x, int y)
 {
 	const uint8_t *c = n->crack + (ptrdiff_t)y * n->f->width + x;
-	return (c[0] & (CRACK_RIGHT | CRACK_DOWN)) || (x > 0 && (c[-1] & CRACK_RIGHT)) || (y > 0 && (c[-n->f->width] & CRACK_DOWN));
+	return (c[0] & (CRACK_RIGHT | CRACK_DOWN)) || (x > 0 && (c[-1] & CRACK_RIGHT)) ||
+	       (y > 0 && (c[-n->f->width] & CRACK_DOWN));
 }
 
 /* ---- sites near a place ---------------------------------------------------------------------------------- */
@@ -93,8 +111,10 @@ typedef struct near_sites {
 static inline near_sites near_place(const fine *n, float x, float y, float reach)
 {
 	return (near_sites){
-		.row = pixel_of(y - reach, n->f->height) / CELL, .last = pixel_of(y + reach, n->f->height) / CELL,
-		.x0 = pixel_of(x - reach, n->f->width) / CELL, .x1 = pixel_of(x + reach, n->f->width) / CELL,
+	    .row = pixel_of(y - reach, n->f->height) / CELL,
+	    .last = pixel_of(y + reach, n->f->height) / CELL,
+	    .x0 = pixel_of(x - reach, n->f->width) / CELL,
+	    .x1 = pixel_of(x + reach, n->f->width) / CELL,
 	};
 }
 
@@ -111,18 +131,55 @@ static inline bool near_next(const fine *n, near_sites *of, uint32_t *site)
 	return true;
 }
 
-/* Shares that are added up give the place of a boundary exactly under a box filter. Under Blackman and Harris's of 1.5 pixels,
- * which is steeper, that is up to 0.125 pixel too far from pixel centres, and the layers don't tell how they were filtered:
- * halfway between the two neither is off by much. */
+/* Shares that are added up give the place of a boundary exactly under a box filter. Under Blackman and Harris's of 1.5
+ * pixels, which is steeper, that is up to 0.125 pixel too far from pixel centres, and the layers don't tell how they
+ * were filtered: halfway between the two neither is off by much. */
 static inline float unbiased(float place)
 {
 	return place - 0.06f * pixel_sin(6.28318531f * place);
+}
+
+/* Squared length of a difference. */
+static inline float distance2(const float *a, const float *b, int planes)
+{
+	float sum = 0;
+	for (int c = 0; c < planes; c++)
+		sum += (a[c] - b[c]) * (a[c] - b[c]);
+	return sum;
 }
 
 static inline float apart2(const site *a, const site *b)
 {
 	float dx = a->x - b->x, dy = a->y - b->y;
 	return dx * dx + dy * dy;
+}
+
+/* ---- chains ---------------------------------------------------------------------------------------------- */
+
+/* What a family is made of: shapes, creases, colours, light. Older ones come first. */
+static inline int rank_of(const site *s)
+{
+	switch ((enum family)s->family) {
+	case FAMILY_CRACK:
+	case FAMILY_THIN: return 0;
+	case FAMILY_NORMAL_BAND:
+	case FAMILY_NORMAL: return 1;
+	case FAMILY_COLOR_BAND:
+	case FAMILY_COLOR: return 2;
+	default: return 3;
+	}
+}
+
+static inline bool is_end(const fine *n, uint32_t i)
+{
+	return !n->site[i].dropped && n->at[i + 1] - n->at[i] == 1;
+}
+
+/* The next site of a chain, coming from `from`; UINT32_MAX at its end. */
+static inline uint32_t next_of(const fine *n, uint32_t from, uint32_t i)
+{
+	const uint32_t *to = n->to + n->at[i];
+	return n->at[i + 1] - n->at[i] != 2 ? UINT32_MAX : to[0] == from ? to[1] : to[0];
 }
 
 /* ---- passes ---------------------------------------------------------------------------------------------- */
@@ -144,6 +201,8 @@ bool ISA(thin_site)(const fine *n, site *s);
 /* ridges.c */
 ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */
 void ISA(ridge_rows)(void *data, int y0, int y1, int thread);
+/* steps.c */
+void ISA(fine_floors)(fine *n);
 bool ISA(ridge_site)(const fine *n, site *s);
 
 /* sites.c: finds where a placed site takes its controls; returns the style there. */
@@ -164,6 +223,12 @@ int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count);
 int32_t ISA(fine_smooth)(fine *n);
 /* ends.c */
 int32_t ISA(fine_join_ends)(fine *n);
+/* picture.c: whether an edge like a's runs from a to b; whether lines from a and b enclose something that ends at x, y.
+ */
+bool ISA(picture_agrees)(const fine *n, const site *a, const site *b);
+bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, float x, float y);
+/* chains.c: drops what branches off a line and ends at once. */
+void ISA(fine_cut_spurs)(const fine *n);
 /* Lengths along its chain from each site to the nearest end that is tied to nothing, INFINITY beyond `reach`. */
 void ISA(fine_free_lengths)(const fine *n, float reach, float *length);
 /* sites.c: fills cell and member. */

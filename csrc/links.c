@@ -40,8 +40,8 @@ static int sides(const fine *n, int family, int x, int y, uint32_t *side)
 	int found = 0;
 	if (x < 0 || y < 0 || x + 1 >= n->f->width || y + 1 >= n->f->height)
 		return 0;
-	const uint32_t all[4] = {find(n, family, x, y, AXIS_ROW), find(n, family, x, y + 1, AXIS_ROW), find(n, family, x, y, AXIS_COLUMN),
-				 find(n, family, x + 1, y, AXIS_COLUMN)};
+	const uint32_t all[4] = {find(n, family, x, y, AXIS_ROW), find(n, family, x, y + 1, AXIS_ROW),
+				 find(n, family, x, y, AXIS_COLUMN), find(n, family, x + 1, y, AXIS_COLUMN)};
 	for (int i = 0; i < 4; i++)
 		if (all[i] < n->count)
 			side[found++] = all[i];
@@ -213,7 +213,8 @@ typedef struct smooth {
 	float (*moved)[2];
 } smooth;
 
-/* Halves how far a site lies beside the line between its neighbours in the chain: what few samples a pixel have is not even. */
+/* Halves how far a site lies beside the line between its neighbours in the chain: what few samples a pixel have is not
+ * even. */
 static void find_even(void *data, int first, int end, int thread)
 {
 	(void)thread;
@@ -261,7 +262,8 @@ int32_t ISA(fine_smooth)(fine *n)
 
 int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count)
 {
-	uint32_t *at = late_take(&n->f->late, n->count + 1, sizeof *at), *to = late_take(&n->f->late, n->at[n->linked] + 2 * count, sizeof *to);
+	uint32_t *at = late_take(&n->f->late, n->count + 1, sizeof *at),
+		 *to = late_take(&n->f->late, n->at[n->linked] + 2 * count, sizeof *to);
 	if (!at || !to)
 		return ENCRE_ERROR_MEMORY;
 	memset(at, 0, (n->count + 1) * sizeof *at);
@@ -273,7 +275,8 @@ int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count)
 		at[i + 1] += at[i];
 	for (uint32_t i = 0; i < n->linked; i++)
 		memcpy(to + at[i], n->to + n->at[i], (n->at[i + 1] - n->at[i]) * sizeof *to);
-	for (uint32_t i = 2 * count; i-- > 0;) { /* from the back of each site's list, which still ends where the next begins */
+	for (uint32_t i = 2 * count;
+	     i-- > 0;) { /* from the back of each site's list, which still ends where the next begins */
 		uint32_t site = link[i / 2][i % 2];
 		to[--at[site + 1]] = link[i / 2][1 - i % 2];
 	}

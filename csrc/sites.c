@@ -45,7 +45,8 @@ bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, floa
 	float weight = n->e->weight[source][style];
 	plane controls = n->f->layer[ENCRE_LAYER_CONTROLS];
 	if (source == SOURCE_COLOR && controls.data)
-		weight += controls.data[pixel_of(s->y, n->f->height) * controls.row + (ptrdiff_t)6 * pixel_of(s->x, n->f->width) + 2];
+		weight += controls.data[pixel_of(s->y, n->f->height) * controls.row +
+					(ptrdiff_t)6 * pixel_of(s->x, n->f->width) + 2];
 	float weighted = weight > 0 ? weight * strength : 0;
 	if (weighted > s->strength) {
 		s->strength = weighted < FLT_MAX ? weighted : FLT_MAX;
@@ -105,7 +106,8 @@ static void visit(const fine *n, uint32_t *number, enum family family, int x, in
 {
 	if (n->site) {
 		site *s = n->site + number[family];
-		*s = (site){.column = (uint16_t)x, .row = (uint16_t)y, .family = (uint8_t)family, .axis = (uint8_t)axis};
+		*s =
+		    (site){.column = (uint16_t)x, .row = (uint16_t)y, .family = (uint8_t)family, .axis = (uint8_t)axis};
 		place_site(n, s);
 		ISA(fine_controls)(n, s);
 	}
@@ -126,7 +128,8 @@ static void visit_row(const fine *n, int y, uint32_t *number)
 	const uint16_t *ridge = n->ridge + (ptrdiff_t)y * width;
 	for (int x = 0; x < width; x++) {
 		uint64_t cracks, ridges[2];
-		if (x + 8 <= width && (memcpy(&cracks, crack + x, 8), memcpy(ridges, ridge + x, 16), (cracks | ridges[0] | ridges[1]) == 0)) {
+		if (x + 8 <= width && (memcpy(&cracks, crack + x, 8), memcpy(ridges, ridge + x, 16),
+				       (cracks | ridges[0] | ridges[1]) == 0)) {
 			x += 7;
 			continue;
 		}
@@ -222,7 +225,9 @@ static bool owned(const fine *n, const site *s)
 		const site *other = n->site + i;
 		if (other->dropped || other->family >= s->family)
 			continue;
-		bool band = other->family == s->family - 1 && (other->family == FAMILY_NORMAL_BAND || other->family == FAMILY_COLOR_BAND || other->family == FAMILY_LIGHT_BAND);
+		bool band = other->family == s->family - 1 &&
+			    (other->family == FAMILY_NORMAL_BAND || other->family == FAMILY_COLOR_BAND ||
+			     other->family == FAMILY_LIGHT_BAND);
 		float clear = band ? clear_of_band : clear_of_earlier;
 		if (apart2(s, other) < clear * clear)
 			return true;
@@ -259,8 +264,11 @@ static float least_contrast(const encre_params *p, float weight)
 	float most = p->contrast_auto ? fminf(p->contrast_max, 0.25f) : p->contrast_max, least = p->contrast_threshold;
 	if (weight > 0 && most > least)
 		least += (most - least) * fminf(1, p->edge_threshold / weight);
-	/* a difference is at most 2/3 of the distance in RGB, and that distance itself in CIE76; the others bend the space */
-	return least * (p->contrast_metric == contrast_metric_RGB ? 1.5f : p->contrast_metric == contrast_metric_CIE76 ? 1 : 0.33f);
+	/* a difference is at most 2/3 of the distance in RGB, and that distance itself in CIE76; the others bend the
+	 * space */
+	return least * (p->contrast_metric == contrast_metric_RGB     ? 1.5f
+			: p->contrast_metric == contrast_metric_CIE76 ? 1
+								      : 0.33f);
 }
 
 /* ---- the detector ---------------------------------------------------------------------------------------- */
@@ -272,7 +280,9 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	fine made = {.f = f, .e = e, .crease = 2 * pixel_sin(half)};
 	for (int i = 0; i < f->n_styles; i++)
 		made.most_color = fmaxf(made.most_color, e ? e->weight[SOURCE_COLOR][i] : 0);
-	made.least_contrast = least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
+	made.least_contrast =
+	    least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
+	ISA(fine_floors)(&made);
 	made.across = (f->width - 1) / CELL + 1;
 	made.tall = (f->height - 1) / CELL + 1;
 	made.crack = arena_take(a, pixels, sizeof *made.crack);
@@ -282,7 +292,8 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	made.hit = arena_take(a, (size_t)f->height, sizeof *made.hit);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
-	made.thread_scratch = ISA(crack_scratch)(f) > ISA(ridge_scratch)(f) ? ISA(crack_scratch)(f) : ISA(ridge_scratch)(f);
+	made.thread_scratch =
+	    ISA(crack_scratch)(f) > ISA(ridge_scratch)(f) ? ISA(crack_scratch)(f) : ISA(ridge_scratch)(f);
 	made.scratch = arena_take(a, (size_t)rows_threads(f->rows) * (size_t)made.thread_scratch, sizeof *made.scratch);
 	fine *n = arena_take(a, 1, sizeof *n);
 	f->fine = n;

@@ -1,22 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Things up to two pixels wide: a wire, a blade, a strand of hair. Depth and index hit them now and then only, and cracks
- * round each hit would be two beaded lines. Where the averaged layers show a stripe there, the cracks go, and the stripe is
- * one line along its middle, hit or not. */
+/* Things up to two pixels wide: a wire, a blade, a strand of hair. Depth and index hit them now and then only, and
+ * cracks round each hit would be two beaded lines. Where the averaged layers show a stripe there, the cracks go, and
+ * the stripe is one line along its middle, hit or not. */
 #include "fine.h"
 
 enum { PLANES = 6, MOST_HIT = 2, NEARBY = 4 };
 
-static const float widest = 2.05f;                 /* pixels */
-static const float least_hit = 0.1f, least_between = 0.05f; /* peak of a stripe, in albedo and half normals, at a hit and beside one */
-static const float least_of_slope = 1.5f;          /* times what lies on both sides differs */
-static const float against = 0.1f;                 /* share of a stripe that a pixel of it may lie the other way */
+static const float widest = 2.05f; /* pixels */
+static const float least_hit = 0.1f,
+		   least_between = 0.05f; /* peak of a stripe, in albedo and half normals, at a hit and beside one */
+static const float least_of_slope = 1.5f; /* times what lies on both sides differs */
+static const float against = 0.1f;        /* share of a stripe that a pixel of it may lie the other way */
 
 static void read(const frame *f, int x, int y, float value[PLANES])
 {
 	x = clamp_index(x, f->width);
 	y = clamp_index(y, f->height);
-	const float *albedo = f->layer[ENCRE_LAYER_ALBEDO].data + y * f->layer[ENCRE_LAYER_ALBEDO].row + (ptrdiff_t)3 * x;
-	const float *normal = f->layer[ENCRE_LAYER_NORMAL].data + y * f->layer[ENCRE_LAYER_NORMAL].row + (ptrdiff_t)3 * x;
+	const float *albedo =
+	    f->layer[ENCRE_LAYER_ALBEDO].data + y * f->layer[ENCRE_LAYER_ALBEDO].row + (ptrdiff_t)3 * x;
+	const float *normal =
+	    f->layer[ENCRE_LAYER_NORMAL].data + y * f->layer[ENCRE_LAYER_NORMAL].row + (ptrdiff_t)3 * x;
 	for (int c = 0; c < 3; c++) {
 		value[c] = clamp01(albedo[c]);
 		value[3 + c] = 0.5f * bounded(normal[c]);
@@ -36,7 +39,8 @@ static float object_at(const frame *f, int x, int y)
 
 /* ---- stripes --------------------------------------------------------------------------------------------- */
 
-/* How the `count` pixels from (x, y) on along an axis, the ends taken as ground, stand out: in all, at most and where. */
+/* How the `count` pixels from (x, y) on along an axis, the ends taken as ground, stand out: in all, at most and where.
+ */
 typedef struct stripe {
 	float area, peak, middle, least;
 	int highest; /* which pixel stands out most */
@@ -45,7 +49,8 @@ typedef struct stripe {
 
 static bool is_stripe(const stripe *s, float least_peak)
 {
-	return s->peak >= least_peak && s->area <= widest * s->peak && s->least > -against * s->area && s->peak > least_of_slope * s->slope;
+	return s->peak >= least_peak && s->area <= widest * s->peak && s->least > -against * s->area &&
+	       s->peak > least_of_slope * s->slope;
 }
 
 static stripe stripe_of(const frame *f, int x, int y, int axis, int count)
@@ -86,7 +91,8 @@ static bool cracked(const fine *n, int x, int y, int axis)
 	return n->crack[(ptrdiff_t)y * n->f->width + x] & CRACK_RIGHT << axis;
 }
 
-/* Whether the pixel is part of a stripe along an axis: one or two pixels between cracks, before one and the same thing. */
+/* Whether the pixel is part of a stripe along an axis: one or two pixels between cracks, before one and the same thing.
+ */
 static bool is_thin(const fine *n, int x, int y, int axis, float *ground)
 {
 	const frame *f = n->f;
@@ -152,7 +158,8 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 				int qx = x + !axis, qy = y + axis;
 				if (!(crack[x] & CRACK_RIGHT << axis))
 					continue;
-				/* a crack is the stripe's if the other side is what lies behind it, or of the stripe too */
+				/* a crack is the stripe's if the other side is what lies behind it, or of the stripe
+				 * too */
 				float other = ground_of(n, qx, qy);
 				bool its = own >= 0 && (own == object_at(f, qx, qy) || other >= 0);
 				its |= other >= 0 && other == object_at(f, x, y);
@@ -170,7 +177,7 @@ void ISA(carve_rows)(void *data, int y0, int y1, int thread)
 	ptrdiff_t width = n->f->width;
 	for (int y = y0; y < y1; y++)
 		for (ptrdiff_t i = y * width; n->hit[y] && i < (y + 1) * width; i++)
-			n->crack[i] &= (uint8_t)~(n->thin[i] & (CRACK_RIGHT | CRACK_DOWN));
+			n->crack[i] &= (uint8_t) ~(n->thin[i] & (CRACK_RIGHT | CRACK_DOWN));
 }
 
 /* ---- sites ----------------------------------------------------------------------------------------------- */
@@ -189,7 +196,8 @@ bool ISA(thin_site)(const fine *n, site *s)
 	const frame *f = n->f;
 	int x = s->column, y = s->row, hits = hits_near(n, x, y);
 	for (int k = -2; k <= 2; k++)
-		if (mixed_at(n, clamp_index(x + (s->axis ? 0 : k), f->width), clamp_index(y + (s->axis ? k : 0), f->height)))
+		if (mixed_at(n, clamp_index(x + (s->axis ? 0 : k), f->width),
+			     clamp_index(y + (s->axis ? k : 0), f->height)))
 			return false;
 	stripe t = stripe_of(f, x - (s->axis ? 0 : 2), y - (s->axis ? 2 : 0), s->axis, 5);
 	float offset = t.middle - 2;
@@ -208,7 +216,9 @@ static float crossing(const fine *n, int x, int y, int axis)
 {
 	float sum = 0;
 	for (int k = -1; k <= 1; k++)
-		sum += stripe_of(n->f, x + (axis ? k : 0) - (axis ? 0 : 2), y + (axis ? 0 : k) - (axis ? 2 : 0), axis, 5).area;
+		sum +=
+		    stripe_of(n->f, x + (axis ? k : 0) - (axis ? 0 : 2), y + (axis ? 0 : k) - (axis ? 2 : 0), axis, 5)
+			.area;
 	return sum;
 }
 

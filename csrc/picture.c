@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Whether the picture shows an edge where a loose end would be led on. */
+#include "fine.h"
+
+static const float beside = 1.5f; /* pixels to either side of a line where the picture is looked at */
+
+static void bilinear(const frame *f, enum encre_layer layer, int channels, float x, float y, float *value)
+{
+	x = x > 0 ? x < (float)(f->width - 1) ? x : (float)(f->width - 1) : 0;
+	y = y > 0 ? y < (float)(f->height - 1) ? y : (float)(f->height - 1) : 0;
+	int x0 = (int)x, y0 = (int)y, x1 = x0 + 1 < f->width ? x0 + 1 : x0, y1 = y0 + 1 < f->height ? y0 + 1 : y0;
+	const float *above = f->layer[layer].data + y0 * f->layer[layer].row,
+		    *below = f->layer[layer].data + y1 * f->layer[layer].row;
+	for (int c = 0; c < 3; c++) {
+		float top = mix(bounded(above[channels * x0 + c]), bounded(above[channels * x1 + c]), x - (float)x0);
+		float bottom = mix(bounded(below[channels * x0 + c]), bounded(below[channels * x1 + c]), x - (float)x0);
+		value[c] = mix(top, bottom, y - (float)y0);
+	}
+}
+
+/* The layer that shows an edge of that rank, as it is compared. */
+static void look(const fine *n, int rank, float x, float y, float *value)
+{
+	bool lit = n->e->p->color_layer == color_layer_LIT;
+	if (rank <= 1)
+		bilinear(n->f, ENCRE_LAYER_NORMAL, 3, x, y, value);
+	else if (rank == 2)
+		bilinear(n->f, lit ? ENCRE_LAYER_COMBINED : ENCRE_LAYER_ALBEDO, lit ? 4 : 3, x, y, value);
+	else
+		bilinear(n->f, ENCRE_LAYER_DIFFUSE, 3, x, y, value);
+	for (int c = 0; rank == 2 && c < 3; c++)
+		value[c] = srgb_encode(clamp01(value[c]));
+}
+
+static bool differ(const float *a, const float *b, int rank)
+{
+	float square = 0, least = rank <= 1 ? 0.12f : rank == 2 ? 0.02f : 0.05f;
+	for (int c = 0; c < 3; c++)
+		square += (a[c] - b[c]) * (a[c] - b[c]);
+	return square >= least * least;
+}
+
+/* Over a longer gap a line goes on only if what lies to either side of it differs. Light says too little. */
+bool ISA(picture_agrees)(const fine *n, const site *a, const site *b)
+{
+	int rank = rank_of(a);
+	float dx = b->x - a->x, dy = b->y - a->y, length = sqrtf(dx * dx + dy * dy), ox = -beside * dy / length,
+	      oy = beside * dx / length;
+	for (int k = 1; k <= 3 && rank < 3; k++) {
+		float x = a->x + 0.25f * (float)k * dx, y = a->y + 0.25f * (float)k * dy, one[3], two[3];
+		look(n, rank, x + ox, y + oy, one);
+		look(n, rank, x - ox, y - oy, two);
+		if (!differ(one, two, rank))
+			return false;
+	}
+	return true;
+}
+
+/* Far lines meet in an acute corner only if what lies between them differs from what lies outside of both. */
+bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, float x, float y)
+{
+	const site *end[2] = {a, b};
+	float inside[3], outside[3];
+	look(n, rank, (a->x + b->x + x) / 3, (a->y + b->y + y) / 3, inside);
+	for (int i = 0; i < 2; i++) {
+		const site *s = end[i], *other = end[1 - i];
+		float dx = x - s->x, dy = y - s->y, length = sqrtf(dx * dx + dy * dy);
+		if (!(length > 1e-6f))
+			return false;
+		float ox = -beside * dy / length, oy = beside * dx / length,
+		      way = ox * (other->x - s->x) + oy * (other->y - s->y) > 0 ? -1 : 1;
+		look(n, rank, 0.5f * (s->x + x) + way * ox, 0.5f * (s->y + y) + way * oy, outside);
+		if (!differ(inside, outside, rank))
+			return false;
+	}
+	return true;
+}
