@@ -148,7 +148,7 @@ static void stamp_ellipse(const bake *b, const sheet *s, const form *m, float cx
 			ellipse_span(m, radius, dy, cx, first, end, dark);
 			continue;
 		}
-		half = half < 0.5f * (float)b->width ? half : 0.5f * (float)b->width; /* the nearest repetition has the texel */
+		half = half < 1.5f * (float)b->width ? half : 1.5f * (float)b->width; /* other repetitions are nearer to the rest */
 		float turns = floorf(middle / (float)b->width) * (float)b->width;
 		float centre = cx - turns;
 		int first = (int)ceilf(middle - turns - half), end = (int)floorf(middle - turns + half) + 1;
