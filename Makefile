@@ -13,8 +13,7 @@ RUN := .venv/bin/python
 		{ echo "encre: no Blender for this Python; install Python 3.11 or 3.13, or put blender on PATH" >&2; exit 2; }
 	$(PYTHON) -m venv .venv
 	$(RUN) -m pip install -q --upgrade pip "setuptools>=77"
-	$(if $(BPY),$(RUN) -m pip install -q "$(BPY)")
-	$(RUN) -m pip install -q -e ".[test]"
+	PYTHONWARNINGS=ignore $(RUN) -m pip install -q $(if $(BPY),"$(BPY)") -e ".[test]"
 	@touch $@
 
 build: .venv/ready
@@ -22,10 +21,11 @@ build: .venv/ready
 
 # The scene once with each preset's own settings from one render, and once as Cycles shows it.
 demo: build
-	.venv/bin/encre render scenes/street.py -o build/demo/street.exr
-	for preset in water_memory inter_color ink_only; do \
+	@.venv/bin/encre render scenes/street.py -o build/demo/street.exr
+	@for preset in water_memory inter_color ink_only; do \
 		.venv/bin/encre composite build/demo/street.exr --preset $$preset -o build/demo/$$preset.png || exit; done
-	.venv/bin/encre render scenes/street.py -o build/demo/cycles.png $(foreach s,lines shading smudging hatching,--set use_$(s)=off)
+	@.venv/bin/encre render scenes/street.py -o build/demo/cycles.png \
+		$(foreach stage,lines shading smudging hatching,--set use_$(stage)=off)
 
 extension: .venv/ready
 	$(RUN) setup.py -q extension

@@ -10,6 +10,8 @@ import json
 import os
 import re
 import sys
+import time
+from importlib import metadata
 
 from . import core, images, presets
 from .composite import composite
@@ -53,8 +55,16 @@ def _count(text):
     return int(text)
 
 
+def _version():
+    try:
+        return f"encre {metadata.version('encre')}"
+    except metadata.PackageNotFoundError:  # run from a folder, as `encre render` does inside Blender
+        return "encre, not installed"
+
+
 def _parser():
     parser = _Parser(prog="encre", description="Comic-book pictures from Blender scenes and from rendered layers.")
+    parser.add_argument("--version", action="version", version=_version())
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     style = argparse.ArgumentParser(add_help=False)
@@ -129,7 +139,9 @@ def _render(args):
 def _composite(args):
     changes = _changes(args)
     images.prepare(args.output)
+    start = time.perf_counter()
     composite(args.layers, args.output, changes, args.view_layer, args.threads, _say)
+    print(f"{args.output} ({time.perf_counter() - start:.1f} s)")
 
 
 def _params(args):

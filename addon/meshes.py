@@ -82,8 +82,8 @@ def extract(depsgraph, automatic, line_numbers):
         obj = instance.object
         if obj.type not in MESHABLE or not instance.show_self or not _in_camera(obj, depsgraph):
             continue
-        # Instances share a mesh but not always an object, and objects of one mesh not their modifiers.
-        key = (obj.type, (obj.data if obj.type == "MESH" else obj).as_pointer())
+        # Instances come as one passing object. An evaluated mesh has its modifiers in it, a curve or text has not.
+        key = obj.data.as_pointer(), None if obj.type == "MESH" else obj.original.as_pointer()
         if key not in cache:
             cache[key] = _triangles(obj)
         if cache[key] is None:

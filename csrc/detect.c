@@ -36,9 +36,9 @@ gaussians ISA(gaussians_of)(float sigma)
 	return g;
 }
 
-/* First down the columns, of differences from their sample in the centre row. Then across: with c the centre, u a sample
- * of its row and u + v that sample's blurred column, the blur less c is the weighted sum of (u - c) + v. Called with a
- * constant reach each time: the taps become straight code over whole rows. */
+/* First down the columns, of differences from their sample in the centre row. Then across: with c the centre, u a
+ * sample of its row and u + v that sample's blurred column, the blur less c is the weighted sum of (u - c) + v. Called
+ * with a constant reach each time: the taps become straight code over whole rows. */
 static inline void dog(const gaussians *g, const int reach, const float *const *row, int n, float *restrict response)
 {
 	float narrow[TILE + 2 * MAX_REACH], wide[TILE + 2 * MAX_REACH];
@@ -65,7 +65,8 @@ static inline void dog(const gaussians *g, const int reach, const float *const *
 		float sum = a[0] * narrow[c] - b[0] * wide[c];
 		for (int k = 1; k <= reach; k++) {
 			float d = (centre[c - k] - centre[c]) + (centre[c + k] - centre[c]);
-			sum += (a[k] - b[k]) * d + (a[k] * (narrow[c - k] + narrow[c + k]) - b[k] * (wide[c - k] + wide[c + k]));
+			sum += (a[k] - b[k]) * d +
+			       (a[k] * (narrow[c - k] + narrow[c + k]) - b[k] * (wide[c - k] + wide[c + k]));
 		}
 		response[i] = sum;
 	}
@@ -121,7 +122,8 @@ void ISA(detect_change)(const float *const *row, int n, float *restrict response
 
 void ISA(detect_contrast)(int metric, const float *(*row)[3], int n, float *restrict response)
 {
-	static const int pair[4][2] = {{0, 0}, {0, 1}, {1, 1}, {2, 1}}; /* row, column + 1 of one of the two: N NE E SE */
+	/* row and column of one of the two from the window's middle column on: N, NE, E, SE */
+	static const int pair[4][2] = {{0, 0}, {0, 1}, {1, 1}, {2, 1}};
 	for (int i = 0; i < n; i++)
 		response[i] = 0;
 	for (int k = 0; k < 4; k++) {

@@ -2,8 +2,8 @@
 /* Layers -> edge strength: where lines can be (Vainumäe 2020, 4.3; Herring 2016, 3.2).
  *
  * Each source of edges has a ring of sampled rows; tile by tile its strength is weighed, and the strongest source wins
- * the pixel. To add a source: name it in enum source (the order decides ties), sample its layer in edges_samples.c, give
- * its strength in edges_sources.c and its weight here. */
+ * the pixel. To add a source: name it in enum source (the order decides ties), sample its layer in edges_samples.c,
+ * give its strength in edges_sources.c and its weight here. */
 #include "edges.h"
 #include "pixel.h"
 
@@ -11,7 +11,7 @@
 
 enum { LANES = 16 };
 
-/* Divisors may be tiny: factors up to this leave all products finite. */
+/* Divisors of depth may be tiny: factors up to this leave all products finite. */
 static const float most_factor = 1e28f;
 
 /* ---- 5x5 least depth ------------------------------------------------------------------------------------- */
@@ -30,7 +30,8 @@ static void nearest_places(const frame *f, int y, int x0, int n, uint8_t *restri
 	for (int dy = -2; dy <= 2; dy++) {
 		if (y + dy < 0 || y + dy >= f->height)
 			continue;
-		const float *restrict row = f->layer[ENCRE_LAYER_DEPTH].data + (y + dy) * f->layer[ENCRE_LAYER_DEPTH].row + x0 - 2;
+		const float *restrict row =
+		    f->layer[ENCRE_LAYER_DEPTH].data + (y + dy) * f->layer[ENCRE_LAYER_DEPTH].row + x0 - 2;
 		int32_t k = 32 * dy * dy + (dy + 2) * 5 + 2;
 		for (int i = from; i < to; i++) {
 			float z = depth_of(row[i]);
@@ -105,7 +106,8 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 	if (f->style) {
 		nearest_places(f, y, x0, n, f->near + at);
 		for (int i = 0; i < n; i++)
-			style[i] = f->style[at + i + (f->near[at + i] / 5 - 2) * (ptrdiff_t)f->width + f->near[at + i] % 5 - 2];
+			style[i] = f->style[at + i + (f->near[at + i] / 5 - 2) * (ptrdiff_t)f->width +
+					    f->near[at + i] % 5 - 2];
 	}
 	for (int s = 0; s < SOURCE_COUNT; s++) {
 		if (!e->on[s] || !weigh(e, (enum source)s, y, x0, n, f->style ? style : NULL, weight))
@@ -171,7 +173,8 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 				ISA(source_difference)(&r, y, x0, width - x0 < TILE ? width - x0 : TILE, row + x0);
 			memset(padded, 0, (size_t)(width + 2 * reach) * sizeof *padded);
 			memcpy(padded + reach, row, (size_t)width * sizeof *row);
-			memcpy(e->full[s] + (ptrdiff_t)y * width, ISA(window_greatest)(padded, spare, width, reach, 1), (size_t)width * sizeof *row);
+			memcpy(e->full[s] + (ptrdiff_t)y * width, ISA(window_greatest)(padded, spare, width, reach, 1),
+			       (size_t)width * sizeof *row);
 		}
 	}
 }
@@ -188,10 +191,12 @@ static void greatest_strips(void *data, int first, int end, int thread)
 			float *column = e->full[s] + x0;
 			memset(padded, 0, (size_t)(height + 2 * reach) * LANES * sizeof *padded);
 			for (int y = 0; y < height; y++)
-				memcpy(padded + (ptrdiff_t)(reach + y) * LANES, column + (ptrdiff_t)y * width, (size_t)n * sizeof *column);
+				memcpy(padded + (ptrdiff_t)(reach + y) * LANES, column + (ptrdiff_t)y * width,
+				       (size_t)n * sizeof *column);
 			const float *greatest = ISA(window_greatest)(padded, spare, height, reach, LANES);
 			for (int y = 0; y < height; y++)
-				memcpy(column + (ptrdiff_t)y * width, greatest + (ptrdiff_t)y * LANES, (size_t)n * sizeof *column);
+				memcpy(column + (ptrdiff_t)y * width, greatest + (ptrdiff_t)y * LANES,
+				       (size_t)n * sizeof *column);
 		}
 }
 
@@ -201,26 +206,23 @@ static const char *check(const encre_params *p, char *text, size_t size)
 {
 	if (p->depth_space != depth_space_LINEAR || p->depth_far > p->depth_near)
 		return NULL;
-	snprintf(text, size, "depth_far: %g is not beyond depth_near, %g; give a larger depth_far", (double)p->depth_far, (double)p->depth_near);
+	snprintf(text, size, "depth_far: %g is not beyond depth_near, %g; give a larger depth_far",
+		 (double)p->depth_far, (double)p->depth_near);
 	return text;
-}
-
-static float factor(float numerator, float divisor)
-{
-	return numerator / divisor < most_factor ? numerator / divisor : most_factor;
 }
 
 /* Everything that follows from parameters alone. */
 static edges setup(const frame *f)
 {
 	const encre_params *p = f->params;
-	edges e = {.f = f, .p = p, .gauss = ISA(gaussians_of)(p->edge_sigma), .dog = p->edge_detector == edge_detector_DOG};
+	edges e = {
+	    .f = f, .p = p, .gauss = ISA(gaussians_of)(p->edge_sigma), .dog = p->edge_detector == edge_detector_DOG};
 	e.contrast = !e.dog || p->color_detector == color_detector_CONTRAST;
 	e.inverse = p->depth_space == depth_space_INVERSE;
 	e.ortho = e.inverse && f->camera.orthographic;
-	e.height = fminf(f->camera.height, 1e30f);
 	float gain = !e.dog ? 10 : e.inverse ? 60 : 200;
-	e.depth_factor = e.ortho ? factor(gain, e.height) : e.inverse ? gain : factor(gain, p->depth_far - p->depth_near);
+	float divisor = e.ortho ? f->camera.height : e.inverse ? 1 : p->depth_far - p->depth_near;
+	e.depth_factor = gain / divisor < most_factor ? gain / divisor : most_factor;
 	for (int s = 0; s < SOURCE_COUNT; s++) {
 		for (int i = 0; i < f->n_styles; i++) {
 			e.weight[s][i] = weight_in(p + i, (enum source)s);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of the edge stage share: edges_samples.c turns layers into rows of samples, edges_sources.c turns those
- * into the strength of each source, edges.c weighs them and decides. */
+/* What the files of the edge stage share: edges_samples.c turns layers into rows of samples, edges_sources.c turns
+ * those into the strength of each source, edges.c weighs them and decides. */
 #ifndef ENCRE_EDGES_H
 #define ENCRE_EDGES_H
 
@@ -16,7 +16,6 @@ typedef struct edges {
 	bool dog;            /* the detector of depth and normals, else Sobel */
 	bool contrast;       /* colour and light are compared by the inter-color metric, else by DOG */
 	bool inverse, ortho; /* depth is compared as 1/z, or as z under an orthographic camera */
-	float height;        /* of the orthographic frame */
 	float depth_factor;  /* from a detector's response on the samples to strength */
 	float weight[SOURCE_COUNT][UINT8_MAX + 1]; /* by style */
 	int reach[SOURCE_COUNT];
@@ -25,7 +24,7 @@ typedef struct edges {
 	ptrdiff_t thread_samples, plane_samples;
 	ptrdiff_t ring_at[SOURCE_COUNT];
 	float *difference[SOURCE_COUNT], *full[SOURCE_COUNT]; /* width * height, with contrast_auto */
-	float *filter; /* two for each thread, likewise */
+	float *filter;                                        /* two for each thread, likewise */
 	ptrdiff_t thread_filter;
 } edges;
 
@@ -63,7 +62,7 @@ void ISA(ring_fill)(ring *r, int y);
 /* Pointers to sample x0 of the rows about y, as detect.h wants them; outside the frame the nearest row. */
 void ISA(ring_window)(const ring *r, int y, int x0, int plane, const float **row);
 
-/* Strength of the ring's source at n <= TILE pixels from (x0, y); negative = none. The ring holds the window about y. */
+/* Strength of the ring's source at n <= TILE pixels from (x0, y); negative = none. The ring has the window about y. */
 void ISA(source_strength)(const ring *r, int y, int x0, int n, float *restrict strength);
 /* Largest colour difference across these pixels. */
 void ISA(source_difference)(const ring *r, int y, int x0, int n, float *restrict difference);

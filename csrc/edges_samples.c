@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Layers -> rows of samples, in a quantity that edge detectors can compare, padded with the nearest at the frame's border. */
+/* Layers -> rows of samples, in a quantity that edge detectors can compare, padded with the nearest at the frame's
+ * border. */
 #include "edges.h"
 #include "metric.h"
 #include "pixel.h"

@@ -29,7 +29,8 @@ static float dog_alone(const gaussians *g, double (*patch)[MAX_ROWS])
 	for (int i = -g->reach; i <= g->reach; i++)
 		for (int j = -g->reach; j <= g->reach; j++) {
 			int a = i < 0 ? -i : i, b = j < 0 ? -j : j;
-			double kernel = (double)g->narrow[a] * (double)g->narrow[b] - (double)g->wide[a] * (double)g->wide[b];
+			double kernel =
+			    (double)g->narrow[a] * (double)g->narrow[b] - (double)g->wide[a] * (double)g->wide[b];
 			sum += kernel * (patch[g->reach + i][g->reach + j] - patch[g->reach][g->reach]);
 		}
 	return (float)sum;
@@ -47,8 +48,9 @@ static float bend_alone(double (*patch)[MAX_ROWS])
 }
 
 /* In 1/z the window of (x, y) continues linearly outside the frame: a plane must stay one. Under an orthographic camera
- * nothing-there lies one frame height behind the farthest pixel of the window, so that no frame-wide number would do. The
- * few windows that see either are done one by one, and in double: what is added cancels where the surface is smooth. */
+ * nothing-there lies one frame height behind the farthest pixel of the window, so that no frame-wide number would do.
+ * The few windows that see either are done one by one, and in double: what is added cancels where the surface is
+ * smooth. */
 static float response_alone(const ring *r, int y, int x)
 {
 	double patch[MAX_ROWS][MAX_ROWS];
@@ -69,7 +71,7 @@ static float response_alone(const ring *r, int y, int x)
 		double *out = patch[i - y + reach];
 		for (int j = left; j <= right; j++) {
 			float u = ring_row(r, i, 0)[j];
-			out[at + j] = u > -INFINITY ? (double)u : (double)farthest - (double)e->height;
+			out[at + j] = u > -INFINITY ? (double)u : (double)farthest - (double)e->f->camera.height;
 		}
 		for (int j = x - reach; j < 0; j++)
 			out[at + j] = 2 * out[at] - out[at + clamp_index(-j, width)];
@@ -101,7 +103,8 @@ static void depth_strength(const ring *r, int y, int x0, int n, float *restrict 
 	if (e->inverse) {
 		bool outside = y < r->reach || y >= e->f->height - r->reach;
 		for (int i = 0; i < n; i++)
-			if (outside | (x0 + i < r->reach) | (x0 + i >= e->f->width - r->reach) | !(fabsf(response[i]) <= FLT_MAX))
+			if (outside | (x0 + i < r->reach) | (x0 + i >= e->f->width - r->reach) |
+			    !(fabsf(response[i]) <= FLT_MAX))
 				response[i] = response_alone(r, y, x0 + i);
 	}
 	if (e->inverse && !e->ortho)

@@ -106,12 +106,13 @@ static inline float ciede2000(color p, color q)
 	return 0.01f * sqrtf(sum2 > 0 ? sum2 : 0);
 }
 
-/* Weighs by the first colour; l:c = 2:1. The cosines of its hue come from a* and b* themselves, and so does the test for
- * 164..345 degrees: the other half of the circle lies within 89.5 degrees of 74.5. */
+/* Weighs by the first colour; l:c = 2:1. The cosines of its hue come from a* and b* themselves, and so does the test
+ * for 164..345 degrees: the other half of the circle lies within 89.5 degrees of 74.5. */
 static inline float cmc_of(color p, float c1, float dl, float dc, float dh2)
 {
 	float over = c1 > 0 ? 1 / c1 : 0, cosine = p.y * over, sine = p.z * over;
-	int warm = cosine * 0.267238376f + sine * 0.963630453f > 0.00872653550f; /* cos and sin 74.5, cos 89.5 degrees */
+	/* cos and sin of 74.5, cos of 89.5 degrees */
+	int warm = cosine * 0.267238376f + sine * 0.963630453f > 0.00872653550f;
 	float near = 0.56f + 0.2f * fabsf(cosine * -0.978147601f - sine * 0.207911691f); /* 168 degrees */
 	float away = 0.36f + 0.4f * fabsf(cosine * 0.819152044f - sine * 0.573576436f);  /* 35 degrees */
 	float t = warm ? away : near;
@@ -136,8 +137,8 @@ static inline float cmc(color p, color q)
 /* ---- rows ------------------------------------------------------------------------------------------------ */
 
 /* Called with a constant function each time, which the compiler inlines into a loop of its own. */
-static inline void greatest_of(float (*difference)(color, color), int n, const float *const a[3], const float *const b[3],
-			       float *restrict greatest)
+static inline void greatest_of(float (*difference)(color, color), int n, const float *const a[3],
+			       const float *const b[3], float *restrict greatest)
 {
 	const float *restrict ax = a[0], *restrict ay = a[1], *restrict az = a[2];
 	const float *restrict bx = b[0], *restrict by = b[1], *restrict bz = b[2];
@@ -147,7 +148,8 @@ static inline void greatest_of(float (*difference)(color, color), int n, const f
 	}
 }
 
-void ISA(metric_difference)(int metric, int n, const float *const a[3], const float *const b[3], float *restrict greatest)
+void ISA(metric_difference)(int metric, int n, const float *const a[3], const float *const b[3],
+			    float *restrict greatest)
 {
 	switch (metric) {
 	case contrast_metric_CIE76: greatest_of(cie76, n, a, b, greatest); break;

@@ -12,7 +12,8 @@ void ISA(metric_space)(int metric, int n, float *restrict r, float *restrict g, 
 
 /* greatest[i] = the larger of itself and the difference of colours i of `a` and `b`, three planes each, from
  * metric_space. Black and white differ by 1. */
-void ISA(metric_difference)(int metric, int n, const float *const a[3], const float *const b[3], float *restrict greatest);
+void ISA(metric_difference)(int metric, int n, const float *const a[3], const float *const b[3],
+			    float *restrict greatest);
 
 /* Strength of an edge between colours that differ this much: 0 below `least`, 1 from `most` on. */
 static inline float metric_strength(float difference, float least, float most)

@@ -68,8 +68,8 @@ static inline float depth_of(float z)
 	return z > 0 && z < 1e9f ? z : INFINITY;
 }
 
-/* Cube root, x = 0 or 1e-30 <= x <= 1e30. A third of the exponent is within 4 %, a Halley step cubes that. Then the root
- * is cut to 8 bits, so that its cube is exact, and mended by the binomial series of (1 + d)^(1/3). */
+/* Cube root, x = 0 or 1e-30 <= x <= 1e30. A third of the exponent is within 4 %, a Halley step cubes that. Then the
+ * root is cut to 8 bits, so that its cube is exact, and mended by the binomial series of (1 + d)^(1/3). */
 static inline float pixel_cbrt(float x)
 {
 	float t = bits_float(float_bits(x) / 3 + 0x2a5137a0);
@@ -113,8 +113,8 @@ static inline float pixel_exp(float x)
 	return scaled_exp((x - n * 0.693359375f) + n * 2.12194440e-4f, (int32_t)n);
 }
 
-/* x^y for x >= 0, finite, y >= 0; 0 where that is below 2^-126, 2^127 where it is above. The exponent needs double: it is
- * multiplied by up to 128 before it is looked at to a part in 2^24. Logarithm by the series of artanh. */
+/* x^y for x >= 0, finite, y >= 0; 0 where that is below 2^-126, 2^127 where it is above. The exponent needs double: it
+ * is multiplied by up to 128 before it is looked at to a part in 2^24. Logarithm by the series of artanh. */
 static inline float pixel_pow(float x, float y)
 {
 	float normal = x < FLT_MIN ? x * 16777216.0f : x;
@@ -147,7 +147,8 @@ static inline float pixel_atan2(float y, float x)
 	int folded = low > 0.414213562f * high;
 	float over = folded ? low - high : low, under = folded ? low + high : high;
 	float t = over / (under > 0 ? under : 1), z = t * t;
-	float a = t + t * z * (-3.33329491539e-1f + z * (1.99777106478e-1f + z * (-1.38776856032e-1f + z * 8.05374449538e-2f)));
+	float series = 1.99777106478e-1f + z * (-1.38776856032e-1f + z * 8.05374449538e-2f);
+	float a = t + t * z * (-3.33329491539e-1f + z * series);
 	a = folded ? 0.785398163f + a : a;
 	a = ax < ay ? 1.57079633f - a : a;
 	a = x < 0 ? 3.14159265f - a : a;
@@ -162,7 +163,8 @@ static inline float sine(float x, int32_t quarter)
 	float r = (float)(((double)x - (double)n * 1.57079632673412561417) - (double)n * 6.07710050650619224932e-11);
 	float z = r * r;
 	float s = r + r * z * (-1.6666654611e-1f + z * (8.3321608736e-3f + z * -1.9515295891e-4f));
-	float c = 1 - 0.5f * z + z * z * (4.166664568298827e-2f + z * (-1.388731625493765e-3f + z * 2.443315711809948e-5f));
+	float c =
+	    1 - 0.5f * z + z * z * (4.166664568298827e-2f + z * (-1.388731625493765e-3f + z * 2.443315711809948e-5f));
 	float value = j & 1 ? c : s;
 	return j & 2 ? -value : value;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Opens the inline maths and the colour metrics of csrc/ to tests: no public function of the library shows them bare. */
+/* Opens the inline maths and colour metrics of csrc/ to tests: no public function of the library shows them bare. */
 #include "metric.c"
 
 #define PROBE(name, call)                                                                                              \

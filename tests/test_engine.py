@@ -137,6 +137,17 @@ def test_cameras(render):
     assert all(fact[0][2] < 2e-3 for fact in facts.values()), facts
 
 
+def test_kinds_of_objects(render):
+    facts = render("kinds").facts
+    # Nothing, cube, ball and ground, and then what each case adds.
+    wanted = {"particles": 30, "instanced texts": 8, "nodes: geometry": 17, "nodes: objects": 17, "nodes: realized": 5,
+              "curve, metaball, heptagon, subdivision": 7, "not for the camera": 5}
+    assert facts.keys() == wanted.keys()
+    for name, ((mismatch, numbers),) in facts.items():
+        assert mismatch <= 0.0005 * 200 * 106, name
+        assert numbers >= wanted[name] if name == "particles" else numbers == wanted[name], name
+
+
 def test_stereo(render):
     shot = render("stereo")
     assert shot.facts["error"] == [None]

@@ -66,23 +66,24 @@ ANGLES = RNG.uniform(-40, 40, N).astype(np.float32)
 SMALL_TO_1 = (10 ** RNG.uniform(-8, 0, N)).astype(np.float32)
 
 
+# Limits are what the maths reaches, so that a digit lost in any constant shows; 4 are promised (srgb: 6).
 @pytest.mark.parametrize("name, x, y, want, limit", [
-    ("cbrt", WIDE, WIDE, lambda x, y: np.cbrt(x), 1),
-    ("srgb", UNIT, UNIT, lambda x, y: reference.encode(x), 6),
-    ("srgb", UNIT / 128, UNIT, lambda x, y: reference.encode(x), 6),
-    ("exp", 87 * SIGNED, UNIT, lambda x, y: np.exp(x), 4),
-    ("pow", UNIT, 6 * SMALL_TO_1, lambda x, y: x**y, 4),
-    ("pow", SMALL_TO_1, 6 * UNIT, lambda x, y: x**y, 4),
-    ("pow", WIDE, UNIT, lambda x, y: x**y, 4),
-    ("pow", 0.75 + 0.6 * UNIT, 180 * UNIT[::-1], lambda x, y: x**y, 4),
-    ("pow", 1e-42 + 1e-38 * UNIT, UNIT, lambda x, y: x**y, 4),  # subnormal numbers
-    ("atan2", SIGNED, SIGNED[::-1], lambda x, y: np.arctan2(x, y), 4),
-    ("atan2", WIDE * np.sign(SIGNED), WIDE[::-1] * np.sign(SIGNED[::-1]), lambda x, y: np.arctan2(x, y), 4),
-    ("sin", ANGLES, ANGLES, lambda x, y: np.sin(x), 4),
-    ("cos", ANGLES, ANGLES, lambda x, y: np.cos(x), 4),
-    ("sin", 200 * ANGLES, ANGLES, lambda x, y: np.sin(x), 4),
-    ("sin", np.float32(np.pi) * np.arange(-1000, 1000), ANGLES[:2000], lambda x, y: np.sin(x), 4),
-    ("luminance", UNIT, SIGNED**2, lambda x, y: 0.2126 * x + 0.7152 * y + 0.0722 * 0.25, 4),
+    ("cbrt", WIDE, WIDE, lambda x, y: np.cbrt(x), 0.52),
+    ("srgb", UNIT, UNIT, lambda x, y: reference.encode(x), 5.5),
+    ("srgb", UNIT / 128, UNIT, lambda x, y: reference.encode(x), 5.5),
+    ("exp", 87 * SIGNED, UNIT, lambda x, y: np.exp(x), 1.25),
+    ("pow", UNIT, 6 * SMALL_TO_1, lambda x, y: x**y, 1.25),
+    ("pow", SMALL_TO_1, 6 * UNIT, lambda x, y: x**y, 1.25),
+    ("pow", WIDE, UNIT, lambda x, y: x**y, 1.25),
+    ("pow", 0.75 + 0.6 * UNIT, 180 * UNIT[::-1], lambda x, y: x**y, 1.25),
+    ("pow", 1e-42 + 1e-38 * UNIT, UNIT, lambda x, y: x**y, 1.25),  # subnormal numbers
+    ("atan2", SIGNED, SIGNED[::-1], lambda x, y: np.arctan2(x, y), 2.7),
+    ("atan2", WIDE * np.sign(SIGNED), WIDE[::-1] * np.sign(SIGNED[::-1]), lambda x, y: np.arctan2(x, y), 2.7),
+    ("sin", ANGLES, ANGLES, lambda x, y: np.sin(x), 1.6),
+    ("cos", ANGLES, ANGLES, lambda x, y: np.cos(x), 1.6),
+    ("sin", 200 * ANGLES, ANGLES, lambda x, y: np.sin(x), 1.6),
+    ("sin", np.float32(np.pi) * np.arange(-1000, 1000), ANGLES[:2000], lambda x, y: np.sin(x), 1.6),
+    ("luminance", UNIT, SIGNED**2, lambda x, y: 0.2126 * x + 0.7152 * y + 0.0722 * 0.25, 2),
 ])
 def test_inline_maths(probe, name, x, y, want, limit):
     x, y = np.asarray(x, np.float32), np.asarray(y, np.float32)
@@ -99,8 +100,8 @@ def test_exact_values(probe):
         [1, 0, 1, 0.5, 1, 0, 2.0**127, 2.0**127]
     assert call(probe.probe_atan2, [0, 0, 1, -1], [0, 1, 0, 0]).tolist() == \
         np.float32([0, 0, np.pi / 2, -np.pi / 2]).tolist()
-    assert call(probe.probe_exp, [0, -1e30, -87.1]).tolist() == [1, *call(probe.probe_exp, [-87, -87]).tolist()]
-    assert call(probe.probe_exp, [1e30, 88.1]).tolist() == call(probe.probe_exp, [88, 88]).tolist()
+    assert call(probe.probe_exp, [0, -1e30, -87.1, 1e30, 88.1]) == \
+        pytest.approx(np.exp([0.0, -87.0, -87.0, 88.0, 88.0]), rel=1e-6, abs=0)
     nothing = [0, -1, np.nan, np.inf, -np.inf, 1e9, 1.001e9]
     assert np.isposinf(call(probe.probe_depth, nothing)).all()
     assert call(probe.probe_depth, [1e-40, 5, 0.999e9]).tolist() == np.float32([1e-40, 5, 0.999e9]).tolist()

@@ -9,7 +9,7 @@ import json
 import os
 import sys
 import time
-from math import radians
+from math import cos, radians, sin
 
 import bpy
 
@@ -296,7 +296,7 @@ def cameras(out):
         cube(f"Box{k}", ((k % 4) * 1.1 - 1.7, 1.5 + k // 4, (k % 3) * 0.5), 0.5).rotation_euler = (k, 0.3 * k, 1)
     from encre import core, frame, layers
 
-    drawn, real, raster = {}, layers.rasterised, core.raster
+    drawn, real, raster = {}, layers.rasterised, core.raster  # looked at as they pass by
 
     def spy_raster(meshes, view, projection, place, size, start, end, channels, outputs, threads, progress):
         maps = raster(meshes, view, projection, place, size, start, end, channels, (*outputs, "depth"), threads)
@@ -359,6 +359,95 @@ def cameras(out):
     compare("odd size, scaled camera")
     scene.camera.scale, cam.clip_start, cam.clip_end = (1, 1, 1), 5.8, 8
     compare("clipped")
+
+
+def kinds(out):
+    """How the rasteriser's objects compare with Cycles', for all that has faces and every kind of instance."""
+    scene = stage(200, 106, 1)
+    scene.encre.light_denoise = "NONE"
+    from encre import frame, layers
+
+    real = layers.rasterised
+    seen = {}
+
+    def spy(index, maps, owners, numbers, strays):
+        instance = maps["object"].astype(int)
+        seen["mismatch"] = int((owners[instance] != index).sum())
+        passes = real(index, maps, owners, numbers, strays)
+        seen["numbers"] = len(set(passes["Encre Index"][..., 0].ravel().tolist()))
+        return passes
+
+    frame.layers.rasterised = spy
+
+    def compare(name):
+        bpy.ops.render.render()
+        fact(name, [seen["mismatch"], seen["numbers"]])
+
+    small = cube("Small", (0, 0, -5), 0.3)
+    ground = bpy.data.objects["Ground"]
+    ground.modifiers.new("Particles", "PARTICLE_SYSTEM")
+    particles = ground.particle_systems[0].settings
+    particles.type, particles.count, particles.hair_length = "HAIR", 200, 1
+    particles.render_type, particles.instance_object, particles.particle_size = "OBJECT", small, 1
+    compare("particles")
+    ground.modifiers.clear()
+
+    group = bpy.data.collections.new("Words")
+    for k, word in enumerate(("ink", "line")):
+        text = bpy.data.curves.new(word, "FONT")
+        text.body = word
+        link(word, text, (0, 0, 0.7 * k), collection=group).rotation_euler = (radians(90), 0, 0)
+    for k in range(2):
+        empty = link(f"Words{k}", None, (1.6 * k - 1.8, -1, 0))
+        empty.instance_type, empty.instance_collection = "COLLECTION", group
+    compare("instanced texts")
+    for k in range(2):
+        bpy.data.objects.remove(bpy.data.objects[f"Words{k}"])
+
+    nodes = bpy.data.node_groups.new("Nodes", "GeometryNodeTree")
+    if hasattr(nodes, "interface"):
+        nodes.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    else:
+        nodes.outputs.new("NodeSocketGeometry", "Geometry")
+    end, grid, spread, source = (nodes.nodes.new(kind) for kind in (
+        "NodeGroupOutput", "GeometryNodeMeshGrid", "GeometryNodeInstanceOnPoints", "GeometryNodeObjectInfo"))
+    for k, value in enumerate((4, 4, 4, 4)):
+        grid.inputs[k].default_value = value
+    source.inputs["Object"].default_value = small
+    nodes.links.new(grid.outputs[0], spread.inputs["Points"])
+    nodes.links.new(source.outputs["Geometry"], spread.inputs["Instance"])
+    nodes.links.new(spread.outputs[0], end.inputs[0])
+    host = cube("Host", (0, 1, 0.3))
+    host.modifiers.new("Nodes", "NODES").node_group = nodes
+    for name, whole in (("nodes: geometry", False), ("nodes: objects", True)):
+        source.inputs["As Instance"].default_value = whole
+        compare(name)
+    realize = nodes.nodes.new("GeometryNodeRealizeInstances")
+    nodes.links.new(spread.outputs[0], realize.inputs[0])
+    nodes.links.new(realize.outputs[0], end.inputs[0])
+    compare("nodes: realized")
+    bpy.data.objects.remove(host)
+
+    path = bpy.data.curves.new("Path", "CURVE")
+    path.dimensions, path.bevel_depth = "3D", 0.1
+    path.splines.new("BEZIER").bezier_points.add(1)
+    path.splines[0].bezier_points[1].co = (1, 0, 1)
+    link("Path", path, (0, -1, 0))
+    balls = bpy.data.metaballs.new("Meta")
+    balls.elements.new()
+    link("Meta", balls, (0.5, 2, 1.2))
+    heptagon = bpy.data.meshes.new("Heptagon")
+    heptagon.from_pydata([(cos(k * 0.9), 0, sin(k * 0.9)) for k in range(7)], [], [tuple(range(7))])
+    link("Heptagon", heptagon, (1.5, -1, 0.5))
+    bpy.data.objects["Cube"].modifiers.new("Smooth", "SUBSURF").render_levels = 3
+    compare("curve, metaball, heptagon, subdivision")
+    bpy.data.objects["Ball"].visible_camera = False
+    aside = bpy.data.collections.new("Aside")
+    scene.collection.children.link(aside)
+    aside.objects.link(bpy.data.objects["Cube"])
+    scene.collection.objects.unlink(bpy.data.objects["Cube"])
+    scene.view_layers[0].layer_collection.children["Aside"].indirect_only = True
+    compare("not for the camera")
 
 
 def stereo(out):
