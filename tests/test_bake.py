@@ -109,7 +109,7 @@ def test_alpha_is_kept():
     assert np.array_equal(core.bake(texture).texture[..., 3], texture[..., 3])
 
 
-@pytest.mark.parametrize("scene", [{}, dict(contrast_auto=True), dict(contrast_metric="CIEDE2000", line_thickness=40.0)])
+@pytest.mark.parametrize("scene", [{}, dict(contrast_auto=True), dict(contrast_metric="CMC", line_thickness=40.0)])
 @pytest.mark.parametrize("stretched", [False, True])
 def test_same_bytes(scene, stretched):
     texture = blots(203, 157, 7, 4)
@@ -139,7 +139,7 @@ def test_forms_that_are_none(bad):
     assert got.tobytes() == neutral.tobytes()
 
 
-@pytest.mark.parametrize("form", [(1e-12, 0, 1), (1, 0, 1e-12), (1, 1, 1), (4, -2, 1), (1e10, 0, 1e-10), (1e-30, 0, 1e-30)])
+@pytest.mark.parametrize("form", [(1e-12, 0, 1), (1, 0, 1e-12), (1, 1, 1), (4, -2, 1), (1e10, 0, 1e-10), (1e-30, 0, 0)])
 def test_collapsed_forms(form):
     got = core.bake(blots(20, 30, 2), {}, np.tile(np.float32(form), (20, 30, 1))).texture
     assert np.isfinite(got).all()
@@ -148,7 +148,7 @@ def test_collapsed_forms(form):
 def test_cancel_and_progress():
     texture, seen = blots(200, 200), []
     core.bake(texture, threads=1, progress=lambda f: seen.append(f) or True)
-    assert seen == sorted(seen) and 0 < seen[0] and seen[-1] == 1
+    assert seen == sorted(seen) and seen[0] > 0 and seen[-1] == 1
     for k in range(len(seen)):
         count = iter(range(len(seen)))
         with pytest.raises(core.Cancelled):

@@ -78,8 +78,8 @@ def ellipses(radius, form, texture, wrap):
 
 
 def _line(dx, dy, e, f, g, radius):
-    """The share of a texel that a straight line at this distance covers: the step over one texel in that direction is the
-    length of the distance's gradient."""
+    """The share of a texel that a straight line at this distance covers: the step over one texel in that direction is
+    the length of the distance's gradient."""
     distance = np.sqrt(e * dx * dx + 2 * f * dx * dy + g * dy * dy)
     at = distance > 0
     safe = np.where(at, distance, 1)
