@@ -18,6 +18,8 @@ from .composite import composite
 from .render import RenderError, render
 from .texture import bake
 
+LAST_FRAME = 1048574  # Blender counts no further
+
 
 class _Parser(argparse.ArgumentParser):
     def __init__(self, **options):
@@ -36,8 +38,8 @@ def _say(kind, sentence):
 
 def _ending(*endings):
     def check(path):
-        if not path.lower().endswith(endings):
-            raise argparse.ArgumentTypeError(f"{path} must end in {' or '.join(endings)}")
+        if os.path.splitext(path)[1].lower() not in endings:
+            raise argparse.ArgumentTypeError(f"{path} must be a name that ends in {' or '.join(endings)}")
         return path
     return check
 
@@ -48,6 +50,12 @@ def _size(text):
     if not all(4 <= number <= 65536 for number in size):
         raise argparse.ArgumentTypeError(f"{text!r} is not a size WIDTHxHEIGHT from 4x4 to 65536x65536")
     return size
+
+
+def _frame(text):
+    if not re.fullmatch(r"[-+]?\d{1,7}", text) or abs(int(text)) > LAST_FRAME:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a frame number from {-LAST_FRAME} to {LAST_FRAME}")
+    return int(text)
 
 
 def _count(text):
@@ -79,9 +87,9 @@ def _parser():
     command.add_argument("scene", metavar="SCENE", type=_ending(".blend", ".py"), help="a .blend or .py file")
     command.add_argument("-o", "--output", metavar="OUT", required=True, type=_ending(".png", ".exr"), help=(
         "a .png, or a multilayer .exr with all passes; # in the name stands for digits of the frame number"))
-    command.add_argument("-f", "--frame", metavar="N", type=int, help="the frame (default: the scene's current one)")
-    command.add_argument("-s", "--start", metavar="A", type=int, help="first frame of an animation")
-    command.add_argument("-e", "--end", metavar="B", type=int, help="last frame of an animation")
+    command.add_argument("-f", "--frame", metavar="N", type=_frame, help="the frame (default: the scene's current one)")
+    command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of an animation")
+    command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of an animation")
     command.add_argument("--samples", metavar="N", type=_count, help="samples a pixel")
     command.add_argument("--size", metavar="WxH", type=_size, help="size of the full frame in pixels")
     command.add_argument("--resume", action="store_true", help="leave frames alone whose file is there")
@@ -129,7 +137,7 @@ def _parser():
 
 def _changes(args):
     """The values that --preset and --set give."""
-    values = dict(presets.find(args.preset).values) if args.preset else {}
+    values = dict(presets.find(args.preset).values) if args.preset is not None else {}
     for text in args.sets:
         id_, equals, value = text.partition("=")
         if not equals:

@@ -304,8 +304,8 @@ class Library:
         context = self.lib.encre_create(API_VERSION)
         if not context:
             raise EncreError("memory: there is none left for rendering; close other programs")
-        for code in (self.lib.encre_set_threads(context, threads), self.lib.encre_set_simd(context, simd)):
-            if code:
+        for setting, number in ((self.lib.encre_set_threads, threads), (self.lib.encre_set_simd, simd)):
+            if setting(context, number):
                 sentence = _text(self.lib.encre_error(context))
                 self.lib.encre_destroy(context)
                 raise EncreError(sentence)

@@ -325,6 +325,8 @@ def prepare(path):
         raise EncreError(unwritable(path, "it is write-protected"))
     try:
         os.makedirs(folder, exist_ok=True)
+        with contextlib.suppress(FileNotFoundError):
+            os.stat(path)  # fails where the name is too long
         with tempfile.TemporaryFile(dir=folder) as probe:
             probe.write(bytes(65536))
     except OSError as error:
@@ -340,8 +342,8 @@ def _write(path, spec, pixels):
 def _part(path, spec, pixels):
     """A finished file beside `path`, to take its name; removed if it does not. Raises WriteError."""
     oiio = _oiio()
-    folder, name = os.path.split(os.path.abspath(path))
-    part = os.path.join(folder, f".encre-{os.getpid()}-{name}")  # the ending tells OpenImageIO the format
+    folder, ending = os.path.dirname(os.path.abspath(path)), os.path.splitext(path)[1]
+    part = os.path.join(folder, f".encre-{os.getpid()}{ending}")  # the ending tells OpenImageIO the format
     try:
         out = oiio.ImageOutput.create(part)
         good = out.open(part, spec) and out.write_image(pixels)

@@ -34,7 +34,7 @@ class RenderError(core.EncreError):
 def find_blender(path=None):
     """The command, without arguments of ours, that runs a script in Blender: the program `path`, else this Python
     where bpy can be imported, else `blender` on PATH. Raises core.EncreError naming all three."""
-    if path:
+    if path is not None:
         program = shutil.which(path)
         if not program:
             raise core.EncreError(f"--blender {path}: is not a program that can be run; give the path of Blender's")
@@ -155,7 +155,10 @@ class _Progress:
                 # Blender does not notice a full disk: it says that it saved.
                 if not images.whole(part):
                     raise RenderError(images.unwritable(path, "the disk may be full"))
-                os.replace(part, path)
+                try:
+                    os.replace(part, path)
+                except OSError as error:
+                    raise RenderError(images.unwritable(path, error.strerror)) from None
                 self.clear()
                 took = time.monotonic() - self.start
                 print(f"{self.label}: {path} ({took:.1f} s)", file=sys.stderr, flush=True)

@@ -147,12 +147,16 @@ def frames(job, scene):
 
 
 def render(job, scene, error):
+    from encre import images
+
     todo = frames(job, scene)
     if not todo:
         raise error(f"{job['scene']}: there is no frame from the first to the last; give -s a frame before -e")
     left = [(frame, path) for frame, path in todo if not (job["resume"] and os.path.exists(path))]
     if len(left) < len(todo):
         report("note", text=f"{len(todo) - len(left)} of {len(todo)} frames are finished and left alone")
+    for _, path in left:
+        images.prepare(path)
     for number, (frame, path) in enumerate(left, 1):
         report("frame", frame=frame, number=number, count=len(left))
         scene.frame_set(frame)

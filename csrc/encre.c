@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { MAX_SIZE = 65536, MAX_STYLES = 256, MAX_THREADS = 256 };
+enum { MAX_SIZE = 65536, MAX_STYLES = 256, MAX_THREADS = 1024 };
 
 struct encre_context {
 	int32_t threads, simd;

@@ -178,7 +178,7 @@ typedef struct encre_job {
 ENCRE_API encre_context *encre_create(int32_t api_version);
 ENCRE_API void encre_destroy(encre_context *context); /* NULL is allowed */
 /* Threads to use, the calling one included; 0 (default) = as many as processors. Results never depend on it;
- * where threads can't be started, fewer are used. */
+ * where threads can't be started, fewer are used. At most 1024. */
 ENCRE_API int32_t encre_set_threads(encre_context *context, int32_t threads);
 /* 0 = baseline instructions, 1 (default) = the best that processor and build have. Results never depend on it. */
 ENCRE_API int32_t encre_set_simd(encre_context *context, int32_t level);
