@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators on image textures: bake inter-color lines into them, fit the contrast of lines to them."""
 
+import contextlib
 import os
 from dataclasses import dataclass, field
 
@@ -133,6 +134,15 @@ def store(image, pixels, folder):
         raise core.EncreError(f"{image.name}: can't be stored ({reason}); choose another folder") from None
 
 
+def discard(new):
+    """Takes back what store() made."""
+    path = None if new.packed_file else new.filepath_raw
+    bpy.data.images.remove(new)
+    if path:
+        with contextlib.suppress(OSError):
+            os.remove(path)
+
+
 class ENCRE_OT_bake(bpy.types.Operator):
     """Draw lines into the image textures of the selected objects, where their colours meet. The images are kept"""
 
@@ -183,9 +193,8 @@ class ENCRE_OT_bake(bpy.types.Operator):
 
     def modal(self, context, event):
         if event.type == "ESC":
-            for new in self.done:
-                if new:
-                    bpy.data.images.remove(new)
+            for new in filter(None, self.done):
+                discard(new)
             self.end(context)
             self.report({"INFO"}, "Baking was cancelled; nothing has changed")
             return {"CANCELLED"}
@@ -203,7 +212,8 @@ class ENCRE_OT_bake(bpy.types.Operator):
             try:
                 os.makedirs(self.folder, exist_ok=True)
             except OSError as error:
-                raise core.EncreError(f"{self.folder}: can't be made ({error.strerror}); choose another folder") from None
+                raise core.EncreError(f"{self.folder}: can't be made ({error.strerror}); "
+                                       "choose another folder") from None
         self.tasks, self.done, self.values = tasks(context.selected_objects), [], settings(context)
         if not self.tasks:
             raise core.EncreError("no selected object shows a colour image; give a material an image texture")
