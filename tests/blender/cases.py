@@ -10,6 +10,7 @@ import os
 import sys
 import time
 from math import cos, radians, sin
+from pathlib import Path
 
 import bpy
 
