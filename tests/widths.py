@@ -43,20 +43,20 @@ class Sphere:
 
 
 class Cylinder:
-    """Of radius 1/2 and height 2; its texture is four times as coarse at the top as at the bottom."""
+    """Of radius 1/2 and height 2; along it its texture is eight times as coarse at the top as at the bottom."""
 
     name, rim, beside = "cylinder", 0.13, (1.9, -2.3, 1.1)
-    spots = [((k + 0.5 * (row % 2)) / 8, v) for row, v in enumerate((0.19, 0.44, 0.63, 0.78, 0.91)) for k in range(8)]
+    spots = [((k + 0.5 * (row % 2)) / 8, v) for row, v in enumerate((0.27, 0.5, 0.67, 0.8, 0.92)) for k in range(8)]
 
     def _height(self, v):
-        return 2 * (0.25 * v + 0.375 * v * v) / 0.625 - 1
+        return 4 * (v + 3.5 * v * v) / 9 - 1
 
     def at(self, u, v):
         turn = 2 * np.pi * u
         return np.stack([np.cos(turn) / 2, np.sin(turn) / 2, self._height(v)], -1)
 
     def area(self, u, v):
-        return np.pi * 2 * (0.25 + 0.75 * v) / 0.625 + 0 * u
+        return np.pi * 4 * (1 + 7 * v) / 9 + 0 * u
 
     def polar(self, center, u, v):
         x = np.pi * ((u - center[0] + 0.5) % 1 - 0.5)
@@ -85,8 +85,16 @@ def spotted(surface):
     u, v = texels()
     inside = np.zeros(u.shape, bool)
     for spot in surface.spots:
-        inside |= surface.polar(spot, u, v)[0] < surface.rim
+        rows = about(surface, spot)
+        inside[rows] |= surface.polar(spot, u[rows], v[rows])[0] < surface.rim
     return COLORS[inside.astype(int)]
+
+
+def about(surface, spot):
+    """The rows of the texture that lie near a spot."""
+    v = texels(1)[1]
+    near = np.nonzero(surface.polar(spot, np.full_like(v, spot[0]), v)[0] < 1.5 * surface.rim)[0]
+    return slice(near.min(), near.max() + 1)
 
 
 def baked(surface, texture, uniform):
@@ -102,10 +110,11 @@ def widths(surface, texture, drawn):
     area = surface.area(u, v) / (WIDTH * HEIGHT)
     found = []
     for spot in surface.spots:
-        distance, direction, longer = surface.polar(spot, u, v)
+        rows = about(surface, spot)
+        distance, direction, longer = surface.polar(spot, u[rows], v[rows])
         near = np.abs(distance / surface.rim - 1) < 0.44
         sector = ((direction[near] / (2 * np.pi) + 0.5) * SECTORS).astype(int) % SECTORS
-        found.append(np.bincount(sector, (ink * area * longer)[near], SECTORS))
+        found.append(np.bincount(sector, ((ink * area)[rows] * longer)[near], SECTORS))
     circle = 2 * np.pi * (np.sin(surface.rim) if surface.name == "sphere" else surface.rim)
     return np.array(found) * SECTORS / circle / np.sqrt(area.mean())
 
