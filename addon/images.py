@@ -27,7 +27,7 @@ def _oiio():
 
 @contextlib.contextmanager
 def _quiet():
-    """OpenEXR and libpng themselves write about broken files to the standard error; here it is ours to say so, in a sentence."""
+    """OpenEXR and libpng write about broken files to the standard error; here it is ours to say so, in a sentence."""
     sys.stderr.flush()
     kept = os.dup(2)
     try:
