@@ -23,15 +23,16 @@ def clothes():
     }
 
 
-def girl(at, turn):
-    """A girl in oilskins, 1.45 high: striding, an umbrella on her left shoulder, her right hand held out."""
+def girl(at, turn, rain=True):
+    """A girl in oilskins, 1.45 high: striding, her right hand held out; in the rain an umbrella on her left shoulder."""
     root, c = group("Girl", at, turn), clothes()
     legs(c, root)
     coat(c, root)
     head(c, root)
     arms(c, root)
     scarf(c, root)
-    umbrella(c, root)
+    if rain:
+        umbrella(c, root)
 
 
 def legs(c, root):
