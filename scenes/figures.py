@@ -24,7 +24,7 @@ def clothes():
 
 
 def girl(at, turn, rain=True):
-    """A girl in oilskins, 1.45 high: striding, her right hand held out; in the rain an umbrella on her left shoulder."""
+    """A girl in oilskins, 1.45 high: striding, her right hand held out, in the rain under an umbrella."""
     root, c = group("Girl", at, turn), clothes()
     legs(c, root)
     coat(c, root)
