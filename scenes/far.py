@@ -29,7 +29,7 @@ from common import (
 from figures import cat, girl
 from mathutils import Vector
 
-EYE = Vector((-2.6, -8.5, 1.7))
+EYE = Vector((-1.2, -8.5, 1.6))
 
 
 def colors():
@@ -97,8 +97,8 @@ def fence(c):
 
 def station(c):
     """The keeper's house, half in scaffolding, an aerial on its roof, and the platform before it."""
-    slab("Platform", [(2.3, 6), (5.4, 6), (5.4, 46), (2.3, 46)], 0, 0.62, c["gravel"], bevel=0.03)
-    slab("Platform edge", [(2.24, 6), (2.6, 6), (2.6, 46), (2.24, 46)], 0.62, 0.66, c["white"], bevel=0.01)
+    slab("Platform", [(2.3, 2), (5.4, 2), (5.4, 46), (2.3, 46)], 0, 0.62, c["gravel"], bevel=0.03)
+    slab("Platform edge", [(2.24, 2), (2.6, 2), (2.6, 46), (2.24, 46)], 0.62, 0.66, c["white"], bevel=0.01)
     box("House", (6, 8, 4.6), (8.6, 19, 0), c["wall"], bevel=0)
     box("House plinth", (6.1, 8.1, 0.9), (8.6, 19, 0), c["plinth"], bevel=0)
     verts = [(x, y, z) for y in (14.6, 23.4) for x, z in ((5.2, 4.4), (8.6, 7.0), (12.0, 4.4))]
@@ -142,7 +142,7 @@ def mast(c, name, x, y, h):
 
 
 def signal(c):
-    root = group("Signal", (2.3, 3.2, 0))
+    root = group("Signal", (-2.3, 10, 0))
     lathe("Signal post", [(0, 4.3), (0.03, 4.25), (0.06, 4.1), (0.085, 0)], (0, 0, 0), c["white"], steps=12,
           parent=root)
     box("Signal arm", (1.15, 0.03, 0.24), (-0.62, -0.12, 3.65), c["red"], parent=root)
@@ -163,8 +163,8 @@ def build():
     signal(c)
     for k in range(7):
         mast(c, f"Mast {k}", -30 + 36 * k + rng.uniform(-3, 3), 150 + 75 * k, 30)
-    girl((3.3, 8.0, 0.66), -28)
-    cat((-1.9, -3.4, 0.0), 130)
+    girl((3.1, 4.2, 0.62), -20)
+    cat((-2.4, -3.0, 0.0), 150)
     world(sky=(0.93, 0.60, 0.42), fill=(0.26, 0.24, 0.40))
     light("SUN", "Sun", (-9, -5, 4.2), (0, 0, 0), (1.0, 0.82, 0.55), 4.6, angle=radians(0.5))
     paint("thickness", ["Cloud", "Hill", "Field", "Mast"], -0.6)

@@ -175,7 +175,8 @@ def build():
     paint("thickness", ["Crown", "Hedge", "Grass", "Poppies", "Cat"], -0.45)
     paint("thickness", ["Cottage", "Chimney", "Hill", "Cloud", "Meadow"], -0.5)
     paint("thickness", ["Pale", "Rail", "Gate", "Post"], lambda co: -0.4 * ramp((co - EYE).length, 5, 9))
-    paint("hatching", ["Hill", "Cloud", "Crown", "Grass"], -0.6)
+    paint("hatching", ["Hill", "Crown", "Grass"], -0.6)
+    paint("hatching", ["Cloud"], -1)
     camera(EYE, (0.25, 0.0, 1.52), 33)
     settings()
 
