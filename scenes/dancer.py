@@ -174,14 +174,14 @@ def hair(c, top):
     rng = Random(6)
 
     def flying(spread):
-        across, up = rng.gauss(0, spread), rng.gauss(0, spread)
+        across, up = rng.uniform(-spread, spread), rng.uniform(-spread, spread)
         return [(0.02 + 0.16 * t + across * (0.4 + t) + 0.02 * sin(7 * t + up), 0.08 + 0.46 * t,
                  0.03 + up * (0.4 + t) - 0.34 * t * t + 0.12 * sin(3 * t)) for t in (k / 9 for k in range(10))]
 
     thick = [0.05, 0.052, 0.048, 0.043, 0.038, 0.032, 0.025, 0.018, 0.011, 0.003]
     for k in range(7):
-        tube(f"Lock {k}", flying(0.06), thick, c["hair"], parent=top)
-    lines = [flying(0.13) for _ in range(60)]
+        tube(f"Lock {k}", flying(0.1), thick, c["hair"], parent=top)
+    lines = [flying(0.22) for _ in range(60)]
     lines += [[(0.105 * cos(a) * sin(b), 0.03 + 0.105 * sin(a) * sin(b), 0.026 + 0.12 * cos(b)) for b in
                (0.2 + 0.3 * j for j in range(4))] for a in (rng.uniform(0.2, 3) for _ in range(30))]
     strands("Single hairs", lines, 0.0028, c["hair"], taper=0.4, parent=top)
@@ -195,13 +195,13 @@ def build():
     world(sky=(0.05, 0.03, 0.08), fill=(0.24, 0.20, 0.34))
     light("SPOT", "Limelight", (-2.6, -4.6, 4.8), (0.1, 0.2, 0.7), (1.0, 0.90, 0.66), 1500, spot_size=radians(34),
           spot_blend=0.01, shadow_soft_size=0.02)
-    light("SPOT", "Blue light", (5, 1.2, 4.5), (0, 0, 1), (0.5, 0.6, 1.0), 500, spot_size=radians(50), spot_blend=0.1,
+    light("SPOT", "Blue light", (-6.5, 0.7, 3), (3, 2.2, 1.4), (0.6, 0.6, 1.0), 1800, spot_size=radians(70),
           shadow_soft_size=0.02)
     paint("thickness", ["Lid", "Brow", "Mouth", "Nose", "Petal", "Hand", "Fan", "Shoe", "Heel"], -0.5)
     paint("thickness", ["Single", "Sash fringe", "Curtain"], -0.65)
     paint("thickness", ["Chair", "Hat"], -0.3)
     paint("thickness", ["Skirt"], lambda co: 0.04 * ramp(co.z, 0.7, 0.3))
-    paint("hatching", ["Curtain"], -0.5)
+    paint("hatching", ["Curtain", "Skirt"], -0.5)
     paint("hatching", ["Face", "Nose", "Chin", "Neck", "Arm", "Hand", "Leg", "Shoulders", "Hair", "Lock", "Single"], -1)
     camera((-0.5, -5.8, 0.95), (0.05, 0, 1.1), 45)
     settings()

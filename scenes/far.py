@@ -26,7 +26,7 @@ from common import (
     strands,
     world,
 )
-from figures import cat, girl
+from figures import BARE, SMALL, cat, girl
 from mathutils import Vector
 
 EYE = Vector((-1.2, -8.5, 1.6))
@@ -164,13 +164,14 @@ def build():
     for k in range(7):
         mast(c, f"Mast {k}", -30 + 36 * k + rng.uniform(-3, 3), 150 + 75 * k, 30)
     girl((3.1, 4.2, 0.62), -20)
-    cat((-2.4, -3.0, 0.0), 150)
+    cat((2.55, 2.7, 0.66), 60)
     world(sky=(0.93, 0.60, 0.42), fill=(0.26, 0.24, 0.40))
     light("SUN", "Sun", (-9, -5, 4.2), (0, 0, 0), (1.0, 0.82, 0.55), 4.6, angle=radians(0.5))
     paint("thickness", ["Cloud", "Hill", "Field", "Mast"], -0.6)
     paint("thickness", ["Pole", "Insulator", "Wire", "Fence", "Scaffold", "House", "Front", "Aerial", "Sleeper"],
           lambda co: -0.2 - 0.5 * ramp((co - EYE).length, 8, 60))
-    paint("hatching", ["Cloud"], -1)
+    paint("thickness", ["Girl", *SMALL], -0.6)
+    paint("hatching", ["Cloud", *BARE], -1)
     paint("hatching", ["Hill", "Field", "Plain", "Mast"], -0.5)
     camera(EYE, (0.55, 20, 3.1), 35).data.clip_end = 5000
     settings()

@@ -5,6 +5,10 @@ from math import cos, pi, sin
 
 from common import ball, box, flat, glow, group, lathe, loft, modifier, place, rings, tube
 
+# What a draughtsman gives a finer pen, and what he leaves unhatched; the starts of the objects' names.
+SMALL = ("Eye", "Brow", "Mouth", "Nose", "Hand", "Thumb", "Button", "Placket", "Pocket", "Cat")
+BARE = ("Face", "Nose", "Hair", "Hand", "Thumb")
+
 
 def clothes():
     return {

@@ -65,7 +65,7 @@ def ground(c):
     slab("Path", [(x + 0.55, y) for x, y in edge] + [(x - 0.55, y) for x, y in reversed(edge)], 0, 0.012, c["path"])
     for x, y, w in ((-30, 75, 34), (26, 82, 40), (75, 78, 30)):
         ball(f"Hill {x}", (x, y, -4), (w, 14, 0.34 * w), c["hill"])
-    for k, (x, z, w) in enumerate(((-30, 44, 15), (-19, 41, 9), (34, 50, 20), (48, 47, 12), (-70, 52, 14))):
+    for k, (x, z, w) in enumerate(((34, 50, 20), (48, 47, 12), (13, 27, 9))):
         ball(f"Cloud {k}", (x, 130, z), (w, 3, 0.32 * w), c["cloud"])
 
 
@@ -146,7 +146,7 @@ def hedge(c):
 def grass(c):
     """Blades in tufts, denser beside the path and the fence; poppies in the nearest."""
     rng, lines, petals = Random(8), [], []
-    tufts = [(rng.choice((-1, 1)) * rng.uniform(0.7, 3.6) + 0.9, rng.uniform(-5.6, -0.2)) for _ in range(95)]
+    tufts = [(rng.choice((-1, 1)) * rng.uniform(0.7, 3.6) + 0.9, rng.uniform(-4.6, -0.2)) for _ in range(95)]
     tufts += [(rng.uniform(-6, -0.7) if k % 2 else rng.uniform(1.9, 6), rng.uniform(-0.25, 0.1)) for k in range(60)]
     for x, y in tufts:
         for _ in range(rng.randint(7, 13)):

@@ -7,6 +7,7 @@ glass's own. The mirror hangs on the wall y = 0, the window is in the wall x = 1
 
 from math import cos, pi, radians, sin
 
+import bpy
 from common import (
     ball,
     box,
@@ -25,7 +26,7 @@ from common import (
     tube,
     world,
 )
-from figures import cat, girl
+from figures import BARE, SMALL, cat, girl
 
 
 def colors():
@@ -91,7 +92,7 @@ def window(c):
     box("Window sill", (2.4, 0.3, 0.05), (0, 0.1, -0.09), c["cream"], parent=root)
     pane = box("Pane", (2.14, 0.008, 1.37), (0, 0, 0), c["pane"], bevel=0, parent=root)
     pane.visible_shadow = False
-    for k, (x, y, w, h) in enumerate(((9, -1.5, 3, 2.6), (10, 2.2, 3.4, 1.9), (13, 6.5, 4, 3.4), (12, 11, 4, 2.4))):
+    for k, (x, y, w, h) in enumerate(((8, 9, 3, 3.2), (9, 13, 3.4, 2.2), (10, 18, 4, 4.4), (9, 24, 4, 3.2))):
         box(f"House {k}", (3, w, h + 3), (x, y, -3), c["far"], bevel=0)
         box(f"House roof {k}", (3.3, w + 0.4, 0.2), (x, y, h), c["roof"], bevel=0)
         box(f"House chimney {k}", (0.5, 0.5, 0.9), (x, y + w / 4, h + 0.2), c["far"], bevel=0)
@@ -149,16 +150,17 @@ def build():
     lamp(c)
     girl((-0.75, -1.15, 0), 148, rain=False)
     cat((0.95, -0.42, 0.0), 30)
-    world(sky=(0.55, 0.52, 0.80), fill=(0.42, 0.40, 0.50))
-    light("POINT", "Lamplight", (-1.0, -2.2, 2.2), (0, 0, 0), (1.0, 0.85, 0.6), 110, shadow_soft_size=0.02)
-    light("POINT", "Mirror light", (-0.3, -0.45, 2.5), (0, 0, 0), (1.0, 0.9, 0.7), 60, shadow_soft_size=0.02)
+    world(sky=(0.55, 0.52, 0.80), fill=(0.62, 0.60, 0.70))
+    light("POINT", "Lamplight", (-1.0, -2.2, 2.2), (0, 0, 0), (1.0, 0.85, 0.6), 190, shadow_soft_size=0.02)
+    light("POINT", "Mirror light", (0.5, -0.4, 1.9), (0, 0, 0), (1.0, 0.9, 0.7), 40, shadow_soft_size=0.02)
     light("SUN", "Evening", (9, -5, 6), (0, 0, 0), (1.0, 0.72, 0.5), 4, angle=radians(0.5))
-    paint("thickness", ["Eye", "Brow", "Mouth", "Nose", "Hand", "Thumb", "Button", "Cat", "Straw", "Tulip", "Stem",
-                        "Tumbler", "Drink", "Goblet", "House"], -0.5)
+    paint("thickness", [*SMALL, "Straw", "Tulip", "Stem", "Tumbler", "Drink", "Goblet", "House"], -0.5)
     paint("thickness", ["Mirror frame", "Chair rail", "Window"], -0.2)
-    paint("hatching", ["Mirror", "Pane", "Chrome", "Tumbler", "Drink", "Goblet", "Face", "Hand", "Bulb", "House"], -1)
+    paint("hatching", [*BARE, "Mirror", "Pane", "Chrome", "Tumbler", "Drink", "Goblet", "Bulb", "House"], -1)
     camera((0.35, -5.2, 1.35), (-0.12, 0, 1.22), 32)
     settings()
+    cycles = bpy.context.scene.cycles
+    cycles.max_bounces, cycles.transmission_bounces, cycles.glossy_bounces = 12, 12, 4
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ from common import (
     tube,
     world,
 )
-from figures import cat, girl
+from figures import BARE, SMALL, cat, girl
 from mathutils import Vector, noise
 
 EYE = Vector((2.9, -4.6, 1.15))
@@ -61,7 +61,7 @@ def road_middle(y):
 def height(x, y):
     """Dunes that lie down beside the road."""
     away = abs(x - road_middle(y))
-    dune = 3.4 * noise.noise((x / 38, y / 60, 0.3)) + 1.1 * noise.noise((x / 11, y / 17, 7.1)) + 0.9
+    dune = 5 * noise.noise((x / 34, y / 50, 0.3)) + 1.6 * noise.noise((x / 12, y / 15, 7.1)) + 1.3
     return road_height(y) - 0.06 + dune * ramp(away, 3.5, 22) * ramp(y, -30, 60) ** 0.5
 
 
@@ -176,9 +176,9 @@ def build():
     paint("thickness", ["Mesa"], -0.5)
     paint("thickness", ["Pole", "Wire", "Cactus", "Stripe", "Terrain"],
           lambda co: -0.15 - 0.45 * ramp((co - EYE).length, 8, 60))
-    paint("thickness", ["Eye", "Brow", "Mouth", "Nose", "Hand", "Thumb", "Button", "Cat", "Buckle", "Letters"], -0.55)
+    paint("thickness", [*SMALL, "Buckle", "Letters"], -0.55)
     paint("hatching", ["Mesa", "Terrain"], lambda co: -0.3 - 0.5 * ramp(co.y, 20, 200))
-    paint("hatching", ["Face", "Nose", "Hair", "Hand", "Thumb"], -1)
+    paint("hatching", BARE, -1)
     camera(EYE, (0.9, 12, 1.75), 32).data.clip_end = 5000
     settings()
 
