@@ -164,7 +164,7 @@ def build():
     for k in range(7):
         mast(c, f"Mast {k}", -30 + 36 * k + rng.uniform(-3, 3), 150 + 75 * k, 30)
     girl((3.1, 4.2, 0.62), -20)
-    cat((2.55, 2.7, 0.66), 60)
+    cat((4.2, 2.6, 0.62), 30)
     world(sky=(0.93, 0.60, 0.42), fill=(0.26, 0.24, 0.40))
     light("SUN", "Sun", (-9, -5, 4.2), (0, 0, 0), (1.0, 0.82, 0.55), 4.6, angle=radians(0.5))
     paint("thickness", ["Cloud", "Hill", "Field", "Mast"], -0.6)

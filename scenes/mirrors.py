@@ -56,12 +56,12 @@ def colors():
 def room(c):
     slab("Floor", [(-3.2, -6), (1.9, -6), (1.9, 0), (-3.2, 0)], -0.1, 0, c["tiles"])
     slab("Ceiling", [(-3.2, -6), (1.9, -6), (1.9, 0), (-3.2, 0)], 2.9, 3.0, c["ceiling"])
-    box("Back wall", (5.3, 0.1, 2.9), (-0.65, 0.05, 0), c["wall"], bevel=0)
-    front = box("Front wall", (5.3, 0.1, 2.9), (-0.65, -6.05, 0), c["wall"], bevel=0)
-    front.visible_diffuse = front.visible_shadow = False  # the light that fills the shade comes in through it
-    box("Left wall", (0.1, 6, 2.9), (-3.25, -3, 0), c["wall"], bevel=0)
+    for name, size, at in (("Back", (5.3, 0.1, 2.9), (-0.65, 0.05, 0)), ("Left", (0.1, 6, 2.9), (-3.25, -3, 0)),
+                           ("Front", (5.3, 0.1, 2.9), (-0.65, -6.05, 0))):
+        wall = box(name + " wall", size, at, c["wall"], bevel=0)
+        wall.visible_diffuse = wall.visible_shadow = False  # the light that fills the shade comes in through them
     for name, y, d in (("near", -4.5, 3.2), ("far", -0.3, 0.6)):
-        box(f"Right wall {name}", (0.1, d, 2.9), (1.95, y + 0.0, 0), c["wall"], bevel=0)
+        box(f"Right wall {name}", (0.1, d, 2.9), (1.95, y, 0), c["wall"], bevel=0)
     box("Right wall below", (0.1, 2.3, 0.85), (1.95, -1.75, 0), c["wall"], bevel=0)
     box("Right wall above", (0.1, 2.3, 0.6), (1.95, -1.75, 2.3), c["wall"], bevel=0)
     for name, size, at in (("back", (5.1, 0.04, 0.8), (-0.65, -0.02, 0)), ("left", (0.04, 6, 0.8), (-3.18, -3, 0)),
@@ -80,7 +80,8 @@ def frame(name, at, turn, w, h, bar, depth, material):
 
 
 def looking_glass(c):
-    box("Mirror", (2.2, 0.02, 1.75), (-0.55, -0.06, 0.62), c["mirror"], bevel=0)
+    silver = box("Mirror", (2.2, 0.02, 1.75), (-0.55, -0.06, 0.62), c["mirror"], bevel=0)
+    silver.visible_diffuse = silver.visible_shadow = False
     frame("Mirror frame", (-0.55, -0.07, 0.62), 0, 2.2, 1.75, 0.11, 0.07, c["gilt"])
 
 
@@ -148,8 +149,8 @@ def build():
     table(c)
     flowers(c)
     lamp(c)
-    girl((-0.75, -1.15, 0), 148, rain=False)
-    cat((0.95, -0.42, 0.0), 30)
+    girl((-1.05, -1.2, 0), 145, rain=False)
+    cat((0.05, -0.5, 0.0), 165)
     world(sky=(0.55, 0.52, 0.80), fill=(0.62, 0.60, 0.70))
     light("POINT", "Lamplight", (-1.0, -2.2, 2.2), (0, 0, 0), (1.0, 0.85, 0.6), 190, shadow_soft_size=0.02)
     light("POINT", "Mirror light", (0.5, -0.4, 1.9), (0, 0, 0), (1.0, 0.9, 0.7), 40, shadow_soft_size=0.02)
@@ -157,7 +158,7 @@ def build():
     paint("thickness", [*SMALL, "Straw", "Tulip", "Stem", "Tumbler", "Drink", "Goblet", "House"], -0.5)
     paint("thickness", ["Mirror frame", "Chair rail", "Window"], -0.2)
     paint("hatching", [*BARE, "Mirror", "Pane", "Chrome", "Tumbler", "Drink", "Goblet", "Bulb", "House"], -1)
-    camera((0.35, -5.2, 1.35), (-0.12, 0, 1.22), 32)
+    camera((0.62, -5.2, 1.35), (-0.12, 0, 1.22), 32)
     settings()
     cycles = bpy.context.scene.cycles
     cycles.max_bounces, cycles.transmission_bounces, cycles.glossy_bounces = 12, 12, 4
