@@ -61,7 +61,7 @@ def colors():
 def ground(c):
     slab("Lawn", [(-30, -9), (30, -9), (30, 14), (-30, 14)], -0.2, 0, c["lawn"])
     slab("Meadow", [(-60, 14), (60, 14), (60, 60), (-60, 60)], -0.3, -0.1, c["meadow"])
-    edge = [(0.55 + 0.9 * sin(0.25 * (y + 7)), y) for y in range(-9, 15)]
+    edge = [(0.55 + 0.9 * sin(0.25 * (y + 7)), y) for y in (k / 4 for k in range(-36, 57))]
     slab("Path", [(x + 0.55, y) for x, y in edge] + [(x - 0.55, y) for x, y in reversed(edge)], 0, 0.012, c["path"])
     for x, y, w in ((-30, 75, 34), (26, 82, 40), (75, 78, 30)):
         ball(f"Hill {x}", (x, y, -4), (w, 14, 0.34 * w), c["hill"])
