@@ -70,9 +70,9 @@ def build():
     chair(c)
     dancer((0.1, 0, 0), -16)
     world(sky=(0.05, 0.03, 0.08), fill=(0.24, 0.20, 0.34))
-    light("SPOT", "Limelight", (-2.6, -4.6, 4.8), (0.1, 0.2, 0.7), (1.0, 0.90, 0.66), 1500, spot_size=radians(34),
+    light("SPOT", "Limelight", (-2.6, -4.6, 4.8), (0.1, 0.2, 0.7), (1.0, 0.90, 0.66), 2100, spot_size=radians(34),
           spot_blend=0.01, shadow_soft_size=0.02)
-    light("SPOT", "Blue light", (-6.5, 0.7, 3), (3, 2.2, 1.4), (0.6, 0.6, 1.0), 1800, spot_size=radians(70),
+    light("SPOT", "Blue light", (-6.5, 0.7, 4.2), (3, 2.3, 3.2), (0.6, 0.6, 1.0), 1800, spot_size=radians(70),
           shadow_soft_size=0.02)
     paint("thickness", ["Lid", "Brow", "Mouth", "Nose", "Petal", "Hand", "Fan", "Shoe", "Heel"], -0.5)
     paint("thickness", ["Single", "Sash fringe", "Curtain"], -0.65)
