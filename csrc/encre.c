@@ -152,11 +152,11 @@ static bool use_v3(const encre_context *context)
 static const stage *const *stages_of(const encre_context *context)
 {
 #ifdef ENCRE_HAVE_V3
-	if (use_v3(context))
-		return stages_v3;
+	const stage *const *best = stages_v3;
+#else
+	const stage *const *best = stages_base;
 #endif
-	(void)context;
-	return stages_base;
+	return use_v3(context) ? best : stages_base;
 }
 
 /* ---- images ---------------------------------------------------------------------------------------------- */
