@@ -109,7 +109,8 @@ void encre_params_init(void *params)
 
 static const char *check_number(const encre_param_info *p, double value, char *text, size_t size)
 {
-	if (value >= p->hard_min && value <= p->hard_max)
+	/* The limits are decimals: the float nearest to one counts as the limit itself. */
+	if (value >= (double)(float)p->hard_min && value <= (double)(float)p->hard_max)
 		return NULL;
 	if (p->hard_max >= FLT_MAX)
 		snprintf(text, size, "%s: %g is out of range; give %g or more", p->id, value, p->hard_min);

@@ -77,6 +77,23 @@ def test_params_are_written_as_set_takes_them(run):
             assert core.parse(id_, value.strip('"')) == core.defaults()[id_], line
 
 
+@pytest.mark.parametrize("id_", [id_ for id_, p in core.params().items() if p.type in ("int", "float")])
+def test_limits_are_inside(id_):
+    """Also as the float that Blender keeps of them, which may lie a little beyond the decimal."""
+    p = core.params()[id_]
+    kept = int if p.type == "int" else lambda x: float(np.float32(x))
+    inside = [limit for limit in (p.hard_min, p.hard_max) if limit is not None]
+    for value in [*inside, *map(kept, inside)]:
+        assert core.normal(p, value) == value
+        rest = {"depth_far": {"depth_near": 0.0}}.get(id_, {})
+        assert core.check({id_: value, **rest})[id_] == value
+    beyond = [p.hard_min - 1e-3 if p.type == "float" else p.hard_min - 1,
+              p.hard_max * 1.001 + 1 if p.hard_max is not None else 1e39]
+    for value in beyond:
+        with pytest.raises(core.EncreError, match=f"{id_}: .* is out of range"):
+            core.check({id_: value})
+
+
 def test_presets(run):
     status, out, _ = run("presets")
     assert status == 0 and [line.partition(":")[0] for line in out.splitlines()] == [p.id for p in presets.presets()]
@@ -168,6 +185,13 @@ def test_composite_half(run, tmp_path, scene):
     assert np.array_equal(exr.picture(tmp_path / "out.exr"), expected(rounded)["Combined"])
 
 
+def test_composite_writes_the_longest_name(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    out = tmp_path / ("a" * 251 + ".png")
+    assert run("composite", path, "-o", out)[0] == 0
+    assert sorted(os.listdir(tmp_path)) == [out.name, "in.exr"]
+
+
 def test_composite_png(run, tmp_path, scene):
     scene = {**scene, "combined": scene["combined"] * np.float32(0.5)}  # premultiplied, half transparent
     pictures = exr.passes(scene)
@@ -196,6 +220,27 @@ def test_composite_keeps_the_data_window(run, tmp_path, scene):
     assert run("composite", path, "-o", tmp_path / "out.png")[0] == 0
     pixels = oiio.ImageInput.open(str(tmp_path / "out.png")).read_image("uint8")
     assert pixels.shape == (200, 300, 4) and not pixels[:20].any() and pixels[20:84, 10:106].any()
+
+
+def test_composite_draws_what_was_rendered_of_a_border(run, tmp_path, scene):
+    """Blender saves the rest of the frame as zeros, which is no edge of anything."""
+    rendered = {**exr.passes(scene), **exr.saved(scene)}
+    around = np.s_[7:7 + SIZE[1], 5:5 + SIZE[0]]
+    pictures = {name: np.zeros((100, 120, *p.shape[2:]), np.float32) for name, p in rendered.items()}
+    for name, picture in rendered.items():
+        pictures[name][around] = picture
+    frame = core.Frame(120, 100, 5, 7)
+    metadata = layers.metadata({}, [("S", {})], core.Camera(), core.Frame(120, 100), (5, 7, *SIZE))
+    path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+    assert run("composite", path, "-o", tmp_path / "out.exr")[::2] == (0, "")
+    for name, picture in expected(rendered, {}, [{}], frame=frame, outputs=("Combined", *layers.DRAWN)).items():
+        drawn_ = exr.picture(tmp_path / "out.exr", f"ViewLayer.{name}")
+        assert np.array_equal(drawn_[around], picture), name
+        drawn_[around] = 0
+        assert not drawn_.any(), name
+    metadata = layers.metadata({}, [], core.Camera(), core.Frame(120, 100), (5, 7, 116, 3))
+    path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+    fails(run("composite", path, "-o", tmp_path / "x.exr"), "encre.border")
 
 
 def test_composite_accepts_overscan(run, tmp_path, scene):
@@ -277,9 +322,13 @@ def test_composite_names_missing_passes(run, tmp_path, scene, data):
     (["--set", "shade_levels=0.5; 0.7,0.5,0.2; 1,0.55,0.2"], ["shade_levels", "overlap"]),
     (["--set", "paper_image=nowhere.png"], ["nowhere.png"]),
     (["--preset", "watermemory"], ["watermemory", "Water Memory"]),
+    (["--preset", ""], ["unknown preset", "Water Memory"]),
     (["--threads", "0"], ["--threads", "'0'"]),
+    (["--threads", "1025"], ["threads", "1025", "1024"]),
     (["--frobnicate"], ["--frobnicate"]),
     (["-o", "out.jpg"], ["out.jpg", ".png"]),
+    (["-o", ".exr"], [".exr must be a name"]),
+    (["-o", "a" * 252 + ".exr"], ["can't be written", "too long"]),
     (["-o", "/proc/nothing/out.exr"], ["/proc/nothing/out.exr", "can't be written"]),
 ])
 def test_composite_refuses(run, tmp_path, scene, options, words, monkeypatch):
@@ -297,8 +346,27 @@ def test_composite_refuses_files_that_are_no_exr(run, tmp_path, scene, content):
         content = whole[:len(whole) // 2] if content == "cut" else whole[:300]
     if content is not None:
         path.write_bytes(content)
-    fails(run("composite", path, "-o", tmp_path / "x.exr"), "in.exr")
+    # OpenEXR's own words pass by Python's stderr.
+    fails(finish(encre("composite", path, "-o", tmp_path / "x.exr")), "in.exr")
     assert not (tmp_path / "x.exr").exists()
+
+
+def test_composite_spares_its_input(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    before = path.read_bytes()
+    (tmp_path / "link.exr").symlink_to(path)
+    fails(run("composite", path, "-o", tmp_path / "link.exr"), "link.exr", "layers would be lost")
+    assert path.read_bytes() == before
+
+
+def test_composite_refuses_names_that_are_not_utf8(tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    odd = os.fsdecode(os.fsencode(tmp_path / "in") + b"\xff.exr")
+    os.rename(path, odd)
+    fails(finish(encre("composite", odd, "-o", tmp_path / "x.exr")), "UTF-8")
+    os.rename(odd, path)
+    fails(finish(encre("composite", path, "-o", odd)), "UTF-8")
+    assert os.listdir(tmp_path) == ["in.exr"]
 
 
 @pytest.mark.parametrize(("key", "text"), [
@@ -334,6 +402,12 @@ def encre(*args, **options):
                             stderr=subprocess.PIPE, text=True, **options)
 
 
+def finish(child):
+    """(exit status, stdout, stderr) of a process."""
+    out, err = child.communicate(timeout=60)
+    return child.returncode, out, err
+
+
 @pytest.mark.parametrize("ending", ["exr", "png"])
 def test_a_full_disk_leaves_the_old_file(tmp_path, ending):
     layers_ = exr.passes(drawn.scene(480, 320, noise=1.0))
@@ -360,6 +434,22 @@ def test_interrupting_composite(tmp_path):
     err = child.communicate(timeout=60)[1]
     assert (child.returncode, err) == (130, "encre: interrupted\n")
     assert os.listdir(tmp_path) == ["in.exr"]
+
+
+def test_interrupting_the_start():
+    """While the modules are loading."""
+    code = """
+import os, signal, sys
+import encre.__main__
+class Finder:
+    def find_spec(name, *rest):
+        if name == "encre.cli":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Finder)
+sys.exit(encre.__main__.main())
+"""
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert (child.returncode, child.stderr) == (130, "encre: interrupted\n")
 
 
 def test_a_reader_that_leaves_early():

@@ -60,7 +60,7 @@ def encre(*args, python=sys.executable, **options):
 
 
 def works(result):
-    assert result.returncode == 0 and result.stdout == "" and "error" not in result.stderr, result.stderr
+    assert result.returncode == 0 and result.stdout.count("\n") <= 1 and "error" not in result.stderr, result.stderr
     return result.stderr
 
 
@@ -144,11 +144,26 @@ def test_frames_and_resume(cube, tmp_path):
     assert re.fullmatch(r"frame 3 \(1/2\): \S+f_03.png \(\S+ s\)\nframe 4 \(2/2\): \S+f_04.png \(\S+ s\)\n", err), err
     works(encre("render", cube, "-o", tmp_path / "new" / "f.png", "-s", "4"))
     assert left(tmp_path / "new") == ["f0004.png", "f_03.png", "f_04.png"]
-    (tmp_path / "new" / "f_03.png").write_bytes(b"finished")
-    (tmp_path / "new" / "f_04.png").unlink()
-    err = works(encre("render", cube, "-o", tmp_path / "new" / "f_##.png", "-s", "3", "-e", "4", "--resume"))
-    assert "1 of 2 frames are finished" in err and png(tmp_path / "new" / "f_04.png").shape == (36, 64, 4)
-    assert (tmp_path / "new" / "f_03.png").read_bytes() == b"finished"
+
+
+@pytest.mark.parametrize("ending", ["png", "exr"])
+def test_resume_leaves_alone_what_is_whole(cube, tmp_path, ending):
+    out = tmp_path / f"f_##.{ending}"
+    works(encre("render", cube, "-o", out, "-s", "3", "-e", "4"))
+    finished, half, missing, empty = (tmp_path / f"f_{k:02}.{ending}" for k in (3, 4, 5, 6))
+    before = finished.read_bytes()
+    half.write_bytes(half.read_bytes()[:-2000])
+    empty.touch()
+    err = works(encre("render", cube, "-o", out, "-s", "3", "-e", "6", "--resume"))
+    assert "1 of 4 frames are finished" in err and err.count("\n") == 4
+    assert finished.read_bytes() == before
+    assert all(images.whole(path) for path in (half, missing, empty))
+
+
+def test_a_frame_that_cannot_be_written_is_found_before_rendering(cube, tmp_path):
+    (tmp_path / "out0003.png").mkdir()
+    fails(encre("render", cube, "-o", tmp_path / "out.png", "-s", "1", "-e", "3"), "out0003.png", "is a folder")
+    assert left(tmp_path) == ["out0003.png"]
 
 
 def test_blend_file(tmp_path):
@@ -198,6 +213,9 @@ def test_broken_blend(tmp_path, content):
     (["scene.txt"], ["scene.txt", ".blend or .py"]),
     (["cube.py", "-o", "out.jpg"], ["out.jpg"]),
     (["cube.py", "-o", "/proc/nothing/out.png"], ["/proc/nothing/out.png", "can't be written"]),
+    (["cube.py", "-o", "a" * 252 + ".png"], ["can't be written", "too long"]),
+    (["cube.py", "-o", ".png"], [".png must be a name"]),
+    (["cube.py", "-f", "1048575"], ["1048575", "1048574"]),
     (["cube.py", "-f", "1", "-s", "2"], ["-f", "-s"]),
     (["cube.py", "-s", "5", "-e", "2"], ["-s 5", "-e 2"]),
     (["cube.py", "-s", "9"], ["cube.py", "no frame"]),
@@ -207,6 +225,7 @@ def test_broken_blend(tmp_path, content):
     (["cube.py", "--set", "paper_source=IMAGE"], ["paper_image", "choose an image"]),
     (["cube.py", "--preset", "Ink onyl"], ["Ink onyl", "Ink only"]),
     (["cube.py", "--blender", "no/blender"], ["no/blender"]),
+    (["cube.py", "--blender", ""], ["--blender"]),
     (["cube.py", "--blender", "/bin/true"], ["/bin/true", "is it Blender?"]),
     (["cube.py", "--blender", "./crash"], ["./crash", "SIGSEGV"]),
 ])
@@ -247,16 +266,19 @@ def test_a_full_disk(cube, tmp_path):
     assert left(tmp_path) == ["out.exr"] and out.read_bytes() == b"old"
 
 
-def test_interrupt(cube, tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_interrupt(cube, tmp_path, number):
     child = subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png", "--size",
                               "1280x720", "--samples", "4000"], stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 60
     while not list(tmp_path.glob(".encre-*")) and time.monotonic() < deadline:
         time.sleep(0.05)
     time.sleep(2)
-    child.send_signal(signal.SIGINT)
+    child.send_signal(number)
     err = child.communicate(timeout=30)[1]
-    assert child.returncode == 130 and "Traceback" not in err and left(tmp_path) == []
+    assert child.returncode == 130 and err == "encre: interrupted\n" and left(tmp_path) == []
+    running = b"".join(path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline"))
+    assert bytes(tmp_path) not in running, "Blender runs on"
 
 
 def test_bar_on_a_terminal(cube, tmp_path):
