@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command `encre`: render, composite, params, presets.
+"""The command `encre`: render, composite, bake, params, presets.
 
 Exit status: 0; 2 for usage, bad input and an output that can't be written; 1 for what fails under way; 130 when
 interrupted (by __main__.py). Every error is one line `encre: error: …` on the standard error.
@@ -16,6 +16,7 @@ from importlib import metadata
 from . import core, images, presets
 from .composite import composite
 from .render import RenderError, render
+from .texture import bake
 
 LAST_FRAME = 1048574  # Blender counts no further
 
@@ -105,6 +106,23 @@ def _parser():
     command.add_argument("--threads", metavar="N", type=_count, default=0, help="default: one a processor")
     command.set_defaults(run=_composite)
 
+    command = commands.add_parser("bake", parents=[style], help="draw inter-color lines into a texture", description=(
+        "Draw lines into a texture where its colours meet, as wide as they differ. Of the parameters, line_thickness "
+        "(in texels) and those of contrast count. 8- and 16-bit images are sRGB, images of floats linear."))
+    command.add_argument("texture", metavar="TEXTURE", help="an image of any kind; it is never changed")
+    command.add_argument("-o", "--output", metavar="OUT", required=True, help="the image to write, not TEXTURE itself")
+    command.add_argument("--uniform", metavar="MESH", help=(
+        "give lines the same width everywhere on this mesh: MESH.obj, or FILE.blend:OBJECT, which needs Blender; "
+        "line_thickness is then in texels of mean size"))
+    command.add_argument("--mips", action="store_true", help=(
+        "also write NAME.mip1.png, NAME.mip2.png ... beside OUT = NAME.png: images half, a quarter ... as large, each "
+        "with lines drawn for its own texels, to mix by distance in a material"))
+    command.add_argument("--tile", choices=("none", "x", "y", "xy"), help=(
+        "where the texture repeats and lines go on over its border (default: xy; with --uniform, where the mesh does)"))
+    command.add_argument("--threads", metavar="N", type=_count, default=0, help="default: one a processor")
+    command.add_argument("--blender", metavar="PATH", help="the Blender program to use for FILE.blend:OBJECT")
+    command.set_defaults(run=_bake)
+
     command = commands.add_parser("params", help="list the parameters")
     command.add_argument("--json", action="store_true", help="as a JSON list, for programs")
     command.set_defaults(run=_params)
@@ -152,6 +170,11 @@ def _composite(args):
     start = time.perf_counter()
     composite(args.layers, args.output, changes, args.view_layer, args.threads, _say)
     print(f"{args.output} ({time.perf_counter() - start:.1f} s)")
+
+
+def _bake(args):
+    tile = None if args.tile is None else ("x" in args.tile, "y" in args.tile)
+    bake(args.texture, args.output, _changes(args), args.uniform, args.mips, tile, args.threads, args.blender, _say)
 
 
 def _params(args):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One rendered frame: settings and overrides before Cycles, triangles, and the stages on Cycles' passes after."""
 
+import weakref
 from dataclasses import dataclass
 
 import bpy
@@ -33,7 +34,7 @@ class _ViewLayer:
     objects: meshes.Objects
     views: dict                      # view name -> (camera, rasterised pictures)
     frame: core.Frame
-    cropped: bool                    # a part of the frame was rendered, and the file shows all of it
+    border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
 
 
@@ -51,7 +52,9 @@ class Frames:
     """The frames of one render, by the hooks of its engine."""
 
     def __init__(self, engine):
-        self.engine = engine
+        # Weakly: Blender frees an engine when the last reference goes, and Cycles' memory with it, but takes away
+        # the engine's own before Python would find a circle of references.
+        self.engine = weakref.proxy(engine)
         self.known = {}        # view layer's name -> _ViewLayer
         self.numbers = None    # of objects: what meshes.renumber() gave
         self.overrode = False  # with persistent data, what one frame overrode is there in the next
@@ -141,7 +144,8 @@ class Frames:
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
         return _ViewLayer(settings, denoise_other, user_indices, objects, views, frame,
-                          render.use_border and not render.use_crop_to_border, threads)
+                          (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
+                          threads)
 
     def _go_on(self, _fraction=0):
         return not self.engine.test_break()
@@ -199,8 +203,9 @@ class Frames:
     def _stamp(self, result, layer):
         """The settings go into the saved file, so that it can be drawn again without Blender."""
         frame = layer.frame
-        if layer.cropped:
+        if layer.border:
             frame = core.Frame(frame.width, frame.height)
         camera = next(iter(layer.views.values()))[0]
-        for key, text in layers.metadata(layer.settings.scene, layer.settings.styles, camera, frame).items():
+        for key, text in layers.metadata(layer.settings.scene, layer.settings.styles, camera, frame,
+                                         layer.border).items():
             result.stamp_data_add_field(key, text)

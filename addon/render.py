@@ -18,7 +18,9 @@ import time
 from collections import deque
 from pathlib import Path
 
-from . import core, images
+import numpy as np
+
+from . import core, images, unwrap
 
 RUNNER = Path(__file__).with_name("runner.py")
 _SAMPLE = re.compile(r"Sample (\d+)/(\d+)")
@@ -60,9 +62,26 @@ def render(scene, out, *, frames=None, values=None, samples=None, size=None, res
     with _folder(out) as folder:
         job = {"scene": os.path.abspath(scene), "out": out, "folder": folder, "frames": frames, "values": values or {},
                "samples": samples, "size": size, "finished": _finished(out) if resume else []}
-        path = os.path.join(folder, "job.json")
-        Path(path).write_text(json.dumps(job), encoding="utf-8")
-        _watch([*command, str(RUNNER), "--", path], _Progress(say), verbose)
+        _run(command, job, say, verbose)
+
+
+def unwrapped(scene, name, out, *, blender=None, say=print, verbose=False):
+    """The object `name` of a .blend file with its UV map, an unwrap.Unwrapped in world space.
+
+    out: a file beside which there is room. Raises core.EncreError for the input.
+    """
+    command = find_blender(blender)
+    with _folder(os.path.abspath(out)) as folder:
+        path = os.path.join(folder, "mesh.npz")
+        _run(command, {"scene": os.path.abspath(scene), "object": name, "folder": folder, "mesh": path}, say, verbose)
+        with np.load(path) as arrays:
+            return unwrap.Unwrapped(**arrays)
+
+
+def _run(command, job, say, verbose):
+    path = os.path.join(job["folder"], "job.json")
+    Path(path).write_text(json.dumps(job), encoding="utf-8")
+    _watch([*command, str(RUNNER), "--", path], _Progress(say), verbose)
 
 
 def _finished(out):

@@ -222,6 +222,27 @@ def test_composite_keeps_the_data_window(run, tmp_path, scene):
     assert pixels.shape == (200, 300, 4) and not pixels[:20].any() and pixels[20:84, 10:106].any()
 
 
+def test_composite_draws_what_was_rendered_of_a_border(run, tmp_path, scene):
+    """Blender saves the rest of the frame as zeros, which is no edge of anything."""
+    rendered = {**exr.passes(scene), **exr.saved(scene)}
+    around = np.s_[7:7 + SIZE[1], 5:5 + SIZE[0]]
+    pictures = {name: np.zeros((100, 120, *p.shape[2:]), np.float32) for name, p in rendered.items()}
+    for name, picture in rendered.items():
+        pictures[name][around] = picture
+    frame = core.Frame(120, 100, 5, 7)
+    metadata = layers.metadata({}, [("S", {})], core.Camera(), core.Frame(120, 100), (5, 7, *SIZE))
+    path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+    assert run("composite", path, "-o", tmp_path / "out.exr")[::2] == (0, "")
+    for name, picture in expected(rendered, {}, [{}], frame=frame, outputs=("Combined", *layers.DRAWN)).items():
+        drawn_ = exr.picture(tmp_path / "out.exr", f"ViewLayer.{name}")
+        assert np.array_equal(drawn_[around], picture), name
+        drawn_[around] = 0
+        assert not drawn_.any(), name
+    metadata = layers.metadata({}, [], core.Camera(), core.Frame(120, 100), (5, 7, 116, 3))
+    path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+    fails(run("composite", path, "-o", tmp_path / "x.exr"), "encre.border")
+
+
 def test_composite_accepts_overscan(run, tmp_path, scene):
     pictures = exr.passes(scene)
     path = exr.write(tmp_path / "in.exr", pictures, window=(-8, -4, 80, 56))

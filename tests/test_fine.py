@@ -24,16 +24,7 @@ def scene_of(name):
     return scenes.NAMED[name]() if name in scenes.NAMED else scenes.draw(name)
 
 
-def broken(results):
-    return [f"{where}: {promise} {value:.4f}" for where, promise, value, kept in results if not kept]
-
-
-# ---- promises --------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["sphere", "roof", "horizon", "patches", "terminators", "parallel"])
-def test_keeps_every_promise(name):
-    assert broken(verdict.judge(ink, {name: scene_of(name)}, full=False)) == []
+# ---- promises: most of them are judged in test_judged.py ------------------------------------------------------------
 
 
 def test_widths_fairness_and_calm():
@@ -149,9 +140,9 @@ def across(image, row=20):
 def test_a_line_lies_where_surfaces_part_and_is_as_wide_as_asked(slope):
     for thickness in (1.0, 3.0, 12.0):
         t = drawn(step(slope=slope), dict(PEN, line_thickness=thickness))["Encre Lines"][..., 3]
-        centre, amount = across(t)
-        assert centre == pytest.approx(31.4, abs=0.1)
-        assert amount == pytest.approx(thickness * np.hypot(1, slope), rel=0.03, abs=0.1)
+        amounts = [across(t, row)[1] for row in range(10, 30)]  # a row alone sees how pixels meet the slope
+        assert across(t)[0] == pytest.approx(31.4, abs=0.1)
+        assert np.mean(amounts) == pytest.approx(thickness * np.hypot(1, slope), rel=0.03)
 
 
 def test_softness_is_half_dark_at_the_asked_width():

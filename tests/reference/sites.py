@@ -55,8 +55,8 @@ def clear_of(at, others, distance):
 def centred(offset):
     """An offset from a pixel's centre that shares tell, half corrected for a pixel filter narrower than a box.
 
-    Shares of a box are linear in the offset. Those of a Blackman-Harris filter of 1.5 pixels are 0.13 sin(2π offset) too
-    large along an axis and 0.05 along a diagonal; with this neither filter is 0.07 off."""
+    Shares of a box are linear in the offset. Those of a Blackman-Harris filter of 1.5 pixels are 0.13 sin(2π offset)
+    too large along an axis and 0.05 along a diagonal; with this neither filter is far off."""
     return offset - 0.06 * np.sin(2 * np.pi * offset)
 
 
@@ -206,12 +206,15 @@ class Reads:
         return np.all(list(self.open.values()), axis=0)
 
     def bend(self):
-        """v(1) − v(−1) less what the slopes to either side explain; a side that can't be read has the other's."""
-        before, after = self[-1] - self[-2], self[2] - self[1]
-        has = {way: (self.open[way] & self.open[2 * way])[..., None] for way in (-1, 1)}
-        before, after = np.where(has[-1], before, np.where(has[1], after, 0)), \
-            np.where(has[1], after, np.where(has[-1], before, 0))
-        return self[1] - self[-1] - self.open[-1][..., None] * before - self.open[1][..., None] * after
+        """v(1) − v(−1) less what the slopes to either side explain.
+
+        A side that can't be read has the other's slope; where neither can a step is not told from a slope: 0."""
+        slope = {way: way * (self[2 * way] - self[way]) for way in (-1, 1)}
+        known = {way: (self.open[way] & self.open[2 * way])[..., None] for way in (-1, 1)}
+        bend = self[1] - self[-1]
+        for way in (-1, 1):
+            bend = bend - np.where(self.open[way][..., None], np.where(known[way], slope[way], slope[-way]), 0)
+        return np.where(known[-1] | known[1], bend, 0)
 
 
 def _norm(v):
@@ -223,10 +226,10 @@ def _sum3(image):
 
 
 def ridges(signal, linear, mixed, floor):
-    """Steps: (at (n, 2), J (n,), before (n, C), after (n, C), step (n, 6)) with the values of the signal to either side: 2 pixels
-    off, or 1 where a second edge, of another direction, comes next. Only edges of one direction compete.
+    """Steps: (at (n, 2), J (n,), before (n, C), after (n, C), directed step (n, 6)).
 
-    signal: (H, W, C), in which a step is looked for; linear: what the pixel averages, which tells the place."""
+    signal: (H, W, C), in which a step is looked for; linear: what the pixel averages, which tells the place. Before and
+    after are its values 2 pixels off, or 1 where an edge that steps back comes next: the two edges of a thin face."""
     reads = [Reads(signal, mixed, axis) for axis in (1, 0)]
     steps = [np.where(turn(axis, mixed), 0, _norm(r[1] - r[-1])) for axis, r in zip((1, 0), reads, strict=True)]
     prefer = [_sum3(s**2) for s in steps]
@@ -235,7 +238,7 @@ def ridges(signal, linear, mixed, floor):
     for axis, r, step in zip((1, 0), reads, steps, strict=True):
         own = turn(axis, across if axis else ~across)
         jump, way = _norm(r.bend()), r[1] - r[-1]
-        on = own & (jump > 0.4 * step) & (jump > floor) & (step > 0)
+        on = own & (jump > np.where(r.all_open(), 0.4, 0.6) * step) & (jump > floor) & (step > 0)
         for k in (-2, -1, 1, 2):
             stronger = (step > along(step, k)) if k < 0 else (step >= along(step, k))
             on &= stronger | ((way * along(way, k)).sum(-1) < -0.5 * step * along(step, k))
@@ -294,9 +297,8 @@ def grey_of(level, steps):
     return np.repeat(np.asarray(grey)[..., None], 3, -1)
 
 
-def light_cracks(x, steps, axis):
-    """(first level, last level, t), each (h, w - 1) along rows."""
-    x = turn(axis, x)
+def light_cracks(x, steps):
+    """(first level, last level, t), each (h, w - 1) along rows; halfway between the first and last threshold."""
     p, q = x[:, :-1], x[:, 1:]
     one, two = level_of(p, steps), level_of(q, steps)
     thresholds = np.array([step[1] for step in steps[1:]] or [0.0])
