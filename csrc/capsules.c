@@ -41,7 +41,7 @@ static pen_end pen_end_of(const frame *f, const site *s, float length)
 		pen.radius *= length / taper;
 	float half = most(pen.radius, 0.5f), soft = pen.p->line_softness * half;
 	e.fade = most(soft, 1);
-	e.out = half - most(soft, 0.5f) + e.fade;
+	e.out = s->wider + half - most(soft, 0.5f) + e.fade;
 	e.faint = least(1, 2 * pen.radius);
 	e.gain = pen.gain;
 	e.bias = pen.bias;

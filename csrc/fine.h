@@ -32,6 +32,8 @@ enum axis { AXIS_ROW, AXIS_COLUMN, AXIS_JUNCTION };
 typedef struct site {
 	float x, y;           /* pixels; centres are whole numbers */
 	float strength;       /* weighted */
+	float area, peak;         /* of a thin thing: how much of it there is across, and at most in a pixel */
+	float wider;              /* pixels that the radius of its disc grows by */
 	uint16_t column, row; /* of the pixel that it was found at */
 	uint16_t near_x,
 	    near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
@@ -197,6 +199,7 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread);
 void ISA(carve_rows)(void *data, int y0, int y1, int thread);
 void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge);
 bool ISA(thin_site)(const fine *n, site *s);
+int32_t ISA(thin_widen)(fine *n); /* when sites are linked */
 
 /* ridges.c */
 ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */

@@ -333,6 +333,8 @@ int32_t ISA(fine_run)(frame *f)
 	if (!code)
 		code = ISA(fine_link)(n);
 	if (!code)
+		code = ISA(thin_widen)(n);
+	if (!code)
 		code = ISA(fine_smooth)(n);
 	if (!code)
 		code = ISA(fine_join_ends)(n);

@@ -4,13 +4,15 @@
  * the stripe is one line along its middle, hit or not. */
 #include "fine.h"
 
-enum { PLANES = 6, MOST_HIT = 2, NEARBY = 4 };
+enum { PLANES = 6, MOST_HIT = 3, NEARBY = 4, CHUNK = 2048 };
 
-static const float widest = 2.05f; /* pixels */
-static const float least_hit = 0.1f,
-		   least_between = 0.05f; /* peak of a stripe, in albedo and half normals, at a hit and beside one */
+static const float widest = 2.05f;       /* pixels, measured across */
+static const float slanted = 2.9f;       /* what that is along a row or a column */
+static const float least_hit = 0.1f, least_between = 0.05f; /* peak of a stripe, in albedo and half normals, at a hit and
+							       beside one */
 static const float least_of_slope = 1.5f; /* times what lies on both sides differs */
-static const float against = 0.1f;        /* share of a stripe that a pixel of it may lie the other way */
+static const float against = 0.1f;       /* share of a stripe that a pixel of it may lie the other way */
+static const float most_of_step = 0.5f;  /* of the step to what lies behind, that may jump from one side to the other */
 
 static void read(const frame *f, int x, int y, float value[PLANES])
 {
@@ -49,8 +51,14 @@ typedef struct stripe {
 
 static bool is_stripe(const stripe *s, float least_peak)
 {
-	return s->peak >= least_peak && s->area <= widest * s->peak && s->least > -against * s->area &&
+	return s->peak >= least_peak && s->area <= slanted * s->peak && s->least > -against * s->area &&
 	       s->peak > least_of_slope * s->slope;
+}
+
+/* Its width across, from what it is along a row and along a column; 0 = it is no stripe along that. */
+static float width_of(float row, float column)
+{
+	return row > 0 && column > 0 ? row * column / sqrtf(row * row + column * column) : row + column;
 }
 
 static stripe stripe_of(const frame *f, int x, int y, int axis, int count)
@@ -91,9 +99,15 @@ static bool cracked(const fine *n, int x, int y, int axis)
 	return n->crack[(ptrdiff_t)y * n->f->width + x] & CRACK_RIGHT << axis;
 }
 
-/* Whether the pixel is part of a stripe along an axis: one or two pixels between cracks, before one and the same thing.
- */
-static bool is_thin(const fine *n, int x, int y, int axis, float *ground)
+/* What depths are compared in: even on planes. */
+static float nearness(const fine *n, float z)
+{
+	return n->e->ortho ? -fminf(z, 1e9f) : 1 / z;
+}
+
+/* Width along an axis of the thing at a pixel: a few pixels between cracks, before one and the same ground. 0 where it is
+ * no stripe. */
+static float width_along(const fine *n, int x, int y, int axis, float *ground)
 {
 	const frame *f = n->f;
 	int dx = axis ? 0 : 1, dy = axis ? 1 : 0, size = axis ? f->height : f->width, at = axis ? y : x;
@@ -103,21 +117,23 @@ static bool is_thin(const fine *n, int x, int y, int axis, float *ground)
 	while (last + 1 < size && last - first < MOST_HIT && !cracked(n, axis ? x : last, axis ? last : y, axis))
 		last++;
 	if (first == 0 || last + 1 == size || last - first >= MOST_HIT)
-		return false;
+		return 0;
 	int px = axis ? x : first - 1, py = axis ? first - 1 : y, rx = axis ? x : last + 1, ry = axis ? last + 1 : y;
-	float z = depth_at(f, x, y);
-	*ground = object_at(f, px, py);
-	if (*ground != object_at(f, rx, ry) || !(z < depth_at(f, px, py)) || !(z < depth_at(f, rx, ry)))
-		return false;
+	float p = nearness(n, depth_at(f, px, py)), r = nearness(n, depth_at(f, rx, ry));
+	float step = nearness(n, depth_at(f, x, y)) - (p > r ? p : r);
+	if (object_at(f, px, py) != object_at(f, rx, ry) || !(step > 0) || fabsf(p - r) > most_of_step * step)
+		return 0;
 	stripe s = stripe_of(f, px - dx, py - dy, axis, last - first + 5);
-	return is_stripe(&s, least_hit);
+	*ground = object_at(f, px, py);
+	return is_stripe(&s, least_hit) ? s.area / s.peak : 0;
 }
 
-/* The thing behind a hit, or -1 where the pixel is none. */
-static float ground_of(const fine *n, int x, int y)
+/* Whether the pixel is of a thin thing, and before what. */
+static bool is_thin(const fine *n, int x, int y, float *ground)
 {
-	float ground;
-	return is_thin(n, x, y, AXIS_ROW, &ground) || is_thin(n, x, y, AXIS_COLUMN, &ground) ? ground : -1;
+	float row = width_along(n, x, y, AXIS_ROW, ground), column = width_along(n, x, y, AXIS_COLUMN, ground);
+	float width = width_of(row, column);
+	return width > 0 && width <= widest;
 }
 
 /* Whether none of the eight pixels from x on lies beside a crack. */
@@ -151,18 +167,18 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 			}
 			if (!mixed_at(n, x, y))
 				continue;
-			float own = ground_of(n, x, y);
-			if (own >= 0)
-				thin[x] |= own == object_at(f, x, y) ? HIT_DEPTH : HIT_OBJECT;
+			float behind, other;
+			bool own = is_thin(n, x, y, &behind);
+			if (own)
+				thin[x] |= behind == object_at(f, x, y) ? HIT_DEPTH : HIT_OBJECT;
 			for (int axis = 0; axis < 2; axis++) {
 				int qx = x + !axis, qy = y + axis;
 				if (!(crack[x] & CRACK_RIGHT << axis))
 					continue;
 				/* a crack is the stripe's if the other side is what lies behind it, or of the stripe
 				 * too */
-				float other = ground_of(n, qx, qy);
-				bool its = own >= 0 && (own == object_at(f, qx, qy) || other >= 0);
-				its |= other >= 0 && other == object_at(f, x, y);
+				bool its = is_thin(n, qx, qy, &other) && (own || other == object_at(f, x, y));
+				its |= own && behind == object_at(f, qx, qy);
 				thin[x] |= (uint8_t)(its ? CRACK_RIGHT << axis : 0);
 			}
 			n->hit[y] |= thin[x] != 0;
@@ -191,35 +207,38 @@ static int hits_near(const fine *n, int x, int y)
 	return hits & (HIT_OBJECT | HIT_DEPTH);
 }
 
-bool ISA(thin_site)(const fine *n, site *s)
+/* The stripe about a pixel along an axis, in a window as wide as it needs; its peak is 0 where there is none. */
+static stripe stripe_about(const fine *n, int x, int y, int axis)
 {
 	const frame *f = n->f;
+	for (int reach = 2; reach <= 3; reach++) {
+		bool clear = true;
+		for (int k = -reach; k <= reach && clear; k++)
+			clear = !mixed_at(n, clamp_index(x + (axis ? 0 : k), f->width), clamp_index(y + (axis ? k : 0), f->height));
+		stripe s = stripe_of(f, x - (axis ? 0 : reach), y - (axis ? reach : 0), axis, 2 * reach + 1);
+		if (clear && s.highest == reach && is_stripe(&s, least_between) && (reach == 3 || s.area <= widest * s.peak)) {
+			s.middle -= (float)reach;
+			return s;
+		}
+	}
+	return (stripe){0};
+}
+
+bool ISA(thin_site)(const fine *n, site *s)
+{
 	int x = s->column, y = s->row, hits = hits_near(n, x, y);
-	for (int k = -2; k <= 2; k++)
-		if (mixed_at(n, clamp_index(x + (s->axis ? 0 : k), f->width),
-			     clamp_index(y + (s->axis ? k : 0), f->height)))
-			return false;
-	stripe t = stripe_of(f, x - (s->axis ? 0 : 2), y - (s->axis ? 2 : 0), s->axis, 5);
-	float offset = t.middle - 2;
-	if (!hits || t.highest != 2 || !is_stripe(&t, least_between))
+	stripe own = stripe_about(n, x, y, s->axis);
+	if (!hits || !(own.peak > 0) || fabsf(own.middle) > 1)
 		return false;
-	s->x = (float)x + (s->axis ? 0 : offset);
-	s->y = (float)y + (s->axis ? offset : 0);
+	stripe other = stripe_about(n, x, y, 1 - s->axis);
+	s->area = width_of(own.area, other.area);
+	s->peak = own.peak;
+	s->x = (float)x + (s->axis ? 0 : own.middle);
+	s->y = (float)y + (s->axis ? own.middle : 0);
 	s->strength = 0;
 	int style = fine_style(n, s);
 	ISA(fine_weigh)(n, s, style, SOURCE_OBJECT, hits & HIT_OBJECT ? 1 : 0);
 	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, hits & HIT_DEPTH ? 1 : 0);
-}
-
-/* How strongly a stripe crosses each axis about a pixel. */
-static float crossing(const fine *n, int x, int y, int axis)
-{
-	float sum = 0;
-	for (int k = -1; k <= 1; k++)
-		sum +=
-		    stripe_of(n->f, x + (axis ? k : 0) - (axis ? 0 : 2), y + (axis ? 0 : k) - (axis ? 2 : 0), axis, 5)
-			.area;
-	return sum;
 }
 
 void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge)
@@ -228,11 +247,54 @@ void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge)
 	for (int i = y - NEARBY < 0 ? 0 : y - NEARBY; i < n->f->height && i <= y + NEARBY; i++)
 		any |= n->hit[i];
 	for (int x = 0; any && x < n->f->width; x++) {
-		if (!hits_near(n, x, y))
+		if (mixed_at(n, x, y) || !hits_near(n, x, y))
 			continue;
-		int axis = crossing(n, x, y, AXIS_COLUMN) > crossing(n, x, y, AXIS_ROW) ? AXIS_COLUMN : AXIS_ROW;
+		/* the axis that crosses it more squarely, along which it is narrower */
+		stripe row = stripe_about(n, x, y, AXIS_ROW), column = stripe_about(n, x, y, AXIS_COLUMN);
+		int axis = !(row.peak > 0) || (column.peak > 0 && column.area < row.area) ? AXIS_COLUMN : AXIS_ROW;
 		site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = FAMILY_THIN, .axis = (uint8_t)axis};
 		if (ISA(thin_site)(n, &s))
 			ridge[x] |= (uint16_t)(1 << (2 * FAMILY_THIN + axis));
 	}
+}
+
+/* ---- widths ---------------------------------------------------------------------------------------------- */
+
+/* Sums up a chain from a site on towards `at`. */
+static void walk(const fine *n, uint32_t from, uint32_t at, float *area, float *peak, int *count)
+{
+	for (int k = 0; k < NEARBY && at != UINT32_MAX && n->site[at].family == FAMILY_THIN; k++) {
+		const site *s = n->site + at;
+		*area += s->area;
+		*peak = s->peak > *peak ? s->peak : *peak;
+		++*count;
+		uint32_t next = next_of(n, from, at);
+		from = at;
+		at = next;
+	}
+}
+
+/* How much wider than the pen a thin thing makes its line, so that the line covers what two at its sides would. What is
+ * narrower than a pixel can't be told from what is as wide, and adds nothing. Along a chain the peak is highest where a pixel
+ * lies in the middle of the thing. */
+static void widen_sites(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const fine *n = data;
+	for (int i = first; i < end; i++) {
+		site *s = n->site + i;
+		if (s->family != FAMILY_THIN || s->dropped)
+			continue;
+		float area = s->area, peak = s->peak;
+		int count = 1;
+		for (uint32_t k = n->at[i]; k < n->at[i + 1] && k < n->at[i] + 2; k++)
+			walk(n, (uint32_t)i, n->to[k], &area, &peak, &count);
+		float width = area / ((float)count * peak);
+		s->wider = width < 1 ? 0 : width < 2 ? width - 1 : 1;
+	}
+}
+
+int32_t ISA(thin_widen)(fine *n)
+{
+	return rows_run(n->f->rows, (int)n->count, CHUNK, widen_sites, n);
 }
