@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command `encre`: render, composite, params, presets.
+"""The command `encre`: render, composite, bake, params, presets.
 
 Exit status: 0; 2 for usage, bad input and an output that can't be written; 1 for what fails under way; 130 when
 interrupted. Every error is one line `encre: error: …` on the standard error.
@@ -16,6 +16,9 @@ from importlib import metadata
 from . import core, images, presets
 from .composite import composite
 from .render import RenderError, render
+from .texture import bake
+
+LAST_FRAME = 1048574  # Blender counts no further
 
 
 class _Parser(argparse.ArgumentParser):
@@ -35,8 +38,8 @@ def _say(kind, sentence):
 
 def _ending(*endings):
     def check(path):
-        if not path.lower().endswith(endings):
-            raise argparse.ArgumentTypeError(f"{path} must end in {' or '.join(endings)}")
+        if os.path.splitext(path)[1].lower() not in endings:
+            raise argparse.ArgumentTypeError(f"{path} must be a name that ends in {' or '.join(endings)}")
         return path
     return check
 
@@ -47,6 +50,12 @@ def _size(text):
     if not all(4 <= number <= 65536 for number in size):
         raise argparse.ArgumentTypeError(f"{text!r} is not a size WIDTHxHEIGHT from 4x4 to 65536x65536")
     return size
+
+
+def _frame(text):
+    if not re.fullmatch(r"[-+]?\d{1,7}", text) or abs(int(text)) > LAST_FRAME:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a frame number from {-LAST_FRAME} to {LAST_FRAME}")
+    return int(text)
 
 
 def _count(text):
@@ -78,9 +87,9 @@ def _parser():
     command.add_argument("scene", metavar="SCENE", type=_ending(".blend", ".py"), help="a .blend or .py file")
     command.add_argument("-o", "--output", metavar="OUT", required=True, type=_ending(".png", ".exr"), help=(
         "a .png, or a multilayer .exr with all passes; # in the name stands for digits of the frame number"))
-    command.add_argument("-f", "--frame", metavar="N", type=int, help="the frame (default: the scene's current one)")
-    command.add_argument("-s", "--start", metavar="A", type=int, help="first frame of an animation")
-    command.add_argument("-e", "--end", metavar="B", type=int, help="last frame of an animation")
+    command.add_argument("-f", "--frame", metavar="N", type=_frame, help="the frame (default: the scene's current one)")
+    command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of an animation")
+    command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of an animation")
     command.add_argument("--samples", metavar="N", type=_count, help="samples a pixel")
     command.add_argument("--size", metavar="WxH", type=_size, help="size of the full frame in pixels")
     command.add_argument("--resume", action="store_true", help="leave frames alone whose file is there")
@@ -97,6 +106,23 @@ def _parser():
     command.add_argument("--threads", metavar="N", type=_count, default=0, help="default: one a processor")
     command.set_defaults(run=_composite)
 
+    command = commands.add_parser("bake", parents=[style], help="draw inter-color lines into a texture", description=(
+        "Draw lines into a texture where its colours meet, as wide as they differ. Of the parameters, line_thickness "
+        "(in texels) and those of contrast count. 8- and 16-bit images are sRGB, images of floats linear."))
+    command.add_argument("texture", metavar="TEXTURE", help="an image of any kind; it is never changed")
+    command.add_argument("-o", "--output", metavar="OUT", required=True, help="the image to write, not TEXTURE itself")
+    command.add_argument("--uniform", metavar="MESH", help=(
+        "give lines the same width everywhere on this mesh: MESH.obj, or FILE.blend:OBJECT, which needs Blender; "
+        "line_thickness is then in texels of mean size"))
+    command.add_argument("--mips", action="store_true", help=(
+        "also write NAME.mip1.png, NAME.mip2.png ... beside OUT = NAME.png: images half, a quarter ... as large, each "
+        "with lines drawn for its own texels, to mix by distance in a material"))
+    command.add_argument("--tile", choices=("none", "x", "y", "xy"), help=(
+        "where the texture repeats and lines go on over its border (default: xy; with --uniform, where the mesh does)"))
+    command.add_argument("--threads", metavar="N", type=_count, default=0, help="default: one a processor")
+    command.add_argument("--blender", metavar="PATH", help="the Blender program to use for FILE.blend:OBJECT")
+    command.set_defaults(run=_bake)
+
     command = commands.add_parser("params", help="list the parameters")
     command.add_argument("--json", action="store_true", help="as a JSON list, for programs")
     command.set_defaults(run=_params)
@@ -111,7 +137,7 @@ def _parser():
 
 def _changes(args):
     """The values that --preset and --set give."""
-    values = dict(presets.find(args.preset).values) if args.preset else {}
+    values = dict(presets.find(args.preset).values) if args.preset is not None else {}
     for text in args.sets:
         id_, equals, value = text.partition("=")
         if not equals:
@@ -142,6 +168,11 @@ def _composite(args):
     start = time.perf_counter()
     composite(args.layers, args.output, changes, args.view_layer, args.threads, _say)
     print(f"{args.output} ({time.perf_counter() - start:.1f} s)")
+
+
+def _bake(args):
+    tile = None if args.tile is None else ("x" in args.tile, "y" in args.tile)
+    bake(args.texture, args.output, _changes(args), args.uniform, args.mips, tile, args.threads, args.blender, _say)
 
 
 def _params(args):

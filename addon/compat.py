@@ -12,6 +12,8 @@ _READABLE_NAMES = bpy.app.version >= (5, 0, 0)
 _FLAT_RECT = bpy.app.version >= (4, 1, 0)
 # 5.0 made Brush.color scene-linear; before, it is sRGB-encoded.
 LINEAR_BRUSH = bpy.app.version >= (5, 0, 0)
+# 4.5 wants it said that a property of a path may begin with // and warns at every such value otherwise.
+BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
 
 
 def pass_name(name):

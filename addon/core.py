@@ -15,7 +15,7 @@ import numpy as np
 
 from .table import MAX_LEVELS, EncreError, Item, Param, Stage, normal, read, unknown
 
-API_VERSION = 1
+API_VERSION = 2
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
 
@@ -90,6 +90,12 @@ class _RasterJob(c.Structure):
                 ("progress", _Progress), ("user", c.c_void_p)]
 
 
+class _BakeJob(c.Structure):
+    _fields_ = [("texture", _Image), ("form", _Image), ("output", _Image), ("params", c.c_void_p),
+                ("linear", c.c_int32), ("wrap_x", c.c_int32), ("wrap_y", c.c_int32), ("reserved", c.c_int32),
+                ("progress", _Progress), ("user", c.c_void_p), ("nonfinite", c.c_int64), ("greatest", c.c_double)]
+
+
 # ---- parameters --------------------------------------------------------------------------------------------------
 
 _TYPES = ("bool", "int", "float", "enum", "color", "image", "levels")
@@ -135,6 +141,15 @@ class Mesh:
 class Result:
     images: dict[str, np.ndarray]
     nonfinite: int
+
+
+@dataclass
+class Baked:
+    """texture: None where it was only measured; greatest: largest difference of two neighbours, by contrast_metric."""
+
+    texture: np.ndarray | None
+    nonfinite: int
+    greatest: float
 
 
 def _text(b):
@@ -186,7 +201,7 @@ class Library:
         lib.encre_params_init.argtypes = [c.c_void_p]
         for name in ("encre_set_threads", "encre_set_simd"):
             getattr(lib, name).argtypes = [c.c_void_p, c.c_int32]
-        for name in ("encre_render", "encre_raster"):
+        for name in ("encre_render", "encre_raster", "encre_bake"):
             getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
         self.path, self.lib = path, lib
         self.layers = self._names(lib.encre_layer_info)
@@ -289,8 +304,8 @@ class Library:
         context = self.lib.encre_create(API_VERSION)
         if not context:
             raise EncreError("memory: there is none left for rendering; close other programs")
-        for code in (self.lib.encre_set_threads(context, threads), self.lib.encre_set_simd(context, simd)):
-            if code:
+        for setting, number in ((self.lib.encre_set_threads, threads), (self.lib.encre_set_simd, simd)):
+            if setting(context, number):
                 sentence = _text(self.lib.encre_error(context))
                 self.lib.encre_destroy(context)
                 raise EncreError(sentence)
@@ -390,6 +405,30 @@ class Library:
         self._call(self.lib.encre_raster, job, threads, 1, progress)
         return images
 
+    def bake(self, texture: np.ndarray, scene: Mapping | None = None, form: np.ndarray | None = None,
+             linear: bool = False, wrap: tuple[bool, bool] = (True, True), draw: bool = True, threads: int = 0,
+             simd: int = 1, progress: Callable[[float], bool] | None = None) -> Baked:
+        """Draws inter-color lines into a texture of shape (H, W, 3 or 4), row 0 at the top, any strides.
+
+        linear: whether its values are, or sRGB-encoded; wrap: whether it tiles sideways, up and down; form (H, W, 3):
+        E, F, G of E x^2 + 2 F x y + G y^2, the squared length on the surface of a step of x texels to the right and
+        y down. Without `draw` it only measures.
+        """
+        texture = np.asarray(texture)
+        if texture.ndim != 3 or texture.shape[2] not in (3, 4):
+            raise EncreError(f"texture: the array has shape {texture.shape}; give (height, width, 3 or 4)")
+        job, out = _BakeJob(linear=linear, wrap_x=wrap[0], wrap_y=wrap[1]), None
+        texture, job.texture = _input("texture", texture, texture.shape[2])
+        if form is not None:
+            form, job.form = _input("form", form, 3)
+        if draw:
+            out = np.empty(texture.shape, np.float32)
+            job.output = _image(out)
+        block, _ = self.pack(self.check(scene or {}))
+        job.params = c.addressof(block)
+        self._call(self.lib.encre_bake, job, threads, simd, progress)
+        return Baked(out, job.nonfinite, job.greatest)
+
 
 def _image(a):
     """encre_image of an array (H, W) or (H, W, C) whose channels are adjacent."""
@@ -471,6 +510,10 @@ def render(*args, **kwargs) -> Result:
 
 def raster(*args, **kwargs):
     return library().raster(*args, **kwargs)
+
+
+def bake(*args, **kwargs) -> Baked:
+    return library().bake(*args, **kwargs)
 
 
 def __getattr__(name):

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Image files, through OpenImageIO: multilayer EXR in, EXR and PNG out, paper images.
+"""Image files, through OpenImageIO: multilayer EXR in, EXR and PNG out, paper images, textures in and out.
 
 Only the command line uses this: Blender reads and writes its own images.
 """
 
 import contextlib
 import os
+import sys
 import tempfile
 from dataclasses import dataclass
 
@@ -135,12 +136,108 @@ def read_paper(path):
     return np.ascontiguousarray(pixels[:, :, :3] if pixels.shape[2] > 2 else pixels[:, :, 0])
 
 
+@dataclass
+class Texture:
+    """Pixels (H, W, 3 or 4), float32, values as stored; kind: how the file stores them, "uint8", "half" ...; linear:
+    whether they are linear light, as floats are, or sRGB-encoded, as whole numbers are; straight: not premultiplied."""
+
+    pixels: np.ndarray
+    kind: str
+    linear: bool
+    straight: bool
+
+
+@contextlib.contextmanager
+def _quiet():
+    """Image libraries print on the standard error what we say ourselves."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+
+
+def read_texture(path, most):
+    """The first image of a file of any kind, grey as colour, at most `most` texels each way. Raises EncreError."""
+    oiio = _oiio()
+    if not os.path.isfile(path):
+        raise EncreError(f"{path}: there is no such file; check the path")
+    with _quiet():
+        file = oiio.ImageInput.open(os.fspath(path), _as_stored())
+    oiio.geterror()  # or it would be printed at exit
+    if not file:
+        raise EncreError(f"{path}: is not an image that can be read; give one such as a PNG or an EXR")
+    spec = file.spec()
+    file.close()
+    if not (1 <= spec.width <= most and 1 <= spec.height <= most):
+        raise EncreError(f"{path}: is {spec.width} x {spec.height} texels; give an image of 1 to {most} each way")
+    if spec.depth > 1 or spec.deep or spec.nchannels not in (1, 2, 3, 4):
+        raise EncreError(f"{path}: is no flat picture with 1 to 4 channels but has {spec.nchannels}; "
+                         "give a texture, not render passes")
+    with _quiet():
+        pixels = _stored(path, "float")
+    if pixels is None:
+        raise EncreError(f"{path}: can't be read to its end; save it again")
+    if spec.nchannels < 3:
+        pixels = pixels[:, :, [0, 0, 0, 1][:2 + spec.nchannels]]
+    kind = str(spec.format)
+    return Texture(np.ascontiguousarray(pixels), kind, kind in ("half", "float", "double"),
+                   bool(spec.get_int_attribute("oiio:UnassociatedAlpha")))
+
+
+def fit_texture(path, texture):
+    """The texture as a file of this name stores it: EXR and HDR hold linear light, premultiplied, others but TIFF
+    sRGB-encoded colours. Raises EncreError where none can."""
+    oiio = _oiio()
+    out = oiio.ImageOutput.create(path)
+    oiio.geterror()
+    if not out:
+        raise EncreError(f"{path}: images of this kind can't be written; give a name that ends in .png, .tif or .exr")
+    if texture.pixels.shape[2] == 4 and not out.supports("alpha"):
+        raise EncreError(f"{path}: the texture has alpha, which this kind of file has not; give a name in .png or .tif")
+    linear = out.format_name() in ("openexr", "hdr")
+    if texture.linear == linear or out.format_name() == "tiff":
+        return texture
+    color, alpha = texture.pixels[..., :3], texture.pixels[..., 3:]
+    if linear:
+        color = decode_srgb(color) * (alpha if texture.straight and alpha.size else 1)
+    else:
+        color = encode_srgb(color / (np.where(alpha > 0, alpha, 1) if alpha.size else 1))
+    return Texture(np.concatenate([color, alpha], 2, dtype=np.float32), "half" if linear else "uint16", linear,
+                   not linear)
+
+
+def write_textures(textures):
+    """Writes {path: Texture}, all whole or none at all. Raises WriteError where one can't be written."""
+    oiio = _oiio()
+    with contextlib.ExitStack() as parts:
+        done = []
+        for path, texture in textures.items():
+            height, width, channels = texture.pixels.shape
+            spec = oiio.ImageSpec(width, height, channels, texture.kind)
+            spec["oiio:ColorSpace"] = "Linear" if texture.linear else "sRGB"
+            if texture.straight:
+                spec["oiio:UnassociatedAlpha"] = 1
+            done.append((parts.enter_context(_part(path, spec, texture.pixels)), path))
+        for part, path in done:
+            os.replace(part, path)
+
+
+def _as_stored():
+    """What tells OpenImageIO to leave colours alone that are not multiplied by alpha."""
+    spec = _oiio().ImageSpec()
+    spec["oiio:UnassociatedAlpha"] = 1
+    return spec
+
+
 def _stored(path, kind):
     """All pixels (H, W, channels) of an image without conversion of colour or alpha; None: it can't be read."""
     oiio = _oiio()
-    as_stored = oiio.ImageSpec()
-    as_stored["oiio:UnassociatedAlpha"] = 1
-    file = oiio.ImageInput.open(os.fspath(path), as_stored)
+    file = oiio.ImageInput.open(os.fspath(path), _as_stored())
     pixels = file.read_image(kind) if file else None
     oiio.geterror()  # or it would be printed at exit
     if pixels is None:
@@ -154,6 +251,11 @@ def encode_srgb(linear):
     """IEC 61966-2-1, 0…1 in and out; what lies outside is clipped."""
     x = np.clip(linear, 0, 1)
     return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.power(x, 1 / 2.4) - 0.055)
+
+
+def decode_srgb(encoded):
+    """Its inverse."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, np.power((np.maximum(encoded, 0) + 0.055) / 1.055, 2.4))
 
 
 def write_exr(path, channels, window, views=()):
@@ -223,6 +325,8 @@ def prepare(path):
         raise EncreError(unwritable(path, "it is write-protected"))
     try:
         os.makedirs(folder, exist_ok=True)
+        with contextlib.suppress(FileNotFoundError):
+            os.stat(path)  # fails where the name is too long
         with tempfile.TemporaryFile(dir=folder) as probe:
             probe.write(bytes(65536))
     except OSError as error:
@@ -230,20 +334,27 @@ def prepare(path):
 
 
 def _write(path, spec, pixels):
+    with _part(path, spec, pixels) as part:
+        os.replace(part, path)
+
+
+@contextlib.contextmanager
+def _part(path, spec, pixels):
+    """A finished file beside `path`, to take its name; removed if it does not. Raises WriteError."""
     oiio = _oiio()
-    folder, name = os.path.split(os.path.abspath(path))
-    part = os.path.join(folder, f".encre-{os.getpid()}-{name}")  # the ending tells OpenImageIO the format
+    folder, ending = os.path.dirname(os.path.abspath(path)), os.path.splitext(path)[1]
+    part = os.path.join(folder, f".encre-{os.getpid()}{ending}")  # the ending tells OpenImageIO the format
     try:
         out = oiio.ImageOutput.create(part)
         good = out.open(part, spec) and out.write_image(pixels)
         good = out.close() and good
         # OpenImageIO's PNG writer does not notice a full disk.
-        if good and spec.format == "uint8" and not np.array_equal(_stored(part, "uint8"), pixels):
+        if good and out.format_name() == "png" and not whole(part):
             good = False
         if not good:
             reason = (out.geterror().replace(part, path).splitlines() or ["the disk may be full"])[0]
             raise WriteError(unwritable(path, reason.rstrip(" .")))
-        os.replace(part, path)
+        yield part
     except OSError as error:
         raise WriteError(unwritable(path, error.strerror)) from None
     finally:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from . import core, properties
+from . import core, properties, unwrap
 
 MESHABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 _MOST_INDICES = 32767  # pass_index is a short
@@ -177,6 +177,31 @@ def _triangulate(mesh, points, vertex):
     halves = np.take_along_axis(four, cut, 1).reshape(-1, 3)
     loops = np.concatenate([start[triangle][:, None] + np.arange(3, dtype=np.int32), halves])
     return loops, np.concatenate([triangle, np.repeat(quad, 2)])
+
+
+# UV maps
+
+def unwrapped(obj, depsgraph, uv_map=""):
+    """The triangles of an object in world space with the UV map of this name, or else the one that renders use.
+
+    Raises core.EncreError for what has no faces or no UV map.
+    """
+    evaluated = obj.evaluated_get(depsgraph)
+    mesh = evaluated.to_mesh() if evaluated.type in MESHABLE else None
+    try:
+        if not mesh or not len(mesh.polygons):
+            raise core.EncreError(f"{obj.name}: is not a mesh with faces; choose another object")
+        layer = mesh.uv_layers.get(uv_map) or next((u for u in mesh.uv_layers if u.active_render), None)
+        if not layer:
+            raise core.EncreError(f"{obj.name}: has no UV map; unwrap it first")
+        points = _get(mesh.vertices, "co", np.float32, 3)
+        vertex = _get(mesh.loops, "vertex_index", np.int32)
+        loops, _ = _triangulate(mesh, points, vertex)
+        world = np.array(evaluated.matrix_world, np.float64)
+        return unwrap.Unwrapped(points @ world[:3, :3].T + world[:3, 3], vertex[loops],
+                                _get(layer.data, "uv", np.float32, 2)[loops].astype(np.float64))
+    finally:
+        evaluated.to_mesh_clear()
 
 
 # Painted controls

@@ -18,7 +18,9 @@ import time
 from collections import deque
 from pathlib import Path
 
-from . import core, images
+import numpy as np
+
+from . import core, images, unwrap
 
 RUNNER = Path(__file__).with_name("runner.py")
 _SAMPLE = re.compile(r"Sample (\d+)/(\d+)")
@@ -32,7 +34,7 @@ class RenderError(core.EncreError):
 def find_blender(path=None):
     """The command, without arguments of ours, that runs a script in Blender: the program `path`, else this Python
     where bpy can be imported, else `blender` on PATH. Raises core.EncreError naming all three."""
-    if path:
+    if path is not None:
         program = shutil.which(path)
         if not program:
             raise core.EncreError(f"--blender {path}: is not a program that can be run; give the path of Blender's")
@@ -60,9 +62,26 @@ def render(scene, out, *, frames=None, values=None, samples=None, size=None, res
     with _folder(out) as folder:
         job = {"scene": os.path.abspath(scene), "out": out, "folder": folder, "frames": frames, "values": values or {},
                "samples": samples, "size": size, "resume": resume}
-        path = os.path.join(folder, "job.json")
-        Path(path).write_text(json.dumps(job), encoding="utf-8")
-        _watch([*command, str(RUNNER), "--", path], _Progress(say), verbose)
+        _run(command, job, say, verbose)
+
+
+def unwrapped(scene, name, out, *, blender=None, say=print, verbose=False):
+    """The object `name` of a .blend file with its UV map, an unwrap.Unwrapped in world space.
+
+    out: a file beside which there is room. Raises core.EncreError for the input.
+    """
+    command = find_blender(blender)
+    with _folder(os.path.abspath(out)) as folder:
+        path = os.path.join(folder, "mesh.npz")
+        _run(command, {"scene": os.path.abspath(scene), "object": name, "folder": folder, "mesh": path}, say, verbose)
+        with np.load(path) as arrays:
+            return unwrap.Unwrapped(**arrays)
+
+
+def _run(command, job, say, verbose):
+    path = os.path.join(job["folder"], "job.json")
+    Path(path).write_text(json.dumps(job), encoding="utf-8")
+    _watch([*command, str(RUNNER), "--", path], _Progress(say), verbose)
 
 
 @contextlib.contextmanager
@@ -136,7 +155,10 @@ class _Progress:
                 # Blender does not notice a full disk: it says that it saved.
                 if not images.whole(part):
                     raise RenderError(images.unwritable(path, "the disk may be full"))
-                os.replace(part, path)
+                try:
+                    os.replace(part, path)
+                except OSError as error:
+                    raise RenderError(images.unwritable(path, error.strerror)) from None
                 self.clear()
                 took = time.monotonic() - self.start
                 print(f"{self.label}: {path} ({took:.1f} s)", file=sys.stderr, flush=True)

@@ -14,6 +14,7 @@ import sys
 import traceback
 
 import bpy
+import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 
@@ -146,12 +147,16 @@ def frames(job, scene):
 
 
 def render(job, scene, error):
+    from encre import images
+
     todo = frames(job, scene)
     if not todo:
         raise error(f"{job['scene']}: there is no frame from the first to the last; give -s a frame before -e")
     left = [(frame, path) for frame, path in todo if not (job["resume"] and os.path.exists(path))]
     if len(left) < len(todo):
         report("note", text=f"{len(todo) - len(left)} of {len(todo)} frames are finished and left alone")
+    for _, path in left:
+        images.prepare(path)
     for number, (frame, path) in enumerate(left, 1):
         report("frame", frame=frame, number=number, count=len(left))
         scene.frame_set(frame)
@@ -169,6 +174,17 @@ def render(job, scene, error):
                                  for name in made])
 
 
+def save_mesh(job, error):
+    """Stores the triangles of an object, as the current frame evaluates it."""
+    from encre import core, meshes
+
+    obj = bpy.data.objects.get(job["object"])
+    if obj is None:
+        raise error(f"{job['scene']}: " + core.unknown("object", job["object"], [o.name for o in bpy.data.objects]))
+    mesh = meshes.unwrapped(obj, bpy.context.evaluated_depsgraph_get())
+    np.savez(job["mesh"], points=mesh.points, corners=mesh.corners, uv=mesh.uv)
+
+
 def main():
     # Python puts a script's folder first; there, our modules would stand in for others of the same names.
     sys.path[:] = [path for path in sys.path if os.path.abspath(path) != HERE]
@@ -180,7 +196,10 @@ def main():
     # Later Blenders print nothing about samples by themselves.
     bpy.app.handlers.render_stats.append(lambda text, *_: print(text, flush=True) if isinstance(text, str) else None)
     load(job["scene"], error)
-    render(job, prepare(job, error), error)
+    if "mesh" in job:
+        save_mesh(job, error)
+    else:
+        render(job, prepare(job, error), error)
     report("done")
 
 

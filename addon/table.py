@@ -69,8 +69,12 @@ def _number(p, value):
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise EncreError(f"{p.id}: {value!r} is not a number; give one")
     number = float(value)
-    low, high = (p.hard_min, p.hard_max) if p.type in ("int", "float") else (0.0, None)
-    if not math.isfinite(number) or number < low or (high is not None and number > high):
+    low, high = p.hard_min, p.hard_max
+    # Blender and the library keep single floats: the one nearest to a limit counts as the limit itself.
+    kept = np.float32 if p.type == "float" else float
+    with np.errstate(over="ignore"):
+        least, given, most = (kept(x) for x in (low, number, math.inf if high is None else high))
+    if not (math.isfinite(given) and least <= given <= most):
         limits = f"from {low:g} to {high:g}" if high is not None else f"of {low:g} or more"
         raise EncreError(f"{p.id}: {value:g} is out of range; give a value {limits}")
     return number

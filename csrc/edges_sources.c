@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Rows of samples -> strength of each source of edges (Vainumäe 2020, 4.3; Herring 2016, 3.2). */
 #include "edges.h"
+#include "metric.h"
 #include "pixel.h"
 
 /* What a perspective response in 1/z is divided by: the largest 1/z of the window inside the frame. */
@@ -180,11 +181,8 @@ static void color_strength(const ring *r, int y, int x0, int n, float *restrict 
 			most[i] = e->p->contrast_max;
 	}
 	float least = e->p->contrast_threshold;
-	for (int i = 0; i < n; i++) {
-		float ramp = most[i] - least, share = (response[i] - least) / (ramp > 0 ? ramp : 1);
-		share = ramp > 0 ? clamp01(share) : 1;
-		response[i] = response[i] < least ? 0 : share;
-	}
+	for (int i = 0; i < n; i++)
+		response[i] = metric_strength(response[i], least, most[i]);
 }
 
 static void index_strength(const ring *r, int y, int x0, int n, float *restrict response)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The boundary: everything that comes in is validated here once, layers are made clean and packed, then the stages
  * run in order. Stages trust what they are given. */
+#include "bake.h"
 #include "clean.h"
 #include "raster.h"
 #include "stage.h"
@@ -12,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { MAX_SIZE = 65536, MAX_STYLES = 256, MAX_THREADS = 256 };
+enum { MAX_SIZE = 65536, MAX_STYLES = 256, MAX_THREADS = 1024 };
 
 struct encre_context {
 	int32_t threads, simd;
@@ -137,10 +138,21 @@ static rows *pool_of(encre_context *context)
 	return context->pool;
 }
 
+/* Whether to run the second build of the kernels; never true where there is none. */
+static bool use_v3(const encre_context *context)
+{
+#ifdef ENCRE_HAVE_V3
+	return context->simd && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+#else
+	(void)context;
+	return false;
+#endif
+}
+
 static const stage *const *stages_of(const encre_context *context)
 {
 #ifdef ENCRE_HAVE_V3
-	if (context->simd && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
+	if (use_v3(context))
 		return stages_v3;
 #endif
 	(void)context;
@@ -165,7 +177,7 @@ static int32_t check_image(encre_context *context, const encre_image *image, con
 	if (image->width < 1 || image->height < 1 || image->width > MAX_SIZE || image->height > MAX_SIZE)
 		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: is %d x %d pixels; give 1 to %d each way", what->name, (int)image->width, (int)image->height, MAX_SIZE);
 	if (image->width != width || image->height != height)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: is %d x %d pixels, but combined is %d x %d; give all layers the same size", what->name, (int)image->width, (int)image->height, width, height);
+		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: is %d x %d pixels where %d x %d are due; give all images the same size", what->name, (int)image->width, (int)image->height, width, height);
 	if (image->pixel_stride % 4 || image->row_stride % 4 || (image->pixel_stride && image->pixel_stride < 4 * (int64_t)image->channels))
 		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: strides are not whole floats or shorter than a pixel; give bytes, multiples of 4", what->name);
 	return ENCRE_OK;
@@ -391,4 +403,48 @@ int32_t encre_raster(encre_context *context, encre_raster_job *job)
 	rows_progress(pool, job->progress, job->user);
 	int32_t code = raster_run(pool, &clean, context->error, sizeof context->error);
 	return context->error[0] ? code : fail_code(context, code);
+}
+
+/* ---- bake ------------------------------------------------------------------------------------------------ */
+
+static int32_t check_bake(encre_context *context, const encre_bake_job *job)
+{
+	int width = job->texture.width, height = job->texture.height, channels = job->texture.channels;
+	if (!job->texture.data || channels < 3 || channels > 4)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "texture: has %d channels; give 3 or 4", job->texture.data ? channels : 0);
+	if (width < 1 || height < 1 || width > ENCRE_MAX_TEXELS || height > ENCRE_MAX_TEXELS)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "texture: is %d x %d texels; give 1 to %d each way", width, height, ENCRE_MAX_TEXELS);
+	const encre_layer_description what[] = {{"texture", "", channels, 1}, {"form", "", 3, 0}, {"output", "", channels, 0}};
+	const encre_image *images[] = {&job->texture, &job->form, &job->output};
+	for (int i = 0; i < 3; i++) {
+		int32_t code = images[i]->data ? check_image(context, images[i], what + i, width, height) : ENCRE_OK;
+		if (code)
+			return code;
+	}
+	if (!job->params)
+		return fail(context, ENCRE_ERROR_ARGUMENT, "params: are missing; give a parameter block");
+	char text[400];
+	const char *e = encre_params_check(job->params, text, sizeof text);
+	return e ? fail(context, ENCRE_ERROR_ARGUMENT, "%s", e) : ENCRE_OK;
+}
+
+int32_t encre_bake(encre_context *context, encre_bake_job *job)
+{
+	context->error[0] = 0;
+	int32_t code = check_bake(context, job);
+	if (code)
+		return code;
+	encre_bake_job clean = *job;
+	clean.texture = with_strides(job->texture);
+	clean.form = with_strides(job->form);
+	clean.output = with_strides(job->output);
+	rows *pool = pool_of(context);
+	if (!pool)
+		return fail_code(context, ENCRE_ERROR_MEMORY);
+	rows_progress(pool, job->progress, job->user);
+#ifdef ENCRE_HAVE_V3
+	if (use_v3(context))
+		return fail_code(context, bake_run_v3(pool, &clean, job));
+#endif
+	return fail_code(context, bake_run_base(pool, &clean, job));
 }

@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 1 };
+enum { ENCRE_API_VERSION = 2 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -178,7 +178,7 @@ typedef struct encre_job {
 ENCRE_API encre_context *encre_create(int32_t api_version);
 ENCRE_API void encre_destroy(encre_context *context); /* NULL is allowed */
 /* Threads to use, the calling one included; 0 (default) = as many as processors. Results never depend on it;
- * where threads can't be started, fewer are used. */
+ * where threads can't be started, fewer are used. At most 1024. */
 ENCRE_API int32_t encre_set_threads(encre_context *context, int32_t threads);
 /* 0 = baseline instructions, 1 (default) = the best that processor and build have. Results never depend on it. */
 ENCRE_API int32_t encre_set_simd(encre_context *context, int32_t level);
@@ -238,6 +238,33 @@ typedef struct encre_raster_job {
  * triangles neither overlap nor leave gaps (top-left rule); equal depths: the earlier mesh, then the earlier
  * primitive. Absent outputs are skipped; present ones share one size. Indices out of range are an error. */
 ENCRE_API int32_t encre_raster(encre_context *context, encre_raster_job *job);
+
+/* ---- baking ---------------------------------------------------------------------------------------------- */
+
+/* Lines where colours meet, drawn into a texture. Of `params`, one block, these count: line_thickness in texels,
+ * contrast_metric, contrast_threshold, contrast_max, contrast_auto and contrast_window in texels. */
+typedef struct encre_bake_job {
+	encre_image texture; /* 3 or 4 channels; a fourth is kept as it is */
+	/* 3 channels, or absent: how long a step is on the surface. A step of x texels to the right and y down has the squared
+	 * length E x^2 + 2 F x y + G y^2; the unit is that of line_thickness, best a texel of mean size. Lines then have
+	 * the same width everywhere on the surface. 0, or what is not finite, stands for 1, 0, 1. */
+	encre_image form;
+	encre_image output; /* as texture: texture * (1 - coverage), in the values that it stores; absent: only measures */
+	const void *params;
+	int32_t linear;         /* 0: sRGB-encoded values, 1: linear ones */
+	int32_t wrap_x, wrap_y; /* 1: the texture tiles in this direction */
+	int32_t reserved;
+	encre_progress progress; /* may be NULL */
+	void *user;
+	int64_t nonfinite; /* out: how many values of the texture were NaN or infinite and read as 0 */
+	double greatest;   /* out: the greatest difference by contrast_metric of two opposite neighbours of a texel */
+} encre_bake_job;
+
+enum { ENCRE_MAX_TEXELS = 32768 };
+
+/* Widths and heights are 1 to ENCRE_MAX_TEXELS, the same for all images. Without a form each texel draws a disc of radius
+ * line_thickness * strength / 2 about its centre, with it an ellipse about the boundary that it sees. */
+ENCRE_API int32_t encre_bake(encre_context *context, encre_bake_job *job);
 
 #ifdef __cplusplus
 }

@@ -3,6 +3,7 @@
 #ifndef ENCRE_METRIC_H
 #define ENCRE_METRIC_H
 
+#include "pixel.h"
 #include "stage.h"
 
 /* Turns n linear colours within 0..1, one plane a channel, into those that contrast_metric `metric` compares, in place:
@@ -13,5 +14,13 @@ void ISA(metric_space)(int metric, int n, float *restrict r, float *restrict g, 
  * metric_space. Black and white differ by 1. */
 void ISA(metric_difference)(int metric, int n, const float *const a[3], const float *const b[3],
 			    float *restrict greatest);
+
+/* Strength of an edge between colours that differ this much: 0 below `least`, 1 from `most` on. */
+static inline float metric_strength(float difference, float least, float most)
+{
+	float ramp = most - least, share = (difference - least) / (ramp > 0 ? ramp : 1);
+	share = ramp > 0 ? clamp01(share) : 1;
+	return difference < least ? 0 : share;
+}
 
 #endif

@@ -22,14 +22,7 @@ static const encre_levels shade_levels_default = {3, {LEVEL(0.5f, 0, 0), LEVEL(0
 #define LEVELS(...)
 #define ENUM(pid, scp, val, enb, lab, hlp, its) static const encre_enum_item pid##_items[] = {its};
 #include "all.rows.h"
-#undef STAGE
-#undef BOOL
-#undef INT
-#undef FLOAT
-#undef COLOR
-#undef IMAGE
-#undef LEVELS
-#undef ENUM
+#include "undef.rows.h"
 
 #define HEAD(pid, scp, typ, unt, enb, lab, hlp)                                                                        \
 	.id = #pid, .label = lab, .help = hlp, .unit = unt, .enabled_if = enb, .type = typ, .scope = ENCRE_##scp,      \
@@ -51,14 +44,7 @@ static const encre_levels shade_levels_default = {3, {LEVEL(0.5f, 0, 0), LEVEL(0
 static const encre_param_info table[] = {
 #include "all.rows.h"
 };
-#undef STAGE
-#undef BOOL
-#undef INT
-#undef FLOAT
-#undef ENUM
-#undef COLOR
-#undef IMAGE
-#undef LEVELS
+#include "undef.rows.h"
 
 /* A stage's share of the table: from its first row to the next stage's. An enum that counts rows gives the places. */
 #define STAGE(sid, lab, hlp) sid##_first, sid##_fence = sid##_first - 1,
@@ -74,16 +60,8 @@ enum row {
 #include "all.rows.h"
 	n_rows
 };
-#undef STAGE
+#include "undef.rows.h"
 #undef ROW
-#undef BOOL
-#undef INT
-#undef FLOAT
-#undef ENUM
-#undef COLOR
-#undef IMAGE
-#undef LEVELS
-#undef ITEM
 #undef HEAD
 #undef NUMBER
 
@@ -98,14 +76,7 @@ enum row {
 static const encre_stage_description stages[] = {{.id = NULL
 #include "all.rows.h"
 }};
-#undef STAGE
-#undef BOOL
-#undef INT
-#undef FLOAT
-#undef ENUM
-#undef COLOR
-#undef IMAGE
-#undef LEVELS
+#include "undef.rows.h"
 
 const encre_stage_description *encre_stage_info(int32_t stage)
 {
@@ -138,7 +109,8 @@ void encre_params_init(void *params)
 
 static const char *check_number(const encre_param_info *p, double value, char *text, size_t size)
 {
-	if (value >= p->hard_min && value <= p->hard_max)
+	/* The limits are decimals: the float nearest to one counts as the limit itself. */
+	if (value >= (double)(float)p->hard_min && value <= (double)(float)p->hard_max)
 		return NULL;
 	if (p->hard_max >= FLT_MAX)
 		snprintf(text, size, "%s: %g is out of range; give %g or more", p->id, value, p->hard_min);

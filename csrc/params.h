@@ -28,15 +28,9 @@
 #define LEVELS(...)
 #define ENUM(id, scope, value, enabled_if, label, help, items) enum id##_item { items };
 #include "all.rows.h"
-#undef BOOL
-#undef INT
-#undef FLOAT
-#undef ENUM
-#undef COLOR
-#undef IMAGE
-#undef LEVELS
-#undef ITEM
+#include "undef.rows.h"
 
+#define STAGE(...)
 #define BOOL(id, ...) int32_t id;
 #define INT(id, ...) int32_t id;
 #define FLOAT(id, ...) float id;
@@ -47,13 +41,6 @@
 typedef struct encre_params {
 #include "all.rows.h"
 } encre_params;
-#undef BOOL
-#undef INT
-#undef FLOAT
-#undef ENUM
-#undef COLOR
-#undef IMAGE
-#undef LEVELS
-#undef STAGE
+#include "undef.rows.h"
 
 #endif

@@ -131,6 +131,13 @@ static inline float pixel_pow(float x, float y)
 	return y > 0 ? power : 1;
 }
 
+/* Inverse of srgb_encode, x in 0..1. */
+static inline float srgb_decode(float x)
+{
+	float power = pixel_pow((x + 0.055f) * (1 / 1.055f), 2.4f);
+	return x <= 0.04045f ? x * (1 / 12.92f) : power;
+}
+
 /* Angle of (x, y) in -pi..pi; 0 for (0, 0). Finite, and not so small that their ratio's operands are subnormal. */
 static inline float pixel_atan2(float y, float x)
 {

@@ -77,6 +77,23 @@ def test_params_are_written_as_set_takes_them(run):
             assert core.parse(id_, value.strip('"')) == core.defaults()[id_], line
 
 
+@pytest.mark.parametrize("id_", [id_ for id_, p in core.params().items() if p.type in ("int", "float")])
+def test_limits_are_inside(id_):
+    """Also as the float that Blender keeps of them, which may lie a little beyond the decimal."""
+    p = core.params()[id_]
+    kept = int if p.type == "int" else lambda x: float(np.float32(x))
+    inside = [limit for limit in (p.hard_min, p.hard_max) if limit is not None]
+    for value in [*inside, *map(kept, inside)]:
+        assert core.normal(p, value) == value
+        rest = {"depth_far": {"depth_near": 0.0}}.get(id_, {})
+        assert core.check({id_: value, **rest})[id_] == value
+    beyond = [p.hard_min - 1e-3 if p.type == "float" else p.hard_min - 1,
+              p.hard_max * 1.001 + 1 if p.hard_max is not None else 1e39]
+    for value in beyond:
+        with pytest.raises(core.EncreError, match=f"{id_}: .* is out of range"):
+            core.check({id_: value})
+
+
 def test_presets(run):
     status, out, _ = run("presets")
     assert status == 0 and [line.partition(":")[0] for line in out.splitlines()] == [p.id for p in presets.presets()]
@@ -102,7 +119,8 @@ def test_composite_reads_what_every_blender_writes(run, tmp_path, scene, layout,
     path = exr.write(tmp_path / "in.exr", pictures, layout)
     sets = [f"--set={id_}={'off' if value is False else value}" for id_, value in settings.items()]
     status, out, err = run("composite", path, "-o", tmp_path / "out.exr", *sets)
-    assert status == 0 and out == "" and err.startswith("encre: note: ") and err.count("\n") == 1
+    assert status == 0 and out.startswith(f"{tmp_path / 'out.exr'} (")
+    assert err.startswith("encre: note: ") and err.count("\n") == 1
     prefix = "" if layout == "bare" else "ViewLayer."
     for name, picture in expected(pictures, settings, outputs=("Combined", *layers.DRAWN)).items():
         assert np.array_equal(exr.picture(tmp_path / "out.exr", prefix + name), picture), name
@@ -126,7 +144,7 @@ def frame_file(tmp_path, scene):
 def test_composite_gives_a_saved_frame_again(run, tmp_path, frame_file):
     path, pictures, camera, frame = frame_file
     status, out, err = run("composite", path, "-o", tmp_path / "out.exr")
-    assert (status, out, err) == (0, "", "")
+    assert (status, err) == (0, "") and out.startswith(f"{tmp_path / 'out.exr'} (")
     settings = {"line_thickness": 20, "shade_levels": [(0.4,), (1, 0.5, 0.1)]}
     again = expected(pictures, settings, [STYLES[0][1]], camera, frame)["Combined"]
     assert np.array_equal(exr.picture(tmp_path / "out.exr"), again)
@@ -165,6 +183,13 @@ def test_composite_half(run, tmp_path, scene):
     with np.errstate(over="ignore"):  # nothing is there at 1e10, which is infinite in half
         rounded = {name: p.astype(np.float16).astype(np.float32) for name, p in pictures.items()}
     assert np.array_equal(exr.picture(tmp_path / "out.exr"), expected(rounded)["Combined"])
+
+
+def test_composite_writes_the_longest_name(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    out = tmp_path / ("a" * 251 + ".png")
+    assert run("composite", path, "-o", out)[0] == 0
+    assert sorted(os.listdir(tmp_path)) == [out.name, "in.exr"]
 
 
 def test_composite_png(run, tmp_path, scene):
@@ -276,9 +301,13 @@ def test_composite_names_missing_passes(run, tmp_path, scene, data):
     (["--set", "shade_levels=0.5; 0.7,0.5,0.2; 1,0.55,0.2"], ["shade_levels", "overlap"]),
     (["--set", "paper_image=nowhere.png"], ["nowhere.png"]),
     (["--preset", "watermemory"], ["watermemory", "Water Memory"]),
+    (["--preset", ""], ["unknown preset", "Water Memory"]),
     (["--threads", "0"], ["--threads", "'0'"]),
+    (["--threads", "1025"], ["threads", "1025", "1024"]),
     (["--frobnicate"], ["--frobnicate"]),
     (["-o", "out.jpg"], ["out.jpg", ".png"]),
+    (["-o", ".exr"], [".exr must be a name"]),
+    (["-o", "a" * 252 + ".exr"], ["can't be written", "too long"]),
     (["-o", "/proc/nothing/out.exr"], ["/proc/nothing/out.exr", "can't be written"]),
 ])
 def test_composite_refuses(run, tmp_path, scene, options, words, monkeypatch):

@@ -60,7 +60,7 @@ def encre(*args, python=sys.executable, **options):
 
 
 def works(result):
-    assert result.returncode == 0 and result.stdout == "" and "error" not in result.stderr, result.stderr
+    assert result.returncode == 0 and result.stdout.count("\n") <= 1 and "error" not in result.stderr, result.stderr
     return result.stderr
 
 
@@ -151,6 +151,12 @@ def test_frames_and_resume(cube, tmp_path):
     assert (tmp_path / "new" / "f_03.png").read_bytes() == b"finished"
 
 
+def test_a_frame_that_cannot_be_written_is_found_before_rendering(cube, tmp_path):
+    (tmp_path / "out0003.png").mkdir()
+    fails(encre("render", cube, "-o", tmp_path / "out.png", "-s", "1", "-e", "3"), "out0003.png", "is a folder")
+    assert left(tmp_path) == ["out0003.png"]
+
+
 def test_blend_file(tmp_path):
     """A saved file renders as it stands: its own engine, frame and settings are no obstacle."""
     blend = tmp_path / "cube.blend"
@@ -198,6 +204,9 @@ def test_broken_blend(tmp_path, content):
     (["scene.txt"], ["scene.txt", ".blend or .py"]),
     (["cube.py", "-o", "out.jpg"], ["out.jpg"]),
     (["cube.py", "-o", "/proc/nothing/out.png"], ["/proc/nothing/out.png", "can't be written"]),
+    (["cube.py", "-o", "a" * 252 + ".png"], ["can't be written", "too long"]),
+    (["cube.py", "-o", ".png"], [".png must be a name"]),
+    (["cube.py", "-f", "1048575"], ["1048575", "1048574"]),
     (["cube.py", "-f", "1", "-s", "2"], ["-f", "-s"]),
     (["cube.py", "-s", "5", "-e", "2"], ["-s 5", "-e 2"]),
     (["cube.py", "-s", "9"], ["cube.py", "no frame"]),
@@ -207,6 +216,7 @@ def test_broken_blend(tmp_path, content):
     (["cube.py", "--set", "paper_source=IMAGE"], ["paper_image", "choose an image"]),
     (["cube.py", "--preset", "Ink onyl"], ["Ink onyl", "Ink only"]),
     (["cube.py", "--blender", "no/blender"], ["no/blender"]),
+    (["cube.py", "--blender", ""], ["--blender"]),
     (["cube.py", "--blender", "/bin/true"], ["/bin/true", "is it Blender?"]),
     (["cube.py", "--blender", "./crash"], ["./crash", "SIGSEGV"]),
 ])

@@ -118,10 +118,13 @@ def _measured(seen):
     return np.concatenate([seen["normal"], seen["albedo"], seen["light"][..., None], alpha], -1)
 
 
-def _blackman(at):
-    """Blackman-Harris, at = -0.5…0.5 of its width."""
-    at = 2 * np.pi * (at + 0.5)
-    return 0.35875 - 0.48829 * np.cos(at) + 0.14128 * np.cos(2 * at) - 0.01168 * np.cos(3 * at)
+def _place(filter, share):
+    """Where in the pixel a filter has gathered that share (0…1) of its weight: even shares are samples of even weight."""
+    if filter == "box":
+        return share - 0.5
+    at = np.linspace(0, 2 * np.pi, 1001)  # Blackman-Harris, integrated
+    below = 0.35875 * at - 0.48829 * np.sin(at) + 0.14128 / 2 * np.sin(2 * at) - 0.01168 / 3 * np.sin(3 * at)
+    return np.interp(share, below / below[-1], 1.5 * (at / (2 * np.pi) - 0.5))
 
 
 @dataclass
@@ -231,23 +234,21 @@ class Scene:
     def _average(self, soft, filter):
         """Replace soft (rows, columns, 8) by averages where a contour is within 2 pixels; else the centre will do.
 
-        One jittered sample in each of 8×8 cells, each pixel with its own."""
+        One jittered sample in each of 8×8 cells of the filter's weight, each pixel with its own."""
         truth, (h, w) = self.truth, self.size
         busy = np.zeros(self.size, bool)
         for dy in range(-2, 3):
             for dx in range(-2, 3):
                 busy[np.clip(np.rint(truth.y + dy).astype(int), 0, h - 1),
                      np.clip(np.rint(truth.x + dx).astype(int), 0, w - 1)] = True
-        width = 1.0 if filter == "box" else 1.5
         cell_y, cell_x = np.indices((_GRID, _GRID)).reshape(2, -1)
         rng = np.random.default_rng(1)
         spots = np.argwhere(busy)
         for spot in np.array_split(spots, len(spots) // 4096 + 1):
             jitter = rng.random((2, len(spot), _GRID**2))
-            dy, dx = ((cell + j) / _GRID - 0.5 for cell, j in zip((cell_y, cell_x), jitter, strict=True))
-            weight = np.ones(dy.shape) if filter == "box" else _blackman(dy) * _blackman(dx)
-            samples = _measured(self.trace(spot[:, 1:] + width * dx, spot[:, :1] + width * dy))
-            soft[spot[:, 0], spot[:, 1]] = (samples * weight[..., None]).sum(1) / weight.sum(1)[:, None]
+            dy, dx = (_place(filter, (cell + j) / _GRID) for cell, j in zip((cell_y, cell_x), jitter, strict=True))
+            samples = _measured(self.trace(spot[:, 1:] + dx, spot[:, :1] + dy))
+            soft[spot[:, 0], spot[:, 1]] = samples.mean(1)
 
     @property
     def camera_settings(self):

@@ -179,4 +179,5 @@ def draw(seed, **more):
     camera = look(eye, (0, 0.7, 0), roll=rng.uniform(-0.1, 0.1))
     if rng.random() < 0.2:
         camera.height = rng.uniform(3.5, 5)
+        camera.eye = camera.eye + 200 * camera.view[2]  # its plane is clear of the floor
     return Scene(camera, [floor, *solids], light, **more)

@@ -76,13 +76,13 @@ class Web:
 
     # Ends
 
-    def tie(self, agree):
+    def tie(self, agree, wedge):
         """Tie loose ends to each other and to sites ahead; agree(family, a, b): whether the picture shows an edge
         between two places."""
         for _ in range(2):
             ends = self._ends()
             aims = {end: self._aims(*end_and_way, agree) for end, end_and_way in ends.items()}
-            done = self._pair(ends, aims, agree)
+            done = self._pair(ends, aims, agree, wedge)
             extra = [(end, aim[0][1]) for end, aim in aims.items() if end not in done and aim]
             self.links = np.concatenate([self.links, np.array(extra, int).reshape(-1, 2)])
 
@@ -121,7 +121,7 @@ class Web:
                  if d[k] <= SHORT or agree(FAMILIES[family[end]], at[end], at[k])]
         return sorted(found)
 
-    def _pair(self, ends, aims, agree):
+    def _pair(self, ends, aims, agree, wedge):
         """Join ends of one family two by two, by a link or by a new site where their rays cross; gives those joined."""
         at, family = self.sites.at, self.sites.family
         joins, keys = [], sorted(ends)
@@ -137,11 +137,13 @@ class Web:
                 if facing >= np.cos(np.radians(20)) and d <= REACH:
                     if d <= SHORT or agree(FAMILIES[family[a]], at[a], at[b]):
                         joins.append((d / 2, a, b, None))
-                elif abs(sine) >= 0.34:
+                elif abs(sine) >= 0.25:
                     s = (gap[0] * two[1] - gap[1] * two[0]) / sine
                     t = (gap[0] * one[1] - gap[1] * one[0]) / sine
-                    if min(s, t) >= -0.5 and max(s, t) <= 4:
-                        joins.append((max(s, t), a, b, at[a] + s * one))
+                    corner = at[a] + s * one
+                    if min(s, t) >= -0.5 and (max(s, t) <= 4 and abs(sine) >= 0.34 or max(s, t) <= 10 and wedge(
+                            FAMILIES[family[a]], at[a], at[b], corner)):
+                        joins.append((max(s, t), a, b, corner))
         done = set()
         for cost, a, b, corner in sorted(joins, key=lambda join: join[:3]):
             if a in done or b in done:

@@ -77,8 +77,10 @@ def find(layers, params, crease_angle=CREASE_ANGLE):
     number = np.cumsum(keep) - 1
     web.add(found.take(keep), number[links[keep[links].all(1)]])
 
-    signals = {"outline": (layers.normal, 0.12), "normal": (layers.normal, 0.12), "color": (encoded, 0.02)}
-    web.tie(lambda family, a, b: _agree(*signals[family], a, b) if family in signals else True)
+    light = metric.value(layers.diffuse)[..., None]
+    signals = {"outline": (layers.normal, 0.12), "normal": (layers.normal, 0.12), "color": (encoded, 0.02), "light": (light, 0.05)}
+    web.tie(lambda family, a, b: family == "light" or _agree(*signals[family], a, b),
+            lambda family, a, b, corner: _wedge(*signals[family], a, b, corner))
     pixel = tuple(web.sites.pixel.T)
     own = tuple(o[pixel] for o in owner)
     return Fine(web.sites, web.links, chains(len(web.sites), web.links), own, layers.depth[own])
@@ -168,6 +170,22 @@ def _agree(image, least, a, b):
         one, two = (image[tuple(np.clip(grid.round_half_up(q), 0, np.array(image.shape[:2]) - 1))]
                     for q in (p - side, p + side))
         if np.sqrt(((one - two) ** 2).sum()) < least:
+            return False
+    return True
+
+
+def _wedge(image, least, a, b, corner):
+    """Whether what lies between two lines that would meet at a corner differs from what lies outside."""
+    def read(p):
+        return image[tuple(np.clip(grid.round_half_up(p), 0, np.array(image.shape[:2]) - 1))]
+    if min(np.hypot(*(corner - a)), np.hypot(*(corner - b))) < 1e-6:
+        return False
+    inside = read((a + b + corner) / 3)
+    for p, other in ((a, b), (b, a)):
+        way = (corner - p) / np.hypot(*(corner - p))
+        side = np.array([-way[1], way[0]])
+        side *= -np.sign(side @ (other - p))
+        if np.sqrt(((read((p + corner) / 2 + 1.5 * side) - inside) ** 2).sum()) < least:
             return False
     return True
 

@@ -50,6 +50,14 @@ def clear_of(at, others, distance):
     return keep
 
 
+def centred(offset):
+    """An offset from a pixel's centre that shares tell, half corrected for a pixel filter narrower than a box.
+
+    Shares of a box are linear in the offset. Those of a Blackman-Harris filter of 1.5 pixels are 0.13 sin(2π offset) too
+    large along an axis and 0.05 along a diagonal; with this neither filter is 0.07 off."""
+    return offset - 0.06 * np.sin(2 * np.pi * offset)
+
+
 # Cracks: (rows, columns) arrays about the pair of a pixel p and the next one q of its row; columns by transposition
 
 
@@ -97,7 +105,7 @@ def place_crack(layers, axis):
     seen = (weight * (a - b) ** 2).sum(-1)
     safe = np.where(seen > 0, seen, 1)
     share = sum(clamp01((weight * (x - b) * (a - b)).sum(-1) / safe) for x in (p, q))
-    t = clamp01(share - 0.5)
+    t = centred(clamp01(share - 0.5))
     return (seen * t + 2) / (seen + 4)  # pulled to the middle where there is nothing to see
 
 
@@ -195,6 +203,14 @@ class Reads:
     def all_open(self):
         return np.all(list(self.open.values()), axis=0)
 
+    def bend(self):
+        """v(1) − v(−1) less what the slopes to either side explain; a side that can't be read has the other's."""
+        before, after = self[-1] - self[-2], self[2] - self[1]
+        has = {way: (self.open[way] & self.open[2 * way])[..., None] for way in (-1, 1)}
+        before, after = np.where(has[-1], before, np.where(has[1], after, 0)), \
+            np.where(has[1], after, np.where(has[-1], before, 0))
+        return self[1] - self[-1] - self.open[-1][..., None] * before - self.open[1][..., None] * after
+
 
 def _norm(v):
     return np.sqrt((v**2).sum(-1))
@@ -215,7 +231,7 @@ def ridges(signal, linear, mixed, floor):
     found = []
     for axis, r, step in zip((1, 0), reads, steps, strict=True):
         own = turn(axis, across if axis else ~across)
-        jump = _norm(r[1] - r[-1] - (r[-1] - r[-2]) - (r[2] - r[1]))
+        jump = _norm(r.bend())
         on = own & (jump > 0.4 * step) & (jump > floor) & (step > 0)
         for k in (-2, -1, 1, 2):
             on &= (step > along(step, k)) if k < 0 else (step >= along(step, k))
@@ -223,7 +239,7 @@ def ridges(signal, linear, mixed, floor):
         a, b = x[-2][on], x[2][on]
         square = ((a - b) ** 2).sum(-1)
         share = sum(clamp01(((x[k][on] - b) * (a - b)).sum(-1) / np.where(square > 0, square, 1)) for k in (-1, 0, 1))
-        place = np.argwhere(on) + np.stack([0 * share, np.clip(share - 1.5, -1, 1)], 1)
+        place = np.argwhere(on) + np.stack([0 * share, np.clip(centred(share - 1.5), -1, 1)], 1)
         found.append((place if axis else place[:, ::-1], jump[on], r[-2][on], r[2][on]))
     return [np.concatenate(part) for part in zip(*found, strict=True)]
 

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in a Blender with a window: `bake_window.py -- bake FOLDER` bakes as a user does: dialog, Esc, undo.
+
+Needs --enable-event-simulate.
+"""
+
+import os
+import sys
+
+import bpy
+import numpy as np
+
+sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+import cases  # noqa: E402
+import window  # noqa: E402
+
+IMAGES, SIDE = 6, 512  # enough that Esc comes before the end
+
+
+def node(k):
+    return bpy.data.materials[f"Material {k}"].node_tree.nodes["Image Texture"]
+
+
+def shown():
+    return [node(k).image.name for k in range(IMAGES)]
+
+
+def build():
+    """The default cube with a material for each of several images."""
+    cases.register()
+    bpy.context.scene.render.engine = "ENCRE"
+    cube = bpy.data.objects["Cube"]
+    cube.data.materials.clear()
+    for k in range(IMAGES):
+        image = bpy.data.images.new(f"Image {k}", SIDE, SIDE)
+        pixels = np.ones((SIDE, SIDE, 4), np.float32)
+        pixels[:SIDE // 2, :, 0] = k / IMAGES
+        image.pixels.foreach_set(pixels.reshape(-1))
+        material = bpy.data.materials.new(f"Material {k}")
+        material.use_nodes = True
+        material.node_tree.nodes.new("ShaderNodeTexImage").image = image
+        cube.data.materials.append(material)
+    cube.select_set(True)
+    bpy.ops.ed.undo_push(message="Built")
+
+
+def press(key):
+    for value in ("PRESS", "RELEASE"):
+        window.window().event_simulate(type=key, value=value)
+
+
+def dialog():
+    with window.override("VIEW_3D"):
+        bpy.ops.encre.bake("INVOKE_DEFAULT")
+
+
+def running():
+    return any(image.name.endswith("lines") for image in bpy.data.images)
+
+
+def accept():
+    dialog()
+    yield
+    window.screenshot("dialog")
+    press("RET")
+
+
+def bake():
+    yield from accept()
+    for _ in range(100):
+        yield
+        if shown()[-1].endswith("lines"):
+            break
+    cases.fact("baked", shown())
+    yield
+    with window.override("VIEW_3D"):
+        bpy.ops.ed.undo()
+    yield
+    cases.fact("undone", shown())
+
+
+def cancel():
+    yield from accept()
+    while not running():
+        yield
+    press("ESC")
+    for _ in range(10):
+        yield
+    cases.fact("cancelled", shown())
+    cases.fact("left over", running())
+
+
+def steps():
+    for step in (build, cancel, bake):
+        made = step()
+        if made is not None:
+            yield from made
+        yield
+
+
+if __name__ == "__main__":
+    todo = steps()
+    bpy.context.preferences.view.show_splash = False
+    bpy.app.timers.register(lambda: window.run(todo), first_interval=1.0)
