@@ -216,13 +216,13 @@ def write_textures(textures):
     oiio = _oiio()
     with contextlib.ExitStack() as parts:
         done = []
-        for path, texture in textures.items():
+        for number, (path, texture) in enumerate(textures.items()):
             height, width, channels = texture.pixels.shape
             spec = oiio.ImageSpec(width, height, channels, texture.kind)
             spec["oiio:ColorSpace"] = "Linear" if texture.linear else "sRGB"
             if texture.straight:
                 spec["oiio:UnassociatedAlpha"] = 1
-            done.append((parts.enter_context(_part(path, spec, texture.pixels)), path))
+            done.append((parts.enter_context(_part(path, spec, texture.pixels, number)), path))
         for part, path in done:
             os.replace(part, path)
 
@@ -353,11 +353,12 @@ def _write(path, spec, pixels):
 
 
 @contextlib.contextmanager
-def _part(path, spec, pixels):
-    """A finished file beside `path`, to take its name; removed if it does not. Raises WriteError."""
+def _part(path, spec, pixels, number=0):
+    """A finished file beside `path`, to take its name; removed if it does not. `number` tells those apart that are
+    there at once. Raises WriteError."""
     oiio = _oiio()
     folder, ending = os.path.dirname(os.path.abspath(path)), os.path.splitext(path)[1]
-    part = os.path.join(folder, f".encre-{os.getpid()}{ending}")  # the ending tells OpenImageIO the format
+    part = os.path.join(folder, f".encre-{os.getpid()}-{number}{ending}")  # the ending tells OpenImageIO the format
     try:
         out = oiio.ImageOutput.create(part)
         good = out.open(part, spec) and out.write_image(pixels)

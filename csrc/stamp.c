@@ -102,17 +102,26 @@ static void color_at(const bake *b, int x, int y, float color[3])
 		color[c] = fabsf(v[c]) <= FLT_MAX ? clamp01(v[c]) : 0;
 }
 
-/* Where the boundary lies between two neighbours of opposite sides whose colors differ by `*square`: a texel that is
- * wholly the first's ends there, one that is wholly the second's begins there, a mixed one is cut by its shares. */
-static float boundary(const float a[3], const float middle[3], const float b[3], float *square)
+/* Where the boundary between the colors of two opposite neighbours of (x, y) lies, from the texel towards the second;
+ * *square: how much they differ. In each of three lines the texels that are the first's count, mixed ones by their share; the
+ * lines are averaged, so that the steps of a slanted boundary do not show. */
+static float boundary(const bake *b, int x, int y, int axis, float *square)
 {
-	float along = 0;
+	float from[3], to[3], sum = 0;
+	color_at(b, x - !axis, y - axis, from);
+	color_at(b, x + !axis, y + axis, to);
 	*square = 0;
-	for (int c = 0; c < 3; c++) {
-		along += (middle[c] - a[c]) * (b[c] - a[c]);
-		*square += (b[c] - a[c]) * (b[c] - a[c]);
-	}
-	return *square > 0 ? 0.5f - clamp01(along / *square) : 0;
+	for (int c = 0; c < 3; c++)
+		*square += (to[c] - from[c]) * (to[c] - from[c]);
+	for (int line = -1; *square > 0 && line <= 1; line++)
+		for (int at = -1; at <= 1; at++) {
+			float color[3], along = 0;
+			color_at(b, x + (axis ? line : at), y + (axis ? at : line), color);
+			for (int c = 0; c < 3; c++)
+				along += (color[c] - from[c]) * (to[c] - from[c]);
+			sum += (line ? 0.25f : 0.5f) * (0.5f - clamp01(along / *square));
+		}
+	return sum;
 }
 
 /* Darkness of texels x..end-1 of a row, dy below the centre, by an ellipse. The line's share of a texel is that of a straight
@@ -163,18 +172,13 @@ static void stamp_ellipse(const bake *b, const sheet *s, const form *m, float cx
 /* One ellipse for each axis along which the colors differ clearly. Diagonal pairs see boundaries that others are nearer to. */
 static void stamp_site(const bake *b, const sheet *s, int x, int y, float radius)
 {
-	float here[3], a[2][3], c[2][3], offset[2], square[2];
-	color_at(b, x, y, here);
-	for (int axis = 0; axis < 2; axis++) {
-		color_at(b, x - !axis, y - axis, a[axis]);
-		color_at(b, x + !axis, y + axis, c[axis]);
-		offset[axis] = boundary(a[axis], here, c[axis], square + axis);
-	}
-	float clear = 0.5f * (square[0] > square[1] ? square[0] : square[1]);
+	float across, down, dx = boundary(b, x, y, 0, &across), dy = boundary(b, x, y, 1, &down);
+	float clear = 0.5f * (across > down ? across : down);
 	form m = form_at(b, x, texel_index(y, b->height, true));
-	for (int axis = 0; axis < 2; axis++)
-		if (square[axis] > 0 && square[axis] >= clear)
-			stamp_ellipse(b, s, &m, (float)x + (axis ? 0 : offset[0]), (float)y + (axis ? offset[1] : 0), radius);
+	if (across > 0 && across >= clear)
+		stamp_ellipse(b, s, &m, (float)x + dx, (float)y, radius);
+	if (down > 0 && down >= clear)
+		stamp_ellipse(b, s, &m, (float)x, (float)y + dy, radius);
 }
 
 /* ---- rows ------------------------------------------------------------------------------------------------ */
@@ -185,7 +189,7 @@ float ISA(stamp_reach)(const bake *b, int x, int y)
 	if (!b->job->form.data)
 		return radius;
 	form m = form_at(b, x, y);
-	float high = limit_of(&m, radius) * sqrtf(m.e / m.det) + 0.5f;
+	float high = limit_of(&m, radius) * sqrtf(m.e / m.det) + 1; /* the centre is within a texel of this one */
 	return high < most ? high : most;
 }
 

@@ -59,22 +59,31 @@ def ellipses(radius, form, texture, wrap):
     """On the surface: centres on the boundary of the colours, rims one texel wide."""
     cover = np.zeros(radius.shape)
     color = metric.clamp01(texture[..., :3])
-    for y, x in np.argwhere(radius > 0):
-        steps = []
-        for dy, dx in ((0, 1), (1, 0)):
-            before, after = (beside(color, s * dy, s * dx, wrap)[y, x] for s in (-1, 1))
-            across = after - before
-            square = across @ across
-            share = metric.clamp01((color[y, x] - before) @ across / square) if square else 0.5
-            steps.append((square, (0.5 - share) * dy, (0.5 - share) * dx))
-        most = max(s[0] for s in steps)
-        e, f, g = form[y, x]
-        for square, oy, ox in steps:
-            if square == 0 or square < most / 2:
-                continue
+    axes = [_boundary(color, axis, wrap) for axis in (0, 1)]
+    clear = np.maximum(axes[0][0], axes[1][0]) / 2
+    for axis, (square, offset) in enumerate(axes):
+        for y, x in np.argwhere((radius > 0) & (square > 0) & (square >= clear)):
+            oy, ox = (offset[y, x], 0) if axis else (0, offset[y, x])
             for dy, dx in _offsets(radius.shape, y + oy, x + ox, wrap):
-                cover = np.maximum(cover, _line(dx, dy, e, f, g, radius[y, x]))
+                cover = np.maximum(cover, _line(dx, dy, *form[y, x], radius[y, x]))
     return cover
+
+
+def _boundary(color, axis, wrap):
+    """How much the neighbours before and behind differ (squared), and where along the axis the boundary is: in three
+    lines side by side, of three texels each, as many are before it as are of the first one's colour; their mean."""
+    def at(along, aside):
+        return beside(color, *((along, aside) if axis else (aside, along)), wrap)
+
+    first = at(-1, 0)
+    change = at(1, 0) - first
+    square = (change**2).sum(-1)
+    places = []
+    for aside in (-1, 0, 1):
+        of_second = sum(metric.clamp01(((at(k, aside) - first) * change).sum(-1) / np.where(square > 0, square, 1))
+                        for k in (-1, 0, 1))
+        places.append(1.5 - of_second)
+    return square, (places[0] + 2 * places[1] + places[2]) / 4
 
 
 def _line(dx, dy, e, f, g, radius):
