@@ -2,7 +2,7 @@
 """The command `encre`: render, composite, bake, params, presets.
 
 Exit status: 0; 2 for usage, bad input and an output that can't be written; 1 for what fails under way; 130 when
-interrupted. Every error is one line `encre: error: …` on the standard error.
+interrupted (by __main__.py). Every error is one line `encre: error: …` on the standard error.
 """
 
 import argparse
@@ -93,7 +93,7 @@ def _parser():
     command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of an animation")
     command.add_argument("--samples", metavar="N", type=_count, help="samples a pixel")
     command.add_argument("--size", metavar="WxH", type=_size, help="size of the full frame in pixels")
-    command.add_argument("--resume", action="store_true", help="leave frames alone whose file is there")
+    command.add_argument("--resume", action="store_true", help="leave frames alone whose file is there and whole")
     command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
     command.add_argument("--verbose", action="store_true", help="pass on what Blender prints")
     command.set_defaults(run=_render)
@@ -202,6 +202,8 @@ def _compare(args):
 def _composite(args):
     changes = _changes(args)
     images.prepare(args.output)
+    if os.path.exists(args.output) and os.path.exists(args.layers) and os.path.samefile(args.output, args.layers):
+        raise core.EncreError(f"{args.output}: is the file that is read, whose layers would be lost; give another name")
     start = time.perf_counter()
     composite(args.layers, args.output, changes, args.view_layer, args.threads, _say)
     print(f"{args.output} ({time.perf_counter() - start:.1f} s)")
@@ -263,9 +265,6 @@ def main(argv=None):
         args.run(args)
         sys.stdout.flush()
         return 0
-    except KeyboardInterrupt:
-        print("encre: interrupted", file=sys.stderr)
-        return 130
     except BrokenPipeError:  # the reader of our output left, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0

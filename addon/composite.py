@@ -59,13 +59,33 @@ def _wanted(passes, path):
     return wanted
 
 
-def _place(frame, window):
-    """The frame of a data window: the metadata's, or else the display window, which overscan makes larger."""
-    if frame:
-        return core.Frame(frame.width, frame.height, frame.x + window.x, frame.y + window.y)
+def _place(settings, window):
+    """The frame of what was rendered: the metadata's, or else the display window, which overscan makes larger."""
+    x, y, *_ = settings.border or (0, 0)
+    if frame := settings.frame:
+        return core.Frame(frame.width, frame.height, frame.x + window.x + x, frame.y + window.y + y)
     left, top = min(window.x, 0), min(window.y, 0)
     return core.Frame(max(window.full_width, window.x + window.width) - left,
-                      max(window.full_height, window.y + window.height) - top, window.x - left, window.y - top)
+                      max(window.full_height, window.y + window.height) - top, window.x - left + x, window.y - top + y)
+
+
+def _rows_and_columns(border, window):
+    """The pixels that were rendered, as a pair of slices; all without a border."""
+    if not border:
+        return np.s_[:, :]
+    x, y, width, height = border
+    if x + width > window.width or y + height > window.height:
+        raise core.EncreError(f"the metadata {layers.BORDER} lie outside the picture; render it again, or remove them")
+    return np.s_[y:y + height, x:x + width]
+
+
+def _whole(picture, at, window):
+    """`picture` in its place, nothing around it, as Blender saves a border."""
+    if picture.shape[:2] == (window.height, window.width):
+        return picture
+    out = np.zeros((window.height, window.width, picture.shape[2]), np.float32)
+    out[at] = picture
+    return out
 
 
 def _notes(settings, passes, path):
@@ -91,21 +111,23 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
         styles = [values for _, values in settings.styles]
         found = view_layers(exr.channels, exr.views)
         layer = _choose(found, view_layer, path)
+        at = _rows_and_columns(settings.border, exr.window)
         if png and len(found[layer]) > 1:
             raise core.EncreError(f"{path}: is stereo, and a PNG has one view; write an .exr")
         for view, names in found[layer].items():
-            passes = exr.read(_wanted(names, path))
+            passes = {name: picture[at] for name, picture in exr.read(_wanted(names, path)).items()}
             try:
                 pictures, bad = layers.assemble(passes, scene, styles)
             except core.EncreError as error:
                 others = ", ".join(sorted(set(names) - set(passes))) or "nothing"
                 raise core.EncreError(f"{path}: {error}; besides in the file: {others}") from None
             note = note or _notes(settings, passes, path)
-            result = core.render(pictures, scene, styles, settings.camera, _place(settings.frame, exr.window),
+            result = core.render(pictures, scene, styles, settings.camera, _place(settings, exr.window),
                                  ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
                                  progress=lambda _fraction: True,  # without it, Ctrl-C would wait for the end
                                  image=images.read_paper)
-            channels.update(_named(result.images, layer, view, names))
+            pictures = {name: _whole(picture, at, exr.window) for name, picture in result.images.items()}
+            channels.update(_named(pictures, layer, view, names))
             nonfinite += bad + result.nonfinite
     for kind, text in [("note", note), *(("warning", warning) for warning in settings.warnings)]:
         if text:
@@ -113,7 +135,7 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
     if nonfinite:
         say("warning", f"{path}: {nonfinite} values were NaN or infinite and were read as 0")
     if png:
-        images.write_png(out, result.images["Combined"], exr.window)
+        images.write_png(out, pictures["Combined"], exr.window)
     else:
         images.write_exr(out, channels, exr.window, exr.views)
 

@@ -33,7 +33,7 @@ class _ViewLayer:
     objects: meshes.Objects
     views: dict                      # view name -> (camera, rasterised pictures)
     frame: core.Frame
-    cropped: bool                    # a part of the frame was rendered, and the file shows all of it
+    border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
 
 
@@ -141,7 +141,8 @@ class Frames:
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
         return _ViewLayer(settings, denoise_other, user_indices, objects, views, frame,
-                          render.use_border and not render.use_crop_to_border, threads)
+                          (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
+                          threads)
 
     def _go_on(self, _fraction=0):
         return not self.engine.test_break()
@@ -199,8 +200,9 @@ class Frames:
     def _stamp(self, result, layer):
         """The settings go into the saved file, so that it can be drawn again without Blender."""
         frame = layer.frame
-        if layer.cropped:
+        if layer.border:
             frame = core.Frame(frame.width, frame.height)
         camera = next(iter(layer.views.values()))[0]
-        for key, text in layers.metadata(layer.settings.scene, layer.settings.styles, camera, frame).items():
+        for key, text in layers.metadata(layer.settings.scene, layer.settings.styles, camera, frame,
+                                         layer.border).items():
             result.stamp_data_add_field(key, text)

@@ -25,6 +25,28 @@ def _oiio():
     return OpenImageIO
 
 
+@contextlib.contextmanager
+def _quiet():
+    """OpenEXR itself writes about broken files to the standard error; here it is ours to say so, in a sentence."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    try:
+        with open(os.devnull, "w") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+
+
+def _utf8(path):
+    """`path` as OpenImageIO takes it."""
+    try:
+        return os.fspath(path).encode().decode()
+    except UnicodeEncodeError:
+        raise EncreError(f"{path}: this name is not UTF-8; rename the file or its folder") from None
+
+
 @dataclass(frozen=True)
 class Window:
     """Where an EXR's pixels lie: size and place of the data window in the display window (full_*)."""
@@ -52,7 +74,7 @@ class Exr:
             oiio.attribute("threads", threads)
             oiio.attribute("exr_threads", threads)
         self.path, self.channels, self.views, self.metadata, self.window = path, {}, (), {}, None
-        self._file = oiio.ImageInput.open(os.fspath(path))
+        self._file = oiio.ImageInput.open(_utf8(path))
         if not self._file or self._file.format_name() != "openexr":
             oiio.geterror()  # or it would be printed at exit
             self.close()
@@ -91,8 +113,9 @@ class Exr:
             for k, channel in enumerate(channels):
                 part, number = self.channels[channel]
                 wanted.setdefault(part, []).append((number, out[name][:, :, k]))
-        for part, targets in wanted.items():
-            self._read_part(part, targets)
+        with _quiet():
+            for part, targets in wanted.items():
+                self._read_part(part, targets)
         return out
 
     def _read_part(self, part, targets):
@@ -147,27 +170,13 @@ class Texture:
     straight: bool
 
 
-@contextlib.contextmanager
-def _quiet():
-    """Image libraries print on the standard error what we say ourselves."""
-    sys.stderr.flush()
-    kept = os.dup(2)
-    with open(os.devnull, "w") as nowhere:
-        os.dup2(nowhere.fileno(), 2)
-    try:
-        yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-
-
 def read_texture(path, most):
     """The first image of a file of any kind, grey as colour, at most `most` texels each way. Raises EncreError."""
     oiio = _oiio()
     if not os.path.isfile(path):
         raise EncreError(f"{path}: there is no such file; check the path")
     with _quiet():
-        file = oiio.ImageInput.open(os.fspath(path), _as_stored())
+        file = oiio.ImageInput.open(_utf8(path), _as_stored())
     oiio.geterror()  # or it would be printed at exit
     if not file:
         raise EncreError(f"{path}: is not an image that can be read; give one such as a PNG or an EXR")
@@ -237,8 +246,9 @@ def _as_stored():
 def _stored(path, kind):
     """All pixels (H, W, channels) of an image without conversion of colour or alpha; None: it can't be read."""
     oiio = _oiio()
-    file = oiio.ImageInput.open(os.fspath(path), _as_stored())
-    pixels = file.read_image(kind) if file else None
+    file = oiio.ImageInput.open(_utf8(path), _as_stored())
+    with _quiet():
+        pixels = file.read_image(kind) if file else None
     oiio.geterror()  # or it would be printed at exit
     if pixels is None:
         return None
@@ -307,15 +317,17 @@ def write_png(path, rgba, window):
     _write(path, spec, picture)
 
 
-def whole(path):
-    """Whether every pixel of an image file can be read."""
+@_quiet()
+def whole(path, last_row=False):
+    """Whether every pixel of an image file can be read; last_row: whether the last ones can, which is quick to see."""
     oiio, part = _oiio(), 0
-    file = oiio.ImageInput.open(os.fspath(path))
+    file = oiio.ImageInput.open(_utf8(path))
     while file and file.seek_subimage(part, 0):
         spec, part = file.spec(), part + 1
-        for y in range(spec.y, spec.y + spec.height, ROWS):
-            end = min(y + ROWS, spec.y + spec.height)
-            if file.read_scanlines(part - 1, 0, y, end, 0, 0, spec.nchannels, spec.format) is None:
+        end = spec.y + spec.height
+        for y in range(end - 1 if last_row else spec.y, end, ROWS):
+            rows = file.read_scanlines(part - 1, 0, y, min(y + ROWS, end), 0, 0, spec.nchannels, spec.format)
+            if rows is None:
                 file.geterror()
                 return False
     oiio.geterror()  # or it would be printed at exit
@@ -332,7 +344,7 @@ def unwritable(path, reason):
 
 def prepare(path):
     """Finds out before any work whether `path` can be written; makes its folder. Raises EncreError."""
-    folder = os.path.dirname(os.path.abspath(path))
+    folder = os.path.dirname(_utf8(os.path.abspath(path)))
     if os.path.isdir(path):
         raise EncreError(unwritable(path, "it is a folder"))
     if os.path.exists(path) and not os.access(path, os.W_OK):

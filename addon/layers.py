@@ -283,23 +283,28 @@ def rasterised(index, maps, owners, numbers, strays):
 
 # Metadata
 
-PARAMS, FRAME, CAMERA = "encre.params", "encre.frame", "encre.camera"
+PARAMS, FRAME, CAMERA, BORDER = "encre.params", "encre.frame", "encre.camera", "encre.border"
 VERSION = 1
+_BORDER = ("x", "y", "width", "height")
 
 
 @dataclass
 class Settings:
-    """What a file's metadata say. None: the file does not say it. `styles` are (name, values) pairs."""
+    """What a file's metadata say. None: the file does not say it.
+
+    styles: (name, values) pairs; border: (x, y, width, height) of what was rendered of the file's pixels, if not all.
+    """
 
     scene: dict | None = None
     styles: list = field(default_factory=list)
     camera: core.Camera | None = None
     frame: core.Frame | None = None
+    border: tuple | None = None
     warnings: list = field(default_factory=list)
 
 
-def metadata(scene, styles, camera, frame):
-    """{key: JSON text} to store in a file. `styles`: (name, values) pairs in the order of their numbers."""
+def metadata(scene, styles, camera, frame, border=None):
+    """{key: JSON text} to store in a file, of what Settings says; `styles` in the order of their numbers."""
     said = {
         PARAMS: {"version": VERSION, "scene": scene,
                  "styles": [{"name": name, "values": values} for name, values in styles]},
@@ -307,6 +312,8 @@ def metadata(scene, styles, camera, frame):
         CAMERA: {"orthographic": bool(camera.orthographic), "height": float(camera.height),
                  "view": [float(v) for v in np.ravel(camera.view)]},
     }
+    if border:
+        said[BORDER] = dict(zip(_BORDER, border, strict=True))
     return {key: json.dumps(value, allow_nan=False) for key, value in said.items()}
 
 
@@ -317,7 +324,8 @@ def read_metadata(stored):
     sentence names them.
     """
     settings = Settings()
-    for key, understand in ((PARAMS, _read_params), (FRAME, _read_frame), (CAMERA, _read_camera)):
+    for key, understand in ((PARAMS, _read_params), (FRAME, _read_frame), (CAMERA, _read_camera),
+                            (BORDER, _read_border)):
         if key not in stored:
             continue
         try:
@@ -359,3 +367,10 @@ def _read_camera(said, settings):
     if view.shape != (9,) or not np.isfinite(view).all() or type(orthographic) is not bool or not height > 0:
         raise ValueError
     settings.camera = core.Camera(tuple(view), orthographic, height)
+
+
+def _read_border(said, settings):
+    border = tuple(said[key] for key in _BORDER)
+    if any(type(number) is not int for number in border) or min(border) < 0 or min(border[2:]) < 1:
+        raise ValueError
+    settings.border = border

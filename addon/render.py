@@ -61,7 +61,7 @@ def render(scene, out, *, frames=None, values=None, samples=None, size=None, res
     out = os.path.abspath(out)
     with _folder(out) as folder:
         job = {"scene": os.path.abspath(scene), "out": out, "folder": folder, "frames": frames, "values": values or {},
-               "samples": samples, "size": size, "resume": resume}
+               "samples": samples, "size": size, "finished": _finished(out) if resume else []}
         _run(command, job, say, verbose)
 
 
@@ -98,6 +98,15 @@ def _run(command, job, say, verbose, take=None):
     path = os.path.join(job["folder"], "job.json")
     Path(path).write_text(json.dumps(job), encoding="utf-8")
     _watch([*command, str(RUNNER), "--", path], _Progress(say, take), verbose)
+
+
+def _finished(out):
+    """The files of `out`, whatever their frames, that are whole: another program may have left a part of one."""
+    folder, name = os.path.split(out)
+    parts = re.split("#+", name) if "#" in name else os.path.splitext(name)
+    pattern = re.compile("(-?[0-9]+)?".join(map(re.escape, parts)))
+    paths = [os.path.join(folder, name) for name in sorted(os.listdir(folder)) if pattern.fullmatch(name)]
+    return [path for path in paths if os.path.isfile(path) and images.whole(path, last_row=True)]
 
 
 @contextlib.contextmanager

@@ -152,7 +152,7 @@ def render(job, scene, error):
     todo = frames(job, scene)
     if not todo:
         raise error(f"{job['scene']}: there is no frame from the first to the last; give -s a frame before -e")
-    left = [(frame, path) for frame, path in todo if not (job["resume"] and os.path.exists(path))]
+    left = [(frame, path) for frame, path in todo if path not in job["finished"]]
     if len(left) < len(todo):
         report("note", text=f"{len(todo) - len(left)} of {len(todo)} frames are finished and left alone")
     for _, path in left:

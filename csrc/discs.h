@@ -20,6 +20,12 @@ static inline float most(float a, float b)
 	return a > b ? a : b;
 }
 
+/* How an edge is drawn, whatever its shape: half the width, darkness and the least depth it covers. */
+typedef struct pen {
+	const encre_params *p;
+	float radius, gain, bias, limit;
+} pen;
+
 /* The disc of an edge pixel, or of the edge pixels x..last of one row whose discs differ in nothing but their place.
  * The darkness that it gives a pixel at distance d, on paper of height h, is, before it is clamped to 0..1,
  *   gain * ((1 + paper * (h - 1)) * min(1, (radius - d) / fade) - bias). */
@@ -38,13 +44,15 @@ typedef struct disc {
 
 enum { OPEN = UINT16_MAX };
 
+/* lines.c: the pen of an edge of that source and strength with the controls of pixel nx, ny; false where lines are off. */
+bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float strength, pen *d);
 /* lines.c: fills all fields but the bounds; false if the edge pixel inks nothing. */
 bool ISA(disc_of)(const frame *f, int x, int y, disc *d);
 
 /* Where an edge pixel takes its controls from. */
 static inline void near_of(const frame *f, int x, int y, int *nx, int *ny)
 {
-	int k = f->near[(size_t)y * (size_t)f->width + (size_t)x];
+	int k = f->near ? f->near[(size_t)y * (size_t)f->width + (size_t)x] : 12; /* sites own pixels at their near pixel */
 	*nx = x + k % 5 - 2;
 	*ny = y + k / 5 - 2;
 }
@@ -95,6 +103,16 @@ discs ISA(discs_plan)(const frame *f, arena *a);
 int32_t ISA(discs_gather)(const frame *f, discs *all);
 void ISA(discs_free)(discs *all);
 void ISA(discs_draw)(const discs *all, canvas *c);
+
+/* capsules.c: the strongest of all links between the sites of detector FINE, and of the sites without a link. */
+typedef struct capsules {
+	struct pen_end *end; /* by site */
+	uint32_t *first;     /* by band of the canvas, and one more: where its list begins */
+	uint32_t (*list)[2]; /* sites of the links that reach into a band; twice the same: a site alone */
+} capsules;
+
+int32_t ISA(capsules_gather)(frame *f, capsules *all);
+void ISA(capsules_draw)(const capsules *all, canvas *c);
 
 /* search.c: the other ways name one edge for every pixel. */
 typedef struct search {

@@ -3,8 +3,8 @@
  *
  * Each source of edges has a ring of sampled rows; tile by tile its strength is weighed, and the strongest source wins
  * the pixel. To add a source: name it in enum source (the order decides ties), sample its layer in edges_samples.c,
- * give its strength in edges_sources.c and its weight here. */
-#include "edges.h"
+ * give its strength in edges_sources.c and its weight here. The detector FINE does all that in its own way (fine.h). */
+#include "fine.h"
 #include "pixel.h"
 
 #include <stdio.h>
@@ -204,6 +204,10 @@ static void greatest_strips(void *data, int first, int end, int thread)
 
 static const char *check(const encre_params *p, char *text, size_t size)
 {
+	if (p->edge_detector == edge_detector_FINE && p->line_search != line_search_EXACT) {
+		snprintf(text, size, "line_search: the detector FINE draws along its sites and knows no other search; give EXACT, or another edge_detector");
+		return text;
+	}
 	if (p->depth_space != depth_space_LINEAR || p->depth_far > p->depth_near)
 		return NULL;
 	snprintf(text, size, "depth_far: %g is not beyond depth_near, %g; give a larger depth_far",
@@ -216,9 +220,10 @@ static edges setup(const frame *f)
 {
 	const encre_params *p = f->params;
 	edges e = {
-	    .f = f, .p = p, .gauss = ISA(gaussians_of)(p->edge_sigma), .dog = p->edge_detector == edge_detector_DOG};
+	    .f = f, .p = p, .fine = p->edge_detector == edge_detector_FINE,
+	    .gauss = ISA(gaussians_of)(p->edge_sigma), .dog = p->edge_detector == edge_detector_DOG};
 	e.contrast = !e.dog || p->color_detector == color_detector_CONTRAST;
-	e.inverse = p->depth_space == depth_space_INVERSE;
+	e.inverse = e.fine || p->depth_space == depth_space_INVERSE;
 	e.ortho = e.inverse && f->camera.orthographic;
 	float gain = !e.dog ? 10 : e.inverse ? 60 : 200;
 	float divisor = e.ortho ? f->camera.height : e.inverse ? 1 : p->depth_far - p->depth_near;
@@ -229,7 +234,7 @@ static edges setup(const frame *f)
 			e.on[s] |= e.weight[s][i] > 0;
 		}
 		bool dog = s == SOURCE_DEPTH || s == SOURCE_NORMAL ? e.dog : s >= SOURCE_COLOR && !e.contrast;
-		e.reach[s] = dog ? e.gauss.reach : 1;
+		e.reach[s] = e.fine ? 3 : dog ? e.gauss.reach : 1;
 	}
 	e.on[SOURCE_OBJECT] &= f->layer[ENCRE_LAYER_OBJECT].data != NULL;
 	e.on[SOURCE_MATERIAL] &= f->layer[ENCRE_LAYER_MATERIAL].data != NULL;
@@ -243,9 +248,11 @@ static void plan(frame *f, arena *a)
 		return;
 	edges e = setup(f);
 	size_t pixels = (size_t)f->width * (size_t)f->height, threads = (size_t)rows_threads(f->rows);
-	f->edge = arena_take(a, pixels, 1);
-	f->strength = arena_take(a, pixels, sizeof *f->strength);
-	f->near = arena_take(a, pixels, 1);
+	if (!e.fine) {
+		f->edge = arena_take(a, pixels, 1);
+		f->strength = arena_take(a, pixels, sizeof *f->strength);
+		f->near = arena_take(a, pixels, 1);
+	}
 	e.plane_samples = (f->width + 2 * MAX_REACH + 15) & ~15;
 	for (int s = 0; s < SOURCE_COUNT; s++) {
 		e.ring_at[s] = e.thread_samples;
@@ -263,6 +270,8 @@ static void plan(frame *f, arena *a)
 	f->edges = arena_take(a, 1, sizeof e);
 	if (f->edges)
 		*(edges *)f->edges = e;
+	if (e.fine)
+		ISA(fine_plan)(f, f->edges, a);
 }
 
 static int32_t run(frame *f)
@@ -276,7 +285,9 @@ static int32_t run(frame *f)
 		if (!code)
 			code = rows_run(f->rows, (f->width - 1) / LANES + 1, 1, greatest_strips, e);
 	}
-	return code ? code : rows_run(f->rows, f->height, 0, edge_rows, e);
+	if (code)
+		return code;
+	return e->fine ? ISA(fine_run)(f) : rows_run(f->rows, f->height, 0, edge_rows, e);
 }
 
 const stage STAGE_SYMBOL(edges) = {.id = "edges", .check = check, .plan = plan, .run = run};

@@ -13,6 +13,7 @@ typedef struct edges {
 	const encre_params *p; /* the scene's */
 	gaussians gauss;
 	bool on[SOURCE_COUNT];
+	bool fine;           /* sites (fine.h) and not pixels are found */
 	bool dog;            /* the detector of depth and normals, else Sobel */
 	bool contrast;       /* colour and light are compared by the inter-color metric, else by DOG */
 	bool inverse, ortho; /* depth is compared as 1/z, or as z under an orthographic camera */

@@ -2,18 +2,20 @@
 STAGE(edges, "Edges", "Where lines can be: jumps in depth, creases, boundaries between objects, materials, colours and light levels")
 ENUM(edge_detector, FRAME, 0, "", "Detector", "How edges are found in the layers",
      ITEM(edge_detector, DOG, 0, "Difference of Gaussians", "Second derivative; soft, a few pixels wide")
-     ITEM(edge_detector, SOBEL, 1, "Sobel", "First derivative of the normal, contrast between colours"))
+     ITEM(edge_detector, SOBEL, 1, "Sobel", "First derivative of the normal, contrast between colours")
+     ITEM(edge_detector, FINE, 2, "Fine", "Thin lines, placed between pixels exactly where surfaces part"))
 FLOAT(edge_threshold, FRAME, 0.5, 0, FLT_MAX, 0, 2, "", "", "Threshold", "Weighted strength from which a pixel is an edge")
 FLOAT(edge_sigma, FRAME, 1, 0.5, 4, 0.5, 4, "", "edge_detector=DOG", "Sigma", "Standard deviation of the narrower Gaussian, in pixels")
 FLOAT(edge_object, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "", "Object", "Weight of boundaries between objects")
 FLOAT(edge_material, SURFACE, 0, 0, FLT_MAX, 0, 4, "", "", "Material", "Weight of boundaries between materials")
 FLOAT(edge_depth, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "", "Depth", "Weight of jumps in depth")
-ENUM(depth_space, FRAME, 0, "edge_depth", "Depth Space", "The quantity in which depth is compared",
+ENUM(depth_space, FRAME, 0, "edge_depth&edge_detector=DOG|SOBEL", "Depth Space", "The quantity in which depth is compared",
      ITEM(depth_space, INVERSE, 0, "Inverse", "One over depth: planes stay clean at any angle, at any scene scale")
      ITEM(depth_space, LINEAR, 1, "Linear", "Depth between Near and Far"))
 FLOAT(depth_near, FRAME, 0.1, 0, FLT_MAX, 0, 100, "length", "depth_space=LINEAR", "Near", "Depth that counts as 0")
 FLOAT(depth_far, FRAME, 100, 0, FLT_MAX, 1, 1000, "length", "depth_space=LINEAR", "Far", "Depth that counts as 1; must be beyond Near")
 FLOAT(edge_normal, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "", "Normal", "Weight of creases")
+FLOAT(crease_angle, FRAME, 20, 1, 180, 1, 90, "angle", "edge_normal&edge_detector=FINE", "Crease Angle", "Surfaces that meet at this angle or a sharper one make a full line")
 FLOAT(sobel_shape_threshold, FRAME, 0.25, 0, FLT_MAX, 0, 1, "", "edge_detector=SOBEL", "Shape Threshold", "Creases weaker than this are not drawn")
 FLOAT(edge_color, SURFACE, 0, 0, FLT_MAX, 0, 4, "", "", "Color", "Weight of boundaries between colours, to which the painted control is added")
 ENUM(color_layer, FRAME, 0, "", "Color Layer", "The colours that are compared",

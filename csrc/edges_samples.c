@@ -70,6 +70,10 @@ static void sample_row(const edges *e, enum source s, int y, float *out)
 			split(layer_row(e, ENCRE_LAYER_ALBEDO, y), 3, n, 0, 1, out, second, third);
 		break;
 	default:
+		if (e->fine) {
+			ISA(shade_exposed)(e->f, y, out);
+			return;
+		}
 		ISA(shade_tones)(e->f, y, 0, n, out);
 		for (int i = 0; i < n; i++)
 			out[i] = second[i] = third[i] = clamp01(out[i]);

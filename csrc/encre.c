@@ -366,6 +366,7 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	a = (arena){memory + (64 - (uintptr_t)memory % 64), 0};
 	plan(&w, &a);
 	code = run(&w);
+	late_free(f->late);
 	free(memory);
 	return fail_code(context, code);
 }

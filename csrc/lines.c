@@ -9,17 +9,15 @@ typedef struct lines {
 	frame *f;
 	canvas canvas; /* y0, y1 unset; planes of thread 0, those of the other threads follow */
 	discs discs;
+	capsules capsules;
 	search search;
 	float color[3]; /* of all ink, where it doesn't differ */
 } lines;
 
 /* ---- the pen ------------------------------------------------------------------------------------------------ */
 
-bool ISA(disc_of)(const frame *f, int x, int y, disc *d)
+bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float strength, pen *d)
 {
-	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
-	int nx, ny;
-	near_of(f, x, y, &nx, &ny);
 	int style = f->style ? f->style[(size_t)ny * (size_t)f->width + (size_t)nx] : 0;
 	const encre_params *p = f->params + style;
 	if (!p->use_lines)
@@ -35,9 +33,9 @@ bool ISA(disc_of)(const frame *f, int x, int y, disc *d)
 	};
 
 	/* bounded before anything that may be 0 is multiplied in: infinity times 0 is no number */
-	float radius = least(0.5f * p->line_thickness * f->scale * widths[f->edge[at] - 1], 1e30f);
+	float radius = least(0.5f * p->line_thickness * f->scale * widths[source], 1e30f);
 	radius *= thickness > 0 ? 1 + 8 * thickness : 1 + thickness;
-	radius *= mix(1, least(1, f->strength[at]), p->line_contrast);
+	radius *= mix(1, least(1, strength), p->line_contrast);
 	if (p->line_depth_distance > 0 && !f->camera.orthographic)
 		radius *= least(p->line_depth_distance / z, 4);
 	if (p->line_light != 0) {
@@ -46,18 +44,33 @@ bool ISA(disc_of)(const frame *f, int x, int y, disc *d)
 		float lit = clamp01(max3(rgb[0], rgb[1], rgb[2]) * p->shade_exposure);
 		radius *= most(0, 1 + p->line_light * (1 - 2 * lit));
 	}
-	radius = least(radius, 0.5f * f->params->line_max_thickness * f->scale);
 
 	intensity = least(intensity * p->line_intensity, 1e30f);
-	d->x = d->last = (uint16_t)x;
-	d->style = (uint16_t)style;
-	d->radius = radius;
-	d->fade = most(p->line_softness * radius, 1);
+	d->p = p;
+	d->radius = least(radius, 0.5f * f->params->line_max_thickness * f->scale);
 	d->gain = least(p->line_gain * intensity, 1e30f);
 	d->bias = most(0, 1 - 0.5f * intensity);
-	d->paper = p->line_paper;
-	d->reach = radius - d->fade * d->bias;
 	d->limit = !f->params->line_occlude ? 0 : f->camera.orthographic ? z - 0.1f * f->camera.height : 0.9f * z;
+	return true;
+}
+
+bool ISA(disc_of)(const frame *f, int x, int y, disc *d)
+{
+	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
+	int nx, ny;
+	pen pen;
+	near_of(f, x, y, &nx, &ny);
+	if (!ISA(pen_of)(f, nx, ny, (enum source)(f->edge[at] - 1), f->strength[at], &pen))
+		return false;
+	d->x = d->last = (uint16_t)x;
+	d->style = (uint16_t)(pen.p - f->params);
+	d->radius = pen.radius;
+	d->fade = most(pen.p->line_softness * pen.radius, 1);
+	d->gain = pen.gain;
+	d->bias = pen.bias;
+	d->paper = pen.p->line_paper;
+	d->reach = pen.radius - d->fade * d->bias;
+	d->limit = pen.limit;
 	return d->reach > 0 && d->gain > 0;
 }
 
@@ -252,7 +265,9 @@ static void lines_rows(void *data, int y0, int y1, int thread)
 {
 	const lines *l = data;
 	canvas c = canvas_of(l, y0, y1, thread);
-	if (l->f->any_lines && l->f->params->line_search == line_search_EXACT)
+	if (l->f->any_lines && l->f->fine)
+		ISA(capsules_draw)(&l->capsules, &c);
+	else if (l->f->any_lines && l->f->params->line_search == line_search_EXACT)
 		ISA(discs_draw)(&l->discs, &c);
 	else if (l->f->any_lines)
 		draw_found(l, &c);
@@ -281,7 +296,9 @@ static void plan(frame *f, arena *a)
 			.owner = owned ? arena_take(a, n, sizeof(uint32_t)) : NULL,
 			.distance = owned ? arena_take(a, n, sizeof(float)) : NULL,
 		};
-		if (f->params->line_search == line_search_EXACT)
+		if (f->params->edge_detector == edge_detector_FINE)
+			; /* its memory is taken when its sites are counted */
+		else if (f->params->line_search == line_search_EXACT)
 			made.discs = ISA(discs_plan)(f, a);
 		else
 			made.search = ISA(search_plan)(f, a);
@@ -295,7 +312,9 @@ static int32_t run(frame *f)
 {
 	lines *l = f->lines;
 	int32_t code = ENCRE_OK;
-	if (f->any_lines)
+	if (f->any_lines && f->fine)
+		code = ISA(capsules_gather)(f, &l->capsules);
+	else if (f->any_lines)
 		code = f->params->line_search == line_search_EXACT ? ISA(discs_gather)(f, &l->discs) : ISA(search_run)(f, &l->search);
 	if (!code)
 		code = rows_run(f->rows, f->height, BAND, lines_rows, l);

@@ -3,7 +3,7 @@
  * columns, then along rows by the lower envelope of parabolas (Meijster, Roerdink & Hesselink 2000). Of edges at
  * the same distance the one in the least row, then in the least column is taken, which is the envelope of parabolas
  * raised by an infinitesimal amount per row, and so holds together. */
-#include "stage.h"
+#include "fine.h"
 
 #include <math.h>
 
@@ -130,6 +130,43 @@ static void nearest_rows(void *data, int y0, int y1, int thread)
 		nearest_row(j->n->down + (size_t)y * width, j->f->width, stack, stack + width, j->f->nearest + (size_t)y * width * 2);
 }
 
+/* ---- sites ----------------------------------------------------------------------------------------------- */
+
+/* Looks at the members of a row of cells from `from` on in steps of `step` until they can't be nearer than `best`. */
+static float nearest_along(const fine *n, uint32_t from, uint32_t end, int step, float x, float y, float best, float way[2])
+{
+	for (uint32_t i = from; i != end; i += (uint32_t)step) {
+		const site *s = n->site + n->member[i];
+		float dx = s->x - x, dy = s->y - y, d2 = dx * dx + dy * dy;
+		if (step * dx > 0 && fabsf(dx) > CELL + 1 && (fabsf(dx) - CELL - 1) * (fabsf(dx) - CELL - 1) > best)
+			break; /* members of a cell lie in any order */
+		if (s->dropped || d2 >= best)
+			continue;
+		best = d2;
+		way[0] = dx;
+		way[1] = dy;
+	}
+	return best;
+}
+
+static bool nearest_site(const fine *n, int x, int y, float reach, float way[2])
+{
+	float limit = reach * reach * 1.0001f + 1e-4f, best = limit;
+	for (int k = 0; k < 2 * n->tall; k++) { /* rows of cells: own, one below, one above, two below... */
+		int row = y / CELL + (k % 2 ? (k + 1) / 2 : -(k / 2));
+		float ahead = (float)(k / 2 * CELL - 1); /* a site may lie outside of the frame, and so of its cell */
+		if (ahead > 0 && ahead * ahead > best)
+			break;
+		if (row < 0 || row >= n->tall)
+			continue;
+		const uint32_t *cell = n->cell + (ptrdiff_t)row * n->across;
+		uint32_t own = cell[x / CELL];
+		best = nearest_along(n, own, cell[n->across], 1, (float)x, (float)y, best, way);
+		best = nearest_along(n, own - 1, cell[0] - 1, -1, (float)x, (float)y, best, way);
+	}
+	return best < limit;
+}
+
 /* ---- what stages call ------------------------------------------------------------------------------------ */
 
 /* No farther than anyone looks. */
@@ -145,7 +182,7 @@ static int reach_of(const frame *f)
 
 void ISA(nearest_plan)(frame *f, arena *a)
 {
-	if (f->nearest_planned)
+	if (f->nearest_planned || f->params->edge_detector == edge_detector_FINE)
 		return;
 	size_t width = (size_t)f->width, pixels = width * (size_t)f->height;
 	nearest *n = arena_take(a, 1, sizeof *n), made = {
@@ -171,4 +208,14 @@ int32_t ISA(nearest_run)(frame *f)
 	if (!code)
 		f->nearest_scratch = NULL;
 	return code;
+}
+
+bool ISA(nearest_edge)(const frame *f, int x, int y, float reach, float way[2])
+{
+	if (f->fine)
+		return nearest_site(f->fine, x, y, reach, way);
+	const int16_t *to = f->nearest + 2 * ((ptrdiff_t)y * f->width + x);
+	way[0] = to[0];
+	way[1] = to[1];
+	return to[0] != NEAREST_NONE;
 }

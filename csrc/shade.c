@@ -121,6 +121,17 @@ void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone)
 	}
 }
 
+void ISA(shade_exposed)(const frame *f, int y, float *light)
+{
+	plane diffuse = f->layer[ENCRE_LAYER_DIFFUSE];
+	for (int x = 0, end; x < f->width; x = end) {
+		const encre_params *p = style_run(f, y, x, f->width, &end);
+		exposed_row(end - x, diffuse.data + y * diffuse.row + (ptrdiff_t)3 * x, p->shade_exposure, light + x);
+		for (int i = x; i < end; i++)
+			light[i] = bounded(light[i]);
+	}
+}
+
 static void shade_run(const frame *f, const encre_params *p, int y, int x, int n)
 {
 	const plane *in = f->layer, *out = f->output;

@@ -27,10 +27,10 @@ static float range_at(const frame *f, const encre_params *p, const float *contro
 	return p->use_smudging ? p->smudge_range * f->scale * controls[SMUDGE_RANGE] : 0;
 }
 
-/* Every other pixel is at least one pixel away. */
-static bool reaches(float range)
+/* Every other pixel is at least one pixel away; a site may be nearer. */
+static bool reaches(const frame *f, float range)
 {
-	return fabsf(range) >= 1;
+	return f->fine ? fabsf(range) > 0.1f : fabsf(range) >= 1;
 }
 
 static const float *controls_at(const frame *f, int y, int x)
@@ -49,9 +49,9 @@ static float *surface_at(const frame *f, int y, int x)
 }
 
 /* Coordinate of the edge, at + step, and `pick` beyond it along a direction; half up, clamped into 0..n-1. */
-static int picked(int at, int step, float pick, float distance, int n)
+static int picked(int at, float step, float pick, float distance, int n)
 {
-	float q = floorf((float)step + pick * ((float)step / distance) + 0.5f) + (float)at;
+	float q = floorf(step + pick * (step / distance) + 0.5f) + (float)at;
 	return q > 0 ? q < (float)(n - 1) ? (int)q : n - 1 : 0;
 }
 
@@ -75,11 +75,11 @@ static float falloff(const encre_params *p, const float *controls, float range, 
 static bool smudge_pixel(const frame *f, const encre_params *p, int y, int x, float *color)
 {
 	const float *controls = controls_at(f, y, x);
-	const int16_t *to = f->nearest + 2 * ((ptrdiff_t)y * f->width + x);
+	float to[2];
 	float signed_range = range_at(f, p, controls), range = fabsf(signed_range);
-	if (to[0] == NEAREST_NONE)
+	if (!ISA(nearest_edge)(f, x, y, range, to))
 		return false;
-	float distance = sqrtf((float)(to[0] * to[0] + to[1] * to[1]));
+	float distance = sqrtf(to[0] * to[0] + to[1] * to[1]);
 	if (!(distance > 0 && distance <= range))
 		return false;
 	float pick = p->smudge_pick * f->scale;
@@ -106,7 +106,7 @@ static void count_rows(void *data, int y0, int y1, int thread)
 			const encre_params *p = style_run(f, y, x, f->width, &end);
 			const float *controls = controls_at(f, y, x);
 			for (int i = 0; i < end - x; i++)
-				painted += reaches(range_at(f, p, controls + CONTROLS * i));
+				painted += reaches(f, range_at(f, p, controls + CONTROLS * i));
 		}
 		s->first[y] = painted;
 	}
@@ -123,7 +123,7 @@ static void find_rows(void *data, int y0, int y1, int thread)
 		for (int x = 0, end; painted && x < f->width; x = end) {
 			const encre_params *p = style_run(f, y, x, f->width, &end);
 			for (int i = x; i < end; i++)
-				if (reaches(range_at(f, p, controls_at(f, y, i))) && smudge_pixel(f, p, y, i, out->color))
+				if (reaches(f, range_at(f, p, controls_at(f, y, i))) && smudge_pixel(f, p, y, i, out->color))
 					(out++)->x = i;
 		}
 		s->changed[y] = (int32_t)(out - (s->list + s->first[y]));

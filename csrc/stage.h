@@ -55,6 +55,17 @@ typedef struct arena {
  * the sum stick at SIZE_MAX, which no allocation satisfies. */
 void *arena_take(arena *a, size_t count, size_t size);
 
+/* What can't be planned, because only the frame's content tells how much it is: freed when the frame is done. Not to be
+ * called from a kernel. */
+typedef struct late late;
+struct late {
+	late *next;
+};
+
+/* NULL without memory; aligned to 64 bytes, not cleared. */
+void *late_take(late **all, size_t count, size_t size);
+void late_free(late *all);
+
 /* ---- frame: what stages read and make -------------------------------------------------------------------- */
 
 typedef struct plane {
@@ -91,6 +102,8 @@ typedef struct frame {
 	void *paper;
 	/* edges, lines: scratch */
 	void *edges, *lines;
+	void *fine; /* sites and links of detector FINE (fine.h), else NULL; then edge, strength and near are NULL */
+	late *late;
 } frame;
 
 enum { NEAREST_NONE = INT16_MIN };
@@ -126,6 +139,8 @@ STAGES(DECLARE)
 
 /* shade.c: I of discrete shading for pixels x0..x1-1 of row y, each by its own style, whether or not shading is on. */
 void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone);
+/* shade.c: light as levels are compared with it, V times exposure, of row y. */
+void ISA(shade_exposed)(const frame *f, int y, float *light);
 /* paper.c: heights h of the paper (after roughness, 0..1) for pixels x0..x1-1 of row y; `none` where there is no
  * paper (lines see 1, hatching 0.5). Coordinates are of this frame's images; the sheet starts at the full frame's
  * top left. */
@@ -135,5 +150,8 @@ void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *he
  * reported as none. */
 void ISA(nearest_plan)(frame *f, arena *a);
 int32_t ISA(nearest_run)(frame *f);
+/* The way from a pixel to its nearest edge, with detector FINE the nearest site; false if none is within reach. After
+ * nearest_run(). */
+bool ISA(nearest_edge)(const frame *f, int x, int y, float reach, float way[2]);
 
 #endif

@@ -222,6 +222,27 @@ def test_composite_keeps_the_data_window(run, tmp_path, scene):
     assert pixels.shape == (200, 300, 4) and not pixels[:20].any() and pixels[20:84, 10:106].any()
 
 
+def test_composite_draws_what_was_rendered_of_a_border(run, tmp_path, scene):
+    """Blender saves the rest of the frame as zeros, which is no edge of anything."""
+    rendered = {**exr.passes(scene), **exr.saved(scene)}
+    around = np.s_[7:7 + SIZE[1], 5:5 + SIZE[0]]
+    pictures = {name: np.zeros((100, 120, *p.shape[2:]), np.float32) for name, p in rendered.items()}
+    for name, picture in rendered.items():
+        pictures[name][around] = picture
+    frame = core.Frame(120, 100, 5, 7)
+    metadata = layers.metadata({}, [("S", {})], core.Camera(), core.Frame(120, 100), (5, 7, *SIZE))
+    path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+    assert run("composite", path, "-o", tmp_path / "out.exr")[::2] == (0, "")
+    for name, picture in expected(rendered, {}, [{}], frame=frame, outputs=("Combined", *layers.DRAWN)).items():
+        drawn_ = exr.picture(tmp_path / "out.exr", f"ViewLayer.{name}")
+        assert np.array_equal(drawn_[around], picture), name
+        drawn_[around] = 0
+        assert not drawn_.any(), name
+    metadata = layers.metadata({}, [], core.Camera(), core.Frame(120, 100), (5, 7, 116, 3))
+    path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+    fails(run("composite", path, "-o", tmp_path / "x.exr"), "encre.border")
+
+
 def test_composite_accepts_overscan(run, tmp_path, scene):
     pictures = exr.passes(scene)
     path = exr.write(tmp_path / "in.exr", pictures, window=(-8, -4, 80, 56))
@@ -325,8 +346,27 @@ def test_composite_refuses_files_that_are_no_exr(run, tmp_path, scene, content):
         content = whole[:len(whole) // 2] if content == "cut" else whole[:300]
     if content is not None:
         path.write_bytes(content)
-    fails(run("composite", path, "-o", tmp_path / "x.exr"), "in.exr")
+    # OpenEXR's own words pass by Python's stderr.
+    fails(finish(encre("composite", path, "-o", tmp_path / "x.exr")), "in.exr")
     assert not (tmp_path / "x.exr").exists()
+
+
+def test_composite_spares_its_input(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    before = path.read_bytes()
+    (tmp_path / "link.exr").symlink_to(path)
+    fails(run("composite", path, "-o", tmp_path / "link.exr"), "link.exr", "layers would be lost")
+    assert path.read_bytes() == before
+
+
+def test_composite_refuses_names_that_are_not_utf8(tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    odd = os.fsdecode(os.fsencode(tmp_path / "in") + b"\xff.exr")
+    os.rename(path, odd)
+    fails(finish(encre("composite", odd, "-o", tmp_path / "x.exr")), "UTF-8")
+    os.rename(odd, path)
+    fails(finish(encre("composite", path, "-o", odd)), "UTF-8")
+    assert os.listdir(tmp_path) == ["in.exr"]
 
 
 @pytest.mark.parametrize(("key", "text"), [
@@ -362,6 +402,12 @@ def encre(*args, **options):
                             stderr=subprocess.PIPE, text=True, **options)
 
 
+def finish(child):
+    """(exit status, stdout, stderr) of a process."""
+    out, err = child.communicate(timeout=60)
+    return child.returncode, out, err
+
+
 @pytest.mark.parametrize("ending", ["exr", "png"])
 def test_a_full_disk_leaves_the_old_file(tmp_path, ending):
     layers_ = exr.passes(drawn.scene(480, 320, noise=1.0))
@@ -388,6 +434,22 @@ def test_interrupting_composite(tmp_path):
     err = child.communicate(timeout=60)[1]
     assert (child.returncode, err) == (130, "encre: interrupted\n")
     assert os.listdir(tmp_path) == ["in.exr"]
+
+
+def test_interrupting_the_start():
+    """While the modules are loading."""
+    code = """
+import os, signal, sys
+import encre.__main__
+class Finder:
+    def find_spec(name, *rest):
+        if name == "encre.cli":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Finder)
+sys.exit(encre.__main__.main())
+"""
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert (child.returncode, child.stderr) == (130, "encre: interrupted\n")
 
 
 def test_a_reader_that_leaves_early():

@@ -144,11 +144,20 @@ def test_frames_and_resume(cube, tmp_path):
     assert re.fullmatch(r"frame 3 \(1/2\): \S+f_03.png \(\S+ s\)\nframe 4 \(2/2\): \S+f_04.png \(\S+ s\)\n", err), err
     works(encre("render", cube, "-o", tmp_path / "new" / "f.png", "-s", "4"))
     assert left(tmp_path / "new") == ["f0004.png", "f_03.png", "f_04.png"]
-    (tmp_path / "new" / "f_03.png").write_bytes(b"finished")
-    (tmp_path / "new" / "f_04.png").unlink()
-    err = works(encre("render", cube, "-o", tmp_path / "new" / "f_##.png", "-s", "3", "-e", "4", "--resume"))
-    assert "1 of 2 frames are finished" in err and png(tmp_path / "new" / "f_04.png").shape == (36, 64, 4)
-    assert (tmp_path / "new" / "f_03.png").read_bytes() == b"finished"
+
+
+@pytest.mark.parametrize("ending", ["png", "exr"])
+def test_resume_leaves_alone_what_is_whole(cube, tmp_path, ending):
+    out = tmp_path / f"f_##.{ending}"
+    works(encre("render", cube, "-o", out, "-s", "3", "-e", "4"))
+    finished, half, missing, empty = (tmp_path / f"f_{k:02}.{ending}" for k in (3, 4, 5, 6))
+    before = finished.read_bytes()
+    half.write_bytes(half.read_bytes()[:-2000])
+    empty.touch()
+    err = works(encre("render", cube, "-o", out, "-s", "3", "-e", "6", "--resume"))
+    assert "1 of 4 frames are finished" in err and err.count("\n") == 4
+    assert finished.read_bytes() == before
+    assert all(images.whole(path) for path in (half, missing, empty))
 
 
 def test_a_frame_that_cannot_be_written_is_found_before_rendering(cube, tmp_path):
@@ -257,16 +266,19 @@ def test_a_full_disk(cube, tmp_path):
     assert left(tmp_path) == ["out.exr"] and out.read_bytes() == b"old"
 
 
-def test_interrupt(cube, tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_interrupt(cube, tmp_path, number):
     child = subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png", "--size",
                               "1280x720", "--samples", "4000"], stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 60
     while not list(tmp_path.glob(".encre-*")) and time.monotonic() < deadline:
         time.sleep(0.05)
     time.sleep(2)
-    child.send_signal(signal.SIGINT)
+    child.send_signal(number)
     err = child.communicate(timeout=30)[1]
-    assert child.returncode == 130 and "Traceback" not in err and left(tmp_path) == []
+    assert child.returncode == 130 and err == "encre: interrupted\n" and left(tmp_path) == []
+    running = b"".join(path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline"))
+    assert bytes(tmp_path) not in running, "Blender runs on"
 
 
 def test_bar_on_a_terminal(cube, tmp_path):

@@ -8,6 +8,7 @@ import blenders
 import numpy as np
 import pytest
 from encre import core, images, layers
+from encre.composite import composite
 
 
 @pytest.fixture(params=blenders.params(), scope="module")
@@ -78,6 +79,10 @@ def test_border(render):
     assert np.array_equal(border[frame.y:frame.y + height, frame.x:frame.x + width], crop)
     placed = layers.read_metadata(shot.metadata("border")).frame
     assert (placed.width, placed.height, placed.x, placed.y) == (320, 240, 0, 0)
+    for name in "border", "crop":
+        again = shot.folder / f"{name}_again.exr"
+        composite(str(shot.folder / f"{name}.exr"), str(again), {})
+        assert np.abs(shot.passes(f"{name}_again")["Combined"] - shot.passes(name)["Combined"]).max() <= 1e-5
 
 
 def test_resolution_percentage(render):

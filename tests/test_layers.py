@@ -166,7 +166,9 @@ def test_metadata_round_trip():
     assert said["encre.camera"] == {"orthographic": True, "height": 4.5, "view": [0, 1, 0, 0, 0, 1, 1, 0, 0]}
     read = layers.read_metadata({**written, "Software": "another"})
     assert core.check(read.scene) == scene and read.styles == styles and read.camera == camera
-    assert read.frame == core.Frame(1920, 1080, 100, 50) and not read.warnings
+    assert read.frame == core.Frame(1920, 1080, 100, 50) and read.border is None and not read.warnings
+    written = layers.metadata(scene, styles, camera, core.Frame(1920, 1080), (100, 50, 300, 200))
+    assert layers.read_metadata(written).border == (100, 50, 300, 200)
 
 
 def test_metadata_stand_alone():
@@ -187,6 +189,7 @@ def test_metadata_stand_alone():
     ("encre.camera", '{"orthographic": 1, "height": 1, "view": [1,0,0,0,1,0,0,0,1]}'),
     ("encre.camera", '{"orthographic": true, "height": 1, "view": [1, 2]}'),
     ("encre.camera", '{"orthographic": true, "height": 1, "view": [NaN,0,0,0,1,0,0,0,1]}'),
+    ("encre.border", '{"x": 1, "y": -1, "width": 2, "height": 2}'), ("encre.border", '{"x": 1, "y": 1, "width": 2}'),
 ])
 def test_metadata_that_make_no_sense(key, text):
     with pytest.raises(core.EncreError, match=f"metadata {key}"):

@@ -7,7 +7,7 @@
     truth = scene.truth                             # dense points of all contours, and what differs across each
     t = my_detector(layers, scene.camera_settings, **verdict.PARAMS)
     measure.place(t, truth), measure.whole(t, truth), measure.stray(t, truth) …   # one promise each
-    print(verdict.table(verdict.judge(my_detector, {"boxes": scene})))            # all of them
+    print(verdict.table({"mine": verdict.judge(my_detector, {"boxes": scene})}))  # all of them
 
 shapes: solids met by rays, and the curves on them; scene: camera, light, layers, truth; scenes: the library;
 measure: the promises, on one picture; verdict: their limits, on many. The truth comes from the formulas alone: curves

@@ -96,11 +96,13 @@ def inked(t, truth):
 
 
 def whole(t, truth):
-    """Hairline: share of the contour that is inked, by kind, and the count of points: {kind: (share, count)}."""
+    """Hairline: share of the contour that is inked, by kind, and the count of points: {kind: (share, count)}.
+
+    What runs within a pixel and a half of the frame's edge has too little on one side to be told from it."""
     h, w = truth.size
     shares = {}
     for kind in ("outline", "crease", "color", "light"):
-        inside = (truth.x >= 0) & (truth.x <= w - 1) & (truth.y >= 0) & (truth.y <= h - 1)
+        inside = (truth.x >= 1) & (truth.x <= w - 2) & (truth.y >= 1) & (truth.y <= h - 2)
         points = truth.take(truth.required(kind) & inside)
         found = inked(t, points)
         shares[kind] = (float(found.mean()) if found.size else 1.0, int(found.size))

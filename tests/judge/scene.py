@@ -119,7 +119,7 @@ def _measured(seen):
 
 
 def _place(filter, share):
-    """Where in the pixel a filter has gathered that share (0…1) of its weight: even shares are samples of even weight."""
+    """Where in the pixel a filter has gathered that share (0…1) of its weight: even shares sample it evenly."""
     if filter == "box":
         return share - 0.5
     at = np.linspace(0, 2 * np.pi, 1001)  # Blackman-Harris, integrated

@@ -3,6 +3,8 @@
 
 `draw(layers, camera, **params)` must give T (rows, columns) for the parameters below and those it is called with."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from . import measure
@@ -32,10 +34,16 @@ def kept(promise, value):
 
 def lines(t, truth):
     """Promises about one hairline drawing: {promise: value}."""
+    return {promise: value for promise, (value, _) in _lines(t, truth).items()}
+
+
+def _lines(t, truth):
+    """{promise: (value, contour points that it is about)}."""
     place, whole = measure.place(t, truth), measure.whole(t, truth)
     found = {"place p95": place["p95"], "place max": place["max"], "evenness": measure.evenness(t, truth),
              "once": measure.once(t, truth), "stray": measure.stray(t, truth)}
-    return found | {"whole " + kind: share for kind, (share, _) in whole.items()}
+    found = {promise: (value, 1) for promise, value in found.items()}
+    return found | {"whole " + kind: share for kind, share in whole.items()}
 
 
 def widths(draw, scene, layers):
@@ -70,34 +78,59 @@ def still(draw, filter="box"):
     return {"still": measure.stillness(frames, [scene.truth for scene in moving])}
 
 
+@dataclass
+class Result:
+    where: str
+    promise: str
+    value: float
+    points: int = 1
+
+
 def judge(draw, scenes, filters=("box", "blackman"), full=True):
-    """Yield (scene, promise, value, kept). scenes: {name: Scene}; full: also the promises that need many drawings."""
+    """Yield Results. scenes: {name: Scene}; full: also the promises that need many drawings."""
     for name, scene in scenes.items():
         for filter in filters:
             layers = scene.layers(filter)
-            found = lines(draw(layers, scene.camera_settings, **PARAMS), scene.truth)
+            found = _lines(draw(layers, scene.camera_settings, **PARAMS), scene.truth)
             if full:
-                found |= widths(draw, scene, layers) | fair(draw, scene, layers) | calm(draw, scene, filter)
-            yield from ((f"{name} {filter}", promise, value, kept(promise, value)) for promise, value in found.items())
+                more = widths(draw, scene, layers) | fair(draw, scene, layers) | calm(draw, scene, filter)
+                found |= {promise: (value, 1) for promise, value in more.items()}
+            yield from (Result(f"{name} {filter}", promise, *value) for promise, value in found.items())
         alike = scene.layers(filters[0], one_index=True)
-        found = lines(draw(alike, scene.camera_settings, **PARAMS), scene.truth.one_index())
-        yield from ((f"{name} one index", promise, value, kept(promise, value)) for promise, value in found.items())
+        found = _lines(draw(alike, scene.camera_settings, **PARAMS), scene.truth.one_index())
+        yield from (Result(f"{name} one index", promise, *value) for promise, value in found.items())
     if full:
         for filter in filters:
-            yield from ((f"moving sphere {filter}", promise, value, kept(promise, value))
-                        for promise, value in still(draw, filter).items())
+            yield from (Result(f"moving sphere {filter}", *item) for item in still(draw, filter).items())
 
 
-def table(results):
-    """Markdown: for each promise the worst value, where, and how many of how many drawings keep it."""
-    results = list(results)
-    rows = ["| promise | limit | worst | where | kept |", "|---|---|---|---|---|"]
+def summary(results):
+    """{promise: (value, worst Result)}. The value is the worst, but of what must be inked the share of all contours."""
+    results, found = list(results), {}
     for promise, (least, most) in LIMITS.items():
-        own = [(value, place, good) for place, what, value, good in results if what == promise and not np.isnan(value)]
+        own = [r for r in results if r.promise == promise and not np.isnan(r.value)]
         if not own:
             continue
-        middle = ((least or 0) + (most or 0)) / 2 if least is not None and most is not None else None
-        worst = max(own, key=lambda r: abs(r[0] - middle) if middle is not None else r[0] if least is None else -r[0])
-        limit = f"{least}–{most}" if middle is not None else f"≤ {most}" if least is None else f"≥ {least}"
-        rows.append(f"| {promise} | {limit} | {worst[0]:.4f} | {worst[1]} | {sum(g for *_, g in own)} of {len(own)} |")
+        middle = None if least is None or most is None else (least + most) / 2
+        badness = [abs(r.value - middle) if middle is not None else r.value if least is None else -r.value for r in own]
+        worst = own[int(np.argmax(badness))]
+        value = worst.value
+        if promise.startswith("whole"):
+            points = sum(r.points for r in own)
+            value = sum(r.value * r.points for r in own) / points if points else 1.0
+        found[promise] = value, worst
+    return found
+
+
+def table(columns):
+    """Markdown. columns: {detector: its Results}; what breaks a promise is bold."""
+    found = {name: summary(results) for name, results in columns.items()}
+    rows = ["| promise | limit | " + " | ".join(columns) + " |", "|---|---|" + "---|" * len(columns)]
+    for promise, (least, most) in LIMITS.items():
+        if not all(promise in own for own in found.values()):
+            continue
+        limit = f"≤ {most}" if least is None else f"≥ {least}" if most is None else f"{least}–{most}"
+        cells = [f"{value:.4f}" if kept(promise, value) else f"**{value:.4f}**"
+                 for value, _ in (own[promise] for own in found.values())]
+        rows.append(f"| {promise} | {limit} | " + " | ".join(cells) + " |")
     return "\n".join(rows) + "\n"

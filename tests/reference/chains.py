@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """FINE, second half: sites linked to chains, and loose ends tied where the picture says that they belong together."""
 
+from dataclasses import dataclass, field
+
 import numpy as np
 
 from . import near
@@ -8,6 +10,7 @@ from .sites import FAMILIES, Sites, sites
 
 LINK = 1.6  # pixels between neighbours of one ridge
 REACH, NARROW, WIDE = 6.0, 0.94, 0.7  # how far an end looks for its like, and cosines of how straight ahead
+FACING = np.cos(np.radians(20))
 SHORT = 3.0  # pixels that an end may bridge without a look at the picture
 
 
@@ -19,10 +22,14 @@ def neighbours(count, links):
     return lists
 
 
-def linked(at):
-    """Links (n, 2) of points at most `LINK` apart, less those for which two shorter ones do."""
+def linked(found):
+    """Links (n, 2) of sites at most `LINK` apart, less those for which two shorter ones do.
+
+    Where a face thins out to a point its two edges come close, but they step in opposite directions."""
+    at = found.at
     i, j = near.pairs(at, at, LINK)
-    i, j = i[i < j], j[i < j]
+    ok = (i < j) & ((found.step[i] * found.step[j]).sum(1) >= 0)
+    i, j = i[ok], j[ok]
     length = np.round(np.hypot(*(at[i] - at[j]).T), 9)
     order = np.lexsort((j, i, length))
     rank = {(int(i[k]), int(j[k])): n for n, k in enumerate(order)}
@@ -77,96 +84,115 @@ class Web:
     # Ends
 
     def tie(self, agree, wedge):
-        """Tie loose ends to each other and to sites ahead; agree(family, a, b): whether the picture shows an edge
-        between two places."""
+        """Tie loose ends to each other and to sites ahead.
+
+        agree(family, a, b): whether the picture shows an edge between two places; wedge(family, a, b, corner): whether
+        what two edges enclose up to the corner in which they would meet differs from what is outside."""
         for _ in range(2):
-            ends = self._ends()
-            aims = {end: self._aims(*end_and_way, agree) for end, end_and_way in ends.items()}
-            done = self._pair(ends, aims, agree, wedge)
-            extra = [(end, aim[0][1]) for end, aim in aims.items() if end not in done and aim]
-            self.links = np.concatenate([self.links, np.array(extra, int).reshape(-1, 2)])
+            ends = {end.site: end for end in self._ends()}
+            for end in ends.values():
+                end.aims = self._aims(end, agree)
+            done = self._pair(ends, agree, wedge)
+            self._link([(end.site, end.aims[0][1]) for end in ends.values() if end.site not in done and end.aims])
+
+    def _link(self, links):
+        self.links = np.concatenate([self.links, np.array(links, int).reshape(-1, 2)])
 
     def _ends(self):
-        """{site: (site, direction, sites near it on its chain)} of sites with one link."""
-        self.lists = neighbours(len(self.sites), self.links)
-        at, ends = self.sites.at, {}
-        for site, others in enumerate(self.lists):
+        lists, at = neighbours(len(self.sites), self.links), self.sites.at
+        for site, others in enumerate(lists):
             if len(others) != 1:
                 continue
             chain, back = [site, others[0]], None
             while len(chain) < 10:
                 if back is None and np.hypot(*(at[site] - at[chain[-1]])) >= 2.5:
                     back = chain[-1]
-                ahead = [k for k in self.lists[chain[-1]] if k != chain[-2]]
+                ahead = [k for k in lists[chain[-1]] if k != chain[-2]]
                 if len(ahead) != 1:
                     break
                 chain.append(ahead[0])
             way = at[site] - at[chain[-1] if back is None else back]
             length = np.hypot(*way)
             if length > 0:
-                ends[site] = (site, way / length, chain)
-        return ends
+                yield End(site, at[site], kin(self.sites.family[site]), way / length, chain)
 
-    def _aims(self, end, way, chain, agree):
+    def _aims(self, end, agree):
         """[(cost, site)] of what an end may tie to, best first."""
-        at, family = self.sites.at, self.sites.family
-        gap = at - at[end]
+        gap = self.sites.at - end.at
         d = np.hypot(*gap.T)
-        most = 1 if family[end] == 0 else family[end]
         with np.errstate(invalid="ignore", divide="ignore"):
-            cosine = gap @ way / d
-        ok = (d > 0) & (family <= most) & (((d <= SHORT) & (cosine >= WIDE)) | ((d <= REACH) & (cosine >= NARROW)))
-        ok[chain] = False
-        found = [(d[k] / cosine[k] ** 4, int(k)) for k in np.flatnonzero(ok)
-                 if d[k] <= SHORT or agree(FAMILIES[family[end]], at[end], at[k])]
-        return sorted(found)
+            cosine = gap @ end.way / d
+        ahead = ((d <= SHORT) & (cosine >= WIDE)) | ((d <= REACH) & (cosine >= NARROW))
+        ahead &= (d > 0) & (self.sites.family <= end.kin)
+        ahead[end.chain] = False
+        return sorted((d[k] / cosine[k] ** 4, int(k)) for k in np.flatnonzero(ahead)
+                      if d[k] <= SHORT or agree(FAMILIES[end.kin], end.at, self.sites.at[k]))
 
-    def _pair(self, ends, aims, agree, wedge):
-        """Join ends of one family two by two, by a link or by a new site where their rays cross; gives those joined."""
-        at, family = self.sites.at, self.sites.family
-        joins, keys = [], sorted(ends)
-        for n, a in enumerate(keys):
-            for b in keys[n + 1:]:
-                gap = at[b] - at[a]
-                d = np.hypot(*gap)
-                if family[a] != family[b] or d > 8 or d == 0 or b in ends[a][2]:
-                    continue
-                one, two = ends[a][1], ends[b][1]
-                facing = min(gap @ one, -gap @ two) / d
-                sine = one[0] * two[1] - one[1] * two[0]
-                if facing >= np.cos(np.radians(20)) and d <= REACH:
-                    if d <= SHORT or agree(FAMILIES[family[a]], at[a], at[b]):
-                        joins.append((d / 2, a, b, None))
-                elif abs(sine) >= 0.25:
-                    s = (gap[0] * two[1] - gap[1] * two[0]) / sine
-                    t = (gap[0] * one[1] - gap[1] * one[0]) / sine
-                    corner = at[a] + s * one
-                    if min(s, t) >= -0.5 and (max(s, t) <= 4 and abs(sine) >= 0.34 or max(s, t) <= 10 and wedge(
-                            FAMILIES[family[a]], at[a], at[b], corner)):
-                        joins.append((max(s, t), a, b, corner))
+    def _pair(self, ends, agree, wedge):
+        """Join ends two by two, by a link or by a new site where their rays cross; gives the sites joined."""
         done = set()
-        for cost, a, b, corner in sorted(joins, key=lambda join: join[:3]):
-            if a in done or b in done:
-                continue
-            if any(aim and aim[0][0] < cost - 0.25 and aim[0][1] not in (a, b) for aim in (aims[a], aims[b])):
+        for cost, a, b, corner in sorted(self._joins(ends, agree, wedge), key=lambda join: join[:3]):
+            one, two = ends[a], ends[b]
+            own = one.chain + two.chain
+            better = any(aim[0] < cost - 0.25 and aim[1] not in own for aim in one.aims[:1] + two.aims[:1])
+            if a in done or b in done or better:
                 continue
             done |= {a, b}
             if corner is None:
-                self.links = np.concatenate([self.links, [[a, b]]])
-            else:
-                new = len(self.sites)
-                s = self.sites
-                stronger = a if s.strength[a] >= s.strength[b] else b
-                self.add(sites([corner], FAMILIES[s.family[a]], s.source[stronger], s.strength[stronger], self.shape), [])
-                self.links = np.concatenate([self.links, [[a, new], [b, new]]])
-                for c in keys:  # a third end may come to the same corner
-                    if c not in done and family[c] == family[a]:
-                        gap = corner - at[c]
-                        d = np.hypot(*gap)
-                        if 0 < d <= 4 and gap @ ends[c][1] >= WIDE * d:
-                            done.add(c)
-                            self.links = np.concatenate([self.links, [[c, new]]])
+                self._link([(a, b)])
+                continue
+            new, known = len(self.sites), self.sites
+            stronger = a if known.strength[a] >= known.strength[b] else b
+            family = FAMILIES[max(known.family[a], known.family[b])]
+            self.add(sites([corner], family, known.source[stronger], known.strength[stronger], self.shape), [])
+            third = [c for c, end in ends.items() if c not in done and end.kin == one.kin and end.faces(corner)]
+            done |= set(third)
+            self._link([(c, new) for c in (a, b, *third)])
         return done
+
+    def _joins(self, ends, agree, wedge):
+        """(cost, site, site, corner or None) of all pairs of ends that may be joined."""
+        keys = sorted(ends)
+        for n, a in enumerate(keys):
+            for b in keys[n + 1:]:
+                one, two = ends[a], ends[b]
+                gap = two.at - one.at
+                d = np.hypot(*gap)
+                if one.kin != two.kin or not 0 < d <= 8 or b in one.chain:
+                    continue
+                name = FAMILIES[one.kin]
+                sine = one.way[0] * two.way[1] - one.way[1] * two.way[0]
+                if min(gap @ one.way, -gap @ two.way) >= FACING * d and d <= REACH:
+                    if d <= SHORT or agree(name, one.at, two.at):
+                        yield d / 2, a, b, None
+                elif abs(sine) >= 0.25:
+                    s = (gap[0] * two.way[1] - gap[1] * two.way[0]) / sine
+                    t = (gap[0] * one.way[1] - gap[1] * one.way[0]) / sine
+                    corner, far = one.at + s * one.way, max(s, t)
+                    plain = far <= 4 and abs(sine) >= 0.34
+                    # edges that enclose an acute corner are lost well before it
+                    if min(s, t) >= -0.5 and (plain or far <= 10 and wedge(name, one.at, two.at, corner)):
+                        yield far, a, b, corner
+
+
+def kin(family):
+    """The family of an end for what it may be tied to: a silhouette that fades may go on as a crease."""
+    return max(int(family), FAMILIES.index("normal"))
+
+
+@dataclass
+class End:
+    site: int
+    at: np.ndarray
+    kin: int
+    way: np.ndarray  # unit, outwards
+    chain: list  # itself and up to 9 sites before it
+    aims: list = field(default_factory=list)
+
+    def faces(self, corner):
+        gap = corner - self.at
+        d = np.hypot(*gap)
+        return 0 < d <= 4 and gap @ self.way >= WIDE * d
 
 
 def chains(count, links):

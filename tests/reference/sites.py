@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """FINE, first half: where edges run, to a fraction of a pixel.
 
-Two kinds of evidence. *Cracks* between neighbouring pixels, in layers that are exact at pixel centres (depth, indices) or
-smooth (light); *ridges* and *bands* in layers that are averaged over the pixel (normal, colour, light), where the
+Two kinds of evidence. *Cracks* between neighbouring pixels, in layers that are exact at pixel centres (depth, indices)
+or smooth (light); *ridges* and *bands* in layers that are averaged over the pixel (normal, colour, light), where the
 mixture tells how far into the pixel an edge lies. Positions are (row, column), pixel centres at whole numbers."""
 
 from dataclasses import dataclass, field
@@ -25,6 +25,7 @@ class Sites:
     family: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
     source: np.ndarray = field(default_factory=lambda: np.zeros(0, int))  # index into SOURCES
     strength: np.ndarray = field(default_factory=lambda: np.zeros(0))  # weighted
+    step: np.ndarray = field(default_factory=lambda: np.zeros((0, 6)))  # a ridge's, down the columns and along the rows
 
     def __len__(self):
         return len(self.at)
@@ -36,11 +37,12 @@ class Sites:
         return Sites(**{name: np.concatenate([value, getattr(other, name)]) for name, value in vars(self).items()})
 
 
-def sites(at, family, source, strength, shape):
+def sites(at, family, source, strength, shape, step=None):
     at = np.asarray(at, float).reshape(-1, 2)
     pixel = np.clip(grid.round_half_up(at), 0, np.array(shape) - 1)
     return Sites(at, pixel, np.full(len(at), FAMILIES.index(family)),
-                 np.broadcast_to(source, len(at)).astype(int), np.broadcast_to(strength, len(at)).astype(float))
+                 np.broadcast_to(source, len(at)).astype(int), np.broadcast_to(strength, len(at)).astype(float),
+                 np.zeros((len(at), 6)) if step is None else step)
 
 
 def clear_of(at, others, distance):
@@ -53,8 +55,8 @@ def clear_of(at, others, distance):
 def centred(offset):
     """An offset from a pixel's centre that shares tell, half corrected for a pixel filter narrower than a box.
 
-    Shares of a box are linear in the offset. Those of a Blackman-Harris filter of 1.5 pixels are 0.13 sin(2π offset) too
-    large along an axis and 0.05 along a diagonal; with this neither filter is 0.07 off."""
+    Shares of a box are linear in the offset. Those of a Blackman-Harris filter of 1.5 pixels are 0.13 sin(2π offset)
+    too large along an axis and 0.05 along a diagonal; with this neither filter is far off."""
     return offset - 0.06 * np.sin(2 * np.pi * offset)
 
 
@@ -204,12 +206,15 @@ class Reads:
         return np.all(list(self.open.values()), axis=0)
 
     def bend(self):
-        """v(1) − v(−1) less what the slopes to either side explain; a side that can't be read has the other's."""
-        before, after = self[-1] - self[-2], self[2] - self[1]
-        has = {way: (self.open[way] & self.open[2 * way])[..., None] for way in (-1, 1)}
-        before, after = np.where(has[-1], before, np.where(has[1], after, 0)), \
-            np.where(has[1], after, np.where(has[-1], before, 0))
-        return self[1] - self[-1] - self.open[-1][..., None] * before - self.open[1][..., None] * after
+        """v(1) − v(−1) less what the slopes to either side explain.
+
+        A side that can't be read has the other's slope; where neither can a step is not told from a slope: 0."""
+        slope = {way: way * (self[2 * way] - self[way]) for way in (-1, 1)}
+        known = {way: (self.open[way] & self.open[2 * way])[..., None] for way in (-1, 1)}
+        bend = self[1] - self[-1]
+        for way in (-1, 1):
+            bend = bend - np.where(self.open[way][..., None], np.where(known[way], slope[way], slope[-way]), 0)
+        return np.where(known[-1] | known[1], bend, 0)
 
 
 def _norm(v):
@@ -221,9 +226,10 @@ def _sum3(image):
 
 
 def ridges(signal, linear, mixed, floor):
-    """Steps: (at (n, 2), J (n,), before (n, C), after (n, C)) with the values of the signal 2 pixels to either side.
+    """Steps: (at (n, 2), J (n,), before (n, C), after (n, C), directed step (n, 6)).
 
-    signal: (H, W, C), in which a step is looked for; linear: what the pixel averages, which tells the place."""
+    signal: (H, W, C), in which a step is looked for; linear: what the pixel averages, which tells the place. Before and
+    after are its values 2 pixels off, or 1 where an edge that steps back comes next: the two edges of a thin face."""
     reads = [Reads(signal, mixed, axis) for axis in (1, 0)]
     steps = [np.where(turn(axis, mixed), 0, _norm(r[1] - r[-1])) for axis, r in zip((1, 0), reads, strict=True)]
     prefer = [_sum3(s**2) for s in steps]
@@ -231,21 +237,31 @@ def ridges(signal, linear, mixed, floor):
     found = []
     for axis, r, step in zip((1, 0), reads, steps, strict=True):
         own = turn(axis, across if axis else ~across)
-        jump = _norm(r.bend())
-        on = own & (jump > 0.4 * step) & (jump > floor) & (step > 0)
+        jump, way = _norm(r.bend()), r[1] - r[-1]
+        on = own & (jump > np.where(r.all_open(), 0.4, 0.6) * step) & (jump > floor) & (step > 0)
         for k in (-2, -1, 1, 2):
-            on &= (step > along(step, k)) if k < 0 else (step >= along(step, k))
+            stronger = (step > along(step, k)) if k < 0 else (step >= along(step, k))
+            on &= stronger | ((way * along(way, k)).sum(-1) < -0.5 * step * along(step, k))
         x = Reads(linear, mixed, axis)
-        a, b = x[-2][on], x[2][on]
+        far = {side: (side * (r[2 * side] - r[side]) * way).sum(-1) >= 0 for side in (-1, 1)}
+        a, b = (np.where(far[side][on][:, None], x[2 * side][on], x[side][on]) for side in (-1, 1))
+        ends = [np.where(far[side][on][:, None], r[2 * side][on], r[side][on]) for side in (-1, 1)]
         square = ((a - b) ** 2).sum(-1)
         share = sum(clamp01(((x[k][on] - b) * (a - b)).sum(-1) / np.where(square > 0, square, 1)) for k in (-1, 0, 1))
         place = np.argwhere(on) + np.stack([0 * share, np.clip(centred(share - 1.5), -1, 1)], 1)
-        found.append((place if axis else place[:, ::-1], jump[on], r[-2][on], r[2][on]))
+        found.append((place if axis else place[:, ::-1], jump[on], *ends, directed(ends[1] - ends[0], axis)))
     return [np.concatenate(part) for part in zip(*found, strict=True)]
 
 
+def directed(step, axis):
+    """(n, 6): a step of up to 3 channels along a column, then along a row."""
+    wide = np.zeros((len(step), 6))
+    wide[:, 3 * axis:3 * axis + step.shape[1]] = step
+    return wide
+
+
 def bands(signal, mixed, floor):
-    """Slivers of less than 2 pixels: (at, A (n,), base (n, C), peak (n, C)), A = width times contrast."""
+    """Slivers of less than 2 pixels: (at, A (n,), base (n, C), peak (n, C), no step), A = width times contrast."""
     parts = []
     for axis in (1, 0):
         r = Reads(signal, mixed, axis)
@@ -264,7 +280,7 @@ def bands(signal, mixed, floor):
         offset = (c[1][on] - c[-1][on]) / area[on]
         place = np.argwhere(on) + np.stack([0 * offset, offset], 1)
         base = (r[-2][on] + r[2][on]) / 2
-        found.append((place if axis else place[:, ::-1], area[on], base, base + e[on]))
+        found.append((place if axis else place[:, ::-1], area[on], base, base + e[on], np.zeros((len(place), 6))))
     return [np.concatenate(part) for part in zip(*found, strict=True)]
 
 
@@ -281,9 +297,8 @@ def grey_of(level, steps):
     return np.repeat(np.asarray(grey)[..., None], 3, -1)
 
 
-def light_cracks(x, steps, axis):
-    """(first level, last level, t), each (h, w - 1) along rows."""
-    x = turn(axis, x)
+def light_cracks(x, steps):
+    """(first level, last level, t), each (h, w - 1) along rows; halfway between the first and last threshold."""
     p, q = x[:, :-1], x[:, 1:]
     one, two = level_of(p, steps), level_of(q, steps)
     thresholds = np.array([step[1] for step in steps[1:]] or [0.0])

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Ink along links: the union of discs whose centre, radius, darkness and depth run evenly from one site to the next. Of a
+ * wide line each link draws only the pixels that lie before its own ends, as its neighbours draw the others. */
+#include "discs.h"
+#include "fine.h"
+
+/* What a site gives the links that end at it. Coverage at distance d is faint * clamp01((out - d) / fade). */
+typedef struct pen_end {
+	float x, y;
+	float out, fade, faint;
+	float gain, bias, paper, limit;
+	float reach;    /* nothing is darkened from here on */
+	uint32_t owner; /* the pixel with the controls, y << 16 | x */
+} pen_end;
+
+enum { CHUNK = 1024 };
+
+/* A link draws this many pixels beyond the line that halves the angle with its neighbour, because the radius may vary. */
+static const float overlap = 1.0f;
+
+/* ---- pens ------------------------------------------------------------------------------------------------ */
+
+typedef struct gather {
+	const frame *f;
+	const fine *n;
+	capsules *all;
+	float *length; /* to the nearest free end, by site; NULL where no line tapers */
+} gather;
+
+static pen_end pen_end_of(const frame *f, const site *s, float length)
+{
+	pen pen;
+	pen_end e = {.x = s->x, .y = s->y};
+	e.owner = (uint32_t)s->near_y << 16 | s->near_x;
+	e.fade = 1;
+	if (!ISA(pen_of)(f, s->near_x, s->near_y, (enum source)s->source, s->strength, &pen))
+		return e;
+	float taper = pen.p->line_taper * f->scale;
+	if (length < taper)
+		pen.radius *= length / taper;
+	float half = most(pen.radius, 0.5f), soft = pen.p->line_softness * half;
+	e.fade = most(soft, 1);
+	e.out = half - most(soft, 0.5f) + e.fade;
+	e.faint = least(1, 2 * pen.radius);
+	e.gain = pen.gain;
+	e.bias = pen.bias;
+	e.paper = pen.p->line_paper;
+	e.limit = least(pen.limit, 1e30f); /* finite: it is interpolated */
+	e.reach = e.faint > e.bias && e.gain > 0 ? e.out - e.fade * e.bias / e.faint : 0;
+	return e;
+}
+
+static void make_pens(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const gather *g = data;
+	for (int i = first; i < end; i++)
+		if (!g->n->site[i].dropped)
+			g->all->end[i] = pen_end_of(g->f, g->n->site + i, g->length ? g->length[i] : INFINITY);
+}
+
+/* ---- bands ----------------------------------------------------------------------------------------------- */
+
+/* Adds a capsule to the lists of the bands that it reaches into; counts while there are no lists. */
+static void enter(const gather *g, uint32_t a, uint32_t b, uint32_t *next)
+{
+	const pen_end *one = g->all->end + a, *two = g->all->end + b;
+	float reach = most(one->reach, two->reach), top = least(one->y, two->y) - reach, bottom = most(one->y, two->y) + reach;
+	if (!(reach > 0) || bottom < 0 || top > (float)(g->f->height - 1))
+		return;
+	for (int k = pixel_of(top - 0.5f, g->f->height) / BAND; k <= pixel_of(bottom + 0.5f, g->f->height) / BAND; k++) {
+		if (g->all->list) {
+			g->all->list[next[k]][0] = a;
+			g->all->list[next[k]][1] = b;
+		}
+		next[k]++;
+	}
+}
+
+static void enter_all(const gather *g, uint32_t *next)
+{
+	const fine *n = g->n;
+	for (uint32_t i = 0; i < n->count; i++) {
+		if (n->site[i].dropped)
+			continue;
+		if (n->at[i] == n->at[i + 1])
+			enter(g, i, i, next);
+		for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
+			if (n->to[k] > i)
+				enter(g, i, n->to[k], next);
+	}
+}
+
+int32_t ISA(capsules_gather)(frame *f, capsules *all)
+{
+	const fine *n = f->fine;
+	gather g = {.f = f, .n = n, .all = all};
+	size_t bands = (size_t)(f->height - 1) / BAND + 1;
+	all->end = late_take(&f->late, n->count, sizeof *all->end);
+	all->first = late_take(&f->late, bands + 2, sizeof *all->first);
+	if (!all->end || !all->first)
+		return ENCRE_ERROR_MEMORY;
+	float taper = 0;
+	for (int i = 0; i < f->n_styles; i++)
+		taper = most(taper, f->params[i].line_taper * f->scale);
+	if (taper > 0) {
+		g.length = late_take(&f->late, n->count, sizeof *g.length);
+		if (!g.length)
+			return ENCRE_ERROR_MEMORY;
+		ISA(fine_free_lengths)(n, taper, g.length);
+	}
+	int32_t code = rows_run(f->rows, (int)n->count, CHUNK, make_pens, &g);
+	if (code)
+		return code;
+	memset(all->first, 0, (bands + 2) * sizeof *all->first);
+	enter_all(&g, all->first + 2); /* counted two places on: summed up, and filled, they end where they belong */
+	for (size_t k = 2; k < bands + 2; k++)
+		all->first[k] += all->first[k - 1];
+	all->list = late_take(&f->late, all->first[bands + 1], sizeof *all->list);
+	if (!all->list)
+		return ENCRE_ERROR_MEMORY;
+	enter_all(&g, all->first + 1);
+	return ENCRE_OK;
+}
+
+/* ---- drawing --------------------------------------------------------------------------------------------- */
+
+/* Pixels x with way_x * x + way_y * y >= from belong to the link. */
+typedef struct cut {
+	float way_x, way_y, from;
+} cut;
+
+typedef struct capsule {
+	const pen_end *a, *b;
+	float dx, dy, inverse; /* from a to b; 1 / length^2, 0 for a site alone */
+	float reach;
+	int cuts;
+	cut cut[2];
+} capsule;
+
+static bool unit_of(float *x, float *y)
+{
+	float length = sqrtf(*x * *x + *y * *y);
+	*x /= length;
+	*y /= length;
+	return length > 1e-6f;
+}
+
+/* Leaves what lies beyond end `here` to the one other link there. */
+static void cut_at(const fine *n, capsule *c, uint32_t here, uint32_t there)
+{
+	if (n->at[here + 1] - n->at[here] != 2)
+		return;
+	uint32_t other = n->to[n->at[here]] == there ? n->to[n->at[here] + 1] : n->to[n->at[here]];
+	const site *h = n->site + here, *t = n->site + there, *o = n->site + other;
+	float ox = h->x - o->x, oy = h->y - o->y, tx = t->x - h->x, ty = t->y - h->y;
+	if (!unit_of(&ox, &oy) || !unit_of(&tx, &ty) || ox * tx + oy * ty < 0)
+		return;
+	float wx = ox + tx, wy = oy + ty;
+	unit_of(&wx, &wy);
+	c->cut[c->cuts++] = (cut){wx, wy, wx * h->x + wy * h->y - overlap};
+}
+
+static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32_t b)
+{
+	capsule c = {.a = all->end + a, .b = all->end + b};
+	c.dx = c.b->x - c.a->x;
+	c.dy = c.b->y - c.a->y;
+	float square = c.dx * c.dx + c.dy * c.dy;
+	c.inverse = square > 1e-12f ? 1 / square : 0;
+	c.reach = most(c.a->reach, c.b->reach);
+	if (c.reach > 2.5f && a != b) {
+		cut_at(n, &c, a, b);
+		cut_at(n, &c, b, a);
+	}
+	return c;
+}
+
+/* Pixels first..end - 1 of row y that the capsule may darken. */
+static void span_of(const capsule *c, int y, int width, int *first, int *end)
+{
+	float ahead = (float)y - c->a->y, low = least(0, c->dx) - c->reach, high = most(0, c->dx) + c->reach;
+	if (fabsf(c->dy) > 1e-6f) { /* between the tangents */
+		float middle = ahead * c->dx / c->dy, half = c->reach * sqrtf(c->dx * c->dx + c->dy * c->dy) / fabsf(c->dy);
+		low = most(low, middle - half);
+		high = least(high, middle + half);
+	}
+	low += c->a->x;
+	high += c->a->x;
+	for (int i = 0; i < c->cuts; i++) {
+		const cut *k = c->cut + i;
+		float rest = k->from - k->way_y * (float)y;
+		if (k->way_x > 1e-3f)
+			low = most(low, rest / k->way_x);
+		else if (k->way_x < -1e-3f)
+			high = least(high, rest / k->way_x);
+		else if (rest > 0.1f)
+			high = low - 1;
+	}
+	*first = low > 0 ? low < (float)width ? (int)low : width : 0; /* one more than needed to the left */
+	*end = high < 0 ? 0 : high < (float)(width - 1) ? (int)high + 1 : width;
+}
+
+static void ink_span(const capsule *restrict e, float y, int x, int end, float *restrict dark, const float *restrict depth,
+		     const float *restrict grain)
+{
+	const pen_end *a = e->a, *b = e->b;
+	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;
+	float out = a->out, fade = a->faint / a->fade, faint = a->faint, gain = a->gain, bias = a->bias, paper = a->paper, limit = a->limit;
+	float more_out = b->out - out, more_fade = b->faint / b->fade - fade, more_faint = b->faint - faint, more_gain = b->gain - gain;
+	float more_bias = b->bias - bias, more_paper = b->paper - paper, more_limit = b->limit - limit;
+	for (; x < end; x += LANES)
+		for (int k = 0; k < LANES; k++) {
+			float px = (float)(x + k) - from, s = px * ux + uy;
+			s = s > 0 ? s : 0;
+			s = s < 1 ? s : 1;
+			float ex = px - s * dx, ey = py - s * dy;
+			float t = (out + s * more_out - sqrtf(ex * ex + ey * ey)) * (fade + s * more_fade), most = faint + s * more_faint;
+			t = t < most ? t : most;
+			t = (gain + s * more_gain) * ((1 + (paper + s * more_paper) * grain[x + k]) * t - (bias + s * more_bias));
+			t = depth[x + k] >= limit + s * more_limit ? t : 0;
+			dark[x + k] = t > dark[x + k] ? t : dark[x + k];
+		}
+}
+
+/* Likewise, and remembers who inked: among equals the nearest. */
+static void own_span(const capsule *restrict e, float y, int x, int end, float *restrict dark, const float *restrict depth,
+		     const float *restrict grain, float *restrict distance, uint32_t *restrict owner)
+{
+	const pen_end *a = e->a, *b = e->b;
+	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;
+	float out = a->out, fade = a->faint / a->fade, faint = a->faint, gain = a->gain, bias = a->bias, paper = a->paper, limit = a->limit;
+	float more_out = b->out - out, more_fade = b->faint / b->fade - fade, more_faint = b->faint - faint, more_gain = b->gain - gain;
+	float more_bias = b->bias - bias, more_paper = b->paper - paper, more_limit = b->limit - limit;
+	uint32_t one = a->owner, two = b->owner;
+	for (; x < end; x += LANES)
+		for (int k = 0; k < LANES; k++) {
+			float px = (float)(x + k) - from, s = px * ux + uy, before = dark[x + k];
+			s = s > 0 ? s : 0;
+			s = s < 1 ? s : 1;
+			float ex = px - s * dx, ey = py - s * dy, d2 = ex * ex + ey * ey;
+			float t = (out + s * more_out - sqrtf(d2)) * (fade + s * more_fade), most = faint + s * more_faint;
+			t = t < most ? t : most;
+			t = (gain + s * more_gain) * ((1 + (paper + s * more_paper) * grain[x + k]) * t - (bias + s * more_bias));
+			t = t < 1 ? t : 1;
+			t = depth[x + k] >= limit + s * more_limit ? t : 0;
+			float rival = t == before ? distance[x + k] : -1; /* squared distance that an equal must beat */
+			int wins = t > before || (t > 0 && d2 < rival);
+			dark[x + k] = wins ? t : before;
+			distance[x + k] = wins ? d2 : distance[x + k];
+			owner[x + k] = wins ? (s > 0.5f ? two : one) : owner[x + k];
+		}
+}
+
+static void draw_capsule(const capsule *e, canvas *c)
+{
+	float top = least(e->a->y, e->b->y) - e->reach, bottom = most(e->a->y, e->b->y) + e->reach;
+	int from = top > (float)c->y0 ? (int)top : c->y0, to = bottom < (float)(c->y1 - 1) ? (int)bottom : c->y1 - 1;
+	for (int y = from; y <= to; y++) {
+		int x, end;
+		span_of(e, y, c->f->width, &x, &end);
+		if (x >= end)
+			continue;
+		canvas_touch(c, y, x, end);
+		size_t at = (size_t)(y - c->y0) * c->stride;
+		if (c->owner)
+			own_span(e, (float)y, x, end, c->dark + at, c->depth + at, c->grain + at, c->distance + at, c->owner + at);
+		else
+			ink_span(e, (float)y, x, end, c->dark + at, c->depth + at, c->grain + at);
+	}
+}
+
+void ISA(capsules_draw)(const capsules *all, canvas *c)
+{
+	const uint32_t *first = all->first + c->y0 / BAND;
+	for (uint32_t i = first[0]; i < first[1]; i++) {
+		capsule e = capsule_of(c->f->fine, all, all->list[i][0], all->list[i][1]);
+		draw_capsule(&e, c);
+	}
+}

@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Cracks: boundaries that run between two neighbouring pixels, because a depth, an index or a level of light is one
+ * thing here and another there. A depth jumps where each side's straight continuation misses the other side: that is
+ * 0 on planes, curved surfaces and beside a jump, so nothing has to be thinned. */
+#include "fine.h"
+#include "metric.h"
+
+enum { ROWS = 4 };
+
+/* Of a jump in depth, relative to the nearest of the four pixels: from where it counts, and from there to full strength. */
+static const float jump_from = 0.003f, jump_ramp = 0.007f;
+
+/* ---- depth ----------------------------------------------------------------------------------------------- */
+
+static const float *layer_row(const frame *f, enum encre_layer layer, int y)
+{
+	return f->layer[layer].data + (ptrdiff_t)y * f->layer[layer].row;
+}
+
+static inline float smaller(float a, float b)
+{
+	return a < b ? a : b;
+}
+
+static inline float larger(float a, float b)
+{
+	return a > b ? a : b;
+}
+
+/* What depths are compared in: it is linear on planes on screen. Nothing there is 0, under an orthographic camera
+ * -INFINITY. */
+static inline float sample(const edges *e, float z)
+{
+	z = depth_of(z);
+	return e->ortho ? -z / larger(e->f->camera.height, 1e-20f) : 1 / z;
+}
+
+static void sample_row(const edges *e, const float *restrict z, int n, float *restrict u)
+{
+	if (e->ortho)
+		for (int i = 0; i < n; i++)
+			u[i] = sample(e, z[i]);
+	else
+		for (int i = 0; i < n; i++)
+			u[i] = 1 / depth_of(z[i]);
+}
+
+/* How far b and c are apart beyond what the slopes from a and to d explain. */
+static inline float jump(float a, float b, float c, float d)
+{
+	float l = c - 2 * b + a, r = b - 2 * c + d;
+	return larger(smaller(l, -r), smaller(-l, r));
+}
+
+/* Nothing there lies one frame height behind the farthest of the four. */
+static inline float jump_ortho(float a, float b, float c, float d)
+{
+	float ab = smaller(a > -INFINITY ? a : INFINITY, b > -INFINITY ? b : INFINITY);
+	float cd = smaller(c > -INFINITY ? c : INFINITY, d > -INFINITY ? d : INFINITY);
+	float behind = smaller(smaller(ab, cd), FLT_MAX) - 1;
+	return jump(larger(a, behind), larger(b, behind), larger(c, behind), larger(d, behind));
+}
+
+/* ORs `bit` where b and c are a jump of more than `least`. */
+static void mark_jumps(bool ortho, const float *a, const float *b, const float *c, const float *d, int n, float least, uint8_t bit,
+		       uint8_t *restrict out)
+{
+	if (ortho)
+		for (int i = 0; i < n; i++)
+			out[i] |= jump_ortho(a[i], b[i], c[i], d[i]) > least ? bit : 0;
+	else
+		for (int i = 0; i < n; i++) {
+			float top = larger(larger(a[i], b[i]), larger(c[i], d[i]));
+			out[i] |= jump(a[i], b[i], c[i], d[i]) > least * top ? bit : 0;
+		}
+}
+
+static void mark_nothing(float nothing, const float *a, const float *b, int n, uint8_t bit, uint8_t *restrict out)
+{
+	for (int i = 0; i < n; i++)
+		out[i] |= (a[i] == nothing) != (b[i] == nothing) ? bit : 0;
+}
+
+static void mark_different(const float *a, const float *b, int n, uint8_t bit, uint8_t *restrict out)
+{
+	for (int i = 0; i < n; i++)
+		out[i] |= a[i] != b[i] ? bit : 0;
+}
+
+/* ---- light ----------------------------------------------------------------------------------------------- */
+
+/* Into how many levels light x rises. */
+static inline int level_of(const encre_levels *levels, float x)
+{
+	int k = 0;
+	while (k + 1 < levels->count && x > levels->level[k + 1].threshold)
+		k++;
+	return k;
+}
+
+static void level_row(const frame *f, int y, uint8_t *restrict level)
+{
+	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
+	for (int x = 0, end; x < f->width; x = end) {
+		const encre_params *p = style_run(f, y, x, f->width, &end);
+		float exposure = p->shade_exposure;
+		memset(level + x, 0, (size_t)(end - x));
+		for (int k = 1; k < p->shade_levels.count; k++) {
+			float threshold = p->shade_levels.level[k].threshold;
+			for (int i = x; i < end; i++) {
+				const float *d = diffuse + (ptrdiff_t)3 * i;
+				level[i] += max3(d[0], d[1], d[2]) * exposure > threshold;
+			}
+		}
+	}
+}
+
+static void mark_levels(const uint8_t *a, const uint8_t *b, int n, uint8_t bit, uint8_t *restrict out)
+{
+	for (int i = 0; i < n; i++)
+		out[i] |= a[i] != b[i] ? bit : 0;
+}
+
+float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two)
+{
+	int metric = n->e->p->contrast_metric;
+	const encre_level *level = p->shade_levels.level;
+	float a = clamp01(level[level_of(&p->shade_levels, one)].intensity), b = clamp01(level[level_of(&p->shade_levels, two)].intensity);
+	if (a == b)
+		return 0;
+	float plane[3][2] = {{a, b}, {a, b}, {a, b}}, difference = 0;
+	ISA(metric_space)(metric, 2, plane[0], plane[1], plane[2]);
+	const float *first[3] = {plane[0], plane[1], plane[2]}, *second[3] = {plane[0] + 1, plane[1] + 1, plane[2] + 1};
+	ISA(metric_difference)(metric, 1, first, second, &difference);
+	return difference;
+}
+
+/* ---- sites ----------------------------------------------------------------------------------------------- */
+
+static float depth_strength(const fine *n, const site *s)
+{
+	const frame *f = n->f;
+	float u[4];
+	int dx = s->axis == AXIS_ROW, dy = 1 - dx;
+	bool inside = dx ? s->column >= 1 && s->column + 2 < f->width : s->row >= 1 && s->row + 2 < f->height;
+	for (int k = 0; inside && k < 4; k++)
+		u[k] = sample(n->e, layer_row(f, ENCRE_LAYER_DEPTH, s->row + (k - 1) * dy)[s->column + (k - 1) * dx]);
+	if (!inside)
+		return 0;
+	float top = larger(larger(u[0], u[1]), larger(u[2], u[3]));
+	float j = n->e->ortho ? jump_ortho(u[0], u[1], u[2], u[3]) : top > 0 ? jump(u[0], u[1], u[2], u[3]) / top : 0;
+	return clamp01((j - jump_from) / jump_ramp);
+}
+
+/* Share of the way from pixel p to q at which the averaged layers pass from one side's colours and normals to the other's. */
+static float crossing(const frame *f, const site *s)
+{
+	float v[6][6]; /* of pixels p - 2 to q + 2 */
+	int dx = s->axis == AXIS_ROW, dy = 1 - dx;
+	for (int k = 0; k < 6; k++) {
+		int x = clamp_index(s->column + (k - 2) * dx, f->width), y = clamp_index(s->row + (k - 2) * dy, f->height);
+		const float *albedo = layer_row(f, ENCRE_LAYER_ALBEDO, y) + (ptrdiff_t)3 * x;
+		const float *normal = layer_row(f, ENCRE_LAYER_NORMAL, y) + (ptrdiff_t)3 * x;
+		for (int c = 0; c < 3; c++) {
+			v[k][c] = clamp01(albedo[c]);
+			v[k][3 + c] = 0.5f * bounded(normal[c]);
+		}
+	}
+	float weight = 0, first = 0, second = 0;
+	for (int c = 0; c < 6; c++) {
+		float a = v[1][c], b = v[4][c], before = a - v[0][c], after = v[5][c] - b;
+		float w = (a - b) / (0.0004f + before * before + after * after);
+		weight += w * (a - b);
+		first += w * (v[2][c] - b);
+		second += w * (v[3][c] - b);
+	}
+	if (!(weight > 0 && weight < FLT_MAX))
+		return 0.5f;
+	float t = unbiased(clamp01(clamp01(first / weight) + clamp01(second / weight) - 0.5f));
+	return (weight * t + 2) / (weight + 4);
+}
+
+static void place(site *s, float share)
+{
+	s->x = (float)s->column + (s->axis == AXIS_ROW ? share : 0);
+	s->y = (float)s->row + (s->axis == AXIS_COLUMN ? share : 0);
+}
+
+bool ISA(crack_site)(const fine *n, site *s)
+{
+	const frame *f = n->f;
+	int x = s->column, y = s->row, qx = x + (s->axis == AXIS_ROW), qy = y + (s->axis == AXIS_COLUMN);
+	place(s, crossing(f, s));
+	int style = fine_style(n, s);
+	float zp = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, y)[x]), zq = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, qy)[qx]);
+	bool object = (zp == INFINITY) != (zq == INFINITY), material = false;
+	if (f->layer[ENCRE_LAYER_OBJECT].data)
+		object |= layer_row(f, ENCRE_LAYER_OBJECT, y)[x] != layer_row(f, ENCRE_LAYER_OBJECT, qy)[qx];
+	if (f->layer[ENCRE_LAYER_MATERIAL].data)
+		material = layer_row(f, ENCRE_LAYER_MATERIAL, y)[x] != layer_row(f, ENCRE_LAYER_MATERIAL, qy)[qx];
+	s->strength = 0;
+	ISA(fine_weigh)(n, s, style, SOURCE_OBJECT, object);
+	ISA(fine_weigh)(n, s, style, SOURCE_MATERIAL, material);
+	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, depth_strength(n, s));
+}
+
+bool ISA(light_site)(const fine *n, site *s)
+{
+	const frame *f = n->f;
+	int qx = s->column + (s->axis == AXIS_ROW), qy = s->row + (s->axis == AXIS_COLUMN);
+	const float *p = layer_row(f, ENCRE_LAYER_DIFFUSE, s->row) + (ptrdiff_t)3 * s->column;
+	const float *q = layer_row(f, ENCRE_LAYER_DIFFUSE, qy) + (ptrdiff_t)3 * qx;
+	place(s, 0.5f);
+	int style = fine_style(n, s);
+	const encre_params *own = f->params + style;
+	float one = bounded(max3(p[0], p[1], p[2]) * own->shade_exposure), two = bounded(max3(q[0], q[1], q[2]) * own->shade_exposure);
+	int low = level_of(&own->shade_levels, smaller(one, two)), high = level_of(&own->shade_levels, larger(one, two));
+	if (low == high)
+		return false;
+	/* a step over several thresholds is one line */
+	float threshold = 0.5f * (own->shade_levels.level[low + 1].threshold + own->shade_levels.level[high].threshold);
+	place(s, clamp01((threshold - one) / (two - one)));
+	s->strength = 0;
+	return ISA(fine_weigh)(n, s, style, SOURCE_LIGHT, ISA(light_contrast)(n, own, one, two));
+}
+
+/* ---- rows ------------------------------------------------------------------------------------------------ */
+
+/* What a weight must be multiplied with to make an edge, at the style where it counts most. */
+static float least_strength(const edges *e, enum source s)
+{
+	float most = 0;
+	for (int i = 0; i < e->f->n_styles; i++)
+		most = larger(most, e->weight[s][i]);
+	return most > 0 ? e->p->edge_threshold / most : INFINITY;
+}
+
+/* Takes back marks that the style of the surface, or the levels of light, don't make an edge. */
+static void refine(const fine *n, int y, uint8_t *mark, uint8_t bits)
+{
+	for (int x = 0; x < n->f->width; x++)
+		for (int axis = 0; axis < 2 && (mark[x] & bits); axis++) {
+			site s = {.column = (uint16_t)x, .row = (uint16_t)y, .axis = (uint8_t)axis};
+			uint8_t crack = (uint8_t)(CRACK_RIGHT << axis), light = (uint8_t)(LIGHT_RIGHT << axis);
+			if ((mark[x] & bits & crack) && !ISA(crack_site)(n, &s))
+				mark[x] &= (uint8_t)~crack;
+			if ((mark[x] & bits & light) && ((mark[x] & crack) || !ISA(light_site)(n, &s)))
+				mark[x] &= (uint8_t)~light;
+		}
+}
+
+static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const *level)
+{
+	const frame *f = n->f;
+	const edges *e = n->e;
+	int width = f->width;
+	bool below = y + 1 < f->height;
+	uint8_t *mark = n->crack + (ptrdiff_t)y * width;
+	memset(mark, 0, (size_t)width);
+	float depth = least_strength(e, SOURCE_DEPTH), nothing = e->ortho ? -INFINITY : 0;
+	float least = depth <= 1 ? jump_from + jump_ramp * depth : INFINITY;
+	if (e->on[SOURCE_DEPTH] && least < INFINITY && width > 3)
+		mark_jumps(e->ortho, u[1], u[1] + 1, u[1] + 2, u[1] + 3, width - 3, least, CRACK_RIGHT, mark + 1);
+	if (e->on[SOURCE_DEPTH] && least < INFINITY && y >= 1 && y + 2 < f->height)
+		mark_jumps(e->ortho, u[0], u[1], u[2], u[3], width, least, CRACK_DOWN, mark);
+	if (least_strength(e, SOURCE_OBJECT) <= 1) {
+		mark_nothing(nothing, u[1], u[1] + 1, width - 1, CRACK_RIGHT, mark);
+		if (below)
+			mark_nothing(nothing, u[1], u[2], width, CRACK_DOWN, mark);
+	}
+	for (int k = 0; k < 2; k++) {
+		enum encre_layer layer = k ? ENCRE_LAYER_MATERIAL : ENCRE_LAYER_OBJECT;
+		if (!f->layer[layer].data || !(least_strength(e, k ? SOURCE_MATERIAL : SOURCE_OBJECT) <= 1))
+			continue;
+		const float *own = layer_row(f, layer, y);
+		mark_different(own, own + 1, width - 1, CRACK_RIGHT, mark);
+		if (below)
+			mark_different(own, layer_row(f, layer, y + 1), width, CRACK_DOWN, mark);
+	}
+	if (e->on[SOURCE_LIGHT]) {
+		mark_levels(level[0], level[0] + 1, width - 1, LIGHT_RIGHT, mark);
+		if (below)
+			mark_levels(level[0], level[1], width, LIGHT_DOWN, mark);
+	}
+	uint8_t bits = (uint8_t)((f->style ? CRACK_RIGHT | CRACK_DOWN : 0) | (e->on[SOURCE_LIGHT] ? LIGHT_RIGHT | LIGHT_DOWN : 0));
+	if (bits)
+		refine(n, y, mark, bits);
+}
+
+/* Whether the control asks for colour edges anywhere in the row. */
+static bool is_painted(const frame *f, int y)
+{
+	const float *controls = f->layer[ENCRE_LAYER_CONTROLS].data ? layer_row(f, ENCRE_LAYER_CONTROLS, y) : NULL;
+	int painted = 0;
+	for (int x = 0; controls && x < f->width; x++)
+		painted |= controls[(ptrdiff_t)6 * x + 2] > 0;
+	return painted;
+}
+
+static ptrdiff_t stride_of(const frame *f)
+{
+	return (f->width + 15) & ~(ptrdiff_t)15;
+}
+
+ptrdiff_t ISA(crack_scratch)(const frame *f)
+{
+	return (ROWS + 1) * stride_of(f); /* depths, and a row of bytes twice */
+}
+
+void ISA(crack_rows)(void *data, int y0, int y1, int thread)
+{
+	const fine *n = data;
+	const frame *f = n->f;
+	ptrdiff_t stride = stride_of(f);
+	float *scratch = n->scratch + thread * n->thread_scratch;
+	uint8_t *levels = (uint8_t *)(scratch + ROWS * stride);
+	for (int y = y0; y < y1; y++) {
+		float *u[ROWS];
+		uint8_t *level[2];
+		for (int k = 0; k < ROWS; k++) {
+			int row = y - 1 + k;
+			u[k] = scratch + ((row + ROWS) % ROWS) * stride;
+			if (row >= 0 && row < f->height && (k == ROWS - 1 || y == y0))
+				sample_row(n->e, layer_row(f, ENCRE_LAYER_DEPTH, row), f->width, u[k]);
+		}
+		for (int k = 0; n->e->on[SOURCE_LIGHT] && k < 2; k++) {
+			level[k] = levels + ((y + k) % 2) * stride;
+			if (y + k < f->height && (k == 1 || y == y0))
+				level_row(f, y + k, level[k]);
+		}
+		mark_row(n, y, u, (const uint8_t *const *)level);
+		n->colored[y] = n->e->on[SOURCE_COLOR] && (n->most_color > 0 || is_painted(f, y));
+	}
+}

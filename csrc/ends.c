@@ -1,0 +1,404 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Loose ends: a chain that stops short of a corner, of another line or of its own continuation is led on to it. */
+#include "fine.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { CHUNK = 256, ROUNDS = 2, OWN = 9, NONE = -1 };
+
+static const float back = 3;                       /* pixels over which a chain's direction is taken */
+static const float near_reach = 3, near_cosine = 0.7f, far_reach = 6, far_cosine = 0.94f; /* of what an end may tie to */
+static const float least_sine = 0.34f;             /* about 20 degrees: what is less runs in parallel */
+static const float ray_from = -0.5f, ray_to = 4;   /* pixels ahead of both ends at which their lines may meet */
+static const float cut_off = 2;                     /* pixels from the border within which an end is the frame's doing */
+static const float margin = 0.25f;                 /* by how much something else must be nearer to come first */
+
+typedef struct end {
+	uint32_t site;
+	float dx, dy;        /* unit, ahead */
+	uint32_t best[2];    /* the sites to tie to first and second; UINT32_MAX = none */
+	float cost[2];
+	uint32_t pairs, first; /* its pairs with later ends */
+	bool taken;
+} end;
+
+typedef struct pair {
+	float cost, x, y;
+	uint32_t one, two; /* ends */
+	bool corner;       /* a new site at x, y */
+} pair;
+
+typedef struct ends {
+	fine *n;
+	uint32_t count;
+	end *end;
+	pair *pair;
+	uint32_t *number; /* of the end, by site */
+} ends;
+
+static int rank_of(const site *s)
+{
+	switch ((enum family)s->family) {
+	case FAMILY_CRACK: return 0;
+	case FAMILY_NORMAL_BAND:
+	case FAMILY_NORMAL: return 1;
+	case FAMILY_COLOR_BAND:
+	case FAMILY_COLOR: return 2;
+	default: return 3;
+	}
+}
+
+static bool is_end(const fine *n, uint32_t i)
+{
+	return !n->site[i].dropped && n->at[i + 1] - n->at[i] == 1;
+}
+
+/* The next site of a chain, coming from `from`; UINT32_MAX at its end. */
+static uint32_t next_of(const fine *n, uint32_t from, uint32_t i)
+{
+	const uint32_t *to = n->to + n->at[i];
+	return n->at[i + 1] - n->at[i] != 2 ? UINT32_MAX : to[0] == from ? to[1] : to[0];
+}
+
+/* The first sites of the chain from its end. */
+static int own_chain(const fine *n, uint32_t i, uint32_t *own)
+{
+	uint32_t from = i, at = n->to[n->at[i]];
+	int count = 0;
+	own[count++] = i;
+	while (count < OWN && at != UINT32_MAX) {
+		own[count++] = at;
+		uint32_t next = next_of(n, from, at);
+		from = at;
+		at = next;
+	}
+	return count;
+}
+
+static bool is_in(uint32_t i, const uint32_t *list, int count)
+{
+	for (int k = 0; k < count; k++)
+		if (list[k] == i)
+			return true;
+	return false;
+}
+
+/* ---- what lies ahead ------------------------------------------------------------------------------------- */
+
+static void bilinear(const frame *f, enum encre_layer layer, int channels, float x, float y, float *value)
+{
+	x = x > 0 ? x < (float)(f->width - 1) ? x : (float)(f->width - 1) : 0;
+	y = y > 0 ? y < (float)(f->height - 1) ? y : (float)(f->height - 1) : 0;
+	int x0 = (int)x, y0 = (int)y, x1 = x0 + 1 < f->width ? x0 + 1 : x0, y1 = y0 + 1 < f->height ? y0 + 1 : y0;
+	const float *above = f->layer[layer].data + y0 * f->layer[layer].row, *below = f->layer[layer].data + y1 * f->layer[layer].row;
+	for (int c = 0; c < 3; c++) {
+		float top = mix(bounded(above[channels * x0 + c]), bounded(above[channels * x1 + c]), x - (float)x0);
+		float bottom = mix(bounded(below[channels * x0 + c]), bounded(below[channels * x1 + c]), x - (float)x0);
+		value[c] = mix(top, bottom, y - (float)y0);
+	}
+}
+
+/* Over a longer gap a line goes on only if what lies to either side of it differs. */
+static bool picture_agrees(const fine *n, const site *a, const site *b)
+{
+	int rank = rank_of(a);
+	bool lit = n->e->p->color_layer == color_layer_LIT;
+	float dx = b->x - a->x, dy = b->y - a->y, length = sqrtf(dx * dx + dy * dy), least = rank == 1 ? 0.12f : 0.02f;
+	if (rank == 0)
+		return false;
+	for (int k = 1; k <= 3 && rank < 3; k++) {
+		float x = a->x + 0.25f * (float)k * dx, y = a->y + 0.25f * (float)k * dy, ox = -1.5f * dy / length, oy = 1.5f * dx / length;
+		float side[2][3], square = 0;
+		enum encre_layer layer = rank == 1 ? ENCRE_LAYER_NORMAL : lit ? ENCRE_LAYER_COMBINED : ENCRE_LAYER_ALBEDO;
+		bilinear(n->f, layer, layer == ENCRE_LAYER_COMBINED ? 4 : 3, x + ox, y + oy, side[0]);
+		bilinear(n->f, layer, layer == ENCRE_LAYER_COMBINED ? 4 : 3, x - ox, y - oy, side[1]);
+		for (int c = 0; c < 3; c++) {
+			float d = rank == 1 ? side[1][c] - side[0][c] : srgb_encode(clamp01(side[1][c])) - srgb_encode(clamp01(side[0][c]));
+			square += d * d;
+		}
+		if (square < least * least)
+			return false;
+	}
+	return true;
+}
+
+/* May an end of one be led to the other? */
+static bool older(const site *s, const site *other)
+{
+	int own = rank_of(s), its = rank_of(other);
+	return its <= own || (own == 0 && its == 1);
+}
+
+static void consider(end *e, uint32_t site, float cost)
+{
+	int k = cost < e->cost[0] ? 0 : cost < e->cost[1] ? 1 : 2;
+	if (k == 0) {
+		e->cost[1] = e->cost[0];
+		e->best[1] = e->best[0];
+	}
+	if (k < 2) {
+		e->cost[k] = cost;
+		e->best[k] = site;
+	}
+}
+
+/* How two ends may be joined. */
+static bool join(const fine *n, const end *a, const end *b, pair *p)
+{
+	const site *s = n->site + a->site, *t = n->site + b->site;
+	float dx = t->x - s->x, dy = t->y - s->y, length = sqrtf(dx * dx + dy * dy);
+	if (rank_of(s) != rank_of(t) || !(length > 0))
+		return false;
+	float one = (dx * a->dx + dy * a->dy) / length, two = -(dx * b->dx + dy * b->dy) / length;
+	p->corner = false;
+	p->cost = 0.5f * length;
+	if (length <= far_reach && one >= far_cosine && two >= far_cosine)
+		return length <= near_reach || picture_agrees(n, s, t);
+	float sine = a->dx * b->dy - a->dy * b->dx;
+	if (!(fabsf(sine) >= least_sine))
+		return false;
+	float u = (dx * b->dy - dy * b->dx) / sine, v = (dx * a->dy - dy * a->dx) / sine;
+	p->corner = true;
+	p->cost = u > v ? u : v;
+	p->x = s->x + u * a->dx;
+	p->y = s->y + u * a->dy;
+	return u >= ray_from && v >= ray_from && u <= ray_to && v <= ray_to;
+}
+
+static void look_ahead(const ends *all, end *e)
+{
+	const fine *n = all->n;
+	const site *s = n->site + e->site;
+	uint32_t own[OWN];
+	int count = own_chain(n, e->site, own);
+	near_sites of = near_place(n, s->x, s->y, far_reach);
+	e->best[0] = e->best[1] = UINT32_MAX;
+	e->cost[0] = e->cost[1] = INFINITY;
+	for (uint32_t j; near_next(n, &of, &j);) {
+		const site *t = n->site + j;
+		float d2 = apart2(s, t), d = sqrtf(d2);
+		if (t->dropped || !(d > 0) || d > far_reach || !older(s, t))
+			continue;
+		float cosine = ((t->x - s->x) * e->dx + (t->y - s->y) * e->dy) / d;
+		if (!(d <= near_reach ? cosine >= near_cosine : cosine >= far_cosine) || is_in(j, own, count))
+			continue;
+		float cost = d / (cosine * cosine * cosine * cosine);
+		if (cost < e->cost[1] && (d <= near_reach || picture_agrees(n, s, t)))
+			consider(e, j, cost);
+	}
+}
+
+/* The end's pairs with later ends; written if there is room for them. */
+static uint32_t pairs_of(const ends *all, uint32_t i, pair *out)
+{
+	const fine *n = all->n;
+	const end *e = all->end + i;
+	const site *s = n->site + e->site;
+	uint32_t count = 0;
+	near_sites of = near_place(n, s->x, s->y, 2 * ray_to);
+	for (uint32_t j; near_next(n, &of, &j);) {
+		pair p = {.one = i, .two = all->number[j]};
+		if (j <= e->site || !is_end(n, j) || !join(n, e, all->end + p.two, &p))
+			continue;
+		if (out)
+			out[count] = p;
+		count++;
+	}
+	return count;
+}
+
+static void aim(void *data, int first, int last, int thread)
+{
+	(void)thread;
+	const ends *all = data;
+	for (int i = first; i < last; i++) {
+		const fine *n = all->n;
+		end *e = all->end + i;
+		const site *s = n->site + e->site;
+		uint32_t from = e->site, at = n->to[n->at[from]];
+		while (apart2(s, n->site + at) < back * back) {
+			uint32_t next = next_of(n, from, at);
+			if (next == UINT32_MAX)
+				break;
+			from = at;
+			at = next;
+		}
+		float dx = s->x - n->site[at].x, dy = s->y - n->site[at].y, length = sqrtf(dx * dx + dy * dy);
+		e->dx = length > 0 ? dx / length : 0;
+		e->dy = length > 0 ? dy / length : 0;
+		look_ahead(all, e);
+	}
+}
+
+static void count_pairs(void *data, int first, int last, int thread)
+{
+	(void)thread;
+	const ends *all = data;
+	for (int i = first; i < last; i++)
+		all->end[i].pairs = pairs_of(all, (uint32_t)i, NULL);
+}
+
+static void fill_pairs(void *data, int first, int last, int thread)
+{
+	(void)thread;
+	const ends *all = data;
+	for (int i = first; i < last; i++)
+		pairs_of(all, (uint32_t)i, all->pair + all->end[i].first);
+}
+
+/* ---- joining --------------------------------------------------------------------------------------------- */
+
+static int by_cost(const void *a, const void *b)
+{
+	const pair *p = a, *q = b;
+	if (p->cost != q->cost)
+		return p->cost < q->cost ? -1 : 1;
+	if (p->one != q->one)
+		return p->one < q->one ? -1 : 1;
+	return p->two < q->two ? -1 : p->two > q->two;
+}
+
+/* Is there anything but `partner` that the end should rather go to? */
+static bool rather(const end *e, uint32_t partner, float cost)
+{
+	float other = e->best[0] == partner ? e->cost[1] : e->cost[0];
+	return other < cost - margin;
+}
+
+/* Every end that is joined adds at most one site and two links. */
+typedef struct added {
+	uint32_t count, sites;
+	uint32_t (*link)[2];
+	site *site;
+} added;
+
+static void add(added *to, uint32_t a, uint32_t b)
+{
+	to->link[to->count][0] = a;
+	to->link[to->count++][1] = b;
+}
+
+static void join_ends(ends *all, uint32_t pairs, added *to)
+{
+	const fine *n = all->n;
+	for (uint32_t i = 0; i < pairs; i++) {
+		const pair *p = all->pair + i;
+		end *a = all->end + p->one, *b = all->end + p->two;
+		if (a->taken || b->taken || rather(a, b->site, p->cost) || rather(b, a->site, p->cost))
+			continue;
+		a->taken = b->taken = true;
+		if (!p->corner) {
+			add(to, a->site, b->site);
+			continue;
+		}
+		site corner = n->site[a->site];
+		corner.x = p->x;
+		corner.y = p->y;
+		corner.axis = AXIS_JUNCTION;
+		ISA(fine_controls)(n, &corner);
+		to->site[to->sites] = corner;
+		add(to, a->site, n->count + to->sites);
+		add(to, b->site, n->count + to->sites++);
+	}
+	for (uint32_t i = 0; i < all->count; i++) {
+		const end *e = all->end + i;
+		if (e->taken || e->best[0] == UINT32_MAX)
+			continue;
+		const end *other = is_end(n, e->best[0]) ? all->end + all->number[e->best[0]] : NULL;
+		if (!other || other > e || other->taken || other->best[0] != e->site) /* once where they choose each other */
+			add(to, e->site, e->best[0]);
+	}
+}
+
+static int32_t find_ends(ends *all)
+{
+	fine *n = all->n;
+	all->count = 0;
+	for (uint32_t i = 0; i < n->count; i++)
+		all->count += is_end(n, i);
+	all->end = late_take(&n->f->late, all->count, sizeof *all->end);
+	all->number = late_take(&n->f->late, n->count, sizeof *all->number);
+	if (!all->end || !all->number)
+		return ENCRE_ERROR_MEMORY;
+	uint32_t k = 0;
+	for (uint32_t i = 0; i < n->count; i++)
+		if (is_end(n, i)) {
+			all->end[k] = (end){.site = i};
+			all->number[i] = k++;
+		}
+	return ENCRE_OK;
+}
+
+static int32_t round_of(fine *n)
+{
+	ends all = {.n = n};
+	int32_t code = find_ends(&all);
+	if (!code)
+		code = rows_run(n->f->rows, (int)all.count, CHUNK, aim, &all);
+	if (!code)
+		code = rows_run(n->f->rows, (int)all.count, CHUNK, count_pairs, &all);
+	if (code)
+		return code;
+	uint32_t pairs = 0;
+	for (uint32_t i = 0; i < all.count; i++) {
+		all.end[i].first = pairs;
+		pairs += all.end[i].pairs;
+	}
+	all.pair = late_take(&n->f->late, pairs, sizeof *all.pair);
+	added to = {.link = late_take(&n->f->late, all.count, sizeof *to.link)};
+	site *sites = late_take(&n->f->late, n->count + all.count, sizeof *sites);
+	if (!all.pair || !to.link || !sites)
+		return ENCRE_ERROR_MEMORY;
+	code = rows_run(n->f->rows, (int)all.count, CHUNK, fill_pairs, &all);
+	if (code)
+		return code;
+	qsort(all.pair, pairs, sizeof *all.pair, by_cost);
+	to.site = sites + n->count;
+	join_ends(&all, pairs, &to);
+	memcpy(sites, n->site, n->count * sizeof *sites);
+	n->site = sites;
+	n->count += to.sites;
+	code = ISA(fine_sort)(n);
+	return code ? code : ISA(fine_add_links)(n, to.link, to.count);
+}
+
+int32_t ISA(fine_join_ends)(fine *n)
+{
+	int32_t code = ENCRE_OK;
+	for (int i = 0; !code && i < ROUNDS; i++)
+		code = round_of(n);
+	return code;
+}
+
+/* ---- taper ----------------------------------------------------------------------------------------------- */
+
+/* Where the frame cuts a line off it goes on. */
+static bool at_border(const frame *f, const site *s)
+{
+	return s->x < cut_off || s->y < cut_off || s->x > (float)(f->width - 1) - cut_off || s->y > (float)(f->height - 1) - cut_off;
+}
+
+void ISA(fine_free_lengths)(const fine *n, float reach, float *length)
+{
+	for (uint32_t i = 0; i < n->count; i++)
+		length[i] = INFINITY;
+	for (uint32_t i = 0; i < n->count; i++) {
+		const site *s = n->site + i;
+		uint32_t links = n->at[i + 1] - n->at[i];
+		if (s->dropped || links > 1 || at_border(n->f, s))
+			continue;
+		length[i] = 0;
+		float along = 0;
+		uint32_t from = i, at = links ? n->to[n->at[i]] : UINT32_MAX;
+		while (at != UINT32_MAX) {
+			along += sqrtf(apart2(n->site + from, n->site + at));
+			if (along >= reach)
+				break;
+			length[at] = along < length[at] ? along : length[at];
+			uint32_t next = next_of(n, from, at);
+			from = at;
+			at = next;
+		}
+	}
+}

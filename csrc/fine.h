@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of the FINE detector share: edges as sites between pixels, linked to polylines.
+ *
+ * cracks.c and ridges.c mark, densely and row by row, where sites are, and place each; sites.c runs them, gathers all
+ * sites and drops those that an earlier family owns; links.c joins what is left. To add a family: name it below where
+ * its turn is, mark its pixels, place its sites in fine_site() and say in links.c what joins them. */
+#ifndef ENCRE_FINE_H
+#define ENCRE_FINE_H
+
+#include "edges.h"
+#include "pixel.h"
+
+/* In the order in which they claim the picture: each keeps clear of the earlier ones. */
+enum family {
+	FAMILY_CRACK,        /* depth, object, material: between two pixels */
+	FAMILY_NORMAL_BAND, FAMILY_NORMAL, /* averaged layers: a thin stripe; a step */
+	FAMILY_COLOR_BAND, FAMILY_COLOR,
+	FAMILY_LIGHT_BAND, FAMILY_LIGHT_STEP,
+	FAMILY_LIGHT,        /* where smooth light crosses a threshold: between two pixels */
+	FAMILY_COUNT
+};
+
+/* Which neighbour a crack lies before, or along which axis a ridge was found; a junction joins the cracks of the four
+ * pixels from (column, row). */
+enum axis { AXIS_ROW, AXIS_COLUMN, AXIS_JUNCTION };
+
+/* A point of a line. Numbers of sites grow by family, row, column and axis. */
+typedef struct site {
+	float x, y;             /* pixels; centres are whole numbers */
+	float strength;         /* weighted */
+	uint16_t column, row;   /* of the pixel that it was found at */
+	uint16_t near_x, near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
+	uint8_t family, axis, source;
+	uint8_t dropped;
+	uint8_t degree;         /* links, saturated */
+} site;
+
+/* Marks of a pixel in fine.crack. */
+enum { CRACK_RIGHT = 1, CRACK_DOWN = 2, LIGHT_RIGHT = 4, LIGHT_DOWN = 8 };
+
+typedef struct fine {
+	frame *f;
+	const edges *e;
+	float crease;     /* length of the difference of two normals at crease_angle */
+	float most_color; /* the largest weight of colour, without the painted control */
+	float least_contrast; /* between colours across a step */
+	uint8_t *colored; /* by row: colours may make edges */
+	uint8_t *crack;   /* width * height */
+	uint16_t *ridge;  /* width * height: bit 2 * family + axis */
+	uint32_t *first;  /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
+	float *scratch;   /* for each thread */
+	ptrdiff_t thread_scratch;
+
+	uint32_t count;
+	site *site;
+	/* Sites by cells of CELL pixels each way, ascending within a cell: member[cell[i]] to member[cell[i + 1] - 1]. */
+	int across, tall;
+	uint32_t *cell, *member;
+	/* The sites that site i is linked to: to[at[i]] to to[at[i + 1] - 1], ascending. */
+	uint32_t *at, *to;
+	uint32_t linked; /* sites that `at` knows */
+} fine;
+
+enum { CELL = 4 };
+
+/* The pixel that holds a site. */
+static inline int pixel_of(float at, int n)
+{
+	return clamp_index((int)floorf(at + 0.5f), n);
+}
+
+/* Pixels beside a crack hold two surfaces. */
+static inline bool mixed_at(const fine *n, int x, int y)
+{
+	const uint8_t *c = n->crack + (ptrdiff_t)y * n->f->width + x;
+	return (c[0] & (CRACK_RIGHT | CRACK_DOWN)) || (x > 0 && (c[-1] & CRACK_RIGHT)) || (y > 0 && (c[-n->f->width] & CRACK_DOWN));
+}
+
+/* ---- sites near a place ---------------------------------------------------------------------------------- */
+
+typedef struct near_sites {
+	int row, last, x0, x1;
+	uint32_t i, end;
+} near_sites;
+
+/* All sites within `reach` of (x, y), and more. */
+static inline near_sites near_place(const fine *n, float x, float y, float reach)
+{
+	return (near_sites){
+		.row = pixel_of(y - reach, n->f->height) / CELL, .last = pixel_of(y + reach, n->f->height) / CELL,
+		.x0 = pixel_of(x - reach, n->f->width) / CELL, .x1 = pixel_of(x + reach, n->f->width) / CELL,
+	};
+}
+
+static inline bool near_next(const fine *n, near_sites *of, uint32_t *site)
+{
+	while (of->i == of->end) {
+		if (of->row > of->last)
+			return false;
+		const uint32_t *cell = n->cell + (ptrdiff_t)of->row++ * n->across;
+		of->i = cell[of->x0];
+		of->end = cell[of->x1 + 1];
+	}
+	*site = n->member[of->i++];
+	return true;
+}
+
+/* Shares that are added up give the place of a boundary exactly under a box filter. Under Blackman and Harris's of 1.5 pixels,
+ * which is steeper, that is up to 0.125 pixel too far from pixel centres, and the layers don't tell how they were filtered:
+ * halfway between the two neither is off by much. */
+static inline float unbiased(float place)
+{
+	return place - 0.06f * pixel_sin(6.28318531f * place);
+}
+
+static inline float apart2(const site *a, const site *b)
+{
+	float dx = a->x - b->x, dy = a->y - b->y;
+	return dx * dx + dy * dy;
+}
+
+/* ---- passes ---------------------------------------------------------------------------------------------- */
+
+/* cracks.c */
+void ISA(crack_rows)(void *data, int y0, int y1, int thread);
+bool ISA(crack_site)(const fine *n, site *s);
+bool ISA(light_site)(const fine *n, site *s);
+/* Strength of the boundary between two values of light; the levels are those of p. */
+float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two);
+ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
+
+/* ridges.c */
+ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */
+void ISA(ridge_rows)(void *data, int y0, int y1, int thread);
+bool ISA(ridge_site)(const fine *n, site *s);
+
+/* sites.c: finds where a placed site takes its controls; returns the style there. */
+int ISA(fine_controls)(const fine *n, site *s);
+static inline int fine_style(const fine *n, site *s)
+{
+	return n->f->style ? ISA(fine_controls)(n, s) : 0;
+}
+/* The site gets this strength, weighted, if it is larger than what it has; returns whether it is an edge now. */
+bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, float strength);
+
+/* links.c: drops sites of a family whose chains are too short to be lines. */
+int32_t ISA(fine_drop_crumbs)(fine *n, enum family family);
+/* Fills at and to. */
+int32_t ISA(fine_link)(fine *n);
+/* Adds links, of sites that may be new. */
+int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count);
+int32_t ISA(fine_smooth)(fine *n);
+/* ends.c */
+int32_t ISA(fine_join_ends)(fine *n);
+/* Lengths along its chain from each site to the nearest end that is tied to nothing, INFINITY beyond `reach`. */
+void ISA(fine_free_lengths)(const fine *n, float reach, float *length);
+/* sites.c: fills cell and member. */
+int32_t ISA(fine_sort)(fine *n);
+
+/* sites.c, called by the edge stage. */
+void ISA(fine_plan)(frame *f, const edges *e, arena *a);
+int32_t ISA(fine_run)(frame *f);
+
+#endif
