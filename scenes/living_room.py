@@ -204,9 +204,11 @@ def bookcase(c):
     number = 0
     for row, z, x, end in ((1, boards[1], -0.7, 0.1), (1, boards[1], 0.3, 0.7), (2, boards[2], -0.7, -0.25),
                            (2, boards[2], 0.1, 0.7), (3, boards[3], -0.4, 0.5), (0, boards[0], -0.1, 0.7)):
-        while x < end:
+        while True:
             h = 0.2 + 0.13 * p.chance(number, row) / 1024 + (0.04 if row == 0 else 0)
             t = 0.028 + 0.04 * p.chance(row, number, 2) / 1024
+            if x + t > end:
+                break
             book(f"Book {number}", (t, 0.19, h), (x + t / 2, -0.03, z), cloths[int(p.chance(number, 5)) % len(cloths)],
                  c["cream"], parent=case)
             x, number = x + t + 0.004, number + 1
@@ -300,17 +302,17 @@ def flight():
 
 
 def lights():
-    """Sun by the window, and soft light from all around: the walls keep it out no more than a stage's do."""
-    world(sky=(0.55, 0.75, 0.9), fill=(0.66, 0.68, 0.76))
+    """Sun by the window, and soft light from all around, which room and rugs keep out no more than a stage's do."""
+    world(sky=(0.55, 0.75, 0.9), fill=(0.62, 0.64, 0.71))
     bpy.context.scene.world.cycles.sampling_method = "NONE"  # no shadow rays, which the walls would stop
     for obj in bpy.data.objects:
-        if "wall" in obj.name:
+        if "wall" in obj.name or obj.name.lower().endswith("rug") or obj.name == "Floor":
             obj.visible_diffuse = False
     light("SUN", "Sun", (-4.2, -1.7, 2.9), (0, 0.1, 0), (1.0, 0.86, 0.62), 5.0, angle=radians(0.5))
 
 
 def lines():
-    """Inter-color, with the thesis's own widths at 2.5 m: a room has its things nearer than a street."""
+    """Inter-color, its full width at 2.5 m and with finer outlines: a room is full of small things close by."""
     encre = getattr(bpy.context.scene, "encre", None)
     if encre:
         bpy.ops.encre.preset(preset="inter_color")
