@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One rendered frame: settings and overrides before Cycles, triangles, and the stages on Cycles' passes after."""
 
+import weakref
 from dataclasses import dataclass
 
 import bpy
@@ -51,7 +52,9 @@ class Frames:
     """The frames of one render, by the hooks of its engine."""
 
     def __init__(self, engine):
-        self.engine = engine
+        # Weakly: Blender frees an engine when the last reference goes, and Cycles' memory with it, but takes away
+        # the engine's own before Python would find a circle of references.
+        self.engine = weakref.proxy(engine)
         self.known = {}        # view layer's name -> _ViewLayer
         self.numbers = None    # of objects: what meshes.renumber() gave
         self.overrode = False  # with persistent data, what one frame overrode is there in the next

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 STAGE(edges, "Edges", "Where lines can be: jumps in depth, creases, boundaries between objects, materials, colours and light levels")
-ENUM(edge_detector, FRAME, 0, "", "Detector", "How edges are found in the layers",
+ENUM(edge_detector, FRAME, 2, "", "Detector", "How edges are found in the layers",
      ITEM(edge_detector, DOG, 0, "Difference of Gaussians", "Second derivative; soft, a few pixels wide")
      ITEM(edge_detector, SOBEL, 1, "Sobel", "First derivative of the normal, contrast between colours")
      ITEM(edge_detector, FINE, 2, "Fine", "Thin lines, placed between pixels exactly where surfaces part"))

@@ -9,8 +9,9 @@ enum { CHUNK = 256, ROUNDS = 2, OWN = 9, NONE = -1 };
 
 static const float back = 3;                       /* pixels over which a chain's direction is taken */
 static const float near_reach = 3, near_cosine = 0.7f, far_reach = 6, far_cosine = 0.94f; /* of what an end may tie to */
-static const float least_sine = 0.34f;             /* about 20 degrees: what is less runs in parallel */
-static const float ray_from = -0.5f, ray_to = 4;   /* pixels ahead of both ends at which their lines may meet */
+static const float ray_from = -0.5f, ray_to = 4, least_sine = 0.34f;  /* pixels ahead of both ends at which their lines may meet */
+static const float wedge_apart = 8, wedge_to = 10, wedge_sine = 0.25f; /* likewise, if the picture shows an acute corner there */
+static const float beside = 1.5f;                  /* pixels to either side of a line where the picture is looked at */
 static const float cut_off = 2;                     /* pixels from the border within which an end is the frame's doing */
 static const float margin = 0.25f;                 /* by how much something else must be nearer to come first */
 
@@ -99,25 +100,57 @@ static void bilinear(const frame *f, enum encre_layer layer, int channels, float
 	}
 }
 
-/* Over a longer gap a line goes on only if what lies to either side of it differs. */
+/* The layer that shows an edge of that rank, as it is compared. */
+static void look(const fine *n, int rank, float x, float y, float *value)
+{
+	bool lit = n->e->p->color_layer == color_layer_LIT;
+	if (rank <= 1)
+		bilinear(n->f, ENCRE_LAYER_NORMAL, 3, x, y, value);
+	else if (rank == 2)
+		bilinear(n->f, lit ? ENCRE_LAYER_COMBINED : ENCRE_LAYER_ALBEDO, lit ? 4 : 3, x, y, value);
+	else
+		bilinear(n->f, ENCRE_LAYER_DIFFUSE, 3, x, y, value);
+	for (int c = 0; rank == 2 && c < 3; c++)
+		value[c] = srgb_encode(clamp01(value[c]));
+}
+
+static bool differ(const float *a, const float *b, int rank)
+{
+	float square = 0, least = rank <= 1 ? 0.12f : rank == 2 ? 0.02f : 0.05f;
+	for (int c = 0; c < 3; c++)
+		square += (a[c] - b[c]) * (a[c] - b[c]);
+	return square >= least * least;
+}
+
+/* Over a longer gap a line goes on only if what lies to either side of it differs. Light says too little. */
 static bool picture_agrees(const fine *n, const site *a, const site *b)
 {
 	int rank = rank_of(a);
-	bool lit = n->e->p->color_layer == color_layer_LIT;
-	float dx = b->x - a->x, dy = b->y - a->y, length = sqrtf(dx * dx + dy * dy), least = rank == 1 ? 0.12f : 0.02f;
-	if (rank == 0)
-		return false;
+	float dx = b->x - a->x, dy = b->y - a->y, length = sqrtf(dx * dx + dy * dy), ox = -beside * dy / length, oy = beside * dx / length;
 	for (int k = 1; k <= 3 && rank < 3; k++) {
-		float x = a->x + 0.25f * (float)k * dx, y = a->y + 0.25f * (float)k * dy, ox = -1.5f * dy / length, oy = 1.5f * dx / length;
-		float side[2][3], square = 0;
-		enum encre_layer layer = rank == 1 ? ENCRE_LAYER_NORMAL : lit ? ENCRE_LAYER_COMBINED : ENCRE_LAYER_ALBEDO;
-		bilinear(n->f, layer, layer == ENCRE_LAYER_COMBINED ? 4 : 3, x + ox, y + oy, side[0]);
-		bilinear(n->f, layer, layer == ENCRE_LAYER_COMBINED ? 4 : 3, x - ox, y - oy, side[1]);
-		for (int c = 0; c < 3; c++) {
-			float d = rank == 1 ? side[1][c] - side[0][c] : srgb_encode(clamp01(side[1][c])) - srgb_encode(clamp01(side[0][c]));
-			square += d * d;
-		}
-		if (square < least * least)
+		float x = a->x + 0.25f * (float)k * dx, y = a->y + 0.25f * (float)k * dy, one[3], two[3];
+		look(n, rank, x + ox, y + oy, one);
+		look(n, rank, x - ox, y - oy, two);
+		if (!differ(one, two, rank))
+			return false;
+	}
+	return true;
+}
+
+/* Far lines meet in an acute corner only if what lies between them differs from what lies outside of both. */
+static bool is_wedge(const fine *n, const site *a, const site *b, int rank, float x, float y)
+{
+	const site *end[2] = {a, b};
+	float inside[3], outside[3];
+	look(n, rank, (a->x + b->x + x) / 3, (a->y + b->y + y) / 3, inside);
+	for (int i = 0; i < 2; i++) {
+		const site *s = end[i], *other = end[1 - i];
+		float dx = x - s->x, dy = y - s->y, length = sqrtf(dx * dx + dy * dy);
+		if (!(length > 1e-6f))
+			return false;
+		float ox = -beside * dy / length, oy = beside * dx / length, way = ox * (other->x - s->x) + oy * (other->y - s->y) > 0 ? -1 : 1;
+		look(n, rank, 0.5f * (s->x + x) + way * ox, 0.5f * (s->y + y) + way * oy, outside);
+		if (!differ(inside, outside, rank))
 			return false;
 	}
 	return true;
@@ -148,7 +181,9 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 {
 	const site *s = n->site + a->site, *t = n->site + b->site;
 	float dx = t->x - s->x, dy = t->y - s->y, length = sqrtf(dx * dx + dy * dy);
-	if (rank_of(s) != rank_of(t) || !(length > 0))
+	int rank = rank_of(s) > rank_of(t) ? rank_of(s) : rank_of(t), other = rank_of(s) + rank_of(t) - rank;
+	/* a silhouette that fades may go on as a crease */
+	if ((other != rank && rank > 1) || !(length > 0) || length > wedge_apart)
 		return false;
 	float one = (dx * a->dx + dy * a->dy) / length, two = -(dx * b->dx + dy * b->dy) / length;
 	p->corner = false;
@@ -156,14 +191,16 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 	if (length <= far_reach && one >= far_cosine && two >= far_cosine)
 		return length <= near_reach || picture_agrees(n, s, t);
 	float sine = a->dx * b->dy - a->dy * b->dx;
-	if (!(fabsf(sine) >= least_sine))
+	if (!(fabsf(sine) >= wedge_sine))
 		return false;
 	float u = (dx * b->dy - dy * b->dx) / sine, v = (dx * a->dy - dy * a->dx) / sine;
 	p->corner = true;
 	p->cost = u > v ? u : v;
 	p->x = s->x + u * a->dx;
 	p->y = s->y + u * a->dy;
-	return u >= ray_from && v >= ray_from && u <= ray_to && v <= ray_to;
+	if (u < ray_from || v < ray_from || p->cost > wedge_to)
+		return false;
+	return (p->cost <= ray_to && fabsf(sine) >= least_sine) || is_wedge(n, s, t, rank, p->x, p->y);
 }
 
 static void look_ahead(const ends *all, end *e)
@@ -196,7 +233,7 @@ static uint32_t pairs_of(const ends *all, uint32_t i, pair *out)
 	const end *e = all->end + i;
 	const site *s = n->site + e->site;
 	uint32_t count = 0;
-	near_sites of = near_place(n, s->x, s->y, 2 * ray_to);
+	near_sites of = near_place(n, s->x, s->y, wedge_apart);
 	for (uint32_t j; near_next(n, &of, &j);) {
 		pair p = {.one = i, .two = all->number[j]};
 		if (j <= e->site || !is_end(n, j) || !join(n, e, all->end + p.two, &p))

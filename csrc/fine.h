@@ -32,7 +32,8 @@ typedef struct site {
 	uint16_t near_x, near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
 	uint8_t family, axis, source;
 	uint8_t dropped;
-	uint8_t degree;         /* links, saturated */
+	uint8_t crumb;
+	int8_t step[3];         /* a ridge's way along its axis through the values of its layer, at most 127 long; 0 for bands */
 } site;
 
 /* Marks of a pixel in fine.crack. */

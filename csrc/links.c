@@ -66,13 +66,21 @@ static int crack_links(const fine *n, uint32_t i, uint32_t *to)
 	return found;
 }
 
+/* Ridges are linked that are close and go the same way: where a face thins out its two edges come close, and don't. */
+static bool close(const site *a, const site *b)
+{
+	if (a->axis == b->axis && a->step[0] * b->step[0] + a->step[1] * b->step[1] + a->step[2] * b->step[2] < 0)
+		return false;
+	return a->family == b->family && !b->dropped && apart2(a, b) <= link_reach * link_reach;
+}
+
 static int close_sites(const fine *n, uint32_t i, uint32_t *to)
 {
 	const site *s = n->site + i;
 	near_sites of = near_place(n, s->x, s->y, link_reach);
 	int found = 0;
 	for (uint32_t j; found < ROOM && near_next(n, &of, &j);)
-		if (j != i && n->site[j].family == s->family && !n->site[j].dropped && apart2(s, n->site + j) <= link_reach * link_reach)
+		if (j != i && close(s, n->site + j))
 			to[found++] = j;
 	return found;
 }
@@ -93,7 +101,7 @@ static int ridge_links(const fine *n, uint32_t i, uint32_t *to)
 	for (int a = 0; a < count; a++) {
 		bool kept = true;
 		for (int b = 0; b < count && kept; b++)
-			kept = b == a || apart2(n->site + all[a], n->site + all[b]) > link_reach * link_reach ||
+			kept = b == a || !close(n->site + all[a], n->site + all[b]) ||
 			       !shorter(n, i, all[b], i, all[a]) || !shorter(n, all[a], all[b], i, all[a]);
 		if (kept)
 			to[found++] = all[a];
@@ -144,7 +152,7 @@ static void find_crumbs(void *data, int first, int end, int thread)
 	for (int k = first; k < end; k++) {
 		uint32_t i = t->first + (uint32_t)k;
 		site *s = t->n->site + i;
-		s->degree = !s->dropped && crumb(t->n, i);
+		s->crumb = !s->dropped && crumb(t->n, i);
 	}
 }
 
@@ -154,7 +162,7 @@ static void drop_crumbs(void *data, int first, int end, int thread)
 	const turn *t = data;
 	for (int k = first; k < end; k++) {
 		site *s = t->n->site + t->first + k;
-		s->dropped |= s->degree;
+		s->dropped |= s->crumb;
 	}
 }
 

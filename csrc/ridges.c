@@ -279,7 +279,8 @@ static bool band_site(const fine *n, site *s, enum source source, int planes, fl
 		float deep = near + 2 * e[0], far = rise * deep > rise * value[2][0] ? deep : value[2][0];
 		difference = ISA(light_contrast)(n, n->f->params + style, near, far);
 	} else {
-		const float *a[3] = {value[2], value[2] + 1, value[2] + 2}, *b[3] = {base, base + 1, base + 2};
+		float peak[3] = {base[0] + e[0], base[1] + e[1], base[2] + e[2]};
+		const float *a[3] = {peak, peak + 1, peak + 2}, *b[3] = {base, base + 1, base + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
 	}
 	return ISA(fine_weigh)(n, s, style, source, contrast(n, difference));
@@ -309,6 +310,8 @@ bool ISA(ridge_site)(const fine *n, site *s)
 		bend += j * j;
 		step += d * d;
 	}
+	for (int c = 0; c < planes; c++)
+		s->step[c] = (int8_t)(127 * (value[3][c] - value[1][c]) / (step > 0 ? 1.001f * sqrtf(step) : 1));
 	bend = sqrtf(bend);
 	if (!(bend > least_of_step * sqrtf(step) && bend > floor_of(n, source)))
 		return false;

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Edges against the reference: strengths, which pixels are edges, whose source and whose controls they take."""
 
+import masks
 import numpy as np
 import pytest
 import reference
@@ -55,7 +56,7 @@ def expected(layers, scene, styles=(), camera=None):
 
 
 def strengths(layers, scene, styles=(), camera=None, **how):
-    return core.render(layers, {**OFF, **scene}, styles, camera, outputs=("Encre Edges",), **how) \
+    return masks.render(layers, {**OFF, **scene}, styles, camera, outputs=("Encre Edges",), **how) \
         .images["Encre Edges"][..., 0]
 
 
@@ -177,7 +178,7 @@ def test_edge_pixels_their_source_and_their_controls(styles):
     doubtful = np.abs(want["Encre Edges"] - 0.55) < 1e-4
     for number, source in enumerate(reference.SOURCES):
         widths = {f"width_{other}": float(other == source) for other in reference.SOURCES}
-        ink = core.render(layers, {**scene, **widths}, styles, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
+        ink = masks.render(layers, {**scene, **widths}, styles, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
         edges = want["edge_mask"] & (want["edge_source"] == number)
         assert edges.any()
         assert np.array_equal((ink > 0)[~doubtful], (edges & kept)[~doubtful])
@@ -205,7 +206,7 @@ def test_owner_ties_at_equal_depth():
     scene = dict(STAMP, **alone("object"), edge_threshold=0.5)
     layers["object"] = np.arange(24 * 40, dtype=np.float32).reshape(24, 40)  # every pixel is an edge
     kept = layers["controls"][..., 0][owners(layers["depth"])] == 0
-    ink = core.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
+    ink = masks.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
     assert np.array_equal(ink > 0, kept)
 
 
@@ -215,7 +216,7 @@ def test_threshold_is_inclusive_and_zero_is_no_edge():
     layers["object"][:] = np.arange(12) >= 6
     for weight, threshold, edges in ((0.5, 0.5, True), (0.5, 0.50001, False), (0.0, 0.0, False)):
         scene = {**STAMP, **NO_EDGES, "edge_object": weight, "edge_threshold": threshold}
-        ink = core.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][0, :, 3]
+        ink = masks.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][0, :, 3]
         assert (ink > 0).tolist() == [edges and x in (5, 6) for x in range(12)]
 
 

@@ -268,6 +268,11 @@ def test_scene_is_untouched(render):
     assert render("untouched").facts["changed"] == [[]]
 
 
+def test_memory_is_freed(render):
+    shot = render("sessions")
+    assert shot.facts["made"][0] >= 3 and shot.facts["freed"] == shot.facts["made"]
+
+
 def test_refused(render):
     shot = render("refused")
     words = {"panoramic": "panoramic", "no camera": "camera", "levels": "overlap", "no paper": "image",

@@ -11,25 +11,22 @@ def draw(layers, camera, **params):
     return fine.ink(layers, params, camera)[0]
 
 
-def broken(results):
-    return {promise: f"{value:.4f}, worst {worst.value:.4f} in {worst.where}"
-            for promise, (value, worst) in verdict.summary(results).items() if not verdict.kept(promise, value)}
-
-
 def test_named_scenes():
-    assert broken(verdict.judge(draw, {name: scene() for name, scene in scenes.NAMED.items()}, full=False)) == {}
+    every = {name: scene() for name, scene in scenes.NAMED.items()}
+    assert verdict.broken(verdict.judge(draw, every, full=False)) == {}
 
 
 def test_a_still_fair_and_calm_line_of_the_asked_width():
     scene = scenes.boxes(size=(150, 200))
     found = verdict.judge(draw, {"boxes": scene}, full=True)
-    assert broken(r for r in found if not r.promise.startswith(("whole", "place"))) == {}
+    assert verdict.broken(r for r in found if not r.promise.startswith(("whole", "place"))) == {}
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("first", [1000, 1010])
 def test_fresh_scenes(first):
-    assert broken(verdict.judge(draw, {str(k): scenes.draw(k) for k in range(first, first + 10)}, full=False)) == {}
+    fresh = {str(k): scenes.draw(k) for k in range(first, first + 10)}
+    assert verdict.broken(verdict.judge(draw, fresh, full=False)) == {}
 
 
 def test_a_free_end_tapers():

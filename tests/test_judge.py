@@ -122,7 +122,7 @@ def test_unfair_ink_differs(contours):
 
 @pytest.mark.parametrize("name", ["boxes", "terminators", "parallel"])
 def test_layers_agree_with_the_truth(name):
-    """Across an outline the index or the depth of the pixels changes, and elsewhere it does not."""
+    """Wherever two pixels of a row have another index a contour runs between them."""
     scene = scene_of(name)
     layers, truth = scene.layers(), scene.truth
     index = layers["object"][..., 0]
@@ -133,7 +133,7 @@ def test_layers_agree_with_the_truth(name):
 
 @pytest.mark.parametrize("filter", ["box", "blackman"])
 def test_averages_are_what_a_filter_gives(filter):
-    """A vertical edge of the table leaves, row by row, the share of the pixel that it uncovers."""
+    """The shares of all pixels together are the area of what is seen."""
     scene = scenes.sphere(size=(60, 80))
     alpha = scene.layers(filter)["combined"][..., 3]
     assert np.all((alpha >= 0) & (alpha <= 1))

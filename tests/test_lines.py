@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lines against the reference: which edge inks a pixel, how dark, in which colour; and the nearest edge."""
 
+import masks
 import numpy as np
 import pytest
 import reference
@@ -67,7 +68,7 @@ def check(layers, scene, styles=(), camera=None, frame=None, tolerance=1e-4):
     camera, frame = camera or core.Camera(), frame or {}
     scene = {**SHARP, **scene}
     want = reference.render(layers, scene, styles, dict(orthographic=camera.orthographic, height=camera.height), frame)
-    got = core.render(layers, scene, styles, camera, core.Frame(**frame) if frame else None, PASSES).images
+    got = masks.render(layers, scene, styles, camera, core.Frame(**frame) if frame else None, PASSES).images
     sure = ~want["unsure"]
     for name in PASSES:
         assert np.isfinite(got[name]).all()
@@ -100,7 +101,7 @@ def test_styles(search):
 def test_fade_spares_styles_without_a_stage():
     layers = noise_layers(20, 30, styles=2)
     scene = dict(SHARP, surface_fade=0.5)
-    got = core.render(layers, scene, [dict(use_lines=False), {}], outputs=PASSES).images["Encre Surface"]
+    got = masks.render(layers, scene, [dict(use_lines=False), {}], outputs=PASSES).images["Encre Surface"]
     same = (got == layers["combined"]).all(-1)
     assert same[layers["style"] == 1].all() and not same[layers["style"] != 1].any()
 
@@ -159,7 +160,7 @@ def test_occlusion_begins_a_tenth_nearer(search, camera, share):
     layers["albedo"][4, 4] = 1
     scene = dict(SHARP, line_search=search, line_thickness=2000.0, line_max_thickness=2000.0, length_unit="PIXELS",
                  line_softness=0.0, paper_source="NONE", line_intensity=2.0)
-    ink = core.render(layers, scene, camera=camera, outputs=PASSES).images["Encre Lines"][4, 10:, 3]
+    ink = masks.render(layers, scene, camera=camera, outputs=PASSES).images["Encre Lines"][4, 10:, 3]
     assert (ink[slope < 5 * (1 - share) - 1e-4] == 0).all() and (ink[slope > 5 * (1 - share) + 1e-4] == 1).all()
 
 
@@ -177,8 +178,8 @@ def locations(search, specks, shape):
     layers["color"][..., 0], layers["color"][..., 1] = np.mgrid[: shape[0], : shape[1]] + 1
     scene = dict(SHARP, line_search=search, line_thickness=4096.0, line_max_thickness=4096.0, length_unit="PIXELS",
                  line_softness=0.0, paper_source="NONE", line_intensity=4.0, line_tint=1.0, line_tint_value=1.0)
-    assert (core.render(layers, scene, outputs=("Encre Edges",)).images["Encre Edges"] > 0.3).sum() == len(specks)
-    lines = core.render(layers, scene, outputs=PASSES).images["Encre Lines"]
+    assert (masks.render(layers, scene, outputs=("Encre Edges",)).images["Encre Edges"] > 0.3).sum() == len(specks)
+    lines = masks.render(layers, scene, outputs=PASSES).images["Encre Lines"]
     assert set(np.unique(lines[..., 3])) <= {0, 1}
     return lines[..., 0].astype(int) - 1, lines[..., 1].astype(int) - 1
 
@@ -239,7 +240,7 @@ def test_large_discs_reach_their_radius():
     for search in ("EXACT", "NEAREST"):
         for turn in (False, True):
             turned = {name: np.ascontiguousarray(a.swapaxes(0, 1)) if turn else a for name, a in layers.items()}
-            ink = core.render(turned, dict(scene, line_search=search), outputs=PASSES).images["Encre Lines"][..., 3]
+            ink = masks.render(turned, dict(scene, line_search=search), outputs=PASSES).images["Encre Lines"][..., 3]
             ink = ink[:, 1] if turn else ink[1]
             assert (ink[:2147] > 0.999).all() and (ink[2148:] == 0).all()
 
@@ -252,7 +253,7 @@ def test_no_line_without_an_edge(search):
     scene = dict(SHARP, line_search=search, length_unit="PIXELS", line_thickness=30.0, line_max_thickness=30.0)
     for edges in (0, 1):
         layers["albedo"][3, 3] = edges
-        ink = core.render(layers, scene, outputs=PASSES).images["Encre Lines"][..., 3]
+        ink = masks.render(layers, scene, outputs=PASSES).images["Encre Lines"][..., 3]
         assert ink[:10].any() == bool(edges) and not ink[20:].any()
 
 
@@ -265,9 +266,9 @@ def test_threads_and_instruction_sets(search, tint):
     layers = noise_layers(150, 143, 5, styles=3)
     scene = dict(SHARP, line_search=search, line_tint=tint, line_thickness=12.0, surface_fade=0.1)
     frame = core.Frame(**full(150, 143))
-    first = core.render(layers, scene, STYLES, frame=frame, outputs=PASSES, threads=1, simd=0).images
+    first = masks.render(layers, scene, STYLES, frame=frame, outputs=PASSES, threads=1, simd=0).images
     for threads, simd in ((1, 1), (2, 1), (3, 0), (8, 1)):
-        other = core.render(layers, scene, STYLES, frame=frame, outputs=PASSES, threads=threads, simd=simd).images
+        other = masks.render(layers, scene, STYLES, frame=frame, outputs=PASSES, threads=threads, simd=simd).images
         assert all(first[name].tobytes() == other[name].tobytes() for name in PASSES)
 
 
@@ -275,7 +276,7 @@ def test_threads_and_instruction_sets(search, tint):
 def test_pixels_without_ink_keep_their_bits(search):
     layers = noise_layers(50, 70, 6)
     layers["combined"][::2] = -0.0
-    got = core.render(layers, dict(SHARP, line_search=search), outputs=PASSES).images
+    got = masks.render(layers, dict(SHARP, line_search=search), outputs=PASSES).images
     clear = got["Encre Lines"][..., 3] == 0
     assert 0 < clear.sum() < clear.size
     assert got["Combined"][clear].tobytes() == layers["combined"][clear].tobytes()
@@ -297,7 +298,7 @@ def test_extremes_stay_finite(search):
             dict(line_depth_distance=most, line_light=1.0, shade_exposure=most, **wide), dict(surface_fade=0.5))
     for scene in none + some:
         scene = dict(SHARP, line_search=search, line_color=(most, 0, 1), **scene)
-        got = core.render(layers, scene, outputs=PASSES).images
+        got = masks.render(layers, scene, outputs=PASSES).images
         assert all(np.isfinite(a).all() for a in got.values())
         if scene in [dict(scene, **n) for n in none]:
             assert not got["Encre Lines"].any()
@@ -306,7 +307,7 @@ def test_extremes_stay_finite(search):
 @pytest.mark.parametrize("search", SEARCHES)
 def test_cancelling_at_every_step(search):
     layers, scene, seen = noise_layers(60, 50, 8), dict(SHARP, line_search=search), []
-    core.render(layers, scene, threads=1, progress=lambda fraction: seen.append(fraction) or True)
+    masks.render(layers, scene, threads=1, progress=lambda fraction: seen.append(fraction) or True)
     for stop in seen[::3]:
         with pytest.raises(core.Cancelled):
-            core.render(layers, scene, threads=1, progress=lambda fraction, stop=stop: fraction < stop)
+            masks.render(layers, scene, threads=1, progress=lambda fraction, stop=stop: fraction < stop)

@@ -44,8 +44,8 @@ def raster(library, _settings):
     return library.raster([mesh], matrix, matrix, core.Frame(40, 30), (40, 30), -1, -1, threads=3)
 
 
-JOBS = [(render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")), (render, dict(line_search="WALK")),
-        (render, dict(line_search="DILATE", contrast_auto=True, edge_color=1.0)), (raster, {})]
+JOBS = [(render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")), (render, dict(edge_detector="DOG", line_search="WALK")),
+        (render, dict(edge_detector="DOG", line_search="DILATE", contrast_auto=True)), (raster, {})]
 
 
 @pytest.mark.parametrize("job, settings", JOBS)

@@ -4,6 +4,7 @@
 import ctypes
 import struct
 
+import masks
 import numpy as np
 import pytest
 from encre import core
@@ -53,7 +54,7 @@ def draw(layers, scene, styles=(), image=None, **how):
     how.setdefault("outputs", ("Combined", "Encre Light"))
     if image is not None:
         scene = dict(scene, paper_source="IMAGE", paper_image="grain.png")
-    return core.render(layers, scene, styles, image=lambda path: image, **how).images
+    return masks.render(layers, scene, styles, image=lambda path: image, **how).images
 
 
 def assert_agrees(layers, scene, styles=(), image=None, camera=None, frame=None, tolerance=2e-5):

@@ -641,6 +641,22 @@ def untouched(out):
     fact("changed", sorted(k for k in before.keys() | after.keys() if before.get(k) != after.get(k)))
 
 
+def sessions(out):
+    """How many of Cycles' sessions, with all their memory, are made and freed: by renders, and by one refused."""
+    import _cycles
+
+    scene, made, freed = stage(), [], []
+    create, free = _cycles.create, _cycles.free
+    _cycles.create = lambda *args: made.append(1) or create(*args)
+    _cycles.free = lambda *args: freed.append(1) or free(*args)
+    for name in "first", "second":
+        shoot(out, name)
+    scene.camera.data.type = "PANO"
+    shoot(out, "refused")
+    fact("made", len(made))
+    fact("freed", len(freed))
+
+
 def refused(out):
     """What can't be rendered: the sentences, and that no file appears."""
     scene = stage()

@@ -122,6 +122,12 @@ def summary(results):
     return found
 
 
+def broken(results):
+    """{promise: a word on it} of the promises that are not kept."""
+    return {promise: f"{value:.4f}, worst {worst.value:.4f} in {worst.where}"
+            for promise, (value, worst) in summary(results).items() if not kept(promise, value)}
+
+
 def table(columns):
     """Markdown. columns: {detector: its Results}; what breaks a promise is bold."""
     found = {name: summary(results) for name, results in columns.items()}
