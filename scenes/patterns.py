@@ -227,7 +227,7 @@ def hide(ground, *spots, seed=0.0):
 def meander(ground, line):
     """A Greek key: one period, to be repeated along x."""
     return bitmap(["..........", "##########", ".........#", "#######..#", "#.....#..#", "#..####..#", "#........#",
-                   "##########", ".........."], ground, line, n=180)
+                   "##########", ".........."], ground, line, n=360)
 
 
 def bitmap(rows, ground, *colors, n=256):
