@@ -31,6 +31,7 @@ def render(job, scene, todo, report):
         scene.frame_set(frame)
         pictures = {}
         for name in job["techniques"]:
+            report("doing", text=f"rendering frame {frame}, {name}")
             part = os.path.join(job["folder"], f"{frame}_{name}.png")
             start = time.perf_counter()
             try:
@@ -115,7 +116,6 @@ class BakedSet:
     def __call__(self, scene):
         """Textures with lines, without lines between colours by Encre: as in the thesis, everything else is its."""
         if self.levels is None:
-            self.report("doing", text="baking")
             start = time.perf_counter()
             self.levels = [(task, self.bake(task, scene)) for task in bake.tasks(scene.objects)]
             self.seconds = time.perf_counter() - start
@@ -261,23 +261,21 @@ def freestyle(scene):
     if not bpy.app.build_options.freestyle:
         raise Missing("this Blender has no Freestyle")
     layer = bpy.context.view_layer
-    settings = layer.freestyle_settings
-    own = scene.render.use_freestyle and layer.use_freestyle
-    with plain(scene), changed(scene.render, use_freestyle=True, line_thickness_mode="ABSOLUTE"), \
-            changed(layer, use_freestyle=True):
-        lines = None if own else settings.linesets.new("Encre compares")
-        if lines:
-            lines.linestyle = bpy.data.linestyles.new("Encre compares")
-            lines.linestyle.thickness = pen(scene)
+    settings, own = layer.freestyle_settings, scene.render.use_freestyle and layer.use_freestyle
+    with plain(scene), contextlib.ExitStack() as stack:
+        if not own:
+            for other in settings.linesets:  # an empty file has one without a style, which Freestyle can't draw
+                stack.enter_context(changed(other, show_render=False))
+            style = bpy.data.linestyles.new("Encre compares")
+            stack.callback(bpy.data.linestyles.remove, style)
+            lines = settings.linesets.new(style.name)
+            stack.callback(settings.linesets.remove, lines)
+            lines.linestyle, style.thickness = style, pen(scene)
             lines.select_silhouette = lines.select_border = lines.select_crease = True
             lines.select_contour = lines.select_material_boundary = True
-        try:
-            yield
-        finally:
-            if lines:
-                style = lines.linestyle
-                settings.linesets.remove(lines)
-                bpy.data.linestyles.remove(style)
+        stack.enter_context(changed(scene.render, use_freestyle=True, line_thickness_mode="ABSOLUTE"))
+        stack.enter_context(changed(layer, use_freestyle=True))
+        yield
 
 
 @contextlib.contextmanager
