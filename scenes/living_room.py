@@ -71,7 +71,7 @@ def shell(c):
             corner.uv += Vector((a / tile, low / tile))
     ceiling = slab("Ceiling", [(LEFT, FRONT), (RIGHT, FRONT), (RIGHT, BACK), (LEFT, BACK)], HEIGHT, HEIGHT + 0.1,
                    c["ceiling"])
-    ceiling.visible_shadow = ceiling.visible_diffuse = False
+    ceiling.visible_shadow = False
     for name, size, at in (("back", (RIGHT - LEFT, 0.02, 0.12), (0, BACK - 0.01, 0)),
                            ("left", (0.02, long, 0.12), (LEFT + 0.01, (BACK + FRONT) / 2, 0)),
                            ("right", (0.02, long, 0.12), (RIGHT - 0.01, (BACK + FRONT) / 2, 0))):
@@ -97,7 +97,7 @@ def window(c):
     box("Window sill", (0.24, y1 - y0 + 0.24, 0.04), (LEFT + 0.08, middle, z0 - 0.06), c["white"], bevel=0.008)
     town = printed("View", pictures.view(), glow=True)
     view = board("View", (5.6, 3.4), (LEFT - 1.6, middle, -0.1), town, (0, 0, 90))
-    view.visible_shadow = view.visible_diffuse = False
+    view.visible_shadow = False
     cloth = printed("Curtain", p.foliage(p.CREAM, p.TEAL, p.LEAF, p.CREAM))
     for name, y in (("near", y0 - 0.13), ("far", y1 + 0.13)):
         curtain(f"Curtain {name}", (LEFT + 0.12, y, 0.06), (0, 0, 90), (0.5, z1), cloth, 4)
@@ -130,14 +130,16 @@ def seats(c):
     cat((-1.5, -0.75, 0.37), 40)
 
 
-def floor(c):
-    """Rugs and what lies about on them."""
+def rugs(c):
     kilim = printed("Kilim", pictures.rug())
     sheet("Rug", lambda u, v: ((u - 0.5) * 2.7 - 0.15, (v - 0.5) * 1.8 + 0.05, 0.012), (1, 1), kilim, thick=0.012)
     # Only its picture's disc is there, without the corners.
     disc("Round rug", 0.85, 0.012, (1.45, -2.2, 0), printed("Round rug", pictures.round_rug()), c["cream"], sides=96)
     hide = printed("Cow hide", p.hide(p.CREAM, p.BROWN, p.INK))
     disc("Hide rug", 0.62, 0.012, (-1.6, -2.3, 0), hide, c["cream"], sides=64)
+
+
+def toys():
     gores = printed("Ball", pictures.ball())
     profile = [(0.15 * (1 - (k / 8 - 1) ** 2) ** 0.5, 0.15 * k / 8) for k in range(17)]
     turned("Ball", profile, (0.6, -0.95, 0), gores, sides=48)
@@ -302,21 +304,18 @@ def flight():
 
 
 def lights():
-    """Sun by the window, and soft light from all around, which room and rugs keep out no more than a stage's do."""
+    """Sun by the window, and soft light from all around."""
     world(sky=(0.55, 0.75, 0.9), fill=(0.62, 0.64, 0.71))
     bpy.context.scene.world.cycles.sampling_method = "NONE"  # no shadow rays, which the walls would stop
-    for obj in bpy.data.objects:
-        if "wall" in obj.name or obj.name.lower().endswith("rug") or obj.name == "Floor":
-            obj.visible_diffuse = False
     light("SUN", "Sun", (-4.2, -1.7, 2.9), (0, 0.1, 0), (1.0, 0.86, 0.62), 5.0, angle=radians(0.5))
 
 
 def lines():
-    """Inter-color, its full width at 2.5 m and with finer outlines: a room is full of small things close by."""
+    """Inter-color with fine outlines: a room is full of small things close by."""
     encre = getattr(bpy.context.scene, "encre", None)
     if encre:
         bpy.ops.encre.preset(preset="inter_color")
-        encre.line_depth_distance = 2.5
+        encre.line_depth_distance = 5
         encre.width_object, encre.width_depth, encre.width_normal = 0.6, 0.5, 0.35
 
 
@@ -324,15 +323,20 @@ def build():
     c = plain()
     shell(c)
     window(c)
+    rugs(c)
+    for obj in bpy.context.scene.objects:  # the room keeps the soft light out no more than a stage's does
+        obj.visible_diffuse = False
     seats(c)
-    floor(c)
+    toys()
     tables(c)
     bookcase(c)
     walls(c)
     lights()
     flight()
     settings()
-    bpy.context.scene.cycles.use_denoising = True  # soft light from everywhere is noisy, and the prints are to be clean
+    cycles = bpy.context.scene.cycles
+    cycles.use_denoising = True    # the little noise that soft light leaves
+    cycles.min_light_bounces = 1   # no path is given up by chance before it finds that light
     lines()
 
 
