@@ -27,7 +27,7 @@ def _oiio():
 
 @contextlib.contextmanager
 def _quiet():
-    """OpenEXR itself writes about broken files to the standard error; here it is ours to say so, in a sentence."""
+    """OpenEXR and libpng write about broken files to the standard error; here it is ours to say so, in a sentence."""
     sys.stderr.flush()
     kept = os.dup(2)
     try:
@@ -187,8 +187,7 @@ def read_texture(path, most):
     if spec.depth > 1 or spec.deep or spec.nchannels not in (1, 2, 3, 4):
         raise EncreError(f"{path}: is no flat picture with 1 to 4 channels but has {spec.nchannels}; "
                          "give a texture, not render passes")
-    with _quiet():
-        pixels = _stored(path, "float")
+    pixels = _stored(path, "float")
     if pixels is None:
         raise EncreError(f"{path}: can't be read to its end; save it again")
     if spec.nchannels < 3:
@@ -202,7 +201,7 @@ def fit_texture(path, texture):
     """The texture as a file of this name stores it: EXR and HDR hold linear light, premultiplied, others but TIFF
     sRGB-encoded colours. Raises EncreError where none can."""
     oiio = _oiio()
-    out = oiio.ImageOutput.create(path)
+    out = oiio.ImageOutput.create(_utf8(path))
     oiio.geterror()
     if not out:
         raise EncreError(f"{path}: images of this kind can't be written; give a name that ends in .png, .tif or .exr")
@@ -246,8 +245,8 @@ def _as_stored():
 def _stored(path, kind):
     """All pixels (H, W, channels) of an image without conversion of colour or alpha; None: it can't be read."""
     oiio = _oiio()
-    file = oiio.ImageInput.open(_utf8(path), _as_stored())
     with _quiet():
+        file = oiio.ImageInput.open(_utf8(path), _as_stored())
         pixels = file.read_image(kind) if file else None
     oiio.geterror()  # or it would be printed at exit
     if pixels is None:

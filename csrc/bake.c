@@ -8,6 +8,8 @@
 
 #include <stdlib.h>
 
+enum { PIECE = 64 }; /* texels of a row that are looked at together */
+
 /* ---- texture -> differences ------------------------------------------------------------------------------ */
 
 static const float *texel(const encre_image *image, int x, int y)
@@ -64,6 +66,19 @@ static int load_row(const bake *b, int y, float *plane)
 	return bad;
 }
 
+/* Whether no pair differs, as in most of a drawn texture: spares the metric, which may be dear. */
+static bool flat(const float *(*row)[3], int n)
+{
+	int differ = 0;
+	for (int c = 0; c < 3; c++) {
+		const float *restrict above = row[0][c], *restrict here = row[1][c], *restrict below = row[2][c];
+		for (int i = 0; i < n; i++)
+			differ |= (above[i - 1] != below[i + 1]) | (above[i] != below[i]) | (above[i + 1] != below[i - 1]) |
+				  (here[i - 1] != here[i + 1]);
+	}
+	return !differ;
+}
+
 static int window_reach(const bake *b, int size)
 {
 	float reach = floorf(b->p->contrast_window / 2);
@@ -90,12 +105,16 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 		if (y < y0 + 1)
 			continue;
 		float *out = b->radius + (ptrdiff_t)(y - 1) * n, greatest = 0;
-		for (int x = 0; x < n; x += TILE) {
+		for (int x = 0; x < n; x += PIECE) {
 			const float *row[3][3];
+			int left = n - x < PIECE ? n - x : PIECE;
 			for (int k = 0; k < 3; k++)
 				for (int c = 0; c < 3; c++)
 					row[k][c] = ring + (3 * (size_t)((y + 1 + k) % 3) + (size_t)c) * b->padded + 1 + x;
-			ISA(detect_contrast)(b->p->contrast_metric, row, n - x < TILE ? n - x : TILE, out + x);
+			if (flat(row, left))
+				memset(out + x, 0, (size_t)left * sizeof *out);
+			else
+				ISA(detect_contrast)(b->p->contrast_metric, row, left, out + x);
 		}
 		for (int x = 0; x < n; x++)
 			greatest = out[x] > greatest ? out[x] : greatest;

@@ -146,12 +146,44 @@ def text(name, words, at, size, material, turn=(90, 0, 0), parent=None):
     """Raised letters in Blender's own font, centred on `at`; a mesh, so that they can be painted."""
     curve = bpy.data.curves.new(name, "FONT")
     curve.body, curve.size, curve.extrude, curve.align_x = words, size, size * 0.02, "CENTER"
-    letters = bpy.data.objects.new(name, curve)
-    mesh = bpy.data.meshes.new_from_object(letters)
-    bpy.data.objects.remove(letters)
-    bpy.data.curves.remove(curve)
+    return place(meshed(curve, material, parent), at, turn)
+
+
+def strands(name, lines, radius, material, taper=0.2, parent=None):
+    """Thin round strands along `lines` of points, from `radius` at their roots to `taper` times that; a mesh."""
+    curve = bpy.data.curves.new(name, "CURVE")
+    curve.dimensions, curve.bevel_depth, curve.bevel_resolution = "3D", radius, 0
+    for line in lines:
+        spline = curve.splines.new("POLY")
+        spline.points.add(len(line) - 1)
+        for k, (point, co) in enumerate(zip(spline.points, line, strict=True)):
+            point.co, point.radius = (*co, 1), 1 + (taper - 1) * k / (len(line) - 1)
+    return meshed(curve, material, parent)
+
+
+def meshed(curve, material, parent=None):
+    """The mesh object of a curve that was needed only to make it."""
+    maker = bpy.data.objects.new(curve.name, curve)
+    mesh = bpy.data.meshes.new_from_object(maker)
     mesh.materials.append(material)
-    return place(link(bpy.data.objects.new(name, mesh), parent), at, turn)
+    obj = link(bpy.data.objects.new(curve.name, mesh), parent)
+    bpy.data.objects.remove(maker)
+    bpy.data.curves.remove(curve)
+    return obj
+
+
+def cards(name, spots, size, materials, slot=None, parent=None):
+    """Square cards for cut-out leaves: `spots` are (foot, direction up the card, direction across it)."""
+    verts = []
+    for foot, up, across in spots:
+        foot, up, across = Vector(foot), size * Vector(up).normalized(), size / 2 * Vector(across).normalized()
+        verts += [foot - across, foot + across, foot + across + up, foot - across + up]
+    obj = mesh_object(name, verts, [range(k, k + 4) for k in range(0, len(verts), 4)], materials, slot=slot,
+                      parent=parent)
+    layer = obj.data.uv_layers.new()
+    for k, corner in enumerate(layer.data):
+        corner.uv = ((0, 0), (1, 0), (1, 1), (0, 1))[k % 4]
+    return obj
 
 
 # Materials
@@ -209,6 +241,55 @@ def rippled(name, color, mirror, height, length, lean=0):
     sway = node(tree, "MapRange", To_Min=-lean - height, To_Max=height - lean)
     wire(tree, (where.outputs["Object"], wave), (wave.outputs[1], sway), (sway, normal.inputs["Y"]),
          (normal, glossy.inputs["Normal"]))
+    return material
+
+
+def leaf(name, color, width=0.62, round_as=None):
+    """Matt colour that a leaf's outline cuts out of a card; `width` is the leaf's, 1 the card's.
+
+    With `round_as` (the middle of a crown, in the object's own space) all leaves are lit as a ball would be there:
+    what a draughtsman sees in a tree is its masses, not every leaf's own shade.
+    """
+    material = flat(name, color)
+    tree = material.node_tree
+    diffuse, out = (next(n for n in tree.nodes if n.type == kind) for kind in ("BSDF_DIFFUSE", "OUTPUT_MATERIAL"))
+    where, xyz, mix = node(tree, "TexCoord"), node(tree, "SeparateXYZ"), node(tree, "MixShader")
+    wire(tree, (where.outputs["UV"], xyz), (node(tree, "BsdfTransparent"), mix.inputs[1]), (diffuse, mix.inputs[2]))
+    # Half the width at height v is ½·width·sin(πv); inside is where |u − ½| is less.
+    half = calc(tree, "MULTIPLY", calc(tree, "SINE", calc(tree, "MULTIPLY", xyz.outputs["Y"], pi)), width / 2)
+    side = calc(tree, "ABSOLUTE", calc(tree, "SUBTRACT", xyz.outputs["X"], 0.5))
+    wire(tree, (calc(tree, "LESS_THAN", side, half), mix.inputs[0]), (mix, out))
+    if round_as:
+        outward, unit = node(tree, "VectorMath"), node(tree, "VectorMath")
+        outward.operation, unit.operation, outward.inputs[1].default_value = "SUBTRACT", "NORMALIZE", round_as
+        wire(tree, (where.outputs["Object"], outward), (outward, unit), (unit, diffuse.inputs["Normal"]))
+    return material
+
+
+def calc(tree, operation, a, b=0.0):
+    """A sum of numbers and other nodes' outputs."""
+    new = node(tree, "Math")
+    new.operation = operation
+    for value, into in ((a, new.inputs[0]), (b, new.inputs[1])):
+        if isinstance(value, (int, float)):
+            into.default_value = value
+        else:
+            wire(tree, (value, into))
+    return new
+
+
+def mirror(name, color=(0.9, 0.9, 0.9)):
+    """Polished metal: nothing but what it reflects."""
+    material = bpy.data.materials.new(name)
+    tree = nodes_of(material)
+    wire(tree, (node(tree, "BsdfGlossy", Color=color, Roughness=0.0), node(tree, "OutputMaterial")))
+    return material
+
+
+def glass(name, color=(1.0, 1.0, 1.0), ior=1.45):
+    material = bpy.data.materials.new(name)
+    tree = nodes_of(material)
+    wire(tree, (node(tree, "BsdfGlass", Color=color, Roughness=0.0, IOR=ior), node(tree, "OutputMaterial")))
     return material
 
 

@@ -2,8 +2,28 @@
 """The people and animals of the scenes. Each stands on `at` and looks along −y before it is turned."""
 
 from math import cos, pi, sin
+from random import Random
 
-from common import ball, box, flat, glow, group, lathe, loft, modifier, place, rings, tube
+from common import (
+    ball,
+    box,
+    flat,
+    glow,
+    group,
+    lathe,
+    loft,
+    mesh_object,
+    modifier,
+    place,
+    rings,
+    strands,
+    tube,
+)
+from mathutils import Vector
+
+# What a draughtsman gives a finer pen, and what he leaves unhatched; the starts of the objects' names.
+SMALL = ("Eye", "Brow", "Mouth", "Nose", "Hand", "Thumb", "Button", "Placket", "Pocket", "Cat")
+BARE = ("Face", "Nose", "Hair", "Hand", "Thumb")
 
 
 def clothes():
@@ -23,15 +43,16 @@ def clothes():
     }
 
 
-def girl(at, turn):
-    """A girl in oilskins, 1.45 high: striding, an umbrella on her left shoulder, her right hand held out."""
+def girl(at, turn, rain=True):
+    """A girl in oilskins, 1.45 high: striding, her right hand held out, in the rain under an umbrella."""
     root, c = group("Girl", at, turn), clothes()
     legs(c, root)
     coat(c, root)
     head(c, root)
     arms(c, root)
     scarf(c, root)
-    umbrella(c, root)
+    if rain:
+        umbrella(c, root)
 
 
 def legs(c, root):
@@ -135,6 +156,124 @@ def umbrella(c, root):
         tube(f"Rib {k}", [(r * x, r * y, h - 0.012) for r, h in dome], 0.007, c["steel"], sides=4, smooth=0, parent=top)
         tube(f"Stretcher {k}", [(0, 0, 0.62), (0.3 * x, 0.3 * y, 0.86)], 0.005, c["steel"], sides=4, smooth=0,
              parent=top)
+
+
+def costume():
+    return {
+        "skin": flat("Skin", (0.80, 0.50, 0.35)),
+        "hair": flat("Hair", (0.09, 0.04, 0.04)),
+        "dress": flat("Dress", (0.72, 0.05, 0.07)),
+        "lining": flat("Lining", (0.88, 0.80, 0.66)),
+        "sash": flat("Sash", (0.08, 0.10, 0.24)),
+        "black": flat("Black", (0.02, 0.02, 0.03)),
+        "wood": flat("Fan wood", (0.36, 0.19, 0.09)),
+    }
+
+
+def dancer(at, turn):
+    """A flamenco dancer, 1.7 high: legs crossed, a fan above her head, skirt and hair swinging to her left."""
+    root, c = group("Dancer", at, turn), costume()
+    dancers_legs(c, root)
+    dress(c, root)
+    dancers_arms(c, root)
+    dancers_head(c, root)
+
+
+def dancers_legs(c, root):
+    tube("Leg right", [(-0.08, 0, 0.9), (-0.07, -0.02, 0.5), (-0.075, 0.02, 0.36), (-0.05, 0.03, 0.09)],
+         [0.1, 0.062, 0.064, 0.036], c["skin"], parent=root)
+    tube("Leg left", [(0.08, -0.02, 0.9), (0.0, -0.22, 0.56), (-0.1, -0.2, 0.4), (-0.24, -0.18, 0.13)],
+         [0.1, 0.064, 0.062, 0.036], c["skin"], parent=root)
+    for name, at, turn in (("right", (-0.05, 0.03, 0.05), (0, 0, 8)), ("left", (-0.25, -0.17, 0.1), (38, 12, -30))):
+        foot = place(group(f"Shoe {name}", parent=root), at, turn)
+        tube(f"Shoe body {name}", [(0, 0.05, 0.015), (0, -0.02, 0.0), (0, -0.11, -0.015), (0, -0.18, -0.03)],
+             [0.036, 0.042, 0.042, 0.02], c["black"], flat=0.75, parent=foot)
+        tube(f"Heel {name}", [(0, 0.04, 0.01), (0, 0.045, -0.05)], [0.024, 0.014], c["black"], parent=foot)
+
+
+def skirt_at(t, a):
+    """The skirt at the share `t` of its length and the angle `a`: it swings to her left and is lifted in front."""
+    swing, lifted = 0.24 * t * t, max(0.0, cos(a + pi / 2 + 0.5)) ** 1.5
+    r = 0.155 + 0.5 * t ** 0.85 * (1 + 0.3 * max(0, cos(a))) * (1 + 0.14 * t * sin(9 * a + 3 * t))
+    drop = t * (0.68 - 0.34 * lifted) + 0.035 * t * sin(9 * a + 3 * t + 1.2)
+    return swing + r * cos(a), 0.85 * r * sin(a), 1.02 - drop
+
+
+def dress(c, root):
+    loft("Bodice", [(0, 0, 0.98, 0.155, 0.125), (0.01, 0, 1.06, 0.125, 0.1), (0.01, -0.01, 1.16, 0.13, 0.1),
+                    (0, -0.025, 1.27, 0.158, 0.125), (0, -0.01, 1.35, 0.165, 0.1), (0, 0, 1.385, 0.15, 0.085)],
+         c["dress"], sides=16, parent=root)
+    loops = [[skirt_at(k / 9, 2 * pi * j / 72) for j in range(72)] for k in range(9, -1, -1)]
+    skirt = rings("Skirt", loops, [c["dress"], c["lining"]], capped=False, smooth=1, parent=root)
+    modifier(skirt, "SOLIDIFY", thickness=0.012, material_offset=1)
+    around = [skirt_at(0.06, 2 * pi * k / 24) for k in range(25)]
+    tube("Sash", [(x * 1.05, y * 1.05, z + 0.02) for x, y, z in around], 0.032, c["sash"], parent=root)
+    lines = []
+    for k in range(90):
+        points = [skirt_at(t, 2 * pi * k / 90 + 0.05 * sin(9 * k + 20 * t)) for t in (0.06, 0.16, 0.26, 0.36)]
+        lines.append([(1.06 * x, 1.06 * y, z) for x, y, z in points])
+    strands("Sash fringe", lines, 0.0065, c["sash"], taper=0.6, parent=root)
+
+
+def dancers_arms(c, root):
+    """One arm above the head with a fan, the other across the body."""
+    tube("Shoulders", [(-0.2, 0.0, 1.35), (-0.1, 0, 1.39), (0, 0, 1.4), (0.1, 0, 1.4), (0.2, 0.0, 1.37)],
+         [0.04, 0.058, 0.06, 0.058, 0.04], c["skin"], parent=root)
+    tube("Arm left", [(0.17, 0, 1.36), (0.3, -0.05, 1.5), (0.37, -0.08, 1.66), (0.26, -0.13, 1.84),
+                      (0.17, -0.16, 1.92)], [0.052, 0.046, 0.042, 0.032, 0.024], c["skin"], parent=root)
+    tube("Arm right", [(-0.17, 0, 1.36), (-0.27, -0.06, 1.24), (-0.31, -0.15, 1.13), (-0.16, -0.25, 1.13),
+                       (0.02, -0.25, 1.19)], [0.052, 0.046, 0.044, 0.034, 0.024], c["skin"], parent=root)
+    tube("Hand left", [(0.175, -0.158, 1.91), (0.14, -0.17, 1.955), (0.08, -0.18, 1.97), (0.02, -0.19, 1.95)],
+         [0.024, 0.038, 0.032, 0.01], c["skin"], flat=0.5, parent=root)
+    tube("Hand right", [(0.01, -0.25, 1.187), (0.06, -0.245, 1.215), (0.11, -0.23, 1.25), (0.15, -0.21, 1.3)],
+         [0.024, 0.038, 0.032, 0.01], c["skin"], flat=0.5, parent=root)
+    fan = place(group("Fan", parent=root), (0.1, -0.19, 1.95), (8, 28, 0))
+    ribs = [(sin(a), 0.012 * (k % 2), cos(a)) for k, a in enumerate(pi * (j / 14 - 0.5) * 0.85 for j in range(15))]
+    verts = [Vector(p) * r for p in ribs for r in (0.1, 0.3)]
+    cloth = mesh_object("Fan cloth", verts, [(2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1) for k in range(14)],
+                        [c["dress"], c["lining"]], slot=lambda face: face % 2, parent=fan)
+    modifier(cloth, "SOLIDIFY", thickness=0.003)
+    strands("Fan ribs", [[(0, 0, 0), Vector(p) * 0.31] for p in ribs[::2]], 0.006, c["wood"], taper=1, parent=fan)
+
+
+def dancers_head(c, root):
+    tube("Neck", [(0, 0, 1.36), (0.005, -0.015, 1.5)], [0.056, 0.048], c["skin"], parent=root)
+    top = place(group("Head", parent=root), (0.01, -0.03, 1.585), (8, 10, -34))
+    ball("Face", (0, 0, 0), (0.092, 0.104, 0.122), c["skin"], parent=top)
+    ball("Chin", (0, -0.045, -0.085), (0.045, 0.045, 0.04), c["skin"], parent=top)
+    tube("Nose", [(0, -0.098, 0.03), (0, -0.118, -0.012), (0, -0.104, -0.022)], [0.01, 0.016, 0.012], c["skin"],
+         parent=top)
+    tube("Mouth", [(-0.026, -0.09, -0.06), (0.0, -0.1, -0.064), (0.026, -0.09, -0.06)], 0.0075, c["dress"], sides=6,
+         parent=top)
+    for s in (-1, 1):
+        tube(f"Lid {s}", [(0.018 * s, -0.101, 0.008), (0.036 * s, -0.101, -0.001), (0.056 * s, -0.088, 0.006)], 0.0065,
+             c["black"], sides=6, parent=top)
+        tube(f"Brow {s}", [(0.018 * s, -0.101, 0.042), (0.04 * s, -0.098, 0.054), (0.064 * s, -0.082, 0.044)], 0.006,
+             c["hair"], sides=6, parent=top)
+    ball("Hair", (0, 0.03, 0.026), (0.104, 0.104, 0.118), c["hair"], parent=top)
+    for k in range(5):
+        a = 2 * pi * k / 5
+        ball(f"Petal {k}", (-0.09, -0.035 + 0.03 * cos(a), 0.075 + 0.03 * sin(a)), (0.016, 0.024, 0.024), c["dress"],
+             parent=top)
+    flying_hair(c, top)
+
+
+def flying_hair(c, top):
+    """Flying out to her left as she turns: a few thick locks, and the single hairs about them."""
+    rng = Random(6)
+
+    def flying(spread):
+        across, up = rng.uniform(-spread, spread), rng.uniform(-spread, spread)
+        return [(0.02 + 0.16 * t + across * (0.4 + t) + 0.02 * sin(7 * t + up), 0.08 + 0.46 * t,
+                 0.03 + up * (0.4 + t) - 0.34 * t * t + 0.12 * sin(3 * t)) for t in (k / 9 for k in range(10))]
+
+    thick = [0.05, 0.052, 0.048, 0.043, 0.038, 0.032, 0.025, 0.018, 0.011, 0.003]
+    for k in range(7):
+        tube(f"Lock {k}", flying(0.1), thick, c["hair"], parent=top)
+    lines = [flying(0.22) for _ in range(60)]
+    lines += [[(0.105 * cos(a) * sin(b), 0.03 + 0.105 * sin(a) * sin(b), 0.026 + 0.12 * cos(b)) for b in
+               (0.2 + 0.3 * j for j in range(4))] for a in (rng.uniform(0.2, 3) for _ in range(30))]
+    strands("Single hairs", lines, 0.0028, c["hair"], taper=0.4, parent=top)
 
 
 def cat(at, turn):

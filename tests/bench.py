@@ -65,6 +65,26 @@ def copy_seconds(nbytes):
     return best
 
 
+def bake(rounds, side=2048):
+    """Lines in a texture of spots, plain and uniform."""
+    y, x = np.indices((side, side), np.float32) / side
+    spot = np.hypot(x * 12 % 1 - 0.5, y * 12 % 1 - 0.5) < 0.35
+    texture = np.float32([(0.9, 0.8, 0.5), (0.7, 0.2, 0.2)])[spot.astype(int)]
+    copy = copy_seconds(24 * side * side)
+    form = np.stack([0.2 + 2 * x, 0.3 * x, 1.5 - y], 2)
+    print(f"\nbaking {side} x {side} texels; copy of {24 * side * side / 1e6:.0f} MB: {copy * 1e3:.1f} ms = 1.00")
+    cases = {"plain": {}, "uniform": dict(form=form), "CIEDE2000": dict(scene=dict(contrast_metric="CIEDE2000")),
+             "local contrast": dict(scene=dict(contrast_auto=True))}
+    for case, options in cases.items():
+        for threads in (1, 0):
+            best = 1e9
+            for _ in range(rounds):
+                start = time.perf_counter()
+                core.bake(texture, threads=threads, **options)
+                best = min(best, time.perf_counter() - start)
+            print(f"{case:18}{threads or 'all':>8}{best / copy:8.2f}{best:8.3f} s")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", default="1920x1080")
@@ -83,6 +103,7 @@ def main():
             whole = min(r[0] for r in runs) / copy
             parts = [min(r[1][n] for r in runs) / copy for n in stages_run()]
             print(f"{case:18}{threads or 'all':>8}{whole:8.2f}" + "".join(f"{p:8.2f}" for p in parts))
+    bake(args.rounds)
     print(f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
 
 

@@ -18,7 +18,8 @@ SETTINGS = [
     dict(edge_detector="SOBEL", line_search="NEAREST", contrast_auto=True, contrast_metric="CMC", edge_color=2.0),
     dict(edge_color=3.0, edge_light=4.0, line_thickness=30.0, line_tint=0.5, contrast_metric="CIEDE2000",
          color_layer="LIT"),
-    dict(edge_detector="DOG", line_search="WALK", depth_space="LINEAR", color_detector="DOG", edge_color=1.0, paper_scale=2.5),
+    dict(edge_detector="DOG", line_search="WALK",
+         depth_space="LINEAR", color_detector="DOG", edge_color=1.0, paper_scale=2.5),
 ]
 
 

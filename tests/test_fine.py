@@ -24,16 +24,7 @@ def scene_of(name):
     return scenes.NAMED[name]() if name in scenes.NAMED else scenes.draw(name)
 
 
-def broken(results):
-    return [f"{where}: {promise} {value:.4f}" for where, promise, value, kept in results if not kept]
-
-
-# ---- promises --------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["sphere", "roof", "horizon", "patches", "terminators", "parallel"])
-def test_keeps_every_promise(name):
-    assert broken(verdict.judge(ink, {name: scene_of(name)}, full=False)) == []
+# ---- promises: most of them are judged in test_judged.py ------------------------------------------------------------
 
 
 def test_widths_fairness_and_calm():

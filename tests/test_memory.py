@@ -44,8 +44,16 @@ def raster(library, _settings):
     return library.raster([mesh], matrix, matrix, core.Frame(40, 30), (40, 30), -1, -1, threads=3)
 
 
-JOBS = [(render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")), (render, dict(edge_detector="DOG", line_search="WALK")),
-        (render, dict(edge_detector="DOG", line_search="DILATE", contrast_auto=True)), (raster, {})]
+def bake(library, settings):
+    texture = np.random.default_rng(0).random((61, 90, 3), np.float32)
+    form = np.tile(np.float32((1, 0, 2)), (61, 90, 1)) if not settings else None
+    return {"texture": library.bake(texture, settings, form, threads=3).texture}
+
+
+JOBS = [(render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")),
+        (render, dict(edge_detector="DOG", line_search="WALK")),
+        (render, dict(edge_detector="DOG", line_search="DILATE", contrast_auto=True)), (raster, {}),
+        (bake, {}), (bake, dict(contrast_auto=True))]
 
 
 @pytest.mark.parametrize("job, settings", JOBS)

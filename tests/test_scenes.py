@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every scene builds in every Blender, and gives a picture with edges in it."""
+
+from pathlib import Path
+
+import blenders
+import exr
+import numpy as np
+import pytest
+
+SCENES = [path for path in (Path(__file__).parents[1] / "scenes").glob("*.py") if "def build()" in path.read_text()]
+
+
+@pytest.mark.parametrize("scene", sorted(SCENES), ids=lambda path: path.stem)
+@pytest.mark.parametrize("blender", blenders.params())
+def test_scene_renders(blender, scene, tmp_path):
+    frame = tmp_path / "frame.exr"
+    words = blenders.encre(blender, tmp_path, "render", scene, "-o", frame, "--size", "64x36", "--samples", "1")
+    assert "warning" not in words, words
+    picture = exr.part(frame, "ViewLayer.Combined")
+    assert picture.shape == (36, 64, 4) and np.isfinite(picture).all() and picture[..., :3].std() > 0.05
+    # So small a frame's lines are too thin to be inked.
+    assert (exr.part(frame, "ViewLayer.Encre Edges") >= 0.5).mean() > 0.05
