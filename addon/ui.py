@@ -379,6 +379,18 @@ def adopt_panels(adopt):
         engines = getattr(panel, "COMPAT_ENGINES", ())
         if "CYCLES" in engines:
             (engines.add if adopt else engines.discard)(ENGINE)
+    # Before 5.0 this one asks for Cycles' name instead.
+    panel = getattr(bpy.types, "CYCLES_RENDER_PT_subdivision", None)
+    if panel and "poll" in vars(panel):
+        panel.poll = _subdivision_poll(panel.poll) if adopt else getattr(panel.poll, "original", panel.poll)
+
+
+def _subdivision_poll(original):
+    def poll(_cls, context):
+        return original(context) or (context.engine == ENGINE and context.scene.cycles.feature_set == "EXPERIMENTAL")
+
+    poll.original = original
+    return classmethod(poll)  # Blender crashes if it is any other kind of function
 
 
 def draw_device(self, context):
@@ -388,8 +400,9 @@ def draw_device(self, context):
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column()
-        column.prop(context.scene.cycles, "feature_set")
-        column.prop(context.scene.cycles, "device")
+        for name in ("feature_set", "device", "shading_system"):
+            if hasattr(context.scene.cycles, name):  # Blender 5 has one feature set
+                column.prop(context.scene.cycles, name)
 
 
 def _shader_menus():

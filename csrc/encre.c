@@ -50,6 +50,9 @@ static const stage *const stages_base[] = {STAGES(POINTER)};
 #define POINTER(name) &JOIN(stage, JOIN_(name, v3)),
 static const stage *const stages_v3[] = {STAGES(POINTER)};
 #undef POINTER
+#define BEST(name) JOIN(name, v3)
+#else
+#define BEST(name) JOIN(name, base)
 #endif
 enum { N_STAGES = sizeof stages_base / sizeof *stages_base };
 
@@ -138,8 +141,8 @@ static rows *pool_of(encre_context *context)
 	return context->pool;
 }
 
-/* Whether to run the second build of the kernels; never true where there is none. */
-static bool use_v3(const encre_context *context)
+/* Whether to run BEST kernels. */
+static bool use_best(const encre_context *context)
 {
 #ifdef ENCRE_HAVE_V3
 	return context->simd && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
@@ -151,12 +154,7 @@ static bool use_v3(const encre_context *context)
 
 static const stage *const *stages_of(const encre_context *context)
 {
-#ifdef ENCRE_HAVE_V3
-	if (use_v3(context))
-		return stages_v3;
-#endif
-	(void)context;
-	return stages_base;
+	return use_best(context) ? BEST(stages) : stages_base;
 }
 
 /* ---- images ---------------------------------------------------------------------------------------------- */
@@ -443,9 +441,6 @@ int32_t encre_bake(encre_context *context, encre_bake_job *job)
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
 	rows_progress(pool, job->progress, job->user);
-#ifdef ENCRE_HAVE_V3
-	if (use_v3(context))
-		return fail_code(context, bake_run_v3(pool, &clean, job));
-#endif
-	return fail_code(context, bake_run_base(pool, &clean, job));
+	code = use_best(context) ? BEST(bake_run)(pool, &clean, job) : bake_run_base(pool, &clean, job);
+	return fail_code(context, code);
 }

@@ -11,7 +11,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import widths
-from encre import cli, core, images, texture, unwrap
+from encre import cli, core, images, presets, texture, unwrap
 
 
 def stored(path, kind="float"):
@@ -92,7 +92,7 @@ def test_linear(run, tmp_path, kind):
     write(tmp_path / "in.exr", light, kind)
     assert run(tmp_path / "in.exr", "-o", tmp_path / "out.exr", "--preset", "inter_color") == (0, "")
     read = stored(tmp_path / "in.exr")
-    want = core.bake(read, dict(line_thickness=12.0), linear=True).texture
+    want = core.bake(read, presets.find("inter_color").values, linear=True).texture
     assert np.abs(stored(tmp_path / "out.exr") - want).max() < 1e-3
 
 

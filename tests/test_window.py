@@ -45,6 +45,7 @@ def test_every_stage_has_its_panel(shot):
 def test_cycles_panels_and_nodes_are_there(shot):
     assert fact(shot, "cycles panels") > 100
     assert fact(shot, "cycles panels without Encre") == []
+    assert fact(shot, "shown with Cycles") > 50 and fact(shot, "not with Encre") == []
     assert fact(shot, "shader nodes")
 
 

@@ -4,6 +4,7 @@
 Needs --enable-event-simulate. Every step is a function; between two steps Blender's main loop has run.
 """
 
+import contextlib
 import os
 import sys
 import traceback
@@ -58,6 +59,11 @@ def panels():
         every = [p for p in cases_panels() if "CYCLES" in getattr(p, "COMPAT_ENGINES", ())]
         cases.fact("cycles panels without Encre", [p.__name__ for p in every if "ENCRE" not in p.COMPAT_ENGINES])
         cases.fact("cycles panels", len(every))
+        bpy.context.scene.cycles.feature_set = "EXPERIMENTAL"
+        cycles, encre = shown(every, "CYCLES"), shown(every, "ENCRE")
+        cases.fact("shown with Cycles", len(cycles))
+        cases.fact("not with Encre", sorted(cycles - encre))
+        bpy.context.scene.cycles.feature_set = "SUPPORTED"
         import nodeitems_builtins as old
         menu = sys.modules.get("bl_ui.node_add_menu_shader", old)
         poll = getattr(menu, "cycles_shader_nodes_poll", None) or old.cycles_shader_nodes_poll
@@ -73,6 +79,17 @@ def panels():
         bpy.ops.encre.style_store(param="line_thickness")
         bpy.ops.encre.standard_view()
         cases.fact("new view transform", bpy.context.scene.view_settings.view_transform)
+
+
+def shown(panels, engine):
+    """Names of the panels that this engine shows in the tab that is open."""
+    bpy.context.scene.render.engine = engine
+    found = set()
+    for panel in panels:
+        with contextlib.suppress(AttributeError, TypeError):  # of another editor or tab
+            if not hasattr(panel, "poll") or panel.poll(bpy.context):
+                found.add(panel.__name__)
+    return found
 
 
 def cases_panels(cls=bpy.types.Panel):
