@@ -60,6 +60,7 @@ def read(image):
 
 def settings(context):
     """The parameters of the scene that baking reads."""
+    context.scene.update_tag()  # what a script has just set is not yet in the evaluated scene
     values = properties.scene_values(context.evaluated_depsgraph_get().scene_eval)
     return {id_: v for id_, v in values.items() if id_ == "line_thickness" or id_.startswith("contrast_")}
 

@@ -14,6 +14,7 @@ import time
 from importlib import metadata
 
 from . import core, images, presets
+from .compare import compare
 from .composite import composite
 from .render import RenderError, render
 from .texture import bake
@@ -123,6 +124,26 @@ def _parser():
     command.add_argument("--blender", metavar="PATH", help="the Blender program to use for FILE.blend:OBJECT")
     command.set_defaults(run=_bake)
 
+    command = commands.add_parser("compare", parents=[style], help="compare baked and dynamic lines", description=(
+        "Render a scene without lines between colours, with such lines baked into its textures and with lines drawn "
+        "in the frame, and put the three and a caption into the quadrants of one picture. OUT_crops shows details, "
+        "OUT_blender Blender's own lines."))
+    command.add_argument("scene", metavar="SCENE", type=_ending(".blend", ".py"), help="a .blend or .py file")
+    command.add_argument("-o", "--output", metavar="OUT", required=True, type=_ending(".png"), help=(
+        "a .png twice as wide and high as the frame; # in the name stands for digits of the frame number"))
+    command.add_argument("--seed", metavar="N", type=int, default=0, help="chooses which of the two is on the left")
+    command.add_argument("-f", "--frame", metavar="N", type=int, help="the frame (default: the scene's current one)")
+    command.add_argument("-s", "--start", metavar="A", type=int, help="first frame of an animation")
+    command.add_argument("-e", "--end", metavar="B", type=int, help="last frame of an animation")
+    command.add_argument("--uniform", action="store_true", help="bake lines that are equally wide on the surface")
+    command.add_argument("--mips", action="store_true", help="bake mip levels, each shown at its distance")
+    command.add_argument("--quadrants", action="store_true", help="only the quadrants: no crops, no Blender's lines")
+    command.add_argument("--samples", metavar="N", type=_count, help="samples a pixel")
+    command.add_argument("--size", metavar="WxH", type=_size, help="size of the frame in pixels")
+    command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
+    command.add_argument("--verbose", action="store_true", help="pass on what Blender prints")
+    command.set_defaults(run=_compare)
+
     command = commands.add_parser("params", help="list the parameters")
     command.add_argument("--json", action="store_true", help="as a JSON list, for programs")
     command.set_defaults(run=_params)
@@ -149,17 +170,33 @@ def _changes(args):
     return core.check(values)
 
 
-def _render(args):
+def _frames(args):
     ranged = args.start is not None or args.end is not None
     if ranged and args.frame is not None:
         raise core.EncreError("-f gives one frame, -s and -e a range; give one or the other")
     if None not in (args.start, args.end) and args.start > args.end:
         raise core.EncreError(f"-s {args.start} is after -e {args.end}; give the first frame first")
+    return [args.start, args.end] if ranged else args.frame
+
+
+def _scene(args):
     if not os.path.isfile(args.scene):
         raise core.EncreError(f"{args.scene}: there is no such file; check the path")
-    render(args.scene, args.output, frames=[args.start, args.end] if ranged else args.frame, values=_changes(args),
+    return args.scene
+
+
+def _render(args):
+    frames = _frames(args)
+    render(_scene(args), args.output, frames=frames, values=_changes(args),
            samples=args.samples, size=args.size, resume=args.resume, blender=args.blender, say=_say,
            verbose=args.verbose)
+
+
+def _compare(args):
+    frames = _frames(args)
+    compare(_scene(args), args.output, seed=args.seed, quadrants_only=args.quadrants, frames=frames,
+            values=_changes(args), samples=args.samples, size=args.size, uniform=args.uniform, mips=args.mips,
+            blender=args.blender, say=_say, verbose=args.verbose)
 
 
 def _composite(args):

@@ -267,6 +267,20 @@ def decode_srgb(encoded):
     return np.where(encoded <= 0.04045, encoded / 12.92, np.power((np.maximum(encoded, 0) + 0.055) / 1.055, 2.4))
 
 
+def draw_text(picture, lines):
+    """Writes lines (x, baseline y, size in pixels, words) in black on a picture (H, W, 3) and returns that."""
+    oiio = _oiio()
+    height, width, _ = picture.shape
+    buffer = oiio.ImageBuf(oiio.ImageSpec(width, height, 3, "float"))
+    buffer.set_pixels(oiio.ROI(0, width, 0, height, 0, 1, 0, 3), np.ascontiguousarray(picture, np.float32))
+    for x, y, size, words in lines:
+        if not oiio.ImageBufAlgo.render_text(buffer, round(x), round(y), words, round(size), "DroidSans", (0.0,) * 3):
+            buffer.geterror()
+            raise EncreError("OpenImageIO finds no font to write the caption with; install openimageio from PyPI, "
+                             "which brings one")
+    return buffer.get_pixels(oiio.FLOAT)
+
+
 def write_exr(path, channels, window, views=()):
     """Writes {full channel name: array (H, W)} as one part of 32-bit floats, whole or not at all.
 

@@ -65,6 +65,22 @@ def render(scene, out, *, frames=None, values=None, samples=None, size=None, res
         _run(command, job, say, verbose)
 
 
+def compare(scene, out, take, *, frames=None, values=None, samples=None, size=None, techniques=(), uniform=False,
+            mips=False, blender=None, say=print, verbose=False):
+    """Renders frames of `scene` by each of the `techniques` (techniques.py) and calls take(event) for every frame.
+
+    The event is a dictionary: frame, path (`out` with the frame's number), pictures {technique: {"path", "seconds"}},
+    baking (seconds), values (the scene's parameters), samples, blender (its version). Its pictures are gone when take()
+    returns. The rest is as in render().
+    """
+    command = find_blender(blender)
+    out = os.path.abspath(out)
+    with _folder(out) as folder:
+        job = {"scene": os.path.abspath(scene), "out": out, "folder": folder, "frames": frames, "values": values or {},
+               "samples": samples, "size": size, "techniques": techniques, "uniform": uniform, "mips": mips}
+        _run(command, job, say, verbose, take)
+
+
 def unwrapped(scene, name, out, *, blender=None, say=print, verbose=False):
     """The object `name` of a .blend file with its UV map, an unwrap.Unwrapped in world space.
 
@@ -78,10 +94,10 @@ def unwrapped(scene, name, out, *, blender=None, say=print, verbose=False):
             return unwrap.Unwrapped(**arrays)
 
 
-def _run(command, job, say, verbose):
+def _run(command, job, say, verbose, take=None):
     path = os.path.join(job["folder"], "job.json")
     Path(path).write_text(json.dumps(job), encoding="utf-8")
-    _watch([*command, str(RUNNER), "--", path], _Progress(say), verbose)
+    _watch([*command, str(RUNNER), "--", path], _Progress(say, take), verbose)
 
 
 def _finished(out):
@@ -147,7 +163,8 @@ class _Progress:
 
     WIDTH = 30
 
-    def __init__(self, say):
+    def __init__(self, say, take=None):
+        self.take = take
         self.say, self.doing, self.rendering, self.done = say, "", False, False
         self.label, self.start, self.tty, self.told = "", 0.0, sys.stderr.isatty(), set()
 
@@ -171,6 +188,9 @@ class _Progress:
                 self.clear()
                 took = time.monotonic() - self.start
                 print(f"{self.label}: {path} ({took:.1f} s)", file=sys.stderr, flush=True)
+        elif kind == "pictures":
+            self.clear()
+            self.take(event)
         elif kind == "error":
             self.clear()
             raise (RenderError if self.rendering else core.EncreError)(event["text"])

@@ -174,6 +174,16 @@ def render(job, scene, error):
                                  for name in made])
 
 
+def compare(job, scene, error):
+    from encre import techniques
+
+    todo = frames(job, scene)
+    if not todo:
+        raise error(f"{job['scene']}: there is no frame from the first to the last; give -s a frame before -e")
+    mute(scene, "encre.edge_color")
+    techniques.render(job, scene, todo, report)
+
+
 def save_mesh(job, error):
     """Stores the triangles of an object, as the current frame evaluates it."""
     from encre import core, meshes
@@ -198,6 +208,8 @@ def main():
     load(job["scene"], error)
     if "mesh" in job:
         save_mesh(job, error)
+    elif "techniques" in job:
+        compare(job, prepare(job, error), error)
     else:
         render(job, prepare(job, error), error)
     report("done")

@@ -35,9 +35,11 @@ def test_operators(blender, tmp_path):
     assert facts["original kept"] and len(facts["files"]) == 3
     assert any(name.endswith(".exr") for name in facts["files"])
     assert "Scaled: is not laid on by a UV map alone" in shot.output
-    contrast = max(core.bake(np.float32([[[1, 1, 1], [red, 0.2, 0.2], [1, 1, 1]]]), linear=linear, draw=False).greatest
-                   for red, linear in ((0.4, False), (0.8, True), (0.6, False)))
-    assert facts["contrast"] == pytest.approx(contrast, abs=3e-3)
+    for name, metric in (("contrast", "RGB"), ("contrast, CMC", "CMC")):
+        contrast = max(core.bake(np.float32([[[1, 1, 1], [red, 0.2, 0.2], [1, 1, 1]]]), {"contrast_metric": metric},
+                                 linear=linear, draw=False).greatest
+                       for red, linear in ((0.4, False), (0.8, True), (0.6, False)))
+        assert facts[name] == pytest.approx(contrast, abs=5e-3)
     for sentence, words in zip(shot.facts["refused"], ("choose another folder", "shows a colour image"), strict=True):
         assert words in sentence and "Traceback" not in sentence
     assert "Traceback" not in shot.output

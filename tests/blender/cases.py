@@ -870,6 +870,9 @@ def bake_lines(out):
     fact("original kept", Path(path).read_bytes() == before)
     fact("fit", list(bpy.ops.encre.fit_contrast()))
     fact("contrast", scene.encre.contrast_max)
+    scene.encre.contrast_metric = "CMC"  # only just set, as a script does
+    bpy.ops.encre.fit_contrast()
+    fact("contrast, CMC", scene.encre.contrast_max)
 
     def refused(**options):
         try:
