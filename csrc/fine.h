@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the files of the FINE detector share: edges as sites between pixels, linked to polylines.
  *
- * cracks.c and ridges.c mark, densely and row by row, where sites are, and place each; sites.c runs them, gathers all
+ * cracks.c, light.c and ridges.c mark, densely and row by row, where sites are, and place each; sites.c runs them, gathers all
  * sites and drops those that an earlier family owns; links.c joins what is left. To add a family: name it below where
  * its turn is, mark its pixels, place its sites in fine_site() and say in links.c what joins them. */
 #ifndef ENCRE_FINE_H
@@ -71,6 +71,7 @@ typedef struct fine {
 	uint8_t *thin;        /* width * height */
 	uint8_t *hit;         /* by row: there is a mark in thin */
 	uint16_t *ridge;      /* width * height: bit 2 * family + axis */
+	float *light, *light_spare; /* the light without its noise, rows apart; NULL where it makes no edges */
 	uint32_t *first;      /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
 	float *scratch;       /* for each thread */
 	ptrdiff_t thread_scratch;
@@ -189,10 +190,21 @@ static inline uint32_t next_of(const fine *n, uint32_t from, uint32_t i)
 /* cracks.c */
 void ISA(crack_rows)(void *data, int y0, int y1, int thread);
 bool ISA(crack_site)(const fine *n, site *s);
+ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
+static inline void crack_place(site *s, float share)
+{
+	s->x = (float)s->column + (s->axis == AXIS_ROW ? share : 0);
+	s->y = (float)s->row + (s->axis == AXIS_COLUMN ? share : 0);
+}
+
+/* light.c */
+size_t ISA(light_room)(const frame *f); /* floats in fine.light, and in fine.light_spare */
+int32_t ISA(light_even)(fine *n);       /* fills light */
+/* Into how many levels the light of each pixel rises. */
+void ISA(level_row)(const fine *n, int y, uint8_t *level);
 bool ISA(light_site)(const fine *n, site *s);
 /* Strength of the boundary between two values of light; the levels are those of p. */
 float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two);
-ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
 
 /* thin.c: finds the cracks of thin things, and takes them back; marks and places the sites that stand for them. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread);
@@ -237,7 +249,7 @@ void ISA(fine_free_lengths)(const fine *n, float reach, float *length);
 /* sites.c: fills cell and member. */
 int32_t ISA(fine_sort)(fine *n);
 
-/* sites.c, called by the edge stage. */
+/* sites.c, called by the edge stage, the first with what it will keep in frame.edges. */
 void ISA(fine_plan)(frame *f, const edges *e, arena *a);
 int32_t ISA(fine_run)(frame *f);
 

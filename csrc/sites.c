@@ -277,9 +277,9 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 {
 	size_t pixels = (size_t)f->width * (size_t)f->height;
 	float half = f->params->crease_angle * 0.00872664626f; /* in radians */
-	fine made = {.f = f, .e = e, .crease = 2 * pixel_sin(half)};
+	fine made = {.f = f, .e = f->edges, .crease = 2 * pixel_sin(half)};
 	for (int i = 0; i < f->n_styles; i++)
-		made.most_color = fmaxf(made.most_color, e ? e->weight[SOURCE_COLOR][i] : 0);
+		made.most_color = fmaxf(made.most_color, e->weight[SOURCE_COLOR][i]);
 	made.least_contrast =
 	    least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
 	ISA(fine_floors)(&made);
@@ -289,6 +289,9 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	made.ridge = arena_take(a, pixels, sizeof *made.ridge);
 	made.first = arena_take(a, (size_t)FAMILY_COUNT * (size_t)f->height + 1, sizeof *made.first);
 	made.thin = arena_take(a, pixels, sizeof *made.thin);
+	size_t light = e->on[SOURCE_LIGHT] ? ISA(light_room)(f) : 0;
+	made.light = arena_take(a, light, sizeof *made.light);
+	made.light_spare = arena_take(a, light, sizeof *made.light_spare);
 	made.hit = arena_take(a, (size_t)f->height, sizeof *made.hit);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
@@ -317,7 +320,9 @@ static void show_strength(const fine *n)
 int32_t ISA(fine_run)(frame *f)
 {
 	fine *n = f->fine;
-	int32_t code = rows_run(f->rows, f->height, 0, ISA(crack_rows), n);
+	int32_t code = n->e->on[SOURCE_LIGHT] ? ISA(light_even)(n) : ENCRE_OK;
+	if (!code)
+		code = rows_run(f->rows, f->height, 0, ISA(crack_rows), n);
 	if (!code)
 		code = rows_run(f->rows, f->height, 0, ISA(thin_rows), n);
 	if (!code)
