@@ -236,6 +236,8 @@ int32_t ISA(fine_link)(fine *n);
 /* Adds links, of sites that may be new. */
 int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count);
 int32_t ISA(fine_smooth)(fine *n);
+/* beside.c: drops chains that run along others; links anew. */
+int32_t ISA(fine_drop_beside)(fine *n);
 /* ends.c */
 int32_t ISA(fine_join_ends)(fine *n);
 /* picture.c: whether an edge like a's runs from a to b; whether lines from a and b enclose something that ends at x, y.

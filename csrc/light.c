@@ -8,7 +8,7 @@
 enum { PASSES = 3, MARGIN = 1 << (PASSES - 1) };
 
 /* What differs by more than this, relative to the light itself, is no noise; light at least. */
-static const float most_noise = 0.05f, least_light = 0.02f, most_light = 1e15f;
+static const float most_noise = 0.035f, least_light = 0.02f, most_light = 1e15f;
 
 /* ---- evenness -------------------------------------------------------------------------------------------- */
 
