@@ -1,33 +1,38 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A faint line close beside a strong one: whether it is found there depends on how both meet the pixels, and it would
- * come and go. A chain is dropped if most of it runs along an older one, else it is kept whole. Where light crosses
- * several thresholds at once, or a shadow is thin, the longest of its lines stands for all. */
+ * come and go. What is found is dropped if it leads nowhere and most of it runs along an older line, else it is kept
+ * whole. Where light crosses several thresholds at once, or a shadow is thin, the longest of its lines stands for all. */
 #include "fine.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 1024 };
+enum { CHUNK = 1024, LIGHT_RANK = 3 };
 
-static const float beside_reach = 3;   /* pixels */
-static const float parallel = 0.85f;   /* cosine of what still counts as running along */
-static const float shortest = 4;       /* pixels: what is shorter may lead into a corner */
-static const float most_beside = 0.5f; /* of a chain's length */
+static const float beside_reach = 3.5f; /* pixels */
+static const float parallel = 0.85f;    /* cosine of what still counts as running along */
+static const float most_beside = 0.5f;  /* of a chain's length */
+static const float longest_loop = 30;   /* pixels that a line of light may part from another and come back */
+static const float least_light = 6;     /* pixels: shorter lines of light that meet nothing are noise */
 
-/* Before loose ends are joined each chain is of one family. */
+/* A run of sites between those at which not exactly two meet. */
 typedef struct chain {
 	uint32_t first, second; /* its first sites */
 	float length;
+	int rank; /* of its oldest part */
+	int loose;  /* how many of its ends lead nowhere */
+	bool closed;
 } chain;
 
-enum { BESIDE = 1, KNOWN = 2, KEPT = 4 };
+enum { BESIDE = 1, KEPT = 2, NONE = UINT32_MAX };
 
 typedef struct beside {
 	fine *n;
-	enum family family;
-	uint8_t *mark; /* by site */
-	chain *chain;
+	int rank;
+	uint8_t *mark;   /* by site */
+	uint32_t *chain; /* by site: number of its chain; NONE where chains meet */
 	uint32_t count;
+	struct chain *list;
 } beside;
 
 /* ---- sites ----------------------------------------------------------------------------------------------- */
@@ -44,18 +49,20 @@ static bool way_of(const fine *n, uint32_t i, float way[2])
 	return true;
 }
 
-/* Whether a site runs along an older one, or along one of its own family that is kept. */
+/* Whether a site runs along one of an older rank, or along one of its own that is kept. */
 static bool runs_along(const beside *b, uint32_t i, bool own)
 {
 	const fine *n = b->n;
 	const site *s = n->site + i;
+	int rank = rank_of(s);
 	float way[2], other[2];
 	if (!way_of(n, i, way))
 		return false;
 	near_sites of = near_place(n, s->x, s->y, beside_reach);
 	for (uint32_t j; near_next(n, &of, &j);) {
 		const site *t = n->site + j;
-		if (t->dropped || !(own ? t->family == s->family && (b->mark[j] & KEPT) : t->family < s->family) ||
+		if (t->dropped || !(own ? rank_of(t) == rank && (b->mark[j] & KEPT) : rank_of(t) < rank) ||
+		    (b->chain[j] == b->chain[i] && b->chain[i] != NONE) ||
 		    apart2(s, t) > beside_reach * beside_reach || !way_of(n, j, other))
 			continue;
 		float dot = way[0] * other[0] + way[1] * other[1],
@@ -70,16 +77,16 @@ static void find_near(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const beside *b = data;
-	uint32_t from = b->n->first[(int)b->family * b->n->f->height];
-	for (uint32_t i = from + (uint32_t)first; i < from + (uint32_t)end; i++)
-		b->mark[i] = !b->n->site[i].dropped && runs_along(b, i, false) ? BESIDE : 0;
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++)
+		if (!b->n->site[i].dropped && rank_of(b->n->site + i) == b->rank)
+			b->mark[i] = runs_along(b, i, false) ? BESIDE : 0;
 }
 
 /* ---- chains ---------------------------------------------------------------------------------------------- */
 
-static bool passes(const fine *n, uint32_t i)
+static uint32_t links_at(const fine *n, uint32_t i)
 {
-	return n->at[i + 1] - n->at[i] == 2;
+	return n->at[i + 1] - n->at[i];
 }
 
 static uint32_t following(const fine *n, const chain *c, uint32_t from, uint32_t at)
@@ -87,61 +94,49 @@ static uint32_t following(const fine *n, const chain *c, uint32_t from, uint32_t
 	return from == UINT32_MAX ? c->second : at == c->first ? UINT32_MAX : next_of(n, from, at);
 }
 
-/* Marks the sites of a chain but for those where several meet. */
-static void mark_chain(const beside *b, const chain *c, uint8_t bit)
-{
-	const fine *n = b->n;
-	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
-		next = following(n, c, from, at);
-		b->mark[at] |= n->at[at + 1] - n->at[at] <= 2 ? bit : 0;
-	}
-}
-
-/* A chain's length, and in *along how much of it lies beside another. */
-static float length_of(const beside *b, const chain *c, float *along)
-{
-	const fine *n = b->n;
-	bool light = rank_of(n->site + c->first) == 3, before = false;
-	float length = 0;
-	*along = 0;
-	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
-		next = following(n, c, from, at);
-		bool near = (b->mark[at] & BESIDE) || (light && runs_along(b, at, true));
-		float piece = from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0;
-		length += piece;
-		*along += 0.5f * piece * (float)(near + before);
-		before = near;
-	}
-	return length;
-}
-
 static void add(beside *b, uint32_t first, uint32_t second)
 {
-	chain *c = b->chain + b->count++;
-	float along;
-	*c = (chain){.first = first, .second = second};
-	c->length = length_of(b, c, &along);
-	mark_chain(b, c, KNOWN);
+	const fine *n = b->n;
+	chain *c = b->list + b->count;
+	*c = (chain){.first = first, .second = second, .rank = LIGHT_RANK, .loose = ISA(leads_nowhere)(n, first)};
+	uint32_t last = first;
+	for (uint32_t from = UINT32_MAX, at = first, next; at != UINT32_MAX; from = at, at = next) {
+		next = following(n, c, from, at);
+		c->length += from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0;
+		last = at;
+		if (links_at(n, at) > 2)
+			continue;
+		b->chain[at] = b->count;
+		int rank = rank_of(n->site + at);
+		c->rank = rank < c->rank ? rank : c->rank;
+	}
+	c->loose += ISA(leads_nowhere)(n, last);
+	c->closed = last == first && links_at(n, first) == 2;
+	b->count++;
 }
 
-static void find_chains(beside *b, uint32_t first, uint32_t end)
+static void find_chains(beside *b)
 {
 	const fine *n = b->n;
-	b->count = 0;
-	for (uint32_t i = first; i < end; i++)
-		for (uint32_t k = n->at[i]; !passes(n, i) && k < n->at[i + 1]; k++) {
+	for (uint32_t i = 0; i < n->count; i++)
+		b->chain[i] = NONE;
+	for (uint32_t i = 0; i < n->count; i++)
+		for (uint32_t k = n->at[i]; links_at(n, i) != 2 && k < n->at[i + 1]; k++) {
 			uint32_t j = n->to[k];
-			if (passes(n, j) ? !(b->mark[j] & KNOWN) : i < j)
+			if (links_at(n, j) == 2 ? b->chain[j] == NONE : i < j)
 				add(b, i, j);
 		}
-	for (uint32_t i = first; i < end; i++)
-		if (passes(n, i) && !(b->mark[i] & KNOWN))
+	for (uint32_t i = 0; i < n->count; i++)
+		if (links_at(n, i) == 2 && b->chain[i] == NONE)
 			add(b, i, n->to[n->at[i]]);
 }
 
-static int by_length(const void *a, const void *b)
+/* Older ones first, then longer ones. */
+static int by_weight(const void *a, const void *b)
 {
 	const chain *p = a, *q = b;
+	if (p->rank != q->rank)
+		return p->rank < q->rank ? -1 : 1;
 	if (p->length != q->length)
 		return p->length > q->length ? -1 : 1;
 	if (p->first != q->first)
@@ -149,20 +144,38 @@ static int by_length(const void *a, const void *b)
 	return p->second < q->second ? -1 : p->second > q->second;
 }
 
-static void choose(const beside *b)
+/* How much of a chain lies beside older lines; of light, beside longer lines of light too, and that alone in *light. */
+static float length_beside(const beside *b, const chain *c, float *light)
 {
 	const fine *n = b->n;
-	for (uint32_t i = 0; i < b->count; i++) {
-		const chain *c = b->chain + i;
-		float along, length = length_of(b, c, &along);
-		if (length < shortest || along <= most_beside * length) {
-			mark_chain(b, c, KEPT);
+	float older = 0, before[2] = {0, 0};
+	*light = 0;
+	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
+		next = following(n, c, from, at);
+		float piece = from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0;
+		float its = c->rank == LIGHT_RANK && runs_along(b, at, true), all = (b->mark[at] & BESIDE) || its;
+		*light += 0.5f * piece * (its + before[0]);
+		older += 0.5f * piece * (all + before[1]);
+		before[0] = its;
+		before[1] = all;
+	}
+	return older;
+}
+
+static void choose(const beside *b, const chain *c)
+{
+	const fine *n = b->n;
+	float light, all = length_beside(b, c, &light);
+	bool drop = c->loose ? all > most_beside * c->length : light > most_beside * c->length && c->length < longest_loop;
+	drop |= c->rank == LIGHT_RANK && c->length < least_light && (c->loose == 2 || c->closed);
+	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
+		next = following(n, c, from, at);
+		if (links_at(n, at) > 2)
 			continue;
-		}
-		for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
-			next = following(n, c, from, at);
-			n->site[at].dropped |= n->at[at + 1] - n->at[at] <= 2;
-		}
+		if (drop)
+			n->site[at].dropped = 1;
+		else
+			b->mark[at] |= KEPT;
 	}
 }
 
@@ -170,18 +183,21 @@ int32_t ISA(fine_drop_beside)(fine *n)
 {
 	beside b = {.n = n,
 		    .mark = late_take(&n->f->late, n->count, sizeof *b.mark),
-		    .chain = late_take(&n->f->late, n->at[n->count], sizeof *b.chain)};
-	if (!b.mark || !b.chain)
+		    .chain = late_take(&n->f->late, n->count, sizeof *b.chain),
+		    .list = late_take(&n->f->late, n->at[n->count], sizeof *b.list)};
+	if (!b.mark || !b.chain || !b.list)
 		return ENCRE_ERROR_MEMORY;
-	for (int k = FAMILY_NORMAL_BAND; k < FAMILY_COUNT; k++) {
-		uint32_t first = n->first[k * n->f->height], end = n->first[(k + 1) * n->f->height];
-		b.family = (enum family)k;
-		int32_t code = rows_run(n->f->rows, (int)(end - first), CHUNK, find_near, &b);
+	memset(b.mark, 0, n->count * sizeof *b.mark);
+	find_chains(&b);
+	qsort(b.list, b.count, sizeof *b.list, by_weight);
+	uint32_t i = 0;
+	for (b.rank = 1; b.rank <= LIGHT_RANK; b.rank++) {
+		int32_t code = rows_run(n->f->rows, (int)n->count, CHUNK, find_near, &b);
 		if (code)
 			return code;
-		find_chains(&b, first, end);
-		qsort(b.chain, b.count, sizeof *b.chain, by_length);
-		choose(&b);
+		for (; i < b.count && b.list[i].rank <= b.rank; i++)
+			if (b.list[i].rank == b.rank)
+				choose(&b, b.list + i);
 	}
-	return ISA(fine_link)(n);
+	return ENCRE_OK;
 }

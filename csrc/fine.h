@@ -236,7 +236,7 @@ int32_t ISA(fine_link)(fine *n);
 /* Adds links, of sites that may be new. */
 int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count);
 int32_t ISA(fine_smooth)(fine *n);
-/* beside.c: drops chains that run along others; links anew. */
+/* beside.c: drops chains that run along others. */
 int32_t ISA(fine_drop_beside)(fine *n);
 /* ends.c */
 int32_t ISA(fine_join_ends)(fine *n);
@@ -244,7 +244,8 @@ int32_t ISA(fine_join_ends)(fine *n);
  */
 bool ISA(picture_agrees)(const fine *n, const site *a, const site *b);
 bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, float x, float y);
-/* chains.c: drops what branches off a line and ends at once. */
+/* chains.c: whether a line ends at a site, tied to nothing and not cut off by the frame; drops what branches off a line and ends at once. */
+bool ISA(leads_nowhere)(const fine *n, uint32_t i);
 void ISA(fine_cut_spurs)(const fine *n);
 /* Lengths along its chain from each site to the nearest end that is tied to nothing, INFINITY beyond `reach`. */
 void ISA(fine_free_lengths)(const fine *n, float reach, float *length);

@@ -291,7 +291,6 @@ int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count)
 int32_t ISA(fine_link)(fine *n)
 {
 	n->linked = n->count;
-	n->to = NULL; /* while links are counted */
 	n->at = late_take(&n->f->late, n->count + 1, sizeof *n->at);
 	if (!n->at)
 		return ENCRE_ERROR_MEMORY;

@@ -338,8 +338,6 @@ int32_t ISA(fine_run)(frame *f)
 	if (!code)
 		code = ISA(fine_link)(n);
 	if (!code)
-		code = ISA(fine_drop_beside)(n);
-	if (!code)
 		code = ISA(thin_widen)(n);
 	if (!code)
 		code = ISA(fine_smooth)(n);

@@ -18,6 +18,7 @@ from .sites import (
     Sites,
     bands,
     clear_of,
+    evened,
     grey_of,
     level_of,
     light_cracks,
@@ -167,13 +168,14 @@ def _shadows(view, thin):
 
 def _terminators(view, threshold):
     """Where soft light crosses a threshold, by the levels of the nearer pixel."""
-    cracks = []
+    cracks, light = [], evened(value(view.layers.diffuse))
     for axis in (1, 0):
         z, style, weight = (turn(axis, a) for a in (view.layers.depth, view.layers.style, view.weights["light"]))
         nearer = np.where(z[:, 1:] < z[:, :-1], style[:, 1:], style[:, :-1])
         there = np.isfinite(z[:, 1:]) & np.isfinite(z[:, :-1])
         strength, t = np.zeros(nearer.shape), np.zeros(nearer.shape)
-        for k, steps, x in _steps(view):
+        for k, steps, _ in _steps(view):
+            x = light * view.params.tables[k]["shade_exposure"]
             one, two, place = light_cracks(turn(axis, x), steps)
             contrast = _contrast(view.params, grey_of(one, steps), grey_of(two, steps))
             own = there & (nearer == k)
