@@ -9,17 +9,54 @@ enum { CHUNK = 2048 };
 
 /* How close, in pixels, a family comes to the earlier ones, and a step to a stripe in the same layer. */
 static const float clear_of_earlier = 1.5f, clear_of_band = 2.0f;
+static const float touching = 0.02f; /* of the depth, apart at most */
 
 /* ---- one site -------------------------------------------------------------------------------------------- */
 
+static float depth_at(const frame *f, int x, int y)
+{
+	return depth_of(f->layer[ENCRE_LAYER_DEPTH].data[y * f->layer[ENCRE_LAYER_DEPTH].row + x]);
+}
+
+/* The pixel, of those that the site parts, of what the line bounds: of the nearest thing, but where two things touch of
+ * the one whose line is painted more. */
+static void owner_of(const fine *n, const site *s, int *x, int *y)
+{
+	const frame *f = n->f;
+	plane controls = f->layer[ENCRE_LAYER_CONTROLS];
+	bool crack = s->family == FAMILY_CRACK || s->family == FAMILY_LIGHT;
+	int right = clamp_index(s->column + (crack && s->axis != AXIS_COLUMN), f->width),
+	    below = clamp_index(s->row + (crack && s->axis != AXIS_ROW), f->height);
+	float least = INFINITY, most = -1;
+	for (int qy = s->row; qy <= below; qy++)
+		for (int qx = s->column; qx <= right; qx++)
+			least = fminf(least, depth_at(f, qx, qy));
+	float reach = least + touching * (n->e->ortho ? f->camera.height : least);
+	for (int qy = s->row; qy <= below; qy++)
+		for (int qx = s->column; qx <= right; qx++) {
+			float z = depth_at(f, qx, qy);
+			float painted =
+			    controls.data ? fabsf(controls.data[qy * controls.row + (ptrdiff_t)6 * qx]) : 0;
+			if (z <= reach && (painted > most || (painted == most && z < depth_at(f, *x, *y)))) {
+				most = painted;
+				*x = qx;
+				*y = qy;
+			}
+		}
+}
+
+/* The least depth of the 5x5 among pixels of the object that the line bounds: at the foot of a blade of grass the ground
+ * before it is nearer, and has other controls. A thin thing's line may pass where no pixel is its own. */
 int ISA(fine_controls)(const fine *n, site *s)
 {
 	const frame *f = n->f;
-	int x = pixel_of(s->x, f->width), y = pixel_of(s->y, f->height);
-	float least = INFINITY;
-	int least_key = INT32_MAX;
-	s->near_x = (uint16_t)x;
-	s->near_y = (uint16_t)y;
+	plane object = f->layer[ENCRE_LAYER_OBJECT];
+	int x = pixel_of(s->x, f->width), y = pixel_of(s->y, f->height), own_x = s->column, own_y = s->row;
+	float least[2] = {INFINITY, INFINITY};
+	int least_key[2] = {INT32_MAX, INT32_MAX}, near[2][2] = {{x, y}, {x, y}};
+	owner_of(n, s, &own_x, &own_y);
+	bool any = !object.data || s->family == FAMILY_THIN;
+	float own = any ? 0 : object.data[own_y * object.row + own_x];
 	for (int dy = -2; dy <= 2; dy++) {
 		if (y + dy < 0 || y + dy >= f->height)
 			continue;
@@ -29,14 +66,19 @@ int ISA(fine_controls)(const fine *n, site *s)
 				continue;
 			float z = depth_of(row[x + dx]);
 			int key = dx * dx + dy * dy; /* then row, then column: the order in which they come */
-			if (z < least || (z == least && key < least_key)) {
-				least = z;
-				least_key = key;
-				s->near_x = (uint16_t)(x + dx);
-				s->near_y = (uint16_t)(y + dy);
-			}
+			bool its = any || object.data[(y + dy) * object.row + x + dx] == own;
+			for (int k = 0; k <= its; k++)
+				if (z < least[k] || (z == least[k] && key < least_key[k])) {
+					least[k] = z;
+					least_key[k] = key;
+					near[k][0] = x + dx;
+					near[k][1] = y + dy;
+				}
 		}
 	}
+	int k = least_key[1] < INT32_MAX; /* a corner may lie farther from what it belongs to */
+	s->near_x = (uint16_t)near[k][0];
+	s->near_y = (uint16_t)near[k][1];
 	return f->style ? f->style[(ptrdiff_t)s->near_y * f->width + s->near_x] : 0;
 }
 

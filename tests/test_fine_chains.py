@@ -66,3 +66,19 @@ def test_a_line_beside_another_is_whole_or_is_not(apart):
     at = np.rint(edge[10:-10, :1] - apart).astype(int) + np.arange(-1, 1)
     second = np.take_along_axis(t, at, 1).sum(1) > 0.4
     assert second.mean() < 0.01 or second.mean() > 0.99
+
+
+def test_the_foot_of_a_thin_thing_keeps_its_own_line():
+    """A blade with a thin line stands on ground that rises towards the eye, and has a full one."""
+    y, x = np.mgrid[:90, :100]
+    blade = (np.abs(x - 50) <= 4) & (y < 60)
+    layers = flat(90, 100)
+    layers["depth"] = np.where(blade, 8.0, 8.0 - 0.1 * (y - 59.5) / 10)
+    layers["object"] = blade * 1.0
+    layers["normal"] = np.where(blade[..., None], (0, 0, 1.0), (0, 1.0, 0))
+    layers["controls"] = np.zeros((90, 100, 6))
+    layers["controls"][..., 0] = np.where(blade, -0.75, 0)
+    t = ink(layers, line_thickness=8.0, edge_normal=0.0)
+    assert t[20:52].sum(1) == pytest.approx(np.full(32, 4.0), abs=0.3)  # two sides, a quarter of 8 each
+    assert t[50:75, 50].sum() == pytest.approx(2.0, abs=0.3)
+    assert (t[:, :40] == 0).all() and (t[64:] == 0).all()
