@@ -113,9 +113,9 @@ def find(layers, params, crease_angle=CREASE_ANGLE):
 
 
 def _owners(layers, found, touching=0.02):
-    """(rows, columns): the least depth of the 5×5 about each site's pixel among those of the object that its line bounds.
+    """(rows, columns): the least depth of the 5×5 about each site's pixel, of the object that its line bounds.
 
-    That is the nearest of the pixels it parts; where two things touch, the one whose line is painted more: at the foot
+    That is the nearest of the pixels it parts; where two things touch, the one whose line is painted more. At the foot
     of a blade of grass the ground before it is nearer, and has other controls."""
     bound = np.array(layers.depth.shape) - 1
     own = np.zeros((len(found), 2), int)
