@@ -40,6 +40,7 @@ typedef struct site {
 	uint8_t family, axis, source;
 	uint8_t dropped;
 	uint8_t crumb;
+	uint8_t weak; /* of a line only where that goes on beside what is none by itself */
 	int8_t
 	    step[3]; /* a ridge's way along its axis through the values of its layer, at most 127 long; 0 for bands */
 } site;
@@ -229,7 +230,8 @@ static inline int fine_style(const fine *n, site *s)
 /* The site gets this strength, weighted, if it is larger than what it has; returns whether it is an edge now. */
 bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, float strength);
 
-/* links.c: drops sites of a family whose chains are too short to be lines. */
+/* links.c: drops weak sites of a family that hang together with no other ones; drops sites of a family whose chains are too short to be lines. */
+int32_t ISA(fine_drop_weak)(fine *n, enum family family);
 int32_t ISA(fine_drop_crumbs)(fine *n, enum family family);
 /* Fills at and to. */
 int32_t ISA(fine_link)(fine *n);

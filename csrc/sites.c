@@ -295,6 +295,8 @@ static int32_t clear(fine *n)
 		int count = (int)(n->first[(k + 1) * n->f->height] - t.first);
 		code = rows_run(n->f->rows, count, CHUNK, clear_sites, &t);
 		if (!code)
+			code = ISA(fine_drop_weak)(n, (enum family)k);
+		if (!code)
 			code = ISA(fine_drop_crumbs)(n, (enum family)k);
 	}
 	return code;

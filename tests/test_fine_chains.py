@@ -82,3 +82,16 @@ def test_the_foot_of_a_thin_thing_keeps_its_own_line():
     assert t[20:52].sum(1) == pytest.approx(np.full(32, 4.0), abs=0.3)  # two sides, a quarter of 8 each
     assert t[50:75, 50].sum() == pytest.approx(2.0, abs=0.3)
     assert (t[:, :40] == 0).all() and (t[64:] == 0).all()
+
+
+@pytest.mark.parametrize("dark", [0.3, 0.36])
+def test_a_joint_is_one_line_on_every_phase(dark):
+    """A dark joint of 1.3 pixels that slants by a pixel in 40, seen through a filter wider than a pixel."""
+    y, x = np.mgrid[:40, :200].astype(float)
+    fine = (np.arange(24) + 0.5) / 8 - 1.5
+    inside = [np.abs(y + k - 20.2 - x / 40 + 2.5) < 0.65 for k in fine]
+    joint = np.average(inside, 0, weights=np.cos(fine / 1.5 * np.pi / 2) ** 2)[..., None]
+    layers = flat(40, 200)
+    layers["albedo"] = layers["color"] = (1 - joint) * (0.5, 0.5, 0.5) + joint * (dark, dark, dark)
+    t = ink(layers, edge_color=2.5, line_contrast=0.0)[:, 10:-10]
+    assert (np.abs(t.sum(0) - 1) < 0.3).mean() > 0.95
