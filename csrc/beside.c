@@ -13,6 +13,7 @@ static const float beside_reach = 3.5f; /* pixels */
 static const float parallel = 0.85f;    /* cosine of what still counts as running along */
 static const float most_beside = 0.5f;  /* of a chain's length */
 static const float longest_loop = 30;   /* pixels that a line of light may part from another and come back */
+static const float most_wiggle = 0.12f; /* a line that turns to and fro more is a scribble round what pixels can't show */
 static const float least_light = 6;     /* pixels: shorter lines of light that meet nothing are noise */
 
 /* A run of sites between those at which not exactly two meet. */
@@ -20,6 +21,7 @@ typedef struct chain {
 	uint32_t first, second; /* its first sites */
 	float length;
 	int rank; /* of its oldest part */
+	float wiggle; /* variance of the sines of half the angles by which it turns, pixel by pixel */
 	int loose;  /* how many of its ends lead nowhere */
 	bool closed;
 } chain;
@@ -99,11 +101,28 @@ static void add(beside *b, uint32_t first, uint32_t second)
 	const fine *n = b->n;
 	chain *c = b->list + b->count;
 	*c = (chain){.first = first, .second = second, .rank = LIGHT_RANK, .loose = ISA(leads_nowhere)(n, first)};
-	uint32_t last = first;
+	uint32_t last = first, anchor = first;
+	float way[2] = {0, 0}, sum = 0, squares = 0;
+	int count = 0;
 	for (uint32_t from = UINT32_MAX, at = first, next; at != UINT32_MAX; from = at, at = next) {
 		next = following(n, c, from, at);
 		c->length += from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0;
 		last = at;
+		float dx = n->site[at].x - n->site[anchor].x, dy = n->site[at].y - n->site[anchor].y,
+		      length = sqrtf(dx * dx + dy * dy);
+		if (length >= 1) {
+			dx /= length;
+			dy /= length;
+			if (way[0] != 0 || way[1] != 0) {
+				float half = sqrtf(fmaxf(0, 0.5f - 0.5f * (dx * way[0] + dy * way[1])));
+				sum += way[0] * dy - way[1] * dx < 0 ? -half : half;
+				squares += half * half;
+				count++;
+			}
+			way[0] = dx;
+			way[1] = dy;
+			anchor = at;
+		}
 		if (links_at(n, at) > 2)
 			continue;
 		b->chain[at] = b->count;
@@ -111,6 +130,7 @@ static void add(beside *b, uint32_t first, uint32_t second)
 		c->rank = rank < c->rank ? rank : c->rank;
 	}
 	c->loose += ISA(leads_nowhere)(n, last);
+	c->wiggle = count > 1 ? squares / (float)count - sum * sum / (float)(count * count) : 0;
 	c->closed = last == first && links_at(n, first) == 2;
 	b->count++;
 }
@@ -167,6 +187,7 @@ static void choose(const beside *b, const chain *c)
 	const fine *n = b->n;
 	float light, all = length_beside(b, c, &light);
 	bool drop = c->loose ? all > most_beside * c->length : light > most_beside * c->length && c->length < longest_loop;
+	drop |= c->rank > 0 && c->wiggle > most_wiggle;
 	drop |= c->rank == LIGHT_RANK && c->length < least_light && (c->loose == 2 || c->closed);
 	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
 		next = following(n, c, from, at);

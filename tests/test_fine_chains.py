@@ -95,3 +95,11 @@ def test_a_joint_is_one_line_on_every_phase(dark):
     layers["albedo"] = layers["color"] = (1 - joint) * (0.5, 0.5, 0.5) + joint * (dark, dark, dark)
     t = ink(layers, edge_color=2.5, line_contrast=0.0)[:, 10:-10]
     assert (np.abs(t.sum(0) - 1) < 0.3).mean() > 0.95
+
+
+def test_what_is_smaller_than_pixels_draws_no_labyrinth():
+    """Normals of gravel far away: their mean differs from pixel to pixel."""
+    rng = np.random.default_rng(3)
+    layers = flat(120, 160)
+    layers["normal"][..., :2] += 0.15 * blurred(rng.standard_normal((120, 160, 2)))
+    assert (ink(layers) > 0.3).mean() < 0.14
