@@ -337,6 +337,7 @@ void ISA(crack_rows)(void *data, int y0, int y1, int thread)
 				level_row(f, y + k, level[k]);
 		}
 		mark_row(n, y, u, (const uint8_t *const *)level);
+		ISA(hand_row)(n, y);
 		n->colored[y] = n->e->on[SOURCE_COLOR] && (n->most_color > 0 || is_painted(f, y));
 	}
 }
