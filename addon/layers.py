@@ -260,9 +260,9 @@ def rasterised(index, maps, owners, numbers, strays):
     """The passes Encre Index, Encre Line Controls, Encre Surface Controls and Encre Marks.
 
     index: (height, width) object index that Cycles wrote. maps: the rasteriser's pictures `object` (a number per
-    part of an instance, 0 = nothing), `material`, `style`, `attributes` (the six controls), `marks`. owners[i]: what Cycles
-    wrote for that instance; numbers[instance]: what the object layer says for it. strays(indices): the same for
-    pixels whose object was not drawn nearby, from Cycles' indices.
+    part of an instance, 0 = nothing), `material`, `style`, `attributes` (the six controls) and `marks`.
+    owners[number]: what Cycles wrote for that instance; numbers[number]: what the object layer says for it.
+    strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices.
     """
     shape = index.shape
     instance = maps["object"].reshape(shape).astype(np.intp)

@@ -58,7 +58,7 @@ enum encre_layer {
 	                                smudge_falloff, hatching (absent: 0) */
 	ENCRE_LAYER_MARKS,        /* 2: where lines that were drawn by hand pass between pixels: on the way from a pixel's
 	                                centre to that of its right, and of its lower neighbour, 0 < place <= 1;
-	                                0 = nowhere (absent: 0) */
+	                                0 = nowhere; -place: no line, but numbers change there (absent: 0) */
 	ENCRE_LAYER_COUNT
 };
 
@@ -200,6 +200,7 @@ ENCRE_API int32_t encre_render(encre_context *context, encre_job *job);
 enum encre_primitive {
 	ENCRE_TRIANGLES = 0, /* 3 corners each */
 	ENCRE_LINES = 1,     /* 2 corners each; only the output `marks` shows them */
+	ENCRE_SEAMS = 2,     /* likewise, negative: where faces of different numbers meet */
 };
 
 /* One mesh. Attributes are interpolated perspective-correctly between corners; lines have none, and no numbers. */
@@ -238,7 +239,7 @@ typedef struct encre_raster_job {
 	encre_progress progress; /* may be NULL */
 	void *user;
 	encre_image marks;       /* out, 2: the layer `marks` of what can be seen of the lines; of several that pass
-	                            between the same pixels, the first */
+	                            between the same pixels, the first, seams after lines */
 } encre_raster_job;
 
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent

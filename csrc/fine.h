@@ -217,6 +217,8 @@ ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
 /* marks.c: marks in the cracks of a row where lines drawn by hand pass. */
 void ISA(hand_row)(const fine *n, int y);
 bool ISA(hand_site)(const fine *n, site *s);
+/* Where a line, or a seam, passes between the pixels of a crack: 0 < place <= 1, 0 for nowhere. */
+float ISA(hand_place)(const fine *n, const site *s);
 
 /* thin.c: finds the cracks of thin things, and takes them back; marks and places the sites that stand for them. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread);

@@ -30,13 +30,13 @@ static int32_t refuse(char *error, size_t size, const char *format, ...)
 
 static int corners_of(const encre_mesh *mesh)
 {
-	return mesh->kind == ENCRE_LINES ? 2 : 3;
+	return mesh->kind == ENCRE_TRIANGLES ? 3 : 2;
 }
 
 static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_t size)
 {
-	if (mesh->kind != ENCRE_TRIANGLES && mesh->kind != ENCRE_LINES)
-		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES or ENCRE_LINES", number, (int)mesh->kind);
+	if (mesh->kind < ENCRE_TRIANGLES || mesh->kind > ENCRE_SEAMS)
+		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES, ENCRE_LINES or ENCRE_SEAMS", number, (int)mesh->kind);
 	if (mesh->n_primitives < 0 || mesh->n_points < 0)
 		return refuse(error, size, "mesh %d: %d primitives of %d points; give 0 or more of each", number, (int)mesh->n_primitives, (int)mesh->n_points);
 	if (mesh->n_channels < 0 || mesh->n_channels > ENCRE_MAX_CHANNELS)

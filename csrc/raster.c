@@ -63,7 +63,7 @@ static bool segment_of(const raster *r, const part *part, uint32_t primitive, se
 /* Rows of the images, from which on and up to which exclusively, that a primitive is drawn in; false: none. */
 static bool rows_of(const raster *r, const part *part, uint32_t primitive, int *y0, int *y1)
 {
-	if (part->mesh->kind == ENCRE_LINES) {
+	if (part->mesh->kind != ENCRE_TRIANGLES) {
 		segment s;
 		if (!r->job->marks.data || !segment_of(r, part, primitive, &s, y0, y1))
 			return false;
@@ -218,6 +218,7 @@ typedef struct marking {
 	const raster *r;
 	const band *b;
 	const part *part; /* of the primitive that was looked at last */
+	bool seam;
 } marking;
 
 /* Whether the surface at a pixel of the band lies in front of a line that passes close by. */
@@ -244,16 +245,17 @@ static void mark(void *user, const crossing *c)
 	if (x + !c->down >= r->room.x1 || y + c->down >= r->room.y1)
 		return; /* to a pixel outside of the images */
 	float *out = pixel_at(&r->job->marks, x - r->room.x0, y - r->room.y0) + c->down;
-	if (*out > 0 || (hides(m, c, x, y) && hides(m, c, x + !c->down, y + c->down)))
+	if (*out > 0 || (*out < 0 && m->seam) || (hides(m, c, x, y) && hides(m, c, x + !c->down, y + c->down)))
 		return;
 	double share = c->share > least_share ? c->share : least_share;
-	*out = (float)(share < 1 ? share : 1);
+	share = share < 1 ? share : 1;
+	*out = (float)(m->seam ? -share : share);
 }
 
 /* The band's own rows end before `end`. */
 static void mark_lines(const raster *r, int i, const band *b, int end)
 {
-	marking m = {r, b, NULL};
+	marking m = {.r = r, .b = b};
 	const part *part = NULL;
 	int x0 = b->x0 - OUTLINE_GUARD, y0 = b->y0 - OUTLINE_GUARD, rows = end - b->y0;
 	for (int y = 0; y < rows; y++)
@@ -263,7 +265,8 @@ static void mark_lines(const raster *r, int i, const band *b, int end)
 		segment s;
 		int from, to;
 		part = geometry_part(&r->geometry, part, r->entry[k]);
-		if (part->mesh->kind == ENCRE_LINES && segment_of(r, part, r->entry[k] - part->first, &s, &from, &to))
+		m.seam = part->mesh->kind == ENCRE_SEAMS;
+		if (part->mesh->kind != ENCRE_TRIANGLES && segment_of(r, part, r->entry[k] - part->first, &s, &from, &to))
 			segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, mark, &m);
 	}
 }
