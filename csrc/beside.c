@@ -126,7 +126,8 @@ static void add(beside *b, uint32_t first, uint32_t second)
 		if (links_at(n, at) > 2)
 			continue;
 		b->chain[at] = b->count;
-		int rank = rank_of(n->site + at);
+		/* what is drawn by hand is meant */
+		int rank = n->site[at].family == FAMILY_MARK ? 0 : rank_of(n->site + at);
 		c->rank = rank < c->rank ? rank : c->rank;
 	}
 	c->loose += ISA(leads_nowhere)(n, last);
