@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A faint line close beside a strong one: whether it is found there depends on how both meet the pixels, and it would
  * come and go. What is found is dropped if it leads nowhere and most of it runs along an older line, else it is kept
- * whole. Where light crosses several thresholds at once, or a shadow is thin, the longest of its lines stands for all. */
+ * whole. Where light crosses several thresholds at once, or a shadow is thin, the longest of its lines stands for all.
+ */
 #include "fine.h"
 
 #include <stdlib.h>
@@ -13,16 +14,17 @@ static const float beside_reach = 3.5f; /* pixels */
 static const float parallel = 0.85f;    /* cosine of what still counts as running along */
 static const float most_beside = 0.5f;  /* of a chain's length */
 static const float longest_loop = 30;   /* pixels that a line of light may part from another and come back */
-static const float most_wiggle = 0.12f; /* a line that turns to and fro more is a scribble round what pixels can't show */
-static const float least_light = 6;     /* pixels: shorter lines of light that meet nothing are noise */
+static const float most_wiggle =
+    0.12f;                          /* a line that turns to and fro more is a scribble round what pixels can't show */
+static const float least_light = 6; /* pixels: shorter lines of light that meet nothing are noise */
 
 /* A run of sites between those at which not exactly two meet. */
 typedef struct chain {
 	uint32_t first, second; /* its first sites */
 	float length;
-	int rank; /* of its oldest part */
+	int rank;     /* of its oldest part */
 	float wiggle; /* variance of the sines of half the angles by which it turns, pixel by pixel */
-	int loose;  /* how many of its ends lead nowhere */
+	int loose;    /* how many of its ends lead nowhere */
 	bool closed;
 } chain;
 
@@ -64,8 +66,8 @@ static bool runs_along(const beside *b, uint32_t i, bool own)
 	for (uint32_t j; near_next(n, &of, &j);) {
 		const site *t = n->site + j;
 		if (t->dropped || !(own ? rank_of(t) == rank && (b->mark[j] & KEPT) : rank_of(t) < rank) ||
-		    (b->chain[j] == b->chain[i] && b->chain[i] != NONE) ||
-		    apart2(s, t) > beside_reach * beside_reach || !way_of(n, j, other))
+		    (b->chain[j] == b->chain[i] && b->chain[i] != NONE) || apart2(s, t) > beside_reach * beside_reach ||
+		    !way_of(n, j, other))
 			continue;
 		float dot = way[0] * other[0] + way[1] * other[1],
 		      square = (way[0] * way[0] + way[1] * way[1]) * (other[0] * other[0] + other[1] * other[1]);
@@ -99,14 +101,13 @@ static uint32_t following(const fine *n, const chain *c, uint32_t from, uint32_t
 static void add(beside *b, uint32_t first, uint32_t second)
 {
 	const fine *n = b->n;
-	chain *c = b->list + b->count;
-	*c = (chain){.first = first, .second = second, .rank = LIGHT_RANK, .loose = ISA(leads_nowhere)(n, first)};
+	chain c = {.first = first, .second = second, .rank = LIGHT_RANK, .loose = ISA(leads_nowhere)(n, first)};
 	uint32_t last = first, anchor = first;
 	float way[2] = {0, 0}, sum = 0, squares = 0;
 	int count = 0;
 	for (uint32_t from = UINT32_MAX, at = first, next; at != UINT32_MAX; from = at, at = next) {
-		next = following(n, c, from, at);
-		c->length += from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0;
+		next = following(n, &c, from, at);
+		c.length += from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0;
 		last = at;
 		float dx = n->site[at].x - n->site[anchor].x, dy = n->site[at].y - n->site[anchor].y,
 		      length = sqrtf(dx * dx + dy * dy);
@@ -128,17 +129,21 @@ static void add(beside *b, uint32_t first, uint32_t second)
 		b->chain[at] = b->count;
 		/* what is drawn by hand is meant */
 		int rank = n->site[at].family == FAMILY_MARK ? 0 : rank_of(n->site + at);
-		c->rank = rank < c->rank ? rank : c->rank;
+		c.rank = rank < c.rank ? rank : c.rank;
 	}
-	c->loose += ISA(leads_nowhere)(n, last);
-	c->wiggle = count > 1 ? squares / (float)count - sum * sum / (float)(count * count) : 0;
-	c->closed = last == first && links_at(n, first) == 2;
+	c.loose += ISA(leads_nowhere)(n, last);
+	c.wiggle = count > 1 ? squares / (float)count - sum * sum / (float)(count * count) : 0;
+	c.closed = last == first && links_at(n, first) == 2;
+	if (b->list)
+		b->list[b->count] = c;
 	b->count++;
 }
 
+/* Lists them, or counts them while there is no memory for that. */
 static void find_chains(beside *b)
 {
 	const fine *n = b->n;
+	b->count = 0;
 	for (uint32_t i = 0; i < n->count; i++)
 		b->chain[i] = NONE;
 	for (uint32_t i = 0; i < n->count; i++)
@@ -187,7 +192,8 @@ static void choose(const beside *b, const chain *c)
 {
 	const fine *n = b->n;
 	float light, all = length_beside(b, c, &light);
-	bool drop = c->loose ? all > most_beside * c->length : light > most_beside * c->length && c->length < longest_loop;
+	bool drop =
+	    c->loose ? all > most_beside * c->length : light > most_beside * c->length && c->length < longest_loop;
 	drop |= c->rank > 0 && c->wiggle > most_wiggle;
 	drop |= c->rank == LIGHT_RANK && c->length < least_light && (c->loose == 2 || c->closed);
 	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
@@ -205,11 +211,14 @@ int32_t ISA(fine_drop_beside)(fine *n)
 {
 	beside b = {.n = n,
 		    .mark = late_take(&n->f->late, n->count, sizeof *b.mark),
-		    .chain = late_take(&n->f->late, n->count, sizeof *b.chain),
-		    .list = late_take(&n->f->late, n->at[n->count], sizeof *b.list)};
-	if (!b.mark || !b.chain || !b.list)
+		    .chain = late_take(&n->f->late, n->count, sizeof *b.chain)};
+	if (!b.mark || !b.chain)
 		return ENCRE_ERROR_MEMORY;
 	memset(b.mark, 0, n->count * sizeof *b.mark);
+	find_chains(&b);
+	b.list = late_take(&n->f->late, b.count, sizeof *b.list);
+	if (!b.list)
+		return ENCRE_ERROR_MEMORY;
 	find_chains(&b);
 	qsort(b.list, b.count, sizeof *b.list, by_weight);
 	uint32_t i = 0;

@@ -37,7 +37,8 @@ typedef struct site {
 	float wider;              /* pixels that the radius of its disc grows by */
 	uint16_t column, row; /* of the pixel that it was found at */
 	uint16_t near_x,
-	    near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
+	    near_y; /* of the least depth in the 5x5 about the pixel that held it, of the object that the line bounds: there
+	               it takes its controls */
 	uint8_t family, axis, source;
 	uint8_t dropped;
 	uint8_t crumb;

@@ -8,8 +8,8 @@ static const float least_of_step = 0.4f;                     /* share of a step 
 static const float crease_from = 0.35f, crease_ramp = 0.37f; /* of the difference of normals at crease_angle */
 static const float least_color = 0.01f, least_light = 0.02f;
 static const float more_of_band = 1.2f, least_light_band = 0.1f; /* floor: times a step's; of light */
-static const float widest_band = 2.05f, widest_weak = 2.9f; /* pixels; where it goes on beside one that is narrow enough */
-static const float least_weak = 0.5f; /* likewise, times the threshold of an edge */
+/* pixels; and where it goes on beside one that is narrow enough, and as strong as an edge: then a share of that will do */
+static const float widest_band = 2.05f, widest_weak = 2.9f, least_weak = 0.5f;
 static const float least_of_peak = 1.5f;                         /* times the step across a band */
 static const float most_against = 0.1f; /* share of a band that a pixel of it may lie the other way */
 
@@ -126,8 +126,8 @@ static bool band_site(const fine *n, site *s, enum source source, int planes, fl
 			c[i] += (value[i + 1][k] - mix(value[0][k], value[4][k], 0.25f * (float)(i + 1))) * e[k] / area;
 	float against = -most_against * area;
 	s->weak = source == SOURCE_COLOR && area > widest_band * c[1];
-	if (!(c[1] > c[0] && c[1] > c[2] && area <= (s->weak ? widest_weak : widest_band) * c[1] && c[0] > against && c[2] > against &&
-	      c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes))))
+	if (!(c[1] > c[0] && c[1] > c[2] && area <= (s->weak ? widest_weak : widest_band) * c[1] &&
+	      c[0] > against && c[2] > against && c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes))))
 		return false;
 	put(s, (c[2] - c[0]) / area);
 	int style = fine_style(n, s);
