@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers of n times the frame's size, out of n x n renders by Cycles of the frame's own size.
+
+A RenderEngine's result has the frame's size, and Cycles, which copies its pixels into one, takes its resolution from
+a copy of the settings that crashes Blender when it is set (3.4 to 5.0: the copy belongs to no scene). So each render,
+a sub-frame, sees every n-th column and row of the large picture: the camera's shift moves it by a part of a pixel, the
+pixel filter is n times narrower, and interleaved the sub-frames are what a render at n times the resolution gives.
+"""
+
+import contextlib
+
+import bpy
+import numpy as np
+
+from . import core, layers, meshes
+
+# What can't be averaged: numbers of things, and places, where the mean of near and far is neither.
+_ONE_SAMPLE = {"Depth", "Denoising Depth", "IndexOB", "IndexMA", "Position", "UV", "Vector", "Encre Index",
+               "Encre Line Controls", "Encre Surface Controls"}
+_SEED_STEP = 1013904223  # far from the seeds of the next frames, which are often the frame's number
+
+
+def frame(place, factor):
+    """The core.Frame of the large picture."""
+    return core.Frame(*(factor * number for number in (place.width, place.height, place.x, place.y)))
+
+
+def shrink(name, picture, factor):
+    """The pass `name` (classic or not) of the frame's size: the mean of each factor x factor pixels, or one of them."""
+    if _one_sample(name):
+        return picture[factor // 2::factor, factor // 2::factor]
+    parts = (picture[row::factor, column::factor] for row in range(factor) for column in range(factor))
+    return sum(parts) * np.float32(1 / factor ** 2)
+
+
+def _one_sample(name):
+    return layers.classic(name) in _ONE_SAMPLE or name.startswith(("Crypto", "Debug"))
+
+
+def render(engine, cycles, depsgraph, camera, factor, take):
+    """Has `cycles` (cycles.engine) render the sub-frames; take(column, row) is called after each, with its passes in
+    the engine's result. Raises core.Cancelled. The evaluated scene is then as it was."""
+    scene, user, view_layer = depsgraph.scene_eval, depsgraph.scene_eval.cycles, depsgraph.view_layer_eval
+    rays = factor ** 2
+    narrow = [(user, "filter_width", (1.5 if user.pixel_filter_type == "BOX" else user.filter_width) / factor)]
+    if user.pixel_filter_type == "BOX":  # Cycles' box can't be narrower than a pixel
+        narrow.append((user, "pixel_filter_type", "BLACKMAN_HARRIS"))
+    fewer = [(user, "samples", max(1, user.samples // rays)), (user, "time_limit", user.time_limit / rays)]
+    if view_layer.samples:
+        fewer.append((view_layer, "samples", max(1, view_layer.samples // rays)))
+    pixel_x, pixel_y = _pixel(scene.render, camera.data)
+    with _keeping(engine), _changed(*narrow, *fewer):
+        for number in range(rays):
+            row, column = divmod(number, factor)
+            right, down = ((k + 0.5) / factor - 0.5 for k in (column, row))
+            engine.update_stats("Encre", f"part {number + 1} of {rays}")
+            with _changed((user, "seed", (user.seed + number * _SEED_STEP) % 2 ** 31),
+                          (camera.data, "shift_x", camera.data.shift_x + right * pixel_x),
+                          (camera.data, "shift_y", camera.data.shift_y - down * pixel_y)):
+                if number:
+                    cycles.reset(engine, bpy.data, depsgraph)
+                cycles.render(engine, depsgraph)
+                cycles.render_frame_finish(engine)  # a tiled picture is on the disk until now
+            if engine.test_break():
+                raise core.Cancelled("rendering was cancelled")
+            take(column, row)
+
+
+def _pixel(settings, camera):
+    """How far the camera's shift moves the picture by a pixel, to the right and up."""
+    width, height, *_ = meshes.border(settings)
+    wide, high = width * settings.pixel_aspect_x, height * settings.pixel_aspect_y
+    unit = {"HORIZONTAL": wide, "VERTICAL": high, "AUTO": max(wide, high)}[camera.sensor_fit]
+    return settings.pixel_aspect_x / unit, settings.pixel_aspect_y / unit
+
+
+@contextlib.contextmanager
+def _changed(*changes):
+    """Sets the (owner, property, value), which with persistent data would stay, and in the end sets them back."""
+    before = [getattr(owner, name) for owner, name, _ in changes]
+    try:
+        for owner, name, value in changes:
+            setattr(owner, name, value)
+        yield
+    finally:
+        for (owner, name, _), value in zip(changes, before, strict=True):
+            setattr(owner, name, value)
+
+
+@contextlib.contextmanager
+def _keeping(engine):
+    """Keeps the depsgraph, which Cycles frees once it has read it, but not from an engine that draws by the GPU.
+
+    Blender looks at that again after render(), and must then find it as it was, or it waits for a GPU.
+    """
+    engine.bl_use_gpu_context = True
+    try:
+        yield
+    finally:
+        engine.bl_use_gpu_context = False
+
+
+class Gathered:
+    """The passes of one view, from its sub-frames: in `large` those that the stages read, of the large picture's
+    size, in `small` all others, of the frame's; both by their names in this Blender, row 0 at the top."""
+
+    def __init__(self, factor):
+        self.factor, self.large, self.small = factor, {}, {}
+
+    def take(self, name, picture, column, row):
+        """Adds what a sub-frame has of the pass `name`."""
+        factor, (height, width, channels) = self.factor, picture.shape
+        if layers.classic(name) in layers.CYCLES:
+            if name not in self.large:
+                self.large[name] = np.empty((factor * height, factor * width, channels), np.float32)
+            self.large[name][row::factor, column::factor] = picture
+        elif not _one_sample(name):
+            self.small[name] = self.small.get(name, np.float32(0)) + picture * np.float32(1 / factor ** 2)
+        elif row == column == factor // 2:
+            self.small[name] = picture
