@@ -5,12 +5,17 @@ A RenderEngine's result has the frame's size, and Cycles, which copies its pixel
 a copy of the settings that crashes Blender when it is set (3.4 to 5.0: the copy belongs to no scene). So each render,
 a sub-frame, sees every n-th column and row of the large picture: the camera's shift moves it by a part of a pixel, the
 pixel filter is n times narrower, and interleaved the sub-frames are what a render at n times the resolution gives.
+
+Cycles frees the depsgraph once it has read it, and in background or with a locked interface the evaluated meshes too,
+unless data are persistent. Blender copies that switch at the start of a render, after render_init, where settings
+may be altered: it is on from there to the end of a render that needs it.
 """
 
 import contextlib
 
 import bpy
 import numpy as np
+from bpy.app.handlers import persistent
 
 from . import core, layers, meshes
 
@@ -18,6 +23,38 @@ from . import core, layers, meshes
 _ONE_SAMPLE = {"Depth", "Denoising Depth", "IndexOB", "IndexMA", "Position", "UV", "Vector", "Encre Index",
                "Encre Line Controls", "Encre Surface Controls"}
 _SEED_STEP = 1013904223  # far from the seeds of the next frames, which are often the frame's number
+
+
+_switched = set()  # names of the scenes whose data are persistent for this render only
+
+
+@persistent
+def _begin(*_):
+    for scene in bpy.data.scenes:  # those of a compositor's or a sequencer's scene are rendered without a word
+        wanted = scene.render.engine == "ENCRE" and getattr(getattr(scene, "encre", None), "supersample", 1) > 1
+        if wanted and not scene.render.use_persistent_data:
+            scene.render.use_persistent_data = True
+            _switched.add(scene.name)
+
+
+@persistent
+def _end(*_):
+    while _switched:
+        if scene := bpy.data.scenes.get(_switched.pop()):
+            scene.render.use_persistent_data = False  # frees the data as well
+
+
+_HANDLERS = (("render_init", _begin), ("render_complete", _end), ("render_cancel", _end))
+
+
+def register():
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister():
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).remove(handler)
 
 
 def frame(place, factor):
@@ -40,6 +77,10 @@ def _one_sample(name):
 def render(engine, cycles, depsgraph, camera, factor, take):
     """Has `cycles` (cycles.engine) render the sub-frames; take(column, row) is called after each, with its passes in
     the engine's result. Raises core.Cancelled. The evaluated scene is then as it was."""
+    # The class's own method hides the property `render`.
+    if not engine.path_resolve("render").use_persistent_data:
+        raise core.EncreError("supersample: it was 1 when the render began and a keyframe or driver has changed it; "
+                              "switch Persistent Data on, or render those frames by themselves")
     scene, user, view_layer = depsgraph.scene_eval, depsgraph.scene_eval.cycles, depsgraph.view_layer_eval
     rays = factor ** 2
     narrow = [(user, "filter_width", (1.5 if user.pixel_filter_type == "BOX" else user.filter_width) / factor)]
@@ -49,7 +90,7 @@ def render(engine, cycles, depsgraph, camera, factor, take):
     if view_layer.samples:
         fewer.append((view_layer, "samples", max(1, view_layer.samples // rays)))
     pixel_x, pixel_y = _pixel(scene.render, camera.data)
-    with _keeping(engine), _changed(*narrow, *fewer):
+    with _changed(*narrow, *fewer):
         for number in range(rays):
             row, column = divmod(number, factor)
             right, down = ((k + 0.5) / factor - 0.5 for k in (column, row))
@@ -85,19 +126,6 @@ def _changed(*changes):
     finally:
         for (owner, name, _), value in zip(changes, before, strict=True):
             setattr(owner, name, value)
-
-
-@contextlib.contextmanager
-def _keeping(engine):
-    """Keeps the depsgraph, which Cycles frees once it has read it, but not from an engine that draws by the GPU.
-
-    Blender looks at that again after render(), and must then find it as it was, or it waits for a GPU.
-    """
-    engine.bl_use_gpu_context = True
-    try:
-        yield
-    finally:
-        engine.bl_use_gpu_context = False
 
 
 class Gathered:
