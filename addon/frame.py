@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from . import compat, core, denoise, layers, meshes, papers, properties, supersample
+from . import compat, core, denoise, layers, meshes, papers, properties, subframes, supersample
 
 
 class _Settings:
@@ -184,7 +184,8 @@ class Frames:
                 view = gathered.setdefault(render_pass.view_id, supersample.Gathered(layer.factor))
                 view.take(render_pass.name, picture, column, row)
 
-        supersample.render(self.engine, cycles, depsgraph, self._camera(depsgraph), layer.factor, take)
+        subframes.render(self.engine, cycles, depsgraph, self._camera(depsgraph), layer.factor, take,
+                         self._go_on)
         drawn = {}
         for view_id in list(gathered):
             view = gathered.pop(view_id)
@@ -199,7 +200,7 @@ class Frames:
     def after(self):
         """Runs the stages on every view layer and view that was rendered. EncreError: they can't; Cancelled."""
         known, self.known = self.known, {}
-        if not known or self.engine.test_break():
+        if not known or not self._go_on():
             return
         result = self.engine.get_result()
         for layer in result.layers:
