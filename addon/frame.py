@@ -156,7 +156,7 @@ class Frames:
             maps = core.raster(
                 objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
                 camera.data.clip_start, camera.data.clip_end, len(core.CONTROLS),
-                ("object", "material", "style", "attributes"), threads, self._go_on)
+                ("object", "material", "style", "attributes", "marks"), threads, self._go_on)
             views[name] = eye, maps
         objects.meshes.clear()
         if not depsgraph.view_layer.use_pass_object_index:

@@ -17,6 +17,8 @@ def frame(place, factor):
 
 def shrink(name, picture, factor):
     """The pass `name` (classic or not) of the frame's size: the mean of each factor x factor pixels, or one of them."""
+    if name == "Encre Marks":
+        return _marks(picture, factor)
     if _one_sample(name):
         return picture[factor // 2::factor, factor // 2::factor]
     parts = (picture[row::factor, column::factor] for row in range(factor) for column in range(factor))
@@ -25,6 +27,20 @@ def shrink(name, picture, factor):
 
 def _one_sample(name):
     return layers.classic(name) in _ONE_SAMPLE or name.startswith(("Crypto", "Debug"))
+
+
+def _marks(picture, factor):
+    """Places of marks between the pixels that remain: on each way there are `factor` of the old ways, and as in the
+    rasteriser lines come before seams, which are negative, and then the first."""
+    first = factor // 2
+    marks = np.zeros_like(picture[first::factor, first::factor])
+    for axis in (0, 1):
+        for k in reversed(range(factor)):
+            part = picture[first + k * axis::factor, first + k * (1 - axis)::factor, axis]
+            place = np.where(part, np.copysign((k + np.abs(part)) / factor, part), 0)
+            old = marks[:part.shape[0], :part.shape[1], axis]
+            old[...] = np.where((part > 0) | ((part < 0) & (old <= 0)), place, old)
+    return marks
 
 
 class Gathered:

@@ -100,6 +100,20 @@ def test_shrink():
     assert supersample.shrink("Normal", picture[:3, :3], 3).shape == (1, 1, 2)
 
 
+def test_marks_keep_their_place():
+    marks = np.zeros((6, 9, 3), np.float32)
+    marks[1, 2, 0] = 0.5      # from the middle of one group to that of the next: the second third of the way
+    marks[4, 1, 0] = -0.25    # a seam before a line
+    marks[4, 3, 0] = 0.75
+    marks[3, 7, 1] = -1
+    marks[0, 0, 0] = marks[2, 2, 1] = 0.5  # not on a way between the middles
+    marks[1, 8, 0] = 0.5      # beyond the last
+    small = supersample.shrink("Encre Marks", marks, 3)
+    wanted = np.zeros((2, 3, 3), np.float32)
+    wanted[0, 0, 0], wanted[1, 0, 0], wanted[0, 2, 1], wanted[0, 2, 0] = 1.5 / 3, 2.75 / 3, -1, 1.5 / 3
+    assert np.allclose(small, wanted)
+
+
 def test_pixels_are_of_the_frame():
     """With lengths in pixels the library multiplies them; relative ones follow the frame's height by themselves."""
     rng = np.random.default_rng(0)
