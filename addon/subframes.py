@@ -19,14 +19,12 @@ from bpy.app.handlers import persistent
 from . import core, meshes
 
 _SEED_STEP = 1013904223  # far from the seeds of the next frames, which are often the frame's number
-
-
 _switched = set()  # names of the scenes whose data are persistent for this render only
 
 
 @persistent
 def _begin(*_):
-    for scene in bpy.data.scenes:  # those of a compositor's or a sequencer's scene are rendered without a word
+    for scene in bpy.data.scenes:  # a compositor's or sequencer's others get no render_init
         wanted = scene.render.engine == "ENCRE" and getattr(getattr(scene, "encre", None), "supersample", 1) > 1
         if wanted and not scene.render.use_persistent_data:
             scene.render.use_persistent_data = True
