@@ -4,7 +4,7 @@
     python scenes/gallery.py [--size WxH] [--samples N] [--only NAME]... FOLDER [FILE.blend]...
 
 Frames go to FOLDER as EXR and as PNG in full size; those that are there and whole are not rendered again. The small
-pictures go to docs/scenes/, the page is docs/gallery.md; with --only, the page and the other scenes' stay as they are."""
+pictures go to docs/scenes/, the page is docs/gallery.md; with --only, it and the other scenes' stay as they are."""
 
 import argparse
 import subprocess
@@ -28,8 +28,8 @@ SCENES = {  # name: what is to be seen
 }
 HEAD = """# Gallery
 
-Each scene is rendered once, at {size} with {samples} samples a pixel, and drawn with each preset as it comes; below at a
-third of that size. `make gallery` draws them all. What is good and bad about the hard ones is told in
+Each scene is rendered once, at {size} with {samples} samples a pixel, and drawn with each preset as it comes; here it
+is shown smaller. `make gallery` draws them all. What is good and bad about the hard ones is told in
 [scenes.md](scenes.md).
 
 """

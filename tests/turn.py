@@ -46,8 +46,8 @@ with lines a pixel wide from the shapes alone. `python tests/turn.py FOLDER` ren
 ![The figure's lines by Encre with FINE, by Encre with DOG, by Freestyle, and by Line Art](animation.jpg)
 
 A contour along a sharp edge of a mesh (here: a bend of {bend}° or more) is fixed to its surface, an outline of a round
-form is not. Points on such edges are followed from frame to frame through the camera, where they are visible in both and
-no outline of a round form is near. About each the ink T is read across the edge, {reach} pixels to either side, in both
+form is not. Points on such edges are followed from frame to frame through the camera, where they are visible in both
+and no outline of a round form is near. About each the ink T is read across the edge, {reach} pixels to either side, in both
 frames: were the lines drawn on the figure, T would not change. The table tells the root mean square of its change, and
 that as a share of the ink's own, for edges that stand alone and for the edges of thin things, such as the umbrella's
 ribs, which have another edge within {reach} pixels ({alone} and {crowded} pairs of frames and points). Ideal hairlines,
@@ -244,13 +244,15 @@ def judge(scene, ink, depth):
         length = np.linalg.norm(along, axis=1, keepdims=True)
         across = along[:, ::-1] * (-1, 1) / np.maximum(length, 1e-9)
         margin = REACH + 2
-        good = seen(z, at, own) & (length[:, 0] > 0.1) & np.all((at > margin) & (at < (WIDTH - margin, HEIGHT - margin)), 1)
-        ink["ideal"].append(ideal(at[seen(z, at, own)]))
+        there = seen(z, at, own)
+        inside = np.all((at > margin) & (at < (WIDTH - margin, HEIGHT - margin)), 1)
+        good = there & inside & (length[:, 0] > 0.1)
+        ink["ideal"].append(ideal(at[there]))
         others, _ = edges.points(edges.outlines(view.eye))
         place, far = view.project(others)
         i, _ = near.pairs(at, place[seen(z, place, far)], REACH + 1)
         good[i] = False
-        alone = good & ~crowded(at, across, seen(z, at, own))
+        alone = good & ~crowded(at, across, there)
         s = np.arange(-REACH, REACH + STEP / 2, STEP)
         frames.append((good, alone, at[:, None] + across[:, None] * s[:, None]))
     found = {}
