@@ -3,8 +3,9 @@
 
     python scenes/gallery.py [--size WxH] [--samples N] [--only NAME]... FOLDER [FILE.blend]...
 
-Frames go to FOLDER as EXR and as PNG in full size; those that are there and whole are not rendered again. The small
-pictures go to docs/scenes/, the page is docs/gallery.md; with --only, it and the other scenes' stay as they are."""
+Of a .blend only the shapes and the camera are taken. Frames go to FOLDER as EXR and as PNG in full size; those that are
+there and whole are not rendered again. The small pictures go to docs/scenes/, the page is docs/gallery.md; with --only,
+it and the other scenes' stay as they are."""
 
 import argparse
 import subprocess
@@ -26,6 +27,22 @@ SCENES = {  # name: what is to be seen
     "mirrors": "a girl before a mirror, a table with glasses",
     "terrain": "a girl asks for a lift on a desert road",
 }
+# A .blend that came without its pictures and without a lamp is black on magenta: its shapes are shown in plaster.
+LIT = """import bpy
+with bpy.data.libraries.load({path!r}) as (there, here):
+    here.objects = there.objects
+scene = bpy.context.scene
+sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+sun.data.energy, sun.rotation_euler = 3, (0.7, 0.3, 0.6)
+for obj in (*here.objects, sun):
+    scene.collection.objects.link(obj)
+    if obj.type == "MESH":
+        obj.data.materials.clear()
+scene.camera = next(obj for obj in here.objects if obj.type == "CAMERA")
+scene.world = bpy.data.worlds.new("World")
+scene.world.color = 0.3, 0.3, 0.4
+scene.view_settings.view_transform = "Standard"
+"""
 HEAD = """# Gallery
 
 Each scene is rendered once, at {size} with {samples} samples a pixel, and drawn with each preset as it comes; here it
@@ -73,7 +90,12 @@ def main():
         drawn = {preset: f"{name}-{id_.replace('_', '-')}" for preset, id_ in PRESETS.items()}
         if not args.only or name in args.only:
             frame = args.folder / f"{name}.exr"
-            encre("render", source, "-o", frame, "--size", args.size, "--samples", args.samples, "--resume")
+            if source.suffix == ".blend":
+                shown = args.folder / f"{name}.py"
+                shown.write_text(LIT.format(path=str(source.resolve())), encoding="utf-8")
+            else:
+                shown = source
+            encre("render", shown, "-o", frame, "--size", args.size, "--samples", args.samples, "--resume")
             for preset, picture in drawn.items():
                 full = args.folder / f"{picture}.png"
                 encre("composite", frame, "-o", full, "--preset", PRESETS[preset])

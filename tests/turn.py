@@ -47,12 +47,12 @@ with lines a pixel wide from the shapes alone. `python tests/turn.py FOLDER` ren
 
 A contour along a sharp edge of a mesh (here: a bend of {bend}° or more) is fixed to its surface, an outline of a round
 form is not. Points on such edges are followed from frame to frame through the camera, where they are visible in both
-and no outline of a round form is near. About each the ink T is read across the edge, {reach} pixels to either side, in both
-frames: were the lines drawn on the figure, T would not change. The table tells the root mean square of its change, and
-that as a share of the ink's own, for edges that stand alone and for the edges of thin things, such as the umbrella's
-ribs, which have another edge within {reach} pixels ({alone} and {crowded} pairs of frames and points). Ideal hairlines,
-drawn by the distance from the true edges, tell what the grid of pixels alone does. A broad or a pale line changes less:
-look at its width too. T of Encre is its own pass; the others draw on a scene of shining white.
+and no outline of a round form is near. About each the ink T is read across the edge, {reach} pixels to either side, in
+both frames: were the lines drawn on the figure, T would not change. The table tells the root mean square of its change,
+and that as a share of the ink's own, for edges that stand alone and for the edges of thin things, such as the
+umbrella's ribs, which have another edge near ({alone} and {crowded} pairs of frames and points). Ideal hairlines, drawn
+by the distance from the true edges, tell what the grid of pixels alone does. A broad or a pale line changes less: look
+at its width too. T of Encre is its own pass; the others draw on a scene of shining white.
 
 | lines | alone: change | of the ink | width | thin things: change | of the ink | a frame |
 |---|---|---|---|---|---|---|
