@@ -108,6 +108,9 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
     with images.Exr(path, threads) as exr:
         settings = layers.read_metadata(exr.metadata)
         scene = core.check({**(settings.scene or {}), **change})
+        if (factor := scene.pop("supersample", 1)) > 1:
+            say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "
+                        "at that")
         styles = [values for _, values in settings.styles]
         found = view_layers(exr.channels, exr.views)
         layer = _choose(found, view_layer, path)

@@ -340,7 +340,8 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	f->place = job->frame;
 	f->params = job->params;
 	f->n_styles = job->n_styles;
-	f->scale = f->params->length_unit == length_unit_RELATIVE ? (float)f->place.height / 1080 : 1;
+	bool relative = f->params->length_unit == length_unit_RELATIVE;
+	f->scale = relative ? (float)f->place.height / 1080 : (float)f->params->supersample;
 	for (int i = 0; i < f->n_styles; i++) {
 		f->any_lines |= f->params[i].use_lines;
 		f->any_shading |= f->params[i].use_shading;

@@ -12,9 +12,12 @@ static const float most_uneven = 0.3f;
 
 /* ---- who is linked --------------------------------------------------------------------------------------- */
 
-/* Number of the site found at a pixel, or n->count. */
+/* Number of the crack found at a pixel, or n->count. */
 static uint32_t find(const fine *n, int family, int x, int y, int axis)
 {
+	uint8_t mark = (uint8_t)(right_of((enum family)family) << axis);
+	if (axis != AXIS_JUNCTION && !(n->crack[(ptrdiff_t)y * n->f->width + x] & mark))
+		return n->count;
 	const uint32_t *first = n->first + family * n->f->height + y;
 	uint32_t low = first[0], high = first[1];
 	while (low < high) {
@@ -276,6 +279,7 @@ int32_t ISA(fine_smooth)(fine *n)
 		if (!code)
 			code = rows_run(n->f->rows, (int)n->count, CHUNK, move_even, &m);
 	}
+	late_drop(&n->f->late, m.moved);
 	return code ? code : ISA(fine_sort)(n);
 }
 
@@ -301,6 +305,8 @@ int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count)
 	}
 	for (uint32_t i = 0; i < 2 * count; i++)
 		at[link[i / 2][i % 2] + 1]++;
+	late_drop(&n->f->late, n->at);
+	late_drop(&n->f->late, n->to);
 	n->at = at;
 	n->to = to;
 	n->linked = n->count;

@@ -241,6 +241,7 @@ static size_t cell_of(const fine *n, const site *s)
 int32_t ISA(fine_sort)(fine *n)
 {
 	size_t cells = (size_t)n->across * (size_t)n->tall;
+	late_drop(&n->f->late, n->member);
 	n->member = late_take(&n->f->late, n->count, sizeof *n->member);
 	if (!n->member)
 		return ENCRE_ERROR_MEMORY;

@@ -64,6 +64,8 @@ struct late {
 
 /* NULL without memory; aligned to 64 bytes, not cleared. */
 void *late_take(late **all, size_t count, size_t size);
+/* Gives back what late_take() gave, if anything. */
+void late_drop(late **all, const void *taken);
 void late_free(late *all);
 
 /* ---- frame: what stages read and make -------------------------------------------------------------------- */
