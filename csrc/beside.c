@@ -230,5 +230,8 @@ int32_t ISA(fine_drop_beside)(fine *n)
 			if (b.list[i].rank == b.rank)
 				choose(&b, b.list + i);
 	}
+	late_drop(&n->f->late, b.list);
+	late_drop(&n->f->late, b.chain);
+	late_drop(&n->f->late, b.mark);
 	return ENCRE_OK;
 }

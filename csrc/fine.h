@@ -92,7 +92,7 @@ typedef struct fine {
 	uint8_t *thin;        /* width * height */
 	uint8_t *hit;         /* by row: there is a mark in thin */
 	uint16_t *ridge;      /* width * height: ridge_bit() */
-	float *light, *light_spare; /* the light without its noise, rows apart; NULL where it makes no edges */
+	float *light;         /* the light without its noise, until sites are placed; NULL where it makes no edges */
 	uint32_t *first;      /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
 	float *scratch;       /* for each thread */
 	ptrdiff_t thread_scratch;
@@ -220,8 +220,7 @@ static inline void crack_place(site *s, float share)
 }
 
 /* light.c */
-size_t ISA(light_room)(const frame *f); /* floats in fine.light, and in fine.light_spare */
-int32_t ISA(light_even)(fine *n);       /* fills light */
+int32_t ISA(light_even)(fine *n); /* takes and fills light */
 /* Into how many levels the light of each pixel rises. */
 void ISA(level_row)(const fine *n, int y, uint8_t *level);
 bool ISA(light_site)(const fine *n, site *s);

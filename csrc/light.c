@@ -24,11 +24,6 @@ static ptrdiff_t stride_of(const frame *f)
 	return (f->width + 2 * MARGIN + 15) & ~(ptrdiff_t)15;
 }
 
-size_t ISA(light_room)(const frame *f)
-{
-	return (size_t)stride_of(f) * (size_t)f->height;
-}
-
 static const float *light_row(const fine *n, int y)
 {
 	return n->light + y * stride_of(n->f) + MARGIN;
@@ -97,12 +92,18 @@ static void even_rows(void *data, int y0, int y1, int thread)
 
 int32_t ISA(light_even)(fine *n)
 {
-	even v = {.n = n, .to = n->light_spare};
+	size_t room = (size_t)stride_of(n->f) * (size_t)n->f->height;
+	float *light = late_take(&n->f->late, room, sizeof *light), *spare = late_take(&n->f->late, room, sizeof *spare);
+	if (!light || !spare)
+		return ENCRE_ERROR_MEMORY;
+	even v = {.n = n, .to = spare};
 	int32_t code = rows_run(n->f->rows, n->f->height, 0, even_rows, &v);
 	for (int pass = 0; !code && pass < PASSES; pass++) {
-		v = (even){n, pass % 2 ? n->light : n->light_spare, pass % 2 ? n->light_spare : n->light, 1 << pass};
+		v = (even){n, pass % 2 ? light : spare, pass % 2 ? spare : light, 1 << pass};
 		code = rows_run(n->f->rows, n->f->height, 0, even_rows, &v);
 	}
+	late_drop(&n->f->late, spare);
+	n->light = light;
 	return code;
 }
 

@@ -201,6 +201,7 @@ int32_t ISA(fine_drop_weak)(fine *n, enum family family)
 			}
 	for (uint32_t i = first; i < end; i++)
 		n->site[i].dropped |= n->site[i].weak;
+	late_drop(&n->f->late, open);
 	return ENCRE_OK;
 }
 

@@ -337,9 +337,6 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	made.ridge = arena_take(a, pixels, sizeof *made.ridge);
 	made.first = arena_take(a, (size_t)FAMILY_COUNT * (size_t)f->height + 1, sizeof *made.first);
 	made.thin = arena_take(a, pixels, sizeof *made.thin);
-	size_t light = e->on[SOURCE_LIGHT] ? ISA(light_room)(f) : 0;
-	made.light = arena_take(a, light, sizeof *made.light);
-	made.light_spare = arena_take(a, light, sizeof *made.light_spare);
 	made.hit = arena_take(a, (size_t)f->height, sizeof *made.hit);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
@@ -379,6 +376,7 @@ int32_t ISA(fine_run)(frame *f)
 		code = rows_run(f->rows, f->height, 0, ISA(ridge_rows), n);
 	if (!code)
 		code = gather(n);
+	late_drop(&f->late, n->light);
 	if (!code)
 		code = ISA(fine_sort)(n);
 	if (!code)
