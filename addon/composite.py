@@ -5,7 +5,7 @@ import numpy as np
 
 from . import core, images, layers
 
-_KNOWN = {**layers.CYCLES, "IndexMA": "X", **layers.SAVED}
+_KNOWN = {**layers.CYCLES, "IndexMA": "X", **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN}
 _LETTERS = "RGBAXYZW"
 _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
 

@@ -21,6 +21,7 @@ class _Settings:
         self.shaded = layers.shaded(self.scene, self.overrides)
         if self.scene["paper_source"] == "IMAGE":
             papers.load(self.scene["paper_image"])  # that it can't be read is said before Cycles starts
+        self.seen = layers.wants_seen(self.scene, self.overrides)
         self.denoise = (self.scene["light_denoise"] == "OIDN" and layers.wants_light(self.scene, self.overrides))
 
 
@@ -32,7 +33,8 @@ class _ViewLayer:
     denoise_other: bool
     user_indices: np.ndarray | None  # by Cycles' index, to write into the pass that the user asked for
     objects: meshes.Objects
-    views: dict                      # view name -> (camera, rasterised pictures)
+    views: dict                      # view name -> (camera, rasterised pictures, camera -> clip)
+    clip_start: float
     frame: core.Frame
     border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
@@ -40,10 +42,15 @@ class _ViewLayer:
 
 def passes(scene):
     """What Cycles and the stages must have a place for: (name, channel names, kind), as register_pass() takes."""
-    mode = scene.encre.save_layers if hasattr(scene, "encre") else "OFF"  # the library may be missing
-    multilayer = scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
-    saved = layers.SAVED if mode == "ON" or (mode == "AUTO" and multilayer) else {}
-    for name, channels in {**layers.CYCLES, **layers.DRAWN, **saved}.items():
+    wanted = {**layers.CYCLES, **layers.DRAWN}
+    if hasattr(scene, "encre"):  # the library may be missing
+        mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
+        saved = mode == "ON" or (mode == "AUTO" and multilayer)
+        seen = layers.wants_seen(properties.scene_values(scene), [changed for _, changed in properties.styles(scene)])
+        wanted |= layers.SAVED if saved else {}
+        wanted |= layers.SEEN if seen else {}
+        wanted |= layers.SAVED_SEEN if seen and saved else {}
+    for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
         yield compat.pass_name(name), channels, kind
 
@@ -139,11 +146,11 @@ class Frames:
                 objects.meshes, view, projection, frame, (columns, rows), camera.data.clip_start,
                 camera.data.clip_end, len(core.CONTROLS), ("object", "material", "style", "attributes"),
                 threads, self._go_on)
-            views[name] = eye, maps
+            views[name] = eye, maps, projection
         objects.meshes.clear()
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
-        return _ViewLayer(settings, denoise_other, user_indices, objects, views, frame,
+        return _ViewLayer(settings, denoise_other, user_indices, objects, views, camera.data.clip_start, frame,
                           (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
                           threads)
 
@@ -172,13 +179,16 @@ class Frames:
         if nonfinite:
             self.engine.say("WARNING", f"{nonfinite} values of the layers were not finite and were read as 0")
 
-    def _draw(self, layer, camera, maps, there, result):
+    def _draw(self, layer, camera, maps, projection, there, result):
         """One view of one view layer; `there`: its render passes by name. Returns how many values were no numbers."""
         settings, objects, pictures = layer.settings, layer.objects, {}
-        for name in layers.CYCLES:
+        for name in [*layers.CYCLES, *(layers.SEEN if settings.seen else ())]:
             if compat.pass_name(name) in there:
                 pictures[name] = compat.read_pass(there[compat.pass_name(name)], result.resolution_x,
                                                   result.resolution_y)
+        if "Denoising Depth" in pictures:
+            pictures["Encre Seen Depth"] = layers.seen_depth(pictures["Denoising Depth"], projection, layer.frame,
+                                                             layer.clip_start)
         index = pictures["IndexOB"][..., 0]
         pictures.update(layers.rasterised(index, maps, objects.owners, objects.numbers, objects.strays))
         images, nonfinite = layers.assemble(pictures, settings.scene, settings.overrides,
@@ -186,7 +196,7 @@ class Frames:
         drawn = core.render(images, settings.scene, settings.overrides, camera, layer.frame,
                             outputs=("Combined", *layers.DRAWN), threads=layer.threads, progress=self._go_on,
                             image=papers.load)
-        out = {**drawn.images, **{name: pictures[name] for name in layers.SAVED if name in pictures},
+        out = {**drawn.images, **{name: pictures[name] for name in [*layers.SAVED, *layers.SAVED_SEEN] if name in pictures},
                "Encre Source": images["combined"], "Encre Diffuse": images["diffuse"]}
         if layer.user_indices is not None:
             known = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)

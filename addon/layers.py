@@ -28,6 +28,8 @@ CYCLES = {
     "Emit": "RGB",
     "IndexOB": "X",
 }
+# Its passes that look into mirrors and through clear glass, up to the first rough surface.
+SEEN = {"Denoising Albedo": "RGB", "Denoising Normal": "XYZ", "Denoising Depth": "Z"}
 # The pictures that the library draws beside Combined.
 DRAWN = {"Encre Lines": "RGBA", "Encre Surface": "RGBA", "Encre Edges": "X", "Encre Light": "RGB"}
 # What restyling a saved picture needs besides Cycles' passes.
@@ -38,6 +40,8 @@ SAVED = {
     "Encre Line Controls": "XYZ",
     "Encre Surface Controls": "XYZ",
 }
+# The last of SEEN as a distance along the view axis; saved where SEEN is rendered.
+SAVED_SEEN = {"Encre Seen Depth": "X"}
 # Blender 5 renamed these passes.
 RENAMED = {
     "DiffDir": "Diffuse Direct",
@@ -81,6 +85,27 @@ def wants_light(scene, styles):
     return active(scene, styles) and any(
         values["use_shading"] or values["use_hatching"] or values["edge_light"] or values["line_light"]
         for values in every_style(scene, styles))
+
+
+def wants_seen(scene, styles):
+    """Whether lines are drawn in what mirrors and glass show."""
+    every = every_style(scene, styles)
+    return every[0]["edge_detector"] == "FINE" and any(values["edge_seen"] > 0 for values in every) and any(
+        values["use_lines"] or values["use_smudging"] for values in every)
+
+
+def seen_depth(length, projection, frame, clip_start):
+    """The pass Encre Seen Depth from Cycles' Denoising Depth.
+
+    length: (height, width, 1), of the ray, from the near plane on; 0 = nothing there. projection: camera -> clip, 4 x 4,
+    of the full frame. The ray goes on behind a mirror as if it went straight.
+    """
+    height, width = length.shape[:2]
+    x = (2 * (np.arange(width) + frame.x + 0.5) / frame.width - 1 + projection[0, 2]) / projection[0, 0]
+    y = (1 - 2 * (np.arange(height) + frame.y + 0.5) / frame.height + projection[1, 2]) / projection[1, 1]
+    orthographic = projection[3, 3] == 1
+    slant = 1 if orthographic else np.sqrt(1 + y[:, None, None] ** 2 + x[:, None] ** 2)
+    return np.where(length > 0, length / slant + clip_start, 0).astype(np.float32)
 
 
 class _Passes:
@@ -155,7 +180,8 @@ class _Light:
 def assemble(passes, scene, styles=(), denoise=None, denoise_other=False):
     """The layers of one picture.
 
-    passes: {classic name: picture}, Cycles' and any of SAVED, which are preferred; absent ones None or not there.
+    passes: {classic name: picture}, Cycles', any of SAVED, which are preferred, of SEEN and of SAVED_SEEN; absent ones
+    None or not there.
     scene, styles: values of the scene and what each style changes.
     denoise: function of (picture, albedo, normal) that gives the picture (height, width, 3) without noise, or None.
     denoise_other: clean also what is not diffuse light (Cycles' own denoiser is off while shading is on, because
@@ -184,6 +210,12 @@ def assemble(passes, scene, styles=(), denoise=None, denoise_other=False):
     if "Encre Line Controls" in read and "Encre Surface Controls" in read:
         layers["controls"] = np.concatenate(
             [read.raw("Encre Line Controls"), read.raw("Encre Surface Controls")], axis=2)
+
+    if "Denoising Albedo" in read and "Denoising Normal" in read:
+        layers["seen_color"] = read.raw("Denoising Albedo")
+        layers["seen_normal"] = read.raw("Denoising Normal") * np.float32((1, 1, -1))  # Cycles' camera looks along +z
+        if "Encre Seen Depth" in read:
+            layers["seen_depth"] = read.raw("Encre Seen Depth")
 
     values = every_style(scene, styles)
     shading = _by_style(layers.get("style"), [v["use_shading"] for v in values])

@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 2 };
+enum { ENCRE_API_VERSION = 3 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -56,6 +56,11 @@ enum encre_layer {
 	ENCRE_LAYER_STYLE,        /* 1: style number, 0 = the scene's (absent: 0) */
 	ENCRE_LAYER_CONTROLS,     /* 6: painted controls -1..1: thickness, intensity, color_edge, smudge_range,
 	                                smudge_falloff, hatching (absent: 0) */
+	/* What the eye sees: in a mirror the thing mirrored, through clear glass the thing behind it, else the surface
+	   itself; averaged over the pixel. FINE draws lines in it if seen_color and seen_normal are there. */
+	ENCRE_LAYER_SEEN_COLOR,   /* 3: unlit colour */
+	ENCRE_LAYER_SEEN_NORMAL,  /* 3: normal in the space of the camera, which looks along -z */
+	ENCRE_LAYER_SEEN_DEPTH,   /* 1: as depth, along the way that light takes; 0 = nothing there (may be absent) */
 	ENCRE_LAYER_COUNT
 };
 
