@@ -8,13 +8,13 @@
 /* In fine.seen, until ridges.c marks its sites there. */
 enum { OTHER_NORMAL = 1, OTHER_DEPTH = 2 };
 enum { GROWN = 2, ABOUT = GROWN + 1 }; /* pixels that what is found grows by; over which depths must differ to begin */
-enum { WINDOW = 3, SIDE = 2 * WINDOW + 1 };
+enum { WINDOW = 4, SIDE = 2 * WINDOW + 1 };
 
 static const float other_normal = 0.1f, other_depth = 0.02f; /* length; share of the depth, or of the frame's height */
 static const float glow = 0.1f;	       /* a lamp has no normal: such a difference of colours tells it from a mirrored sky */
-static const float disturbed = 0.2f;   /* share of a step by which a pixel may stick out of its neighbours */
-static const float most_disturbed = 0.7f, calm_ramp = 0.25f; /* share of such pixels where no line is left; up to where */
-							      /* all of it is */
+static const float stirred_from = 0.03f; /* share of a step by which a pixel sticks out of its neighbours */
+static const float most_stirred = 0.88f, calm_ramp = 0.18f; /* share of such pixels from which on no line is left, and by */
+							  /* how much less leaves all of it */
 
 /* ---- where ----------------------------------------------------------------------------------------------- */
 
@@ -119,7 +119,8 @@ static void read(const fine *n, int s, int x, int y, float *value)
 		value[c] = color ? sqrtf(clamp01(in[c])) : bounded(in[c]);
 }
 
-/* Around a line most pixels are like the mean of their neighbours, if what is seen is neither rippled nor noisy. */
+/* However much there is to see about a line, some pixels are like the mean of their neighbours; in what is noisy hardly
+ * any are. */
 float ISA(seen_clarity)(const fine *n, const site *at, int s)
 {
 	enum { READ = SIDE + 2, MIDDLE = WINDOW + 1 };
@@ -133,12 +134,12 @@ float ISA(seen_clarity)(const fine *n, const site *at, int s)
 			if (open[i][k])
 				read(n, s, x, y, value[i][k]);
 		}
-	for (int k = -2; k <= 2; k++) {
-		int i = MIDDLE + (at->axis ? k : 0), j = MIDDLE + (at->axis ? 0 : k);
-		if (open[i][j])
-			step2 = fmaxf(step2, distance2(value[i][j], value[MIDDLE][MIDDLE], 3));
+	for (int k = 0; k < 4; k++) { /* of a stripe, that of one side; next to a crack, half of it */
+		int dx = at->axis ? 0 : 1, dy = 1 - dx, one = k < 2 ? -1 : 0, two = k > 0;
+		if (open[MIDDLE + one * dy][MIDDLE + one * dx] && open[MIDDLE + two * dy][MIDDLE + two * dx])
+			step2 = fmaxf(step2, distance2(value[MIDDLE + one * dy][MIDDLE + one * dx],
+						       value[MIDDLE + two * dy][MIDDLE + two * dx], 3));
 	}
-	step2 *= 4; /* the site's own value lies halfway */
 	for (int i = 1; i <= SIDE; i++)
 		for (int k = 1; k <= SIDE; k++) {
 			if (!(open[i][k] && open[i - 1][k] && open[i + 1][k] && open[i][k - 1] && open[i][k + 1]))
@@ -147,8 +148,8 @@ float ISA(seen_clarity)(const fine *n, const site *at, int s)
 			for (int c = 0; c < 3; c++)
 				mean[c] = 0.25f * (value[i - 1][k][c] + value[i + 1][k][c] + value[i][k - 1][c] +
 						   value[i][k + 1][c]);
-			stirred += distance2(mean, value[i][k], 3) > disturbed * disturbed * step2;
+			stirred += distance2(mean, value[i][k], 3) > stirred_from * stirred_from * step2;
 			all++;
 		}
-	return all ? clamp01((most_disturbed - (float)stirred / (float)all) / calm_ramp) : 1;
+	return all ? clamp01((most_stirred - (float)stirred / (float)all) / calm_ramp) : 1;
 }
