@@ -125,7 +125,7 @@ typedef struct turn {
 /* Fewer sites than this that hang together are no line. */
 static int crumb_of(const site *s)
 {
-	return s->family >= FAMILY_SEEN ? 6 : is_band(s->family) ? 4 : 3;
+	return s->family == FAMILY_SEEN_DEPTH ? 9 : s->family >= FAMILY_SEEN ? 4 : is_band(s->family) ? 4 : 3;
 }
 
 static bool crumb(const fine *n, uint32_t i)

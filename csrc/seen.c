@@ -13,7 +13,7 @@ enum { WINDOW = 4, SIDE = 2 * WINDOW + 1 };
 static const float other_normal = 0.1f, other_depth = 0.02f; /* length; share of the depth, or of the frame's height */
 static const float glow = 0.1f;	       /* a lamp has no normal: such a difference of colours tells it from a mirrored sky */
 static const float stirred_from = 0.03f; /* share of a step by which a pixel sticks out of its neighbours */
-static const float most_stirred = 0.88f, calm_ramp = 0.18f; /* share of such pixels from which on no line is left, and by */
+static const float most_stirred = 0.88f, most_of_depth = 0.85f, calm_ramp = 0.18f; /* share of such pixels from which on no line is left, and by */
 							  /* how much less leaves all of it */
 
 /* ---- where ----------------------------------------------------------------------------------------------- */
@@ -126,6 +126,7 @@ float ISA(seen_clarity)(const fine *n, const site *at, int s)
 	enum { READ = SIDE + 2, MIDDLE = WINDOW + 1 };
 	float value[READ][READ][3], step2 = 0;
 	bool open[READ][READ];
+	float most = s == SAMPLE_SEEN_DEPTH ? most_of_depth : most_stirred;
 	int stirred = 0, all = 0;
 	for (int i = 0; i < READ; i++)
 		for (int k = 0; k < READ; k++) {
@@ -151,5 +152,5 @@ float ISA(seen_clarity)(const fine *n, const site *at, int s)
 			stirred += distance2(mean, value[i][k], 3) > stirred_from * stirred_from * step2;
 			all++;
 		}
-	return all ? clamp01((most_stirred - (float)stirred / (float)all) / calm_ramp) : 1;
+	return all ? clamp01((most - (float)stirred / (float)all) / calm_ramp) : 1;
 }

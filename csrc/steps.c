@@ -7,7 +7,7 @@
 static const float least_of_step = 0.4f;                     /* share of a step that slopes beside it may not explain */
 static const float crease_from = 0.35f, crease_ramp = 0.37f; /* of the difference of normals at crease_angle */
 static const float seen_crease_from = 0.6f;		     /* likewise */
-static const float seen_jump_from = 0.02f, seen_jump_ramp = 0.03f; /* of a depth */
+static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth */
 static const float least_color = 0.01f, least_light = 0.02f;
 static const float more_of_band = 1.2f, least_light_band = 0.1f; /* floor: times a step's; of light */
 static const float widest_band = 2.05f;                          /* pixels */
