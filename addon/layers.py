@@ -257,6 +257,29 @@ def _put_together(read, layers, light, shading, denoise_other):
     return result
 
 
+def idle(pictures, scene, styles):
+    """{weight: why} of the sources of edges that are asked for and find nothing in the layers of a picture."""
+    every = every_style(scene, styles)
+    if not any(values["use_lines"] or values["use_smudging"] for values in every):
+        return {}
+
+    def alike(layer):
+        picture = pictures.get(layer)
+        return picture is None or bool((picture == picture[0, 0]).all())
+
+    colors = "combined" if every[0]["color_layer"] == "LIT" else "albedo"
+    reasons = {
+        "edge_object": alike("object") and "one index everywhere",
+        "edge_material": alike("material") and "one index everywhere",
+        "edge_depth": alike("depth") and "one depth everywhere",
+        "edge_normal": alike("normal") and "one normal everywhere",
+        "edge_color": alike(colors) and "one colour everywhere",
+        "edge_light": alike("diffuse") and "the same light everywhere",
+        "edge_seen": wants_seen(scene, styles) and "seen_normal" not in pictures and "no passes that see into mirrors",
+    }
+    return {name: why for name, why in reasons.items() if why and any(values[name] > 0 for values in every)}
+
+
 # Rasterised layers
 
 # The 5x5 window about a pixel without it: least distance first, then least row, then least column.

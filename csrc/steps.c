@@ -207,11 +207,14 @@ bool ISA(ridge_site)(const fine *n, site *s)
 	if (source == SOURCE_NORMAL || source == SOURCE_SEEN)
 		return weigh(n, s, style, source, clamp01((bend - n->floor[source]) / (crease_ramp * n->crease)));
 	if (source == SAMPLE_SEEN_DEPTH) {
-		float most = 0;
+		/* as in cracks.c, what each side's straight continuation misses at the other: a plane's horizon is none */
+		float l = value[3][0] - 3 * value[1][0] + 2 * value[0][0],
+		      r = value[1][0] - 3 * value[3][0] + 2 * value[4][0], most = 0;
+		float j = fmaxf(0, fmaxf(fminf(l, -r), fminf(-l, r)));
 		for (int k = 0; k < 5; k++)
 			most = fmaxf(most, value[k][0]);
-		bend = n->e->ortho ? bend : most > 0 ? bend / most : 0;
-		return weigh(n, s, style, source, clamp01((bend - seen_jump_from) / seen_jump_ramp));
+		j = n->e->ortho ? j : most > 0 ? j / most : 0;
+		return weigh(n, s, style, source, clamp01((j - seen_jump_from) / seen_jump_ramp));
 	}
 	if (source == SOURCE_LIGHT)
 		difference = ISA(light_contrast)(n, n->f->params + style, value[low][0], value[high][0]);
