@@ -12,8 +12,8 @@ enum { WINDOW = 4, SIDE = 2 * WINDOW + 1 };
 
 static const float other_normal = 0.1f, other_depth = 0.02f; /* length; share of the depth, or of the frame's height */
 static const float glow = 0.1f;	       /* a lamp has no normal: such a difference of colours tells it from a mirrored sky */
-static const float stirred_from = 0.03f; /* share of a step by which a pixel sticks out of its neighbours */
-static const float most_stirred = 0.88f, most_of_depth = 0.85f, calm_ramp = 0.18f; /* share of such pixels from which on no line is left, and by */
+static const float stirred_from = 0.06f; /* share of a step by which a pixel sticks out of its neighbours */
+static const float most_stirred = 0.55f, most_of_depth = 0.5f, calm_ramp = 0.15f; /* share of such pixels from which on no line is left, and by */
 							  /* how much less leaves all of it */
 
 /* ---- where ----------------------------------------------------------------------------------------------- */
@@ -119,8 +119,8 @@ static void read(const fine *n, int s, int x, int y, float *value)
 		value[c] = color ? sqrtf(clamp01(in[c])) : bounded(in[c]);
 }
 
-/* However much there is to see about a line, some pixels are like the mean of their neighbours; in what is noisy hardly
- * any are. */
+/* However much there is to see about a line, many pixels are like the mean of their neighbours in the row or in the
+ * column; in what is noisy few are. */
 float ISA(seen_clarity)(const fine *n, const site *at, int s)
 {
 	enum { READ = SIDE + 2, MIDDLE = WINDOW + 1 };
@@ -145,11 +145,13 @@ float ISA(seen_clarity)(const fine *n, const site *at, int s)
 		for (int k = 1; k <= SIDE; k++) {
 			if (!(open[i][k] && open[i - 1][k] && open[i + 1][k] && open[i][k - 1] && open[i][k + 1]))
 				continue;
-			float mean[3];
-			for (int c = 0; c < 3; c++)
-				mean[c] = 0.25f * (value[i - 1][k][c] + value[i + 1][k][c] + value[i][k - 1][c] +
-						   value[i][k + 1][c]);
-			stirred += distance2(mean, value[i][k], 3) > stirred_from * stirred_from * step2;
+			float row[3], column[3];
+			for (int c = 0; c < 3; c++) {
+				row[c] = 0.5f * (value[i][k - 1][c] + value[i][k + 1][c]);
+				column[c] = 0.5f * (value[i - 1][k][c] + value[i + 1][k][c]);
+			}
+			float off2 = fminf(distance2(row, value[i][k], 3), distance2(column, value[i][k], 3));
+			stirred += off2 > stirred_from * stirred_from * step2;
 			all++;
 		}
 	return all ? clamp01((most - (float)stirred / (float)all) / calm_ramp) : 1;

@@ -146,4 +146,4 @@ def test_noise_makes_no_scribble(seed, blur):
                 noise = (np.roll(noise, 1, axis) + 2 * noise + np.roll(noise, -1, axis)) / 4
         noise *= {"seen_color": 0.3, "seen_normal": 0.5, "seen_depth": 0.5}[name] / noise.std()
         layers[name] = (np.abs(layers[name].mean((0, 1)) + noise)).astype(np.float32)
-    assert (drawn(layers)[5:-5, 5:-5, 3] > 0.5).mean() < 0.005
+    assert (drawn(layers)[5:-5, 5:-5, 3] > 0.5).mean() < 0.01

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The same things in a flat mirror and seen from the mirrored camera; through a pane and without it.
 
-build() makes one of them: MIRROR, MIRRORED, PANE or OPEN. The mirror stands in the plane y = 0, the pane in y = -1.5.
+build() makes one of them: MIRROR, MIRRORED, PANE or OPEN, or ORTHO: the mirror through an orthographic camera. The mirror
+stands in the plane y = 0, the pane in y = -0.9.
 """
 
 import sys
@@ -46,7 +47,10 @@ def build(kind):
             box("Pane", (2.6, 0.01, 1.3), (-0.2, -0.9, 0.35), glass("Pane"), bevel=0)
         return
     eye = camera((0.6, -4.4, 1.7), (-0.2, 0, 1.15), 30)
-    if kind == "MIRROR":
+    eye.data.clip_start = 0.5
+    if kind == "ORTHO":
+        eye.data.type, eye.data.ortho_scale, eye.data.shift_x = "ORTHO", 6, 0.1
+    if kind != "MIRRORED":
         box("Mirror", (4.6, 0.02, 2.6), (-0.1, 0.01, 0.25), mirror("Silver", (1.0, 1.0, 1.0)), bevel=0)
         return
     bpy.context.view_layer.update()

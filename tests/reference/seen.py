@@ -31,8 +31,8 @@ def families(layers, params, weight, mixed, bend):
         return
     closed = mixed | ~through(layers)
     color, depth = clamp01(layers.seen_color), _inverse(layers)
-    signals = ((layers.seen_normal, layers.seen_normal, layers.seen_normal, 0.6 * bend, 0.88),
-               (metric.encode(color), color, np.sqrt(color), 0.01, 0.88), (depth, depth, depth, 0.0, 0.85))
+    signals = ((layers.seen_normal, layers.seen_normal, layers.seen_normal, 0.6 * bend, 0.55),
+               (metric.encode(color), color, np.sqrt(color), 0.01, 0.55), (depth, depth, depth, 0.0, 0.5))
     for k, (signal, linear, plain, floor, most) in enumerate(signals):
         for thin in (True, False) if k < 2 else (False,):
             if thin:
@@ -79,8 +79,10 @@ def _jump(layers, depth, closed, at, step):
 
 
 def _clarity(image, closed, at, step, most):
-    """0 where nearly every pixel of a 9×9 differs from its neighbours' mean by 3 % of the step, 1 where enough do not."""
-    bent = np.linalg.norm(image - sum(grid.read(image, *d) for d in _SIDES) / 4, axis=-1)
+    """0 where half the pixels of a 9×9 differ by 6 % of the step from the mean of their neighbours in the row and from that
+    of those in the column, 1 where enough do not."""
+    up, down, left, right = (grid.read(image, *d) for d in _SIDES)
+    bent = np.minimum(*(np.linalg.norm(image - (a + b) / 2, axis=-1) for a, b in ((up, down), (left, right))))
     known = ~closed & ~np.any([grid.read(closed, *d) for d in _SIDES], axis=0)
     inside = np.zeros_like(known)
     inside[1:-1, 1:-1] = True
@@ -93,8 +95,8 @@ def _clarity(image, closed, at, step, most):
         size = max(np.linalg.norm(line[a] - line[b]) for a, b in ((0, 1), (0, 2), (1, 2)))
         box = np.s_[max(row - 4, 0):row + 5, max(column - 4, 0):column + 5]
         if known[box].any():
-            stirred = (bent[box] > 0.03 * size)[known[box]].mean()
-            found[k] = clamp01((most - stirred) / 0.18)
+            stirred = (bent[box] > 0.06 * size)[known[box]].mean()
+            found[k] = clamp01((most - stirred) / 0.15)
     return found
 
 
