@@ -196,8 +196,8 @@ class Frames:
         drawn = core.render(images, settings.scene, settings.overrides, camera, layer.frame,
                             outputs=("Combined", *layers.DRAWN), threads=layer.threads, progress=self._go_on,
                             image=papers.load)
-        out = {**drawn.images, **{name: pictures[name] for name in [*layers.SAVED, *layers.SAVED_SEEN] if name in pictures},
-               "Encre Source": images["combined"], "Encre Diffuse": images["diffuse"]}
+        saved = {name: pictures[name] for name in [*layers.SAVED, *layers.SAVED_SEEN] if name in pictures}
+        out = {**drawn.images, **saved, "Encre Source": images["combined"], "Encre Diffuse": images["diffuse"]}
         if layer.user_indices is not None:
             known = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)
             out[compat.pass_name("IndexOB")] = layer.user_indices[known][..., None]

@@ -97,8 +97,8 @@ def wants_seen(scene, styles):
 def seen_depth(length, projection, frame, clip_start):
     """The pass Encre Seen Depth from Cycles' Denoising Depth.
 
-    length: (height, width, 1), of the ray, from the near plane on; 0 = nothing there. projection: camera -> clip, 4 x 4,
-    of the full frame. The ray goes on behind a mirror as if it went straight. On matt surfaces this is Depth, in
+    length: (height, width, 1), of the ray, from the near plane on; 0 = nothing there. projection: camera -> clip, 4 x
+    4, of the full frame. The ray goes on behind a mirror as if it went straight. On matt surfaces this is Depth, in
     Blender 3.4, 4.2, 4.5 and 5.0, with perspective and orthographic cameras.
     """
     height, width = length.shape[:2]

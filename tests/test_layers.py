@@ -65,7 +65,8 @@ def test_seen_lines_are_wanted_only_where_they_are_drawn():
     for scene, styles, wanted in (({}, [], True), ({"edge_seen": 0.0}, [], False),
                                   ({"edge_seen": 0.0}, [{"edge_seen": 1.0}], True),
                                   ({"edge_detector": "DOG"}, [], False),
-                                  ({"use_lines": False}, [], True), ({"use_lines": False, "use_smudging": False}, [], False)):
+                                  ({"use_lines": False}, [], True),
+                                  ({"use_lines": False, "use_smudging": False}, [], False)):
         assert layers.wants_seen(scene, styles) == wanted, scene
 
 

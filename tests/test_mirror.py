@@ -53,7 +53,8 @@ def inner(mask, rim=4):
 @pytest.fixture(scope="module")
 def shots(tmp_path_factory):
     folder = tmp_path_factory.mktemp("glass")
-    return {kind: rendered("bpy", folder, kind, samples=8 if kind.startswith("MIRROR") else 16) for kind in ("MIRROR", "MIRRORED", "PANE", "OPEN")}
+    return {kind: rendered("bpy", folder, kind, samples=8 if kind.startswith("MIRROR") else 16)
+            for kind in ("MIRROR", "MIRRORED", "PANE", "OPEN")}
 
 
 def test_a_mirror_shows_what_the_mirrored_camera_sees(shots):

@@ -11,7 +11,7 @@ RIM = np.s_[20:-20, 30:-30]  # the mirror in the frame
 PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_light=0.0, edge_seen=3.0, width_seen=1.0)
 
 
-def mirrored(scene, filter="box", view=None):
+def mirrored(scene, filter="box"):
     """A wall with a mirror in it that shows the scene as it would be seen without the wall."""
     layers = scene.layers(filter)
     view = np.reshape(scene.camera_settings["view"], (3, 3))
@@ -84,15 +84,15 @@ def test_an_orthographic_mirror():
     """Two halves that only their depths tell apart."""
     layers = halves()
     eye = core.Camera(orthographic=True, height=5.0)
-    t = core.render(layers, {**PEN, "line_thickness": 2.0}, camera=eye, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
+    t = drawn(layers, eye, edge_seen=3.0)[..., 3]
     assert (t[25:35, 40:60].max(1) > 0.5).all()
     layers["seen_depth"][...] = 3
-    t = core.render(layers, {**PEN, "line_thickness": 2.0}, camera=eye, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
+    t = drawn(layers, eye, edge_seen=3.0)[..., 3]
     assert t[25:35, 40:60].max() == 0
 
 
 def halves(color=(0.5, 0.5, 0.5), depth=(3.0, 4.0)):
-    """A mirror that fills the frame but for its rim and shows two walls side by side, each with the normal (1, 0, 0)."""
+    """A mirror that fills the frame and shows two walls side by side, each with the normal (1, 0, 0)."""
     shape = 60, 100
     flat = np.ones((*shape, 3), np.float32)
     left = (np.arange(100) < 50)[None, :, None]
@@ -102,15 +102,17 @@ def halves(color=(0.5, 0.5, 0.5), depth=(3.0, 4.0)):
     return {name: np.array(a, np.float32) for name, a in layers.items()}
 
 
-def drawn(layers, **params):
-    return core.render(layers, {**PEN, "edge_seen": 1.0, "line_thickness": 2.0, **params}, outputs=("Encre Lines",)).images["Encre Lines"]
+def drawn(layers, camera=None, **params):
+    values = {**PEN, "edge_seen": 1.0, "line_thickness": 2.0, **params}
+    return core.render(layers, values, camera=camera, outputs=("Encre Lines",)).images["Encre Lines"]
 
 
 def test_weight_width_and_the_mirrors_own_controls():
     layers = halves(color=(1.0, 0.1, 0.1))
     for width in (2.0, 6.0):
         t = drawn(layers, line_thickness=4.0, width_seen=width / 4)[30, :, 3]
-        assert t.sum() == pytest.approx(width, abs=0.2) and (t * np.arange(100)).sum() / t.sum() == pytest.approx(49.5, abs=0.1)
+        assert t.sum() == pytest.approx(width, abs=0.2)
+        assert (t * np.arange(100)).sum() / t.sum() == pytest.approx(49.5, abs=0.1)
     assert drawn(layers, edge_seen=0.2)[..., 3].max() == 0
     near = {**layers, "depth": layers["depth"].copy(), "controls": np.zeros((60, 100, 6), np.float32)}
     near["depth"][:, 52:54] = 0.5  # a post before the mirror, beside the line

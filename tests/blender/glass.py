@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The same things in a flat mirror and seen from the mirrored camera; through a pane and without it.
 
-build() makes one of them: MIRROR, MIRRORED, PANE or OPEN, or ORTHO: the mirror through an orthographic camera. The mirror
-stands in the plane y = 0, the pane in y = -0.9.
+build() makes one of them: MIRROR, MIRRORED, PANE or OPEN, or ORTHO: the mirror through an orthographic camera. The
+mirror stands in the plane y = 0, the pane in y = -0.9.
 """
 
 import sys
@@ -25,7 +25,8 @@ def things():
     box("Table", (1.8, 0.9, 0.08), (-0.5, -2.2, 0.7), wood)
     for x, y in ((-1.3, -2.5), (0.3, -2.5), (-1.3, -1.9), (0.3, -1.9)):
         tube(f"Leg {x} {y}", [(x, y, 0), (x, y, 0.7)], 0.05, wood, parent=None)
-    lathe("Vase", [(0.1, 0), (0.2, 0.15), (0.16, 0.35), (0.06, 0.5), (0.11, 0.6)], (-1.0, -2.2, 0.78), blue, thick=-0.01)
+    lathe("Vase", [(0.1, 0), (0.2, 0.15), (0.16, 0.35), (0.06, 0.5), (0.11, 0.6)], (-1.0, -2.2, 0.78), blue,
+          thick=-0.01)
     ball("Ball", (0.05, -2.1, 0.98), (0.2, 0.2, 0.2), red)
     box("Book", (0.35, 0.5, 0.07), (-0.5, -2.25, 0.78), white, turn=25)
     box("Crate", (0.7, 0.7, 0.7), (1.3, -2.6, 0), wood, turn=30)

@@ -79,8 +79,8 @@ def _jump(layers, depth, closed, at, step):
 
 
 def _clarity(image, closed, at, step, most):
-    """0 where half the pixels of a 9×9 differ by 6 % of the step from the mean of their neighbours in the row and from that
-    of those in the column, 1 where enough do not."""
+    """0 where half the pixels of a 9×9 differ by 6 % of the step from the mean of their neighbours in the row and
+    from that of those in the column, 1 where enough do not."""
     up, down, left, right = (grid.read(image, *d) for d in _SIDES)
     bent = np.minimum(*(np.linalg.norm(image - (a + b) / 2, axis=-1) for a, b in ((up, down), (left, right))))
     known = ~closed & ~np.any([grid.read(closed, *d) for d in _SIDES], axis=0)
