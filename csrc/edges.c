@@ -66,6 +66,7 @@ static float weight_in(const encre_params *p, enum source s)
 	case SOURCE_DEPTH: return p->edge_depth;
 	case SOURCE_NORMAL: return p->edge_normal;
 	case SOURCE_COLOR: return p->edge_color;
+	case SOURCE_MARK: return p->edge_mark;
 	case SOURCE_SEEN: return p->edge_seen;
 	default: return p->edge_light;
 	}
@@ -234,11 +235,12 @@ static edges setup(const frame *f)
 			e.weight[s][i] = weight_in(p + i, (enum source)s);
 			e.on[s] |= e.weight[s][i] > 0;
 		}
-		bool dog = s == SOURCE_DEPTH || s == SOURCE_NORMAL ? e.dog : s >= SOURCE_COLOR && !e.contrast;
+		bool dog = s == SOURCE_DEPTH || s == SOURCE_NORMAL ? e.dog : (s == SOURCE_COLOR || s == SOURCE_LIGHT) && !e.contrast;
 		e.reach[s] = e.fine ? 3 : dog ? e.gauss.reach : 1;
 	}
 	e.on[SOURCE_OBJECT] &= f->layer[ENCRE_LAYER_OBJECT].data != NULL;
 	e.on[SOURCE_MATERIAL] &= f->layer[ENCRE_LAYER_MATERIAL].data != NULL;
+	e.on[SOURCE_MARK] &= f->layer[ENCRE_LAYER_MARKS].data != NULL;
 	e.on[SOURCE_COLOR] |= f->layer[ENCRE_LAYER_CONTROLS].data != NULL;
 	e.on[SOURCE_SEEN] &= e.fine && f->layer[ENCRE_LAYER_SEEN_COLOR].data && f->layer[ENCRE_LAYER_SEEN_NORMAL].data;
 	e.on[SAMPLE_SEEN_COLOR] = e.on[SOURCE_SEEN];

@@ -49,7 +49,7 @@ static inline int clamp_index(int i, int n)
 /* Channels that are compared: planes of a ring. */
 static inline int planes_of(enum source s)
 {
-	return (s >= SOURCE_NORMAL && s <= SOURCE_SEEN) || (int)s == SAMPLE_SEEN_COLOR ? 3 : 1;
+	return (s >= SOURCE_NORMAL && s <= SOURCE_LIGHT) || s == SOURCE_SEEN || (int)s == SAMPLE_SEEN_COLOR ? 3 : 1;
 }
 
 /* What distances of what is seen are compared in: linear on planes on screen. 0 or less: nothing there. */

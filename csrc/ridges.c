@@ -244,7 +244,7 @@ static void mark(const window *w, int x, int y, enum family family, int axis, ui
 	if (!ISA(ridge_site)(w->n, &s))
 		return;
 	if (family < FAMILY_SEEN) {
-		ridge[x] |= (uint16_t)(1 << (2 * (int)family + axis));
+		ridge[x] |= (uint16_t)(1 << ridge_bit(family, axis));
 		return;
 	}
 	ridge[x] |= MARK_SEEN;
@@ -301,7 +301,7 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 		if (n->seen)
 			memset(n->seen + (ptrdiff_t)y * f->width, 0, (size_t)f->width * sizeof *n->seen);
 		for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++) {
-			bool wanted = n->e->on[s] && (s < SOURCE_SEEN || n->glimpse[y]);
+			bool wanted = n->e->on[s] && s != SOURCE_MARK && (s < SOURCE_SEEN || n->glimpse[y]);
 			for (int k = -1; s == SOURCE_COLOR && wanted && k <= 1;
 			     k++) /* a site may lie in the next row */
 				if ((wanted = n->colored[clamp_index(y + k, f->height)]))
