@@ -142,7 +142,7 @@ typedef struct fine {
 } fine;
 
 enum { CELL = 4 };
-enum { MARK_SEEN = 1 << 14 }; /* in fine.ridge, where FAMILY_LIGHT has its own marks: there are some in fine.seen */
+enum { MARK_SEEN = 1 << (2 * (FAMILY_MARK - FAMILY_THIN)) }; /* in fine.ridge, for FAMILY_MARK has none there */
 
 /* The pixel that holds a site. */
 static inline int pixel_of(float at, int n)
