@@ -74,12 +74,12 @@ static inline enum family band_of(int s)
 /* What a family of ridges is sampled from. */
 static inline int sample_of(int family)
 {
-	return family <= FAMILY_NORMAL		? SOURCE_NORMAL
-	       : family <= FAMILY_COLOR		? SOURCE_COLOR
-	       : family <= FAMILY_LIGHT		? SOURCE_LIGHT
-	       : family <= FAMILY_SEEN_NORMAL	? SOURCE_SEEN
-	       : family <= FAMILY_SEEN_COLOR	? SAMPLE_SEEN_COLOR
-						: SAMPLE_SEEN_DEPTH;
+	return family <= FAMILY_NORMAL        ? SOURCE_NORMAL
+	       : family <= FAMILY_COLOR       ? SOURCE_COLOR
+	       : family <= FAMILY_LIGHT       ? SOURCE_LIGHT
+	       : family <= FAMILY_SEEN_NORMAL ? SOURCE_SEEN
+	       : family <= FAMILY_SEEN_COLOR  ? SAMPLE_SEEN_COLOR
+					      : SAMPLE_SEEN_DEPTH;
 }
 
 static inline bool is_band(int family)

@@ -7,14 +7,15 @@
 
 /* In fine.seen, until ridges.c marks its sites there. */
 enum { OTHER_NORMAL = 1, OTHER_DEPTH = 2 };
-enum { GROWN = 2, ABOUT = GROWN + 1 }; /* pixels that what is found grows by; over which depths must differ to begin */
+enum { GROWN = 2 }; /* pixels that what is found grows by */
 enum { WINDOW = 4, SIDE = 2 * WINDOW + 1 };
 
 static const float other_normal = 0.1f, other_depth = 0.02f; /* length; share of the depth, or of the frame's height */
-static const float glow = 0.1f;	       /* a lamp has no normal: such a difference of colours tells it from a mirrored sky */
+/* a lamp has no normal: such a difference of colours tells it from a mirrored sky */
+static const float glow = 0.1f;
 static const float stirred_from = 0.06f; /* share of a step by which a pixel sticks out of its neighbours */
-static const float most_stirred = 0.55f, most_of_depth = 0.5f, calm_ramp = 0.15f; /* share of such pixels from which on no line is left, and by */
-							  /* how much less leaves all of it */
+/* share of such pixels from which on no line is left, of depths fewer, and by how much less leaves all of it */
+static const float most_stirred = 0.55f, most_of_depth = 0.5f, calm_ramp = 0.15f;
 
 /* ---- where ----------------------------------------------------------------------------------------------- */
 
@@ -113,8 +114,7 @@ static void read(const fine *n, int s, int x, int y, float *value)
 		return;
 	}
 	bool color = s == SAMPLE_SEEN_COLOR;
-	const float *in =
-	    row_of(n->f, color ? ENCRE_LAYER_SEEN_COLOR : ENCRE_LAYER_SEEN_NORMAL, y) + (ptrdiff_t)3 * x;
+	const float *in = row_of(n->f, color ? ENCRE_LAYER_SEEN_COLOR : ENCRE_LAYER_SEEN_NORMAL, y) + (ptrdiff_t)3 * x;
 	for (int c = 0; c < 3; c++)
 		value[c] = color ? sqrtf(clamp01(in[c])) : bounded(in[c]);
 }

@@ -6,7 +6,7 @@
 
 static const float least_of_step = 0.4f;                     /* share of a step that slopes beside it may not explain */
 static const float crease_from = 0.35f, crease_ramp = 0.37f; /* of the difference of normals at crease_angle */
-static const float seen_crease_from = 0.6f;		     /* likewise */
+static const float seen_crease_from = 0.6f;                  /* likewise */
 static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth */
 static const float least_color = 0.01f, least_light = 0.02f;
 static const float more_of_band = 1.2f, least_light_band = 0.1f; /* floor: times a step's; of light */
@@ -23,9 +23,9 @@ void ISA(fine_floors)(fine *n)
 	n->floor[SAMPLE_SEEN_COLOR] = least_color;
 	n->floor[SAMPLE_SEEN_DEPTH] = 0; /* in ridge_site(), relative to the depth */
 	for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++)
-		n->band_floor[s] = s == SOURCE_LIGHT	      ? least_light_band
+		n->band_floor[s] = s == SOURCE_LIGHT        ? least_light_band
 				   : s == SAMPLE_SEEN_DEPTH ? INFINITY
-							      : more_of_band * n->floor[s];
+							    : more_of_band * n->floor[s];
 }
 
 /* A pixel's value in linear terms. */
@@ -207,7 +207,8 @@ bool ISA(ridge_site)(const fine *n, site *s)
 	if (source == SOURCE_NORMAL || source == SOURCE_SEEN)
 		return weigh(n, s, style, source, clamp01((bend - n->floor[source]) / (crease_ramp * n->crease)));
 	if (source == SAMPLE_SEEN_DEPTH) {
-		/* as in cracks.c, what each side's straight continuation misses at the other: a plane's horizon is none */
+		/* as in cracks.c, what each side's straight continuation misses at the other: a plane's horizon is none
+		 */
 		float l = value[3][0] - 3 * value[1][0] + 2 * value[0][0],
 		      r = value[1][0] - 3 * value[3][0] + 2 * value[4][0], most = 0;
 		float j = fmaxf(0, fmaxf(fminf(l, -r), fminf(-l, r)));
