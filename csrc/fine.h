@@ -13,7 +13,7 @@
 /* In the order in which they claim the picture: each keeps clear of the earlier ones. */
 enum family {
 	FAMILY_CRACK, /* depth, object, material: between two pixels */
-	FAMILY_THIN,  /* the same, of things too thin for two lines */
+	FAMILY_THIN,  /* the same, of a thing between pixel centres: its middle */
 	FAMILY_NORMAL_BAND,
 	FAMILY_NORMAL, /* averaged layers: a thin stripe; a step */
 	FAMILY_COLOR_BAND,
@@ -32,8 +32,7 @@ enum axis { AXIS_ROW, AXIS_COLUMN, AXIS_JUNCTION };
 typedef struct site {
 	float x, y;           /* pixels; centres are whole numbers */
 	float strength;       /* weighted */
-	float area, peak;         /* of a thin thing: how much of it there is across, and at most in a pixel */
-	float wider;              /* pixels that the radius of its disc grows by */
+	float half, inside;   /* of a thin thing: half its width; how far on along the axis its middle lies */
 	uint16_t column, row; /* of the pixel that it was found at */
 	uint16_t near_x,
 	    near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
@@ -56,7 +55,7 @@ static inline enum family band_of(enum source s)
 
 /* Marks of a pixel in fine.crack. */
 enum { CRACK_RIGHT = 1, CRACK_DOWN = 2, LIGHT_RIGHT = 4, LIGHT_DOWN = 8 };
-/* Marks in fine.thin, besides the cracks that are taken back: a thin thing, other in index or in depth only. */
+/* Marks in fine.thin: a thin thing, other in index or in depth only. */
 enum { HIT_OBJECT = 4, HIT_DEPTH = 8 };
 
 typedef struct fine {
@@ -194,12 +193,12 @@ bool ISA(light_site)(const fine *n, site *s);
 float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two);
 ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
 
-/* thin.c: finds the cracks of thin things, and takes them back; marks and places the sites that stand for them. */
+/* thin.c: marks thin things; places their cracks again; marks and places sites between those. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread);
-void ISA(carve_rows)(void *data, int y0, int y1, int thread);
+void ISA(thin_place)(const fine *n, site *s);
 void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge);
 bool ISA(thin_site)(const fine *n, site *s);
-int32_t ISA(thin_widen)(fine *n); /* when sites are linked */
+int32_t ISA(thin_tie)(fine *n); /* links these to cracks, when each are linked */
 
 /* ridges.c */
 ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */

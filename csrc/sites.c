@@ -72,8 +72,10 @@ static void junction_site(const fine *n, site *s)
 			continue;
 		if (light)
 			ISA(light_site)(n, &one);
-		else
+		else {
 			ISA(crack_site)(n, &one);
+			ISA(thin_place)(n, &one);
+		}
 		x += one.x;
 		y += one.y;
 		found++;
@@ -90,8 +92,10 @@ static void place_site(const fine *n, site *s)
 {
 	if (s->axis == AXIS_JUNCTION)
 		junction_site(n, s);
-	else if (s->family == FAMILY_CRACK)
+	else if (s->family == FAMILY_CRACK) {
 		ISA(crack_site)(n, s);
+		ISA(thin_place)(n, s);
+	}
 	else if (s->family == FAMILY_LIGHT)
 		ISA(light_site)(n, s);
 	else if (s->family == FAMILY_THIN)
@@ -248,7 +252,7 @@ static void clear_sites(void *data, int first, int end, int thread)
 static int32_t clear(fine *n)
 {
 	int32_t code = ENCRE_OK;
-	for (int k = FAMILY_CRACK + 1; !code && k < FAMILY_COUNT; k++) {
+	for (int k = FAMILY_THIN + 1; !code && k < FAMILY_COUNT; k++) {
 		turn t = {n, k, n->first[k * n->f->height]};
 		int count = (int)(n->first[(k + 1) * n->f->height] - t.first);
 		code = rows_run(n->f->rows, count, CHUNK, clear_sites, &t);
@@ -321,8 +325,6 @@ int32_t ISA(fine_run)(frame *f)
 	if (!code)
 		code = rows_run(f->rows, f->height, 0, ISA(thin_rows), n);
 	if (!code)
-		code = rows_run(f->rows, f->height, 0, ISA(carve_rows), n);
-	if (!code)
 		code = rows_run(f->rows, f->height, 0, ISA(ridge_rows), n);
 	if (!code)
 		code = gather(n);
@@ -333,7 +335,7 @@ int32_t ISA(fine_run)(frame *f)
 	if (!code)
 		code = ISA(fine_link)(n);
 	if (!code)
-		code = ISA(thin_widen)(n);
+		code = ISA(thin_tie)(n);
 	if (!code)
 		code = ISA(fine_smooth)(n);
 	if (!code)
