@@ -40,7 +40,7 @@ static pen_end pen_end_of(const frame *f, const site *s, float length)
 	if (length < taper)
 		pen.radius *= length / taper;
 	/* a thing not much wider than its lines lets no paper between them: they are one, from its middle */
-	float filled = s->half > 0 ? clamp01(1 - 2 * (s->half - pen.radius)) : 0;
+	float filled = s->thin * clamp01(1 - 2 * (s->half - pen.radius));
 	if (s->axis == AXIS_ROW)
 		e.x += filled * s->inside;
 	else

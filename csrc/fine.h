@@ -32,7 +32,7 @@ enum axis { AXIS_ROW, AXIS_COLUMN, AXIS_JUNCTION };
 typedef struct site {
 	float x, y;           /* pixels; centres are whole numbers */
 	float strength;       /* weighted */
-	float half, inside;   /* of a thin thing: half its width; how far on along the axis its middle lies */
+	float thin, half, inside; /* how much it is part of a thin thing; half its width; how far on along the axis its middle lies */
 	uint16_t column, row; /* of the pixel that it was found at */
 	uint16_t near_x,
 	    near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
@@ -55,8 +55,8 @@ static inline enum family band_of(enum source s)
 
 /* Marks of a pixel in fine.crack. */
 enum { CRACK_RIGHT = 1, CRACK_DOWN = 2, LIGHT_RIGHT = 4, LIGHT_DOWN = 8 };
-/* Marks in fine.thin: a thin thing, other in index or in depth only. */
-enum { HIT_OBJECT = 4, HIT_DEPTH = 8 };
+/* Marks in fine.hit: a thin thing, other in index or in depth only. */
+enum { HIT_OBJECT = 1, HIT_DEPTH = 2, THIN_SPAN = 16 };
 
 typedef struct fine {
 	frame *f;
@@ -67,8 +67,8 @@ typedef struct fine {
 	float least_contrast; /* between colours across a step */
 	uint8_t *colored;     /* by row: colours may make edges */
 	uint8_t *crack;       /* width * height */
-	uint8_t *thin;        /* width * height */
-	uint8_t *hit;         /* by row: there is a mark in thin */
+	uint8_t *hit;         /* spans * height: of THIN_SPAN pixels of a row */
+	int spans;
 	uint16_t *ridge;      /* width * height: bit 2 * family + axis */
 	uint32_t *first;      /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
 	float *scratch;       /* for each thread */

@@ -292,8 +292,8 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	made.crack = arena_take(a, pixels, sizeof *made.crack);
 	made.ridge = arena_take(a, pixels, sizeof *made.ridge);
 	made.first = arena_take(a, (size_t)FAMILY_COUNT * (size_t)f->height + 1, sizeof *made.first);
-	made.thin = arena_take(a, pixels, sizeof *made.thin);
-	made.hit = arena_take(a, (size_t)f->height, sizeof *made.hit);
+	made.spans = (f->width - 1) / THIN_SPAN + 1;
+	made.hit = arena_take(a, (size_t)made.spans * (size_t)f->height, sizeof *made.hit);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
 	made.thread_scratch =

@@ -4,10 +4,12 @@
  * the stripe's middle and width, and where a wire runs between pixel centres sites along its middle go on. */
 #include "fine.h"
 
-enum { PLANES = 6, MOST_HIT = 3, MOST = MOST_HIT + 4, NEARBY = 6, CHUNK = 2048 };
+enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = 16 };
 
-static const float narrow = 2.05f, widest = 2.9f; /* pixels along a row or a column */
-static const float least_hit = 0.1f, least_between = 0.05f; /* peak of a stripe, in albedo and half normals, at a hit and
+static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.5f; /* pixels */
+static const float width_ramp = 0.6f, length_ramp = 2;                 /* pixels */
+static const int shortest = 1;
+static const float least_hit = 0.05f, least_between = 0.05f; /* peak of a stripe, in albedo and half normals, at a hit and
 							       beside one */
 static const float least_of_slope = 1.5f; /* times what lies on both sides differs */
 static const float against = 0.1f;        /* share of a stripe that a pixel of it may lie the other way */
@@ -42,7 +44,14 @@ typedef struct slice {
 	float stands[PLANES]; /* how it stands out, summed up */
 	int hits;             /* pixel centres that it covers */
 	float ground;         /* the object behind it */
+	float trust;          /* in the above, 0 to 1 */
 } slice;
+
+/* 0 up to `from`, 1 from `to` on. */
+static float ramp(float x, float from, float to)
+{
+	return x > from ? x < to ? (x - from) / (to - from) : 1 : 0;
+}
 
 static void read(const frame *f, int x, int y, float value[PLANES])
 {
@@ -56,8 +65,8 @@ static void read(const frame *f, int x, int y, float value[PLANES])
 	}
 }
 
-/* Moments of what stands out from the ground that the end pixels show; returns whether it is a stripe. */
-static bool moments(slice *s, float (*value)[PLANES], int count, int first, float least_peak)
+/* Moments of what stands out from the ground that the end pixels show, and how much that is like a stripe. */
+static void moments(slice *s, float (*value)[PLANES], int count, int first, float least_peak)
 {
 	float square = 0, slope = 0, least = 0;
 	for (int c = 0; c < PLANES; c++) {
@@ -79,8 +88,10 @@ static bool moments(slice *s, float (*value)[PLANES], int count, int first, floa
 		s->middle += own * (float)k / s->area;
 	}
 	s->middle += (float)first;
-	return s->peak >= least_peak && s->area <= widest * s->peak && least > -against * s->area &&
-	       s->peak * s->peak > least_of_slope * least_of_slope * slope;
+	slope = sqrtf(slope);
+	s->trust = fminf(ramp(s->peak, least_peak, 1.5f * least_peak), ramp(-s->area, -widest * s->peak, -(widest - width_ramp) * s->peak));
+	s->trust = fminf(s->trust, ramp(least, -against * s->area, -0.5f * against * s->area));
+	s->trust = fminf(s->trust, ramp(s->peak, least_of_slope * slope, 1.3f * least_of_slope * slope));
 }
 
 /* Of `count` pixels from `first` on, along a row or a column `across`; false where there is no stripe before one ground. */
@@ -100,7 +111,8 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 		return false;
 	for (int k = 0; k < count; k++)
 		axis ? read(f, across, first + k, value[k]) : read(f, first + k, across, value[k]);
-	if (!moments(s, value, count, first, least_peak))
+	moments(s, value, count, first, least_peak);
+	if (!(s->trust > 0))
 		return false;
 	int from = count, to = -1;
 	for (int k = 0; k < count; k++) {
@@ -126,7 +138,7 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 typedef struct run {
 	float area, peak, low, high;
 	float ends[2]; /* of its middle */
-	int slices, hits, steps[2];
+	int slices, hits, steps;
 } run;
 
 static void add(run *r, const slice *s)
@@ -153,7 +165,7 @@ static run follow(const fine *n, int axis, int across, const slice *from)
 	for (int way = 0; way < 2; way++) {
 		slice s = *from;
 		float middle = s.middle;
-		for (int k = 1; k <= NEARBY; k++) {
+		for (int k = 1; k <= (r.hits ? NEARBY : REACH); k++) {
 			slice next;
 			float along = 0;
 			if (!slice_about(n, axis, way ? across + k : across - k, (int)floorf(middle + 0.5f), &next))
@@ -164,7 +176,7 @@ static run follow(const fine *n, int axis, int across, const slice *from)
 				break;
 			add(&r, &next);
 			middle = next.middle;
-			r.steps[way] = k;
+			r.steps++;
 		}
 		r.ends[way] = middle;
 	}
@@ -184,8 +196,7 @@ static float half_of(const run *r)
 /* Pixels across in one along the axis. */
 static float squareness(const run *r)
 {
-	int steps = r->steps[0] + r->steps[1];
-	float slope = steps ? (r->ends[1] - r->ends[0]) / (float)steps : 0;
+	float slope = r->steps ? (r->ends[1] - r->ends[0]) / (float)r->steps : 0;
 	return 1 / sqrtf(1 + slope * slope);
 }
 
@@ -222,16 +233,15 @@ static bool none_ahead(const fine *n, int x, int y)
 	return ((own | above) & cracks) == 0;
 }
 
-/* Marks pixels whose centre a thin thing covers, by what its cracks are made of. */
+/* Marks spans of pixels where a thin thing covers a centre, by what its cracks are made of. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const fine *n = data;
 	const frame *f = n->f;
 	for (int y = y0; y < y1; y++) {
-		uint8_t *thin = n->thin + (ptrdiff_t)y * f->width;
-		memset(thin, 0, (size_t)f->width);
-		n->hit[y] = 0;
+		uint8_t *hit = n->hit + (ptrdiff_t)y * n->spans;
+		memset(hit, 0, (size_t)n->spans);
 		for (int x = 0; x < f->width; x++) {
 			slice s;
 			if (none_ahead(n, x, y)) {
@@ -240,8 +250,7 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 			}
 			if (!mixed_at(n, x, y) || !(slice_at(n, AXIS_ROW, y, x, &s) || slice_at(n, AXIS_COLUMN, x, y, &s)))
 				continue;
-			thin[x] = s.ground == object_at(f, x, y) ? HIT_DEPTH : HIT_OBJECT;
-			n->hit[y] = 1;
+			hit[x / THIN_SPAN] |= s.ground == object_at(f, x, y) ? HIT_DEPTH : HIT_OBJECT;
 		}
 	}
 }
@@ -256,8 +265,12 @@ void ISA(thin_place)(const fine *n, site *s)
 	if (zp == zq || !slice_at(n, s->axis, across, at + ahead, &own))
 		return;
 	run r = follow(n, s->axis, across, &own);
-	float half = half_of(&r), share = clamp01(own.middle + (ahead ? -half : half) - (float)at);
-	s->half = half * squareness(&r);
+	float square = squareness(&r), half = half_of(&r), across_it = 2 * half * square;
+	float was = dx ? s->x - (float)s->column : s->y - (float)s->row;
+	s->thin = fminf(own.trust, ramp(-across_it, -widest_across, width_ramp - widest_across));
+	s->thin = fminf(s->thin, ramp((float)r.steps, shortest, shortest + length_ramp));
+	s->half = half * square;
+	float share = mix(was, clamp01(own.middle + (ahead ? -half : half) - (float)at), s->thin);
 	s->inside = own.middle - (float)at - share;
 	s->x = (float)s->column + (dx ? share : 0);
 	s->y = (float)s->row + (dx ? 0 : share);
@@ -267,10 +280,10 @@ void ISA(thin_place)(const fine *n, site *s)
 
 static int hits_near(const fine *n, int x, int y)
 {
-	int hits = 0;
-	for (int i = y - NEARBY < 0 ? 0 : y - NEARBY; i < n->f->height && i <= y + NEARBY; i++)
-		for (int j = x - NEARBY < 0 ? 0 : x - NEARBY; n->hit[i] && j < n->f->width && j <= x + NEARBY; j++)
-			hits |= n->thin[(ptrdiff_t)i * n->f->width + j];
+	int hits = 0, from = x / THIN_SPAN > 0 ? x / THIN_SPAN - 1 : 0, to = x / THIN_SPAN + 1 < n->spans ? x / THIN_SPAN + 1 : x / THIN_SPAN;
+	for (int i = y - REACH < 0 ? 0 : y - REACH; i < n->f->height && i <= y + REACH; i++)
+		for (int j = from; j <= to; j++)
+			hits |= n->hit[(ptrdiff_t)i * n->spans + j];
 	return hits;
 }
 
@@ -291,6 +304,7 @@ bool ISA(thin_site)(const fine *n, site *s)
 	run r = follow(n, s->axis, s->axis ? x : y, &own);
 	if (r.hits == 0)
 		return false;
+	s->thin = 1;
 	s->half = half_of(&r) * squareness(&r);
 	s->x = s->axis ? (float)x : own.middle;
 	s->y = s->axis ? own.middle : (float)y;
@@ -302,13 +316,12 @@ bool ISA(thin_site)(const fine *n, site *s)
 
 void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge)
 {
-	int any = 0;
-	for (int i = y - NEARBY < 0 ? 0 : y - NEARBY; i < n->f->height && i <= y + NEARBY; i++)
-		any |= n->hit[i];
-	for (int x = 0; any && x < n->f->width; x++) {
+	for (int x = 0; x < n->f->width; x++) {
 		slice row, column;
-		if (n->thin[(ptrdiff_t)y * n->f->width + x] || !hits_near(n, x, y))
+		if (x % THIN_SPAN == 0 && !hits_near(n, x, y)) {
+			x += THIN_SPAN - 1;
 			continue;
+		}
 		/* the axis that crosses it more squarely, along which it is narrower */
 		bool in_row = slice_between(n, AXIS_ROW, x, y, &row), in_column = slice_between(n, AXIS_COLUMN, x, y, &column);
 		int axis = in_column && (!in_row || column.area < row.area) ? AXIS_COLUMN : AXIS_ROW;
