@@ -8,11 +8,10 @@ enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = 16 };
 
 static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.5f; /* pixels */
 static const float width_ramp = 0.6f, length_ramp = 2;                 /* pixels */
-static const int shortest = 1;
-static const float least_hit = 0.05f, least_between = 0.05f; /* peak of a stripe, in albedo and half normals, at a hit and
-							       beside one */
-static const float least_of_slope = 1.5f; /* times what lies on both sides differs */
-static const float against = 0.1f;        /* share of a stripe that a pixel of it may lie the other way */
+static const int shortest = 0;
+static const float least_peak = 0.05f;    /* of a stripe, in albedo and half normals */
+static const float least_of_slope = 1.2f; /* times what lies on both sides differs */
+static const float against = 0.2f;        /* share of a stripe that a pixel of it may lie the other way */
 static const float most_of_step = 0.5f;   /* of the step to what lies behind, that may jump from one side to the other */
 static const float least_step = 0.003f;   /* of a depth before what lies behind, as in cracks */
 static const float steepest = 1.5f;       /* pixels that its middle moves from a row to the next */
@@ -66,7 +65,7 @@ static void read(const frame *f, int x, int y, float value[PLANES])
 }
 
 /* Moments of what stands out from the ground that the end pixels show, and how much that is like a stripe. */
-static void moments(slice *s, float (*value)[PLANES], int count, int first, float least_peak)
+static void moments(slice *s, float (*value)[PLANES], int count, int first)
 {
 	float square = 0, slope = 0, least = 0;
 	for (int c = 0; c < PLANES; c++) {
@@ -91,11 +90,11 @@ static void moments(slice *s, float (*value)[PLANES], int count, int first, floa
 	slope = sqrtf(slope);
 	s->trust = fminf(ramp(s->peak, least_peak, 1.5f * least_peak), ramp(-s->area, -widest * s->peak, -(widest - width_ramp) * s->peak));
 	s->trust = fminf(s->trust, ramp(least, -against * s->area, -0.5f * against * s->area));
-	s->trust = fminf(s->trust, ramp(s->peak, least_of_slope * slope, 1.3f * least_of_slope * slope));
+	s->trust = fminf(s->trust, ramp(s->peak, least_of_slope * slope, 1.25f * least_of_slope * slope));
 }
 
 /* Of `count` pixels from `first` on, along a row or a column `across`; false where there is no stripe before one ground. */
-static bool slice_of(const fine *n, int axis, int across, int first, int count, float least_peak, slice *s)
+static bool slice_of(const fine *n, int axis, int across, int first, int count, slice *s)
 {
 	const frame *f = n->f;
 	int size = axis ? f->height : f->width, last = first + count - 1;
@@ -111,7 +110,7 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 		return false;
 	for (int k = 0; k < count; k++)
 		axis ? read(f, across, first + k, value[k]) : read(f, first + k, across, value[k]);
-	moments(s, value, count, first, least_peak);
+	moments(s, value, count, first);
 	if (!(s->trust > 0))
 		return false;
 	int from = count, to = -1;
@@ -130,6 +129,24 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 		return true;
 	return s->hits == to - from + 1 && s->hits <= MOST_HIT &&
 	       fabsf(near[0] - near[count - 1]) <= most_of_step * (nearest - behind);
+}
+
+static bool cracked(const fine *n, int axis, int across, int at)
+{
+	ptrdiff_t i = axis ? (ptrdiff_t)at * n->f->width + across : (ptrdiff_t)across * n->f->width + at;
+	return n->crack[i] & CRACK_RIGHT << axis;
+}
+
+/* The slice across the thing at a pixel: a few pixels between cracks, and two more on each side. */
+static bool slice_at(const fine *n, int axis, int across, int at, slice *s)
+{
+	int first = at, last = at, size = axis ? n->f->height : n->f->width;
+	while (first > 0 && last - first < MOST_HIT && !cracked(n, axis, across, first - 1))
+		first--;
+	while (last + 1 < size && last - first < MOST_HIT && !cracked(n, axis, across, last))
+		last++;
+	return last - first < MOST_HIT && slice_of(n, axis, across, first - 2, last - first + 5, s) &&
+	       s->hits == last - first + 1;
 }
 
 /* ---- along a thing --------------------------------------------------------------------------------------- */
@@ -154,8 +171,9 @@ static void add(run *r, const slice *s)
 /* The slice about a pixel, as narrow as it can be. */
 static bool slice_about(const fine *n, int axis, int across, int at, slice *s)
 {
-	return (slice_of(n, axis, across, at - 2, 5, least_between, s) && s->area <= narrow * s->peak && s->hits <= 1) ||
-	       slice_of(n, axis, across, at - 3, 7, least_between, s);
+	return slice_at(n, axis, across, at, s) ||
+	       (slice_of(n, axis, across, at - 2, 5, s) && s->area <= narrow * s->peak) ||
+	       slice_of(n, axis, across, at - 3, 7, s);
 }
 
 static run follow(const fine *n, int axis, int across, const slice *from)
@@ -201,24 +219,6 @@ static float squareness(const run *r)
 }
 
 /* ---- hits ------------------------------------------------------------------------------------------------ */
-
-static bool cracked(const fine *n, int axis, int across, int at)
-{
-	ptrdiff_t i = axis ? (ptrdiff_t)at * n->f->width + across : (ptrdiff_t)across * n->f->width + at;
-	return n->crack[i] & CRACK_RIGHT << axis;
-}
-
-/* The slice across the thing at a pixel: a few pixels between cracks, and two more on each side. */
-static bool slice_at(const fine *n, int axis, int across, int at, slice *s)
-{
-	int first = at, last = at, size = axis ? n->f->height : n->f->width;
-	while (first > 0 && last - first < MOST_HIT && !cracked(n, axis, across, first - 1))
-		first--;
-	while (last + 1 < size && last - first < MOST_HIT && !cracked(n, axis, across, last))
-		last++;
-	return last - first < MOST_HIT && slice_of(n, axis, across, first - 2, last - first + 5, least_hit, s) &&
-	       s->hits == last - first + 1;
-}
 
 /* Whether none of the eight pixels from x on lies beside a crack. */
 static bool none_ahead(const fine *n, int x, int y)
