@@ -4,9 +4,11 @@
  * the stripe's middle and width, and where a wire runs between pixel centres sites along its middle go on. */
 #include "fine.h"
 
+#include <stdlib.h>
+
 enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = 16 };
 
-static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.5f; /* pixels */
+static const float narrow = 2.05f, widest = 3.8f, widest_across = 3.2f; /* pixels */
 static const float width_ramp = 0.6f, length_ramp = 2;                 /* pixels */
 static const int shortest = 0;
 static const float least_peak = 0.05f;    /* of a stripe, in albedo and half normals */
@@ -190,7 +192,8 @@ static run follow(const fine *n, int axis, int across, const slice *from)
 				break;
 			for (int c = 0; c < PLANES; c++)
 				along += next.stands[c] * from->stands[c];
-			if (!(along > 0) || fabsf(next.middle - middle) > steepest || next.ground != from->ground)
+			if (!(along > 0) || fabsf(next.middle - middle) > steepest || next.ground != from->ground ||
+			    abs(next.hits - from->hits) > 1)
 				break;
 			add(&r, &next);
 			middle = next.middle;
