@@ -8,9 +8,8 @@
 
 enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = 16 };
 
-static const float narrow = 2.05f, widest = 3.8f, widest_across = 3.2f; /* pixels */
-static const float width_ramp = 0.6f, length_ramp = 2;                 /* pixels */
-static const int shortest = 0;
+static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.2f; /* pixels */
+static const float width_ramp = 0.6f, length_ramp = 2;                  /* pixels */
 static const float least_peak = 0.05f;    /* of a stripe, in albedo and half normals */
 static const float least_of_slope = 1.2f; /* times what lies on both sides differs */
 static const float against = 0.2f;        /* share of a stripe that a pixel of it may lie the other way */
@@ -90,7 +89,8 @@ static void moments(slice *s, float (*value)[PLANES], int count, int first)
 	}
 	s->middle += (float)first;
 	slope = sqrtf(slope);
-	s->trust = fminf(ramp(s->peak, least_peak, 1.5f * least_peak), ramp(-s->area, -widest * s->peak, -(widest - width_ramp) * s->peak));
+	s->trust = ramp(s->peak, least_peak, 1.5f * least_peak);
+	s->trust = fminf(s->trust, ramp(-s->area, -widest * s->peak, (width_ramp - widest) * s->peak));
 	s->trust = fminf(s->trust, ramp(least, -against * s->area, -0.5f * against * s->area));
 	s->trust = fminf(s->trust, ramp(s->peak, least_of_slope * slope, 1.25f * least_of_slope * slope));
 }
@@ -105,7 +105,7 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 		return false;
 	for (int k = 0; k < count; k++)
 		near[k] = nearness(n, axis ? depth_at(f, across, first + k) : depth_at(f, first + k, across));
-	float behind = fmaxf(near[0], near[count - 1]), scale = n->e->ortho ? f->camera.height : 0, nearest = behind;
+	float behind = fmaxf(near[0], near[count - 1]), nearest = behind;
 	*s = (slice){.high = INFINITY};
 	s->ground = axis ? object_at(f, across, first) : object_at(f, first, across);
 	if (s->ground != (axis ? object_at(f, across, last) : object_at(f, last, across)))
@@ -118,7 +118,7 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 	int from = count, to = -1;
 	for (int k = 0; k < count; k++) {
 		float apart = fabsf((float)(first + k) - s->middle);
-		if (near[k] - behind > least_step * (scale > 0 ? scale : near[k])) {
+		if (near[k] - behind > least_step * (n->e->ortho ? f->camera.height : near[k])) {
 			s->low = fmaxf(s->low, apart);
 			nearest = fmaxf(nearest, near[k]);
 			from = from < k ? from : k;
@@ -271,7 +271,7 @@ void ISA(thin_place)(const fine *n, site *s)
 	float square = squareness(&r), half = half_of(&r), across_it = 2 * half * square;
 	float was = dx ? s->x - (float)s->column : s->y - (float)s->row;
 	s->thin = fminf(own.trust, ramp(-across_it, -widest_across, width_ramp - widest_across));
-	s->thin = fminf(s->thin, ramp((float)r.steps, shortest, shortest + length_ramp));
+	s->thin = fminf(s->thin, ramp((float)r.steps, 0, length_ramp));
 	s->half = half * square;
 	float share = mix(was, clamp01(own.middle + (ahead ? -half : half) - (float)at), s->thin);
 	s->inside = own.middle - (float)at - share;
