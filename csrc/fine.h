@@ -14,6 +14,7 @@
 enum family {
 	FAMILY_CRACK, /* depth, object, material: between two pixels */
 	FAMILY_THIN,  /* the same, of a thing between pixel centres: its middle */
+	FAMILY_MARK,  /* drawn by hand: between two pixels */
 	FAMILY_NORMAL_BAND,
 	FAMILY_NORMAL, /* averaged layers: a thin stripe; a step */
 	FAMILY_COLOR_BAND,
@@ -32,7 +33,8 @@ enum axis { AXIS_ROW, AXIS_COLUMN, AXIS_JUNCTION };
 typedef struct site {
 	float x, y;           /* pixels; centres are whole numbers */
 	float strength;       /* weighted */
-	float thin, half, inside; /* how much it is part of a thin thing; half its width; how far on along the axis its middle lies */
+	float thin, half, inside; /* how much it is a side of a thin thing, half its width, and how far on along the axis
+				     its middle lies */
 	uint16_t column, row; /* of the pixel that it was found at */
 	uint16_t near_x,
 	    near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
@@ -54,7 +56,25 @@ static inline enum family band_of(enum source s)
 }
 
 /* Marks of a pixel in fine.crack. */
-enum { CRACK_RIGHT = 1, CRACK_DOWN = 2, LIGHT_RIGHT = 4, LIGHT_DOWN = 8 };
+enum { CRACK_RIGHT = 1, CRACK_DOWN = 2, LIGHT_RIGHT = 4, LIGHT_DOWN = 8, MARK_RIGHT = 16, MARK_DOWN = 32 };
+
+static inline bool is_crack(enum family family)
+{
+	return family == FAMILY_CRACK || family == FAMILY_MARK || family == FAMILY_LIGHT;
+}
+
+/* The mark of a family of cracks; along a column it is the next bit. */
+static inline uint8_t right_of(enum family family)
+{
+	return family == FAMILY_CRACK ? CRACK_RIGHT : family == FAMILY_MARK ? MARK_RIGHT : LIGHT_RIGHT;
+}
+
+/* The bit in fine.ridge: those from FAMILY_THIN on have one. */
+static inline int ridge_bit(enum family family, int axis)
+{
+	return 2 * ((int)family - FAMILY_THIN) + axis;
+}
+
 /* Marks in fine.hit: a thin thing, other in index or in depth only. */
 enum { HIT_OBJECT = 1, HIT_DEPTH = 2, THIN_SPAN = 16 };
 
@@ -69,7 +89,7 @@ typedef struct fine {
 	uint8_t *crack;       /* width * height */
 	uint8_t *hit;         /* spans * height: of THIN_SPAN pixels of a row */
 	int spans;
-	uint16_t *ridge;      /* width * height: bit 2 * family + axis */
+	uint16_t *ridge;      /* width * height: ridge_bit() */
 	uint32_t *first;      /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
 	float *scratch;       /* for each thread */
 	ptrdiff_t thread_scratch;
@@ -163,6 +183,7 @@ static inline int rank_of(const site *s)
 	switch ((enum family)s->family) {
 	case FAMILY_CRACK:
 	case FAMILY_THIN: return 0;
+	case FAMILY_MARK:
 	case FAMILY_NORMAL_BAND:
 	case FAMILY_NORMAL: return 1;
 	case FAMILY_COLOR_BAND:
@@ -192,6 +213,12 @@ bool ISA(light_site)(const fine *n, site *s);
 /* Strength of the boundary between two values of light; the levels are those of p. */
 float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two);
 ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
+
+/* marks.c: marks in the cracks of a row where lines drawn by hand pass. */
+void ISA(hand_row)(const fine *n, int y);
+bool ISA(hand_site)(const fine *n, site *s);
+/* Where a line, or a seam, passes between the pixels of a crack: 0 < place <= 1, 0 for nowhere. */
+float ISA(hand_place)(const fine *n, const site *s);
 
 /* thin.c: marks thin things; places their cracks again; marks and places sites between those. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread);
