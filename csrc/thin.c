@@ -9,7 +9,7 @@
 enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = 16 };
 
 static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.2f; /* pixels */
-static const float width_ramp = 0.6f, length_ramp = 2;                  /* pixels */
+static const float width_ramp = 0.6f, shortest = 3, length_ramp = 2;    /* pixels */
 static const float least_peak = 0.05f;    /* of a stripe, in albedo and half normals */
 static const float least_of_slope = 1.2f; /* times what lies on both sides differs */
 static const float against = 0.2f;        /* share of a stripe that a pixel of it may lie the other way */
@@ -271,7 +271,7 @@ void ISA(thin_place)(const fine *n, site *s)
 	float square = squareness(&r), half = half_of(&r), across_it = 2 * half * square;
 	float was = dx ? s->x - (float)s->column : s->y - (float)s->row;
 	s->thin = fminf(own.trust, ramp(-across_it, -widest_across, width_ramp - widest_across));
-	s->thin = fminf(s->thin, ramp((float)r.steps, 0, length_ramp));
+	s->thin = fminf(s->thin, ramp((float)r.steps, shortest - length_ramp, shortest));
 	s->half = half * square;
 	float share = mix(was, clamp01(own.middle + (ahead ? -half : half) - (float)at), s->thin);
 	s->inside = own.middle - (float)at - share;
@@ -305,7 +305,7 @@ bool ISA(thin_site)(const fine *n, site *s)
 	if (!hits || !slice_between(n, s->axis, x, y, &own))
 		return false;
 	run r = follow(n, s->axis, s->axis ? x : y, &own);
-	if (r.hits == 0)
+	if (r.hits == 0 || r.steps < (int)shortest)
 		return false;
 	s->thin = 1;
 	s->half = half_of(&r) * squareness(&r);
