@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = 16 };
+enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = THIN_SPAN };
 
 static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.2f; /* pixels */
 static const float width_ramp = 0.6f, shortest = 3, length_ramp = 2;    /* pixels */
@@ -14,9 +14,9 @@ static const float least_peak = 0.05f;    /* of a stripe, in albedo and half nor
 static const float least_of_slope = 1.2f; /* times what lies on both sides differs */
 static const float against = 0.2f;        /* share of a stripe that a pixel of it may lie the other way */
 static const float most_of_step = 0.5f;   /* of the step to what lies behind, that may jump from one side to the other */
-static const float least_step = 0.003f;   /* of a depth before what lies behind, as in cracks */
+static const float least_step = 0.01f;    /* of a depth before what lies behind: a crack of full strength */
 static const float steepest = 1.5f;       /* pixels that its middle moves from a row to the next */
-static const float tie_reach = 1.8f, tie_cosine = -0.3f;
+static const float tie_reach = 1.8f, tie_cosine = -0.3f; /* pixels; between both ties of a site */
 
 static float depth_at(const frame *f, int x, int y)
 {
@@ -178,13 +178,13 @@ static bool slice_about(const fine *n, int axis, int across, int at, slice *s)
 	       slice_of(n, axis, across, at - 3, 7, s);
 }
 
+/* The slices on both sides of one, as far as they are of the same thing; far on only to find a pixel that it covers. */
 static run follow(const fine *n, int axis, int across, const slice *from)
 {
 	run r = {.high = INFINITY};
 	add(&r, from);
 	for (int way = 0; way < 2; way++) {
-		slice s = *from;
-		float middle = s.middle;
+		float middle = from->middle;
 		for (int k = 1; k <= (r.hits ? NEARBY : REACH); k++) {
 			slice next;
 			float along = 0;
@@ -283,7 +283,7 @@ void ISA(thin_place)(const fine *n, site *s)
 
 static int hits_near(const fine *n, int x, int y)
 {
-	int hits = 0, from = x / THIN_SPAN > 0 ? x / THIN_SPAN - 1 : 0, to = x / THIN_SPAN + 1 < n->spans ? x / THIN_SPAN + 1 : x / THIN_SPAN;
+	int hits = 0, at = x / THIN_SPAN, from = at > 0 ? at - 1 : 0, to = at + 1 < n->spans ? at + 1 : at;
 	for (int i = y - REACH < 0 ? 0 : y - REACH; i < n->f->height && i <= y + REACH; i++)
 		for (int j = from; j <= to; j++)
 			hits |= n->hit[(ptrdiff_t)i * n->spans + j];
