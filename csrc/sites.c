@@ -20,6 +20,8 @@ int ISA(fine_controls)(const fine *n, site *s)
 	int least_key = INT32_MAX;
 	s->near_x = (uint16_t)x;
 	s->near_y = (uint16_t)y;
+	if (s->family >= FAMILY_SEEN) /* it lies in the mirror, whatever stands before that */
+		least = 0;
 	for (int dy = -2; dy <= 2; dy++) {
 		if (y + dy < 0 || y + dy >= f->height)
 			continue;
@@ -148,9 +150,13 @@ static void visit_row(const fine *n, int y, uint32_t *number)
 			if (inside && sides(crack, below, x, right) > 2)
 				visit(n, number, kinds[k], x, y, AXIS_JUNCTION);
 		}
-		for (int marks = ridge[x], bit = 0; marks; marks >>= 1, bit++)
+		for (int marks = ridge[x] & ~MARK_SEEN, bit = 0; marks; marks >>= 1, bit++)
 			if (marks & 1)
 				visit(n, number, (enum family)(FAMILY_THIN + bit / 2), x, y, (enum axis)(bit % 2));
+		for (int marks = ridge[x] & MARK_SEEN ? n->seen[(ptrdiff_t)y * width + x] : 0, bit = 0; marks;
+		     marks >>= 1, bit++)
+			if (marks & 1)
+				visit(n, number, (enum family)(FAMILY_SEEN + bit / 2), x, y, (enum axis)(bit % 2));
 	}
 }
 
@@ -229,9 +235,7 @@ static bool owned(const fine *n, const site *s)
 		const site *other = n->site + i;
 		if (other->dropped || other->family >= s->family)
 			continue;
-		bool band = other->family == s->family - 1 &&
-			    (other->family == FAMILY_NORMAL_BAND || other->family == FAMILY_COLOR_BAND ||
-			     other->family == FAMILY_LIGHT_BAND);
+		bool band = other->family == s->family - 1 && is_band(other->family);
 		float clear = band ? clear_of_band : clear_of_earlier;
 		if (apart2(s, other) < clear * clear)
 			return true;
@@ -277,7 +281,7 @@ static float least_contrast(const encre_params *p, float weight)
 
 /* ---- the detector ---------------------------------------------------------------------------------------- */
 
-void ISA(fine_plan)(frame *f, const edges *e, arena *a)
+void ISA(fine_plan)(frame *f, const edges *e, bool seen, arena *a)
 {
 	size_t pixels = (size_t)f->width * (size_t)f->height;
 	float half = f->params->crease_angle * 0.00872664626f; /* in radians */
@@ -296,6 +300,11 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	made.hit = arena_take(a, (size_t)f->height, sizeof *made.hit);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
+	if (seen) {
+		made.seen = arena_take(a, pixels, sizeof *made.seen);
+		made.through = arena_take(a, pixels, sizeof *made.through);
+		made.glimpse = arena_take(a, (size_t)f->height, sizeof *made.glimpse);
+	}
 	made.thread_scratch =
 	    ISA(crack_scratch)(f) > ISA(ridge_scratch)(f) ? ISA(crack_scratch)(f) : ISA(ridge_scratch)(f);
 	made.scratch = arena_take(a, (size_t)rows_threads(f->rows) * (size_t)made.thread_scratch, sizeof *made.scratch);
@@ -326,6 +335,8 @@ int32_t ISA(fine_run)(frame *f)
 		code = rows_run(f->rows, f->height, 0, ISA(thin_rows), n);
 	if (!code)
 		code = rows_run(f->rows, f->height, 0, ISA(carve_rows), n);
+	if (!code && n->seen)
+		code = ISA(seen_run)(n);
 	if (!code)
 		code = rows_run(f->rows, f->height, 0, ISA(ridge_rows), n);
 	if (!code)
