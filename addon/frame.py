@@ -21,6 +21,7 @@ class _Settings:
         self.shaded = layers.shaded(self.scene, self.overrides)
         if self.scene["paper_source"] == "IMAGE":
             papers.load(self.scene["paper_image"])  # that it can't be read is said before Cycles starts
+        self.seen = layers.wants_seen(self.scene, self.overrides)
         self.denoise = (self.scene["light_denoise"] == "OIDN" and layers.wants_light(self.scene, self.overrides))
         self.factor = self.scene["supersample"] if self.active else 1
 
@@ -34,7 +35,9 @@ class _ViewLayer:
     denoise_other: bool
     user_indices: np.ndarray | None  # by Cycles' index, to write into the pass that the user asked for
     objects: meshes.Objects
-    views: dict                      # view name -> (camera, rasterised pictures of `factor` times the frame's size)
+    views: dict                      # view name -> (camera, rasterised pictures of `factor` times the frame's size,
+                                     #               camera -> clip)
+    clip_start: float
     frame: core.Frame
     border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
@@ -47,12 +50,24 @@ class _ViewLayer:
 
 def passes(scene):
     """What Cycles and the stages must have a place for: (name, channel names, kind), as register_pass() takes."""
-    mode = scene.encre.save_layers if hasattr(scene, "encre") else "OFF"  # the library may be missing
-    multilayer = scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
-    saved = layers.SAVED if mode == "ON" or (mode == "AUTO" and multilayer) else {}
-    for name, channels in {**layers.CYCLES, **layers.DRAWN, **saved}.items():
+    wanted = {**layers.CYCLES, **layers.DRAWN}
+    if hasattr(scene, "encre"):  # the library may be missing
+        mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
+        saved = mode == "ON" or (mode == "AUTO" and multilayer)
+        seen = _sees(scene)
+        wanted |= layers.SAVED if saved else {}
+        wanted |= layers.SEEN if seen else {}
+        wanted |= layers.SAVED_SEEN if seen and saved else {}
+    for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
         yield compat.pass_name(name), channels, kind
+
+
+def _sees(scene):
+    try:
+        return layers.wants_seen(properties.scene_values(scene), [values for _, values in properties.styles(scene)])
+    except core.EncreError:  # said when it comes to rendering
+        return False
 
 
 class Frames:
@@ -157,11 +172,12 @@ class Frames:
                 objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
                 camera.data.clip_start, camera.data.clip_end, len(core.CONTROLS),
                 ("object", "material", "style", "attributes", "marks"), threads, self._go_on)
-            views[name] = eye, maps
+            views[name] = eye, maps, projection
         objects.meshes.clear()
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
-        return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, frame,
+        return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views,
+                          camera.data.clip_start, frame,
                           (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
                           threads)
 
@@ -178,7 +194,7 @@ class Frames:
         def take(column, row):
             result = self.engine.get_result()
             for render_pass in result.layers[depsgraph.view_layer.name].passes:
-                if render_pass.name in layers.DRAWN or render_pass.name in layers.SAVED:
+                if render_pass.name in {**layers.DRAWN, **layers.SAVED, **layers.SAVED_SEEN}:
                     continue
                 picture = compat.read_pass(render_pass, result.resolution_x, result.resolution_y)
                 view = gathered.setdefault(render_pass.view_id, supersample.Gathered(layer.factor))
@@ -210,7 +226,8 @@ class Frames:
             for render_pass in layer.passes:
                 by_view.setdefault(render_pass.view_id, {})[render_pass.name] = render_pass
             for view_id, there in by_view.items():
-                out = mine.drawn[view_id] if mine.drawn else self._draw(mine, view_id, self._read(there, result))
+                out = mine.drawn[view_id] if mine.drawn else self._draw(
+                    mine, view_id, self._read(there, result, mine.settings.seen))
                 for name in out.keys() & there.keys():
                     compat.write_pass(there[name], out[name])
             self._stamp(result, mine)
@@ -218,9 +235,9 @@ class Frames:
             self.engine.say("WARNING", f"{self.nonfinite} values of the layers were not finite and were read as 0")
             self.nonfinite = 0
 
-    def _read(self, there, result):
+    def _read(self, there, result, seen):
         """The passes that the stages need, by their classic names; `there`: render passes by name."""
-        names = {name: compat.pass_name(name) for name in layers.CYCLES}
+        names = {name: compat.pass_name(name) for name in [*layers.CYCLES, *(layers.SEEN if seen else ())]}
         return {name: compat.read_pass(there[own], result.resolution_x, result.resolution_y)
                 for name, own in names.items() if own in there}
 
@@ -229,16 +246,20 @@ class Frames:
         settings, objects = layer.settings, layer.objects
         name = self.engine.get_result().views[view_id].name if len(layer.views) > 1 else ""
         self.engine.update_stats("Encre", f"{layer.name} {name}".strip())
-        camera, maps = layer.views[name]
+        camera, maps, projection = layer.views[name]
+        frame = supersample.frame(layer.frame, layer.factor)
+        if "Denoising Depth" in pictures:
+            depth = layers.seen_depth(pictures["Denoising Depth"], projection, frame, layer.clip_start)
+            pictures = {**pictures, "Encre Seen Depth": depth}
         index = pictures["IndexOB"][..., 0]
         pictures = {**pictures, **layers.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)}
         images, nonfinite = layers.assemble(pictures, settings.scene, settings.overrides,
                                             self._denoiser(layer), layer.denoise_other)
-        drawn = core.render(images, settings.scene, settings.overrides, camera,
-                            supersample.frame(layer.frame, layer.factor), outputs=("Combined", *layers.DRAWN),
-                            threads=layer.threads, progress=self._go_on, image=papers.load)
-        out = {**drawn.images, **{name: pictures[name] for name in layers.SAVED if name in pictures},
-               "Encre Source": images["combined"], "Encre Diffuse": images["diffuse"]}
+        drawn = core.render(images, settings.scene, settings.overrides, camera, frame,
+                            outputs=("Combined", *layers.DRAWN), threads=layer.threads, progress=self._go_on,
+                            image=papers.load)
+        saved = {name: pictures[name] for name in [*layers.SAVED, *layers.SAVED_SEEN] if name in pictures}
+        out = {**drawn.images, **saved, "Encre Source": images["combined"], "Encre Diffuse": images["diffuse"]}
         if layer.user_indices is not None:
             known = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)
             out[compat.pass_name("IndexOB")] = layer.user_indices[known][..., None]

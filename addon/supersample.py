@@ -7,7 +7,7 @@ from . import core, layers
 
 # What can't be averaged: numbers of things, and places, where the mean of near and far is neither.
 _ONE_SAMPLE = {"Depth", "Denoising Depth", "IndexOB", "IndexMA", "Position", "UV", "Vector", "Encre Index",
-               "Encre Line Controls", "Encre Surface Controls"}
+               "Encre Line Controls", "Encre Surface Controls", "Encre Seen Depth"}
 
 
 def frame(place, factor):
@@ -53,7 +53,7 @@ class Gathered:
     def take(self, name, picture, column, row):
         """Adds what a sub-frame has of the pass `name`."""
         factor, (height, width, channels) = self.factor, picture.shape
-        if layers.classic(name) in layers.CYCLES:
+        if layers.classic(name) in {**layers.CYCLES, **layers.SEEN}:
             if name not in self.large:
                 self.large[name] = np.empty((factor * height, factor * width, channels), np.float32)
             self.large[name][row::factor, column::factor] = picture

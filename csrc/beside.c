@@ -101,7 +101,7 @@ static uint32_t following(const fine *n, const chain *c, uint32_t from, uint32_t
 static void add(beside *b, uint32_t first, uint32_t second)
 {
 	const fine *n = b->n;
-	chain c = {.first = first, .second = second, .rank = LIGHT_RANK, .loose = ISA(leads_nowhere)(n, first)};
+	chain c = {.first = first, .second = second, .rank = LIGHT_RANK + 1, .loose = ISA(leads_nowhere)(n, first)};
 	uint32_t last = first, anchor = first;
 	float way[2] = {0, 0}, sum = 0, squares = 0;
 	int count = 0;

@@ -123,13 +123,7 @@ typedef struct turn {
 /* Fewer sites than this that hang together are no line. */
 static int crumb_of(const site *s)
 {
-	switch ((enum family)s->family) {
-	case FAMILY_NORMAL_BAND:
-	case FAMILY_COLOR_BAND:
-	case FAMILY_LIGHT_BAND: return 4;
-	case FAMILY_LIGHT: return 3;
-	default: return 3;
-	}
+	return s->family == FAMILY_SEEN_DEPTH ? 9 : s->family >= FAMILY_SEEN ? 4 : is_band(s->family) ? 4 : 3;
 }
 
 static bool crumb(const fine *n, uint32_t i)

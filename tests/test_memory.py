@@ -34,6 +34,7 @@ def render(library, settings):
     layers = drawn.scene(61, 37, n=6)
     layers["controls"][..., 3:5] = 0.5
     layers["style"][10:20] = 1
+    layers["seen_color"], layers["seen_normal"] = layers["albedo"], -layers["normal"]
     layers["color"][3, 4] = np.nan  # makes the library copy the layer
     styles = [dict(line_thickness=20.0)]
     return library.render(layers, settings, styles, outputs=list(library.outputs), threads=3).images
