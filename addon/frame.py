@@ -54,13 +54,20 @@ def passes(scene):
     if hasattr(scene, "encre"):  # the library may be missing
         mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
         saved = mode == "ON" or (mode == "AUTO" and multilayer)
-        seen = layers.wants_seen(properties.scene_values(scene), [changed for _, changed in properties.styles(scene)])
+        seen = _sees(scene)
         wanted |= layers.SAVED if saved else {}
         wanted |= layers.SEEN if seen else {}
         wanted |= layers.SAVED_SEEN if seen and saved else {}
     for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
         yield compat.pass_name(name), channels, kind
+
+
+def _sees(scene):
+    try:
+        return layers.wants_seen(properties.scene_values(scene), [values for _, values in properties.styles(scene)])
+    except core.EncreError:  # said when it comes to rendering
+        return False
 
 
 class Frames:

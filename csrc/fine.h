@@ -14,7 +14,7 @@
 /* In the order in which they claim the picture: each keeps clear of the earlier ones. */
 enum family {
 	FAMILY_CRACK, /* depth, object, material: between two pixels */
-	FAMILY_THIN,  /* the same, of things too thin for two lines */
+	FAMILY_THIN,  /* the same, of a thing between pixel centres: its middle */
 	FAMILY_MARK,  /* drawn by hand: between two pixels */
 	FAMILY_NORMAL_BAND,
 	FAMILY_NORMAL, /* averaged layers: a thin stripe; a step */
@@ -40,8 +40,8 @@ enum axis { AXIS_ROW, AXIS_COLUMN, AXIS_JUNCTION };
 typedef struct site {
 	float x, y;           /* pixels; centres are whole numbers */
 	float strength;       /* weighted */
-	float area, peak;         /* of a thin thing: how much of it there is across, and at most in a pixel */
-	float wider;              /* pixels that the radius of its disc grows by */
+	float thin, half, inside; /* how much it is a side of a thin thing, half its width, and how far on along the axis
+				     its middle lies */
 	uint16_t column, row; /* of the pixel that it was found at */
 	uint16_t near_x,
 	    near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
@@ -108,8 +108,8 @@ static inline int ridge_bit(enum family family, int axis)
 	return 2 * ((int)family - FAMILY_THIN) + axis;
 }
 
-/* Marks in fine.thin, besides the cracks that are taken back: a thin thing, other in index or in depth only. */
-enum { HIT_OBJECT = 4, HIT_DEPTH = 8 };
+/* Marks in fine.hit: a thin thing, other in index or in depth only. */
+enum { HIT_OBJECT = 1, HIT_DEPTH = 2, THIN_SPAN = 16 };
 
 typedef struct fine {
 	frame *f;
@@ -120,8 +120,8 @@ typedef struct fine {
 	float least_contrast; /* between colours across a step */
 	uint8_t *colored;     /* by row: colours may make edges */
 	uint8_t *crack;       /* width * height */
-	uint8_t *thin;        /* width * height */
-	uint8_t *hit;         /* by row: there is a mark in thin */
+	uint8_t *hit;         /* spans * height: of THIN_SPAN pixels of a row */
+	int spans;
 	uint16_t *ridge;      /* width * height: ridge_bit(), or MARK_SEEN */
 	uint16_t *seen;       /* width * height: bit 2 * (family - FAMILY_SEEN) + axis; NULL: nothing is known of it */
 	uint8_t *through;     /* width * height: the eye passes through or off the surface here; NULL likewise */
@@ -266,12 +266,12 @@ bool ISA(hand_site)(const fine *n, site *s);
 /* Where a line, or a seam, passes between the pixels of a crack: 0 < place <= 1, 0 for nowhere. */
 float ISA(hand_place)(const fine *n, const site *s);
 
-/* thin.c: finds the cracks of thin things, and takes them back; marks and places the sites that stand for them. */
+/* thin.c: marks thin things; places their cracks again; marks and places sites between those. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread);
-void ISA(carve_rows)(void *data, int y0, int y1, int thread);
+void ISA(thin_place)(const fine *n, site *s);
 void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge);
 bool ISA(thin_site)(const fine *n, site *s);
-int32_t ISA(thin_widen)(fine *n); /* when sites are linked */
+int32_t ISA(thin_tie)(fine *n); /* links these to cracks, when each are linked */
 
 /* ridges.c */
 ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */

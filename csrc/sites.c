@@ -59,9 +59,10 @@ bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, floa
 
 static void crack_of(const fine *n, site *s)
 {
-	if (s->family == FAMILY_CRACK)
+	if (s->family == FAMILY_CRACK) {
 		ISA(crack_site)(n, s);
-	else if (s->family == FAMILY_MARK)
+		ISA(thin_place)(n, s);
+	} else if (s->family == FAMILY_MARK)
 		ISA(hand_site)(n, s);
 	else
 		ISA(light_site)(n, s);
@@ -256,7 +257,7 @@ static void clear_sites(void *data, int first, int end, int thread)
 static int32_t clear(fine *n)
 {
 	int32_t code = ENCRE_OK;
-	for (int k = FAMILY_CRACK + 1; !code && k < FAMILY_COUNT; k++) {
+	for (int k = FAMILY_THIN + 1; !code && k < FAMILY_COUNT; k++) {
 		turn t = {n, k, n->first[k * n->f->height]};
 		int count = (int)(n->first[(k + 1) * n->f->height] - t.first);
 		code = rows_run(n->f->rows, count, CHUNK, clear_sites, &t);
@@ -296,8 +297,8 @@ void ISA(fine_plan)(frame *f, const edges *e, bool seen, arena *a)
 	made.crack = arena_take(a, pixels, sizeof *made.crack);
 	made.ridge = arena_take(a, pixels, sizeof *made.ridge);
 	made.first = arena_take(a, (size_t)FAMILY_COUNT * (size_t)f->height + 1, sizeof *made.first);
-	made.thin = arena_take(a, pixels, sizeof *made.thin);
-	made.hit = arena_take(a, (size_t)f->height, sizeof *made.hit);
+	made.spans = (f->width - 1) / THIN_SPAN + 1;
+	made.hit = arena_take(a, (size_t)made.spans * (size_t)f->height, sizeof *made.hit);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
 	if (seen) {
@@ -334,9 +335,7 @@ int32_t ISA(fine_run)(frame *f)
 	if (!code)
 		code = rows_run(f->rows, f->height, 0, ISA(thin_rows), n);
 	if (!code)
-		code = rows_run(f->rows, f->height, 0, ISA(carve_rows), n);
-	if (!code && n->seen)
-		code = ISA(seen_run)(n);
+		code = n->seen ? ISA(seen_run)(n) : ENCRE_OK;
 	if (!code)
 		code = rows_run(f->rows, f->height, 0, ISA(ridge_rows), n);
 	if (!code)
@@ -348,7 +347,7 @@ int32_t ISA(fine_run)(frame *f)
 	if (!code)
 		code = ISA(fine_link)(n);
 	if (!code)
-		code = ISA(thin_widen)(n);
+		code = ISA(thin_tie)(n);
 	if (!code)
 		code = ISA(fine_smooth)(n);
 	if (!code)
