@@ -136,13 +136,13 @@ def sites(layers, settings):
 
 
 def turns(rounds, jobs):
-    """Least seconds of each job (layers, settings) on one thread; they take turns, so that all meet the same load."""
+    """Least processor seconds of each job (layers, settings) on one thread; they take turns under the same load."""
     best = [1e9] * len(jobs)
     for _ in range(rounds):
         for k, (layers, settings) in enumerate(jobs):
-            start = time.perf_counter()
+            start = time.process_time()
             core.render(layers, settings, threads=1)
-            best[k] = min(best[k], time.perf_counter() - start)
+            best[k] = min(best[k], time.process_time() - start)
     return best
 
 
