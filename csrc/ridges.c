@@ -274,7 +274,7 @@ static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
 
 ptrdiff_t ISA(ridge_scratch)(const frame *f)
 {
-	return (2 * SPAN * (f->width + 2 * REACH) + 3) / 4;
+	return (2 * SPAN * (f->width + 2 * REACH) + (f->width - 1) / THIN_SPAN + 1 + 3) / 4;
 }
 
 void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
@@ -282,7 +282,7 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 	const fine *n = data;
 	const frame *f = n->f;
 	uint8_t *mixed = (uint8_t *)(n->scratch + thread * n->thread_scratch) + REACH;
-	uint8_t *closed = mixed + SPAN * (f->width + 2 * REACH);
+	uint8_t *closed = mixed + SPAN * (f->width + 2 * REACH), *hits = closed - REACH + SPAN * (f->width + 2 * REACH);
 	ring rings[SAMPLE_COUNT];
 	for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++)
 		rings[s] = ISA(ring_of)(n->e, (enum source)s, thread);
@@ -297,7 +297,7 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 				mixed_row(n, row, at);
 			w.mixed[k] = at;
 		}
-		ISA(thin_mark)(n, y, ridge);
+		ISA(thin_mark)(n, y, hits, ridge);
 		if (n->seen)
 			memset(n->seen + (ptrdiff_t)y * f->width, 0, (size_t)f->width * sizeof *n->seen);
 		for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++) {
