@@ -66,12 +66,17 @@ static int along(const window *w, int x, int axis, float (*value)[3])
  * thin stripe goes the other way. Of two equal ones, which lie at the same place, the first counts. */
 static bool greatest(const window *w, int x, int axis)
 {
-	float value[SPAN][3], own, floor = w->n->floor[w->source];
-	if (along(w, x, axis, value) < 1)
+	float value[SPAN][3], own = 0, floor = w->n->floor[w->source];
+	int before = axis ? REACH - 1 : REACH, after = axis ? REACH + 1 : REACH, dx = axis ? 0 : 1;
+	if (w->mixed[before][x - dx] || w->mixed[after][x + dx])
 		return false;
-	own = distance2(value[REACH + 1], value[REACH - 1], w->planes);
+	for (int c = 0; c < w->planes; c++) {
+		float d = w->row[c][after][x + dx] - w->row[c][before][x - dx];
+		own += d * d;
+	}
 	if (!(own > floor * floor))
 		return false;
+	along(w, x, axis, value);
 	for (int k = -2; k <= 2; k++) {
 		float other = distance2(value[REACH + k + 1], value[REACH + k - 1], w->planes), dot = 0;
 		for (int c = 0; c < w->planes; c++)
@@ -143,10 +148,11 @@ static void mixed_row(const fine *n, int y, uint8_t *out)
 /* Bits by axis. */
 enum { STEP = 1, BAND = 4 };
 
-/* Squared lengths of what makes a step, across one pixel and across two, and of what makes a band. Called with a
- * constant number of planes, so that the loop over them is unrolled and the one over pixels vectorised. */
-static inline void measure(const float *const (*v)[3], int planes, int n, float *restrict step, float *restrict wide,
-			   float *restrict bulge)
+/* Squared lengths of what makes a step, across one pixel and, if it is asked for, across two if that is more, and of
+ * what makes a band. Called with a constant number of planes, so that the loop over them is unrolled and the one over
+ * pixels vectorised. */
+static inline void measure(const float *const (*v)[3], int planes, bool far_too, int n, float *restrict step,
+			   float *restrict wide, float *restrict bulge)
 {
 	for (int i = 0; i < n; i++) {
 		float step2 = 0, wide2 = 0, bulge2 = 0;
@@ -154,11 +160,12 @@ static inline void measure(const float *const (*v)[3], int planes, int n, float 
 			float near = v[3][c][i] - v[1][c][i], far = v[4][c][i] - v[0][c][i];
 			float e = (v[1][c][i] + v[2][c][i] + v[3][c][i]) - 1.5f * (v[0][c][i] + v[4][c][i]);
 			step2 += near * near;
-			wide2 += far * far;
+			wide2 += far_too ? far * far : 0;
 			bulge2 += e * e;
 		}
 		step[i] = step2;
-		wide[i] = wide2;
+		if (far_too)
+			wide[i] = wide2 > step2 ? wide2 : step2;
 		bulge[i] = bulge2;
 	}
 }
@@ -198,20 +205,23 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 	for (int i = 0; i < n; i++)
 		bits[i] = 0;
 	for (int axis = 0; axis < 2; axis++) {
-		const float *v[5][3];
+		const float *v[5][3] = {{NULL}};
 		for (int k = -2; k <= 2; k++)
 			for (int c = 0; c < w->planes; c++)
 				v[k + 2][c] = w->row[c][REACH + (axis ? k : 0)] + x0 + (axis ? 0 : k);
-		if (w->planes == 3)
-			measure((const float *const(*)[3])v, 3, n, step, wide, bulge);
+		bool far_too = contrast > least;
+		if (w->planes == 1)
+			measure((const float *const(*)[3])v, 1, false, n, step, wide, bulge);
+		else if (far_too)
+			measure((const float *const(*)[3])v, 3, true, n, step, wide, bulge);
 		else
-			measure((const float *const(*)[3])v, 1, n, step, wide, bulge);
+			measure((const float *const(*)[3])v, 3, false, n, step, wide, bulge);
 		for (int i = 0; i < n; i++) {
-			float far = wide[i] > step[i] ? wide[i] : step[i];
-			int is_step = (step[i] > least * least) & (far > contrast * contrast),
-			    is_band = bulge[i] > band * band;
+			int is_step = step[i] > least * least, is_band = bulge[i] > band * band;
 			bits[i] |= (is_step ? STEP << axis : 0) | (is_band ? BAND << axis : 0);
 		}
+		for (int i = 0; far_too && i < n; i++)
+			bits[i] &= wide[i] > contrast * contrast ? -1 : ~(STEP << axis);
 		if (w->source == SOURCE_LIGHT && !w->n->f->style)
 			keep_levels(&w->n->e->p->shade_levels,
 				    (const float *const[]){v[0][0], v[1][0], v[2][0], v[3][0], v[4][0]}, n, axis, bits);
