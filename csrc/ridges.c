@@ -4,7 +4,7 @@
  * and no read along a direction goes past them. */
 #include "fine.h"
 
-enum { REACH = 3, SPAN = 2 * REACH + 1 };
+enum { REACH = 3, SPAN = 2 * REACH + 1, SHORT = 32 };
 
 /* Rows about the one worked on: sample 0 of each, REACH more before it and after the last. */
 typedef struct window {
@@ -170,11 +170,15 @@ static inline void measure(const float *const (*v)[3], int planes, bool far_too,
 	}
 }
 
-/* Takes back what no level of light lies between: v are samples -2..2 along an axis. */
+/* Takes back what no level of light lies between, of n <= SHORT pixels: v are samples -2..2 along an axis. */
 static void keep_levels(const encre_levels *levels, const float *const *v, int n, int axis, int32_t *restrict bits)
 {
-	float low[TILE], high[TILE], deep_low[TILE], deep_high[TILE];
-	int32_t step[TILE], band[TILE];
+	float low[SHORT], high[SHORT], deep_low[SHORT], deep_high[SHORT];
+	int32_t step[SHORT], band[SHORT], any = 0;
+	for (int i = 0; i < n; i++)
+		any |= bits[i] & (STEP | BAND) << axis;
+	if (!any)
+		return;
 	for (int i = 0; i < n; i++) {
 		float a = v[0][i], b = v[1][i], c = v[2][i], d = v[3][i], e = v[4][i];
 		float ab = a < b ? a : b, de = d < e ? d : e, AB = a > b ? a : b, DE = d > e ? d : e;
@@ -222,9 +226,10 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 		}
 		for (int i = 0; far_too && i < n; i++)
 			bits[i] &= wide[i] > contrast * contrast ? -1 : ~(STEP << axis);
-		if (w->source == SOURCE_LIGHT && !w->n->f->style)
-			keep_levels(&w->n->e->p->shade_levels,
-				    (const float *const[]){v[0][0], v[1][0], v[2][0], v[3][0], v[4][0]}, n, axis, bits);
+		for (int i = 0; w->source == SOURCE_LIGHT && !w->n->f->style && i < n; i += SHORT) {
+			const float *const at[] = {v[0][0] + i, v[1][0] + i, v[2][0] + i, v[3][0] + i, v[4][0] + i};
+			keep_levels(&w->n->e->p->shade_levels, at, n - i < SHORT ? n - i : SHORT, axis, bits + i);
+		}
 	}
 	const uint8_t *mixed = w->mixed[REACH] + x0, *above = w->mixed[REACH - 1] + x0,
 		      *below = w->mixed[REACH + 1] + x0;
