@@ -15,7 +15,7 @@ import numpy as np
 
 from .table import MAX_LEVELS, EncreError, Item, Param, Stage, normal, read, unknown
 
-API_VERSION = 4
+API_VERSION = 5
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
 
@@ -80,7 +80,7 @@ class _Mesh(c.Structure):
                 ("reserved", c.c_int32), ("object", c.c_void_p)]
 
 
-_KINDS = {"triangles": 3, "lines": 2, "seams": 2}  # corners of a primitive, in the order of enum encre_primitive
+_KINDS = {"triangles": 3, "lines": 2}  # corners of a primitive, in the order of enum encre_primitive
 _RASTER_OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes")
 
 
@@ -125,7 +125,7 @@ class Frame:
 @dataclass
 class Mesh:
     """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels); numbers of
-    `object`, `material` and `style` (t,) or one for all. Of kind `lines` or `seams`: points and corners (t, 2) alone.
+    `object`, `material` and `style` (t,) or one for all. Of kind `lines`: points and corners (t, 2) alone.
     """
 
     points: np.ndarray
