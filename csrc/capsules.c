@@ -39,6 +39,8 @@ static pen_end pen_end_of(const frame *f, const site *s, float length)
 	float taper = pen.p->line_taper * f->scale;
 	if (length < taper)
 		pen.radius *= length / taper;
+	if (pen.radius * s->crowd > 1)
+		pen.radius = 1 / s->crowd;
 	float half = most(pen.radius, 0.5f), soft = pen.p->line_softness * half;
 	e.fade = most(soft, 1);
 	e.out = s->wider + half - most(soft, 0.5f) + e.fade;

@@ -34,6 +34,7 @@ typedef struct site {
 	float strength;       /* weighted */
 	float area, peak;         /* of a thin thing: how much of it there is across, and at most in a pixel */
 	float wider;              /* pixels that the radius of its disc grows by */
+	float crowd;              /* its radius is at most 1 / crowd */
 	uint16_t column, row; /* of the pixel that it was found at */
 	uint16_t near_x,
 	    near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
@@ -200,6 +201,9 @@ void ISA(carve_rows)(void *data, int y0, int y1, int thread);
 void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge);
 bool ISA(thin_site)(const fine *n, site *s);
 int32_t ISA(thin_widen)(fine *n); /* when sites are linked */
+
+/* crowd.c: bounds the radius of lines between colours by the room they have. */
+int32_t ISA(fine_crowd)(fine *n);
 
 /* ridges.c */
 ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */
