@@ -14,6 +14,8 @@ _FLAT_RECT = bpy.app.version >= (4, 1, 0)
 LINEAR_BRUSH = bpy.app.version >= (5, 0, 0)
 # 4.5 wants it said that a property of a path may begin with // and warns at every such value otherwise.
 BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
+# 5.0 made Freestyle's edge marks a boolean attribute; before, they are a property of edges.
+_MARKS_ARE_ATTRIBUTES = bpy.app.version >= (5, 0, 0)
 # 4.3 made Grease Pencil anew: other data blocks, modifiers like those of meshes, drawings with attributes.
 _NEW_PENCIL = bpy.app.version >= (4, 3, 0)
 
@@ -35,6 +37,22 @@ def write_pass(render_pass, picture):
     """Stores a picture (height, width, channels) or (height, width), row 0 at the top, in a render pass."""
     flat = np.ascontiguousarray(picture[::-1], np.float32)
     render_pass.rect.foreach_set(flat.reshape(-1) if _FLAT_RECT else flat.reshape(-1, render_pass.channels))
+
+
+def marked_edges(mesh):
+    """Which edges of a mesh are marked for Freestyle: bool (edges,), None where no mesh of this Blender says.
+
+    A boolean attribute `freestyle_edge` of edges, which Geometry Nodes can write, counts in every version.
+    """
+    attribute = mesh.attributes.get("freestyle_edge")
+    marked = np.empty(len(mesh.edges), bool)
+    if attribute is not None and (attribute.domain, attribute.data_type) == ("EDGE", "BOOLEAN"):
+        attribute.data.foreach_get("value", marked)
+    elif not _MARKS_ARE_ATTRIBUTES:
+        mesh.edges.foreach_get("use_freestyle_mark", marked)
+    else:
+        return None
+    return marked
 
 
 def has_cycles_denoiser():

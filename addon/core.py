@@ -15,7 +15,7 @@ import numpy as np
 
 from .table import MAX_LEVELS, EncreError, Item, Param, Stage, normal, read, unknown
 
-API_VERSION = 2
+API_VERSION = 3
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
 
@@ -77,9 +77,10 @@ class _Mesh(c.Structure):
                 ("points", c.c_void_p), ("corners", c.c_void_p), ("attributes", c.c_void_p),
                 ("material", c.c_void_p), ("style", c.c_void_p), ("model", c.c_double * 16),
                 ("object_index", c.c_int32), ("material_index", c.c_int32), ("style_index", c.c_int32),
-                ("reserved", c.c_int32)]
+                ("reserved", c.c_int32), ("object", c.c_void_p)]
 
 
+_KINDS = {"triangles": 3, "lines": 2, "seams": 2}  # corners of a primitive, in the order of enum encre_primitive
 _RASTER_OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes")
 
 
@@ -87,7 +88,7 @@ class _RasterJob(c.Structure):
     _fields_ = [("meshes", c.POINTER(_Mesh)), ("n_meshes", c.c_int32), ("n_channels", c.c_int32),
                 ("view", c.c_double * 16), ("projection", c.c_double * 16), ("clip_start", c.c_double),
                 ("clip_end", c.c_double), ("frame", _Frame), *((n, _Image) for n in _RASTER_OUTPUTS),
-                ("progress", _Progress), ("user", c.c_void_p)]
+                ("progress", _Progress), ("user", c.c_void_p), ("marks", _Image)]
 
 
 class _BakeJob(c.Structure):
@@ -123,13 +124,16 @@ class Frame:
 
 @dataclass
 class Mesh:
-    """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels)."""
+    """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels); numbers of
+    `object`, `material` and `style` (t,) or one for all. Of kind `lines` or `seams`: points and corners (t, 2) alone.
+    """
 
     points: np.ndarray
     corners: np.ndarray | None = None
     attributes: np.ndarray | None = None
     material: np.ndarray | None = None
     style: np.ndarray | None = None
+    object: np.ndarray | None = None
     model: np.ndarray = field(default_factory=lambda: np.eye(4))
     object_index: int = 0
     material_index: int = 0
@@ -384,7 +388,8 @@ class Library:
                outputs: Sequence[str] = _RASTER_OUTPUTS, threads: int = 0, progress=None) -> dict[str, np.ndarray]:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
-        Returns float32 arrays (H, W), `normal` (H, W, 3) and `attributes` (H, W, channels).
+        Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
+        (H, W, 2).
         """
         job, keep = _RasterJob(), []
         array = (_Mesh * max(1, len(meshes)))()
@@ -398,7 +403,8 @@ class Library:
         width, height = size
         images = {}
         for name in outputs:
-            shape = {"normal": (height, width, 3), "attributes": (height, width, channels)}.get(name, (height, width))
+            depth = {"normal": (3,), "attributes": (channels,), "marks": (2,)}.get(name, ())
+            shape = height, width, *depth
             images[name] = np.zeros(shape, np.float32)
             if images[name].size:
                 setattr(job, name, _image(images[name]))
@@ -460,16 +466,18 @@ def _pack_mesh(m, mesh):
             raise EncreError(f"mesh: {what} has shape {keep[-1].shape}; give one entry for each of {shape}")
         return keep[-1].ctypes.data
 
-    m.kind = ("triangles",).index(mesh.kind)
+    each = _KINDS[mesh.kind]
+    m.kind = list(_KINDS).index(mesh.kind)
     m.n_points = len(points)
-    m.n_primitives = len(points) // 3 if mesh.corners is None else len(mesh.corners)
+    m.n_primitives = len(points) // each if mesh.corners is None else len(mesh.corners)
     m.n_channels = 0 if mesh.attributes is None else mesh.attributes.shape[-1]
     m.points = points.ctypes.data
     count = m.n_primitives
-    m.corners = pointer("corners", mesh.corners, np.int32, (count, 3))
+    m.corners = pointer("corners", mesh.corners, np.int32, (count, each))
     m.attributes = pointer("attributes", mesh.attributes, np.float32, (count, 3))
     m.material = pointer("material", mesh.material, np.int32, (count,))
     m.style = pointer("style", mesh.style, np.int32, (count,))
+    m.object = pointer("object", mesh.object, np.int32, (count,))
     m.model[:] = np.asarray(mesh.model, np.float64).ravel()
     m.object_index, m.material_index, m.style_index = mesh.object_index, mesh.material_index, mesh.style_index
     return keep

@@ -137,7 +137,7 @@ class Frames:
             eye = core.Camera(view[:3, :3].ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1)
             maps = core.raster(
                 objects.meshes, view, projection, frame, (columns, rows), camera.data.clip_start,
-                camera.data.clip_end, len(core.CONTROLS), ("object", "material", "style", "attributes"),
+                camera.data.clip_end, len(core.CONTROLS), ("object", "material", "style", "attributes", "marks"),
                 threads, self._go_on)
             views[name] = eye, maps
         objects.meshes.clear()

@@ -37,6 +37,7 @@ SAVED = {
     "Encre Index": "XYZ",
     "Encre Line Controls": "XYZ",
     "Encre Surface Controls": "XYZ",
+    "Encre Marks": "XYZ",  # Z is 0: Blender's compositor knows no passes of two channels
 }
 # Blender 5 renamed these passes.
 RENAMED = {
@@ -184,6 +185,8 @@ def assemble(passes, scene, styles=(), denoise=None, denoise_other=False):
     if "Encre Line Controls" in read and "Encre Surface Controls" in read:
         layers["controls"] = np.concatenate(
             [read.raw("Encre Line Controls"), read.raw("Encre Surface Controls")], axis=2)
+    if "Encre Marks" in read and read.raw("Encre Marks").any():
+        layers["marks"] = read.raw("Encre Marks")[..., :2]
 
     values = every_style(scene, styles)
     shading = _by_style(layers.get("style"), [v["use_shading"] for v in values])
@@ -254,12 +257,12 @@ def own_pixels(index, drawn):
 
 
 def rasterised(index, maps, owners, numbers, strays):
-    """The passes Encre Index, Encre Line Controls and Encre Surface Controls.
+    """The passes Encre Index, Encre Line Controls, Encre Surface Controls and Encre Marks.
 
     index: (height, width) object index that Cycles wrote. maps: the rasteriser's pictures `object` (a number per
-    instance, 0 = nothing), `material`, `style` and `attributes` (the six controls). owners[instance]: what Cycles
-    wrote for that instance; numbers[instance]: what the object layer says for it. strays(indices): the same for
-    pixels whose object was not drawn nearby, from Cycles' indices.
+    part of an instance, 0 = nothing), `material`, `style`, `attributes` (the six controls) and `marks`.
+    owners[number]: what Cycles wrote for that instance; numbers[number]: what the object layer says for it.
+    strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices.
     """
     shape = index.shape
     instance = maps["object"].reshape(shape).astype(np.intp)
@@ -278,7 +281,21 @@ def rasterised(index, maps, owners, numbers, strays):
         [moved(numbers[instance], 1, lost), moved(maps["material"], 1), moved(maps["style"], 1)], axis=2)
     controls = moved(maps["attributes"], 6)
     passes["Encre Line Controls"], passes["Encre Surface Controls"] = controls[..., :3], controls[..., 3:]
+    passes["Encre Marks"] = _seen_marks(maps["marks"], pixels)
     return passes
+
+
+def _seen_marks(marks, strays):
+    """(height, width, 3): marks (height, width, 2) but for ways to or from `strays`, flat numbers of pixels that show
+    something else than the rasteriser drew."""
+    seen = np.zeros((*marks.shape[:2], 3), np.float32)
+    seen[..., :2] = marks
+    stray = np.zeros(marks.shape[:2], bool)
+    stray.reshape(-1)[strays] = True
+    seen[stray] = 0
+    seen[:, :-1, 0][stray[:, 1:]] = 0
+    seen[:-1, :, 1][stray[1:]] = 0
+    return seen
 
 
 # Metadata

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Evaluated objects -> triangles with painted controls, numbers of objects, and the camera's matrices."""
+"""Evaluated objects -> triangles with painted controls, marked edges, numbers of objects, and the camera's matrices."""
 
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
-from . import core, properties, unwrap
+from . import compat, core, properties, unwrap
 
 MESHABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 _MOST_INDICES = 32767  # pass_index is a short
@@ -14,10 +14,11 @@ _MOST_INDICES = 32767  # pass_index is a short
 
 @dataclass
 class Objects:
-    """Triangles of one view layer. Arrays are by instance number, the `object_index` of a mesh; 0 is nothing."""
+    """Triangles and marked edges of one view layer. Arrays are by the rasteriser's object number, one for each part
+    of each instance; 0 is nothing."""
 
     meshes: list
-    owners: np.ndarray   # the object index that Cycles writes for the instance
+    owners: np.ndarray   # the object index that Cycles writes for it
     numbers: np.ndarray  # what the layer `object` says
     indices: np.ndarray | None  # by Cycles' index: what the layer says where nothing was drawn; None: see strays()
     automatic: bool
@@ -83,15 +84,23 @@ def extract(depsgraph, automatic, line_numbers):
         if obj.type not in MESHABLE or not instance.show_self or not _in_camera(obj, depsgraph):
             continue
         # Instances come as one passing object. An evaluated mesh has its modifiers in it, a curve or text has not.
-        key = obj.data.as_pointer(), None if obj.type == "MESH" else obj.original.as_pointer()
+        key = (obj.data.as_pointer(), None if obj.type == "MESH" else obj.original.as_pointer(),
+               obj.encre.separate_parts)
         if key not in cache:
             cache[key] = _triangles(obj)
-        if cache[key] is None:
+        triangles = cache[key]
+        if triangles is None:
             continue
         number = len(owners)
-        owners.append(obj.pass_index)
-        numbers.append(_line_number(instance, obj, automatic, line_numbers, running, first_free + number))
-        meshes.append(_mesh(cache[key], obj, materials, instance.matrix_world, number))
+        parts = range(first_free + number, first_free + number + triangles.n_parts)
+        owners += [obj.pass_index] * len(parts)
+        numbers.append(_line_number(instance, obj, automatic, line_numbers, running, parts[0]))
+        numbers += [own if automatic else -own for own in parts[1:]]  # negative: no pass index is
+        meshes.append(_mesh(triangles, obj, materials, instance.matrix_world, number))
+        for kind, edges in (("lines", triangles.marked), ("seams", triangles.seams)):
+            if len(edges):
+                meshes.append(core.Mesh(triangles.points, edges, kind=kind,
+                                        model=np.array(instance.matrix_world, np.float64)))
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
                    line_numbers if automatic else None, automatic)
 
@@ -120,6 +129,10 @@ class _Triangles:
     corners: np.ndarray
     material: np.ndarray | None  # slot of each triangle, None: all 0
     painted: np.ndarray | None   # (triangles, 3, 6)
+    part: np.ndarray | None      # part of each triangle, 0 to n_parts - 1; None: there is one
+    n_parts: int
+    marked: np.ndarray           # (edges, 2) points of the edges that are marked by hand
+    seams: np.ndarray            # (edges, 2) of those at which parts meet
 
 
 def _triangles(obj):
@@ -131,7 +144,7 @@ def _triangles(obj):
     if mesh is None:
         return None
     try:
-        return _read(mesh) if len(mesh.polygons) else None
+        return _read(mesh, obj.encre.separate_parts) if len(mesh.polygons) else None
     finally:
         obj.to_mesh_clear()
 
@@ -142,7 +155,7 @@ def _get(collection, name, dtype, width=1):
     return values.reshape(-1, width) if width > 1 else values
 
 
-def _read(mesh):
+def _read(mesh, separate):
     position = mesh.attributes.get("position")
     points = (_get(position.data, "vector", np.float32, 3) if position
               else _get(mesh.vertices, "co", np.float32, 3))
@@ -157,7 +170,11 @@ def _read(mesh):
     else:
         material = None
     corners = vertex[loops]
-    return _Triangles(points, corners, material, _painted(mesh, loops, corners, face))
+    part, n_parts = _parts(mesh, corners, face, separate)
+    none, marked = np.empty((0, 2), np.int32), compat.marked_edges(mesh)
+    return _Triangles(points, corners, material, _painted(mesh, loops, corners, face), part, n_parts,
+                      none if marked is None or not marked.any() else _get(mesh.edges, "vertices", np.int32, 2)[marked],
+                      none if part is None else _seams(corners, part))
 
 
 def _triangulate(mesh, points, vertex):
@@ -177,6 +194,46 @@ def _triangulate(mesh, points, vertex):
     halves = np.take_along_axis(four, cut, 1).reshape(-1, 3)
     loops = np.concatenate([start[triangle][:, None] + np.arange(3, dtype=np.int32), halves])
     return loops, np.concatenate([triangle, np.repeat(quad, 2)])
+
+
+# Parts
+
+PART = "encre_part"
+_NUMBERS = {"INT": np.int32, "INT8": np.int32, "BOOLEAN": bool, "FLOAT": np.float32}
+
+
+def _parts(mesh, corners, face, separate):
+    """(part of each triangle (t,), or None, number of parts): faces with another encre_part, or, with `separate`, not
+    joined by any face, are of another part. The lowest number, and the first point, are part 0."""
+    number = np.zeros(len(corners))
+    attribute = mesh.attributes.get(PART)
+    if attribute is not None and attribute.domain == "FACE" and attribute.data_type in _NUMBERS:
+        number = _get(attribute.data, "value", _NUMBERS[attribute.data_type])[face]
+    piece = islands(len(mesh.vertices), corners)[corners[:, 0]] if separate else np.zeros(len(corners), np.intp)
+    found, part = np.unique(np.stack([number, piece], 1), axis=0, return_inverse=True)
+    return (part.reshape(-1).astype(np.int32), len(found)) if len(found) > 1 else (None, 1)
+
+
+def _seams(corners, part):
+    """The edges (n, 2) of triangles (t, 3) at which two of different parts meet."""
+    edge = np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]), 1)
+    order = np.lexsort(edge.T)
+    edge, part = edge[order], np.tile(part, 3)[order]
+    return edge[1:][(edge[1:] == edge[:-1]).all(1) & (part[1:] != part[:-1])]
+
+
+def islands(count, corners):
+    """The least of the points that each of `count` points hangs together with by triangles (t, 3)."""
+    root = np.arange(count)
+    while True:
+        own = root[corners]
+        least = own.min(1)
+        if (own == least[:, None]).all():
+            return root
+        for k in range(3):  # the root of a point, too, hangs together with the least of its triangle
+            np.minimum.at(root, own[:, k], least)
+        while (root[root] != root).any():
+            root = root[root]
 
 
 # UV maps
@@ -257,6 +314,8 @@ def _mesh(triangles, obj, materials, matrix, number):
     mesh = core.Mesh(triangles.points, triangles.corners, object_index=number,
                      model=np.array(matrix, np.float64), material_index=slots[0][0],
                      style_index=own_style or slots[0][1])
+    if triangles.part is not None:
+        mesh.object = number + triangles.part
     slot = np.zeros(len(triangles.corners), np.intp)
     if triangles.material is not None and len(slots) > 1:
         slot = np.clip(triangles.material, 0, len(slots) - 1)  # as Cycles does

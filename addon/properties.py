@@ -94,8 +94,14 @@ def register():
     controls["style"] = bpy.props.StringProperty(
         name="Style", description="Style that this surface uses; an object's word counts more than a material's")
     material = _class("EncreMaterial", dict(controls))
-    obj = _class("EncreObject", {**controls, "line_group": bpy.props.StringProperty(
-        name="Line Group", description="Objects of the same group have no outlines between them")})
+    obj = _class("EncreObject", {
+        **controls,
+        "line_group": bpy.props.StringProperty(
+            name="Line Group", description="Objects of the same group have no outlines between them"),
+        "separate_parts": bpy.props.BoolProperty(
+            name="Separate Parts", description="Parts of the mesh that no face joins have outlines between them, as "
+            "objects have: also where they pass through each other"),
+    })
     bpy.types.Scene.encre = bpy.props.PointerProperty(type=scene)
     bpy.types.Material.encre = bpy.props.PointerProperty(type=material)
     bpy.types.Object.encre = bpy.props.PointerProperty(type=obj)

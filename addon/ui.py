@@ -349,6 +349,7 @@ class ENCRE_PT_object(EncrePanel, bpy.types.Panel):
     def draw(self, context):
         draw_block(self.layout, context.object, context.scene)
         self.layout.prop(context.object.encre, "line_group")
+        self.layout.prop(context.object.encre, "separate_parts")
 
 
 class ENCRE_PT_material(EncrePanel, bpy.types.Panel):

@@ -194,11 +194,12 @@ bool ISA(crack_site)(const fine *n, site *s)
 {
 	const frame *f = n->f;
 	int x = s->column, y = s->row, qx = x + (s->axis == AXIS_ROW), qy = y + (s->axis == AXIS_COLUMN);
-	place(s, crossing(f, s));
-	int style = fine_style(n, s);
 	float zp = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, y)[x]),
 	      zq = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, qy)[qx]);
 	bool object = (zp == INFINITY) != (zq == INFINITY), material = false;
+	float jump = depth_strength(n, s), drawn = jump > 0 || object ? 0 : ISA(hand_place)(n, s);
+	place(s, drawn > 0 ? drawn : crossing(f, s));
+	int style = fine_style(n, s);
 	if (f->layer[ENCRE_LAYER_OBJECT].data)
 		object |= layer_row(f, ENCRE_LAYER_OBJECT, y)[x] != layer_row(f, ENCRE_LAYER_OBJECT, qy)[qx];
 	if (f->layer[ENCRE_LAYER_MATERIAL].data)
@@ -206,7 +207,7 @@ bool ISA(crack_site)(const fine *n, site *s)
 	s->strength = 0;
 	ISA(fine_weigh)(n, s, style, SOURCE_OBJECT, object);
 	ISA(fine_weigh)(n, s, style, SOURCE_MATERIAL, material);
-	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, depth_strength(n, s));
+	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, jump);
 }
 
 bool ISA(light_site)(const fine *n, site *s)
@@ -337,6 +338,7 @@ void ISA(crack_rows)(void *data, int y0, int y1, int thread)
 				level_row(f, y + k, level[k]);
 		}
 		mark_row(n, y, u, (const uint8_t *const *)level);
+		ISA(hand_row)(n, y);
 		n->colored[y] = n->e->on[SOURCE_COLOR] && (n->most_color > 0 || is_painted(f, y));
 	}
 }

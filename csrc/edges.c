@@ -66,6 +66,7 @@ static float weight_in(const encre_params *p, enum source s)
 	case SOURCE_DEPTH: return p->edge_depth;
 	case SOURCE_NORMAL: return p->edge_normal;
 	case SOURCE_COLOR: return p->edge_color;
+	case SOURCE_MARK: return p->edge_mark;
 	default: return p->edge_light;
 	}
 }
@@ -233,11 +234,12 @@ static edges setup(const frame *f)
 			e.weight[s][i] = weight_in(p + i, (enum source)s);
 			e.on[s] |= e.weight[s][i] > 0;
 		}
-		bool dog = s == SOURCE_DEPTH || s == SOURCE_NORMAL ? e.dog : s >= SOURCE_COLOR && !e.contrast;
+		bool dog = s == SOURCE_DEPTH || s == SOURCE_NORMAL ? e.dog : (s == SOURCE_COLOR || s == SOURCE_LIGHT) && !e.contrast;
 		e.reach[s] = e.fine ? 3 : dog ? e.gauss.reach : 1;
 	}
 	e.on[SOURCE_OBJECT] &= f->layer[ENCRE_LAYER_OBJECT].data != NULL;
 	e.on[SOURCE_MATERIAL] &= f->layer[ENCRE_LAYER_MATERIAL].data != NULL;
+	e.on[SOURCE_MARK] &= f->layer[ENCRE_LAYER_MARKS].data != NULL;
 	e.on[SOURCE_COLOR] |= f->layer[ENCRE_LAYER_CONTROLS].data != NULL;
 	return e;
 }
@@ -257,7 +259,7 @@ static void plan(frame *f, arena *a)
 	for (int s = 0; s < SOURCE_COUNT; s++) {
 		e.ring_at[s] = e.thread_samples;
 		e.thread_samples += e.on[s] ? (2 * e.reach[s] + 1) * planes_of((enum source)s) * e.plane_samples : 0;
-		if (e.on[s] && s >= SOURCE_COLOR && e.contrast && e.p->contrast_auto) {
+		if (e.on[s] && (s == SOURCE_COLOR || s == SOURCE_LIGHT) && e.contrast && e.p->contrast_auto) {
 			e.difference[s] = arena_take(a, pixels, sizeof *e.difference[s]);
 			e.full[s] = arena_take(a, pixels, sizeof *e.full[s]);
 			ptrdiff_t row = f->width + 2 * window_reach(&e, f->width);

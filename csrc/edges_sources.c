@@ -199,6 +199,7 @@ void ISA(source_strength)(const ring *r, int y, int x0, int n, float *restrict s
 	case SOURCE_NORMAL: normal_strength(r, y, x0, n, strength); break;
 	case SOURCE_COLOR:
 	case SOURCE_LIGHT: color_strength(r, y, x0, n, strength); break;
+	case SOURCE_MARK: memcpy(strength, ring_row(r, y, 0) + x0, (size_t)n * sizeof *strength); break;
 	default: index_strength(r, y, x0, n, strength);
 	}
 }

@@ -33,6 +33,7 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 	[ENCRE_LAYER_MATERIAL] = {"material", "material index", 1, 0},
 	[ENCRE_LAYER_STYLE] = {"style", "style number, 0 the scene's", 1, 0},
 	[ENCRE_LAYER_CONTROLS] = {"controls", "thickness, intensity, color_edge, smudge_range, smudge_falloff, hatching; each -1..1", 6, 0},
+	[ENCRE_LAYER_MARKS] = {"marks", "where lines drawn by hand pass to the right, to the lower neighbour, 0..1; 0 = nowhere; negative: seams", 2, 0},
 };
 
 static const encre_layer_description outputs[ENCRE_OUTPUT_COUNT] = {
@@ -376,15 +377,15 @@ int32_t encre_raster(encre_context *context, encre_raster_job *job)
 	context->error[0] = 0;
 	const encre_layer_description what[] = {
 		{"depth", "", 1, 0}, {"normal", "", 3, 0}, {"object", "", 1, 0}, {"material", "", 1, 0}, {"style", "", 1, 0},
-		{"attributes", "", job->n_channels, 0},
+		{"attributes", "", job->n_channels, 0}, {"marks", "", 2, 0},
 	};
-	encre_image *images[] = {&job->depth, &job->normal, &job->object, &job->material, &job->style, &job->attributes};
+	encre_image *images[] = {&job->depth, &job->normal, &job->object, &job->material, &job->style, &job->attributes, &job->marks};
 	const encre_image *first = NULL;
 	encre_raster_job clean = *job;
-	encre_image *clean_images[] = {&clean.depth, &clean.normal, &clean.object, &clean.material, &clean.style, &clean.attributes};
+	encre_image *clean_images[] = {&clean.depth, &clean.normal, &clean.object, &clean.material, &clean.style, &clean.attributes, &clean.marks};
 	if (job->n_channels < 0 || job->n_channels > ENCRE_MAX_CHANNELS)
 		return fail(context, ENCRE_ERROR_ARGUMENT, "attributes: %d channels; give 0 to %d", (int)job->n_channels, ENCRE_MAX_CHANNELS);
-	for (int i = 0; i < 6; i++) {
+	for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
 		if (!images[i]->data)
 			continue;
 		if (!first)

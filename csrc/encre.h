@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 2 };
+enum { ENCRE_API_VERSION = 3 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -56,6 +56,9 @@ enum encre_layer {
 	ENCRE_LAYER_STYLE,        /* 1: style number, 0 = the scene's (absent: 0) */
 	ENCRE_LAYER_CONTROLS,     /* 6: painted controls -1..1: thickness, intensity, color_edge, smudge_range,
 	                                smudge_falloff, hatching (absent: 0) */
+	ENCRE_LAYER_MARKS,        /* 2: where lines that were drawn by hand pass between pixels: on the way from a pixel's
+	                                centre to that of its right, and of its lower neighbour, 0 < place <= 1;
+	                                0 = nowhere; -place: no line, but numbers change there (absent: 0) */
 	ENCRE_LAYER_COUNT
 };
 
@@ -196,21 +199,24 @@ ENCRE_API int32_t encre_render(encre_context *context, encre_job *job);
 
 enum encre_primitive {
 	ENCRE_TRIANGLES = 0, /* 3 corners each */
+	ENCRE_LINES = 1,     /* 2 corners each; only the output `marks` shows them */
+	ENCRE_SEAMS = 2,     /* likewise, negative: where faces of different numbers meet */
 };
 
-/* One mesh. Attributes are interpolated perspective-correctly between corners. */
+/* One mesh. Attributes are interpolated perspective-correctly between corners; lines have none, and no numbers. */
 typedef struct encre_mesh {
 	int32_t kind;             /* enum encre_primitive */
-	int32_t n_primitives;     /* corners: 3 * n_primitives */
+	int32_t n_primitives;
 	int32_t n_points;
 	int32_t n_channels;       /* attribute channels per corner, 0..ENCRE_MAX_CHANNELS; missing ones are 0 */
 	const float *points;      /* n_points x 3, object space */
-	const int32_t *corners;   /* n_primitives x 3 indices into points; NULL = 0, 1, 2, ... */
+	const int32_t *corners;   /* n_primitives x 3, of lines x 2, indices into points; NULL = 0, 1, 2, ... */
 	const float *attributes;  /* corner-major: n_primitives x 3 x n_channels; NULL = 0 */
 	const int32_t *material;  /* material number per primitive; NULL = material_index for all */
 	const int32_t *style;     /* style number per primitive; NULL = style_index for all */
 	double model[16];         /* object -> world, row by row */
 	int32_t object_index, material_index, style_index, reserved;
+	const int32_t *object;    /* object number per primitive; NULL = object_index for all */
 } encre_mesh;
 
 enum { ENCRE_MAX_CHANNELS = 16 };
@@ -232,11 +238,13 @@ typedef struct encre_raster_job {
 	encre_image attributes;  /* out, n_channels; 0 = nothing */
 	encre_progress progress; /* may be NULL */
 	void *user;
+	encre_image marks;       /* out, 2: the layer `marks` of what can be seen of the lines; of several that pass
+	                            between the same pixels, the first, seams after lines */
 } encre_raster_job;
 
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent
  * triangles neither overlap nor leave gaps (top-left rule); equal depths: the earlier mesh, then the earlier
- * primitive. Absent outputs are skipped; present ones share one size. Indices out of range are an error. */
+ * primitive. A line is hidden where it lies more than half a pixel behind the surfaces on both sides. Absent outputs are skipped; present ones share one size. Indices out of range are an error. */
 ENCRE_API int32_t encre_raster(encre_context *context, encre_raster_job *job);
 
 /* ---- baking ---------------------------------------------------------------------------------------------- */

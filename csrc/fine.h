@@ -14,6 +14,7 @@
 enum family {
 	FAMILY_CRACK, /* depth, object, material: between two pixels */
 	FAMILY_THIN,  /* the same, of things too thin for two lines */
+	FAMILY_MARK,  /* drawn by hand: between two pixels */
 	FAMILY_NORMAL_BAND,
 	FAMILY_NORMAL, /* averaged layers: a thin stripe; a step */
 	FAMILY_COLOR_BAND,
@@ -56,7 +57,25 @@ static inline enum family band_of(enum source s)
 }
 
 /* Marks of a pixel in fine.crack. */
-enum { CRACK_RIGHT = 1, CRACK_DOWN = 2, LIGHT_RIGHT = 4, LIGHT_DOWN = 8 };
+enum { CRACK_RIGHT = 1, CRACK_DOWN = 2, LIGHT_RIGHT = 4, LIGHT_DOWN = 8, MARK_RIGHT = 16, MARK_DOWN = 32 };
+
+static inline bool is_crack(enum family family)
+{
+	return family == FAMILY_CRACK || family == FAMILY_MARK || family == FAMILY_LIGHT;
+}
+
+/* The mark of a family of cracks; along a column it is the next bit. */
+static inline uint8_t right_of(enum family family)
+{
+	return family == FAMILY_CRACK ? CRACK_RIGHT : family == FAMILY_MARK ? MARK_RIGHT : LIGHT_RIGHT;
+}
+
+/* The bit in fine.ridge: those from FAMILY_THIN on have one. */
+static inline int ridge_bit(enum family family, int axis)
+{
+	return 2 * ((int)family - FAMILY_THIN) + axis;
+}
+
 /* Marks in fine.thin, besides the cracks that are taken back: a thin thing, other in index or in depth only. */
 enum { HIT_OBJECT = 4, HIT_DEPTH = 8 };
 
@@ -71,7 +90,7 @@ typedef struct fine {
 	uint8_t *crack;       /* width * height */
 	uint8_t *thin;        /* width * height */
 	uint8_t *hit;         /* by row: there is a mark in thin */
-	uint16_t *ridge;      /* width * height: bit 2 * family + axis */
+	uint16_t *ridge;      /* width * height: ridge_bit() */
 	uint32_t *first;      /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
 	float *scratch;       /* for each thread */
 	ptrdiff_t thread_scratch;
@@ -165,6 +184,7 @@ static inline int rank_of(const site *s)
 	switch ((enum family)s->family) {
 	case FAMILY_CRACK:
 	case FAMILY_THIN: return 0;
+	case FAMILY_MARK:
 	case FAMILY_NORMAL_BAND:
 	case FAMILY_NORMAL: return 1;
 	case FAMILY_COLOR_BAND:
@@ -194,6 +214,12 @@ bool ISA(light_site)(const fine *n, site *s);
 /* Strength of the boundary between two values of light; the levels are those of p. */
 float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two);
 ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
+
+/* marks.c: marks in the cracks of a row where lines drawn by hand pass. */
+void ISA(hand_row)(const fine *n, int y);
+bool ISA(hand_site)(const fine *n, site *s);
+/* Where a line, or a seam, passes between the pixels of a crack: 0 < place <= 1, 0 for nowhere. */
+float ISA(hand_place)(const fine *n, const site *s);
 
 /* thin.c: finds the cracks of thin things, and takes them back; marks and places the sites that stand for them. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread);

@@ -28,23 +28,28 @@ static int32_t refuse(char *error, size_t size, const char *format, ...)
 	return ENCRE_ERROR_ARGUMENT;
 }
 
+static int corners_of(const encre_mesh *mesh)
+{
+	return mesh->kind == ENCRE_TRIANGLES ? 3 : 2;
+}
+
 static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_t size)
 {
-	if (mesh->kind != ENCRE_TRIANGLES)
-		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES", number, (int)mesh->kind);
+	if (mesh->kind < ENCRE_TRIANGLES || mesh->kind > ENCRE_SEAMS)
+		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES, ENCRE_LINES or ENCRE_SEAMS", number, (int)mesh->kind);
 	if (mesh->n_primitives < 0 || mesh->n_points < 0)
 		return refuse(error, size, "mesh %d: %d primitives of %d points; give 0 or more of each", number, (int)mesh->n_primitives, (int)mesh->n_points);
 	if (mesh->n_channels < 0 || mesh->n_channels > ENCRE_MAX_CHANNELS)
 		return refuse(error, size, "mesh %d: has %d attribute channels; give 0 to %d", number, (int)mesh->n_channels, ENCRE_MAX_CHANNELS);
 	if (mesh->n_primitives && !mesh->points)
 		return refuse(error, size, "mesh %d: has %d primitives, but no points; give them", number, (int)mesh->n_primitives);
-	int64_t corners = 3 * (int64_t)mesh->n_primitives;
+	int64_t corners = corners_of(mesh) * (int64_t)mesh->n_primitives;
 	if (!mesh->corners && corners > mesh->n_points)
 		return refuse(error, size, "mesh %d: %d primitives without corners take more points than its %d; give corners", number, (int)mesh->n_primitives, (int)mesh->n_points);
 	for (int64_t i = 0; mesh->corners && i < corners; i++)
 		if ((uint32_t)mesh->corners[i] >= (uint32_t)mesh->n_points)
 			return refuse(error, size, "mesh %d: primitive %d has a corner at point %d of %d; give indices from 0 to the number of points less one",
-				      number, (int)(i / 3), (int)mesh->corners[i], (int)mesh->n_points);
+				      number, (int)(i / corners_of(mesh)), (int)mesh->corners[i], (int)mesh->n_points);
 	return ENCRE_OK;
 }
 
@@ -129,7 +134,7 @@ const part *geometry_part(const geometry *g, const part *last, uint32_t number)
 
 static const float *point_of(const encre_mesh *mesh, uint32_t primitive, int k)
 {
-	int64_t c = 3 * (int64_t)primitive + k;
+	int64_t c = corners_of(mesh) * (int64_t)primitive + k;
 	return mesh->points + 3 * (int64_t)(mesh->corners ? mesh->corners[c] : c);
 }
 
@@ -140,7 +145,7 @@ static inline double row_times(const double *row, const float *p)
 
 void geometry_corners(const part *part, uint32_t i, corner c[3])
 {
-	for (int k = 0; k < 3; k++) {
+	for (int k = 0; k < corners_of(part->mesh); k++) {
 		const float *p = point_of(part->mesh, i, k);
 		const double *m = part->screen;
 		c[k] = (corner){row_times(m, p), row_times(m + 4, p), row_times(m + 8, p), row_times(m + 12, p)};

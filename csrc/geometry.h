@@ -30,9 +30,9 @@ int32_t geometry_check(geometry *g, int width, int height, char *error, size_t s
 void geometry_aim(geometry *g);
 /* The part that a primitive belongs to; `last` (may be NULL), that of the primitive before, is most often right. */
 const part *geometry_part(const geometry *g, const part *last, uint32_t number);
-/* Corners of primitive `i` of a part. */
+/* Corners of primitive `i` of a part: three, of a line two. */
 void geometry_corners(const part *part, uint32_t i, corner c[3]);
-/* Its unit normal, world space, facing the eye. */
+/* A triangle's unit normal, world space, facing the eye. */
 void geometry_normal(const geometry *g, const part *part, uint32_t i, float normal[3]);
 
 #endif

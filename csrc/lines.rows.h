@@ -29,4 +29,5 @@ FLOAT(width_depth, SURFACE, 0.8, 0, FLT_MAX, 0, 4, "", "use_lines", "Depth Width
 FLOAT(width_normal, SURFACE, 0.6, 0, FLT_MAX, 0, 4, "", "use_lines", "Normal Width", "Relative thickness of creases")
 FLOAT(width_color, SURFACE, 0.6, 0, FLT_MAX, 0, 4, "", "use_lines", "Color Width", "Relative thickness of boundaries between colours")
 FLOAT(width_light, SURFACE, 0.5, 0, FLT_MAX, 0, 4, "", "use_lines", "Light Width", "Relative thickness of boundaries between light levels")
+FLOAT(width_mark, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "use_lines", "Marked Edge Width", "Relative thickness of edges that are marked by hand")
 FLOAT(surface_fade, FRAME, 0, 0, 1, 0, 1, "factor", "", "Fade Surface", "Fade everything but the lines towards white")

@@ -12,11 +12,6 @@ static const float most_uneven = 0.3f;
 
 /* ---- who is linked --------------------------------------------------------------------------------------- */
 
-static bool is_crack(const site *s)
-{
-	return s->family == FAMILY_CRACK || s->family == FAMILY_LIGHT;
-}
-
 /* Number of the site found at a pixel, or n->count. */
 static uint32_t find(const fine *n, int family, int x, int y, int axis)
 {
@@ -112,7 +107,7 @@ static int ridge_links(const fine *n, uint32_t i, uint32_t *to)
 static int links_of(const fine *n, uint32_t i, uint32_t *to)
 {
 	const site *s = n->site + i;
-	return s->dropped ? 0 : is_crack(s) ? crack_links(n, i, to) : ridge_links(n, i, to);
+	return s->dropped ? 0 : is_crack((enum family)s->family) ? crack_links(n, i, to) : ridge_links(n, i, to);
 }
 
 /* ---- crumbs ---------------------------------------------------------------------------------------------- */
@@ -176,7 +171,7 @@ int32_t ISA(fine_drop_crumbs)(fine *n, enum family family)
 {
 	turn t = {n, n->first[family * n->f->height]};
 	int count = (int)(n->first[(family + 1) * n->f->height] - t.first);
-	if (family <= FAMILY_THIN)
+	if (family <= FAMILY_MARK)
 		return ENCRE_OK;
 	int32_t code = rows_run(n->f->rows, count, CHUNK, find_crumbs, &t);
 	return code ? code : rows_run(n->f->rows, count, CHUNK, drop_crumbs, &t);

@@ -39,6 +39,28 @@ static corner cut(const corner *in, const corner *out, double s_in, double s_out
 	return (corner){in->x + t * (out->x - in->x), in->y + t * (out->y - in->y), in->w + t * (out->w - in->w), in->z + t * (out->z - in->z)};
 }
 
+/* Not finite, or so large that products would not be: dropped. */
+static inline bool usable(const corner *c)
+{
+	return fabs(c->x) + fabs(c->y) + fabs(c->w) + fabs(c->z) < 1e60;
+}
+
+bool outline_clip(const room *r, corner c[2])
+{
+	if (!usable(c) || !usable(c + 1))
+		return false;
+	for (int plane = 0; plane < CLIP_COUNT; plane++) {
+		double s = side(r, plane, c), t = side(r, plane, c + 1);
+		if (s < 0 && t < 0)
+			return false;
+		if (s < 0)
+			c[0] = cut(c + 1, c, t, s);
+		else if (t < 0)
+			c[1] = cut(c, c + 1, s, t);
+	}
+	return c[0].w > 0 && c[1].w > 0;
+}
+
 /* Returns the number of corners left. A sliver within rounding of a plane, which may cross it any number of times, is
  * dropped when there is no room for it. */
 static int clip(const room *r, corner *a, int n)
@@ -84,8 +106,7 @@ bool outline_make(const room *r, const corner corner[3], outline *o)
 	unsigned some = 0, all = ~0u;
 	for (int k = 0; k < 3; k++) {
 		unsigned out = 0;
-		/* Not finite, or so large that products would not be: dropped. */
-		if (!(fabs(a[k].x) + fabs(a[k].y) + fabs(a[k].w) + fabs(a[k].z) < 1e60))
+		if (!usable(a + k))
 			return false;
 		for (int plane = 0; plane < CLIP_COUNT; plane++)
 			out |= (unsigned)(side(r, plane, a + k) < 0) << plane;
@@ -122,15 +143,14 @@ typedef struct depth_plane {
 	double n[3], d[3];
 } depth_plane;
 
-/* Columns and rows are counted from the outline's box, not from the images: a border gets the full frame's bits. */
-static depth_plane plane_of(const outline *o)
+/* Columns and rows are counted from (left, top) in pixels of the full frame. */
+static depth_plane plane_of(const corner c[3], double left, double top)
 {
 	depth_plane plane = {{0}, {0}};
 	double x[3], y[3];
-	const corner *c = o->corner;
 	for (int k = 0; k < 3; k++) {
-		x[k] = c[k].x - (o->x0 - GUARD + 0.5) * c[k].w;
-		y[k] = c[k].y - (o->y0 - GUARD + 0.5) * c[k].w;
+		x[k] = c[k].x - left * c[k].w;
+		y[k] = c[k].y - top * c[k].w;
 	}
 	for (int k = 0; k < 3; k++) {
 		int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -209,7 +229,8 @@ static void draw_triangle(const band *b, const outline *o, int j, const depth_pl
 
 void outline_draw(const outline *o, uint32_t number, const band *b)
 {
-	depth_plane plane = plane_of(o);
+	/* from the outline's box, not from the images: a border gets the full frame's bits */
+	depth_plane plane = plane_of(o->corner, o->x0 - GUARD + 0.5, o->y0 - GUARD + 0.5);
 	for (int j = 1; j + 1 < o->n; j++)
 		draw_triangle(b, o, j, &plane, number);
 }
@@ -232,4 +253,14 @@ void outline_shares(const corner c[3], double x, double y, double *second, doubl
 	}
 	*second = sum > 0 ? e[1] / sum : 0;
 	*third = sum > 0 ? e[2] / sum : 0;
+}
+
+double outline_depth(const corner c[3], double x, double y, double *step)
+{
+	depth_plane p = plane_of(c, x, y);
+	double nearest = fmin(c[0].z, fmin(c[1].z, c[2].z)), farthest = fmax(c[0].z, fmax(c[1].z, c[2].z));
+	double z = p.n[2] / p.d[2];
+	double slope = (fabs(p.n[0] - z * p.d[0]) + fabs(p.n[1] - z * p.d[1])) / fabs(p.d[2]);
+	*step = slope < farthest - nearest ? slope : farthest - nearest; /* of one seen on its edge it is no number */
+	return z > nearest ? z < farthest ? z : farthest : nearest;
 }

@@ -49,5 +49,10 @@ void outline_draw(const outline *o, uint32_t number, const band *b);
 /* Shares of the second and the third corner at a place in pixels of the full frame, perspective-correct; 0..1 also
  * where snapping has moved an edge. */
 void outline_shares(const corner corner[3], double x, double y, double *second, double *third);
+/* Depth of the triangle's plane at a place in pixels of the full frame, kept between the depths of its corners, and in
+ * *step by how much it changes from there to a neighbouring pixel. */
+double outline_depth(const corner corner[3], double x, double y, double *step);
+/* Shortens a line to what lies in the room, not clipped to the images; false if nothing does, or it is not finite. */
+bool outline_clip(const room *room, corner corner[2]);
 
 #endif

@@ -4,11 +4,13 @@
  * Primitives are sorted into bands of rows once (counted, summed up, filed), so that every band holds its primitives in
  * the order of the job whatever the threads. A band then finds the nearest primitive of each pixel in a buffer that
  * stays in cache, and only these are shaded: attributes, normals and indices are never computed for what is hidden.
+ * Where lines pass is then looked up in the same buffer, which holds one row more for the ways down from the last.
  * Primitives are transformed anew where they are needed, in double; that is cheaper than keeping them. Where
  * they lie is geometry.c's, what one covers outline.c's. */
 #include "raster.h"
 
 #include "geometry.h"
+#include "segment.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,6 +22,7 @@ enum {
 	MAX_CHUNKS = 256, /* each has a count for every band */
 };
 static const uint32_t NOTHING = UINT32_MAX;
+static const double least_share = 1.0 / 1024; /* where a line passes: 0 is nowhere, also in half floats */
 
 typedef struct band_range {
 	uint16_t first, end;
@@ -32,21 +35,50 @@ typedef struct raster {
 	room room;
 	int n_bands, n_chunks;
 	uint32_t chunk; /* primitives in a chunk */
+	int more;       /* rows that a band needs below its own: 1 for lines */
 
 	band_range *range; /* of each primitive */
 	size_t *place;     /* n_chunks x n_bands: how many, then where the next one goes */
 	size_t *list;      /* n_bands + 1: where a band's primitives start */
-	float *depth;      /* per thread BAND x width */
+	float *depth;      /* per thread (BAND + 1) x width */
 	uint32_t *front;   /* likewise: number of the nearest primitive */
 	uint32_t *entry;   /* primitives by band */
 } raster;
 
-/* False where it covers no pixel of the images. Another kind of primitive is another outline made here. */
+/* False where it covers no pixel of the images. */
 static bool outline_of(const raster *r, const part *part, uint32_t primitive, outline *o)
 {
 	corner c[3];
 	geometry_corners(part, primitive, c);
 	return outline_make(&r->room, c, o);
+}
+
+static bool segment_of(const raster *r, const part *part, uint32_t primitive, segment *s, int *y0, int *y1)
+{
+	corner c[3];
+	geometry_corners(part, primitive, c);
+	return segment_make(&r->room, c, s, y0, y1);
+}
+
+/* Rows of the images, from which on and up to which exclusively, that a primitive is drawn in; false: none. */
+static bool rows_of(const raster *r, const part *part, uint32_t primitive, int *y0, int *y1)
+{
+	if (part->mesh->kind != ENCRE_TRIANGLES) {
+		segment s;
+		if (!r->job->marks.data || !segment_of(r, part, primitive, &s, y0, y1))
+			return false;
+		*y0 -= r->job->frame.y;
+		*y1 -= r->job->frame.y;
+	} else {
+		outline o;
+		if (!outline_of(r, part, primitive, &o))
+			return false;
+		*y0 = o.y0 - r->room.y0 - r->more; /* it is there for the band above as well */
+		*y1 = o.y1 - r->room.y0;
+	}
+	*y0 = *y0 > 0 ? *y0 : 0;
+	*y1 = *y1 < r->height ? *y1 : r->height;
+	return true;
 }
 
 /* ---- sorting into bands ------------------------------------------------------------------------------------ */
@@ -65,14 +97,11 @@ static void count_chunks(void *data, int c0, int c1, int thread)
 		const part *part = NULL;
 		uint32_t from = (uint32_t)c * r->chunk, end = chunk_end(r, from);
 		for (uint32_t i = from; i < end; i++) {
-			outline o;
+			int y0, y1;
 			part = geometry_part(&r->geometry, part, i);
 			r->range[i] = (band_range){0, 0};
-			if (!outline_of(r, part, i - part->first, &o))
+			if (!rows_of(r, part, i - part->first, &y0, &y1))
 				continue;
-			int y0 = o.y0 - r->room.y0, y1 = o.y1 - r->room.y0;
-			y0 = y0 > 0 ? y0 : 0;
-			y1 = y1 < r->height ? y1 : r->height;
 			r->range[i] = (band_range){(uint16_t)(y0 / BAND), (uint16_t)((y1 - 1) / BAND + 1)};
 			for (int b = r->range[i].first; b < r->range[i].end; b++)
 				count[b]++;
@@ -113,7 +142,7 @@ static void sum_places(raster *r)
 typedef struct surface {
 	const part *part;
 	corner corner[3];
-	float normal[3], material, style;
+	float normal[3], object, material, style;
 	const float *attributes; /* of the three corners; NULL = 0 */
 } surface;
 
@@ -122,6 +151,7 @@ static void load_surface(const raster *r, uint32_t number, surface *s)
 	s->part = geometry_part(&r->geometry, s->part, number);
 	const encre_mesh *mesh = s->part->mesh;
 	uint32_t i = number - s->part->first;
+	s->object = (float)(mesh->object ? mesh->object[i] : mesh->object_index);
 	s->material = (float)(mesh->material ? mesh->material[i] : mesh->material_index);
 	s->style = (float)(mesh->style ? mesh->style[i] : mesh->style_index);
 	s->attributes = mesh->attributes && mesh->n_channels ? mesh->attributes + (size_t)i * 3 * (size_t)mesh->n_channels : NULL;
@@ -169,7 +199,7 @@ static void shade_row(const raster *r, const band *b, int row)
 		if (job->depth.data)
 			*pixel_at(&job->depth, x, y) = any ? depth[x] : 1e10f;
 		if (job->object.data)
-			*pixel_at(&job->object, x, y) = any ? (float)s.part->mesh->object_index : 0;
+			*pixel_at(&job->object, x, y) = any ? s.object : 0;
 		if (job->material.data)
 			*pixel_at(&job->material, x, y) = any ? s.material : 0;
 		if (job->style.data)
@@ -182,14 +212,74 @@ static void shade_row(const raster *r, const band *b, int row)
 	}
 }
 
+/* ---- lines ------------------------------------------------------------------------------------------------- */
+
+typedef struct marking {
+	const raster *r;
+	const band *b;
+	const part *part; /* of the primitive that was looked at last */
+	bool seam;
+} marking;
+
+/* Whether the surface at a pixel of the band lies in front of a line that passes close by. */
+static bool hides(marking *m, const crossing *c, int x, int y)
+{
+	const raster *r = m->r;
+	uint32_t number = m->b->front[(size_t)(y - m->b->y0) * (size_t)r->width + (size_t)(x - m->b->x0)];
+	if (number == NOTHING)
+		return false;
+	corner corner[3];
+	double step, pixel = 2 / (fabs(r->job->projection[5]) * r->job->frame.height);
+	m->part = geometry_part(&r->geometry, m->part, number);
+	geometry_corners(m->part, number - m->part->first, corner);
+	double z = outline_depth(corner, c->x + 0.5, c->y + 0.5, &step);
+	pixel *= r->job->projection[14] != 0 ? c->z : 1; /* in scene units, where the line is */
+	return c->z - z > 0.5 * (step + pixel);
+}
+
+static void mark(void *user, const crossing *c)
+{
+	marking *m = user;
+	const raster *r = m->r;
+	int x = c->column + OUTLINE_GUARD, y = c->row + OUTLINE_GUARD;
+	if (x + !c->down >= r->room.x1 || y + c->down >= r->room.y1)
+		return; /* to a pixel outside of the images */
+	float *out = pixel_at(&r->job->marks, x - r->room.x0, y - r->room.y0) + c->down;
+	if (*out > 0 || (*out < 0 && m->seam) || (hides(m, c, x, y) && hides(m, c, x + !c->down, y + c->down)))
+		return;
+	double share = c->share > least_share ? c->share : least_share;
+	share = share < 1 ? share : 1;
+	*out = (float)(m->seam ? -share : share);
+}
+
+/* The band's own rows end before `end`. */
+static void mark_lines(const raster *r, int i, const band *b, int end)
+{
+	marking m = {.r = r, .b = b};
+	const part *part = NULL;
+	int x0 = b->x0 - OUTLINE_GUARD, y0 = b->y0 - OUTLINE_GUARD, rows = end - b->y0;
+	for (int y = 0; y < rows; y++)
+		for (int x = 0; x < r->width; x++)
+			memset(pixel_at(&r->job->marks, x, b->y0 - r->room.y0 + y), 0, 2 * sizeof(float));
+	for (size_t k = r->list[i]; k < r->list[i + 1]; k++) {
+		segment s;
+		int from, to;
+		part = geometry_part(&r->geometry, part, r->entry[k]);
+		m.seam = part->mesh->kind == ENCRE_SEAMS;
+		if (part->mesh->kind != ENCRE_TRIANGLES && segment_of(r, part, r->entry[k] - part->first, &s, &from, &to))
+			segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, mark, &m);
+	}
+}
+
 static void draw_bands(void *data, int b0, int b1, int thread)
 {
 	const raster *r = data;
-	size_t size = (size_t)BAND * (size_t)r->width;
+	size_t size = (size_t)(BAND + 1) * (size_t)r->width;
 	for (int i = b0; i < b1; i++) {
 		band b = {.x0 = r->room.x0, .x1 = r->room.x1, .y0 = r->room.y0 + i * BAND,
 			  .depth = r->depth + (size_t)thread * size, .front = r->front + (size_t)thread * size};
-		b.y1 = r->room.y1 - b.y0 < BAND ? r->room.y1 : b.y0 + BAND;
+		int end = r->room.y1 - b.y0 < BAND ? r->room.y1 : b.y0 + BAND;
+		b.y1 = end < r->room.y1 ? end + r->more : end;
 		for (size_t k = 0; k < size; k++) {
 			b.depth[k] = INFINITY;
 			b.front[k] = NOTHING;
@@ -198,11 +288,13 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 		for (size_t k = r->list[i]; k < r->list[i + 1]; k++) {
 			outline o;
 			part = geometry_part(&r->geometry, part, r->entry[k]);
-			if (outline_of(r, part, r->entry[k] - part->first, &o))
+			if (part->mesh->kind == ENCRE_TRIANGLES && outline_of(r, part, r->entry[k] - part->first, &o))
 				outline_draw(&o, r->entry[k], &b);
 		}
-		for (int row = b.y0; row < b.y1; row++)
+		for (int row = b.y0; row < end; row++)
 			shade_row(r, &b, row);
+		if (r->job->marks.data)
+			mark_lines(r, i, &b, end);
 	}
 }
 
@@ -210,7 +302,7 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 
 static void plan(raster *r, int threads, arena *a)
 {
-	size_t band = (size_t)threads * BAND * (size_t)r->width;
+	size_t band = (size_t)threads * (BAND + 1) * (size_t)r->width;
 	r->geometry.parts = arena_take(a, (size_t)r->job->n_meshes, sizeof *r->geometry.parts);
 	r->range = arena_take(a, r->geometry.n_primitives, sizeof *r->range);
 	r->place = arena_take(a, (size_t)r->n_chunks * (size_t)r->n_bands, sizeof *r->place);
@@ -239,12 +331,13 @@ static int32_t run(rows *pool, raster *r)
 
 int32_t raster_run(rows *pool, const encre_raster_job *job, char *error, size_t size)
 {
-	const encre_image *images[] = {&job->depth, &job->normal, &job->object, &job->material, &job->style, &job->attributes};
+	const encre_image *images[] = {&job->depth, &job->normal, &job->object, &job->material, &job->style, &job->attributes, &job->marks};
 	const encre_image *image = NULL;
-	for (int i = 0; i < 6; i++)
+	for (size_t i = 0; i < sizeof images / sizeof *images; i++)
 		if (images[i]->data)
 			image = images[i];
-	raster r = {.job = job, .geometry = {.job = job}, .width = image->width, .height = image->height};
+	raster r = {.job = job, .geometry = {.job = job}, .width = image->width, .height = image->height,
+		    .more = job->marks.data != NULL};
 	int32_t code = geometry_check(&r.geometry, r.width, r.height, error, size);
 	if (code)
 		return code;

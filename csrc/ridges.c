@@ -229,7 +229,7 @@ static void mark(const window *w, int x, int y, enum family family, int axis, ui
 {
 	site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = (uint8_t)family, .axis = (uint8_t)axis};
 	if (ISA(ridge_site)(w->n, &s))
-		ridge[x] |= (uint16_t)(1 << (2 * (int)family + axis));
+		ridge[x] |= (uint16_t)(1 << ridge_bit(family, axis));
 }
 
 static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)

@@ -55,11 +55,21 @@ bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, floa
 	return s->strength > 0 && s->strength >= n->e->p->edge_threshold;
 }
 
+static void crack_of(const fine *n, site *s)
+{
+	if (s->family == FAMILY_CRACK)
+		ISA(crack_site)(n, s);
+	else if (s->family == FAMILY_MARK)
+		ISA(hand_site)(n, s);
+	else
+		ISA(light_site)(n, s);
+}
+
 /* The mean of the cracks between the four pixels from (column, row), with the strongest's strength. */
 static void junction_site(const fine *n, site *s)
 {
 	const int32_t side[4][3] = {{0, 0, AXIS_ROW}, {0, 1, AXIS_ROW}, {0, 0, AXIS_COLUMN}, {1, 0, AXIS_COLUMN}};
-	bool light = s->family == FAMILY_LIGHT;
+	uint8_t right = right_of((enum family)s->family);
 	float x = 0, y = 0;
 	int found = 0;
 	for (int i = 0; i < 4; i++) {
@@ -67,13 +77,9 @@ static void junction_site(const fine *n, site *s)
 		one.column = (uint16_t)(s->column + side[i][0]);
 		one.row = (uint16_t)(s->row + side[i][1]);
 		one.axis = (uint8_t)side[i][2];
-		uint8_t mark = (uint8_t)((light ? LIGHT_RIGHT : CRACK_RIGHT) << one.axis);
-		if (!(n->crack[(ptrdiff_t)one.row * n->f->width + one.column] & mark))
+		if (!(n->crack[(ptrdiff_t)one.row * n->f->width + one.column] & right << one.axis))
 			continue;
-		if (light)
-			ISA(light_site)(n, &one);
-		else
-			ISA(crack_site)(n, &one);
+		crack_of(n, &one);
 		x += one.x;
 		y += one.y;
 		found++;
@@ -90,10 +96,8 @@ static void place_site(const fine *n, site *s)
 {
 	if (s->axis == AXIS_JUNCTION)
 		junction_site(n, s);
-	else if (s->family == FAMILY_CRACK)
-		ISA(crack_site)(n, s);
-	else if (s->family == FAMILY_LIGHT)
-		ISA(light_site)(n, s);
+	else if (is_crack((enum family)s->family))
+		crack_of(n, s);
 	else if (s->family == FAMILY_THIN)
 		ISA(thin_site)(n, s);
 	else
@@ -115,14 +119,16 @@ static void visit(const fine *n, uint32_t *number, enum family family, int x, in
 }
 
 /* Of the four cracks between the pixels from x on: `crack`, `below` are rows of marks. */
-static int sides(const uint8_t *crack, const uint8_t *below, int x, uint8_t right, uint8_t down)
+static int sides(const uint8_t *crack, const uint8_t *below, int x, uint8_t right)
 {
+	int down = right << 1;
 	return !!(crack[x] & right) + !!(below[x] & right) + !!(crack[x] & down) + !!(crack[x + 1] & down);
 }
 
 /* Makes the sites of a row, or counts them while there is no memory for them; number: of the next site, by family. */
 static void visit_row(const fine *n, int y, uint32_t *number)
 {
+	static const enum family kinds[] = {FAMILY_CRACK, FAMILY_MARK, FAMILY_LIGHT};
 	int width = n->f->width;
 	const uint8_t *crack = n->crack + (ptrdiff_t)y * width, *below = crack + width;
 	const uint16_t *ridge = n->ridge + (ptrdiff_t)y * width;
@@ -133,21 +139,18 @@ static void visit_row(const fine *n, int y, uint32_t *number)
 			x += 7;
 			continue;
 		}
-		for (int axis = 0; axis < 2; axis++) {
-			if (crack[x] & CRACK_RIGHT << axis)
-				visit(n, number, FAMILY_CRACK, x, y, (enum axis)axis);
-			if (crack[x] & LIGHT_RIGHT << axis)
-				visit(n, number, FAMILY_LIGHT, x, y, (enum axis)axis);
+		bool inside = x + 1 < width && y + 1 < n->f->height;
+		for (size_t k = 0; crack[x] && k < sizeof kinds / sizeof *kinds; k++) {
+			uint8_t right = right_of(kinds[k]);
+			for (int axis = 0; axis < 2; axis++)
+				if (crack[x] & right << axis)
+					visit(n, number, kinds[k], x, y, (enum axis)axis);
+			if (inside && sides(crack, below, x, right) > 2)
+				visit(n, number, kinds[k], x, y, AXIS_JUNCTION);
 		}
 		for (int marks = ridge[x], bit = 0; marks; marks >>= 1, bit++)
 			if (marks & 1)
-				visit(n, number, (enum family)(bit / 2), x, y, (enum axis)(bit % 2));
-		if (!crack[x] || x + 1 >= width || y + 1 >= n->f->height)
-			continue;
-		if (sides(crack, below, x, CRACK_RIGHT, CRACK_DOWN) > 2)
-			visit(n, number, FAMILY_CRACK, x, y, AXIS_JUNCTION);
-		if (sides(crack, below, x, LIGHT_RIGHT, LIGHT_DOWN) > 2)
-			visit(n, number, FAMILY_LIGHT, x, y, AXIS_JUNCTION);
+				visit(n, number, (enum family)(FAMILY_THIN + bit / 2), x, y, (enum axis)(bit % 2));
 	}
 }
 

@@ -73,7 +73,7 @@ typedef struct plane {
 	ptrdiff_t row; /* floats from one row to the next; may be negative */
 } plane;
 
-enum source { SOURCE_OBJECT, SOURCE_MATERIAL, SOURCE_DEPTH, SOURCE_NORMAL, SOURCE_COLOR, SOURCE_LIGHT, SOURCE_COUNT };
+enum source { SOURCE_OBJECT, SOURCE_MATERIAL, SOURCE_DEPTH, SOURCE_NORMAL, SOURCE_COLOR, SOURCE_LIGHT, SOURCE_MARK, SOURCE_COUNT };
 
 typedef struct frame {
 	int width, height;

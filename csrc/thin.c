@@ -254,7 +254,7 @@ void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge)
 		int axis = !(row.peak > 0) || (column.peak > 0 && column.area < row.area) ? AXIS_COLUMN : AXIS_ROW;
 		site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = FAMILY_THIN, .axis = (uint8_t)axis};
 		if (ISA(thin_site)(n, &s))
-			ridge[x] |= (uint16_t)(1 << (2 * FAMILY_THIN + axis));
+			ridge[x] |= (uint16_t)(1 << ridge_bit(FAMILY_THIN, axis));
 	}
 }
 

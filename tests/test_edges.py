@@ -41,7 +41,8 @@ def drawn(height, width, seed=0, kind="noise", nasty=False, painted=True):
         color=albedo, albedo=albedo, diffuse=np.repeat(blocks(rng, height, width, 3, [0.2, 0.6, 1.2])[..., None], 3, 2),
         depth=depth, normal=normal, object=blocks(rng, height, width, 8, range(3)),
         material=blocks(rng, height, width, 6, range(3)), style=blocks(rng, height, width, 7, range(4)),
-        controls=np.where(rng.random((height, width, 1)) < 0.5, 0, rng.uniform(-1.2, 1.2, (height, width, 6))))
+        controls=np.where(rng.random((height, width, 1)) < 0.5, 0, rng.uniform(-1.2, 1.2, (height, width, 6))),
+        marks=rng.choice([0, -0.5, 0.2, 0.5, 0.7, 1], (height, width, 2), p=[0.9, *[0.02] * 5]))
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items() if painted or name != "controls"}
     if nasty:
         for a in layers.values():
@@ -77,6 +78,7 @@ def alone(source, **more):
 CASES = {
     "object": alone("object"),
     "material": alone("material"),
+    "mark": alone("mark"),
     "depth": alone("depth"),
     "linear depth": alone("depth", depth_space="LINEAR", depth_near=0.5, depth_far=9.0),
     "normal": alone("normal"),
@@ -89,7 +91,8 @@ CASES = {
     "CMC": alone("color", contrast_metric="CMC", contrast_max=0.9),
     "light, CIE76": alone("light", contrast_metric="CIE76"),
     "a step": alone("color", contrast_threshold=0.3, contrast_max=0.3),
-    "all": dict(edge_object=0.4, edge_material=0.3, edge_depth=0.7, edge_normal=1.5, edge_color=0.5, edge_light=0.6),
+    "all": dict(edge_object=0.4, edge_material=0.3, edge_depth=0.7, edge_normal=1.5, edge_color=0.5, edge_light=0.6,
+                edge_mark=0.2),
 }
 
 
@@ -245,7 +248,7 @@ def test_planes_have_no_edges_up_to_the_border(detector):
 def test_flat_is_exactly_nothing(detector):
     layers = drawn(20, 300, kind="drawn")
     for name, a in layers.items():
-        a[:] = {"depth": 7.3, "normal": 0.37, "albedo": 0.31}.get(name, 0.6)
+        a[:] = {"depth": 7.3, "normal": 0.37, "albedo": 0.31, "marks": 0}.get(name, 0.6)
     for camera in (core.Camera(), ORTHO):
         for space in ("INVERSE", "LINEAR"):
             scene = {**CASES["all"], "edge_detector": detector, "color_detector": "DOG", "depth_space": space}

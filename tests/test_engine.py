@@ -184,6 +184,44 @@ def test_object_numbers(render):
     assert abs(np.median(shot.passes("reads")["Emit"][cube]) - 7) < 0.1
 
 
+def test_lines_by_hand(render):
+    shot = render("by_hand")
+    found = shot.passes("marked")
+    right, down, none = np.moveaxis(found["Encre Marks"], 2, 0)
+    height, width = right.shape
+    # 35 mm on 36: a point at x stands at 80 + 160 * 50 / 36 * x / depth.
+    column = [80 - 0.5 + 160 * 50 / 36 * x / 6.5 for x in (-0.8, 0.8)]
+    assert not none.any() and not (down > 0).any()
+    for x, rows in zip(column, (np.s_[56:80], np.s_[10:80]), strict=True):
+        place = right[:, int(x)]
+        assert np.allclose(place[rows], x - int(x), atol=2e-3), x
+        ink = found["Encre Lines"][rows, int(x) - 5:int(x) + 7, 3].astype(float)
+        assert np.allclose((ink * np.arange(-5, 7)).sum(1) / ink.sum(1), x - int(x), atol=0.15)
+    assert not right[25:40, int(column[0])].any(), "behind the cube"
+    assert (right > 0).sum() < 160
+    thin = shot.passes("thin")["Encre Lines"][..., 3]
+    for x in column:
+        assert thin[60, int(x) - 5:int(x) + 7].sum() < 0.6 * found["Encre Lines"][60, int(x) - 5:int(x) + 7, 3].sum()
+    for change, most in (({}, 1e-5), ({"edge_mark": 0.0}, 1)):
+        again = shot.folder / "again.exr"
+        composite(str(shot.folder / "marked.exr"), str(again), change)
+        other = shot.passes("again")["Encre Lines"][..., 3]
+        assert np.abs(other - found["Encre Lines"][..., 3]).max() <= most
+    assert not other[60, int(column[1]) - 3:int(column[1]) + 5].any()
+
+    numbers = {name: shot.passes(name)["Encre Index"][..., 0] for name in
+               ("whole", "parts", "parts-pass", "attribute", "pieces", "separate")}
+    count = {name: len(np.unique(index)) for name, index in numbers.items()}
+    assert count == {"whole": 4, "parts": 6, "parts-pass": 3, "attribute": 5, "pieces": 4, "separate": 5}
+    assert shot.facts["mark"] == [["FINISHED"]] * 3 and shot.facts["parts"] == [[0, 1, 2]]
+    assert shot.facts["refused"][0].startswith("Error: Ball: its attribute encre_part holds no whole numbers of faces;")
+    ink = {name: shot.passes(name)["Encre Lines"][..., 3].sum() for name in numbers}
+    for more, less in (("parts", "whole"), ("attribute", "whole"), ("separate", "pieces")):
+        assert ink[more] > ink[less] + 40, more
+    seam = shot.passes("parts")["Encre Marks"][..., :2]
+    assert (seam < 0).sum() > 40 and not (shot.passes("whole")["Encre Marks"] < 0).any()
+
+
 def test_clipped_leaves(render):
     found = render("leaves").passes("leaves")
     index, thickness = found["Encre Index"][..., 0], found["Encre Line Controls"][..., 0]

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from judge import measure, scenes, verdict
+from judge import measure, meshes, scenes, shapes, verdict
+from judge.scene import Light, Scene, look
 from reference import near
 
 SCENES = [*scenes.NAMED, 11, 12]
@@ -147,3 +148,16 @@ def test_noise_is_as_strong_as_it_says():
     inside = clean["combined"][..., 3] == 1
     assert (noisy["normal"] - clean["normal"])[inside].std() == pytest.approx(0.01, rel=0.1)
     assert (noisy["diffuse"] / np.maximum(clean["diffuse"], 1e-9) - 1)[inside].std() == pytest.approx(0.03, rel=0.1)
+
+
+def test_the_contours_of_meshes_are_those_of_the_formulas():
+    camera, size, turn = look([0.4, 1.7, 6.0], [0.2, 0.6, 0], roll=0.03), (135, 240), scenes.turned(0.5, 0.2)
+    solids = [shapes.box((1.6, 1.2, 1.1), (-0.9, 0.6, 0.2), turn), shapes.ball((0.7, 0.7, -0.4), 0.9)]
+    formulas = Scene(camera, solids, Light(scenes.SUN, sun=0.0), size).truth
+    shown = meshes.MeshScene(camera, [meshes.box((1.6, 1.2, 1.1), (-0.9, 0.6, 0.2), turn),
+                                      meshes.sphere(0.9, (0.7, 0.7, -0.4))], size).truth
+    for kind in ("outline", "crease"):
+        one, two = (truth.take(truth.required(kind)) for truth in (formulas, shown))
+        for points, others in (one, two), (two, one):
+            found, _ = near.pairs(np.stack([points.x, points.y], 1), np.stack([others.x, others.y], 1), 0.09)
+            assert len(np.unique(found)) == points.x.size > 300

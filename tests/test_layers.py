@@ -107,8 +107,10 @@ def test_saved_layers_are_preferred(passes):
     assert np.array_equal(made["diffuse"], passes["Encre Diffuse"])
     assert [made[k].mean() for k in ("object", "material", "style")] == [0.25, 1.25, 2.25]
     assert made["controls"].shape == (*SHAPE, 6)
+    assert made["marks"].shape == (*SHAPE, 2)
     del passes["Combined"], passes["DiffDir"], passes["DiffInd"]
-    layers.assemble(passes, {})
+    passes["Encre Marks"][:] = 0
+    assert "marks" not in layers.assemble(passes, {})[0]
 
 
 def test_values_that_are_no_numbers(passes):
@@ -144,6 +146,7 @@ def test_rasterised_passes():
     index = np.array([[0, 5, 5, 7, 9]], np.float32)
     maps = {"object": np.array([[0, 1, 2, 2, 2]], np.float32), "material": np.array([[0, 3, 4, 4, 4]], np.float32),
             "style": np.array([[0, 0, 1, 1, 1]], np.float32), "attributes": np.zeros((1, 5, 6), np.float32)}
+    maps["marks"] = np.full((1, 5, 2), 0.5, np.float32)
     maps["attributes"][0, :, 0], maps["attributes"][0, :, 5] = [0, 0.1, 0.2, 0.2, 0.2], [0, 1, 2, 2, 2]
     owners, numbers = np.array([0, 5, 5], np.float32), np.array([0, 50, 51], np.float32)
     made = layers.rasterised(index, maps, owners, numbers, lambda stray: 100 + stray)
@@ -151,6 +154,8 @@ def test_rasterised_passes():
     close(made["Encre Line Controls"][0, :, 0], np.array([0, 0.1, 0.2, 0, 0]))
     close(made["Encre Surface Controls"][0, :, 2], np.array([0, 1, 2, 0, 0]))
     assert made["Encre Line Controls"].shape == (1, 5, 3)
+    # What the rasteriser did not draw may lie in front of a line.
+    assert made["Encre Marks"].tolist() == [[[0.5, 0.5, 0], [0.5, 0.5, 0], [0, 0.5, 0], [0, 0, 0], [0, 0, 0]]]
 
 
 def test_metadata_round_trip():

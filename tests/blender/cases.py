@@ -493,6 +493,79 @@ def numbers(out):
     shoot(out, "reads")
 
 
+def by_hand(out):
+    """Marked edges, with a modifier, and in part behind a box; faces marked as a part; a mesh of two pieces."""
+    import bmesh
+
+    scene = stage(ground=False)
+    scene.encre.edge_detector, scene.encre.line_paper, scene.encre.line_softness = "FINE", 0, 0
+    scene.camera.location, scene.camera.rotation_euler = (0, -6, 0), (radians(90), 0, 0)
+    red, ball = bpy.data.objects["Cube"], bpy.data.objects["Ball"]
+    red.location, ball.location = (-1, -1.5, 0.6), (1.85, 0, 0)
+    # Three quads side by side, mirrored: of the mark between the second and the third there are two.
+    columns = (0.0, 0.3, 0.8, 1.2)
+    mesh = bpy.data.meshes.new("Board")
+    mesh.from_pydata([(x, 0.5, z) for x in columns for z in (-1.2, 1.2)], [],
+                     [(2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1) for k in range(3)])
+    board = link("Board", mesh, mat=bpy.data.materials["Red"])
+    board.modifiers.new("Mirror", "MIRROR")
+    bpy.context.view_layer.objects.active = board
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited = bmesh.from_edit_mesh(mesh)
+    bpy.context.tool_settings.mesh_select_mode = (False, True, False)
+    for edge in edited.edges:
+        edge.select_set({vertex.index for vertex in edge.verts} == {4, 5})
+    bmesh.update_edit_mesh(mesh)
+    bpy.ops.mesh.mark_freestyle_edge()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    shoot(out, "marked")
+    scene.encre.width_mark = 0.3
+    shoot(out, "thin")
+
+    def mark(pick, **options):
+        bpy.context.view_layer.objects.active = ball
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+        edited = bmesh.from_edit_mesh(ball.data)
+        for face in edited.faces:
+            face.select_set(pick(face.calc_center_median()))
+        bmesh.update_edit_mesh(ball.data)
+        result = list(bpy.ops.encre.mark_part(**options))
+        bpy.ops.object.mode_set(mode="OBJECT")
+        fact("mark", result)
+
+    mark(lambda at: at.z > 0.3)
+    mark(lambda at: at.z < -0.3)
+    fact("parts", sorted({item.value for item in ball.data.attributes["encre_part"].data}))
+    shoot(out, "parts")
+    scene.encre.object_index = "PASS"
+    shoot(out, "parts-pass")
+    scene.encre.object_index = "AUTO"
+    mark(lambda at: True, clear=True)
+    shoot(out, "whole")
+    ball.data.attributes.remove(ball.data.attributes["encre_part"])
+    half = ball.data.attributes.new("encre_part", "FLOAT", "FACE")
+    for k, item in enumerate(half.data):
+        item.value = 0.5 * (ball.data.polygons[k].center.x > 0)
+    shoot(out, "attribute")
+    try:
+        mark(lambda at: True)
+    except RuntimeError as error:
+        bpy.ops.object.mode_set(mode="OBJECT")
+        fact("refused", str(error))
+    ball.data.attributes.remove(ball.data.attributes["encre_part"])  # Edit Mode made it anew
+    joined = bmesh.new()
+    joined.from_mesh(ball.data)
+    for vertex in joined.verts:
+        vertex.co.x += 0.05
+    joined.from_mesh(ball.data)
+    joined.to_mesh(ball.data)
+    joined.free()
+    shoot(out, "pieces")
+    ball.encre.separate_parts = True
+    shoot(out, "separate")
+
+
 def leaves(out):
     """A plane whose material clips most of it away, and hair: what the rasteriser can't know."""
     scene = stage(ground=False)

@@ -10,7 +10,7 @@ import numpy as np
 from . import grid, metric, shade
 
 # In the order in which the first of equals gives the line its width.
-SOURCES = ("object", "material", "depth", "normal", "color", "light")
+SOURCES = ("object", "material", "depth", "normal", "color", "light", "mark")
 _PAIRS = ((-1, 0), (-1, 1), (0, 1), (1, 1))  # and their opposites
 
 
@@ -46,6 +46,7 @@ def find(layers, params):
         "normal": _normal(layers, params),
         "color": _color(_color_layer(layers, params), layers, params),
         "light": _light(layers, params),
+        "mark": Source(_marked(layers.marks)),
     }
     owner = nearest_depth(layers.depth)
     style = layers.style[owner]
@@ -94,7 +95,7 @@ def _rivals(sources, weighted, widths, source, tolerance):
     names = range(len(SOURCES))
     exact = np.array([
         sources[SOURCES[k]].response > sources[SOURCES[k]].limit + tolerance
-        if SOURCES[k] not in ("object", "material") else np.ones_like(weighted[k], bool) for k in names
+        if SOURCES[k] not in ("object", "material", "mark") else np.ones_like(weighted[k], bool) for k in names
     ])
     first = np.maximum(source, 0)[None]
     best, width, sure = (np.take_along_axis(a, first, 0)[0] for a in (weighted, widths, exact))
@@ -108,6 +109,15 @@ def _rivals(sources, weighted, widths, source, tolerance):
 def _differs(index):
     """1 where a pixel of the 3×3 has another index."""
     return np.any([grid.read(index, dy, dx) != index for dy, dx in grid.window(1)], axis=0).astype(float)
+
+
+def _marked(marks):
+    """1 at the pixel whose centre is nearer to a line that passes between two, the first where it is halfway."""
+    found = np.zeros(marks.shape[:2], bool)
+    for axis, place in ((1, marks[..., 0]), (0, marks[..., 1])):
+        found |= (place > 0) & (place <= 0.5)
+        found |= (grid.read(place, axis - 1, -axis) > 0.5) & (np.indices(found.shape)[axis] > 0)
+    return found.astype(float)
 
 
 # Gaussians

@@ -93,6 +93,8 @@ def find(layers, params, crease_angle=CREASE_ANGLE):
     web.add(*weave(cracks, shape, threshold, "outline"))
     view = View(layers, params, weights, touched(cracks, threshold, shape), albedo, metric.encode(albedo),
                 2 * np.sin(np.radians(crease_angle) / 2))
+    found, links = _drawn(view, threshold)
+    web.add(*drop(found, links, ~clear_of(found.at, web.curve(), CLEAR)))
     for family in (_creases, _colors, _shadows):
         for thin, least in ((True, BAND_CHAIN), (False, CHAIN)):
             found = family(view, thin)
@@ -116,6 +118,15 @@ def drop(found, links, gone):
 
 
 # The families
+
+
+def _drawn(view, threshold):
+    """Lines drawn by hand lie where the layer says."""
+    cracks = []
+    for axis in (1, 0):
+        place, weight = (turn(axis, a)[:, :-1] for a in (view.layers.marks[..., 1 - axis], view.weights["mark"]))
+        cracks.append(((place > 0) * weight, np.full(place.shape, SOURCES.index("mark")), clamp01(place)))
+    return weave(cracks, view.shape, threshold, "mark")
 
 
 def _creases(view, thin):

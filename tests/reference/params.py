@@ -8,13 +8,14 @@ DEFAULTS = {
     "edge_detector": "DOG", "depth_space": "INVERSE", "color_detector": "CONTRAST", "color_layer": "ALBEDO",
     "edge_threshold": 0.5, "edge_sigma": 1.0, "depth_near": 0.1, "depth_far": 100.0,
     "edge_depth": 1.0, "edge_normal": 1.0, "edge_object": 1.0, "edge_material": 0.0, "edge_color": 0.0,
-    "edge_seen": 1.0, "edge_light": 0.0, "sobel_shape_threshold": 0.25,
+    "edge_seen": 1.0, "edge_light": 0.0, "edge_mark": 1.0, "sobel_shape_threshold": 0.25,
     "contrast_metric": "RGB", "contrast_threshold": 0.01, "contrast_max": 1.0,
     "contrast_auto": False, "contrast_window": 64.0,
     # lines
     "use_lines": True, "line_thickness": 8.0, "line_max_thickness": 128.0, "line_contrast": 0.0,
     "width_object": 1.0, "width_material": 1.0, "width_depth": 0.8, "width_normal": 0.6, "width_color": 0.6,
-    "width_light": 0.5, "width_seen": 1.0, "line_depth_distance": 0.0, "line_light": 0.0, "line_taper": 0.0,
+    "width_light": 0.5, "width_seen": 1.0, "width_mark": 1.0, "line_depth_distance": 0.0,
+    "line_light": 0.0, "line_taper": 0.0,
     "line_softness": 0.9, "line_occlude": True, "line_paper": 0.6, "line_intensity": 1.0, "line_gain": 4.0,
     "line_search": "EXACT", "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0, "line_tint_value": 0.35,
     "surface_fade": 0.0, "length_unit": "RELATIVE", "supersample": 1.0,
@@ -38,7 +39,7 @@ DEFAULTS = {
 ENGINE = {"object_index", "shade_light", "light_denoise", "save_layers"}
 SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching")
 
-_WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light")}
+_WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light", "mark")}
 _FRAME_LINES = {"line_search", "line_max_thickness", "line_occlude"}
 
 

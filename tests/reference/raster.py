@@ -41,17 +41,24 @@ def _clip(polygon, distance):
     return np.array(out).reshape(-1, 4)
 
 
+def on_screen(clip, camera, frame):
+    """(n, 4): x and y times w in pixels of the frame, w, depth."""
+    return np.c_[(clip[:, 0] + clip[:, 3]) / 2 * frame.width, (clip[:, 3] - clip[:, 1]) / 2 * frame.height,
+                 clip[:, 3], -camera[:, 2]]
+
+
 def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channels=0):
-    """What core.raster() draws, float64, and `unsure`: pixels where two surfaces are within 1e-6 of equally deep."""
+    """What core.raster() draws, float64, and `unsure`: pixels where two surfaces are within 1e-6 of equally deep, and
+    `front`: numbers of mesh and triangle, -1 where nothing is."""
     width, height = size
     columns, rows = np.arange(width) + frame.x, np.arange(height) + frame.y
     view, projection = np.asarray(view, float), np.asarray(projection, float)
     out = SimpleNamespace(depth=np.full((height, width), NOTHING), normal=np.zeros((height, width, 3)),
                           object=np.zeros((height, width)), material=np.zeros((height, width)),
                           style=np.zeros((height, width)), attributes=np.zeros((height, width, channels)),
-                          unsure=np.zeros((height, width), bool))
+                          unsure=np.zeros((height, width), bool), front=np.full((height, width, 2), -1))
     nearest = np.full((height, width), np.inf)
-    for mesh in meshes:
+    for number, mesh in enumerate(meshes):
         points = np.asarray(mesh.points, np.float32).astype(float)
         corners = np.arange(len(points)).reshape(-1, 3) if mesh.corners is None else mesh.corners
         for t, corner in enumerate(corners):
@@ -60,9 +67,7 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
             if not np.isfinite(camera).all():
                 continue
             clip = np.c_[camera, np.ones(3)] @ projection.T
-            # x and y times w in pixels, w, depth
-            screen = np.c_[(clip[:, 0] + clip[:, 3]) / 2 * frame.width, (clip[:, 3] - clip[:, 1]) / 2 * frame.height,
-                           clip[:, 3], -camera[:, 2]]
+            screen = on_screen(clip, camera, frame)
             seen = _clip(screen, lambda c: c[3] - clip_start)
             if clip_end > clip_start:
                 seen = _clip(seen, lambda c: clip_end - c[3])
@@ -92,7 +97,8 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
             normal *= (1 if normal @ towards >= 0 else -1) / np.linalg.norm(normal)
             nearest[py, px] = out.depth[py, px] = depth
             out.normal[py, px] = normal
-            out.object[py, px] = mesh.object_index
+            out.front[py, px] = number, t
+            out.object[py, px] = mesh.object_index if mesh.object is None else mesh.object[t]
             out.material[py, px] = mesh.material_index if mesh.material is None else mesh.material[t]
             out.style[py, px] = mesh.style_index if mesh.style is None else mesh.style[t]
             out.attributes[py, px] = 0

@@ -13,7 +13,7 @@ from . import grid, metric, near
 from .edges import SOURCES
 from .metric import clamp01
 
-FAMILIES = ("outline", "normal", "color", "light")  # older first
+FAMILIES = ("outline", "mark", "normal", "color", "light")  # older first
 CLEAR = 1.5  # pixels that a younger family keeps from the older ones
 
 
@@ -125,7 +125,8 @@ def outlines(layers, params, weights):
             "object": np.maximum(differs(layers.object), gone), "material": differs(layers.material),
             "depth": np.where(gone > 0, 0, clamp01((depth_crack(layers, axis) - 0.003) / 0.007)),
         }
-        t = place_crack(layers, axis)
+        known = turn(axis, np.abs(layers.marks[..., 1 - axis]))[:, :-1]  # where a seam or a line is, without a jump
+        t = np.where((known > 0) & (gone + strengths["depth"] == 0), clamp01(known), place_crack(layers, axis))
         side = (t >= 0.5).astype(int)
 
         def own(image, axis=axis, side=side, n=n):

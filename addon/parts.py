@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lines by hand, in Edit Mode: faces that are a part of their own, and Blender's own marks of edges."""
+
+import bmesh
+import bpy
+
+from .meshes import PART
+
+
+def _number(mesh, clear):
+    """Gives the selected faces of a mesh in Edit Mode the next free number of a part, or 0. Returns a sentence about
+    what is wrong, or None."""
+    there = mesh.attributes.get(PART)
+    if there is not None and (there.domain, there.data_type) != ("FACE", "INT"):
+        return f"{mesh.name}: its attribute {PART} holds no whole numbers of faces; remove it, or edit it by hand"
+    edited = bmesh.from_edit_mesh(mesh)
+    layer = edited.faces.layers.int.get(PART) or edited.faces.layers.int.new(PART)
+    number = 0 if clear else max((face[layer] for face in edited.faces), default=0) + 1
+    for face in edited.faces:
+        if face.select:
+            face[layer] = number
+    bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
+    return None
+
+
+class ENCRE_OT_mark_part(bpy.types.Operator):
+    """Make the selected faces a part with lines around it, as if they were an object of their own"""
+
+    bl_idname = "encre.mark_part"
+    bl_label = "Mark Line Part"
+    bl_options = {"REGISTER", "UNDO"}
+
+    clear: bpy.props.BoolProperty(name="Clear", description="Let the faces belong to the rest of the mesh again")
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "EDIT_MESH"
+
+    def execute(self, context):
+        for obj in context.objects_in_mode_unique_data:
+            sentence = _number(obj.data, self.clear)
+            if sentence:
+                self.report({"ERROR"}, sentence)
+                return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def _row(layout, operator, text):
+    row = layout.row(align=True)
+    row.operator(operator, text=text).clear = False
+    row.operator(operator, text="", icon="X").clear = True
+
+
+class ENCRE_PT_marks(bpy.types.Panel):
+    bl_label = "Encre Lines"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Encre"
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == "ENCRE" and ENCRE_OT_mark_part.poll(context)
+
+    def draw(self, context):
+        column = self.layout.column()
+        if bpy.app.build_options.freestyle:
+            _row(column, "mesh.mark_freestyle_edge", "Mark Edges")
+        _row(column, "encre.mark_part", "Mark Part")
+        column.prop(context.object.encre, "separate_parts")
+
+
+def _menu(self, context):
+    if context.engine == "ENCRE":
+        self.layout.separator()
+        for text, clear in (("Mark Line Part", False), ("Clear Line Part", True)):
+            self.layout.operator("encre.mark_part", text=text).clear = clear
+
+
+_classes = (ENCRE_OT_mark_part, ENCRE_PT_marks)
+
+
+def register():
+    for cls in _classes:
+        bpy.utils.register_class(cls)
+    bpy.types.VIEW3D_MT_edit_mesh_faces.append(_menu)
+
+
+def unregister():
+    bpy.types.VIEW3D_MT_edit_mesh_faces.remove(_menu)
+    for cls in reversed(_classes):
+        bpy.utils.unregister_class(cls)

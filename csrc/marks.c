@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Marks: lines that were drawn by hand. The layer says exactly where each passes between two pixels, so that nothing is
+ * searched for. Where contours run they own the line, but marks come before all that the averaged layers show. */
+#include "fine.h"
+
+/* Positive for a line, negative for a seam. */
+static float mark_at(const fine *n, int x, int y, int axis)
+{
+	plane marks = n->f->layer[ENCRE_LAYER_MARKS];
+	return marks.data[y * marks.row + (ptrdiff_t)2 * x + axis];
+}
+
+float ISA(hand_place)(const fine *n, const site *s)
+{
+	return n->f->layer[ENCRE_LAYER_MARKS].data ? clamp01(fabsf(mark_at(n, s->column, s->row, s->axis))) : 0;
+}
+
+bool ISA(hand_site)(const fine *n, site *s)
+{
+	float place = ISA(hand_place)(n, s);
+	s->x = (float)s->column + (s->axis == AXIS_ROW ? place : 0);
+	s->y = (float)s->row + (s->axis == AXIS_COLUMN ? place : 0);
+	s->strength = 0;
+	return ISA(fine_weigh)(n, s, fine_style(n, s), SOURCE_MARK, 1);
+}
+
+void ISA(hand_row)(const fine *n, int y)
+{
+	int width = n->f->width;
+	if (!n->e->on[SOURCE_MARK])
+		return;
+	for (int x = 0; x < width; x++)
+		for (int axis = 0; axis < 2; axis++) {
+			site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = FAMILY_MARK, .axis = (uint8_t)axis};
+			bool inside = axis ? y + 1 < n->f->height : x + 1 < width;
+			if (inside && mark_at(n, x, y, axis) > 0 && ISA(hand_site)(n, &s))
+				n->crack[(ptrdiff_t)y * width + x] |= (uint8_t)(MARK_RIGHT << axis);
+		}
+}

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lines drawn by hand: where the rasteriser says that they pass, and what FINE makes of that."""
+
+import numpy as np
+import pytest
+from encre import core
+from encre.core import Frame, Mesh
+from judge import verdict
+from reference import fine
+from reference.marks import marks
+from test_raster import looking, orthographic, perspective, pixels, rotation, soup
+
+PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_color=0.0, edge_light=0.0, line_thickness=1.0)
+
+
+def lines(rng, n, size=1.5, spread=2.0, kind="lines"):
+    """n lines that hang together, three by three, by their points."""
+    points = rng.uniform(-spread, spread, (n, 1, 3)) + rng.uniform(-size, size, (n, 3, 3))
+    corners = np.arange(3 * n).reshape(n, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    model = np.eye(4)
+    model[:3, :3] = rotation(rng) * 0.8
+    return Mesh(points.reshape(-1, 3).astype(np.float32), corners.astype(np.int32), model=model, kind=kind)
+
+
+def passing(meshes, view, projection, frame, size=None, start=0.1, **how):
+    size = size or (frame.width, frame.height)
+    return core.raster(meshes, view, projection, frame, size, start, outputs=("depth", "marks"), **how)["marks"]
+
+
+# ---- the rasteriser ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("projection", [perspective, orthographic])
+@pytest.mark.parametrize("surfaces", [0, 25])
+def test_where_lines_pass_and_are_seen(projection, surfaces):
+    rng = np.random.default_rng(3 + surfaces)
+    drawn = [lines(rng, 12), lines(rng, 6, kind="seams"), lines(rng, 12)]
+    meshes = [soup(rng, surfaces, object_index=1)] if surfaces else []
+    camera = looking(rng), projection(67, 45)
+    got = passing([drawn[0], *meshes, *drawn[1:]], *camera, Frame(67, 45))
+    want, unsure = marks(drawn, meshes, *camera, Frame(67, 45), (67, 45), 0.1)
+    assert unsure.mean() < 0.01
+    assert (want > 0).sum() > 100 and (want < 0).sum() > 20
+    np.testing.assert_allclose(got[~unsure], want[~unsure], atol=1e-5)
+
+
+def test_a_line_on_its_surface_is_seen_at_any_angle_and_not_through_another():
+    """The edges of a floor up to the horizon, before and below a second floor."""
+    x = np.linspace(-40, 40, 33)
+    ends = np.array([[(a, -1, 5), (a, -1, -90)] for a in x] + [[(-40, -1, z), (40, -1, z)] for z in -x - 50])
+    corners = np.arange(2 * len(ends), dtype=np.int32).reshape(-1, 2)
+    grid = Mesh(ends.reshape(-1, 3).astype(np.float32), corners, kind="lines")
+    floor = np.array([[-40, -1, 5], [40, -1, 5], [40, -1, -90], [-40, -1, -90]], np.float32)
+    two = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+    camera, frame = (np.eye(4), perspective(160, 90)), Frame(160, 90)
+    alone = passing([grid], *camera, frame)
+    assert (alone > 0).sum() > 1500
+    for shift, seen in ((0, True), (-0.05, True), (0.05, False)):
+        got = passing([grid, Mesh(floor + np.float32([0, shift, 0]), two, object_index=1)], *camera, frame)
+        if seen:
+            np.testing.assert_array_equal(got, alone)
+        else:
+            assert not got[70:].any()  # where the second floor lies more than a pixel above
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_lines_through_centres_are_whole(seed):
+    """Each square of four centres that a straight line goes through is entered once and left once."""
+    rng = np.random.default_rng(seed)
+    for _ in range(60):
+        way, at = rng.integers(-4, 5, 2), rng.integers(3, 9, 2) + 0.5
+        if not way.any():
+            continue
+        points = np.array([[*(at - 9 * way), -1], [*(at + 9 * way), -1]]) + rng.choice([0, 0, 1e-9, 0.1])
+        mesh = Mesh(points.astype(np.float32), np.array([[0, 1]], np.int32), kind="lines")
+        on = passing([mesh], *pixels(12, 12), Frame(12, 12)) > 0
+        right, down = on[:, :-1, 0].astype(int), on[:-1, :, 1].astype(int)
+        sides = right[:-1] + right[1:] + down[:, :-1] + down[:, 1:]
+        assert set(np.unique(sides)) <= {0, 2}, (way, at)
+        assert not on[:, -1, 0].any() and not on[-1, :, 1].any()
+
+
+def test_the_same_however_the_work_is_cut_up():
+    rng = np.random.default_rng(5)
+    meshes = [lines(rng, 40, 3.0, kind="seams"), soup(rng, 60, object_index=1), lines(rng, 200, 0.4),
+              lines(rng, 5, 90.0)]
+    view, p, frame = looking(rng), perspective(131, 77), Frame(131, 77)
+    full = passing(meshes, view, p, frame, threads=1)
+    assert (full > 0).sum() > 500
+    for threads in (2, 3, 8):
+        assert passing(meshes, view, p, frame, threads=threads).tobytes() == full.tobytes()
+    for _ in range(12):
+        x, y = int(rng.integers(0, 131)), int(rng.integers(0, 77))
+        w, h = int(rng.integers(1, 132 - x)), int(rng.integers(1, 78 - y))
+        part, want = passing(meshes, view, p, Frame(131, 77, x, y), (w, h)), full[y:y + h, x:x + w].copy()
+        want[:, -1, 0] = want[-1, :, 1] = 0  # the ways out of the border
+        np.testing.assert_array_equal(part, want)
+    others = ("depth", "object", "normal")
+    plain = core.raster([meshes[1]], view, p, frame, (131, 77), 0.1, outputs=others)
+    mixed = core.raster(meshes, view, p, frame, (131, 77), 0.1, outputs=(*others, "marks"))
+    assert all(np.array_equal(plain[name], mixed[name]) for name in others)  # no surface notices lines
+
+
+@pytest.mark.parametrize("size", [1e-30, 1e6, 3e38, np.nan, np.inf])
+def test_any_length_gives_clean_places(size):
+    rng = np.random.default_rng(6)
+    mesh = lines(rng, 30)
+    with np.errstate(invalid="ignore", over="ignore"):
+        mesh.points[::2] *= np.float32(size)
+    mesh.points[7] = mesh.points[6]
+    for p in (perspective(33, 17), orthographic(33, 17)):
+        got = passing([mesh, soup(rng, 5)], looking(rng), p, Frame(33, 17))
+        assert ((got == 0) | ((got >= 1 / 1024) & (got <= 1))).all()
+
+
+def test_objects_by_triangle():
+    rng = np.random.default_rng(7)
+    mesh = soup(rng, 40, object=np.arange(40) + 1, material=np.arange(40) + 1)
+    got = core.raster([mesh], looking(rng), perspective(60, 40), Frame(60, 40), (60, 40), 0.1)
+    assert got["object"].max() > 9 and np.array_equal(got["object"], got["material"])
+
+
+# ---- FINE --------------------------------------------------------------------------------------------------------
+
+
+def wall(height=60, width=80, ends=((9.3, 11.7), (70.2, 41.4)), kind="lines"):
+    """Layers of a bare wall with lines on it, ends (x, y) two by two in pixels, centres at whole numbers."""
+    points = np.c_[np.array(ends) + 0.5, np.full(len(ends), -4.0)].astype(np.float32)
+    mesh = Mesh(points, np.arange(len(ends), dtype=np.int32).reshape(-1, 2), kind=kind)
+    flat = np.ones((height, width, 1), np.float32)
+    return dict(combined=flat.repeat(4, 2), color=flat.repeat(3, 2) / 2, diffuse=flat.repeat(3, 2), depth=4 * flat,
+                normal=flat * np.float32([0, 0, 1]), object=0 * flat,
+                marks=passing([mesh], *pixels(width, height), Frame(width, height)))
+
+
+def ink(layers, styles=(), **scene):
+    made = core.render(layers, {**PEN, **scene}, styles, outputs=("Encre Lines", "Encre Edges")).images
+    return made["Encre Lines"][..., 3].astype(float)
+
+
+def off_the_line(t, a, b):
+    """How far the ink's centre lies beside the line from a to b, by steps of a pixel along it, without the ends; and
+    the amounts of ink."""
+    way = np.subtract(b, a) / np.hypot(*np.subtract(b, a))
+    y, x = np.nonzero(t)
+    along, beside = (x - a[0]) * way[0] + (y - a[1]) * way[1], (y - a[1]) * way[0] - (x - a[0]) * way[1]
+    step = np.floor(along).astype(int)
+    inside = (step > 3) & (step < np.hypot(*np.subtract(b, a)) - 4)
+    ink = np.bincount(step[inside], t[y, x][inside])[4:]
+    return np.bincount(step[inside], (t[y, x] * beside)[inside])[4:] / ink, ink
+
+
+@pytest.mark.parametrize("b", [(70.2, 41.4), (70.2, 11.7), (21.3, 55.1), (69.3, 12.9)])
+def test_a_mark_is_drawn_where_it_lies_and_as_wide_as_asked(b):
+    a = (9.3, 11.7)
+    layers = wall(ends=(a, b))
+    for thickness in (1.0, 3.0):
+        off, amount = off_the_line(ink(layers, line_thickness=thickness), a, b)
+        nine = np.ones(9) / 9  # a step alone sees how pixels meet the line
+        assert np.abs(np.convolve(off, nine, "valid")).max() < 0.08
+        assert np.mean(amount) == pytest.approx(thickness, rel=0.03)
+        assert np.convolve(amount, nine, "valid").min() > 0.9 * thickness
+    want = fine.ink(layers, {k: v for k, v in PEN.items() if k != "edge_detector"})[0]
+    assert np.abs(ink(layers) - want).max() < 0.02
+
+
+def test_weight_width_and_style():
+    layers = wall()
+    full = ink(layers)
+    assert ink(layers, edge_mark=0.0).max() == 0
+    assert ink(layers, edge_mark=0.2).max() == 0 and PEN["edge_threshold"] > 0.2
+    assert ink(layers, width_mark=2.0).sum() == pytest.approx(2 * full.sum(), rel=0.05)
+    layers["style"] = np.zeros((60, 80, 1), np.float32)
+    layers["style"][:, 40:] = 1
+    half = ink(layers, ({"edge_mark": 0.0},))
+    assert np.array_equal(half[:, :37], full[:, :37]) and not half[:, 43:].any()
+    assert 0.5 < ink(layers, ({"width_mark": 3.0},))[:, 43:].sum() / full[:, 43:].sum() / 3 < 1.5
+
+
+def test_lines_that_cross_or_meet_hang_together():
+    across = ((10.2, 12.1), (68.8, 44.9), (12.3, 45.2), (66.1, 9.8))
+    t = ink(wall(ends=across), line_thickness=2.0)
+    one, two = (ink(wall(ends=ends), line_thickness=2.0) for ends in (across[:2], across[2:]))
+    assert np.abs(t - np.maximum(one, two)).max() < 0.35  # they are joined by what lies between their crossings
+    corner = ((10.2, 40.1), (40.6, 12.3), (40.6, 12.3), (69.4, 38.2))
+    t = ink(wall(ends=corner), line_thickness=2.0)
+    assert t[11:14, 39:43].max() == 1 and t[:10].max() == 0
+    assert np.abs(off_the_line(t[:, :39], *corner[:2])[0]).max() < 0.3
+
+
+def test_a_mark_on_a_contour_or_a_crease_is_one_line():
+    a, b = (40.3, -3.0), (37.1, 63.0)
+    layers = wall(ends=(a, b))
+    y, x = np.mgrid[:60, :80]
+    left = x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+    marked = ink(layers, width_mark=2.0)[10:50].sum()
+    layers["normal"][left] = 0.6, 0, 0.8
+    assert ink(layers, width_mark=2.0)[10:50].sum() == pytest.approx(marked, rel=0.02)  # the crease is the mark's
+    layers["depth"][left] = 3
+    contour = ink({**layers, "marks": 0 * layers["marks"]})
+    assert np.abs(ink(layers, width_mark=2.0) - contour).max() < 0.05  # the contour's line it is
+
+
+def test_a_seam_tells_where_numbers_change():
+    a, b = (40.3, -3.0), (37.1, 63.0)
+    layers = wall(ends=(a, b), kind="seams")
+    assert not ink(layers).any()
+    y, x = np.mgrid[:60, :80]
+    layers["object"][x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])] = 1
+    t = ink(layers)
+    centre = (t * x).sum(1) / t.sum(1)
+    exact = a[0] + (np.arange(60) - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+    assert np.abs(centre - exact)[3:-3].max() < 0.06
+    del layers["marks"]
+    blind = ink(layers)
+    assert np.abs((blind * x).sum(1) / blind.sum(1) - exact)[3:-3].max() > 0.2  # nothing else shows where
