@@ -191,8 +191,8 @@ def flowers(c, at):
         tube(f"Stem {k}", [foot + Vector((0.1 * x, 0.1 * y, -0.05)), foot + Vector((0.4 * x, 0.4 * y, 0.5 * z)), head],
              0.008, c["green"], sides=6, smooth=1)
         bloom = ("red", "orange", "white")[k % 3]
-        lathe(f"Tulip {k}", rounded([(0.012, 0.075), (0.034, 0.04), (0.028, 0.01), (0, 0)], 4), head, c[bloom], steps=16,
-              turn=(0, 14 * (k - 1.5), 0), thick=0.003)
+        outline = rounded([(0.012, 0.075), (0.034, 0.04), (0.028, 0.01), (0, 0)], 4)
+        lathe(f"Tulip {k}", outline, head, c[bloom], steps=16, turn=(0, 14 * (k - 1.5), 0), thick=0.003)
 
 
 def bookcase(c):
