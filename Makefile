@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | test | test-long | bench | lint | extension | clean. Each sets up what it needs in .venv.
+# make demo | gallery | test | test-long | bench | lint | extension | clean. Each sets up what it needs in .venv.
 
 PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command -v $(p) 2>/dev/null)))
 # One Blender module per Python: the wheels on the package index are built for exactly one version each.
 BPY := $(shell $(PYTHON) -c 'import sys; print({(3, 11): "bpy==4.5.*", (3, 13): "bpy==5.2.*"}.get(sys.version_info[:2], ""))')
 RUN := .venv/bin/python
 
-.PHONY: demo extension blenders test test-long bench lint clean build
+.PHONY: demo gallery extension blenders test test-long bench lint clean build
 
 .venv/ready: pyproject.toml
 	@test -n "$(BPY)" || command -v blender >/dev/null || \
@@ -26,6 +26,10 @@ demo: build
 		.venv/bin/encre composite build/demo/street.exr --preset $$preset -o build/demo/$$preset.png || exit; done
 	@.venv/bin/encre render scenes/street.py -o build/demo/cycles.png \
 		$(foreach stage,lines shading smudging hatching,--set use_$(stage)=off)
+
+# The pictures of docs/gallery.md and docs/scenes.md: minutes a scene.
+gallery: build
+	$(RUN) scenes/gallery.py build/gallery $(wildcard ../shared/data/suzanne.blend)
 
 extension: .venv/ready
 	$(RUN) setup.py -q extension

@@ -5,7 +5,7 @@ import numpy as np
 
 from . import core, images, layers
 
-_KNOWN = {**layers.CYCLES, "IndexMA": "X", **layers.SAVED}
+_KNOWN = {**layers.CYCLES, "IndexMA": "X", **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN}
 _LETTERS = "RGBAXYZW"
 _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
 
@@ -46,9 +46,12 @@ def _choose(found, name, path):
     return name
 
 
-def _wanted(passes, path):
-    """{pass: channels} that have to be read: not those that Encre's own passes stand for."""
-    wanted = {name: channels for name, channels in passes.items() if name in _KNOWN}
+def _wanted(passes, path, seen):
+    """{pass: channels} that have to be read: not those that Encre's own passes stand for, what is `seen` if asked."""
+    wanted = {name: channels for name, channels in passes.items()
+              if name in _KNOWN and (seen or name not in {**layers.SEEN, **layers.SAVED_SEEN})}
+    if "Encre Seen Depth" in wanted:
+        wanted.pop("Denoising Depth", None)
     if "Encre Source" in wanted and "Encre Diffuse" in wanted:
         for name in ("Combined", "DiffDir", "DiffInd"):
             wanted.pop(name, None)
@@ -98,30 +101,41 @@ def _notes(settings, passes, path):
     return f"{path} does not hold all that Encre saves: {', '.join(assumed)}" if assumed else None
 
 
+def _idle(pictures, scene, styles, path):
+    """Which sources of edges have nothing to work on, in one sentence; None: all have."""
+    found = ", ".join(f"{name} ({why})" for name, why in layers.idle(pictures, scene, styles).items())
+    return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
+
+
 def composite(path, out, change, view_layer=None, threads=0, say=print):
     """Restyles the EXR `path` into `out` (.exr or .png).
 
     change: the values to set on those in the file; say(kind, sentence) hears notes and warnings. Raises
     core.EncreError for the input, images.WriteError where `out` can't be written.
     """
-    png, channels, nonfinite, note = out.lower().endswith(".png"), {}, 0, None
+    png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
     with images.Exr(path, threads) as exr:
         settings = layers.read_metadata(exr.metadata)
         scene = core.check({**(settings.scene or {}), **change})
+        if (factor := scene.pop("supersample", 1)) > 1:
+            say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "
+                        "at that")
         styles = [values for _, values in settings.styles]
         found = view_layers(exr.channels, exr.views)
         layer = _choose(found, view_layer, path)
         at = _rows_and_columns(settings.border, exr.window)
         if png and len(found[layer]) > 1:
             raise core.EncreError(f"{path}: is stereo, and a PNG has one view; write an .exr")
+        # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
+        seen = settings.camera is not None and layers.wants_seen(scene, styles)
         for view, names in found[layer].items():
-            passes = {name: picture[at] for name, picture in exr.read(_wanted(names, path)).items()}
+            passes = {name: picture[at] for name, picture in exr.read(_wanted(names, path, seen)).items()}
             try:
                 pictures, bad = layers.assemble(passes, scene, styles)
             except core.EncreError as error:
                 others = ", ".join(sorted(set(names) - set(passes))) or "nothing"
                 raise core.EncreError(f"{path}: {error}; besides in the file: {others}") from None
-            note = note or _notes(settings, passes, path)
+            notes = notes or [_notes(settings, passes, path), _idle(pictures, scene, styles, path)]
             result = core.render(pictures, scene, styles, settings.camera, _place(settings, exr.window),
                                  ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
                                  progress=lambda _fraction: True,  # without it, Ctrl-C would wait for the end
@@ -129,7 +143,7 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
             pictures = {name: _whole(picture, at, exr.window) for name, picture in result.images.items()}
             channels.update(_named(pictures, layer, view, names))
             nonfinite += bad + result.nonfinite
-    for kind, text in [("note", note), *(("warning", warning) for warning in settings.warnings)]:
+    for kind, text in [*(("note", note) for note in notes), *(("warning", warning) for warning in settings.warnings)]:
         if text:
             say(kind, text)
     if nonfinite:

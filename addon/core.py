@@ -15,7 +15,7 @@ import numpy as np
 
 from .table import MAX_LEVELS, EncreError, Item, Param, Stage, normal, read, unknown
 
-API_VERSION = 3
+API_VERSION = 4
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
 

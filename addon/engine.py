@@ -90,9 +90,9 @@ class EncreEngine(bpy.types.RenderEngine):
     def render(self, depsgraph):
         with self.refusing():
             if self.frames:
-                self.frames.before(depsgraph)
-        if not self.refused:
-            _cycles().render(self, depsgraph)
+                self.frames.render(_cycles(), depsgraph)
+            else:
+                _cycles().render(self, depsgraph)
 
     def render_frame_finish(self):
         if self.refused:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from . import compat, core, denoise, layers, meshes, papers, properties
+from . import compat, core, denoise, layers, meshes, papers, properties, subframes, supersample
 
 
 class _Settings:
@@ -21,31 +21,53 @@ class _Settings:
         self.shaded = layers.shaded(self.scene, self.overrides)
         if self.scene["paper_source"] == "IMAGE":
             papers.load(self.scene["paper_image"])  # that it can't be read is said before Cycles starts
+        self.seen = layers.wants_seen(self.scene, self.overrides)
         self.denoise = (self.scene["light_denoise"] == "OIDN" and layers.wants_light(self.scene, self.overrides))
+        self.factor = self.scene["supersample"] if self.active else 1
 
 
 @dataclass
 class _ViewLayer:
     """What is known of a view layer before Cycles renders it."""
 
+    name: str
     settings: _Settings
     denoise_other: bool
     user_indices: np.ndarray | None  # by Cycles' index, to write into the pass that the user asked for
     objects: meshes.Objects
-    views: dict                      # view name -> (camera, rasterised pictures)
+    views: dict                      # view name -> (camera, rasterised pictures of `factor` times the frame's size,
+                                     #               camera -> clip)
+    clip_start: float
     frame: core.Frame
     border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
+    drawn: dict | None = None        # view id -> passes to write, if that is already done
+
+    @property
+    def factor(self):
+        return self.settings.factor
 
 
 def passes(scene):
     """What Cycles and the stages must have a place for: (name, channel names, kind), as register_pass() takes."""
-    mode = scene.encre.save_layers if hasattr(scene, "encre") else "OFF"  # the library may be missing
-    multilayer = scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
-    saved = layers.SAVED if mode == "ON" or (mode == "AUTO" and multilayer) else {}
-    for name, channels in {**layers.CYCLES, **layers.DRAWN, **saved}.items():
+    wanted = {**layers.CYCLES, **layers.DRAWN}
+    if hasattr(scene, "encre"):  # the library may be missing
+        mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
+        saved = mode == "ON" or (mode == "AUTO" and multilayer)
+        seen = _sees(scene)
+        wanted |= layers.SAVED if saved else {}
+        wanted |= layers.SEEN if seen else {}
+        wanted |= layers.SAVED_SEEN if seen and saved else {}
+    for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
         yield compat.pass_name(name), channels, kind
+
+
+def _sees(scene):
+    try:
+        return layers.wants_seen(properties.scene_values(scene), [values for _, values in properties.styles(scene)])
+    except core.EncreError:  # said when it comes to rendering
+        return False
 
 
 class Frames:
@@ -58,6 +80,7 @@ class Frames:
         self.known = {}        # view layer's name -> _ViewLayer
         self.numbers = None    # of objects: what meshes.renumber() gave
         self.overrode = False  # with persistent data, what one frame overrode is there in the next
+        self.nonfinite = 0     # values that were read as 0
 
     # Before Cycles
 
@@ -71,7 +94,17 @@ class Frames:
         if settings.active or self.overrode:
             self.numbers = meshes.renumber(depsgraph, settings.active and settings.scene["object_index"] == "AUTO")
 
-    def before(self, depsgraph):
+    def render(self, cycles, depsgraph):
+        """Has `cycles` (cycles.engine) render a view layer. EncreError: the settings or the camera can't be used, or
+        a stage fails; Cancelled."""
+        self._before(depsgraph)
+        layer = self.known.get(depsgraph.view_layer.name)
+        if not layer or layer.factor == 1:
+            cycles.render(self.engine, depsgraph)
+        else:
+            layer.drawn = self._supersample(cycles, depsgraph, layer)
+
+    def _before(self, depsgraph):
         """Overrides on the evaluated scene what the stages can't do with, and rasterises what they need from it.
 
         Must run before Cycles renders, which frees the depsgraph. The user's scene stays as it is; with all
@@ -127,7 +160,7 @@ class Frames:
     def _rasterise(self, depsgraph, camera, settings, denoise_other):
         render = depsgraph.scene_eval.render
         width, height, x, y, columns, rows = meshes.border(render)
-        frame = core.Frame(width, height, x, y)
+        frame, factor = core.Frame(width, height, x, y), settings.factor
         threads = render.threads if render.threads_mode == "FIXED" else 0
         line_numbers, user_indices = self.numbers or (None, None)
         objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers)
@@ -136,28 +169,56 @@ class Frames:
             orthographic = camera.data.type == "ORTHO"
             eye = core.Camera(view[:3, :3].ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1)
             maps = core.raster(
-                objects.meshes, view, projection, frame, (columns, rows), camera.data.clip_start,
-                camera.data.clip_end, len(core.CONTROLS), ("object", "material", "style", "attributes", "marks"),
-                threads, self._go_on)
-            views[name] = eye, maps
+                objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
+                camera.data.clip_start, camera.data.clip_end, len(core.CONTROLS),
+                ("object", "material", "style", "attributes", "marks"), threads, self._go_on)
+            views[name] = eye, maps, projection
         objects.meshes.clear()
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
-        return _ViewLayer(settings, denoise_other, user_indices, objects, views, frame,
+        return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views,
+                          camera.data.clip_start, frame,
                           (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
                           threads)
 
     def _go_on(self, _fraction=0):
         return not self.engine.test_break()
 
+    def _supersample(self, cycles, depsgraph, layer):
+        """Renders and draws a view layer at `factor` times the frame's size; what is to be written, by view id.
+
+        Drawn at once, because the large layers of all view layers together would not find room.
+        """
+        gathered = {}
+
+        def take(column, row):
+            result = self.engine.get_result()
+            for render_pass in result.layers[depsgraph.view_layer.name].passes:
+                if render_pass.name in {**layers.DRAWN, **layers.SAVED, **layers.SAVED_SEEN}:
+                    continue
+                picture = compat.read_pass(render_pass, result.resolution_x, result.resolution_y)
+                view = gathered.setdefault(render_pass.view_id, supersample.Gathered(layer.factor))
+                view.take(render_pass.name, picture, column, row)
+
+        subframes.render(self.engine, cycles, depsgraph, self._camera(depsgraph), layer.factor, take,
+                         self._go_on)
+        drawn = {}
+        for view_id in list(gathered):
+            view = gathered.pop(view_id)
+            pictures = {layers.classic(name): picture for name, picture in view.large.items()}
+            view.large.update(self._draw(layer, view_id, pictures))
+            small = {name: supersample.shrink(name, picture, layer.factor) for name, picture in view.large.items()}
+            drawn[view_id] = {**view.small, **small}
+        return drawn
+
     # After Cycles
 
     def after(self):
         """Runs the stages on every view layer and view that was rendered. EncreError: they can't; Cancelled."""
         known, self.known = self.known, {}
-        if not known or self.engine.test_break():
+        if not known or not self._go_on():
             return
-        result, nonfinite = self.engine.get_result(), 0
+        result = self.engine.get_result()
         for layer in result.layers:
             if layer.name not in known:  # a picture without stages
                 continue
@@ -165,35 +226,45 @@ class Frames:
             for render_pass in layer.passes:
                 by_view.setdefault(render_pass.view_id, {})[render_pass.name] = render_pass
             for view_id, there in by_view.items():
-                name = result.views[view_id].name if len(mine.views) > 1 else ""
-                self.engine.update_stats("Encre", f"{layer.name} {name}".strip())
-                nonfinite += self._draw(mine, *mine.views[name], there, result)
+                out = mine.drawn[view_id] if mine.drawn else self._draw(
+                    mine, view_id, self._read(there, result, mine.settings.seen))
+                for name in out.keys() & there.keys():
+                    compat.write_pass(there[name], out[name])
             self._stamp(result, mine)
-        if nonfinite:
-            self.engine.say("WARNING", f"{nonfinite} values of the layers were not finite and were read as 0")
+        if self.nonfinite:
+            self.engine.say("WARNING", f"{self.nonfinite} values of the layers were not finite and were read as 0")
+            self.nonfinite = 0
 
-    def _draw(self, layer, camera, maps, there, result):
-        """One view of one view layer; `there`: its render passes by name. Returns how many values were no numbers."""
-        settings, objects, pictures = layer.settings, layer.objects, {}
-        for name in layers.CYCLES:
-            if compat.pass_name(name) in there:
-                pictures[name] = compat.read_pass(there[compat.pass_name(name)], result.resolution_x,
-                                                  result.resolution_y)
+    def _read(self, there, result, seen):
+        """The passes that the stages need, by their classic names; `there`: render passes by name."""
+        names = {name: compat.pass_name(name) for name in [*layers.CYCLES, *(layers.SEEN if seen else ())]}
+        return {name: compat.read_pass(there[own], result.resolution_x, result.resolution_y)
+                for name, own in names.items() if own in there}
+
+    def _draw(self, layer, view_id, pictures):
+        """The passes, by their names in this Blender, of one view of one view layer from those that Cycles wrote."""
+        settings, objects = layer.settings, layer.objects
+        name = self.engine.get_result().views[view_id].name if len(layer.views) > 1 else ""
+        self.engine.update_stats("Encre", f"{layer.name} {name}".strip())
+        camera, maps, projection = layer.views[name]
+        frame = supersample.frame(layer.frame, layer.factor)
+        if "Denoising Depth" in pictures:
+            depth = layers.seen_depth(pictures["Denoising Depth"], projection, frame, layer.clip_start)
+            pictures = {**pictures, "Encre Seen Depth": depth}
         index = pictures["IndexOB"][..., 0]
-        pictures.update(layers.rasterised(index, maps, objects.owners, objects.numbers, objects.strays))
+        pictures = {**pictures, **layers.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)}
         images, nonfinite = layers.assemble(pictures, settings.scene, settings.overrides,
                                             self._denoiser(layer), layer.denoise_other)
-        drawn = core.render(images, settings.scene, settings.overrides, camera, layer.frame,
+        drawn = core.render(images, settings.scene, settings.overrides, camera, frame,
                             outputs=("Combined", *layers.DRAWN), threads=layer.threads, progress=self._go_on,
                             image=papers.load)
-        out = {**drawn.images, **{name: pictures[name] for name in layers.SAVED if name in pictures},
-               "Encre Source": images["combined"], "Encre Diffuse": images["diffuse"]}
+        saved = {name: pictures[name] for name in [*layers.SAVED, *layers.SAVED_SEEN] if name in pictures}
+        out = {**drawn.images, **saved, "Encre Source": images["combined"], "Encre Diffuse": images["diffuse"]}
         if layer.user_indices is not None:
             known = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)
             out[compat.pass_name("IndexOB")] = layer.user_indices[known][..., None]
-        for name in out.keys() & there.keys():
-            compat.write_pass(there[name], out[name])
-        return nonfinite + drawn.nonfinite
+        self.nonfinite += nonfinite + drawn.nonfinite
+        return out
 
     def _denoiser(self, layer):
         if not layer.settings.denoise or not denoise.available():

@@ -28,6 +28,8 @@ CYCLES = {
     "Emit": "RGB",
     "IndexOB": "X",
 }
+# Its passes that look into mirrors and through clear glass, up to the first rough surface.
+SEEN = {"Denoising Albedo": "RGB", "Denoising Normal": "XYZ", "Denoising Depth": "Z"}
 # The pictures that the library draws beside Combined.
 DRAWN = {"Encre Lines": "RGBA", "Encre Surface": "RGBA", "Encre Edges": "X", "Encre Light": "RGB"}
 # What restyling a saved picture needs besides Cycles' passes.
@@ -39,6 +41,8 @@ SAVED = {
     "Encre Surface Controls": "XYZ",
     "Encre Marks": "XYZ",  # Z is 0: Blender's compositor knows no passes of two channels
 }
+# The last of SEEN as a distance along the view axis; saved where SEEN is rendered.
+SAVED_SEEN = {"Encre Seen Depth": "X"}
 # Blender 5 renamed these passes.
 RENAMED = {
     "DiffDir": "Diffuse Direct",
@@ -82,6 +86,28 @@ def wants_light(scene, styles):
     return active(scene, styles) and any(
         values["use_shading"] or values["use_hatching"] or values["edge_light"] or values["line_light"]
         for values in every_style(scene, styles))
+
+
+def wants_seen(scene, styles):
+    """Whether lines are drawn in what mirrors and glass show."""
+    every = every_style(scene, styles)
+    return every[0]["edge_detector"] == "FINE" and any(values["edge_seen"] > 0 for values in every) and any(
+        values["use_lines"] or values["use_smudging"] for values in every)
+
+
+def seen_depth(length, projection, frame, clip_start):
+    """The pass Encre Seen Depth from Cycles' Denoising Depth.
+
+    length: (height, width, 1), of the ray, from the near plane on; 0 = nothing there. projection: camera -> clip, 4 x
+    4, of the full frame. The ray goes on behind a mirror as if it went straight. On matt surfaces this is Depth, in
+    Blender 3.4, 4.2, 4.5 and 5.0, with perspective and orthographic cameras.
+    """
+    height, width = length.shape[:2]
+    x = (2 * (np.arange(width) + frame.x + 0.5) / frame.width - 1 + projection[0, 2]) / projection[0, 0]
+    y = (1 - 2 * (np.arange(height) + frame.y + 0.5) / frame.height + projection[1, 2]) / projection[1, 1]
+    orthographic = projection[3, 3] == 1
+    slant = 1 if orthographic else np.sqrt(1 + y[:, None, None] ** 2 + x[:, None] ** 2)
+    return np.where(length > 0, length / slant + clip_start, 0).astype(np.float32)
 
 
 class _Passes:
@@ -156,7 +182,8 @@ class _Light:
 def assemble(passes, scene, styles=(), denoise=None, denoise_other=False):
     """The layers of one picture.
 
-    passes: {classic name: picture}, Cycles' and any of SAVED, which are preferred; absent ones None or not there.
+    passes: {classic name: picture}, Cycles', any of SAVED, which are preferred, of SEEN and of SAVED_SEEN; absent ones
+    None or not there.
     scene, styles: values of the scene and what each style changes.
     denoise: function of (picture, albedo, normal) that gives the picture (height, width, 3) without noise, or None.
     denoise_other: clean also what is not diffuse light (Cycles' own denoiser is off while shading is on, because
@@ -187,6 +214,12 @@ def assemble(passes, scene, styles=(), denoise=None, denoise_other=False):
             [read.raw("Encre Line Controls"), read.raw("Encre Surface Controls")], axis=2)
     if "Encre Marks" in read and read.raw("Encre Marks").any():
         layers["marks"] = read.raw("Encre Marks")[..., :2]
+
+    if "Denoising Albedo" in read and "Denoising Normal" in read:
+        layers["seen_color"] = read.raw("Denoising Albedo")
+        layers["seen_normal"] = read.raw("Denoising Normal") * np.float32((1, 1, -1))  # Cycles' camera looks along +z
+        if "Encre Seen Depth" in read:
+            layers["seen_depth"] = read.raw("Encre Seen Depth")
 
     values = every_style(scene, styles)
     shading = _by_style(layers.get("style"), [v["use_shading"] for v in values])
@@ -226,6 +259,29 @@ def _put_together(read, layers, light, shading, denoise_other):
     result[..., :3] = _pick(shading, lambda: color * layers["diffuse"] + other, lambda: plain)
     result[..., 3] = combined[..., 3]
     return result
+
+
+def idle(pictures, scene, styles):
+    """{weight: why} of the sources of edges that are asked for and find nothing in the layers of a picture."""
+    every = every_style(scene, styles)
+    if not any(values["use_lines"] or values["use_smudging"] for values in every):
+        return {}
+
+    def alike(layer):
+        picture = pictures.get(layer)
+        return picture is None or bool((picture == picture[0, 0]).all())
+
+    colors = "combined" if every[0]["color_layer"] == "LIT" else "albedo"
+    reasons = {
+        "edge_object": alike("object") and "one index everywhere",
+        "edge_material": alike("material") and "one index everywhere",
+        "edge_depth": alike("depth") and "one depth everywhere",
+        "edge_normal": alike("normal") and "one normal everywhere",
+        "edge_color": alike(colors) and "one colour everywhere",
+        "edge_light": alike("diffuse") and "the same light everywhere",
+        "edge_seen": wants_seen(scene, styles) and "seen_normal" not in pictures and "no passes that see into mirrors",
+    }
+    return {name: why for name, why in reasons.items() if why and any(values[name] > 0 for values in every)}
 
 
 # Rasterised layers

@@ -24,6 +24,7 @@ from . import core, images, unwrap
 
 RUNNER = Path(__file__).with_name("runner.py")
 _SAMPLE = re.compile(r"Sample (\d+)/(\d+)")
+_PART = re.compile(r"part (\d+) of (\d+)$")  # of a supersampled frame, as subframes.py says it
 _REPORT = re.compile(r"(Info|Warning): (.+)")  # how Blender prints what the engine reports
 
 
@@ -136,6 +137,8 @@ def _watch(command, progress, verbose):
                 print(line, file=sys.stderr)
             if sample := _SAMPLE.search(line):
                 progress.sample(int(sample[1]), int(sample[2]))
+            elif part := _PART.search(line):
+                progress.part = int(part[1]) - 1, int(part[2])
             elif words := _REPORT.match(line):
                 progress.engine(words[1], words[2])
             elif line:
@@ -167,6 +170,7 @@ class _Progress:
         self.take = take
         self.say, self.doing, self.rendering, self.done = say, "", False, False
         self.label, self.start, self.tty, self.told = "", 0.0, sys.stderr.isatty(), set()
+        self.part = 0, 1  # how many parts of the frame are done, and of how many
 
     def report(self, event):
         kind = event["event"]
@@ -175,6 +179,7 @@ class _Progress:
         elif kind == "frame":
             self.doing, self.rendering = f"rendering frame {event['frame']}", True
             self.label, self.start = f"frame {event['frame']} ({event['number']}/{event['count']})", time.monotonic()
+            self.part = 0, 1
             self.sample(0, 1)
         elif kind == "written":
             for part, path in event["files"]:
@@ -209,9 +214,11 @@ class _Progress:
 
     def sample(self, number, count):
         if self.tty and self.label:
-            filled = self.WIDTH * number // max(count, 1)
+            done, parts = self.part
+            count, number = parts * max(count, 1), done * max(count, 1) + number
+            filled = self.WIDTH * number // count
             bar = "#" * filled + "." * (self.WIDTH - filled)
-            print(f"\r{self.label} [{bar}] {100 * number // max(count, 1):3d} %", end="", file=sys.stderr, flush=True)
+            print(f"\r{self.label} [{bar}] {100 * number // count:3d} %", end="", file=sys.stderr, flush=True)
 
     def clear(self):
         if self.tty:

@@ -15,18 +15,34 @@ void *arena_take(arena *a, size_t count, size_t size)
 	return a->base ? a->base + at : NULL;
 }
 
+/* What a block holds begins behind its head, at the second multiple of 64 from there. */
+static void *place_in(late *head)
+{
+	return (char *)head + (128 - (uintptr_t)head % 64);
+}
+
 void *late_take(late **all, size_t count, size_t size)
 {
 	arena a = {0};
 	arena_take(&a, 1, sizeof(late));
 	arena_take(&a, count, size);
-	char *memory = a.used <= SIZE_MAX - 64 ? malloc(a.used + 64) : NULL;
-	if (!memory)
+	late *head = a.used <= SIZE_MAX - 64 ? malloc(a.used + 64) : NULL;
+	if (!head)
 		return NULL;
-	late *head = (late *)(void *)memory;
 	head->next = *all;
 	*all = head;
-	return memory + (128 - (uintptr_t)memory % 64);
+	return place_in(head);
+}
+
+void late_drop(late **all, const void *taken)
+{
+	while (taken && *all && place_in(*all) != taken)
+		all = &(*all)->next;
+	late *found = taken ? *all : NULL;
+	if (found) {
+		*all = found->next;
+		free(found);
+	}
 }
 
 void late_free(late *all)

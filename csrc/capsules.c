@@ -41,9 +41,15 @@ static pen_end pen_end_of(const frame *f, const site *s, float length)
 		pen.radius *= length / taper;
 	if (pen.radius * s->crowd > 1)
 		pen.radius = 1 / s->crowd;
+	/* a thing not much wider than its lines lets no paper between them: they are one, from its middle */
+	float filled = s->thin * clamp01(1 - 2 * (s->half - pen.radius));
+	if (s->axis == AXIS_ROW)
+		e.x += filled * s->inside;
+	else
+		e.y += filled * s->inside;
 	float half = most(pen.radius, 0.5f), soft = pen.p->line_softness * half;
 	e.fade = most(soft, 1);
-	e.out = s->wider + half - most(soft, 0.5f) + e.fade;
+	e.out = filled * s->half + half - most(soft, 0.5f) + e.fade;
 	e.faint = least(1, 2 * pen.radius);
 	e.gain = pen.gain;
 	e.bias = pen.bias;

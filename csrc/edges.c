@@ -67,6 +67,7 @@ static float weight_in(const encre_params *p, enum source s)
 	case SOURCE_NORMAL: return p->edge_normal;
 	case SOURCE_COLOR: return p->edge_color;
 	case SOURCE_MARK: return p->edge_mark;
+	case SOURCE_SEEN: return p->edge_seen;
 	default: return p->edge_light;
 	}
 }
@@ -110,7 +111,7 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 			style[i] = f->style[at + i + (f->near[at + i] / 5 - 2) * (ptrdiff_t)f->width +
 					    f->near[at + i] % 5 - 2];
 	}
-	for (int s = 0; s < SOURCE_COUNT; s++) {
+	for (int s = 0; s < SOURCE_SEEN; s++) {
 		if (!e->on[s] || !weigh(e, (enum source)s, y, x0, n, f->style ? style : NULL, weight))
 			continue;
 		ISA(ring_fill)(rings + s, y);
@@ -142,8 +143,8 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 static void edge_rows(void *data, int y0, int y1, int thread)
 {
 	const edges *e = data;
-	ring rings[SOURCE_COUNT];
-	for (int s = 0; s < SOURCE_COUNT; s++)
+	ring rings[SOURCE_SEEN];
+	for (int s = 0; s < SOURCE_SEEN; s++)
 		rings[s] = ISA(ring_of)(e, (enum source)s, thread);
 	for (int y = y0; y < y1; y++)
 		for (int x0 = 0; x0 < e->f->width; x0 += TILE)
@@ -241,6 +242,10 @@ static edges setup(const frame *f)
 	e.on[SOURCE_MATERIAL] &= f->layer[ENCRE_LAYER_MATERIAL].data != NULL;
 	e.on[SOURCE_MARK] &= f->layer[ENCRE_LAYER_MARKS].data != NULL;
 	e.on[SOURCE_COLOR] |= f->layer[ENCRE_LAYER_CONTROLS].data != NULL;
+	e.on[SOURCE_SEEN] &= e.fine && f->layer[ENCRE_LAYER_SEEN_COLOR].data && f->layer[ENCRE_LAYER_SEEN_NORMAL].data;
+	e.on[SAMPLE_SEEN_COLOR] = e.on[SOURCE_SEEN];
+	e.on[SAMPLE_SEEN_DEPTH] = e.on[SOURCE_SEEN] && f->layer[ENCRE_LAYER_SEEN_DEPTH].data;
+	e.reach[SAMPLE_SEEN_COLOR] = e.reach[SAMPLE_SEEN_DEPTH] = e.reach[SOURCE_SEEN];
 	return e;
 }
 
@@ -256,7 +261,7 @@ static void plan(frame *f, arena *a)
 		f->near = arena_take(a, pixels, 1);
 	}
 	e.plane_samples = (f->width + 2 * MAX_REACH + 15) & ~15;
-	for (int s = 0; s < SOURCE_COUNT; s++) {
+	for (int s = 0; s < SAMPLE_COUNT; s++) {
 		e.ring_at[s] = e.thread_samples;
 		e.thread_samples += e.on[s] ? (2 * e.reach[s] + 1) * planes_of((enum source)s) * e.plane_samples : 0;
 		if (e.on[s] && (s == SOURCE_COLOR || s == SOURCE_LIGHT) && e.contrast && e.p->contrast_auto) {
@@ -273,7 +278,7 @@ static void plan(frame *f, arena *a)
 	if (f->edges)
 		*(edges *)f->edges = e;
 	if (e.fine)
-		ISA(fine_plan)(f, f->edges, a);
+		ISA(fine_plan)(f, f->edges, e.on[SOURCE_SEEN], a);
 }
 
 static int32_t run(frame *f)

@@ -8,22 +8,25 @@
 
 enum { MAX_ROWS = 2 * MAX_REACH + 1 };
 
+/* What is sampled: each source, SOURCE_SEEN in three ways, of which its own name stands for the normal. */
+enum { SAMPLE_SEEN_COLOR = SOURCE_COUNT, SAMPLE_SEEN_DEPTH, SAMPLE_COUNT };
+
 typedef struct edges {
 	const frame *f;
 	const encre_params *p; /* the scene's */
 	gaussians gauss;
-	bool on[SOURCE_COUNT];
+	bool on[SAMPLE_COUNT];
 	bool fine;           /* sites (fine.h) and not pixels are found */
 	bool dog;            /* the detector of depth and normals, else Sobel */
 	bool contrast;       /* colour and light are compared by the inter-color metric, else by DOG */
 	bool inverse, ortho; /* depth is compared as 1/z, or as z under an orthographic camera */
 	float depth_factor;  /* from a detector's response on the samples to strength */
 	float weight[SOURCE_COUNT][UINT8_MAX + 1]; /* by style */
-	int reach[SOURCE_COUNT];
+	int reach[SAMPLE_COUNT];
 
 	float *samples; /* rings of all sources, for each thread */
 	ptrdiff_t thread_samples, plane_samples;
-	ptrdiff_t ring_at[SOURCE_COUNT];
+	ptrdiff_t ring_at[SAMPLE_COUNT];
 	float *difference[SOURCE_COUNT], *full[SOURCE_COUNT]; /* width * height, with contrast_auto */
 	float *filter;                                        /* two for each thread, likewise */
 	ptrdiff_t thread_filter;
@@ -46,7 +49,15 @@ static inline int clamp_index(int i, int n)
 /* Channels that are compared: planes of a ring. */
 static inline int planes_of(enum source s)
 {
-	return s == SOURCE_NORMAL || s == SOURCE_COLOR || s == SOURCE_LIGHT ? 3 : 1;
+	return (s >= SOURCE_NORMAL && s <= SOURCE_LIGHT) || s == SOURCE_SEEN || (int)s == SAMPLE_SEEN_COLOR ? 3 : 1;
+}
+
+/* What distances of what is seen are compared in: linear on planes on screen. 0 or less: nothing there. */
+static inline float seen_sample(const edges *e, float z)
+{
+	const float most = 1e15f; /* squares stay finite */
+	float height = e->f->camera.height, u = e->ortho ? (z > 0 ? -z / height : -most) : z > 0 ? 1 / z : 0;
+	return u < -most ? -most : u > most ? most : u;
 }
 
 /* Sample 0 of row y; `reach` more lie before it and after the last. */

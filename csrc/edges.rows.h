@@ -23,6 +23,7 @@ ENUM(color_layer, FRAME, 0, "", "Color Layer", "The colours that are compared",
      ITEM(color_layer, LIT, 1, "Lit", "The rendered image"))
 FLOAT(edge_light, SURFACE, 0, 0, FLT_MAX, 0, 4, "", "", "Light", "Weight of boundaries between levels of discrete light")
 FLOAT(edge_mark, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "", "Marked Edges", "Weight of edges of meshes that are marked by hand, as Freestyle edges")
+FLOAT(edge_seen, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "edge_detector=FINE", "Seen", "Weight of lines in what mirrors and clear glass show")
 ENUM(color_detector, FRAME, 1, "edge_detector=DOG", "Color Detector", "How colour and light are compared",
      ITEM(color_detector, DOG, 0, "Difference of Gaussians", "As the other layers")
      ITEM(color_detector, CONTRAST, 1, "Contrast", "Contrast of opposing neighbours in the chosen metric"))

@@ -68,7 +68,7 @@ static void sample_row(const edges *e, enum source s, int y, float *out)
 	int n = e->f->width;
 	float *second = out + e->plane_samples, *third = second + e->plane_samples;
 	bool lit = e->p->color_layer == color_layer_LIT;
-	switch (s) {
+	switch ((int)s) {
 	case SOURCE_OBJECT: memcpy(out, layer_row(e, ENCRE_LAYER_OBJECT, y), (size_t)n * sizeof *out); return;
 	case SOURCE_MATERIAL: memcpy(out, layer_row(e, ENCRE_LAYER_MATERIAL, y), (size_t)n * sizeof *out); return;
 	case SOURCE_MARK: mark_samples(e, y, out); return;
@@ -82,6 +82,14 @@ static void sample_row(const edges *e, enum source s, int y, float *out)
 		else
 			split(layer_row(e, ENCRE_LAYER_ALBEDO, y), 3, n, 0, 1, out, second, third);
 		break;
+	case SOURCE_SEEN:
+		split(layer_row(e, ENCRE_LAYER_SEEN_NORMAL, y), 3, n, -most_sample, most_sample, out, second, third);
+		return;
+	case SAMPLE_SEEN_COLOR: split(layer_row(e, ENCRE_LAYER_SEEN_COLOR, y), 3, n, 0, 1, out, second, third); break;
+	case SAMPLE_SEEN_DEPTH:
+		for (int i = 0; i < n; i++)
+			out[i] = seen_sample(e, layer_row(e, ENCRE_LAYER_SEEN_DEPTH, y)[i]);
+		return;
 	default:
 		if (e->fine) {
 			ISA(shade_exposed)(e->f, y, out);

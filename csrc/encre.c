@@ -34,6 +34,9 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 	[ENCRE_LAYER_STYLE] = {"style", "style number, 0 the scene's", 1, 0},
 	[ENCRE_LAYER_CONTROLS] = {"controls", "thickness, intensity, color_edge, smudge_range, smudge_falloff, hatching; each -1..1", 6, 0},
 	[ENCRE_LAYER_MARKS] = {"marks", "where lines drawn by hand pass to the right, to the lower neighbour, 0..1; 0 = nowhere; negative: seams", 2, 0},
+	[ENCRE_LAYER_SEEN_COLOR] = {"seen_color", "unlit colour of what mirrors and clear glass show", 3, 0},
+	[ENCRE_LAYER_SEEN_NORMAL] = {"seen_normal", "its normal, in the space of the camera", 3, 0},
+	[ENCRE_LAYER_SEEN_DEPTH] = {"seen_depth", "its distance, as depth", 1, 0},
 };
 
 static const encre_layer_description outputs[ENCRE_OUTPUT_COUNT] = {
@@ -340,7 +343,8 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	f->place = job->frame;
 	f->params = job->params;
 	f->n_styles = job->n_styles;
-	f->scale = f->params->length_unit == length_unit_RELATIVE ? (float)f->place.height / 1080 : 1;
+	bool relative = f->params->length_unit == length_unit_RELATIVE;
+	f->scale = relative ? (float)f->place.height / 1080 : (float)f->params->supersample;
 	for (int i = 0; i < f->n_styles; i++) {
 		f->any_lines |= f->params[i].use_lines;
 		f->any_shading |= f->params[i].use_shading;

@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 3 };
+enum { ENCRE_API_VERSION = 4 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -59,6 +59,11 @@ enum encre_layer {
 	ENCRE_LAYER_MARKS,        /* 2: where lines that were drawn by hand pass between pixels: on the way from a pixel's
 	                                centre to that of its right, and of its lower neighbour, 0 < place <= 1;
 	                                0 = nowhere; -place: no line, but numbers change there (absent: 0) */
+	/* What the eye sees: in a mirror the thing mirrored, through clear glass the thing behind it, else the surface
+	   itself; averaged over the pixel. FINE draws lines in it if seen_color and seen_normal are there. */
+	ENCRE_LAYER_SEEN_COLOR,   /* 3: unlit colour */
+	ENCRE_LAYER_SEEN_NORMAL,  /* 3: normal in the space of the camera, which looks along -z */
+	ENCRE_LAYER_SEEN_DEPTH,   /* 1: as depth, along the way that light takes; 0 = nothing there (may be absent) */
 	ENCRE_LAYER_COUNT
 };
 

@@ -303,10 +303,16 @@ static int32_t round_of(fine *n)
 	to.site = sites + n->count;
 	join_ends(&all, pairs, &to);
 	memcpy(sites, n->site, n->count * sizeof *sites);
+	late_drop(&n->f->late, n->site);
 	n->site = sites;
 	n->count += to.sites;
 	code = ISA(fine_sort)(n);
-	return code ? code : ISA(fine_add_links)(n, to.link, to.count);
+	if (!code)
+		code = ISA(fine_add_links)(n, to.link, to.count);
+	const void *done[] = {all.end, all.number, all.pair, to.link};
+	for (int i = 0; i < 4; i++)
+		late_drop(&n->f->late, done[i]);
+	return code;
 }
 
 int32_t ISA(fine_join_ends)(fine *n)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the files of the FINE detector share: edges as sites between pixels, linked to polylines.
  *
- * cracks.c and ridges.c mark, densely and row by row, where sites are, and place each; sites.c runs them, gathers all
+ * cracks.c and ridges.c mark, densely and row by row, where sites are, and place each; seen.c tells ridges.c where the
+ * eye sees something else than the surface in front; sites.c runs them, gathers all
  * sites and drops those that an earlier family owns; links.c joins what is left. To add a family: name it below where
  * its turn is, mark its pixels, place its sites in fine_site() and say in links.c what joins them. */
 #ifndef ENCRE_FINE_H
@@ -13,7 +14,7 @@
 /* In the order in which they claim the picture: each keeps clear of the earlier ones. */
 enum family {
 	FAMILY_CRACK, /* depth, object, material: between two pixels */
-	FAMILY_THIN,  /* the same, of things too thin for two lines */
+	FAMILY_THIN,  /* the same, of a thing between pixel centres: its middle */
 	FAMILY_MARK,  /* drawn by hand: between two pixels */
 	FAMILY_NORMAL_BAND,
 	FAMILY_NORMAL, /* averaged layers: a thin stripe; a step */
@@ -22,7 +23,13 @@ enum family {
 	FAMILY_LIGHT_BAND,
 	FAMILY_LIGHT_STEP,
 	FAMILY_LIGHT, /* where smooth light crosses a threshold: between two pixels */
-	FAMILY_COUNT
+	FAMILY_SEEN_NORMAL_BAND,
+	FAMILY_SEEN_NORMAL, /* what mirrors and glass show: averaged layers again */
+	FAMILY_SEEN_COLOR_BAND,
+	FAMILY_SEEN_COLOR,
+	FAMILY_SEEN_DEPTH,
+	FAMILY_COUNT,
+	FAMILY_SEEN = FAMILY_SEEN_NORMAL_BAND /* the first of them */
 };
 
 /* Which neighbour a crack lies before, or along which axis a ridge was found; a junction joins the cracks of the four
@@ -33,8 +40,8 @@ enum axis { AXIS_ROW, AXIS_COLUMN, AXIS_JUNCTION };
 typedef struct site {
 	float x, y;           /* pixels; centres are whole numbers */
 	float strength;       /* weighted */
-	float area, peak;         /* of a thin thing: how much of it there is across, and at most in a pixel */
-	float wider;              /* pixels that the radius of its disc grows by */
+	float thin, half, inside; /* how much it is a side of a thin thing, half its width, and how far on along the axis
+				     its middle lies */
 	float crowd;              /* its radius is at most 1 / crowd */
 	uint16_t column, row; /* of the pixel that it was found at */
 	uint16_t near_x,
@@ -46,14 +53,40 @@ typedef struct site {
 	    step[3]; /* a ridge's way along its axis through the values of its layer, at most 127 long; 0 for bands */
 } site;
 
-static inline enum family step_of(enum source s)
+/* Of a ridge, by what it is sampled from: a source or SAMPLE_SEEN_... */
+static inline enum family step_of(int s)
 {
-	return s == SOURCE_NORMAL ? FAMILY_NORMAL : s == SOURCE_COLOR ? FAMILY_COLOR : FAMILY_LIGHT_STEP;
+	switch (s) {
+	case SOURCE_NORMAL: return FAMILY_NORMAL;
+	case SOURCE_COLOR: return FAMILY_COLOR;
+	case SOURCE_LIGHT: return FAMILY_LIGHT_STEP;
+	case SOURCE_SEEN: return FAMILY_SEEN_NORMAL;
+	case SAMPLE_SEEN_COLOR: return FAMILY_SEEN_COLOR;
+	default: return FAMILY_SEEN_DEPTH;
+	}
 }
 
-static inline enum family band_of(enum source s)
+/* There is none of SAMPLE_SEEN_DEPTH. */
+static inline enum family band_of(int s)
 {
 	return (enum family)(step_of(s) - 1);
+}
+
+/* What a family of ridges is sampled from. */
+static inline int sample_of(int family)
+{
+	return family <= FAMILY_NORMAL        ? SOURCE_NORMAL
+	       : family <= FAMILY_COLOR       ? SOURCE_COLOR
+	       : family <= FAMILY_LIGHT       ? SOURCE_LIGHT
+	       : family <= FAMILY_SEEN_NORMAL ? SOURCE_SEEN
+	       : family <= FAMILY_SEEN_COLOR  ? SAMPLE_SEEN_COLOR
+					      : SAMPLE_SEEN_DEPTH;
+}
+
+static inline bool is_band(int family)
+{
+	return family == FAMILY_NORMAL_BAND || family == FAMILY_COLOR_BAND || family == FAMILY_LIGHT_BAND ||
+	       family == FAMILY_SEEN_NORMAL_BAND || family == FAMILY_SEEN_COLOR_BAND;
 }
 
 /* Marks of a pixel in fine.crack. */
@@ -76,21 +109,24 @@ static inline int ridge_bit(enum family family, int axis)
 	return 2 * ((int)family - FAMILY_THIN) + axis;
 }
 
-/* Marks in fine.thin, besides the cracks that are taken back: a thin thing, other in index or in depth only. */
-enum { HIT_OBJECT = 4, HIT_DEPTH = 8 };
+/* Marks in fine.hit: a thin thing, other in index or in depth only. */
+enum { HIT_OBJECT = 1, HIT_DEPTH = 2, THIN_SPAN = 16 };
 
 typedef struct fine {
 	frame *f;
 	const edges *e;
 	float crease; /* length of the difference of two normals at crease_angle */
-	float floor[SOURCE_COUNT], band_floor[SOURCE_COUNT]; /* of what is a step or a band in an averaged layer */
+	float floor[SAMPLE_COUNT], band_floor[SAMPLE_COUNT]; /* of what is a step or a band in an averaged layer */
 	float most_color;     /* the largest weight of colour, without the painted control */
 	float least_contrast; /* between colours across a step */
 	uint8_t *colored;     /* by row: colours may make edges */
 	uint8_t *crack;       /* width * height */
-	uint8_t *thin;        /* width * height */
-	uint8_t *hit;         /* by row: there is a mark in thin */
-	uint16_t *ridge;      /* width * height: ridge_bit() */
+	uint8_t *hit;         /* spans * height: of THIN_SPAN pixels of a row */
+	int spans;
+	uint16_t *ridge;      /* width * height: ridge_bit(), or MARK_SEEN */
+	uint16_t *seen;       /* width * height: bit 2 * (family - FAMILY_SEEN) + axis; NULL: nothing is known of it */
+	uint8_t *through;     /* width * height: the eye passes through or off the surface here; NULL likewise */
+	uint8_t *glimpse;     /* by row: there are such pixels */
 	uint32_t *first;      /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
 	float *scratch;       /* for each thread */
 	ptrdiff_t thread_scratch;
@@ -107,6 +143,7 @@ typedef struct fine {
 } fine;
 
 enum { CELL = 4 };
+enum { MARK_SEEN = 1 << (2 * (FAMILY_MARK - FAMILY_THIN)) }; /* in fine.ridge, for FAMILY_MARK has none there */
 
 /* The pixel that holds a site. */
 static inline int pixel_of(float at, int n)
@@ -120,6 +157,12 @@ static inline bool mixed_at(const fine *n, int x, int y)
 	const uint8_t *c = n->crack + (ptrdiff_t)y * n->f->width + x;
 	return (c[0] & (CRACK_RIGHT | CRACK_DOWN)) || (x > 0 && (c[-1] & CRACK_RIGHT)) ||
 	       (y > 0 && (c[-n->f->width] & CRACK_DOWN));
+}
+
+/* Whether no ridge that is sampled from `s` reads there. */
+static inline bool closed_at(const fine *n, int s, int x, int y)
+{
+	return mixed_at(n, x, y) || (s >= SOURCE_SEEN && !n->through[(ptrdiff_t)y * n->f->width + x]);
 }
 
 /* ---- sites near a place ---------------------------------------------------------------------------------- */
@@ -178,7 +221,7 @@ static inline float apart2(const site *a, const site *b)
 
 /* ---- chains ---------------------------------------------------------------------------------------------- */
 
-/* What a family is made of: shapes, creases, colours, light. Older ones come first. */
+/* What a family is made of: shapes, creases, colours, light, what is seen in mirrors. Older ones come first. */
 static inline int rank_of(const site *s)
 {
 	switch ((enum family)s->family) {
@@ -189,7 +232,10 @@ static inline int rank_of(const site *s)
 	case FAMILY_NORMAL: return 1;
 	case FAMILY_COLOR_BAND:
 	case FAMILY_COLOR: return 2;
-	default: return 3;
+	case FAMILY_LIGHT_BAND:
+	case FAMILY_LIGHT_STEP:
+	case FAMILY_LIGHT: return 3;
+	default: return 4;
 	}
 }
 
@@ -221,12 +267,12 @@ bool ISA(hand_site)(const fine *n, site *s);
 /* Where a line, or a seam, passes between the pixels of a crack: 0 < place <= 1, 0 for nowhere. */
 float ISA(hand_place)(const fine *n, const site *s);
 
-/* thin.c: finds the cracks of thin things, and takes them back; marks and places the sites that stand for them. */
+/* thin.c: marks thin things; places their cracks again; marks and places sites between those. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread);
-void ISA(carve_rows)(void *data, int y0, int y1, int thread);
+void ISA(thin_place)(const fine *n, site *s);
 void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge);
 bool ISA(thin_site)(const fine *n, site *s);
-int32_t ISA(thin_widen)(fine *n); /* when sites are linked */
+int32_t ISA(thin_tie)(fine *n); /* links these to cracks, when each are linked */
 
 /* crowd.c: bounds the radius of lines between colours by the room they have. */
 int32_t ISA(fine_crowd)(fine *n);
@@ -237,6 +283,10 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread);
 /* steps.c */
 void ISA(fine_floors)(fine *n);
 bool ISA(ridge_site)(const fine *n, site *s);
+/* seen.c: finds where the eye passes through or off the front surface. */
+int32_t ISA(seen_run)(fine *n);
+/* How clearly a ridge of what is sampled from `s` stands out of its surroundings: 0..1. */
+float ISA(seen_clarity)(const fine *n, const site *at, int s);
 
 /* sites.c: finds where a placed site takes its controls; returns the style there. */
 int ISA(fine_controls)(const fine *n, site *s);
@@ -267,8 +317,8 @@ void ISA(fine_free_lengths)(const fine *n, float reach, float *length);
 /* sites.c: fills cell and member. */
 int32_t ISA(fine_sort)(fine *n);
 
-/* sites.c, called by the edge stage. */
-void ISA(fine_plan)(frame *f, const edges *e, arena *a);
+/* sites.c, called by the edge stage. e: NULL while measuring; seen: lines are drawn in mirrors. */
+void ISA(fine_plan)(frame *f, const edges *e, bool seen, arena *a);
 int32_t ISA(fine_run)(frame *f);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the engine does before and after the library: choice and cleaning of the layers. No C stage reads these. */
+/* What the engine does before and after the library: size, choice and cleaning of the layers. No C stage reads these;
+ * lengths in PIXELS are multiplied by supersample. */
 STAGE(layers, "Layers", "What the engine renders and saves for the stages")
+INT(supersample, FRAME, 1, 1, 4, 1, 4, "", "", "Supersample", "Draw at this many times the width and height, with as many rays as before, and average down: for things thinner than a pixel; memory grows by its square")
 ENUM(object_index, FRAME, 0, "", "Object Index", "What counts as an object of its own where outlines are drawn",
      ITEM(object_index, AUTO, 0, "Automatic", "A running number for every object or named line group, whatever the pass index is")
      ITEM(object_index, PASS, 1, "Pass Index", "The pass index set in the object's properties"))

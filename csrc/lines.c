@@ -31,6 +31,7 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 		[SOURCE_OBJECT] = p->width_object, [SOURCE_MATERIAL] = p->width_material, [SOURCE_DEPTH] = p->width_depth,
 		[SOURCE_NORMAL] = p->width_normal, [SOURCE_COLOR] = p->width_color, [SOURCE_LIGHT] = p->width_light,
 		[SOURCE_MARK] = p->width_mark,
+		[SOURCE_SEEN] = p->width_seen,
 	};
 
 	/* bounded before anything that may be 0 is multiplied in: infinity times 0 is no number */

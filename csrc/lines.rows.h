@@ -30,4 +30,5 @@ FLOAT(width_normal, SURFACE, 0.6, 0, FLT_MAX, 0, 4, "", "use_lines", "Normal Wid
 FLOAT(width_color, SURFACE, 0.6, 0, FLT_MAX, 0, 4, "", "use_lines", "Color Width", "Relative thickness of boundaries between colours")
 FLOAT(width_light, SURFACE, 0.5, 0, FLT_MAX, 0, 4, "", "use_lines", "Light Width", "Relative thickness of boundaries between light levels")
 FLOAT(width_mark, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "use_lines", "Marked Edge Width", "Relative thickness of edges that are marked by hand")
+FLOAT(width_seen, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "use_lines&edge_detector=FINE", "Seen Width", "Relative thickness of lines in mirrors and through glass")
 FLOAT(surface_fade, FRAME, 0, 0, 1, 0, 1, "factor", "", "Fade Surface", "Fade everything but the lines towards white")

@@ -12,9 +12,12 @@ static const float most_uneven = 0.3f;
 
 /* ---- who is linked --------------------------------------------------------------------------------------- */
 
-/* Number of the site found at a pixel, or n->count. */
+/* Number of the crack found at a pixel, or n->count. */
 static uint32_t find(const fine *n, int family, int x, int y, int axis)
 {
+	uint8_t mark = (uint8_t)(right_of((enum family)family) << axis);
+	if (axis != AXIS_JUNCTION && !(n->crack[(ptrdiff_t)y * n->f->width + x] & mark))
+		return n->count;
 	const uint32_t *first = n->first + family * n->f->height + y;
 	uint32_t low = first[0], high = first[1];
 	while (low < high) {
@@ -120,13 +123,7 @@ typedef struct turn {
 /* Fewer sites than this that hang together are no line. */
 static int crumb_of(const site *s)
 {
-	switch ((enum family)s->family) {
-	case FAMILY_NORMAL_BAND:
-	case FAMILY_COLOR_BAND:
-	case FAMILY_LIGHT_BAND: return 4;
-	case FAMILY_LIGHT: return 3;
-	default: return 3;
-	}
+	return s->family == FAMILY_SEEN_DEPTH ? 9 : s->family >= FAMILY_SEEN ? 4 : is_band(s->family) ? 4 : 3;
 }
 
 static bool crumb(const fine *n, uint32_t i)
@@ -252,6 +249,7 @@ int32_t ISA(fine_smooth)(fine *n)
 		if (!code)
 			code = rows_run(n->f->rows, (int)n->count, CHUNK, move_even, &m);
 	}
+	late_drop(&n->f->late, m.moved);
 	return code ? code : ISA(fine_sort)(n);
 }
 
@@ -277,6 +275,8 @@ int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count)
 	}
 	for (uint32_t i = 0; i < 2 * count; i++)
 		at[link[i / 2][i % 2] + 1]++;
+	late_drop(&n->f->late, n->at);
+	late_drop(&n->f->late, n->to);
 	n->at = at;
 	n->to = to;
 	n->linked = n->count;

@@ -29,6 +29,12 @@ void ISA(hand_row)(const fine *n, int y)
 	int width = n->f->width;
 	if (!n->e->on[SOURCE_MARK])
 		return;
+	const float *marks = n->f->layer[ENCRE_LAYER_MARKS].data + y * n->f->layer[ENCRE_LAYER_MARKS].row;
+	int any = 0; /* most rows have none, and are looked through at once */
+	for (int i = 0; i < 2 * width; i++)
+		any |= marks[i] > 0;
+	if (!any)
+		return;
 	for (int x = 0; x < width; x++)
 		for (int axis = 0; axis < 2; axis++) {
 			site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = FAMILY_MARK, .axis = (uint8_t)axis};

@@ -18,26 +18,30 @@ static void bilinear(const frame *f, enum encre_layer layer, int channels, float
 	}
 }
 
-/* The layer that shows an edge of that rank, as it is compared. */
+enum { VALUES = 6 };
+
+/* The layer that shows an edge of that rank, as it is compared; the last three are of a second one. */
 static void look(const fine *n, int rank, float x, float y, float *value)
 {
-	bool lit = n->e->p->color_layer == color_layer_LIT;
-	if (rank <= 1)
+	bool lit = n->e->p->color_layer == color_layer_LIT, seen = rank > 3;
+	value[3] = value[4] = value[5] = 0;
+	if (seen) {
+		bilinear(n->f, ENCRE_LAYER_SEEN_COLOR, 3, x, y, value);
+		bilinear(n->f, ENCRE_LAYER_SEEN_NORMAL, 3, x, y, value + 3);
+	} else if (rank <= 1)
 		bilinear(n->f, ENCRE_LAYER_NORMAL, 3, x, y, value);
 	else if (rank == 2)
 		bilinear(n->f, lit ? ENCRE_LAYER_COMBINED : ENCRE_LAYER_ALBEDO, lit ? 4 : 3, x, y, value);
 	else
 		bilinear(n->f, ENCRE_LAYER_DIFFUSE, 3, x, y, value);
-	for (int c = 0; rank == 2 && c < 3; c++)
+	for (int c = 0; (rank == 2 || seen) && c < 3; c++)
 		value[c] = srgb_encode(clamp01(value[c]));
 }
 
 static bool differ(const float *a, const float *b, int rank)
 {
-	float square = 0, least = rank <= 1 ? 0.12f : rank == 2 ? 0.02f : 0.05f;
-	for (int c = 0; c < 3; c++)
-		square += (a[c] - b[c]) * (a[c] - b[c]);
-	return square >= least * least;
+	float least = rank <= 1 ? 0.12f : rank == 3 ? 0.05f : 0.02f, least_seen = 0.2f; /* of a normal */
+	return distance2(a, b, 3) >= least * least || distance2(a + 3, b + 3, 3) >= least_seen * least_seen;
 }
 
 /* Over a longer gap a line goes on only if what lies to either side of it differs. Light says too little. */
@@ -46,8 +50,8 @@ bool ISA(picture_agrees)(const fine *n, const site *a, const site *b)
 	int rank = rank_of(a);
 	float dx = b->x - a->x, dy = b->y - a->y, length = sqrtf(dx * dx + dy * dy), ox = -beside * dy / length,
 	      oy = beside * dx / length;
-	for (int k = 1; k <= 3 && rank < 3; k++) {
-		float x = a->x + 0.25f * (float)k * dx, y = a->y + 0.25f * (float)k * dy, one[3], two[3];
+	for (int k = 1; k <= 3 && rank != 3; k++) {
+		float x = a->x + 0.25f * (float)k * dx, y = a->y + 0.25f * (float)k * dy, one[VALUES], two[VALUES];
 		look(n, rank, x + ox, y + oy, one);
 		look(n, rank, x - ox, y - oy, two);
 		if (!differ(one, two, rank))
@@ -60,7 +64,7 @@ bool ISA(picture_agrees)(const fine *n, const site *a, const site *b)
 bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, float x, float y)
 {
 	const site *end[2] = {a, b};
-	float inside[3], outside[3];
+	float inside[VALUES], outside[VALUES];
 	look(n, rank, (a->x + b->x + x) / 3, (a->y + b->y + y) / 3, inside);
 	for (int i = 0; i < 2; i++) {
 		const site *s = end[i], *other = end[1 - i];

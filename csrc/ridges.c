@@ -9,7 +9,7 @@ enum { REACH = 3, SPAN = 2 * REACH + 1 };
 /* Rows about the one worked on: sample 0 of each, REACH more before it and after the last. */
 typedef struct window {
 	const fine *n;
-	enum source source;
+	int source; /* what is sampled: edges.h */
 	int planes;
 	const float *row[3][SPAN];
 	const uint8_t *mixed[SPAN];
@@ -225,11 +225,30 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 	}
 }
 
+/* Likewise, where what is seen can't be read: what is mixed, and what shows only itself. */
+static void closed_row(const fine *n, int y, const uint8_t *mixed, uint8_t *out)
+{
+	int width = n->f->width;
+	const uint8_t *through = n->through + (ptrdiff_t)y * width;
+	for (int x = 0; x < width; x++)
+		out[x] = mixed[x] | !through[x];
+	for (int k = 1; k <= REACH; k++) {
+		out[-k] = out[0];
+		out[width - 1 + k] = out[width - 1];
+	}
+}
+
 static void mark(const window *w, int x, int y, enum family family, int axis, uint16_t *ridge)
 {
 	site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = (uint8_t)family, .axis = (uint8_t)axis};
-	if (ISA(ridge_site)(w->n, &s))
+	if (!ISA(ridge_site)(w->n, &s))
+		return;
+	if (family < FAMILY_SEEN) {
 		ridge[x] |= (uint16_t)(1 << ridge_bit(family, axis));
+		return;
+	}
+	ridge[x] |= MARK_SEEN;
+	w->n->seen[(ptrdiff_t)y * w->n->f->width + x] |= (uint16_t)(1 << (2 * ((int)family - FAMILY_SEEN) + axis));
 }
 
 static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
@@ -255,7 +274,7 @@ static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
 
 ptrdiff_t ISA(ridge_scratch)(const frame *f)
 {
-	return (SPAN * (f->width + 2 * REACH) + 3) / 4;
+	return (2 * SPAN * (f->width + 2 * REACH) + 3) / 4;
 }
 
 void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
@@ -263,8 +282,9 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 	const fine *n = data;
 	const frame *f = n->f;
 	uint8_t *mixed = (uint8_t *)(n->scratch + thread * n->thread_scratch) + REACH;
-	ring rings[SOURCE_COUNT];
-	for (int s = SOURCE_NORMAL; s <= SOURCE_LIGHT; s++)
+	uint8_t *closed = mixed + SPAN * (f->width + 2 * REACH);
+	ring rings[SAMPLE_COUNT];
+	for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++)
 		rings[s] = ISA(ring_of)(n->e, (enum source)s, thread);
 	for (int y = y0; y < y1; y++) {
 		uint16_t *ridge = n->ridge + (ptrdiff_t)y * f->width;
@@ -278,8 +298,10 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 			w.mixed[k] = at;
 		}
 		ISA(thin_mark)(n, y, ridge);
-		for (int s = SOURCE_NORMAL; s <= SOURCE_LIGHT; s++) {
-			bool wanted = n->e->on[s];
+		if (n->seen)
+			memset(n->seen + (ptrdiff_t)y * f->width, 0, (size_t)f->width * sizeof *n->seen);
+		for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++) {
+			bool wanted = n->e->on[s] && s != SOURCE_MARK && (s < SOURCE_SEEN || n->glimpse[y]);
 			for (int k = -1; s == SOURCE_COLOR && wanted && k <= 1;
 			     k++) /* a site may lie in the next row */
 				if ((wanted = n->colored[clamp_index(y + k, f->height)]))
@@ -287,8 +309,13 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 			if (!wanted)
 				continue;
 			ISA(ring_fill)(rings + s, y);
-			w.source = (enum source)s;
-			w.planes = s == SOURCE_LIGHT ? 1 : 3;
+			for (int k = 0; k < SPAN && s == SOURCE_SEEN; k++) {
+				uint8_t *at = closed + k * (f->width + 2 * REACH);
+				closed_row(n, clamp_index(y - REACH + k, f->height), w.mixed[k], at);
+				w.mixed[k] = at;
+			}
+			w.source = s;
+			w.planes = s == SOURCE_LIGHT || s == SAMPLE_SEEN_DEPTH ? 1 : 3;
 			w.least_contrast = s == SOURCE_COLOR ? n->least_contrast : 0;
 			for (int c = 0; c < w.planes; c++)
 				ISA(ring_window)(rings + s, y, 0, c, w.row[c]);

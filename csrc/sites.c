@@ -20,6 +20,8 @@ int ISA(fine_controls)(const fine *n, site *s)
 	int least_key = INT32_MAX;
 	s->near_x = (uint16_t)x;
 	s->near_y = (uint16_t)y;
+	if (s->family >= FAMILY_SEEN) /* it lies in the mirror, whatever stands before that */
+		least = 0;
 	for (int dy = -2; dy <= 2; dy++) {
 		if (y + dy < 0 || y + dy >= f->height)
 			continue;
@@ -57,9 +59,10 @@ bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, floa
 
 static void crack_of(const fine *n, site *s)
 {
-	if (s->family == FAMILY_CRACK)
+	if (s->family == FAMILY_CRACK) {
 		ISA(crack_site)(n, s);
-	else if (s->family == FAMILY_MARK)
+		ISA(thin_place)(n, s);
+	} else if (s->family == FAMILY_MARK)
 		ISA(hand_site)(n, s);
 	else
 		ISA(light_site)(n, s);
@@ -148,9 +151,13 @@ static void visit_row(const fine *n, int y, uint32_t *number)
 			if (inside && sides(crack, below, x, right) > 2)
 				visit(n, number, kinds[k], x, y, AXIS_JUNCTION);
 		}
-		for (int marks = ridge[x], bit = 0; marks; marks >>= 1, bit++)
+		for (int marks = ridge[x] & ~MARK_SEEN, bit = 0; marks; marks >>= 1, bit++)
 			if (marks & 1)
 				visit(n, number, (enum family)(FAMILY_THIN + bit / 2), x, y, (enum axis)(bit % 2));
+		for (int marks = ridge[x] & MARK_SEEN ? n->seen[(ptrdiff_t)y * width + x] : 0, bit = 0; marks;
+		     marks >>= 1, bit++)
+			if (marks & 1)
+				visit(n, number, (enum family)(FAMILY_SEEN + bit / 2), x, y, (enum axis)(bit % 2));
 	}
 }
 
@@ -199,6 +206,7 @@ static size_t cell_of(const fine *n, const site *s)
 int32_t ISA(fine_sort)(fine *n)
 {
 	size_t cells = (size_t)n->across * (size_t)n->tall;
+	late_drop(&n->f->late, n->member);
 	n->member = late_take(&n->f->late, n->count, sizeof *n->member);
 	if (!n->member)
 		return ENCRE_ERROR_MEMORY;
@@ -228,9 +236,7 @@ static bool owned(const fine *n, const site *s)
 		const site *other = n->site + i;
 		if (other->dropped || other->family >= s->family)
 			continue;
-		bool band = other->family == s->family - 1 &&
-			    (other->family == FAMILY_NORMAL_BAND || other->family == FAMILY_COLOR_BAND ||
-			     other->family == FAMILY_LIGHT_BAND);
+		bool band = other->family == s->family - 1 && is_band(other->family);
 		float clear = band ? clear_of_band : clear_of_earlier;
 		if (apart2(s, other) < clear * clear)
 			return true;
@@ -251,7 +257,7 @@ static void clear_sites(void *data, int first, int end, int thread)
 static int32_t clear(fine *n)
 {
 	int32_t code = ENCRE_OK;
-	for (int k = FAMILY_CRACK + 1; !code && k < FAMILY_COUNT; k++) {
+	for (int k = FAMILY_THIN + 1; !code && k < FAMILY_COUNT; k++) {
 		turn t = {n, k, n->first[k * n->f->height]};
 		int count = (int)(n->first[(k + 1) * n->f->height] - t.first);
 		code = rows_run(n->f->rows, count, CHUNK, clear_sites, &t);
@@ -276,7 +282,7 @@ static float least_contrast(const encre_params *p, float weight)
 
 /* ---- the detector ---------------------------------------------------------------------------------------- */
 
-void ISA(fine_plan)(frame *f, const edges *e, arena *a)
+void ISA(fine_plan)(frame *f, const edges *e, bool seen, arena *a)
 {
 	size_t pixels = (size_t)f->width * (size_t)f->height;
 	float half = f->params->crease_angle * 0.00872664626f; /* in radians */
@@ -291,10 +297,15 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	made.crack = arena_take(a, pixels, sizeof *made.crack);
 	made.ridge = arena_take(a, pixels, sizeof *made.ridge);
 	made.first = arena_take(a, (size_t)FAMILY_COUNT * (size_t)f->height + 1, sizeof *made.first);
-	made.thin = arena_take(a, pixels, sizeof *made.thin);
-	made.hit = arena_take(a, (size_t)f->height, sizeof *made.hit);
+	made.spans = (f->width - 1) / THIN_SPAN + 1;
+	made.hit = arena_take(a, (size_t)made.spans * (size_t)f->height, sizeof *made.hit);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
+	if (seen) {
+		made.seen = arena_take(a, pixels, sizeof *made.seen);
+		made.through = arena_take(a, pixels, sizeof *made.through);
+		made.glimpse = arena_take(a, (size_t)f->height, sizeof *made.glimpse);
+	}
 	made.thread_scratch =
 	    ISA(crack_scratch)(f) > ISA(ridge_scratch)(f) ? ISA(crack_scratch)(f) : ISA(ridge_scratch)(f);
 	made.scratch = arena_take(a, (size_t)rows_threads(f->rows) * (size_t)made.thread_scratch, sizeof *made.scratch);
@@ -324,7 +335,7 @@ int32_t ISA(fine_run)(frame *f)
 	if (!code)
 		code = rows_run(f->rows, f->height, 0, ISA(thin_rows), n);
 	if (!code)
-		code = rows_run(f->rows, f->height, 0, ISA(carve_rows), n);
+		code = n->seen ? ISA(seen_run)(n) : ENCRE_OK;
 	if (!code)
 		code = rows_run(f->rows, f->height, 0, ISA(ridge_rows), n);
 	if (!code)
@@ -336,7 +347,7 @@ int32_t ISA(fine_run)(frame *f)
 	if (!code)
 		code = ISA(fine_link)(n);
 	if (!code)
-		code = ISA(thin_widen)(n);
+		code = ISA(thin_tie)(n);
 	if (!code)
 		code = ISA(fine_smooth)(n);
 	if (!code && n->e->on[SOURCE_COLOR])

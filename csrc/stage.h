@@ -64,6 +64,8 @@ struct late {
 
 /* NULL without memory; aligned to 64 bytes, not cleared. */
 void *late_take(late **all, size_t count, size_t size);
+/* Gives back what late_take() gave, if anything. */
+void late_drop(late **all, const void *taken);
 void late_free(late *all);
 
 /* ---- frame: what stages read and make -------------------------------------------------------------------- */
@@ -73,7 +75,17 @@ typedef struct plane {
 	ptrdiff_t row; /* floats from one row to the next; may be negative */
 } plane;
 
-enum source { SOURCE_OBJECT, SOURCE_MATERIAL, SOURCE_DEPTH, SOURCE_NORMAL, SOURCE_COLOR, SOURCE_LIGHT, SOURCE_MARK, SOURCE_COUNT };
+enum source {
+	SOURCE_OBJECT,
+	SOURCE_MATERIAL,
+	SOURCE_DEPTH,
+	SOURCE_NORMAL,
+	SOURCE_COLOR,
+	SOURCE_LIGHT,
+	SOURCE_MARK,
+	SOURCE_SEEN, /* FINE's only */
+	SOURCE_COUNT
+};
 
 typedef struct frame {
 	int width, height;

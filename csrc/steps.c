@@ -6,6 +6,8 @@
 
 static const float least_of_step = 0.4f;                     /* share of a step that slopes beside it may not explain */
 static const float crease_from = 0.35f, crease_ramp = 0.37f; /* of the difference of normals at crease_angle */
+static const float seen_crease_from = 0.6f;                  /* likewise */
+static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth */
 static const float least_color = 0.01f, least_light = 0.02f;
 static const float more_of_band = 1.2f, least_light_band = 0.1f; /* floor: times a step's; of light */
 static const float widest_band = 2.05f;                          /* pixels */
@@ -17,22 +19,34 @@ void ISA(fine_floors)(fine *n)
 	n->floor[SOURCE_NORMAL] = crease_from * n->crease;
 	n->floor[SOURCE_COLOR] = least_color;
 	n->floor[SOURCE_LIGHT] = least_light;
-	for (int s = SOURCE_NORMAL; s <= SOURCE_LIGHT; s++)
-		n->band_floor[s] = s == SOURCE_LIGHT ? least_light_band : more_of_band * n->floor[s];
+	n->floor[SOURCE_SEEN] = seen_crease_from * n->crease;
+	n->floor[SAMPLE_SEEN_COLOR] = least_color;
+	n->floor[SAMPLE_SEEN_DEPTH] = 0; /* in ridge_site(), relative to the depth */
+	for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++)
+		n->band_floor[s] = s == SOURCE_LIGHT        ? least_light_band
+				   : s == SAMPLE_SEEN_DEPTH ? INFINITY
+							    : more_of_band * n->floor[s];
 }
 
 /* A pixel's value in linear terms. */
-static void read(const fine *n, enum source source, int x, int y, float *value)
+static void read(const fine *n, int source, int x, int y, float *value)
 {
 	const frame *f = n->f;
 	enum encre_layer layer = source == SOURCE_NORMAL                   ? ENCRE_LAYER_NORMAL
+				 : source == SOURCE_SEEN                   ? ENCRE_LAYER_SEEN_NORMAL
+				 : source == SAMPLE_SEEN_COLOR             ? ENCRE_LAYER_SEEN_COLOR
 				 : source == SOURCE_LIGHT                  ? ENCRE_LAYER_DIFFUSE
 				 : n->e->p->color_layer == color_layer_LIT ? ENCRE_LAYER_COMBINED
 									   : ENCRE_LAYER_ALBEDO;
+	if (source == SAMPLE_SEEN_DEPTH) {
+		plane depth = f->layer[ENCRE_LAYER_SEEN_DEPTH];
+		value[0] = seen_sample(n->e, depth.data[y * depth.row + x]);
+		return;
+	}
 	const float *in =
 	    f->layer[layer].data + y * f->layer[layer].row + (ptrdiff_t)(layer == ENCRE_LAYER_COMBINED ? 4 : 3) * x;
 	for (int c = 0; c < 3; c++)
-		value[c] = source == SOURCE_COLOR ? clamp01(in[c]) : bounded(in[c]);
+		value[c] = source == SOURCE_COLOR || source == SAMPLE_SEEN_COLOR ? clamp01(in[c]) : bounded(in[c]);
 	if (source == SOURCE_LIGHT) {
 		int style = f->style ? f->style[(ptrdiff_t)y * f->width + x] : 0;
 		value[0] = bounded(max3(in[0], in[1], in[2]) * f->params[style].shade_exposure);
@@ -40,14 +54,14 @@ static void read(const fine *n, enum source source, int x, int y, float *value)
 }
 
 /* Values at -2..2 along the axis of a site, read outwards up to where a pixel holds two surfaces: so far they go. */
-static void read_along(const fine *n, enum source source, const site *s, float (*value)[3], int *far)
+static void read_along(const fine *n, int source, const site *s, float (*value)[3], int *far)
 {
 	for (int side = -1; side <= 1; side += 2) {
 		int held = 0;
 		for (int k = 1; k <= 2 && held == k - 1; k++) {
 			int x = clamp_index(s->column + (s->axis ? 0 : side * k), n->f->width);
 			int y = clamp_index(s->row + (s->axis ? side * k : 0), n->f->height);
-			held += !mixed_at(n, x, y);
+			held += !closed_at(n, source, x, y);
 		}
 		for (int k = 0; k <= 2; k++) {
 			int at = side * (k < held ? k : held);
@@ -106,11 +120,22 @@ static void put(site *s, float offset)
 	s->y = (float)s->row + (s->axis ? offset : 0);
 }
 
+/* As fine_weigh(); what is seen counts as far as it stands out, which is asked only where it matters. */
+static bool weigh(const fine *n, site *s, int style, int source, float strength)
+{
+	if (source < SOURCE_SEEN)
+		return ISA(fine_weigh)(n, s, style, (enum source)source, strength);
+	if (!ISA(fine_weigh)(n, s, style, SOURCE_SEEN, strength))
+		return false;
+	s->strength = 0;
+	return ISA(fine_weigh)(n, s, style, SOURCE_SEEN, strength * ISA(seen_clarity)(n, s, source));
+}
+
 /* A stripe, narrow enough that its two boundaries are one line. */
-static bool band_site(const fine *n, site *s, enum source source, int planes, float (*value)[3])
+static bool band_site(const fine *n, site *s, int source, int planes, float (*value)[3])
 {
 	float base[3], e[3], c[3] = {0, 0, 0}, area = 0;
-	if (source == SOURCE_COLOR)
+	if (source == SOURCE_COLOR || source == SAMPLE_SEEN_COLOR)
 		encode(n, value);
 	for (int k = 0; k < planes; k++) {
 		e[k] = (value[1][k] + value[2][k] + value[3][k]) - 1.5f * (value[0][k] + value[4][k]);
@@ -130,9 +155,8 @@ static bool band_site(const fine *n, site *s, enum source source, int planes, fl
 	put(s, (c[2] - c[0]) / area);
 	int style = fine_style(n, s);
 	s->strength = 0;
-	if (source == SOURCE_NORMAL)
-		return ISA(fine_weigh)(n, s, style, source,
-				       clamp01((area - n->floor[source]) / (crease_ramp * n->crease)));
+	if (source == SOURCE_NORMAL || source == SOURCE_SEEN)
+		return weigh(n, s, style, source, clamp01((area - n->floor[source]) / (crease_ramp * n->crease)));
 	float difference = 0;
 	if (source ==
 	    SOURCE_LIGHT) { /* the stripe may be narrower than a pixel, and so darker than what is seen of it */
@@ -145,16 +169,14 @@ static bool band_site(const fine *n, site *s, enum source source, int planes, fl
 		const float *a[3] = {peak, peak + 1, peak + 2}, *b[3] = {base, base + 1, base + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
 	}
-	return ISA(fine_weigh)(n, s, style, source, contrast(n, difference));
+	return weigh(n, s, style, source, contrast(n, difference));
 }
 
 bool ISA(ridge_site)(const fine *n, site *s)
 {
 	float value[5][3], difference = 0, bend = 0, step = 0;
-	enum source source = s->family <= FAMILY_NORMAL  ? SOURCE_NORMAL
-			     : s->family <= FAMILY_COLOR ? SOURCE_COLOR
-							 : SOURCE_LIGHT;
-	int planes = source == SOURCE_LIGHT ? 1 : 3, far[2], low = 0, high = 4;
+	int source = sample_of(s->family), planes = source == SOURCE_LIGHT || source == SAMPLE_SEEN_DEPTH ? 1 : 3;
+	int far[2], low = 0, high = 4;
 	read_along(n, source, s, value, far);
 	if (s->family == band_of(source))
 		return far[0] == 2 && far[1] == 2 && band_site(n, s, source, planes, value);
@@ -165,7 +187,7 @@ bool ISA(ridge_site)(const fine *n, site *s)
 	put(s, unbiased(offset));
 	int style = fine_style(n, s);
 
-	if (source == SOURCE_COLOR)
+	if (source == SOURCE_COLOR || source == SAMPLE_SEEN_COLOR)
 		encode(n, value);
 	/* where a surface turns away it turns ever faster: the slope up to the last pixel goes on at least as steeply
 	 */
@@ -182,9 +204,19 @@ bool ISA(ridge_site)(const fine *n, site *s)
 	if (!(bend > least_of_step * sqrtf(step) && bend > n->floor[source]))
 		return false;
 	s->strength = 0;
-	if (source == SOURCE_NORMAL)
-		return ISA(fine_weigh)(n, s, style, source,
-				       clamp01((bend - n->floor[source]) / (crease_ramp * n->crease)));
+	if (source == SOURCE_NORMAL || source == SOURCE_SEEN)
+		return weigh(n, s, style, source, clamp01((bend - n->floor[source]) / (crease_ramp * n->crease)));
+	if (source == SAMPLE_SEEN_DEPTH) {
+		/* as in cracks.c, what each side's straight continuation misses at the other: a plane's horizon is none
+		 */
+		float l = value[3][0] - 3 * value[1][0] + 2 * value[0][0],
+		      r = value[1][0] - 3 * value[3][0] + 2 * value[4][0], most = 0;
+		float j = fmaxf(0, fmaxf(fminf(l, -r), fminf(-l, r)));
+		for (int k = 0; k < 5; k++)
+			most = fmaxf(most, value[k][0]);
+		j = n->e->ortho ? j : most > 0 ? j / most : 0;
+		return weigh(n, s, style, source, clamp01((j - seen_jump_from) / seen_jump_ramp));
+	}
 	if (source == SOURCE_LIGHT)
 		difference = ISA(light_contrast)(n, n->f->params + style, value[low][0], value[high][0]);
 	else {
@@ -192,5 +224,5 @@ bool ISA(ridge_site)(const fine *n, site *s)
 			    *b[3] = {value[high], value[high] + 1, value[high] + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
 	}
-	return ISA(fine_weigh)(n, s, style, source, contrast(n, difference));
+	return weigh(n, s, style, source, contrast(n, difference));
 }

@@ -1,32 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Things up to two pixels wide: a wire, a blade, a strand of hair. Depth and index hit them now and then only, and
- * cracks round each hit would be two beaded lines. Where the averaged layers show a stripe there, the cracks go, and
- * the stripe is one line along its middle, hit or not. */
+/* Things up to three pixels wide: a wire, a blade, a strand of hair. Depth and index hit them at pixel centres only, but
+ * how they lie and how wide they are shows in the averaged layers all along. So the cracks on both sides are placed by
+ * the stripe's middle and width, and where a wire runs between pixel centres sites along its middle go on. */
 #include "fine.h"
 
-enum { PLANES = 6, MOST_HIT = 3, NEARBY = 4, CHUNK = 2048 };
+#include <stdlib.h>
 
-static const float widest = 2.05f;       /* pixels, measured across */
-static const float slanted = 2.9f;       /* what that is along a row or a column */
-static const float least_hit = 0.1f, least_between = 0.05f; /* peak of a stripe, in albedo and half normals, at a hit and
-							       beside one */
-static const float least_of_slope = 1.5f; /* times what lies on both sides differs */
-static const float against = 0.1f;       /* share of a stripe that a pixel of it may lie the other way */
-static const float most_of_step = 0.5f;  /* of the step to what lies behind, that may jump from one side to the other */
+enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = THIN_SPAN };
 
-static void read(const frame *f, int x, int y, float value[PLANES])
-{
-	x = clamp_index(x, f->width);
-	y = clamp_index(y, f->height);
-	const float *albedo =
-	    f->layer[ENCRE_LAYER_ALBEDO].data + y * f->layer[ENCRE_LAYER_ALBEDO].row + (ptrdiff_t)3 * x;
-	const float *normal =
-	    f->layer[ENCRE_LAYER_NORMAL].data + y * f->layer[ENCRE_LAYER_NORMAL].row + (ptrdiff_t)3 * x;
-	for (int c = 0; c < 3; c++) {
-		value[c] = clamp01(albedo[c]);
-		value[3 + c] = 0.5f * bounded(normal[c]);
-	}
-}
+static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.2f; /* pixels */
+static const float width_ramp = 0.6f, shortest = 3, length_ramp = 2;    /* pixels */
+static const float least_peak = 0.05f;    /* of a stripe, in albedo and half normals */
+static const float least_of_slope = 1.2f; /* times what lies on both sides differs */
+static const float against = 0.2f;        /* share of a stripe that a pixel of it may lie the other way */
+static const float most_of_step = 0.5f;   /* of the step to what lies behind, that may jump from one side to the other */
+static const float least_step = 0.01f;    /* of a depth before what lies behind: a crack of full strength */
+static const float steepest = 1.5f;       /* pixels that its middle moves from a row to the next */
+static const float tie_reach = 1.8f, tie_cosine = -0.3f; /* pixels; between both ties of a site */
 
 static float depth_at(const frame *f, int x, int y)
 {
@@ -39,102 +29,199 @@ static float object_at(const frame *f, int x, int y)
 	return p.data ? p.data[y * p.row + x] : 0;
 }
 
-/* ---- stripes --------------------------------------------------------------------------------------------- */
-
-/* How the `count` pixels from (x, y) on along an axis, the ends taken as ground, stand out: in all, at most and where.
- */
-typedef struct stripe {
-	float area, peak, middle, least;
-	int highest; /* which pixel stands out most */
-	float slope; /* between the ends */
-} stripe;
-
-static bool is_stripe(const stripe *s, float least_peak)
-{
-	return s->peak >= least_peak && s->area <= slanted * s->peak && s->least > -against * s->area &&
-	       s->peak > least_of_slope * s->slope;
-}
-
-/* Its width across, from what it is along a row and along a column; 0 = it is no stripe along that. */
-static float width_of(float row, float column)
-{
-	return row > 0 && column > 0 ? row * column / sqrtf(row * row + column * column) : row + column;
-}
-
-static stripe stripe_of(const frame *f, int x, int y, int axis, int count)
-{
-	float value[MOST_HIT + 4][PLANES], e[PLANES] = {0}, square = 0, slope = 0;
-	stripe s = {0};
-	for (int k = 0; k < count; k++)
-		read(f, x + (axis ? 0 : k), y + (axis ? k : 0), value[k]);
-	for (int k = 1; k < count - 1; k++)
-		for (int c = 0; c < PLANES; c++) {
-			value[k][c] -= mix(value[0][c], value[count - 1][c], (float)k / (float)(count - 1));
-			e[c] += value[k][c];
-		}
-	for (int c = 0; c < PLANES; c++)
-		square += e[c] * e[c];
-	for (int c = 0; c < PLANES; c++)
-		slope += (value[count - 1][c] - value[0][c]) * (value[count - 1][c] - value[0][c]);
-	s.slope = sqrtf(slope);
-	s.area = sqrtf(square);
-	for (int k = 1; k < count - 1 && s.area > 0; k++) {
-		float own = 0;
-		for (int c = 0; c < PLANES; c++)
-			own += value[k][c] * e[c] / s.area;
-		if (own > s.peak) {
-			s.peak = own;
-			s.highest = k;
-		}
-		s.least = own < s.least ? own : s.least;
-		s.middle += own * (float)k / s.area;
-	}
-	return s;
-}
-
-/* ---- hits ------------------------------------------------------------------------------------------------ */
-
-static bool cracked(const fine *n, int x, int y, int axis)
-{
-	return n->crack[(ptrdiff_t)y * n->f->width + x] & CRACK_RIGHT << axis;
-}
-
 /* What depths are compared in: even on planes. */
 static float nearness(const fine *n, float z)
 {
 	return n->e->ortho ? -fminf(z, 1e9f) : 1 / z;
 }
 
-/* Width along an axis of the thing at a pixel: a few pixels between cracks, before one and the same ground. 0 where it is
- * no stripe. */
-static float width_along(const fine *n, int x, int y, int axis, float *ground)
+/* ---- slices ---------------------------------------------------------------------------------------------- */
+
+/* A few pixels along an axis, across a stripe before one ground. `middle` is a coordinate along the axis; the thing
+ * covers pixel centres nearer to it than half its width, and no others: that is at least `low` and at most `high`. */
+typedef struct slice {
+	float area, peak, middle, low, high;
+	float stands[PLANES]; /* how it stands out, summed up */
+	int hits;             /* pixel centres that it covers */
+	float ground;         /* the object behind it */
+	float trust;          /* in the above, 0 to 1 */
+} slice;
+
+/* 0 up to `from`, 1 from `to` on. */
+static float ramp(float x, float from, float to)
 {
-	const frame *f = n->f;
-	int dx = axis ? 0 : 1, dy = axis ? 1 : 0, size = axis ? f->height : f->width, at = axis ? y : x;
-	int first = at, last = at;
-	while (first > 0 && last - first < MOST_HIT && !cracked(n, axis ? x : first - 1, axis ? first - 1 : y, axis))
-		first--;
-	while (last + 1 < size && last - first < MOST_HIT && !cracked(n, axis ? x : last, axis ? last : y, axis))
-		last++;
-	if (first == 0 || last + 1 == size || last - first >= MOST_HIT)
-		return 0;
-	int px = axis ? x : first - 1, py = axis ? first - 1 : y, rx = axis ? x : last + 1, ry = axis ? last + 1 : y;
-	float p = nearness(n, depth_at(f, px, py)), r = nearness(n, depth_at(f, rx, ry));
-	float step = nearness(n, depth_at(f, x, y)) - (p > r ? p : r);
-	if (object_at(f, px, py) != object_at(f, rx, ry) || !(step > 0) || fabsf(p - r) > most_of_step * step)
-		return 0;
-	stripe s = stripe_of(f, px - dx, py - dy, axis, last - first + 5);
-	*ground = object_at(f, px, py);
-	return is_stripe(&s, least_hit) ? s.area / s.peak : 0;
+	return x > from ? x < to ? (x - from) / (to - from) : 1 : 0;
 }
 
-/* Whether the pixel is of a thin thing, and before what. */
-static bool is_thin(const fine *n, int x, int y, float *ground)
+static void read(const frame *f, int x, int y, float value[PLANES])
 {
-	float row = width_along(n, x, y, AXIS_ROW, ground), column = width_along(n, x, y, AXIS_COLUMN, ground);
-	float width = width_of(row, column);
-	return width > 0 && width <= widest;
+	const float *albedo =
+	    f->layer[ENCRE_LAYER_ALBEDO].data + y * f->layer[ENCRE_LAYER_ALBEDO].row + (ptrdiff_t)3 * x;
+	const float *normal =
+	    f->layer[ENCRE_LAYER_NORMAL].data + y * f->layer[ENCRE_LAYER_NORMAL].row + (ptrdiff_t)3 * x;
+	for (int c = 0; c < 3; c++) {
+		value[c] = clamp01(albedo[c]);
+		value[3 + c] = 0.5f * bounded(normal[c]);
+	}
 }
+
+/* Moments of what stands out from the ground that the end pixels show, and how much that is like a stripe. */
+static void moments(slice *s, float (*value)[PLANES], int count, int first)
+{
+	float square = 0, slope = 0, least = 0;
+	for (int c = 0; c < PLANES; c++) {
+		float rise = value[count - 1][c] - value[0][c];
+		slope += rise * rise;
+		for (int k = 1; k < count - 1; k++) {
+			value[k][c] -= value[0][c] + rise * (float)k / (float)(count - 1);
+			s->stands[c] += value[k][c];
+		}
+		square += s->stands[c] * s->stands[c];
+	}
+	s->area = sqrtf(square);
+	for (int k = 1; k < count - 1 && s->area > 0; k++) {
+		float own = 0;
+		for (int c = 0; c < PLANES; c++)
+			own += value[k][c] * s->stands[c] / s->area;
+		s->peak = own > s->peak ? own : s->peak;
+		least = own < least ? own : least;
+		s->middle += own * (float)k / s->area;
+	}
+	s->middle += (float)first;
+	slope = sqrtf(slope);
+	s->trust = ramp(s->peak, least_peak, 1.5f * least_peak);
+	s->trust = fminf(s->trust, ramp(-s->area, -widest * s->peak, (width_ramp - widest) * s->peak));
+	s->trust = fminf(s->trust, ramp(least, -against * s->area, -0.5f * against * s->area));
+	s->trust = fminf(s->trust, ramp(s->peak, least_of_slope * slope, 1.25f * least_of_slope * slope));
+}
+
+/* Of `count` pixels from `first` on, along a row or a column `across`; false where there is no stripe before one ground. */
+static bool slice_of(const fine *n, int axis, int across, int first, int count, slice *s)
+{
+	const frame *f = n->f;
+	int size = axis ? f->height : f->width, last = first + count - 1;
+	float value[MOST][PLANES], near[MOST] = {0};
+	if (first < 0 || last >= size || across < 0 || across >= (axis ? f->width : f->height))
+		return false;
+	for (int k = 0; k < count; k++)
+		near[k] = nearness(n, axis ? depth_at(f, across, first + k) : depth_at(f, first + k, across));
+	float behind = fmaxf(near[0], near[count - 1]), nearest = behind;
+	*s = (slice){.high = INFINITY};
+	s->ground = axis ? object_at(f, across, first) : object_at(f, first, across);
+	if (s->ground != (axis ? object_at(f, across, last) : object_at(f, last, across)))
+		return false;
+	for (int k = 0; k < count; k++)
+		axis ? read(f, across, first + k, value[k]) : read(f, first + k, across, value[k]);
+	moments(s, value, count, first);
+	if (!(s->trust > 0))
+		return false;
+	int from = count, to = -1;
+	for (int k = 0; k < count; k++) {
+		float apart = fabsf((float)(first + k) - s->middle);
+		if (near[k] - behind > least_step * (n->e->ortho ? f->camera.height : near[k])) {
+			s->low = fmaxf(s->low, apart);
+			nearest = fmaxf(nearest, near[k]);
+			from = from < k ? from : k;
+			to = k;
+			s->hits++;
+		} else
+			s->high = fminf(s->high, apart);
+	}
+	if (s->hits == 0)
+		return true;
+	return s->hits == to - from + 1 && s->hits <= MOST_HIT &&
+	       fabsf(near[0] - near[count - 1]) <= most_of_step * (nearest - behind);
+}
+
+static bool cracked(const fine *n, int axis, int across, int at)
+{
+	ptrdiff_t i = axis ? (ptrdiff_t)at * n->f->width + across : (ptrdiff_t)across * n->f->width + at;
+	return n->crack[i] & CRACK_RIGHT << axis;
+}
+
+/* The slice across the thing at a pixel: a few pixels between cracks, and two more on each side. */
+static bool slice_at(const fine *n, int axis, int across, int at, slice *s)
+{
+	int first = at, last = at, size = axis ? n->f->height : n->f->width;
+	while (first > 0 && last - first < MOST_HIT && !cracked(n, axis, across, first - 1))
+		first--;
+	while (last + 1 < size && last - first < MOST_HIT && !cracked(n, axis, across, last))
+		last++;
+	return last - first < MOST_HIT && slice_of(n, axis, across, first - 2, last - first + 5, s) &&
+	       s->hits == last - first + 1;
+}
+
+/* ---- along a thing --------------------------------------------------------------------------------------- */
+
+/* What some slices in a row have in common. */
+typedef struct run {
+	float area, peak, low, high;
+	float ends[2]; /* of its middle */
+	int slices, hits, steps;
+} run;
+
+static void add(run *r, const slice *s)
+{
+	r->area += s->area;
+	r->peak = fmaxf(r->peak, s->peak);
+	r->low = fmaxf(r->low, s->low);
+	r->high = fminf(r->high, s->high);
+	r->hits += s->hits;
+	r->slices++;
+}
+
+/* The slice about a pixel, as narrow as it can be. */
+static bool slice_about(const fine *n, int axis, int across, int at, slice *s)
+{
+	return slice_at(n, axis, across, at, s) ||
+	       (slice_of(n, axis, across, at - 2, 5, s) && s->area <= narrow * s->peak) ||
+	       slice_of(n, axis, across, at - 3, 7, s);
+}
+
+/* The slices on both sides of one, as far as they are of the same thing; far on only to find a pixel that it covers. */
+static run follow(const fine *n, int axis, int across, const slice *from)
+{
+	run r = {.high = INFINITY};
+	add(&r, from);
+	for (int way = 0; way < 2; way++) {
+		float middle = from->middle;
+		for (int k = 1; k <= (r.hits ? NEARBY : REACH); k++) {
+			slice next;
+			float along = 0;
+			if (!slice_about(n, axis, way ? across + k : across - k, (int)floorf(middle + 0.5f), &next))
+				break;
+			for (int c = 0; c < PLANES; c++)
+				along += next.stands[c] * from->stands[c];
+			if (!(along > 0) || fabsf(next.middle - middle) > steepest || next.ground != from->ground ||
+			    abs(next.hits - from->hits) > 1)
+				break;
+			add(&r, &next);
+			middle = next.middle;
+			r.steps++;
+		}
+		r.ends[way] = middle;
+	}
+	return r;
+}
+
+/* Half the width along the axis. Of a thing narrower than a pixel the averages tell the middle, but no width; which pixel
+ * centres it covers and which it does not tells that. */
+static float half_of(const run *r)
+{
+	float half = 0.5f * r->area / ((float)r->slices * r->peak);
+	if (r->low > r->high)
+		return 0.5f * (r->low + r->high);
+	return half < r->low ? r->low : half > r->high ? r->high : half;
+}
+
+/* Pixels across in one along the axis. */
+static float squareness(const run *r)
+{
+	float slope = r->steps ? (r->ends[1] - r->ends[0]) / (float)r->steps : 0;
+	return 1 / sqrtf(1 + slope * slope);
+}
+
+/* ---- hits ------------------------------------------------------------------------------------------------ */
 
 /* Whether none of the eight pixels from x on lies beside a crack. */
 static bool none_ahead(const fine *n, int x, int y)
@@ -149,92 +236,81 @@ static bool none_ahead(const fine *n, int x, int y)
 	return ((own | above) & cracks) == 0;
 }
 
-/* What marks a pixel's cracks as part of a stripe, and a hit by what its cracks are made of. */
+/* Marks spans of pixels where a thin thing covers a centre, by what its cracks are made of. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const fine *n = data;
 	const frame *f = n->f;
 	for (int y = y0; y < y1; y++) {
-		const uint8_t *crack = n->crack + (ptrdiff_t)y * f->width;
-		uint8_t *thin = n->thin + (ptrdiff_t)y * f->width;
-		memset(thin, 0, (size_t)f->width);
-		n->hit[y] = 0;
+		uint8_t *hit = n->hit + (ptrdiff_t)y * n->spans;
+		memset(hit, 0, (size_t)n->spans);
 		for (int x = 0; x < f->width; x++) {
+			slice s;
 			if (none_ahead(n, x, y)) {
 				x += 7;
 				continue;
 			}
-			if (!mixed_at(n, x, y))
+			if (!mixed_at(n, x, y) || !(slice_at(n, AXIS_ROW, y, x, &s) || slice_at(n, AXIS_COLUMN, x, y, &s)))
 				continue;
-			float behind, other;
-			bool own = is_thin(n, x, y, &behind);
-			if (own)
-				thin[x] |= behind == object_at(f, x, y) ? HIT_DEPTH : HIT_OBJECT;
-			for (int axis = 0; axis < 2; axis++) {
-				int qx = x + !axis, qy = y + axis;
-				if (!(crack[x] & CRACK_RIGHT << axis))
-					continue;
-				/* a crack is the stripe's if the other side is what lies behind it, or of the stripe
-				 * too */
-				bool its = is_thin(n, qx, qy, &other) && (own || other == object_at(f, x, y));
-				its |= own && behind == object_at(f, qx, qy);
-				thin[x] |= (uint8_t)(its ? CRACK_RIGHT << axis : 0);
-			}
-			n->hit[y] |= thin[x] != 0;
+			hit[x / THIN_SPAN] |= s.ground == object_at(f, x, y) ? HIT_DEPTH : HIT_OBJECT;
 		}
 	}
 }
 
-void ISA(carve_rows)(void *data, int y0, int y1, int thread)
+void ISA(thin_place)(const fine *n, site *s)
 {
-	(void)thread;
-	const fine *n = data;
-	ptrdiff_t width = n->f->width;
-	for (int y = y0; y < y1; y++)
-		for (ptrdiff_t i = y * width; n->hit[y] && i < (y + 1) * width; i++)
-			n->crack[i] &= (uint8_t) ~(n->thin[i] & (CRACK_RIGHT | CRACK_DOWN));
+	const frame *f = n->f;
+	int dx = s->axis == AXIS_ROW, dy = 1 - dx, at = dx ? s->column : s->row, across = dx ? s->row : s->column;
+	float zp = depth_at(f, s->column, s->row), zq = depth_at(f, s->column + dx, s->row + dy);
+	int ahead = zq < zp;
+	slice own;
+	if (zp == zq || !slice_at(n, s->axis, across, at + ahead, &own))
+		return;
+	run r = follow(n, s->axis, across, &own);
+	float square = squareness(&r), half = half_of(&r), across_it = 2 * half * square;
+	float was = dx ? s->x - (float)s->column : s->y - (float)s->row;
+	s->thin = fminf(own.trust, ramp(-across_it, -widest_across, width_ramp - widest_across));
+	s->thin = fminf(s->thin, ramp((float)r.steps, shortest - length_ramp, shortest));
+	s->half = half * square;
+	float share = mix(was, clamp01(own.middle + (ahead ? -half : half) - (float)at), s->thin);
+	s->inside = own.middle - (float)at - share;
+	s->x = (float)s->column + (dx ? share : 0);
+	s->y = (float)s->row + (dx ? 0 : share);
 }
 
-/* ---- sites ----------------------------------------------------------------------------------------------- */
+/* ---- between hits ---------------------------------------------------------------------------------------- */
 
 static int hits_near(const fine *n, int x, int y)
 {
-	int hits = 0;
-	for (int i = y - NEARBY < 0 ? 0 : y - NEARBY; i < n->f->height && i <= y + NEARBY; i++)
-		for (int j = x - NEARBY < 0 ? 0 : x - NEARBY; n->hit[i] && j < n->f->width && j <= x + NEARBY; j++)
-			hits |= n->thin[(ptrdiff_t)i * n->f->width + j];
-	return hits & (HIT_OBJECT | HIT_DEPTH);
+	int hits = 0, at = x / THIN_SPAN, from = at > 0 ? at - 1 : 0, to = at + 1 < n->spans ? at + 1 : at;
+	for (int i = y - REACH < 0 ? 0 : y - REACH; i < n->f->height && i <= y + REACH; i++)
+		for (int j = from; j <= to; j++)
+			hits |= n->hit[(ptrdiff_t)i * n->spans + j];
+	return hits;
 }
 
-/* The stripe about a pixel along an axis, in a window as wide as it needs; its peak is 0 where there is none. */
-static stripe stripe_about(const fine *n, int x, int y, int axis)
+/* The slice of a thing that covers no centre of the pixels across it here, but lies in this one. */
+static bool slice_between(const fine *n, int axis, int x, int y, slice *s)
 {
-	const frame *f = n->f;
-	for (int reach = 2; reach <= 3; reach++) {
-		bool clear = true;
-		for (int k = -reach; k <= reach && clear; k++)
-			clear = !mixed_at(n, clamp_index(x + (axis ? 0 : k), f->width), clamp_index(y + (axis ? k : 0), f->height));
-		stripe s = stripe_of(f, x - (axis ? 0 : reach), y - (axis ? reach : 0), axis, 2 * reach + 1);
-		if (clear && s.highest == reach && is_stripe(&s, least_between) && (reach == 3 || s.area <= widest * s.peak)) {
-			s.middle -= (float)reach;
-			return s;
-		}
-	}
-	return (stripe){0};
+	int at = axis ? y : x;
+	return slice_about(n, axis, axis ? x : y, at, s) && s->hits == 0 && s->middle >= (float)at - 0.5f &&
+	       s->middle < (float)at + 0.5f && s->area <= narrow * s->peak;
 }
 
 bool ISA(thin_site)(const fine *n, site *s)
 {
 	int x = s->column, y = s->row, hits = hits_near(n, x, y);
-	stripe own = stripe_about(n, x, y, s->axis);
-	if (!hits || !(own.peak > 0) || fabsf(own.middle) > 1)
+	slice own;
+	if (!hits || !slice_between(n, s->axis, x, y, &own))
 		return false;
-	stripe other = stripe_about(n, x, y, 1 - s->axis);
-	s->area = width_of(own.area, other.area);
-	s->peak = own.peak;
-	s->x = (float)x + (s->axis ? 0 : own.middle);
-	s->y = (float)y + (s->axis ? own.middle : 0);
+	run r = follow(n, s->axis, s->axis ? x : y, &own);
+	if (r.hits == 0 || r.steps < (int)shortest)
+		return false;
+	s->thin = 1;
+	s->half = half_of(&r) * squareness(&r);
+	s->x = s->axis ? (float)x : own.middle;
+	s->y = s->axis ? own.middle : (float)y;
 	s->strength = 0;
 	int style = fine_style(n, s);
 	ISA(fine_weigh)(n, s, style, SOURCE_OBJECT, hits & HIT_OBJECT ? 1 : 0);
@@ -243,58 +319,62 @@ bool ISA(thin_site)(const fine *n, site *s)
 
 void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge)
 {
-	int any = 0;
-	for (int i = y - NEARBY < 0 ? 0 : y - NEARBY; i < n->f->height && i <= y + NEARBY; i++)
-		any |= n->hit[i];
-	for (int x = 0; any && x < n->f->width; x++) {
-		if (mixed_at(n, x, y) || !hits_near(n, x, y))
+	for (int x = 0; x < n->f->width; x++) {
+		slice row, column;
+		if (x % THIN_SPAN == 0 && !hits_near(n, x, y)) {
+			x += THIN_SPAN - 1;
 			continue;
+		}
 		/* the axis that crosses it more squarely, along which it is narrower */
-		stripe row = stripe_about(n, x, y, AXIS_ROW), column = stripe_about(n, x, y, AXIS_COLUMN);
-		int axis = !(row.peak > 0) || (column.peak > 0 && column.area < row.area) ? AXIS_COLUMN : AXIS_ROW;
+		bool in_row = slice_between(n, AXIS_ROW, x, y, &row), in_column = slice_between(n, AXIS_COLUMN, x, y, &column);
+		int axis = in_column && (!in_row || column.area < row.area) ? AXIS_COLUMN : AXIS_ROW;
 		site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = FAMILY_THIN, .axis = (uint8_t)axis};
-		if (ISA(thin_site)(n, &s))
+		if ((in_row || in_column) && ISA(thin_site)(n, &s))
 			ridge[x] |= (uint16_t)(1 << ridge_bit(FAMILY_THIN, axis));
 	}
 }
 
-/* ---- widths ---------------------------------------------------------------------------------------------- */
+/* ---- ties ------------------------------------------------------------------------------------------------ */
 
-/* Sums up a chain from a site on towards `at`. */
-static void walk(const fine *n, uint32_t from, uint32_t at, float *area, float *peak, int *count)
+/* The nearest crack or thin site that lies on another side of site i than the one at `other`. */
+static uint32_t tie_of(const fine *n, uint32_t i, uint32_t other)
 {
-	for (int k = 0; k < NEARBY && at != UINT32_MAX && n->site[at].family == FAMILY_THIN; k++) {
-		const site *s = n->site + at;
-		*area += s->area;
-		*peak = s->peak > *peak ? s->peak : *peak;
-		++*count;
-		uint32_t next = next_of(n, from, at);
-		from = at;
-		at = next;
-	}
-}
-
-/* How much wider than the pen a thin thing makes its line, so that the line covers what two at its sides would. What is
- * narrower than a pixel can't be told from what is as wide, and adds nothing. Along a chain the peak is highest where a pixel
- * lies in the middle of the thing. */
-static void widen_sites(void *data, int first, int end, int thread)
-{
-	(void)thread;
-	const fine *n = data;
-	for (int i = first; i < end; i++) {
-		site *s = n->site + i;
-		if (s->family != FAMILY_THIN || s->dropped)
+	const site *s = n->site + i;
+	uint32_t best = UINT32_MAX;
+	float least = tie_reach * tie_reach;
+	near_sites of = near_place(n, s->x, s->y, tie_reach);
+	for (uint32_t j; near_next(n, &of, &j);) {
+		const site *t = n->site + j;
+		float d2 = apart2(s, t);
+		if (t->dropped || t->family != FAMILY_CRACK || !(d2 < least))
 			continue;
-		float area = s->area, peak = s->peak;
-		int count = 1;
-		for (uint32_t k = n->at[i]; k < n->at[i + 1] && k < n->at[i] + 2; k++)
-			walk(n, (uint32_t)i, n->to[k], &area, &peak, &count);
-		float width = area / ((float)count * peak);
-		s->wider = width < 1 ? 0 : width < 2 ? width - 1 : 1;
+		if (other != UINT32_MAX) {
+			const site *o = n->site + other;
+			float cosine = (t->x - s->x) * (o->x - s->x) + (t->y - s->y) * (o->y - s->y);
+			if (cosine > tie_cosine * sqrtf(d2 * apart2(s, o)))
+				continue;
+		}
+		least = d2;
+		best = j;
 	}
+	return best;
 }
 
-int32_t ISA(thin_widen)(fine *n)
+int32_t ISA(thin_tie)(fine *n)
 {
-	return rows_run(n->f->rows, (int)n->count, CHUNK, widen_sites, n);
+	uint32_t first = n->first[FAMILY_THIN * n->f->height], end = n->first[(FAMILY_THIN + 1) * n->f->height], count = 0;
+	uint32_t(*link)[2] = late_take(&n->f->late, (size_t)2 * (end - first), sizeof *link);
+	if (!link)
+		return ENCRE_ERROR_MEMORY;
+	for (uint32_t i = first; i < end; i++) {
+		uint32_t links = n->at[i + 1] - n->at[i], other = links == 1 ? n->to[n->at[i]] : UINT32_MAX;
+		for (; links < 2 && !n->site[i].dropped; links++) {
+			uint32_t best = tie_of(n, i, other);
+			if (best == UINT32_MAX)
+				break;
+			link[count][0] = i;
+			link[count++][1] = other = best;
+		}
+	}
+	return ISA(fine_add_links)(n, link, count);
 }

@@ -390,6 +390,23 @@ def paint(control, names, value):
             attribute.data[i].color = (grey, grey, grey, 1)
 
 
+def mark(obj, pick):
+    """Draw the edges by hand for which pick(end, other end) is true, in the mesh's own space."""
+    mesh = obj.data
+    attribute = mesh.attributes.get("freestyle_edge") or mesh.attributes.new("freestyle_edge", "BOOLEAN", "EDGE")
+    for i, edge in enumerate(mesh.edges):
+        attribute.data[i].value = pick(*(mesh.vertices[k].co for k in edge.vertices))
+    return obj
+
+
+def part(obj, number):
+    """Divide a mesh into parts: number(middle of a face), in the mesh's own space."""
+    attribute = obj.data.attributes.new("encre_part", "INT", "FACE")
+    for i, polygon in enumerate(obj.data.polygons):
+        attribute.data[i].value = number(polygon.center)
+    return obj
+
+
 def ramp(x, low, high):
     """0 where x is at `low`, 1 at `high`, straight between (either way round)."""
     return min(1, max(0, (x - low) / (high - low)))

@@ -5,7 +5,7 @@ import numpy as np
 import OpenImageIO as oiio
 from encre import layers
 
-LETTERS = {**layers.CYCLES, **layers.DRAWN, **layers.SAVED, "IndexMA": "X"}
+LETTERS = {**layers.CYCLES, **layers.DRAWN, **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN, "IndexMA": "X"}
 LAYOUTS = ("classic", "parts", "bare")  # Blender 3.4 to 4.x; 5.x; a file without a view layer
 
 
@@ -19,10 +19,12 @@ def passes(drawn):
 
 
 def saved(drawn):
-    """Encre's own passes that save_layers adds."""
+    """What save_layers adds: Encre's own passes, and those that see into mirrors, of which there are none here."""
     index = np.stack([drawn[name] for name in ("object", "material", "style")], axis=-1)
     return {"Encre Source": drawn["combined"], "Encre Diffuse": drawn["diffuse"], "Encre Index": index,
-            "Encre Line Controls": drawn["controls"][..., :3], "Encre Surface Controls": drawn["controls"][..., 3:]}
+            "Encre Line Controls": drawn["controls"][..., :3], "Encre Surface Controls": drawn["controls"][..., 3:],
+            "Denoising Albedo": drawn["albedo"],
+            "Denoising Normal": drawn["normal"] * np.float32((1, 1, -1)), "Encre Seen Depth": drawn["depth"]}
 
 
 def write(path, pictures, layout="classic", layer="ViewLayer", metadata=None, window=None, half=False):

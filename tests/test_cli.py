@@ -120,7 +120,7 @@ def test_composite_reads_what_every_blender_writes(run, tmp_path, scene, layout,
     sets = [f"--set={id_}={'off' if value is False else value}" for id_, value in settings.items()]
     status, out, err = run("composite", path, "-o", tmp_path / "out.exr", *sets)
     assert status == 0 and out.startswith(f"{tmp_path / 'out.exr'} (")
-    assert err.startswith("encre: note: ") and err.count("\n") == 1
+    assert err.startswith("encre: note: ") and err.count("\n") == (1 if settings else 2)  # what FINE lacks is the other
     prefix = "" if layout == "bare" else "ViewLayer."
     for name, picture in expected(pictures, settings, outputs=("Combined", *layers.DRAWN)).items():
         assert np.array_equal(exr.picture(tmp_path / "out.exr", prefix + name), picture), name
@@ -154,7 +154,7 @@ def test_composite_changes_the_scenes_settings_and_no_styles(run, tmp_path, fram
     path, pictures, camera, frame = frame_file
     status, _, err = run("composite", path, "-o", tmp_path / "out.exr", "--preset", "ink only",
                          "--set", "line_thickness=40", "--set", "shade_levels=0.2; 0.7,0.3,0.1; 1,0.6,0.1,1,0.5,0")
-    assert status == 0 and err == ""
+    assert status == 0 and err.count("\n") == 1 and "edge_color (one colour everywhere)" in err
     settings = {**presets.find("ink_only").values, "line_thickness": 40,
                 "shade_levels": [(0.2,), (0.7, 0.3, 0.1), (1, 0.6, 0.1, 1, 0.5, 0)]}
     again = expected(pictures, settings, [STYLES[0][1]], camera, frame)["Combined"]
@@ -293,7 +293,32 @@ def test_composite_says_what_metadata_are_missing(run, tmp_path, scene):
         del metadata[missing]
         path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
         status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
-        assert status == 0 and err.count("\n") == 1 and err.startswith("encre: note: ")
+        assert status == 0 and err.count("\n") == 1 + (missing == layers.CAMERA) and err.startswith("encre: note: ")
+
+
+def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, scene):
+    pictures = {**exr.passes(scene), **exr.saved(scene)}
+    pictures["Encre Index"] = np.zeros_like(pictures["Encre Index"])
+    seen = {name: pictures.pop(name) for name in ("Denoising Albedo", "Denoising Normal", "Encre Seen Depth")}
+    metadata = layers.metadata({}, [], core.Camera(), core.Frame(*SIZE))
+
+    def said(*args):
+        path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+        status, _, err = run("composite", path, "-o", tmp_path / "out.exr", *args)
+        assert status == 0
+        return err
+
+    err = said("--set=edge_material=1")
+    assert err.startswith("encre: note: ") and err.count("\n") == 1
+    for source in ("edge_object (one index everywhere)", "edge_material (", "edge_seen (no passes"):
+        assert source in err
+    assert "edge_normal" not in err and "edge_color" not in err
+    assert said("--set=edge_object=0", "--set=edge_seen=0") == ""
+    assert said("--set=use_lines=off", "--set=use_smudging=off") == ""
+    pictures.update(seen)
+    assert "edge_seen" not in said()
+    del metadata[layers.CAMERA]  # whose normals they are is not known
+    assert "edge_seen" in said()
 
 
 # Bad input

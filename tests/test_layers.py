@@ -33,6 +33,43 @@ def test_layers_of_a_picture(passes):
         assert np.array_equal(made[layer], passes[name])
 
 
+def test_what_is_seen(passes):
+    assert not layers.assemble(passes, {})[0].keys() & {"seen_color", "seen_normal", "seen_depth"}
+    normal = np.random.default_rng(1).random((*SHAPE, 3), np.float32)
+    more = {"Denoising Albedo": normal / 2, "Denoising Normal": normal, "Encre Seen Depth": normal[..., :1]}
+    made, _ = layers.assemble({**passes, **more}, {})
+    assert np.array_equal(made["seen_normal"], normal * np.float32((1, 1, -1)))
+    assert np.array_equal(made["seen_color"], more["Denoising Albedo"])
+    assert np.array_equal(made["seen_depth"], more["Encre Seen Depth"])
+
+
+@pytest.mark.parametrize("orthographic", [False, True])
+def test_depth_of_what_is_seen(orthographic):
+    """A wall across the view axis, through a shifted lens, in a border of the frame."""
+    wall, near, frame = 7.0, 0.25, core.Frame(30, 20, 4, 5)
+    scale, shift = np.array([1.6, 2.4]), np.array([0.3, -0.2])
+    projection = np.diag([*scale, -1, float(orthographic)])
+    projection[:2, 3 if orthographic else 2] = -shift if orthographic else shift
+    y, x = np.mgrid[:SHAPE[0], :SHAPE[1]]
+    ndc = np.stack([2 * (x + 4.5) / 30 - 1, 1 - 2 * (y + 5.5) / 20], -1)
+    ray = np.concatenate([0 * ndc if orthographic else (ndc + shift) / scale, np.ones((*SHAPE, 1))], -1)
+    length = np.linalg.norm(ray, axis=-1, keepdims=True) * (wall - near)
+    length[2, 3] = 0
+    depth = layers.seen_depth(length.astype(np.float32), projection, frame, near)
+    assert depth[2, 3] == 0
+    depth[2, 3] = wall
+    close(depth, np.full((*SHAPE, 1), wall), 1e-5)
+
+
+def test_seen_lines_are_wanted_only_where_they_are_drawn():
+    for scene, styles, wanted in (({}, [], True), ({"edge_seen": 0.0}, [], False),
+                                  ({"edge_seen": 0.0}, [{"edge_seen": 1.0}], True),
+                                  ({"edge_detector": "DOG"}, [], False),
+                                  ({"use_lines": False}, [], True),
+                                  ({"use_lines": False, "use_smudging": False}, [], False)):
+        assert layers.wants_seen(scene, styles) == wanted, scene
+
+
 def test_pictures_of_any_strides(passes):
     flipped = {name: np.ascontiguousarray(picture[::-1])[::-1] for name, picture in passes.items()}
     flat = {**passes, "Depth": passes["Depth"][..., 0], "IndexOB": passes["IndexOB"][..., 0]}

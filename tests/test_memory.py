@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import bench
 import drawn
 import numpy as np
 import pytest
@@ -33,6 +34,7 @@ def render(library, settings):
     layers = drawn.scene(61, 37, n=6)
     layers["controls"][..., 3:5] = 0.5
     layers["style"][10:20] = 1
+    layers["seen_color"], layers["seen_normal"] = layers["albedo"], -layers["normal"]
     layers["color"][3, 4] = np.nan  # makes the library copy the layer
     styles = [dict(line_thickness=20.0)]
     return library.render(layers, settings, styles, outputs=list(library.outputs), threads=3).images
@@ -81,3 +83,13 @@ def test_each_refused_once(library, job, settings, what):
             break
         refused += 1
     assert refused >= 2
+
+
+@pytest.mark.parametrize("sources", bench.SOURCES)
+@pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallinfo2"), reason="needs glibc's count of memory")
+def test_fine_holds_at_most_12_bytes_a_pixel(sources):
+    """Besides input and output, where 12 % of the pixels are near a line."""
+    width, height = 1920, 1080
+    layers, settings = bench.balls(width, height, bench.CELL[sources]), bench.SOURCES[sources]
+    assert 0.11 < bench.sites(layers, settings)[1] < 0.13
+    assert bench.held_bytes(layers, settings) <= 12 * width * height

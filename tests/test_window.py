@@ -52,6 +52,7 @@ def test_cycles_panels_and_nodes_are_there(shot):
 def test_operators(shot):
     assert fact(shot, "thickness") == 4  # Ink only
     assert fact(shot, "levels") == 4
+    assert fact(shot, "mark") == ["FINISHED"]
     assert (fact(shot, "view transform"), fact(shot, "new view transform")) == ("Filmic", "Standard")
 
 

@@ -107,6 +107,21 @@ def tabs():
         screenshot(tab.lower())
 
 
+def edit_mode():
+    """The panel of Edit Mode, as a pop-up: no script can open its tab in the sidebar of 3.4."""
+    with override("VIEW_3D"):
+        bpy.ops.object.mode_set(mode="EDIT")
+        cases.fact("mark", list(bpy.ops.encre.mark_part(clear=True)))
+        bpy.ops.wm.call_panel(name="ENCRE_PT_marks")
+    yield
+    screenshot("edit")
+    window().event_simulate(type="ESC", value="PRESS")
+    yield
+    window().event_simulate(type="ESC", value="RELEASE")
+    with override("VIEW_3D"):
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def paint_mode():
     with override("VIEW_3D"):
         bpy.context.space_data.show_region_ui = True
@@ -170,7 +185,7 @@ def viewport():
 
 
 def steps():
-    for step in (choose, panels, tabs, paint_mode, stroke, f12, viewport):
+    for step in (choose, panels, tabs, edit_mode, paint_mode, stroke, f12, viewport):
         made = step()
         if made is not None:
             yield from made

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import edges as edge_stage
-from . import grid, metric
+from . import grid, metric, seen
 from .chains import Web, chains, drop_crumbs, linked
 from .edges import SOURCES
 from .frame import Layers
@@ -15,6 +15,7 @@ from .metric import clamp01, mix, value
 from .params import Params
 from .sites import (
     CLEAR,
+    SEEN,
     Sites,
     bands,
     clear_of,
@@ -103,12 +104,20 @@ def find(layers, params, crease_angle=CREASE_ANGLE):
             web.add(*drop_crumbs(found, linked(found), least))
     found, links = _terminators(view, threshold)
     web.add(*drop(found, links, ~clear_of(found.at, web.curve(), CLEAR)))
+    weights["seen"] = params.at("edge_seen", layers.style)
+    for found, least in seen.families(layers, params, lambda at: view.weight("seen", at), view.mixed, view.bend):
+        strong = (found.strength >= threshold) & (found.strength > 0)
+        found = found.take(strong & clear_of(found.at, web.curve(), CLEAR))
+        web.add(*drop_crumbs(found, linked(found), least))
 
     light = value(layers.diffuse)[..., None]
     signals = {"normal": (layers.normal, 0.12), "color": (view.encoded, 0.02), "light": (light, 0.05)}
+    if layers.seen_normal is not None:  # a tenth of a normal counts as much as colours
+        signals["seen"] = np.concatenate([metric.encode(clamp01(layers.seen_color)), layers.seen_normal / 10], -1), 0.02
     web.tie(lambda family, a, b: family == "light" or _agree(*signals[family], a, b),
             lambda family, a, b, corner: _wedge(*signals[family], a, b, corner))
-    own = tuple(o[tuple(web.sites.pixel.T)] for o in owner)
+    pixel, mirrored = web.sites.pixel.T, web.sites.source == SEEN  # which have the controls of the mirror itself
+    own = tuple(np.where(mirrored, pixel[k], o[tuple(pixel)]) for k, o in enumerate(owner))
     return Fine(web.sites, web.links, chains(len(web.sites), web.links), own, layers.depth[own])
 
 

@@ -9,6 +9,7 @@ from .params import SWITCHES, Params
 
 REQUIRED = {"combined": 4, "color": 3, "diffuse": 3, "depth": 1, "normal": 3}
 OPTIONAL = {"albedo": 3, "specular": 3, "object": 1, "material": 1, "style": 1, "controls": 6, "marks": 2}
+SEEN = {"seen_color": 3, "seen_normal": 3, "seen_depth": 1}
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
 _LARGEST = float(np.finfo(np.float32).max)
 
@@ -34,6 +35,10 @@ class Layers:
 
         data = {name: clean(name, channels) for name, channels in {**REQUIRED, **OPTIONAL}.items()}
         self.combined, self.color, self.diffuse = data["combined"], data["color"], data["diffuse"]
+        there = layers.get("seen_color") is not None and layers.get("seen_normal") is not None
+        self.seen_color, self.seen_normal, self.seen_depth = (
+            clean(name, channels) if there else None for name, channels in SEEN.items())
+        self.seen_depth = self.seen_depth[..., 0] if there else None
         self.normal, self.specular = data["normal"], data["specular"]
         self.albedo = self.color if layers.get("albedo") is None else data["albedo"]
         self.object, self.material = data["object"][..., 0], data["material"][..., 0]
@@ -49,6 +54,7 @@ class Layers:
 
         camera, frame = camera or {}, frame or {}
         self.orthographic = bool(camera.get("orthographic", False))
+        self.view = np.reshape(camera.get("view", np.eye(3)), (3, 3))
         self.height = float(camera.get("height", 1.0))
         self.full_height = frame.get("height", height)
         self.x, self.y = frame.get("x", 0), frame.get("y", 0)

@@ -29,7 +29,7 @@ class Pen:
         nearer = np.clip(distance / edges.z, 0.0, 4.0)
         if layers.orthographic:
             nearer = np.ones_like(nearer)
-        widths = np.array([params.at("width_" + name, style) for name in SOURCES])
+        widths = np.array([params.at("width_" + name, style) for name in (*SOURCES, "seen")])
         width = np.take_along_axis(widths, np.maximum(edges.source, 0)[None], 0)[0]
         contrast = mix(1.0, np.minimum(1.0, edges.strength), params.at("line_contrast", style))
         most = 0.5 * params["line_max_thickness"] * unit

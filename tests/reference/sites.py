@@ -13,7 +13,8 @@ from . import grid, metric, near
 from .edges import SOURCES
 from .metric import clamp01
 
-FAMILIES = ("outline", "mark", "normal", "color", "light")  # older first
+FAMILIES = ("outline", "mark", "normal", "color", "light", "seen")  # older first
+SEEN = len(SOURCES)  # the source that FINE alone knows
 CLEAR = 1.5  # pixels that a younger family keeps from the older ones
 
 
@@ -23,7 +24,7 @@ class Sites:
     at: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))  # (n, 2) row, column
     pixel: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), int))  # (n, 2) that holds it
     family: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
-    source: np.ndarray = field(default_factory=lambda: np.zeros(0, int))  # index into SOURCES
+    source: np.ndarray = field(default_factory=lambda: np.zeros(0, int))  # index into SOURCES, or SEEN
     strength: np.ndarray = field(default_factory=lambda: np.zeros(0))  # weighted
     step: np.ndarray = field(default_factory=lambda: np.zeros((0, 6)))  # a ridge's, down the columns and along the rows
 

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws the pictures of docs/: every scene rendered once, restyled with three presets, and a page of them all.
+
+    python scenes/gallery.py [--size WxH] [--samples N] [--only NAME]... FOLDER [FILE.blend]...
+
+Of a .blend only the shapes and the camera are taken. Frames go to FOLDER as EXR and as PNG in full size; those that are
+there and whole are not rendered again. The small pictures go to docs/scenes/, the page is docs/gallery.md; with --only,
+it and the other scenes' stay as they are."""
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio
+
+ROOT = Path(__file__).resolve().parents[1]
+SMALL = 640  # pixels wide
+MOST = 60_000  # bytes of a small picture
+PRESETS = {"Water Memory": "water_memory", "Inter-color": "inter_color", "Ink only": "ink_only"}
+SCENES = {  # name: what is to be seen
+    "street": "a girl at a street corner at night",
+    "dancer": "a dancer with a fan on a stage",
+    "far": "a railway halt with wires and lattice masts",
+    "foliage": "a garden gate with a cat, a tree and a hedge",
+    "mirrors": "a girl before a mirror, a table with glasses",
+    "terrain": "a girl asks for a lift on a desert road",
+}
+# A .blend that came without its pictures and without a lamp is black on magenta: its shapes are shown in plaster.
+LIT = """import bpy
+with bpy.data.libraries.load({path!r}) as (there, here):
+    here.objects = there.objects
+scene = bpy.context.scene
+sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+sun.data.energy, sun.rotation_euler = 3, (0.7, 0.3, 0.6)
+for obj in (*here.objects, sun):
+    scene.collection.objects.link(obj)
+    if obj.type == "MESH":
+        obj.data.materials.clear()
+scene.camera = next(obj for obj in here.objects if obj.type == "CAMERA")
+scene.world = bpy.data.worlds.new("World")
+scene.world.color = 0.3, 0.3, 0.4
+scene.view_settings.view_transform = "Standard"
+"""
+HEAD = """# Gallery
+
+Each scene is rendered once, at {size} with {samples} samples a pixel, and drawn with each preset as it comes; here it
+is shown smaller. `make gallery` draws them all. What is good and bad about the hard ones is told in
+[scenes.md](scenes.md).
+
+"""
+
+
+def encre(*args):
+    subprocess.run([sys.executable, "-m", "encre", *map(str, args)], check=True)
+
+
+def shrink(source, target):
+    """A JPEG of SMALL pixels' width on white paper, as good as MOST bytes allow.
+
+    Averaged as stored, not in linear light: there a line thinner than a pixel would fade before it is thin."""
+    picture = oiio.ImageBuf(str(source)).get_pixels(oiio.FLOAT)
+    over = picture[..., :3] * picture[..., 3:] + 1 - picture[..., 3:]
+    height = round(SMALL * over.shape[0] / over.shape[1])
+    full = oiio.ImageBuf(oiio.ImageSpec(over.shape[1], over.shape[0], 3, "float"))
+    full.set_pixels(full.roi, np.ascontiguousarray(over, np.float32))
+    small = oiio.ImageBufAlgo.resize(full, "blackman-harris", 0, oiio.ROI(0, SMALL, 0, height, 0, 1, 0, 3))
+    for quality in range(88, 40, -4):
+        small.specmod()["Compression"] = f"jpeg:{quality}"
+        if not small.write(str(target), "uint8"):
+            raise SystemExit(small.geterror())
+        if target.stat().st_size <= MOST:
+            return
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--size", default="1920x1080")
+    parser.add_argument("--samples", type=int, default=16)
+    parser.add_argument("--only", action="append", metavar="NAME")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("files", nargs="*", type=Path)
+    args = parser.parse_args()
+    args.folder.mkdir(parents=True, exist_ok=True)
+    sources = {name: (ROOT / "scenes" / f"{name}.py", words) for name, words in SCENES.items()}
+    sources |= {path.stem: (path, path.stem) for path in args.files}
+    page = HEAD.format(size=args.size.replace("x", "×"), samples=args.samples)
+    for name, (source, words) in sources.items():
+        drawn = {preset: f"{name}-{id_.replace('_', '-')}" for preset, id_ in PRESETS.items()}
+        if not args.only or name in args.only:
+            frame = args.folder / f"{name}.exr"
+            if source.suffix == ".blend":
+                shown = args.folder / f"{name}.py"
+                shown.write_text(LIT.format(path=str(source.resolve())), encoding="utf-8")
+            else:
+                shown = source
+            encre("render", shown, "-o", frame, "--size", args.size, "--samples", args.samples, "--resume")
+            for preset, picture in drawn.items():
+                full = args.folder / f"{picture}.png"
+                encre("composite", frame, "-o", full, "--preset", PRESETS[preset])
+                shrink(full, ROOT / "docs" / "scenes" / f"{picture}.jpg")
+        page += f"## `{source.name}`\n\n| {' | '.join(drawn)} |\n|{'---|' * len(drawn)}\n"
+        page += f"| {' | '.join(f'![{words}, {preset}](scenes/{file}.jpg)' for preset, file in drawn.items())} |\n\n"
+    if not args.only:
+        (ROOT / "docs" / "gallery.md").write_text(page.rstrip() + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
