@@ -7,6 +7,18 @@ enum { SPUR = 8 };
 static const float longest_spur = 2; /* pixels */
 static const float cut_off = 2;      /* pixels from the border within which an end is the frame's doing */
 
+/* Where the frame cuts a line off it goes on. */
+static bool at_border(const frame *f, const site *s)
+{
+	return s->x < cut_off || s->y < cut_off || s->x > (float)(f->width - 1) - cut_off ||
+	       s->y > (float)(f->height - 1) - cut_off;
+}
+
+bool ISA(leads_nowhere)(const fine *n, uint32_t i)
+{
+	return is_end(n, i) && !at_border(n->f, n->site + i);
+}
+
 /* ---- spurs ----------------------------------------------------------------------------------------------- */
 
 /* Cuts what branches off a line and ends at once. */
@@ -33,13 +45,6 @@ void ISA(fine_cut_spurs)(const fine *n)
 }
 
 /* ---- taper ----------------------------------------------------------------------------------------------- */
-
-/* Where the frame cuts a line off it goes on. */
-static bool at_border(const frame *f, const site *s)
-{
-	return s->x < cut_off || s->y < cut_off || s->x > (float)(f->width - 1) - cut_off ||
-	       s->y > (float)(f->height - 1) - cut_off;
-}
 
 void ISA(fine_free_lengths)(const fine *n, float reach, float *length)
 {

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Cracks: boundaries that run between two neighbouring pixels, because a depth, an index or a level of light is one
- * thing here and another there. A depth jumps where each side's straight continuation misses the other side: that is
+/* Cracks: boundaries that run between two neighbouring pixels, because a depth or an index is one thing here and
+ * another there. A depth jumps where each side's straight continuation misses the other side: that is
  * 0 on planes, curved surfaces and beside a jump, so nothing has to be thinned. */
 #include "fine.h"
-#include "metric.h"
 
 enum { ROWS = 4 };
 
@@ -88,55 +87,6 @@ static void mark_different(const float *a, const float *b, int n, uint8_t bit, u
 		out[i] |= a[i] != b[i] ? bit : 0;
 }
 
-/* ---- light ----------------------------------------------------------------------------------------------- */
-
-/* Into how many levels light x rises. */
-static inline int level_of(const encre_levels *levels, float x)
-{
-	int k = 0;
-	while (k + 1 < levels->count && x > levels->level[k + 1].threshold)
-		k++;
-	return k;
-}
-
-static void level_row(const frame *f, int y, uint8_t *restrict level)
-{
-	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
-	for (int x = 0, end; x < f->width; x = end) {
-		const encre_params *p = style_run(f, y, x, f->width, &end);
-		float exposure = p->shade_exposure;
-		memset(level + x, 0, (size_t)(end - x));
-		for (int k = 1; k < p->shade_levels.count; k++) {
-			float threshold = p->shade_levels.level[k].threshold;
-			for (int i = x; i < end; i++) {
-				const float *d = diffuse + (ptrdiff_t)3 * i;
-				level[i] += max3(d[0], d[1], d[2]) * exposure > threshold;
-			}
-		}
-	}
-}
-
-static void mark_levels(const uint8_t *a, const uint8_t *b, int n, uint8_t bit, uint8_t *restrict out)
-{
-	for (int i = 0; i < n; i++)
-		out[i] |= a[i] != b[i] ? bit : 0;
-}
-
-float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two)
-{
-	int metric = n->e->p->contrast_metric;
-	const encre_level *level = p->shade_levels.level;
-	float a = clamp01(level[level_of(&p->shade_levels, one)].intensity),
-	      b = clamp01(level[level_of(&p->shade_levels, two)].intensity);
-	if (a == b)
-		return 0;
-	float plane[3][2] = {{a, b}, {a, b}, {a, b}}, difference = 0;
-	ISA(metric_space)(metric, 2, plane[0], plane[1], plane[2]);
-	const float *first[3] = {plane[0], plane[1], plane[2]}, *second[3] = {plane[0] + 1, plane[1] + 1, plane[2] + 1};
-	ISA(metric_difference)(metric, 1, first, second, &difference);
-	return difference;
-}
-
 /* ---- sites ----------------------------------------------------------------------------------------------- */
 
 static float depth_strength(const fine *n, const site *s)
@@ -184,12 +134,6 @@ static float crossing(const frame *f, const site *s)
 	return (weight * t + 2) / (weight + 4);
 }
 
-static void place(site *s, float share)
-{
-	s->x = (float)s->column + (s->axis == AXIS_ROW ? share : 0);
-	s->y = (float)s->row + (s->axis == AXIS_COLUMN ? share : 0);
-}
-
 bool ISA(crack_site)(const fine *n, site *s)
 {
 	const frame *f = n->f;
@@ -199,7 +143,7 @@ bool ISA(crack_site)(const fine *n, site *s)
 	bool object = (zp == INFINITY) != (zq == INFINITY), material = false;
 	float jump = depth_strength(n, s), known = ISA(hand_place)(n, s);
 	/* a line that was drawn where there is a contour as well is not the contour */
-	place(s, known < 0 ? -known : known > 0 && !(jump > 0 || object) ? known : crossing(f, s));
+	crack_place(s, known < 0 ? -known : known > 0 && !(jump > 0 || object) ? known : crossing(f, s));
 	int style = fine_style(n, s);
 	if (f->layer[ENCRE_LAYER_OBJECT].data)
 		object |= layer_row(f, ENCRE_LAYER_OBJECT, y)[x] != layer_row(f, ENCRE_LAYER_OBJECT, qy)[qx];
@@ -211,28 +155,6 @@ bool ISA(crack_site)(const fine *n, site *s)
 	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, jump);
 }
 
-bool ISA(light_site)(const fine *n, site *s)
-{
-	const frame *f = n->f;
-	int qx = s->column + (s->axis == AXIS_ROW), qy = s->row + (s->axis == AXIS_COLUMN);
-	const float *p = layer_row(f, ENCRE_LAYER_DIFFUSE, s->row) + (ptrdiff_t)3 * s->column;
-	const float *q = layer_row(f, ENCRE_LAYER_DIFFUSE, qy) + (ptrdiff_t)3 * qx;
-	place(s, 0.5f);
-	int style = fine_style(n, s);
-	const encre_params *own = f->params + style;
-	float one = bounded(max3(p[0], p[1], p[2]) * own->shade_exposure),
-	      two = bounded(max3(q[0], q[1], q[2]) * own->shade_exposure);
-	int low = level_of(&own->shade_levels, smaller(one, two)),
-	    high = level_of(&own->shade_levels, larger(one, two));
-	if (low == high)
-		return false;
-	/* a step over several thresholds is one line */
-	float threshold = 0.5f * (own->shade_levels.level[low + 1].threshold + own->shade_levels.level[high].threshold);
-	place(s, clamp01((threshold - one) / (two - one)));
-	s->strength = 0;
-	return ISA(fine_weigh)(n, s, style, SOURCE_LIGHT, ISA(light_contrast)(n, own, one, two));
-}
-
 /* ---- rows ------------------------------------------------------------------------------------------------ */
 
 /* What a weight must be multiplied with to make an edge, at the style where it counts most. */
@@ -242,6 +164,12 @@ static float least_strength(const edges *e, enum source s)
 	for (int i = 0; i < e->f->n_styles; i++)
 		most = larger(most, e->weight[s][i]);
 	return most > 0 ? e->p->edge_threshold / most : INFINITY;
+}
+
+static void mark_levels(const uint8_t *a, const uint8_t *b, int n, uint8_t bit, uint8_t *restrict out)
+{
+	for (int i = 0; i < n; i++)
+		out[i] |= a[i] != b[i] ? bit : 0;
 }
 
 /* Takes back marks that the style of the surface, or the levels of light, don't make an edge. */
@@ -326,7 +254,7 @@ void ISA(crack_rows)(void *data, int y0, int y1, int thread)
 	uint8_t *levels = (uint8_t *)(scratch + ROWS * stride);
 	for (int y = y0; y < y1; y++) {
 		float *u[ROWS];
-		uint8_t *level[2];
+		uint8_t *level[2] = {levels, levels};
 		for (int k = 0; k < ROWS; k++) {
 			int row = y - 1 + k;
 			u[k] = scratch + ((row + ROWS) % ROWS) * stride;
@@ -336,7 +264,7 @@ void ISA(crack_rows)(void *data, int y0, int y1, int thread)
 		for (int k = 0; n->e->on[SOURCE_LIGHT] && k < 2; k++) {
 			level[k] = levels + ((y + k) % 2) * stride;
 			if (y + k < f->height && (k == 1 || y == y0))
-				level_row(f, y + k, level[k]);
+				ISA(level_row)(n, y + k, level[k]);
 		}
 		mark_row(n, y, u, (const uint8_t *const *)level);
 		ISA(hand_row)(n, y);

@@ -278,7 +278,7 @@ static void plan(frame *f, arena *a)
 	if (f->edges)
 		*(edges *)f->edges = e;
 	if (e.fine)
-		ISA(fine_plan)(f, f->edges, e.on[SOURCE_SEEN], a);
+		ISA(fine_plan)(f, &e, a);
 }
 
 static int32_t run(frame *f)

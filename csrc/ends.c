@@ -321,6 +321,8 @@ int32_t ISA(fine_join_ends)(fine *n)
 	for (int i = 0; !code && i < ROUNDS; i++)
 		code = round_of(n);
 	if (!code)
+		code = ISA(fine_drop_beside)(n);
+	if (!code)
 		ISA(fine_cut_spurs)(n);
 	return code;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the files of the FINE detector share: edges as sites between pixels, linked to polylines.
  *
- * cracks.c and ridges.c mark, densely and row by row, where sites are, and place each; seen.c tells ridges.c where the
- * eye sees something else than the surface in front; sites.c runs them, gathers all
+ * cracks.c, light.c and ridges.c mark, densely and row by row, where sites are, and place each; seen.c tells ridges.c
+ * where the eye sees something else than the surface in front; sites.c runs them, gathers all
  * sites and drops those that an earlier family owns; links.c joins what is left. To add a family: name it below where
  * its turn is, mark its pixels, place its sites in fine_site() and say in links.c what joins them. */
 #ifndef ENCRE_FINE_H
@@ -42,12 +42,15 @@ typedef struct site {
 	float strength;       /* weighted */
 	float thin, half, inside; /* how much it is a side of a thin thing, half its width, and how far on along the axis
 				     its middle lies */
+	float crowd;              /* its radius is at most 1 / crowd */
 	uint16_t column, row; /* of the pixel that it was found at */
 	uint16_t near_x,
-	    near_y; /* of the least depth in the 5x5 about the pixel that held it: there it takes its controls */
+	    near_y; /* of the least depth in the 5x5 about the pixel that held it, of the object that the line bounds: there
+	               it takes its controls */
 	uint8_t family, axis, source;
 	uint8_t dropped;
 	uint8_t crumb;
+	uint8_t weak; /* of a line only where that goes on beside what is none by itself */
 	int8_t
 	    step[3]; /* a ridge's way along its axis through the values of its layer, at most 127 long; 0 for bands */
 } site;
@@ -126,6 +129,7 @@ typedef struct fine {
 	uint16_t *seen;       /* width * height: bit 2 * (family - FAMILY_SEEN) + axis; NULL: nothing is known of it */
 	uint8_t *through;     /* width * height: the eye passes through or off the surface here; NULL likewise */
 	uint8_t *glimpse;     /* by row: there are such pixels */
+	float *light;         /* the light without its noise, until sites are placed; NULL where it makes no edges */
 	uint32_t *first;      /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
 	float *scratch;       /* for each thread */
 	ptrdiff_t thread_scratch;
@@ -255,10 +259,20 @@ static inline uint32_t next_of(const fine *n, uint32_t from, uint32_t i)
 /* cracks.c */
 void ISA(crack_rows)(void *data, int y0, int y1, int thread);
 bool ISA(crack_site)(const fine *n, site *s);
+ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
+static inline void crack_place(site *s, float share)
+{
+	s->x = (float)s->column + (s->axis == AXIS_ROW ? share : 0);
+	s->y = (float)s->row + (s->axis == AXIS_COLUMN ? share : 0);
+}
+
+/* light.c */
+int32_t ISA(light_even)(fine *n); /* takes and fills light */
+/* Into how many levels the light of each pixel rises. */
+void ISA(level_row)(const fine *n, int y, uint8_t *level);
 bool ISA(light_site)(const fine *n, site *s);
 /* Strength of the boundary between two values of light; the levels are those of p. */
 float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two);
-ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
 
 /* marks.c: marks in the cracks of a row where lines drawn by hand pass. */
 void ISA(hand_row)(const fine *n, int y);
@@ -272,6 +286,9 @@ void ISA(thin_place)(const fine *n, site *s);
 void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge);
 bool ISA(thin_site)(const fine *n, site *s);
 int32_t ISA(thin_tie)(fine *n); /* links these to cracks, when each are linked */
+
+/* crowd.c: bounds the radius of lines between colours by the room they have. */
+int32_t ISA(fine_crowd)(fine *n);
 
 /* ridges.c */
 ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */
@@ -293,28 +310,32 @@ static inline int fine_style(const fine *n, site *s)
 /* The site gets this strength, weighted, if it is larger than what it has; returns whether it is an edge now. */
 bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, float strength);
 
-/* links.c: drops sites of a family whose chains are too short to be lines. */
+/* links.c: drops weak sites of a family that hang together with no other ones; drops sites of a family whose chains are too short to be lines. */
+int32_t ISA(fine_drop_weak)(fine *n, enum family family);
 int32_t ISA(fine_drop_crumbs)(fine *n, enum family family);
 /* Fills at and to. */
 int32_t ISA(fine_link)(fine *n);
 /* Adds links, of sites that may be new. */
 int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count);
 int32_t ISA(fine_smooth)(fine *n);
+/* beside.c: drops chains that run along others. */
+int32_t ISA(fine_drop_beside)(fine *n);
 /* ends.c */
 int32_t ISA(fine_join_ends)(fine *n);
 /* picture.c: whether an edge like a's runs from a to b; whether lines from a and b enclose something that ends at x, y.
  */
 bool ISA(picture_agrees)(const fine *n, const site *a, const site *b);
 bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, float x, float y);
-/* chains.c: drops what branches off a line and ends at once. */
+/* chains.c: whether a line ends at a site, tied to nothing and not cut off by the frame; drops what branches off a line and ends at once. */
+bool ISA(leads_nowhere)(const fine *n, uint32_t i);
 void ISA(fine_cut_spurs)(const fine *n);
 /* Lengths along its chain from each site to the nearest end that is tied to nothing, INFINITY beyond `reach`. */
 void ISA(fine_free_lengths)(const fine *n, float reach, float *length);
 /* sites.c: fills cell and member. */
 int32_t ISA(fine_sort)(fine *n);
 
-/* sites.c, called by the edge stage. e: NULL while measuring; seen: lines are drawn in mirrors. */
-void ISA(fine_plan)(frame *f, const edges *e, bool seen, arena *a);
+/* sites.c, called by the edge stage, the first with what it will keep in frame.edges. */
+void ISA(fine_plan)(frame *f, const edges *e, arena *a);
 int32_t ISA(fine_run)(frame *f);
 
 #endif

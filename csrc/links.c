@@ -174,6 +174,31 @@ int32_t ISA(fine_drop_crumbs)(fine *n, enum family family)
 	return code ? code : rows_run(n->f->rows, count, CHUNK, drop_crumbs, &t);
 }
 
+/* ---- weak sites ------------------------------------------------------------------------------------------ */
+
+int32_t ISA(fine_drop_weak)(fine *n, enum family family)
+{
+	uint32_t first = n->first[family * n->f->height], end = n->first[(family + 1) * n->f->height], count = 0;
+	uint32_t to[ROOM], *open = family == FAMILY_COLOR_BAND ? late_take(&n->f->late, end - first, sizeof *open) : NULL;
+	if (family != FAMILY_COLOR_BAND)
+		return ENCRE_OK;
+	if (!open)
+		return ENCRE_ERROR_MEMORY;
+	for (uint32_t i = first; i < end; i++)
+		if (!n->site[i].dropped && !n->site[i].weak)
+			open[count++] = i;
+	while (count > 0)
+		for (int k = close_sites(n, open[--count], to); k-- > 0;)
+			if (n->site[to[k]].weak) {
+				n->site[to[k]].weak = 0;
+				open[count++] = to[k];
+			}
+	for (uint32_t i = first; i < end; i++)
+		n->site[i].dropped |= n->site[i].weak;
+	late_drop(&n->f->late, open);
+	return ENCRE_OK;
+}
+
 /* ---- all links ------------------------------------------------------------------------------------------- */
 
 static int ascending(const void *a, const void *b)

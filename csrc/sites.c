@@ -9,19 +9,56 @@ enum { CHUNK = 2048 };
 
 /* How close, in pixels, a family comes to the earlier ones, and a step to a stripe in the same layer. */
 static const float clear_of_earlier = 1.5f, clear_of_band = 2.0f;
+static const float touching = 0.02f; /* of the depth, apart at most */
 
 /* ---- one site -------------------------------------------------------------------------------------------- */
 
+static float depth_at(const frame *f, int x, int y)
+{
+	return depth_of(f->layer[ENCRE_LAYER_DEPTH].data[y * f->layer[ENCRE_LAYER_DEPTH].row + x]);
+}
+
+/* The pixel, of those that the site parts, of what the line bounds: of the nearest thing, but where two things touch of
+ * the one whose line is painted more. */
+static void owner_of(const fine *n, const site *s, int *x, int *y)
+{
+	const frame *f = n->f;
+	plane controls = f->layer[ENCRE_LAYER_CONTROLS];
+	bool crack = is_crack((enum family)s->family);
+	int right = clamp_index(s->column + (crack && s->axis != AXIS_COLUMN), f->width),
+	    below = clamp_index(s->row + (crack && s->axis != AXIS_ROW), f->height);
+	float least = INFINITY, most = -1;
+	for (int qy = s->row; qy <= below; qy++)
+		for (int qx = s->column; qx <= right; qx++)
+			least = fminf(least, depth_at(f, qx, qy));
+	float reach = least + touching * (n->e->ortho ? f->camera.height : least);
+	for (int qy = s->row; qy <= below; qy++)
+		for (int qx = s->column; qx <= right; qx++) {
+			float z = depth_at(f, qx, qy);
+			float painted =
+			    controls.data ? fabsf(controls.data[qy * controls.row + (ptrdiff_t)6 * qx]) : 0;
+			if (z <= reach && (painted > most || (painted == most && z < depth_at(f, *x, *y)))) {
+				most = painted;
+				*x = qx;
+				*y = qy;
+			}
+		}
+}
+
+/* The least depth of the 5x5 among pixels of the object that the line bounds: at the foot of a blade of grass the ground
+ * before it is nearer, and has other controls. A thin thing's line may pass where no pixel is its own. */
 int ISA(fine_controls)(const fine *n, site *s)
 {
 	const frame *f = n->f;
-	int x = pixel_of(s->x, f->width), y = pixel_of(s->y, f->height);
-	float least = INFINITY;
-	int least_key = INT32_MAX;
-	s->near_x = (uint16_t)x;
-	s->near_y = (uint16_t)y;
+	plane object = f->layer[ENCRE_LAYER_OBJECT];
+	int x = pixel_of(s->x, f->width), y = pixel_of(s->y, f->height), own_x = s->column, own_y = s->row;
+	float least[2] = {INFINITY, INFINITY};
+	int least_key[2] = {INT32_MAX, INT32_MAX}, near[2][2] = {{x, y}, {x, y}};
+	owner_of(n, s, &own_x, &own_y);
+	bool any = !object.data || s->family == FAMILY_THIN;
 	if (s->family >= FAMILY_SEEN) /* it lies in the mirror, whatever stands before that */
-		least = 0;
+		least[0] = least[1] = 0;
+	float own = any ? 0 : object.data[own_y * object.row + own_x];
 	for (int dy = -2; dy <= 2; dy++) {
 		if (y + dy < 0 || y + dy >= f->height)
 			continue;
@@ -31,14 +68,19 @@ int ISA(fine_controls)(const fine *n, site *s)
 				continue;
 			float z = depth_of(row[x + dx]);
 			int key = dx * dx + dy * dy; /* then row, then column: the order in which they come */
-			if (z < least || (z == least && key < least_key)) {
-				least = z;
-				least_key = key;
-				s->near_x = (uint16_t)(x + dx);
-				s->near_y = (uint16_t)(y + dy);
-			}
+			bool its = any || object.data[(y + dy) * object.row + x + dx] == own;
+			for (int k = 0; k <= its; k++)
+				if (z < least[k] || (z == least[k] && key < least_key[k])) {
+					least[k] = z;
+					least_key[k] = key;
+					near[k][0] = x + dx;
+					near[k][1] = y + dy;
+				}
 		}
 	}
+	int k = least_key[1] < INT32_MAX; /* a corner may lie farther from what it belongs to */
+	s->near_x = (uint16_t)near[k][0];
+	s->near_y = (uint16_t)near[k][1];
 	return f->style ? f->style[(ptrdiff_t)s->near_y * f->width + s->near_x] : 0;
 }
 
@@ -262,6 +304,8 @@ static int32_t clear(fine *n)
 		int count = (int)(n->first[(k + 1) * n->f->height] - t.first);
 		code = rows_run(n->f->rows, count, CHUNK, clear_sites, &t);
 		if (!code)
+			code = ISA(fine_drop_weak)(n, (enum family)k);
+		if (!code)
 			code = ISA(fine_drop_crumbs)(n, (enum family)k);
 	}
 	return code;
@@ -282,13 +326,13 @@ static float least_contrast(const encre_params *p, float weight)
 
 /* ---- the detector ---------------------------------------------------------------------------------------- */
 
-void ISA(fine_plan)(frame *f, const edges *e, bool seen, arena *a)
+void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 {
 	size_t pixels = (size_t)f->width * (size_t)f->height;
 	float half = f->params->crease_angle * 0.00872664626f; /* in radians */
-	fine made = {.f = f, .e = e, .crease = 2 * pixel_sin(half)};
+	fine made = {.f = f, .e = f->edges, .crease = 2 * pixel_sin(half)};
 	for (int i = 0; i < f->n_styles; i++)
-		made.most_color = fmaxf(made.most_color, e ? e->weight[SOURCE_COLOR][i] : 0);
+		made.most_color = fmaxf(made.most_color, e->weight[SOURCE_COLOR][i]);
 	made.least_contrast =
 	    least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
 	ISA(fine_floors)(&made);
@@ -301,7 +345,7 @@ void ISA(fine_plan)(frame *f, const edges *e, bool seen, arena *a)
 	made.hit = arena_take(a, (size_t)made.spans * (size_t)f->height, sizeof *made.hit);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
-	if (seen) {
+	if (e->on[SOURCE_SEEN]) {
 		made.seen = arena_take(a, pixels, sizeof *made.seen);
 		made.through = arena_take(a, pixels, sizeof *made.through);
 		made.glimpse = arena_take(a, (size_t)f->height, sizeof *made.glimpse);
@@ -331,7 +375,9 @@ static void show_strength(const fine *n)
 int32_t ISA(fine_run)(frame *f)
 {
 	fine *n = f->fine;
-	int32_t code = rows_run(f->rows, f->height, 0, ISA(crack_rows), n);
+	int32_t code = n->e->on[SOURCE_LIGHT] ? ISA(light_even)(n) : ENCRE_OK;
+	if (!code)
+		code = rows_run(f->rows, f->height, 0, ISA(crack_rows), n);
 	if (!code)
 		code = rows_run(f->rows, f->height, 0, ISA(thin_rows), n);
 	if (!code)
@@ -340,6 +386,7 @@ int32_t ISA(fine_run)(frame *f)
 		code = rows_run(f->rows, f->height, 0, ISA(ridge_rows), n);
 	if (!code)
 		code = gather(n);
+	late_drop(&f->late, n->light);
 	if (!code)
 		code = ISA(fine_sort)(n);
 	if (!code)
@@ -350,6 +397,8 @@ int32_t ISA(fine_run)(frame *f)
 		code = ISA(thin_tie)(n);
 	if (!code)
 		code = ISA(fine_smooth)(n);
+	if (!code && n->e->on[SOURCE_COLOR])
+		code = ISA(fine_crowd)(n);
 	if (!code)
 		code = ISA(fine_join_ends)(n);
 	if (!code)

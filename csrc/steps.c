@@ -10,7 +10,8 @@ static const float seen_crease_from = 0.6f;                  /* likewise */
 static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth */
 static const float least_color = 0.01f, least_light = 0.02f;
 static const float more_of_band = 1.2f, least_light_band = 0.1f; /* floor: times a step's; of light */
-static const float widest_band = 2.05f;                          /* pixels */
+/* pixels; and where it goes on beside one that is narrow enough, and as strong as an edge: then a share of that will do */
+static const float widest_band = 2.05f, widest_weak = 2.9f, least_weak = 0.5f;
 static const float least_of_peak = 1.5f;                         /* times the step across a band */
 static const float most_against = 0.1f; /* share of a band that a pixel of it may lie the other way */
 
@@ -149,8 +150,9 @@ static bool band_site(const fine *n, site *s, int source, int planes, float (*va
 		for (int k = 0; k < planes; k++)
 			c[i] += (value[i + 1][k] - mix(value[0][k], value[4][k], 0.25f * (float)(i + 1))) * e[k] / area;
 	float against = -most_against * area;
-	if (!(c[1] > c[0] && c[1] > c[2] && area <= widest_band * c[1] && c[0] > against && c[2] > against &&
-	      c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes))))
+	s->weak = source == SOURCE_COLOR && area > widest_band * c[1];
+	if (!(c[1] > c[0] && c[1] > c[2] && area <= (s->weak ? widest_weak : widest_band) * c[1] &&
+	      c[0] > against && c[2] > against && c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes))))
 		return false;
 	put(s, (c[2] - c[0]) / area);
 	int style = fine_style(n, s);
@@ -169,7 +171,10 @@ static bool band_site(const fine *n, site *s, int source, int planes, float (*va
 		const float *a[3] = {peak, peak + 1, peak + 2}, *b[3] = {base, base + 1, base + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
 	}
-	return weigh(n, s, style, source, contrast(n, difference));
+	bool edge = weigh(n, s, style, source, contrast(n, difference));
+	bool weak = source == SOURCE_COLOR && s->strength > 0 && s->strength >= least_weak * n->e->p->edge_threshold;
+	s->weak |= !edge;
+	return edge || weak;
 }
 
 bool ISA(ridge_site)(const fine *n, site *s)

@@ -4,7 +4,8 @@
     python tests/bench.py [--size WxH] [--rounds N] [--set id=value]...
 
 Then the lines of FINE beside those of DOG, on one thread, where 12 % of the pixels lie within 3 of a site: at most 1.3
-times as long for all stages together, 1.5 times with colour and light, 12 bytes a pixel besides input and output.
+times as long for all stages together, 1.5 times with colour and light; 12 bytes a pixel besides input and output, or
+15 with light.
 
 Ratios, not seconds: they mean the same on a busy machine and a quiet one. A stage's time is what passes between the
 progress reports at its ends; the best of the rounds counts, for the copy as well.
@@ -135,13 +136,13 @@ def sites(layers, settings):
 
 
 def turns(rounds, jobs):
-    """Least seconds of each job (layers, settings) on one thread; they take turns, so that all meet the same load."""
+    """Least processor seconds of each job (layers, settings) on one thread; they take turns under the same load."""
     best = [1e9] * len(jobs)
     for _ in range(rounds):
         for k, (layers, settings) in enumerate(jobs):
-            start = time.perf_counter()
+            start = time.process_time()
             core.render(layers, settings, threads=1)
-            best[k] = min(best[k], time.perf_counter() - start)
+            best[k] = min(best[k], time.process_time() - start)
     return best
 
 

@@ -15,10 +15,12 @@ from .metric import clamp01, mix, value
 from .params import Params
 from .sites import (
     CLEAR,
+    FAMILIES,
     SEEN,
     Sites,
     bands,
     clear_of,
+    evened,
     grey_of,
     level_of,
     light_cracks,
@@ -117,8 +119,30 @@ def find(layers, params, crease_angle=CREASE_ANGLE):
     web.tie(lambda family, a, b: family == "light" or _agree(*signals[family], a, b),
             lambda family, a, b, corner: _wedge(*signals[family], a, b, corner))
     pixel, mirrored = web.sites.pixel.T, web.sites.source == SEEN  # which have the controls of the mirror itself
-    own = tuple(np.where(mirrored, pixel[k], o[tuple(pixel)]) for k, o in enumerate(owner))
+    own = tuple(np.where(mirrored, pixel[k], o) for k, o in enumerate(_owners(layers, web.sites)))
     return Fine(web.sites, web.links, chains(len(web.sites), web.links), own, layers.depth[own])
+
+
+def _owners(layers, found, touching=0.02):
+    """(rows, columns): the least depth of the 5×5 about each site's pixel, of the object that its line bounds.
+
+    That is the nearest of the pixels it parts; where two things touch, the one whose line is painted more. At the foot
+    of a blade of grass the ground before it is nearer, and has other controls."""
+    bound = np.array(layers.depth.shape) - 1
+    own = np.zeros((len(found), 2), int)
+    for k, (at, pixel, family) in enumerate(zip(found.at, found.pixel, found.family, strict=True)):
+        crack = FAMILIES[family] in ("outline", "light")
+        low, high = (np.floor(at), np.ceil(at)) if crack else (pixel, pixel)
+        parted = [(int(r), int(c)) for r in {low[0], high[0]} for c in {low[1], high[1]}]
+        least = min(layers.depth[p] for p in parted)
+        reach = least + touching * (layers.height if layers.orthographic else least)
+        bounded = min((p for p in parted if layers.depth[p] <= reach),
+                      key=lambda p: (-abs(layers.controls["thickness"][p]), layers.depth[p], p))
+        near = [(int(r), int(c)) for r in range(pixel[0] - 2, pixel[0] + 3) for c in range(pixel[1] - 2, pixel[1] + 3)
+                if 0 <= r <= bound[0] and 0 <= c <= bound[1]]
+        its = [p for p in near if layers.object[p] == layers.object[bounded]]
+        own[k] = min(its or near, key=lambda p: (layers.depth[p], (p[0] - pixel[0])**2 + (p[1] - pixel[1])**2, p))
+    return tuple(own.T)
 
 
 def drop(found, links, gone):
@@ -187,13 +211,14 @@ def _shadows(view, thin):
 
 def _terminators(view, threshold):
     """Where soft light crosses a threshold, by the levels of the nearer pixel."""
-    cracks = []
+    cracks, light = [], evened(value(view.layers.diffuse))
     for axis in (1, 0):
         z, style, weight = (turn(axis, a) for a in (view.layers.depth, view.layers.style, view.weights["light"]))
         nearer = np.where(z[:, 1:] < z[:, :-1], style[:, 1:], style[:, :-1])
         there = np.isfinite(z[:, 1:]) & np.isfinite(z[:, :-1])
         strength, t = np.zeros(nearer.shape), np.zeros(nearer.shape)
-        for k, steps, x in _steps(view):
+        for k, steps, _ in _steps(view):
+            x = light * view.params.tables[k]["shade_exposure"]
             one, two, place = light_cracks(turn(axis, x), steps)
             contrast = _contrast(view.params, grey_of(one, steps), grey_of(two, steps))
             own = there & (nearer == k)

@@ -289,6 +289,20 @@ def bands(signal, mixed, floor):
 # Light: cracks where the light crosses a threshold
 
 
+def evened(x, noise=0.035):
+    """Light (H, W) without its noise: three passes of a 3×3 mean, 1, 2 and 4 pixels apart, of what is alike."""
+    for apart in (1, 2, 4):
+        sharp = 1 / (noise * np.maximum(x, 0.02)) ** 2
+        total, weights = np.zeros_like(x), np.full_like(x, 4)
+        for dy in (-1, 0, 1):
+            for dx in (-1, 0, 1):
+                off = grid.read(x, apart * dy, apart * dx) - x
+                weight = (2 - abs(dy * dx)) * clamp01(1 - off**2 * sharp) ** 2 * (dy != 0 or dx != 0)
+                total, weights = total + weight * off, weights + weight
+        x = x + total / weights
+    return x
+
+
 def level_of(x, steps):
     """Which level the light x is on, the thresholds being hard."""
     return np.searchsorted([step[1] for step in steps[1:]], x, side="left")

@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A faint line close beside a strong one: whether it is found there depends on how both meet the pixels, and it would
+ * come and go. What is found is dropped if it leads nowhere and most of it runs along an older line, else it is kept
+ * whole. Where light crosses several thresholds at once, or a shadow is thin, the longest of its lines stands for all.
+ */
+#include "fine.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { CHUNK = 1024, LIGHT_RANK = 3 };
+
+static const float beside_reach = 3.5f; /* pixels */
+static const float parallel = 0.85f;    /* cosine of what still counts as running along */
+static const float most_beside = 0.5f;  /* of a chain's length */
+static const float longest_loop = 30;   /* pixels that a line of light may part from another and come back */
+static const float most_wiggle =
+    0.12f;                          /* a line that turns to and fro more is a scribble round what pixels can't show */
+static const float least_light = 6; /* pixels: shorter lines of light that meet nothing are noise */
+
+/* A run of sites between those at which not exactly two meet. */
+typedef struct chain {
+	uint32_t first, second; /* its first sites */
+	float length;
+	int rank;     /* of its oldest part */
+	float wiggle; /* variance of the sines of half the angles by which it turns, pixel by pixel */
+	int loose;    /* how many of its ends lead nowhere */
+	bool closed;
+} chain;
+
+enum { BESIDE = 1, KEPT = 2, NONE = UINT32_MAX };
+
+typedef struct beside {
+	fine *n;
+	int rank;
+	uint8_t *mark;   /* by site */
+	uint32_t *chain; /* by site: number of its chain; NONE where chains meet */
+	uint32_t count;
+	struct chain *list;
+} beside;
+
+/* ---- sites ----------------------------------------------------------------------------------------------- */
+
+/* The way of the line at a site, of any length; false where several meet. */
+static bool way_of(const fine *n, uint32_t i, float way[2])
+{
+	uint32_t links = n->at[i + 1] - n->at[i];
+	if (links != 1 && links != 2)
+		return false;
+	const site *a = n->site + n->to[n->at[i]], *b = links == 2 ? n->site + n->to[n->at[i] + 1] : n->site + i;
+	way[0] = b->x - a->x;
+	way[1] = b->y - a->y;
+	return true;
+}
+
+/* Whether a site runs along one of an older rank, or along one of its own that is kept. */
+static bool runs_along(const beside *b, uint32_t i, bool own)
+{
+	const fine *n = b->n;
+	const site *s = n->site + i;
+	int rank = rank_of(s);
+	float way[2], other[2];
+	if (!way_of(n, i, way))
+		return false;
+	near_sites of = near_place(n, s->x, s->y, beside_reach);
+	for (uint32_t j; near_next(n, &of, &j);) {
+		const site *t = n->site + j;
+		if (t->dropped || !(own ? rank_of(t) == rank && (b->mark[j] & KEPT) : rank_of(t) < rank) ||
+		    (b->chain[j] == b->chain[i] && b->chain[i] != NONE) || apart2(s, t) > beside_reach * beside_reach ||
+		    !way_of(n, j, other))
+			continue;
+		float dot = way[0] * other[0] + way[1] * other[1],
+		      square = (way[0] * way[0] + way[1] * way[1]) * (other[0] * other[0] + other[1] * other[1]);
+		if (dot * dot >= parallel * parallel * square)
+			return true;
+	}
+	return false;
+}
+
+static void find_near(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const beside *b = data;
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++)
+		if (!b->n->site[i].dropped && rank_of(b->n->site + i) == b->rank)
+			b->mark[i] = runs_along(b, i, false) ? BESIDE : 0;
+}
+
+/* ---- chains ---------------------------------------------------------------------------------------------- */
+
+static uint32_t links_at(const fine *n, uint32_t i)
+{
+	return n->at[i + 1] - n->at[i];
+}
+
+static uint32_t following(const fine *n, const chain *c, uint32_t from, uint32_t at)
+{
+	return from == UINT32_MAX ? c->second : at == c->first ? UINT32_MAX : next_of(n, from, at);
+}
+
+static void add(beside *b, uint32_t first, uint32_t second)
+{
+	const fine *n = b->n;
+	chain c = {.first = first, .second = second, .rank = LIGHT_RANK + 1, .loose = ISA(leads_nowhere)(n, first)};
+	uint32_t last = first, anchor = first;
+	float way[2] = {0, 0}, sum = 0, squares = 0;
+	int count = 0;
+	for (uint32_t from = UINT32_MAX, at = first, next; at != UINT32_MAX; from = at, at = next) {
+		next = following(n, &c, from, at);
+		c.length += from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0;
+		last = at;
+		float dx = n->site[at].x - n->site[anchor].x, dy = n->site[at].y - n->site[anchor].y,
+		      length = sqrtf(dx * dx + dy * dy);
+		if (length >= 1) {
+			dx /= length;
+			dy /= length;
+			if (way[0] != 0 || way[1] != 0) {
+				float half = sqrtf(fmaxf(0, 0.5f - 0.5f * (dx * way[0] + dy * way[1])));
+				sum += way[0] * dy - way[1] * dx < 0 ? -half : half;
+				squares += half * half;
+				count++;
+			}
+			way[0] = dx;
+			way[1] = dy;
+			anchor = at;
+		}
+		if (links_at(n, at) > 2)
+			continue;
+		b->chain[at] = b->count;
+		/* what is drawn by hand is meant */
+		int rank = n->site[at].family == FAMILY_MARK ? 0 : rank_of(n->site + at);
+		c.rank = rank < c.rank ? rank : c.rank;
+	}
+	c.loose += ISA(leads_nowhere)(n, last);
+	c.wiggle = count > 1 ? squares / (float)count - sum * sum / (float)(count * count) : 0;
+	c.closed = last == first && links_at(n, first) == 2;
+	if (b->list)
+		b->list[b->count] = c;
+	b->count++;
+}
+
+/* Lists them, or counts them while there is no memory for that. */
+static void find_chains(beside *b)
+{
+	const fine *n = b->n;
+	b->count = 0;
+	for (uint32_t i = 0; i < n->count; i++)
+		b->chain[i] = NONE;
+	for (uint32_t i = 0; i < n->count; i++)
+		for (uint32_t k = n->at[i]; links_at(n, i) != 2 && k < n->at[i + 1]; k++) {
+			uint32_t j = n->to[k];
+			if (links_at(n, j) == 2 ? b->chain[j] == NONE : i < j)
+				add(b, i, j);
+		}
+	for (uint32_t i = 0; i < n->count; i++)
+		if (links_at(n, i) == 2 && b->chain[i] == NONE)
+			add(b, i, n->to[n->at[i]]);
+}
+
+/* Older ones first, then longer ones. */
+static int by_weight(const void *a, const void *b)
+{
+	const chain *p = a, *q = b;
+	if (p->rank != q->rank)
+		return p->rank < q->rank ? -1 : 1;
+	if (p->length != q->length)
+		return p->length > q->length ? -1 : 1;
+	if (p->first != q->first)
+		return p->first < q->first ? -1 : 1;
+	return p->second < q->second ? -1 : p->second > q->second;
+}
+
+/* How much of a chain lies beside older lines; of light, beside longer lines of light too, and that alone in *light. */
+static float length_beside(const beside *b, const chain *c, float *light)
+{
+	const fine *n = b->n;
+	float older = 0, before[2] = {0, 0};
+	*light = 0;
+	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
+		next = following(n, c, from, at);
+		float piece = from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0;
+		float its = c->rank == LIGHT_RANK && runs_along(b, at, true), all = (b->mark[at] & BESIDE) || its;
+		*light += 0.5f * piece * (its + before[0]);
+		older += 0.5f * piece * (all + before[1]);
+		before[0] = its;
+		before[1] = all;
+	}
+	return older;
+}
+
+static void choose(const beside *b, const chain *c)
+{
+	const fine *n = b->n;
+	float light, all = length_beside(b, c, &light);
+	bool drop =
+	    c->loose ? all > most_beside * c->length : light > most_beside * c->length && c->length < longest_loop;
+	drop |= c->rank > 0 && c->wiggle > most_wiggle;
+	drop |= c->rank == LIGHT_RANK && c->length < least_light && (c->loose == 2 || c->closed);
+	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
+		next = following(n, c, from, at);
+		if (links_at(n, at) > 2)
+			continue;
+		if (drop)
+			n->site[at].dropped = 1;
+		else
+			b->mark[at] |= KEPT;
+	}
+}
+
+int32_t ISA(fine_drop_beside)(fine *n)
+{
+	beside b = {.n = n,
+		    .mark = late_take(&n->f->late, n->count, sizeof *b.mark),
+		    .chain = late_take(&n->f->late, n->count, sizeof *b.chain)};
+	if (!b.mark || !b.chain)
+		return ENCRE_ERROR_MEMORY;
+	memset(b.mark, 0, n->count * sizeof *b.mark);
+	find_chains(&b);
+	b.list = late_take(&n->f->late, b.count, sizeof *b.list);
+	if (!b.list)
+		return ENCRE_ERROR_MEMORY;
+	find_chains(&b);
+	qsort(b.list, b.count, sizeof *b.list, by_weight);
+	uint32_t i = 0;
+	for (b.rank = 1; b.rank <= LIGHT_RANK; b.rank++) {
+		int32_t code = rows_run(n->f->rows, (int)n->count, CHUNK, find_near, &b);
+		if (code)
+			return code;
+		for (; i < b.count && b.list[i].rank <= b.rank; i++)
+			if (b.list[i].rank == b.rank)
+				choose(&b, b.list + i);
+	}
+	late_drop(&n->f->late, b.list);
+	late_drop(&n->f->late, b.chain);
+	late_drop(&n->f->late, b.mark);
+	return ENCRE_OK;
+}

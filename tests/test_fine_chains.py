@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The detector FINE on what makes lines come and go: noise in soft light, lines beside lines, feet of thin things."""
+
+import numpy as np
+import pytest
+from encre import core
+from judge import verdict
+
+PEN = dict(verdict.PARAMS, edge_detector="FINE", line_thickness=1.0)
+
+
+def ink(layers, **params):
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    return core.render(layers, {**PEN, **params}, outputs=("Combined", "Encre Lines")).images["Encre Lines"][..., 3]
+
+
+def flat(height, width, diffuse=1.0):
+    """A wall seen face on, under the light given (height, width)."""
+    ones = np.ones((height, width, 3))
+    return dict(combined=np.ones((height, width, 4)), color=ones / 2, albedo=ones / 2, depth=5 * ones[..., 0],
+                normal=np.tile([0.0, 0, 1], (height, width, 1)), diffuse=ones * np.atleast_1d(diffuse)[..., None])
+
+
+def blurred(a):
+    for axis in (0, 1):
+        a = (np.roll(a, 1, axis) + 2 * a + np.roll(a, -1, axis)) / 4
+    return a
+
+
+@pytest.mark.parametrize("slope", [0.01, 0.004])
+def test_noise_in_soft_light_leaves_a_level_one_smooth_line(slope):
+    """What a denoiser leaves, 0.6 %, would move a threshold 1.4 pixels on the softer of these."""
+    rng = np.random.default_rng(5)
+    y, x = np.mgrid[:160, :120]
+    noise = blurred(rng.standard_normal(x.shape))
+    light = np.maximum(0.6, 0.9 + slope * (x - 60 - 0.1 * (y - 80)))
+    t = ink(flat(160, 120, light * (1 + 0.006 * noise / noise.std())))[8:-8]
+    rows = np.arange(8, 152)
+    centre = (t * np.arange(120)).sum(1) / t.sum(1)
+    assert t.sum(1) == pytest.approx(np.ones(144), abs=0.6)  # once in every row, hardly slanting
+    assert np.percentile(np.abs(centre - 60 - 0.1 * (rows - 80)), 95) < 0.006 / slope
+    assert np.abs(np.diff(centre)).max() < 1
+
+
+def test_a_hard_shadow_stays_where_it_is():
+    y, x = np.mgrid[:80, :100]
+    edge = 50.3 + 0.3 * (y - 40)
+    t = ink(flat(80, 100, 0.2 + 0.8 * np.clip(x - edge + 0.5, 0, 1)))[6:-6]
+    centre = (t * np.arange(100)).sum(1) / t.sum(1)
+    assert np.abs(centre - edge[6:-6, 0]).max() < 0.3
+
+
+@pytest.mark.parametrize("apart", [2.0, 2.5, 3.0, 3.3])
+def test_a_line_beside_another_is_whole_or_is_not(apart):
+    """A crease beside a silhouette, on every phase in which both can meet the pixels."""
+    y, x = np.mgrid[:300, :80]
+    edge = 40.2 + 0.03 * (y - 150)
+    layers = flat(300, 80)
+    fine = (np.arange(8) + 0.5) / 8 - 0.5
+    share = np.mean([x + k < edge - apart for k in fine], axis=0)[..., None]
+    near = np.mean([x + k < edge for k in fine], axis=0)[..., None]
+    layers["normal"] = near * (share * (0, 0.0, 1.0) + (1 - share) * (0.8, 0, 0.6)) + (1 - near) * (0, 1.0, 0)
+    layers["depth"] = np.where(x < edge, 5.0, 9.0)
+    layers["object"] = (x < edge) * 1.0
+    t = ink(layers)[10:-10]
+    at = np.rint(edge[10:-10, :1] - apart).astype(int) + np.arange(-1, 1)
+    second = np.take_along_axis(t, at, 1).sum(1) > 0.4
+    assert second.mean() < 0.01 or second.mean() > 0.99
+
+
+def test_the_foot_of_a_thin_thing_keeps_its_own_line():
+    """A blade with a thin line stands on ground that rises towards the eye, and has a full one."""
+    y, x = np.mgrid[:90, :100]
+    blade = (np.abs(x - 50) <= 4) & (y < 60)
+    layers = flat(90, 100)
+    layers["depth"] = np.where(blade, 8.0, 8.0 - 0.1 * (y - 59.5) / 10)
+    layers["object"] = blade * 1.0
+    layers["normal"] = np.where(blade[..., None], (0, 0, 1.0), (0, 1.0, 0))
+    layers["controls"] = np.zeros((90, 100, 6))
+    layers["controls"][..., 0] = np.where(blade, -0.75, 0)
+    t = ink(layers, line_thickness=8.0, edge_normal=0.0)
+    assert t[20:52].sum(1) == pytest.approx(np.full(32, 4.0), abs=0.3)  # two sides, a quarter of 8 each
+    assert t[50:75, 50].sum() == pytest.approx(2.0, abs=0.3)
+    assert (t[:, :40] == 0).all() and (t[64:] == 0).all()
+
+
+@pytest.mark.parametrize("dark", [0.3, 0.36])
+def test_a_joint_is_one_line_on_every_phase(dark):
+    """A dark joint of 1.3 pixels that slants by a pixel in 40, seen through a filter wider than a pixel."""
+    y, x = np.mgrid[:40, :200].astype(float)
+    fine = (np.arange(24) + 0.5) / 8 - 1.5
+    inside = [np.abs(y + k - 20.2 - x / 40 + 2.5) < 0.65 for k in fine]
+    joint = np.average(inside, 0, weights=np.cos(fine / 1.5 * np.pi / 2) ** 2)[..., None]
+    layers = flat(40, 200)
+    layers["albedo"] = layers["color"] = (1 - joint) * (0.5, 0.5, 0.5) + joint * (dark, dark, dark)
+    t = ink(layers, edge_color=2.5, line_contrast=0.0)[:, 10:-10]
+    assert (np.abs(t.sum(0) - 1) < 0.3).mean() > 0.95
+
+
+def test_what_is_smaller_than_pixels_draws_no_labyrinth():
+    """Normals of gravel far away: their mean differs from pixel to pixel."""
+    rng = np.random.default_rng(3)
+    layers = flat(120, 160)
+    layers["normal"][..., :2] += 0.15 * blurred(rng.standard_normal((120, 160, 2)))
+    assert (ink(layers) > 0.3).mean() < 0.14
