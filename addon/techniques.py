@@ -56,6 +56,9 @@ def check(scene):
     if not (scene.encre.use_lines and scene.encre.edge_color and scene.encre.width_color):
         raise core.EncreError("the scene draws no lines between colours, which are what is compared; "
                               "add --preset inter_color")
+    if not bake.tasks(scene.objects):
+        raise core.EncreError("no object of the scene shows a colour image, so there is nothing to bake lines into; "
+                              "give a material an image texture")
     pixels_per_metre(scene)
 
 
@@ -124,7 +127,7 @@ class BakedSet:
             for group in groups:
                 stack.enter_context(changed(group, edge_color=0))
             for task, images in self.levels:
-                for node in task.nodes:
+                for node in task.nodes if images else ():
                     stack.enter_context(changed(node, image=images[0]))
                     stack.enter_context(mipped(node, images, texels_per_pixel(task, scene)))
             yield
@@ -132,13 +135,13 @@ class BakedSet:
     def bake(self, task, scene):
         depsgraph = bpy.context.evaluated_depsgraph_get()
         try:
-            mesh = surface(task, depsgraph)
+            mesh, pixels = surface(task, depsgraph), bake.read(task.image)
         except core.EncreError as reason:
             self.report("warning", text=f"{task.image.name} stays without lines: {reason}")
-            return [task.image]
+            return []
         values = properties.scene_values(scene)
         width = screen_width(values, scene) * texels_per_pixel(task, scene)
-        pixels, images = bake.read(task.image), []
+        images = []
         while not images or (self.mips and min(pixels.shape[:2]) > 2):
             if images:
                 pixels = texture.halved(pixels, task.image.is_float)

@@ -42,6 +42,7 @@ typedef struct site {
 	float strength;       /* weighted */
 	float thin, half, inside; /* how much it is a side of a thin thing, half its width, and how far on along the axis
 				     its middle lies */
+	float crowd;              /* its radius is at most 1 / crowd */
 	uint16_t column, row; /* of the pixel that it was found at */
 	uint16_t near_x,
 	    near_y; /* of the least depth in the 5x5 about the pixel that held it, of the object that the line bounds: there
@@ -285,6 +286,9 @@ void ISA(thin_place)(const fine *n, site *s);
 void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge);
 bool ISA(thin_site)(const fine *n, site *s);
 int32_t ISA(thin_tie)(fine *n); /* links these to cracks, when each are linked */
+
+/* crowd.c: bounds the radius of lines between colours by the room they have. */
+int32_t ISA(fine_crowd)(fine *n);
 
 /* ridges.c */
 ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */
