@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import core, images, layers
+from . import core, images, layers, metadata
 
 _KNOWN = {**layers.CYCLES, "IndexMA": "X", **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN}
 _LETTERS = "RGBAXYZW"
@@ -78,7 +78,8 @@ def _rows_and_columns(border, window):
         return np.s_[:, :]
     x, y, width, height = border
     if x + width > window.width or y + height > window.height:
-        raise core.EncreError(f"the metadata {layers.BORDER} lie outside the picture; render it again, or remove them")
+        raise core.EncreError(f"the metadata {metadata.BORDER} lie outside the picture; render it again, or remove "
+                              "them")
     return np.s_[y:y + height, x:x + width]
 
 
@@ -115,7 +116,7 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
     """
     png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
     with images.Exr(path, threads) as exr:
-        settings = layers.read_metadata(exr.metadata)
+        settings = metadata.read(exr.metadata)
         scene = core.check({**(settings.scene or {}), **change})
         if (factor := scene.pop("supersample", 1)) > 1:
             say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "

@@ -16,7 +16,7 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre import core, images, layers, render
+from encre import core, images, layers, metadata, render
 
 CUBE = '''
 import bpy
@@ -118,7 +118,7 @@ def test_settings_reach_the_engine(cube, tmp_path):
     first, second = tmp_path / "a.exr", tmp_path / "b.exr"
     works(encre("render", cube, "-o", first, "--preset", "Ink only", "--set", "line_color=1,0,0",
                 "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0", "--samples", "3"))
-    settings = layers.read_metadata(exr.metadata(first))
+    settings = metadata.read(exr.metadata(first))
     assert settings.scene["line_color"] == (1, 0, 0) and settings.scene["surface"] == "PAPER"
     assert settings.scene["shade_levels"][1] == pytest.approx((1, 0.5, 0.1, 1, 0, 0))
     assert exr.metadata(first)["cycles.ViewLayer.samples"] == "3"
@@ -134,7 +134,7 @@ def test_set_wins_over_keyframes(tmp_path):
                             'scene.encre.driver_add("paper_seed").driver.expression = "7"\n')
     for options, thickness, seed in (([], 9, 7), (["--set", "line_thickness=31", "--set", "paper_seed=2"], 31, 2)):
         works(encre("render", path, "-o", tmp_path / "out.exr", *options))
-        settings = layers.read_metadata(exr.metadata(tmp_path / "out.exr"))
+        settings = metadata.read(exr.metadata(tmp_path / "out.exr"))
         assert (settings.scene["line_thickness"], settings.scene["paper_seed"]) == (thickness, seed)
 
 
@@ -174,7 +174,7 @@ def test_blend_file(tmp_path):
     works(encre("render", path, "-o", tmp_path / "a.exr"))
     before = blend.read_bytes()
     assert works(encre("render", blend, "-o", tmp_path / "b.exr")).startswith("frame 7 ")
-    assert layers.read_metadata(exr.metadata(tmp_path / "b.exr")).scene["line_thickness"] == 21
+    assert metadata.read(exr.metadata(tmp_path / "b.exr")).scene["line_thickness"] == 21
     assert blend.read_bytes() == before
 
 
