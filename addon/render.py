@@ -66,19 +66,21 @@ def render(scene, out, *, frames=None, values=None, samples=None, size=None, res
         _run(command, job, say, verbose)
 
 
-def compare(scene, out, take, *, frames=None, values=None, samples=None, size=None, techniques=(), uniform=False,
-            mips=False, blender=None, say=print, verbose=False):
+def compare(scene, out, take, *, frames=None, values=None, samples=None, size=None, techniques=(), beside=("",),
+            uniform=False, mips=False, blender=None, say=print, verbose=False):
     """Renders frames of `scene` by each of the `techniques` (techniques.py) and calls take(event) for every frame.
 
     The event is a dictionary: frame, path (`out` with the frame's number), pictures {technique: {"path", "seconds"}},
     baking (seconds), values (the scene's parameters), samples, blender (its version). Its pictures are gone when take()
-    returns. The rest is as in render().
+    returns. beside: what stands before the ending of the files that take() writes. The rest is as in render().
     """
+    images.prepare(out)
     command = find_blender(blender)
     out = os.path.abspath(out)
     with _folder(out) as folder:
         job = {"scene": os.path.abspath(scene), "out": out, "folder": folder, "frames": frames, "values": values or {},
-               "samples": samples, "size": size, "techniques": techniques, "uniform": uniform, "mips": mips}
+               "samples": samples, "size": size, "techniques": techniques, "beside": beside, "uniform": uniform,
+               "mips": mips}
         _run(command, job, say, verbose, take)
 
 

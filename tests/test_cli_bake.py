@@ -202,6 +202,8 @@ def test_uniform_on_a_blend(run, tmp_path, png):
     ("", "holds no faces"), ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "UV map"),
     ("v 0 0 0\nvt 0 0\nf 1/1 2/1 3/1\n", "UV map"), ("v a b c\n", "UV map"),
     ("v nan 0 0\nvt 0 0\nf 1/1 1/1 1/1\n", "finite"),
+    ("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n", "too large"),
+    ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1e30 0\nvt 0 1\nf 1/1 2/2 3/3\n", "1000000 times"),
     ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n", "no area"),
     ("v 0 0 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 1/2 1/3\n", "no area"),
 ])
