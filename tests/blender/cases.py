@@ -538,6 +538,13 @@ def by_hand(out):
     mark(lambda at: at.z < -0.3)
     fact("parts", sorted({item.value for item in ball.data.attributes["encre_part"].data}))
     shoot(out, "parts")
+    mark(lambda at: False)
+    numbers = [item.value for item in ball.data.attributes["encre_part"].data]
+    ball.data.attributes["encre_part"].data[0].value = 2 ** 31 - 1
+    mark(lambda at: at.x > 0.3)
+    fact("next", max({item.value for item in ball.data.attributes["encre_part"].data} - {2 ** 31 - 1}))
+    for item, number in zip(ball.data.attributes["encre_part"].data, numbers, strict=True):
+        item.value = number
     scene.encre.object_index = "PASS"
     shoot(out, "parts-pass")
     scene.encre.object_index = "AUTO"
@@ -1136,6 +1143,12 @@ def bake_lines(out):
     bpy.ops.object.select_all(action="DESELECT")
     bpy.data.objects["Cube"].select_set(True)
     fact("refused", refused())
+    fact("refused", refused(where="FOLDER", directory=""))
+    bpy.ops.wm.save_as_mainfile(filepath=os.path.join(out, "library.blend"), copy=True)
+    with bpy.data.libraries.load(os.path.join(out, "library.blend"), link=True) as (_, loaded):
+        loaded.materials = [one.name]
+    bpy.data.objects["Cube"].data.materials[0] = loaded.materials[0]
+    fact("linked", refused())
 
 
 if __name__ == "__main__":
