@@ -56,6 +56,9 @@ def check(scene):
     if not (scene.encre.use_lines and scene.encre.edge_color and scene.encre.width_color):
         raise core.EncreError("the scene draws no lines between colours, which are what is compared; "
                               "add --preset inter_color")
+    if not bake.tasks(scene.objects):
+        raise core.EncreError("no object of the scene shows a colour image, so there is nothing to bake lines into; "
+                              "give a material an image texture")
     pixels_per_metre(scene)
 
 
@@ -71,7 +74,8 @@ def shoot(scene, path):
 
 def warm_up(scene, path):
     """A tiny frame, so that loading Cycles counts for no technique."""
-    with changed(scene.render, resolution_percentage=max(1, 1600 // scene.render.resolution_x)):
+    percentage = max(1600 // scene.render.resolution_x, 400 // scene.render.resolution_y + 1)  # at least 4 pixels high
+    with changed(scene.render, resolution_percentage=percentage):
         shoot(scene, path)
 
 
@@ -124,21 +128,23 @@ class BakedSet:
             for group in groups:
                 stack.enter_context(changed(group, edge_color=0))
             for task, images in self.levels:
-                for node in task.nodes:
+                for node in task.nodes if images else ():
                     stack.enter_context(changed(node, image=images[0]))
                     stack.enter_context(mipped(node, images, texels_per_pixel(task, scene)))
             yield
 
     def bake(self, task, scene):
-        depsgraph = bpy.context.evaluated_depsgraph_get()
         try:
-            mesh = surface(task, depsgraph)
+            return self.drawn(task, scene)
         except core.EncreError as reason:
             self.report("warning", text=f"{task.image.name} stays without lines: {reason}")
-            return [task.image]
-        values = properties.scene_values(scene)
+            return []
+
+    def drawn(self, task, scene):
+        """The image with lines, at each mip level. Raises core.EncreError."""
+        mesh, pixels = surface(task, bpy.context.evaluated_depsgraph_get()), bake.read(task.image)
+        values, images = properties.scene_values(scene), []
         width = screen_width(values, scene) * texels_per_pixel(task, scene)
-        pixels, images = bake.read(task.image), []
         while not images or (self.mips and min(pixels.shape[:2]) > 2):
             if images:
                 pixels = texture.halved(pixels, task.image.is_float)

@@ -39,6 +39,8 @@ static pen_end pen_end_of(const frame *f, const site *s, float length)
 	float taper = pen.p->line_taper * f->scale;
 	if (length < taper)
 		pen.radius *= length / taper;
+	if (pen.radius * s->crowd > 1)
+		pen.radius = 1 / s->crowd;
 	/* a thing not much wider than its lines lets no paper between them: they are one, from its middle */
 	float filled = s->thin * clamp01(1 - 2 * (s->half - pen.radius));
 	if (s->axis == AXIS_ROW)

@@ -42,6 +42,7 @@ typedef struct site {
 	float strength;       /* weighted */
 	float thin, half, inside; /* how much it is a side of a thin thing, half its width, and how far on along the axis
 				     its middle lies */
+	float crowd;              /* its radius is at most 1 / crowd */
 	uint16_t column, row; /* of the pixel that it was found at */
 	uint16_t near_x,
 	    near_y; /* of the least depth in the 5x5 about the pixel that held it, of the object that the line bounds: there
@@ -278,7 +279,7 @@ float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float
 /* marks.c: marks in the cracks of a row where lines drawn by hand pass. */
 void ISA(hand_row)(const fine *n, int y);
 bool ISA(hand_site)(const fine *n, site *s);
-/* Where a line, or a seam, passes between the pixels of a crack: 0 < place <= 1, 0 for nowhere. */
+/* Where a line passes between the pixels of a crack, 0 < place <= 1, or a contour, -place; 0 for nowhere. */
 float ISA(hand_place)(const fine *n, const site *s);
 
 /* thin.c: marks thin things; places their cracks again; marks and places sites between those. */
@@ -287,6 +288,9 @@ void ISA(thin_place)(const fine *n, site *s);
 void ISA(thin_mark)(const fine *n, int y, uint8_t *hits, uint16_t *ridge); /* hits: scratch, n->spans */
 bool ISA(thin_site)(const fine *n, site *s);
 int32_t ISA(thin_tie)(fine *n); /* links these to cracks, when each are linked */
+
+/* crowd.c: bounds the radius of lines between colours by the room they have. */
+int32_t ISA(fine_crowd)(fine *n);
 
 /* ridges.c */
 ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */

@@ -2,11 +2,10 @@
 /* Meshes and camera of a raster job: checked, numbered through, brought onto the screen. All in double: a float of
  * object space, moved to the world and into pixels, would lose what decides pixels at an edge. */
 #include "geometry.h"
+#include "check.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stdio.h>
 
 static bool finite(const double *values, int n)
 {
@@ -16,18 +15,6 @@ static bool finite(const double *values, int n)
 	return true;
 }
 
-#if defined __GNUC__
-__attribute__((format(printf, 3, 4)))
-#endif
-static int32_t refuse(char *error, size_t size, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(error, size, format, arguments);
-	va_end(arguments);
-	return ENCRE_ERROR_ARGUMENT;
-}
-
 static int corners_of(const encre_mesh *mesh)
 {
 	return mesh->kind == ENCRE_TRIANGLES ? 3 : 2;
@@ -35,8 +22,8 @@ static int corners_of(const encre_mesh *mesh)
 
 static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_t size)
 {
-	if (mesh->kind < ENCRE_TRIANGLES || mesh->kind > ENCRE_SEAMS)
-		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES, ENCRE_LINES or ENCRE_SEAMS", number, (int)mesh->kind);
+	if (mesh->kind < ENCRE_TRIANGLES || mesh->kind > ENCRE_LINES)
+		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES or ENCRE_LINES", number, (int)mesh->kind);
 	if (mesh->n_primitives < 0 || mesh->n_points < 0)
 		return refuse(error, size, "mesh %d: %d primitives of %d points; give 0 or more of each", number, (int)mesh->n_primitives, (int)mesh->n_points);
 	if (mesh->n_channels < 0 || mesh->n_channels > ENCRE_MAX_CHANNELS)
@@ -74,8 +61,8 @@ int32_t geometry_check(geometry *g, int width, int height, char *error, size_t s
 			return code;
 		n += job->meshes[i].n_primitives;
 	}
-	if (n >= UINT32_MAX)
-		return refuse(error, size, "meshes: have more than %lld primitives; draw them in several jobs", (long long)UINT32_MAX - 1);
+	if (n > UINT32_MAX / 3)
+		return refuse(error, size, "meshes: have more than %lld primitives; draw them in several jobs", (long long)UINT32_MAX / 3);
 	g->n_primitives = (uint32_t)n;
 	return ENCRE_OK;
 }

@@ -399,6 +399,8 @@ int32_t ISA(fine_run)(frame *f)
 		code = ISA(thin_tie)(n);
 	if (!code)
 		code = ISA(fine_smooth)(n);
+	if (!code && n->e->on[SOURCE_COLOR])
+		code = ISA(fine_crowd)(n);
 	if (!code)
 		code = ISA(fine_join_ends)(n);
 	if (!code)

@@ -191,8 +191,8 @@ def flowers(c, at):
         tube(f"Stem {k}", [foot + Vector((0.1 * x, 0.1 * y, -0.05)), foot + Vector((0.4 * x, 0.4 * y, 0.5 * z)), head],
              0.008, c["green"], sides=6, smooth=1)
         bloom = ("red", "orange", "white")[k % 3]
-        lathe(f"Tulip {k}", [(0.012, 0.075), (0.034, 0.04), (0.028, 0.01), (0, 0)], head, c[bloom], steps=10,
-              turn=(0, 14 * (k - 1.5), 0), thick=0.003)
+        outline = rounded([(0.012, 0.075), (0.034, 0.04), (0.028, 0.01), (0, 0)], 4)
+        lathe(f"Tulip {k}", outline, head, c[bloom], steps=16, turn=(0, 14 * (k - 1.5), 0), thick=0.003)
 
 
 def bookcase(c):
@@ -305,7 +305,7 @@ def flight():
 
 def lights():
     """Sun by the window, and soft light from all around."""
-    world(sky=(0.55, 0.75, 0.9), fill=(0.62, 0.64, 0.71))
+    world(sky=(0.55, 0.75, 0.9), fill=(0.78, 0.80, 0.87))
     bpy.context.scene.world.cycles.sampling_method = "NONE"  # no shadow rays, which the walls would stop
     light("SUN", "Sun", (-4.2, -1.7, 2.9), (0, 0.1, 0), (1.0, 0.86, 0.62), 5.0, angle=radians(0.5))
 
@@ -315,8 +315,8 @@ def lines():
     encre = getattr(bpy.context.scene, "encre", None)
     if encre:
         bpy.ops.encre.preset(preset="inter_color")
-        encre.line_depth_distance = 5
-        encre.width_object, encre.width_depth, encre.width_normal = 0.6, 0.5, 0.35
+        encre.line_depth_distance = 3.5
+        encre.width_object, encre.width_depth, encre.width_normal = 0.8, 0.6, 0.5
 
 
 def build():

@@ -18,7 +18,7 @@ from encre import compare, images
 from mathutils import Vector
 
 SCENES = Path(__file__).parents[1] / "scenes"
-FIRST, COUNT, WIDTH, HEIGHT, SAMPLES = 140, 24, 480, 270, 4
+FIRST, COUNT, WIDTH, HEIGHT, SAMPLES = 140, 24, 384, 216, 2
 ALONG, ACROSS = 6, 14   # texels: a contour is straight and alone for so far
 STEP = 0.25             # pixels between samples across a line
 MARGIN = 2.0            # pixels on each side of a line that must be free of others

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`encre compare`: what stands where, and that both techniques draw the same width where nothing foreshortens it."""
 
+import resource
+import signal
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -136,12 +140,72 @@ def test_mips_and_uniform(stripes, tmp_path):
     (["--preset", "inter_color", "--set", "line_depth_distance=0"], ["line_depth_distance"]),
     (["--preset", "inter_color", "-f", "1", "-s", "2"], ["-f", "-s"]),
     (["--seed", "first"], ["first"]),
+    (["-f", "99999999999"], ["frame number"]),
 ])
 def test_what_can_not_be_compared(stripes, tmp_path, options, words):
-    done = encre(stripes, "-o", tmp_path / "out.png", *options)
+    refused(encre(stripes, "-o", tmp_path / "out.png", *options), *words)
+    assert not (tmp_path / "out.png").exists()
+
+
+def refused(done, *words, status=2):
     sentence = done.stderr.splitlines()[-1]
-    assert done.returncode == 2 and sentence.startswith("encre: error: ") and "Traceback" not in done.stderr
-    assert all(word in sentence for word in words) and not (tmp_path / "out.png").exists()
+    assert done.returncode == status and sentence.startswith("encre: error: ") and "Traceback" not in done.stderr
+    assert all(word in sentence for word in words), sentence
+
+
+def test_a_scene_without_textures_and_an_image_without_pixels(stripes, tmp_path):
+    bare = tmp_path / "bare.py"
+    bare.write_text(SCENE.replace("tree.links.new(texture.outputs[0], shine.inputs[0])", "tree.nodes.remove(texture)"))
+    refused(encre(bare, "-o", tmp_path / "out.png", *FLAT), "no object", "give a material an image texture")
+    assert not (tmp_path / "out.png").exists()
+    bare.write_text(SCENE + """
+lost = tree.nodes.new("ShaderNodeTexImage")
+lost.image = bpy.data.images.new("Lost", 8, 8)
+lost.image.source, lost.image.filepath = "FILE", "//nowhere.png"
+""")
+    err = works(encre(bare, "-o", tmp_path / "out.png", *FLAT, "--size", "64x36", "--samples", "1"))
+    assert "Lost" in err and "stays without lines" in err and (tmp_path / "out.png").exists()
+    bare.write_text(SCENE.replace("[value for pair in uv for value in pair]", "[0.5] * 8"))  # a UV map without area
+    err = works(encre(bare, "-o", tmp_path / "out.png", *FLAT, "--size", "400x4", "--samples", "1"))
+    assert "Stripes stays without lines: its UV map has no area" in err
+
+
+def test_outputs_that_can_not_be_written(stripes, tmp_path):
+    (tmp_path / "file").write_text("")
+    refused(encre(stripes, "-o", tmp_path / "file" / "out.png", *FLAT), "file", "can't be")
+    refused(encre(stripes, "-o", "out.jpg", *FLAT), "out.jpg")
+    (tmp_path / "is.png").mkdir()
+    refused(encre(stripes, "-o", tmp_path / "is.png", *FLAT), "is.png")
+    (tmp_path / "out0002_crops.png").mkdir()  # found before the first frame is rendered
+    refused(encre(stripes, "-o", tmp_path / "out.png", *FLAT[:-1], "-s", "1", "-e", "2"), "out0002_crops.png")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "is.png", "out0002_crops.png", "stripes.py"]
+
+
+def test_a_full_disk(stripes, tmp_path):
+    def small():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (70_000,) * 2)  # room for the probe
+
+    stripes.write_text(SCENE.replace("texels[..., :3] = 0.8", "texels[:] = np.random.rand(*texels.shape)"))
+    command = [sys.executable, "-m", "encre", "compare", stripes, "-o", tmp_path / "out.png", *FLAT, "--samples", "1"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, preexec_fn=small)
+    refused(done, "out.png", "can't be written", status=1)
+    assert [path.name for path in tmp_path.iterdir()] == ["stripes.py"]
+
+
+def test_interrupted(stripes, tmp_path):
+    """Nothing is left behind, and no Blender runs on."""
+    child = subprocess.Popen([sys.executable, "-m", "encre", "compare", stripes, "-o", tmp_path / "out.png", *FLAT,
+                              "--size", "1280x720", "--samples", "4000"], stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 60
+    while not list(tmp_path.glob(".encre-*")) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(3)
+    child.send_signal(signal.SIGINT)
+    err = child.communicate(timeout=60)[1]
+    assert child.returncode == 130 and err.splitlines()[-1] == "encre: interrupted" and "Traceback" not in err
+    assert [path.name for path in tmp_path.iterdir()] == ["stripes.py"]
+    running = b"".join(path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline"))
+    assert bytes(tmp_path) not in running
 
 
 @pytest.mark.parametrize("h, w", [(4, 5), (20, 30)])

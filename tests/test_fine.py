@@ -182,6 +182,37 @@ def test_ink_takes_the_tint_of_the_near_side():
     assert full.sum() >= 5 and np.allclose(t[full, :3], step()["color"][20, 31], atol=1e-6)
 
 
+def striped(edges, width=160, height=60):
+    """White between edges 0 and 1, 2 and 3, ..., in columns of grey, averaged over the pixel along rows."""
+    fine = np.zeros(64 * width)
+    for left, right in zip(edges[::2], edges[1::2], strict=True):
+        fine[round(64 * left):round(64 * right)] = 0.6
+    albedo = np.tile(0.2 + fine.reshape(1, width, 64, 1).mean(2), (height, 1, 3))
+    layers = dict(combined=np.ones((height, width, 4)), color=albedo, diffuse=np.ones((height, width, 3)),
+                  depth=np.full((height, width), 5.0), normal=np.tile([0.0, 0, 1], (height, width, 1)))
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("thickness", [1.0, 3.0])
+def test_lines_between_colors_fade_where_they_close_up(thickness, turned):
+    """What is left of the width of each of many lines, by their distance; a stripe on its own keeps both its lines."""
+    scene = dict(edge_detector="FINE", edge_threshold=0.1, edge_color=1.0, width_color=1.0, line_thickness=thickness,
+                 length_unit="PIXELS", line_softness=0.0, line_paper=0.0, line_gain=0.5, line_intensity=2.0)
+
+    def row(edges):
+        layers = {name: np.swapaxes(a, 0, 1) if turned else a for name, a in striped(edges).items()}
+        image = drawn({name: np.ascontiguousarray(a) for name, a in layers.items()}, scene)["Encre Lines"][..., 3]
+        return (image.T if turned else image)[30]
+
+    left = [row(30.3 + apart * np.arange(2 * int(50 / apart)))[56:104].mean() * apart / thickness
+            for apart in (2, 2.25, 3, 4, 4.5, 6, 8, 12)]
+    assert left[0] < 0.01 and left[1] < 0.2 and np.diff(left[:6]).min() > -0.05 and left[2] < 0.8
+    assert left[5:] == pytest.approx([1] * 3, abs=0.1)
+    for broad in 3, 4, 6:
+        assert row([70.3, 70.3 + broad]).sum() == pytest.approx(min(2 * thickness, thickness + broad), rel=0.03)
+
+
 def test_edges_show_the_strength_where_sites_are():
     for weight in (0.5, 1.7):
         edges = drawn(step(), dict(PEN, edge_object=weight, edge_depth=0.0, edge_normal=0.0))["Encre Edges"][..., 0]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The living room in every Blender: how much is in it, that its textures are crisp, and where the camera flies."""
 
+import importlib
 import json
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import blenders
 import exr
 import numpy as np
 import pytest
+from encre import core
 
 ROOM = Path(__file__).parents[1] / "scenes" / "living_room.py"
 
@@ -82,3 +84,13 @@ def test_flight(room):
     assert (ahead[1:] * ahead[:-1]).sum(1).min() > np.cos(np.radians(8))
     assert (np.abs(at[:, 0]) < 2.6).all() and (at[:, 1] < 1.9).all() and (np.abs(at[:, 2] - 1.4) < 1).all()
     assert np.linalg.norm(steps, axis=1).sum() > 6
+
+
+@pytest.mark.parametrize("name", ["rug", "ship", "world_map", "chessboard", "clock"])
+def test_baked_textures_do_not_depend_on_threads(monkeypatch, name):
+    monkeypatch.syspath_prepend(ROOM.parent)
+    texture = np.ascontiguousarray(getattr(importlib.import_module("pictures"), name)(), np.float32)
+    one = core.bake(texture, {"line_thickness": 6.0}, threads=1).texture
+    assert (one < texture).any(2).mean() > 0.02
+    for threads in 2, 5:
+        assert np.array_equal(core.bake(texture, {"line_thickness": 6.0}, threads=threads).texture, one)

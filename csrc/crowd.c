@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How much room lines between colours have. Where a texture is farther away than its pixels can show, as a chequered
+ * floor is near the horizon, its lines close up, break, and follow what sampling has left of it. They get thinner as
+ * the next lines on both sides come near, and are gone before that is all there is to see. */
+#include "fine.h"
+
+enum { CHUNK = 2048 };
+
+/* In pixels. Next lines are looked for so far away, and their distance is averaged over so much each way. */
+static const float reach = 10, spread = 20;
+/* Another site is on a line of its own that lies so far ahead and no farther to the side: of lines that part other
+ * colours, and of those that part the same colours the other way round. */
+static const float ahead_other = 1.75f, aside_other = 1.5f, ahead_back = 1, aside_back = 4;
+static const float gone = 2.5f;   /* lines that are so close are not drawn */
+static const float share = 0.25f; /* of the room beyond that, which a line's half may take */
+
+typedef struct crowd {
+	fine *n;
+	float *near;     /* by site: 1 / the distance to the farther of the next lines on both sides */
+	float (*sum)[2]; /* by cell: of that, and how many sites there are */
+} crowd;
+
+/* What was too short to be a line shows all the same how dense lines would be. */
+static bool counts(const site *s)
+{
+	return rank_of(s) == 2 && (!s->dropped || s->crumb);
+}
+
+static bool is_next(const site *s, const site *other, float ahead, float aside)
+{
+	bool back = s->axis == other->axis &&
+		    s->step[0] * other->step[0] + s->step[1] * other->step[1] + s->step[2] * other->step[2] < 0;
+	float least = back ? ahead_back : ahead_other, most = back ? aside_back : aside_other;
+	return ahead * ahead > least * least && aside * aside <= most * most;
+}
+
+static float distance_to_next(const fine *n, const site *s)
+{
+	float before = reach, after = reach;
+	near_sites of = near_place(n, s->x, s->y, reach), narrow = near_place(n, s->x, s->y, aside_back);
+	if (s->axis == AXIS_COLUMN) {
+		of.x0 = narrow.x0;
+		of.x1 = narrow.x1;
+	} else {
+		of.row = narrow.row;
+		of.last = narrow.last;
+	}
+	for (uint32_t i; near_next(n, &of, &i);) {
+		const site *other = n->site + i;
+		float x = other->x - s->x, y = other->y - s->y, ahead = s->axis == AXIS_COLUMN ? y : x,
+		      aside = s->axis == AXIS_COLUMN ? x : y;
+		if (!is_next(s, other, ahead, aside) || !counts(other))
+			continue;
+		if (ahead > 0)
+			after = ahead < after ? ahead : after;
+		else
+			before = -ahead < before ? -ahead : before;
+	}
+	float next = before > after ? before : after;
+	return s->family == FAMILY_COLOR_BAND ? next / (2 - next / reach) : next; /* a stripe has two sides */
+}
+
+static void find_next(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const crowd *c = data;
+	for (int i = first; i < end; i++)
+		if (counts(c->n->site + i))
+			c->near[i] = 1 / distance_to_next(c->n, c->n->site + i);
+}
+
+static void sum_cells(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const crowd *c = data;
+	for (int cell = first; cell < end; cell++) {
+		float *sum = c->sum[cell];
+		sum[0] = sum[1] = 0;
+		for (uint32_t k = c->n->cell[cell]; k < c->n->cell[cell + 1]; k++)
+			if (counts(c->n->site + c->n->member[k])) {
+				sum[0] += c->near[c->n->member[k]];
+				sum[1]++;
+			}
+	}
+}
+
+/* Alone a site tells little: a check's short side has no next line near, and where a line breaks its neighbours seem to
+ * be alone. So cells are averaged, with weights that fall to 0 at `spread`. */
+static float mean_distance(const crowd *c, const site *s)
+{
+	near_sites of = near_place(c->n, s->x, s->y, spread);
+	float sum = 0, count = 0;
+	for (int row = of.row; row <= of.last; row++)
+		for (int x = of.x0; x <= of.x1; x++) {
+			const float *cell = c->sum[row * c->n->across + x];
+			float dx = ((float)x + 0.5f) * CELL - 0.5f - s->x,
+			      dy = ((float)row + 0.5f) * CELL - 0.5f - s->y;
+			float weight = fmaxf(0, 1 - fabsf(dx) / spread) * fmaxf(0, 1 - fabsf(dy) / spread);
+			sum += weight * cell[0];
+			count += weight * cell[1];
+		}
+	return count / sum;
+}
+
+static void bound(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const crowd *c = data;
+	for (int i = first; i < end; i++) {
+		site *s = c->n->site + i;
+		if (s->dropped || !counts(s))
+			continue;
+		float mean = mean_distance(c, s), room = mean > gone ? mean - gone : 1e-6f;
+		s->crowd = (1 - mean / reach) / (share * room);
+	}
+}
+
+int32_t ISA(fine_crowd)(fine *n)
+{
+	int cells = n->across * n->tall;
+	crowd c = {n, late_take(&n->f->late, n->count, sizeof *c.near),
+		   late_take(&n->f->late, (size_t)cells, sizeof *c.sum)};
+	if (!c.near || !c.sum)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = rows_run(n->f->rows, (int)n->count, CHUNK, find_next, &c);
+	if (!code)
+		code = rows_run(n->f->rows, cells, CHUNK, sum_cells, &c);
+	return code ? code : rows_run(n->f->rows, (int)n->count, CHUNK, bound, &c);
+}
