@@ -24,9 +24,9 @@ def _modules():
     except core.EncreError as error:
         print(f"encre: {error}", file=sys.stderr)
         return (engine,)  # it says so to whoever renders
-    from . import bake, paint, parts, properties, subframes, ui
+    from . import adopt, bake, paint, parts, properties, subframes, ui
 
-    return properties, engine, subframes, ui, paint, parts, bake
+    return properties, engine, subframes, ui, adopt, paint, parts, bake
 
 
 def register():

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import core, images, layers
+from . import core, images, interrupt, layers, metadata
 
 _KNOWN = {**layers.CYCLES, "IndexMA": "X", **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN}
 _LETTERS = "RGBAXYZW"
@@ -78,7 +78,8 @@ def _rows_and_columns(border, window):
         return np.s_[:, :]
     x, y, width, height = border
     if x + width > window.width or y + height > window.height:
-        raise core.EncreError(f"the metadata {layers.BORDER} lie outside the picture; render it again, or remove them")
+        raise core.EncreError(f"the metadata {metadata.BORDER} lie outside the picture; render it again, or remove "
+                              "them")
     return np.s_[y:y + height, x:x + width]
 
 
@@ -115,7 +116,7 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
     """
     png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
     with images.Exr(path, threads) as exr:
-        settings = layers.read_metadata(exr.metadata)
+        settings = metadata.read(exr.metadata)
         scene = core.check({**(settings.scene or {}), **change})
         if (factor := scene.pop("supersample", 1)) > 1:
             say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "
@@ -136,10 +137,10 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
                 others = ", ".join(sorted(set(names) - set(passes))) or "nothing"
                 raise core.EncreError(f"{path}: {error}; besides in the file: {others}") from None
             notes = notes or [_notes(settings, passes, path), _idle(pictures, scene, styles, path)]
-            result = core.render(pictures, scene, styles, settings.camera, _place(settings, exr.window),
-                                 ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
-                                 progress=lambda _fraction: True,  # without it, Ctrl-C would wait for the end
-                                 image=images.read_paper)
+            with interrupt.heeded() as progress:
+                result = core.render(pictures, scene, styles, settings.camera, _place(settings, exr.window),
+                                     ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
+                                     progress=progress, image=images.read_paper)
             pictures = {name: _whole(picture, at, exr.window) for name, picture in result.images.items()}
             channels.update(_named(pictures, layer, view, names))
             nonfinite += bad + result.nonfinite

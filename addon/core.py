@@ -9,11 +9,11 @@ import functools
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
-from .table import MAX_LEVELS, EncreError, Item, Param, Stage, normal, read, unknown
+from .data import Baked, Camera, Frame, Mesh, Result, entries, picture
+from .table import MAX_LEVELS, EncreError, Param, Stage, normal, read, stage, text_of, unknown
 
 API_VERSION = 5
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
@@ -97,84 +97,6 @@ class _BakeJob(c.Structure):
                 ("progress", _Progress), ("user", c.c_void_p), ("nonfinite", c.c_int64), ("greatest", c.c_double)]
 
 
-# ---- parameters --------------------------------------------------------------------------------------------------
-
-_TYPES = ("bool", "int", "float", "enum", "color", "image", "levels")
-_UNLIMITED = float(np.finfo(np.float32).max)
-
-
-@dataclass
-class Camera:
-    """view: rotation world -> camera, 9 floats row by row; height: orthographic frame height in scene units."""
-
-    view: Sequence[float] = (1, 0, 0, 0, 1, 0, 0, 0, 1)
-    orthographic: bool = False
-    height: float = 1.0
-
-
-@dataclass
-class Frame:
-    """Size of the full frame in pixels, and where the images' top left pixel lies in it."""
-
-    width: int
-    height: int
-    x: int = 0
-    y: int = 0
-
-
-@dataclass
-class Mesh:
-    """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels); numbers of
-    `object`, `material` and `style` (t,) or one for all. Of kind `lines`: points and corners (t, 2) alone.
-    """
-
-    points: np.ndarray
-    corners: np.ndarray | None = None
-    attributes: np.ndarray | None = None
-    material: np.ndarray | None = None
-    style: np.ndarray | None = None
-    object: np.ndarray | None = None
-    model: np.ndarray = field(default_factory=lambda: np.eye(4))
-    object_index: int = 0
-    material_index: int = 0
-    style_index: int = 0
-    kind: str = "triangles"
-
-
-@dataclass
-class Result:
-    images: dict[str, np.ndarray]
-    nonfinite: int
-
-
-@dataclass
-class Baked:
-    """texture: None where it was only measured; greatest: largest difference of two neighbours, by contrast_metric."""
-
-    texture: np.ndarray | None
-    nonfinite: int
-    greatest: float
-
-
-def _text(b):
-    return (b or b"").decode()
-
-
-def _levels(levels):
-    """encre_levels -> list of tuples (i,), (i, t, w) or (i, t, w, r, g, b)."""
-    out = []
-    for k in range(levels.count):
-        v = tuple(_tidy(x) for x in levels.level[k].value)
-        v = v[:3] if v[3:] == (1, 1, 1) else v
-        out.append(v[:1] if k == 0 and len(v) == 3 else v)
-    return out
-
-
-def _tidy(x):
-    """The shortest decimal that is this float32: 0.9, not 0.8999999762."""
-    return float(str(np.float32(x)))
-
-
 class Library:
     """One loaded libencre. `path` None: the one beside this file."""
 
@@ -184,12 +106,11 @@ class Library:
             raise EncreError(f"{path}: the Encre library is missing; install Encre again for this platform")
         try:
             lib = c.CDLL(path)
-            lib.encre_create.restype = lib.encre_error.restype = c.c_void_p
+            lib.encre_create.restype, lib.encre_error.restype = c.c_void_p, c.c_char_p
             lib.encre_create.argtypes = [c.c_int32]
         except (OSError, AttributeError) as e:
             raise EncreError(f"{path}: the Encre library can't be loaded ({e}); install Encre again") from None
         lib.encre_error.argtypes = [c.c_void_p]
-        lib.encre_error.restype = c.c_char_p
         lib.encre_destroy.argtypes = [c.c_void_p]
         lib.encre_destroy.restype = None
         context = lib.encre_create(API_VERSION)
@@ -208,11 +129,9 @@ class Library:
         for name in ("encre_render", "encre_raster", "encre_bake"):
             getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
         self.path, self.lib = path, lib
-        self.layers = self._names(lib.encre_layer_info)
-        self.required = tuple(n for n, (_, r) in self.layers.items() if r)
-        self.layers = {n: ch for n, (ch, _) in self.layers.items()}
-        self.outputs = {n: ch for n, (ch, _) in self._names(lib.encre_output_info).items()}
-        self.stages = tuple(self._stages())
+        self.layers = {text_of(x.name): x.channels for x in _each(lib.encre_layer_info)}
+        self.outputs = {text_of(x.name): x.channels for x in _each(lib.encre_output_info)}
+        self.stages = tuple(map(stage, _each(lib.encre_stage_info)))
         self.params = {p.id: p for s in self.stages for p in s.params}
 
         class Job(c.Structure):
@@ -222,41 +141,6 @@ class Library:
                         ("nonfinite", c.c_int64)]
 
         self._job = Job
-
-    @staticmethod
-    def _names(info):
-        out, i = {}, 0
-        while p := info(i):
-            out[_text(p.contents.name)] = (p.contents.channels, bool(p.contents.required))
-            i += 1
-        return out
-
-    def _stages(self):
-        i = 0
-        while p := self.lib.encre_stage_info(i):
-            s = p.contents
-            sid = _text(s.id)
-            yield Stage(sid, _text(s.label), _text(s.help),
-                        tuple(self._param(sid, s.params[k]) for k in range(s.n_params)))
-            i += 1
-
-    @staticmethod
-    def _param(stage, r):
-        kind = _TYPES[r.type]
-        items = tuple(Item(_text(x.id), _text(x.label), _text(x.help), x.number)
-                      for x in (r.items[k] for k in range(r.n_items)))
-        value = r.value[0]
-        default = {"bool": lambda: bool(value), "int": lambda: int(value), "float": lambda: _tidy(value),
-                   "enum": lambda: next(x.id for x in items if x.number == int(value)),
-                   "color": lambda: tuple(_tidy(x) for x in r.value), "image": lambda: None,
-                   "levels": lambda: _levels(r.levels.contents)}[kind]()
-        numeric = kind in ("int", "float")
-        tidy = int if kind == "int" else _tidy
-        return Param(_text(r.id), stage, kind, ("frame", "surface")[r.scope], _text(r.label), _text(r.help),
-                     _text(r.unit), _text(r.enabled_if), default,
-                     tidy(r.hard_min) if numeric else None,
-                     tidy(r.hard_max) if numeric and r.hard_max < _UNLIMITED else None,
-                     tidy(r.soft_min), tidy(r.soft_max), items, r.offset)
 
     # -- values
 
@@ -299,7 +183,7 @@ class Library:
         block, _ = self.pack(out)
         sentence = self.lib.encre_params_check(block, text, len(text))
         if sentence:
-            raise EncreError(_text(sentence))
+            raise EncreError(text_of(sentence))
         return out
 
     # -- work
@@ -310,7 +194,7 @@ class Library:
             raise EncreError("memory: there is none left for rendering; close other programs")
         for setting, number in ((self.lib.encre_set_threads, threads), (self.lib.encre_set_simd, simd)):
             if setting(context, number):
-                sentence = _text(self.lib.encre_error(context))
+                sentence = text_of(self.lib.encre_error(context))
                 self.lib.encre_destroy(context)
                 raise EncreError(sentence)
         return context
@@ -329,7 +213,7 @@ class Library:
         context = self._context(threads, simd)
         try:
             code = function(context, c.byref(job))
-            sentence = _text(self.lib.encre_error(context))
+            sentence = text_of(self.lib.encre_error(context))
         finally:
             self.lib.encre_destroy(context)
         if failure:
@@ -436,6 +320,14 @@ class Library:
         return Baked(out, job.nonfinite, job.greatest)
 
 
+def _each(info):
+    """What a function of encre.h tells about 0, 1 and so on, until it knows no more."""
+    i = 0
+    while p := info(i):
+        yield p.contents
+        i += 1
+
+
 def _image(a):
     """encre_image of an array (H, W) or (H, W, C) whose channels are adjacent."""
     channels = a.shape[2] if a.ndim == 3 else 1
@@ -443,13 +335,7 @@ def _image(a):
 
 
 def _input(name, a, channels):
-    a = np.asarray(a)
-    if a.ndim not in (2, 3) or (a.shape[2] if a.ndim == 3 else 1) != channels:
-        raise EncreError(f"{name}: the array has shape {a.shape}; give (height, width, {channels})")
-    if a.shape[0] == 0 or a.shape[1] == 0:
-        raise EncreError(f"{name}: is {a.shape[1]} x {a.shape[0]} pixels; give at least one pixel each way")
-    if a.dtype != np.float32 or (a.ndim == 3 and a.strides[2] != 4) or a.strides[1] < 4 * channels:
-        a = np.ascontiguousarray(a, np.float32)
+    a = picture(name, a, channels)
     return a, _image(a)
 
 
@@ -458,12 +344,9 @@ def _pack_mesh(m, mesh):
     keep = [points]
 
     def pointer(what, a, dtype, shape):
-        """C can't know how long an array is: one that is too short would be read past its end."""
         if a is None:
             return None
-        keep.append(np.ascontiguousarray(a, dtype))
-        if keep[-1].shape[:len(shape)] != shape:
-            raise EncreError(f"mesh: {what} has shape {keep[-1].shape}; give one entry for each of {shape}")
+        keep.append(entries(what, a, dtype, shape))
         return keep[-1].ctypes.data
 
     each = _KINDS[mesh.kind]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from . import compat, core, denoise, layers, meshes, papers, properties, subframes, supersample
+from . import compat, core, denoise, layers, meshes, metadata, papers, properties, subframes, supersample
 
 
 class _Settings:
@@ -277,6 +277,6 @@ class Frames:
         if layer.border:
             frame = core.Frame(frame.width, frame.height)
         camera = next(iter(layer.views.values()))[0]
-        for key, text in layers.metadata(layer.settings.scene, layer.settings.styles, camera, frame,
-                                         layer.border).items():
+        for key, text in metadata.write(layer.settings.scene, layer.settings.styles, camera, frame,
+                                        layer.border).items():
             result.stamp_data_add_field(key, text)

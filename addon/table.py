@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 MAX_LEVELS = 16
+_TYPES = ("bool", "int", "float", "enum", "color", "image", "levels")  # in the order of enum encre_type
+_UNLIMITED = float(np.finfo(np.float32).max)
 
 
 class EncreError(Exception):
@@ -56,6 +58,51 @@ class Stage:
     label: str
     help: str
     params: tuple[Param, ...]
+
+
+def text_of(b):
+    """A string of C's; NULL is empty."""
+    return (b or b"").decode()
+
+
+def _levels(levels):
+    """encre_levels -> list of tuples (i,), (i, t, w) or (i, t, w, r, g, b)."""
+    out = []
+    for k in range(levels.count):
+        v = tuple(_tidy(x) for x in levels.level[k].value)
+        v = v[:3] if v[3:] == (1, 1, 1) else v
+        out.append(v[:1] if k == 0 and len(v) == 3 else v)
+    return out
+
+
+def _tidy(x):
+    """The shortest decimal that is this float32: 0.9, not 0.8999999762."""
+    return float(str(np.float32(x)))
+
+
+def stage(s):
+    """The Stage that an encre_stage_info tells."""
+    id_ = text_of(s.id)
+    return Stage(id_, text_of(s.label), text_of(s.help), tuple(_param(id_, s.params[k]) for k in range(s.n_params)))
+
+
+def _param(stage_id, r):
+    """The Param that an encre_param_info tells."""
+    kind = _TYPES[r.type]
+    items = tuple(Item(text_of(x.id), text_of(x.label), text_of(x.help), x.number)
+                  for x in (r.items[k] for k in range(r.n_items)))
+    value = r.value[0]
+    default = {"bool": lambda: bool(value), "int": lambda: int(value), "float": lambda: _tidy(value),
+               "enum": lambda: next(x.id for x in items if x.number == int(value)),
+               "color": lambda: tuple(_tidy(x) for x in r.value), "image": lambda: None,
+               "levels": lambda: _levels(r.levels.contents)}[kind]()
+    numeric = kind in ("int", "float")
+    tidy = int if kind == "int" else _tidy
+    return Param(text_of(r.id), stage_id, kind, ("frame", "surface")[r.scope], text_of(r.label), text_of(r.help),
+                 text_of(r.unit), text_of(r.enabled_if), default,
+                 tidy(r.hard_min) if numeric else None,
+                 tidy(r.hard_max) if numeric and r.hard_max < _UNLIMITED else None,
+                 tidy(r.soft_min), tidy(r.soft_max), items, r.offset)
 
 
 def unknown(kind, name, names):

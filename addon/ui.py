@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels: one per stage, drawn from the parameter table, and Cycles' own panels for everything that Cycles does."""
-
-import sys
+"""Panels: one per stage, drawn from the parameter table; the scene's presets and styles; objects and materials."""
 
 import bpy
 
@@ -365,70 +363,6 @@ class ENCRE_PT_material(EncrePanel, bpy.types.Panel):
         draw_block(self.layout, context.material, context.scene)
 
 
-# ---- Cycles' panels ----------------------------------------------------------------------------------------------
-
-
-def _panels(cls=bpy.types.Panel):
-    for sub in cls.__subclasses__():
-        yield sub
-        yield from _panels(sub)
-
-
-def adopt_panels(adopt):
-    """Shows every panel that Cycles shows with Encre chosen as well, or takes that back."""
-    for panel in _panels():
-        engines = getattr(panel, "COMPAT_ENGINES", ())
-        if "CYCLES" in engines:
-            (engines.add if adopt else engines.discard)(ENGINE)
-    # Before 5.0 this one asks for Cycles' name instead.
-    panel = getattr(bpy.types, "CYCLES_RENDER_PT_subdivision", None)
-    if panel and "poll" in vars(panel):
-        panel.poll = _subdivision_poll(panel.poll) if adopt else getattr(panel.poll, "original", panel.poll)
-
-
-def _subdivision_poll(original):
-    def poll(_cls, context):
-        return original(context) or (context.engine == ENGINE and context.scene.cycles.feature_set == "EXPERIMENTAL")
-
-    poll.original = original
-    return classmethod(poll)  # Blender crashes if it is any other kind of function
-
-
-def draw_device(self, context):
-    """Cycles' own Device selector asks for its engine's name."""
-    if context.engine == ENGINE:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        column = layout.column()
-        for name in ("feature_set", "device", "shading_system"):
-            if hasattr(context.scene.cycles, name):  # Blender 5 has one feature set
-                column.prop(context.scene.cycles, name)
-
-
-def _shader_menus():
-    """Modules whose shader node menus ask whether the engine is Cycles; their files differ between versions."""
-    for name in ("nodeitems_builtins", "bl_ui.node_add_menu_shader"):
-        module = sys.modules.get(name)
-        if hasattr(module, "cycles_shader_nodes_poll"):
-            yield module
-
-
-def _shader_nodes_poll(original):
-    def cycles_shader_nodes_poll(context):
-        return context.engine == ENGINE or original(context)
-
-    cycles_shader_nodes_poll.original = original
-    return cycles_shader_nodes_poll
-
-
-def adopt_nodes(adopt):
-    """Lets the Add menu of shader nodes offer Cycles' nodes: they are Encre's too."""
-    for module in _shader_menus():
-        poll = module.cycles_shader_nodes_poll
-        module.cycles_shader_nodes_poll = _shader_nodes_poll(poll) if adopt else getattr(poll, "original", poll)
-
-
 _registered = []
 
 
@@ -440,14 +374,8 @@ def register():
     for cls in classes:
         bpy.utils.register_class(cls)
         _registered.append(cls)
-    adopt_panels(True)
-    adopt_nodes(True)
-    bpy.types.RENDER_PT_context.append(draw_device)
 
 
 def unregister():
-    bpy.types.RENDER_PT_context.remove(draw_device)
-    adopt_nodes(False)
-    adopt_panels(False)
     while _registered:
         bpy.utils.unregister_class(_registered.pop())

@@ -28,7 +28,9 @@ typedef struct chain {
 	bool closed;
 } chain;
 
-enum { BESIDE = 1, KEPT = 2, NONE = UINT32_MAX };
+enum { BESIDE = 1, KEPT = 2 };
+
+static const uint32_t NONE = UINT32_MAX; /* an enumerator is an int */
 
 typedef struct beside {
 	fine *n;

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The boundary: everything that comes in is validated here once, layers are made clean and packed, then the stages
- * run in order. Stages trust what they are given. */
+/* The boundary: everything that comes in is checked once, layers are made clean and packed, then the stages run in
+ * order. Stages trust what they are given. */
 #include "bake.h"
+#include "check.h"
 #include "clean.h"
 #include "raster.h"
 #include "stage.h"
 
-#include <float.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { MAX_SIZE = 65536, MAX_STYLES = 256, MAX_THREADS = 1024 };
+enum { MAX_THREADS = 1024 };
 
 struct encre_context {
 	int32_t threads, simd;
@@ -93,32 +92,20 @@ const char *encre_error(const encre_context *context)
 	return context ? context->error : "encre: no memory for a context, or libencre has another API version; install one version of both";
 }
 
-#if defined __GNUC__
-__attribute__((format(printf, 3, 4)))
-#endif
-static int32_t fail(encre_context *context, int32_t code, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(context->error, sizeof context->error, format, arguments);
-	va_end(arguments);
-	return code;
-}
-
 static int32_t fail_code(encre_context *context, int32_t code)
 {
-	switch (code) {
-	case ENCRE_ERROR_MEMORY: return fail(context, code, "memory: this frame needs more than there is; render it smaller or in borders");
-	case ENCRE_ERROR_CANCELLED: return fail(context, code, "cancelled");
-	default: return code;
-	}
+	if (code == ENCRE_ERROR_MEMORY)
+		snprintf(context->error, sizeof context->error, "memory: this frame needs more than there is; render it smaller or in borders");
+	if (code == ENCRE_ERROR_CANCELLED)
+		snprintf(context->error, sizeof context->error, "cancelled");
+	return code;
 }
 
 int32_t encre_set_threads(encre_context *context, int32_t threads)
 {
 	context->error[0] = 0;
 	if (threads < 0 || threads > MAX_THREADS)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "threads: %d is outside 0..%d; give 0 for as many as processors", (int)threads, MAX_THREADS);
+		return refuse(context->error, sizeof context->error, "threads: %d is outside 0..%d; give 0 for as many as processors", (int)threads, MAX_THREADS);
 	if (threads != context->threads) {
 		rows_destroy(context->pool);
 		context->pool = NULL;
@@ -131,7 +118,7 @@ int32_t encre_set_simd(encre_context *context, int32_t level)
 {
 	context->error[0] = 0;
 	if (level < 0 || level > 1)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "simd: level %d is outside 0..1; give 1 for the best there is", (int)level);
+		return refuse(context->error, sizeof context->error, "simd: level %d is outside 0..1; give 1 for the best there is", (int)level);
 	context->simd = level;
 	return ENCRE_OK;
 }
@@ -161,35 +148,6 @@ static const stage *const *stages_of(const encre_context *context)
 	return use_best(context) ? BEST(stages) : stages_base;
 }
 
-/* ---- images ---------------------------------------------------------------------------------------------- */
-
-static encre_image with_strides(encre_image image)
-{
-	if (!image.pixel_stride)
-		image.pixel_stride = 4 * (int64_t)image.channels;
-	if (!image.row_stride)
-		image.row_stride = image.pixel_stride * image.width;
-	return image;
-}
-
-static int32_t check_image(encre_context *context, const encre_image *image, const encre_layer_description *what, int width, int height)
-{
-	if (image->channels != what->channels)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: has %d channels; give %d", what->name, (int)image->channels, (int)what->channels);
-	if (image->width < 1 || image->height < 1 || image->width > MAX_SIZE || image->height > MAX_SIZE)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: is %d x %d pixels; give 1 to %d each way", what->name, (int)image->width, (int)image->height, MAX_SIZE);
-	if (image->width != width || image->height != height)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: is %d x %d pixels where %d x %d are due; give all images the same size", what->name, (int)image->width, (int)image->height, width, height);
-	if (image->pixel_stride % 4 || image->row_stride % 4 || (image->pixel_stride && image->pixel_stride < 4 * (int64_t)image->channels))
-		return fail(context, ENCRE_ERROR_ARGUMENT, "%s: strides are not whole floats or shorter than a pixel; give bytes, multiples of 4", what->name);
-	return ENCRE_OK;
-}
-
-static plane plane_of(const encre_image *image)
-{
-	return (plane){image->data, (ptrdiff_t)(image->row_stride / 4)};
-}
-
 /* ---- render ---------------------------------------------------------------------------------------------- */
 
 typedef struct work {
@@ -201,42 +159,9 @@ typedef struct work {
 	uint8_t *style;
 } work;
 
-static int32_t check_job(work *w)
+static plane plane_of(const encre_image *image)
 {
-	encre_context *context = w->context;
-	encre_job *job = w->job;
-	int32_t code;
-	for (int i = 0; i < ENCRE_LAYER_COUNT; i++) {
-		if (!job->layers[i].data && layers[i].required)
-			return fail(context, ENCRE_ERROR_ARGUMENT, "%s: this layer is missing and required; render it or name the file that has it", layers[i].name);
-		if (job->layers[i].data && (code = check_image(context, job->layers + i, layers + i, job->layers[0].width, job->layers[0].height)))
-			return code;
-		w->in[i] = with_strides(job->layers[i]);
-	}
-	w->f.width = job->layers[0].width;
-	w->f.height = job->layers[0].height;
-	for (int i = 0; i < ENCRE_OUTPUT_COUNT; i++) {
-		if (job->outputs[i].data && (code = check_image(context, job->outputs + i, outputs + i, w->f.width, w->f.height)))
-			return code;
-		w->out[i] = with_strides(job->outputs[i]);
-	}
-	if (!job->params || job->n_styles < 1 || job->n_styles > MAX_STYLES)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "params: %d styles; give 1 to %d parameter blocks", (int)job->n_styles, MAX_STYLES);
-	char text[400];
-	for (int i = 0; i < job->n_styles; i++) {
-		const char *e = encre_params_check((const encre_params *)job->params + i, text, sizeof text);
-		if (e && i)
-			return fail(context, ENCRE_ERROR_ARGUMENT, "style %d: %s", i, e);
-		if (e)
-			return fail(context, ENCRE_ERROR_ARGUMENT, "%s", e);
-	}
-	const encre_frame *p = &job->frame;
-	if (p->width < 1 || p->height < 1 || p->x < 0 || p->y < 0 || p->x > p->width - w->f.width || p->y > p->height - w->f.height)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "frame: %d x %d pixels at %d, %d do not lie in a frame of %d x %d; give the full frame and the place of the images in it",
-			    w->f.width, w->f.height, (int)p->x, (int)p->y, (int)p->width, (int)p->height);
-	if (job->camera.orthographic && !(job->camera.height > 0 && job->camera.height <= FLT_MAX))
-		return fail(context, ENCRE_ERROR_ARGUMENT, "camera: an orthographic height of %g; give the frame's height in scene units", (double)job->camera.height);
-	return ENCRE_OK;
+	return (plane){image->data, (ptrdiff_t)(image->row_stride / 4)};
 }
 
 /* Counts what is not finite and finds which layers must be copied. */
@@ -335,10 +260,12 @@ int32_t encre_render(encre_context *context, encre_job *job)
 {
 	context->error[0] = 0;
 	work w = {.context = context, .job = job};
-	int32_t code = check_job(&w);
+	int32_t code = check_job(job, w.in, w.out, context->error, sizeof context->error);
 	if (code)
 		return code;
 	frame *f = &w.f;
+	f->width = w.in[0].width;
+	f->height = w.in[0].height;
 	f->camera = job->camera;
 	f->place = job->frame;
 	f->params = job->params;
@@ -379,69 +306,27 @@ int32_t encre_render(encre_context *context, encre_job *job)
 int32_t encre_raster(encre_context *context, encre_raster_job *job)
 {
 	context->error[0] = 0;
-	const encre_layer_description what[] = {
-		{"depth", "", 1, 0}, {"normal", "", 3, 0}, {"object", "", 1, 0}, {"material", "", 1, 0}, {"style", "", 1, 0},
-		{"attributes", "", job->n_channels, 0}, {"marks", "", 2, 0},
-	};
-	encre_image *images[] = {&job->depth, &job->normal, &job->object, &job->material, &job->style, &job->attributes, &job->marks};
-	const encre_image *first = NULL;
-	encre_raster_job clean = *job;
-	encre_image *clean_images[] = {&clean.depth, &clean.normal, &clean.object, &clean.material, &clean.style, &clean.attributes, &clean.marks};
-	if (job->n_channels < 0 || job->n_channels > ENCRE_MAX_CHANNELS)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "attributes: %d channels; give 0 to %d", (int)job->n_channels, ENCRE_MAX_CHANNELS);
-	for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
-		if (!images[i]->data)
-			continue;
-		if (!first)
-			first = images[i];
-		int32_t code = check_image(context, images[i], what + i, first->width, first->height);
-		if (code)
-			return code;
-		*clean_images[i] = with_strides(*images[i]);
-	}
-	if (!first)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "raster: no output is given; give at least one image to draw into");
+	encre_raster_job clean;
+	int32_t code = check_raster(job, &clean, context->error, sizeof context->error);
+	if (code)
+		return code;
 	rows *pool = pool_of(context);
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
 	rows_progress(pool, job->progress, job->user);
-	int32_t code = raster_run(pool, &clean, context->error, sizeof context->error);
+	code = raster_run(pool, &clean, context->error, sizeof context->error);
 	return context->error[0] ? code : fail_code(context, code);
 }
 
 /* ---- bake ------------------------------------------------------------------------------------------------ */
 
-static int32_t check_bake(encre_context *context, const encre_bake_job *job)
-{
-	int width = job->texture.width, height = job->texture.height, channels = job->texture.channels;
-	if (!job->texture.data || channels < 3 || channels > 4)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "texture: has %d channels; give 3 or 4", job->texture.data ? channels : 0);
-	if (width < 1 || height < 1 || width > ENCRE_MAX_TEXELS || height > ENCRE_MAX_TEXELS)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "texture: is %d x %d texels; give 1 to %d each way", width, height, ENCRE_MAX_TEXELS);
-	const encre_layer_description what[] = {{"texture", "", channels, 1}, {"form", "", 3, 0}, {"output", "", channels, 0}};
-	const encre_image *images[] = {&job->texture, &job->form, &job->output};
-	for (int i = 0; i < 3; i++) {
-		int32_t code = images[i]->data ? check_image(context, images[i], what + i, width, height) : ENCRE_OK;
-		if (code)
-			return code;
-	}
-	if (!job->params)
-		return fail(context, ENCRE_ERROR_ARGUMENT, "params: are missing; give a parameter block");
-	char text[400];
-	const char *e = encre_params_check(job->params, text, sizeof text);
-	return e ? fail(context, ENCRE_ERROR_ARGUMENT, "%s", e) : ENCRE_OK;
-}
-
 int32_t encre_bake(encre_context *context, encre_bake_job *job)
 {
 	context->error[0] = 0;
-	int32_t code = check_bake(context, job);
+	encre_bake_job clean;
+	int32_t code = check_bake(job, &clean, context->error, sizeof context->error);
 	if (code)
 		return code;
-	encre_bake_job clean = *job;
-	clean.texture = with_strides(job->texture);
-	clean.form = with_strides(job->form);
-	clean.output = with_strides(job->output);
 	rows *pool = pool_of(context);
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);

@@ -2,11 +2,10 @@
 /* Meshes and camera of a raster job: checked, numbered through, brought onto the screen. All in double: a float of
  * object space, moved to the world and into pixels, would lose what decides pixels at an edge. */
 #include "geometry.h"
+#include "check.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stdio.h>
 
 static bool finite(const double *values, int n)
 {
@@ -14,18 +13,6 @@ static bool finite(const double *values, int n)
 		if (!isfinite(values[i]))
 			return false;
 	return true;
-}
-
-#if defined __GNUC__
-__attribute__((format(printf, 3, 4)))
-#endif
-static int32_t refuse(char *error, size_t size, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(error, size, format, arguments);
-	va_end(arguments);
-	return ENCRE_ERROR_ARGUMENT;
 }
 
 static int corners_of(const encre_mesh *mesh)

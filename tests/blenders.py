@@ -58,7 +58,7 @@ class Shot:
 
 
 def run(blender, case, folder, environment=None):
-    """Runs a case of blender/cases.py, with more environment variables if given."""
+    """Runs a case that blender/cases.py knows, with more environment variables if given."""
     done = subprocess.run([*commands()[blender], "--", case, str(folder)], capture_output=True, text=True,
                           timeout=300, errors="replace",
                           stdin=subprocess.DEVNULL, env={**os.environ, **(environment or {})})

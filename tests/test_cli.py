@@ -15,7 +15,7 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre import cli, composite, core, layers, presets
+from encre import cli, composite, core, layers, metadata, presets
 
 SIZE = 96, 64
 OFF = [f"--set={switch}=off" for switch in layers.SWITCHES]
@@ -136,8 +136,8 @@ def frame_file(tmp_path, scene):
         pictures[name] = pictures[name] * np.float32(0.5)
     camera, frame = core.Camera((0, 1, 0, -1, 0, 0, 0, 0, 1), True, 7.0), core.Frame(400, 300, 30, 20)
     scene_values = {"line_thickness": 20.0, "shade_levels": [(0.4,), (1.0, 0.5, 0.1)]}
-    metadata = layers.metadata(scene_values, STYLES, camera, frame)
-    path = exr.write(tmp_path / "saved.exr", pictures, metadata=metadata)
+    stored = metadata.write(scene_values, STYLES, camera, frame)
+    path = exr.write(tmp_path / "saved.exr", pictures, metadata=stored)
     return path, pictures, camera, frame
 
 
@@ -230,16 +230,16 @@ def test_composite_draws_what_was_rendered_of_a_border(run, tmp_path, scene):
     for name, picture in rendered.items():
         pictures[name][around] = picture
     frame = core.Frame(120, 100, 5, 7)
-    metadata = layers.metadata({}, [("S", {})], core.Camera(), core.Frame(120, 100), (5, 7, *SIZE))
-    path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+    stored = metadata.write({}, [("S", {})], core.Camera(), core.Frame(120, 100), (5, 7, *SIZE))
+    path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)
     assert run("composite", path, "-o", tmp_path / "out.exr")[::2] == (0, "")
     for name, picture in expected(rendered, {}, [{}], frame=frame, outputs=("Combined", *layers.DRAWN)).items():
         drawn_ = exr.picture(tmp_path / "out.exr", f"ViewLayer.{name}")
         assert np.array_equal(drawn_[around], picture), name
         drawn_[around] = 0
         assert not drawn_.any(), name
-    metadata = layers.metadata({}, [], core.Camera(), core.Frame(120, 100), (5, 7, 116, 3))
-    path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+    stored = metadata.write({}, [], core.Camera(), core.Frame(120, 100), (5, 7, 116, 3))
+    path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)
     fails(run("composite", path, "-o", tmp_path / "x.exr"), "encre.border")
 
 
@@ -288,22 +288,22 @@ def test_composite_counts_what_is_not_finite(run, tmp_path, scene):
 
 def test_composite_says_what_metadata_are_missing(run, tmp_path, scene):
     pictures = {**exr.passes(scene), **exr.saved(scene)}
-    for missing in layers.PARAMS, layers.FRAME, layers.CAMERA:
-        metadata = layers.metadata({}, [], core.Camera(), core.Frame(*SIZE))
-        del metadata[missing]
-        path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+    for missing in metadata.PARAMS, metadata.FRAME, metadata.CAMERA:
+        stored = metadata.write({}, [], core.Camera(), core.Frame(*SIZE))
+        del stored[missing]
+        path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)
         status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
-        assert status == 0 and err.count("\n") == 1 + (missing == layers.CAMERA) and err.startswith("encre: note: ")
+        assert status == 0 and err.count("\n") == 1 + (missing == metadata.CAMERA) and err.startswith("encre: note: ")
 
 
 def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, scene):
     pictures = {**exr.passes(scene), **exr.saved(scene)}
     pictures["Encre Index"] = np.zeros_like(pictures["Encre Index"])
     seen = {name: pictures.pop(name) for name in ("Denoising Albedo", "Denoising Normal", "Encre Seen Depth")}
-    metadata = layers.metadata({}, [], core.Camera(), core.Frame(*SIZE))
+    stored = metadata.write({}, [], core.Camera(), core.Frame(*SIZE))
 
     def said(*args):
-        path = exr.write(tmp_path / "in.exr", pictures, metadata=metadata)
+        path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)
         status, _, err = run("composite", path, "-o", tmp_path / "out.exr", *args)
         assert status == 0
         return err
@@ -317,7 +317,7 @@ def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, sce
     assert said("--set=use_lines=off", "--set=use_smudging=off") == ""
     pictures.update(seen)
     assert "edge_seen" not in said()
-    del metadata[layers.CAMERA]  # whose normals they are is not known
+    del stored[metadata.CAMERA]  # whose normals they are is not known
     assert "edge_seen" in said()
 
 
@@ -395,10 +395,10 @@ def test_composite_refuses_names_that_are_not_utf8(tmp_path, scene):
 
 
 @pytest.mark.parametrize(("key", "text"), [
-    (layers.PARAMS, "{"), (layers.PARAMS, "[]"), (layers.PARAMS, '{"version": 9, "scene": {}, "styles": []}'),
-    (layers.PARAMS, '{"version": 1, "scene": {"line_thickness": "wide"}, "styles": []}'),
-    (layers.FRAME, '{"width": 10, "height": 10, "x": 0, "y": 0}'), (layers.FRAME, '{"width": 0}'),
-    (layers.CAMERA, '{"orthographic": true, "height": 0, "view": [1, 0, 0]}'),
+    (metadata.PARAMS, "{"), (metadata.PARAMS, "[]"), (metadata.PARAMS, '{"version": 9, "scene": {}, "styles": []}'),
+    (metadata.PARAMS, '{"version": 1, "scene": {"line_thickness": "wide"}, "styles": []}'),
+    (metadata.FRAME, '{"width": 10, "height": 10, "x": 0, "y": 0}'), (metadata.FRAME, '{"width": 0}'),
+    (metadata.CAMERA, '{"orthographic": true, "height": 0, "view": [1, 0, 0]}'),
 ])
 def test_composite_refuses_metadata(run, tmp_path, scene, key, text):
     path = exr.write(tmp_path / "in.exr", exr.passes(scene), metadata={key: text})
@@ -407,7 +407,7 @@ def test_composite_refuses_metadata(run, tmp_path, scene, key, text):
 
 def test_composite_warns_of_unknown_ids_in_metadata(run, tmp_path, scene):
     said = json.dumps({"version": 1, "scene": {"line_glitter": 1}, "styles": []})
-    path = exr.write(tmp_path / "in.exr", exr.passes(scene), metadata={layers.PARAMS: said})
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene), metadata={metadata.PARAMS: said})
     status, _, err = run("composite", path, "-o", tmp_path / "x.exr")
     assert status == 0 and "warning" in err and "line_glitter" in err
 

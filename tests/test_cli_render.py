@@ -16,7 +16,7 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre import core, images, layers, render
+from encre import core, images, layers, metadata, render
 
 CUBE = '''
 import bpy
@@ -118,7 +118,7 @@ def test_settings_reach_the_engine(cube, tmp_path):
     first, second = tmp_path / "a.exr", tmp_path / "b.exr"
     works(encre("render", cube, "-o", first, "--preset", "Ink only", "--set", "line_color=1,0,0",
                 "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0", "--samples", "3"))
-    settings = layers.read_metadata(exr.metadata(first))
+    settings = metadata.read(exr.metadata(first))
     assert settings.scene["line_color"] == (1, 0, 0) and settings.scene["surface"] == "PAPER"
     assert settings.scene["shade_levels"][1] == pytest.approx((1, 0.5, 0.1, 1, 0, 0))
     assert exr.metadata(first)["cycles.ViewLayer.samples"] == "3"
@@ -134,7 +134,7 @@ def test_set_wins_over_keyframes(tmp_path):
                             'scene.encre.driver_add("paper_seed").driver.expression = "7"\n')
     for options, thickness, seed in (([], 9, 7), (["--set", "line_thickness=31", "--set", "paper_seed=2"], 31, 2)):
         works(encre("render", path, "-o", tmp_path / "out.exr", *options))
-        settings = layers.read_metadata(exr.metadata(tmp_path / "out.exr"))
+        settings = metadata.read(exr.metadata(tmp_path / "out.exr"))
         assert (settings.scene["line_thickness"], settings.scene["paper_seed"]) == (thickness, seed)
 
 
@@ -174,7 +174,7 @@ def test_blend_file(tmp_path):
     works(encre("render", path, "-o", tmp_path / "a.exr"))
     before = blend.read_bytes()
     assert works(encre("render", blend, "-o", tmp_path / "b.exr")).startswith("frame 7 ")
-    assert layers.read_metadata(exr.metadata(tmp_path / "b.exr")).scene["line_thickness"] == 21
+    assert metadata.read(exr.metadata(tmp_path / "b.exr")).scene["line_thickness"] == 21
     assert blend.read_bytes() == before
 
 
@@ -279,6 +279,21 @@ def test_interrupt(cube, tmp_path, number):
     assert child.returncode == 130 and err == "encre: interrupted\n" and left(tmp_path) == []
     running = b"".join(path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline"))
     assert bytes(tmp_path) not in running, "Blender runs on"
+
+
+@pytest.mark.parametrize("options, number", [(("--size", "64x36"), None), (("--size", "1280x720"), signal.SIGTERM)])
+def test_nothing_stays_among_the_temporary_files(cube, tmp_path, options, number):
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    child = subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png", *options],
+                             stderr=subprocess.PIPE, text=True, env={**os.environ, "TMPDIR": str(temporary)})
+    if number:
+        deadline = time.monotonic() + 60
+        while not list(temporary.glob("*/blender_*")) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        child.send_signal(number)
+    err = child.communicate(timeout=60)[1]
+    assert child.returncode == (130 if number else 0) and left(temporary) == [], err
 
 
 def test_bar_on_a_terminal(cube, tmp_path):

@@ -7,7 +7,7 @@ from pathlib import Path
 import blenders
 import numpy as np
 import pytest
-from encre import core, images, layers
+from encre import core, images, layers, metadata
 from encre.composite import composite
 
 
@@ -38,7 +38,7 @@ def test_picture(render):
     assert len(np.unique(found["Encre Index"][..., 0])) == 4
     assert shot.facts["pass_index"][0].count(7) == 1
     # The same from what the file holds.
-    settings = layers.read_metadata(shot.metadata("picture"))
+    settings = metadata.read(shot.metadata("picture"))
     images, nonfinite = layers.assemble(found, settings.scene, [v for _, v in settings.styles])
     again = core.render(images, settings.scene, camera=settings.camera, frame=settings.frame,
                         outputs=("Combined", *layers.DRAWN))
@@ -67,7 +67,7 @@ def test_view_layers(render):
 def test_border(render):
     shot = render("border")
     full, crop, border = (shot.passes(name)["Combined"] for name in ("full", "crop", "border"))
-    frame = layers.read_metadata(shot.metadata("crop")).frame
+    frame = metadata.read(shot.metadata("crop")).frame
     assert (frame.width, frame.height) == (320, 240) and frame.x == 35
     height, width = crop.shape[:2]
     assert height < 240 and width < 320
@@ -77,7 +77,7 @@ def test_border(render):
     assert np.abs(crop[inner] - same).max() < 1e-5
     assert border.shape == full.shape
     assert np.array_equal(border[frame.y:frame.y + height, frame.x:frame.x + width], crop)
-    placed = layers.read_metadata(shot.metadata("border")).frame
+    placed = metadata.read(shot.metadata("border")).frame
     assert (placed.width, placed.height, placed.x, placed.y) == (320, 240, 0, 0)
     for name in "border", "crop":
         again = shot.folder / f"{name}_again.exr"
@@ -213,7 +213,9 @@ def test_lines_by_hand(render):
                ("whole", "parts", "parts-pass", "attribute", "pieces", "separate")}
     count = {name: len(np.unique(index)) for name, index in numbers.items()}
     assert count == {"whole": 4, "parts": 6, "parts-pass": 3, "attribute": 5, "pieces": 4, "separate": 5}
-    assert shot.facts["mark"] == [["FINISHED"]] * 3 and shot.facts["parts"] == [[0, 1, 2]]
+    finished, cancelled = ["FINISHED"], ["CANCELLED"]  # without a selected face
+    assert shot.facts["mark"] == [finished, finished, cancelled, finished, finished]
+    assert shot.facts["parts"] == [[0, 1, 2]] and shot.facts["next"] == [3]
     assert shot.facts["refused"][0].startswith("Error: Ball: its attribute encre_part holds no whole numbers of faces;")
     ink = {name: shot.passes(name)["Encre Lines"][..., 3].sum() for name in numbers}
     for more, less in (("parts", "whole"), ("attribute", "whole"), ("separate", "pieces")):
@@ -280,7 +282,7 @@ def test_styles(render):
     assert set(np.unique(style)) == {0, 1, 2}
     ball = (style == 2) & (found["Encre Lines"][..., 3] == 0) & (found["Encre Light"][..., 0] >= 0)
     assert ball.sum() > 100
-    settings = layers.read_metadata(shot.metadata("styled"))
+    settings = metadata.read(shot.metadata("styled"))
     assert settings.styles == [("Bare", {"use_lines": False}), ("Flat", {"use_shading": False})]
 
 

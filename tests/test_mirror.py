@@ -7,7 +7,7 @@ import blenders
 import exr
 import numpy as np
 import pytest
-from encre import composite, core, images, layers
+from encre import composite, core, images, layers, metadata
 
 SCENE = Path(__file__).parent / "blender" / "glass.py"
 PEN = dict(edge_detector="FINE", edge_threshold=0.3, edge_color=1.0, line_thickness=2.0, length_unit="PIXELS",
@@ -23,7 +23,7 @@ def rendered(blender, folder, kind, size="480x270", samples=8):
                            "--set", "use_shading=off")
     assert "warning" not in words, words
     with images.Exr(str(frame)) as file:
-        return file.read(composite.view_layers(file.channels)["ViewLayer"][""]), layers.read_metadata(file.metadata)
+        return file.read(composite.view_layers(file.channels)["ViewLayer"][""]), metadata.read(file.metadata)
 
 
 def ink(shot):

@@ -7,7 +7,7 @@ import blenders
 import exr
 import numpy as np
 import pytest
-from encre import composite, core, images, layers
+from encre import composite, core, images, layers, metadata
 
 STREET = Path(__file__).parents[1] / "scenes" / "street.py"
 
@@ -25,7 +25,7 @@ def street(request, tmp_path_factory):
 def saved(street):
     """(layers, settings) of the file."""
     with images.Exr(str(street)) as file:
-        settings = layers.read_metadata(file.metadata)
+        settings = metadata.read(file.metadata)
         passes = file.read(composite.view_layers(file.channels)["ViewLayer"][""])
     return layers.assemble(passes, settings.scene, [])[0], settings
 

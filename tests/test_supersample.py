@@ -4,7 +4,7 @@
 import blenders
 import numpy as np
 import pytest
-from encre import core, images, layers, supersample
+from encre import core, images, metadata, supersample
 from encre.composite import composite
 
 
@@ -43,14 +43,14 @@ def test_what_is_saved(render):
         assert np.percentile(np.abs(one["Depth"] - two["Depth"])[near], 90) < 0.2
     assert set(np.unique(shot.passes("two")["IndexOB"])) == {0, 7}
     assert 1e-5 < np.abs(shot.passes("one")["Mist"] - shot.passes("two")["Mist"]).mean() < 0.02
-    frame = layers.read_metadata(shot.metadata("two")).frame
+    frame = metadata.read(shot.metadata("two")).frame
     assert (frame.width, frame.height) == (160, 90)
 
 
 def test_border(render):
     shot = render("supersampled")
     full, crop, border = (shot.passes(name)["Combined"] for name in ("full", "crop", "border"))
-    frame = layers.read_metadata(shot.metadata("crop")).frame
+    frame = metadata.read(shot.metadata("crop")).frame
     assert (frame.width, frame.height) == (160, 90) and frame.x == 17
     height, width = crop.shape[:2]
     inner = np.s_[24:height - 24, 32:width - 32]

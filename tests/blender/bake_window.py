@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 sys.path.append(os.path.dirname(os.path.abspath(__file__)))
-import cases  # noqa: E402
+import studio  # noqa: E402
 import window  # noqa: E402
 
 IMAGES, SIDE = 6, 512  # enough that Esc comes before the end
@@ -27,7 +27,7 @@ def shown():
 
 def build():
     """The default cube with a material for each of several images."""
-    cases.register()
+    studio.register()
     bpy.context.scene.render.engine = "ENCRE"
     cube = bpy.data.objects["Cube"]
     cube.data.materials.clear()
@@ -71,12 +71,12 @@ def bake():
         yield
         if shown()[-1].endswith("lines"):
             break
-    cases.fact("baked", shown())
+    studio.fact("baked", shown())
     yield
     with window.override("VIEW_3D"):
         bpy.ops.ed.undo()
     yield
-    cases.fact("undone", shown())
+    studio.fact("undone", shown())
 
 
 def cancel():
@@ -86,8 +86,8 @@ def cancel():
     press("ESC")
     for _ in range(10):
         yield
-    cases.fact("cancelled", shown())
-    cases.fact("left over", running())
+    studio.fact("cancelled", shown())
+    studio.fact("left over", running())
 
 
 def steps():

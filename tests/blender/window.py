@@ -12,7 +12,7 @@ import traceback
 import bpy
 
 sys.path.append(os.path.dirname(os.path.abspath(__file__)))
-import cases  # noqa: E402
+import studio  # noqa: E402
 
 FOLDER = sys.argv[-1]
 
@@ -38,7 +38,7 @@ def screenshot(name):
 
 def choose():
     """The default scene with a finer cube; Encre from the dropdown."""
-    cases.register()
+    studio.register()
     scene = bpy.context.scene
     cube = bpy.data.objects["Cube"]
     cube.modifiers.new("Subdivision", "SUBSURF").subdivision_type = "SIMPLE"
@@ -54,31 +54,31 @@ def choose():
 def panels():
     with override("PROPERTIES"):
         ours = {name: getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("ENCRE_PT_")}
-        cases.fact("panels", [name for name, panel in ours.items()
+        studio.fact("panels", [name for name, panel in ours.items()
                               if getattr(panel, "bl_context", "") == "render" and panel.poll(bpy.context)])
         every = [p for p in cases_panels() if "CYCLES" in getattr(p, "COMPAT_ENGINES", ())]
-        cases.fact("cycles panels without Encre", [p.__name__ for p in every if "ENCRE" not in p.COMPAT_ENGINES])
-        cases.fact("cycles panels", len(every))
+        studio.fact("cycles panels without Encre", [p.__name__ for p in every if "ENCRE" not in p.COMPAT_ENGINES])
+        studio.fact("cycles panels", len(every))
         bpy.context.scene.cycles.feature_set = "EXPERIMENTAL"
         cycles, encre = shown(every, "CYCLES"), shown(every, "ENCRE")
-        cases.fact("shown with Cycles", len(cycles))
-        cases.fact("not with Encre", sorted(cycles - encre))
+        studio.fact("shown with Cycles", len(cycles))
+        studio.fact("not with Encre", sorted(cycles - encre))
         bpy.context.scene.cycles.feature_set = "SUPPORTED"
         import nodeitems_builtins as old
         menu = sys.modules.get("bl_ui.node_add_menu_shader", old)
         poll = getattr(menu, "cycles_shader_nodes_poll", None) or old.cycles_shader_nodes_poll
-        cases.fact("shader nodes", bool(poll(bpy.context)))
-        cases.fact("view transform", bpy.context.scene.view_settings.view_transform)
-        cases.fact("preset", list(bpy.ops.encre.preset(preset="ink_only")))
-        cases.fact("thickness", bpy.context.scene.encre.line_thickness)
+        studio.fact("shader nodes", bool(poll(bpy.context)))
+        studio.fact("view transform", bpy.context.scene.view_settings.view_transform)
+        studio.fact("preset", list(bpy.ops.encre.preset(preset="ink_only")))
+        studio.fact("thickness", bpy.context.scene.encre.line_thickness)
         bpy.ops.encre.preset(preset="water_memory")
         bpy.ops.encre.level_add()
-        cases.fact("levels", len(bpy.context.scene.encre.shade_levels))
+        studio.fact("levels", len(bpy.context.scene.encre.shade_levels))
         bpy.ops.encre.level_remove()
         bpy.ops.encre.style_add()
         bpy.ops.encre.style_store(param="line_thickness")
         bpy.ops.encre.standard_view()
-        cases.fact("new view transform", bpy.context.scene.view_settings.view_transform)
+        studio.fact("new view transform", bpy.context.scene.view_settings.view_transform)
 
 
 def shown(panels, engine):
@@ -111,7 +111,8 @@ def edit_mode():
     """The panel of Edit Mode, as a pop-up: no script can open its tab in the sidebar of 3.4."""
     with override("VIEW_3D"):
         bpy.ops.object.mode_set(mode="EDIT")
-        cases.fact("mark", list(bpy.ops.encre.mark_part(clear=True)))
+        bpy.ops.mesh.select_all(action="SELECT")
+        studio.fact("mark", list(bpy.ops.encre.mark_part(clear=True)))
         bpy.ops.wm.call_panel(name="ENCRE_PT_marks")
     yield
     screenshot("edit")
@@ -125,10 +126,10 @@ def edit_mode():
 def paint_mode():
     with override("VIEW_3D"):
         bpy.context.space_data.show_region_ui = True
-        cases.fact("paint", list(bpy.ops.encre.paint(control="thickness")))
-    cases.fact("mode", bpy.context.object.mode)
+        studio.fact("paint", list(bpy.ops.encre.paint(control="thickness")))
+    studio.fact("mode", bpy.context.object.mode)
     values = painted()
-    cases.fact("neutral", [min(values), max(values)])
+    studio.fact("neutral", [min(values), max(values)])
     with override("VIEW_3D"):
         bpy.ops.encre.brush(value=1.0)
 
@@ -153,7 +154,7 @@ def stroke():
     window().event_simulate(type="LEFTMOUSE", value="RELEASE", x=xs[-1], y=y)
     yield
     values = painted()
-    cases.fact("painted", [sum(v > 200 for v in values), sum(v == 128 for v in values), len(values)])
+    studio.fact("painted", [sum(v > 200 for v in values), sum(v == 128 for v in values), len(values)])
     screenshot("paint")
 
 
@@ -196,7 +197,7 @@ def run(todo):
     try:
         next(todo)
     except StopIteration:
-        cases.fact("finished", True)
+        studio.fact("finished", True)
         sys.stdout.flush()
         os._exit(0)
     except BaseException:

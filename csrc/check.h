@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The checks of jobs. They return ENCRE_OK, or ENCRE_ERROR_ARGUMENT and one sentence in error[size]. */
+#ifndef ENCRE_CHECK_H
+#define ENCRE_CHECK_H
+
+#include "encre.h"
+
+#include <stddef.h>
+
+#if defined __GNUC__
+__attribute__((format(printf, 3, 4)))
+#endif
+int32_t refuse(char *error, size_t size, const char *format, ...);
+
+/* Images, parameters, frame and camera. `in` and `out` get the job's images with strides filled in. */
+int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre_image out[ENCRE_OUTPUT_COUNT], char *error, size_t size);
+/* Images alone: meshes, matrices and the frame are geometry_check()'s. `clean` gets the job with strides filled in. */
+int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char *error, size_t size);
+/* Likewise, and the parameters. */
+int32_t check_bake(const encre_bake_job *job, encre_bake_job *clean, char *error, size_t size);
+
+#endif

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What can't be rendered, what goes wrong half-way, and what is left afterwards."""
+
+import os
+import time
+
+import bpy
+from studio import fact, register, set_all, shoot, stage
+
+
+def sessions(out):
+    """How many of Cycles' sessions, with all their memory, are made and freed: by renders, and by one refused."""
+    import _cycles
+
+    scene, made, freed = stage(), [], []
+    create, free = _cycles.create, _cycles.free
+    _cycles.create = lambda *args: made.append(1) or create(*args)
+    _cycles.free = lambda *args: freed.append(1) or free(*args)
+    for name in "first", "second":
+        shoot(out, name)
+    scene.camera.data.type = "PANO"
+    shoot(out, "refused")
+    fact("made", len(made))
+    fact("freed", len(freed))
+
+
+def refused(out):
+    """What can't be rendered: the sentences, and that no file appears."""
+    scene = stage()
+    cam = scene.camera
+    cam.data.type = "PANO"
+    fact("panoramic", shoot(out, "panoramic"))
+    set_all(scene, False)
+    fact("panoramic off", shoot(out, "panoramic-off"))
+    set_all(scene, True)
+    cam.data.type = "PERSP"
+    scene.camera = None
+    fact("no camera", shoot(out, "no-camera"))
+    scene.camera = cam
+    level = scene.encre.shade_levels
+    for threshold in (None, 0.5, 0.51):
+        row = level.add()
+        if threshold:
+            row.threshold, row.transition = threshold, 0.2
+    fact("levels", shoot(out, "levels"))
+    level.clear()
+    scene.encre.paper_source = "IMAGE"
+    fact("no paper", shoot(out, "no-paper"))
+    image = bpy.data.images.new("Lost", 4, 4)
+    image.source, image.filepath = "FILE", os.path.join(out, "lost.png")
+    scene.encre.paper_image = image
+    fact("lost paper", shoot(out, "lost-paper"))
+
+
+def fails(out):
+    """Something goes wrong after Cycles: no file either."""
+    stage()
+    from encre import core, frame
+
+    def fail(*_args, **_more):
+        raise core.EncreError("the denoiser failed; switch it off")
+
+    frame.core.render = fail
+    fact("late", shoot(out, "late"))
+
+    def exhaust(*_args, **_more):
+        raise MemoryError
+
+    frame.core.render = exhaust
+    fact("memory", shoot(out, "memory"))
+
+
+def without_library(out):
+    """ENCRE_PACKAGE is a package without its library."""
+    bpy.ops.wm.read_factory_settings()
+    register()
+    bpy.context.scene.render.engine = "ENCRE"
+    fact("missing", shoot(out, "missing"))
+
+
+def no_library(out):
+    stage()
+    from encre import core
+
+    core.library.cache_clear()
+    there = core.LIBRARY
+    core.LIBRARY = "missing.so"
+    fact("missing", shoot(out, "missing"))
+    core.library.cache_clear()
+    core.LIBRARY, core.API_VERSION = there, 99
+    fact("version", shoot(out, "version"))
+
+
+def nonfinite(out):
+    stage()
+    mesh = bpy.data.objects["Cube"].data
+    attribute = mesh.attributes.new("encre_intensity", "FLOAT", "POINT")
+    for item in attribute.data:
+        item.value = float("nan")
+    fact("error", shoot(out, "nonfinite"))
+
+
+def freestyle(out):
+    scene = stage()
+    scene.render.use_freestyle = True
+    sets = scene.view_layers[0].freestyle_settings.linesets
+    for strokes in list(sets) or [sets.new("Set")]:
+        strokes.linestyle = strokes.linestyle or bpy.data.linestyles.new("Style")
+    fact("error", shoot(out, "freestyle"))
+
+
+def cancelled(out):
+    """A break that comes while the stages run."""
+    stage()
+    from encre import frame
+
+    real, times = frame.core.render, {}
+    frame.Frames._go_on = lambda *_: not times  # Blender finds its own test_break before the class's
+
+    def slow(*args, progress=None, **more):
+        times["start"] = time.perf_counter()
+        try:
+            return real(*args, progress=progress, **more)
+        finally:
+            times["end"] = time.perf_counter()
+
+    frame.core.render = slow
+    fact("error", shoot(out, "cancelled"))
+    fact("seconds", times["end"] - times["start"])
+
+
+def interrupted(out):
+    """A real interrupt, which Blender's program takes as a cancelled render."""
+    import subprocess
+
+    scene = stage(samples=4000)
+    scene.cycles.use_adaptive_sampling = False
+    subprocess.Popen(["sh", "-c", f"sleep 2; kill -INT {os.getpid()}"])
+    from encre import engine
+
+    finish = engine.EncreEngine.render_frame_finish
+
+    def timed(self):
+        start = time.perf_counter()
+        finish(self)
+        fact("finish", time.perf_counter() - start)
+
+    engine.EncreEngine.render_frame_finish = timed
+    fact("error", shoot(out, "interrupted"))

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a file's metadata say, written and read."""
+
+import json
+
+import pytest
+from encre import core, metadata
+
+
+def test_round_trip():
+    scene = core.check({**core.defaults(), "line_thickness": 3.5, "shade_tint": (0.1, 0.2, 0.3),
+                        "shade_levels": [(0.4,), (0.7, 0.5, 0.025, 1, 0.5, 0)], "paper_image": "/some/paper.png"})
+    styles = [("Skin", {"line_thickness": 2.0}), ("Cloth", {"use_lines": False})]
+    camera = core.Camera((0, 1, 0, 0, 0, 1, 1, 0, 0), True, 4.5)
+    written = metadata.write(scene, styles, camera, core.Frame(1920, 1080, 100, 50))
+    said = {key: json.loads(text) for key, text in written.items()}
+    assert said["encre.params"]["version"] == 1
+    assert said["encre.params"]["scene"]["shade_levels"] == [[0.4], [0.7, 0.5, 0.025, 1, 0.5, 0]]
+    assert said["encre.frame"] == {"width": 1920, "height": 1080, "x": 100, "y": 50}
+    assert said["encre.camera"] == {"orthographic": True, "height": 4.5, "view": [0, 1, 0, 0, 0, 1, 1, 0, 0]}
+    read = metadata.read({**written, "Software": "another"})
+    assert core.check(read.scene) == scene and read.styles == styles and read.camera == camera
+    assert read.frame == core.Frame(1920, 1080, 100, 50) and read.border is None and not read.warnings
+    written = metadata.write(scene, styles, camera, core.Frame(1920, 1080), (100, 50, 300, 200))
+    assert metadata.read(written).border == (100, 50, 300, 200)
+
+
+def test_stand_alone():
+    read = metadata.read({})
+    assert read.scene is read.camera is read.frame is None and read.styles == []
+    read = metadata.read({"encre.params": '{"version": 1, "scene": {"edge_threshold": 0.25, "edge_magic": 1}}'})
+    assert read.scene == {"edge_threshold": 0.25} and read.frame is None
+    assert len(read.warnings) == 1 and "edge_magic" in read.warnings[0]
+
+
+@pytest.mark.parametrize(("key", "text"), [
+    ("encre.params", "{"), ("encre.params", "[]"), ("encre.params", "{}"), ("encre.params", '{"version": 2}'),
+    ("encre.params", '{"version": 1, "scene": {"line_thickness": -1}}'),
+    ("encre.params", '{"version": 1, "scene": []}'), ("encre.params", '{"version": 1, "styles": [{}]}'),
+    ("encre.params", '{"version": 1, "scene": {"surface": "GOLD"}}'), ("encre.params", "[" * 100000),
+    ("encre.frame", '{"width": 0, "height": 2, "x": 0, "y": 0}'), ("encre.frame", '{"width": 2.5}'),
+    ("encre.frame", "null"), ("encre.camera", '{"orthographic": true, "height": 0, "view": [1,0,0,0,1,0,0,0,1]}'),
+    ("encre.camera", '{"orthographic": 1, "height": 1, "view": [1,0,0,0,1,0,0,0,1]}'),
+    ("encre.camera", '{"orthographic": true, "height": 1, "view": [1, 2]}'),
+    ("encre.camera", '{"orthographic": true, "height": 1, "view": [NaN,0,0,0,1,0,0,0,1]}'),
+    ("encre.border", '{"x": 1, "y": -1, "width": 2, "height": 2}'), ("encre.border", '{"x": 1, "y": 1, "width": 2}'),
+])
+def test_that_make_no_sense(key, text):
+    with pytest.raises(core.EncreError, match=f"metadata {key}"):
+        metadata.read({key: text})
