@@ -24,8 +24,8 @@ from setuptools.command.build_ext import build_ext
 
 NAME = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 # Files without stages are compiled once, stages once per instruction set (csrc/stage.h).
-PLAIN = ("arena.c", "check.c", "clean.c", "encre.c", "geometry.c", "outline.c", "params.c", "raster.c", "rows.c",
-         "segment.c")
+PLAIN = ("arena.c", "check.c", "clean.c", "contours.c", "encre.c", "geometry.c", "outline.c", "params.c", "raster.c",
+         "rows.c", "segment.c")
 # No option that lets the compiler change a result: every build gives the same bits.
 FLAGS = shlex.split("-std=c11 -D_POSIX_C_SOURCE=200809L -fPIC -fvisibility=hidden -pthread -Wall -Wextra -Wpedantic "
                     "-fno-math-errno -fno-trapping-math -ffp-contract=off")

@@ -15,7 +15,7 @@ import numpy as np
 from .data import Baked, Camera, Frame, Mesh, Result, entries, picture
 from .table import MAX_LEVELS, EncreError, Param, Stage, normal, read, stage, text_of, unknown
 
-API_VERSION = 4
+API_VERSION = 5
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
 
@@ -80,7 +80,7 @@ class _Mesh(c.Structure):
                 ("reserved", c.c_int32), ("object", c.c_void_p)]
 
 
-_KINDS = {"triangles": 3, "lines": 2, "seams": 2}  # corners of a primitive, in the order of enum encre_primitive
+_KINDS = {"triangles": 3, "lines": 2}  # corners of a primitive, in the order of enum encre_primitive
 _RASTER_OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes")
 
 

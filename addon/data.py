@@ -31,7 +31,7 @@ class Frame:
 @dataclass
 class Mesh:
     """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels); numbers of
-    `object`, `material` and `style` (t,) or one for all. Of kind `lines` or `seams`: points and corners (t, 2) alone.
+    `object`, `material` and `style` (t,) or one for all. Of kind `lines`: points and corners (t, 2) alone.
     """
 
     points: np.ndarray

@@ -97,10 +97,9 @@ def extract(depsgraph, automatic, line_numbers):
         numbers.append(_line_number(instance, obj, automatic, line_numbers, running, parts[0]))
         numbers += [own if automatic else -own for own in parts[1:]]  # negative: no pass index is
         meshes.append(_mesh(triangles, obj, materials, instance.matrix_world, number))
-        for kind, edges in (("lines", triangles.marked), ("seams", triangles.seams)):
-            if len(edges):
-                meshes.append(core.Mesh(triangles.points, edges, kind=kind,
-                                        model=np.array(instance.matrix_world, np.float64)))
+        if len(triangles.marked):
+            meshes.append(core.Mesh(triangles.points, triangles.marked, kind="lines",
+                                    model=np.array(instance.matrix_world, np.float64)))
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
                    line_numbers if automatic else None, automatic)
 
@@ -132,7 +131,6 @@ class _Triangles:
     part: np.ndarray | None      # part of each triangle, 0 to n_parts - 1; None: there is one
     n_parts: int
     marked: np.ndarray           # (edges, 2) points of the edges that are marked by hand
-    seams: np.ndarray            # (edges, 2) of those at which parts meet
 
 
 def _triangles(obj):
@@ -171,10 +169,10 @@ def _read(mesh, separate):
         material = None
     corners = vertex[loops]
     part, n_parts = _parts(mesh, corners, face, separate)
-    none, marked = np.empty((0, 2), np.int32), compat.marked_edges(mesh)
+    marked = compat.marked_edges(mesh)
     return _Triangles(points, corners, material, _painted(mesh, loops, corners, face), part, n_parts,
-                      none if marked is None or not marked.any() else _get(mesh.edges, "vertices", np.int32, 2)[marked],
-                      none if part is None else _seams(corners, part))
+                      np.empty((0, 2), np.int32) if marked is None or not marked.any()
+                      else _get(mesh.edges, "vertices", np.int32, 2)[marked])
 
 
 def _triangulate(mesh, points, vertex):
@@ -212,14 +210,6 @@ def _parts(mesh, corners, face, separate):
     piece = islands(len(mesh.vertices), corners)[corners[:, 0]] if separate else np.zeros(len(corners), np.intp)
     found, part = np.unique(np.stack([number, piece], 1), axis=0, return_inverse=True)
     return (part.reshape(-1).astype(np.int32), len(found)) if len(found) > 1 else (None, 1)
-
-
-def _seams(corners, part):
-    """The edges (n, 2) of triangles (t, 3) at which two of different parts meet."""
-    edge = np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]), 1)
-    order = np.lexsort(edge.T)
-    edge, part = edge[order], np.tile(part, 3)[order]
-    return edge[1:][(edge[1:] == edge[:-1]).all(1) & (part[1:] != part[:-1])]
 
 
 def islands(count, corners):

@@ -141,8 +141,9 @@ bool ISA(crack_site)(const fine *n, site *s)
 	float zp = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, y)[x]),
 	      zq = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, qy)[qx]);
 	bool object = (zp == INFINITY) != (zq == INFINITY), material = false;
-	float jump = depth_strength(n, s), drawn = jump > 0 || object ? 0 : ISA(hand_place)(n, s);
-	crack_place(s, drawn > 0 ? drawn : crossing(f, s));
+	float jump = depth_strength(n, s), known = ISA(hand_place)(n, s);
+	/* a line that was drawn where there is a contour as well is not the contour */
+	crack_place(s, known < 0 ? -known : known > 0 && !(jump > 0 || object) ? known : crossing(f, s));
 	int style = fine_style(n, s);
 	if (f->layer[ENCRE_LAYER_OBJECT].data)
 		object |= layer_row(f, ENCRE_LAYER_OBJECT, y)[x] != layer_row(f, ENCRE_LAYER_OBJECT, qy)[qx];

@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 4 };
+enum { ENCRE_API_VERSION = 5 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -58,7 +58,7 @@ enum encre_layer {
 	                                smudge_falloff, hatching (absent: 0) */
 	ENCRE_LAYER_MARKS,        /* 2: where lines that were drawn by hand pass between pixels: on the way from a pixel's
 	                                centre to that of its right, and of its lower neighbour, 0 < place <= 1;
-	                                0 = nowhere; -place: no line, but numbers change there (absent: 0) */
+	                                0 = nowhere; -place: no line, but a contour passes there, if any (absent: 0) */
 	/* What the eye sees: in a mirror the thing mirrored, through clear glass the thing behind it, else the surface
 	   itself; averaged over the pixel. FINE draws lines in it if seen_color and seen_normal are there. */
 	ENCRE_LAYER_SEEN_COLOR,   /* 3: unlit colour */
@@ -205,7 +205,6 @@ ENCRE_API int32_t encre_render(encre_context *context, encre_job *job);
 enum encre_primitive {
 	ENCRE_TRIANGLES = 0, /* 3 corners each */
 	ENCRE_LINES = 1,     /* 2 corners each; only the output `marks` shows them */
-	ENCRE_SEAMS = 2,     /* likewise, negative: where faces of different numbers meet */
 };
 
 /* One mesh. Attributes are interpolated perspective-correctly between corners; lines have none, and no numbers. */
@@ -243,8 +242,10 @@ typedef struct encre_raster_job {
 	encre_image attributes;  /* out, n_channels; 0 = nothing */
 	encre_progress progress; /* may be NULL */
 	void *user;
-	encre_image marks;       /* out, 2: the layer `marks` of what can be seen of the lines; of several that pass
-	                            between the same pixels, the first, seams after lines */
+	encre_image marks;       /* out, 2: the layer `marks` of what can be seen of the lines, of several that pass
+	                            between the same pixels the first; where none does, of the contours of triangles:
+	                            edges, found by the indices of corners, at which a surface ends or turns away or
+	                            numbers change; of several of them the outermost of the surface in front */
 } encre_raster_job;
 
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent

@@ -277,7 +277,7 @@ float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float
 /* marks.c: marks in the cracks of a row where lines drawn by hand pass. */
 void ISA(hand_row)(const fine *n, int y);
 bool ISA(hand_site)(const fine *n, site *s);
-/* Where a line, or a seam, passes between the pixels of a crack: 0 < place <= 1, 0 for nowhere. */
+/* Where a line passes between the pixels of a crack, 0 < place <= 1, or a contour, -place; 0 for nowhere. */
 float ISA(hand_place)(const fine *n, const site *s);
 
 /* thin.c: marks thin things; places their cracks again; marks and places sites between those. */

@@ -22,8 +22,8 @@ static int corners_of(const encre_mesh *mesh)
 
 static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_t size)
 {
-	if (mesh->kind < ENCRE_TRIANGLES || mesh->kind > ENCRE_SEAMS)
-		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES, ENCRE_LINES or ENCRE_SEAMS", number, (int)mesh->kind);
+	if (mesh->kind < ENCRE_TRIANGLES || mesh->kind > ENCRE_LINES)
+		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES or ENCRE_LINES", number, (int)mesh->kind);
 	if (mesh->n_primitives < 0 || mesh->n_points < 0)
 		return refuse(error, size, "mesh %d: %d primitives of %d points; give 0 or more of each", number, (int)mesh->n_primitives, (int)mesh->n_points);
 	if (mesh->n_channels < 0 || mesh->n_channels > ENCRE_MAX_CHANNELS)
@@ -61,8 +61,8 @@ int32_t geometry_check(geometry *g, int width, int height, char *error, size_t s
 			return code;
 		n += job->meshes[i].n_primitives;
 	}
-	if (n >= UINT32_MAX)
-		return refuse(error, size, "meshes: have more than %lld primitives; draw them in several jobs", (long long)UINT32_MAX - 1);
+	if (n > UINT32_MAX / 3)
+		return refuse(error, size, "meshes: have more than %lld primitives; draw them in several jobs", (long long)UINT32_MAX / 3);
 	g->n_primitives = (uint32_t)n;
 	return ENCRE_OK;
 }

@@ -17,7 +17,7 @@ typedef struct part {
 
 typedef struct geometry {
 	const encre_raster_job *job;
-	uint32_t n_primitives; /* of all meshes, at most UINT32_MAX - 1 */
+	uint32_t n_primitives; /* of all meshes, at most UINT32_MAX / 3: their corners are counted, too */
 	int n_parts;
 	part *parts;   /* room for job->n_meshes, the owner's */
 	double eye[4]; /* world space; [3] 0 = the direction towards an eye infinitely far */

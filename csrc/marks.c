@@ -3,7 +3,6 @@
  * searched for. Where contours run they own the line, but marks come before all that the averaged layers show. */
 #include "fine.h"
 
-/* Positive for a line, negative for a seam. */
 static float mark_at(const fine *n, int x, int y, int axis)
 {
 	plane marks = n->f->layer[ENCRE_LAYER_MARKS];
@@ -12,7 +11,8 @@ static float mark_at(const fine *n, int x, int y, int axis)
 
 float ISA(hand_place)(const fine *n, const site *s)
 {
-	return n->f->layer[ENCRE_LAYER_MARKS].data ? clamp01(fabsf(mark_at(n, s->column, s->row, s->axis))) : 0;
+	float place = n->f->layer[ENCRE_LAYER_MARKS].data ? mark_at(n, s->column, s->row, s->axis) : 0;
+	return place < 0 ? -clamp01(-place) : clamp01(place);
 }
 
 bool ISA(hand_site)(const fine *n, site *s)

@@ -4,11 +4,13 @@
  * Primitives are sorted into bands of rows once (counted, summed up, filed), so that every band holds its primitives in
  * the order of the job whatever the threads. A band then finds the nearest primitive of each pixel in a buffer that
  * stays in cache, and only these are shaded: attributes, normals and indices are never computed for what is hidden.
- * Where lines pass is then looked up in the same buffer, which holds one row more for the ways down from the last.
+ * Where lines and contours pass is then looked up in the same buffer, which holds one row more for the ways down from
+ * the last.
  * Primitives are transformed anew where they are needed, in double; that is cheaper than keeping them. Where
  * they lie is geometry.c's, what one covers outline.c's. */
 #include "raster.h"
 
+#include "contours.h"
 #include "geometry.h"
 #include "segment.h"
 
@@ -35,7 +37,7 @@ typedef struct raster {
 	room room;
 	int n_bands, n_chunks;
 	uint32_t chunk; /* primitives in a chunk */
-	int more;       /* rows that a band needs below its own: 1 for lines */
+	int more;       /* rows that a band needs below its own: 1 for marks */
 
 	band_range *range; /* of each primitive */
 	size_t *place;     /* n_chunks x n_bands: how many, then where the next one goes */
@@ -43,6 +45,7 @@ typedef struct raster {
 	float *depth;      /* per thread (BAND + 1) x width */
 	uint32_t *front;   /* likewise: number of the nearest primitive */
 	uint32_t *entry;   /* primitives by band */
+	uint8_t *edges;    /* of each triangle: what contours_find() says; with marks only */
 } raster;
 
 /* False where it covers no pixel of the images. */
@@ -53,32 +56,39 @@ static bool outline_of(const raster *r, const part *part, uint32_t primitive, ou
 	return outline_make(&r->room, c, o);
 }
 
-static bool segment_of(const raster *r, const part *part, uint32_t primitive, segment *s, int *y0, int *y1)
+/* A line, or the edge of a triangle from corner k to the next. */
+static bool segment_of(const raster *r, const part *part, uint32_t primitive, int k, segment *s, int *y0, int *y1)
 {
 	corner c[3];
 	geometry_corners(part, primitive, c);
-	return segment_make(&r->room, c, s, y0, y1);
+	bool line = part->mesh->kind != ENCRE_TRIANGLES;
+	return segment_make(&r->room, (const corner[2]){c[line ? 0 : k], c[line ? 1 : (k + 1) % 3]}, s, y0, y1);
+}
+
+static void widen(int from, int to, int *y0, int *y1)
+{
+	*y0 = from < *y0 ? from : *y0;
+	*y1 = to > *y1 ? to : *y1;
 }
 
 /* Rows of the images, from which on and up to which exclusively, that a primitive is drawn in; false: none. */
 static bool rows_of(const raster *r, const part *part, uint32_t primitive, int *y0, int *y1)
 {
-	if (part->mesh->kind != ENCRE_TRIANGLES) {
-		segment s;
-		if (!r->job->marks.data || !segment_of(r, part, primitive, &s, y0, y1))
-			return false;
-		*y0 -= r->job->frame.y;
-		*y1 -= r->job->frame.y;
-	} else {
-		outline o;
-		if (!outline_of(r, part, primitive, &o))
-			return false;
-		*y0 = o.y0 - r->room.y0 - r->more; /* it is there for the band above as well */
-		*y1 = o.y1 - r->room.y0;
-	}
+	bool line = part->mesh->kind != ENCRE_TRIANGLES;
+	outline o;
+	segment s;
+	int from, to;
+	*y0 = INT32_MAX;
+	*y1 = INT32_MIN;
+	if (!line && outline_of(r, part, primitive, &o)) /* with marks it is there for the band above as well */
+		widen(o.y0 - r->room.y0 - r->more, o.y1 - r->room.y0, y0, y1);
+	for (int k = 0; k < 3 && r->job->marks.data; k++)
+		if (line ? k == 0 : contour_side(r->edges[part->first + primitive], k) != CONTOUR_NONE)
+			if (segment_of(r, part, primitive, k, &s, &from, &to))
+				widen(from - r->job->frame.y, to - r->job->frame.y, y0, y1);
 	*y0 = *y0 > 0 ? *y0 : 0;
 	*y1 = *y1 < r->height ? *y1 : r->height;
-	return true;
+	return *y0 < *y1;
 }
 
 /* ---- sorting into bands ------------------------------------------------------------------------------------ */
@@ -212,29 +222,53 @@ static void shade_row(const raster *r, const band *b, int row)
 	}
 }
 
-/* ---- lines ------------------------------------------------------------------------------------------------- */
+/* ---- marks ------------------------------------------------------------------------------------------------- */
 
 typedef struct marking {
 	const raster *r;
 	const band *b;
-	const part *part; /* of the primitive that was looked at last */
-	bool seam;
+	const part *part;       /* of the primitive that was looked at last */
+	const part *own;        /* whose contour it is; NULL: a line */
+	enum contour_side side; /* of a contour */
+	bool left, down;        /* where it goes on the screen */
 } marking;
 
-/* Whether the surface at a pixel of the band lies in front of a line that passes close by. */
-static bool hides(marking *m, const crossing *c, int x, int y)
+/* What is in front at a pixel, how far a line that passes close by lies behind it, and how far it may and be on it. */
+typedef struct surface_at {
+	const part *part; /* NULL: nothing */
+	double behind, allowed;
+} surface_at;
+
+static surface_at look(marking *m, const crossing *c, int x, int y)
 {
 	const raster *r = m->r;
 	uint32_t number = m->b->front[(size_t)(y - m->b->y0) * (size_t)r->width + (size_t)(x - m->b->x0)];
 	if (number == NOTHING)
-		return false;
+		return (surface_at){.behind = -INFINITY};
 	corner corner[3];
 	double step, pixel = 2 / (fabs(r->job->projection[5]) * r->job->frame.height);
 	m->part = geometry_part(&r->geometry, m->part, number);
 	geometry_corners(m->part, number - m->part->first, corner);
 	double z = outline_depth(corner, c->x + 0.5, c->y + 0.5, &step);
 	pixel *= r->job->projection[14] != 0 ? c->z : 1; /* in scene units, where the line is */
-	return c->z - z > 0.5 * (step + pixel);
+	return (surface_at){m->part, c->z - z, 0.5 * (step + pixel)};
+}
+
+static bool hides(const surface_at *s)
+{
+	return s->behind > s->allowed;
+}
+
+/* Whether a contour bounds what is in front at one of both pixels, before what is there at the other: of contours of the
+ * same surface farther in than `there` it does not. */
+static bool bounds(const marking *m, bool down, float share, float there, const surface_at *p, const surface_at *q)
+{
+	if (m->side == CONTOUR_BOTH)
+		return there == 0 && p->part == m->own && q->part == m->own && !hides(p) && !hides(q);
+	bool first = (m->side == CONTOUR_RIGHT) == (down ? m->left : m->down);
+	const surface_at *own = first ? p : q, *other = first ? q : p;
+	return own->part == m->own && own->behind >= -own->allowed && !hides(other) &&
+	       (there == 0 || (first ? share > -there : share < -there));
 }
 
 static void mark(void *user, const crossing *c)
@@ -245,15 +279,19 @@ static void mark(void *user, const crossing *c)
 	if (x + !c->down >= r->room.x1 || y + c->down >= r->room.y1)
 		return; /* to a pixel outside of the images */
 	float *out = pixel_at(&r->job->marks, x - r->room.x0, y - r->room.y0) + c->down;
-	if (*out > 0 || (*out < 0 && m->seam) || (hides(m, c, x, y) && hides(m, c, x + !c->down, y + c->down)))
+	if (*out > 0)
 		return;
+	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
 	double share = c->share > least_share ? c->share : least_share;
 	share = share < 1 ? share : 1;
-	*out = (float)(m->seam ? -share : share);
+	if (!m->own && !(hides(&p) && hides(&q)))
+		*out = (float)share;
+	else if (m->own && bounds(m, c->down, (float)share, *out, &p, &q))
+		*out = (float)-share;
 }
 
 /* The band's own rows end before `end`. */
-static void mark_lines(const raster *r, int i, const band *b, int end)
+static void mark_band(const raster *r, int i, const band *b, int end)
 {
 	marking m = {.r = r, .b = b};
 	const part *part = NULL;
@@ -261,13 +299,20 @@ static void mark_lines(const raster *r, int i, const band *b, int end)
 	for (int y = 0; y < rows; y++)
 		for (int x = 0; x < r->width; x++)
 			memset(pixel_at(&r->job->marks, x, b->y0 - r->room.y0 + y), 0, 2 * sizeof(float));
-	for (size_t k = r->list[i]; k < r->list[i + 1]; k++) {
+	for (size_t n = r->list[i]; n < r->list[i + 1]; n++) {
 		segment s;
 		int from, to;
-		part = geometry_part(&r->geometry, part, r->entry[k]);
-		m.seam = part->mesh->kind == ENCRE_SEAMS;
-		if (part->mesh->kind != ENCRE_TRIANGLES && segment_of(r, part, r->entry[k] - part->first, &s, &from, &to))
+		part = geometry_part(&r->geometry, part, r->entry[n]);
+		bool line = part->mesh->kind != ENCRE_TRIANGLES;
+		m.own = line ? NULL : part;
+		for (int k = 0; k < (line ? 1 : 3); k++) {
+			m.side = line ? CONTOUR_BOTH : contour_side(r->edges[r->entry[n]], k);
+			if (m.side == CONTOUR_NONE || !segment_of(r, part, r->entry[n] - part->first, k, &s, &from, &to))
+				continue;
+			m.left = s.x[1] < s.x[0];
+			m.down = s.y[1] > s.y[0];
 			segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, mark, &m);
+		}
 	}
 }
 
@@ -294,7 +339,7 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 		for (int row = b.y0; row < end; row++)
 			shade_row(r, &b, row);
 		if (r->job->marks.data)
-			mark_lines(r, i, &b, end);
+			mark_band(r, i, &b, end);
 	}
 }
 
@@ -307,6 +352,7 @@ static void plan(raster *r, int threads, arena *a)
 	r->range = arena_take(a, r->geometry.n_primitives, sizeof *r->range);
 	r->place = arena_take(a, (size_t)r->n_chunks * (size_t)r->n_bands, sizeof *r->place);
 	r->list = arena_take(a, (size_t)r->n_bands + 1, sizeof *r->list);
+	r->edges = arena_take(a, r->more ? r->geometry.n_primitives : 0, sizeof *r->edges);
 	r->depth = arena_take(a, band, sizeof *r->depth);
 	r->front = arena_take(a, band, sizeof *r->front);
 }
@@ -315,6 +361,8 @@ static int32_t run(rows *pool, raster *r)
 {
 	int32_t code;
 	geometry_aim(&r->geometry);
+	if (r->more && (code = contours_find(pool, &r->geometry, r->edges)))
+		return code;
 	memset(r->place, 0, (size_t)r->n_chunks * (size_t)r->n_bands * sizeof *r->place);
 	if ((code = rows_run(pool, r->n_chunks, 1, count_chunks, r)))
 		return code;
@@ -325,7 +373,7 @@ static int32_t run(rows *pool, raster *r)
 		return ENCRE_ERROR_MEMORY;
 	if ((code = rows_run(pool, r->n_chunks, 1, file_chunks, r)))
 		return code;
-	rows_span(pool, 0.75, 1.25); /* a run takes half of what is left: so far a half and a quarter, now all the rest */
+	rows_span(pool, 0.875, 1.125); /* a run takes half of what is left: so far at most three, now all the rest */
 	return rows_run(pool, r->n_bands, 1, draw_bands, r);
 }
 

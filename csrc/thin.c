@@ -273,7 +273,7 @@ void ISA(thin_place)(const fine *n, site *s)
 	s->thin = fminf(own.trust, ramp(-across_it, -widest_across, width_ramp - widest_across));
 	s->thin = fminf(s->thin, ramp((float)r.steps, shortest - length_ramp, shortest));
 	s->half = half * square;
-	float share = mix(was, clamp01(own.middle + (ahead ? -half : half) - (float)at), s->thin);
+	float share = ISA(hand_place)(n, s) < 0 ? was : mix(was, clamp01(own.middle + (ahead ? -half : half) - (float)at), s->thin);
 	s->inside = own.middle - (float)at - share;
 	s->x = (float)s->column + (dx ? share : 0);
 	s->y = (float)s->row + (dx ? 0 : share);

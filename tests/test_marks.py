@@ -13,13 +13,13 @@ from test_raster import looking, orthographic, perspective, pixels, rotation, so
 PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_color=0.0, edge_light=0.0, line_thickness=1.0)
 
 
-def lines(rng, n, size=1.5, spread=2.0, kind="lines"):
+def lines(rng, n, size=1.5, spread=2.0):
     """n lines that hang together, three by three, by their points."""
     points = rng.uniform(-spread, spread, (n, 1, 3)) + rng.uniform(-size, size, (n, 3, 3))
     corners = np.arange(3 * n).reshape(n, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     model = np.eye(4)
     model[:3, :3] = rotation(rng) * 0.8
-    return Mesh(points.reshape(-1, 3).astype(np.float32), corners.astype(np.int32), model=model, kind=kind)
+    return Mesh(points.reshape(-1, 3).astype(np.float32), corners.astype(np.int32), model=model, kind="lines")
 
 
 def passing(meshes, view, projection, frame, size=None, start=0.1, **how):
@@ -30,18 +30,71 @@ def passing(meshes, view, projection, frame, size=None, start=0.1, **how):
 # ---- the rasteriser ----------------------------------------------------------------------------------------------
 
 
+def crumpled(rng, n=9, **numbers):
+    """A ball whose points are out of place, with a hole, a face on its edge and one without area."""
+    around, up = np.meshgrid(np.arange(n) * 2 * np.pi / n, np.linspace(0.3, np.pi, n // 2))
+    points = np.stack([np.cos(around) * np.sin(up), np.cos(up), np.sin(around) * np.sin(up)], -1).reshape(-1, 3)
+    a = np.arange(len(points) - n)
+    b = a // n * n + (a + 1) % n
+    corners = np.concatenate([np.c_[a, b, b + n], np.c_[b + n, a + n, a], [[0, 1, len(points) - 1], [3, 3, n]]])
+    flip = rng.random(len(corners)) < 0.3  # no sense in which they go round is needed
+    corners[flip] = corners[flip][:, ::-1]
+    points = points * rng.uniform(0.7, 1.8, (len(points), 1)) + rng.uniform(-1, 1, 3)
+    return Mesh(points.astype(np.float32), corners.astype(np.int32),
+                **{name: rng.integers(1, count, len(corners)) for name, count in numbers.items()})
+
+
 @pytest.mark.parametrize("projection", [perspective, orthographic])
 @pytest.mark.parametrize("surfaces", [0, 25])
 def test_where_lines_pass_and_are_seen(projection, surfaces):
     rng = np.random.default_rng(3 + surfaces)
-    drawn = [lines(rng, 12), lines(rng, 6, kind="seams"), lines(rng, 12)]
+    drawn = [lines(rng, 12), lines(rng, 12)]
     meshes = [soup(rng, surfaces, object_index=1)] if surfaces else []
     camera = looking(rng), projection(67, 45)
-    got = passing([drawn[0], *meshes, *drawn[1:]], *camera, Frame(67, 45))
+    got = passing([drawn[0], *meshes, drawn[1]], *camera, Frame(67, 45))
     want, unsure = marks(drawn, meshes, *camera, Frame(67, 45), (67, 45), 0.1)
     assert unsure.mean() < 0.01
-    assert (want > 0).sum() > 100 and (want < 0).sum() > 20
+    assert (want > 0).sum() > 100 and ((want < 0).sum() > 100) == bool(meshes)
     np.testing.assert_allclose(got[~unsure], want[~unsure], atol=1e-5)
+
+
+@pytest.mark.parametrize("projection", [perspective, orthographic])
+@pytest.mark.parametrize("seed", range(3))
+def test_where_contours_pass_and_are_seen(projection, seed):
+    rng = np.random.default_rng(seed)
+    meshes = [crumpled(rng, object=3, material=2), crumpled(rng), crumpled(rng, 5, material=4)]
+    camera = looking(rng), projection(67, 45)
+    got = passing(meshes, *camera, Frame(67, 45))
+    want, unsure = marks([], meshes, *camera, Frame(67, 45), (67, 45), 0.1)
+    assert unsure.mean() < 0.01 and (want < 0).sum() > 150
+    np.testing.assert_allclose(got[~unsure], want[~unsure], atol=1e-5)
+
+
+@pytest.mark.parametrize("projection", [perspective, orthographic])
+def test_every_way_out_of_a_ball_is_told_exactly(projection):
+    """A ball before a wall, both halves of it hidden behind a nearer one: the outermost of what is in front counts."""
+    around, up = np.meshgrid(np.arange(96) * np.pi / 48, np.linspace(0.02, np.pi - 0.02, 48))
+    points = np.stack([np.cos(around) * np.sin(up), np.cos(up), np.sin(around) * np.sin(up)], -1).reshape(-1, 3)
+    a = np.arange(len(points) - 96)
+    b = a // 96 * 96 + (a + 1) % 96
+    corners = np.concatenate([np.c_[a, b, b + 96], np.c_[a, b + 96, a + 96]]).astype(np.int32)
+    ball = Mesh(points.astype(np.float32), corners, object_index=1)
+    small = Mesh((0.4 * points + (0, 0, 1.5)).astype(np.float32), corners, object_index=2)
+    wall = Mesh(np.array([[-9, -9, -2], [9, -9, -2], [0, 20, -2]], np.float32), None, object_index=3)
+    view, p, frame = np.eye(4), projection(160, 120), Frame(160, 120)
+    view[2, 3] = -5
+    found = core.raster([wall, ball, small], view, p, frame, (160, 120), 0.1, outputs=("object", "marks"))
+    index, got = found["object"].reshape(120, 160), found["marks"]
+    for z, radius, inner in ((0, 1, 1), (1.5, 0.4, 2)):
+        far = 5 - z
+        size = 80 * p[0, 0] * (radius / np.sqrt(far**2 - radius**2) if p[3, 2] else radius)
+        for axis, (one, two) in enumerate(((index[:, :-1], index[:, 1:]), (index[:-1], index[1:]))):
+            y, x = np.nonzero((np.minimum(one, two) == inner) & (np.maximum(one, two) == (3 if inner == 1 else 1))
+                              if inner == 1 else (one == 2) != (two == 2))
+            share = -got[y, x, axis]
+            assert len(share) > 30 and (share > 0).all()
+            away = np.hypot(x + 0.5 - 80 + share * (axis == 0), y + 0.5 - 60 + share * (axis == 1)) - size
+            assert -0.08 < away.min() and away.max() < 0.01  # the ball has corners
 
 
 def test_a_line_on_its_surface_is_seen_at_any_angle_and_not_through_another():
@@ -58,9 +111,9 @@ def test_a_line_on_its_surface_is_seen_at_any_angle_and_not_through_another():
     for shift, seen in ((0, True), (-0.05, True), (0.05, False)):
         got = passing([grid, Mesh(floor + np.float32([0, shift, 0]), two, object_index=1)], *camera, frame)
         if seen:
-            np.testing.assert_array_equal(got, alone)
+            np.testing.assert_array_equal(np.maximum(got, 0), alone)  # without the contours of the floor
         else:
-            assert not got[70:].any()  # where the second floor lies more than a pixel above
+            assert not (got[70:] > 0).any()  # where the second floor lies more than a pixel above
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -82,7 +135,7 @@ def test_lines_through_centres_are_whole(seed):
 
 def test_the_same_however_the_work_is_cut_up():
     rng = np.random.default_rng(5)
-    meshes = [lines(rng, 40, 3.0, kind="seams"), soup(rng, 60, object_index=1), lines(rng, 200, 0.4),
+    meshes = [crumpled(rng), lines(rng, 40, 3.0), soup(rng, 60, object_index=1), lines(rng, 200, 0.4),
               lines(rng, 5, 90.0)]
     view, p, frame = looking(rng), perspective(131, 77), Frame(131, 77)
     full = passing(meshes, view, p, frame, threads=1)
@@ -96,7 +149,7 @@ def test_the_same_however_the_work_is_cut_up():
         want[:, -1, 0] = want[-1, :, 1] = 0  # the ways out of the border
         np.testing.assert_array_equal(part, want)
     others = ("depth", "object", "normal")
-    plain = core.raster([meshes[1]], view, p, frame, (131, 77), 0.1, outputs=others)
+    plain = core.raster([meshes[0], meshes[2]], view, p, frame, (131, 77), 0.1, outputs=others)
     mixed = core.raster(meshes, view, p, frame, (131, 77), 0.1, outputs=(*others, "marks"))
     assert all(np.array_equal(plain[name], mixed[name]) for name in others)  # no surface notices lines
 
@@ -104,13 +157,14 @@ def test_the_same_however_the_work_is_cut_up():
 @pytest.mark.parametrize("size", [1e-30, 1e6, 3e38, np.nan, np.inf])
 def test_any_length_gives_clean_places(size):
     rng = np.random.default_rng(6)
-    mesh = lines(rng, 30)
+    mesh, ball = lines(rng, 30), crumpled(rng)
     with np.errstate(invalid="ignore", over="ignore"):
         mesh.points[::2] *= np.float32(size)
+        ball.points[::5] *= np.float32(size)
     mesh.points[7] = mesh.points[6]
     for p in (perspective(33, 17), orthographic(33, 17)):
-        got = passing([mesh, soup(rng, 5)], looking(rng), p, Frame(33, 17))
-        assert ((got == 0) | ((got >= 1 / 1024) & (got <= 1))).all()
+        got = passing([mesh, soup(rng, 5), ball], looking(rng), p, Frame(33, 17))
+        assert ((got == 0) | ((abs(got) >= 1 / 1024) & (abs(got) <= 1))).all()
 
 
 def test_objects_by_triangle():
@@ -123,14 +177,15 @@ def test_objects_by_triangle():
 # ---- FINE --------------------------------------------------------------------------------------------------------
 
 
-def wall(height=60, width=80, ends=((9.3, 11.7), (70.2, 41.4)), kind="lines"):
-    """Layers of a bare wall with lines on it, ends (x, y) two by two in pixels, centres at whole numbers."""
+def wall(height=60, width=80, ends=((9.3, 11.7), (70.2, 41.4)), contour=False):
+    """Layers of a bare wall with lines on it, ends (x, y) two by two in pixels, centres at whole numbers; `contour`:
+    as if they were contours."""
     points = np.c_[np.array(ends) + 0.5, np.full(len(ends), -4.0)].astype(np.float32)
-    mesh = Mesh(points, np.arange(len(ends), dtype=np.int32).reshape(-1, 2), kind=kind)
+    mesh = Mesh(points, np.arange(len(ends), dtype=np.int32).reshape(-1, 2), kind="lines")
     flat = np.ones((height, width, 1), np.float32)
+    marks = passing([mesh], *pixels(width, height), Frame(width, height))
     return dict(combined=flat.repeat(4, 2), color=flat.repeat(3, 2) / 2, diffuse=flat.repeat(3, 2), depth=4 * flat,
-                normal=flat * np.float32([0, 0, 1]), object=0 * flat,
-                marks=passing([mesh], *pixels(width, height), Frame(width, height)))
+                normal=flat * np.float32([0, 0, 1]), object=0 * flat, marks=-marks if contour else marks)
 
 
 def ink(layers, styles=(), **scene):
@@ -201,12 +256,14 @@ def test_a_mark_on_a_contour_or_a_crease_is_one_line():
     assert np.abs(ink(layers, width_mark=2.0) - contour).max() < 0.05  # the contour's line it is
 
 
-def test_a_seam_tells_where_numbers_change():
+@pytest.mark.parametrize("what", ["object", "depth", "nothing"])
+def test_a_contour_is_where_it_is_told(what):
     a, b = (40.3, -3.0), (37.1, 63.0)
-    layers = wall(ends=(a, b), kind="seams")
+    layers = wall(ends=(a, b), contour=True)
     assert not ink(layers).any()
     y, x = np.mgrid[:60, :80]
-    layers["object"][x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])] = 1
+    left = x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+    layers["object" if what == "object" else "depth"][left] = 1e10 if what == "nothing" else 1
     t = ink(layers)
     centre = (t * x).sum(1) / t.sum(1)
     exact = a[0] + (np.arange(60) - a[1]) / (b[1] - a[1]) * (b[0] - a[0])

@@ -19,12 +19,12 @@ def _plane(screen, x, y):
     return np.linalg.solve(system, [0.0, 0.0, 1.0]) @ screen[:, 3]
 
 
-def _behind(screen, x, y, z, pixel):
-    """By how much more than allowed a line lies behind a triangle."""
+def _look(screen, x, y, z, pixel):
+    """How far a line lies behind a triangle, and how far it may and still be on it."""
     nearest, farthest = screen[:, 3].min(), screen[:, 3].max()
     h = 1e-4
     slope = sum(abs(_plane(screen, x + a, y + b) - _plane(screen, x - a, y - b)) / (2 * h) for a, b in ((h, 0), (0, h)))
-    return z - np.clip(_plane(screen, x, y), nearest, farthest) - 0.5 * (min(slope, farthest - nearest) + pixel)
+    return z - np.clip(_plane(screen, x, y), nearest, farthest), 0.5 * (min(slope, farthest - nearest) + pixel)
 
 
 def crossings(screen):
@@ -42,32 +42,73 @@ def crossings(screen):
             yield (line if axis else cell), (cell if axis else line), axis, place - cell, x, y, z
 
 
+def contours(mesh, view, projection, frame):
+    """(corners, right, left) of each edge that can be a contour, and on which sides of it surfaces are, both: where
+    numbers change."""
+    corners = triangles(mesh)
+    number = np.stack([np.zeros(len(corners)) if n is None else n for n in (mesh.object, mesh.material)], 1)
+    edges = {}
+    for t, corner in enumerate(corners):
+        volume = np.linalg.det(_corners(mesh, corner, view, projection, frame)[:, :3])
+        for a, b in zip(corner, np.roll(corner, -1), strict=True):
+            right = volume * (1 if a < b else -1) > 0
+            if a != b:
+                edges.setdefault((min(a, b), max(a, b)), []).append((t, right, volume != 0 and not right))
+    for edge, found in edges.items():
+        right, left = any(f[1] for f in found), any(f[2] for f in found)
+        if len({tuple(number[f[0]]) for f in found}) > 1:
+            yield np.array(edge), True, True
+        elif right != left:
+            yield np.array(edge), right, left
+
+
+def triangles(mesh):
+    return np.arange(len(mesh.points)).reshape(-1, 3) if mesh.corners is None else mesh.corners
+
+
 def marks(lines, meshes, view, projection, frame, size, clip_start):
     """The output `marks`, and where it is not sure: lines within rounding of a centre, or of where they are hidden.
 
-    lines: (mesh of kind lines or seams), all of whose points lie beyond clip_start.
+    lines: (mesh of kind lines), all of whose points lie beyond clip_start, as those of the `meshes` do.
     """
     width, height = size
     front = raster.draw(meshes, view, projection, frame, size, clip_start)["front"]
     out, unsure = np.zeros((height, width, 2)), np.zeros((height, width, 2), bool)
     scale = 2 / (abs(projection[1, 1]) * frame.height)
+
+    def crossed(screen):
+        """(way, whether close to another, share, (number, behind, allowed) at both its pixels)"""
+        for column, row, axis, share, x, y, z in crossings(screen):
+            p, q = (row - frame.y, column - frame.x), (row - frame.y + axis, column - frame.x + 1 - axis)
+            if min(*p) < 0 or q[0] >= height or q[1] >= width:
+                continue
+            pixel = scale * (z if projection[3, 2] else 1)
+            there = [(number, *((-np.inf, 0) if number < 0 else _look(
+                _corners(meshes[number], triangles(meshes[number])[t], view, projection, frame),
+                x + 0.5, y + 0.5, z, pixel))) for number, t in (front[p], front[q])]
+            close = min(share, 1 - share) < 1e-6 or min(
+                abs(abs(behind) - allowed) for _, behind, allowed in there) < 1e-4 * z
+            yield (*p, axis), close, max(share, 1 / 1024), there
+
     for mesh in lines:
         for corner in mesh.corners:
+            for way, close, share, there in crossed(_corners(mesh, corner, view, projection, frame)):
+                unsure[way] |= close
+                if out[way] == 0 and any(behind <= allowed for _, behind, allowed in there):
+                    out[way] = share
+    for number, mesh in enumerate(meshes):
+        for corner, right, left in contours(mesh, view, projection, frame):
             screen = _corners(mesh, corner, view, projection, frame)
-            for column, row, axis, share, x, y, z in crossings(screen):
-                p, q = (row - frame.y, column - frame.x), (row - frame.y + axis, column - frame.x + 1 - axis)
-                if min(*p) < 0 or q[0] >= height or q[1] >= width:
+            along = np.diff(screen[:, :2] / screen[:, 2:3], axis=0)[0]
+            for way, close, share, there in crossed(screen):
+                unsure[way] |= close
+                first = right == (along[0] < 0 if way[2] else along[1] > 0)  # whether it bounds what is at p
+                own, other = there if first else there[::-1]
+                if out[way] > 0 or own[0] != number or other[1] > other[2]:
                     continue
-                pixel = scale * (z if projection[3, 2] else 1)
-                behind = []
-                for number, t in (front[p], front[q]):
-                    own = meshes[number] if number >= 0 else None
-                    corners = None if own is None else (
-                        np.arange(len(own.points)).reshape(-1, 3) if own.corners is None else own.corners)[t]
-                    behind.append(-np.inf if own is None else _behind(
-                        _corners(own, corners, view, projection, frame), x + 0.5, y + 0.5, z, pixel))
-                unsure[(*p, axis)] |= min(share, 1 - share) < 1e-6 or abs(min(behind)) < 1e-4 * z
-                seam, there = mesh.kind == "seams", out[(*p, axis)]
-                if min(behind) <= 0 and not (there > 0 or (seam and there < 0)):
-                    out[(*p, axis)] = (-1 if seam else 1) * max(share, 1 / 1024)
+                if right and left:
+                    if other[0] == number and own[1] <= own[2] and out[way] == 0:
+                        out[way] = -share
+                elif own[1] >= -own[2] and (out[way] == 0 or (share > -out[way] if first else share < -out[way])):
+                    out[way] = -share
     return out, unsure

@@ -126,8 +126,9 @@ def outlines(layers, params, weights):
             "object": np.maximum(differs(layers.object), gone), "material": differs(layers.material),
             "depth": np.where(gone > 0, 0, clamp01((depth_crack(layers, axis) - 0.003) / 0.007)),
         }
-        known = turn(axis, np.abs(layers.marks[..., 1 - axis]))[:, :-1]  # where a seam or a line is, without a jump
-        t = np.where((known > 0) & (gone + strengths["depth"] == 0), clamp01(known), place_crack(layers, axis))
+        known = turn(axis, layers.marks[..., 1 - axis])[:, :-1]
+        told = (known < 0) | ((known > 0) & (gone + strengths["depth"] == 0))  # a contour, or a line without a jump
+        t = np.where(told, clamp01(np.abs(known)), place_crack(layers, axis))
         side = (t >= 0.5).astype(int)
 
         def own(image, axis=axis, side=side, n=n):

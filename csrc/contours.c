@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Contours of triangles. A surface ends on the screen where it turns away from the eye, is cut off or changes its number.
+ * That is told from the sides of an edge on which its triangles lie, in whatever sense their corners go round: on one
+ * only, and the surface ends or folds there. */
+#include "contours.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+	DIFFERENT = 4, /* beside the sides: numbers differ */
+	FACING = 6,    /* above the bits of the edges */
+};
+
+static inline int32_t point_at(const encre_mesh *mesh, uint32_t corner)
+{
+	return mesh->corners ? mesh->corners[corner] : (int32_t)corner;
+}
+
+/* The edges of a mesh by their points: corner i begins the edge to the next corner of its triangle. */
+typedef struct edge_list {
+	uint32_t *corner; /* those of each point, at which an edge's lower point stands, in the order of the mesh */
+	uint32_t *start;  /* n_points + 1: where a point's begin */
+	uint32_t *first;  /* by higher point: where in `corner` the edge was met first, plus 1 */
+	uint8_t *cover;   /* by where it was met first: sides, going from the lower point */
+} edge_list;
+
+static inline void ends_of(const encre_mesh *mesh, uint32_t corner, int32_t *low, int32_t *high)
+{
+	int32_t a = point_at(mesh, corner), b = point_at(mesh, corner % 3 == 2 ? corner - 2 : corner + 1);
+	*low = a < b ? a : b;
+	*high = a < b ? b : a;
+}
+
+/* Where the triangle lies beside each of its edges, also where a corner lies behind the eye. */
+static enum contour_side facing(const part *part, uint32_t i)
+{
+	corner c[3];
+	geometry_corners(part, i, c);
+	double volume = c[0].x * (c[1].y * c[2].w - c[2].y * c[1].w) + c[1].x * (c[2].y * c[0].w - c[0].y * c[2].w) +
+			c[2].x * (c[0].y * c[1].w - c[1].y * c[0].w);
+	return volume > 0 ? CONTOUR_RIGHT : volume < 0 ? CONTOUR_LEFT : CONTOUR_NONE;
+}
+
+static inline enum contour_side turned(enum contour_side side)
+{
+	return side == CONTOUR_RIGHT ? CONTOUR_LEFT : side == CONTOUR_LEFT ? CONTOUR_RIGHT : side;
+}
+
+static bool same_numbers(const encre_mesh *mesh, uint32_t i, uint32_t j)
+{
+	return (!mesh->object || mesh->object[i] == mesh->object[j]) && (!mesh->material || mesh->material[i] == mesh->material[j]);
+}
+
+/* Files the edges under their lower points; one between a point and itself is none. */
+static void file_edges(const encre_mesh *mesh, uint32_t corners, edge_list *list)
+{
+	int32_t low, high;
+	for (uint32_t c = 0; c < corners; c++) {
+		ends_of(mesh, c, &low, &high);
+		list->start[low + 1] += low != high;
+	}
+	for (int32_t p = 0; p < mesh->n_points; p++)
+		list->start[p + 1] += list->start[p];
+	for (uint32_t c = 0; c < corners; c++) {
+		ends_of(mesh, c, &low, &high);
+		if (low != high)
+			list->corner[list->start[low]++] = c;
+	}
+	for (int32_t p = mesh->n_points; p > 0; p--) /* filing has moved each to where the next one's begin */
+		list->start[p] = list->start[p - 1];
+	list->start[0] = 0;
+}
+
+/* Looks through the edges from a point to higher ones. edges[i] has what facing() says of triangle i above its edges. */
+static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, uint8_t *edges)
+{
+	uint32_t from = list->start[point], end = list->start[point + 1];
+	int32_t low, high;
+	for (uint32_t k = from; k < end; k++) {
+		uint32_t c = list->corner[k];
+		ends_of(mesh, c, &low, &high);
+		bool met = list->first[high] > from; /* at this point: places of earlier ones come before */
+		if (!met) {
+			list->first[high] = k + 1;
+			list->cover[k] = 0;
+		}
+		uint32_t first = list->first[high] - 1;
+		enum contour_side side = (enum contour_side)(edges[c / 3] >> FACING);
+		list->cover[first] |= (uint8_t)(point_at(mesh, c) == point ? side : turned(side));
+		list->cover[first] |= same_numbers(mesh, c / 3, list->corner[first] / 3) ? 0 : DIFFERENT;
+	}
+	for (uint32_t k = from; k < end; k++) {
+		uint32_t c = list->corner[k];
+		ends_of(mesh, c, &low, &high);
+		if (list->first[high] != k + 1 || list->cover[k] == CONTOUR_BOTH)
+			continue;
+		enum contour_side side = (enum contour_side)(list->cover[k] & CONTOUR_BOTH);
+		side = list->cover[k] & DIFFERENT ? CONTOUR_BOTH : point_at(mesh, c) == point ? side : turned(side);
+		edges[c / 3] |= (uint8_t)(side << 2 * (c % 3));
+	}
+}
+
+static bool find(const part *part, uint8_t *edges)
+{
+	const encre_mesh *mesh = part->mesh;
+	uint32_t n = (uint32_t)mesh->n_primitives;
+	size_t points = (size_t)mesh->n_points;
+	edge_list list;
+	arena a = {0};
+	for (int pass = 0; pass < 2; pass++) {
+		list.corner = arena_take(&a, (size_t)3 * n, sizeof *list.corner);
+		list.start = arena_take(&a, points + 1, sizeof *list.start);
+		list.first = arena_take(&a, points, sizeof *list.first);
+		list.cover = arena_take(&a, (size_t)3 * n, sizeof *list.cover);
+		if (pass == 0 && !(a = (arena){.base = malloc(a.used)}).base)
+			return false;
+	}
+	memset(list.start, 0, (points + 1) * sizeof *list.start);
+	memset(list.first, 0, points * sizeof *list.first);
+	for (uint32_t i = 0; i < n; i++)
+		edges[i] = (uint8_t)(facing(part, i) << FACING);
+	file_edges(mesh, 3 * n, &list);
+	for (int32_t point = 0; point < mesh->n_points; point++)
+		join(mesh, point, &list, edges);
+	for (uint32_t i = 0; i < n; i++)
+		edges[i] &= (1 << FACING) - 1;
+	free(a.base);
+	return true;
+}
+
+typedef struct search {
+	const geometry *g;
+	uint8_t *edges;
+	atomic_bool failed;
+} search;
+
+static void find_parts(void *data, int p0, int p1, int thread)
+{
+	(void)thread;
+	search *s = data;
+	for (int p = p0; p < p1; p++) {
+		const part *part = s->g->parts + p;
+		if (part->mesh->kind == ENCRE_TRIANGLES && !find(part, s->edges + part->first))
+			atomic_store(&s->failed, true);
+	}
+}
+
+int32_t contours_find(rows *pool, const geometry *g, uint8_t *edges)
+{
+	search s = {.g = g, .edges = edges};
+	atomic_init(&s.failed, false);
+	int32_t code = rows_run(pool, g->n_parts, 1, find_parts, &s);
+	return code ? code : atomic_load(&s.failed) ? ENCRE_ERROR_MEMORY : ENCRE_OK;
+}
