@@ -94,6 +94,8 @@ def _tiles(task, mesh):
 
 def draw(task, values, uniform, depsgraph, progress):
     """The pixels of the image with lines in them. Raises core.EncreError."""
+    if any(node.id_data.library for node in task.nodes):
+        raise core.EncreError(f"{task.image.name}: is shown by a linked material; make that local first")
     try:
         mesh = _mesh(task, depsgraph)
     except core.EncreError:
@@ -207,6 +209,8 @@ class ENCRE_OT_bake(bpy.types.Operator):
     def begin(self, context):
         self.folder = None
         if self.where == "FOLDER":
+            if not self.directory:
+                raise core.EncreError("there is no folder to save the images in; name one, or keep them in the file")
             if self.directory.startswith("//") and not bpy.data.filepath:
                 raise core.EncreError(f"{self.directory}: is a folder beside the .blend file; save that first")
             self.folder = bpy.path.abspath(self.directory)

@@ -15,6 +15,7 @@ SAID = {"plain": "no lines", "baked": "between colours drawn into the textures; 
         "line_art": "Blender's own, silhouettes and creases"}
 SETTINGS = ("edge_detector", "line_thickness", "line_depth_distance", "contrast_metric", "contrast_threshold",
             "contrast_max", "contrast_auto")
+BESIDE = ("", "_crops", "_blender")  # what stands before the ending of a frame's pictures; only the first: quadrants
 PAPER = 0.96  # grey of the caption
 CROPS = 3     # details that are shown, each a quarter of the frame each way
 
@@ -25,26 +26,29 @@ def compare(scene, out, *, seed=0, quadrants_only=False, say=print, **options):
     seed: which of baked and dynamic stands on the left; options: those of render.compare(). Beside OUT.png come
     OUT_crops.png and OUT_blender.png, unless only the quadrants are wanted. Raises core.EncreError, RenderError.
     """
-    images.prepare(out)
     order = ["baked", "dynamic"]
     random.Random(seed).shuffle(order)
 
     def take(event):
+        for made in event["pictures"].values():
+            if not images.whole(made["path"]):  # Blender does not notice a full disk
+                raise render.RenderError(images.unwritable(event["path"], "the disk may be full"))
         pictures = {name: read(made["path"]) for name, made in event["pictures"].items()}
         seconds = {name: made["seconds"] for name, made in event["pictures"].items()}
-        stem, ending = os.path.splitext(event["path"])
-        words = caption(scene, event, order, seconds)
-        write(event["path"], quadrants(pictures, order, words))
+        drawn = [quadrants(pictures, order, caption(scene, event, order, seconds))]
         if not quadrants_only:
-            write(f"{stem}_crops{ending}", crops(pictures, ["plain", *order]))
+            drawn.append(crops(pictures, ["plain", *order]))
             own = [name for name in ("freestyle", "line_art") if name in pictures]
             if own:
-                write(f"{stem}_blender{ending}", row(pictures, [*own, "dynamic"], seconds))
+                drawn.append(row(pictures, [*own, "dynamic"], seconds))
+        stem, ending = os.path.splitext(event["path"])
+        write({f"{stem}{more}{ending}": picture for more, picture in zip(BESIDE, drawn, strict=False)})
         times = ", ".join(f"{TITLES[name].lower()} {spent:.1f} s" for name, spent in seconds.items())
         say("note", f"{event['path']}: {times}, baking once {event['baking']:.1f} s")
 
     techniques = ["plain", "baked", "dynamic"] + ([] if quadrants_only else ["freestyle", "line_art"])
-    render.compare(scene, out, take, techniques=techniques, say=say, **options)
+    render.compare(scene, out, take, techniques=techniques, beside=BESIDE[:1] if quadrants_only else BESIDE, say=say,
+                   **options)
 
 
 def read(path):
@@ -54,8 +58,9 @@ def read(path):
     return color * alpha + (1 - alpha) if alpha.size else color
 
 
-def write(path, picture):
-    images.write_textures({path: images.Texture(picture.astype(np.float32), "uint8", False, False)})
+def write(pictures):
+    images.write_textures({path: images.Texture(picture.astype(np.float32), "uint8", False, False)
+                           for path, picture in pictures.items()})
 
 
 def caption(scene, event, order, seconds):

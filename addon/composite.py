@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import core, images, layers, metadata
+from . import core, images, interrupt, layers, metadata
 
 _KNOWN = {**layers.CYCLES, "IndexMA": "X", **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN}
 _LETTERS = "RGBAXYZW"
@@ -137,10 +137,10 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
                 others = ", ".join(sorted(set(names) - set(passes))) or "nothing"
                 raise core.EncreError(f"{path}: {error}; besides in the file: {others}") from None
             notes = notes or [_notes(settings, passes, path), _idle(pictures, scene, styles, path)]
-            result = core.render(pictures, scene, styles, settings.camera, _place(settings, exr.window),
-                                 ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
-                                 progress=lambda _fraction: True,  # without it, Ctrl-C would wait for the end
-                                 image=images.read_paper)
+            with interrupt.heeded() as progress:
+                result = core.render(pictures, scene, styles, settings.camera, _place(settings, exr.window),
+                                     ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
+                                     progress=progress, image=images.read_paper)
             pictures = {name: _whole(picture, at, exr.window) for name, picture in result.images.items()}
             channels.update(_named(pictures, layer, view, names))
             nonfinite += bad + result.nonfinite

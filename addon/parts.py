@@ -1,26 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lines by hand, in Edit Mode: faces that are a part of their own, and Blender's own marks of edges."""
 
+import itertools
+
 import bmesh
 import bpy
 
 from .meshes import PART
 
 
-def _number(mesh, clear):
-    """Gives the selected faces of a mesh in Edit Mode the next free number of a part, or 0. Returns a sentence about
-    what is wrong, or None."""
+def _wrong(mesh):
+    """A sentence about what is wrong with the mesh, or None."""
     there = mesh.attributes.get(PART)
     if there is not None and (there.domain, there.data_type) != ("FACE", "INT"):
         return f"{mesh.name}: its attribute {PART} holds no whole numbers of faces; remove it, or edit it by hand"
-    edited = bmesh.from_edit_mesh(mesh)
-    layer = edited.faces.layers.int.get(PART) or edited.faces.layers.int.new(PART)
-    number = 0 if clear else max((face[layer] for face in edited.faces), default=0) + 1
-    for face in edited.faces:
-        if face.select:
-            face[layer] = number
-    bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
     return None
+
+
+def _number(mesh, clear):
+    """Gives the selected faces of a mesh in Edit Mode the next free number of a part, or 0. Returns how many."""
+    edited = bmesh.from_edit_mesh(mesh)
+    selected = [face for face in edited.faces if face.select]
+    if selected:
+        layer = edited.faces.layers.int.get(PART) or edited.faces.layers.int.new(PART)
+        selected = [face for face in edited.faces if face.select]  # a new layer invalidates the faces
+        used = {face[layer] for face in edited.faces}
+        number = 0 if clear else next(number for number in itertools.count(1) if number not in used)
+        for face in selected:
+            face[layer] = number
+        bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
+    return len(selected)
 
 
 class ENCRE_OT_mark_part(bpy.types.Operator):
@@ -37,11 +46,13 @@ class ENCRE_OT_mark_part(bpy.types.Operator):
         return context.mode == "EDIT_MESH"
 
     def execute(self, context):
-        for obj in context.objects_in_mode_unique_data:
-            sentence = _number(obj.data, self.clear)
-            if sentence:
-                self.report({"ERROR"}, sentence)
-                return {"CANCELLED"}
+        edited = [obj.data for obj in context.objects_in_mode_unique_data]
+        if wrong := next(filter(None, map(_wrong, edited)), None):
+            self.report({"ERROR"}, wrong)
+            return {"CANCELLED"}
+        if not sum(_number(mesh, self.clear) for mesh in edited):
+            self.report({"WARNING"}, "No face is selected; select those of the part")
+            return {"CANCELLED"}
         return {"FINISHED"}
 
 

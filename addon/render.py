@@ -66,19 +66,21 @@ def render(scene, out, *, frames=None, values=None, samples=None, size=None, res
         _run(command, job, say, verbose)
 
 
-def compare(scene, out, take, *, frames=None, values=None, samples=None, size=None, techniques=(), uniform=False,
-            mips=False, blender=None, say=print, verbose=False):
+def compare(scene, out, take, *, frames=None, values=None, samples=None, size=None, techniques=(), beside=("",),
+            uniform=False, mips=False, blender=None, say=print, verbose=False):
     """Renders frames of `scene` by each of the `techniques` (techniques.py) and calls take(event) for every frame.
 
     The event is a dictionary: frame, path (`out` with the frame's number), pictures {technique: {"path", "seconds"}},
     baking (seconds), values (the scene's parameters), samples, blender (its version). Its pictures are gone when take()
-    returns. The rest is as in render().
+    returns. beside: what stands before the ending of the files that take() writes. The rest is as in render().
     """
+    images.prepare(out)
     command = find_blender(blender)
     out = os.path.abspath(out)
     with _folder(out) as folder:
         job = {"scene": os.path.abspath(scene), "out": out, "folder": folder, "frames": frames, "values": values or {},
-               "samples": samples, "size": size, "techniques": techniques, "uniform": uniform, "mips": mips}
+               "samples": samples, "size": size, "techniques": techniques, "beside": beside, "uniform": uniform,
+               "mips": mips}
         _run(command, job, say, verbose, take)
 
 
@@ -98,7 +100,9 @@ def unwrapped(scene, name, out, *, blender=None, say=print, verbose=False):
 def _run(command, job, say, verbose, take=None):
     path = os.path.join(job["folder"], "job.json")
     Path(path).write_text(json.dumps(job), encoding="utf-8")
-    _watch([*command, str(RUNNER), "--", path], _Progress(say, take), verbose)
+    # Blender leaves its folder of temporary files behind, as it never gets to its own end.
+    with tempfile.TemporaryDirectory(prefix="encre-", ignore_cleanup_errors=True) as temporary:
+        _watch([*command, str(RUNNER), "--", path], _Progress(say, take), verbose, temporary)
 
 
 def _finished(out):
@@ -122,11 +126,13 @@ def _folder(out):
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def _watch(command, progress, verbose):
-    """Runs the child to its end; what it prints after a line's `ENCRE ` is a report to `progress`."""
+def _watch(command, progress, verbose, temporary):
+    """Runs the child to its end; what it prints after a line's `ENCRE ` is a report to `progress`. `temporary` is the
+    folder for what it needs meanwhile."""
     last = deque(maxlen=1)
+    environment = {**os.environ, **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), temporary)}
     child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                             encoding="utf-8", errors="replace")
+                             encoding="utf-8", errors="replace", env=environment)
     try:
         for line in child.stdout:
             line = line.strip()

@@ -175,11 +175,14 @@ def render(job, scene, error):
 
 
 def compare(job, scene, error):
-    from encre import techniques
+    from encre import images, techniques
 
     todo = frames(job, scene)
     if not todo:
         raise error(f"{job['scene']}: there is no frame from the first to the last; give -s a frame before -e")
+    for stem, ending in (os.path.splitext(path) for _, path in todo):
+        for more in job["beside"]:
+            images.prepare(f"{stem}{more}{ending}")
     mute(scene, "encre.edge_color")
     techniques.render(job, scene, todo, report)
 

@@ -74,7 +74,8 @@ def shoot(scene, path):
 
 def warm_up(scene, path):
     """A tiny frame, so that loading Cycles counts for no technique."""
-    with changed(scene.render, resolution_percentage=max(1, 1600 // scene.render.resolution_x)):
+    percentage = max(1600 // scene.render.resolution_x, 400 // scene.render.resolution_y + 1)  # at least 4 pixels high
+    with changed(scene.render, resolution_percentage=percentage):
         shoot(scene, path)
 
 
@@ -133,15 +134,17 @@ class BakedSet:
             yield
 
     def bake(self, task, scene):
-        depsgraph = bpy.context.evaluated_depsgraph_get()
         try:
-            mesh, pixels = surface(task, depsgraph), bake.read(task.image)
+            return self.drawn(task, scene)
         except core.EncreError as reason:
             self.report("warning", text=f"{task.image.name} stays without lines: {reason}")
             return []
-        values = properties.scene_values(scene)
+
+    def drawn(self, task, scene):
+        """The image with lines, at each mip level. Raises core.EncreError."""
+        mesh, pixels = surface(task, bpy.context.evaluated_depsgraph_get()), bake.read(task.image)
+        values, images = properties.scene_values(scene), []
         width = screen_width(values, scene) * texels_per_pixel(task, scene)
-        images = []
         while not images or (self.mips and min(pixels.shape[:2]) > 2):
             if images:
                 pixels = texture.halved(pixels, task.image.is_float)

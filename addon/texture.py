@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 
-from . import core, images, render, unwrap
+from . import core, images, interrupt, render, unwrap
 
 MOST = 32768  # texels each way, as encre_bake() has it
 ENOUGH = 4    # the last mip level is so many line widths across: below, ink would fill it
@@ -31,8 +31,8 @@ def bake(path, out, values, uniform=None, mips=False, tile=None, threads=0, blen
         if baked:
             pixels = halved(pixels, texture.linear)
         form = unwrap.form(mesh, *pixels.shape[1::-1]) if mesh else None
-        done = core.bake(pixels, values, form, texture.linear, tile, threads=threads,
-                         progress=lambda _fraction: True)  # without it, Ctrl-C would wait for the end
+        with interrupt.heeded() as progress:
+            done = core.bake(pixels, values, form, texture.linear, tile, threads=threads, progress=progress)
         if not baked and done.nonfinite:
             say("warning", f"{path}: {done.nonfinite} values were NaN or infinite and were read as 0")
         baked[target] = images.Texture(done.texture, texture.kind, texture.linear, texture.straight)

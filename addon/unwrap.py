@@ -10,6 +10,7 @@ from . import core
 
 MARGIN = 8  # texels about an island that get its form: lines reach over its border
 _EDGE = 1e-4  # of the texture: what lies nearer to its border than that lies on it
+_FARTHEST = 1e6  # repetitions of the texture from its origin that a UV map may lie
 _MOST_TILES = 64  # repetitions of the texture that one triangle draws, each way
 
 
@@ -55,8 +56,8 @@ def read_obj(path):
     if not corners:
         raise core.EncreError(f"{path}: holds no faces; export a mesh with faces and a UV map")
     mesh = Unwrapped(np.array(points), np.array(corners), np.array(uv))
-    if not (np.isfinite(mesh.points).all() and np.isfinite(mesh.uv).all()):
-        raise core.EncreError(f"{path}: holds numbers that are not finite; export it again")
+    if not (np.isfinite(mesh.uv).all() and (np.abs(mesh.points) < 1e38).all()):  # Blender's own have 32 bits
+        raise core.EncreError(f"{path}: holds numbers that are not finite or too large; export it again")
     return mesh
 
 
@@ -91,7 +92,9 @@ def _edges_at(mesh, there):
 
 def form(mesh, width, height, progress=None):
     """E, F, G (height, width, 3) of a texture on the mesh, row 0 at the top, in texels of mean size; 1, 0, 1 where the
-    mesh has none. Raises core.EncreError where the UV map has no area."""
+    mesh has none. Raises core.EncreError where the UV map has no area, or lengths that can't be reckoned with."""
+    if np.abs(mesh.uv).max(initial=0) > _FARTHEST:
+        raise core.EncreError(f"the UV map reaches beyond {_FARTHEST:.0f} times the texture; unwrap the mesh again")
     size = np.array([width, -height])
     texels = mesh.uv * size  # y down
     across = (texels[:, 1:] - texels[:, :1]).transpose(0, 2, 1)  # columns: two sides, in texels

@@ -129,7 +129,8 @@ typedef struct fine {
 	uint16_t *seen;       /* width * height: bit 2 * (family - FAMILY_SEEN) + axis; NULL: nothing is known of it */
 	uint8_t *through;     /* width * height: the eye passes through or off the surface here; NULL likewise */
 	uint8_t *glimpse;     /* by row: there are such pixels */
-	float *light;         /* the light without its noise, until sites are placed; NULL where it makes no edges */
+	float *light;         /* the light, without its noise where that may matter, until sites are placed; NULL where it
+				 makes no edges */
 	uint32_t *first;      /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
 	float *scratch;       /* for each thread */
 	ptrdiff_t thread_scratch;
@@ -268,6 +269,7 @@ static inline void crack_place(site *s, float share)
 
 /* light.c */
 int32_t ISA(light_even)(fine *n); /* takes and fills light */
+ptrdiff_t ISA(light_scratch)(const frame *f); /* floats a thread */
 /* Into how many levels the light of each pixel rises. */
 void ISA(level_row)(const fine *n, int y, uint8_t *level);
 bool ISA(light_site)(const fine *n, site *s);
@@ -283,7 +285,7 @@ float ISA(hand_place)(const fine *n, const site *s);
 /* thin.c: marks thin things; places their cracks again; marks and places sites between those. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread);
 void ISA(thin_place)(const fine *n, site *s);
-void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge);
+void ISA(thin_mark)(const fine *n, int y, uint8_t *hits, uint16_t *ridge); /* hits: scratch, n->spans */
 bool ISA(thin_site)(const fine *n, site *s);
 int32_t ISA(thin_tie)(fine *n); /* links these to cracks, when each are linked */
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 2048, ROOM = 64, EVEN_ROUNDS = 2 };
+enum { CHUNK = 2048, ROOM = 64, FEW = 4, EVEN_ROUNDS = 2 };
 
 static const float link_reach = 1.6f; /* pixels */
 static const float most_uneven = 0.3f;
@@ -207,19 +207,28 @@ static int ascending(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
+typedef struct linking {
+	fine *n;
+	uint32_t (*few)[FEW]; /* the links of a site, if it has no more than that; without `to` they are found */
+} linking;
+
 static void link_sites(void *data, int first, int end, int thread)
 {
 	(void)thread;
-	const fine *n = data;
-	uint32_t to[ROOM];
+	const linking *l = data;
+	const fine *n = l->n;
+	uint32_t own[ROOM];
 	for (int i = first; i < end; i++) {
-		int count = links_of(n, (uint32_t)i, to);
+		uint32_t count = n->to ? n->at[i + 1] - n->at[i] : 0, *to = n->to && count <= FEW ? l->few[i] : own;
+		if (to == own)
+			count = (uint32_t)links_of(n, (uint32_t)i, own);
 		if (!n->to) {
-			n->at[i + 1] = (uint32_t)count;
+			n->at[i + 1] = count;
+			memcpy(l->few[i], own, (count < FEW ? count : FEW) * sizeof *own);
 			continue;
 		}
-		qsort(to, (size_t)count, sizeof *to, ascending);
-		memcpy(n->to + n->at[i], to, (size_t)count * sizeof *to);
+		qsort(to, count, sizeof *to, ascending);
+		memcpy(n->to + n->at[i], to, count * sizeof *to);
 	}
 }
 
@@ -310,11 +319,12 @@ int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count)
 
 int32_t ISA(fine_link)(fine *n)
 {
+	linking l = {n, late_take(&n->f->late, n->count, sizeof *l.few)};
 	n->linked = n->count;
 	n->at = late_take(&n->f->late, n->count + 1, sizeof *n->at);
-	if (!n->at)
+	if (!l.few || !n->at)
 		return ENCRE_ERROR_MEMORY;
-	int32_t code = rows_run(n->f->rows, (int)n->count, CHUNK, link_sites, n);
+	int32_t code = rows_run(n->f->rows, (int)n->count, CHUNK, link_sites, &l);
 	if (code)
 		return code;
 	n->at[0] = 0;
@@ -323,7 +333,9 @@ int32_t ISA(fine_link)(fine *n)
 	n->to = late_take(&n->f->late, n->at[n->count], sizeof *n->to);
 	if (!n->to)
 		return ENCRE_ERROR_MEMORY;
+	code = rows_run(n->f->rows, (int)n->count, CHUNK, link_sites, &l);
 	for (uint32_t i = 0; i < n->count; i++) /* what it joined an earlier family has taken */
 		n->site[i].dropped |= n->site[i].axis == AXIS_JUNCTION && n->at[i] == n->at[i + 1];
-	return rows_run(n->f->rows, (int)n->count, CHUNK, link_sites, n);
+	late_drop(&n->f->late, l.few);
+	return code;
 }

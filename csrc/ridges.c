@@ -4,7 +4,7 @@
  * and no read along a direction goes past them. */
 #include "fine.h"
 
-enum { REACH = 3, SPAN = 2 * REACH + 1 };
+enum { REACH = 3, SPAN = 2 * REACH + 1, SHORT = 32 };
 
 /* Rows about the one worked on: sample 0 of each, REACH more before it and after the last. */
 typedef struct window {
@@ -66,12 +66,17 @@ static int along(const window *w, int x, int axis, float (*value)[3])
  * thin stripe goes the other way. Of two equal ones, which lie at the same place, the first counts. */
 static bool greatest(const window *w, int x, int axis)
 {
-	float value[SPAN][3], own, floor = w->n->floor[w->source];
-	if (along(w, x, axis, value) < 1)
+	float value[SPAN][3], own = 0, floor = w->n->floor[w->source];
+	int before = axis ? REACH - 1 : REACH, after = axis ? REACH + 1 : REACH, dx = axis ? 0 : 1;
+	if (w->mixed[before][x - dx] || w->mixed[after][x + dx])
 		return false;
-	own = distance2(value[REACH + 1], value[REACH - 1], w->planes);
+	for (int c = 0; c < w->planes; c++) {
+		float d = w->row[c][after][x + dx] - w->row[c][before][x - dx];
+		own += d * d;
+	}
 	if (!(own > floor * floor))
 		return false;
+	along(w, x, axis, value);
 	for (int k = -2; k <= 2; k++) {
 		float other = distance2(value[REACH + k + 1], value[REACH + k - 1], w->planes), dot = 0;
 		for (int c = 0; c < w->planes; c++)
@@ -143,10 +148,11 @@ static void mixed_row(const fine *n, int y, uint8_t *out)
 /* Bits by axis. */
 enum { STEP = 1, BAND = 4 };
 
-/* Squared lengths of what makes a step, across one pixel and across two, and of what makes a band. Called with a
- * constant number of planes, so that the loop over them is unrolled and the one over pixels vectorised. */
-static inline void measure(const float *const (*v)[3], int planes, int n, float *restrict step, float *restrict wide,
-			   float *restrict bulge)
+/* Squared lengths of what makes a step, across one pixel and, if it is asked for, across two if that is more, and of
+ * what makes a band. Called with a constant number of planes, so that the loop over them is unrolled and the one over
+ * pixels vectorised. */
+static inline void measure(const float *const (*v)[3], int planes, bool far_too, int n, float *restrict step,
+			   float *restrict wide, float *restrict bulge)
 {
 	for (int i = 0; i < n; i++) {
 		float step2 = 0, wide2 = 0, bulge2 = 0;
@@ -154,20 +160,25 @@ static inline void measure(const float *const (*v)[3], int planes, int n, float 
 			float near = v[3][c][i] - v[1][c][i], far = v[4][c][i] - v[0][c][i];
 			float e = (v[1][c][i] + v[2][c][i] + v[3][c][i]) - 1.5f * (v[0][c][i] + v[4][c][i]);
 			step2 += near * near;
-			wide2 += far * far;
+			wide2 += far_too ? far * far : 0;
 			bulge2 += e * e;
 		}
 		step[i] = step2;
-		wide[i] = wide2;
+		if (far_too)
+			wide[i] = wide2 > step2 ? wide2 : step2;
 		bulge[i] = bulge2;
 	}
 }
 
-/* Takes back what no level of light lies between: v are samples -2..2 along an axis. */
+/* Takes back what no level of light lies between, of n <= SHORT pixels: v are samples -2..2 along an axis. */
 static void keep_levels(const encre_levels *levels, const float *const *v, int n, int axis, int32_t *restrict bits)
 {
-	float low[TILE], high[TILE], deep_low[TILE], deep_high[TILE];
-	int32_t step[TILE], band[TILE];
+	float low[SHORT], high[SHORT], deep_low[SHORT], deep_high[SHORT];
+	int32_t step[SHORT], band[SHORT], any = 0;
+	for (int i = 0; i < n; i++)
+		any |= bits[i] & (STEP | BAND) << axis;
+	if (!any)
+		return;
 	for (int i = 0; i < n; i++) {
 		float a = v[0][i], b = v[1][i], c = v[2][i], d = v[3][i], e = v[4][i];
 		float ab = a < b ? a : b, de = d < e ? d : e, AB = a > b ? a : b, DE = d > e ? d : e;
@@ -198,23 +209,27 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 	for (int i = 0; i < n; i++)
 		bits[i] = 0;
 	for (int axis = 0; axis < 2; axis++) {
-		const float *v[5][3];
+		const float *v[5][3] = {{NULL}};
 		for (int k = -2; k <= 2; k++)
 			for (int c = 0; c < w->planes; c++)
 				v[k + 2][c] = w->row[c][REACH + (axis ? k : 0)] + x0 + (axis ? 0 : k);
-		if (w->planes == 3)
-			measure((const float *const(*)[3])v, 3, n, step, wide, bulge);
+		bool far_too = contrast > least;
+		if (w->planes == 1)
+			measure((const float *const(*)[3])v, 1, false, n, step, wide, bulge);
+		else if (far_too)
+			measure((const float *const(*)[3])v, 3, true, n, step, wide, bulge);
 		else
-			measure((const float *const(*)[3])v, 1, n, step, wide, bulge);
+			measure((const float *const(*)[3])v, 3, false, n, step, wide, bulge);
 		for (int i = 0; i < n; i++) {
-			float far = wide[i] > step[i] ? wide[i] : step[i];
-			int is_step = (step[i] > least * least) & (far > contrast * contrast),
-			    is_band = bulge[i] > band * band;
+			int is_step = step[i] > least * least, is_band = bulge[i] > band * band;
 			bits[i] |= (is_step ? STEP << axis : 0) | (is_band ? BAND << axis : 0);
 		}
-		if (w->source == SOURCE_LIGHT && !w->n->f->style)
-			keep_levels(&w->n->e->p->shade_levels,
-				    (const float *const[]){v[0][0], v[1][0], v[2][0], v[3][0], v[4][0]}, n, axis, bits);
+		for (int i = 0; far_too && i < n; i++)
+			bits[i] &= wide[i] > contrast * contrast ? -1 : ~(STEP << axis);
+		for (int i = 0; w->source == SOURCE_LIGHT && !w->n->f->style && i < n; i += SHORT) {
+			const float *const at[] = {v[0][0] + i, v[1][0] + i, v[2][0] + i, v[3][0] + i, v[4][0] + i};
+			keep_levels(&w->n->e->p->shade_levels, at, n - i < SHORT ? n - i : SHORT, axis, bits + i);
+		}
 	}
 	const uint8_t *mixed = w->mixed[REACH] + x0, *above = w->mixed[REACH - 1] + x0,
 		      *below = w->mixed[REACH + 1] + x0;
@@ -274,7 +289,7 @@ static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
 
 ptrdiff_t ISA(ridge_scratch)(const frame *f)
 {
-	return (2 * SPAN * (f->width + 2 * REACH) + 3) / 4;
+	return (2 * SPAN * (f->width + 2 * REACH) + (f->width - 1) / THIN_SPAN + 1 + 3) / 4;
 }
 
 void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
@@ -282,7 +297,7 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 	const fine *n = data;
 	const frame *f = n->f;
 	uint8_t *mixed = (uint8_t *)(n->scratch + thread * n->thread_scratch) + REACH;
-	uint8_t *closed = mixed + SPAN * (f->width + 2 * REACH);
+	uint8_t *closed = mixed + SPAN * (f->width + 2 * REACH), *hits = closed - REACH + SPAN * (f->width + 2 * REACH);
 	ring rings[SAMPLE_COUNT];
 	for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++)
 		rings[s] = ISA(ring_of)(n->e, (enum source)s, thread);
@@ -297,7 +312,7 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 				mixed_row(n, row, at);
 			w.mixed[k] = at;
 		}
-		ISA(thin_mark)(n, y, ridge);
+		ISA(thin_mark)(n, y, hits, ridge);
 		if (n->seen)
 			memset(n->seen + (ptrdiff_t)y * f->width, 0, (size_t)f->width * sizeof *n->seen);
 		for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++) {

@@ -350,8 +350,10 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 		made.through = arena_take(a, pixels, sizeof *made.through);
 		made.glimpse = arena_take(a, (size_t)f->height, sizeof *made.glimpse);
 	}
-	made.thread_scratch =
-	    ISA(crack_scratch)(f) > ISA(ridge_scratch)(f) ? ISA(crack_scratch)(f) : ISA(ridge_scratch)(f);
+	ptrdiff_t scratch[] = {ISA(crack_scratch)(f), ISA(ridge_scratch)(f),
+			       e->on[SOURCE_LIGHT] ? ISA(light_scratch)(f) : 0};
+	for (int i = 0; i < 3; i++)
+		made.thread_scratch = scratch[i] > made.thread_scratch ? scratch[i] : made.thread_scratch;
 	made.scratch = arena_take(a, (size_t)rows_threads(f->rows) * (size_t)made.thread_scratch, sizeof *made.scratch);
 	fine *n = arena_take(a, 1, sizeof *n);
 	f->fine = n;

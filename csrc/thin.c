@@ -5,6 +5,7 @@
 #include "fine.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = THIN_SPAN };
 
@@ -281,6 +282,7 @@ void ISA(thin_place)(const fine *n, site *s)
 
 /* ---- between hits ---------------------------------------------------------------------------------------- */
 
+/* Hits up to REACH above and below, in this span and its neighbours. */
 static int hits_near(const fine *n, int x, int y)
 {
 	int hits = 0, at = x / THIN_SPAN, from = at > 0 ? at - 1 : 0, to = at + 1 < n->spans ? at + 1 : at;
@@ -288,6 +290,17 @@ static int hits_near(const fine *n, int x, int y)
 		for (int j = from; j <= to; j++)
 			hits |= n->hit[(ptrdiff_t)i * n->spans + j];
 	return hits;
+}
+
+/* Likewise, of each span alone. */
+static void hits_about(const fine *n, int y, uint8_t *restrict hits)
+{
+	memset(hits, 0, (size_t)n->spans);
+	for (int i = clamp_index(y - REACH, n->f->height); i <= clamp_index(y + REACH, n->f->height); i++) {
+		const uint8_t *row = n->hit + (ptrdiff_t)i * n->spans;
+		for (int k = 0; k < n->spans; k++)
+			hits[k] |= row[k];
+	}
 }
 
 /* The slice of a thing that covers no centre of the pixels across it here, but lies in this one. */
@@ -317,11 +330,13 @@ bool ISA(thin_site)(const fine *n, site *s)
 	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, hits & HIT_DEPTH ? 1 : 0);
 }
 
-void ISA(thin_mark)(const fine *n, int y, uint16_t *ridge)
+void ISA(thin_mark)(const fine *n, int y, uint8_t *hits, uint16_t *ridge)
 {
+	hits_about(n, y, hits);
 	for (int x = 0; x < n->f->width; x++) {
 		slice row, column;
-		if (x % THIN_SPAN == 0 && !hits_near(n, x, y)) {
+		int at = x / THIN_SPAN;
+		if (!(hits[at > 0 ? at - 1 : 0] | hits[at] | hits[at + 1 < n->spans ? at + 1 : at])) {
 			x += THIN_SPAN - 1;
 			continue;
 		}

@@ -4,8 +4,7 @@
     python tests/bench.py [--size WxH] [--rounds N] [--set id=value]...
 
 Then the lines of FINE beside those of DOG, on one thread, where 12 % of the pixels lie within 3 of a site: at most 1.3
-times as long for all stages together, 1.5 times with colour and light; 12 bytes a pixel besides input and output, or
-15 with light.
+times as long for all stages together, 1.5 times with colour and light; 12 bytes a pixel besides input and output.
 
 Ratios, not seconds: they mean the same on a busy machine and a quiet one. A stage's time is what passes between the
 progress reports at its ends; the best of the rounds counts, for the copy as well.

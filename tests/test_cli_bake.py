@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`encre bake`: files in and out, mip levels, meshes, and what bad input gets."""
 
+import os
 import resource
+import signal
 import struct
 import subprocess
 import sys
+import threading
 import zlib
 
 import numpy as np
 import OpenImageIO as oiio
 import pytest
 import widths
-from encre import cli, core, images, presets, texture, unwrap
+from encre import cli, core, images, interrupt, presets, texture, unwrap
 
 
 def stored(path, kind="float"):
@@ -202,6 +205,8 @@ def test_uniform_on_a_blend(run, tmp_path, png):
     ("", "holds no faces"), ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "UV map"),
     ("v 0 0 0\nvt 0 0\nf 1/1 2/1 3/1\n", "UV map"), ("v a b c\n", "UV map"),
     ("v nan 0 0\nvt 0 0\nf 1/1 1/1 1/1\n", "finite"),
+    ("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n", "too large"),
+    ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1e30 0\nvt 0 1\nf 1/1 2/2 3/3\n", "1000000 times"),
     ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n", "no area"),
     ("v 0 0 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 1/2 1/3\n", "no area"),
 ])
@@ -280,3 +285,12 @@ def test_a_full_disk_leaves_what_was_there(tmp_path):
     assert done.returncode == 1 and done.stderr.count("encre: error: ") == 1 and "Traceback" not in done.stderr
     assert (tmp_path / "out.mip1.png").read_text() == "old"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["in.png", "out.mip1.png"]
+
+
+def test_an_interrupt_while_the_library_works():
+    """It comes between two calls of the callback, as good as always."""
+    pixels = np.random.default_rng(0).random((1500, 1500, 3), np.float32)
+    with pytest.raises(KeyboardInterrupt), interrupt.heeded() as progress:
+        threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+        core.bake(pixels, {"line_thickness": 64.0}, threads=1, progress=progress)
+    assert signal.getsignal(signal.SIGINT) == signal.default_int_handler

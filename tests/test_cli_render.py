@@ -281,6 +281,21 @@ def test_interrupt(cube, tmp_path, number):
     assert bytes(tmp_path) not in running, "Blender runs on"
 
 
+@pytest.mark.parametrize("options, number", [(("--size", "64x36"), None), (("--size", "1280x720"), signal.SIGTERM)])
+def test_nothing_stays_among_the_temporary_files(cube, tmp_path, options, number):
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    child = subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png", *options],
+                             stderr=subprocess.PIPE, text=True, env={**os.environ, "TMPDIR": str(temporary)})
+    if number:
+        deadline = time.monotonic() + 60
+        while not list(temporary.glob("*/blender_*")) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        child.send_signal(number)
+    err = child.communicate(timeout=60)[1]
+    assert child.returncode == (130 if number else 0) and left(temporary) == [], err
+
+
 def test_bar_on_a_terminal(cube, tmp_path):
     main, child = pty.openpty()
     with subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png"], stderr=child):

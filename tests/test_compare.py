@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`encre compare`: what stands where, and that both techniques draw the same width where nothing foreshortens it."""
 
+import resource
 import signal
 import subprocess
 import sys
@@ -139,6 +140,7 @@ def test_mips_and_uniform(stripes, tmp_path):
     (["--preset", "inter_color", "--set", "line_depth_distance=0"], ["line_depth_distance"]),
     (["--preset", "inter_color", "-f", "1", "-s", "2"], ["-f", "-s"]),
     (["--seed", "first"], ["first"]),
+    (["-f", "99999999999"], ["frame number"]),
 ])
 def test_what_can_not_be_compared(stripes, tmp_path, options, words):
     refused(encre(stripes, "-o", tmp_path / "out.png", *options), *words)
@@ -163,6 +165,9 @@ lost.image.source, lost.image.filepath = "FILE", "//nowhere.png"
 """)
     err = works(encre(bare, "-o", tmp_path / "out.png", *FLAT, "--size", "64x36", "--samples", "1"))
     assert "Lost" in err and "stays without lines" in err and (tmp_path / "out.png").exists()
+    bare.write_text(SCENE.replace("[value for pair in uv for value in pair]", "[0.5] * 8"))  # a UV map without area
+    err = works(encre(bare, "-o", tmp_path / "out.png", *FLAT, "--size", "400x4", "--samples", "1"))
+    assert "Stripes stays without lines: its UV map has no area" in err
 
 
 def test_outputs_that_can_not_be_written(stripes, tmp_path):
@@ -171,7 +176,20 @@ def test_outputs_that_can_not_be_written(stripes, tmp_path):
     refused(encre(stripes, "-o", "out.jpg", *FLAT), "out.jpg")
     (tmp_path / "is.png").mkdir()
     refused(encre(stripes, "-o", tmp_path / "is.png", *FLAT), "is.png")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "is.png", "stripes.py"]
+    (tmp_path / "out0002_crops.png").mkdir()  # found before the first frame is rendered
+    refused(encre(stripes, "-o", tmp_path / "out.png", *FLAT[:-1], "-s", "1", "-e", "2"), "out0002_crops.png")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "is.png", "out0002_crops.png", "stripes.py"]
+
+
+def test_a_full_disk(stripes, tmp_path):
+    def small():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (70_000,) * 2)  # room for the probe
+
+    stripes.write_text(SCENE.replace("texels[..., :3] = 0.8", "texels[:] = np.random.rand(*texels.shape)"))
+    command = [sys.executable, "-m", "encre", "compare", stripes, "-o", tmp_path / "out.png", *FLAT, "--samples", "1"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, preexec_fn=small)
+    refused(done, "out.png", "can't be written", status=1)
+    assert [path.name for path in tmp_path.iterdir()] == ["stripes.py"]
 
 
 def test_interrupted(stripes, tmp_path):

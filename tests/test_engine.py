@@ -213,7 +213,9 @@ def test_lines_by_hand(render):
                ("whole", "parts", "parts-pass", "attribute", "pieces", "separate")}
     count = {name: len(np.unique(index)) for name, index in numbers.items()}
     assert count == {"whole": 4, "parts": 6, "parts-pass": 3, "attribute": 5, "pieces": 4, "separate": 5}
-    assert shot.facts["mark"] == [["FINISHED"]] * 3 and shot.facts["parts"] == [[0, 1, 2]]
+    finished, cancelled = ["FINISHED"], ["CANCELLED"]  # without a selected face
+    assert shot.facts["mark"] == [finished, finished, cancelled, finished, finished]
+    assert shot.facts["parts"] == [[0, 1, 2]] and shot.facts["next"] == [3]
     assert shot.facts["refused"][0].startswith("Error: Ball: its attribute encre_part holds no whole numbers of faces;")
     ink = {name: shot.passes(name)["Encre Lines"][..., 3].sum() for name in numbers}
     for more, less in (("parts", "whole"), ("attribute", "whole"), ("separate", "pieces")):

@@ -88,8 +88,8 @@ def test_each_refused_once(library, job, settings, what):
 @pytest.mark.parametrize("sources", bench.SOURCES)
 @pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallinfo2"), reason="needs glibc's count of memory")
 def test_fine_holds_at_most_12_bytes_a_pixel(sources):
-    """Besides input and output, where 12 % of the pixels are near a line; 3 more for the light without its noise."""
+    """Besides input and output, where 12 % of the pixels are near a line."""
     width, height = 1920, 1080
     layers, settings = bench.balls(width, height, bench.CELL[sources]), bench.SOURCES[sources]
     assert 0.11 < bench.sites(layers, settings)[1] < 0.13
-    assert bench.held_bytes(layers, settings) <= (12 + 3 * ("edge_light" in settings)) * width * height
+    assert bench.held_bytes(layers, settings) <= 12 * width * height

@@ -105,3 +105,9 @@ def bake_lines(out):
     bpy.ops.object.select_all(action="DESELECT")
     bpy.data.objects["Cube"].select_set(True)
     fact("refused", refused())
+    fact("refused", refused(where="FOLDER", directory=""))
+    bpy.ops.wm.save_as_mainfile(filepath=os.path.join(out, "library.blend"), copy=True)
+    with bpy.data.libraries.load(os.path.join(out, "library.blend"), link=True) as (_, loaded):
+        loaded.materials = [one.name]
+    bpy.data.objects["Cube"].data.materials[0] = loaded.materials[0]
+    fact("linked", refused())

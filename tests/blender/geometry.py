@@ -240,6 +240,13 @@ def by_hand(out):
     mark(lambda at: at.z < -0.3)
     fact("parts", sorted({item.value for item in ball.data.attributes["encre_part"].data}))
     shoot(out, "parts")
+    mark(lambda at: False)
+    numbers = [item.value for item in ball.data.attributes["encre_part"].data]
+    ball.data.attributes["encre_part"].data[0].value = 2 ** 31 - 1
+    mark(lambda at: at.x > 0.3)
+    fact("next", max({item.value for item in ball.data.attributes["encre_part"].data} - {2 ** 31 - 1}))
+    for item, number in zip(ball.data.attributes["encre_part"].data, numbers, strict=True):
+        item.value = number
     scene.encre.object_index = "PASS"
     shoot(out, "parts-pass")
     scene.encre.object_index = "AUTO"

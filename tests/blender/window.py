@@ -111,6 +111,7 @@ def edit_mode():
     """The panel of Edit Mode, as a pop-up: no script can open its tab in the sidebar of 3.4."""
     with override("VIEW_3D"):
         bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="SELECT")
         studio.fact("mark", list(bpy.ops.encre.mark_part(clear=True)))
         bpy.ops.wm.call_panel(name="ENCRE_PT_marks")
     yield
