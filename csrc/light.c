@@ -14,6 +14,8 @@ static const float most_noise = 0.035f, least_light = 0.02f, most_light = 1e7f;
 /* Likewise, by what evening can change light: a pass moves it a third of most_noise if all others are 0.6 of that off,
  * and less if not. */
 static const float most_change = 0.037f;
+/* Pixels that noise may move a boundary; up to twice that evening helps more and more. */
+static const float most_jitter = 0.05f;
 
 /* ---- where it matters ------------------------------------------------------------------------------------ */
 
@@ -295,6 +297,41 @@ float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float
 
 /* ---- sites ------------------------------------------------------------------------------------------ */
 
+/* How far the noise moves light from pixel to pixel about a crack: what is left of it when no slope and no bend along
+ * rows and columns is (Immerkaer 1996); its own two pixels, light with its noise, in `own`. */
+static float noise_at(const fine *n, const site *s, float *own)
+{
+	enum { ALONG = 6, ACROSS = 5 };
+	float v[ACROSS][ALONG], sum = 0;
+	int dx = s->axis == AXIS_ROW;
+	for (int i = 0; i < ACROSS; i++)
+		for (int k = 0; k < ALONG; k++) {
+			int x = s->column + (dx ? k : i) - 2, y = s->row + (dx ? i : k) - 2;
+			x = clamp_index(x, n->f->width);
+			values(n->f, clamp_index(y, n->f->height), x, x + 1, v[i] + k);
+		}
+	for (int i = 1; i + 1 < ACROSS; i++)
+		for (int k = 1; k + 1 < ALONG; k++) {
+			float d[3];
+			for (int j = 0; j < 3; j++)
+				d[j] = v[i + j - 1][k - 1] - 2 * v[i + j - 1][k] + v[i + j - 1][k + 1];
+			float off = d[0] - 2 * d[1] + d[2];
+			sum += off * off;
+		}
+	own[0] = v[2][2];
+	own[1] = v[2][3];
+	return sqrtf(sum / (36 * (ACROSS - 2) * (ALONG - 2)));
+}
+
+/* Share of the way to the next pixel at which light crosses the threshold. Evening draws a bent boundary inwards: where
+ * there is hardly any noise the light itself tells better. */
+static float crossing(const fine *n, const site *s, float one, float two, float threshold)
+{
+	float own[2], noise = noise_at(n, s, own), slope = fabsf(own[1] - own[0]), even = (threshold - one) / (two - one);
+	float calm = slope > 0 ? clamp01(2 - noise / (most_jitter * slope)) : 0;
+	return calm > 0 ? mix(even, clamp01((threshold - own[0]) / (own[1] - own[0])), calm) : even;
+}
+
 bool ISA(light_site)(const fine *n, site *s)
 {
 	const frame *f = n->f;
@@ -302,15 +339,15 @@ bool ISA(light_site)(const fine *n, site *s)
 	crack_place(s, 0.5f);
 	int style = fine_style(n, s);
 	const encre_params *own = f->params + style;
-	float one = bounded(light_row(n, s->row)[s->column] * own->shade_exposure),
-	      two = bounded(light_row(n, qy)[qx] * own->shade_exposure);
+	float exposure = own->shade_exposure, one = bounded(light_row(n, s->row)[s->column] * exposure),
+	      two = bounded(light_row(n, qy)[qx] * exposure);
 	int low = level_of(&own->shade_levels, one < two ? one : two),
 	    high = level_of(&own->shade_levels, one > two ? one : two);
 	if (low == high)
 		return false;
 	/* a step over several thresholds is one line */
 	float threshold = 0.5f * (own->shade_levels.level[low + 1].threshold + own->shade_levels.level[high].threshold);
-	crack_place(s, clamp01((threshold - one) / (two - one)));
+	crack_place(s, clamp01(crossing(n, s, one / exposure, two / exposure, threshold / exposure)));
 	s->strength = 0;
 	return ISA(fine_weigh)(n, s, style, SOURCE_LIGHT, ISA(light_contrast)(n, own, one, two));
 }
