@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Contours of triangles. A surface ends on the screen where it turns away from the eye, is cut off or changes its number.
- * That is told from the sides of an edge on which its triangles lie, in whatever sense their corners go round: on one
- * only, and the surface ends or folds there. */
+/* Contours of triangles. A surface ends on the screen where it turns away from the eye, is cut off or changes its
+ * number. That is told from the sides of an edge on which its triangles lie, in whatever sense their corners go round:
+ * on one only, and the surface ends or folds there. */
 #include "contours.h"
 
 #include <stdatomic.h>
@@ -50,7 +50,8 @@ static inline enum contour_side turned(enum contour_side side)
 
 static bool same_numbers(const encre_mesh *mesh, uint32_t i, uint32_t j)
 {
-	return (!mesh->object || mesh->object[i] == mesh->object[j]) && (!mesh->material || mesh->material[i] == mesh->material[j]);
+	return (!mesh->object || mesh->object[i] == mesh->object[j]) &&
+	       (!mesh->material || mesh->material[i] == mesh->material[j]);
 }
 
 /* Files the edges under their lower points; one between a point and itself is none. */
@@ -73,7 +74,8 @@ static void file_edges(const encre_mesh *mesh, uint32_t corners, edge_list *list
 	list->start[0] = 0;
 }
 
-/* Looks through the edges from a point to higher ones. edges[i] has what facing() says of triangle i above its edges. */
+/* Looks through the edges from a point to higher ones. edges[i] has what facing() says of triangle i above its edges.
+ */
 static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, uint8_t *edges)
 {
 	uint32_t from = list->start[point], end = list->start[point + 1];

@@ -123,12 +123,15 @@ int32_t encre_set_simd(encre_context *context, int32_t level)
 	return ENCRE_OK;
 }
 
-static rows *pool_of(encre_context *context)
+/* The threads, which will report to `progress`; NULL without memory. */
+static rows *pool_of(encre_context *context, encre_progress progress, void *user)
 {
 	if (!context->pool) {
 		long n = context->threads ? context->threads : sysconf(_SC_NPROCESSORS_ONLN);
 		context->pool = rows_create(n < 1 ? 1 : n > MAX_THREADS ? MAX_THREADS : (int)n);
 	}
+	if (context->pool)
+		rows_progress(context->pool, progress, user);
 	return context->pool;
 }
 
@@ -279,10 +282,9 @@ int32_t encre_render(encre_context *context, encre_job *job)
 		f->any_hatching |= f->params[i].use_hatching;
 	}
 	f->want_edges = f->any_lines || f->any_smudging || w.out[ENCRE_OUTPUT_EDGES].data;
-	f->rows = pool_of(context);
+	f->rows = pool_of(context, job->progress, job->user);
 	if (!f->rows)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
-	rows_progress(f->rows, job->progress, job->user);
 	rows_span(f->rows, 0, 0.5 / (N_STAGES + 1));
 	code = scan(&w);
 	if (code)
@@ -310,10 +312,9 @@ int32_t encre_raster(encre_context *context, encre_raster_job *job)
 	int32_t code = check_raster(job, &clean, context->error, sizeof context->error);
 	if (code)
 		return code;
-	rows *pool = pool_of(context);
+	rows *pool = pool_of(context, job->progress, job->user);
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
-	rows_progress(pool, job->progress, job->user);
 	code = raster_run(pool, &clean, context->error, sizeof context->error);
 	return context->error[0] ? code : fail_code(context, code);
 }
@@ -327,10 +328,9 @@ int32_t encre_bake(encre_context *context, encre_bake_job *job)
 	int32_t code = check_bake(job, &clean, context->error, sizeof context->error);
 	if (code)
 		return code;
-	rows *pool = pool_of(context);
+	rows *pool = pool_of(context, job->progress, job->user);
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
-	rows_progress(pool, job->progress, job->user);
 	code = use_best(context) ? BEST(bake_run)(pool, &clean, job) : bake_run_base(pool, &clean, job);
 	return fail_code(context, code);
 }

@@ -45,6 +45,7 @@ typedef struct slice {
 	float stands[PLANES]; /* how it stands out, summed up */
 	int hits;             /* pixel centres that it covers */
 	float ground;         /* the object behind it */
+	float width;          /* from contour to contour; 0: not known */
 	float trust;          /* in the above, 0 to 1 */
 } slice;
 
@@ -140,6 +141,13 @@ static bool cracked(const fine *n, int axis, int across, int at)
 	return n->crack[i] & CRACK_RIGHT << axis;
 }
 
+/* Where a contour passes from a pixel to the next, 0 < place <= 1; 0: that is not known. */
+static float contour_at(const fine *n, int axis, int across, int at)
+{
+	site s = {.column = (uint16_t)(axis ? across : at), .row = (uint16_t)(axis ? at : across), .axis = (uint8_t)axis};
+	return fmaxf(-ISA(hand_place)(n, &s), 0);
+}
+
 /* The slice across the thing at a pixel: a few pixels between cracks, and two more on each side. */
 static bool slice_at(const fine *n, int axis, int across, int at, slice *s)
 {
@@ -148,8 +156,15 @@ static bool slice_at(const fine *n, int axis, int across, int at, slice *s)
 		first--;
 	while (last + 1 < size && last - first < MOST_HIT && !cracked(n, axis, across, last))
 		last++;
-	return last - first < MOST_HIT && slice_of(n, axis, across, first - 2, last - first + 5, s) &&
-	       s->hits == last - first + 1;
+	if (last - first >= MOST_HIT || !slice_of(n, axis, across, first - 2, last - first + 5, s) ||
+	    s->hits != last - first + 1)
+		return false;
+	float before = contour_at(n, axis, across, first - 1), after = contour_at(n, axis, across, last);
+	if (before > 0 && after > 0) {
+		s->width = (float)(last - first + 1) + after - before;
+		s->middle = (float)(first - 1) + before + 0.5f * s->width;
+	}
+	return true;
 }
 
 /* ---- along a thing --------------------------------------------------------------------------------------- */
@@ -269,7 +284,7 @@ void ISA(thin_place)(const fine *n, site *s)
 	if (zp == zq || !slice_at(n, s->axis, across, at + ahead, &own))
 		return;
 	run r = follow(n, s->axis, across, &own);
-	float square = squareness(&r), half = half_of(&r), across_it = 2 * half * square;
+	float square = squareness(&r), half = own.width > 0 ? 0.5f * own.width : half_of(&r), across_it = 2 * half * square;
 	float was = dx ? s->x - (float)s->column : s->y - (float)s->row;
 	s->thin = fminf(own.trust, ramp(-across_it, -widest_across, width_ramp - widest_across));
 	s->thin = fminf(s->thin, ramp((float)r.steps, shortest - length_ramp, shortest));

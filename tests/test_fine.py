@@ -10,7 +10,6 @@ from judge import scenes, verdict
 
 OUTPUTS = ("Combined", "Encre Lines", "Encre Edges")
 ALL = dict(edge_detector="FINE", edge_threshold=0.3, edge_color=3.0, edge_light=4.0, edge_material=1.0, edge_seen=3.0)
-SEEDS = (21, 22)
 
 
 def ink(layers, camera, **params):
