@@ -131,7 +131,7 @@ static int32_t find_spans(const even *v)
 		}
 		for (int k = 0, before = 0; k < spans; k++) {
 			int own = mark[k];
-			mark[k] = before | own | (k + 1 < spans && mark[k + 1]) ? READ : 0;
+			mark[k] = (before | own | (k + 1 < spans && mark[k + 1])) ? READ : 0;
 			before = own;
 		}
 		for (int k = 0; k < spans; k++)
