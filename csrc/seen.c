@@ -16,6 +16,8 @@ static const float glow = 0.1f;
 static const float stirred_from = 0.06f; /* share of a step by which a pixel sticks out of its neighbours */
 /* share of such pixels from which on no line is left, of depths fewer, and by how much less leaves all of it */
 static const float most_stirred = 0.55f, most_of_depth = 0.5f, calm_ramp = 0.15f;
+/* The same of pixels that stick out across the line: ripples show a thing again and again, one above the other. */
+static const float most_rippled = 0.8f;
 
 /* ---- where ----------------------------------------------------------------------------------------------- */
 
@@ -127,7 +129,7 @@ float ISA(seen_clarity)(const fine *n, const site *at, int s)
 	float value[READ][READ][3], step2 = 0;
 	bool open[READ][READ];
 	float most = s == SAMPLE_SEEN_DEPTH ? most_of_depth : most_stirred;
-	int stirred = 0, all = 0;
+	int stirred = 0, rippled = 0, all = 0;
 	for (int i = 0; i < READ; i++)
 		for (int k = 0; k < READ; k++) {
 			int x = at->column + k - MIDDLE, y = at->row + i - MIDDLE;
@@ -150,9 +152,15 @@ float ISA(seen_clarity)(const fine *n, const site *at, int s)
 				row[c] = 0.5f * (value[i][k - 1][c] + value[i][k + 1][c]);
 				column[c] = 0.5f * (value[i - 1][k][c] + value[i + 1][k][c]);
 			}
-			float off2 = fminf(distance2(row, value[i][k], 3), distance2(column, value[i][k], 3));
-			stirred += off2 > stirred_from * stirred_from * step2;
+			float least2 = stirred_from * stirred_from * step2;
+			bool off_row = distance2(row, value[i][k], 3) > least2;
+			bool off_column = distance2(column, value[i][k], 3) > least2;
+			stirred += off_row && off_column;
+			rippled += at->axis ? off_column : off_row;
 			all++;
 		}
-	return all ? clamp01((most - (float)stirred / (float)all) / calm_ramp) : 1;
+	if (!all)
+		return 1;
+	float calm = clamp01((most - (float)stirred / (float)all) / calm_ramp);
+	return calm * clamp01((most_rippled - (float)rippled / (float)all) / calm_ramp);
 }

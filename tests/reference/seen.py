@@ -80,23 +80,24 @@ def _jump(layers, depth, closed, at, step):
 
 def _clarity(image, closed, at, step, most):
     """0 where half the pixels of a 9×9 differ by 6 % of the step from the mean of their neighbours in the row and
-    from that of those in the column, 1 where enough do not."""
+    from that of those in the column, or 80 % from that of those across the line; 1 where enough do not."""
     up, down, left, right = (grid.read(image, *d) for d in _SIDES)
-    bent = np.minimum(*(np.linalg.norm(image - (a + b) / 2, axis=-1) for a, b in ((up, down), (left, right))))
+    column, row = (np.linalg.norm(image - (a + b) / 2, axis=-1) for a, b in ((up, down), (left, right)))
+    bent = np.minimum(column, row)
     known = ~closed & ~np.any([grid.read(closed, *d) for d in _SIDES], axis=0)
     inside = np.zeros_like(known)
     inside[1:-1, 1:-1] = True
     known &= inside
     found = np.ones(len(at))
     height, width = closed.shape
-    for k, (row, column) in enumerate(np.clip(grid.round_half_up(at), 0, (height - 1, width - 1))):
+    for k, (y, x) in enumerate(np.clip(grid.round_half_up(at), 0, (height - 1, width - 1))):
         dy, dx = (1, 0) if np.any(step[k, :3]) else (0, 1)
-        line = [image[np.clip(row + i * dy, 0, height - 1), np.clip(column + i * dx, 0, width - 1)] for i in (-1, 0, 1)]
+        line = [image[np.clip(y + i * dy, 0, height - 1), np.clip(x + i * dx, 0, width - 1)] for i in (-1, 0, 1)]
         size = max(np.linalg.norm(line[a] - line[b]) for a, b in ((0, 1), (0, 2), (1, 2)))
-        box = np.s_[max(row - 4, 0):row + 5, max(column - 4, 0):column + 5]
+        box = np.s_[max(y - 4, 0):y + 5, max(x - 4, 0):x + 5]
         if known[box].any():
-            stirred = (bent[box] > 0.06 * size)[known[box]].mean()
-            found[k] = clamp01((most - stirred) / 0.15)
+            stirred, rippled = ((off[box] > 0.06 * size)[known[box]].mean() for off in (bent, column if dy else row))
+            found[k] = clamp01((most - stirred) / 0.15) * clamp01((0.8 - rippled) / 0.15)
     return found
 
 
