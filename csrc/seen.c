@@ -11,7 +11,8 @@ enum { GROWN = 2 }; /* pixels that what is found grows by */
 enum { WINDOW = 4, SIDE = 2 * WINDOW + 1 };
 
 static const float other_normal = 0.1f, other_depth = 0.02f; /* length; share of the depth, or of the frame's height */
-/* a lamp has no normal: such a difference of colours tells it from a mirrored sky */
+/* Of a lamp, and of what is black, Cycles writes nothing: where they take part in a pixel the normal is the surface's own,
+ * but shorter. Such a difference of colours tells them from a mirrored sky. */
 static const float glow = 0.1f;
 static const float stirred_from = 0.06f; /* share of a step by which a pixel sticks out of its neighbours */
 /* share of such pixels from which on no line is left, of depths fewer, and by how much less leaves all of it */
@@ -42,18 +43,23 @@ static void differ_rows(void *data, int y0, int y1, int thread)
 		for (int x = 0; x < f->width; x++) {
 			const float *a = normal + (ptrdiff_t)3 * x, *b = seen + (ptrdiff_t)3 * x;
 			const float *c = color + (ptrdiff_t)3 * x, *d = albedo + (ptrdiff_t)3 * x;
-			float off = 0, tint = 0, length = 0;
+			float turned[3], off = 0, tint = 0, along = 0, length = 0, rest = 0;
 			for (int k = 0; k < 3; k++) {
-				float turned = v[3 * k] * a[0] + v[3 * k + 1] * a[1] + v[3 * k + 2] * a[2];
-				off += (b[k] - turned) * (b[k] - turned);
+				turned[k] = v[3 * k] * a[0] + v[3 * k + 1] * a[1] + v[3 * k + 2] * a[2];
+				off += (b[k] - turned[k]) * (b[k] - turned[k]);
 				tint += (clamp01(c[k]) - clamp01(d[k])) * (clamp01(c[k]) - clamp01(d[k]));
-				length += b[k] * b[k];
+				along += b[k] * turned[k];
+				length += turned[k] * turned[k];
 			}
+			float share = length > 0 ? clamp01(along / length) : 0;
+			for (int k = 0; k < 3; k++)
+				rest += (b[k] - share * turned[k]) * (b[k] - share * turned[k]);
 			float front = depth_of(z[x]), gap = fabsf(far[x] - front), unit = ortho ? height : front;
 			bool there = front < INFINITY;
-			bool lamp = length < other_normal * other_normal && tint < glow * glow;
-			out[x] = (uint16_t)((there && !lamp && off > other_normal * other_normal ? OTHER_NORMAL : 0) |
-					    (there && far[x] > 0 && gap > other_depth * unit ? OTHER_DEPTH : 0));
+			bool own = rest < other_normal * other_normal && tint < glow * glow;
+			bool other = off > other_normal * other_normal;
+			out[x] = (uint16_t)((there && !own && other ? OTHER_NORMAL : 0) |
+					    (there && !(own && other) && far[x] > 0 && gap > other_depth * unit ? OTHER_DEPTH : 0));
 		}
 	}
 }

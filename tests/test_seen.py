@@ -149,3 +149,16 @@ def test_noise_makes_no_scribble(seed, blur):
         noise *= {"seen_color": 0.3, "seen_normal": 0.5, "seen_depth": 0.5}[name] / noise.std()
         layers[name] = (np.abs(layers[name].mean((0, 1)) + noise)).astype(np.float32)
     assert (drawn(layers)[5:-5, 5:-5, 3] > 0.5).mean() < 0.01
+
+
+def test_black_spots_are_no_mirrors():
+    """Where a texture is black Cycles writes nothing of what is seen: pixels with a share of black."""
+    y, x = np.indices((90, 160), np.float32)
+    share = 1 - np.clip(1.5 - np.abs(np.hypot(x % 40 - 20, y % 30 - 15) - 9), 0, 1)[..., None]
+    flat = np.ones((90, 160, 3), np.float32)
+    paint, normal = flat * share * (0.8, 0.5, 0.2), flat * (0, 0.6, 0.8)
+    layers = {"combined": np.ones((90, 160, 4)), "color": paint, "albedo": paint, "diffuse": flat,
+              "depth": flat[..., :1] * 5, "normal": normal, "object": flat[..., :1], "seen_color": paint,
+              "seen_normal": normal * share, "seen_depth": flat[..., :1] * 5 * share}
+    t = drawn({name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}, edge_color=0.0)
+    assert t.max() == 0

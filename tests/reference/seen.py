@@ -15,12 +15,14 @@ def through(layers):
     """(H, W) where normals differ by .1, or depths by 2 % over all of a 3×3; grown by 5×5."""
     turned = layers.normal @ layers.view.T
     apart = np.linalg.norm(layers.seen_normal - turned, axis=-1)
-    lamp = (np.linalg.norm(layers.seen_normal, axis=-1) < 0.1) & (
-        np.linalg.norm(clamp01(layers.seen_color) - clamp01(layers.albedo), axis=-1) < 0.1)
+    length = (turned ** 2).sum(-1)
+    share = clamp01((layers.seen_normal * turned).sum(-1) / np.where(length > 0, length, 1))
+    own = (np.linalg.norm(layers.seen_normal - share[..., None] * turned, axis=-1) < 0.1) & (
+        np.linalg.norm(clamp01(layers.seen_color) - clamp01(layers.albedo), axis=-1) < 0.1)  # a lamp, or black in part
     unit = layers.height if layers.orthographic else np.where(layers.there, layers.depth, 1)
     gap = np.abs(layers.seen_depth - np.where(layers.there, layers.depth, 0))
-    other = layers.there & (layers.seen_depth > 0) & (gap > 0.02 * unit)
-    begin = (layers.there & ~lamp & (apart > 0.1)) | np.all(
+    other = layers.there & (layers.seen_depth > 0) & (gap > 0.02 * unit) & ~(own & (apart > 0.1))
+    begin = (layers.there & ~own & (apart > 0.1)) | np.all(
         [grid.read(other, dy, dx) for dy, dx in grid.window(1)], axis=0)
     return grid.most(begin, 2)
 
