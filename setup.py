@@ -23,11 +23,10 @@ from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
 
 NAME = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
-# Files without stages are compiled once, stages once per instruction set (csrc/stage.h).
-PLAIN = ("arena.c", "check.c", "clean.c", "contours.c", "encre.c", "geometry.c", "outline.c", "params.c", "raster.c",
-         "rows.c", "segment.c")
+# A file that names anything with these is compiled once per instruction set (csrc/base/stage.h), any other once.
+KERNELS = ("ISA(", "STAGE_SYMBOL(")
 # No option that lets the compiler change a result: every build gives the same bits.
-FLAGS = shlex.split("-std=c11 -D_POSIX_C_SOURCE=200809L -fPIC -fvisibility=hidden -pthread -Wall -Wextra -Wpedantic "
+FLAGS = shlex.split("-std=c11 -Icsrc -D_POSIX_C_SOURCE=200809L -fPIC -fvisibility=hidden -pthread -Wall -Wextra -Wpedantic "
                     "-fno-math-errno -fno-trapping-math -ffp-contract=off")
 
 
@@ -43,9 +42,10 @@ def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""
         variants["v3"] = ["-march=x86-64-v3"]
         flags.append("-DENCRE_HAVE_V3")
     compile_, objects = [], []
-    for source in sorted(Path("csrc").glob("*.c")):
+    for source in sorted(Path("csrc").rglob("*.c")):
+        kernels = any(name in source.read_text(encoding="utf-8") for name in KERNELS)
         for isa, march in variants.items():
-            if source.name in PLAIN and isa != "base":
+            if isa != "base" and not kernels:
                 continue
             objects.append(str(build / f"{source.stem}-{isa}.o"))
             compile_.append([*cc, *flags, *march, f"-DENCRE_ISA={isa}", "-c", str(source), "-o", objects[-1]])

@@ -3,8 +3,8 @@
  * the radius of a line, which darkens the texture. */
 #include "bake.h"
 #include "detect.h"
-#include "metric.h"
-#include "pixel.h"
+#include "base/metric.h"
+#include "base/pixel.h"
 
 #include <stdlib.h>
 

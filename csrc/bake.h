@@ -3,7 +3,7 @@
 #ifndef ENCRE_BAKE_H
 #define ENCRE_BAKE_H
 
-#include "stage.h"
+#include "base/stage.h"
 
 /* Lines are stamped LANES texels at a time; a sheet has as many to spare right of each row. SHEET: rows of one. */
 enum { LANES = 8, SHEET = 64 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a caller may get wrong, found before anything runs. */
 #include "check.h"
-#include "params.h"
+#include "base/params.h"
 
 #include <float.h>
 #include <stdarg.h>

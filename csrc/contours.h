@@ -4,7 +4,7 @@
 #define ENCRE_CONTOURS_H
 
 #include "geometry.h"
-#include "stage.h"
+#include "base/stage.h"
 
 /* On which side of an edge surfaces lie on the screen, going from its first corner to its second, y down. */
 enum contour_side { CONTOUR_NONE = 0, CONTOUR_RIGHT = 1, CONTOUR_LEFT = 2, CONTOUR_BOTH = 3 };

@@ -3,8 +3,8 @@
  * 4.3), Sobel's kernels and the inter-color contrast (Herring 2016, 3.2). All work on differences between samples, so
  * that flat areas give exactly 0. */
 #include "detect.h"
-#include "metric.h"
-#include "pixel.h"
+#include "base/metric.h"
+#include "base/pixel.h"
 
 /* ---- difference of Gaussians ----------------------------------------------------------------------------- */
 

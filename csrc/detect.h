@@ -3,7 +3,7 @@
 #ifndef ENCRE_DETECT_H
 #define ENCRE_DETECT_H
 
-#include "stage.h"
+#include "base/stage.h"
 
 enum {
 	TILE = 256,    /* pixels of a row that are worked on together: their intermediates stay in the L1 cache */

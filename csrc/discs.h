@@ -4,8 +4,8 @@
 #ifndef ENCRE_DISCS_H
 #define ENCRE_DISCS_H
 
-#include "pixel.h"
-#include "stage.h"
+#include "base/pixel.h"
+#include "base/stage.h"
 
 #include <math.h>
 

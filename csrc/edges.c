@@ -5,7 +5,7 @@
  * the pixel. To add a source: name it in enum source (the order decides ties), sample its layer in edges_samples.c,
  * give its strength in edges_sources.c and its weight here. The detector FINE does all that in its own way (fine.h). */
 #include "fine.h"
-#include "pixel.h"
+#include "base/pixel.h"
 
 #include <stdio.h>
 

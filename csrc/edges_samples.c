@@ -2,8 +2,8 @@
 /* Layers -> rows of samples, in a quantity that edge detectors can compare, padded with the nearest at the frame's
  * border. */
 #include "edges.h"
-#include "metric.h"
-#include "pixel.h"
+#include "base/metric.h"
+#include "base/pixel.h"
 
 /* 1/z and normals beyond this are cut, so that sums and squares of them stay finite. */
 static const float most_sample = 1e15f;

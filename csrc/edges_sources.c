@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Rows of samples -> strength of each source of edges (Vainumäe 2020, 4.3; Herring 2016, 3.2). */
 #include "edges.h"
-#include "metric.h"
-#include "pixel.h"
+#include "base/metric.h"
+#include "base/pixel.h"
 
 /* What a perspective response in 1/z is divided by: the largest 1/z of the window inside the frame. */
 static void divide_by_nearest(const ring *r, int y, int x0, int n, float *restrict response)

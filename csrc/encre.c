@@ -3,9 +3,9 @@
  * order. Stages trust what they are given. */
 #include "bake.h"
 #include "check.h"
-#include "clean.h"
+#include "base/clean.h"
 #include "raster.h"
-#include "stage.h"
+#include "base/stage.h"
 
 #include <stdio.h>
 #include <stdlib.h>

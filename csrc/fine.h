@@ -9,7 +9,7 @@
 #define ENCRE_FINE_H
 
 #include "edges.h"
-#include "pixel.h"
+#include "base/pixel.h"
 
 /* In the order in which they claim the picture: each keeps clear of the earlier ones. */
 enum family {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Hatching (Vainumäe 2020, 4.3): pencil rubbed into dark and shaded surfaces, where the paper is high enough to take it.
  * Glossy highlights stay clean. */
-#include "pixel.h"
-#include "stage.h"
+#include "base/pixel.h"
+#include "base/stage.h"
 
 enum { CHUNK = 256, HATCHING = 5, CONTROLS = 6 };
 

@@ -3,7 +3,7 @@
  * moves a threshold far: light is evened out first, along its level lines more than across them, and never over the
  * edge of a shadow (a wavelet transform with holes that stops at edges: Dammertz et al. 2010). */
 #include "fine.h"
-#include "metric.h"
+#include "base/metric.h"
 
 #include <string.h>
 

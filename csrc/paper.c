@@ -2,8 +2,8 @@
 /* The paper under pencil lines and hatching (Vainumäe 2020, 4.3): a sheet of heights that tiles the frame. The
  * built-in sheet is felted from random fibres, by whole numbers only, so that every build has the same one; its
  * recipe is docs/paper.md. */
-#include "pixel.h"
-#include "stage.h"
+#include "base/pixel.h"
+#include "base/stage.h"
 
 #include <float.h>
 #include <stdio.h>

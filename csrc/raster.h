@@ -2,7 +2,7 @@
 #ifndef ENCRE_RASTER_H
 #define ENCRE_RASTER_H
 
-#include "stage.h"
+#include "base/stage.h"
 
 /* What encre_raster() does. Images of the job have been checked and have strides; meshes, matrices and the frame are
  * checked here. Returns a code of enum encre_code; `error` gets a sentence for ENCRE_ERROR_ARGUMENT only. */

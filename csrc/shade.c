@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Discrete shading (Vainumäe 2020, 4.1): light in a few flat levels, tinted and less saturated in the shade. What
  * was not diffuse light (emission, reflections, glass, sky) lies over it as it was rendered. */
-#include "pixel.h"
-#include "stage.h"
+#include "base/pixel.h"
+#include "base/stage.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Smudging (Vainumäe 2020, 4.2): where it is painted, colour from the other side of the nearest edge runs across it.
  * Pixels are few and read others that are smudged too, so their new colours go to a list first. */
-#include "pixel.h"
-#include "stage.h"
+#include "base/pixel.h"
+#include "base/stage.h"
 
 #include <stdlib.h>
 

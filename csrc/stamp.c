@@ -3,7 +3,7 @@
  * union. With one, lines have the same width everywhere on the surface: circles there are ellipses here, their centres
  * are moved from the texel onto the boundary of the colours, and a rim is one texel wide, however large that is. */
 #include "bake.h"
-#include "pixel.h"
+#include "base/pixel.h"
 
 /* ---- discs ----------------------------------------------------------------------------------------------- */
 

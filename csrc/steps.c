@@ -2,7 +2,7 @@
 /* Where exactly a ridge lies between pixels, and how strong it is: the shares of what lies on both sides in the pixels
  * between tell how far into them a boundary reaches. */
 #include "fine.h"
-#include "metric.h"
+#include "base/metric.h"
 
 static const float least_of_step = 0.4f;                     /* share of a step that slopes beside it may not explain */
 static const float crease_from = 0.35f, crease_ramp = 0.37f; /* of the difference of normals at crease_angle */

@@ -10,7 +10,7 @@
 #ifndef ENCRE_STAGE_H
 #define ENCRE_STAGE_H
 
-#include "params.h"
+#include "base/params.h"
 
 #include <stddef.h>
 

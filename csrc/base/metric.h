@@ -3,8 +3,8 @@
 #ifndef ENCRE_METRIC_H
 #define ENCRE_METRIC_H
 
-#include "pixel.h"
-#include "stage.h"
+#include "base/pixel.h"
+#include "base/stage.h"
 
 /* Turns n linear colours within 0..1, one plane a channel, into those that contrast_metric `metric` compares, in place:
  * sRGB-encoded for RGB, CIE L*a*b* for the others. */

@@ -2,7 +2,7 @@
 #ifndef ENCRE_CLEAN_H
 #define ENCRE_CLEAN_H
 
-#include "stage.h"
+#include "base/stage.h"
 
 /* Pixels lie next to each other: stages can read or write the caller's memory. */
 static inline bool packed(const encre_image *image)

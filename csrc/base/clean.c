@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Layers as stages may trust them. Most frames are clean and packed already: one pass of reading finds that out, and
  * nothing is copied. */
-#include "clean.h"
+#include "base/clean.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Colour differences: Herring's weighted RGB (2016, eq. 3.1), CIE76, CIEDE2000 (Sharma, Wu & Dalal 2005) and CMC l:c
  * (Clarke, McDonald & Rigg 1984). CIE differences are divided by 100, so that black to white is 1 with each. */
-#include "metric.h"
-#include "pixel.h"
+#include "base/metric.h"
+#include "base/pixel.h"
 
 /* ---- spaces ---------------------------------------------------------------------------------------------- */
 

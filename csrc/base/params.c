@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The stages' rows as tables that other languages read: encre_stage_info() and the functions on parameter blocks. */
-#include "stage.h"
+#include "base/stage.h"
 
 #include <float.h>
 #include <stddef.h>
@@ -21,8 +21,8 @@ static const encre_levels shade_levels_default = {3, {LEVEL(0.5f, 0, 0), LEVEL(0
 #define IMAGE(...)
 #define LEVELS(...)
 #define ENUM(pid, scp, val, enb, lab, hlp, its) static const encre_enum_item pid##_items[] = {its};
-#include "all.rows.h"
-#include "undef.rows.h"
+#include "base/all.rows.h"
+#include "base/undef.rows.h"
 
 #define HEAD(pid, scp, typ, unt, enb, lab, hlp)                                                                        \
 	.id = #pid, .label = lab, .help = hlp, .unit = unt, .enabled_if = enb, .type = typ, .scope = ENCRE_##scp,      \
@@ -42,9 +42,9 @@ static const encre_levels shade_levels_default = {3, {LEVEL(0.5f, 0, 0), LEVEL(0
 #define IMAGE(pid, scp, enb, lab, hlp) {HEAD(pid, scp, ENCRE_IMAGE, "", enb, lab, hlp)},
 #define LEVELS(pid, scp, enb, lab, hlp, dft) {HEAD(pid, scp, ENCRE_LEVELS, "", enb, lab, hlp), .levels = &(dft)},
 static const encre_param_info table[] = {
-#include "all.rows.h"
+#include "base/all.rows.h"
 };
-#include "undef.rows.h"
+#include "base/undef.rows.h"
 
 /* A stage's share of the table: from its first row to the next stage's. An enum that counts rows gives the places. */
 #define STAGE(sid, lab, hlp) sid##_first, sid##_fence = sid##_first - 1,
@@ -57,10 +57,10 @@ static const encre_param_info table[] = {
 #define IMAGE(pid, ...) ROW(pid)
 #define LEVELS(pid, ...) ROW(pid)
 enum row {
-#include "all.rows.h"
+#include "base/all.rows.h"
 	n_rows
 };
-#include "undef.rows.h"
+#include "base/undef.rows.h"
 #undef ROW
 #undef HEAD
 #undef NUMBER
@@ -74,9 +74,9 @@ enum row {
 #define LEVELS(...) + 1
 #define STAGE(sid, lab, hlp) }, {.id = #sid, .label = lab, .help = hlp, .params = table + sid##_first, .n_params = 0
 static const encre_stage_description stages[] = {{.id = NULL
-#include "all.rows.h"
+#include "base/all.rows.h"
 }};
-#include "undef.rows.h"
+#include "base/undef.rows.h"
 
 const encre_stage_description *encre_stage_info(int32_t stage)
 {

@@ -27,8 +27,8 @@
 #define IMAGE(...)
 #define LEVELS(...)
 #define ENUM(id, scope, value, enabled_if, label, help, items) enum id##_item { items };
-#include "all.rows.h"
-#include "undef.rows.h"
+#include "base/all.rows.h"
+#include "base/undef.rows.h"
 
 #define STAGE(...)
 #define BOOL(id, ...) int32_t id;
@@ -39,8 +39,8 @@
 #define IMAGE(id, ...) encre_image id;
 #define LEVELS(id, ...) encre_levels id;
 typedef struct encre_params {
-#include "all.rows.h"
+#include "base/all.rows.h"
 } encre_params;
-#include "undef.rows.h"
+#include "base/undef.rows.h"
 
 #endif
