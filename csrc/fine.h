@@ -8,7 +8,7 @@
 #ifndef ENCRE_FINE_H
 #define ENCRE_FINE_H
 
-#include "edges.h"
+#include "edges/edges.h"
 #include "base/pixel.h"
 
 /* In the order in which they claim the picture: each keeps clear of the earlier ones. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Rows of samples -> strength of each source of edges (Vainumäe 2020, 4.3; Herring 2016, 3.2). */
-#include "edges.h"
+#include "edges/edges.h"
 #include "base/metric.h"
 #include "base/pixel.h"
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of the edge stage share: edges_samples.c turns layers into rows of samples, edges_sources.c turns
+/* What the files of the edge stage share: samples.c turns layers into rows of samples, sources.c turns
  * those into the strength of each source, edges.c weighs them and decides. */
 #ifndef ENCRE_EDGES_H
 #define ENCRE_EDGES_H
 
-#include "detect.h"
+#include "edges/detect.h"
 
 enum { MAX_ROWS = 2 * MAX_REACH + 1 };
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Layers -> rows of samples, in a quantity that edge detectors can compare, padded with the nearest at the frame's
  * border. */
-#include "edges.h"
+#include "edges/edges.h"
 #include "base/metric.h"
 #include "base/pixel.h"
 

@@ -2,8 +2,8 @@
 /* Layers -> edge strength: where lines can be (Vainumäe 2020, 4.3; Herring 2016, 3.2).
  *
  * Each source of edges has a ring of sampled rows; tile by tile its strength is weighed, and the strongest source wins
- * the pixel. To add a source: name it in enum source (the order decides ties), sample its layer in edges_samples.c,
- * give its strength in edges_sources.c and its weight here. The detector FINE does all that in its own way (fine.h). */
+ * the pixel. To add a source: name it in enum source (the order decides ties), sample its layer in samples.c,
+ * give its strength in sources.c and its weight here. The detector FINE does all that in its own way (fine.h). */
 #include "fine.h"
 #include "base/pixel.h"
 

@@ -2,7 +2,7 @@
 /* Edge detectors on windows of samples: the difference of Gaussians (Winnemoeller, Olsen & Gooch 2006; Vainumäe 2020,
  * 4.3), Sobel's kernels and the inter-color contrast (Herring 2016, 3.2). All work on differences between samples, so
  * that flat areas give exactly 0. */
-#include "detect.h"
+#include "edges/detect.h"
 #include "base/metric.h"
 #include "base/pixel.h"
 
