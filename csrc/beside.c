@@ -3,7 +3,7 @@
  * come and go. What is found is dropped if it leads nowhere and most of it runs along an older line, else it is kept
  * whole. Where light crosses several thresholds at once, or a shadow is thin, the longest of its lines stands for all.
  */
-#include "fine.h"
+#include "fine/fine.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What becomes of a line's free ends: a spur is cut, the pen is lifted. */
-#include "fine.h"
+#include "fine/fine.h"
 
 enum { SPUR = 8 };
 

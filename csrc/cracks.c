@@ -2,7 +2,7 @@
 /* Cracks: boundaries that run between two neighbouring pixels, because a depth or an index is one thing here and
  * another there. A depth jumps where each side's straight continuation misses the other side: that is
  * 0 on planes, curved surfaces and beside a jump, so nothing has to be thinned. */
-#include "fine.h"
+#include "fine/fine.h"
 
 enum { ROWS = 4 };
 

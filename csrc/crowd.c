@@ -2,7 +2,7 @@
 /* How much room lines between colours have. Where a texture is farther away than its pixels can show, as a chequered
  * floor is near the horizon, its lines close up, break, and follow what sampling has left of it. They get thinner as
  * the next lines on both sides come near, and are gone before that is all there is to see. */
-#include "fine.h"
+#include "fine/fine.h"
 
 enum { CHUNK = 2048 };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Loose ends: a chain that stops short of a corner, of another line or of its own continuation is led on to it. */
-#include "fine.h"
+#include "fine/fine.h"
 
 #include <stdlib.h>
 #include <string.h>

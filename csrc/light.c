@@ -2,7 +2,7 @@
 /* Where light crosses the threshold of a level, between two pixels. Light has noise, and on soft light a little of it
  * moves a threshold far: light is evened out first, along its level lines more than across them, and never over the
  * edge of a shadow (a wavelet transform with holes that stops at edges: Dammertz et al. 2010). */
-#include "fine.h"
+#include "fine/fine.h"
 #include "base/metric.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Links between sites: cracks join the two that cut a square of four pixel centres, ridges what is close. */
-#include "fine.h"
+#include "fine/fine.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Marks: lines that were drawn by hand. The layer says exactly where each passes between two pixels, so that nothing is
  * searched for. Where contours run they own the line, but marks come before all that the averaged layers show. */
-#include "fine.h"
+#include "fine/fine.h"
 
 static float mark_at(const fine *n, int x, int y, int axis)
 {

@@ -3,7 +3,7 @@
  * columns, then along rows by the lower envelope of parabolas (Meijster, Roerdink & Hesselink 2000). Of edges at
  * the same distance the one in the least row, then in the least column is taken, which is the envelope of parabolas
  * raised by an infinitesimal amount per row, and so holds together. */
-#include "fine.h"
+#include "fine/fine.h"
 
 #include <math.h>
 

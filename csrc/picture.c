@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Whether the picture shows an edge where a loose end would be led on. */
-#include "fine.h"
+#include "fine/fine.h"
 
 static const float beside = 1.5f; /* pixels to either side of a line where the picture is looked at */
 

@@ -2,7 +2,7 @@
 /* Ridges: where a layer that is averaged over its pixels changes faster than on both sides: a crease in the normals, a
  * boundary between colours, the edge of a shadow. Pixels beside a crack hold two surfaces: there is no ridge in them,
  * and no read along a direction goes past them. */
-#include "fine.h"
+#include "fine/fine.h"
 
 enum { REACH = 3, SPAN = 2 * REACH + 1, SHORT = 32 };
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Where the eye passes through or off the front surface, and how far what it sees there can be trusted. Layers of what
  * is seen are those of the surface itself elsewhere; where they differ ridges.c looks for lines in them. */
-#include "fine.h"
+#include "fine/fine.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Where exactly a ridge lies between pixels, and how strong it is: the shares of what lies on both sides in the pixels
  * between tell how far into them a boundary reaches. */
-#include "fine.h"
+#include "fine/fine.h"
 #include "base/metric.h"
 
 static const float least_of_step = 0.4f;                     /* share of a step that slopes beside it may not explain */

@@ -2,7 +2,7 @@
 /* Things up to three pixels wide: a wire, a blade, a strand of hair. Depth and index hit them at pixel centres only, but
  * how they lie and how wide they are shows in the averaged layers all along. So the cracks on both sides are placed by
  * the stripe's middle and width, and where a wire runs between pixel centres sites along its middle go on. */
-#include "fine.h"
+#include "fine/fine.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The FINE detector: thin, exactly placed edges. Dense passes mark the pixels at which sites lie; sites are counted by
  * row, so that their numbers don't depend on threads, and placed; each family then keeps clear of the earlier ones. */
-#include "fine.h"
+#include "fine/fine.h"
 
 #include <string.h>
 
