@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the files of the FINE detector share: edges as sites between pixels, linked to polylines.
  *
- * cracks.c, light.c and ridges.c mark, densely and row by row, where sites are, and place each; seen.c tells ridges.c
+ * cracks.c, light.c and ridges.c mark, densely and row by row, where sites are, and place each; mirrors.c tells ridges.c
  * where the eye sees something else than the surface in front; sites.c runs them, gathers all
  * sites and drops those that an earlier family owns; links.c joins what is left. To add a family: name it below where
  * its turn is, mark its pixels, place its sites in fine_site() and say in links.c what joins them. */
@@ -298,7 +298,7 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread);
 /* steps.c */
 void ISA(fine_floors)(fine *n);
 bool ISA(ridge_site)(const fine *n, site *s);
-/* seen.c: finds where the eye passes through or off the front surface. */
+/* mirrors.c: finds where the eye passes through or off the front surface. */
 int32_t ISA(seen_run)(fine *n);
 /* How clearly a ridge of what is sampled from `s` stands out of its surroundings: 0..1. */
 float ISA(seen_clarity)(const fine *n, const site *at, int s);
