@@ -289,7 +289,7 @@ void ISA(thin_mark)(const fine *n, int y, uint8_t *hits, uint16_t *ridge); /* hi
 bool ISA(thin_site)(const fine *n, site *s);
 int32_t ISA(thin_tie)(fine *n); /* links these to cracks, when each are linked */
 
-/* crowd.c: bounds the radius of lines between colours by the room they have. */
+/* density.c: bounds the radius of lines between colours by the room they have. */
 int32_t ISA(fine_crowd)(fine *n);
 
 /* ridges.c */
@@ -320,7 +320,7 @@ int32_t ISA(fine_link)(fine *n);
 /* Adds links, of sites that may be new. */
 int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count);
 int32_t ISA(fine_smooth)(fine *n);
-/* beside.c: drops chains that run along others. */
+/* doubles.c: drops chains that run along others. */
 int32_t ISA(fine_drop_beside)(fine *n);
 /* ends.c */
 int32_t ISA(fine_join_ends)(fine *n);
