@@ -6,4 +6,4 @@
 #include "smudge.rows.h"
 #include "paper.rows.h"
 #include "hatch.rows.h"
-#include "lines.rows.h"
+#include "ink/lines.rows.h"

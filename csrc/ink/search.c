@@ -4,7 +4,7 @@
  *
  * A location is held as its offset, 6 bits each way, the row first: packed so, locations at the same distance order as
  * their rows, then columns do, and the nearest is the least number with the squared distance in front. */
-#include "discs.h"
+#include "ink/discs.h"
 
 #include <string.h>
 

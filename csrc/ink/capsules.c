@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ink along links: the union of discs whose centre, radius, darkness and depth run evenly from one site to the next. Of
  * a wide line each link draws only the pixels that lie before its own ends, as its neighbours draw the others. */
-#include "discs.h"
+#include "ink/discs.h"
 #include "fine/fine.h"
 
 /* What a site gives the links that end at it. Coverage at distance d is faint * clamp01((out - d) / fade). */

@@ -4,7 +4,7 @@
  * Most of a disc lies nearer to a neighbouring edge pixel that inks at least as much, and so adds nothing. Each
  * disc is cut down to the pixels where it can win before anything is drawn, which makes the work about as large as
  * the inked area and not that times the radius. Equal discs side by side in a row are drawn as one. */
-#include "discs.h"
+#include "ink/discs.h"
 
 #include <stdlib.h>
 #include <string.h>
