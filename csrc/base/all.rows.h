@@ -2,8 +2,8 @@
 /* The rows of all stages, in the order of the stage list in stage.h. No guard: included once per use. */
 #include "layers.rows.h"
 #include "edges/edges.rows.h"
-#include "shade.rows.h"
-#include "smudge.rows.h"
-#include "paper.rows.h"
-#include "hatch.rows.h"
+#include "surface/shade.rows.h"
+#include "surface/smudge.rows.h"
+#include "surface/paper.rows.h"
+#include "surface/hatch.rows.h"
 #include "ink/lines.rows.h"
