@@ -4,7 +4,7 @@
 #include "bake.h"
 #include "check.h"
 #include "base/clean.h"
-#include "raster.h"
+#include "raster/raster.h"
 #include "base/stage.h"
 
 #include <stdio.h>

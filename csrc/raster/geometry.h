@@ -4,7 +4,7 @@
 #define ENCRE_GEOMETRY_H
 
 #include "encre.h"
-#include "outline.h"
+#include "raster/outline.h"
 
 #include <stddef.h>
 

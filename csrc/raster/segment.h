@@ -3,7 +3,7 @@
 #ifndef ENCRE_SEGMENT_H
 #define ENCRE_SEGMENT_H
 
-#include "outline.h"
+#include "raster/outline.h"
 
 /* Both ends: place in pixels of the full frame, a pixel's centre being whole numbers, and depth and 1 over w, with which
  * depth is linear on the screen. */

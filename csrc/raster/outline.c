@@ -5,7 +5,7 @@
  * neighbours: equal corners snap alike, and the top-left rule gives a centre on an edge to one side. Depth and shares
  * come from the corners as they are, in homogeneous coordinates of the screen (Olano & Greer 1997), hence exact however
  * a surface is cut up, and without clipping. */
-#include "outline.h"
+#include "raster/outline.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef ENCRE_CONTOURS_H
 #define ENCRE_CONTOURS_H
 
-#include "geometry.h"
+#include "raster/geometry.h"
 #include "base/stage.h"
 
 /* On which side of an edge surfaces lie on the screen, going from its first corner to its second, y down. */

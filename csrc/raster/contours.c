@@ -2,7 +2,7 @@
 /* Contours of triangles. A surface ends on the screen where it turns away from the eye, is cut off or changes its
  * number. That is told from the sides of an edge on which its triangles lie, in whatever sense their corners go round:
  * on one only, and the surface ends or folds there. */
-#include "contours.h"
+#include "raster/contours.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>

@@ -8,11 +8,11 @@
  * the last.
  * Primitives are transformed anew where they are needed, in double; that is cheaper than keeping them. Where
  * they lie is geometry.c's, what one covers outline.c's. */
-#include "raster.h"
+#include "raster/raster.h"
 
-#include "contours.h"
-#include "geometry.h"
-#include "segment.h"
+#include "raster/contours.h"
+#include "raster/geometry.h"
+#include "raster/segment.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Meshes and camera of a raster job: checked, numbered through, brought onto the screen. All in double: a float of
  * object space, moved to the world and into pixels, would lose what decides pixels at an edge. */
-#include "geometry.h"
+#include "raster/geometry.h"
 #include "check.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
  * the next there, so the places where it crosses such ways, linked through the squares, are the line again. That must
  * hold where it runs through a centre too: which of two ways comes first is decided once, by comparing the same two
  * numbers, and not by where rounding puts the crossings. */
-#include "segment.h"
+#include "raster/segment.h"
 
 #include <math.h>
 
