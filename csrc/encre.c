@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The boundary: everything that comes in is checked once, layers are made clean and packed, then the stages run in
  * order. Stages trust what they are given. */
-#include "bake.h"
+#include "texture/bake.h"
 #include "check.h"
 #include "base/clean.h"
 #include "raster/raster.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Inter-color lines drawn into a texture (Herring 2016, 3.4 and A.2): the contrast of opposing neighbours gives each texel
  * the radius of a line, which darkens the texture. */
-#include "bake.h"
+#include "texture/bake.h"
 #include "edges/detect.h"
 #include "base/metric.h"
 #include "base/pixel.h"

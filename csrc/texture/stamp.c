@@ -2,7 +2,7 @@
 /* Lines of a baked texture. Without a form each texel is the centre of a disc, as in Herring's program; the line is their
  * union. With one, lines have the same width everywhere on the surface: circles there are ellipses here, their centres
  * are moved from the texel onto the boundary of the colours, and a rim is one texel wide, however large that is. */
-#include "bake.h"
+#include "texture/bake.h"
 #include "base/pixel.h"
 
 /* ---- discs ----------------------------------------------------------------------------------------------- */
