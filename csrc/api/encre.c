@@ -2,7 +2,7 @@
 /* The boundary: everything that comes in is checked once, layers are made clean and packed, then the stages run in
  * order. Stages trust what they are given. */
 #include "texture/bake.h"
-#include "check.h"
+#include "api/check.h"
 #include "base/clean.h"
 #include "raster/raster.h"
 #include "base/stage.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a caller may get wrong, found before anything runs. */
-#include "check.h"
+#include "api/check.h"
 #include "base/params.h"
 
 #include <float.h>
