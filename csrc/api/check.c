@@ -2,21 +2,11 @@
 /* What a caller may get wrong, found before anything runs. */
 #include "api/check.h"
 #include "base/params.h"
+#include "base/refuse.h"
 
 #include <float.h>
-#include <stdarg.h>
-#include <stdio.h>
 
 enum { MAX_SIZE = 65536, MAX_STYLES = 256 };
-
-int32_t refuse(char *error, size_t size, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(error, size, format, arguments);
-	va_end(arguments);
-	return ENCRE_ERROR_ARGUMENT;
-}
 
 static encre_image with_strides(encre_image image)
 {

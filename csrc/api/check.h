@@ -7,11 +7,6 @@
 
 #include <stddef.h>
 
-#if defined __GNUC__
-__attribute__((format(printf, 3, 4)))
-#endif
-int32_t refuse(char *error, size_t size, const char *format, ...);
-
 /* Images, parameters, frame and camera. `in` and `out` get the job's images with strides filled in. */
 int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre_image out[ENCRE_OUTPUT_COUNT], char *error, size_t size);
 /* Images alone: meshes, matrices and the frame are geometry_check()'s. `clean` gets the job with strides filled in. */

@@ -4,6 +4,7 @@
 #include "texture/bake.h"
 #include "api/check.h"
 #include "base/clean.h"
+#include "base/refuse.h"
 #include "raster/raster.h"
 #include "base/stage.h"
 
@@ -20,32 +21,6 @@ struct encre_context {
 	char error[512];
 };
 
-static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
-	[ENCRE_LAYER_COMBINED] = {"combined", "the rendered image, scene-linear, premultiplied alpha", 4, 1},
-	[ENCRE_LAYER_COLOR] = {"color", "diffuse surface colour, scene-linear", 3, 1},
-	[ENCRE_LAYER_ALBEDO] = {"albedo", "unlit colour of any surface", 3, 0},
-	[ENCRE_LAYER_DIFFUSE] = {"diffuse", "diffuse light without the surface colour", 3, 1},
-	[ENCRE_LAYER_SPECULAR] = {"specular", "reflected specular light", 3, 0},
-	[ENCRE_LAYER_DEPTH] = {"depth", "distance along the view axis in scene units", 1, 1},
-	[ENCRE_LAYER_NORMAL] = {"normal", "world-space normal averaged over the pixel", 3, 1},
-	[ENCRE_LAYER_OBJECT] = {"object", "object index", 1, 0},
-	[ENCRE_LAYER_MATERIAL] = {"material", "material index", 1, 0},
-	[ENCRE_LAYER_STYLE] = {"style", "style number, 0 the scene's", 1, 0},
-	[ENCRE_LAYER_CONTROLS] = {"controls", "thickness, intensity, color_edge, smudge_range, smudge_falloff, hatching; each -1..1", 6, 0},
-	[ENCRE_LAYER_MARKS] = {"marks", "where lines drawn by hand pass to the right, to the lower neighbour, 0..1; 0 = nowhere; negative: contours", 2, 0},
-	[ENCRE_LAYER_SEEN_COLOR] = {"seen_color", "unlit colour of what mirrors and clear glass show", 3, 0},
-	[ENCRE_LAYER_SEEN_NORMAL] = {"seen_normal", "its normal, in the space of the camera", 3, 0},
-	[ENCRE_LAYER_SEEN_DEPTH] = {"seen_depth", "its distance, as depth", 1, 0},
-};
-
-static const encre_layer_description outputs[ENCRE_OUTPUT_COUNT] = {
-	[ENCRE_OUTPUT_COMBINED] = {"Combined", "the finished picture, scene-linear, premultiplied alpha", 4, 0},
-	[ENCRE_OUTPUT_LINES] = {"Encre Lines", "the ink alone, premultiplied", 4, 0},
-	[ENCRE_OUTPUT_SURFACE] = {"Encre Surface", "the picture before the lines", 4, 0},
-	[ENCRE_OUTPUT_EDGES] = {"Encre Edges", "edge strength", 1, 0},
-	[ENCRE_OUTPUT_LIGHT] = {"Encre Light", "discrete, tinted light", 3, 0},
-};
-
 #define POINTER(name) &JOIN(stage, JOIN_(name, base)),
 static const stage *const stages_base[] = {STAGES(POINTER)};
 #undef POINTER
@@ -58,16 +33,6 @@ static const stage *const stages_v3[] = {STAGES(POINTER)};
 #define BEST(name) JOIN(name, base)
 #endif
 enum { N_STAGES = sizeof stages_base / sizeof *stages_base };
-
-const encre_layer_description *encre_layer_info(int32_t layer)
-{
-	return layer >= 0 && layer < ENCRE_LAYER_COUNT ? layers + layer : NULL;
-}
-
-const encre_layer_description *encre_output_info(int32_t output)
-{
-	return output >= 0 && output < ENCRE_OUTPUT_COUNT ? outputs + output : NULL;
-}
 
 /* ---- context --------------------------------------------------------------------------------------------- */
 
@@ -189,9 +154,9 @@ static void plan(work *w, arena *a)
 		f->layer[i] = plane_of(w->in + i);
 		if (!w->copy[i])
 			continue;
-		float *copy = arena_take(a, n, 4 * (size_t)layers[i].channels);
+		float *copy = arena_take(a, n, 4 * (size_t)encre_layer_info(i)->channels);
 		/* while measuring the original stands in: a stage's plan may ask whether a layer is there */
-		f->layer[i] = (plane){copy ? copy : w->in[i].data, (ptrdiff_t)f->width * layers[i].channels};
+		f->layer[i] = (plane){copy ? copy : w->in[i].data, (ptrdiff_t)f->width * encre_layer_info(i)->channels};
 	}
 	if (!f->layer[ENCRE_LAYER_ALBEDO].data)
 		f->layer[ENCRE_LAYER_ALBEDO] = f->layer[ENCRE_LAYER_COLOR];
@@ -199,7 +164,7 @@ static void plan(work *w, arena *a)
 		if (w->out[i].data && packed(w->out + i))
 			f->output[i] = plane_of(w->out + i);
 		else if (w->out[i].data || i == ENCRE_OUTPUT_COMBINED)
-			f->output[i] = (plane){arena_take(a, n, 4 * (size_t)outputs[i].channels), (ptrdiff_t)f->width * outputs[i].channels};
+			f->output[i] = (plane){arena_take(a, n, 4 * (size_t)encre_output_info(i)->channels), (ptrdiff_t)f->width * encre_output_info(i)->channels};
 	w->style = f->n_styles > 1 ? arena_take(a, n, 1) : NULL;
 	f->style = w->style;
 	const stage *const *stages = stages_of(w->context);

@@ -2,7 +2,7 @@
 /* Meshes and camera of a raster job: checked, numbered through, brought onto the screen. All in double: a float of
  * object space, moved to the world and into pixels, would lose what decides pixels at an edge. */
 #include "raster/geometry.h"
-#include "api/check.h"
+#include "base/refuse.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The images that come in and go out, as tables that other languages read. */
+#include "encre.h"
+
+#include <stddef.h>
+
+static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
+	[ENCRE_LAYER_COMBINED] = {"combined", "the rendered image, scene-linear, premultiplied alpha", 4, 1},
+	[ENCRE_LAYER_COLOR] = {"color", "diffuse surface colour, scene-linear", 3, 1},
+	[ENCRE_LAYER_ALBEDO] = {"albedo", "unlit colour of any surface", 3, 0},
+	[ENCRE_LAYER_DIFFUSE] = {"diffuse", "diffuse light without the surface colour", 3, 1},
+	[ENCRE_LAYER_SPECULAR] = {"specular", "reflected specular light", 3, 0},
+	[ENCRE_LAYER_DEPTH] = {"depth", "distance along the view axis in scene units", 1, 1},
+	[ENCRE_LAYER_NORMAL] = {"normal", "world-space normal averaged over the pixel", 3, 1},
+	[ENCRE_LAYER_OBJECT] = {"object", "object index", 1, 0},
+	[ENCRE_LAYER_MATERIAL] = {"material", "material index", 1, 0},
+	[ENCRE_LAYER_STYLE] = {"style", "style number, 0 the scene's", 1, 0},
+	[ENCRE_LAYER_CONTROLS] = {"controls", "thickness, intensity, color_edge, smudge_range, smudge_falloff, hatching; each -1..1", 6, 0},
+	[ENCRE_LAYER_MARKS] = {"marks", "where lines drawn by hand pass to the right, to the lower neighbour, 0..1; 0 = nowhere; negative: contours", 2, 0},
+	[ENCRE_LAYER_SEEN_COLOR] = {"seen_color", "unlit colour of what mirrors and clear glass show", 3, 0},
+	[ENCRE_LAYER_SEEN_NORMAL] = {"seen_normal", "its normal, in the space of the camera", 3, 0},
+	[ENCRE_LAYER_SEEN_DEPTH] = {"seen_depth", "its distance, as depth", 1, 0},
+};
+
+static const encre_layer_description outputs[ENCRE_OUTPUT_COUNT] = {
+	[ENCRE_OUTPUT_COMBINED] = {"Combined", "the finished picture, scene-linear, premultiplied alpha", 4, 0},
+	[ENCRE_OUTPUT_LINES] = {"Encre Lines", "the ink alone, premultiplied", 4, 0},
+	[ENCRE_OUTPUT_SURFACE] = {"Encre Surface", "the picture before the lines", 4, 0},
+	[ENCRE_OUTPUT_EDGES] = {"Encre Edges", "edge strength", 1, 0},
+	[ENCRE_OUTPUT_LIGHT] = {"Encre Light", "discrete, tinted light", 3, 0},
+};
+
+const encre_layer_description *encre_layer_info(int32_t layer)
+{
+	return layer >= 0 && layer < ENCRE_LAYER_COUNT ? layers + layer : NULL;
+}
+
+const encre_layer_description *encre_output_info(int32_t output)
+{
+	return output >= 0 && output < ENCRE_OUTPUT_COUNT ? outputs + output : NULL;
+}

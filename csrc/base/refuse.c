@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/refuse.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+int32_t refuse(char *error, size_t size, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(error, size, format, arguments);
+	va_end(arguments);
+	return ENCRE_ERROR_ARGUMENT;
+}
