@@ -17,7 +17,7 @@ enum { MAX_THREADS = 1024 };
 
 struct encre_context {
 	int32_t threads, simd;
-	rows *pool; /* NULL until needed, or after a change of threads */
+	bands *pool; /* NULL until needed, or after a change of threads */
 	char error[512];
 };
 
@@ -48,7 +48,7 @@ void encre_destroy(encre_context *context)
 {
 	if (!context)
 		return;
-	rows_destroy(context->pool);
+	bands_destroy(context->pool);
 	free(context);
 }
 
@@ -72,7 +72,7 @@ int32_t encre_set_threads(encre_context *context, int32_t threads)
 	if (threads < 0 || threads > MAX_THREADS)
 		return refuse(context->error, sizeof context->error, "threads: %d is outside 0..%d; give 0 for as many as processors", (int)threads, MAX_THREADS);
 	if (threads != context->threads) {
-		rows_destroy(context->pool);
+		bands_destroy(context->pool);
 		context->pool = NULL;
 	}
 	context->threads = threads;
@@ -89,14 +89,14 @@ int32_t encre_set_simd(encre_context *context, int32_t level)
 }
 
 /* The threads, which will report to `progress`; NULL without memory. */
-static rows *pool_of(encre_context *context, encre_progress progress, void *user)
+static bands *pool_of(encre_context *context, encre_progress progress, void *user)
 {
 	if (!context->pool) {
 		long n = context->threads ? context->threads : sysconf(_SC_NPROCESSORS_ONLN);
-		context->pool = rows_create(n < 1 ? 1 : n > MAX_THREADS ? MAX_THREADS : (int)n);
+		context->pool = bands_create(n < 1 ? 1 : n > MAX_THREADS ? MAX_THREADS : (int)n);
 	}
 	if (context->pool)
-		rows_progress(context->pool, progress, user);
+		bands_progress(context->pool, progress, user);
 	return context->pool;
 }
 
@@ -139,7 +139,7 @@ static int32_t scan(work *w)
 	for (int i = 0; i < ENCRE_LAYER_COUNT; i++) {
 		if (!w->in[i].data)
 			continue;
-		int32_t code = clean_scan(w->f.rows, w->in + i, i, &w->job->nonfinite, w->copy + i);
+		int32_t code = clean_scan(w->f.bands, w->in + i, i, &w->job->nonfinite, w->copy + i);
 		if (code)
 			return code;
 	}
@@ -213,15 +213,15 @@ static int32_t run(work *w)
 	int32_t code = ENCRE_OK;
 	for (int i = 0; !code && i < ENCRE_LAYER_COUNT; i++)
 		if (w->copy[i])
-			code = clean_copy(f->rows, w->in + i, i, f->layer[i].data);
+			code = clean_copy(f->bands, w->in + i, i, f->layer[i].data);
 	if (!code && w->style)
-		code = rows_run(f->rows, f->height, 0, style_rows, w);
+		code = bands_run(f->bands, f->height, 0, style_rows, w);
 	for (int s = 0; !code && s < N_STAGES; s++) {
-		rows_span(f->rows, (s + 0.5) / (N_STAGES + 1), (s + 1.5) / (N_STAGES + 1));
+		bands_span(f->bands, (s + 0.5) / (N_STAGES + 1), (s + 1.5) / (N_STAGES + 1));
 		code = stages[s]->run(f);
 	}
-	rows_span(f->rows, (N_STAGES + 0.5) / (N_STAGES + 1), 1);
-	return code ? code : rows_run(f->rows, f->height, 0, export_rows, w);
+	bands_span(f->bands, (N_STAGES + 0.5) / (N_STAGES + 1), 1);
+	return code ? code : bands_run(f->bands, f->height, 0, export_rows, w);
 }
 
 int32_t encre_render(encre_context *context, encre_job *job)
@@ -247,10 +247,10 @@ int32_t encre_render(encre_context *context, encre_job *job)
 		f->any_hatching |= f->params[i].use_hatching;
 	}
 	f->want_edges = f->any_lines || f->any_smudging || w.out[ENCRE_OUTPUT_EDGES].data;
-	f->rows = pool_of(context, job->progress, job->user);
-	if (!f->rows)
+	f->bands = pool_of(context, job->progress, job->user);
+	if (!f->bands)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
-	rows_span(f->rows, 0, 0.5 / (N_STAGES + 1));
+	bands_span(f->bands, 0, 0.5 / (N_STAGES + 1));
 	code = scan(&w);
 	if (code)
 		return fail_code(context, code);
@@ -277,7 +277,7 @@ int32_t encre_raster(encre_context *context, encre_raster_job *job)
 	int32_t code = check_raster(job, &clean, context->error, sizeof context->error);
 	if (code)
 		return code;
-	rows *pool = pool_of(context, job->progress, job->user);
+	bands *pool = pool_of(context, job->progress, job->user);
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
 	code = raster_run(pool, &clean, context->error, sizeof context->error);
@@ -293,7 +293,7 @@ int32_t encre_bake(encre_context *context, encre_bake_job *job)
 	int32_t code = check_bake(job, &clean, context->error, sizeof context->error);
 	if (code)
 		return code;
-	rows *pool = pool_of(context, job->progress, job->user);
+	bands *pool = pool_of(context, job->progress, job->user);
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
 	code = use_best(context) ? BEST(bake_run)(pool, &clean, job) : bake_run_base(pool, &clean, job);

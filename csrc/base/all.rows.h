@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The rows of all stages, in the order of the stage list in stage.h. No guard: included once per use. */
-#include "api/layers.rows.h"
+#include "base/layers.rows.h"
 #include "edges/edges.rows.h"
 #include "surface/shade.rows.h"
 #include "surface/smudge.rows.h"

@@ -84,18 +84,18 @@ static void copy_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-int32_t clean_scan(rows *pool, const encre_image *image, int layer, int64_t *bad, bool *copy)
+int32_t clean_scan(bands *pool, const encre_image *image, int layer, int64_t *bad, bool *copy)
 {
 	clean c = {.image = image, .layer = layer};
-	int32_t code = rows_run(pool, image->height, 0, scan_rows, &c);
+	int32_t code = bands_run(pool, image->height, 0, scan_rows, &c);
 	long long found = atomic_load(&c.bad);
 	*bad += found;
 	*copy = !packed(image) || (layer != ENCRE_LAYER_DEPTH && (atomic_load(&c.unclean) || found));
 	return code;
 }
 
-int32_t clean_copy(rows *pool, const encre_image *image, int layer, float *to)
+int32_t clean_copy(bands *pool, const encre_image *image, int layer, float *to)
 {
 	clean c = {.image = image, .layer = layer, .to = to};
-	return rows_run(pool, image->height, 0, copy_rows, &c);
+	return bands_run(pool, image->height, 0, copy_rows, &c);
 }

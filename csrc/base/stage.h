@@ -25,23 +25,23 @@
 
 #define STAGES(X) X(edges) X(shade) X(smudge) X(paper) X(hatch) X(lines)
 
-/* ---- rows.c: bands of rows on a pool of threads --------------------------------------------------------- */
+/* ---- bands.c: bands of rows on a pool of threads --------------------------------------------------------- */
 
-typedef struct rows rows;
-/* Works on rows y0..y1-1 and writes only these. thread is 0..rows_threads()-1, for per-thread scratch. */
-typedef void (*rows_kernel)(void *data, int y0, int y1, int thread);
+typedef struct bands bands;
+/* Works on rows y0..y1-1 and writes only these. thread is 0..bands_threads()-1, for per-thread scratch. */
+typedef void (*bands_kernel)(void *data, int y0, int y1, int thread);
 
 /* NULL without memory. Threads that can't be started are done without. */
-rows *rows_create(int threads);
-void rows_destroy(rows *pool);
-int rows_threads(const rows *pool);
+bands *bands_create(int threads);
+void bands_destroy(bands *pool);
+int bands_threads(const bands *pool);
 /* From now on finished bands are reported to `call` (may be NULL); takes back a cancellation. */
-void rows_progress(rows *pool, encre_progress call, void *user);
-/* The share of the whole that each following rows_run reports. */
-void rows_span(rows *pool, double from, double to);
+void bands_progress(bands *pool, encre_progress call, void *user);
+/* The share of the whole that each following bands_run reports. */
+void bands_span(bands *pool, double from, double to);
 /* Cuts 0..height-1 into bands of `band` rows (0 = a good height) and runs the kernel on all. Returns ENCRE_OK or
  * ENCRE_ERROR_CANCELLED; after a cancellation it does nothing more. Must not be called from a kernel. */
-int32_t rows_run(rows *pool, int height, int band, rows_kernel kernel, void *data);
+int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *data);
 
 /* ---- arena.c: one allocation per frame ------------------------------------------------------------------- */
 
@@ -99,7 +99,7 @@ typedef struct frame {
 	const uint8_t *style;       /* width * height, < n_styles; NULL when n_styles is 1 */
 	bool want_edges;            /* someone reads edges: lines, smudging or the output */
 	bool any_lines, any_shading, any_smudging, any_hatching; /* the switch is on in some style */
-	rows *rows;
+	bands *bands;
 
 	/* edges: */
 	uint8_t *edge;   /* width * height: 0, or 1 + enum source of an edge pixel; NULL unless want_edges */

@@ -254,7 +254,7 @@ static void plan(frame *f, arena *a)
 	if (!f->want_edges)
 		return;
 	edges e = setup(f);
-	size_t pixels = (size_t)f->width * (size_t)f->height, threads = (size_t)rows_threads(f->rows);
+	size_t pixels = (size_t)f->width * (size_t)f->height, threads = (size_t)bands_threads(f->bands);
 	if (!e.fine) {
 		f->edge = arena_take(a, pixels, 1);
 		f->strength = arena_take(a, pixels, sizeof *f->strength);
@@ -288,13 +288,13 @@ static int32_t run(frame *f)
 		return ENCRE_OK;
 	int32_t code = ENCRE_OK;
 	if (e->thread_filter) {
-		code = rows_run(f->rows, f->height, 0, difference_rows, e);
+		code = bands_run(f->bands, f->height, 0, difference_rows, e);
 		if (!code)
-			code = rows_run(f->rows, (f->width - 1) / LANES + 1, 1, greatest_strips, e);
+			code = bands_run(f->bands, (f->width - 1) / LANES + 1, 1, greatest_strips, e);
 	}
 	if (code)
 		return code;
-	return e->fine ? ISA(fine_run)(f) : rows_run(f->rows, f->height, 0, edge_rows, e);
+	return e->fine ? ISA(fine_run)(f) : bands_run(f->bands, f->height, 0, edge_rows, e);
 }
 
 const stage STAGE_SYMBOL(edges) = {.id = "edges", .check = check, .plan = plan, .run = run};

@@ -220,7 +220,7 @@ static void visit_rows(void *data, int y0, int y1, int thread)
 static int32_t gather(fine *n)
 {
 	frame *f = n->f;
-	int32_t code = rows_run(f->rows, f->height, 0, visit_rows, n);
+	int32_t code = bands_run(f->bands, f->height, 0, visit_rows, n);
 	if (code)
 		return code;
 	size_t count = 0;
@@ -234,7 +234,7 @@ static int32_t gather(fine *n)
 	if (!n->site)
 		return ENCRE_ERROR_MEMORY;
 	n->count = (uint32_t)count;
-	return rows_run(f->rows, f->height, 0, visit_rows, n);
+	return bands_run(f->bands, f->height, 0, visit_rows, n);
 }
 
 /* ---- cells ----------------------------------------------------------------------------------------------- */
@@ -302,7 +302,7 @@ static int32_t clear(fine *n)
 	for (int k = FAMILY_THIN + 1; !code && k < FAMILY_COUNT; k++) {
 		turn t = {n, k, n->first[k * n->f->height]};
 		int count = (int)(n->first[(k + 1) * n->f->height] - t.first);
-		code = rows_run(n->f->rows, count, CHUNK, clear_sites, &t);
+		code = bands_run(n->f->bands, count, CHUNK, clear_sites, &t);
 		if (!code)
 			code = ISA(fine_drop_weak)(n, (enum family)k);
 		if (!code)
@@ -354,7 +354,7 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 			       e->on[SOURCE_LIGHT] ? ISA(light_scratch)(f) : 0};
 	for (int i = 0; i < 3; i++)
 		made.thread_scratch = scratch[i] > made.thread_scratch ? scratch[i] : made.thread_scratch;
-	made.scratch = arena_take(a, (size_t)rows_threads(f->rows) * (size_t)made.thread_scratch, sizeof *made.scratch);
+	made.scratch = arena_take(a, (size_t)bands_threads(f->bands) * (size_t)made.thread_scratch, sizeof *made.scratch);
 	fine *n = arena_take(a, 1, sizeof *n);
 	f->fine = n;
 	if (n)
@@ -379,13 +379,13 @@ int32_t ISA(fine_run)(frame *f)
 	fine *n = f->fine;
 	int32_t code = n->e->on[SOURCE_LIGHT] ? ISA(light_even)(n) : ENCRE_OK;
 	if (!code)
-		code = rows_run(f->rows, f->height, 0, ISA(crack_rows), n);
+		code = bands_run(f->bands, f->height, 0, ISA(crack_rows), n);
 	if (!code)
-		code = rows_run(f->rows, f->height, 0, ISA(thin_rows), n);
+		code = bands_run(f->bands, f->height, 0, ISA(thin_rows), n);
 	if (!code)
 		code = n->seen ? ISA(seen_run)(n) : ENCRE_OK;
 	if (!code)
-		code = rows_run(f->rows, f->height, 0, ISA(ridge_rows), n);
+		code = bands_run(f->bands, f->height, 0, ISA(ridge_rows), n);
 	if (!code)
 		code = gather(n);
 	late_drop(&f->late, n->light);

@@ -120,7 +120,7 @@ int32_t ISA(capsules_gather)(frame *f, capsules *all)
 			return ENCRE_ERROR_MEMORY;
 		ISA(fine_free_lengths)(n, taper, g.length);
 	}
-	int32_t code = rows_run(f->rows, (int)n->count, CHUNK, make_pens, &g);
+	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, make_pens, &g);
 	if (code)
 		return code;
 	memset(all->first, 0, (bands + 2) * sizeof *all->first);

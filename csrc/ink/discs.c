@@ -322,7 +322,7 @@ static void sum_reach(const frame *f, discs *all)
 int32_t ISA(discs_gather)(const frame *f, discs *all)
 {
 	gather g = {f, all};
-	int32_t code = rows_run(f->rows, f->height, 0, count_rows, &g);
+	int32_t code = bands_run(f->bands, f->height, 0, count_rows, &g);
 	if (code)
 		return code;
 	size_t n = 0;
@@ -333,7 +333,7 @@ int32_t ISA(discs_gather)(const frame *f, discs *all)
 	all->disc = n <= SIZE_MAX / sizeof *all->disc ? malloc(n ? n * sizeof *all->disc : 1) : NULL;
 	if (!all->disc)
 		return ENCRE_ERROR_MEMORY;
-	code = rows_run(f->rows, f->height, TILE, fill_rows, &g);
+	code = bands_run(f->bands, f->height, TILE, fill_rows, &g);
 	if (code)
 		return code;
 	sum_reach(f, all);
@@ -342,9 +342,9 @@ int32_t ISA(discs_gather)(const frame *f, discs *all)
 		least_within(all->nearest + (ptrdiff_t)i * across, all->row_nearest, across, 1, k);
 	for (int i = 0; i < across; i++)
 		least_within(all->nearest + i, all->row_nearest, tall, across, k);
-	code = rows_run(f->rows, f->height, 0, bound_rows, &g);
+	code = bands_run(f->bands, f->height, 0, bound_rows, &g);
 	if (!code)
-		code = rows_run(f->rows, f->height, 0, join_rows, &g);
+		code = bands_run(f->bands, f->height, 0, join_rows, &g);
 	sum_reach(f, all);
 	return code;
 }

@@ -287,7 +287,7 @@ static void plan(frame *f, arena *a)
 		int shift = 5;
 		while ((f->width + LANES) >> shift >= 64)
 			shift++;
-		size_t stride = (((size_t)(f->width + LANES) >> shift) + 1) << shift, n = stride * BAND * (size_t)rows_threads(f->rows);
+		size_t stride = (((size_t)(f->width + LANES) >> shift) + 1) << shift, n = stride * BAND * (size_t)bands_threads(f->bands);
 		made.canvas = (canvas){
 			.f = f,
 			.shift = shift,
@@ -319,7 +319,7 @@ static int32_t run(frame *f)
 	else if (f->any_lines)
 		code = f->params->line_search == line_search_EXACT ? ISA(discs_gather)(f, &l->discs) : ISA(search_run)(f, &l->search);
 	if (!code)
-		code = rows_run(f->rows, f->height, BAND, lines_rows, l);
+		code = bands_run(f->bands, f->height, BAND, lines_rows, l);
 	ISA(discs_free)(&l->discs);
 	return code;
 }

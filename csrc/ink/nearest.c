@@ -187,7 +187,7 @@ void ISA(nearest_plan)(frame *f, arena *a)
 	size_t width = (size_t)f->width, pixels = width * (size_t)f->height;
 	nearest *n = arena_take(a, 1, sizeof *n), made = {
 		.down = arena_take(a, pixels, sizeof(int16_t)),
-		.stack = arena_take(a, (size_t)rows_threads(f->rows) * width, 2 * sizeof(int32_t)),
+		.stack = arena_take(a, (size_t)bands_threads(f->bands) * width, 2 * sizeof(int32_t)),
 		.reach = reach_of(f),
 	};
 	f->nearest = arena_take(a, pixels, 2 * sizeof(int16_t));
@@ -202,9 +202,9 @@ int32_t ISA(nearest_run)(frame *f)
 	if (!f->nearest_scratch)
 		return ENCRE_OK;
 	job j = {f, f->nearest_scratch};
-	int32_t code = rows_run(f->rows, (f->width - 1) / STRIPE + 1, 1, column_stripes, &j);
+	int32_t code = bands_run(f->bands, (f->width - 1) / STRIPE + 1, 1, column_stripes, &j);
 	if (!code)
-		code = rows_run(f->rows, f->height, 0, nearest_rows, &j);
+		code = bands_run(f->bands, f->height, 0, nearest_rows, &j);
 	if (!code)
 		f->nearest_scratch = NULL;
 	return code;

@@ -59,7 +59,7 @@ static int32_t hold_nearest(job *j, int times)
 {
 	int32_t code = ENCRE_OK;
 	for (int i = 0; !code && i < times; i++) {
-		code = rows_run(j->f->rows, j->f->height, 0, hold_rows, j);
+		code = bands_run(j->f->bands, j->f->height, 0, hold_rows, j);
 		uint16_t *next = j->s->held;
 		j->s->held = j->s->next;
 		j->s->next = next;
@@ -231,11 +231,11 @@ static int32_t walk_all(job *j)
 	}
 	for (int k = 0; k <= BLUR_RADIUS; k++)
 		j->weight[k] /= sum;
-	int32_t code = rows_run(j->f->rows, j->f->height, 0, blur_rows, j);
+	int32_t code = bands_run(j->f->bands, j->f->height, 0, blur_rows, j);
 	if (!code)
-		code = rows_run(j->f->rows, j->f->height, 0, gap_rows, j);
+		code = bands_run(j->f->bands, j->f->height, 0, gap_rows, j);
 	if (!code)
-		code = rows_run(j->f->rows, j->f->height, 0, walk_rows, j);
+		code = bands_run(j->f->bands, j->f->height, 0, walk_rows, j);
 	return code ? code : hold_nearest(j, 2);
 }
 
@@ -254,8 +254,8 @@ search ISA(search_plan)(frame *f, arena *a)
 	if (f->params->line_search == line_search_WALK) {
 		s.blurred = arena_take(a, pixels, sizeof(float));
 		s.gap = arena_take(a, pixels, sizeof(uint8_t));
-		s.column = arena_take(a, column_size(f) * (size_t)rows_threads(f->rows), sizeof(float));
-		s.rows = arena_take(a, (width + 2 * STEPS) * (size_t)rows_threads(f->rows), sizeof(uint8_t));
+		s.column = arena_take(a, column_size(f) * (size_t)bands_threads(f->bands), sizeof(float));
+		s.rows = arena_take(a, (width + 2 * STEPS) * (size_t)bands_threads(f->bands), sizeof(uint8_t));
 	}
 	return s;
 }
@@ -268,6 +268,6 @@ int32_t ISA(search_run)(frame *f, search *s)
 	case line_search_WALK: return walk_all(&j);
 	default: break;
 	}
-	int32_t code = rows_run(f->rows, f->height, 0, own_rows, &j);
+	int32_t code = bands_run(f->bands, f->height, 0, own_rows, &j);
 	return code ? code : hold_nearest(&j, STEPS);
 }

@@ -149,10 +149,10 @@ static void find_parts(void *data, int p0, int p1, int thread)
 	}
 }
 
-int32_t contours_find(rows *pool, const geometry *g, uint8_t *edges)
+int32_t contours_find(bands *pool, const geometry *g, uint8_t *edges)
 {
 	search s = {.g = g, .edges = edges};
 	atomic_init(&s.failed, false);
-	int32_t code = rows_run(pool, g->n_parts, 1, find_parts, &s);
+	int32_t code = bands_run(pool, g->n_parts, 1, find_parts, &s);
 	return code ? code : atomic_load(&s.failed) ? ENCRE_ERROR_MEMORY : ENCRE_OK;
 }

@@ -13,7 +13,7 @@ enum contour_side { CONTOUR_NONE = 0, CONTOUR_RIGHT = 1, CONTOUR_LEFT = 2, CONTO
  * triangles of a mesh that share an edge, by the indices of its points, one has the side on which all of them lie, or
  * CONTOUR_BOTH where numbers of objects or materials differ; else all have none. Returns a code of enum encre_code.
  * Takes about 20 bytes a triangle of the meshes that are searched at once, one by each thread. */
-int32_t contours_find(rows *pool, const geometry *g, uint8_t *edges);
+int32_t contours_find(bands *pool, const geometry *g, uint8_t *edges);
 
 static inline enum contour_side contour_side(uint8_t edges, int k)
 {

@@ -357,27 +357,27 @@ static void plan(raster *r, int threads, arena *a)
 	r->front = arena_take(a, band, sizeof *r->front);
 }
 
-static int32_t run(rows *pool, raster *r)
+static int32_t run(bands *pool, raster *r)
 {
 	int32_t code;
 	geometry_aim(&r->geometry);
 	if (r->more && (code = contours_find(pool, &r->geometry, r->edges)))
 		return code;
 	memset(r->place, 0, (size_t)r->n_chunks * (size_t)r->n_bands * sizeof *r->place);
-	if ((code = rows_run(pool, r->n_chunks, 1, count_chunks, r)))
+	if ((code = bands_run(pool, r->n_chunks, 1, count_chunks, r)))
 		return code;
 	sum_places(r);
 	size_t n = r->list[r->n_bands];
 	r->entry = n < SIZE_MAX / sizeof *r->entry ? malloc((n + 1) * sizeof *r->entry) : NULL;
 	if (!r->entry)
 		return ENCRE_ERROR_MEMORY;
-	if ((code = rows_run(pool, r->n_chunks, 1, file_chunks, r)))
+	if ((code = bands_run(pool, r->n_chunks, 1, file_chunks, r)))
 		return code;
-	rows_span(pool, 0.875, 1.125); /* a run takes half of what is left: so far at most three, now all the rest */
-	return rows_run(pool, r->n_bands, 1, draw_bands, r);
+	bands_span(pool, 0.875, 1.125); /* a run takes half of what is left: so far at most three, now all the rest */
+	return bands_run(pool, r->n_bands, 1, draw_bands, r);
 }
 
-int32_t raster_run(rows *pool, const encre_raster_job *job, char *error, size_t size)
+int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size)
 {
 	const encre_image *images[] = {&job->depth, &job->normal, &job->object, &job->material, &job->style, &job->attributes, &job->marks};
 	const encre_image *image = NULL;
@@ -399,11 +399,11 @@ int32_t raster_run(rows *pool, const encre_raster_job *job, char *error, size_t 
 	r.chunk = r.chunk > CHUNK ? r.chunk : CHUNK;
 	r.n_chunks = (int)((r.geometry.n_primitives + (uint64_t)r.chunk - 1) / r.chunk);
 	arena a = {0};
-	plan(&r, rows_threads(pool), &a);
+	plan(&r, bands_threads(pool), &a);
 	a = (arena){.base = malloc(a.used)};
 	if (!a.base)
 		return ENCRE_ERROR_MEMORY;
-	plan(&r, rows_threads(pool), &a);
+	plan(&r, bands_threads(pool), &a);
 	code = run(pool, &r);
 	free(r.entry);
 	free(a.base);

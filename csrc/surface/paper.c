@@ -144,15 +144,15 @@ static void spread_rows(void *data, int y0, int y1, int thread)
 
 static int32_t make_sheet(frame *f, paper *p)
 {
-	rows_kernel kernels[] = {press_rows, level_rows, spread_rows};
+	bands_kernel kernels[] = {press_rows, level_rows, spread_rows};
 	p->key = mix_bits((uint32_t)f->params->paper_seed + 1);
-	int32_t code = rows_run(f->rows, SIZE, 0, ground_rows, p);
+	int32_t code = bands_run(f->bands, SIZE, 0, ground_rows, p);
 	for (uint32_t k = 0; k < FIBRES; k++)
 		fibre(p, SIZE * SIZE + 4 * k);
 	for (int i = 0; !code && i < 3; i++) {
 		if (kernels[i] == spread_rows)
 			rank_levels(p);
-		code = rows_run(f->rows, SIZE, 0, kernels[i], p);
+		code = bands_run(f->bands, SIZE, 0, kernels[i], p);
 	}
 	return code;
 }
@@ -291,7 +291,7 @@ static int32_t run(frame *f)
 		return ENCRE_OK;
 	for (int x = 0; x < f->width; x++)
 		p->column[x] = texel(p, f->place.x + x, p->width, p->share + x);
-	return p->image ? rows_run(f->rows, p->height, 0, image_rows, p) : make_sheet(f, p);
+	return p->image ? bands_run(f->bands, p->height, 0, image_rows, p) : make_sheet(f, p);
 }
 
 const stage STAGE_SYMBOL(paper) = {.id = "paper", .check = check, .plan = plan, .run = run};

@@ -205,7 +205,7 @@ static const char *check(const encre_params *params, char *text, size_t size)
 
 static int32_t run(frame *f)
 {
-	return rows_run(f->rows, f->height, 0, shade_rows, f);
+	return bands_run(f->bands, f->height, 0, shade_rows, f);
 }
 
 const stage STAGE_SYMBOL(shade) = {.id = "shade", .check = check, .run = run};

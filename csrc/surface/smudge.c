@@ -159,7 +159,7 @@ static void plan(frame *f, arena *a)
 /* Only a painted frame pays for the distance transform and the list. */
 static int32_t smudge_painted(frame *f, smudge *s)
 {
-	int32_t code = rows_run(f->rows, f->height, 0, count_rows, s);
+	int32_t code = bands_run(f->bands, f->height, 0, count_rows, s);
 	size_t painted = 0;
 	for (int y = 0; !code && y <= f->height; y++) {
 		size_t n = y < f->height ? s->first[y] : 0;
@@ -173,8 +173,8 @@ static int32_t smudge_painted(frame *f, smudge *s)
 		return ENCRE_ERROR_MEMORY;
 	code = ISA(nearest_run)(f);
 	if (!code)
-		code = rows_run(f->rows, f->height, 0, find_rows, s);
-	return code ? code : rows_run(f->rows, f->height, 0, apply_rows, s);
+		code = bands_run(f->bands, f->height, 0, find_rows, s);
+	return code ? code : bands_run(f->bands, f->height, 0, apply_rows, s);
 }
 
 static int32_t run(frame *f)

@@ -214,7 +214,7 @@ static void ink_rows(void *data, int y0, int y1, int thread)
 
 static void plan(bake *b, arena *a)
 {
-	size_t width = (size_t)b->width, height = (size_t)b->height, threads = (size_t)rows_threads(b->rows);
+	size_t width = (size_t)b->width, height = (size_t)b->height, threads = (size_t)bands_threads(b->bands);
 	b->padded = (width + 2 + LANES + 15) & ~(size_t)15;
 	b->radius = arena_take(a, width * height, sizeof *b->radius);
 	b->reach = arena_take(a, height, sizeof *b->reach);
@@ -235,8 +235,8 @@ static void plan(bake *b, arena *a)
 static int32_t run(bake *b, encre_bake_job *result)
 {
 	bool draw = b->job->output.data;
-	rows_span(b->rows, 0, draw ? 0.5 : 2); /* of a span a run takes half */
-	int32_t code = rows_run(b->rows, b->height, 0, difference_rows, b);
+	bands_span(b->bands, 0, draw ? 0.5 : 2); /* of a span a run takes half */
+	int32_t code = bands_run(b->bands, b->height, 0, difference_rows, b);
 	if (code)
 		return code;
 	result->nonfinite = 0;
@@ -248,19 +248,19 @@ static int32_t run(bake *b, encre_bake_job *result)
 	if (!draw)
 		return ENCRE_OK;
 	if (b->full)
-		code = rows_run(b->rows, (b->width - 1) / LANES + 1, 0, greatest_strips, b);
+		code = bands_run(b->bands, (b->width - 1) / LANES + 1, 0, greatest_strips, b);
 	if (!code)
-		code = rows_run(b->rows, b->height, 0, radius_rows, b);
+		code = bands_run(b->bands, b->height, 0, radius_rows, b);
 	for (int y = 0; y < b->height; y++)
 		b->farthest = b->reach[y] > b->farthest ? b->reach[y] : b->farthest;
-	rows_span(b->rows, 0.5, 1.5);
-	return code ? code : rows_run(b->rows, b->height, SHEET, ink_rows, b);
+	bands_span(b->bands, 0.5, 1.5);
+	return code ? code : bands_run(b->bands, b->height, SHEET, ink_rows, b);
 }
 
-int32_t ISA(bake_run)(rows *pool, const encre_bake_job *job, encre_bake_job *result)
+int32_t ISA(bake_run)(bands *pool, const encre_bake_job *job, encre_bake_job *result)
 {
 	bake b = {.job = job, .p = job->params, .width = job->texture.width, .height = job->texture.height,
-		  .wrap_x = job->wrap_x, .wrap_y = job->wrap_y, .rows = pool};
+		  .wrap_x = job->wrap_x, .wrap_y = job->wrap_y, .bands = pool};
 	arena a = {0};
 	plan(&b, &a);
 	char *memory = a.used <= SIZE_MAX - 64 ? malloc(a.used + 64) : NULL;

@@ -13,7 +13,7 @@ typedef struct bake {
 	const encre_params *p;
 	int width, height;
 	bool wrap_x, wrap_y;
-	rows *rows;
+	bands *bands;
 	float *radius;   /* width * height: the greatest difference of a texel's pairs, then half its line's width, 0 = none */
 	float *full;     /* likewise: the difference that gives a full line; NULL unless contrast_auto */
 	float *reach;    /* per row: how far its lines go up and down */
@@ -47,7 +47,7 @@ float ISA(stamp_reach)(const bake *b, int x, int y);
 void ISA(stamp_row)(const bake *b, const sheet *s, int y);
 
 /* What encre_bake() does, for a job that has been checked. Fills nonfinite and greatest of `result`. */
-int32_t bake_run_base(rows *pool, const encre_bake_job *job, encre_bake_job *result);
-int32_t bake_run_v3(rows *pool, const encre_bake_job *job, encre_bake_job *result);
+int32_t bake_run_base(bands *pool, const encre_bake_job *job, encre_bake_job *result);
+int32_t bake_run_v3(bands *pool, const encre_bake_job *job, encre_bake_job *result);
 
 #endif

@@ -246,11 +246,11 @@ int32_t ISA(light_even)(fine *n)
 	v.mark = late_take(&f->late, (size_t)v.spans * (size_t)f->height, sizeof *v.mark);
 	if (!n->light || !v.mark)
 		return ENCRE_ERROR_MEMORY;
-	int32_t code = rows_run(f->rows, f->height, 0, level_rows, &v);
+	int32_t code = bands_run(f->bands, f->height, 0, level_rows, &v);
 	if (!code)
 		code = find_spans(&v);
 	if (!code)
-		code = rows_run(f->rows, f->height, BAND, even_rows, &v);
+		code = bands_run(f->bands, f->height, BAND, even_rows, &v);
 	late_drop(&f->late, v.mark);
 	return code;
 }

@@ -107,8 +107,8 @@ static void through_rows(void *data, int y0, int y1, int thread)
 
 int32_t ISA(seen_run)(fine *n)
 {
-	int32_t code = rows_run(n->f->rows, n->f->height, 0, differ_rows, n);
-	return code ? code : rows_run(n->f->rows, n->f->height, 0, through_rows, n);
+	int32_t code = bands_run(n->f->bands, n->f->height, 0, differ_rows, n);
+	return code ? code : bands_run(n->f->bands, n->f->height, 0, through_rows, n);
 }
 
 /* ---- how clearly ----------------------------------------------------------------------------------------- */

@@ -122,8 +122,8 @@ int32_t ISA(fine_crowd)(fine *n)
 		   late_take(&n->f->late, (size_t)cells, sizeof *c.sum)};
 	if (!c.near || !c.sum)
 		return ENCRE_ERROR_MEMORY;
-	int32_t code = rows_run(n->f->rows, (int)n->count, CHUNK, find_next, &c);
+	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_next, &c);
 	if (!code)
-		code = rows_run(n->f->rows, cells, CHUNK, sum_cells, &c);
-	return code ? code : rows_run(n->f->rows, (int)n->count, CHUNK, bound, &c);
+		code = bands_run(n->f->bands, cells, CHUNK, sum_cells, &c);
+	return code ? code : bands_run(n->f->bands, (int)n->count, CHUNK, bound, &c);
 }

@@ -225,7 +225,7 @@ int32_t ISA(fine_drop_beside)(fine *n)
 	qsort(b.list, b.count, sizeof *b.list, by_weight);
 	uint32_t i = 0;
 	for (b.rank = 1; b.rank <= LIGHT_RANK; b.rank++) {
-		int32_t code = rows_run(n->f->rows, (int)n->count, CHUNK, find_near, &b);
+		int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_near, &b);
 		if (code)
 			return code;
 		for (; i < b.count && b.list[i].rank <= b.rank; i++)

@@ -281,9 +281,9 @@ static int32_t round_of(fine *n)
 	ends all = {.n = n};
 	int32_t code = find_ends(&all);
 	if (!code)
-		code = rows_run(n->f->rows, (int)all.count, CHUNK, aim, &all);
+		code = bands_run(n->f->bands, (int)all.count, CHUNK, aim, &all);
 	if (!code)
-		code = rows_run(n->f->rows, (int)all.count, CHUNK, count_pairs, &all);
+		code = bands_run(n->f->bands, (int)all.count, CHUNK, count_pairs, &all);
 	if (code)
 		return code;
 	uint32_t pairs = 0;
@@ -296,7 +296,7 @@ static int32_t round_of(fine *n)
 	site *sites = late_take(&n->f->late, n->count + all.count, sizeof *sites);
 	if (!all.pair || !to.link || !sites)
 		return ENCRE_ERROR_MEMORY;
-	code = rows_run(n->f->rows, (int)all.count, CHUNK, fill_pairs, &all);
+	code = bands_run(n->f->bands, (int)all.count, CHUNK, fill_pairs, &all);
 	if (code)
 		return code;
 	qsort(all.pair, pairs, sizeof *all.pair, by_cost);

@@ -170,8 +170,8 @@ int32_t ISA(fine_drop_crumbs)(fine *n, enum family family)
 	int count = (int)(n->first[(family + 1) * n->f->height] - t.first);
 	if (family <= FAMILY_MARK)
 		return ENCRE_OK;
-	int32_t code = rows_run(n->f->rows, count, CHUNK, find_crumbs, &t);
-	return code ? code : rows_run(n->f->rows, count, CHUNK, drop_crumbs, &t);
+	int32_t code = bands_run(n->f->bands, count, CHUNK, find_crumbs, &t);
+	return code ? code : bands_run(n->f->bands, count, CHUNK, drop_crumbs, &t);
 }
 
 /* ---- weak sites ------------------------------------------------------------------------------------------ */
@@ -279,9 +279,9 @@ int32_t ISA(fine_smooth)(fine *n)
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = ENCRE_OK;
 	for (int i = 0; !code && i < EVEN_ROUNDS; i++) {
-		code = rows_run(n->f->rows, (int)n->count, CHUNK, find_even, &m);
+		code = bands_run(n->f->bands, (int)n->count, CHUNK, find_even, &m);
 		if (!code)
-			code = rows_run(n->f->rows, (int)n->count, CHUNK, move_even, &m);
+			code = bands_run(n->f->bands, (int)n->count, CHUNK, move_even, &m);
 	}
 	late_drop(&n->f->late, m.moved);
 	return code ? code : ISA(fine_sort)(n);
@@ -324,7 +324,7 @@ int32_t ISA(fine_link)(fine *n)
 	n->at = late_take(&n->f->late, n->count + 1, sizeof *n->at);
 	if (!l.few || !n->at)
 		return ENCRE_ERROR_MEMORY;
-	int32_t code = rows_run(n->f->rows, (int)n->count, CHUNK, link_sites, &l);
+	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, link_sites, &l);
 	if (code)
 		return code;
 	n->at[0] = 0;
@@ -333,7 +333,7 @@ int32_t ISA(fine_link)(fine *n)
 	n->to = late_take(&n->f->late, n->at[n->count], sizeof *n->to);
 	if (!n->to)
 		return ENCRE_ERROR_MEMORY;
-	code = rows_run(n->f->rows, (int)n->count, CHUNK, link_sites, &l);
+	code = bands_run(n->f->bands, (int)n->count, CHUNK, link_sites, &l);
 	for (uint32_t i = 0; i < n->count; i++) /* what it joined an earlier family has taken */
 		n->site[i].dropped |= n->site[i].axis == AXIS_JUNCTION && n->at[i] == n->at[i + 1];
 	late_drop(&n->f->late, l.few);

@@ -9,12 +9,12 @@
 #include <stdlib.h>
 
 typedef struct worker {
-	rows *pool;
+	bands *pool;
 	pthread_t id;
 	int number;
 } worker;
 
-struct rows {
+struct bands {
 	int threads; /* that work: the calling one and those started */
 	pthread_mutex_t lock;
 	pthread_cond_t start, done;
@@ -23,7 +23,7 @@ struct rows {
 	bool quit;
 
 	/* the job: */
-	rows_kernel kernel;
+	bands_kernel kernel;
 	void *data;
 	int height, band, bands;
 	atomic_int next, finished;
@@ -36,7 +36,7 @@ struct rows {
 	worker workers[];
 };
 
-static void work(rows *pool, int thread)
+static void work(bands *pool, int thread)
 {
 	int i;
 	while ((i = atomic_fetch_add(&pool->next, 1)) < pool->bands) {
@@ -55,7 +55,7 @@ static void work(rows *pool, int thread)
 static void *worker_main(void *argument)
 {
 	worker *self = argument;
-	rows *pool = self->pool;
+	bands *pool = self->pool;
 	unsigned seen = 0;
 	pthread_mutex_lock(&pool->lock);
 	for (;;) {
@@ -74,9 +74,9 @@ static void *worker_main(void *argument)
 	return NULL;
 }
 
-rows *rows_create(int threads)
+bands *bands_create(int threads)
 {
-	rows *pool = calloc(1, sizeof *pool + (size_t)(threads - 1) * sizeof *pool->workers);
+	bands *pool = calloc(1, sizeof *pool + (size_t)(threads - 1) * sizeof *pool->workers);
 	if (!pool)
 		return NULL;
 	pthread_mutex_init(&pool->lock, NULL);
@@ -92,7 +92,7 @@ rows *rows_create(int threads)
 	return pool;
 }
 
-void rows_destroy(rows *pool)
+void bands_destroy(bands *pool)
 {
 	if (!pool)
 		return;
@@ -108,12 +108,12 @@ void rows_destroy(rows *pool)
 	free(pool);
 }
 
-int rows_threads(const rows *pool)
+int bands_threads(const bands *pool)
 {
 	return pool->threads;
 }
 
-void rows_progress(rows *pool, encre_progress call, void *user)
+void bands_progress(bands *pool, encre_progress call, void *user)
 {
 	pool->call = call;
 	pool->user = user;
@@ -122,13 +122,13 @@ void rows_progress(rows *pool, encre_progress call, void *user)
 	atomic_store(&pool->cancelled, false);
 }
 
-void rows_span(rows *pool, double from, double to)
+void bands_span(bands *pool, double from, double to)
 {
 	pool->from = from;
 	pool->to = to;
 }
 
-int32_t rows_run(rows *pool, int height, int band, rows_kernel kernel, void *data)
+int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *data)
 {
 	if (atomic_load(&pool->cancelled))
 		return ENCRE_ERROR_CANCELLED;
