@@ -53,6 +53,7 @@ bench: build
 
 lint: .venv/ready
 	.venv/bin/ruff check .
+	.venv/bin/clang-format --dry-run --Werror $$(find csrc tests -name '*.[ch]')
 
 clean:
 	rm -rf .venv build addon/libencre.* *.egg-info

@@ -26,8 +26,8 @@ NAME = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "
 # A file that names anything with these is compiled once per instruction set (csrc/base/stage.h), any other once.
 KERNELS = ("ISA(", "STAGE_SYMBOL(")
 # No option that lets the compiler change a result: every build gives the same bits.
-FLAGS = shlex.split("-std=c11 -Icsrc -D_POSIX_C_SOURCE=200809L -fPIC -fvisibility=hidden -pthread -Wall -Wextra -Wpedantic "
-                    "-fno-math-errno -fno-trapping-math -ffp-contract=off")
+FLAGS = shlex.split("-std=c11 -Icsrc -D_POSIX_C_SOURCE=200809L -fPIC -fvisibility=hidden -pthread "
+                    "-Wall -Wextra -Wpedantic -fno-math-errno -fno-trapping-math -ffp-contract=off")
 
 
 def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""):

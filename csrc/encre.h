@@ -55,15 +55,15 @@ enum encre_layer {
 	ENCRE_LAYER_MATERIAL,     /* 1: material index, likewise */
 	ENCRE_LAYER_STYLE,        /* 1: style number, 0 = the scene's (absent: 0) */
 	ENCRE_LAYER_CONTROLS,     /* 6: painted controls -1..1: thickness, intensity, color_edge, smudge_range,
-	                                smudge_falloff, hatching (absent: 0) */
-	ENCRE_LAYER_MARKS,        /* 2: where lines that were drawn by hand pass between pixels: on the way from a pixel's
-	                                centre to that of its right, and of its lower neighbour, 0 < place <= 1;
-	                                0 = nowhere; -place: no line, but a contour passes there, if any (absent: 0) */
+					smudge_falloff, hatching (absent: 0) */
+	ENCRE_LAYER_MARKS, /* 2: where lines that were drawn by hand pass between pixels: on the way from a pixel's
+				 centre to that of its right, and of its lower neighbour, 0 < place <= 1;
+				 0 = nowhere; -place: no line, but a contour passes there, if any (absent: 0) */
 	/* What the eye sees: in a mirror the thing mirrored, through clear glass the thing behind it, else the surface
 	   itself; averaged over the pixel. FINE draws lines in it if seen_color and seen_normal are there. */
-	ENCRE_LAYER_SEEN_COLOR,   /* 3: unlit colour */
-	ENCRE_LAYER_SEEN_NORMAL,  /* 3: normal in the space of the camera, which looks along -z */
-	ENCRE_LAYER_SEEN_DEPTH,   /* 1: as depth, along the way that light takes; 0 = nothing there (may be absent) */
+	ENCRE_LAYER_SEEN_COLOR,  /* 3: unlit colour */
+	ENCRE_LAYER_SEEN_NORMAL, /* 3: normal in the space of the camera, which looks along -z */
+	ENCRE_LAYER_SEEN_DEPTH,  /* 1: as depth, along the way that light takes; 0 = nothing there (may be absent) */
 	ENCRE_LAYER_COUNT
 };
 
@@ -128,10 +128,10 @@ typedef struct encre_param_info {
 	const encre_enum_item *items; /* ENCRE_ENUM */
 	int32_t n_items;
 	int32_t type, scope;
-	int32_t offset; /* bytes from the start of the parameter block */
-	double value[3]; /* default; COLOR has three */
+	int32_t offset;                                /* bytes from the start of the parameter block */
+	double value[3];                               /* default; COLOR has three */
 	double hard_min, hard_max, soft_min, soft_max; /* INT and FLOAT */
-	const encre_levels *levels; /* default of ENCRE_LEVELS */
+	const encre_levels *levels;                    /* default of ENCRE_LEVELS */
 } encre_param_info;
 
 typedef struct encre_stage_description {
@@ -209,18 +209,18 @@ enum encre_primitive {
 
 /* One mesh. Attributes are interpolated perspective-correctly between corners; lines have none, and no numbers. */
 typedef struct encre_mesh {
-	int32_t kind;             /* enum encre_primitive */
+	int32_t kind; /* enum encre_primitive */
 	int32_t n_primitives;
 	int32_t n_points;
-	int32_t n_channels;       /* attribute channels per corner, 0..ENCRE_MAX_CHANNELS; missing ones are 0 */
-	const float *points;      /* n_points x 3, object space */
-	const int32_t *corners;   /* n_primitives x 3, of lines x 2, indices into points; NULL = 0, 1, 2, ... */
-	const float *attributes;  /* corner-major: n_primitives x 3 x n_channels; NULL = 0 */
-	const int32_t *material;  /* material number per primitive; NULL = material_index for all */
-	const int32_t *style;     /* style number per primitive; NULL = style_index for all */
-	double model[16];         /* object -> world, row by row */
+	int32_t n_channels;      /* attribute channels per corner, 0..ENCRE_MAX_CHANNELS; missing ones are 0 */
+	const float *points;     /* n_points x 3, object space */
+	const int32_t *corners;  /* n_primitives x 3, of lines x 2, indices into points; NULL = 0, 1, 2, ... */
+	const float *attributes; /* corner-major: n_primitives x 3 x n_channels; NULL = 0 */
+	const int32_t *material; /* material number per primitive; NULL = material_index for all */
+	const int32_t *style;    /* style number per primitive; NULL = style_index for all */
+	double model[16];        /* object -> world, row by row */
 	int32_t object_index, material_index, style_index, reserved;
-	const int32_t *object;    /* object number per primitive; NULL = object_index for all */
+	const int32_t *object; /* object number per primitive; NULL = object_index for all */
 } encre_mesh;
 
 enum { ENCRE_MAX_CHANNELS = 16 };
@@ -242,15 +242,16 @@ typedef struct encre_raster_job {
 	encre_image attributes;  /* out, n_channels; 0 = nothing */
 	encre_progress progress; /* may be NULL */
 	void *user;
-	encre_image marks;       /* out, 2: the layer `marks` of what can be seen of the lines, of several that pass
-	                            between the same pixels the first; where none does, of the contours of triangles:
-	                            edges, found by the indices of corners, at which a surface ends or turns away or
-	                            numbers change; of several of them the outermost of the surface in front */
+	encre_image marks; /* out, 2: the layer `marks` of what can be seen of the lines, of several that pass
+			      between the same pixels the first; where none does, of the contours of triangles:
+			      edges, found by the indices of corners, at which a surface ends or turns away or
+			      numbers change; of several of them the outermost of the surface in front */
 } encre_raster_job;
 
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent
  * triangles neither overlap nor leave gaps (top-left rule); equal depths: the earlier mesh, then the earlier
- * primitive. A line is hidden where it lies more than half a pixel behind the surfaces on both sides. Absent outputs are skipped; present ones share one size. Indices out of range are an error. */
+ * primitive. A line is hidden where it lies more than half a pixel behind the surfaces on both sides. Absent outputs
+ * are skipped; present ones share one size. Indices out of range are an error. */
 ENCRE_API int32_t encre_raster(encre_context *context, encre_raster_job *job);
 
 /* ---- baking ---------------------------------------------------------------------------------------------- */
@@ -259,11 +260,12 @@ ENCRE_API int32_t encre_raster(encre_context *context, encre_raster_job *job);
  * contrast_metric, contrast_threshold, contrast_max, contrast_auto and contrast_window in texels. */
 typedef struct encre_bake_job {
 	encre_image texture; /* 3 or 4 channels; a fourth is kept as it is */
-	/* 3 channels, or absent: how long a step is on the surface. A step of x texels to the right and y down has the squared
-	 * length E x^2 + 2 F x y + G y^2; the unit is that of line_thickness, best a texel of mean size. Lines then have
-	 * the same width everywhere on the surface. 0, or what is not finite, stands for 1, 0, 1. */
+	/* 3 channels, or absent: how long a step is on the surface. A step of x texels to the right and y down has the
+	 * squared length E x^2 + 2 F x y + G y^2; the unit is that of line_thickness, best a texel of mean size. Lines
+	 * then have the same width everywhere on the surface. 0, or what is not finite, stands for 1, 0, 1. */
 	encre_image form;
-	encre_image output; /* as texture: texture * (1 - coverage), in the values that it stores; absent: only measures */
+	encre_image
+		output; /* as texture: texture * (1 - coverage), in the values that it stores; absent: only measures */
 	const void *params;
 	int32_t linear;         /* 0: sRGB-encoded values, 1: linear ones */
 	int32_t wrap_x, wrap_y; /* 1: the texture tiles in this direction */
@@ -276,8 +278,8 @@ typedef struct encre_bake_job {
 
 enum { ENCRE_MAX_TEXELS = 32768 };
 
-/* Widths and heights are 1 to ENCRE_MAX_TEXELS, the same for all images. Without a form each texel draws a disc of radius
- * line_thickness * strength / 2 about its centre, with it an ellipse about the boundary that it sees. */
+/* Widths and heights are 1 to ENCRE_MAX_TEXELS, the same for all images. Without a form each texel draws a disc of
+ * radius line_thickness * strength / 2 about its centre, with it an ellipse about the boundary that it sees. */
 ENCRE_API int32_t encre_bake(encre_context *context, encre_bake_job *job);
 
 #ifdef __cplusplus

@@ -23,8 +23,10 @@ def library(tmp_path_factory):
     if sys.platform != "linux":
         pytest.skip("needs a linker that wraps functions")
     out = tmp_path_factory.mktemp("failing") / core.LIBRARY
-    subprocess.run([*shlex.split(os.environ.get("CC", "cc")), "-std=c11", f"-I{ROOT / 'csrc'}", "-D_POSIX_C_SOURCE=200809L", "-O1", "-fPIC",
-                    "-ffp-contract=off", "-fvisibility=hidden", "-pthread", "-shared", *map(str, ROOT.glob("csrc/**/*.c")),
+    subprocess.run([*shlex.split(os.environ.get("CC", "cc")), "-std=c11", f"-I{ROOT / 'csrc'}", "-O1", "-fPIC",
+                    "-D_POSIX_C_SOURCE=200809L",
+                    "-ffp-contract=off", "-fvisibility=hidden", "-pthread", "-shared",
+                    *map(str, ROOT.glob("csrc/**/*.c")),
                     str(ROOT / "tests" / "failing.c"), *(f"-Wl,--wrap={f}" for f in WRAPPED), "-lm", "-o", str(out)],
                    check=True)
     return core.Library(str(out))

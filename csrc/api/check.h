@@ -8,7 +8,8 @@
 #include <stddef.h>
 
 /* Images, parameters, frame and camera. `in` and `out` get the job's images with strides filled in. */
-int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre_image out[ENCRE_OUTPUT_COUNT], char *error, size_t size);
+int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre_image out[ENCRE_OUTPUT_COUNT],
+		  char *error, size_t size);
 /* Images alone: meshes, matrices and the frame are geometry_check()'s. `clean` gets the job with strides filled in. */
 int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char *error, size_t size);
 /* Likewise, and the parameters. */

@@ -54,13 +54,16 @@ void encre_destroy(encre_context *context)
 
 const char *encre_error(const encre_context *context)
 {
-	return context ? context->error : "encre: no memory for a context, or libencre has another API version; install one version of both";
+	return context ? context->error
+		       : "encre: no memory for a context, or libencre has another API version; install one version of "
+			 "both";
 }
 
 static int32_t fail_code(encre_context *context, int32_t code)
 {
 	if (code == ENCRE_ERROR_MEMORY)
-		snprintf(context->error, sizeof context->error, "memory: this frame needs more than there is; render it smaller or in borders");
+		snprintf(context->error, sizeof context->error,
+			 "memory: this frame needs more than there is; render it smaller or in borders");
 	if (code == ENCRE_ERROR_CANCELLED)
 		snprintf(context->error, sizeof context->error, "cancelled");
 	return code;
@@ -70,7 +73,9 @@ int32_t encre_set_threads(encre_context *context, int32_t threads)
 {
 	context->error[0] = 0;
 	if (threads < 0 || threads > MAX_THREADS)
-		return refuse(context->error, sizeof context->error, "threads: %d is outside 0..%d; give 0 for as many as processors", (int)threads, MAX_THREADS);
+		return refuse(context->error, sizeof context->error,
+			      "threads: %d is outside 0..%d; give 0 for as many as processors", (int)threads,
+			      MAX_THREADS);
 	if (threads != context->threads) {
 		bands_destroy(context->pool);
 		context->pool = NULL;
@@ -83,7 +88,8 @@ int32_t encre_set_simd(encre_context *context, int32_t level)
 {
 	context->error[0] = 0;
 	if (level < 0 || level > 1)
-		return refuse(context->error, sizeof context->error, "simd: level %d is outside 0..1; give 1 for the best there is", (int)level);
+		return refuse(context->error, sizeof context->error,
+			      "simd: level %d is outside 0..1; give 1 for the best there is", (int)level);
 	context->simd = level;
 	return ENCRE_OK;
 }
@@ -104,7 +110,8 @@ static bands *pool_of(encre_context *context, encre_progress progress, void *use
 static bool use_best(const encre_context *context)
 {
 #ifdef ENCRE_HAVE_V3
-	return context->simd && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+	return context->simd && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+	       __builtin_cpu_supports("bmi2");
 #else
 	(void)context;
 	return false;
@@ -164,7 +171,8 @@ static void plan(work *w, arena *a)
 		if (w->out[i].data && packed(w->out + i))
 			f->output[i] = plane_of(w->out + i);
 		else if (w->out[i].data || i == ENCRE_OUTPUT_COMBINED)
-			f->output[i] = (plane){arena_take(a, n, 4 * (size_t)encre_output_info(i)->channels), (ptrdiff_t)f->width * encre_output_info(i)->channels};
+			f->output[i] = (plane){arena_take(a, n, 4 * (size_t)encre_output_info(i)->channels),
+					       (ptrdiff_t)f->width * encre_output_info(i)->channels};
 	w->style = f->n_styles > 1 ? arena_take(a, n, 1) : NULL;
 	f->style = w->style;
 	const stage *const *stages = stages_of(w->context);
@@ -202,7 +210,8 @@ static void export_rows(void *data, int y0, int y1, int thread)
 		for (int y = y0; y < y1; y++)
 			for (int x = 0; x < w->f.width; x++)
 				memcpy((char *)image->data + y * image->row_stride + x * image->pixel_stride,
-				       w->f.output[i].data + y * w->f.output[i].row + (ptrdiff_t)x * image->channels, 4 * (size_t)image->channels);
+				       w->f.output[i].data + y * w->f.output[i].row + (ptrdiff_t)x * image->channels,
+				       4 * (size_t)image->channels);
 	}
 }
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* clang-format off */
 /* The rows of all stages, in the order of the stage list in stage.h. No guard: included once per use. */
 #include "base/layers.rows.h"
 #include "edges/edges.rows.h"

@@ -2,7 +2,7 @@
 /* Bands of rows on a small pool of threads. Bands are handed out by an atomic counter, so who does which band varies,
  * but a kernel writes only the rows of its band: results do not. The calling thread works too, and it alone reports
  * progress, so that a callback may be any single-threaded code. */
-#include "base/stage.h"
+#include "base/bands.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

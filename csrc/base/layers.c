@@ -15,8 +15,13 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 	[ENCRE_LAYER_OBJECT] = {"object", "object index", 1, 0},
 	[ENCRE_LAYER_MATERIAL] = {"material", "material index", 1, 0},
 	[ENCRE_LAYER_STYLE] = {"style", "style number, 0 the scene's", 1, 0},
-	[ENCRE_LAYER_CONTROLS] = {"controls", "thickness, intensity, color_edge, smudge_range, smudge_falloff, hatching; each -1..1", 6, 0},
-	[ENCRE_LAYER_MARKS] = {"marks", "where lines drawn by hand pass to the right, to the lower neighbour, 0..1; 0 = nowhere; negative: contours", 2, 0},
+	[ENCRE_LAYER_CONTROLS] =
+		{"controls", "thickness, intensity, color_edge, smudge_range, smudge_falloff, hatching; each -1..1", 6,
+		 0},
+	[ENCRE_LAYER_MARKS] = {"marks",
+			       "where lines drawn by hand pass to the right, to the lower neighbour, 0..1; 0 = "
+			       "nowhere; negative: contours",
+			       2, 0},
 	[ENCRE_LAYER_SEEN_COLOR] = {"seen_color", "unlit colour of what mirrors and clear glass show", 3, 0},
 	[ENCRE_LAYER_SEEN_NORMAL] = {"seen_normal", "its normal, in the space of the camera", 3, 0},
 	[ENCRE_LAYER_SEEN_DEPTH] = {"seen_depth", "its distance, as depth", 1, 0},

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* clang-format off */
 /* What the engine does before and after the library: size, choice and cleaning of the layers. No C stage reads these;
  * lengths in PIXELS are multiplied by supersample. */
 STAGE(layers, "Layers", "What the engine renders and saves for the stages")

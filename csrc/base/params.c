@@ -9,7 +9,8 @@
 
 #define LEVEL(i, t, w) {i, t, w, {1, 1, 1}}
 /* Vainumäe 2020, 4.1: shade, half light, light. */
-static const encre_levels shade_levels_default = {3, {LEVEL(0.5f, 0, 0), LEVEL(0.7f, 0.5f, 0.025f), LEVEL(1.1f, 0.9f, 0.025f)}};
+static const encre_levels shade_levels_default = {
+	3, {LEVEL(0.5f, 0, 0), LEVEL(0.7f, 0.5f, 0.025f), LEVEL(1.1f, 0.9f, 0.025f)}};
 #undef LEVEL
 
 #define STAGE(...)
@@ -65,14 +66,18 @@ enum row {
 #undef HEAD
 #undef NUMBER
 
-#define BOOL(...) + 1
-#define INT(...) + 1
-#define FLOAT(...) + 1
-#define ENUM(...) + 1
-#define COLOR(...) + 1
-#define IMAGE(...) + 1
-#define LEVELS(...) + 1
-#define STAGE(sid, lab, hlp) }, {.id = #sid, .label = lab, .help = hlp, .params = table + sid##_first, .n_params = 0
+#define BOOL(...) +1
+#define INT(...) +1
+#define FLOAT(...) +1
+#define ENUM(...) +1
+#define COLOR(...) +1
+#define IMAGE(...) +1
+#define LEVELS(...) +1
+#define STAGE(sid, lab, hlp)                                                                                           \
+	}                                                                                                              \
+	,                                                                                                              \
+	{                                                                                                              \
+		.id = #sid, .label = lab, .help = hlp, .params = table + sid##_first, .n_params = 0
 static const encre_stage_description stages[] = {{.id = NULL
 #include "base/all.rows.h"
 }};
@@ -115,7 +120,8 @@ static const char *check_number(const encre_param_info *p, double value, char *t
 	if (p->hard_max >= FLT_MAX)
 		snprintf(text, size, "%s: %g is out of range; give %g or more", p->id, value, p->hard_min);
 	else
-		snprintf(text, size, "%s: %g is out of range; give a value from %g to %g", p->id, value, p->hard_min, p->hard_max);
+		snprintf(text, size, "%s: %g is out of range; give a value from %g to %g", p->id, value, p->hard_min,
+			 p->hard_max);
 	return text;
 }
 
@@ -137,14 +143,13 @@ static const char *check_row(const encre_param_info *p, const char *field, char 
 			return NULL;
 		snprintf(text, size, "%s: %d is none of its values; see encre_stage_info()", p->id, (int)n);
 		return text;
-	case ENCRE_FLOAT:
-		memcpy(f, field, sizeof *f);
-		return check_number(p, (double)f[0], text, size);
+	case ENCRE_FLOAT: memcpy(f, field, sizeof *f); return check_number(p, (double)f[0], text, size);
 	case ENCRE_COLOR:
 		memcpy(f, field, sizeof f);
 		for (int c = 0; c < 3; c++)
 			if (!(f[c] >= 0 && f[c] <= FLT_MAX)) {
-				snprintf(text, size, "%s: %g is no colour component; give 0 or more", p->id, (double)f[c]);
+				snprintf(text, size, "%s: %g is no colour component; give 0 or more", p->id,
+					 (double)f[c]);
 				return text;
 			}
 		return NULL;
@@ -157,7 +162,8 @@ const char *encre_params_check(const void *params, char *text, int64_t size)
 	for (int s = 0; encre_stage_info(s); s++) {
 		const encre_stage_description *d = encre_stage_info(s);
 		for (int i = 0; i < d->n_params; i++) {
-			const char *e = check_row(d->params + i, (const char *)params + d->params[i].offset, text, (size_t)size);
+			const char *e = check_row(d->params + i, (const char *)params + d->params[i].offset, text,
+						  (size_t)size);
 			if (e)
 				return e;
 		}

@@ -26,7 +26,7 @@
 #define COLOR(...)
 #define IMAGE(...)
 #define LEVELS(...)
-#define ENUM(id, scope, value, enabled_if, label, help, items) enum id##_item { items };
+#define ENUM(id, scope, value, enabled_if, label, help, items) enum id##_item{items};
 #include "base/all.rows.h"
 #include "base/undef.rows.h"
 

@@ -163,8 +163,8 @@ static inline float sine(float x, int32_t quarter)
 	float r = (float)(((double)x - (double)n * 1.57079632673412561417) - (double)n * 6.07710050650619224932e-11);
 	float z = r * r;
 	float s = r + r * z * (-1.6666654611e-1f + z * (8.3321608736e-3f + z * -1.9515295891e-4f));
-	float c =
-	    1 - 0.5f * z + z * z * (4.166664568298827e-2f + z * (-1.388731625493765e-3f + z * 2.443315711809948e-5f));
+	float c = 1 - 0.5f * z +
+		  z * z * (4.166664568298827e-2f + z * (-1.388731625493765e-3f + z * 2.443315711809948e-5f));
 	float value = j & 1 ? c : s;
 	return j & 2 ? -value : value;
 }

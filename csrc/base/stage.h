@@ -10,6 +10,8 @@
 #ifndef ENCRE_STAGE_H
 #define ENCRE_STAGE_H
 
+#include "base/arena.h"
+#include "base/bands.h"
 #include "base/params.h"
 
 #include <stddef.h>
@@ -24,49 +26,6 @@
 #define STAGE_SYMBOL(name) ISA(JOIN(stage, name))
 
 #define STAGES(X) X(edges) X(shade) X(smudge) X(paper) X(hatch) X(lines)
-
-/* ---- bands.c: bands of rows on a pool of threads --------------------------------------------------------- */
-
-typedef struct bands bands;
-/* Works on rows y0..y1-1 and writes only these. thread is 0..bands_threads()-1, for per-thread scratch. */
-typedef void (*bands_kernel)(void *data, int y0, int y1, int thread);
-
-/* NULL without memory. Threads that can't be started are done without. */
-bands *bands_create(int threads);
-void bands_destroy(bands *pool);
-int bands_threads(const bands *pool);
-/* From now on finished bands are reported to `call` (may be NULL); takes back a cancellation. */
-void bands_progress(bands *pool, encre_progress call, void *user);
-/* The share of the whole that each following bands_run reports. */
-void bands_span(bands *pool, double from, double to);
-/* Cuts 0..height-1 into bands of `band` rows (0 = a good height) and runs the kernel on all. Returns ENCRE_OK or
- * ENCRE_ERROR_CANCELLED; after a cancellation it does nothing more. Must not be called from a kernel. */
-int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *data);
-
-/* ---- arena.c: one allocation per frame ------------------------------------------------------------------- */
-
-/* Planning runs twice with the same calls: first with base NULL, to measure, then with memory. */
-typedef struct arena {
-	char *base;
-	size_t used;
-} arena;
-
-/* `count` items of `size` bytes, aligned to 64 bytes, not cleared; NULL while measuring. Sizes that overflow make
- * the sum stick at SIZE_MAX, which no allocation satisfies. */
-void *arena_take(arena *a, size_t count, size_t size);
-
-/* What can't be planned, because only the frame's content tells how much it is: freed when the frame is done. Not to be
- * called from a kernel. */
-typedef struct late late;
-struct late {
-	late *next;
-};
-
-/* NULL without memory; aligned to 64 bytes, not cleared. */
-void *late_take(late **all, size_t count, size_t size);
-/* Gives back what late_take() gave, if anything. */
-void late_drop(late **all, const void *taken);
-void late_free(late *all);
 
 /* ---- frame: what stages read and make -------------------------------------------------------------------- */
 
@@ -93,7 +52,7 @@ typedef struct frame {
 	plane output[ENCRE_OUTPUT_COUNT]; /* COMBINED never absent: stages from shade on change it in place */
 	encre_camera camera;
 	encre_frame place;
-	float scale;                /* pixels of this frame per "px" of a parameter (length_unit) */
+	float scale; /* pixels of this frame per "px" of a parameter (length_unit) */
 	int n_styles;
 	const encre_params *params; /* [n_styles]; [0] is the scene's */
 	const uint8_t *style;       /* width * height, < n_styles; NULL when n_styles is 1 */
@@ -104,11 +63,12 @@ typedef struct frame {
 	/* edges: */
 	uint8_t *edge;   /* width * height: 0, or 1 + enum source of an edge pixel; NULL unless want_edges */
 	float *strength; /* width * height: edge strength */
-	uint8_t *near;   /* width * height, valid at edge pixels: place (dy + 2) * 5 + dx + 2 of the pixel with the least
-	                    depth in the 5x5 window, from which an edge takes its controls */
+	uint8_t *near; /* width * height, valid at edge pixels: place (dy + 2) * 5 + dx + 2 of the pixel with the least
+			  depth in the 5x5 window, from which an edge takes its controls */
 	/* nearest.c (planned when smudging or a search needs it): */
 	bool nearest_planned; /* by any stage: nearest_plan() takes its memory once */
-	int16_t *nearest; /* width * height x 2: dx, dy to the Euclidean-nearest edge pixel; NEAREST_NONE in dx = none */
+	int16_t *
+		nearest; /* width * height x 2: dx, dy to the Euclidean-nearest edge pixel; NEAREST_NONE in dx = none */
 	void *nearest_scratch; /* NULL once nearest is filled */
 	/* paper: heights h(p) after roughness, clamped to 0..1; call ISA(paper_row) */
 	void *paper;

@@ -31,7 +31,7 @@ static void nearest_places(const frame *f, int y, int x0, int n, uint8_t *restri
 		if (y + dy < 0 || y + dy >= f->height)
 			continue;
 		const float *restrict row =
-		    f->layer[ENCRE_LAYER_DEPTH].data + (y + dy) * f->layer[ENCRE_LAYER_DEPTH].row + x0 - 2;
+			f->layer[ENCRE_LAYER_DEPTH].data + (y + dy) * f->layer[ENCRE_LAYER_DEPTH].row + x0 - 2;
 		int32_t k = 32 * dy * dy + (dy + 2) * 5 + 2;
 		for (int i = from; i < to; i++) {
 			float z = depth_of(row[i]);
@@ -207,7 +207,9 @@ static void greatest_strips(void *data, int first, int end, int thread)
 static const char *check(const encre_params *p, char *text, size_t size)
 {
 	if (p->edge_detector == edge_detector_FINE && p->line_search != line_search_EXACT) {
-		snprintf(text, size, "line_search: the detector FINE draws along its sites and knows no other search; give EXACT, or another edge_detector");
+		snprintf(text, size,
+			 "line_search: the detector FINE draws along its sites and knows no other search; give EXACT, "
+			 "or another edge_detector");
 		return text;
 	}
 	if (p->depth_space != depth_space_LINEAR || p->depth_far > p->depth_near)
@@ -221,9 +223,11 @@ static const char *check(const encre_params *p, char *text, size_t size)
 static edges setup(const frame *f)
 {
 	const encre_params *p = f->params;
-	edges e = {
-	    .f = f, .p = p, .fine = p->edge_detector == edge_detector_FINE,
-	    .gauss = ISA(gaussians_of)(p->edge_sigma), .dog = p->edge_detector == edge_detector_DOG};
+	edges e = {.f = f,
+		   .p = p,
+		   .fine = p->edge_detector == edge_detector_FINE,
+		   .gauss = ISA(gaussians_of)(p->edge_sigma),
+		   .dog = p->edge_detector == edge_detector_DOG};
 	e.contrast = !e.dog || p->color_detector == color_detector_CONTRAST;
 	e.inverse = e.fine || p->depth_space == depth_space_INVERSE;
 	e.ortho = e.inverse && f->camera.orthographic;
@@ -235,7 +239,9 @@ static edges setup(const frame *f)
 			e.weight[s][i] = weight_in(p + i, (enum source)s);
 			e.on[s] |= e.weight[s][i] > 0;
 		}
-		bool dog = s == SOURCE_DEPTH || s == SOURCE_NORMAL ? e.dog : (s == SOURCE_COLOR || s == SOURCE_LIGHT) && !e.contrast;
+		bool dog = s == SOURCE_DEPTH || s == SOURCE_NORMAL
+				   ? e.dog
+				   : (s == SOURCE_COLOR || s == SOURCE_LIGHT) && !e.contrast;
 		e.reach[s] = e.fine ? 3 : dog ? e.gauss.reach : 1;
 	}
 	e.on[SOURCE_OBJECT] &= f->layer[ENCRE_LAYER_OBJECT].data != NULL;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* clang-format off */
 STAGE(edges, "Edges", "Where lines can be: jumps in depth, creases, boundaries between objects, materials, colours and light levels")
 ENUM(edge_detector, FRAME, 2, "", "Detector", "How edges are found in the layers",
      ITEM(edge_detector, DOG, 0, "Difference of Gaussians", "Second derivative; soft, a few pixels wide")

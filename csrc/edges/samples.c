@@ -54,7 +54,8 @@ static void depth_samples(const edges *e, const float *restrict z, int n, float 
  * y - 1 and row y down. */
 static void mark_samples(const edges *e, int y, float *restrict out)
 {
-	const float *own = layer_row(e, ENCRE_LAYER_MARKS, y), *above = y > 0 ? layer_row(e, ENCRE_LAYER_MARKS, y - 1) : NULL;
+	const float *own = layer_row(e, ENCRE_LAYER_MARKS, y),
+		    *above = y > 0 ? layer_row(e, ENCRE_LAYER_MARKS, y - 1) : NULL;
 	for (int x = 0; x < e->f->width; x++) {
 		bool right = own[2 * x] > 0 && own[2 * x] <= 0.5f, left = x > 0 && own[2 * x - 2] > 0.5f;
 		bool down = own[2 * x + 1] > 0 && own[2 * x + 1] <= 0.5f, up = above && above[2 * x + 1] > 0.5f;

@@ -30,7 +30,7 @@ static float dog_alone(const gaussians *g, double (*patch)[MAX_ROWS])
 		for (int j = -g->reach; j <= g->reach; j++) {
 			int a = i < 0 ? -i : i, b = j < 0 ? -j : j;
 			double kernel =
-			    (double)g->narrow[a] * (double)g->narrow[b] - (double)g->wide[a] * (double)g->wide[b];
+				(double)g->narrow[a] * (double)g->narrow[b] - (double)g->wide[a] * (double)g->wide[b];
 			sum += kernel * (patch[g->reach + i][g->reach + j] - patch[g->reach][g->reach]);
 		}
 	return (float)sum;

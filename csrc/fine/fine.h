@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the files of the FINE detector share: edges as sites between pixels, linked to polylines.
  *
- * cracks.c, light.c and ridges.c mark, densely and row by row, where sites are, and place each; mirrors.c tells ridges.c
- * where the eye sees something else than the surface in front; sites.c runs them, gathers all
- * sites and drops those that an earlier family owns; links.c joins what is left. To add a family: name it below where
- * its turn is, mark its pixels, place its sites in fine_site() and say in links.c what joins them. */
+ * cracks.c, light.c and ridges.c mark, densely and row by row, where sites are, and place each; mirrors.c tells
+ * ridges.c where the eye sees something else than the surface in front; sites.c runs them, gathers all sites and drops
+ * those that an earlier family owns; links.c joins what is left. To add a family: name it below where its turn is, mark
+ * its pixels, place its sites in fine_site() and say in links.c what joins them. */
 #ifndef ENCRE_FINE_H
 #define ENCRE_FINE_H
 
@@ -38,21 +38,20 @@ enum axis { AXIS_ROW, AXIS_COLUMN, AXIS_JUNCTION };
 
 /* A point of a line. Numbers of sites grow by family, row, column and axis. */
 typedef struct site {
-	float x, y;           /* pixels; centres are whole numbers */
-	float strength;       /* weighted */
-	float thin, half, inside; /* how much it is a side of a thin thing, half its width, and how far on along the axis
-				     its middle lies */
+	float x, y;               /* pixels; centres are whole numbers */
+	float strength;           /* weighted */
+	float thin, half, inside; /* how much it is a side of a thin thing, half its width, and how far on along the
+				     axis its middle lies */
 	float crowd;              /* its radius is at most 1 / crowd */
-	uint16_t column, row; /* of the pixel that it was found at */
-	uint16_t near_x,
-	    near_y; /* of the least depth in the 5x5 about the pixel that held it, of the object that the line bounds: there
-	               it takes its controls */
+	uint16_t column, row;     /* of the pixel that it was found at */
+	uint16_t near_x, near_y;  /* of the least depth in the 5x5 about the pixel that held it, of the object that the
+				     line bounds: there it takes its controls */
 	uint8_t family, axis, source;
 	uint8_t dropped;
 	uint8_t crumb;
-	uint8_t weak; /* of a line only where that goes on beside what is none by itself */
-	int8_t
-	    step[3]; /* a ridge's way along its axis through the values of its layer, at most 127 long; 0 for bands */
+	uint8_t weak;   /* of a line only where that goes on beside what is none by itself */
+	int8_t step[3]; /* a ridge's way along its axis through the values of its layer, at most 127 long; 0 for bands
+			 */
 } site;
 
 /* Of a ridge, by what it is sampled from: a source or SAMPLE_SEEN_... */
@@ -125,14 +124,14 @@ typedef struct fine {
 	uint8_t *crack;       /* width * height */
 	uint8_t *hit;         /* spans * height: of THIN_SPAN pixels of a row */
 	int spans;
-	uint16_t *ridge;      /* width * height: ridge_bit(), or MARK_SEEN */
-	uint16_t *seen;       /* width * height: bit 2 * (family - FAMILY_SEEN) + axis; NULL: nothing is known of it */
-	uint8_t *through;     /* width * height: the eye passes through or off the surface here; NULL likewise */
-	uint8_t *glimpse;     /* by row: there are such pixels */
-	float *light;         /* the light, without its noise where that may matter, until sites are placed; NULL where it
-				 makes no edges */
-	uint32_t *first;      /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
-	float *scratch;       /* for each thread */
+	uint16_t *ridge;  /* width * height: ridge_bit(), or MARK_SEEN */
+	uint16_t *seen;   /* width * height: bit 2 * (family - FAMILY_SEEN) + axis; NULL: nothing is known of it */
+	uint8_t *through; /* width * height: the eye passes through or off the surface here; NULL likewise */
+	uint8_t *glimpse; /* by row: there are such pixels */
+	float *light;     /* the light, without its noise where that may matter, until sites are placed; NULL where it
+			     makes no edges */
+	uint32_t *first;  /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
+	float *scratch;   /* for each thread */
 	ptrdiff_t thread_scratch;
 
 	uint32_t count;
@@ -180,10 +179,10 @@ typedef struct near_sites {
 static inline near_sites near_place(const fine *n, float x, float y, float reach)
 {
 	return (near_sites){
-	    .row = pixel_of(y - reach, n->f->height) / CELL,
-	    .last = pixel_of(y + reach, n->f->height) / CELL,
-	    .x0 = pixel_of(x - reach, n->f->width) / CELL,
-	    .x1 = pixel_of(x + reach, n->f->width) / CELL,
+		.row = pixel_of(y - reach, n->f->height) / CELL,
+		.last = pixel_of(y + reach, n->f->height) / CELL,
+		.x0 = pixel_of(x - reach, n->f->width) / CELL,
+		.x1 = pixel_of(x + reach, n->f->width) / CELL,
 	};
 }
 
@@ -268,7 +267,7 @@ static inline void crack_place(site *s, float share)
 }
 
 /* light.c */
-int32_t ISA(light_even)(fine *n); /* takes and fills light */
+int32_t ISA(light_even)(fine *n);             /* takes and fills light */
 ptrdiff_t ISA(light_scratch)(const frame *f); /* floats a thread */
 /* Into how many levels the light of each pixel rises. */
 void ISA(level_row)(const fine *n, int y, uint8_t *level);
@@ -312,7 +311,8 @@ static inline int fine_style(const fine *n, site *s)
 /* The site gets this strength, weighted, if it is larger than what it has; returns whether it is an edge now. */
 bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, float strength);
 
-/* links.c: drops weak sites of a family that hang together with no other ones; drops sites of a family whose chains are too short to be lines. */
+/* links.c: drops weak sites of a family that hang together with no other ones; drops sites of a family whose chains are
+ * too short to be lines. */
 int32_t ISA(fine_drop_weak)(fine *n, enum family family);
 int32_t ISA(fine_drop_crumbs)(fine *n, enum family family);
 /* Fills at and to. */
@@ -328,7 +328,8 @@ int32_t ISA(fine_join_ends)(fine *n);
  */
 bool ISA(picture_agrees)(const fine *n, const site *a, const site *b);
 bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, float x, float y);
-/* chains.c: whether a line ends at a site, tied to nothing and not cut off by the frame; drops what branches off a line and ends at once. */
+/* chains.c: whether a line ends at a site, tied to nothing and not cut off by the frame; drops what branches off a line
+ * and ends at once. */
 bool ISA(leads_nowhere)(const fine *n, uint32_t i);
 void ISA(fine_cut_spurs)(const fine *n);
 /* Lengths along its chain from each site to the nearest end that is tied to nothing, INFINITY beyond `reach`. */

@@ -35,8 +35,7 @@ static void owner_of(const fine *n, const site *s, int *x, int *y)
 	for (int qy = s->row; qy <= below; qy++)
 		for (int qx = s->column; qx <= right; qx++) {
 			float z = depth_at(f, qx, qy);
-			float painted =
-			    controls.data ? fabsf(controls.data[qy * controls.row + (ptrdiff_t)6 * qx]) : 0;
+			float painted = controls.data ? fabsf(controls.data[qy * controls.row + (ptrdiff_t)6 * qx]) : 0;
 			if (z <= reach && (painted > most || (painted == most && z < depth_at(f, *x, *y)))) {
 				most = painted;
 				*x = qx;
@@ -45,8 +44,8 @@ static void owner_of(const fine *n, const site *s, int *x, int *y)
 		}
 }
 
-/* The least depth of the 5x5 among pixels of the object that the line bounds: at the foot of a blade of grass the ground
- * before it is nearer, and has other controls. A thin thing's line may pass where no pixel is its own. */
+/* The least depth of the 5x5 among pixels of the object that the line bounds: at the foot of a blade of grass the
+ * ground before it is nearer, and has other controls. A thin thing's line may pass where no pixel is its own. */
 int ISA(fine_controls)(const fine *n, site *s)
 {
 	const frame *f = n->f;
@@ -155,8 +154,8 @@ static void visit(const fine *n, uint32_t *number, enum family family, int x, in
 {
 	if (n->site) {
 		site *s = n->site + number[family];
-		*s =
-		    (site){.column = (uint16_t)x, .row = (uint16_t)y, .family = (uint8_t)family, .axis = (uint8_t)axis};
+		*s = (site){
+			.column = (uint16_t)x, .row = (uint16_t)y, .family = (uint8_t)family, .axis = (uint8_t)axis};
 		place_site(n, s);
 		ISA(fine_controls)(n, s);
 	}
@@ -334,7 +333,7 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	for (int i = 0; i < f->n_styles; i++)
 		made.most_color = fmaxf(made.most_color, e->weight[SOURCE_COLOR][i]);
 	made.least_contrast =
-	    least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
+		least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
 	ISA(fine_floors)(&made);
 	made.across = (f->width - 1) / CELL + 1;
 	made.tall = (f->height - 1) / CELL + 1;
@@ -354,7 +353,8 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 			       e->on[SOURCE_LIGHT] ? ISA(light_scratch)(f) : 0};
 	for (int i = 0; i < 3; i++)
 		made.thread_scratch = scratch[i] > made.thread_scratch ? scratch[i] : made.thread_scratch;
-	made.scratch = arena_take(a, (size_t)bands_threads(f->bands) * (size_t)made.thread_scratch, sizeof *made.scratch);
+	made.scratch =
+		arena_take(a, (size_t)bands_threads(f->bands) * (size_t)made.thread_scratch, sizeof *made.scratch);
 	fine *n = arena_take(a, 1, sizeof *n);
 	f->fine = n;
 	if (n)

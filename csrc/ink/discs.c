@@ -102,13 +102,14 @@ static void least_within(float *v, float *copy, int n, int step, int k)
 /* ---- bounds ---------------------------------------------------------------------------------------------- */
 
 /* How far e must go towards its edge neighbour n, on the axis of the two or diagonally in dx + dy. A pixel at distance
- * d <= reach of e is nearer to n by at least (dx - 1/2) / reach, diagonally by (dx + dy - 1) / reach: that is `lead`. If this
- * makes up for a smaller radius, n covers it at least as well as e does. `equal`: the bound where radii are equal; of two
- * diagonal neighbours at the same distance the one in the upper row has the pixel. Every pixel so passed on gets nearer
- * to its edge, so the chain ends. */
+ * d <= reach of e is nearer to n by at least (dx - 1/2) / reach, diagonally by (dx + dy - 1) / reach: that is `lead`.
+ * If this makes up for a smaller radius, n covers it at least as well as e does. `equal`: the bound where radii are
+ * equal; of two diagonal neighbours at the same distance the one in the upper row has the pixel. Every pixel so passed
+ * on gets nearer to its edge, so the chain ends. */
 static int bound(const disc *e, const disc *n, float lead, int equal, float nearest)
 {
-	if (!n || n->style != e->style || n->gain < e->gain || n->bias > e->bias || (n->limit > e->limit && n->limit > nearest))
+	if (!n || n->style != e->style || n->gain < e->gain || n->bias > e->bias ||
+	    (n->limit > e->limit && n->limit > nearest))
 		return OPEN;
 	float smaller = most(0, e->radius - n->radius);
 	float far = lead + smaller * e->reach;
@@ -208,8 +209,8 @@ static void join_rows(void *data, int y0, int y1, int thread)
 
 /* Eight pixels from x on at a time: pixels beyond the end of the span get what they are due, which is no more than
  * another disc gives them. */
-static void ink_span(const disc *restrict e, float dy, int x, int end, float *restrict dark, const float *restrict depth,
-		     const float *restrict grain)
+static void ink_span(const disc *restrict e, float dy, int x, int end, float *restrict dark,
+		     const float *restrict depth, const float *restrict grain)
 {
 	float first = e->x, last = e->last, radius = e->radius, steep = e->gain / e->fade, gain = e->gain;
 	float cut = e->gain * e->bias, paper = e->paper, limit = e->limit, dy2 = dy * dy;
@@ -227,8 +228,9 @@ static void ink_span(const disc *restrict e, float dy, int x, int end, float *re
 }
 
 /* Likewise, and remembers who inked. Discs come in reading order: an equal takes over only if it is nearer. */
-static void own_span(const disc *restrict e, int y, float dy, int x, int end, float *restrict dark, const float *restrict depth,
-		     const float *restrict grain, float *restrict distance, uint32_t *restrict owner)
+static void own_span(const disc *restrict e, int y, float dy, int x, int end, float *restrict dark,
+		     const float *restrict depth, const float *restrict grain, float *restrict distance,
+		     uint32_t *restrict owner)
 {
 	float radius = e->radius, steep = e->gain / e->fade, gain = e->gain;
 	float cut = e->gain * e->bias, paper = e->paper, limit = e->limit, dy2 = dy * dy;
@@ -260,7 +262,8 @@ static void draw_disc(const disc *e, int y, canvas *c)
 		float square = e->reach * e->reach - (float)dy * (float)dy;
 		int half = square > 0 ? (int)sqrtf(square) : 0;
 		int left = half < e->left ? half : e->left, right = half < e->right ? half : e->right;
-		for (int i = 0; i < 2; i++) { /* towards the corners of the other half the bound is looser by 2 * ahead */
+		for (int i = 0; i < 2;
+		     i++) { /* towards the corners of the other half the bound is looser by 2 * ahead */
 			int signed_ahead = i == below ? ahead : -ahead;
 			int l = e->corner[i][0] - signed_ahead, r = e->corner[i][1] - signed_ahead;
 			left = e->corner[i][0] != OPEN && l < left ? l : left;
@@ -278,7 +281,8 @@ static void draw_disc(const disc *e, int y, canvas *c)
 		canvas_touch(c, row, x, end);
 		size_t at = (size_t)(row - c->y0) * c->stride;
 		if (c->owner)
-			own_span(e, y, (float)dy, x, end, c->dark + at, c->depth + at, c->grain + at, c->distance + at, c->owner + at);
+			own_span(e, y, (float)dy, x, end, c->dark + at, c->depth + at, c->grain + at, c->distance + at,
+				 c->owner + at);
 		else
 			ink_span(e, (float)dy, x, end, c->dark + at, c->depth + at, c->grain + at);
 	}

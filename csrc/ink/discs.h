@@ -32,19 +32,20 @@ typedef struct pen {
 typedef struct disc {
 	uint16_t x, last;
 	uint16_t style;
-	float radius, fade;  /* fade: from the rim inwards until coverage is full */
-	float gain, bias;    /* gain times intensity; 1 - intensity / 2 */
+	float radius, fade; /* fade: from the rim inwards until coverage is full */
+	float gain, bias;   /* gain times intensity; 1 - intensity / 2 */
 	float paper;
-	float reach;         /* nothing is darkened from here on, however high the paper */
-	float limit;         /* pixels with less depth are not covered */
-	/* Pixels that a neighbouring edge covers at least as well are left to it: how far the disc goes left of x, right
-	 * of last, up and down; and at most dx + dy = corner[below][right] towards a corner (OPEN: no bound). */
+	float reach; /* nothing is darkened from here on, however high the paper */
+	float limit; /* pixels with less depth are not covered */
+	/* Pixels that a neighbouring edge covers at least as well are left to it: how far the disc goes left of x,
+	 * right of last, up and down; and at most dx + dy = corner[below][right] towards a corner (OPEN: no bound). */
 	uint16_t left, right, up, down, corner[2][2];
 } disc;
 
 enum { OPEN = UINT16_MAX };
 
-/* lines.c: the pen of an edge of that source and strength with the controls of pixel nx, ny; false where lines are off. */
+/* lines.c: the pen of an edge of that source and strength with the controls of pixel nx, ny; false where lines are off.
+ */
 bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float strength, pen *d);
 /* lines.c: fills all fields but the bounds; false if the edge pixel inks nothing. */
 bool ISA(disc_of)(const frame *f, int x, int y, disc *d);
@@ -52,7 +53,8 @@ bool ISA(disc_of)(const frame *f, int x, int y, disc *d);
 /* Where an edge pixel takes its controls from. */
 static inline void near_of(const frame *f, int x, int y, int *nx, int *ny)
 {
-	int k = f->near ? f->near[(size_t)y * (size_t)f->width + (size_t)x] : 12; /* sites own pixels at their near pixel */
+	int k = f->near ? f->near[(size_t)y * (size_t)f->width + (size_t)x]
+			: 12; /* sites own pixels at their near pixel */
 	*nx = x + k % 5 - 2;
 	*ny = y + k / 5 - 2;
 }
@@ -70,8 +72,8 @@ typedef struct canvas {
 	float *dark;         /* darkness, at least 0, not yet clamped to 1 */
 	float *depth;        /* INFINITY = nothing there */
 	float *grain;        /* height of the paper - 1 */
-	/* Which edge inks each pixel, as y << 16 | x, and the square of its distance; NULL where all ink is the same. Then
-	 * dark is clamped, so that among equals the nearest, then the first in reading order, can be kept. */
+	/* Which edge inks each pixel, as y << 16 | x, and the square of its distance; NULL where all ink is the same.
+	 * Then dark is clamped, so that among equals the nearest, then the first in reading order, can be kept. */
 	uint32_t *owner;
 	float *distance;
 } canvas;
@@ -116,10 +118,11 @@ void ISA(capsules_draw)(const capsules *all, canvas *c);
 
 /* search.c: the other ways name one edge for every pixel. */
 typedef struct search {
-	uint16_t *held, *next; /* width * height: (dy + 32) << 6 | dx + 32 of the edge, HELD_NONE = none; not for NEAREST */
-	float *blurred;        /* width * height, for WALK */
-	uint8_t *gap;          /* width * height, for WALK: pixels to the nearest edge pixel, the larger of dx and dy */
-	float *column;         /* scratch per thread, for WALK; likewise rows */
+	uint16_t *held,
+		*next;  /* width * height: (dy + 32) << 6 | dx + 32 of the edge, HELD_NONE = none; not for NEAREST */
+	float *blurred; /* width * height, for WALK */
+	uint8_t *gap;   /* width * height, for WALK: pixels to the nearest edge pixel, the larger of dx and dy */
+	float *column;  /* scratch per thread, for WALK; likewise rows */
 	uint8_t *rows;
 } search;
 

@@ -28,10 +28,10 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 	float thickness = controls ? controls[0] : 0, intensity = 1 + (controls ? controls[1] : 0);
 	float z = depth_of(f->layer[ENCRE_LAYER_DEPTH].data[ny * f->layer[ENCRE_LAYER_DEPTH].row + nx]);
 	const float widths[SOURCE_COUNT] = {
-		[SOURCE_OBJECT] = p->width_object, [SOURCE_MATERIAL] = p->width_material, [SOURCE_DEPTH] = p->width_depth,
-		[SOURCE_NORMAL] = p->width_normal, [SOURCE_COLOR] = p->width_color, [SOURCE_LIGHT] = p->width_light,
-		[SOURCE_MARK] = p->width_mark,
-		[SOURCE_SEEN] = p->width_seen,
+		[SOURCE_OBJECT] = p->width_object, [SOURCE_MATERIAL] = p->width_material,
+		[SOURCE_DEPTH] = p->width_depth,   [SOURCE_NORMAL] = p->width_normal,
+		[SOURCE_COLOR] = p->width_color,   [SOURCE_LIGHT] = p->width_light,
+		[SOURCE_MARK] = p->width_mark,     [SOURCE_SEEN] = p->width_seen,
 	};
 
 	/* bounded before anything that may be 0 is multiplied in: infinity times 0 is no number */
@@ -100,7 +100,8 @@ static void ink_of(const frame *f, int x, int y, float ink[3])
 	int nx, ny;
 	near_of(f, x, y, &nx, &ny);
 	const encre_params *p = f->params + (f->style ? f->style[(size_t)ny * (size_t)f->width + (size_t)nx] : 0);
-	const float *color = f->layer[ENCRE_LAYER_COLOR].data + ny * f->layer[ENCRE_LAYER_COLOR].row + (ptrdiff_t)3 * nx;
+	const float *color =
+		f->layer[ENCRE_LAYER_COLOR].data + ny * f->layer[ENCRE_LAYER_COLOR].row + (ptrdiff_t)3 * nx;
 	for (int c = 0; c < 3; c++)
 		ink[c] = blend(p->line_color[c], p->line_tint_value * color[c], p->line_tint);
 }
@@ -124,7 +125,8 @@ static void fade_row(const frame *f, int y, float *rgba)
 }
 
 /* Ink over n pixels; lines may be NULL. */
-static void ink_pixels(const frame *f, const float *dark, const uint32_t *owner, const float *color, int n, float *rgba, float *lines)
+static void ink_pixels(const frame *f, const float *dark, const uint32_t *owner, const float *color, int n, float *rgba,
+		       float *lines)
 {
 	float ink[3] = {color[0], color[1], color[2]};
 	for (int x = 0; x < n; x++) {
@@ -160,8 +162,9 @@ static void ink_row(const canvas *c, int y, const float *color, float *rgba, flo
 		for (int k = 0; k < LANES; k++)
 			most = dark[x + k] > most ? dark[x + k] : most;
 		if (most > 0)
-			ink_pixels(c->f, dark + x, owner ? owner + x : NULL, color, c->f->width - x < LANES ? c->f->width - x : LANES,
-				   rgba + (ptrdiff_t)4 * x, lines ? lines + (ptrdiff_t)4 * x : NULL);
+			ink_pixels(c->f, dark + x, owner ? owner + x : NULL, color,
+				   c->f->width - x < LANES ? c->f->width - x : LANES, rgba + (ptrdiff_t)4 * x,
+				   lines ? lines + (ptrdiff_t)4 * x : NULL);
 	}
 }
 
@@ -256,7 +259,8 @@ static void draw_found(const lines *l, canvas *c)
 			if (c->depth[at + (size_t)x] < d.limit)
 				continue;
 			float coverage = least(1, (d.radius - sqrtf(d2)) / d.fade);
-			c->dark[at + (size_t)x] = d.gain * ((1 + d.paper * c->grain[at + (size_t)x]) * coverage - d.bias);
+			c->dark[at + (size_t)x] =
+				d.gain * ((1 + d.paper * c->grain[at + (size_t)x]) * coverage - d.bias);
 			if (c->owner)
 				c->owner[at + (size_t)x] = (uint32_t)ey << 16 | (uint32_t)ex;
 		}
@@ -287,7 +291,8 @@ static void plan(frame *f, arena *a)
 		int shift = 5;
 		while ((f->width + LANES) >> shift >= 64)
 			shift++;
-		size_t stride = (((size_t)(f->width + LANES) >> shift) + 1) << shift, n = stride * BAND * (size_t)bands_threads(f->bands);
+		size_t stride = (((size_t)(f->width + LANES) >> shift) + 1) << shift,
+		       n = stride * BAND * (size_t)bands_threads(f->bands);
 		made.canvas = (canvas){
 			.f = f,
 			.shift = shift,
@@ -317,7 +322,8 @@ static int32_t run(frame *f)
 	if (f->any_lines && f->fine)
 		code = ISA(capsules_gather)(f, &l->capsules);
 	else if (f->any_lines)
-		code = f->params->line_search == line_search_EXACT ? ISA(discs_gather)(f, &l->discs) : ISA(search_run)(f, &l->search);
+		code = f->params->line_search == line_search_EXACT ? ISA(discs_gather)(f, &l->discs)
+								   : ISA(search_run)(f, &l->search);
 	if (!code)
 		code = bands_run(f->bands, f->height, BAND, lines_rows, l);
 	ISA(discs_free)(&l->discs);

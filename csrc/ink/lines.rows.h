@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* clang-format off */
 STAGE(lines, "Lines", "Ink along the edges")
 BOOL(use_lines, SURFACE, 1, "", "Lines", "Draw ink lines along the edges")
 FLOAT(line_thickness, SURFACE, 8, 0, 4096, 0, 64, "px", "use_lines", "Thickness", "Width of a line whose controls are neutral")

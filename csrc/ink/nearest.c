@@ -10,7 +10,8 @@
 enum { STRIPE = 256, FAR = INT16_MAX };
 
 typedef struct nearest {
-	int16_t *down;  /* width * height: rows down to the nearest edge of the column, NEAREST_NONE = none within reach */
+	int16_t *down;  /* width * height: rows down to the nearest edge of the column, NEAREST_NONE = none within reach
+			 */
 	int32_t *stack; /* per thread: columns whose parabolas make the envelope, and where each begins */
 	int reach;
 } nearest;
@@ -127,13 +128,15 @@ static void nearest_rows(void *data, int y0, int y1, int thread)
 	size_t width = (size_t)j->f->width;
 	int32_t *stack = j->n->stack + (size_t)thread * 2 * width;
 	for (int y = y0; y < y1; y++)
-		nearest_row(j->n->down + (size_t)y * width, j->f->width, stack, stack + width, j->f->nearest + (size_t)y * width * 2);
+		nearest_row(j->n->down + (size_t)y * width, j->f->width, stack, stack + width,
+			    j->f->nearest + (size_t)y * width * 2);
 }
 
 /* ---- sites ----------------------------------------------------------------------------------------------- */
 
 /* Looks at the members of a row of cells from `from` on in steps of `step` until they can't be nearer than `best`. */
-static float nearest_along(const fine *n, uint32_t from, uint32_t end, int step, float x, float y, float best, float way[2])
+static float nearest_along(const fine *n, uint32_t from, uint32_t end, int step, float x, float y, float best,
+			   float way[2])
 {
 	for (uint32_t i = from; i != end; i += (uint32_t)step) {
 		const site *s = n->site + n->member[i];
@@ -185,11 +188,12 @@ void ISA(nearest_plan)(frame *f, arena *a)
 	if (f->nearest_planned || f->params->edge_detector == edge_detector_FINE)
 		return;
 	size_t width = (size_t)f->width, pixels = width * (size_t)f->height;
-	nearest *n = arena_take(a, 1, sizeof *n), made = {
-		.down = arena_take(a, pixels, sizeof(int16_t)),
-		.stack = arena_take(a, (size_t)bands_threads(f->bands) * width, 2 * sizeof(int32_t)),
-		.reach = reach_of(f),
-	};
+	nearest *n = arena_take(a, 1, sizeof *n),
+		made = {
+			.down = arena_take(a, pixels, sizeof(int16_t)),
+			.stack = arena_take(a, (size_t)bands_threads(f->bands) * width, 2 * sizeof(int32_t)),
+			.reach = reach_of(f),
+		};
 	f->nearest = arena_take(a, pixels, 2 * sizeof(int16_t));
 	f->nearest_planned = true;
 	f->nearest_scratch = n;

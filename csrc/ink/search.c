@@ -43,7 +43,8 @@ static void hold_rows(void *data, int y0, int y1, int thread)
 				best[i] = INT32_MAX;
 			for (int dy = y > 0 ? -1 : 0; dy <= (y < f->height - 1); dy++) {
 				const uint16_t *row = j->s->held + ((size_t)y + (size_t)dy) * (size_t)f->width + x0;
-				int left = x0 == 0, right = x0 + n == f->width; /* no pixel beyond: nothing new to learn from the frame's border */
+				int left = x0 == 0, right = x0 + n == f->width; /* no pixel beyond: nothing new to learn
+										   from the frame's border */
 				take_nearer(row, n, dy * 64, best);
 				take_nearer(row - 1 + left, n - left, dy * 64 - 1, best + left);
 				take_nearer(row + 1, n - right, dy * 64 + 1, best);
@@ -78,7 +79,8 @@ static void own_rows(void *data, int y0, int y1, int thread)
 
 /* ---- the walk -------------------------------------------------------------------------------------------- */
 
-static void add_pair(const uint8_t *restrict above, const uint8_t *restrict below, int n, float weight, float *restrict sum)
+static void add_pair(const uint8_t *restrict above, const uint8_t *restrict below, int n, float weight,
+		     float *restrict sum)
 {
 	for (int x = 0; x < n; x++)
 		sum[x] += weight * (float)((above[x] != 0) + (below[x] != 0));
@@ -107,7 +109,8 @@ static void blur_rows(void *data, int y0, int y1, int thread)
 			sum[x] = j->weight[0] * (float)(f->edge[(size_t)y * (size_t)width + (size_t)x] != 0);
 		for (int k = 1; k <= BLUR_RADIUS; k++) {
 			int above = y < k ? 0 : y - k, below = y + k < f->height ? y + k : f->height - 1;
-			add_pair(f->edge + (size_t)above * (size_t)width, f->edge + (size_t)below * (size_t)width, width, j->weight[k], sum);
+			add_pair(f->edge + (size_t)above * (size_t)width, f->edge + (size_t)below * (size_t)width,
+				 width, j->weight[k], sum);
 		}
 		for (int k = 1; k <= BLUR_RADIUS; k++) {
 			sum[-k] = sum[0];
@@ -142,7 +145,8 @@ static void least_rows(const frame *f, int y, uint8_t *rows)
 	}
 }
 
-static void step_beside(const uint8_t *restrict left, const uint8_t *restrict right, int n, uint8_t k, uint8_t *restrict gap)
+static void step_beside(const uint8_t *restrict left, const uint8_t *restrict right, int n, uint8_t k,
+			uint8_t *restrict gap)
 {
 	for (int x = 0; x < n; x++) {
 		uint8_t beside = left[x] < right[x] ? left[x] : right[x];
@@ -185,8 +189,8 @@ static uint16_t walk(const frame *f, const uint8_t *gap, int x, int y, float gx,
 }
 
 /* Unit gradient of the rows t, m and b; 0 where it is too short to be one. Scratch: n + 2 floats each. */
-static void slope_row(const float *restrict t, const float *restrict m, const float *restrict b, int n, float *restrict across,
-		      float *restrict down, float *restrict gx, float *restrict gy)
+static void slope_row(const float *restrict t, const float *restrict m, const float *restrict b, int n,
+		      float *restrict across, float *restrict down, float *restrict gx, float *restrict gy)
 {
 	for (int x = 0; x < n; x++) {
 		across[x + 1] = m[x] + 0.5f * (t[x] + b[x]);
@@ -211,7 +215,8 @@ static void walk_rows(void *data, int y0, int y1, int thread)
 	size_t width = (size_t)f->width;
 	float *gx = column_of(j, thread), *gy = gx + width, *scratch = gy + width;
 	for (int y = y0; y < y1; y++) {
-		const float *m = j->s->blurred + (size_t)y * width, *t = y > 0 ? m - width : m, *b = y < f->height - 1 ? m + width : m;
+		const float *m = j->s->blurred + (size_t)y * width, *t = y > 0 ? m - width : m,
+			    *b = y < f->height - 1 ? m + width : m;
 		const uint8_t *gap = j->s->gap + (size_t)y * width;
 		uint16_t *held = j->s->held + (size_t)y * width;
 		slope_row(t, m, b, f->width, scratch, scratch + width + 2, gx, gy);

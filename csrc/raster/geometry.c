@@ -23,19 +23,27 @@ static int corners_of(const encre_mesh *mesh)
 static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_t size)
 {
 	if (mesh->kind < ENCRE_TRIANGLES || mesh->kind > ENCRE_LINES)
-		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES or ENCRE_LINES", number, (int)mesh->kind);
+		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES or ENCRE_LINES", number,
+			      (int)mesh->kind);
 	if (mesh->n_primitives < 0 || mesh->n_points < 0)
-		return refuse(error, size, "mesh %d: %d primitives of %d points; give 0 or more of each", number, (int)mesh->n_primitives, (int)mesh->n_points);
+		return refuse(error, size, "mesh %d: %d primitives of %d points; give 0 or more of each", number,
+			      (int)mesh->n_primitives, (int)mesh->n_points);
 	if (mesh->n_channels < 0 || mesh->n_channels > ENCRE_MAX_CHANNELS)
-		return refuse(error, size, "mesh %d: has %d attribute channels; give 0 to %d", number, (int)mesh->n_channels, ENCRE_MAX_CHANNELS);
+		return refuse(error, size, "mesh %d: has %d attribute channels; give 0 to %d", number,
+			      (int)mesh->n_channels, ENCRE_MAX_CHANNELS);
 	if (mesh->n_primitives && !mesh->points)
-		return refuse(error, size, "mesh %d: has %d primitives, but no points; give them", number, (int)mesh->n_primitives);
+		return refuse(error, size, "mesh %d: has %d primitives, but no points; give them", number,
+			      (int)mesh->n_primitives);
 	int64_t corners = corners_of(mesh) * (int64_t)mesh->n_primitives;
 	if (!mesh->corners && corners > mesh->n_points)
-		return refuse(error, size, "mesh %d: %d primitives without corners take more points than its %d; give corners", number, (int)mesh->n_primitives, (int)mesh->n_points);
+		return refuse(error, size,
+			      "mesh %d: %d primitives without corners take more points than its %d; give corners",
+			      number, (int)mesh->n_primitives, (int)mesh->n_points);
 	for (int64_t i = 0; mesh->corners && i < corners; i++)
 		if ((uint32_t)mesh->corners[i] >= (uint32_t)mesh->n_points)
-			return refuse(error, size, "mesh %d: primitive %d has a corner at point %d of %d; give indices from 0 to the number of points less one",
+			return refuse(error, size,
+				      "mesh %d: primitive %d has a corner at point %d of %d; give indices from 0 to "
+				      "the number of points less one",
 				      number, (int)(i / corners_of(mesh)), (int)mesh->corners[i], (int)mesh->n_points);
 	return ENCRE_OK;
 }
@@ -46,14 +54,21 @@ int32_t geometry_check(geometry *g, int width, int height, char *error, size_t s
 	const encre_frame *f = &job->frame;
 	const int most = OUTLINE_FRAME;
 	if (f->width < 1 || f->height < 1 || f->width > most || f->height > most)
-		return refuse(error, size, "frame: is %d x %d pixels; give 1 to %d each way", (int)f->width, (int)f->height, most);
+		return refuse(error, size, "frame: is %d x %d pixels; give 1 to %d each way", (int)f->width,
+			      (int)f->height, most);
 	if (f->x < 0 || f->y < 0 || f->x > f->width - width || f->y > f->height - height)
-		return refuse(error, size, "frame: %d x %d pixels at %d, %d do not lie in a frame of %d x %d; give the full frame and the place of the images in it",
+		return refuse(error, size,
+			      "frame: %d x %d pixels at %d, %d do not lie in a frame of %d x %d; give the full frame "
+			      "and the place of the images in it",
 			      width, height, (int)f->x, (int)f->y, (int)f->width, (int)f->height);
-	if (!finite(job->view, 16) || !finite(job->projection, 16) || !finite(&job->clip_start, 1) || isnan(job->clip_end))
-		return refuse(error, size, "camera: a matrix or clip distance is not a finite number; give the camera another place or lens");
+	if (!finite(job->view, 16) || !finite(job->projection, 16) || !finite(&job->clip_start, 1) ||
+	    isnan(job->clip_end))
+		return refuse(error, size,
+			      "camera: a matrix or clip distance is not a finite number; give the camera another place "
+			      "or lens");
 	if (job->n_meshes < 0 || (job->n_meshes && !job->meshes))
-		return refuse(error, size, "meshes: %d of them are not there; give their number and where they lie", (int)job->n_meshes);
+		return refuse(error, size, "meshes: %d of them are not there; give their number and where they lie",
+			      (int)job->n_meshes);
 	int64_t n = 0;
 	for (int i = 0; i < job->n_meshes; i++) {
 		int32_t code = check_mesh(job->meshes + i, i, error, size);
@@ -62,7 +77,8 @@ int32_t geometry_check(geometry *g, int width, int height, char *error, size_t s
 		n += job->meshes[i].n_primitives;
 	}
 	if (n > UINT32_MAX / 3)
-		return refuse(error, size, "meshes: have more than %lld primitives; draw them in several jobs", (long long)UINT32_MAX / 3);
+		return refuse(error, size, "meshes: have more than %lld primitives; draw them in several jobs",
+			      (long long)UINT32_MAX / 3);
 	g->n_primitives = (uint32_t)n;
 	return ENCRE_OK;
 }
@@ -71,7 +87,8 @@ static void multiply(const double a[16], const double b[16], double out[16])
 {
 	for (int i = 0; i < 4; i++)
 		for (int j = 0; j < 4; j++)
-			out[4 * i + j] = a[4 * i] * b[j] + a[4 * i + 1] * b[4 + j] + a[4 * i + 2] * b[8 + j] + a[4 * i + 3] * b[12 + j];
+			out[4 * i + j] = a[4 * i] * b[j] + a[4 * i + 1] * b[4 + j] + a[4 * i + 2] * b[8 + j] +
+					 a[4 * i + 3] * b[12 + j];
 }
 
 void geometry_aim(geometry *g)

@@ -36,7 +36,8 @@ static inline double side(const room *r, int plane, const corner *c)
 static corner cut(const corner *in, const corner *out, double s_in, double s_out)
 {
 	double t = s_in / (s_in - s_out);
-	return (corner){in->x + t * (out->x - in->x), in->y + t * (out->y - in->y), in->w + t * (out->w - in->w), in->z + t * (out->z - in->z)};
+	return (corner){in->x + t * (out->x - in->x), in->y + t * (out->y - in->y), in->w + t * (out->w - in->w),
+			in->z + t * (out->z - in->z)};
 }
 
 /* Not finite, or so large that products would not be: dropped. */
@@ -163,8 +164,8 @@ static depth_plane plane_of(const corner c[3], double left, double top)
 	return plane;
 }
 
-/* Divides by d > 0, rounding down. Exact in double: |k| < 2^52, so a quotient that is not whole is farther from the next
- * whole number, 1/d at least, than it is rounded. */
+/* Divides by d > 0, rounding down. Exact in double: |k| < 2^52, so a quotient that is not whole is farther from the
+ * next whole number, 1/d at least, than it is rounded. */
 static inline int64_t floor_divide(int64_t k, int64_t d)
 {
 	double q = (double)k / (double)d;
@@ -172,7 +173,8 @@ static inline int64_t floor_divide(int64_t k, int64_t d)
 	return whole - ((double)whole > q);
 }
 
-static void draw_span(const depth_plane *plane, const outline *o, int x, int y, int n, uint32_t number, float *restrict depth, uint32_t *restrict front)
+static void draw_span(const depth_plane *plane, const outline *o, int x, int y, int n, uint32_t number,
+		      float *restrict depth, uint32_t *restrict front)
 {
 	double row = y - o->y0, above = plane->n[1] * row + plane->n[2], below = plane->d[1] * row + plane->d[2];
 	double step_n = plane->n[0], step_d = plane->d[0], nearest = o->nearest, farthest = o->farthest;

@@ -164,7 +164,9 @@ static void load_surface(const raster *r, uint32_t number, surface *s)
 	s->object = (float)(mesh->object ? mesh->object[i] : mesh->object_index);
 	s->material = (float)(mesh->material ? mesh->material[i] : mesh->material_index);
 	s->style = (float)(mesh->style ? mesh->style[i] : mesh->style_index);
-	s->attributes = mesh->attributes && mesh->n_channels ? mesh->attributes + (size_t)i * 3 * (size_t)mesh->n_channels : NULL;
+	s->attributes = mesh->attributes && mesh->n_channels
+				? mesh->attributes + (size_t)i * 3 * (size_t)mesh->n_channels
+				: NULL;
 	if (r->job->attributes.data && s->attributes)
 		geometry_corners(s->part, i, s->corner);
 	if (r->job->normal.data)
@@ -186,7 +188,8 @@ static void shade_attributes(const raster *r, const surface *s, int x, int y)
 	for (int c = 0; c < n; c++) {
 		out[c] = 0;
 		if (c < given) { /* from the first corner on: a constant stays what it is */
-			double a = (double)s->attributes[c], b = (double)s->attributes[given + c], d = (double)s->attributes[2 * given + c];
+			double a = (double)s->attributes[c], b = (double)s->attributes[given + c],
+			       d = (double)s->attributes[2 * given + c];
 			out[c] = (float)(a + second * (b - a) + third * (d - a));
 		}
 	}
@@ -259,8 +262,8 @@ static bool hides(const surface_at *s)
 	return s->behind > s->allowed;
 }
 
-/* Whether a contour bounds what is in front at one of both pixels, before what is there at the other: of contours of the
- * same surface farther in than `there` it does not. */
+/* Whether a contour bounds what is in front at one of both pixels, before what is there at the other: of contours of
+ * the same surface farther in than `there` it does not. */
 static bool bounds(const marking *m, bool down, float share, float there, const surface_at *p, const surface_at *q)
 {
 	if (m->side == CONTOUR_BOTH)
@@ -307,7 +310,8 @@ static void mark_band(const raster *r, int i, const band *b, int end)
 		m.own = line ? NULL : part;
 		for (int k = 0; k < (line ? 1 : 3); k++) {
 			m.side = line ? CONTOUR_BOTH : contour_side(r->edges[r->entry[n]], k);
-			if (m.side == CONTOUR_NONE || !segment_of(r, part, r->entry[n] - part->first, k, &s, &from, &to))
+			if (m.side == CONTOUR_NONE ||
+			    !segment_of(r, part, r->entry[n] - part->first, k, &s, &from, &to))
 				continue;
 			m.left = s.x[1] < s.x[0];
 			m.down = s.y[1] > s.y[0];
@@ -321,8 +325,11 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 	const raster *r = data;
 	size_t size = (size_t)(BAND + 1) * (size_t)r->width;
 	for (int i = b0; i < b1; i++) {
-		band b = {.x0 = r->room.x0, .x1 = r->room.x1, .y0 = r->room.y0 + i * BAND,
-			  .depth = r->depth + (size_t)thread * size, .front = r->front + (size_t)thread * size};
+		band b = {.x0 = r->room.x0,
+			  .x1 = r->room.x1,
+			  .y0 = r->room.y0 + i * BAND,
+			  .depth = r->depth + (size_t)thread * size,
+			  .front = r->front + (size_t)thread * size};
 		int end = r->room.y1 - b.y0 < BAND ? r->room.y1 : b.y0 + BAND;
 		b.y1 = end < r->room.y1 ? end + r->more : end;
 		for (size_t k = 0; k < size; k++) {
@@ -379,19 +386,27 @@ static int32_t run(bands *pool, raster *r)
 
 int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size)
 {
-	const encre_image *images[] = {&job->depth, &job->normal, &job->object, &job->material, &job->style, &job->attributes, &job->marks};
+	const encre_image *images[] = {&job->depth, &job->normal,     &job->object, &job->material,
+				       &job->style, &job->attributes, &job->marks};
 	const encre_image *image = NULL;
 	for (size_t i = 0; i < sizeof images / sizeof *images; i++)
 		if (images[i]->data)
 			image = images[i];
-	raster r = {.job = job, .geometry = {.job = job}, .width = image->width, .height = image->height,
+	raster r = {.job = job,
+		    .geometry = {.job = job},
+		    .width = image->width,
+		    .height = image->height,
 		    .more = job->marks.data != NULL};
 	int32_t code = geometry_check(&r.geometry, r.width, r.height, error, size);
 	if (code)
 		return code;
 	const encre_frame *f = &job->frame;
-	r.room = (room){.start = job->clip_start, .end = job->clip_end > job->clip_start ? job->clip_end : INFINITY,
-			.frame_width = f->width, .frame_height = f->height, .x0 = f->x + OUTLINE_GUARD, .y0 = f->y + OUTLINE_GUARD};
+	r.room = (room){.start = job->clip_start,
+			.end = job->clip_end > job->clip_start ? job->clip_end : INFINITY,
+			.frame_width = f->width,
+			.frame_height = f->height,
+			.x0 = f->x + OUTLINE_GUARD,
+			.y0 = f->y + OUTLINE_GUARD};
 	r.room.x1 = r.room.x0 + r.width;
 	r.room.y1 = r.room.y0 + r.height;
 	r.n_bands = (r.height - 1) / BAND + 1;

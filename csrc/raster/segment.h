@@ -5,8 +5,8 @@
 
 #include "raster/outline.h"
 
-/* Both ends: place in pixels of the full frame, a pixel's centre being whole numbers, and depth and 1 over w, with which
- * depth is linear on the screen. */
+/* Both ends: place in pixels of the full frame, a pixel's centre being whole numbers, and depth and 1 over w, with
+ * which depth is linear on the screen. */
 typedef struct segment {
 	double x[2], y[2], z[2], u[2];
 } segment;

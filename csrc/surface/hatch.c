@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Hatching (Vainumäe 2020, 4.3): pencil rubbed into dark and shaded surfaces, where the paper is high enough to take it.
- * Glossy highlights stay clean. */
+/* Hatching (Vainumäe 2020, 4.3): pencil rubbed into dark and shaded surfaces, where the paper is high enough to take
+ * it. Glossy highlights stay clean. */
 #include "base/pixel.h"
 #include "base/stage.h"
 
@@ -8,11 +8,13 @@ enum { CHUNK = 256, HATCHING = 5, CONTROLS = 6 };
 
 /* ---- row kernels ----------------------------------------------------------------------------------------- */
 
-/* Brightness that keeps the pencil away, at most 1: the lesser of colour's and light's, each as a share of its threshold. */
-static void bright_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color, const float *restrict diffuse,
-		       float *restrict bright)
+/* Brightness that keeps the pencil away, at most 1: the lesser of colour's and light's, each as a share of its
+ * threshold. */
+static void bright_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
+		       const float *restrict diffuse, float *restrict bright)
 {
-	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold, exposure = p->shade_exposure;
+	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold,
+	      exposure = p->shade_exposure;
 	for (int i = 0; i < n; i++)
 		bright[i] = 1;
 	if (color_threshold > 0)
@@ -31,7 +33,8 @@ static void bright_row(const encre_params *p, int n, const float *restrict combi
 }
 
 /* Pressure of the pencil, by the painted control. Returns whether it can reach the highest paper anywhere. */
-static bool pressure_row(float amount, int n, const float *restrict controls, const float *restrict bright, float *restrict pressure)
+static bool pressure_row(float amount, int n, const float *restrict controls, const float *restrict bright,
+			 float *restrict pressure)
 {
 	for (int i = 0; i < n; i++)
 		pressure[i] = controls ? (1 + controls[CONTROLS * i + HATCHING]) * amount : amount;
@@ -42,8 +45,8 @@ static bool pressure_row(float amount, int n, const float *restrict controls, co
 }
 
 /* bright becomes the pencil's cover. */
-static void cover_row(int n, const float *restrict specular, const float *restrict depth, const float *restrict pressure, const float *restrict paper,
-		      float *restrict bright)
+static void cover_row(int n, const float *restrict specular, const float *restrict depth,
+		      const float *restrict pressure, const float *restrict paper, float *restrict bright)
 {
 	for (int i = 0; i < n; i++) {
 		float t = 2.5f * (paper[i] * pressure[i] - bright[i]);
@@ -79,12 +82,14 @@ static const float *pixels(const frame *f, int layer, int channels, int y, int x
 static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n)
 {
 	float bright[CHUNK], pressure[CHUNK], paper[CHUNK];
-	bright_row(p, n, pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), pixels(f, ENCRE_LAYER_COLOR, 3, y, x), pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), bright);
+	bright_row(p, n, pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), pixels(f, ENCRE_LAYER_COLOR, 3, y, x),
+		   pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), bright);
 	if (!pressure_row(p->hatch_amount, n, pixels(f, ENCRE_LAYER_CONTROLS, CONTROLS, y, x), bright, pressure))
 		return;
 	ISA(paper_row)(f, y, x, x + n, 0.5f, paper);
 	plane out = f->output[ENCRE_OUTPUT_COMBINED];
-	cover_row(n, pixels(f, ENCRE_LAYER_SPECULAR, 3, y, x), pixels(f, ENCRE_LAYER_DEPTH, 1, y, x), pressure, paper, bright);
+	cover_row(n, pixels(f, ENCRE_LAYER_SPECULAR, 3, y, x), pixels(f, ENCRE_LAYER_DEPTH, 1, y, x), pressure, paper,
+		  bright);
 	draw_row(p->hatch_color, n, bright, out.data + y * out.row + 4 * (ptrdiff_t)x);
 }
 

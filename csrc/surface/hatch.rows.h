@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* clang-format off */
 STAGE(hatch, "Hatching", "Pencil rubbed into dark and shaded surfaces")
 BOOL(use_hatching, SURFACE, 1, "", "Hatching", "Rub pencil into dark and shaded surfaces")
 FLOAT(hatch_amount, SURFACE, 0.7, 0, FLT_MAX, 0, 2, "", "use_hatching", "Amount", "Strength of the hatching where the paper is high")

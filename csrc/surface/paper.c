@@ -43,7 +43,8 @@ static uint32_t wave(uint32_t a)
 /* Positions are shares of the tile in 2^32, so overflow is the wrap. */
 static void fibre(const paper *p, uint32_t m)
 {
-	uint32_t x = mix_bits(m + p->key), y = mix_bits(m + 1 + p->key), a = mix_bits(m + 2 + p->key), c = mix_bits(m + 3 + p->key);
+	uint32_t x = mix_bits(m + p->key), y = mix_bits(m + 1 + p->key), a = mix_bits(m + 2 + p->key),
+		 c = mix_bits(m + 3 + p->key);
 	uint32_t n = 16 + (c & 31), ink = 16 + 2 * (c >> 5 & 7);
 	uint32_t turn = ((c >> 8 & 65535) - 32768) << 9, bend = ((c >> 24) - 128) << 13;
 	for (uint32_t t = 0; t < n; t++) {
@@ -82,7 +83,8 @@ static void press_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const paper *p = data;
 	for (int y = y0; y < y1; y++) {
-		const uint32_t *restrict a = wrapped_row(p->pulp, y - 1), *restrict b = wrapped_row(p->pulp, y), *restrict c = wrapped_row(p->pulp, y + 1);
+		const uint32_t *restrict a = wrapped_row(p->pulp, y - 1), *restrict b = wrapped_row(p->pulp, y),
+					 *restrict c = wrapped_row(p->pulp, y + 1);
 		uint32_t sum[SIZE + 2], *restrict out = p->felt + (ptrdiff_t)y * SIZE;
 		for (int x = 0; x < SIZE; x++)
 			sum[1 + x] = a[x] + 2 * b[x] + c[x];
@@ -107,7 +109,8 @@ static void level_rows(void *data, int y0, int y1, int thread)
 		}
 		wrap_columns(sum, 3);
 		for (int x = 0; x < SIZE; x++) {
-			uint32_t around = sum[x] + sum[x + 1] + sum[x + 2] + sum[x + 3] + sum[x + 4] + sum[x + 5] + sum[x + 6];
+			uint32_t around =
+				sum[x] + sum[x + 1] + sum[x + 2] + sum[x + 3] + sum[x + 4] + sum[x + 5] + sum[x + 6];
 			int32_t level = (int32_t)(49 * felt[x] + 262144 - around);
 			level = level > 0 ? level >> 5 : 0;
 			out[x] = (uint16_t)(level < LEVELS - 1 ? level : LEVELS - 1);
@@ -176,7 +179,9 @@ static void image_rows(void *data, int y0, int y1, int thread)
 		const float *in = image->data + y * row;
 		float *out = p->sheet + y * p->row;
 		for (int x = 0; x < p->width; x++, in += step)
-			out[x] = image->channels < 3 ? clean_height(in[0]) : luminance(clean_height(in[0]), clean_height(in[1]), clean_height(in[2]));
+			out[x] = image->channels < 3
+					 ? clean_height(in[0])
+					 : luminance(clean_height(in[0]), clean_height(in[1]), clean_height(in[2]));
 		out[p->width] = out[0];
 	}
 }
@@ -203,8 +208,8 @@ static void copied_row(int n, const float *restrict raw, float roughness, float 
 		height[i] = rough(raw[i], roughness);
 }
 
-static void sampled_row(int n, const float *restrict above, const float *restrict below, const int32_t *restrict column, const float *restrict share,
-			float down, float roughness, float *restrict height)
+static void sampled_row(int n, const float *restrict above, const float *restrict below, const int32_t *restrict column,
+			const float *restrict share, float down, float roughness, float *restrict height)
 {
 	for (int i = 0; i < n; i++) {
 		const float *a = above + column[i], *b = below + column[i];
@@ -231,7 +236,8 @@ void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *he
 			copied_row(n, above + i, p->roughness, height + (x - x0));
 		} else {
 			n = x1 - x;
-			sampled_row(n, above, below, p->column + x, p->share + x, down, p->roughness, height + (x - x0));
+			sampled_row(n, above, below, p->column + x, p->share + x, down, p->roughness,
+				    height + (x - x0));
 		}
 }
 
@@ -240,20 +246,25 @@ void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *he
 static const char *check(const encre_params *params, char *text, size_t size)
 {
 	const encre_image *i = &params->paper_image;
-	if (!i->data || (i->width > 0 && i->height > 0 && i->width <= 65536 && i->height <= 65536 && i->channels > 0 && i->channels <= 4))
+	if (!i->data || (i->width > 0 && i->height > 0 && i->width <= 65536 && i->height <= 65536 && i->channels > 0 &&
+			 i->channels <= 4))
 		return NULL;
-	snprintf(text, size, "paper_image: is %d x %d pixels of %d channels; give 1 to 65536 pixels each way and 1, 3 or 4 channels",
-		 (int)i->width, (int)i->height, (int)i->channels);
+	snprintf(
+		text, size,
+		"paper_image: is %d x %d pixels of %d channels; give 1 to 65536 pixels each way and 1, 3 or 4 channels",
+		(int)i->width, (int)i->height, (int)i->channels);
 	return text;
 }
 
 static bool wanted(const frame *f)
 {
 	const encre_params *scene = f->params;
-	if (scene->paper_source == paper_source_NONE || (scene->paper_source == paper_source_IMAGE && !scene->paper_image.data))
+	if (scene->paper_source == paper_source_NONE ||
+	    (scene->paper_source == paper_source_IMAGE && !scene->paper_image.data))
 		return false;
 	for (int i = 0; i < f->n_styles; i++)
-		if ((f->params[i].use_lines && f->params[i].line_paper > 0) || (f->params[i].use_hatching && f->params[i].hatch_amount > 0))
+		if ((f->params[i].use_lines && f->params[i].line_paper > 0) ||
+		    (f->params[i].use_hatching && f->params[i].hatch_amount > 0))
 			return true;
 	return false;
 }
@@ -264,7 +275,10 @@ static void plan(frame *f, arena *a)
 	if (!wanted(f))
 		return;
 	const encre_params *scene = f->params;
-	paper p = {.width = SIZE, .height = SIZE, .scale = scene->paper_scale * f->scale, .roughness = scene->paper_roughness};
+	paper p = {.width = SIZE,
+		   .height = SIZE,
+		   .scale = scene->paper_scale * f->scale,
+		   .roughness = scene->paper_roughness};
 	if (scene->paper_source == paper_source_IMAGE) {
 		p.image = &scene->paper_image;
 		p.width = p.image->width;

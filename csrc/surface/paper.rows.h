@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* clang-format off */
 STAGE(paper, "Paper", "The grain under pencil lines and hatching")
 ENUM(paper_source, FRAME, 0, "", "Paper", "Where the heights of the paper come from",
      ITEM(paper_source, PROCEDURAL, 0, "Procedural", "Built-in paper with grain and fibre")

@@ -68,7 +68,8 @@ static void level_color_row(const encre_levels *levels, int n, const float *rest
 
 /* light: the colour of the level in, the discrete and tinted light out. The hue of dark light fades to white, or noise
  * would shine: mix(1, diffuse/V, V/0.02) is 1 + (diffuse - V)/max(V, 0.02). Likewise (D + w tint)/(1 + w) is a mix. */
-static void light_row(const encre_params *p, int n, const float *restrict diffuse, const float *restrict tone, float *restrict light)
+static void light_row(const encre_params *p, int n, const float *restrict diffuse, const float *restrict tone,
+		      float *restrict light)
 {
 	float weight = p->shade_tint_weight, tint[3] = {p->shade_tint[0], p->shade_tint[1], p->shade_tint[2]};
 	for (int i = 0; i < n; i++) {
@@ -76,12 +77,14 @@ static void light_row(const encre_params *p, int n, const float *restrict diffus
 		float v = max3(d[0], d[1], d[2]), hue = v > 0 ? 1 / (v > 0.02f ? v : 0.02f) : 0;
 		float shade = 1 - tone[i], w = (shade > 0 ? shade : 0) * weight, share = w / (1 + w);
 		for (int c = 0; c < 3; c++)
-			light[3 * i + c] = bounded(mix((1 + (d[c] - v) * hue) * tone[i] * light[3 * i + c], tint[c], share));
+			light[3 * i + c] =
+				bounded(mix((1 + (d[c] - v) * hue) * tone[i] * light[3 * i + c], tint[c], share));
 	}
 }
 
-static void shaded_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color, const float *restrict diffuse,
-		       const float *restrict tone, const float *restrict light, float other_light, float *restrict out)
+static void shaded_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
+		       const float *restrict diffuse, const float *restrict tone, const float *restrict light,
+		       float other_light, float *restrict out)
 {
 	float grey = 1 - clamp01(p->shade_saturation), strength = p->shade_strength;
 	for (int i = 0; i < n; i++) {
@@ -90,14 +93,16 @@ static void shaded_row(const encre_params *p, int n, const float *restrict combi
 		for (int c = 0; c < 3; c++) {
 			float lit = bounded(a[c] * diffuse[3 * i + c]), other = bounded(combined[4 * i + c] - lit);
 			float flat = bounded((v - (v - a[c]) * kept) * light[3 * i + c]);
-			out[4 * i + c] = combined[4 * i + 3] == 0 ? combined[4 * i + c] : positive(blend(lit, flat, strength) + other_light * other);
+			out[4 * i + c] = combined[4 * i + 3] == 0
+						 ? combined[4 * i + c]
+						 : positive(blend(lit, flat, strength) + other_light * other);
 		}
 		out[4 * i + 3] = combined[4 * i + 3];
 	}
 }
 
-static void bare_row(const float *paper, int n, const float *restrict combined, const float *restrict color, const float *restrict diffuse,
-		     float other_light, float *restrict out)
+static void bare_row(const float *paper, int n, const float *restrict combined, const float *restrict color,
+		     const float *restrict diffuse, float other_light, float *restrict out)
 {
 	for (int i = 0; i < n; i++) {
 		for (int c = 0; c < 3; c++) {
@@ -182,20 +187,28 @@ static const char *check(const encre_params *params, char *text, size_t size)
 		if (k > 0)
 			valid &= fabsf(l->threshold) <= FLT_MAX && l->transition >= 0 && l->transition <= FLT_MAX;
 		if (!valid) {
-			snprintf(text, size, "shade_levels: level %d has a negative or no number; give intensity, transition and color from 0 up", k + 1);
+			snprintf(text, size,
+				 "shade_levels: level %d has a negative or no number; give intensity, transition and "
+				 "color from 0 up",
+				 k + 1);
 			return text;
 		}
 		if (k < 2)
 			continue;
 		if (l->threshold < below->threshold) {
-			snprintf(text, size, "shade_levels: the threshold %g of level %d lies under %g of the one before; give darkest first",
+			snprintf(text, size,
+				 "shade_levels: the threshold %g of level %d lies under %g of the one before; give "
+				 "darkest first",
 				 (double)l->threshold, k + 1, (double)below->threshold);
 			return text;
 		}
 		/* a hair's breadth is allowed: thresholds that touch in decimals may not in binary */
-		double end = (double)below->threshold + 0.5 * (double)below->transition, start = (double)l->threshold - 0.5 * (double)l->transition;
+		double end = (double)below->threshold + 0.5 * (double)below->transition,
+		       start = (double)l->threshold - 0.5 * (double)l->transition;
 		if (end > start + 1e-6 * (1 + fabs(start))) {
-			snprintf(text, size, "shade_levels: the transitions of levels %d and %d overlap; move thresholds %g and %g apart or give narrower transitions",
+			snprintf(text, size,
+				 "shade_levels: the transitions of levels %d and %d overlap; move thresholds %g and %g "
+				 "apart or give narrower transitions",
 				 k, k + 1, (double)below->threshold, (double)l->threshold);
 			return text;
 		}

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* clang-format off */
 STAGE(shade, "Shading", "Flat light in a few levels, tinted and desaturated in the shade")
 BOOL(use_shading, SURFACE, 1, "", "Shading", "Cut the light into flat levels")
 LEVELS(shade_levels, SURFACE, "", "Levels", "Levels of light, darkest first, with the thresholds between them", shade_levels_default)

@@ -15,7 +15,7 @@ typedef struct smudged {
 
 typedef struct smudge {
 	const frame *f;
-	size_t *first;    /* [height + 1]: how many pixels of a row are painted, then where its part of the list starts */
+	size_t *first; /* [height + 1]: how many pixels of a row are painted, then where its part of the list starts */
 	int32_t *changed; /* [height]: how many of them change */
 	smudged *list;
 } smudge;
@@ -123,7 +123,8 @@ static void find_rows(void *data, int y0, int y1, int thread)
 		for (int x = 0, end; painted && x < f->width; x = end) {
 			const encre_params *p = style_run(f, y, x, f->width, &end);
 			for (int i = x; i < end; i++)
-				if (reaches(f, range_at(f, p, controls_at(f, y, i))) && smudge_pixel(f, p, y, i, out->color))
+				if (reaches(f, range_at(f, p, controls_at(f, y, i))) &&
+				    smudge_pixel(f, p, y, i, out->color))
 					(out++)->x = i;
 		}
 		s->changed[y] = (int32_t)(out - (s->list + s->first[y]));
@@ -181,7 +182,9 @@ static int32_t run(frame *f)
 {
 	if (!wanted(f))
 		return ENCRE_OK;
-	smudge s = {.f = f, .first = malloc(((size_t)f->height + 1) * sizeof *s.first), .changed = malloc((size_t)f->height * sizeof *s.changed)};
+	smudge s = {.f = f,
+		    .first = malloc(((size_t)f->height + 1) * sizeof *s.first),
+		    .changed = malloc((size_t)f->height * sizeof *s.changed)};
 	int32_t code = s.first && s.changed ? smudge_painted(f, &s) : ENCRE_ERROR_MEMORY;
 	free(s.list);
 	free(s.changed);

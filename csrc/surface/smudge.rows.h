@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* clang-format off */
 STAGE(smudge, "Smudging", "Colour spread across the lines, where it is painted")
 BOOL(use_smudging, SURFACE, 1, "", "Smudging", "Spread colour across the lines where it is painted")
 FLOAT(smudge_range, SURFACE, 10, 0, 1024, 0, 64, "px", "use_smudging", "Range", "Reach across the line where the painted control is full")

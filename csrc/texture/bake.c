@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Inter-color lines drawn into a texture (Herring 2016, 3.4 and A.2): the contrast of opposing neighbours gives each texel
- * the radius of a line, which darkens the texture. */
+/* Inter-color lines drawn into a texture (Herring 2016, 3.4 and A.2): the contrast of opposing neighbours gives each
+ * texel the radius of a line, which darkens the texture. */
 #include "texture/bake.h"
 #include "edges/detect.h"
 #include "base/metric.h"
@@ -73,8 +73,8 @@ static bool flat(const float *(*row)[3], int n)
 	for (int c = 0; c < 3; c++) {
 		const float *restrict above = row[0][c], *restrict here = row[1][c], *restrict below = row[2][c];
 		for (int i = 0; i < n; i++)
-			differ |= (above[i - 1] != below[i + 1]) | (above[i] != below[i]) | (above[i + 1] != below[i - 1]) |
-				  (here[i - 1] != here[i + 1]);
+			differ |= (above[i - 1] != below[i + 1]) | (above[i] != below[i]) |
+				  (above[i + 1] != below[i - 1]) | (here[i - 1] != here[i + 1]);
 	}
 	return !differ;
 }
@@ -99,7 +99,8 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 	float *ring = b->ring + 9 * (size_t)thread * b->padded;
 	float *padded = b->filter + 2 * (size_t)thread * b->thread_filter, *spare = padded + b->thread_filter;
 	for (int y = y0 - 1; y <= y1; y++) {
-		int bad = load_row(b, texel_index(y, b->height, b->wrap_y), ring + 3 * (size_t)((y + 3) % 3) * b->padded);
+		int bad =
+			load_row(b, texel_index(y, b->height, b->wrap_y), ring + 3 * (size_t)((y + 3) % 3) * b->padded);
 		if (y >= y0 && y < y1)
 			b->bad[y] = bad;
 		if (y < y0 + 1)
@@ -110,7 +111,8 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 			int left = n - x < PIECE ? n - x : PIECE;
 			for (int k = 0; k < 3; k++)
 				for (int c = 0; c < 3; c++)
-					row[k][c] = ring + (3 * (size_t)((y + 1 + k) % 3) + (size_t)c) * b->padded + 1 + x;
+					row[k][c] =
+						ring + (3 * (size_t)((y + 1 + k) % 3) + (size_t)c) * b->padded + 1 + x;
 			if (flat(row, left))
 				memset(out + x, 0, (size_t)left * sizeof *out);
 			else
@@ -121,7 +123,8 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 		b->greatest[y - 1] = greatest;
 		if (b->full) {
 			pad_window(padded, out, n, reach, b->wrap_x);
-			memcpy(b->full + (ptrdiff_t)(y - 1) * n, ISA(window_greatest)(padded, spare, n, reach, 1), (size_t)n * sizeof *out);
+			memcpy(b->full + (ptrdiff_t)(y - 1) * n, ISA(window_greatest)(padded, spare, n, reach, 1),
+			       (size_t)n * sizeof *out);
 		}
 	}
 }
@@ -138,10 +141,13 @@ static void greatest_strips(void *data, int first, int end, int thread)
 		memset(padded, 0, (size_t)(height + 2 * reach) * LANES * sizeof *padded);
 		for (int y = -reach; y < height + reach; y++)
 			if (b->wrap_y || (y >= 0 && y < height))
-				memcpy(padded + (ptrdiff_t)(reach + y) * LANES, column + (ptrdiff_t)texel_index(y, height, true) * width, (size_t)n * sizeof *column);
+				memcpy(padded + (ptrdiff_t)(reach + y) * LANES,
+				       column + (ptrdiff_t)texel_index(y, height, true) * width,
+				       (size_t)n * sizeof *column);
 		const float *greatest = ISA(window_greatest)(padded, spare, height, reach, LANES);
 		for (int y = 0; y < height; y++)
-			memcpy(column + (ptrdiff_t)y * width, greatest + (ptrdiff_t)y * LANES, (size_t)n * sizeof *column);
+			memcpy(column + (ptrdiff_t)y * width, greatest + (ptrdiff_t)y * LANES,
+			       (size_t)n * sizeof *column);
 	}
 }
 
@@ -259,8 +265,13 @@ static int32_t run(bake *b, encre_bake_job *result)
 
 int32_t ISA(bake_run)(bands *pool, const encre_bake_job *job, encre_bake_job *result)
 {
-	bake b = {.job = job, .p = job->params, .width = job->texture.width, .height = job->texture.height,
-		  .wrap_x = job->wrap_x, .wrap_y = job->wrap_y, .bands = pool};
+	bake b = {.job = job,
+		  .p = job->params,
+		  .width = job->texture.width,
+		  .height = job->texture.height,
+		  .wrap_x = job->wrap_x,
+		  .wrap_y = job->wrap_y,
+		  .bands = pool};
 	arena a = {0};
 	plan(&b, &a);
 	char *memory = a.used <= SIZE_MAX - 64 ? malloc(a.used + 64) : NULL;

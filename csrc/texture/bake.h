@@ -14,7 +14,8 @@ typedef struct bake {
 	int width, height;
 	bool wrap_x, wrap_y;
 	bands *bands;
-	float *radius;   /* width * height: the greatest difference of a texel's pairs, then half its line's width, 0 = none */
+	float *radius;   /* width * height: the greatest difference of a texel's pairs, then half its line's width, 0 =
+			    none */
 	float *full;     /* likewise: the difference that gives a full line; NULL unless contrast_auto */
 	float *reach;    /* per row: how far its lines go up and down */
 	float *greatest; /* per row: greatest difference */
@@ -23,7 +24,7 @@ typedef struct bake {
 	float *filter;   /* per thread: two buffers of thread_filter floats, for contrast_auto */
 	float *sheet;    /* per thread: SHEET rows of `padded` floats */
 	size_t padded, thread_filter;
-	float farthest;  /* the largest of reach */
+	float farthest; /* the largest of reach */
 } bake;
 
 /* Rows y0..y1-1 of the texture, row y at (y - y0) * padded. Holds the darkness, which is not yet clamped to 1. */

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lines of a baked texture. Without a form each texel is the centre of a disc, as in Herring's program; the line is their
- * union. With one, lines have the same width everywhere on the surface: circles there are ellipses here, their centres
- * are moved from the texel onto the boundary of the colours, and a rim is one texel wide, however large that is. */
+/* Lines of a baked texture. Without a form each texel is the centre of a disc, as in Herring's program; the line is
+ * their union. With one, lines have the same width everywhere on the surface: circles there are ellipses here, their
+ * centres are moved from the texel onto the boundary of the colours, and a rim is one texel wide, however large that
+ * is. */
 #include "texture/bake.h"
 #include "base/pixel.h"
 
 /* ---- discs ----------------------------------------------------------------------------------------------- */
 
-/* A texel at distance d <= r of the centre, dx towards a neighbour, is nearer to that by at least (dx - 1/2) / r. Where this
- * makes up for the neighbour's smaller radius, the neighbour covers it at least as well. Returns the last dx before. */
+/* A texel at distance d <= r of the centre, dx towards a neighbour, is nearer to that by at least (dx - 1/2) / r. Where
+ * this makes up for the neighbour's smaller radius, the neighbour covers it at least as well. Returns the last dx
+ * before. */
 static int bound(float radius, float neighbour)
 {
 	float lead = radius > neighbour ? 0.5f + (radius - neighbour) * radius : 0.5f;
@@ -68,7 +70,8 @@ typedef struct form {
 	float e, f, g, det;
 } form;
 
-/* Neutral where the map is none. Where it collapses (a pole, a sliver), one axis is kept at a length that can be drawn. */
+/* Neutral where the map is none. Where it collapses (a pole, a sliver), one axis is kept at a length that can be drawn.
+ */
 static form form_at(const bake *b, int x, int y)
 {
 	const encre_image *image = &b->job->form;
@@ -103,8 +106,8 @@ static void color_at(const bake *b, int x, int y, float color[3])
 }
 
 /* Where the boundary between the colors of two opposite neighbours of (x, y) lies, from the texel towards the second;
- * *square: how much they differ. In each of three lines the texels that are the first's count, mixed ones by their share; the
- * lines are averaged, so that the steps of a slanted boundary do not show. */
+ * *square: how much they differ. In each of three lines the texels that are the first's count, mixed ones by their
+ * share; the lines are averaged, so that the steps of a slanted boundary do not show. */
 static float boundary(const bake *b, int x, int y, int axis, float *square)
 {
 	float from[3], to[3], sum = 0;
@@ -124,9 +127,10 @@ static float boundary(const bake *b, int x, int y, int axis, float *square)
 	return sum;
 }
 
-/* Darkness of texels x..end-1 of a row, dy below the centre, by an ellipse. The line's share of a texel is that of a straight
- * line of this width on a texel as wide as its step in this direction. */
-static void ellipse_span(const form *restrict m, float radius, float dy, float centre, int x, int end, float *restrict dark)
+/* Darkness of texels x..end-1 of a row, dy below the centre, by an ellipse. The line's share of a texel is that of a
+ * straight line of this width on a texel as wide as its step in this direction. */
+static void ellipse_span(const form *restrict m, float radius, float dy, float centre, int x, int end,
+			 float *restrict dark)
 {
 	float e = m->e, f = m->f, g = m->g, still = 2 / (e + g);
 	for (; x < end; x += LANES)
@@ -136,7 +140,8 @@ static void ellipse_span(const form *restrict m, float radius, float dy, float c
 			float square = dx * u + dy * v, slope = u * u + v * v;
 			square = square > 0 ? square : 0;
 			float texels = sqrtf(slope > FLT_MIN ? square / slope : still), d = sqrtf(square);
-			float inner = clamp01((radius - d) * texels + 0.5f), outer = clamp01((radius + d) * texels + 0.5f);
+			float inner = clamp01((radius - d) * texels + 0.5f),
+			      outer = clamp01((radius + d) * texels + 0.5f);
 			float t = inner + outer - 1;
 			dark[x + k] = t > dark[x + k] ? t : dark[x + k];
 		}
@@ -149,7 +154,8 @@ static void stamp_ellipse(const bake *b, const sheet *s, const form *m, float cx
 	int from = top > (float)s->y0 ? (int)top : s->y0, to = bottom < (float)(s->y1 - 1) ? (int)bottom : s->y1 - 1;
 	for (int row = from; row <= to; row++) {
 		float dy = (float)row - cy, *dark = s->dark + (size_t)(row - s->y0) * b->padded;
-		float wide = square - m->det * dy * dy, half = wide > 0 ? sqrtf(wide) / m->e : 0, middle = cx - m->f / m->e * dy;
+		float wide = square - m->det * dy * dy, half = wide > 0 ? sqrtf(wide) / m->e : 0,
+		      middle = cx - m->f / m->e * dy;
 		if (!b->wrap_x) {
 			float left = ceilf(middle - half), right = floorf(middle + half);
 			int first = left > 0 ? left < (float)b->width ? (int)left : b->width : 0;
@@ -157,7 +163,9 @@ static void stamp_ellipse(const bake *b, const sheet *s, const form *m, float cx
 			ellipse_span(m, radius, dy, cx, first, end, dark);
 			continue;
 		}
-		half = half < 1.5f * (float)b->width ? half : 1.5f * (float)b->width; /* other repetitions are nearer to the rest */
+		half = half < 1.5f * (float)b->width
+			       ? half
+			       : 1.5f * (float)b->width; /* other repetitions are nearer to the rest */
 		float turns = floorf(middle / (float)b->width) * (float)b->width;
 		float centre = cx - turns;
 		int first = (int)ceilf(middle - turns - half), end = (int)floorf(middle - turns + half) + 1;
@@ -169,7 +177,8 @@ static void stamp_ellipse(const bake *b, const sheet *s, const form *m, float cx
 	}
 }
 
-/* One ellipse for each axis along which the colors differ clearly. Diagonal pairs see boundaries that others are nearer to. */
+/* One ellipse for each axis along which the colors differ clearly. Diagonal pairs see boundaries that others are nearer
+ * to. */
 static void stamp_site(const bake *b, const sheet *s, int x, int y, float radius)
 {
 	float across, down, dx = boundary(b, x, y, 0, &across), dy = boundary(b, x, y, 1, &down);

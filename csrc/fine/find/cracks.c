@@ -219,8 +219,8 @@ static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const
 		if (below)
 			mark_levels(level[0], level[1], width, LIGHT_DOWN, mark);
 	}
-	uint8_t bits =
-	    (uint8_t)((f->style ? CRACK_RIGHT | CRACK_DOWN : 0) | (e->on[SOURCE_LIGHT] ? LIGHT_RIGHT | LIGHT_DOWN : 0));
+	uint8_t bits = (uint8_t)((f->style ? CRACK_RIGHT | CRACK_DOWN : 0) |
+				 (e->on[SOURCE_LIGHT] ? LIGHT_RIGHT | LIGHT_DOWN : 0));
 	if (bits)
 		refine(n, y, mark, bits);
 }

@@ -38,8 +38,8 @@ static void value_row(const float *restrict diffuse, int n, float *restrict out)
 
 static void values(const frame *f, int y, int x, int end, float *out)
 {
-	value_row(f->layer[ENCRE_LAYER_DIFFUSE].data + y * f->layer[ENCRE_LAYER_DIFFUSE].row + (ptrdiff_t)3 * x, end - x,
-		  out);
+	value_row(f->layer[ENCRE_LAYER_DIFFUSE].data + y * f->layer[ENCRE_LAYER_DIFFUSE].row + (ptrdiff_t)3 * x,
+		  end - x, out);
 }
 
 /* Into how many levels light x rises. */
@@ -118,8 +118,8 @@ static int32_t find_spans(const even *v)
 		for (int k = 0; k < spans; k++) {
 			const uint8_t *own = v->mark + (ptrdiff_t)y * spans + k;
 			crossed[(ptrdiff_t)y * spans + k] =
-			    *own == MIXED || (k > 0 && own[-1] != *own) || (k + 1 < spans && own[1] != *own) ||
-			    (y > 0 && own[-spans] != *own) || (y + 1 < height && own[spans] != *own);
+				*own == MIXED || (k > 0 && own[-1] != *own) || (k + 1 < spans && own[1] != *own) ||
+				(y > 0 && own[-spans] != *own) || (y + 1 < height && own[spans] != *own);
 		}
 	for (int y = 0; y < height; y++) {
 		uint8_t *mark = v->mark + (ptrdiff_t)y * spans;
@@ -202,7 +202,8 @@ static void make_row(const even *v, float *const *held, int k, int y)
 {
 	const frame *f = v->n->f;
 	ptrdiff_t stride = stride_of(f);
-	float *out = k < PASSES ? held[k] + y % (2 * (1 << k) + 1) * stride + MARGIN : v->n->light + (ptrdiff_t)y * f->width;
+	float *out =
+		k < PASSES ? held[k] + y % (2 * (1 << k) + 1) * stride + MARGIN : v->n->light + (ptrdiff_t)y * f->width;
 	for (int x, end = 0; next_run(v, y, k < PASSES ? READ : CROSSED, &x, &end);) {
 		if (k == 0)
 			values(f, y, x, end, out + x);
@@ -211,7 +212,8 @@ static void make_row(const even *v, float *const *held, int k, int y)
 			const float *row[3];
 			for (int i = -1; i <= 1; i++)
 				row[i + 1] = held[k - 1] +
-					     clamp_index(y + i * step, f->height) % (2 * step + 1) * stride + MARGIN + x;
+					     clamp_index(y + i * step, f->height) % (2 * step + 1) * stride + MARGIN +
+					     x;
 			even_row(row, step, end - x, out + x);
 		}
 		for (int i = 1; k < PASSES && i <= MARGIN; i++) {

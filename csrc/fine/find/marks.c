@@ -37,7 +37,10 @@ void ISA(hand_row)(const fine *n, int y)
 		return;
 	for (int x = 0; x < width; x++)
 		for (int axis = 0; axis < 2; axis++) {
-			site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = FAMILY_MARK, .axis = (uint8_t)axis};
+			site s = {.column = (uint16_t)x,
+				  .row = (uint16_t)y,
+				  .family = FAMILY_MARK,
+				  .axis = (uint8_t)axis};
 			bool inside = axis ? y + 1 < n->f->height : x + 1 < width;
 			if (inside && mark_at(n, x, y, axis) > 0 && ISA(hand_site)(n, &s))
 				n->crack[(ptrdiff_t)y * width + x] |= (uint8_t)(MARK_RIGHT << axis);

@@ -11,8 +11,8 @@ enum { GROWN = 2 }; /* pixels that what is found grows by */
 enum { WINDOW = 4, SIDE = 2 * WINDOW + 1 };
 
 static const float other_normal = 0.1f, other_depth = 0.02f; /* length; share of the depth, or of the frame's height */
-/* Of a lamp, and of what is black, Cycles writes nothing: where they take part in a pixel the normal is the surface's own,
- * but shorter. Such a difference of colours tells them from a mirrored sky. */
+/* Of a lamp, and of what is black, Cycles writes nothing: where they take part in a pixel the normal is the surface's
+ * own, but shorter. Such a difference of colours tells them from a mirrored sky. */
 static const float glow = 0.1f;
 static const float stirred_from = 0.06f; /* share of a step by which a pixel sticks out of its neighbours */
 /* share of such pixels from which on no line is left, of depths fewer, and by how much less leaves all of it */
@@ -59,7 +59,9 @@ static void differ_rows(void *data, int y0, int y1, int thread)
 			bool own = rest < other_normal * other_normal && tint < glow * glow;
 			bool other = off > other_normal * other_normal;
 			out[x] = (uint16_t)((there && !own && other ? OTHER_NORMAL : 0) |
-					    (there && !(own && other) && far[x] > 0 && gap > other_depth * unit ? OTHER_DEPTH : 0));
+					    (there && !(own && other) && far[x] > 0 && gap > other_depth * unit
+						     ? OTHER_DEPTH
+						     : 0));
 		}
 	}
 }

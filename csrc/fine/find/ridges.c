@@ -108,7 +108,7 @@ static bool peaks(const window *w, int x, int axis)
 	float value[SPAN][3], dot[3] = {0, 0, 0};
 	if (along(w, x, axis, value) < 2)
 		return false;
-	const float(*v)[3] = (const float(*)[3])value + REACH - 2;
+	const float (*v)[3] = (const float (*)[3])value + REACH - 2;
 	for (int c = 0; c < w->planes; c++) {
 		float e = (v[1][c] + v[2][c] + v[3][c]) - 1.5f * (v[0][c] + v[4][c]);
 		for (int i = 0; i < 3; i++)

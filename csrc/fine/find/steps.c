@@ -10,10 +10,11 @@ static const float seen_crease_from = 0.6f;                  /* likewise */
 static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth */
 static const float least_color = 0.01f, least_light = 0.02f;
 static const float more_of_band = 1.2f, least_light_band = 0.1f; /* floor: times a step's; of light */
-/* pixels; and where it goes on beside one that is narrow enough, and as strong as an edge: then a share of that will do */
+/* pixels; and where it goes on beside one that is narrow enough, and as strong as an edge: then a share of that will do
+ */
 static const float widest_band = 2.05f, widest_weak = 2.9f, least_weak = 0.5f;
-static const float least_of_peak = 1.5f;                         /* times the step across a band */
-static const float most_against = 0.1f; /* share of a band that a pixel of it may lie the other way */
+static const float least_of_peak = 1.5f; /* times the step across a band */
+static const float most_against = 0.1f;  /* share of a band that a pixel of it may lie the other way */
 
 void ISA(fine_floors)(fine *n)
 {
@@ -45,7 +46,7 @@ static void read(const fine *n, int source, int x, int y, float *value)
 		return;
 	}
 	const float *in =
-	    f->layer[layer].data + y * f->layer[layer].row + (ptrdiff_t)(layer == ENCRE_LAYER_COMBINED ? 4 : 3) * x;
+		f->layer[layer].data + y * f->layer[layer].row + (ptrdiff_t)(layer == ENCRE_LAYER_COMBINED ? 4 : 3) * x;
 	for (int c = 0; c < 3; c++)
 		value[c] = source == SOURCE_COLOR || source == SAMPLE_SEEN_COLOR ? clamp01(in[c]) : bounded(in[c]);
 	if (source == SOURCE_LIGHT) {
@@ -151,8 +152,8 @@ static bool band_site(const fine *n, site *s, int source, int planes, float (*va
 			c[i] += (value[i + 1][k] - mix(value[0][k], value[4][k], 0.25f * (float)(i + 1))) * e[k] / area;
 	float against = -most_against * area;
 	s->weak = source == SOURCE_COLOR && area > widest_band * c[1];
-	if (!(c[1] > c[0] && c[1] > c[2] && area <= (s->weak ? widest_weak : widest_band) * c[1] &&
-	      c[0] > against && c[2] > against && c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes))))
+	if (!(c[1] > c[0] && c[1] > c[2] && area <= (s->weak ? widest_weak : widest_band) * c[1] && c[0] > against &&
+	      c[2] > against && c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes))))
 		return false;
 	put(s, (c[2] - c[0]) / area);
 	int style = fine_style(n, s);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Things up to three pixels wide: a wire, a blade, a strand of hair. Depth and index hit them at pixel centres only, but
- * how they lie and how wide they are shows in the averaged layers all along. So the cracks on both sides are placed by
- * the stripe's middle and width, and where a wire runs between pixel centres sites along its middle go on. */
+/* Things up to three pixels wide: a wire, a blade, a strand of hair. Depth and index hit them at pixel centres only,
+ * but how they lie and how wide they are shows in the averaged layers all along. So the cracks on both sides are placed
+ * by the stripe's middle and width, and where a wire runs between pixel centres sites along its middle go on. */
 #include "fine/fine.h"
 
 #include <stdlib.h>
@@ -11,12 +11,12 @@ enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = THIN_S
 
 static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.2f; /* pixels */
 static const float width_ramp = 0.6f, shortest = 3, length_ramp = 2;    /* pixels */
-static const float least_peak = 0.05f;    /* of a stripe, in albedo and half normals */
-static const float least_of_slope = 1.2f; /* times what lies on both sides differs */
-static const float against = 0.2f;        /* share of a stripe that a pixel of it may lie the other way */
-static const float most_of_step = 0.5f;   /* of the step to what lies behind, that may jump from one side to the other */
-static const float least_step = 0.01f;    /* of a depth before what lies behind: a crack of full strength */
-static const float steepest = 1.5f;       /* pixels that its middle moves from a row to the next */
+static const float least_peak = 0.05f;                                  /* of a stripe, in albedo and half normals */
+static const float least_of_slope = 1.2f;                               /* times what lies on both sides differs */
+static const float against = 0.2f;      /* share of a stripe that a pixel of it may lie the other way */
+static const float most_of_step = 0.5f; /* of the step to what lies behind, that may jump from one side to the other */
+static const float least_step = 0.01f;  /* of a depth before what lies behind: a crack of full strength */
+static const float steepest = 1.5f;     /* pixels that its middle moves from a row to the next */
 static const float tie_reach = 1.8f, tie_cosine = -0.3f; /* pixels; between both ties of a site */
 
 static float depth_at(const frame *f, int x, int y)
@@ -58,9 +58,9 @@ static float ramp(float x, float from, float to)
 static void read(const frame *f, int x, int y, float value[PLANES])
 {
 	const float *albedo =
-	    f->layer[ENCRE_LAYER_ALBEDO].data + y * f->layer[ENCRE_LAYER_ALBEDO].row + (ptrdiff_t)3 * x;
+		f->layer[ENCRE_LAYER_ALBEDO].data + y * f->layer[ENCRE_LAYER_ALBEDO].row + (ptrdiff_t)3 * x;
 	const float *normal =
-	    f->layer[ENCRE_LAYER_NORMAL].data + y * f->layer[ENCRE_LAYER_NORMAL].row + (ptrdiff_t)3 * x;
+		f->layer[ENCRE_LAYER_NORMAL].data + y * f->layer[ENCRE_LAYER_NORMAL].row + (ptrdiff_t)3 * x;
 	for (int c = 0; c < 3; c++) {
 		value[c] = clamp01(albedo[c]);
 		value[3 + c] = 0.5f * bounded(normal[c]);
@@ -97,7 +97,8 @@ static void moments(slice *s, float (*value)[PLANES], int count, int first)
 	s->trust = fminf(s->trust, ramp(s->peak, least_of_slope * slope, 1.25f * least_of_slope * slope));
 }
 
-/* Of `count` pixels from `first` on, along a row or a column `across`; false where there is no stripe before one ground. */
+/* Of `count` pixels from `first` on, along a row or a column `across`; false where there is no stripe before one
+ * ground. */
 static bool slice_of(const fine *n, int axis, int across, int first, int count, slice *s)
 {
 	const frame *f = n->f;
@@ -144,7 +145,8 @@ static bool cracked(const fine *n, int axis, int across, int at)
 /* Where a contour passes from a pixel to the next, 0 < place <= 1; 0: that is not known. */
 static float contour_at(const fine *n, int axis, int across, int at)
 {
-	site s = {.column = (uint16_t)(axis ? across : at), .row = (uint16_t)(axis ? at : across), .axis = (uint8_t)axis};
+	site s = {
+		.column = (uint16_t)(axis ? across : at), .row = (uint16_t)(axis ? at : across), .axis = (uint8_t)axis};
 	return fmaxf(-ISA(hand_place)(n, &s), 0);
 }
 
@@ -220,8 +222,8 @@ static run follow(const fine *n, int axis, int across, const slice *from)
 	return r;
 }
 
-/* Half the width along the axis. Of a thing narrower than a pixel the averages tell the middle, but no width; which pixel
- * centres it covers and which it does not tells that. */
+/* Half the width along the axis. Of a thing narrower than a pixel the averages tell the middle, but no width; which
+ * pixel centres it covers and which it does not tells that. */
 static float half_of(const run *r)
 {
 	float half = 0.5f * r->area / ((float)r->slices * r->peak);
@@ -267,7 +269,8 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 				x += 7;
 				continue;
 			}
-			if (!mixed_at(n, x, y) || !(slice_at(n, AXIS_ROW, y, x, &s) || slice_at(n, AXIS_COLUMN, x, y, &s)))
+			if (!mixed_at(n, x, y) ||
+			    !(slice_at(n, AXIS_ROW, y, x, &s) || slice_at(n, AXIS_COLUMN, x, y, &s)))
 				continue;
 			hit[x / THIN_SPAN] |= s.ground == object_at(f, x, y) ? HIT_DEPTH : HIT_OBJECT;
 		}
@@ -284,12 +287,15 @@ void ISA(thin_place)(const fine *n, site *s)
 	if (zp == zq || !slice_at(n, s->axis, across, at + ahead, &own))
 		return;
 	run r = follow(n, s->axis, across, &own);
-	float square = squareness(&r), half = own.width > 0 ? 0.5f * own.width : half_of(&r), across_it = 2 * half * square;
+	float square = squareness(&r), half = own.width > 0 ? 0.5f * own.width : half_of(&r),
+	      across_it = 2 * half * square;
 	float was = dx ? s->x - (float)s->column : s->y - (float)s->row;
 	s->thin = fminf(own.trust, ramp(-across_it, -widest_across, width_ramp - widest_across));
 	s->thin = fminf(s->thin, ramp((float)r.steps, shortest - length_ramp, shortest));
 	s->half = half * square;
-	float share = ISA(hand_place)(n, s) < 0 ? was : mix(was, clamp01(own.middle + (ahead ? -half : half) - (float)at), s->thin);
+	float share = ISA(hand_place)(n, s) < 0
+			      ? was
+			      : mix(was, clamp01(own.middle + (ahead ? -half : half) - (float)at), s->thin);
 	s->inside = own.middle - (float)at - share;
 	s->x = (float)s->column + (dx ? share : 0);
 	s->y = (float)s->row + (dx ? 0 : share);
@@ -356,7 +362,8 @@ void ISA(thin_mark)(const fine *n, int y, uint8_t *hits, uint16_t *ridge)
 			continue;
 		}
 		/* the axis that crosses it more squarely, along which it is narrower */
-		bool in_row = slice_between(n, AXIS_ROW, x, y, &row), in_column = slice_between(n, AXIS_COLUMN, x, y, &column);
+		bool in_row = slice_between(n, AXIS_ROW, x, y, &row),
+		     in_column = slice_between(n, AXIS_COLUMN, x, y, &column);
 		int axis = in_column && (!in_row || column.area < row.area) ? AXIS_COLUMN : AXIS_ROW;
 		site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = FAMILY_THIN, .axis = (uint8_t)axis};
 		if ((in_row || in_column) && ISA(thin_site)(n, &s))
@@ -392,8 +399,9 @@ static uint32_t tie_of(const fine *n, uint32_t i, uint32_t other)
 
 int32_t ISA(thin_tie)(fine *n)
 {
-	uint32_t first = n->first[FAMILY_THIN * n->f->height], end = n->first[(FAMILY_THIN + 1) * n->f->height], count = 0;
-	uint32_t(*link)[2] = late_take(&n->f->late, (size_t)2 * (end - first), sizeof *link);
+	uint32_t first = n->first[FAMILY_THIN * n->f->height], end = n->first[(FAMILY_THIN + 1) * n->f->height],
+		 count = 0;
+	uint32_t (*link)[2] = late_take(&n->f->late, (size_t)2 * (end - first), sizeof *link);
 	if (!link)
 		return ENCRE_ERROR_MEMORY;
 	for (uint32_t i = first; i < end; i++) {

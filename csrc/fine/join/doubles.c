@@ -15,7 +15,7 @@ static const float parallel = 0.85f;    /* cosine of what still counts as runnin
 static const float most_beside = 0.5f;  /* of a chain's length */
 static const float longest_loop = 30;   /* pixels that a line of light may part from another and come back */
 static const float most_wiggle =
-    0.12f;                          /* a line that turns to and fro more is a scribble round what pixels can't show */
+	0.12f;                      /* a line that turns to and fro more is a scribble round what pixels can't show */
 static const float least_light = 6; /* pixels: shorter lines of light that meet nothing are noise */
 
 /* A run of sites between those at which not exactly two meet. */
@@ -195,7 +195,7 @@ static void choose(const beside *b, const chain *c)
 	const fine *n = b->n;
 	float light, all = length_beside(b, c, &light);
 	bool drop =
-	    c->loose ? all > most_beside * c->length : light > most_beside * c->length && c->length < longest_loop;
+		c->loose ? all > most_beside * c->length : light > most_beside * c->length && c->length < longest_loop;
 	drop |= c->rank > 0 && c->wiggle > most_wiggle;
 	drop |= c->rank == LIGHT_RANK && c->length < least_light && (c->loose == 2 || c->closed);
 	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {

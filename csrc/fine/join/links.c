@@ -179,7 +179,8 @@ int32_t ISA(fine_drop_crumbs)(fine *n, enum family family)
 int32_t ISA(fine_drop_weak)(fine *n, enum family family)
 {
 	uint32_t first = n->first[family * n->f->height], end = n->first[(family + 1) * n->f->height], count = 0;
-	uint32_t to[ROOM], *open = family == FAMILY_COLOR_BAND ? late_take(&n->f->late, end - first, sizeof *open) : NULL;
+	uint32_t to[ROOM],
+		*open = family == FAMILY_COLOR_BAND ? late_take(&n->f->late, end - first, sizeof *open) : NULL;
 	if (family != FAMILY_COLOR_BAND)
 		return ENCRE_OK;
 	if (!open)

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One allocation per frame, planned beforehand, and the few that only the frame's content can tell. */
+#ifndef ENCRE_ARENA_H
+#define ENCRE_ARENA_H
+
+#include <stddef.h>
+
+/* Planning runs twice with the same calls: first with base NULL, to measure, then with memory. */
+typedef struct arena {
+	char *base;
+	size_t used;
+} arena;
+
+/* `count` items of `size` bytes, aligned to 64 bytes, not cleared; NULL while measuring. Sizes that overflow make
+ * the sum stick at SIZE_MAX, which no allocation satisfies. */
+void *arena_take(arena *a, size_t count, size_t size);
+
+/* What can't be planned, because only the frame's content tells how much it is: freed when the frame is done. Not to be
+ * called from a kernel. */
+typedef struct late late;
+struct late {
+	late *next;
+};
+
+/* NULL without memory; aligned to 64 bytes, not cleared. */
+void *late_take(late **all, size_t count, size_t size);
+/* Gives back what late_take() gave, if anything. */
+void late_drop(late **all, const void *taken);
+void late_free(late *all);
+
+#endif
