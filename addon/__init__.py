@@ -17,16 +17,18 @@ _registered = []
 
 def _modules():
     """What registers with Blender, in this order."""
-    from . import core, engine
+    from .blender import engine
+    from .pen import library
+    from .pen.errors import EncreError
 
     try:
-        core.library()
-    except core.EncreError as error:
+        library.load()
+    except EncreError as error:
         print(f"encre: {error}", file=sys.stderr)
         return (engine,)  # it says so to whoever renders
-    from . import adopt, bake, paint, parts, properties, subframes, ui
+    from .blender import bake, panels, properties, subframes
 
-    return properties, engine, subframes, ui, adopt, paint, parts, bake
+    return properties, engine, subframes, panels, bake
 
 
 def register():

@@ -12,7 +12,7 @@ def main():
         for name in ("SIGTERM", "SIGHUP"):
             if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) == signal.SIG_DFL:
                 signal.signal(getattr(signal, name), signal.default_int_handler)
-        from .cli import main as run  # only now: the interrupt may come while the modules are loading
+        from .cli.main import main as run  # only now: the interrupt may come while the modules are loading
 
         return run()
     except KeyboardInterrupt:

@@ -17,7 +17,7 @@ import time
 
 import drawn
 import numpy as np
-from encre import core
+from encre.pen import library
 
 CASES = {
     "Water Memory": {},
@@ -32,7 +32,7 @@ CASES = {
 
 def stages_run():
     """Ids of the stages that run, in order: all but the engine's own rows."""
-    return [s.id for s in core.stages() if s.id != "layers"]
+    return [s.id for s in library.stages() if s.id != "layers"]
 
 
 def once(layers, settings, threads):
@@ -50,7 +50,7 @@ def once(layers, settings, threads):
         return True
 
     start = time.perf_counter()
-    core.render(layers, settings, outputs=list(core.OUTPUTS), threads=threads, progress=progress)
+    library.render(layers, settings, outputs=list(library.OUTPUTS), threads=threads, progress=progress)
     whole = time.perf_counter() - start
     times, last = {}, start
     for name in names:
@@ -84,7 +84,7 @@ def bake(rounds, side=2048):
             best = 1e9
             for _ in range(rounds):
                 start = time.perf_counter()
-                core.bake(texture, threads=threads, **options)
+                library.bake(texture, threads=threads, **options)
                 best = min(best, time.perf_counter() - start)
             print(f"{case:18}{threads or 'all':>8}{best / copy:8.2f}{best:8.3f} s")
 
@@ -123,7 +123,7 @@ def balls(width, height, cell):
 
 def sites(layers, settings):
     """How many pixels hold a site, and which share of all lies within 3 of one."""
-    holds = core.render(layers, settings, outputs=["Encre Edges"]).images["Encre Edges"][..., 0] > 0
+    holds = library.render(layers, settings, outputs=["Encre Edges"]).images["Encre Edges"][..., 0] > 0
     near, (height, width) = np.zeros_like(holds), holds.shape
     for dy in range(-3, 4):
         for dx in range(-3, 4):
@@ -140,7 +140,7 @@ def turns(rounds, jobs):
     for _ in range(rounds):
         for k, (layers, settings) in enumerate(jobs):
             start = time.process_time()
-            core.render(layers, settings, threads=1)
+            library.render(layers, settings, threads=1)
             best[k] = min(best[k], time.process_time() - start)
     return best
 
@@ -159,7 +159,7 @@ def held_bytes(layers, settings):
         return now.used + now.mapped
 
     seen, before = [0], held()
-    core.render(layers, settings, threads=1, progress=lambda _: seen.append(held()) or True)
+    library.render(layers, settings, threads=1, progress=lambda _: seen.append(held()) or True)
     return max(seen) - before - layers["combined"].nbytes
 
 
@@ -187,7 +187,7 @@ def main():
     parser.add_argument("--set", action="append", default=[])
     args = parser.parse_args()
     width, height = map(int, args.size.split("x"))
-    extra = {k: core.parse(k, v) for k, v in (s.split("=", 1) for s in args.set)}
+    extra = {k: library.parse(k, v) for k, v in (s.split("=", 1) for s in args.set)}
     layers = drawn.scene(width, height, noise=0.01)
     copy = copy_seconds(width * height * 112)
     print(f"copy of {width * height * 112 / 1e6:.0f} MB: {copy * 1e3:.1f} ms = 1.00")

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from encre import images, layers
+from encre.cli import images
+from encre.pen import layers
 
 CASES = Path(__file__).with_name("blender") / "cases.py"
 OTHERS = Path(__file__).parents[1] / "build" / "blenders"  # one environment per version of bpy: make blenders
@@ -87,7 +88,7 @@ def encre(blender, folder, *args):
         site = Path(folder) / "site"
         site.mkdir(exist_ok=True)
         if not (site / "encre").exists():
-            (site / "encre").symlink_to(Path(layers.__file__).parent)
+            (site / "encre").symlink_to(Path(layers.__file__).parents[1])
         environment["PYTHONPATH"] = str(site)
     done = subprocess.run([python, "-m", "encre", *map(str, args), *options], capture_output=True, text=True,
                           timeout=600, env=environment, stdin=subprocess.DEVNULL)

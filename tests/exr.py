@@ -3,7 +3,7 @@
 
 import numpy as np
 import OpenImageIO as oiio
-from encre import layers
+from encre.pen import layers
 
 LETTERS = {**layers.CYCLES, **layers.DRAWN, **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN, "IndexMA": "X"}
 LAYOUTS = ("classic", "parts", "bare")  # Blender 3.4 to 4.x; 5.x; a file without a view layer

@@ -14,9 +14,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 from bpy_extras.object_utils import world_to_camera_view
-from encre import compare, images
+from encre.cli import tools
+from encre.pen import colour
 from mathutils import Vector
 
+compare = tools.load("compare", "compare")
 SCENES = Path(__file__).parents[1] / "scenes"
 FIRST, COUNT, WIDTH, HEIGHT, SAMPLES = 140, 24, 384, 216, 2
 ALONG, ACROSS = 6, 14   # texels: a contour is straight and alone for so far
@@ -34,7 +36,7 @@ def render(folder, name, *options):
         subprocess.run(command, check=True)
     found = {}
     for frame in range(FIRST, last + 1):
-        picture = images.decode_srgb(compare.read(folder / f"{name}{frame:04}.png"))
+        picture = colour.decode_srgb(compare.read(folder / f"{name}{frame:04}.png"))
         top, low = picture[:HEIGHT], picture[HEIGHT:]
         found[frame] = top[:, :WIDTH], low[:, :WIDTH], low[:, WIDTH:]
     return found

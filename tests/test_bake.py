@@ -3,7 +3,8 @@
 
 import numpy as np
 import pytest
-from encre import core
+from encre.pen import library
+from encre.pen.errors import Cancelled, EncreError
 from reference import DEFAULTS, metric
 from reference import bake as reference
 
@@ -39,7 +40,7 @@ def smooth_forms(height, width):
 
 def check(texture, scene=None, tolerance=1e-4, **options):
     want, greatest = reference.bake(texture, {**DEFAULTS, **(scene or {})}, **options)
-    got = core.bake(texture, scene, **options)
+    got = library.bake(texture, scene, **options)
     assert got.greatest == pytest.approx(greatest, abs=2e-5)
     assert np.abs(got.texture - want).max() <= tolerance
     return got.texture
@@ -89,24 +90,24 @@ def test_a_boundary_gives_the_thickness_asked():
     texture = np.ones((40, 160, 3), np.float32)
     texture[:, :80] = 0.5
     thickness = 9.0
-    contrast = core.bake(texture, draw=False).greatest
+    contrast = library.bake(texture, draw=False).greatest
     scene = dict(line_thickness=thickness, contrast_max=contrast)
     for form in (None, np.tile(np.float32((1, 0, 1)), (40, 160, 1))):
-        got = core.bake(texture, scene, form, wrap=(False, False)).texture[20, :, 0] / texture[20, :, 0]
+        got = library.bake(texture, scene, form, wrap=(False, False)).texture[20, :, 0] / texture[20, :, 0]
         assert (1 - got).sum() == pytest.approx(thickness, abs=1e-4)
     for e in (0.3, 2.0, 7.0):  # on the surface a texel is sqrt(e) wide
-        got = core.bake(texture, scene, np.tile(np.float32((e, 0, 1)), (40, 160, 1)), wrap=(False, False)).texture
+        got = library.bake(texture, scene, np.tile(np.float32((e, 0, 1)), (40, 160, 1)), wrap=(False, False)).texture
         assert (1 - got[20, :, 0] / texture[20, :, 0]).sum() * e**0.5 == pytest.approx(thickness, abs=1e-3)
 
 
 def test_nothing_is_drawn_on_one_colour():
     texture = np.full((16, 16, 4), 0.3, np.float32)
-    assert core.bake(texture).texture.tobytes() == texture.tobytes()
+    assert library.bake(texture).texture.tobytes() == texture.tobytes()
 
 
 def test_alpha_is_kept():
     texture = blots(30, 30, 1, 4)
-    assert np.array_equal(core.bake(texture).texture[..., 3], texture[..., 3])
+    assert np.array_equal(library.bake(texture).texture[..., 3], texture[..., 3])
 
 
 @pytest.mark.parametrize("scene", [{}, dict(contrast_auto=True), dict(contrast_metric="CMC", line_thickness=40.0)])
@@ -114,19 +115,19 @@ def test_alpha_is_kept():
 def test_same_bytes(scene, stretched):
     texture = blots(203, 157, 7, 4)
     form = smooth_forms(203, 157) if stretched else None
-    want = core.bake(texture, scene, form, threads=1).texture.tobytes()
+    want = library.bake(texture, scene, form, threads=1).texture.tobytes()
     for threads in (2, 3, 8):
-        assert core.bake(texture, scene, form, threads=threads).texture.tobytes() == want
-    assert core.bake(texture, scene, form, simd=0).texture.tobytes() == want
+        assert library.bake(texture, scene, form, threads=threads).texture.tobytes() == want
+    assert library.bake(texture, scene, form, simd=0).texture.tobytes() == want
     mirrored = form[::-1] * np.float32((1, -1, 1)) if stretched else None
-    upside = core.bake(texture[::-1][:, :, :3], scene, mirrored).texture[::-1]
-    assert np.abs(upside - core.bake(texture[:, :, :3], scene, form).texture).max() < 2e-3  # strides of any kind
+    upside = library.bake(texture[::-1][:, :, :3], scene, mirrored).texture[::-1]
+    assert np.abs(upside - library.bake(texture[:, :, :3], scene, form).texture).max() < 2e-3  # strides of any kind
 
 
 def test_not_finite():
     texture = blots(20, 20, 2, 4)
     texture[3, 4, 0], texture[5, 6, 1], texture[7, 8, 3] = np.nan, np.inf, -np.inf
-    got = core.bake(texture)
+    got = library.bake(texture)
     assert got.nonfinite == 3 and np.isfinite(got.texture).all()
     assert np.abs(got.texture - reference.bake(texture, DEFAULTS)[0]).max() < 1e-4
 
@@ -134,25 +135,25 @@ def test_not_finite():
 @pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, np.inf, 1e30])
 def test_forms_that_are_none(bad):
     texture, form = blots(20, 30, 2), np.full((20, 30, 3), bad, np.float32)
-    got = core.bake(texture, {}, form).texture
-    neutral = core.bake(texture, {}, np.tile(np.float32((1, 0, 1)), (20, 30, 1))).texture
+    got = library.bake(texture, {}, form).texture
+    neutral = library.bake(texture, {}, np.tile(np.float32((1, 0, 1)), (20, 30, 1))).texture
     assert got.tobytes() == neutral.tobytes()
 
 
 @pytest.mark.parametrize("form", [(1e-12, 0, 1), (1, 0, 1e-12), (1, 1, 1), (4, -2, 1), (1e10, 0, 1e-10), (1e-30, 0, 0)])
 def test_collapsed_forms(form):
-    got = core.bake(blots(20, 30, 2), {}, np.tile(np.float32(form), (20, 30, 1))).texture
+    got = library.bake(blots(20, 30, 2), {}, np.tile(np.float32(form), (20, 30, 1))).texture
     assert np.isfinite(got).all()
 
 
 def test_cancel_and_progress():
     texture, seen = blots(200, 200), []
-    core.bake(texture, threads=1, progress=lambda f: seen.append(f) or True)
+    library.bake(texture, threads=1, progress=lambda f: seen.append(f) or True)
     assert seen == sorted(seen) and seen[0] > 0 and seen[-1] == 1
     for k in range(len(seen)):
         count = iter(range(len(seen)))
-        with pytest.raises(core.Cancelled):
-            core.bake(texture, threads=1, progress=lambda _f, n=count, k=k: next(n) < k)
+        with pytest.raises(Cancelled):
+            library.bake(texture, threads=1, progress=lambda _f, n=count, k=k: next(n) < k)
 
 
 @pytest.mark.parametrize("texture, form, words", [
@@ -164,14 +165,14 @@ def test_cancel_and_progress():
     (np.zeros((4, 4, 3)), np.zeros((4, 4, 2)), "give (height, width, 3)"),
 ])
 def test_refuses(texture, form, words):
-    with pytest.raises(core.EncreError) as error:
-        core.bake(texture, {}, form)
+    with pytest.raises(EncreError) as error:
+        library.bake(texture, {}, form)
     assert words in str(error.value) and "\n" not in str(error.value)
 
 
 def test_refuses_values():
-    with pytest.raises(core.EncreError, match="line_thickness"):
-        core.bake(blots(4, 4), dict(line_thickness=-1.0))
+    with pytest.raises(EncreError, match="line_thickness"):
+        library.bake(blots(4, 4), dict(line_thickness=-1.0))
 
 
 @pytest.mark.parametrize("most", [1.0, 0.04])
@@ -180,6 +181,6 @@ def test_decodes(most):
     encoded = np.random.default_rng(0).random((16, 16, 3)).astype(np.float32) * np.float32(most)
     light = metric.decode(encoded.astype(float)).astype(np.float32)
     for kind in METRICS:
-        one, two = (core.bake(t, dict(contrast_metric=kind), linear=x, draw=False).greatest
+        one, two = (library.bake(t, dict(contrast_metric=kind), linear=x, draw=False).greatest
                     for t, x in ((encoded, False), (light, True)))
         assert one == pytest.approx(two, rel=1e-3)

@@ -8,7 +8,7 @@ from pathlib import Path
 import blenders
 import numpy as np
 import pytest
-from encre import core
+from encre.pen import library
 
 WINDOW = Path(__file__).with_name("blender") / "bake_window.py"
 
@@ -27,7 +27,7 @@ def test_operators(blender, tmp_path):
     for row, red, linear in zip(facts["red"], (0.4, 0.8), (False, True), strict=True):
         texture = np.ones((4, 64, 3), np.float32)
         texture[:, 24:40] = red, 0.2, 0.2
-        want = core.bake(texture, dict(line_thickness=6.0), linear=linear).texture[0, :, 0]
+        want = library.bake(texture, dict(line_thickness=6.0), linear=linear).texture[0, :, 0]
         assert np.abs(np.array(row) - want).max() < (1e-3 if linear else 3e-3)
     assert facts["not twice"] == facts["red"][0] and facts["source"] == facts["images"][0]
 
@@ -36,7 +36,7 @@ def test_operators(blender, tmp_path):
     assert any(name.endswith(".exr") for name in facts["files"])
     assert "Scaled: is not laid on by a UV map alone" in shot.output
     for name, metric in (("contrast", "RGB"), ("contrast, CMC", "CMC")):
-        contrast = max(core.bake(np.float32([[[1, 1, 1], [red, 0.2, 0.2], [1, 1, 1]]]), {"contrast_metric": metric},
+        contrast = max(library.bake(np.float32([[[1, 1, 1], [red, 0.2, 0.2], [1, 1, 1]]]), {"contrast_metric": metric},
                                  linear=linear, draw=False).greatest
                        for red, linear in ((0.4, False), (0.8, True), (0.6, False)))
         assert facts[name] == pytest.approx(contrast, abs=5e-3)

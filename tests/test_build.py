@@ -10,7 +10,8 @@ from pathlib import Path
 import drawn
 import numpy as np
 import pytest
-from encre import core
+from encre.pen.job import Frame, Mesh
+from encre.pen.library import LIBRARY, Library, load
 
 ROOT = Path(__file__).parents[1]
 SETTINGS = [
@@ -31,7 +32,7 @@ def build(folder, compiler, *options):
         [sys.executable, "setup.py", "-q", "build_ext", "--werror", *options, f"--build-lib={folder}",
          f"--build-temp={folder}/temp"], cwd=ROOT, capture_output=True, text=True, env={**os.environ, "CC": compiler})
     assert done.returncode == 0, done.stderr
-    return core.Library(str(folder / "encre" / core.LIBRARY))
+    return Library(str(folder / "encre" / LIBRARY))
 
 
 def pictures(library, threads=0, simd=1):
@@ -43,17 +44,17 @@ def pictures(library, threads=0, simd=1):
     out = [library.render(layers, values, styles, outputs=list(library.outputs), threads=threads, simd=simd).images
            for values in SETTINGS]
     rng = np.random.default_rng(1)
-    meshes = [core.Mesh(rng.normal(size=(300, 3)) * (3, 2, 2) - (0, 0, 8), attributes=rng.random((100, 3, 6)),
+    meshes = [Mesh(rng.normal(size=(300, 3)) * (3, 2, 2) - (0, 0, 8), attributes=rng.random((100, 3, 6)),
                         object_index=k) for k in range(1, 4)]
     projection = np.array([[1.2, 0, 0, 0], [0, 2, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]])
-    out.append(library.raster(meshes, np.eye(4), projection, core.Frame(193, 121), (193, 121), 0.1, channels=6,
+    out.append(library.raster(meshes, np.eye(4), projection, Frame(193, 121), (193, 121), 0.1, channels=6,
                               threads=threads))
     return [{name: picture.tobytes() for name, picture in images.items()} for images in out]
 
 
 @pytest.fixture(scope="module")
 def bytes_here():
-    return pictures(core.library())
+    return pictures(load())
 
 
 @pytest.mark.parametrize(("compiler", "options"), [("gcc", []), ("clang", []), ("gcc", ["--scalar"])])
@@ -64,13 +65,13 @@ def test_every_build_gives_the_same_bytes(tmp_path, bytes_here, compiler, option
 @pytest.mark.parametrize("simd", [0, 1])
 @pytest.mark.parametrize("threads", [1, 2, 3, 8])
 def test_every_thread_count_gives_the_same_bytes(bytes_here, threads, simd):
-    assert pictures(core.library(), threads, simd) == bytes_here
+    assert pictures(load(), threads, simd) == bytes_here
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads an ELF file with nm and readelf")
 def test_only_our_names_are_seen_and_only_the_system_is_needed():
     def lines(*command):
-        done = subprocess.run([*command, core.library().path], capture_output=True, text=True, check=True)
+        done = subprocess.run([*command, load().path], capture_output=True, text=True, check=True)
         return done.stdout.splitlines()
 
     ours = [line.split()[-1] for line in lines("nm", "-D", "--defined-only")]
@@ -82,4 +83,4 @@ def test_only_our_names_are_seen_and_only_the_system_is_needed():
 @pytest.mark.long
 def test_debug_and_sanitizer_builds_run(tmp_path):
     for folder, option in (("debug", "--debug"), ("sane", "--sanitize=undefined")):
-        assert pictures(build(tmp_path / folder, "gcc", option)) == pictures(core.library())
+        assert pictures(build(tmp_path / folder, "gcc", option)) == pictures(load())

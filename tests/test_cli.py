@@ -15,10 +15,13 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre import cli, composite, core, layers, metadata, presets
+from encre.cli import composite, main
+from encre.pen import layers, library, metadata, presets, settings
+from encre.pen.errors import EncreError
+from encre.pen.job import Camera, Frame
 
 SIZE = 96, 64
-OFF = [f"--set={switch}=off" for switch in layers.SWITCHES]
+OFF = [f"--set={switch}=off" for switch in settings.SWITCHES]
 STYLES = [("Ink", {"line_thickness": 30.0, "use_shading": False})]
 
 
@@ -35,7 +38,7 @@ def run(capsys):
     def run(*args):
         """(exit status, stdout, stderr) of `encre args`."""
         try:
-            status = cli.main([str(arg) for arg in args])
+            status = main.main([str(arg) for arg in args])
         except SystemExit as end:
             status = end.code
         return status, *capsys.readouterr()
@@ -52,8 +55,8 @@ def fails(result, *words, status=2):
 
 def expected(pictures, scene=None, styles=(), camera=None, frame=None, outputs=("Combined",)):
     """What the library makes of passes in memory."""
-    made, _ = layers.assemble(pictures, core.check(scene or {}), styles)
-    return core.render(made, scene or {}, styles, camera, frame, outputs).images
+    made, _ = layers.assemble(pictures, library.check(scene or {}), styles)
+    return library.render(made, scene or {}, styles, camera, frame, outputs).images
 
 
 # params and presets
@@ -62,8 +65,8 @@ def expected(pictures, scene=None, styles=(), camera=None, frame=None, outputs=(
 def test_params(run):
     status, out, err = run("params", "--json")
     rows = {row["id"]: row for row in json.loads(out)}
-    assert status == 0 and err == "" and list(rows) == list(core.params())
-    assert core.check({id_: row["default"] for id_, row in rows.items()}) == core.defaults()
+    assert status == 0 and err == "" and list(rows) == list(library.params())
+    assert library.check({id_: row["default"] for id_, row in rows.items()}) == library.defaults()
     assert [item["id"] for item in rows["edge_detector"]["items"]][:2] == ["DOG", "SOBEL"]
     status, out, _ = run("params")
     assert status == 0 and all(f"  {id_} = " in out for id_ in rows)
@@ -74,31 +77,31 @@ def test_params_are_written_as_set_takes_them(run):
     for line in lines:
         id_, value = line.partition("  (")[0].split(" = ", 1)
         if value != "none":
-            assert core.parse(id_, value.strip('"')) == core.defaults()[id_], line
+            assert library.parse(id_, value.strip('"')) == library.defaults()[id_], line
 
 
-@pytest.mark.parametrize("id_", [id_ for id_, p in core.params().items() if p.type in ("int", "float")])
+@pytest.mark.parametrize("id_", [id_ for id_, p in library.params().items() if p.type in ("int", "float")])
 def test_limits_are_inside(id_):
     """Also as the float that Blender keeps of them, which may lie a little beyond the decimal."""
-    p = core.params()[id_]
+    p = library.params()[id_]
     kept = int if p.type == "int" else lambda x: float(np.float32(x))
     inside = [limit for limit in (p.hard_min, p.hard_max) if limit is not None]
     for value in [*inside, *map(kept, inside)]:
-        assert core.normal(p, value) == value
+        assert library.normal(p, value) == value
         rest = {"depth_far": {"depth_near": 0.0}}.get(id_, {})
-        assert core.check({id_: value, **rest})[id_] == value
+        assert library.check({id_: value, **rest})[id_] == value
     beyond = [p.hard_min - 1e-3 if p.type == "float" else p.hard_min - 1,
               p.hard_max * 1.001 + 1 if p.hard_max is not None else 1e39]
     for value in beyond:
-        with pytest.raises(core.EncreError, match=f"{id_}: .* is out of range"):
-            core.check({id_: value})
+        with pytest.raises(EncreError, match=f"{id_}: .* is out of range"):
+            library.check({id_: value})
 
 
 def test_presets(run):
     status, out, _ = run("presets")
     assert status == 0 and [line.partition(":")[0] for line in out.splitlines()] == [p.id for p in presets.presets()]
     values = presets.find("water-memory").values
-    assert values == {id_: core.defaults()[id_] for id_ in values}, "the first preset is what the defaults are"
+    assert values == {id_: library.defaults()[id_] for id_ in values}, "the first preset is what the defaults are"
     assert presets.find("After W") == presets.find("water_memory_2020")
     assert "color_detector" not in presets.find("inter_color_2016").values
 
@@ -134,7 +137,7 @@ def frame_file(tmp_path, scene):
     pictures = {**exr.passes(scene), **exr.saved(scene)}
     for name in ("Combined", "DiffDir", "IndexOB"):
         pictures[name] = pictures[name] * np.float32(0.5)
-    camera, frame = core.Camera((0, 1, 0, -1, 0, 0, 0, 0, 1), True, 7.0), core.Frame(400, 300, 30, 20)
+    camera, frame = Camera((0, 1, 0, -1, 0, 0, 0, 0, 1), True, 7.0), Frame(400, 300, 30, 20)
     scene_values = {"line_thickness": 20.0, "shade_levels": [(0.4,), (1.0, 0.5, 0.1)]}
     stored = metadata.write(scene_values, STYLES, camera, frame)
     path = exr.write(tmp_path / "saved.exr", pictures, metadata=stored)
@@ -215,7 +218,7 @@ def test_composite_keeps_the_data_window(run, tmp_path, scene):
     assert run("composite", path, "-o", tmp_path / "out.exr")[0] == 0
     spec = oiio.ImageInput.open(str(tmp_path / "out.exr")).spec()
     assert (spec.x, spec.y, spec.full_width, spec.full_height) == (10, 20, 300, 200)
-    again = expected(pictures, frame=core.Frame(300, 200, 10, 20))["Combined"]
+    again = expected(pictures, frame=Frame(300, 200, 10, 20))["Combined"]
     assert np.array_equal(exr.picture(tmp_path / "out.exr"), again)
     assert run("composite", path, "-o", tmp_path / "out.png")[0] == 0
     pixels = oiio.ImageInput.open(str(tmp_path / "out.png")).read_image("uint8")
@@ -229,8 +232,8 @@ def test_composite_draws_what_was_rendered_of_a_border(run, tmp_path, scene):
     pictures = {name: np.zeros((100, 120, *p.shape[2:]), np.float32) for name, p in rendered.items()}
     for name, picture in rendered.items():
         pictures[name][around] = picture
-    frame = core.Frame(120, 100, 5, 7)
-    stored = metadata.write({}, [("S", {})], core.Camera(), core.Frame(120, 100), (5, 7, *SIZE))
+    frame = Frame(120, 100, 5, 7)
+    stored = metadata.write({}, [("S", {})], Camera(), Frame(120, 100), (5, 7, *SIZE))
     path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)
     assert run("composite", path, "-o", tmp_path / "out.exr")[::2] == (0, "")
     for name, picture in expected(rendered, {}, [{}], frame=frame, outputs=("Combined", *layers.DRAWN)).items():
@@ -238,7 +241,7 @@ def test_composite_draws_what_was_rendered_of_a_border(run, tmp_path, scene):
         assert np.array_equal(drawn_[around], picture), name
         drawn_[around] = 0
         assert not drawn_.any(), name
-    stored = metadata.write({}, [], core.Camera(), core.Frame(120, 100), (5, 7, 116, 3))
+    stored = metadata.write({}, [], Camera(), Frame(120, 100), (5, 7, 116, 3))
     path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)
     fails(run("composite", path, "-o", tmp_path / "x.exr"), "encre.border")
 
@@ -289,7 +292,7 @@ def test_composite_counts_what_is_not_finite(run, tmp_path, scene):
 def test_composite_says_what_metadata_are_missing(run, tmp_path, scene):
     pictures = {**exr.passes(scene), **exr.saved(scene)}
     for missing in metadata.PARAMS, metadata.FRAME, metadata.CAMERA:
-        stored = metadata.write({}, [], core.Camera(), core.Frame(*SIZE))
+        stored = metadata.write({}, [], Camera(), Frame(*SIZE))
         del stored[missing]
         path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)
         status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
@@ -300,7 +303,7 @@ def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, sce
     pictures = {**exr.passes(scene), **exr.saved(scene)}
     pictures["Encre Index"] = np.zeros_like(pictures["Encre Index"])
     seen = {name: pictures.pop(name) for name in ("Denoising Albedo", "Denoising Normal", "Encre Seen Depth")}
-    stored = metadata.write({}, [], core.Camera(), core.Frame(*SIZE))
+    stored = metadata.write({}, [], Camera(), Frame(*SIZE))
 
     def said(*args):
         path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)

@@ -14,7 +14,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import widths
-from encre import cli, core, images, interrupt, presets, texture, unwrap
+from encre.cli import images, interrupt, main
+from encre.pen import colour, library, presets, unwrap
 
 
 def stored(path, kind="float"):
@@ -54,7 +55,7 @@ def run(capsys):
     def run(*args):
         """(exit status, stderr) of `encre bake args`."""
         try:
-            status = cli.main(["bake", *map(str, args)])
+            status = main.main(["bake", *map(str, args)])
         except SystemExit as end:
             status = end.code
         out, err = capsys.readouterr()
@@ -79,7 +80,7 @@ def test_encoded(run, tmp_path, ending, kind, channels):
     pixels = patches(channels=channels).astype(kind) * (257 if kind is np.uint16 else 1)
     write(tmp_path / f"in.{ending}", pixels, np.dtype(kind).name)
     assert run(tmp_path / f"in.{ending}", "-o", tmp_path / f"out.{ending}", "--set", "line_thickness=5") == (0, "")
-    want = core.bake(scaled(pixels), dict(line_thickness=5.0)).texture
+    want = library.bake(scaled(pixels), dict(line_thickness=5.0)).texture
     got = oiio.ImageBuf(str(tmp_path / f"out.{ending}"))
     assert str(got.spec().format) == np.dtype(kind).name
     got = stored(tmp_path / f"out.{ending}")
@@ -91,11 +92,11 @@ def test_encoded(run, tmp_path, ending, kind, channels):
 
 @pytest.mark.parametrize("kind", ["half", "float"])
 def test_linear(run, tmp_path, kind):
-    light = images.decode_srgb(scaled(patches())).astype(np.float32) * 1.5
+    light = colour.decode_srgb(scaled(patches())).astype(np.float32) * 1.5
     write(tmp_path / "in.exr", light, kind)
     assert run(tmp_path / "in.exr", "-o", tmp_path / "out.exr", "--preset", "inter_color") == (0, "")
     read = stored(tmp_path / "in.exr")
-    want = core.bake(read, presets.find("inter_color").values, linear=True).texture
+    want = library.bake(read, presets.find("inter_color").values, linear=True).texture
     assert np.abs(stored(tmp_path / "out.exr") - want).max() < 1e-3
 
 
@@ -103,7 +104,7 @@ def test_grey_becomes_colour(run, tmp_path):
     write(tmp_path / "in.png", patches()[..., :1].copy())
     assert run(tmp_path / "in.png", "-o", tmp_path / "out.png")[0] == 0
     grey = np.repeat(scaled(patches()[..., :1]), 3, 2)
-    assert np.abs(stored(tmp_path / "out.png") - core.bake(grey).texture).max() < 3e-3
+    assert np.abs(stored(tmp_path / "out.png") - library.bake(grey).texture).max() < 3e-3
 
 
 def test_between_kinds(run, tmp_path, png):
@@ -113,12 +114,12 @@ def test_between_kinds(run, tmp_path, png):
         assert run(tmp_path / f"{name}.png", "-o", tmp_path / f"{name}.exr", "--set", "line_thickness=0") == (0, "")
         assert run(tmp_path / f"{name}.exr", "-o", tmp_path / f"{name}2.png", "--set", "line_thickness=0") == (0, "")
         assert np.abs(stored(tmp_path / f"{name}2.png") - stored(tmp_path / f"{name}.png")).max() < 4e-3
-    assert stored(tmp_path / "a.exr")[0, 16, 2] == pytest.approx(images.decode_srgb(120 / 255) * 128 / 255, abs=1e-3)
+    assert stored(tmp_path / "a.exr")[0, 16, 2] == pytest.approx(colour.decode_srgb(120 / 255) * 128 / 255, abs=1e-3)
 
 
 def test_jpeg(run, tmp_path, png):
     assert run(png, "-o", tmp_path / "out.jpg") == (0, "")
-    assert np.abs(stored(tmp_path / "out.jpg") - core.bake(scaled(patches())).texture).mean() < 0.02
+    assert np.abs(stored(tmp_path / "out.jpg") - library.bake(scaled(patches())).texture).mean() < 0.02
 
 
 def test_not_finite(run, tmp_path):
@@ -135,7 +136,7 @@ def test_not_finite(run, tmp_path):
 def test_tile(run, tmp_path, png):
     for word, wrap in (("none", (False, False)), ("x", (True, False)), ("y", (False, True)), ("xy", (True, True))):
         assert run(png, "-o", tmp_path / "out.png", "--tile", word)[0] == 0
-        want = core.bake(scaled(patches()), wrap=wrap).texture
+        want = library.bake(scaled(patches()), wrap=wrap).texture
         assert np.abs(stored(tmp_path / "out.png") - want).max() < 3e-3
     assert run(png, "-o", tmp_path / "default.png")[0] == 0
     assert (tmp_path / "default.png").read_bytes() == (tmp_path / "out.png").read_bytes()
@@ -151,8 +152,8 @@ def test_levels_are_baked_from_their_own_texels(run, tmp_path, png):
     assert run(png, "-o", tmp_path / "out.png", "--mips", "--set", "line_thickness=3") == (0, "")
     assert sorted(p.name for p in tmp_path.glob("out*")) == ["out.mip1.png", "out.mip2.png", "out.png"]
     half = scaled(patches()).reshape(24, 2, 32, 2, 3)
-    half = images.encode_srgb(images.decode_srgb(half).mean((1, 3))).astype(np.float32)
-    want = core.bake(half, dict(line_thickness=3.0)).texture
+    half = colour.encode_srgb(colour.decode_srgb(half).mean((1, 3))).astype(np.float32)
+    want = library.bake(half, dict(line_thickness=3.0)).texture
     assert np.abs(stored(tmp_path / "out.mip1.png") - want).max() < 3e-3
     assert stored(tmp_path / "out.mip2.png").shape == (12, 16, 3)
 
@@ -160,11 +161,11 @@ def test_levels_are_baked_from_their_own_texels(run, tmp_path, png):
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 8, 9])
 def test_levels_keep_the_mean(n):
     pixels = np.random.default_rng(n).random((n, 2 * n + 1, 4)).astype(np.float32)
-    half = texture.halved(pixels, linear=True)
+    half = colour.halved(pixels, linear=True)
     assert half.shape == (max(n // 2, 1), n, 4)
     assert half.mean((0, 1)) == pytest.approx(pixels.mean((0, 1)), abs=1e-5)
     ramp = np.linspace(0, 1, n, dtype=np.float32)[:, None, None] + np.zeros((1, 4, 3), np.float32)
-    assert (np.diff(texture.halved(ramp, linear=True)[:, 0, 0]) > 0).all()
+    assert (np.diff(colour.halved(ramp, linear=True)[:, 0, 0]) > 0).all()
 
 
 # Meshes
@@ -182,7 +183,7 @@ def obj(path, mesh):
 def test_uniform_on_an_obj(run, tmp_path, png):
     mesh = widths.mesh(widths.Sphere(), 24, 12)
     assert run(png, "-o", tmp_path / "out.png", "--uniform", obj(tmp_path / "ball.obj", mesh)) == (0, "")
-    want = core.bake(scaled(patches()), form=unwrap.form(mesh, 64, 48), wrap=(True, False)).texture
+    want = library.bake(scaled(patches()), form=unwrap.form(mesh, 64, 48), wrap=(True, False)).texture
     assert np.abs(stored(tmp_path / "out.png") - want).max() < 4e-3
 
 
@@ -197,7 +198,7 @@ def test_uniform_on_a_blend(run, tmp_path, png):
     script = script.replace("A: can", "Can")
     subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)
     assert run(png, "-o", tmp_path / "out.png", "--uniform", f"{tmp_path}/can.blend:Can") == (0, "")
-    assert np.abs(stored(tmp_path / "out.png") - core.bake(scaled(patches())).texture).max() > 0.1
+    assert np.abs(stored(tmp_path / "out.png") - library.bake(scaled(patches())).texture).max() > 0.1
     fails(run(png, "-o", tmp_path / "out.png", "--uniform", f"{tmp_path}/can.blend:Cam"), "Cam", "did you mean Can?")
 
 
@@ -292,5 +293,5 @@ def test_an_interrupt_while_the_library_works():
     pixels = np.random.default_rng(0).random((1500, 1500, 3), np.float32)
     with pytest.raises(KeyboardInterrupt), interrupt.heeded() as progress:
         threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
-        core.bake(pixels, {"line_thickness": 64.0}, threads=1, progress=progress)
+        library.bake(pixels, {"line_thickness": 64.0}, threads=1, progress=progress)
     assert signal.getsignal(signal.SIGINT) == signal.default_int_handler

@@ -16,7 +16,9 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre import core, images, layers, metadata, render
+from encre.cli import images, render
+from encre.pen import layers, library, metadata
+from encre.pen.errors import EncreError
 
 CUBE = '''
 import bpy
@@ -179,9 +181,9 @@ def test_blend_file(tmp_path):
 
 
 def test_script_runs_as_main_beside_its_modules(tmp_path):
-    (tmp_path / "core.py").write_text("size = 40, 30\n")  # the name of one of ours
-    path = script(tmp_path, "import core, sys\nassert __name__ == '__main__' and sys.argv == [__file__]\n"
-                            "scene.render.resolution_x, scene.render.resolution_y = core.size\nsys.exit()\n")
+    (tmp_path / "render.py").write_text("size = 40, 30\n")  # the name of one of ours
+    path = script(tmp_path, "import render, sys\nassert __name__ == '__main__' and sys.argv == [__file__]\n"
+                            "scene.render.resolution_x, scene.render.resolution_y = render.size\nsys.exit()\n")
     works(encre("render", path, "-o", tmp_path / "out.png"))
     assert png(tmp_path / "out.png").shape == (30, 40, 4)
 
@@ -246,7 +248,7 @@ def test_which_blender(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     assert render.find_blender()[0] == str(program)
     program.unlink()
-    with pytest.raises(core.EncreError, match="(?s)--blender.*bpy.*PATH"):
+    with pytest.raises(EncreError, match="(?s)--blender.*bpy.*PATH"):
         render.find_blender()
     monkeypatch.setattr(render.importlib.util, "find_spec", lambda name: name)
     assert render.find_blender() == [sys.executable]
@@ -321,7 +323,7 @@ def _read(fd):
 def test_other_blenders(cube, tmp_path, blender):
     if blender.endswith("python"):  # a bpy in another Python: our package by PYTHONPATH, its libraries its own
         (tmp_path / "site").mkdir()
-        (tmp_path / "site" / "encre").symlink_to(Path(core.__file__).parent)
+        (tmp_path / "site" / "encre").symlink_to(Path(library.__file__).parents[1])
         environment = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
         works(encre("render", cube, "-o", tmp_path / "out.exr", python=blender, env=environment))
     else:
@@ -335,7 +337,7 @@ def test_other_blenders(cube, tmp_path, blender):
 @pytest.mark.skipif(not shutil.which("blender"), reason="needs the program blender")
 def test_this_encre_takes_the_place_of_the_installed_one(cube, tmp_path):
     package = tmp_path / "user" / "addons" / "encre"
-    shutil.copytree(Path(core.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(Path(library.__file__).parents[1], package, ignore=shutil.ignore_patterns("__pycache__"))
     environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(tmp_path / "user"), "BLENDER_USER_CONFIG": str(tmp_path)}
     enable = "import bpy; bpy.ops.preferences.addon_enable(module='encre'); bpy.ops.wm.save_userpref()"
     subprocess.run(["blender", "-b", "--python-expr", enable], env=environment, check=True, timeout=60,

@@ -10,7 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from encre import compare, core, images
+from encre.cli import tools
+from encre.pen import colour, library
+
+compare = tools.load("compare", "compare")
 
 # Planes that face the camera, 2 away on the left and 4 on the right, with stripes that are alike in red.
 SCENE = '''
@@ -76,7 +79,7 @@ def split(path):
 
 def widths(picture, plain):
     """Ink in pixels across every line, from the red that both colours have alike, in the middle rows."""
-    picture, plain = (images.decode_srgb(p[100:170, :, 0]).mean(0) for p in (picture, plain))
+    picture, plain = (colour.decode_srgb(p[100:170, :, 0]).mean(0) for p in (picture, plain))
     ink = np.clip(1 - picture / np.maximum(plain, 1e-3), 0, 1)
     ink[:2] = ink[-2:] = ink[225:255] = 0  # the bars between quadrants; where the near plane ends
     starts = np.flatnonzero((ink[1:] > 0.02) & (ink[:-1] <= 0.02)) + 1
@@ -88,7 +91,7 @@ def test_equally_wide_where_nothing_foreshortens(stripes, tmp_path):
     works(encre(stripes, "-o", tmp_path / "out.png", *FLAT, "--set", "edge_detector=FINE"))
     plain, _, baked, dynamic = split(tmp_path / "out.png")
     colors = np.float32([[[0.8, 0.8, 0.8]] * 4 + [[0.8, 0.25, 0.25]] * 4])
-    full = 24 * 270 / 1080 * (core.bake(colors, draw=False).greatest - 0.01) / 0.99
+    full = 24 * 270 / 1080 * (library.bake(colors, draw=False).greatest - 0.01) / 0.99
     want = np.array([2 * full] * 2 + [full] * 5)
     assert widths(dynamic, plain) == pytest.approx(want, rel=0.02)
     # Texels at a line's border are half dark as encoded, which is a little darker in light.

@@ -5,7 +5,9 @@ import masks
 import numpy as np
 import pytest
 import reference
-from encre import core
+from encre.pen import library
+from encre.pen.errors import EncreError
+from encre.pen.job import Camera
 
 OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False)
 NO_EDGES = {f"edge_{source}": 0.0 for source in reference.SOURCES}
@@ -13,7 +15,7 @@ NO_EDGES = {f"edge_{source}": 0.0 for source in reference.SOURCES}
 STAMP = dict(OFF, use_lines=True, line_search="NEAREST", line_thickness=2.0, length_unit="PIXELS", line_softness=0.0,
              line_paper=0.0, paper_source="NONE", line_occlude=False, line_gain=4.0, line_intensity=1.0,
              line_contrast=0.0, line_depth_distance=0.0, **{f"width_{source}": 1.0 for source in reference.SOURCES})
-ORTHO = core.Camera(orthographic=True, height=2.5)
+ORTHO = Camera(orthographic=True, height=2.5)
 
 
 def blocks(rng, height, width, size, values):
@@ -52,7 +54,7 @@ def drawn(height, width, seed=0, kind="noise", nasty=False, painted=True):
 
 
 def expected(layers, scene, styles=(), camera=None):
-    camera = camera or core.Camera()
+    camera = camera or Camera()
     return reference.render(layers, scene, styles, dict(orthographic=camera.orthographic, height=camera.height))
 
 
@@ -121,7 +123,7 @@ def test_orthographic(detector, space):
 
 
 @pytest.mark.parametrize("size", [(1, 1), (1, 2), (2, 1), (1, 40), (40, 1), (2, 3), (5, 300), (300, 4), (3, 513)])
-@pytest.mark.parametrize("camera", [core.Camera(), ORTHO], ids=["perspective", "orthographic"])
+@pytest.mark.parametrize("camera", [Camera(), ORTHO], ids=["perspective", "orthographic"])
 def test_sizes(size, camera):
     for detector, sigma in (("DOG", 1.0), ("DOG", 4.0), ("SOBEL", 1.0)):
         for space in ("INVERSE", "LINEAR"):
@@ -237,7 +239,7 @@ def test_sobel_shape_threshold_and_linear_limits(detector):
 def test_planes_have_no_edges_up_to_the_border(detector):
     y, x = np.mgrid[0:50, 0:80]
     layers = drawn(50, 80, painted=False)
-    for camera, depth in ((core.Camera(), 1 / (0.002 + 0.004 * x + 0.01 * y)), (ORTHO, 3 + 0.4 * x + 0.9 * y)):
+    for camera, depth in ((Camera(), 1 / (0.002 + 0.004 * x + 0.01 * y)), (ORTHO, 3 + 0.4 * x + 0.9 * y)):
         layers["depth"] = depth.astype(np.float32)
         scene = alone("depth", edge_detector=detector, edge_sigma=2.0)
         assert strengths(layers, scene, camera=camera).max() < 1e-3
@@ -249,7 +251,7 @@ def test_flat_is_exactly_nothing(detector):
     layers = drawn(20, 300, kind="drawn")
     for name, a in layers.items():
         a[:] = {"depth": 7.3, "normal": 0.37, "albedo": 0.31, "marks": 0}.get(name, 0.6)
-    for camera in (core.Camera(), ORTHO):
+    for camera in (Camera(), ORTHO):
         for space in ("INVERSE", "LINEAR"):
             scene = {**CASES["all"], "edge_detector": detector, "color_detector": "DOG", "depth_space": space}
             inner = strengths(layers, scene, camera=camera)[8:-8, 8:-8]
@@ -261,7 +263,7 @@ def test_flat_is_exactly_nothing(detector):
 @pytest.mark.parametrize("detector", ["DOG", "SOBEL"])
 def test_same_bytes_on_all_threads_and_instructions(name, detector):
     layers = drawn(130, 301, 11, "noise", nasty=True)
-    for camera in (core.Camera(), ORTHO):
+    for camera in (Camera(), ORTHO):
         for auto in (False, True):
             scene = dict(CASES[name], edge_detector=detector, contrast_auto=auto)
             want = strengths(layers, scene, STYLES, camera, threads=1, simd=1).tobytes()
@@ -276,8 +278,8 @@ def test_extreme_numbers_stay_finite():
         a[:] = (10.0 ** rng.uniform(-44, 38, a.shape)) * rng.choice([-1, 1], a.shape)
     layers["depth"] = np.abs(layers["depth"])
     for detector in ("DOG", "SOBEL"):
-        for camera in (core.Camera(), core.Camera(orthographic=True, height=1e-37),
-                       core.Camera(orthographic=True, height=3e38)):
+        for camera in (Camera(), Camera(orthographic=True, height=1e-37),
+                       Camera(orthographic=True, height=3e38)):
             for weight in (1e-38, 1.0, 3e38):
                 scene = {f"edge_{source}": weight for source in reference.SOURCES} | {"edge_detector": detector}
                 got = strengths(layers, scene, camera=camera)
@@ -295,11 +297,11 @@ def test_what_is_cut_to_stay_finite():
     assert got[2, 4] == pytest.approx(10 * 4 * 0.02, rel=1e-3)
     layers["depth"][:] = np.where(step, 5, 5.001)
     scene = {**NO_EDGES, "edge_depth": 1.0}
-    unit, tiny = (strengths(layers, scene, camera=core.Camera(orthographic=True, height=h)).max() for h in (1, 1e-30))
+    unit, tiny = (strengths(layers, scene, camera=Camera(orthographic=True, height=h)).max() for h in (1, 1e-30))
     assert tiny == pytest.approx(unit / 60 * 1e28, rel=1e-5)
 
 
 def test_far_must_lie_beyond_near():
-    with pytest.raises(core.EncreError, match="depth_far: 2 is not beyond depth_near, 3; give a larger depth_far"):
-        core.check(dict(depth_space="LINEAR", depth_near=3.0, depth_far=2.0))
-    core.check(dict(depth_space="INVERSE", depth_near=3.0, depth_far=2.0))
+    with pytest.raises(EncreError, match="depth_far: 2 is not beyond depth_near, 3; give a larger depth_far"):
+        library.check(dict(depth_space="LINEAR", depth_near=3.0, depth_far=2.0))
+    library.check(dict(depth_space="INVERSE", depth_near=3.0, depth_far=2.0))

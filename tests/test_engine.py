@@ -7,8 +7,9 @@ from pathlib import Path
 import blenders
 import numpy as np
 import pytest
-from encre import core, images, layers, metadata
-from encre.composite import composite
+from encre.cli import images
+from encre.cli.composite import composite
+from encre.pen import layers, library, metadata
 
 
 @pytest.fixture(params=blenders.params(), scope="module")
@@ -40,7 +41,7 @@ def test_picture(render):
     # The same from what the file holds.
     settings = metadata.read(shot.metadata("picture"))
     images, nonfinite = layers.assemble(found, settings.scene, [v for _, v in settings.styles])
-    again = core.render(images, settings.scene, camera=settings.camera, frame=settings.frame,
+    again = library.render(images, settings.scene, camera=settings.camera, frame=settings.frame,
                         outputs=("Combined", *layers.DRAWN))
     assert nonfinite + again.nonfinite == 0
     for name, picture in again.images.items():
@@ -335,7 +336,7 @@ def test_failure_under_way(render):
 def test_library_missing(render, tmp_path):
     bare = tmp_path / "bare"
     bare.mkdir()
-    for path in Path(core.__file__).parent.iterdir():
+    for path in Path(library.__file__).parents[1].iterdir():
         if path.suffix in {".py", ".json"} or path.is_dir():
             (bare / path.name).symlink_to(path)
     shot = render("without_library", ENCRE_PACKAGE=str(bare))

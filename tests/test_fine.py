@@ -5,7 +5,9 @@ import functools
 
 import numpy as np
 import pytest
-from encre import core
+from encre.pen import library
+from encre.pen.errors import EncreError
+from encre.pen.job import Camera, Frame
 from judge import scenes, verdict
 
 OUTPUTS = ("Combined", "Encre Lines", "Encre Edges")
@@ -13,9 +15,10 @@ ALL = dict(edge_detector="FINE", edge_threshold=0.3, edge_color=3.0, edge_light=
 
 
 def ink(layers, camera, **params):
-    camera = core.Camera(camera["view"], camera["orthographic"], camera["height"])
+    camera = Camera(camera["view"], camera["orthographic"], camera["height"])
     scene = {"edge_detector": "FINE", **params}
-    return core.render(layers, scene, camera=camera, outputs=("Combined", "Encre Lines")).images["Encre Lines"][..., 3]
+    drawn = library.render(layers, scene, camera=camera, outputs=("Combined", "Encre Lines"))
+    return drawn.images["Encre Lines"][..., 3]
 
 
 @functools.cache
@@ -66,13 +69,13 @@ def noise(height, width, seed=0, smooth=False):
 
 
 def drawn(layers, scene=ALL, styles=(), **how):
-    return core.render(layers, scene, styles, outputs=OUTPUTS, **how).images
+    return library.render(layers, scene, styles, outputs=OUTPUTS, **how).images
 
 
 @pytest.mark.parametrize("size", [(1, 1), (1, 2), (2, 1), (1, 97), (97, 1), (2, 2), (3, 3), (4, 5), (7, 64), (89, 257)])
 @pytest.mark.parametrize("smooth", [False, True])
 def test_any_size_gives_finite_numbers(size, smooth):
-    for camera in (core.Camera(), core.Camera(orthographic=True, height=1e-3)):
+    for camera in (Camera(), Camera(orthographic=True, height=1e-3)):
         images = drawn(noise(*size, smooth=smooth), dict(ALL, line_taper=5.0, line_tint=0.5), camera=camera)
         assert all(np.isfinite(a).all() for a in images.values())
 
@@ -90,8 +93,8 @@ def test_threads_and_instructions_change_nothing(styles):
 
 
 def test_another_search_is_refused_in_one_sentence():
-    with pytest.raises(core.EncreError, match=r"^line_search: .*EXACT.*$"):
-        core.check(dict(edge_detector="FINE", line_search="WALK"))
+    with pytest.raises(EncreError, match=r"^line_search: .*EXACT.*$"):
+        library.check(dict(edge_detector="FINE", line_search="WALK"))
 
 
 def test_missing_layers_do_without():
@@ -105,9 +108,9 @@ def test_a_border_shows_what_the_frame_shows():
     scene, reach = scene_of("boxes"), 64
     layers = scene.layers()
     params = verdict.PARAMS | {"edge_detector": "FINE"}
-    whole = core.render(layers, params, outputs=OUTPUTS).images
+    whole = library.render(layers, params, outputs=OUTPUTS).images
     part = {name: np.ascontiguousarray(a[60:260, 90:330]) for name, a in layers.items()}
-    cut = core.render(part, params, frame=core.Frame(400, 300, 90, 60), outputs=OUTPUTS).images
+    cut = library.render(part, params, frame=Frame(400, 300, 90, 60), outputs=OUTPUTS).images
     for name in OUTPUTS:
         inside = whole[name][60 + reach:260 - reach, 90 + reach:330 - reach]
         assert np.abs(cut[name][reach:-reach, reach:-reach] - inside).max() <= 1e-4  # positions are single floats

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from encre import core
+from encre.pen import library
 from judge import verdict
 
 PEN = dict(verdict.PARAMS, edge_detector="FINE", line_thickness=1.0)
@@ -11,7 +11,7 @@ PEN = dict(verdict.PARAMS, edge_detector="FINE", line_thickness=1.0)
 
 def ink(layers, **params):
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
-    return core.render(layers, {**PEN, **params}, outputs=("Combined", "Encre Lines")).images["Encre Lines"][..., 3]
+    return library.render(layers, {**PEN, **params}, outputs=("Combined", "Encre Lines")).images["Encre Lines"][..., 3]
 
 
 def flat(height, width, diffuse=1.0):

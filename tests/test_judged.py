@@ -4,7 +4,8 @@
 from pathlib import Path
 
 import pytest
-from encre import core
+from encre.pen import library
+from encre.pen.job import Camera
 from judge import scenes, verdict
 
 PAGE = Path(__file__).parents[1] / "docs" / "lines.md"
@@ -22,7 +23,7 @@ must be inked the share of all contours; what breaks a promise is bold.
 def drawer(detector):
     def draw(layers, camera, **params):
         values = {"edge_detector": detector, **params}
-        return core.render(layers, values, camera=core.Camera(**camera), outputs=["Encre Lines"]).images[
+        return library.render(layers, values, camera=Camera(**camera), outputs=["Encre Lines"]).images[
             "Encre Lines"][..., 3]
     return draw
 

@@ -3,7 +3,9 @@
 
 import numpy as np
 import pytest
-from encre import core, layers
+from encre.pen import layers, library, overlay, settings
+from encre.pen.errors import EncreError
+from encre.pen.job import Camera, Frame
 
 SHAPE = (7, 9)
 
@@ -22,7 +24,7 @@ def close(a, b, tolerance=2e-6):
 
 def test_layers_of_a_picture(passes):
     made, nonfinite = layers.assemble(passes, {})
-    assert nonfinite == 0 and made.keys() <= core.LAYERS.keys()
+    assert nonfinite == 0 and made.keys() <= library.LAYERS.keys()
     close(made["albedo"], np.minimum(1, passes["DiffCol"] + passes["GlossCol"] + passes["TransCol"] + passes["Emit"]))
     close(made["specular"], (passes["GlossDir"] + passes["GlossInd"]) * passes["GlossCol"])
     close(made["diffuse"], passes["DiffDir"] + passes["DiffInd"])
@@ -44,7 +46,7 @@ def test_what_is_seen(passes):
 @pytest.mark.parametrize("orthographic", [False, True])
 def test_depth_of_what_is_seen(orthographic):
     """A wall across the view axis, through a shifted lens, in a border of the frame."""
-    wall, near, frame = 7.0, 0.25, core.Frame(30, 20, 4, 5)
+    wall, near, frame = 7.0, 0.25, Frame(30, 20, 4, 5)
     scale, shift = np.array([1.6, 2.4]), np.array([0.3, -0.2])
     projection = np.diag([*scale, -1, float(orthographic)])
     projection[:2, 3 if orthographic else 2] = -shift if orthographic else shift
@@ -65,7 +67,7 @@ def test_seen_lines_are_wanted_only_where_they_are_drawn():
                                   ({"edge_detector": "DOG"}, [], False),
                                   ({"use_lines": False}, [], True),
                                   ({"use_lines": False, "use_smudging": False}, [], False)):
-        assert layers.wants_seen(scene, styles) == wanted, scene
+        assert settings.wants_seen(scene, styles) == wanted, scene
 
 
 def test_pictures_of_any_strides(passes):
@@ -78,7 +80,7 @@ def test_pictures_of_any_strides(passes):
 
 def test_missing_passes(passes):
     for name in ("Combined", "DiffDir", "DiffCol", "Depth", "Normal"):
-        with pytest.raises(core.EncreError, match=f"pass {name} is missing.*GlossCol"):
+        with pytest.raises(EncreError, match=f"pass {name} is missing.*GlossCol"):
             layers.assemble({k: v for k, v in passes.items() if k != name}, {})
     few = {k: passes[k] for k in ("Combined", "DiffDir", "DiffCol", "Depth", "Normal")}
     made, _ = layers.assemble(few, {})
@@ -157,10 +159,10 @@ def test_values_that_are_no_numbers(passes):
     assert found == 3
     assert made["diffuse"][1, 2].tolist() == [0, 0, 1]
     assert np.isfinite(made["combined"]).all()
-    drawn = core.render(made, {}, camera=core.Camera(), frame=core.Frame(*SHAPE[::-1]))
+    drawn = library.render(made, {}, camera=Camera(), frame=Frame(*SHAPE[::-1]))
     assert found + drawn.nonfinite == 4
     made, found = layers.assemble(passes, {"use_shading": False})
-    assert found + core.render(made, {"use_shading": False}).nonfinite == 4
+    assert found + library.render(made, {"use_shading": False}).nonfinite == 4
 
 
 def test_own_pixels():
@@ -168,7 +170,7 @@ def test_own_pixels():
     for _ in range(20):
         height, width = random.integers(1, 9, 2)
         index, drawn = (random.integers(0, 4, (height, width)).astype(np.float32) for _ in range(2))
-        pixels, sources = layers.own_pixels(index, drawn)
+        pixels, sources = overlay.own_pixels(index, drawn)
         assert np.array_equal(pixels, np.flatnonzero(index != drawn))
         for pixel, source in zip(pixels, sources, strict=True):
             y, x = divmod(int(pixel), int(width))
@@ -184,7 +186,7 @@ def test_rasterised_passes():
     maps["marks"] = np.full((1, 5, 2), 0.5, np.float32)
     maps["attributes"][0, :, 0], maps["attributes"][0, :, 5] = [0, 0.1, 0.2, 0.2, 0.2], [0, 1, 2, 2, 2]
     owners, numbers = np.array([0, 5, 5], np.float32), np.array([0, 50, 51], np.float32)
-    made = layers.rasterised(index, maps, owners, numbers, lambda stray: 100 + stray)
+    made = overlay.rasterised(index, maps, owners, numbers, lambda stray: 100 + stray)
     assert made["Encre Index"].tolist() == [[[0, 0, 0], [50, 3, 0], [51, 4, 1], [107, 0, 0], [109, 0, 0]]]
     close(made["Encre Line Controls"][0, :, 0], np.array([0, 0.1, 0.2, 0, 0]))
     close(made["Encre Surface Controls"][0, :, 2], np.array([0, 1, 2, 0, 0]))
@@ -194,9 +196,9 @@ def test_rasterised_passes():
 
 
 def test_what_is_active():
-    off = dict.fromkeys(layers.SWITCHES, False)
-    assert layers.active({}, []) and not layers.active(off, []) and layers.active(off, [{"use_hatching": True}])
-    assert layers.shaded({}, [{"use_shading": False}]) and not layers.shaded(off, [])
-    assert layers.wants_light({}, []) and not layers.wants_light(off, [])
-    assert not layers.wants_light({**off, "use_lines": True}, [])
-    assert layers.wants_light({**off, "use_lines": True}, [{"edge_light": 1.0}])
+    off = dict.fromkeys(settings.SWITCHES, False)
+    assert settings.active({}, []) and not settings.active(off, []) and settings.active(off, [{"use_hatching": True}])
+    assert settings.shaded({}, [{"use_shading": False}]) and not settings.shaded(off, [])
+    assert settings.wants_light({}, []) and not settings.wants_light(off, [])
+    assert not settings.wants_light({**off, "use_lines": True}, [])
+    assert settings.wants_light({**off, "use_lines": True}, [{"edge_light": 1.0}])

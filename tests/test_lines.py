@@ -5,7 +5,8 @@ import masks
 import numpy as np
 import pytest
 import reference
-from encre import core
+from encre.pen.errors import Cancelled
+from encre.pen.job import Camera, Frame
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -65,10 +66,10 @@ def noise_layers(height, width, seed=0, styles=0, painted=True, smooth=False):
 
 
 def check(layers, scene, styles=(), camera=None, frame=None, tolerance=1e-4):
-    camera, frame = camera or core.Camera(), frame or {}
+    camera, frame = camera or Camera(), frame or {}
     scene = {**SHARP, **scene}
     want = reference.render(layers, scene, styles, dict(orthographic=camera.orthographic, height=camera.height), frame)
-    got = masks.render(layers, scene, styles, camera, core.Frame(**frame) if frame else None, PASSES).images
+    got = masks.render(layers, scene, styles, camera, Frame(**frame) if frame else None, PASSES).images
     sure = ~want["unsure"]
     for name in PASSES:
         assert np.isfinite(got[name]).all()
@@ -121,7 +122,7 @@ def test_orthographic(search, space):
     """Occlusion counts in frame heights, and distance thins nothing."""
     scene = dict(line_search=search, line_thickness=20.0, line_depth_distance=2.0, depth_space=space)
     for height in (2.0, 8.0, 30.0):
-        check(noise_layers(40, 60, 3), scene, camera=core.Camera(orthographic=True, height=height), frame=full(40, 60))
+        check(noise_layers(40, 60, 3), scene, camera=Camera(orthographic=True, height=height), frame=full(40, 60))
 
 
 def test_every_source_has_its_width():
@@ -151,7 +152,7 @@ def test_strongest_of_all(seed, thickness, softness, intensity, occlude, tint):
 
 
 @pytest.mark.parametrize("search", ["EXACT", "NEAREST"])
-@pytest.mark.parametrize("camera,share", [(core.Camera(), 0.1), (core.Camera(orthographic=True, height=4.0), 0.08)])
+@pytest.mark.parametrize("camera,share", [(Camera(), 0.1), (Camera(orthographic=True, height=4.0), 0.08)])
 def test_occlusion_begins_a_tenth_nearer(search, camera, share):
     """Of the edge's depth, or of the frame's height; the edge is at 5 and its line lies over a gentle slope."""
     layers = {name: a * 0 for name, a in noise_layers(9, 400).items()}
@@ -265,7 +266,7 @@ def test_no_line_without_an_edge(search):
 def test_threads_and_instruction_sets(search, tint):
     layers = noise_layers(150, 143, 5, styles=3)
     scene = dict(SHARP, line_search=search, line_tint=tint, line_thickness=12.0, surface_fade=0.1)
-    frame = core.Frame(**full(150, 143))
+    frame = Frame(**full(150, 143))
     first = masks.render(layers, scene, STYLES, frame=frame, outputs=PASSES, threads=1, simd=0).images
     for threads, simd in ((1, 1), (2, 1), (3, 0), (8, 1)):
         other = masks.render(layers, scene, STYLES, frame=frame, outputs=PASSES, threads=threads, simd=simd).images
@@ -309,5 +310,5 @@ def test_cancelling_at_every_step(search):
     layers, scene, seen = noise_layers(60, 50, 8), dict(SHARP, line_search=search), []
     masks.render(layers, scene, threads=1, progress=lambda fraction: seen.append(fraction) or True)
     for stop in seen[::3]:
-        with pytest.raises(core.Cancelled):
+        with pytest.raises(Cancelled):
             masks.render(layers, scene, threads=1, progress=lambda fraction, stop=stop: fraction < stop)

@@ -9,7 +9,7 @@ import blenders
 import exr
 import numpy as np
 import pytest
-from encre import core
+from encre.pen import library
 
 ROOM = Path(__file__).parents[1] / "scenes" / "living_room.py"
 
@@ -90,7 +90,7 @@ def test_flight(room):
 def test_baked_textures_do_not_depend_on_threads(monkeypatch, name):
     monkeypatch.syspath_prepend(ROOM.parent)
     texture = np.ascontiguousarray(getattr(importlib.import_module("pictures"), name)(), np.float32)
-    one = core.bake(texture, {"line_thickness": 6.0}, threads=1).texture
+    one = library.bake(texture, {"line_thickness": 6.0}, threads=1).texture
     assert (one < texture).any(2).mean() > 0.02
     for threads in 2, 5:
-        assert np.array_equal(core.bake(texture, {"line_thickness": 6.0}, threads=threads).texture, one)
+        assert np.array_equal(library.bake(texture, {"line_thickness": 6.0}, threads=threads).texture, one)

@@ -3,8 +3,8 @@
 
 import numpy as np
 import pytest
-from encre import core
-from encre.core import Frame, Mesh
+from encre.pen import library
+from encre.pen.library import Frame, Mesh
 from judge import verdict
 from reference import fine
 from reference.marks import marks
@@ -24,7 +24,7 @@ def lines(rng, n, size=1.5, spread=2.0):
 
 def passing(meshes, view, projection, frame, size=None, start=0.1, **how):
     size = size or (frame.width, frame.height)
-    return core.raster(meshes, view, projection, frame, size, start, outputs=("depth", "marks"), **how)["marks"]
+    return library.raster(meshes, view, projection, frame, size, start, outputs=("depth", "marks"), **how)["marks"]
 
 
 # ---- the rasteriser ----------------------------------------------------------------------------------------------
@@ -83,7 +83,7 @@ def test_every_way_out_of_a_ball_is_told_exactly(projection):
     wall = Mesh(np.array([[-9, -9, -2], [9, -9, -2], [0, 20, -2]], np.float32), None, object_index=3)
     view, p, frame = np.eye(4), projection(160, 120), Frame(160, 120)
     view[2, 3] = -5
-    found = core.raster([wall, ball, small], view, p, frame, (160, 120), 0.1, outputs=("object", "marks"))
+    found = library.raster([wall, ball, small], view, p, frame, (160, 120), 0.1, outputs=("object", "marks"))
     index, got = found["object"].reshape(120, 160), found["marks"]
     for z, radius, before in ((0, 1, 1 * 3), (1.5, 0.4, 2 * 1)):
         far = 5 - z
@@ -148,8 +148,8 @@ def test_the_same_however_the_work_is_cut_up():
         want[:, -1, 0] = want[-1, :, 1] = 0  # the ways out of the border
         np.testing.assert_array_equal(part, want)
     others = ("depth", "object", "normal")
-    plain = core.raster([meshes[0], meshes[2]], view, p, frame, (131, 77), 0.1, outputs=others)
-    mixed = core.raster(meshes, view, p, frame, (131, 77), 0.1, outputs=(*others, "marks"))
+    plain = library.raster([meshes[0], meshes[2]], view, p, frame, (131, 77), 0.1, outputs=others)
+    mixed = library.raster(meshes, view, p, frame, (131, 77), 0.1, outputs=(*others, "marks"))
     assert all(np.array_equal(plain[name], mixed[name]) for name in others)  # no surface notices lines
 
 
@@ -169,7 +169,7 @@ def test_any_length_gives_clean_places(size):
 def test_objects_by_triangle():
     rng = np.random.default_rng(7)
     mesh = soup(rng, 40, object=np.arange(40) + 1, material=np.arange(40) + 1)
-    got = core.raster([mesh], looking(rng), perspective(60, 40), Frame(60, 40), (60, 40), 0.1)
+    got = library.raster([mesh], looking(rng), perspective(60, 40), Frame(60, 40), (60, 40), 0.1)
     assert got["object"].max() > 9 and np.array_equal(got["object"], got["material"])
 
 
@@ -188,7 +188,7 @@ def wall(height=60, width=80, ends=((9.3, 11.7), (70.2, 41.4)), contour=False):
 
 
 def ink(layers, styles=(), **scene):
-    made = core.render(layers, {**PEN, **scene}, styles, outputs=("Encre Lines", "Encre Edges")).images
+    made = library.render(layers, {**PEN, **scene}, styles, outputs=("Encre Lines", "Encre Edges")).images
     return made["Encre Lines"][..., 3].astype(float)
 
 

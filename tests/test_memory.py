@@ -12,7 +12,9 @@ import bench
 import drawn
 import numpy as np
 import pytest
-from encre import core
+from encre.pen.errors import EncreError
+from encre.pen.job import Frame, Mesh
+from encre.pen.library import LIBRARY, Library
 
 ROOT = Path(__file__).resolve().parents[1]
 WRAPPED = ("malloc", "calloc", "free", "pthread_create")
@@ -22,14 +24,14 @@ WRAPPED = ("malloc", "calloc", "free", "pthread_create")
 def library(tmp_path_factory):
     if sys.platform != "linux":
         pytest.skip("needs a linker that wraps functions")
-    out = tmp_path_factory.mktemp("failing") / core.LIBRARY
+    out = tmp_path_factory.mktemp("failing") / LIBRARY
     subprocess.run([*shlex.split(os.environ.get("CC", "cc")), "-std=c11", f"-I{ROOT / 'csrc'}", "-O1", "-fPIC",
                     "-D_POSIX_C_SOURCE=200809L",
                     "-ffp-contract=off", "-fvisibility=hidden", "-pthread", "-shared",
                     *map(str, ROOT.glob("csrc/**/*.c")),
                     str(ROOT / "tests" / "failing.c"), *(f"-Wl,--wrap={f}" for f in WRAPPED), "-lm", "-o", str(out)],
                    check=True)
-    return core.Library(str(out))
+    return Library(str(out))
 
 
 def render(library, settings):
@@ -44,8 +46,8 @@ def render(library, settings):
 
 def raster(library, _settings):
     points = np.random.default_rng(0).uniform(-1, 1, (60, 3)).astype(np.float32)
-    mesh, matrix = core.Mesh(points, object_index=1), np.eye(4)
-    return library.raster([mesh], matrix, matrix, core.Frame(40, 30), (40, 30), -1, -1, threads=3)
+    mesh, matrix = Mesh(points, object_index=1), np.eye(4)
+    return library.raster([mesh], matrix, matrix, Frame(40, 30), (40, 30), -1, -1, threads=3)
 
 
 def bake(library, settings):
@@ -73,7 +75,7 @@ def test_each_refused_once(library, job, settings, what):
         calls.value, refuse.value = 0, refused + 1
         try:
             images = job(library, settings)
-        except core.EncreError as e:
+        except EncreError as e:
             assert what == "allocation" and str(e).startswith("memory: ") and ";" in str(e)
         else:
             assert what == "thread" or calls.value <= refused

@@ -4,24 +4,26 @@
 import json
 
 import pytest
-from encre import core, metadata
+from encre.pen import library, metadata
+from encre.pen.errors import EncreError
+from encre.pen.job import Camera, Frame
 
 
 def test_round_trip():
-    scene = core.check({**core.defaults(), "line_thickness": 3.5, "shade_tint": (0.1, 0.2, 0.3),
+    scene = library.check({**library.defaults(), "line_thickness": 3.5, "shade_tint": (0.1, 0.2, 0.3),
                         "shade_levels": [(0.4,), (0.7, 0.5, 0.025, 1, 0.5, 0)], "paper_image": "/some/paper.png"})
     styles = [("Skin", {"line_thickness": 2.0}), ("Cloth", {"use_lines": False})]
-    camera = core.Camera((0, 1, 0, 0, 0, 1, 1, 0, 0), True, 4.5)
-    written = metadata.write(scene, styles, camera, core.Frame(1920, 1080, 100, 50))
+    camera = Camera((0, 1, 0, 0, 0, 1, 1, 0, 0), True, 4.5)
+    written = metadata.write(scene, styles, camera, Frame(1920, 1080, 100, 50))
     said = {key: json.loads(text) for key, text in written.items()}
     assert said["encre.params"]["version"] == 1
     assert said["encre.params"]["scene"]["shade_levels"] == [[0.4], [0.7, 0.5, 0.025, 1, 0.5, 0]]
     assert said["encre.frame"] == {"width": 1920, "height": 1080, "x": 100, "y": 50}
     assert said["encre.camera"] == {"orthographic": True, "height": 4.5, "view": [0, 1, 0, 0, 0, 1, 1, 0, 0]}
     read = metadata.read({**written, "Software": "another"})
-    assert core.check(read.scene) == scene and read.styles == styles and read.camera == camera
-    assert read.frame == core.Frame(1920, 1080, 100, 50) and read.border is None and not read.warnings
-    written = metadata.write(scene, styles, camera, core.Frame(1920, 1080), (100, 50, 300, 200))
+    assert library.check(read.scene) == scene and read.styles == styles and read.camera == camera
+    assert read.frame == Frame(1920, 1080, 100, 50) and read.border is None and not read.warnings
+    written = metadata.write(scene, styles, camera, Frame(1920, 1080), (100, 50, 300, 200))
     assert metadata.read(written).border == (100, 50, 300, 200)
 
 
@@ -46,5 +48,5 @@ def test_stand_alone():
     ("encre.border", '{"x": 1, "y": -1, "width": 2, "height": 2}'), ("encre.border", '{"x": 1, "y": 1, "width": 2}'),
 ])
 def test_that_make_no_sense(key, text):
-    with pytest.raises(core.EncreError, match=f"metadata {key}"):
+    with pytest.raises(EncreError, match=f"metadata {key}"):
         metadata.read({key: text})

@@ -7,7 +7,8 @@ import blenders
 import exr
 import numpy as np
 import pytest
-from encre import composite, core, images, layers, metadata
+from encre.cli import composite, images
+from encre.pen import layers, library, metadata
 
 SCENE = Path(__file__).parent / "blender" / "glass.py"
 PEN = dict(edge_detector="FINE", edge_threshold=0.3, edge_color=1.0, line_thickness=2.0, length_unit="PIXELS",
@@ -29,7 +30,7 @@ def rendered(blender, folder, kind, size="480x270", samples=8):
 def ink(shot):
     passes, settings = shot
     made, _ = layers.assemble(passes, PEN)
-    return core.render(made, PEN, (), settings.camera, settings.frame, outputs=("Encre Lines",)).images[
+    return library.render(made, PEN, (), settings.camera, settings.frame, outputs=("Encre Lines",)).images[
         "Encre Lines"][..., 3] > 0.5
 
 

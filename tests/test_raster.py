@@ -5,8 +5,9 @@ import ctypes
 
 import numpy as np
 import pytest
-from encre import core
-from encre.core import Frame, Mesh
+from encre.pen import library
+from encre.pen.errors import Cancelled, EncreError
+from encre.pen.library import Frame, Mesh, load
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.raster import NOTHING, STEPS, draw
@@ -55,7 +56,7 @@ def soup(rng, n, size=1.0, spread=2.5, channels=3, **more):
 
 
 def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=0):
-    got = core.raster(meshes, view, projection, frame, size, start, end, channels)
+    got = library.raster(meshes, view, projection, frame, size, start, end, channels)
     want = draw(meshes, view, projection, frame, size, start, end, channels)
     sure = ~want["unsure"]
     assert sure.mean() > 0.9
@@ -146,7 +147,7 @@ def test_lines_that_snapping_makes_surfaces_face_the_camera():
     step = np.c_[rng.integers(1, 4, 4000), rng.integers(-9, 10, 4000) / (2 * STEPS)]
     points = start[:, None] + step[:, None] * np.array([0, 1, 3])[:, None]
     points = np.concatenate([points, np.full((4000, 3, 1), -2)], -1).astype(np.float32).reshape(-1, 3)
-    got = core.raster([Mesh(points, object_index=1)], *pixels(16, 16), Frame(16, 16), (16, 16), 0.1)
+    got = library.raster([Mesh(points, object_index=1)], *pixels(16, 16), Frame(16, 16), (16, 16), 0.1)
     there = got["object"] == 1
     assert there.sum() > 20 and (got["normal"][there] == (0, 0, 1)).all()
 
@@ -155,7 +156,7 @@ def test_without_a_near_limit_the_eye_is_one():
     rng = np.random.default_rng(6)
     mesh = soup(rng, 40, 0.6, 0.6, object_index=1)
     view, p, frame = np.eye(4), perspective(60, 40), Frame(60, 40)
-    near, none = (core.raster([mesh], view, p, frame, (60, 40), start, start)["depth"] for start in (1e-7, -9.0))
+    near, none = (library.raster([mesh], view, p, frame, (60, 40), start, start)["depth"] for start in (1e-7, -9.0))
     assert near.min() < 0.1 and (near < NOTHING).mean() > 0.5
     np.testing.assert_allclose(none, near, rtol=1e-6)
 
@@ -163,7 +164,7 @@ def test_without_a_near_limit_the_eye_is_one():
 def test_triangles_that_reach_very_far():
     far = np.array([[-1e35, -1e35, -2], [1e35, -1e35, -2], [0, 1e35, -2]], np.float32)
     for camera in (pixels(12, 9), (np.eye(4), perspective(12, 9))):
-        got = core.raster([Mesh(far, object_index=1)], *camera, Frame(12, 9), (12, 9), 0.1)
+        got = library.raster([Mesh(far, object_index=1)], *camera, Frame(12, 9), (12, 9), 0.1)
         assert (got["object"] == 1).all() and (got["depth"] == 2).all()
 
 
@@ -193,7 +194,7 @@ def times_covered(points, triangles, view, projection, width, height, start=0.1)
     count = np.zeros((height, width), int)
     for t in triangles:
         mesh = Mesh(points, t[None], object_index=1)
-        count += core.raster([mesh], view, projection, Frame(width, height), (width, height), start,
+        count += library.raster([mesh], view, projection, Frame(width, height), (width, height), start,
                              outputs=("object",), threads=1)["object"] == 1
     return count
 
@@ -247,7 +248,7 @@ def test_a_plane_is_where_its_equation_says(projection):
     view = looking(rng)
     p = projection(width, height)
     mesh = Mesh(points.astype(np.float32), triangles, world[triangles].astype(np.float32), model=model, object_index=1)
-    got = core.raster([mesh], view, p, Frame(width, height), (width, height), 0.1, 0, 3)
+    got = library.raster([mesh], view, p, Frame(width, height), (width, height), 0.1, 0, 3)
     there = got["object"] == 1
     assert there.mean() > 0.5
     x, y = np.meshgrid((np.arange(width) + 0.5) / width * 2 - 1, 1 - (np.arange(height) + 0.5) / height * 2)
@@ -276,7 +277,7 @@ def test_back_faces_and_mirrored_models_face_the_camera():
             for p in (perspective, orthographic):
                 view = np.eye(4)
                 view[2, 3] = -3
-                results.append(core.raster([mesh], view, p(30, 30), Frame(30, 30), (30, 30), 0.1))
+                results.append(library.raster([mesh], view, p(30, 30), Frame(30, 30), (30, 30), 0.1))
     for r in results:
         there = r["object"] == 1
         assert there.sum() > 30 and (r["normal"][there][:, 2] > 0.9).all()
@@ -288,10 +289,10 @@ def test_equal_depths_go_to_the_earlier_mesh_and_primitive():
     one = soup(rng, 30, object_index=1, material=np.arange(30))
     twice = Mesh(np.concatenate([one.points, one.points]), material=np.arange(60), model=one.model, object_index=2)
     view, p, frame = looking(rng), perspective(90, 60), Frame(90, 60)
-    first = core.raster([one, twice], view, p, frame, (90, 60), 0.1)
+    first = library.raster([one, twice], view, p, frame, (90, 60), 0.1)
     there = first["depth"] < NOTHING
     assert (first["object"][there] == 1).all()
-    second = core.raster([twice, one], view, p, frame, (90, 60), 0.1)
+    second = library.raster([twice, one], view, p, frame, (90, 60), 0.1)
     assert (second["object"][there] == 2).all() and second["material"].max() < 30
     np.testing.assert_array_equal(first["depth"], second["depth"])
 
@@ -300,7 +301,7 @@ def test_constant_attributes_stay_exact():
     rng = np.random.default_rng(2)
     mesh = soup(rng, 40, channels=2, object_index=1)
     mesh.attributes[:] = np.float32(0.7), np.float32(-1 / 3)
-    got = core.raster([mesh], looking(rng), perspective(60, 60), Frame(60, 60), (60, 60), 0.1, 0, 3)
+    got = library.raster([mesh], looking(rng), perspective(60, 60), Frame(60, 60), (60, 60), 0.1, 0, 3)
     there = got["object"] == 1
     assert (got["attributes"][there] == np.array([0.7, -1 / 3, 0], np.float32)).all()
 
@@ -317,17 +318,17 @@ def crowded(rng):
 def test_a_border_is_the_same_pixels(projection):
     rng = np.random.default_rng(11)
     meshes, view, p, frame = crowded(rng), looking(rng), projection(131, 77), Frame(131, 77)
-    full = core.raster(meshes, view, p, frame, (131, 77), 0.1, 0, 3)
+    full = library.raster(meshes, view, p, frame, (131, 77), 0.1, 0, 3)
     for _ in range(12):
         x, y = int(rng.integers(0, 131)), int(rng.integers(0, 77))
         w, h = int(rng.integers(1, 132 - x)), int(rng.integers(1, 78 - y))
-        same(core.raster(meshes, view, p, Frame(131, 77, x, y), (w, h), 0.1, 0, 3), bordered(full, x, y, w, h))
+        same(library.raster(meshes, view, p, Frame(131, 77, x, y), (w, h), 0.1, 0, 3), bordered(full, x, y, w, h))
 
 
 def test_threads_do_not_matter():
     rng = np.random.default_rng(12)
     meshes, view, p = crowded(rng), looking(rng), perspective(200, 150)
-    runs = [core.raster(meshes, view, p, Frame(200, 150), (200, 150), 0.1, 0, 3, threads=n) for n in (1, 2, 3, 8)]
+    runs = [library.raster(meshes, view, p, Frame(200, 150), (200, 150), 0.1, 0, 3, threads=n) for n in (1, 2, 3, 8)]
     for r in runs[1:]:
         same(runs[0], r)
 
@@ -335,19 +336,20 @@ def test_threads_do_not_matter():
 def test_strides_and_absent_outputs():
     rng = np.random.default_rng(13)
     meshes, view, p, frame = crowded(rng), looking(rng), perspective(50, 40), Frame(50, 40)
-    full = core.raster(meshes, view, p, frame, (50, 40), 0.1, 0, 3)
+    full = library.raster(meshes, view, p, frame, (50, 40), 0.1, 0, 3)
     for name in OUTPUTS:
-        same(core.raster(meshes, view, p, frame, (50, 40), 0.1, 0, 3, outputs=(name,)), {name: full[name]})
-    lib, job = core.library(), core._RasterJob()
-    array = (core._Mesh * len(meshes))()
-    keep = [core._pack_mesh(m, mesh) for m, mesh in zip(array, meshes, strict=True)]
+        same(library.raster(meshes, view, p, frame, (50, 40), 0.1, 0, 3, outputs=(name,)), {name: full[name]})
+    lib, job = load(), library._RasterJob()
+    array = (library._Mesh * len(meshes))()
+    keep = [library._pack_mesh(m, mesh) for m, mesh in zip(array, meshes, strict=True)]
     job.meshes, job.n_meshes, job.n_channels = array, len(meshes), 3
-    job.view[:], job.projection[:], job.clip_start, job.frame = view.ravel(), p.ravel(), 0.1, core._Frame(50, 40, 0, 0)
+    job.view[:], job.projection[:], job.clip_start = view.ravel(), p.ravel(), 0.1
+    job.frame = library._Frame(50, 40, 0, 0)
     images = {}
     for name in OUTPUTS:
         channels = full[name].shape[2] if full[name].ndim == 3 else 1
         images[name] = np.full((42, 54, channels + 2), -5, np.float32)
-        setattr(job, name, core._image(images[name][-2:0:-1, 2:-2, 1:-1]))  # bottom-up, padded all round
+        setattr(job, name, library._image(images[name][-2:0:-1, 2:-2, 1:-1]))  # bottom-up, padded all round
     lib._call(lib.lib.encre_raster, job, 2, 1, None)
     del keep
     for name, a in images.items():
@@ -362,7 +364,7 @@ def test_strides_and_absent_outputs():
 
 def test_nothing_to_draw():
     for meshes in ([], [Mesh(np.zeros((0, 3), np.float32))]):
-        got = core.raster(meshes, np.eye(4), perspective(5, 4), Frame(5, 4), (5, 4), 0.1, 0, 2)
+        got = library.raster(meshes, np.eye(4), perspective(5, 4), Frame(5, 4), (5, 4), 0.1, 0, 2)
         assert (got["depth"] == np.float32(1e10)).all()
         assert not any(got[name].any() for name in OUTPUTS[1:])
 
@@ -376,7 +378,7 @@ def test_primitives_that_are_not_finite_are_dropped(bad):
     whole = Mesh(mesh.points.reshape(40, 9)[np.arange(40) % 3 != 0].reshape(-1, 3), None,
                  mesh.attributes[np.arange(40) % 3 != 0], model=mesh.model, object_index=1)
     view, p = looking(rng), perspective(60, 40)
-    same(*(core.raster([m], view, p, Frame(60, 40), (60, 40), 0.1, 0, 3) for m in (broken, whole)))
+    same(*(library.raster([m], view, p, Frame(60, 40), (60, 40), 0.1, 0, 3) for m in (broken, whole)))
 
 
 @settings(max_examples=60, deadline=None)
@@ -390,7 +392,7 @@ def test_any_size_of_triangle_gives_clean_pixels(seed, size, flat):
     view = np.eye(4)
     view[2, 3] = -0.5 * size if size < 1e6 else -1
     for p in (perspective(33, 17), orthographic(33, 17)):
-        got = core.raster([mesh], view, p, Frame(33, 17), (33, 17), 1e-3 * min(size, 1), 0, 2)
+        got = library.raster([mesh], view, p, Frame(33, 17), (33, 17), 1e-3 * min(size, 1), 0, 2)
         there = got["object"] == 1
         assert all(np.isfinite(a).all() for a in got.values())
         assert (np.abs(got["attributes"]) <= 1).all()
@@ -401,7 +403,7 @@ def drawn(mesh=None, view=None, projection=None, frame=None, size=(8, 8), start=
     points = np.array([[-1, -1, -2], [1, -1, -2], [0, 1, -2]], np.float32)
     view = np.eye(4) if view is None else view
     projection = perspective(8, 8) if projection is None else projection
-    return core.raster([mesh or Mesh(points)], view, projection, frame or Frame(8, 8), size, start)
+    return library.raster([mesh or Mesh(points)], view, projection, frame or Frame(8, 8), size, start)
 
 
 @pytest.mark.parametrize("wrong, words", [
@@ -416,7 +418,7 @@ def drawn(mesh=None, view=None, projection=None, frame=None, size=(8, 8), start=
     (dict(frame=Frame(8, 8, 0, -1)), "frame: 8 x 8 pixels at 0, -1"),
 ])
 def test_wrong_input_is_named(wrong, words):
-    with pytest.raises(core.EncreError, match=words) as e:
+    with pytest.raises(EncreError, match=words) as e:
         drawn(**wrong)
     assert ";" in str(e.value) and "\n" not in str(e.value)
 
@@ -426,13 +428,13 @@ def test_wrong_input_is_named(wrong, words):
     ("n_channels", 17, "17 attribute channels"), ("n_points", 2, "take more points than its 2"),
 ])
 def test_wrong_meshes_are_named(field, value, words):
-    lib, job, mesh = core.library(), core._RasterJob(), core._Mesh()
-    keep = core._pack_mesh(mesh, Mesh(np.zeros((3, 3), np.float32)))
+    lib, job, mesh = load(), library._RasterJob(), library._Mesh()
+    keep = library._pack_mesh(mesh, Mesh(np.zeros((3, 3), np.float32)))
     setattr(mesh, field, value)
-    job.meshes, job.n_meshes, job.frame = ctypes.pointer(mesh), 1, core._Frame(4, 4, 0, 0)
+    job.meshes, job.n_meshes, job.frame = ctypes.pointer(mesh), 1, library._Frame(4, 4, 0, 0)
     depth = np.zeros((4, 4), np.float32)
-    job.depth = core._image(depth)
-    with pytest.raises(core.EncreError, match="mesh 0: .*" + words):
+    job.depth = library._image(depth)
+    with pytest.raises(EncreError, match="mesh 0: .*" + words):
         lib._call(lib.lib.encre_raster, job, 1, 1, None)
     del keep
 
@@ -442,7 +444,7 @@ def test_the_largest_frame_is_drawn():
     square = np.array([[0, 0, -1], [width, 0, -1], [width, height, -1], [0, height, -1]], np.float32)
     mesh = Mesh(square, np.array([[0, 1, 2], [0, 2, 3]], np.int32), object_index=1)
     for x, y in ((0, 0), (width - 9, height - 9), (width // 2, height // 2)):
-        got = core.raster([mesh], *pixels(width, height), Frame(width, height, x, y), (9, 9), 0.1)
+        got = library.raster([mesh], *pixels(width, height), Frame(width, height, x, y), (9, 9), 0.1)
         assert (got["object"] == 1).all() and (got["depth"] == 1).all()
 
 
@@ -457,11 +459,11 @@ def test_progress_grows_and_cancels_at_every_band():
             seen.append(fraction)
             return len(seen) < stop
 
-        core.raster(meshes, view, p, Frame(40, 100), (40, 100), 0.1, threads=1, progress=progress)
+        library.raster(meshes, view, p, Frame(40, 100), (40, 100), 0.1, threads=1, progress=progress)
         return seen
 
     seen = run(10**9)
     assert seen == sorted(seen) and seen[0] > 0 and seen[-1] == 1 and len(seen) >= 7
     for stop in range(1, len(seen) + 1):
-        with pytest.raises(core.Cancelled):
+        with pytest.raises(Cancelled):
             run(stop)

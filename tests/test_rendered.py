@@ -12,7 +12,7 @@ import blenders
 import exr
 import numpy as np
 import pytest
-from encre import composite
+from encre.cli import composite
 from judge import measure, meshes, scenes, verdict
 from judge.scene import look
 

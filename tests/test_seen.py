@@ -3,7 +3,8 @@
 
 import numpy as np
 import pytest
-from encre import core
+from encre.pen import library
+from encre.pen.job import Camera
 from judge import scenes, verdict
 from reference import fine
 
@@ -32,11 +33,11 @@ def mirrored(scene, filter="box"):
 
 def camera(scene):
     said = scene.camera_settings
-    return core.Camera(said["view"], said["orthographic"], said["height"])
+    return Camera(said["view"], said["orthographic"], said["height"])
 
 
 def ink(layers, scene, **params):
-    return core.render(layers, {**PEN, **params}, camera=camera(scene), outputs=("Encre Lines",)).images[
+    return library.render(layers, {**PEN, **params}, camera=camera(scene), outputs=("Encre Lines",)).images[
         "Encre Lines"][..., 3]
 
 
@@ -83,7 +84,7 @@ def test_the_reference_draws_the_same_lines(name):
 def test_an_orthographic_mirror():
     """Two halves that only their depths tell apart."""
     layers = halves()
-    eye = core.Camera(orthographic=True, height=5.0)
+    eye = Camera(orthographic=True, height=5.0)
     t = drawn(layers, eye, edge_seen=3.0)[..., 3]
     assert (t[25:35, 40:60].max(1) > 0.5).all()
     layers["seen_depth"][...] = 3
@@ -104,7 +105,7 @@ def halves(color=(0.5, 0.5, 0.5), depth=(3.0, 4.0)):
 
 def drawn(layers, camera=None, **params):
     values = {**PEN, "edge_seen": 1.0, "line_thickness": 2.0, **params}
-    return core.render(layers, values, camera=camera, outputs=("Encre Lines",)).images["Encre Lines"]
+    return library.render(layers, values, camera=camera, outputs=("Encre Lines",)).images["Encre Lines"]
 
 
 def test_weight_width_and_the_mirrors_own_controls():

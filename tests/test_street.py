@@ -7,7 +7,8 @@ import blenders
 import exr
 import numpy as np
 import pytest
-from encre import composite, core, images, layers, metadata
+from encre.cli import composite, images
+from encre.pen import layers, library, metadata
 
 STREET = Path(__file__).parents[1] / "scenes" / "street.py"
 
@@ -51,11 +52,11 @@ def test_much_is_in_it(saved):
 def test_each_painted_control_changes_its_region_alone(saved, control, far):
     """No pixel changes farther than `far` pixels from what is painted: lines reach out, surfaces do not."""
     pictures, settings = saved
-    k = core.CONTROLS.index(control)
+    k = library.CONTROLS.index(control)
     neutral = pictures["controls"].copy()
     neutral[..., k] = 0
     with_it, without = (
-        core.render({**pictures, "controls": controls}, settings.scene, [], settings.camera, settings.frame).images
+        library.render({**pictures, "controls": controls}, settings.scene, [], settings.camera, settings.frame).images
         for controls in (pictures["controls"], neutral))
     changed = np.abs(with_it["Combined"] - without["Combined"]).max(-1) > 1e-3
     reach = np.zeros_like(changed)

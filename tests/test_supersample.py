@@ -4,8 +4,9 @@
 import blenders
 import numpy as np
 import pytest
-from encre import core, images, metadata, supersample
-from encre.composite import composite
+from encre.cli import images
+from encre.cli.composite import composite
+from encre.pen import library, metadata, supersample
 
 
 @pytest.fixture(params=blenders.params(), scope="module")
@@ -123,7 +124,8 @@ def test_pixels_are_of_the_frame():
                 "normal": np.zeros((40, 60, 3), np.float32)}
 
     def ink(**values):
-        return core.render(pictures, {"use_shading": False, **values}, outputs=("Encre Lines",)).images["Encre Lines"]
+        settings = {"use_shading": False, **values}
+        return library.render(pictures, settings, outputs=("Encre Lines",)).images["Encre Lines"]
 
     assert np.array_equal(ink(length_unit="PIXELS", line_thickness=4, paper_scale=2),
                           ink(length_unit="PIXELS", line_thickness=2, paper_scale=1, supersample=2, smudge_range=5,

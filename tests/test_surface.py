@@ -7,7 +7,10 @@ import struct
 import masks
 import numpy as np
 import pytest
-from encre import core
+from encre.pen import library
+from encre.pen.errors import EncreError
+from encre.pen.job import Camera, Frame
+from encre.pen.library import load
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference import paper as reference_paper
@@ -95,12 +98,12 @@ def test_agrees_without_optional_layers():
 
 def test_agrees_under_an_orthographic_camera():
     assert_agrees(random_layers(60, 90), dict(ONLY_SMUDGING, smudge_depth=0.3), STYLES,
-                  camera=core.Camera(orthographic=True, height=5.0))
+                  camera=Camera(orthographic=True, height=5.0))
 
 
 def test_lengths_follow_the_height_of_the_full_frame():
     assert_agrees(random_layers(60, 90), dict(SIMPLE, length_unit="RELATIVE", smudge_range=30, paper_scale=1.6), STYLES,
-                  frame=core.Frame(400, 700, 31, 45), tolerance=1e-4)
+                  frame=Frame(400, 700, 31, 45), tolerance=1e-4)
 
 
 @settings(max_examples=60, deadline=None)
@@ -270,7 +273,7 @@ def test_another_seed_is_another_sheet():
 def test_a_border_shows_its_piece_of_the_sheet(scale):
     scene = dict(paper_scale=scale, length_unit="PIXELS")
     whole = heights(700, 560, scene)
-    piece = heights(90, 40, scene, frame=core.Frame(700, 560, 600, 515))
+    piece = heights(90, 40, scene, frame=Frame(700, 560, 600, 515))
     np.testing.assert_array_equal(piece, whole[515:555, 600:690])
 
 
@@ -313,25 +316,25 @@ class _Values(dict):
     ([(0.5,), (0.7, 0.5, -0.2)], "0 or more"),
 ])
 def test_levels_that_make_no_sense(levels, words):
-    with pytest.raises(core.EncreError, match=words) as error:
-        core.check(dict(shade_levels=levels))
+    with pytest.raises(EncreError, match=words) as error:
+        library.check(dict(shade_levels=levels))
     assert "shade_levels" in str(error.value) and "\n" not in str(error.value)
 
 
 def test_levels_that_touch():
-    core.check(dict(shade_levels=[(0.5,), (0.7, 0.3, 0.2), (1.1, 0.5, 0.2), (1.2, 0.6, 0.0), (1.3, 0.6, 0.0)]))
+    library.check(dict(shade_levels=[(0.5,), (0.7, 0.3, 0.2), (1.1, 0.5, 0.2), (1.2, 0.6, 0.0), (1.3, 0.6, 0.0)]))
 
 
 @pytest.mark.parametrize("count, words", [(0, b"give 1 to 16"), (17, b"give 1 to 16")])
 def test_the_library_counts_levels_itself(count, words):
-    library = core.library()
+    library = load()
     block = library.pack({})[0]
     struct.pack_into("i", block, library.params["shade_levels"].offset, count)
     assert words in library.lib.encre_params_check(block, ctypes.create_string_buffer(400), 400)
 
 
 def test_the_library_looks_at_the_image():
-    library = core.library()
+    library = load()
     block, keep = library.pack(dict(paper_image="x"), lambda path: np.zeros((4, 4, 5), np.float32))
     assert b"paper_image" in library.lib.encre_params_check(block, ctypes.create_string_buffer(400), 400)
     assert keep

@@ -4,7 +4,8 @@ whole, keep their width, and move as the rod moves."""
 
 import numpy as np
 import pytest
-from encre import core
+from encre.pen import library
+from encre.pen.job import Camera
 from judge import verdict
 
 PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_color=0.0, edge_light=0.0, line_thickness=2.0)
@@ -27,7 +28,7 @@ def rod(width, slant, moved, wall=np.inf, size=(48, 64), samples=8):
 
 
 def ink(layers, camera=None, **how):
-    return core.render(layers, PEN, camera=camera or core.Camera(), outputs=["Encre Lines"], **how).images[
+    return library.render(layers, PEN, camera=camera or Camera(), outputs=["Encre Lines"], **how).images[
         "Encre Lines"][..., 3].astype(float)
 
 
@@ -59,7 +60,7 @@ def test_a_rod_is_whole_and_keeps_its_width(width, slant, wall):
 def test_a_rod_under_an_orthographic_camera():
     for width in (0.7, 1.5):
         layers, off = rod(width, 0.3, 0.2, 9.0)
-        t = ink(layers, core.Camera(orthographic=True, height=10.0))
+        t = ink(layers, Camera(orthographic=True, height=10.0))
         assert inner(t)[np.abs(inner(off)) < 0.5].min() > 0.95
 
 

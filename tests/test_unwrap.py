@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import widths
-from encre import unwrap
+from encre.pen import unwrap
 
 
 def plane(uv, points=((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0))):

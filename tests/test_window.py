@@ -8,7 +8,7 @@ from pathlib import Path
 import blenders
 import OpenImageIO as oiio
 import pytest
-from encre import core
+from encre.pen import library
 
 WINDOW = Path(__file__).with_name("blender") / "window.py"
 
@@ -39,7 +39,7 @@ def test_no_panel_fails_to_draw(shot):
 
 def test_every_stage_has_its_panel(shot):
     assert set(fact(shot, "panels")) == {"ENCRE_PT_encre", "ENCRE_PT_styles"} | {
-        f"ENCRE_PT_{stage.id}" for stage in core.stages()}
+        f"ENCRE_PT_{stage.id}" for stage in library.stages()}
 
 
 def test_cycles_panels_and_nodes_are_there(shot):

@@ -21,7 +21,7 @@ import bpy
 import exr
 import numpy as np
 import OpenImageIO as oiio
-from encre import images, runner
+from encre.cli import images, inside, tools
 from reference import near
 
 ROOT = Path(__file__).parents[1]
@@ -68,8 +68,8 @@ Seconds are those of one machine with other work to do, in turns frame by frame;
 def render(folder):
     """{technique: [T of each frame]}, [depth of each frame], {technique: seconds a frame}."""
     sys.path.insert(0, str(ROOT / "scenes"))
-    runner.register()
-    from encre import techniques
+    inside.register()
+    techniques = tools.load("compare", "techniques")
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     import turn
     turn.build()

@@ -11,7 +11,9 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from encre import core, images, unwrap
+from encre.cli import images
+from encre.pen import colour, library, unwrap
+from encre.pen.job import Frame, Mesh
 
 WIDTH, HEIGHT, THICKNESS, SECTORS = 2048, 1024, 16.0, 12
 COLORS = np.float32([(0.93, 0.82, 0.55), (0.75, 0.28, 0.22)])
@@ -98,9 +100,9 @@ def about(surface, spot):
 
 
 def baked(surface, texture, uniform):
-    settings = dict(line_thickness=THICKNESS, contrast_max=core.bake(texture, draw=False).greatest)
+    settings = dict(line_thickness=THICKNESS, contrast_max=library.bake(texture, draw=False).greatest)
     form = unwrap.form(mesh(surface), WIDTH, HEIGHT) if uniform else None
-    return core.bake(texture, settings, form, wrap=(True, False)).texture
+    return library.bake(texture, settings, form, wrap=(True, False)).texture
 
 
 def widths(surface, texture, drawn):
@@ -129,12 +131,12 @@ def seen(surface, texture, size):
     view[:3, :3], view[:3, 3] = axes, -axes @ eye
     flat = np.diag([0.78, 0.78, -0.1, 1.0])
     fine = 4 * size
-    drawn = core.raster([core.Mesh(shape.points[shape.corners].reshape(-1, 3), attributes=shape.uv, object_index=1)],
-                        view, flat, core.Frame(fine, fine), (fine, fine), 0.01, channels=2)
+    drawn = library.raster([Mesh(shape.points[shape.corners].reshape(-1, 3), attributes=shape.uv, object_index=1)],
+                        view, flat, Frame(fine, fine), (fine, fine), 0.01, channels=2)
     x = (drawn["attributes"][..., 0] % 1 * WIDTH).astype(int).clip(0, WIDTH - 1)
     y = ((1 - drawn["attributes"][..., 1]) * HEIGHT).astype(int).clip(0, HEIGHT - 1)
     light = 0.55 + 0.45 * np.clip(drawn["normal"] @ (axes.T @ (-0.5, 0.5, 0.7)), 0, 1)
-    picture = np.where(drawn["object"][..., None] > 0, images.decode_srgb(texture[y, x]) * light[..., None], 1.0)
+    picture = np.where(drawn["object"][..., None] > 0, colour.decode_srgb(texture[y, x]) * light[..., None], 1.0)
     return picture.reshape(size, 4, size, 4, 3).mean((1, 3))
 
 

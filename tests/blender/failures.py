@@ -55,18 +55,18 @@ def refused(out):
 def fails(out):
     """Something goes wrong after Cycles: no file either."""
     stage()
-    from encre import core, frame
+    from encre.blender import frame
 
     def fail(*_args, **_more):
-        raise core.EncreError("the denoiser failed; switch it off")
+        raise frame.EncreError("the denoiser failed; switch it off")
 
-    frame.core.render = fail
+    frame.library.render = fail
     fact("late", shoot(out, "late"))
 
     def exhaust(*_args, **_more):
         raise MemoryError
 
-    frame.core.render = exhaust
+    frame.library.render = exhaust
     fact("memory", shoot(out, "memory"))
 
 
@@ -80,14 +80,14 @@ def without_library(out):
 
 def no_library(out):
     stage()
-    from encre import core
+    from encre.pen import library
 
-    core.library.cache_clear()
-    there = core.LIBRARY
-    core.LIBRARY = "missing.so"
+    library.load.cache_clear()
+    there = library.LIBRARY
+    library.LIBRARY = "missing.so"
     fact("missing", shoot(out, "missing"))
-    core.library.cache_clear()
-    core.LIBRARY, core.API_VERSION = there, 99
+    library.load.cache_clear()
+    library.LIBRARY, library.API_VERSION = there, 99
     fact("version", shoot(out, "version"))
 
 
@@ -112,9 +112,9 @@ def freestyle(out):
 def cancelled(out):
     """A break that comes while the stages run."""
     stage()
-    from encre import frame
+    from encre.blender import frame
 
-    real, times = frame.core.render, {}
+    real, times = frame.library.render, {}
     frame.Frames._go_on = lambda *_: not times  # Blender finds its own test_break before the class's
 
     def slow(*args, progress=None, **more):
@@ -124,7 +124,7 @@ def cancelled(out):
         finally:
             times["end"] = time.perf_counter()
 
-    frame.core.render = slow
+    frame.library.render = slow
     fact("error", shoot(out, "cancelled"))
     fact("seconds", times["end"] - times["start"])
 
@@ -136,7 +136,7 @@ def interrupted(out):
     scene = stage(samples=4000)
     scene.cycles.use_adaptive_sampling = False
     subprocess.Popen(["sh", "-c", f"sleep 2; kill -INT {os.getpid()}"])
-    from encre import engine
+    from encre.blender import engine
 
     finish = engine.EncreEngine.render_frame_finish
 

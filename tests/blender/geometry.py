@@ -15,9 +15,10 @@ def cameras(out):
     scene.encre.light_denoise = "NONE"
     for k in range(12):
         cube(f"Box{k}", ((k % 4) * 1.1 - 1.7, 1.5 + k // 4, (k % 3) * 0.5), 0.5).rotation_euler = (k, 0.3 * k, 1)
-    from encre import core, frame, layers
+    from encre.blender import frame
+    from encre.pen import layers, library
 
-    drawn, real, raster = {}, layers.rasterised, core.raster  # looked at as they pass by
+    drawn, real, raster = {}, frame.overlay.rasterised, library.raster  # looked at as they pass by
 
     def spy_raster(meshes, view, projection, place, size, start, end, channels, outputs, threads, progress):
         maps = raster(meshes, view, projection, place, size, start, end, channels, (*outputs, "depth"), threads)
@@ -28,7 +29,7 @@ def cameras(out):
         drawn["index"], drawn["own"] = index, owners[maps["object"].astype(int)]
         return real(index, maps, owners, numbers, strays)
 
-    frame.layers.rasterised, frame.core.raster = spy, spy_raster
+    frame.overlay.rasterised, frame.library.raster = spy, spy_raster
     assemble = layers.assemble
 
     def spy_assemble(passes, *args, **more):
@@ -86,9 +87,9 @@ def kinds(out):
     """How the rasteriser's objects compare with Cycles', for all that has faces and every kind of instance."""
     scene = stage(200, 106, 1)
     scene.encre.light_denoise = "NONE"
-    from encre import frame, layers
+    from encre.blender import frame
 
-    real = layers.rasterised
+    real = frame.overlay.rasterised
     seen = {}
 
     def spy(index, maps, owners, numbers, strays):
@@ -98,7 +99,7 @@ def kinds(out):
         seen["numbers"] = len(set(passes["Encre Index"][..., 0].ravel().tolist()))
         return passes
 
-    frame.layers.rasterised = spy
+    frame.overlay.rasterised = spy
 
     def compare(name):
         bpy.ops.render.render()

@@ -164,15 +164,15 @@ def stereo(out):
     scene.render.views_format = "STEREO_3D"
     scene.camera.data.stereo.interocular_distance = 0.5
     scene.camera.data.stereo.convergence_distance = 6
-    from encre import frame, layers
+    from encre.blender import frame
 
-    real = layers.rasterised
+    real = frame.overlay.rasterised
 
     def spy(index, maps, owners, numbers, strays):
         fact("mismatch", float((owners[maps["object"].astype(int)] != index).mean()))
         return real(index, maps, owners, numbers, strays)
 
-    frame.layers.rasterised = spy
+    frame.overlay.rasterised = spy
     fact("error", shoot(out, "stereo"))
 
 
@@ -188,9 +188,10 @@ def denoised(out):
     scene.encre.light_denoise = "NONE"
     scene.cycles.use_denoising = False
     shoot(out, "noisy")
-    from encre import denoise
+    from encre.blender import versions
+    from encre.pen import denoise
 
-    fact("available", denoise.available())
+    fact("available", denoise.available(versions.home()))
 
 
 def direct(out):

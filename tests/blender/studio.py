@@ -19,10 +19,10 @@ def fact(name, value):
 
 
 def register():
-    spec = importlib.util.spec_from_file_location("encre_runner", os.path.join(PACKAGE, "runner.py"))
-    runner = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(runner)
-    return runner.register()
+    spec = importlib.util.spec_from_file_location("encre_inside", os.path.join(PACKAGE, "cli", "inside.py"))
+    inside = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(inside)
+    return inside.register()
 
 
 def material(name, color):

@@ -24,7 +24,8 @@ def larger(out):
     link("Text", text, collection=words).rotation_euler = (radians(90), 0, 0)
     empty = link("Instance", None, (0, -1, 0.2))
     empty.instance_type, empty.instance_collection = "COLLECTION", words
-    from encre import frame, layers
+    from encre.blender import frame
+    from encre.pen import layers
 
     assemble, seen = layers.assemble, []
 
@@ -138,16 +139,16 @@ def supersampled_widths(out):
     scene.encre.line_paper = 0
     scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 3.01
     scene.camera.location, scene.camera.rotation_euler = (-0.9, -6, 0), (radians(90), 0, 0)
-    from encre import frame
+    from encre.blender import frame
 
-    draw = frame.core.render
+    draw = frame.library.render
 
     def spy(images, *args, **more):
         result = draw(images, *args, **more)
         seen.append(result.images["Encre Lines"][..., 3])
         return result
 
-    frame.core.render = spy
+    frame.library.render = spy
     for unit, thickness in (("PIXELS", 4), ("RELATIVE", 27)):
         scene.encre.length_unit, scene.encre.line_thickness = unit, thickness
         for n in (1, 2, 3, 4):
@@ -164,7 +165,8 @@ def supersampled_cancelled(out):
     scene = stage()
     scene.encre.supersample = 3
     scene.camera.data.shift_x = 0.25
-    from encre import frame, supersample
+    from encre.blender import frame
+    from encre.pen import supersample
 
     made, freed, subframes, stopped = [], [], [], []
     frame.Frames._go_on = lambda *_: not stopped  # Blender finds its own test_break before the class's

@@ -48,8 +48,8 @@ def on_screen(clip, camera, frame):
 
 
 def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channels=0):
-    """What core.raster() draws, float64, and `unsure`: pixels where two surfaces are within 1e-6 of equally deep, and
-    `front`: numbers of mesh and triangle, -1 where nothing is."""
+    """What library.raster() draws, float64, and `unsure`: pixels where two surfaces are within 1e-6 of equally deep,
+    and `front`: numbers of mesh and triangle, -1 where nothing is."""
     width, height = size
     columns, rows = np.arange(width) + frame.x, np.arange(height) + frame.y
     view, projection = np.asarray(view, float), np.asarray(projection, float)

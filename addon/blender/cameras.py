@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is rendered, in pixels, and the camera's matrices."""
+
+import numpy as np
+
+
+def border(render):
+    """(full width, full height, x, y, width, height) of what is rendered, in pixels, y from the top."""
+    full_width = render.resolution_x * render.resolution_percentage // 100
+    full_height = render.resolution_y * render.resolution_percentage // 100
+    if not render.use_border:
+        return full_width, full_height, 0, 0, full_width, full_height
+    # Blender multiplies in single precision and cuts the decimals off.
+    x0, x1 = (int(np.float32(v) * np.float32(full_width)) for v in (render.border_min_x, render.border_max_x))
+    y0, y1 = (int(np.float32(v) * np.float32(full_height)) for v in (render.border_min_y, render.border_max_y))
+    return full_width, full_height, x0, full_height - y1, x1 - x0, y1 - y0
+
+
+def views(engine, depsgraph, camera, width, height):
+    """{view name: (world -> camera, camera -> clip)}, 4 x 4; the only name is "" unless stereo is on."""
+    render = depsgraph.scene_eval.render
+    projection = np.array(camera.calc_matrix_camera(
+        depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y))
+    if not render.use_multiview:
+        return {"": (np.array(camera.matrix_world.normalized().inverted()), projection)}
+    names = (("left", "right") if render.views_format == "STEREO_3D"
+             else [view.name for view in render.views if view.use])
+    found, before = {}, engine.active_view_get()
+    for name in names:
+        engine.active_view_set(name)
+        sheared = projection.copy()
+        sheared[0, 2] += 2 * (engine.camera_shift_x(camera) - camera.data.shift_x)
+        placed = engine.camera_model_matrix(camera)
+        found[name] = np.linalg.inv(_unscaled(np.array(placed))), sheared
+    engine.active_view_set(before or names[0])
+    return found
+
+
+def _unscaled(matrix):
+    matrix = matrix.astype(np.float64)
+    matrix[:3, :3] /= np.linalg.norm(matrix[:3, :3], axis=0)
+    return matrix

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine: Cycles renders the layers, the library draws on them, the picture goes back into Combined."""
+
+import contextlib
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..pen.errors import Cancelled, EncreError
+from . import frame
+
+_said = set()
+
+
+@persistent
+def _forget_said(*_):
+    _said.clear()
+
+
+def _cycles():
+    try:
+        import cycles.engine
+    except ImportError:
+        raise EncreError("Encre renders with Cycles, which is switched off: enable the add-on "
+                              "Cycles Render Engine") from None
+    return cycles.engine
+
+
+class EncreEngine(bpy.types.RenderEngine):
+    bl_idname = "ENCRE"
+    bl_label = "Encre"
+    bl_use_preview = True
+    bl_use_eevee_viewport = True
+    bl_use_exclude_layers = True
+    bl_use_custom_freestyle = True
+    bl_use_alembic_procedural = True
+
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        self.session = None  # Cycles keeps its session here
+        self.frames = None
+        self.refused = False
+
+    def __del__(self):
+        # Blender may have taken the engine away already, and its attributes with it.
+        with contextlib.suppress(ReferenceError, AttributeError, EncreError):
+            _cycles().free(self)
+
+    def say(self, kind, sentence):
+        """Reports a sentence, and once a render though it has many frames and view layers."""
+        if kind == "ERROR" or sentence not in _said:
+            _said.add(sentence)
+            self.report({kind}, sentence)
+
+    @contextlib.contextmanager
+    def refusing(self):
+        """What goes wrong inside ends the render with a sentence, and Blender then writes no file."""
+        try:
+            yield
+        except Cancelled:
+            self.refused = True
+        except MemoryError:
+            self.refused = True
+            self.say("ERROR", "memory: there is none left for this frame; make it smaller or close other programs")
+        except EncreError as error:
+            self.refused = True
+            self.say("ERROR", str(error))
+
+    def update_render_passes(self, scene, layer):
+        passes = [tuple(known) for known in _cycles().list_render_passes(scene, layer)]
+        if not self.is_preview:
+            passes += list(frame.passes(scene))
+        seen = set()
+        for name, channels, kind in passes:
+            # Cycles itself makes the "Noisy" twins; registered by us they would leave Combined empty.
+            if name not in seen and not name.startswith("Noisy "):
+                seen.add(name)
+                self.register_pass(scene, layer, name, len(channels), channels, kind)
+
+    def update(self, data, depsgraph):
+        self.refused = False
+        with self.refusing():
+            # Freestyle's strokes come as a scene of their own; neither they nor previews are drawn on.
+            if not self.is_preview and not depsgraph.scene.name.startswith("FRS"):
+                self.frames = self.frames or frame.Frames(self)
+                self.frames.renumber(depsgraph)
+            if not self.session:
+                _cycles().create(self, data)
+            _cycles().reset(self, data, depsgraph)
+
+    def render(self, depsgraph):
+        with self.refusing():
+            if self.frames:
+                self.frames.render(_cycles(), depsgraph)
+            else:
+                _cycles().render(self, depsgraph)
+
+    def render_frame_finish(self):
+        if self.refused:
+            return
+        _cycles().render_frame_finish(self)  # only now are all tiles there
+        with self.refusing():
+            if self.frames:
+                self.frames.after()
+
+    def bake(self, depsgraph, obj, pass_type, pass_filter, width, height):
+        _cycles().bake(self, depsgraph, obj, pass_type, pass_filter, width, height)
+
+    def view_update(self, context, depsgraph):
+        data = context.blend_data
+        if not self.session:
+            # As with Cycles, to choose the rendered view starts it, whether or not it was paused before.
+            context.scene.cycles.preview_pause = depsgraph.scene_eval.cycles.preview_pause = False
+            _cycles().create(self, data, context.region, context.space_data, context.region_data)
+        _cycles().reset(self, data, depsgraph)
+        _cycles().sync(self, depsgraph, data)
+
+    def view_draw(self, context, depsgraph):
+        _cycles().view_draw(self, depsgraph, context.region, context.space_data, context.region_data)
+
+    def update_script_node(self, node):
+        if not _cycles().with_osl():
+            self.report({"ERROR"}, "Open Shading Language is missing in this build of Blender")
+            return
+        from cycles import osl
+
+        osl.update_script_node(node, self.report)
+
+    def update_custom_camera(self, camera):
+        if not _cycles().with_osl():
+            self.report({"ERROR"}, "Open Shading Language is missing in this build of Blender")
+            return
+        from cycles import osl
+
+        osl.update_custom_camera_shader(camera, self.report)
+
+
+def register():
+    bpy.utils.register_class(EncreEngine)
+    bpy.app.handlers.render_init.append(_forget_said)
+
+
+def unregister():
+    bpy.app.handlers.render_init.remove(_forget_said)
+    bpy.utils.unregister_class(EncreEngine)

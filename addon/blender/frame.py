@@ -1,0 +1,286 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One rendered frame: settings and overrides before Cycles, triangles, and the stages on Cycles' passes after."""
+
+import weakref
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..pen import denoise, layers, library, metadata, overlay, settings, supersample
+from ..pen.errors import EncreError
+from ..pen.job import Camera, Frame
+from . import cameras, meshes, papers, properties, subframes, versions
+
+
+class _Settings:
+    """The checked settings of an evaluated scene. EncreError: they can't be used."""
+
+    def __init__(self, scene):
+        self.scene = library.check(properties.scene_values(scene))
+        self.styles = [(name, library.check(changed)) for name, changed in properties.styles(scene)]
+        self.overrides = [changed for _, changed in self.styles]
+        self.active = settings.active(self.scene, self.overrides)
+        self.shaded = settings.shaded(self.scene, self.overrides)
+        if self.scene["paper_source"] == "IMAGE":
+            papers.load(self.scene["paper_image"])  # that it can't be read is said before Cycles starts
+        self.seen = settings.wants_seen(self.scene, self.overrides)
+        self.denoise = (self.scene["light_denoise"] == "OIDN" and settings.wants_light(self.scene, self.overrides))
+        self.factor = self.scene["supersample"] if self.active else 1
+
+
+@dataclass
+class _ViewLayer:
+    """What is known of a view layer before Cycles renders it."""
+
+    name: str
+    settings: _Settings
+    denoise_other: bool
+    user_indices: np.ndarray | None  # by Cycles' index, to write into the pass that the user asked for
+    objects: meshes.Objects
+    views: dict                      # view name -> (camera, rasterised pictures of `factor` times the frame's size,
+                                     #               camera -> clip)
+    clip_start: float
+    frame: Frame
+    border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
+    threads: int
+    drawn: dict | None = None        # view id -> passes to write, if that is already done
+
+    @property
+    def factor(self):
+        return self.settings.factor
+
+
+def passes(scene):
+    """What Cycles and the stages must have a place for: (name, channel names, kind), as register_pass() takes."""
+    wanted = {**layers.CYCLES, **layers.DRAWN}
+    if hasattr(scene, "encre"):  # the library may be missing
+        mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
+        saved = mode == "ON" or (mode == "AUTO" and multilayer)
+        seen = _sees(scene)
+        wanted |= layers.SAVED if saved else {}
+        wanted |= layers.SEEN if seen else {}
+        wanted |= layers.SAVED_SEEN if seen and saved else {}
+    for name, channels in wanted.items():
+        kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
+        yield versions.pass_name(name), channels, kind
+
+
+def _sees(scene):
+    try:
+        return settings.wants_seen(properties.scene_values(scene), [values for _, values in properties.styles(scene)])
+    except EncreError:  # said when it comes to rendering
+        return False
+
+
+class Frames:
+    """The frames of one render, by the hooks of its engine."""
+
+    def __init__(self, engine):
+        # Weakly: Blender frees an engine when the last reference goes, and Cycles' memory with it, but takes away
+        # the engine's own before Python would find a circle of references.
+        self.engine = weakref.proxy(engine)
+        self.known = {}        # view layer's name -> _ViewLayer
+        self.numbers = None    # of objects: what meshes.renumber() gave
+        self.overrode = False  # with persistent data, what one frame overrode is there in the next
+        self.nonfinite = 0     # values that were read as 0
+
+    # Before Cycles
+
+    def renumber(self, depsgraph):
+        """Numbers the objects, before Cycles looks for what changed in the evaluated scene."""
+        self.numbers = None
+        try:
+            settings = _Settings(depsgraph.scene_eval)
+        except EncreError:  # said when it comes to rendering: baking comes by here too
+            return
+        if settings.active or self.overrode:
+            self.numbers = meshes.renumber(depsgraph, settings.active and settings.scene["object_index"] == "AUTO")
+
+    def render(self, cycles, depsgraph):
+        """Has `cycles` (cycles.engine) render a view layer. EncreError: the settings or the camera can't be used, or
+        a stage fails; Cancelled."""
+        self._before(depsgraph)
+        layer = self.known.get(depsgraph.view_layer.name)
+        if not layer or layer.factor == 1:
+            cycles.render(self.engine, depsgraph)
+        else:
+            layer.drawn = self._supersample(cycles, depsgraph, layer)
+
+    def _before(self, depsgraph):
+        """Overrides on the evaluated scene what the stages can't do with, and rasterises what they need from it.
+
+        Must run before Cycles renders, which frees the depsgraph. The user's scene stays as it is; with all
+        switches off nothing is overridden. EncreError: the settings or the camera can't be used. Cancelled.
+        """
+        self.known.pop(depsgraph.view_layer.name, None)
+        settings, camera = _Settings(depsgraph.scene_eval), self._camera(depsgraph)
+        if settings.denoise and not denoise.available(versions.home()):
+            self.engine.say("INFO", "Open Image Denoise is not there: the light keeps its noise")
+        flat = camera.data.type in {"PERSP", "ORTHO"}
+        if settings.active and not flat:
+            raise EncreError(f"camera {camera.name}: it is panoramic, and Encre draws only what perspective and "
+                                  "orthographic cameras see; make it one of them")
+        denoise_other = self._switch_denoiser(depsgraph, settings.shaded)
+        if settings.active or self.overrode:
+            self._switch_blur(depsgraph, settings.active)
+        self.overrode = settings.active
+        if flat:
+            self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other)
+
+    def _camera(self, depsgraph):
+        camera = self.engine.camera_override or depsgraph.scene.camera
+        if camera is None or camera.type != "CAMERA":
+            raise EncreError("the scene has no camera: add one and make it the scene's")
+        return camera.evaluated_get(depsgraph)
+
+    def _switch_denoiser(self, depsgraph, shaded):
+        """Cycles' denoiser cleans Combined but not the passes. Returns whether ours must do its work too."""
+        user, mine = depsgraph.scene.cycles.use_denoising, depsgraph.scene_eval.cycles
+        if shaded or self.overrode:
+            mine.use_denoising = user and not shaded
+        if mine.use_denoising and not versions.has_cycles_denoiser():
+            mine.use_denoising = False
+            self.engine.say("INFO", "this build of Blender has no Open Image Denoise: Cycles' denoiser is off")
+        return shaded and user and depsgraph.view_layer.cycles.use_denoising
+
+    def _switch_blur(self, depsgraph, off):
+        """Lines need layers in which a pixel shows one thing."""
+        cameras = (block for block in depsgraph.ids if isinstance(block, bpy.types.Camera))
+        blurs = [(depsgraph.scene_eval.render, depsgraph.scene.render, "use_motion_blur", "motion blur"),
+                 *((camera.dof, camera.original.dof, "use_dof", "depth of field") for camera in cameras)]
+        found = set()
+        for evaluated, user, switch, name in blurs:
+            if not off:
+                setattr(evaluated, switch, getattr(user, switch))
+            elif getattr(evaluated, switch):
+                setattr(evaluated, switch, False)
+                found.add(name)
+        if found:
+            names = " and ".join(sorted(found))
+            self.engine.say("WARNING", f"{names}: rendered without, because lines need sharp layers")
+
+    def _rasterise(self, depsgraph, camera, settings, denoise_other):
+        render = depsgraph.scene_eval.render
+        width, height, x, y, columns, rows = cameras.border(render)
+        frame, factor = Frame(width, height, x, y), settings.factor
+        threads = render.threads if render.threads_mode == "FIXED" else 0
+        line_numbers, user_indices = self.numbers or (None, None)
+        objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers)
+        views = {}
+        for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
+            orthographic = camera.data.type == "ORTHO"
+            eye = Camera(view[:3, :3].ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1)
+            maps = library.raster(
+                objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
+                camera.data.clip_start, camera.data.clip_end, len(library.CONTROLS),
+                ("object", "material", "style", "attributes", "marks"), threads, self._go_on)
+            views[name] = eye, maps, projection
+        objects.meshes.clear()
+        if not depsgraph.view_layer.use_pass_object_index:
+            user_indices = None
+        return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views,
+                          camera.data.clip_start, frame,
+                          (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
+                          threads)
+
+    def _go_on(self, _fraction=0):
+        return not self.engine.test_break()
+
+    def _supersample(self, cycles, depsgraph, layer):
+        """Renders and draws a view layer at `factor` times the frame's size; what is to be written, by view id.
+
+        Drawn at once, because the large layers of all view layers together would not find room.
+        """
+        gathered = {}
+
+        def take(column, row):
+            result = self.engine.get_result()
+            for render_pass in result.layers[depsgraph.view_layer.name].passes:
+                if render_pass.name in {**layers.DRAWN, **layers.SAVED, **layers.SAVED_SEEN}:
+                    continue
+                picture = versions.read_pass(render_pass, result.resolution_x, result.resolution_y)
+                view = gathered.setdefault(render_pass.view_id, supersample.Gathered(layer.factor))
+                view.take(render_pass.name, picture, column, row)
+
+        subframes.render(self.engine, cycles, depsgraph, self._camera(depsgraph), layer.factor, take,
+                         self._go_on)
+        drawn = {}
+        for view_id in list(gathered):
+            view = gathered.pop(view_id)
+            pictures = {layers.classic(name): picture for name, picture in view.large.items()}
+            view.large.update(self._draw(layer, view_id, pictures))
+            small = {name: supersample.shrink(name, picture, layer.factor) for name, picture in view.large.items()}
+            drawn[view_id] = {**view.small, **small}
+        return drawn
+
+    # After Cycles
+
+    def after(self):
+        """Runs the stages on every view layer and view that was rendered. EncreError: they can't; Cancelled."""
+        known, self.known = self.known, {}
+        if not known or not self._go_on():
+            return
+        result = self.engine.get_result()
+        for layer in result.layers:
+            if layer.name not in known:  # a picture without stages
+                continue
+            mine, by_view = known[layer.name], {}
+            for render_pass in layer.passes:
+                by_view.setdefault(render_pass.view_id, {})[render_pass.name] = render_pass
+            for view_id, there in by_view.items():
+                out = mine.drawn[view_id] if mine.drawn else self._draw(
+                    mine, view_id, self._read(there, result, mine.settings.seen))
+                for name in out.keys() & there.keys():
+                    versions.write_pass(there[name], out[name])
+            self._stamp(result, mine)
+        if self.nonfinite:
+            self.engine.say("WARNING", f"{self.nonfinite} values of the layers were not finite and were read as 0")
+            self.nonfinite = 0
+
+    def _read(self, there, result, seen):
+        """The passes that the stages need, by their classic names; `there`: render passes by name."""
+        names = {name: versions.pass_name(name) for name in [*layers.CYCLES, *(layers.SEEN if seen else ())]}
+        return {name: versions.read_pass(there[own], result.resolution_x, result.resolution_y)
+                for name, own in names.items() if own in there}
+
+    def _draw(self, layer, view_id, pictures):
+        """The passes, by their names in this Blender, of one view of one view layer from those that Cycles wrote."""
+        settings, objects = layer.settings, layer.objects
+        name = self.engine.get_result().views[view_id].name if len(layer.views) > 1 else ""
+        self.engine.update_stats("Encre", f"{layer.name} {name}".strip())
+        camera, maps, projection = layer.views[name]
+        frame = supersample.frame(layer.frame, layer.factor)
+        if "Denoising Depth" in pictures:
+            depth = layers.seen_depth(pictures["Denoising Depth"], projection, frame, layer.clip_start)
+            pictures = {**pictures, "Encre Seen Depth": depth}
+        index = pictures["IndexOB"][..., 0]
+        pictures = {**pictures, **overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)}
+        images, nonfinite = layers.assemble(pictures, settings.scene, settings.overrides,
+                                            self._denoiser(layer), layer.denoise_other)
+        drawn = library.render(images, settings.scene, settings.overrides, camera, frame,
+                            outputs=("Combined", *layers.DRAWN), threads=layer.threads, progress=self._go_on,
+                            image=papers.load)
+        saved = {name: pictures[name] for name in [*layers.SAVED, *layers.SAVED_SEEN] if name in pictures}
+        out = {**drawn.images, **saved, "Encre Source": images["combined"], "Encre Diffuse": images["diffuse"]}
+        if layer.user_indices is not None:
+            known = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)
+            out[versions.pass_name("IndexOB")] = layer.user_indices[known][..., None]
+        self.nonfinite += nonfinite + drawn.nonfinite
+        return out
+
+    def _denoiser(self, layer):
+        if not layer.settings.denoise or not denoise.available(versions.home()):
+            return None
+        return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, self._go_on,
+                                                                   versions.home())
+
+    def _stamp(self, result, layer):
+        """The settings go into the saved file, so that it can be drawn again without Blender."""
+        frame = layer.frame
+        if layer.border:
+            frame = Frame(frame.width, frame.height)
+        camera = next(iter(layer.views.values()))[0]
+        for key, text in metadata.write(layer.settings.scene, layer.settings.styles, camera, frame,
+                                        layer.border).items():
+            result.stamp_data_add_field(key, text)

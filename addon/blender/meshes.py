@@ -1,0 +1,314 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluated objects -> triangles with painted controls, marked edges  and numbers of objects."""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..pen import colour, library, unwrap
+from ..pen.errors import EncreError
+from ..pen.job import Mesh
+from . import properties, versions
+
+MESHABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
+_MOST_INDICES = 32767  # pass_index is a short
+
+
+@dataclass
+class Objects:
+    """Triangles and marked edges of one view layer. Arrays are by the rasteriser's object number, one for each part
+    of each instance; 0 is nothing."""
+
+    meshes: list
+    owners: np.ndarray   # the object index that Cycles writes for it
+    numbers: np.ndarray  # what the layer `object` says
+    indices: np.ndarray | None  # by Cycles' index: what the layer says where nothing was drawn; None: see strays()
+    automatic: bool
+
+    def strays(self, index):
+        """What the layer `object` says at pixels with Cycles' index, whose object the rasteriser did not draw."""
+        if self.indices is not None:
+            return self.indices[np.clip(index, 0, len(self.indices) - 1).astype(np.intp)]
+        return -index if self.automatic else index  # negative: no automatic number is
+
+
+# Object numbers
+
+def renumber(depsgraph, automatic):
+    """Gives each evaluated object a pass index of its own, or back its user's; originals keep theirs.
+
+    Cycles draws the index of clipped leaves, hair and displaced surfaces, which no rasteriser of ours can, but
+    pass indices are 0 unless set by hand. Returns (line, user) by the new index: the number of the object or its
+    line group, and the index that the user gave; None if indices are the user's, as they stay where a material
+    reads them.
+    """
+    blocks = list(depsgraph.ids)
+    automatic = automatic and not any(_reads_index(block) for block in blocks)
+    line, user, groups = [0], [0], {}
+    for obj in blocks:
+        if not isinstance(obj, bpy.types.Object):
+            continue
+        if not automatic:
+            obj.pass_index = obj.original.pass_index
+            continue
+        obj.pass_index = (len(line) - 1) % _MOST_INDICES + 1
+        if len(line) <= _MOST_INDICES:
+            line.append(_group_number(obj, groups, len(line)))
+            user.append(obj.original.pass_index)
+    return (np.array(line, np.float32), np.array(user, np.float32)) if automatic else None
+
+
+def _group_number(obj, groups, number):
+    group = obj.encre.line_group
+    return groups.setdefault(group, number) if group else number
+
+
+def _reads_index(block):
+    """Whether a material's or a node group's colours depend on the pass index."""
+    tree = block if isinstance(block, bpy.types.ShaderNodeTree) else getattr(block, "node_tree", None)
+    if not isinstance(tree, bpy.types.ShaderNodeTree):
+        return False
+    return any(
+        (node.bl_idname == "ShaderNodeObjectInfo" and node.outputs["Object Index"].is_linked)
+        or (node.bl_idname == "ShaderNodeAttribute" and node.attribute_name == "pass_index")
+        for node in tree.nodes)
+
+
+# Triangles
+
+def extract(depsgraph, automatic, line_numbers):
+    """The Objects that the camera can see. `line_numbers`: what renumber() gave, None if it was not called."""
+    meshes, owners, numbers = [], [0], [0]
+    cache, running, materials = {}, {}, _Materials(depsgraph.scene_eval)
+    first_free = 0 if line_numbers is None else len(line_numbers)
+    for instance in depsgraph.object_instances:
+        obj = instance.object
+        if obj.type not in MESHABLE or not instance.show_self or not _in_camera(obj, depsgraph):
+            continue
+        # Instances come as one passing object. An evaluated mesh has its modifiers in it, a curve or text has not.
+        key = (obj.data.as_pointer(), None if obj.type == "MESH" else obj.original.as_pointer(),
+               obj.encre.separate_parts)
+        if key not in cache:
+            cache[key] = _triangles(obj)
+        triangles = cache[key]
+        if triangles is None:
+            continue
+        number = len(owners)
+        parts = range(first_free + number, first_free + number + triangles.n_parts)
+        owners += [obj.pass_index] * len(parts)
+        numbers.append(_line_number(instance, obj, automatic, line_numbers, running, parts[0]))
+        numbers += [own if automatic else -own for own in parts[1:]]  # negative: no pass index is
+        meshes.append(_mesh(triangles, obj, materials, instance.matrix_world, number))
+        if len(triangles.marked):
+            meshes.append(Mesh(triangles.points, triangles.marked, kind="lines",
+                                    model=np.array(instance.matrix_world, np.float64)))
+    return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
+                   line_numbers if automatic else None, automatic)
+
+
+def _in_camera(obj, depsgraph):
+    if not obj.visible_camera:
+        return False
+    return not obj.original.indirect_only_get(view_layer=depsgraph.view_layer)
+
+
+def _line_number(instance, obj, automatic, line_numbers, running, own):
+    """What the layer `object` says for an instance; `own`: a number that nothing else has."""
+    if not automatic:
+        return obj.pass_index
+    group = obj.encre.line_group
+    if instance.is_instance and not group:
+        return own
+    if line_numbers is not None:
+        return line_numbers[obj.pass_index]
+    return running.setdefault((bool(group), group or obj.name_full), own)
+
+
+@dataclass
+class _Triangles:
+    points: np.ndarray
+    corners: np.ndarray
+    material: np.ndarray | None  # slot of each triangle, None: all 0
+    painted: np.ndarray | None   # (triangles, 3, 6)
+    part: np.ndarray | None      # part of each triangle, 0 to n_parts - 1; None: there is one
+    n_parts: int
+    marked: np.ndarray           # (edges, 2) points of the edges that are marked by hand
+
+
+def _triangles(obj):
+    """The triangles of an evaluated object, None if it has none."""
+    try:
+        mesh = obj.to_mesh()
+    except RuntimeError:  # no geometry
+        return None
+    if mesh is None:
+        return None
+    try:
+        return _read(mesh, obj.encre.separate_parts) if len(mesh.polygons) else None
+    finally:
+        obj.to_mesh_clear()
+
+
+def _get(collection, name, dtype, width=1):
+    values = np.empty(len(collection) * width, dtype)
+    collection.foreach_get(name, values)
+    return values.reshape(-1, width) if width > 1 else values
+
+
+def _read(mesh, separate):
+    position = mesh.attributes.get("position")
+    points = (_get(position.data, "vector", np.float32, 3) if position
+              else _get(mesh.vertices, "co", np.float32, 3))
+    corner_vertex = mesh.attributes.get(".corner_vert")  # many times faster than the loops, where it is there
+    vertex = (_get(corner_vertex.data, "value", np.int32) if corner_vertex
+              else _get(mesh.loops, "vertex_index", np.int32))
+    loops, face = _triangulate(mesh, points, vertex)
+    material = mesh.attributes.get("material_index")
+    if material is not None and material.domain == "FACE" and len(material.data):
+        material = _get(material.data, "value", np.int32)[face]
+        material = material if material.any() else None
+    else:
+        material = None
+    corners = vertex[loops]
+    part, n_parts = _parts(mesh, corners, face, separate)
+    marked = versions.marked_edges(mesh)
+    return _Triangles(points, corners, material, _painted(mesh, loops, corners, face), part, n_parts,
+                      np.empty((0, 2), np.int32) if marked is None or not marked.any()
+                      else _get(mesh.edges, "vertices", np.int32, 2)[marked])
+
+
+def _triangulate(mesh, points, vertex):
+    """(corners of each triangle (t, 3), face of each (t,)), as Blender, and so Cycles, cuts the faces."""
+    start, total = _get(mesh.polygons, "loop_start", np.int32), _get(mesh.polygons, "loop_total", np.int32)
+    if total.max() > 4:
+        mesh.calc_loop_triangles()
+        return (_get(mesh.loop_triangles, "loops", np.int32, 3),
+                _get(mesh.loop_triangles, "polygon_index", np.int32))
+    faces = np.arange(len(total), dtype=np.int32)
+    triangle, quad = faces[total == 3], faces[total == 4]
+    four = start[quad][:, None] + np.arange(4, dtype=np.int32)
+    a, b, c, d = points[vertex[four]].transpose(1, 0, 2)
+    # A quad folded about its first diagonal, or concave there, is cut along the second.
+    flip = np.einsum("ij,ij->i", np.cross(b - a, c - a), np.cross(d - a, c - a)) > 0
+    cut = np.where(flip[:, None], [[0, 1, 3, 1, 2, 3]], [[0, 1, 2, 0, 2, 3]])
+    halves = np.take_along_axis(four, cut, 1).reshape(-1, 3)
+    loops = np.concatenate([start[triangle][:, None] + np.arange(3, dtype=np.int32), halves])
+    return loops, np.concatenate([triangle, np.repeat(quad, 2)])
+
+
+# Parts
+
+PART = "encre_part"
+_NUMBERS = {"INT": np.int32, "INT8": np.int32, "BOOLEAN": bool, "FLOAT": np.float32}
+
+
+def _parts(mesh, corners, face, separate):
+    """(part of each triangle (t,), or None, number of parts): faces with another encre_part, or, with `separate`, not
+    joined by any face, are of another part. The lowest number, and the first point, are part 0."""
+    number = np.zeros(len(corners))
+    attribute = mesh.attributes.get(PART)
+    if attribute is not None and attribute.domain == "FACE" and attribute.data_type in _NUMBERS:
+        number = _get(attribute.data, "value", _NUMBERS[attribute.data_type])[face]
+    piece = islands(len(mesh.vertices), corners)[corners[:, 0]] if separate else np.zeros(len(corners), np.intp)
+    found, part = np.unique(np.stack([number, piece], 1), axis=0, return_inverse=True)
+    return (part.reshape(-1).astype(np.int32), len(found)) if len(found) > 1 else (None, 1)
+
+
+def islands(count, corners):
+    """The least of the points that each of `count` points hangs together with by triangles (t, 3)."""
+    root = np.arange(count)
+    while True:
+        own = root[corners]
+        least = own.min(1)
+        if (own == least[:, None]).all():
+            return root
+        for k in range(3):  # the root of a point, too, hangs together with the least of its triangle
+            np.minimum.at(root, own[:, k], least)
+        while (root[root] != root).any():
+            root = root[root]
+
+
+# UV maps
+
+def unwrapped(obj, depsgraph, uv_map=""):
+    """The triangles of an object in world space with the UV map of this name, or else the one that renders use.
+
+    Raises EncreError for what has no faces or no UV map.
+    """
+    evaluated = obj.evaluated_get(depsgraph)
+    mesh = evaluated.to_mesh() if evaluated.type in MESHABLE else None
+    try:
+        if not mesh or not len(mesh.polygons):
+            raise EncreError(f"{obj.name}: is not a mesh with faces; choose another object")
+        layer = mesh.uv_layers.get(uv_map) or next((u for u in mesh.uv_layers if u.active_render), None)
+        if not layer:
+            raise EncreError(f"{obj.name}: has no UV map; unwrap it first")
+        points = _get(mesh.vertices, "co", np.float32, 3)
+        vertex = _get(mesh.loops, "vertex_index", np.int32)
+        loops, _ = _triangulate(mesh, points, vertex)
+        world = np.array(evaluated.matrix_world, np.float64)
+        return unwrap.Unwrapped(points @ world[:3, :3].T + world[:3, 3], vertex[loops],
+                                _get(layer.data, "uv", np.float32, 2)[loops].astype(np.float64))
+    finally:
+        evaluated.to_mesh_clear()
+
+
+# Painted controls
+
+def _painted(mesh, loops, corners, face):
+    """Control values at the triangles' corners, (t, 3, 6); None if nothing is painted."""
+    painted = None
+    for channel, control in enumerate(library.CONTROLS):
+        attribute = mesh.attributes.get(f"encre_{control}")
+        if attribute is None or not len(attribute.data):
+            continue
+        if attribute.data_type in ("FLOAT_COLOR", "BYTE_COLOR"):
+            values = colour.control_values(_get(attribute.data, "color", np.float32, 4))
+        elif attribute.data_type == "FLOAT":
+            values = _get(attribute.data, "value", np.float32)
+        else:
+            continue
+        where = {"POINT": corners, "CORNER": loops, "FACE": face[:, None]}.get(attribute.domain)
+        if where is None:
+            continue
+        if painted is None:
+            painted = np.zeros((len(loops), 3, len(library.CONTROLS)), np.float32)
+        painted[..., channel] = values[where]
+    return painted
+
+
+class _Materials:
+    """Numbers, styles and controls of materials; each material is asked once."""
+
+    def __init__(self, scene):
+        self.scene, self.known = scene, {None: (0, 0, np.zeros(len(library.CONTROLS), np.float32))}
+
+    def __call__(self, material):
+        key = material and material.name_full
+        if key not in self.known:
+            self.known[key] = (len(self.known), properties.style_number(material, self.scene),
+                               np.array(properties.controls(material), np.float32))
+        return self.known[key]
+
+
+def _mesh(triangles, obj, materials, matrix, number):
+    slots = [materials(slot.material) for slot in obj.material_slots] or [materials(None)]
+    own_style = properties.style_number(obj, materials.scene)
+    controls = np.array([slot[2] for slot in slots]) + np.array(properties.controls(obj), np.float32)
+    mesh = Mesh(triangles.points, triangles.corners, object_index=number,
+                     model=np.array(matrix, np.float64), material_index=slots[0][0],
+                     style_index=own_style or slots[0][1])
+    if triangles.part is not None:
+        mesh.object = number + triangles.part
+    slot = np.zeros(len(triangles.corners), np.intp)
+    if triangles.material is not None and len(slots) > 1:
+        slot = np.clip(triangles.material, 0, len(slots) - 1)  # as Cycles does
+        mesh.material = np.array([s[0] for s in slots], np.int32)[slot]
+        mesh.style = np.array([own_style or s[1] for s in slots], np.int32)[slot]
+    if controls.any():
+        added = controls[slot][:, None]
+        mesh.attributes = added.repeat(3, 1) if triangles.painted is None else triangles.painted + added
+    else:
+        mesh.attributes = triangles.painted
+    return mesh

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lines by hand, in Edit Mode: faces that are a part of their own, and Blender's own marks of edges."""
+
+import itertools
+
+import bmesh
+import bpy
+
+from ..meshes import PART
+
+
+def _wrong(mesh):
+    """A sentence about what is wrong with the mesh, or None."""
+    there = mesh.attributes.get(PART)
+    if there is not None and (there.domain, there.data_type) != ("FACE", "INT"):
+        return f"{mesh.name}: its attribute {PART} holds no whole numbers of faces; remove it, or edit it by hand"
+    return None
+
+
+def _number(mesh, clear):
+    """Gives the selected faces of a mesh in Edit Mode the next free number of a part, or 0. Returns how many."""
+    edited = bmesh.from_edit_mesh(mesh)
+    selected = [face for face in edited.faces if face.select]
+    if selected:
+        layer = edited.faces.layers.int.get(PART) or edited.faces.layers.int.new(PART)
+        selected = [face for face in edited.faces if face.select]  # a new layer invalidates the faces
+        used = {face[layer] for face in edited.faces}
+        number = 0 if clear else next(number for number in itertools.count(1) if number not in used)
+        for face in selected:
+            face[layer] = number
+        bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
+    return len(selected)
+
+
+class ENCRE_OT_mark_part(bpy.types.Operator):
+    """Make the selected faces a part with lines around it, as if they were an object of their own"""
+
+    bl_idname = "encre.mark_part"
+    bl_label = "Mark Line Part"
+    bl_options = {"REGISTER", "UNDO"}
+
+    clear: bpy.props.BoolProperty(name="Clear", description="Let the faces belong to the rest of the mesh again")
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "EDIT_MESH"
+
+    def execute(self, context):
+        edited = [obj.data for obj in context.objects_in_mode_unique_data]
+        if wrong := next(filter(None, map(_wrong, edited)), None):
+            self.report({"ERROR"}, wrong)
+            return {"CANCELLED"}
+        if not sum(_number(mesh, self.clear) for mesh in edited):
+            self.report({"WARNING"}, "No face is selected; select those of the part")
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def _row(layout, operator, text):
+    row = layout.row(align=True)
+    row.operator(operator, text=text).clear = False
+    row.operator(operator, text="", icon="X").clear = True
+
+
+class ENCRE_PT_marks(bpy.types.Panel):
+    bl_label = "Encre Lines"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Encre"
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == "ENCRE" and ENCRE_OT_mark_part.poll(context)
+
+    def draw(self, context):
+        column = self.layout.column()
+        if bpy.app.build_options.freestyle:
+            _row(column, "mesh.mark_freestyle_edge", "Mark Edges")
+        _row(column, "encre.mark_part", "Mark Part")
+        column.prop(context.object.encre, "separate_parts")
+
+
+def _menu(self, context):
+    if context.engine == "ENCRE":
+        self.layout.separator()
+        for text, clear in (("Mark Line Part", False), ("Clear Line Part", True)):
+            self.layout.operator("encre.mark_part", text=text).clear = clear
+
+
+_classes = (ENCRE_OT_mark_part, ENCRE_PT_marks)
+
+
+def register():
+    for cls in _classes:
+        bpy.utils.register_class(cls)
+    bpy.types.VIEW3D_MT_edit_mesh_faces.append(_menu)
+
+
+def unregister():
+    bpy.types.VIEW3D_MT_edit_mesh_faces.remove(_menu)
+    for cls in reversed(_classes):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Painting controls: each is a colour attribute `encre_<control>` that Vertex Paint edits, grey where neutral."""
+
+import bpy
+import numpy as np
+
+from ...pen import colour, library
+from .. import versions
+
+LABELS = {name: name.replace("_", " ").title() for name in library.CONTROLS}
+
+
+def attribute(mesh, control, create=True):
+    """The mesh's colour attribute of a control; made neutral where it is missing."""
+    name = f"encre_{control}"
+    found = mesh.color_attributes.get(name)
+    if found is None and create:
+        found = mesh.color_attributes.new(name, "BYTE_COLOR", "CORNER")
+        grey = colour.decode_srgb(128 / 255)
+        found.data.foreach_set("color", np.tile(np.float32((grey, grey, grey, 1)), len(found.data)))
+    return found
+
+
+class ENCRE_OT_paint(bpy.types.Operator):
+    """Paint this control onto the mesh: white is most, black is least, grey leaves things as they are"""
+
+    bl_idname = "encre.paint"
+    bl_label = "Paint Control"
+    bl_options = {"REGISTER", "UNDO"}
+
+    control: bpy.props.EnumProperty(
+        name="Control", items=[(n, LABELS[n], f"Paint encre_{n}") for n in library.CONTROLS])
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.type == "MESH"
+
+    def execute(self, context):
+        obj = context.object
+        if not obj.data.polygons:
+            self.report({"ERROR"}, f"{obj.name}: the mesh has no faces to paint on; choose another object")
+            return {"CANCELLED"}
+        mode = obj.mode
+        if mode == "EDIT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        found = attribute(obj.data, self.control)
+        obj.data.color_attributes.active_color = found
+        if mode != "VERTEX_PAINT":
+            bpy.ops.object.mode_set(mode="VERTEX_PAINT")
+        return {"FINISHED"}
+
+
+class ENCRE_OT_paint_remove(bpy.types.Operator):
+    """Remove the painted control from the mesh"""
+
+    bl_idname = "encre.paint_remove"
+    bl_label = "Remove Painted Control"
+    bl_options = {"REGISTER", "UNDO"}
+
+    control: bpy.props.EnumProperty(name="Control", items=[(n, LABELS[n], "") for n in library.CONTROLS])
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.type == "MESH" and context.object.mode != "EDIT"
+
+    def execute(self, context):
+        found = attribute(context.object.data, self.control, create=False)
+        if found is None:
+            self.report({"WARNING"}, f"encre_{self.control}: this mesh has no such attribute")
+            return {"CANCELLED"}
+        context.object.data.color_attributes.remove(found)
+        return {"FINISHED"}
+
+
+class ENCRE_OT_brush(bpy.types.Operator):
+    """Set the brush to a value of the control: -1 least, 0 neutral, 1 most"""
+
+    bl_idname = "encre.brush"
+    bl_label = "Brush Value"
+    bl_options = {"REGISTER", "UNDO"}
+
+    value: bpy.props.FloatProperty(name="Value", min=-1, max=1, default=0)
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "PAINT_VERTEX" and context.tool_settings.vertex_paint.brush is not None
+
+    def execute(self, context):
+        encoded = (self.value + 1) / 2 if self.value else 128 / 255
+        shade = colour.decode_srgb(encoded) if versions.LINEAR_BRUSH else encoded
+        paint = context.tool_settings.vertex_paint
+        unified = getattr(paint, "unified_paint_settings", None) or context.tool_settings.unified_paint_settings
+        owner = unified if unified.use_unified_color else paint.brush
+        owner.color = (shade, shade, shade)
+        return {"FINISHED"}
+
+
+class ENCRE_PT_paint(bpy.types.Panel):
+    bl_label = "Encre Controls"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Encre"
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == "ENCRE" and ENCRE_OT_paint.poll(context)
+
+    def draw(self, context):
+        layout, mesh = self.layout, context.object.data
+        active = mesh.color_attributes.active_color
+        column = layout.column(align=True)
+        for name in library.CONTROLS:
+            row = column.row(align=True)
+            there = attribute(mesh, name, create=False)
+            row.operator("encre.paint", text=LABELS[name], depress=there is not None and there == active,
+                         icon="BRUSH_DATA" if there else "ADD").control = name
+            if there:
+                row.operator("encre.paint_remove", text="", icon="X").control = name
+        row = layout.row(align=True)
+        for text, value in (("Least", -1.0), ("Neutral", 0.0), ("Most", 1.0)):
+            row.operator("encre.brush", text=text).value = value
+
+
+_classes = (ENCRE_OT_paint, ENCRE_OT_paint_remove, ENCRE_OT_brush, ENCRE_PT_paint)
+
+
+def register():
+    for cls in _classes:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(_classes):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One panel per stage, drawn from the parameter table."""
+
+import bpy
+
+from ...pen import library
+from .base import EncrePanel
+from .levels import draw_levels
+
+
+def enabled(group, rule):
+    """Whether a parameter's `enabled_if` holds for the values of a group; parameters that it lacks count as on."""
+
+    def term(text):
+        if text.startswith("!"):
+            return not term(text[1:])
+        id_, _, items = text.partition("=")
+        value = getattr(group, id_, True)
+        return value in items.split("|") if items else bool(value)
+
+    return all(term(t) for t in rule.split("&")) if rule else True
+
+
+def draw_params(layout, group, params, path):
+    layout.use_property_split = True
+    layout.use_property_decorate = path != "style"
+    for p in params:
+        row = layout.column()
+        row.active = enabled(group, p.enabled_if)
+        if p.type == "levels":
+            draw_levels(row, group, path)
+        elif p.type == "image":
+            row.template_ID(group, p.id, open="image.open", text=p.label)
+        else:
+            row.prop(group, p.id)
+
+
+def stage_panel(stage):
+    """The panel class of one stage; a stage's `use_…` switch is the panel's check box."""
+    switch = next((p for p in stage.params if p.id.startswith("use_")), None)
+    rest = tuple(p for p in stage.params if p is not switch)
+
+    def draw(self, context):
+        draw_params(self.layout, context.scene.encre, rest, "scene")
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.encre, switch.id, text="")
+
+    members = {"bl_label": stage.label, "bl_idname": f"ENCRE_PT_{stage.id}", "bl_options": {"DEFAULT_CLOSED"},
+               "bl_parent_id": "ENCRE_PT_encre", "draw": draw, "__doc__": stage.help}
+    if switch:
+        members["draw_header"] = draw_header
+    return type(f"ENCRE_PT_{stage.id}", (EncrePanel, bpy.types.Panel), members)
+
+
+def classes():
+    """A panel class for each stage, in the order in which they are shown."""
+    return [stage_panel(stage) for stage in library.stages()]

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Styles: what some surfaces change of the scene's settings."""
+
+import bpy
+
+from ...pen import library
+from .. import properties
+from .base import EncrePanel
+from .stages import draw_params
+
+
+class ENCRE_UL_styles(bpy.types.UIList):
+    def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active, index=0, _flag=0):
+        layout.prop(item, "name", text="", emboss=False, icon="BRUSH_DATA")
+
+
+class ENCRE_OT_style_add(bpy.types.Operator):
+    """Add a style that objects and materials can use; it changes nothing yet"""
+
+    bl_idname = "encre.style_add"
+    bl_label = "Add Style"
+    bl_options = {"UNDO"}
+
+    def execute(self, context):
+        scene = context.scene.encre
+        names = {s.name for s in scene.styles}
+        name = next(n for n in ("Style", *(f"Style.{k:03}" for k in range(1, 1000))) if n not in names)
+        scene.styles.add().name = name
+        scene.active_style = len(scene.styles) - 1
+        return {"FINISHED"}
+
+
+class ENCRE_OT_style_remove(bpy.types.Operator):
+    """Remove the chosen style; what uses it takes the scene's settings"""
+
+    bl_idname = "encre.style_remove"
+    bl_label = "Remove Style"
+    bl_options = {"UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return bool(context.scene.encre.styles)
+
+    def execute(self, context):
+        scene = context.scene.encre
+        scene.styles.remove(scene.active_style)
+        scene.active_style = max(0, min(scene.active_style, len(scene.styles) - 1))
+        return {"FINISHED"}
+
+
+def _surface_params(_self=None, _context=None):
+    return [(p.id, f"{stage.label}: {p.label}", p.help) for stage in library.stages() for p in stage.params
+            if p.scope == "surface"]
+
+
+class ENCRE_OT_style_store(bpy.types.Operator):
+    """Let this style have its own value of a setting"""
+
+    bl_idname = "encre.style_store"
+    bl_label = "Change Setting"
+    bl_options = {"UNDO"}
+    bl_property = "param"
+
+    param: bpy.props.EnumProperty(name="Setting", items=_surface_params())
+
+    def invoke(self, context, _event):
+        context.window_manager.invoke_search_popup(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        scene = context.scene.encre
+        value = properties.scene_values(context.scene)[self.param]
+        properties.set_value(scene.styles[scene.active_style], self.param, value)
+        return {"FINISHED"}
+
+
+class ENCRE_OT_style_forget(bpy.types.Operator):
+    """Take the scene's value again"""
+
+    bl_idname = "encre.style_forget"
+    bl_label = "Use the Scene's Setting"
+    bl_options = {"UNDO", "INTERNAL"}
+
+    param: bpy.props.StringProperty()
+
+    def execute(self, context):
+        scene = context.scene.encre
+        style = scene.styles[scene.active_style]
+        if self.param == "shade_levels":
+            style.shade_levels.clear()
+        style.property_unset(self.param)
+        return {"FINISHED"}
+
+
+class ENCRE_PT_styles(EncrePanel, bpy.types.Panel):
+    bl_label = "Styles"
+    bl_idname = "ENCRE_PT_styles"
+    bl_parent_id = "ENCRE_PT_encre"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, scene = self.layout, context.scene.encre
+        row = layout.row()
+        row.template_list("ENCRE_UL_styles", "", scene, "styles", scene, "active_style", rows=3)
+        buttons = row.column(align=True)
+        buttons.operator("encre.style_add", text="", icon="ADD")
+        buttons.operator("encre.style_remove", text="", icon="REMOVE")
+        if not scene.styles:
+            return
+        style = scene.styles[min(scene.active_style, len(scene.styles) - 1)]
+        for p in library.params().values():
+            if p.scope == "surface" and properties.stores(style, p):
+                row = layout.row()
+                draw_params(row.column(), style, (p,), "style")
+                row.operator("encre.style_forget", text="", icon="X", emboss=False).param = p.id
+        layout.operator("encre.style_store", icon="ADD")
+
+
+CLASSES = (ENCRE_UL_styles, ENCRE_OT_style_add, ENCRE_OT_style_remove, ENCRE_OT_style_store, ENCRE_OT_style_forget,
+           ENCRE_PT_styles)

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The library's parameter table as Blender properties: scene.encre, and encre on objects and materials.
+
+Every reading function takes evaluated data, so that keyframes and drivers count.
+"""
+
+import bpy
+
+from ..pen import library
+
+LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
+_classes = []
+
+
+def _common(p):
+    return {"name": p.label, "description": p.help}
+
+
+def _limits(p):
+    out = {"min": p.hard_min, "soft_min": p.soft_min, "soft_max": p.soft_max}
+    return out if p.hard_max is None else {**out, "max": p.hard_max}
+
+
+def _property(p):
+    """The bpy.props definition of a parameter."""
+    if p.type == "bool":
+        return bpy.props.BoolProperty(default=p.default, **_common(p))
+    if p.type == "int":
+        limits = {k: int(v) for k, v in _limits(p).items()}
+        return bpy.props.IntProperty(default=p.default, **limits, **_common(p))
+    if p.type == "float":
+        return bpy.props.FloatProperty(default=p.default, subtype=LENGTHS.get(p.unit, "NONE"), precision=3,
+                                       **_limits(p), **_common(p))
+    if p.type == "enum":
+        items = [(x.id, x.label, x.help, x.number) for x in p.items]
+        return bpy.props.EnumProperty(items=items, default=p.default, **_common(p))
+    if p.type == "color":
+        return bpy.props.FloatVectorProperty(size=3, subtype="COLOR", default=p.default, min=0.0, soft_max=1.0,
+                                             **_common(p))
+    if p.type == "image":
+        return bpy.props.PointerProperty(type=bpy.types.Image, **_common(p))
+    return bpy.props.CollectionProperty(type=_level_class(), **_common(p))
+
+
+def _class(name, annotations, **members):
+    cls = type(name, (bpy.types.PropertyGroup,), {"__annotations__": annotations, **members})
+    bpy.utils.register_class(cls)
+    _classes.append(cls)
+    return cls
+
+
+def _tone(level):
+    return [min(1.0, level.intensity * c) for c in level.color]
+
+
+def _level_class():
+    """One level of discrete light; `tone` shows what it looks like."""
+    for cls in _classes:
+        if cls.__name__ == "EncreLevel":
+            return cls
+    number = bpy.props.FloatProperty
+    return _class("EncreLevel", {
+        "intensity": number(name="Intensity", description="Brightness of this level", default=1.0,
+                            min=0.0, soft_max=2.0),
+        "threshold": number(name="Threshold", description="Light from which on this level holds",
+                            default=0.5, min=0.0, soft_max=2.0),
+        "transition": number(name="Transition", description="Width over which it blends with the level below",
+                             default=0.025, min=0.0, soft_max=1.0),
+        "color": bpy.props.FloatVectorProperty(name="Color", description="Colour of this level's light", size=3,
+                                               subtype="COLOR", default=(1, 1, 1), min=0.0, soft_max=1.0),
+        "tone": bpy.props.FloatVectorProperty(name="Tone", description="A white surface at this level", size=3,
+                                              subtype="COLOR", min=0.0, max=1.0, get=_tone),
+    })
+
+
+def register():
+    params = library.params().values()
+    style = _class("EncreStyle", {
+        "name": bpy.props.StringProperty(name="Name", default="Style"),
+        **{p.id: _property(p) for p in params if p.scope == "surface"},
+        "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
+    })
+    scene = _class("EncreScene", {
+        **{p.id: _property(p) for p in params},
+        "styles": bpy.props.CollectionProperty(type=style, name="Styles"),
+        "active_style": bpy.props.IntProperty(options={"HIDDEN"}),
+        "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
+    })
+    controls = {
+        name: bpy.props.FloatProperty(name=name.replace("_", " ").title(), default=0.0, min=-1.0, max=1.0,
+                                      description=f"Added to the painted control encre_{name}")
+        for name in library.CONTROLS
+    }
+    controls["style"] = bpy.props.StringProperty(
+        name="Style", description="Style that this surface uses; an object's word counts more than a material's")
+    material = _class("EncreMaterial", dict(controls))
+    obj = _class("EncreObject", {
+        **controls,
+        "line_group": bpy.props.StringProperty(
+            name="Line Group", description="Objects of the same group have no outlines between them"),
+        "separate_parts": bpy.props.BoolProperty(
+            name="Separate Parts", description="Parts of the mesh that no face joins have outlines between them, as "
+            "objects have: also where they pass through each other"),
+    })
+    bpy.types.Scene.encre = bpy.props.PointerProperty(type=scene)
+    bpy.types.Material.encre = bpy.props.PointerProperty(type=material)
+    bpy.types.Object.encre = bpy.props.PointerProperty(type=obj)
+
+
+def unregister():
+    for owner in (bpy.types.Scene, bpy.types.Material, bpy.types.Object):
+        del owner.encre
+    while _classes:
+        bpy.utils.unregister_class(_classes.pop())
+
+
+# ---- reading -----------------------------------------------------------------------------------------------------
+
+
+def levels(group):
+    """The levels of a scene or style as library.check takes them; an untouched list is the default."""
+    rows = [(v.intensity, v.threshold, v.transition, *v.color) for v in group.shade_levels]
+    return [(rows[0][0], 0.0, 0.0, *rows[0][3:]), *rows[1:]] if rows else library.params()["shade_levels"].default
+
+
+def image_key(image):
+    """How settings name a Blender image: its file, or its name where it has none."""
+    return bpy.path.abspath(image.filepath, library=image.library) if image.filepath else image.name
+
+
+def _value(group, p):
+    value = getattr(group, p.id)
+    if p.type == "color":
+        return tuple(value)
+    if p.type == "image":
+        return image_key(value) if value else None
+    return levels(group) if p.type == "levels" else value
+
+
+def scene_values(scene):
+    """{id: value} of every parameter of the scene."""
+    return {p.id: _value(scene.encre, p) for p in library.params().values()}
+
+
+def stores(style, p):
+    """Whether a style changes this parameter."""
+    return bool(len(style.shade_levels)) if p.type == "levels" else style.is_property_set(p.id)
+
+
+def styles(scene):
+    """[(name, {id: value} that it changes)]; style number k is the k-th, 0 the scene's own parameters."""
+    surface = [p for p in library.params().values() if p.scope == "surface"]
+    return [(s.name, {p.id: _value(s, p) for p in surface if stores(s, p)}) for s in scene.encre.styles]
+
+
+def style_number(block, scene):
+    """Number of the style that an object or a material names, 0 if it names none of the scene's."""
+    return scene.encre.styles.find(block.encre.style) + 1 if block and block.encre.style else 0
+
+
+def controls(block):
+    """The six controls of an object or a material, each -1..1; None counts as neutral."""
+    return tuple(getattr(block.encre, name) for name in library.CONTROLS) if block else (0.0,) * len(library.CONTROLS)
+
+
+# ---- writing -----------------------------------------------------------------------------------------------------
+
+
+def set_value(group, id_, value):
+    """Sets a parameter of a scene's or style's group to a checked value."""
+    p = library.params()[id_]
+    if p.type == "image":
+        setattr(group, id_, bpy.data.images.load(value, check_existing=True) if value else None)
+    elif p.type == "levels":
+        group.shade_levels.clear()
+        for k, level in enumerate(value):
+            row = group.shade_levels.add()
+            row.intensity = level[0]
+            if len(level) > 1 and k:
+                row.threshold, row.transition = level[1:3]
+            row.color = level[3:] if len(level) == 6 else (1, 1, 1)
+    else:
+        setattr(group, id_, value)

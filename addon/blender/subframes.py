@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers of n times the frame's size, out of n x n renders by Cycles of the frame's own size.
+
+A RenderEngine's result has the frame's size, and Cycles, which copies its pixels into one, takes its resolution from
+a copy of the settings that crashes Blender when it is set (3.4 to 5.0: the copy belongs to no scene). So each render,
+a sub-frame, sees every n-th column and row of the large picture: the camera's shift moves it by a part of a pixel, the
+pixel filter is n times narrower, and interleaved the sub-frames are what a render at n times the resolution gives.
+
+Cycles frees the depsgraph once it has read it, and in background or with a locked interface the evaluated meshes too,
+unless data are persistent. Blender copies that switch at the start of a render, after render_init, where settings
+may be altered: it is on from there to the end of a render that needs it.
+"""
+
+import contextlib
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..pen.errors import Cancelled, EncreError
+from . import cameras
+
+_SEED_STEP = 1013904223  # far from the seeds of the next frames, which are often the frame's number
+_switched = set()  # names of the scenes whose data are persistent for this render only
+
+
+@persistent
+def _begin(*_):
+    for scene in bpy.data.scenes:  # a compositor's or sequencer's others get no render_init
+        wanted = scene.render.engine == "ENCRE" and getattr(getattr(scene, "encre", None), "supersample", 1) > 1
+        if wanted and not scene.render.use_persistent_data:
+            scene.render.use_persistent_data = True
+            _switched.add(scene.name)
+
+
+@persistent
+def _end(*_):
+    while _switched:
+        if scene := bpy.data.scenes.get(_switched.pop()):
+            scene.render.use_persistent_data = False  # frees the data as well
+
+
+_HANDLERS = (("render_init", _begin), ("render_complete", _end), ("render_cancel", _end))
+
+
+def register():
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister():
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).remove(handler)
+
+
+def render(engine, cycles, depsgraph, camera, factor, take, keep_on):
+    """Has `cycles` (cycles.engine) render the sub-frames; take(column, row) is called after each, with its passes in
+    the engine's result, unless keep_on() is False: Cancelled. The evaluated scene is then as it was."""
+    # The class's own method hides the property `render`.
+    if not engine.path_resolve("render").use_persistent_data:
+        raise EncreError("supersample: it was 1 when the render began and a keyframe or driver has changed it; "
+                              "switch Persistent Data on, or render those frames by themselves")
+    scene, user, view_layer = depsgraph.scene_eval, depsgraph.scene_eval.cycles, depsgraph.view_layer_eval
+    rays = factor ** 2
+    narrow = [(user, "filter_width", (1.5 if user.pixel_filter_type == "BOX" else user.filter_width) / factor)]
+    if user.pixel_filter_type == "BOX":  # Cycles' box can't be narrower than a pixel
+        narrow.append((user, "pixel_filter_type", "BLACKMAN_HARRIS"))
+    fewer = [(user, "samples", max(1, user.samples // rays)), (user, "time_limit", user.time_limit / rays)]
+    if view_layer.samples:
+        fewer.append((view_layer, "samples", max(1, view_layer.samples // rays)))
+    pixel_x, pixel_y = _pixel(scene.render, camera.data)
+    with _changed(*narrow, *fewer):
+        for number in range(rays):
+            row, column = divmod(number, factor)
+            right, down = ((k + 0.5) / factor - 0.5 for k in (column, row))
+            engine.update_stats("Encre", f"part {number + 1} of {rays}")
+            with _changed((user, "seed", (user.seed + number * _SEED_STEP) % 2 ** 31),
+                          (camera.data, "shift_x", camera.data.shift_x + right * pixel_x),
+                          (camera.data, "shift_y", camera.data.shift_y - down * pixel_y)):
+                if number:
+                    cycles.reset(engine, bpy.data, depsgraph)
+                cycles.render(engine, depsgraph)
+                cycles.render_frame_finish(engine)  # a tiled picture is on the disk until now
+            if not keep_on():
+                raise Cancelled("rendering was cancelled")
+            take(column, row)
+
+
+def _pixel(settings, camera):
+    """How far the camera's shift moves the picture by a pixel, to the right and up."""
+    width, height, *_ = cameras.border(settings)
+    wide, high = width * settings.pixel_aspect_x, height * settings.pixel_aspect_y
+    unit = {"HORIZONTAL": wide, "VERTICAL": high, "AUTO": max(wide, high)}[camera.sensor_fit]
+    return settings.pixel_aspect_x / unit, settings.pixel_aspect_y / unit
+
+
+@contextlib.contextmanager
+def _changed(*changes):
+    """Sets the (owner, property, value), which with persistent data would stay, and in the end sets them back."""
+    before = [getattr(owner, name) for owner, name, _ in changes]
+    try:
+        for owner, name, value in changes:
+            setattr(owner, name, value)
+        yield
+    finally:
+        for (owner, name, _), value in zip(changes, before, strict=True):
+            setattr(owner, name, value)

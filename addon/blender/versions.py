@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where Blender's versions differ, each with the version and the reason. Nothing else asks for the version."""
+
+import os
+
+import bpy
+import numpy as np
+
+from ..pen import layers
+
+# 5.0 gave the passes readable names.
+_READABLE_NAMES = bpy.app.version >= (5, 0, 0)
+# 4.1 made RenderPass.rect one flat list; before, it takes one row of channels for each pixel.
+_FLAT_RECT = bpy.app.version >= (4, 1, 0)
+# 5.0 made Brush.color scene-linear; before, it is sRGB-encoded.
+LINEAR_BRUSH = bpy.app.version >= (5, 0, 0)
+# 4.5 wants it said that a property of a path may begin with // and warns at every such value otherwise.
+BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
+# 5.0 made Freestyle's edge marks a boolean attribute; before, they are a property of edges.
+_MARKS_ARE_ATTRIBUTES = bpy.app.version >= (5, 0, 0)
+
+
+def pass_name(name):
+    """This Blender's name of a pass whose classic name is given."""
+    return layers.RENAMED.get(name, name) if _READABLE_NAMES else name
+
+
+def read_pass(render_pass, width, height):
+    """The pixels of a render pass: float32 (height, width, channels), row 0 at the top, a view of a copy."""
+    channels, pixels = render_pass.channels, width * height
+    flat = np.empty(pixels * channels if _FLAT_RECT else (pixels, channels), np.float32)
+    render_pass.rect.foreach_get(flat)
+    return flat.reshape(height, width, channels)[::-1]
+
+
+def write_pass(render_pass, picture):
+    """Stores a picture (height, width, channels) or (height, width), row 0 at the top, in a render pass."""
+    flat = np.ascontiguousarray(picture[::-1], np.float32)
+    render_pass.rect.foreach_set(flat.reshape(-1) if _FLAT_RECT else flat.reshape(-1, render_pass.channels))
+
+
+def marked_edges(mesh):
+    """Which edges of a mesh are marked for Freestyle: bool (edges,), None where no mesh of this Blender says.
+
+    A boolean attribute `freestyle_edge` of edges, which Geometry Nodes can write, counts in every version.
+    """
+    attribute = mesh.attributes.get("freestyle_edge")
+    marked = np.empty(len(mesh.edges), bool)
+    if attribute is not None and (attribute.domain, attribute.data_type) == ("EDGE", "BOOLEAN"):
+        attribute.data.foreach_get("value", marked)
+    elif not _MARKS_ARE_ATTRIBUTES:
+        mesh.edges.foreach_get("use_freestyle_mark", marked)
+    else:
+        return None
+    return marked
+
+
+def has_cycles_denoiser():
+    """Whether this build's Cycles has Open Image Denoise. Distributions leave it out, and Cycles then refuses to
+    render any scene that asks for it, as every factory scene does."""
+    import _cycles
+
+    return bool(getattr(_cycles, "with_openimagedenoise", True))
+
+
+def home():
+    """The folder in which this Blender keeps its scripts' folder and its libraries."""
+    return os.path.dirname(bpy.utils.resource_path("LOCAL"))

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`encre composite`: the stages on the passes of a saved multilayer EXR, without any Blender."""
+
+import numpy as np
+
+from ..pen import layers, library, metadata, settings
+from ..pen.errors import EncreError, unknown
+from ..pen.job import Frame
+from . import images, interrupt
+
+_KNOWN = {**layers.CYCLES, "IndexMA": "X", **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN}
+_LETTERS = "RGBAXYZW"
+_BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
+
+
+def view_layers(channels, views=()):
+    """{view layer: {view: {classic pass name: [full channel name …]}}} in the file's order.
+
+    Blender writes `ViewLayer.Pass.C`, in stereo `ViewLayer.Pass.view.C`; both names may hold dots themselves, so
+    known passes are looked for at the end. A picture without view layers or views has the one called "", where
+    R, G, B, A alone are Combined and Z is Depth.
+    """
+    found = {}
+    for full in channels:
+        name, _, letter = full.rpartition(".")
+        view = next((view for view in views if name.rpartition(".")[2] == view), "")
+        name = name.removesuffix(view).removesuffix(".") or _BARE.get(letter, letter)
+        layer, _, last = name.rpartition(".")
+        for known in (*_KNOWN, *layers.RENAMED.values()):
+            if name == known or name.endswith("." + known):
+                layer, last = name[:-len(known)].removesuffix("."), known
+        passes = found.setdefault(layer, {}).setdefault(view, {})
+        passes.setdefault(layers.classic(last), []).append(full)
+    for eyes in found.values():
+        for passes in eyes.values():
+            for names in passes.values():
+                names.sort(key=lambda full: _LETTERS.find(full[-1].upper()))
+    return found
+
+
+def _choose(found, name, path):
+    """The view layer called `name`, or the file's first; the compositor's result is not one."""
+    if name is None:
+        names = [n for n, eyes in found.items()
+                 if n != "Composite" or any(set(passes) != {"Combined"} for passes in eyes.values())]
+        return (names or list(found))[0]
+    if name not in found:
+        raise EncreError(f"{path}: " + unknown("view layer", name, found))
+    return name
+
+
+def _wanted(passes, path, seen):
+    """{pass: channels} that have to be read: not those that Encre's own passes stand for, what is `seen` if asked."""
+    wanted = {name: channels for name, channels in passes.items()
+              if name in _KNOWN and (seen or name not in {**layers.SEEN, **layers.SAVED_SEEN})}
+    if "Encre Seen Depth" in wanted:
+        wanted.pop("Denoising Depth", None)
+    if "Encre Source" in wanted and "Encre Diffuse" in wanted:
+        for name in ("Combined", "DiffDir", "DiffInd"):
+            wanted.pop(name, None)
+    for name, channels in wanted.items():
+        if len(channels) != len(_KNOWN[name]):
+            raise EncreError(f"{path}: pass {name} has the channels {', '.join(channels)}; "
+                                  f"save it with all of {', '.join(_KNOWN[name])}")
+    return wanted
+
+
+def _place(saved, window):
+    """The frame of what was rendered: the metadata's, or else the display window, which overscan makes larger."""
+    x, y, *_ = saved.border or (0, 0)
+    if frame := saved.frame:
+        return Frame(frame.width, frame.height, frame.x + window.x + x, frame.y + window.y + y)
+    left, top = min(window.x, 0), min(window.y, 0)
+    return Frame(max(window.full_width, window.x + window.width) - left,
+                      max(window.full_height, window.y + window.height) - top, window.x - left + x, window.y - top + y)
+
+
+def _rows_and_columns(border, window):
+    """The pixels that were rendered, as a pair of slices; all without a border."""
+    if not border:
+        return np.s_[:, :]
+    x, y, width, height = border
+    if x + width > window.width or y + height > window.height:
+        raise EncreError(f"the metadata {metadata.BORDER} lie outside the picture; render it again, or remove "
+                              "them")
+    return np.s_[y:y + height, x:x + width]
+
+
+def _whole(picture, at, window):
+    """`picture` in its place, nothing around it, as Blender saves a border."""
+    if picture.shape[:2] == (window.height, window.width):
+        return picture
+    out = np.zeros((window.height, window.width, picture.shape[2]), np.float32)
+    out[at] = picture
+    return out
+
+
+def _notes(saved, passes, path):
+    """What the file leaves open, in one sentence; None: nothing."""
+    assumed = [text for known, text in (
+        (saved.scene is not None, "all parameters start from their defaults"),
+        (saved.frame, "its own size is the frame"),
+        (saved.camera, "the camera is a perspective one"),
+        ("Encre Source" in passes, "Combined is taken as the picture without Encre")) if not known]
+    return f"{path} does not hold all that Encre saves: {', '.join(assumed)}" if assumed else None
+
+
+def _idle(pictures, scene, styles, path):
+    """Which sources of edges have nothing to work on, in one sentence; None: all have."""
+    found = ", ".join(f"{name} ({why})" for name, why in settings.idle(pictures, scene, styles).items())
+    return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
+
+
+def composite(path, out, change, view_layer=None, threads=0, say=print):
+    """Restyles the EXR `path` into `out` (.exr or .png).
+
+    change: the values to set on those in the file; say(kind, sentence) hears notes and warnings. Raises
+    EncreError for the input, images.WriteError where `out` can't be written.
+    """
+    png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
+    with images.Exr(path, threads) as exr:
+        saved = metadata.read(exr.metadata)
+        scene = library.check({**(saved.scene or {}), **change})
+        if (factor := scene.pop("supersample", 1)) > 1:
+            say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "
+                        "at that")
+        styles = [values for _, values in saved.styles]
+        found = view_layers(exr.channels, exr.views)
+        layer = _choose(found, view_layer, path)
+        at = _rows_and_columns(saved.border, exr.window)
+        if png and len(found[layer]) > 1:
+            raise EncreError(f"{path}: is stereo, and a PNG has one view; write an .exr")
+        # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
+        seen = saved.camera is not None and settings.wants_seen(scene, styles)
+        for view, names in found[layer].items():
+            passes = {name: picture[at] for name, picture in exr.read(_wanted(names, path, seen)).items()}
+            try:
+                pictures, bad = layers.assemble(passes, scene, styles)
+            except EncreError as error:
+                others = ", ".join(sorted(set(names) - set(passes))) or "nothing"
+                raise EncreError(f"{path}: {error}; besides in the file: {others}") from None
+            notes = notes or [_notes(saved, passes, path), _idle(pictures, scene, styles, path)]
+            with interrupt.heeded() as progress:
+                result = library.render(pictures, scene, styles, saved.camera, _place(saved, exr.window),
+                                        ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
+                                        progress=progress, image=images.read_paper)
+            pictures = {name: _whole(picture, at, exr.window) for name, picture in result.images.items()}
+            channels.update(_named(pictures, layer, view, names))
+            nonfinite += bad + result.nonfinite
+    for kind, text in [*(("note", note) for note in notes), *(("warning", warning) for warning in saved.warnings)]:
+        if text:
+            say(kind, text)
+    if nonfinite:
+        say("warning", f"{path}: {nonfinite} values were NaN or infinite and were read as 0")
+    if png:
+        images.write_png(out, pictures["Combined"], exr.window)
+    else:
+        images.write_exr(out, channels, exr.window, exr.views)
+
+
+def _named(pictures, layer, view, names):
+    """{full channel name: array (H, W)}, named as the input's channels."""
+    channels = {}
+    for name, picture in pictures.items():
+        prefix = ".".join(filter(None, [layer, name, view]))
+        full = names["Combined"] if name == "Combined" and "Combined" in names else [
+            f"{prefix}.{letter}" for letter in {**_KNOWN, **layers.DRAWN}[name]]
+        channels.update(zip(full, np.moveaxis(picture, 2, 0), strict=True))
+    return channels

@@ -1,0 +1,378 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Image files, through OpenImageIO: multilayer EXR in, EXR and PNG out, paper images, textures in and out.
+
+Only the command line uses this: Blender reads and writes its own images.
+"""
+
+import contextlib
+import os
+import sys
+import tempfile
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..pen import colour
+from ..pen.errors import EncreError
+
+ROWS = 256  # read at a time: enough for every thread to decompress, little memory for the channels not wanted
+
+
+def _oiio():
+    try:
+        import OpenImageIO
+    except ImportError:
+        raise EncreError("the Python module OpenImageIO is missing; run: pip install openimageio") from None
+    return OpenImageIO
+
+
+@contextlib.contextmanager
+def _quiet():
+    """OpenEXR and libpng write about broken files to the standard error; here it is ours to say so, in a sentence."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    try:
+        with open(os.devnull, "w") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+
+
+def _utf8(path):
+    """`path` as OpenImageIO takes it."""
+    try:
+        return os.fspath(path).encode().decode()
+    except UnicodeEncodeError:
+        raise EncreError(f"{path}: this name is not UTF-8; rename the file or its folder") from None
+
+
+@dataclass(frozen=True)
+class Window:
+    """Where an EXR's pixels lie: size and place of the data window in the display window (full_*)."""
+
+    width: int
+    height: int
+    x: int
+    y: int
+    full_width: int
+    full_height: int
+
+
+class Exr:
+    """An open EXR: `channels` maps each channel's full name to its (part, number), in the file's order; `views`
+    names the eyes of a stereo picture, else (); `metadata` holds the text attributes. Use as a context manager.
+
+    Raises EncreError for a file that is missing, unreadable or empty, or whose parts differ in size.
+    """
+
+    def __init__(self, path, threads=0):
+        oiio = _oiio()
+        if not os.path.isfile(path):
+            raise EncreError(f"{path}: there is no such file; check the path")
+        if threads:
+            oiio.attribute("threads", threads)
+            oiio.attribute("exr_threads", threads)
+        self.path, self.channels, self.views, self.metadata, self.window = path, {}, (), {}, None
+        self._file = oiio.ImageInput.open(_utf8(path))
+        if not self._file or self._file.format_name() != "openexr":
+            oiio.geterror()  # or it would be printed at exit
+            self.close()
+            raise EncreError(f"{path}: is not a readable OpenEXR file; give a multilayer EXR")
+        part = 0
+        while self._file.seek_subimage(part, 0):
+            self._add(part, self._file.spec())
+            part += 1
+
+    def _add(self, part, spec):
+        # The display window starts where the file says; only the distance between the two windows matters.
+        window = Window(spec.width, spec.height, spec.x - spec.full_x, spec.y - spec.full_y,
+                        spec.full_width, spec.full_height)
+        if min(spec.width, spec.height) < 1:
+            raise EncreError(f"{self.path}: has no pixels; render it again")
+        if self.window not in (None, window):
+            raise EncreError(f"{self.path}: its parts differ in size; save all passes in one size")
+        self.window = window
+        # One part holds all views, and says so; or each part holds one, and its channels do not name it.
+        view = spec.get_string_attribute("view")
+        self.views = tuple(dict.fromkeys([*self.views, *(spec.getattribute("multiView") or ()), *filter(None, [view])]))
+        for number, name in enumerate(spec.channelnames):
+            if view:
+                name = ".".join([*name.split(".")[:-1], view, name.split(".")[-1]])
+            self.channels.setdefault(name, (part, number))
+        for attribute in spec.extra_attribs:
+            if isinstance(attribute.value, str):
+                self.metadata.setdefault(attribute.name, attribute.value)
+
+    def read(self, passes):
+        """{name: array (H, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}."""
+        shape = self.window.height, self.window.width
+        out = {name: np.empty((*shape, len(channels)), np.float32) for name, channels in passes.items()}
+        wanted = {}
+        for name, channels in passes.items():
+            for k, channel in enumerate(channels):
+                part, number = self.channels[channel]
+                wanted.setdefault(part, []).append((number, out[name][:, :, k]))
+        with _quiet():
+            for part, targets in wanted.items():
+                self._read_part(part, targets)
+        return out
+
+    def _read_part(self, part, targets):
+        """Every chunk is decompressed once, whatever the number of channels wanted from it."""
+        self._file.seek_subimage(part, 0)
+        spec = self._file.spec()
+        first, last = min(n for n, _ in targets), max(n for n, _ in targets) + 1
+        step = spec.height if spec.tile_width else ROWS
+        for y in range(0, spec.height, step):
+            end = min(y + step, spec.height)
+            if spec.tile_width:
+                rows = self._file.read_image(part, 0, first, last, "float")
+            else:
+                rows = self._file.read_scanlines(part, 0, spec.y + y, spec.y + end, 0, first, last, "float")
+            if rows is None:
+                self._file.geterror()
+                raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
+            rows = rows.reshape(end - y, spec.width, last - first)
+            for number, target in targets:
+                target[y:end] = rows[:, :, number - first]
+
+    def close(self):
+        if self._file:
+            self._file.close()
+            self._file = None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
+def read_paper(path):
+    """An image of any kind as an array (H, W) or (H, W, 3) of float32, values as stored, without its alpha."""
+    if not os.path.isfile(path):
+        raise EncreError(f"paper_image: there is no file {path}; check the path")
+    pixels = _stored(path, "float")
+    if pixels is None:
+        raise EncreError(f"paper_image: {path} can't be read; give an image such as a PNG or an EXR")
+    return np.ascontiguousarray(pixels[:, :, :3] if pixels.shape[2] > 2 else pixels[:, :, 0])
+
+
+@dataclass
+class Texture:
+    """Pixels (H, W, 3 or 4), float32, values as stored; kind: how the file stores them, "uint8", "half" ...; linear:
+    whether they are linear light, as floats are, or sRGB-encoded, as whole numbers are; straight: not premultiplied."""
+
+    pixels: np.ndarray
+    kind: str
+    linear: bool
+    straight: bool
+
+
+def read_texture(path, most):
+    """The first image of a file of any kind, grey as colour, at most `most` texels each way. Raises EncreError."""
+    oiio = _oiio()
+    if not os.path.isfile(path):
+        raise EncreError(f"{path}: there is no such file; check the path")
+    with _quiet():
+        file = oiio.ImageInput.open(_utf8(path), _as_stored())
+    oiio.geterror()  # or it would be printed at exit
+    if not file:
+        raise EncreError(f"{path}: is not an image that can be read; give one such as a PNG or an EXR")
+    spec = file.spec()
+    file.close()
+    if not (1 <= spec.width <= most and 1 <= spec.height <= most):
+        raise EncreError(f"{path}: is {spec.width} x {spec.height} texels; give an image of 1 to {most} each way")
+    if spec.depth > 1 or spec.deep or spec.nchannels not in (1, 2, 3, 4):
+        raise EncreError(f"{path}: is no flat picture with 1 to 4 channels but has {spec.nchannels}; "
+                         "give a texture, not render passes")
+    pixels = _stored(path, "float")
+    if pixels is None:
+        raise EncreError(f"{path}: can't be read to its end; save it again")
+    if spec.nchannels < 3:
+        pixels = pixels[:, :, [0, 0, 0, 1][:2 + spec.nchannels]]
+    kind = str(spec.format)
+    return Texture(np.ascontiguousarray(pixels), kind, kind in ("half", "float", "double"),
+                   bool(spec.get_int_attribute("oiio:UnassociatedAlpha")))
+
+
+def fit_texture(path, texture):
+    """The texture as a file of this name stores it: EXR and HDR hold linear light, premultiplied, others but TIFF
+    sRGB-encoded colours. Raises EncreError where none can."""
+    oiio = _oiio()
+    out = oiio.ImageOutput.create(_utf8(path))
+    oiio.geterror()
+    if not out:
+        raise EncreError(f"{path}: images of this kind can't be written; give a name that ends in .png, .tif or .exr")
+    if texture.pixels.shape[2] == 4 and not out.supports("alpha"):
+        raise EncreError(f"{path}: the texture has alpha, which this kind of file has not; give a name in .png or .tif")
+    linear = out.format_name() in ("openexr", "hdr")
+    if texture.linear == linear or out.format_name() == "tiff":
+        return texture
+    color, alpha = texture.pixels[..., :3], texture.pixels[..., 3:]
+    if linear:
+        color = colour.decode_srgb(color) * (alpha if texture.straight and alpha.size else 1)
+    else:
+        color = colour.encode_srgb(color / (np.where(alpha > 0, alpha, 1) if alpha.size else 1))
+    return Texture(np.concatenate([color, alpha], 2, dtype=np.float32), "half" if linear else "uint16", linear,
+                   not linear)
+
+
+def write_textures(textures):
+    """Writes {path: Texture}, all whole or none at all. Raises WriteError where one can't be written."""
+    oiio = _oiio()
+    with contextlib.ExitStack() as parts:
+        done = []
+        for number, (path, texture) in enumerate(textures.items()):
+            height, width, channels = texture.pixels.shape
+            spec = oiio.ImageSpec(width, height, channels, texture.kind)
+            spec["oiio:ColorSpace"] = "Linear" if texture.linear else "sRGB"
+            if texture.straight:
+                spec["oiio:UnassociatedAlpha"] = 1
+            done.append((parts.enter_context(_part(path, spec, texture.pixels, number)), path))
+        for part, path in done:
+            os.replace(part, path)
+
+
+def _as_stored():
+    """What tells OpenImageIO to leave colours alone that are not multiplied by alpha."""
+    spec = _oiio().ImageSpec()
+    spec["oiio:UnassociatedAlpha"] = 1
+    return spec
+
+
+def _stored(path, kind):
+    """All pixels (H, W, channels) of an image without conversion of colour or alpha; None: it can't be read."""
+    oiio = _oiio()
+    with _quiet():
+        file = oiio.ImageInput.open(_utf8(path), _as_stored())
+        pixels = file.read_image(kind) if file else None
+    oiio.geterror()  # or it would be printed at exit
+    if pixels is None:
+        return None
+    spec = file.spec()
+    file.close()
+    return pixels.reshape(spec.height, spec.width, spec.nchannels)
+
+
+def draw_text(picture, lines):
+    """Writes lines (x, baseline y, size in pixels, words) in black on a picture (H, W, 3) and returns that."""
+    oiio = _oiio()
+    height, width, _ = picture.shape
+    buffer = oiio.ImageBuf(oiio.ImageSpec(width, height, 3, "float"))
+    buffer.set_pixels(oiio.ROI(0, width, 0, height, 0, 1, 0, 3), np.ascontiguousarray(picture, np.float32))
+    for x, y, size, words in lines:
+        if not oiio.ImageBufAlgo.render_text(buffer, round(x), round(y), words, round(size), "DroidSans", (0.0,) * 3):
+            buffer.geterror()
+            raise EncreError("OpenImageIO finds no font to write the caption with; install openimageio from PyPI, "
+                             "which brings one")
+    return buffer.get_pixels(oiio.FLOAT)
+
+
+def write_exr(path, channels, window, views=()):
+    """Writes {full channel name: array (H, W)} as one part of 32-bit floats, whole or not at all.
+
+    Raises WriteError where the file can't be written.
+    """
+    oiio = _oiio()
+    spec = oiio.ImageSpec(window.width, window.height, len(channels), "float")
+    spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
+    spec.channelnames = tuple(channels)
+    spec["compression"] = "zip"
+    if views:
+        spec.attribute("multiView", oiio.TypeDesc(f"string[{len(views)}]"), views)
+    _write(path, spec, np.stack(list(channels.values()), axis=2))
+
+
+def write_png(path, rgba, window):
+    """Writes scene-linear, premultiplied (H, W, 4) as 8-bit sRGB with straight alpha, whole or not at all.
+
+    The picture is the display window: PNG has no other. Raises WriteError where the file can't be written.
+    """
+    oiio = _oiio()
+    alpha = np.clip(rgba[:, :, 3:], 0, 1)
+    straight = rgba[:, :, :3] / np.where(alpha > 0, alpha, 1)
+    picture = np.zeros((window.full_height, window.full_width, 4), np.uint8)
+    top, left = max(window.y, 0), max(window.x, 0)
+    pixels = np.round(255 * np.concatenate([colour.encode_srgb(straight), alpha], axis=2)).astype(np.uint8)
+    pixels = pixels[top - window.y:, left - window.x:][:max(window.full_height - top, 0),
+                                                       :max(window.full_width - left, 0)]
+    picture[top:top + pixels.shape[0], left:left + pixels.shape[1]] = pixels
+    spec = oiio.ImageSpec(window.full_width, window.full_height, 4, "uint8")
+    spec["oiio:ColorSpace"] = "sRGB"
+    spec["oiio:UnassociatedAlpha"] = 1  # the pixels are straight already
+    _write(path, spec, picture)
+
+
+@_quiet()
+def whole(path, last_row=False):
+    """Whether every pixel of an image file can be read; last_row: whether the last ones can, which is quick to see."""
+    oiio, part = _oiio(), 0
+    file = oiio.ImageInput.open(_utf8(path))
+    while file and file.seek_subimage(part, 0):
+        spec, part = file.spec(), part + 1
+        end = spec.y + spec.height
+        for y in range(end - 1 if last_row else spec.y, end, ROWS):
+            rows = file.read_scanlines(part - 1, 0, y, min(y + ROWS, end), 0, 0, spec.nchannels, spec.format)
+            if rows is None:
+                file.geterror()
+                return False
+    oiio.geterror()  # or it would be printed at exit
+    return part > 0
+
+
+class WriteError(EncreError):
+    """A file can't be written, which shows only after the work."""
+
+
+def unwritable(path, reason):
+    return f"{path}: can't be written ({reason}); make room there or choose another folder"
+
+
+def prepare(path):
+    """Finds out before any work whether `path` can be written; makes its folder. Raises EncreError."""
+    folder = os.path.dirname(_utf8(os.path.abspath(path)))
+    if os.path.isdir(path):
+        raise EncreError(unwritable(path, "it is a folder"))
+    if os.path.exists(path) and not os.access(path, os.W_OK):
+        raise EncreError(unwritable(path, "it is write-protected"))
+    try:
+        os.makedirs(folder, exist_ok=True)
+        with contextlib.suppress(FileNotFoundError):
+            os.stat(path)  # fails where the name is too long
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(bytes(65536))
+    except OSError as error:
+        raise EncreError(unwritable(path, error.strerror)) from None
+
+
+def _write(path, spec, pixels):
+    with _part(path, spec, pixels) as part:
+        os.replace(part, path)
+
+
+@contextlib.contextmanager
+def _part(path, spec, pixels, number=0):
+    """A finished file beside `path`, to take its name; removed if it does not. `number` tells those apart that are
+    there at once. Raises WriteError."""
+    oiio = _oiio()
+    folder, ending = os.path.dirname(os.path.abspath(path)), os.path.splitext(path)[1]
+    part = os.path.join(folder, f".encre-{os.getpid()}-{number}{ending}")  # the ending tells OpenImageIO the format
+    try:
+        out = oiio.ImageOutput.create(part)
+        good = out.open(part, spec) and out.write_image(pixels)
+        good = out.close() and good
+        # OpenImageIO's PNG writer does not notice a full disk.
+        if good and out.format_name() == "png" and not whole(part):
+            good = False
+        if not good:
+            reason = (out.geterror().replace(part, path).splitlines() or ["the disk may be full"])[0]
+            raise WriteError(unwritable(path, reason.rstrip(" .")))
+        yield part
+    except OSError as error:
+        raise WriteError(unwritable(path, error.strerror)) from None
+    finally:
+        with contextlib.suppress(OSError):
+            os.remove(part)

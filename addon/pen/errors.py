@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What goes wrong, told in one sentence that names the thing and the cure."""
+
+import difflib
+
+
+class EncreError(Exception):
+    """Something the user can mend; str() is one sentence that names the thing and the cure."""
+
+
+class Cancelled(EncreError):
+    """The progress callback returned False."""
+
+
+def unknown(kind, name, names):
+    """One sentence about an unknown name, with the nearest known ones."""
+    near = difflib.get_close_matches(str(name), list(names), 3, 0.5)
+    cure = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(names)}"
+    return f"{name}: unknown {kind}; {cure}"

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the library is given and gives back, as numpy knows it. Shapes are checked here: C can't see them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .errors import EncreError
+
+
+@dataclass
+class Camera:
+    """view: rotation world -> camera, 9 floats row by row; height: orthographic frame height in scene units."""
+
+    view: Sequence[float] = (1, 0, 0, 0, 1, 0, 0, 0, 1)
+    orthographic: bool = False
+    height: float = 1.0
+
+
+@dataclass
+class Frame:
+    """Size of the full frame in pixels, and where the images' top left pixel lies in it."""
+
+    width: int
+    height: int
+    x: int = 0
+    y: int = 0
+
+
+@dataclass
+class Mesh:
+    """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels); numbers of
+    `object`, `material` and `style` (t,) or one for all. Of kind `lines`: points and corners (t, 2) alone.
+    """
+
+    points: np.ndarray
+    corners: np.ndarray | None = None
+    attributes: np.ndarray | None = None
+    material: np.ndarray | None = None
+    style: np.ndarray | None = None
+    object: np.ndarray | None = None
+    model: np.ndarray = field(default_factory=lambda: np.eye(4))
+    object_index: int = 0
+    material_index: int = 0
+    style_index: int = 0
+    kind: str = "triangles"
+
+
+@dataclass
+class Result:
+    images: dict[str, np.ndarray]
+    nonfinite: int
+
+
+@dataclass
+class Baked:
+    """texture: None where it was only measured; greatest: largest difference of two neighbours, by contrast_metric."""
+
+    texture: np.ndarray | None
+    nonfinite: int
+    greatest: float
+
+
+def picture(name, a, channels):
+    """float32 (height, width, channels) with adjacent channels; a copy only where `a` is not like that."""
+    a = np.asarray(a)
+    if a.ndim not in (2, 3) or (a.shape[2] if a.ndim == 3 else 1) != channels:
+        raise EncreError(f"{name}: the array has shape {a.shape}; give (height, width, {channels})")
+    if a.shape[0] == 0 or a.shape[1] == 0:
+        raise EncreError(f"{name}: is {a.shape[1]} x {a.shape[0]} pixels; give at least one pixel each way")
+    if a.dtype != np.float32 or (a.ndim == 3 and a.strides[2] != 4) or a.strides[1] < 4 * channels:
+        a = np.ascontiguousarray(a, np.float32)
+    return a
+
+
+def entries(what, a, dtype, shape):
+    """The array `a` of a mesh with at least the axes of `shape`: one that is too short would be read past its end."""
+    a = np.ascontiguousarray(a, dtype)
+    if a.shape[:len(shape)] != shape:
+        raise EncreError(f"mesh: {what} has shape {a.shape}; give one entry for each of {shape}")
+    return a

@@ -1,0 +1,412 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The C library from Python: parameters by introspection, rendering and rasterising of numpy arrays.
+
+Nothing here knows Blender. Errors are EncreError, whose text is one sentence for the user.
+"""
+
+import ctypes as c
+import functools
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from .errors import Cancelled, EncreError, unknown
+from .job import Baked, Camera, Frame, Mesh, Result, entries, picture
+from .params import MAX_LEVELS, Param, Stage, normal, read, stage, text_of
+
+API_VERSION = 5
+LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
+CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
+
+
+# ---- csrc/encre.h ----------------------------------------------------------------------------------------------
+
+
+class _Image(c.Structure):
+    _fields_ = [("data", c.c_void_p), ("width", c.c_int32), ("height", c.c_int32), ("channels", c.c_int32),
+                ("reserved", c.c_int32), ("pixel_stride", c.c_int64), ("row_stride", c.c_int64)]
+
+
+class _LayerInfo(c.Structure):
+    _fields_ = [("name", c.c_char_p), ("help", c.c_char_p), ("channels", c.c_int32), ("required", c.c_int32)]
+
+
+class _Level(c.Structure):
+    _fields_ = [("value", c.c_float * 6)]  # intensity, threshold, transition, r, g, b
+
+
+class _Levels(c.Structure):
+    _fields_ = [("count", c.c_int32), ("level", _Level * MAX_LEVELS)]
+
+
+class _Item(c.Structure):
+    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("number", c.c_int64)]
+
+
+class _ParamInfo(c.Structure):
+    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("unit", c.c_char_p),
+                ("enabled_if", c.c_char_p), ("items", c.POINTER(_Item)), ("n_items", c.c_int32), ("type", c.c_int32),
+                ("scope", c.c_int32), ("offset", c.c_int32), ("value", c.c_double * 3), ("hard_min", c.c_double),
+                ("hard_max", c.c_double), ("soft_min", c.c_double), ("soft_max", c.c_double),
+                ("levels", c.POINTER(_Levels))]
+
+
+class _StageInfo(c.Structure):
+    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("params", c.POINTER(_ParamInfo)),
+                ("n_params", c.c_int32), ("reserved", c.c_int32)]
+
+
+class _Camera(c.Structure):
+    _fields_ = [("view", c.c_float * 9), ("orthographic", c.c_int32), ("height", c.c_float)]
+
+
+class _Frame(c.Structure):
+    _fields_ = [("width", c.c_int32), ("height", c.c_int32), ("x", c.c_int32), ("y", c.c_int32)]
+
+
+_Progress = c.CFUNCTYPE(c.c_bool, c.c_void_p, c.c_double)
+
+
+class _Mesh(c.Structure):
+    _fields_ = [("kind", c.c_int32), ("n_primitives", c.c_int32), ("n_points", c.c_int32), ("n_channels", c.c_int32),
+                ("points", c.c_void_p), ("corners", c.c_void_p), ("attributes", c.c_void_p),
+                ("material", c.c_void_p), ("style", c.c_void_p), ("model", c.c_double * 16),
+                ("object_index", c.c_int32), ("material_index", c.c_int32), ("style_index", c.c_int32),
+                ("reserved", c.c_int32), ("object", c.c_void_p)]
+
+
+_KINDS = {"triangles": 3, "lines": 2}  # corners of a primitive, in the order of enum encre_primitive
+_RASTER_OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes")
+
+
+class _RasterJob(c.Structure):
+    _fields_ = [("meshes", c.POINTER(_Mesh)), ("n_meshes", c.c_int32), ("n_channels", c.c_int32),
+                ("view", c.c_double * 16), ("projection", c.c_double * 16), ("clip_start", c.c_double),
+                ("clip_end", c.c_double), ("frame", _Frame), *((n, _Image) for n in _RASTER_OUTPUTS),
+                ("progress", _Progress), ("user", c.c_void_p), ("marks", _Image)]
+
+
+class _BakeJob(c.Structure):
+    _fields_ = [("texture", _Image), ("form", _Image), ("output", _Image), ("params", c.c_void_p),
+                ("linear", c.c_int32), ("wrap_x", c.c_int32), ("wrap_y", c.c_int32), ("reserved", c.c_int32),
+                ("progress", _Progress), ("user", c.c_void_p), ("nonfinite", c.c_int64), ("greatest", c.c_double)]
+
+
+class Library:
+    """One loaded libencre. `path` None: the one in the package's folder."""
+
+    def __init__(self, path=None):
+        path = path or os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), LIBRARY)
+        if not os.path.exists(path):
+            raise EncreError(f"{path}: the Encre library is missing; install Encre again for this platform")
+        try:
+            lib = c.CDLL(path)
+            lib.encre_create.restype, lib.encre_error.restype = c.c_void_p, c.c_char_p
+            lib.encre_create.argtypes = [c.c_int32]
+        except (OSError, AttributeError) as e:
+            raise EncreError(f"{path}: the Encre library can't be loaded ({e}); install Encre again") from None
+        lib.encre_error.argtypes = [c.c_void_p]
+        lib.encre_destroy.argtypes = [c.c_void_p]
+        lib.encre_destroy.restype = None
+        context = lib.encre_create(API_VERSION)
+        if not context:
+            raise EncreError(f"{path}: the Encre library has another version than its Python code; "
+                             "install both from one package")
+        lib.encre_destroy(context)
+        lib.encre_stage_info.restype = c.POINTER(_StageInfo)
+        lib.encre_layer_info.restype = lib.encre_output_info.restype = c.POINTER(_LayerInfo)
+        lib.encre_params_size.restype = c.c_int64
+        lib.encre_params_check.restype = c.c_char_p
+        lib.encre_params_check.argtypes = [c.c_void_p, c.c_char_p, c.c_int64]
+        lib.encre_params_init.argtypes = [c.c_void_p]
+        for name in ("encre_set_threads", "encre_set_simd"):
+            getattr(lib, name).argtypes = [c.c_void_p, c.c_int32]
+        for name in ("encre_render", "encre_raster", "encre_bake"):
+            getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
+        self.path, self.lib = path, lib
+        self.layers = {text_of(x.name): x.channels for x in _each(lib.encre_layer_info)}
+        self.outputs = {text_of(x.name): x.channels for x in _each(lib.encre_output_info)}
+        self.stages = tuple(map(stage, _each(lib.encre_stage_info)))
+        self.params = {p.id: p for s in self.stages for p in s.params}
+
+        class Job(c.Structure):
+            _fields_ = [("layers", _Image * len(self.layers)), ("outputs", _Image * len(self.outputs)),
+                        ("camera", _Camera), ("frame", _Frame), ("params", c.c_void_p), ("n_styles", c.c_int32),
+                        ("reserved", c.c_int32), ("progress", _Progress), ("user", c.c_void_p),
+                        ("nonfinite", c.c_int64)]
+
+        self._job = Job
+
+    # -- values
+
+    def pack(self, values, image=None):
+        """A parameter block of checked values; `image` loads paper images. Returns (bytearray, things to keep)."""
+        block = (c.c_char * self.lib.encre_params_size())()
+        self.lib.encre_params_init(block)
+        keep = []
+        for id_, value in values.items():
+            p = self.params[id_]
+            at = c.addressof(block) + p.offset
+            if p.type in ("bool", "int"):
+                c.c_int32.from_address(at).value = int(value)
+            elif p.type == "enum":
+                c.c_int32.from_address(at).value = p.number[value]
+            elif p.type == "float":
+                c.c_float.from_address(at).value = value
+            elif p.type == "color":
+                (c.c_float * 3).from_address(at)[:] = value
+            elif p.type == "levels":
+                levels = _Levels.from_address(at)
+                levels.count = len(value)
+                for k, level in enumerate(value):
+                    levels.level[k].value[:] = (*level, *(0, 0, 0, 1, 1, 1)[len(level):])
+            elif value is not None and image:
+                a = np.ascontiguousarray(image(value), np.float32)
+                keep.append(a)
+                _Image.from_buffer((c.c_char * c.sizeof(_Image)).from_address(at))
+                c.memmove(at, c.byref(_image(a)), c.sizeof(_Image))
+        return block, keep
+
+    def check(self, values):
+        """Normalises parameter values; EncreError for an unknown id, a wrong type, a value out of range."""
+        out = {}
+        for id_, value in values.items():
+            if id_ not in self.params:
+                raise EncreError(unknown("parameter", id_, self.params))
+            out[id_] = normal(self.params[id_], value)
+        text = c.create_string_buffer(512)
+        block, _ = self.pack(out)
+        sentence = self.lib.encre_params_check(block, text, len(text))
+        if sentence:
+            raise EncreError(text_of(sentence))
+        return out
+
+    # -- work
+
+    def _context(self, threads, simd):
+        context = self.lib.encre_create(API_VERSION)
+        if not context:
+            raise EncreError("memory: there is none left for rendering; close other programs")
+        for setting, number in ((self.lib.encre_set_threads, threads), (self.lib.encre_set_simd, simd)):
+            if setting(context, number):
+                sentence = text_of(self.lib.encre_error(context))
+                self.lib.encre_destroy(context)
+                raise EncreError(sentence)
+        return context
+
+    def _call(self, function, job, threads, simd, progress):
+        failure = []
+
+        def forward(_user, fraction):
+            try:
+                return progress(fraction) is not False
+            except BaseException as e:  # noqa: BLE001 - it must not be lost in C: raised again below
+                failure.append(e)
+                return False
+
+        job.progress = _Progress(forward) if progress else _Progress()
+        context = self._context(threads, simd)
+        try:
+            code = function(context, c.byref(job))
+            sentence = text_of(self.lib.encre_error(context))
+        finally:
+            self.lib.encre_destroy(context)
+        if failure:
+            raise failure[0]
+        if code:
+            raise (Cancelled if code == 3 else EncreError)(sentence)
+
+    def render(self, layers: Mapping[str, np.ndarray], scene: Mapping | None = None, styles: Sequence[Mapping] = (),
+               camera: Camera | None = None, frame: Frame | None = None, outputs: Sequence[str] = ("Combined",),
+               threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None,
+               image: Callable[[str], np.ndarray] | None = None) -> Result:
+        """Runs the stages on layers of shape (H, W, channels) or (H, W), float32, row 0 at the top, any strides.
+
+        scene: values that differ from the defaults; styles[k]: what style number k + 1 changes, of which values of
+        frame scope are ignored. Result.images has an array (H, W, channels) for each of `outputs`.
+        """
+        job, keep = self._job(), []
+        for i, (name, channels) in enumerate(self.layers.items()):
+            a = layers.get(name)
+            if a is not None:
+                a, job.layers[i] = _input(name, a, channels)
+                keep.append(a)
+        for name in layers:
+            if name not in self.layers:
+                raise EncreError(unknown("layer", name, self.layers))
+        if layers.get("combined") is None:
+            raise EncreError("combined: this layer is missing and required; render it or name the file that has it")
+        height, width = layers["combined"].shape[:2]
+        images = {}
+        for i, (name, channels) in enumerate(self.outputs.items()):
+            if name in outputs:
+                images[name] = np.empty((height, width, channels), np.float32)
+                job.outputs[i] = _image(images[name])
+        for name in outputs:
+            if name not in self.outputs:
+                raise EncreError(unknown("output", name, self.outputs))
+        scene = self.check(scene or {})
+        values = [scene] + [{**scene, **{k: v for k, v in self.check(s).items() if self.params[k].scope == "surface"}}
+                            for s in styles]
+        if scene.get("paper_source") == "IMAGE" and not (scene.get("paper_image") and image):
+            raise EncreError("paper_image: the paper's source is an image but none is given; choose an image")
+        blocks = [self.pack(v, image if k == 0 else None) for k, v in enumerate(values)]
+        block = b"".join(bytes(b) for b, _ in blocks)
+        keep += [b for _, b in blocks] + [block]
+        job.params = c.cast(c.c_char_p(block), c.c_void_p)
+        job.n_styles = len(values)
+        camera = camera or Camera()
+        job.camera = _Camera((c.c_float * 9)(*camera.view), bool(camera.orthographic), camera.height)
+        frame = frame or Frame(width, height)
+        job.frame = _Frame(frame.width, frame.height, frame.x, frame.y)
+        self._call(self.lib.encre_render, job, threads, simd, progress)
+        return Result(images, job.nonfinite)
+
+    def raster(self, meshes: Sequence[Mesh], view, projection, frame: Frame, size: tuple[int, int],
+               clip_start: float, clip_end: float = 0.0, channels: int = 0,
+               outputs: Sequence[str] = _RASTER_OUTPUTS, threads: int = 0, progress=None) -> dict[str, np.ndarray]:
+        """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
+
+        Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
+        (H, W, 2).
+        """
+        job, keep = _RasterJob(), []
+        array = (_Mesh * max(1, len(meshes)))()
+        for m, mesh in zip(array, meshes, strict=False):
+            keep.append(_pack_mesh(m, mesh))
+        job.meshes, job.n_meshes, job.n_channels = array, len(meshes), channels
+        job.view[:] = np.asarray(view, np.float64).ravel()
+        job.projection[:] = np.asarray(projection, np.float64).ravel()
+        job.clip_start, job.clip_end = clip_start, clip_end
+        job.frame = _Frame(frame.width, frame.height, frame.x, frame.y)
+        width, height = size
+        images = {}
+        for name in outputs:
+            depth = {"normal": (3,), "attributes": (channels,), "marks": (2,)}.get(name, ())
+            shape = height, width, *depth
+            images[name] = np.zeros(shape, np.float32)
+            if images[name].size:
+                setattr(job, name, _image(images[name]))
+        self._call(self.lib.encre_raster, job, threads, 1, progress)
+        return images
+
+    def bake(self, texture: np.ndarray, scene: Mapping | None = None, form: np.ndarray | None = None,
+             linear: bool = False, wrap: tuple[bool, bool] = (True, True), draw: bool = True, threads: int = 0,
+             simd: int = 1, progress: Callable[[float], bool] | None = None) -> Baked:
+        """Draws inter-color lines into a texture of shape (H, W, 3 or 4), row 0 at the top, any strides.
+
+        linear: whether its values are, or sRGB-encoded; wrap: whether it tiles sideways, up and down; form (H, W, 3):
+        E, F, G of E x^2 + 2 F x y + G y^2, the squared length on the surface of a step of x texels to the right and
+        y down. Without `draw` it only measures.
+        """
+        texture = np.asarray(texture)
+        if texture.ndim != 3 or texture.shape[2] not in (3, 4):
+            raise EncreError(f"texture: the array has shape {texture.shape}; give (height, width, 3 or 4)")
+        job, out = _BakeJob(linear=linear, wrap_x=wrap[0], wrap_y=wrap[1]), None
+        texture, job.texture = _input("texture", texture, texture.shape[2])
+        if form is not None:
+            form, job.form = _input("form", form, 3)
+        if draw:
+            out = np.empty(texture.shape, np.float32)
+            job.output = _image(out)
+        block, _ = self.pack(self.check(scene or {}))
+        job.params = c.addressof(block)
+        self._call(self.lib.encre_bake, job, threads, simd, progress)
+        return Baked(out, job.nonfinite, job.greatest)
+
+
+def _each(info):
+    """What a function of encre.h tells about 0, 1 and so on, until it knows no more."""
+    i = 0
+    while p := info(i):
+        yield p.contents
+        i += 1
+
+
+def _image(a):
+    """encre_image of an array (H, W) or (H, W, C) whose channels are adjacent."""
+    channels = a.shape[2] if a.ndim == 3 else 1
+    return _Image(a.ctypes.data, a.shape[1], a.shape[0], channels, 0, a.strides[1], a.strides[0])
+
+
+def _input(name, a, channels):
+    a = picture(name, a, channels)
+    return a, _image(a)
+
+
+def _pack_mesh(m, mesh):
+    points = np.ascontiguousarray(mesh.points, np.float32).reshape(-1, 3)
+    keep = [points]
+
+    def pointer(what, a, dtype, shape):
+        if a is None:
+            return None
+        keep.append(entries(what, a, dtype, shape))
+        return keep[-1].ctypes.data
+
+    each = _KINDS[mesh.kind]
+    m.kind = list(_KINDS).index(mesh.kind)
+    m.n_points = len(points)
+    m.n_primitives = len(points) // each if mesh.corners is None else len(mesh.corners)
+    m.n_channels = 0 if mesh.attributes is None else mesh.attributes.shape[-1]
+    m.points = points.ctypes.data
+    count = m.n_primitives
+    m.corners = pointer("corners", mesh.corners, np.int32, (count, each))
+    m.attributes = pointer("attributes", mesh.attributes, np.float32, (count, 3))
+    m.material = pointer("material", mesh.material, np.int32, (count,))
+    m.style = pointer("style", mesh.style, np.int32, (count,))
+    m.object = pointer("object", mesh.object, np.int32, (count,))
+    m.model[:] = np.asarray(mesh.model, np.float64).ravel()
+    m.object_index, m.material_index, m.style_index = mesh.object_index, mesh.material_index, mesh.style_index
+    return keep
+
+
+@functools.cache
+def load() -> Library:
+    """The package's own library, loaded once."""
+    return Library()
+
+
+def stages() -> tuple[Stage, ...]:
+    return load().stages
+
+
+def params() -> dict[str, Param]:
+    return load().params
+
+
+def defaults() -> dict:
+    return {p.id: p.default for p in params().values()}
+
+
+def parse(id_, text):
+    """A checked value from the command line's text. EncreError: unknown id, or it can't be read."""
+    if id_ not in params():
+        raise EncreError(unknown("parameter", id_, params()))
+    return check({id_: read(params()[id_], text)})[id_]
+
+
+def check(values):
+    return load().check(values)
+
+
+def render(*args, **kwargs) -> Result:
+    return load().render(*args, **kwargs)
+
+
+def raster(*args, **kwargs):
+    return load().raster(*args, **kwargs)
+
+
+def bake(*args, **kwargs) -> Baked:
+    return load().bake(*args, **kwargs)
+
+
+def __getattr__(name):
+    if name == "LAYERS":
+        return load().layers
+    if name == "OUTPUTS":
+        return load().outputs
+    raise AttributeError(name)

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The parameter table in Python, and the forms in which values of parameters come: typed, as JSON, as text."""
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .errors import EncreError, unknown
+
+MAX_LEVELS = 16
+_TYPES = ("bool", "int", "float", "enum", "color", "image", "levels")  # in the order of enum encre_type
+_UNLIMITED = float(np.finfo(np.float32).max)
+
+
+@dataclass(frozen=True)
+class Item:
+    id: str
+    label: str
+    help: str
+    number: int
+
+
+@dataclass(frozen=True)
+class Param:
+    """One row of a stage's table. `default` has the form that check() gives values of this type."""
+
+    id: str
+    stage: str
+    type: str
+    scope: str
+    label: str
+    help: str
+    unit: str
+    enabled_if: str
+    default: object
+    hard_min: float | None
+    hard_max: float | None
+    soft_min: float
+    soft_max: float
+    items: tuple[Item, ...]
+    offset: int = field(repr=False)
+
+    @property
+    def number(self):
+        """Enum item id -> number."""
+        return {item.id: item.number for item in self.items}
+
+
+@dataclass(frozen=True)
+class Stage:
+    id: str
+    label: str
+    help: str
+    params: tuple[Param, ...]
+
+
+def text_of(b):
+    """A string of C's; NULL is empty."""
+    return (b or b"").decode()
+
+
+def _levels(levels):
+    """encre_levels -> list of tuples (i,), (i, t, w) or (i, t, w, r, g, b)."""
+    out = []
+    for k in range(levels.count):
+        v = tuple(_tidy(x) for x in levels.level[k].value)
+        v = v[:3] if v[3:] == (1, 1, 1) else v
+        out.append(v[:1] if k == 0 and len(v) == 3 else v)
+    return out
+
+
+def _tidy(x):
+    """The shortest decimal that is this float32: 0.9, not 0.8999999762."""
+    return float(str(np.float32(x)))
+
+
+def stage(s):
+    """The Stage that an encre_stage_info tells."""
+    id_ = text_of(s.id)
+    return Stage(id_, text_of(s.label), text_of(s.help), tuple(_param(id_, s.params[k]) for k in range(s.n_params)))
+
+
+def _param(stage_id, r):
+    """The Param that an encre_param_info tells."""
+    kind = _TYPES[r.type]
+    items = tuple(Item(text_of(x.id), text_of(x.label), text_of(x.help), x.number)
+                  for x in (r.items[k] for k in range(r.n_items)))
+    value = r.value[0]
+    default = {"bool": lambda: bool(value), "int": lambda: int(value), "float": lambda: _tidy(value),
+               "enum": lambda: next(x.id for x in items if x.number == int(value)),
+               "color": lambda: tuple(_tidy(x) for x in r.value), "image": lambda: None,
+               "levels": lambda: _levels(r.levels.contents)}[kind]()
+    numeric = kind in ("int", "float")
+    tidy = int if kind == "int" else _tidy
+    return Param(text_of(r.id), stage_id, kind, ("frame", "surface")[r.scope], text_of(r.label), text_of(r.help),
+                 text_of(r.unit), text_of(r.enabled_if), default,
+                 tidy(r.hard_min) if numeric else None,
+                 tidy(r.hard_max) if numeric and r.hard_max < _UNLIMITED else None,
+                 tidy(r.soft_min), tidy(r.soft_max), items, r.offset)
+
+
+def _number(p, value):
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise EncreError(f"{p.id}: {value!r} is not a number; give one")
+    number = float(value)
+    low, high = p.hard_min, p.hard_max
+    # Blender and the library keep single floats: the one nearest to a limit counts as the limit itself.
+    kept = np.float32 if p.type == "float" else float
+    with np.errstate(over="ignore"):
+        least, given, most = (kept(x) for x in (low, number, math.inf if high is None else high))
+    if not (math.isfinite(given) and least <= given <= most):
+        limits = f"from {low:g} to {high:g}" if high is not None else f"of {low:g} or more"
+        raise EncreError(f"{p.id}: {value:g} is out of range; give a value {limits}")
+    return number
+
+
+def _numbers(p, value, counts, form):
+    try:
+        numbers = [float(x) for x in value]
+    except (TypeError, ValueError):
+        numbers = []
+    if isinstance(value, str) or len(numbers) not in counts or not all(0 <= x < math.inf for x in numbers):
+        raise EncreError(f"{p.id}: {value!r} is not {form}; give numbers of 0 or more")
+    return tuple(numbers)
+
+
+def normal(p, value):
+    """`value` in the form of its type, or EncreError."""
+    if p.type == "bool":
+        if not isinstance(value, (bool, np.bool_)) and value not in (0, 1):
+            raise EncreError(f"{p.id}: {value!r} is neither on nor off; give one of them")
+        return bool(value)
+    if p.type == "int":
+        number = _number(p, value)
+        if number != int(number):
+            raise EncreError(f"{p.id}: {value:g} is not a whole number; give one")
+        return int(number)
+    if p.type == "float":
+        return _number(p, value)
+    if p.type == "enum":
+        if value not in p.number:
+            raise EncreError(f"{p.id}: " + unknown("value", value, p.number))
+        return value
+    if p.type == "color":
+        return _numbers(p, value, (3,), "a colour r, g, b")
+    if p.type == "levels":
+        if isinstance(value, str) or not isinstance(value, Sequence) or not 1 <= len(value) <= MAX_LEVELS:
+            raise EncreError(f"{p.id}: {value!r} is not a list of 1 to {MAX_LEVELS} levels; "
+                             "give intensity, threshold, transition for each")
+        form = "a level (intensity, threshold, transition, perhaps r, g, b; the first an intensity, perhaps r, g, b)"
+        first, *rest = [_numbers(p, x, (3, 6) if k else (1, 3, 4, 6), form) for k, x in enumerate(value)]
+        return [(first[0], 0.0, 0.0, *first[1:]) if len(first) == 4 else first, *rest]
+    if value is not None and not isinstance(value, (str, os.PathLike)):
+        raise EncreError(f"{p.id}: {value!r} is not the path of an image; give one")
+    return os.fspath(value) if value else None
+
+
+def read(p, text):
+    """A value from the command line's text: on/off, a number, an item, r,g,b, a path, or levels "a; b; c"."""
+    text = text.strip()
+    try:
+        if p.type == "bool":
+            return {"on": True, "off": False}[text.lower()]
+        if p.type in ("int", "float"):
+            return float(text)
+        if p.type == "enum":
+            return text.upper()
+        if p.type == "color":
+            return [float(x) for x in text.split(",")]
+        if p.type == "levels":
+            return [[float(x) for x in level.split(",")] for level in text.split(";")]
+        return text
+    except (ValueError, KeyError):
+        form = {"bool": "on or off", "color": "r,g,b", "levels": '"0.5; 0.7,0.5,0.025; ..."'}.get(p.type, "a number")
+        raise EncreError(f"{p.id}: {text!r} can't be read; give {form}") from None

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of n times the frame's size: put together from sub-frames, and averaged down. Pure numpy."""
+
+import numpy as np
+
+from . import layers
+from .job import Frame
+
+# What can't be averaged: numbers of things, and places, where the mean of near and far is neither.
+_ONE_SAMPLE = {"Depth", "Denoising Depth", "IndexOB", "IndexMA", "Position", "UV", "Vector", "Encre Index",
+               "Encre Line Controls", "Encre Surface Controls", "Encre Seen Depth"}
+
+
+def frame(place, factor):
+    """The Frame of the large picture."""
+    return Frame(*(factor * number for number in (place.width, place.height, place.x, place.y)))
+
+
+def shrink(name, picture, factor):
+    """The pass `name` (classic or not) of the frame's size: the mean of each factor x factor pixels, or one of them."""
+    if name == "Encre Marks":
+        return _marks(picture, factor)
+    if _one_sample(name):
+        return picture[factor // 2::factor, factor // 2::factor]
+    parts = (picture[row::factor, column::factor] for row in range(factor) for column in range(factor))
+    return sum(parts) * np.float32(1 / factor ** 2)
+
+
+def _one_sample(name):
+    return layers.classic(name) in _ONE_SAMPLE or name.startswith(("Crypto", "Debug"))
+
+
+def _marks(picture, factor):
+    """Places of marks between the pixels that remain: on each way there are `factor` of the old ways, and as in the
+    rasteriser lines come before seams, which are negative, and then the first."""
+    first = factor // 2
+    marks = np.zeros_like(picture[first::factor, first::factor])
+    for axis in (0, 1):
+        for k in reversed(range(factor)):
+            part = picture[first + k * axis::factor, first + k * (1 - axis)::factor, axis]
+            place = np.where(part, np.copysign((k + np.abs(part)) / factor, part), 0)
+            old = marks[:part.shape[0], :part.shape[1], axis]
+            old[...] = np.where((part > 0) | ((part < 0) & (old <= 0)), place, old)
+    return marks
+
+
+class Gathered:
+    """The passes of one view, from its sub-frames: in `large` those that the stages read, of the large picture's
+    size, in `small` all others, of the frame's; both by their names in this Blender, row 0 at the top."""
+
+    def __init__(self, factor):
+        self.factor, self.large, self.small = factor, {}, {}
+
+    def take(self, name, picture, column, row):
+        """Adds what a sub-frame has of the pass `name`."""
+        factor, (height, width, channels) = self.factor, picture.shape
+        if layers.classic(name) in {**layers.CYCLES, **layers.SEEN}:
+            if name not in self.large:
+                self.large[name] = np.empty((factor * height, factor * width, channels), np.float32)
+            self.large[name][row::factor, column::factor] = picture
+        elif not _one_sample(name):
+            self.small[name] = self.small.get(name, np.float32(0)) + picture * np.float32(1 / factor ** 2)
+        elif row == column == factor // 2:
+            self.small[name] = picture
