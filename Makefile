@@ -49,7 +49,7 @@ build/blenders/bpy-%/ready:
 blenders: build/blenders/bpy-4.2/ready build/blenders/bpy-5.0/ready
 
 bench: build
-	$(RUN) tests/bench.py
+	$(RUN) tests/helpers/bench.py
 
 lint: .venv/ready
 	.venv/bin/ruff check .

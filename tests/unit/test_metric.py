@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from reference import metric as reference
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 METRICS = ("RGB", "CIE76", "CIEDE2000", "CMC")  # in the order of their numbers
 
 
@@ -20,7 +20,7 @@ def probe(tmp_path_factory):
     out = tmp_path_factory.mktemp("probe") / "probe.so"
     flags = "-std=c11 -O3 -fPIC -shared -Wall -Werror -fno-math-errno -fno-trapping-math -ffp-contract=off"
     subprocess.run([*shlex.split(os.environ.get("CC", "cc")), *flags.split(), f"-I{ROOT / 'csrc'}",
-                    str(ROOT / "tests" / "probe.c"), "-o", str(out), "-lm"], check=True)
+                    str(ROOT / "tests" / "helpers" / "probe.c"), "-o", str(out), "-lm"], check=True)
     return ctypes.CDLL(str(out))
 
 

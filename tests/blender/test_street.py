@@ -10,7 +10,7 @@ import pytest
 from encre.cli import composite, images
 from encre.pen import layers, library, metadata
 
-STREET = Path(__file__).parents[1] / "scenes" / "street.py"
+STREET = Path(__file__).parents[2] / "scenes" / "street.py"
 
 
 @pytest.fixture(params=blenders.params(), scope="module")

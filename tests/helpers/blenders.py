@@ -15,8 +15,8 @@ import pytest
 from encre.cli import images
 from encre.pen import layers
 
-CASES = Path(__file__).with_name("blender") / "cases.py"
-OTHERS = Path(__file__).parents[1] / "build" / "blenders"  # one environment per version of bpy: make blenders
+CASES = Path(__file__).parents[1] / "blender" / "inside" / "cases.py"
+OTHERS = Path(__file__).parents[2] / "build" / "blenders"  # one environment per version of bpy: make blenders
 
 
 @functools.cache

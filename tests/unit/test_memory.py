@@ -16,7 +16,7 @@ from encre.pen.errors import EncreError
 from encre.pen.job import Frame, Mesh
 from encre.pen.library import LIBRARY, Library
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 WRAPPED = ("malloc", "calloc", "free", "pthread_create")
 
 
@@ -29,8 +29,8 @@ def library(tmp_path_factory):
                     "-D_POSIX_C_SOURCE=200809L",
                     "-ffp-contract=off", "-fvisibility=hidden", "-pthread", "-shared",
                     *map(str, ROOT.glob("csrc/**/*.c")),
-                    str(ROOT / "tests" / "failing.c"), *(f"-Wl,--wrap={f}" for f in WRAPPED), "-lm", "-o", str(out)],
-                   check=True)
+                    str(ROOT / "tests" / "helpers" / "failing.c"), *(f"-Wl,--wrap={f}" for f in WRAPPED), "-lm",
+                    "-o", str(out)], check=True)
     return Library(str(out))
 
 

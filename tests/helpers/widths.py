@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures how wide baked lines are on a surface: on a cylinder whose texture is stretched along it, and on a sphere.
 
-    python tests/widths.py [FOLDER]      prints a table; with a folder, draws both surfaces into it
+    python tests/helpers/widths.py [FOLDER]      prints a table; with a folder, draws both surfaces into it
 
 Spots, circles on the surface, are drawn into the texture; the ink in a sector about a spot, divided by the length of
 the spot's rim in it, is the width of the line there. All lengths are texels of mean size.

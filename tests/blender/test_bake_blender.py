@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from encre.pen import library
 
-WINDOW = Path(__file__).with_name("blender") / "bake_window.py"
+WINDOW = Path(__file__).parents[1] / "blender" / "inside" / "bake_window.py"
 
 
 @pytest.mark.parametrize("blender", blenders.params())

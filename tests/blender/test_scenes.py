@@ -8,7 +8,7 @@ import exr
 import numpy as np
 import pytest
 
-SCENES = [path for path in (Path(__file__).parents[1] / "scenes").glob("*.py") if "def build()" in path.read_text()]
+SCENES = [path for path in (Path(__file__).parents[2] / "scenes").glob("*.py") if "def build()" in path.read_text()]
 
 
 @pytest.mark.parametrize("scene", sorted(SCENES), ids=lambda path: path.stem)

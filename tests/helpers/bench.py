@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Times every stage at 1920 x 1080, as a ratio to copying the same bytes (112 a pixel) in the same run.
 
-    python tests/bench.py [--size WxH] [--rounds N] [--set id=value]...
+    python tests/helpers/bench.py [--size WxH] [--rounds N] [--set id=value]...
 
 Then the lines of FINE beside those of DOG, on one thread, where 12 % of the pixels lie within 3 of a site: at most 1.3
 times as long for all stages together, 1.5 times with colour and light; 12 bytes a pixel besides input and output.

@@ -10,7 +10,7 @@ import bpy
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 # ENCRE_PACKAGE names another build of the package to test.
-PACKAGE = os.environ.get("ENCRE_PACKAGE") or os.path.join(HERE, "..", "..", "addon")
+PACKAGE = os.environ.get("ENCRE_PACKAGE") or os.path.join(HERE, "..", "..", "..", "addon")
 WIDTH, HEIGHT = 160, 90
 
 

@@ -10,7 +10,7 @@ import OpenImageIO as oiio
 import pytest
 from encre.pen import library
 
-WINDOW = Path(__file__).with_name("blender") / "window.py"
+WINDOW = Path(__file__).parents[1] / "blender" / "inside" / "window.py"
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 from mathutils import Matrix
 
-sys.path.append(str(Path(__file__).parents[2] / "scenes"))
+sys.path.append(str(Path(__file__).parents[3] / "scenes"))
 
 from common import ball, box, camera, flat, glass, lathe, light, mirror, settings, slab, tube, world  # noqa: E402
 

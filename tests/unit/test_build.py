@@ -13,7 +13,7 @@ import pytest
 from encre.pen.job import Frame, Mesh
 from encre.pen.library import LIBRARY, Library, load
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 SETTINGS = [
     {},
     dict(edge_detector="SOBEL", line_search="NEAREST", contrast_auto=True, contrast_metric="CMC", edge_color=2.0),

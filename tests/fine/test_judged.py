@@ -8,14 +8,14 @@ from encre.pen import library
 from encre.pen.job import Camera
 from judge import scenes, verdict
 
-PAGE = Path(__file__).parents[1] / "docs" / "lines.md"
+PAGE = Path(__file__).parents[2] / "docs" / "lines.md"
 HEAD = """# How good the lines are
 
 `tests/judge` draws scenes whose contours are known by formula, with a box filter and with Cycles' 1.5-pixel
 Blackman-Harris filter, and judges the ink of each detector: is it where the contour is, as wide as asked, even, single,
 whole, and nowhere else; does it stand still when the scene moves by an eighth of a pixel, turn when the frame turns,
-and stay calm under noise? `tests/test_judged.py` writes this page. A number is the worst of all drawings, and of what
-must be inked the share of all contours; what breaks a promise is bold.
+and stay calm under noise? `tests/fine/test_judged.py` writes this page. A number is the worst of all
+drawings, and of what must be inked the share of all contours; what breaks a promise is bold.
 
 """
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How still lines lie on a figure while a camera goes round it, Encre's and Blender's own: writes docs/animation.md.
 
-    python tests/turn.py FOLDER      renders the frames of scenes/turn.py into FOLDER, or takes those there; needs bpy
+    python tests/helpers/turn.py FOLDER      renders the frames of scenes/turn.py into FOLDER, or takes those
+                                         there; needs bpy
 
 A contour that runs along a sharp edge of a mesh is fixed to its surface, an outline of a round form is not. So points
 on edges with a bend of BEND or more are followed, through cameras and meshes as Blender evaluates them, wherever they
@@ -22,9 +23,11 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 from encre.cli import images, inside, tools
-from reference import near
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
+sys.path.append(str(ROOT / "tests"))
+from reference import near  # noqa: E402 - found only now
+
 WIDTH, HEIGHT, SAMPLES = 640, 360, 16
 BEND = 50        # degrees: what Freestyle, Line Art and FINE all take for a crease as they come
 REACH, STEP = 3, 0.25  # pixels across an edge where ink is read
@@ -41,7 +44,8 @@ PAGE = """# Do the lines stand still?
 
 The girl of `scenes/street.py` alone, and a camera that goes round her, a degree a frame for 24 frames
 (`scenes/turn.py`), {size}, {samples} samples, drawn by Encre's two detectors and by Blender's own line renderers, all
-with lines a pixel wide from the shapes alone. `python tests/turn.py FOLDER` renders the frames and writes this page.
+with lines a pixel wide from the shapes alone. `python tests/helpers/turn.py FOLDER` renders the frames and writes this
+page.
 
 ![The figure's lines by Encre with FINE, by Encre with DOG, by Freestyle, and by Line Art](animation.jpg)
 

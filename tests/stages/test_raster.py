@@ -11,48 +11,9 @@ from encre.pen.library import Frame, Mesh, load
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.raster import NOTHING, STEPS, draw
+from views import looking, orthographic, perspective, pixels, soup
 
 OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes")
-
-
-def pixels(width, height):
-    """An orthographic camera under which points are (column, row, -depth) in pixels of the frame."""
-    projection = np.diag([2 / width, -2 / height, -1e-3, 1.0])
-    projection[0, 3], projection[1, 3] = -1, 1
-    return np.eye(4), projection
-
-
-def perspective(width, height, lens=1.2, shift=(0.0, 0.0), start=0.1, end=100.0):
-    return np.array([[lens, 0, shift[0], 0], [0, lens * width / height, shift[1], 0],
-                     [0, 0, -(end + start) / (end - start), -2 * end * start / (end - start)], [0, 0, -1, 0]])
-
-
-def orthographic(width, height, scale=0.3):
-    return np.diag([scale, scale * width / height, -0.01, 1.0])
-
-
-def rotation(rng):
-    q, r = np.linalg.qr(rng.standard_normal((3, 3)))
-    q = q * np.sign(np.diag(r))
-    return q * np.linalg.det(q)
-
-
-def looking(rng, place=(0, 0, 6.0)):
-    """World -> camera for a camera near `place`, turned a little about its own axis."""
-    view = np.eye(4)
-    a = rng.uniform(-0.5, 0.5)
-    view[:2, :2] = [[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]
-    view[:3, 3] = view[:3, :3] @ -(np.array(place) + rng.uniform(-0.2, 0.2, 3))
-    return view
-
-
-def soup(rng, n, size=1.0, spread=2.5, channels=3, **more):
-    """A mesh of n unconnected triangles."""
-    points = rng.uniform(-spread, spread, (n, 1, 3)) + rng.uniform(-size, size, (n, 3, 3))
-    model = np.eye(4)
-    model[:3, :3] = rotation(rng) * rng.uniform(0.5, 1.5, 3)
-    return Mesh(points.reshape(-1, 3).astype(np.float32), None, rng.uniform(-1, 1, (n, 3, channels)).astype(np.float32),
-                model=model, **more)
 
 
 def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=0):

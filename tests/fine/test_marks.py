@@ -8,7 +8,7 @@ from encre.pen.library import Frame, Mesh
 from judge import verdict
 from reference import fine
 from reference.marks import marks
-from test_raster import looking, orthographic, perspective, pixels, rotation, soup
+from views import looking, orthographic, perspective, pixels, rotation, soup
 
 PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_color=0.0, edge_light=0.0, line_thickness=1.0)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What becomes of lines between colours where a texture is far away: a table for docs/compare.md.
 
-    python tests/distance.py [FOLDER]      renders a chequered floor up to the horizon; with a folder, keeps the EXR
+    python tests/helpers/distance.py [FOLDER]      renders a chequered floor up to the horizon; a folder keeps the EXR
 
 Every row of the frame sees the checks at one size. The table has, by the height of a check in pixels, how much of the
 checks' contrast is left in the albedo layer and how much of the row is ink.

@@ -10,7 +10,7 @@ import pytest
 from encre.cli import composite, images
 from encre.pen import layers, library, metadata
 
-SCENE = Path(__file__).parent / "blender" / "glass.py"
+SCENE = Path(__file__).parents[1] / "blender" / "inside" / "glass.py"
 PEN = dict(edge_detector="FINE", edge_threshold=0.3, edge_color=1.0, line_thickness=2.0, length_unit="PIXELS",
            width_object=1.0, width_depth=1.0, width_normal=1.0, width_color=1.0, line_softness=0.0, line_paper=0.0,
            line_gain=0.5, line_intensity=2.0, use_shading=False, use_smudging=False, use_hatching=False)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How much the width of lines on flat prints flickers during the living room's flight: a table for docs/compare.md.
 
-    python tests/flicker.py FOLDER      renders 24 frames into FOLDER, or takes those that are there; needs bpy
+    python tests/helpers/flicker.py FOLDER      renders 24 frames into FOLDER, or takes those that are there; needs bpy
 
 Contours that lie still on rug, walls and pictures are followed from frame to frame. Across each, the ink is summed to
 a width in pixels; what is left of that width after a parabola in time (the camera comes nearer) is flicker.
@@ -19,7 +19,7 @@ from encre.pen import colour
 from mathutils import Vector
 
 compare = tools.load("compare", "compare")
-SCENES = Path(__file__).parents[1] / "scenes"
+SCENES = Path(__file__).parents[2] / "scenes"
 FIRST, COUNT, WIDTH, HEIGHT, SAMPLES = 140, 24, 384, 216, 2
 ALONG, ACROSS = 6, 14   # texels: a contour is straight and alone for so far
 STEP = 0.25             # pixels between samples across a line

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from encre.pen import library
 
-ROOM = Path(__file__).parents[1] / "scenes" / "living_room.py"
+ROOM = Path(__file__).parents[2] / "scenes" / "living_room.py"
 
 # Builds the room and writes down what is in it.
 SCRIPT = f'''
