@@ -4,7 +4,7 @@
  * Each source of edges has a ring of sampled rows; tile by tile its strength is weighed, and the strongest source wins
  * the pixel. To add a source: name it in enum source (the order decides ties), sample its layer in samples.c,
  * give its strength in sources.c and its weight here. The detector FINE does all that in its own way (fine.h). */
-#include "fine/fine.h"
+#include "edges/edges.h"
 #include "base/pixel.h"
 
 #include <stdio.h>

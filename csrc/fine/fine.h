@@ -337,8 +337,4 @@ void ISA(fine_free_lengths)(const fine *n, float reach, float *length);
 /* sites.c: fills cell and member. */
 int32_t ISA(fine_sort)(fine *n);
 
-/* sites.c, called by the edge stage, the first with what it will keep in frame.edges. */
-void ISA(fine_plan)(frame *f, const edges *e, arena *a);
-int32_t ISA(fine_run)(frame *f);
-
 #endif

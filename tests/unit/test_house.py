@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Who may know whom: the arrows between the rooms of the house go one way."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+CSRC, ADDON = ROOT / "csrc", ROOT / "addon"
+INCLUDE = re.compile(r'^\s*#\s*include "([^"]+)"', re.MULTILINE)
+# What a room of csrc may include besides itself, base and encre.h.
+BELOW = {"base": set(), "edges": set(), "fine": {"edges"}, "ink": {"edges", "fine"}, "surface": {"edges", "fine"},
+         "raster": set(), "texture": {"edges"}, "api": {"edges", "fine", "ink", "surface", "raster", "texture"}}
+
+
+def includes():
+    """(file, file that it includes), from csrc/."""
+    for path in sorted(CSRC.rglob("*.[ch]")):
+        for name in INCLUDE.findall(path.read_text(encoding="utf-8")):
+            yield path.relative_to(CSRC).as_posix(), name
+
+
+def room(name):
+    return name.partition("/")[0] if "/" in name else ""
+
+
+def test_includes_go_by_path_from_csrc():
+    assert [pair for pair in includes() if not (CSRC / pair[1]).is_file()] == []
+
+
+def test_every_room_of_c_is_known():
+    assert {path.name for path in CSRC.iterdir() if path.is_dir()} == BELOW.keys()
+
+
+def test_rooms_of_c_include_what_lies_below_them():
+    # The stages' rows make the parameter struct, on which everything stands.
+    wrong = [(own, other) for own, other in includes()
+             if room(other) not in {"", "base", room(own)} | BELOW.get(room(own), set())
+             and not (own == "base/all.rows.h" and other.endswith(".rows.h"))]
+    assert wrong == []
+
+
+def imported(path):
+    """The modules that a Python file imports, wherever it does, with their full names."""
+    package = ("encre", *path.relative_to(ADDON).parts[:-1])
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            start = ".".join(package[:len(package) - node.level + 1]) if node.level else ""
+            module = ".".join(filter(None, [start, node.module or ""]))
+            yield from (f"{module}.{alias.name}" for alias in node.names)
+
+
+def python(folder):
+    return sorted((ADDON / folder).rglob("*.py"))
+
+
+@pytest.mark.parametrize("path", python("pen"), ids=lambda path: path.name)
+def test_pen_knows_no_blender(path):
+    above = re.compile(r"(bpy|bmesh|mathutils|cycles|encre\.(blender|cli))\b")
+    assert [name for name in imported(path) if above.match(name)] == []
+
+
+@pytest.mark.parametrize("path", python("blender"), ids=lambda path: path.name)
+def test_blender_knows_no_command_line(path):
+    assert [name for name in imported(path) if name.startswith("encre.cli")] == []
+
+
+@pytest.mark.parametrize("path", [p for p in python("cli") if p.name != "inside.py"], ids=lambda path: path.name)
+def test_only_what_runs_inside_blender_knows_it(path):
+    assert [name for name in imported(path) if re.match(r"(bpy|encre\.blender)\b", name)] == []
+
+
+def test_only_the_bindings_know_ctypes():
+    know = {path.name for path in ADDON.rglob("*.py") for name in imported(path) if name.partition(".")[0] == "ctypes"}
+    assert know == {"library.py", "denoise.py"}
+
+
+def test_only_one_module_asks_for_blenders_version():
+    know = {path.name for path in ADDON.rglob("*.py") if "bpy.app.version" in path.read_text(encoding="utf-8")
+            and "bpy.app.version_string" not in path.read_text(encoding="utf-8")}
+    assert know == {"versions.py"}
