@@ -5,7 +5,8 @@
 
     python setup.py extension       build/encre-VERSION-PLATFORM.zip, what Blender 4.2 and later installs
 
-CC chooses the compiler. --scalar builds without vectorisation and without the second instruction set: results are
+CC chooses the compiler. --debug also checks what must hold between the passes of FINE, and aborts where it does not.
+--scalar builds without vectorisation and without the second instruction set: results are
 the same bytes, and the test suite holds them to it. The library has no Python ABI, so the wheel is tagged py3-none.
 """
 
@@ -35,6 +36,7 @@ def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""
     cc = shlex.split(os.environ.get("CC", "cc"))
     flags = FLAGS + shlex.split(os.environ.get("CFLAGS", ""))
     flags += ["-O1", "-g"] if debug or sanitize else ["-O1", "-fno-tree-vectorize"] if scalar else ["-O3"]
+    flags += ["-DENCRE_DEBUG"] if debug else []
     flags += ["-Werror"] if werror else []
     flags += [f"-fsanitize={sanitize}", "-fno-sanitize-recover=all"] if sanitize else []
     variants = {"base": []}

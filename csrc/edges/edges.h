@@ -79,7 +79,7 @@ void ISA(source_strength)(const ring *r, int y, int x0, int n, float *restrict s
 /* Largest colour difference across these pixels. */
 void ISA(source_difference)(const ring *r, int y, int x0, int n, float *restrict difference);
 
-/* The detector FINE, which lies above this room (fine/sites.c): planned with what the stage will keep in frame.edges.
+/* The detector FINE, which lies above this room (fine/fine.c): planned with what the stage will keep in frame.edges.
  */
 void ISA(fine_plan)(frame *f, const edges *e, arena *a);
 int32_t ISA(fine_run)(frame *f);

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The FINE detector: thin, exactly placed edges. Dense passes mark the pixels at which sites lie; sites are counted by
- * row, so that their numbers don't depend on threads, and placed; each family then keeps clear of the earlier ones. */
-#include "fine/fine.h"
+/* From marks to sites: they are counted by row, so that their numbers don't depend on threads, placed, and sorted into
+ * cells. */
+#include "fine/near.h"
 
 #include <string.h>
 
-enum { CHUNK = 2048 };
-
-/* How close, in pixels, a family comes to the earlier ones, and a step to a stripe in the same layer. */
-static const float clear_of_earlier = 1.5f, clear_of_band = 2.0f;
 static const float touching = 0.02f; /* of the depth, apart at most */
 
 /* ---- one site -------------------------------------------------------------------------------------------- */
@@ -20,11 +16,11 @@ static float depth_at(const frame *f, int x, int y)
 
 /* The pixel, of those that the site parts, of what the line bounds: of the nearest thing, but where two things touch of
  * the one whose line is painted more. */
-static void owner_of(const fine *n, const site *s, int *x, int *y)
+static void owner_of(const fine *n, const found *s, int *x, int *y)
 {
 	const frame *f = n->f;
 	plane controls = f->layer[ENCRE_LAYER_CONTROLS];
-	bool crack = is_crack((enum family)s->family);
+	bool crack = is_crack(s->family);
 	int right = clamp_index(s->column + (crack && s->axis != AXIS_COLUMN), f->width),
 	    below = clamp_index(s->row + (crack && s->axis != AXIS_ROW), f->height);
 	float least = INFINITY, most = -1;
@@ -46,16 +42,16 @@ static void owner_of(const fine *n, const site *s, int *x, int *y)
 
 /* The least depth of the 5x5 among pixels of the object that the line bounds: at the foot of a blade of grass the
  * ground before it is nearer, and has other controls. A thin thing's line may pass where no pixel is its own. */
-int ISA(fine_controls)(const fine *n, site *s)
+int ISA(fine_controls)(const fine *n, const found *at, placed *s)
 {
 	const frame *f = n->f;
 	plane object = f->layer[ENCRE_LAYER_OBJECT];
-	int x = pixel_of(s->x, f->width), y = pixel_of(s->y, f->height), own_x = s->column, own_y = s->row;
+	int x = pixel_of(s->x, f->width), y = pixel_of(s->y, f->height), own_x = at->column, own_y = at->row;
 	float least[2] = {INFINITY, INFINITY};
 	int least_key[2] = {INT32_MAX, INT32_MAX}, near[2][2] = {{x, y}, {x, y}};
-	owner_of(n, s, &own_x, &own_y);
-	bool any = !object.data || s->family == FAMILY_THIN;
-	if (s->family >= FAMILY_SEEN) /* it lies in the mirror, whatever stands before that */
+	owner_of(n, at, &own_x, &own_y);
+	bool any = !object.data || at->family == FAMILY_THIN;
+	if (families[at->family].word == WORD_SEEN) /* it lies in the mirror, whatever stands before that */
 		least[0] = least[1] = 0;
 	float own = any ? 0 : object.data[own_y * object.row + own_x];
 	for (int dy = -2; dy <= 2; dy++) {
@@ -83,7 +79,7 @@ int ISA(fine_controls)(const fine *n, site *s)
 	return f->style ? f->style[(ptrdiff_t)s->near_y * f->width + s->near_x] : 0;
 }
 
-bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, float strength)
+bool ISA(fine_weigh)(const fine *n, placed *s, int style, enum source source, float strength)
 {
 	float weight = n->e->weight[source][style];
 	plane controls = n->f->layer[ENCRE_LAYER_CONTROLS];
@@ -98,68 +94,68 @@ bool ISA(fine_weigh)(const fine *n, site *s, int style, enum source source, floa
 	return s->strength > 0 && s->strength >= n->e->p->edge_threshold;
 }
 
-static void crack_of(const fine *n, site *s)
+static void crack_of(const fine *n, const found *at, placed *s)
 {
-	if (s->family == FAMILY_CRACK) {
-		ISA(crack_site)(n, s);
-		ISA(thin_place)(n, s);
-	} else if (s->family == FAMILY_MARK)
-		ISA(hand_site)(n, s);
-	else
-		ISA(light_site)(n, s);
+	switch ((enum family)at->family) {
+	case FAMILY_MARK: ISA(hand_site)(n, at, s); break;
+	case FAMILY_LIGHT: ISA(light_site)(n, at, s); break;
+	default: ISA(crack_site)(n, at, s); ISA(thin_place)(n, at, s);
+	}
 }
 
 /* The mean of the cracks between the four pixels from (column, row), with the strongest's strength. */
-static void junction_site(const fine *n, site *s)
+static void junction_site(const fine *n, const found *at, placed *s)
 {
 	const int32_t side[4][3] = {{0, 0, AXIS_ROW}, {0, 1, AXIS_ROW}, {0, 0, AXIS_COLUMN}, {1, 0, AXIS_COLUMN}};
-	uint8_t right = right_of((enum family)s->family);
 	float x = 0, y = 0;
-	int found = 0;
+	int count = 0;
 	for (int i = 0; i < 4; i++) {
-		site one = *s;
-		one.column = (uint16_t)(s->column + side[i][0]);
-		one.row = (uint16_t)(s->row + side[i][1]);
-		one.axis = (uint8_t)side[i][2];
-		if (!(n->crack[(ptrdiff_t)one.row * n->f->width + one.column] & right << one.axis))
+		found one = {(uint16_t)(at->column + side[i][0]), (uint16_t)(at->row + side[i][1]), at->family,
+			     (uint8_t)side[i][2]};
+		placed its = {0};
+		if (!(n->crack[(ptrdiff_t)one.row * n->f->width + one.column] & mark_of(one.family, one.axis)))
 			continue;
-		crack_of(n, &one);
-		x += one.x;
-		y += one.y;
-		found++;
-		if (one.strength > s->strength) {
-			s->strength = one.strength;
-			s->source = one.source;
+		crack_of(n, &one, &its);
+		x += its.x;
+		y += its.y;
+		count++;
+		if (its.strength > s->strength) {
+			s->strength = its.strength;
+			s->source = its.source;
 		}
 	}
-	s->x = x / (float)found;
-	s->y = y / (float)found;
+	s->x = x / (float)count;
+	s->y = y / (float)count;
 }
 
-static void place_site(const fine *n, site *s)
+static void place_site(const fine *n, const found *at, placed *s)
 {
-	if (s->axis == AXIS_JUNCTION)
-		junction_site(n, s);
-	else if (is_crack((enum family)s->family))
-		crack_of(n, s);
-	else if (s->family == FAMILY_THIN)
-		ISA(thin_site)(n, s);
-	else
-		ISA(ridge_site)(n, s);
+	switch ((enum kind)families[at->family].kind) {
+	case KIND_CRACK: at->axis == AXIS_JUNCTION ? junction_site(n, at, s) : crack_of(n, at, s); break;
+	case KIND_THIN: ISA(thin_site)(n, at, s); break;
+	case KIND_BAND:
+	case KIND_STEP: ISA(ridge_site)(n, at, s); break;
+	}
+	ISA(fine_controls)(n, at, s);
 }
 
 /* ---- all sites, in order --------------------------------------------------------------------------------- */
 
-static void visit(const fine *n, uint32_t *number, enum family family, int x, int y, enum axis axis)
+static void visit(const fine *n, uint32_t *number, int family, int x, int y, int axis)
 {
 	if (n->site) {
 		site *s = n->site + number[family];
-		*s = (site){
-			.column = (uint16_t)x, .row = (uint16_t)y, .family = (uint8_t)family, .axis = (uint8_t)axis};
-		place_site(n, s);
-		ISA(fine_controls)(n, s);
+		*s = (site){.found = {(uint16_t)x, (uint16_t)y, (uint8_t)family, (uint8_t)axis}};
+		place_site(n, &s->found, &s->placed);
 	}
 	number[family]++;
+}
+
+static void visit_marks(const fine *n, uint32_t *number, int x, int y, enum word word, int marks)
+{
+	for (int bit = 0; marks; marks >>= 1, bit++)
+		if (marks & 1)
+			visit(n, number, marked_family[word][bit], x, y, bit % 2);
 }
 
 /* Of the four cracks between the pixels from x on: `crack`, `below` are rows of marks. */
@@ -172,7 +168,6 @@ static int sides(const uint8_t *crack, const uint8_t *below, int x, uint8_t righ
 /* Makes the sites of a row, or counts them while there is no memory for them; number: of the next site, by family. */
 static void visit_row(const fine *n, int y, uint32_t *number)
 {
-	static const enum family kinds[] = {FAMILY_CRACK, FAMILY_MARK, FAMILY_LIGHT};
 	int width = n->f->width;
 	const uint8_t *crack = n->crack + (ptrdiff_t)y * width, *below = crack + width;
 	const uint16_t *ridge = n->ridge + (ptrdiff_t)y * width;
@@ -184,21 +179,13 @@ static void visit_row(const fine *n, int y, uint32_t *number)
 			continue;
 		}
 		bool inside = x + 1 < width && y + 1 < n->f->height;
-		for (size_t k = 0; crack[x] && k < sizeof kinds / sizeof *kinds; k++) {
-			uint8_t right = right_of(kinds[k]);
-			for (int axis = 0; axis < 2; axis++)
-				if (crack[x] & right << axis)
-					visit(n, number, kinds[k], x, y, (enum axis)axis);
-			if (inside && sides(crack, below, x, right) > 2)
-				visit(n, number, kinds[k], x, y, AXIS_JUNCTION);
-		}
-		for (int marks = ridge[x] & ~MARK_SEEN, bit = 0; marks; marks >>= 1, bit++)
-			if (marks & 1)
-				visit(n, number, (enum family)(FAMILY_THIN + bit / 2), x, y, (enum axis)(bit % 2));
-		for (int marks = ridge[x] & MARK_SEEN ? n->seen[(ptrdiff_t)y * width + x] : 0, bit = 0; marks;
-		     marks >>= 1, bit++)
-			if (marks & 1)
-				visit(n, number, (enum family)(FAMILY_SEEN + bit / 2), x, y, (enum axis)(bit % 2));
+		visit_marks(n, number, x, y, WORD_CRACK, crack[x]);
+		for (int bit = 0; crack[x] && inside && bit < 8; bit += 2)
+			if (sides(crack, below, x, (uint8_t)(1 << bit)) > 2)
+				visit(n, number, marked_family[WORD_CRACK][bit], x, y, AXIS_JUNCTION);
+		visit_marks(n, number, x, y, WORD_RIDGE, ridge[x] & ~RIDGE_SEEN);
+		if (ridge[x] & RIDGE_SEEN)
+			visit_marks(n, number, x, y, WORD_SEEN, n->seen[(ptrdiff_t)y * width + x]);
 	}
 }
 
@@ -216,7 +203,7 @@ static void visit_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-static int32_t gather(fine *n)
+int32_t ISA(fine_gather)(fine *n)
 {
 	frame *f = n->f;
 	int32_t code = bands_run(f->bands, f->height, 0, visit_rows, n);
@@ -233,14 +220,17 @@ static int32_t gather(fine *n)
 	if (!n->site)
 		return ENCRE_ERROR_MEMORY;
 	n->count = (uint32_t)count;
-	return bands_run(f->bands, f->height, 0, visit_rows, n);
+	code = bands_run(f->bands, f->height, 0, visit_rows, n);
+	late_drop(&f->late, n->light);
+	n->light = NULL;
+	return code;
 }
 
 /* ---- cells ----------------------------------------------------------------------------------------------- */
 
 static size_t cell_of(const fine *n, const site *s)
 {
-	int x = pixel_of(s->x, n->f->width) / CELL, y = pixel_of(s->y, n->f->height) / CELL;
+	int x = pixel_of(s->placed.x, n->f->width) / CELL, y = pixel_of(s->placed.y, n->f->height) / CELL;
 	return (size_t)y * (size_t)n->across + (size_t)x;
 }
 
@@ -260,150 +250,4 @@ int32_t ISA(fine_sort)(fine *n)
 	for (uint32_t i = n->count; i-- > 0;) /* from the last: each finds its cell's end and moves it down */
 		n->member[--n->cell[cell_of(n, n->site + i)]] = i;
 	return ENCRE_OK;
-}
-
-/* ---- keeping clear --------------------------------------------------------------------------------------- */
-
-typedef struct turn {
-	fine *n;
-	int family;
-	uint32_t first;
-} turn;
-
-static bool owned(const fine *n, const site *s)
-{
-	near_sites of = near_place(n, s->x, s->y, clear_of_band);
-	for (uint32_t i; near_next(n, &of, &i);) {
-		const site *other = n->site + i;
-		if (other->dropped || other->family >= s->family)
-			continue;
-		bool band = other->family == s->family - 1 && is_band(other->family);
-		float clear = band ? clear_of_band : clear_of_earlier;
-		if (apart2(s, other) < clear * clear)
-			return true;
-	}
-	return false;
-}
-
-static void clear_sites(void *data, int first, int end, int thread)
-{
-	(void)thread;
-	const turn *t = data;
-	for (int i = first; i < end; i++) {
-		site *s = t->n->site + t->first + i;
-		s->dropped = owned(t->n, s);
-	}
-}
-
-static int32_t clear(fine *n)
-{
-	int32_t code = ENCRE_OK;
-	for (int k = FAMILY_THIN + 1; !code && k < FAMILY_COUNT; k++) {
-		turn t = {n, k, n->first[k * n->f->height]};
-		int count = (int)(n->first[(k + 1) * n->f->height] - t.first);
-		code = bands_run(n->f->bands, count, CHUNK, clear_sites, &t);
-		if (!code)
-			code = ISA(fine_drop_weak)(n, (enum family)k);
-		if (!code)
-			code = ISA(fine_drop_crumbs)(n, (enum family)k);
-	}
-	return code;
-}
-
-/* The distance of two colours in the space of the metric below which none is an edge. */
-static float least_contrast(const encre_params *p, float weight)
-{
-	float most = p->contrast_auto ? fminf(p->contrast_max, 0.25f) : p->contrast_max, least = p->contrast_threshold;
-	if (weight > 0 && most > least)
-		least += (most - least) * fminf(1, p->edge_threshold / weight);
-	/* a difference is at most 2/3 of the distance in RGB, and that distance itself in CIE76; the others bend the
-	 * space */
-	return least * (p->contrast_metric == contrast_metric_RGB     ? 1.5f
-			: p->contrast_metric == contrast_metric_CIE76 ? 1
-								      : 0.33f);
-}
-
-/* ---- the detector ---------------------------------------------------------------------------------------- */
-
-void ISA(fine_plan)(frame *f, const edges *e, arena *a)
-{
-	size_t pixels = (size_t)f->width * (size_t)f->height;
-	float half = f->params->crease_angle * 0.00872664626f; /* in radians */
-	fine made = {.f = f, .e = f->edges, .crease = 2 * pixel_sin(half)};
-	for (int i = 0; i < f->n_styles; i++)
-		made.most_color = fmaxf(made.most_color, e->weight[SOURCE_COLOR][i]);
-	made.least_contrast =
-		least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
-	ISA(fine_floors)(&made);
-	made.across = (f->width - 1) / CELL + 1;
-	made.tall = (f->height - 1) / CELL + 1;
-	made.crack = arena_take(a, pixels, sizeof *made.crack);
-	made.ridge = arena_take(a, pixels, sizeof *made.ridge);
-	made.first = arena_take(a, (size_t)FAMILY_COUNT * (size_t)f->height + 1, sizeof *made.first);
-	made.spans = (f->width - 1) / THIN_SPAN + 1;
-	made.hit = arena_take(a, (size_t)made.spans * (size_t)f->height, sizeof *made.hit);
-	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
-	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
-	if (e->on[SOURCE_SEEN]) {
-		made.seen = arena_take(a, pixels, sizeof *made.seen);
-		made.through = arena_take(a, pixels, sizeof *made.through);
-		made.glimpse = arena_take(a, (size_t)f->height, sizeof *made.glimpse);
-	}
-	ptrdiff_t scratch[] = {ISA(crack_scratch)(f), ISA(ridge_scratch)(f),
-			       e->on[SOURCE_LIGHT] ? ISA(light_scratch)(f) : 0};
-	for (int i = 0; i < 3; i++)
-		made.thread_scratch = scratch[i] > made.thread_scratch ? scratch[i] : made.thread_scratch;
-	made.scratch =
-		arena_take(a, (size_t)bands_threads(f->bands) * (size_t)made.thread_scratch, sizeof *made.scratch);
-	fine *n = arena_take(a, 1, sizeof *n);
-	f->fine = n;
-	if (n)
-		*n = made;
-}
-
-/* edge_strength where a site lies is the largest of its sites'. */
-static void show_strength(const fine *n)
-{
-	plane out = n->f->output[ENCRE_OUTPUT_EDGES];
-	for (int y = 0; out.data && y < n->f->height; y++)
-		memset(out.data + y * out.row, 0, (size_t)n->f->width * sizeof *out.data);
-	for (uint32_t i = 0; out.data && i < n->count; i++) {
-		const site *s = n->site + i;
-		float *at = out.data + pixel_of(s->y, n->f->height) * out.row + pixel_of(s->x, n->f->width);
-		*at = !s->dropped && s->strength > *at ? s->strength : *at;
-	}
-}
-
-int32_t ISA(fine_run)(frame *f)
-{
-	fine *n = f->fine;
-	int32_t code = n->e->on[SOURCE_LIGHT] ? ISA(light_even)(n) : ENCRE_OK;
-	if (!code)
-		code = bands_run(f->bands, f->height, 0, ISA(crack_rows), n);
-	if (!code)
-		code = bands_run(f->bands, f->height, 0, ISA(thin_rows), n);
-	if (!code)
-		code = n->seen ? ISA(seen_run)(n) : ENCRE_OK;
-	if (!code)
-		code = bands_run(f->bands, f->height, 0, ISA(ridge_rows), n);
-	if (!code)
-		code = gather(n);
-	late_drop(&f->late, n->light);
-	if (!code)
-		code = ISA(fine_sort)(n);
-	if (!code)
-		code = clear(n);
-	if (!code)
-		code = ISA(fine_link)(n);
-	if (!code)
-		code = ISA(thin_tie)(n);
-	if (!code)
-		code = ISA(fine_smooth)(n);
-	if (!code && n->e->on[SOURCE_COLOR])
-		code = ISA(fine_crowd)(n);
-	if (!code)
-		code = ISA(fine_join_ends)(n);
-	if (!code)
-		show_strength(n);
-	return code;
 }

@@ -2,7 +2,7 @@
 /* Ink along links: the union of discs whose centre, radius, darkness and depth run evenly from one site to the next. Of
  * a wide line each link draws only the pixels that lie before its own ends, as its neighbours draw the others. */
 #include "ink/discs.h"
-#include "fine/fine.h"
+#include "fine/near.h"
 
 /* What a site gives the links that end at it. Coverage at distance d is faint * clamp01((out - d) / fade). */
 typedef struct pen_end {
@@ -28,8 +28,10 @@ typedef struct gather {
 	float *length; /* to the nearest free end, by site; NULL where no line tapers */
 } gather;
 
-static pen_end pen_end_of(const frame *f, const site *s, float length)
+static pen_end pen_end_of(const frame *f, const site *made, float length)
 {
+	const placed *s = &made->placed;
+	float crowd = made->linked.crowd;
 	pen pen;
 	pen_end e = {.x = s->x, .y = s->y};
 	e.owner = (uint32_t)s->near_y << 16 | s->near_x;
@@ -39,11 +41,11 @@ static pen_end pen_end_of(const frame *f, const site *s, float length)
 	float taper = pen.p->line_taper * f->scale;
 	if (length < taper)
 		pen.radius *= length / taper;
-	if (pen.radius * s->crowd > 1)
-		pen.radius = 1 / s->crowd;
+	if (pen.radius * crowd > 1)
+		pen.radius = 1 / crowd;
 	/* a thing not much wider than its lines lets no paper between them: they are one, from its middle */
 	float filled = s->thin * clamp01(1 - 2 * (s->half - pen.radius));
-	if (s->axis == AXIS_ROW)
+	if (made->found.axis == AXIS_ROW)
 		e.x += filled * s->inside;
 	else
 		e.y += filled * s->inside;
@@ -64,7 +66,7 @@ static void make_pens(void *data, int first, int end, int thread)
 	(void)thread;
 	const gather *g = data;
 	for (int i = first; i < end; i++)
-		if (!g->n->site[i].dropped)
+		if (!g->n->site[i].linked.dropped)
 			g->all->end[i] = pen_end_of(g->f, g->n->site + i, g->length ? g->length[i] : INFINITY);
 }
 
@@ -92,12 +94,12 @@ static void enter_all(const gather *g, uint32_t *next)
 {
 	const fine *n = g->n;
 	for (uint32_t i = 0; i < n->count; i++) {
-		if (n->site[i].dropped)
+		if (n->site[i].linked.dropped)
 			continue;
 		if (n->at[i] == n->at[i + 1])
 			enter(g, i, i, next);
 		for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
-			if (n->to[k] > i && !n->site[n->to[k]].dropped)
+			if (n->to[k] > i && !n->site[n->to[k]].linked.dropped)
 				enter(g, i, n->to[k], next);
 	}
 }
@@ -163,7 +165,7 @@ static void cut_at(const fine *n, capsule *c, uint32_t here, uint32_t there)
 	if (n->at[here + 1] - n->at[here] != 2)
 		return;
 	uint32_t other = n->to[n->at[here]] == there ? n->to[n->at[here] + 1] : n->to[n->at[here]];
-	const site *h = n->site + here, *t = n->site + there, *o = n->site + other;
+	const placed *h = &n->site[here].placed, *t = &n->site[there].placed, *o = &n->site[other].placed;
 	float ox = h->x - o->x, oy = h->y - o->y, tx = t->x - h->x, ty = t->y - h->y;
 	if (!unit_of(&ox, &oy) || !unit_of(&tx, &ty) || ox * tx + oy * ty < 0)
 		return;

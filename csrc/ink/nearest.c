@@ -3,7 +3,7 @@
  * columns, then along rows by the lower envelope of parabolas (Meijster, Roerdink & Hesselink 2000). Of edges at
  * the same distance the one in the least row, then in the least column is taken, which is the envelope of parabolas
  * raised by an infinitesimal amount per row, and so holds together. */
-#include "fine/fine.h"
+#include "fine/near.h"
 
 #include <math.h>
 
@@ -140,10 +140,10 @@ static float nearest_along(const fine *n, uint32_t from, uint32_t end, int step,
 {
 	for (uint32_t i = from; i != end; i += (uint32_t)step) {
 		const site *s = n->site + n->member[i];
-		float dx = s->x - x, dy = s->y - y, d2 = dx * dx + dy * dy;
+		float dx = s->placed.x - x, dy = s->placed.y - y, d2 = dx * dx + dy * dy;
 		if (step * dx > 0 && fabsf(dx) > CELL + 1 && (fabsf(dx) - CELL - 1) * (fabsf(dx) - CELL - 1) > best)
 			break; /* members of a cell lie in any order */
-		if (s->dropped || d2 >= best)
+		if (s->linked.dropped || d2 >= best)
 			continue;
 		best = d2;
 		way[0] = dx;

@@ -2,7 +2,7 @@
 /* Cracks: boundaries that run between two neighbouring pixels, because a depth or an index is one thing here and
  * another there. A depth jumps where each side's straight continuation misses the other side: that is
  * 0 on planes, curved surfaces and beside a jump, so nothing has to be thinned. */
-#include "fine/fine.h"
+#include "fine/near.h"
 
 enum { ROWS = 4 };
 
@@ -89,7 +89,7 @@ static void mark_different(const float *a, const float *b, int n, uint8_t bit, u
 
 /* ---- sites ----------------------------------------------------------------------------------------------- */
 
-static float depth_strength(const fine *n, const site *s)
+static float depth_strength(const fine *n, const found *s)
 {
 	const frame *f = n->f;
 	float u[4];
@@ -106,7 +106,7 @@ static float depth_strength(const fine *n, const site *s)
 
 /* Share of the way from pixel p to q at which the averaged layers pass from one side's colours and normals to the
  * other's. */
-static float crossing(const frame *f, const site *s)
+static float crossing(const frame *f, const found *s)
 {
 	float v[6][6]; /* of pixels p - 2 to q + 2 */
 	int dx = s->axis == AXIS_ROW, dy = 1 - dx;
@@ -134,17 +134,17 @@ static float crossing(const frame *f, const site *s)
 	return (weight * t + 2) / (weight + 4);
 }
 
-bool ISA(crack_site)(const fine *n, site *s)
+bool ISA(crack_site)(const fine *n, const found *at, placed *s)
 {
 	const frame *f = n->f;
-	int x = s->column, y = s->row, qx = x + (s->axis == AXIS_ROW), qy = y + (s->axis == AXIS_COLUMN);
+	int x = at->column, y = at->row, qx = x + (at->axis == AXIS_ROW), qy = y + (at->axis == AXIS_COLUMN);
 	float zp = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, y)[x]),
 	      zq = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, qy)[qx]);
 	bool object = (zp == INFINITY) != (zq == INFINITY), material = false;
-	float jump = depth_strength(n, s), known = ISA(hand_place)(n, s);
+	float jump = depth_strength(n, at), known = ISA(hand_place)(n, at);
 	/* a line that was drawn where there is a contour as well is not the contour */
-	crack_place(s, known < 0 ? -known : known > 0 && !(jump > 0 || object) ? known : crossing(f, s));
-	int style = fine_style(n, s);
+	crack_place(at, known < 0 ? -known : known > 0 && !(jump > 0 || object) ? known : crossing(f, at), s);
+	int style = fine_style(n, at, s);
 	if (f->layer[ENCRE_LAYER_OBJECT].data)
 		object |= layer_row(f, ENCRE_LAYER_OBJECT, y)[x] != layer_row(f, ENCRE_LAYER_OBJECT, qy)[qx];
 	if (f->layer[ENCRE_LAYER_MATERIAL].data)
@@ -177,11 +177,12 @@ static void refine(const fine *n, int y, uint8_t *mark, uint8_t bits)
 {
 	for (int x = 0; x < n->f->width; x++)
 		for (int axis = 0; axis < 2 && (mark[x] & bits); axis++) {
-			site s = {.column = (uint16_t)x, .row = (uint16_t)y, .axis = (uint8_t)axis};
+			found at = {(uint16_t)x, (uint16_t)y, FAMILY_CRACK, (uint8_t)axis};
+			placed s;
 			uint8_t crack = (uint8_t)(CRACK_RIGHT << axis), light = (uint8_t)(LIGHT_RIGHT << axis);
-			if ((mark[x] & bits & crack) && !ISA(crack_site)(n, &s))
+			if ((mark[x] & bits & crack) && !ISA(crack_site)(n, &at, &s))
 				mark[x] &= (uint8_t)~crack;
-			if ((mark[x] & bits & light) && ((mark[x] & crack) || !ISA(light_site)(n, &s)))
+			if ((mark[x] & bits & light) && ((mark[x] & crack) || !ISA(light_site)(n, &at, &s)))
 				mark[x] &= (uint8_t)~light;
 		}
 }

@@ -2,7 +2,7 @@
 /* Where light crosses the threshold of a level, between two pixels. Light has noise, and on soft light a little of it
  * moves a threshold far: light is evened out first, along its level lines more than across them, and never over the
  * edge of a shadow (a wavelet transform with holes that stops at edges: Dammertz et al. 2010). */
-#include "fine/fine.h"
+#include "fine/near.h"
 #include "base/metric.h"
 
 #include <string.h>
@@ -297,14 +297,14 @@ float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float
 
 /* ---- sites ------------------------------------------------------------------------------------------ */
 
-bool ISA(light_site)(const fine *n, site *s)
+bool ISA(light_site)(const fine *n, const found *at, placed *s)
 {
 	const frame *f = n->f;
-	int qx = s->column + (s->axis == AXIS_ROW), qy = s->row + (s->axis == AXIS_COLUMN);
-	crack_place(s, 0.5f);
-	int style = fine_style(n, s);
+	int qx = at->column + (at->axis == AXIS_ROW), qy = at->row + (at->axis == AXIS_COLUMN);
+	crack_place(at, 0.5f, s);
+	int style = fine_style(n, at, s);
 	const encre_params *own = f->params + style;
-	float one = bounded(light_row(n, s->row)[s->column] * own->shade_exposure),
+	float one = bounded(light_row(n, at->row)[at->column] * own->shade_exposure),
 	      two = bounded(light_row(n, qy)[qx] * own->shade_exposure);
 	int low = level_of(&own->shade_levels, one < two ? one : two),
 	    high = level_of(&own->shade_levels, one > two ? one : two);
@@ -312,7 +312,7 @@ bool ISA(light_site)(const fine *n, site *s)
 		return false;
 	/* a step over several thresholds is one line */
 	float threshold = 0.5f * (own->shade_levels.level[low + 1].threshold + own->shade_levels.level[high].threshold);
-	crack_place(s, clamp01((threshold - one) / (two - one)));
+	crack_place(at, clamp01((threshold - one) / (two - one)), s);
 	s->strength = 0;
 	return ISA(fine_weigh)(n, s, style, SOURCE_LIGHT, ISA(light_contrast)(n, own, one, two));
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Marks: lines that were drawn by hand. The layer says exactly where each passes between two pixels, so that nothing is
  * searched for. Where contours run they own the line, but marks come before all that the averaged layers show. */
-#include "fine/fine.h"
+#include "fine/near.h"
 
 static float mark_at(const fine *n, int x, int y, int axis)
 {
@@ -9,19 +9,17 @@ static float mark_at(const fine *n, int x, int y, int axis)
 	return marks.data[y * marks.row + (ptrdiff_t)2 * x + axis];
 }
 
-float ISA(hand_place)(const fine *n, const site *s)
+float ISA(hand_place)(const fine *n, const found *at)
 {
-	float place = n->f->layer[ENCRE_LAYER_MARKS].data ? mark_at(n, s->column, s->row, s->axis) : 0;
+	float place = n->f->layer[ENCRE_LAYER_MARKS].data ? mark_at(n, at->column, at->row, at->axis) : 0;
 	return place < 0 ? -clamp01(-place) : clamp01(place);
 }
 
-bool ISA(hand_site)(const fine *n, site *s)
+bool ISA(hand_site)(const fine *n, const found *at, placed *s)
 {
-	float place = ISA(hand_place)(n, s);
-	s->x = (float)s->column + (s->axis == AXIS_ROW ? place : 0);
-	s->y = (float)s->row + (s->axis == AXIS_COLUMN ? place : 0);
+	crack_place(at, ISA(hand_place)(n, at), s);
 	s->strength = 0;
-	return ISA(fine_weigh)(n, s, fine_style(n, s), SOURCE_MARK, 1);
+	return ISA(fine_weigh)(n, s, fine_style(n, at, s), SOURCE_MARK, 1);
 }
 
 void ISA(hand_row)(const fine *n, int y)
@@ -37,12 +35,10 @@ void ISA(hand_row)(const fine *n, int y)
 		return;
 	for (int x = 0; x < width; x++)
 		for (int axis = 0; axis < 2; axis++) {
-			site s = {.column = (uint16_t)x,
-				  .row = (uint16_t)y,
-				  .family = FAMILY_MARK,
-				  .axis = (uint8_t)axis};
+			found at = {(uint16_t)x, (uint16_t)y, FAMILY_MARK, (uint8_t)axis};
+			placed s;
 			bool inside = axis ? y + 1 < n->f->height : x + 1 < width;
-			if (inside && mark_at(n, x, y, axis) > 0 && ISA(hand_site)(n, &s))
-				n->crack[(ptrdiff_t)y * width + x] |= (uint8_t)(MARK_RIGHT << axis);
+			if (inside && mark_at(n, x, y, axis) > 0 && ISA(hand_site)(n, &at, &s))
+				n->crack[(ptrdiff_t)y * width + x] |= (uint8_t)mark_of(FAMILY_MARK, axis);
 		}
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Where the eye passes through or off the front surface, and how far what it sees there can be trusted. Layers of what
  * is seen are those of the surface itself elsewhere; where they differ ridges.c looks for lines in them. */
-#include "fine/fine.h"
+#include "fine/near.h"
 
 #include <string.h>
 
@@ -131,7 +131,7 @@ static void read(const fine *n, int s, int x, int y, float *value)
 
 /* However much there is to see about a line, many pixels are like the mean of their neighbours in the row or in the
  * column; in what is noisy few are. */
-float ISA(seen_clarity)(const fine *n, const site *at, int s)
+float ISA(seen_clarity)(const fine *n, const found *at, int s)
 {
 	enum { READ = SIDE + 2, MIDDLE = WINDOW + 1 };
 	float value[READ][READ][3], step2 = 0;

@@ -2,7 +2,7 @@
 /* Ridges: where a layer that is averaged over its pixels changes faster than on both sides: a crease in the normals, a
  * boundary between colours, the edge of a shadow. Pixels beside a crack hold two surfaces: there is no ridge in them,
  * and no read along a direction goes past them. */
-#include "fine/fine.h"
+#include "fine/near.h"
 
 enum { REACH = 3, SPAN = 2 * REACH + 1, SHORT = 32 };
 
@@ -10,7 +10,7 @@ enum { REACH = 3, SPAN = 2 * REACH + 1, SHORT = 32 };
 typedef struct window {
 	const fine *n;
 	int source; /* what is sampled: edges.h */
-	int planes;
+	sample_info is;
 	const float *row[3][SPAN];
 	const uint8_t *mixed[SPAN];
 	float least_contrast; /* difference across, below which no step is strong enough */
@@ -26,7 +26,7 @@ static void beside(const window *w, int x, int k, int step, int axis, float *val
 		sx = x;
 		sk = k;
 	}
-	for (int c = 0; c < w->planes; c++)
+	for (int c = 0; c < w->is.planes; c++)
 		value[c] = w->row[c][sk][sx];
 }
 
@@ -40,7 +40,7 @@ static int steeper(const window *w, int x)
 				float before[3], after[3];
 				beside(w, i, k, -1, axis, before);
 				beside(w, i, k, 1, axis, after);
-				sum[axis] += distance2(after, before, w->planes);
+				sum[axis] += distance2(after, before, w->is.planes);
 			}
 	return sum[AXIS_COLUMN] > sum[AXIS_ROW] ? AXIS_COLUMN : AXIS_ROW;
 }
@@ -55,7 +55,7 @@ static int along(const window *w, int x, int axis, float (*value)[3])
 		for (int k = 1; k <= REACH && held == k - 1; k++)
 			held += !w->mixed[REACH + (axis ? side * k : 0)][x + (axis ? 0 : side * k)];
 		for (int k = 0; k <= REACH; k++)
-			for (int c = 0, at = side * (k < held ? k : held); c < w->planes; c++)
+			for (int c = 0, at = side * (k < held ? k : held); c < w->is.planes; c++)
 				value[REACH + side * k][c] = w->row[c][REACH + (axis ? at : 0)][x + (axis ? 0 : at)];
 		shorter = held < shorter ? held : shorter;
 	}
@@ -66,11 +66,11 @@ static int along(const window *w, int x, int axis, float (*value)[3])
  * thin stripe goes the other way. Of two equal ones, which lie at the same place, the first counts. */
 static bool greatest(const window *w, int x, int axis)
 {
-	float value[SPAN][3], own = 0, floor = w->n->floor[w->source];
+	float value[SPAN][3], own = 0, floor = w->n->floor[w->is.step];
 	int before = axis ? REACH - 1 : REACH, after = axis ? REACH + 1 : REACH, dx = axis ? 0 : 1;
 	if (w->mixed[before][x - dx] || w->mixed[after][x + dx])
 		return false;
-	for (int c = 0; c < w->planes; c++) {
+	for (int c = 0; c < w->is.planes; c++) {
 		float d = w->row[c][after][x + dx] - w->row[c][before][x - dx];
 		own += d * d;
 	}
@@ -78,8 +78,8 @@ static bool greatest(const window *w, int x, int axis)
 		return false;
 	along(w, x, axis, value);
 	for (int k = -2; k <= 2; k++) {
-		float other = distance2(value[REACH + k + 1], value[REACH + k - 1], w->planes), dot = 0;
-		for (int c = 0; c < w->planes; c++)
+		float other = distance2(value[REACH + k + 1], value[REACH + k - 1], w->is.planes), dot = 0;
+		for (int c = 0; c < w->is.planes; c++)
 			dot += (value[REACH + k + 1][c] - value[REACH + k - 1][c]) *
 			       (value[REACH + 1][c] - value[REACH - 1][c]);
 		if (dot > 0 && (other > own || (k < 0 && other == own)))
@@ -92,7 +92,7 @@ static bool greatest(const window *w, int x, int axis)
 static float bulge2(const window *w, int x, int k, int axis)
 {
 	float sum = 0;
-	for (int c = 0; c < w->planes; c++) {
+	for (int c = 0; c < w->is.planes; c++) {
 		float v[5];
 		for (int i = -2; i <= 2; i++)
 			v[i + 2] = w->row[c][k + (axis ? i : 0)][x + (axis ? 0 : i)];
@@ -109,7 +109,7 @@ static bool peaks(const window *w, int x, int axis)
 	if (along(w, x, axis, value) < 2)
 		return false;
 	const float (*v)[3] = (const float (*)[3])value + REACH - 2;
-	for (int c = 0; c < w->planes; c++) {
+	for (int c = 0; c < w->is.planes; c++) {
 		float e = (v[1][c] + v[2][c] + v[3][c]) - 1.5f * (v[0][c] + v[4][c]);
 		for (int i = 0; i < 3; i++)
 			dot[i] += (v[i + 1][c] - mix(v[0][c], v[4][c], 0.25f * (float)(i + 1))) * e;
@@ -205,16 +205,17 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 {
 	float step[TILE], wide[TILE], bulge[TILE];
 	int32_t bits[TILE];
-	float least = w->n->floor[w->source], band = w->n->band_floor[w->source], contrast = w->least_contrast;
+	float least = w->n->floor[w->is.step], band = w->is.band ? w->n->floor[w->is.band] : INFINITY,
+	      contrast = w->least_contrast;
 	for (int i = 0; i < n; i++)
 		bits[i] = 0;
 	for (int axis = 0; axis < 2; axis++) {
 		const float *v[5][3] = {{NULL}};
 		for (int k = -2; k <= 2; k++)
-			for (int c = 0; c < w->planes; c++)
+			for (int c = 0; c < w->is.planes; c++)
 				v[k + 2][c] = w->row[c][REACH + (axis ? k : 0)] + x0 + (axis ? 0 : k);
 		bool far_too = contrast > least;
-		if (w->planes == 1)
+		if (w->is.planes == 1)
 			measure((const float *const(*)[3])v, 1, false, n, step, wide, bulge);
 		else if (far_too)
 			measure((const float *const(*)[3])v, 3, true, n, step, wide, bulge);
@@ -253,17 +254,18 @@ static void closed_row(const fine *n, int y, const uint8_t *mixed, uint8_t *out)
 	}
 }
 
-static void mark(const window *w, int x, int y, enum family family, int axis, uint16_t *ridge)
+static void mark(const window *w, int x, int y, int family, int axis, uint16_t *ridge)
 {
-	site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = (uint8_t)family, .axis = (uint8_t)axis};
-	if (!ISA(ridge_site)(w->n, &s))
+	found at = {(uint16_t)x, (uint16_t)y, (uint8_t)family, (uint8_t)axis};
+	placed s = {0};
+	if (!ISA(ridge_site)(w->n, &at, &s))
 		return;
-	if (family < FAMILY_SEEN) {
-		ridge[x] |= (uint16_t)(1 << ridge_bit(family, axis));
+	if (families[family].word == WORD_RIDGE) {
+		ridge[x] |= mark_of(family, axis);
 		return;
 	}
-	ridge[x] |= MARK_SEEN;
-	w->n->seen[(ptrdiff_t)y * w->n->f->width + x] |= (uint16_t)(1 << (2 * ((int)family - FAMILY_SEEN) + axis));
+	ridge[x] |= RIDGE_SEEN;
+	w->n->seen[(ptrdiff_t)y * w->n->f->width + x] |= mark_of(family, axis);
 }
 
 static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
@@ -280,10 +282,10 @@ static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
 		int x = x0 + i, axis;
 		for (axis = 0; axis < 2; axis++)
 			if ((candidate[i] & BAND << axis) && peaks(w, x, axis) && bulging(w, x) == axis)
-				mark(w, x, y, band_of(w->source), axis, ridge);
+				mark(w, x, y, w->is.band, axis, ridge);
 		for (axis = 0; axis < 2; axis++)
 			if ((candidate[i] & STEP << axis) && greatest(w, x, axis) && steeper(w, x) == axis)
-				mark(w, x, y, step_of(w->source), axis, ridge);
+				mark(w, x, y, w->is.step, axis, ridge);
 	}
 }
 
@@ -316,7 +318,7 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 		if (n->seen)
 			memset(n->seen + (ptrdiff_t)y * f->width, 0, (size_t)f->width * sizeof *n->seen);
 		for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++) {
-			bool wanted = n->e->on[s] && s != SOURCE_MARK && (s < SOURCE_SEEN || n->glimpse[y]);
+			bool wanted = n->e->on[s] && samples[s].step && (s < SOURCE_SEEN || n->glimpse[y]);
 			for (int k = -1; s == SOURCE_COLOR && wanted && k <= 1;
 			     k++) /* a site may lie in the next row */
 				if ((wanted = n->colored[clamp_index(y + k, f->height)]))
@@ -330,9 +332,9 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 				w.mixed[k] = at;
 			}
 			w.source = s;
-			w.planes = s == SOURCE_LIGHT || s == SAMPLE_SEEN_DEPTH ? 1 : 3;
+			w.is = samples[s];
 			w.least_contrast = s == SOURCE_COLOR ? n->least_contrast : 0;
-			for (int c = 0; c < w.planes; c++)
+			for (int c = 0; c < w.is.planes; c++)
 				ISA(ring_window)(rings + s, y, 0, c, w.row[c]);
 			for (int x0 = 0; x0 < f->width; x0 += TILE)
 				ridge_tile(&w, y, x0, f->width - x0 < TILE ? f->width - x0 : TILE, ridge);

@@ -1,74 +1,53 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Where exactly a ridge lies between pixels, and how strong it is: the shares of what lies on both sides in the pixels
  * between tell how far into them a boundary reaches. */
-#include "fine/fine.h"
+#include "fine/near.h"
 #include "base/metric.h"
 
-static const float least_of_step = 0.4f;                     /* share of a step that slopes beside it may not explain */
-static const float crease_from = 0.35f, crease_ramp = 0.37f; /* of the difference of normals at crease_angle */
-static const float seen_crease_from = 0.6f;                  /* likewise */
+static const float least_of_step = 0.4f; /* share of a step that slopes beside it may not explain */
+static const float crease_ramp = 0.37f;  /* of the difference of normals at crease_angle */
 static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth */
-static const float least_color = 0.01f, least_light = 0.02f;
-static const float more_of_band = 1.2f, least_light_band = 0.1f; /* floor: times a step's; of light */
-/* pixels; and where it goes on beside one that is narrow enough, and as strong as an edge: then a share of that will do
- */
-static const float widest_band = 2.05f, widest_weak = 2.9f, least_weak = 0.5f;
+/* pixels; and where it goes on beside one that is narrow enough, and as strong as an edge */
+static const float widest_band = 2.05f, widest_weak = 2.9f;
 static const float least_of_peak = 1.5f; /* times the step across a band */
 static const float most_against = 0.1f;  /* share of a band that a pixel of it may lie the other way */
-
-void ISA(fine_floors)(fine *n)
-{
-	n->floor[SOURCE_NORMAL] = crease_from * n->crease;
-	n->floor[SOURCE_COLOR] = least_color;
-	n->floor[SOURCE_LIGHT] = least_light;
-	n->floor[SOURCE_SEEN] = seen_crease_from * n->crease;
-	n->floor[SAMPLE_SEEN_COLOR] = least_color;
-	n->floor[SAMPLE_SEEN_DEPTH] = 0; /* in ridge_site(), relative to the depth */
-	for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++)
-		n->band_floor[s] = s == SOURCE_LIGHT        ? least_light_band
-				   : s == SAMPLE_SEEN_DEPTH ? INFINITY
-							    : more_of_band * n->floor[s];
-}
 
 /* A pixel's value in linear terms. */
 static void read(const fine *n, int source, int x, int y, float *value)
 {
 	const frame *f = n->f;
-	enum encre_layer layer = source == SOURCE_NORMAL                   ? ENCRE_LAYER_NORMAL
-				 : source == SOURCE_SEEN                   ? ENCRE_LAYER_SEEN_NORMAL
-				 : source == SAMPLE_SEEN_COLOR             ? ENCRE_LAYER_SEEN_COLOR
-				 : source == SOURCE_LIGHT                  ? ENCRE_LAYER_DIFFUSE
-				 : n->e->p->color_layer == color_layer_LIT ? ENCRE_LAYER_COMBINED
-									   : ENCRE_LAYER_ALBEDO;
-	if (source == SAMPLE_SEEN_DEPTH) {
-		plane depth = f->layer[ENCRE_LAYER_SEEN_DEPTH];
+	const sample_info *is = samples + source;
+	int layer =
+		source == SOURCE_COLOR && n->e->p->color_layer == color_layer_LIT ? ENCRE_LAYER_COMBINED : is->layer;
+	if (is->form == FORM_DISTANCE) {
+		plane depth = f->layer[layer];
 		value[0] = seen_sample(n->e, depth.data[y * depth.row + x]);
 		return;
 	}
 	const float *in =
 		f->layer[layer].data + y * f->layer[layer].row + (ptrdiff_t)(layer == ENCRE_LAYER_COMBINED ? 4 : 3) * x;
 	for (int c = 0; c < 3; c++)
-		value[c] = source == SOURCE_COLOR || source == SAMPLE_SEEN_COLOR ? clamp01(in[c]) : bounded(in[c]);
-	if (source == SOURCE_LIGHT) {
+		value[c] = is->form == FORM_COLOR ? clamp01(in[c]) : bounded(in[c]);
+	if (is->form == FORM_LIGHT) {
 		int style = f->style ? f->style[(ptrdiff_t)y * f->width + x] : 0;
 		value[0] = bounded(max3(in[0], in[1], in[2]) * f->params[style].shade_exposure);
 	}
 }
 
 /* Values at -2..2 along the axis of a site, read outwards up to where a pixel holds two surfaces: so far they go. */
-static void read_along(const fine *n, int source, const site *s, float (*value)[3], int *far)
+static void read_along(const fine *n, int source, const found *at, float (*value)[3], int *far)
 {
 	for (int side = -1; side <= 1; side += 2) {
 		int held = 0;
 		for (int k = 1; k <= 2 && held == k - 1; k++) {
-			int x = clamp_index(s->column + (s->axis ? 0 : side * k), n->f->width);
-			int y = clamp_index(s->row + (s->axis ? side * k : 0), n->f->height);
+			int x = clamp_index(at->column + (at->axis ? 0 : side * k), n->f->width);
+			int y = clamp_index(at->row + (at->axis ? side * k : 0), n->f->height);
 			held += !closed_at(n, source, x, y);
 		}
 		for (int k = 0; k <= 2; k++) {
-			int at = side * (k < held ? k : held);
-			read(n, source, clamp_index(s->column + (s->axis ? 0 : at), n->f->width),
-			     clamp_index(s->row + (s->axis ? at : 0), n->f->height), value[2 + side * k]);
+			int off = side * (k < held ? k : held);
+			read(n, source, clamp_index(at->column + (at->axis ? 0 : off), n->f->width),
+			     clamp_index(at->row + (at->axis ? off : 0), n->f->height), value[2 + side * k]);
 		}
 		far[side > 0] = held;
 	}
@@ -115,29 +94,32 @@ static void sides(float (*value)[3], int planes, int *low, int *high)
 	*high = inner ? 3 : 4;
 }
 
-static void put(site *s, float offset)
+static void put(const found *at, float offset, placed *s)
 {
 	offset = offset < -1 ? -1 : offset > 1 ? 1 : offset;
-	s->x = (float)s->column + (s->axis ? 0 : offset);
-	s->y = (float)s->row + (s->axis ? offset : 0);
+	s->x = (float)at->column + (at->axis ? 0 : offset);
+	s->y = (float)at->row + (at->axis ? offset : 0);
 }
 
 /* As fine_weigh(); what is seen counts as far as it stands out, which is asked only where it matters. */
-static bool weigh(const fine *n, site *s, int style, int source, float strength)
+static bool weigh(const fine *n, const found *at, placed *s, int style, float strength)
 {
-	if (source < SOURCE_SEEN)
-		return ISA(fine_weigh)(n, s, style, (enum source)source, strength);
-	if (!ISA(fine_weigh)(n, s, style, SOURCE_SEEN, strength))
+	const family_info *is = families + at->family;
+	if (!ISA(fine_weigh)(n, s, style, (enum source)is->source, strength))
 		return false;
+	if (is->word != WORD_SEEN)
+		return true;
 	s->strength = 0;
-	return ISA(fine_weigh)(n, s, style, SOURCE_SEEN, strength * ISA(seen_clarity)(n, s, source));
+	return ISA(fine_weigh)(n, s, style, (enum source)is->source, strength * ISA(seen_clarity)(n, at, is->sample));
 }
 
 /* A stripe, narrow enough that its two boundaries are one line. */
-static bool band_site(const fine *n, site *s, int source, int planes, float (*value)[3])
+static bool band_site(const fine *n, const found *at, placed *s, float (*value)[3])
 {
+	const family_info *is = families + at->family;
+	int form = samples[is->sample].form, planes = samples[is->sample].planes;
 	float base[3], e[3], c[3] = {0, 0, 0}, area = 0;
-	if (source == SOURCE_COLOR || source == SAMPLE_SEEN_COLOR)
+	if (form == FORM_COLOR)
 		encode(n, value);
 	for (int k = 0; k < planes; k++) {
 		e[k] = (value[1][k] + value[2][k] + value[3][k]) - 1.5f * (value[0][k] + value[4][k]);
@@ -145,24 +127,23 @@ static bool band_site(const fine *n, site *s, int source, int planes, float (*va
 		area += e[k] * e[k];
 	}
 	area = sqrtf(area);
-	if (!(area > n->band_floor[source]))
+	if (!(area > n->floor[at->family]))
 		return false;
 	for (int i = 0; i < 3; i++)
 		for (int k = 0; k < planes; k++)
 			c[i] += (value[i + 1][k] - mix(value[0][k], value[4][k], 0.25f * (float)(i + 1))) * e[k] / area;
 	float against = -most_against * area;
-	s->weak = source == SOURCE_COLOR && area > widest_band * c[1];
+	s->weak = is->weak > 0 && area > widest_band * c[1];
 	if (!(c[1] > c[0] && c[1] > c[2] && area <= (s->weak ? widest_weak : widest_band) * c[1] && c[0] > against &&
 	      c[2] > against && c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes))))
 		return false;
-	put(s, (c[2] - c[0]) / area);
-	int style = fine_style(n, s);
-	s->strength = 0;
-	if (source == SOURCE_NORMAL || source == SOURCE_SEEN)
-		return weigh(n, s, style, source, clamp01((area - n->floor[source]) / (crease_ramp * n->crease)));
+	put(at, (c[2] - c[0]) / area, s);
+	int style = fine_style(n, at, s);
+	if (form == FORM_VECTOR)
+		return weigh(n, at, s, style,
+			     clamp01((area - n->floor[samples[is->sample].step]) / (crease_ramp * n->crease)));
 	float difference = 0;
-	if (source ==
-	    SOURCE_LIGHT) { /* the stripe may be narrower than a pixel, and so darker than what is seen of it */
+	if (form == FORM_LIGHT) { /* the stripe may be narrower than a pixel, and so darker than what is seen of it */
 		float rise = e[0] > 0 ? 1 : -1,
 		      near = rise * value[0][0] > rise * value[4][0] ? value[0][0] : value[4][0];
 		float deep = near + 2 * e[0], far = rise * deep > rise * value[2][0] ? deep : value[2][0];
@@ -172,28 +153,28 @@ static bool band_site(const fine *n, site *s, int source, int planes, float (*va
 		const float *a[3] = {peak, peak + 1, peak + 2}, *b[3] = {base, base + 1, base + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
 	}
-	bool edge = weigh(n, s, style, source, contrast(n, difference));
-	bool weak = source == SOURCE_COLOR && s->strength > 0 && s->strength >= least_weak * n->e->p->edge_threshold;
+	bool edge = weigh(n, at, s, style, contrast(n, difference));
+	bool weak = is->weak > 0 && s->strength > 0 && s->strength >= is->weak * n->e->p->edge_threshold;
 	s->weak |= !edge;
 	return edge || weak;
 }
 
-bool ISA(ridge_site)(const fine *n, site *s)
+bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 {
 	float value[5][3], difference = 0, bend = 0, step = 0;
-	int source = sample_of(s->family), planes = source == SOURCE_LIGHT || source == SAMPLE_SEEN_DEPTH ? 1 : 3;
+	int source = families[at->family].sample, planes = samples[source].planes, form = samples[source].form;
 	int far[2], low = 0, high = 4;
-	read_along(n, source, s, value, far);
-	if (s->family == band_of(source))
-		return far[0] == 2 && far[1] == 2 && band_site(n, s, source, planes, value);
+	read_along(n, source, at, value, far);
+	if (families[at->family].kind == KIND_BAND)
+		return far[0] == 2 && far[1] == 2 && band_site(n, at, s, value);
 	sides(value, planes, &low, &high);
 	float offset = -1.5f;
 	for (int k = 1; k <= 3; k++)
 		offset += share(value[k], value[low], value[high], planes);
-	put(s, unbiased(offset));
-	int style = fine_style(n, s);
+	put(at, unbiased(offset), s);
+	int style = fine_style(n, at, s);
 
-	if (source == SOURCE_COLOR || source == SAMPLE_SEEN_COLOR)
+	if (form == FORM_COLOR)
 		encode(n, value);
 	/* where a surface turns away it turns ever faster: the slope up to the last pixel goes on at least as steeply
 	 */
@@ -207,12 +188,11 @@ bool ISA(ridge_site)(const fine *n, site *s)
 	for (int c = 0; c < planes; c++)
 		s->step[c] = (int8_t)(127 * (value[3][c] - value[1][c]) / (step > 0 ? 1.001f * sqrtf(step) : 1));
 	bend = sqrtf(bend);
-	if (!(bend > least_of_step * sqrtf(step) && bend > n->floor[source]))
+	if (!(bend > least_of_step * sqrtf(step) && bend > n->floor[at->family]))
 		return false;
-	s->strength = 0;
-	if (source == SOURCE_NORMAL || source == SOURCE_SEEN)
-		return weigh(n, s, style, source, clamp01((bend - n->floor[source]) / (crease_ramp * n->crease)));
-	if (source == SAMPLE_SEEN_DEPTH) {
+	if (form == FORM_VECTOR)
+		return weigh(n, at, s, style, clamp01((bend - n->floor[at->family]) / (crease_ramp * n->crease)));
+	if (form == FORM_DISTANCE) {
 		/* as in cracks.c, what each side's straight continuation misses at the other: a plane's horizon is none
 		 */
 		float l = value[3][0] - 3 * value[1][0] + 2 * value[0][0],
@@ -221,14 +201,14 @@ bool ISA(ridge_site)(const fine *n, site *s)
 		for (int k = 0; k < 5; k++)
 			most = fmaxf(most, value[k][0]);
 		j = n->e->ortho ? j : most > 0 ? j / most : 0;
-		return weigh(n, s, style, source, clamp01((j - seen_jump_from) / seen_jump_ramp));
+		return weigh(n, at, s, style, clamp01((j - seen_jump_from) / seen_jump_ramp));
 	}
-	if (source == SOURCE_LIGHT)
+	if (form == FORM_LIGHT)
 		difference = ISA(light_contrast)(n, n->f->params + style, value[low][0], value[high][0]);
 	else {
 		const float *a[3] = {value[low], value[low] + 1, value[low] + 2},
 			    *b[3] = {value[high], value[high] + 1, value[high] + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
 	}
-	return weigh(n, s, style, source, contrast(n, difference));
+	return weigh(n, at, s, style, contrast(n, difference));
 }

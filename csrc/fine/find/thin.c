@@ -2,7 +2,7 @@
 /* Things up to three pixels wide: a wire, a blade, a strand of hair. Depth and index hit them at pixel centres only,
  * but how they lie and how wide they are shows in the averaged layers all along. So the cracks on both sides are placed
  * by the stripe's middle and width, and where a wire runs between pixel centres sites along its middle go on. */
-#include "fine/fine.h"
+#include "fine/near.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +17,6 @@ static const float against = 0.2f;      /* share of a stripe that a pixel of it 
 static const float most_of_step = 0.5f; /* of the step to what lies behind, that may jump from one side to the other */
 static const float least_step = 0.01f;  /* of a depth before what lies behind: a crack of full strength */
 static const float steepest = 1.5f;     /* pixels that its middle moves from a row to the next */
-static const float tie_reach = 1.8f, tie_cosine = -0.3f; /* pixels; between both ties of a site */
 
 static float depth_at(const frame *f, int x, int y)
 {
@@ -145,9 +144,8 @@ static bool cracked(const fine *n, int axis, int across, int at)
 /* Where a contour passes from a pixel to the next, 0 < place <= 1; 0: that is not known. */
 static float contour_at(const fine *n, int axis, int across, int at)
 {
-	site s = {
-		.column = (uint16_t)(axis ? across : at), .row = (uint16_t)(axis ? at : across), .axis = (uint8_t)axis};
-	return fmaxf(-ISA(hand_place)(n, &s), 0);
+	found crack = {(uint16_t)(axis ? across : at), (uint16_t)(axis ? at : across), FAMILY_CRACK, (uint8_t)axis};
+	return fmaxf(-ISA(hand_place)(n, &crack), 0);
 }
 
 /* The slice across the thing at a pixel: a few pixels between cracks, and two more on each side. */
@@ -277,28 +275,28 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 	}
 }
 
-void ISA(thin_place)(const fine *n, site *s)
+void ISA(thin_place)(const fine *n, const found *own_at, placed *s)
 {
 	const frame *f = n->f;
-	int dx = s->axis == AXIS_ROW, dy = 1 - dx, at = dx ? s->column : s->row, across = dx ? s->row : s->column;
-	float zp = depth_at(f, s->column, s->row), zq = depth_at(f, s->column + dx, s->row + dy);
+	int dx = own_at->axis == AXIS_ROW, dy = 1 - dx, x = own_at->column, y = own_at->row, at = dx ? x : y,
+	    across = dx ? y : x;
+	float zp = depth_at(f, x, y), zq = depth_at(f, x + dx, y + dy);
 	int ahead = zq < zp;
 	slice own;
-	if (zp == zq || !slice_at(n, s->axis, across, at + ahead, &own))
+	if (zp == zq || !slice_at(n, own_at->axis, across, at + ahead, &own))
 		return;
-	run r = follow(n, s->axis, across, &own);
+	run r = follow(n, own_at->axis, across, &own);
 	float square = squareness(&r), half = own.width > 0 ? 0.5f * own.width : half_of(&r),
 	      across_it = 2 * half * square;
-	float was = dx ? s->x - (float)s->column : s->y - (float)s->row;
+	float was = dx ? s->x - (float)x : s->y - (float)y;
 	s->thin = fminf(own.trust, ramp(-across_it, -widest_across, width_ramp - widest_across));
 	s->thin = fminf(s->thin, ramp((float)r.steps, shortest - length_ramp, shortest));
 	s->half = half * square;
-	float share = ISA(hand_place)(n, s) < 0
+	float share = ISA(hand_place)(n, own_at) < 0
 			      ? was
 			      : mix(was, clamp01(own.middle + (ahead ? -half : half) - (float)at), s->thin);
 	s->inside = own.middle - (float)at - share;
-	s->x = (float)s->column + (dx ? share : 0);
-	s->y = (float)s->row + (dx ? 0 : share);
+	crack_place(own_at, share, s);
 }
 
 /* ---- between hits ---------------------------------------------------------------------------------------- */
@@ -332,21 +330,21 @@ static bool slice_between(const fine *n, int axis, int x, int y, slice *s)
 	       s->middle < (float)at + 0.5f && s->area <= narrow * s->peak;
 }
 
-bool ISA(thin_site)(const fine *n, site *s)
+bool ISA(thin_site)(const fine *n, const found *at, placed *s)
 {
-	int x = s->column, y = s->row, hits = hits_near(n, x, y);
+	int x = at->column, y = at->row, hits = hits_near(n, x, y);
 	slice own;
-	if (!hits || !slice_between(n, s->axis, x, y, &own))
+	if (!hits || !slice_between(n, at->axis, x, y, &own))
 		return false;
-	run r = follow(n, s->axis, s->axis ? x : y, &own);
+	run r = follow(n, at->axis, at->axis ? x : y, &own);
 	if (r.hits == 0 || r.steps < (int)shortest)
 		return false;
 	s->thin = 1;
 	s->half = half_of(&r) * squareness(&r);
-	s->x = s->axis ? (float)x : own.middle;
-	s->y = s->axis ? own.middle : (float)y;
+	s->x = at->axis ? (float)x : own.middle;
+	s->y = at->axis ? own.middle : (float)y;
 	s->strength = 0;
-	int style = fine_style(n, s);
+	int style = fine_style(n, at, s);
 	ISA(fine_weigh)(n, s, style, SOURCE_OBJECT, hits & HIT_OBJECT ? 1 : 0);
 	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, hits & HIT_DEPTH ? 1 : 0);
 }
@@ -365,54 +363,9 @@ void ISA(thin_mark)(const fine *n, int y, uint8_t *hits, uint16_t *ridge)
 		bool in_row = slice_between(n, AXIS_ROW, x, y, &row),
 		     in_column = slice_between(n, AXIS_COLUMN, x, y, &column);
 		int axis = in_column && (!in_row || column.area < row.area) ? AXIS_COLUMN : AXIS_ROW;
-		site s = {.column = (uint16_t)x, .row = (uint16_t)y, .family = FAMILY_THIN, .axis = (uint8_t)axis};
-		if ((in_row || in_column) && ISA(thin_site)(n, &s))
-			ridge[x] |= (uint16_t)(1 << ridge_bit(FAMILY_THIN, axis));
+		found between = {(uint16_t)x, (uint16_t)y, FAMILY_THIN, (uint8_t)axis};
+		placed s = {0};
+		if ((in_row || in_column) && ISA(thin_site)(n, &between, &s))
+			ridge[x] |= mark_of(FAMILY_THIN, axis);
 	}
-}
-
-/* ---- ties ------------------------------------------------------------------------------------------------ */
-
-/* The nearest crack or thin site that lies on another side of site i than the one at `other`. */
-static uint32_t tie_of(const fine *n, uint32_t i, uint32_t other)
-{
-	const site *s = n->site + i;
-	uint32_t best = UINT32_MAX;
-	float least = tie_reach * tie_reach;
-	near_sites of = near_place(n, s->x, s->y, tie_reach);
-	for (uint32_t j; near_next(n, &of, &j);) {
-		const site *t = n->site + j;
-		float d2 = apart2(s, t);
-		if (t->dropped || t->family != FAMILY_CRACK || !(d2 < least))
-			continue;
-		if (other != UINT32_MAX) {
-			const site *o = n->site + other;
-			float cosine = (t->x - s->x) * (o->x - s->x) + (t->y - s->y) * (o->y - s->y);
-			if (cosine > tie_cosine * sqrtf(d2 * apart2(s, o)))
-				continue;
-		}
-		least = d2;
-		best = j;
-	}
-	return best;
-}
-
-int32_t ISA(thin_tie)(fine *n)
-{
-	uint32_t first = n->first[FAMILY_THIN * n->f->height], end = n->first[(FAMILY_THIN + 1) * n->f->height],
-		 count = 0;
-	uint32_t (*link)[2] = late_take(&n->f->late, (size_t)2 * (end - first), sizeof *link);
-	if (!link)
-		return ENCRE_ERROR_MEMORY;
-	for (uint32_t i = first; i < end; i++) {
-		uint32_t links = n->at[i + 1] - n->at[i], other = links == 1 ? n->to[n->at[i]] : UINT32_MAX;
-		for (; links < 2 && !n->site[i].dropped; links++) {
-			uint32_t best = tie_of(n, i, other);
-			if (best == UINT32_MAX)
-				break;
-			link[count][0] = i;
-			link[count++][1] = other = best;
-		}
-	}
-	return ISA(fine_add_links)(n, link, count);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What becomes of a line's free ends: a spur is cut, the pen is lifted. */
-#include "fine/fine.h"
+#include "fine/near.h"
 
 enum { SPUR = 8 };
 
@@ -10,8 +10,8 @@ static const float cut_off = 2;      /* pixels from the border within which an e
 /* Where the frame cuts a line off it goes on. */
 static bool at_border(const frame *f, const site *s)
 {
-	return s->x < cut_off || s->y < cut_off || s->x > (float)(f->width - 1) - cut_off ||
-	       s->y > (float)(f->height - 1) - cut_off;
+	return s->placed.x < cut_off || s->placed.y < cut_off || s->placed.x > (float)(f->width - 1) - cut_off ||
+	       s->placed.y > (float)(f->height - 1) - cut_off;
 }
 
 bool ISA(leads_nowhere)(const fine *n, uint32_t i)
@@ -22,26 +22,27 @@ bool ISA(leads_nowhere)(const fine *n, uint32_t i)
 /* ---- spurs ----------------------------------------------------------------------------------------------- */
 
 /* Cuts what branches off a line and ends at once. */
-void ISA(fine_cut_spurs)(const fine *n)
+int32_t ISA(fine_cut_spurs)(fine *n)
 {
 	for (uint32_t i = 0; i < n->count; i++) {
-		if (!is_end(n, i) || rank_of(n->site + i) == 0)
+		if (!is_end(n, i) || rank_of(n->site + i) == RANK_SHAPE)
 			continue;
 		uint32_t spur[SPUR], from = i, at = n->to[n->at[i]];
 		float length = sqrtf(apart2(n->site + i, n->site + at));
 		int count = 1;
 		spur[0] = i;
-		while (count < SPUR && length < longest_spur && n->at[at + 1] - n->at[at] == 2) {
+		while (count < SPUR && length < longest_spur && links_at(n, at) == 2) {
 			uint32_t next = next_of(n, from, at);
 			length += sqrtf(apart2(n->site + at, n->site + next));
 			spur[count++] = at;
 			from = at;
 			at = next;
 		}
-		bool branches = n->at[at + 1] - n->at[at] > 2 && length < longest_spur;
+		bool branches = links_at(n, at) > 2 && length < longest_spur;
 		for (int k = 0; branches && k < count; k++)
-			n->site[spur[k]].dropped = 1;
+			n->site[spur[k]].linked.dropped = true;
 	}
+	return ENCRE_OK;
 }
 
 /* ---- taper ----------------------------------------------------------------------------------------------- */
@@ -52,8 +53,8 @@ void ISA(fine_free_lengths)(const fine *n, float reach, float *length)
 		length[i] = INFINITY;
 	for (uint32_t i = 0; i < n->count; i++) {
 		const site *s = n->site + i;
-		uint32_t links = n->at[i + 1] - n->at[i];
-		if (s->dropped || links > 1 || at_border(n->f, s))
+		uint32_t links = links_at(n, i);
+		if (s->linked.dropped || links > 1 || at_border(n->f, s))
 			continue;
 		length[i] = 0;
 		float along = 0;

@@ -2,7 +2,7 @@
 /* How much room lines between colours have. Where a texture is farther away than its pixels can show, as a chequered
  * floor is near the horizon, its lines close up, break, and follow what sampling has left of it. They get thinner as
  * the next lines on both sides come near, and are gone before that is all there is to see. */
-#include "fine/fine.h"
+#include "fine/near.h"
 
 enum { CHUNK = 2048 };
 
@@ -23,13 +23,12 @@ typedef struct crowd {
 /* What was too short to be a line shows all the same how dense lines would be. */
 static bool counts(const site *s)
 {
-	return rank_of(s) == 2 && (!s->dropped || s->crumb);
+	return rank_of(s) == RANK_COLOR && (!s->linked.dropped || s->linked.crumb);
 }
 
 static bool is_next(const site *s, const site *other, float ahead, float aside)
 {
-	bool back = s->axis == other->axis &&
-		    s->step[0] * other->step[0] + s->step[1] * other->step[1] + s->step[2] * other->step[2] < 0;
+	bool back = s->found.axis == other->found.axis && step_dot(s, other) < 0;
 	float least = back ? ahead_back : ahead_other, most = back ? aside_back : aside_other;
 	return ahead * ahead > least * least && aside * aside <= most * most;
 }
@@ -37,8 +36,8 @@ static bool is_next(const site *s, const site *other, float ahead, float aside)
 static float distance_to_next(const fine *n, const site *s)
 {
 	float before = reach, after = reach;
-	near_sites of = near_place(n, s->x, s->y, reach), narrow = near_place(n, s->x, s->y, aside_back);
-	if (s->axis == AXIS_COLUMN) {
+	near_sites of = near_site(n, s, reach), narrow = near_site(n, s, aside_back);
+	if (s->found.axis == AXIS_COLUMN) {
 		of.x0 = narrow.x0;
 		of.x1 = narrow.x1;
 	} else {
@@ -47,8 +46,8 @@ static float distance_to_next(const fine *n, const site *s)
 	}
 	for (uint32_t i; near_next(n, &of, &i);) {
 		const site *other = n->site + i;
-		float x = other->x - s->x, y = other->y - s->y, ahead = s->axis == AXIS_COLUMN ? y : x,
-		      aside = s->axis == AXIS_COLUMN ? x : y;
+		float x = other->placed.x - s->placed.x, y = other->placed.y - s->placed.y,
+		      ahead = s->found.axis == AXIS_COLUMN ? y : x, aside = s->found.axis == AXIS_COLUMN ? x : y;
 		if (!is_next(s, other, ahead, aside) || !counts(other))
 			continue;
 		if (ahead > 0)
@@ -57,7 +56,7 @@ static float distance_to_next(const fine *n, const site *s)
 			before = -ahead < before ? -ahead : before;
 	}
 	float next = before > after ? before : after;
-	return s->family == FAMILY_COLOR_BAND ? next / (2 - next / reach) : next; /* a stripe has two sides */
+	return s->found.family == FAMILY_COLOR_BAND ? next / (2 - next / reach) : next; /* a stripe has two sides */
 }
 
 static void find_next(void *data, int first, int end, int thread)
@@ -88,13 +87,13 @@ static void sum_cells(void *data, int first, int end, int thread)
  * be alone. So cells are averaged, with weights that fall to 0 at `spread`. */
 static float mean_distance(const crowd *c, const site *s)
 {
-	near_sites of = near_place(c->n, s->x, s->y, spread);
+	near_sites of = near_site(c->n, s, spread);
 	float sum = 0, count = 0;
 	for (int row = of.row; row <= of.last; row++)
 		for (int x = of.x0; x <= of.x1; x++) {
 			const float *cell = c->sum[row * c->n->across + x];
-			float dx = ((float)x + 0.5f) * CELL - 0.5f - s->x,
-			      dy = ((float)row + 0.5f) * CELL - 0.5f - s->y;
+			float dx = ((float)x + 0.5f) * CELL - 0.5f - s->placed.x,
+			      dy = ((float)row + 0.5f) * CELL - 0.5f - s->placed.y;
 			float weight = fmaxf(0, 1 - fabsf(dx) / spread) * fmaxf(0, 1 - fabsf(dy) / spread);
 			sum += weight * cell[0];
 			count += weight * cell[1];
@@ -108,10 +107,10 @@ static void bound(void *data, int first, int end, int thread)
 	const crowd *c = data;
 	for (int i = first; i < end; i++) {
 		site *s = c->n->site + i;
-		if (s->dropped || !counts(s))
+		if (s->linked.dropped || !counts(s))
 			continue;
 		float mean = mean_distance(c, s), room = mean > gone ? mean - gone : 1e-6f;
-		s->crowd = (1 - mean / reach) / (share * room);
+		s->linked.crowd = (1 - mean / reach) / (share * room);
 	}
 }
 

@@ -3,12 +3,12 @@
  * come and go. What is found is dropped if it leads nowhere and most of it runs along an older line, else it is kept
  * whole. Where light crosses several thresholds at once, or a shadow is thin, the longest of its lines stands for all.
  */
-#include "fine/fine.h"
+#include "fine/near.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 1024, LIGHT_RANK = 3 };
+enum { CHUNK = 1024 };
 
 static const float beside_reach = 3.5f; /* pixels */
 static const float parallel = 0.85f;    /* cosine of what still counts as running along */
@@ -46,12 +46,12 @@ typedef struct beside {
 /* The way of the line at a site, of any length; false where several meet. */
 static bool way_of(const fine *n, uint32_t i, float way[2])
 {
-	uint32_t links = n->at[i + 1] - n->at[i];
+	uint32_t links = links_at(n, i);
 	if (links != 1 && links != 2)
 		return false;
 	const site *a = n->site + n->to[n->at[i]], *b = links == 2 ? n->site + n->to[n->at[i] + 1] : n->site + i;
-	way[0] = b->x - a->x;
-	way[1] = b->y - a->y;
+	way[0] = b->placed.x - a->placed.x;
+	way[1] = b->placed.y - a->placed.y;
 	return true;
 }
 
@@ -64,10 +64,10 @@ static bool runs_along(const beside *b, uint32_t i, bool own)
 	float way[2], other[2];
 	if (!way_of(n, i, way))
 		return false;
-	near_sites of = near_place(n, s->x, s->y, beside_reach);
+	near_sites of = near_site(n, s, beside_reach);
 	for (uint32_t j; near_next(n, &of, &j);) {
 		const site *t = n->site + j;
-		if (t->dropped || !(own ? rank_of(t) == rank && (b->mark[j] & KEPT) : rank_of(t) < rank) ||
+		if (t->linked.dropped || !(own ? rank_of(t) == rank && (b->mark[j] & KEPT) : rank_of(t) < rank) ||
 		    (b->chain[j] == b->chain[i] && b->chain[i] != NONE) || apart2(s, t) > beside_reach * beside_reach ||
 		    !way_of(n, j, other))
 			continue;
@@ -84,16 +84,11 @@ static void find_near(void *data, int first, int end, int thread)
 	(void)thread;
 	const beside *b = data;
 	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++)
-		if (!b->n->site[i].dropped && rank_of(b->n->site + i) == b->rank)
+		if (!b->n->site[i].linked.dropped && rank_of(b->n->site + i) == b->rank)
 			b->mark[i] = runs_along(b, i, false) ? BESIDE : 0;
 }
 
 /* ---- chains ---------------------------------------------------------------------------------------------- */
-
-static uint32_t links_at(const fine *n, uint32_t i)
-{
-	return n->at[i + 1] - n->at[i];
-}
 
 static uint32_t following(const fine *n, const chain *c, uint32_t from, uint32_t at)
 {
@@ -103,7 +98,7 @@ static uint32_t following(const fine *n, const chain *c, uint32_t from, uint32_t
 static void add(beside *b, uint32_t first, uint32_t second)
 {
 	const fine *n = b->n;
-	chain c = {.first = first, .second = second, .rank = LIGHT_RANK + 1, .loose = ISA(leads_nowhere)(n, first)};
+	chain c = {.first = first, .second = second, .rank = RANK_COUNT, .loose = ISA(leads_nowhere)(n, first)};
 	uint32_t last = first, anchor = first;
 	float way[2] = {0, 0}, sum = 0, squares = 0;
 	int count = 0;
@@ -111,8 +106,8 @@ static void add(beside *b, uint32_t first, uint32_t second)
 		next = following(n, &c, from, at);
 		c.length += from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0;
 		last = at;
-		float dx = n->site[at].x - n->site[anchor].x, dy = n->site[at].y - n->site[anchor].y,
-		      length = sqrtf(dx * dx + dy * dy);
+		float dx = n->site[at].placed.x - n->site[anchor].placed.x,
+		      dy = n->site[at].placed.y - n->site[anchor].placed.y, length = sqrtf(dx * dx + dy * dy);
 		if (length >= 1) {
 			dx /= length;
 			dy /= length;
@@ -130,7 +125,7 @@ static void add(beside *b, uint32_t first, uint32_t second)
 			continue;
 		b->chain[at] = b->count;
 		/* what is drawn by hand is meant */
-		int rank = n->site[at].family == FAMILY_MARK ? 0 : rank_of(n->site + at);
+		int rank = n->site[at].found.family == FAMILY_MARK ? RANK_SHAPE : rank_of(n->site + at);
 		c.rank = rank < c.rank ? rank : c.rank;
 	}
 	c.loose += ISA(leads_nowhere)(n, last);
@@ -181,7 +176,7 @@ static float length_beside(const beside *b, const chain *c, float *light)
 	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
 		next = following(n, c, from, at);
 		float piece = from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0;
-		float its = c->rank == LIGHT_RANK && runs_along(b, at, true), all = (b->mark[at] & BESIDE) || its;
+		float its = c->rank == RANK_LIGHT && runs_along(b, at, true), all = (b->mark[at] & BESIDE) || its;
 		*light += 0.5f * piece * (its + before[0]);
 		older += 0.5f * piece * (all + before[1]);
 		before[0] = its;
@@ -196,14 +191,14 @@ static void choose(const beside *b, const chain *c)
 	float light, all = length_beside(b, c, &light);
 	bool drop =
 		c->loose ? all > most_beside * c->length : light > most_beside * c->length && c->length < longest_loop;
-	drop |= c->rank > 0 && c->wiggle > most_wiggle;
-	drop |= c->rank == LIGHT_RANK && c->length < least_light && (c->loose == 2 || c->closed);
+	drop |= c->rank > RANK_SHAPE && c->wiggle > most_wiggle;
+	drop |= c->rank == RANK_LIGHT && c->length < least_light && (c->loose == 2 || c->closed);
 	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
 		next = following(n, c, from, at);
 		if (links_at(n, at) > 2)
 			continue;
 		if (drop)
-			n->site[at].dropped = 1;
+			n->site[at].linked.dropped = 1;
 		else
 			b->mark[at] |= KEPT;
 	}
@@ -224,7 +219,7 @@ int32_t ISA(fine_drop_beside)(fine *n)
 	find_chains(&b);
 	qsort(b.list, b.count, sizeof *b.list, by_weight);
 	uint32_t i = 0;
-	for (b.rank = 1; b.rank <= LIGHT_RANK; b.rank++) {
+	for (b.rank = RANK_CREASE; b.rank <= RANK_LIGHT; b.rank++) {
 		int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_near, &b);
 		if (code)
 			return code;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Loose ends: a chain that stops short of a corner, of another line or of its own continuation is led on to it. */
-#include "fine/fine.h"
+#include "fine/near.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -68,7 +68,7 @@ static bool is_in(uint32_t i, const uint32_t *list, int count)
 static bool older(const site *s, const site *other)
 {
 	int own = rank_of(s), its = rank_of(other);
-	return its <= own || (own == 0 && its == 1);
+	return its <= own || (own == RANK_SHAPE && its == RANK_CREASE);
 }
 
 static void consider(end *e, uint32_t site, float cost)
@@ -88,10 +88,10 @@ static void consider(end *e, uint32_t site, float cost)
 static bool join(const fine *n, const end *a, const end *b, pair *p)
 {
 	const site *s = n->site + a->site, *t = n->site + b->site;
-	float dx = t->x - s->x, dy = t->y - s->y, length = sqrtf(dx * dx + dy * dy);
+	float dx = t->placed.x - s->placed.x, dy = t->placed.y - s->placed.y, length = sqrtf(dx * dx + dy * dy);
 	int rank = rank_of(s) > rank_of(t) ? rank_of(s) : rank_of(t), other = rank_of(s) + rank_of(t) - rank;
 	/* a silhouette that fades may go on as a crease */
-	if ((other != rank && rank > 1) || !(length > 0) || length > wedge_apart)
+	if ((other != rank && rank > RANK_CREASE) || !(length > 0) || length > wedge_apart)
 		return false;
 	float one = (dx * a->dx + dy * a->dy) / length, two = -(dx * b->dx + dy * b->dy) / length;
 	p->corner = false;
@@ -104,8 +104,8 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 	float u = (dx * b->dy - dy * b->dx) / sine, v = (dx * a->dy - dy * a->dx) / sine;
 	p->corner = true;
 	p->cost = u > v ? u : v;
-	p->x = s->x + u * a->dx;
-	p->y = s->y + u * a->dy;
+	p->x = s->placed.x + u * a->dx;
+	p->y = s->placed.y + u * a->dy;
 	if (u < ray_from || v < ray_from || p->cost > wedge_to)
 		return false;
 	return (p->cost <= ray_to && fabsf(sine) >= least_sine) || ISA(picture_wedge)(n, s, t, rank, p->x, p->y);
@@ -117,15 +117,15 @@ static void look_ahead(const ends *all, end *e)
 	const site *s = n->site + e->site;
 	uint32_t own[OWN];
 	int count = own_chain(n, e->site, own);
-	near_sites of = near_place(n, s->x, s->y, far_reach);
+	near_sites of = near_site(n, s, far_reach);
 	e->best[0] = e->best[1] = UINT32_MAX;
 	e->cost[0] = e->cost[1] = INFINITY;
 	for (uint32_t j; near_next(n, &of, &j);) {
 		const site *t = n->site + j;
 		float d2 = apart2(s, t), d = sqrtf(d2);
-		if (t->dropped || !(d > 0) || d > far_reach || !older(s, t))
+		if (t->linked.dropped || !(d > 0) || d > far_reach || !older(s, t))
 			continue;
-		float cosine = ((t->x - s->x) * e->dx + (t->y - s->y) * e->dy) / d;
+		float cosine = ((t->placed.x - s->placed.x) * e->dx + (t->placed.y - s->placed.y) * e->dy) / d;
 		if (!(d <= near_reach ? cosine >= near_cosine : cosine >= far_cosine) || is_in(j, own, count))
 			continue;
 		float cost = d / (cosine * cosine * cosine * cosine);
@@ -141,7 +141,7 @@ static uint32_t pairs_of(const ends *all, uint32_t i, pair *out)
 	const end *e = all->end + i;
 	const site *s = n->site + e->site;
 	uint32_t count = 0;
-	near_sites of = near_place(n, s->x, s->y, wedge_apart);
+	near_sites of = near_site(n, s, wedge_apart);
 	for (uint32_t j; near_next(n, &of, &j);) {
 		pair p = {.one = i, .two = all->number[j]};
 		if (j <= e->site || !is_end(n, j) || !join(n, e, all->end + p.two, &p))
@@ -169,7 +169,8 @@ static void aim(void *data, int first, int last, int thread)
 			from = at;
 			at = next;
 		}
-		float dx = s->x - n->site[at].x, dy = s->y - n->site[at].y, length = sqrtf(dx * dx + dy * dy);
+		float dx = s->placed.x - n->site[at].placed.x, dy = s->placed.y - n->site[at].placed.y,
+		      length = sqrtf(dx * dx + dy * dy);
 		e->dx = length > 0 ? dx / length : 0;
 		e->dy = length > 0 ? dy / length : 0;
 		look_ahead(all, e);
@@ -238,10 +239,10 @@ static void join_ends(ends *all, uint32_t pairs, added *to)
 			continue;
 		}
 		site corner = n->site[a->site];
-		corner.x = p->x;
-		corner.y = p->y;
-		corner.axis = AXIS_JUNCTION;
-		ISA(fine_controls)(n, &corner);
+		corner.placed.x = p->x;
+		corner.placed.y = p->y;
+		corner.found.axis = AXIS_CORNER;
+		ISA(fine_controls)(n, &corner.found, &corner.placed);
 		to->site[to->sites] = corner;
 		add(to, a->site, n->count + to->sites);
 		add(to, b->site, n->count + to->sites++);
@@ -320,9 +321,5 @@ int32_t ISA(fine_join_ends)(fine *n)
 	int32_t code = ENCRE_OK;
 	for (int i = 0; !code && i < ROUNDS; i++)
 		code = round_of(n);
-	if (!code)
-		code = ISA(fine_drop_beside)(n);
-	if (!code)
-		ISA(fine_cut_spurs)(n);
 	return code;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Whether the picture shows an edge where a loose end would be led on. */
-#include "fine/fine.h"
+#include "fine/near.h"
 
 static const float beside = 1.5f; /* pixels to either side of a line where the picture is looked at */
 
@@ -23,24 +23,27 @@ enum { VALUES = 6 };
 /* The layer that shows an edge of that rank, as it is compared; the last three are of a second one. */
 static void look(const fine *n, int rank, float x, float y, float *value)
 {
-	bool lit = n->e->p->color_layer == color_layer_LIT, seen = rank > 3;
+	bool lit = n->e->p->color_layer == color_layer_LIT, seen = rank == RANK_SEEN;
 	value[3] = value[4] = value[5] = 0;
 	if (seen) {
 		bilinear(n->f, ENCRE_LAYER_SEEN_COLOR, 3, x, y, value);
 		bilinear(n->f, ENCRE_LAYER_SEEN_NORMAL, 3, x, y, value + 3);
-	} else if (rank <= 1)
+	} else if (rank <= RANK_CREASE)
 		bilinear(n->f, ENCRE_LAYER_NORMAL, 3, x, y, value);
-	else if (rank == 2)
+	else if (rank == RANK_COLOR)
 		bilinear(n->f, lit ? ENCRE_LAYER_COMBINED : ENCRE_LAYER_ALBEDO, lit ? 4 : 3, x, y, value);
 	else
 		bilinear(n->f, ENCRE_LAYER_DIFFUSE, 3, x, y, value);
-	for (int c = 0; (rank == 2 || seen) && c < 3; c++)
+	for (int c = 0; (rank == RANK_COLOR || seen) && c < 3; c++)
 		value[c] = srgb_encode(clamp01(value[c]));
 }
 
 static bool differ(const float *a, const float *b, int rank)
 {
-	float least = rank <= 1 ? 0.12f : rank == 3 ? 0.05f : 0.02f, least_seen = 0.2f; /* of a normal */
+	float least = rank <= RANK_CREASE  ? 0.12f
+		      : rank == RANK_LIGHT ? 0.05f
+					   : 0.02f,
+	      least_seen = 0.2f; /* of a normal */
 	return distance2(a, b, 3) >= least * least || distance2(a + 3, b + 3, 3) >= least_seen * least_seen;
 }
 
@@ -48,10 +51,11 @@ static bool differ(const float *a, const float *b, int rank)
 bool ISA(picture_agrees)(const fine *n, const site *a, const site *b)
 {
 	int rank = rank_of(a);
-	float dx = b->x - a->x, dy = b->y - a->y, length = sqrtf(dx * dx + dy * dy), ox = -beside * dy / length,
-	      oy = beside * dx / length;
-	for (int k = 1; k <= 3 && rank != 3; k++) {
-		float x = a->x + 0.25f * (float)k * dx, y = a->y + 0.25f * (float)k * dy, one[VALUES], two[VALUES];
+	float dx = b->placed.x - a->placed.x, dy = b->placed.y - a->placed.y, length = sqrtf(dx * dx + dy * dy),
+	      ox = -beside * dy / length, oy = beside * dx / length;
+	for (int k = 1; k <= 3 && rank != RANK_LIGHT; k++) {
+		float x = a->placed.x + 0.25f * (float)k * dx, y = a->placed.y + 0.25f * (float)k * dy, one[VALUES],
+		      two[VALUES];
 		look(n, rank, x + ox, y + oy, one);
 		look(n, rank, x - ox, y - oy, two);
 		if (!differ(one, two, rank))
@@ -65,15 +69,15 @@ bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, f
 {
 	const site *end[2] = {a, b};
 	float inside[VALUES], outside[VALUES];
-	look(n, rank, (a->x + b->x + x) / 3, (a->y + b->y + y) / 3, inside);
+	look(n, rank, (a->placed.x + b->placed.x + x) / 3, (a->placed.y + b->placed.y + y) / 3, inside);
 	for (int i = 0; i < 2; i++) {
 		const site *s = end[i], *other = end[1 - i];
-		float dx = x - s->x, dy = y - s->y, length = sqrtf(dx * dx + dy * dy);
+		float dx = x - s->placed.x, dy = y - s->placed.y, length = sqrtf(dx * dx + dy * dy);
 		if (!(length > 1e-6f))
 			return false;
 		float ox = -beside * dy / length, oy = beside * dx / length,
-		      way = ox * (other->x - s->x) + oy * (other->y - s->y) > 0 ? -1 : 1;
-		look(n, rank, 0.5f * (s->x + x) + way * ox, 0.5f * (s->y + y) + way * oy, outside);
+		      way = ox * (other->placed.x - s->placed.x) + oy * (other->placed.y - s->placed.y) > 0 ? -1 : 1;
+		look(n, rank, 0.5f * (s->placed.x + x) + way * ox, 0.5f * (s->placed.y + y) + way * oy, outside);
 		if (!differ(inside, outside, rank))
 			return false;
 	}

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The FINE detector: thin, exactly placed edges. Dense passes mark the pixels at which sites lie; these are placed,
+ * each family keeps clear of the earlier ones, and what is left is linked to lines. The table below is the whole way.
+ */
+#include "fine/invariants.h"
+#include "fine/near.h"
+
+#include <string.h>
+
+/* ---- planned --------------------------------------------------------------------------------------------- */
+
+/* The distance of two colours in the space of the metric below which none is an edge. */
+static float least_contrast(const encre_params *p, float weight)
+{
+	float most = p->contrast_auto ? fminf(p->contrast_max, 0.25f) : p->contrast_max, least = p->contrast_threshold;
+	if (weight > 0 && most > least)
+		least += (most - least) * fminf(1, p->edge_threshold / weight);
+	/* a difference is at most 2/3 of the distance in RGB, and that distance itself in CIE76; the others bend the
+	 * space */
+	return least * (p->contrast_metric == contrast_metric_RGB     ? 1.5f
+			: p->contrast_metric == contrast_metric_CIE76 ? 1
+								      : 0.33f);
+}
+
+void ISA(fine_plan)(frame *f, const edges *e, arena *a)
+{
+	size_t pixels = (size_t)f->width * (size_t)f->height;
+	float half = f->params->crease_angle * 0.00872664626f; /* in radians */
+	fine made = {.f = f, .e = f->edges, .crease = 2 * pixel_sin(half)};
+	for (int i = 0; i < f->n_styles; i++)
+		made.most_color = fmaxf(made.most_color, e->weight[SOURCE_COLOR][i]);
+	made.least_contrast =
+		least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
+	for (int k = 0; k < FAMILY_COUNT; k++)
+		made.floor[k] =
+			families[k].times * (families[k].floor * (families[k].unit == UNIT_CREASE ? made.crease : 1));
+	made.across = (f->width - 1) / CELL + 1;
+	made.tall = (f->height - 1) / CELL + 1;
+	made.crack = arena_take(a, pixels, sizeof *made.crack);
+	made.ridge = arena_take(a, pixels, sizeof *made.ridge);
+	made.first = arena_take(a, (size_t)FAMILY_COUNT * (size_t)f->height + 1, sizeof *made.first);
+	made.spans = (f->width - 1) / THIN_SPAN + 1;
+	made.hit = arena_take(a, (size_t)made.spans * (size_t)f->height, sizeof *made.hit);
+	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
+	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
+	if (e->on[SOURCE_SEEN]) {
+		made.seen = arena_take(a, pixels, sizeof *made.seen);
+		made.through = arena_take(a, pixels, sizeof *made.through);
+		made.glimpse = arena_take(a, (size_t)f->height, sizeof *made.glimpse);
+	}
+	ptrdiff_t scratch[] = {ISA(crack_scratch)(f), ISA(ridge_scratch)(f),
+			       e->on[SOURCE_LIGHT] ? ISA(light_scratch)(f) : 0};
+	for (int i = 0; i < 3; i++)
+		made.thread_scratch = scratch[i] > made.thread_scratch ? scratch[i] : made.thread_scratch;
+	made.scratch =
+		arena_take(a, (size_t)bands_threads(f->bands) * (size_t)made.thread_scratch, sizeof *made.scratch);
+	fine *n = arena_take(a, 1, sizeof *n);
+	f->fine = n;
+	if (n)
+		*n = made;
+}
+
+/* ---- passes ---------------------------------------------------------------------------------------------- */
+
+static int32_t mark_cracks(fine *n)
+{
+	return bands_run(n->f->bands, n->f->height, 0, ISA(crack_rows), n);
+}
+
+static int32_t mark_hits(fine *n)
+{
+	return bands_run(n->f->bands, n->f->height, 0, ISA(thin_rows), n);
+}
+
+static int32_t mark_ridges(fine *n)
+{
+	return bands_run(n->f->bands, n->f->height, 0, ISA(ridge_rows), n);
+}
+
+/* edge_strength where a site lies is the largest of its sites'. */
+static int32_t show_strength(fine *n)
+{
+	plane out = n->f->output[ENCRE_OUTPUT_EDGES];
+	for (int y = 0; out.data && y < n->f->height; y++)
+		memset(out.data + y * out.row, 0, (size_t)n->f->width * sizeof *out.data);
+	for (uint32_t i = 0; out.data && i < n->count; i++) {
+		const site *s = n->site + i;
+		float *at =
+			out.data + pixel_of(s->placed.y, n->f->height) * out.row + pixel_of(s->placed.x, n->f->width);
+		*at = !s->linked.dropped && s->placed.strength > *at ? s->placed.strength : *at;
+	}
+	return ENCRE_OK;
+}
+
+static bool is_lit(const fine *n)
+{
+	return n->e->on[SOURCE_LIGHT];
+}
+
+static bool has_seen(const fine *n)
+{
+	return n->seen != NULL;
+}
+
+static bool is_colored(const fine *n)
+{
+	return n->e->on[SOURCE_COLOR];
+}
+
+/* ---- the way --------------------------------------------------------------------------------------------- */
+
+/* What passes read and write. */
+enum part {
+	LAYERS = 1 << 0,
+	LIGHT = 1 << 1,   /* fine.light */
+	CRACKS = 1 << 2,  /* crack, colored */
+	HITS = 1 << 3,    /* hit */
+	THROUGH = 1 << 4, /* through, glimpse */
+	RIDGES = 1 << 5,  /* ridge, seen */
+	FOUND = 1 << 6,   /* count, first, and of each site: found */
+	PLACED = 1 << 7,
+	CELLS = 1 << 8, /* cell, member */
+	KEPT = 1 << 9,  /* linked */
+	LINKS = 1 << 10 /* at, to, known */
+};
+
+/* What is not wanted writes NULL, and nobody asks for it. */
+typedef struct pass {
+	const char *name;
+	bool (*wanted)(const fine *n); /* NULL: always */
+	int32_t (*run)(fine *n);
+	int reads, writes;
+	const char *(*broken)(const fine *n); /* what should hold after the pass and does not: debug builds ask */
+} pass;
+
+static const pass passes[] = {
+	{"even light", is_lit, ISA(light_even), LAYERS, LIGHT, NULL},
+	{"mark cracks", NULL, mark_cracks, LAYERS | LIGHT, CRACKS, BROKEN(cracks)},
+	{"mark hits", NULL, mark_hits, LAYERS | CRACKS, HITS, NULL},
+	{"see through", has_seen, ISA(seen_run), LAYERS, THROUGH, NULL},
+	{"mark ridges", NULL, mark_ridges, LAYERS | CRACKS | HITS | THROUGH, RIDGES, BROKEN(ridges)},
+	{"gather", NULL, ISA(fine_gather), LAYERS | LIGHT | CRACKS | HITS | THROUGH | RIDGES, FOUND | PLACED,
+	 BROKEN(sites)},
+	{"sort", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
+	{"claim", NULL, ISA(fine_claim), FOUND | PLACED | CELLS, KEPT, BROKEN(claims)},
+	{"link", NULL, ISA(fine_link), CRACKS | FOUND | PLACED | CELLS | KEPT, LINKS | KEPT, BROKEN(links)},
+	{"tie", NULL, ISA(fine_tie), FOUND | PLACED | CELLS | KEPT | LINKS, LINKS, BROKEN(links)},
+	{"smooth", NULL, ISA(fine_smooth), LINKS | KEPT | PLACED, PLACED, NULL},
+	{"sort again", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
+	{"crowd", is_colored, ISA(fine_crowd), FOUND | PLACED | CELLS | KEPT, KEPT, BROKEN(crowd)},
+	{"join ends", NULL, ISA(fine_join_ends), LAYERS | FOUND | PLACED | CELLS | KEPT | LINKS,
+	 FOUND | PLACED | CELLS | LINKS, BROKEN(joined)},
+	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, NULL},
+	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
+	{"show strength", NULL, show_strength, PLACED | KEPT, 0, NULL},
+};
+
+enum { PASSES = sizeof passes / sizeof *passes };
+
+int32_t ISA(fine_run)(frame *f)
+{
+	fine *n = f->fine;
+	int32_t code = ENCRE_OK;
+	for (int i = 0, known = LAYERS; !code && i < PASSES; i++) {
+		const pass *p = passes + i;
+		demand(p->name, p->reads & ~known ? "it reads nothing but what is written" : NULL);
+		known |= p->writes;
+		if (p->wanted && !p->wanted(n))
+			continue;
+		code = p->run(n);
+		if (!code && p->broken)
+			demand(p->name, p->broken(n));
+	}
+	return code;
+}

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a family may keep, one after the other: nothing that lies close to an earlier one, nothing weak that hangs
+ * together with weak sites alone, nothing that is too short to be a line. */
+#include "fine/near.h"
+
+enum { CHUNK = 2048 };
+
+static const float clear_of_band = 2; /* pixels that a step keeps from the stripes in its own layer */
+
+typedef struct turn {
+	fine *n;
+	const family_info *is;
+	uint32_t first, count; /* its sites */
+} turn;
+
+/* ---- keeping clear --------------------------------------------------------------------------------------- */
+
+static bool owned(const fine *n, const site *s)
+{
+	const family_info *is = families + s->found.family;
+	int band = is->kind == KIND_STEP && samples[is->sample].band ? samples[is->sample].band : FAMILY_COUNT;
+	near_sites of = near_site(n, s, clear_of_band);
+	for (uint32_t i; near_next(n, &of, &i);) {
+		const site *other = n->site + i;
+		if (other->linked.dropped || other->found.family >= s->found.family)
+			continue;
+		float clear = other->found.family == band ? clear_of_band : is->clear;
+		if (apart2(s, other) < clear * clear)
+			return true;
+	}
+	return false;
+}
+
+static void clear_sites(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const turn *t = data;
+	for (int i = first; i < end; i++) {
+		site *s = t->n->site + t->first + i;
+		s->linked.dropped = owned(t->n, s);
+	}
+}
+
+/* ---- weak sites ------------------------------------------------------------------------------------------ */
+
+/* Holds those that hang together with one that is not weak, and drops the others. */
+static int32_t drop_weak(const turn *t)
+{
+	fine *n = t->n;
+	uint32_t end = t->first + t->count, open_count = 0, to[ROOM];
+	uint32_t *open = late_take(&n->f->late, t->count, sizeof *open);
+	if (!open)
+		return ENCRE_ERROR_MEMORY;
+	for (uint32_t i = t->first; i < end; i++)
+		if (!n->site[i].linked.dropped && !n->site[i].placed.weak)
+			open[open_count++] = i;
+	while (open_count > 0)
+		for (int k = ISA(close_sites)(n, open[--open_count], to); k-- > 0;) {
+			site *s = n->site + to[k];
+			if (s->placed.weak && !s->linked.held) {
+				s->linked.held = true;
+				open[open_count++] = to[k];
+			}
+		}
+	for (uint32_t i = t->first; i < end; i++)
+		n->site[i].linked.dropped |= n->site[i].placed.weak && !n->site[i].linked.held;
+	late_drop(&n->f->late, open);
+	return ENCRE_OK;
+}
+
+/* ---- crumbs ---------------------------------------------------------------------------------------------- */
+
+static bool is_crumb(const fine *n, uint32_t i, int wanted)
+{
+	uint32_t found[ROOM] = {i}, to[ROOM];
+	int count = 1;
+	for (int k = 0; k < count && count < wanted; k++) {
+		int near = ISA(close_sites)(n, found[k], to);
+		for (int j = 0; j < near && count < wanted; j++) {
+			bool known = false;
+			for (int l = 0; l < count; l++)
+				known |= found[l] == to[j];
+			if (!known)
+				found[count++] = to[j];
+		}
+	}
+	return count < wanted;
+}
+
+static void find_crumbs(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const turn *t = data;
+	for (int k = first; k < end; k++) {
+		uint32_t i = t->first + (uint32_t)k;
+		linked *s = &t->n->site[i].linked;
+		s->crumb = !s->dropped && is_crumb(t->n, i, t->is->crumb);
+	}
+}
+
+static void drop_crumbs(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const turn *t = data;
+	for (int k = first; k < end; k++) {
+		linked *s = &t->n->site[t->first + (uint32_t)k].linked;
+		s->dropped |= s->crumb;
+	}
+}
+
+/* ---- in turn --------------------------------------------------------------------------------------------- */
+
+int32_t ISA(fine_claim)(fine *n)
+{
+	int32_t code = ENCRE_OK;
+	for (int k = 0; !code && k < FAMILY_COUNT; k++) {
+		turn t = {n, families + k, n->first[k * n->f->height], 0};
+		t.count = n->first[(k + 1) * n->f->height] - t.first;
+		if (t.is->clear > 0)
+			code = bands_run(n->f->bands, (int)t.count, CHUNK, clear_sites, &t);
+		if (!code && t.is->weak > 0)
+			code = drop_weak(&t);
+		if (!code && t.is->crumb > 0)
+			code = bands_run(n->f->bands, (int)t.count, CHUNK, find_crumbs, &t);
+		if (!code && t.is->crumb > 0)
+			code = bands_run(n->f->bands, (int)t.count, CHUNK, drop_crumbs, &t);
+	}
+	return code;
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Small questions that several files of FINE ask of pixels, of places and of chains. */
+#ifndef ENCRE_FINE_NEAR_H
+#define ENCRE_FINE_NEAR_H
+
+#include "fine/fine.h"
+
+/* ---- pixels ---------------------------------------------------------------------------------------------- */
+
+/* The pixel that holds a site. */
+static inline int pixel_of(float at, int n)
+{
+	return clamp_index((int)floorf(at + 0.5f), n);
+}
+
+/* Pixels beside a crack hold two surfaces. */
+static inline bool mixed_at(const fine *n, int x, int y)
+{
+	const uint8_t *c = n->crack + (ptrdiff_t)y * n->f->width + x;
+	return (c[0] & (CRACK_RIGHT | CRACK_DOWN)) || (x > 0 && (c[-1] & CRACK_RIGHT)) ||
+	       (y > 0 && (c[-n->f->width] & CRACK_DOWN));
+}
+
+/* Whether no ridge that is sampled from `s` reads there. */
+static inline bool closed_at(const fine *n, int s, int x, int y)
+{
+	return mixed_at(n, x, y) || (s >= SOURCE_SEEN && !n->through[(ptrdiff_t)y * n->f->width + x]);
+}
+
+/* Shares that are added up give the place of a boundary exactly under a box filter. Under Blackman and Harris's of 1.5
+ * pixels, which is steeper, that is up to 0.125 pixel too far from pixel centres, and the layers don't tell how they
+ * were filtered: halfway between the two neither is off by much. */
+static inline float unbiased(float place)
+{
+	return place - 0.06f * pixel_sin(6.28318531f * place);
+}
+
+/* Squared length of a difference. */
+static inline float distance2(const float *a, const float *b, int planes)
+{
+	float sum = 0;
+	for (int c = 0; c < planes; c++)
+		sum += (a[c] - b[c]) * (a[c] - b[c]);
+	return sum;
+}
+
+/* ---- sites near a place ---------------------------------------------------------------------------------- */
+
+static inline float apart2(const site *a, const site *b)
+{
+	float dx = a->placed.x - b->placed.x, dy = a->placed.y - b->placed.y;
+	return dx * dx + dy * dy;
+}
+
+/* Below 0 where what the two part changes the other way round along their axis. */
+static inline int step_dot(const site *a, const site *b)
+{
+	const int8_t *p = a->placed.step, *q = b->placed.step;
+	return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+}
+
+typedef struct near_sites {
+	int row, last, x0, x1;
+	uint32_t i, end;
+} near_sites;
+
+/* All sites within `reach` of (x, y), and more. */
+static inline near_sites near_place(const fine *n, float x, float y, float reach)
+{
+	return (near_sites){
+		.row = pixel_of(y - reach, n->f->height) / CELL,
+		.last = pixel_of(y + reach, n->f->height) / CELL,
+		.x0 = pixel_of(x - reach, n->f->width) / CELL,
+		.x1 = pixel_of(x + reach, n->f->width) / CELL,
+	};
+}
+
+static inline near_sites near_site(const fine *n, const site *s, float reach)
+{
+	return near_place(n, s->placed.x, s->placed.y, reach);
+}
+
+static inline bool near_next(const fine *n, near_sites *of, uint32_t *site)
+{
+	while (of->i == of->end) {
+		if (of->row > of->last)
+			return false;
+		const uint32_t *cell = n->cell + (ptrdiff_t)of->row++ * n->across;
+		of->i = cell[of->x0];
+		of->end = cell[of->x1 + 1];
+	}
+	*site = n->member[of->i++];
+	return true;
+}
+
+/* ---- chains ---------------------------------------------------------------------------------------------- */
+
+static inline uint32_t links_at(const fine *n, uint32_t i)
+{
+	return n->at[i + 1] - n->at[i];
+}
+
+static inline bool is_end(const fine *n, uint32_t i)
+{
+	return !n->site[i].linked.dropped && links_at(n, i) == 1;
+}
+
+/* The next site of a chain, coming from `from`; UINT32_MAX at its end. */
+static inline uint32_t next_of(const fine *n, uint32_t from, uint32_t i)
+{
+	const uint32_t *to = n->to + n->at[i];
+	return links_at(n, i) != 2 ? UINT32_MAX : to[0] == from ? to[1] : to[0];
+}
+
+#endif
