@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 5 };
+enum { ENCRE_API_VERSION = 6 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -132,6 +132,8 @@ typedef struct encre_param_info {
 	double value[3];                               /* default; COLOR has three */
 	double hard_min, hard_max, soft_min, soft_max; /* INT and FLOAT */
 	const encre_levels *levels;                    /* default of ENCRE_LEVELS */
+	int32_t is_switch;                             /* BOOL: 1 = whether its stage draws at all */
+	int32_t reserved;
 } encre_param_info;
 
 typedef struct encre_stage_description {
@@ -196,8 +198,8 @@ ENCRE_API const char *encre_error(const encre_context *context);
 
 /* Runs all stages. `combined`, `color`, `diffuse`, `depth`, `normal` and params are required; every present image
  * must have the channels that encre_layer_info() tells and one common size of at least 1x1 and at most
- * 65536x65536. With use_lines, use_shading, use_smudging and use_hatching off in every style, the output
- * combined equals the layer bit for bit but for values that are not finite. */
+ * 65536x65536. With the switches of all stages (is_switch) off in every style, the output combined equals the layer
+ * bit for bit but for values that are not finite. */
 ENCRE_API int32_t encre_render(encre_context *context, encre_job *job);
 
 /* ---- rasteriser ------------------------------------------------------------------------------------------ */

@@ -16,7 +16,7 @@ from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Mesh, Result, entries, picture
 from .params import MAX_LEVELS, Param, Stage, normal, read, stage, text_of
 
-API_VERSION = 5
+API_VERSION = 6
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
 
@@ -50,7 +50,7 @@ class _ParamInfo(c.Structure):
                 ("enabled_if", c.c_char_p), ("items", c.POINTER(_Item)), ("n_items", c.c_int32), ("type", c.c_int32),
                 ("scope", c.c_int32), ("offset", c.c_int32), ("value", c.c_double * 3), ("hard_min", c.c_double),
                 ("hard_max", c.c_double), ("soft_min", c.c_double), ("soft_max", c.c_double),
-                ("levels", c.POINTER(_Levels))]
+                ("levels", c.POINTER(_Levels)), ("is_switch", c.c_int32), ("reserved", c.c_int32)]
 
 
 class _StageInfo(c.Structure):

@@ -250,12 +250,10 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	bool relative = f->params->length_unit == length_unit_RELATIVE;
 	f->scale = relative ? (float)f->place.height / 1080 : (float)f->params->supersample;
 	for (int i = 0; i < f->n_styles; i++) {
-		f->any_lines |= f->params[i].use_lines;
-		f->any_shading |= f->params[i].use_shading;
-		f->any_smudging |= f->params[i].use_smudging;
-		f->any_hatching |= f->params[i].use_hatching;
+#define SWITCH(id, ...) f->any.id |= f->params[i].id;
+#include "base/all.rows.h"
 	}
-	f->want_edges = f->any_lines || f->any_smudging || w.out[ENCRE_OUTPUT_EDGES].data;
+	f->want_edges = f->any.use_lines || f->any.use_smudging || w.out[ENCRE_OUTPUT_EDGES].data;
 	f->bands = pool_of(context, job->progress, job->user);
 	if (!f->bands)
 		return fail_code(context, ENCRE_ERROR_MEMORY);

@@ -13,24 +13,17 @@ static const encre_levels shade_levels_default = {
 	3, {LEVEL(0.5f, 0, 0), LEVEL(0.7f, 0.5f, 0.025f), LEVEL(1.1f, 0.9f, 0.025f)}};
 #undef LEVEL
 
-#define STAGE(...)
 #define ITEM(pid, name, num, lab, hlp) {.id = #name, .label = lab, .help = hlp, .number = num},
-#define BOOL(...)
-#define INT(...)
-#define FLOAT(...)
-#define COLOR(...)
-#define IMAGE(...)
-#define LEVELS(...)
 #define ENUM(pid, scp, val, enb, lab, hlp, its) static const encre_enum_item pid##_items[] = {its};
 #include "base/all.rows.h"
-#include "base/undef.rows.h"
 
 #define HEAD(pid, scp, typ, unt, enb, lab, hlp)                                                                        \
 	.id = #pid, .label = lab, .help = hlp, .unit = unt, .enabled_if = enb, .type = typ, .scope = ENCRE_##scp,      \
 	.offset = offsetof(encre_params, pid)
 #define NUMBER(dft, hmin, hmax, smin, smax)                                                                            \
 	.value = {dft}, .hard_min = hmin, .hard_max = hmax, .soft_min = smin, .soft_max = smax
-#define STAGE(...)
+#define SWITCH(pid, scp, dft, enb, lab, hlp)                                                                           \
+	{HEAD(pid, scp, ENCRE_BOOL, "", enb, lab, hlp), .value = {dft}, .is_switch = 1},
 #define BOOL(pid, scp, dft, enb, lab, hlp) {HEAD(pid, scp, ENCRE_BOOL, "", enb, lab, hlp), .value = {dft}},
 #define INT(pid, scp, dft, hmin, hmax, smin, smax, unt, enb, lab, hlp)                                                 \
 	{HEAD(pid, scp, ENCRE_INT, unt, enb, lab, hlp), NUMBER(dft, hmin, hmax, smin, smax)},
@@ -45,7 +38,6 @@ static const encre_levels shade_levels_default = {
 static const encre_param_info table[] = {
 #include "base/all.rows.h"
 };
-#include "base/undef.rows.h"
 
 /* A stage's share of the table: from its first row to the next stage's. An enum that counts rows gives the places. */
 #define STAGE(sid, lab, hlp) sid##_first, sid##_fence = sid##_first - 1,
@@ -61,7 +53,6 @@ enum row {
 #include "base/all.rows.h"
 	n_rows
 };
-#include "base/undef.rows.h"
 #undef ROW
 #undef HEAD
 #undef NUMBER
@@ -81,7 +72,6 @@ enum row {
 static const encre_stage_description stages[] = {{.id = NULL
 #include "base/all.rows.h"
 }};
-#include "base/undef.rows.h"
 
 const encre_stage_description *encre_stage_info(int32_t stage)
 {

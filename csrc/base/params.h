@@ -3,7 +3,8 @@
  * of enum items; in params.c the same rows become the introspection table.
  *
  *   STAGE (id, label, help)                     once, first
- *   BOOL  (id, scope, default, enabled_if, label, help)
+ *   SWITCH(id, scope, default, enabled_if, label, help)    a BOOL, at most one: whether the stage draws
+ *   BOOL  (likewise)
  *   INT   (id, scope, default, hard_min, hard_max, soft_min, soft_max, unit, enabled_if, label, help)
  *   FLOAT (likewise)
  *   ENUM  (id, scope, default, enabled_if, label, help, ITEM(id, NAME, number, label, help) ITEM(…)…)
@@ -19,18 +20,9 @@
 #include "encre.h"
 
 #define ITEM(id, name, number, label, help) id##_##name = number,
-#define STAGE(...)
-#define BOOL(...)
-#define INT(...)
-#define FLOAT(...)
-#define COLOR(...)
-#define IMAGE(...)
-#define LEVELS(...)
 #define ENUM(id, scope, value, enabled_if, label, help, items) enum id##_item{items};
 #include "base/all.rows.h"
-#include "base/undef.rows.h"
 
-#define STAGE(...)
 #define BOOL(id, ...) int32_t id;
 #define INT(id, ...) int32_t id;
 #define FLOAT(id, ...) float id;
@@ -41,6 +33,20 @@
 typedef struct encre_params {
 #include "base/all.rows.h"
 } encre_params;
-#include "base/undef.rows.h"
+
+/* Each stage's switch. */
+#define SWITCH(id, ...) bool id;
+typedef struct switches {
+#include "base/all.rows.h"
+} switches;
+
+/* Whether any stage draws with these parameters. */
+static inline bool draws(const encre_params *p)
+{
+	bool on = false;
+#define SWITCH(id, ...) on |= p->id;
+#include "base/all.rows.h"
+	return on;
+}
 
 #endif

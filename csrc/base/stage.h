@@ -3,7 +3,8 @@
  *
  * To add a stage: write NAME.rows.h (a STAGE row, then its parameters), name it in all.rows.h and in STAGES below in
  * the order in which stages run, and write NAME.c: row kernels, the run function, the descriptor
- * `const stage STAGE_SYMBOL(NAME) = {...}`. Its products, if others read them, are fields of `frame`.
+ * `const stage STAGE_SYMBOL(NAME) = {...}`. A stage that changes the picture has a SWITCH: a frame in which all are off
+ * is only copied. Its products, if others read them, are fields of `frame`.
  *
  * Stage files are compiled once per instruction set; everything in them is static but the descriptor and the few
  * functions that are declared here and named with ISA(). */
@@ -57,7 +58,7 @@ typedef struct frame {
 	const encre_params *params; /* [n_styles]; [0] is the scene's */
 	const uint8_t *style;       /* width * height, < n_styles; NULL when n_styles is 1 */
 	bool want_edges;            /* someone reads edges: lines, smudging or the output */
-	bool any_lines, any_shading, any_smudging, any_hatching; /* the switch is on in some style */
+	switches any;               /* the switch is on in some style */
 	bands *bands;
 
 	/* edges: */

@@ -119,7 +119,7 @@ static void fade_row(const frame *f, int y, float *rgba)
 	float fade = f->params->surface_fade;
 	for (int x = 0, end; fade > 0 && x < f->width; x = end) {
 		const encre_params *p = style_run(f, y, x, f->width, &end);
-		if (p->use_lines || p->use_shading || p->use_smudging || p->use_hatching)
+		if (draws(p))
 			fade_span(rgba + (ptrdiff_t)4 * x, end - x, fade);
 	}
 }
@@ -271,11 +271,11 @@ static void lines_rows(void *data, int y0, int y1, int thread)
 {
 	const lines *l = data;
 	canvas c = canvas_of(l, y0, y1, thread);
-	if (l->f->any_lines && l->f->fine)
+	if (l->f->any.use_lines && l->f->fine)
 		ISA(capsules_draw)(&l->capsules, &c);
-	else if (l->f->any_lines && l->f->params->line_search == line_search_EXACT)
+	else if (l->f->any.use_lines && l->f->params->line_search == line_search_EXACT)
 		ISA(discs_draw)(&l->discs, &c);
-	else if (l->f->any_lines)
+	else if (l->f->any.use_lines)
 		draw_found(l, &c);
 	for (int y = y0; y < y1; y++)
 		finish_row(l, &c, y);
@@ -286,7 +286,7 @@ static void lines_rows(void *data, int y0, int y1, int thread)
 static void plan(frame *f, arena *a)
 {
 	lines *l = arena_take(a, 1, sizeof *l), made = {.f = f};
-	if (f->any_lines) {
+	if (f->any.use_lines) {
 		bool owned = inks_differ(f, made.color);
 		int shift = 5;
 		while ((f->width + LANES) >> shift >= 64)
@@ -319,9 +319,9 @@ static int32_t run(frame *f)
 {
 	lines *l = f->lines;
 	int32_t code = ENCRE_OK;
-	if (f->any_lines && f->fine)
+	if (f->any.use_lines && f->fine)
 		code = ISA(capsules_gather)(f, &l->capsules);
-	else if (f->any_lines)
+	else if (f->any.use_lines)
 		code = f->params->line_search == line_search_EXACT ? ISA(discs_gather)(f, &l->discs)
 								   : ISA(search_run)(f, &l->search);
 	if (!code)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* clang-format off */
 STAGE(lines, "Lines", "Ink along the edges")
-BOOL(use_lines, SURFACE, 1, "", "Lines", "Draw ink lines along the edges")
+SWITCH(use_lines, SURFACE, 1, "", "Lines", "Draw ink lines along the edges")
 FLOAT(line_thickness, SURFACE, 8, 0, 4096, 0, 64, "px", "use_lines", "Thickness", "Width of a line whose controls are neutral")
 FLOAT(line_max_thickness, FRAME, 128, 0, 4096, 1, 512, "px", "use_lines", "Maximum Thickness", "No line gets wider than this")
 FLOAT(line_taper, SURFACE, 0, 0, 4096, 0, 128, "px", "use_lines&edge_detector=FINE", "Taper", "Length over which a line thins out towards an end that meets no other line; 0: blunt ends")

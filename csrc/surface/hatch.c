@@ -107,7 +107,7 @@ static void hatch_rows(void *data, int y0, int y1, int thread)
 
 static int32_t run(frame *f)
 {
-	return f->any_hatching ? bands_run(f->bands, f->height, 0, hatch_rows, f) : ENCRE_OK;
+	return f->any.use_hatching ? bands_run(f->bands, f->height, 0, hatch_rows, f) : ENCRE_OK;
 }
 
 const stage STAGE_SYMBOL(hatch) = {.id = "hatch", .run = run};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* clang-format off */
 STAGE(hatch, "Hatching", "Pencil rubbed into dark and shaded surfaces")
-BOOL(use_hatching, SURFACE, 1, "", "Hatching", "Rub pencil into dark and shaded surfaces")
+SWITCH(use_hatching, SURFACE, 1, "", "Hatching", "Rub pencil into dark and shaded surfaces")
 FLOAT(hatch_amount, SURFACE, 0.7, 0, FLT_MAX, 0, 2, "", "use_hatching", "Amount", "Strength of the hatching where the paper is high")
 FLOAT(hatch_color_threshold, SURFACE, 0.35, 0, FLT_MAX, 0, 2, "", "use_hatching", "Color Threshold", "Surface colours darker than this are hatched; 0: none")
 FLOAT(hatch_light_threshold, SURFACE, 0.5, 0, FLT_MAX, 0, 2, "", "use_hatching", "Light Threshold", "Light darker than this is hatched; 0: none")

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* clang-format off */
 STAGE(shade, "Shading", "Flat light in a few levels, tinted and desaturated in the shade")
-BOOL(use_shading, SURFACE, 1, "", "Shading", "Cut the light into flat levels")
+SWITCH(use_shading, SURFACE, 1, "", "Shading", "Cut the light into flat levels")
 LEVELS(shade_levels, SURFACE, "", "Levels", "Levels of light, darkest first, with the thresholds between them", shade_levels_default)
 FLOAT(shade_exposure, SURFACE, 1, 0, FLT_MAX, 0, 8, "", "", "Exposure", "Factor on the light before it is compared with thresholds")
 ENUM(shade_light, SURFACE, 0, "use_shading", "Light", "The light that is cut into levels",

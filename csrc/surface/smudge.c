@@ -148,7 +148,7 @@ static void apply_rows(void *data, int y0, int y1, int thread)
 
 static bool wanted(const frame *f)
 {
-	return f->any_smudging && f->layer[ENCRE_LAYER_CONTROLS].data;
+	return f->any.use_smudging && f->layer[ENCRE_LAYER_CONTROLS].data;
 }
 
 static void plan(frame *f, arena *a)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* clang-format off */
 STAGE(smudge, "Smudging", "Colour spread across the lines, where it is painted")
-BOOL(use_smudging, SURFACE, 1, "", "Smudging", "Spread colour across the lines where it is painted")
+SWITCH(use_smudging, SURFACE, 1, "", "Smudging", "Spread colour across the lines where it is painted")
 FLOAT(smudge_range, SURFACE, 10, 0, 1024, 0, 64, "px", "use_smudging", "Range", "Reach across the line where the painted control is full")
 FLOAT(smudge_falloff, SURFACE, 0.5, 0, 1, 0, 1, "factor", "use_smudging", "Falloff", "Share of the range, times the painted control, over which the colour stays full")
 FLOAT(smudge_pick, SURFACE, 7, 0, 1024, 0, 64, "px", "use_smudging", "Pick Distance", "How far behind the line the colour is picked up")
