@@ -54,8 +54,7 @@ enum encre_layer {
 	ENCRE_LAYER_OBJECT,       /* 1: object index, an integer in a float (absent: constant) */
 	ENCRE_LAYER_MATERIAL,     /* 1: material index, likewise */
 	ENCRE_LAYER_STYLE,        /* 1: style number, 0 = the scene's (absent: 0) */
-	ENCRE_LAYER_CONTROLS,     /* 6: painted controls -1..1: thickness, intensity, color_edge, smudge_range,
-					smudge_falloff, hatching (absent: 0) */
+	ENCRE_LAYER_CONTROLS,     /* painted controls -1..1, one for each encre_control_info() (absent: 0) */
 	ENCRE_LAYER_MARKS, /* 2: where lines that were drawn by hand pass between pixels: on the way from a pixel's
 				 centre to that of its right, and of its lower neighbour, 0 < place <= 1;
 				 0 = nowhere; -place: no line, but a contour passes there, if any (absent: 0) */
@@ -83,9 +82,19 @@ typedef struct encre_layer_description {
 	int32_t required; /* layers only: 1 = encre_render() refuses a job without it */
 } encre_layer_description;
 
+/* A painted control: a channel of the layer `controls`, -1..1, neutral at 0. Meshes carry it as the attribute
+ * encre_<name>, files in channel `channel`, 0 to 2, of the pass `saved`. */
+typedef struct encre_control_description {
+	const char *name, *label;
+	const char *white, *black; /* what 1 and -1 do */
+	const char *saved;
+	int32_t channel, reserved;
+} encre_control_description;
+
 /* NULL past the end. */
 ENCRE_API const encre_layer_description *encre_layer_info(int32_t layer);
 ENCRE_API const encre_layer_description *encre_output_info(int32_t output);
+ENCRE_API const encre_control_description *encre_control_info(int32_t control);
 
 /* ---- parameters ------------------------------------------------------------------------------------------ */
 

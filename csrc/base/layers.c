@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The images that come in and go out, as tables that other languages read. */
-#include "encre.h"
+#include "base/stage.h"
 
 #include <stddef.h>
 
@@ -15,9 +15,10 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 	[ENCRE_LAYER_OBJECT] = {"object", "object index", 1, 0},
 	[ENCRE_LAYER_MATERIAL] = {"material", "material index", 1, 0},
 	[ENCRE_LAYER_STYLE] = {"style", "style number, 0 the scene's", 1, 0},
-	[ENCRE_LAYER_CONTROLS] =
-		{"controls", "thickness, intensity, color_edge, smudge_range, smudge_falloff, hatching; each -1..1", 6,
-		 0},
+#define CONTROL(id, name, ...) name ", "
+	[ENCRE_LAYER_CONTROLS] = {"controls",
+#include "base/controls.rows.h"
+				  "each -1..1", CONTROL_COUNT, 0},
 	[ENCRE_LAYER_MARKS] = {"marks",
 			       "where lines drawn by hand pass to the right, to the lower neighbour, 0..1; 0 = "
 			       "nowhere; negative: contours",
@@ -25,6 +26,12 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 	[ENCRE_LAYER_SEEN_COLOR] = {"seen_color", "unlit colour of what mirrors and clear glass show", 3, 0},
 	[ENCRE_LAYER_SEEN_NORMAL] = {"seen_normal", "its normal, in the space of the camera", 3, 0},
 	[ENCRE_LAYER_SEEN_DEPTH] = {"seen_depth", "its distance, as depth", 1, 0},
+};
+
+#define CONTROL(id, text, lab, most, least, file_pass, place)                                                          \
+	{.name = text, .label = lab, .white = most, .black = least, .saved = file_pass, .channel = place},
+static const encre_control_description controls[CONTROL_COUNT] = {
+#include "base/controls.rows.h"
 };
 
 static const encre_layer_description outputs[ENCRE_OUTPUT_COUNT] = {
@@ -43,4 +50,9 @@ const encre_layer_description *encre_layer_info(int32_t layer)
 const encre_layer_description *encre_output_info(int32_t output)
 {
 	return output >= 0 && output < ENCRE_OUTPUT_COUNT ? outputs + output : NULL;
+}
+
+const encre_control_description *encre_control_info(int32_t control)
+{
+	return control >= 0 && control < CONTROL_COUNT ? controls + control : NULL;
 }

@@ -14,6 +14,7 @@
 #include "base/arena.h"
 #include "base/bands.h"
 #include "base/params.h"
+#include "base/pixel.h"
 
 #include <stddef.h>
 
@@ -46,6 +47,14 @@ enum source {
 	SOURCE_SEEN, /* FINE's only */
 	SOURCE_COUNT
 };
+
+/* Channels of the layer `controls`. */
+#define CONTROL(id, ...) CONTROL_##id,
+enum control {
+#include "base/controls.rows.h"
+	CONTROL_COUNT
+};
+_Static_assert((int)CONTROL_COUNT <= (int)ENCRE_MAX_CHANNELS, "encre_raster() draws them in one go");
 
 typedef struct frame {
 	int width, height;
@@ -80,6 +89,19 @@ typedef struct frame {
 } frame;
 
 enum { NEAREST_NONE = INT16_MIN };
+
+/* The painted controls of pixel x of row y, then those of the pixels after it; NULL where nothing is painted. */
+static inline const float *controls_at(const frame *f, int x, int y)
+{
+	plane p = f->layer[ENCRE_LAYER_CONTROLS];
+	return p.data ? p.data + y * p.row + (ptrdiff_t)CONTROL_COUNT * x : NULL;
+}
+
+/* INFINITY where nothing is there. */
+static inline float depth_at(const frame *f, int x, int y)
+{
+	return depth_of(f->layer[ENCRE_LAYER_DEPTH].data[y * f->layer[ENCRE_LAYER_DEPTH].row + x]);
+}
 
 /* Parameters of the style of pixel x of row y, and in *end where the run of pixels with that style ends, at most x1. */
 static inline const encre_params *style_run(const frame *f, int y, int x, int x1, int *end)

@@ -79,12 +79,9 @@ static bool weigh(const edges *e, enum source s, int y, int x0, int n, const uin
 	int any = 0;
 	for (int i = 0; i < n; i++)
 		weight[i] = e->weight[s][style ? style[i] : 0];
-	plane controls = e->f->layer[ENCRE_LAYER_CONTROLS];
-	if (s == SOURCE_COLOR && controls.data) {
-		const float *painted = controls.data + y * controls.row + (ptrdiff_t)x0 * 6 + 2;
-		for (int i = 0; i < n; i++)
-			weight[i] += painted[(ptrdiff_t)i * 6];
-	}
+	const float *controls = controls_at(e->f, x0, y);
+	for (int i = 0; s == SOURCE_COLOR && controls && i < n; i++)
+		weight[i] += controls[CONTROL_COUNT * (ptrdiff_t)i + CONTROL_COLOR_EDGE];
 	for (int i = 0; i < n; i++) {
 		weight[i] = weight[i] > 0 ? weight[i] : 0;
 		any |= weight[i] > 0;

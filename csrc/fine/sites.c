@@ -9,17 +9,11 @@ static const float touching = 0.02f; /* of the depth, apart at most */
 
 /* ---- one site -------------------------------------------------------------------------------------------- */
 
-static float depth_at(const frame *f, int x, int y)
-{
-	return depth_of(f->layer[ENCRE_LAYER_DEPTH].data[y * f->layer[ENCRE_LAYER_DEPTH].row + x]);
-}
-
 /* The pixel, of those that the site parts, of what the line bounds: of the nearest thing, but where two things touch of
  * the one whose line is painted more. */
 static void owner_of(const fine *n, const found *s, int *x, int *y)
 {
 	const frame *f = n->f;
-	plane controls = f->layer[ENCRE_LAYER_CONTROLS];
 	bool crack = is_crack(s->family);
 	int right = clamp_index(s->column + (crack && s->axis != AXIS_COLUMN), f->width),
 	    below = clamp_index(s->row + (crack && s->axis != AXIS_ROW), f->height);
@@ -31,7 +25,8 @@ static void owner_of(const fine *n, const found *s, int *x, int *y)
 	for (int qy = s->row; qy <= below; qy++)
 		for (int qx = s->column; qx <= right; qx++) {
 			float z = depth_at(f, qx, qy);
-			float painted = controls.data ? fabsf(controls.data[qy * controls.row + (ptrdiff_t)6 * qx]) : 0;
+			const float *controls = controls_at(f, qx, qy);
+			float painted = controls ? fabsf(controls[CONTROL_THICKNESS]) : 0;
 			if (z <= reach && (painted > most || (painted == most && z < depth_at(f, *x, *y)))) {
 				most = painted;
 				*x = qx;
@@ -57,11 +52,10 @@ int ISA(fine_controls)(const fine *n, const found *at, placed *s)
 	for (int dy = -2; dy <= 2; dy++) {
 		if (y + dy < 0 || y + dy >= f->height)
 			continue;
-		const float *row = f->layer[ENCRE_LAYER_DEPTH].data + (y + dy) * f->layer[ENCRE_LAYER_DEPTH].row;
 		for (int dx = -2; dx <= 2; dx++) {
 			if (x + dx < 0 || x + dx >= f->width)
 				continue;
-			float z = depth_of(row[x + dx]);
+			float z = depth_at(f, x + dx, y + dy);
 			int key = dx * dx + dy * dy; /* then row, then column: the order in which they come */
 			bool its = any || object.data[(y + dy) * object.row + x + dx] == own;
 			for (int k = 0; k <= its; k++)
@@ -82,10 +76,9 @@ int ISA(fine_controls)(const fine *n, const found *at, placed *s)
 bool ISA(fine_weigh)(const fine *n, placed *s, int style, enum source source, float strength)
 {
 	float weight = n->e->weight[source][style];
-	plane controls = n->f->layer[ENCRE_LAYER_CONTROLS];
-	if (source == SOURCE_COLOR && controls.data)
-		weight += controls.data[pixel_of(s->y, n->f->height) * controls.row +
-					(ptrdiff_t)6 * pixel_of(s->x, n->f->width) + 2];
+	const float *controls = controls_at(n->f, pixel_of(s->x, n->f->width), pixel_of(s->y, n->f->height));
+	if (source == SOURCE_COLOR && controls)
+		weight += controls[CONTROL_COLOR_EDGE];
 	float weighted = weight > 0 ? weight * strength : 0;
 	if (weighted > s->strength) {
 		s->strength = weighted < FLT_MAX ? weighted : FLT_MAX;

@@ -22,11 +22,10 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 	const encre_params *p = f->params + style;
 	if (!p->use_lines)
 		return false;
-	const float *controls = f->layer[ENCRE_LAYER_CONTROLS].data;
-	if (controls)
-		controls += ny * f->layer[ENCRE_LAYER_CONTROLS].row + (ptrdiff_t)6 * nx;
-	float thickness = controls ? controls[0] : 0, intensity = 1 + (controls ? controls[1] : 0);
-	float z = depth_of(f->layer[ENCRE_LAYER_DEPTH].data[ny * f->layer[ENCRE_LAYER_DEPTH].row + nx]);
+	const float *controls = controls_at(f, nx, ny);
+	float thickness = controls ? controls[CONTROL_THICKNESS] : 0;
+	float intensity = 1 + (controls ? controls[CONTROL_INTENSITY] : 0);
+	float z = depth_at(f, nx, ny);
 	const float widths[SOURCE_COUNT] = {
 		[SOURCE_OBJECT] = p->width_object, [SOURCE_MATERIAL] = p->width_material,
 		[SOURCE_DEPTH] = p->width_depth,   [SOURCE_NORMAL] = p->width_normal,

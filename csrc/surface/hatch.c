@@ -4,7 +4,7 @@
 #include "base/pixel.h"
 #include "base/stage.h"
 
-enum { CHUNK = 256, HATCHING = 5, CONTROLS = 6 };
+enum { CHUNK = 256 };
 
 /* ---- row kernels ----------------------------------------------------------------------------------------- */
 
@@ -37,7 +37,7 @@ static bool pressure_row(float amount, int n, const float *restrict controls, co
 			 float *restrict pressure)
 {
 	for (int i = 0; i < n; i++)
-		pressure[i] = controls ? (1 + controls[CONTROLS * i + HATCHING]) * amount : amount;
+		pressure[i] = controls ? (1 + controls[CONTROL_COUNT * i + CONTROL_HATCHING]) * amount : amount;
 	int any = 0;
 	for (int i = 0; i < n; i++)
 		any |= pressure[i] > bright[i];
@@ -84,7 +84,7 @@ static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n
 	float bright[CHUNK], pressure[CHUNK], paper[CHUNK];
 	bright_row(p, n, pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), pixels(f, ENCRE_LAYER_COLOR, 3, y, x),
 		   pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), bright);
-	if (!pressure_row(p->hatch_amount, n, pixels(f, ENCRE_LAYER_CONTROLS, CONTROLS, y, x), bright, pressure))
+	if (!pressure_row(p->hatch_amount, n, controls_at(f, x, y), bright, pressure))
 		return;
 	ISA(paper_row)(f, y, x, x + n, 0.5f, paper);
 	plane out = f->output[ENCRE_OUTPUT_COMBINED];

@@ -6,8 +6,6 @@
 
 #include <stdlib.h>
 
-enum { SMUDGE_RANGE = 3, SMUDGE_FALLOFF = 4, CONTROLS = 6 };
-
 typedef struct smudged {
 	int32_t x;
 	float color[4];
@@ -24,23 +22,13 @@ typedef struct smudge {
 
 static float range_at(const frame *f, const encre_params *p, const float *controls)
 {
-	return p->use_smudging ? p->smudge_range * f->scale * controls[SMUDGE_RANGE] : 0;
+	return p->use_smudging ? p->smudge_range * f->scale * controls[CONTROL_SMUDGE_RANGE] : 0;
 }
 
 /* Every other pixel is at least one pixel away; a site may be nearer. */
 static bool reaches(const frame *f, float range)
 {
 	return f->fine ? fabsf(range) > 0.1f : fabsf(range) >= 1;
-}
-
-static const float *controls_at(const frame *f, int y, int x)
-{
-	return f->layer[ENCRE_LAYER_CONTROLS].data + y * f->layer[ENCRE_LAYER_CONTROLS].row + CONTROLS * (ptrdiff_t)x;
-}
-
-static float depth_at(const frame *f, int y, int x)
-{
-	return depth_of(f->layer[ENCRE_LAYER_DEPTH].data[y * f->layer[ENCRE_LAYER_DEPTH].row + x]);
 }
 
 static float *surface_at(const frame *f, int y, int x)
@@ -66,7 +54,8 @@ static bool differs(const frame *f, const encre_params *p, float z, float zq, bo
 
 static float falloff(const encre_params *p, const float *controls, float range, float distance)
 {
-	float control = controls[SMUDGE_FALLOFF], full = p->smudge_falloff * (control > 0 ? control : 0) * (1 + range);
+	float control = controls[CONTROL_SMUDGE_FALLOFF],
+	      full = p->smudge_falloff * (control > 0 ? control : 0) * (1 + range);
 	float f = distance < full || full >= range ? 1 : clamp01((range - distance) / (range - full));
 	return p->smudge_speed == 1 ? f : pixel_pow(f, p->smudge_speed);
 }
@@ -74,7 +63,7 @@ static float falloff(const encre_params *p, const float *controls, float range, 
 /* The new colour of a painted pixel; false where it keeps its own. */
 static bool smudge_pixel(const frame *f, const encre_params *p, int y, int x, float *color)
 {
-	const float *controls = controls_at(f, y, x);
+	const float *controls = controls_at(f, x, y);
 	float to[2];
 	float signed_range = range_at(f, p, controls), range = fabsf(signed_range);
 	if (!ISA(nearest_edge)(f, x, y, range, to))
@@ -85,7 +74,7 @@ static bool smudge_pixel(const frame *f, const encre_params *p, int y, int x, fl
 	float pick = p->smudge_pick * f->scale;
 	int qx = picked(x, to[0], pick, distance, f->width), qy = picked(y, to[1], pick, distance, f->height);
 	const float *own = surface_at(f, y, x), *other = surface_at(f, qy, qx);
-	if (!differs(f, p, depth_at(f, y, x), depth_at(f, qy, qx), signed_range > 0) || !(other[3] > 0))
+	if (!differs(f, p, depth_at(f, x, y), depth_at(f, qx, qy), signed_range > 0) || !(other[3] > 0))
 		return false;
 	float share = falloff(p, controls, range, distance);
 	for (int c = 0; c < 4; c++)
@@ -104,9 +93,9 @@ static void count_rows(void *data, int y0, int y1, int thread)
 		size_t painted = 0;
 		for (int x = 0, end; x < f->width; x = end) {
 			const encre_params *p = style_run(f, y, x, f->width, &end);
-			const float *controls = controls_at(f, y, x);
+			const float *controls = controls_at(f, x, y);
 			for (int i = 0; i < end - x; i++)
-				painted += reaches(f, range_at(f, p, controls + CONTROLS * i));
+				painted += reaches(f, range_at(f, p, controls + CONTROL_COUNT * i));
 		}
 		s->first[y] = painted;
 	}
@@ -123,7 +112,7 @@ static void find_rows(void *data, int y0, int y1, int thread)
 		for (int x = 0, end; painted && x < f->width; x = end) {
 			const encre_params *p = style_run(f, y, x, f->width, &end);
 			for (int i = x; i < end; i++)
-				if (reaches(f, range_at(f, p, controls_at(f, y, i))) &&
+				if (reaches(f, range_at(f, p, controls_at(f, i, y))) &&
 				    smudge_pixel(f, p, y, i, out->color))
 					(out++)->x = i;
 		}

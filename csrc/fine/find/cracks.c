@@ -229,10 +229,10 @@ static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const
 /* Whether the control asks for colour edges anywhere in the row. */
 static bool is_painted(const frame *f, int y)
 {
-	const float *controls = f->layer[ENCRE_LAYER_CONTROLS].data ? layer_row(f, ENCRE_LAYER_CONTROLS, y) : NULL;
+	const float *controls = controls_at(f, 0, y);
 	int painted = 0;
 	for (int x = 0; controls && x < f->width; x++)
-		painted |= controls[(ptrdiff_t)6 * x + 2] > 0;
+		painted |= controls[(ptrdiff_t)CONTROL_COUNT * x + CONTROL_COLOR_EDGE] > 0;
 	return painted;
 }
 

@@ -18,11 +18,6 @@ static const float most_of_step = 0.5f; /* of the step to what lies behind, that
 static const float least_step = 0.01f;  /* of a depth before what lies behind: a crack of full strength */
 static const float steepest = 1.5f;     /* pixels that its middle moves from a row to the next */
 
-static float depth_at(const frame *f, int x, int y)
-{
-	return depth_of(f->layer[ENCRE_LAYER_DEPTH].data[y * f->layer[ENCRE_LAYER_DEPTH].row + x]);
-}
-
 static float object_at(const frame *f, int x, int y)
 {
 	plane p = f->layer[ENCRE_LAYER_OBJECT];
