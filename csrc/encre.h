@@ -190,7 +190,7 @@ typedef struct encre_job {
 	int32_t reserved;
 	encre_progress progress; /* may be NULL */
 	void *user;
-	int64_t nonfinite; /* out: how many input values were NaN or infinite and read as 0 */
+	int64_t nonfinite; /* out: how many values of the layers that are read were NaN or infinite and read as 0 */
 } encre_job;
 
 /* `api_version`: ENCRE_API_VERSION of the caller. NULL if it is not this library's, or without memory. */
@@ -208,7 +208,7 @@ ENCRE_API const char *encre_error(const encre_context *context);
 /* Runs all stages. `combined`, `color`, `diffuse`, `depth`, `normal` and params are required; every present image
  * must have the channels that encre_layer_info() tells and one common size of at least 1x1 and at most
  * 65536x65536. With the switches of all stages (is_switch) off in every style, the output combined equals the layer
- * bit for bit but for values that are not finite. */
+ * bit for bit but for values that are not finite; unless edges or light are asked for, no other layer is read then. */
 ENCRE_API int32_t encre_render(encre_context *context, encre_job *job);
 
 /* ---- rasteriser ------------------------------------------------------------------------------------------ */

@@ -134,6 +134,41 @@ typedef struct work {
 	uint8_t *style;
 } work;
 
+/* ---- nothing is drawn ------------------------------------------------------------------------------------ */
+
+static void blank_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const encre_image *image = data;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0; x < image->width; x++)
+			memset((char *)image->data + y * image->row_stride + x * image->pixel_stride, 0,
+			       4 * (size_t)image->channels);
+}
+
+/* All switches are off, and nobody asks for edges or light: one way from the layer `combined` to what goes out. */
+static int32_t copy(work *w)
+{
+	static const int pictures[] = {ENCRE_OUTPUT_COMBINED, ENCRE_OUTPUT_SURFACE};
+	const encre_image *combined = w->in + ENCRE_LAYER_COMBINED;
+	int64_t *bad = &w->job->nonfinite, counted = 0;
+	int32_t code = ENCRE_OK;
+	bool read = false;
+	for (int i = 0; !code && i < 2; i++)
+		if (w->out[pictures[i]].data) {
+			code = clean_copy(w->f.bands, combined, ENCRE_LAYER_COMBINED, w->out + pictures[i],
+					  read ? &counted : bad);
+			read = true;
+		}
+	if (!code && !read)
+		code = clean_scan(w->f.bands, combined, ENCRE_LAYER_COMBINED, bad, &read);
+	if (!code && w->out[ENCRE_OUTPUT_LINES].data)
+		code = bands_run(w->f.bands, w->f.height, 0, blank_rows, w->out + ENCRE_OUTPUT_LINES);
+	return code;
+}
+
+/* ---- stages ---------------------------------------------------------------------------------------------- */
+
 static plane plane_of(const encre_image *image)
 {
 	return (plane){image->data, (ptrdiff_t)(image->row_stride / 4)};
@@ -142,7 +177,6 @@ static plane plane_of(const encre_image *image)
 /* Counts what is not finite and finds which layers must be copied. */
 static int32_t scan(work *w)
 {
-	w->job->nonfinite = 0;
 	for (int i = 0; i < ENCRE_LAYER_COUNT; i++) {
 		if (!w->in[i].data)
 			continue;
@@ -215,6 +249,16 @@ static void export_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
+static int32_t clean_layer(work *w, int i)
+{
+	encre_image to = w->in[i];
+	int64_t counted = 0;
+	to.data = w->f.layer[i].data;
+	to.pixel_stride = 4 * (int64_t)to.channels;
+	to.row_stride = 4 * (int64_t)w->f.layer[i].row;
+	return clean_copy(w->f.bands, w->in + i, i, &to, &counted);
+}
+
 static int32_t run(work *w)
 {
 	frame *f = &w->f;
@@ -222,7 +266,7 @@ static int32_t run(work *w)
 	int32_t code = ENCRE_OK;
 	for (int i = 0; !code && i < ENCRE_LAYER_COUNT; i++)
 		if (w->copy[i])
-			code = clean_copy(f->bands, w->in + i, i, f->layer[i].data);
+			code = clean_layer(w, i);
 	if (!code && w->style)
 		code = bands_run(f->bands, f->height, 0, style_rows, w);
 	for (int s = 0; !code && s < N_STAGES; s++) {
@@ -249,7 +293,9 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	f->n_styles = job->n_styles;
 	bool relative = f->params->length_unit == length_unit_RELATIVE;
 	f->scale = relative ? (float)f->place.height / 1080 : (float)f->params->supersample;
+	bool any = w.out[ENCRE_OUTPUT_EDGES].data || w.out[ENCRE_OUTPUT_LIGHT].data;
 	for (int i = 0; i < f->n_styles; i++) {
+		any |= draws(f->params + i);
 #define SWITCH(id, ...) f->any.id |= f->params[i].id;
 #include "base/all.rows.h"
 	}
@@ -257,6 +303,9 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	f->bands = pool_of(context, job->progress, job->user);
 	if (!f->bands)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
+	job->nonfinite = 0;
+	if (!any)
+		return fail_code(context, copy(&w));
 	bands_span(f->bands, 0, 0.5 / (N_STAGES + 1));
 	code = scan(&w);
 	if (code)

@@ -8,9 +8,8 @@
 #include <stdatomic.h>
 
 typedef struct clean {
-	const encre_image *image;
+	const encre_image *image, *to;
 	int layer;
-	float *to;
 	atomic_llong bad;
 	atomic_bool unclean;
 } clean;
@@ -20,9 +19,9 @@ static float limit_of(int layer)
 	return layer == ENCRE_LAYER_CONTROLS ? 1.0f : FLT_MAX;
 }
 
-static const float *row_at(const encre_image *image, int y)
+static float *row_at(const encre_image *image, int y)
 {
-	return (const float *)((const char *)image->data + y * image->row_stride);
+	return (float *)((char *)image->data + y * image->row_stride);
 }
 
 /* Counts of n adjacent values; *over: one is beyond the limit. */
@@ -62,26 +61,37 @@ static void scan_rows(void *data, int y0, int y1, int thread)
 		atomic_store(&c->unclean, true);
 }
 
+/* Cleans n adjacent values and counts as count_row() does. Called with a constant `depth` each time. */
+static inline long long copy_row(const float *restrict in, int n, const bool depth, float limit, float *restrict out)
+{
+	int bad = 0;
+	for (int i = 0; i < n; i++) {
+		float v = in[i], a = fabsf(v);
+		float inside = v > limit ? limit : v < -limit ? -limit : v;
+		bad += !(a <= (depth ? INFINITY : FLT_MAX));
+		out[i] = depth ? v : a <= FLT_MAX ? inside : 0;
+	}
+	return bad;
+}
+
 static void copy_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	clean *c = data;
-	const encre_image *image = c->image;
-	ptrdiff_t step = (ptrdiff_t)(image->pixel_stride / 4);
-	int channels = image->channels;
+	const encre_image *from = c->image, *to = c->to;
+	ptrdiff_t step = (ptrdiff_t)(from->pixel_stride / 4), out_step = (ptrdiff_t)(to->pixel_stride / 4);
 	bool depth = c->layer == ENCRE_LAYER_DEPTH;
 	float limit = limit_of(c->layer);
+	long long bad = 0;
 	for (int y = y0; y < y1; y++) {
-		const float *in = row_at(image, y);
-		float *out = c->to + (size_t)y * (size_t)image->width * (size_t)channels;
-		for (int x = 0; x < image->width; x++)
-			for (int k = 0; k < channels; k++) {
-				float v = in[x * step + k];
-				float finite = fabsf(v) <= FLT_MAX ? v : 0;
-				float inside = finite > limit ? limit : finite < -limit ? -limit : finite;
-				out[x * channels + k] = depth ? v : inside;
-			}
+		const float *in = row_at(from, y);
+		float *out = row_at(to, y);
+		bool whole = packed(from) && packed(to);
+		int pieces = whole ? 1 : from->width, n = whole ? from->width * from->channels : from->channels;
+		for (int x = 0; x < pieces; x++, in += step, out += out_step)
+			bad += depth ? copy_row(in, n, true, limit, out) : copy_row(in, n, false, limit, out);
 	}
+	atomic_fetch_add(&c->bad, bad);
 }
 
 int32_t clean_scan(bands *pool, const encre_image *image, int layer, int64_t *bad, bool *copy)
@@ -94,8 +104,10 @@ int32_t clean_scan(bands *pool, const encre_image *image, int layer, int64_t *ba
 	return code;
 }
 
-int32_t clean_copy(bands *pool, const encre_image *image, int layer, float *to)
+int32_t clean_copy(bands *pool, const encre_image *image, int layer, const encre_image *to, int64_t *bad)
 {
 	clean c = {.image = image, .layer = layer, .to = to};
-	return bands_run(pool, image->height, 0, copy_rows, &c);
+	int32_t code = bands_run(pool, image->height, 0, copy_rows, &c);
+	*bad += atomic_load(&c.bad);
+	return code;
 }

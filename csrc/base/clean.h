@@ -13,7 +13,7 @@ static inline bool packed(const encre_image *image)
 /* Adds how many values of a layer are NaN or infinite (an infinite depth is none) to *bad, and tells in *copy whether
  * stages need a copy: values to be cleaned, or pixels apart. Returns ENCRE_OK or ENCRE_ERROR_CANCELLED. */
 int32_t clean_scan(bands *pool, const encre_image *image, int layer, int64_t *bad, bool *copy);
-/* Writes a packed copy in which these values are 0 and controls lie in -1..1; depth stays as it is. */
-int32_t clean_copy(bands *pool, const encre_image *image, int layer, float *to);
+/* Writes a copy in which these values are 0 and controls lie in -1..1, and counts likewise; depth stays as it is. */
+int32_t clean_copy(bands *pool, const encre_image *image, int layer, const encre_image *to, int64_t *bad);
 
 #endif

@@ -26,8 +26,8 @@ CASES = {
                         use_hatching=False),
     "Sobel, nearest": dict(edge_detector="SOBEL", line_search="NEAREST"),
     "wide lines": dict(line_thickness=64.0),
-    "all off": dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False),
 }
+ALL_OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False)
 
 
 def stages_run():
@@ -87,6 +87,19 @@ def bake(rounds, side=2048):
                 library.bake(texture, threads=threads, **options)
                 best = min(best, time.perf_counter() - start)
             print(f"{case:18}{threads or 'all':>8}{best / copy:8.2f}{best:8.3f} s")
+
+
+def all_off(rounds, layers):
+    """With every switch off, Combined alone: it is copied once."""
+    copy = copy_seconds(layers["combined"].nbytes)
+    print(f"\nall off; copy of {layers['combined'].nbytes / 1e6:.0f} MB: {copy * 1e3:.1f} ms = 1.00")
+    for threads in (1, 0):
+        best = 1e9
+        for _ in range(4 * rounds):
+            start = time.perf_counter()
+            library.render(layers, ALL_OFF, threads=threads)
+            best = min(best, time.perf_counter() - start)
+        print(f"{'all off':18}{threads or 'all':>8}{best / copy:8.2f}")
 
 
 # What FINE costs
@@ -198,6 +211,7 @@ def main():
             whole = min(r[0] for r in runs) / copy
             parts = [min(r[1][n] for r in runs) / copy for n in stages_run()]
             print(f"{case:18}{threads or 'all':>8}{whole:8.2f}" + "".join(f"{p:8.2f}" for p in parts))
+    all_off(args.rounds, layers)
     fine(args.rounds, width, height)
     bake(args.rounds)
     print(f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")

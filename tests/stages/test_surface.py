@@ -166,6 +166,25 @@ def test_shading_off_leaves_the_image_as_it_is():
         assert same[there].all()
 
 
+@pytest.mark.parametrize("threads", [1, 3])
+def test_all_off_copies_in_one_pass_what_the_stages_would_copy(threads):
+    layers = dict(random_layers(40, 64), combined=np.float32(np.random.default_rng(5).normal(size=(40, 80, 4))))
+    layers["combined"][3, 25:29, :3] = np.nan, np.inf, -np.inf
+    layers["combined"] = layers["combined"][::-1, 8:72]  # rows upwards, with gaps between them
+    layers["diffuse"][2, 2] = np.nan
+    off, names = dict(ONLY_SHADING, use_shading=False), ["Combined", "Encre Surface", "Encre Lines"]
+    styles = [{"line_thickness": 30.0}, {"shade_strength": 0.5}]
+    drawn = library.render(layers, off, styles, outputs=names + ["Encre Edges"], threads=threads)
+    copied = library.render(layers, off, styles, outputs=names, threads=threads)
+    for name in names:
+        assert copied.images[name].tobytes() == drawn.images[name].tobytes()
+    clean = np.where(np.isfinite(layers["combined"]), layers["combined"], 0)
+    assert copied.images["Combined"].tobytes() == np.float32(clean).tobytes() and not copied.images["Encre Lines"].any()
+    assert (copied.nonfinite, drawn.nonfinite) == (12, 15)  # of the layers that are read
+    assert library.render(layers, off, outputs=["Encre Lines"], threads=threads).nonfinite == 12
+    assert library.render(layers, off, [{"use_hatching": True}], threads=threads).nonfinite == 15
+
+
 def test_light_is_given_where_shading_is_off_and_nothing_is_there():
     layers = random_layers(40, 64)
     on = draw(layers, ONLY_SHADING)["Encre Light"]
