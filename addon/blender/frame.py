@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One rendered frame: settings and overrides before Cycles, triangles, and the stages on Cycles' passes after."""
 
+import contextlib
 import weakref
 from dataclasses import dataclass
 
@@ -54,23 +55,22 @@ class _ViewLayer:
 def passes(scene):
     """What Cycles and the stages must have a place for: (name, channel names, kind), as register_pass() takes."""
     wanted = {**layers.CYCLES, **layers.DRAWN}
-    if hasattr(scene, "encre"):  # the library may be missing
-        mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
-        saved = mode == "ON" or (mode == "AUTO" and multilayer)
-        seen = _sees(scene)
-        wanted |= layers.SAVED if saved else {}
-        wanted |= layers.SEEN if seen else {}
-        wanted |= layers.SAVED_SEEN if seen and saved else {}
+    with contextlib.suppress(EncreError):  # said when it comes to rendering
+        wanted |= _asked(scene)
     for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
         yield versions.pass_name(name), channels, kind
 
 
-def _sees(scene):
-    try:
-        return settings.wants_seen(properties.scene_values(scene), [values for _, values in properties.styles(scene)])
-    except EncreError:  # said when it comes to rendering
-        return False
+def _asked(scene):
+    """Passes that the scene's settings ask for."""
+    if not hasattr(scene, "encre"):  # the library was missing when Blender started
+        return {}
+    mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
+    saved = mode == "ON" or (mode == "AUTO" and multilayer)
+    seen = settings.wants_seen(properties.scene_values(scene), [values for _, values in properties.styles(scene)])
+    return {**(layers.SAVED if saved else {}), **(layers.SEEN if seen else {}),
+            **(layers.SAVED_SEEN if seen and saved else {})}
 
 
 class Frames:
@@ -173,7 +173,7 @@ class Frames:
             eye = Camera(view[:3, :3].ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1)
             maps = library.raster(
                 objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
-                camera.data.clip_start, camera.data.clip_end, len(library.CONTROLS),
+                camera.data.clip_start, camera.data.clip_end, len(library.controls()),
                 ("object", "material", "style", "attributes", "marks"), threads, self._go_on)
             views[name] = eye, maps, projection
         objects.meshes.clear()

@@ -130,7 +130,7 @@ class _Triangles:
     points: np.ndarray
     corners: np.ndarray
     material: np.ndarray | None  # slot of each triangle, None: all 0
-    painted: np.ndarray | None   # (triangles, 3, 6)
+    painted: np.ndarray | None   # (triangles, 3, controls)
     part: np.ndarray | None      # part of each triangle, 0 to n_parts - 1; None: there is one
     n_parts: int
     marked: np.ndarray           # (edges, 2) points of the edges that are marked by hand
@@ -257,10 +257,10 @@ def unwrapped(obj, depsgraph, uv_map=""):
 # Painted controls
 
 def _painted(mesh, loops, corners, face):
-    """Control values at the triangles' corners, (t, 3, 6); None if nothing is painted."""
-    painted = None
-    for channel, control in enumerate(library.CONTROLS):
-        attribute = mesh.attributes.get(f"encre_{control}")
+    """Control values at the triangles' corners, (t, 3, controls); None if nothing is painted."""
+    painted, controls = None, library.controls().values()
+    for channel, control in enumerate(controls):
+        attribute = mesh.attributes.get(control.attribute)
         if attribute is None or not len(attribute.data):
             continue
         if attribute.data_type in ("FLOAT_COLOR", "BYTE_COLOR"):
@@ -273,7 +273,7 @@ def _painted(mesh, loops, corners, face):
         if where is None:
             continue
         if painted is None:
-            painted = np.zeros((len(loops), 3, len(library.CONTROLS)), np.float32)
+            painted = np.zeros((len(loops), 3, len(controls)), np.float32)
         painted[..., channel] = values[where]
     return painted
 
@@ -282,7 +282,7 @@ class _Materials:
     """Numbers, styles and controls of materials; each material is asked once."""
 
     def __init__(self, scene):
-        self.scene, self.known = scene, {None: (0, 0, np.zeros(len(library.CONTROLS), np.float32))}
+        self.scene, self.known = scene, {None: (0, 0, np.float32(properties.controls(None)))}
 
     def __call__(self, material):
         key = material and material.name_full

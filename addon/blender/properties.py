@@ -87,9 +87,9 @@ def register():
         "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
     })
     controls = {
-        name: bpy.props.FloatProperty(name=name.replace("_", " ").title(), default=0.0, min=-1.0, max=1.0,
-                                      description=f"Added to the painted control encre_{name}")
-        for name in library.CONTROLS
+        control.name: bpy.props.FloatProperty(name=control.label, default=0.0, min=-1.0, max=1.0,
+                                              description=f"Added to the painted control {control.attribute}")
+        for control in library.controls().values()
     }
     controls["style"] = bpy.props.StringProperty(
         name="Style", description="Style that this surface uses; an object's word counts more than a material's")
@@ -159,8 +159,8 @@ def style_number(block, scene):
 
 
 def controls(block):
-    """The six controls of an object or a material, each -1..1; None counts as neutral."""
-    return tuple(getattr(block.encre, name) for name in library.CONTROLS) if block else (0.0,) * len(library.CONTROLS)
+    """The controls of an object or a material, each -1..1; None counts as neutral."""
+    return tuple(getattr(block.encre, name) if block else 0.0 for name in library.controls())
 
 
 # ---- writing -----------------------------------------------------------------------------------------------------

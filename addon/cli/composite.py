@@ -8,9 +8,13 @@ from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
 from . import images, interrupt
 
-_KNOWN = {**layers.CYCLES, "IndexMA": "X", **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN}
 _LETTERS = "RGBAXYZW"
 _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
+
+
+def _known():
+    """{classic pass name: channel letters} of all that is read."""
+    return {**layers.CYCLES, "IndexMA": "X", **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN}
 
 
 def view_layers(channels, views=()):
@@ -20,21 +24,21 @@ def view_layers(channels, views=()):
     known passes are looked for at the end. A picture without view layers or views has the one called "", where
     R, G, B, A alone are Combined and Z is Depth.
     """
-    found = {}
+    found, names = {}, (*_known(), *layers.RENAMED.values())
     for full in channels:
         name, _, letter = full.rpartition(".")
         view = next((view for view in views if name.rpartition(".")[2] == view), "")
         name = name.removesuffix(view).removesuffix(".") or _BARE.get(letter, letter)
         layer, _, last = name.rpartition(".")
-        for known in (*_KNOWN, *layers.RENAMED.values()):
+        for known in names:
             if name == known or name.endswith("." + known):
                 layer, last = name[:-len(known)].removesuffix("."), known
         passes = found.setdefault(layer, {}).setdefault(view, {})
         passes.setdefault(layers.classic(last), []).append(full)
     for eyes in found.values():
         for passes in eyes.values():
-            for names in passes.values():
-                names.sort(key=lambda full: _LETTERS.find(full[-1].upper()))
+            for fulls in passes.values():
+                fulls.sort(key=lambda full: _LETTERS.find(full[-1].upper()))
     return found
 
 
@@ -51,17 +55,18 @@ def _choose(found, name, path):
 
 def _wanted(passes, path, seen):
     """{pass: channels} that have to be read: not those that Encre's own passes stand for, what is `seen` if asked."""
+    letters = _known()
     wanted = {name: channels for name, channels in passes.items()
-              if name in _KNOWN and (seen or name not in {**layers.SEEN, **layers.SAVED_SEEN})}
+              if name in letters and (seen or name not in {**layers.SEEN, **layers.SAVED_SEEN})}
     if "Encre Seen Depth" in wanted:
         wanted.pop("Denoising Depth", None)
     if "Encre Source" in wanted and "Encre Diffuse" in wanted:
         for name in ("Combined", "DiffDir", "DiffInd"):
             wanted.pop(name, None)
     for name, channels in wanted.items():
-        if len(channels) != len(_KNOWN[name]):
+        if len(channels) != len(letters[name]):
             raise EncreError(f"{path}: pass {name} has the channels {', '.join(channels)}; "
-                                  f"save it with all of {', '.join(_KNOWN[name])}")
+                                  f"save it with all of {', '.join(letters[name])}")
     return wanted
 
 
@@ -160,10 +165,10 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
 
 def _named(pictures, layer, view, names):
     """{full channel name: array (H, W)}, named as the input's channels."""
-    channels = {}
+    channels, letters = {}, {**_known(), **layers.DRAWN}
     for name, picture in pictures.items():
         prefix = ".".join(filter(None, [layer, name, view]))
         full = names["Combined"] if name == "Combined" and "Combined" in names else [
-            f"{prefix}.{letter}" for letter in {**_KNOWN, **layers.DRAWN}[name]]
+            f"{prefix}.{letter}" for letter in letters[name]]
         channels.update(zip(full, np.moveaxis(picture, 2, 0), strict=True))
     return channels

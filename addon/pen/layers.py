@@ -8,7 +8,7 @@ Passes go by their classic names; `classic()` translates those of Blender 5.
 
 import numpy as np
 
-from . import settings
+from . import library, settings
 from .errors import EncreError
 
 # What Cycles must render for us: classic name -> channel names, as RenderEngine.register_pass() takes them.
@@ -30,15 +30,6 @@ CYCLES = {
 SEEN = {"Denoising Albedo": "RGB", "Denoising Normal": "XYZ", "Denoising Depth": "Z"}
 # The pictures that the library draws beside Combined.
 DRAWN = {"Encre Lines": "RGBA", "Encre Surface": "RGBA", "Encre Edges": "X", "Encre Light": "RGB"}
-# What restyling a saved picture needs besides Cycles' passes.
-SAVED = {
-    "Encre Source": "RGBA",
-    "Encre Diffuse": "RGB",
-    "Encre Index": "XYZ",
-    "Encre Line Controls": "XYZ",
-    "Encre Surface Controls": "XYZ",
-    "Encre Marks": "XYZ",  # Z is 0: Blender's compositor knows no passes of two channels
-}
 # The last of SEEN as a distance along the view axis; saved where SEEN is rendered.
 SAVED_SEEN = {"Encre Seen Depth": "X"}
 # Blender 5 renamed these passes.
@@ -55,6 +46,45 @@ RENAMED = {
     "IndexMA": "Material Index",
 }
 _CLASSIC = {new: old for old, new in RENAMED.items()}
+
+
+def __getattr__(name):
+    # SAVED: what restyling a saved picture needs besides Cycles' passes, and the library says what is painted. Z of the
+    # marks is 0: Blender's compositor knows no passes of two channels.
+    if name == "SAVED":
+        return {"Encre Source": "RGBA", "Encre Diffuse": "RGB", "Encre Index": "XYZ",
+                **dict.fromkeys(control_passes(), "XYZ"), "Encre Marks": "XYZ"}
+    raise AttributeError(name)
+
+
+def control_passes():
+    """{pass of a file: [(its channel, that of the layer `controls`)]}."""
+    out = {}
+    for k, control in enumerate(library.controls().values()):
+        out.setdefault(control.saved, []).append((control.channel, k))
+    return out
+
+
+def saved_controls(controls):
+    """The passes that keep the layer `controls` in a file."""
+    out = {}
+    for name, places in control_passes().items():
+        out[name] = np.zeros((*controls.shape[:2], 3), np.float32)
+        for channel, k in places:
+            out[name][..., channel] = controls[..., k]
+    return out
+
+
+def _controls(read):
+    """The layer `controls` of the passes that saved_controls() gave; None without any. Older files have fewer."""
+    there = [(read.raw(name), places) for name, places in control_passes().items() if name in read]
+    if not there:
+        return None
+    out = np.zeros((*there[0][0].shape[:2], len(library.controls())), np.float32)
+    for picture, places in there:
+        for channel, k in places:
+            out[..., k] = picture[..., channel]
+    return out
 
 
 def classic(name):
@@ -176,9 +206,8 @@ def assemble(passes, scene, styles=(), denoise=None, denoise_other=False):
         for layer, name in (("object", "IndexOB"), ("material", "IndexMA")):
             if name in read:
                 layers[layer] = read.raw(name)
-    if "Encre Line Controls" in read and "Encre Surface Controls" in read:
-        layers["controls"] = np.concatenate(
-            [read.raw("Encre Line Controls"), read.raw("Encre Surface Controls")], axis=2)
+    if (controls := _controls(read)) is not None:
+        layers["controls"] = controls
     if "Encre Marks" in read and read.raw("Encre Marks").any():
         layers["marks"] = read.raw("Encre Marks")[..., :2]
 

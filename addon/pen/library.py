@@ -14,11 +14,10 @@ import numpy as np
 
 from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Mesh, Result, entries, picture
-from .params import MAX_LEVELS, Param, Stage, normal, read, stage, text_of
+from .params import MAX_LEVELS, Control, Param, Stage, control, normal, read, stage, text_of
 
 API_VERSION = 6
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
-CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
 
 
 # ---- csrc/encre.h ----------------------------------------------------------------------------------------------
@@ -31,6 +30,11 @@ class _Image(c.Structure):
 
 class _LayerInfo(c.Structure):
     _fields_ = [("name", c.c_char_p), ("help", c.c_char_p), ("channels", c.c_int32), ("required", c.c_int32)]
+
+
+class _ControlInfo(c.Structure):
+    _fields_ = [("name", c.c_char_p), ("label", c.c_char_p), ("white", c.c_char_p), ("black", c.c_char_p),
+                ("saved", c.c_char_p), ("channel", c.c_int32), ("reserved", c.c_int32)]
 
 
 class _Level(c.Structure):
@@ -117,6 +121,7 @@ class Library:
         lib.encre_destroy(context)
         lib.encre_stage_info.restype = c.POINTER(_StageInfo)
         lib.encre_layer_info.restype = lib.encre_output_info.restype = c.POINTER(_LayerInfo)
+        lib.encre_control_info.restype = c.POINTER(_ControlInfo)
         lib.encre_params_size.restype = c.c_int64
         lib.encre_params_check.restype = c.c_char_p
         lib.encre_params_check.argtypes = [c.c_void_p, c.c_char_p, c.c_int64]
@@ -128,6 +133,7 @@ class Library:
         self.path, self.lib = path, lib
         self.layers = {text_of(x.name): x.channels for x in _each(lib.encre_layer_info)}
         self.outputs = {text_of(x.name): x.channels for x in _each(lib.encre_output_info)}
+        self.controls = {x.name: x for x in map(control, _each(lib.encre_control_info))}
         self.stages = tuple(map(stage, _each(lib.encre_stage_info)))
         self.params = {p.id: p for s in self.stages for p in s.params}
 
@@ -375,6 +381,11 @@ def stages() -> tuple[Stage, ...]:
 
 def params() -> dict[str, Param]:
     return load().params
+
+
+def controls() -> dict[str, Control]:
+    """By name, in the order of the channels of the layer `controls`."""
+    return load().controls
 
 
 def defaults() -> dict:

@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from . import layers
+
 # The 5x5 window about a pixel without it: least distance first, then least row, then least column.
 _WINDOW = sorted(((y, x) for y in range(-2, 3) for x in range(-2, 3) if y or x),
                  key=lambda at: (at[0] ** 2 + at[1] ** 2, at))
@@ -30,10 +32,10 @@ def own_pixels(index, drawn):
 
 
 def rasterised(index, maps, owners, numbers, strays):
-    """The passes Encre Index, Encre Line Controls, Encre Surface Controls and Encre Marks.
+    """The passes Encre Index, those of the painted controls, and Encre Marks.
 
     index: (height, width) object index that Cycles wrote. maps: the rasteriser's pictures `object` (a number per
-    part of an instance, 0 = nothing), `material`, `style`, `attributes` (the six controls) and `marks`.
+    part of an instance, 0 = nothing), `material`, `style`, `attributes` (the controls) and `marks`.
     owners[number]: what Cycles wrote for that instance; numbers[number]: what the object layer says for it.
     strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices.
     """
@@ -52,8 +54,7 @@ def rasterised(index, maps, owners, numbers, strays):
     lost = strays(index.reshape(-1)[pixels[~found]]).reshape(-1, 1)
     passes["Encre Index"] = np.concatenate(
         [moved(numbers[instance], 1, lost), moved(maps["material"], 1), moved(maps["style"], 1)], axis=2)
-    controls = moved(maps["attributes"], 6)
-    passes["Encre Line Controls"], passes["Encre Surface Controls"] = controls[..., :3], controls[..., 3:]
+    passes.update(layers.saved_controls(moved(maps["attributes"], maps["attributes"].shape[-1])))
     passes["Encre Marks"] = _seen_marks(maps["marks"], pixels)
     return passes
 

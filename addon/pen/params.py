@@ -41,6 +41,7 @@ class Param:
     soft_min: float
     soft_max: float
     items: tuple[Item, ...]
+    switch: bool  # whether its stage draws at all
     offset: int = field(repr=False)
 
     @property
@@ -55,6 +56,33 @@ class Stage:
     label: str
     help: str
     params: tuple[Param, ...]
+
+    @property
+    def switch(self):
+        """The parameter that turns the stage off; None: it has none."""
+        return next((p for p in self.params if p.switch), None)
+
+
+@dataclass(frozen=True)
+class Control:
+    """A painted control, a channel of the layer `controls`: what white (1) and black (-1) do, and the pass of a saved
+    file, with its channel, in which it is kept. Meshes carry it as the attribute encre_<name>."""
+
+    name: str
+    label: str
+    white: str
+    black: str
+    saved: str
+    channel: int
+
+    @property
+    def attribute(self):
+        return f"encre_{self.name}"
+
+
+def control(c):
+    """The Control that an encre_control_info tells."""
+    return Control(text_of(c.name), text_of(c.label), text_of(c.white), text_of(c.black), text_of(c.saved), c.channel)
 
 
 def text_of(b):
@@ -99,7 +127,7 @@ def _param(stage_id, r):
                  text_of(r.unit), text_of(r.enabled_if), default,
                  tidy(r.hard_min) if numeric else None,
                  tidy(r.hard_max) if numeric and r.hard_max < _UNLIMITED else None,
-                 tidy(r.soft_min), tidy(r.soft_max), items, r.offset)
+                 tidy(r.soft_min), tidy(r.soft_max), items, bool(r.is_switch), r.offset)
 
 
 def _number(p, value):

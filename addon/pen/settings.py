@@ -3,7 +3,10 @@
 
 from . import library
 
-SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching")
+
+def switches():
+    """Ids of the parameters that turn a stage off."""
+    return [stage.switch.id for stage in library.stages() if stage.switch]
 
 
 def every_style(scene, styles):
@@ -14,7 +17,7 @@ def every_style(scene, styles):
 
 def active(scene, styles):
     """Whether any stage draws anything: with all switches off the picture stays as it was rendered."""
-    return any(values[switch] for values in every_style(scene, styles) for switch in SWITCHES)
+    return any(values[switch] for values in every_style(scene, styles) for switch in switches())
 
 
 def shaded(scene, styles):

@@ -8,7 +8,7 @@ from .job import Frame
 
 # What can't be averaged: numbers of things, and places, where the mean of near and far is neither.
 _ONE_SAMPLE = {"Depth", "Denoising Depth", "IndexOB", "IndexMA", "Position", "UV", "Vector", "Encre Index",
-               "Encre Line Controls", "Encre Surface Controls", "Encre Seen Depth"}
+               "Encre Seen Depth"}
 
 
 def frame(place, factor):
@@ -27,7 +27,8 @@ def shrink(name, picture, factor):
 
 
 def _one_sample(name):
-    return layers.classic(name) in _ONE_SAMPLE or name.startswith(("Crypto", "Debug"))
+    return (layers.classic(name) in _ONE_SAMPLE or name in layers.control_passes()
+            or name.startswith(("Crypto", "Debug")))
 
 
 def _marks(picture, factor):

@@ -52,7 +52,7 @@ def test_much_is_in_it(saved):
 def test_each_painted_control_changes_its_region_alone(saved, control, far):
     """No pixel changes farther than `far` pixels from what is painted: lines reach out, surfaces do not."""
     pictures, settings = saved
-    k = library.CONTROLS.index(control)
+    k = list(library.controls()).index(control)
     neutral = pictures["controls"].copy()
     neutral[..., k] = 0
     with_it, without = (

@@ -21,7 +21,7 @@ from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
 
 SIZE = 96, 64
-OFF = [f"--set={switch}=off" for switch in settings.SWITCHES]
+OFF = [f"--set={switch}=off" for switch in settings.switches()]
 STYLES = [("Ink", {"line_thickness": 30.0, "use_shading": False})]
 
 

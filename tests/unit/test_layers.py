@@ -196,7 +196,7 @@ def test_rasterised_passes():
 
 
 def test_what_is_active():
-    off = dict.fromkeys(settings.SWITCHES, False)
+    off = dict.fromkeys(settings.switches(), False)
     assert settings.active({}, []) and not settings.active(off, []) and settings.active(off, [{"use_hatching": True}])
     assert settings.shaded({}, [{"use_shading": False}]) and not settings.shaded(off, [])
     assert settings.wants_light({}, []) and not settings.wants_light(off, [])

@@ -11,7 +11,7 @@ def draw_block(layout, block, scene):
     layout.use_property_split = True
     layout.prop_search(block.encre, "style", scene.encre, "styles")
     column = layout.column(align=True)
-    for name in library.CONTROLS:
+    for name in library.controls():
         column.prop(block.encre, name)
 
 

@@ -7,18 +7,22 @@ import numpy as np
 from ...pen import colour, library
 from .. import versions
 
-LABELS = {name: name.replace("_", " ").title() for name in library.CONTROLS}
-
 
 def attribute(mesh, control, create=True):
     """The mesh's colour attribute of a control; made neutral where it is missing."""
-    name = f"encre_{control}"
-    found = mesh.color_attributes.get(name)
+    found = mesh.color_attributes.get(control.attribute)
     if found is None and create:
-        found = mesh.color_attributes.new(name, "BYTE_COLOR", "CORNER")
+        found = mesh.color_attributes.new(control.attribute, "BYTE_COLOR", "CORNER")
         grey = colour.decode_srgb(128 / 255)
         found.data.foreach_set("color", np.tile(np.float32((grey, grey, grey, 1)), len(found.data)))
     return found
+
+
+def _choice():
+    """The property of an operator that names a control."""
+    return bpy.props.EnumProperty(name="Control", items=[
+        (control.name, control.label, f"White: {control.white}. Black: {control.black}")
+        for control in library.controls().values()])
 
 
 class ENCRE_OT_paint(bpy.types.Operator):
@@ -28,8 +32,7 @@ class ENCRE_OT_paint(bpy.types.Operator):
     bl_label = "Paint Control"
     bl_options = {"REGISTER", "UNDO"}
 
-    control: bpy.props.EnumProperty(
-        name="Control", items=[(n, LABELS[n], f"Paint encre_{n}") for n in library.CONTROLS])
+    control: _choice()
 
     @classmethod
     def poll(cls, context):
@@ -43,7 +46,7 @@ class ENCRE_OT_paint(bpy.types.Operator):
         mode = obj.mode
         if mode == "EDIT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        found = attribute(obj.data, self.control)
+        found = attribute(obj.data, library.controls()[self.control])
         obj.data.color_attributes.active_color = found
         if mode != "VERTEX_PAINT":
             bpy.ops.object.mode_set(mode="VERTEX_PAINT")
@@ -57,16 +60,17 @@ class ENCRE_OT_paint_remove(bpy.types.Operator):
     bl_label = "Remove Painted Control"
     bl_options = {"REGISTER", "UNDO"}
 
-    control: bpy.props.EnumProperty(name="Control", items=[(n, LABELS[n], "") for n in library.CONTROLS])
+    control: _choice()
 
     @classmethod
     def poll(cls, context):
         return context.object is not None and context.object.type == "MESH" and context.object.mode != "EDIT"
 
     def execute(self, context):
-        found = attribute(context.object.data, self.control, create=False)
+        control = library.controls()[self.control]
+        found = attribute(context.object.data, control, create=False)
         if found is None:
-            self.report({"WARNING"}, f"encre_{self.control}: this mesh has no such attribute")
+            self.report({"WARNING"}, f"{control.attribute}: this mesh has no such attribute")
             return {"CANCELLED"}
         context.object.data.color_attributes.remove(found)
         return {"FINISHED"}
@@ -109,13 +113,13 @@ class ENCRE_PT_paint(bpy.types.Panel):
         layout, mesh = self.layout, context.object.data
         active = mesh.color_attributes.active_color
         column = layout.column(align=True)
-        for name in library.CONTROLS:
+        for control in library.controls().values():
             row = column.row(align=True)
-            there = attribute(mesh, name, create=False)
-            row.operator("encre.paint", text=LABELS[name], depress=there is not None and there == active,
-                         icon="BRUSH_DATA" if there else "ADD").control = name
+            there = attribute(mesh, control, create=False)
+            row.operator("encre.paint", text=control.label, depress=there is not None and there == active,
+                         icon="BRUSH_DATA" if there else "ADD").control = control.name
             if there:
-                row.operator("encre.paint_remove", text="", icon="X").control = name
+                row.operator("encre.paint_remove", text="", icon="X").control = control.name
         row = layout.row(align=True)
         for text, value in (("Least", -1.0), ("Neutral", 0.0), ("Most", 1.0)):
             row.operator("encre.brush", text=text).value = value

@@ -36,8 +36,8 @@ def draw_params(layout, group, params, path):
 
 
 def stage_panel(stage):
-    """The panel class of one stage; a stage's `use_…` switch is the panel's check box."""
-    switch = next((p for p in stage.params if p.id.startswith("use_")), None)
+    """The panel class of one stage; the stage's switch is the panel's check box."""
+    switch = stage.switch
     rest = tuple(p for p in stage.params if p is not switch)
 
     def draw(self, context):

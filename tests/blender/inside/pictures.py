@@ -124,6 +124,7 @@ def switches_animated(out):
     """Everything on, then off: what was overridden in the first frame is not in the second."""
     scene = stage()
     import _cycles
+    from encre.pen import settings
 
     scene.cycles.use_denoising = getattr(_cycles, "with_openimagedenoise", True)
     scene.camera.data.dof.use_dof = True
@@ -133,7 +134,7 @@ def switches_animated(out):
     scene.view_layers[0].use_pass_object_index = True
     for frame, on in ((1, True), (2, False)):
         set_all(scene, on)
-        for switch in ("use_lines", "use_shading", "use_smudging", "use_hatching"):
+        for switch in settings.switches():
             scene.encre.keyframe_insert(switch, frame=frame)
     for name in ("once", "persistent"):
         scene.render.use_persistent_data = name == "persistent"

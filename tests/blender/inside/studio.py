@@ -116,5 +116,7 @@ def shoot(out, name):
 
 
 def set_all(scene, on):
-    for switch in ("use_lines", "use_shading", "use_smudging", "use_hatching"):
+    from encre.pen import settings
+
+    for switch in settings.switches():
         setattr(scene.encre, switch, on)
