@@ -4,6 +4,8 @@
 Every reading function takes evaluated data, so that keyframes and drivers count.
 """
 
+from dataclasses import dataclass
+
 import bpy
 
 from ..pen import library
@@ -73,6 +75,39 @@ def _level_class():
     })
 
 
+@dataclass(frozen=True)
+class Own:
+    """A setting that an object or a material has for itself: one row below makes its property and its place in the
+    panels. Whoever needs it reads block.encre.<id>."""
+
+    id: str
+    kind: str  # "control" -1..1, "style" the name of one of the scene's, "text", "bool"
+    label: str
+    help: str
+    owners: tuple[str, ...] = ("object", "material")
+
+    def property(self):
+        about = {"name": self.label, "description": self.help}
+        if self.kind == "control":
+            return bpy.props.FloatProperty(default=0.0, min=-1.0, max=1.0, **about)
+        return bpy.props.BoolProperty(**about) if self.kind == "bool" else bpy.props.StringProperty(**about)
+
+
+def own_settings(owner):
+    """The Own of an "object" or a "material", in the order in which panels show them."""
+    rows = [
+        Own("style", "style", "Style",
+            "Style that this surface uses; an object's word counts more than a material's"),
+        *(Own(control.name, "control", control.label, f"Added to the painted control {control.attribute}")
+          for control in library.controls().values()),
+        Own("line_group", "text", "Line Group", "Objects of the same group have no outlines between them",
+            ("object",)),
+        Own("separate_parts", "bool", "Separate Parts", "Parts of the mesh that no face joins have outlines between "
+            "them, as objects have: also where they pass through each other", ("object",)),
+    ]
+    return [own for own in rows if owner in own.owners]
+
+
 def register():
     params = library.params().values()
     style = _class("EncreStyle", {
@@ -86,22 +121,8 @@ def register():
         "active_style": bpy.props.IntProperty(options={"HIDDEN"}),
         "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
     })
-    controls = {
-        control.name: bpy.props.FloatProperty(name=control.label, default=0.0, min=-1.0, max=1.0,
-                                              description=f"Added to the painted control {control.attribute}")
-        for control in library.controls().values()
-    }
-    controls["style"] = bpy.props.StringProperty(
-        name="Style", description="Style that this surface uses; an object's word counts more than a material's")
-    material = _class("EncreMaterial", dict(controls))
-    obj = _class("EncreObject", {
-        **controls,
-        "line_group": bpy.props.StringProperty(
-            name="Line Group", description="Objects of the same group have no outlines between them"),
-        "separate_parts": bpy.props.BoolProperty(
-            name="Separate Parts", description="Parts of the mesh that no face joins have outlines between them, as "
-            "objects have: also where they pass through each other"),
-    })
+    material = _class("EncreMaterial", {own.id: own.property() for own in own_settings("material")})
+    obj = _class("EncreObject", {own.id: own.property() for own in own_settings("object")})
     bpy.types.Scene.encre = bpy.props.PointerProperty(type=scene)
     bpy.types.Material.encre = bpy.props.PointerProperty(type=material)
     bpy.types.Object.encre = bpy.props.PointerProperty(type=obj)

@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Panels of objects and materials."""
 
+from itertools import groupby
+
 import bpy
 
-from ...pen import library
+from .. import properties
 from .base import EncrePanel
 
 
-def draw_block(layout, block, scene):
+def draw_block(layout, block, owner, scene):
     layout.use_property_split = True
-    layout.prop_search(block.encre, "style", scene.encre, "styles")
-    column = layout.column(align=True)
-    for name in library.controls():
-        column.prop(block.encre, name)
+    for kind, rows in groupby(properties.own_settings(owner), lambda own: own.kind):
+        column = layout.column(align=True)
+        for own in rows:
+            if kind == "style":
+                column.prop_search(block.encre, own.id, scene.encre, "styles")
+            else:
+                column.prop(block.encre, own.id)
 
 
 class ENCRE_PT_object(EncrePanel, bpy.types.Panel):
@@ -25,9 +30,7 @@ class ENCRE_PT_object(EncrePanel, bpy.types.Panel):
         return super().poll(context) and context.object is not None
 
     def draw(self, context):
-        draw_block(self.layout, context.object, context.scene)
-        self.layout.prop(context.object.encre, "line_group")
-        self.layout.prop(context.object.encre, "separate_parts")
+        draw_block(self.layout, context.object, "object", context.scene)
 
 
 class ENCRE_PT_material(EncrePanel, bpy.types.Panel):
@@ -40,7 +43,7 @@ class ENCRE_PT_material(EncrePanel, bpy.types.Panel):
         return super().poll(context) and context.material is not None
 
     def draw(self, context):
-        draw_block(self.layout, context.material, context.scene)
+        draw_block(self.layout, context.material, "material", context.scene)
 
 
 CLASSES = (ENCRE_PT_object, ENCRE_PT_material)
