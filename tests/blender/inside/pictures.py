@@ -277,3 +277,23 @@ def untouched(out):
     bpy.ops.render.render(write_still=True)
     after = snapshot()
     fact("changed", sorted(k for k in before.keys() | after.keys() if before.get(k) != after.get(k)))
+
+
+def added(out):
+    """ENCRE_PACKAGE is a package with the stage `negative`, a painted control for it, and a setting `nickname`."""
+    scene = stage(64, 36)
+    set_all(scene, False)
+    scene.encre.save_layers = "ON"
+    cube, ball = bpy.data.objects["Cube"], bpy.data.objects["Ball"]
+    for item in cube.data.attributes.new("encre_negative", "FLOAT", "POINT").data:
+        item.value = -0.75
+    ball.encre.negative, ball.encre.nickname = -0.5, "Dice"
+    fact("nickname", ball.encre.nickname)
+    panel = getattr(bpy.types, "ENCRE_PT_negative", None)
+    fact("panel", panel is not None)
+    fact("header", hasattr(panel, "draw_header"))
+    shoot(out, "off")
+    scene.encre.use_negative = True
+    fact("error", shoot(out, "on"))
+    scene.render.engine = "CYCLES"
+    shoot(out, "cycles")
