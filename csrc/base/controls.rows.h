@@ -10,6 +10,6 @@ CONTROL(THICKNESS, "thickness", "Thickness", "lines nine times as thick", "no li
 CONTROL(INTENSITY, "intensity", "Intensity", "full pressure", "no ink", "Encre Line Controls", 1)
 CONTROL(COLOR_EDGE, "color_edge", "Color Edge", "draws the boundaries of colours", "never draws them", "Encre Line Controls", 2)
 CONTROL(SMUDGE_RANGE, "smudge_range", "Smudge Range", "colour from behind spreads over the outline", "colour spreads from in front", "Encre Surface Controls", 0)
-CONTROL(SMUDGE_FALLOFF, "smudge_falloff", "Smudge Falloff", "smudged colour stays full over half its reach", "it fades at once", "Encre Surface Controls", 1)
+CONTROL(SMUDGE_FALLOFF, "smudge_falloff", "Smudge Falloff", "it stays full over half its reach", "it fades at once", "Encre Surface Controls", 1)
 CONTROL(HATCHING, "hatching", "Hatching", "more pencil", "no pencil", "Encre Surface Controls", 2)
 #undef CONTROL
