@@ -38,7 +38,7 @@ class _ControlInfo(c.Structure):
 
 
 class _Level(c.Structure):
-    _fields_ = [("value", c.c_float * 6)]  # intensity, threshold, transition, r, g, b
+    _fields_ = [("intensity", c.c_float), ("threshold", c.c_float), ("transition", c.c_float), ("color", c.c_float * 3)]
 
 
 class _Levels(c.Structure):
@@ -167,7 +167,8 @@ class Library:
                 levels = _Levels.from_address(at)
                 levels.count = len(value)
                 for k, level in enumerate(value):
-                    levels.level[k].value[:] = (*level, *(0, 0, 0, 1, 1, 1)[len(level):])
+                    i, t, w, *color = (*level, *(0, 0, 0, 1, 1, 1)[len(level):])
+                    levels.level[k] = _Level(i, t, w, tuple(color))
             elif value is not None and image:
                 a = np.ascontiguousarray(image(value), np.float32)
                 keep.append(a)

@@ -94,7 +94,8 @@ def _levels(levels):
     """encre_levels -> list of tuples (i,), (i, t, w) or (i, t, w, r, g, b)."""
     out = []
     for k in range(levels.count):
-        v = tuple(_tidy(x) for x in levels.level[k].value)
+        level = levels.level[k]
+        v = tuple(_tidy(x) for x in (level.intensity, level.threshold, level.transition, *level.color))
         v = v[:3] if v[3:] == (1, 1, 1) else v
         out.append(v[:1] if k == 0 and len(v) == 3 else v)
     return out
