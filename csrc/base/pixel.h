@@ -31,6 +31,18 @@ static inline float clamp01(float x)
 	return x < 1 ? x : 1;
 }
 
+static inline int clamp_index(int i, int n)
+{
+	return i < 0 ? 0 : i < n ? i : n - 1;
+}
+
+/* Of a picture that tiles. */
+static inline int wrap_index(int i, int n)
+{
+	i %= n;
+	return i < 0 ? i + n : i;
+}
+
 static inline float mix(float a, float b, float t)
 {
 	return a + (b - a) * t;

@@ -135,26 +135,3 @@ void ISA(detect_contrast)(int metric, const float *(*row)[3], int n, float *rest
 		ISA(metric_difference)(metric, n, a, b, response);
 	}
 }
-
-/* ---- greatest of a window -------------------------------------------------------------------------------- */
-
-static void greater(const float *restrict a, ptrdiff_t ahead, ptrdiff_t n, float *restrict out)
-{
-	for (ptrdiff_t i = 0; i < n; i++)
-		out[i] = a[i] > a[i + ahead] ? a[i] : a[i + ahead];
-}
-
-/* Spans of 1, 2, 4, ... items, then two of the longest that fits overlap. */
-float *ISA(window_greatest)(float *a, float *spare, ptrdiff_t n, ptrdiff_t reach, ptrdiff_t lanes)
-{
-	ptrdiff_t window = 2 * reach + 1, left = n + 2 * reach, span = 1;
-	for (; 2 * span <= window; span *= 2) {
-		left -= span;
-		greater(a, span * lanes, left * lanes, spare);
-		float *swap = a;
-		a = spare;
-		spare = swap;
-	}
-	greater(a, (window - span) * lanes, n * lanes, spare);
-	return spare;
-}

@@ -33,8 +33,4 @@ void ISA(detect_change)(const float *const *row, int n, float *restrict response
 /* The largest difference, by `metric`, of two opposite neighbours; row[k][c]: plane c of row y - 1 + k. */
 void ISA(detect_contrast)(int metric, const float *(*row)[3], int n, float *restrict response);
 
-/* Largest of 2 * reach + 1 consecutive items, each `lanes` floats, for lanes side by side. a and spare: n + 2 * reach
- * items each, both are overwritten. Returns the one whose item i < n is the largest of items i..i + 2 * reach of a. */
-float *ISA(window_greatest)(float *a, float *spare, ptrdiff_t n, ptrdiff_t reach, ptrdiff_t lanes);
-
 #endif

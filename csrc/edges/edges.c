@@ -9,8 +9,6 @@
 
 #include <stdio.h>
 
-enum { LANES = 16 };
-
 /* Divisors of depth may be tiny: factors up to this leave all products finite. */
 static const float most_factor = 1e28f;
 
@@ -150,17 +148,10 @@ static void edge_rows(void *data, int y0, int y1, int thread)
 
 /* ---- contrast_auto: the strongest difference nearby gives a full line ------------------------------------ */
 
-static int window_reach(const edges *e, int size)
-{
-	float reach = floorf(e->p->contrast_window * e->f->scale / 2);
-	return reach < (float)(size - 1) ? (int)reach : size - 1; /* a wider window sees no more */
-}
-
 static void difference_rows(void *data, int y0, int y1, int thread)
 {
 	const edges *e = data;
-	int width = e->f->width, reach = window_reach(e, width);
-	float *padded = e->filter + 2 * thread * e->thread_filter, *spare = padded + e->thread_filter;
+	int width = e->f->width;
 	for (int s = SOURCE_COLOR; s <= SOURCE_LIGHT; s++) {
 		if (!e->full[s])
 			continue;
@@ -170,33 +161,9 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 			ISA(ring_fill)(&r, y);
 			for (int x0 = 0; x0 < width; x0 += TILE)
 				ISA(source_difference)(&r, y, x0, width - x0 < TILE ? width - x0 : TILE, row + x0);
-			memset(padded, 0, (size_t)(width + 2 * reach) * sizeof *padded);
-			memcpy(padded + reach, row, (size_t)width * sizeof *row);
-			memcpy(e->full[s] + (ptrdiff_t)y * width, ISA(window_greatest)(padded, spare, width, reach, 1),
-			       (size_t)width * sizeof *row);
+			ISA(window_row)(&e->window, row, thread, e->full[s] + (ptrdiff_t)y * width);
 		}
 	}
-}
-
-/* "Rows" are strips of LANES columns here: a strip reads and writes its own columns only. */
-static void greatest_strips(void *data, int first, int end, int thread)
-{
-	const edges *e = data;
-	int width = e->f->width, height = e->f->height, reach = window_reach(e, height);
-	float *padded = e->filter + 2 * thread * e->thread_filter, *spare = padded + e->thread_filter;
-	for (int s = SOURCE_COLOR; s <= SOURCE_LIGHT; s++)
-		for (int strip = first; e->full[s] && strip < end; strip++) {
-			int x0 = strip * LANES, n = width - x0 < LANES ? width - x0 : LANES;
-			float *column = e->full[s] + x0;
-			memset(padded, 0, (size_t)(height + 2 * reach) * LANES * sizeof *padded);
-			for (int y = 0; y < height; y++)
-				memcpy(padded + (ptrdiff_t)(reach + y) * LANES, column + (ptrdiff_t)y * width,
-				       (size_t)n * sizeof *column);
-			const float *greatest = ISA(window_greatest)(padded, spare, height, reach, LANES);
-			for (int y = 0; y < height; y++)
-				memcpy(column + (ptrdiff_t)y * width, greatest + (ptrdiff_t)y * LANES,
-				       (size_t)n * sizeof *column);
-		}
 }
 
 /* ---- stage ----------------------------------------------------------------------------------------------- */
@@ -257,6 +224,7 @@ static void plan(frame *f, arena *a)
 	if (!f->want_edges)
 		return;
 	edges e = setup(f);
+	bool any = false;
 	size_t pixels = (size_t)f->width * (size_t)f->height, threads = (size_t)bands_threads(f->bands);
 	if (!e.fine) {
 		f->edge = arena_take(a, pixels, 1);
@@ -270,13 +238,13 @@ static void plan(frame *f, arena *a)
 		if (e.on[s] && (s == SOURCE_COLOR || s == SOURCE_LIGHT) && e.contrast && e.p->contrast_auto) {
 			e.difference[s] = arena_take(a, pixels, sizeof *e.difference[s]);
 			e.full[s] = arena_take(a, pixels, sizeof *e.full[s]);
-			ptrdiff_t row = f->width + 2 * window_reach(&e, f->width);
-			ptrdiff_t strip = (f->height + 2 * (ptrdiff_t)window_reach(&e, f->height)) * LANES;
-			e.thread_filter = row > strip ? row : strip;
+			any = true;
 		}
 	}
+	if (any)
+		e.window = ISA(window_plan)(a, f->bands, f->width, f->height, e.p->contrast_window * f->scale, false,
+					    false);
 	e.samples = arena_take(a, threads * (size_t)e.thread_samples, sizeof *e.samples);
-	e.filter = arena_take(a, 2 * threads * (size_t)e.thread_filter, sizeof *e.filter);
 	f->edges = arena_take(a, 1, sizeof e);
 	if (f->edges)
 		*(edges *)f->edges = e;
@@ -290,10 +258,11 @@ static int32_t run(frame *f)
 	if (!f->want_edges)
 		return ENCRE_OK;
 	int32_t code = ENCRE_OK;
-	if (e->thread_filter) {
+	if (e->window.each) {
 		code = bands_run(f->bands, f->height, 0, difference_rows, e);
-		if (!code)
-			code = bands_run(f->bands, (f->width - 1) / LANES + 1, 1, greatest_strips, e);
+		for (int s = SOURCE_COLOR; !code && s <= SOURCE_LIGHT; s++)
+			if (e->full[s])
+				code = ISA(window_columns)(&e->window, f->bands, e->full[s]);
 	}
 	if (code)
 		return code;

@@ -5,6 +5,7 @@
 #define ENCRE_EDGES_H
 
 #include "edges/detect.h"
+#include "edges/window.h"
 
 enum { MAX_ROWS = 2 * MAX_REACH + 1 };
 
@@ -28,8 +29,7 @@ typedef struct edges {
 	ptrdiff_t thread_samples, plane_samples;
 	ptrdiff_t ring_at[SAMPLE_COUNT];
 	float *difference[SOURCE_COUNT], *full[SOURCE_COUNT]; /* width * height, with contrast_auto */
-	float *filter;                                        /* two for each thread, likewise */
-	ptrdiff_t thread_filter;
+	wide_window window;                                   /* likewise */
 } edges;
 
 /* The rows of samples about the one worked on. Row y lies in slot y modulo their number. */
@@ -40,11 +40,6 @@ typedef struct ring {
 	float *data;
 	int held[MAX_ROWS]; /* which row lies in the slot; -1 = none */
 } ring;
-
-static inline int clamp_index(int i, int n)
-{
-	return i < 0 ? 0 : i < n ? i : n - 1;
-}
 
 /* Channels that are compared: planes of a ring. */
 static inline int planes_of(enum source s)

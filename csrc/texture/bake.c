@@ -79,25 +79,11 @@ static bool flat(const float *(*row)[3], int n)
 	return !differ;
 }
 
-static int window_reach(const bake *b, int size)
-{
-	float reach = floorf(b->p->contrast_window / 2);
-	return reach < (float)(size - 1) ? (int)reach : size - 1; /* a wider window sees no more */
-}
-
-/* Where the texture ends, nothing differs. */
-static void pad_window(float *padded, const float *values, int n, int reach, bool wrap)
-{
-	for (int i = -reach; i < n + reach; i++)
-		padded[i + reach] = wrap || (i >= 0 && i < n) ? values[texel_index(i, n, true)] : 0;
-}
-
 static void difference_rows(void *data, int y0, int y1, int thread)
 {
 	const bake *b = data;
-	int n = b->width, reach = window_reach(b, n);
+	int n = b->width;
 	float *ring = b->ring + 9 * (size_t)thread * b->padded;
-	float *padded = b->filter + 2 * (size_t)thread * b->thread_filter, *spare = padded + b->thread_filter;
 	for (int y = y0 - 1; y <= y1; y++) {
 		int bad =
 			load_row(b, texel_index(y, b->height, b->wrap_y), ring + 3 * (size_t)((y + 3) % 3) * b->padded);
@@ -121,33 +107,8 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 		for (int x = 0; x < n; x++)
 			greatest = out[x] > greatest ? out[x] : greatest;
 		b->greatest[y - 1] = greatest;
-		if (b->full) {
-			pad_window(padded, out, n, reach, b->wrap_x);
-			memcpy(b->full + (ptrdiff_t)(y - 1) * n, ISA(window_greatest)(padded, spare, n, reach, 1),
-			       (size_t)n * sizeof *out);
-		}
-	}
-}
-
-/* "Rows" are strips of LANES columns here: a strip reads and writes its own columns only. */
-static void greatest_strips(void *data, int first, int end, int thread)
-{
-	const bake *b = data;
-	int width = b->width, height = b->height, reach = window_reach(b, height);
-	float *padded = b->filter + 2 * (size_t)thread * b->thread_filter, *spare = padded + b->thread_filter;
-	for (int strip = first; strip < end; strip++) {
-		int x = strip * LANES, n = width - x < LANES ? width - x : LANES;
-		float *column = b->full + x;
-		memset(padded, 0, (size_t)(height + 2 * reach) * LANES * sizeof *padded);
-		for (int y = -reach; y < height + reach; y++)
-			if (b->wrap_y || (y >= 0 && y < height))
-				memcpy(padded + (ptrdiff_t)(reach + y) * LANES,
-				       column + (ptrdiff_t)texel_index(y, height, true) * width,
-				       (size_t)n * sizeof *column);
-		const float *greatest = ISA(window_greatest)(padded, spare, height, reach, LANES);
-		for (int y = 0; y < height; y++)
-			memcpy(column + (ptrdiff_t)y * width, greatest + (ptrdiff_t)y * LANES,
-			       (size_t)n * sizeof *column);
+		if (b->full)
+			ISA(window_row)(&b->window, out, thread, b->full + (ptrdiff_t)(y - 1) * n);
 	}
 }
 
@@ -228,13 +189,11 @@ static void plan(bake *b, arena *a)
 	b->bad = arena_take(a, height, sizeof *b->bad);
 	b->ring = arena_take(a, threads * 9 * b->padded, sizeof *b->ring);
 	b->sheet = b->job->output.data ? arena_take(a, threads * SHEET * b->padded, sizeof *b->sheet) : NULL;
-	b->full = b->filter = NULL;
+	b->full = NULL;
 	if (b->p->contrast_auto) {
-		size_t across = width + 2 * (size_t)window_reach(b, b->width);
-		size_t down = LANES * (height + 2 * (size_t)window_reach(b, b->height));
-		b->thread_filter = across > down ? across : down;
 		b->full = arena_take(a, width * height, sizeof *b->full);
-		b->filter = arena_take(a, threads * 2 * b->thread_filter, sizeof *b->filter);
+		b->window =
+			ISA(window_plan)(a, b->bands, b->width, b->height, b->p->contrast_window, b->wrap_x, b->wrap_y);
 	}
 }
 
@@ -254,7 +213,7 @@ static int32_t run(bake *b, encre_bake_job *result)
 	if (!draw)
 		return ENCRE_OK;
 	if (b->full)
-		code = bands_run(b->bands, (b->width - 1) / LANES + 1, 0, greatest_strips, b);
+		code = ISA(window_columns)(&b->window, b->bands, b->full);
 	if (!code)
 		code = bands_run(b->bands, b->height, 0, radius_rows, b);
 	for (int y = 0; y < b->height; y++)

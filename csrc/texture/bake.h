@@ -3,7 +3,7 @@
 #ifndef ENCRE_BAKE_H
 #define ENCRE_BAKE_H
 
-#include "base/stage.h"
+#include "edges/window.h"
 
 /* Lines are stamped LANES texels at a time; a sheet has as many to spare right of each row. SHEET: rows of one. */
 enum { LANES = 8, SHEET = 64 };
@@ -21,9 +21,9 @@ typedef struct bake {
 	float *greatest; /* per row: greatest difference */
 	int64_t *bad;    /* per row: values that are not finite */
 	float *ring;     /* per thread: 3 rows of 3 planes of `padded` floats */
-	float *filter;   /* per thread: two buffers of thread_filter floats, for contrast_auto */
-	float *sheet;    /* per thread: SHEET rows of `padded` floats */
-	size_t padded, thread_filter;
+	wide_window window; /* for contrast_auto */
+	float *sheet;       /* per thread: SHEET rows of `padded` floats */
+	size_t padded;
 	float farthest; /* the largest of reach */
 } bake;
 
@@ -36,10 +36,7 @@ typedef struct sheet {
 /* Index i of n texels: repeated where the texture tiles, else the nearest inside. */
 static inline int texel_index(int i, int n, bool wrap)
 {
-	if (!wrap)
-		return i < 0 ? 0 : i < n ? i : n - 1;
-	i %= n;
-	return i < 0 ? i + n : i;
+	return wrap ? wrap_index(i, n) : clamp_index(i, n);
 }
 
 /* stamp.c: how far the line of texel (x, y), whose radius is set, goes up and down at most. */
