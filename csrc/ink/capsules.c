@@ -215,36 +215,11 @@ static void span_of(const capsule *c, int y, int width, int *first, int *end)
 	*end = high < 0 ? 0 : high < (float)(width - 1) ? (int)high + 1 : width;
 }
 
-static void ink_span(const capsule *restrict e, float y, int x, int end, float *restrict dark,
-		     const float *restrict depth, const float *restrict grain)
-{
-	const pen_end *a = e->a, *b = e->b;
-	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;
-	float out = a->out, fade = a->faint / a->fade, faint = a->faint, gain = a->gain, bias = a->bias,
-	      paper = a->paper, limit = a->limit;
-	float more_out = b->out - out, more_fade = b->faint / b->fade - fade, more_faint = b->faint - faint,
-	      more_gain = b->gain - gain;
-	float more_bias = b->bias - bias, more_paper = b->paper - paper, more_limit = b->limit - limit;
-	for (; x < end; x += LANES)
-		for (int k = 0; k < LANES; k++) {
-			float px = (float)(x + k) - from, s = px * ux + uy;
-			s = s > 0 ? s : 0;
-			s = s < 1 ? s : 1;
-			float ex = px - s * dx, ey = py - s * dy;
-			float t = (out + s * more_out - sqrtf(ex * ex + ey * ey)) * (fade + s * more_fade),
-			      most = faint + s * more_faint;
-			t = t < most ? t : most;
-			t = (gain + s * more_gain) *
-			    ((1 + (paper + s * more_paper) * grain[x + k]) * t - (bias + s * more_bias));
-			t = depth[x + k] >= limit + s * more_limit ? t : 0;
-			dark[x + k] = t > dark[x + k] ? t : dark[x + k];
-		}
-}
-
-/* Likewise, and remembers who inked: among equals the nearest. */
-static void own_span(const capsule *restrict e, float y, int x, int end, float *restrict dark,
-		     const float *restrict depth, const float *restrict grain, float *restrict distance,
-		     uint32_t *restrict owner)
+/* Called with a constant `owned` each time. Where it is true, who inked is remembered: among equals the nearest; only
+ * then dark is clamped, and distance and owner are read. */
+static inline void ink_span(const capsule *restrict e, float y, int x, int end, const bool owned, float *restrict dark,
+			    const float *restrict depth, const float *restrict grain, float *restrict distance,
+			    uint32_t *restrict owner)
 {
 	const pen_end *a = e->a, *b = e->b;
 	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;
@@ -261,12 +236,17 @@ static void own_span(const capsule *restrict e, float y, int x, int end, float *
 			s = s < 1 ? s : 1;
 			float ex = px - s * dx, ey = py - s * dy, d2 = ex * ex + ey * ey;
 			float t = (out + s * more_out - sqrtf(d2)) * (fade + s * more_fade),
-			      most = faint + s * more_faint;
-			t = t < most ? t : most;
+			      full = faint + s * more_faint;
+			t = t < full ? t : full;
 			t = (gain + s * more_gain) *
 			    ((1 + (paper + s * more_paper) * grain[x + k]) * t - (bias + s * more_bias));
-			t = t < 1 ? t : 1;
+			if (owned)
+				t = t < 1 ? t : 1;
 			t = depth[x + k] >= limit + s * more_limit ? t : 0;
+			if (!owned) {
+				dark[x + k] = t > before ? t : before;
+				continue;
+			}
 			float rival = t == before ? distance[x + k] : -1; /* squared distance that an equal must beat */
 			int wins = t > before || (t > 0 && d2 < rival);
 			dark[x + k] = wins ? t : before;
@@ -287,10 +267,10 @@ static void draw_capsule(const capsule *e, canvas *c)
 		canvas_touch(c, y, x, end);
 		size_t at = (size_t)(y - c->y0) * c->stride;
 		if (c->owner)
-			own_span(e, (float)y, x, end, c->dark + at, c->depth + at, c->grain + at, c->distance + at,
-				 c->owner + at);
+			ink_span(e, (float)y, x, end, true, c->dark + at, c->depth + at, c->grain + at,
+				 c->distance + at, c->owner + at);
 		else
-			ink_span(e, (float)y, x, end, c->dark + at, c->depth + at, c->grain + at);
+			ink_span(e, (float)y, x, end, false, c->dark + at, c->depth + at, c->grain + at, NULL, NULL);
 	}
 }
 
