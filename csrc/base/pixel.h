@@ -24,6 +24,17 @@ static inline float bits_float(int32_t i)
 	return x;
 }
 
+/* Unlike fminf() and fmaxf() these never are calls. Where a or b is NaN: b. */
+static inline float min(float a, float b)
+{
+	return a < b ? a : b;
+}
+
+static inline float max(float a, float b)
+{
+	return a > b ? a : b;
+}
+
 /* NaN gives 0. */
 static inline float clamp01(float x)
 {
@@ -63,8 +74,7 @@ static inline float bounded(float x)
 
 static inline float max3(float a, float b, float c)
 {
-	float ab = a > b ? a : b;
-	return ab > c ? ab : c;
+	return max(max(a, b), c);
 }
 
 /* Rec. 709 luminance of a linear colour. */

@@ -12,9 +12,9 @@
 /* The distance of two colours in the space of the metric below which none is an edge. */
 static float least_contrast(const encre_params *p, float weight)
 {
-	float most = p->contrast_auto ? fminf(p->contrast_max, 0.25f) : p->contrast_max, least = p->contrast_threshold;
+	float most = p->contrast_auto ? min(p->contrast_max, 0.25f) : p->contrast_max, least = p->contrast_threshold;
 	if (weight > 0 && most > least)
-		least += (most - least) * fminf(1, p->edge_threshold / weight);
+		least += (most - least) * min(1, p->edge_threshold / weight);
 	/* a difference is at most 2/3 of the distance in RGB, and that distance itself in CIE76; the others bend the
 	 * space */
 	return least * (p->contrast_metric == contrast_metric_RGB     ? 1.5f
@@ -28,7 +28,7 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	float half = f->params->crease_angle * 0.00872664626f; /* in radians */
 	fine made = {.f = f, .e = f->edges, .crease = 2 * pixel_sin(half)};
 	for (int i = 0; i < f->n_styles; i++)
-		made.most_color = fmaxf(made.most_color, e->weight[SOURCE_COLOR][i]);
+		made.most_color = max(made.most_color, e->weight[SOURCE_COLOR][i]);
 	made.least_contrast =
 		least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
 	for (int k = 0; k < FAMILY_COUNT; k++)

@@ -20,7 +20,7 @@ static void owner_of(const fine *n, const found *s, int *x, int *y)
 	float least = INFINITY, most = -1;
 	for (int qy = s->row; qy <= below; qy++)
 		for (int qx = s->column; qx <= right; qx++)
-			least = fminf(least, depth_at(f, qx, qy));
+			least = min(least, depth_at(f, qx, qy));
 	float reach = least + touching * (n->e->ortho ? f->camera.height : least);
 	for (int qy = s->row; qy <= below; qy++)
 		for (int qx = s->column; qx <= right; qx++) {

@@ -49,14 +49,14 @@ static pen_end pen_end_of(const frame *f, const site *made, float length)
 		e.x += filled * s->inside;
 	else
 		e.y += filled * s->inside;
-	float half = most(pen.radius, 0.5f), soft = pen.p->line_softness * half;
-	e.fade = most(soft, 1);
-	e.out = filled * s->half + half - most(soft, 0.5f) + e.fade;
-	e.faint = least(1, 2 * pen.radius);
+	float half = max(pen.radius, 0.5f), soft = pen.p->line_softness * half;
+	e.fade = max(soft, 1);
+	e.out = filled * s->half + half - max(soft, 0.5f) + e.fade;
+	e.faint = min(1, 2 * pen.radius);
 	e.gain = pen.gain;
 	e.bias = pen.bias;
 	e.paper = pen.p->line_paper;
-	e.limit = least(pen.limit, 1e30f); /* finite: it is interpolated */
+	e.limit = min(pen.limit, 1e30f); /* finite: it is interpolated */
 	e.reach = e.faint > e.bias && e.gain > 0 ? e.out - e.fade * e.bias / e.faint : 0;
 	return e;
 }
@@ -76,8 +76,8 @@ static void make_pens(void *data, int first, int end, int thread)
 static void enter(const gather *g, uint32_t a, uint32_t b, uint32_t *next)
 {
 	const pen_end *one = g->all->end + a, *two = g->all->end + b;
-	float reach = most(one->reach, two->reach), top = least(one->y, two->y) - reach,
-	      bottom = most(one->y, two->y) + reach;
+	float reach = max(one->reach, two->reach), top = min(one->y, two->y) - reach,
+	      bottom = max(one->y, two->y) + reach;
 	if (!(reach > 0) || bottom < 0 || top > (float)(g->f->height - 1))
 		return;
 	for (int k = pixel_of(top - 0.5f, g->f->height) / BAND; k <= pixel_of(bottom + 0.5f, g->f->height) / BAND;
@@ -115,7 +115,7 @@ int32_t ISA(capsules_gather)(frame *f, capsules *all)
 		return ENCRE_ERROR_MEMORY;
 	float taper = 0;
 	for (int i = 0; i < f->n_styles; i++)
-		taper = most(taper, f->params[i].line_taper * f->scale);
+		taper = max(taper, f->params[i].line_taper * f->scale);
 	if (taper > 0) {
 		g.length = late_take(&f->late, n->count, sizeof *g.length);
 		if (!g.length)
@@ -181,7 +181,7 @@ static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32
 	c.dy = c.b->y - c.a->y;
 	float square = c.dx * c.dx + c.dy * c.dy;
 	c.inverse = square > 1e-12f ? 1 / square : 0;
-	c.reach = most(c.a->reach, c.b->reach);
+	c.reach = max(c.a->reach, c.b->reach);
 	if (c.reach > 2.5f && a != b) {
 		cut_at(n, &c, a, b);
 		cut_at(n, &c, b, a);
@@ -192,12 +192,12 @@ static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32
 /* Pixels first..end - 1 of row y that the capsule may darken. */
 static void span_of(const capsule *c, int y, int width, int *first, int *end)
 {
-	float ahead = (float)y - c->a->y, low = least(0, c->dx) - c->reach, high = most(0, c->dx) + c->reach;
+	float ahead = (float)y - c->a->y, low = min(0, c->dx) - c->reach, high = max(0, c->dx) + c->reach;
 	if (fabsf(c->dy) > 1e-6f) { /* between the tangents */
 		float middle = ahead * c->dx / c->dy,
 		      half = c->reach * sqrtf(c->dx * c->dx + c->dy * c->dy) / fabsf(c->dy);
-		low = most(low, middle - half);
-		high = least(high, middle + half);
+		low = max(low, middle - half);
+		high = min(high, middle + half);
 	}
 	low += c->a->x;
 	high += c->a->x;
@@ -205,9 +205,9 @@ static void span_of(const capsule *c, int y, int width, int *first, int *end)
 		const cut *k = c->cut + i;
 		float rest = k->from - k->way_y * (float)y;
 		if (k->way_x > 1e-3f)
-			low = most(low, rest / k->way_x);
+			low = max(low, rest / k->way_x);
 		else if (k->way_x < -1e-3f)
-			high = least(high, rest / k->way_x);
+			high = min(high, rest / k->way_x);
 		else if (rest > 0.1f)
 			high = low - 1;
 	}
@@ -257,7 +257,7 @@ static inline void ink_span(const capsule *restrict e, float y, int x, int end, 
 
 static void draw_capsule(const capsule *e, canvas *c)
 {
-	float top = least(e->a->y, e->b->y) - e->reach, bottom = most(e->a->y, e->b->y) + e->reach;
+	float top = min(e->a->y, e->b->y) - e->reach, bottom = max(e->a->y, e->b->y) + e->reach;
 	int from = top > (float)c->y0 ? (int)top : c->y0, to = bottom < (float)(c->y1 - 1) ? (int)bottom : c->y1 - 1;
 	for (int y = from; y <= to; y++) {
 		int x, end;

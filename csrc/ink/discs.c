@@ -48,11 +48,11 @@ static void fill_row(const frame *f, discs *all, int y)
 		left--;
 		if (!ISA(disc_of)(f, x, y, out))
 			continue;
-		reach = most(reach, out->reach);
+		reach = max(reach, out->reach);
 		out++;
 	}
 	all->count[y] = (uint32_t)(out - (all->disc + all->first[y]));
-	all->up[y] = all->down[y] = (uint16_t)least(reach, OPEN - 1);
+	all->up[y] = all->down[y] = (uint16_t)min(reach, OPEN - 1);
 }
 
 static void tile_row(const frame *f, int y, float *tiles)
@@ -63,7 +63,7 @@ static void tile_row(const frame *f, int y, float *tiles)
 		int n = f->width - x0 < TILE ? f->width - x0 : TILE;
 		for (int x = 0; x < n; x++) {
 			float z = depth_of(depth[x0 + x]);
-			nearest = least(nearest, z);
+			nearest = min(nearest, z);
 		}
 		tiles[x0 / TILE] = nearest;
 	}
@@ -94,7 +94,7 @@ static void least_within(float *v, float *copy, int n, int step, int k)
 	for (int i = 0; i < n; i++) {
 		float all = copy[i];
 		for (int j = i < k ? 0 : i - k; j < n && j <= i + k; j++)
-			all = least(all, copy[j]);
+			all = min(all, copy[j]);
 		v[(ptrdiff_t)i * step] = all;
 	}
 }
@@ -111,7 +111,7 @@ static int bound(const disc *e, const disc *n, float lead, int equal, float near
 	if (!n || n->style != e->style || n->gain < e->gain || n->bias > e->bias ||
 	    (n->limit > e->limit && n->limit > nearest))
 		return OPEN;
-	float smaller = most(0, e->radius - n->radius);
+	float smaller = max(0, e->radius - n->radius);
 	float far = lead + smaller * e->reach;
 	if (far > 1.5f * e->reach || far >= OPEN)
 		return far > 1 ? OPEN : equal;
@@ -183,7 +183,7 @@ static void join_rows(void *data, int y0, int y1, int thread)
 		disc *row = all->disc + all->first[y], *end = row + all->count[y], *out = row;
 		int up = 0, down = 0;
 		for (disc *e = row; e < end; e++) {
-			int reach = (int)least(e->reach, OPEN - 1);
+			int reach = (int)min(e->reach, OPEN - 1);
 			e->up = (uint16_t)(e->up < reach ? e->up : reach);
 			e->down = (uint16_t)(e->down < reach ? e->down : reach);
 			up = e->up > up ? e->up : up;

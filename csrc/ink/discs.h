@@ -9,17 +9,6 @@
 
 #include <math.h>
 
-/* Unlike fminf() and fmaxf() these never are calls. */
-static inline float least(float a, float b)
-{
-	return a < b ? a : b;
-}
-
-static inline float most(float a, float b)
-{
-	return a > b ? a : b;
-}
-
 /* How an edge is drawn, whatever its shape: half the width, darkness and the least depth it covers. */
 typedef struct pen {
 	const encre_params *p;

@@ -34,23 +34,23 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 	};
 
 	/* bounded before anything that may be 0 is multiplied in: infinity times 0 is no number */
-	float radius = least(0.5f * p->line_thickness * f->scale * widths[source], 1e30f);
+	float radius = min(0.5f * p->line_thickness * f->scale * widths[source], 1e30f);
 	radius *= thickness > 0 ? 1 + 8 * thickness : 1 + thickness;
-	radius *= mix(1, least(1, strength), p->line_contrast);
+	radius *= mix(1, min(1, strength), p->line_contrast);
 	if (p->line_depth_distance > 0 && !f->camera.orthographic)
-		radius *= least(p->line_depth_distance / z, 4);
+		radius *= min(p->line_depth_distance / z, 4);
 	if (p->line_light != 0) {
 		plane light = f->layer[ENCRE_LAYER_DIFFUSE];
 		const float *rgb = light.data + ny * light.row + (ptrdiff_t)3 * nx;
 		float lit = clamp01(max3(rgb[0], rgb[1], rgb[2]) * p->shade_exposure);
-		radius *= most(0, 1 + p->line_light * (1 - 2 * lit));
+		radius *= max(0, 1 + p->line_light * (1 - 2 * lit));
 	}
 
-	intensity = least(intensity * p->line_intensity, 1e30f);
+	intensity = min(intensity * p->line_intensity, 1e30f);
 	d->p = p;
-	d->radius = least(radius, 0.5f * f->params->line_max_thickness * f->scale);
-	d->gain = least(p->line_gain * intensity, 1e30f);
-	d->bias = most(0, 1 - 0.5f * intensity);
+	d->radius = min(radius, 0.5f * f->params->line_max_thickness * f->scale);
+	d->gain = min(p->line_gain * intensity, 1e30f);
+	d->bias = max(0, 1 - 0.5f * intensity);
 	d->limit = !f->params->line_occlude ? 0 : f->camera.orthographic ? z - 0.1f * f->camera.height : 0.9f * z;
 	return true;
 }
@@ -66,7 +66,7 @@ bool ISA(disc_of)(const frame *f, int x, int y, disc *d)
 	d->x = d->last = (uint16_t)x;
 	d->style = (uint16_t)(pen.p - f->params);
 	d->radius = pen.radius;
-	d->fade = most(pen.p->line_softness * pen.radius, 1);
+	d->fade = max(pen.p->line_softness * pen.radius, 1);
 	d->gain = pen.gain;
 	d->bias = pen.bias;
 	d->paper = pen.p->line_paper;
@@ -257,7 +257,7 @@ static void draw_found(const lines *l, canvas *c)
 			canvas_touch(c, y, x, x + 1);
 			if (c->depth[at + (size_t)x] < d.limit)
 				continue;
-			float coverage = least(1, (d.radius - sqrtf(d2)) / d.fade);
+			float coverage = min(1, (d.radius - sqrtf(d2)) / d.fade);
 			c->dark[at + (size_t)x] =
 				d.gain * ((1 + d.paper * c->grain[at + (size_t)x]) * coverage - d.bias);
 			if (c->owner)

@@ -177,10 +177,10 @@ static int reach_of(const frame *f)
 {
 	float reach = 0;
 	for (int i = 0; i < f->n_styles; i++)
-		reach = fmaxf(reach, f->params[i].use_smudging ? f->params[i].smudge_range * f->scale : 0);
+		reach = max(reach, f->params[i].use_smudging ? f->params[i].smudge_range * f->scale : 0);
 	if (f->any.use_lines && f->params->line_search == line_search_NEAREST)
-		reach = fmaxf(reach, 0.5f * f->params->line_max_thickness * f->scale);
-	return (int)fminf(reach + 1, FAR);
+		reach = max(reach, 0.5f * f->params->line_max_thickness * f->scale);
+	return (int)min(reach + 1, FAR);
 }
 
 void ISA(nearest_plan)(frame *f, arena *a)

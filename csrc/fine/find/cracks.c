@@ -17,22 +17,12 @@ static const float *layer_row(const frame *f, enum encre_layer layer, int y)
 	return f->layer[layer].data + (ptrdiff_t)y * f->layer[layer].row;
 }
 
-static inline float smaller(float a, float b)
-{
-	return a < b ? a : b;
-}
-
-static inline float larger(float a, float b)
-{
-	return a > b ? a : b;
-}
-
 /* What depths are compared in: it is linear on planes on screen. Nothing there is 0, under an orthographic camera
  * -INFINITY. */
 static inline float sample(const edges *e, float z)
 {
 	z = depth_of(z);
-	return e->ortho ? -z / larger(e->f->camera.height, 1e-20f) : 1 / z;
+	return e->ortho ? -z / max(e->f->camera.height, 1e-20f) : 1 / z;
 }
 
 static void sample_row(const edges *e, const float *restrict z, int n, float *restrict u)
@@ -49,16 +39,16 @@ static void sample_row(const edges *e, const float *restrict z, int n, float *re
 static inline float jump(float a, float b, float c, float d)
 {
 	float l = c - 2 * b + a, r = b - 2 * c + d;
-	return larger(smaller(l, -r), smaller(-l, r));
+	return max(min(l, -r), min(-l, r));
 }
 
 /* Nothing there lies one frame height behind the farthest of the four. */
 static inline float jump_ortho(float a, float b, float c, float d)
 {
-	float ab = smaller(a > -INFINITY ? a : INFINITY, b > -INFINITY ? b : INFINITY);
-	float cd = smaller(c > -INFINITY ? c : INFINITY, d > -INFINITY ? d : INFINITY);
-	float behind = smaller(smaller(ab, cd), FLT_MAX) - 1;
-	return jump(larger(a, behind), larger(b, behind), larger(c, behind), larger(d, behind));
+	float ab = min(a > -INFINITY ? a : INFINITY, b > -INFINITY ? b : INFINITY);
+	float cd = min(c > -INFINITY ? c : INFINITY, d > -INFINITY ? d : INFINITY);
+	float behind = min(min(ab, cd), FLT_MAX) - 1;
+	return jump(max(a, behind), max(b, behind), max(c, behind), max(d, behind));
 }
 
 /* ORs `bit` where b and c are a jump of more than `least`. */
@@ -70,7 +60,7 @@ static void mark_jumps(bool ortho, const float *a, const float *b, const float *
 			out[i] |= jump_ortho(a[i], b[i], c[i], d[i]) > least ? bit : 0;
 	else
 		for (int i = 0; i < n; i++) {
-			float top = larger(larger(a[i], b[i]), larger(c[i], d[i]));
+			float top = max(max(a[i], b[i]), max(c[i], d[i]));
 			out[i] |= jump(a[i], b[i], c[i], d[i]) > least * top ? bit : 0;
 		}
 }
@@ -99,7 +89,7 @@ static float depth_strength(const fine *n, const found *s)
 		u[k] = sample(n->e, layer_row(f, ENCRE_LAYER_DEPTH, s->row + (k - 1) * dy)[s->column + (k - 1) * dx]);
 	if (!inside)
 		return 0;
-	float top = larger(larger(u[0], u[1]), larger(u[2], u[3]));
+	float top = max(max(u[0], u[1]), max(u[2], u[3]));
 	float j = n->e->ortho ? jump_ortho(u[0], u[1], u[2], u[3]) : top > 0 ? jump(u[0], u[1], u[2], u[3]) / top : 0;
 	return clamp01((j - jump_from) / jump_ramp);
 }
@@ -162,7 +152,7 @@ static float least_strength(const edges *e, enum source s)
 {
 	float most = 0;
 	for (int i = 0; i < e->f->n_styles; i++)
-		most = larger(most, e->weight[s][i]);
+		most = max(most, e->weight[s][i]);
 	return most > 0 ? e->p->edge_threshold / most : INFINITY;
 }
 

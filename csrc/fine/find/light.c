@@ -51,19 +51,9 @@ static inline int level_of(const encre_levels *levels, float x)
 	return k;
 }
 
-static inline float smaller(float a, float b)
-{
-	return a < b ? a : b;
-}
-
-static inline float larger(float a, float b)
-{
-	return a > b ? a : b;
-}
-
 static float change_of(float light)
 {
-	return most_change * larger(light, least_light);
+	return most_change * max(light, least_light);
 }
 
 /* The level of all these pixels, evened or not; MIXED if they may have several. */
@@ -76,13 +66,13 @@ static int level_of_all(const encre_params *p, const float *light, int n)
 	for (; i + LANES <= n; i += LANES)
 		for (int k = 0; k < LANES; k++) {
 			float v = light[i + k];
-			low[k] = smaller(v, low[k]);
-			high[k] = larger(v, high[k]);
+			low[k] = min(v, low[k]);
+			high[k] = max(v, high[k]);
 		}
 	for (int k = 0; k < LANES; k++) { /* what is left of the row, then of the lanes */
 		float v = light[i + k < n ? i + k : 0];
-		low[0] = smaller(low[0], smaller(low[k], v));
-		high[0] = larger(high[0], larger(high[k], v));
+		low[0] = min(low[0], min(low[k], v));
+		high[0] = max(high[0], max(high[k], v));
 	}
 	int level = level_of(&p->shade_levels, (low[0] - change_of(low[0])) * p->shade_exposure);
 	return level == level_of(&p->shade_levels, (high[0] + change_of(high[0])) * p->shade_exposure) ? level : MIXED;

@@ -148,8 +148,8 @@ float ISA(seen_clarity)(const fine *n, const found *at, int s)
 	for (int k = 0; k < 4; k++) { /* of a stripe, that of one side; next to a crack, half of it */
 		int dx = at->axis ? 0 : 1, dy = 1 - dx, one = k < 2 ? -1 : 0, two = k > 0;
 		if (open[MIDDLE + one * dy][MIDDLE + one * dx] && open[MIDDLE + two * dy][MIDDLE + two * dx])
-			step2 = fmaxf(step2, distance2(value[MIDDLE + one * dy][MIDDLE + one * dx],
-						       value[MIDDLE + two * dy][MIDDLE + two * dx], 3));
+			step2 = max(step2, distance2(value[MIDDLE + one * dy][MIDDLE + one * dx],
+						     value[MIDDLE + two * dy][MIDDLE + two * dx], 3));
 	}
 	for (int i = 1; i <= SIDE; i++)
 		for (int k = 1; k <= SIDE; k++) {

@@ -197,9 +197,9 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 		 */
 		float l = value[3][0] - 3 * value[1][0] + 2 * value[0][0],
 		      r = value[1][0] - 3 * value[3][0] + 2 * value[4][0], most = 0;
-		float j = fmaxf(0, fmaxf(fminf(l, -r), fminf(-l, r)));
+		float j = max(0, max(min(l, -r), min(-l, r)));
 		for (int k = 0; k < 5; k++)
-			most = fmaxf(most, value[k][0]);
+			most = max(most, value[k][0]);
 		j = n->e->ortho ? j : most > 0 ? j / most : 0;
 		return weigh(n, at, s, style, clamp01((j - seen_jump_from) / seen_jump_ramp));
 	}

@@ -27,7 +27,7 @@ static float object_at(const frame *f, int x, int y)
 /* What depths are compared in: even on planes. */
 static float nearness(const fine *n, float z)
 {
-	return n->e->ortho ? -fminf(z, 1e9f) : 1 / z;
+	return n->e->ortho ? -min(z, 1e9f) : 1 / z;
 }
 
 /* ---- slices ---------------------------------------------------------------------------------------------- */
@@ -86,9 +86,9 @@ static void moments(slice *s, float (*value)[PLANES], int count, int first)
 	s->middle += (float)first;
 	slope = sqrtf(slope);
 	s->trust = ramp(s->peak, least_peak, 1.5f * least_peak);
-	s->trust = fminf(s->trust, ramp(-s->area, -widest * s->peak, (width_ramp - widest) * s->peak));
-	s->trust = fminf(s->trust, ramp(least, -against * s->area, -0.5f * against * s->area));
-	s->trust = fminf(s->trust, ramp(s->peak, least_of_slope * slope, 1.25f * least_of_slope * slope));
+	s->trust = min(s->trust, ramp(-s->area, -widest * s->peak, (width_ramp - widest) * s->peak));
+	s->trust = min(s->trust, ramp(least, -against * s->area, -0.5f * against * s->area));
+	s->trust = min(s->trust, ramp(s->peak, least_of_slope * slope, 1.25f * least_of_slope * slope));
 }
 
 /* Of `count` pixels from `first` on, along a row or a column `across`; false where there is no stripe before one
@@ -102,7 +102,7 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 		return false;
 	for (int k = 0; k < count; k++)
 		near[k] = nearness(n, axis ? depth_at(f, across, first + k) : depth_at(f, first + k, across));
-	float behind = fmaxf(near[0], near[count - 1]), nearest = behind;
+	float behind = max(near[0], near[count - 1]), nearest = behind;
 	*s = (slice){.high = INFINITY};
 	s->ground = axis ? object_at(f, across, first) : object_at(f, first, across);
 	if (s->ground != (axis ? object_at(f, across, last) : object_at(f, last, across)))
@@ -116,13 +116,13 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 	for (int k = 0; k < count; k++) {
 		float apart = fabsf((float)(first + k) - s->middle);
 		if (near[k] - behind > least_step * (n->e->ortho ? f->camera.height : near[k])) {
-			s->low = fmaxf(s->low, apart);
-			nearest = fmaxf(nearest, near[k]);
+			s->low = max(s->low, apart);
+			nearest = max(nearest, near[k]);
 			from = from < k ? from : k;
 			to = k;
 			s->hits++;
 		} else
-			s->high = fminf(s->high, apart);
+			s->high = min(s->high, apart);
 	}
 	if (s->hits == 0)
 		return true;
@@ -140,7 +140,7 @@ static bool cracked(const fine *n, int axis, int across, int at)
 static float contour_at(const fine *n, int axis, int across, int at)
 {
 	found crack = {(uint16_t)(axis ? across : at), (uint16_t)(axis ? at : across), FAMILY_CRACK, (uint8_t)axis};
-	return fmaxf(-ISA(hand_place)(n, &crack), 0);
+	return max(-ISA(hand_place)(n, &crack), 0);
 }
 
 /* The slice across the thing at a pixel: a few pixels between cracks, and two more on each side. */
@@ -174,9 +174,9 @@ typedef struct run {
 static void add(run *r, const slice *s)
 {
 	r->area += s->area;
-	r->peak = fmaxf(r->peak, s->peak);
-	r->low = fmaxf(r->low, s->low);
-	r->high = fminf(r->high, s->high);
+	r->peak = max(r->peak, s->peak);
+	r->low = max(r->low, s->low);
+	r->high = min(r->high, s->high);
 	r->hits += s->hits;
 	r->slices++;
 }
@@ -284,8 +284,8 @@ void ISA(thin_place)(const fine *n, const found *own_at, placed *s)
 	float square = squareness(&r), half = own.width > 0 ? 0.5f * own.width : half_of(&r),
 	      across_it = 2 * half * square;
 	float was = dx ? s->x - (float)x : s->y - (float)y;
-	s->thin = fminf(own.trust, ramp(-across_it, -widest_across, width_ramp - widest_across));
-	s->thin = fminf(s->thin, ramp((float)r.steps, shortest - length_ramp, shortest));
+	s->thin = min(own.trust, ramp(-across_it, -widest_across, width_ramp - widest_across));
+	s->thin = min(s->thin, ramp((float)r.steps, shortest - length_ramp, shortest));
 	s->half = half * square;
 	float share = ISA(hand_place)(n, own_at) < 0
 			      ? was

@@ -94,7 +94,7 @@ static float mean_distance(const crowd *c, const site *s)
 			const float *cell = c->sum[row * c->n->across + x];
 			float dx = ((float)x + 0.5f) * CELL - 0.5f - s->placed.x,
 			      dy = ((float)row + 0.5f) * CELL - 0.5f - s->placed.y;
-			float weight = fmaxf(0, 1 - fabsf(dx) / spread) * fmaxf(0, 1 - fabsf(dy) / spread);
+			float weight = max(0, 1 - fabsf(dx) / spread) * max(0, 1 - fabsf(dy) / spread);
 			sum += weight * cell[0];
 			count += weight * cell[1];
 		}

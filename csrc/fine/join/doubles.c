@@ -112,7 +112,7 @@ static void add(beside *b, uint32_t first, uint32_t second)
 			dx /= length;
 			dy /= length;
 			if (way[0] != 0 || way[1] != 0) {
-				float half = sqrtf(fmaxf(0, 0.5f - 0.5f * (dx * way[0] + dy * way[1])));
+				float half = sqrtf(max(0, 0.5f - 0.5f * (dx * way[0] + dy * way[1])));
 				sum += way[0] * dy - way[1] * dx < 0 ? -half : half;
 				squares += half * half;
 				count++;
