@@ -90,17 +90,30 @@ typedef struct frame {
 
 enum { NEAREST_NONE = INT16_MIN };
 
+/* NULL where it is absent. */
+static inline const float *layer_row(const frame *f, enum encre_layer layer, int y)
+{
+	plane p = f->layer[layer];
+	return p.data ? p.data + y * p.row : NULL;
+}
+
+static inline float *output_row(const frame *f, enum encre_output output, int y)
+{
+	plane p = f->output[output];
+	return p.data ? p.data + y * p.row : NULL;
+}
+
 /* The painted controls of pixel x of row y, then those of the pixels after it; NULL where nothing is painted. */
 static inline const float *controls_at(const frame *f, int x, int y)
 {
-	plane p = f->layer[ENCRE_LAYER_CONTROLS];
-	return p.data ? p.data + y * p.row + (ptrdiff_t)CONTROL_COUNT * x : NULL;
+	const float *row = layer_row(f, ENCRE_LAYER_CONTROLS, y);
+	return row ? row + (ptrdiff_t)CONTROL_COUNT * x : NULL;
 }
 
 /* INFINITY where nothing is there. */
 static inline float depth_at(const frame *f, int x, int y)
 {
-	return depth_of(f->layer[ENCRE_LAYER_DEPTH].data[y * f->layer[ENCRE_LAYER_DEPTH].row + x]);
+	return depth_of(layer_row(f, ENCRE_LAYER_DEPTH, y)[x]);
 }
 
 /* Parameters of the style of pixel x of row y, and in *end where the run of pixels with that style ends, at most x1. */

@@ -28,8 +28,7 @@ static void nearest_places(const frame *f, int y, int x0, int n, uint8_t *restri
 	for (int dy = -2; dy <= 2; dy++) {
 		if (y + dy < 0 || y + dy >= f->height)
 			continue;
-		const float *restrict row =
-			f->layer[ENCRE_LAYER_DEPTH].data + (y + dy) * f->layer[ENCRE_LAYER_DEPTH].row + x0 - 2;
+		const float *restrict row = layer_row(f, ENCRE_LAYER_DEPTH, y + dy) + x0 - 2;
 		int32_t k = 32 * dy * dy + (dy + 2) * 5 + 2;
 		for (int i = from; i < to; i++) {
 			float z = depth_of(row[i]);

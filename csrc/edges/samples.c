@@ -10,11 +10,6 @@ static const float most_sample = 1e15f;
 
 /* ---- layers -> samples ----------------------------------------------------------------------------------- */
 
-static const float *layer_row(const edges *e, enum encre_layer layer, int y)
-{
-	return e->f->layer[layer].data + (ptrdiff_t)y * e->f->layer[layer].row;
-}
-
 /* Interleaved channels, cut to low..high, to planes. Called with a constant number of channels each time. */
 static inline void split(const float *restrict in, const int channels, int n, float low, float high, float *restrict a,
 			 float *restrict b, float *restrict c)
@@ -54,8 +49,8 @@ static void depth_samples(const edges *e, const float *restrict z, int n, float 
  * y - 1 and row y down. */
 static void mark_samples(const edges *e, int y, float *restrict out)
 {
-	const float *own = layer_row(e, ENCRE_LAYER_MARKS, y),
-		    *above = y > 0 ? layer_row(e, ENCRE_LAYER_MARKS, y - 1) : NULL;
+	const float *own = layer_row(e->f, ENCRE_LAYER_MARKS, y),
+		    *above = y > 0 ? layer_row(e->f, ENCRE_LAYER_MARKS, y - 1) : NULL;
 	for (int x = 0; x < e->f->width; x++) {
 		bool right = own[2 * x] > 0 && own[2 * x] <= 0.5f, left = x > 0 && own[2 * x - 2] > 0.5f;
 		bool down = own[2 * x + 1] > 0 && own[2 * x + 1] <= 0.5f, up = above && above[2 * x + 1] > 0.5f;
@@ -70,26 +65,28 @@ static void sample_row(const edges *e, enum source s, int y, float *out)
 	float *second = out + e->plane_samples, *third = second + e->plane_samples;
 	bool lit = e->p->color_layer == color_layer_LIT;
 	switch ((int)s) {
-	case SOURCE_OBJECT: memcpy(out, layer_row(e, ENCRE_LAYER_OBJECT, y), (size_t)n * sizeof *out); return;
-	case SOURCE_MATERIAL: memcpy(out, layer_row(e, ENCRE_LAYER_MATERIAL, y), (size_t)n * sizeof *out); return;
+	case SOURCE_OBJECT: memcpy(out, layer_row(e->f, ENCRE_LAYER_OBJECT, y), (size_t)n * sizeof *out); return;
+	case SOURCE_MATERIAL: memcpy(out, layer_row(e->f, ENCRE_LAYER_MATERIAL, y), (size_t)n * sizeof *out); return;
 	case SOURCE_MARK: mark_samples(e, y, out); return;
-	case SOURCE_DEPTH: depth_samples(e, layer_row(e, ENCRE_LAYER_DEPTH, y), n, out); return;
+	case SOURCE_DEPTH: depth_samples(e, layer_row(e->f, ENCRE_LAYER_DEPTH, y), n, out); return;
 	case SOURCE_NORMAL:
-		split(layer_row(e, ENCRE_LAYER_NORMAL, y), 3, n, -most_sample, most_sample, out, second, third);
+		split(layer_row(e->f, ENCRE_LAYER_NORMAL, y), 3, n, -most_sample, most_sample, out, second, third);
 		return;
 	case SOURCE_COLOR:
 		if (lit)
-			split(layer_row(e, ENCRE_LAYER_COMBINED, y), 4, n, 0, 1, out, second, third);
+			split(layer_row(e->f, ENCRE_LAYER_COMBINED, y), 4, n, 0, 1, out, second, third);
 		else
-			split(layer_row(e, ENCRE_LAYER_ALBEDO, y), 3, n, 0, 1, out, second, third);
+			split(layer_row(e->f, ENCRE_LAYER_ALBEDO, y), 3, n, 0, 1, out, second, third);
 		break;
 	case SOURCE_SEEN:
-		split(layer_row(e, ENCRE_LAYER_SEEN_NORMAL, y), 3, n, -most_sample, most_sample, out, second, third);
+		split(layer_row(e->f, ENCRE_LAYER_SEEN_NORMAL, y), 3, n, -most_sample, most_sample, out, second, third);
 		return;
-	case SAMPLE_SEEN_COLOR: split(layer_row(e, ENCRE_LAYER_SEEN_COLOR, y), 3, n, 0, 1, out, second, third); break;
+	case SAMPLE_SEEN_COLOR:
+		split(layer_row(e->f, ENCRE_LAYER_SEEN_COLOR, y), 3, n, 0, 1, out, second, third);
+		break;
 	case SAMPLE_SEEN_DEPTH:
 		for (int i = 0; i < n; i++)
-			out[i] = seen_sample(e, layer_row(e, ENCRE_LAYER_SEEN_DEPTH, y)[i]);
+			out[i] = seen_sample(e, layer_row(e->f, ENCRE_LAYER_SEEN_DEPTH, y)[i]);
 		return;
 	default:
 		if (e->fine) {

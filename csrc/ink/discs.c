@@ -57,7 +57,7 @@ static void fill_row(const frame *f, discs *all, int y)
 
 static void tile_row(const frame *f, int y, float *tiles)
 {
-	const float *depth = f->layer[ENCRE_LAYER_DEPTH].data + y * f->layer[ENCRE_LAYER_DEPTH].row;
+	const float *depth = layer_row(f, ENCRE_LAYER_DEPTH, y);
 	for (int x0 = 0; x0 < f->width; x0 += TILE) {
 		float nearest = tiles[x0 / TILE];
 		int n = f->width - x0 < TILE ? f->width - x0 : TILE;

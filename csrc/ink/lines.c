@@ -40,8 +40,7 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 	if (p->line_depth_distance > 0 && !f->camera.orthographic)
 		radius *= min(p->line_depth_distance / z, 4);
 	if (p->line_light != 0) {
-		plane light = f->layer[ENCRE_LAYER_DIFFUSE];
-		const float *rgb = light.data + ny * light.row + (ptrdiff_t)3 * nx;
+		const float *rgb = layer_row(f, ENCRE_LAYER_DIFFUSE, ny) + (ptrdiff_t)3 * nx;
 		float lit = clamp01(max3(rgb[0], rgb[1], rgb[2]) * p->shade_exposure);
 		radius *= max(0, 1 + p->line_light * (1 - 2 * lit));
 	}
@@ -99,8 +98,7 @@ static void ink_of(const frame *f, int x, int y, float ink[3])
 	int nx, ny;
 	near_of(f, x, y, &nx, &ny);
 	const encre_params *p = f->params + (f->style ? f->style[(size_t)ny * (size_t)f->width + (size_t)nx] : 0);
-	const float *color =
-		f->layer[ENCRE_LAYER_COLOR].data + ny * f->layer[ENCRE_LAYER_COLOR].row + (ptrdiff_t)3 * nx;
+	const float *color = layer_row(f, ENCRE_LAYER_COLOR, ny) + (ptrdiff_t)3 * nx;
 	for (int c = 0; c < 3; c++)
 		ink[c] = blend(p->line_color[c], p->line_tint_value * color[c], p->line_tint);
 }
@@ -172,12 +170,12 @@ static void finish_row(const lines *l, const canvas *c, int y)
 {
 	const frame *f = l->f;
 	size_t bytes = (size_t)f->width * 4 * sizeof(float);
-	float *rgba = f->output[ENCRE_OUTPUT_COMBINED].data + y * f->output[ENCRE_OUTPUT_COMBINED].row, *lines = NULL;
+	float *rgba = output_row(f, ENCRE_OUTPUT_COMBINED, y), *lines = NULL;
 	fade_row(f, y, rgba);
 	if (f->output[ENCRE_OUTPUT_SURFACE].data)
-		memcpy(f->output[ENCRE_OUTPUT_SURFACE].data + y * f->output[ENCRE_OUTPUT_SURFACE].row, rgba, bytes);
+		memcpy(output_row(f, ENCRE_OUTPUT_SURFACE, y), rgba, bytes);
 	if (f->output[ENCRE_OUTPUT_LINES].data)
-		lines = memset(f->output[ENCRE_OUTPUT_LINES].data + y * f->output[ENCRE_OUTPUT_LINES].row, 0, bytes);
+		lines = memset(output_row(f, ENCRE_OUTPUT_LINES, y), 0, bytes);
 	if (c->open[y - c->y0])
 		ink_row(c, y, l->color, rgba, lines);
 }
@@ -203,7 +201,7 @@ static canvas canvas_of(const lines *l, int y0, int y1, int thread)
 void ISA(canvas_open)(canvas *c, int y, uint64_t blocks)
 {
 	const frame *f = c->f;
-	const float *depth = f->layer[ENCRE_LAYER_DEPTH].data + y * f->layer[ENCRE_LAYER_DEPTH].row;
+	const float *depth = layer_row(f, ENCRE_LAYER_DEPTH, y);
 	size_t row = (size_t)(y - c->y0) * c->stride;
 	c->open[y - c->y0] |= blocks;
 	for (int b = 0; b < 64; b++) {

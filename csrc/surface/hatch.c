@@ -73,10 +73,10 @@ static void draw_row(const float *pencil, int n, const float *restrict cover, fl
 
 /* ---- stage ----------------------------------------------------------------------------------------------- */
 
-static const float *pixels(const frame *f, int layer, int channels, int y, int x)
+static const float *pixels(const frame *f, enum encre_layer layer, int channels, int y, int x)
 {
-	plane p = f->layer[layer];
-	return p.data ? p.data + y * p.row + (ptrdiff_t)channels * x : NULL;
+	const float *row = layer_row(f, layer, y);
+	return row ? row + (ptrdiff_t)channels * x : NULL;
 }
 
 static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n)
@@ -87,10 +87,9 @@ static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n
 	if (!pressure_row(p->hatch_amount, n, controls_at(f, x, y), bright, pressure))
 		return;
 	ISA(paper_row)(f, y, x, x + n, 0.5f, paper);
-	plane out = f->output[ENCRE_OUTPUT_COMBINED];
 	cover_row(n, pixels(f, ENCRE_LAYER_SPECULAR, 3, y, x), pixels(f, ENCRE_LAYER_DEPTH, 1, y, x), pressure, paper,
 		  bright);
-	draw_row(p->hatch_color, n, bright, out.data + y * out.row + 4 * (ptrdiff_t)x);
+	draw_row(p->hatch_color, n, bright, output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * (ptrdiff_t)x);
 }
 
 static void hatch_rows(void *data, int y0, int y1, int thread)

@@ -117,21 +117,21 @@ static void bare_row(const float *paper, int n, const float *restrict combined, 
 
 void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone)
 {
-	plane diffuse = f->layer[ENCRE_LAYER_DIFFUSE];
+	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
 	for (int x = x0, end; x < x1; x = end) {
 		float light[CHUNK];
 		const encre_params *p = style_run(f, y, x, x1 - x > CHUNK ? x + CHUNK : x1, &end);
-		exposed_row(end - x, diffuse.data + y * diffuse.row + 3 * x, p->shade_exposure, light);
+		exposed_row(end - x, diffuse + 3 * x, p->shade_exposure, light);
 		tone_row(&p->shade_levels, end - x, light, tone + (x - x0));
 	}
 }
 
 void ISA(shade_exposed)(const frame *f, int y, float *light)
 {
-	plane diffuse = f->layer[ENCRE_LAYER_DIFFUSE];
+	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
 	for (int x = 0, end; x < f->width; x = end) {
 		const encre_params *p = style_run(f, y, x, f->width, &end);
-		exposed_row(end - x, diffuse.data + y * diffuse.row + (ptrdiff_t)3 * x, p->shade_exposure, light + x);
+		exposed_row(end - x, diffuse + (ptrdiff_t)3 * x, p->shade_exposure, light + x);
 		for (int i = x; i < end; i++)
 			light[i] = bounded(light[i]);
 	}
@@ -139,14 +139,13 @@ void ISA(shade_exposed)(const frame *f, int y, float *light)
 
 static void shade_run(const frame *f, const encre_params *p, int y, int x, int n)
 {
-	const plane *in = f->layer, *out = f->output;
-	const float *combined = in[ENCRE_LAYER_COMBINED].data + y * in[ENCRE_LAYER_COMBINED].row + 4 * x;
-	const float *color = in[ENCRE_LAYER_COLOR].data + y * in[ENCRE_LAYER_COLOR].row + 3 * x;
-	const float *diffuse = in[ENCRE_LAYER_DIFFUSE].data + y * in[ENCRE_LAYER_DIFFUSE].row + 3 * x;
-	float *surface = out[ENCRE_OUTPUT_COMBINED].data + y * out[ENCRE_OUTPUT_COMBINED].row + 4 * x;
-	bool want_light = out[ENCRE_OUTPUT_LIGHT].data, bare = f->params->surface == surface_PAPER;
+	const float *combined = layer_row(f, ENCRE_LAYER_COMBINED, y) + 4 * x;
+	const float *color = layer_row(f, ENCRE_LAYER_COLOR, y) + 3 * x;
+	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + 3 * x;
+	float *surface = output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * x;
+	bool want_light = f->output[ENCRE_OUTPUT_LIGHT].data, bare = f->params->surface == surface_PAPER;
 	float exposed[CHUNK] = {0}, tone[CHUNK], own_light[3 * CHUNK], other_light = f->params->other_light;
-	float *light = want_light ? out[ENCRE_OUTPUT_LIGHT].data + y * out[ENCRE_OUTPUT_LIGHT].row + 3 * x : own_light;
+	float *light = want_light ? output_row(f, ENCRE_OUTPUT_LIGHT, y) + 3 * x : own_light;
 	if (want_light || (p->use_shading && !bare)) {
 		exposed_row(n, diffuse, p->shade_exposure, exposed);
 		tone_row(&p->shade_levels, n, exposed, tone);

@@ -33,7 +33,7 @@ static bool reaches(const frame *f, float range)
 
 static float *surface_at(const frame *f, int y, int x)
 {
-	return f->output[ENCRE_OUTPUT_COMBINED].data + y * f->output[ENCRE_OUTPUT_COMBINED].row + 4 * (ptrdiff_t)x;
+	return output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * (ptrdiff_t)x;
 }
 
 /* Coordinate of the edge, at + step, and `pick` beyond it along a direction; half up, clamped into 0..n-1. */

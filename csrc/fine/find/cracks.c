@@ -12,11 +12,6 @@ static const float jump_from = 0.003f, jump_ramp = 0.007f;
 
 /* ---- depth ----------------------------------------------------------------------------------------------- */
 
-static const float *layer_row(const frame *f, enum encre_layer layer, int y)
-{
-	return f->layer[layer].data + (ptrdiff_t)y * f->layer[layer].row;
-}
-
 /* What depths are compared in: it is linear on planes on screen. Nothing there is 0, under an orthographic camera
  * -INFINITY. */
 static inline float sample(const edges *e, float z)
@@ -128,8 +123,7 @@ bool ISA(crack_site)(const fine *n, const found *at, placed *s)
 {
 	const frame *f = n->f;
 	int x = at->column, y = at->row, qx = x + (at->axis == AXIS_ROW), qy = y + (at->axis == AXIS_COLUMN);
-	float zp = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, y)[x]),
-	      zq = depth_of(layer_row(f, ENCRE_LAYER_DEPTH, qy)[qx]);
+	float zp = depth_at(f, x, y), zq = depth_at(f, qx, qy);
 	bool object = (zp == INFINITY) != (zq == INFINITY), material = false;
 	float jump = depth_strength(n, at), known = ISA(hand_place)(n, at);
 	/* a line that was drawn where there is a contour as well is not the contour */

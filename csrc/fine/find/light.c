@@ -38,8 +38,7 @@ static void value_row(const float *restrict diffuse, int n, float *restrict out)
 
 static void values(const frame *f, int y, int x, int end, float *out)
 {
-	value_row(f->layer[ENCRE_LAYER_DIFFUSE].data + y * f->layer[ENCRE_LAYER_DIFFUSE].row + (ptrdiff_t)3 * x,
-		  end - x, out);
+	value_row(layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x, end - x, out);
 }
 
 /* Into how many levels light x rises. */

@@ -27,7 +27,7 @@ void ISA(hand_row)(const fine *n, int y)
 	int width = n->f->width;
 	if (!n->e->on[SOURCE_MARK])
 		return;
-	const float *marks = n->f->layer[ENCRE_LAYER_MARKS].data + y * n->f->layer[ENCRE_LAYER_MARKS].row;
+	const float *marks = layer_row(n->f, ENCRE_LAYER_MARKS, y);
 	int any = 0; /* most rows have none, and are looked through at once */
 	for (int i = 0; i < 2 * width; i++)
 		any |= marks[i] > 0;

@@ -22,11 +22,6 @@ static const float most_rippled = 0.8f;
 
 /* ---- where ----------------------------------------------------------------------------------------------- */
 
-static const float *row_of(const frame *f, enum encre_layer layer, int y)
-{
-	return f->layer[layer].data + (ptrdiff_t)y * f->layer[layer].row;
-}
-
 static void differ_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -35,10 +30,11 @@ static void differ_rows(void *data, int y0, int y1, int thread)
 	const float *v = f->camera.view, height = f->camera.height;
 	bool deep = f->layer[ENCRE_LAYER_SEEN_DEPTH].data, ortho = n->e->ortho;
 	for (int y = y0; y < y1; y++) {
-		const float *z = row_of(f, ENCRE_LAYER_DEPTH, y), *normal = row_of(f, ENCRE_LAYER_NORMAL, y);
-		const float *seen = row_of(f, ENCRE_LAYER_SEEN_NORMAL, y);
-		const float *color = row_of(f, ENCRE_LAYER_SEEN_COLOR, y), *albedo = row_of(f, ENCRE_LAYER_ALBEDO, y);
-		const float *far = deep ? row_of(f, ENCRE_LAYER_SEEN_DEPTH, y) : z;
+		const float *z = layer_row(f, ENCRE_LAYER_DEPTH, y), *normal = layer_row(f, ENCRE_LAYER_NORMAL, y);
+		const float *seen = layer_row(f, ENCRE_LAYER_SEEN_NORMAL, y);
+		const float *color = layer_row(f, ENCRE_LAYER_SEEN_COLOR, y),
+			    *albedo = layer_row(f, ENCRE_LAYER_ALBEDO, y);
+		const float *far = deep ? layer_row(f, ENCRE_LAYER_SEEN_DEPTH, y) : z;
 		uint16_t *restrict out = n->seen + (ptrdiff_t)y * f->width;
 		for (int x = 0; x < f->width; x++) {
 			const float *a = normal + (ptrdiff_t)3 * x, *b = seen + (ptrdiff_t)3 * x;
@@ -119,12 +115,13 @@ int32_t ISA(seen_run)(fine *n)
 static void read(const fine *n, int s, int x, int y, float *value)
 {
 	if (s == SAMPLE_SEEN_DEPTH) {
-		value[0] = seen_sample(n->e, row_of(n->f, ENCRE_LAYER_SEEN_DEPTH, y)[x]);
+		value[0] = seen_sample(n->e, layer_row(n->f, ENCRE_LAYER_SEEN_DEPTH, y)[x]);
 		value[1] = value[2] = 0;
 		return;
 	}
 	bool color = s == SAMPLE_SEEN_COLOR;
-	const float *in = row_of(n->f, color ? ENCRE_LAYER_SEEN_COLOR : ENCRE_LAYER_SEEN_NORMAL, y) + (ptrdiff_t)3 * x;
+	const float *in =
+		layer_row(n->f, color ? ENCRE_LAYER_SEEN_COLOR : ENCRE_LAYER_SEEN_NORMAL, y) + (ptrdiff_t)3 * x;
 	for (int c = 0; c < 3; c++)
 		value[c] = color ? sqrtf(clamp01(in[c])) : bounded(in[c]);
 }

@@ -24,8 +24,7 @@ static void read(const fine *n, int source, int x, int y, float *value)
 		value[0] = seen_sample(n->e, depth.data[y * depth.row + x]);
 		return;
 	}
-	const float *in =
-		f->layer[layer].data + y * f->layer[layer].row + (ptrdiff_t)(layer == ENCRE_LAYER_COMBINED ? 4 : 3) * x;
+	const float *in = layer_row(f, layer, y) + (ptrdiff_t)(layer == ENCRE_LAYER_COMBINED ? 4 : 3) * x;
 	for (int c = 0; c < 3; c++)
 		value[c] = is->form == FORM_COLOR ? clamp01(in[c]) : bounded(in[c]);
 	if (is->form == FORM_LIGHT) {

@@ -51,10 +51,8 @@ static float ramp(float x, float from, float to)
 
 static void read(const frame *f, int x, int y, float value[PLANES])
 {
-	const float *albedo =
-		f->layer[ENCRE_LAYER_ALBEDO].data + y * f->layer[ENCRE_LAYER_ALBEDO].row + (ptrdiff_t)3 * x;
-	const float *normal =
-		f->layer[ENCRE_LAYER_NORMAL].data + y * f->layer[ENCRE_LAYER_NORMAL].row + (ptrdiff_t)3 * x;
+	const float *albedo = layer_row(f, ENCRE_LAYER_ALBEDO, y) + (ptrdiff_t)3 * x;
+	const float *normal = layer_row(f, ENCRE_LAYER_NORMAL, y) + (ptrdiff_t)3 * x;
 	for (int c = 0; c < 3; c++) {
 		value[c] = clamp01(albedo[c]);
 		value[3 + c] = 0.5f * bounded(normal[c]);

@@ -9,8 +9,7 @@ static void bilinear(const frame *f, enum encre_layer layer, int channels, float
 	x = x > 0 ? x < (float)(f->width - 1) ? x : (float)(f->width - 1) : 0;
 	y = y > 0 ? y < (float)(f->height - 1) ? y : (float)(f->height - 1) : 0;
 	int x0 = (int)x, y0 = (int)y, x1 = x0 + 1 < f->width ? x0 + 1 : x0, y1 = y0 + 1 < f->height ? y0 + 1 : y0;
-	const float *above = f->layer[layer].data + y0 * f->layer[layer].row,
-		    *below = f->layer[layer].data + y1 * f->layer[layer].row;
+	const float *above = layer_row(f, layer, y0), *below = layer_row(f, layer, y1);
 	for (int c = 0; c < 3; c++) {
 		float top = mix(bounded(above[channels * x0 + c]), bounded(above[channels * x1 + c]), x - (float)x0);
 		float bottom = mix(bounded(below[channels * x0 + c]), bounded(below[channels * x1 + c]), x - (float)x0);
