@@ -83,11 +83,13 @@ static inline float luminance(float r, float g, float b)
 	return 0.2126f * r + 0.7152f * g + 0.0722f * b;
 }
 
-/* What a depth layer's value means: INFINITY where nothing is there (Cycles writes 1e10; 0, negative and NaN come
- * from other renderers). */
+/* Depths from `depth_end` on mean that nothing is there; what is written for it, as Cycles does, is `depth_nothing`. */
+static const float depth_end = 1e9f, depth_nothing = 1e10f;
+
+/* What a depth layer's value means: INFINITY where nothing is there (0, negative and NaN come from other renderers). */
 static inline float depth_of(float z)
 {
-	return z > 0 && z < 1e9f ? z : INFINITY;
+	return z > 0 && z < depth_end ? z : INFINITY;
 }
 
 /* Cube root, x = 0 or 1e-30 <= x <= 1e30. A third of the exponent is within 4 %, a Halley step cubes that. Then the

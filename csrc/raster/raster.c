@@ -210,7 +210,7 @@ static void shade_row(const raster *r, const band *b, int row)
 			load_surface(r, front[x], &s);
 		number = front[x];
 		if (job->depth.data)
-			*pixel_at(&job->depth, x, y) = any ? depth[x] : 1e10f;
+			*pixel_at(&job->depth, x, y) = any ? depth[x] : depth_nothing;
 		if (job->object.data)
 			*pixel_at(&job->object, x, y) = any ? s.object : 0;
 		if (job->material.data)

@@ -27,7 +27,7 @@ static float object_at(const frame *f, int x, int y)
 /* What depths are compared in: even on planes. */
 static float nearness(const fine *n, float z)
 {
-	return n->e->ortho ? -min(z, 1e9f) : 1 / z;
+	return n->e->ortho ? -min(z, depth_end) : 1 / z;
 }
 
 /* ---- slices ---------------------------------------------------------------------------------------------- */
