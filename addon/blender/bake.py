@@ -10,7 +10,7 @@ import numpy as np
 
 from ..pen import library, unwrap
 from ..pen.errors import EncreError
-from . import meshes, properties, versions
+from . import ENGINE, meshes, properties, versions
 
 SOURCE = "encre_source"  # on a baked image: the image that it was made from, which so has a user
 
@@ -289,7 +289,7 @@ class ENCRE_PT_textures(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.engine == "ENCRE"
+        return context.engine == ENGINE
 
     def draw(self, _context):
         draw_menu(self, _context)
@@ -297,7 +297,7 @@ class ENCRE_PT_textures(bpy.types.Panel):
 
 
 def draw_menu(self, context):
-    if context.engine == "ENCRE":
+    if context.engine == ENGINE:
         self.layout.operator("encre.bake")
 
 

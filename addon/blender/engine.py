@@ -7,7 +7,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.errors import Cancelled, EncreError
-from . import frame
+from . import ENGINE, frame
 
 _said = set()
 
@@ -27,7 +27,7 @@ def _cycles():
 
 
 class EncreEngine(bpy.types.RenderEngine):
-    bl_idname = "ENCRE"
+    bl_idname = ENGINE
     bl_label = "Encre"
     bl_use_preview = True
     bl_use_eevee_viewport = True

@@ -17,7 +17,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.errors import Cancelled, EncreError
-from . import cameras
+from . import ENGINE, cameras
 
 _SEED_STEP = 1013904223  # far from the seeds of the next frames, which are often the frame's number
 _switched = set()  # names of the scenes whose data are persistent for this render only
@@ -26,7 +26,7 @@ _switched = set()  # names of the scenes whose data are persistent for this rend
 @persistent
 def _begin(*_):
     for scene in bpy.data.scenes:  # a compositor's or sequencer's others get no render_init
-        wanted = scene.render.engine == "ENCRE" and getattr(getattr(scene, "encre", None), "supersample", 1) > 1
+        wanted = scene.render.engine == ENGINE and getattr(getattr(scene, "encre", None), "supersample", 1) > 1
         if wanted and not scene.render.use_persistent_data:
             scene.render.use_persistent_data = True
             _switched.add(scene.name)

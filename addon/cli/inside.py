@@ -28,7 +28,7 @@ def report(event, **more):
 def register():
     """Registers the package that this file is a part of as `encre`, in place of any other Encre."""
     for cls in bpy.types.RenderEngine.__subclasses__():
-        if getattr(cls, "bl_idname", "") != "ENCRE":
+        if getattr(cls, "bl_idname", "") != "ENCRE":  # of whatever version: ours is not loaded yet
             continue
         name = cls.__module__.removesuffix(".engine").removesuffix(".blender")  # before 0.2 the engine lay at the top
         package = sys.modules[name]
@@ -98,11 +98,11 @@ def mute(scene, path):
 
 def prepare(job, error):
     """Sets the scene up as the job asks. Nothing of it is saved."""
-    from encre.blender import papers, properties
+    from encre.blender import ENGINE, papers, properties
     from encre.pen import library, settings
 
     scene = bpy.context.scene
-    scene.render.engine = "ENCRE"
+    scene.render.engine = ENGINE
     for id_, value in job["values"].items():
         mute(scene, f"encre.{id_}")
         properties.set_value(scene.encre, id_, value)

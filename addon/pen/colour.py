@@ -6,8 +6,11 @@ import numpy as np
 
 def encode_srgb(linear):
     """IEC 61966-2-1, 0…1 in and out; what lies outside is clipped."""
-    x = np.clip(linear, 0, 1)
-    return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.power(x, 1 / 2.4) - 0.055)
+    return _encoded(np.clip(linear, 0, 1))
+
+
+def _encoded(x):
+    return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.power(np.maximum(x, 0), 1 / 2.4) - 0.055)
 
 
 def decode_srgb(encoded):
@@ -18,8 +21,7 @@ def decode_srgb(encoded):
 def control_values(linear):
     """Control values of scene-linear colours (n, 3 or more): -1 black ... 0 mid grey ... 1 white."""
     grey = np.asarray(linear, np.float64)[:, :3] @ (0.2126, 0.7152, 0.0722)
-    encoded = np.where(grey <= 0.0031308, 12.92 * grey, 1.055 * np.maximum(grey, 0) ** (1 / 2.4) - 0.055)
-    value = 2 * encoded - 1
+    value = 2 * _encoded(grey) - 1
     return np.where(np.abs(value) < 1 / 128, 0, value).astype(np.float32)  # 8-bit mid grey is neutral
 
 

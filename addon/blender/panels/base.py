@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What every panel has in common."""
 
-ENGINE = "ENCRE"
+from .. import ENGINE
 
 
 class EncrePanel:

@@ -5,7 +5,7 @@ import sys
 
 import bpy
 
-from .base import ENGINE
+from .. import ENGINE
 
 
 def _panels(cls=bpy.types.Panel):

@@ -6,6 +6,7 @@ import itertools
 import bmesh
 import bpy
 
+from .. import ENGINE
 from ..meshes import PART
 
 
@@ -70,7 +71,7 @@ class ENCRE_PT_marks(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.engine == "ENCRE" and ENCRE_OT_mark_part.poll(context)
+        return context.engine == ENGINE and ENCRE_OT_mark_part.poll(context)
 
     def draw(self, context):
         column = self.layout.column()
@@ -81,7 +82,7 @@ class ENCRE_PT_marks(bpy.types.Panel):
 
 
 def _menu(self, context):
-    if context.engine == "ENCRE":
+    if context.engine == ENGINE:
         self.layout.separator()
         for text, clear in (("Mark Line Part", False), ("Clear Line Part", True)):
             self.layout.operator("encre.mark_part", text=text).clear = clear

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 
 from ...pen import colour, library
-from .. import versions
+from .. import ENGINE, versions
 
 
 def attribute(mesh, control, create=True):
@@ -107,7 +107,7 @@ class ENCRE_PT_paint(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.engine == "ENCRE" and ENCRE_OT_paint.poll(context)
+        return context.engine == ENGINE and ENCRE_OT_paint.poll(context)
 
     def draw(self, context):
         layout, mesh = self.layout, context.object.data
