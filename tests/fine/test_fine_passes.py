@@ -19,7 +19,7 @@ class Check:
     """What was found, and what a pass should have; a set is compared but for what `unsure` names."""
 
     def __init__(self, c):
-        self.c, self.shape, self.count = c, c.layers.depth.shape, Counter()
+        self.c, self.shape, self.count = c, c.view.shape, Counter()
 
     def tables(self, name):
         return [Table(s.site, s.link) for s in self.c.every if s.name == name]
@@ -92,7 +92,7 @@ def lead(check):
     """Both rounds of joining ends."""
     before = (check.tables("crowded") or check.tables("smooth"))[-1]
     for after in check.tables("added")[-2:]:
-        links, corners, doubt = ends.lead_on(before, check.c.layers, check.c.params)
+        links, corners, doubt = ends.lead_on(before, check.c.view.layers, check.c.view.params)
         new = range(len(before), len(after))
         got = [p for p in (links_of(after) - links_of(before)).elements() if p[1] not in new]
         made = {tuple(sorted(after.links[i])): after.at[i] for i in new}

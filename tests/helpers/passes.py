@@ -8,10 +8,13 @@ from dataclasses import dataclass
 import built
 import numpy as np
 import shapes
-from encre import core
+from encre.pen.job import Camera
+from encre.pen.library import Library
+from reference import placed
 from reference.frame import Layers
 from reference.params import Params
-from reference.passes import FAMILIES, SITE
+from reference.passes import SITE
+from reference.view import View
 
 
 @dataclass
@@ -35,7 +38,7 @@ def _array(address, shape, kind):
 
 @functools.cache
 def library():
-    found = core.Library(str(built.probe_fine()))
+    found = Library(str(built.probe_fine()))
     found.lib.probe_snapshot.restype = c.POINTER(_Snapshot)
     return found
 
@@ -54,7 +57,6 @@ def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined
                               if k.link else np.zeros((0, 2), np.int32),
                               _array(k.light, shape, np.float32) if k.light else None,
                               _array(k.through, shape, np.uint8) if k.through else None))
-    assert every[0].site.dtype == SITE and FAMILIES
     return images, every
 
 
@@ -62,7 +64,7 @@ def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined
 
 ALL = dict(edge_threshold=0.1, edge_color=2.0, edge_light=3.0, edge_material=0.7, edge_seen=2.0)
 STYLES = [{"edge_normal": 2.0, "edge_depth": 0.2}, {"shade_levels": [(0.2,), (0.7, 0.4, 0)], "shade_exposure": 1.2}]
-ORTHO = core.Camera(orthographic=True, height=5.0)
+ORTHO = Camera(orthographic=True, height=5.0)
 CASES = {  # how shapes() draws it, the scene, styles, camera
     "faces": (dict(seed=0), {}, (), None),
     "things": (dict(seed=1, things=2), dict(contrast_metric="CIE76", color_layer="LIT"), (), ORTHO),
@@ -80,22 +82,31 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
 class Case:
     images: dict
     every: list  # of Snapshot
-    layers: Layers
-    params: Params
-    given: tuple
-    crease_angle: float
+    view: View
 
     def named(self, name):
         return next(s for s in self.every if s.name == name)
 
 
 @functools.cache
-def case(name):
+def _given(name):
     how, scene, styles, camera = CASES[name]
-    layers, scene = shapes.shapes(**how), {**ALL, **scene}
-    images, every = run(layers, scene, styles, camera)
-    camera = camera or core.Camera()
+    layers, scene, camera = shapes.shapes(**how), {**ALL, **scene}, camera or Camera()
     told = dict(orthographic=camera.orthographic, height=camera.height, view=camera.view)
+    own = Layers(layers, len(styles), told, None)
     known = {k: v for k, v in scene.items() if k != "crease_angle"}
-    return Case(images, every, Layers(layers, len(styles), told, None), Params(known, styles), tuple(layers),
-                scene.get("crease_angle", 20.0))
+    return layers, scene, View(own, Params(known, styles), tuple(layers), scene.get("crease_angle", 20.0))
+
+
+@functools.cache
+def wanted(name):
+    """What the reference finds, as placed.find() gives it."""
+    return placed.find(_given(name)[2])
+
+
+@functools.cache
+def case(name):
+    """What the library finds."""
+    _, _, styles, camera = CASES[name]
+    layers, scene, view = _given(name)
+    return Case(*run(layers, scene, styles, camera), view)

@@ -7,9 +7,8 @@ from collections import Counter
 import numpy as np
 import passes
 import pytest
-from reference import placed
 from reference.passes import FAMILIES
-from reference.view import SURE, View
+from reference.view import SURE
 
 OFF = dict(x=2e-5, y=2e-5, strength=5e-5, thin=1e-4, half=5e-5, inside=5e-5)  # single floats, and divisions of them
 LEAST = dict(crack=800, thin=40, mark=250, normal_band=150, normal=800, color_band=300, color=1000, light_band=40,
@@ -26,8 +25,7 @@ def found_by_c(c):
 def compare(name):
     """Counts by family of what was compared and of what rounding may decide, and a list of what is wrong."""
     c = passes.case(name)
-    view = View(c.layers, c.params, c.given, c.crease_angle)
-    want, more = placed.find(view)
+    view, (want, more) = c.view, passes.wanted(name)
     got, sure, open_, wrong = found_by_c(c), Counter(), Counter(), []
     for key in sorted(set(got) | set(want)):
         family, row, column, axis = key

@@ -8,10 +8,10 @@ import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "scalar"
 PASSES = ("light_even", "seen_run", "fine_drop_weak", "fine_drop_crumbs", "fine_link", "thin_tie", "fine_smooth",
-          "fine_crowd", "fine_drop_beside", "fine_cut_spurs", "fine_add_links")  # that tests/probe_fine.c looks at
+          "fine_crowd", "fine_drop_beside", "fine_cut_spurs", "fine_add_links")  # that probe_fine.c looks at
 
 
 def _commands(out):
@@ -42,10 +42,10 @@ def objects(out):
     return link, compile_
 
 
-def probe_fine():
-    """Path of the library with tests/probe_fine.c between the passes."""
-    out = BUILD / "probe_fine.so"
-    source = ROOT / "tests" / "probe_fine.c"
+def probe_fine(name="probe_fine"):
+    """Path of the library with probe_fine.c between the passes."""
+    out = BUILD / f"{name}.so"
+    source = ROOT / "tests" / "helpers" / "probe_fine.c"
     link, compile_ = objects(out)
     made = BUILD / "probe_fine.o"
     if not made.exists() or made.stat().st_mtime_ns <= max(p.stat().st_mtime_ns for p in
