@@ -36,11 +36,15 @@ def _array(address, shape, kind):
     return np.frombuffer(c.string_at(address, size), kind).reshape(shape)
 
 
-@functools.cache
-def library():
-    found = Library(str(built.probe_fine()))
+def load(name):
+    found = Library(str(built.probe_fine(name)))
     found.lib.probe_snapshot.restype = c.POINTER(_Snapshot)
     return found
+
+
+@functools.cache
+def library():
+    return load("probe_fine")
 
 
 def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined")):
