@@ -18,7 +18,7 @@ LEAST = dict(crack=800, thin=40, mark=250, normal_band=150, normal=800, color_ba
 
 def found_by_c(c):
     """{(family, row, column, axis): site}; what later passes drop is there still."""
-    return {(FAMILIES[s["family"]], int(s["row"]), int(s["column"]), int(s["axis"])): s for s in c.named("owned").site}
+    return {(FAMILIES[s["family"]], int(s["row"]), int(s["column"]), int(s["axis"])): s for s in c.named("gather").site}
 
 
 @functools.cache
@@ -53,7 +53,7 @@ def compare(name):
         if (s["near_y"], s["near_x"]) != near:
             wrong.append((key, "near", s["near_y"], s["near_x"], near))
     if more["through"] is not None:
-        mirror = c.named("through").through > 0
+        mirror = c.named("see through").through > 0
         wrong += [("through", *p) for p in np.argwhere((mirror != more["through"]) & ~more["through_unsure"])]
     return sure, open_, wrong
 

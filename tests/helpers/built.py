@@ -8,10 +8,9 @@ import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
 BUILD = ROOT / "build" / "scalar"
-PASSES = ("light_even", "seen_run", "fine_drop_weak", "fine_drop_crumbs", "fine_link", "thin_tie", "fine_smooth",
-          "fine_crowd", "fine_drop_beside", "fine_cut_spurs", "fine_add_links")  # that probe_fine.c looks at
 
 
 def _commands(out):
@@ -43,16 +42,15 @@ def objects(out):
 
 
 def probe_fine(name="probe_fine"):
-    """Path of the library with probe_fine.c between the passes."""
-    out = BUILD / f"{name}.so"
-    source = ROOT / "tests" / "helpers" / "probe_fine.c"
+    """Path of the library with probe_fine.c in place of FINE's table of passes."""
+    out, source, made = BUILD / f"{name}.so", HERE / "probe_fine.c", BUILD / "probe_fine.o"
     link, compile_ = objects(out)
-    made = BUILD / "probe_fine.o"
-    if not made.exists() or made.stat().st_mtime_ns <= max(p.stat().st_mtime_ns for p in
-                                                           (source, *(ROOT / "csrc").rglob("*.h"))):
+    newest = max(p.stat().st_mtime_ns for p in (source, *(ROOT / "csrc").rglob("*.[ch]")))
+    if not made.exists() or made.stat().st_mtime_ns <= newest:
         own = list(compile_[0])
         own[own.index("-c") + 1], own[-1] = str(source), str(made)
         _run(own)
-    wraps = [f"-Wl,--wrap={name}_base" for name in PASSES]
-    _run([*link[:link.index("-o")], str(made), *wraps, *link[link.index("-o"):]])
+    replaced = str(BUILD / "fine-base.o")
+    assert link.count(replaced) == 1
+    _run([*(str(made) if part == replaced else part for part in link), "-Wl,--wrap=fine_add_links_base"])
     return out

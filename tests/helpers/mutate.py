@@ -162,8 +162,8 @@ class Copy:
         import passes
         from reference import ends
         from reference import passes as twins
-        for module, name in [(twins, name) for name in ("owned", "weak", "crumbs", "crack_links", "ridge_links", "ties",
-                                                        "smooth", "crowd", "beside", "spurs")] + [(ends, "lead_on")]:
+        for module, name in [(twins, name) for name in ("crack_links", "ridge_links", "ties", "smooth", "crowd", "beside",
+                                                        "spurs")] + [(ends, "lead_on")]:
             setattr(module, name, _remembering(getattr(module, name)))
         passes.library = functools.cache(lambda: passes.load("probe_0"))
         if self._pytest(["tests/fine/test_fine_sites.py", "tests/fine/test_fine_passes.py"]):
@@ -272,7 +272,8 @@ def _remembering(function):
 
 def every_mutant(root):
     return {path: found for path in sorted(str(p.relative_to(root)) for p in (root / "csrc").rglob("*.[ch]"))
-            if not path.endswith((".rows.h", "encre.h"))
+            if not path.endswith(("encre.h", "invariants.c", "invariants.h"))
+            and (not path.endswith(".rows.h") or path.endswith("families.rows.h"))
             and (found := mutants_of(path, (root / path).read_text(encoding="utf-8")))}
 
 

@@ -70,13 +70,13 @@ ALL = dict(edge_threshold=0.1, edge_color=2.0, edge_light=3.0, edge_material=0.7
 STYLES = [{"edge_normal": 2.0, "edge_depth": 0.2}, {"shade_levels": [(0.2,), (0.7, 0.4, 0)], "shade_exposure": 1.2}]
 ORTHO = Camera(orthographic=True, height=5.0)
 CASES = {  # how shapes() draws it, the scene, styles, camera
-    "faces": (dict(seed=0), {}, (), None),
-    "things": (dict(seed=1, things=2), dict(contrast_metric="CIE76", color_layer="LIT"), (), ORTHO),
+    "faces": (dict(seed=0), dict(crease_angle=100.0), (), None),
+    "things": (dict(seed=1, things=2), dict(contrast_metric="CIE76", color_layer="LIT", crease_angle=75.0), (), ORTHO),
     "wires": (dict(seed=2, wires=2, size=(40, 40)), dict(contrast_metric="CIEDE2000", edge_material=0.0), (), None),
-    "mirror": (dict(seed=3, mirror=True), dict(contrast_metric="CMC", contrast_max=0.5), (), None),
+    "mirror": (dict(seed=3, mirror=True), dict(contrast_metric="CMC", contrast_max=0.5, crease_angle=90.0), (), None),
     "noise": (dict(seed=4, noise=0.02), dict(edge_threshold=0.0, crease_angle=35.0), (), ORTHO),
     "styles": (dict(seed=5, things=1, wires=1, painted=True, styles=2, mirror=True), {}, STYLES, None),
-    "dim mirror": (dict(seed=13, mirror=True, noise=0.01), dict(edge_threshold=0.4), (), ORTHO),
+    "dim mirror": (dict(seed=13, mirror=True, noise=0.01), dict(edge_threshold=0.4, crease_angle=70.0), (), ORTHO),
     "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
     "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
 }

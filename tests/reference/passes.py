@@ -12,7 +12,7 @@ CRACKS = {"crack", "mark", "light"}
 ROW, COLUMN, JUNCTION = 0, 1, 2
 SITE = np.dtype([*((name, np.float32) for name in ("x", "y", "strength", "thin", "half", "inside", "crowd")),
                  *((name, np.int32) for name in ("column", "row", "near_x", "near_y", "family", "axis", "source",
-                                                 "dropped", "crumb", "weak")), ("step", np.int32, 3)])
+                                                 "dropped", "crumb", "held", "weak")), ("step", np.int32, 3)])
 CLOSE = 1e-5  # pixels: lengths that differ by less may come out either way
 NUMBER = {name: k for k, name in enumerate(FAMILIES)}
 RANK = np.array([0, 0, 1, 1, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4])
@@ -65,18 +65,18 @@ class Table:
         return float(np.hypot(*(self.at[i] - self.at[j])))
 
 
-# Clear of what is older: 1.5 pixels, a step 2 of a band in the same layer
+# What a family may keep: what is clear of the older ones by 1.5 pixels, a step by 2 of a band in the same layer
 
 
 def owned(t, family):
-    """(which sites of a family are, unsure); `dropped` of the older ones is known."""
-    gone, unsure = {}, {}
+    """(which sites of a family are not, whether rounding may say otherwise); `dropped` of the older ones is known."""
+    gone, unsure = set(), False
     old = (t.family < family) & ~t.dropped
     clear = np.where((t.family == family - 1) & np.isin(t.family, BANDS), 2.0, 1.5)
     for i in np.flatnonzero(t.family == family):
         margin = (clear - np.hypot(*(t.at - t.at[i]).T))[old]
-        gone[i] = bool((margin > 0).any())
-        unsure[i] = abs(margin.max(initial=-1)) < CLOSE
+        gone |= {int(i)} if (margin > 0).any() else set()
+        unsure |= abs(margin.max(initial=-1)) < CLOSE
     return gone, unsure
 
 
@@ -93,17 +93,17 @@ def close_sites(t, i, reach=1.6):
 
 
 def weak(t, family):
-    """Which sites are dropped: weak ones of a stripe in colours that hang together with no other."""
-    own = [i for i in np.flatnonzero(t.family == family) if not t.dropped[i]]
+    """(which weak sites of a stripe in colours hang together with no other, which with one that is not weak)."""
     if family != NUMBER["color_band"]:
-        return set()
-    kept = {i for i in own if not t.site["weak"][i]}
-    growing = list(kept)
+        return set(), set()
+    own = {int(i) for i in np.flatnonzero((t.family == family) & ~t.dropped)}
+    strong = {i for i in own if not t.site["weak"][i]}
+    kept, growing = set(strong), list(strong)
     while growing:
         new = set(close_sites(t, growing.pop())) - kept
         kept |= new
         growing += new
-    return set(own) - kept
+    return own - kept, kept - strong
 
 
 def crumbs(t, family):
