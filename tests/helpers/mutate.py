@@ -162,9 +162,9 @@ class Copy:
         import passes
         from reference import ends
         from reference import passes as twins
-        for module, name in [(twins, name) for name in ("crack_links", "ridge_links", "ties", "smooth", "crowd", "beside",
-                                                        "spurs")] + [(ends, "lead_on")]:
-            setattr(module, name, _remembering(getattr(module, name)))
+        for name in ("crack_links", "ridge_links", "ties", "smooth", "crowd", "beside", "spurs"):
+            setattr(twins, name, _remembering(getattr(twins, name)))
+        ends.lead_on = _remembering(ends.lead_on)
         passes.library = functools.cache(lambda: passes.load("probe_0"))
         if self._pytest(["tests/fine/test_fine_sites.py", "tests/fine/test_fine_passes.py"]):
             raise SystemExit("mutate: the twins fail before anything is changed")
@@ -208,7 +208,11 @@ class Copy:
         assert line[mutant.column:].startswith(mutant.old)
         lines[mutant.line - 1] = line[:mutant.column] + mutant.new + line[mutant.column + len(mutant.old):]
         self.runs += 1
-        objects = {p: p.stat().st_mtime_ns for p in self.built.BUILD.glob("*.o")}
+        stamp, kept = path.stat(), self.built.BUILD.with_name("kept")
+        kept.mkdir(exist_ok=True)
+        for made in self.built.BUILD.glob("*.o"):
+            os.replace(made, kept / made.name)
+            os.link(kept / made.name, made)  # a compiler unlinks what it writes anew
         try:
             path.write_text("\n".join(lines), encoding="utf-8")
             try:
@@ -219,9 +223,9 @@ class Copy:
             return self.fails(tests_of(mutant.path))
         finally:
             path.write_text(was, encoding="utf-8")
-            for made in self.built.BUILD.glob("*.o"):
-                if made.stat().st_mtime_ns != objects.get(made):
-                    made.unlink()
+            os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+            for made in kept.glob("*.o"):
+                os.replace(made, self.built.BUILD / made.name)
             (self.built.BUILD / f"probe_{self.runs}.so").unlink(missing_ok=True)
 
 

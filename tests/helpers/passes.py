@@ -77,6 +77,9 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
     "noise": (dict(seed=4, noise=0.02), dict(edge_threshold=0.0, crease_angle=35.0), (), ORTHO),
     "styles": (dict(seed=5, things=1, wires=1, painted=True, styles=2, mirror=True), {}, STYLES, None),
     "dim mirror": (dict(seed=13, mirror=True, noise=0.01), dict(edge_threshold=0.4, crease_angle=70.0), (), ORTHO),
+    "gentle": (dict(seed=16, strong=0.12, mirror=True),
+               dict(edge_threshold=0.02, contrast_threshold=0.0, crease_angle=12.0,
+                    shade_levels=[(0.3,), (0.5, 0.68), (0.6, 0.72), (0.8, 0.78), (1.0, 0.83)]), (), None),
     "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
     "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
 }
@@ -93,7 +96,7 @@ class Case:
 
 
 @functools.cache
-def _given(name):
+def given(name):
     how, scene, styles, camera = CASES[name]
     layers, scene, camera = shapes.shapes(**how), {**ALL, **scene}, camera or Camera()
     told = dict(orthographic=camera.orthographic, height=camera.height, view=camera.view)
@@ -105,12 +108,12 @@ def _given(name):
 @functools.cache
 def wanted(name):
     """What the reference finds, as placed.find() gives it."""
-    return placed.find(_given(name)[2])
+    return placed.find(given(name)[2])
 
 
 @functools.cache
 def case(name):
     """What the library finds."""
     _, _, styles, camera = CASES[name]
-    layers, scene, view = _given(name)
+    layers, scene, view = given(name)
     return Case(*run(layers, scene, styles, camera), view)

@@ -30,21 +30,27 @@ def _patches(rng, size, kinds, values):
     return mean
 
 
-def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True):
+def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
+           strong=1.0):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so."""
     rng = np.random.default_rng(seed)
     height, width = size
     y, x = np.mgrid[:height, :width].astype(float)
 
     def normal():
-        v = rng.standard_normal(3)
+        v = rng.standard_normal(3) if strong == 1 else (0, 0, 1) + strong * rng.standard_normal(3)
         return v / np.linalg.norm(v)
+
+    def color():
+        return 0.4 + strong * (rng.uniform(0, 1, 3) - 0.4)
 
     kinds = ("half", "half", "stripe", "disc", "stripe") if busy else ()
     layers = {"normal": _patches(rng, size, kinds[1:], normal),
-              "albedo": _patches(rng, size, kinds, lambda: rng.uniform(0, 1, 3)),
-              "diffuse": _patches(rng, size, ("half", "stripe")[:2 * busy], lambda: np.full(3, rng.uniform(0.1, 1.4)))}
-    layers["diffuse"] *= (0.7 + 0.5 * np.sin(rng.uniform(0.05, 0.2) * x + rng.uniform(0.05, 0.2) * y))[..., None]
+              "albedo": _patches(rng, size, kinds, color),
+              "diffuse": _patches(rng, size, ("half", "stripe")[:2 * busy],
+                                  lambda: np.full(3, 0.8 + strong * rng.uniform(-0.7, 0.6)))}
+    wave = np.sin(rng.uniform(0.05, 0.2) * x + rng.uniform(0.05, 0.2) * y)
+    layers["diffuse"] *= (1 + strong * (0.5 * wave - 0.3))[..., None]
     layers["depth"] = 6 + 0.02 * x + 0.03 * y + rng.uniform(0, 0.002) * x * y
     layers["object"], layers["material"] = np.zeros(size), np.zeros(size)
     fy, fx = (np.mgrid[:height * FINER, :width * FINER] + 0.5) / FINER - 0.5
@@ -70,15 +76,14 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     if mirror:
         glass = _cover(rng, y, x, "half", size)[..., None]
         layers["seen_normal"] = np.where(glass, _patches(rng, size, kinds, normal), layers["normal"])
-        layers["seen_color"] = np.where(glass, _patches(rng, size, kinds, lambda: rng.uniform(0, 1, 3)),
-                                        layers["albedo"])
+        layers["seen_color"] = np.where(glass, _patches(rng, size, kinds, color), layers["albedo"])
         far = _patches(rng, size, ("half", "stripe"), lambda: np.array([rng.uniform(7, 30)]))
         layers["seen_depth"] = np.where(glass[..., 0], far[..., 0], layers["depth"])
     if noise:
         for name in ("normal", "albedo", "diffuse", *(("seen_normal", "seen_color") if mirror else ())):
             layers[name] = layers[name] * (1 + noise * rng.standard_normal(layers[name].shape))
     if painted:
-        layers["controls"] = np.where(rng.random((*size, 1)) < 0.7, 0, rng.uniform(-1, 1, (*size, 6)))
+        layers["controls"] = np.where(rng.random((*size, 1)) < 0.7, 0, rng.uniform(-0.3, 0.3, (*size, 6)))
     if styles:
         layers["style"] = np.minimum(_patches(rng, size, ("half", "disc"), lambda: rng.integers(0, styles + 1, 1)),
                                      styles).round()[..., 0]
