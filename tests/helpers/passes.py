@@ -79,7 +79,7 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
     "dim mirror": (dict(seed=13, mirror=True, noise=0.01), dict(edge_threshold=0.4, crease_angle=70.0), (), ORTHO),
     "gentle": (dict(seed=16, strong=0.12, mirror=True),
                dict(edge_threshold=0.02, contrast_threshold=0.0, crease_angle=12.0,
-                    shade_levels=[(0.3,), (0.5, 0.68), (0.6, 0.72), (0.8, 0.78), (1.0, 0.83)]), (), None),
+                    shade_levels=[(0.3,), (0.5, 0.68, 0), (0.6, 0.72, 0), (0.8, 0.78, 0), (1.0, 0.83, 0)]), (), None),
     "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
     "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
 }

@@ -333,7 +333,6 @@ def beside(t, shape):
         # what an older rank dropped is gone for the next, but not what the same one drops
         left = [i for i in np.flatnonzero(~t.dropped & (t.rank == rank)) if i not in gone]
         marked |= {i: along(i, False) for i in left}
-        kept -= set(left)
         for (its, length, *_), k in weights:
             if its != rank:
                 continue
