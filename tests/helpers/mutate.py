@@ -28,7 +28,7 @@ LIMIT = 60  # seconds a mutant's tests may take: what hangs is noticed
 
 # The nearest tests of a file or folder: the first that fits; one after another, the likeliest to notice first.
 TESTS = (
-    ("csrc/fine/", "fine/test_fine_sites.py", "fine/test_fine_passes.py",
+    ("csrc/fine/", "fine/test_fine_sites.py", "fine/test_fine_passes.py", "fine/test_fine_ink.py",
      "fine/test_fine.py fine/test_fine_chains.py -k 'not calm and not still'"),
     ("csrc/edges/", "stages/test_edges.py", "fine/test_fine_sites.py"),
     ("csrc/ink/capsules.c", "fine/test_fine_ink.py", "fine/test_fine.py -k 'not calm and not still'"),
@@ -211,8 +211,7 @@ class Copy:
         stamp, kept = path.stat(), self.built.BUILD.with_name("kept")
         kept.mkdir(exist_ok=True)
         for made in self.built.BUILD.glob("*.o"):
-            os.replace(made, kept / made.name)
-            os.link(kept / made.name, made)  # a compiler unlinks what it writes anew
+            shutil.copy2(made, kept / made.name)
         try:
             path.write_text("\n".join(lines), encoding="utf-8")
             try:

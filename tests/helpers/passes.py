@@ -80,6 +80,8 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
     "gentle": (dict(seed=16, strong=0.12, mirror=True),
                dict(edge_threshold=0.02, contrast_threshold=0.0, crease_angle=12.0,
                     shade_levels=[(0.3,), (0.5, 0.68, 0), (0.6, 0.72, 0), (0.8, 0.78, 0), (1.0, 0.83, 0)]), (), None),
+    "near": (dict(seed=21, strong=0.1, things=2, wires=1), dict(edge_threshold=0.15, edge_color=1.0, crease_angle=8.0),
+             (), None),
     "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
     "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
 }

@@ -61,12 +61,15 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
         hit = _cover(rng, y, x, "disc" if k < things else "stripe", size)
         share = part.reshape(height, FINER, width, FINER).mean((1, 3))[..., None]
         z = rng.uniform(2, 5.9)
-        layers["depth"] = np.where(hit, z + 0.01 * x, layers["depth"])
-        layers["object"] = np.where(hit, k + 1 if rng.random() < 0.7 else 0, layers["object"])
-        layers["material"] = np.where(hit, k % 2, layers["material"])
+        if strong < 1:  # nothing but depth tells, and hardly
+            layers["depth"] = np.where(hit, layers["depth"] * (1 - 0.02 * z * strong), layers["depth"])
+        else:
+            layers["depth"] = np.where(hit, z + 0.01 * x, layers["depth"])
+            layers["object"] = np.where(hit, k + 1 if rng.random() < 0.7 else 0, layers["object"])
+            layers["material"] = np.where(hit, k % 2, layers["material"])
         layers["normal"] = share * normal() + (1 - share) * layers["normal"]
         layers["albedo"] = share * rng.uniform(0, 1, 3) + (1 - share) * layers["albedo"]
-    if things and rng.random() < 0.5:
+    if things and strong == 1 and rng.random() < 0.5:
         sky = _cover(rng, y, x, "disc", size)
         layers["depth"] = np.where(sky, 1e10, layers["depth"])
         layers["normal"] = np.where(sky[..., None], 0, layers["normal"])
