@@ -125,7 +125,8 @@ class ExtensionZip(Command):
         print(out)
 
 
-setup(
-    ext_modules=[Extension("encre.libencre", [])],
-    cmdclass={"build_ext": BuildLibrary, "bdist_wheel": Wheel, "extension": ExtensionZip},
-)
+if __name__ == "__main__":  # tests take commands() from here
+    setup(
+        ext_modules=[Extension("encre.libencre", [])],
+        cmdclass={"build_ext": BuildLibrary, "bdist_wheel": Wheel, "extension": ExtensionZip},
+    )

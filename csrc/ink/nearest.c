@@ -157,7 +157,8 @@ static bool nearest_site(const fine *n, int x, int y, float reach, float way[2])
 	float limit = reach * reach * 1.0001f + 1e-4f, best = limit;
 	for (int k = 0; k < 2 * n->tall; k++) { /* rows of cells: own, one below, one above, two below... */
 		int row = y / CELL + (k % 2 ? (k + 1) / 2 : -(k / 2));
-		float ahead = (float)(k / 2 * CELL - 1); /* a site may lie outside of the frame, and so of its cell */
+		/* to the rows beyond the last ones; a site may lie outside of the frame, and so of its cell */
+		float ahead = (float)(((k + 1) / 2 - 1) * CELL - 1);
 		if (ahead > 0 && ahead * ahead > best)
 			break;
 		if (row < 0 || row >= n->tall)

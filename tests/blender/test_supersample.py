@@ -115,6 +115,28 @@ def test_marks_keep_their_place():
     assert np.allclose(small, wanted)
 
 
+def test_of_marks_on_one_way_the_first_line_is_kept_then_the_first_seam():
+    rng = np.random.default_rng(1)
+    marks = np.zeros((8, 12, 3), np.float32)
+    marks[..., :2] = rng.choice([0, 0.25, 0.5, -0.25, -1], marks[..., :2].shape)
+    small = supersample.shrink("Encre Marks", marks, 4)
+    for axis in (0, 1):
+        for row, column in np.ndindex(*small.shape[:2]):
+            y, x = 4 * row + 2, 4 * column + 2
+            way = [marks[y + k * axis, x + k * (1 - axis), axis] for k in range(4)
+                   if y + k * axis < 8 and x + k * (1 - axis) < 12]
+            found = [(part < 0, k, part) for k, part in enumerate(way) if part]
+            seam, k, part = min(found, default=(False, 0, 0))
+            assert small[row, column, axis] == (k + abs(part)) / 4 * (-1 if seam else 1) if found else 0
+
+
+def test_every_sub_frame_has_noise_of_its_own(render):
+    """With one seed for all, the mean of four would be as noisy as each."""
+    shot = render("noise")
+    noise = {name: np.diff(shot.passes(name)["DiffDir"][2:-2, 2:-2, 0], axis=1).std() for name in ("one", "two")}
+    assert 0.01 < noise["two"] < 1.8 * noise["one"]
+
+
 def test_pixels_are_of_the_frame():
     """With lengths in pixels the library multiplies them; relative ones follow the frame's height by themselves."""
     rng = np.random.default_rng(0)

@@ -30,6 +30,21 @@ def test_stretch_and_shear():
     assert np.abs(form - (1, -0.5, 1.25)).max() < 1e-5
 
 
+def test_a_corner_has_the_mean_of_its_triangles_by_their_area():
+    """Two halves of a texture, of which the right is three times as wide as the left and its surface half as long."""
+    uv = np.array([(0, 0), (0.25, 0), (0.25, 1), (0, 1), (1, 0), (1, 1)])
+    points = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2.5, 0, 0), (2.5, 1, 0)], float)
+    corners = np.array([(0, 1, 2), (0, 2, 3), (1, 4, 5), (1, 5, 2)])
+    width = 64
+    form = unwrap.form(unwrap.Unwrapped(points, corners, uv[corners]), width, width)
+    texel = np.sqrt(2.5) / width  # of mean size
+    left, right = 1 / 16 / texel, 1.5 / 48 / texel
+    # (1, 0, 0) has one triangle of an eighth of the texture and two of three eighths; (1, 1, 0) two and one
+    for row, small, large in ((-1, 1, 2), (0, 2, 1)):
+        mean = (small * left + 3 * large * right) / (small + 3 * large)
+        assert np.sqrt(form[row, 15:17, 0]).mean() == pytest.approx(mean, rel=0.03)
+
+
 def test_outside_the_islands():
     """Nothing is known there but near the border, where lines of the island reach."""
     form = unwrap.form(plane([(u / 2, v / 2) for u, v in SQUARE], ((0, 0, 0), (4, 0, 0), (4, 1, 0), (0, 1, 0))), 64, 64)

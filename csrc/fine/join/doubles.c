@@ -85,7 +85,7 @@ static void find_near(void *data, int first, int end, int thread)
 	const beside *b = data;
 	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++)
 		if (!b->n->site[i].linked.dropped && rank_of(b->n->site + i) == b->rank)
-			b->mark[i] = runs_along(b, i, false) ? BESIDE : 0;
+			b->mark[i] |= runs_along(b, i, false) ? BESIDE : 0; /* an older chain may have KEPT it */
 }
 
 /* ---- chains ---------------------------------------------------------------------------------------------- */

@@ -10,12 +10,13 @@ import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import baking  # noqa: E402
+import details  # noqa: E402
 import failures  # noqa: E402
 import geometry  # noqa: E402
 import pictures  # noqa: E402
 import supersampling  # noqa: E402
 
-CASES = {name: case for topic in (pictures, geometry, failures, supersampling, baking)
+CASES = {name: case for topic in (pictures, geometry, failures, supersampling, baking, details)
          for name, case in vars(topic).items()}
 
 case, folder = sys.argv[sys.argv.index("--") + 1:]

@@ -188,3 +188,18 @@ def supersampled_cancelled(out):
     supersample.Gathered.take = take
     fact("error", shoot(out, "again"))
     fact("sessions", [len(made), len(freed)])
+
+
+def noise(out):
+    """A floor under a large lamp, by as many samples at once and in sub-frames."""
+    scene = stage(48, 32, 16)
+    for name in ("Cube", "Ball", "Sun"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    lamp = link("Lamp", bpy.data.lights.new("Lamp", "AREA"), (0, 0, 2))
+    lamp.data.energy, lamp.data.size = 300, 4
+    scene.camera.rotation_euler = (radians(60), 0, 0)
+    scene.encre.light_denoise = "NONE"
+    scene.view_layers[0].use_pass_diffuse_direct = True
+    for name, factor in (("one", 1), ("two", 2)):
+        scene.encre.supersample = factor
+        shoot(out, name)

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cases that render next to nothing: what is read of a scene, what panels show, what operators do."""
+
+import bpy
+from studio import cube, fact, link, shoot, stage
+
+
+def details(out):
+    scene = stage(32, 18, 1)
+    _groups()
+    _threads(scene, out)
+    _rules(scene)
+    _operators()
+
+
+def _groups():
+    """The object numbers of instances, by the name of what they show; those of a line group share one."""
+    from encre.blender import meshes
+
+    for group in ("", "pair"):
+        inside = bpy.data.collections.new(f"Inside {group}")
+        cube(f"Inner {group}", (0, 0, 0), 0.2, collection=inside).encre.line_group = group
+        for k in range(3):
+            empty = link(f"Copy {group} {k}", None, (k, 1, 0))
+            empty.instance_type, empty.instance_collection = "COLLECTION", inside
+    bpy.data.objects["Cube"].encre.line_group = "pair"
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    names = [i.object.name for i in depsgraph.object_instances if i.object.type == "MESH"]
+    numbers = meshes.extract(depsgraph, True, None).numbers[1:]
+    fact("numbers", [[name, float(number)] for name, number in zip(names, numbers, strict=True)])
+
+
+def _threads(scene, out):
+    """How many threads the library is asked for."""
+    from encre.pen import library
+
+    asked, own = [], (library.render, library.raster)
+
+    def watch(call):
+        def watched(*args, **more):
+            asked.append(more["threads"] if "threads" in more else args[9])
+            return call(*args, **more)
+        return watched
+
+    library.render, library.raster = map(watch, own)
+    for mode in ("FIXED", "AUTO"):
+        scene.render.threads_mode, scene.render.threads = mode, 3
+        shoot(out, mode)
+        fact(mode, asked[:])
+        asked.clear()
+    library.render, library.raster = own
+
+
+def _rules(scene):
+    """Whether Full Contrast can be set: where Local Contrast is off."""
+    from encre.blender.panels import stages
+    from encre.pen import library
+
+    rule = library.params()["contrast_max"].enabled_if
+    settings = scene.encre
+    for detector, auto in (("CONTRAST", False), ("CONTRAST", True), ("DOG", False)):
+        settings.color_detector, settings.contrast_auto = detector, auto
+        fact("enabled", [rule, detector, auto, stages.enabled(settings, rule)])
+
+
+def _operators():
+    """The options of all operators, and the colours that the brush gets."""
+    from encre.pen import colour
+
+    operators = [cls for cls in bpy.types.Operator.__subclasses__() if cls.__name__.startswith("ENCRE_OT_")]
+    fact("options", {cls.__name__: sorted(cls.bl_options) for cls in operators})
+    ball = bpy.data.objects["Ball"]
+    bpy.context.view_layer.objects.active = ball
+    bpy.ops.object.mode_set(mode="VERTEX_PAINT")
+    paint = bpy.context.tool_settings.vertex_paint
+    fact("brush", paint.brush is not None)
+    if paint.brush is None:
+        return
+    unified = getattr(paint, "unified_paint_settings", None) or bpy.context.tool_settings.unified_paint_settings
+    for value in (-1.0, 0.0, 0.5, 1.0):
+        bpy.ops.encre.brush(value=value)
+        shade = (unified if unified.use_unified_color else paint.brush).color[0]
+        fact("shade", [value, float(shade), float(colour.encode_srgb(shade))])

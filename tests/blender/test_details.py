@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the add-on reads of a scene, what its panels show and what its operators do, without much rendering."""
+
+import blenders
+import pytest
+
+
+@pytest.fixture(params=blenders.params(), scope="module")
+def facts(request, tmp_path_factory):
+    return blenders.run(request.param, "details", tmp_path_factory.mktemp("details")).facts
+
+
+def test_instances_of_a_line_group_have_one_number_and_others_each_its_own(facts):
+    numbers = facts["numbers"][0]
+    pair = {number for name, number in numbers if name in ("Inner pair", "Cube")}
+    alone = [number for name, number in numbers if name == "Inner "]
+    assert len(pair) == 1 and len(set(alone)) == len(alone) == 3 and not pair & set(alone)
+
+
+def test_the_library_has_the_scenes_threads(facts):
+    assert len(facts["FIXED"][0]) == 2 and set(facts["FIXED"][0]) == {3}
+    assert len(facts["AUTO"][0]) == 2 and set(facts["AUTO"][0]) == {0}
+
+
+def test_what_has_no_effect_is_greyed_out(facts):
+    for rule, detector, auto, enabled in facts["enabled"]:
+        assert "!contrast_auto" in rule
+        assert enabled == (detector == "CONTRAST" and not auto)
+
+
+def test_whatever_changes_the_scene_can_be_undone(facts):
+    options = facts["options"][0]
+    assert len(options) > 8
+    assert [name for name, own in options.items() if "UNDO" not in own and name not in KEEPS] == []
+
+
+KEEPS = {"ENCRE_OT_bake"}  # writes files
+
+
+def test_the_brush_paints_what_is_asked(facts):
+    """In 8 bits: neutral is the grey that new attributes have."""
+    if not facts["brush"][0]:
+        pytest.skip("this Blender has no brush without a window")
+    for value, shade, encoded in facts["shade"]:
+        wanted = {-1: 0, 0: 128, 0.5: 191.25, 1: 255}[value] / 255
+        assert min(abs(encoded - wanted), abs(shade - wanted)) < 1e-4

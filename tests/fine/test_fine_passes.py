@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The passes of FINE over its sites, each against its twin on what the one before has left."""
+
+import functools
+from collections import Counter
+
+import numpy as np
+import passes
+import pytest
+from reference import ends
+from reference import passes as twin
+from reference.passes import NUMBER, Table
+
+LEAST = dict(owned=1400, weak=40, held=40, crumbs=400, links=2000, ties=40, smooth=1500, crowded=400, led=300,
+             corners=25, beside=40, spurs=12)  # found over all cases
+
+
+class Check:
+    """What was found, and what a pass should have; a set is compared but for what `unsure` names."""
+
+    def __init__(self, c):
+        self.c, self.shape, self.count = c, c.view.shape, Counter()
+
+    def tables(self, name):
+        return [Table(s.site, s.link) for s in self.c.every if s.name == name]
+
+    def alike(self, name, want, got, unsure=()):
+        want, got, unsure = set(want), set(got), set(unsure)
+        self.count[name] += len(want | got)
+        assert (want ^ got) - unsure == set(), name
+        assert len(unsure & (want | got)) <= 0.1 * len(want | got) + 2, name
+
+
+def dropped(before, after, family=None):
+    where = after.dropped & ~before.dropped
+    return np.flatnonzero(where if family is None else where & (after.family == family)).tolist()
+
+
+def links_of(t):
+    return Counter((i, j) for i, to in enumerate(t.links) for j in to if i < j)
+
+
+def claim(check):
+    """Family by family: those that older ones own, weak ones that nothing holds, and crumbs."""
+    after = check.tables("claim")[0]
+    for family in range(len(twin.FAMILIES)):
+        t = Table(after.site)
+        own = t.family == family
+        t.dropped[own] = False
+        gone, unsure = twin.owned(t, family) if family >= NUMBER["mark"] else (set(), False)
+        if unsure:
+            continue
+        t.dropped[list(gone)] = True
+        weak, held = twin.weak(t, family)
+        t.dropped[list(weak)] = True
+        crumbs = twin.crumbs(t, family)
+        check.alike("held", held, np.flatnonzero(own & (after.site["held"] > 0)))
+        check.alike("crumbs", crumbs, np.flatnonzero(own & (after.site["crumb"] > 0)))
+        check.alike("claimed", gone | weak | crumbs, np.flatnonzero(own & after.dropped))
+        check.count["owned"] += len(gone)
+        check.count["weak"] += len(weak)
+
+
+def link(check):
+    before, after = check.tables("claim")[0], check.tables("link")[0]
+    cracks, single = twin.crack_links(before)
+    ridges, unsure = twin.ridge_links(before)
+    check.alike("links", cracks | ridges, links_of(after), unsure)
+    assert all(count == 1 for count in links_of(after).values())
+    check.alike("single", single, dropped(before, after))
+
+
+def tie(check):
+    before, after = check.tables("link")[0], check.tables("tie")[0]
+    pairs, unsure = twin.ties(before)
+    check.alike("ties", {tuple(sorted(p)) for p in pairs}, links_of(after) - links_of(before),
+                {tuple(sorted(p)) for p in pairs if p[0] in unsure})
+
+
+def smooth(check):
+    before, after = check.tables("tie")[0], check.tables("smooth")[0]
+    at, unsure = twin.smooth(before)
+    off = np.abs(at - after.at).max(1)
+    off[list(unsure)] = 0
+    assert off.max(initial=0) < 2e-5
+    check.count["smooth"] += int((after.at != before.at).any(1).sum())
+
+
+def crowd(check):
+    if not check.tables("crowd"):
+        return
+    before, after = check.tables("smooth")[0], check.tables("crowd")[0]
+    bound, unsure = twin.crowd(before, check.shape)
+    assert not unsure
+    assert after.site["crowd"] == pytest.approx(bound, rel=1e-3, abs=1e-5)
+    check.count["crowded"] += int((bound > 0).sum())
+
+
+def lead(check):
+    """Both rounds of joining ends."""
+    before = (check.tables("crowd") or check.tables("smooth"))[0]
+    for after in check.tables("add links")[-2:]:
+        links, corners, doubt = ends.lead_on(before, check.c.view.layers, check.c.view.params)
+        new = range(len(before), len(after))
+        got = [p for p in (links_of(after) - links_of(before)).elements() if p[1] not in new]
+        made = {tuple(sorted(after.links[i])): after.at[i] for i in new}
+        want = {tuple(sorted((i, j))): at for i, j, at in corners}
+        links = {tuple(sorted(p)) for p in links}
+        open_ = {p for p in {*links, *got, *made, *want} if doubt & set(p)}
+        check.alike("led", links, got, open_)
+        check.alike("corners", want, made, open_)
+        for pair in {*made} & {*want} - open_:
+            assert made[pair] == pytest.approx(want[pair], abs=1e-3)
+        before = after
+
+
+def drop(check):
+    joined, beside, last = (check.tables(name)[0] for name in ("join ends", "drop beside", "cut spurs"))
+    gone, unsure = twin.beside(joined, check.shape)
+    check.alike("beside", gone, dropped(joined, beside), unsure)
+    gone, unsure = twin.spurs(beside)
+    check.alike("spurs", gone, dropped(beside, last), unsure)
+
+
+@functools.cache
+def compare(name):
+    check = Check(passes.case(name))
+    for each in (claim, link, tie, smooth, crowd, lead, drop):
+        each(check)
+    return check.count
+
+
+@pytest.mark.parametrize("name", passes.CASES)
+def test_passes_do_what_their_twins_do(name):
+    compare(name)
+
+
+def test_every_pass_has_something_to_do():
+    found = sum((compare(name) for name in passes.CASES), Counter())
+    assert {name: (found[name], least) for name, least in LEAST.items() if found[name] < least} == {}

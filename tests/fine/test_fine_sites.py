@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sites of FINE as they are found, each family against its twin: where, of what, how strong, whose controls."""
+
+import functools
+from collections import Counter
+
+import numpy as np
+import passes
+import pytest
+from reference.passes import FAMILIES
+from reference.view import SURE
+
+OFF = dict(x=2e-5, y=2e-5, strength=5e-5, thin=1e-4, half=5e-5, inside=5e-5)  # single floats, and divisions of them
+LEAST = dict(crack=800, thin=40, mark=250, normal_band=150, normal=800, color_band=300, color=1000, light_band=40,
+             light_step=250, light=900, seen_normal_band=25, seen_normal=200, seen_color_band=20, seen_color=140,
+             seen_depth=80)  # compared over all cases
+
+
+def found_by_c(c):
+    """{(family, row, column, axis): site}; what later passes drop is there still."""
+    return {(FAMILIES[s["family"]], int(s["row"]), int(s["column"]), int(s["axis"])): s for s in c.named("gather").site}
+
+
+@functools.cache
+def compare(name):
+    """Counts by family of what was compared and of what rounding may decide, and a list of what is wrong."""
+    c = passes.case(name)
+    view, (want, more) = c.view, passes.wanted(name)
+    got, sure, open_, wrong = found_by_c(c), Counter(), Counter(), []
+    for key in sorted(set(got) | set(want)):
+        family, row, column, axis = key
+        s, site = got.get(key), want.get(key)
+        if s is None and site.margin < -SURE:
+            continue
+        if site is not None and (abs(site.margin) < SURE or site.doubtful):
+            open_[family] += 1
+            continue
+        if (s is None) != (site is None or site.margin < 0):
+            wrong.append((key, "missing" if s is None else "extra"))
+        if s is None:
+            continue
+        sure[family] += 1
+        wanted = dict(zip(OFF, (site.x, site.y, site.strength, *site.thin), strict=True))
+        wrong += [(key, name, float(s[name]), value) for name, value in wanted.items()
+                  if abs(s[name] - value) > OFF[name] * max(1, abs(value))]
+        near = view.near(float(s["x"]), float(s["y"]), column, row, family, axis)
+        if s["source"] != site.source:
+            wrong.append((key, "source", s["source"], site.source))
+        if np.abs(s["step"] - site.step).max() > 1:
+            wrong.append((key, "step", s["step"], site.step))
+        if family == "color_band" and s["weak"] != site.weak:
+            wrong.append((key, "weak", s["weak"]))
+        if (s["near_y"], s["near_x"]) != near:
+            wrong.append((key, "near", s["near_y"], s["near_x"], near))
+    if more["through"] is not None:
+        mirror = c.named("see through").through > 0
+        wrong += [("through", *p) for p in np.argwhere((mirror != more["through"]) & ~more["through_unsure"])]
+    return sure, open_, wrong
+
+
+@pytest.mark.parametrize("name", passes.CASES)
+def test_sites_are_where_the_reference_finds_them(name):
+    sure, open_, wrong = compare(name)
+    assert wrong == []
+    assert sum(open_.values()) < 0.15 * sum(sure.values())
+
+
+def test_every_family_is_compared():
+    found = sum((compare(name)[0] for name in passes.CASES), Counter())
+    assert {name: (found[name], least) for name, least in LEAST.items() if found[name] < least} == {}

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The library built a second time, without vectorisation and for one instruction set: quick to build anew where a file
+has changed, the same results, and linked so that tests see between the passes of FINE."""
+
+import os
+import runpy
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+BUILD = ROOT / "build" / "scalar"
+
+
+def _commands(out):
+    here = os.getcwd()
+    os.chdir(ROOT)  # the commands name their files from here
+    try:
+        return runpy.run_path("setup.py", run_name="tests")["commands"](out, BUILD, scalar=True)
+    finally:
+        os.chdir(here)
+
+
+def _run(command):
+    subprocess.run(command, cwd=ROOT, check=True)
+
+
+def objects(out):
+    """Compiles what has changed; the command that links the library `out`."""
+    BUILD.mkdir(parents=True, exist_ok=True)
+    compile_, link = _commands(out)
+    headers = max(p.stat().st_mtime_ns for p in (ROOT / "csrc").rglob("*.h"))
+
+    def old(command):
+        source, made = ROOT / command[command.index("-c") + 1], Path(command[-1])
+        return not made.exists() or made.stat().st_mtime_ns <= max(source.stat().st_mtime_ns, headers)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(_run, filter(old, compile_)))
+    return link, compile_
+
+
+def probe_fine(name="probe_fine"):
+    """Path of the library with probe_fine.c in place of FINE's table of passes."""
+    out, source, made = BUILD / f"{name}.so", HERE / "probe_fine.c", BUILD / "probe_fine.o"
+    link, compile_ = objects(out)
+    newest = max(p.stat().st_mtime_ns for p in (source, *(ROOT / "csrc").rglob("*.[ch]")))
+    if not made.exists() or made.stat().st_mtime_ns <= newest:
+        own = list(compile_[0])
+        own[own.index("-c") + 1], own[-1] = str(source), str(made)
+        _run(own)
+    replaced = str(BUILD / "fine-base.o")
+    assert link.count(replaced) == 1
+    _run([*(str(made) if part == replaced else part for part in link), "-Wl,--wrap=fine_add_links_base"])
+    return out

@@ -1,0 +1,341 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Changes constants of csrc, one at a time, and looks whether a test notices: make mutate.
+
+    python tests/helpers/mutate.py [--seed N] [--count N] [--only FILE] [--all] [--floats]
+
+In a copy of the tree a float grows or shrinks by a fifth and a whole number by one; what it is part of is compiled
+again, and the nearest tests run, the likeliest to notice first. What survives is listed in mutants.txt with the reason
+why no test can tell, or wants a test. Constants are drawn from all files, those of FINE twice as likely."""
+
+import argparse
+import contextlib
+import functools
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+HERE = Path(__file__).resolve()
+KNOWN = HERE.with_name("mutants.txt")
+LIMIT = 60  # seconds a mutant's tests may take: what hangs is noticed
+
+# The nearest tests of a file or folder: the first that fits; one after another, the likeliest to notice first.
+TESTS = (
+    ("csrc/fine/", "fine/test_fine_sites.py", "fine/test_fine_passes.py", "fine/test_fine_ink.py",
+     "fine/test_fine.py fine/test_fine_chains.py -k 'not calm and not still'"),
+    ("csrc/edges/", "stages/test_edges.py", "fine/test_fine_sites.py"),
+    ("csrc/ink/capsules.c", "fine/test_fine_ink.py", "fine/test_fine.py -k 'not calm and not still'"),
+    ("csrc/ink/nearest.c", "stages/test_lines.py -k 'nearest or sizes'", "stages/test_surface.py -k smudg",
+     "fine/test_fine_ink.py"),
+    ("csrc/ink/", "stages/test_lines.py", "fine/test_fine_ink.py"),
+    ("csrc/surface/", "stages/test_surface.py"),
+    ("csrc/raster/", "stages/test_raster.py", "fine/test_marks.py"),
+    ("csrc/texture/", "stages/test_bake.py -k 'not size4'"),
+    ("csrc/base/metric", "unit/test_metric.py"),
+    ("csrc/base/pixel.h", "unit/test_metric.py", "stages/test_surface.py"),
+    ("csrc/base/params", "unit/test_layers.py unit/test_house.py"),
+    ("csrc/", "unit/test_layers.py", "unit/test_memory.py", "stages/test_edges.py -k sizes", "stages/test_surface.py"),
+)
+
+
+@dataclass(frozen=True)
+class Mutant:
+    path: str
+    line: int  # from 1
+    column: int
+    old: str
+    new: str
+    text: str  # of the line, without blanks around
+
+    def __str__(self):
+        return f"{self.path}:{self.line}:{self.column + 1}: {self.old} -> {self.new}   {self.text}"
+
+
+NUMBER = re.compile(r"(?<![\w.])(?:\d+\.\d*(?:[eE][+-]?\d+)?f?|\d+[eE][+-]?\d+f?|0x[0-9a-fA-F]+u?|\d+u?)(?![\w.])")
+DECLARED = re.compile(r"^\s*(?!return\b|else\b|case\b)(?:[a-z]\w*[\s*]+)+\w+(?:\[[^\]]*\])+")  # an array
+
+
+def blank(text):
+    """The text with comments, strings and lines of the preprocessor blanked out."""
+    def spaces(match):
+        return re.sub(r"[^\n]", " ", match.group())
+    return re.sub(r"/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])+'|^[ \t]*#(?:[^\n\\]|\\.|\\\n)*", spaces, text,
+                  flags=re.DOTALL | re.MULTILINE)
+
+
+def changed(number):
+    """What a number becomes, up and down; none where that could mean nothing else than a crash."""
+    if re.search(r"[.eE]", number) and not number.startswith("0x"):
+        value, suffix = float(number.rstrip("f")), "f" * number.endswith("f")
+        texts = [repr(float(f"{value * k:.9g}")) for k in (0.8, 1.2)] if value else ["0.001"]
+        return [text + suffix for text in texts]
+    digits = number.rstrip("u")
+    value = int(digits, 0)
+    return [f"{v}{number[len(digits):]}" for v in (value - 1, value + 1) if v >= 0]
+
+
+def mutants_of(path, text):
+    """All mutants of a file's text. Sizes of arrays, distances of shifts, empty initialisers and the numbers that files
+    and callers know are left alone."""
+    code, found = blank(text), []
+    for match in re.finditer(r"\benum\b[^;{]*\{[^}]*\}", code) if path.endswith(".h") else ():
+        code = code[:match.start()] + re.sub(r"[^\n]", " ", match.group()) + code[match.end():]
+    start = 0
+    for number, line in enumerate(code.split("\n"), 1):
+        declared = [m.span() for m in re.finditer(r"(?<=\w)\[[^\]]*\]", line)] if DECLARED.match(line) else []
+        for match in NUMBER.finditer(line):
+            before, after = line[:match.start()].rstrip(), line[match.end():].lstrip()
+            inside = any(a <= match.start() < b for a, b in declared)
+            if inside or before.endswith(("<<", ">>", "case")) or after.startswith("<<") or (
+                    before.endswith("{") and after.startswith("}")):
+                continue
+            source = text[start:start + len(line)]
+            found += [Mutant(path, number, match.start(), match.group(), new, source.strip())
+                      for new in changed(match.group())]
+        start += len(line) + 1
+    return found
+
+
+def known():
+    """{(file, text of the line, old, new)}: each line of mutants.txt is `file | old -> new | line | reason`."""
+    lines = [line for line in KNOWN.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
+    parts = [[part.strip() for part in line.split(" | ")] for line in lines]
+    wrong = [line for line, part in zip(lines, parts, strict=True) if len(part) != 4 or not part[3]]
+    if wrong:
+        raise SystemExit(f"mutate: a line of {KNOWN.name} is not `file | old -> new | line | reason`: {wrong[0]}")
+    return {(file, text, *(side.strip() for side in change.split("->"))) for file, change, text, _ in parts}
+
+
+def tests_of(path):
+    return next(tests for prefix, *tests in TESTS if path.startswith(prefix))
+
+
+# In the copy
+
+
+def copy(root, to):
+    """The tree as it is, built, with the tests' own package `encre`."""
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=root, capture_output=True, text=True,
+                            check=True).stdout.split("\n")
+    for name in filter(None, listed):
+        if (root / name).is_file():
+            (to / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(root / name, to / name)
+    if (root / "build" / "scalar").is_dir():  # objects that are as new as their sources
+        shutil.copytree(root / "build" / "scalar", to / "build" / "scalar", copy_function=shutil.copy2)
+    (to / "build" / "path").mkdir(parents=True)
+    (to / "build" / "path" / "encre").symlink_to(to / "addon")
+
+
+class Copy:
+    """A tree in which mutants are built and tested, each in a process of its own that begins with all that tests need
+    and with what the twins found before: a twin is asked again only where it is given something else."""
+
+    def __init__(self, tree):
+        self.tree, self.runs = tree, 0
+        os.chdir(tree)
+        sys.path[:0] = [str(tree / "build" / "path"), str(tree / "tests" / "helpers"), str(tree / "tests")]
+        os.environ["PYTHONPATH"] = os.pathsep.join(sys.path[:3])
+        import built
+        self.built = built
+
+    def build(self, name):
+        """Whether it compiles: the library and the one with probes."""
+        self.built.probe_fine(name)
+        link, _ = self.built.objects(self.tree / "addon" / "libencre.so.part")
+        subprocess.run(link, check=True)
+        os.replace("addon/libencre.so.part", "addon/libencre.so")
+
+    def warm(self, fine):
+        self.build("probe_0")
+        import numpy  # noqa: F401
+        import pytest  # noqa: F401
+        if not fine:
+            return
+        import passes
+        from reference import ends
+        from reference import passes as twins
+        for name in ("crack_links", "ridge_links", "ties", "smooth", "crowd", "beside", "spurs"):
+            setattr(twins, name, _remembering(getattr(twins, name)))
+        ends.lead_on = _remembering(ends.lead_on)
+        passes.library = functools.cache(lambda: passes.load("probe_0"))
+        if self._pytest(["tests/fine/test_fine_sites.py", "tests/fine/test_fine_passes.py"]):
+            raise SystemExit("mutate: the twins fail before anything is changed")
+
+    def _pytest(self, arguments):
+        import pytest
+        with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere), contextlib.redirect_stderr(nowhere):
+            return pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-p", "no:randomly", "-m", "not long",
+                                *arguments])
+
+    def fails(self, selections):
+        """The tests that notice, or None."""
+        for selection in selections:
+            child = os.fork()
+            if child == 0:
+                os.setsid()
+                code = 1
+                try:
+                    code = self._noticed(selection)
+                finally:
+                    os._exit(code)
+            if not _wait(child):
+                return selection
+        return None
+
+    def _noticed(self, selection):
+        if "passes" in sys.modules:
+            import passes
+            passes.case.cache_clear()
+            passes.library = functools.cache(lambda: passes.load(f"probe_{self.runs}"))
+            for name in [name for name in sys.modules if "test_fine" in name]:  # they remember what they compared
+                del sys.modules[name]
+        return int(self._pytest(_words(selection)))
+
+    def run(self, mutant):
+        """The tests that notice it, "does not compile", or None."""
+        path = self.tree / mutant.path
+        was = path.read_text(encoding="utf-8")
+        lines = was.split("\n")
+        line = lines[mutant.line - 1]
+        assert line[mutant.column:].startswith(mutant.old)
+        lines[mutant.line - 1] = line[:mutant.column] + mutant.new + line[mutant.column + len(mutant.old):]
+        self.runs += 1
+        stamp, kept = path.stat(), self.built.BUILD.with_name("kept")
+        kept.mkdir(exist_ok=True)
+        for made in self.built.BUILD.glob("*.o"):
+            shutil.copy2(made, kept / made.name)
+        try:
+            path.write_text("\n".join(lines), encoding="utf-8")
+            try:
+                with _quiet():
+                    self.build(f"probe_{self.runs}")
+            except subprocess.CalledProcessError:
+                return "does not compile"
+            return self.fails(tests_of(mutant.path))
+        finally:
+            path.write_text(was, encoding="utf-8")
+            os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+            for made in kept.glob("*.o"):
+                os.replace(made, self.built.BUILD / made.name)
+            (self.built.BUILD / f"probe_{self.runs}.so").unlink(missing_ok=True)
+
+
+def _words(selection):
+    import shlex
+    return [f"tests/{word}" if word.endswith(".py") else word for word in shlex.split(selection)]
+
+
+def _wait(child):
+    """Whether a process ends well in time."""
+    end = time.monotonic() + LIMIT
+    while time.monotonic() < end:
+        done, status = os.waitpid(child, os.WNOHANG)
+        if done:
+            return status == 0
+        time.sleep(0.02)
+    os.killpg(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    return False
+
+
+@contextlib.contextmanager
+def _quiet():
+    """Without what compilers say."""
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
+
+
+def _remembering(function):
+    found = {}
+
+    def remembered(table, *more):
+        key = table.site.tobytes(), repr(table.links), *(id(x) if not isinstance(x, int | tuple) else x for x in more)
+        if key not in found:
+            found[key] = function(table, *more)
+        return found[key]
+    return remembered
+
+
+# What is drawn
+
+
+def every_mutant(root):
+    return {path: found for path in sorted(str(p.relative_to(root)) for p in (root / "csrc").rglob("*.[ch]"))
+            if not path.endswith(("encre.h", "invariants.c", "invariants.h"))
+            and (not path.endswith(".rows.h") or path.endswith("families.rows.h"))
+            and (found := mutants_of(path, (root / path).read_text(encoding="utf-8")))}
+
+
+def draw(every, count, rng):
+    """A sample over all files; a constant of FINE is twice as likely. Of a constant's changes one is drawn."""
+    places = {}
+    for mutant in (m for found in every.values() for m in found):
+        places.setdefault((mutant.path, mutant.line, mutant.column), []).append(mutant)
+    keys = list(places)
+    # Efraimidis and Spirakis: the largest of u^(1/weight), without replacement
+    keys.sort(key=lambda key: rng.random() ** (1 / (2 if key[0].startswith("csrc/fine/") else 1)), reverse=True)
+    return [rng.choice(places[key]) for key in keys[:count]]
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--seed", type=int, default=None, help="of the sample; another each time")
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--only", default="", help="files whose name begins so, as csrc/fine/find")
+    parser.add_argument("--all", action="store_true", help="every change of every constant")
+    parser.add_argument("--floats", action="store_true", help="no whole numbers")
+    parser.add_argument("--line", type=int, default=0, help="of the file that --only names")
+    args = parser.parse_args(arguments)
+    seed = args.seed if args.seed is not None else random.SystemRandom().randrange(10**6)
+    root = HERE.parents[2]
+    every = {path: found for path, found in every_mutant(root).items() if path.startswith(args.only)}
+    if not every:
+        raise SystemExit(f"mutate: no file of csrc begins with {args.only!r}; give a path as csrc/fine/sites.c")
+    chosen = draw(every, args.count, random.Random(seed))
+    if args.all:
+        chosen = [mutant for found in every.values() for mutant in found]
+    if args.floats:
+        chosen = [mutant for mutant in chosen if "." in mutant.old]
+    if args.line:
+        chosen = [mutant for mutant in chosen if mutant.line == args.line]
+    print(f"mutate: seed {seed}, {len(chosen)} changes", flush=True)
+    listed, survived, equal = known(), [], []
+    with tempfile.TemporaryDirectory(prefix="encre-mutate-") as folder:
+        tree = Path(folder).resolve()
+        copy(root, tree)
+        own = Copy(tree)
+        own.warm(any(m.path.startswith(("csrc/fine/", "csrc/edges/")) for m in chosen))
+        for mutant in chosen:
+            if (mutant.path, mutant.text, mutant.old, mutant.new) in listed:
+                equal.append(mutant)
+                continue
+            start = time.monotonic()
+            by = own.run(mutant)
+            if by is None:
+                survived.append(mutant)
+            print(f"{'SURVIVES' if by is None else 'noticed ':8} {time.monotonic() - start:5.1f} s  {mutant}"
+                  f"{f'   [{by}]' if by else ''}", flush=True)
+    alive = len(survived) + len(equal)
+    print(f"mutate: seed {seed}: {len(chosen) - alive} noticed, {len(equal)} known to change nothing, "
+          f"{len(survived)} survived: {100 * alive / max(1, len(chosen)):.1f} % of {len(chosen)}")
+    for mutant in survived:
+        print(f"    {mutant}")
+    return 1 if survived and (len(survived) > 0.05 * len(chosen) or len(chosen) < 20) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the passes of FINE find and leave: the library of built.py, run on layers, as arrays."""
+
+import ctypes as c
+import functools
+from dataclasses import dataclass
+
+import built
+import numpy as np
+import shapes
+from encre.pen.job import Camera
+from encre.pen.library import Library
+from reference import placed
+from reference.frame import Layers
+from reference.params import Params
+from reference.passes import SITE
+from reference.view import View
+
+
+@dataclass
+class Snapshot:
+    name: str
+    site: np.ndarray  # of SITE
+    link: np.ndarray  # (n, 2), each twice
+    light: np.ndarray | None
+    through: np.ndarray | None
+
+
+class _Snapshot(c.Structure):
+    _fields_ = [("name", c.c_char_p), *((name, c.c_int32) for name in ("sites", "links", "width", "height")),
+                *((name, c.c_void_p) for name in ("site", "link", "light", "through"))]
+
+
+def _array(address, shape, kind):
+    size = int(np.prod(shape)) * np.dtype(kind).itemsize
+    return np.frombuffer(c.string_at(address, size), kind).reshape(shape)
+
+
+def load(name):
+    found = Library(str(built.probe_fine(name)))
+    found.lib.probe_snapshot.restype = c.POINTER(_Snapshot)
+    return found
+
+
+@functools.cache
+def library():
+    return load("probe_fine")
+
+
+def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined")):
+    """(pictures, [Snapshot])"""
+    own = library()
+    own.lib.probe_clear()
+    scene = {"edge_detector": "FINE", **scene}
+    images = own.render(layers, scene, styles, camera=camera, outputs=outputs, threads=1, simd=0).images
+    every = []
+    for i in range(own.lib.probe_count()):
+        k = own.lib.probe_snapshot(i).contents
+        shape = k.height, k.width
+        every.append(Snapshot(k.name.decode(), _array(k.site, k.sites, SITE), _array(k.link, (k.links, 2), np.int32)
+                              if k.link else np.zeros((0, 2), np.int32),
+                              _array(k.light, shape, np.float32) if k.light else None,
+                              _array(k.through, shape, np.uint8) if k.through else None))
+    return images, every
+
+
+# Cases that the tests of sites and of passes share
+
+ALL = dict(edge_threshold=0.1, edge_color=2.0, edge_light=3.0, edge_material=0.7, edge_seen=2.0)
+STYLES = [{"edge_normal": 2.0, "edge_depth": 0.2}, {"shade_levels": [(0.2,), (0.7, 0.4, 0)], "shade_exposure": 1.2}]
+ORTHO = Camera(orthographic=True, height=5.0)
+CASES = {  # how shapes() draws it, the scene, styles, camera
+    "faces": (dict(seed=0), dict(crease_angle=100.0), (), None),
+    "things": (dict(seed=1, things=2), dict(contrast_metric="CIE76", color_layer="LIT", crease_angle=75.0), (), ORTHO),
+    "wires": (dict(seed=2, wires=2, size=(40, 40)), dict(contrast_metric="CIEDE2000", edge_material=0.0), (), None),
+    "mirror": (dict(seed=3, mirror=True), dict(contrast_metric="CMC", contrast_max=0.5, crease_angle=90.0), (), None),
+    "noise": (dict(seed=4, noise=0.02), dict(edge_threshold=0.0, crease_angle=35.0), (), ORTHO),
+    "styles": (dict(seed=5, things=1, wires=1, painted=True, styles=2, mirror=True), {}, STYLES, None),
+    "dim mirror": (dict(seed=13, mirror=True, noise=0.01), dict(edge_threshold=0.4, crease_angle=70.0), (), ORTHO),
+    "gentle": (dict(seed=16, strong=0.12, mirror=True),
+               dict(edge_threshold=0.02, contrast_threshold=0.0, crease_angle=12.0,
+                    shade_levels=[(0.3,), (0.5, 0.68, 0), (0.6, 0.72, 0), (0.8, 0.78, 0), (1.0, 0.83, 0)]), (), None),
+    "near": (dict(seed=21, strong=0.1, things=2, wires=1), dict(edge_threshold=0.15, edge_color=1.0, crease_angle=8.0),
+             (), None),
+    "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
+    "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
+}
+
+
+@dataclass
+class Case:
+    images: dict
+    every: list  # of Snapshot
+    view: View
+
+    def named(self, name):
+        return next(s for s in self.every if s.name == name)
+
+
+@functools.cache
+def given(name):
+    how, scene, styles, camera = CASES[name]
+    layers, scene, camera = shapes.shapes(**how), {**ALL, **scene}, camera or Camera()
+    told = dict(orthographic=camera.orthographic, height=camera.height, view=camera.view)
+    own = Layers(layers, len(styles), told, None)
+    known = {k: v for k, v in scene.items() if k != "crease_angle"}
+    return layers, scene, View(own, Params(known, styles), tuple(layers), scene.get("crease_angle", 20.0))
+
+
+@functools.cache
+def wanted(name):
+    """What the reference finds, as placed.find() gives it."""
+    return placed.find(given(name)[2])
+
+
+@functools.cache
+def case(name):
+    """What the library finds."""
+    _, _, styles, camera = CASES[name]
+    layers, scene, view = given(name)
+    return Case(*run(layers, scene, styles, camera), view)

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small layers of random shapes, averaged over the pixel as a renderer does, for what looks at more than noise."""
+
+import numpy as np
+
+FINER = 6  # samples a pixel, each way
+
+
+def _cover(rng, y, x, kind, size):
+    """Where a shape is: a half plane, a stripe or a disc."""
+    height, width = size
+    turn = rng.uniform(0, 2 * np.pi)
+    off = (x - rng.uniform(0.2, 0.8) * width) * np.cos(turn) + (y - rng.uniform(0.2, 0.8) * height) * np.sin(turn)
+    if kind == "half":
+        return off > 0
+    if kind == "disc":
+        middle = rng.uniform(0.1, 0.9, 2) * size
+        return np.hypot(y - middle[0], x - middle[1]) < rng.uniform(2, 0.4 * height)
+    return np.abs(off) < rng.uniform(0.2, 1.6)
+
+
+def _patches(rng, size, kinds, values):
+    """(H, W, C): a value for each shape, averaged; and the same at pixel centres."""
+    height, width = size
+    y, x = (np.mgrid[:height * FINER, :width * FINER] + 0.5) / FINER - 0.5
+    fine = np.tile(values(), (*y.shape, 1))
+    for kind in kinds:
+        fine[_cover(rng, y, x, kind, size)] = values()
+    mean = fine.reshape(height, FINER, width, FINER, -1).mean((1, 3))
+    return mean
+
+
+def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
+           strong=1.0):
+    """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so."""
+    rng = np.random.default_rng(seed)
+    height, width = size
+    y, x = np.mgrid[:height, :width].astype(float)
+
+    def normal():
+        v = rng.standard_normal(3) if strong == 1 else (0, 0, 1) + strong * rng.standard_normal(3)
+        return v / np.linalg.norm(v)
+
+    def color():
+        return 0.4 + strong * (rng.uniform(0, 1, 3) - 0.4)
+
+    kinds = ("half", "half", "stripe", "disc", "stripe") if busy else ()
+    layers = {"normal": _patches(rng, size, kinds[1:], normal),
+              "albedo": _patches(rng, size, kinds, color),
+              "diffuse": _patches(rng, size, ("half", "stripe")[:2 * busy],
+                                  lambda: np.full(3, 0.8 + strong * rng.uniform(-0.7, 0.6)))}
+    wave = np.sin(rng.uniform(0.05, 0.2) * x + rng.uniform(0.05, 0.2) * y)
+    layers["diffuse"] *= (1 + strong * (0.5 * wave - 0.3))[..., None]
+    layers["depth"] = 6 + 0.02 * x + 0.03 * y + rng.uniform(0, 0.002) * x * y
+    layers["object"], layers["material"] = np.zeros(size), np.zeros(size)
+    fy, fx = (np.mgrid[:height * FINER, :width * FINER] + 0.5) / FINER - 0.5
+    for k in range(things + wires):
+        state = rng.bit_generator.state
+        part = _cover(rng, fy, fx, "disc" if k < things else "stripe", size)
+        rng.bit_generator.state = state
+        hit = _cover(rng, y, x, "disc" if k < things else "stripe", size)
+        share = part.reshape(height, FINER, width, FINER).mean((1, 3))[..., None]
+        z = rng.uniform(2, 5.9)
+        if strong < 1:  # nothing but depth tells, and hardly
+            layers["depth"] = np.where(hit, layers["depth"] * (1 - 0.02 * z * strong), layers["depth"])
+        else:
+            layers["depth"] = np.where(hit, z + 0.01 * x, layers["depth"])
+            layers["object"] = np.where(hit, k + 1 if rng.random() < 0.7 else 0, layers["object"])
+            layers["material"] = np.where(hit, k % 2, layers["material"])
+        layers["normal"] = share * normal() + (1 - share) * layers["normal"]
+        layers["albedo"] = share * rng.uniform(0, 1, 3) + (1 - share) * layers["albedo"]
+    if things and strong == 1 and rng.random() < 0.5:
+        sky = _cover(rng, y, x, "disc", size)
+        layers["depth"] = np.where(sky, 1e10, layers["depth"])
+        layers["normal"] = np.where(sky[..., None], 0, layers["normal"])
+    layers["combined"] = np.concatenate([layers["albedo"] * layers["diffuse"], np.ones((*size, 1))], -1)
+    layers["color"] = layers["albedo"]
+    layers["marks"] = np.where(rng.random((*size, 2)) < 0.03, rng.uniform(-1, 1, (*size, 2)), 0)
+    if mirror:
+        glass = _cover(rng, y, x, "half", size)[..., None]
+        layers["seen_normal"] = np.where(glass, _patches(rng, size, kinds, normal), layers["normal"])
+        layers["seen_color"] = np.where(glass, _patches(rng, size, kinds, color), layers["albedo"])
+        far = _patches(rng, size, ("half", "stripe"), lambda: np.array([rng.uniform(7, 30)]))
+        layers["seen_depth"] = np.where(glass[..., 0], far[..., 0], layers["depth"])
+    if noise:
+        for name in ("normal", "albedo", "diffuse", *(("seen_normal", "seen_color") if mirror else ())):
+            layers[name] = layers[name] * (1 + noise * rng.standard_normal(layers[name].shape))
+    if painted:
+        layers["controls"] = np.where(rng.random((*size, 1)) < 0.7, 0, rng.uniform(-0.3, 0.3, (*size, 6)))
+    if styles:
+        layers["style"] = np.minimum(_patches(rng, size, ("half", "disc"), lambda: rng.integers(0, styles + 1, 1)),
+                                     styles).round()[..., 0]
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}

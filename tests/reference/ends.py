@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""FINE's loose ends: one round of leading each on to a corner, to another line or to its own continuation."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from . import metric
+from .metric import clamp01
+from .passes import CLOSE
+
+WHOLE = slice(None)
+
+
+class Picture:
+    """What a layer shows at a place, as an edge of a rank is looked for: values, and how far apart they must be."""
+
+    def __init__(self, layers, params):
+        lit = params["color_layer"] == "LIT"
+        color = metric.encode(clamp01(layers.combined[..., :3] if lit else layers.albedo))
+        self.of = [(layers.normal, 0.12, WHOLE), (layers.normal, 0.12, WHOLE), (color, 0.02, WHOLE),
+                   (layers.diffuse, 0.05, WHOLE)]
+        self.linear = [layers.normal, layers.normal, layers.combined[..., :3] if lit else layers.albedo, layers.diffuse]
+        self.seen = layers.seen_color, layers.seen_normal
+
+    def look(self, rank, at):
+        """(values, values of a second layer), between pixels."""
+        if rank <= 3:
+            value = _bilinear(self.linear[rank], at)
+            return (metric.encode(clamp01(value)) if rank == 2 else value), np.zeros(3)
+        return metric.encode(clamp01(_bilinear(self.seen[0], at))), _bilinear(self.seen[1], at)
+
+    def margin(self, rank, one, two):
+        """0 or more: they differ."""
+        (a, c), (b, d) = self.look(rank, one), self.look(rank, two)
+        least = (0.12, 0.12, 0.02, 0.05, 0.02)[rank]
+        return max(np.linalg.norm(a - b) - least, np.linalg.norm(c - d) - 0.2)
+
+    def agrees(self, rank, a, b):
+        """Whether at a quarter, half and three quarters of the way what lies 1.5 pixels to either side differs."""
+        if rank == 3:
+            return 1.0
+        side = _beside(a, b)
+        return min(self.margin(rank, p + side, p - side) for p in (a + (b - a) * k / 4 for k in (1, 2, 3)))
+
+    def wedge(self, rank, a, b, corner):
+        """Whether what two lines enclose that would meet at the corner differs from what lies outside of either."""
+        inside, margins = (a + b + corner) / 3, []
+        for p, other in ((a, b), (b, a)):
+            if np.hypot(*(corner - p)) <= 1e-6:
+                return -1.0
+            side = _beside(p, corner)
+            outside = (p + corner) / 2 + side * (-1 if side @ (other - p) > 0 else 1)
+            margins.append(self.margin(rank, inside, outside))
+        return min(margins)
+
+
+def _bilinear(image, at):
+    height, width = image.shape[:2]
+    x, y = np.clip(at[0], 0, width - 1), np.clip(at[1], 0, height - 1)
+    x0, y0 = int(x), int(y)
+    x1, y1 = min(x0 + 1, width - 1), min(y0 + 1, height - 1)
+    top = metric.mix(image[y0, x0], image[y0, x1], x - x0)
+    return metric.mix(top, metric.mix(image[y1, x0], image[y1, x1], x - x0), y - y0)
+
+
+def _beside(a, b):
+    """1.5 pixels at right angles to the way from a to b."""
+    way = b - a
+    return 1.5 * np.array([-way[1], way[0]]) / np.hypot(*way)
+
+
+@dataclass
+class End:
+    site: int
+    way: np.ndarray  # unit, ahead
+    aims: list = field(default_factory=list)  # (cost, site), the cheapest two
+    taken: bool = False
+
+
+def _direction(t, i):
+    """From the first site of its chain that is 3 pixels away, or the last."""
+    before, at = i, t.links[i][0]
+    while t.apart(i, at) < 3 and (ahead := t.next(before, at)) is not None:
+        before, at = at, ahead
+    way = t.at[i] - t.at[at]
+    length = np.hypot(*way)
+    return way / length if length > 0 else way
+
+
+def _own(t, i):
+    """The first nine sites of its chain."""
+    own = [i, t.links[i][0]]
+    while len(own) < 9 and (ahead := t.next(own[-2], own[-1])) is not None:
+        own.append(ahead)
+    return own
+
+
+def _aims(t, end, picture, doubt):
+    i, found, own = end.site, [], _own(t, end.site)
+    for j, d in t.within(i, 6):
+        older = t.rank[j] <= t.rank[i] or (t.rank[i], t.rank[j]) == (0, 1)
+        if t.dropped[j] or not older or d == 0 or j in own:
+            continue
+        cosine = (t.at[j] - t.at[i]) @ end.way / d
+        margin = cosine - (0.7 if d <= 3 else 0.94)
+        if d > 3 and margin > -CLOSE:
+            margin = min(margin, picture.agrees(t.rank[i], t.at[i], t.at[j]), 6 - d)
+        if abs(margin) < CLOSE or abs(d - 3) < CLOSE:
+            doubt.add(i)
+        if margin >= 0:
+            found.append((d / cosine**4, j))
+    end.aims = sorted(found)[:3]
+
+
+def _join(t, a, b, picture, doubt):
+    """(cost, corner or None) of joining two ends; None if they don't belong together."""
+    i, j = a.site, b.site
+    low, high = sorted((t.rank[i], t.rank[j]))
+    gap = t.at[j] - t.at[i]
+    length = np.hypot(*gap)
+    if (low != high and high > 1) or not 0 < length <= 8:
+        return None
+    straight = min(a.way @ gap, -(b.way @ gap)) / length - 0.94
+    if abs(straight) < CLOSE or abs(length - 3) < CLOSE or abs(length - 6) < CLOSE:
+        doubt.update((i, j))
+    if length <= 6 and straight >= 0:
+        agrees = 1.0 if length <= 3 else picture.agrees(t.rank[i], t.at[i], t.at[j])
+        if abs(agrees) < CLOSE:
+            doubt.update((i, j))
+        return (length / 2, None) if agrees >= 0 else None
+    sine = a.way[0] * b.way[1] - a.way[1] * b.way[0]
+    if abs(sine) < 0.25:
+        return None
+    u = (gap[0] * b.way[1] - gap[1] * b.way[0]) / sine
+    v = (gap[0] * a.way[1] - gap[1] * a.way[0]) / sine
+    cost, corner = max(u, v), t.at[i] + u * a.way
+    if min(u, v) < -0.5 - CLOSE or cost > 10 + CLOSE:
+        return None
+    plain = min(4 - cost, abs(sine) - 0.34)
+    margin = min(max(plain, plain if plain > CLOSE else picture.wedge(high, t.at[i], t.at[j], corner)),
+                 min(u, v) + 0.5, 10 - cost)
+    if abs(margin) < 10 * CLOSE:
+        doubt.update((i, j))
+    return (cost, corner) if margin >= 0 else None
+
+
+def lead_on(t, layers, params):
+    """(links (i, j), corners [(i, j, place)], unsure sites): ends are joined two by two, the cheapest first, unless
+    one of them should rather go to something else; then each goes on to what lies ahead of it."""
+    picture, doubt = Picture(layers, params), set()
+    ends = {i: End(i, _direction(t, i)) for i in range(len(t)) if t.is_end(i)}
+    for end in ends.values():
+        _aims(t, end, picture, doubt)
+    pairs = []
+    for i, a in ends.items():
+        for j in ends:
+            if j > i and np.abs(t.at[j] - t.at[i]).max() <= 8 and (found := _join(t, a, ends[j], picture, doubt)):
+                pairs.append((found[0], i, j, found[1]))
+    links, corners = [], []
+    for cost, i, j, corner in sorted(pairs, key=lambda pair: pair[:3]):
+        a, b = ends[i], ends[j]
+        rather = [aim for end, other in ((a, j), (b, i)) for aim in end.aims[:2] if aim[1] != other]
+        if any(abs(aim[0] - cost + 0.25) < 10 * CLOSE for aim in rather):
+            doubt.update((i, j))
+        better = any(next((aim[0] for aim in end.aims[:2] if aim[1] != other), np.inf) < cost - 0.25
+                     if end.aims[:1] and end.aims[0][1] == other else end.aims[:1] and end.aims[0][0] < cost - 0.25
+                     for end, other in ((a, j), (b, i)))
+        if a.taken or b.taken or better:
+            continue
+        a.taken = b.taken = True
+        if corner is None:
+            links.append((i, j))
+        else:
+            corners.append((i, j, corner))
+    for i, end in ends.items():
+        if end.taken or not end.aims:
+            continue
+        if len(end.aims) > 1 and end.aims[1][0] - end.aims[0][0] < 10 * CLOSE:
+            doubt.add(i)
+        to = end.aims[0][1]
+        other = ends.get(to)
+        if other is None or to > i or other.taken or not other.aims or other.aims[0][1] != i:
+            links.append((i, to))
+    return links, corners, doubt

@@ -1,0 +1,379 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""FINE's passes over sites, each on what the one before has left: who owns a place, what hangs together, loose ends.
+
+Sites are rows of a table; links are lists of neighbours by site. Every function gives what should be found, and of
+which answers float32 may give another: where two numbers are closer than rounding, one of which had to be larger."""
+
+import numpy as np
+
+FAMILIES = ("crack", "thin", "mark", "normal_band", "normal", "color_band", "color", "light_band", "light_step",
+            "light", "seen_normal_band", "seen_normal", "seen_color_band", "seen_color", "seen_depth")  # older first
+CRACKS = {"crack", "mark", "light"}
+ROW, COLUMN, JUNCTION = 0, 1, 2
+SITE = np.dtype([*((name, np.float32) for name in ("x", "y", "strength", "thin", "half", "inside", "crowd")),
+                 *((name, np.int32) for name in ("column", "row", "near_x", "near_y", "family", "axis", "source",
+                                                 "dropped", "crumb", "held", "weak")), ("step", np.int32, 3)])
+CLOSE = 1e-5  # pixels: lengths that differ by less may come out either way
+NUMBER = {name: k for k, name in enumerate(FAMILIES)}
+RANK = np.array([0, 0, 1, 1, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4])
+BANDS = [k for k, name in enumerate(FAMILIES) if name.endswith("band")]
+
+
+class Table:
+    """Sites as float64 columns, and their links."""
+
+    def __init__(self, site, link=()):
+        self.site = site
+        self.at = np.stack([site["x"], site["y"]], -1).astype(float)
+        self.family, self.dropped, self.axis = site["family"], site["dropped"] > 0, site["axis"]
+        self.step, self.rank = site["step"].astype(float), RANK[site["family"]]
+        self.links = [[] for _ in site]
+        for i, j in link:
+            self.links[i].append(int(j))
+
+    def __len__(self):
+        return len(self.site)
+
+    def within(self, i, reach):
+        """Sites at most `reach` from site i, without it, and their distances; by number."""
+        d = np.hypot(*(self.at - self.at[i]).T)
+        near = np.flatnonzero(d <= reach + CLOSE)
+        return [(int(j), d[j]) for j in near if j != i]
+
+    def is_end(self, i):
+        return not self.dropped[i] and len(self.links[i]) == 1
+
+    def at_border(self, i, shape):
+        x, y = self.at[i]
+        return x < 2 or y < 2 or x > shape[1] - 3 or y > shape[0] - 3
+
+    def next(self, before, i):
+        """The next site of a chain, coming from `before`; None at its end."""
+        if len(self.links[i]) != 2:
+            return None
+        a, b = self.links[i]
+        return b if a == before else a
+
+    def walk(self, first, second):
+        """The sites of a chain from `first` on, round to it again if it is closed."""
+        run = [first, second]
+        while run[-1] != first and (ahead := self.next(run[-2], run[-1])) is not None:
+            run.append(ahead)
+        return run
+
+    def apart(self, i, j):
+        return float(np.hypot(*(self.at[i] - self.at[j])))
+
+
+# What a family may keep: what is clear of the older ones by 1.5 pixels, a step by 2 of a band in the same layer
+
+
+def owned(t, family):
+    """(which sites of a family are not, whether rounding may say otherwise); `dropped` of the older ones is known."""
+    gone, unsure = set(), False
+    old = (t.family < family) & ~t.dropped
+    clear = np.where((t.family == family - 1) & np.isin(t.family, BANDS), 2.0, 1.5)
+    for i in np.flatnonzero(t.family == family):
+        margin = (clear - np.hypot(*(t.at - t.at[i]).T))[old]
+        gone |= {int(i)} if (margin > 0).any() else set()
+        unsure |= abs(margin.max(initial=-1)) < CLOSE
+    return gone, unsure
+
+
+# Links: cracks join the two that cut a square of four pixel centres, ridges what is within 1.6 pixels and goes its way
+
+
+def _kin(t, i, j, reach):
+    along = t.axis[i] == t.axis[j] and t.step[i] @ t.step[j] < 0
+    return t.family[i] == t.family[j] and not t.dropped[j] and not along and t.apart(i, j) <= reach
+
+
+def close_sites(t, i, reach=1.6):
+    return [j for j, _ in t.within(i, reach) if _kin(t, i, j, reach)]
+
+
+def weak(t, family):
+    """(which weak sites of a stripe in colours hang together with no other, which with one that is not weak)."""
+    if family != NUMBER["color_band"]:
+        return set(), set()
+    own = {int(i) for i in np.flatnonzero((t.family == family) & ~t.dropped)}
+    strong = {i for i in own if not t.site["weak"][i]}
+    kept, growing = set(strong), list(strong)
+    while growing:
+        new = set(close_sites(t, growing.pop())) - kept
+        kept |= new
+        growing += new
+    return own - kept, kept - strong
+
+
+def crumbs(t, family):
+    """Which sites are too few that hang together, to be a line."""
+    least = (9 if FAMILIES[family] == "seen_depth" else 4 if FAMILIES[family].startswith("seen") or family in BANDS
+             else 3)
+    gone = set()
+    for i in np.flatnonzero((t.family == family) & ~t.dropped):
+        found = [i]
+        for j in found:
+            found += [k for k in close_sites(t, j) if k not in found]
+            if len(found) >= least:
+                break
+        if len(found) < least:
+            gone.add(int(i))
+    return gone if family > NUMBER["mark"] else set()
+
+
+def crack_links(t):
+    """Pairs (i, j), each once: a square's two cracks, or each of three or four and their junction."""
+    number = {(t.family[i], t.site["row"][i], t.site["column"][i], t.axis[i]): i for i in range(len(t))
+              if not t.dropped[i] and FAMILIES[t.family[i]] in CRACKS}
+    pairs, single = set(), set()
+    squares = {(f, r - (a == ROW and k), c - (a == COLUMN and k)) for f, r, c, a in number for k in (0, 1)
+               if a != JUNCTION} | {key[:3] for key in number if key[3] == JUNCTION}
+    for f, r, c in squares:
+        sides = [number.get(key) for key in ((f, r, c, ROW), (f, r + 1, c, ROW), (f, r, c, COLUMN),
+                                             (f, r, c + 1, COLUMN))]
+        sides = [i for i in sides if i is not None]
+        hub = number.get((f, r, c, JUNCTION))
+        if len(sides) == 2:
+            pairs.add(tuple(sorted(sides)))
+        elif len(sides) > 2 and hub is not None:
+            pairs |= {tuple(sorted((hub, i))) for i in sides}
+        if hub is not None and len(sides) < 3:
+            single.add(hub)
+    return pairs, single
+
+
+def ridge_links(t):
+    """(pairs, unsure pairs): close sites, but for those that two shorter links join."""
+    near = {i: close_sites(t, i) for i in range(len(t)) if not t.dropped[i] and FAMILIES[t.family[i]] not in CRACKS}
+    pairs, unsure = set(), set()
+
+    def order(i, j):
+        return np.float32(t.apart(i, j) ** 2), min(i, j), max(i, j)
+
+    for i, own in near.items():
+        for j in own:
+            if j < i:
+                continue
+            detours = [k for k in own if k != j and k in near[j]]
+            margins = [t.apart(i, j) - max(t.apart(i, k), t.apart(k, j)) for k in detours]
+            if any(0 < abs(m) < CLOSE for m in margins) or any(abs(t.apart(i, j) - 1.6) < CLOSE for _ in (0,)):
+                unsure.add((i, j))
+            if not any(order(i, k) < order(i, j) and order(k, j) < order(i, j) for k in detours):
+                pairs.add((i, j))
+    return pairs, unsure
+
+
+# Ties of thin sites: to a crack at most 1.8 pixels away, and to one on the other side
+
+
+def ties(t):
+    pairs, unsure = [], set()
+    for i in np.flatnonzero((t.family == NUMBER["thin"]) & ~t.dropped):
+        other = t.links[i][0] if len(t.links[i]) == 1 else None
+        for _ in range(2 - len(t.links[i])):
+            found = []
+            for j, d in t.within(i, 1.8):
+                if t.dropped[j] or t.family[j] != NUMBER["crack"]:
+                    continue
+                margin = 1.8 - d
+                if other is not None:
+                    to, away = t.at[j] - t.at[i], t.at[other] - t.at[i]
+                    margin = min(margin, -0.3 * np.hypot(*to) * np.hypot(*away) - to @ away)
+                if abs(margin) < CLOSE:
+                    unsure.add(int(i))
+                if margin >= 0:
+                    found.append((d, j))
+            if not found:
+                break
+            found.sort()
+            if len(found) > 1 and 0 < found[1][0] - found[0][0] < CLOSE:
+                unsure.add(int(i))
+            other = found[0][1]
+            pairs.append((int(i), int(other)))
+    return pairs, unsure
+
+
+# Evenness: twice, half of what a site lies beside the line between its neighbours, if that is at most 0.3 pixels
+
+
+def smooth(t):
+    at, unsure = t.at.copy(), set()
+    for _ in range(2):
+        moved = at.copy()
+        for i, links in enumerate(t.links):
+            if t.dropped[i] or len(links) != 2:
+                continue
+            a, b = at[links[0]], at[links[1]]
+            way = b - a
+            square = max(way @ way, 0.01)
+            off = ((at[i] - a)[0] * way[1] - (at[i] - a)[1] * way[0]) / square
+            beside = abs(off) * np.sqrt(way @ way)
+            if abs(beside - 0.3) < CLOSE:
+                unsure.add(i)
+            if beside <= 0.3:
+                moved[i] = at[i] + 0.5 * off * np.array([-way[1], way[0]])
+        at = moved
+    return at, unsure
+
+
+# Room between lines of colours
+
+
+def crowd(t, shape):
+    """1 over the greatest radius of each site, 0 where it is not bounded; unsure."""
+    counts = [i for i in range(len(t)) if t.rank[i] == 2 and (not t.dropped[i] or t.site["crumb"][i])]
+    near, doubt = {}, set()
+    for i in counts:
+        ahead_axis = 1 if t.axis[i] == COLUMN else 0
+        nexts = [10.0, 10.0]
+        for j in counts:
+            gap = t.at[j] - t.at[i]
+            ahead, aside = gap[ahead_axis], gap[1 - ahead_axis]
+            back = t.axis[i] == t.axis[j] and t.step[i] @ t.step[j] < 0
+            least, most = (1, 4) if back else (1.75, 1.5)
+            if 0 < abs(abs(ahead) - least) < CLOSE or 0 < abs(abs(aside) - most) < CLOSE:
+                doubt.add(i)
+            if abs(ahead) > least and abs(aside) <= most:
+                nexts[int(ahead > 0)] = min(nexts[int(ahead > 0)], abs(ahead))
+        room = max(nexts)
+        near[i] = 1 / (room / (2 - room / 10) if FAMILIES[t.family[i]] == "color_band" else room)
+    cells = {}
+    for i in counts:  # of 4 pixels each way
+        pixel = np.clip(np.floor(t.at[i] + 0.5), 0, (shape[1] - 1, shape[0] - 1)).astype(int) // 4
+        cells.setdefault(tuple(pixel), []).append(i)
+    bound = np.zeros(len(t))
+    for i in counts:
+        if t.dropped[i]:
+            continue
+        total = weights = 0
+        for (cx, cy), members in cells.items():
+            share = np.prod(np.maximum(0, 1 - np.abs(np.array([4 * cx + 1.5, 4 * cy + 1.5]) - t.at[i]) / 20))
+            total += share * sum(near[j] for j in members)
+            weights += share * len(members)
+        mean = weights / total
+        bound[i] = (1 - mean / 10) / (0.25 * (mean - 2.5 if mean > 2.5 else 1e-6))
+    return bound, doubt
+
+
+# Chains: from where not exactly two links meet
+
+
+def chains(t):
+    """Lists of sites; a closed one, from its least site, ends with that again."""
+    used, found = set(), []
+    for closed in (False, True):
+        for i, links in enumerate(t.links):
+            for j in links:
+                if (len(links) == 2) != closed or (i, j) in used or (closed and i in used):
+                    continue
+                run = t.walk(i, j)
+                used |= {*zip(run, run[1:]), *zip(run[1:], run)}  # noqa: B905
+                used |= set(run) if closed else set(run[1:-1])
+                found.append(run)
+    return found
+
+
+def _turns(t, run):
+    """Variance of the sines of half the angles by which a chain turns, pixel by pixel."""
+    anchor, way, sines = t.at[run[0]], None, []
+    for i in run:
+        step = t.at[i] - anchor
+        length = np.hypot(*step)
+        if length < 1:
+            continue
+        step = step / length
+        if way is not None:
+            half = np.sqrt(max(0, (1 - step @ way) / 2))
+            sines.append(-half if way[0] * step[1] - way[1] * step[0] < 0 else half)
+        way, anchor = step, t.at[i]
+    return float(np.var(sines)) if len(sines) > 1 else 0.0
+
+
+def _way(t, i):
+    """The way of the line at a site; None where several meet."""
+    links = t.links[i]
+    if len(links) not in (1, 2):
+        return None
+    return t.at[links[1] if len(links) == 2 else i] - t.at[links[0]]
+
+
+def beside(t, shape):
+    """Which sites are dropped with their chain, because it runs along another, wiggles, or is a speck of light; unsure.
+    """
+    runs = chains(t)
+    chain_of = {i: k for k, run in enumerate(runs) for i in run if len(t.links[i]) <= 2}
+    kept, gone, unsure = set(), set(), set()
+    doubt = [0.0]
+
+    def along(i, own):
+        way = _way(t, i)
+        if way is None:
+            return False
+        for j, d in t.within(i, 3.5):
+            wanted = (t.rank[j] == t.rank[i] and j in kept) if own else t.rank[j] < t.rank[i]
+            other = _way(t, j)
+            if t.dropped[j] or j in gone or not wanted or other is None or (
+                    j in chain_of and chain_of[j] == chain_of.get(i)):
+                continue
+            cosine = abs(way @ other) - 0.85 * np.hypot(*way) * np.hypot(*other)
+            doubt[0] += abs(d - 3.5) < CLOSE or abs(cosine) < CLOSE
+            if d <= 3.5 and cosine >= 0:
+                return True
+        return False
+
+    def weight(k):
+        run = runs[k]
+        its = [0 if FAMILIES[t.family[i]] == "mark" else t.rank[i] for i in run if len(t.links[i]) <= 2]
+        return min([*its, 4]), -sum(t.apart(i, j) for i, j in zip(run, run[1:])), run[0], run[1]  # noqa: B905
+
+    weights = sorted((weight(k), k) for k in range(len(runs)))
+    marked = {}
+    for rank in (1, 2, 3):
+        # what an older rank dropped is gone for the next, but not what the same one drops
+        left = [i for i in np.flatnonzero(~t.dropped & (t.rank == rank)) if i not in gone]
+        marked |= {i: along(i, False) for i in left}
+        for (its, length, *_), k in weights:
+            if its != rank:
+                continue
+            run, length = runs[k], -length
+            doubt[0] = 0
+            light = [rank == 3 and along(i, True) for i in run]
+            every = [marked.get(i, False) or own for i, own in zip(run, light, strict=True)]
+            pieces = [t.apart(i, j) for i, j in zip(run, run[1:])]  # noqa: B905
+            of_light, of_all = (sum(p * (a + b) / 2 for p, a, b in zip(pieces, flags, flags[1:]))  # noqa: B905
+                                for flags in (light, every))
+            closed = run[0] == run[-1] and len(t.links[run[0]]) == 2
+            loose = sum(t.is_end(i) and not t.at_border(i, shape) for i in (run[0], run[-1]))
+            margins = [of_all / length - 0.5 if loose else min(of_light / length - 0.5, (30 - length) / 30),
+                       _turns(t, run) - 0.12]
+            if rank == 3 and (loose == 2 or closed):
+                margins.append((6 - length) / 6)
+            if min(abs(m) for m in margins) < 1e-4 or doubt[0]:
+                unsure |= set(run)
+            members = {i for i in run if len(t.links[i]) <= 2}
+            if max(margins) > 0:
+                gone |= members
+            else:
+                kept |= members
+    return gone, unsure
+
+
+def spurs(t):
+    """Sites of what branches off a line and ends within 2 pixels; unsure."""
+    gone, unsure = set(), set()
+    dropped = t.dropped.copy()
+    for i in range(len(t)):
+        if dropped[i] or len(t.links[i]) != 1 or t.rank[i] == 0:
+            continue
+        run, length = [i, t.links[i][0]], 0.0
+        length = t.apart(*run)
+        while len(run) <= 8 and length < 2 and (ahead := t.next(run[-2], run[-1])) is not None:
+            length += t.apart(run[-1], ahead)
+            run.append(ahead)
+        if abs(length - 2) < CLOSE:
+            unsure |= set(run)
+        if len(t.links[run[-1]]) > 2 and length < 2:
+            gone |= set(run[:-1])
+            dropped[run[:-1]] = True
+    return gone, unsure

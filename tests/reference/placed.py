@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""FINE's sites as they are found, before any owns its place: where a layer changes, to a fraction of a pixel."""
+
+import numpy as np
+
+from . import grid, metric
+from .edges import SOURCES
+from .metric import clamp01
+from .passes import COLUMN, JUNCTION, ROW
+from .ridged import ridges, through
+from .slices import Things
+from .view import SEEN, SURE, Place, along, level_of, levels_apart, turn
+
+# Cracks
+
+
+def _jump(view, axis):
+    """(H, W - 1): what each side's straight continuation misses at the other; its margin over nothing."""
+    layers = view.layers
+    z, there = turn(axis, layers.depth), turn(axis, layers.there)
+    safe = np.where(there, z, 1)
+    u = np.where(there, -safe / layers.height, -np.inf) if layers.orthographic else np.where(there, 1 / safe, 0)
+    found = np.zeros((u.shape[0], u.shape[1] - 1))
+    if u.shape[1] < 4:
+        return found
+    four = np.stack([u[:, k:u.shape[1] - 3 + k] for k in range(4)])
+    if layers.orthographic:  # nothing there lies a frame's height behind the farthest
+        behind = np.where(np.isfinite(four), four, np.inf).min(0) - 1
+        four = np.maximum(four, np.where(np.isfinite(behind), behind, 0))
+    a, p, q, b = four
+    left, right = q - 2 * p + a, p - 2 * q + b
+    jump = np.maximum(0, np.maximum(np.minimum(left, -right), np.minimum(-left, right)))
+    if not layers.orthographic:
+        most = four.max(0)
+        jump = np.where(most > 0, jump / np.where(most > 0, most, 1), 0)
+    found[:, 1:-1] = jump
+    return found
+
+
+def _crossing(layers, axis):
+    """(H, W - 1): the share of p's surface in p and q tells how far it reaches, where there is something to see."""
+    v = np.concatenate([turn(axis, clamp01(layers.albedo)), turn(axis, layers.normal) / 2], -1)
+    p, q, a, b = v[:, :-1], v[:, 1:], along(v, -1)[:, :-1], along(v, 1)[:, 1:]
+    a2, b2 = along(v, -2)[:, :-1], along(v, 2)[:, 1:]
+    weight = 1 / (0.02**2 + (a - a2) ** 2 + (b2 - b) ** 2)
+    seen = (weight * (a - b) ** 2).sum(-1)
+    safe = np.where(seen > 0, seen, 1)
+    share = sum(clamp01((weight * (x - b) * (a - b)).sum(-1) / safe) for x in (p, q))
+    t = clamp01(share - 0.5)
+    t = t - 0.06 * np.sin(2 * np.pi * t)
+    return (seen * t + 2) / (seen + 4)
+
+
+def cracks(view):
+    """{(family, row, column, axis): Place} of depth and indices, all that may be."""
+    layers, found = view.layers, {}
+    for axis in (ROW, COLUMN):
+        jump = clamp01((_jump(view, axis) - 0.003) / 0.007)
+        cross = _crossing(layers, axis)
+        there, object_, material = (turn(axis, a) for a in (layers.there, layers.object, layers.material))
+        marks = turn(axis, layers.marks[..., axis])
+        gone = there[:, 1:] != there[:, :-1]
+        strengths = {"object": gone | (object_[:, 1:] != object_[:, :-1]),
+                     "material": material[:, 1:] != material[:, :-1], "depth": jump}
+        for i, k in np.argwhere(np.any(list(strengths.values()), axis=0)):
+            known = float(np.clip(marks[i, k], -1, 1))
+            t = -known if known < 0 else known if known > 0 and not (jump[i, k] > 0 or gone[i, k]) else cross[i, k]
+            row, column = (k, i) if axis else (i, k)
+            place = (column, row + t) if axis else (column + t, row)
+            site = view.weigh(place, "crack", column, row, axis,
+                              {SOURCES.index(name): float(s[i, k]) for name, s in strengths.items()})
+            if jump[i, k] > 0 and known > 0 and jump[i, k] < 1e-3:
+                site.doubtful = True  # whether there is a jump at all decides whose place counts
+            found["crack", row, column, axis] = site
+    return found
+
+
+def on(found):
+    return {key: site for key, site in found.items() if site.margin >= 0}
+
+
+def crack_masks(view, found):
+    """(2, H, W): cracks to the right and down."""
+    marks = np.zeros((2, *view.shape), bool)
+    for (family, row, column, axis), site in found.items():
+        if family == "crack" and axis != JUNCTION and site.margin >= 0:
+            marks[axis, row, column] = True
+    return marks
+
+
+def junctions(found, family, shape):
+    """Of the cracks on three or four sides of a square: their mean, with the strongest's strength."""
+    here = on(found)
+    for row in range(shape[0] - 1):
+        for column in range(shape[1] - 1):
+            keys = [(family, row, column, ROW), (family, row + 1, column, ROW), (family, row, column, COLUMN),
+                    (family, row, column + 1, COLUMN)]
+            sides = [here[key] for key in keys if key in here]
+            if len(sides) > 2:
+                first = max(sides, key=lambda s: s.strength)
+                x, y = np.mean([(s.x, s.y) for s in sides], axis=0)
+                strengths = sorted((s.strength for s in sides if s.source != first.source), reverse=True)
+                close = bool(strengths) and abs(first.strength - strengths[0]) < 1e-4
+                found[family, row, column, JUNCTION] = Place(x, y, first.strength, first.source, 1.0, doubtful=close)
+
+
+def thin(view, found):
+    """Places the cracks of thin things again, and finds what of them lies between pixel centres."""
+    layers = view.layers
+    known = [np.clip(layers.marks[..., axis], -1, 1) for axis in (ROW, COLUMN)]
+    things = Things(layers, crack_masks(view, found), known)
+    for (_, row, column, axis), site in on(found).items():
+        placed = things.place(axis, column, row, site.y - row if axis else site.x - column)
+        if placed:
+            share, *site.thin = placed
+            site.x, site.y = (column, row + share) if axis else (column + share, row)
+    for x, y, axis, at, half, hits in things.pieces():
+        place = (x, at) if axis else (at, y)
+        site = view.weigh(place, "thin", x, y, axis, {SOURCES.index("object"): float(bool(hits & 1)),
+                                                      SOURCES.index("depth"): float(bool(hits & 2))})
+        site.thin = (1.0, half, 0.0)
+        found["thin", y, x, axis] = site
+
+
+# Lines drawn by hand
+
+
+def marks(view):
+    found, (height, width) = {}, view.shape
+    if "marks" not in view.given:
+        return found
+    for row, column, axis in np.argwhere(view.layers.marks > 0):
+        if (row + 1 < height) if axis else (column + 1 < width):
+            t = min(1.0, view.layers.marks[row, column, axis])
+            place = (column, row + t) if axis else (column + t, row)
+            strength = {SOURCES.index("mark"): 1.0}
+            found["mark", row, column, axis] = view.weigh(place, "mark", column, row, axis, strength)
+    return found
+
+
+# Light: where it crosses a threshold between two pixels
+
+
+def evened(x, noise=0.035):
+    """Light (H, W) without its noise: three passes of a 3×3 mean, 1, 2 and 4 pixels apart, of what is alike."""
+    for apart in (1, 2, 4):
+        sharp = 1 / (noise * np.maximum(x, 0.02)) ** 2
+        total, weights = np.zeros_like(x), np.full_like(x, 4)
+        for dy in (-1, 0, 1):
+            for dx in (-1, 0, 1):
+                off = grid.read(x, apart * dy, apart * dx) - x
+                weight = (2 - abs(dy * dx)) * clamp01(1 - off**2 * sharp) ** 2 * (dy != 0 or dx != 0)
+                total, weights = total + weight * off, weights + weight
+        x = x + total / weights
+    return x
+
+
+def light(view, cracked):
+    """The light without noise; crossings, but where a crack runs."""
+    found, even = {}, evened(np.minimum(metric.value(view.layers.diffuse), 1e7))
+    style = view.layers.style
+    steps = [table["shade_levels"] for table in view.params.tables]
+    exposure = [table["shade_exposure"] for table in view.params.tables]
+    own = np.array([[level_of(even[p] * exposure[style[p]], steps[style[p]]) for p in zip([y] * even.shape[1], range(
+        even.shape[1]), strict=True)] for y in range(even.shape[0])])
+    gap = min(step[1] for table in steps for step in table[1:]) if any(len(t) > 1 for t in steps) else 1
+    for axis in (ROW, COLUMN):
+        level, light_ = turn(axis, own), turn(axis, even)
+        for i, k in np.argwhere(level[:, 1:] != level[:, :-1]):
+            row, column = (k, i) if axis else (i, k)
+            near = view.near(*((column, row + 0.5) if axis else (column + 0.5, row)), column, row, "light", axis)
+            s = style[near]
+            one, two = light_[i, k] * exposure[s], light_[i, k + 1] * exposure[s]
+            low, high = sorted((level_of(one, steps[s]), level_of(two, steps[s])))
+            if low == high or cracked[axis, row, column]:
+                continue
+            threshold = (steps[s][low + 1][1] + steps[s][high][1]) / 2
+            t = float(clamp01((threshold - one) / (two - one)))
+            place = (column, row + t) if axis else (column + t, row)
+            site = view.weigh(place, "light", column, row, axis,
+                              {SOURCES.index("light"): levels_apart(view, steps[s], one, two)})
+            every = [abs(x - step[1]) for x in (one, two) for step in steps[s][1:]]
+            if min(every) < SURE * max(1, gap):
+                site.margin = 0.0
+            found["light", row, column, axis] = site
+    return even, found
+
+
+# All
+
+
+def find(view):
+    """{(family, row, column, axis): Place} of everything that may be a site."""
+    found = cracks(view)
+    cracked = crack_masks(view, found)
+    even, light_ = light(view, cracked) if view.weights[SOURCES.index("light")].any() else (None, {})
+    thin(view, found)
+    junctions(found, "crack", view.shape)
+    own = marks(view)
+    junctions(own, "mark", view.shape)
+    junctions(light_, "light", view.shape)
+    mixed = cracked[ROW] | cracked[COLUMN]
+    mixed[:, 1:] |= cracked[ROW][:, :-1]
+    mixed[1:] |= cracked[COLUMN][:-1]
+    seen = unsure = None
+    if {"seen_color", "seen_normal"} <= view.given and view.weights[SEEN].any():
+        seen, unsure = through(view)
+    found |= own | light_ | ridges(view, mixed, seen)
+    return found, {"light": even, "through": seen, "through_unsure": unsure, "mixed": mixed}
+

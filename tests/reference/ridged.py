@@ -1,0 +1,309 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sites in averaged layers: steps and stripes, and where they can be seen in mirrors and through glass."""
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import grid, metric
+from .edges import SOURCES
+from .metric import clamp01
+from .passes import COLUMN, ROW
+from .view import SEEN, SURE, along, levels_apart, more, norm2, turn
+
+PAD = 4
+
+
+@dataclass
+class Layer:
+    """Of one family pair: what it looks for steps and bands in, what a pixel averages, and what makes an edge."""
+    name: str
+    source: int
+    signal: np.ndarray  # (H, W, C)
+    linear: np.ndarray
+    floor: float
+    band: float  # of stripes; infinite: it has none
+    closed: np.ndarray  # (H, W) pixels that hold two surfaces
+
+    @functools.cached_property
+    def bent(self):
+        """What stands out is looked for in, (H, W, C); where a pixel and its neighbours are open; (2, H, W): how far it
+        is from the mean of those in the row, in the column."""
+        image = np.sqrt(self.linear) if self.name == "seen_color" else self.linear
+        known = ~self.closed
+        known[[0, -1]] = known[:, [0, -1]] = False
+        ways = [[grid.read(a, *d) for d in pair for a in (image, ~self.closed)]
+                for pair in (((0, -1), (0, 1)), ((-1, 0), (1, 0)))]
+        for _, one, _, two in ways:
+            known &= one & two
+        return image, known, np.array([np.linalg.norm((a + b) / 2 - image, axis=-1) for a, _, b, _ in ways])
+
+
+def layers_of(view, mixed, through):
+    layers, color = view.layers, clamp01(view.layers.albedo)
+    if view.params["color_layer"] == "LIT":
+        color = clamp01(layers.combined[..., :3])
+    exposure = view.params.at("shade_exposure", layers.style)
+    lit = (metric.value(layers.diffuse) * exposure)[..., None]
+    floor = 0.35 * view.bend
+    yield Layer("normal", SOURCES.index("normal"), layers.normal, layers.normal, floor, 1.2 * floor, mixed)
+    yield Layer("color", SOURCES.index("color"), view.space(color), color, 0.01, 0.012, mixed)
+    yield Layer("light", SOURCES.index("light"), lit, lit, 0.02, 0.1, mixed)
+    if through is None:
+        return
+    closed, floor, seen = mixed | ~through, 0.6 * view.bend, clamp01(layers.seen_color)
+    yield Layer("seen_normal", SEEN, layers.seen_normal, layers.seen_normal, floor, 1.2 * floor, closed)
+    yield Layer("seen_color", SEEN, view.space(seen), seen, 0.01, 0.012, closed)
+    if "seen_depth" in view.given:
+        z = layers.seen_depth[..., None]
+        u = np.where(z > 0, -z / layers.height if layers.orthographic else 1 / np.where(z > 0, z, 1),
+                     -1e15 if layers.orthographic else 0)
+        yield Layer("seen_depth", SEEN, u, u, 0.0, np.inf, closed)
+
+
+class Reads:
+    """Values at -3…3 along an axis, read outwards up to where a pixel holds two surfaces."""
+
+    def __init__(self, signal, closed):
+        self.value, self.open = {0: signal}, {0: ~closed}
+        for way in (-1, 1):
+            for k in (1, 2, 3):
+                before = self.open[way * (k - 1)] if k > 1 else np.ones_like(closed)
+                is_open = before & ~along(closed, way * k)
+                self.open[way * k] = is_open
+                self.value[way * k] = np.where(is_open[..., None], along(signal, way * k), self.value[way * (k - 1)])
+
+    def __getitem__(self, k):
+        return self.value[k]
+
+
+def _padded(image):
+    return np.pad(image, [(PAD, PAD), (PAD, PAD), *[(0, 0)] * (image.ndim - 2)], mode="edge")
+
+
+def _sum3(image):
+    return sum(grid.read(image, dy, dx) for dy, dx in grid.window(1))
+
+
+def _inner(axis, image):
+    return turn(axis, image)[PAD:-PAD, PAD:-PAD]
+
+
+def step_margins(layer):
+    """(2, H, W): how surely a pixel's step is the greatest of the five that go its way, along the steeper axis."""
+    signal, closed = _padded(layer.signal), _padded(layer.closed)
+    margin, steep = [], []
+    for axis in (ROW, COLUMN):
+        v, shut = turn(axis, signal), turn(axis, closed)
+        r = Reads(v, shut)
+        way = r[1] - r[-1]
+        own = norm2(way)
+        m = np.where(r.open[1] & r.open[-1] & ~shut, more(own, layer.floor**2), -1)
+        for k in (-2, -1, 1, 2):
+            other = r[k + 1] - r[k - 1]
+            against = -(other * way).sum(-1) / np.maximum(np.sqrt(norm2(other) * own), 1e-12)
+            m = np.minimum(m, np.maximum(against, more(own, norm2(other))))
+        margin.append(_inner(axis, m))
+        ahead, back = (np.where(along(shut, k)[..., None], v, along(v, k)) for k in (1, -1))
+        square = np.where(shut, 0, norm2(ahead - back))
+        steep.append(_inner(axis, turn(axis, _sum3(turn(axis, square)))))
+    preferred = more(steep[0], steep[1])
+    tie = (steep[0] == steep[1]) * SURE  # along rows, surely
+    return np.array([np.minimum(margin[0], preferred + tie), np.minimum(margin[1], -preferred)])
+
+
+def band_margins(layer):
+    """(2, H, W): how surely a pixel lies farthest of the three from the line between the two beyond them."""
+    signal, closed = _padded(layer.signal), _padded(layer.closed)
+    margin, bulge = [], []
+    for axis in (ROW, COLUMN):
+        v, shut = turn(axis, signal), turn(axis, closed)
+        r = Reads(v, shut)
+        raw = {k: along(v, k) for k in range(-2, 3)}
+        e = raw[-1] + raw[0] + raw[1] - 1.5 * (raw[-2] + raw[2])
+        dot = {k: ((raw[k] - (raw[-2] * (2 - k) + raw[2] * (2 + k)) / 4) * e).sum(-1) for k in (-1, 0, 1)}
+        m = np.where(r.open[2] & r.open[-2] & ~shut, np.minimum(more(dot[0], dot[-1]), more(dot[0], dot[1])), -1)
+        margin.append(_inner(axis, m))
+        bulge.append(_inner(axis, turn(axis, _sum3(turn(axis, np.sqrt(norm2(e)))))))
+    preferred = more(bulge[0], bulge[1])
+    tie = (bulge[0] == bulge[1]) * SURE
+    return np.array([np.minimum(margin[0], preferred + tie), np.minimum(margin[1], -preferred)])
+
+
+def _five(layer, image, row, column, axis):
+    """Values (5, C) at -2…2, held where a pixel is closed, and how far they go on both sides."""
+    image, shut = turn(axis, image), turn(axis, layer.closed)
+    i, k = (column, row) if axis else (row, column)
+    at, far = [k] * 5, []
+    for way in (-1, 1):
+        held = 0
+        while held < 2 and not shut[i, np.clip(k + way * (held + 1), 0, shut.shape[1] - 1)]:
+            held += 1
+        far.append(held)
+        for n in (1, 2):
+            at[2 + way * n] = np.clip(k + way * min(n, held), 0, shut.shape[1] - 1)
+    return image[i, at], far
+
+
+def _share(value, first, second):
+    square = norm2(first - second)
+    return float(clamp01((value - second) @ (first - second) / square)) if square > 0 else 0.5
+
+
+def _put(row, column, axis, offset):
+    offset = float(np.clip(offset, -1, 1))
+    return (column, row + offset) if axis else (column + offset, row)
+
+
+def band_site(view, layer, row, column, axis):
+    """A stripe so narrow that its two boundaries are one line; None if it is none at all."""
+    v, far = _five(layer, layer.signal, row, column, axis)
+    if far != [2, 2]:
+        return None
+    base, e = (v[0] + v[4]) / 2, v[1:4].sum(0) - 1.5 * (v[0] + v[4])
+    area = np.linalg.norm(e)
+    if not area > 0:
+        return None
+    c = np.array([(v[k] - (v[0] * (4 - k) + v[4] * k) / 4) @ e / area for k in (1, 2, 3)])
+    color = layer.name == "color"
+    weak = color and area > 2.05 * c[1]
+    margin = min(more(area, layer.band), more(c[1], c[0]), more(c[1], c[2]),
+                 more((2.9 if weak else 2.05) * c[1], area), (c[0] + 0.1 * area) / area, (c[2] + 0.1 * area) / area,
+                 more(c[1], 1.5 * np.linalg.norm(v[4] - v[0])))
+    if margin < -SURE:
+        return None
+    family = layer.name + "_band"
+    place = _put(row, column, axis, (c[2] - c[0]) / area)
+    doubtful = color and abs(more(area, 2.05 * c[1])) < SURE
+    if layer.name.endswith("normal"):
+        strength = float(clamp01((area - layer.floor) / (0.37 * view.bend)))
+    elif layer.name == "light":
+        table = view.params.tables[view.layers.style[view.near(*place, column, row, family, axis)]]
+        rise = 1 if e[0] > 0 else -1
+        near = max(v[0, 0], v[4, 0]) if rise > 0 else min(v[0, 0], v[4, 0])
+        deep = near + 2 * e[0]
+        far = max(deep, v[2, 0]) if rise > 0 else min(deep, v[2, 0])
+        doubtful |= _on_threshold(table["shade_levels"], near, far)
+        strength = view.contrast(levels_apart(view, table["shade_levels"], near, far))
+    else:
+        strength = view.contrast(view.difference(base + e, base))
+    clear, unclear = clarity(layer, row, column, axis)
+    site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear})
+    if color:
+        edge = site.margin >= 0
+        doubtful |= abs(site.margin) < SURE
+        site.margin = site.strength - view.threshold / 2 if view.threshold > 0 else site.strength
+        weak |= not edge
+    site.weak = weak
+    site.doubtful |= doubtful or unclear
+    site.margin = min(site.margin, margin)
+    return site
+
+
+def _on_threshold(steps, *values):
+    return any(abs(x - step[1]) < SURE * max(1, abs(x)) for x in values for step in steps[1:])
+
+
+def step_site(view, layer, row, column, axis):
+    (linear, far), (v, _) = _five(layer, layer.linear, row, column, axis), _five(layer, layer.signal, row, column, axis)
+    inner = norm2(linear[1] - linear[3]) > norm2(linear[0] - linear[4])
+    low, high = (1, 3) if inner else (0, 4)
+    doubtful = abs(more(norm2(linear[1] - linear[3]), norm2(linear[0] - linear[4]))) < SURE and \
+        not np.allclose(linear[[1, 3]], linear[[0, 4]], atol=1e-6)
+    share = sum(_share(linear[k], linear[low], linear[high]) for k in (1, 2, 3)) - 1.5
+    place = _put(row, column, axis, share - 0.06 * np.sin(2 * np.pi * share))
+    way = v[3] - v[1]
+    # the slope up to the last pixel goes on at least as steeply
+    before = v[2] - v[1] if far[0] < 2 else v[1] - v[0]
+    after = v[3] - v[2] if far[1] < 2 else v[4] - v[3]
+    bend, step = np.linalg.norm(way - before - after), np.linalg.norm(way)
+    margin = min(more(bend, 0.4 * step), more(bend, layer.floor) if layer.floor else 1.0)
+    if margin < -SURE:
+        return None
+    if layer.name.endswith("normal"):
+        strength = float(clamp01((bend - layer.floor) / (0.37 * view.bend)))
+    elif layer.name == "seen_depth":
+        a, p, _, q, b = v[:, 0]
+        left, right = q - 3 * p + 2 * a, p - 3 * q + 2 * b
+        jump = max(0.0, min(left, -right), min(-left, right))
+        if not view.layers.orthographic:
+            jump = jump / v.max() if v.max() > 0 else 0.0
+        strength = float(clamp01((jump - 0.1) / 0.03))
+    elif layer.name == "light":
+        table = view.params.tables[view.layers.style[view.near(*place, column, row, "light_step", axis)]]
+        doubtful |= _on_threshold(table["shade_levels"], v[low, 0], v[high, 0])
+        strength = view.contrast(levels_apart(view, table["shade_levels"], v[low, 0], v[high, 0]))
+    else:
+        strength = view.contrast(view.difference(v[low], v[high]))
+    family = "light_step" if layer.name == "light" else layer.name
+    clear, unclear = clarity(layer, row, column, axis)
+    site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear})
+    site.step = tuple((127 * way / max(1.001 * step, 1e-30)).astype(int)) + (0,) * (3 - len(way))
+    site.doubtful |= bool(doubtful) or unclear
+    site.margin = min(site.margin, margin)
+    return site
+
+
+def ridges(view, mixed, through):
+    found = {}
+    for layer in layers_of(view, mixed, through):
+        if not (layer.source == SOURCES.index("color") and "controls" in view.given) and \
+                not view.weights[layer.source].any():
+            continue
+        kinds = [(step_margins(layer), step_site, "light_step" if layer.name == "light" else layer.name)]
+        if np.isfinite(layer.band):
+            kinds.append((band_margins(layer), band_site, layer.name + "_band"))
+        for margins, place, family in kinds:
+            for axis, row, column in np.argwhere(margins > -SURE):
+                site = place(view, layer, row, column, axis)
+                if site is not None:
+                    site.margin = min(site.margin, margins[axis, row, column])
+                    found[family, row, column, axis] = site
+    return found
+
+
+# Mirrors
+
+
+def through(view):
+    """(H, W) where normals differ by .1, or depths by 2 % over all of a 3×3; grown by 5×5. And where float32 may say
+    otherwise."""
+    layers = view.layers
+    turned = layers.normal @ layers.view.T
+    apart = np.linalg.norm(layers.seen_normal - turned, axis=-1) - 0.1
+    length = norm2(turned)
+    share = clamp01((layers.seen_normal * turned).sum(-1) / np.where(length > 0, length, 1))
+    rest = np.linalg.norm(layers.seen_normal - share[..., None] * turned, axis=-1) - 0.1
+    tint = np.linalg.norm(clamp01(layers.seen_color) - clamp01(layers.albedo), axis=-1) - 0.1
+    own = (rest < 0) & (tint < 0)  # a lamp, or black in part
+    unit = layers.height if layers.orthographic else np.where(layers.there, layers.depth, 1)
+    gap = np.abs(layers.seen_depth - np.where(layers.there, layers.depth, 0)) - 0.02 * unit
+    other = layers.there & (layers.seen_depth > 0) & (gap > 0) & ~(own & (apart > 0))
+    begin = (layers.there & ~own & (apart > 0)) | np.all([grid.read(other, *d) for d in grid.window(1)], axis=0)
+    unsure = np.min([np.abs(m) for m in (apart, rest, tint, gap / unit)], axis=0) < SURE
+    return grid.most(begin, 2) > 0, grid.most(unsure, 3) > 0
+
+
+def clarity(layer, row, column, axis):
+    """(how clearly, whether rounding may tell otherwise) a line stands out of its surroundings.
+
+    0 where in the 9×9 about it 55 % of the pixels (of depths, half) differ by 6 % of its step from the mean of their
+    neighbours in the row and from that in the column, or 80 % from that across the line; 1 where 15 % fewer do."""
+    if layer.source != SEEN:
+        return 1.0, False
+    image, known, bent = layer.bent
+    dy, dx = (1, 0) if axis else (0, 1)
+    ways = [((row + a * dy, column + a * dx), (row + b * dy, column + b * dx))
+            for a, b in ((-1, 0), (-1, 1), (0, 1))]
+    height, width = known.shape
+    inside = [way for way in ways if all(0 <= y < height and 0 <= x < width and not layer.closed[y, x] for y, x in way)]
+    size = max([np.linalg.norm(image[a] - image[b]) for a, b in inside], default=0.0)
+    box = np.s_[max(row - 4, 0):row + 5, max(column - 4, 0):column + 5]
+    off = bent[(slice(None), *box)][:, known[box]] - 0.06 * size
+    if not off.size:
+        return 1.0, False
+    stirred, rippled = (off > 0).all(0).mean(), (off[axis] > 0).mean()
+    most = 0.5 if layer.name == "seen_depth" else 0.55
+    value = clamp01((most - stirred) / 0.15) * clamp01((0.8 - rippled) / 0.15)
+    return float(value), size > 1e-4 and bool((np.abs(off) < 1e-6 + SURE * size).any())

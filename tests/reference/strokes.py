@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""FINE's ink: the union of the discs along all links, whose centre, radius, darkness and depth run evenly from one site
+to the next; and how far a pixel is from the nearest site."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from .lines import Pen
+from .metric import clamp01, mix
+
+
+def free_lengths(t, shape):
+    """Lengths along its chain from each site to the nearest end that is tied to nothing."""
+    found = np.full(len(t), np.inf)
+    for i in range(len(t)):
+        if t.dropped[i] or len(t.links[i]) > 1 or t.at_border(i, shape):
+            continue
+        found[i] = along = 0
+        before, at = i, t.links[i][0] if t.links[i] else None
+        while at is not None:
+            along += t.apart(before, at)
+            found[at] = min(found[at], along)
+            before, at = at, t.next(before, at)
+    return found
+
+
+def ends(t, layers, params, paper):
+    """What each site gives the links that end at it, as columns; and its ink."""
+    site, shape = t.site, layers.depth.shape
+    owner = site["near_y"], site["near_x"]
+    pen = Pen(layers, params, SimpleNamespace(owner=owner, z=layers.depth[owner], strength=site["strength"],
+                                              source=site["source"]), paper)
+    style = layers.style[owner]
+    used = params.at("use_lines", style) > 0
+    taper = params.at("line_taper", style) * params.pixels(layers.full_height)
+    radius = pen.radius * np.where(taper > 0, clamp01(free_lengths(t, shape) / np.where(taper > 0, taper, 1)), 1)
+    radius = np.where(site["crowd"] > 0, np.minimum(radius, 1 / np.maximum(site["crowd"], 1e-12)), radius)
+    # a thing not much wider than its lines lets no paper between them: they are one, from its middle
+    filled = site["thin"] * clamp01(1 - 2 * (site["half"] - radius))
+    at = t.at + (filled * site["inside"])[:, None] * np.where(site["axis"][:, None] == 0, (1, 0), (0, 1))
+    half = np.maximum(radius, 0.5)
+    soft = pen.softness * half
+    fade = np.maximum(soft, 1)
+    faint = np.minimum(1, 2 * radius)
+    z = np.zeros(len(t))
+    if pen.occlude:
+        z = pen.z - 0.1 * layers.height if layers.orthographic else 0.9 * pen.z
+    columns = np.stack([filled * site["half"] + half - np.maximum(soft, 0.5) + fade, faint / fade, faint,
+                        pen.gain * pen.strength, np.maximum(0, 1 - pen.strength / 2), pen.roughness,
+                        np.minimum(z, 1e30)], 1)
+    return np.where(used[:, None], at, t.at), columns * used[:, None], pen.ink
+
+
+def draw(t, layers, params, paper):
+    """(T (H, W), ink (H, W, 3), where rounding tells whose ink it is, or whether something stands before it)."""
+    shape = layers.depth.shape
+    at, columns, color = ends(t, layers, params, paper)
+    y, x = np.mgrid[:shape[0], :shape[1]]
+    best, nearest = np.zeros(shape), np.full(shape, np.inf)
+    ink, unsure = np.zeros((*shape, 3)), np.zeros(shape, bool)
+    pieces = [(i, j) for i in range(len(t)) for j in t.links[i] if j > i and not t.dropped[i] and not t.dropped[j]]
+    pieces += [(i, i) for i in range(len(t)) if not t.links[i] and not t.dropped[i]]
+    for i, j in pieces:
+        a, way = at[i], at[j] - at[i]
+        reach = max(columns[i, 0], columns[j, 0])
+        low = np.maximum(np.floor(np.minimum(at[i], at[j]) - reach).astype(int), 0)
+        high = np.maximum(np.ceil(np.maximum(at[i], at[j]) + reach).astype(int) + 1, 0)
+        box = np.s_[low[1]:high[1], low[0]:high[0]]
+        s = clamp01(((x[box] - a[0]) * way[0] + (y[box] - a[1]) * way[1]) / max(way @ way, 1e-12))
+        d = np.hypot(x[box] - mix(a[0], at[j, 0], s), y[box] - mix(a[1], at[j, 1], s))
+        out, slope, faint, gain, bias, rough, limit = (mix(columns[i, k], columns[j, k], s) for k in range(7))
+        dark = clamp01(gain * ((1 + rough * (paper[box] - 1)) * np.minimum((out - d) * slope, faint) - bias))
+        z = layers.depth[box]
+        hidden = z < limit
+        unsure[box] |= np.isfinite(z) & (np.abs(z - limit) < 1e-4 * np.maximum(z, 1)) & (dark > 0)
+        dark[hidden] = 0
+        own = np.where((s > 0.5)[..., None], color[j], color[i])
+        close = (np.abs(dark - best[box]) < 1e-4) & (dark > 0) & (np.abs(own - ink[box]).max(-1) > 1e-4)
+        unsure[box] |= close & (best[box] > 0)
+        wins = (dark > best[box]) | ((dark == best[box]) & (dark > 0) & (d < nearest[box]))
+        best[box][wins], nearest[box][wins], ink[box][wins] = dark[wins], d[wins], own[wins]
+    return best, ink, unsure
+
+
+def nearest(t, shape):
+    """Ways (H, W, 2) from each pixel to the nearest site that is kept, and where two are as near."""
+    kept = t.at[~t.dropped]
+    y, x = np.mgrid[:shape[0], :shape[1]]
+    way = kept[None, None] - np.stack([x, y], -1)[:, :, None]
+    d = np.hypot(*np.moveaxis(way, -1, 0))
+    first = d.argmin(-1)
+    two = np.sort(d, -1)[..., :2]
+    return np.take_along_axis(way, first[..., None, None], 2)[:, :, 0], two[..., 1] - two[..., 0] < 1e-4
