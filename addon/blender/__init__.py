@@ -1,4 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Encre inside Blender: the engine, what it reads of a scene, and what a user sees of it."""
+"""Encre inside Blender: the engine, what it reads of a scene, and what a user sees of it.
+
+In: Blender's hooks, with the evaluated scene; the passes that Cycles writes into the result. Evaluated data alone are
+read, so that keyframes and drivers count, and only evaluated data are changed: the user's scene stays as it is. Out:
+the result with Encre's pictures in the place of the passes; sentences in Blender's report.
+
+engine forwards the hooks to frame, which does one render: before Cycles, and after. It reads settings by properties,
+meshes, cameras and papers; subframes has Cycles render larger layers; bake draws into textures; panels shows it all.
+
+To add: a setting of an object or a material to properties; what else a mesh tells to meshes; what differs between
+Blenders to versions, with the version and the reason, and nowhere else. Nothing here knows the command line.
+"""
 
 ENGINE = "ENCRE"  # how files name the engine

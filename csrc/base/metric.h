@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How different two colours look: the measures of the inter-color metric (Herring 2016, 3.2). */
+/* How different two colours look: the measures of the inter-color metric (Herring 2016, 3.4). */
 #ifndef ENCRE_METRIC_H
 #define ENCRE_METRIC_H
 

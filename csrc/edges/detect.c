@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Edge detectors on windows of samples: the difference of Gaussians (Winnemoeller, Olsen & Gooch 2006; Vainumäe 2020,
- * 4.3), Sobel's kernels and the inter-color contrast (Herring 2016, 3.2). All work on differences between samples, so
+ * 3.1), Sobel's kernels and the inter-color contrast (Herring 2016, A.2). All work on differences between samples, so
  * that flat areas give exactly 0. */
 #include "edges/detect.h"
 #include "base/metric.h"

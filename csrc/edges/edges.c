@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Layers -> edge strength: where lines can be (Vainumäe 2020, 4.3; Herring 2016, 3.2).
+/* Layers -> edge strength: where lines can be (Vainumäe 2020, 3.1; Herring 2016, A.2).
  *
  * Each source of edges has a ring of sampled rows; tile by tile its strength is weighed, and the strongest source wins
  * the pixel. To add a source: name it in enum source (the order decides ties), sample its layer in samples.c,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rows of samples -> strength of each source of edges (Vainumäe 2020, 4.3; Herring 2016, 3.2). */
+/* Rows of samples -> strength of each source of edges (Vainumäe 2020, 3.1; Herring 2016, A.2). */
 #include "edges/edges.h"
 #include "base/metric.h"
 #include "base/pixel.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Edge pixels to ink, put over the picture. Thickness and pressure of a line come from painted controls (Vainumäe 2020,
- * 3.1 to 3.3) or from contrast and depth (Herring 2016); which edge inks a pixel is found by discs.c or search.c. */
+ * 3.2) or from contrast and depth (Herring 2016); which edge inks a pixel is found by discs.c or search.c. */
 #include "ink/discs.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The edge that inks a pixel, found in other ways than trying all: walking up the blurred mask of edge pixels
- * (Vainumäe 2020, 4.4) or dilating that mask (its alternative), both at most about 20 pixels far; or the nearest.
+ * (Vainumäe 2020, 3.2) or dilating that mask (its alternative), both at most about 20 pixels far; or the nearest.
  *
  * A location is held as its offset, 6 bits each way, the row first: packed so, locations at the same distance order as
  * their rows, then columns do, and the nearest is the least number with the squared distance in front. */

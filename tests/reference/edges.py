@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers to edge strength: Vainumäe's difference of Gaussians (2020, 4.3) and Herring's Sobel (2016, 3.2).
+"""Layers to edge strength: Vainumäe's difference of Gaussians (2020, 3.1) and Herring's Sobel (2016, A.2).
 
 Each source gives a signed *response*; the strength is the response clamped to 0…limit."""
 

@@ -171,7 +171,7 @@ def _dilate(pen, edges):
 
 
 def _walk(pen, edges):
-    """Uphill on the blurred mask, at most 19 pixels (Vainumäe 2020, 4.4)."""
+    """Uphill on the blurred mask, at most 19 pixels (Vainumäe 2020, 3.2)."""
     mask, (y, x) = edges.mask, grid.positions(edges.mask.shape)
     weights = np.exp(-(np.arange(-20, 21) ** 2) / (2 * 10.0**2))
     weights /= weights.sum()

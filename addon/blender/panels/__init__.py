@@ -1,5 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels and their operators, a file for each group of panels."""
+"""Panels and their operators, a file for each group of panels.
+
+In: the properties of scene, object and material (properties.py), the library's table of parameters and its stages. Out:
+what Blender's user sees in the properties editor, the sidebar and the menus. A panel computes nothing.
+
+stages makes one panel for each stage from the table, rows greyed out by enabled_if; so a new parameter or stage needs
+nothing here. scene, styles and blocks (objects, materials) have the rest of the properties, paint and marks the tools
+of the sidebar and of Edit Mode, levels the list of light levels, cycles Cycles' own panels, shown for Encre too.
+
+To add: a panel to the file of its group, after base.EncrePanel and in its CLASSES; a group as a file, named below.
+"""
 
 import bpy
 
