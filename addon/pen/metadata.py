@@ -11,6 +11,7 @@ from .errors import EncreError
 from .job import Camera, Frame
 
 PARAMS, FRAME, CAMERA, BORDER = "encre.params", "encre.frame", "encre.camera", "encre.border"
+MARK = "encre.mark"  # from what a frame of a sequence was made: sequence.py
 VERSION = 1
 _BORDER = ("x", "y", "width", "height")
 
@@ -28,6 +29,7 @@ class Settings:
     frame: Frame | None = None
     border: tuple | None = None
     warnings: list = field(default_factory=list)
+    unknown: dict = field(default_factory=dict)
 
 
 def write(scene, styles, camera, frame, border=None):
@@ -68,8 +70,7 @@ def read(stored):
 def _known(values, settings):
     if not isinstance(values, dict):
         raise TypeError
-    for name in values.keys() - library.params().keys():
-        settings.warnings.append(f"the metadata {PARAMS} hold the unknown parameter {name}: it is ignored")
+    settings.unknown.update(dict.fromkeys(name for name in values if name not in library.params()))
     return library.check({name: value for name, value in values.items() if name in library.params()})
 
 
@@ -79,6 +80,10 @@ def _read_params(said, settings):
     settings.scene = _known(said.get("scene", {}), settings)
     settings.styles = [(str(style["name"]), _known(style.get("values", {}), settings))
                        for style in said.get("styles", [])]
+    if count := len(settings.unknown):
+        some = ", ".join(name[:40] for name in list(settings.unknown)[:5]) + (", ..." if count > 5 else "")
+        settings.warnings.append(f"the metadata {PARAMS} hold {count} unknown parameter{'s' * (count > 1)}, which "
+                                 f"{'are' if count > 1 else 'is'} ignored: {some}")
 
 
 def _read_frame(said, settings):
