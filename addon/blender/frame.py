@@ -13,6 +13,8 @@ from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
 from . import cameras, meshes, papers, properties, subframes, versions
 
+stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
+
 
 class _Settings:
     """The checked settings of an evaluated scene. EncreError: they can't be used."""
@@ -219,6 +221,8 @@ class Frames:
     def after(self):
         """Runs the stages on every view layer and view that was rendered. EncreError: they can't; Cancelled."""
         known, self.known = self.known, {}
+        for key, text in stamped.items():
+            self.engine.get_result().stamp_data_add_field(key, text)
         if not known or not self._go_on():
             return
         result = self.engine.get_result()

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`encre composite`: the stages on the passes of a saved multilayer EXR, without any Blender."""
 
+from pathlib import Path
+
 import numpy as np
 
 from ..pen import layers, library, metadata, settings
@@ -64,10 +66,20 @@ def _wanted(passes, path, seen):
         for name in ("Combined", "DiffDir", "DiffInd"):
             wanted.pop(name, None)
     for name, channels in wanted.items():
-        if len(channels) != len(letters[name]):
+        by_letter = {full[-1].upper(): full for full in channels}
+        asked = letters[name].removesuffix("A" if "A" not in by_letter else "")
+        if set(asked) - set(by_letter) and len(channels) != len(asked):
             raise EncreError(f"{path}: pass {name} has the channels {', '.join(channels)}; "
                                   f"save it with all of {', '.join(letters[name])}")
+        wanted[name] = [by_letter[letter] for letter in asked] if set(asked) <= set(by_letter) else channels
     return wanted
+
+
+def _opaque(picture, name):
+    """A pass that was saved without its alpha covers all."""
+    if picture.shape[2] == len(_known()[name]):
+        return picture
+    return np.concatenate([picture, np.ones_like(picture[..., :1])], axis=2)
 
 
 def _place(saved, window):
@@ -116,11 +128,29 @@ def _idle(pictures, scene, styles, path):
     return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
 
 
-def composite(path, out, change, view_layer=None, threads=0, say=print):
+def _paper(scene, styles, change, path, allow_paths):
+    """`scene` with a paper image that may be opened: a stranger's file is not to choose what else is read."""
+    if scene.get("paper_source") != "IMAGE":
+        return {**scene, "paper_image": None}
+    every = settings.every_style(scene, styles)
+    if not any(values["use_lines"] or values["use_hatching"] for values in every):
+        return {**scene, "paper_source": "NONE", "paper_image": None}
+    image = scene.get("paper_image")
+    if image and not change.get("paper_image"):
+        beside = Path(path).resolve().parent
+        image = str(beside / image)
+        if not allow_paths and not Path(image).resolve().is_relative_to(beside):
+            raise EncreError(f"{path}: names the paper image {image}, which does not lie beside it; give --allow-paths "
+                             "if you trust the file, or --set paper_image=PATH")
+    return {**scene, "paper_image": image}
+
+
+def composite(path, out, change, view_layer=None, threads=0, say=print, allow_paths=False):
     """Restyles the EXR `path` into `out` (.exr or .png).
 
-    change: the values to set on those in the file; say(kind, sentence) hears notes and warnings. Raises
-    EncreError for the input, images.WriteError where `out` can't be written.
+    change: the values to set on those in the file; say(kind, sentence) hears notes and warnings; allow_paths: open a
+    paper image that the file names wherever it lies. Raises EncreError for the input, images.WriteError where `out`
+    can't be written.
     """
     png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
     with images.Exr(path, threads) as exr:
@@ -130,6 +160,7 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
             say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "
                         "at that")
         styles = [values for _, values in saved.styles]
+        scene = _paper(scene, styles, change, path, allow_paths)
         found = view_layers(exr.channels, exr.views)
         layer = _choose(found, view_layer, path)
         at = _rows_and_columns(saved.border, exr.window)
@@ -138,7 +169,8 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
         # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
         seen = saved.camera is not None and settings.wants_seen(scene, styles)
         for view, names in found[layer].items():
-            passes = {name: picture[at] for name, picture in exr.read(_wanted(names, path, seen)).items()}
+            passes = exr.read(_wanted(names, path, seen))
+            passes = {name: _opaque(picture[at], name) for name, picture in passes.items()}
             try:
                 pictures, bad = layers.assemble(passes, scene, styles)
             except EncreError as error:
@@ -168,7 +200,8 @@ def _named(pictures, layer, view, names):
     channels, letters = {}, {**_known(), **layers.DRAWN}
     for name, picture in pictures.items():
         prefix = ".".join(filter(None, [layer, name, view]))
-        full = names["Combined"] if name == "Combined" and "Combined" in names else [
-            f"{prefix}.{letter}" for letter in letters[name]]
+        if name == "Combined" and (own := [full for full in names.get(name, ()) if full.endswith("R")]):
+            prefix = own[0].rpartition(".")[0]
+        full = [f"{prefix}.{letter}".removeprefix(".") for letter in letters[name]]
         channels.update(zip(full, np.moveaxis(picture, 2, 0), strict=True))
     return channels

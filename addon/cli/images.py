@@ -5,16 +5,22 @@ Only the command line uses this: Blender reads and writes its own images.
 """
 
 import contextlib
+import importlib.metadata
 import os
+import struct
 import sys
 import tempfile
+import zlib
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..pen import colour
 from ..pen.errors import EncreError
+from .workplace import Workplace
 
+MOST_PACKED = 2000  # values in a byte of a file: no compression does better than a fourth of that
+MOST_PNG = 32768  # pixels each way of a PNG
 ROWS = 256  # read at a time: enough for every thread to decompress, little memory for the channels not wanted
 
 
@@ -24,6 +30,14 @@ def _oiio():
     except ImportError:
         raise EncreError("the Python module OpenImageIO is missing; run: pip install openimageio") from None
     return OpenImageIO
+
+
+def _words(source):
+    """What OpenImageIO says went wrong; unless it is fetched, it is printed at the end."""
+    try:
+        return source.geterror()
+    except UnicodeDecodeError:  # it quotes the file
+        return ""
 
 
 @contextlib.contextmanager
@@ -77,13 +91,19 @@ class Exr:
         self.path, self.channels, self.views, self.metadata, self.window = path, {}, (), {}, None
         self._file = oiio.ImageInput.open(_utf8(path))
         if not self._file or self._file.format_name() != "openexr":
-            oiio.geterror()  # or it would be printed at exit
-            self.close()
+            _words(oiio)
             raise EncreError(f"{path}: is not a readable OpenEXR file; give a multilayer EXR")
-        part = 0
-        while self._file.seek_subimage(part, 0):
-            self._add(part, self._file.spec())
-            part += 1
+        part, most = 0, MOST_PACKED * os.path.getsize(path)
+        try:
+            while self._file.seek_subimage(part, 0):
+                spec = self._file.spec()
+                self._add(part, spec)
+                most -= spec.width * spec.height * spec.nchannels
+                part += 1
+        except UnicodeDecodeError:
+            raise EncreError(f"{path}: holds names that are not UTF-8; render or copy it again") from None
+        if most < 0:  # a damaged or made-up size would have us ask for all memory
+            raise EncreError(f"{path}: says that it holds more pixels than such a file can; render or copy it again")
 
     def _add(self, part, spec):
         # The display window starts where the file says; only the distance between the two windows matters.
@@ -102,8 +122,9 @@ class Exr:
                 name = ".".join([*name.split(".")[:-1], view, name.split(".")[-1]])
             self.channels.setdefault(name, (part, number))
         for attribute in spec.extra_attribs:
-            if isinstance(attribute.value, str):
-                self.metadata.setdefault(attribute.name, attribute.value)
+            with contextlib.suppress(UnicodeDecodeError):  # another program's, in another encoding
+                if isinstance(attribute.value, str):
+                    self.metadata.setdefault(attribute.name, attribute.value)
 
     def read(self, passes):
         """{name: array (H, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}."""
@@ -132,7 +153,7 @@ class Exr:
             else:
                 rows = self._file.read_scanlines(part, 0, spec.y + y, spec.y + end, 0, first, last, "float")
             if rows is None:
-                self._file.geterror()
+                _words(self._file)
                 raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
             rows = rows.reshape(end - y, spec.width, last - first)
             for number, target in targets:
@@ -178,7 +199,7 @@ def read_texture(path, most):
         raise EncreError(f"{path}: there is no such file; check the path")
     with _quiet():
         file = oiio.ImageInput.open(_utf8(path), _as_stored())
-    oiio.geterror()  # or it would be printed at exit
+    _words(oiio)
     if not file:
         raise EncreError(f"{path}: is not an image that can be read; give one such as a PNG or an EXR")
     spec = file.spec()
@@ -223,17 +244,16 @@ def fit_texture(path, texture):
 def write_textures(textures):
     """Writes {path: Texture}, all whole or none at all. Raises WriteError where one can't be written."""
     oiio = _oiio()
-    with contextlib.ExitStack() as parts:
-        done = []
-        for number, (path, texture) in enumerate(textures.items()):
+    with writing(list(textures)) as place:
+        for path, texture in textures.items():
             height, width, channels = texture.pixels.shape
             spec = oiio.ImageSpec(width, height, channels, texture.kind)
             spec["oiio:ColorSpace"] = "Linear" if texture.linear else "sRGB"
             if texture.straight:
                 spec["oiio:UnassociatedAlpha"] = 1
-            done.append((parts.enter_context(_part(path, spec, texture.pixels, number)), path))
-        for part, path in done:
-            os.replace(part, path)
+            _store(place, path, spec, texture.pixels)
+        for path in textures:
+            place.take(os.path.basename(path), path)
 
 
 def _as_stored():
@@ -249,7 +269,7 @@ def _stored(path, kind):
     with _quiet():
         file = oiio.ImageInput.open(_utf8(path), _as_stored())
         pixels = file.read_image(kind) if file else None
-    oiio.geterror()  # or it would be printed at exit
+    _words(oiio)
     if pixels is None:
         return None
     spec = file.spec()
@@ -265,7 +285,7 @@ def draw_text(picture, lines):
     buffer.set_pixels(oiio.ROI(0, width, 0, height, 0, 1, 0, 3), np.ascontiguousarray(picture, np.float32))
     for x, y, size, words in lines:
         if not oiio.ImageBufAlgo.render_text(buffer, round(x), round(y), words, round(size), "DroidSans", (0.0,) * 3):
-            buffer.geterror()
+            _words(buffer)
             raise EncreError("OpenImageIO finds no font to write the caption with; install openimageio from PyPI, "
                              "which brings one")
     return buffer.get_pixels(oiio.FLOAT)
@@ -292,6 +312,9 @@ def write_png(path, rgba, window):
     The picture is the display window: PNG has no other. Raises WriteError where the file can't be written.
     """
     oiio = _oiio()
+    if max(window.full_width, window.full_height) > MOST_PNG:
+        raise WriteError(f"{path}: the display window is {window.full_width} x {window.full_height}, and a PNG has at "
+                         f"most {MOST_PNG} pixels each way; write an .exr")
     alpha = np.clip(rgba[:, :, 3:], 0, 1)
     straight = rgba[:, :, :3] / np.where(alpha > 0, alpha, 1)
     picture = np.zeros((window.full_height, window.full_width, 4), np.uint8)
@@ -306,20 +329,36 @@ def write_png(path, rgba, window):
     _write(path, spec, picture)
 
 
-@_quiet()
+@contextlib.contextmanager
+def _opened(path, config=None):
+    """The open image file, None where it can't be; nothing is printed about it."""
+    oiio = _oiio()
+    with _quiet():
+        file = oiio.ImageInput.open(_utf8(path), *([config] if config else []))
+        try:
+            yield file
+        finally:
+            if file:
+                file.close()
+            _words(oiio)
+
+
 def whole(path, last_row=False):
     """Whether every pixel of an image file can be read; last_row: whether the last ones can, which is quick to see."""
-    oiio, part = _oiio(), 0
-    file = oiio.ImageInput.open(_utf8(path))
+    with _opened(path) as file:
+        return bool(file) and _readable(file, last_row)
+
+
+def _readable(file, last_row):
+    part = 0
     while file and file.seek_subimage(part, 0):
         spec, part = file.spec(), part + 1
         end = spec.y + spec.height
         for y in range(end - 1 if last_row else spec.y, end, ROWS):
             rows = file.read_scanlines(part - 1, 0, y, min(y + ROWS, end), 0, 0, spec.nchannels, spec.format)
             if rows is None:
-                file.geterror()
+                _words(file)
                 return False
-    oiio.geterror()  # or it would be printed at exit
     return part > 0
 
 
@@ -334,45 +373,84 @@ def unwritable(path, reason):
 def prepare(path):
     """Finds out before any work whether `path` can be written; makes its folder. Raises EncreError."""
     folder = os.path.dirname(_utf8(os.path.abspath(path)))
-    if os.path.isdir(path):
-        raise EncreError(unwritable(path, "it is a folder"))
-    if os.path.exists(path) and not os.access(path, os.W_OK):
-        raise EncreError(unwritable(path, "it is write-protected"))
     try:
         os.makedirs(folder, exist_ok=True)
-        with contextlib.suppress(FileNotFoundError):
-            os.stat(path)  # fails where the name is too long
+        check_place(path)
         with tempfile.TemporaryFile(dir=folder) as probe:
             probe.write(bytes(65536))
     except OSError as error:
         raise EncreError(unwritable(path, error.strerror)) from None
 
 
+def check_place(path):
+    """Finds out whether `path` can be written in its folder, which is there. Raises EncreError."""
+    if os.path.isdir(path):
+        raise EncreError(unwritable(path, "it is a folder"))
+    try:
+        with contextlib.suppress(FileNotFoundError):
+            os.stat(path)  # fails where the name is too long
+    except OSError as error:
+        raise EncreError(unwritable(path, error.strerror)) from None
+    if os.path.exists(path) and not os.access(path, os.W_OK):
+        raise EncreError(unwritable(path, "it is write-protected"))
+
+
 def _write(path, spec, pixels):
-    with _part(path, spec, pixels) as part:
-        os.replace(part, path)
+    with writing([path]) as place:
+        _store(place, path, spec, pixels)
+        place.take(os.path.basename(path), path)
 
 
 @contextlib.contextmanager
-def _part(path, spec, pixels, number=0):
-    """A finished file beside `path`, to take its name; removed if it does not. `number` tells those apart that are
-    there at once. Raises WriteError."""
-    oiio = _oiio()
-    folder, ending = os.path.dirname(os.path.abspath(path)), os.path.splitext(path)[1]
-    part = os.path.join(folder, f".encre-{os.getpid()}-{number}{ending}")  # the ending tells OpenImageIO the format
+def writing(paths):
+    """A Workplace beside the files `paths`, which are to be made in it. Raises WriteError for what goes wrong there."""
+    path = paths[0]
     try:
-        out = oiio.ImageOutput.create(part)
-        good = out.open(part, spec) and out.write_image(pixels)
-        good = out.close() and good
-        # OpenImageIO's PNG writer does not notice a full disk.
-        if good and out.format_name() == "png" and not whole(part):
-            good = False
-        if not good:
-            reason = (out.geterror().replace(part, path).splitlines() or ["the disk may be full"])[0]
-            raise WriteError(unwritable(path, reason.rstrip(" .")))
-        yield part
+        with Workplace(os.path.dirname(os.path.abspath(path))) as place:
+            yield place
     except OSError as error:
         raise WriteError(unwritable(path, error.strerror)) from None
-    finally:
-        with contextlib.suppress(OSError):
-            os.remove(part)
+
+
+def _store(place, path, spec, pixels):
+    """Writes an image under the name of `path` into a Workplace. Raises WriteError."""
+    part = os.path.join(place.path, os.path.basename(path))
+    out = _oiio().ImageOutput.create(part)
+    good = out.open(part, spec) and out.write_image(pixels)
+    good = out.close() and good
+    # OpenImageIO's PNG writer does not notice a full disk.
+    if good and out.format_name() == "png" and not whole(part):
+        good = False
+    if not good:
+        reason = (_words(out).replace(part, path).splitlines() or ["the disk may be full"])[0]
+        raise WriteError(unwritable(path, reason.rstrip(" .")))
+
+
+def text(path, key):
+    """The text that an image file holds under `key`; None: there is no such file or text."""
+    if not os.path.isfile(path):
+        return None
+    with _opened(path) as file:
+        said = file.spec().getattribute(key) if file else None
+    return said if isinstance(said, str) else None
+
+
+def stamp_png(path, texts):
+    """Puts {key: text} into a PNG file, which Blender gives only texts of its own. OSError."""
+    with open(path, "rb") as file:
+        data = file.read()
+    if not data.startswith(b"\x89PNG"):
+        return
+    chunks = b""
+    for key, said in texts.items():
+        body = b"tEXt" + key.encode("latin-1") + b"\0" + said.encode("latin-1")
+        chunks += struct.pack(">I", len(body) - 4) + body + struct.pack(">I", zlib.crc32(body))
+    with open(path, "wb") as file:
+        file.write(data[:33] + chunks + data[33:])  # after IHDR, which always has this length
+
+
+def version():
+    try:
+        return importlib.metadata.version("encre")
+    except importlib.metadata.PackageNotFoundError:  # run from a folder
+        return "not installed"
