@@ -560,7 +560,10 @@ def test_combined_without_alpha_or_with_more(run, tmp_path, scene, letters, save
     path = exr.write(tmp_path / "in.exr", pictures)
     monkeypatch.undo()
     assert run("composite", path, "-o", tmp_path / "out.exr")[0] == 0
-    whole = exr.write(tmp_path / "whole.exr", {**pictures, "Combined": scene["combined"]})
+    combined = scene["combined"].copy()
+    if "A" not in letters:
+        combined[..., 3] = 1
+    whole = exr.write(tmp_path / "whole.exr", {**pictures, "Combined": combined})
     assert run("composite", whole, "-o", tmp_path / "whole_out.exr")[0] == 0
     assert np.array_equal(exr.picture(tmp_path / "out.exr"), exr.picture(tmp_path / "whole_out.exr"))
 
