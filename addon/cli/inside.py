@@ -33,9 +33,11 @@ class Line:
         threading.Thread(target=self._listen, daemon=True).start()
 
     def _listen(self):
-        for message in self.socket.makefile(encoding="utf-8"):
-            self.told.put(json.loads(message))
-        os._exit(1)
+        try:
+            for message in self.socket.makefile(encoding="utf-8"):
+                self.told.put(json.loads(message))
+        finally:  # also where the line was reset, as it is when its other end dies with reports unread
+            os._exit(1)
 
     def report(self, event, **more):
         self.socket.sendall(json.dumps({"event": event, **more}).encode() + b"\n")

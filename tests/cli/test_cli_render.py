@@ -329,7 +329,7 @@ def test_killed_at_random(cube, tmp_path, count):
         deadline = time.monotonic() + 20
         while running(temporary) and time.monotonic() < deadline:
             time.sleep(0.05)
-        assert not running(temporary), "Blender runs on"
+        assert not running(temporary), (number, "Blender runs on")
         for path in out.glob("f*.png"):
             assert seen.setdefault(path, path.stat().st_mtime_ns) == path.stat().st_mtime_ns, "written twice"
     works(subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment))
