@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..pen import layers, library, metadata, settings
+from ..pen import denoise, layers, library, metadata, settings
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
-from . import images, interrupt
+from . import images, interrupt, substitutes
 
 _LETTERS = "RGBAXYZW"
 _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
@@ -44,12 +44,17 @@ def view_layers(channels, views=()):
     return found
 
 
+def _has_picture(passes):
+    return "Combined" in passes or "Encre Source" in passes
+
+
 def _choose(found, name, path):
     """The view layer called `name`, or the file's first; the compositor's result is not one."""
     if name is None:
         names = [n for n, eyes in found.items()
                  if n != "Composite" or any(set(passes) != {"Combined"} for passes in eyes.values())]
-        return (names or list(found))[0]
+        drawn = [n for n in names if any(_has_picture(passes) for passes in found[n].values())]
+        return (drawn or names or list(found))[0]
     if name not in found:
         raise EncreError(f"{path}: " + unknown("view layer", name, found))
     return name
@@ -77,7 +82,7 @@ def _wanted(passes, path, seen):
 
 def _opaque(picture, name):
     """A pass that was saved without its alpha covers all."""
-    if picture.shape[2] == len(_known()[name]):
+    if picture.shape[2] == len(_known().get(name, "X")):
         return picture
     return np.concatenate([picture, np.ones_like(picture[..., :1])], axis=2)
 
@@ -145,12 +150,39 @@ def _paper(scene, styles, change, path, allow_paths):
     return {**scene, "paper_image": image}
 
 
-def composite(path, out, change, view_layer=None, threads=0, say=print, allow_paths=False):
+def _denoiser(pictures, scene, styles, threads, path):
+    """(function that denoises light, sentence), either None: light that Encre has not cleaned yet is compared with
+    thresholds, and its noise would show as speckle."""
+    if "Encre Diffuse" in pictures or "DiffDir" not in pictures or not settings.wants_light(scene, styles) \
+            or {**library.defaults(), **scene}["light_denoise"] != "OIDN":
+        return None, None
+    if not denoise.available():
+        return None, (f"{path} holds light as it was rendered, and Open Image Denoise is not installed here: its noise "
+                      "stays")
+    return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, threads), None
+
+
+def check(path, view_layer=None, asked=None):
+    """(text that lists which passes an EXR holds and what each that is missing switches off, whether it is enough)."""
+    with images.Exr(path) as exr:
+        found = view_layers(exr.channels, exr.views)
+        lines, good = [], True
+        for layer in [_choose(found, view_layer, path)] if view_layer is not None else found:
+            passes = substitutes.rename(next(iter(found[layer].values())), asked or {}, exr.channels, path)
+            if layer == "Composite" and set(passes) == {"Combined"}:
+                continue
+            lines += [f"{path}: view layer {layer}" if layer else path, *substitutes.listed(passes)]
+            good = good and bool({"Combined", "Encre Source"} & set(passes))
+    return "\n".join(lines), good
+
+
+def composite(path, out, change, view_layer=None, threads=0, say=print, allow_paths=False, asked=None, texts=None):
     """Restyles the EXR `path` into `out` (.exr or .png).
 
     change: the values to set on those in the file; say(kind, sentence) hears notes and warnings; allow_paths: open a
-    paper image that the file names wherever it lies. Raises EncreError for the input, images.WriteError where `out`
-    can't be written.
+    paper image that the file names wherever it lies; asked: {classic pass name: name in the file} where that is
+    another; texts: {key: text} to store in `out`. Without a view layer's name the first is drawn. Raises EncreError for
+    the input, images.WriteError where `out` can't be written.
     """
     png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
     with images.Exr(path, threads) as exr:
@@ -163,20 +195,31 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
         scene = _paper(scene, styles, change, path, allow_paths)
         found = view_layers(exr.channels, exr.views)
         layer = _choose(found, view_layer, path)
+        eyes = {view: substitutes.rename(names, asked or {}, exr.channels, path)
+                for view, names in found[layer].items()}
+        eyes = {view: names for view, names in eyes.items() if _has_picture(names)} or eyes
+        others = [name for name in found if name not in (layer, "Composite")
+                  and any(map(_has_picture, found[name].values()))]
+        if others and view_layer is None:
+            say("note", f"{path}: view layer {layer} is drawn, and not {', '.join(others)}; choose by --view-layer")
         at = _rows_and_columns(saved.border, exr.window)
-        if png and len(found[layer]) > 1:
+        if png and len(eyes) > 1:
             raise EncreError(f"{path}: is stereo, and a PNG has one view; write an .exr")
         # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
         seen = saved.camera is not None and settings.wants_seen(scene, styles)
-        for view, names in found[layer].items():
-            passes = exr.read(_wanted(names, path, seen))
+        for view, names in eyes.items():
+            passes = exr.read({**_wanted(names, path, seen), **substitutes.cryptomatte(names)})
             passes = {name: _opaque(picture[at], name) for name, picture in passes.items()}
+            there = set(passes)
+            passes, scene, styles, missing = substitutes.fill(passes, scene, styles)
+            clean, noisy = _denoiser(passes, scene, styles, threads, path)
             try:
-                pictures, bad = layers.assemble(passes, scene, styles)
+                pictures, bad = layers.assemble(passes, scene, styles, clean)
             except EncreError as error:
                 others = ", ".join(sorted(set(names) - set(passes))) or "nothing"
                 raise EncreError(f"{path}: {error}; besides in the file: {others}") from None
-            notes = notes or [_notes(saved, passes, path), _idle(pictures, scene, styles, path)]
+            notes = notes or [_notes(saved, there, path), noisy, missing and f"{path} has {'; '.join(missing)}",
+                              _idle(pictures, scene, styles, path)]
             with interrupt.heeded() as progress:
                 result = library.render(pictures, scene, styles, saved.camera, _place(saved, exr.window),
                                         ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
@@ -190,9 +233,9 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
     if nonfinite:
         say("warning", f"{path}: {nonfinite} values were NaN or infinite and were read as 0")
     if png:
-        images.write_png(out, pictures["Combined"], exr.window)
+        images.write_png(out, pictures["Combined"], exr.window, texts)
     else:
-        images.write_exr(out, channels, exr.window, exr.views)
+        images.write_exr(out, channels, exr.window, exr.views, texts)
 
 
 def _named(pictures, layer, view, names):

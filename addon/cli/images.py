@@ -291,8 +291,8 @@ def draw_text(picture, lines):
     return buffer.get_pixels(oiio.FLOAT)
 
 
-def write_exr(path, channels, window, views=()):
-    """Writes {full channel name: array (H, W)} as one part of 32-bit floats, whole or not at all.
+def write_exr(path, channels, window, views=(), texts=None):
+    """Writes {full channel name: array (H, W)} as one part of 32-bit floats with {key: text}, whole or not at all.
 
     Raises WriteError where the file can't be written.
     """
@@ -301,12 +301,14 @@ def write_exr(path, channels, window, views=()):
     spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
     spec.channelnames = tuple(channels)
     spec["compression"] = "zip"
+    for key, said in (texts or {}).items():
+        spec[key] = said
     if views:
         spec.attribute("multiView", oiio.TypeDesc(f"string[{len(views)}]"), views)
     _write(path, spec, np.stack(list(channels.values()), axis=2))
 
 
-def write_png(path, rgba, window):
+def write_png(path, rgba, window, texts=None):
     """Writes scene-linear, premultiplied (H, W, 4) as 8-bit sRGB with straight alpha, whole or not at all.
 
     The picture is the display window: PNG has no other. Raises WriteError where the file can't be written.
@@ -326,7 +328,7 @@ def write_png(path, rgba, window):
     spec = oiio.ImageSpec(window.full_width, window.full_height, 4, "uint8")
     spec["oiio:ColorSpace"] = "sRGB"
     spec["oiio:UnassociatedAlpha"] = 1  # the pixels are straight already
-    _write(path, spec, picture)
+    _write(path, spec, picture, texts)
 
 
 @contextlib.contextmanager
@@ -395,9 +397,11 @@ def check_place(path):
         raise EncreError(unwritable(path, "it is write-protected"))
 
 
-def _write(path, spec, pixels):
+def _write(path, spec, pixels, texts=None):
     with writing([path]) as place:
         _store(place, path, spec, pixels)
+        if texts:
+            stamp_png(os.path.join(place.path, os.path.basename(path)), texts)
         place.take(os.path.basename(path), path)
 
 

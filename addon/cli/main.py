@@ -20,11 +20,12 @@ import numpy as np
 
 from ..pen import library, presets
 from ..pen.errors import EncreError, shown
-from . import images, sequence, tools
+from . import images, sequence, substitutes, tools
 from .bake import bake
-from .composite import composite
+from .composite import check
 from .progress import Progress
 from .render import RenderError, render
+from .restyle import restyle, split, todo
 
 STATUS = """exit status:
   0    all is done
@@ -156,10 +157,27 @@ def _parser():
         "Restyle a rendered multilayer EXR, without Blender. The settings in the file are where it starts."),
         examples="""examples:
   encre composite 0001.exr -o panel.png --preset ink_only --set line_thickness=6
-  encre composite 0001.exr -o panel.png --set shade_levels="0.5; 0.7,0.5,0.025; 1.1,0.9,0.025\"""")
-    command.add_argument("layers", metavar="LAYERS.exr", help="a multilayer EXR that Blender wrote")
-    command.add_argument("-o", "--output", metavar="OUT", required=True, type=_ending(".png", ".exr"),
+  encre composite 0001.exr -o panel.png --set shade_levels="0.5; 0.7,0.5,0.025; 1.1,0.9,0.025"
+  encre composite 'in.####.exr' -o 'out.####.png' -f 1-100x5,7 --resume --jobs 4
+  encre composite other.exr --check --layer depth=Z""")
+    command.add_argument("layers", metavar="LAYERS.exr", help=(
+        "a multilayer EXR that Blender wrote; # in the name stands for digits of the frame number"))
+    command.add_argument("-o", "--output", metavar="OUT", type=_ending(".png", ".exr"),
                          help="a .png (sRGB), or an .exr with Combined and Encre's passes")
+    command.add_argument("-f", "--frame", metavar="N", type=_frame_list, help=(
+        "of a sequence, the frames to draw: a list such as 1-100x5,7 (default: all that are there)"))
+    command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of a sequence")
+    command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of a sequence")
+    command.add_argument("--resume", action="store_true",
+                         help="leave frames alone that are whole and were drawn from the same file and settings")
+    command.add_argument("--jobs", metavar="N", type=_count, default=1,
+                         help="processes that share a sequence (default: 1)")
+    command.add_argument("--share", type=lambda text: tuple(map(int, text.split("/"))), default=(0, 1),
+                         help=argparse.SUPPRESS)  # how --jobs tells its processes which frames are theirs
+    command.add_argument("--check", action="store_true",
+                         help="only say which passes there are, and what each that is missing switches off")
+    command.add_argument("--layer", metavar="WORD=NAME", action="append", default=[], dest="asked", help=(
+        "another renderer's name for combined, depth, normal, color, light, object or material, as depth=Z"))
     command.add_argument("--view-layer", metavar="N", help="name of the view layer (default: the file's first)")
     command.add_argument("--allow-paths", action="store_true", help=(
         "read the paper image that the file names wherever it lies, not only beside the file"))
@@ -270,13 +288,21 @@ def _compare(args):
 
 
 def _composite(args):
-    changes = _changes(args)
-    images.prepare(args.output)
-    if os.path.exists(args.output) and os.path.exists(args.layers) and os.path.samefile(args.output, args.layers):
-        raise EncreError(f"{args.output}: is the file that is read, whose layers would be lost; give another name")
-    start = time.perf_counter()
-    composite(args.layers, args.output, changes, args.view_layer, args.threads, _say, args.allow_paths)
-    print(f"{shown(args.output)} ({time.perf_counter() - start:.1f} s)")
+    asked = substitutes.given(args.asked)
+    if args.check:
+        text, good = check(args.layers, args.view_layer, asked)
+        print("\n".join(map(shown, text.splitlines())))
+        if not good:
+            raise EncreError(f"{args.layers}: has no picture: pass Combined is missing; render it")
+        return
+    if args.output is None:
+        raise EncreError("-o is missing; say where the picture goes")
+    changes, frames = _changes(args), _frames(args)
+    if args.jobs > 1 and len(todo(args.layers, args.output, frames)) > 1:
+        split(args.argv, args.jobs, args.threads)
+        return
+    restyle(args.layers, args.output, changes, frames=frames, resume=args.resume, share=args.share, say=_say,
+            view_layer=args.view_layer, threads=args.threads, allow_paths=args.allow_paths, asked=asked)
 
 
 def _bake(args):
@@ -349,6 +375,7 @@ def main(argv=None):
             # What overflows becomes infinite, and is counted with what is not finite in the input.
             warnings.showwarning = lambda message, *_, **__: heard.setdefault(str(message))
             args = _parser().parse_args(argv)
+            args.argv = sys.argv[1:] if argv is None else argv
             args.run(args)
         for words in heard:
             _say("warning", words)

@@ -17,7 +17,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from encre.cli import composite, images, main, workplace
-from encre.pen import layers, library, metadata, presets, settings
+from encre.pen import denoise, layers, library, metadata, presets, settings
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
 
@@ -124,7 +124,7 @@ def test_composite_reads_what_every_blender_writes(run, tmp_path, scene, layout,
     sets = [f"--set={id_}={'off' if value is False else value}" for id_, value in settings.items()]
     status, out, err = run("composite", path, "-o", tmp_path / "out.exr", *sets)
     assert status == 0 and out.startswith(f"{tmp_path / 'out.exr'} (")
-    assert err.startswith("encre: note: ") and err.count("\n") == (1 if settings else 2)  # what FINE lacks is the other
+    assert err.startswith("encre: note: ") and err.count("\n") == (2 if settings else 3)  # noise, and what FINE lacks
     prefix = "" if layout == "bare" else "ViewLayer."
     for name, picture in expected(pictures, settings, outputs=("Combined", *layers.DRAWN)).items():
         assert np.array_equal(exr.picture(tmp_path / "out.exr", prefix + name), picture), name
@@ -328,15 +328,124 @@ def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, sce
 # Bad input
 
 
-def test_composite_names_missing_passes(run, tmp_path, scene, data):
-    for name in ("Combined", "Depth", "Normal", "DiffDir", "DiffCol"):
+def test_composite_needs_only_combined(run, tmp_path, scene, data):
+    """Each other pass that is missing is named, with what that switches off; a frame of depth and colour gets lines."""
+    path = exr.write(tmp_path / "in.exr", {"Depth": scene["depth"]})
+    fails(run("composite", path, "-o", tmp_path / "x.exr"), "Combined", "in.exr")
+    for name, words in (("Depth", "no depth"), ("Normal", "no normals"), ("DiffDir", "no diffuse light"),
+                        ("DiffCol", "no diffuse colour")):
         pictures = exr.passes(scene)
         del pictures[name]
         path = exr.write(tmp_path / "in.exr", pictures)
-        fails(run("composite", path, "-o", tmp_path / "x.exr"), name, "IndexOB", "in.exr")
-    beachball = data / "beachball.0001.exr"  # a data window, and only colour and depth
-    fails(run("composite", beachball, "-o", tmp_path / "x.exr"), "DiffDir", "Combined, Depth")
-    assert not (tmp_path / "x.exr").exists()
+        status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
+        assert status == 0 and words in err, err
+    status, _, err = run("composite", data / "beachball.0001.exr", "-o", tmp_path / "ball.exr")
+    assert status == 0 and "no normals" in err and "no diffuse" in err, err
+    lines = [picture for name, picture in exr.read(tmp_path / "ball.exr").items() if name.endswith("Encre Lines.A")]
+    assert 0.002 < (lines[0] > 0.5).mean() < 0.3
+
+
+def test_check_lists_all_that_is_missing(run, tmp_path, scene):
+    pictures = exr.passes(scene)
+    for name in ("Depth", "Normal", "IndexOB"):
+        del pictures[name]
+    path = exr.write(tmp_path / "in.exr", pictures)
+    status, out, err = run("composite", path, "--check")
+    assert status == 0 and err == "" and out.startswith(f"{path}: view layer ViewLayer\n")
+    for words in ("Depth: missing; check Data > Z; without it: no lines between depths", "check Data > Normal",
+                  "Object Index, or Cryptomatte > Object", "Combined: there", "IndexMA: there", "Save Layers"):
+        assert words in out, out
+    assert run("composite", path, "--check", "--layer", "depth=Combined.R")[0] == 2  # is no name of a layer
+    assert "Depth: there" in run("composite", path, "--check", "--layer", "depth=ViewLayer.Combined.R")[1]
+    path = exr.write(tmp_path / "in.exr", {"Depth": scene["depth"]})
+    status, out, err = run("composite", path, "--check")
+    assert status == 2 and "Combined: missing" in out and "Combined is missing" in err
+
+
+def test_layers_by_another_renderers_names(run, tmp_path, scene, monkeypatch):
+    pictures = exr.passes(scene)
+    names = {"Combined": "beauty", "Depth": "zed", "Normal": "N", "DiffCol": "albedo", "DiffDir": "lit",
+             "IndexOB": "id"}
+    for name, other in names.items():
+        monkeypatch.setitem(exr.LETTERS, other, exr.LETTERS[name])
+    path = exr.write(tmp_path / "in.exr", {other: pictures[name] for name, other in names.items()}, "bare")
+    words = {"combined": "beauty", "depth": "zed.Z", "normal": "N", "color": "albedo", "light": "lit", "object": "id"}
+    given_ = [f"--layer={word}={name}" for word, name in words.items()]
+    assert run("composite", path, "-o", tmp_path / "out.exr", *given_)[0] == 0
+    want = expected({name: pictures[name] for name in names})["Combined"]
+    assert np.array_equal(exr.picture(tmp_path / "out.exr", "beauty"), want)
+    fails(run("composite", path, "-o", tmp_path / "x.exr", "--layer", "combined=baeuty"), "baeuty", "beauty")
+    fails(run("composite", path, "-o", tmp_path / "x.exr", "--layer", "gloss=N"), "gloss", "combined")
+
+
+def test_cryptomatte_is_the_object_index(run, tmp_path, scene, monkeypatch):
+    pictures = exr.passes(scene)
+    rng = np.random.default_rng(0)
+    hashes = rng.integers(1 << 23, 1 << 30, 100, dtype=np.uint32).view(np.float32)
+    hashes[0] = 0
+    matte = np.zeros((SIZE[1], SIZE[0], 4), np.float32)
+    matte[..., 0] = hashes[np.squeeze(pictures["IndexOB"]).astype(int)]
+    matte[..., 1:] = rng.random(matte[..., 1:].shape)
+    monkeypatch.setitem(exr.LETTERS, "CryptoObject00", "rgba")
+    want = expected(pictures)["Combined"]
+    del pictures["IndexOB"]
+    path = exr.write(tmp_path / "in.exr", {**pictures, "CryptoObject00": matte})
+    status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
+    assert status == 0 and "edge_object" not in err, err
+    assert np.array_equal(exr.picture(tmp_path / "out.exr"), want), "only which objects differ counts, not how"
+
+
+def test_noisy_light_is_denoised_where_that_is_installed(run, tmp_path, scene, monkeypatch):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    monkeypatch.setattr(denoise, "available", lambda home=None: False)
+    assert "noise stays" in run("composite", path, "-o", tmp_path / "a.exr")[2]
+    monkeypatch.setattr(denoise, "available", lambda home=None: True)
+    monkeypatch.setattr(denoise, "denoise", lambda light, *_: light * np.float32(0.5))
+    assert "noise stays" not in run("composite", path, "-o", tmp_path / "b.exr")[2]
+    assert not np.array_equal(exr.picture(tmp_path / "a.exr"), exr.picture(tmp_path / "b.exr"))
+
+
+def test_other_view_layers_are_named(run, tmp_path, scene):
+    pictures = {f"{layer}.{name}": picture for layer in ("One", "Two") for name, picture in exr.passes(scene).items()}
+    letters = {full: exr.LETTERS[full.partition(".")[2]] for full in pictures}
+    channels = {f"{full}.{letter}": np.atleast_3d(picture)[..., k] for full, picture in pictures.items()
+                for k, letter in enumerate(letters[full])}
+    images.write_exr(tmp_path / "in.exr", channels, images.Window(*SIZE, 0, 0, *SIZE))
+    assert "layer One is drawn, and not Two" in run("composite", tmp_path / "in.exr", "-o", tmp_path / "o.exr")[2]
+    err = run("composite", tmp_path / "in.exr", "-o", tmp_path / "o.exr", "--view-layer", "Two")[2]
+    assert "is drawn, and not" not in err
+
+
+@pytest.mark.parametrize("ending", ["exr", "png"])
+def test_sequences(run, tmp_path, scene, ending):
+    for frame in (1, 2, 3, 7):
+        exr.write(tmp_path / f"in.{frame:04}.exr", {**exr.passes(scene), "Combined": scene["combined"] / frame})
+    pattern, out = tmp_path / "in.####.exr", tmp_path / "out" / f"o.####.{ending}"
+    status, said, err = run("composite", pattern, "-o", out, "-f", "1-3x2,7")
+    assert status == 0 and said.count("\n") == 3 and err.count("encre: note") <= 3
+    assert sorted(os.listdir(tmp_path / "out")) == [f"o.{k:04}.{ending}" for k in (1, 3, 7)]
+    first = tmp_path / "out" / f"o.0001.{ending}"
+    before = first.stat().st_mtime_ns
+    status, said, err = run("composite", pattern, "-o", out, "--resume")
+    assert status == 0 and said.count("\n") == 1 and "3 of 4 frames are finished" in err
+    assert first.stat().st_mtime_ns == before
+    assert run("composite", pattern, "-o", out, "--resume", "-s", "2", "--set=line_thickness=9")[1].count("\n") == 3
+    fails(run("composite", pattern, "-o", out, "-f", "9"), "in.0009.exr", "No such file")
+    fails(run("composite", tmp_path / "in.0001.exr", "-o", out, "-f", "1"), "#")
+    fails(run("composite", tmp_path / "none.####.exr", "-o", out), "no such frame")
+
+
+def test_jobs(tmp_path, scene):
+    for frame in range(1, 6):
+        exr.write(tmp_path / f"in.{frame:04}.exr", exr.passes(scene))
+    command = ["composite", tmp_path / "in.####.exr", "-o", tmp_path / "o.####.png", "--jobs", "2"]
+    code, out, err = finish(encre(*command))
+    assert code == 0 and out.count("\n") == 5, err
+    assert [p.name for p in sorted(tmp_path.glob("*.png"))] == [f"o.{k:04}.png" for k in range(1, 6)]
+    (tmp_path / "in.0002.exr").write_bytes(b"")
+    code, _, err = finish(encre(*command))
+    assert code == 1 and "in.0002.exr" in err and err.splitlines()[-1].startswith("encre: error: not all frames")
+    assert not list(tmp_path.glob(".encre-*"))
 
 
 @pytest.mark.parametrize(("options", "words"), [

@@ -307,7 +307,7 @@ def test_two_processes_share_a_sequence(cube, tmp_path):
     assert left(tmp_path) == [f"f{k:04}.png" for k in range(1, 13)]
 
 
-@pytest.mark.parametrize("count", [5, pytest.param(100, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [5, pytest.param(100, marks=[pytest.mark.long, pytest.mark.timeout(1800)])])
 def test_killed_at_random(cube, tmp_path, count):
     """Parent or child is killed; then --resume makes every frame whole, and no process, folder or file is left."""
     temporary, out = tmp_path / "temporary", tmp_path / "out"
