@@ -20,6 +20,9 @@ class _Settings:
     """The checked settings of an evaluated scene. EncreError: they can't be used."""
 
     def __init__(self, scene):
+        view = scene.view_settings
+        self.view = metadata.View(view.view_transform, view.exposure, view.gamma,
+                                  "" if view.look == "None" else view.look)
         self.scene = library.check(properties.scene_values(scene))
         self.styles = [(name, library.check(changed)) for name, changed in properties.styles(scene)]
         self.overrides = [changed for _, changed in self.styles]
@@ -286,5 +289,5 @@ class Frames:
             frame = Frame(frame.width, frame.height)
         camera = next(iter(layer.views.values()))[0]
         for key, text in metadata.write(layer.settings.scene, layer.settings.styles, camera, frame,
-                                        layer.border).items():
+                                        layer.border, layer.settings.view).items():
             result.stamp_data_add_field(key, text)

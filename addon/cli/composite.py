@@ -127,6 +127,14 @@ def _notes(saved, passes, path):
     return f"{path} does not hold all that Encre saves: {', '.join(assumed)}" if assumed else None
 
 
+def _view(view, path):
+    """What a PNG does not have of how the scene is shown, in one sentence; None: nothing."""
+    if view is None:
+        return f"{path} does not tell the scene's exposure and view transform: the PNG is Standard, without exposure"
+    own = " and look ".join(name for name in (view.transform, view.look) if name not in ("", "Standard"))
+    return f"view transform {own} is applied by Blender alone: the PNG is Standard" if own else None
+
+
 def _idle(pictures, scene, styles, path):
     """Which sources of edges have nothing to work on, in one sentence; None: all have."""
     found = ", ".join(f"{name} ({why})" for name, why in settings.idle(pictures, scene, styles).items())
@@ -233,7 +241,10 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
     if nonfinite:
         say("warning", f"{path}: {nonfinite} values were NaN or infinite and were read as 0")
     if png:
-        images.write_png(out, pictures["Combined"], exr.window, texts)
+        view = saved.view or metadata.View()
+        if words := _view(saved.view, path):
+            say("note", words)
+        images.write_png(out, pictures["Combined"], exr.window, texts, view.exposure, view.gamma)
     else:
         images.write_exr(out, channels, exr.window, exr.views, texts)
 

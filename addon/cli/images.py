@@ -308,8 +308,10 @@ def write_exr(path, channels, window, views=(), texts=None):
     _write(path, spec, np.stack(list(channels.values()), axis=2))
 
 
-def write_png(path, rgba, window, texts=None):
+def write_png(path, rgba, window, texts=None, exposure=0.0, gamma=1.0):
     """Writes scene-linear, premultiplied (H, W, 4) as 8-bit sRGB with straight alpha, whole or not at all.
+
+    exposure, in stops, and gamma are those of Blender's view transform Standard; texts: {key: text} to store.
 
     The picture is the display window: PNG has no other. Raises WriteError where the file can't be written.
     """
@@ -319,9 +321,14 @@ def write_png(path, rgba, window, texts=None):
                          f"most {MOST_PNG} pixels each way; write an .exr")
     alpha = np.clip(rgba[:, :, 3:], 0, 1)
     straight = rgba[:, :, :3] / np.where(alpha > 0, alpha, 1)
+    if exposure:
+        straight *= np.float32(2) ** exposure
+    encoded = colour.encode_srgb(straight)
+    if gamma != 1:
+        encoded **= 1 / gamma
     picture = np.zeros((window.full_height, window.full_width, 4), np.uint8)
     top, left = max(window.y, 0), max(window.x, 0)
-    pixels = np.round(255 * np.concatenate([colour.encode_srgb(straight), alpha], axis=2)).astype(np.uint8)
+    pixels = np.round(255 * np.concatenate([encoded, alpha], axis=2)).astype(np.uint8)
     pixels = pixels[top - window.y:, left - window.x:][:max(window.full_height - top, 0),
                                                        :max(window.full_width - left, 0)]
     picture[top:top + pixels.shape[0], left:left + pixels.shape[1]] = pixels

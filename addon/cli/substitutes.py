@@ -17,13 +17,13 @@ BOXES = {
     "Depth": ("Data > Z", "lines between depths, smudging behind and in front"),
     "Normal": ("Data > Normal", "lines at creases"),
     "DiffDir": ("Light > Diffuse > Direct", "flat light, hatching and lines at shadows"),
-    "DiffInd": ("Light > Diffuse > Indirect", "bounced light in flat light and hatching"),
+    "DiffInd": ("Light > Diffuse > Indirect", "bounced light in levels and hatching"),
     "DiffCol": ("Light > Diffuse > Color", "flat light, hatching and lines between colours apart from light"),
-    "GlossDir": ("Light > Glossy > Direct", "highlights apart from other light"),
-    "GlossInd": ("Light > Glossy > Indirect", "reflections apart from other light"),
-    "GlossCol": ("Light > Glossy > Color", "the colour of metal"),
-    "TransCol": ("Light > Transmission > Color", "the colour of glass"),
-    "Emit": ("Light > Other > Emission", "the colour of what glows"),
+    "GlossDir": ("Light > Glossy > Direct", "highlights on flat light"),
+    "GlossInd": ("Light > Glossy > Indirect", "reflections on flat light"),
+    "GlossCol": ("Light > Glossy > Color", "lines between colours of metal"),
+    "TransCol": ("Light > Transmission > Color", "lines between colours of glass"),
+    "Emit": ("Light > Other > Emission", "lines between colours of what glows"),
     "IndexOB": ("Data > Indexes > Object Index, or Cryptomatte > Object", "outlines of objects"),
     "IndexMA": ("Data > Indexes > Material Index, or Cryptomatte > Material", "lines between materials"),
 }
@@ -112,10 +112,10 @@ def listed(passes):
         if name in passes or name in stands:
             lines.append(f"  {name}: there" + ("" if name in passes else f", as {stands[name]}"))
         else:
-            lines.append(f"  {name}: missing; check {box}; without it: no {without}")
+            lines.append(f"  {name}: missing; check {box}; off without it: {without}")
     for name, without in (("Encre Index", "outlines of the parts of meshes, styles"),
                           ("Encre Line Controls", "painted controls"),
                           ("Denoising Normal", "lines in mirrors and glass")):
         if name not in passes:
-            lines.append(f"  {name}: missing; render with Encre and Save Layers on; without it: no {without}")
+            lines.append(f"  {name}: missing; render with Encre and Save Layers on; off without it: {without}")
     return lines

@@ -2,7 +2,7 @@
 """The settings of a picture in its file's metadata, as JSON, so that it can be drawn again without Blender."""
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
@@ -11,9 +11,20 @@ from .errors import EncreError
 from .job import Camera, Frame
 
 PARAMS, FRAME, CAMERA, BORDER = "encre.params", "encre.frame", "encre.camera", "encre.border"
+VIEW = "encre.view"
 MARK = "encre.mark"  # from what a frame of a sequence was made: sequence.py
 VERSION = 1
 _BORDER = ("x", "y", "width", "height")
+
+
+@dataclass
+class View:
+    """How the scene is shown: the name of Blender's view transform, exposure in stops, display gamma, look or ""."""
+
+    transform: str = "Standard"
+    exposure: float = 0.0
+    gamma: float = 1.0
+    look: str = ""
 
 
 @dataclass
@@ -28,11 +39,12 @@ class Settings:
     camera: Camera | None = None
     frame: Frame | None = None
     border: tuple | None = None
+    view: View | None = None
     warnings: list = field(default_factory=list)
     unknown: dict = field(default_factory=dict)
 
 
-def write(scene, styles, camera, frame, border=None):
+def write(scene, styles, camera, frame, border=None, view=None):
     """{key: JSON text} to store in a file, of what Settings says; `styles` in the order of their numbers."""
     said = {
         PARAMS: {"version": VERSION, "scene": scene,
@@ -41,6 +53,8 @@ def write(scene, styles, camera, frame, border=None):
         CAMERA: {"orthographic": bool(camera.orthographic), "height": float(camera.height),
                  "view": [float(v) for v in np.ravel(camera.view)]},
     }
+    if view:
+        said[VIEW] = asdict(view)
     if border:
         said[BORDER] = dict(zip(_BORDER, border, strict=True))
     return {key: json.dumps(value, allow_nan=False) for key, value in said.items()}
@@ -54,7 +68,7 @@ def read(stored):
     """
     settings = Settings()
     for key, understand in ((PARAMS, _read_params), (FRAME, _read_frame), (CAMERA, _read_camera),
-                            (BORDER, _read_border)):
+                            (BORDER, _read_border), (VIEW, _read_view)):
         if key not in stored:
             continue
         try:
@@ -106,3 +120,10 @@ def _read_border(said, settings):
     if any(type(number) is not int for number in border) or min(border) < 0 or min(border[2:]) < 1:
         raise ValueError
     settings.border = border
+
+
+def _read_view(said, settings):
+    exposure, gamma = float(said["exposure"]), float(said["gamma"])
+    if not (abs(exposure) <= 64 and 0.01 <= gamma <= 100):
+        raise ValueError
+    settings.view = View(str(said["transform"]), exposure, gamma, str(said["look"]))

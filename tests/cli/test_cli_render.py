@@ -93,7 +93,9 @@ def test_exr_and_back(cube, tmp_path):
     assert np.abs(exr.picture(tmp_path / "again.exr") - picture).max() <= 1e-5
 
 
-def test_png_is_the_same_picture(cube, tmp_path):
+@pytest.mark.parametrize("more", ["", "scene.view_settings.exposure, scene.view_settings.gamma = -1, 1.3\n"])
+def test_png_is_the_same_picture(tmp_path, more):
+    cube = script(tmp_path, more)
     works(encre("render", cube, "-o", tmp_path / "out.png", "--size", "80x45"))
     works(encre("render", cube, "-o", tmp_path / "out.exr", "--size", "80x45"))
     works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.png"))
