@@ -59,7 +59,9 @@ class _ViewLayer:
 
 def passes(scene):
     """What Cycles and the stages must have a place for: (name, channel names, kind), as register_pass() takes."""
-    wanted = {**layers.CYCLES, **layers.DRAWN}
+    wanted = dict(layers.CYCLES)
+    if not hasattr(scene, "encre") or scene.encre.save_layers != "SLIM":
+        wanted |= layers.DRAWN
     with contextlib.suppress(EncreError):  # said when it comes to rendering
         wanted |= _asked(scene)
     for name, channels in wanted.items():
@@ -72,7 +74,7 @@ def _asked(scene):
     if not hasattr(scene, "encre"):  # the library was missing when Blender started
         return {}
     mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
-    saved = mode == "ON" or (mode == "AUTO" and multilayer)
+    saved = mode in ("ON", "SLIM") or (mode == "AUTO" and multilayer)
     seen = settings.wants_seen(properties.scene_values(scene), [values for _, values in properties.styles(scene)])
     return {**(layers.SAVED if saved else {}), **(layers.SEEN if seen else {}),
             **(layers.SAVED_SEEN if seen and saved else {})}

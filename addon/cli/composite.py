@@ -44,6 +44,21 @@ def view_layers(channels, views=()):
     return found
 
 
+# What slim files hold with all its digits: half floats would move edges, and numbers must stay what they are.
+_EXACT = ("Depth", "Normal", "IndexOB", "IndexMA", "Encre Index", "Encre Marks", "Denoising Normal", "Encre Seen Depth")
+
+
+def slim(channels, views):
+    """{full channel name: "half" or "float"} of what restyling reads, and Combined."""
+    kinds = {}
+    for eyes in view_layers(channels, views).values():
+        for passes in eyes.values():
+            read = {**_wanted(passes, "", True), **{name: passes[name] for name in ("Combined",) if name in passes}}
+            for name, names in read.items():
+                kinds.update(dict.fromkeys(names, "float" if name in _EXACT else "half"))
+    return kinds
+
+
 def _has_picture(passes):
     return "Combined" in passes or "Encre Source" in passes
 

@@ -20,6 +20,7 @@ from ..pen.errors import EncreError
 from .workplace import Workplace
 
 MOST_PACKED = 2000  # values in a byte of a file: no compression does better than a fourth of that
+MOST_HALF = 65504.0
 MOST_PNG = 32768  # pixels each way of a PNG
 ROWS = 256  # read at a time: enough for every thread to decompress, little memory for the channels not wanted
 
@@ -125,6 +126,23 @@ class Exr:
             with contextlib.suppress(UnicodeDecodeError):  # another program's, in another encoding
                 if isinstance(attribute.value, str):
                     self.metadata.setdefault(attribute.name, attribute.value)
+
+    def rows(self, channels, first, last):
+        """Some rows of channels by their full names, (last - first, W, channels), float32."""
+        out = np.empty((last - first, self.window.width, len(channels)), np.float32)
+        for part in {self.channels[channel][0] for channel in channels}:
+            with _quiet():
+                self._file.seek_subimage(part, 0)
+                spec = self._file.spec()
+                rows = self._file.read_scanlines(part, 0, spec.y + first, spec.y + last, 0, 0, spec.nchannels, "float")
+            if rows is None:
+                _words(self._file)
+                raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
+            rows = rows.reshape(last - first, spec.width, spec.nchannels)
+            for k, channel in enumerate(channels):
+                if self.channels[channel][0] == part:
+                    out[..., k] = rows[..., self.channels[channel][1]]
+        return out
 
     def read(self, passes):
         """{name: array (H, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}."""
@@ -402,6 +420,36 @@ def check_place(path):
         raise EncreError(unwritable(path, error.strerror)) from None
     if os.path.exists(path) and not os.access(path, os.W_OK):
         raise EncreError(unwritable(path, "it is write-protected"))
+
+
+def rewrite(path, part, kinds):
+    """Writes the channels of an EXR that `kinds` {full name: "half" or "float"} names into another, `part`, as one part
+    with the same metadata. Few rows are held at a time. Raises EncreError, WriteError.
+    """
+    oiio = _oiio()
+    with Exr(path) as exr:
+        window, names = exr.window, [name for name in exr.channels if name in kinds]
+        spec = oiio.ImageSpec(window.width, window.height, len(names), "float")
+        spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
+        spec.channelnames = tuple(names)
+        spec.channelformats = tuple(oiio.TypeDesc(kinds[name]) for name in names)
+        spec["compression"] = "zip"
+        for key, said in exr.metadata.items():
+            if not key.startswith(("oiio:", "openexr:")) and key not in ("compression", "name", "view"):
+                spec[key] = said
+        if exr.views:
+            spec.attribute("multiView", oiio.TypeDesc(f"string[{len(exr.views)}]"), exr.views)
+        halves = [k for k, name in enumerate(names) if kinds[name] == "half"]
+        out = oiio.ImageOutput.create(part)
+        good = out.open(part, spec)
+        for y in range(0, window.height, ROWS) if good else ():
+            end = min(y + ROWS, window.height)
+            rows = exr.rows(names, y, end)
+            rows[..., halves] = np.clip(rows[..., halves], -MOST_HALF, MOST_HALF)
+            good = good and out.write_scanlines(window.y + y, window.y + end, 0, rows)
+        good = out.close() and good
+        if not good:
+            raise WriteError(unwritable(path, (_words(out).splitlines() or ["the disk may be full"])[0].rstrip(" .")))
 
 
 def _write(path, spec, pixels, texts=None):

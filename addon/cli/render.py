@@ -17,7 +17,7 @@ import numpy as np
 
 from ..pen import metadata, unwrap
 from ..pen.errors import EncreError
-from . import images, sequence
+from . import composite, images, sequence
 from .child import Child, Ended
 from .progress import Progress
 from .workplace import Workplace
@@ -293,6 +293,19 @@ class _Sequence:
             raise RenderError(event["text"])
         self.progress.written(self._take(frame, event["names"]))
 
+    def _slim(self, name):
+        """The name of the part without what restyling needs not, where the scene wants it so."""
+        part = os.path.join(self.place.path, name)
+        if not name.lower().endswith(".exr"):
+            return name
+        with images.Exr(part) as exr:
+            scene, kinds = metadata.read(exr.metadata).scene, composite.slim(exr.channels, exr.views)
+        if scene is None or scene["save_layers"] != "SLIM":
+            return name
+        images.rewrite(part, os.path.join(self.place.path, f"slim-{name}"), kinds)
+        os.remove(part)
+        return f"slim-{name}"
+
     def _take(self, frame, names):
         stem, ending = os.path.splitext(self.todo[frame])
         taken = []
@@ -306,7 +319,8 @@ class _Sequence:
             try:
                 if not match:
                     raise ValueError
-                images.stamp_png(part, {metadata.MARK: self.mark(frame)})
+                name = self._slim(name)
+                images.stamp_png(os.path.join(self.place.path, name), {metadata.MARK: self.mark(frame)})
                 self.place.take(name, path)
             except OSError as error:
                 raise RenderError(images.unwritable(path, error.strerror)) from None
