@@ -24,6 +24,8 @@ class _Settings:
         self.view = metadata.View(view.view_transform, view.exposure, view.gamma,
                                   "" if view.look == "None" else view.look)
         self.scene = library.check(properties.scene_values(scene))
+        self.lost = ["Freestyle's strokes"] if scene.render.use_freestyle else []
+        self.paper = papers.stored(self.scene["paper_image"]) if self.scene["paper_source"] == "IMAGE" else None
         self.styles = [(name, library.check(changed)) for name, changed in properties.styles(scene)]
         self.overrides = [changed for _, changed in self.styles]
         self.active = settings.active(self.scene, self.overrides)
@@ -291,5 +293,6 @@ class Frames:
             frame = Frame(frame.width, frame.height)
         camera = next(iter(layer.views.values()))[0]
         for key, text in metadata.write(layer.settings.scene, layer.settings.styles, camera, frame,
-                                        layer.border, layer.settings.view).items():
+                                        layer.border, layer.settings.view, layer.settings.paper,
+                                        layer.settings.lost).items():
             result.stamp_data_add_field(key, text)

@@ -156,14 +156,17 @@ def _idle(pictures, scene, styles, path):
     return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
 
 
-def _paper(scene, styles, change, path, allow_paths):
-    """`scene` with a paper image that may be opened: a stranger's file is not to choose what else is read."""
+def _paper(scene, styles, change, path, allow_paths, stored):
+    """`scene` with a paper image that may be opened: a stranger's file is not to choose what else is read. `stored`:
+    (name, pixels) of one that it holds itself."""
     if scene.get("paper_source") != "IMAGE":
         return {**scene, "paper_image": None}
     every = settings.every_style(scene, styles)
     if not any(values["use_lines"] or values["use_hatching"] for values in every):
         return {**scene, "paper_source": "NONE", "paper_image": None}
     image = scene.get("paper_image")
+    if stored and image == stored[0] and not change.get("paper_image"):
+        return scene
     if image and not change.get("paper_image"):
         beside = Path(path).resolve().parent
         image = str(beside / image)
@@ -171,6 +174,10 @@ def _paper(scene, styles, change, path, allow_paths):
             raise EncreError(f"{path}: names the paper image {image}, which does not lie beside it; give --allow-paths "
                              "if you trust the file, or --set paper_image=PATH")
     return {**scene, "paper_image": image}
+
+
+def _paper_pixels(name, stored, change):
+    return stored[1] if stored and name == stored[0] and not change.get("paper_image") else images.read_paper(name)
 
 
 def _denoiser(pictures, scene, styles, threads, path):
@@ -215,7 +222,7 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
             say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "
                         "at that")
         styles = [values for _, values in saved.styles]
-        scene = _paper(scene, styles, change, path, allow_paths)
+        scene = _paper(scene, styles, change, path, allow_paths, saved.paper)
         found = view_layers(exr.channels, exr.views)
         layer = _choose(found, view_layer, path)
         eyes = {view: substitutes.rename(names, asked or {}, exr.channels, path)
@@ -246,13 +253,16 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
             with interrupt.heeded() as progress:
                 result = library.render(pictures, scene, styles, saved.camera, _place(saved, exr.window),
                                         ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
-                                        progress=progress, image=images.read_paper)
+                                        progress=progress,
+                                        image=lambda name: _paper_pixels(name, saved.paper, change))
             pictures = {name: _whole(picture, at, exr.window) for name, picture in result.images.items()}
             channels.update(_named(pictures, layer, view, names))
             nonfinite += bad + result.nonfinite
     for kind, text in [*(("note", note) for note in notes), *(("warning", warning) for warning in saved.warnings)]:
         if text:
             say(kind, text)
+    if saved.lost:
+        say("note", f"{path}: {' and '.join(saved.lost)} in Combined are not drawn again")
     if nonfinite:
         say("warning", f"{path}: {nonfinite} values were NaN or infinite and were read as 0")
     if png:

@@ -111,6 +111,29 @@ def test_slim_files_hold_what_restyling_reads(tmp_path, more):
                                                        "--set=save_layers=SLIM"))
 
 
+GENERATED = """
+paper = bpy.data.images.new("Sheet", 32, 32)
+paper.pixels = [v for k in range(32 * 32) for v in (0.5 + (k * 7919 % 101) / 250,) * 3 + (1,)]
+scene.encre.paper_source, scene.encre.paper_image = "IMAGE", paper
+scene.render.use_freestyle = True
+"""
+
+
+def test_what_is_not_given_again_is_stored_or_said(tmp_path):
+    """A generated paper's pixels go into the file; Freestyle's strokes do not."""
+    path = script(tmp_path, GENERATED)
+    works(encre("render", path, "-o", tmp_path / "a.exr"))
+    err = works(encre("composite", tmp_path / "a.exr", "-o", tmp_path / "b.exr"))
+    assert err.count("\n") == 1 and "Freestyle's strokes in Combined are not drawn again" in err
+    path.write_text(CUBE + GENERATED.replace("use_freestyle = True", "use_freestyle = False"))
+    works(encre("render", path, "-o", tmp_path / "a.exr"))
+    assert works(encre("composite", tmp_path / "a.exr", "-o", tmp_path / "b.exr")) == ""
+    again, picture = exr.picture(tmp_path / "b.exr"), exr.part(tmp_path / "a.exr", "ViewLayer.Combined")
+    assert np.abs(again - picture).max() <= 1e-5
+    works(encre("composite", tmp_path / "a.exr", "-o", tmp_path / "c.exr", "--set=paper_source=NONE"))
+    assert np.abs(exr.picture(tmp_path / "c.exr") - picture).max() > 0.01, "the paper is seen"
+
+
 @pytest.mark.parametrize("more", ["", "scene.view_settings.exposure, scene.view_settings.gamma = -1, 1.3\n"])
 def test_png_is_the_same_picture(tmp_path, more):
     cube = script(tmp_path, more)
