@@ -20,6 +20,11 @@ def active(scene, styles):
     return any(values[switch] for values in every_style(scene, styles) for switch in switches())
 
 
+def _edges(every):
+    """Whether any stage reads edges; `every` style's values."""
+    return any(values["use_lines"] or values["use_smudging"] for values in every)
+
+
 def shaded(scene, styles):
     """Whether light is cut into levels anywhere."""
     return any(values["use_shading"] for values in every_style(scene, styles))
@@ -35,14 +40,13 @@ def wants_light(scene, styles):
 def wants_seen(scene, styles):
     """Whether lines are drawn in what mirrors and glass show."""
     every = every_style(scene, styles)
-    return every[0]["edge_detector"] == "FINE" and any(values["edge_seen"] > 0 for values in every) and any(
-        values["use_lines"] or values["use_smudging"] for values in every)
+    return every[0]["edge_detector"] == "FINE" and any(values["edge_seen"] > 0 for values in every) and _edges(every)
 
 
 def idle(pictures, scene, styles):
     """{weight: why} of the sources of edges that are asked for and find nothing in the layers of a picture."""
     every = every_style(scene, styles)
-    if not any(values["use_lines"] or values["use_smudging"] for values in every):
+    if not _edges(every):
         return {}
 
     def alike(layer):

@@ -299,7 +299,9 @@ int32_t encre_render(encre_context *context, encre_job *job)
 #define SWITCH(id, ...) f->any.id |= f->params[i].id;
 #include "base/all.rows.h"
 	}
-	f->want_edges = f->any.use_lines || f->any.use_smudging || w.out[ENCRE_OUTPUT_EDGES].data;
+	f->want_edges = w.out[ENCRE_OUTPUT_EDGES].data;
+	for (int s = 0; s < N_STAGES; s++)
+		f->want_edges |= stages_base[s]->reads_edges && stages_base[s]->reads_edges(f);
 	f->bands = pool_of(context, job->progress, job->user);
 	if (!f->bands)
 		return fail_code(context, ENCRE_ERROR_MEMORY);

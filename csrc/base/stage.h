@@ -135,6 +135,8 @@ typedef struct stage {
 	const char *id;
 	/* What no single row can say, of one style's parameters: NULL, or a sentence in text[size]. May be NULL. */
 	const char *(*check)(const encre_params *params, char *text, size_t size);
+	/* Whether it reads edges of this frame. NULL: never. */
+	bool (*reads_edges)(const frame *f);
 	/* Takes the stage's products and scratch from the arena. May be NULL. */
 	void (*plan)(frame *f, arena *a);
 	/* Returns ENCRE_OK, ENCRE_ERROR_CANCELLED or ENCRE_ERROR_MEMORY. Called when planned, in order. */

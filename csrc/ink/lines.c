@@ -280,6 +280,11 @@ static void lines_rows(void *data, int y0, int y1, int thread)
 
 /* ---- the stage ------------------------------------------------------------------------------------------- */
 
+static bool reads_edges(const frame *f)
+{
+	return f->any.use_lines;
+}
+
 static void plan(frame *f, arena *a)
 {
 	lines *l = arena_take(a, 1, sizeof *l), made = {.f = f};
@@ -327,4 +332,4 @@ static int32_t run(frame *f)
 	return code;
 }
 
-const stage STAGE_SYMBOL(lines) = {.id = "lines", .plan = plan, .run = run};
+const stage STAGE_SYMBOL(lines) = {.id = "lines", .reads_edges = reads_edges, .plan = plan, .run = run};
