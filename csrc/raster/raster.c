@@ -397,7 +397,7 @@ int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t
 		    .width = image->width,
 		    .height = image->height,
 		    .more = job->marks.data != NULL};
-	int32_t code = geometry_check(&r.geometry, r.width, r.height, error, size);
+	int32_t code = geometry_check(&r.geometry, error, size);
 	if (code)
 		return code;
 	const encre_frame *f = &job->frame;
