@@ -184,8 +184,10 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 		bend += j * j;
 		step += d * d;
 	}
-	for (int c = 0; c < planes; c++)
-		s->step[c] = (int8_t)(127 * (value[3][c] - value[1][c]) / (step > 0 ? 1.001f * sqrtf(step) : 1));
+	for (int c = 0; c < planes; c++) {
+		float way = 127 * (value[3][c] - value[1][c]) / (step > 0 ? 1.001f * sqrtf(step) : 1);
+		s->step[c] = (int8_t)(way > -127 ? way < 127 ? way : 127 : -127); /* or no number: squares overflow */
+	}
 	bend = sqrtf(bend);
 	if (!(bend > least_of_step * sqrtf(step) && bend > n->floor[at->family]))
 		return false;
