@@ -170,7 +170,7 @@ class Frames:
         views = {}
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
-            eye = Camera(view[:3, :3].ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1)
+            eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1)
             maps = library.raster(
                 objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
                 camera.data.clip_start, camera.data.clip_end, len(library.controls()),

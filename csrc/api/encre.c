@@ -291,8 +291,7 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	f->place = job->frame;
 	f->params = job->params;
 	f->n_styles = job->n_styles;
-	bool relative = f->params->length_unit == length_unit_RELATIVE;
-	f->scale = relative ? (float)f->place.height / 1080 : (float)f->params->supersample;
+	f->scale = scale_of(f->params, f->place.height);
 	bool any = w.out[ENCRE_OUTPUT_EDGES].data || w.out[ENCRE_OUTPUT_LIGHT].data;
 	for (int i = 0; i < f->n_styles; i++) {
 		any |= draws(f->params + i);

@@ -205,6 +205,8 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread);
 
 /* steps.c */
 bool ISA(ridge_site)(const fine *n, const found *at, placed *s);
+/* Strength, not weighted, of a site between colours of a sample, or levels of light, that differ this much. */
+float ISA(color_strength)(const fine *n, const found *at, int sample, float difference);
 
 /* ---- sites.c --------------------------------------------------------------------------------------------- */
 

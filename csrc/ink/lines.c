@@ -188,6 +188,8 @@ static canvas canvas_of(const lines *l, int y0, int y1, int thread)
 	size_t offset = (size_t)thread * BAND * c.stride;
 	c.y0 = y0;
 	c.y1 = y1;
+	if (!c.dark) /* no lines */
+		return c;
 	c.dark += offset;
 	c.depth += offset;
 	c.grain += offset;

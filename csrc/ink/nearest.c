@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-enum { STRIPE = 256, FAR = INT16_MAX };
+enum { STRIPE = 256, FAR = INT16_MAX /* as far or farther */ };
 
 typedef struct nearest {
 	int16_t *down;  /* width * height: rows down to the nearest edge of the column, NEAREST_NONE = none within reach
@@ -173,17 +173,6 @@ static bool nearest_site(const fine *n, int x, int y, float reach, float way[2])
 
 /* ---- what stages call ------------------------------------------------------------------------------------ */
 
-/* No farther than anyone looks. */
-static int reach_of(const frame *f)
-{
-	float reach = 0;
-	for (int i = 0; i < f->n_styles; i++)
-		reach = max(reach, f->params[i].use_smudging ? f->params[i].smudge_range * f->scale : 0);
-	if (f->any.use_lines && f->params->line_search == line_search_NEAREST)
-		reach = max(reach, 0.5f * f->params->line_max_thickness * f->scale);
-	return (int)min(reach + 1, FAR);
-}
-
 void ISA(nearest_plan)(frame *f, arena *a)
 {
 	if (f->nearest_planned || f->params->edge_detector == edge_detector_FINE)
@@ -193,7 +182,7 @@ void ISA(nearest_plan)(frame *f, arena *a)
 		made = {
 			.down = arena_take(a, pixels, sizeof(int16_t)),
 			.stack = arena_take(a, (size_t)bands_threads(f->bands) * width, 2 * sizeof(int32_t)),
-			.reach = reach_of(f),
+			.reach = (int)min(nearest_reach(f->params, f->n_styles, f->scale) + 1, NEAREST_FAR),
 		};
 	f->nearest = arena_take(a, pixels, 2 * sizeof(int16_t));
 	f->nearest_planned = true;

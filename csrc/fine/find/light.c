@@ -303,5 +303,6 @@ bool ISA(light_site)(const fine *n, const found *at, placed *s)
 	float threshold = 0.5f * (own->shade_levels.level[low + 1].threshold + own->shade_levels.level[high].threshold);
 	crack_place(at, clamp01((threshold - one) / (two - one)), s);
 	s->strength = 0;
-	return ISA(fine_weigh)(n, s, style, SOURCE_LIGHT, ISA(light_contrast)(n, own, one, two));
+	float difference = ISA(light_contrast)(n, own, one, two);
+	return ISA(fine_weigh)(n, s, style, SOURCE_LIGHT, ISA(color_strength)(n, at, SOURCE_LIGHT, difference));
 }
