@@ -8,26 +8,11 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..pen import denoise, layers, library, metadata, overlay, settings, supersample
+from ..pen import denoise, layers, library, metadata, overlay, supersample
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
+from ..pen.settings import Settings
 from . import cameras, meshes, papers, properties, subframes, versions
-
-
-class _Settings:
-    """The checked settings of an evaluated scene. EncreError: they can't be used."""
-
-    def __init__(self, scene):
-        self.scene = library.check(properties.scene_values(scene))
-        self.styles = [(name, library.check(changed)) for name, changed in properties.styles(scene)]
-        self.overrides = [changed for _, changed in self.styles]
-        self.active = settings.active(self.scene, self.overrides)
-        self.shaded = settings.shaded(self.scene, self.overrides)
-        if self.scene["paper_source"] == "IMAGE":
-            papers.load(self.scene["paper_image"])  # that it can't be read is said before Cycles starts
-        self.seen = settings.wants_seen(self.scene, self.overrides)
-        self.denoise = (self.scene["light_denoise"] == "OIDN" and settings.wants_light(self.scene, self.overrides))
-        self.factor = self.scene["supersample"] if self.active else 1
 
 
 @dataclass
@@ -35,7 +20,7 @@ class _ViewLayer:
     """What is known of a view layer before Cycles renders it."""
 
     name: str
-    settings: _Settings
+    settings: Settings
     denoise_other: bool
     user_indices: np.ndarray | None  # by Cycles' index, to write into the pass that the user asked for
     objects: meshes.Objects
@@ -68,7 +53,7 @@ def _asked(scene):
         return {}
     mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
     saved = mode == "ON" or (mode == "AUTO" and multilayer)
-    seen = settings.wants_seen(properties.scene_values(scene), [values for _, values in properties.styles(scene)])
+    seen = properties.settings(scene).wants_seen
     return {**(layers.SAVED if saved else {}), **(layers.SEEN if seen else {}),
             **(layers.SAVED_SEEN if seen and saved else {})}
 
@@ -81,21 +66,21 @@ class Frames:
         # the engine's own before Python would find a circle of references.
         self.engine = weakref.proxy(engine)
         self.known = {}        # view layer's name -> _ViewLayer
+        self.settings = None   # of the evaluated scene; None: they can't be used
         self.numbers = None    # of objects: what meshes.renumber() gave
         self.overrode = False  # with persistent data, what one frame overrode is there in the next
         self.nonfinite = 0     # values that were read as 0
 
     # Before Cycles
 
-    def renumber(self, depsgraph):
-        """Numbers the objects, before Cycles looks for what changed in the evaluated scene."""
-        self.numbers = None
-        try:
-            settings = _Settings(depsgraph.scene_eval)
-        except EncreError:  # said when it comes to rendering: baking comes by here too
-            return
-        if settings.active or self.overrode:
-            self.numbers = meshes.renumber(depsgraph, settings.active and settings.scene["object_index"] == "AUTO")
+    def begin(self, depsgraph):
+        """Reads the settings and numbers the objects, before Cycles looks for what changed in the evaluated scene."""
+        self.settings = self.numbers = None
+        with contextlib.suppress(EncreError):  # said when it comes to rendering: baking comes by here too
+            self.settings = properties.settings(depsgraph.scene_eval)
+        if self.settings and (self.settings.active or self.overrode):
+            automatic = self.settings.active and self.settings.scene["object_index"] == "AUTO"
+            self.numbers = meshes.renumber(depsgraph, automatic)
 
     def render(self, cycles, depsgraph):
         """Has `cycles` (cycles.engine) render a view layer. EncreError: the settings or the camera can't be used, or
@@ -114,8 +99,10 @@ class Frames:
         switches off nothing is overridden. EncreError: the settings or the camera can't be used. Cancelled.
         """
         self.known.pop(depsgraph.view_layer.name, None)
-        settings, camera = _Settings(depsgraph.scene_eval), self._camera(depsgraph)
-        if settings.denoise and not denoise.available(versions.home()):
+        settings, camera = self.settings or properties.settings(depsgraph.scene_eval), self._camera(depsgraph)
+        if settings.scene["paper_source"] == "IMAGE":
+            papers.load(settings.scene["paper_image"])  # that it can't be read is said before Cycles starts
+        if settings.denoises and not denoise.available(versions.home()):
             self.engine.say("INFO", "Open Image Denoise is not there: the light keeps its noise")
         flat = camera.data.type in {"PERSP", "ORTHO"}
         if settings.active and not flat:
@@ -230,7 +217,7 @@ class Frames:
                 by_view.setdefault(render_pass.view_id, {})[render_pass.name] = render_pass
             for view_id, there in by_view.items():
                 out = mine.drawn[view_id] if mine.drawn else self._draw(
-                    mine, view_id, self._read(there, result, mine.settings.seen))
+                    mine, view_id, self._read(there, result, mine.settings.wants_seen))
                 for name in out.keys() & there.keys():
                     versions.write_pass(there[name], out[name])
             self._stamp(result, mine)
@@ -256,11 +243,9 @@ class Frames:
             pictures = {**pictures, "Encre Seen Depth": depth}
         index = pictures["IndexOB"][..., 0]
         pictures = {**pictures, **overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)}
-        images, nonfinite = layers.assemble(pictures, settings.scene, settings.overrides,
-                                            self._denoiser(layer), layer.denoise_other)
-        drawn = library.render(images, settings.scene, settings.overrides, camera, frame,
-                            outputs=("Combined", *layers.DRAWN), threads=layer.threads, progress=self._go_on,
-                            image=papers.load)
+        images, nonfinite = layers.assemble(pictures, settings, self._denoiser(layer), layer.denoise_other)
+        drawn = library.draw(images, settings.every, camera, frame, outputs=("Combined", *layers.DRAWN),
+                             threads=layer.threads, progress=self._go_on, image=papers.load)
         saved = {name: pictures[name] for name in [*layers.SAVED, *layers.SAVED_SEEN] if name in pictures}
         out = {**drawn.images, **saved, "Encre Source": images["combined"], "Encre Diffuse": images["diffuse"]}
         if layer.user_indices is not None:
@@ -270,7 +255,7 @@ class Frames:
         return out
 
     def _denoiser(self, layer):
-        if not layer.settings.denoise or not denoise.available(versions.home()):
+        if not layer.settings.denoises or not denoise.available(versions.home()):
             return None
         return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, self._go_on,
                                                                    versions.home())

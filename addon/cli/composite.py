@@ -3,9 +3,10 @@
 
 import numpy as np
 
-from ..pen import layers, library, metadata, settings
+from ..pen import layers, library, metadata
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
+from ..pen.settings import Settings
 from . import images, interrupt
 
 _LETTERS = "RGBAXYZW"
@@ -110,9 +111,9 @@ def _notes(saved, passes, path):
     return f"{path} does not hold all that Encre saves: {', '.join(assumed)}" if assumed else None
 
 
-def _idle(pictures, scene, styles, path):
+def _idle(pictures, settings, path):
     """Which sources of edges have nothing to work on, in one sentence; None: all have."""
-    found = ", ".join(f"{name} ({why})" for name, why in settings.idle(pictures, scene, styles).items())
+    found = ", ".join(f"{name} ({why})" for name, why in settings.idle(pictures).items())
     return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
 
 
@@ -125,30 +126,30 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
     png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
     with images.Exr(path, threads) as exr:
         saved = metadata.read(exr.metadata)
-        scene = library.check({**(saved.scene or {}), **change})
+        scene = {**(saved.scene or {}), **change}
         if (factor := scene.pop("supersample", 1)) > 1:
             say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "
                         "at that")
-        styles = [values for _, values in saved.styles]
+        settings = Settings(scene, saved.styles)
         found = view_layers(exr.channels, exr.views)
         layer = _choose(found, view_layer, path)
         at = _rows_and_columns(saved.border, exr.window)
         if png and len(found[layer]) > 1:
             raise EncreError(f"{path}: is stereo, and a PNG has one view; write an .exr")
         # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
-        seen = saved.camera is not None and settings.wants_seen(scene, styles)
+        seen = saved.camera is not None and settings.wants_seen
         for view, names in found[layer].items():
             passes = {name: picture[at] for name, picture in exr.read(_wanted(names, path, seen)).items()}
             try:
-                pictures, bad = layers.assemble(passes, scene, styles)
+                pictures, bad = layers.assemble(passes, settings)
             except EncreError as error:
                 others = ", ".join(sorted(set(names) - set(passes))) or "nothing"
                 raise EncreError(f"{path}: {error}; besides in the file: {others}") from None
-            notes = notes or [_notes(saved, passes, path), _idle(pictures, scene, styles, path)]
+            notes = notes or [_notes(saved, passes, path), _idle(pictures, settings, path)]
             with interrupt.heeded() as progress:
-                result = library.render(pictures, scene, styles, saved.camera, _place(saved, exr.window),
-                                        ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
-                                        progress=progress, image=images.read_paper)
+                result = library.draw(pictures, settings.every, saved.camera, _place(saved, exr.window),
+                                      ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
+                                      progress=progress, image=images.read_paper)
             pictures = {name: _whole(picture, at, exr.window) for name, picture in result.images.items()}
             channels.update(_named(pictures, layer, view, names))
             nonfinite += bad + result.nonfinite

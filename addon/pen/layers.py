@@ -8,7 +8,7 @@ Passes go by their classic names; `classic()` translates those of Blender 5.
 
 import numpy as np
 
-from . import library, settings
+from . import library
 from .errors import EncreError
 
 # What Cycles must render for us: classic name -> channel names, as RenderEngine.register_pass() takes them.
@@ -176,12 +176,12 @@ class _Light:
         return self.kept["clean", direct]
 
 
-def assemble(passes, scene, styles=(), denoise=None, denoise_other=False):
+def assemble(passes, settings, denoise=None, denoise_other=False):
     """The layers of one picture.
 
     passes: {classic name: picture}, Cycles', any of SAVED, which are preferred, of SEEN and of SAVED_SEEN; absent ones
     None or not there.
-    scene, styles: values of the scene and what each style changes.
+    settings: the settings.Settings of the picture.
     denoise: function of (picture, albedo, normal) that gives the picture (height, width, 3) without noise, or None.
     denoise_other: clean also what is not diffuse light (Cycles' own denoiser is off while shading is on, because
     it would clean Combined but not the passes, and their difference would be noise).
@@ -217,9 +217,8 @@ def assemble(passes, scene, styles=(), denoise=None, denoise_other=False):
         if "Encre Seen Depth" in read:
             layers["seen_depth"] = read.raw("Encre Seen Depth")
 
-    values = settings.every_style(scene, styles)
-    shading = _by_style(layers.get("style"), [v["use_shading"] for v in values])
-    direct = _by_style(layers.get("style"), [v["shade_light"] == "DIRECT" for v in values])
+    shading = _by_style(layers.get("style"), [v["use_shading"] for v in settings.every])
+    direct = _by_style(layers.get("style"), [v["shade_light"] == "DIRECT" for v in settings.every])
     light = _Light(read, denoise, (layers["albedo"], read("Normal")) if denoise else None)
     if "Encre Diffuse" in read:
         layers["diffuse"] = read("Encre Diffuse")

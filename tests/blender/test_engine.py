@@ -10,6 +10,7 @@ import pytest
 from encre.cli import images
 from encre.cli.composite import composite
 from encre.pen import layers, library, metadata
+from encre.pen.settings import Settings
 
 
 @pytest.fixture(params=blenders.params(), scope="module")
@@ -40,7 +41,7 @@ def test_picture(render):
     assert shot.facts["pass_index"][0].count(7) == 1
     # The same from what the file holds.
     settings = metadata.read(shot.metadata("picture"))
-    images, nonfinite = layers.assemble(found, settings.scene, [v for _, v in settings.styles])
+    images, nonfinite = layers.assemble(found, Settings(settings.scene, settings.styles))
     again = library.render(images, settings.scene, camera=settings.camera, frame=settings.frame,
                         outputs=("Combined", *layers.DRAWN))
     assert nonfinite + again.nonfinite == 0
@@ -132,6 +133,11 @@ def test_blur_is_off(render):
     assert np.array_equal(shot.passes("sharp")["Combined"], shot.passes("blurred")["Combined"])
     assert shot.output.count("depth of field and motion blur: rendered without") == 1
     assert shot.facts["kept"] == [[True, True]]
+
+
+def test_settings_are_read_once(render):
+    # The user's say which passes there are, before anything is evaluated; the evaluated ones all else.
+    assert render("read_once").facts["evaluated"] == [[False, True]]
 
 
 def test_cameras(render):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from encre.cli import composite, images
 from encre.pen import layers, library, metadata
+from encre.pen.settings import Settings
 
 STREET = Path(__file__).parents[2] / "scenes" / "street.py"
 
@@ -28,7 +29,7 @@ def saved(street):
     with images.Exr(str(street)) as file:
         settings = metadata.read(file.metadata)
         passes = file.read(composite.view_layers(file.channels)["ViewLayer"][""])
-    return layers.assemble(passes, settings.scene, [])[0], settings
+    return layers.assemble(passes, Settings(settings.scene))[0], settings
 
 
 def test_the_file_has_all_passes_and_gives_the_picture_again(street, tmp_path):

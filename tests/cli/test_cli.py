@@ -16,12 +16,13 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from encre.cli import composite, main
-from encre.pen import layers, library, metadata, presets, settings
+from encre.pen import layers, library, metadata, presets
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
+from encre.pen.settings import Settings, switches
 
 SIZE = 96, 64
-OFF = [f"--set={switch}=off" for switch in settings.switches()]
+OFF = [f"--set={switch}=off" for switch in switches()]
 STYLES = [("Ink", {"line_thickness": 30.0, "use_shading": False})]
 
 
@@ -55,7 +56,7 @@ def fails(result, *words, status=2):
 
 def expected(pictures, scene=None, styles=(), camera=None, frame=None, outputs=("Combined",)):
     """What the library makes of passes in memory."""
-    made, _ = layers.assemble(pictures, library.check(scene or {}), styles)
+    made, _ = layers.assemble(pictures, Settings(scene, [("", values) for values in styles]))
     return library.render(made, scene or {}, styles, camera, frame, outputs).images
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from encre.pen import layers, library
+from encre.pen.settings import Settings
 
 README = Path(__file__).parents[2] / "README.md"
 
@@ -24,12 +25,12 @@ def test_what_is_saved_is_read_again_and_an_older_file_has_fewer():
     passes = dict.fromkeys(("Combined", "DiffDir", "DiffCol", "Depth", "Normal"), np.ones((3, 4, 3)))
     controls = np.random.default_rng(1).uniform(-1, 1, (3, 4, len(library.controls()))).astype(np.float32)
     saved = layers.saved_controls(controls)
-    made, _ = layers.assemble({**passes, **saved}, {})
+    made, _ = layers.assemble({**passes, **saved}, Settings())
     np.testing.assert_array_equal(made["controls"], controls)
     del saved["Encre Surface Controls"]
-    made, _ = layers.assemble({**passes, **saved}, {})
+    made, _ = layers.assemble({**passes, **saved}, Settings())
     np.testing.assert_array_equal(made["controls"], controls * np.float32([1, 1, 1, 0, 0, 0]))
-    assert "controls" not in layers.assemble(passes, {})[0]
+    assert "controls" not in layers.assemble(passes, Settings())[0]
 
 
 def test_the_manual_tells_them():

@@ -3,9 +3,10 @@
 
 import numpy as np
 import pytest
-from encre.pen import layers, library, overlay, settings
+from encre.pen import layers, library, overlay
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
+from encre.pen.settings import Settings, switches
 
 SHAPE = (7, 9)
 
@@ -18,12 +19,16 @@ def passes():
     return made
 
 
+def assemble(passes, scene=None, styles=(), *args):
+    return layers.assemble(passes, Settings(scene, [("", values) for values in styles]), *args)
+
+
 def close(a, b, tolerance=2e-6):
     assert a.shape == b.shape and np.abs(np.asarray(a, np.float64) - b).max() <= tolerance
 
 
 def test_layers_of_a_picture(passes):
-    made, nonfinite = layers.assemble(passes, {})
+    made, nonfinite = assemble(passes, {})
     assert nonfinite == 0 and made.keys() <= library.LAYERS.keys()
     close(made["albedo"], np.minimum(1, passes["DiffCol"] + passes["GlossCol"] + passes["TransCol"] + passes["Emit"]))
     close(made["specular"], (passes["GlossDir"] + passes["GlossInd"]) * passes["GlossCol"])
@@ -34,10 +39,10 @@ def test_layers_of_a_picture(passes):
 
 
 def test_what_is_seen(passes):
-    assert not layers.assemble(passes, {})[0].keys() & {"seen_color", "seen_normal", "seen_depth"}
+    assert not assemble(passes, {})[0].keys() & {"seen_color", "seen_normal", "seen_depth"}
     normal = np.random.default_rng(1).random((*SHAPE, 3), np.float32)
     more = {"Denoising Albedo": normal / 2, "Denoising Normal": normal, "Encre Seen Depth": normal[..., :1]}
-    made, _ = layers.assemble({**passes, **more}, {})
+    made, _ = assemble({**passes, **more}, {})
     assert np.array_equal(made["seen_normal"], normal * np.float32((1, 1, -1)))
     assert np.array_equal(made["seen_color"], more["Denoising Albedo"])
     assert np.array_equal(made["seen_depth"], more["Encre Seen Depth"])
@@ -67,33 +72,33 @@ def test_seen_lines_are_wanted_only_where_they_are_drawn():
                                   ({"edge_detector": "DOG"}, [], False),
                                   ({"use_lines": False}, [], True),
                                   ({"use_lines": False, "use_smudging": False}, [], False)):
-        assert settings.wants_seen(scene, styles) == wanted, scene
+        assert Settings(scene, [("", values) for values in styles]).wants_seen == wanted, scene
 
 
 def test_pictures_of_any_strides(passes):
     flipped = {name: np.ascontiguousarray(picture[::-1])[::-1] for name, picture in passes.items()}
     flat = {**passes, "Depth": passes["Depth"][..., 0], "IndexOB": passes["IndexOB"][..., 0]}
     for other in (flipped, flat):
-        for layer, picture in layers.assemble(other, {})[0].items():
-            assert np.array_equal(picture, layers.assemble(passes, {})[0][layer])
+        for layer, picture in assemble(other, {})[0].items():
+            assert np.array_equal(picture, assemble(passes, {})[0][layer])
 
 
 def test_missing_passes(passes):
     for name in ("Combined", "DiffDir", "DiffCol", "Depth", "Normal"):
         with pytest.raises(EncreError, match=f"pass {name} is missing.*GlossCol"):
-            layers.assemble({k: v for k, v in passes.items() if k != name}, {})
+            assemble({k: v for k, v in passes.items() if k != name}, {})
     few = {k: passes[k] for k in ("Combined", "DiffDir", "DiffCol", "Depth", "Normal")}
-    made, _ = layers.assemble(few, {})
+    made, _ = assemble(few, {})
     assert made.keys() == {"combined", "diffuse", "color", "albedo", "depth", "normal"}
     assert np.array_equal(made["diffuse"], passes["DiffDir"])
 
 
 def test_direct_light(passes):
-    made, _ = layers.assemble(passes, {"shade_light": "DIRECT"})
+    made, _ = assemble(passes, {"shade_light": "DIRECT"})
     assert np.array_equal(made["diffuse"], passes["DiffDir"])
     close(made["combined"][..., :3], passes["Combined"][..., :3] - passes["DiffCol"] * passes["DiffInd"])
     assert np.array_equal(made["combined"][..., 3], passes["Combined"][..., 3])
-    made, _ = layers.assemble(passes, {"shade_light": "DIRECT", "use_shading": False})
+    made, _ = assemble(passes, {"shade_light": "DIRECT", "use_shading": False})
     assert np.array_equal(made["combined"], passes["Combined"])
 
 
@@ -101,7 +106,7 @@ def test_light_by_style(passes):
     index = np.zeros((*SHAPE, 3), np.float32)
     index[:, 3:6, 2], index[:, 6:, 2], index[0, 0, 2], index[1, 0, 2] = 1, 2, 7, -1  # 7 and -1 are no styles: 0
     passes["Encre Index"] = index
-    made, _ = layers.assemble(passes, {}, [{"shade_light": "DIRECT"}, {"shade_light": "DIRECT", "use_shading": False}])
+    made, _ = assemble(passes, {}, [{"shade_light": "DIRECT"}, {"shade_light": "DIRECT", "use_shading": False}])
     everything = passes["DiffDir"] + passes["DiffInd"]
     close(made["diffuse"][:, :3], everything[:, :3])
     assert np.array_equal(made["diffuse"][:, 3:], passes["DiffDir"][:, 3:])
@@ -118,20 +123,20 @@ def half(picture, albedo, normal):
 def test_denoised_light_is_put_back(passes):
     light, color = passes["DiffDir"] + passes["DiffInd"], passes["DiffCol"]
     rest = passes["Combined"][..., :3] - color * light
-    made, _ = layers.assemble(passes, {}, denoise=half)
+    made, _ = assemble(passes, {}, (), half)
     close(made["diffuse"], light / 2)
     close(made["combined"][..., :3], color * light / 2 + rest)
-    made, _ = layers.assemble(passes, {}, denoise=half, denoise_other=True)
+    made, _ = assemble(passes, {}, (), half, True)
     close(made["combined"][..., :3], color * light / 2 + np.maximum(rest, 0) / 2 + np.minimum(rest, 0))
-    made, _ = layers.assemble(passes, {"use_shading": False}, denoise=half)
+    made, _ = assemble(passes, {"use_shading": False}, (), half)
     assert np.array_equal(made["combined"], passes["Combined"])
     # A style without shading keeps what was rendered, or has it denoised as Cycles would have done.
     passes["Encre Index"] = np.zeros((*SHAPE, 3), np.float32)
     passes["Encre Index"][:, 4:, 2] = 1
     styles = [{"use_shading": False, "shade_light": "DIRECT"}]
-    made, _ = layers.assemble(passes, {}, styles, half)
+    made, _ = assemble(passes, {}, styles, half)
     assert np.array_equal(made["combined"][:, 4:], passes["Combined"][:, 4:])
-    made, _ = layers.assemble(passes, {}, styles, half, True)
+    made, _ = assemble(passes, {}, styles, half, True)
     close(made["combined"][..., :3], color * light / 2 + np.maximum(rest, 0) / 2 + np.minimum(rest, 0))
 
 
@@ -139,7 +144,7 @@ def test_saved_layers_are_preferred(passes):
     for name, channels in layers.SAVED.items():
         passes[name] = np.full((*SHAPE, len(channels)), 0.25, np.float32)
     passes["Encre Index"] += np.arange(3, dtype=np.float32)
-    made, _ = layers.assemble(passes, {"shade_light": "DIRECT"}, denoise=half)
+    made, _ = assemble(passes, {"shade_light": "DIRECT"}, (), half)
     assert np.array_equal(made["combined"], passes["Encre Source"])
     assert np.array_equal(made["diffuse"], passes["Encre Diffuse"])
     assert [made[k].mean() for k in ("object", "material", "style")] == [0.25, 1.25, 2.25]
@@ -147,7 +152,7 @@ def test_saved_layers_are_preferred(passes):
     assert made["marks"].shape == (*SHAPE, 2)
     del passes["Combined"], passes["DiffDir"], passes["DiffInd"]
     passes["Encre Marks"][:] = 0
-    assert "marks" not in layers.assemble(passes, {})[0]
+    assert "marks" not in assemble(passes, {})[0]
 
 
 def test_values_that_are_no_numbers(passes):
@@ -155,13 +160,13 @@ def test_values_that_are_no_numbers(passes):
     passes["DiffInd"][1, 2] = 2
     passes["Combined"][3, 3, 1] = -np.inf
     passes["Depth"][0, 0] = np.nan
-    made, found = layers.assemble(passes, {"shade_light": "DIRECT"})
+    made, found = assemble(passes, {"shade_light": "DIRECT"})
     assert found == 3
     assert made["diffuse"][1, 2].tolist() == [0, 0, 1]
     assert np.isfinite(made["combined"]).all()
     drawn = library.render(made, {}, camera=Camera(), frame=Frame(*SHAPE[::-1]))
     assert found + drawn.nonfinite == 4
-    made, found = layers.assemble(passes, {"use_shading": False})
+    made, found = assemble(passes, {"use_shading": False})
     assert found + library.render(made, {"use_shading": False}).nonfinite == 4
 
 
@@ -196,9 +201,26 @@ def test_rasterised_passes():
 
 
 def test_what_is_active():
-    off = dict.fromkeys(settings.switches(), False)
-    assert settings.active({}, []) and not settings.active(off, []) and settings.active(off, [{"use_hatching": True}])
-    assert settings.shaded({}, [{"use_shading": False}]) and not settings.shaded(off, [])
-    assert settings.wants_light({}, []) and not settings.wants_light(off, [])
-    assert not settings.wants_light({**off, "use_lines": True}, [])
-    assert settings.wants_light({**off, "use_lines": True}, [{"edge_light": 1.0}])
+    off = dict.fromkeys(switches(), False)
+
+    def asked(scene, style=None):
+        return Settings(scene, [("", style or {})])
+
+    assert asked({}).active and not asked(off).active and asked(off, {"use_hatching": True}).active
+    assert asked({}, {"use_shading": False}).shaded and not asked(off).shaded
+    assert asked({}).wants_light and not asked(off).wants_light
+    assert asked({}).denoises and not asked({"light_denoise": "NONE"}).denoises
+    assert not asked({**off, "use_lines": True}).wants_light
+    assert asked({**off, "use_lines": True}, {"edge_light": 1.0}).wants_light
+    assert asked({"supersample": 2}).factor == 2 and asked({**off, "supersample": 2}).factor == 1
+
+
+def test_settings_are_checked_and_complete():
+    made = Settings({"line_thickness": 3}, [("Ink", {"line_thickness": 4.0, "edge_detector": "DOG"})])
+    assert [len(values) for values in made.every] == 2 * [len(library.params())]
+    assert [values["line_thickness"] for values in made.every] == [3, 4]
+    assert {values["edge_detector"] for values in made.every} == {library.defaults()["edge_detector"]}, "is the frame's"
+    assert made.scene == {"line_thickness": 3.0}
+    for scene, style in (({"line_thickness": -1}, {}), ({}, {"line_thickness": -1}), ({"line": 1}, {})):
+        with pytest.raises(EncreError):
+            Settings(scene, [("", style)])

@@ -159,6 +159,24 @@ def blur(out):
     fact("kept", [scene.render.use_motion_blur, scene.camera.data.dof.use_dof])
 
 
+def read_once(out):
+    """How often a frame reads all settings of the user's scene and of the evaluated one."""
+    scene = stage(8, 8, 1)
+    scene.encre.styles.add()
+    scene.cycles.use_denoising = False  # as it is switched off Blender asks for the passes once more
+    from encre.blender import properties
+
+    real, read = properties.scene_values, []
+
+    def spy(scene):
+        read.append(scene.is_evaluated)
+        return real(scene)
+
+    properties.scene_values = spy
+    shoot(out, "read")
+    fact("evaluated", read)
+
+
 def stereo(out):
     scene = stage()
     scene.render.use_multiview = True

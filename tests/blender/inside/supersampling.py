@@ -141,14 +141,14 @@ def supersampled_widths(out):
     scene.camera.location, scene.camera.rotation_euler = (-0.9, -6, 0), (radians(90), 0, 0)
     from encre.blender import frame
 
-    draw = frame.library.render
+    draw = frame.library.draw
 
     def spy(images, *args, **more):
         result = draw(images, *args, **more)
         seen.append(result.images["Encre Lines"][..., 3])
         return result
 
-    frame.library.render = spy
+    frame.library.draw = spy
     for unit, thickness in (("PIXELS", 4), ("RELATIVE", 27)):
         scene.encre.length_unit, scene.encre.line_thickness = unit, thickness
         for n in (1, 2, 3, 4):
