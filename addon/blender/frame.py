@@ -5,14 +5,13 @@ import contextlib
 import weakref
 from dataclasses import dataclass
 
-import bpy
 import numpy as np
 
 from ..pen import denoise, layers, library, metadata, overlay, supersample
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
-from . import cameras, meshes, papers, properties, subframes, versions
+from . import cameras, meshes, overrides, papers, properties, subframes, versions
 
 
 @dataclass
@@ -67,7 +66,7 @@ class Frames:
         self.engine = weakref.proxy(engine)
         self.known = {}        # view layer's name -> _ViewLayer
         self.settings = None   # of the evaluated scene; None: they can't be used
-        self.numbers = None    # of objects: what meshes.renumber() gave
+        self.numbers = None    # of objects: what overrides.pass_indices() gave
         self.overrode = False  # with persistent data, what one frame overrode is there in the next
         self.nonfinite = 0     # values that were read as 0
 
@@ -80,7 +79,7 @@ class Frames:
             self.settings = properties.settings(depsgraph.scene_eval)
         if self.settings and (self.settings.active or self.overrode):
             automatic = self.settings.active and self.settings.scene["object_index"] == "AUTO"
-            self.numbers = meshes.renumber(depsgraph, automatic)
+            self.numbers = overrides.pass_indices(depsgraph, automatic)
 
     def render(self, cycles, depsgraph):
         """Has `cycles` (cycles.engine) render a view layer. EncreError: the settings or the camera can't be used, or
@@ -108,9 +107,12 @@ class Frames:
         if settings.active and not flat:
             raise EncreError(f"camera {camera.name}: it is panoramic, and Encre draws only what perspective and "
                                   "orthographic cameras see; make it one of them")
-        denoise_other = self._switch_denoiser(depsgraph, settings.shaded)
-        if settings.active or self.overrode:
-            self._switch_blur(depsgraph, settings.active)
+        denoise_other, missing = overrides.denoiser(depsgraph, settings.shaded, self.overrode)
+        if missing:
+            self.engine.say("INFO", "this build of Blender has no Open Image Denoise: Cycles' denoiser is off")
+        blurred = overrides.blur(depsgraph, settings.active) if settings.active or self.overrode else ()
+        if blurred:
+            self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
         self.overrode = settings.active
         if flat:
             self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other)
@@ -120,32 +122,6 @@ class Frames:
         if camera is None or camera.type != "CAMERA":
             raise EncreError("the scene has no camera: add one and make it the scene's")
         return camera.evaluated_get(depsgraph)
-
-    def _switch_denoiser(self, depsgraph, shaded):
-        """Cycles' denoiser cleans Combined but not the passes. Returns whether ours must do its work too."""
-        user, mine = depsgraph.scene.cycles.use_denoising, depsgraph.scene_eval.cycles
-        if shaded or self.overrode:
-            mine.use_denoising = user and not shaded
-        if mine.use_denoising and not versions.has_cycles_denoiser():
-            mine.use_denoising = False
-            self.engine.say("INFO", "this build of Blender has no Open Image Denoise: Cycles' denoiser is off")
-        return shaded and user and depsgraph.view_layer.cycles.use_denoising
-
-    def _switch_blur(self, depsgraph, off):
-        """Lines need layers in which a pixel shows one thing."""
-        cameras = (block for block in depsgraph.ids if isinstance(block, bpy.types.Camera))
-        blurs = [(depsgraph.scene_eval.render, depsgraph.scene.render, "use_motion_blur", "motion blur"),
-                 *((camera.dof, camera.original.dof, "use_dof", "depth of field") for camera in cameras)]
-        found = set()
-        for evaluated, user, switch, name in blurs:
-            if not off:
-                setattr(evaluated, switch, getattr(user, switch))
-            elif getattr(evaluated, switch):
-                setattr(evaluated, switch, False)
-                found.add(name)
-        if found:
-            names = " and ".join(sorted(found))
-            self.engine.say("WARNING", f"{names}: rendered without, because lines need sharp layers")
 
     def _rasterise(self, depsgraph, camera, settings, denoise_other):
         render = depsgraph.scene_eval.render
