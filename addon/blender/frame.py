@@ -3,11 +3,12 @@
 
 import contextlib
 import weakref
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..pen import denoise, layers, library, metadata, overlay, supersample
+from ..pen import denoise, layers, library, metadata, overlay, saved, supersample
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
@@ -51,10 +52,30 @@ def _asked(scene):
     if not hasattr(scene, "encre"):  # the library was missing when Blender started
         return {}
     mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
-    saved = mode == "ON" or (mode == "AUTO" and multilayer)
     seen = properties.settings(scene).wants_seen
-    return {**(layers.SAVED if saved else {}), **(layers.SEEN if seen else {}),
-            **(layers.SAVED_SEEN if seen and saved else {})}
+    saves = mode == "ON" or (mode == "AUTO" and multilayer)
+    return {**(saved.passes(seen) if saves else {}), **(layers.SEEN if seen else {})}
+
+
+class _Passes(Mapping):
+    """What Cycles wrote of one view, by its classic names: read from Blender each time, so that nothing is kept."""
+
+    def __init__(self, there, size, seen):
+        """there: render passes by their names in this Blender; size: (width, height); seen: whether to read SEEN."""
+        self.size = size
+        names = {name: versions.pass_name(name) for name in [*layers.CYCLES, *(layers.SEEN if seen else ())]}
+        self.there = {name: there[own] for name, own in names.items() if own in there}
+
+    def __getitem__(self, name):
+        return versions.read_pass(self.there[name], *self.size)
+
+    pop = __getitem__
+
+    def __iter__(self):
+        return iter(self.there)
+
+    def __len__(self):
+        return len(self.there)
 
 
 class Frames:
@@ -130,6 +151,9 @@ class Frames:
         threads = render.threads if render.threads_mode == "FIXED" else 0
         line_numbers, user_indices = self.numbers or (None, None)
         objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers)
+        drawn = ["object", "material", "style", "marks"]
+        if any(mesh.attributes is not None for mesh in objects.meshes):
+            drawn.append("attributes")
         views = {}
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
@@ -137,8 +161,8 @@ class Frames:
             maps = library.raster(
                 objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
                 camera.data.clip_start, camera.data.clip_end, len(library.controls()),
-                ("object", "material", "style", "attributes", "marks"), threads, self._go_on)
-            views[name] = eye, maps, projection
+                drawn, threads, self._go_on)
+            views[name] = eye, overlay.compact(maps), projection
         objects.meshes.clear()
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
@@ -160,7 +184,7 @@ class Frames:
         def take(column, row):
             result = self.engine.get_result()
             for render_pass in result.layers[depsgraph.view_layer.name].passes:
-                if render_pass.name in {**layers.DRAWN, **layers.SAVED, **layers.SAVED_SEEN}:
+                if render_pass.name in {**layers.DRAWN, **saved.passes(True)}:
                     continue
                 picture = versions.read_pass(render_pass, result.resolution_x, result.resolution_y)
                 view = gathered.setdefault(render_pass.view_id, supersample.Gathered(layer.factor))
@@ -171,10 +195,16 @@ class Frames:
         drawn = {}
         for view_id in list(gathered):
             view = gathered.pop(view_id)
-            pictures = {layers.classic(name): picture for name, picture in view.large.items()}
-            view.large.update(self._draw(layer, view_id, pictures))
-            small = {name: supersample.shrink(name, picture, layer.factor) for name, picture in view.large.items()}
-            drawn[view_id] = {**view.small, **small}
+            small = drawn[view_id] = view.small
+
+            def write(name, picture, small=small):
+                small[name] = supersample.shrink(name, picture, layer.factor)
+
+            for name, picture in view.large.items():
+                write(name, picture)
+            large = {layers.classic(name): view.large.pop(name) for name in list(view.large)}
+            del picture
+            self._draw(layer, view_id, large, write)
         return drawn
 
     # After Cycles
@@ -192,43 +222,49 @@ class Frames:
             for render_pass in layer.passes:
                 by_view.setdefault(render_pass.view_id, {})[render_pass.name] = render_pass
             for view_id, there in by_view.items():
-                out = mine.drawn[view_id] if mine.drawn else self._draw(
-                    mine, view_id, self._read(there, result, mine.settings.wants_seen))
-                for name in out.keys() & there.keys():
-                    versions.write_pass(there[name], out[name])
+                def write(name, picture, there=there):
+                    if name in there:
+                        versions.write_pass(there[name], picture)
+
+                if mine.drawn:
+                    for name, picture in mine.drawn.pop(view_id).items():
+                        write(name, picture)
+                else:
+                    size = result.resolution_x, result.resolution_y
+                    self._draw(mine, view_id, _Passes(there, size, mine.settings.wants_seen), write)
             self._stamp(result, mine)
         if self.nonfinite:
             self.engine.say("WARNING", f"{self.nonfinite} values of the layers were not finite and were read as 0")
             self.nonfinite = 0
 
-    def _read(self, there, result, seen):
-        """The passes that the stages need, by their classic names; `there`: render passes by name."""
-        names = {name: versions.pass_name(name) for name in [*layers.CYCLES, *(layers.SEEN if seen else ())]}
-        return {name: versions.read_pass(there[own], result.resolution_x, result.resolution_y)
-                for name, own in names.items() if own in there}
-
-    def _draw(self, layer, view_id, pictures):
-        """The passes, by their names in this Blender, of one view of one view layer from those that Cycles wrote."""
+    def _draw(self, layer, view_id, passes, write):
+        """Draws one view of one view layer from the passes that Cycles wrote, by classic names, of which each is
+        popped as it is read. write(name, picture) gets what is to be stored, by the name in this Blender."""
         settings, objects = layer.settings, layer.objects
         name = self.engine.get_result().views[view_id].name if len(layer.views) > 1 else ""
         self.engine.update_stats("Encre", f"{layer.name} {name}".strip())
         camera, maps, projection = layer.views[name]
         frame = supersample.frame(layer.frame, layer.factor)
-        if "Denoising Depth" in pictures:
-            depth = layers.seen_depth(pictures["Denoising Depth"], projection, frame, layer.clip_start)
-            pictures = {**pictures, "Encre Seen Depth": depth}
-        index = pictures["IndexOB"][..., 0]
-        pictures = {**pictures, **overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)}
-        images, nonfinite = layers.assemble(pictures, settings, self._denoiser(layer), layer.denoise_other)
+        index = passes.pop("IndexOB")[..., 0]
+        known = overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)
+        if layer.user_indices is not None:
+            given = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)
+            write(versions.pass_name("IndexOB"), layer.user_indices[given][..., None])
+            del given
+        del index
+        if "Denoising Depth" in passes:
+            known["seen_depth"] = layers.seen_depth(passes.pop("Denoising Depth"), projection, frame, layer.clip_start)
+        images, nonfinite = layers.assemble(passes, settings, known, self._denoiser(layer), layer.denoise_other)
+        known.clear()
+        # What is stored leaves as soon as it is there: while the library draws, nothing else is held.
+        for name in saved.passes("seen_depth" in images):
+            write(name, saved.pack(name, images))
         drawn = library.draw(images, settings.every, camera, frame, outputs=("Combined", *layers.DRAWN),
                              threads=layer.threads, progress=self._go_on, image=papers.load)
-        saved = {name: pictures[name] for name in [*layers.SAVED, *layers.SAVED_SEEN] if name in pictures}
-        out = {**drawn.images, **saved, "Encre Source": images["combined"], "Encre Diffuse": images["diffuse"]}
-        if layer.user_indices is not None:
-            known = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)
-            out[versions.pass_name("IndexOB")] = layer.user_indices[known][..., None]
+        images.clear()
+        for name in list(drawn.images):
+            write(name, drawn.images.pop(name))
         self.nonfinite += nonfinite + drawn.nonfinite
-        return out
 
     def _denoiser(self, layer):
         if not layer.settings.denoises or not denoise.available(versions.home()):

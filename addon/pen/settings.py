@@ -56,6 +56,11 @@ class Settings:
         return self.any("use_lines", "use_smudging")
 
     @cached_property
+    def wants_specular(self):
+        """Whether anything looks at highlights."""
+        return self.any("use_hatching")
+
+    @cached_property
     def wants_seen(self):
         """Whether lines are drawn in what mirrors and glass show."""
         return self.every[0]["edge_detector"] == "FINE" and self.any("edge_seen") and self.wants_edges

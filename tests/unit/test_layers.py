@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from encre.pen import layers, library, overlay
+from encre.pen import layers, library, overlay, saved
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
 from encre.pen.settings import Settings, switches
@@ -20,7 +20,8 @@ def passes():
 
 
 def assemble(passes, scene=None, styles=(), *args):
-    return layers.assemble(passes, Settings(scene, [("", values) for values in styles]), *args)
+    settings = Settings(scene, [("", values) for values in styles])
+    return layers.assemble(dict(passes), settings, saved.unpack(passes), *args)
 
 
 def close(a, b, tolerance=2e-6):
@@ -141,7 +142,7 @@ def test_denoised_light_is_put_back(passes):
 
 
 def test_saved_layers_are_preferred(passes):
-    for name, channels in layers.SAVED.items():
+    for name, channels in saved.passes(True).items():
         passes[name] = np.full((*SHAPE, len(channels)), 0.25, np.float32)
     passes["Encre Index"] += np.arange(3, dtype=np.float32)
     made, _ = assemble(passes, {"shade_light": "DIRECT"}, (), half)
@@ -184,20 +185,68 @@ def test_own_pixels():
             assert source == (min(near)[1] * width + min(near)[2] if near else -1)
 
 
-def test_rasterised_passes():
+def test_rasterised_layers():
     index = np.array([[0, 5, 5, 7, 9]], np.float32)
     maps = {"object": np.array([[0, 1, 2, 2, 2]], np.float32), "material": np.array([[0, 3, 4, 4, 4]], np.float32),
             "style": np.array([[0, 0, 1, 1, 1]], np.float32), "attributes": np.zeros((1, 5, 6), np.float32)}
     maps["marks"] = np.full((1, 5, 2), 0.5, np.float32)
     maps["attributes"][0, :, 0], maps["attributes"][0, :, 5] = [0, 0.1, 0.2, 0.2, 0.2], [0, 1, 2, 2, 2]
     owners, numbers = np.array([0, 5, 5], np.float32), np.array([0, 50, 51], np.float32)
+    maps = overlay.compact(maps)
+    assert [maps[name].dtype for name in ("object", "material", "style")] == 3 * [np.uint8]
     made = overlay.rasterised(index, maps, owners, numbers, lambda stray: 100 + stray)
-    assert made["Encre Index"].tolist() == [[[0, 0, 0], [50, 3, 0], [51, 4, 1], [107, 0, 0], [109, 0, 0]]]
-    close(made["Encre Line Controls"][0, :, 0], np.array([0, 0.1, 0.2, 0, 0]))
-    close(made["Encre Surface Controls"][0, :, 2], np.array([0, 1, 2, 0, 0]))
-    assert made["Encre Line Controls"].shape == (1, 5, 3)
+    assert not maps and all(picture.dtype == np.float32 for picture in made.values())
+    assert [made[name].tolist() for name in ("object", "material", "style")] == [
+        [[[0], [50], [51], [107], [109]]], [[[0], [3], [4], [0], [0]]], [[[0], [0], [1], [0], [0]]]]
+    close(made["controls"][0, :, 0], np.array([0, 0.1, 0.2, 0, 0]))
+    close(made["controls"][0, :, 5], np.array([0, 1, 2, 0, 0]))
     # What the rasteriser did not draw may lie in front of a line.
-    assert made["Encre Marks"].tolist() == [[[0.5, 0.5, 0], [0.5, 0.5, 0], [0, 0.5, 0], [0, 0, 0], [0, 0, 0]]]
+    assert made["marks"].tolist() == [[[0.5, 0.5], [0.5, 0.5], [0, 0.5], [0, 0], [0, 0]]]
+
+
+def test_only_what_is_not_0_is_kept_of_what_was_rasterised():
+    none = np.zeros((2, 3), np.float32)
+    maps = {"object": none + 300, "material": none, "style": none, "attributes": np.zeros((2, 3, 6), np.float32),
+            "marks": np.zeros((2, 3, 2), np.float32)}
+    made = overlay.compact(maps)
+    assert made.keys() == {"object", "material", "style"} and made["object"].dtype == np.uint16
+    assert overlay.rasterised(none, made, np.zeros(301), np.zeros(301), np.negative).keys() == {
+        "object", "material", "style"}
+
+
+def test_files_keep_the_layers():
+    random = np.random.default_rng(3)
+    names = ("combined", "diffuse", "object", "material", "style", "controls", "marks", "seen_depth")
+    made = {name: random.uniform(-1, 1, (*SHAPE, library.LAYERS[name])).astype(np.float32) for name in names}
+    packed = {name: saved.pack(name, made) for name in saved.passes(True)}
+    assert {name: picture.shape[2] for name, picture in packed.items()} == {
+        name: len(letters) for name, letters in saved.passes(True).items()}
+    again = saved.unpack(packed)
+    assert again.keys() == made.keys() and all(np.array_equal(again[name], made[name]) for name in names)
+    few = {name: made[name] for name in ("combined", "diffuse", "object", "material")}
+    again = saved.unpack({name: saved.pack(name, few) for name in saved.passes(False)})
+    assert all(np.array_equal(again.pop(name), few[name]) for name in few)
+    assert again.keys() == {"style", "controls", "marks"} and not any(picture.any() for picture in again.values())
+
+
+def test_a_picture_from_its_bands(passes):
+    for name, letters in saved.passes(False).items():
+        passes[name] = np.zeros((*SHAPE, len(letters)), np.float32)
+    passes["Encre Index"][4:, :, 2] = passes["Encre Marks"][5:, :, 0] = 1
+    del passes["Encre Source"], passes["Encre Diffuse"]
+    scene, styles = {"shade_light": "DIRECT", "use_hatching": True}, [{"shade_light": "ALL"}]
+    at_once, _ = assemble(passes, scene, styles)
+    whole = layers.Whole(*SHAPE)
+    for row in range(0, SHAPE[0], 3):
+        whole.add(row, assemble({name: picture[row:row + 3] for name, picture in passes.items()}, scene, styles)[0])
+    assert whole.layers.keys() == at_once.keys() and "controls" not in at_once and "style" in at_once
+    for name in at_once:
+        assert whole.layers[name].tobytes() == np.ascontiguousarray(at_once[name]).tobytes(), name
+
+
+def test_passes_are_free_after_their_last_reader(passes):
+    layers.assemble(passes, Settings({"use_hatching": True}), {"object": passes.pop("IndexOB")})
+    assert not passes
 
 
 def test_what_is_active():

@@ -27,13 +27,17 @@ def larger(out):
     from encre.blender import frame
     from encre.pen import layers
 
-    assemble, seen = layers.assemble, []
+    assemble, rasterised, seen = layers.assemble, frame.overlay.rasterised, []
+
+    def spy_index(index, *args):
+        seen.append({"IndexOB": np.array(index)[..., None]})
+        return rasterised(index, *args)
 
     def spy(passes, *args, **more):
-        seen.append({name: np.array(picture) for name, picture in passes.items()})
+        seen[-1].update((name, np.array(picture)) for name, picture in passes.items())
         return assemble(passes, *args, **more)
 
-    frame.layers.assemble = spy
+    frame.overlay.rasterised, frame.layers.assemble = spy_index, spy
     render, cam = scene.render, scene.camera.data
 
     def compare(name, n=2):
