@@ -3,9 +3,10 @@
 
 import numpy as np
 
-from ..pen import layers, library, metadata, settings
+from ..pen import layers, library, metadata, saved
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
+from ..pen.settings import Settings
 from . import images, interrupt
 
 _LETTERS = "RGBAXYZW"
@@ -14,7 +15,7 @@ _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
 
 def _known():
     """{classic pass name: channel letters} of all that is read."""
-    return {**layers.CYCLES, "IndexMA": "X", **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN}
+    return {**layers.CYCLES, "IndexMA": "X", **saved.passes(True), **layers.SEEN}
 
 
 def view_layers(channels, views=()):
@@ -57,7 +58,7 @@ def _wanted(passes, path, seen):
     """{pass: channels} that have to be read: not those that Encre's own passes stand for, what is `seen` if asked."""
     letters = _known()
     wanted = {name: channels for name, channels in passes.items()
-              if name in letters and (seen or name not in {**layers.SEEN, **layers.SAVED_SEEN})}
+              if name in letters and (seen or name not in {*layers.SEEN, "Encre Seen Depth"})}
     if "Encre Seen Depth" in wanted:
         wanted.pop("Denoising Depth", None)
     if "Encre Source" in wanted and "Encre Diffuse" in wanted:
@@ -70,10 +71,10 @@ def _wanted(passes, path, seen):
     return wanted
 
 
-def _place(saved, window):
+def _place(stored, window):
     """The frame of what was rendered: the metadata's, or else the display window, which overscan makes larger."""
-    x, y, *_ = saved.border or (0, 0)
-    if frame := saved.frame:
+    x, y, *_ = stored.border or (0, 0)
+    if frame := stored.frame:
         return Frame(frame.width, frame.height, frame.x + window.x + x, frame.y + window.y + y)
     left, top = min(window.x, 0), min(window.y, 0)
     return Frame(max(window.full_width, window.x + window.width) - left,
@@ -83,7 +84,7 @@ def _place(saved, window):
 def _rows_and_columns(border, window):
     """The pixels that were rendered, as a pair of slices; all without a border."""
     if not border:
-        return np.s_[:, :]
+        return np.s_[0:window.height, 0:window.width]
     x, y, width, height = border
     if x + width > window.width or y + height > window.height:
         raise EncreError(f"the metadata {metadata.BORDER} lie outside the picture; render it again, or remove "
@@ -100,20 +101,40 @@ def _whole(picture, at, window):
     return out
 
 
-def _notes(saved, passes, path):
+def _notes(stored, passes, path):
     """What the file leaves open, in one sentence; None: nothing."""
     assumed = [text for known, text in (
-        (saved.scene is not None, "all parameters start from their defaults"),
-        (saved.frame, "its own size is the frame"),
-        (saved.camera, "the camera is a perspective one"),
+        (stored.scene is not None, "all parameters start from their defaults"),
+        (stored.frame, "its own size is the frame"),
+        (stored.camera, "the camera is a perspective one"),
         ("Encre Source" in passes, "Combined is taken as the picture without Encre")) if not known]
     return f"{path} does not hold all that Encre saves: {', '.join(assumed)}" if assumed else None
 
 
-def _idle(pictures, scene, styles, path):
+def _idle(pictures, settings, path):
     """Which sources of edges have nothing to work on, in one sentence; None: all have."""
-    found = ", ".join(f"{name} ({why})" for name, why in settings.idle(pictures, scene, styles).items())
+    found = ", ".join(f"{name} ({why})" for name, why in settings.idle(pictures).items())
     return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
+
+
+def _read(exr, names, settings, place, seen):
+    """(layers of what was rendered, number of values read as 0, names of the passes) of one view, whose passes have
+    these `names`. Bands of rows are read and folded one after another: all passes at once would be twice as much."""
+    rows, columns = place
+    whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start), 0
+    wanted = _wanted(names, exr.path, seen)
+    for first, passes in exr.bands(wanted, rows.start, rows.stop):
+        passes = {name: picture[:, columns] for name, picture in passes.items()}
+        try:
+            band, bad = layers.assemble(passes, settings, saved.unpack(passes))
+        except EncreError as error:
+            others = ", ".join(sorted(set(names) - set(wanted))) or "nothing"
+            raise EncreError(f"{exr.path}: {error}; besides in the file: {others}") from None
+        whole.add(first - rows.start, band)
+        nonfinite += bad
+        passes.clear()  # not kept while the next are read
+        band.clear()
+    return whole.layers, nonfinite, wanted
 
 
 def composite(path, out, change, view_layer=None, threads=0, say=print):
@@ -124,35 +145,32 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
     """
     png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
     with images.Exr(path, threads) as exr:
-        saved = metadata.read(exr.metadata)
-        scene = library.check({**(saved.scene or {}), **change})
+        stored = metadata.read(exr.metadata)
+        scene = {**(stored.scene or {}), **change}
         if (factor := scene.pop("supersample", 1)) > 1:
             say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "
                         "at that")
-        styles = [values for _, values in saved.styles]
+        settings = Settings(scene, stored.styles)
         found = view_layers(exr.channels, exr.views)
         layer = _choose(found, view_layer, path)
-        at = _rows_and_columns(saved.border, exr.window)
+        place = _rows_and_columns(stored.border, exr.window)
         if png and len(found[layer]) > 1:
             raise EncreError(f"{path}: is stereo, and a PNG has one view; write an .exr")
         # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
-        seen = saved.camera is not None and settings.wants_seen(scene, styles)
+        seen = stored.camera is not None and settings.wants_seen
         for view, names in found[layer].items():
-            passes = {name: picture[at] for name, picture in exr.read(_wanted(names, path, seen)).items()}
-            try:
-                pictures, bad = layers.assemble(passes, scene, styles)
-            except EncreError as error:
-                others = ", ".join(sorted(set(names) - set(passes))) or "nothing"
-                raise EncreError(f"{path}: {error}; besides in the file: {others}") from None
-            notes = notes or [_notes(saved, passes, path), _idle(pictures, scene, styles, path)]
+            read, bad, passes = _read(exr, names, settings, place, seen)
+            notes = notes or [_notes(stored, passes, path), _idle(read, settings, path)]
             with interrupt.heeded() as progress:
-                result = library.render(pictures, scene, styles, saved.camera, _place(saved, exr.window),
-                                        ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
-                                        progress=progress, image=images.read_paper)
-            pictures = {name: _whole(picture, at, exr.window) for name, picture in result.images.items()}
+                result = library.draw(read, settings.every, stored.camera, _place(stored, exr.window),
+                                      ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
+                                      progress=progress, image=images.read_paper)
+            del read
+            pictures = {name: _whole(picture, place, exr.window) for name, picture in result.images.items()}
             channels.update(_named(pictures, layer, view, names))
             nonfinite += bad + result.nonfinite
-    for kind, text in [*(("note", note) for note in notes), *(("warning", warning) for warning in saved.warnings)]:
+            del result
+    for kind, text in [*(("note", note) for note in notes), *(("warning", warning) for warning in stored.warnings)]:
         if text:
             say(kind, text)
     if nonfinite:

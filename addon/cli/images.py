@@ -15,7 +15,7 @@ import numpy as np
 from ..pen import colour
 from ..pen.errors import EncreError
 
-ROWS = 256  # read at a time: enough for every thread to decompress, little memory for the channels not wanted
+ROWS = 64  # read at a time: whole chunks of all but DWAB files, little memory for the channels not wanted
 
 
 def _oiio():
@@ -109,34 +109,45 @@ class Exr:
         """{name: array (H, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}."""
         shape = self.window.height, self.window.width
         out = {name: np.empty((*shape, len(channels)), np.float32) for name, channels in passes.items()}
-        wanted = {}
-        for name, channels in passes.items():
-            for k, channel in enumerate(channels):
-                part, number = self.channels[channel]
-                wanted.setdefault(part, []).append((number, out[name][:, :, k]))
-        with _quiet():
-            for part, targets in wanted.items():
-                self._read_part(part, targets)
+        for first, band in self.bands(passes, 0, self.window.height):
+            for name, picture in band.items():
+                out[name][first:first + len(picture)] = picture
         return out
 
-    def _read_part(self, part, targets):
-        """Every chunk is decompressed once, whatever the number of channels wanted from it."""
+    def bands(self, passes, first, end):
+        """Yields (row, {name: array (rows, W, channels)}) of bands of the rows from `first` to `end`, else as read().
+
+        Every chunk is decompressed once, whatever the number of channels wanted from it.
+        """
+        places = {name: [self.channels[channel] for channel in channels] for name, channels in passes.items()}
+        parts = {}
+        for part, number in sorted(place for wanted in places.values() for place in wanted):
+            parts.setdefault(part, []).append(number)
+        for top in range(first - first % ROWS, end, ROWS):
+            row, below = max(top, first), min(top + ROWS, end)
+            rows = {part: self._rows(part, row, below, numbers[0], numbers[-1] + 1) for part, numbers in parts.items()}
+            band = {name: _together([(rows[part], number - parts[part][0]) for part, number in wanted])
+                    for name, wanted in places.items()}
+            del rows
+            yield row, band
+            del band  # not while the next is read
+
+    @_quiet()
+    def _rows(self, part, row, end, first, last):
+        """The channels `first` to `last` of the rows from `row` to `end` of a part, float32 (rows, W, channels)."""
         self._file.seek_subimage(part, 0)
         spec = self._file.spec()
-        first, last = min(n for n, _ in targets), max(n for n, _ in targets) + 1
-        step = spec.height if spec.tile_width else ROWS
-        for y in range(0, spec.height, step):
-            end = min(y + step, spec.height)
-            if spec.tile_width:
-                rows = self._file.read_image(part, 0, first, last, "float")
-            else:
-                rows = self._file.read_scanlines(part, 0, spec.y + y, spec.y + end, 0, first, last, "float")
-            if rows is None:
-                self._file.geterror()
-                raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
-            rows = rows.reshape(end - y, spec.width, last - first)
-            for number, target in targets:
-                target[y:end] = rows[:, :, number - first]
+        above, below = row, end
+        if spec.tile_width:  # whole tiles, or to the picture's end
+            above, below = row - row % spec.tile_height, min(end + -end % spec.tile_height, spec.height)
+            pixels = self._file.read_tiles(part, 0, spec.x, spec.x + spec.width, spec.y + above, spec.y + below, 0, 1,
+                                           first, last, "float")
+        else:
+            pixels = self._file.read_scanlines(part, 0, spec.y + above, spec.y + below, 0, first, last, "float")
+        if pixels is None:
+            self._file.geterror()
+            raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
+        return pixels.reshape(below - above, spec.width, last - first)[row - above:][:end - row]
 
     def close(self):
         if self._file:
@@ -148,6 +159,14 @@ class Exr:
 
     def __exit__(self, *_):
         self.close()
+
+
+def _together(places):
+    """(H, W, channels) of (pixels (H, W, any), channel in them) each; a view where they lie side by side."""
+    pixels, first = places[0]
+    if all(other is pixels and channel == first + k for k, (other, channel) in enumerate(places)):
+        return pixels[..., first:first + len(places)]
+    return np.stack([pixels[..., channel] for pixels, channel in places], axis=-1)
 
 
 def read_paper(path):
