@@ -84,7 +84,7 @@ static bool inks_differ(const frame *f, float *color)
 		const encre_params *p = f->params + i;
 		if (!p->use_lines)
 			continue;
-		if (p->line_tint > 0 || (found && memcmp(color, p->line_color, sizeof p->line_color)))
+		if (p->line_tint > 0 || (found && memcmp(color, p->line_color, sizeof p->line_color) != 0))
 			return true;
 		memcpy(color, p->line_color, sizeof p->line_color);
 		found = true;
