@@ -54,6 +54,7 @@ bench: build
 lint: .venv/ready
 	.venv/bin/ruff check .
 	.venv/bin/clang-format --dry-run --Werror $$(find csrc tests -name '*.[ch]')
+	find csrc -name '*.c' | xargs -n 1 -P $$(nproc) .venv/bin/clang-tidy --quiet 2>/dev/null
 
 clean:
 	rm -rf .venv build addon/libencre.* *.egg-info

@@ -6,8 +6,9 @@
     python setup.py extension       build/encre-VERSION-PLATFORM.zip, what Blender 4.2 and later installs
 
 CC chooses the compiler. --debug also checks what must hold between the passes of FINE, and aborts where it does not.
---scalar builds without vectorisation and without the second instruction set: results are
-the same bytes, and the test suite holds them to it. The library has no Python ABI, so the wheel is tagged py3-none.
+--scalar builds without vectorisation and without the second instruction set: results are the same bytes, and the test
+suite holds them to it. --sanitize=memory needs clang; with `address` the gaps between blocks of a frame's memory are
+guarded, too. The library has no Python ABI, so the wheel is tagged py3-none.
 """
 
 import os

@@ -33,9 +33,12 @@ enum encre_code {
 
 /* ---- images ---------------------------------------------------------------------------------------------- */
 
-/* A caller-owned image of float32 samples. data NULL = absent. Sample c of pixel (x, y), row 0 at the top, lies
- * at (char *)data + y * row_stride + x * pixel_stride + 4 * c. Strides are in bytes, multiples of 4; row_stride
- * may be negative (a picture stored bottom-up); 0 stands for "packed". Outputs must not overlap anything. */
+/* A caller-owned image of float32 samples. data NULL = absent, else a multiple of 4. Sample c of pixel (x, y), row 0 at
+ * the top, lies at (char *)data + y * row_stride + x * pixel_stride + 4 * c. Strides are in bytes, multiples of 4, at
+ * most 2^45; 0 stands for "packed". A pixel_stride is at least a pixel; a row_stride at least a row, or negative and so
+ * long (a picture stored bottom-up), or the other way round, where columns follow each other in memory. Inputs may
+ * share memory. An output shares no byte with anything else of the job; between the samples of another image of the
+ * same strides it may lie, as where the channels of several are stored pixel by pixel. */
 typedef struct encre_image {
 	float *data;
 	int32_t width, height, channels, reserved;
@@ -170,12 +173,12 @@ typedef struct encre_context encre_context;
 typedef bool (*encre_progress)(void *user, double fraction);
 
 typedef struct encre_camera {
-	float view[9];        /* rotation world -> camera, row by row */
+	float view[9];        /* rotation world -> camera, row by row: of length 1, at right angles; may be mirrored */
 	int32_t orthographic; /* 0 or 1 */
 	float height;         /* orthographic: height of the full frame in scene units, > 0 */
 } encre_camera;
 
-/* Full frame in pixels and where the images' top left pixel lies in it (border rendering). */
+/* Full frame in pixels, at most 65536 each way, and where the images' top left pixel lies in it (border rendering). */
 typedef struct encre_frame {
 	int32_t width, height, x, y;
 } encre_frame;
@@ -185,8 +188,9 @@ typedef struct encre_job {
 	encre_image outputs[ENCRE_OUTPUT_COUNT];
 	encre_camera camera;
 	encre_frame frame;
-	const void *params; /* n_styles blocks of encre_params_size() bytes; block k is style k, 0 the scene's */
-	int32_t n_styles;   /* at least 1; a style number outside counts as 0 */
+	const void *params; /* n_styles blocks of encre_params_size() bytes, the first at a multiple of 8; block k is
+			       style k, 0 the scene's */
+	int32_t n_styles;   /* 1..256; a style number outside counts as 0 */
 	int32_t reserved;
 	encre_progress progress; /* may be NULL */
 	void *user;
@@ -207,8 +211,10 @@ ENCRE_API const char *encre_error(const encre_context *context);
 
 /* Runs all stages. `combined`, `color`, `diffuse`, `depth`, `normal` and params are required; every present image
  * must have the channels that encre_layer_info() tells and one common size of at least 1x1 and at most
- * 65536x65536. With the switches of all stages (is_switch) off in every style, the output combined equals the layer
- * bit for bit but for values that are not finite; unless edges or light are asked for, no other layer is read then. */
+ * 65536x65536, and one output at least be present. With the switches of all stages (is_switch) off in every style, the
+ * output combined equals the layer bit for bit but for values that are not finite; unless edges or light are asked for,
+ * no other layer is read then. Distances to edge pixels have 16 bits: images with a diagonal of more than 32766 pixels
+ * are refused where lines by line_search NEAREST or smudging reach farther than that. */
 ENCRE_API int32_t encre_render(encre_context *context, encre_job *job);
 
 /* ---- rasteriser ------------------------------------------------------------------------------------------ */
@@ -262,7 +268,8 @@ typedef struct encre_raster_job {
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent
  * triangles neither overlap nor leave gaps (top-left rule); equal depths: the earlier mesh, then the earlier
  * primitive. A line is hidden where it lies more than half a pixel behind the surfaces on both sides. Absent outputs
- * are skipped; present ones share one size. Indices out of range are an error. */
+ * are skipped; present ones share one size, and one is present at least. Arrays of meshes lie at multiples of 4, the
+ * meshes at one of 8. Indices out of range are an error. */
 ENCRE_API int32_t encre_raster(encre_context *context, encre_raster_job *job);
 
 /* ---- baking ---------------------------------------------------------------------------------------------- */

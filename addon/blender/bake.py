@@ -11,6 +11,7 @@ import numpy as np
 from ..pen import library, unwrap
 from ..pen.errors import EncreError
 from . import ENGINE, meshes, properties, versions
+from .panels.base import SidebarPanel
 
 SOURCE = "encre_source"  # on a baked image: the image that it was made from, which so has a user
 
@@ -280,16 +281,9 @@ class ENCRE_OT_fit_contrast(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ENCRE_PT_textures(bpy.types.Panel):
+class ENCRE_PT_textures(SidebarPanel, bpy.types.Panel):
     bl_label = "Inter-Color Lines"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Encre"
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return context.engine == ENGINE
 
     def draw(self, _context):
         draw_menu(self, _context)
@@ -301,16 +295,14 @@ def draw_menu(self, context):
         self.layout.operator("encre.bake")
 
 
-_classes = (ENCRE_OT_bake, ENCRE_OT_fit_contrast, ENCRE_PT_textures)
+_register, _unregister = bpy.utils.register_classes_factory((ENCRE_OT_bake, ENCRE_OT_fit_contrast, ENCRE_PT_textures))
 
 
 def register():
-    for cls in _classes:
-        bpy.utils.register_class(cls)
+    _register()
     bpy.types.VIEW3D_MT_object.append(draw_menu)
 
 
 def unregister():
     bpy.types.VIEW3D_MT_object.remove(draw_menu)
-    for cls in reversed(_classes):
-        bpy.utils.unregister_class(cls)
+    _unregister()

@@ -36,6 +36,16 @@ def views(engine, depsgraph, camera, width, height):
     return found
 
 
+def rotation(view):
+    """The rotation in world -> camera, 3 x 3. Below a parent that is turned and scaled unevenly a camera's axes lean:
+    then the nearest rotation."""
+    turned = view[:3, :3]
+    if np.abs(turned @ turned.T - np.eye(3)).max() > 5e-4:
+        left, _, right = np.linalg.svd(turned)
+        turned = left @ right
+    return turned
+
+
 def _unscaled(matrix):
     matrix = matrix.astype(np.float64)
     matrix[:3, :3] /= np.linalg.norm(matrix[:3, :3], axis=0)

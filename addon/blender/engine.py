@@ -83,7 +83,7 @@ class EncreEngine(bpy.types.RenderEngine):
             # Freestyle's strokes come as a scene of their own; neither they nor previews are drawn on.
             if not self.is_preview and not depsgraph.scene.name.startswith("FRS"):
                 self.frames = self.frames or frame.Frames(self)
-                self.frames.renumber(depsgraph)
+                self.frames.begin(depsgraph)
             if not self.session:
                 _cycles().create(self, data)
             _cycles().reset(self, data, depsgraph)

@@ -3,38 +3,18 @@
 
 import contextlib
 import weakref
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-import bpy
 import numpy as np
 
-from ..pen import denoise, layers, library, metadata, overlay, settings, supersample
+from ..pen import denoise, layers, library, metadata, overlay, saved, supersample
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
-from . import cameras, meshes, papers, properties, subframes, versions
+from ..pen.settings import Settings
+from . import cameras, meshes, overrides, papers, properties, subframes, versions
 
 stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
-
-
-class _Settings:
-    """The checked settings of an evaluated scene. EncreError: they can't be used."""
-
-    def __init__(self, scene):
-        view = scene.view_settings
-        self.view = metadata.View(view.view_transform, view.exposure, view.gamma,
-                                  "" if view.look == "None" else view.look)
-        self.scene = library.check(properties.scene_values(scene))
-        self.lost = ["Freestyle's strokes"] if scene.render.use_freestyle else []
-        self.paper = papers.stored(self.scene["paper_image"]) if self.scene["paper_source"] == "IMAGE" else None
-        self.styles = [(name, library.check(changed)) for name, changed in properties.styles(scene)]
-        self.overrides = [changed for _, changed in self.styles]
-        self.active = settings.active(self.scene, self.overrides)
-        self.shaded = settings.shaded(self.scene, self.overrides)
-        if self.scene["paper_source"] == "IMAGE":
-            papers.load(self.scene["paper_image"])  # that it can't be read is said before Cycles starts
-        self.seen = settings.wants_seen(self.scene, self.overrides)
-        self.denoise = (self.scene["light_denoise"] == "OIDN" and settings.wants_light(self.scene, self.overrides))
-        self.factor = self.scene["supersample"] if self.active else 1
 
 
 @dataclass
@@ -42,7 +22,7 @@ class _ViewLayer:
     """What is known of a view layer before Cycles renders it."""
 
     name: str
-    settings: _Settings
+    settings: Settings
     denoise_other: bool
     user_indices: np.ndarray | None  # by Cycles' index, to write into the pass that the user asked for
     objects: meshes.Objects
@@ -52,6 +32,7 @@ class _ViewLayer:
     frame: Frame
     border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
+    beside: dict                     # what else the file says of the scene: _beside()
     drawn: dict | None = None        # view id -> passes to write, if that is already done
 
     @property
@@ -76,10 +57,42 @@ def _asked(scene):
     if not hasattr(scene, "encre"):  # the library was missing when Blender started
         return {}
     mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
-    saved = mode in ("ON", "SLIM") or (mode == "AUTO" and multilayer)
-    seen = settings.wants_seen(properties.scene_values(scene), [values for _, values in properties.styles(scene)])
-    return {**(layers.SAVED if saved else {}), **(layers.SEEN if seen else {}),
-            **(layers.SAVED_SEEN if seen and saved else {})}
+    seen = properties.settings(scene).wants_seen
+    saves = mode in ("ON", "SLIM") or (mode == "AUTO" and multilayer)
+    return {**(saved.passes(seen) if saves else {}), **(layers.SEEN if seen else {})}
+
+
+def _beside(scene, settings):
+    """What metadata.write() stores besides the settings: how the scene is shown, a paper that is no file, and what a
+    restyled picture will lack."""
+    view, paper = scene.view_settings, None
+    if settings.scene["paper_source"] == "IMAGE":
+        paper = papers.stored(settings.scene["paper_image"])
+    return {"view": metadata.View(view.view_transform, view.exposure, view.gamma,
+                                  "" if view.look == "None" else view.look),
+            "paper": paper,
+            "lost": ["Freestyle's strokes"] if scene.render.use_freestyle else []}
+
+
+class _Passes(Mapping):
+    """What Cycles wrote of one view, by its classic names: read from Blender each time, so that nothing is kept."""
+
+    def __init__(self, there, size, seen):
+        """there: render passes by their names in this Blender; size: (width, height); seen: whether to read SEEN."""
+        self.size = size
+        names = {name: versions.pass_name(name) for name in [*layers.CYCLES, *(layers.SEEN if seen else ())]}
+        self.there = {name: there[own] for name, own in names.items() if own in there}
+
+    def __getitem__(self, name):
+        return versions.read_pass(self.there[name], *self.size)
+
+    pop = __getitem__
+
+    def __iter__(self):
+        return iter(self.there)
+
+    def __len__(self):
+        return len(self.there)
 
 
 class Frames:
@@ -90,21 +103,21 @@ class Frames:
         # the engine's own before Python would find a circle of references.
         self.engine = weakref.proxy(engine)
         self.known = {}        # view layer's name -> _ViewLayer
-        self.numbers = None    # of objects: what meshes.renumber() gave
+        self.settings = None   # of the evaluated scene; None: they can't be used
+        self.numbers = None    # of objects: what overrides.pass_indices() gave
         self.overrode = False  # with persistent data, what one frame overrode is there in the next
         self.nonfinite = 0     # values that were read as 0
 
     # Before Cycles
 
-    def renumber(self, depsgraph):
-        """Numbers the objects, before Cycles looks for what changed in the evaluated scene."""
-        self.numbers = None
-        try:
-            settings = _Settings(depsgraph.scene_eval)
-        except EncreError:  # said when it comes to rendering: baking comes by here too
-            return
-        if settings.active or self.overrode:
-            self.numbers = meshes.renumber(depsgraph, settings.active and settings.scene["object_index"] == "AUTO")
+    def begin(self, depsgraph):
+        """Reads the settings and numbers the objects, before Cycles looks for what changed in the evaluated scene."""
+        self.settings = self.numbers = None
+        with contextlib.suppress(EncreError):  # said when it comes to rendering: baking comes by here too
+            self.settings = properties.settings(depsgraph.scene_eval)
+        if self.settings and (self.settings.active or self.overrode):
+            automatic = self.settings.active and self.settings.scene["object_index"] == "AUTO"
+            self.numbers = overrides.pass_indices(depsgraph, automatic)
 
     def render(self, cycles, depsgraph):
         """Has `cycles` (cycles.engine) render a view layer. EncreError: the settings or the camera can't be used, or
@@ -123,16 +136,21 @@ class Frames:
         switches off nothing is overridden. EncreError: the settings or the camera can't be used. Cancelled.
         """
         self.known.pop(depsgraph.view_layer.name, None)
-        settings, camera = _Settings(depsgraph.scene_eval), self._camera(depsgraph)
-        if settings.denoise and not denoise.available(versions.home()):
+        settings, camera = self.settings or properties.settings(depsgraph.scene_eval), self._camera(depsgraph)
+        if settings.scene["paper_source"] == "IMAGE":
+            papers.load(settings.scene["paper_image"])  # that it can't be read is said before Cycles starts
+        if settings.denoises and not denoise.available(versions.home()):
             self.engine.say("INFO", "Open Image Denoise is not there: the light keeps its noise")
         flat = camera.data.type in {"PERSP", "ORTHO"}
         if settings.active and not flat:
             raise EncreError(f"camera {camera.name}: it is panoramic, and Encre draws only what perspective and "
                                   "orthographic cameras see; make it one of them")
-        denoise_other = self._switch_denoiser(depsgraph, settings.shaded)
-        if settings.active or self.overrode:
-            self._switch_blur(depsgraph, settings.active)
+        denoise_other, missing = overrides.denoiser(depsgraph, settings.shaded, self.overrode)
+        if missing:
+            self.engine.say("INFO", "this build of Blender has no Open Image Denoise: Cycles' denoiser is off")
+        blurred = overrides.blur(depsgraph, settings.active) if settings.active or self.overrode else ()
+        if blurred:
+            self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
         self.overrode = settings.active
         if flat:
             self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other)
@@ -143,32 +161,6 @@ class Frames:
             raise EncreError("the scene has no camera: add one and make it the scene's")
         return camera.evaluated_get(depsgraph)
 
-    def _switch_denoiser(self, depsgraph, shaded):
-        """Cycles' denoiser cleans Combined but not the passes. Returns whether ours must do its work too."""
-        user, mine = depsgraph.scene.cycles.use_denoising, depsgraph.scene_eval.cycles
-        if shaded or self.overrode:
-            mine.use_denoising = user and not shaded
-        if mine.use_denoising and not versions.has_cycles_denoiser():
-            mine.use_denoising = False
-            self.engine.say("INFO", "this build of Blender has no Open Image Denoise: Cycles' denoiser is off")
-        return shaded and user and depsgraph.view_layer.cycles.use_denoising
-
-    def _switch_blur(self, depsgraph, off):
-        """Lines need layers in which a pixel shows one thing."""
-        cameras = (block for block in depsgraph.ids if isinstance(block, bpy.types.Camera))
-        blurs = [(depsgraph.scene_eval.render, depsgraph.scene.render, "use_motion_blur", "motion blur"),
-                 *((camera.dof, camera.original.dof, "use_dof", "depth of field") for camera in cameras)]
-        found = set()
-        for evaluated, user, switch, name in blurs:
-            if not off:
-                setattr(evaluated, switch, getattr(user, switch))
-            elif getattr(evaluated, switch):
-                setattr(evaluated, switch, False)
-                found.add(name)
-        if found:
-            names = " and ".join(sorted(found))
-            self.engine.say("WARNING", f"{names}: rendered without, because lines need sharp layers")
-
     def _rasterise(self, depsgraph, camera, settings, denoise_other):
         render = depsgraph.scene_eval.render
         width, height, x, y, columns, rows = cameras.border(render)
@@ -176,22 +168,25 @@ class Frames:
         threads = render.threads if render.threads_mode == "FIXED" else 0
         line_numbers, user_indices = self.numbers or (None, None)
         objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers)
+        drawn = ["object", "material", "style", "marks"]
+        if any(mesh.attributes is not None for mesh in objects.meshes):
+            drawn.append("attributes")
         views = {}
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
-            eye = Camera(view[:3, :3].ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1)
+            eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1)
             maps = library.raster(
                 objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
                 camera.data.clip_start, camera.data.clip_end, len(library.controls()),
-                ("object", "material", "style", "attributes", "marks"), threads, self._go_on)
-            views[name] = eye, maps, projection
+                drawn, threads, self._go_on)
+            views[name] = eye, overlay.compact(maps), projection
         objects.meshes.clear()
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
         return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views,
                           camera.data.clip_start, frame,
                           (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
-                          threads)
+                          threads, _beside(depsgraph.scene_eval, settings))
 
     def _go_on(self, _fraction=0):
         return not self.engine.test_break()
@@ -206,7 +201,7 @@ class Frames:
         def take(column, row):
             result = self.engine.get_result()
             for render_pass in result.layers[depsgraph.view_layer.name].passes:
-                if render_pass.name in {**layers.DRAWN, **layers.SAVED, **layers.SAVED_SEEN}:
+                if render_pass.name in {**layers.DRAWN, **saved.passes(True)}:
                     continue
                 picture = versions.read_pass(render_pass, result.resolution_x, result.resolution_y)
                 view = gathered.setdefault(render_pass.view_id, supersample.Gathered(layer.factor))
@@ -217,10 +212,16 @@ class Frames:
         drawn = {}
         for view_id in list(gathered):
             view = gathered.pop(view_id)
-            pictures = {layers.classic(name): picture for name, picture in view.large.items()}
-            view.large.update(self._draw(layer, view_id, pictures))
-            small = {name: supersample.shrink(name, picture, layer.factor) for name, picture in view.large.items()}
-            drawn[view_id] = {**view.small, **small}
+            small = drawn[view_id] = view.small
+
+            def write(name, picture, small=small):
+                small[name] = supersample.shrink(name, picture, layer.factor)
+
+            for name, picture in view.large.items():
+                write(name, picture)
+            large = {layers.classic(name): view.large.pop(name) for name in list(view.large)}
+            del picture
+            self._draw(layer, view_id, large, write)
         return drawn
 
     # After Cycles
@@ -240,48 +241,52 @@ class Frames:
             for render_pass in layer.passes:
                 by_view.setdefault(render_pass.view_id, {})[render_pass.name] = render_pass
             for view_id, there in by_view.items():
-                out = mine.drawn[view_id] if mine.drawn else self._draw(
-                    mine, view_id, self._read(there, result, mine.settings.seen))
-                for name in out.keys() & there.keys():
-                    versions.write_pass(there[name], out[name])
+                def write(name, picture, there=there):
+                    if name in there:
+                        versions.write_pass(there[name], picture)
+
+                if mine.drawn:
+                    for name, picture in mine.drawn.pop(view_id).items():
+                        write(name, picture)
+                else:
+                    size = result.resolution_x, result.resolution_y
+                    self._draw(mine, view_id, _Passes(there, size, mine.settings.wants_seen), write)
             self._stamp(result, mine)
         if self.nonfinite:
             self.engine.say("WARNING", f"{self.nonfinite} values of the layers were not finite and were read as 0")
             self.nonfinite = 0
 
-    def _read(self, there, result, seen):
-        """The passes that the stages need, by their classic names; `there`: render passes by name."""
-        names = {name: versions.pass_name(name) for name in [*layers.CYCLES, *(layers.SEEN if seen else ())]}
-        return {name: versions.read_pass(there[own], result.resolution_x, result.resolution_y)
-                for name, own in names.items() if own in there}
-
-    def _draw(self, layer, view_id, pictures):
-        """The passes, by their names in this Blender, of one view of one view layer from those that Cycles wrote."""
+    def _draw(self, layer, view_id, passes, write):
+        """Draws one view of one view layer from the passes that Cycles wrote, by classic names, of which each is
+        popped as it is read. write(name, picture) gets what is to be stored, by the name in this Blender."""
         settings, objects = layer.settings, layer.objects
         name = self.engine.get_result().views[view_id].name if len(layer.views) > 1 else ""
         self.engine.update_stats("Encre", f"{layer.name} {name}".strip())
         camera, maps, projection = layer.views[name]
         frame = supersample.frame(layer.frame, layer.factor)
-        if "Denoising Depth" in pictures:
-            depth = layers.seen_depth(pictures["Denoising Depth"], projection, frame, layer.clip_start)
-            pictures = {**pictures, "Encre Seen Depth": depth}
-        index = pictures["IndexOB"][..., 0]
-        pictures = {**pictures, **overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)}
-        images, nonfinite = layers.assemble(pictures, settings.scene, settings.overrides,
-                                            self._denoiser(layer), layer.denoise_other)
-        drawn = library.render(images, settings.scene, settings.overrides, camera, frame,
-                            outputs=("Combined", *layers.DRAWN), threads=layer.threads, progress=self._go_on,
-                            image=papers.load)
-        saved = {name: pictures[name] for name in [*layers.SAVED, *layers.SAVED_SEEN] if name in pictures}
-        out = {**drawn.images, **saved, "Encre Source": images["combined"], "Encre Diffuse": images["diffuse"]}
+        index = passes.pop("IndexOB")[..., 0]
+        known = overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)
         if layer.user_indices is not None:
-            known = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)
-            out[versions.pass_name("IndexOB")] = layer.user_indices[known][..., None]
+            given = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)
+            write(versions.pass_name("IndexOB"), layer.user_indices[given][..., None])
+            del given
+        del index
+        if "Denoising Depth" in passes:
+            known["seen_depth"] = layers.seen_depth(passes.pop("Denoising Depth"), projection, frame, layer.clip_start)
+        images, nonfinite = layers.assemble(passes, settings, known, self._denoiser(layer), layer.denoise_other)
+        known.clear()
+        # What is stored leaves as soon as it is there: while the library draws, nothing else is held.
+        for name in saved.passes("seen_depth" in images):
+            write(name, saved.pack(name, images))
+        drawn = library.draw(images, settings.every, camera, frame, outputs=("Combined", *layers.DRAWN),
+                             threads=layer.threads, progress=self._go_on, image=papers.load)
+        images.clear()
+        for name in list(drawn.images):
+            write(name, drawn.images.pop(name))
         self.nonfinite += nonfinite + drawn.nonfinite
-        return out
 
     def _denoiser(self, layer):
-        if not layer.settings.denoise or not denoise.available(versions.home()):
+        if not layer.settings.denoises or not denoise.available(versions.home()):
             return None
         return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, self._go_on,
                                                                    versions.home())
@@ -293,6 +298,5 @@ class Frames:
             frame = Frame(frame.width, frame.height)
         camera = next(iter(layer.views.values()))[0]
         for key, text in metadata.write(layer.settings.scene, layer.settings.styles, camera, frame,
-                                        layer.border, layer.settings.view, layer.settings.paper,
-                                        layer.settings.lost).items():
+                                        layer.border, **layer.beside).items():
             result.stamp_data_add_field(key, text)

@@ -3,7 +3,6 @@
 
 from dataclasses import dataclass
 
-import bpy
 import numpy as np
 
 from ..pen import colour, library, unwrap
@@ -12,7 +11,6 @@ from ..pen.job import Mesh
 from . import properties, versions
 
 MESHABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
-_MOST_INDICES = 32767  # pass_index is a short
 
 
 @dataclass
@@ -33,52 +31,12 @@ class Objects:
         return -index if self.automatic else index  # negative: no automatic number is
 
 
-# Object numbers
-
-def renumber(depsgraph, automatic):
-    """Gives each evaluated object a pass index of its own, or back its user's; originals keep theirs.
-
-    Cycles draws the index of clipped leaves, hair and displaced surfaces, which no rasteriser of ours can, but
-    pass indices are 0 unless set by hand. Returns (line, user) by the new index: the number of the object or its
-    line group, and the index that the user gave; None if indices are the user's, as they stay where a material
-    reads them.
-    """
-    blocks = list(depsgraph.ids)
-    automatic = automatic and not any(_reads_index(block) for block in blocks)
-    line, user, groups = [0], [0], {}
-    for obj in blocks:
-        if not isinstance(obj, bpy.types.Object):
-            continue
-        if not automatic:
-            obj.pass_index = obj.original.pass_index
-            continue
-        obj.pass_index = (len(line) - 1) % _MOST_INDICES + 1
-        if len(line) <= _MOST_INDICES:
-            line.append(_group_number(obj, groups, len(line)))
-            user.append(obj.original.pass_index)
-    return (np.array(line, np.float32), np.array(user, np.float32)) if automatic else None
-
-
-def _group_number(obj, groups, number):
-    group = obj.encre.line_group
-    return groups.setdefault(group, number) if group else number
-
-
-def _reads_index(block):
-    """Whether a material's or a node group's colours depend on the pass index."""
-    tree = block if isinstance(block, bpy.types.ShaderNodeTree) else getattr(block, "node_tree", None)
-    if not isinstance(tree, bpy.types.ShaderNodeTree):
-        return False
-    return any(
-        (node.bl_idname == "ShaderNodeObjectInfo" and node.outputs["Object Index"].is_linked)
-        or (node.bl_idname == "ShaderNodeAttribute" and node.attribute_name == "pass_index")
-        for node in tree.nodes)
-
-
 # Triangles
 
 def extract(depsgraph, automatic, line_numbers):
-    """The Objects that the camera can see. `line_numbers`: what renumber() gave, None if it was not called."""
+    """The Objects that the camera can see. `line_numbers`: what overrides.pass_indices() gave, None if it was
+    not called.
+    """
     meshes, owners, numbers = [], [0], [0]
     cache, running, materials = {}, {}, _Materials(depsgraph.scene_eval)
     first_free = 0 if line_numbers is None else len(line_numbers)

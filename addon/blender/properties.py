@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..pen import library
+from ..pen.settings import Settings
 
 LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
 _classes = []
@@ -172,6 +173,11 @@ def styles(scene):
     """[(name, {id: value} that it changes)]; style number k is the k-th, 0 the scene's own parameters."""
     surface = [p for p in library.params().values() if p.scope == "surface"]
     return [(s.name, {p.id: _value(s, p) for p in surface if stores(s, p)}) for s in scene.encre.styles]
+
+
+def settings(scene):
+    """The Settings of a scene. EncreError: they can't be used."""
+    return Settings(scene_values(scene), styles(scene))
 
 
 def style_number(block, scene):

@@ -11,13 +11,12 @@ unless data are persistent. Blender copies that switch at the start of a render,
 may be altered: it is on from there to the end of a render that needs it.
 """
 
-import contextlib
-
 import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.errors import Cancelled, EncreError
 from . import ENGINE, cameras
+from .overrides import changed
 
 _SEED_STEP = 1013904223  # far from the seeds of the next frames, which are often the frame's number
 _switched = set()  # names of the scenes whose data are persistent for this render only
@@ -68,14 +67,14 @@ def render(engine, cycles, depsgraph, camera, factor, take, keep_on):
     if view_layer.samples:
         fewer.append((view_layer, "samples", max(1, view_layer.samples // rays)))
     pixel_x, pixel_y = _pixel(scene.render, camera.data)
-    with _changed(*narrow, *fewer):
+    with changed(*narrow, *fewer):
         for number in range(rays):
             row, column = divmod(number, factor)
             right, down = ((k + 0.5) / factor - 0.5 for k in (column, row))
             engine.update_stats("Encre", f"part {number + 1} of {rays}")
-            with _changed((user, "seed", (user.seed + number * _SEED_STEP) % 2 ** 31),
-                          (camera.data, "shift_x", camera.data.shift_x + right * pixel_x),
-                          (camera.data, "shift_y", camera.data.shift_y - down * pixel_y)):
+            with changed((user, "seed", (user.seed + number * _SEED_STEP) % 2 ** 31),
+                         (camera.data, "shift_x", camera.data.shift_x + right * pixel_x),
+                         (camera.data, "shift_y", camera.data.shift_y - down * pixel_y)):
                 if number:
                     cycles.reset(engine, bpy.data, depsgraph)
                 cycles.render(engine, depsgraph)
@@ -91,16 +90,3 @@ def _pixel(settings, camera):
     wide, high = width * settings.pixel_aspect_x, height * settings.pixel_aspect_y
     unit = {"HORIZONTAL": wide, "VERTICAL": high, "AUTO": max(wide, high)}[camera.sensor_fit]
     return settings.pixel_aspect_x / unit, settings.pixel_aspect_y / unit
-
-
-@contextlib.contextmanager
-def _changed(*changes):
-    """Sets the (owner, property, value), which with persistent data would stay, and in the end sets them back."""
-    before = [getattr(owner, name) for owner, name, _ in changes]
-    try:
-        for owner, name, value in changes:
-            setattr(owner, name, value)
-        yield
-    finally:
-        for (owner, name, _), value in zip(changes, before, strict=True):
-            setattr(owner, name, value)

@@ -26,11 +26,16 @@ def pass_name(name):
 
 
 def read_pass(render_pass, width, height):
-    """The pixels of a render pass: float32 (height, width, channels), row 0 at the top, a view of a copy."""
+    """The pixels of a render pass: float32 (height, width, channels), row 0 at the top, packed."""
     channels, pixels = render_pass.channels, width * height
     flat = np.empty(pixels * channels if _FLAT_RECT else (pixels, channels), np.float32)
     render_pass.rect.foreach_get(flat)
-    return flat.reshape(height, width, channels)[::-1]
+    picture = flat.reshape(height, width, channels)
+    if half := height // 2:  # turned over in its place
+        above = picture[:half].copy()
+        picture[:half] = picture[:-half - 1:-1]
+        picture[-half:] = above[::-1]
+    return picture
 
 
 def write_pass(render_pass, picture):

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..pen import denoise, layers, library, metadata, settings
+from ..pen import denoise, layers, library, metadata, saved
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
+from ..pen.settings import Settings
 from . import images, interrupt, substitutes
 
 _LETTERS = "RGBAXYZW"
@@ -16,7 +17,7 @@ _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
 
 def _known():
     """{classic pass name: channel letters} of all that is read."""
-    return {**layers.CYCLES, "IndexMA": "X", **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN}
+    return {**layers.CYCLES, "IndexMA": "X", **saved.passes(True), **layers.SEEN}
 
 
 def view_layers(channels, views=()):
@@ -79,7 +80,7 @@ def _wanted(passes, path, seen):
     """{pass: channels} that have to be read: not those that Encre's own passes stand for, what is `seen` if asked."""
     letters = _known()
     wanted = {name: channels for name, channels in passes.items()
-              if name in letters and (seen or name not in {**layers.SEEN, **layers.SAVED_SEEN})}
+              if name in letters and (seen or name not in {*layers.SEEN, "Encre Seen Depth"})}
     if "Encre Seen Depth" in wanted:
         wanted.pop("Denoising Depth", None)
     if "Encre Source" in wanted and "Encre Diffuse" in wanted:
@@ -102,10 +103,10 @@ def _opaque(picture, name):
     return np.concatenate([picture, np.ones_like(picture[..., :1])], axis=2)
 
 
-def _place(saved, window):
+def _place(stored, window):
     """The frame of what was rendered: the metadata's, or else the display window, which overscan makes larger."""
-    x, y, *_ = saved.border or (0, 0)
-    if frame := saved.frame:
+    x, y, *_ = stored.border or (0, 0)
+    if frame := stored.frame:
         return Frame(frame.width, frame.height, frame.x + window.x + x, frame.y + window.y + y)
     left, top = min(window.x, 0), min(window.y, 0)
     return Frame(max(window.full_width, window.x + window.width) - left,
@@ -115,7 +116,7 @@ def _place(saved, window):
 def _rows_and_columns(border, window):
     """The pixels that were rendered, as a pair of slices; all without a border."""
     if not border:
-        return np.s_[:, :]
+        return np.s_[0:window.height, 0:window.width]
     x, y, width, height = border
     if x + width > window.width or y + height > window.height:
         raise EncreError(f"the metadata {metadata.BORDER} lie outside the picture; render it again, or remove "
@@ -132,12 +133,12 @@ def _whole(picture, at, window):
     return out
 
 
-def _notes(saved, passes, path):
+def _notes(stored, passes, path):
     """What the file leaves open, in one sentence; None: nothing."""
     assumed = [text for known, text in (
-        (saved.scene is not None, "all parameters start from their defaults"),
-        (saved.frame, "its own size is the frame"),
-        (saved.camera, "the camera is a perspective one"),
+        (stored.scene is not None, "all parameters start from their defaults"),
+        (stored.frame, "its own size is the frame"),
+        (stored.camera, "the camera is a perspective one"),
         ("Encre Source" in passes, "Combined is taken as the picture without Encre")) if not known]
     return f"{path} does not hold all that Encre saves: {', '.join(assumed)}" if assumed else None
 
@@ -150,19 +151,52 @@ def _view(view, path):
     return f"view transform {own} is applied by Blender alone: the PNG is Standard" if own else None
 
 
-def _idle(pictures, scene, styles, path):
+def _idle(pictures, settings, path):
     """Which sources of edges have nothing to work on, in one sentence; None: all have."""
-    found = ", ".join(f"{name} ({why})" for name, why in settings.idle(pictures, scene, styles).items())
+    found = ", ".join(f"{name} ({why})" for name, why in settings.idle(pictures).items())
     return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
 
 
-def _paper(scene, styles, change, path, allow_paths, stored):
-    """`scene` with a paper image that may be opened: a stranger's file is not to choose what else is read. `stored`:
-    (name, pixels) of one that it holds itself."""
+def _read(exr, names, settings, place, seen, threads):
+    """(layers of what was rendered, number of values read as 0) of one view, whose passes have these `names`. Bands of
+    rows are read and folded one after another: all passes at once would be twice as much. But the denoiser sees all."""
+    rows, columns = place
+    whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start), 0
+    wanted, mattes = {**_wanted(names, exr.path, seen), **substitutes.cryptomatte(names)}, substitutes.Mattes()
+    clean, bands = None, exr.bands(wanted, rows.start, rows.stop)
+    if _denoises(names, settings) and denoise.available():
+        bands = [(rows.start, {name: picture[rows] for name, picture in exr.read(wanted).items()})]
+
+        def clean(picture, albedo, normal):
+            return denoise.denoise(picture, albedo, normal, threads)
+    for first, passes in bands:
+        passes = {name: _opaque(picture[:, columns], name) for name, picture in passes.items()}
+        mattes.number(passes)
+        substitutes.fill(passes)
+        try:
+            band, bad = layers.assemble(passes, settings, saved.unpack(passes), clean)
+        except EncreError as error:
+            others = ", ".join(sorted(set(names) - set(wanted))) or "nothing"
+            raise EncreError(f"{exr.path}: {error}; besides in the file: {others}") from None
+        whole.add(first - rows.start, band)
+        nonfinite += bad
+        passes.clear()  # not kept while the next are read
+        band.clear()
+    return whole.layers, nonfinite
+
+
+def _denoises(names, settings):
+    """Whether light that Encre has not cleaned yet is compared with thresholds: its noise would show as speckle."""
+    return settings.denoises and "Encre Diffuse" not in names and {"DiffDir", "DiffCol"} <= names.keys()
+
+
+def _paper(settings, change, path, allow_paths, stored):
+    """The scene's values with a paper image that may be opened: a stranger's file is not to choose what else is read.
+    `stored`: (name, pixels) of one that it holds itself."""
+    scene = settings.scene
     if scene.get("paper_source") != "IMAGE":
         return {**scene, "paper_image": None}
-    every = settings.every_style(scene, styles)
-    if not any(values["use_lines"] or values["use_hatching"] for values in every):
+    if not settings.any("use_lines", "use_hatching"):
         return {**scene, "paper_source": "NONE", "paper_image": None}
     image = scene.get("paper_image")
     if stored and image == stored[0] and not change.get("paper_image"):
@@ -178,18 +212,6 @@ def _paper(scene, styles, change, path, allow_paths, stored):
 
 def _paper_pixels(name, stored, change):
     return stored[1] if stored and name == stored[0] and not change.get("paper_image") else images.read_paper(name)
-
-
-def _denoiser(pictures, scene, styles, threads, path):
-    """(function that denoises light, sentence), either None: light that Encre has not cleaned yet is compared with
-    thresholds, and its noise would show as speckle."""
-    if "Encre Diffuse" in pictures or "DiffDir" not in pictures or not settings.wants_light(scene, styles) \
-            or {**library.defaults(), **scene}["light_denoise"] != "OIDN":
-        return None, None
-    if not denoise.available():
-        return None, (f"{path} holds light as it was rendered, and Open Image Denoise is not installed here: its noise "
-                      "stays")
-    return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, threads), None
 
 
 def check(path, view_layer=None, asked=None):
@@ -216,15 +238,16 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
     """
     png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
     with images.Exr(path, threads) as exr:
-        saved = metadata.read(exr.metadata)
-        scene = library.check({**(saved.scene or {}), **change})
+        stored = metadata.read(exr.metadata)
+        scene = {**(stored.scene or {}), **change}
         if (factor := scene.pop("supersample", 1)) > 1:
             say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "
                         "at that")
-        styles = [values for _, values in saved.styles]
-        scene = _paper(scene, styles, change, path, allow_paths, saved.paper)
+        settings = Settings(scene, stored.styles)
+        settings = Settings(_paper(settings, change, path, allow_paths, stored.paper), stored.styles)
         found = view_layers(exr.channels, exr.views)
         layer = _choose(found, view_layer, path)
+        place = _rows_and_columns(stored.border, exr.window)
         eyes = {view: substitutes.rename(names, asked or {}, exr.channels, path)
                 for view, names in found[layer].items()}
         eyes = {view: names for view, names in eyes.items() if _has_picture(names)} or eyes
@@ -232,42 +255,37 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
                   and any(map(_has_picture, found[name].values()))]
         if others and view_layer is None:
             say("note", f"{path}: view layer {layer} is drawn, and not {', '.join(others)}; choose by --view-layer")
-        at = _rows_and_columns(saved.border, exr.window)
         if png and len(eyes) > 1:
             raise EncreError(f"{path}: is stereo, and a PNG has one view; write an .exr")
         # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
-        seen = saved.camera is not None and settings.wants_seen(scene, styles)
+        seen = stored.camera is not None and settings.wants_seen
         for view, names in eyes.items():
-            passes = exr.read({**_wanted(names, path, seen), **substitutes.cryptomatte(names)})
-            passes = {name: _opaque(picture[at], name) for name, picture in passes.items()}
-            there = set(passes)
-            passes, scene, styles, missing = substitutes.fill(passes, scene, styles)
-            clean, noisy = _denoiser(passes, scene, styles, threads, path)
-            try:
-                pictures, bad = layers.assemble(passes, scene, styles, clean)
-            except EncreError as error:
-                others = ", ".join(sorted(set(names) - set(passes))) or "nothing"
-                raise EncreError(f"{path}: {error}; besides in the file: {others}") from None
-            notes = notes or [_notes(saved, there, path), noisy, missing and f"{path} has {'; '.join(missing)}",
-                              _idle(pictures, scene, styles, path)]
+            settings, missing = substitutes.switch_off(names, settings)
+            noisy = _denoises(names, settings) and not denoise.available() and (
+                f"{path} holds light as it was rendered, and Open Image Denoise is not installed here: its noise stays")
+            read, bad = _read(exr, names, settings, place, seen, threads)
+            notes = notes or [_notes(stored, names, path), noisy, missing and f"{path} has {'; '.join(missing)}",
+                              _idle(read, settings, path)]
             with interrupt.heeded() as progress:
-                result = library.render(pictures, scene, styles, saved.camera, _place(saved, exr.window),
-                                        ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
-                                        progress=progress,
-                                        image=lambda name: _paper_pixels(name, saved.paper, change))
-            pictures = {name: _whole(picture, at, exr.window) for name, picture in result.images.items()}
+                result = library.draw(read, settings.every, stored.camera, _place(stored, exr.window),
+                                      ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
+                                      progress=progress,
+                                      image=lambda name: _paper_pixels(name, stored.paper, change))
+            del read
+            pictures = {name: _whole(picture, place, exr.window) for name, picture in result.images.items()}
             channels.update(_named(pictures, layer, view, names))
             nonfinite += bad + result.nonfinite
-    for kind, text in [*(("note", note) for note in notes), *(("warning", warning) for warning in saved.warnings)]:
+            del result
+    for kind, text in [*(("note", note) for note in notes), *(("warning", warning) for warning in stored.warnings)]:
         if text:
             say(kind, text)
-    if saved.lost:
-        say("note", f"{path}: {' and '.join(saved.lost)} in Combined are not drawn again")
     if nonfinite:
         say("warning", f"{path}: {nonfinite} values were NaN or infinite and were read as 0")
+    if stored.lost:
+        say("note", f"{path}: {' and '.join(stored.lost)} in Combined are not drawn again")
     if png:
-        view = saved.view or metadata.View()
-        if words := _view(saved.view, path):
+        view = stored.view or metadata.View()
+        if words := _view(stored.view, path):
             say("note", words)
         images.write_png(out, pictures["Combined"], exr.window, texts, view.exposure, view.gamma)
     else:

@@ -22,7 +22,7 @@ from .workplace import Workplace
 MOST_PACKED = 2000  # values in a byte of a file: no compression does better than a fourth of that
 MOST_HALF = 65504.0
 MOST_PNG = 32768  # pixels each way of a PNG
-ROWS = 256  # read at a time: enough for every thread to decompress, little memory for the channels not wanted
+ROWS = 64  # read at a time: whole chunks of all but DWAB files, little memory for the channels not wanted
 
 
 def _oiio():
@@ -127,55 +127,49 @@ class Exr:
                 if isinstance(attribute.value, str):
                     self.metadata.setdefault(attribute.name, attribute.value)
 
-    def rows(self, channels, first, last):
-        """Some rows of channels by their full names, (last - first, W, channels), float32."""
-        out = np.empty((last - first, self.window.width, len(channels)), np.float32)
-        for part in {self.channels[channel][0] for channel in channels}:
-            with _quiet():
-                self._file.seek_subimage(part, 0)
-                spec = self._file.spec()
-                rows = self._file.read_scanlines(part, 0, spec.y + first, spec.y + last, 0, 0, spec.nchannels, "float")
-            if rows is None:
-                _words(self._file)
-                raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
-            rows = rows.reshape(last - first, spec.width, spec.nchannels)
-            for k, channel in enumerate(channels):
-                if self.channels[channel][0] == part:
-                    out[..., k] = rows[..., self.channels[channel][1]]
-        return out
-
     def read(self, passes):
         """{name: array (H, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}."""
         shape = self.window.height, self.window.width
         out = {name: np.empty((*shape, len(channels)), np.float32) for name, channels in passes.items()}
-        wanted = {}
-        for name, channels in passes.items():
-            for k, channel in enumerate(channels):
-                part, number = self.channels[channel]
-                wanted.setdefault(part, []).append((number, out[name][:, :, k]))
-        with _quiet():
-            for part, targets in wanted.items():
-                self._read_part(part, targets)
+        for first, band in self.bands(passes, 0, self.window.height):
+            for name, picture in band.items():
+                out[name][first:first + len(picture)] = picture
         return out
 
-    def _read_part(self, part, targets):
-        """Every chunk is decompressed once, whatever the number of channels wanted from it."""
+    def bands(self, passes, first, end):
+        """Yields (row, {name: array (rows, W, channels)}) of bands of the rows from `first` to `end`, else as read().
+
+        Every chunk is decompressed once, whatever the number of channels wanted from it.
+        """
+        places = {name: [self.channels[channel] for channel in channels] for name, channels in passes.items()}
+        parts = {}
+        for part, number in sorted(place for wanted in places.values() for place in wanted):
+            parts.setdefault(part, []).append(number)
+        for top in range(first - first % ROWS, end, ROWS):
+            row, below = max(top, first), min(top + ROWS, end)
+            rows = {part: self._rows(part, row, below, numbers[0], numbers[-1] + 1) for part, numbers in parts.items()}
+            band = {name: _together([(rows[part], number - parts[part][0]) for part, number in wanted])
+                    for name, wanted in places.items()}
+            del rows
+            yield row, band
+            del band  # not while the next is read
+
+    @_quiet()
+    def _rows(self, part, row, end, first, last):
+        """The channels `first` to `last` of the rows from `row` to `end` of a part, float32 (rows, W, channels)."""
         self._file.seek_subimage(part, 0)
         spec = self._file.spec()
-        first, last = min(n for n, _ in targets), max(n for n, _ in targets) + 1
-        step = spec.height if spec.tile_width else ROWS
-        for y in range(0, spec.height, step):
-            end = min(y + step, spec.height)
-            if spec.tile_width:
-                rows = self._file.read_image(part, 0, first, last, "float")
-            else:
-                rows = self._file.read_scanlines(part, 0, spec.y + y, spec.y + end, 0, first, last, "float")
-            if rows is None:
-                _words(self._file)
-                raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
-            rows = rows.reshape(end - y, spec.width, last - first)
-            for number, target in targets:
-                target[y:end] = rows[:, :, number - first]
+        above, below = row, end
+        if spec.tile_width:  # whole tiles, or to the picture's end
+            above, below = row - row % spec.tile_height, min(end + -end % spec.tile_height, spec.height)
+            pixels = self._file.read_tiles(part, 0, spec.x, spec.x + spec.width, spec.y + above, spec.y + below, 0, 1,
+                                           first, last, "float")
+        else:
+            pixels = self._file.read_scanlines(part, 0, spec.y + above, spec.y + below, 0, first, last, "float")
+        if pixels is None:
+            _words(self._file)
+            raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
+        return pixels.reshape(below - above, spec.width, last - first)[row - above:][:end - row]
 
     def close(self):
         if self._file:
@@ -187,6 +181,14 @@ class Exr:
 
     def __exit__(self, *_):
         self.close()
+
+
+def _together(places):
+    """(H, W, channels) of (pixels (H, W, any), channel in them) each; a view where they lie side by side."""
+    pixels, first = places[0]
+    if all(other is pixels and channel == first + k for k, (other, channel) in enumerate(places)):
+        return pixels[..., first:first + len(places)]
+    return np.stack([pixels[..., channel] for pixels, channel in places], axis=-1)
 
 
 def read_paper(path):
@@ -442,11 +444,10 @@ def rewrite(path, part, kinds):
         halves = [k for k, name in enumerate(names) if kinds[name] == "half"]
         out = oiio.ImageOutput.create(part)
         good = out.open(part, spec)
-        for y in range(0, window.height, ROWS) if good else ():
-            end = min(y + ROWS, window.height)
-            rows = exr.rows(names, y, end)
+        for y, band in exr.bands({"all": names}, 0, window.height) if good else ():
+            rows = np.array(band["all"])
             rows[..., halves] = np.clip(rows[..., halves], -MOST_HALF, MOST_HALF)
-            good = good and out.write_scanlines(window.y + y, window.y + end, 0, rows)
+            good = good and out.write_scanlines(window.y + y, window.y + y + len(rows), 0, rows)
         good = out.close() and good
         if not good:
             raise WriteError(unwritable(path, (_words(out).splitlines() or ["the disk may be full"])[0].rstrip(" .")))

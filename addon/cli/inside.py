@@ -216,7 +216,6 @@ def heed(job, error, report):
 def prepare(job, error, report):
     """Sets the scene up as the job asks. Nothing of it is saved."""
     from encre.blender import ENGINE, papers, properties
-    from encre.pen import library, settings
 
     heed(job, error, report)
     scene = choose(job, error)
@@ -227,10 +226,10 @@ def prepare(job, error, report):
     camera = scene.camera
     if not camera or camera.type != "CAMERA":
         raise error(f"{job['scene']}: scene {scene.name} has no camera; add one and make it the scene's active camera")
-    values, styles = library.check(properties.scene_values(scene)), [values for _, values in properties.styles(scene)]
-    if values["paper_source"] == "IMAGE":
-        papers.load(values["paper_image"])
-    if camera.data.type == "PANO" and settings.active(values, styles):
+    settings = properties.settings(scene)
+    if settings.scene["paper_source"] == "IMAGE":
+        papers.load(settings.scene["paper_image"])
+    if camera.data.type == "PANO" and settings.active:
         raise error(f"{job['scene']}: camera {camera.name} is panoramic; make it perspective or orthographic")
     if job["samples"]:
         scene.cycles.samples = job["samples"]

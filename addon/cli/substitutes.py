@@ -7,6 +7,7 @@ Only Combined can't be replaced. To know another pass by a word of --layer, add 
 import numpy as np
 
 from ..pen.errors import EncreError, unknown
+from ..pen.settings import Settings
 
 # What --layer may name: word -> classic pass name.
 GIVEN = {"combined": "Combined", "depth": "Depth", "normal": "Normal", "color": "DiffCol", "light": "DiffDir",
@@ -63,42 +64,61 @@ def cryptomatte(passes):
             if index not in passes and any(full[-1] in "rR" for full in passes.get(matte, ()))}
 
 
-def _numbered(hashes):
-    """0, 1, 2 ... for each of the different bit patterns; 0 for none."""
-    words, inverse = np.unique(np.ascontiguousarray(hashes, np.float32).view(np.uint32), return_inverse=True)
-    first = 0 if words[0] == 0 else 1
-    return (inverse.reshape(hashes.shape) + first).astype(np.float32)
+class Mattes:
+    """Numbers for Cryptomatte's ids, the same in all bands of a picture; 0 for none."""
+
+    def __init__(self):
+        self.numbers = {matte: {0: 0} for matte in _CRYPTO.values()}
+
+    def number(self, pictures):
+        for index, matte in _CRYPTO.items():
+            if matte in pictures:
+                hashes, known = pictures.pop(matte), self.numbers[matte]
+                bits = np.ascontiguousarray(hashes, np.float32).view(np.uint32)
+                words, inverse = np.unique(bits, return_inverse=True)
+                each = np.array([known.setdefault(word, len(known)) for word in words.tolist()], np.float32)
+                pictures[index] = each[inverse].reshape(hashes.shape)
 
 
-def fill(pictures, scene, styles):
-    """(pictures, scene, styles, sentences): what lacks of Cycles' passes put in, and what needs it switched off."""
-    pictures, scene, styles, said = dict(pictures), dict(scene), [dict(style) for style in styles], []
-    for index, matte in _CRYPTO.items():
-        if matte in pictures:
-            pictures[index] = _numbered(pictures.pop(matte))
+def _lit(names):
+    return "DiffCol" in names and ("Encre Diffuse" in names or "DiffDir" in names)
+
+
+def switch_off(names, settings):
+    """(settings, sentences): without what passes that are not among `names` would be needed for."""
+    said = []
+    if "Combined" not in names and "Encre Source" not in names:
+        return settings, said
+    if not _lit(names):
+        off = {"use_shading": False, "use_hatching": False, "edge_light": 0.0, "line_light": 0.0}
+        styles = [(name, {**values, **{id_: value for id_, value in off.items() if id_ in values}})
+                  for name, values in settings.styles]
+        settings = Settings({**settings.scene, **off}, styles)
+        said.append("no diffuse light and colour: nothing is shaded flat or hatched, and no line follows a shadow")
+    for name, sentence in (("DiffCol", "no diffuse colour: lines between colours follow the picture's"),
+                           ("Depth", "no depth: no line between depths"),
+                           ("Normal", "no normals: no line at creases")):
+        if name not in names:
+            said.append(sentence)
+    return settings, said
+
+
+def fill(pictures):
+    """Puts into `pictures` what lacks of Cycles' passes, such that nothing is seen in it."""
     source = pictures.get("Encre Source", pictures.get("Combined"))
     if source is None:
-        return pictures, scene, styles, said
-    color, one = source[..., :3], np.ones_like(source[..., :1])
-    if "Encre Diffuse" not in pictures and not {"DiffDir", "DiffCol"} <= pictures.keys() or "DiffCol" not in pictures:
-        for name in ("DiffDir", "DiffInd", "Encre Diffuse"):
+        return
+    one = np.ones_like(source[..., :1])
+    if not _lit(pictures):
+        for name in ("DiffDir", "DiffInd"):
             pictures.pop(name, None)
         pictures["Encre Diffuse"] = np.repeat(one, 3, axis=2)
-        off = {"use_shading": False, "use_hatching": False, "edge_light": 0.0, "line_light": 0.0}
-        scene.update(off)
-        for style in styles:
-            style.update({id_: value for id_, value in off.items() if id_ in style})
-        said.append("no diffuse light and colour: nothing is shaded flat or hatched, and no line follows a shadow")
     if "DiffCol" not in pictures:
-        pictures["DiffCol"] = np.clip(np.nan_to_num(color), 0, 1)
-        said.append("no diffuse colour: lines between colours follow the picture's")
+        pictures["DiffCol"] = np.clip(np.nan_to_num(source[..., :3]), 0, 1)
     if "Depth" not in pictures:
         pictures["Depth"] = one
-        said.append("no depth: no line between depths")
     if "Normal" not in pictures:
-        pictures["Normal"] = np.zeros_like(color)
-        said.append("no normals: no line at creases")
-    return pictures, scene, styles, said
+        pictures["Normal"] = np.zeros_like(source[..., :3])
 
 
 def listed(passes):

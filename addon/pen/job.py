@@ -63,13 +63,15 @@ class Baked:
 
 
 def picture(name, a, channels):
-    """float32 (height, width, channels) with adjacent channels; a copy only where `a` is not like that."""
+    """float32 (height, width, channels) with adjacent channels and rows that don't overlap, as C reads them; a copy
+    only where `a` is not like that."""
     a = np.asarray(a)
     if a.ndim not in (2, 3) or (a.shape[2] if a.ndim == 3 else 1) != channels:
         raise EncreError(f"{name}: the array has shape {a.shape}; give (height, width, {channels})")
     if a.shape[0] == 0 or a.shape[1] == 0:
         raise EncreError(f"{name}: is {a.shape[1]} x {a.shape[0]} pixels; give at least one pixel each way")
-    if a.dtype != np.float32 or (a.ndim == 3 and a.strides[2] != 4) or a.strides[1] < 4 * channels:
+    apart = a.strides[1] >= 4 * channels and abs(a.strides[0]) >= a.shape[1] * a.strides[1]
+    if a.dtype != np.float32 or not a.flags.aligned or (a.ndim == 3 and a.strides[2] != 4) or not apart:
         a = np.ascontiguousarray(a, np.float32)
     return a
 

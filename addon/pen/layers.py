@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Passes of a rendered picture -> the layers that the library reads.
 
-Pure numpy: the engine uses it on Cycles' passes in memory, the command line on those of a saved file. Pictures are
+Pure numpy: the engine uses it on Cycles' passes in memory, the command line on bands of a saved file's. Pictures are
 float32 (height, width, channels), row 0 at the top, of any strides, so a picture stored bottom-up is a flipped view.
 Passes go by their classic names; `classic()` translates those of Blender 5.
 """
 
 import numpy as np
 
-from . import library, settings
 from .errors import EncreError
 
 # What Cycles must render for us: classic name -> channel names, as RenderEngine.register_pass() takes them.
@@ -30,8 +29,6 @@ CYCLES = {
 SEEN = {"Denoising Albedo": "RGB", "Denoising Normal": "XYZ", "Denoising Depth": "Z"}
 # The pictures that the library draws beside Combined.
 DRAWN = {"Encre Lines": "RGBA", "Encre Surface": "RGBA", "Encre Edges": "X", "Encre Light": "RGB"}
-# The last of SEEN as a distance along the view axis; saved where SEEN is rendered.
-SAVED_SEEN = {"Encre Seen Depth": "X"}
 # Blender 5 renamed these passes.
 RENAMED = {
     "DiffDir": "Diffuse Direct",
@@ -48,52 +45,13 @@ RENAMED = {
 _CLASSIC = {new: old for old, new in RENAMED.items()}
 
 
-def __getattr__(name):
-    # SAVED: what restyling a saved picture needs besides Cycles' passes, and the library says what is painted. Z of the
-    # marks is 0: Blender's compositor knows no passes of two channels.
-    if name == "SAVED":
-        return {"Encre Source": "RGBA", "Encre Diffuse": "RGB", "Encre Index": "XYZ",
-                **dict.fromkeys(control_passes(), "XYZ"), "Encre Marks": "XYZ"}
-    raise AttributeError(name)
-
-
-def control_passes():
-    """{pass of a file: [(its channel, that of the layer `controls`)]}."""
-    out = {}
-    for k, control in enumerate(library.controls().values()):
-        out.setdefault(control.saved, []).append((control.channel, k))
-    return out
-
-
-def saved_controls(controls):
-    """The passes that keep the layer `controls` in a file."""
-    out = {}
-    for name, places in control_passes().items():
-        out[name] = np.zeros((*controls.shape[:2], 3), np.float32)
-        for channel, k in places:
-            out[name][..., channel] = controls[..., k]
-    return out
-
-
-def _controls(read):
-    """The layer `controls` of the passes that saved_controls() gave; None without any. Older files have fewer."""
-    there = [(read.raw(name), places) for name, places in control_passes().items() if name in read]
-    if not there:
-        return None
-    out = np.zeros((*there[0][0].shape[:2], len(library.controls())), np.float32)
-    for picture, places in there:
-        for channel, k in places:
-            out[..., k] = picture[..., channel]
-    return out
-
-
 def classic(name):
     """The classic name of a pass that any Blender wrote."""
     return _CLASSIC.get(name, name)
 
 
 def seen_depth(length, projection, frame, clip_start):
-    """The pass Encre Seen Depth from Cycles' Denoising Depth.
+    """The layer `seen_depth` from Cycles' pass Denoising Depth.
 
     length: (height, width, 1), of the ray, from the near plane on; 0 = nothing there. projection: camera -> clip, 4 x
     4, of the full frame. The ray goes on behind a mirror as if it went straight. On matt surfaces this is Depth, in
@@ -108,37 +66,43 @@ def seen_depth(length, projection, frame, clip_start):
 
 
 class _Passes:
-    """Reads passes as (height, width, channels) without NaN and infinities, and counts those it found."""
+    """Takes passes as (height, width, channels), and counts the NaN and infinities that it reads as 0."""
 
     def __init__(self, passes):
-        self.passes, self.clean, self.nonfinite = passes, {}, 0
+        self.passes, self.nonfinite = passes, 0
 
     def __contains__(self, name):
-        return self.passes.get(name) is not None
+        return name in self.passes
 
     def raw(self, name):
-        picture = np.asarray(self.passes[name], np.float32)
+        picture = np.asarray(self.passes.pop(name), np.float32)
         return picture[..., None] if picture.ndim == 2 else picture
 
     def __call__(self, name):
-        if name not in self.clean:
-            picture = self.raw(name)
-            bad = ~np.isfinite(picture)
-            found = np.count_nonzero(bad)
-            self.nonfinite += found
-            self.clean[name] = np.where(bad, np.float32(0), picture) if found else picture
-        return self.clean[name]
+        picture, bad = finite(self.raw(name))
+        self.nonfinite += bad
+        return picture
 
     def total(self, *names):
         """The sum of those of the passes that are there; None without any."""
-        there = [self(name) for name in names if name in self]
-        return sum(there[1:], there[0]) if there else None
+        out = None
+        for name in names:
+            if name in self:
+                out = self(name) if out is None else out + self(name)
+        return out
 
 
-def _require(passes, *choices):
-    if not any(name in passes for name in choices):
-        found = ", ".join(sorted(name for name in passes.passes if name in passes)) or "none"
-        raise EncreError(f"pass {choices[-1]} is missing: render the picture with it; passes found: {found}")
+def finite(picture):
+    """(the picture, 0 where its values are not finite; how many these are); itself where all are."""
+    bad = ~np.isfinite(picture)
+    found = np.count_nonzero(bad)
+    return (np.where(bad, np.float32(0), picture) if found else picture), found
+
+
+def _require(passes, known, layer, name):
+    if layer not in known and name not in passes:
+        found = ", ".join(sorted(passes)) or "none"
+        raise EncreError(f"pass {name} is missing: render the picture with it; passes found: {found}")
 
 
 def _by_style(style, flags):
@@ -159,77 +123,84 @@ def _pick(flags, yes, no):
 class _Light:
     """Light without the colour of the surface, direct alone or all of it, as rendered or denoised."""
 
-    def __init__(self, passes, denoise, guides):
-        self.passes, self.denoise, self.guides, self.kept = passes, denoise, guides, {}
-
-    def rendered(self, direct):
-        if ("rendered", direct) not in self.kept:
-            names = ("DiffDir",) if direct else ("DiffDir", "DiffInd")
-            self.kept["rendered", direct] = self.passes.total(*names)
-        return self.kept["rendered", direct]
+    def __init__(self, read, direct, denoise, guides):
+        self.denoise, self.guides, self.cleaned = denoise, guides, {}
+        first = read("DiffDir")
+        self.rendered = {True: first if np.ndim(direct) or direct else None,
+                         False: first + read("DiffInd") if "DiffInd" in read else first}
 
     def clean(self, direct):
         if not self.denoise:
-            return self.rendered(direct)
-        if ("clean", direct) not in self.kept:
-            self.kept["clean", direct] = self.denoise(self.rendered(direct), *self.guides)
-        return self.kept["clean", direct]
+            return self.rendered[direct]
+        if direct not in self.cleaned:
+            self.cleaned[direct] = self.denoise(self.rendered[direct], *self.guides)
+        return self.cleaned[direct]
 
 
-def assemble(passes, scene, styles=(), denoise=None, denoise_other=False):
+# Layers that may as well be absent where they are 0 everywhere.
+_NEUTRAL = ("specular", "style", "controls", "marks")
+
+
+def assemble(passes, settings, known=None, denoise=None, denoise_other=False):
     """The layers of one picture.
 
-    passes: {classic name: picture}, Cycles', any of SAVED, which are preferred, of SEEN and of SAVED_SEEN; absent ones
-    None or not there.
-    scene, styles: values of the scene and what each style changes.
+    passes: {classic name: picture}, of CYCLES and SEEN; each is popped when it is read, so that its memory is free
+    after its last reader.
+    settings: the settings.Settings of the picture.
+    known: layers that need not be made of passes, as the rasteriser or a file has them.
     denoise: function of (picture, albedo, normal) that gives the picture (height, width, 3) without noise, or None.
     denoise_other: clean also what is not diffuse light (Cycles' own denoiser is off while shading is on, because
     it would clean Combined but not the passes, and their difference would be noise).
     Returns ({layer: picture}, number of values read as 0 because they were not finite). EncreError: a pass that
     can't be done without is missing; the sentence lists those found.
     """
-    read = _Passes(passes)
-    _require(read, "Encre Source", "Combined")
-    _require(read, "Encre Diffuse", "DiffDir")
-    for name in ("DiffCol", "Depth", "Normal"):
-        _require(read, name)
-    # The library itself cleans and counts what goes through unchanged: depth may be infinite.
-    layers = {"depth": read.raw("Depth"), "normal": read.raw("Normal"), "color": read("DiffCol")}
-    layers["albedo"] = np.minimum(read.total("DiffCol", "GlossCol", "TransCol", "Emit"), np.float32(1))
-    gloss = read.total("GlossDir", "GlossInd")
-    if gloss is not None and "GlossCol" in read:
-        layers["specular"] = gloss * read("GlossCol")
-    if "Encre Index" in read:
-        index = read.raw("Encre Index")
-        layers.update(object=index[..., :1], material=index[..., 1:2], style=index[..., 2:3])
-    else:
+    read, layers = _Passes(passes), dict(known or {})
+    for layer, name in (("combined", "Combined"), ("diffuse", "DiffDir"), ("color", "DiffCol"), ("depth", "Depth"),
+                        ("normal", "Normal")):
+        _require(passes, layers, layer, name)
+    if "object" not in layers:
         for layer, name in (("object", "IndexOB"), ("material", "IndexMA")):
             if name in read:
                 layers[layer] = read.raw(name)
-    if (controls := _controls(read)) is not None:
-        layers["controls"] = controls
-    if "Encre Marks" in read and read.raw("Encre Marks").any():
-        layers["marks"] = read.raw("Encre Marks")[..., :2]
-
+    # The library itself cleans and counts what goes through unchanged: depth may be infinite.
+    layers["normal"], layers["color"] = read.raw("Normal"), read("DiffCol")
+    layers["albedo"] = np.array(layers["color"])
+    for name in ("GlossCol", "TransCol", "Emit"):
+        if name in read:
+            color = read(name)
+            layers["albedo"] += color
+            if name == "GlossCol" and settings.wants_specular:
+                gloss = read.total("GlossDir", "GlossInd")
+                if gloss is not None:
+                    layers["specular"] = gloss * color
+    np.minimum(layers["albedo"], np.float32(1), out=layers["albedo"])
+    _light(read, layers, settings, denoise, denoise_other)
+    layers["depth"] = read.raw("Depth")
     if "Denoising Albedo" in read and "Denoising Normal" in read:
         layers["seen_color"] = read.raw("Denoising Albedo")
         layers["seen_normal"] = read.raw("Denoising Normal") * np.float32((1, 1, -1))  # Cycles' camera looks along +z
-        if "Encre Seen Depth" in read:
-            layers["seen_depth"] = read.raw("Encre Seen Depth")
+    else:
+        layers.pop("seen_depth", None)
+    for name in _NEUTRAL:
+        if name in layers and not layers[name].any():
+            del layers[name]
+    return layers, read.nonfinite
 
-    values = settings.every_style(scene, styles)
-    shading = _by_style(layers.get("style"), [v["use_shading"] for v in values])
-    direct = _by_style(layers.get("style"), [v["shade_light"] == "DIRECT" for v in values])
-    light = _Light(read, denoise, (layers["albedo"], read("Normal")) if denoise else None)
-    if "Encre Diffuse" in read:
-        layers["diffuse"] = read("Encre Diffuse")
+
+def _light(read, layers, settings, denoise, denoise_other):
+    """Adds the layers `diffuse` and `combined`."""
+    style = layers.get("style")
+    shading = _by_style(style, [v["use_shading"] for v in settings.every])
+    direct = _by_style(style, [v["shade_light"] == "DIRECT" for v in settings.every])
+    guides = (layers["albedo"], finite(layers["normal"])[0]) if denoise else None
+    light = _Light(read, direct, denoise, guides) if "DiffDir" in read else None
+    if "diffuse" in layers:
+        layers["diffuse"], bad = finite(layers["diffuse"])
+        read.nonfinite += bad
     else:
         layers["diffuse"] = _pick(direct, lambda: light.clean(True), lambda: light.clean(False))
-    if "Encre Source" in read:
-        layers["combined"] = read.raw("Encre Source")
-    else:
+    if "combined" not in layers:
         layers["combined"] = _put_together(read, layers, light, shading, denoise_other)
-    return layers, read.nonfinite
 
 
 def _put_together(read, layers, light, shading, denoise_other):
@@ -238,13 +209,10 @@ def _put_together(read, layers, light, shading, denoise_other):
     What is left of the picture besides diffuse light is the difference of the passes as rendered; were it taken
     from the denoised light, the noise would come back through it.
     """
-    if not np.any(shading) or "DiffDir" not in read:
+    if light is None or not np.any(shading) or layers["diffuse"] is light.rendered[False]:
         return read.raw("Combined")
-    rendered, color = light.rendered(False), layers["color"]
-    if layers["diffuse"] is rendered:
-        return read.raw("Combined")
-    combined = read("Combined")
-    other = combined[..., :3] - color * rendered
+    combined, color = read("Combined"), layers["color"]
+    other = combined[..., :3] - color * light.rendered[False]
     plain = combined[..., :3]
     if denoise_other and light.denoise:
         # Nothing but rounding makes it negative in a pixel of its own, and the denoiser knows no negative light.
@@ -255,3 +223,17 @@ def _put_together(read, layers, light, shading, denoise_other):
     result[..., :3] = _pick(shading, lambda: color * layers["diffuse"] + other, lambda: plain)
     result[..., 3] = combined[..., 3]
     return result
+
+
+class Whole:
+    """The layers of a picture (height, width), from those of its bands of rows."""
+
+    def __init__(self, height, width):
+        self.shape, self.layers = (height, width), {}
+
+    def add(self, row, layers):
+        """Those of the rows from `row` on."""
+        for name, picture in layers.items():
+            if name not in self.layers:
+                self.layers[name] = np.zeros((*self.shape, picture.shape[2]), np.float32)
+            self.layers[name][row:row + len(picture)] = picture

@@ -190,6 +190,13 @@ class Library:
             raise EncreError(text_of(sentence))
         return out
 
+    def complete(self, scene, styles=()):
+        """The values of every style, number 0, the scene's, first, from checked ones; of what a style changes those of
+        frame scope are ignored."""
+        base = {**{p.id: p.default for p in self.params.values()}, **scene}
+        return [base] + [{**base, **{id_: value for id_, value in changed.items()
+                                     if self.params[id_].scope == "surface"}} for changed in styles]
+
     # -- work
 
     def _context(self, threads, simd):
@@ -234,6 +241,14 @@ class Library:
         scene: values that differ from the defaults; styles[k]: what style number k + 1 changes, of which values of
         frame scope are ignored. Result.images has an array (H, W, channels) for each of `outputs`.
         """
+        every = self.complete(self.check(scene or {}), [self.check(s) for s in styles])
+        return self.draw(layers, every, camera, frame, outputs, threads, simd, progress, image)
+
+    def draw(self, layers: Mapping[str, np.ndarray], every: Sequence[Mapping], camera: Camera | None = None,
+             frame: Frame | None = None, outputs: Sequence[str] = ("Combined",), threads: int = 0, simd: int = 1,
+             progress: Callable[[float], bool] | None = None,
+             image: Callable[[str], np.ndarray] | None = None) -> Result:
+        """As render(); every[k]: the checked values of style number k, as complete() gives them."""
         job, keep = self._job(), []
         for i, (name, channels) in enumerate(self.layers.items()):
             a = layers.get(name)
@@ -254,16 +269,13 @@ class Library:
         for name in outputs:
             if name not in self.outputs:
                 raise EncreError(unknown("output", name, self.outputs))
-        scene = self.check(scene or {})
-        values = [scene] + [{**scene, **{k: v for k, v in self.check(s).items() if self.params[k].scope == "surface"}}
-                            for s in styles]
-        if scene.get("paper_source") == "IMAGE" and not (scene.get("paper_image") and image):
+        if every[0]["paper_source"] == "IMAGE" and not (every[0]["paper_image"] and image):
             raise EncreError("paper_image: the paper's source is an image but none is given; choose an image")
-        blocks = [self.pack(v, image if k == 0 else None) for k, v in enumerate(values)]
+        blocks = [self.pack(v, image if k == 0 else None) for k, v in enumerate(every)]
         block = b"".join(bytes(b) for b, _ in blocks)
         keep += [b for _, b in blocks] + [block]
         job.params = c.cast(c.c_char_p(block), c.c_void_p)
-        job.n_styles = len(values)
+        job.n_styles = len(every)
         camera = camera or Camera()
         job.camera = _Camera((c.c_float * 9)(*camera.view), bool(camera.orthographic), camera.height)
         frame = frame or Frame(width, height)
@@ -390,7 +402,11 @@ def controls() -> dict[str, Control]:
 
 
 def defaults() -> dict:
-    return {p.id: p.default for p in params().values()}
+    return complete({})[0]
+
+
+def complete(scene, styles=()) -> list[dict]:
+    return load().complete(scene, styles)
 
 
 def parse(id_, text):
@@ -406,6 +422,10 @@ def check(values):
 
 def render(*args, **kwargs) -> Result:
     return load().render(*args, **kwargs)
+
+
+def draw(*args, **kwargs) -> Result:
+    return load().draw(*args, **kwargs)
 
 
 def raster(*args, **kwargs):

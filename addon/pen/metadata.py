@@ -31,7 +31,7 @@ class View:
 
 
 @dataclass
-class Settings:
+class Stored:
     """What a file's metadata say. None: the file does not say it.
 
     styles: (name, values) pairs; border: (x, y, width, height) of what was rendered of the file's pixels, if not all.
@@ -50,7 +50,7 @@ class Settings:
 
 
 def write(scene, styles, camera, frame, border=None, view=None, paper=None, lost=()):
-    """{key: JSON text} to store in a file, of what Settings says; `styles` in the order of their numbers."""
+    """{key: JSON text} to store in a file, of what Stored says; `styles` in the order of their numbers."""
     said = {
         PARAMS: {"version": VERSION, "scene": scene,
                  "styles": [{"name": name, "values": values} for name, values in styles]},
@@ -69,73 +69,73 @@ def write(scene, styles, camera, frame, border=None, view=None, paper=None, lost
     return {key: json.dumps(value, allow_nan=False) for key, value in said.items()}
 
 
-def read(stored):
-    """The Settings in {key: text}; keys that are not ours are ignored.
+def read(texts):
+    """The Stored in {key: text}; keys that are not ours are ignored.
 
     A parameter that this version does not know is a warning. EncreError: metadata that can't be understood, the
     sentence names them.
     """
-    settings = Settings()
+    stored = Stored()
     for key, understand in ((PARAMS, _read_params), (FRAME, _read_frame), (CAMERA, _read_camera),
                             (BORDER, _read_border), (VIEW, _read_view), (PAPER, _read_paper), (LOST, _read_lost)):
-        if key not in stored:
+        if key not in texts:
             continue
         try:
-            understand(json.loads(stored[key]), settings)
+            understand(json.loads(texts[key]), stored)
         except EncreError as error:
             raise EncreError(f"the metadata {key} can't be used: {error}") from None
         except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError, zlib.error):
             raise EncreError(f"the metadata {key} can't be read: render the picture again, or remove them "
                                   "from the file") from None
-    return settings
+    return stored
 
 
-def _known(values, settings):
+def _known(values, stored):
     if not isinstance(values, dict):
         raise TypeError
-    settings.unknown.update(dict.fromkeys(name for name in values if name not in library.params()))
+    stored.unknown.update(dict.fromkeys(name for name in values if name not in library.params()))
     return library.check({name: value for name, value in values.items() if name in library.params()})
 
 
-def _read_params(said, settings):
+def _read_params(said, stored):
     if said["version"] != VERSION:
         raise EncreError(f"they have version {said['version']}, and this Encre reads {VERSION}")
-    settings.scene = _known(said.get("scene", {}), settings)
-    settings.styles = [(str(style["name"]), _known(style.get("values", {}), settings))
+    stored.scene = _known(said.get("scene", {}), stored)
+    stored.styles = [(str(style["name"]), _known(style.get("values", {}), stored))
                        for style in said.get("styles", [])]
-    if count := len(settings.unknown):
-        some = ", ".join(name[:40] for name in list(settings.unknown)[:5]) + (", ..." if count > 5 else "")
-        settings.warnings.append(f"the metadata {PARAMS} hold {count} unknown parameter{'s' * (count > 1)}, which "
+    if count := len(stored.unknown):
+        some = ", ".join(name[:40] for name in list(stored.unknown)[:5]) + (", ..." if count > 5 else "")
+        stored.warnings.append(f"the metadata {PARAMS} hold {count} unknown parameter{'s' * (count > 1)}, which "
                                  f"{'are' if count > 1 else 'is'} ignored: {some}")
 
 
-def _read_frame(said, settings):
+def _read_frame(said, stored):
     sizes = [said[key] for key in ("width", "height", "x", "y")]
     if any(type(size) is not int for size in sizes) or sizes[0] < 1 or sizes[1] < 1:
         raise ValueError
-    settings.frame = Frame(*sizes)
+    stored.frame = Frame(*sizes)
 
 
-def _read_camera(said, settings):
+def _read_camera(said, stored):
     view = np.array(said["view"], np.float64)
     orthographic, height = said["orthographic"], float(said["height"])
     if view.shape != (9,) or not np.isfinite(view).all() or type(orthographic) is not bool or not height > 0:
         raise ValueError
-    settings.camera = Camera(tuple(view), orthographic, height)
+    stored.camera = Camera(tuple(view), orthographic, height)
 
 
-def _read_border(said, settings):
+def _read_border(said, stored):
     border = tuple(said[key] for key in _BORDER)
     if any(type(number) is not int for number in border) or min(border) < 0 or min(border[2:]) < 1:
         raise ValueError
-    settings.border = border
+    stored.border = border
 
 
-def _read_view(said, settings):
+def _read_view(said, stored):
     exposure, gamma = float(said["exposure"]), float(said["gamma"])
     if not (abs(exposure) <= 64 and 0.01 <= gamma <= 100):
         raise ValueError
-    settings.view = View(str(said["transform"]), exposure, gamma, str(said["look"]))
+    stored.view = View(str(said["transform"]), exposure, gamma, str(said["look"]))
 
 
 def _packed(name, pixels):
@@ -147,7 +147,7 @@ def _packed(name, pixels):
             "data": base64.b64encode(zlib.compress(data)).decode()}
 
 
-def _read_paper(said, settings):
+def _read_paper(said, stored):
     shape, bits = tuple(said["shape"]), said["bits"]
     if len(shape) != 3 or any(type(n) is not int or n < 1 for n in shape) or bits not in (8, 32) \
             or shape[2] > 4 or np.prod(shape, dtype=float) > _MOST_PAPER:
@@ -155,8 +155,8 @@ def _read_paper(said, settings):
     size = shape[0] * shape[1] * shape[2] * bits // 8
     data = zlib.decompressobj().decompress(base64.b64decode(said["data"]), size)
     pixels = np.frombuffer(data, np.uint8 if bits == 8 else "<f4").reshape(shape)
-    settings.paper = str(said["name"]), pixels / np.float32(255) if bits == 8 else pixels.astype(np.float32)
+    stored.paper = str(said["name"]), pixels / np.float32(255) if bits == 8 else pixels.astype(np.float32)
 
 
-def _read_lost(said, settings):
-    settings.lost = [str(what) for what in said][:16]
+def _read_lost(said, stored):
+    stored.lost = [str(what) for what in said][:16]

@@ -3,8 +3,6 @@
 
 import numpy as np
 
-from . import layers
-
 # The 5x5 window about a pixel without it: least distance first, then least row, then least column.
 _WINDOW = sorted(((y, x) for y in range(-2, 3) for x in range(-2, 3) if y or x),
                  key=lambda at: (at[0] ** 2 + at[1] ** 2, at))
@@ -31,42 +29,53 @@ def own_pixels(index, drawn):
     return pixels, sources
 
 
-def rasterised(index, maps, owners, numbers, strays):
-    """The passes Encre Index, those of the painted controls, and Encre Marks.
+def compact(maps):
+    """The rasteriser's pictures as long as Cycles renders: numbers in as few bytes as they need, and what is 0
+    everywhere left out."""
+    out = {}
+    for name, picture in maps.items():
+        if name not in ("attributes", "marks"):
+            out[name] = picture.astype(np.min_scalar_type(int(picture.max())))
+        elif picture.any():
+            out[name] = picture
+    return out
 
-    index: (height, width) object index that Cycles wrote. maps: the rasteriser's pictures `object` (a number per
-    part of an instance, 0 = nothing), `material`, `style`, `attributes` (the controls) and `marks`.
+
+def rasterised(index, maps, owners, numbers, strays):
+    """The layers object, material and style, and, where there are any, controls and marks.
+
+    index: (height, width) object index that Cycles wrote. maps: what compact() gave of the rasteriser's pictures
+    `object` (a number per part of an instance, 0 = nothing), `material`, `style`, `attributes` (the controls) and
+    `marks`; each is popped when it is read.
     owners[number]: what Cycles wrote for that instance; numbers[number]: what the object layer says for it.
     strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices.
     """
-    shape = index.shape
-    instance = maps["object"].reshape(shape).astype(np.intp)
+    instance = maps.pop("object").reshape(index.shape)
     pixels, sources = own_pixels(index, owners[instance])
     found = sources >= 0
-    passes = {}
 
-    def moved(picture, channels, neutral=0):
-        flat = np.array(picture, np.float32, order="C").reshape(-1, channels)
+    def moved(picture, neutral=0):
+        flat = np.array(picture, np.float32, order="C").reshape(index.size, -1)
         flat[pixels[found]] = flat[sources[found]]
         flat[pixels[~found]] = neutral
-        return flat.reshape(*shape, channels)
+        return flat.reshape(*index.shape, -1)
 
     lost = strays(index.reshape(-1)[pixels[~found]]).reshape(-1, 1)
-    passes["Encre Index"] = np.concatenate(
-        [moved(numbers[instance], 1, lost), moved(maps["material"], 1), moved(maps["style"], 1)], axis=2)
-    passes.update(layers.saved_controls(moved(maps["attributes"], maps["attributes"].shape[-1])))
-    passes["Encre Marks"] = _seen_marks(maps["marks"], pixels)
-    return passes
+    layers = {"object": moved(numbers[instance], lost), "material": moved(maps.pop("material")),
+              "style": moved(maps.pop("style"))}
+    if "attributes" in maps:
+        layers["controls"] = moved(maps.pop("attributes"))
+    if "marks" in maps:
+        layers["marks"] = _seen_marks(maps.pop("marks"), pixels)
+    return layers
 
 
 def _seen_marks(marks, strays):
-    """(height, width, 3): marks (height, width, 2) but for ways to or from `strays`, flat numbers of pixels that show
+    """The marks (height, width, 2), changed: without ways to or from `strays`, flat numbers of pixels that show
     something else than the rasteriser drew."""
-    seen = np.zeros((*marks.shape[:2], 3), np.float32)
-    seen[..., :2] = marks
     stray = np.zeros(marks.shape[:2], bool)
     stray.reshape(-1)[strays] = True
-    seen[stray] = 0
-    seen[:, :-1, 0][stray[:, 1:]] = 0
-    seen[:-1, :, 1][stray[1:]] = 0
-    return seen
+    marks[stray] = 0
+    marks[:, :-1, 0][stray[:, 1:]] = 0
+    marks[:-1, :, 1][stray[1:]] = 0
+    return marks

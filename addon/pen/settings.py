@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of a scene and its styles, and what they ask for."""
+"""The settings of a scene and its styles, read and checked once, and what they ask for."""
+
+from functools import cached_property
 
 from . import library
 
@@ -9,54 +11,77 @@ def switches():
     return [stage.switch.id for stage in library.stages() if stage.switch]
 
 
-def every_style(scene, styles):
-    """The complete values of each style, number 0 (the scene's) first; `styles` holds only what each changes."""
-    base = {**library.defaults(), **scene}
-    return [base] + [{**base, **values} for values in styles]
+class Settings:
+    """scene: the scene's values; styles: [(name, what it changes)], in the order of their numbers, which begin at 1;
+    every: the complete values of each style, number 0 (the scene's) first."""
 
+    def __init__(self, scene=None, styles=()):
+        """Of values that may be incomplete. EncreError: they can't be used."""
+        self.scene = library.check(scene or {})
+        self.styles = [(name, library.check(changed)) for name, changed in styles]
+        self.every = library.complete(self.scene, [changed for _, changed in self.styles])
 
-def active(scene, styles):
-    """Whether any stage draws anything: with all switches off the picture stays as it was rendered."""
-    return any(values[switch] for values in every_style(scene, styles) for switch in switches())
+    def any(self, *names):
+        """Whether any of these switches and weights is on anywhere."""
+        return any(values[name] > 0 for values in self.every for name in names)
 
+    @cached_property
+    def active(self):
+        """Whether any stage draws anything: with all switches off the picture stays as it was rendered."""
+        return self.any(*switches())
 
-def shaded(scene, styles):
-    """Whether light is cut into levels anywhere."""
-    return any(values["use_shading"] for values in every_style(scene, styles))
+    @cached_property
+    def shaded(self):
+        """Whether light is cut into levels anywhere."""
+        return self.any("use_shading")
 
+    @cached_property
+    def wants_light(self):
+        """Whether anything compares light with a threshold, so that its noise would show as speckle."""
+        return self.active and self.any("use_shading", "use_hatching", "edge_light", "line_light")
 
-def wants_light(scene, styles):
-    """Whether anything compares light with a threshold, so that its noise would show as speckle."""
-    return active(scene, styles) and any(
-        values["use_shading"] or values["use_hatching"] or values["edge_light"] or values["line_light"]
-        for values in every_style(scene, styles))
+    @cached_property
+    def denoises(self):
+        """Whether the light is to be denoised."""
+        return self.every[0]["light_denoise"] == "OIDN" and self.wants_light
 
+    @cached_property
+    def factor(self):
+        """Of how many times the frame's size the layers are."""
+        return self.every[0]["supersample"] if self.active else 1
 
-def wants_seen(scene, styles):
-    """Whether lines are drawn in what mirrors and glass show."""
-    every = every_style(scene, styles)
-    return every[0]["edge_detector"] == "FINE" and any(values["edge_seen"] > 0 for values in every) and any(
-        values["use_lines"] or values["use_smudging"] for values in every)
+    @cached_property
+    def wants_edges(self):
+        """Whether anything follows edges."""
+        return self.any("use_lines", "use_smudging")
 
+    @cached_property
+    def wants_specular(self):
+        """Whether anything looks at highlights."""
+        return self.any("use_hatching")
 
-def idle(pictures, scene, styles):
-    """{weight: why} of the sources of edges that are asked for and find nothing in the layers of a picture."""
-    every = every_style(scene, styles)
-    if not any(values["use_lines"] or values["use_smudging"] for values in every):
-        return {}
+    @cached_property
+    def wants_seen(self):
+        """Whether lines are drawn in what mirrors and glass show."""
+        return self.every[0]["edge_detector"] == "FINE" and self.any("edge_seen") and self.wants_edges
 
-    def alike(layer):
-        picture = pictures.get(layer)
-        return picture is None or bool((picture == picture[0, 0]).all())
+    def idle(self, pictures):
+        """{weight: why} of the sources of edges that are asked for and find nothing in the layers of a picture."""
+        if not self.wants_edges:
+            return {}
 
-    colors = "combined" if every[0]["color_layer"] == "LIT" else "albedo"
-    reasons = {
-        "edge_object": alike("object") and "one index everywhere",
-        "edge_material": alike("material") and "one index everywhere",
-        "edge_depth": alike("depth") and "one depth everywhere",
-        "edge_normal": alike("normal") and "one normal everywhere",
-        "edge_color": alike(colors) and "one colour everywhere",
-        "edge_light": alike("diffuse") and "the same light everywhere",
-        "edge_seen": wants_seen(scene, styles) and "seen_normal" not in pictures and "no passes that see into mirrors",
-    }
-    return {name: why for name, why in reasons.items() if why and any(values[name] > 0 for values in every)}
+        def alike(layer):
+            picture = pictures.get(layer)
+            return picture is None or bool((picture == picture[0, 0]).all())
+
+        colors = "combined" if self.every[0]["color_layer"] == "LIT" else "albedo"
+        reasons = {
+            "edge_object": alike("object") and "one index everywhere",
+            "edge_material": alike("material") and "one index everywhere",
+            "edge_depth": alike("depth") and "one depth everywhere",
+            "edge_normal": alike("normal") and "one normal everywhere",
+            "edge_color": alike(colors) and "one colour everywhere",
+            "edge_light": alike("diffuse") and "the same light everywhere",
+            "edge_seen": self.wants_seen and "seen_normal" not in pictures and "no passes that see into mirrors",
+        }
+        return {name: why for name, why in reasons.items() if why and self.any(name)}

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import layers
+from . import layers, saved
 from .job import Frame
 
 # What can't be averaged: numbers of things, and places, where the mean of near and far is neither.
@@ -21,13 +21,13 @@ def shrink(name, picture, factor):
     if name == "Encre Marks":
         return _marks(picture, factor)
     if _one_sample(name):
-        return picture[factor // 2::factor, factor // 2::factor]
+        return picture[factor // 2::factor, factor // 2::factor].copy()  # or the large one would stay
     parts = (picture[row::factor, column::factor] for row in range(factor) for column in range(factor))
     return sum(parts) * np.float32(1 / factor ** 2)
 
 
 def _one_sample(name):
-    return (layers.classic(name) in _ONE_SAMPLE or name in layers.control_passes()
+    return (layers.classic(name) in _ONE_SAMPLE or name in saved.control_passes()
             or name.startswith(("Crypto", "Debug")))
 
 

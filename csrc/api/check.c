@@ -1,20 +1,58 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a caller may get wrong, found before anything runs. */
 #include "api/check.h"
-#include "base/params.h"
 #include "base/refuse.h"
+#include "base/stage.h"
+#include "raster/outline.h"
 
 #include <float.h>
+#include <math.h>
 
-enum { MAX_SIZE = 65536, MAX_STYLES = 256 };
+enum { MAX_SIZE = 65536, MAX_STYLES = 256, NUMBER = sizeof(float) };
+_Static_assert((int)MAX_SIZE <= (int)OUTLINE_FRAME && MAX_SIZE <= UINT16_MAX + 1, "coordinates have 16 bits");
+
+/* ---- images ---------------------------------------------------------------------------------------------- */
+
+/* Bytes from pixel to pixel and from row to row: with no more than that sums of them don't overflow. */
+static const int64_t most_stride = (int64_t)1 << 45;
 
 static encre_image with_strides(encre_image image)
 {
 	if (!image.pixel_stride)
-		image.pixel_stride = 4 * (int64_t)image.channels;
+		image.pixel_stride = NUMBER * (int64_t)image.channels;
 	if (!image.row_stride)
 		image.row_stride = image.pixel_stride * image.width;
 	return image;
+}
+
+static int64_t distance(int64_t stride)
+{
+	return stride < 0 ? -stride : stride;
+}
+
+/* Where the samples of an image lie. Rows may lie within each other where pixels lie far enough apart: pictures are
+ * stored column by column, too. */
+static int32_t check_memory(const char *name, const encre_image *given, char *error, size_t size)
+{
+	encre_image image = with_strides(*given);
+	int64_t own = NUMBER * (int64_t)image.channels, pixel = image.pixel_stride;
+	if ((uintptr_t)image.data % NUMBER)
+		return refuse(error, size, "%s: begins at an address that is no multiple of %d; copy it to one that is",
+			      name, (int)NUMBER);
+	if (pixel % NUMBER || image.row_stride % NUMBER || pixel < own || pixel > most_stride ||
+	    image.row_stride > most_stride || image.row_stride < -most_stride)
+		return refuse(error, size,
+			      "%s: strides of %lld and %lld bytes are not whole floats, shorter than a pixel or longer "
+			      "than memory; give multiples of %d",
+			      name, (long long)pixel, (long long)image.row_stride, (int)NUMBER);
+	int64_t row = pixel * (image.width - 1) + own, stride = distance(image.row_stride);
+	if (image.height > 1 && stride < row && (stride < own || pixel < stride * (image.height - 1) + own))
+		return refuse(
+			error, size,
+			"%s: rows of %lld bytes begin %lld bytes apart and overlap; give a row_stride of a row or "
+			"more",
+			name, (long long)row, (long long)image.row_stride);
+	return ENCRE_OK;
 }
 
 static int32_t check_image(const encre_image *image, const encre_layer_description *what, int width, int height,
@@ -29,12 +67,192 @@ static int32_t check_image(const encre_image *image, const encre_layer_descripti
 	if (image->width != width || image->height != height)
 		return refuse(error, size, "%s: is %d x %d pixels where %d x %d are due; give all images the same size",
 			      what->name, (int)image->width, (int)image->height, width, height);
-	if (image->pixel_stride % 4 || image->row_stride % 4 ||
-	    (image->pixel_stride && image->pixel_stride < 4 * (int64_t)image->channels))
+	return check_memory(what->name, image, error, size);
+}
+
+/* ---- what is written ------------------------------------------------------------------------------------- */
+
+/* Blocks of `own` bytes from `from` to `end`: count[1] groups, step[1] apart, of count[0] blocks, step[0] apart. */
+typedef struct grid {
+	int64_t from, end, own, step[2];
+	int count[2];
+} grid;
+
+/* Of an image with strides. */
+static grid grid_of(const encre_image *image)
+{
+	const int64_t alone = INT64_MAX / 4; /* there is no other one */
+	int64_t pixel = image->pixel_stride, row = distance(image->row_stride);
+	grid g = {.from = (int64_t)(uintptr_t)image->data, .own = NUMBER * (int64_t)image->channels};
+	g.from += image->row_stride < 0 ? image->row_stride * (image->height - 1) : 0;
+	g.end = g.from + row * (image->height - 1) + pixel * (image->width - 1) + g.own;
+	pixel = image->width > 1 ? pixel : alone;
+	row = image->height > 1 ? row : alone;
+	int outer = pixel <= row;
+	g.step[outer] = row;
+	g.step[!outer] = pixel;
+	g.count[outer] = image->height;
+	g.count[!outer] = image->width;
+	return g;
+}
+
+static grid grid_of_bytes(const void *from, size_t bytes)
+{
+	int64_t at = (int64_t)(uintptr_t)from;
+	return (grid){.from = at, .end = at + (int64_t)bytes};
+}
+
+static int64_t floor_divide(int64_t a, int64_t b)
+{
+	int64_t q = a / b;
+	return q - (q * b > a);
+}
+
+/* Whether two grids have a byte in common. Of different ones, which may only lie between each other by chance, it
+ * counts that they reach into each other. */
+static bool meet(const grid *a, const grid *b)
+{
+	if (a->end <= b->from || b->end <= a->from)
+		return false;
+	for (int k = 0; k < 2; k++)
+		if (a->step[k] != b->step[k] || a->count[k] != b->count[k])
+			return true;
+	/* a block of b lies `off` beyond one of a; in each step that must be less than the step itself */
+	int64_t apart = b->from - a->from, outer = floor_divide(-apart, a->step[1]);
+	for (int64_t i = outer; i <= outer + 1; i++) {
+		if (i <= -a->count[1] || i >= a->count[1])
+			continue;
+		int64_t rest = apart + i * a->step[1], inner = floor_divide(-rest, a->step[0]);
+		for (int64_t j = inner; j <= inner + 1; j++) {
+			if (j <= -a->count[0] || j >= a->count[0])
+				continue;
+			int64_t off = rest + j * a->step[0];
+			if (off < a->own && -off < b->own)
+				return true;
+		}
+	}
+	return false;
+}
+
+/* An output, which has strides, and something else. */
+static int32_t check_apart(const char *name, const encre_image *output, const char *other, grid taken, char *error,
+			   size_t size)
+{
+	grid written = grid_of(output);
+	if (!meet(&written, &taken))
+		return ENCRE_OK;
+	return refuse(error, size, "%s: shares memory with %s; give every output memory of its own", name, other);
+}
+
+/* ---- frame and camera ------------------------------------------------------------------------------------ */
+
+static int32_t check_frame(const encre_frame *f, int width, int height, char *error, size_t size)
+{
+	if (f->width < 1 || f->height < 1 || f->width > MAX_SIZE || f->height > MAX_SIZE)
+		return refuse(error, size, "frame: is %d x %d pixels; give 1 to %d each way", (int)f->width,
+			      (int)f->height, MAX_SIZE);
+	if (f->x < 0 || f->y < 0 || f->x > f->width - width || f->y > f->height - height)
 		return refuse(error, size,
-			      "%s: strides are not whole floats or shorter than a pixel; give bytes, multiples of 4",
-			      what->name);
+			      "frame: %d x %d pixels at %d, %d do not lie in a frame of %d x %d; give the full frame "
+			      "and the place of the images in it",
+			      width, height, (int)f->x, (int)f->y, (int)f->width, (int)f->height);
 	return ENCRE_OK;
+}
+
+/* Rows of length 1 at right angles; mirrored or not. */
+static bool turns(const float view[9])
+{
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++) {
+			float dot = 0;
+			for (int k = 0; k < 3; k++)
+				dot += view[3 * i + k] * view[3 * j + k];
+			if (!(fabsf(dot - (float)(i == j)) < 1e-3f))
+				return false;
+		}
+	return true;
+}
+
+static int32_t check_camera(const encre_camera *camera, char *error, size_t size)
+{
+	if (!turns(camera->view))
+		return refuse(error, size,
+			      "camera: view is no rotation; give three rows of length 1 that are at right angles");
+	if (camera->orthographic < 0 || camera->orthographic > 1)
+		return refuse(error, size, "camera: orthographic is %d; give 0 or 1", (int)camera->orthographic);
+	if (camera->orthographic && !(camera->height > 0 && camera->height <= FLT_MAX))
+		return refuse(error, size,
+			      "camera: an orthographic height of %g; give the frame's height in scene units",
+			      (double)camera->height);
+	return ENCRE_OK;
+}
+
+/* ---- jobs ------------------------------------------------------------------------------------------------ */
+
+static int32_t check_params(const encre_params *params, int count, char *error, size_t size)
+{
+	if (!params || count < 1 || count > MAX_STYLES)
+		return refuse(error, size, "params: %d styles; give 1 to %d parameter blocks", params ? count : 0,
+			      MAX_STYLES);
+	if ((uintptr_t)params % _Alignof(encre_params))
+		return refuse(error, size,
+			      "params: begin at an address that is no multiple of %d; copy them to one that is",
+			      (int)_Alignof(encre_params));
+	char text[400];
+	for (int i = 0; i < count; i++) {
+		const char *e = encre_params_check(params + i, text, sizeof text);
+		if (e && i)
+			return refuse(error, size, "style %d: %s", i, e);
+		if (e)
+			return refuse(error, size, "%s", e);
+	}
+	return params->paper_image.data ? check_memory("paper_image", &params->paper_image, error, size) : ENCRE_OK;
+}
+
+/* Outputs of a job, which have strides, lie apart from each other and from what it reads. */
+static int32_t check_outputs(const encre_job *job, const encre_image *in, const encre_image *out, char *error,
+			     size_t size)
+{
+	const encre_params *scene = job->params;
+	encre_image paper = with_strides(scene->paper_image);
+	bool any = false;
+	for (int i = 0; i < ENCRE_OUTPUT_COUNT; i++) {
+		const char *name = encre_output_info(i)->name;
+		int32_t code = ENCRE_OK;
+		if (!out[i].data)
+			continue;
+		any = true;
+		for (int k = 0; !code && k < ENCRE_LAYER_COUNT; k++)
+			if (in[k].data)
+				code = check_apart(name, out + i, encre_layer_info(k)->name, grid_of(in + k), error,
+						   size);
+		for (int k = 0; !code && k < i; k++)
+			if (out[k].data)
+				code = check_apart(name, out + i, encre_output_info(k)->name, grid_of(out + k), error,
+						   size);
+		if (!code && paper.data)
+			code = check_apart(name, out + i, "paper_image", grid_of(&paper), error, size);
+		if (!code)
+			code = check_apart(name, out + i, "the parameters",
+					   grid_of_bytes(scene, (size_t)job->n_styles * sizeof *scene), error, size);
+		if (code)
+			return code;
+	}
+	return any ? ENCRE_OK : refuse(error, size, "outputs: none is given; give at least one image to draw into");
+}
+
+/* Distances to edges are 16-bit numbers. */
+static int32_t check_reach(const encre_job *job, int width, int height, char *error, size_t size)
+{
+	const encre_params *scene = job->params;
+	float reach = nearest_reach(scene, job->n_styles, scale_of(scene, job->frame.height));
+	double far = sqrt((double)width * width + (double)height * height);
+	if (scene->edge_detector == edge_detector_FINE || !(reach > NEAREST_FAR) || far <= NEAREST_FAR)
+		return ENCRE_OK;
+	return refuse(error, size,
+		      "line_max_thickness, smudge_range: in %d x %d pixels reach %g of them, where %d can be counted; "
+		      "give less, or render in borders",
+		      width, height, (double)reach, NEAREST_FAR);
 }
 
 int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre_image out[ENCRE_OUTPUT_COUNT],
@@ -58,29 +276,38 @@ int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre
 			return code;
 		out[i] = with_strides(job->outputs[i]);
 	}
-	if (!job->params || job->n_styles < 1 || job->n_styles > MAX_STYLES)
-		return refuse(error, size, "params: %d styles; give 1 to %d parameter blocks", (int)job->n_styles,
-			      MAX_STYLES);
-	char text[400];
-	for (int i = 0; i < job->n_styles; i++) {
-		const char *e = encre_params_check((const encre_params *)job->params + i, text, sizeof text);
-		if (e && i)
-			return refuse(error, size, "style %d: %s", i, e);
-		if (e)
-			return refuse(error, size, "%s", e);
+	if ((code = check_params(job->params, job->n_styles, error, size)) ||
+	    (code = check_outputs(job, in, out, error, size)) ||
+	    (code = check_frame(&job->frame, width, height, error, size)) ||
+	    (code = check_camera(&job->camera, error, size)))
+		return code;
+	return check_reach(job, width, height, error, size);
+}
+
+/* Memory that a raster job's meshes take. Numbers of meshes may still be wrong: then geometry_check() refuses them. */
+static int32_t check_apart_from_meshes(const encre_raster_job *job, const char *name, const encre_image *output,
+				       char *error, size_t size)
+{
+	size_t meshes = job->meshes && job->n_meshes > 0 ? (size_t)job->n_meshes : 0;
+	int32_t code = check_apart(name, output, "the meshes", grid_of_bytes(job->meshes, meshes * sizeof *job->meshes),
+				   error, size);
+	for (size_t i = 0; !code && i < meshes; i++) {
+		const encre_mesh *m = job->meshes + i;
+		size_t points = m->n_points > 0 ? (size_t)m->n_points : 0,
+		       primitives = m->n_primitives > 0 ? (size_t)m->n_primitives : 0,
+		       channels = m->n_channels > 0 ? (size_t)m->n_channels : 0,
+		       corners = primitives * (m->kind == ENCRE_LINES ? 2 : 3);
+		const struct {
+			const void *from;
+			size_t count;
+		} taken[] = {{m->points, 3 * points},   {m->corners, corners},  {m->attributes, corners * channels},
+			     {m->material, primitives}, {m->style, primitives}, {m->object, primitives}};
+		for (size_t k = 0; !code && k < sizeof taken / sizeof *taken; k++)
+			if (taken[k].from)
+				code = check_apart(name, output, "a mesh",
+						   grid_of_bytes(taken[k].from, NUMBER * taken[k].count), error, size);
 	}
-	const encre_frame *p = &job->frame;
-	if (p->width < 1 || p->height < 1 || p->x < 0 || p->y < 0 || p->x > p->width - width ||
-	    p->y > p->height - height)
-		return refuse(error, size,
-			      "frame: %d x %d pixels at %d, %d do not lie in a frame of %d x %d; give the full frame "
-			      "and the place of the images in it",
-			      width, height, (int)p->x, (int)p->y, (int)p->width, (int)p->height);
-	if (job->camera.orthographic && !(job->camera.height > 0 && job->camera.height <= FLT_MAX))
-		return refuse(error, size,
-			      "camera: an orthographic height of %g; give the frame's height in scene units",
-			      (double)job->camera.height);
-	return ENCRE_OK;
+	return code;
 }
 
 int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char *error, size_t size)
@@ -108,10 +335,17 @@ int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char 
 		if (code)
 			return code;
 		*clean_images[i] = with_strides(*images[i]);
+		code = check_apart_from_meshes(job, what[i].name, clean_images[i], error, size);
+		for (size_t k = 0; !code && k < i; k++)
+			if (images[k]->data)
+				code = check_apart(what[i].name, clean_images[i], what[k].name,
+						   grid_of(clean_images[k]), error, size);
+		if (code)
+			return code;
 	}
 	if (!first)
 		return refuse(error, size, "raster: no output is given; give at least one image to draw into");
-	return ENCRE_OK;
+	return check_frame(&job->frame, first->width, first->height, error, size);
 }
 
 int32_t check_bake(const encre_bake_job *job, encre_bake_job *clean, char *error, size_t size)
@@ -134,9 +368,20 @@ int32_t check_bake(const encre_bake_job *job, encre_bake_job *clean, char *error
 			return code;
 		*clean_images[i] = with_strides(*images[i]);
 	}
-	if (!job->params)
-		return refuse(error, size, "params: are missing; give a parameter block");
-	char text[400];
-	const char *e = encre_params_check(job->params, text, sizeof text);
-	return e ? refuse(error, size, "%s", e) : ENCRE_OK;
+	int32_t code = check_params(job->params, 1, error, size);
+	const struct {
+		const char *name;
+		int32_t value;
+	} flags[] = {{"linear", job->linear}, {"wrap_x", job->wrap_x}, {"wrap_y", job->wrap_y}};
+	for (int i = 0; !code && i < 3; i++)
+		if (flags[i].value < 0 || flags[i].value > 1)
+			return refuse(error, size, "%s: is %d; give 0 or 1", flags[i].name, (int)flags[i].value);
+	for (int i = 0; !code && i < 2 && job->output.data; i++)
+		if (images[i]->data)
+			code = check_apart("output", &clean->output, what[i].name, grid_of(clean_images[i]), error,
+					   size);
+	if (!code && job->output.data)
+		code = check_apart("output", &clean->output, "the parameters",
+				   grid_of_bytes(job->params, sizeof(encre_params)), error, size);
+	return code;
 }

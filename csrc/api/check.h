@@ -10,7 +10,7 @@
 /* Images, parameters, frame and camera. `in` and `out` get the job's images with strides filled in. */
 int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre_image out[ENCRE_OUTPUT_COUNT],
 		  char *error, size_t size);
-/* Images alone: meshes, matrices and the frame are geometry_check()'s. `clean` gets the job with strides filled in. */
+/* Images and frame: meshes and matrices are geometry_check()'s. `clean` gets the job with strides filled in. */
 int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char *error, size_t size);
 /* Likewise, and the parameters. */
 int32_t check_bake(const encre_bake_job *job, encre_bake_job *clean, char *error, size_t size);

@@ -291,15 +291,16 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	f->place = job->frame;
 	f->params = job->params;
 	f->n_styles = job->n_styles;
-	bool relative = f->params->length_unit == length_unit_RELATIVE;
-	f->scale = relative ? (float)f->place.height / 1080 : (float)f->params->supersample;
+	f->scale = scale_of(f->params, f->place.height);
 	bool any = w.out[ENCRE_OUTPUT_EDGES].data || w.out[ENCRE_OUTPUT_LIGHT].data;
 	for (int i = 0; i < f->n_styles; i++) {
 		any |= draws(f->params + i);
 #define SWITCH(id, ...) f->any.id |= f->params[i].id;
 #include "base/all.rows.h"
 	}
-	f->want_edges = f->any.use_lines || f->any.use_smudging || w.out[ENCRE_OUTPUT_EDGES].data;
+	f->want_edges = w.out[ENCRE_OUTPUT_EDGES].data;
+	for (int s = 0; s < N_STAGES; s++)
+		f->want_edges |= stages_base[s]->reads_edges && stages_base[s]->reads_edges(f);
 	f->bands = pool_of(context, job->progress, job->user);
 	if (!f->bands)
 		return fail_code(context, ENCRE_ERROR_MEMORY);

@@ -8,6 +8,8 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
+enum { LEAST_BANDS = 24 }; /* so that none is a twentieth of a frame */
+
 typedef struct worker {
 	bands *pool;
 	pthread_t id;
@@ -135,7 +137,7 @@ int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *
 	if (height <= 0)
 		return ENCRE_OK;
 	if (band <= 0) { /* small enough to share evenly and to cancel soon, large enough to keep rows in cache */
-		band = height / (pool->threads * 8);
+		band = height / (pool->threads * 8 > LEAST_BANDS ? pool->threads * 8 : LEAST_BANDS);
 		band = band < 8 ? 8 : band > 64 ? 64 : band;
 	}
 	pthread_mutex_lock(&pool->lock);
@@ -160,5 +162,12 @@ int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *
 		pthread_cond_wait(&pool->done, &pool->lock);
 	pthread_mutex_unlock(&pool->lock);
 	pool->from = pool->middle;
+	return atomic_load(&pool->cancelled) ? ENCRE_ERROR_CANCELLED : ENCRE_OK;
+}
+
+int32_t bands_poll(bands *pool)
+{
+	if (pool->call && !atomic_load(&pool->cancelled) && !pool->call(pool->user, pool->from))
+		atomic_store(&pool->cancelled, true);
 	return atomic_load(&pool->cancelled) ? ENCRE_ERROR_CANCELLED : ENCRE_OK;
 }

@@ -20,5 +20,8 @@ void bands_span(bands *pool, double from, double to);
 /* Cuts 0..height-1 into bands of `band` rows (0 = a good height) and runs the kernel on all. Returns ENCRE_OK or
  * ENCRE_ERROR_CANCELLED; after a cancellation it does nothing more. Must not be called from a kernel. */
 int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *data);
+/* Between pieces of what one thread must do alone: reports where the work stands. Returns as bands_run() does; not to
+ * be called from a kernel either. */
+int32_t bands_poll(bands *pool);
 
 #endif

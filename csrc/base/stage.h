@@ -88,7 +88,28 @@ typedef struct frame {
 	late *late;
 } frame;
 
-enum { NEAREST_NONE = INT16_MIN };
+enum { NEAREST_NONE = INT16_MIN, NEAREST_FAR = INT16_MAX - 1 /* pixels: no edge farther than that is counted */ };
+
+/* Pixels per "px" of a parameter, in a full frame of this height. */
+static inline float scale_of(const encre_params *scene, int height)
+{
+	return scene->length_unit == length_unit_RELATIVE ? (float)height / 1080 : (float)scene->supersample;
+}
+
+/* How far, in pixels, anyone looks for the nearest edge pixel. */
+static inline float nearest_reach(const encre_params *params, int n_styles, float scale)
+{
+	float reach = 0;
+	bool any_lines = false;
+	for (int i = 0; i < n_styles; i++) {
+		float range = params[i].use_smudging ? params[i].smudge_range * scale : 0;
+		reach = range > reach ? range : reach;
+		any_lines |= params[i].use_lines;
+	}
+	float widest =
+		any_lines && params->line_search == line_search_NEAREST ? 0.5f * params->line_max_thickness * scale : 0;
+	return widest > reach ? widest : reach;
+}
 
 /* NULL where it is absent. */
 static inline const float *layer_row(const frame *f, enum encre_layer layer, int y)
@@ -135,6 +156,8 @@ typedef struct stage {
 	const char *id;
 	/* What no single row can say, of one style's parameters: NULL, or a sentence in text[size]. May be NULL. */
 	const char *(*check)(const encre_params *params, char *text, size_t size);
+	/* Whether it reads edges of this frame. NULL: never. */
+	bool (*reads_edges)(const frame *f);
 	/* Takes the stage's products and scratch from the arena. May be NULL. */
 	void (*plan)(frame *f, arena *a);
 	/* Returns ENCRE_OK, ENCRE_ERROR_CANCELLED or ENCRE_ERROR_MEMORY. Called when planned, in order. */

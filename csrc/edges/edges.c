@@ -151,10 +151,13 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 {
 	const edges *e = data;
 	int width = e->f->width;
-	for (int s = SOURCE_COLOR; s <= SOURCE_LIGHT; s++) {
+	for (int s = SOURCE_COLOR; s < SAMPLE_COUNT; s++) {
 		if (!e->full[s])
 			continue;
-		ring r = ISA(ring_of)(e, (enum source)s, thread);
+		edges near = *e; /* FINE's windows are larger, and of light as it is */
+		near.fine = false;
+		near.reach[s] = 1;
+		ring r = ISA(ring_of)(&near, (enum source)s, thread);
 		for (int y = y0; y < y1; y++) {
 			float *row = e->difference[s] + (ptrdiff_t)y * width;
 			ISA(ring_fill)(&r, y);
@@ -234,9 +237,9 @@ static void plan(frame *f, arena *a)
 	for (int s = 0; s < SAMPLE_COUNT; s++) {
 		e.ring_at[s] = e.thread_samples;
 		e.thread_samples += e.on[s] ? (2 * e.reach[s] + 1) * planes_of((enum source)s) * e.plane_samples : 0;
-		if (e.on[s] && (s == SOURCE_COLOR || s == SOURCE_LIGHT) && e.contrast && e.p->contrast_auto) {
-			e.difference[s] = arena_take(a, pixels, sizeof *e.difference[s]);
+		if (e.on[s] && is_color(s) && e.contrast && e.p->contrast_auto) {
 			e.full[s] = arena_take(a, pixels, sizeof *e.full[s]);
+			e.difference[s] = e.fine ? e.full[s] : arena_take(a, pixels, sizeof *e.difference[s]);
 			any = true;
 		}
 	}
@@ -259,7 +262,7 @@ static int32_t run(frame *f)
 	int32_t code = ENCRE_OK;
 	if (e->window.each) {
 		code = bands_run(f->bands, f->height, 0, difference_rows, e);
-		for (int s = SOURCE_COLOR; !code && s <= SOURCE_LIGHT; s++)
+		for (int s = SOURCE_COLOR; !code && s < SAMPLE_COUNT; s++)
 			if (e->full[s])
 				code = ISA(window_columns)(&e->window, f->bands, e->full[s]);
 	}

@@ -28,8 +28,10 @@ typedef struct edges {
 	float *samples; /* rings of all sources, for each thread */
 	ptrdiff_t thread_samples, plane_samples;
 	ptrdiff_t ring_at[SAMPLE_COUNT];
-	float *difference[SOURCE_COUNT], *full[SOURCE_COUNT]; /* width * height, with contrast_auto */
-	wide_window window;                                   /* likewise */
+	/* width * height, of colours with contrast_auto: how much they differ there, and at most nearby; FINE knows the
+	   latter only, of SAMPLE_SEEN_COLOR, too */
+	float *difference[SAMPLE_COUNT], *full[SAMPLE_COUNT];
+	wide_window window; /* likewise */
 } edges;
 
 /* The rows of samples about the one worked on. Row y lies in slot y modulo their number. */
@@ -45,6 +47,21 @@ typedef struct ring {
 static inline int planes_of(enum source s)
 {
 	return (s >= SOURCE_NORMAL && s <= SOURCE_LIGHT) || s == SOURCE_SEEN || (int)s == SAMPLE_SEEN_COLOR ? 3 : 1;
+}
+
+/* What the inter-color metric compares. */
+static inline bool is_color(int s)
+{
+	return s == SOURCE_COLOR || s == SOURCE_LIGHT || s == SAMPLE_SEEN_COLOR;
+}
+
+/* The difference of colours that gives an edge of full strength, at pixel x, y. */
+static inline float full_contrast(const edges *e, int s, int x, int y)
+{
+	if (!e->full[s])
+		return e->p->contrast_max;
+	float most = e->full[s][(ptrdiff_t)y * e->f->width + x];
+	return most > 0.25f ? most : 0.25f;
 }
 
 /* What distances of what is seen are compared in: linear on planes on screen. 0 or less: nothing there. */

@@ -173,13 +173,10 @@ static void color_strength(const ring *r, int y, int x0, int n, float *restrict 
 	if (e->full[r->source]) {
 		ptrdiff_t at = (ptrdiff_t)y * e->f->width + x0;
 		memcpy(response, e->difference[r->source] + at, (size_t)n * sizeof *response);
-		for (int i = 0; i < n; i++)
-			most[i] = e->full[r->source][at + i] > 0.25f ? e->full[r->source][at + i] : 0.25f;
-	} else {
+	} else
 		ISA(source_difference)(r, y, x0, n, response);
-		for (int i = 0; i < n; i++)
-			most[i] = e->p->contrast_max;
-	}
+	for (int i = 0; i < n; i++)
+		most[i] = full_contrast(e, r->source, x0 + i, y);
 	float least = e->p->contrast_threshold;
 	for (int i = 0; i < n; i++)
 		response[i] = metric_strength(response[i], least, most[i]);

@@ -41,6 +41,9 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	made.first = arena_take(a, (size_t)FAMILY_COUNT * (size_t)f->height + 1, sizeof *made.first);
 	made.spans = (f->width - 1) / THIN_SPAN + 1;
 	made.hit = arena_take(a, (size_t)made.spans * (size_t)f->height, sizeof *made.hit);
+	size_t tiles = (size_t)tiles_of(f->width) * (size_t)tiles_of(f->height);
+	made.marks = arena_take(a, tiles, sizeof *made.marks);
+	made.kept = arena_take(a, tiles, sizeof *made.kept);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
 	if (e->on[SOURCE_SEEN]) {
@@ -83,13 +86,15 @@ static int32_t show_strength(fine *n)
 	plane out = n->f->output[ENCRE_OUTPUT_EDGES];
 	for (int y = 0; out.data && y < n->f->height; y++)
 		memset(out.data + y * out.row, 0, (size_t)n->f->width * sizeof *out.data);
-	for (uint32_t i = 0; out.data && i < n->count; i++) {
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && out.data && i < n->count; i++) {
 		const site *s = n->site + i;
+		code = at_step(n, i);
 		float *at =
 			out.data + pixel_of(s->placed.y, n->f->height) * out.row + pixel_of(s->placed.x, n->f->width);
 		*at = !s->linked.dropped && s->placed.strength > *at ? s->placed.strength : *at;
 	}
-	return ENCRE_OK;
+	return code;
 }
 
 static bool is_lit(const fine *n)
@@ -117,11 +122,13 @@ enum part {
 	HITS = 1 << 3,    /* hit */
 	THROUGH = 1 << 4, /* through, glimpse */
 	RIDGES = 1 << 5,  /* ridge, seen */
-	FOUND = 1 << 6,   /* count, first, and of each site: found */
-	PLACED = 1 << 7,
-	CELLS = 1 << 8, /* cell, member */
-	KEPT = 1 << 9,  /* linked */
-	LINKS = 1 << 10 /* at, to, known */
+	BOUND = 1 << 6,   /* kept */
+	FOUND = 1 << 7,   /* count, first, and of each site: found */
+	PLACED = 1 << 8,
+	CELLS = 1 << 9,  /* cell, member */
+	KEPT = 1 << 10,  /* linked */
+	LINKS = 1 << 11, /* at, to, known */
+	MARKS = LAYERS | LIGHT | CRACKS | HITS | THROUGH | RIDGES
 };
 
 /* What is not wanted writes NULL, and nobody asks for it. */
@@ -139,8 +146,8 @@ static const pass passes[] = {
 	{"mark hits", NULL, mark_hits, LAYERS | CRACKS, HITS, NULL},
 	{"see through", has_seen, ISA(seen_run), LAYERS, THROUGH, NULL},
 	{"mark ridges", NULL, mark_ridges, LAYERS | CRACKS | HITS | THROUGH, RIDGES, BROKEN(ridges)},
-	{"gather", NULL, ISA(fine_gather), LAYERS | LIGHT | CRACKS | HITS | THROUGH | RIDGES, FOUND | PLACED,
-	 BROKEN(sites)},
+	{"bound", NULL, ISA(fine_bound), MARKS, BOUND, NULL},
+	{"gather", NULL, ISA(fine_gather), MARKS | BOUND, FOUND | PLACED, BROKEN(sites)},
 	{"sort", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
 	{"claim", NULL, ISA(fine_claim), FOUND | PLACED | CELLS, KEPT, BROKEN(claims)},
 	{"link", NULL, ISA(fine_link), CRACKS | FOUND | PLACED | CELLS | KEPT, LINKS | KEPT, BROKEN(links)},

@@ -119,6 +119,21 @@ enum { HIT_OBJECT = 1, HIT_DEPTH = 2, THIN_SPAN = 16 };
 
 enum { CELL = 4 };
 
+/* Tiles that share the frame out evenly, each way at most TILE_SIDE pixels. None has more sites than pixels: beyond
+ * that, the strongest. A small frame may have LEAST_BOUND in any case. */
+enum { TILE_SIDE = 128, LEAST_BOUND = 4096 };
+
+static inline int tiles_of(int size)
+{
+	return (size - 1) / TILE_SIDE + 1;
+}
+
+/* The first pixel of a tile along a side. */
+static inline int tile_from(int tile, int size)
+{
+	return (int)((int64_t)tile * size / tiles_of(size));
+}
+
 typedef struct fine {
 	frame *f;
 	const edges *e;
@@ -136,8 +151,12 @@ typedef struct fine {
 	uint8_t *glimpse; /* by row: there are such pixels */
 	float *light;     /* the light, without its noise where that may matter, until sites are placed; NULL where it
 			     makes no edges */
-	uint32_t *first;  /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
-	float *scratch;   /* for each thread */
+	/* By tile: how many marks it has, and where that is too many those that are kept,
+	 * a bit each, by pixel of the tile; NULL: all. */
+	uint32_t *marks;
+	uint64_t **kept, *dense; /* dense: the memory of these */
+	uint32_t *first;         /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
+	float *scratch;          /* for each thread */
 	ptrdiff_t thread_scratch;
 
 	uint32_t count;
@@ -205,6 +224,8 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread);
 
 /* steps.c */
 bool ISA(ridge_site)(const fine *n, const found *at, placed *s);
+/* Strength, not weighted, of a site between colours of a sample, or levels of light, that differ this much. */
+float ISA(color_strength)(const fine *n, const found *at, int sample, float difference);
 
 /* ---- sites.c --------------------------------------------------------------------------------------------- */
 
@@ -216,10 +237,14 @@ static inline int fine_style(const fine *n, const found *at, placed *s)
 }
 /* The site gets this strength, weighted, if it is larger than what it has; returns whether it is an edge now. */
 bool ISA(fine_weigh)(const fine *n, placed *s, int style, enum source source, float strength);
-/* Makes all sites of the marks. */
-int32_t ISA(fine_gather)(fine *n);
+void ISA(fine_place)(const fine *n, const found *at, placed *s); /* s is cleared, and gets no controls */
 /* Fills cell and member. */
 int32_t ISA(fine_sort)(fine *n);
+
+/* ---- gather.c: makes all sites of the marks, after bounding how many of them a tile has ------------------ */
+
+int32_t ISA(fine_bound)(fine *n);
+int32_t ISA(fine_gather)(fine *n);
 
 /* ---- join ------------------------------------------------------------------------------------------------ */
 
@@ -254,6 +279,6 @@ bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, f
 bool ISA(leads_nowhere)(const fine *n, uint32_t i);
 int32_t ISA(fine_cut_spurs)(fine *n);
 /* Lengths along its chain from each site to the nearest end that is tied to nothing, INFINITY beyond `reach`. */
-void ISA(fine_free_lengths)(const fine *n, float reach, float *length);
+int32_t ISA(fine_free_lengths)(const fine *n, float reach, float *length);
 
 #endif

@@ -43,6 +43,21 @@ const char *broken_ridges(const fine *n)
 	return NULL;
 }
 
+static const char *broken_bound(const fine *n)
+{
+	for (int k = 0; k < tiles_of(n->f->width) * tiles_of(n->f->height); k++) {
+		tile t = tile_of(n->f, k);
+		uint32_t count = 0;
+		for (uint32_t i = 0; i < n->count; i++) {
+			const found *at = &n->site[i].found;
+			count += at->column >= t.x && at->column < t.end && at->row >= t.y && at->row < t.last;
+		}
+		if (count > most_of(n->f, k))
+			return "a tile has no more sites than it may";
+	}
+	return NULL;
+}
+
 const char *broken_sites(const fine *n)
 {
 	int width = n->f->width, height = n->f->height;
@@ -64,7 +79,7 @@ const char *broken_sites(const fine *n)
 		if (!(s->thin >= 0 && s->thin <= 1 && s->half >= 0 && fabsf(s->inside) < 99))
 			return "a thing has a width, and its line is beside or on it";
 	}
-	return NULL;
+	return broken_bound(n);
 }
 
 const char *broken_cells(const fine *n)

@@ -44,6 +44,27 @@ static inline float distance2(const float *a, const float *b, int planes)
 	return sum;
 }
 
+/* ---- tiles ------------------------------------------------------------------------------------------------ */
+
+typedef struct tile {
+	int x, y, end, last; /* its pixels: end and last are the first beyond it */
+} tile;
+
+static inline tile tile_of(const frame *f, int i)
+{
+	int across = tiles_of(f->width), x = i % across, y = i / across;
+	return (tile){tile_from(x, f->width), tile_from(y, f->height), tile_from(x + 1, f->width),
+		      tile_from(y + 1, f->height)};
+}
+
+/* How many sites it may have. */
+static inline uint32_t most_of(const frame *f, int i)
+{
+	tile t = tile_of(f, i);
+	uint32_t most = (uint32_t)((t.end - t.x) * (t.last - t.y));
+	return most > LEAST_BOUND ? most : LEAST_BOUND;
+}
+
 /* ---- sites near a place ---------------------------------------------------------------------------------- */
 
 static inline float apart2(const site *a, const site *b)
@@ -91,6 +112,16 @@ static inline bool near_next(const fine *n, near_sites *of, uint32_t *site)
 	}
 	*site = n->member[of->i++];
 	return true;
+}
+
+/* ---- pieces ---------------------------------------------------------------------------------------------- */
+
+enum { PIECE = 4096 };
+
+/* Asked before the i-th step of what can't be shared among threads: it may have been cancelled. */
+static inline int32_t at_step(const fine *n, uint32_t i)
+{
+	return i % PIECE ? ENCRE_OK : bands_poll(n->f->bands);
 }
 
 /* ---- chains ---------------------------------------------------------------------------------------------- */

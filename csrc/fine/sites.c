@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From marks to sites: they are counted by row, so that their numbers don't depend on threads, placed, and sorted into
- * cells. */
+/* One site: where it lies, how strong it is and where it takes its controls; and all of them, sorted into cells. */
 #include "fine/near.h"
 
 #include <string.h>
@@ -121,7 +120,7 @@ static void junction_site(const fine *n, const found *at, placed *s)
 	s->y = y / (float)count;
 }
 
-static void place_site(const fine *n, const found *at, placed *s)
+void ISA(fine_place)(const fine *n, const found *at, placed *s)
 {
 	switch ((enum kind)families[at->family].kind) {
 	case KIND_CRACK: at->axis == AXIS_JUNCTION ? junction_site(n, at, s) : crack_of(n, at, s); break;
@@ -129,94 +128,6 @@ static void place_site(const fine *n, const found *at, placed *s)
 	case KIND_BAND:
 	case KIND_STEP: ISA(ridge_site)(n, at, s); break;
 	}
-	ISA(fine_controls)(n, at, s);
-}
-
-/* ---- all sites, in order --------------------------------------------------------------------------------- */
-
-static void visit(const fine *n, uint32_t *number, int family, int x, int y, int axis)
-{
-	if (n->site) {
-		site *s = n->site + number[family];
-		*s = (site){.found = {(uint16_t)x, (uint16_t)y, (uint8_t)family, (uint8_t)axis}};
-		place_site(n, &s->found, &s->placed);
-	}
-	number[family]++;
-}
-
-static void visit_marks(const fine *n, uint32_t *number, int x, int y, enum word word, int marks)
-{
-	for (int bit = 0; marks; marks >>= 1, bit++)
-		if (marks & 1)
-			visit(n, number, marked_family[word][bit], x, y, bit % 2);
-}
-
-/* Of the four cracks between the pixels from x on: `crack`, `below` are rows of marks. */
-static int sides(const uint8_t *crack, const uint8_t *below, int x, uint8_t right)
-{
-	int down = right << 1;
-	return !!(crack[x] & right) + !!(below[x] & right) + !!(crack[x] & down) + !!(crack[x + 1] & down);
-}
-
-/* Makes the sites of a row, or counts them while there is no memory for them; number: of the next site, by family. */
-static void visit_row(const fine *n, int y, uint32_t *number)
-{
-	int width = n->f->width;
-	const uint8_t *crack = n->crack + (ptrdiff_t)y * width, *below = crack + width;
-	const uint16_t *ridge = n->ridge + (ptrdiff_t)y * width;
-	for (int x = 0; x < width; x++) {
-		uint64_t cracks, ridges[2];
-		if (x + 8 <= width && (memcpy(&cracks, crack + x, 8), memcpy(ridges, ridge + x, 16),
-				       (cracks | ridges[0] | ridges[1]) == 0)) {
-			x += 7;
-			continue;
-		}
-		bool inside = x + 1 < width && y + 1 < n->f->height;
-		visit_marks(n, number, x, y, WORD_CRACK, crack[x]);
-		for (int bit = 0; crack[x] && inside && bit < 8; bit += 2)
-			if (sides(crack, below, x, (uint8_t)(1 << bit)) > 2)
-				visit(n, number, marked_family[WORD_CRACK][bit], x, y, AXIS_JUNCTION);
-		visit_marks(n, number, x, y, WORD_RIDGE, ridge[x] & ~RIDGE_SEEN);
-		if (ridge[x] & RIDGE_SEEN)
-			visit_marks(n, number, x, y, WORD_SEEN, n->seen[(ptrdiff_t)y * width + x]);
-	}
-}
-
-static void visit_rows(void *data, int y0, int y1, int thread)
-{
-	(void)thread;
-	const fine *n = data;
-	for (int y = y0; y < y1; y++) {
-		uint32_t number[FAMILY_COUNT] = {0};
-		for (int k = 0; n->site && k < FAMILY_COUNT; k++)
-			number[k] = n->first[k * n->f->height + y];
-		visit_row(n, y, number);
-		for (int k = 0; !n->site && k < FAMILY_COUNT; k++)
-			n->first[k * n->f->height + y] = number[k];
-	}
-}
-
-int32_t ISA(fine_gather)(fine *n)
-{
-	frame *f = n->f;
-	int32_t code = bands_run(f->bands, f->height, 0, visit_rows, n);
-	if (code)
-		return code;
-	size_t count = 0;
-	for (int i = 0; i < FAMILY_COUNT * f->height; i++) {
-		uint32_t own = n->first[i];
-		n->first[i] = (uint32_t)count;
-		count += own;
-	}
-	n->first[FAMILY_COUNT * f->height] = (uint32_t)count;
-	n->site = count < INT32_MAX ? late_take(&f->late, count, sizeof *n->site) : NULL;
-	if (!n->site)
-		return ENCRE_ERROR_MEMORY;
-	n->count = (uint32_t)count;
-	code = bands_run(f->bands, f->height, 0, visit_rows, n);
-	late_drop(&f->late, n->light);
-	n->light = NULL;
-	return code;
 }
 
 /* ---- cells ----------------------------------------------------------------------------------------------- */
@@ -235,12 +146,18 @@ int32_t ISA(fine_sort)(fine *n)
 	if (!n->member)
 		return ENCRE_ERROR_MEMORY;
 	memset(n->cell, 0, (cells + 1) * sizeof *n->cell);
-	for (uint32_t i = 0; i < n->count; i++)
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
 		n->cell[cell_of(n, n->site + i)]++;
+	}
 	uint32_t end = 0;
 	for (size_t i = 0; i <= cells; i++)
 		n->cell[i] = end += i < cells ? n->cell[i] : 0;
-	for (uint32_t i = n->count; i-- > 0;) /* from the last: each finds its cell's end and moves it down */
+	for (uint32_t i = n->count;
+	     !code && i-- > 0;) { /* from the last: each finds its cell's end and moves it down */
+		code = at_step(n, i);
 		n->member[--n->cell[cell_of(n, n->site + i)]] = i;
-	return ENCRE_OK;
+	}
+	return code;
 }

@@ -90,10 +90,12 @@ static void enter(const gather *g, uint32_t a, uint32_t b, uint32_t *next)
 	}
 }
 
-static void enter_all(const gather *g, uint32_t *next)
+static int32_t enter_all(const gather *g, uint32_t *next)
 {
 	const fine *n = g->n;
-	for (uint32_t i = 0; i < n->count; i++) {
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
 		if (n->site[i].linked.dropped)
 			continue;
 		if (n->at[i] == n->at[i + 1])
@@ -102,6 +104,7 @@ static void enter_all(const gather *g, uint32_t *next)
 			if (n->to[k] > i && !n->site[n->to[k]].linked.dropped)
 				enter(g, i, n->to[k], next);
 	}
+	return code;
 }
 
 int32_t ISA(capsules_gather)(frame *f, capsules *all)
@@ -120,20 +123,24 @@ int32_t ISA(capsules_gather)(frame *f, capsules *all)
 		g.length = late_take(&f->late, n->count, sizeof *g.length);
 		if (!g.length)
 			return ENCRE_ERROR_MEMORY;
-		ISA(fine_free_lengths)(n, taper, g.length);
+		int32_t code = ISA(fine_free_lengths)(n, taper, g.length);
+		if (code)
+			return code;
 	}
 	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, make_pens, &g);
 	if (code)
 		return code;
 	memset(all->first, 0, (bands + 2) * sizeof *all->first);
-	enter_all(&g, all->first + 2); /* counted two places on: summed up, and filled, they end where they belong */
+	code = enter_all(&g,
+			 all->first + 2); /* counted two places on: summed up, and filled, they end where they belong */
+	if (code)
+		return code;
 	for (size_t k = 2; k < bands + 2; k++)
 		all->first[k] += all->first[k - 1];
 	all->list = late_take(&f->late, all->first[bands + 1], sizeof *all->list);
 	if (!all->list)
 		return ENCRE_ERROR_MEMORY;
-	enter_all(&g, all->first + 1);
-	return ENCRE_OK;
+	return enter_all(&g, all->first + 1);
 }
 
 /* ---- drawing --------------------------------------------------------------------------------------------- */

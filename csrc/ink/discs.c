@@ -128,7 +128,7 @@ static const disc *at(const disc *row, const disc *end, int x)
 static void bound_row(const frame *f, discs *all, int y)
 {
 	disc *row = all->disc + all->first[y], *end = row + all->count[y];
-	const disc *beside[2] = {NULL, NULL}, *beside_end[2] = {NULL, NULL}; /* the row above, the row below */
+	const disc *beside[2] = {end, end}, *beside_end[2] = {end, end}; /* the row above, the row below; or none */
 	for (int i = 0; i < 2; i++)
 		if (y + 2 * i - 1 >= 0 && y + 2 * i - 1 < f->height) {
 			beside[i] = all->disc + all->first[y + 2 * i - 1];

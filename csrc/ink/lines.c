@@ -84,7 +84,7 @@ static bool inks_differ(const frame *f, float *color)
 		const encre_params *p = f->params + i;
 		if (!p->use_lines)
 			continue;
-		if (p->line_tint > 0 || (found && memcmp(color, p->line_color, sizeof p->line_color)))
+		if (p->line_tint > 0 || (found && memcmp(color, p->line_color, sizeof p->line_color) != 0))
 			return true;
 		memcpy(color, p->line_color, sizeof p->line_color);
 		found = true;
@@ -188,6 +188,8 @@ static canvas canvas_of(const lines *l, int y0, int y1, int thread)
 	size_t offset = (size_t)thread * BAND * c.stride;
 	c.y0 = y0;
 	c.y1 = y1;
+	if (!c.dark) /* no lines */
+		return c;
 	c.dark += offset;
 	c.depth += offset;
 	c.grain += offset;
@@ -280,6 +282,11 @@ static void lines_rows(void *data, int y0, int y1, int thread)
 
 /* ---- the stage ------------------------------------------------------------------------------------------- */
 
+static bool reads_edges(const frame *f)
+{
+	return f->any.use_lines;
+}
+
 static void plan(frame *f, arena *a)
 {
 	lines *l = arena_take(a, 1, sizeof *l), made = {.f = f};
@@ -327,4 +334,4 @@ static int32_t run(frame *f)
 	return code;
 }
 
-const stage STAGE_SYMBOL(lines) = {.id = "lines", .plan = plan, .run = run};
+const stage STAGE_SYMBOL(lines) = {.id = "lines", .reads_edges = reads_edges, .plan = plan, .run = run};

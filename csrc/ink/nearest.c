@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-enum { STRIPE = 256, FAR = INT16_MAX };
+enum { STRIPE = 256, FAR = INT16_MAX /* as far or farther */ };
 
 typedef struct nearest {
 	int16_t *down;  /* width * height: rows down to the nearest edge of the column, NEAREST_NONE = none within reach
@@ -85,10 +85,9 @@ static int last_before(int i, int u, const int16_t *down)
 {
 	int64_t up = square(u) - square(i) + square(down[u]) - square(down[i]), run = 2 * ((int64_t)u - i);
 	int64_t q = up / run;
-	if (q * run > up)
-		q--; /* rounded towards 0 */
-	else if (q * run == up && down[u] < down[i])
-		q--; /* equally far, and u's edge is in a lesser row */
+	/* Rounded towards 0; or equally far, and u's edge is in a lesser row. */
+	if (q * run > up || (q * run == up && down[u] < down[i]))
+		q--;
 	return (int)(q < -1 ? -1 : q > INT32_MAX - 1 ? INT32_MAX - 1 : q);
 }
 
@@ -156,9 +155,9 @@ static bool nearest_site(const fine *n, int x, int y, float reach, float way[2])
 {
 	float limit = reach * reach * 1.0001f + 1e-4f, best = limit;
 	for (int k = 0; k < 2 * n->tall; k++) { /* rows of cells: own, one below, one above, two below... */
-		int row = y / CELL + (k % 2 ? (k + 1) / 2 : -(k / 2));
+		int beyond = (k + 1) / 2, row = y / CELL + (k % 2 ? beyond : -beyond);
 		/* to the rows beyond the last ones; a site may lie outside of the frame, and so of its cell */
-		float ahead = (float)(((k + 1) / 2 - 1) * CELL - 1);
+		float ahead = (float)((beyond - 1) * CELL - 1);
 		if (ahead > 0 && ahead * ahead > best)
 			break;
 		if (row < 0 || row >= n->tall)
@@ -173,17 +172,6 @@ static bool nearest_site(const fine *n, int x, int y, float reach, float way[2])
 
 /* ---- what stages call ------------------------------------------------------------------------------------ */
 
-/* No farther than anyone looks. */
-static int reach_of(const frame *f)
-{
-	float reach = 0;
-	for (int i = 0; i < f->n_styles; i++)
-		reach = max(reach, f->params[i].use_smudging ? f->params[i].smudge_range * f->scale : 0);
-	if (f->any.use_lines && f->params->line_search == line_search_NEAREST)
-		reach = max(reach, 0.5f * f->params->line_max_thickness * f->scale);
-	return (int)min(reach + 1, FAR);
-}
-
 void ISA(nearest_plan)(frame *f, arena *a)
 {
 	if (f->nearest_planned || f->params->edge_detector == edge_detector_FINE)
@@ -193,7 +181,7 @@ void ISA(nearest_plan)(frame *f, arena *a)
 		made = {
 			.down = arena_take(a, pixels, sizeof(int16_t)),
 			.stack = arena_take(a, (size_t)bands_threads(f->bands) * width, 2 * sizeof(int32_t)),
-			.reach = reach_of(f),
+			.reach = (int)min(nearest_reach(f->params, f->n_styles, f->scale) + 1, NEAREST_FAR),
 		};
 	f->nearest = arena_take(a, pixels, 2 * sizeof(int16_t));
 	f->nearest_planned = true;

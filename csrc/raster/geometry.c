@@ -34,6 +34,14 @@ static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_
 	if (mesh->n_primitives && !mesh->points)
 		return refuse(error, size, "mesh %d: has %d primitives, but no points; give them", number,
 			      (int)mesh->n_primitives);
+	const void *arrays[] = {mesh->points,   mesh->corners, mesh->attributes,
+				mesh->material, mesh->style,   mesh->object};
+	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+		if ((uintptr_t)arrays[i] % sizeof(float))
+			return refuse(error, size,
+				      "mesh %d: one of its arrays begins at an address that is no multiple of %d; copy "
+				      "it to one that is",
+				      number, (int)sizeof(float));
 	int64_t corners = corners_of(mesh) * (int64_t)mesh->n_primitives;
 	if (!mesh->corners && corners > mesh->n_points)
 		return refuse(error, size,
@@ -48,25 +56,15 @@ static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_
 	return ENCRE_OK;
 }
 
-int32_t geometry_check(geometry *g, int width, int height, char *error, size_t size)
+int32_t geometry_check(geometry *g, char *error, size_t size)
 {
 	const encre_raster_job *job = g->job;
-	const encre_frame *f = &job->frame;
-	const int most = OUTLINE_FRAME;
-	if (f->width < 1 || f->height < 1 || f->width > most || f->height > most)
-		return refuse(error, size, "frame: is %d x %d pixels; give 1 to %d each way", (int)f->width,
-			      (int)f->height, most);
-	if (f->x < 0 || f->y < 0 || f->x > f->width - width || f->y > f->height - height)
-		return refuse(error, size,
-			      "frame: %d x %d pixels at %d, %d do not lie in a frame of %d x %d; give the full frame "
-			      "and the place of the images in it",
-			      width, height, (int)f->x, (int)f->y, (int)f->width, (int)f->height);
 	if (!finite(job->view, 16) || !finite(job->projection, 16) || !finite(&job->clip_start, 1) ||
 	    isnan(job->clip_end))
 		return refuse(error, size,
 			      "camera: a matrix or clip distance is not a finite number; give the camera another place "
 			      "or lens");
-	if (job->n_meshes < 0 || (job->n_meshes && !job->meshes))
+	if (job->n_meshes < 0 || (job->n_meshes && !job->meshes) || (uintptr_t)job->meshes % _Alignof(encre_mesh))
 		return refuse(error, size, "meshes: %d of them are not there; give their number and where they lie",
 			      (int)job->n_meshes);
 	int64_t n = 0;

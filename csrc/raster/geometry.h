@@ -23,9 +23,8 @@ typedef struct geometry {
 	double eye[4]; /* world space; [3] 0 = the direction towards an eye infinitely far */
 } geometry;
 
-/* Checks frame, camera and meshes for images of width x height, and counts the primitives. Returns ENCRE_OK, or
- * ENCRE_ERROR_ARGUMENT and a sentence. */
-int32_t geometry_check(geometry *g, int width, int height, char *error, size_t size);
+/* Checks camera and meshes, and counts the primitives. Returns ENCRE_OK, or ENCRE_ERROR_ARGUMENT and a sentence. */
+int32_t geometry_check(geometry *g, char *error, size_t size);
 /* Fills `parts` and `eye`. */
 void geometry_aim(geometry *g);
 /* The part that a primitive belongs to; `last` (may be NULL), that of the primitive before, is most often right. */

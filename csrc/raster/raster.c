@@ -14,6 +14,7 @@
 #include "raster/geometry.h"
 #include "raster/segment.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -397,11 +398,11 @@ int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t
 		    .width = image->width,
 		    .height = image->height,
 		    .more = job->marks.data != NULL};
-	int32_t code = geometry_check(&r.geometry, r.width, r.height, error, size);
+	int32_t code = geometry_check(&r.geometry, error, size);
 	if (code)
 		return code;
 	const encre_frame *f = &job->frame;
-	r.room = (room){.start = job->clip_start,
+	r.room = (room){.start = job->clip_start > -FLT_MAX ? job->clip_start : -FLT_MAX, /* depths are floats */
 			.end = job->clip_end > job->clip_start ? job->clip_end : INFINITY,
 			.frame_width = f->width,
 			.frame_height = f->height,

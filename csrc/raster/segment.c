@@ -7,14 +7,21 @@
 
 #include <math.h>
 
+/* The guard's room is kept whatever rounding does, as integers depend on it. */
+static inline double inside(double pixel, double limit)
+{
+	pixel = pixel > -OUTLINE_GUARD ? pixel : -OUTLINE_GUARD;
+	return pixel < limit ? pixel : limit;
+}
+
 bool segment_make(const room *r, const corner corner[2], segment *s, int *y0, int *y1)
 {
 	struct corner c[2] = {corner[0], corner[1]};
 	if (!outline_clip(r, c))
 		return false;
 	for (int k = 0; k < 2; k++) {
-		s->x[k] = c[k].x / c[k].w - 0.5;
-		s->y[k] = c[k].y / c[k].w - 0.5;
+		s->x[k] = inside(c[k].x / c[k].w, r->frame_width + OUTLINE_GUARD) - 0.5;
+		s->y[k] = inside(c[k].y / c[k].w, r->frame_height + OUTLINE_GUARD) - 0.5;
 		s->u[k] = 1 / c[k].w;
 		s->z[k] = c[k].z / c[k].w;
 	}

@@ -135,6 +135,11 @@ static void apply_rows(void *data, int y0, int y1, int thread)
 
 /* ---- stage ----------------------------------------------------------------------------------------------- */
 
+static bool reads_edges(const frame *f)
+{
+	return f->any.use_smudging;
+}
+
 static bool wanted(const frame *f)
 {
 	return f->any.use_smudging && f->layer[ENCRE_LAYER_CONTROLS].data;
@@ -181,4 +186,4 @@ static int32_t run(frame *f)
 	return code;
 }
 
-const stage STAGE_SYMBOL(smudge) = {.id = "smudge", .plan = plan, .run = run};
+const stage STAGE_SYMBOL(smudge) = {.id = "smudge", .reads_edges = reads_edges, .plan = plan, .run = run};

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from encre.cli import images
 from encre.cli.composite import composite
-from encre.pen import layers, library, metadata
+from encre.pen import layers, library, metadata, saved
+from encre.pen.settings import Settings
 
 
 @pytest.fixture(params=blenders.params(), scope="module")
@@ -30,7 +31,7 @@ def over(lines, surface):
 def test_picture(render):
     shot = render("picture")
     found = shot.passes("picture")
-    assert found.keys() >= layers.CYCLES.keys() | layers.DRAWN.keys() | layers.SAVED.keys()
+    assert found.keys() >= layers.CYCLES.keys() | layers.DRAWN.keys() | saved.passes(False).keys()
     assert found["Encre Lines"][..., 3].max() > 0.9  # there is ink
     assert np.abs(over(found["Encre Lines"], found["Encre Surface"]) - found["Combined"]).max() < 1e-6
     assert np.abs(found["Combined"] - found["Encre Source"]).max() > 0.1
@@ -40,7 +41,7 @@ def test_picture(render):
     assert shot.facts["pass_index"][0].count(7) == 1
     # The same from what the file holds.
     settings = metadata.read(shot.metadata("picture"))
-    images, nonfinite = layers.assemble(found, settings.scene, [v for _, v in settings.styles])
+    images, nonfinite = layers.assemble(dict(found), Settings(settings.scene, settings.styles), saved.unpack(found))
     again = library.render(images, settings.scene, camera=settings.camera, frame=settings.frame,
                         outputs=("Combined", *layers.DRAWN))
     assert nonfinite + again.nonfinite == 0
@@ -132,6 +133,21 @@ def test_blur_is_off(render):
     assert np.array_equal(shot.passes("sharp")["Combined"], shot.passes("blurred")["Combined"])
     assert shot.output.count("depth of field and motion blur: rendered without") == 1
     assert shot.facts["kept"] == [[True, True]]
+
+
+def test_settings_are_read_once(render):
+    # The user's say which passes there are, before anything is evaluated; the evaluated ones all else.
+    assert render("read_once").facts["evaluated"] == [[False, True]]
+
+
+def test_memory_of_a_frame(render):
+    """numpy counts its pictures with Python's memory. While the library draws there are its 15 layers, and 64 bytes
+    a pixel of what it draws."""
+    facts = render("memory").facts
+    assert all(held < 13 + 24 * painted for painted, held in enumerate(facts["held"]))
+    plain, painted = facts["peak"]
+    assert plain <= 189 and painted <= 213, facts
+    assert max(facts["left"]) < 1
 
 
 def test_cameras(render):
@@ -299,9 +315,9 @@ def test_compositor(render):
 
 def test_save_layers(render):
     shot = render("saved")
-    assert shot.passes("on").keys() >= layers.SAVED.keys()
-    assert shot.passes("auto").keys() >= layers.SAVED.keys()
-    assert not shot.passes("off").keys() & layers.SAVED.keys()
+    assert shot.passes("on").keys() >= saved.passes(False).keys()
+    assert shot.passes("auto").keys() >= saved.passes(False).keys()
+    assert not shot.passes("off").keys() & saved.passes(False).keys()
     assert json.loads(shot.metadata("off")["encre.params"])["scene"]["save_layers"] == "OFF"
 
 

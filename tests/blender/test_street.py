@@ -8,7 +8,8 @@ import exr
 import numpy as np
 import pytest
 from encre.cli import composite, images
-from encre.pen import layers, library, metadata
+from encre.pen import layers, library, metadata, saved
+from encre.pen.settings import Settings
 
 STREET = Path(__file__).parents[2] / "scenes" / "street.py"
 
@@ -23,16 +24,16 @@ def street(request, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def saved(street):
+def kept(street):
     """(layers, settings) of the file."""
     with images.Exr(str(street)) as file:
         settings = metadata.read(file.metadata)
         passes = file.read(composite.view_layers(file.channels)["ViewLayer"][""])
-    return layers.assemble(passes, settings.scene, [])[0], settings
+    return layers.assemble(dict(passes), Settings(settings.scene), saved.unpack(passes))[0], settings
 
 
 def test_the_file_has_all_passes_and_gives_the_picture_again(street, tmp_path):
-    for name in (*layers.DRAWN, *layers.SAVED):
+    for name in (*layers.DRAWN, *saved.passes(False)):
         assert exr.part(street, f"ViewLayer.{name}").shape[:2] == (270, 480)
     blenders.encre("bpy", tmp_path, "composite", street, "-o", tmp_path / "again.exr")
     picture = exr.part(street, "ViewLayer.Combined")
@@ -42,16 +43,16 @@ def test_the_file_has_all_passes_and_gives_the_picture_again(street, tmp_path):
     assert 0.03 < (lines[..., 3] > 0.5).mean() < 0.3
 
 
-def test_much_is_in_it(saved):
-    objects = saved[0]["object"]
+def test_much_is_in_it(kept):
+    objects = kept[0]["object"]
     assert len(np.unique(objects[objects > 0])) >= 25
 
 
 @pytest.mark.parametrize(("control", "far"), [
     ("thickness", 12), ("intensity", 12), ("smudge_range", 0), ("hatching", 0)])
-def test_each_painted_control_changes_its_region_alone(saved, control, far):
+def test_each_painted_control_changes_its_region_alone(kept, control, far):
     """No pixel changes farther than `far` pixels from what is painted: lines reach out, surfaces do not."""
-    pictures, settings = saved
+    pictures, settings = kept
     k = list(library.controls()).index(control)
     neutral = pictures["controls"].copy()
     neutral[..., k] = 0

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+import tracemalloc
 from pathlib import Path
 
 import drawn
@@ -17,12 +18,13 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from encre.cli import composite, images, main, workplace
-from encre.pen import denoise, layers, library, metadata, presets, settings
+from encre.pen import denoise, layers, library, metadata, presets, saved
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
+from encre.pen.settings import Settings, switches
 
 SIZE = 96, 64
-OFF = [f"--set={switch}=off" for switch in settings.switches()]
+OFF = [f"--set={switch}=off" for switch in switches()]
 STYLES = [("Ink", {"line_thickness": 30.0, "use_shading": False})]
 
 
@@ -56,8 +58,33 @@ def fails(result, *words, status=2):
 
 def expected(pictures, scene=None, styles=(), camera=None, frame=None, outputs=("Combined",)):
     """What the library makes of passes in memory."""
-    made, _ = layers.assemble(pictures, library.check(scene or {}), styles)
+    settings = Settings(scene, [("", values) for values in styles])
+    made, _ = layers.assemble(dict(pictures), settings, saved.unpack(pictures))
     return library.render(made, scene or {}, styles, camera, frame, outputs).images
+
+
+# memory
+
+
+@pytest.mark.parametrize(("ending", "change", "most"), [("exr", {}, 189), ("exr", {"edge_seen": 0.0}, 161),
+                                                        ("png", {}, 143)])
+def test_memory_of_composite(tmp_path, monkeypatch, ending, change, most):
+    """numpy counts its pictures with Python's memory; OpenImageIO's are copied here, so that they count as well."""
+    width, height = 192, 1080
+    scene = drawn.scene(width, height)
+    scene.update(style=0 * scene["style"], controls=0 * scene["controls"])
+    marks = np.ones((height, width, 3), np.float32) / 2
+    stored = metadata.write({}, [], Camera(), Frame(width, height))
+    path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene), "Encre Marks": marks},
+                     metadata=stored)
+    del scene, marks
+    read = oiio.ImageInput.read_scanlines
+    monkeypatch.setattr(oiio.ImageInput, "read_scanlines", lambda *args: read(*args).copy())
+    tracemalloc.start()
+    composite.composite(str(path), str(tmp_path / f"out.{ending}"), change)
+    peak = tracemalloc.get_traced_memory()[1] / (width * height)
+    tracemalloc.stop()
+    assert peak <= most
 
 
 # params and presets

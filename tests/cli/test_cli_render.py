@@ -19,7 +19,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from encre.cli import images, render
-from encre.pen import layers, library, metadata
+from encre.pen import layers, library, metadata, saved
 from encre.pen.errors import EncreError
 
 CUBE = '''
@@ -85,7 +85,7 @@ def png(path):
 def test_exr_and_back(cube, tmp_path):
     """The file holds all passes, and composite without options gives its Combined again."""
     works(encre("render", cube, "-o", tmp_path / "out.exr"))
-    for name in ("Depth", "Normal", *layers.DRAWN, *layers.SAVED):
+    for name in ("Depth", "Normal", *layers.DRAWN, *saved.passes(False)):
         assert exr.part(tmp_path / "out.exr", f"ViewLayer.{name}").shape[:2] == (36, 64)
     assert works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.exr")) == ""
     picture = exr.part(tmp_path / "out.exr", "ViewLayer.Combined")

@@ -8,7 +8,8 @@ import exr
 import numpy as np
 import pytest
 from encre.cli import composite, images
-from encre.pen import layers, library, metadata
+from encre.pen import layers, library, metadata, saved
+from encre.pen.settings import Settings
 
 SCENE = Path(__file__).parents[1] / "blender" / "inside" / "glass.py"
 PEN = dict(edge_detector="FINE", edge_threshold=0.3, edge_color=1.0, line_thickness=2.0, length_unit="PIXELS",
@@ -29,7 +30,7 @@ def rendered(blender, folder, kind, size="480x270", samples=8):
 
 def ink(shot):
     passes, settings = shot
-    made, _ = layers.assemble(passes, PEN)
+    made, _ = layers.assemble(dict(passes), Settings(PEN), saved.unpack(passes))
     return library.render(made, PEN, (), settings.camera, settings.frame, outputs=("Encre Lines",)).images[
         "Encre Lines"][..., 3] > 0.5
 
@@ -79,7 +80,7 @@ def test_a_pane_hides_and_adds_little(shots):
 def test_what_is_seen_in_every_blender(blender, kind, tmp_path):
     """Off the mirror it is the surface itself: its normal in the camera's space, its depth on the view axis."""
     passes, settings = rendered(blender, tmp_path, kind, "240x135", 4)
-    made, _ = layers.assemble(passes, {})
+    made, _ = layers.assemble(dict(passes), Settings(), saved.unpack(passes))
     view = np.reshape(settings.camera.view, (3, 3))
     silver = (passes["GlossCol"] > 0.5).all(-1)
     matt = inner(~silver & (made["depth"][..., 0] < 1e9), 2)
@@ -102,4 +103,4 @@ def test_passes_are_there_only_where_they_are_needed(tmp_path):
                        "--set", change)
         with images.Exr(str(tmp_path / "off.exr")) as file:
             found = {name for name in composite.view_layers(file.channels)["ViewLayer"][""]}
-        assert not found & {*layers.SEEN, *layers.SAVED_SEEN} and {*layers.SAVED} <= found
+        assert not found & {*layers.SEEN, "Encre Seen Depth"} and {*saved.passes(False)} <= found

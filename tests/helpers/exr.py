@@ -4,8 +4,9 @@
 import numpy as np
 import OpenImageIO as oiio
 from encre.pen import layers
+from encre.pen import saved as kept
 
-LETTERS = {**layers.CYCLES, **layers.DRAWN, **layers.SAVED, **layers.SEEN, **layers.SAVED_SEEN, "IndexMA": "X"}
+LETTERS = {**layers.CYCLES, **layers.DRAWN, **kept.passes(True), **layers.SEEN, "IndexMA": "X"}
 LAYOUTS = ("classic", "parts", "bare")  # Blender 3.4 to 4.x; 5.x; a file without a view layer
 
 
@@ -22,7 +23,7 @@ def saved(drawn):
     """What save_layers adds: Encre's own passes, and those that see into mirrors, of which there are none here."""
     index = np.stack([drawn[name] for name in ("object", "material", "style")], axis=-1)
     return {"Encre Source": drawn["combined"], "Encre Diffuse": drawn["diffuse"], "Encre Index": index,
-            **layers.saved_controls(drawn["controls"]),
+            **{name: kept.pack(name, drawn) for name in ("Encre Line Controls", "Encre Surface Controls")},
             "Denoising Albedo": drawn["albedo"],
             "Denoising Normal": drawn["normal"] * np.float32((1, 1, -1)), "Encre Seen Depth": drawn["depth"]}
 

@@ -360,6 +360,19 @@ def test_any_size_of_triangle_gives_clean_pixels(seed, size, flat):
         np.testing.assert_allclose(np.linalg.norm(got["normal"][there], axis=-1), 1, atol=1e-6)
 
 
+@pytest.mark.parametrize("start", [-1e38, -1e300])
+def test_depths_are_floats(start):
+    """What lies farther behind the eye than a float can tell is not drawn, nor is its depth infinite."""
+    points = np.array([[-1, -1, 1], [1, -1, 1], [0, 1, 1]], np.float32)
+    flat = np.diag([1.0, 1.0, -0.01, 1.0])
+    for far in (1e37, 3e38, 1e39, 1e50):
+        model = np.diag([1.0, 1.0, far, 1.0])
+        depth = library.raster([Mesh(points, model=model, object_index=1)], np.eye(4), flat, Frame(8, 8), (8, 8),
+                               start)["depth"]
+        assert np.isfinite(depth).all()
+        assert (depth.min() == np.float32(-far)) == (far <= min(-start, 3e38))
+
+
 def drawn(mesh=None, view=None, projection=None, frame=None, size=(8, 8), start=0.1):
     points = np.array([[-1, -1, -2], [1, -1, -2], [0, 1, -2]], np.float32)
     view = np.eye(4) if view is None else view

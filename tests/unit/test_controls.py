@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import numpy as np
-from encre.pen import layers, library
+from encre.pen import library, saved
 
 README = Path(__file__).parents[2] / "README.md"
 
@@ -15,21 +15,19 @@ def test_files_keep_them_where_they_always_did():
     line, surface = "Encre Line Controls", "Encre Surface Controls"
     assert places == {"thickness": (line, 0), "intensity": (line, 1), "color_edge": (line, 2),
                       "smudge_range": (surface, 0), "smudge_falloff": (surface, 1), "hatching": (surface, 2)}
-    assert list(layers.SAVED.items()) == [
+    assert list(saved.passes(False).items()) == [
         ("Encre Source", "RGBA"), ("Encre Diffuse", "RGB"), ("Encre Index", "XYZ"), (line, "XYZ"), (surface, "XYZ"),
         ("Encre Marks", "XYZ")]
 
 
 def test_what_is_saved_is_read_again_and_an_older_file_has_fewer():
-    passes = dict.fromkeys(("Combined", "DiffDir", "DiffCol", "Depth", "Normal"), np.ones((3, 4, 3)))
     controls = np.random.default_rng(1).uniform(-1, 1, (3, 4, len(library.controls()))).astype(np.float32)
-    saved = layers.saved_controls(controls)
-    made, _ = layers.assemble({**passes, **saved}, {})
-    np.testing.assert_array_equal(made["controls"], controls)
-    del saved["Encre Surface Controls"]
-    made, _ = layers.assemble({**passes, **saved}, {})
-    np.testing.assert_array_equal(made["controls"], controls * np.float32([1, 1, 1, 0, 0, 0]))
-    assert "controls" not in layers.assemble(passes, {})[0]
+    made = {"combined": np.ones((3, 4, 4), np.float32), "controls": controls}
+    kept = {name: saved.pack(name, made) for name in ("Encre Line Controls", "Encre Surface Controls")}
+    np.testing.assert_array_equal(saved.unpack(kept)["controls"], controls)
+    del kept["Encre Surface Controls"]
+    np.testing.assert_array_equal(saved.unpack(kept)["controls"], controls * np.float32([1, 1, 1, 0, 0, 0]))
+    assert "controls" not in saved.unpack({})
 
 
 def test_the_manual_tells_them():

@@ -3,9 +3,10 @@
 
 import numpy as np
 import pytest
-from encre.pen import layers, library, overlay, settings
+from encre.pen import layers, library, overlay, saved
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
+from encre.pen.settings import Settings, switches
 
 SHAPE = (7, 9)
 
@@ -18,12 +19,17 @@ def passes():
     return made
 
 
+def assemble(passes, scene=None, styles=(), *args):
+    settings = Settings(scene, [("", values) for values in styles])
+    return layers.assemble(dict(passes), settings, saved.unpack(passes), *args)
+
+
 def close(a, b, tolerance=2e-6):
     assert a.shape == b.shape and np.abs(np.asarray(a, np.float64) - b).max() <= tolerance
 
 
 def test_layers_of_a_picture(passes):
-    made, nonfinite = layers.assemble(passes, {})
+    made, nonfinite = assemble(passes, {})
     assert nonfinite == 0 and made.keys() <= library.LAYERS.keys()
     close(made["albedo"], np.minimum(1, passes["DiffCol"] + passes["GlossCol"] + passes["TransCol"] + passes["Emit"]))
     close(made["specular"], (passes["GlossDir"] + passes["GlossInd"]) * passes["GlossCol"])
@@ -34,10 +40,10 @@ def test_layers_of_a_picture(passes):
 
 
 def test_what_is_seen(passes):
-    assert not layers.assemble(passes, {})[0].keys() & {"seen_color", "seen_normal", "seen_depth"}
+    assert not assemble(passes, {})[0].keys() & {"seen_color", "seen_normal", "seen_depth"}
     normal = np.random.default_rng(1).random((*SHAPE, 3), np.float32)
     more = {"Denoising Albedo": normal / 2, "Denoising Normal": normal, "Encre Seen Depth": normal[..., :1]}
-    made, _ = layers.assemble({**passes, **more}, {})
+    made, _ = assemble({**passes, **more}, {})
     assert np.array_equal(made["seen_normal"], normal * np.float32((1, 1, -1)))
     assert np.array_equal(made["seen_color"], more["Denoising Albedo"])
     assert np.array_equal(made["seen_depth"], more["Encre Seen Depth"])
@@ -67,33 +73,33 @@ def test_seen_lines_are_wanted_only_where_they_are_drawn():
                                   ({"edge_detector": "DOG"}, [], False),
                                   ({"use_lines": False}, [], True),
                                   ({"use_lines": False, "use_smudging": False}, [], False)):
-        assert settings.wants_seen(scene, styles) == wanted, scene
+        assert Settings(scene, [("", values) for values in styles]).wants_seen == wanted, scene
 
 
 def test_pictures_of_any_strides(passes):
     flipped = {name: np.ascontiguousarray(picture[::-1])[::-1] for name, picture in passes.items()}
     flat = {**passes, "Depth": passes["Depth"][..., 0], "IndexOB": passes["IndexOB"][..., 0]}
     for other in (flipped, flat):
-        for layer, picture in layers.assemble(other, {})[0].items():
-            assert np.array_equal(picture, layers.assemble(passes, {})[0][layer])
+        for layer, picture in assemble(other, {})[0].items():
+            assert np.array_equal(picture, assemble(passes, {})[0][layer])
 
 
 def test_missing_passes(passes):
     for name in ("Combined", "DiffDir", "DiffCol", "Depth", "Normal"):
         with pytest.raises(EncreError, match=f"pass {name} is missing.*GlossCol"):
-            layers.assemble({k: v for k, v in passes.items() if k != name}, {})
+            assemble({k: v for k, v in passes.items() if k != name}, {})
     few = {k: passes[k] for k in ("Combined", "DiffDir", "DiffCol", "Depth", "Normal")}
-    made, _ = layers.assemble(few, {})
+    made, _ = assemble(few, {})
     assert made.keys() == {"combined", "diffuse", "color", "albedo", "depth", "normal"}
     assert np.array_equal(made["diffuse"], passes["DiffDir"])
 
 
 def test_direct_light(passes):
-    made, _ = layers.assemble(passes, {"shade_light": "DIRECT"})
+    made, _ = assemble(passes, {"shade_light": "DIRECT"})
     assert np.array_equal(made["diffuse"], passes["DiffDir"])
     close(made["combined"][..., :3], passes["Combined"][..., :3] - passes["DiffCol"] * passes["DiffInd"])
     assert np.array_equal(made["combined"][..., 3], passes["Combined"][..., 3])
-    made, _ = layers.assemble(passes, {"shade_light": "DIRECT", "use_shading": False})
+    made, _ = assemble(passes, {"shade_light": "DIRECT", "use_shading": False})
     assert np.array_equal(made["combined"], passes["Combined"])
 
 
@@ -101,7 +107,7 @@ def test_light_by_style(passes):
     index = np.zeros((*SHAPE, 3), np.float32)
     index[:, 3:6, 2], index[:, 6:, 2], index[0, 0, 2], index[1, 0, 2] = 1, 2, 7, -1  # 7 and -1 are no styles: 0
     passes["Encre Index"] = index
-    made, _ = layers.assemble(passes, {}, [{"shade_light": "DIRECT"}, {"shade_light": "DIRECT", "use_shading": False}])
+    made, _ = assemble(passes, {}, [{"shade_light": "DIRECT"}, {"shade_light": "DIRECT", "use_shading": False}])
     everything = passes["DiffDir"] + passes["DiffInd"]
     close(made["diffuse"][:, :3], everything[:, :3])
     assert np.array_equal(made["diffuse"][:, 3:], passes["DiffDir"][:, 3:])
@@ -118,28 +124,28 @@ def half(picture, albedo, normal):
 def test_denoised_light_is_put_back(passes):
     light, color = passes["DiffDir"] + passes["DiffInd"], passes["DiffCol"]
     rest = passes["Combined"][..., :3] - color * light
-    made, _ = layers.assemble(passes, {}, denoise=half)
+    made, _ = assemble(passes, {}, (), half)
     close(made["diffuse"], light / 2)
     close(made["combined"][..., :3], color * light / 2 + rest)
-    made, _ = layers.assemble(passes, {}, denoise=half, denoise_other=True)
+    made, _ = assemble(passes, {}, (), half, True)
     close(made["combined"][..., :3], color * light / 2 + np.maximum(rest, 0) / 2 + np.minimum(rest, 0))
-    made, _ = layers.assemble(passes, {"use_shading": False}, denoise=half)
+    made, _ = assemble(passes, {"use_shading": False}, (), half)
     assert np.array_equal(made["combined"], passes["Combined"])
     # A style without shading keeps what was rendered, or has it denoised as Cycles would have done.
     passes["Encre Index"] = np.zeros((*SHAPE, 3), np.float32)
     passes["Encre Index"][:, 4:, 2] = 1
     styles = [{"use_shading": False, "shade_light": "DIRECT"}]
-    made, _ = layers.assemble(passes, {}, styles, half)
+    made, _ = assemble(passes, {}, styles, half)
     assert np.array_equal(made["combined"][:, 4:], passes["Combined"][:, 4:])
-    made, _ = layers.assemble(passes, {}, styles, half, True)
+    made, _ = assemble(passes, {}, styles, half, True)
     close(made["combined"][..., :3], color * light / 2 + np.maximum(rest, 0) / 2 + np.minimum(rest, 0))
 
 
 def test_saved_layers_are_preferred(passes):
-    for name, channels in layers.SAVED.items():
+    for name, channels in saved.passes(True).items():
         passes[name] = np.full((*SHAPE, len(channels)), 0.25, np.float32)
     passes["Encre Index"] += np.arange(3, dtype=np.float32)
-    made, _ = layers.assemble(passes, {"shade_light": "DIRECT"}, denoise=half)
+    made, _ = assemble(passes, {"shade_light": "DIRECT"}, (), half)
     assert np.array_equal(made["combined"], passes["Encre Source"])
     assert np.array_equal(made["diffuse"], passes["Encre Diffuse"])
     assert [made[k].mean() for k in ("object", "material", "style")] == [0.25, 1.25, 2.25]
@@ -147,7 +153,7 @@ def test_saved_layers_are_preferred(passes):
     assert made["marks"].shape == (*SHAPE, 2)
     del passes["Combined"], passes["DiffDir"], passes["DiffInd"]
     passes["Encre Marks"][:] = 0
-    assert "marks" not in layers.assemble(passes, {})[0]
+    assert "marks" not in assemble(passes, {})[0]
 
 
 def test_values_that_are_no_numbers(passes):
@@ -155,13 +161,13 @@ def test_values_that_are_no_numbers(passes):
     passes["DiffInd"][1, 2] = 2
     passes["Combined"][3, 3, 1] = -np.inf
     passes["Depth"][0, 0] = np.nan
-    made, found = layers.assemble(passes, {"shade_light": "DIRECT"})
+    made, found = assemble(passes, {"shade_light": "DIRECT"})
     assert found == 3
     assert made["diffuse"][1, 2].tolist() == [0, 0, 1]
     assert np.isfinite(made["combined"]).all()
     drawn = library.render(made, {}, camera=Camera(), frame=Frame(*SHAPE[::-1]))
     assert found + drawn.nonfinite == 4
-    made, found = layers.assemble(passes, {"use_shading": False})
+    made, found = assemble(passes, {"use_shading": False})
     assert found + library.render(made, {"use_shading": False}).nonfinite == 4
 
 
@@ -179,26 +185,91 @@ def test_own_pixels():
             assert source == (min(near)[1] * width + min(near)[2] if near else -1)
 
 
-def test_rasterised_passes():
+def test_rasterised_layers():
     index = np.array([[0, 5, 5, 7, 9]], np.float32)
     maps = {"object": np.array([[0, 1, 2, 2, 2]], np.float32), "material": np.array([[0, 3, 4, 4, 4]], np.float32),
             "style": np.array([[0, 0, 1, 1, 1]], np.float32), "attributes": np.zeros((1, 5, 6), np.float32)}
     maps["marks"] = np.full((1, 5, 2), 0.5, np.float32)
     maps["attributes"][0, :, 0], maps["attributes"][0, :, 5] = [0, 0.1, 0.2, 0.2, 0.2], [0, 1, 2, 2, 2]
     owners, numbers = np.array([0, 5, 5], np.float32), np.array([0, 50, 51], np.float32)
+    maps = overlay.compact(maps)
+    assert [maps[name].dtype for name in ("object", "material", "style")] == 3 * [np.uint8]
     made = overlay.rasterised(index, maps, owners, numbers, lambda stray: 100 + stray)
-    assert made["Encre Index"].tolist() == [[[0, 0, 0], [50, 3, 0], [51, 4, 1], [107, 0, 0], [109, 0, 0]]]
-    close(made["Encre Line Controls"][0, :, 0], np.array([0, 0.1, 0.2, 0, 0]))
-    close(made["Encre Surface Controls"][0, :, 2], np.array([0, 1, 2, 0, 0]))
-    assert made["Encre Line Controls"].shape == (1, 5, 3)
+    assert not maps and all(picture.dtype == np.float32 for picture in made.values())
+    assert [made[name].tolist() for name in ("object", "material", "style")] == [
+        [[[0], [50], [51], [107], [109]]], [[[0], [3], [4], [0], [0]]], [[[0], [0], [1], [0], [0]]]]
+    close(made["controls"][0, :, 0], np.array([0, 0.1, 0.2, 0, 0]))
+    close(made["controls"][0, :, 5], np.array([0, 1, 2, 0, 0]))
     # What the rasteriser did not draw may lie in front of a line.
-    assert made["Encre Marks"].tolist() == [[[0.5, 0.5, 0], [0.5, 0.5, 0], [0, 0.5, 0], [0, 0, 0], [0, 0, 0]]]
+    assert made["marks"].tolist() == [[[0.5, 0.5], [0.5, 0.5], [0, 0.5], [0, 0], [0, 0]]]
+
+
+def test_only_what_is_not_0_is_kept_of_what_was_rasterised():
+    none = np.zeros((2, 3), np.float32)
+    maps = {"object": none + 300, "material": none, "style": none, "attributes": np.zeros((2, 3, 6), np.float32),
+            "marks": np.zeros((2, 3, 2), np.float32)}
+    made = overlay.compact(maps)
+    assert made.keys() == {"object", "material", "style"} and made["object"].dtype == np.uint16
+    assert overlay.rasterised(none, made, np.zeros(301), np.zeros(301), np.negative).keys() == {
+        "object", "material", "style"}
+
+
+def test_files_keep_the_layers():
+    random = np.random.default_rng(3)
+    names = ("combined", "diffuse", "object", "material", "style", "controls", "marks", "seen_depth")
+    made = {name: random.uniform(-1, 1, (*SHAPE, library.LAYERS[name])).astype(np.float32) for name in names}
+    packed = {name: saved.pack(name, made) for name in saved.passes(True)}
+    assert {name: picture.shape[2] for name, picture in packed.items()} == {
+        name: len(letters) for name, letters in saved.passes(True).items()}
+    again = saved.unpack(packed)
+    assert again.keys() == made.keys() and all(np.array_equal(again[name], made[name]) for name in names)
+    few = {name: made[name] for name in ("combined", "diffuse", "object", "material")}
+    again = saved.unpack({name: saved.pack(name, few) for name in saved.passes(False)})
+    assert all(np.array_equal(again.pop(name), few[name]) for name in few)
+    assert again.keys() == {"style", "controls", "marks"} and not any(picture.any() for picture in again.values())
+
+
+def test_a_picture_from_its_bands(passes):
+    for name, letters in saved.passes(False).items():
+        passes[name] = np.zeros((*SHAPE, len(letters)), np.float32)
+    passes["Encre Index"][4:, :, 2] = passes["Encre Marks"][5:, :, 0] = 1
+    del passes["Encre Source"], passes["Encre Diffuse"]
+    scene, styles = {"shade_light": "DIRECT", "use_hatching": True}, [{"shade_light": "ALL"}]
+    at_once, _ = assemble(passes, scene, styles)
+    whole = layers.Whole(*SHAPE)
+    for row in range(0, SHAPE[0], 3):
+        whole.add(row, assemble({name: picture[row:row + 3] for name, picture in passes.items()}, scene, styles)[0])
+    assert whole.layers.keys() == at_once.keys() and "controls" not in at_once and "style" in at_once
+    for name in at_once:
+        assert whole.layers[name].tobytes() == np.ascontiguousarray(at_once[name]).tobytes(), name
+
+
+def test_passes_are_free_after_their_last_reader(passes):
+    layers.assemble(passes, Settings({"use_hatching": True}), {"object": passes.pop("IndexOB")})
+    assert not passes
 
 
 def test_what_is_active():
-    off = dict.fromkeys(settings.switches(), False)
-    assert settings.active({}, []) and not settings.active(off, []) and settings.active(off, [{"use_hatching": True}])
-    assert settings.shaded({}, [{"use_shading": False}]) and not settings.shaded(off, [])
-    assert settings.wants_light({}, []) and not settings.wants_light(off, [])
-    assert not settings.wants_light({**off, "use_lines": True}, [])
-    assert settings.wants_light({**off, "use_lines": True}, [{"edge_light": 1.0}])
+    off = dict.fromkeys(switches(), False)
+
+    def asked(scene, style=None):
+        return Settings(scene, [("", style or {})])
+
+    assert asked({}).active and not asked(off).active and asked(off, {"use_hatching": True}).active
+    assert asked({}, {"use_shading": False}).shaded and not asked(off).shaded
+    assert asked({}).wants_light and not asked(off).wants_light
+    assert asked({}).denoises and not asked({"light_denoise": "NONE"}).denoises
+    assert not asked({**off, "use_lines": True}).wants_light
+    assert asked({**off, "use_lines": True}, {"edge_light": 1.0}).wants_light
+    assert asked({"supersample": 2}).factor == 2 and asked({**off, "supersample": 2}).factor == 1
+
+
+def test_settings_are_checked_and_complete():
+    made = Settings({"line_thickness": 3}, [("Ink", {"line_thickness": 4.0, "edge_detector": "DOG"})])
+    assert [len(values) for values in made.every] == 2 * [len(library.params())]
+    assert [values["line_thickness"] for values in made.every] == [3, 4]
+    assert {values["edge_detector"] for values in made.every} == {library.defaults()["edge_detector"]}, "is the frame's"
+    assert made.scene == {"line_thickness": 3.0}
+    for scene, style in (({"line_thickness": -1}, {}), ({}, {"line_thickness": -1}), ({"line": 1}, {})):
+        with pytest.raises(EncreError):
+            Settings(scene, [("", style)])

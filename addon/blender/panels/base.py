@@ -13,3 +13,15 @@ class EncrePanel:
     @classmethod
     def poll(cls, context):
         return context.engine in cls.COMPAT_ENGINES
+
+
+class SidebarPanel:
+    """In the sidebar of the 3D view."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Encre"
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE

@@ -20,30 +20,24 @@ def draw_block(layout, block, owner, scene):
                 column.prop(block.encre, own.id)
 
 
-class ENCRE_PT_object(EncrePanel, bpy.types.Panel):
+class _BlockPanel(EncrePanel):
     bl_label = "Encre"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and getattr(context, cls.bl_context) is not None
+
+    def draw(self, context):
+        draw_block(self.layout, getattr(context, self.bl_context), self.bl_context, context.scene)
+
+
+class ENCRE_PT_object(_BlockPanel, bpy.types.Panel):
     bl_context = "object"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and context.object is not None
-
-    def draw(self, context):
-        draw_block(self.layout, context.object, "object", context.scene)
 
 
-class ENCRE_PT_material(EncrePanel, bpy.types.Panel):
-    bl_label = "Encre"
+class ENCRE_PT_material(_BlockPanel, bpy.types.Panel):
     bl_context = "material"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and context.material is not None
-
-    def draw(self, context):
-        draw_block(self.layout, context.material, "material", context.scene)
 
 
 CLASSES = (ENCRE_PT_object, ENCRE_PT_material)

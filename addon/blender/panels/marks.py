@@ -8,6 +8,7 @@ import bpy
 
 from .. import ENGINE
 from ..meshes import PART
+from .base import SidebarPanel
 
 
 def _wrong(mesh):
@@ -63,15 +64,12 @@ def _row(layout, operator, text):
     row.operator(operator, text="", icon="X").clear = True
 
 
-class ENCRE_PT_marks(bpy.types.Panel):
+class ENCRE_PT_marks(SidebarPanel, bpy.types.Panel):
     bl_label = "Encre Lines"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Encre"
 
     @classmethod
     def poll(cls, context):
-        return context.engine == ENGINE and ENCRE_OT_mark_part.poll(context)
+        return super().poll(context) and ENCRE_OT_mark_part.poll(context)
 
     def draw(self, context):
         column = self.layout.column()
@@ -88,16 +86,14 @@ def _menu(self, context):
             self.layout.operator("encre.mark_part", text=text).clear = clear
 
 
-_classes = (ENCRE_OT_mark_part, ENCRE_PT_marks)
+_register, _unregister = bpy.utils.register_classes_factory((ENCRE_OT_mark_part, ENCRE_PT_marks))
 
 
 def register():
-    for cls in _classes:
-        bpy.utils.register_class(cls)
+    _register()
     bpy.types.VIEW3D_MT_edit_mesh_faces.append(_menu)
 
 
 def unregister():
     bpy.types.VIEW3D_MT_edit_mesh_faces.remove(_menu)
-    for cls in reversed(_classes):
-        bpy.utils.unregister_class(cls)
+    _unregister()

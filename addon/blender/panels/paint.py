@@ -5,7 +5,8 @@ import bpy
 import numpy as np
 
 from ...pen import colour, library
-from .. import ENGINE, versions
+from .. import versions
+from .base import SidebarPanel
 
 
 def attribute(mesh, control, create=True):
@@ -99,15 +100,12 @@ class ENCRE_OT_brush(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ENCRE_PT_paint(bpy.types.Panel):
+class ENCRE_PT_paint(SidebarPanel, bpy.types.Panel):
     bl_label = "Encre Controls"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Encre"
 
     @classmethod
     def poll(cls, context):
-        return context.engine == ENGINE and ENCRE_OT_paint.poll(context)
+        return super().poll(context) and ENCRE_OT_paint.poll(context)
 
     def draw(self, context):
         layout, mesh = self.layout, context.object.data
@@ -125,14 +123,5 @@ class ENCRE_PT_paint(bpy.types.Panel):
             row.operator("encre.brush", text=text).value = value
 
 
-_classes = (ENCRE_OT_paint, ENCRE_OT_paint_remove, ENCRE_OT_brush, ENCRE_PT_paint)
-
-
-def register():
-    for cls in _classes:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_classes):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(
+    (ENCRE_OT_paint, ENCRE_OT_paint_remove, ENCRE_OT_brush, ENCRE_PT_paint))

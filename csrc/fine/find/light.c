@@ -7,7 +7,15 @@
 
 #include <string.h>
 
-enum { PASSES = 3, MARGIN = 1 << (PASSES - 1), HALO = (1 << PASSES) - 1, BAND = 64, SPAN = 32, LANES = 16 };
+enum {
+	PASSES = 3,
+	MARGIN = 1 << (PASSES - 1),
+	HALO = (1 << PASSES) - 1,
+	BAND = 32,
+	SPAN = 32,
+	LANES = 16,
+	PIECE_ROWS = 128
+};
 
 /* What differs by more than this, relative to the light itself, is no noise; light at least. */
 static const float most_noise = 0.035f, least_light = 0.02f, most_light = 1e7f;
@@ -103,15 +111,19 @@ static int32_t find_spans(const even *v)
 	uint8_t *crossed = late_take(&v->n->f->late, (size_t)spans * (size_t)height, sizeof *crossed);
 	if (!crossed)
 		return ENCRE_ERROR_MEMORY;
-	for (int y = 0; y < height; y++)
+	int32_t code = ENCRE_OK;
+	for (int y = 0; !code && y < height; y++) {
+		code = y % PIECE_ROWS ? ENCRE_OK : bands_poll(v->n->f->bands);
 		for (int k = 0; k < spans; k++) {
 			const uint8_t *own = v->mark + (ptrdiff_t)y * spans + k;
 			crossed[(ptrdiff_t)y * spans + k] =
 				*own == MIXED || (k > 0 && own[-1] != *own) || (k + 1 < spans && own[1] != *own) ||
 				(y > 0 && own[-spans] != *own) || (y + 1 < height && own[spans] != *own);
 		}
-	for (int y = 0; y < height; y++) {
+	}
+	for (int y = 0; !code && y < height; y++) {
 		uint8_t *mark = v->mark + (ptrdiff_t)y * spans;
+		code = y % PIECE_ROWS ? ENCRE_OK : bands_poll(v->n->f->bands);
 		memset(mark, 0, (size_t)spans);
 		for (int i = clamp_index(y - HALO, height); i <= clamp_index(y + HALO, height); i++) {
 			const uint8_t *row = crossed + (ptrdiff_t)i * spans;
@@ -127,7 +139,7 @@ static int32_t find_spans(const even *v)
 			mark[k] |= crossed[(ptrdiff_t)y * spans + k];
 	}
 	late_drop(&v->n->f->late, crossed);
-	return ENCRE_OK;
+	return code;
 }
 
 /* ---- evenness -------------------------------------------------------------------------------------------- */
@@ -303,5 +315,6 @@ bool ISA(light_site)(const fine *n, const found *at, placed *s)
 	float threshold = 0.5f * (own->shade_levels.level[low + 1].threshold + own->shade_levels.level[high].threshold);
 	crack_place(at, clamp01((threshold - one) / (two - one)), s);
 	s->strength = 0;
-	return ISA(fine_weigh)(n, s, style, SOURCE_LIGHT, ISA(light_contrast)(n, own, one, two));
+	float difference = ISA(light_contrast)(n, own, one, two);
+	return ISA(fine_weigh)(n, s, style, SOURCE_LIGHT, ISA(color_strength)(n, at, SOURCE_LIGHT, difference));
 }

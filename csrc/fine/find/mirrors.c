@@ -86,7 +86,7 @@ static void through_rows(void *data, int y0, int y1, int thread)
 	uint8_t *own = (uint8_t *)(n->scratch + thread * n->thread_scratch), *all = own + width + 2 * GROWN;
 	for (int y = y0; y < y1; y++) {
 		uint8_t *restrict out = n->through + (ptrdiff_t)y * width;
-		memset(all, 0, (size_t)(width + 2 * GROWN));
+		memset(all, 0, (size_t)width + 2 * GROWN);
 		for (int k = -GROWN; k <= GROWN; k++) {
 			if (y + k < 0 || y + k >= n->f->height)
 				continue;

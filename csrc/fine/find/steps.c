@@ -76,13 +76,10 @@ static void encode(const fine *n, float (*value)[3])
 			value[k][c] = plane[c][k];
 }
 
-static float contrast(const fine *n, float difference)
+float ISA(color_strength)(const fine *n, const found *at, int sample, float difference)
 {
-	const encre_params *p = n->e->p;
-	float ramp = p->contrast_max - p->contrast_threshold;
-	return difference < p->contrast_threshold ? 0
-	       : ramp > 0                         ? clamp01((difference - p->contrast_threshold) / ramp)
-						  : 1;
+	float full = full_contrast(n->e, sample, at->column, at->row);
+	return metric_strength(difference, n->e->p->contrast_threshold, full);
 }
 
 /* Which values stand for the two sides of a step: the outer ones, unless the step is one side of a stripe. */
@@ -152,7 +149,7 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 		const float *a[3] = {peak, peak + 1, peak + 2}, *b[3] = {base, base + 1, base + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
 	}
-	bool edge = weigh(n, at, s, style, contrast(n, difference));
+	bool edge = weigh(n, at, s, style, ISA(color_strength)(n, at, is->sample, difference));
 	bool weak = is->weak > 0 && s->strength > 0 && s->strength >= is->weak * n->e->p->edge_threshold;
 	s->weak |= !edge;
 	return edge || weak;
@@ -184,8 +181,10 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 		bend += j * j;
 		step += d * d;
 	}
-	for (int c = 0; c < planes; c++)
-		s->step[c] = (int8_t)(127 * (value[3][c] - value[1][c]) / (step > 0 ? 1.001f * sqrtf(step) : 1));
+	for (int c = 0; c < planes; c++) {
+		float way = 127 * (value[3][c] - value[1][c]) / (step > 0 ? 1.001f * sqrtf(step) : 1);
+		s->step[c] = (int8_t)(way > -127 ? way < 127 ? way : 127 : -127); /* or no number: squares overflow */
+	}
 	bend = sqrtf(bend);
 	if (!(bend > least_of_step * sqrtf(step) && bend > n->floor[at->family]))
 		return false;
@@ -209,5 +208,5 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 			    *b[3] = {value[high], value[high] + 1, value[high] + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
 	}
-	return weigh(n, at, s, style, contrast(n, difference));
+	return weigh(n, at, s, style, ISA(color_strength)(n, at, source, difference));
 }

@@ -144,7 +144,9 @@ static float contour_at(const fine *n, int axis, int across, int at)
 /* The slice across the thing at a pixel: a few pixels between cracks, and two more on each side. */
 static bool slice_at(const fine *n, int axis, int across, int at, slice *s)
 {
-	int first = at, last = at, size = axis ? n->f->height : n->f->width;
+	int first = at, last = at, size = axis ? n->f->height : n->f->width, rows = axis ? n->f->width : n->f->height;
+	if (at < 0 || at >= size || across < 0 || across >= rows)
+		return false;
 	while (first > 0 && last - first < MOST_HIT && !cracked(n, axis, across, first - 1))
 		first--;
 	while (last + 1 < size && last - first < MOST_HIT && !cracked(n, axis, across, last))

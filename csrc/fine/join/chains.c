@@ -24,7 +24,9 @@ bool ISA(leads_nowhere)(const fine *n, uint32_t i)
 /* Cuts what branches off a line and ends at once. */
 int32_t ISA(fine_cut_spurs)(fine *n)
 {
-	for (uint32_t i = 0; i < n->count; i++) {
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
 		if (!is_end(n, i) || rank_of(n->site + i) == RANK_SHAPE)
 			continue;
 		uint32_t spur[SPUR], from = i, at = n->to[n->at[i]];
@@ -42,17 +44,19 @@ int32_t ISA(fine_cut_spurs)(fine *n)
 		for (int k = 0; branches && k < count; k++)
 			n->site[spur[k]].linked.dropped = true;
 	}
-	return ENCRE_OK;
+	return code;
 }
 
 /* ---- taper ----------------------------------------------------------------------------------------------- */
 
-void ISA(fine_free_lengths)(const fine *n, float reach, float *length)
+int32_t ISA(fine_free_lengths)(const fine *n, float reach, float *length)
 {
 	for (uint32_t i = 0; i < n->count; i++)
 		length[i] = INFINITY;
-	for (uint32_t i = 0; i < n->count; i++) {
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < n->count; i++) {
 		const site *s = n->site + i;
+		code = at_step(n, i);
 		uint32_t links = links_at(n, i);
 		if (s->linked.dropped || links > 1 || at_border(n->f, s))
 			continue;
@@ -69,4 +73,5 @@ void ISA(fine_free_lengths)(const fine *n, float reach, float *length)
 			at = next;
 		}
 	}
+	return code;
 }

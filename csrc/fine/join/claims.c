@@ -51,10 +51,13 @@ static int32_t drop_weak(const turn *t)
 	uint32_t *open = late_take(&n->f->late, t->count, sizeof *open);
 	if (!open)
 		return ENCRE_ERROR_MEMORY;
-	for (uint32_t i = t->first; i < end; i++)
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = t->first; !code && i < end; i++) {
+		code = at_step(n, i);
 		if (!n->site[i].linked.dropped && !n->site[i].placed.weak)
 			open[open_count++] = i;
-	while (open_count > 0)
+	}
+	for (uint32_t step = 0; !code && open_count > 0; code = at_step(n, ++step))
 		for (int k = ISA(close_sites)(n, open[--open_count], to); k-- > 0;) {
 			site *s = n->site + to[k];
 			if (s->placed.weak && !s->linked.held) {
@@ -62,10 +65,12 @@ static int32_t drop_weak(const turn *t)
 				open[open_count++] = to[k];
 			}
 		}
-	for (uint32_t i = t->first; i < end; i++)
+	for (uint32_t i = t->first; !code && i < end; i++) {
+		code = at_step(n, i);
 		n->site[i].linked.dropped |= n->site[i].placed.weak && !n->site[i].linked.held;
+	}
 	late_drop(&n->f->late, open);
-	return ENCRE_OK;
+	return code;
 }
 
 /* ---- crumbs ---------------------------------------------------------------------------------------------- */

@@ -33,29 +33,47 @@ static bool is_next(const site *s, const site *other, float ahead, float aside)
 	return ahead * ahead > least * least && aside * aside <= most * most;
 }
 
-static float distance_to_next(const fine *n, const site *s)
+typedef struct gap {
+	float before, after;
+} gap;
+
+/* Takes what is next among the sites of a strip of cells. */
+static void look_in(const fine *n, const site *s, near_sites strip, gap *g)
 {
-	float before = reach, after = reach;
-	near_sites of = near_site(n, s, reach), narrow = near_site(n, s, aside_back);
-	if (s->found.axis == AXIS_COLUMN) {
-		of.x0 = narrow.x0;
-		of.x1 = narrow.x1;
-	} else {
-		of.row = narrow.row;
-		of.last = narrow.last;
-	}
-	for (uint32_t i; near_next(n, &of, &i);) {
+	for (uint32_t i; near_next(n, &strip, &i);) {
 		const site *other = n->site + i;
-		float x = other->placed.x - s->placed.x, y = other->placed.y - s->placed.y,
-		      ahead = s->found.axis == AXIS_COLUMN ? y : x, aside = s->found.axis == AXIS_COLUMN ? x : y;
+		bool down = s->found.axis == AXIS_COLUMN;
+		float x = other->placed.x - s->placed.x, y = other->placed.y - s->placed.y, ahead = down ? y : x,
+		      aside = down ? x : y;
 		if (!is_next(s, other, ahead, aside) || !counts(other))
 			continue;
 		if (ahead > 0)
-			after = ahead < after ? ahead : after;
+			g->after = ahead < g->after ? ahead : g->after;
 		else
-			before = -ahead < before ? -ahead : before;
+			g->before = -ahead < g->before ? -ahead : g->before;
 	}
-	float next = before > after ? before : after;
+}
+
+/* Strip by strip of cells outwards, as long as one may hold something nearer. */
+static float distance_to_next(const fine *n, const site *s)
+{
+	gap g = {reach, reach};
+	near_sites of = near_site(n, s, reach), narrow = near_site(n, s, aside_back);
+	bool down = s->found.axis == AXIS_COLUMN;
+	float at = down ? s->placed.y : s->placed.x;
+	int own = pixel_of(at, down ? n->f->height : n->f->width) / CELL, first = down ? of.row : of.x0,
+	    last = down ? of.last : of.x1;
+	for (int way = -1; way <= 1; way += 2)
+		for (int k = way < 0 ? own : own + 1; k >= first && k <= last; k += way) {
+			float edge = (float)(way < 0 ? (k + 1) * CELL : k * CELL) - 0.5f;
+			if (k != own && (way < 0 ? at - edge >= g.before : edge - at >= g.after))
+				break;
+			look_in(n, s,
+				down ? (near_sites){.row = k, .last = k, .x0 = narrow.x0, .x1 = narrow.x1}
+				     : (near_sites){.row = narrow.row, .last = narrow.last, .x0 = k, .x1 = k},
+				&g);
+		}
+	float next = g.before > g.after ? g.before : g.after;
 	return s->found.family == FAMILY_COLOR_BAND ? next / (2 - next / reach) : next; /* a stripe has two sides */
 }
 

@@ -137,21 +137,27 @@ static void add(beside *b, uint32_t first, uint32_t second)
 }
 
 /* Lists them, or counts them while there is no memory for that. */
-static void find_chains(beside *b)
+static int32_t find_chains(beside *b)
 {
 	const fine *n = b->n;
+	int32_t code = ENCRE_OK;
 	b->count = 0;
 	for (uint32_t i = 0; i < n->count; i++)
 		b->chain[i] = NONE;
-	for (uint32_t i = 0; i < n->count; i++)
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
 		for (uint32_t k = n->at[i]; links_at(n, i) != 2 && k < n->at[i + 1]; k++) {
 			uint32_t j = n->to[k];
 			if (links_at(n, j) == 2 ? b->chain[j] == NONE : i < j)
 				add(b, i, j);
 		}
-	for (uint32_t i = 0; i < n->count; i++)
+	}
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
 		if (links_at(n, i) == 2 && b->chain[i] == NONE)
 			add(b, i, n->to[n->at[i]]);
+	}
+	return code;
 }
 
 /* Older ones first, then longer ones. */
@@ -185,7 +191,8 @@ static float length_beside(const beside *b, const chain *c, float *light)
 	return older;
 }
 
-static void choose(const beside *b, const chain *c)
+/* Returns how many sites it went along. */
+static uint32_t choose(const beside *b, const chain *c)
 {
 	const fine *n = b->n;
 	float light, all = length_beside(b, c, &light);
@@ -193,7 +200,8 @@ static void choose(const beside *b, const chain *c)
 		c->loose ? all > most_beside * c->length : light > most_beside * c->length && c->length < longest_loop;
 	drop |= c->rank > RANK_SHAPE && c->wiggle > most_wiggle;
 	drop |= c->rank == RANK_LIGHT && c->length < least_light && (c->loose == 2 || c->closed);
-	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
+	uint32_t count = 0;
+	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next, count++) {
 		next = following(n, c, from, at);
 		if (links_at(n, at) > 2)
 			continue;
@@ -202,6 +210,7 @@ static void choose(const beside *b, const chain *c)
 		else
 			b->mark[at] |= KEPT;
 	}
+	return count;
 }
 
 int32_t ISA(fine_drop_beside)(fine *n)
@@ -212,23 +221,30 @@ int32_t ISA(fine_drop_beside)(fine *n)
 	if (!b.mark || !b.chain)
 		return ENCRE_ERROR_MEMORY;
 	memset(b.mark, 0, n->count * sizeof *b.mark);
-	find_chains(&b);
+	int32_t code = find_chains(&b);
+	if (code)
+		return code;
 	b.list = late_take(&n->f->late, b.count, sizeof *b.list);
 	if (!b.list)
 		return ENCRE_ERROR_MEMORY;
-	find_chains(&b);
+	code = find_chains(&b);
+	if (code)
+		return code;
 	qsort(b.list, b.count, sizeof *b.list, by_weight);
-	uint32_t i = 0;
-	for (b.rank = RANK_CREASE; b.rank <= RANK_LIGHT; b.rank++) {
-		int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_near, &b);
-		if (code)
-			return code;
-		for (; i < b.count && b.list[i].rank <= b.rank; i++)
-			if (b.list[i].rank == b.rank)
-				choose(&b, b.list + i);
+	uint32_t i = 0, steps = 0;
+	for (b.rank = RANK_CREASE; !code && b.rank <= RANK_LIGHT; b.rank++) {
+		code = bands_run(n->f->bands, (int)n->count, CHUNK, find_near, &b);
+		for (; !code && i < b.count && b.list[i].rank <= b.rank; i++)
+			if (b.list[i].rank == b.rank) {
+				steps += choose(&b, b.list + i);
+				if (steps >= PIECE / 4) { /* a step looks at all that is near */
+					steps = 0;
+					code = bands_poll(n->f->bands);
+				}
+			}
 	}
 	late_drop(&n->f->late, b.list);
 	late_drop(&n->f->late, b.chain);
 	late_drop(&n->f->late, b.mark);
-	return ENCRE_OK;
+	return code;
 }

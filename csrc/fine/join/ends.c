@@ -225,10 +225,12 @@ static void add(added *to, uint32_t a, uint32_t b)
 	to->link[to->count++][1] = b;
 }
 
-static void join_ends(ends *all, uint32_t pairs, added *to)
+static int32_t join_ends(ends *all, uint32_t pairs, added *to)
 {
 	const fine *n = all->n;
-	for (uint32_t i = 0; i < pairs; i++) {
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < pairs; i++) {
+		code = at_step(n, i);
 		const pair *p = all->pair + i;
 		end *a = all->end + p->one, *b = all->end + p->two;
 		if (a->taken || b->taken || rather(a, b->site, p->cost) || rather(b, a->site, p->cost))
@@ -247,7 +249,8 @@ static void join_ends(ends *all, uint32_t pairs, added *to)
 		add(to, a->site, n->count + to->sites);
 		add(to, b->site, n->count + to->sites++);
 	}
-	for (uint32_t i = 0; i < all->count; i++) {
+	for (uint32_t i = 0; !code && i < all->count; i++) {
+		code = at_step(n, i);
 		const end *e = all->end + i;
 		if (e->taken || e->best[0] == UINT32_MAX)
 			continue;
@@ -256,25 +259,32 @@ static void join_ends(ends *all, uint32_t pairs, added *to)
 		    other->best[0] != e->site) /* once where they choose each other */
 			add(to, e->site, e->best[0]);
 	}
+	return code;
 }
 
 static int32_t find_ends(ends *all)
 {
 	fine *n = all->n;
+	int32_t code = ENCRE_OK;
 	all->count = 0;
-	for (uint32_t i = 0; i < n->count; i++)
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
 		all->count += is_end(n, i);
+	}
+	if (code)
+		return code;
 	all->end = late_take(&n->f->late, all->count, sizeof *all->end);
 	all->number = late_take(&n->f->late, n->count, sizeof *all->number);
 	if (!all->end || !all->number)
 		return ENCRE_ERROR_MEMORY;
-	uint32_t k = 0;
-	for (uint32_t i = 0; i < n->count; i++)
+	for (uint32_t i = 0, k = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
 		if (is_end(n, i)) {
 			all->end[k] = (end){.site = i};
 			all->number[i] = k++;
 		}
-	return ENCRE_OK;
+	}
+	return code;
 }
 
 static int32_t round_of(fine *n)
@@ -302,7 +312,9 @@ static int32_t round_of(fine *n)
 		return code;
 	qsort(all.pair, pairs, sizeof *all.pair, by_cost);
 	to.site = sites + n->count;
-	join_ends(&all, pairs, &to);
+	code = join_ends(&all, pairs, &to);
+	if (code)
+		return code;
 	memcpy(sites, n->site, n->count * sizeof *sites);
 	late_drop(&n->f->late, n->site);
 	n->site = sites;

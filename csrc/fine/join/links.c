@@ -209,27 +209,39 @@ int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count)
 	if (!at || !to)
 		return ENCRE_ERROR_MEMORY;
 	memset(at, 0, (n->count + 1) * sizeof *at);
-	for (uint32_t i = 0; i < n->known; i++)
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < n->known; i++) {
+		code = at_step(n, i);
 		at[i + 1] = n->at[i + 1] - n->at[i];
-	for (uint32_t i = 0; i < 2 * count; i++)
+	}
+	for (uint32_t i = 0; !code && i < 2 * count; i++) {
+		code = at_step(n, i);
 		at[link[i / 2][i % 2] + 1]++;
-	for (uint32_t i = 0; i < n->count; i++)
+	}
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
 		at[i + 1] += at[i];
-	for (uint32_t i = 0; i < n->known; i++)
+	}
+	for (uint32_t i = 0; !code && i < n->known; i++) {
+		code = at_step(n, i);
 		memcpy(to + at[i], n->to + n->at[i], (n->at[i + 1] - n->at[i]) * sizeof *to);
-	for (uint32_t i = 2 * count;
-	     i-- > 0;) { /* from the back of each site's list, which still ends where the next begins */
+	}
+	/* from the back of each site's list, which still ends where the next begins */
+	for (uint32_t i = 2 * count; !code && i-- > 0;) {
 		uint32_t site = link[i / 2][i % 2];
+		code = at_step(n, i);
 		to[--at[site + 1]] = link[i / 2][1 - i % 2];
 	}
-	for (uint32_t i = 0; i < 2 * count; i++)
+	for (uint32_t i = 0; !code && i < 2 * count; i++) {
+		code = at_step(n, i);
 		at[link[i / 2][i % 2] + 1]++;
+	}
 	late_drop(&n->f->late, n->at);
 	late_drop(&n->f->late, n->to);
 	n->at = at;
 	n->to = to;
 	n->known = n->count;
-	return ENCRE_OK;
+	return code;
 }
 
 int32_t ISA(fine_link)(fine *n)
@@ -243,14 +255,20 @@ int32_t ISA(fine_link)(fine *n)
 	if (code)
 		return code;
 	n->at[0] = 0;
-	for (uint32_t i = 0; i < n->count; i++)
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
 		n->at[i + 1] += n->at[i];
+	}
+	if (code)
+		return code;
 	n->to = late_take(&n->f->late, n->at[n->count], sizeof *n->to);
 	if (!n->to)
 		return ENCRE_ERROR_MEMORY;
 	code = bands_run(n->f->bands, (int)n->count, CHUNK, link_sites, &l);
-	for (uint32_t i = 0; i < n->count; i++) /* what it joined an earlier family has taken */
+	for (uint32_t i = 0; !code && i < n->count; i++) { /* what it joined an earlier family has taken */
+		code = at_step(n, i);
 		n->site[i].linked.dropped |= n->site[i].found.axis == AXIS_JUNCTION && n->at[i] == n->at[i + 1];
+	}
 	late_drop(&n->f->late, l.few);
 	return code;
 }

@@ -38,6 +38,9 @@ int32_t ISA(fine_tie)(fine *n)
 	if (!link)
 		return ENCRE_ERROR_MEMORY;
 	for (uint32_t i = first; i < end; i++) {
+		int32_t code = at_step(n, i - first);
+		if (code)
+			return code;
 		uint32_t links = links_at(n, i), other = links == 1 ? n->to[n->at[i]] : UINT32_MAX;
 		for (; links < 2 && !n->site[i].linked.dropped; links++) {
 			uint32_t best = tie_of(n, i, other);

@@ -60,13 +60,13 @@ def fails(out):
     def fail(*_args, **_more):
         raise frame.EncreError("the denoiser failed; switch it off")
 
-    frame.library.render = fail
+    frame.library.draw = fail
     fact("late", shoot(out, "late"))
 
     def exhaust(*_args, **_more):
         raise MemoryError
 
-    frame.library.render = exhaust
+    frame.library.draw = exhaust
     fact("memory", shoot(out, "memory"))
 
 
@@ -114,7 +114,7 @@ def cancelled(out):
     stage()
     from encre.blender import frame
 
-    real, times = frame.library.render, {}
+    real, times = frame.library.draw, {}
     frame.Frames._go_on = lambda *_: not times  # Blender finds its own test_break before the class's
 
     def slow(*args, progress=None, **more):
@@ -124,7 +124,7 @@ def cancelled(out):
         finally:
             times["end"] = time.perf_counter()
 
-    frame.library.render = slow
+    frame.library.draw = slow
     fact("error", shoot(out, "cancelled"))
     fact("seconds", times["end"] - times["start"])
 

@@ -95,9 +95,9 @@ def kinds(out):
     def spy(index, maps, owners, numbers, strays):
         instance = maps["object"].astype(int)
         seen["mismatch"] = int((owners[instance] != index).sum())
-        passes = real(index, maps, owners, numbers, strays)
-        seen["numbers"] = len(set(passes["Encre Index"][..., 0].ravel().tolist()))
-        return passes
+        made = real(index, maps, owners, numbers, strays)
+        seen["numbers"] = len(set(made["object"].ravel().tolist()))
+        return made
 
     frame.overlay.rasterised = spy
 

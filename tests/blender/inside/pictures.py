@@ -159,6 +159,52 @@ def blur(out):
     fact("kept", [scene.render.use_motion_blur, scene.camera.data.dof.use_dof])
 
 
+def memory(out):
+    """What Python holds of a frame, bytes a pixel: while Cycles renders, and at most while it is drawn."""
+    import tracemalloc
+
+    scene = stage(960, 540, 1)
+    from encre.blender import frame
+
+    scene.cycles.use_denoising = False
+    scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    pixels = 960 * 540
+    real = frame.Frames.after
+
+    def spy(self):
+        fact("held", tracemalloc.get_traced_memory()[0] / pixels)
+        tracemalloc.reset_peak()
+        real(self)
+        held, peak = tracemalloc.get_traced_memory()
+        fact("peak", peak / pixels)
+        fact("left", held / pixels)
+
+    frame.Frames.after = spy
+    tracemalloc.start()
+    bpy.ops.render.render()
+    scene.objects["Cube"].encre.thickness = 0.5
+    bpy.ops.render.render()
+    tracemalloc.stop()
+
+
+def read_once(out):
+    """How often a frame reads all settings of the user's scene and of the evaluated one."""
+    scene = stage(8, 8, 1)
+    scene.encre.styles.add()
+    scene.cycles.use_denoising = False  # as it is switched off Blender asks for the passes once more
+    from encre.blender import properties
+
+    real, read = properties.scene_values, []
+
+    def spy(scene):
+        read.append(scene.is_evaluated)
+        return real(scene)
+
+    properties.scene_values = spy
+    shoot(out, "read")
+    fact("evaluated", read)
+
+
 def stereo(out):
     scene = stage()
     scene.render.use_multiview = True

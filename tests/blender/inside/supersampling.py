@@ -27,13 +27,17 @@ def larger(out):
     from encre.blender import frame
     from encre.pen import layers
 
-    assemble, seen = layers.assemble, []
+    assemble, rasterised, seen = layers.assemble, frame.overlay.rasterised, []
+
+    def spy_index(index, *args):
+        seen.append({"IndexOB": np.array(index)[..., None]})
+        return rasterised(index, *args)
 
     def spy(passes, *args, **more):
-        seen.append({name: np.array(picture) for name, picture in passes.items()})
+        seen[-1].update((name, np.array(picture)) for name, picture in passes.items())
         return assemble(passes, *args, **more)
 
-    frame.layers.assemble = spy
+    frame.overlay.rasterised, frame.layers.assemble = spy_index, spy
     render, cam = scene.render, scene.camera.data
 
     def compare(name, n=2):
@@ -141,14 +145,14 @@ def supersampled_widths(out):
     scene.camera.location, scene.camera.rotation_euler = (-0.9, -6, 0), (radians(90), 0, 0)
     from encre.blender import frame
 
-    draw = frame.library.render
+    draw = frame.library.draw
 
     def spy(images, *args, **more):
         result = draw(images, *args, **more)
         seen.append(result.images["Encre Lines"][..., 3])
         return result
 
-    frame.library.render = spy
+    frame.library.draw = spy
     for unit, thickness in (("PIXELS", 4), ("RELATIVE", 27)):
         scene.encre.length_unit, scene.encre.line_thickness = unit, thickness
         for n in (1, 2, 3, 4):

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is overridden on the evaluated scene, because lines need layers in which a pixel shows one thing. The user's
+scene stays as it is.
+
+Values of a scene whose data are persistent stay from frame to frame: what one frame overrode, the next gives back.
+"""
+
+import contextlib
+
+import bpy
+import numpy as np
+
+from . import versions
+
+_MOST_INDICES = 32767  # pass_index is a short
+
+
+@contextlib.contextmanager
+def changed(*changes):
+    """Sets the (owner, property, value), which with persistent data would stay, and in the end sets them back."""
+    before = [getattr(owner, name) for owner, name, _ in changes]
+    try:
+        for owner, name, value in changes:
+            setattr(owner, name, value)
+        yield
+    finally:
+        for (owner, name, _), value in zip(changes, before, strict=True):
+            setattr(owner, name, value)
+
+
+def _set(owner, name, value):
+    """Only where it differs: at some properties' change Blender asks all engines anew what passes there are."""
+    if getattr(owner, name) != value:
+        setattr(owner, name, value)
+
+
+def denoiser(depsgraph, shaded, overrode):
+    """Cycles' denoiser cleans Combined but not the passes. Returns (whether ours must do its work too, whether this
+    build lacks the one that the user asks for)."""
+    user, mine = depsgraph.scene.cycles.use_denoising, depsgraph.scene_eval.cycles
+    if shaded or overrode:
+        _set(mine, "use_denoising", user and not shaded)
+    missing = mine.use_denoising and not versions.has_cycles_denoiser()
+    if missing:
+        mine.use_denoising = False
+    return shaded and user and depsgraph.view_layer.cycles.use_denoising, missing
+
+
+def blur(depsgraph, off):
+    """Switches motion blur and depth of field off, or back to what the user set. Returns the names of what was on."""
+    cameras = (block for block in depsgraph.ids if isinstance(block, bpy.types.Camera))
+    blurs = [(depsgraph.scene_eval.render, depsgraph.scene.render, "use_motion_blur", "motion blur"),
+             *((camera.dof, camera.original.dof, "use_dof", "depth of field") for camera in cameras)]
+    found = set()
+    for evaluated, user, switch, name in blurs:
+        if not off:
+            _set(evaluated, switch, getattr(user, switch))
+        elif getattr(evaluated, switch):
+            setattr(evaluated, switch, False)
+            found.add(name)
+    return sorted(found)
+
+
+def pass_indices(depsgraph, automatic):
+    """Gives each evaluated object a pass index of its own, or back its user's; originals keep theirs.
+
+    Cycles draws the index of clipped leaves, hair and displaced surfaces, which no rasteriser of ours can, but
+    pass indices are 0 unless set by hand. Returns (line, user) by the new index: the number of the object or its
+    line group, and the index that the user gave; None if indices are the user's, as they stay where a material
+    reads them.
+    """
+    blocks = list(depsgraph.ids)
+    automatic = automatic and not any(_reads_index(block) for block in blocks)
+    line, user, groups = [0], [0], {}
+    for obj in blocks:
+        if not isinstance(obj, bpy.types.Object):
+            continue
+        if not automatic:
+            obj.pass_index = obj.original.pass_index
+            continue
+        obj.pass_index = (len(line) - 1) % _MOST_INDICES + 1
+        if len(line) <= _MOST_INDICES:
+            line.append(_group_number(obj, groups, len(line)))
+            user.append(obj.original.pass_index)
+    return (np.array(line, np.float32), np.array(user, np.float32)) if automatic else None
+
+
+def _group_number(obj, groups, number):
+    group = obj.encre.line_group
+    return groups.setdefault(group, number) if group else number
+
+
+def _reads_index(block):
+    """Whether a material's or a node group's colours depend on the pass index."""
+    tree = block if isinstance(block, bpy.types.ShaderNodeTree) else getattr(block, "node_tree", None)
+    if not isinstance(tree, bpy.types.ShaderNodeTree):
+        return False
+    return any(
+        (node.bl_idname == "ShaderNodeObjectInfo" and node.outputs["Object Index"].is_linked)
+        or (node.bl_idname == "ShaderNodeAttribute" and node.attribute_name == "pass_index")
+        for node in tree.nodes)

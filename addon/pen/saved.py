@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a file keeps beside Cycles' passes, so that its picture can be drawn again: layers packed into passes of three
+channels at most, which Blender's compositor can show. Only files have these passes; all else has layers.
+"""
+
+import numpy as np
+
+from . import library
+
+_WHOLE = {"Encre Source": "combined", "Encre Diffuse": "diffuse", "Encre Seen Depth": "seen_depth"}
+_INDEX, _MARKS = "Encre Index", "Encre Marks"  # Z of the marks is 0: the compositor knows no passes of two channels
+_NUMBERS = ("object", "material", "style")
+
+
+def passes(seen):
+    """{pass: channel letters}. seen: whether there are the layers of what mirrors show."""
+    out = {"Encre Source": "RGBA", "Encre Diffuse": "RGB", _INDEX: "XYZ", **dict.fromkeys(control_passes(), "XYZ"),
+           _MARKS: "XYZ"}
+    return {**out, "Encre Seen Depth": "X"} if seen else out
+
+
+def control_passes():
+    """{pass: [(its channel, that of the layer `controls`)]}."""
+    out = {}
+    for k, control in enumerate(library.controls().values()):
+        out.setdefault(control.saved, []).append((control.channel, k))
+    return out
+
+
+def pack(name, layers):
+    """The pass `name` of passes(), (height, width, channels), from the layers of a picture; None: it has none of it."""
+    if name in _WHOLE:
+        return layers.get(_WHOLE[name])
+    if name == _INDEX:
+        places = [(channel, layers.get(layer), 0) for channel, layer in enumerate(_NUMBERS)]
+    elif name == _MARKS:
+        places = [(channel, layers.get("marks"), channel) for channel in range(2)]
+    else:
+        places = [(channel, layers.get("controls"), k) for channel, k in control_passes()[name]]
+    out = np.zeros((*layers["combined"].shape[:2], 3), np.float32)
+    for channel, layer, k in places:
+        if layer is not None:
+            out[..., channel] = layer[..., k]
+    return out
+
+
+def unpack(found):
+    """{layer: picture (height, width, channels)} of those of the passes() that are there; older files have fewer."""
+    out = {layer: found[name] for name, layer in _WHOLE.items() if name in found}
+    if _INDEX in found:
+        out.update((layer, found[_INDEX][..., k:k + 1]) for k, layer in enumerate(_NUMBERS))
+    if _MARKS in found:
+        out["marks"] = found[_MARKS][..., :2]
+    controls = [(found[name], places) for name, places in control_passes().items() if name in found]
+    if controls:
+        out["controls"] = np.zeros((*controls[0][0].shape[:2], len(library.controls())), np.float32)
+    for picture, places in controls:
+        for channel, k in places:
+            out["controls"][..., k] = picture[..., channel]
+    return out

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""FINE's lines between colours are as strong as these differ, as a share of Full Contrast or of what is near."""
+
+import numpy as np
+import pytest
+from encre.pen.job import Frame
+from encre.pen.library import load
+
+HEIGHT, WIDTH, WALLS = 20, 240, (60, 100)
+ALONE = {f"edge_{source}": 0.0 for source in ("object", "depth", "normal", "material", "mark", "seen")}
+SCENE = ALONE | {"edge_threshold": 0.0, "contrast_threshold": 0.0, "length_unit": "PIXELS"}
+LEVELS = [(0.1,), (0.4, 0.5, 0.0), (0.9, 1.5, 0.0)]
+
+
+def encoded(x):
+    return 12.92 * x if x <= 0.0031308 else 1.055 * x ** (1 / 2.4) - 0.055
+
+
+def layers(greys, source):
+    """Three greys side by side, between them two walls; of light, the levels of LEVELS instead of greys."""
+    steps = np.zeros(WIDTH, np.float32)
+    for wall in WALLS:
+        steps[wall:] += 1
+    grey = np.float32(greys)[steps.astype(int)]
+    made = {"combined": 4, "color": 3, "albedo": 3, "diffuse": 3, "normal": 3, "depth": 1}
+    made = {name: np.full((HEIGHT, WIDTH, channels), 0.5, np.float32) for name, channels in made.items()}
+    made["normal"][...] = 0, 0, 1
+    if source == "color":
+        made["albedo"][...] = grey[None, :, None]
+    elif source == "light":
+        made["diffuse"][...] = steps[None, :, None]
+    elif source == "soft light":  # a threshold every so many pixels, and no step
+        at = [0, WALLS[0] - 0.5, WALLS[1] - 0.5, WIDTH]
+        made["diffuse"][...] = np.interp(np.arange(WIDTH), at, [0.4, 0.5, 1.5, 1.6])[None, :, None]
+    else:
+        made["seen_color"], made["seen_normal"] = np.empty_like(made["albedo"]), made["normal"] * np.float32(-1)
+        made["seen_color"][...] = grey[None, :, None]
+    return made
+
+
+def strengths(greys, source, **settings):
+    weight = {"color": "edge_color", "light": "edge_light", "soft light": "edge_light", "seen": "edge_seen"}[source]
+    scene = {**SCENE, weight: 1.0, "shade_levels": LEVELS, **settings}
+    edges = load().render(layers(greys, source), scene, outputs=["Encre Edges"], frame=Frame(WIDTH, HEIGHT))
+    edges = edges.images["Encre Edges"][HEIGHT // 2, :, 0]
+    return [edges[wall - 4:wall + 4].max() for wall in WALLS]
+
+
+GREYS = tuple(level[0] for level in LEVELS)
+FIRST, SECOND = (encoded(b) - encoded(a) for a, b in zip(GREYS, GREYS[1:], strict=False))
+SOURCES = ["color", "light", "soft light", "seen"]
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("full", [1.0, 0.5])
+def test_full_contrast(source, full):
+    assert strengths(GREYS, source, contrast_max=full) == pytest.approx([min(1, FIRST / full), min(1, SECOND / full)],
+                                                                         abs=2e-3)
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_the_strongest_nearby_is_full(source):
+    most = max(FIRST, SECOND)
+    assert min(FIRST, SECOND) > 0.25
+    near = strengths(GREYS, source, contrast_auto=True, contrast_window=100.0)
+    assert near == pytest.approx([FIRST / most, SECOND / most], abs=2e-3)
+    assert strengths(GREYS, source, contrast_auto=True, contrast_window=40.0) == pytest.approx([1, 1], abs=2e-3)
+
+
+@pytest.mark.parametrize("source", ["color", "seen"])
+def test_a_quarter_is_full_at_least(source):
+    greys = 0.5, 0.55, 0.5
+    difference = encoded(0.55) - encoded(0.5)
+    assert strengths(greys, source, contrast_auto=True) == pytest.approx([difference / 0.25] * 2, abs=2e-3)
+
+
+def test_other_metrics_and_threads():
+    layer = layers((0.0, 1.0, 0.5), "color")
+    for metric in ("CIE76", "CIEDE2000", "CMC"):
+        scene = {**SCENE, "edge_color": 1.0, "edge_light": 1.0, "contrast_metric": metric, "contrast_auto": True}
+        got = [load().render(layer, scene, outputs=["Encre Edges", "Combined"], threads=threads, simd=simd).images
+               for threads, simd in ((1, 1), (3, 0))]
+        assert got[0]["Encre Edges"].max() == 1
+        assert all(got[0][name].tobytes() == got[1][name].tobytes() for name in got[0])

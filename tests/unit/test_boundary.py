@@ -1,0 +1,351 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a caller in C may get wrong is refused before anything runs; what is unusual but right is drawn."""
+
+import ctypes
+
+import drawn
+import numpy as np
+import pytest
+from encre.blender import cameras
+from encre.pen import library
+from encre.pen.errors import EncreError
+from encre.pen.job import Camera, Frame, Mesh
+from encre.pen.library import load
+
+WIDTH, HEIGHT = 12, 8
+CHANNELS = {"texture": 3, "form": 3, "output": 3}
+
+
+def array(channels, name=""):
+    a = np.full((HEIGHT, WIDTH, channels), 0.25, np.float32)
+    if name == "normal":
+        a[...] = 0, 0, 1
+    return a
+
+
+class Job:
+    """A job that is right, of which tests spoil one thing: `images` by name, `job` as ctypes has it."""
+
+    def __init__(self, kind):
+        self.kind, self.lib, self.keep, self.images = kind, load(), [], {}
+        getattr(self, "_" + kind)()
+
+    def _add(self, owner, name, channels):
+        self.keep.append(array(channels, name))
+        field = library._image(self.keep[-1])
+        if isinstance(owner, int):
+            (self.job.layers if name in self.lib.layers else self.job.outputs)[owner] = field
+            self.images[name] = (self.job.layers if name in self.lib.layers else self.job.outputs)[owner]
+        else:
+            setattr(self.job, name, field)
+            self.images[name] = getattr(self.job, name)
+
+    def _params(self):
+        self.block, _ = self.lib.pack({})
+        self.job.params = ctypes.addressof(self.block)
+
+    def _render(self):
+        self.job = self.lib._job()
+        for table in (self.lib.layers, self.lib.outputs):
+            for i, (name, channels) in enumerate(table.items()):
+                self._add(i, name, channels)
+        self._params()
+        self.job.n_styles = 1
+        self.job.camera = library._Camera((ctypes.c_float * 9)(*Camera().view), 0, 1.0)
+        self.job.frame = library._Frame(WIDTH, HEIGHT, 0, 0)
+
+    def _raster(self):
+        self.job, self.mesh = library._RasterJob(), library._Mesh()
+        points = np.array([[-1, -1, -2], [1, -1, -2], [0, 1, -2]], np.float32)
+        self.keep.append(library._pack_mesh(self.mesh, Mesh(points, np.array([[0, 1, 2]]))))
+        self.job.meshes, self.job.n_meshes, self.job.n_channels = ctypes.pointer(self.mesh), 1, 3
+        self.job.view[:] = np.eye(4).ravel()
+        self.job.projection[:] = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -0.2, 0, 0, -1, 0]
+        self.job.clip_start, self.job.frame = 0.1, library._Frame(WIDTH, HEIGHT, 0, 0)
+        for name, channels in dict(depth=1, normal=3, object=1, material=1, style=1, attributes=3, marks=2).items():
+            self._add(None, name, channels)
+
+    def _bake(self):
+        self.job = library._BakeJob()
+        for name, channels in CHANNELS.items():
+            self._add(None, name, channels)
+        self._params()
+
+    def run(self):
+        self.lib._call(getattr(self.lib.lib, "encre_" + self.kind), self.job, 1, 1, None)
+
+    def refused(self, words):
+        with pytest.raises(EncreError, match=words) as error:
+            self.run()
+        text = str(error.value)
+        assert ": " in text and "; " in text and "\n" not in text and text.count(".") <= 3
+
+    def memory(self, size):
+        """Bytes, aligned to 8, that live as long as the job."""
+        self.keep.append(np.zeros(size // 8 + 1, np.float64))
+        return self.keep[-1].ctypes.data
+
+
+KINDS = {"render": ("color", "Combined"), "raster": ("depth", "marks"), "bake": ("texture", "output")}
+IMAGES = [(kind, name) for kind, names in KINDS.items() for name in names]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_right_is_drawn(kind):
+    Job(kind).run()
+
+
+# ---- where images lie
+
+
+@pytest.mark.parametrize("kind, name", IMAGES)
+@pytest.mark.parametrize("rows", [4, -4, 100])
+def test_rows_do_not_overlap(kind, name, rows):
+    job = Job(kind)
+    image = job.images[name]
+    image.data, image.row_stride = job.memory(4000) + 2000, rows if rows < 100 else image.row_stride - 4
+    job.refused(f"^{name}: rows of .* overlap")
+
+
+@pytest.mark.parametrize("kind, name", IMAGES)
+def test_addresses_are_those_of_floats(kind, name):
+    job = Job(kind)
+    job.images[name].data = job.memory(4000) + 2
+    job.refused(f"^{name}: .*address")
+
+
+@pytest.mark.parametrize("kind, name", IMAGES)
+@pytest.mark.parametrize("stride", [2, -16, 1 << 60, -(1 << 63)])
+@pytest.mark.parametrize("field", ["pixel_stride", "row_stride"])
+def test_strides_are_those_of_floats(kind, name, stride, field):
+    job = Job(kind)
+    setattr(job.images[name], field, stride)
+    job.refused(f"^{name}: (strides|rows) of")
+
+
+def test_paper_is_an_image_too():
+    job, offset = Job("render"), load().params["paper_image"].offset
+    image = library._image(np.full((4, 4), 0.5, np.float32))
+    image.data = job.images["Combined"].data
+    ctypes.memmove(ctypes.addressof(job.block) + offset, ctypes.byref(image), ctypes.sizeof(image))
+    job.refused("^Combined: shares memory with paper_image")
+    image.data = job.memory(100) + 1
+    ctypes.memmove(ctypes.addressof(job.block) + offset, ctypes.byref(image), ctypes.sizeof(image))
+    job.refused("^paper_image: .*address")
+
+
+# ---- what is written
+
+
+@pytest.mark.parametrize("kind, output, other", [
+    ("render", "Combined", "color"), ("render", "Encre Edges", "depth"), ("render", "Encre Lines", "Combined"),
+    ("raster", "object", "depth"), ("raster", "marks", "normal"), ("bake", "output", "texture"),
+    ("bake", "output", "form"),
+])
+@pytest.mark.parametrize("ahead", [0, 4, -4])
+def test_outputs_lie_apart(kind, output, other, ahead):
+    job = Job(kind)
+    middle = job.memory(8000) + 4000
+    job.images[output].data, job.images[other].data = middle, middle + ahead
+    job.refused(f"^{output}: shares memory with {other};")
+
+
+def test_outputs_lie_apart_from_everything_else():
+    job = Job("render")
+    job.images["Encre Lines"].data = job.job.params
+    job.refused("^Encre Lines: shares memory with the parameters")
+    job = Job("raster")
+    job.images["normal"].data = job.mesh.points
+    job.refused("^normal: shares memory with a mesh")
+    job.images["normal"].data = ctypes.addressof(job.mesh)
+    job.refused("^normal: shares memory with the meshes")
+    job = Job("bake")
+    job.images["output"].data = job.job.params
+    job.refused("^output: shares memory with the parameters")
+
+
+def test_something_is_drawn():
+    for kind, words in (("render", "^outputs: none"), ("raster", "^raster: no output")):
+        job = Job(kind)
+        for image in (job.job.outputs if kind == "render" else job.images.values()):
+            image.data = None
+        job.refused(words)
+
+
+def byte_sets(images):
+    """The bytes of each image, one by one."""
+    for image in images:
+        y, x, c = np.mgrid[:image.height, :image.width, :4 * image.channels]
+        pixel = image.pixel_stride or 4 * image.channels
+        row = image.row_stride or pixel * image.width
+        yield set((image.data + y * row + x * pixel + c).ravel().tolist())
+
+
+def test_interleaved_outputs_are_told_from_overlapping_ones():
+    """Two pictures of one buffer, at random places, of equal strides: refused just where they have a byte in common."""
+    rng, found = np.random.default_rng(3), {True: 0, False: 0}
+    for _ in range(400):
+        job = Job("bake")
+        texture, output = job.images["texture"], job.images["output"]
+        width, height = rng.integers(1, 5, 2).tolist()
+        pixel = int(4 * rng.integers(3, 10))
+        row = int(pixel * width + 4 * rng.integers(0, 30))
+        if rng.random() < 0.3:
+            row, pixel = pixel, int(pixel * height + 4 * rng.integers(0, 30))
+        base = job.memory(16000) + 8000
+        job.job.form.data = None
+        for image in (texture, output):
+            back = rng.random() < 0.3
+            image.width, image.height, image.channels, image.pixel_stride = width, height, 3, pixel
+            image.row_stride = -row if back else row
+            image.data = base + int(4 * rng.integers(-60, 60)) + (row * (height - 1) if back else 0)
+        one, two = byte_sets((texture, output))
+        found[bool(one & two)] += 1
+        if one & two:
+            job.refused("^output: shares memory with texture")
+        else:
+            job.run()
+    assert min(found.values()) > 50
+
+
+# ---- legal all the same
+
+
+def test_inputs_of_all_kinds_are_read_alike():
+    """Bottom-up, padded, column by column, channels of one buffer, shared memory: the same picture."""
+    layers = drawn.scene(31, 17, noise=0.02)
+    layers["albedo"] = layers["color"]
+    want = load().render(layers).images["Combined"]
+    wide = np.full((17, 31, 64), np.nan, np.float32)
+    beside, at = {}, 0
+    for name, a in layers.items():
+        a = a.reshape(17, 31, -1)
+        beside[name] = wide[..., at:at + a.shape[2]]
+        beside[name][...] = a
+        at += a.shape[2]
+    padded = {name: np.pad(a, ((0, 3), (0, 5), *[(0, 0)] * (a.ndim - 2)))[:17, :31] for name, a in layers.items()}
+    columns = {name: np.ascontiguousarray(np.swapaxes(a, 0, 1)).swapaxes(0, 1) for name, a in layers.items()}
+    upside = {name: np.ascontiguousarray(a[::-1])[::-1] for name, a in layers.items()}
+    for other in (beside, padded, columns, upside, {**layers, "albedo": layers["color"]}):
+        assert np.array_equal(load().render(other).images["Combined"], want)
+    one = {name: np.broadcast_to(a[:1], a.shape) for name, a in layers.items()}
+    copied = {name: a.copy() for name, a in one.items()}
+    assert np.array_equal(load().render(one).images["Combined"], load().render(copied).images["Combined"])
+
+
+def test_columns_are_read_as_rows_are():
+    job = Job("render")
+    job.run()
+    want = job.keep[len(job.lib.layers)].copy()
+    turned = np.full((WIDTH, HEIGHT, 4), 7, np.float32)
+    image = job.images["Combined"]
+    image.data, image.pixel_stride, image.row_stride = turned.ctypes.data, turned.strides[0], turned.strides[1]
+    job.run()
+    assert np.array_equal(turned.swapaxes(0, 1), want)
+
+
+# ---- frame, camera, parameters
+
+
+@pytest.mark.parametrize("kind", ["render", "raster"])
+@pytest.mark.parametrize("frame, words", [
+    ((2_000_000_000, 8, 0, 0), "^frame: is 2000000000 x 8"), ((12, 65537, 0, 0), "^frame: is 12 x 65537"),
+    ((0, 8, 0, 0), "^frame: is 0 x 8"), ((12, 8, 1, 0), "^frame: .* do not lie"), ((12, 8, 0, -1), "^frame: .* do not"),
+])
+def test_frames_have_an_end(kind, frame, words):
+    job = Job(kind)
+    job.job.frame = library._Frame(*frame)
+    job.refused(words)
+
+
+@pytest.mark.parametrize("view", [[0] * 9, [2, 0, 0, 0, 1, 0, 0, 0, 1], [1, 0, 0, 0.1, 1, 0, 0, 0, 1],
+                                  [1, 0, 0, 0, float("nan"), 0, 0, 0, 1], [3e38] * 9])
+def test_views_are_rotations(view):
+    job = Job("render")
+    job.job.camera.view[:] = view
+    job.refused("^camera: view is no rotation")
+
+
+def test_mirrored_and_rounded_views_are_drawn():
+    job = Job("render")
+    for view in ([-1, 0, 0, 0, 1, 0, 0, 0, 1], [0.8, 0.6, 0, -0.6, 0.8, 1e-5, 0, 0, 1.00001]):
+        job.job.camera.view[:] = view
+        job.run()
+
+
+def test_leaning_cameras_have_a_view():
+    """Blender's camera matrix has axes that lean where a parent is scaled unevenly."""
+    rng, job = np.random.default_rng(0), Job("render")
+    turn = np.linalg.qr(rng.normal(size=(4, 4)))[0]
+    for shear in (0.0, 0.01, 0.5):
+        view = np.eye(4)
+        view[:3, :3] = np.linalg.qr(turn[:3, :3])[0] @ (np.eye(3) + shear * np.eye(3, k=1))
+        job.job.camera.view[:] = cameras.rotation(view).ravel()
+        job.run()
+        assert shear or np.array_equal(cameras.rotation(view), view[:3, :3])
+
+
+@pytest.mark.parametrize("flag", [7, -1])
+def test_flags_are_0_or_1(flag):
+    job = Job("render")
+    job.job.camera.orthographic = flag
+    job.refused(f"^camera: orthographic is {flag};")
+    for name in ("linear", "wrap_x", "wrap_y"):
+        job = Job("bake")
+        setattr(job.job, name, flag)
+        job.refused(f"^{name}: is {flag};")
+
+
+def test_parameters_are_aligned():
+    for kind in ("render", "bake"):
+        job = Job(kind)
+        at = job.memory(2 * len(job.block)) + 4
+        ctypes.memmove(at, job.block, len(job.block))
+        job.job.params = at
+        job.refused("^params: .*address")
+
+
+@pytest.mark.parametrize("field", ["points", "corners"])
+def test_meshes_are_aligned(field):
+    job = Job("raster")
+    setattr(job.mesh, field, getattr(job.mesh, field) + 2)
+    job.refused("^mesh 0: .*address")
+
+
+# ---- distances of 16 bits
+
+
+def lone_edge(width, height, x, y):
+    layers = drawn.scene(width, height, n=0)
+    layers["object"] = np.zeros((height, width), np.float32)
+    layers["object"][y, x] = 1
+    return layers
+
+
+def test_a_border_of_a_high_frame():
+    """Its lines may be wider than 16 bits hold, the way to an edge in it can't be longer. Where it has no edge there is
+    none."""
+    wide = dict(edge_detector="SOBEL", line_search="NEAREST", line_thickness=4096.0, line_max_thickness=4096.0)
+    empty = {name: np.zeros_like(a) for name, a in lone_edge(8, 8, 3, 3).items()}
+    for layers in (drawn.scene(8, 8), lone_edge(8, 8, 3, 3), empty):
+        got = [load().render(layers, wide, frame=Frame(30720, height, 9, 9)).images["Combined"]
+               for height in (17270, 17280)]
+        assert np.array_equal(*got)
+    assert not got[0].any()
+
+
+@pytest.mark.parametrize("search, reach, far", [
+    (search, reach, far) for search in ("NEAREST", "EXACT") for reach in (4096.0, 100.0) for far in (39999, 20000)])
+def test_long_ways_to_an_edge(search, reach, far):
+    """In a picture of 40000 pixels, lines that go on for all of it: EXACT draws them, NEAREST says that it can't."""
+    scene = dict(edge_detector="SOBEL", line_search=search, line_thickness=reach, line_max_thickness=reach,
+                 line_softness=0.0, line_paper=0.0, width_object=1.0)
+    layers = lone_edge(40000, 1, far, 0)
+    frame = Frame(40000, 17280)
+    if search == "NEAREST" and reach == 4096:
+        with pytest.raises(EncreError, match="line_max_thickness.*smudge_range.*; give less"):
+            load().render(layers, scene, frame=frame)
+        return
+    ink = load().render(layers, scene, outputs=["Encre Lines"], frame=frame).images["Encre Lines"][0, :, 3]
+    inked = np.flatnonzero(ink)
+    assert inked.size and far - inked[0] == pytest.approx(min(8 * reach, far), abs=2)
