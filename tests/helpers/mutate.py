@@ -28,8 +28,8 @@ LIMIT = 60  # seconds a mutant's tests may take: what hangs is noticed
 
 # The nearest tests of a file or folder: the first that fits; one after another, the likeliest to notice first.
 TESTS = (
-    ("csrc/fine/", "fine/test_fine_sites.py", "fine/test_fine_passes.py", "fine/test_fine_ink.py",
-     "fine/test_fine.py fine/test_fine_chains.py -k 'not calm and not still'"),
+    ("csrc/fine/find/", "fine/test_fine_sites.py", "fine/test_fine_ink.py"),
+    ("csrc/fine/", "fine/test_fine_passes.py", "fine/test_fine_sites.py", "fine/test_fine_ink.py"),
     ("csrc/edges/", "stages/test_edges.py", "fine/test_fine_sites.py"),
     ("csrc/ink/capsules.c", "fine/test_fine_ink.py", "fine/test_fine.py -k 'not calm and not still'"),
     ("csrc/ink/nearest.c", "stages/test_lines.py -k 'nearest or sizes'", "stages/test_surface.py -k smudg",

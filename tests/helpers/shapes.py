@@ -31,7 +31,7 @@ def _patches(rng, size, kinds, values):
 
 
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0):
+           strong=1.0, light=1.0):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so."""
     rng = np.random.default_rng(seed)
     height, width = size
@@ -50,7 +50,7 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
               "diffuse": _patches(rng, size, ("half", "stripe")[:2 * busy],
                                   lambda: np.full(3, 0.8 + strong * rng.uniform(-0.7, 0.6)))}
     wave = np.sin(rng.uniform(0.05, 0.2) * x + rng.uniform(0.05, 0.2) * y)
-    layers["diffuse"] *= (1 + strong * (0.5 * wave - 0.3))[..., None]
+    layers["diffuse"] *= light * (1 + strong * (0.5 * wave - 0.3))[..., None]
     layers["depth"] = 6 + 0.02 * x + 0.03 * y + rng.uniform(0, 0.002) * x * y
     layers["object"], layers["material"] = np.zeros(size), np.zeros(size)
     fy, fx = (np.mgrid[:height * FINER, :width * FINER] + 0.5) / FINER - 0.5
@@ -81,6 +81,8 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
         layers["seen_normal"] = np.where(glass, _patches(rng, size, kinds, normal), layers["normal"])
         layers["seen_color"] = np.where(glass, _patches(rng, size, kinds, color), layers["albedo"])
         far = _patches(rng, size, ("half", "stripe"), lambda: np.array([rng.uniform(7, 30)]))
+        if strong < 1:  # next to the surface itself
+            far = layers["depth"][..., None] * (1 + 0.02 * strong * far)
         layers["seen_depth"] = np.where(glass[..., 0], far[..., 0], layers["depth"])
     if noise:
         for name in ("normal", "albedo", "diffuse", *(("seen_normal", "seen_color") if mirror else ())):
