@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Changes constants of csrc, one at a time, and looks whether a test notices: make mutate.
 
-    python tests/helpers/mutate.py [--seed N] [--count N] [--only FILE] [--all] [--floats]
+    python tests/helpers/mutate.py [--seed N] [--count N] [--only FILE] [--all] [--floats] | --python
 
 In a copy of the tree a float grows or shrinks by a fifth and a whole number by one; what it is part of is compiled
 again, and the nearest tests run, the likeliest to notice first. What survives is listed in mutants.txt with the reason
@@ -42,6 +42,25 @@ TESTS = (
     ("csrc/base/pixel.h", "unit/test_metric.py", "stages/test_surface.py"),
     ("csrc/base/params", "unit/test_layers.py unit/test_house.py"),
     ("csrc/", "unit/test_layers.py", "unit/test_memory.py", "stages/test_edges.py -k sizes", "stages/test_surface.py"),
+)
+
+
+# Lines of Python that once could go wrong unseen: what stands there, what it becomes, who should notice.
+PYTHON = (
+    ("addon/blender/subframes.py", "_SEED_STEP = 1013904223", "_SEED_STEP = 0", "blender/test_supersample.py -k noise"),
+    ("addon/pen/colour.py", "< 1 / 128", "< 0", "unit/test_colour.py"),
+    ("addon/blender/meshes.py", "if instance.is_instance and not group:", "if instance.is_instance:",
+     "blender/test_details.py"),
+    ("addon/pen/supersample.py", "in reversed(range(factor))", "in range(factor)",
+     "blender/test_supersample.py -k marks"),
+    ("addon/blender/frame.py", 'render.threads if render.threads_mode == "FIXED" else 0', "0",
+     "blender/test_details.py"),
+    ("addon/blender/panels/stages.py", "return not term(text[1:])", "return term(text[1:])", "blender/test_details.py"),
+    ("addon/blender/panels/scene.py", 'bl_options = {"REGISTER", "UNDO"}', 'bl_options = {"REGISTER"}',
+     "blender/test_details.py"),
+    ("addon/pen/unwrap.py", "weight = np.repeat(area, 3)", "weight = np.ones(3 * len(area))",
+     "unit/test_unwrap.py -k corner"),
+    ("addon/blender/panels/paint.py", "if self.value else 128 / 255", "", "blender/test_details.py"),
 )
 
 
@@ -199,6 +218,21 @@ class Copy:
                 del sys.modules[name]
         return int(self._pytest(_words(selection)))
 
+    def run_python(self, change):
+        """Likewise, of a row of PYTHON; in a new Python."""
+        name, old, new, selection = change
+        path = self.tree / name
+        was = path.read_text(encoding="utf-8")
+        if was.count(old) != 1:
+            raise SystemExit(f"mutate: {name} has {was.count(old)} times {old!r}; mend the row of PYTHON")
+        path.write_text(was.replace(old, new), encoding="utf-8")
+        try:
+            done = subprocess.run([sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
+                                   *_words(selection)], cwd=self.tree, capture_output=True)
+            return selection if done.returncode == 1 else None
+        finally:
+            path.write_text(was, encoding="utf-8")
+
     def run(self, mutant):
         """The tests that notice it, "does not compile", or None."""
         path = self.tree / mutant.path
@@ -291,25 +325,42 @@ def draw(every, count, rng):
     return [rng.choice(places[key]) for key in keys[:count]]
 
 
+def python(root):
+    alive = 0
+    with tempfile.TemporaryDirectory(prefix="encre-mutate-") as folder:
+        tree = Path(folder).resolve()
+        copy(root, tree)
+        own = Copy(tree)
+        own.warm(False)
+        for change in PYTHON:
+            by = own.run_python(change)
+            alive += by is None
+            word = "noticed " if by else "SURVIVES"
+            print(f"{word}  {change[0]}: {change[1]} -> {change[2] or 'nothing'}", flush=True)
+    return 1 if alive else 0
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--seed", type=int, default=None, help="of the sample; another each time")
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--only", default="", help="files whose name begins so, as csrc/fine/find")
+    parser.add_argument("--python", action="store_true", help="the lines of PYTHON, not constants of C")
     parser.add_argument("--all", action="store_true", help="every change of every constant")
     parser.add_argument("--floats", action="store_true", help="no whole numbers")
     parser.add_argument("--line", type=int, default=0, help="of the file that --only names")
     args = parser.parse_args(arguments)
     seed = args.seed if args.seed is not None else random.SystemRandom().randrange(10**6)
     root = HERE.parents[2]
-    every = {path: found for path, found in every_mutant(root).items() if path.startswith(args.only)}
+    if args.python:
+        return python(root)
+    every = {path: [m for m in found if "." in m.old or not args.floats]
+             for path, found in every_mutant(root).items() if path.startswith(args.only)}
     if not every:
         raise SystemExit(f"mutate: no file of csrc begins with {args.only!r}; give a path as csrc/fine/sites.c")
     chosen = draw(every, args.count, random.Random(seed))
     if args.all:
         chosen = [mutant for found in every.values() for mutant in found]
-    if args.floats:
-        chosen = [mutant for mutant in chosen if "." in mutant.old]
     if args.line:
         chosen = [mutant for mutant in chosen if mutant.line == args.line]
     print(f"mutate: seed {seed}, {len(chosen)} changes", flush=True)
