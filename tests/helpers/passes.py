@@ -88,6 +88,14 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
     "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
     "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
 }
+MORE = {  # for the passes alone: many lines beside one another
+    f"crowded {k}": (dict(seed=100 + k, things=k % 2, noise=0.01 * (k % 3), size=(40, 56)),
+                     dict(crease_angle=30.0 + 20 * (k % 3), edge_threshold=0.05 * (k % 4)), (), (None, ORTHO)[k % 2])
+    for k in range(8)} | {
+    f"strokes {k}": (dict(seed=120 + k, hand=26, size=(44, 60), strong=(1.0, 0.1)[k % 2], mirror=k == 3),
+                     dict(edge_light=0.0, edge_seen=1.0, edge_color=1.0, color_layer=("LIT", "ALBEDO")[k % 2]), (),
+                     None)
+    for k in range(6)}
 
 
 @dataclass
@@ -102,7 +110,7 @@ class Case:
 
 @functools.cache
 def given(name):
-    how, scene, styles, camera = CASES[name]
+    how, scene, styles, camera = {**CASES, **MORE}[name]
     layers, scene, camera = shapes.shapes(**how), {**ALL, **scene}, camera or Camera()
     told = dict(orthographic=camera.orthographic, height=camera.height, view=camera.view)
     own = Layers(layers, len(styles), told, None)
@@ -119,6 +127,6 @@ def wanted(name):
 @functools.cache
 def case(name):
     """What the library finds."""
-    _, _, styles, camera = CASES[name]
+    _, _, styles, camera = {**CASES, **MORE}[name]
     layers, scene, view = given(name)
     return Case(*run(layers, scene, styles, camera), view)

@@ -30,8 +30,27 @@ def _patches(rng, size, kinds, values):
     return mean
 
 
+def strokes(rng, size, count):
+    """The layer `marks` of short lines every way."""
+    height, width = size
+    marks = np.zeros((height, width, 2))
+    for _ in range(count):
+        a = rng.uniform(2, (width - 3, height - 3))
+        turn = rng.uniform(0, 2 * np.pi)
+        way = rng.uniform(5, 11) * np.array([np.cos(turn), np.sin(turn)])
+        for axis in (0, 1):  # crossings of rows, then of columns
+            across, along = 1 - axis, axis
+            low, high = sorted((a[across], a[across] + way[across]))
+            for line in range(int(np.ceil(low)), int(np.floor(high)) + 1):
+                at = a[along] + way[along] * (line - a[across]) / way[across]
+                p = (line, int(np.floor(at))) if axis == 0 else (int(np.floor(at)), line)
+                if 0 <= p[0] < height - 1 and 0 <= p[1] < width - 1:
+                    marks[p][axis] = max(at % 1, 1e-3)
+    return marks
+
+
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0, light=1.0):
+           strong=1.0, light=1.0, hand=0):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so."""
     rng = np.random.default_rng(seed)
     height, width = size
@@ -76,6 +95,8 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     layers["combined"] = np.concatenate([layers["albedo"] * layers["diffuse"], np.ones((*size, 1))], -1)
     layers["color"] = layers["albedo"]
     layers["marks"] = np.where(rng.random((*size, 2)) < 0.03, rng.uniform(-1, 1, (*size, 2)), 0)
+    if hand:
+        layers["marks"] = strokes(rng, size, hand)
     if mirror:
         glass = _cover(rng, y, x, "half", size)[..., None]
         layers["seen_normal"] = np.where(glass, _patches(rng, size, kinds, normal), layers["normal"])

@@ -39,6 +39,6 @@ def test_the_list_of_what_none_can_notice_names_lines_that_are_there():
 
 def test_changes_that_matter_are_noticed():
     done = subprocess.run([sys.executable, "tests/helpers/mutate.py", "--seed", "1", "--count", "3", "--floats",
-                           "--only", "csrc/surface/shade.c"], cwd=ROOT, capture_output=True, text=True)
+                           "--only", "csrc/base/metric.c"], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count("noticed ") == 3
