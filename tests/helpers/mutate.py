@@ -89,10 +89,10 @@ def blank(text):
                   flags=re.DOTALL | re.MULTILINE)
 
 
-def changed(number):
-    """What a number becomes, up and down; none where that could mean nothing else than a crash."""
-    if re.search(r"[.eE]", number) and not number.startswith("0x"):
-        value, suffix = float(number.rstrip("f")), "f" * number.endswith("f")
+def changed(number, real=False):
+    """What a number becomes, up and down; `real`: it initialises a float, though it is whole."""
+    if (real or re.search(r"[.eE]", number)) and not number.startswith("0x"):
+        value, suffix = float(number.rstrip("f")), "f" * (real or number.endswith("f"))
         texts = [repr(float(f"{value * k:.9g}")) for k in (0.8, 1.2)] if value else ["0.001"]
         return [text + suffix for text in texts]
     digits = number.rstrip("u")
@@ -107,6 +107,7 @@ def mutants_of(path, text):
     for match in re.finditer(r"\benum\b[^;{]*\{[^}]*\}", code) if path.endswith(".h") else ():
         code = code[:match.start()] + re.sub(r"[^\n]", " ", match.group()) + code[match.end():]
     start = 0
+    real = [m.span() for m in re.finditer(r"\bstatic const float\b[^;()]*;", code)]
     for number, line in enumerate(code.split("\n"), 1):
         declared = [m.span() for m in re.finditer(r"(?<=\w)\[[^\]]*\]", line)] if DECLARED.match(line) else []
         for match in NUMBER.finditer(line):
@@ -117,7 +118,7 @@ def mutants_of(path, text):
                 continue
             source = text[start:start + len(line)]
             found += [Mutant(path, number, match.start(), match.group(), new, source.strip())
-                      for new in changed(match.group())]
+                      for new in changed(match.group(), any(a <= start + match.start() < b for a, b in real))]
         start += len(line) + 1
     return found
 
@@ -354,7 +355,7 @@ def main(arguments=None):
     root = HERE.parents[2]
     if args.python:
         return python(root)
-    every = {path: [m for m in found if "." in m.old or not args.floats]
+    every = {path: [m for m in found if "." in m.old + m.new or not args.floats]
              for path, found in every_mutant(root).items() if path.startswith(args.only)}
     if not every:
         raise SystemExit(f"mutate: no file of csrc begins with {args.only!r}; give a path as csrc/fine/sites.c")
