@@ -88,6 +88,9 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
     "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
     "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
 }
+WIRES = {  # for the sites of thin things
+    f"wires {k}": (dict(seed=k), dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
+    for k in range(10)}
 MORE = {  # for the passes alone: many lines beside one another
     f"crowded {k}": (dict(seed=100 + k, things=k % 2, noise=0.01 * (k % 3), size=(40, 56)),
                      dict(crease_angle=30.0 + 20 * (k % 3), edge_threshold=0.05 * (k % 4)), (), (None, ORTHO)[k % 2])
@@ -110,8 +113,9 @@ class Case:
 
 @functools.cache
 def given(name):
-    how, scene, styles, camera = {**CASES, **MORE}[name]
-    layers, scene, camera = shapes.shapes(**how), {**ALL, **scene}, camera or Camera()
+    how, scene, styles, camera = {**CASES, **MORE, **WIRES}[name]
+    layers = (shapes.wires if name in WIRES else shapes.shapes)(**how)
+    scene, camera = {**ALL, **scene}, camera or Camera()
     told = dict(orthographic=camera.orthographic, height=camera.height, view=camera.view)
     own = Layers(layers, len(styles), told, None)
     known = {k: v for k, v in scene.items() if k != "crease_angle"}
@@ -127,6 +131,6 @@ def wanted(name):
 @functools.cache
 def case(name):
     """What the library finds."""
-    _, _, styles, camera = {**CASES, **MORE}[name]
+    _, _, styles, camera = {**CASES, **MORE, **WIRES}[name]
     layers, scene, view = given(name)
     return Case(*run(layers, scene, styles, camera), view)

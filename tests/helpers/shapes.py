@@ -114,3 +114,29 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
         layers["style"] = np.minimum(_patches(rng, size, ("half", "disc"), lambda: rng.integers(0, styles + 1, 1)),
                                      styles).round()[..., 0]
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+def wires(seed, size=(40, 52), count=4):
+    """Wires of every width and contrast before a wall that a step divides, some of them just before it."""
+    rng = np.random.default_rng(seed)
+    height, width = size
+    fy, fx = (np.mgrid[:height * FINER, :width * FINER] + 0.5) / FINER - 0.5
+    y, x = np.mgrid[:height, :width].astype(float)
+    depth = np.where(_cover(rng, y, x, "half", size), 5.0, 5.0 * (1 + rng.choice([0, 0.002, 0.1, 0.3, 0.6])))
+    object_ = np.zeros(size)
+    value = np.tile(np.r_[np.full(3, 0.5), 0, 0, 0.9], (*size, 1))
+    for k in range(count):
+        turn, broad = rng.uniform(0, np.pi), rng.uniform(0.3, 3.6)
+        at = rng.uniform(0.15, 0.85, 2) * size
+
+        def off(y, x, turn=turn, at=at):
+            return np.abs((x - at[1]) * np.cos(turn) + (y - at[0]) * np.sin(turn))
+        share = (off(fy, fx) < broad / 2).reshape(height, FINER, width, FINER).mean((1, 3))[..., None]
+        own = value.mean((0, 1)) + rng.standard_normal(6) * np.repeat(rng.choice([0.03, 0.08, 0.3], 2), 3)
+        value = share * own + (1 - share) * value
+        hit = off(y, x) < broad / 2
+        object_ = np.where(hit & (rng.random() < 0.7), k + 1, object_)
+        depth = np.where(hit, np.minimum(depth, 5 * rng.choice([0.5, 0.9, rng.uniform(0.985, 0.993)])), depth)
+    layers = dict(combined=np.ones((*size, 4)), color=value[..., :3], diffuse=np.ones((*size, 3)), depth=depth,
+                  object=object_, normal=value[..., 3:])
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
