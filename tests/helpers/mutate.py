@@ -78,6 +78,7 @@ class Mutant:
 
 
 NUMBER = re.compile(r"(?<![\w.])(?:\d+\.\d*(?:[eE][+-]?\d+)?f?|\d+[eE][+-]?\d+f?|0x[0-9a-fA-F]+u?|\d+u?)(?![\w.])")
+CUTS = re.compile(r"\b(?:CHUNK|LANES|TILE|SHORT|STRIPE)\s*=$")  # how work is cut up, on which no result depends
 DECLARED = re.compile(r"^\s*(?!return\b|else\b|case\b)(?:[a-z]\w*[\s*]+)+\w+(?:\[[^\]]*\])+")  # an array
 
 
@@ -113,7 +114,7 @@ def mutants_of(path, text):
         for match in NUMBER.finditer(line):
             before, after = line[:match.start()].rstrip(), line[match.end():].lstrip()
             inside = any(a <= match.start() < b for a, b in declared)
-            if inside or before.endswith(("<<", ">>", "case")) or after.startswith("<<") or (
+            if inside or before.endswith(("<<", ">>", "case")) or CUTS.search(before) or after.startswith("<<") or (
                     before.endswith("{") and after.startswith("}")):
                 continue
             source = text[start:start + len(line)]
