@@ -125,6 +125,7 @@ def wires(seed, size=(40, 52), count=4):
     depth = np.where(_cover(rng, y, x, "half", size), 5.0, 5.0 * (1 + rng.choice([0, 0.002, 0.1, 0.3, 0.6])))
     object_ = np.zeros(size)
     value = np.tile(np.r_[np.full(3, 0.5), 0, 0, 0.9], (*size, 1))
+    marks = np.zeros((*size, 2))
     for k in range(count):
         turn, broad = rng.uniform(0, np.pi), rng.uniform(0.3, 3.6)
         at = rng.uniform(0.15, 0.85, 2) * size
@@ -135,8 +136,15 @@ def wires(seed, size=(40, 52), count=4):
         own = value.mean((0, 1)) + rng.standard_normal(6) * np.repeat(rng.choice([0.03, 0.08, 0.3], 2), 3)
         value = share * own + (1 - share) * value
         hit = off(y, x) < broad / 2
+        for axis in (0, 1):  # where its contours pass, as the rasteriser tells
+            a, b = off(y, x)[:-1, :-1] - broad / 2, off(y + axis, x + 1 - axis)[:-1, :-1] - broad / 2
+            with np.errstate(divide="ignore", invalid="ignore"):
+                marks[:-1, :-1, axis] = np.where((a < 0) != (b < 0), -np.clip(a / (a - b), 0.01, 1),
+                                                 marks[:-1, :-1, axis])
         object_ = np.where(hit & (rng.random() < 0.7), k + 1, object_)
         depth = np.where(hit, np.minimum(depth, 5 * rng.choice([0.5, 0.9, rng.uniform(0.985, 0.993)])), depth)
     layers = dict(combined=np.ones((*size, 4)), color=value[..., :3], diffuse=np.ones((*size, 3)), depth=depth,
                   object=object_, normal=value[..., 3:])
+    if seed % 2:
+        layers["marks"] = marks
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
