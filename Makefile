@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | gallery | test | test-long | bench | lint | extension | clean. Each sets up what it needs in .venv.
+# make demo | gallery | test | test-long | mutate | bench | lint | extension | clean. Each sets up what it needs in .venv.
 
 PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command -v $(p) 2>/dev/null)))
 # One Blender module per Python: the wheels on the package index are built for exactly one version each.
 BPY := $(shell $(PYTHON) -c 'import sys; print({(3, 11): "bpy==4.5.*", (3, 13): "bpy==5.2.*"}.get(sys.version_info[:2], ""))')
 RUN := .venv/bin/python
 
-.PHONY: demo gallery extension blenders test test-long bench lint clean build
+.PHONY: demo gallery extension blenders test test-long mutate bench lint clean build
 
 .venv/ready: pyproject.toml
 	@test -n "$(BPY)" || command -v blender >/dev/null || \
@@ -50,6 +50,10 @@ blenders: build/blenders/bpy-4.2/ready build/blenders/bpy-5.0/ready
 
 bench: build
 	$(RUN) tests/helpers/bench.py
+
+# Does a test notice when a constant changes by a fifth? MUTATE="--seed 7 --only csrc/fine" for others than 200 at random.
+mutate: build
+	$(RUN) tests/helpers/mutate.py $(MUTATE)
 
 lint: .venv/ready
 	.venv/bin/ruff check .
