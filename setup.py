@@ -13,6 +13,7 @@ the same bytes, and the test suite holds them to it. The library has no Python A
 import os
 import platform
 import shlex
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -91,6 +92,11 @@ class BuildLibrary(build_ext):
 class Wheel(bdist_wheel):
     def get_tag(self):
         return "py3", "none", super().get_tag()[2]
+
+    def run(self):
+        # What earlier builds left there would be packed too: modules that have moved since.
+        shutil.rmtree(self.get_finalized_command("build").build_lib, ignore_errors=True)
+        super().run()
 
 
 FORWARD = """# SPDX-License-Identifier: GPL-3.0-or-later
