@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | gallery | test | test-long | bench | lint | extension | clean. Each sets up what it needs in .venv.
+# make demo | gallery | docs | test | test-long | mutate | bench | lint | extension | clean. Each sets up what it needs in
+# .venv.
 
 PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command -v $(p) 2>/dev/null)))
 # One Blender module per Python: the wheels on the package index are built for exactly one version each.
 BPY := $(shell $(PYTHON) -c 'import sys; print({(3, 11): "bpy==4.5.*", (3, 13): "bpy==5.2.*"}.get(sys.version_info[:2], ""))')
 RUN := .venv/bin/python
 
-.PHONY: demo gallery extension blenders test test-long bench lint clean build
+.PHONY: demo gallery docs extension blenders test test-long mutate bench lint clean build
 
 .venv/ready: pyproject.toml
 	@test -n "$(BPY)" || command -v blender >/dev/null || \
@@ -31,6 +32,10 @@ demo: build
 gallery: build
 	$(RUN) scenes/gallery.py build/gallery $(wildcard ../shared/data/suzanne.blend)
 
+# The pages and tables of docs/ that are computed without Blender: two minutes.
+docs: build
+	$(RUN) tests/helpers/pages.py
+
 extension: .venv/ready
 	$(RUN) setup.py -q extension
 
@@ -50,6 +55,10 @@ blenders: build/blenders/bpy-4.2/ready build/blenders/bpy-5.0/ready
 
 bench: build
 	$(RUN) tests/helpers/bench.py
+
+# Does a test notice when a constant changes by a fifth? MUTATE="--seed 7 --only csrc/fine" for others than 200 at random.
+mutate: build
+	$(RUN) tests/helpers/mutate.py $(MUTATE)
 
 lint: .venv/ready
 	.venv/bin/ruff check .

@@ -14,6 +14,7 @@ guarded, too. The library has no Python ABI, so the wheel is tagged py3-none.
 import os
 import platform
 import shlex
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -92,6 +93,11 @@ class BuildLibrary(build_ext):
 class Wheel(bdist_wheel):
     def get_tag(self):
         return "py3", "none", super().get_tag()[2]
+
+    def run(self):
+        # What earlier builds left there would be packed too: modules that have moved since.
+        shutil.rmtree(self.get_finalized_command("build").build_lib, ignore_errors=True)
+        super().run()
 
 
 FORWARD = """# SPDX-License-Identifier: GPL-3.0-or-later

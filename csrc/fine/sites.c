@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-static const float touching = 0.02f; /* of the depth, apart at most */
+static const float touching = 0.02f; /* of the depth, apart at most; test_fine_sites */
 
 /* ---- one site -------------------------------------------------------------------------------------------- */
 

@@ -11,8 +11,8 @@ from reference import ends
 from reference import passes as twin
 from reference.passes import NUMBER, Table
 
-LEAST = dict(owned=1400, weak=40, held=40, crumbs=400, links=2000, ties=40, smooth=1500, crowded=400, led=300,
-             corners=25, beside=40, spurs=12)  # found over all cases
+LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, links=6000, ties=40, smooth=4000, crowded=1300, led=1000,
+             corners=100, beside=150, spurs=80)  # found over all cases
 
 
 class Check:
@@ -91,7 +91,8 @@ def crowd(check):
         return
     before, after = check.tables("smooth")[0], check.tables("crowd")[0]
     bound, unsure = twin.crowd(before, check.shape)
-    assert not unsure
+    if unsure:  # one says something of all within 20 pixels
+        return
     assert after.site["crowd"] == pytest.approx(bound, rel=1e-3, abs=1e-5)
     check.count["crowded"] += int((bound > 0).sum())
 
@@ -130,11 +131,11 @@ def compare(name):
     return check.count
 
 
-@pytest.mark.parametrize("name", passes.CASES)
+@pytest.mark.parametrize("name", [*passes.CASES, *passes.MORE])
 def test_passes_do_what_their_twins_do(name):
     compare(name)
 
 
 def test_every_pass_has_something_to_do():
-    found = sum((compare(name) for name in passes.CASES), Counter())
+    found = sum((compare(name) for name in [*passes.CASES, *passes.MORE]), Counter())
     assert {name: (found[name], least) for name, least in LEAST.items() if found[name] < least} == {}

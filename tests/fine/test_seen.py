@@ -6,7 +6,6 @@ import pytest
 from encre.pen import library
 from encre.pen.job import Camera
 from judge import scenes, verdict
-from reference import fine
 
 RIM = np.s_[20:-20, 30:-30]  # the mirror in the frame
 PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_light=0.0, edge_seen=3.0, width_seen=1.0)
@@ -61,24 +60,6 @@ def test_a_mirror_shows_the_lines_of_what_is_in_it(name, filter):
     least = {"evenness": 0.975, "once": 0.97, **{f"whole {kind}": 0.99 for kind in ("outline", "crease", "color")}}
     assert {k: found[k] for k, v in least.items() if found[k] < v} == {}
     assert found["place p95"] <= 0.25 and found["stray"] <= 0.0005
-
-
-def alike(one, two):
-    """Shares of either ink that lies within a pixel of the other."""
-    def reach(t):
-        wide = np.pad(t > 0.5, 1)
-        return wide[1:-1, 1:-1] | wide[:-2, 1:-1] | wide[2:, 1:-1] | wide[1:-1, :-2] | wide[1:-1, 2:]
-    return [(reach(a) & (b > 0.5)).sum() / max(1, (b > 0.5).sum()) for a, b in ((one, two), (two, one))]
-
-
-@pytest.mark.parametrize("name", ["boxes", "patches", "horizon"])
-def test_the_reference_draws_the_same_lines(name):
-    scene = scenes.NAMED[name]()
-    layers = mirrored(scene)
-    params = {k: v for k, v in PEN.items() if k != "edge_detector"}
-    slow, found = fine.ink(layers, params, scene.camera_settings)
-    assert (found.source == found.source.max()).sum() > 100
-    assert min(alike(ink(layers, scene), slow)) > 0.98
 
 
 def test_an_orthographic_mirror():

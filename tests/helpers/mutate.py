@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Changes constants of csrc, one at a time, and looks whether a test notices: make mutate.
 
-    python tests/helpers/mutate.py [--seed N] [--count N] [--only FILE] [--all] [--floats]
+    python tests/helpers/mutate.py [--seed N] [--count N] [--only FILE] [--all] [--floats] | --python
 
 In a copy of the tree a float grows or shrinks by a fifth and a whole number by one; what it is part of is compiled
 again, and the nearest tests run, the likeliest to notice first. What survives is listed in mutants.txt with the reason
@@ -28,8 +28,8 @@ LIMIT = 60  # seconds a mutant's tests may take: what hangs is noticed
 
 # The nearest tests of a file or folder: the first that fits; one after another, the likeliest to notice first.
 TESTS = (
-    ("csrc/fine/", "fine/test_fine_sites.py", "fine/test_fine_passes.py", "fine/test_fine_ink.py",
-     "fine/test_fine.py fine/test_fine_chains.py -k 'not calm and not still'"),
+    ("csrc/fine/find/", "fine/test_fine_sites.py", "fine/test_fine_ink.py"),
+    ("csrc/fine/", "fine/test_fine_passes.py", "fine/test_fine_sites.py", "fine/test_fine_ink.py"),
     ("csrc/edges/", "stages/test_edges.py", "fine/test_fine_sites.py"),
     ("csrc/ink/capsules.c", "fine/test_fine_ink.py", "fine/test_fine.py -k 'not calm and not still'"),
     ("csrc/ink/nearest.c", "stages/test_lines.py -k 'nearest or sizes'", "stages/test_surface.py -k smudg",
@@ -42,6 +42,25 @@ TESTS = (
     ("csrc/base/pixel.h", "unit/test_metric.py", "stages/test_surface.py"),
     ("csrc/base/params", "unit/test_layers.py unit/test_house.py"),
     ("csrc/", "unit/test_layers.py", "unit/test_memory.py", "stages/test_edges.py -k sizes", "stages/test_surface.py"),
+)
+
+
+# Lines of Python that once could go wrong unseen: what stands there, what it becomes, who should notice.
+PYTHON = (
+    ("addon/blender/subframes.py", "_SEED_STEP = 1013904223", "_SEED_STEP = 0", "blender/test_supersample.py -k noise"),
+    ("addon/pen/colour.py", "< 1 / 128", "< 0", "unit/test_colour.py"),
+    ("addon/blender/meshes.py", "if instance.is_instance and not group:", "if instance.is_instance:",
+     "blender/test_details.py"),
+    ("addon/pen/supersample.py", "in reversed(range(factor))", "in range(factor)",
+     "blender/test_supersample.py -k marks"),
+    ("addon/blender/frame.py", 'render.threads if render.threads_mode == "FIXED" else 0', "0",
+     "blender/test_details.py"),
+    ("addon/blender/panels/stages.py", "return not term(text[1:])", "return term(text[1:])", "blender/test_details.py"),
+    ("addon/blender/panels/scene.py", 'bl_options = {"REGISTER", "UNDO"}', 'bl_options = {"REGISTER"}',
+     "blender/test_details.py"),
+    ("addon/pen/unwrap.py", "weight = np.repeat(area, 3)", "weight = np.ones(3 * len(area))",
+     "unit/test_unwrap.py -k corner"),
+    ("addon/blender/panels/paint.py", "if self.value else 128 / 255", "", "blender/test_details.py"),
 )
 
 
@@ -59,6 +78,7 @@ class Mutant:
 
 
 NUMBER = re.compile(r"(?<![\w.])(?:\d+\.\d*(?:[eE][+-]?\d+)?f?|\d+[eE][+-]?\d+f?|0x[0-9a-fA-F]+u?|\d+u?)(?![\w.])")
+CUTS = re.compile(r"\b(?:CHUNK|LANES|TILE|SHORT|STRIPE)\s*=$")  # how work is cut up, on which no result depends
 DECLARED = re.compile(r"^\s*(?!return\b|else\b|case\b)(?:[a-z]\w*[\s*]+)+\w+(?:\[[^\]]*\])+")  # an array
 
 
@@ -70,10 +90,10 @@ def blank(text):
                   flags=re.DOTALL | re.MULTILINE)
 
 
-def changed(number):
-    """What a number becomes, up and down; none where that could mean nothing else than a crash."""
-    if re.search(r"[.eE]", number) and not number.startswith("0x"):
-        value, suffix = float(number.rstrip("f")), "f" * number.endswith("f")
+def changed(number, real=False):
+    """What a number becomes, up and down; `real`: it initialises a float, though it is whole."""
+    if (real or re.search(r"[.eE]", number)) and not number.startswith("0x"):
+        value, suffix = float(number.rstrip("f")), "f" * (real or number.endswith("f"))
         texts = [repr(float(f"{value * k:.9g}")) for k in (0.8, 1.2)] if value else ["0.001"]
         return [text + suffix for text in texts]
     digits = number.rstrip("u")
@@ -88,17 +108,18 @@ def mutants_of(path, text):
     for match in re.finditer(r"\benum\b[^;{]*\{[^}]*\}", code) if path.endswith(".h") else ():
         code = code[:match.start()] + re.sub(r"[^\n]", " ", match.group()) + code[match.end():]
     start = 0
+    real = [m.span() for m in re.finditer(r"\bstatic const float\b[^;()]*;", code)]
     for number, line in enumerate(code.split("\n"), 1):
         declared = [m.span() for m in re.finditer(r"(?<=\w)\[[^\]]*\]", line)] if DECLARED.match(line) else []
         for match in NUMBER.finditer(line):
             before, after = line[:match.start()].rstrip(), line[match.end():].lstrip()
             inside = any(a <= match.start() < b for a, b in declared)
-            if inside or before.endswith(("<<", ">>", "case")) or after.startswith("<<") or (
+            if inside or before.endswith(("<<", ">>", "case")) or CUTS.search(before) or after.startswith("<<") or (
                     before.endswith("{") and after.startswith("}")):
                 continue
             source = text[start:start + len(line)]
             found += [Mutant(path, number, match.start(), match.group(), new, source.strip())
-                      for new in changed(match.group())]
+                      for new in changed(match.group(), any(a <= start + match.start() < b for a, b in real))]
         start += len(line) + 1
     return found
 
@@ -199,6 +220,21 @@ class Copy:
                 del sys.modules[name]
         return int(self._pytest(_words(selection)))
 
+    def run_python(self, change):
+        """Likewise, of a row of PYTHON; in a new Python."""
+        name, old, new, selection = change
+        path = self.tree / name
+        was = path.read_text(encoding="utf-8")
+        if was.count(old) != 1:
+            raise SystemExit(f"mutate: {name} has {was.count(old)} times {old!r}; mend the row of PYTHON")
+        path.write_text(was.replace(old, new), encoding="utf-8")
+        try:
+            done = subprocess.run([sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
+                                   *_words(selection)], cwd=self.tree, capture_output=True)
+            return selection if done.returncode == 1 else None
+        finally:
+            path.write_text(was, encoding="utf-8")
+
     def run(self, mutant):
         """The tests that notice it, "does not compile", or None."""
         path = self.tree / mutant.path
@@ -291,25 +327,42 @@ def draw(every, count, rng):
     return [rng.choice(places[key]) for key in keys[:count]]
 
 
+def python(root):
+    alive = 0
+    with tempfile.TemporaryDirectory(prefix="encre-mutate-") as folder:
+        tree = Path(folder).resolve()
+        copy(root, tree)
+        own = Copy(tree)
+        own.warm(False)
+        for change in PYTHON:
+            by = own.run_python(change)
+            alive += by is None
+            word = "noticed " if by else "SURVIVES"
+            print(f"{word}  {change[0]}: {change[1]} -> {change[2] or 'nothing'}", flush=True)
+    return 1 if alive else 0
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--seed", type=int, default=None, help="of the sample; another each time")
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--only", default="", help="files whose name begins so, as csrc/fine/find")
+    parser.add_argument("--python", action="store_true", help="the lines of PYTHON, not constants of C")
     parser.add_argument("--all", action="store_true", help="every change of every constant")
     parser.add_argument("--floats", action="store_true", help="no whole numbers")
     parser.add_argument("--line", type=int, default=0, help="of the file that --only names")
     args = parser.parse_args(arguments)
     seed = args.seed if args.seed is not None else random.SystemRandom().randrange(10**6)
     root = HERE.parents[2]
-    every = {path: found for path, found in every_mutant(root).items() if path.startswith(args.only)}
+    if args.python:
+        return python(root)
+    every = {path: [m for m in found if "." in m.old + m.new or not args.floats]
+             for path, found in every_mutant(root).items() if path.startswith(args.only)}
     if not every:
         raise SystemExit(f"mutate: no file of csrc begins with {args.only!r}; give a path as csrc/fine/sites.c")
     chosen = draw(every, args.count, random.Random(seed))
     if args.all:
         chosen = [mutant for found in every.values() for mutant in found]
-    if args.floats:
-        chosen = [mutant for mutant in chosen if "." in mutant.old]
     if args.line:
         chosen = [mutant for mutant in chosen if mutant.line == args.line]
     print(f"mutate: seed {seed}, {len(chosen)} changes", flush=True)

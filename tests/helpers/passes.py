@@ -80,11 +80,25 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
     "gentle": (dict(seed=16, strong=0.12, mirror=True),
                dict(edge_threshold=0.02, contrast_threshold=0.0, crease_angle=12.0,
                     shade_levels=[(0.3,), (0.5, 0.68, 0), (0.6, 0.72, 0), (0.8, 0.78, 0), (1.0, 0.83, 0)]), (), None),
+    "dim": (dict(seed=6, light=0.02, noise=0.03, things=2, styles=2),
+            dict(contrast_metric="CMC", shade_levels=[(0.2,), (0.5, 0.008, 0), (0.8, 0.014, 0), (1.1, 0.02, 0)]),
+            [{"edge_light": 1.0}, {"shade_exposure": 1.3}], None),
     "near": (dict(seed=21, strong=0.1, things=2, wires=1), dict(edge_threshold=0.15, edge_color=1.0, crease_angle=8.0),
              (), None),
     "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
     "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
 }
+WIRES = {  # for the sites of thin things
+    f"wires {k}": (dict(seed=k), dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
+    for k in range(10)}
+MORE = {  # for the passes alone: many lines beside one another
+    f"crowded {k}": (dict(seed=100 + k, things=k % 2, noise=0.01 * (k % 3), size=(40, 56)),
+                     dict(crease_angle=30.0 + 20 * (k % 3), edge_threshold=0.05 * (k % 4)), (), (None, ORTHO)[k % 2])
+    for k in range(8)} | {
+    f"strokes {k}": (dict(seed=120 + k, hand=26, size=(44, 60), strong=(1.0, 0.1)[k % 2], mirror=k == 3),
+                     dict(edge_light=0.0, edge_seen=1.0, edge_color=1.0, color_layer=("LIT", "ALBEDO")[k % 2]), (),
+                     None)
+    for k in range(6)}
 
 
 @dataclass
@@ -99,8 +113,9 @@ class Case:
 
 @functools.cache
 def given(name):
-    how, scene, styles, camera = CASES[name]
-    layers, scene, camera = shapes.shapes(**how), {**ALL, **scene}, camera or Camera()
+    how, scene, styles, camera = {**CASES, **MORE, **WIRES}[name]
+    layers = (shapes.wires if name in WIRES else shapes.shapes)(**how)
+    scene, camera = {**ALL, **scene}, camera or Camera()
     told = dict(orthographic=camera.orthographic, height=camera.height, view=camera.view)
     own = Layers(layers, len(styles), told, None)
     known = {k: v for k, v in scene.items() if k != "crease_angle"}
@@ -116,6 +131,6 @@ def wanted(name):
 @functools.cache
 def case(name):
     """What the library finds."""
-    _, _, styles, camera = CASES[name]
+    _, _, styles, camera = {**CASES, **MORE, **WIRES}[name]
     layers, scene, view = given(name)
     return Case(*run(layers, scene, styles, camera), view)

@@ -30,8 +30,27 @@ def _patches(rng, size, kinds, values):
     return mean
 
 
+def strokes(rng, size, count):
+    """The layer `marks` of short lines every way."""
+    height, width = size
+    marks = np.zeros((height, width, 2))
+    for _ in range(count):
+        a = rng.uniform(2, (width - 3, height - 3))
+        turn = rng.uniform(0, 2 * np.pi)
+        way = rng.uniform(5, 11) * np.array([np.cos(turn), np.sin(turn)])
+        for axis in (0, 1):  # crossings of rows, then of columns
+            across, along = 1 - axis, axis
+            low, high = sorted((a[across], a[across] + way[across]))
+            for line in range(int(np.ceil(low)), int(np.floor(high)) + 1):
+                at = a[along] + way[along] * (line - a[across]) / way[across]
+                p = (line, int(np.floor(at))) if axis == 0 else (int(np.floor(at)), line)
+                if 0 <= p[0] < height - 1 and 0 <= p[1] < width - 1:
+                    marks[p][axis] = max(at % 1, 1e-3)
+    return marks
+
+
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0):
+           strong=1.0, light=1.0, hand=0):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so."""
     rng = np.random.default_rng(seed)
     height, width = size
@@ -50,7 +69,7 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
               "diffuse": _patches(rng, size, ("half", "stripe")[:2 * busy],
                                   lambda: np.full(3, 0.8 + strong * rng.uniform(-0.7, 0.6)))}
     wave = np.sin(rng.uniform(0.05, 0.2) * x + rng.uniform(0.05, 0.2) * y)
-    layers["diffuse"] *= (1 + strong * (0.5 * wave - 0.3))[..., None]
+    layers["diffuse"] *= light * (1 + strong * (0.5 * wave - 0.3))[..., None]
     layers["depth"] = 6 + 0.02 * x + 0.03 * y + rng.uniform(0, 0.002) * x * y
     layers["object"], layers["material"] = np.zeros(size), np.zeros(size)
     fy, fx = (np.mgrid[:height * FINER, :width * FINER] + 0.5) / FINER - 0.5
@@ -76,11 +95,15 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     layers["combined"] = np.concatenate([layers["albedo"] * layers["diffuse"], np.ones((*size, 1))], -1)
     layers["color"] = layers["albedo"]
     layers["marks"] = np.where(rng.random((*size, 2)) < 0.03, rng.uniform(-1, 1, (*size, 2)), 0)
+    if hand:
+        layers["marks"] = strokes(rng, size, hand)
     if mirror:
         glass = _cover(rng, y, x, "half", size)[..., None]
         layers["seen_normal"] = np.where(glass, _patches(rng, size, kinds, normal), layers["normal"])
         layers["seen_color"] = np.where(glass, _patches(rng, size, kinds, color), layers["albedo"])
         far = _patches(rng, size, ("half", "stripe"), lambda: np.array([rng.uniform(7, 30)]))
+        if strong < 1:  # next to the surface itself
+            far = layers["depth"][..., None] * (1 + 0.02 * strong * far)
         layers["seen_depth"] = np.where(glass[..., 0], far[..., 0], layers["depth"])
     if noise:
         for name in ("normal", "albedo", "diffuse", *(("seen_normal", "seen_color") if mirror else ())):
@@ -90,4 +113,38 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     if styles:
         layers["style"] = np.minimum(_patches(rng, size, ("half", "disc"), lambda: rng.integers(0, styles + 1, 1)),
                                      styles).round()[..., 0]
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+def wires(seed, size=(40, 52), count=4):
+    """Wires of every width and contrast before a wall that a step divides, some of them just before it."""
+    rng = np.random.default_rng(seed)
+    height, width = size
+    fy, fx = (np.mgrid[:height * FINER, :width * FINER] + 0.5) / FINER - 0.5
+    y, x = np.mgrid[:height, :width].astype(float)
+    depth = np.where(_cover(rng, y, x, "half", size), 5.0, 5.0 * (1 + rng.choice([0, 0.002, 0.1, 0.3, 0.6])))
+    object_ = np.zeros(size)
+    value = np.tile(np.r_[np.full(3, 0.5), 0, 0, 0.9], (*size, 1))
+    marks = np.zeros((*size, 2))
+    for k in range(count):
+        turn, broad = rng.uniform(0, np.pi), rng.uniform(0.3, 3.6)
+        at = rng.uniform(0.15, 0.85, 2) * size
+
+        def off(y, x, turn=turn, at=at):
+            return np.abs((x - at[1]) * np.cos(turn) + (y - at[0]) * np.sin(turn))
+        share = (off(fy, fx) < broad / 2).reshape(height, FINER, width, FINER).mean((1, 3))[..., None]
+        own = value.mean((0, 1)) + rng.standard_normal(6) * np.repeat(rng.choice([0.03, 0.08, 0.3], 2), 3)
+        value = share * own + (1 - share) * value
+        hit = off(y, x) < broad / 2
+        for axis in (0, 1):  # where its contours pass, as the rasteriser tells
+            a, b = off(y, x)[:-1, :-1] - broad / 2, off(y + axis, x + 1 - axis)[:-1, :-1] - broad / 2
+            with np.errstate(divide="ignore", invalid="ignore"):
+                marks[:-1, :-1, axis] = np.where((a < 0) != (b < 0), -np.clip(a / (a - b), 0.01, 1),
+                                                 marks[:-1, :-1, axis])
+        object_ = np.where(hit & (rng.random() < 0.7), k + 1, object_)
+        depth = np.where(hit, np.minimum(depth, 5 * rng.choice([0.5, 0.9, rng.uniform(0.985, 0.993)])), depth)
+    layers = dict(combined=np.ones((*size, 4)), color=value[..., :3], diffuse=np.ones((*size, 3)), depth=depth,
+                  object=object_, normal=value[..., 3:])
+    if seed % 2:
+        layers["marks"] = marks
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}

@@ -1,14 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures how wide baked lines are on a surface: on a cylinder whose texture is stretched along it, and on a sphere.
 
-    python tests/helpers/widths.py [FOLDER]      prints a table; with a folder, draws both surfaces into it
-
 Spots, circles on the surface, are drawn into the texture; the ink in a sector about a spot, divided by the length of
 the spot's rim in it, is the width of the line there. All lengths are texels of mean size.
 """
-
-import sys
-from pathlib import Path
 
 import numpy as np
 from encre.cli import images
@@ -140,22 +135,25 @@ def seen(surface, texture, size):
     return picture.reshape(size, 4, size, 4, 3).mean((1, 3))
 
 
-def main():
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else None
-    print("| surface | lines | least | median | greatest | varies by |\n|---|---|---|---|---|---|")
+HEAD = ["| surface | lines | least | median | greatest | varies by |", "|---|---|---|---|---|---|"]
+
+
+def told(surface, name, w):
+    """What the table in docs/baking.md says of these widths."""
+    ratio = w.max() / w.min()
+    change = f"{ratio:.1f} times" if ratio > 2 else f"{100 * (ratio - 1):.0f} %"
+    return f"| {surface.name} | {name} | {w.min():.1f} | {np.median(w):.1f} | {w.max():.1f} | {change} |"
+
+
+def measured(folder):
+    """That table, line by line; draws both surfaces into `folder`."""
+    rows = list(HEAD)
     for surface in (Cylinder(), Sphere()):
         texture, row = spotted(surface), []
         for name, uniform in (("plain", False), ("uniform", True)):
             drawn = baked(surface, texture, uniform)
-            w = widths(surface, texture, drawn)
-            ratio = w.max() / w.min()
-            change = f"{ratio:.1f} times" if ratio > 2 else f"{100 * (ratio - 1):.0f} %"
-            print(f"| {surface.name} | {name} | {w.min():.1f} | {np.median(w):.1f} | {w.max():.1f} | {change} |")
+            rows.append(told(surface, name, widths(surface, texture, drawn)))
             row.append(seen(surface, drawn, 280))
-        if folder:
-            picture = np.concatenate([np.concatenate(row, 1), np.ones((280, 560, 1))], 2)
-            images.write_png(folder / f"baking_{surface.name}.png", picture, images.Window(560, 280, 0, 0, 560, 280))
-
-
-if __name__ == "__main__":
-    main()
+        picture = np.concatenate([np.concatenate(row, 1), np.ones((280, 560, 1))], 2)
+        images.write_png(folder / f"baking_{surface.name}.png", picture, images.Window(560, 280, 0, 0, 560, 280))
+    return rows

@@ -178,7 +178,7 @@ def light(view, cracked):
             t = float(clamp01((threshold - one) / (two - one)))
             place = (column, row + t) if axis else (column + t, row)
             site = view.weigh(place, "light", column, row, axis,
-                              {SOURCES.index("light"): levels_apart(view, steps[s], one, two)})
+                              {SOURCES.index("light"): view.contrast(levels_apart(view, steps[s], one, two))}, s)
             every = [abs(x - step[1]) for x in (one, two) for step in steps[s][1:]]
             if min(every) < SURE * max(1, gap):
                 site.margin = 0.0

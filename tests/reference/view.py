@@ -100,9 +100,11 @@ class View:
         its = [p for p in window if family == "thin" or self.layers.object[p] == self.layers.object[bounded]] or window
         return min(its, key=lambda p: (z[p], (p[0] - py)**2 + (p[1] - px)**2, p))
 
-    def weigh(self, place, family, column, row, axis, strengths):
-        """The site with the largest of its weighted strengths {source: S}, the first of equals."""
-        style = self.layers.style[self.near(place[0], place[1], column, row, family, axis)]
+    def weigh(self, place, family, column, row, axis, strengths, style=None):
+        """The site with the largest of its weighted strengths {source: S}, the first of equals; by the style of where
+        it takes its controls."""
+        if style is None:
+            style = self.layers.style[self.near(place[0], place[1], column, row, family, axis)]
         pixel, styled = self.pixel(*place), len(self.params.tables) > 1 or "controls" in self.given
         doubt = styled and bool(grid.rounds_doubtfully(np.array(place), 1e-5).any())  # another pixel's style
         best = (0.0, 0)

@@ -2,6 +2,7 @@
 """How textures lie on meshes, and that uniform lines are as wide everywhere on them."""
 
 import numpy as np
+import pages
 import pytest
 import widths
 from encre.pen import unwrap
@@ -91,3 +92,5 @@ def test_uniform_lines_are_as_wide_everywhere(surface):
     assert plain.max() > 2.5 * plain.min()
     assert uniform.max() < 1.06 * uniform.min()
     assert np.median(uniform) == pytest.approx(widths.THICKNESS, rel=0.02)
+    page = (pages.DOCS / "baking.md").read_text(encoding="utf-8")
+    assert all(widths.told(surface, *row) in page for row in (("plain", plain), ("uniform", uniform)))

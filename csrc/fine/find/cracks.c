@@ -8,7 +8,7 @@ enum { ROWS = 4 };
 
 /* Of a jump in depth, relative to the nearest of the four pixels: from where it counts, and from there to full
  * strength. */
-static const float jump_from = 0.003f, jump_ramp = 0.007f;
+static const float jump_from = 0.003f, jump_ramp = 0.007f; /* test_fine_sites */
 
 /* ---- depth ----------------------------------------------------------------------------------------------- */
 

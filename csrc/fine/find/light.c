@@ -18,10 +18,10 @@ enum {
 };
 
 /* What differs by more than this, relative to the light itself, is no noise; light at least. */
-static const float most_noise = 0.035f, least_light = 0.02f, most_light = 1e7f;
+static const float most_noise = 0.035f, least_light = 0.02f, most_light = 1e7f; /* test_fine_sites; the last: no test */
 /* Likewise, by what evening can change light: a pass moves it a third of most_noise if all others are 0.6 of that off,
  * and less if not. */
-static const float most_change = 0.037f;
+static const float most_change = 0.037f; /* a bound: mutants.txt */
 
 /* ---- where it matters ------------------------------------------------------------------------------------ */
 

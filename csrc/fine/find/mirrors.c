@@ -10,15 +10,17 @@ enum { OTHER_NORMAL = 1, OTHER_DEPTH = 2 };
 enum { GROWN = 2 }; /* pixels that what is found grows by */
 enum { WINDOW = 4, SIDE = 2 * WINDOW + 1 };
 
-static const float other_normal = 0.1f, other_depth = 0.02f; /* length; share of the depth, or of the frame's height */
+static const float other_normal = 0.1f,
+		   other_depth = 0.02f; /* length; share of the depth, or of the frame's height; test_fine_sites */
 /* Of a lamp, and of what is black, Cycles writes nothing: where they take part in a pixel the normal is the surface's
  * own, but shorter. Such a difference of colours tells them from a mirrored sky. */
-static const float glow = 0.1f;
-static const float stirred_from = 0.06f; /* share of a step by which a pixel sticks out of its neighbours */
+static const float glow = 0.1f; /* test_fine_sites */
+static const float stirred_from =
+	0.06f; /* share of a step by which a pixel sticks out of its neighbours; test_fine_sites */
 /* share of such pixels from which on no line is left, of depths fewer, and by how much less leaves all of it */
-static const float most_stirred = 0.55f, most_of_depth = 0.5f, calm_ramp = 0.15f;
+static const float most_stirred = 0.55f, most_of_depth = 0.5f, calm_ramp = 0.15f; /* test_fine_sites */
 /* The same of pixels that stick out across the line: ripples show a thing again and again, one above the other. */
-static const float most_rippled = 0.8f;
+static const float most_rippled = 0.8f; /* test_fine_sites */
 
 /* ---- where ----------------------------------------------------------------------------------------------- */
 

@@ -4,13 +4,13 @@
 #include "fine/near.h"
 #include "base/metric.h"
 
-static const float least_of_step = 0.4f; /* share of a step that slopes beside it may not explain */
-static const float crease_ramp = 0.37f;  /* of the difference of normals at crease_angle */
-static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth */
+static const float least_of_step = 0.4f; /* share of a step that slopes beside it may not explain; test_fine_sites */
+static const float crease_ramp = 0.37f;  /* of the difference of normals at crease_angle; test_fine_sites */
+static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth; test_fine_sites */
 /* pixels; and where it goes on beside one that is narrow enough, and as strong as an edge */
-static const float widest_band = 2.05f, widest_weak = 2.9f;
-static const float least_of_peak = 1.5f; /* times the step across a band */
-static const float most_against = 0.1f;  /* share of a band that a pixel of it may lie the other way */
+static const float widest_band = 2.05f, widest_weak = 2.9f; /* test_fine_sites */
+static const float least_of_peak = 1.5f;                    /* times the step across a band; test_fine_sites */
+static const float most_against = 0.1f; /* share of a band that a pixel of it may lie the other way; test_fine_sites */
 
 /* A pixel's value in linear terms. */
 static void read(const fine *n, int source, int x, int y, float *value)

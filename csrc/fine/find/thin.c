@@ -9,14 +9,16 @@
 
 enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = THIN_SPAN };
 
-static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.2f; /* pixels */
-static const float width_ramp = 0.6f, shortest = 3, length_ramp = 2;    /* pixels */
-static const float least_peak = 0.05f;                                  /* of a stripe, in albedo and half normals */
-static const float least_of_slope = 1.2f;                               /* times what lies on both sides differs */
-static const float against = 0.2f;      /* share of a stripe that a pixel of it may lie the other way */
-static const float most_of_step = 0.5f; /* of the step to what lies behind, that may jump from one side to the other */
-static const float least_step = 0.01f;  /* of a depth before what lies behind: a crack of full strength */
-static const float steepest = 1.5f;     /* pixels that its middle moves from a row to the next */
+static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.2f; /* pixels; test_fine_sites */
+static const float width_ramp = 0.6f, shortest = 3, length_ramp = 2;    /* pixels; test_fine_sites */
+static const float least_peak = 0.05f;    /* of a stripe, in albedo and half normals; test_fine_sites */
+static const float least_of_slope = 1.2f; /* times what lies on both sides differs; test_fine_sites */
+static const float against = 0.2f; /* share of a stripe that a pixel of it may lie the other way; test_fine_sites */
+static const float most_of_step =
+	0.5f; /* of the step to what lies behind, that may jump from one side to the other; test_fine_sites */
+static const float least_step =
+	0.01f;                      /* of a depth before what lies behind: a crack of full strength; test_fine_sites */
+static const float steepest = 1.5f; /* pixels that its middle moves from a row to the next; test_fine_sites */
 
 static float object_at(const frame *f, int x, int y)
 {

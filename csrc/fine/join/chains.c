@@ -4,8 +4,8 @@
 
 enum { SPUR = 8 };
 
-static const float longest_spur = 2; /* pixels */
-static const float cut_off = 2;      /* pixels from the border within which an end is the frame's doing */
+static const float longest_spur = 2; /* pixels; test_fine_passes */
+static const float cut_off = 2; /* pixels from the border within which an end is the frame's doing; test_fine_passes */
 
 /* Where the frame cuts a line off it goes on. */
 static bool at_border(const frame *f, const site *s)

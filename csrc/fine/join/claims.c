@@ -5,7 +5,7 @@
 
 enum { CHUNK = 2048 };
 
-static const float clear_of_band = 2; /* pixels that a step keeps from the stripes in its own layer */
+static const float clear_of_band = 2; /* pixels that a step keeps from the stripes in its own layer; test_fine_passes */
 
 typedef struct turn {
 	fine *n;

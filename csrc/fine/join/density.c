@@ -7,12 +7,12 @@
 enum { CHUNK = 2048 };
 
 /* In pixels. Next lines are looked for so far away, and their distance is averaged over so much each way. */
-static const float reach = 10, spread = 20;
+static const float reach = 10, spread = 20; /* test_fine_passes */
 /* Another site is on a line of its own that lies so far ahead and no farther to the side: of lines that part other
  * colours, and of those that part the same colours the other way round. */
-static const float ahead_other = 1.75f, aside_other = 1.5f, ahead_back = 1, aside_back = 4;
-static const float gone = 2.5f;   /* lines that are so close are not drawn */
-static const float share = 0.25f; /* of the room beyond that, which a line's half may take */
+static const float ahead_other = 1.75f, aside_other = 1.5f, ahead_back = 1, aside_back = 4; /* test_fine_passes */
+static const float gone = 2.5f;   /* lines that are so close are not drawn; test_fine_passes */
+static const float share = 0.25f; /* of the room beyond that, which a line's half may take; test_fine_passes */
 
 typedef struct crowd {
 	fine *n;

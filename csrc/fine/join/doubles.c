@@ -10,13 +10,14 @@
 
 enum { CHUNK = 1024 };
 
-static const float beside_reach = 3.5f; /* pixels */
-static const float parallel = 0.85f;    /* cosine of what still counts as running along */
-static const float most_beside = 0.5f;  /* of a chain's length */
-static const float longest_loop = 30;   /* pixels that a line of light may part from another and come back */
+static const float beside_reach = 3.5f; /* pixels; test_fine_passes */
+static const float parallel = 0.85f;    /* cosine of what still counts as running along; test_fine_passes */
+static const float most_beside = 0.5f;  /* of a chain's length; test_fine_passes */
+static const float longest_loop =
+	30; /* pixels that a line of light may part from another and come back; test_fine_passes */
 static const float most_wiggle =
-	0.12f;                      /* a line that turns to and fro more is a scribble round what pixels can't show */
-static const float least_light = 6; /* pixels: shorter lines of light that meet nothing are noise */
+	0.12f; /* a line that turns to and fro more is a scribble round what pixels can't show; test_fine_passes */
+static const float least_light = 6; /* pixels: shorter lines of light that meet nothing are noise; test_fine_passes */
 
 /* A run of sites between those at which not exactly two meet. */
 typedef struct chain {

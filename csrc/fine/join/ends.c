@@ -7,14 +7,14 @@
 
 enum { CHUNK = 256, ROUNDS = 2, OWN = 9 };
 
-static const float back = 3; /* pixels over which a chain's direction is taken */
+static const float back = 3; /* pixels over which a chain's direction is taken; test_fine_passes */
 static const float near_reach = 3, near_cosine = 0.7f, far_reach = 6,
-		   far_cosine = 0.94f; /* of what an end may tie to */
+		   far_cosine = 0.94f; /* of what an end may tie to; test_fine_passes */
 static const float ray_from = -0.5f, ray_to = 4,
-		   least_sine = 0.34f; /* pixels ahead of both ends at which their lines may meet */
+		   least_sine = 0.34f; /* pixels ahead of both ends at which their lines may meet; test_fine_passes */
 static const float wedge_apart = 8, wedge_to = 10,
-		   wedge_sine = 0.25f; /* likewise, if the picture shows an acute corner there */
-static const float margin = 0.25f;     /* by how much something else must be nearer to come first */
+		   wedge_sine = 0.25f; /* likewise, if the picture shows an acute corner there; test_fine_passes */
+static const float margin = 0.25f;     /* by how much something else must be nearer to come first; test_fine_passes */
 
 typedef struct end {
 	uint32_t site;

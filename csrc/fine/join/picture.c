@@ -2,7 +2,7 @@
 /* Whether the picture shows an edge where a loose end would be led on. */
 #include "fine/near.h"
 
-static const float beside = 1.5f; /* pixels to either side of a line where the picture is looked at */
+static const float beside = 1.5f; /* pixels to either side of a line where the picture is looked at; test_fine_passes */
 
 static void bilinear(const frame *f, enum encre_layer layer, int channels, float x, float y, float *value)
 {

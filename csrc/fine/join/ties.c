@@ -3,7 +3,7 @@
  * covers a centre again. */
 #include "fine/near.h"
 
-static const float tie_reach = 1.8f, tie_cosine = -0.3f; /* pixels; between both ties of a site */
+static const float tie_reach = 1.8f, tie_cosine = -0.3f; /* pixels; between both ties of a site; test_fine_passes */
 
 /* The nearest crack or thin site that lies on another side of site i than the one at `other`. */
 static uint32_t tie_of(const fine *n, uint32_t i, uint32_t other)
