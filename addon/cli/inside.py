@@ -43,7 +43,7 @@ class Line:
         self.socket.sendall(json.dumps({"event": event, **more}).encode() + b"\n")
 
 
-def register(report):
+def register(report=lambda event, **more: None):
     """Registers the package that this file is a part of as `encre`, in place of any other Encre."""
     for cls in bpy.types.RenderEngine.__subclasses__():
         if getattr(cls, "bl_idname", "") != "ENCRE":  # of whatever version: ours is not loaded yet
