@@ -14,6 +14,8 @@ from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
 from . import cameras, meshes, overrides, papers, properties, subframes, versions
 
+stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
+
 
 @dataclass
 class _ViewLayer:
@@ -30,6 +32,7 @@ class _ViewLayer:
     frame: Frame
     border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
+    beside: dict                     # what else the file says of the scene: _beside()
     drawn: dict | None = None        # view id -> passes to write, if that is already done
 
     @property
@@ -39,7 +42,9 @@ class _ViewLayer:
 
 def passes(scene):
     """What Cycles and the stages must have a place for: (name, channel names, kind), as register_pass() takes."""
-    wanted = {**layers.CYCLES, **layers.DRAWN}
+    wanted = dict(layers.CYCLES)
+    if not hasattr(scene, "encre") or scene.encre.save_layers != "SLIM":
+        wanted |= layers.DRAWN
     with contextlib.suppress(EncreError):  # said when it comes to rendering
         wanted |= _asked(scene)
     for name, channels in wanted.items():
@@ -53,8 +58,20 @@ def _asked(scene):
         return {}
     mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
     seen = properties.settings(scene).wants_seen
-    saves = mode == "ON" or (mode == "AUTO" and multilayer)
+    saves = mode in ("ON", "SLIM") or (mode == "AUTO" and multilayer)
     return {**(saved.passes(seen) if saves else {}), **(layers.SEEN if seen else {})}
+
+
+def _beside(scene, settings):
+    """What metadata.write() stores besides the settings: how the scene is shown, a paper that is no file, and what a
+    restyled picture will lack."""
+    view, paper = scene.view_settings, None
+    if settings.scene["paper_source"] == "IMAGE":
+        paper = papers.stored(settings.scene["paper_image"])
+    return {"view": metadata.View(view.view_transform, view.exposure, view.gamma,
+                                  "" if view.look == "None" else view.look),
+            "paper": paper,
+            "lost": ["Freestyle's strokes"] if scene.render.use_freestyle else []}
 
 
 class _Passes(Mapping):
@@ -169,7 +186,7 @@ class Frames:
         return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views,
                           camera.data.clip_start, frame,
                           (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
-                          threads)
+                          threads, _beside(depsgraph.scene_eval, settings))
 
     def _go_on(self, _fraction=0):
         return not self.engine.test_break()
@@ -212,6 +229,8 @@ class Frames:
     def after(self):
         """Runs the stages on every view layer and view that was rendered. EncreError: they can't; Cancelled."""
         known, self.known = self.known, {}
+        for key, text in stamped.items():
+            self.engine.get_result().stamp_data_add_field(key, text)
         if not known or not self._go_on():
             return
         result = self.engine.get_result()
@@ -279,5 +298,5 @@ class Frames:
             frame = Frame(frame.width, frame.height)
         camera = next(iter(layer.views.values()))[0]
         for key, text in metadata.write(layer.settings.scene, layer.settings.styles, camera, frame,
-                                        layer.border).items():
+                                        layer.border, **layer.beside).items():
             result.stamp_data_add_field(key, text)

@@ -19,14 +19,21 @@ def load(name):
     """
     if not name:
         raise EncreError("paper_image: the paper's source is an image but none is given; choose an image")
-    for image in bpy.data.images:
-        if properties.image_key(image) == name and (image.packed_file or not image.filepath):
-            return _pixels(image, name)
+    if own := stored(name):
+        return own[1]
     try:
         changed = os.stat(name).st_mtime_ns
     except OSError:
         raise EncreError(f"paper image {name}: there is no such file; choose another image") from None
     return _read(name, changed)
+
+
+def stored(name):
+    """(name, pixels) of an image that the .blend holds and that no file could give again; None: it is a file."""
+    for image in bpy.data.images:
+        if properties.image_key(image) == name and (image.packed_file or not image.filepath):
+            return name, _pixels(image, name)
+    return None
 
 
 @functools.lru_cache(maxsize=1)

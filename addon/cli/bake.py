@@ -16,7 +16,8 @@ def bake(path, out, values, uniform=None, mips=False, tile=None, threads=0, blen
 
     values: the parameters; uniform: MESH.obj or BLEND:OBJECT, on whose surface lines get the same width; tile:
     (sideways, upwards), None: where the mesh goes on over the border, without a mesh everywhere; say(kind, sentence)
-    hears warnings. Raises EncreError for the input, images.WriteError where the output can't be written.
+    hears warnings. Returns the files written. Raises EncreError for the input, images.WriteError where the output
+    can't be written.
     """
     texture = images.fit_texture(out, images.read_texture(path, MOST))
     paths = level_paths(out, texture.pixels.shape, values) if mips else [out]
@@ -37,6 +38,7 @@ def bake(path, out, values, uniform=None, mips=False, tile=None, threads=0, blen
             say("warning", f"{path}: {done.nonfinite} values were NaN or infinite and were read as 0")
         baked[target] = images.Texture(done.texture, texture.kind, texture.linear, texture.straight)
     images.write_textures(baked)
+    return list(baked)
 
 
 def level_paths(out, shape, values):

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`encre composite`: the stages on the passes of a saved multilayer EXR, without any Blender."""
 
+from pathlib import Path
+
 import numpy as np
 
-from ..pen import layers, library, metadata, saved
+from ..pen import denoise, layers, library, metadata, saved
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
 from ..pen.settings import Settings
-from . import images, interrupt
+from . import images, interrupt, substitutes
 
 _LETTERS = "RGBAXYZW"
 _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
@@ -43,12 +45,32 @@ def view_layers(channels, views=()):
     return found
 
 
+# What slim files hold with all its digits: half floats would move edges, and numbers must stay what they are.
+_EXACT = ("Depth", "Normal", "IndexOB", "IndexMA", "Encre Index", "Encre Marks", "Denoising Normal", "Encre Seen Depth")
+
+
+def slim(channels, views):
+    """{full channel name: "half" or "float"} of what restyling reads, and Combined."""
+    kinds = {}
+    for eyes in view_layers(channels, views).values():
+        for passes in eyes.values():
+            read = {**_wanted(passes, "", True), **{name: passes[name] for name in ("Combined",) if name in passes}}
+            for name, names in read.items():
+                kinds.update(dict.fromkeys(names, "float" if name in _EXACT else "half"))
+    return kinds
+
+
+def _has_picture(passes):
+    return "Combined" in passes or "Encre Source" in passes
+
+
 def _choose(found, name, path):
     """The view layer called `name`, or the file's first; the compositor's result is not one."""
     if name is None:
         names = [n for n, eyes in found.items()
                  if n != "Composite" or any(set(passes) != {"Combined"} for passes in eyes.values())]
-        return (names or list(found))[0]
+        drawn = [n for n in names if any(_has_picture(passes) for passes in found[n].values())]
+        return (drawn or names or list(found))[0]
     if name not in found:
         raise EncreError(f"{path}: " + unknown("view layer", name, found))
     return name
@@ -65,10 +87,20 @@ def _wanted(passes, path, seen):
         for name in ("Combined", "DiffDir", "DiffInd"):
             wanted.pop(name, None)
     for name, channels in wanted.items():
-        if len(channels) != len(letters[name]):
+        by_letter = {full[-1].upper(): full for full in channels}
+        asked = letters[name].removesuffix("A" if "A" not in by_letter else "")
+        if set(asked) - set(by_letter) and len(channels) != len(asked):
             raise EncreError(f"{path}: pass {name} has the channels {', '.join(channels)}; "
                                   f"save it with all of {', '.join(letters[name])}")
+        wanted[name] = [by_letter[letter] for letter in asked] if set(asked) <= set(by_letter) else channels
     return wanted
+
+
+def _opaque(picture, name):
+    """A pass that was saved without its alpha covers all."""
+    if picture.shape[2] == len(_known().get(name, "X")):
+        return picture
+    return np.concatenate([picture, np.ones_like(picture[..., :1])], axis=2)
 
 
 def _place(stored, window):
@@ -111,22 +143,38 @@ def _notes(stored, passes, path):
     return f"{path} does not hold all that Encre saves: {', '.join(assumed)}" if assumed else None
 
 
+def _view(view, path):
+    """What a PNG does not have of how the scene is shown, in one sentence; None: nothing."""
+    if view is None:
+        return f"{path} does not tell the scene's exposure and view transform: the PNG is Standard, without exposure"
+    own = " and look ".join(name for name in (view.transform, view.look) if name not in ("", "Standard"))
+    return f"view transform {own} is applied by Blender alone: the PNG is Standard" if own else None
+
+
 def _idle(pictures, settings, path):
     """Which sources of edges have nothing to work on, in one sentence; None: all have."""
     found = ", ".join(f"{name} ({why})" for name, why in settings.idle(pictures).items())
     return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
 
 
-def _read(exr, names, settings, place, seen):
-    """(layers of what was rendered, number of values read as 0, names of the passes) of one view, whose passes have
-    these `names`. Bands of rows are read and folded one after another: all passes at once would be twice as much."""
+def _read(exr, names, settings, place, seen, threads):
+    """(layers of what was rendered, number of values read as 0) of one view, whose passes have these `names`. Bands of
+    rows are read and folded one after another: all passes at once would be twice as much. But the denoiser sees all."""
     rows, columns = place
     whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start), 0
-    wanted = _wanted(names, exr.path, seen)
-    for first, passes in exr.bands(wanted, rows.start, rows.stop):
-        passes = {name: picture[:, columns] for name, picture in passes.items()}
+    wanted, mattes = {**_wanted(names, exr.path, seen), **substitutes.cryptomatte(names)}, substitutes.Mattes()
+    clean, bands = None, exr.bands(wanted, rows.start, rows.stop)
+    if _denoises(names, settings) and denoise.available():
+        bands = [(rows.start, {name: picture[rows] for name, picture in exr.read(wanted).items()})]
+
+        def clean(picture, albedo, normal):
+            return denoise.denoise(picture, albedo, normal, threads)
+    for first, passes in bands:
+        passes = {name: _opaque(picture[:, columns], name) for name, picture in passes.items()}
+        mattes.number(passes)
+        substitutes.fill(passes)
         try:
-            band, bad = layers.assemble(passes, settings, saved.unpack(passes))
+            band, bad = layers.assemble(passes, settings, saved.unpack(passes), clean)
         except EncreError as error:
             others = ", ".join(sorted(set(names) - set(wanted))) or "nothing"
             raise EncreError(f"{exr.path}: {error}; besides in the file: {others}") from None
@@ -134,14 +182,59 @@ def _read(exr, names, settings, place, seen):
         nonfinite += bad
         passes.clear()  # not kept while the next are read
         band.clear()
-    return whole.layers, nonfinite, wanted
+    return whole.layers, nonfinite
 
 
-def composite(path, out, change, view_layer=None, threads=0, say=print):
+def _denoises(names, settings):
+    """Whether light that Encre has not cleaned yet is compared with thresholds: its noise would show as speckle."""
+    return settings.denoises and "Encre Diffuse" not in names and {"DiffDir", "DiffCol"} <= names.keys()
+
+
+def _paper(settings, change, path, allow_paths, stored):
+    """The scene's values with a paper image that may be opened: a stranger's file is not to choose what else is read.
+    `stored`: (name, pixels) of one that it holds itself."""
+    scene = settings.scene
+    if scene.get("paper_source") != "IMAGE":
+        return {**scene, "paper_image": None}
+    if not settings.any("use_lines", "use_hatching"):
+        return {**scene, "paper_source": "NONE", "paper_image": None}
+    image = scene.get("paper_image")
+    if stored and image == stored[0] and not change.get("paper_image"):
+        return scene
+    if image and not change.get("paper_image"):
+        beside = Path(path).resolve().parent
+        image = str(beside / image)
+        if not allow_paths and not Path(image).resolve().is_relative_to(beside):
+            raise EncreError(f"{path}: names the paper image {image}, which does not lie beside it; give --allow-paths "
+                             "if you trust the file, or --set paper_image=PATH")
+    return {**scene, "paper_image": image}
+
+
+def _paper_pixels(name, stored, change):
+    return stored[1] if stored and name == stored[0] and not change.get("paper_image") else images.read_paper(name)
+
+
+def check(path, view_layer=None, asked=None):
+    """(text that lists which passes an EXR holds and what each that is missing switches off, whether it is enough)."""
+    with images.Exr(path) as exr:
+        found = view_layers(exr.channels, exr.views)
+        lines, good = [], True
+        for layer in [_choose(found, view_layer, path)] if view_layer is not None else found:
+            passes = substitutes.rename(next(iter(found[layer].values())), asked or {}, exr.channels, path)
+            if layer == "Composite" and set(passes) == {"Combined"}:
+                continue
+            lines += [f"{path}: view layer {layer}" if layer else path, *substitutes.listed(passes)]
+            good = good and bool({"Combined", "Encre Source"} & set(passes))
+    return "\n".join(lines), good
+
+
+def composite(path, out, change, view_layer=None, threads=0, say=print, allow_paths=False, asked=None, texts=None):
     """Restyles the EXR `path` into `out` (.exr or .png).
 
-    change: the values to set on those in the file; say(kind, sentence) hears notes and warnings. Raises
-    EncreError for the input, images.WriteError where `out` can't be written.
+    change: the values to set on those in the file; say(kind, sentence) hears notes and warnings; allow_paths: open a
+    paper image that the file names wherever it lies; asked: {classic pass name: name in the file} where that is
+    another; texts: {key: text} to store in `out`. Without a view layer's name the first is drawn. Raises EncreError for
+    the input, images.WriteError where `out` can't be written.
     """
     png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
     with images.Exr(path, threads) as exr:
@@ -151,20 +244,33 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
             say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "
                         "at that")
         settings = Settings(scene, stored.styles)
+        settings = Settings(_paper(settings, change, path, allow_paths, stored.paper), stored.styles)
         found = view_layers(exr.channels, exr.views)
         layer = _choose(found, view_layer, path)
         place = _rows_and_columns(stored.border, exr.window)
-        if png and len(found[layer]) > 1:
+        eyes = {view: substitutes.rename(names, asked or {}, exr.channels, path)
+                for view, names in found[layer].items()}
+        eyes = {view: names for view, names in eyes.items() if _has_picture(names)} or eyes
+        others = [name for name in found if name not in (layer, "Composite")
+                  and any(map(_has_picture, found[name].values()))]
+        if others and view_layer is None:
+            say("note", f"{path}: view layer {layer} is drawn, and not {', '.join(others)}; choose by --view-layer")
+        if png and len(eyes) > 1:
             raise EncreError(f"{path}: is stereo, and a PNG has one view; write an .exr")
         # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
         seen = stored.camera is not None and settings.wants_seen
-        for view, names in found[layer].items():
-            read, bad, passes = _read(exr, names, settings, place, seen)
-            notes = notes or [_notes(stored, passes, path), _idle(read, settings, path)]
+        for view, names in eyes.items():
+            settings, missing = substitutes.switch_off(names, settings)
+            noisy = _denoises(names, settings) and not denoise.available() and (
+                f"{path} holds light as it was rendered, and Open Image Denoise is not installed here: its noise stays")
+            read, bad = _read(exr, names, settings, place, seen, threads)
+            notes = notes or [_notes(stored, names, path), noisy, missing and f"{path} has {'; '.join(missing)}",
+                              _idle(read, settings, path)]
             with interrupt.heeded() as progress:
                 result = library.draw(read, settings.every, stored.camera, _place(stored, exr.window),
                                       ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
-                                      progress=progress, image=images.read_paper)
+                                      progress=progress,
+                                      image=lambda name: _paper_pixels(name, stored.paper, change))
             del read
             pictures = {name: _whole(picture, place, exr.window) for name, picture in result.images.items()}
             channels.update(_named(pictures, layer, view, names))
@@ -175,10 +281,15 @@ def composite(path, out, change, view_layer=None, threads=0, say=print):
             say(kind, text)
     if nonfinite:
         say("warning", f"{path}: {nonfinite} values were NaN or infinite and were read as 0")
+    if stored.lost:
+        say("note", f"{path}: {' and '.join(stored.lost)} in Combined are not drawn again")
     if png:
-        images.write_png(out, pictures["Combined"], exr.window)
+        view = stored.view or metadata.View()
+        if words := _view(stored.view, path):
+            say("note", words)
+        images.write_png(out, pictures["Combined"], exr.window, texts, view.exposure, view.gamma)
     else:
-        images.write_exr(out, channels, exr.window, exr.views)
+        images.write_exr(out, channels, exr.window, exr.views, texts)
 
 
 def _named(pictures, layer, view, names):
@@ -186,7 +297,8 @@ def _named(pictures, layer, view, names):
     channels, letters = {}, {**_known(), **layers.DRAWN}
     for name, picture in pictures.items():
         prefix = ".".join(filter(None, [layer, name, view]))
-        full = names["Combined"] if name == "Combined" and "Combined" in names else [
-            f"{prefix}.{letter}" for letter in letters[name]]
+        if name == "Combined" and (own := [full for full in names.get(name, ()) if full.endswith("R")]):
+            prefix = own[0].rpartition(".")[0]
+        full = [f"{prefix}.{letter}".removeprefix(".") for letter in letters[name]]
         channels.update(zip(full, np.moveaxis(picture, 2, 0), strict=True))
     return channels

@@ -5,16 +5,23 @@ Only the command line uses this: Blender reads and writes its own images.
 """
 
 import contextlib
+import importlib.metadata
 import os
+import struct
 import sys
 import tempfile
+import zlib
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..pen import colour
 from ..pen.errors import EncreError
+from .workplace import Workplace
 
+MOST_PACKED = 2000  # values in a byte of a file: no compression does better than a fourth of that
+MOST_HALF = 65504.0
+MOST_PNG = 32768  # pixels each way of a PNG
 ROWS = 64  # read at a time: whole chunks of all but DWAB files, little memory for the channels not wanted
 
 
@@ -24,6 +31,14 @@ def _oiio():
     except ImportError:
         raise EncreError("the Python module OpenImageIO is missing; run: pip install openimageio") from None
     return OpenImageIO
+
+
+def _words(source):
+    """What OpenImageIO says went wrong; unless it is fetched, it is printed at the end."""
+    try:
+        return source.geterror()
+    except UnicodeDecodeError:  # it quotes the file
+        return ""
 
 
 @contextlib.contextmanager
@@ -77,13 +92,19 @@ class Exr:
         self.path, self.channels, self.views, self.metadata, self.window = path, {}, (), {}, None
         self._file = oiio.ImageInput.open(_utf8(path))
         if not self._file or self._file.format_name() != "openexr":
-            oiio.geterror()  # or it would be printed at exit
-            self.close()
+            _words(oiio)
             raise EncreError(f"{path}: is not a readable OpenEXR file; give a multilayer EXR")
-        part = 0
-        while self._file.seek_subimage(part, 0):
-            self._add(part, self._file.spec())
-            part += 1
+        part, most = 0, MOST_PACKED * os.path.getsize(path)
+        try:
+            while self._file.seek_subimage(part, 0):
+                spec = self._file.spec()
+                self._add(part, spec)
+                most -= spec.width * spec.height * spec.nchannels
+                part += 1
+        except UnicodeDecodeError:
+            raise EncreError(f"{path}: holds names that are not UTF-8; render or copy it again") from None
+        if most < 0:  # a damaged or made-up size would have us ask for all memory
+            raise EncreError(f"{path}: says that it holds more pixels than such a file can; render or copy it again")
 
     def _add(self, part, spec):
         # The display window starts where the file says; only the distance between the two windows matters.
@@ -102,8 +123,9 @@ class Exr:
                 name = ".".join([*name.split(".")[:-1], view, name.split(".")[-1]])
             self.channels.setdefault(name, (part, number))
         for attribute in spec.extra_attribs:
-            if isinstance(attribute.value, str):
-                self.metadata.setdefault(attribute.name, attribute.value)
+            with contextlib.suppress(UnicodeDecodeError):  # another program's, in another encoding
+                if isinstance(attribute.value, str):
+                    self.metadata.setdefault(attribute.name, attribute.value)
 
     def read(self, passes):
         """{name: array (H, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}."""
@@ -145,7 +167,7 @@ class Exr:
         else:
             pixels = self._file.read_scanlines(part, 0, spec.y + above, spec.y + below, 0, first, last, "float")
         if pixels is None:
-            self._file.geterror()
+            _words(self._file)
             raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
         return pixels.reshape(below - above, spec.width, last - first)[row - above:][:end - row]
 
@@ -197,7 +219,7 @@ def read_texture(path, most):
         raise EncreError(f"{path}: there is no such file; check the path")
     with _quiet():
         file = oiio.ImageInput.open(_utf8(path), _as_stored())
-    oiio.geterror()  # or it would be printed at exit
+    _words(oiio)
     if not file:
         raise EncreError(f"{path}: is not an image that can be read; give one such as a PNG or an EXR")
     spec = file.spec()
@@ -242,17 +264,16 @@ def fit_texture(path, texture):
 def write_textures(textures):
     """Writes {path: Texture}, all whole or none at all. Raises WriteError where one can't be written."""
     oiio = _oiio()
-    with contextlib.ExitStack() as parts:
-        done = []
-        for number, (path, texture) in enumerate(textures.items()):
+    with writing(list(textures)) as place:
+        for path, texture in textures.items():
             height, width, channels = texture.pixels.shape
             spec = oiio.ImageSpec(width, height, channels, texture.kind)
             spec["oiio:ColorSpace"] = "Linear" if texture.linear else "sRGB"
             if texture.straight:
                 spec["oiio:UnassociatedAlpha"] = 1
-            done.append((parts.enter_context(_part(path, spec, texture.pixels, number)), path))
-        for part, path in done:
-            os.replace(part, path)
+            _store(place, path, spec, texture.pixels)
+        for path in textures:
+            place.take(os.path.basename(path), path)
 
 
 def _as_stored():
@@ -268,7 +289,7 @@ def _stored(path, kind):
     with _quiet():
         file = oiio.ImageInput.open(_utf8(path), _as_stored())
         pixels = file.read_image(kind) if file else None
-    oiio.geterror()  # or it would be printed at exit
+    _words(oiio)
     if pixels is None:
         return None
     spec = file.spec()
@@ -284,14 +305,14 @@ def draw_text(picture, lines):
     buffer.set_pixels(oiio.ROI(0, width, 0, height, 0, 1, 0, 3), np.ascontiguousarray(picture, np.float32))
     for x, y, size, words in lines:
         if not oiio.ImageBufAlgo.render_text(buffer, round(x), round(y), words, round(size), "DroidSans", (0.0,) * 3):
-            buffer.geterror()
+            _words(buffer)
             raise EncreError("OpenImageIO finds no font to write the caption with; install openimageio from PyPI, "
                              "which brings one")
     return buffer.get_pixels(oiio.FLOAT)
 
 
-def write_exr(path, channels, window, views=()):
-    """Writes {full channel name: array (H, W)} as one part of 32-bit floats, whole or not at all.
+def write_exr(path, channels, window, views=(), texts=None):
+    """Writes {full channel name: array (H, W)} as one part of 32-bit floats with {key: text}, whole or not at all.
 
     Raises WriteError where the file can't be written.
     """
@@ -300,45 +321,73 @@ def write_exr(path, channels, window, views=()):
     spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
     spec.channelnames = tuple(channels)
     spec["compression"] = "zip"
+    for key, said in (texts or {}).items():
+        spec[key] = said
     if views:
         spec.attribute("multiView", oiio.TypeDesc(f"string[{len(views)}]"), views)
     _write(path, spec, np.stack(list(channels.values()), axis=2))
 
 
-def write_png(path, rgba, window):
+def write_png(path, rgba, window, texts=None, exposure=0.0, gamma=1.0):
     """Writes scene-linear, premultiplied (H, W, 4) as 8-bit sRGB with straight alpha, whole or not at all.
+
+    exposure, in stops, and gamma are those of Blender's view transform Standard; texts: {key: text} to store.
 
     The picture is the display window: PNG has no other. Raises WriteError where the file can't be written.
     """
     oiio = _oiio()
+    if max(window.full_width, window.full_height) > MOST_PNG:
+        raise WriteError(f"{path}: the display window is {window.full_width} x {window.full_height}, and a PNG has at "
+                         f"most {MOST_PNG} pixels each way; write an .exr")
     alpha = np.clip(rgba[:, :, 3:], 0, 1)
     straight = rgba[:, :, :3] / np.where(alpha > 0, alpha, 1)
+    if exposure:
+        straight *= np.float32(2) ** exposure
+    encoded = colour.encode_srgb(straight)
+    if gamma != 1:
+        encoded **= 1 / gamma
     picture = np.zeros((window.full_height, window.full_width, 4), np.uint8)
     top, left = max(window.y, 0), max(window.x, 0)
-    pixels = np.round(255 * np.concatenate([colour.encode_srgb(straight), alpha], axis=2)).astype(np.uint8)
+    pixels = np.round(255 * np.concatenate([encoded, alpha], axis=2)).astype(np.uint8)
     pixels = pixels[top - window.y:, left - window.x:][:max(window.full_height - top, 0),
                                                        :max(window.full_width - left, 0)]
     picture[top:top + pixels.shape[0], left:left + pixels.shape[1]] = pixels
     spec = oiio.ImageSpec(window.full_width, window.full_height, 4, "uint8")
     spec["oiio:ColorSpace"] = "sRGB"
     spec["oiio:UnassociatedAlpha"] = 1  # the pixels are straight already
-    _write(path, spec, picture)
+    _write(path, spec, picture, texts)
 
 
-@_quiet()
+@contextlib.contextmanager
+def _opened(path, config=None):
+    """The open image file, None where it can't be; nothing is printed about it."""
+    oiio = _oiio()
+    with _quiet():
+        file = oiio.ImageInput.open(_utf8(path), *([config] if config else []))
+        try:
+            yield file
+        finally:
+            if file:
+                file.close()
+            _words(oiio)
+
+
 def whole(path, last_row=False):
     """Whether every pixel of an image file can be read; last_row: whether the last ones can, which is quick to see."""
-    oiio, part = _oiio(), 0
-    file = oiio.ImageInput.open(_utf8(path))
+    with _opened(path) as file:
+        return bool(file) and _readable(file, last_row)
+
+
+def _readable(file, last_row):
+    part = 0
     while file and file.seek_subimage(part, 0):
         spec, part = file.spec(), part + 1
         end = spec.y + spec.height
         for y in range(end - 1 if last_row else spec.y, end, ROWS):
             rows = file.read_scanlines(part - 1, 0, y, min(y + ROWS, end), 0, 0, spec.nchannels, spec.format)
             if rows is None:
-                file.geterror()
+                _words(file)
                 return False
-    oiio.geterror()  # or it would be printed at exit
     return part > 0
 
 
@@ -353,45 +402,115 @@ def unwritable(path, reason):
 def prepare(path):
     """Finds out before any work whether `path` can be written; makes its folder. Raises EncreError."""
     folder = os.path.dirname(_utf8(os.path.abspath(path)))
-    if os.path.isdir(path):
-        raise EncreError(unwritable(path, "it is a folder"))
-    if os.path.exists(path) and not os.access(path, os.W_OK):
-        raise EncreError(unwritable(path, "it is write-protected"))
     try:
         os.makedirs(folder, exist_ok=True)
-        with contextlib.suppress(FileNotFoundError):
-            os.stat(path)  # fails where the name is too long
+        check_place(path)
         with tempfile.TemporaryFile(dir=folder) as probe:
             probe.write(bytes(65536))
     except OSError as error:
         raise EncreError(unwritable(path, error.strerror)) from None
 
 
-def _write(path, spec, pixels):
-    with _part(path, spec, pixels) as part:
-        os.replace(part, path)
+def check_place(path):
+    """Finds out whether `path` can be written in its folder, which is there. Raises EncreError."""
+    if os.path.isdir(path):
+        raise EncreError(unwritable(path, "it is a folder"))
+    try:
+        with contextlib.suppress(FileNotFoundError):
+            os.stat(path)  # fails where the name is too long
+    except OSError as error:
+        raise EncreError(unwritable(path, error.strerror)) from None
+    if os.path.exists(path) and not os.access(path, os.W_OK):
+        raise EncreError(unwritable(path, "it is write-protected"))
+
+
+def rewrite(path, part, kinds):
+    """Writes the channels of an EXR that `kinds` {full name: "half" or "float"} names into another, `part`, as one part
+    with the same metadata. Few rows are held at a time. Raises EncreError, WriteError.
+    """
+    oiio = _oiio()
+    with Exr(path) as exr:
+        window, names = exr.window, [name for name in exr.channels if name in kinds]
+        spec = oiio.ImageSpec(window.width, window.height, len(names), "float")
+        spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
+        spec.channelnames = tuple(names)
+        spec.channelformats = tuple(oiio.TypeDesc(kinds[name]) for name in names)
+        spec["compression"] = "zip"
+        for key, said in exr.metadata.items():
+            if not key.startswith(("oiio:", "openexr:")) and key not in ("compression", "name", "view"):
+                spec[key] = said
+        if exr.views:
+            spec.attribute("multiView", oiio.TypeDesc(f"string[{len(exr.views)}]"), exr.views)
+        halves = [k for k, name in enumerate(names) if kinds[name] == "half"]
+        out = oiio.ImageOutput.create(part)
+        good = out.open(part, spec)
+        for y, band in exr.bands({"all": names}, 0, window.height) if good else ():
+            rows = np.array(band["all"])
+            rows[..., halves] = np.clip(rows[..., halves], -MOST_HALF, MOST_HALF)
+            good = good and out.write_scanlines(window.y + y, window.y + y + len(rows), 0, rows)
+        good = out.close() and good
+        if not good:
+            raise WriteError(unwritable(path, (_words(out).splitlines() or ["the disk may be full"])[0].rstrip(" .")))
+
+
+def _write(path, spec, pixels, texts=None):
+    with writing([path]) as place:
+        _store(place, path, spec, pixels)
+        if texts:
+            stamp_png(os.path.join(place.path, os.path.basename(path)), texts)
+        place.take(os.path.basename(path), path)
 
 
 @contextlib.contextmanager
-def _part(path, spec, pixels, number=0):
-    """A finished file beside `path`, to take its name; removed if it does not. `number` tells those apart that are
-    there at once. Raises WriteError."""
-    oiio = _oiio()
-    folder, ending = os.path.dirname(os.path.abspath(path)), os.path.splitext(path)[1]
-    part = os.path.join(folder, f".encre-{os.getpid()}-{number}{ending}")  # the ending tells OpenImageIO the format
+def writing(paths):
+    """A Workplace beside the files `paths`, which are to be made in it. Raises WriteError for what goes wrong there."""
+    path = paths[0]
     try:
-        out = oiio.ImageOutput.create(part)
-        good = out.open(part, spec) and out.write_image(pixels)
-        good = out.close() and good
-        # OpenImageIO's PNG writer does not notice a full disk.
-        if good and out.format_name() == "png" and not whole(part):
-            good = False
-        if not good:
-            reason = (out.geterror().replace(part, path).splitlines() or ["the disk may be full"])[0]
-            raise WriteError(unwritable(path, reason.rstrip(" .")))
-        yield part
+        with Workplace(os.path.dirname(os.path.abspath(path))) as place:
+            yield place
     except OSError as error:
         raise WriteError(unwritable(path, error.strerror)) from None
-    finally:
-        with contextlib.suppress(OSError):
-            os.remove(part)
+
+
+def _store(place, path, spec, pixels):
+    """Writes an image under the name of `path` into a Workplace. Raises WriteError."""
+    part = os.path.join(place.path, os.path.basename(path))
+    out = _oiio().ImageOutput.create(part)
+    good = out.open(part, spec) and out.write_image(pixels)
+    good = out.close() and good
+    # OpenImageIO's PNG writer does not notice a full disk.
+    if good and out.format_name() == "png" and not whole(part):
+        good = False
+    if not good:
+        reason = (_words(out).replace(part, path).splitlines() or ["the disk may be full"])[0]
+        raise WriteError(unwritable(path, reason.rstrip(" .")))
+
+
+def text(path, key):
+    """The text that an image file holds under `key`; None: there is no such file or text."""
+    if not os.path.isfile(path):
+        return None
+    with _opened(path) as file:
+        said = file.spec().getattribute(key) if file else None
+    return said if isinstance(said, str) else None
+
+
+def stamp_png(path, texts):
+    """Puts {key: text} into a PNG file, which Blender gives only texts of its own. OSError."""
+    with open(path, "rb") as file:
+        data = file.read()
+    if not data.startswith(b"\x89PNG"):
+        return
+    chunks = b""
+    for key, said in texts.items():
+        body = b"tEXt" + key.encode("latin-1") + b"\0" + said.encode("latin-1")
+        chunks += struct.pack(">I", len(body) - 4) + body + struct.pack(">I", zlib.crc32(body))
+    with open(path, "wb") as file:
+        file.write(data[:33] + chunks + data[33:])  # after IHDR, which always has this length
+
+
+def version():
+    try:
+        return importlib.metadata.version("encre")
+    except importlib.metadata.PackageNotFoundError:  # run from a folder
+        return "not installed"

@@ -1,16 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside the Blender that `encre render` starts, as a script: `inside.py -- JOB.json`.
 
-It is the only file that touches sys.path. It reports by lines `ENCRE {json}` on the standard output, which Blender
-shares with its own.
+It is the only file that touches sys.path. It talks with `encre render` on a line of its own (child.py): what Blender
+prints may hold anything. It is told one frame after the other and knows no path but that of its folder.
 """
 
+import contextlib
 import importlib.util
 import json
 import os
+import queue
 import re
 import runpy
+import socket
 import sys
+import threading
 import traceback
 
 import bpy
@@ -20,12 +24,26 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 PACKAGE = os.path.dirname(HERE)
 
 
-def report(event, **more):
-    # One write with a line break before it: Blender buffers its own output and may stand in the middle of a line.
-    os.write(1, f"\nENCRE {json.dumps({'event': event, **more})}\n".encode())
+class Line:
+    """The private line: what to do comes on it, reports go. Where it ends, this process does: nobody waits for it."""
+
+    def __init__(self, number):
+        self.socket, self.told = socket.socket(fileno=number), queue.SimpleQueue()
+        self.socket.set_inheritable(False)
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self):
+        try:
+            for message in self.socket.makefile(encoding="utf-8"):
+                self.told.put(json.loads(message))
+        finally:  # also where the line was reset, as it is when its other end dies with reports unread
+            os._exit(1)
+
+    def report(self, event, **more):
+        self.socket.sendall(json.dumps({"event": event, **more}).encode() + b"\n")
 
 
-def register():
+def register(report=lambda event, **more: None):
     """Registers the package that this file is a part of as `encre`, in place of any other Encre."""
     for cls in bpy.types.RenderEngine.__subclasses__():
         if getattr(cls, "bl_idname", "") != "ENCRE":  # of whatever version: ours is not loaded yet
@@ -48,12 +66,40 @@ def register():
     return package
 
 
-def load(path, error):
+def written_by(path):
+    """(major, minor) of the Blender that saved a .blend; None: it can't be told."""
+    with open(path, "rb") as file:
+        start = file.read(32)
+        file.seek(0)
+        if start[:2] == b"\x1f\x8b":  # up to 2.93
+            return None
+        if start[:4] == b"\x28\xb5\x2f\xfd":
+            try:
+                import zstandard
+            except ImportError:  # some distributions' Blender
+                return None
+            with contextlib.suppress(zstandard.ZstdError):
+                start = zstandard.ZstdDecompressor().stream_reader(file).read(32)
+    # BLENDER-v405 up to Blender 4, BLENDER17-01v0500 since.
+    match = re.match(rb"BLENDER(?:[-_][vV]|\d\d-\d\d[vV])(\d{3,4})", start)
+    return divmod(int(match[1]), 100) if match else None
+
+
+def load(job, error, report):
     """Opens the .blend, or runs the .py in an empty scene as `python` would."""
+    path = job["scene"]
     report("doing", text=f"opening {path}")
     if not path.lower().endswith(".py"):
+        version, own = written_by(path), bpy.app.version[:2]
+        if version and version > own:
+            words = (f"{path}: was saved by Blender {version[0]}.{version[1]}, which is newer than this "
+                     f"{own[0]}.{own[1]}")
+            if job["strict"]:
+                raise error(f"{words}; give a newer one with --blender")
+            report("warning", text=f"{words}: it may look otherwise, or crash this Blender")
+        trust = {"use_scripts": True} if job["autoexec"] else {}
         try:
-            bpy.ops.wm.open_mainfile(filepath=path)
+            bpy.ops.wm.open_mainfile(filepath=path, **trust)
         except RuntimeError as reason:
             raise error(f"{path}: is not a .blend file that this Blender can read ({sentence(reason)}); "
                         "save it again") from None
@@ -96,11 +142,83 @@ def mute(scene, path):
             curve.mute = True
 
 
-def prepare(job, error):
+def chosen(kind, name, known, job, error):
+    from encre.pen.errors import unknown
+
+    if name not in known:
+        raise error(f"{job['scene']}: " + unknown(kind, name, known.keys()))
+    return known[name]
+
+
+def missing():
+    """Files that the scene uses and that are not there."""
+    found = [(library.filepath, None) for library in bpy.data.libraries]
+    found += [(image.filepath, image.library) for image in bpy.data.images
+              if image.source == "FILE" and image.users and image.filepath and not image.packed_file]
+    return [path for path, library in found if not os.path.exists(bpy.path.abspath(path, library=library))]
+
+
+def use_device(scene, name, error):
+    """Has Cycles render on the processor or on the graphics cards of a kind."""
+    scene.cycles.device = "CPU" if name == "cpu" else "GPU"
+    if name == "cpu":
+        return
+    cycles = bpy.context.preferences.addons["cycles"].preferences
+    try:
+        cycles.compute_device_type = name.upper()
+    except TypeError:
+        raise error(f"--device {name}: this Blender knows no such devices; give --device cpu") from None
+    cycles.get_devices()
+    cards = [device for device in cycles.devices if device.type == name.upper()]
+    if not cards:
+        raise error(f"--device {name}: Blender finds none; give --device cpu, or look after its driver")
+    for device in cycles.devices:
+        device.use = device in cards
+
+
+def choose(job, error):
+    """The scene that the job names, its camera and view layers set as it says."""
+    scene = bpy.context.scene
+    if job["scene_name"] is not None:
+        scene = chosen("scene", job["scene_name"], bpy.data.scenes, job, error)
+        if bpy.context.window:
+            bpy.context.window.scene = scene
+    if job["camera"] is not None:
+        cameras = {obj.name: obj for obj in scene.objects if obj.type == "CAMERA"}
+        scene.camera = chosen("camera", job["camera"], cameras, job, error)
+        for marker in scene.timeline_markers:  # which would change it with the frame
+            marker.camera = None
+    if job["view_layer"] is not None:
+        chosen("view layer", job["view_layer"], scene.view_layers, job, error)
+        for layer in scene.view_layers:
+            layer.use = layer.name == job["view_layer"]
+    if job["threads"] is not None:
+        scene.render.threads_mode = "FIXED" if job["threads"] else "AUTO"
+        if job["threads"]:
+            scene.render.threads = job["threads"]
+    if job["device"] is not None:
+        use_device(scene, job["device"], error)
+    return scene
+
+
+def heed(job, error, report):
+    """Says what the file asks for and does not get."""
+    if bpy.app.autoexec_fail and not job["autoexec"]:
+        report("warning", text=f"{job['scene']}: its scripts and drivers in Python were not run; if you trust whoever "
+               "made the file, give --enable-autoexec")
+    if paths := missing():
+        words = f"{job['scene']}: uses files that are not there: {', '.join(paths)}"
+        if job["strict"]:
+            raise error(f"{words}; bring them back")
+        report("warning", text=words)
+
+
+def prepare(job, error, report):
     """Sets the scene up as the job asks. Nothing of it is saved."""
     from encre.blender import ENGINE, papers, properties
 
-    scene = bpy.context.scene
+    heed(job, error, report)
+    scene = choose(job, error)
     scene.render.engine = ENGINE
     for id_, value in job["values"].items():
         mute(scene, f"encre.{id_}")
@@ -119,73 +237,57 @@ def prepare(job, error):
         scene.render.resolution_x, scene.render.resolution_y = job["size"]
         scene.render.resolution_percentage = 100
     picture = scene.render.image_settings
-    exr = job["out"].lower().endswith(".exr")
+    exr = job["ending"].lower() == ".exr"
     if hasattr(picture, "media_type"):  # Blender 5: the formats on offer depend on it
         picture.media_type = "MULTI_LAYER_IMAGE" if exr else "IMAGE"
     picture.file_format = "OPEN_EXR_MULTILAYER" if exr else "PNG"
     picture.color_mode, picture.color_depth = "RGBA", "32" if exr else "8"
     if exr:
         picture.views_format = "MULTIVIEW"  # both eyes in one file
+    elif scene.render.use_multiview:
+        for view in scene.render.views:  # their words end the file's name
+            if re.search(r"[/\\\0]", view.file_suffix):
+                raise error(f"{job['scene']}: view {view.name} has the file suffix {view.file_suffix}, which leads "
+                            "into another folder; change it")
     scene.render.use_file_extension = True
     return scene
 
 
-def frames(job, scene):
-    """[(frame, output path)] in order. Runs of # in the file's name become the number; a range without gets four
-    digits before the ending."""
-    wanted = job["frames"]
-    folder, name = os.path.split(job["out"])
-    if isinstance(wanted, list):
-        first, last = (scene.frame_start if wanted[0] is None else wanted[0],
-                       scene.frame_end if wanted[1] is None else wanted[1])
-        if "#" not in name:
-            stem, ending = os.path.splitext(name)
-            name = f"{stem}####{ending}"
-    else:
-        first = last = scene.frame_current if wanted is None else wanted
-    return [(frame, os.path.join(folder, re.sub("#+", lambda run, f=frame: f"{f:0{len(run[0])}d}", name)))
-            for frame in range(first, last + 1)]
+def suffixes(scene):
+    """What Blender puts before the endings of a picture's files."""
+    picture = scene.render.image_settings
+    if not scene.render.use_multiview or picture.file_format != "PNG" or picture.views_format != "INDIVIDUAL":
+        return [""]
+    return [view.file_suffix for view in scene.render.views if view.use]
 
 
-def render(job, scene, error):
-    from encre.cli import images
+def render(job, scene, line):
+    """Renders each frame that comes on the line, until the line says that it is the last."""
+    from encre.blender import frame as engine_frame
 
-    todo = frames(job, scene)
-    if not todo:
-        raise error(f"{job['scene']}: there is no frame from the first to the last; give -s a frame before -e")
-    left = [(frame, path) for frame, path in todo if path not in job["finished"]]
-    if len(left) < len(todo):
-        report("note", text=f"{len(todo) - len(left)} of {len(todo)} frames are finished and left alone")
-    for _, path in left:
-        images.prepare(path)
-    for number, (frame, path) in enumerate(left, 1):
-        report("frame", frame=frame, number=number, count=len(left))
-        scene.frame_set(frame)
-        stem, ending = os.path.splitext(path)
-        scene.render.filepath = os.path.join(job["folder"], f"{frame}{ending}")
+    while frame := line.told.get():
+        number, engine_frame.stamped = frame["frame"], frame["stamp"]
+        scene.frame_set(number)
+        scene.render.filepath = os.path.join(job["folder"], str(number))
         try:
-            done = bpy.ops.render.render(write_still=True)
+            done = bpy.ops.render.render(write_still=True, scene=scene.name)
         except RuntimeError as reason:
-            raise error(f"frame {frame}: {sentence(reason)}") from None
+            line.report("failed", text=f"frame {number}: {sentence(reason)}")
+            continue
         # Stereo makes a file for each eye, named 1_L and 1_R.
-        made = [name for name in os.listdir(job["folder"]) if re.fullmatch(rf"{frame}(_.*)?{re.escape(ending)}", name)]
-        if "FINISHED" not in done or not made:
-            raise error(f"frame {frame}: Blender wrote no picture; run again with --verbose to see why")
-        report("written", files=[[os.path.join(job["folder"], name), stem + name.removeprefix(str(frame))]
-                                 for name in made])
+        name = re.compile(rf"{number}(_.*)?{re.escape(job['ending'])}", re.IGNORECASE)
+        made = [entry for entry in os.listdir(job["folder"]) if name.fullmatch(entry)]
+        if "FINISHED" in done and made:
+            line.report("written", names=made)
+        else:
+            line.report("failed", text=f"frame {number}: Blender wrote no picture; run again with --verbose to see why")
 
 
-def compare(job, scene, error):
-    from encre.cli import images, tools
+def compare(job, scene, line):
+    from encre.cli import tools
 
-    todo = frames(job, scene)
-    if not todo:
-        raise error(f"{job['scene']}: there is no frame from the first to the last; give -s a frame before -e")
-    for stem, ending in (os.path.splitext(path) for _, path in todo):
-        for more in job["beside"]:
-            images.prepare(f"{stem}{more}{ending}")
     mute(scene, "encre.edge_color")
-    tools.load("compare", "techniques").render(job, scene, todo, report)
+    tools.load("compare", "techniques").render(job, scene, line.told.get()["frames"], line.report)
 
 
 def save_mesh(job, error):
@@ -200,33 +302,35 @@ def save_mesh(job, error):
     np.savez(job["mesh"], points=mesh.points, corners=mesh.corners, uv=mesh.uv)
 
 
-def main():
-    # Python puts a script's folder first; there, our modules would stand in for others of the same names.
-    sys.path[:] = [path for path in sys.path if os.path.abspath(path) != HERE]
-    with open(sys.argv[sys.argv.index("--") + 1], encoding="utf-8") as file:
-        job = json.load(file)
-    report("doing", text="starting")
-    register()
+def main(job, line):
+    line.report("doing", text="starting")
+    register(line.report)
     from encre.pen.errors import EncreError as error
 
     # Later Blenders print nothing about samples by themselves.
     bpy.app.handlers.render_stats.append(lambda text, *_: print(text, flush=True) if isinstance(text, str) else None)
-    load(job["scene"], error)
+    load(job, error, line.report)
     if "mesh" in job:
         save_mesh(job, error)
-    elif "techniques" in job:
-        compare(job, prepare(job, error), error)
     else:
-        render(job, prepare(job, error), error)
-    report("done")
+        scene = prepare(job, error, line.report)
+        line.report("ready", first=scene.frame_start, last=scene.frame_end, current=scene.frame_current,
+                    suffixes=suffixes(scene), blender=bpy.app.version_string)
+        (compare if "techniques" in job else render)(job, scene, line)
+    line.report("done")
 
 
 if __name__ == "__main__":
+    # Python puts a script's folder first; there, our modules would stand in for others of the same names.
+    sys.path[:] = [path for path in sys.path if os.path.abspath(path) != HERE]
+    with open(sys.argv[sys.argv.index("--") + 1], encoding="utf-8") as file:
+        job = json.load(file)
+    line = Line(job["line"])
     try:
-        main()
+        main(job, line)
     except BaseException as reason:  # whatever it is, the command line says it in a sentence
         traceback.print_exc()
-        report("error", text=sentence(reason))
+        line.report("error", text=sentence(reason))
     finally:
         # Blender's own exit would save preferences, and bpy's may crash.
         sys.stdout.flush()

@@ -1,38 +1,53 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command `encre`: render, composite, bake, params, presets.
 
-Exit status: 0; 2 for usage, bad input and an output that can't be written; 1 for what fails under way; 130 when
-interrupted (by __main__.py). Every error is one line `encre: error: …` on the standard error.
+Every error is one line `encre: error: …` on the standard error, and every warning and note one like it. What strangers
+named is shown with its control characters written out.
 """
 
 import argparse
+import contextlib
 import json
 import os
 import re
 import sys
+import textwrap
 import time
-from importlib import metadata
+import traceback
+import warnings
+
+import numpy as np
 
 from ..pen import library, presets
-from ..pen.errors import EncreError
-from . import images, tools
+from ..pen.errors import EncreError, shown
+from . import images, sequence, substitutes, tools
 from .bake import bake
-from .composite import composite
+from .composite import check
+from .progress import Progress
 from .render import RenderError, render
+from .restyle import restyle, split, todo
 
-LAST_FRAME = 1048574  # Blender counts no further
+STATUS = """exit status:
+  0    all is done
+  1    something failed under way
+  2    the command, its input or its output can't be used
+  130  interrupted"""
 
 
 class _Parser(argparse.ArgumentParser):
-    def __init__(self, **options):
-        super().__init__(allow_abbrev=False, **options)
+    def __init__(self, examples="", **options):
+        super().__init__(allow_abbrev=False, epilog="\n\n".join(filter(None, [examples, STATUS])),
+                         formatter_class=argparse.RawDescriptionHelpFormatter, **options)
+        if self.description:
+            self.description = textwrap.fill(self.description, 100)
 
     def error(self, message):
-        self.exit(2, f"encre: error: {message}; see {self.prog} --help\n")
+        _say("error", f"{message}; see {self.prog} --help")
+        self.exit(2)
 
 
 def _say(kind, sentence):
-    print(f"encre: {kind}: {sentence}", file=sys.stderr, flush=True)
+    print(f"encre: {kind}: {shown(sentence)}", file=sys.stderr, flush=True)
 
 
 # Arguments
@@ -55,9 +70,17 @@ def _size(text):
 
 
 def _frame(text):
-    if not re.fullmatch(r"[-+]?\d{1,7}", text) or abs(int(text)) > LAST_FRAME:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a frame number from {-LAST_FRAME} to {LAST_FRAME}")
-    return int(text)
+    frames = _frame_list(text)
+    if len(frames) > 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not one frame number; give one")
+    return frames[0]
+
+
+def _frame_list(text):
+    try:
+        return sequence.numbers(text)
+    except EncreError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _count(text):
@@ -66,16 +89,22 @@ def _count(text):
     return int(text)
 
 
-def _version():
-    try:
-        return f"encre {metadata.version('encre')}"
-    except metadata.PackageNotFoundError:  # run from a folder, as `encre render` does inside Blender
-        return "encre, not installed"
+def _threads(text):
+    if not re.fullmatch(r"\d{1,4}", text) or int(text) > 1024:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of threads from 1 to 1024, nor 0 for one a "
+                                         "processor")
+    return int(text)
+
+
+def _seconds(text):
+    if not re.fullmatch(r"\d{1,9}(\.\d*)?", text) or not float(text) > 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds above 0")
+    return float(text)
 
 
 def _parser():
     parser = _Parser(prog="encre", description="Comic-book pictures from Blender scenes and from rendered layers.")
-    parser.add_argument("--version", action="version", version=_version())
+    parser.add_argument("--version", action="version", version=f"encre {images.version()}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     style = argparse.ArgumentParser(add_help=False)
@@ -85,32 +114,83 @@ def _parser():
 
     command = commands.add_parser("render", parents=[style], help="render a scene with Blender", description=(
         "Render a scene with Blender. A .py scene is run in an empty file. Blender is --blender, else the Python "
-        "module bpy, else `blender` on PATH."))
+        "module bpy, else `blender` on PATH. Several processes may render one sequence: each takes frames that no "
+        "other has."), examples="""examples:
+  encre render scene.blend -o panel.png
+  encre render scene.blend -o frames/####.exr -s 1 -e 48 --resume
+  encre render scene.py -o test.png -f 1-100x5,7 --set line_thickness=6""")
     command.add_argument("scene", metavar="SCENE", type=_ending(".blend", ".py"), help="a .blend or .py file")
     command.add_argument("-o", "--output", metavar="OUT", required=True, type=_ending(".png", ".exr"), help=(
         "a .png, or a multilayer .exr with all passes; # in the name stands for digits of the frame number"))
-    command.add_argument("-f", "--frame", metavar="N", type=_frame, help="the frame (default: the scene's current one)")
+    command.add_argument("-f", "--frame", metavar="N", type=_frame_list, help=(
+        "the frame (default: the scene's current one), or a list such as 1-100x5,7"))
     command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of an animation")
     command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of an animation")
+    command.add_argument("--scene", metavar="NAME", dest="scene_name",
+                         help="the scene in the file (default: the open one)")
+    command.add_argument("--camera", metavar="NAME", help="the camera (default: the scene's)")
+    command.add_argument("--view-layer", metavar="NAME", help="render only this one")
     command.add_argument("--samples", metavar="N", type=_count, help="samples a pixel")
     command.add_argument("--size", metavar="WxH", type=_size, help="size of the full frame in pixels")
-    command.add_argument("--resume", action="store_true", help="leave frames alone whose file is there and whole")
+    command.add_argument("--device", choices=("cpu", "cuda", "optix", "hip", "oneapi", "metal"),
+                         help="what Cycles computes on (default: as the file has it)")
+    command.add_argument("--threads", metavar="N", type=_threads,
+                         help="0: one a processor (default: as the file has it)")
+    command.add_argument("--resume", action="store_true", help=(
+        "leave frames alone that are whole and were made from the same file (whatever it links), parameters, "
+        "samples, size and versions"))
+    command.add_argument("--quick", action="store_true", help="with --resume: don't read finished frames to their end")
+    command.add_argument("--keep-going", action="store_true",
+                         help="go on after a frame that failed, and say at the end which")
+    command.add_argument("--frame-timeout", metavar="S", type=_seconds, help="give a frame up after so many seconds")
+    command.add_argument("--strict", action="store_true", help=(
+        "missing textures and libraries, and a file newer than this Blender, are errors"))
+    command.add_argument("--enable-autoexec", action="store_true", help="run the scripts in the file; trust its maker")
+    command.add_argument("--dry-run", action="store_true", help="only say which files would be written")
+    command.add_argument("--progress", choices=("text", "json"), default="text", help=(
+        "json: an object a line on the standard output"))
     command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
     command.add_argument("--verbose", action="store_true", help="pass on what Blender prints")
     command.set_defaults(run=_render)
 
     command = commands.add_parser("composite", parents=[style], help="restyle a rendered multilayer EXR", description=(
-        "Restyle a rendered multilayer EXR, without Blender. The settings in the file are where it starts."))
-    command.add_argument("layers", metavar="LAYERS.exr", help="a multilayer EXR that Blender wrote")
-    command.add_argument("-o", "--output", metavar="OUT", required=True, type=_ending(".png", ".exr"),
+        "Restyle a rendered multilayer EXR, without Blender. The settings in the file are where it starts."),
+        examples="""examples:
+  encre composite 0001.exr -o panel.png --preset ink_only --set line_thickness=6
+  encre composite 0001.exr -o panel.png --set shade_levels="0.5; 0.7,0.5,0.025; 1.1,0.9,0.025"
+  encre composite 'in.####.exr' -o 'out.####.png' -f 1-100x5,7 --resume --jobs 4
+  encre composite other.exr --check --layer depth=Z""")
+    command.add_argument("layers", metavar="LAYERS.exr", help=(
+        "a multilayer EXR that Blender wrote; # in the name stands for digits of the frame number"))
+    command.add_argument("-o", "--output", metavar="OUT", type=_ending(".png", ".exr"),
                          help="a .png (sRGB), or an .exr with Combined and Encre's passes")
+    command.add_argument("-f", "--frame", metavar="N", type=_frame_list, help=(
+        "of a sequence, the frames to draw: a list such as 1-100x5,7 (default: all that are there)"))
+    command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of a sequence")
+    command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of a sequence")
+    command.add_argument("--resume", action="store_true",
+                         help="leave frames alone that are whole and were drawn from the same file and settings")
+    command.add_argument("--jobs", metavar="N", type=_count, default=1,
+                         help="processes that share a sequence (default: 1)")
+    command.add_argument("--share", type=lambda text: tuple(map(int, text.split("/"))), default=(0, 1),
+                         help=argparse.SUPPRESS)  # how --jobs tells its processes which frames are theirs
+    command.add_argument("--check", action="store_true",
+                         help="only say which passes there are, and what each that is missing switches off")
+    command.add_argument("--layer", metavar="WORD=NAME", action="append", default=[], dest="asked", help=(
+        "another renderer's name for combined, depth, normal, color, light, object or material, as depth=Z"))
     command.add_argument("--view-layer", metavar="N", help="name of the view layer (default: the file's first)")
-    command.add_argument("--threads", metavar="N", type=_count, default=0, help="default: one a processor")
+    command.add_argument("--allow-paths", action="store_true", help=(
+        "read the paper image that the file names wherever it lies, not only beside the file"))
+    command.add_argument("--threads", metavar="N", type=_threads, default=0,
+                         help="default, and 0: one a processor")
     command.set_defaults(run=_composite)
 
     command = commands.add_parser("bake", parents=[style], help="draw inter-color lines into a texture", description=(
         "Draw lines into a texture where its colours meet, as wide as they differ. Of the parameters, line_thickness "
-        "(in texels) and those of contrast count. 8- and 16-bit images are sRGB, images of floats linear."))
+        "(in texels) and those of contrast count. 8- and 16-bit images are sRGB, images of floats linear."),
+        examples="""examples:
+  encre bake wood.png -o wood_lines.png --uniform vase.obj
+  encre bake wood.png -o wood_lines.png --uniform scene.blend:Vase --mips""")
     command.add_argument("texture", metavar="TEXTURE", help="an image of any kind; it is never changed")
     command.add_argument("-o", "--output", metavar="OUT", required=True, help="the image to write, not TEXTURE itself")
     command.add_argument("--uniform", metavar="MESH", help=(
@@ -121,7 +201,8 @@ def _parser():
         "with lines drawn for its own texels, to mix by distance in a material"))
     command.add_argument("--tile", choices=("none", "x", "y", "xy"), help=(
         "where the texture repeats and lines go on over its border (default: xy; with --uniform, where the mesh does)"))
-    command.add_argument("--threads", metavar="N", type=_count, default=0, help="default: one a processor")
+    command.add_argument("--threads", metavar="N", type=_threads, default=0,
+                         help="default, and 0: one a processor")
     command.add_argument("--blender", metavar="PATH", help="the Blender program to use for FILE.blend:OBJECT")
     command.set_defaults(run=_bake)
 
@@ -158,7 +239,7 @@ def _parser():
 
 
 def _changes(args):
-    """The values that --preset and --set give."""
+    """The values that --preset and --set give: each alone is good; together they are judged over what they change."""
     values = dict(presets.find(args.preset).values) if args.preset is not None else {}
     for text in args.sets:
         id_, equals, value = text.partition("=")
@@ -168,16 +249,16 @@ def _changes(args):
     if values.get("paper_image"):
         values["paper_image"] = os.path.abspath(values["paper_image"])
         images.read_paper(values["paper_image"])
-    return library.check(values)
+    return values
 
 
 def _frames(args):
     ranged = args.start is not None or args.end is not None
     if ranged and args.frame is not None:
-        raise EncreError("-f gives one frame, -s and -e a range; give one or the other")
+        raise EncreError("-f gives frames, -s and -e a range; give one or the other")
     if None not in (args.start, args.end) and args.start > args.end:
         raise EncreError(f"-s {args.start} is after -e {args.end}; give the first frame first")
-    return [args.start, args.end] if ranged else args.frame
+    return (args.start, args.end) if ranged else args.frame
 
 
 def _scene(args):
@@ -187,10 +268,15 @@ def _scene(args):
 
 
 def _render(args):
-    frames = _frames(args)
-    render(_scene(args), args.output, frames=frames, values=_changes(args),
-           samples=args.samples, size=args.size, resume=args.resume, blender=args.blender, say=_say,
-           verbose=args.verbose)
+    if args.quick and not args.resume:
+        raise EncreError("--quick says how --resume looks at frames; give both")
+    frames, progress = _frames(args), Progress(_say, args.progress == "json", args.verbose)
+    render(_scene(args), args.output, frames=frames, values=_changes(args), resume=args.resume, quick=args.quick,
+           dry_run=args.dry_run, frame_timeout=args.frame_timeout, keep_going=args.keep_going, blender=args.blender,
+           progress=progress, samples=args.samples, size=args.size, scene_name=args.scene_name, camera=args.camera,
+           view_layer=args.view_layer, threads=args.threads, device=args.device, strict=args.strict,
+           autoexec=args.enable_autoexec)
+    progress.tell("done")
 
 
 def _compare(args):
@@ -202,18 +288,29 @@ def _compare(args):
 
 
 def _composite(args):
-    changes = _changes(args)
-    images.prepare(args.output)
-    if os.path.exists(args.output) and os.path.exists(args.layers) and os.path.samefile(args.output, args.layers):
-        raise EncreError(f"{args.output}: is the file that is read, whose layers would be lost; give another name")
-    start = time.perf_counter()
-    composite(args.layers, args.output, changes, args.view_layer, args.threads, _say)
-    print(f"{args.output} ({time.perf_counter() - start:.1f} s)")
+    asked = substitutes.given(args.asked)
+    if args.check:
+        text, good = check(args.layers, args.view_layer, asked)
+        print("\n".join(map(shown, text.splitlines())))
+        if not good:
+            raise EncreError(f"{args.layers}: has no picture: pass Combined is missing; render it")
+        return
+    if args.output is None:
+        raise EncreError("-o is missing; say where the picture goes")
+    changes, frames = _changes(args), _frames(args)
+    if args.jobs > 1 and len(todo(args.layers, args.output, frames)) > 1:
+        split(args.argv, args.jobs, args.threads)
+        return
+    restyle(args.layers, args.output, changes, frames=frames, resume=args.resume, share=args.share, say=_say,
+            view_layer=args.view_layer, threads=args.threads, allow_paths=args.allow_paths, asked=asked)
 
 
 def _bake(args):
     tile = None if args.tile is None else ("x" in args.tile, "y" in args.tile)
-    bake(args.texture, args.output, _changes(args), args.uniform, args.mips, tile, args.threads, args.blender, _say)
+    start = time.perf_counter()
+    written = bake(args.texture, args.output, library.check(_changes(args)), args.uniform, args.mips, tile,
+                   args.threads, args.blender, _say)
+    print(shown(f"{', '.join(written)} ({time.perf_counter() - start:.1f} s)"))
 
 
 def _params(args):
@@ -260,18 +357,39 @@ def _presets(_args):
         print(f"{preset.id}: {preset.name}. {preset.description}")
 
 
+def _ready_to_print():
+    """A terminal that knows few characters gets the others written out, and a closed stream nothing."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - it stays open
+        with contextlib.suppress(AttributeError):
+            getattr(sys, name).reconfigure(errors="backslashreplace")
+
+
 def main(argv=None):
     """Runs the command line `argv` (default: the process's) and returns its exit status."""
+    _ready_to_print()
+    heard = {}  # what modules warn of, once
     try:
-        args = _parser().parse_args(argv)
-        args.run(args)
+        with warnings.catch_warnings(), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            # What overflows becomes infinite, and is counted with what is not finite in the input.
+            warnings.showwarning = lambda message, *_, **__: heard.setdefault(str(message))
+            args = _parser().parse_args(argv)
+            args.argv = sys.argv[1:] if argv is None else argv
+            args.run(args)
+        for words in heard:
+            _say("warning", words)
         sys.stdout.flush()
         return 0
     except BrokenPipeError:  # the reader of our output left, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except (EncreError, MemoryError, OSError) as error:
-        sentence = str(error) or "there is not enough memory; give a smaller picture"
-        print(f"encre: error: {sentence}", file=sys.stderr)
+        _say("error", str(error) or "there is not enough memory; give a smaller picture")
         under_way = isinstance(error, (RenderError, images.WriteError)) or not isinstance(error, EncreError)
         return 1 if under_way else 2
+    except Exception as error:  # a mistake of ours; no trace of it helps who rendered, its place helps who mends it
+        at = traceback.extract_tb(error.__traceback__)[-1]
+        _say("error", f"this should not happen: {type(error).__name__}: {str(error)[:300]} "
+                      f"({os.path.basename(at.filename)}, line {at.lineno}); please report it")
+        return 1

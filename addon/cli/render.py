@@ -1,33 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`encre render`: finds a Blender, has it run inside.py, shows what that reports.
+"""`encre render`: finds a Blender, has it run inside.py, and takes the frames that it makes.
 
-inside.py has each frame written into a hidden folder beside the output; here it is renamed once it is whole.
+Only here it is known where a frame goes: Blender writes into a hidden folder beside the output, is told one frame after
+the other, and what it made gets its name here once it is whole.
 """
 
-import contextlib
 import importlib.util
-import json
 import os
+import random
 import re
 import shutil
-import signal
-import subprocess
 import sys
-import tempfile
 import time
-from collections import deque
-from pathlib import Path
 
 import numpy as np
 
-from ..pen import unwrap
+from ..pen import metadata, unwrap
 from ..pen.errors import EncreError
-from . import images
+from . import composite, images, sequence
+from .child import Child, Ended
+from .progress import Progress
+from .workplace import Workplace
 
-INSIDE = Path(__file__).with_name("inside.py")
-_SAMPLE = re.compile(r"Sample (\d+)/(\d+)")
-_PART = re.compile(r"part (\d+) of (\d+)$")  # of a supersampled frame, as subframes.py says it
-_REPORT = re.compile(r"(Info|Warning): (.+)")  # how Blender prints what the engine reports
+# What may be chosen of a scene, and how it is opened; None and False: as the file has it.
+CHOICES = {"samples": None, "size": None, "scene_name": None, "camera": None, "view_layer": None, "threads": None,
+           "device": None, "strict": False, "autoexec": False}
+_PICTURE = ("samples", "size", "scene_name", "camera", "view_layer")  # those that change the picture
+_VERSION = 1  # of what a mark says
 
 
 class RenderError(EncreError):
@@ -51,25 +50,36 @@ def find_blender(path=None):
                           "this Python, or put the program blender on PATH")
 
 
-def render(scene, out, *, frames=None, values=None, samples=None, size=None, resume=False, blender=None,
-           say=print, verbose=False):
+def render(scene, out, *, frames=None, values=None, resume=False, quick=False, dry_run=False, frame_timeout=None,
+           keep_going=False, blender=None, progress=None, **choices):
     """Renders `scene` (.blend or .py) to `out` (.png or .exr).
 
-    frames: None (the scene's current one), a number, or (first, last), either None for the scene's own; values:
-    what to change of the scene's parameters; say(kind, sentence) hears notes and warnings; verbose passes on all
-    that Blender prints. Raises EncreError for bad input, RenderError for what fails under way.
+    frames: None (the scene's current one), a list of numbers, or (first, last), either None for the scene's own;
+    values: what to change of the scene's parameters; resume: leave frames alone that are whole and were made from the
+    same (quick: not read to their end); frame_timeout: seconds after which one is given up; keep_going: go on after
+    one that failed; progress: a Progress; choices: as in CHOICES. Raises EncreError for bad input, RenderError for
+    what fails under way.
     """
-    images.prepare(out)
+    if not dry_run:
+        images.prepare(out)
     command = find_blender(blender)
     out = os.path.abspath(out)
-    with _folder(out) as folder:
-        job = {"scene": os.path.abspath(scene), "out": out, "folder": folder, "frames": frames, "values": values or {},
-               "samples": samples, "size": size, "finished": _finished(out) if resume else []}
-        _run(command, job, say, verbose)
+    job = {"scene": os.path.abspath(scene), "ending": os.path.splitext(out)[1], "values": values or {}, **CHOICES,
+           **choices}
+    progress = progress or Progress(print)
+    if dry_run:
+        with _Blender(command, {**job, "folder": ""}, progress) as child:
+            work = _Sequence(command, job, out, frames, None, progress)
+            work.plan(child.expect("ready"))
+            work.show(resume, quick)
+        return
+    with _workplace(out) as place, _Sequence(command, {**job, "folder": place.path}, out, frames, place,
+                                             progress) as work:
+        work.run(resume, quick, frame_timeout, keep_going)
 
 
-def compare(scene, out, take, *, frames=None, values=None, samples=None, size=None, techniques=(), beside=("",),
-            uniform=False, mips=False, blender=None, say=print, verbose=False):
+def compare(scene, out, take, *, frames=None, values=None, techniques=(), beside=("",), uniform=False, mips=False,
+            blender=None, say=print, verbose=False, **choices):
     """Renders frames of `scene` by each of the `techniques` (techniques.py) and calls take(event) for every frame.
 
     The event is a dictionary: frame, path (`out` with the frame's number), pictures {technique: {"path", "seconds"}},
@@ -78,12 +88,26 @@ def compare(scene, out, take, *, frames=None, values=None, samples=None, size=No
     """
     images.prepare(out)
     command = find_blender(blender)
-    out = os.path.abspath(out)
-    with _folder(out) as folder:
-        job = {"scene": os.path.abspath(scene), "out": out, "folder": folder, "frames": frames, "values": values or {},
-               "samples": samples, "size": size, "techniques": techniques, "beside": beside, "uniform": uniform,
-               "mips": mips}
-        _run(command, job, say, verbose, take)
+    out, progress = os.path.abspath(out), Progress(say, verbose=verbose)
+    with _workplace(out) as place:
+        job = {"scene": os.path.abspath(scene), "ending": ".png", "values": values or {}, **CHOICES, **choices,
+               "folder": place.path, "techniques": techniques, "uniform": uniform, "mips": mips}
+        with _Blender(command, job, progress) as child:
+            todo = _todo(job["scene"], out, frames, child.expect("ready"))
+            for stem, ending in map(os.path.splitext, todo.values()):
+                for more in beside:
+                    images.prepare(f"{stem}{more}{ending}")
+            child.send(frames=list(todo))
+            while (event := child.expect("frame", "pictures", "done"))["event"] != "done":
+                if event["event"] == "frame":
+                    child.begin(event["frame"])
+                    progress.begin(event["frame"], event["number"], event["count"])
+                    continue
+                progress.clear()
+                event["path"] = todo[event["frame"]]
+                for made in event["pictures"].values():
+                    made["path"] = os.path.join(place.path, os.path.basename(made["name"]))
+                take(event)
 
 
 def unwrapped(scene, name, out, *, blender=None, say=print, verbose=False):
@@ -92,142 +116,216 @@ def unwrapped(scene, name, out, *, blender=None, say=print, verbose=False):
     out: a file beside which there is room. Raises EncreError for the input.
     """
     command = find_blender(blender)
-    with _folder(os.path.abspath(out)) as folder:
-        path = os.path.join(folder, "mesh.npz")
-        _run(command, {"scene": os.path.abspath(scene), "object": name, "folder": folder, "mesh": path}, say, verbose)
+    with _workplace(os.path.abspath(out)) as place:
+        path = os.path.join(place.path, "mesh.npz")
+        job = {"scene": os.path.abspath(scene), "object": name, "mesh": path, **CHOICES}
+        with _Blender(command, job, Progress(say, verbose=verbose)) as child:
+            child.expect("done")
         with np.load(path) as arrays:
             return unwrap.Unwrapped(**arrays)
 
 
-def _run(command, job, say, verbose, take=None):
-    path = os.path.join(job["folder"], "job.json")
-    Path(path).write_text(json.dumps(job), encoding="utf-8")
-    # Blender leaves its folder of temporary files behind, as it never gets to its own end.
-    with tempfile.TemporaryDirectory(prefix="encre-", ignore_cleanup_errors=True) as temporary:
-        _watch([*command, str(INSIDE), "--", path], _Progress(say, take), verbose, temporary)
-
-
-def _finished(out):
-    """The files of `out`, whatever their frames, that are whole: another program may have left a part of one."""
-    folder, name = os.path.split(out)
-    parts = re.split("#+", name) if "#" in name else os.path.splitext(name)
-    pattern = re.compile("(-?[0-9]+)?".join(map(re.escape, parts)))
-    paths = [os.path.join(folder, name) for name in sorted(os.listdir(folder)) if pattern.fullmatch(name)]
-    return [path for path in paths if os.path.isfile(path) and images.whole(path, last_row=True)]
-
-
-@contextlib.contextmanager
-def _folder(out):
+def _workplace(out):
     try:
-        folder = tempfile.mkdtemp(prefix=".encre-", dir=os.path.dirname(out))
+        return Workplace(os.path.dirname(out))
     except OSError as error:
         raise EncreError(images.unwritable(out, error.strerror)) from None
-    try:
-        yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
-def _watch(command, progress, verbose, temporary):
-    """Runs the child to its end; what it prints after a line's `ENCRE ` is a report to `progress`. `temporary` is the
-    folder for what it needs meanwhile."""
-    last = deque(maxlen=1)
-    environment = {**os.environ, **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), temporary)}
-    child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                             encoding="utf-8", errors="replace", env=environment)
-    try:
-        for line in child.stdout:
-            line = line.strip()
-            if line.startswith("ENCRE "):
-                progress.report(json.loads(line[6:]))
-                continue
-            if verbose:
-                print(line, file=sys.stderr)
-            if sample := _SAMPLE.search(line):
-                progress.sample(int(sample[1]), int(sample[2]))
-            elif part := _PART.search(line):
-                progress.part = int(part[1]) - 1, int(part[2])
-            elif words := _REPORT.match(line):
-                progress.engine(words[1], words[2])
-            elif line:
-                last.append(line)
-        code = child.wait()
-    finally:
-        progress.clear()
-        if child.poll() is None:
-            child.terminate()
+class _Blender(Child):
+    """A child whose notes, warnings and errors are told on the way."""
+
+    def __init__(self, command, job, progress):
+        super().__init__(command, job, progress.hear)
+        self.progress, self.doing, self.error = progress, "", EncreError
+
+    def __exit__(self, *reason):
+        self.progress.clear()
+        super().__exit__(*reason)
+
+    def begin(self, frame):
+        self.doing, self.error = f"rendering frame {frame}", RenderError
+
+    def expect(self, *kinds, deadline=None):
+        """The next message of one of these kinds. EncreError, RenderError: the child failed; TimeoutError."""
+        while True:
             try:
-                child.wait(5)
-            except subprocess.TimeoutExpired:
-                child.kill()
-                child.wait()
-    if not progress.done:
-        how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit status {code}"
-        words = f'; its last words were "{last[0]}"' if last else ""
-        where = f"while {progress.doing}" if progress.doing else "before it ran Encre; is it Blender?"
-        sentence = f"{command[0]} stopped {where} ({how}){words}"
-        raise (RenderError if progress.rendering else EncreError)(sentence)
+                event = self.next(deadline)
+            except Ended as how:
+                where = f"while {self.doing}" if self.doing else "before it ran Encre; is it Blender?"
+                raise self.error(f"{self.command[0]} stopped {where} {how}") from None
+            kind = event["event"]
+            if kind in kinds:
+                return event
+            if kind == "doing":
+                self.doing = event["text"]
+            elif kind == "error":
+                raise self.error(event["text"])
+            elif kind in ("note", "warning"):
+                self.progress.say(kind, event["text"])
 
 
-class _Progress:
-    """What the child reports, as a bar on a terminal or a line a frame elsewhere."""
+def _todo(scene, out, wanted, ready):
+    """{frame: path}, in order."""
+    if isinstance(wanted, tuple):
+        first, last = (own if number is None else number
+                       for number, own in zip(wanted, (ready["first"], ready["last"]), strict=True))
+        wanted, out = range(first, last + 1), sequence.pattern(out)
+    elif wanted is None:
+        wanted = [ready["current"]]
+    elif len(wanted) > 1:
+        out = sequence.pattern(out)
+    if not wanted:
+        raise EncreError(f"{scene}: there is no frame from the first to the last; give -s a frame before -e")
+    return {frame: sequence.path(out, frame) for frame in wanted}
 
-    WIDTH = 30
 
-    def __init__(self, say, take=None):
-        self.take = take
-        self.say, self.doing, self.rendering, self.done = say, "", False, False
-        self.label, self.start, self.tty, self.told = "", 0.0, sys.stderr.isatty(), set()
-        self.part = 0, 1  # how many parts of the frame are done, and of how many
+class _Sequence:
+    """The frames of one call, one Blender after the other where one breaks down."""
 
-    def report(self, event):
-        kind = event["event"]
-        if kind == "doing":
-            self.doing = event["text"]
-        elif kind == "frame":
-            self.doing, self.rendering = f"rendering frame {event['frame']}", True
-            self.label, self.start = f"frame {event['frame']} ({event['number']}/{event['count']})", time.monotonic()
-            self.part = 0, 1
-            self.sample(0, 1)
-        elif kind == "written":
-            for part, path in event["files"]:
-                # Blender does not notice a full disk: it says that it saved.
-                if not images.whole(part):
-                    raise RenderError(images.unwritable(path, "the disk may be full"))
+    def __init__(self, command, job, out, frames, place, progress):
+        self.command, self.job, self.out, self.frames = command, job, out, frames
+        self.place, self.progress, self.child = place, progress, None
+        self.todo, self.said, self.suffixes, self.started = {}, {}, [""], False
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._end()
+
+    def plan(self, ready):
+        """What is to be done, of what the child says about the scene."""
+        self.todo = _todo(self.job["scene"], self.out, self.frames, ready)
+        self.suffixes = ready["suffixes"]
+        try:
+            content = sequence.content(self.job["scene"])
+        except OSError as error:
+            raise EncreError(f"{self.job['scene']}: can't be read ({error.strerror}); check the path") from None
+        self.said = {"version": _VERSION, "scene": content, "values": self.job["values"], "encre": images.version(),
+                     "blender": ready["blender"], **{name: self.job[name] for name in _PICTURE}}
+
+    def mark(self, frame):
+        return sequence.mark(frame=frame, **self.said)
+
+    def finished(self, frame, quick):
+        """Whether the files of a frame are there, whole, and made from the same."""
+        stem, ending = os.path.splitext(self.todo[frame])
+        paths = [stem + suffix + ending for suffix in self.suffixes]
+        return all(images.text(path, metadata.MARK) == self.mark(frame) and images.whole(path, last_row=quick)
+                   for path in paths)
+
+    def show(self, resume, quick):
+        for frame, path in self.todo.items():
+            state = "finished" if resume and self.finished(frame, quick) else "to render"
+            self.progress.tell("plan", frame=frame, file=path, state=state)
+            if not self.progress.as_json:
+                print(f"frame {frame}: {path} ({state})")
+
+    def run(self, resume, quick, timeout, keep_going):
+        self._start()
+        for path in self.todo.values():
+            images.check_place(path)
+        order = {frame: number for number, frame in enumerate(self.todo, 1)}
+        left, held, failed, finished = list(self.todo), {}, [], 0
+        for last in range(4):
+            for frame in left:
+                path = self.todo[frame]
+                name = os.path.basename(path)
+                if holder := self.place.claim(name):
+                    held[frame] = holder
+                    continue
+                held.pop(frame, None)
                 try:
-                    os.replace(part, path)
-                except OSError as error:
-                    raise RenderError(images.unwritable(path, error.strerror)) from None
-                self.clear()
-                took = time.monotonic() - self.start
-                print(f"{self.label}: {path} ({took:.1f} s)", file=sys.stderr, flush=True)
-        elif kind == "pictures":
-            self.clear()
-            self.take(event)
-        elif kind == "error":
-            self.clear()
-            raise (RenderError if self.rendering else EncreError)(event["text"])
-        elif kind == "done":
-            self.done = True
-        else:
-            self.clear()
-            self.say(kind, event["text"])
+                    # Only now: whoever had claimed it may have finished it.
+                    if (resume or last) and self.finished(frame, quick):
+                        finished += 1
+                        continue
+                    self.progress.begin(frame, order[frame], len(order))
+                    self._frame(frame, timeout)
+                except RenderError as error:
+                    if not keep_going:
+                        raise
+                    failed.append(frame)
+                    self.progress.say("warning", str(error))
+                finally:
+                    self.place.release(name)
+            left = list(held)
+            if not left or last == 3:
+                break
+            time.sleep(random.uniform(0.05, 0.3))  # two that claimed it at once both let go of it
+        if finished:
+            self.progress.say("note", f"{finished} of {len(order)} frames are finished and left alone")
+        for frame, holder in held.items():
+            self.progress.say("note", f"frame {frame} is left to {holder}, which is rendering it; if that runs no "
+                              "more, remove its folder .encre-... beside the output")
+        if failed:
+            raise RenderError(f"{len(failed)} of {len(order)} frames failed: {', '.join(map(str, failed))}; "
+                              "see the warnings above and run again with --resume")
 
-    def engine(self, kind, text):
-        """A sentence of the engine's: once, though every frame says it."""
-        if self.rendering and text not in self.told:
-            self.told.add(text)
-            self.clear()
-            self.say({"Info": "note", "Warning": "warning"}[kind], text)
+    def _start(self):
+        self.child = _Blender(self.command, self.job, self.progress).__enter__()
+        self.child.error = RenderError if self.todo else EncreError
+        ready = self.child.expect("ready")
+        if not self.todo:
+            self.plan(ready)
 
-    def sample(self, number, count):
-        if self.tty and self.label:
-            done, parts = self.part
-            count, number = parts * max(count, 1), done * max(count, 1) + number
-            filled = self.WIDTH * number // count
-            bar = "#" * filled + "." * (self.WIDTH - filled)
-            print(f"\r{self.label} [{bar}] {100 * number // count:3d} %", end="", file=sys.stderr, flush=True)
+    def _end(self):
+        if self.child:
+            self.child.__exit__()
+            self.child = None
 
-    def clear(self):
-        if self.tty:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+    def _frame(self, frame, timeout):
+        if not self.child:
+            self._start()
+        self.child.begin(frame)
+        self.child.send(frame=frame, stamp={metadata.MARK: self.mark(frame)})
+        try:
+            event = self.child.expect("written", "failed", deadline=timeout and time.monotonic() + timeout)
+        except TimeoutError:
+            self._end()
+            raise RenderError(f"frame {frame}: was not done after {timeout:g} s and is given up; give a longer "
+                              "--frame-timeout") from None
+        except RenderError:
+            self._end()
+            raise
+        if event["event"] == "failed":
+            raise RenderError(event["text"])
+        self.progress.written(self._take(frame, event["names"]))
+
+    def _slim(self, name):
+        """The name of the part without what restyling needs not, where the scene wants it so."""
+        part = os.path.join(self.place.path, name)
+        if not name.lower().endswith(".exr"):
+            return name
+        with images.Exr(part) as exr:
+            scene, kinds = metadata.read(exr.metadata).scene, composite.slim(exr.channels, exr.views)
+        if scene is None or scene["save_layers"] != "SLIM":
+            return name
+        images.rewrite(part, os.path.join(self.place.path, f"slim-{name}"), kinds)
+        os.remove(part)
+        return f"slim-{name}"
+
+    def _take(self, frame, names):
+        stem, ending = os.path.splitext(self.todo[frame])
+        taken = []
+        for name in names:
+            match = re.fullmatch(rf"{frame}(_[^/\\\0]*)?{re.escape(ending)}", name, re.IGNORECASE | re.DOTALL)
+            path = f"{stem}{(match and match[1]) or ''}{ending}"
+            part = os.path.join(self.place.path, name)
+            # Blender does not notice a full disk: it says that it saved.
+            if match and not images.whole(part):
+                raise RenderError(images.unwritable(path, "the disk may be full"))
+            try:
+                if not match:
+                    raise ValueError
+                name = self._slim(name)
+                images.stamp_png(os.path.join(self.place.path, name), {metadata.MARK: self.mark(frame)})
+                self.place.take(name, path)
+            except OSError as error:
+                raise RenderError(images.unwritable(path, error.strerror)) from None
+            except ValueError:
+                raise RenderError(f"frame {frame}: Blender says that it wrote {name!r}, which is no picture of this "
+                                  "frame") from None
+            taken.append(path)
+        return taken

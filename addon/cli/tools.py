@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..pen.errors import EncreError
 
-FOLDER = Path(__file__).parents[2] / "tools"
+FOLDER = Path(__file__).resolve().parents[2] / "tools"  # also where the package is a link
 
 
 def load(tool, module):

@@ -17,3 +17,12 @@ def unknown(kind, name, names):
     near = difflib.get_close_matches(str(name), list(names), 3, 0.5)
     cure = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(names)}"
     return f"{name}: unknown {kind}; {cure}"
+
+
+def shown(text):
+    """`text` as it may be printed: names and metadata come from strangers, and a terminal obeys control characters.
+
+    Marks that turn the direction of writing are shown as well.
+    """
+    return "".join(char if char.isprintable() else char.encode("unicode_escape", "surrogatepass").decode()
+                   for char in text)

@@ -410,10 +410,10 @@ def complete(scene, styles=()) -> list[dict]:
 
 
 def parse(id_, text):
-    """A checked value from the command line's text. EncreError: unknown id, or it can't be read."""
+    """A value from the command line's text, good by itself. EncreError: unknown id, or it can't be read."""
     if id_ not in params():
         raise EncreError(unknown("parameter", id_, params()))
-    return check({id_: read(params()[id_], text)})[id_]
+    return normal(params()[id_], read(params()[id_], text))
 
 
 def check(values):

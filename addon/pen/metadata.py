@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The settings of a picture in its file's metadata, as JSON, so that it can be drawn again without Blender."""
 
+import base64
 import json
-from dataclasses import dataclass, field
+import zlib
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
@@ -11,8 +13,21 @@ from .errors import EncreError
 from .job import Camera, Frame
 
 PARAMS, FRAME, CAMERA, BORDER = "encre.params", "encre.frame", "encre.camera", "encre.border"
+VIEW, PAPER, LOST = "encre.view", "encre.paper", "encre.lost"
+_MOST_PAPER = 1 << 26  # values of a paper image in a file
+MARK = "encre.mark"  # from what a frame of a sequence was made: sequence.py
 VERSION = 1
 _BORDER = ("x", "y", "width", "height")
+
+
+@dataclass
+class View:
+    """How the scene is shown: the name of Blender's view transform, exposure in stops, display gamma, look or ""."""
+
+    transform: str = "Standard"
+    exposure: float = 0.0
+    gamma: float = 1.0
+    look: str = ""
 
 
 @dataclass
@@ -27,10 +42,14 @@ class Stored:
     camera: Camera | None = None
     frame: Frame | None = None
     border: tuple | None = None
+    view: View | None = None
+    paper: tuple | None = None  # (name, pixels) of a paper image that is no file
+    lost: list = field(default_factory=list)  # what is in Combined and can't be drawn again
     warnings: list = field(default_factory=list)
+    unknown: dict = field(default_factory=dict)
 
 
-def write(scene, styles, camera, frame, border=None):
+def write(scene, styles, camera, frame, border=None, view=None, paper=None, lost=()):
     """{key: JSON text} to store in a file, of what Stored says; `styles` in the order of their numbers."""
     said = {
         PARAMS: {"version": VERSION, "scene": scene,
@@ -39,6 +58,12 @@ def write(scene, styles, camera, frame, border=None):
         CAMERA: {"orthographic": bool(camera.orthographic), "height": float(camera.height),
                  "view": [float(v) for v in np.ravel(camera.view)]},
     }
+    if view:
+        said[VIEW] = asdict(view)
+    if paper:
+        said[PAPER] = _packed(*paper)
+    if lost:
+        said[LOST] = list(lost)
     if border:
         said[BORDER] = dict(zip(_BORDER, border, strict=True))
     return {key: json.dumps(value, allow_nan=False) for key, value in said.items()}
@@ -52,14 +77,14 @@ def read(texts):
     """
     stored = Stored()
     for key, understand in ((PARAMS, _read_params), (FRAME, _read_frame), (CAMERA, _read_camera),
-                            (BORDER, _read_border)):
+                            (BORDER, _read_border), (VIEW, _read_view), (PAPER, _read_paper), (LOST, _read_lost)):
         if key not in texts:
             continue
         try:
             understand(json.loads(texts[key]), stored)
         except EncreError as error:
             raise EncreError(f"the metadata {key} can't be used: {error}") from None
-        except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):
+        except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError, zlib.error):
             raise EncreError(f"the metadata {key} can't be read: render the picture again, or remove them "
                                   "from the file") from None
     return stored
@@ -68,8 +93,7 @@ def read(texts):
 def _known(values, stored):
     if not isinstance(values, dict):
         raise TypeError
-    for name in values.keys() - library.params().keys():
-        stored.warnings.append(f"the metadata {PARAMS} hold the unknown parameter {name}: it is ignored")
+    stored.unknown.update(dict.fromkeys(name for name in values if name not in library.params()))
     return library.check({name: value for name, value in values.items() if name in library.params()})
 
 
@@ -79,6 +103,10 @@ def _read_params(said, stored):
     stored.scene = _known(said.get("scene", {}), stored)
     stored.styles = [(str(style["name"]), _known(style.get("values", {}), stored))
                        for style in said.get("styles", [])]
+    if count := len(stored.unknown):
+        some = ", ".join(name[:40] for name in list(stored.unknown)[:5]) + (", ..." if count > 5 else "")
+        stored.warnings.append(f"the metadata {PARAMS} hold {count} unknown parameter{'s' * (count > 1)}, which "
+                                 f"{'are' if count > 1 else 'is'} ignored: {some}")
 
 
 def _read_frame(said, stored):
@@ -101,3 +129,34 @@ def _read_border(said, stored):
     if any(type(number) is not int for number in border) or min(border) < 0 or min(border[2:]) < 1:
         raise ValueError
     stored.border = border
+
+
+def _read_view(said, stored):
+    exposure, gamma = float(said["exposure"]), float(said["gamma"])
+    if not (abs(exposure) <= 64 and 0.01 <= gamma <= 100):
+        raise ValueError
+    stored.view = View(str(said["transform"]), exposure, gamma, str(said["look"]))
+
+
+def _packed(name, pixels):
+    """An image (H, W, channels) of floats as JSON takes it; those of 8 bits take no more room than that."""
+    bytes_ = np.round(pixels * np.float32(255)).astype(np.uint8) if (abs(pixels - 0.5) <= 0.5).all() else None
+    exact = bytes_ is not None and np.array_equal(bytes_.astype(np.float32) / np.float32(255), pixels)
+    data = (bytes_ if exact else np.ascontiguousarray(pixels, "<f4")).tobytes()
+    return {"name": name, "shape": pixels.shape, "bits": 8 if exact else 32,
+            "data": base64.b64encode(zlib.compress(data)).decode()}
+
+
+def _read_paper(said, stored):
+    shape, bits = tuple(said["shape"]), said["bits"]
+    if len(shape) != 3 or any(type(n) is not int or n < 1 for n in shape) or bits not in (8, 32) \
+            or shape[2] > 4 or np.prod(shape, dtype=float) > _MOST_PAPER:
+        raise ValueError
+    size = shape[0] * shape[1] * shape[2] * bits // 8
+    data = zlib.decompressobj().decompress(base64.b64decode(said["data"]), size)
+    pixels = np.frombuffer(data, np.uint8 if bits == 8 else "<f4").reshape(shape)
+    stored.paper = str(said["name"]), pixels / np.float32(255) if bits == 8 else pixels.astype(np.float32)
+
+
+def _read_lost(said, stored):
+    stored.lost = [str(what) for what in said][:16]

@@ -3,11 +3,13 @@
 
 import math
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from .colour import decode_srgb
 from .errors import EncreError, unknown
 
 MAX_LEVELS = 16
@@ -187,21 +189,30 @@ def normal(p, value):
     return os.fspath(value) if value else None
 
 
+_WORDS = {"on": True, "yes": True, "true": True, "1": True, "off": False, "no": False, "false": False, "0": False}
+
+
 def read(p, text):
-    """A value from the command line's text: on/off, a number, an item, r,g,b, a path, or levels "a; b; c"."""
+    """A value from the command line's text: on/off, a number, an item, r,g,b, a path, or levels "a; b; c".
+
+    A colour may also be #rrggbb, which is encoded as on screens.
+    """
     text = text.strip()
     try:
         if p.type == "bool":
-            return {"on": True, "off": False}[text.lower()]
+            return _WORDS[text.lower()]
         if p.type in ("int", "float"):
             return float(text)
         if p.type == "enum":
             return text.upper()
+        if p.type == "color" and re.fullmatch("#[0-9A-Fa-f]{6}", text):
+            return [float(x) for x in decode_srgb(np.array(list(bytes.fromhex(text[1:]))) / 255)]
         if p.type == "color":
             return [float(x) for x in text.split(",")]
         if p.type == "levels":
             return [[float(x) for x in level.split(",")] for level in text.split(";")]
-        return text
+        return None if text.lower() == "none" else text
     except (ValueError, KeyError):
-        form = {"bool": "on or off", "color": "r,g,b", "levels": '"0.5; 0.7,0.5,0.025; ..."'}.get(p.type, "a number")
+        form = {"bool": "on or off", "color": "r,g,b or #rrggbb", "levels": '"0.5; 0.7,0.5,0.025; ..."'}.get(
+            p.type, "a number")
         raise EncreError(f"{p.id}: {text!r} can't be read; give {form}") from None

@@ -12,6 +12,7 @@ from .job import Frame, Mesh
 
 MARGIN = 8  # texels about an island that get its form: lines reach over its border
 _EDGE = 1e-4  # of the texture: what lies nearer to its border than that lies on it
+_LONGEST = 1e18  # of a mesh: squares of its lengths are numbers of 32 bits
 _FARTHEST = 1e6  # repetitions of the texture from its origin that a UV map may lie
 _MOST_TILES = 64  # repetitions of the texture that one triangle draws, each way
 
@@ -41,7 +42,8 @@ def read_obj(path):
             for line in file:
                 kind, *words = line.split() or [""]
                 if kind == "v":
-                    points.append([float(x) for x in words[:3]])
+                    x, y, z = words[:3]
+                    points.append([float(x), float(y), float(z)])
                 elif kind == "vt":
                     coordinates.append([float(x) for x in (*words, 0)[:2]])
                 elif kind == "f":
@@ -58,7 +60,7 @@ def read_obj(path):
     if not corners:
         raise EncreError(f"{path}: holds no faces; export a mesh with faces and a UV map")
     mesh = Unwrapped(np.array(points), np.array(corners), np.array(uv))
-    if not (np.isfinite(mesh.uv).all() and (np.abs(mesh.points) < 1e38).all()):  # Blender's own have 32 bits
+    if not (np.isfinite(mesh.uv).all() and (np.abs(mesh.points) < _LONGEST).all()):  # Blender's own have 32 bits
         raise EncreError(f"{path}: holds numbers that are not finite or too large; export it again")
     return mesh
 

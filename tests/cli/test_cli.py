@@ -3,6 +3,7 @@
 
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -16,8 +17,8 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre.cli import composite, main
-from encre.pen import layers, library, metadata, presets, saved
+from encre.cli import composite, images, main, workplace
+from encre.pen import denoise, layers, library, metadata, presets, saved
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
 from encre.pen.settings import Settings, switches
@@ -150,7 +151,7 @@ def test_composite_reads_what_every_blender_writes(run, tmp_path, scene, layout,
     sets = [f"--set={id_}={'off' if value is False else value}" for id_, value in settings.items()]
     status, out, err = run("composite", path, "-o", tmp_path / "out.exr", *sets)
     assert status == 0 and out.startswith(f"{tmp_path / 'out.exr'} (")
-    assert err.startswith("encre: note: ") and err.count("\n") == (1 if settings else 2)  # what FINE lacks is the other
+    assert err.startswith("encre: note: ") and err.count("\n") == (2 if settings else 3)  # noise, and what FINE lacks
     prefix = "" if layout == "bare" else "ViewLayer."
     for name, picture in expected(pictures, settings, outputs=("Combined", *layers.DRAWN)).items():
         assert np.array_equal(exr.picture(tmp_path / "out.exr", prefix + name), picture), name
@@ -237,6 +238,28 @@ def test_composite_png(run, tmp_path, scene):
     x = np.clip(combined[..., :3] / np.where(alpha > 0, alpha, 1), 0, 1)
     encoded = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
     assert np.abs(pixels - 255 * np.concatenate([encoded, alpha], -1)).max() <= 0.501
+
+
+def test_a_png_is_shown_as_the_scene_is(run, tmp_path, scene):
+    """Where Standard shows it; else that is said."""
+    def drawn_as(view):
+        stored = metadata.write({}, [], Camera(), Frame(*SIZE), view=view)
+        path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)}, metadata=stored)
+        status, _, err = run("composite", path, "-o", tmp_path / "out.png")
+        assert status == 0
+        return oiio.ImageInput.open(str(tmp_path / "out.png")).read_image("uint8")[..., :3].astype(float), err
+
+    plain, err = drawn_as(None)
+    assert "the PNG is Standard, without exposure" in err
+    same, err = drawn_as(metadata.View())
+    assert np.array_equal(same, plain) and err == ""
+    shown_, err = drawn_as(metadata.View("Standard", -1.0, 1.5))
+    light = np.where(plain <= 10.31475, plain / 255 / 12.92, ((plain / 255 + 0.055) / 1.055) ** 2.4) / 2
+    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055) ** (1 / 1.5)
+    inside = (plain > 20) & (plain < 255)
+    assert err == "" and np.abs(shown_ - 255 * encoded)[inside].max() <= 1.5
+    other, err = drawn_as(metadata.View("AgX", 0.0, 1.0, "AgX - Punchy"))
+    assert np.array_equal(other, plain) and "AgX and look AgX - Punchy" in err and err.count("\n") == 1
 
 
 def test_composite_keeps_the_data_window(run, tmp_path, scene):
@@ -354,15 +377,124 @@ def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, sce
 # Bad input
 
 
-def test_composite_names_missing_passes(run, tmp_path, scene, data):
-    for name in ("Combined", "Depth", "Normal", "DiffDir", "DiffCol"):
+def test_composite_needs_only_combined(run, tmp_path, scene, data):
+    """Each other pass that is missing is named, with what that switches off; a frame of depth and colour gets lines."""
+    path = exr.write(tmp_path / "in.exr", {"Depth": scene["depth"]})
+    fails(run("composite", path, "-o", tmp_path / "x.exr"), "Combined", "in.exr")
+    for name, words in (("Depth", "no depth"), ("Normal", "no normals"), ("DiffDir", "no diffuse light"),
+                        ("DiffCol", "no diffuse colour")):
         pictures = exr.passes(scene)
         del pictures[name]
         path = exr.write(tmp_path / "in.exr", pictures)
-        fails(run("composite", path, "-o", tmp_path / "x.exr"), name, "IndexOB", "in.exr")
-    beachball = data / "beachball.0001.exr"  # a data window, and only colour and depth
-    fails(run("composite", beachball, "-o", tmp_path / "x.exr"), "DiffDir", "Combined, Depth")
-    assert not (tmp_path / "x.exr").exists()
+        status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
+        assert status == 0 and words in err, err
+    status, _, err = run("composite", data / "beachball.0001.exr", "-o", tmp_path / "ball.exr")
+    assert status == 0 and "no normals" in err and "no diffuse" in err, err
+    lines = [picture for name, picture in exr.read(tmp_path / "ball.exr").items() if name.endswith("Encre Lines.A")]
+    assert 0.002 < (lines[0] > 0.5).mean() < 0.3
+
+
+def test_check_lists_all_that_is_missing(run, tmp_path, scene):
+    pictures = exr.passes(scene)
+    for name in ("Depth", "Normal", "IndexOB"):
+        del pictures[name]
+    path = exr.write(tmp_path / "in.exr", pictures)
+    status, out, err = run("composite", path, "--check")
+    assert status == 0 and err == "" and out.startswith(f"{path}: view layer ViewLayer\n")
+    for words in ("Depth: missing; check Data > Z; off without it: lines between depths", "check Data > Normal",
+                  "Object Index, or Cryptomatte > Object", "Combined: there", "IndexMA: there", "Save Layers"):
+        assert words in out, out
+    assert run("composite", path, "--check", "--layer", "depth=Combined.R")[0] == 2  # is no name of a layer
+    assert "Depth: there" in run("composite", path, "--check", "--layer", "depth=ViewLayer.Combined.R")[1]
+    path = exr.write(tmp_path / "in.exr", {"Depth": scene["depth"]})
+    status, out, err = run("composite", path, "--check")
+    assert status == 2 and "Combined: missing" in out and "Combined is missing" in err
+
+
+def test_layers_by_another_renderers_names(run, tmp_path, scene, monkeypatch):
+    pictures = exr.passes(scene)
+    names = {"Combined": "beauty", "Depth": "zed", "Normal": "N", "DiffCol": "albedo", "DiffDir": "lit",
+             "IndexOB": "id"}
+    for name, other in names.items():
+        monkeypatch.setitem(exr.LETTERS, other, exr.LETTERS[name])
+    path = exr.write(tmp_path / "in.exr", {other: pictures[name] for name, other in names.items()}, "bare")
+    words = {"combined": "beauty", "depth": "zed.Z", "normal": "N", "color": "albedo", "light": "lit", "object": "id"}
+    given_ = [f"--layer={word}={name}" for word, name in words.items()]
+    assert run("composite", path, "-o", tmp_path / "out.exr", *given_)[0] == 0
+    want = expected({name: pictures[name] for name in names})["Combined"]
+    assert np.array_equal(exr.picture(tmp_path / "out.exr", "beauty"), want)
+    fails(run("composite", path, "-o", tmp_path / "x.exr", "--layer", "combined=baeuty"), "baeuty", "beauty")
+    fails(run("composite", path, "-o", tmp_path / "x.exr", "--layer", "gloss=N"), "gloss", "combined")
+
+
+def test_cryptomatte_is_the_object_index(run, tmp_path, scene, monkeypatch):
+    pictures = exr.passes(scene)
+    rng = np.random.default_rng(0)
+    hashes = rng.integers(1 << 23, 1 << 30, 100, dtype=np.uint32).view(np.float32)
+    hashes[0] = 0
+    matte = np.zeros((SIZE[1], SIZE[0], 4), np.float32)
+    matte[..., 0] = hashes[np.squeeze(pictures["IndexOB"]).astype(int)]
+    matte[..., 1:] = rng.random(matte[..., 1:].shape)
+    monkeypatch.setitem(exr.LETTERS, "CryptoObject00", "rgba")
+    want = expected(pictures)["Combined"]
+    del pictures["IndexOB"]
+    path = exr.write(tmp_path / "in.exr", {**pictures, "CryptoObject00": matte})
+    status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
+    assert status == 0 and "edge_object" not in err, err
+    assert np.array_equal(exr.picture(tmp_path / "out.exr"), want), "only which objects differ counts, not how"
+
+
+def test_noisy_light_is_denoised_where_that_is_installed(run, tmp_path, scene, monkeypatch):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    monkeypatch.setattr(denoise, "available", lambda home=None: False)
+    assert "noise stays" in run("composite", path, "-o", tmp_path / "a.exr")[2]
+    monkeypatch.setattr(denoise, "available", lambda home=None: True)
+    monkeypatch.setattr(denoise, "denoise", lambda light, *_: light * np.float32(0.5))
+    assert "noise stays" not in run("composite", path, "-o", tmp_path / "b.exr")[2]
+    assert not np.array_equal(exr.picture(tmp_path / "a.exr"), exr.picture(tmp_path / "b.exr"))
+
+
+def test_other_view_layers_are_named(run, tmp_path, scene):
+    pictures = {f"{layer}.{name}": picture for layer in ("One", "Two") for name, picture in exr.passes(scene).items()}
+    letters = {full: exr.LETTERS[full.partition(".")[2]] for full in pictures}
+    channels = {f"{full}.{letter}": np.atleast_3d(picture)[..., k] for full, picture in pictures.items()
+                for k, letter in enumerate(letters[full])}
+    images.write_exr(tmp_path / "in.exr", channels, images.Window(*SIZE, 0, 0, *SIZE))
+    assert "layer One is drawn, and not Two" in run("composite", tmp_path / "in.exr", "-o", tmp_path / "o.exr")[2]
+    err = run("composite", tmp_path / "in.exr", "-o", tmp_path / "o.exr", "--view-layer", "Two")[2]
+    assert "is drawn, and not" not in err
+
+
+@pytest.mark.parametrize("ending", ["exr", "png"])
+def test_sequences(run, tmp_path, scene, ending):
+    for frame in (1, 2, 3, 7):
+        exr.write(tmp_path / f"in.{frame:04}.exr", {**exr.passes(scene), "Combined": scene["combined"] / frame})
+    pattern, out = tmp_path / "in.####.exr", tmp_path / "out" / f"o.####.{ending}"
+    status, said, err = run("composite", pattern, "-o", out, "-f", "1-3x2,7")
+    assert status == 0 and said.count("\n") == 3 and err.count("encre: note") <= 4
+    assert sorted(os.listdir(tmp_path / "out")) == [f"o.{k:04}.{ending}" for k in (1, 3, 7)]
+    first = tmp_path / "out" / f"o.0001.{ending}"
+    before = first.stat().st_mtime_ns
+    status, said, err = run("composite", pattern, "-o", out, "--resume")
+    assert status == 0 and said.count("\n") == 1 and "3 of 4 frames are finished" in err
+    assert first.stat().st_mtime_ns == before
+    assert run("composite", pattern, "-o", out, "--resume", "-s", "2", "--set=line_thickness=9")[1].count("\n") == 3
+    fails(run("composite", pattern, "-o", out, "-f", "9"), "in.0009.exr", "No such file")
+    fails(run("composite", tmp_path / "in.0001.exr", "-o", out, "-f", "1"), "#")
+    fails(run("composite", tmp_path / "none.####.exr", "-o", out), "no such frame")
+
+
+def test_jobs(tmp_path, scene):
+    for frame in range(1, 6):
+        exr.write(tmp_path / f"in.{frame:04}.exr", exr.passes(scene))
+    command = ["composite", tmp_path / "in.####.exr", "-o", tmp_path / "o.####.png", "--jobs", "2"]
+    code, out, err = finish(encre(*command))
+    assert code == 0 and out.count("\n") == 5, err
+    assert [p.name for p in sorted(tmp_path.glob("*.png"))] == [f"o.{k:04}.png" for k in range(1, 6)]
+    (tmp_path / "in.0002.exr").write_bytes(b"")
+    code, _, err = finish(encre(*command))
+    assert code == 1 and "in.0002.exr" in err and err.splitlines()[-1].startswith("encre: error: not all frames")
+    assert not list(tmp_path.glob(".encre-*"))
 
 
 @pytest.mark.parametrize(("options", "words"), [
@@ -378,7 +510,7 @@ def test_composite_names_missing_passes(run, tmp_path, scene, data):
     (["--set", "paper_image=nowhere.png"], ["nowhere.png"]),
     (["--preset", "watermemory"], ["watermemory", "Water Memory"]),
     (["--preset", ""], ["unknown preset", "Water Memory"]),
-    (["--threads", "0"], ["--threads", "'0'"]),
+    (["--threads", "-1"], ["--threads", "'-1'"]),
     (["--threads", "1025"], ["threads", "1025", "1024"]),
     (["--frobnicate"], ["--frobnicate"]),
     (["-o", "out.jpg"], ["out.jpg", ".png"]),
@@ -449,6 +581,193 @@ def test_parts_of_different_sizes(run, tmp_path, scene):
     fails(run("composite", path, "-o", tmp_path / "x.exr"), "in.exr", "size")
 
 
+# Settings together
+
+
+@pytest.mark.parametrize("sets", [
+    ["edge_detector=DOG", "line_search=NEAREST"], ["line_search=NEAREST", "edge_detector=DOG"],
+    ["depth_near=200", "depth_far=300", "depth_space=LINEAR"],
+    ["depth_space=LINEAR", "depth_near=200", "depth_far=300"]])
+def test_settings_are_judged_together(run, tmp_path, scene, sets):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    assert run("composite", path, "-o", tmp_path / "out.exr", *[f"--set={said}" for said in sets])[0] == 0
+
+
+def test_settings_are_judged_over_the_files_own(run, tmp_path, scene):
+    values = {"depth_near": 200.0, "depth_far": 300.0, "depth_space": "LINEAR"}
+    stored = metadata.write(values, [], Camera(), Frame(*SIZE))
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene), metadata=stored)
+    assert run("composite", path, "-o", tmp_path / "out.exr", "--set=depth_near=250")[0] == 0
+    fails(run("composite", path, "-o", tmp_path / "out.exr", "--set=depth_near=350"), "depth_")
+
+
+@pytest.mark.parametrize(("said", "id_", "value"), [
+    ("no", "use_lines", False), ("YES", "use_lines", True), ("false", "use_lines", False), ("1", "use_lines", True),
+    ("none", "paper_image", None), ("#ff8000", "line_color", (1, 0.21586050, 0)), ("#000000", "line_color", (0, 0, 0)),
+])
+def test_words_for_values(said, id_, value):
+    assert library.parse(id_, said) == (value if id_ != "line_color" else pytest.approx(value))
+
+
+def test_threads_0_is_one_a_processor(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    assert run("composite", path, "-o", tmp_path / "out.exr", "--threads", "0")[0] == 0
+
+
+@pytest.mark.parametrize("command", ["render", "composite", "bake"])
+def test_help_shows_examples_and_exit_statuses(run, command):
+    out = run(command, "--help")[1]
+    assert f"examples:\n  encre {command} " in out and "exit status:\n  0 " in out
+
+
+# What strangers made
+
+
+def paper(path):
+    spec = oiio.ImageSpec(8, 8, 1, "uint8")
+    out = oiio.ImageOutput.create(str(path))
+    assert out.open(str(path), spec) and out.write_image(np.full((8, 8, 1), 200, np.uint8)) and out.close()
+    return path
+
+
+def test_a_paper_image_is_opened_where_it_is_used_and_lies_beside_the_file(run, tmp_path, scene):
+    far, near = paper(tmp_path / "far.png"), tmp_path / "in"
+    near.mkdir()
+    beside = paper(near / "paper.png")
+    (near / "link.png").symlink_to(far)
+
+    def said(image, *options, source="IMAGE"):
+        stored = metadata.write({"paper_source": source, "paper_image": str(image)}, [], Camera(), Frame(*SIZE))
+        path = exr.write(near / "in.exr", exr.passes(scene), metadata=stored)
+        return run("composite", path, "-o", tmp_path / "out.exr", *options)
+
+    assert said(beside)[0] == said("paper.png")[0] == 0
+    for image in far, near / "link.png", "../far.png":
+        fails(said(image), "paper image", "--allow-paths")
+    assert said(far, "--allow-paths")[0] == said(far, f"--set=paper_image={far}")[0] == 0
+    for idle in ["--set=use_lines=no", "--set=use_hatching=no"], ["--set=paper_source=PROCEDURAL"]:
+        assert said("/nowhere/paper.png", *idle)[0] == 0
+    assert said("/nowhere/paper.png", source="NONE")[0] == 0
+
+
+def test_foreign_words_are_shown_escaped(run, tmp_path, scene):
+    said = json.dumps({"version": 1, "scene": {"\x1b[2J\nencre: \u202eerror": 1}, "styles": []})
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene), metadata={metadata.PARAMS: said})
+    status, _, err = run("composite", path, "-o", tmp_path / "x.exr")
+    assert status == 0 and "\x1b" not in err and "\u202e" not in err and r"\x1b[2J\nencre: \u202eerror" in err
+    assert all(line.startswith("encre: ") for line in err.splitlines())
+
+
+def test_thousands_of_unknown_settings_are_one_warning(run, tmp_path, scene):
+    said = json.dumps({"version": 1, "scene": {f"word{k}": 1 for k in range(3000)}, "styles": []})
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene), metadata={metadata.PARAMS: said})
+    status, _, err = run("composite", path, "-o", tmp_path / "x.exr")
+    assert status == 0 and err.count("warning") == 1 and "3000" in err and len(err) < 2000
+
+
+def test_what_is_half_made_has_a_name_that_nobody_foresees(tmp_path, monkeypatch):
+    """And lies in a folder of its own, into which no link can have been put."""
+    seen = []
+    monkeypatch.setattr(images, "_store", lambda place, *_: seen.append(place.path))
+    monkeypatch.setattr(workplace.Workplace, "take", lambda *_: None)
+    for _ in range(2):
+        images.write_png(tmp_path / "a.png", np.zeros((2, 2, 4), np.float32), images.Window(2, 2, 0, 0, 2, 2))
+    assert len(set(seen)) == 2 and os.listdir(tmp_path) == []
+
+
+def test_a_link_gives_way_to_the_picture(run, tmp_path, scene):
+    path, other = exr.write(tmp_path / "in.exr", exr.passes(scene)), tmp_path / "other"
+    other.write_bytes(b"old")
+    (tmp_path / "out.png").symlink_to(other)
+    assert run("composite", path, "-o", tmp_path / "out.png")[0] == 0
+    assert other.read_bytes() == b"old" and not (tmp_path / "out.png").is_symlink()
+
+
+def test_folders_of_the_dead_are_swept(tmp_path):
+    code = ("import os, sys; from encre.cli.workplace import Workplace\n"
+            "place = Workplace(sys.argv[1]); place.claim('1.png'); print(place.path, flush=True); sys.stdin.read()")
+    child = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                             text=True)
+    theirs = Path(child.stdout.readline().strip())
+    foreign = tmp_path / re.sub(r"encre-[^-]*", "encre-elsewhere", theirs.name)
+    foreign.mkdir()
+    with workplace.Workplace(tmp_path) as place:
+        assert theirs.is_dir(), "its owner lives"
+        assert place.claim("1.png") and place.claim("2.png") is None
+    child.kill()
+    child.communicate()
+    # The same number, but another process's: of this one, which started at another time.
+    reborn = tmp_path / re.sub(r"-\d+-\d+-([0-9a-f]{16})$", f"-{os.getpid()}-1-\\1", theirs.name)
+    reborn.mkdir()
+    with workplace.Workplace(tmp_path) as place:
+        assert not theirs.exists() and not reborn.exists() and foreign.is_dir()
+        assert place.claim("1.png") is None
+    assert os.listdir(tmp_path) == [foreign.name]
+
+
+# Damaged files
+
+
+@pytest.mark.parametrize("letters", ["RGB", "RGBAQ", "ARGB"])
+@pytest.mark.parametrize("saved", [False, True])
+def test_combined_without_alpha_or_with_more(run, tmp_path, scene, letters, saved, monkeypatch):
+    pictures = {**exr.passes(scene), **(exr.saved(scene) if saved else {})}
+    picked = ["RGBAQ".index(letter) for letter in letters]
+    pictures["Combined"] = np.concatenate([scene["combined"], scene["depth"][..., None]], -1)[..., picked]
+    monkeypatch.setitem(exr.LETTERS, "Combined", letters)
+    path = exr.write(tmp_path / "in.exr", pictures)
+    monkeypatch.undo()
+    assert run("composite", path, "-o", tmp_path / "out.exr")[0] == 0
+    combined = scene["combined"].copy()
+    if "A" not in letters:
+        combined[..., 3] = 1
+    whole = exr.write(tmp_path / "whole.exr", {**pictures, "Combined": combined})
+    assert run("composite", whole, "-o", tmp_path / "whole_out.exr")[0] == 0
+    assert np.array_equal(exr.picture(tmp_path / "out.exr"), exr.picture(tmp_path / "whole_out.exr"))
+
+
+def damaged(data, number):
+    """A file of which bytes are flipped, or that ends early; most often in the header."""
+    rng = np.random.default_rng(number)
+    if number % 4 == 0:
+        return data[:rng.integers(0, len(data))]
+    made = bytearray(data)
+    for at in rng.integers(0, min(len(data), 4000) if number % 2 else len(data), rng.integers(1, 8)):
+        made[at] = rng.integers(0, 256)
+    return bytes(made)
+
+
+@pytest.mark.parametrize("count", [100, pytest.param(2000, marks=pytest.mark.long)])
+def test_damaged_files(tmp_path, count):
+    """No traceback, signal, hang, gigabytes or half file. One process for many files: what stays behind would show."""
+    stored = metadata.write({}, [("Ink", {})], Camera(), Frame(48, 32))
+    pictures = {**exr.passes(drawn.scene(48, 32)), **exr.saved(drawn.scene(48, 32))}
+    whole = [exr.write(tmp_path / f"{layout}.exr", pictures, layout, metadata=stored).read_bytes()
+             for layout in exr.LAYOUTS]
+    code = """
+import os, resource, sys
+from encre.cli import main
+resource.setrlimit(resource.RLIMIT_AS, (4 << 30,) * 2)
+for name in sys.stdin.read().split():
+    status = main.main(["composite", name, "-o", name + ".png", "--threads", "1"])
+    print("FILE", name, status, file=sys.stderr, flush=True)
+"""
+    names = []
+    for number in range(count):
+        (tmp_path / f"d{number}.exr").write_bytes(damaged(whole[number % len(whole)], number))
+        names.append(str(tmp_path / f"d{number}.exr"))
+    done = subprocess.run([sys.executable, "-c", code], input="\n".join(names), capture_output=True, text=True,
+                          timeout=count)
+    assert done.returncode == 0 and done.stderr.count("FILE") == count, done.stderr[-2000:]
+    assert "Traceback" not in done.stderr and "should not happen" not in done.stderr, [
+        line for line in done.stderr.splitlines() if "should not happen" in line][:5]
+    statuses = [line.split()[2] for line in done.stderr.splitlines() if line.startswith("FILE")]
+    assert set(statuses) <= {"0", "1", "2"} and statuses.count("2") > count / 4
+    for name, status in zip(names, statuses, strict=True):
+        assert os.path.exists(name + ".png") == (status == "0"), name
+    assert not list(tmp_path.glob(".encre-*"))
+
+
 # Processes
 
 
@@ -505,6 +824,16 @@ sys.exit(encre.__main__.main())
 """
     child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert (child.returncode, child.stderr) == (130, "encre: interrupted\n")
+
+
+def test_streams_that_are_closed_or_know_few_characters():
+    for shell in (">&-", "2>&-", ">&- 2>&-"):
+        child = subprocess.run(f'"{sys.executable}" -m encre params {shell}', shell=True, capture_output=True,
+                               text=True, timeout=60)
+        assert child.returncode == 0 and child.stderr == ""
+    child = encre("composite", "nö.exr", "-o", "é.png", env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    code, out, err = finish(child)
+    assert code == 2 and err.startswith("encre: error: n\\xf6.exr") and "Traceback" not in err
 
 
 def test_a_reader_that_leaves_early():

@@ -59,7 +59,8 @@ def run(capsys):
         except SystemExit as end:
             status = end.code
         out, err = capsys.readouterr()
-        assert out == ""
+        named = str(args[args.index("-o") + 1]) if "-o" in args else ""
+        assert (out.startswith(named) and out.count("\n") == 1) if status == 0 else out == ""
         return status, err
     return run
 
@@ -208,6 +209,8 @@ def test_uniform_on_a_blend(run, tmp_path, png):
     ("v nan 0 0\nvt 0 0\nf 1/1 1/1 1/1\n", "finite"),
     ("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n", "too large"),
     ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1e30 0\nvt 0 1\nf 1/1 2/2 3/3\n", "1000000 times"),
+    ("v 1\nvt 0 0\nf 1/1 1/1 1/1\n", "UV map"),
+    ("v 0 0 0\nv 1e37 0 0\nv 0 1e37 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n", "too large"),
     ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n", "no area"),
     ("v 0 0 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 1/2 1/3\n", "no area"),
 ])

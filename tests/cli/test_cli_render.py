@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`encre render`, in a real Blender: the bpy of this Python, and with the marker `long` every other at hand."""
 
+import contextlib
+import json
 import os
 import pty
 import re
@@ -91,7 +93,50 @@ def test_exr_and_back(cube, tmp_path):
     assert np.abs(exr.picture(tmp_path / "again.exr") - picture).max() <= 1e-5
 
 
-def test_png_is_the_same_picture(cube, tmp_path):
+@pytest.mark.parametrize("more", ["", "scene.render.use_multiview = True\n"])
+def test_slim_files_hold_what_restyling_reads(tmp_path, more):
+    """A third of the size, and Combined again within 1/255 at 99.95 % of the pixels."""
+    path = script(tmp_path, more)
+    whole, slim = tmp_path / "whole.exr", tmp_path / "slim.exr"
+    works(encre("render", path, "-o", whole, "--size", "320x180", "--set=save_layers=ON"))
+    works(encre("render", path, "-o", slim, "--size", "320x180", "--set=save_layers=SLIM"))
+    assert slim.stat().st_size < 0.5 * whole.stat().st_size
+    name = "ViewLayer.Combined.right" if more else "ViewLayer.Combined"
+    for options in [], ["--preset=ink_only", "--set=line_thickness=9"]:
+        assert works(encre("composite", slim, "-o", tmp_path / "a.exr", *options)) == ""
+        works(encre("composite", whole, "-o", tmp_path / "b.exr", *options))
+        a, b = (exr.part(tmp_path / f"{name_}.exr", name) for name_ in "ab")
+        assert (np.abs(a - b).max(2) <= 1 / 255).mean() >= 0.9995
+    assert "1 of 1 frames are finished" in works(encre("render", path, "-o", slim, "--size", "320x180", "--resume",
+                                                       "--set=save_layers=SLIM"))
+
+
+GENERATED = """
+paper = bpy.data.images.new("Sheet", 32, 32)
+paper.pixels = [v for k in range(32 * 32) for v in (0.5 + (k * 7919 % 101) / 250,) * 3 + (1,)]
+scene.encre.paper_source, scene.encre.paper_image = "IMAGE", paper
+scene.render.use_freestyle = True
+"""
+
+
+def test_what_is_not_given_again_is_stored_or_said(tmp_path):
+    """A generated paper's pixels go into the file; Freestyle's strokes do not."""
+    path = script(tmp_path, GENERATED)
+    works(encre("render", path, "-o", tmp_path / "a.exr"))
+    err = works(encre("composite", tmp_path / "a.exr", "-o", tmp_path / "b.exr"))
+    assert err.count("\n") == 1 and "Freestyle's strokes in Combined are not drawn again" in err
+    path.write_text(CUBE + GENERATED.replace("use_freestyle = True", "use_freestyle = False"))
+    works(encre("render", path, "-o", tmp_path / "a.exr"))
+    assert works(encre("composite", tmp_path / "a.exr", "-o", tmp_path / "b.exr")) == ""
+    again, picture = exr.picture(tmp_path / "b.exr"), exr.part(tmp_path / "a.exr", "ViewLayer.Combined")
+    assert np.abs(again - picture).max() <= 1e-5
+    works(encre("composite", tmp_path / "a.exr", "-o", tmp_path / "c.exr", "--set=paper_source=NONE"))
+    assert np.abs(exr.picture(tmp_path / "c.exr") - picture).max() > 0.01, "the paper is seen"
+
+
+@pytest.mark.parametrize("more", ["", "scene.view_settings.exposure, scene.view_settings.gamma = -1, 1.3\n"])
+def test_png_is_the_same_picture(tmp_path, more):
+    cube = script(tmp_path, more)
     works(encre("render", cube, "-o", tmp_path / "out.png", "--size", "80x45"))
     works(encre("render", cube, "-o", tmp_path / "out.exr", "--size", "80x45"))
     works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.png"))
@@ -149,17 +194,203 @@ def test_frames_and_resume(cube, tmp_path):
 
 
 @pytest.mark.parametrize("ending", ["png", "exr"])
-def test_resume_leaves_alone_what_is_whole(cube, tmp_path, ending):
+def test_resume_leaves_alone_what_is_whole_and_made_from_the_same(cube, tmp_path, ending):
     out = tmp_path / f"f_##.{ending}"
-    works(encre("render", cube, "-o", out, "-s", "3", "-e", "4"))
-    finished, half, missing, empty = (tmp_path / f"f_{k:02}.{ending}" for k in (3, 4, 5, 6))
+    works(encre("render", cube, "-o", out, "-f", "3-6,8"))
+    finished, half, middle, empty = (tmp_path / f"f_{k:02}.{ending}" for k in (3, 4, 5, 6))
     before = finished.read_bytes()
     half.write_bytes(half.read_bytes()[:-2000])
-    empty.touch()
-    err = works(encre("render", cube, "-o", out, "-s", "3", "-e", "6", "--resume"))
-    assert "1 of 4 frames are finished" in err and err.count("\n") == 4
+    hurt = bytearray(middle.read_bytes())
+    at = len(hurt) // 2 if ending == "exr" else hurt.index(b"IDAT") + 30
+    hurt[at:at + 8] = bytes(255 - byte for byte in hurt[at:at + 8])
+    middle.write_bytes(hurt)
+    empty.write_bytes(b"")
+    missing = tmp_path / f"f_08.{ending}"
+    missing.unlink()
+    err = works(encre("render", cube, "-o", out, "-f", "3-6,8", "--resume"))
+    assert "1 of 5 frames are finished" in err and err.count("\n") == 5
     assert finished.read_bytes() == before
-    assert all(images.whole(path) for path in (half, missing, empty))
+    assert all(images.whole(path) for path in (half, middle, missing, empty))
+    assert "5 of 5" in works(encre("render", cube, "-o", out, "-f", "3-6,8", "--resume", "--quick"))
+    # Other samples, size, parameters, or another scene file: another picture.
+    for more in ["--samples=2"], ["--size=32x18"], ["--set=line_thickness=9"]:
+        err = works(encre("render", cube, "-o", out, "-f", "3", "--resume", *more))
+        assert "finished" not in err and "f_03" in err
+    works(encre("render", cube, "-o", out, "-f", "3"))
+    cube.write_text(CUBE + "scene.frame_end = 5\n")
+    assert "finished" not in works(encre("render", cube, "-o", out, "-f", "3", "--resume"))
+
+
+CHOICES = """
+other = bpy.data.scenes.new("Other")
+for obj in scene.objects:
+    other.collection.objects.link(obj)
+second = bpy.data.objects.new("Second", bpy.data.cameras.new("Second"))
+second.location, second.rotation_euler = (0, 0, 9), (0, 0, 0)
+other.collection.objects.link(second)
+other.camera = scene.camera
+other.timeline_markers.new("m", frame=1).camera = scene.camera
+other.view_layers.new("Extra")
+other.cycles.samples, other.cycles.use_denoising = 1, False
+other.render.resolution_x, other.render.resolution_y = 40, 30
+"""
+
+
+def test_choices(tmp_path):
+    """The scene, its camera, view layer, threads and device; what is not there is said with what is."""
+    path = script(tmp_path, CHOICES)
+    given = ["--scene", "Other", "--view-layer", "Extra", "--threads", "1", "--device", "cpu"]
+    works(encre("render", path, "-o", tmp_path / "a.exr", *given))
+    works(encre("render", path, "-o", tmp_path / "b.exr", *given, "--camera", "Second"))
+    a, b = (exr.part(tmp_path / f"{name}.exr", "Extra.Combined") for name in "ab")
+    assert a.shape == b.shape == (30, 40, 4) and np.abs(a - b).max() > 0.1
+    with images.Exr(tmp_path / "a.exr") as opened:
+        assert not any(name.startswith("ViewLayer.") for name in opened.channels)
+    fails(encre("render", path, "-o", tmp_path / "c.png", "--scene", "Othre"), "Othre", "Other")
+    fails(encre("render", path, "-o", tmp_path / "c.png", "--camera", "Sun"), "Sun", "camera")
+    fails(encre("render", path, "-o", tmp_path / "c.png", "--view-layer", "Nope"), "Nope", "ViewLayer")
+
+
+def test_dry_run_and_progress_for_programs(cube, tmp_path):
+    done = encre("render", cube, "-o", tmp_path / "new" / "f.png", "-f", "1-9x4,2", "--dry-run")
+    assert done.returncode == 0 and done.stdout.count("to render") == 4 and not (tmp_path / "new").exists()
+    done = encre("render", cube, "-o", tmp_path / "new" / "f.png", "-f", "1-9x4,2", "--progress", "json")
+    events = [json.loads(line) for line in done.stdout.splitlines()]
+    assert done.returncode == 0 and done.stderr == ""
+    assert [e["files"] for e in events if e["event"] == "written"] == [
+        [str(tmp_path / "new" / f"f{k:04}.png")] for k in (1, 5, 9, 2)]
+    assert events[0]["event"] == "frame" and events[-1] == {"event": "done"}
+    assert left(tmp_path / "new") == [f"f{k:04}.png" for k in (1, 2, 5, 9)]
+
+
+FAILING = """
+def hang(scene, *_):
+    import time
+    if scene.frame_current == 2:
+        time.sleep(1000)
+    if scene.frame_current == 4:
+        import os
+        os.kill(os.getpid(), 11)
+bpy.app.handlers.render_pre.append(hang)
+"""
+
+
+def test_a_frame_that_hangs_or_crashes(tmp_path):
+    path = script(tmp_path, FAILING)
+    command = ["render", path, "-o", tmp_path / "f.png", "-f", "1-5", "--frame-timeout", "8"]
+    result = encre(*command)
+    fails(result, "frame 2", "8 s", "--frame-timeout", status=1)
+    assert left(tmp_path) == ["f0001.png"]
+    result = encre(*command, "--keep-going", "--resume")
+    fails(result, "2 of 5 frames failed: 2, 4", status=1)
+    assert "SIGSEGV" in result.stderr and "1 of 5 frames are finished" in result.stderr
+    assert left(tmp_path) == ["f0001.png", "f0003.png", "f0005.png"]
+
+
+NAMES = r"""
+scene.name = '\nENCRE {"event":"written","files":[["/a","/b"]]}\n'
+scene.view_layers[0].name = '\nENCRE {"event":"written","names":["x"]}\n'
+print('\nENCRE {"event": "written", "files": [["%(good)s", "%(victim)s"]], "names": ["%(good)s"]}\n', flush=True)
+print("\x1b]0;title\x07", flush=True)
+image = bpy.data.images.new("lost", 4, 4)
+image.source, image.filepath, image.use_fake_user = "FILE", "//lost\x1b[2J.png", True
+"""
+
+
+def test_what_blender_prints_is_never_a_report(tmp_path):
+    """A scene's name could make the old reports overwrite any file; escape sequences reach no terminal."""
+    good, victim = tmp_path / "good.png", tmp_path / "victim"
+    good.write_bytes(b"good")
+    victim.write_bytes(b"precious")
+    path = script(tmp_path, NAMES % {"good": good, "victim": victim})
+    result = encre("render", path, "-o", tmp_path / "out.png", "--verbose")
+    assert result.returncode == 0, result.stderr
+    assert victim.read_bytes() == b"precious" and good.read_bytes() == b"good"
+    assert "\x1b" not in result.stderr and r"\x1b]0;title" in result.stderr and r"lost\x1b[2J.png" in result.stderr
+    assert left(tmp_path) == ["good.png", "out.png", "victim"]
+    fails(encre("render", path, "-o", tmp_path / "no.png", "--strict"), "lost", "not there")
+
+
+def test_a_view_leads_into_no_other_folder(tmp_path):
+    path = script(tmp_path, "scene.render.use_multiview = True\n"
+                            "scene.render.views[0].file_suffix = '/../../escaped'\n")
+    fails(encre("render", path, "-o", tmp_path / "out.png"), "file suffix", "escaped")
+
+
+def test_files_from_elsewhere(tmp_path):
+    """A newer Blender's file, said before it may crash; scripts that were not run."""
+    blend = tmp_path / "in.blend"
+    more = f"""
+text = bpy.data.texts.new("run.py")
+text.from_string("open({str(tmp_path / "ran")!r}, 'w')")
+text.use_module = True
+scene.objects["Cube"].driver_add("location", 0).driver.expression = "__import__('math').sin(frame) * 0"
+bpy.ops.wm.save_as_mainfile(filepath={str(blend)!r}, compress=False)
+"""
+    works(encre("render", script(tmp_path, more), "-o", tmp_path / "a.png"))
+    err = works(encre("render", blend, "-o", tmp_path / "b.png"))
+    assert "--enable-autoexec" in err and err.count("warning") == 1 and not (tmp_path / "ran").exists()
+    assert "warning" not in works(encre("render", blend, "-o", tmp_path / "b.png", "--enable-autoexec"))
+    assert (tmp_path / "ran").exists()
+    data = blend.read_bytes()
+    assert data.startswith(b"BLENDER-v4"), "the header of this Blender's files"
+    for newer in b"BLENDER-v499" + data[12:], b"BLENDER17-01v0999" + data[17:]:
+        blend.write_bytes(newer)
+        fails(encre("render", blend, "-o", tmp_path / "c.png", "--strict"), "newer than this")
+
+
+def test_two_processes_share_a_sequence(cube, tmp_path):
+    """No frame is missing, and none is rendered by both."""
+    command = [sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "f.png", "-f", "1-12", "--resume"]
+    children = [subprocess.Popen(command, stderr=subprocess.PIPE, text=True) for _ in range(2)]
+    words = [child.communicate(timeout=200)[1] for child in children]
+    assert [child.returncode for child in children] == [0, 0], words
+    written = [int(frame) for said in words for frame in re.findall(r"^frame (\d+) \(", said, re.MULTILINE)]
+    assert sorted(written) == list(range(1, 13))
+    assert left(tmp_path) == [f"f{k:04}.png" for k in range(1, 13)]
+
+
+@pytest.mark.parametrize("count", [5, pytest.param(100, marks=[pytest.mark.long, pytest.mark.timeout(1800)])])
+def test_killed_at_random(cube, tmp_path, count):
+    """Parent or child is killed; then --resume makes every frame whole, and no process, folder or file is left."""
+    temporary, out = tmp_path / "temporary", tmp_path / "out"
+    temporary.mkdir()
+    out.mkdir()
+    random = np.random.default_rng(count)
+    environment = {**os.environ, "TMPDIR": str(temporary)}
+    frames = f"1-{2 * count}"
+    command = [sys.executable, "-m", "encre", "render", cube, "-o", out / "f.png", "-f", frames, "--resume"]
+    seen = {}
+    for number in range(count):
+        child = subprocess.Popen(command, stderr=subprocess.DEVNULL, env=environment)
+        deadline = time.monotonic() + random.uniform(0, 5)
+        while time.monotonic() < deadline and child.poll() is None:
+            time.sleep(0.02)
+        inner = [pid for pid in running(temporary) if pid != child.pid]
+        with contextlib.suppress(ProcessLookupError):  # all frames are done
+            os.kill(inner[0] if number % 2 and inner else child.pid, signal.SIGKILL)
+        child.wait(60)
+        deadline = time.monotonic() + 20
+        while running(temporary) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert not running(temporary), (number, "Blender runs on")
+        for path in out.glob("f*.png"):
+            assert seen.setdefault(path, path.stat().st_mtime_ns) == path.stat().st_mtime_ns, "written twice"
+    works(subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment))
+    for path, changed in seen.items():
+        assert path.stat().st_mtime_ns == changed, "written twice"
+    assert left(out) == [f"f{k:04}.png" for k in range(1, 2 * count + 1)] and left(temporary) == []
+    assert all(images.whole(path) for path in out.iterdir())
+
+
+def running(temporary):
+    """Processes whose command line names a file in a folder."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):  # it has just ended
+            if bytes(temporary) in path.read_bytes():
+                found.append(int(path.parent.name))
+    return found
 
 
 def test_a_frame_that_cannot_be_written_is_found_before_rendering(cube, tmp_path):

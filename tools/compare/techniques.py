@@ -23,13 +23,13 @@ NEARER = 0.02  # share of its distance by which a stroke is drawn in front of it
 
 
 def render(job, scene, todo, report):
-    """Renders every (frame, path) of `todo` by the job's techniques and reports each frame's pictures."""
+    """Renders every frame of `todo` by the job's techniques and reports each one's pictures."""
     kinds = {"plain": plain, "baked": BakedSet(job["uniform"], job["mips"], report), "dynamic": dynamic,
              "freestyle": freestyle, "line_art": line_art}
     check(scene)
-    report("frame", frame=todo[0][0], number=0, count=len(todo))
+    report("frame", frame=todo[0], number=0, count=len(todo))
     warm_up(scene, os.path.join(job["folder"], "first.png"))
-    for number, (frame, path) in enumerate(todo, 1):
+    for number, frame in enumerate(todo, 1):
         report("frame", frame=frame, number=number, count=len(todo))
         scene.frame_set(frame)
         pictures = {}
@@ -45,8 +45,8 @@ def render(job, scene, todo, report):
                 report("note", text=str(reason))
                 continue
             extra = ready - start if name in ("freestyle", "line_art") else 0
-            pictures[name] = {"path": part, "seconds": time.perf_counter() - ready + extra}
-        report("pictures", frame=frame, path=path, pictures=pictures, baking=kinds["baked"].seconds,
+            pictures[name] = {"name": os.path.basename(part), "seconds": time.perf_counter() - ready + extra}
+        report("pictures", frame=frame, pictures=pictures, baking=kinds["baked"].seconds,
                values=properties.scene_values(scene), samples=scene.cycles.samples, blender=bpy.app.version_string)
 
 

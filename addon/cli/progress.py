@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `encre` says while it works: a bar on a terminal, a line a frame elsewhere, or JSON for programs."""
+
+import json
+import re
+import sys
+import time
+
+from ..pen.errors import shown
+
+_SAMPLE = re.compile(r"Sample (\d+)/(\d+)")
+_PART = re.compile(r"part (\d+) of (\d+)$")  # of a supersampled frame, as subframes.py says it
+_REPORT = re.compile(r"(Info|Warning): (.+)")  # how Blender prints what the engine reports
+WIDTH = 30
+
+
+class Progress:
+    """say(kind, sentence) hears notes and warnings; `as_json`: one object a line goes to the standard output, none to
+    the standard error; verbose: pass on all that Blender prints."""
+
+    def __init__(self, say, as_json=False, verbose=False):
+        self._say, self.as_json, self.verbose = say, as_json, verbose
+        self.label, self.start, self.told, self.frame = "", 0.0, set(), None
+        self.tty = not as_json and sys.stderr is not None and sys.stderr.isatty()
+        self.part = 0, 1  # how many parts of the frame are done, and of how many
+
+    def tell(self, event, **more):
+        if self.as_json:
+            print(json.dumps({"event": event, **more}), flush=True)
+
+    def say(self, kind, sentence):
+        self.clear()
+        self._say(kind, sentence)
+        self.tell(kind, text=sentence)
+
+    def begin(self, frame, number, count):
+        self.frame, self.label = frame, f"frame {frame} ({number}/{count})"
+        self.start, self.part = time.monotonic(), (0, 1)
+        self.tell("frame", frame=frame, number=number, count=count)
+        self._sample(0, 1)
+
+    def written(self, paths):
+        self.clear()
+        took = time.monotonic() - self.start
+        self.tell("written", frame=self.frame, files=paths, seconds=round(took, 3))
+        for path in () if self.as_json else paths:
+            print(shown(f"{self.label}: {path} ({took:.1f} s)"), file=sys.stderr, flush=True)
+        self.label = ""
+
+    def hear(self, line):
+        """A line that Blender printed; whether it is known."""
+        if self.verbose:
+            print(shown(line), file=sys.stderr)
+        if sample := _SAMPLE.search(line):
+            self._sample(int(sample[1]), int(sample[2]))
+        elif part := _PART.search(line):
+            self.part = int(part[1]) - 1, int(part[2])
+        elif words := _REPORT.match(line):
+            if self.label and words[2] not in self.told:  # once, though every frame says it
+                self.told.add(words[2])
+                self.say({"Info": "note", "Warning": "warning"}[words[1]], words[2])
+        else:
+            return False
+        return True
+
+    def _sample(self, number, count):
+        if not self.label:
+            return
+        done, parts = self.part
+        count, number = parts * max(count, 1), done * max(count, 1) + number
+        self.tell("progress", frame=self.frame, fraction=round(number / count, 4))
+        if self.tty:
+            filled = WIDTH * number // count
+            bar = "#" * filled + "." * (WIDTH - filled)
+            print(f"\r{self.label} [{bar}] {100 * number // count:3d} %", end="", file=sys.stderr, flush=True)
+
+    def clear(self):
+        if self.tty:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`encre composite` on a file or a sequence of them, alone or shared among processes."""
+
+import os
+import subprocess
+import sys
+import time
+
+from ..pen import metadata
+from ..pen.errors import EncreError, shown
+from . import images, sequence
+from .composite import composite
+from .render import RenderError
+
+
+def restyle(layers, out, change, *, frames=None, resume=False, share=(0, 1), say=print, **options):
+    """Restyles the EXR `layers` into `out`, or each of a sequence whose names have # for the number.
+
+    frames: a list, (first, last), or None for all that are there; share (k, n): only every n-th, from the k-th on;
+    resume: leave alone what is whole and was made from the same; options: as composite() has them. Raises EncreError
+    for the input, images.WriteError where something can't be written.
+    """
+    whole = todo(layers, out, frames)
+    mine = dict(list(whole.items())[share[0]::share[1]])
+    images.prepare(out)
+    for source, path in mine.items():
+        if os.path.exists(path) and os.path.exists(source) and os.path.samefile(path, source):
+            raise EncreError(f"{path}: is the file that is read, whose layers would be lost; give another name")
+        images.check_place(path)
+    said, finished = {}, 0
+    with images.writing([out]) as place:
+        for source, path in mine.items():
+            name, start = os.path.basename(path), time.perf_counter()
+            if holder := place.claim(name):
+                say("note", f"{path} is left to {holder}, which is drawing it")
+                continue
+            texts = {metadata.MARK: _mark(source, change, options)} if "#" in layers or resume else None
+            if resume and images.text(path, metadata.MARK) == texts[metadata.MARK] and images.whole(path):
+                finished += 1
+            else:
+                composite(source, path, change, say=_once(say, said, source), texts=texts, **options)
+                print(f"{shown(path)} ({time.perf_counter() - start:.1f} s)", flush=True)
+            place.release(name)
+    if finished:
+        say("note", f"{finished} of {len(mine)} frames are finished and left alone")
+
+
+def _once(say, said, source):
+    """`say` for the frame `source`: what another frame said already is not said again."""
+    def hear(kind, sentence):
+        if said.setdefault((kind, sentence.replace(source, "")), source) == source:
+            say(kind, sentence)
+    return hear
+
+
+def todo(layers, out, frames):
+    """{input: output}."""
+    if "#" not in os.path.basename(layers):
+        if frames is not None:
+            raise EncreError(f"{layers}: is one file, not a sequence; put # where the number stands")
+        return {layers: out}
+    there = sequence.found(layers)
+    if isinstance(frames, tuple):
+        first, last = frames
+        there = [frame for frame in there if (first is None or first <= frame) and (last is None or frame <= last)]
+    elif frames is not None:
+        there = frames
+    if not there:
+        raise EncreError(f"{layers}: there is no such frame; check the path")
+    out = sequence.pattern(out)
+    return {sequence.path(layers, frame): sequence.path(out, frame) for frame in there}
+
+
+def _mark(source, change, options):
+    try:
+        content = sequence.content(source)
+    except OSError as error:
+        raise EncreError(f"{source}: can't be read ({error.strerror}); check the path") from None
+    picture = {name: options.get(name) for name in ("view_layer", "asked")}
+    return sequence.mark(source=content, values=change, encre=images.version(), **picture)
+
+
+def split(argv, jobs, threads):
+    """Runs the command line `argv` in as many processes, each with its share of the frames. RenderError: one failed."""
+    more = [] if threads else ["--threads", str(max(1, (os.cpu_count() or 1) // jobs))]
+    children = [subprocess.Popen([sys.executable, "-m", __package__.partition(".")[0], *argv, "--jobs", "1", *more,
+                                  "--share", f"{k}/{jobs}"]) for k in range(jobs)]
+    try:
+        statuses = [child.wait() for child in children]
+    finally:
+        for child in children:
+            if child.poll() is None:
+                child.terminate()
+                child.wait()
+    if any(statuses):
+        raise RenderError("not all frames were drawn; see above, and run again with --resume")

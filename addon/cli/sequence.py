@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames of a sequence: which are meant, how their files are called, and by what a finished one is known."""
+
+import hashlib
+import json
+import os
+import re
+
+from ..pen.errors import EncreError
+
+LAST_FRAME = 1048574  # Blender counts no further
+_PART = re.compile(r"([-+]?\d{1,7})(?:-([-+]?\d{1,7})(?:x([1-9]\d{0,6}))?)?")
+
+
+def numbers(text):
+    """The frames of a list such as `1-100x5,7`, in its order, each once. EncreError: it is none."""
+    found = {}
+    for part in text.split(","):
+        match = _PART.fullmatch(part.strip())
+        first = int(match[1]) if match else 0
+        last = int(match[2]) if match and match[2] else first
+        if not match or last < first or max(abs(first), abs(last)) > LAST_FRAME:
+            raise EncreError(f"{text!r} is not a frame number from {-LAST_FRAME} to {LAST_FRAME} nor a list such as "
+                             "1-100x5,7; give one")
+        found.update(dict.fromkeys(range(first, last + 1, int(match[3] or 1))))
+    return list(found)
+
+
+def path(pattern, frame):
+    """The file of a frame: runs of # in the name of `pattern` are its digits."""
+    folder, name = os.path.split(pattern)
+    return os.path.join(folder, re.sub("#+", lambda run: f"{frame:0{len(run[0])}d}", name))
+
+
+def pattern(out):
+    """`out` with four digits before its ending where it has no place for the frame's number."""
+    folder, name = os.path.split(out)
+    stem, ending = os.path.splitext(name)
+    return out if "#" in name else os.path.join(folder, f"{stem}####{ending}")
+
+
+def found(given):
+    """The frames whose files are there, of a `given` name with #, in order."""
+    folder, name = os.path.split(given)
+    wanted = re.compile("(-?[0-9]+)".join(map(re.escape, re.split("#+", name))))
+    frames = {int(match[1]) for entry in os.listdir(folder or ".") if (match := wanted.fullmatch(entry))}
+    return sorted(frame for frame in frames if os.path.isfile(path(given, frame)))
+
+
+def content(file):
+    """A word for what a file holds. OSError: it can't be read."""
+    sum_ = hashlib.sha256()
+    with open(file, "rb") as opened:
+        while chunk := opened.read(1 << 20):
+            sum_.update(chunk)
+    return sum_.hexdigest()
+
+
+def mark(**said):
+    """A word for everything that a picture depends on, to be stored in its file."""
+    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
