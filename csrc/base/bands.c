@@ -8,7 +8,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-enum { LEAST_BANDS = 24 }; /* so that none is a twentieth of a frame */
+enum { LEAST_BANDS = 16 }; /* so that none is a twentieth of a frame */
 
 typedef struct worker {
 	bands *pool;

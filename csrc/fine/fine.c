@@ -42,7 +42,7 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	made.spans = (f->width - 1) / THIN_SPAN + 1;
 	made.hit = arena_take(a, (size_t)made.spans * (size_t)f->height, sizeof *made.hit);
 	size_t tiles = (size_t)tiles_of(f->width) * (size_t)tiles_of(f->height);
-	made.marks = arena_take(a, tiles, sizeof *made.marks);
+	made.marks = arena_take(a, (size_t)tiles_of(f->width) * (size_t)f->height, sizeof *made.marks);
 	made.kept = arena_take(a, tiles, sizeof *made.kept);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);

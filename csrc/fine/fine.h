@@ -151,9 +151,8 @@ typedef struct fine {
 	uint8_t *glimpse; /* by row: there are such pixels */
 	float *light;     /* the light, without its noise where that may matter, until sites are placed; NULL where it
 			     makes no edges */
-	/* By tile: how many marks it has, and where that is too many those that are kept,
-	 * a bit each, by pixel of the tile; NULL: all. */
-	uint32_t *marks;
+	uint32_t *marks;  /* by row, and in it by tile: how many marks are kept */
+	/* By tile, where it has too many marks, those that are kept, a bit each, by pixel of the tile; NULL: all. */
 	uint64_t **kept, *dense; /* dense: the memory of these */
 	uint32_t *first;         /* [FAMILY_COUNT * height + 1]: number of the first site of a family's row */
 	float *scratch;          /* for each thread */

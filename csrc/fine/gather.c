@@ -74,14 +74,56 @@ static void walk_tile(walk *w, int i)
 		walk_row(w, t.y, t.x, t.end);
 }
 
-/* ---- at most so many a tile ------------------------------------------------------------------------------ */
+/* ---- counted --------------------------------------------------------------------------------------------- */
 
-static void count_mark(walk *w, const found *at, int slot)
+static bool is_kept(const fine *n, const found *at, int slot)
 {
-	(void)at;
-	(void)slot;
-	w->count++;
+	const frame *f = n->f;
+	if (!n->dense)
+		return true;
+	int across = tiles_of(f->width), tall = tiles_of(f->height);
+	int i = (int)(((int64_t)at->row * tall + tall - 1) / f->height) * across +
+		(int)(((int64_t)at->column * across + across - 1) / f->width);
+	const uint64_t *kept = n->kept[i];
+	tile t = tile_of(f, i);
+	return !kept || kept[(at->row - t.y) * TILE_SIDE + at->column - t.x] >> slot & 1;
 }
+
+static void count_site(walk *w, const found *at, int slot)
+{
+	bool kept = is_kept(w->n, at, slot);
+	w->number[at->family] += kept;
+	w->count += kept;
+}
+
+static void count_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const fine *n = data;
+	int width = n->f->width, across = tiles_of(width);
+	for (int y = y0; y < y1; y++) {
+		walk w = {.n = n, .visit = count_site};
+		for (int i = 0; i < across; i++) {
+			w.count = 0;
+			walk_row(&w, y, tile_from(i, width), tile_from(i + 1, width));
+			n->marks[(ptrdiff_t)y * across + i] = w.count;
+		}
+		for (int k = 0; k < FAMILY_COUNT; k++)
+			n->first[k * n->f->height + y] = w.number[k];
+	}
+}
+
+static uint32_t marks_of(const fine *n, int i)
+{
+	tile t = tile_of(n->f, i);
+	int across = tiles_of(n->f->width);
+	uint32_t count = 0;
+	for (; t.y < t.last; t.y++)
+		count += n->marks[(ptrdiff_t)t.y * across + i % across];
+	return count;
+}
+
+/* ---- at most so many a tile ------------------------------------------------------------------------------ */
 
 static uint32_t shuffled(uint32_t x)
 {
@@ -133,17 +175,6 @@ typedef struct bound {
 	uint64_t *key, *kept;
 } bound;
 
-static void count_tiles(void *data, int first, int end, int thread)
-{
-	(void)thread;
-	const bound *b = data;
-	for (int i = first; i < end; i++) {
-		walk w = {.n = b->n, .visit = count_mark};
-		walk_tile(&w, i);
-		b->n->marks[i] = w.count;
-	}
-}
-
 static void bound_tiles(void *data, int first, int end, int thread)
 {
 	const bound *b = data;
@@ -161,18 +192,20 @@ static void bound_tiles(void *data, int first, int end, int thread)
 	}
 }
 
+/* Leaves in `first` how many sites each row of a family has. */
 int32_t ISA(fine_bound)(fine *n)
 {
 	frame *f = n->f;
 	bound b = {.n = n};
 	int tiles = tiles_of(f->width) * tiles_of(f->height), dense = 0;
-	int32_t code = bands_run(f->bands, tiles, 1, count_tiles, &b);
-	for (int i = 0; i < tiles; i++) {
-		n->kept[i] = NULL;
-		dense += n->marks[i] > most_of(f, i);
-		b.most = n->marks[i] > b.most ? n->marks[i] : b.most;
-	}
 	n->dense = NULL;
+	int32_t code = bands_run(f->bands, f->height, 0, count_rows, n);
+	for (int i = 0; !code && i < tiles; i++) {
+		uint32_t marks = marks_of(n, i);
+		n->kept[i] = NULL;
+		dense += marks > most_of(f, i);
+		b.most = marks > b.most ? marks : b.most;
+	}
 	if (code || !dense)
 		return code;
 	b.tile = late_take(&f->late, (size_t)dense, sizeof *b.tile);
@@ -181,34 +214,16 @@ int32_t ISA(fine_bound)(fine *n)
 	if (!b.tile || !b.key || !b.kept)
 		return ENCRE_ERROR_MEMORY;
 	for (int i = 0, k = 0; i < tiles; i++)
-		if (n->marks[i] > most_of(f, i))
+		if (marks_of(n, i) > most_of(f, i))
 			b.tile[k++] = (uint32_t)i;
 	code = bands_run(f->bands, dense, 1, bound_tiles, &b);
 	n->dense = b.kept;
 	late_drop(&f->late, b.tile);
 	late_drop(&f->late, b.key);
-	return code;
+	return code ? code : bands_run(f->bands, f->height, 0, count_rows, n);
 }
 
 /* ---- all sites, in order --------------------------------------------------------------------------------- */
-
-static bool is_kept(const fine *n, const found *at, int slot)
-{
-	const frame *f = n->f;
-	if (!n->dense)
-		return true;
-	int across = tiles_of(f->width), tall = tiles_of(f->height);
-	int i = (int)(((int64_t)at->row * tall + tall - 1) / f->height) * across +
-		(int)(((int64_t)at->column * across + across - 1) / f->width);
-	const uint64_t *kept = n->kept[i];
-	tile t = tile_of(f, i);
-	return !kept || kept[(at->row - t.y) * TILE_SIDE + at->column - t.x] >> slot & 1;
-}
-
-static void count_site(walk *w, const found *at, int slot)
-{
-	w->number[at->family] += is_kept(w->n, at, slot);
-}
 
 static void make_site(walk *w, const found *at, int slot)
 {
@@ -218,18 +233,6 @@ static void make_site(walk *w, const found *at, int slot)
 	*s = (site){.found = *at};
 	ISA(fine_place)(w->n, at, &s->placed);
 	ISA(fine_controls)(w->n, at, &s->placed);
-}
-
-static void count_rows(void *data, int y0, int y1, int thread)
-{
-	(void)thread;
-	const fine *n = data;
-	for (int y = y0; y < y1; y++) {
-		walk w = {.n = n, .visit = count_site};
-		walk_row(&w, y, 0, n->f->width);
-		for (int k = 0; k < FAMILY_COUNT; k++)
-			n->first[k * n->f->height + y] = w.number[k];
-	}
 }
 
 static void make_rows(void *data, int y0, int y1, int thread)
@@ -247,9 +250,6 @@ static void make_rows(void *data, int y0, int y1, int thread)
 int32_t ISA(fine_gather)(fine *n)
 {
 	frame *f = n->f;
-	int32_t code = bands_run(f->bands, f->height, 0, count_rows, n);
-	if (code)
-		return code;
 	size_t count = 0;
 	for (int i = 0; i < FAMILY_COUNT * f->height; i++) {
 		uint32_t own = n->first[i];
@@ -261,7 +261,7 @@ int32_t ISA(fine_gather)(fine *n)
 	if (!n->site)
 		return ENCRE_ERROR_MEMORY;
 	n->count = (uint32_t)count;
-	code = bands_run(f->bands, f->height, 0, make_rows, n);
+	int32_t code = bands_run(f->bands, f->height, 0, make_rows, n);
 	late_drop(&f->late, n->light);
 	late_drop(&f->late, n->dense);
 	n->light = NULL;
