@@ -62,6 +62,7 @@ mutate: build
 
 lint: .venv/ready
 	.venv/bin/ruff check .
+	.venv/bin/mypy --no-error-summary
 	.venv/bin/clang-format --dry-run --Werror $$(find csrc tests -name '*.[ch]')
 	find csrc -name '*.c' | xargs -n 1 -P $$(nproc) .venv/bin/clang-tidy --quiet 2>/dev/null
 
