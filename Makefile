@@ -39,8 +39,9 @@ docs: build
 extension: .venv/ready
 	$(RUN) setup.py -q extension
 
+# Two files of tests at a time, in the order of their folders: those that render come first.
 test: build
-	$(RUN) -m pytest -q -m "not long"
+	$(RUN) -m pytest -q -m "not long" -n 2 --dist loadfile --no-loadscope-reorder
 
 test-long: build $(if $(filter bpy==4.5%,$(BPY)),blenders)
 	$(RUN) -m pytest -q
