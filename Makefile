@@ -39,8 +39,9 @@ docs: build
 extension: .venv/ready
 	$(RUN) setup.py -q extension
 
+# Two files of tests at a time, in the order of their folders: those that render come first.
 test: build
-	$(RUN) -m pytest -q -m "not long"
+	$(RUN) -m pytest -q -m "not long" -n 2 --dist loadfile --no-loadscope-reorder
 
 test-long: build $(if $(filter bpy==4.5%,$(BPY)),blenders)
 	$(RUN) -m pytest -q
@@ -62,6 +63,7 @@ mutate: build
 
 lint: .venv/ready
 	.venv/bin/ruff check .
+	.venv/bin/mypy --no-error-summary
 	.venv/bin/clang-format --dry-run --Werror $$(find csrc tests -name '*.[ch]')
 	find csrc -name '*.c' | xargs -n 1 -P $$(nproc) .venv/bin/clang-tidy --quiet 2>/dev/null
 

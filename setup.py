@@ -3,7 +3,7 @@
 
     python setup.py build_ext --inplace [--debug] [--werror] [--scalar] [--sanitize=address,undefined]
 
-    python setup.py extension       build/encre-VERSION-PLATFORM.zip, what Blender 4.2 and later installs
+    python setup.py extension [--wheel=FILE]       build/encre-VERSION-PLATFORM.zip, what Blender 4.2 and later installs
 
 CC chooses the compiler. --debug also checks what must hold between the passes of FINE, and aborts where it does not.
 --scalar builds without vectorisation and without the second instruction set: results are the same bytes, and the test
@@ -108,22 +108,25 @@ from encre import register, unregister  # noqa: F401
 class ExtensionZip(Command):
     """The zip that Blender installs: manifest, forwarding __init__.py, and the wheel with all code."""
 
-    user_options = []
+    user_options = [("wheel=", None, "the wheel to pack instead of one built now")]
 
     def initialize_options(self):
-        pass
+        self.wheel = None
 
     def finalize_options(self):
         pass
 
     def run(self):
-        self.run_command("bdist_wheel")
-        wheel = Path(self.distribution.dist_files[-1][2])
+        if not self.wheel:
+            self.run_command("bdist_wheel")
+            self.wheel = self.distribution.dist_files[-1][2]
+        wheel = Path(self.wheel)
         version = self.distribution.get_version()
         system = {"darwin": "macos", "win32": "windows"}.get(sys.platform, "linux")
         cpu = {"x86_64": "x64", "AMD64": "x64", "aarch64": "arm64"}.get(platform.machine(), platform.machine())
         manifest = Path("addon/blender_manifest.toml").read_text(encoding="utf-8")
         head = f'version = "{version}"\nplatforms = ["{system}-{cpu}"]\nwheels = ["./wheels/{wheel.name}"]\n'
+        os.makedirs("build", exist_ok=True)
         out = Path("build", f"encre-{version}-{system}-{cpu}.zip")
         with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as file:
             file.writestr("blender_manifest.toml", head + manifest)

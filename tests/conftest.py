@@ -31,7 +31,7 @@ def pytest_terminal_summary(terminalreporter, config):
 GATE = pytest.StashKey[bool]()
 
 
-@pytest.hookimpl(hookwrapper=True)
+@pytest.hookimpl(hookwrapper=True, tryfirst=True)  # or the summary would come after it
 def pytest_sessionfinish(session):
     yield
     if session.config.stash.get(GATE, False):

@@ -7,6 +7,7 @@ import functools
 import glob
 import os
 import sys
+from collections.abc import Callable
 
 import numpy as np
 
@@ -55,12 +56,13 @@ def _library(home):
     return None
 
 
-def available(home=None):
+def available(home: str | None = None) -> bool:
     """Whether Open Image Denoise is there: in the folder `home` of a Blender, or in the system."""
     return _library(home) is not None
 
 
-def denoise(picture, albedo, normal, threads=0, keep_on=None, home=None):
+def denoise(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads: int = 0,
+            keep_on: Callable[[], bool] | None = None, home: str | None = None) -> np.ndarray:
     """`picture` (height, width, 3), linear and unlimited, without noise; albedo and normal guide it.
 
     threads: 0 = as many as there are processors. keep_on: called while it works, perhaps on other threads; False

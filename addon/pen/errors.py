@@ -2,6 +2,7 @@
 """What goes wrong, told in one sentence that names the thing and the cure."""
 
 import difflib
+from collections.abc import Iterable
 
 
 class EncreError(Exception):
@@ -12,14 +13,14 @@ class Cancelled(EncreError):
     """The progress callback returned False."""
 
 
-def unknown(kind, name, names):
+def unknown(kind: str, name: object, names: Iterable[str]) -> str:
     """One sentence about an unknown name, with the nearest known ones."""
     near = difflib.get_close_matches(str(name), list(names), 3, 0.5)
     cure = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(names)}"
     return f"{name}: unknown {kind}; {cure}"
 
 
-def shown(text):
+def shown(text: str) -> str:
     """`text` as it may be printed: names and metadata come from strangers, and a terminal obeys control characters.
 
     Marks that turn the direction of writing are shown as well.

@@ -62,7 +62,7 @@ class Baked:
     greatest: float
 
 
-def picture(name, a, channels):
+def picture(name: str, a: np.ndarray, channels: int) -> np.ndarray:
     """float32 (height, width, channels) with adjacent channels and rows that don't overlap, as C reads them; a copy
     only where `a` is not like that."""
     a = np.asarray(a)
@@ -76,7 +76,7 @@ def picture(name, a, channels):
     return a
 
 
-def entries(what, a, dtype, shape):
+def entries(what: str, a: np.ndarray, dtype: type, shape: tuple[int, ...]) -> np.ndarray:
     """The array `a` of a mesh with at least the axes of `shape`: one that is too short would be read past its end."""
     a = np.ascontiguousarray(a, dtype)
     if a.shape[:len(shape)] != shape:

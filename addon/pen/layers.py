@@ -6,9 +6,16 @@ float32 (height, width, channels), row 0 at the top, of any strides, so a pictur
 Passes go by their classic names; `classic()` translates those of Blender 5.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from .errors import EncreError
+from .job import Frame
+from .settings import Settings
+
+# A picture without its noise, by albedo and normal.
+Denoise = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 # What Cycles must render for us: classic name -> channel names, as RenderEngine.register_pass() takes them.
 CYCLES = {
@@ -45,12 +52,12 @@ RENAMED = {
 _CLASSIC = {new: old for old, new in RENAMED.items()}
 
 
-def classic(name):
+def classic(name: str) -> str:
     """The classic name of a pass that any Blender wrote."""
     return _CLASSIC.get(name, name)
 
 
-def seen_depth(length, projection, frame, clip_start):
+def seen_depth(length: np.ndarray, projection: np.ndarray, frame: Frame, clip_start: float) -> np.ndarray:
     """The layer `seen_depth` from Cycles' pass Denoising Depth.
 
     length: (height, width, 1), of the ray, from the near plane on; 0 = nothing there. projection: camera -> clip, 4 x
@@ -92,10 +99,10 @@ class _Passes:
         return out
 
 
-def finite(picture):
+def finite(picture: np.ndarray) -> tuple[np.ndarray, int]:
     """(the picture, 0 where its values are not finite; how many these are); itself where all are."""
     bad = ~np.isfinite(picture)
-    found = np.count_nonzero(bad)
+    found = int(np.count_nonzero(bad))
     return (np.where(bad, np.float32(0), picture) if found else picture), found
 
 
@@ -141,7 +148,8 @@ class _Light:
 _NEUTRAL = ("specular", "style", "controls", "marks")
 
 
-def assemble(passes, settings, known=None, denoise=None, denoise_other=False):
+def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str, np.ndarray] | None = None,
+             denoise: Denoise | None = None, denoise_other: bool = False) -> tuple[dict[str, np.ndarray], int]:
     """The layers of one picture.
 
     passes: {classic name: picture}, of CYCLES and SEEN; each is popped when it is read, so that its memory is free
@@ -178,7 +186,8 @@ def assemble(passes, settings, known=None, denoise=None, denoise_other=False):
     layers["depth"] = read.raw("Depth")
     if "Denoising Albedo" in read and "Denoising Normal" in read:
         layers["seen_color"] = read.raw("Denoising Albedo")
-        layers["seen_normal"] = read.raw("Denoising Normal") * np.float32((1, 1, -1))  # Cycles' camera looks along +z
+        towards = np.array((1, 1, -1), np.float32)  # Cycles' camera looks along +z
+        layers["seen_normal"] = read.raw("Denoising Normal") * towards
     else:
         layers.pop("seen_depth", None)
     for name in _NEUTRAL:
@@ -198,7 +207,9 @@ def _light(read, layers, settings, denoise, denoise_other):
         layers["diffuse"], bad = finite(layers["diffuse"])
         read.nonfinite += bad
     else:
-        layers["diffuse"] = _pick(direct, lambda: light.clean(True), lambda: light.clean(False))
+        assert light  # else DiffDir is missing, and assemble() has said so
+        clean = light.clean
+        layers["diffuse"] = _pick(direct, lambda: clean(True), lambda: clean(False))
     if "combined" not in layers:
         layers["combined"] = _put_together(read, layers, light, shading, denoise_other)
 
@@ -228,10 +239,11 @@ def _put_together(read, layers, light, shading, denoise_other):
 class Whole:
     """The layers of a picture (height, width), from those of its bands of rows."""
 
-    def __init__(self, height, width):
-        self.shape, self.layers = (height, width), {}
+    def __init__(self, height: int, width: int) -> None:
+        self.shape = height, width
+        self.layers: dict[str, np.ndarray] = {}
 
-    def add(self, row, layers):
+    def add(self, row: int, layers: dict[str, np.ndarray]) -> None:
         """Those of the rows from `row` on."""
         for name, picture in layers.items():
             if name not in self.layers:

@@ -9,6 +9,7 @@ import functools
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -147,7 +148,7 @@ class Library:
 
     # -- values
 
-    def pack(self, values, image=None):
+    def pack(self, values: Mapping[str, Any], image: Callable[[str], np.ndarray] | None = None) -> tuple[c.Array, list]:
         """A parameter block of checked values; `image` loads paper images. Returns (bytearray, things to keep)."""
         block = (c.c_char * self.lib.encre_params_size())()
         self.lib.encre_params_init(block)
@@ -167,7 +168,7 @@ class Library:
                 levels = _Levels.from_address(at)
                 levels.count = len(value)
                 for k, level in enumerate(value):
-                    i, t, w, *color = (*level, *(0, 0, 0, 1, 1, 1)[len(level):])
+                    i, t, w, *color = tuple(level) + (0, 0, 0, 1, 1, 1)[len(level):]
                     levels.level[k] = _Level(i, t, w, tuple(color))
             elif value is not None and image:
                 a = np.ascontiguousarray(image(value), np.float32)
@@ -176,7 +177,7 @@ class Library:
                 c.memmove(at, c.byref(_image(a)), c.sizeof(_Image))
         return block, keep
 
-    def check(self, values):
+    def check(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Normalises parameter values; EncreError for an unknown id, a wrong type, a value out of range."""
         out = {}
         for id_, value in values.items():
@@ -190,7 +191,7 @@ class Library:
             raise EncreError(text_of(sentence))
         return out
 
-    def complete(self, scene, styles=()):
+    def complete(self, scene: Mapping[str, Any], styles: Sequence[Mapping[str, Any]] = ()) -> list[dict[str, Any]]:
         """The values of every style, number 0, the scene's, first, from checked ones; of what a style changes those of
         frame scope are ignored."""
         base = {**{p.id: p.default for p in self.params.values()}, **scene}
@@ -283,9 +284,10 @@ class Library:
         self._call(self.lib.encre_render, job, threads, simd, progress)
         return Result(images, job.nonfinite)
 
-    def raster(self, meshes: Sequence[Mesh], view, projection, frame: Frame, size: tuple[int, int],
-               clip_start: float, clip_end: float = 0.0, channels: int = 0,
-               outputs: Sequence[str] = _RASTER_OUTPUTS, threads: int = 0, progress=None) -> dict[str, np.ndarray]:
+    def raster(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
+               size: tuple[int, int], clip_start: float, clip_end: float = 0.0, channels: int = 0,
+               outputs: Sequence[str] = _RASTER_OUTPUTS, threads: int = 0,
+               progress: Callable[[float], bool] | None = None) -> dict[str, np.ndarray]:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
@@ -401,38 +403,38 @@ def controls() -> dict[str, Control]:
     return load().controls
 
 
-def defaults() -> dict:
+def defaults() -> dict[str, Any]:
     return complete({})[0]
 
 
-def complete(scene, styles=()) -> list[dict]:
+def complete(scene: Mapping[str, Any], styles: Sequence[Mapping[str, Any]] = ()) -> list[dict[str, Any]]:
     return load().complete(scene, styles)
 
 
-def parse(id_, text):
+def parse(id_: str, text: str) -> Any:
     """A value from the command line's text, good by itself. EncreError: unknown id, or it can't be read."""
     if id_ not in params():
         raise EncreError(unknown("parameter", id_, params()))
     return normal(params()[id_], read(params()[id_], text))
 
 
-def check(values):
+def check(values: Mapping[str, Any]) -> dict[str, Any]:
     return load().check(values)
 
 
-def render(*args, **kwargs) -> Result:
+def render(*args: Any, **kwargs: Any) -> Result:
     return load().render(*args, **kwargs)
 
 
-def draw(*args, **kwargs) -> Result:
+def draw(*args: Any, **kwargs: Any) -> Result:
     return load().draw(*args, **kwargs)
 
 
-def raster(*args, **kwargs):
+def raster(*args: Any, **kwargs: Any) -> dict[str, np.ndarray]:
     return load().raster(*args, **kwargs)
 
 
-def bake(*args, **kwargs) -> Baked:
+def bake(*args: Any, **kwargs: Any) -> Baked:
     return load().bake(*args, **kwargs)
 
 

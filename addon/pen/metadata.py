@@ -4,7 +4,9 @@
 import base64
 import json
 import zlib
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -49,9 +51,11 @@ class Stored:
     unknown: dict = field(default_factory=dict)
 
 
-def write(scene, styles, camera, frame, border=None, view=None, paper=None, lost=()):
+def write(scene: dict[str, Any], styles: Sequence[tuple[str, dict[str, Any]]], camera: Camera, frame: Frame,
+          border: Sequence[int] | None = None, view: View | None = None, paper: tuple[str, np.ndarray] | None = None,
+          lost: Sequence[str] = ()) -> dict[str, str]:
     """{key: JSON text} to store in a file, of what Stored says; `styles` in the order of their numbers."""
-    said = {
+    said: dict[str, Any] = {
         PARAMS: {"version": VERSION, "scene": scene,
                  "styles": [{"name": name, "values": values} for name, values in styles]},
         FRAME: {"width": frame.width, "height": frame.height, "x": frame.x, "y": frame.y},
@@ -69,7 +73,7 @@ def write(scene, styles, camera, frame, border=None, view=None, paper=None, lost
     return {key: json.dumps(value, allow_nan=False) for key, value in said.items()}
 
 
-def read(texts):
+def read(texts: Mapping[str, str]) -> Stored:
     """The Stored in {key: text}; keys that are not ours are ignored.
 
     A parameter that this version does not know is a warning. EncreError: metadata that can't be understood, the
@@ -140,11 +144,13 @@ def _read_view(said, stored):
 
 def _packed(name, pixels):
     """An image (H, W, channels) of floats as JSON takes it; those of 8 bits take no more room than that."""
-    bytes_ = np.round(pixels * np.float32(255)).astype(np.uint8) if (abs(pixels - 0.5) <= 0.5).all() else None
-    exact = bytes_ is not None and np.array_equal(bytes_.astype(np.float32) / np.float32(255), pixels)
-    data = (bytes_ if exact else np.ascontiguousarray(pixels, "<f4")).tobytes()
-    return {"name": name, "shape": pixels.shape, "bits": 8 if exact else 32,
-            "data": base64.b64encode(zlib.compress(data)).decode()}
+    data, bits = np.ascontiguousarray(pixels, "<f4"), 32
+    if (abs(pixels - 0.5) <= 0.5).all():
+        rounded = np.round(pixels * np.float32(255)).astype(np.uint8)
+        if np.array_equal(rounded.astype(np.float32) / np.float32(255), pixels):
+            data, bits = rounded, 8
+    return {"name": name, "shape": pixels.shape, "bits": bits,
+            "data": base64.b64encode(zlib.compress(data.tobytes())).decode()}
 
 
 def _read_paper(said, stored):

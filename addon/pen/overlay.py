@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the rasteriser drew, laid over what Cycles rendered: each pixel gets what belongs to its own object."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 # The 5x5 window about a pixel without it: least distance first, then least row, then least column.
@@ -8,7 +10,7 @@ _WINDOW = sorted(((y, x) for y in range(-2, 3) for x in range(-2, 3) if y or x),
                  key=lambda at: (at[0] ** 2 + at[1] ** 2, at))
 
 
-def own_pixels(index, drawn):
+def own_pixels(index: np.ndarray, drawn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where to read what was rasterised, so that each pixel gets what belongs to its own object.
 
     index: (height, width) object numbers of the picture; drawn: those of the rasteriser, which knows nothing of
@@ -29,7 +31,7 @@ def own_pixels(index, drawn):
     return pixels, sources
 
 
-def compact(maps):
+def compact(maps: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The rasteriser's pictures as long as Cycles renders: numbers in as few bytes as they need, and what is 0
     everywhere left out."""
     out = {}
@@ -41,7 +43,8 @@ def compact(maps):
     return out
 
 
-def rasterised(index, maps, owners, numbers, strays):
+def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarray, numbers: np.ndarray,
+               strays: Callable[[np.ndarray], np.ndarray]) -> dict[str, np.ndarray]:
     """The layers object, material and style, and, where there are any, controls and marks.
 
     index: (height, width) object index that Cycles wrote. maps: what compact() gave of the rasteriser's pictures

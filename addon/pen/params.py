@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -47,7 +48,7 @@ class Param:
     offset: int = field(repr=False)
 
     @property
-    def number(self):
+    def number(self) -> dict[str, int]:
         """Enum item id -> number."""
         return {item.id: item.number for item in self.items}
 
@@ -60,7 +61,7 @@ class Stage:
     params: tuple[Param, ...]
 
     @property
-    def switch(self):
+    def switch(self) -> Param | None:
         """The parameter that turns the stage off; None: it has none."""
         return next((p for p in self.params if p.switch), None)
 
@@ -78,16 +79,16 @@ class Control:
     channel: int
 
     @property
-    def attribute(self):
+    def attribute(self) -> str:
         return f"encre_{self.name}"
 
 
-def control(c):
+def control(c: Any) -> Control:
     """The Control that an encre_control_info tells."""
     return Control(text_of(c.name), text_of(c.label), text_of(c.white), text_of(c.black), text_of(c.saved), c.channel)
 
 
-def text_of(b):
+def text_of(b: bytes | None) -> str:
     """A string of C's; NULL is empty."""
     return (b or b"").decode()
 
@@ -108,7 +109,7 @@ def _tidy(x):
     return float(str(np.float32(x)))
 
 
-def stage(s):
+def stage(s: Any) -> Stage:
     """The Stage that an encre_stage_info tells."""
     id_ = text_of(s.id)
     return Stage(id_, text_of(s.label), text_of(s.help), tuple(_param(id_, s.params[k]) for k in range(s.n_params)))
@@ -158,7 +159,7 @@ def _numbers(p, value, counts, form):
     return tuple(numbers)
 
 
-def normal(p, value):
+def normal(p: Param, value: Any) -> Any:
     """`value` in the form of its type, or EncreError."""
     if p.type == "bool":
         if not isinstance(value, (bool, np.bool_)) and value not in (0, 1):
@@ -192,7 +193,7 @@ def normal(p, value):
 _WORDS = {"on": True, "yes": True, "true": True, "1": True, "off": False, "no": False, "false": False, "0": False}
 
 
-def read(p, text):
+def read(p: Param, text: str) -> Any:
     """A value from the command line's text: on/off, a number, an item, r,g,b, a path, or levels "a; b; c".
 
     A colour may also be #rrggbb, which is encoded as on screens.

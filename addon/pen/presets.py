@@ -23,12 +23,12 @@ class Preset:
     values: dict
 
 
-def presets():
+def presets() -> tuple[Preset, ...]:
     """All presets, in the order of their files' names."""
     return tuple(_read(path) for path in sorted(FOLDER.glob("*.json")))
 
 
-def find(name):
+def find(name: str) -> Preset:
     """The preset called `name`: its id or its name, in any case, with spaces, - or _.
 
     Raises EncreError with the nearest names if there is none.

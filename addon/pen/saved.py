@@ -12,22 +12,22 @@ _INDEX, _MARKS = "Encre Index", "Encre Marks"  # Z of the marks is 0: the compos
 _NUMBERS = ("object", "material", "style")
 
 
-def passes(seen):
+def passes(seen: bool) -> dict[str, str]:
     """{pass: channel letters}. seen: whether there are the layers of what mirrors show."""
     out = {"Encre Source": "RGBA", "Encre Diffuse": "RGB", _INDEX: "XYZ", **dict.fromkeys(control_passes(), "XYZ"),
            _MARKS: "XYZ"}
     return {**out, "Encre Seen Depth": "X"} if seen else out
 
 
-def control_passes():
+def control_passes() -> dict[str, list[tuple[int, int]]]:
     """{pass: [(its channel, that of the layer `controls`)]}."""
-    out = {}
+    out: dict[str, list[tuple[int, int]]] = {}
     for k, control in enumerate(library.controls().values()):
         out.setdefault(control.saved, []).append((control.channel, k))
     return out
 
 
-def pack(name, layers):
+def pack(name: str, layers: dict[str, np.ndarray]) -> np.ndarray | None:
     """The pass `name` of passes(), (height, width, channels), from the layers of a picture; None: it has none of it."""
     if name in _WHOLE:
         return layers.get(_WHOLE[name])
@@ -44,7 +44,7 @@ def pack(name, layers):
     return out
 
 
-def unpack(found):
+def unpack(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """{layer: picture (height, width, channels)} of those of the passes() that are there; older files have fewer."""
     out = {layer: found[name] for name, layer in _WHOLE.items() if name in found}
     if _INDEX in found:

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The settings of a scene and its styles, read and checked once, and what they ask for."""
 
+from collections.abc import Iterable, Mapping
 from functools import cached_property
+from typing import Any
+
+import numpy as np
 
 from . import library
 
 
-def switches():
+def switches() -> list[str]:
     """Ids of the parameters that turn a stage off."""
     return [stage.switch.id for stage in library.stages() if stage.switch]
 
@@ -15,57 +19,58 @@ class Settings:
     """scene: the scene's values; styles: [(name, what it changes)], in the order of their numbers, which begin at 1;
     every: the complete values of each style, number 0 (the scene's) first."""
 
-    def __init__(self, scene=None, styles=()):
+    def __init__(self, scene: Mapping[str, Any] | None = None,
+                 styles: Iterable[tuple[str, Mapping[str, Any]]] = ()) -> None:
         """Of values that may be incomplete. EncreError: they can't be used."""
         self.scene = library.check(scene or {})
         self.styles = [(name, library.check(changed)) for name, changed in styles]
         self.every = library.complete(self.scene, [changed for _, changed in self.styles])
 
-    def any(self, *names):
+    def any(self, *names: str) -> bool:
         """Whether any of these switches and weights is on anywhere."""
         return any(values[name] > 0 for values in self.every for name in names)
 
     @cached_property
-    def active(self):
+    def active(self) -> bool:
         """Whether any stage draws anything: with all switches off the picture stays as it was rendered."""
         return self.any(*switches())
 
     @cached_property
-    def shaded(self):
+    def shaded(self) -> bool:
         """Whether light is cut into levels anywhere."""
         return self.any("use_shading")
 
     @cached_property
-    def wants_light(self):
+    def wants_light(self) -> bool:
         """Whether anything compares light with a threshold, so that its noise would show as speckle."""
         return self.active and self.any("use_shading", "use_hatching", "edge_light", "line_light")
 
     @cached_property
-    def denoises(self):
+    def denoises(self) -> bool:
         """Whether the light is to be denoised."""
         return self.every[0]["light_denoise"] == "OIDN" and self.wants_light
 
     @cached_property
-    def factor(self):
+    def factor(self) -> int:
         """Of how many times the frame's size the layers are."""
         return self.every[0]["supersample"] if self.active else 1
 
     @cached_property
-    def wants_edges(self):
+    def wants_edges(self) -> bool:
         """Whether anything follows edges."""
         return self.any("use_lines", "use_smudging")
 
     @cached_property
-    def wants_specular(self):
+    def wants_specular(self) -> bool:
         """Whether anything looks at highlights."""
         return self.any("use_hatching")
 
     @cached_property
-    def wants_seen(self):
+    def wants_seen(self) -> bool:
         """Whether lines are drawn in what mirrors and glass show."""
         return self.every[0]["edge_detector"] == "FINE" and self.any("edge_seen") and self.wants_edges
 
-    def idle(self, pictures):
+    def idle(self, pictures: Mapping[str, np.ndarray]) -> dict[str, str]:
         """{weight: why} of the sources of edges that are asked for and find nothing in the layers of a picture."""
         if not self.wants_edges:
             return {}

@@ -11,19 +11,19 @@ _ONE_SAMPLE = {"Depth", "Denoising Depth", "IndexOB", "IndexMA", "Position", "UV
                "Encre Seen Depth"}
 
 
-def frame(place, factor):
+def frame(place: Frame, factor: int) -> Frame:
     """The Frame of the large picture."""
     return Frame(*(factor * number for number in (place.width, place.height, place.x, place.y)))
 
 
-def shrink(name, picture, factor):
+def shrink(name: str, picture: np.ndarray, factor: int) -> np.ndarray:
     """The pass `name` (classic or not) of the frame's size: the mean of each factor x factor pixels, or one of them."""
     if name == "Encre Marks":
         return _marks(picture, factor)
     if _one_sample(name):
         return picture[factor // 2::factor, factor // 2::factor].copy()  # or the large one would stay
     parts = (picture[row::factor, column::factor] for row in range(factor) for column in range(factor))
-    return sum(parts) * np.float32(1 / factor ** 2)
+    return np.asarray(sum(parts) * np.float32(1 / factor ** 2))
 
 
 def _one_sample(name):
@@ -49,10 +49,12 @@ class Gathered:
     """The passes of one view, from its sub-frames: in `large` those that the stages read, of the large picture's
     size, in `small` all others, of the frame's; both by their names in this Blender, row 0 at the top."""
 
-    def __init__(self, factor):
-        self.factor, self.large, self.small = factor, {}, {}
+    def __init__(self, factor: int) -> None:
+        self.factor = factor
+        self.large: dict[str, np.ndarray] = {}
+        self.small: dict[str, np.ndarray] = {}
 
-    def take(self, name, picture, column, row):
+    def take(self, name: str, picture: np.ndarray, column: int, row: int) -> None:
         """Adds what a sub-frame has of the pass `name`."""
         factor, (height, width, channels) = self.factor, picture.shape
         if layers.classic(name) in {**layers.CYCLES, **layers.SEEN}:

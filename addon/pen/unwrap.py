@@ -2,6 +2,7 @@
 """How a texture lies on a mesh: the first fundamental form of its UV map, texel by texel. Knows no Blender."""
 
 import os
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +27,7 @@ class Unwrapped:
     uv: np.ndarray
 
 
-def join(meshes):
+def join(meshes: Sequence[Unwrapped]) -> Unwrapped:
     """All triangles of several meshes as one."""
     starts = np.cumsum([0, *(len(m.points) for m in meshes)])
     return Unwrapped(np.concatenate([m.points for m in meshes]),
@@ -34,7 +35,7 @@ def join(meshes):
                      np.concatenate([m.uv for m in meshes]))
 
 
-def read_obj(path):
+def read_obj(path: str | os.PathLike) -> Unwrapped:
     """The triangles of a Wavefront OBJ file; faces are cut into fans. Raises EncreError."""
     points, coordinates, corners, uv = [], [], [], []
     try:
@@ -45,7 +46,7 @@ def read_obj(path):
                     x, y, z = words[:3]
                     points.append([float(x), float(y), float(z)])
                 elif kind == "vt":
-                    coordinates.append([float(x) for x in (*words, 0)[:2]])
+                    coordinates.append([float(x) for x in (*words, "0")[:2]])
                 elif kind == "f":
                     face = [_corner(word, len(points), len(coordinates)) for word in words]
                     for k in range(1, len(face) - 1):
@@ -77,7 +78,7 @@ def _corner(word, n_points, n_coordinates):
     return found
 
 
-def tiles(mesh):
+def tiles(mesh: Unwrapped) -> tuple[bool, ...]:
     """(sideways, upwards): whether the mesh goes on over the texture's border, beyond it or across a seam."""
     out = []
     for axis in (0, 1):
@@ -94,7 +95,7 @@ def _edges_at(mesh, there):
     return {(a, b) for a, b in pairs.tolist() if a != b}
 
 
-def form(mesh, width, height, progress=None):
+def form(mesh: Unwrapped, width: int, height: int, progress: Callable[[float], bool] | None = None) -> np.ndarray:
     """E, F, G (height, width, 3) of a texture on the mesh, row 0 at the top, in texels of mean size; 1, 0, 1 where the
     mesh has none. Raises EncreError where the UV map has no area, or lengths that can't be reckoned with."""
     if np.abs(mesh.uv).max(initial=0) > _FARTHEST:
@@ -145,12 +146,12 @@ def _draw(texels, corner, width, height, progress):
     first = np.floor(texels.min(1) / size + _EDGE).astype(int)
     last = np.maximum(np.ceil(texels.max(1) / size - _EDGE).astype(int) - 1, first)
     last = np.minimum(last, first + _MOST_TILES - 1)
-    points, values = [], []
+    pieces, values = [], []
     for shift in _shifts(first, last):
         inside = ((first <= shift) & (shift <= last)).all(1)
-        points.append(texels[inside] - shift * size)
+        pieces.append(texels[inside] - shift * size)
         values.append(corner[inside])
-    points = np.concatenate(points).reshape(-1, 2)
+    points = np.concatenate(pieces).reshape(-1, 2)
     mesh = Mesh(np.concatenate([points, np.full((len(points), 1), -1.0)], 1),
                      attributes=np.concatenate(values), object_index=1)
     flat = np.array([[2 / width, 0, 0, -1], [0, -2 / height, 0, 1], [0, 0, -1, 0], [0, 0, 0, 1]])
@@ -161,7 +162,7 @@ def _draw(texels, corner, width, height, progress):
 
 def _shifts(first, last):
     """Every tile of the UV plane that some triangle may touch."""
-    found = set()
+    found: set[tuple[int, int]] = set()
     for (x0, y0), (x1, y1) in np.unique(np.concatenate([first, last], 1), axis=0).reshape(-1, 2, 2).tolist():
         found.update((x, y) for x in range(x0, x1 + 1) for y in range(y0, y1 + 1))
     return [np.array(shift) for shift in sorted(found)]
@@ -187,5 +188,5 @@ def _spread(values, there):
         there[y, x] = True
 
 
-def is_obj(name):
+def is_obj(name: str) -> bool:
     return os.path.splitext(name)[1].lower() == ".obj"

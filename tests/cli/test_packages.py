@@ -70,37 +70,26 @@ def inked(path):
 
 
 @pytest.fixture(scope="module")
-def source(tmp_path_factory):
-    """The source archive."""
-    folder = tmp_path_factory.mktemp("source")
-    run(sys.executable, "-m", "build", "--no-isolation", "--sdist", "--outdir", folder, ROOT)
-    [archive] = folder.iterdir()
-    return archive
+def dist(tmp_path_factory):
+    """(source archive, wheel) as a release has them: the wheel is built from what the archive holds."""
+    folder = tmp_path_factory.mktemp("dist")
+    run(sys.executable, "-m", "build", "--no-isolation", "--outdir", folder, ROOT)
+    [archive], [wheel] = folder.glob("*.tar.gz"), folder.glob("*.whl")
+    return archive, wheel
 
 
-@pytest.fixture(scope="module")
-def packages(source):
-    """(wheel, extension), built from the source archive alone."""
-    with tarfile.open(source) as archive:
-        archive.extractall(source.parent, **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
-    [tree] = (path for path in source.parent.iterdir() if path.is_dir())
-    run(sys.executable, "setup.py", "-q", "extension", cwd=tree)
-    [wheel], [extension] = (tree / "dist").iterdir(), (tree / "build").glob("*.zip")
-    return wheel, extension
-
-
-def test_the_wheel_holds_the_package_and_nothing_else(packages):
+def test_the_wheel_holds_the_package_and_nothing_else(dist):
     wanted = {path.relative_to(ROOT / "addon").as_posix() for path in (ROOT / "addon").rglob("*")
               if path.suffix in (".py", ".json", ".toml")}
-    with zipfile.ZipFile(packages[0]) as wheel:
+    with zipfile.ZipFile(dist[1]) as wheel:
         names = {name for name in wheel.namelist() if ".dist-info/" not in name}
     assert names == {f"encre/{name}" for name in wanted | {LIBRARY}}
 
 
-def test_the_source_holds_what_git_does(source):
+def test_the_source_holds_what_git_does(dist):
     if not (ROOT / ".git").exists():
         pytest.skip("needs a checkout")
-    with tarfile.open(source) as archive:
+    with tarfile.open(dist[0]) as archive:
         held = {member.name.partition("/")[2] for member in archive.getmembers() if member.isfile()}
     wanted = set(run("git", "ls-files").splitlines()) - {".ci/run", ".editorconfig", ".gitignore"}
     missing = {name for name in wanted - held if (ROOT / name).exists()}
@@ -108,12 +97,11 @@ def test_the_source_holds_what_git_does(source):
     assert [name for name in held if re.search(r"\.(so|dylib|dll|py[cod])$", name)] == []
 
 
-@pytest.mark.parametrize("kind", ["source", "wheel"])
-def test_pip_installs_what_renders(tmp_path, source, packages, kind):
+@pytest.mark.parametrize("kind", [pytest.param(0, id="source", marks=pytest.mark.long), pytest.param(1, id="wheel")])
+def test_pip_installs_what_renders(tmp_path, dist, kind):
     python = empty(tmp_path / "env")
-    archive = {"source": source, "wheel": packages[0]}[kind]
     run(sys.executable, "-m", "pip", "--python", python, "install", "-q", "--ignore-installed", "--no-deps",
-        "--no-index", "--no-build-isolation", archive, cwd=tmp_path)
+        "--no-index", "--no-build-isolation", dist[kind], cwd=tmp_path)
     (tmp_path / "scene.py").write_text(SCENE)
     run(python.with_name("encre"), "render", "scene.py", "-o", "out.exr", cwd=tmp_path)
     assert inked(tmp_path / "out.exr")
@@ -121,11 +109,15 @@ def test_pip_installs_what_renders(tmp_path, source, packages, kind):
     assert where.startswith(str(tmp_path / "env"))
 
 
-def test_blender_installs_the_extension_and_renders(tmp_path, packages):
+def test_blender_installs_the_extension_and_renders(tmp_path, dist):
     pytest.importorskip("bpy", reason="needs Blender's Python module")
-    out = tmp_path / "out.exr"
-    script = tmp_path / "install.py"
-    script.write_text(INSTALL.format(archive=str(packages[1])) + SCENE + RENDER.format(out=str(out)))
+    with tarfile.open(dist[0]) as file:
+        file.extractall(tmp_path, **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
+    [tree] = tmp_path.glob("encre-*")
+    run(sys.executable, "setup.py", "-q", "extension", f"--wheel={dist[1]}", cwd=tree)
+    [archive] = (tree / "build").glob("*.zip")
+    out, script = tmp_path / "out.exr", tmp_path / "install.py"
+    script.write_text(INSTALL.format(archive=str(archive)) + SCENE + RENDER.format(out=str(out)))
     said = run(empty(tmp_path / "env"), script, cwd=tmp_path, BLENDER_USER_EXTENSIONS=str(tmp_path / "extensions"),
                BLENDER_USER_CONFIG=str(tmp_path / "config"))
     assert inked(out)

@@ -2,6 +2,7 @@
 """The library built a second time, without vectorisation and for one instruction set: quick to build anew where a file
 has changed, the same results, and linked so that tests see between the passes of FINE."""
 
+import fcntl
 import os
 import runpy
 import subprocess
@@ -43,7 +44,14 @@ def objects(out):
 
 def probe_fine(name="probe_fine"):
     """Path of the library with probe_fine.c in place of FINE's table of passes."""
-    out, source, made = BUILD / f"{name}.so", HERE / "probe_fine.c", BUILD / "probe_fine.o"
+    BUILD.mkdir(parents=True, exist_ok=True)
+    with open(BUILD / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # tests run beside each other
+        return _probe_fine(BUILD / f"{name}.so")
+
+
+def _probe_fine(out):
+    source, made = HERE / "probe_fine.c", BUILD / "probe_fine.o"
     link, compile_ = objects(out)
     newest = max(p.stat().st_mtime_ns for p in (source, *(ROOT / "csrc").rglob("*.[ch]")))
     if not made.exists() or made.stat().st_mtime_ns <= newest:

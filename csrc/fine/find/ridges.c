@@ -56,7 +56,6 @@ static int along(const window *w, int x, int axis, float (*value)[3])
 			held += !w->mixed[REACH + (axis ? side * k : 0)][x + (axis ? 0 : side * k)];
 		for (int k = 0; k <= REACH; k++)
 			for (int c = 0, at = side * (k < held ? k : held); c < w->is.planes; c++)
-				/* held <= REACH */ // NOLINTNEXTLINE(clang-analyzer-security.ArrayBound)
 				value[REACH + side * k][c] = w->row[c][REACH + (axis ? at : 0)][x + (axis ? 0 : at)];
 		shorter = held < shorter ? held : shorter;
 	}

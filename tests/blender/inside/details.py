@@ -34,7 +34,7 @@ def _threads(scene, out):
     """How many threads the library is asked for."""
     from encre.pen import library
 
-    asked, own = [], (library.render, library.raster)
+    asked, own = [], (library.draw, library.raster)
 
     def watch(call):
         def watched(*args, **more):
@@ -42,13 +42,13 @@ def _threads(scene, out):
             return call(*args, **more)
         return watched
 
-    library.render, library.raster = map(watch, own)
+    library.draw, library.raster = map(watch, own)
     for mode in ("FIXED", "AUTO"):
         scene.render.threads_mode, scene.render.threads = mode, 3
         shoot(out, mode)
         fact(mode, asked[:])
         asked.clear()
-    library.render, library.raster = own
+    library.draw, library.raster = own
 
 
 def _rules(scene):
