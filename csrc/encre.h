@@ -66,6 +66,11 @@ enum encre_layer {
 	ENCRE_LAYER_SEEN_COLOR,  /* 3: unlit colour */
 	ENCRE_LAYER_SEEN_NORMAL, /* 3: normal in the space of the camera, which looks along -z */
 	ENCRE_LAYER_SEEN_DEPTH,  /* 1: as depth, along the way that light takes; 0 = nothing there (may be absent) */
+	ENCRE_LAYER_CREASES,     /* 5: where edges of meshes pass, and by how many degrees the surface bends there: on
+				    the way to the right neighbour place and bend, to the lower one place and bend; as in
+				    marks 0 < place <= 1, 0 = nowhere; bend negative: shaded smoothly. Fifth: by how many
+				    degrees the faces of the pixels on both sides of it differ, in whatever direction they
+				    do most; negative: no mesh tells of this pixel (absent: of none) */
 	ENCRE_LAYER_COUNT
 };
 
@@ -238,7 +243,18 @@ typedef struct encre_mesh {
 	double model[16];        /* object -> world, row by row */
 	int32_t object_index, material_index, style_index, reserved;
 	const int32_t *object; /* object number per primitive; NULL = object_index for all */
+	const uint8_t *edges; /* of triangles, enum encre_edge of the edge from corner k at bits 2 k and 2 k + 1; NULL =
+				 all ENCRE_EDGE_FLAT */
+	float crease_offset;  /* degrees: added to the bend of every edge */
+	int32_t reserved2;
 } encre_mesh;
+
+/* What a crease along an edge of a triangle is taken for. */
+enum encre_edge {
+	ENCRE_EDGE_FLAT = 0,   /* between surfaces that are shaded flat */
+	ENCRE_EDGE_SMOOTH = 1, /* between such as are shaded smoothly */
+	ENCRE_EDGE_NONE = 2,   /* inside a face, or never a crease: only an end of the surface */
+};
 
 enum { ENCRE_MAX_CHANNELS = 16 };
 
@@ -259,10 +275,13 @@ typedef struct encre_raster_job {
 	encre_image attributes;  /* out, n_channels; 0 = nothing */
 	encre_progress progress; /* may be NULL */
 	void *user;
-	encre_image marks; /* out, 2: the layer `marks` of what can be seen of the lines, of several that pass
-			      between the same pixels the first; where none does, of the contours of triangles:
-			      edges, found by the indices of corners, at which a surface ends or turns away or
-			      numbers change; of several of them the outermost of the surface in front */
+	encre_image marks;   /* out, 2: the layer `marks` of what can be seen of the lines, of several that pass
+				between the same pixels the first; where none does, of the contours of triangles:
+				edges, found by the indices of corners, at which a surface ends or turns away or
+				numbers change; of several of them the outermost of the surface in front */
+	encre_image creases; /* out, 4: the layer `creases`: of edges between two triangles of a mesh, by the indices
+				of corners, that bend by 5 degrees or more and can be seen; of several that pass
+				between the same pixels the one that bends most */
 } encre_raster_job;
 
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent

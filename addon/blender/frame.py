@@ -168,7 +168,7 @@ class Frames:
         threads = render.threads if render.threads_mode == "FIXED" else 0
         line_numbers, user_indices = self.numbers or (None, None)
         objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers)
-        drawn = ["object", "material", "style", "marks"]
+        drawn = ["object", "material", "style", "marks", *(["normal", "creases"] if settings.wants_edges else [])]
         if any(mesh.attributes is not None for mesh in objects.meshes):
             drawn.append("attributes")
         views = {}

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..pen import colour, library, unwrap
 from ..pen.errors import EncreError
-from ..pen.job import Mesh
+from ..pen.job import EDGES, Mesh, edge_kinds
 from . import properties, versions
 
 MESHABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
@@ -92,6 +92,7 @@ class _Triangles:
     part: np.ndarray | None      # part of each triangle, 0 to n_parts - 1; None: there is one
     n_parts: int
     marked: np.ndarray           # (edges, 2) points of the edges that are marked by hand
+    edges: np.ndarray | None     # (triangles,) as Mesh.edges
 
 
 def _triangles(obj):
@@ -133,7 +134,7 @@ def _read(mesh, separate):
     marked = versions.marked_edges(mesh)
     return _Triangles(points, corners, material, _painted(mesh, loops, corners, face), part, n_parts,
                       np.empty((0, 2), np.int32) if marked is None or not marked.any()
-                      else _get(mesh.edges, "vertices", np.int32, 2)[marked])
+                      else _get(mesh.edges, "vertices", np.int32, 2)[marked], _edges(mesh, loops, face))
 
 
 def _triangulate(mesh, points, vertex):
@@ -153,6 +154,30 @@ def _triangulate(mesh, points, vertex):
     halves = np.take_along_axis(four, cut, 1).reshape(-1, 3)
     loops = np.concatenate([start[triangle][:, None] + np.arange(3, dtype=np.int32), halves])
     return loops, np.concatenate([triangle, np.repeat(quad, 2)])
+
+
+# Creases
+
+NO_LINE = "encre_no_line"  # a boolean attribute of edges: never a crease
+
+
+def _edges(mesh, loops, face):
+    """What creases along the triangles' edges are taken for, (t,) as Mesh.edges; None: all between flat faces."""
+    start, total = (_get(mesh.polygons, name, np.int32)[face][:, None] for name in ("loop_start", "loop_total"))
+    smooth = _get(mesh.polygons, "use_smooth", bool)[face][:, None]
+    never = mesh.attributes.get(NO_LINE)
+    never = None if never is None or (never.domain, never.data_type) != ("EDGE", "BOOLEAN") else never
+    if total.max() == 3 and not smooth.any() and never is None:
+        return None
+    inner = np.roll(loops, -1, 1) - start != (loops - start + 1) % total  # cuts through a face
+    corner_edge = mesh.attributes.get(".corner_edge")  # as fast as .corner_vert
+    edge = (_get(corner_edge.data, "value", np.int32) if corner_edge
+            else _get(mesh.loops, "edge_index", np.int32))[loops]
+    kinds = np.where(smooth & ~versions.sharp_edges(mesh)[edge], EDGES["smooth"], EDGES["flat"])
+    if never is not None:
+        inner |= _get(never.data, "value", bool)[edge]
+    kinds[inner] = EDGES["none"]
+    return edge_kinds(kinds)
 
 
 # Parts
@@ -256,7 +281,8 @@ def _mesh(triangles, obj, materials, matrix, number):
     controls = np.array([slot[2] for slot in slots]) + np.array(properties.controls(obj), np.float32)
     mesh = Mesh(triangles.points, triangles.corners, object_index=number,
                      model=np.array(matrix, np.float64), material_index=slots[0][0],
-                     style_index=own_style or slots[0][1])
+                     style_index=own_style or slots[0][1], edges=triangles.edges,
+                     crease_offset=obj.encre.crease_offset)
     if triangles.part is not None:
         mesh.object = number + triangles.part
     slot = np.zeros(len(triangles.corners), np.intp)

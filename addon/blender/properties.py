@@ -82,7 +82,7 @@ class Own:
     panels. Whoever needs it reads block.encre.<id>."""
 
     id: str
-    kind: str  # "control" -1..1, "style" the name of one of the scene's, "text", "bool"
+    kind: str  # "control" -1..1, "degrees" -180..180, "style" the name of one of the scene's, "text", "bool"
     label: str
     help: str
     owners: tuple[str, ...] = ("object", "material")
@@ -91,6 +91,8 @@ class Own:
         about = {"name": self.label, "description": self.help}
         if self.kind == "control":
             return bpy.props.FloatProperty(default=0.0, min=-1.0, max=1.0, **about)
+        if self.kind == "degrees":
+            return bpy.props.FloatProperty(default=0.0, min=-180.0, max=180.0, soft_min=-90.0, soft_max=90.0, **about)
         return bpy.props.BoolProperty(**about) if self.kind == "bool" else bpy.props.StringProperty(**about)
 
 
@@ -105,6 +107,8 @@ def own_settings(owner):
             ("object",)),
         Own("separate_parts", "bool", "Separate Parts", "Parts of the mesh that no face joins have outlines between "
             "them, as objects have: also where they pass through each other", ("object",)),
+        Own("crease_offset", "degrees", "Crease Offset", "Degrees that are added to the bend of every edge of this "
+            "mesh before Crease Angle decides", ("object",)),
     ]
     return [own for own in rows if owner in own.owners]
 
@@ -120,6 +124,7 @@ def register():
         **{p.id: _property(p) for p in params},
         "styles": bpy.props.CollectionProperty(type=style, name="Styles"),
         "active_style": bpy.props.IntProperty(options={"HIDDEN"}),
+        "version": bpy.props.IntProperty(options={"HIDDEN"}),  # of the settings in a file: migration.py
         "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
     })
     material = _class("EncreMaterial", {own.id: own.property() for own in own_settings("material")})

@@ -60,6 +60,15 @@ def marked_edges(mesh):
     return marked
 
 
+def sharp_edges(mesh):
+    """Between which faces shading is flat though both are smooth: bool (edges,)."""
+    sharp = np.empty(len(mesh.edges), bool)
+    mesh.edges.foreach_get("use_edge_sharp", sharp)
+    # Before 4.1 a mesh itself makes edges above an angle sharp: all count then, as the angle is about the least at
+    # which creases are lines.
+    return np.ones_like(sharp) if getattr(mesh, "use_auto_smooth", False) else sharp
+
+
 def has_cycles_denoiser():
     """Whether this build's Cycles has Open Image Denoise. Distributions leave it out, and Cycles then refuses to
     render any scene that asks for it, as every factory scene does."""

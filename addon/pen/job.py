@@ -31,7 +31,8 @@ class Frame:
 @dataclass
 class Mesh:
     """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels); numbers of
-    `object`, `material` and `style` (t,) or one for all. Of kind `lines`: points and corners (t, 2) alone.
+    `object`, `material` and `style` (t,) or one for all; edges (t,) packed by edge_kinds(), and the degrees that are
+    added to every bend. Of kind `lines`: points and corners (t, 2) alone.
     """
 
     points: np.ndarray
@@ -45,6 +46,16 @@ class Mesh:
     material_index: int = 0
     style_index: int = 0
     kind: str = "triangles"
+    edges: np.ndarray | None = None
+    crease_offset: float = 0.0
+
+
+EDGES = {"flat": 0, "smooth": 1, "none": 2}  # enum encre_edge
+
+
+def edge_kinds(kinds: np.ndarray) -> np.ndarray:
+    """(t, 3) numbers of EDGES, of the edges from each corner of triangles, as Mesh.edges has them."""
+    return (kinds @ np.array((1, 4, 16), np.uint8)).astype(np.uint8)
 
 
 @dataclass

@@ -79,7 +79,8 @@ class _Mesh(c.Structure):
                 ("points", c.c_void_p), ("corners", c.c_void_p), ("attributes", c.c_void_p),
                 ("material", c.c_void_p), ("style", c.c_void_p), ("model", c.c_double * 16),
                 ("object_index", c.c_int32), ("material_index", c.c_int32), ("style_index", c.c_int32),
-                ("reserved", c.c_int32), ("object", c.c_void_p)]
+                ("reserved", c.c_int32), ("object", c.c_void_p), ("edges", c.c_void_p), ("crease_offset", c.c_float),
+                ("reserved2", c.c_int32)]
 
 
 _KINDS = {"triangles": 3, "lines": 2}  # corners of a primitive, in the order of enum encre_primitive
@@ -90,7 +91,8 @@ class _RasterJob(c.Structure):
     _fields_ = [("meshes", c.POINTER(_Mesh)), ("n_meshes", c.c_int32), ("n_channels", c.c_int32),
                 ("view", c.c_double * 16), ("projection", c.c_double * 16), ("clip_start", c.c_double),
                 ("clip_end", c.c_double), ("frame", _Frame), *((n, _Image) for n in _RASTER_OUTPUTS),
-                ("progress", _Progress), ("user", c.c_void_p), ("marks", _Image)]
+                ("progress", _Progress), ("user", c.c_void_p), ("marks", _Image),
+                ("creases", _Image)]
 
 
 class _BakeJob(c.Structure):
@@ -291,7 +293,7 @@ class Library:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
-        (H, W, 2).
+        (H, W, 2) and `creases` (H, W, 4).
         """
         job, keep = _RasterJob(), []
         array = (_Mesh * max(1, len(meshes)))()
@@ -305,7 +307,7 @@ class Library:
         width, height = size
         images = {}
         for name in outputs:
-            depth = {"normal": (3,), "attributes": (channels,), "marks": (2,)}.get(name, ())
+            depth = {"normal": (3,), "attributes": (channels,), "marks": (2,), "creases": (4,)}.get(name, ())
             shape = height, width, *depth
             images[name] = np.zeros(shape, np.float32)
             if images[name].size:
@@ -379,6 +381,8 @@ def _pack_mesh(m, mesh):
     m.material = pointer("material", mesh.material, np.int32, (count,))
     m.style = pointer("style", mesh.style, np.int32, (count,))
     m.object = pointer("object", mesh.object, np.int32, (count,))
+    m.edges = pointer("edges", mesh.edges, np.uint8, (count,))
+    m.crease_offset = mesh.crease_offset
     m.model[:] = np.asarray(mesh.model, np.float64).ravel()
     m.object_index, m.material_index, m.style_index = mesh.object_index, mesh.material_index, mesh.style_index
     return keep

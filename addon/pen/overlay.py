@@ -33,8 +33,13 @@ def own_pixels(index: np.ndarray, drawn: np.ndarray) -> tuple[np.ndarray, np.nda
 
 def compact(maps: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The rasteriser's pictures as long as Cycles renders: numbers in as few bytes as they need, and what is 0
-    everywhere left out."""
+    everywhere left out. Creases get as a fifth channel what bends() tells of the `normal` of the faces, which goes."""
     out = {}
+    if "creases" in maps:
+        creases, normal = maps.pop("creases"), maps.pop("normal")
+        out["creases"] = np.empty((*creases.shape[:2], 5), np.float16)  # to 1/2048 pixel and 1/16 degree
+        out["creases"][..., :4] = creases
+        out["creases"][..., 4] = bends(normal)
     for name, picture in maps.items():
         if name not in ("attributes", "marks"):
             out[name] = picture.astype(np.min_scalar_type(int(picture.max())))
@@ -49,7 +54,7 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
 
     index: (height, width) object index that Cycles wrote. maps: what compact() gave of the rasteriser's pictures
     `object` (a number per part of an instance, 0 = nothing), `material`, `style`, `attributes` (the controls) and
-    `marks`; each is popped when it is read.
+    `marks` and `creases`; each is popped when it is read.
     owners[number]: what Cycles wrote for that instance; numbers[number]: what the object layer says for it.
     strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices.
     """
@@ -69,16 +74,35 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
     if "attributes" in maps:
         layers["controls"] = moved(maps.pop("attributes"))
     if "marks" in maps:
-        layers["marks"] = _seen_marks(maps.pop("marks"), pixels)
+        layers["marks"] = _without(maps.pop("marks"), pixels)
+    if "creases" in maps:
+        layers["creases"] = np.array(maps.pop("creases"), np.float32)
+        _without(layers["creases"][..., :4], pixels)
+        layers["creases"].reshape(-1, 5)[pixels, 4] = -1  # no mesh tells of them
     return layers
 
 
-def _seen_marks(marks, strays):
-    """The marks (height, width, 2), changed: without ways to or from `strays`, flat numbers of pixels that show
-    something else than the rasteriser drew."""
-    stray = np.zeros(marks.shape[:2], bool)
+def _without(ways, strays):
+    """What is told of ways to the right and down (height, width, 2 n), changed: nothing of those to or from `strays`,
+    flat numbers of pixels that show something else than the rasteriser drew."""
+    n = ways.shape[2] // 2
+    stray = np.zeros(ways.shape[:2], bool)
     stray.reshape(-1)[strays] = True
-    marks[stray] = 0
-    marks[:, :-1, 0][stray[:, 1:]] = 0
-    marks[:-1, :, 1][stray[1:]] = 0
-    return marks
+    ways[stray] = 0
+    ways[:, :-1, :n][stray[:, 1:]] = 0
+    ways[:-1, :, n:][stray[1:]] = 0
+    return ways
+
+
+def bends(normal: np.ndarray) -> np.ndarray:
+    """By how many degrees the faces on both sides of each pixel differ, in the direction in which they do most,
+    (height, width). normal: (height, width, 3), 0 where nothing is."""
+    height, width = normal.shape[:2]
+    least = np.ones((height, width), np.float32)
+    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        inner = least[down:height - down, abs(right):width - abs(right)]
+        first, last = abs(right) - right, width - abs(right) - right
+        one = normal[:height - 2 * down, first:last]
+        other = normal[2 * down:, first + 2 * right:last + 2 * right]
+        np.minimum(inner, np.einsum("yxc,yxc->yx", one, other), out=inner)
+    return np.degrees(np.arccos(np.clip(least, -1, 1)))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a file keeps beside Cycles' passes, so that its picture can be drawn again: layers packed into passes of three
-channels at most, which Blender's compositor can show. Only files have these passes; all else has layers.
+"""What a file keeps beside Cycles' passes, so that its picture can be drawn again: layers packed into passes of one,
+three or four channels, which Blender's compositor can show. Only files have these passes; all else has layers.
 """
 
 import numpy as np
@@ -8,14 +8,14 @@ import numpy as np
 from . import library
 
 _WHOLE = {"Encre Source": "combined", "Encre Diffuse": "diffuse", "Encre Seen Depth": "seen_depth"}
-_INDEX, _MARKS = "Encre Index", "Encre Marks"  # Z of the marks is 0: the compositor knows no passes of two channels
+_INDEX, _MARKS, _CREASES = "Encre Index", "Encre Marks", "Encre Creases"  # Z of the marks is the creases' fifth channel
 _NUMBERS = ("object", "material", "style")
 
 
 def passes(seen: bool) -> dict[str, str]:
     """{pass: channel letters}. seen: whether there are the layers of what mirrors show."""
     out = {"Encre Source": "RGBA", "Encre Diffuse": "RGB", _INDEX: "XYZ", **dict.fromkeys(control_passes(), "XYZ"),
-           _MARKS: "XYZ"}
+           _MARKS: "XYZ", _CREASES: "RGBA"}
     return {**out, "Encre Seen Depth": "X"} if seen else out
 
 
@@ -34,10 +34,14 @@ def pack(name: str, layers: dict[str, np.ndarray]) -> np.ndarray | None:
     if name == _INDEX:
         places = [(channel, layers.get(layer), 0) for channel, layer in enumerate(_NUMBERS)]
     elif name == _MARKS:
-        places = [(channel, layers.get("marks"), channel) for channel in range(2)]
+        places = [*((channel, layers.get("marks"), channel) for channel in range(2)), (2, layers.get("creases"), 4)]
+    elif name == _CREASES:
+        places = [(channel, layers.get("creases"), channel) for channel in range(4)]
     else:
         places = [(channel, layers.get("controls"), k) for channel, k in control_passes()[name]]
-    out = np.zeros((*layers["combined"].shape[:2], 3), np.float32)
+    out = np.zeros((*layers["combined"].shape[:2], 4 if name == _CREASES else 3), np.float32)
+    if name == _MARKS and "creases" not in layers:
+        out[..., 2] = -1  # no mesh tells of any pixel
     for channel, layer, k in places:
         if layer is not None:
             out[..., channel] = layer[..., k]
@@ -51,6 +55,8 @@ def unpack(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         out.update((layer, found[_INDEX][..., k:k + 1]) for k, layer in enumerate(_NUMBERS))
     if _MARKS in found:
         out["marks"] = found[_MARKS][..., :2]
+    if _CREASES in found and _MARKS in found:
+        out["creases"] = np.concatenate([found[_CREASES], found[_MARKS][..., 2:]], 2)
     controls = [(found[name], places) for name, places in control_passes().items() if name in found]
     if controls:
         out["controls"] = np.zeros((*controls[0][0].shape[:2], len(library.controls())), np.float32)

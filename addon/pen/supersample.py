@@ -20,6 +20,8 @@ def shrink(name: str, picture: np.ndarray, factor: int) -> np.ndarray:
     """The pass `name` (classic or not) of the frame's size: the mean of each factor x factor pixels, or one of them."""
     if name == "Encre Marks":
         return _marks(picture, factor)
+    if name == "Encre Creases":
+        return _creases(picture, factor)
     if _one_sample(name):
         return picture[factor // 2::factor, factor // 2::factor].copy()  # or the large one would stay
     parts = (picture[row::factor, column::factor] for row in range(factor) for column in range(factor))
@@ -36,6 +38,7 @@ def _marks(picture, factor):
     rasteriser lines come before seams, which are negative, and then the first."""
     first = factor // 2
     marks = np.zeros_like(picture[first::factor, first::factor])
+    marks[..., 2] = picture[first::factor, first::factor, 2]
     for axis in (0, 1):
         for k in reversed(range(factor)):
             part = picture[first + k * axis::factor, first + k * (1 - axis)::factor, axis]
@@ -43,6 +46,19 @@ def _marks(picture, factor):
             old = marks[:part.shape[0], :part.shape[1], axis]
             old[...] = np.where((part > 0) | ((part < 0) & (old <= 0)), place, old)
     return marks
+
+
+def _creases(picture, factor):
+    """Likewise of creases (height, width, 4): on each way that remains the one that bends most."""
+    first = factor // 2
+    creases = np.zeros_like(picture[first::factor, first::factor])
+    for axis in (0, 1):
+        for k in range(factor):
+            part = picture[first + k * axis::factor, first + k * (1 - axis)::factor, 2 * axis:2 * axis + 2]
+            old = creases[:part.shape[0], :part.shape[1], 2 * axis:2 * axis + 2]
+            more = np.abs(part[..., 1]) > np.abs(old[..., 1])
+            old[more] = np.stack([(k + part[..., 0]) / factor, part[..., 1]], 2)[more]
+    return creases
 
 
 class Gathered:

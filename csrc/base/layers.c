@@ -26,6 +26,8 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 	[ENCRE_LAYER_SEEN_COLOR] = {"seen_color", "unlit colour of what mirrors and clear glass show", 3, 0},
 	[ENCRE_LAYER_SEEN_NORMAL] = {"seen_normal", "its normal, in the space of the camera", 3, 0},
 	[ENCRE_LAYER_SEEN_DEPTH] = {"seen_depth", "its distance, as depth", 1, 0},
+	[ENCRE_LAYER_CREASES] = {"creases", "where edges of meshes pass to the right and down, and how much they bend",
+				 5, 0},
 };
 
 #define CONTROL(id, text, lab, most, least, file_pass, place)                                                          \

@@ -200,6 +200,11 @@ static edges setup(const frame *f)
 	float gain = !e.dog ? 10 : e.inverse ? 60 : 200;
 	float divisor = e.ortho ? f->camera.height : e.inverse ? 1 : p->depth_far - p->depth_near;
 	e.depth_factor = gain / divisor < most_factor ? gain / divisor : most_factor;
+	e.creases = e.fine && p->crease_source == crease_source_AUTO && f->layer[ENCRE_LAYER_CREASES].data;
+	for (int i = 0; e.creases && i < f->n_styles; i++) {
+		e.bump[i] = p[i].edge_bump;
+		e.on[SOURCE_NORMAL] |= e.bump[i] > 0;
+	}
 	for (int s = 0; s < SOURCE_COUNT; s++) {
 		for (int i = 0; i < f->n_styles; i++) {
 			e.weight[s][i] = weight_in(p + i, (enum source)s);

@@ -23,6 +23,8 @@ typedef struct edges {
 	bool inverse, ortho; /* depth is compared as 1/z, or as z under an orthographic camera */
 	float depth_factor;  /* from a detector's response on the samples to strength */
 	float weight[SOURCE_COUNT][UINT8_MAX + 1]; /* by style */
+	bool creases; /* meshes tell where surfaces bend; then the weight of what normals show besides, by style: */
+	float bump[UINT8_MAX + 1];
 	int reach[SAMPLE_COUNT];
 
 	float *samples; /* rings of all sources, for each thread */

@@ -96,6 +96,7 @@ typedef struct placed {
 	uint16_t near_x, near_y;  /* of the least depth in the 5x5 about the pixel that held it, of the object that the
 				     line bounds: there it takes its controls */
 	uint8_t source : 7;       /* the strongest: whose width the line has */
+	uint8_t eased;            /* 255ths of its width that it lacks */
 	bool weak : 1;            /* of a line only where that goes on beside what is none by itself */
 	int8_t step[3]; /* a step's way along its axis through the values of its layer, at most 127 long; else 0 */
 } placed;
@@ -141,6 +142,8 @@ typedef struct fine {
 	float floor[FAMILY_COUNT]; /* of what is a step or a band */
 	float most_color;          /* the largest weight of colour, without the painted control */
 	float least_contrast;      /* between colours across a step */
+	bool bumps;                /* normals may make edges where no face bends */
+	float least_angle;         /* the least crease_angle of all styles */
 	uint8_t *colored;          /* by row: colours may make edges */
 	uint8_t *crack;            /* width * height */
 	uint8_t *hit;              /* spans * height: of THIN_SPAN pixels of a row */
@@ -206,6 +209,15 @@ bool ISA(hand_site)(const fine *n, const found *at, placed *s);
 /* Where a line passes between the pixels of a crack, 0 < place <= 1, or a contour, -place; 0 for nowhere. */
 float ISA(hand_place)(const fine *n, const found *at);
 
+/* creases.c: marks in the cracks of a row where edges of meshes pass that bend enough. */
+void ISA(crease_row)(const fine *n, int y);
+bool ISA(crease_site)(const fine *n, const found *at, placed *s);
+/* The weight of a crease that the normals show at a pixel: where the faces of the mesh bend too little for it, it is a
+ * bump. */
+float ISA(crease_weight)(const fine *n, int x, int y, int style);
+/* Whether anywhere in a row one may be more than that. */
+bool ISA(crease_asked)(const fine *n, int y);
+
 /* thin.c: marks thin things; places their cracks again; marks and places sites between those. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread);
 void ISA(thin_place)(const fine *n, const found *at, placed *s);
@@ -236,6 +248,8 @@ static inline int fine_style(const fine *n, const found *at, placed *s)
 }
 /* The site gets this strength, weighted, if it is larger than what it has; returns whether it is an edge now. */
 bool ISA(fine_weigh)(const fine *n, placed *s, int style, enum source source, float strength);
+/* Likewise, with another weight than the source's. */
+bool ISA(fine_weigh_by)(const fine *n, placed *s, float weight, enum source source, float strength);
 void ISA(fine_place)(const fine *n, const found *at, placed *s); /* s is cleared, and gets no controls */
 /* Fills cell and member. */
 int32_t ISA(fine_sort)(fine *n);

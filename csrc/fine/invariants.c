@@ -20,10 +20,11 @@ const char *broken_cracks(const fine *n)
 {
 	int width = n->f->width, height = n->f->height;
 	for (int y = 0; y < height; y++)
-		if (n->crack[(ptrdiff_t)y * width + width - 1] & (CRACK_RIGHT | MARK_RIGHT | LIGHT_RIGHT))
+		if (n->crack[(ptrdiff_t)y * width + width - 1] &
+		    (CRACK_RIGHT | MARK_RIGHT | CREASE_RIGHT | LIGHT_RIGHT))
 			return "nothing lies right of the last column";
 	for (int x = 0; x < width; x++)
-		if (n->crack[(ptrdiff_t)(height - 1) * width + x] & (CRACK_DOWN | MARK_DOWN | LIGHT_DOWN))
+		if (n->crack[(ptrdiff_t)(height - 1) * width + x] & (CRACK_DOWN | MARK_DOWN | CREASE_DOWN | LIGHT_DOWN))
 			return "nothing lies below the last row";
 	return NULL;
 }

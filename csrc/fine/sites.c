@@ -74,7 +74,11 @@ int ISA(fine_controls)(const fine *n, const found *at, placed *s)
 
 bool ISA(fine_weigh)(const fine *n, placed *s, int style, enum source source, float strength)
 {
-	float weight = n->e->weight[source][style];
+	return ISA(fine_weigh_by)(n, s, n->e->weight[source][style], source, strength);
+}
+
+bool ISA(fine_weigh_by)(const fine *n, placed *s, float weight, enum source source, float strength)
+{
 	const float *controls = controls_at(n->f, pixel_of(s->x, n->f->width), pixel_of(s->y, n->f->height));
 	if (source == SOURCE_COLOR && controls)
 		weight += controls[CONTROL_COLOR_EDGE];
@@ -90,6 +94,7 @@ static void crack_of(const fine *n, const found *at, placed *s)
 {
 	switch ((enum family)at->family) {
 	case FAMILY_MARK: ISA(hand_site)(n, at, s); break;
+	case FAMILY_CREASE: ISA(crease_site)(n, at, s); break;
 	case FAMILY_LIGHT: ISA(light_site)(n, at, s); break;
 	default: ISA(crack_site)(n, at, s); ISA(thin_place)(n, at, s);
 	}
@@ -114,6 +119,7 @@ static void junction_site(const fine *n, const found *at, placed *s)
 		if (its.strength > s->strength) {
 			s->strength = its.strength;
 			s->source = its.source;
+			s->eased = its.eased;
 		}
 	}
 	s->x = x / (float)count;

@@ -38,6 +38,7 @@ static pen_end pen_end_of(const frame *f, const site *made, float length)
 	e.fade = 1;
 	if (!ISA(pen_of)(f, s->near_x, s->near_y, (enum source)s->source, s->strength, &pen))
 		return e;
+	pen.radius *= 1 - (float)s->eased / 255;
 	float taper = pen.p->line_taper * f->scale;
 	if (length < taper)
 		pen.radius *= length / taper;

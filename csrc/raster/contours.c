@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Contours of triangles. A surface ends on the screen where it turns away from the eye, is cut off or changes its
  * number. That is told from the sides of an edge on which its triangles lie, in whatever sense their corners go round:
- * on one only, and the surface ends or folds there. */
+ * on one only, and the surface ends or folds there. Where it goes on it may bend: that is told by its triangles'
+ * normals in the world, whichever way round their corners go. */
 #include "raster/contours.h"
+
+#include "base/pixel.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -24,6 +27,7 @@ typedef struct edge_list {
 	uint32_t *start;  /* n_points + 1: where a point's begin */
 	uint32_t *first;  /* by higher point: where in `corner` the edge was met first, plus 1 */
 	uint8_t *cover;   /* by where it was met first: sides, going from the lower point */
+	uint16_t *bend;   /* likewise: the most that two triangles bend there; NULL where nobody asks */
 } edge_list;
 
 static inline void ends_of(const encre_mesh *mesh, uint32_t corner, int32_t *low, int32_t *high)
@@ -54,6 +58,45 @@ static bool same_numbers(const encre_mesh *mesh, uint32_t i, uint32_t j)
 	       (!mesh->material || mesh->material[i] == mesh->material[j]);
 }
 
+static enum encre_edge edge_at(const encre_mesh *mesh, uint32_t corner)
+{
+	return mesh->edges ? (enum encre_edge)(mesh->edges[corner / 3] >> 2 * (corner % 3) & 3) : ENCRE_EDGE_FLAT;
+}
+
+/* How much the surface bends between the triangles of two corners at which the same edge begins or ends. */
+static uint16_t bend_of(const part *part, uint32_t c, uint32_t d)
+{
+	const encre_mesh *mesh = part->mesh;
+	enum encre_edge one = edge_at(mesh, c), other = edge_at(mesh, d), edge = one < other ? one : other;
+	if (one >= ENCRE_EDGE_NONE || other >= ENCRE_EDGE_NONE)
+		return 0;
+	double a[3], b[3], along = 0, sine = 0;
+	geometry_across(part, c / 3, a);
+	geometry_across(part, d / 3, b);
+	double turn = point_at(mesh, c) == point_at(mesh, d) ? -1 : 1; /* else they go along it in opposite ways */
+	for (int k = 0; k < 3; k++) {
+		int i = (k + 1) % 3, j = (k + 2) % 3;
+		double s = a[i] * b[j] - a[j] * b[i];
+		along += turn * a[k] * b[k];
+		sine += s * s;
+	}
+	double longest = fmax(sqrt(sine), fabs(along)); /* products of areas: too large or too small for a float */
+	if (!(longest > 0 && longest < INFINITY))
+		return 0;
+	double degrees =
+		57.29577951308232 * (double)pixel_atan2((float)(sqrt(sine) / longest), (float)(along / longest));
+	double bend = BEND_UNIT * (degrees + (double)mesh->crease_offset) + 0.5;
+	if (!(bend >= BEND_LEAST))
+		return 0;
+	return (uint16_t)((bend < BEND_MOST ? (int)bend : BEND_MOST) | (edge == ENCRE_EDGE_SMOOTH ? BEND_SMOOTH : 0));
+}
+
+static void bend_more(uint16_t *bend, uint16_t other)
+{
+	if ((other & ~BEND_SMOOTH) > (*bend & ~BEND_SMOOTH))
+		*bend = other;
+}
+
 /* Files the edges under their lower points; one between a point and itself is none. */
 static void file_edges(const encre_mesh *mesh, uint32_t corners, edge_list *list)
 {
@@ -76,8 +119,9 @@ static void file_edges(const encre_mesh *mesh, uint32_t corners, edge_list *list
 
 /* Looks through the edges from a point to higher ones. edges[i] has what facing() says of triangle i above its edges.
  */
-static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, uint8_t *edges)
+static void join(const part *part, int32_t point, const edge_list *list, uint8_t *edges, uint16_t *bends)
 {
+	const encre_mesh *mesh = part->mesh;
 	uint32_t from = list->start[point], end = list->start[point + 1];
 	int32_t low, high;
 	for (uint32_t k = from; k < end; k++) {
@@ -87,8 +131,12 @@ static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, u
 		if (!met) {
 			list->first[high] = k + 1;
 			list->cover[k] = 0;
+			if (bends)
+				list->bend[k] = 0;
 		}
 		uint32_t first = list->first[high] - 1;
+		if (bends && met)
+			bend_more(list->bend + first, bend_of(part, list->corner[first], c));
 		enum contour_side side = (enum contour_side)(edges[c / 3] >> FACING);
 		list->cover[first] |= (uint8_t)(point_at(mesh, c) == point ? side : turned(side));
 		list->cover[first] |= same_numbers(mesh, c / 3, list->corner[first] / 3) ? 0 : DIFFERENT;
@@ -96,7 +144,11 @@ static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, u
 	for (uint32_t k = from; k < end; k++) {
 		uint32_t c = list->corner[k];
 		ends_of(mesh, c, &low, &high);
-		if (list->first[high] != k + 1 || list->cover[k] == CONTOUR_BOTH)
+		if (list->first[high] != k + 1)
+			continue;
+		if (bends)
+			bends[c] = list->bend[k];
+		if (list->cover[k] == CONTOUR_BOTH)
 			continue;
 		enum contour_side side = (enum contour_side)(list->cover[k] & CONTOUR_BOTH);
 		side = list->cover[k] & DIFFERENT ? CONTOUR_BOTH : point_at(mesh, c) == point ? side : turned(side);
@@ -104,7 +156,8 @@ static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, u
 	}
 }
 
-static bool find(const part *part, uint8_t *edges)
+/* bends: all 0, or NULL. */
+static bool find(const part *part, uint8_t *edges, uint16_t *bends)
 {
 	const encre_mesh *mesh = part->mesh;
 	uint32_t n = (uint32_t)mesh->n_primitives;
@@ -116,6 +169,7 @@ static bool find(const part *part, uint8_t *edges)
 		list.start = arena_take(&a, points + 1, sizeof *list.start);
 		list.first = arena_take(&a, points, sizeof *list.first);
 		list.cover = arena_take(&a, (size_t)3 * n, sizeof *list.cover);
+		list.bend = bends ? arena_take(&a, (size_t)3 * n, sizeof *list.bend) : NULL;
 		if (pass == 0 && !(a = (arena){.base = malloc(a.used)}).base)
 			return false;
 	}
@@ -125,7 +179,7 @@ static bool find(const part *part, uint8_t *edges)
 		edges[i] = (uint8_t)(facing(part, i) << FACING);
 	file_edges(mesh, 3 * n, &list);
 	for (int32_t point = 0; point < mesh->n_points; point++)
-		join(mesh, point, &list, edges);
+		join(part, point, &list, edges, bends);
 	for (uint32_t i = 0; i < n; i++)
 		edges[i] &= (1 << FACING) - 1;
 	free(a.base);
@@ -135,6 +189,7 @@ static bool find(const part *part, uint8_t *edges)
 typedef struct search {
 	const geometry *g;
 	uint8_t *edges;
+	uint16_t *bends;
 	atomic_bool failed;
 } search;
 
@@ -144,14 +199,17 @@ static void find_parts(void *data, int p0, int p1, int thread)
 	search *s = data;
 	for (int p = p0; p < p1; p++) {
 		const part *part = s->g->parts + p;
-		if (part->mesh->kind == ENCRE_TRIANGLES && !find(part, s->edges + part->first))
+		uint16_t *bends = s->bends ? s->bends + (size_t)3 * part->first : NULL;
+		if (part->mesh->kind == ENCRE_TRIANGLES && !find(part, s->edges + part->first, bends))
 			atomic_store(&s->failed, true);
 	}
 }
 
-int32_t contours_find(bands *pool, const geometry *g, uint8_t *edges)
+int32_t contours_find(bands *pool, const geometry *g, uint8_t *edges, uint16_t *bends)
 {
-	search s = {.g = g, .edges = edges};
+	search s = {.g = g, .edges = edges, .bends = bends};
+	if (bends)
+		memset(bends, 0, (size_t)3 * g->n_primitives * sizeof *bends);
 	atomic_init(&s.failed, false);
 	int32_t code = bands_run(pool, g->n_parts, 1, find_parts, &s);
 	return code ? code : atomic_load(&s.failed) ? ENCRE_ERROR_MEMORY : ENCRE_OK;

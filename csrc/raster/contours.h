@@ -12,8 +12,19 @@ enum contour_side { CONTOUR_NONE = 0, CONTOUR_RIGHT = 1, CONTOUR_LEFT = 2, CONTO
 /* edges: of each primitive, for triangles two bits per edge, that from corner k to the next from bit 2 k on. Of the
  * triangles of a mesh that share an edge, by the indices of its points, one has the side on which all of them lie, or
  * CONTOUR_BOTH where numbers of objects or materials differ; else all have none. Returns a code of enum encre_code.
- * Takes about 20 bytes a triangle of the meshes that are searched at once, one by each thread. */
-int32_t contours_find(bands *pool, const geometry *g, uint8_t *edges);
+ * bends (may be NULL): of each primitive, for triangles three, by corners as the sides: for one of those that share an
+ * edge by how much it bends there, in BEND_UNIT of a degree, and BEND_SMOOTH; 0 where that is less than BEND_LEAST.
+ * Takes about 24 bytes a triangle of the meshes that are searched at once, one by each thread. */
+int32_t contours_find(bands *pool, const geometry *g, uint8_t *edges, uint16_t *bends);
+
+enum { BEND_UNIT = 128, BEND_LEAST = 5 * BEND_UNIT, BEND_MOST = 180 * BEND_UNIT, BEND_SMOOTH = 1 << 15 };
+
+/* Degrees, negative for an edge that is shaded smoothly. */
+static inline float bend_degrees(uint16_t bend)
+{
+	float degrees = (float)(bend & ~BEND_SMOOTH) / BEND_UNIT;
+	return bend & BEND_SMOOTH ? -degrees : degrees;
+}
 
 static inline enum contour_side contour_side(uint8_t edges, int k)
 {

@@ -154,16 +154,34 @@ void geometry_corners(const part *part, uint32_t i, corner c[3])
 	}
 }
 
-void geometry_normal(const geometry *g, const part *part, uint32_t i, float normal[3])
+static void world_corners(const part *part, uint32_t i, double p[3][3])
 {
-	const encre_mesh *mesh = part->mesh;
-	double p[3][3], n[3], to[3], facing = 0, square = 0;
 	for (int k = 0; k < 3; k++)
 		for (int c = 0; c < 3; c++)
-			p[k][c] = row_times(mesh->model + 4 * c, point_of(mesh, i, k));
+			p[k][c] = row_times(part->mesh->model + 4 * c, point_of(part->mesh, i, k));
+}
+
+static void cross_edges(double p[3][3], double n[3])
+{
 	for (int c = 0; c < 3; c++) {
 		int a = (c + 1) % 3, b = (c + 2) % 3;
 		n[c] = (p[1][a] - p[0][a]) * (p[2][b] - p[0][b]) - (p[1][b] - p[0][b]) * (p[2][a] - p[0][a]);
+	}
+}
+
+void geometry_across(const part *part, uint32_t i, double across[3])
+{
+	double p[3][3];
+	world_corners(part, i, p);
+	cross_edges(p, across);
+}
+
+void geometry_normal(const geometry *g, const part *part, uint32_t i, float normal[3])
+{
+	double p[3][3], n[3], to[3], facing = 0, square = 0;
+	world_corners(part, i, p);
+	cross_edges(p, n);
+	for (int c = 0; c < 3; c++) {
 		to[c] = g->eye[c] - g->eye[3] * p[0][c];
 		square += n[c] * n[c];
 	}

@@ -31,6 +31,8 @@ void geometry_aim(geometry *g);
 const part *geometry_part(const geometry *g, const part *last, uint32_t number);
 /* Corners of primitive `i` of a part: three, of a line two. */
 void geometry_corners(const part *part, uint32_t i, corner c[3]);
+/* Across a triangle in world space, to the side from which its corners go round against the clock; of any length. */
+void geometry_across(const part *part, uint32_t i, double across[3]);
 /* A triangle's unit normal, world space, facing the eye. */
 void geometry_normal(const geometry *g, const part *part, uint32_t i, float normal[3]);
 

@@ -38,7 +38,7 @@ typedef struct raster {
 	room room;
 	int n_bands, n_chunks;
 	uint32_t chunk; /* primitives in a chunk */
-	int more;       /* rows that a band needs below its own: 1 for marks */
+	int more;       /* rows that a band needs below its own: 1 for marks and creases */
 
 	band_range *range; /* of each primitive */
 	size_t *place;     /* n_chunks x n_bands: how many, then where the next one goes */
@@ -46,7 +46,8 @@ typedef struct raster {
 	float *depth;      /* per thread (BAND + 1) x width */
 	uint32_t *front;   /* likewise: number of the nearest primitive */
 	uint32_t *entry;   /* primitives by band */
-	uint8_t *edges;    /* of each triangle: what contours_find() says; with marks only */
+	uint8_t *edges;    /* of each triangle: what contours_find() says; with marks or creases only */
+	uint16_t *bends;   /* of each triangle's edges, likewise; with creases only */
 } raster;
 
 /* False where it covers no pixel of the images. */
@@ -72,6 +73,13 @@ static void widen(int from, int to, int *y0, int *y1)
 	*y1 = to > *y1 ? to : *y1;
 }
 
+/* Whether an edge of a triangle can be a contour or a crease. */
+static bool is_drawn(const raster *r, uint32_t number, int k)
+{
+	return (r->job->marks.data && contour_side(r->edges[number], k) != CONTOUR_NONE) ||
+	       (r->bends && r->bends[(size_t)3 * number + (size_t)k]);
+}
+
 /* Rows of the images, from which on and up to which exclusively, that a primitive is drawn in; false: none. */
 static bool rows_of(const raster *r, const part *part, uint32_t primitive, int *y0, int *y1)
 {
@@ -83,8 +91,8 @@ static bool rows_of(const raster *r, const part *part, uint32_t primitive, int *
 	*y1 = INT32_MIN;
 	if (!line && outline_of(r, part, primitive, &o)) /* with marks it is there for the band above as well */
 		widen(o.y0 - r->room.y0 - r->more, o.y1 - r->room.y0, y0, y1);
-	for (int k = 0; k < 3 && r->job->marks.data; k++)
-		if (line ? k == 0 : contour_side(r->edges[part->first + primitive], k) != CONTOUR_NONE)
+	for (int k = 0; k < 3 && r->edges; k++)
+		if (line ? k == 0 && r->job->marks.data : is_drawn(r, part->first + primitive, k))
 			if (segment_of(r, part, primitive, k, &s, &from, &to))
 				widen(from - r->job->frame.y, to - r->job->frame.y, y0, y1);
 	*y0 = *y0 > 0 ? *y0 : 0;
@@ -235,6 +243,7 @@ typedef struct marking {
 	const part *own;        /* whose contour it is; NULL: a line */
 	enum contour_side side; /* of a contour */
 	bool left, down;        /* where it goes on the screen */
+	float bend;             /* of a crease: degrees, negative for one that is shaded smoothly */
 } marking;
 
 /* What is in front at a pixel, how far a line that passes close by lies behind it, and how far it may and be on it. */
@@ -294,15 +303,39 @@ static void mark(void *user, const crossing *c)
 		*out = (float)-share;
 }
 
+static void crease(void *user, const crossing *c)
+{
+	marking *m = user;
+	const raster *r = m->r;
+	int x = c->column + OUTLINE_GUARD, y = c->row + OUTLINE_GUARD;
+	if (x + !c->down >= r->room.x1 || y + c->down >= r->room.y1)
+		return; /* to a pixel outside of the images */
+	float *out = pixel_at(&r->job->creases, x - r->room.x0, y - r->room.y0) + 2 * c->down;
+	if (fabsf(m->bend) <= fabsf(out[1]))
+		return;
+	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
+	if (hides(&p) && hides(&q))
+		return;
+	double share = c->share > least_share ? c->share : least_share;
+	out[0] = (float)(share < 1 ? share : 1);
+	out[1] = m->bend;
+}
+
+static void clear_rows(const encre_image *image, int y0, int rows)
+{
+	for (int y = y0; image->data && y < y0 + rows; y++)
+		for (int x = 0; x < image->width; x++)
+			memset(pixel_at(image, x, y), 0, (size_t)image->channels * sizeof(float));
+}
+
 /* The band's own rows end before `end`. */
 static void mark_band(const raster *r, int i, const band *b, int end)
 {
 	marking m = {.r = r, .b = b};
 	const part *part = NULL;
 	int x0 = b->x0 - OUTLINE_GUARD, y0 = b->y0 - OUTLINE_GUARD, rows = end - b->y0;
-	for (int y = 0; y < rows; y++)
-		for (int x = 0; x < r->width; x++)
-			memset(pixel_at(&r->job->marks, x, b->y0 - r->room.y0 + y), 0, 2 * sizeof(float));
+	clear_rows(&r->job->marks, b->y0 - r->room.y0, rows);
+	clear_rows(&r->job->creases, b->y0 - r->room.y0, rows);
 	for (size_t n = r->list[i]; n < r->list[i + 1]; n++) {
 		segment s;
 		int from, to;
@@ -310,13 +343,18 @@ static void mark_band(const raster *r, int i, const band *b, int end)
 		bool line = part->mesh->kind != ENCRE_TRIANGLES;
 		m.own = line ? NULL : part;
 		for (int k = 0; k < (line ? 1 : 3); k++) {
-			m.side = line ? CONTOUR_BOTH : contour_side(r->edges[r->entry[n]], k);
-			if (m.side == CONTOUR_NONE ||
+			if ((!line && !is_drawn(r, r->entry[n], k)) ||
 			    !segment_of(r, part, r->entry[n] - part->first, k, &s, &from, &to))
 				continue;
+			m.side = line ? CONTOUR_BOTH : contour_side(r->edges[r->entry[n]], k);
 			m.left = s.x[1] < s.x[0];
 			m.down = s.y[1] > s.y[0];
-			segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, mark, &m);
+			if (r->job->marks.data && m.side != CONTOUR_NONE)
+				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, mark, &m);
+			uint16_t bend = r->bends && !line ? r->bends[(size_t)3 * r->entry[n] + (size_t)k] : 0;
+			m.bend = bend_degrees(bend);
+			if (bend)
+				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, crease, &m);
 		}
 	}
 }
@@ -346,7 +384,7 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 		}
 		for (int row = b.y0; row < end; row++)
 			shade_row(r, &b, row);
-		if (r->job->marks.data)
+		if (r->edges)
 			mark_band(r, i, &b, end);
 	}
 }
@@ -360,7 +398,8 @@ static void plan(raster *r, int threads, arena *a)
 	r->range = arena_take(a, r->geometry.n_primitives, sizeof *r->range);
 	r->place = arena_take(a, (size_t)r->n_chunks * (size_t)r->n_bands, sizeof *r->place);
 	r->list = arena_take(a, (size_t)r->n_bands + 1, sizeof *r->list);
-	r->edges = arena_take(a, r->more ? r->geometry.n_primitives : 0, sizeof *r->edges);
+	r->edges = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->edges) : NULL;
+	r->bends = r->job->creases.data ? arena_take(a, (size_t)3 * r->geometry.n_primitives, sizeof *r->bends) : NULL;
 	r->depth = arena_take(a, band, sizeof *r->depth);
 	r->front = arena_take(a, band, sizeof *r->front);
 }
@@ -369,7 +408,7 @@ static int32_t run(bands *pool, raster *r)
 {
 	int32_t code;
 	geometry_aim(&r->geometry);
-	if (r->more && (code = contours_find(pool, &r->geometry, r->edges)))
+	if (r->more && (code = contours_find(pool, &r->geometry, r->edges, r->bends)))
 		return code;
 	memset(r->place, 0, (size_t)r->n_chunks * (size_t)r->n_bands * sizeof *r->place);
 	if ((code = bands_run(pool, r->n_chunks, 1, count_chunks, r)))
@@ -388,7 +427,7 @@ static int32_t run(bands *pool, raster *r)
 int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size)
 {
 	const encre_image *images[] = {&job->depth, &job->normal,     &job->object, &job->material,
-				       &job->style, &job->attributes, &job->marks};
+				       &job->style, &job->attributes, &job->marks,  &job->creases};
 	const encre_image *image = NULL;
 	for (size_t i = 0; i < sizeof images / sizeof *images; i++)
 		if (images[i]->data)
@@ -397,7 +436,7 @@ int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t
 		    .geometry = {.job = job},
 		    .width = image->width,
 		    .height = image->height,
-		    .more = job->marks.data != NULL};
+		    .more = job->marks.data || job->creases.data};
 	int32_t code = geometry_check(&r.geometry, error, size);
 	if (code)
 		return code;

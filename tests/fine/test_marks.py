@@ -7,7 +7,7 @@ from encre.pen import library
 from encre.pen.library import Frame, Mesh
 from judge import verdict
 from reference.marks import marks
-from views import looking, orthographic, perspective, pixels, rotation, soup
+from views import crumpled, looking, orthographic, perspective, pixels, rotation, soup
 
 PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_color=0.0, edge_light=0.0, line_thickness=1.0)
 
@@ -27,20 +27,6 @@ def passing(meshes, view, projection, frame, size=None, start=0.1, **how):
 
 
 # ---- the rasteriser ----------------------------------------------------------------------------------------------
-
-
-def crumpled(rng, n=9, **numbers):
-    """A ball whose points are out of place, with a hole, a face on its edge and one without area."""
-    around, up = np.meshgrid(np.arange(n) * 2 * np.pi / n, np.linspace(0.3, np.pi, n // 2))
-    points = np.stack([np.cos(around) * np.sin(up), np.cos(up), np.sin(around) * np.sin(up)], -1).reshape(-1, 3)
-    a = np.arange(len(points) - n)
-    b = a // n * n + (a + 1) % n
-    corners = np.concatenate([np.c_[a, b, b + n], np.c_[b + n, a + n, a], [[0, 1, len(points) - 1], [3, 3, n]]])
-    flip = rng.random(len(corners)) < 0.3  # no sense in which they go round is needed
-    corners[flip] = corners[flip][:, ::-1]
-    points = points * rng.uniform(0.7, 1.8, (len(points), 1)) + rng.uniform(-1, 1, 3)
-    return Mesh(points.astype(np.float32), corners.astype(np.int32),
-                **{name: rng.integers(1, count, len(corners)) for name, count in numbers.items()})
 
 
 @pytest.mark.parametrize("projection", [perspective, orthographic])

@@ -85,6 +85,10 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
             [{"edge_light": 1.0}, {"shade_exposure": 1.3}], None),
     "near": (dict(seed=21, strong=0.1, things=2, wires=1), dict(edge_threshold=0.15, edge_color=1.0, crease_angle=8.0),
              (), None),
+    "edges": (dict(seed=71, things=1, bent=24, mirror=True), dict(edge_color=0.0, edge_bump=0.4), (), None),
+    "soft edges": (dict(seed=72, things=2, bent=30, styles=2, size=(44, 60)),
+                   dict(edge_light=0.0, crease_angle=33.0, crease_smooth=45.0),
+                   [{"crease_angle": 60.0}, {"edge_normal": 0.5, "crease_smooth": 20.0}], ORTHO),
     "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
     "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
 }
@@ -118,8 +122,7 @@ def given(name):
     scene, camera = {**ALL, **scene}, camera or Camera()
     told = dict(orthographic=camera.orthographic, height=camera.height, view=camera.view)
     own = Layers(layers, len(styles), told, None)
-    known = {k: v for k, v in scene.items() if k != "crease_angle"}
-    return layers, scene, View(own, Params(known, styles), tuple(layers), scene.get("crease_angle", 20.0))
+    return layers, scene, View(own, Params(scene, styles), tuple(layers), scene.get("crease_angle", 20.0))
 
 
 @functools.cache

@@ -30,6 +30,19 @@ def _patches(rng, size, kinds, values):
     return mean
 
 
+def edges(rng, size, count):
+    """The layer `creases` of edges by chance, flat and smooth, and of faces that bend here and there."""
+    layer = np.zeros((*size, 5))
+    for _ in range(count):
+        place, bend = strokes(rng, size, 1), rng.uniform(5, 90) * rng.choice((-1, 1))
+        for axis in (0, 1):
+            there = (place[..., axis] > 0) & (abs(bend) > np.abs(layer[..., 2 * axis + 1]))
+            layer[there, 2 * axis] = place[there, axis]
+            layer[there, 2 * axis + 1] = bend
+    layer[..., 4] = rng.choice((-1.0, 3.0, 30.0, 80.0), size, p=(0.1, 0.3, 0.3, 0.3))
+    return layer
+
+
 def strokes(rng, size, count):
     """The layer `marks` of short lines every way."""
     height, width = size
@@ -50,7 +63,7 @@ def strokes(rng, size, count):
 
 
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0, light=1.0, hand=0):
+           strong=1.0, light=1.0, hand=0, bent=0):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so."""
     rng = np.random.default_rng(seed)
     height, width = size
@@ -97,6 +110,8 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     layers["marks"] = np.where(rng.random((*size, 2)) < 0.03, rng.uniform(-1, 1, (*size, 2)), 0)
     if hand:
         layers["marks"] = strokes(rng, size, hand)
+    if bent:
+        layers["creases"] = edges(rng, size, bent)
     if mirror:
         glass = _cover(rng, y, x, "half", size)[..., None]
         layers["seen_normal"] = np.where(glass, _patches(rng, size, kinds, normal), layers["normal"])

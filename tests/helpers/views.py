@@ -43,3 +43,17 @@ def soup(rng, n, size=1.0, spread=2.5, channels=3, **more):
     model[:3, :3] = rotation(rng) * rng.uniform(0.5, 1.5, 3)
     return Mesh(points.reshape(-1, 3).astype(np.float32), None, rng.uniform(-1, 1, (n, 3, channels)).astype(np.float32),
                 model=model, **more)
+
+
+def crumpled(rng, n=9, **numbers):
+    """A ball whose points are out of place, with a hole, a face on its edge and one without area."""
+    around, up = np.meshgrid(np.arange(n) * 2 * np.pi / n, np.linspace(0.3, np.pi, n // 2))
+    points = np.stack([np.cos(around) * np.sin(up), np.cos(up), np.sin(around) * np.sin(up)], -1).reshape(-1, 3)
+    a = np.arange(len(points) - n)
+    b = a // n * n + (a + 1) % n
+    corners = np.concatenate([np.c_[a, b, b + n], np.c_[b + n, a + n, a], [[0, 1, len(points) - 1], [3, 3, n]]])
+    flip = rng.random(len(corners)) < 0.3  # no sense in which they go round is needed
+    corners[flip] = corners[flip][:, ::-1]
+    points = points * rng.uniform(0.7, 1.8, (len(points), 1)) + rng.uniform(-1, 1, 3)
+    return Mesh(points.astype(np.float32), corners.astype(np.int32),
+                **{name: rng.integers(1, count, len(corners)) for name, count in numbers.items()})

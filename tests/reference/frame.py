@@ -8,7 +8,8 @@ from . import hatch, lines, paper, shade, smudge
 from .params import SWITCHES, Params
 
 REQUIRED = {"combined": 4, "color": 3, "diffuse": 3, "depth": 1, "normal": 3}
-OPTIONAL = {"albedo": 3, "specular": 3, "object": 1, "material": 1, "style": 1, "controls": 6, "marks": 2}
+OPTIONAL = {"albedo": 3, "specular": 3, "object": 1, "material": 1, "style": 1, "controls": 6, "marks": 2,
+            "creases": 5}
 SEEN = {"seen_color": 3, "seen_normal": 3, "seen_depth": 1}
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
 _LARGEST = float(np.finfo(np.float32).max)
@@ -42,7 +43,7 @@ class Layers:
         self.normal, self.specular = data["normal"], data["specular"]
         self.albedo = self.color if layers.get("albedo") is None else data["albedo"]
         self.object, self.material = data["object"][..., 0], data["material"][..., 0]
-        self.marks = data["marks"]
+        self.marks, self.creases = data["marks"], data["creases"]
         z = data["depth"][..., 0]
         self.there = (z > 0) & (z < 1e9)
         self.depth = np.where(self.there, z, np.inf)

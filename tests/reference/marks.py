@@ -66,14 +66,34 @@ def triangles(mesh):
     return np.arange(len(mesh.points)).reshape(-1, 3) if mesh.corners is None else mesh.corners
 
 
-def marks(lines, meshes, view, projection, frame, size, clip_start):
-    """The output `marks`, and where it is not sure: lines within rounding of a centre, or of where they are hidden.
+def bends(mesh):
+    """(corners, degrees, smooth) of each edge that two triangles or more share and that may be a crease."""
+    corners = triangles(mesh)
+    world = np.asarray(mesh.points, np.float32).astype(float) @ mesh.model[:3, :3].T + mesh.model[:3, 3]
+    across = np.cross(world[corners[:, 1]] - world[corners[:, 0]], world[corners[:, 2]] - world[corners[:, 0]])
+    edges = {}
+    for t, corner in enumerate(corners):
+        for k, (a, b) in enumerate(zip(corner, np.roll(corner, -1), strict=True)):
+            kind = 0 if mesh.edges is None else mesh.edges[t] >> 2 * k & 3
+            if a != b:
+                edges.setdefault((min(a, b), max(a, b)), []).append((t, a < b, kind))
+    for edge, found in edges.items():
+        first, most, smooth = found[0], 0, False
+        for other in found[1:]:
+            one, two = across[first[0]], across[other[0]] * (1 if first[1] != other[1] else -1)
+            if max(first[2], other[2]) > 1 or not (np.any(one) and np.any(two)):
+                continue
+            degrees = np.degrees(np.arctan2(np.linalg.norm(np.cross(one, two)), one @ two)) + mesh.crease_offset
+            if degrees > most:
+                most, smooth = min(degrees, 180), min(first[2], other[2]) == 1
+        if most >= 5:
+            yield np.array(edge), most, smooth
 
-    lines: (mesh of kind lines), all of whose points lie beyond clip_start, as those of the `meshes` do.
-    """
+
+def _walk(meshes, view, projection, frame, size, clip_start):
+    """The function that follows a line on the screen over the surfaces of `meshes`."""
     width, height = size
     front = raster.draw(meshes, view, projection, frame, size, clip_start)["front"]
-    out, unsure = np.zeros((height, width, 2)), np.zeros((height, width, 2), bool)
     scale = 2 / (abs(projection[1, 1]) * frame.height)
 
     def crossed(screen):
@@ -90,6 +110,17 @@ def marks(lines, meshes, view, projection, frame, size, clip_start):
                 abs(abs(behind) - allowed) for _, behind, allowed in there) < 1e-4 * z
             yield (*p, axis), close, max(share, 1 / 1024), there
 
+    return crossed
+
+
+def marks(lines, meshes, view, projection, frame, size, clip_start):
+    """The output `marks`, and where it is not sure: lines within rounding of a centre, or of where they are hidden.
+
+    lines: (mesh of kind lines), all of whose points lie beyond clip_start, as those of the `meshes` do.
+    """
+    width, height = size
+    out, unsure = np.zeros((height, width, 2)), np.zeros((height, width, 2), bool)
+    crossed = _walk(meshes, view, projection, frame, size, clip_start)
     for mesh in lines:
         for corner in mesh.corners:
             for way, close, share, there in crossed(_corners(mesh, corner, view, projection, frame)):
@@ -112,3 +143,17 @@ def marks(lines, meshes, view, projection, frame, size, clip_start):
                 elif own[1] >= -own[2] and (out[way] == 0 or (share > -out[way] if first else share < -out[way])):
                     out[way] = -share
     return out, unsure
+
+
+def creases(meshes, view, projection, frame, size, clip_start):
+    """The output `creases`, and where it is not sure, as marks(); also where two edges bend almost alike."""
+    width, height = size
+    out, unsure = np.zeros((height, width, 2, 2)), np.zeros((height, width, 2), bool)
+    crossed = _walk(meshes, view, projection, frame, size, clip_start)
+    for mesh in meshes:
+        for corner, degrees, smooth in bends(mesh):
+            for way, close, share, there in crossed(_corners(mesh, corner, view, projection, frame)):
+                unsure[way] |= close or (out[way][0] > 0 and abs(degrees - abs(out[way][1])) < 0.02)
+                if degrees > abs(out[way][1]) and any(behind <= allowed for _, behind, allowed in there):
+                    out[way] = share, -degrees if smooth else degrees
+    return out.reshape(height, width, 4), unsure.repeat(2, 2)

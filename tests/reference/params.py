@@ -9,6 +9,7 @@ DEFAULTS = {
     "edge_threshold": 0.5, "edge_sigma": 1.0, "depth_near": 0.1, "depth_far": 100.0,
     "edge_depth": 1.0, "edge_normal": 1.0, "edge_object": 1.0, "edge_material": 0.0, "edge_color": 0.0,
     "edge_seen": 1.0, "edge_light": 0.0, "edge_mark": 1.0, "sobel_shape_threshold": 0.25,
+    "crease_angle": 20.0, "crease_smooth": 60.0, "crease_source": "AUTO", "edge_bump": 0.0,
     "contrast_metric": "RGB", "contrast_threshold": 0.01, "contrast_max": 1.0,
     "contrast_auto": False, "contrast_window": 64.0,
     # lines
@@ -40,6 +41,7 @@ ENGINE = {"object_index", "shade_light", "light_denoise", "save_layers"}
 SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching")
 
 _WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light", "mark")}
+_CREASES = {"crease_angle", "crease_smooth", "edge_bump"}
 _FRAME_LINES = {"line_search", "line_max_thickness", "line_occlude"}
 
 
@@ -47,7 +49,7 @@ def is_surface(name):
     """Whether a style may change the parameter `name`; all others belong to the frame."""
     if name in _FRAME_LINES:
         return False
-    return name in _WEIGHTS or name.startswith(("width_", "line_", "shade_", "hatch_", "smudge_", "use_"))
+    return name in _WEIGHTS | _CREASES or name.startswith(("width_", "line_", "shade_", "hatch_", "smudge_", "use_"))
 
 
 class Params:

@@ -6,16 +6,17 @@ which answers float32 may give another: where two numbers are closer than roundi
 
 import numpy as np
 
-FAMILIES = ("crack", "thin", "mark", "normal_band", "normal", "color_band", "color", "light_band", "light_step",
-            "light", "seen_normal_band", "seen_normal", "seen_color_band", "seen_color", "seen_depth")  # older first
-CRACKS = {"crack", "mark", "light"}
+FAMILIES = ("crack", "thin", "mark", "crease", "normal_band", "normal", "color_band", "color", "light_band",
+            "light_step", "light", "seen_normal_band", "seen_normal", "seen_color_band", "seen_color",
+            "seen_depth")  # older first
+CRACKS = {"crack", "mark", "crease", "light"}
 ROW, COLUMN, JUNCTION = 0, 1, 2
 SITE = np.dtype([*((name, np.float32) for name in ("x", "y", "strength", "thin", "half", "inside", "crowd")),
                  *((name, np.int32) for name in ("column", "row", "near_x", "near_y", "family", "axis", "source",
-                                                 "dropped", "crumb", "held", "weak")), ("step", np.int32, 3)])
+                                                 "dropped", "crumb", "held", "weak", "eased")), ("step", np.int32, 3)])
 CLOSE = 1e-5  # pixels: lengths that differ by less may come out either way
 NUMBER = {name: k for k, name in enumerate(FAMILIES)}
-RANK = np.array([0, 0, 1, 1, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4])
+RANK = np.array([0, 0, 1, 1, 1, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4])
 BANDS = [k for k, name in enumerate(FAMILIES) if name.endswith("band")]
 
 

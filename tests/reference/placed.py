@@ -101,7 +101,8 @@ def junctions(found, family, shape):
                 x, y = np.mean([(s.x, s.y) for s in sides], axis=0)
                 strengths = sorted((s.strength for s in sides if s.source != first.source), reverse=True)
                 close = bool(strengths) and abs(first.strength - strengths[0]) < 1e-4
-                found[family, row, column, JUNCTION] = Place(x, y, first.strength, first.source, 1.0, doubtful=close)
+                found[family, row, column, JUNCTION] = Place(x, y, first.strength, first.source, 1.0,
+                                                             eased=first.eased, doubtful=close)
 
 
 def thin(view, found):
@@ -135,6 +136,48 @@ def marks(view):
             place = (column, row + t) if axis else (column + t, row)
             strength = {SOURCES.index("mark"): 1.0}
             found["mark", row, column, axis] = view.weigh(place, "mark", column, row, axis, strength)
+    return found
+
+
+# Edges of meshes
+
+
+def creases(view):
+    """Those that bend as much as asked, but the lesser of two that pass a pixel on both sides and do not turn there."""
+    found, (height, width), layer = {}, view.shape, view.layers.creases
+    if not view.meshes:
+        return found
+    place, bend = layer[..., [0, 2]], np.abs(layer[..., [1, 3]])
+    place = np.minimum(place, 1.0)
+    place[:, -1, ROW] = place[-1, :, COLUMN] = 0  # ways out of the frame
+
+    def gives_way(row, column, axis):
+        for side in (-1, 1):
+            other = (row + side * axis, column + side * (1 - axis))
+            if not (0 <= other[0] < height and 0 <= other[1] < width) or not place[other][axis] > 0:
+                continue
+            own, its = bend[row, column, axis], bend[other][axis]
+            if its < own or (side > 0 and its == own):
+                continue
+            between = max((row, column), other)  # the pixel that both ways end at
+            across = 1 - axis
+            before = (between[0] - across, between[1] - (1 - across))
+            if not (place[between][across] > 0 or (min(before) >= 0 and place[before][across] > 0)):
+                return True
+        return False
+
+    for row, column, axis in np.argwhere(place > 0):
+        if gives_way(row, column, axis):
+            continue
+        t = place[row, column, axis]
+        at = (column, row + t) if axis else (column + t, row)
+        style = view.layers.style[view.near(*at, column, row, "crease", axis)]
+        asked = "crease_smooth" if layer[row, column, 1 + 2 * axis] < 0 else "crease_angle"
+        more_ = bend[row, column, axis] - view.params.tables[style][asked]
+        site = view.weigh(at, "crease", column, row, axis, {SOURCES.index("normal"): 1.0}, style)
+        site.eased = 255 * 0.6 * (1 - clamp01(more_ / 4))
+        site.margin = min(site.margin, more_ if more_ >= 0 else -1.0)
+        found["crease", row, column, axis] = site
     return found
 
 
@@ -198,6 +241,8 @@ def find(view):
     junctions(found, "crack", view.shape)
     own = marks(view)
     junctions(own, "mark", view.shape)
+    bent = creases(view)
+    junctions(bent, "crease", view.shape)
     junctions(light_, "light", view.shape)
     mixed = cracked[ROW] | cracked[COLUMN]
     mixed[:, 1:] |= cracked[ROW][:, :-1]
@@ -205,6 +250,6 @@ def find(view):
     seen = unsure = None
     if {"seen_color", "seen_normal"} <= view.given and view.weights[SEEN].any():
         seen, unsure = through(view)
-    found |= own | light_ | ridges(view, mixed, seen)
+    found |= own | bent | light_ | ridges(view, mixed, seen)
     return found, {"light": even, "through": seen, "through_unsure": unsure, "mixed": mixed}
 

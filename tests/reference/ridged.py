@@ -189,7 +189,8 @@ def band_site(view, layer, row, column, axis):
     else:
         strength = view.contrast(view.difference(base + e, base))
     clear, unclear = clarity(layer, row, column, axis)
-    site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear})
+    site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear},
+                      weights=view.normal_weights(row, column) if layer.name == "normal" else None)
     if color:
         edge = site.margin >= 0
         doubtful |= abs(site.margin) < SURE
@@ -238,7 +239,8 @@ def step_site(view, layer, row, column, axis):
         strength = view.contrast(view.difference(v[low], v[high]))
     family = "light_step" if layer.name == "light" else layer.name
     clear, unclear = clarity(layer, row, column, axis)
-    site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear})
+    site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear},
+                      weights=view.normal_weights(row, column) if layer.name == "normal" else None)
     site.step = tuple((127 * way / max(1.001 * step, 1e-30)).astype(int)) + (0,) * (3 - len(way))
     site.doubtful |= bool(doubtful) or unclear
     site.margin = min(site.margin, margin)

@@ -11,7 +11,7 @@ import numpy as np
 from . import grid, metric
 from .edges import SOURCES
 from .metric import clamp01
-from .passes import COLUMN, ROW
+from .passes import COLUMN, CRACKS, ROW
 
 SEEN = len(SOURCES)
 SURE = 2e-5  # of numbers of size 1
@@ -28,6 +28,7 @@ class Place:
     thin: tuple = (0.0, 0.0, 0.0)
     step: tuple = (0, 0, 0)
     near: tuple = ()
+    eased: float = 0.0  # 255ths of its width that it lacks
     doubtful: bool = False  # what its strength is made of is two things at once
 
 
@@ -61,6 +62,19 @@ class View:
         self.weights = {k: params.at("edge_" + name, np.arange(len(params.tables)))
                         for k, name in enumerate((*SOURCES, "seen"))}
 
+    def normal_weights(self, row, column):
+        """By style, of a crease that the normals show at a pixel: that of bumps where the mesh bends too little."""
+        angles, bumps = (self.params.at(name, np.arange(len(self.params.tables))) for name in (
+            "crease_angle", "edge_bump"))
+        faces = self.layers.creases[row, column, 4]
+        bent = ~self.meshes | (faces < 0) | (faces >= angles)
+        return np.where(bent, self.weights[SOURCES.index("normal")], bumps)
+
+    @property
+    def meshes(self):
+        """Whether meshes tell of creases."""
+        return np.array("creases" in self.given and self.params["crease_source"] == "AUTO")
+
     def space(self, linear):
         """Colours as the metric compares them."""
         encoded = metric.encode(linear)
@@ -86,7 +100,7 @@ class View:
         is the nearest of the pixels it parts, or where two touch the one whose line is painted more."""
         z, (py, px) = self.layers.depth, self.pixel(x, y)
         height, width = self.shape
-        crack = family in ("crack", "mark", "light")
+        crack = family in CRACKS
         parted = [(r, c) for r in range(row, min(row + 1 + (crack and axis != ROW), height))
                   for c in range(column, min(column + 1 + (crack and axis != COLUMN), width))]
         least = min(z[p] for p in parted)
@@ -100,9 +114,9 @@ class View:
         its = [p for p in window if family == "thin" or self.layers.object[p] == self.layers.object[bounded]] or window
         return min(its, key=lambda p: (z[p], (p[0] - py)**2 + (p[1] - px)**2, p))
 
-    def weigh(self, place, family, column, row, axis, strengths, style=None):
+    def weigh(self, place, family, column, row, axis, strengths, style=None, weights=None):
         """The site with the largest of its weighted strengths {source: S}, the first of equals; by the style of where
-        it takes its controls."""
+        it takes its controls. weights: by style, in the place of the source's."""
         if style is None:
             style = self.layers.style[self.near(place[0], place[1], column, row, family, axis)]
         pixel, styled = self.pixel(*place), len(self.params.tables) > 1 or "controls" in self.given
@@ -110,7 +124,7 @@ class View:
         best = (0.0, 0)
         every = []
         for source, strength in strengths.items():
-            weight = self.weights[source][style]
+            weight = (self.weights[source] if weights is None else weights)[style]
             if source == SOURCES.index("color"):
                 weight = weight + self.layers.controls["color_edge"][pixel]
             every.append(max(0.0, weight * strength))

@@ -216,7 +216,7 @@ def test_only_what_is_not_0_is_kept_of_what_was_rasterised():
 
 def test_files_keep_the_layers():
     random = np.random.default_rng(3)
-    names = ("combined", "diffuse", "object", "material", "style", "controls", "marks", "seen_depth")
+    names = ("combined", "diffuse", "object", "material", "style", "controls", "marks", "creases", "seen_depth")
     made = {name: random.uniform(-1, 1, (*SHAPE, library.LAYERS[name])).astype(np.float32) for name in names}
     packed = {name: saved.pack(name, made) for name in saved.passes(True)}
     assert {name: picture.shape[2] for name, picture in packed.items()} == {
@@ -226,6 +226,7 @@ def test_files_keep_the_layers():
     few = {name: made[name] for name in ("combined", "diffuse", "object", "material")}
     again = saved.unpack({name: saved.pack(name, few) for name in saved.passes(False)})
     assert all(np.array_equal(again.pop(name), few[name]) for name in few)
+    assert (again.pop("creases") == (0, 0, 0, 0, -1)).all(), "no mesh tells of any pixel"
     assert again.keys() == {"style", "controls", "marks"} and not any(picture.any() for picture in again.values())
 
 

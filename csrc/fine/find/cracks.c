@@ -253,6 +253,7 @@ void ISA(crack_rows)(void *data, int y0, int y1, int thread)
 		}
 		mark_row(n, y, u, (const uint8_t *const *)level);
 		ISA(hand_row)(n, y);
+		ISA(crease_row)(n, y);
 		n->colored[y] = n->e->on[SOURCE_COLOR] && (n->most_color > 0 || is_painted(f, y));
 	}
 }

@@ -323,6 +323,8 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 			     k++) /* a site may lie in the next row */
 				if ((wanted = n->colored[clamp_index(y + k, f->height)]))
 					break;
+			if (s == SOURCE_NORMAL && n->e->creases && !n->bumps)
+				wanted = wanted && ISA(crease_asked)(n, y);
 			if (!wanted)
 				continue;
 			ISA(ring_fill)(rings + s, y);

@@ -101,6 +101,9 @@ static void put(const found *at, float offset, placed *s)
 static bool weigh(const fine *n, const found *at, placed *s, int style, float strength)
 {
 	const family_info *is = families + at->family;
+	if (is->sample == SOURCE_NORMAL && n->e->creases)
+		return ISA(fine_weigh_by)(n, s, ISA(crease_weight)(n, at->column, at->row, style), SOURCE_NORMAL,
+					  strength);
 	if (!ISA(fine_weigh)(n, s, style, (enum source)is->source, strength))
 		return false;
 	if (is->word != WORD_SEEN)

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Creases that the meshes tell: the layer says exactly where each edge passes between two pixels and how much it bends
+ * there, so that nothing is guessed from averaged normals. What bends as much as asked is a line, from end to end where
+ * it is seen; just above that it is thinner, because what bends more and more would pop. */
+#include "fine/near.h"
+
+static const float ease = 4;           /* degrees over which a line gets its full width */
+static const float least_width = 0.4f; /* of it where it begins */
+
+typedef struct passing {
+	float place, bend;
+} passing;
+
+static passing passing_at(const fine *n, int x, int y, int axis)
+{
+	plane creases = n->f->layer[ENCRE_LAYER_CREASES];
+	const float *at = creases.data + y * creases.row + (ptrdiff_t)5 * x + 2 * axis;
+	return (passing){clamp01(at[0]), at[1]};
+}
+
+static float faces_at(const fine *n, int x, int y)
+{
+	plane creases = n->f->layer[ENCRE_LAYER_CREASES];
+	return creases.data[y * creases.row + (ptrdiff_t)5 * x + 4];
+}
+
+float ISA(crease_weight)(const fine *n, int x, int y, int style)
+{
+	float faces = faces_at(n, x, y);
+	bool bent = faces < 0 || faces >= n->f->params[style].crease_angle;
+	return bent ? n->e->weight[SOURCE_NORMAL][style] : n->e->bump[style];
+}
+
+bool ISA(crease_asked)(const fine *n, int y)
+{
+	float least = n->least_angle;
+	for (int x = 0; x < n->f->width; x++)
+		if (!(faces_at(n, x, y) >= 0 && faces_at(n, x, y) < least))
+			return true;
+	return false;
+}
+
+/* By how many degrees an edge bends more than it must; negative: it is no line. */
+static float more_than_asked(const encre_params *p, float bend)
+{
+	return bend < 0 ? -bend - p->crease_smooth : bend - p->crease_angle;
+}
+
+bool ISA(crease_site)(const fine *n, const found *at, placed *s)
+{
+	passing here = passing_at(n, at->column, at->row, at->axis);
+	crack_place(at, here.place, s);
+	s->strength = 0;
+	int style = fine_style(n, at, s);
+	float more = more_than_asked(n->f->params + style, here.bend);
+	if (more < 0)
+		return false;
+	s->eased = (uint8_t)(255 * (1 - least_width) * (1 - clamp01(more / ease)) + 0.5f);
+	return ISA(fine_weigh)(n, s, style, SOURCE_NORMAL, 1);
+}
+
+/* Two lines pass a pixel on both sides, closer than they can be told apart: that which bends less gives way, but not
+ * where they are one that turns about the pixel. */
+static bool gives_way(const fine *n, int x, int y, int axis)
+{
+	int dx = axis == AXIS_ROW, dy = !dx;
+	float own = fabsf(passing_at(n, x, y, axis).bend);
+	for (int side = -1; side <= 1; side += 2) {
+		int ox = x + side * dx, oy = y + side * dy; /* the way on the other side of the pixel between */
+		int px = side > 0 ? ox : x, py = side > 0 ? oy : y;
+		if (ox < 0 || oy < 0 || ox >= n->f->width - dx || oy >= n->f->height - dy)
+			continue;
+		passing other = passing_at(n, ox, oy, axis);
+		if (!(other.place > 0) || fabsf(other.bend) < own || (fabsf(other.bend) == own && side > 0))
+			continue;
+		int bx = px - dy, by = py - dx; /* across: the ways to the pixel's neighbours on the other axis */
+		bool turns =
+			(px < n->f->width - dy && py < n->f->height - dx && passing_at(n, px, py, !axis).place > 0) ||
+			(bx >= 0 && by >= 0 && passing_at(n, bx, by, !axis).place > 0);
+		if (!turns)
+			return true;
+	}
+	return false;
+}
+
+void ISA(crease_row)(const fine *n, int y)
+{
+	int width = n->f->width;
+	if (!n->e->creases || !n->e->on[SOURCE_NORMAL])
+		return;
+	const float *row = n->f->layer[ENCRE_LAYER_CREASES].data + y * n->f->layer[ENCRE_LAYER_CREASES].row;
+	for (int x = 0; x < width; x++)
+		for (int axis = 0; axis < 2; axis++) {
+			found at = {(uint16_t)x, (uint16_t)y, FAMILY_CREASE, (uint8_t)axis};
+			placed s = {0};
+			bool inside = axis ? y + 1 < n->f->height : x + 1 < width;
+			if (inside && row[5 * (ptrdiff_t)x + 2 * axis] > 0 && !gives_way(n, x, y, axis) &&
+			    ISA(crease_site)(n, &at, &s))
+				n->crack[(ptrdiff_t)y * width + x] |= (uint8_t)mark_of(FAMILY_CREASE, axis);
+		}
+}

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Creases from the meshes: how much each edge bends and where it is seen, and what FINE makes of that."""
+
+import numpy as np
+import pytest
+from encre.pen import library
+from encre.pen.job import EDGES, Camera, Frame, Mesh, edge_kinds
+from encre.pen.overlay import bends
+from reference.marks import creases
+from views import crumpled, looking, orthographic, perspective, pixels, rotation, soup
+
+
+def passing(meshes, view, projection, frame, size=None, start=0.1, **how):
+    size = size or (frame.width, frame.height)
+    return library.raster(meshes, view, projection, frame, size, start, outputs=("depth", "creases"), **how)["creases"]
+
+
+def fold(degrees, depth=30.0, **more):
+    """Two squares that meet along a line down the middle of 40 x 30 pixels, bent by that much."""
+    x = np.cos(np.radians(degrees))
+    points = [(4, 4, 0), (20.3, 4, 0), (20.3, 26, 0), (4, 26, 0),
+              (20.3 + 16 * x, 4, -16 * np.sin(np.radians(degrees))),
+              (20.3 + 16 * x, 26, -16 * np.sin(np.radians(degrees)))]
+    return Mesh(np.float32(points) - np.float32((0, 0, depth)),
+                np.int32([(0, 1, 2), (0, 2, 3), (1, 4, 5), (1, 5, 2)]), **more)
+
+
+@pytest.mark.parametrize("projection", [perspective, orthographic])
+@pytest.mark.parametrize("surfaces", [0, 25])
+def test_against_the_reference(projection, surfaces):
+    rng = np.random.default_rng(5 + surfaces)
+    meshes = [crumpled(rng), crumpled(rng)] + ([soup(rng, surfaces)] if surfaces else [])
+    for mesh in meshes[:2]:
+        mesh.edges = edge_kinds(rng.choice(list(EDGES.values()), (len(mesh.corners), 3), p=(0.3, 0.6, 0.1)))
+        mesh.crease_offset = float(rng.uniform(-20, 20))
+        mesh.model = mesh.model.copy()
+        mesh.model[:3, :3] = rotation(rng) * rng.uniform(0.5, 1.5, 3)  # what is stretched bends in another way
+    camera = looking(rng), projection(67, 45)
+    got = passing(meshes, *camera, Frame(67, 45))
+    want, unsure = creases(meshes, *camera, Frame(67, 45), (67, 45), 0.1)
+    assert unsure.mean() < 0.02 and (want[..., [1, 3]] > 0).sum() > 50 and (want[..., [1, 3]] < 0).sum() > 20
+    np.testing.assert_allclose(got[~unsure], want[~unsure], atol=0.01)
+
+
+@pytest.mark.parametrize("degrees", [4.9, 5.1, 20, 45, 90, 135, 179])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_angle_is_the_bend(degrees, sign):
+    got = passing([fold(sign * degrees)], *pixels(40, 30), Frame(40, 30))
+    down = got[10:20, :, 1]
+    if degrees < 5:
+        assert not got.any()
+    elif sign * degrees < 0 or degrees <= 90:
+        assert (down[:, 19] > 0).all() and abs(down[:, 19] - degrees).max() < 0.02 and not down[:, 21:].any()
+        np.testing.assert_allclose(got[10:20, 19, 0], 20.3 - 19.5, atol=1e-4)
+
+
+def test_the_sharpest_of_several_counts():
+    near = fold(30), fold(60)
+    for order in (near, near[::-1]):
+        got = passing([*order], *pixels(40, 30), Frame(40, 30))
+        assert abs(got[15, 19, 1] - 60) < 0.02
+
+
+def test_kinds_of_edges():
+    def kinds(kind):
+        return edge_kinds(np.full((4, 3), EDGES[kind]))
+
+    camera = pixels(40, 30)
+    smooth = passing([fold(30, edges=kinds("smooth"))], *camera, Frame(40, 30))
+    assert abs(smooth[15, 19, 1] + 30) < 0.02
+    assert not passing([fold(30, edges=kinds("none"))], *camera, Frame(40, 30)).any()
+    mixed = np.full((4, 3), EDGES["smooth"])
+    mixed[2:] = EDGES["flat"]  # one side is shaded flat
+    assert abs(passing([fold(30, edges=edge_kinds(mixed))], *camera, Frame(40, 30))[15, 19, 1] - 30) < 0.02
+    assert abs(passing([fold(30, crease_offset=-4.5)], *camera, Frame(40, 30))[15, 19, 1] - 25.5) < 0.02
+
+
+def test_hidden_behind_another_surface():
+    front = Mesh(np.float32([(-50, -50, -1), (90, -50, -1), (20, 120, -1)]))
+    assert not passing([fold(60), front], *pixels(40, 30), Frame(40, 30)).any()
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_borders_and_threads_give_the_same_bytes(threads):
+    rng = np.random.default_rng(2)
+    meshes, camera = [crumpled(rng, 23), crumpled(rng, 17)], (looking(rng), perspective(90, 70))
+    whole = passing(meshes, *camera, Frame(90, 70), threads=1)
+    assert (whole[..., 0] > 0).sum() > 200
+    part = passing(meshes, *camera, Frame(90, 70, 13, 21), (40, 37), threads=threads)
+    np.testing.assert_array_equal(part[:-1, :-1], whole[21:57, 13:52])
+
+
+# ---- FINE ---------------------------------------------------------------------------------------------------------
+
+
+def picture(mesh, **values):
+    """The lines of a mesh under pixels(40, 30), with normals as Cycles would have them where nothing bends."""
+    maps = library.raster([mesh], *pixels(40, 30), Frame(40, 30), (40, 30), 0.1, outputs=(
+        "depth", "normal", "object", "creases"))
+    creases = np.concatenate([maps["creases"], bends(maps["normal"])[..., None]], 2)
+    grey = np.full((30, 40, 3), 0.5, np.float32)
+    layers = dict(combined=np.dstack([grey, np.ones((30, 40), np.float32)]), color=grey, diffuse=grey,
+                  depth=maps["depth"], normal=np.zeros_like(grey), object=maps["object"], creases=creases)
+    scene = dict(edge_detector="FINE", line_thickness=3.0, length_unit="PIXELS", line_softness=0.0, line_paper=0.0,
+                 line_gain=0.5, line_intensity=2.0, width_normal=1.0)
+    camera = Camera(orthographic=True, height=30.0)
+    drawn = library.render(layers, {**scene, **values}, camera=camera, outputs=("Encre Lines",))
+    return drawn.images["Encre Lines"][..., 3]
+
+
+@pytest.mark.parametrize("angle", [12.0, 20.0, 60.0])
+def test_half_a_degree_decides(angle):
+    below, above = (picture(fold(angle + off), crease_angle=angle) for off in (-0.5, 0.5))
+    assert not below[8:22, 16:25].any()
+    assert (above[8:22, 16:25].sum(1) > 1).all(), "from end to end"
+    np.testing.assert_allclose(picture(fold(angle + 4.1), crease_angle=angle)[8:22, 16:25].sum(1), 3, atol=0.15)
+
+
+def test_meshes_or_normals():
+    assert not picture(fold(60), crease_source="LAYERS")[8:22, 16:25].any(), "the normals show none"
+    smooth = edge_kinds(np.full((4, 3), EDGES["smooth"]))
+    assert not picture(fold(50, edges=smooth))[8:22, 16:25].any()
+    assert picture(fold(50, edges=smooth), crease_smooth=40.0)[8:22, 16:25].any()
+    assert picture(fold(50), edge_normal=0.0)[8:22, 16:25].any() == np.False_
+
+
+def test_bends_between_faces():
+    rng = np.random.default_rng(0)
+    normal = rng.standard_normal((5, 7, 3))
+    normal = (normal / np.linalg.norm(normal, axis=2, keepdims=True)).astype(np.float32)
+    found = bends(normal)
+    ways = [normal[2 - a, 3 - b] @ normal[2 + a, 3 + b] for a, b in ((0, 1), (1, 0), (1, 1), (1, -1))]
+    assert found[2, 3] == pytest.approx(np.degrees(np.arccos(min(ways))), abs=1e-3)
+    assert found[0, 0] == 0, "at the corner there is nothing on both sides"
