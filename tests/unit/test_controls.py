@@ -17,7 +17,7 @@ def test_files_keep_them_where_they_always_did():
                       "smudge_range": (surface, 0), "smudge_falloff": (surface, 1), "hatching": (surface, 2)}
     assert list(saved.passes(False).items()) == [
         ("Encre Source", "RGBA"), ("Encre Diffuse", "RGB"), ("Encre Index", "XYZ"), (line, "XYZ"), (surface, "XYZ"),
-        ("Encre Marks", "XYZ")]
+        ("Encre Marks", "XYZ"), ("Encre Creases", "RGBA")]
 
 
 def test_what_is_saved_is_read_again_and_an_older_file_has_fewer():

@@ -22,7 +22,7 @@ static bool owned(const fine *n, const site *s)
 	near_sites of = near_site(n, s, clear_of_band);
 	for (uint32_t i; near_next(n, &of, &i);) {
 		const site *other = n->site + i;
-		if (other->linked.dropped || other->found.family >= s->found.family)
+		if (other->found.family >= s->found.family || other->linked.dropped) /* its own are being dropped now */
 			continue;
 		float clear = other->found.family == band ? clear_of_band : is->clear;
 		if (apart2(s, other) < clear * clear)
