@@ -4,15 +4,14 @@
  * Primitives are sorted into bands of rows once (counted, summed up, filed), so that every band holds its primitives in
  * the order of the job whatever the threads. A band then finds the nearest primitive of each pixel in a buffer that
  * stays in cache, and only these are shaded: attributes, normals and indices are never computed for what is hidden.
- * Where lines and contours pass is then looked up in the same buffer, which holds one row more for the ways down from
- * the last.
+ * Where lines and contours pass is then looked up in the same buffer (crossings.c), which holds one row more for the
+ * ways down from the last.
  * Primitives are transformed anew where they are needed, in double; that is cheaper than keeping them. Where
  * they lie is geometry.c's, what one covers outline.c's. */
 #include "raster/raster.h"
 
 #include "raster/contours.h"
-#include "raster/geometry.h"
-#include "raster/segment.h"
+#include "raster/crossings.h"
 
 #include <float.h>
 #include <math.h>
@@ -20,35 +19,9 @@
 #include <string.h>
 
 enum {
-	BAND = 16,        /* rows that are drawn at once */
 	CHUNK = 1024,     /* primitives that are sorted at once, at least */
 	MAX_CHUNKS = 256, /* each has a count for every band */
 };
-static const uint32_t NOTHING = UINT32_MAX;
-static const double least_share = 1.0 / 1024; /* where a line passes: 0 is nowhere, also in half floats */
-
-typedef struct band_range {
-	uint16_t first, end;
-} band_range;
-
-typedef struct raster {
-	const encre_raster_job *job;
-	geometry geometry;
-	int width, height; /* of the images */
-	room room;
-	int n_bands, n_chunks;
-	uint32_t chunk; /* primitives in a chunk */
-	int more;       /* rows that a band needs below its own: 1 for marks and creases */
-
-	band_range *range; /* of each primitive */
-	size_t *place;     /* n_chunks x n_bands: how many, then where the next one goes */
-	size_t *list;      /* n_bands + 1: where a band's primitives start */
-	float *depth;      /* per thread (BAND + 1) x width */
-	uint32_t *front;   /* likewise: number of the nearest primitive */
-	uint32_t *entry;   /* primitives by band */
-	uint8_t *edges;    /* of each triangle: what contours_find() says; with marks or creases only */
-	uint16_t *bends;   /* of each triangle's edges, likewise; with creases only */
-} raster;
 
 /* False where it covers no pixel of the images. */
 static bool outline_of(const raster *r, const part *part, uint32_t primitive, outline *o)
@@ -58,43 +31,19 @@ static bool outline_of(const raster *r, const part *part, uint32_t primitive, ou
 	return outline_make(&r->room, c, o);
 }
 
-/* A line, or the edge of a triangle from corner k to the next. */
-static bool segment_of(const raster *r, const part *part, uint32_t primitive, int k, segment *s, int *y0, int *y1)
-{
-	corner c[3];
-	geometry_corners(part, primitive, c);
-	bool line = part->mesh->kind != ENCRE_TRIANGLES;
-	return segment_make(&r->room, (const corner[2]){c[line ? 0 : k], c[line ? 1 : (k + 1) % 3]}, s, y0, y1);
-}
-
-static void widen(int from, int to, int *y0, int *y1)
-{
-	*y0 = from < *y0 ? from : *y0;
-	*y1 = to > *y1 ? to : *y1;
-}
-
-/* Whether an edge of a triangle can be a contour or a crease. */
-static bool is_drawn(const raster *r, uint32_t number, int k)
-{
-	return (r->job->marks.data && contour_side(r->edges[number], k) != CONTOUR_NONE) ||
-	       (r->bends && r->bends[(size_t)3 * number + (size_t)k]);
-}
-
 /* Rows of the images, from which on and up to which exclusively, that a primitive is drawn in; false: none. */
 static bool rows_of(const raster *r, const part *part, uint32_t primitive, int *y0, int *y1)
 {
 	bool line = part->mesh->kind != ENCRE_TRIANGLES;
 	outline o;
-	segment s;
-	int from, to;
 	*y0 = INT32_MAX;
 	*y1 = INT32_MIN;
-	if (!line && outline_of(r, part, primitive, &o)) /* with marks it is there for the band above as well */
-		widen(o.y0 - r->room.y0 - r->more, o.y1 - r->room.y0, y0, y1);
-	for (int k = 0; k < 3 && r->edges; k++)
-		if (line ? k == 0 && r->job->marks.data : is_drawn(r, part->first + primitive, k))
-			if (segment_of(r, part, primitive, k, &s, &from, &to))
-				widen(from - r->job->frame.y, to - r->job->frame.y, y0, y1);
+	if (!line && outline_of(r, part, primitive, &o)) { /* with marks it is there for the band above as well */
+		*y0 = o.y0 - r->room.y0 - r->more;
+		*y1 = o.y1 - r->room.y0;
+	}
+	if (r->edges)
+		crossings_rows(r, part, primitive, y0, y1);
 	*y0 = *y0 > 0 ? *y0 : 0;
 	*y1 = *y1 < r->height ? *y1 : r->height;
 	return *y0 < *y1;
@@ -182,11 +131,6 @@ static void load_surface(const raster *r, uint32_t number, surface *s)
 		geometry_normal(&r->geometry, s->part, i, s->normal);
 }
 
-static inline float *pixel_at(const encre_image *image, int x, int y)
-{
-	return (float *)((char *)image->data + y * image->row_stride + x * image->pixel_stride);
-}
-
 static void shade_attributes(const raster *r, const surface *s, int x, int y)
 {
 	float *out = pixel_at(&r->job->attributes, x, y);
@@ -234,131 +178,6 @@ static void shade_row(const raster *r, const band *b, int row)
 	}
 }
 
-/* ---- marks ------------------------------------------------------------------------------------------------- */
-
-typedef struct marking {
-	const raster *r;
-	const band *b;
-	const part *part;       /* of the primitive that was looked at last */
-	const part *own;        /* whose contour it is; NULL: a line */
-	enum contour_side side; /* of a contour */
-	bool left, down;        /* where it goes on the screen */
-	float bend;             /* of a crease: degrees, negative for one that is shaded smoothly */
-} marking;
-
-/* What is in front at a pixel, how far a line that passes close by lies behind it, and how far it may and be on it. */
-typedef struct surface_at {
-	const part *part; /* NULL: nothing */
-	double behind, allowed;
-} surface_at;
-
-static surface_at look(marking *m, const crossing *c, int x, int y)
-{
-	const raster *r = m->r;
-	uint32_t number = m->b->front[(size_t)(y - m->b->y0) * (size_t)r->width + (size_t)(x - m->b->x0)];
-	if (number == NOTHING)
-		return (surface_at){.behind = -INFINITY};
-	corner corner[3];
-	double step, pixel = 2 / (fabs(r->job->projection[5]) * r->job->frame.height);
-	m->part = geometry_part(&r->geometry, m->part, number);
-	geometry_corners(m->part, number - m->part->first, corner);
-	double z = outline_depth(corner, c->x + 0.5, c->y + 0.5, &step);
-	pixel *= r->job->projection[14] != 0 ? c->z : 1; /* in scene units, where the line is */
-	return (surface_at){m->part, c->z - z, 0.5 * (step + pixel)};
-}
-
-static bool hides(const surface_at *s)
-{
-	return s->behind > s->allowed;
-}
-
-/* Whether a contour bounds what is in front at one of both pixels, before what is there at the other: of contours of
- * the same surface farther in than `there` it does not. */
-static bool bounds(const marking *m, bool down, float share, float there, const surface_at *p, const surface_at *q)
-{
-	if (m->side == CONTOUR_BOTH)
-		return there == 0 && p->part == m->own && q->part == m->own && !hides(p) && !hides(q);
-	bool first = (m->side == CONTOUR_RIGHT) == (down ? m->left : m->down);
-	const surface_at *own = first ? p : q, *other = first ? q : p;
-	return own->part == m->own && own->behind >= -own->allowed && !hides(other) &&
-	       (there == 0 || (first ? share > -there : share < -there));
-}
-
-static void mark(void *user, const crossing *c)
-{
-	marking *m = user;
-	const raster *r = m->r;
-	int x = c->column + OUTLINE_GUARD, y = c->row + OUTLINE_GUARD;
-	if (x + !c->down >= r->room.x1 || y + c->down >= r->room.y1)
-		return; /* to a pixel outside of the images */
-	float *out = pixel_at(&r->job->marks, x - r->room.x0, y - r->room.y0) + c->down;
-	if (*out > 0)
-		return;
-	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
-	double share = c->share > least_share ? c->share : least_share;
-	share = share < 1 ? share : 1;
-	if (!m->own && !(hides(&p) && hides(&q)))
-		*out = (float)share;
-	else if (m->own && bounds(m, c->down, (float)share, *out, &p, &q))
-		*out = (float)-share;
-}
-
-static void crease(void *user, const crossing *c)
-{
-	marking *m = user;
-	const raster *r = m->r;
-	int x = c->column + OUTLINE_GUARD, y = c->row + OUTLINE_GUARD;
-	if (x + !c->down >= r->room.x1 || y + c->down >= r->room.y1)
-		return; /* to a pixel outside of the images */
-	float *out = pixel_at(&r->job->creases, x - r->room.x0, y - r->room.y0) + 2 * c->down;
-	if (fabsf(m->bend) <= fabsf(out[1]))
-		return;
-	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
-	if (hides(&p) && hides(&q))
-		return;
-	double share = c->share > least_share ? c->share : least_share;
-	out[0] = (float)(share < 1 ? share : 1);
-	out[1] = m->bend;
-}
-
-static void clear_rows(const encre_image *image, int y0, int rows)
-{
-	for (int y = y0; image->data && y < y0 + rows; y++)
-		for (int x = 0; x < image->width; x++)
-			memset(pixel_at(image, x, y), 0, (size_t)image->channels * sizeof(float));
-}
-
-/* The band's own rows end before `end`. */
-static void mark_band(const raster *r, int i, const band *b, int end)
-{
-	marking m = {.r = r, .b = b};
-	const part *part = NULL;
-	int x0 = b->x0 - OUTLINE_GUARD, y0 = b->y0 - OUTLINE_GUARD, rows = end - b->y0;
-	clear_rows(&r->job->marks, b->y0 - r->room.y0, rows);
-	clear_rows(&r->job->creases, b->y0 - r->room.y0, rows);
-	for (size_t n = r->list[i]; n < r->list[i + 1]; n++) {
-		segment s;
-		int from, to;
-		part = geometry_part(&r->geometry, part, r->entry[n]);
-		bool line = part->mesh->kind != ENCRE_TRIANGLES;
-		m.own = line ? NULL : part;
-		for (int k = 0; k < (line ? 1 : 3); k++) {
-			if ((!line && !is_drawn(r, r->entry[n], k)) ||
-			    !segment_of(r, part, r->entry[n] - part->first, k, &s, &from, &to))
-				continue;
-			m.side = line ? CONTOUR_BOTH : contour_side(r->edges[r->entry[n]], k);
-			m.left = s.x[1] < s.x[0];
-			m.down = s.y[1] > s.y[0];
-			if (r->job->marks.data && m.side != CONTOUR_NONE)
-				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, mark, &m);
-			uint16_t bend = r->bends && !line ? r->bends[(size_t)3 * r->entry[n] + (size_t)k] : 0;
-			m.bend = bend_degrees(bend);
-			if (bend)
-				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, crease, &m);
-		}
-	}
-}
-
 static void draw_bands(void *data, int b0, int b1, int thread)
 {
 	const raster *r = data;
@@ -385,7 +204,7 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 		for (int row = b.y0; row < end; row++)
 			shade_row(r, &b, row);
 		if (r->edges)
-			mark_band(r, i, &b, end);
+			crossings_draw(r, i, &b, end);
 	}
 }
 

@@ -1,8 +1,41 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The rasteriser: what its files share. */
 #ifndef ENCRE_RASTER_H
 #define ENCRE_RASTER_H
 
 #include "base/stage.h"
+#include "raster/geometry.h"
+
+typedef struct band_range {
+	uint16_t first, end;
+} band_range;
+
+typedef struct raster {
+	const encre_raster_job *job;
+	geometry geometry;
+	int width, height; /* of the images */
+	room room;
+	int n_bands, n_chunks;
+	uint32_t chunk; /* primitives in a chunk */
+	int more;       /* rows that a band needs below its own: 1 for marks and creases */
+
+	band_range *range; /* of each primitive */
+	size_t *place;     /* n_chunks x n_bands: how many, then where the next one goes */
+	size_t *list;      /* n_bands + 1: where a band's primitives start */
+	float *depth;      /* per thread (BAND + 1) x width */
+	uint32_t *front;   /* likewise: number of the nearest primitive */
+	uint32_t *entry;   /* primitives by band */
+	uint8_t *edges;    /* of each triangle: what contours_find() says; with marks or creases only */
+	uint16_t *bends;   /* of each triangle's edges, likewise; with creases only */
+} raster;
+
+enum { BAND = 16 }; /* rows that are drawn at once */
+static const uint32_t NOTHING = UINT32_MAX;
+
+static inline float *pixel_at(const encre_image *image, int x, int y)
+{
+	return (float *)((char *)image->data + y * image->row_stride + x * image->pixel_stride);
+}
 
 /* What encre_raster() does. Images and frame of the job have been checked and images have strides; meshes and matrices
  * are checked here. Returns a code of enum encre_code; `error` gets a sentence for ENCRE_ERROR_ARGUMENT only. */

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Marks and creases: where lines by hand, contours and edges that bend pass between the pixels of a band, and can be
+ * seen. */
+#include "raster/crossings.h"
+
+#include "raster/contours.h"
+#include "raster/segment.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double least_share = 1.0 / 1024; /* where a line passes: 0 is nowhere, also in half floats */
+
+/* A line, or the edge of a triangle from corner k to the next. */
+static bool segment_of(const raster *r, const part *part, uint32_t primitive, int k, segment *s, int *y0, int *y1)
+{
+	corner c[3];
+	geometry_corners(part, primitive, c);
+	bool line = part->mesh->kind != ENCRE_TRIANGLES;
+	return segment_make(&r->room, (const corner[2]){c[line ? 0 : k], c[line ? 1 : (k + 1) % 3]}, s, y0, y1);
+}
+
+/* Whether an edge of a triangle can be a contour or a crease. */
+static bool is_drawn(const raster *r, uint32_t number, int k)
+{
+	return (r->job->marks.data && contour_side(r->edges[number], k) != CONTOUR_NONE) ||
+	       (r->bends && r->bends[(size_t)3 * number + (size_t)k]);
+}
+
+static void widen(int from, int to, int *y0, int *y1)
+{
+	*y0 = from < *y0 ? from : *y0;
+	*y1 = to > *y1 ? to : *y1;
+}
+
+void crossings_rows(const raster *r, const part *part, uint32_t primitive, int *y0, int *y1)
+{
+	bool line = part->mesh->kind != ENCRE_TRIANGLES;
+	segment s;
+	int from, to;
+	for (int k = 0; k < 3; k++)
+		if (line ? k == 0 && r->job->marks.data : is_drawn(r, part->first + primitive, k))
+			if (segment_of(r, part, primitive, k, &s, &from, &to))
+				widen(from - r->job->frame.y, to - r->job->frame.y, y0, y1);
+}
+
+typedef struct marking {
+	const raster *r;
+	const band *b;
+	const part *part;       /* of the primitive that was looked at last */
+	const part *own;        /* whose contour it is; NULL: a line */
+	enum contour_side side; /* of a contour */
+	bool left, down;        /* where it goes on the screen */
+	float bend;             /* of a crease: degrees, negative for one that is shaded smoothly */
+} marking;
+
+/* What is in front at a pixel, how far a line that passes close by lies behind it, and how far it may and be on it. */
+typedef struct surface_at {
+	const part *part; /* NULL: nothing */
+	double behind, allowed;
+} surface_at;
+
+static surface_at look(marking *m, const crossing *c, int x, int y)
+{
+	const raster *r = m->r;
+	uint32_t number = m->b->front[(size_t)(y - m->b->y0) * (size_t)r->width + (size_t)(x - m->b->x0)];
+	if (number == NOTHING)
+		return (surface_at){.behind = -INFINITY};
+	corner corner[3];
+	double step, pixel = 2 / (fabs(r->job->projection[5]) * r->job->frame.height);
+	m->part = geometry_part(&r->geometry, m->part, number);
+	geometry_corners(m->part, number - m->part->first, corner);
+	double z = outline_depth(corner, c->x + 0.5, c->y + 0.5, &step);
+	pixel *= r->job->projection[14] != 0 ? c->z : 1; /* in scene units, where the line is */
+	return (surface_at){m->part, c->z - z, 0.5 * (step + pixel)};
+}
+
+static bool hides(const surface_at *s)
+{
+	return s->behind > s->allowed;
+}
+
+/* Whether a contour bounds what is in front at one of both pixels, before what is there at the other: of contours of
+ * the same surface farther in than `there` it does not. */
+static bool bounds(const marking *m, bool down, float share, float there, const surface_at *p, const surface_at *q)
+{
+	if (m->side == CONTOUR_BOTH)
+		return there == 0 && p->part == m->own && q->part == m->own && !hides(p) && !hides(q);
+	bool first = (m->side == CONTOUR_RIGHT) == (down ? m->left : m->down);
+	const surface_at *own = first ? p : q, *other = first ? q : p;
+	return own->part == m->own && own->behind >= -own->allowed && !hides(other) &&
+	       (there == 0 || (first ? share > -there : share < -there));
+}
+
+static void mark(void *user, const crossing *c)
+{
+	marking *m = user;
+	const raster *r = m->r;
+	int x = c->column + OUTLINE_GUARD, y = c->row + OUTLINE_GUARD;
+	if (x + !c->down >= r->room.x1 || y + c->down >= r->room.y1)
+		return; /* to a pixel outside of the images */
+	float *out = pixel_at(&r->job->marks, x - r->room.x0, y - r->room.y0) + c->down;
+	if (*out > 0)
+		return;
+	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
+	double share = c->share > least_share ? c->share : least_share;
+	share = share < 1 ? share : 1;
+	if (!m->own && !(hides(&p) && hides(&q)))
+		*out = (float)share;
+	else if (m->own && bounds(m, c->down, (float)share, *out, &p, &q))
+		*out = (float)-share;
+}
+
+static void crease(void *user, const crossing *c)
+{
+	marking *m = user;
+	const raster *r = m->r;
+	int x = c->column + OUTLINE_GUARD, y = c->row + OUTLINE_GUARD;
+	if (x + !c->down >= r->room.x1 || y + c->down >= r->room.y1)
+		return; /* to a pixel outside of the images */
+	float *out = pixel_at(&r->job->creases, x - r->room.x0, y - r->room.y0) + 2 * c->down;
+	if (fabsf(m->bend) <= fabsf(out[1]))
+		return;
+	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
+	if (hides(&p) && hides(&q))
+		return;
+	double share = c->share > least_share ? c->share : least_share;
+	out[0] = (float)(share < 1 ? share : 1);
+	out[1] = m->bend;
+}
+
+static void clear_rows(const encre_image *image, int y0, int rows)
+{
+	for (int y = y0; image->data && y < y0 + rows; y++)
+		for (int x = 0; x < image->width; x++)
+			memset(pixel_at(image, x, y), 0, (size_t)image->channels * sizeof(float));
+}
+
+void crossings_draw(const raster *r, int i, const band *b, int end)
+{
+	marking m = {.r = r, .b = b};
+	const part *part = NULL;
+	int x0 = b->x0 - OUTLINE_GUARD, y0 = b->y0 - OUTLINE_GUARD, rows = end - b->y0;
+	clear_rows(&r->job->marks, b->y0 - r->room.y0, rows);
+	clear_rows(&r->job->creases, b->y0 - r->room.y0, rows);
+	for (size_t n = r->list[i]; n < r->list[i + 1]; n++) {
+		segment s;
+		int from, to;
+		part = geometry_part(&r->geometry, part, r->entry[n]);
+		bool line = part->mesh->kind != ENCRE_TRIANGLES;
+		m.own = line ? NULL : part;
+		for (int k = 0; k < (line ? 1 : 3); k++) {
+			if ((!line && !is_drawn(r, r->entry[n], k)) ||
+			    !segment_of(r, part, r->entry[n] - part->first, k, &s, &from, &to))
+				continue;
+			m.side = line ? CONTOUR_BOTH : contour_side(r->edges[r->entry[n]], k);
+			m.left = s.x[1] < s.x[0];
+			m.down = s.y[1] > s.y[0];
+			if (r->job->marks.data && m.side != CONTOUR_NONE)
+				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, mark, &m);
+			uint16_t bend = r->bends && !line ? r->bends[(size_t)3 * r->entry[n] + (size_t)k] : 0;
+			m.bend = bend_degrees(bend);
+			if (bend)
+				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, crease, &m);
+		}
+	}
+}
