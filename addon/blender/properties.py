@@ -12,6 +12,8 @@ from ..pen import library
 from ..pen.settings import Settings
 
 LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
+# Linked objects and materials keep it in overrides; scenes can't be overridden. A group counts with its pointer only.
+_OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 _classes = []
 
 
@@ -88,7 +90,7 @@ class Own:
     owners: tuple[str, ...] = ("object", "material")
 
     def property(self):
-        about = {"name": self.label, "description": self.help}
+        about = {"name": self.label, "description": self.help, "override": _OVERRIDABLE}
         if self.kind == "control":
             return bpy.props.FloatProperty(default=0.0, min=-1.0, max=1.0, **about)
         if self.kind == "degrees":
@@ -130,8 +132,8 @@ def register():
     material = _class("EncreMaterial", {own.id: own.property() for own in own_settings("material")})
     obj = _class("EncreObject", {own.id: own.property() for own in own_settings("object")})
     bpy.types.Scene.encre = bpy.props.PointerProperty(type=scene)
-    bpy.types.Material.encre = bpy.props.PointerProperty(type=material)
-    bpy.types.Object.encre = bpy.props.PointerProperty(type=obj)
+    bpy.types.Material.encre = bpy.props.PointerProperty(type=material, override=_OVERRIDABLE)
+    bpy.types.Object.encre = bpy.props.PointerProperty(type=obj, override=_OVERRIDABLE)
 
 
 def unregister():

@@ -42,6 +42,10 @@ def test_every_stage_has_its_panel(shot):
         f"ENCRE_PT_{stage.id}" for stage in library.stages()}
 
 
+def test_encres_panel_stands_under_the_engines_row(shot):
+    assert fact(shot, "drawn") == ["RENDER_PT_context", "ENCRE_PT_encre", "CYCLES_RENDER_PT_sampling"]
+
+
 def test_cycles_panels_and_nodes_are_there(shot):
     assert fact(shot, "cycles panels") > 100
     assert fact(shot, "cycles panels without Encre") == []

@@ -57,16 +57,18 @@ class ENCRE_OT_standard_view(bpy.types.Operator):
 class ENCRE_PT_encre(EncrePanel, bpy.types.Panel):
     bl_label = "Encre"
     bl_idname = "ENCRE_PT_encre"
-    bl_order = -1  # above Cycles' own panels
+    # Blender puts panels without a header above all others: under the engine's own row, not below Cycles' panels. An
+    # order below 0 counts as 0.
+    bl_options = {"HIDE_HEADER"}
 
     def draw(self, context):
         layout = self.layout
-        layout.menu("ENCRE_MT_presets")
         transform = context.scene.view_settings.view_transform
         if transform != "Standard":
             box = layout.box()
-            box.label(text=f"{transform} washes ink and flat colours out", icon="INFO")
+            box.label(text=f"{transform} washes out ink", icon="INFO")
             box.operator("encre.standard_view")
+        layout.menu("ENCRE_MT_presets")
 
 
 CLASSES = (ENCRE_OT_preset, ENCRE_MT_presets, ENCRE_OT_standard_view, ENCRE_PT_encre)

@@ -99,12 +99,19 @@ def cases_panels(cls=bpy.types.Panel):
 
 
 def tabs():
-    """Every tab of the properties draws with Encre's panels in it."""
-    space = area("PROPERTIES").spaces.active
+    """Every tab of the properties draws with Encre's panels in it; Blender draws panels from the top down."""
+    space, drawn = area("PROPERTIES").spaces.active, []
+    watched = {name: lambda _self, _context, name=name: drawn.append(name) for name in
+               ("RENDER_PT_context", "CYCLES_RENDER_PT_sampling", "ENCRE_PT_encre")}
+    for name, note in watched.items():
+        getattr(bpy.types, name).append(note)
     for tab in ("OBJECT", "MATERIAL", "RENDER"):
         space.context = tab
         yield
         screenshot(tab.lower())
+    studio.fact("drawn", list(dict.fromkeys(drawn)))
+    for name, note in watched.items():
+        getattr(bpy.types, name).remove(note)
 
 
 def edit_mode():
