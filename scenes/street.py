@@ -309,7 +309,7 @@ def controls():
     paint("smudge_range", ["Canopy", "Coat", "Sou'wester"], lambda co: 0.9 * ramp(co.z, 0.3, 0.6))
     paint("smudge_falloff", ["Canopy", "Coat", "Sou'wester"], 0.4)
     # No hatching on water, lit glass and the face; little in the mist at the end of the street.
-    paint("hatching", ["Puddle", "Lamp glass", "Lit", "Face", "Nose", "Hair", "Hand", "Thumb", "Canopy"], -1)
+    paint("hatching", ["Puddle", "Face", "Nose", "Hair", "Hand", "Thumb", "Canopy"], -1)
     paint("hatching", ["Far", "House", "Plinth"], lambda co: -0.35 * ramp(co.y, 4, 9) - 0.3 * ramp(co.z, 1, 4))
     paint("hatching", ["Bottle", "Tiles", "Kerb"], -0.5)
     paint("hatching", ["Cat"], lambda co: -0.5 * ramp(co.z, 0.8, 1.05))

@@ -9,25 +9,28 @@ enum { CHUNK = 256 };
 /* ---- row kernels ----------------------------------------------------------------------------------------- */
 
 /* Brightness that keeps the pencil away, at most 1: the lesser of colour's and light's, each as a share of its
- * threshold. */
+ * threshold. What shines or reflects is bright in both. */
 static void bright_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
 		       const float *restrict diffuse, float *restrict bright)
 {
 	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold,
-	      exposure = p->shade_exposure;
-	for (int i = 0; i < n; i++)
+	      exposure = p->shade_exposure, other[CHUNK];
+	for (int i = 0; i < n; i++) {
+		const float *a = color + 3 * i, *d = diffuse + 3 * i, *all = combined + 4 * i;
+		other[i] = max3(all[0] - a[0] * d[0], all[1] - a[1] * d[1], all[2] - a[2] * d[2]);
 		bright[i] = 1;
+	}
 	if (color_threshold > 0)
 		for (int i = 0; i < n; i++) {
-			const float *a = color + 3 * i, *d = diffuse + 3 * i, *all = combined + 4 * i;
-			float other = max3(all[0] - a[0] * d[0], all[1] - a[1] * d[1], all[2] - a[2] * d[2]);
-			float own = max3(a[0], a[1], a[2]), share = (own > other ? own : other) / color_threshold;
+			const float *a = color + 3 * i;
+			float own = max3(a[0], a[1], a[2]), share = (own > other[i] ? own : other[i]) / color_threshold;
 			bright[i] = share < 1 ? share : 1;
 		}
 	if (light_threshold > 0)
 		for (int i = 0; i < n; i++) {
 			const float *d = diffuse + 3 * i;
-			float share = max3(d[0], d[1], d[2]) * exposure / light_threshold;
+			float lit = max3(d[0], d[1], d[2]) * exposure,
+			      share = (lit > other[i] ? lit : other[i]) / light_threshold;
 			bright[i] = share < bright[i] ? share : bright[i];
 		}
 }

@@ -15,8 +15,9 @@ def hatch(layers, params, surface, paper):
         threshold = params.at(name, style)
         return np.where(threshold > 0, v / np.where(threshold > 0, threshold, 1.0), 1.0)
 
-    tone = np.maximum(value(layers.color), value(other(layers)))
-    light = value(layers.diffuse) * params.at("shade_exposure", style)
+    shine = value(other(layers))
+    tone = np.maximum(value(layers.color), shine)
+    light = np.maximum(value(layers.diffuse) * params.at("shade_exposure", style), shine)
     bright = np.minimum(lit(tone, "hatch_color_threshold"), lit(light, "hatch_light_threshold")).clip(max=1.0)
     strength = paper * (1 + layers.controls["hatching"]) * params.at("hatch_amount", style) - bright
     ink = clamp01((1 - clamp01(value(layers.specular))) * 2.5 * strength)
