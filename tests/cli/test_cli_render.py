@@ -19,7 +19,7 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre.cli import child, images, render
+from encre.cli import child, images, multilayer, render
 from encre.pen import layers, library, metadata, saved
 from encre.pen.errors import EncreError
 
@@ -152,7 +152,7 @@ def test_stereo(tmp_path):
     works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.exr"))
     eyes = []
     for file in "out", "again":
-        with images.Exr(tmp_path / f"{file}.exr") as opened:
+        with multilayer.Exr(tmp_path / f"{file}.exr") as opened:
             assert opened.views == ("left", "right")
             names = {eye: [f"ViewLayer.Combined.{eye}.{c}" for c in "RGBA"] for eye in opened.views}
             eyes.append(opened.read(names))
@@ -245,7 +245,7 @@ def test_choices(tmp_path):
     works(encre("render", path, "-o", tmp_path / "b.exr", *given, "--camera", "Second"))
     a, b = (exr.part(tmp_path / f"{name}.exr", "Extra.Combined") for name in "ab")
     assert a.shape == b.shape == (30, 40, 4) and np.abs(a - b).max() > 0.1
-    with images.Exr(tmp_path / "a.exr") as opened:
+    with multilayer.Exr(tmp_path / "a.exr") as opened:
         assert not any(name.startswith("ViewLayer.") for name in opened.channels)
     fails(encre("render", path, "-o", tmp_path / "c.png", "--scene", "Othre"), "Othre", "Other")
     fails(encre("render", path, "-o", tmp_path / "c.png", "--camera", "Sun"), "Sun", "camera")
