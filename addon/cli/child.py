@@ -8,12 +8,12 @@ line does, also where this process was killed.
 import contextlib
 import json
 import os
-import queue
+import re
+import selectors
 import signal
 import socket
 import subprocess
 import tempfile
-import threading
 import time
 from collections import deque
 from pathlib import Path
@@ -21,10 +21,29 @@ from pathlib import Path
 from . import workplace
 
 INSIDE = Path(__file__).with_name("inside.py")
+_CHUNK, _LOOK = 1 << 16, 0.1  # bytes read at a time; seconds between two looks at a file
+_PIPES = os.name == "posix"  # elsewhere no pipe can be waited for together with a socket
+_ENDS = re.compile(rb"[\r\n]+")
 
 
 class Ended(Exception):
     """The child ended by itself; str() tells how, in half a sentence."""
+
+
+class _Stream:
+    """Rows of text out of the bytes that read(most) gives, b"" at the end."""
+
+    def __init__(self, kind, read):
+        self.kind, self.read, self.rest = kind, read, b""
+
+    def rows(self):
+        """(the rows that are whole now, whether there was anything to read)."""
+        try:
+            piece = self.read(_CHUNK)
+        except OSError:  # reset by the other side
+            piece = b""
+        *rows, self.rest = _ENDS.split(self.rest + piece)
+        return [(self.kind, row) for row in rows if row], bool(piece)
 
 
 class Child:
@@ -33,7 +52,7 @@ class Child:
 
     def __init__(self, command, job, hear):
         self.command, self.job, self.hear = command, job, hear
-        self._came, self._open, self._last = queue.Queue(), 2, deque(maxlen=1)
+        self._came, self._last = deque(), deque(maxlen=1)
 
     def __enter__(self):
         # Blender leaves its folder of temporary files behind, as it never gets to its own end.
@@ -43,32 +62,34 @@ class Child:
         path = os.path.join(self._temporary.path, "job.json")
         with open(path, "w", encoding="utf-8") as file:
             json.dump({**self.job, "line": theirs.fileno()}, file)
-        passed = {"pass_fds": [theirs.fileno()]} if os.name == "posix" else {"close_fds": False}
         environment = {**os.environ, **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), self._temporary.path)}
+        self._file = None
         try:
-            self._process = subprocess.Popen(
-                [*self.command, str(INSIDE), "--", path], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT, encoding="utf-8", errors="replace", env=environment, **passed)
+            if _PIPES:
+                output, passed = subprocess.PIPE, {"pass_fds": [theirs.fileno()]}
+            else:  # a file, looked at again and again
+                printed = os.path.join(self._temporary.path, "printed")
+                output, passed = open(printed, "wb"), {"close_fds": False}  # noqa: SIM115 - closed below
+                self._file = open(printed, "rb", buffering=0)  # noqa: SIM115 - __exit__ closes it
+            self._process = subprocess.Popen([*self.command, str(INSIDE), "--", path], stdin=subprocess.DEVNULL,
+                                             stdout=output, stderr=subprocess.STDOUT, env=environment, **passed)
         except BaseException:
             ours.close()
             self._temporary.__exit__()
             raise
         finally:
             theirs.close()
-        self._line = ours
-        self._readers = [threading.Thread(target=self._read, args=pair, daemon=True)
-                         for pair in (("printed", self._process.stdout), ("said", ours.makefile(encoding="utf-8")))]
-        for reader in self._readers:
-            reader.start()
+            if self._file:
+                output.close()
+        self._line, self._selector = ours, selectors.DefaultSelector()
+        self._selector.register(ours, selectors.EVENT_READ, _Stream("said", ours.recv))
+        if self._file:
+            self._printed = _Stream("printed", self._file.read)
+        else:
+            pipe = self._process.stdout.fileno()
+            self._printed = _Stream("printed", lambda most: os.read(pipe, most))
+            self._selector.register(pipe, selectors.EVENT_READ, self._printed)
         return self
-
-    def _read(self, kind, file):
-        try:
-            for line in file:
-                self._came.put((kind, line))
-        except (OSError, ValueError):  # closed from the other side
-            pass
-        self._came.put(("closed", None))
 
     def send(self, **message):
         with contextlib.suppress(OSError):  # it is gone, which next() tells
@@ -77,20 +98,41 @@ class Child:
     def next(self, deadline=None):
         """The child's next message. Ended: there is none; TimeoutError: none came before `deadline`, as
         time.monotonic() counts."""
-        while self._open:
-            try:
-                kind, line = self._came.get(timeout=None if deadline is None else max(0, deadline - time.monotonic()))
-            except queue.Empty:
-                raise TimeoutError from None
+        while self._came or self._selector.get_map():
+            if not self._came:
+                self._wait(deadline)
+                continue
+            kind, row = self._came.popleft()
             if kind == "said":
-                return json.loads(line)
-            if kind == "closed":
-                self._open -= 1
-            elif (line := line.strip()) and not self.hear(line):
-                self._last.append(line)
+                return json.loads(row)
+            self._heard(row)
         code = self._process.wait()
+        more = bool(self._file)
+        while more:
+            rows, more = self._printed.rows()
+            self._heard(*(row for _, row in rows))
+        self._heard(self._printed.rest)
         how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit status {code}"
         raise Ended(f"({how})" + (f'; its last words were "{self._last[0]}"' if self._last else ""))
+
+    def _wait(self, deadline):
+        """Reads what comes next. TimeoutError."""
+        left = None if deadline is None else deadline - time.monotonic()
+        if left is not None and left <= 0:
+            raise TimeoutError
+        ready = self._selector.select(_LOOK if self._file and (left is None or left > _LOOK) else left)
+        for key, _ in ready:
+            rows, more = key.data.rows()
+            self._came.extend(rows)
+            if not more:
+                self._selector.unregister(key.fileobj)
+        if self._file:
+            self._came.extend(self._printed.rows()[0])
+
+    def _heard(self, *rows):
+        for row in rows:
+            if (line := row.decode(errors="replace").strip()) and not self.hear(line):
+                self._last.append(line)
 
     def __exit__(self, *_):
         self._line.close()
@@ -101,4 +143,7 @@ class Child:
             except subprocess.TimeoutExpired:
                 self._process.kill()
                 self._process.wait()
+        self._selector.close()
+        for file in filter(None, (self._process.stdout, self._file)):
+            file.close()
         self._temporary.__exit__()

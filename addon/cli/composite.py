@@ -9,7 +9,7 @@ from ..pen import denoise, layers, library, metadata, saved
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
 from ..pen.settings import Settings
-from . import images, interrupt, substitutes
+from . import images, interrupt, multilayer, png, substitutes
 
 _LETTERS = "RGBAXYZW"
 _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
@@ -216,7 +216,7 @@ def _paper_pixels(name, stored, change):
 
 def check(path, view_layer=None, asked=None):
     """(text that lists which passes an EXR holds and what each that is missing switches off, whether it is enough)."""
-    with images.Exr(path) as exr:
+    with multilayer.Exr(path) as exr:
         found = view_layers(exr.channels, exr.views)
         lines, good = [], True
         for layer in [_choose(found, view_layer, path)] if view_layer is not None else found:
@@ -236,8 +236,8 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
     another; texts: {key: text} to store in `out`. Without a view layer's name the first is drawn. Raises EncreError for
     the input, images.WriteError where `out` can't be written.
     """
-    png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
-    with images.Exr(path, threads) as exr:
+    as_png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
+    with multilayer.Exr(path, threads) as exr:
         stored = metadata.read(exr.metadata)
         scene = {**(stored.scene or {}), **change}
         if (factor := scene.pop("supersample", 1)) > 1:
@@ -255,7 +255,7 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
                   and any(map(_has_picture, found[name].values()))]
         if others and view_layer is None:
             say("note", f"{path}: view layer {layer} is drawn, and not {', '.join(others)}; choose by --view-layer")
-        if png and len(eyes) > 1:
+        if as_png and len(eyes) > 1:
             raise EncreError(f"{path}: is stereo, and a PNG has one view; write an .exr")
         # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
         seen = stored.camera is not None and settings.wants_seen
@@ -268,7 +268,7 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
                               _idle(read, settings, path)]
             with interrupt.heeded() as progress:
                 result = library.draw(read, settings.every, stored.camera, _place(stored, exr.window),
-                                      ("Combined",) if png else ("Combined", *layers.DRAWN), threads,
+                                      ("Combined",) if as_png else ("Combined", *layers.DRAWN), threads,
                                       progress=progress,
                                       image=lambda name: _paper_pixels(name, stored.paper, change))
             del read
@@ -283,13 +283,13 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
         say("warning", f"{path}: {nonfinite} values were NaN or infinite and were read as 0")
     if stored.lost:
         say("note", f"{path}: {' and '.join(stored.lost)} in Combined are not drawn again")
-    if png:
+    if as_png:
         view = stored.view or metadata.View()
         if words := _view(stored.view, path):
             say("note", words)
-        images.write_png(out, pictures["Combined"], exr.window, texts, view.exposure, view.gamma)
+        png.write(out, pictures["Combined"], exr.window, texts, view.exposure, view.gamma)
     else:
-        images.write_exr(out, channels, exr.window, exr.views, texts)
+        multilayer.write(out, channels, exr.window, exr.views, texts)
 
 
 def _named(pictures, layer, view, names):

@@ -9,12 +9,12 @@ import contextlib
 import importlib.util
 import json
 import os
-import queue
 import re
 import runpy
+import select
+import signal
 import socket
 import sys
-import threading
 import traceback
 
 import bpy
@@ -25,18 +25,47 @@ PACKAGE = os.path.dirname(HERE)
 
 
 class Line:
-    """The private line: what to do comes on it, reports go. Where it ends, this process does: nobody waits for it."""
+    """The private line: what to do comes on it, reports go. Where it ends, this process does: nobody waits for it.
+
+    While nothing is to come on the line, `watched()` ends this process with it, in the midst of whatever Blender does:
+    on Linux by the signal that a socket sends, which kills. Elsewhere look() must be called now and then.
+    """
 
     def __init__(self, number):
-        self.socket, self.told = socket.socket(fileno=number), queue.SimpleQueue()
+        self.socket = socket.socket(fileno=number)
         self.socket.set_inheritable(False)
-        threading.Thread(target=self._listen, daemon=True).start()
+        self.told = self.socket.makefile(encoding="utf-8")
 
-    def _listen(self):
+    def hear(self):
+        """The next message."""
         try:
-            for message in self.socket.makefile(encoding="utf-8"):
-                self.told.put(json.loads(message))
-        finally:  # also where the line was reset, as it is when its other end dies with reports unread
+            message = self.told.readline()
+        except OSError:  # reset, as it is when its other end dies with reports unread
+            message = ""
+        if not message.endswith("\n"):
+            os._exit(1)
+        return json.loads(message)
+
+    @contextlib.contextmanager
+    def watched(self):
+        self._signals(True)
+        self.look()  # it may have ended before
+        try:
+            yield
+        finally:
+            self._signals(False)
+
+    def _signals(self, on):
+        if sys.platform == "linux":
+            import fcntl
+
+            signal.signal(signal.SIGIO, signal.SIG_DFL)
+            fcntl.fcntl(self.socket, fcntl.F_SETOWN, os.getpid())
+            flags = fcntl.fcntl(self.socket, fcntl.F_GETFL) & ~os.O_ASYNC
+            fcntl.fcntl(self.socket, fcntl.F_SETFL, flags | (os.O_ASYNC if on else 0))
+
+    def look(self, *_):
+        if select.select([self.socket], [], [], 0)[0]:
             os._exit(1)
 
     def report(self, event, **more):
@@ -263,31 +292,38 @@ def suffixes(scene):
 
 def render(job, scene, line):
     """Renders each frame that comes on the line, until the line says that it is the last."""
+    while frame := line.hear():
+        with line.watched():
+            event, more = render_frame(job, scene, frame["frame"], frame["stamp"])
+        line.report(event, **more)
+
+
+def render_frame(job, scene, number, stamp):
+    """What to report of it."""
     from encre.blender import frame as engine_frame
 
-    while frame := line.told.get():
-        number, engine_frame.stamped = frame["frame"], frame["stamp"]
-        scene.frame_set(number)
-        scene.render.filepath = os.path.join(job["folder"], str(number))
-        try:
-            done = bpy.ops.render.render(write_still=True, scene=scene.name)
-        except RuntimeError as reason:
-            line.report("failed", text=f"frame {number}: {sentence(reason)}")
-            continue
-        # Stereo makes a file for each eye, named 1_L and 1_R.
-        name = re.compile(rf"{number}(_.*)?{re.escape(job['ending'])}", re.IGNORECASE)
-        made = [entry for entry in os.listdir(job["folder"]) if name.fullmatch(entry)]
-        if "FINISHED" in done and made:
-            line.report("written", names=made)
-        else:
-            line.report("failed", text=f"frame {number}: Blender wrote no picture; run again with --verbose to see why")
+    engine_frame.stamped = stamp
+    scene.frame_set(number)
+    scene.render.filepath = os.path.join(job["folder"], str(number))
+    try:
+        done = bpy.ops.render.render(write_still=True, scene=scene.name)
+    except RuntimeError as reason:
+        return "failed", {"text": f"frame {number}: {sentence(reason)}"}
+    # Stereo makes a file for each eye, named 1_L and 1_R.
+    name = re.compile(rf"{number}(_.*)?{re.escape(job['ending'])}", re.IGNORECASE)
+    made = [entry for entry in os.listdir(job["folder"]) if name.fullmatch(entry)]
+    if "FINISHED" in done and made:
+        return "written", {"names": made}
+    return "failed", {"text": f"frame {number}: Blender wrote no picture; run again with --verbose to see why"}
 
 
 def compare(job, scene, line):
     from encre.cli import tools
 
     mute(scene, "encre.edge_color")
-    tools.load("compare", "techniques").render(job, scene, line.told.get()["frames"], line.report)
+    frames = line.hear()["frames"]
+    with line.watched():
+        tools.load("compare", "techniques").render(job, scene, frames, line.report)
 
 
 def save_mesh(job, error):
@@ -303,17 +339,24 @@ def save_mesh(job, error):
 
 
 def main(job, line):
-    line.report("doing", text="starting")
-    register(line.report)
-    from encre.pen.errors import EncreError as error
+    with line.watched():
+        line.report("doing", text="starting")
+        register(line.report)
+        from encre.pen.errors import EncreError as error
 
-    # Later Blenders print nothing about samples by themselves.
-    bpy.app.handlers.render_stats.append(lambda text, *_: print(text, flush=True) if isinstance(text, str) else None)
-    load(job, error, line.report)
-    if "mesh" in job:
-        save_mesh(job, error)
-    else:
-        scene = prepare(job, error, line.report)
+        @bpy.app.handlers.persistent  # a handler of another kind goes when a file is loaded
+        def told(text, *_):
+            line.look()
+            if isinstance(text, str):  # later Blenders print nothing about samples by themselves
+                print(text, flush=True)
+
+        bpy.app.handlers.render_stats.append(told)
+        load(job, error, line.report)
+        if "mesh" in job:
+            save_mesh(job, error)
+        else:
+            scene = prepare(job, error, line.report)
+    if "mesh" not in job:
         line.report("ready", first=scene.frame_start, last=scene.frame_end, current=scene.frame_current,
                     suffixes=suffixes(scene), blender=bpy.app.version_string)
         (compare if "techniques" in job else render)(job, scene, line)

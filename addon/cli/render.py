@@ -17,7 +17,7 @@ import numpy as np
 
 from ..pen import metadata, unwrap
 from ..pen.errors import EncreError
-from . import composite, images, sequence
+from . import composite, images, multilayer, png, sequence
 from .child import Child, Ended
 from .progress import Progress
 from .workplace import Workplace
@@ -298,11 +298,11 @@ class _Sequence:
         part = os.path.join(self.place.path, name)
         if not name.lower().endswith(".exr"):
             return name
-        with images.Exr(part) as exr:
+        with multilayer.Exr(part) as exr:
             scene, kinds = metadata.read(exr.metadata).scene, composite.slim(exr.channels, exr.views)
         if scene is None or scene["save_layers"] != "SLIM":
             return name
-        images.rewrite(part, os.path.join(self.place.path, f"slim-{name}"), kinds)
+        multilayer.rewrite(part, os.path.join(self.place.path, f"slim-{name}"), kinds)
         os.remove(part)
         return f"slim-{name}"
 
@@ -320,7 +320,7 @@ class _Sequence:
                 if not match:
                     raise ValueError
                 name = self._slim(name)
-                images.stamp_png(os.path.join(self.place.path, name), {metadata.MARK: self.mark(frame)})
+                png.stamp(os.path.join(self.place.path, name), {metadata.MARK: self.mark(frame)})
                 self.place.take(name, path)
             except OSError as error:
                 raise RenderError(images.unwritable(path, error.strerror)) from None

@@ -11,7 +11,7 @@ from pathlib import Path
 import blenders
 import numpy as np
 import pytest
-from encre.cli import images
+from encre.cli import multilayer
 
 ROOT = Path(__file__).parents[2]
 
@@ -75,6 +75,6 @@ def test_composite_reads_the_added_control_from_the_file(package, tmp_path):
     (site / "encre").symlink_to(package)
     subprocess.run([sys.executable, "-m", "encre", "composite", str(shot.folder / "on.exr"), "-o",
                     str(tmp_path / "again.exr")], check=True, env={**os.environ, "PYTHONPATH": str(site)})
-    with images.Exr(tmp_path / "again.exr") as file:
+    with multilayer.Exr(tmp_path / "again.exr") as file:
         again = file.read({"Combined": [f"ViewLayer.Combined.{c}" for c in "RGBA"]})["Combined"]
     np.testing.assert_allclose(again, shot.passes("on")["Combined"], atol=1e-6)

@@ -7,7 +7,7 @@ from pathlib import Path
 import blenders
 import numpy as np
 import pytest
-from encre.cli import images
+from encre.cli import multilayer
 from encre.cli.composite import composite
 from encre.pen import layers, library, metadata, saved
 from encre.pen.settings import Settings
@@ -306,7 +306,7 @@ def test_styles(render):
 def test_compositor(render):
     shot = render("compositor")
     plain = shot.passes("plain")
-    with images.Exr(shot.folder / "composite-combined.exr") as file:
+    with multilayer.Exr(shot.folder / "composite-combined.exr") as file:
         assert any(name.startswith("Composite") for name in file.channels), list(file.channels)
     for name, wanted in (("combined", plain["Combined"]), ("light", plain["Encre Light"])):
         composite = shot.passes(f"composite-{name}", "Composite")["Combined"]

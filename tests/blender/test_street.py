@@ -7,7 +7,7 @@ import blenders
 import exr
 import numpy as np
 import pytest
-from encre.cli import composite, images
+from encre.cli import composite, multilayer
 from encre.pen import layers, library, metadata, saved
 from encre.pen.settings import Settings
 
@@ -26,7 +26,7 @@ def street(request, tmp_path_factory):
 @pytest.fixture(scope="module")
 def kept(street):
     """(layers, settings) of the file."""
-    with images.Exr(str(street)) as file:
+    with multilayer.Exr(str(street)) as file:
         settings = metadata.read(file.metadata)
         passes = file.read(composite.view_layers(file.channels)["ViewLayer"][""])
     return layers.assemble(dict(passes), Settings(settings.scene), saved.unpack(passes))[0], settings

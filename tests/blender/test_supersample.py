@@ -4,7 +4,7 @@
 import blenders
 import numpy as np
 import pytest
-from encre.cli import images
+from encre.cli import multilayer
 from encre.cli.composite import composite
 from encre.pen import library, metadata, supersample
 
@@ -163,5 +163,5 @@ def test_composite_draws_at_the_frames_size(blender, tmp_path):
     again = shot.passes("again")["Combined"]
     one = shot.passes("one")["Combined"]
     assert again.shape == one.shape and np.abs(again - one).mean() < 0.05
-    with images.Exr(str(tmp_path / "again.exr")) as file:
+    with multilayer.Exr(str(tmp_path / "again.exr")) as file:
         assert any(name.endswith("Encre Lines.A") for name in file.channels)

@@ -17,7 +17,7 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre.cli import composite, images, main, workplace
+from encre.cli import composite, images, main, multilayer, png, workplace
 from encre.pen import denoise, layers, library, metadata, presets, saved
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
@@ -459,7 +459,7 @@ def test_other_view_layers_are_named(run, tmp_path, scene):
     letters = {full: exr.LETTERS[full.partition(".")[2]] for full in pictures}
     channels = {f"{full}.{letter}": np.atleast_3d(picture)[..., k] for full, picture in pictures.items()
                 for k, letter in enumerate(letters[full])}
-    images.write_exr(tmp_path / "in.exr", channels, images.Window(*SIZE, 0, 0, *SIZE))
+    multilayer.write(tmp_path / "in.exr", channels, multilayer.Window(*SIZE, 0, 0, *SIZE))
     assert "layer One is drawn, and not Two" in run("composite", tmp_path / "in.exr", "-o", tmp_path / "o.exr")[2]
     err = run("composite", tmp_path / "in.exr", "-o", tmp_path / "o.exr", "--view-layer", "Two")[2]
     assert "is drawn, and not" not in err
@@ -667,12 +667,17 @@ def test_thousands_of_unknown_settings_are_one_warning(run, tmp_path, scene):
 
 def test_what_is_half_made_has_a_name_that_nobody_foresees(tmp_path, monkeypatch):
     """And lies in a folder of its own, into which no link can have been put."""
-    seen = []
-    monkeypatch.setattr(images, "_store", lambda place, *_: seen.append(place.path))
-    monkeypatch.setattr(workplace.Workplace, "take", lambda *_: None)
+    seen, store = [], images.store
+
+    def watched(place, *rest):
+        seen.append(place.path)
+        store(place, *rest)
+        assert os.stat(place.path).st_mode & 0o777 == 0o700
+
+    monkeypatch.setattr(images, "store", watched)
     for _ in range(2):
-        images.write_png(tmp_path / "a.png", np.zeros((2, 2, 4), np.float32), images.Window(2, 2, 0, 0, 2, 2))
-    assert len(set(seen)) == 2 and os.listdir(tmp_path) == []
+        png.write(tmp_path / "a.png", np.zeros((2, 2, 4), np.float32), multilayer.Window(2, 2, 0, 0, 2, 2))
+    assert len(set(seen)) == 2 and os.listdir(tmp_path) == ["a.png"]
 
 
 def test_a_link_gives_way_to_the_picture(run, tmp_path, scene):

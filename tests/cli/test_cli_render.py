@@ -8,6 +8,7 @@ import pty
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -18,7 +19,7 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre.cli import images, render
+from encre.cli import child, images, multilayer, render
 from encre.pen import layers, library, metadata, saved
 from encre.pen.errors import EncreError
 
@@ -151,7 +152,7 @@ def test_stereo(tmp_path):
     works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.exr"))
     eyes = []
     for file in "out", "again":
-        with images.Exr(tmp_path / f"{file}.exr") as opened:
+        with multilayer.Exr(tmp_path / f"{file}.exr") as opened:
             assert opened.views == ("left", "right")
             names = {eye: [f"ViewLayer.Combined.{eye}.{c}" for c in "RGBA"] for eye in opened.views}
             eyes.append(opened.read(names))
@@ -244,7 +245,7 @@ def test_choices(tmp_path):
     works(encre("render", path, "-o", tmp_path / "b.exr", *given, "--camera", "Second"))
     a, b = (exr.part(tmp_path / f"{name}.exr", "Extra.Combined") for name in "ab")
     assert a.shape == b.shape == (30, 40, 4) and np.abs(a - b).max() > 0.1
-    with images.Exr(tmp_path / "a.exr") as opened:
+    with multilayer.Exr(tmp_path / "a.exr") as opened:
         assert not any(name.startswith("ViewLayer.") for name in opened.channels)
     fails(encre("render", path, "-o", tmp_path / "c.png", "--scene", "Othre"), "Othre", "Other")
     fails(encre("render", path, "-o", tmp_path / "c.png", "--camera", "Sun"), "Sun", "camera")
@@ -391,6 +392,49 @@ def running(temporary):
             if bytes(temporary) in path.read_bytes():
                 found.append(int(path.parent.name))
     return found
+
+
+INSIDE = f"""
+import importlib.util, sys, time
+spec = importlib.util.spec_from_file_location("inside", {str(child.INSIDE)!r})
+inside = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(inside)
+line = inside.Line(int(sys.argv[-1]))
+while word := line.hear():
+    with line.watched():
+        line.report("busy")
+        if word == "work":
+            time.sleep(0.3)
+        while word != "work":
+            time.sleep(1000 if word == "hang" else 0.01)
+            line.look()
+    line.report("done")
+"""
+
+
+@pytest.mark.parametrize("word", ["hang", "look", None])
+def test_what_runs_inside_ends_with_the_line(tmp_path, word):
+    """While it is told nothing, works or hangs; and what it is told between two works does not end it."""
+    (tmp_path / "script.py").write_text(INSIDE)
+    ours, theirs = socket.socketpair()
+    theirs.set_inheritable(True)
+    ours.settimeout(60)
+    command = [*render.find_blender(), tmp_path / "script.py", "--", str(theirs.fileno())]
+    running = subprocess.Popen(command, pass_fds=[theirs.fileno()], stdout=subprocess.DEVNULL)
+    theirs.close()
+    try:
+        with ours, ours.makefile() as reader:
+            for said in ("work", "work", word):
+                if said:
+                    ours.sendall(json.dumps(said).encode() + b"\n")
+                    assert "busy" in reader.readline()
+                if said == "work":
+                    assert "done" in reader.readline()
+            assert running.poll() is None
+        assert running.wait(10) in (1, -signal.SIGIO)
+    finally:
+        running.kill()
+        running.wait()
 
 
 def test_a_frame_that_cannot_be_written_is_found_before_rendering(cube, tmp_path):

@@ -7,7 +7,7 @@ import blenders
 import exr
 import numpy as np
 import pytest
-from encre.cli import composite, images
+from encre.cli import composite, multilayer
 from encre.pen import layers, library, metadata, saved
 from encre.pen.settings import Settings
 
@@ -25,7 +25,7 @@ def rendered(blender, folder, kind, size="480x270", samples=8):
     words = blenders.encre(blender, folder, "render", script, "-o", frame, "--size", size, "--samples", samples,
                            "--set", "use_shading=off")
     assert "warning" not in words, words
-    with images.Exr(str(frame)) as file:
+    with multilayer.Exr(str(frame)) as file:
         return file.read(composite.view_layers(file.channels)["ViewLayer"][""]), metadata.read(file.metadata)
 
 
@@ -102,6 +102,6 @@ def test_passes_are_there_only_where_they_are_needed(tmp_path):
     for change in ("edge_seen=0", "edge_detector=SOBEL"):
         blenders.encre("bpy", tmp_path, "render", script, "-o", tmp_path / "off.exr", "--size", "64x36", "--samples", 1,
                        "--set", change)
-        with images.Exr(str(tmp_path / "off.exr")) as file:
+        with multilayer.Exr(str(tmp_path / "off.exr")) as file:
             found = {name for name in composite.view_layers(file.channels)["ViewLayer"][""]}
         assert not found & {*layers.SEEN, "Encre Seen Depth"} and {*saved.passes(False)} <= found

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from encre.cli import images
+from encre.cli import multilayer
 from encre.pen import layers
 
 CASES = Path(__file__).parents[1] / "blender" / "inside" / "cases.py"
@@ -40,7 +40,7 @@ class Shot:
 
     def passes(self, name, layer="ViewLayer", view=None):
         """{classic pass name: (height, width, channels)} of an EXR."""
-        with images.Exr(self.folder / f"{name}.exr") as file:
+        with multilayer.Exr(self.folder / f"{name}.exr") as file:
             wanted = {}
             for channel in file.channels:
                 head, *parts = channel.split(".")
@@ -51,7 +51,7 @@ class Shot:
         return {n: np.ascontiguousarray(p) for n, p in pictures.items()}
 
     def metadata(self, name):
-        with images.Exr(self.folder / f"{name}.exr") as file:
+        with multilayer.Exr(self.folder / f"{name}.exr") as file:
             return file.metadata
 
     def wrote(self, name):

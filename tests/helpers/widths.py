@@ -6,7 +6,7 @@ the spot's rim in it, is the width of the line there. All lengths are texels of 
 """
 
 import numpy as np
-from encre.cli import images
+from encre.cli import multilayer, png
 from encre.pen import colour, library, unwrap
 from encre.pen.job import Frame, Mesh
 
@@ -155,5 +155,5 @@ def measured(folder):
             rows.append(told(surface, name, widths(surface, texture, drawn)))
             row.append(seen(surface, drawn, 280))
         picture = np.concatenate([np.concatenate(row, 1), np.ones((280, 560, 1))], 2)
-        images.write_png(folder / f"baking_{surface.name}.png", picture, images.Window(560, 280, 0, 0, 560, 280))
+        png.write(folder / f"baking_{surface.name}.png", picture, multilayer.Window(560, 280, 0, 0, 560, 280))
     return rows

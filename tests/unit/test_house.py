@@ -74,6 +74,13 @@ def test_only_what_runs_inside_blender_knows_it(path):
     assert [name for name in imported(path) if re.match(r"(bpy|encre\.blender)\b", name)] == []
 
 
+def test_what_blender_loads_starts_no_threads():
+    """Blender's data bear none, and who reviews extensions refuses them."""
+    threads = {"threading", "_thread", "concurrent", "multiprocessing"}
+    assert [path.name for path in ADDON.rglob("*.py") for name in imported(path)
+            if name.partition(".")[0] in threads] == []
+
+
 def test_only_the_bindings_know_ctypes():
     know = {path.name for path in ADDON.rglob("*.py") for name in imported(path) if name.partition(".")[0] == "ctypes"}
     assert know == {"library.py", "denoise.py"}

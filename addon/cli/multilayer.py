@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Multilayer OpenEXR files, through OpenImageIO: in by bands of rows, out whole."""
+
+import contextlib
+import os
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..pen.errors import EncreError
+from . import images
+
+MOST_PACKED = 2000  # values in a byte of a file: no compression does better than a fourth of that
+MOST_HALF = 65504.0
+
+
+@dataclass(frozen=True)
+class Window:
+    """Where an EXR's pixels lie: size and place of the data window in the display window (full_*)."""
+
+    width: int
+    height: int
+    x: int
+    y: int
+    full_width: int
+    full_height: int
+
+
+class Exr:
+    """An open EXR: `channels` maps each channel's full name to its (part, number), in the file's order; `views`
+    names the eyes of a stereo picture, else (); `metadata` holds the text attributes. Use as a context manager.
+
+    Raises EncreError for a file that is missing, unreadable or empty, or whose parts differ in size.
+    """
+
+    def __init__(self, path, threads=0):
+        oiio = images.openimageio()
+        if not os.path.isfile(path):
+            raise EncreError(f"{path}: there is no such file; check the path")
+        if threads:
+            oiio.attribute("threads", threads)
+            oiio.attribute("exr_threads", threads)
+        self.path, self.channels, self.views, self.metadata, self.window = path, {}, (), {}, None
+        self._file = oiio.ImageInput.open(images.utf8(path))
+        if not self._file or self._file.format_name() != "openexr":
+            images.complaint(oiio)
+            raise EncreError(f"{path}: is not a readable OpenEXR file; give a multilayer EXR")
+        part, most = 0, MOST_PACKED * os.path.getsize(path)
+        try:
+            while self._file.seek_subimage(part, 0):
+                spec = self._file.spec()
+                self._add(part, spec)
+                most -= spec.width * spec.height * spec.nchannels
+                part += 1
+        except UnicodeDecodeError:
+            raise EncreError(f"{path}: holds names that are not UTF-8; render or copy it again") from None
+        if most < 0:  # a damaged or made-up size would have us ask for all memory
+            raise EncreError(f"{path}: says that it holds more pixels than such a file can; render or copy it again")
+
+    def _add(self, part, spec):
+        # The display window starts where the file says; only the distance between the two windows matters.
+        window = Window(spec.width, spec.height, spec.x - spec.full_x, spec.y - spec.full_y,
+                        spec.full_width, spec.full_height)
+        if min(spec.width, spec.height) < 1:
+            raise EncreError(f"{self.path}: has no pixels; render it again")
+        if self.window not in (None, window):
+            raise EncreError(f"{self.path}: its parts differ in size; save all passes in one size")
+        self.window = window
+        # One part holds all views, and says so; or each part holds one, and its channels do not name it.
+        view = spec.get_string_attribute("view")
+        self.views = tuple(dict.fromkeys([*self.views, *(spec.getattribute("multiView") or ()), *filter(None, [view])]))
+        for number, name in enumerate(spec.channelnames):
+            if view:
+                name = ".".join([*name.split(".")[:-1], view, name.split(".")[-1]])
+            self.channels.setdefault(name, (part, number))
+        for attribute in spec.extra_attribs:
+            with contextlib.suppress(UnicodeDecodeError):  # another program's, in another encoding
+                if isinstance(attribute.value, str):
+                    self.metadata.setdefault(attribute.name, attribute.value)
+
+    def read(self, passes):
+        """{name: array (H, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}."""
+        shape = self.window.height, self.window.width
+        out = {name: np.empty((*shape, len(channels)), np.float32) for name, channels in passes.items()}
+        for first, band in self.bands(passes, 0, self.window.height):
+            for name, picture in band.items():
+                out[name][first:first + len(picture)] = picture
+        return out
+
+    def bands(self, passes, first, end):
+        """Yields (row, {name: array (rows, W, channels)}) of bands of the rows from `first` to `end`, else as read().
+
+        Every chunk is decompressed once, whatever the number of channels wanted from it.
+        """
+        places = {name: [self.channels[channel] for channel in channels] for name, channels in passes.items()}
+        parts = {}
+        for part, number in sorted(place for wanted in places.values() for place in wanted):
+            parts.setdefault(part, []).append(number)
+        for top in range(first - first % images.ROWS, end, images.ROWS):
+            row, below = max(top, first), min(top + images.ROWS, end)
+            rows = {part: self._rows(part, row, below, numbers[0], numbers[-1] + 1) for part, numbers in parts.items()}
+            band = {name: _together([(rows[part], number - parts[part][0]) for part, number in wanted])
+                    for name, wanted in places.items()}
+            del rows
+            yield row, band
+            del band  # not while the next is read
+
+    @images.quiet()
+    def _rows(self, part, row, end, first, last):
+        """The channels `first` to `last` of the rows from `row` to `end` of a part, float32 (rows, W, channels)."""
+        self._file.seek_subimage(part, 0)
+        spec = self._file.spec()
+        above, below = row, end
+        if spec.tile_width:  # whole tiles, or to the picture's end
+            above, below = row - row % spec.tile_height, min(end + -end % spec.tile_height, spec.height)
+            pixels = self._file.read_tiles(part, 0, spec.x, spec.x + spec.width, spec.y + above, spec.y + below, 0, 1,
+                                           first, last, "float")
+        else:
+            pixels = self._file.read_scanlines(part, 0, spec.y + above, spec.y + below, 0, first, last, "float")
+        if pixels is None:
+            images.complaint(self._file)
+            raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
+        return pixels.reshape(below - above, spec.width, last - first)[row - above:][:end - row]
+
+    def close(self):
+        if self._file:
+            self._file.close()
+            self._file = None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
+def _together(places):
+    """(H, W, channels) of (pixels (H, W, any), channel in them) each; a view where they lie side by side."""
+    pixels, first = places[0]
+    if all(other is pixels and channel == first + k for k, (other, channel) in enumerate(places)):
+        return pixels[..., first:first + len(places)]
+    return np.stack([pixels[..., channel] for pixels, channel in places], axis=-1)
+
+
+def write(path, channels, window, views=(), texts=None):
+    """Writes {full channel name: array (H, W)} as one part of 32-bit floats with {key: text}, whole or not at all.
+
+    Raises images.WriteError where the file can't be written.
+    """
+    oiio = images.openimageio()
+    spec = oiio.ImageSpec(window.width, window.height, len(channels), "float")
+    spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
+    spec.channelnames = tuple(channels)
+    spec["compression"] = "zip"
+    for key, said in (texts or {}).items():
+        spec[key] = said
+    if views:
+        spec.attribute("multiView", oiio.TypeDesc(f"string[{len(views)}]"), views)
+    images.write(path, spec, np.stack(list(channels.values()), axis=2))
+
+
+def rewrite(path, part, kinds):
+    """Writes the channels of an EXR that `kinds` {full name: "half" or "float"} names into another, `part`, as one part
+    with the same metadata. Few rows are held at a time. Raises EncreError, WriteError.
+    """
+    oiio = images.openimageio()
+    with Exr(path) as exr:
+        window, names = exr.window, [name for name in exr.channels if name in kinds]
+        spec = oiio.ImageSpec(window.width, window.height, len(names), "float")
+        spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
+        spec.channelnames = tuple(names)
+        spec.channelformats = tuple(oiio.TypeDesc(kinds[name]) for name in names)
+        spec["compression"] = "zip"
+        for key, said in exr.metadata.items():
+            if not key.startswith(("oiio:", "openexr:")) and key not in ("compression", "name", "view"):
+                spec[key] = said
+        if exr.views:
+            spec.attribute("multiView", oiio.TypeDesc(f"string[{len(exr.views)}]"), exr.views)
+        halves = [k for k, name in enumerate(names) if kinds[name] == "half"]
+        out = oiio.ImageOutput.create(part)
+        good = out.open(part, spec)
+        for y, band in exr.bands({"all": names}, 0, window.height) if good else ():
+            rows = np.array(band["all"])
+            rows[..., halves] = np.clip(rows[..., halves], -MOST_HALF, MOST_HALF)
+            good = good and out.write_scanlines(window.y + y, window.y + y + len(rows), 0, rows)
+        good = out.close() and good
+        if not good:
+            raise images.unwritten(path, out, part)
