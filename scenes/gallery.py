@@ -4,8 +4,9 @@
     python scenes/gallery.py [--size WxH] [--samples N] [--only NAME]... FOLDER [FILE.blend]...
 
 Of a .blend only the shapes and the camera are taken. Frames go to FOLDER as EXR and as PNG in full size; those that are
-there and whole are not rendered again. The small pictures go to docs/scenes/, the page is docs/gallery.md; with --only,
-it and the other scenes' stay as they are."""
+there and whole are not rendered again. The small pictures go to docs/scenes/, the page is docs/gallery.md; the presets'
+own pictures, which Blender's panel shows, lie beside them in addon/presets/. With --only, all but that scene's stay as
+they are."""
 
 import argparse
 import subprocess
@@ -18,6 +19,7 @@ import OpenImageIO as oiio
 ROOT = Path(__file__).resolve().parents[1]
 SMALL = 640  # pixels wide
 MOST = 60_000  # bytes of a small picture
+THUMBNAIL = 128
 PRESETS = {"Water Memory": "water_memory", "Inter-color": "inter_color", "Ink only": "ink_only"}
 SCENES = {  # name: what is to be seen
     "street": "a girl at a street corner at night",
@@ -56,22 +58,39 @@ def encre(*args):
     subprocess.run([sys.executable, "-m", "encre", *map(str, args)], check=True)
 
 
+def resized(picture, width, kernel):
+    """An image buffer, so wide, of a picture (height, width, 3)."""
+    height = round(width * picture.shape[0] / picture.shape[1])
+    full = oiio.ImageBuf(oiio.ImageSpec(picture.shape[1], picture.shape[0], 3, "float"))
+    full.set_pixels(full.roi, np.ascontiguousarray(picture, np.float32))
+    return oiio.ImageBufAlgo.resize(full, kernel, 0, oiio.ROI(0, width, 0, height, 0, 1, 0, 3))
+
+
 def shrink(source, target):
     """A JPEG of SMALL pixels' width on white paper, as good as MOST bytes allow.
 
     Averaged as stored, not in linear light: there a line thinner than a pixel would fade before it is thin."""
     picture = oiio.ImageBuf(str(source)).get_pixels(oiio.FLOAT)
-    over = picture[..., :3] * picture[..., 3:] + 1 - picture[..., 3:]
-    height = round(SMALL * over.shape[0] / over.shape[1])
-    full = oiio.ImageBuf(oiio.ImageSpec(over.shape[1], over.shape[0], 3, "float"))
-    full.set_pixels(full.roi, np.ascontiguousarray(over, np.float32))
-    small = oiio.ImageBufAlgo.resize(full, "blackman-harris", 0, oiio.ROI(0, SMALL, 0, height, 0, 1, 0, 3))
+    small = resized(picture[..., :3] * picture[..., 3:] + 1 - picture[..., 3:], SMALL, "blackman-harris")
     for quality in range(88, 40, -4):
         small.specmod()["Compression"] = f"jpeg:{quality}"
         if not small.write(str(target), "uint8"):
             raise SystemExit(small.geterror())
         if target.stat().st_size <= MOST:
             return
+
+
+def thumbnails(folder):
+    """The pictures of all presets: the monkey among the toys, THUMBNAIL pixels wide and high. Widths in pixels are for
+    frames of full size."""
+    frame, full = folder / "thumbnails.exr", folder / "thumbnails.png"
+    encre("render", ROOT / "scenes" / "toys.py", "-o", frame, "--size", "1920x1080", "--samples", 4, "--resume")
+    for preset in sorted((ROOT / "addon" / "presets").glob("*.json")):
+        encre("composite", frame, "-o", full, "--preset", preset)
+        small = resized(oiio.ImageBuf(str(full)).get_pixels(oiio.FLOAT)[160:920, 580:1340, :3], THUMBNAIL, "box")
+        small.specmod()["png:compressionLevel"] = 9
+        if not small.write(str(preset.with_suffix(".png")), "uint8"):
+            raise SystemExit(small.geterror())
 
 
 def main():
@@ -103,6 +122,7 @@ def main():
         page += f"## `{source.name}`\n\n| {' | '.join(drawn)} |\n|{'---|' * len(drawn)}\n"
         page += f"| {' | '.join(f'![{words}, {preset}](scenes/{file}.jpg)' for preset, file in drawn.items())} |\n\n"
     if not args.only:
+        thumbnails(args.folder)
         (ROOT / "docs" / "gallery.md").write_text(page.rstrip() + "\n", encoding="utf-8")
 
 

@@ -7,6 +7,7 @@ Every reading function takes evaluated data, so that keyframes and drivers count
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from ..pen import library
 from ..pen.settings import Settings
@@ -126,6 +127,7 @@ def register():
         **{p.id: _property(p) for p in params},
         "styles": bpy.props.CollectionProperty(type=style, name="Styles"),
         "active_style": bpy.props.IntProperty(options={"HIDDEN"}),
+        "preset": bpy.props.StringProperty(options={"HIDDEN"}),  # id of the last one: rows are reset to its values
         "version": bpy.props.IntProperty(options={"HIDDEN"}),  # of the settings in a file: migration.py
         "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
     })
@@ -171,15 +173,35 @@ def scene_values(scene):
     return {p.id: _value(scene.encre, p) for p in library.params().values()}
 
 
-def stores(style, p):
-    """Whether a style changes this parameter."""
-    return bool(len(style.shade_levels)) if p.type == "levels" else style.is_property_set(p.id)
+def stores(group, p):
+    """Whether a style changes this parameter, or a scene has had it set."""
+    return bool(len(group.shade_levels)) if p.type == "levels" else group.is_property_set(p.id)
+
+
+def _own_params(group):
+    """The parameters that a scene's or a style's group has."""
+    return [p for p in library.params().values() if hasattr(group, p.id)]
+
+
+def stored(group):
+    """{id: value} of what a style changes or a scene has had set."""
+    return {p.id: _value(group, p) for p in _own_params(group) if stores(group, p)}
+
+
+def has(group, p, value):
+    """Whether a parameter has this value, as the single floats that are kept."""
+    mine = _value(group, p)
+    if p.type not in ("float", "color", "levels"):
+        return mine == value
+    if p.type == "levels":  # all numbers of each, of the first no threshold and transition
+        mine, value = ([x for k, v in enumerate(rows) for x in (v[0], *(v[1:3] if k else ()), *(v[3:] or (1, 1, 1)))]
+                       for rows in (mine, value))
+    return np.array_equal(np.float32(mine), np.float32(value))
 
 
 def styles(scene):
     """[(name, {id: value} that it changes)]; style number k is the k-th, 0 the scene's own parameters."""
-    surface = [p for p in library.params().values() if p.scope == "surface"]
-    return [(s.name, {p.id: _value(s, p) for p in surface if stores(s, p)}) for s in scene.encre.styles]
+    return [(s.name, stored(s)) for s in scene.encre.styles]
 
 
 def settings(scene):
@@ -204,7 +226,8 @@ def set_value(group, id_, value):
     """Sets a parameter of a scene's or style's group to a checked value."""
     p = library.params()[id_]
     if p.type == "image":
-        setattr(group, id_, bpy.data.images.load(value, check_existing=True) if value else None)
+        found = bpy.data.images.get(value) or bpy.data.images.load(value, check_existing=True) if value else None
+        setattr(group, id_, found)
     elif p.type == "levels":
         group.shade_levels.clear()
         for k, level in enumerate(value):
@@ -215,3 +238,30 @@ def set_value(group, id_, value):
             row.color = level[3:] if len(level) == 6 else (1, 1, 1)
     else:
         setattr(group, id_, value)
+
+
+def unset_value(group, id_):
+    """Gives a scene's parameter its default again, a style's the scene's value."""
+    if library.params()[id_].type == "levels":
+        group.shade_levels.clear()
+    group.property_unset(id_)
+
+
+def set_values(group, values):
+    """Sets what a group has of checked values. Returns the names of images that are not there."""
+    missing = []
+    for id_, value in values.items():
+        if hasattr(group, id_):
+            try:
+                set_value(group, id_, value)
+            except RuntimeError:
+                missing.append(value)
+    return missing
+
+
+def replace(group, values):
+    """Gives a group these values and no others. Returns the names of images that are not there."""
+    for p in _own_params(group):
+        if p.id not in values:
+            unset_value(group, p.id)
+    return set_values(group, values)

@@ -77,6 +77,21 @@ def has_cycles_denoiser():
     return bool(getattr(_cycles, "with_openimagedenoise", True))
 
 
+def user_folder(package):
+    """Where a package of ours may keep files of its user."""
+    repository = package.split(".")[:3]
+    if repository[0] == "bl_ext":  # from 4.2 on an extension has a folder of its own, which stays at updates
+        return bpy.utils.extension_path_user(".".join(repository))
+    return bpy.utils.user_resource("CONFIG", path="encre")
+
+
+def as_png(settings):
+    """The (owner, property, value) that make image settings those of an 8-bit PNG, in the order to set them."""
+    kind = [("media_type", "IMAGE")] if hasattr(settings, "media_type") else []  # from 5.0 on it limits the formats
+    return [(settings, name, value) for name, value in
+            (*kind, ("file_format", "PNG"), ("color_mode", "RGB"), ("color_depth", "8"))]
+
+
 def home():
     """The folder in which this Blender keeps its scripts' folder and its libraries."""
     return os.path.dirname(bpy.utils.resource_path("LOCAL"))

@@ -108,7 +108,7 @@ def _parser():
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     style = argparse.ArgumentParser(add_help=False)
-    style.add_argument("--preset", metavar="P", help="apply a preset (encre presets lists them)")
+    style.add_argument("--preset", metavar="P", help="apply a preset: its name, as encre presets lists them, or file")
     style.add_argument("--set", metavar="ID=VALUE", action="append", default=[], dest="sets",
                        help="change a parameter after the preset (encre params lists them); may be repeated")
 

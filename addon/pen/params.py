@@ -98,13 +98,13 @@ def _levels(levels):
     out = []
     for k in range(levels.count):
         level = levels.level[k]
-        v = tuple(_tidy(x) for x in (level.intensity, level.threshold, level.transition, *level.color))
+        v = tuple(tidy(x) for x in (level.intensity, level.threshold, level.transition, *level.color))
         v = v[:3] if v[3:] == (1, 1, 1) else v
         out.append(v[:1] if k == 0 and len(v) == 3 else v)
     return out
 
 
-def _tidy(x):
+def tidy(x: float) -> float:
     """The shortest decimal that is this float32: 0.9, not 0.8999999762."""
     return float(str(np.float32(x)))
 
@@ -121,17 +121,17 @@ def _param(stage_id, r):
     items = tuple(Item(text_of(x.id), text_of(x.label), text_of(x.help), x.number)
                   for x in (r.items[k] for k in range(r.n_items)))
     value = r.value[0]
-    default = {"bool": lambda: bool(value), "int": lambda: int(value), "float": lambda: _tidy(value),
+    default = {"bool": lambda: bool(value), "int": lambda: int(value), "float": lambda: tidy(value),
                "enum": lambda: next(x.id for x in items if x.number == int(value)),
-               "color": lambda: tuple(_tidy(x) for x in r.value), "image": lambda: None,
+               "color": lambda: tuple(tidy(x) for x in r.value), "image": lambda: None,
                "levels": lambda: _levels(r.levels.contents)}[kind]()
     numeric = kind in ("int", "float")
-    tidy = int if kind == "int" else _tidy
+    limit = int if kind == "int" else tidy
     return Param(text_of(r.id), stage_id, kind, ("frame", "surface")[r.scope], text_of(r.label), text_of(r.help),
                  text_of(r.unit), text_of(r.enabled_if), default,
-                 tidy(r.hard_min) if numeric else None,
-                 tidy(r.hard_max) if numeric and r.hard_max < _UNLIMITED else None,
-                 tidy(r.soft_min), tidy(r.soft_max), items, bool(r.is_switch), r.offset)
+                 limit(r.hard_min) if numeric else None,
+                 limit(r.hard_max) if numeric and r.hard_max < _UNLIMITED else None,
+                 limit(r.soft_min), limit(r.soft_max), items, bool(r.is_switch), r.offset)
 
 
 def _number(p, value):

@@ -1,39 +1,77 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets: named values of some of the scene's parameters, one JSON file each in the folder `presets`.
+"""Presets: named values of some of the scene's parameters, one JSON file each: Encre's own in the folder `presets`,
+a user's where Blender keeps its user's files.
 
-A file holds {"name", "description", "values": {id: value}}, values in the JSON form of `encre params --json`.
-Adding a preset = adding a file. A preset sets the parameters that it lists and leaves all others as they are.
+A file holds {"name", "description", "values": {id: value}}, values in the JSON form of `encre params --json`; a PNG of
+the same name beside it is its picture. Adding a preset = adding a file. A preset sets the parameters that it lists and
+leaves all others as they are. It is data from strangers: nothing in it is run, and it opens no other file.
 """
 
+import functools
 import json
+import os
+import shutil
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from . import library
 from .errors import EncreError, unknown
+from .params import tidy
 
 FOLDER = Path(__file__).parents[1] / "presets"
+_OF_THE_JOB = "layers"  # the stage whose parameters tell what is rendered and saved: no matter of looks
 
 
 @dataclass(frozen=True)
 class Preset:
-    id: str  # the file's name without its ending
+    path: Path
     name: str
     description: str
     values: dict
 
+    @property
+    def id(self) -> str:
+        """The file's name without its ending."""
+        return self.path.stem
+
+    @property
+    def own(self) -> bool:
+        """Whether it comes with Encre."""
+        return self.path.parent == FOLDER
+
+    @property
+    def picture(self) -> Path:
+        """Where its picture is, if there is one."""
+        return self.path.with_suffix(".png")
+
 
 def presets() -> tuple[Preset, ...]:
-    """All presets, in the order of their files' names."""
-    return tuple(_read(path) for path in sorted(FOLDER.glob("*.json")))
+    """Encre's own, in the order of their files' names."""
+    return tuple(read(path) for path in sorted(FOLDER.glob("*.json")))
 
 
-def find(name: str) -> Preset:
-    """The preset called `name`: its id or its name, in any case, with spaces, - or _.
+def users(folder: Path) -> tuple[tuple[Preset, ...], list[str]]:
+    """A user's in a folder, and a sentence for each file that can't be used."""
+    found, wrong = [], []
+    for path in sorted(folder.glob("*.json")):
+        try:
+            found.append(read(path))
+        except EncreError as error:
+            wrong.append(str(error))
+    return tuple(found), wrong
+
+
+def find(name: str, folder: Path | None = None) -> Preset:
+    """The preset called `name`: its id or its name, in any case, with spaces, - or _, of Encre's own and those in a
+    user's folder; or the file that `name` is the path of.
 
     Raises EncreError with the nearest names if there is none.
     """
-    known = presets()
+    if name.lower().endswith(".json"):
+        return read(Path(name))
+    known = (*presets(), *(users(folder)[0] if folder else ()))
     for preset in known:
         if _key(name) in (_key(preset.id), _key(preset.name)):
             return preset
@@ -44,9 +82,89 @@ def _key(name):
     return name.strip().lower().replace("-", "_").replace(" ", "_")
 
 
-def _read(path):
+def read(path: Path) -> Preset:
+    """The preset in a file. EncreError: it can't be used."""
+    try:
+        return _read(path, path.stat().st_mtime_ns)
+    except OSError as error:
+        raise EncreError(f"the preset file {path} can't be read ({error.strerror}); check the path") from None
+
+
+@functools.lru_cache(256)  # panels ask at every redraw
+def _read(path, _changed):
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-        return Preset(path.stem, data["name"], data["description"], library.check(data["values"]))
-    except (OSError, ValueError, KeyError, TypeError, EncreError) as error:
+        name, description, values = data["name"], data["description"], data["values"]
+        if not (isinstance(name, str) and name.strip() and isinstance(description, str)):
+            raise ValueError("its name or description is no text")
+        if refused := [id_ for id_ in values if not _holds(id_)]:
+            raise EncreError(f"{refused[0]}: presets hold no images")
+        return Preset(path, name, description, library.check(values))
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError, EncreError) as error:
         raise EncreError(f"the preset file {path} can't be used: {error}; repair or remove it") from None
+
+
+def _holds(id_):
+    return id_ not in library.params() or library.params()[id_].type != "image"
+
+
+def of(values: Mapping[str, Any]) -> dict[str, Any]:
+    """What a preset keeps of a scene's values: how it looks, but not images, which are files of their own."""
+    kept = {id_: value for id_, value in values.items()
+            if library.params()[id_].stage != _OF_THE_JOB and _holds(id_)}
+    if kept.get("paper_source") == "IMAGE":
+        del kept["paper_source"]
+    return kept
+
+
+def write(path: Path, name: str, description: str, values: Mapping[str, Any]) -> None:
+    """Writes a preset's file, whole or not at all. EncreError: it can't be written."""
+    values = {id_: _short(value) for id_, value in library.check(values).items()}
+    text = json.dumps({"name": name, "description": description, "values": values}, indent=2)
+    _store(path, lambda part: part.write_text(text + "\n", encoding="utf-8"))
+
+
+def _short(value):
+    """Blender and the library keep single floats, whose decimals are fewer than a double's."""
+    if isinstance(value, (list, tuple)):
+        return [_short(x) for x in value]
+    return tidy(value) if isinstance(value, float) else value
+
+
+def copy(preset: Preset, path: Path) -> None:
+    """Copies a preset's file and its picture. EncreError: it can't be done."""
+    _store(path, lambda part: shutil.copyfile(preset.path, part))
+    if preset.picture.is_file():
+        _store(path.with_suffix(".png"), lambda part: shutil.copyfile(preset.picture, part))
+
+
+def _store(path, write_to):
+    part = path.with_name(path.name + ".part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_to(part)
+        os.replace(part, path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise EncreError(f"{path}: can't be written ({error.strerror}); choose another place") from None
+
+
+def file_name(name: str) -> str:
+    """The file's name of a preset called `name`. EncreError: it is taken by one of Encre's own, or is no name."""
+    id_ = "".join(char for char in _key(name) if char.isalnum() or char == "_").strip("_")
+    if not id_:
+        raise EncreError(f"{name!r} has no letter to name a file with; give another name")
+    if id_ in {preset.id for preset in presets()}:
+        raise EncreError(f"{name} is a preset of Encre's own; give another name")
+    return id_ + ".json"
+
+
+def remove(preset: Preset) -> None:
+    """Deletes a user's preset and its picture. EncreError: it can't be done."""
+    if preset.own:
+        raise EncreError(f"{preset.name} comes with Encre and stays")
+    try:
+        preset.path.unlink(missing_ok=True)
+        preset.picture.unlink(missing_ok=True)
+    except OSError as error:
+        raise EncreError(f"{preset.path}: can't be deleted ({error.strerror}); delete it by hand") from None

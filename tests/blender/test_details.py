@@ -34,7 +34,8 @@ def test_whatever_changes_the_scene_can_be_undone(facts):
     assert [name for name, own in options.items() if "UNDO" not in own and name not in KEEPS] == []
 
 
-KEEPS = {"ENCRE_OT_bake"}  # writes files
+KEEPS = {"ENCRE_OT_bake", "ENCRE_OT_preset_import", "ENCRE_OT_preset_export", "ENCRE_OT_preset_remove",  # only files
+         "ENCRE_OT_settings_copy"}
 
 
 def test_the_brush_paints_what_is_asked(facts):

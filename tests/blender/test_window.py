@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender with a window: panels, real brush strokes, F12, the viewport (blender/window.py does the clicking)."""
 
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -21,7 +22,8 @@ def shot(tmp_path_factory):
     command = ["xvfb-run", "-a", "-s", "-screen 0 1600x1000x24", "blender", "--factory-startup",
                "--enable-event-simulate", "-p", "0", "0", "1600", "1000", "-P", str(WINDOW),
                "--", "window", str(folder)]
-    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace"), folder)
+    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace",
+                                        env={**os.environ, "BLENDER_USER_CONFIG": str(folder / "config")}), folder)
 
 
 def read(path):

@@ -134,6 +134,22 @@ def test_presets(run):
     assert "color_detector" not in presets.find("inter_color_2016").values
 
 
+def test_a_preset_may_be_a_file(run, tmp_path):
+    mine = tmp_path / "Mine.json"
+    presets.write(mine, "Mine", "", {"line_thickness": np.float32(7.3), "shade_levels": [(0.5,), (1, 0.5, 0.25)]})
+    assert json.loads(mine.read_text())["values"] == {"line_thickness": 7.3, "shade_levels": [[0.5], [1, 0.5, 0.25]]}
+    assert presets.find(str(mine)).values == {"line_thickness": 7.3, "shade_levels": [(0.5,), (1, 0.5, 0.25)]}
+    for text, wrong in (("[]", "can't be used"), ("[" * 10 ** 6, "can't be used"), ("{", "can't be used"),
+                        ('{"name": "x", "description": "", "values": {"paper_image": "a.png"}}', "hold no images"),
+                        ('{"name": "x", "description": "", "values": {"seed": 1}}', "unknown parameter"),
+                        ('{"name": 3, "description": "", "values": {}}', "no text"),
+                        ('{"name": "x", "description": "", "values": {"line_thickness": 1%s}}' % ("0" * 400), "used")):
+        mine.write_text(text)
+        status, out, err = run("composite", "in.exr", "-o", tmp_path / "out.png", "--preset", mine)
+        assert (status, out) == (2, "") and wrong in err and err.count("\n") == 1
+    assert "can't be read" in run("composite", "in.exr", "-o", "out.png", "--preset", "gone.json")[2]
+
+
 @pytest.mark.parametrize("command", [(), ("render",), ("composite",), ("params",), ("presets",)])
 def test_help(run, command):
     status, out, err = run(*command, "--help")

@@ -80,7 +80,7 @@ def dist(tmp_path_factory):
 
 def test_the_wheel_holds_the_package_and_nothing_else(dist):
     wanted = {path.relative_to(ROOT / "addon").as_posix() for path in (ROOT / "addon").rglob("*")
-              if path.suffix in (".py", ".json", ".toml")}
+              if path.suffix in (".py", ".json", ".png", ".toml")}
     with zipfile.ZipFile(dist[1]) as wheel:
         names = {name for name in wheel.namelist() if ".dist-info/" not in name}
     assert names == {f"encre/{name}" for name in wanted | {LIBRARY}}

@@ -3,43 +3,8 @@
 
 import bpy
 
-from ...pen import library, presets
-from ...pen.errors import EncreError
-from .. import properties
+from . import presets
 from .base import EncrePanel
-
-
-class ENCRE_OT_preset(bpy.types.Operator):
-    bl_idname = "encre.preset"
-    bl_label = "Apply Preset"
-    bl_options = {"REGISTER", "UNDO"}
-
-    preset: bpy.props.StringProperty(name="Preset", options={"HIDDEN"})
-
-    @classmethod
-    def description(cls, _context, properties_):
-        preset = presets.find(properties_.preset)
-        labels = [library.params()[id_].label for id_ in preset.values]
-        return f"{preset.description}. Sets {', '.join(labels)}; leaves all other settings as they are"
-
-    def execute(self, context):
-        try:
-            preset = presets.find(self.preset)
-        except EncreError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        for id_, value in preset.values.items():
-            properties.set_value(context.scene.encre, id_, value)
-        return {"FINISHED"}
-
-
-class ENCRE_MT_presets(bpy.types.Menu):
-    bl_idname = "ENCRE_MT_presets"
-    bl_label = "Presets"
-
-    def draw(self, _context):
-        for preset in presets.presets():
-            self.layout.operator("encre.preset", text=preset.name).preset = preset.id
 
 
 class ENCRE_OT_standard_view(bpy.types.Operator):
@@ -68,7 +33,12 @@ class ENCRE_PT_encre(EncrePanel, bpy.types.Panel):
             box = layout.box()
             box.label(text=f"{transform} washes out ink", icon="INFO")
             box.operator("encre.standard_view")
-        layout.menu("ENCRE_MT_presets")
+        row, preset = layout.row(align=True), presets.current(context.scene)
+        if preset:
+            row.popover("ENCRE_PT_presets", text=preset.name, translate=False, icon="PRESET")
+        else:
+            row.popover("ENCRE_PT_presets", icon="PRESET")
+        row.menu("ENCRE_MT_scene_settings", text="", icon="DOWNARROW_HLT")
 
 
-CLASSES = (ENCRE_OT_preset, ENCRE_MT_presets, ENCRE_OT_standard_view, ENCRE_PT_encre)
+CLASSES = (ENCRE_OT_standard_view, ENCRE_PT_encre)

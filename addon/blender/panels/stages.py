@@ -4,6 +4,7 @@
 import bpy
 
 from ...pen import library
+from . import presets, settings
 from .base import EncrePanel
 from .levels import draw_levels
 
@@ -24,8 +25,10 @@ def enabled(group, rule):
 def draw_params(layout, group, params, path):
     layout.use_property_split = True
     layout.use_property_decorate = path != "style"
+    preset = presets.current(group.id_data)
     for p in params:
-        row = layout.column()
+        line = layout.row(align=True)
+        row = line.column()
         row.active = enabled(group, p.enabled_if)
         if p.type == "levels":
             draw_levels(row, group, path)
@@ -33,6 +36,8 @@ def draw_params(layout, group, params, path):
             row.template_ID(group, p.id, open="image.open", text=p.label)
         else:
             row.prop(group, p.id)
+        if path == "scene":
+            settings.draw_reset(line, group, p, preset)
 
 
 def stage_panel(stage):

@@ -5,6 +5,7 @@ import bpy
 
 from ...pen import library
 from .. import properties
+from . import settings
 from .base import EncrePanel
 from .stages import draw_params
 
@@ -84,11 +85,7 @@ class ENCRE_OT_style_forget(bpy.types.Operator):
     param: bpy.props.StringProperty()
 
     def execute(self, context):
-        scene = context.scene.encre
-        style = scene.styles[scene.active_style]
-        if self.param == "shade_levels":
-            style.shade_levels.clear()
-        style.property_unset(self.param)
+        properties.unset_value(settings.active_style(context.scene), self.param)
         return {"FINISHED"}
 
 
@@ -105,9 +102,11 @@ class ENCRE_PT_styles(EncrePanel, bpy.types.Panel):
         buttons = row.column(align=True)
         buttons.operator("encre.style_add", text="", icon="ADD")
         buttons.operator("encre.style_remove", text="", icon="REMOVE")
-        if not scene.styles:
+        style = settings.active_style(context.scene)
+        if style is None:
             return
-        style = scene.styles[min(scene.active_style, len(scene.styles) - 1)]
+        buttons.separator()
+        buttons.menu("ENCRE_MT_style_settings", text="", icon="DOWNARROW_HLT")
         for p in library.params().values():
             if p.scope == "surface" and properties.stores(style, p):
                 row = layout.row()

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cases of what files keep: library overrides."""
+"""Cases of what is kept: library overrides, presets, copied settings."""
 
+import json
 import os
 
 import bpy
-from studio import cube, fact, material, register
+from studio import cube, fact, material, register, shoot, stage
 
 
 def overridden(out):
@@ -40,3 +41,118 @@ def overridden(out):
 def _value(own, number):
     """What a setting is given: nothing that it is by itself, each its own."""
     return {"control": 0.5 + number / 64, "degrees": 8.0 + number, "bool": True}.get(own.kind, f"Name {number}")
+
+
+def presets(out):
+    """The user's presets, in the folder that BLENDER_USER_CONFIG names: saved, applied, shared, deleted."""
+    scene = stage(300, 200, 1)
+    from encre.blender.panels import presets as panel
+
+    def listed():
+        every, wrong = panel._every()
+        return [[[preset.id, preset.own, preset.picture.is_file()] for preset in every], wrong]
+
+    def call(operator, **more):
+        try:
+            return [list(getattr(bpy.ops.encre, operator)(**more)), scene.encre.preset]
+        except RuntimeError as error:
+            return str(error)
+
+    mine, folder = scene.encre, panel.folder()
+    fact("folder", str(folder))
+    mine.line_thickness, mine.line_color, mine.supersample, mine.paper_source = 7.3, (0.1, 0.2, 0.3), 2, "IMAGE"
+    mine.shade_levels.add().intensity = 0.4
+    mine.shade_levels.add().threshold = 0.6
+    fact("save", call("preset_save", name="My Look", description="As I like it"))
+    fact("without a render", listed())
+    mine.supersample, mine.paper_source = 1, "NONE"
+    fact("render", shoot(out, "shot"))
+    fact("save", call("preset_save", name="My Look", description="As I like it"))
+    fact("saved", listed())
+    fact("file", json.loads((folder / "my_look.json").read_text(encoding="utf-8")))
+    fact("picture", _size(folder / "my_look.png"))
+    fact("left", [len(bpy.data.scenes), sorted(image.name for image in bpy.data.images)])
+    settings = scene.render.image_settings
+    fact("format", [settings.file_format, settings.color_depth])
+    for name in ("Ink Only", "...", "my look"):
+        fact("name", call("preset_save", name=name))
+    call("preset", preset="ink_only")
+    fact("other", [mine.line_thickness, mine.preset])
+    call("preset", preset="my_look")
+    fact("applied", [mine.line_thickness, list(mine.line_color), [v.intensity for v in mine.shade_levels], mine.preset])
+    shared = os.path.join(out, "shared.json")
+    fact("export", call("preset_export", preset="my_look", filepath=shared))
+    fact("twice", call("preset_import", filepath=shared))
+    fact("remove", call("preset_remove", preset="my_look"))
+    fact("remove", call("preset_remove", preset="ink_only"))
+    fact("removed", listed())
+    fact("import", call("preset_import", filepath=shared))
+    fact("imported", listed())
+    fact("reset without it", call("reset", param="line_thickness") and mine.line_thickness)
+    (folder / "broken.json").write_text("[" * 100000)
+    (folder / "images.json").write_text('{"name": "x", "description": "", "values": {"paper_image": "/etc/passwd"}}')
+    fact("broken", listed())
+
+
+def _size(path):
+    image = bpy.data.images.load(str(path))
+    size, pixels = list(image.size), image.pixels[:]
+    bpy.data.images.remove(image)
+    return [size, max(pixels[:3]) - min(pixels[:3]), min(pixels), max(pixels)]
+
+
+def settings(_out):
+    """Settings copied from scene and style to scene and style, and rows reset."""
+    scene = stage(16, 16, 1)
+    from encre.blender import properties
+    from encre.pen import library, presets
+
+    def of(group):
+        return {id_: list(value) if isinstance(value, tuple) else value
+                for id_, value in properties.stored(group).items()}
+
+    mine = scene.encre
+    mine.line_color, mine.edge_detector, mine.paper_image = (0.1, 0.2, 0.3), "DOG", bpy.data.images.new("Sheet", 4, 4)
+    bpy.ops.encre.level_add()
+    bpy.ops.encre.style_add()
+    bpy.ops.encre.style_store(param="hatch_amount")
+    mine.styles[0].hatch_amount = 0.25
+    fact("first", [of(mine), of(mine.styles[0])])
+    bpy.ops.encre.settings_copy(path="scene")
+
+    other = bpy.data.scenes.new("Other")
+    bpy.context.window.scene = other
+    other.render.engine = "ENCRE"
+    other.encre.line_taper = 5  # not set in the first: the default again
+    for name in ("Style", "Mine"):
+        other.encre.styles.add().name = name
+    other.encre.styles["Style"].line_taper = 3
+    fact("paste", list(bpy.ops.encre.settings_paste(path="scene")))
+    fact("second", [of(other.encre), of(other.encre.styles["Style"]), [style.name for style in other.encre.styles]])
+
+    other.encre.line_thickness = 11  # and now it is neither the copied scene's nor the default
+    other.encre.active_style = 1
+    bpy.ops.encre.settings_paste(path="style")
+    fact("scene to style", of(other.encre.styles["Mine"]))
+    other.encre.active_style = 0
+    bpy.ops.encre.settings_copy(path="style")
+    other.encre.active_style = 1
+    bpy.ops.encre.settings_paste(path="style")
+    fact("style to style", of(other.encre.styles["Mine"]))
+    bpy.ops.encre.settings_paste(path="scene")
+    fact("style to scene", [other.encre.hatch_amount, other.encre.line_thickness, other.encre.edge_detector])
+
+    bpy.ops.encre.preset(preset="ink_only")
+    params = library.params()
+    differs = {id_: 1.5 for id_ in ("line_thickness", "line_tint")}
+    for id_, value in differs.items():
+        setattr(other.encre, id_, value)
+        bpy.ops.encre.reset(param=id_)
+    fact("reset", [[round(getattr(other.encre, id_), 5), params[id_].default] for id_ in differs])
+    fact("levels", len(other.encre.shade_levels))
+    bpy.ops.encre.reset(param="shade_levels")
+    fact("levels", len(other.encre.shade_levels))
+    bpy.ops.encre.reset(param="")
+    fact("all", [properties.scene_values(other)[id_] for id_ in ("edge_detector", "line_thickness", "paper_image")])
+    fact("differ", [p.id for p in params.values()
+                    if not properties.has(other.encre, p, presets.find("ink_only").values.get(p.id, p.default))])

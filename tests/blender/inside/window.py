@@ -114,6 +114,20 @@ def tabs():
         getattr(bpy.types, name).remove(note)
 
 
+def presets():
+    """The pop-over of presets, and the rows that differ from the one that was applied."""
+    with override("PROPERTIES"):
+        bpy.ops.encre.preset_save(name="Mine", description="From the window")
+        bpy.context.scene.encre.line_thickness = 20
+        bpy.ops.wm.call_panel(name="ENCRE_PT_presets")
+    yield
+    yield
+    screenshot("presets")
+    window().event_simulate(type="ESC", value="PRESS")
+    yield
+    window().event_simulate(type="ESC", value="RELEASE")
+
+
 def edit_mode():
     """The panel of Edit Mode, as a pop-up: no script can open its tab in the sidebar of 3.4."""
     with override("VIEW_3D"):
@@ -193,7 +207,7 @@ def viewport():
 
 
 def steps():
-    for step in (choose, panels, tabs, edit_mode, paint_mode, stroke, f12, viewport):
+    for step in (choose, panels, tabs, presets, edit_mode, paint_mode, stroke, f12, viewport):
         made = step()
         if made is not None:
             yield from made

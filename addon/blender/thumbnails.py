@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small pictures of presets: made of the last render, shown as icons."""
+
+import os
+import tempfile
+
+import bpy
+import bpy.utils.previews
+import numpy as np
+
+from . import versions
+from .overrides import changed
+
+SIDE = 128
+_shown = None
+
+
+def save(scene, path):
+    """Saves the middle of the last render, small and as the scene shows it, as a PNG. False: there is no render."""
+    result = bpy.data.images.get("Render Result")
+    if result is None:
+        return False
+    with tempfile.TemporaryDirectory() as folder, changed(*versions.as_png(scene.render.image_settings)):
+        full = os.path.join(folder, "full.png")
+        try:
+            result.save_render(full, scene=scene)
+            small = shrink(_pixels(full), SIDE)
+        except RuntimeError:  # nothing has been rendered since the file was opened
+            return False
+    image = bpy.data.images.new("Encre Thumbnail", small.shape[1], small.shape[0], alpha=True)
+    try:
+        image.pixels.foreach_set(np.ascontiguousarray(small, np.float32).ravel())
+        image.filepath_raw, image.file_format = os.fspath(path), "PNG"
+        image.save()
+    finally:
+        bpy.data.images.remove(image)
+    return True
+
+
+def _pixels(path):
+    image = bpy.data.images.load(path)
+    try:
+        width, height = image.size
+        pixels = np.empty(width * height * 4, np.float32)
+        image.pixels.foreach_get(pixels)
+    finally:
+        bpy.data.images.remove(image)
+    return pixels.reshape(height, width, 4)
+
+
+def shrink(pixels, side):
+    """The square in the middle of a picture (height, width, channels), averaged down to `side` pixels or fewer."""
+    height, width = pixels.shape[:2]
+    whole = min(height, width)
+    y, x = (height - whole) // 2, (width - whole) // 2
+    square, side = pixels[y:y + whole, x:x + whole], min(side, whole)
+    first = np.arange(side) * whole // side
+    count = np.diff([*first, whole])[:, None]
+    summed = np.add.reduceat(np.add.reduceat(square, first, 0), first, 1)
+    return summed / (count * count.T)[..., None]
+
+
+def icon(path):
+    """The icon of a picture, 0 if there is none."""
+    try:
+        key = f"{path} {path.stat().st_mtime_ns}"  # another picture may have taken its place
+    except OSError:
+        return 0
+    return (_shown.get(key) or _shown.load(key, os.fspath(path), "IMAGE")).icon_id
+
+
+def register():
+    global _shown
+    _shown = bpy.utils.previews.new()
+
+
+def unregister():
+    bpy.utils.previews.remove(_shown)
