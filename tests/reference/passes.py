@@ -370,7 +370,7 @@ def spurs(t):
             continue
         run, length = [i, t.links[i][0]], 0.0
         length = t.apart(*run)
-        while len(run) <= 8 and length < 2 and (ahead := t.next(run[-2], run[-1])) is not None:
+        while length < 2 and (ahead := t.next(run[-2], run[-1])) is not None:
             length += t.apart(run[-1], ahead)
             run.append(ahead)
         if abs(length - 2) < CLOSE:
