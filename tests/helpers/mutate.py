@@ -79,6 +79,7 @@ class Mutant:
 
 NUMBER = re.compile(r"(?<![\w.])(?:\d+\.\d*(?:[eE][+-]?\d+)?f?|\d+[eE][+-]?\d+f?|0x[0-9a-fA-F]+u?|\d+u?)(?![\w.])")
 CUTS = re.compile(r"\b(?:CHUNK|LANES|TILE|SHORT|STRIPE)\s*=$")  # how work is cut up, on which no result depends
+TAKEN = re.compile(r"\b(?:float|bool|int|uint\d+_t|int\d+_t) \(?\*?\w+\)?\[[^\]]*\]")  # likewise, as a parameter
 DECLARED = re.compile(r"^\s*(?!return\b|else\b|case\b)(?:[a-z]\w*[\s*]+)+\w+(?:\[[^\]]*\])+")  # an array
 
 
@@ -110,7 +111,8 @@ def mutants_of(path, text):
     start = 0
     real = [m.span() for m in re.finditer(r"\bstatic const float\b[^;()]*;", code)]
     for number, line in enumerate(code.split("\n"), 1):
-        declared = [m.span() for m in re.finditer(r"(?<=\w)\[[^\]]*\]", line)] if DECLARED.match(line) else []
+        declared = [m.span() for m in re.finditer(r"(?<=[\w)])\[[^\]]*\]", line)] if DECLARED.match(line) else []
+        declared += [m.span() for m in TAKEN.finditer(line)]
         for match in NUMBER.finditer(line):
             before, after = line[:match.start()].rstrip(), line[match.end():].lstrip()
             inside = any(a <= match.start() < b for a, b in declared)
