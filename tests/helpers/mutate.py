@@ -13,6 +13,7 @@ import functools
 import os
 import random
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -24,7 +25,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve()
 KNOWN = HERE.with_name("mutants.txt")
-LIMIT = 60  # seconds a mutant's tests may take: what hangs is noticed
+LIMIT, STILL = 60, 1200  # seconds that a mutant's tests may compute, and may take: what hangs is noticed
 
 # The nearest tests of a file or folder: the first that fits; one after another, the likeliest to notice first.
 TESTS = (
@@ -204,6 +205,7 @@ class Copy:
             child = os.fork()
             if child == 0:
                 os.setsid()
+                resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT))
                 code = 1
                 try:
                     code = self._noticed(selection)
@@ -273,7 +275,7 @@ def _words(selection):
 
 def _wait(child):
     """Whether a process ends well in time."""
-    end = time.monotonic() + LIMIT
+    end = time.monotonic() + STILL
     while time.monotonic() < end:
         done, status = os.waitpid(child, os.WNOHANG)
         if done:
