@@ -114,6 +114,19 @@ static inline bool near_next(const fine *n, near_sites *of, uint32_t *site)
 	return true;
 }
 
+/* ---- order ----------------------------------------------------------------------------------------------- */
+
+/* For qsort(): below, at or above 0. */
+static inline int order(float a, float b)
+{
+	return (a > b) - (a < b);
+}
+
+static inline int order_of(uint32_t a, uint32_t b)
+{
+	return (a > b) - (a < b);
+}
+
 /* ---- pieces ---------------------------------------------------------------------------------------------- */
 
 enum { PIECE = 4096 };

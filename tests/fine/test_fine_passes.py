@@ -28,7 +28,7 @@ class Check:
         want, got, unsure = set(want), set(got), set(unsure)
         self.count[name] += len(want | got)
         assert (want ^ got) - unsure == set(), name
-        assert len(unsure & (want | got)) <= 0.1 * len(want | got) + 2, name
+        assert len(unsure & (want | got)) <= 0.1 * len(want | got) + 3, name
 
 
 def dropped(before, after, family=None):
@@ -126,16 +126,19 @@ def drop(check):
 @functools.cache
 def compare(name):
     check = Check(passes.case(name))
-    for each in (claim, link, tie, smooth, crowd, lead, drop):
+    for each in (crowd, lead, drop) if name in passes.TANGLES else (claim, link, tie, smooth, crowd, lead, drop):
         each(check)
     return check.count
 
 
-@pytest.mark.parametrize("name", [*passes.CASES, *passes.MORE])
+ALL = [*passes.TINY, *passes.TANGLES, *passes.CASES, *passes.MORE]
+
+
+@pytest.mark.parametrize("name", ALL)
 def test_passes_do_what_their_twins_do(name):
     compare(name)
 
 
 def test_every_pass_has_something_to_do():
-    found = sum((compare(name) for name in [*passes.CASES, *passes.MORE]), Counter())
+    found = sum((compare(name) for name in ALL), Counter())
     assert {name: (found[name], least) for name, least in LEAST.items() if found[name] < least} == {}

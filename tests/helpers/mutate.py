@@ -13,6 +13,7 @@ import functools
 import os
 import random
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -24,7 +25,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve()
 KNOWN = HERE.with_name("mutants.txt")
-LIMIT = 60  # seconds a mutant's tests may take: what hangs is noticed
+LIMIT, STILL = 60, 1200  # seconds that a mutant's tests may compute, and may take: what hangs is noticed
 
 # The nearest tests of a file or folder: the first that fits; one after another, the likeliest to notice first.
 TESTS = (
@@ -79,6 +80,7 @@ class Mutant:
 
 NUMBER = re.compile(r"(?<![\w.])(?:\d+\.\d*(?:[eE][+-]?\d+)?f?|\d+[eE][+-]?\d+f?|0x[0-9a-fA-F]+u?|\d+u?)(?![\w.])")
 CUTS = re.compile(r"\b(?:CHUNK|LANES|TILE|SHORT|STRIPE)\s*=$")  # how work is cut up, on which no result depends
+TAKEN = re.compile(r"\b(?:float|bool|int|uint\d+_t|int\d+_t) \(?\*?\w+\)?\[[^\]]*\]")  # likewise, as a parameter
 DECLARED = re.compile(r"^\s*(?!return\b|else\b|case\b)(?:[a-z]\w*[\s*]+)+\w+(?:\[[^\]]*\])+")  # an array
 
 
@@ -110,7 +112,8 @@ def mutants_of(path, text):
     start = 0
     real = [m.span() for m in re.finditer(r"\bstatic const float\b[^;()]*;", code)]
     for number, line in enumerate(code.split("\n"), 1):
-        declared = [m.span() for m in re.finditer(r"(?<=\w)\[[^\]]*\]", line)] if DECLARED.match(line) else []
+        declared = [m.span() for m in re.finditer(r"(?<=[\w)])\[[^\]]*\]", line)] if DECLARED.match(line) else []
+        declared += [m.span() for m in TAKEN.finditer(line)]
         for match in NUMBER.finditer(line):
             before, after = line[:match.start()].rstrip(), line[match.end():].lstrip()
             inside = any(a <= match.start() < b for a, b in declared)
@@ -202,6 +205,7 @@ class Copy:
             child = os.fork()
             if child == 0:
                 os.setsid()
+                resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT))
                 code = 1
                 try:
                     code = self._noticed(selection)
@@ -271,7 +275,7 @@ def _words(selection):
 
 def _wait(child):
     """Whether a process ends well in time."""
-    end = time.monotonic() + LIMIT
+    end = time.monotonic() + STILL
     while time.monotonic() < end:
         done, status = os.waitpid(child, os.WNOHANG)
         if done:

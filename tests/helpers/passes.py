@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import built
 import numpy as np
 import shapes
+import tangles
 from encre.pen.job import Camera
 from encre.pen.library import Library
 from reference import placed
@@ -47,11 +48,14 @@ def library():
     return load("probe_fine")
 
 
-def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined")):
-    """(pictures, [Snapshot])"""
+def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined"), given=None):
+    """(pictures, [Snapshot]); given: (sites, pairs that are linked), which take the place of what `smooth` has left."""
     own = library()
     own.lib.probe_clear()
     scene = {"edge_detector": "FINE", **scene}
+    site, link = given or (np.zeros(0, SITE), np.zeros((0, 2), np.int32))
+    own.lib.probe_give(b"smooth" if given else None, c.c_void_p(site.ctypes.data), len(site),
+                       c.c_void_p(link.ctypes.data), len(link))
     images = own.render(layers, scene, styles, camera=camera, outputs=outputs, threads=1, simd=0).images
     every = []
     for i in range(own.lib.probe_count()):
@@ -95,6 +99,23 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
 WIRES = {  # for the sites of thin things
     f"wires {k}": (dict(seed=k), dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
     for k in range(10)}
+def _tiny(k):
+    """Next to nothing to see, hardly any of it far from the border; not all layers."""
+    rng = np.random.default_rng(k)
+    size = tuple(int(n) for n in rng.integers(*((1, 7) if k % 5 == 0 else (9, 17)), 2))
+    styles = int(rng.choice([0, 0, 2]))
+    without = [name for name in ("object", "material", "albedo", "marks", "seen_depth") if rng.random() < 0.2]
+    how = dict(seed=2000 + k, size=size, things=int(rng.integers(0, 3)), wires=int(rng.integers(0, 3)),
+               mirror=bool(rng.random() < 0.5), bent=int(rng.choice([0, 0, 9])), painted=bool(rng.random() < 0.3),
+               hand=int(rng.choice([0, 0, 5])) if min(size) > 8 else 0, styles=styles, without=without)
+    if rng.random() < 0.3:
+        how |= dict(strong=float(rng.choice([0.1, 0.3])), wires=0)
+    scene = dict(edge_threshold=float(rng.choice([0, 0.1, 0.3])), crease_angle=float(rng.choice([8, 20, 50])),
+                 contrast_metric=str(rng.choice(["RGB", "CIE76", "CMC", "CIEDE2000"])))
+    return how, scene, STYLES[:styles], (None, ORTHO)[k % 2]
+
+
+TINY = {f"tiny {k}": _tiny(k) for k in range(40)}
 MORE = {  # for the passes alone: many lines beside one another
     f"crowded {k}": (dict(seed=100 + k, things=k % 2, noise=0.01 * (k % 3), size=(40, 56)),
                      dict(crease_angle=30.0 + 20 * (k % 3), edge_threshold=0.05 * (k % 4)), (), (None, ORTHO)[k % 2])
@@ -103,6 +124,10 @@ MORE = {  # for the passes alone: many lines beside one another
                      dict(edge_light=0.0, edge_seen=1.0, edge_color=1.0, color_layer=("LIT", "ALBEDO")[k % 2]), (),
                      None)
     for k in range(6)}
+
+
+TANGLES = {  # for the passes after smoothing: chains by chance in the place of those that are found
+    f"tangle {k}": (k, dict(color_layer=("ALBEDO", "LIT")[k % 2])) for k in range(16)}
 
 
 @dataclass
@@ -117,7 +142,7 @@ class Case:
 
 @functools.cache
 def given(name):
-    how, scene, styles, camera = {**CASES, **MORE, **WIRES}[name]
+    how, scene, styles, camera = {**CASES, **TINY, **MORE, **WIRES}[name]
     layers = (shapes.wires if name in WIRES else shapes.shapes)(**how)
     scene, camera = {**ALL, **scene}, camera or Camera()
     told = dict(orthographic=camera.orthographic, height=camera.height, view=camera.view)
@@ -134,6 +159,12 @@ def wanted(name):
 @functools.cache
 def case(name):
     """What the library finds."""
-    _, _, styles, camera = {**CASES, **MORE, **WIRES}[name]
+    if name in TANGLES:
+        seed, own = TANGLES[name]
+        layers, site, link = tangles.tangle(seed)
+        scene = {**ALL, **own}
+        view = View(Layers(layers, 0, {}, None), Params(scene, ()), tuple(layers))
+        return Case(*run(layers, scene, given=(site, link)), view)
+    _, _, styles, camera = {**CASES, **TINY, **MORE, **WIRES}[name]
     layers, scene, view = given(name)
     return Case(*run(layers, scene, styles, camera), view)

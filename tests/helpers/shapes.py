@@ -15,7 +15,7 @@ def _cover(rng, y, x, kind, size):
         return off > 0
     if kind == "disc":
         middle = rng.uniform(0.1, 0.9, 2) * size
-        return np.hypot(y - middle[0], x - middle[1]) < rng.uniform(2, 0.4 * height)
+        return np.hypot(y - middle[0], x - middle[1]) < rng.uniform(2, max(2, 0.4 * height))
     return np.abs(off) < rng.uniform(0.2, 1.6)
 
 
@@ -48,7 +48,7 @@ def strokes(rng, size, count):
     height, width = size
     marks = np.zeros((height, width, 2))
     for _ in range(count):
-        a = rng.uniform(2, (width - 3, height - 3))
+        a = rng.uniform(2, np.maximum(2, (width - 3, height - 3)))
         turn = rng.uniform(0, 2 * np.pi)
         way = rng.uniform(5, 11) * np.array([np.cos(turn), np.sin(turn)])
         for axis in (0, 1):  # crossings of rows, then of columns
@@ -63,7 +63,7 @@ def strokes(rng, size, count):
 
 
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0, light=1.0, hand=0, bent=0):
+           strong=1.0, light=1.0, hand=0, bent=0, without=()):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so."""
     rng = np.random.default_rng(seed)
     height, width = size
@@ -128,7 +128,7 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     if styles:
         layers["style"] = np.minimum(_patches(rng, size, ("half", "disc"), lambda: rng.integers(0, styles + 1, 1)),
                                      styles).round()[..., 0]
-    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items() if name not in without}
 
 
 def wires(seed, size=(40, 52), count=4):

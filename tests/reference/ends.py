@@ -74,7 +74,7 @@ def _beside(a, b):
 class End:
     site: int
     way: np.ndarray  # unit, ahead
-    aims: list = field(default_factory=list)  # (cost, site), the cheapest two
+    aims: list = field(default_factory=list)  # (cost, site), the cheapest first
     taken: bool = False
 
 
@@ -89,7 +89,7 @@ def _direction(t, i):
 
 
 def _own(t, i):
-    """The first nine sites of its chain."""
+    """It and the next eight sites of its chain."""
     own = [i, t.links[i][0]]
     while len(own) < 9 and (ahead := t.next(own[-2], own[-1])) is not None:
         own.append(ahead)
@@ -110,7 +110,7 @@ def _aims(t, end, picture, doubt):
             doubt.add(i)
         if margin >= 0:
             found.append((d / cosine**4, j))
-    end.aims = sorted(found)[:3]
+    end.aims = sorted(found)[:2]
 
 
 def _join(t, a, b, picture, doubt):
@@ -160,13 +160,10 @@ def lead_on(t, layers, params):
     links, corners = [], []
     for cost, i, j, corner in sorted(pairs, key=lambda pair: pair[:3]):
         a, b = ends[i], ends[j]
-        rather = [aim for end, other in ((a, j), (b, i)) for aim in end.aims[:2] if aim[1] != other]
-        if any(abs(aim[0] - cost + 0.25) < 10 * CLOSE for aim in rather):
+        rather = [end.aims[0][0] for end, other in ((a, j), (b, i)) if end.aims and end.aims[0][1] != other]
+        if any(abs(aim - cost + 0.25) < 10 * CLOSE for aim in rather):
             doubt.update((i, j))
-        better = any(next((aim[0] for aim in end.aims[:2] if aim[1] != other), np.inf) < cost - 0.25
-                     if end.aims[:1] and end.aims[0][1] == other else end.aims[:1] and end.aims[0][0] < cost - 0.25
-                     for end, other in ((a, j), (b, i)))
-        if a.taken or b.taken or better:
+        if a.taken or b.taken or any(aim < cost - 0.25 for aim in rather):
             continue
         a.taken = b.taken = True
         if corner is None:

@@ -346,7 +346,8 @@ def beside(t, shape):
                                 for flags in (light, every))
             closed = run[0] == run[-1] and len(t.links[run[0]]) == 2
             loose = sum(t.is_end(i) and not t.at_border(i, shape) for i in (run[0], run[-1]))
-            margins = [of_all / length - 0.5 if loose else min(of_light / length - 0.5, (30 - length) / 30),
+            whole = max(length, 1e-9)
+            margins = [of_all / whole - 0.5 if loose else min(of_light / whole - 0.5, (30 - length) / 30),
                        _turns(t, run) - 0.12]
             if rank == 3 and (loose == 2 or closed):
                 margins.append((6 - length) / 6)
@@ -369,7 +370,7 @@ def spurs(t):
             continue
         run, length = [i, t.links[i][0]], 0.0
         length = t.apart(*run)
-        while len(run) <= 8 and length < 2 and (ahead := t.next(run[-2], run[-1])) is not None:
+        while length < 2 and (ahead := t.next(run[-2], run[-1])) is not None:
             length += t.apart(run[-1], ahead)
             run.append(ahead)
         if abs(length - 2) < CLOSE:

@@ -2,8 +2,6 @@
 /* What becomes of a line's free ends: a spur is cut, the pen is lifted. */
 #include "fine/near.h"
 
-enum { SPUR = 8 };
-
 static const float longest_spur = 2; /* pixels; test_fine_passes */
 static const float cut_off = 2; /* pixels from the border within which an end is the frame's doing; test_fine_passes */
 
@@ -29,20 +27,18 @@ int32_t ISA(fine_cut_spurs)(fine *n)
 		code = at_step(n, i);
 		if (!is_end(n, i) || rank_of(n->site + i) == RANK_SHAPE)
 			continue;
-		uint32_t spur[SPUR], from = i, at = n->to[n->at[i]];
+		uint32_t first = n->to[n->at[i]], from = i, at = first, next;
 		float length = sqrtf(apart2(n->site + i, n->site + at));
-		int count = 1;
-		spur[0] = i;
-		while (count < SPUR && length < longest_spur && links_at(n, at) == 2) {
-			uint32_t next = next_of(n, from, at);
+		while (length < longest_spur && (next = next_of(n, from, at)) != UINT32_MAX) {
 			length += sqrtf(apart2(n->site + at, n->site + next));
-			spur[count++] = at;
 			from = at;
 			at = next;
 		}
-		bool branches = links_at(n, at) > 2 && length < longest_spur;
-		for (int k = 0; branches && k < count; k++)
-			n->site[spur[k]].linked.dropped = true;
+		if (length >= longest_spur || links_at(n, at) == 1)
+			continue;
+		n->site[i].linked.dropped = true;
+		for (from = i, at = first; (next = next_of(n, from, at)) != UINT32_MAX; from = at, at = next)
+			n->site[at].linked.dropped = true;
 	}
 	return code;
 }

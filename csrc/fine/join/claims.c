@@ -119,15 +119,15 @@ int32_t ISA(fine_claim)(fine *n)
 {
 	int32_t code = ENCRE_OK;
 	for (int k = 0; !code && k < FAMILY_COUNT; k++) {
-		turn t = {n, families + k, n->first[k * n->f->height], 0};
+		turn t = {.n = n, .is = families + k, .first = n->first[k * n->f->height]};
 		t.count = n->first[(k + 1) * n->f->height] - t.first;
 		if (t.is->clear > 0)
 			code = bands_run(n->f->bands, (int)t.count, CHUNK, clear_sites, &t);
 		if (!code && t.is->weak > 0)
 			code = drop_weak(&t);
-		if (!code && t.is->crumb > 0)
+		if (!code && t.is->crumb)
 			code = bands_run(n->f->bands, (int)t.count, CHUNK, find_crumbs, &t);
-		if (!code && t.is->crumb > 0)
+		if (!code && t.is->crumb)
 			code = bands_run(n->f->bands, (int)t.count, CHUNK, drop_crumbs, &t);
 	}
 	return code;

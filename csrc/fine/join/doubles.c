@@ -101,7 +101,7 @@ static void add(beside *b, uint32_t first, uint32_t second)
 	const fine *n = b->n;
 	chain c = {.first = first, .second = second, .rank = RANK_COUNT, .loose = ISA(leads_nowhere)(n, first)};
 	uint32_t last = first, anchor = first;
-	float way[2] = {0, 0}, sum = 0, squares = 0;
+	float way[2] = {0}, sum = 0, squares = 0;
 	int count = 0;
 	for (uint32_t from = UINT32_MAX, at = first, next; at != UINT32_MAX; from = at, at = next) {
 		next = following(n, &c, from, at);
@@ -165,20 +165,17 @@ static int32_t find_chains(beside *b)
 static int by_weight(const void *a, const void *b)
 {
 	const chain *p = a, *q = b;
-	if (p->rank != q->rank)
-		return p->rank < q->rank ? -1 : 1;
-	if (p->length != q->length)
-		return p->length > q->length ? -1 : 1;
-	if (p->first != q->first)
-		return p->first < q->first ? -1 : 1;
-	return p->second < q->second ? -1 : p->second > q->second;
+	int by = p->rank - q->rank;
+	by = by ? by : order(q->length, p->length);
+	by = by ? by : order_of(p->first, q->first);
+	return by ? by : order_of(p->second, q->second);
 }
 
 /* How much of a chain lies beside older lines; of light, beside longer lines of light too, and that alone in *light. */
 static float length_beside(const beside *b, const chain *c, float *light)
 {
 	const fine *n = b->n;
-	float older = 0, before[2] = {0, 0};
+	float older = 0, before[2] = {0};
 	*light = 0;
 	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
 		next = following(n, c, from, at);
@@ -207,7 +204,7 @@ static uint32_t choose(const beside *b, const chain *c)
 		if (links_at(n, at) > 2)
 			continue;
 		if (drop)
-			n->site[at].linked.dropped = 1;
+			n->site[at].linked.dropped = true;
 		else
 			b->mark[at] |= KEPT;
 	}
@@ -238,7 +235,7 @@ int32_t ISA(fine_drop_beside)(fine *n)
 		for (; !code && i < b.count && b.list[i].rank <= b.rank; i++)
 			if (b.list[i].rank == b.rank) {
 				steps += choose(&b, b.list + i);
-				if (steps >= PIECE / 4) { /* a step looks at all that is near */
+				if (steps >= CHUNK) { /* a step looks at all that is near */
 					steps = 0;
 					code = bands_poll(n->f->bands);
 				}

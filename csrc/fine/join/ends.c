@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 256, ROUNDS = 2, OWN = 9 };
+enum { CHUNK = 256, ROUNDS = 2, OWN = 8 };
 
 static const float back = 3; /* pixels over which a chain's direction is taken; test_fine_passes */
 static const float near_reach = 3, near_cosine = 0.7f, far_reach = 6,
@@ -18,9 +18,9 @@ static const float margin = 0.25f;     /* by how much something else must be nea
 
 typedef struct end {
 	uint32_t site;
-	float dx, dy;     /* unit, ahead */
-	uint32_t best[2]; /* the sites to tie to first and second; UINT32_MAX = none */
-	float cost[2];
+	float dx, dy;  /* unit, ahead */
+	uint32_t best; /* the site to tie to; UINT32_MAX = none */
+	float cost;
 	uint32_t pairs, first; /* its pairs with later ends */
 	bool taken;
 } end;
@@ -39,12 +39,11 @@ typedef struct ends {
 	uint32_t *number; /* of the end, by site */
 } ends;
 
-/* The first sites of the chain from its end. */
+/* The first sites of the chain after its end. */
 static int own_chain(const fine *n, uint32_t i, uint32_t *own)
 {
 	uint32_t from = i, at = n->to[n->at[i]];
 	int count = 0;
-	own[count++] = i;
 	while (count < OWN && at != UINT32_MAX) {
 		own[count++] = at;
 		uint32_t next = next_of(n, from, at);
@@ -69,19 +68,6 @@ static bool older(const site *s, const site *other)
 {
 	int own = rank_of(s), its = rank_of(other);
 	return its <= own || (own == RANK_SHAPE && its == RANK_CREASE);
-}
-
-static void consider(end *e, uint32_t site, float cost)
-{
-	int k = cost < e->cost[0] ? 0 : cost < e->cost[1] ? 1 : 2;
-	if (k == 0) {
-		e->cost[1] = e->cost[0];
-		e->best[1] = e->best[0];
-	}
-	if (k < 2) {
-		e->cost[k] = cost;
-		e->best[k] = site;
-	}
 }
 
 /* How two ends may be joined. */
@@ -118,8 +104,8 @@ static void look_ahead(const ends *all, end *e)
 	uint32_t own[OWN];
 	int count = own_chain(n, e->site, own);
 	near_sites of = near_site(n, s, far_reach);
-	e->best[0] = e->best[1] = UINT32_MAX;
-	e->cost[0] = e->cost[1] = INFINITY;
+	e->best = UINT32_MAX;
+	e->cost = INFINITY;
 	for (uint32_t j; near_next(n, &of, &j);) {
 		const site *t = n->site + j;
 		float d2 = apart2(s, t), d = sqrtf(d2);
@@ -129,8 +115,10 @@ static void look_ahead(const ends *all, end *e)
 		if (!(d <= near_reach ? cosine >= near_cosine : cosine >= far_cosine) || is_in(j, own, count))
 			continue;
 		float cost = d / (cosine * cosine * cosine * cosine);
-		if (cost < e->cost[1] && (d <= near_reach || ISA(picture_agrees)(n, s, t)))
-			consider(e, j, cost);
+		if (cost < e->cost && (d <= near_reach || ISA(picture_agrees)(n, s, t))) {
+			e->cost = cost;
+			e->best = j;
+		}
 	}
 }
 
@@ -198,18 +186,15 @@ static void fill_pairs(void *data, int first, int last, int thread)
 static int by_cost(const void *a, const void *b)
 {
 	const pair *p = a, *q = b;
-	if (p->cost != q->cost)
-		return p->cost < q->cost ? -1 : 1;
-	if (p->one != q->one)
-		return p->one < q->one ? -1 : 1;
-	return p->two < q->two ? -1 : p->two > q->two;
+	int by = order(p->cost, q->cost);
+	by = by ? by : order_of(p->one, q->one);
+	return by ? by : order_of(p->two, q->two);
 }
 
 /* Is there anything but `partner` that the end should rather go to? */
 static bool rather(const end *e, uint32_t partner, float cost)
 {
-	float other = e->best[0] == partner ? e->cost[1] : e->cost[0];
-	return other < cost - margin;
+	return e->best != partner && e->cost < cost - margin;
 }
 
 /* Every end that is joined adds at most one site and two links. */
@@ -252,12 +237,12 @@ static int32_t join_ends(ends *all, uint32_t pairs, added *to)
 	for (uint32_t i = 0; !code && i < all->count; i++) {
 		code = at_step(n, i);
 		const end *e = all->end + i;
-		if (e->taken || e->best[0] == UINT32_MAX)
+		if (e->taken || e->best == UINT32_MAX)
 			continue;
-		const end *other = is_end(n, e->best[0]) ? all->end + all->number[e->best[0]] : NULL;
+		const end *other = is_end(n, e->best) ? all->end + all->number[e->best] : NULL;
 		if (!other || other > e || other->taken ||
-		    other->best[0] != e->site) /* once where they choose each other */
-			add(to, e->site, e->best[0]);
+		    other->best != e->site) /* once where they choose each other */
+			add(to, e->site, e->best);
 	}
 	return code;
 }
@@ -322,9 +307,10 @@ static int32_t round_of(fine *n)
 	code = ISA(fine_sort)(n);
 	if (!code)
 		code = ISA(fine_add_links)(n, to.link, to.count);
-	const void *done[] = {all.end, all.number, all.pair, to.link};
-	for (int i = 0; i < 4; i++)
-		late_drop(&n->f->late, done[i]);
+	late_drop(&n->f->late, all.end);
+	late_drop(&n->f->late, all.number);
+	late_drop(&n->f->late, all.pair);
+	late_drop(&n->f->late, to.link);
 	return code;
 }
 

@@ -117,8 +117,7 @@ static int links_of(const fine *n, uint32_t i, uint32_t *to)
 
 static int ascending(const void *a, const void *b)
 {
-	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-	return (x > y) - (x < y);
+	return order_of(*(const uint32_t *)a, *(const uint32_t *)b);
 }
 
 typedef struct linking {
