@@ -32,6 +32,7 @@ class _ViewLayer:
     frame: Frame
     border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
+    paper: np.ndarray | None         # the image that is read for its heights
     beside: dict                     # what else the file says of the scene: _beside()
     drawn: dict | None = None        # view id -> passes to write, if that is already done
 
@@ -65,9 +66,7 @@ def _asked(scene):
 def _beside(scene, settings):
     """What metadata.write() stores besides the settings: how the scene is shown, a paper that is no file, and what a
     restyled picture will lack."""
-    view, paper = scene.view_settings, None
-    if settings.scene["paper_source"] == "IMAGE":
-        paper = papers.stored(settings.scene["paper_image"])
+    view, paper = scene.view_settings, settings.paper and papers.stored(settings.paper)
     return {"view": metadata.View(view.view_transform, view.exposure, view.gamma,
                                   "" if view.look == "None" else view.look),
             "paper": paper,
@@ -137,8 +136,9 @@ class Frames:
         """
         self.known.pop(depsgraph.view_layer.name, None)
         settings, camera = self.settings or properties.settings(depsgraph.scene_eval), self._camera(depsgraph)
-        if settings.scene["paper_source"] == "IMAGE":
-            papers.load(settings.scene["paper_image"])  # that it can't be read is said before Cycles starts
+        paper = papers.load(settings.paper, self._go_on) if settings.paper else None
+        if paper is not None:
+            library.check(settings.scene, lambda _name: paper)
         if settings.denoises and not denoise.available(versions.home()):
             self.engine.say("INFO", "Open Image Denoise is not there: the light keeps its noise")
         flat = camera.data.type in {"PERSP", "ORTHO"}
@@ -153,7 +153,7 @@ class Frames:
             self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
         self.overrode = settings.active
         if flat:
-            self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other)
+            self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other, paper)
 
     def _camera(self, depsgraph):
         camera = self.engine.camera_override or depsgraph.scene.camera
@@ -161,7 +161,7 @@ class Frames:
             raise EncreError("the scene has no camera: add one and make it the scene's")
         return camera.evaluated_get(depsgraph)
 
-    def _rasterise(self, depsgraph, camera, settings, denoise_other):
+    def _rasterise(self, depsgraph, camera, settings, denoise_other, paper):
         render = depsgraph.scene_eval.render
         width, height, x, y, columns, rows = cameras.border(render)
         frame, factor = Frame(width, height, x, y), settings.factor
@@ -186,7 +186,7 @@ class Frames:
         return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views,
                           camera.data.clip_start, frame,
                           (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
-                          threads, _beside(depsgraph.scene_eval, settings))
+                          threads, paper, _beside(depsgraph.scene_eval, settings))
 
     def _go_on(self, _fraction=0):
         return not self.engine.test_break()
@@ -279,7 +279,7 @@ class Frames:
         for name in saved.passes("seen_depth" in images):
             write(name, saved.pack(name, images))
         drawn = library.draw(images, settings.every, camera, frame, outputs=("Combined", *layers.DRAWN),
-                             threads=layer.threads, progress=self._go_on, image=papers.load)
+                             threads=layer.threads, progress=self._go_on, image=lambda _name: layer.paper)
         images.clear()
         for name in list(drawn.images):
             write(name, drawn.images.pop(name))

@@ -342,6 +342,13 @@ def test_refused(render):
     assert shot.facts["panoramic off"] == [None] and shot.wrote("panoramic-off")
 
 
+def test_papers(render):
+    shot = render("papers")
+    assert shot.facts["unused"] == [None, None] and shot.wrote("procedural") and shot.wrote("image")
+    assert "no such file" in shot.facts["missing"][0] and "65537" in shot.facts["too long"][0]
+    assert shot.facts["rendered"] == [0], "said before Cycles starts"
+
+
 def test_failure_under_way(render):
     shot = render("fails")
     assert "denoiser failed" in shot.facts["late"][0] and not shot.wrote("late")
