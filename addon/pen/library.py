@@ -136,6 +136,7 @@ class Library:
         self.path, self.lib = path, lib
         self.layers = {text_of(x.name): x.channels for x in _each(lib.encre_layer_info)}
         self.outputs = {text_of(x.name): x.channels for x in _each(lib.encre_output_info)}
+        self.output_help = {text_of(x.name): text_of(x.help) for x in _each(lib.encre_output_info)}
         self.controls = {x.name: x for x in map(control, _each(lib.encre_control_info))}
         self.stages = tuple(map(stage, _each(lib.encre_stage_info)))
         self.params = {p.id: p for s in self.stages for p in s.params}
