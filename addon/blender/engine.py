@@ -68,8 +68,8 @@ class EncreEngine(bpy.types.RenderEngine):
 
     def update_render_passes(self, scene, layer):
         passes = [tuple(known) for known in _cycles().list_render_passes(scene, layer)]
-        if not self.is_preview:
-            passes += list(frame.passes(scene))
+        if not self.is_preview and not scene.is_evaluated:  # as overrides.expect() needs it
+            passes += list(frame.passes(scene, layer))
         seen = set()
         for name, channels, kind in passes:
             # Cycles itself makes the "Noisy" twins; registered by us they would leave Combined empty.

@@ -25,13 +25,16 @@ class _ViewLayer:
     settings: Settings
     denoise_other: bool
     user_indices: np.ndarray | None  # by Cycles' index, to write into the pass that the user asked for
-    objects: meshes.Objects
+    objects: meshes.Objects | None   # None: nothing is drawn, nor kept in the file
     views: dict                      # view name -> (camera, rasterised pictures of `factor` times the frame's size,
                                      #               camera -> clip)
     clip_start: float
     frame: Frame
     border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
+    asked: list                      # names of the pictures to draw besides Combined
+    keeps: bool                      # whether the file keeps what drawing again needs
+    paper: np.ndarray | None         # the image that is read for its heights
     beside: dict                     # what else the file says of the scene: _beside()
     drawn: dict | None = None        # view id -> passes to write, if that is already done
 
@@ -39,35 +42,47 @@ class _ViewLayer:
     def factor(self):
         return self.settings.factor
 
+    @property
+    def outputs(self):
+        """Names of the pictures to draw."""
+        return [*(["Combined"] if self.settings.active else []), *self.asked]
 
-def passes(scene):
+
+def _keeps(scene):
+    """Whether the file keeps what drawing its picture again needs."""
+    mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
+    return mode in ("ON", "SLIM") or (mode == "AUTO" and multilayer and properties.active(scene))
+
+
+def _asked(scene, view_layer):
+    """Names of the pictures that are to be drawn besides Combined."""
+    if scene.encre.save_layers == "SLIM":
+        return []
+    return [name for switch, name in properties.PASSES.items() if getattr(view_layer.encre, switch)]
+
+
+def _own(scene, view_layer, seen):
+    """{name: channel names} of the passes that the stages fill."""
+    return {**{name: layers.DRAWN[name] for name in _asked(scene, view_layer)},
+            **(saved.passes(seen) if _keeps(scene) else {})}
+
+
+def passes(scene, view_layer):
     """What Cycles and the stages must have a place for: (name, channel names, kind), as register_pass() takes."""
     wanted = dict(layers.CYCLES)
-    if not hasattr(scene, "encre") or scene.encre.save_layers != "SLIM":
-        wanted |= layers.DRAWN
-    with contextlib.suppress(EncreError):  # said when it comes to rendering
-        wanted |= _asked(scene)
+    if hasattr(scene, "encre"):  # else the library was missing when Blender started
+        with contextlib.suppress(EncreError):  # said when it comes to rendering
+            seen = properties.settings(scene).wants_seen
+            wanted |= {**_own(scene, view_layer, seen), **(layers.SEEN if seen else {})}
     for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
         yield versions.pass_name(name), channels, kind
 
 
-def _asked(scene):
-    """Passes that the scene's settings ask for."""
-    if not hasattr(scene, "encre"):  # the library was missing when Blender started
-        return {}
-    mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
-    seen = properties.settings(scene).wants_seen
-    saves = mode in ("ON", "SLIM") or (mode == "AUTO" and multilayer)
-    return {**(saved.passes(seen) if saves else {}), **(layers.SEEN if seen else {})}
-
-
 def _beside(scene, settings):
     """What metadata.write() stores besides the settings: how the scene is shown, a paper that is no file, and what a
     restyled picture will lack."""
-    view, paper = scene.view_settings, None
-    if settings.scene["paper_source"] == "IMAGE":
-        paper = papers.stored(settings.scene["paper_image"])
+    view, paper = scene.view_settings, settings.paper and papers.stored(settings.paper)
     return {"view": metadata.View(view.view_transform, view.exposure, view.gamma,
                                   "" if view.look == "None" else view.look),
             "paper": paper,
@@ -132,13 +147,15 @@ class Frames:
     def _before(self, depsgraph):
         """Overrides on the evaluated scene what the stages can't do with, and rasterises what they need from it.
 
-        Must run before Cycles renders, which frees the depsgraph. The user's scene stays as it is; with all
-        switches off nothing is overridden. EncreError: the settings or the camera can't be used. Cancelled.
+        Must run before Cycles renders, which frees the depsgraph. The user's scene stays as it is; with all switches
+        off nothing is overridden, nor rasterised but for what the file is to keep. EncreError: the settings or the
+        camera can't be used. Cancelled.
         """
         self.known.pop(depsgraph.view_layer.name, None)
         settings, camera = self.settings or properties.settings(depsgraph.scene_eval), self._camera(depsgraph)
-        if settings.scene["paper_source"] == "IMAGE":
-            papers.load(settings.scene["paper_image"])  # that it can't be read is said before Cycles starts
+        paper = papers.load(settings.paper, self._go_on) if settings.paper else None
+        if paper is not None:
+            library.check(settings.scene, lambda _name: paper)
         if settings.denoises and not denoise.available(versions.home()):
             self.engine.say("INFO", "Open Image Denoise is not there: the light keeps its noise")
         flat = camera.data.type in {"PERSP", "ORTHO"}
@@ -151,9 +168,10 @@ class Frames:
         blurred = overrides.blur(depsgraph, settings.active) if settings.active or self.overrode else ()
         if blurred:
             self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
+        overrides.expect(depsgraph, _own(depsgraph.scene, depsgraph.view_layer, True))
         self.overrode = settings.active
         if flat:
-            self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other)
+            self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other, paper)
 
     def _camera(self, depsgraph):
         camera = self.engine.camera_override or depsgraph.scene.camera
@@ -161,32 +179,35 @@ class Frames:
             raise EncreError("the scene has no camera: add one and make it the scene's")
         return camera.evaluated_get(depsgraph)
 
-    def _rasterise(self, depsgraph, camera, settings, denoise_other):
+    def _rasterise(self, depsgraph, camera, settings, denoise_other, paper):
         render = depsgraph.scene_eval.render
         width, height, x, y, columns, rows = cameras.border(render)
         frame, factor = Frame(width, height, x, y), settings.factor
         threads = render.threads if render.threads_mode == "FIXED" else 0
         line_numbers, user_indices = self.numbers or (None, None)
-        objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers)
-        drawn = ["object", "material", "style", "marks", *(["normal", "creases"] if settings.wants_edges else [])]
-        if any(mesh.attributes is not None for mesh in objects.meshes):
-            drawn.append("attributes")
-        views = {}
+        asked, keeps = _asked(depsgraph.scene, depsgraph.view_layer), _keeps(depsgraph.scene)
+        objects, drawn, views = None, [], {}
+        if settings.active or asked or keeps:
+            objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers)
+            drawn = ["object", "material", "style", "marks", *(["normal", "creases"] if settings.wants_edges else [])]
+            if any(mesh.attributes is not None for mesh in objects.meshes):
+                drawn.append("attributes")
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
             eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1)
-            maps = library.raster(
+            maps = objects and library.raster(
                 objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
                 camera.data.clip_start, camera.data.clip_end, len(library.controls()),
                 drawn, threads, self._go_on)
-            views[name] = eye, overlay.compact(maps), projection
-        objects.meshes.clear()
+            views[name] = eye, objects and overlay.compact(maps), projection
+        if objects:
+            objects.meshes.clear()
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
         return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views,
                           camera.data.clip_start, frame,
                           (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
-                          threads, _beside(depsgraph.scene_eval, settings))
+                          threads, asked, keeps, paper, _beside(depsgraph.scene_eval, settings))
 
     def _go_on(self, _fraction=0):
         return not self.engine.test_break()
@@ -248,7 +269,7 @@ class Frames:
                 if mine.drawn:
                     for name, picture in mine.drawn.pop(view_id).items():
                         write(name, picture)
-                else:
+                elif mine.objects:
                     size = result.resolution_x, result.resolution_y
                     self._draw(mine, view_id, _Passes(there, size, mine.settings.wants_seen), write)
             self._stamp(result, mine)
@@ -276,14 +297,18 @@ class Frames:
         images, nonfinite = layers.assemble(passes, settings, known, self._denoiser(layer), layer.denoise_other)
         known.clear()
         # What is stored leaves as soon as it is there: while the library draws, nothing else is held.
-        for name in saved.passes("seen_depth" in images):
-            write(name, saved.pack(name, images))
-        drawn = library.draw(images, settings.every, camera, frame, outputs=("Combined", *layers.DRAWN),
-                             threads=layer.threads, progress=self._go_on, image=papers.load)
+        if layer.keeps:
+            for name in saved.passes("seen_depth" in images):
+                write(name, saved.pack(name, images))
+        self.nonfinite += nonfinite
+        if not layer.outputs:
+            return
+        drawn = library.draw(images, settings.every, camera, frame, outputs=layer.outputs,
+                             threads=layer.threads, progress=self._go_on, image=lambda _name: layer.paper)
         images.clear()
         for name in list(drawn.images):
             write(name, drawn.images.pop(name))
-        self.nonfinite += nonfinite + drawn.nonfinite
+        self.nonfinite += drawn.nonfinite
 
     def _denoiser(self, layer):
         if not layer.settings.denoises or not denoise.available(versions.home()):

@@ -9,10 +9,11 @@ are set where nothing is. Ids are for ever. To change a default: add a version a
 import bpy
 from bpy.app.handlers import persistent
 
-from . import ENGINE
+from . import ENGINE, properties
 
 # version: {id: the default before it}
-BEFORE = {1: {"crease_source": "LAYERS"}}
+BEFORE = {1: {"crease_source": "LAYERS"}, 2: {}}
+PASSES = 2  # up to this version every view layer had all passes
 VERSION = max(BEFORE)
 
 
@@ -24,6 +25,10 @@ def migrate(scene):
             for id_, value in BEFORE[version].items():
                 if not settings.is_property_set(id_):
                     setattr(settings, id_, value)
+        if settings.version < PASSES:
+            for layer in scene.view_layers:
+                for switch in properties.PASSES:
+                    setattr(layer.encre, switch, True)
     settings.version = VERSION
 
 

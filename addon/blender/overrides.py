@@ -61,6 +61,17 @@ def blur(depsgraph, off):
     return sorted(found)
 
 
+def expect(depsgraph, names):
+    """Cycles writes an error to the log for each pass that it doesn't know; those called as an AOV it expects. No
+    shader writes these, which cost four bytes a pixel each while it renders."""
+    aovs = depsgraph.view_layer_eval.aovs
+    for name in names:
+        if name not in aovs:  # with persistent data it may be there from the last frame
+            aov = aovs.add()
+            aov.type = "VALUE"
+            aov.name = name
+
+
 def pass_indices(depsgraph, automatic):
     """Gives each evaluated object a pass index of its own, or back its user's; originals keep theirs.
 

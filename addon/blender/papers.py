@@ -1,31 +1,62 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Paper images, loaded by Blender."""
 
+import _thread
 import functools
 import os
+import time
 
 import bpy
 import numpy as np
 
-from ..pen.errors import EncreError
+from ..pen.errors import Cancelled, EncreError
 from . import properties
 
+_MAIN = _thread.get_ident()  # Blender imports add-ons on its main thread
 
-def load(name):
+
+def load(name, keep_on=lambda: True):
     """The image that settings call `name` as float32 (height, width, channels), row 0 at the top, values as stored.
 
     Files are read anew, because an image that the user opened may be shown in another colour space; generated and
-    packed images are taken as they are. EncreError: there is no such image, or it can't be read.
+    packed images are taken as they are. EncreError: there is no such image, or it can't be read. Cancelled: keep_on()
+    was False before it was there.
     """
-    if not name:
-        raise EncreError("paper_image: the paper's source is an image but none is given; choose an image")
     if own := stored(name):
         return own[1]
     try:
         changed = os.stat(name).st_mtime_ns
     except OSError:
         raise EncreError(f"paper image {name}: there is no such file; choose another image") from None
-    return _read(name, changed)
+    return _on_main_thread(lambda: _read(name, changed), keep_on)
+
+
+def _on_main_thread(work, keep_on):
+    """What work() returns or raises. A render that a window started has a thread of its own, on which bpy.data must not
+    change; meanwhile Blender's main thread runs timers."""
+    if _thread.get_ident() == _MAIN:
+        return work()
+    done = []
+
+    def run():
+        try:
+            done.append((work(), None))
+        except EncreError as error:
+            done.append((None, error))
+
+    bpy.app.timers.register(run)
+    try:
+        while not done:
+            if not keep_on():
+                raise Cancelled("rendering was cancelled")
+            time.sleep(0.005)
+    finally:
+        if not done and bpy.app.timers.is_registered(run):
+            bpy.app.timers.unregister(run)
+    pixels, error = done[0]
+    if error:
+        raise error
+    return pixels
 
 
 def stored(name):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The library's parameter table as Blender properties: scene.encre, and encre on objects and materials.
+"""The library's parameter table as Blender properties: scene.encre, and encre on objects, materials and view layers.
 
 Every reading function takes evaluated data, so that keyframes and drivers count.
 """
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..pen import library
-from ..pen.settings import Settings
+from ..pen import layers, library
+from ..pen.settings import Settings, switches
 
 LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
 # Linked objects and materials keep it in overrides; scenes can't be overridden. A group counts with its pointer only.
@@ -116,6 +116,19 @@ def own_settings(owner):
     return [own for own in rows if owner in own.owners]
 
 
+# What switches a pass of ours on, as a view layer's use_pass_z does Cycles'.
+PASSES = {f"use_pass_{name.split()[-1].lower()}": name for name in layers.DRAWN}
+
+
+def _pass_switch(name):
+    def requery(self, _context):
+        for layer in self.id_data.view_layers:  # the compositor's Render Layers nodes get or lose a socket
+            layer.update_render_passes()
+
+    help_ = library.load().output_help[name]
+    return bpy.props.BoolProperty(name=name.split()[-1], description=f"{help_[0].upper()}{help_[1:]}", update=requery)
+
+
 def register():
     params = library.params().values()
     style = _class("EncreStyle", {
@@ -133,13 +146,15 @@ def register():
     })
     material = _class("EncreMaterial", {own.id: own.property() for own in own_settings("material")})
     obj = _class("EncreObject", {own.id: own.property() for own in own_settings("object")})
+    layer = _class("EncreViewLayer", {id_: _pass_switch(name) for id_, name in PASSES.items()})
+    bpy.types.ViewLayer.encre = bpy.props.PointerProperty(type=layer)
     bpy.types.Scene.encre = bpy.props.PointerProperty(type=scene)
     bpy.types.Material.encre = bpy.props.PointerProperty(type=material, override=_OVERRIDABLE)
     bpy.types.Object.encre = bpy.props.PointerProperty(type=obj, override=_OVERRIDABLE)
 
 
 def unregister():
-    for owner in (bpy.types.Scene, bpy.types.Material, bpy.types.Object):
+    for owner in (bpy.types.ViewLayer, bpy.types.Scene, bpy.types.Material, bpy.types.Object):
         del owner.encre
     while _classes:
         bpy.utils.unregister_class(_classes.pop())
@@ -202,6 +217,12 @@ def has(group, p, value):
 def styles(scene):
     """[(name, {id: value} that it changes)]; style number k is the k-th, 0 the scene's own parameters."""
     return [(s.name, stored(s)) for s in scene.encre.styles]
+
+
+def active(scene):
+    """Settings.active without all the others, which are many to read."""
+    return any(getattr(group, switch) for switch in switches() for group in (scene.encre, *scene.encre.styles)
+               if group == scene.encre or group.is_property_set(switch))
 
 
 def settings(scene):

@@ -196,7 +196,7 @@ def _paper(settings, change, path, allow_paths, stored):
     scene = settings.scene
     if scene.get("paper_source") != "IMAGE":
         return {**scene, "paper_image": None}
-    if not settings.any("use_lines", "use_hatching"):
+    if not settings.paper:
         return {**scene, "paper_source": "NONE", "paper_image": None}
     image = scene.get("paper_image")
     if stored and image == stored[0] and not change.get("paper_image"):

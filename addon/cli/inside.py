@@ -256,8 +256,8 @@ def prepare(job, error, report):
     if not camera or camera.type != "CAMERA":
         raise error(f"{job['scene']}: scene {scene.name} has no camera; add one and make it the scene's active camera")
     settings = properties.settings(scene)
-    if settings.scene["paper_source"] == "IMAGE":
-        papers.load(settings.scene["paper_image"])
+    if settings.paper:
+        papers.load(settings.paper)
     if camera.data.type == "PANO" and settings.active:
         raise error(f"{job['scene']}: camera {camera.name} is panoramic; make it perspective or orthographic")
     if job["samples"]:

@@ -136,6 +136,7 @@ class Library:
         self.path, self.lib = path, lib
         self.layers = {text_of(x.name): x.channels for x in _each(lib.encre_layer_info)}
         self.outputs = {text_of(x.name): x.channels for x in _each(lib.encre_output_info)}
+        self.output_help = {text_of(x.name): text_of(x.help) for x in _each(lib.encre_output_info)}
         self.controls = {x.name: x for x in map(control, _each(lib.encre_control_info))}
         self.stages = tuple(map(stage, _each(lib.encre_stage_info)))
         self.params = {p.id: p for s in self.stages for p in s.params}
@@ -179,15 +180,16 @@ class Library:
                 c.memmove(at, c.byref(_image(a)), c.sizeof(_Image))
         return block, keep
 
-    def check(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Normalises parameter values; EncreError for an unknown id, a wrong type, a value out of range."""
+    def check(self, values: Mapping[str, Any], image: Callable[[str], np.ndarray] | None = None) -> dict[str, Any]:
+        """Normalises parameter values; EncreError for an unknown id, a wrong type, a value out of range, and with
+        `image`, which loads it, for a paper image that can't be used."""
         out = {}
         for id_, value in values.items():
             if id_ not in self.params:
                 raise EncreError(unknown("parameter", id_, self.params))
             out[id_] = normal(self.params[id_], value)
         text = c.create_string_buffer(512)
-        block, _ = self.pack(out)
+        block, _keep = self.pack(out, image)
         sentence = self.lib.encre_params_check(block, text, len(text))
         if sentence:
             raise EncreError(text_of(sentence))
@@ -199,6 +201,17 @@ class Library:
         base = {**{p.id: p.default for p in self.params.values()}, **scene}
         return [base] + [{**base, **{id_: value for id_, value in changed.items()
                                      if self.params[id_].scope == "surface"}} for changed in styles]
+
+    def paper(self, every: Sequence[Mapping]) -> str | None:
+        """The image from which the paper's heights come when these complete() values draw; None: nothing reads one.
+        EncreError: there should be one."""
+        drawn = any((values["use_lines"] and values["line_paper"] > 0)
+                    or (values["use_hatching"] and values["hatch_amount"] > 0) for values in every)
+        if not drawn or every[0]["paper_source"] != "IMAGE":
+            return None
+        if not every[0]["paper_image"]:
+            raise EncreError("paper_image: the paper's source is an image but none is given; choose an image")
+        return every[0]["paper_image"]
 
     # -- work
 
@@ -242,7 +255,8 @@ class Library:
         """Runs the stages on layers of shape (H, W, channels) or (H, W), float32, row 0 at the top, any strides.
 
         scene: values that differ from the defaults; styles[k]: what style number k + 1 changes, of which values of
-        frame scope are ignored. Result.images has an array (H, W, channels) for each of `outputs`.
+        frame scope are ignored. image(name): the pixels of the paper() that is read, if one is. Result.images has an
+        array (H, W, channels) for each of `outputs`.
         """
         every = self.complete(self.check(scene or {}), [self.check(s) for s in styles])
         return self.draw(layers, every, camera, frame, outputs, threads, simd, progress, image)
@@ -272,9 +286,10 @@ class Library:
         for name in outputs:
             if name not in self.outputs:
                 raise EncreError(unknown("output", name, self.outputs))
-        if every[0]["paper_source"] == "IMAGE" and not (every[0]["paper_image"] and image):
-            raise EncreError("paper_image: the paper's source is an image but none is given; choose an image")
-        blocks = [self.pack(v, image if k == 0 else None) for k, v in enumerate(every)]
+        paper = self.paper(every)
+        if paper and not image:
+            raise EncreError(f"paper_image: {paper} is to be read, and nothing that can read it is given; pass `image`")
+        blocks = [self.pack(v, image if paper and k == 0 else None) for k, v in enumerate(every)]
         block = b"".join(bytes(b) for b, _ in blocks)
         keep += [b for _, b in blocks] + [block]
         job.params = c.cast(c.c_char_p(block), c.c_void_p)
@@ -422,8 +437,12 @@ def parse(id_: str, text: str) -> Any:
     return normal(params()[id_], read(params()[id_], text))
 
 
-def check(values: Mapping[str, Any]) -> dict[str, Any]:
-    return load().check(values)
+def check(values: Mapping[str, Any], image: Callable[[str], np.ndarray] | None = None) -> dict[str, Any]:
+    return load().check(values, image)
+
+
+def paper(every: Sequence[Mapping]) -> str | None:
+    return load().paper(every)
 
 
 def render(*args: Any, **kwargs: Any) -> Result:

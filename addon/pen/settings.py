@@ -56,6 +56,11 @@ class Settings:
         return self.every[0]["supersample"] if self.active else 1
 
     @cached_property
+    def paper(self) -> str | None:
+        """The image that is read for the paper's heights, None if nothing reads one. EncreError: none is given."""
+        return library.paper(self.every)
+
+    @cached_property
     def wants_edges(self) -> bool:
         """Whether anything follows edges."""
         return self.any("use_lines", "use_smudging")

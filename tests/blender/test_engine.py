@@ -32,6 +32,7 @@ def test_picture(render):
     shot = render("picture")
     found = shot.passes("picture")
     assert found.keys() >= layers.CYCLES.keys() | layers.DRAWN.keys() | saved.passes(False).keys()
+    assert "Unknown pass" not in shot.output and shot.facts["aovs"] == [0]
     assert found["Encre Lines"][..., 3].max() > 0.9  # there is ink
     assert np.abs(over(found["Encre Lines"], found["Encre Surface"]) - found["Combined"]).max() < 1e-6
     assert np.abs(found["Combined"] - found["Encre Source"]).max() > 0.1
@@ -50,11 +51,17 @@ def test_picture(render):
 
 
 def test_all_off_is_cycles(render):
-    for case in ("cycles", "factory"):
+    for case in ("factory", "cycles"):
         shot = render(case)
         cycles, off = shot.passes("cycles"), shot.passes("off")
         assert cycles["Combined"].tobytes() == off["Combined"].tobytes()
-        assert off["Encre Lines"].max() == 0
+        assert shot.facts["done"] == [[]] and not [name for name in off if name.startswith("Encre")]
+    asked, kept = shot.passes("asked"), shot.passes("kept")
+    for found in (asked, kept):
+        assert found["Combined"].tobytes() == cycles["Combined"].tobytes()
+    assert asked["Encre Surface"].tobytes() == asked["Combined"].tobytes() and asked["Encre Lines"].max() == 0
+    assert kept.keys() >= saved.passes(False).keys() and not kept.keys() & layers.DRAWN.keys()
+    assert len(np.unique(kept["Encre Index"][..., 0])) == 4
 
 
 def test_view_layers(render):
@@ -141,12 +148,12 @@ def test_settings_are_read_once(render):
 
 
 def test_memory_of_a_frame(render):
-    """numpy counts its pictures with Python's memory. While the library draws there are its 16 layers, and 64 bytes
-    a pixel of what it draws."""
+    """numpy counts its pictures with Python's memory. At most there are the 16 layers and what they are put together
+    from; pictures that nobody asked for are not made."""
     facts = render("memory").facts
     assert all(held < 23 + 24 * painted for painted, held in enumerate(facts["held"]))
     plain, painted = facts["peak"]
-    assert plain <= 209 and painted <= 233, facts
+    assert plain <= 197 and painted <= 221, facts
     assert max(facts["left"]) < 1
 
 
@@ -340,6 +347,13 @@ def test_refused(render):
         assert not shot.wrote(name.replace(" ", "-")), name
     assert "Traceback" not in shot.output
     assert shot.facts["panoramic off"] == [None] and shot.wrote("panoramic-off")
+
+
+def test_papers(render):
+    shot = render("papers")
+    assert shot.facts["unused"] == [None, None] and shot.wrote("procedural") and shot.wrote("image")
+    assert "no such file" in shot.facts["missing"][0] and "65537" in shot.facts["too long"][0]
+    assert shot.facts["rendered"] == [0], "said before Cycles starts"
 
 
 def test_failure_under_way(render):

@@ -52,6 +52,27 @@ def refused(out):
     fact("lost paper", shoot(out, "lost-paper"))
 
 
+def papers(out):
+    """A paper image that is missing and not read, and one that is read but can't be used."""
+    scene = stage()
+    image = bpy.data.images.new("Lost", 4, 4)
+    image.source, image.filepath = "FILE", os.path.join(out, "lost.png")
+    scene.encre.paper_image = image
+    fact("unused", shoot(out, "procedural"))
+    scene.encre.paper_source = "IMAGE"
+    scene.encre.use_hatching, scene.encre.line_paper = False, 0
+    fact("unused", shoot(out, "image"))
+    scene.encre.use_hatching = True
+    import _cycles
+
+    render, rendered = _cycles.render, []
+    _cycles.render = lambda *args: rendered.append(1) or render(*args)
+    fact("missing", shoot(out, "missing"))
+    scene.encre.paper_image = bpy.data.images.new("Long", 65537, 1)
+    fact("too long", shoot(out, "long"))
+    fact("rendered", len(rendered))
+
+
 def fails(out):
     """Something goes wrong after Cycles: no file either."""
     stage()

@@ -4,7 +4,7 @@
 import os
 
 import bpy
-from studio import HEIGHT, WIDTH, exr, fact, register, set_all, shoot, stage
+from studio import HEIGHT, WIDTH, exr, fact, passes_on, register, set_all, shoot, stage
 
 
 def picture(out):
@@ -13,11 +13,28 @@ def picture(out):
     bpy.data.objects["Cube"].pass_index = 7
     shoot(out, "picture")
     fact("pass_index", [o.pass_index for o in scene.objects])
+    fact("aovs", len(scene.view_layers[0].aovs))
+
+
+def spy_on_work():
+    """A list that grows by a name at each call of what computes pictures."""
+    from encre.blender import frame
+
+    done = []
+    def spied(name, real):
+        return lambda *args, **more: done.append(name) or real(*args, **more)
+
+    for module, name in ((frame.meshes, "extract"), (frame.library, "raster"), (frame.library, "draw"),
+                         (frame.layers, "assemble"), (frame.denoise, "denoise")):
+        setattr(module, name, spied(name, getattr(module, name)))
+    return done
 
 
 def cycles(out):
     """The same scene by Cycles alone and by Encre with all switches off, factory denoiser and all."""
     scene = stage(engine="CYCLES")
+    passes_on(scene.view_layers[0], False)
+    done = spy_on_work()
     import _cycles
 
     denoiser = getattr(_cycles, "with_openimagedenoise", True)
@@ -30,6 +47,12 @@ def cycles(out):
         set_all(scene, False)
         shoot(out, name)
     fact("denoiser", bool(denoiser))
+    fact("done", list(done))
+    passes_on(scene.view_layers[0])
+    shoot(out, "asked")
+    passes_on(scene.view_layers[0], False)
+    scene.encre.save_layers = "ON"
+    shoot(out, "kept")
 
 
 def factory(out):
@@ -39,6 +62,7 @@ def factory(out):
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
     scene.cycles.samples = 2
+    done = spy_on_work()
     import _cycles
 
     if not getattr(_cycles, "with_openimagedenoise", True):
@@ -47,6 +71,7 @@ def factory(out):
         scene.render.engine = engine
         set_all(scene, False)
         shoot(out, name)
+    fact("done", done)
 
 
 def view_layers(out):
@@ -59,6 +84,7 @@ def view_layers(out):
     first = scene.view_layers[0]
     first.name = "First"
     second = scene.view_layers.new("Second")
+    passes_on(second)
     first.layer_collection.children["B"].exclude = True
     second.layer_collection.children["A"].exclude = True
     shoot(out, "both")
@@ -169,6 +195,7 @@ def memory(out):
     scene.cycles.use_denoising = False
     scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
     pixels = 960 * 540
+    passes_on(scene.view_layers[0], False)
     real = frame.Frames.after
 
     def spy(self):

@@ -80,6 +80,7 @@ def stage(width=WIDTH, height=HEIGHT, samples=2, engine="ENCRE", ground=True):
     scene.cycles.samples = samples
     scene.cycles.seed = 1
     scene.cycles.use_denoising = False
+    passes_on(scene.view_layers[0])
     scene.encre.line_thickness = 60  # for 1080 lines: 5 pixels here
     scene.render.threads_mode, scene.render.threads = "FIXED", 2
     cam = link("Camera", bpy.data.cameras.new("Camera"), (0, -6, 1.5))
@@ -93,6 +94,15 @@ def stage(width=WIDTH, height=HEIGHT, samples=2, engine="ENCRE", ground=True):
     if ground:
         plane("Ground", material("Grey", (0.6, 0.6, 0.6)))
     return scene
+
+
+def passes_on(view_layer, on=True):
+    """Switches all passes of ours on or off, where Encre is there."""
+    if hasattr(view_layer, "encre"):
+        from encre.blender import properties
+
+        for switch in properties.PASSES:
+            setattr(view_layer.encre, switch, on)
 
 
 def exr(scene, path):

@@ -5,7 +5,7 @@ import os
 from math import radians
 
 import bpy
-from studio import cube, exr, fact, link, set_all, shoot, stage
+from studio import cube, exr, fact, link, passes_on, set_all, shoot, stage
 
 
 def larger(out):
@@ -91,7 +91,7 @@ def supersampled(out):
     scene.view_layers[0].use_pass_object_index = scene.view_layers[0].use_pass_mist = True
     scene.world = bpy.data.worlds.new("World")
     bpy.data.objects["Cube"].pass_index = 7
-    scene.view_layers.new("Second")
+    passes_on(scene.view_layers.new("Second"))
     shoot(out, "one")
     scene.encre.supersample = 2
     shoot(out, "two")

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in a Blender with a window: `render_window.py -- render FOLDER` presses F12 and Esc as a user does.
+
+Needs --enable-event-simulate.
+"""
+
+import _thread
+import os
+import sys
+
+import bpy
+
+sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+import studio  # noqa: E402
+import window  # noqa: E402
+
+
+def press(key):
+    for value in ("PRESS", "RELEASE"):
+        window.window().event_simulate(type=key, value=value)
+
+
+def build():
+    studio.register()
+    scene = bpy.context.scene
+    scene.render.engine = "ENCRE"
+    scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 160, 90, 1
+    scene.render.image_settings.file_format = "PNG"
+
+
+def rendering():
+    """Until the render that F12 starts has ended."""
+    press("F12")
+    while not bpy.app.is_job_running("RENDER"):
+        yield
+    while bpy.app.is_job_running("RENDER"):
+        yield
+    yield
+
+
+def picture(name):
+    bpy.data.images["Render Result"].save_render(os.path.join(window.FOLDER, f"{name}.png"))
+
+
+def paper():
+    """A paper image is read, and then one that is lost."""
+    from encre.blender import papers
+
+    settings, main, read = bpy.context.scene.encre, _thread.get_ident(), papers._read
+
+    def spy(*args):
+        studio.fact("paper on main thread", _thread.get_ident() == main)
+        return read(*args)
+
+    papers._read = spy
+    image = bpy.data.images.new("Paper", 8, 8)
+    image.pixels = [1.0] * 256
+    image.filepath_raw, image.file_format = os.path.join(window.FOLDER, "paper.png"), "PNG"
+    image.save()
+    settings.paper_image, settings.paper_source = image, "IMAGE"
+    yield from rendering()
+    picture("paper")
+    papers._read = read
+    settings.paper_source = "PROCEDURAL"
+
+
+def steps():
+    for step in (build, paper):
+        made = step()
+        if made is not None:
+            yield from made
+        yield
+
+
+if __name__ == "__main__":
+    todo = steps()
+    bpy.context.preferences.view.show_splash = False
+    bpy.app.timers.register(lambda: window.run(todo), first_interval=1.0)
