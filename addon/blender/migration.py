@@ -12,7 +12,7 @@ from bpy.app.handlers import persistent
 from . import ENGINE
 
 # version: {id: the default before it}
-BEFORE = {1: {"crease_source": "LAYERS"}}
+BEFORE = {1: {"crease_source": "LAYERS"}, 2: {"line_depth_unit": "SCENE"}}
 VERSION = max(BEFORE)
 
 
