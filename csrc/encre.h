@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 6 };
+enum { ENCRE_API_VERSION = 7 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -181,6 +181,8 @@ typedef struct encre_camera {
 	float view[9];        /* rotation world -> camera, row by row: of length 1, at right angles; may be mirrored */
 	int32_t orthographic; /* 0 or 1 */
 	float height;         /* orthographic: height of the full frame in scene units, > 0 */
+	float distance;       /* perspective: depth of what the picture is about, which a relative line_depth_distance
+				 is a multiple of; 0: not known, and that is in scene units */
 } encre_camera;
 
 /* Full frame in pixels, at most 65536 each way, and where the images' top left pixel lies in it (border rendering). */

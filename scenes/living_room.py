@@ -315,7 +315,6 @@ def lines():
     encre = getattr(bpy.context.scene, "encre", None)
     if encre:
         bpy.ops.encre.preset(preset="inter_color")
-        encre.line_depth_distance = 3.5
         encre.width_object, encre.width_depth, encre.width_normal = 0.8, 0.6, 0.5
 
 

@@ -12,7 +12,7 @@ from ..pen import denoise, layers, library, metadata, overlay, saved, supersampl
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
-from . import cameras, meshes, overrides, papers, properties, subframes, versions
+from . import cameras, meshes, overrides, papers, properties, subframes, subject, versions
 
 stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
 
@@ -194,7 +194,8 @@ class Frames:
                 drawn.append("attributes")
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
-            eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1)
+            eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1,
+                         0 if orthographic else subject.distance(depsgraph, camera, view, projection))
             maps = objects and library.raster(
                 objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
                 camera.data.clip_start, camera.data.clip_end, len(library.controls()),

@@ -11,11 +11,13 @@ from .errors import EncreError
 
 @dataclass
 class Camera:
-    """view: rotation world -> camera, 9 floats row by row; height: orthographic frame height in scene units."""
+    """view: rotation world -> camera, 9 floats row by row; height: orthographic frame height in scene units; distance:
+    depth of what the picture is about, 0: not known."""
 
     view: Sequence[float] = (1, 0, 0, 0, 1, 0, 0, 0, 1)
     orthographic: bool = False
     height: float = 1.0
+    distance: float = 0.0
 
 
 @dataclass

@@ -17,7 +17,7 @@ from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Mesh, Result, entries, picture
 from .params import MAX_LEVELS, Control, Param, Stage, control, normal, read, stage, text_of
 
-API_VERSION = 6
+API_VERSION = 7
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 
 
@@ -64,7 +64,7 @@ class _StageInfo(c.Structure):
 
 
 class _Camera(c.Structure):
-    _fields_ = [("view", c.c_float * 9), ("orthographic", c.c_int32), ("height", c.c_float)]
+    _fields_ = [("view", c.c_float * 9), ("orthographic", c.c_int32), ("height", c.c_float), ("distance", c.c_float)]
 
 
 class _Frame(c.Structure):
@@ -295,7 +295,8 @@ class Library:
         job.params = c.cast(c.c_char_p(block), c.c_void_p)
         job.n_styles = len(every)
         camera = camera or Camera()
-        job.camera = _Camera((c.c_float * 9)(*camera.view), bool(camera.orthographic), camera.height)
+        job.camera = _Camera((c.c_float * 9)(*camera.view), bool(camera.orthographic), camera.height,
+                             camera.distance)
         frame = frame or Frame(width, height)
         job.frame = _Frame(frame.width, frame.height, frame.x, frame.y)
         self._call(self.lib.encre_render, job, threads, simd, progress)

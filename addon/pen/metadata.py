@@ -60,7 +60,7 @@ def write(scene: dict[str, Any], styles: Sequence[tuple[str, dict[str, Any]]], c
                  "styles": [{"name": name, "values": values} for name, values in styles]},
         FRAME: {"width": frame.width, "height": frame.height, "x": frame.x, "y": frame.y},
         CAMERA: {"orthographic": bool(camera.orthographic), "height": float(camera.height),
-                 "view": [float(v) for v in np.ravel(camera.view)]},
+                 "distance": float(camera.distance), "view": [float(v) for v in np.ravel(camera.view)]},
     }
     if view:
         said[VIEW] = asdict(view)
@@ -122,10 +122,11 @@ def _read_frame(said, stored):
 
 def _read_camera(said, stored):
     view = np.array(said["view"], np.float64)
-    orthographic, height = said["orthographic"], float(said["height"])
-    if view.shape != (9,) or not np.isfinite(view).all() or type(orthographic) is not bool or not height > 0:
+    orthographic, height, distance = said["orthographic"], float(said["height"]), float(said.get("distance", 0))
+    if view.shape != (9,) or not np.isfinite(view).all() or type(orthographic) is not bool or not height > 0 \
+            or not 0 <= distance < np.inf:
         raise ValueError
-    stored.camera = Camera(tuple(view), orthographic, height)
+    stored.camera = Camera(tuple(view), orthographic, height, distance)
 
 
 def _read_border(said, stored):

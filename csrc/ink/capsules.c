@@ -4,11 +4,15 @@
 #include "ink/discs.h"
 #include "fine/near.h"
 
-/* What a site gives the links that end at it. Coverage at distance d is faint * clamp01((out - d) / fade). */
+/* What a site gives the links that end at it. On paper of height h, a share `bias` of which the pencil doesn't reach,
+ * the darkness that coverage min(1, (out - d) / fade) gets at distance d is gain * (h * coverage - bias). Of that ramp
+ * pixels show how dark it gets and where it is half as dark, but none is steeper than a pixel is wide, and what is
+ * thinner than a pixel is as much fainter instead: so the ink of a line doesn't depend on the size of the frame. */
 typedef struct pen_end {
 	float x, y;
-	float out, fade, faint;
-	float gain, bias, paper, limit;
+	float out, fade;
+	float gain, ease; /* one over the other */
+	float bias, paper, limit;
 	float reach;    /* nothing is darkened from here on */
 	uint32_t owner; /* the pixel with the controls, y << 16 | x */
 } pen_end;
@@ -18,6 +22,8 @@ enum { CHUNK = 1024 };
 /* A link draws this many pixels beyond the line that halves the angle with its neighbour, because the radius may vary.
  */
 static const float overlap = 1.0f;
+/* Where the radius changes more from one site to the next, a link may ink what lies before its neighbours. */
+static const float most_steep = 0.5f;
 
 /* ---- pens ------------------------------------------------------------------------------------------------ */
 
@@ -35,7 +41,6 @@ static pen_end pen_end_of(const frame *f, const site *made, float length)
 	pen pen;
 	pen_end e = {.x = s->x, .y = s->y};
 	e.owner = (uint32_t)s->near_y << 16 | s->near_x;
-	e.fade = 1;
 	if (!ISA(pen_of)(f, s->near_x, s->near_y, (enum source)s->source, s->strength, &pen))
 		return e;
 	pen.radius *= 1 - (float)s->eased / 255;
@@ -50,15 +55,17 @@ static pen_end pen_end_of(const frame *f, const site *made, float length)
 		e.x += filled * s->inside;
 	else
 		e.y += filled * s->inside;
-	float half = max(pen.radius, 0.5f), soft = pen.p->line_softness * half;
-	e.fade = max(soft, 1);
-	e.out = filled * s->half + half - max(soft, 0.5f) + e.fade;
-	e.faint = min(1, 2 * pen.radius);
+	e.out = filled * s->half + pen.radius;
+	e.fade = pen.p->line_softness * pen.radius;
 	e.gain = pen.gain;
+	e.ease = pen.gain > 0 ? min(1 / pen.gain, 1e30f) : 0;
 	e.bias = pen.bias;
 	e.paper = pen.p->line_paper;
 	e.limit = min(pen.limit, 1e30f); /* finite: it is interpolated */
-	e.reach = e.faint > e.bias && e.gain > 0 ? e.out - e.fade * e.bias / e.faint : 0;
+	float ramp = min(e.ease, 1 - e.bias),
+	      middle = e.out - e.fade * (e.bias + 0.5f * ramp); /* on the highest paper */
+	if (ramp > 0 && middle > 0)
+		e.reach = max(middle, 0.5f) + 0.5f * max(e.fade * ramp, 1);
 	return e;
 }
 
@@ -190,7 +197,7 @@ static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32
 	float square = c.dx * c.dx + c.dy * c.dy;
 	c.inverse = square > 1e-12f ? 1 / square : 0;
 	c.reach = max(c.a->reach, c.b->reach);
-	if (c.reach > 2.5f && a != b) {
+	if (c.reach > 2.5f && a != b && fabsf(c.b->out - c.a->out) < most_steep) {
 		cut_at(n, &c, a, b);
 		cut_at(n, &c, b, a);
 	}
@@ -223,18 +230,18 @@ static void span_of(const capsule *c, int y, int width, int *first, int *end)
 	*end = high < 0 ? 0 : high < (float)(width - 1) ? (int)high + 1 : width;
 }
 
-/* Called with a constant `owned` each time. Where it is true, who inked is remembered: among equals the nearest; only
- * then dark is clamped, and distance and owner are read. */
-static inline void ink_span(const capsule *restrict e, float y, int x, int end, const bool owned, float *restrict dark,
-			    const float *restrict depth, const float *restrict grain, float *restrict distance,
-			    uint32_t *restrict owner)
+/* Called with constants each time. Where `owned` is true, who inked is remembered: among equals the nearest; only then
+ * distance and owner are read. Where `papered` is false paper is as high as can be. */
+static inline void ink_span(const capsule *restrict e, float y, int x, int end, const bool owned, const bool papered,
+			    float *restrict dark, const float *restrict depth, const float *restrict grain,
+			    float *restrict distance, uint32_t *restrict owner)
 {
 	const pen_end *a = e->a, *b = e->b;
 	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;
-	float out = a->out, fade = a->faint / a->fade, faint = a->faint, gain = a->gain, bias = a->bias,
-	      paper = a->paper, limit = a->limit;
-	float more_out = b->out - out, more_fade = b->faint / b->fade - fade, more_faint = b->faint - faint,
-	      more_gain = b->gain - gain;
+	float out = a->out, fade = a->fade, gain = a->gain, ease = a->ease, bias = a->bias, paper = a->paper,
+	      limit = a->limit;
+	float more_out = b->out - out, more_fade = b->fade - fade, more_gain = b->gain - gain,
+	      more_ease = b->ease - ease;
 	float more_bias = b->bias - bias, more_paper = b->paper - paper, more_limit = b->limit - limit;
 	uint32_t one = a->owner, two = b->owner;
 	for (; x < end; x += LANES)
@@ -243,13 +250,21 @@ static inline void ink_span(const capsule *restrict e, float y, int x, int end, 
 			s = s > 0 ? s : 0;
 			s = s < 1 ? s : 1;
 			float ex = px - s * dx, ey = py - s * dy, d2 = ex * ex + ey * ey;
-			float t = (out + s * more_out - sqrtf(d2)) * (fade + s * more_fade),
-			      full = faint + s * more_faint;
-			t = t < full ? t : full;
-			t = (gain + s * more_gain) *
-			    ((1 + (paper + s * more_paper) * grain[x + k]) * t - (bias + s * more_bias));
-			if (owned)
-				t = t < 1 ? t : 1;
+			float h = papered ? 1 + (paper + s * more_paper) * grain[x + k] : 1, low = bias + s * more_bias;
+			float rise = h > low ? h - low : 0, most = (gain + s * more_gain) * rise,
+			      ramp = ease + s * more_ease;
+			ramp = ramp < rise ? ramp : rise; /* of coverage times height, from nothing to the darkest */
+			most = most < 1 ? most : 1;
+			float soft = fade + s * more_fade;
+			soft = papered ? soft / h : soft;
+			float middle = out + s * more_out - soft * (low + 0.5f * ramp), width = soft * ramp;
+			width = width > 1 ? width : 1;
+			float faint = 2 * middle, half = middle > 0.5f ? middle : 0.5f;
+			faint = faint < 1 ? faint : 1;
+			faint = faint > 0 ? faint : 0;
+			float t = 0.5f + (half - sqrtf(d2)) / width;
+			t = t < 1 ? t : 1;
+			t = faint * most * t;
 			t = depth[x + k] >= limit + s * more_limit ? t : 0;
 			if (!owned) {
 				dark[x + k] = t > before ? t : before;
@@ -266,6 +281,7 @@ static inline void ink_span(const capsule *restrict e, float y, int x, int end, 
 static void draw_capsule(const capsule *e, canvas *c)
 {
 	float top = min(e->a->y, e->b->y) - e->reach, bottom = max(e->a->y, e->b->y) + e->reach;
+	bool papered = e->a->paper > 0 || e->b->paper > 0;
 	int from = top > (float)c->y0 ? (int)top : c->y0, to = bottom < (float)(c->y1 - 1) ? (int)bottom : c->y1 - 1;
 	for (int y = from; y <= to; y++) {
 		int x, end;
@@ -274,11 +290,15 @@ static void draw_capsule(const capsule *e, canvas *c)
 			continue;
 		canvas_touch(c, y, x, end);
 		size_t at = (size_t)(y - c->y0) * c->stride;
-		if (c->owner)
-			ink_span(e, (float)y, x, end, true, c->dark + at, c->depth + at, c->grain + at,
-				 c->distance + at, c->owner + at);
+		float *dark = c->dark + at, *depth = c->depth + at, *grain = c->grain + at;
+		if (c->owner && papered)
+			ink_span(e, (float)y, x, end, true, true, dark, depth, grain, c->distance + at, c->owner + at);
+		else if (c->owner)
+			ink_span(e, (float)y, x, end, true, false, dark, depth, grain, c->distance + at, c->owner + at);
+		else if (papered)
+			ink_span(e, (float)y, x, end, false, true, dark, depth, grain, NULL, NULL);
 		else
-			ink_span(e, (float)y, x, end, false, c->dark + at, c->depth + at, c->grain + at, NULL, NULL);
+			ink_span(e, (float)y, x, end, false, false, dark, depth, grain, NULL, NULL);
 	}
 }
 

@@ -37,8 +37,11 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 	float radius = min(0.5f * p->line_thickness * f->scale * widths[source], 1e30f);
 	radius *= thickness > 0 ? 1 + 8 * thickness : 1 + thickness;
 	radius *= mix(1, min(1, strength), p->line_contrast);
-	if (p->line_depth_distance > 0 && !f->camera.orthographic)
-		radius *= min(p->line_depth_distance / z, 4);
+	float full = p->line_depth_distance;
+	if (p->line_depth_unit == line_depth_unit_RELATIVE && f->camera.distance > 0)
+		full = min(full * f->camera.distance, FLT_MAX);
+	if (full > 0 && !f->camera.orthographic)
+		radius *= min(full / z, 4);
 	if (p->line_light != 0) {
 		const float *rgb = layer_row(f, ENCRE_LAYER_DIFFUSE, ny) + (ptrdiff_t)3 * nx;
 		float lit = clamp01(max3(rgb[0], rgb[1], rgb[2]) * p->shade_exposure);

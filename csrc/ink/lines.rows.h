@@ -17,7 +17,10 @@ COLOR(line_color, SURFACE, 0, 0, 0, "use_lines", "Color", "Colour of the ink")
 FLOAT(line_tint, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines", "Tint", "Share of the surface's own colour in the ink")
 FLOAT(line_tint_value, SURFACE, 0.35, 0, 1, 0, 1, "factor", "line_tint", "Tint Value", "Brightness of the surface's colour in the ink")
 FLOAT(line_light, SURFACE, 0, -1, 1, -1, 1, "", "use_lines", "Light", "Heavier ink in the shade; negative: in the light")
-FLOAT(line_depth_distance, SURFACE, 0, 0, FLT_MAX, 0, 100, "length", "use_lines", "Full Width Distance", "Distance at which lines have their thickness and beyond which they thin out; 0: the same everywhere")
+FLOAT(line_depth_distance, SURFACE, 0, 0, FLT_MAX, 0, 100, "", "use_lines", "Full Width Distance", "Distance at which lines have their thickness and beyond which they thin out; 0: the same everywhere")
+ENUM(line_depth_unit, SURFACE, 0, "line_depth_distance", "Distance Unit", "What that distance is measured in",
+     ITEM(line_depth_unit, RELATIVE, 0, "Relative", "The distance of the camera's focus where depth of field or a focus object is set, else that at which a few things of the scene fill the frame, whatever the lens")
+     ITEM(line_depth_unit, SCENE, 1, "Scene", "Units of the scene"))
 BOOL(line_occlude, FRAME, 1, "use_lines", "Occlude", "Wide lines of far objects stay behind near ones")
 ENUM(line_search, FRAME, 0, "use_lines", "Search", "Which edge inks a pixel",
      ITEM(line_search, EXACT, 0, "Strongest", "The edge that inks it most, at any thickness")

@@ -51,7 +51,8 @@ scene.cycles.samples, scene.cycles.use_denoising = 16, False
 scene.render.resolution_x, scene.render.resolution_y = 480, 270
 scene.view_settings.view_transform = "Standard"
 '''
-FLAT = ("--preset", "inter_color", "--set", "line_thickness=24", "--set", "line_depth_distance=4", "--quadrants")
+FLAT = ("--preset", "inter_color", "--set", "line_thickness=24", "--set", "line_depth_distance=4",
+        "--set", "line_depth_unit=SCENE", "--quadrants")
 
 
 @pytest.fixture

@@ -224,6 +224,9 @@ static void random_camera(encre_camera *camera)
 		camera->view[k] = (float)view[k];
 	camera->orthographic = chance(0.4);
 	camera->height = chance(0.9) ? (float)(10 * share() + 0.1) : (float)magnitude(-37, 38);
+	camera->distance = chance(0.5) ? 0 : chance(0.9) ? (float)(10 * share()) : (float)magnitude(-37, 38);
+	if (chance(0.01))
+		camera->distance = weird();
 	if (chance(0.01))
 		camera->view[whole(0, 8)] = weird();
 	if (chance(0.01))

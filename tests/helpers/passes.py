@@ -145,7 +145,7 @@ def given(name):
     how, scene, styles, camera = {**CASES, **TINY, **MORE, **WIRES}[name]
     layers = (shapes.wires if name in WIRES else shapes.shapes)(**how)
     scene, camera = {**ALL, **scene}, camera or Camera()
-    told = dict(orthographic=camera.orthographic, height=camera.height, view=camera.view)
+    told = vars(camera)
     own = Layers(layers, len(styles), told, None)
     return layers, scene, View(own, Params(scene, styles), tuple(layers), scene.get("crease_angle", 20.0))
 

@@ -57,6 +57,7 @@ class Layers:
         self.orthographic = bool(camera.get("orthographic", False))
         self.view = np.reshape(camera.get("view", np.eye(3)), (3, 3))
         self.height = float(camera.get("height", 1.0))
+        self.distance = float(camera.get("distance", 0.0))
         self.full_height = frame.get("height", height)
         self.x, self.y = frame.get("x", 0), frame.get("y", 0)
 

@@ -26,6 +26,8 @@ class Pen:
         lit = clamp01(value(layers.diffuse)[owner] * params.at("shade_exposure", style))
         heavier = np.maximum(0.0, 1 + params.at("line_light", style) * (1 - 2 * lit))
         distance = params.at("line_depth_distance", style)
+        if layers.distance > 0:
+            distance = distance * np.where(params.at("line_depth_unit", style) == "RELATIVE", layers.distance, 1.0)
         nearer = np.clip(distance / edges.z, 0.0, 4.0)
         if layers.orthographic:
             nearer = np.ones_like(nearer)

@@ -39,17 +39,25 @@ def ends(t, layers, params, paper):
     # a thing not much wider than its lines lets no paper between them: they are one, from its middle
     filled = site["thin"] * clamp01(1 - 2 * (site["half"] - radius))
     at = t.at + (filled * site["inside"])[:, None] * np.where(site["axis"][:, None] == 0, (1, 0), (0, 1))
-    half = np.maximum(radius, 0.5)
-    soft = pen.softness * half
-    fade = np.maximum(soft, 1)
-    faint = np.minimum(1, 2 * radius)
     z = np.zeros(len(t))
     if pen.occlude:
         z = pen.z - 0.1 * layers.height if layers.orthographic else 0.9 * pen.z
-    columns = np.stack([filled * site["half"] + half - np.maximum(soft, 0.5) + fade, faint / fade, faint,
-                        pen.gain * pen.strength, np.maximum(0, 1 - pen.strength / 2), pen.roughness,
-                        np.minimum(z, 1e30)], 1)
+    gain = pen.gain * pen.strength
+    columns = np.stack([filled * site["half"] + radius, pen.softness * radius, gain,
+                        np.where(gain > 0, 1 / np.where(gain > 0, gain, 1), 0), np.maximum(0, 1 - pen.strength / 2),
+                        pen.roughness, np.minimum(z, 1e30)], 1)
     return np.where(used[:, None], at, t.at), columns * used[:, None], pen.ink
+
+
+def darkness(d, out, fade, gain, ease, bias, height):
+    """T at distance d. The pencil's darkness goes from 0 to `most` while coverage (out - d)/fade goes from bias/height
+    to (bias + ramp)/height. The ramp is drawn about its middle, at least a pixel wide; a line whose middle is less than
+    half a pixel away is drawn as wide as a pixel and as much fainter."""
+    ramp = np.minimum(ease, np.maximum(0, height - bias))
+    most = np.minimum(1, gain * np.maximum(0, height - bias))
+    middle = out - fade * (bias + ramp / 2) / height
+    width = np.maximum(fade * ramp / height, 1)
+    return clamp01(2 * middle) * most * clamp01(0.5 + (np.maximum(middle, 0.5) - d) / width)
 
 
 def draw(t, layers, params, paper):
@@ -63,14 +71,14 @@ def draw(t, layers, params, paper):
     pieces += [(i, i) for i in range(len(t)) if not t.links[i] and not t.dropped[i]]
     for i, j in pieces:
         a, way = at[i], at[j] - at[i]
-        reach = max(columns[i, 0], columns[j, 0])
+        reach = max(columns[i, 0], columns[j, 0]) + 1
         low = np.maximum(np.floor(np.minimum(at[i], at[j]) - reach).astype(int), 0)
         high = np.maximum(np.ceil(np.maximum(at[i], at[j]) + reach).astype(int) + 1, 0)
         box = np.s_[low[1]:high[1], low[0]:high[0]]
         s = clamp01(((x[box] - a[0]) * way[0] + (y[box] - a[1]) * way[1]) / max(way @ way, 1e-12))
         d = np.hypot(x[box] - mix(a[0], at[j, 0], s), y[box] - mix(a[1], at[j, 1], s))
-        out, slope, faint, gain, bias, rough, limit = (mix(columns[i, k], columns[j, k], s) for k in range(7))
-        dark = clamp01(gain * ((1 + rough * (paper[box] - 1)) * np.minimum((out - d) * slope, faint) - bias))
+        out, fade, gain, ease, bias, rough, limit = (mix(columns[i, k], columns[j, k], s) for k in range(7))
+        dark = darkness(d, out, fade, gain, ease, bias, 1 + rough * (paper[box] - 1))
         z = layers.depth[box]
         hidden = z < limit
         unsure[box] |= np.isfinite(z) & (np.abs(z - limit) < 1e-4 * np.maximum(z, 1)) & (dark > 0)

@@ -68,7 +68,7 @@ def noise_layers(height, width, seed=0, styles=0, painted=True, smooth=False):
 def check(layers, scene, styles=(), camera=None, frame=None, tolerance=1e-4):
     camera, frame = camera or Camera(), frame or {}
     scene = {**SHARP, **scene}
-    want = reference.render(layers, scene, styles, dict(orthographic=camera.orthographic, height=camera.height), frame)
+    want = reference.render(layers, scene, styles, vars(camera), frame)
     got = masks.render(layers, scene, styles, camera, Frame(**frame) if frame else None, PASSES).images
     sure = ~want["unsure"]
     for name in PASSES:
@@ -149,6 +149,15 @@ def test_strongest_of_all(seed, thickness, softness, intensity, occlude, tint):
     layers = noise_layers(40, 64, seed, painted=seed % 3 > 0, smooth=True)
     check(layers, dict(line_thickness=thickness, line_softness=softness, line_intensity=intensity, line_occlude=occlude,
                        line_tint=0.6 * tint, edge_material=0.0), frame=full(40, 64))
+
+
+@pytest.mark.parametrize("unit", ["RELATIVE", "SCENE"])
+def test_the_full_width_s_distance_is_relative(unit):
+    """To the camera's distance, in styles too; where that is not known, and for other cameras, as it is."""
+    layers, scene = noise_layers(40, 60, 5, styles=1), dict(line_depth_distance=0.8, line_depth_unit=unit,
+                                                            line_thickness=14.0)
+    for camera in (Camera(distance=6.0), Camera(), Camera(orthographic=True, height=4.0, distance=6.0)):
+        check(layers, scene, [dict(line_depth_distance=1.5, line_depth_unit="SCENE")], camera)
 
 
 @pytest.mark.parametrize("search", ["EXACT", "NEAREST"])

@@ -51,7 +51,7 @@ class Job:
                 self._add(i, name, channels)
         self._params()
         self.job.n_styles = 1
-        self.job.camera = library._Camera((ctypes.c_float * 9)(*Camera().view), 0, 1.0)
+        self.job.camera = library._Camera((ctypes.c_float * 9)(*Camera().view), 0, 1.0, 0.0)
         self.job.frame = library._Frame(WIDTH, HEIGHT, 0, 0)
 
     def _raster(self):
@@ -294,6 +294,13 @@ def test_flags_are_0_or_1(flag):
         job = Job("bake")
         setattr(job.job, name, flag)
         job.refused(f"^{name}: is {flag};")
+
+
+@pytest.mark.parametrize("distance", [-1, np.inf, np.nan])
+def test_the_camera_s_distance_is_finite(distance):
+    job = Job("render")
+    job.job.camera.distance = distance
+    job.refused("^camera: a distance of ")
 
 
 def test_parameters_are_aligned():

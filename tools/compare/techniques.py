@@ -12,7 +12,7 @@ from math import sqrt
 
 import bpy
 import numpy as np
-from encre.blender import bake, meshes, properties, versions
+from encre.blender import bake, meshes, properties, subject, versions
 from encre.pen import colour, library, unwrap
 from encre.pen.errors import EncreError
 
@@ -178,17 +178,32 @@ def texels_per_metre(mesh, width, height):
     return sqrt(texels.sum() / metres.sum())
 
 
+def projection_of(scene):
+    """The camera's matrix to clip space, and the frame's height in pixels."""
+    render = scene.render
+    width, height = (round(n * render.resolution_percentage / 100) for n in (render.resolution_x, render.resolution_y))
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return np.array(scene.camera.calc_matrix_camera(depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x,
+                                                    scale_y=render.pixel_aspect_y)), height
+
+
+def full_distance(scene):
+    """Where a line of the frame has its full width, in scene units; 0: everywhere."""
+    distance, depsgraph = scene.encre.line_depth_distance, bpy.context.evaluated_depsgraph_get()
+    if distance and scene.encre.line_depth_unit == "RELATIVE":
+        camera = scene.camera.evaluated_get(depsgraph)
+        view = np.array(camera.matrix_world.normalized().inverted())
+        distance *= subject.distance(depsgraph, camera, view, projection_of(scene)[0])
+    return distance
+
+
 def pixels_per_metre(scene):
     """On a plane that faces the camera, at the distance where a line has its full width."""
-    render, camera = scene.render, scene.camera
-    share = render.resolution_percentage / 100
-    width, height = render.resolution_x * share, render.resolution_y * share
-    projection = camera.calc_matrix_camera(bpy.context.evaluated_depsgraph_get(), x=round(width), y=round(height),
-                                           scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
-    scale = projection[1][1] * height / 2
-    if camera.data.type == "ORTHO":
+    projection, height = projection_of(scene)
+    scale = projection[1, 1] * height / 2
+    if scene.camera.data.type == "ORTHO":
         return scale
-    distance = scene.encre.line_depth_distance
+    distance = full_distance(scene)
     if not distance:
         raise EncreError("baked lines grow thin with distance, those of the frame do not: set "
                               "line_depth_distance, the distance at which both are equally wide")
@@ -234,7 +249,7 @@ def mipped(node, images, texels):
     used = [link.to_socket for link in node.outputs["Color"].links]
     vector = [link.from_socket for link in node.inputs["Vector"].links]
     depth = new("ShaderNodeCameraData").outputs["View Z Depth"]
-    full = bpy.context.scene.encre.line_depth_distance
+    full = full_distance(bpy.context.scene)
     level = math("LOGARITHM", math("MAXIMUM", math("MULTIPLY", depth, texels / full), 1.0), 2.0)
     color = node.outputs["Color"]
     for k, image in enumerate(images[1:]):

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far away what the picture is about stands: relative distances of lines are multiples of that.
+
+It must not pump while things move, nor change with what the frame happens to show, or tiles and shots would not match.
+So it is the focus where the user has set one; else it follows from the size of the scene, of which neither a ground to
+the horizon nor what moves counts. A long lens from afar and a short one from near by, which frame the same, have the
+same pen: the distance is that at which a size fills the frame, whatever the lens.
+"""
+
+import numpy as np
+
+from .meshes import MESHABLE
+
+_FILLS = 3.2  # sizes in the height of the frame; by eye, between rooms, streets and single things
+_SHAPES_MOVE = {"ARMATURE", "CLOTH", "DYNAMIC_PAINT", "EXPLODE", "FLUID", "HOOK", "LATTICE", "MESH_CACHE",
+                "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "OCEAN", "SOFT_BODY", "SURFACE_DEFORM", "WAVE"}
+
+
+def distance(depsgraph, camera, view, projection):
+    """In scene units along the axis of an evaluated perspective camera; 0 where there is nothing to tell it from.
+    `view`, `projection`: what cameras.views() gave."""
+    focus = camera.data.dof
+    if focus.focus_object:
+        place = np.append(focus.focus_object.evaluated_get(depsgraph).matrix_world.translation, 1)
+        if (ahead := -float((view @ place)[2])) > 0:
+            return ahead
+    elif focus.id_data.original.dof.use_dof:  # of the evaluated camera it is switched off
+        return float(focus.focus_distance)
+    return 0.5 * _FILLS * size(depsgraph) * float(projection[1, 1])
+
+
+def size(depsgraph):
+    """Of the scene: between the radius within which half of what stands still lies and that of its things, because a
+    picture shows some things of a scene, seldom all and seldom one. Where all moves, that of the things."""
+    places, radii, still, moving = [], [], [], {}
+    for instance in depsgraph.object_instances:
+        obj = instance.object
+        if obj.type not in MESHABLE or not instance.show_self:
+            continue
+        box = np.array(obj.bound_box, np.float64)
+        matrix = np.array(instance.matrix_world)
+        places.append(matrix[:3, :3] @ box.mean(0) + matrix[:3, 3])
+        radii.append(np.linalg.norm(matrix[:3, :3] @ (box[6] - box[0])) / 2)
+        owner = (instance.parent if instance.is_instance else obj).original
+        if owner.name_full not in moving:
+            moving[owner.name_full] = _moves(owner)
+        still.append(not (moving[owner.name_full] or instance.is_instance and _moves(obj.original)))
+    if not places:
+        return 0.0
+    places, radii, still = np.array(places), np.array(radii), np.array(still)
+    if not still.any():
+        return _middle(radii)
+    places, radii = places[still], radii[still]
+    away = radii + np.linalg.norm(places - np.median(places, 0), axis=1)
+    return float(np.sqrt(_middle(radii) * _middle(away)))
+
+
+def _middle(values):
+    """The median, of two the smaller: a thing on a large ground counts."""
+    return float(np.sort(values)[(len(values) - 1) // 2])
+
+
+def _moves(obj):
+    """Whether something may move or deform an object."""
+    while obj:
+        shapes = getattr(obj.data, "shape_keys", None)
+        if (_animated(obj) or _animated(shapes) or len(obj.constraints) or obj.parent_type == "BONE"
+                or (obj.rigid_body and obj.rigid_body.type == "ACTIVE")
+                or any(modifier.type in _SHAPES_MOVE for modifier in obj.modifiers)):
+            return True
+        obj = obj.parent
+    return False
+
+
+def _animated(block):
+    data = block.animation_data if block else None
+    return bool(data and (data.action or len(data.drivers) or len(data.nla_tracks)))
