@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Paper images, loaded by Blender."""
 
-import _thread
 import functools
 import os
 import time
+from _thread import get_ident
 
 import bpy
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from ..pen.errors import Cancelled, EncreError
 from . import properties
 
-_MAIN = _thread.get_ident()  # Blender imports add-ons on its main thread
+_MAIN = get_ident()  # Blender imports add-ons on its main thread
 
 
 def load(name, keep_on=lambda: True):
@@ -34,7 +34,7 @@ def load(name, keep_on=lambda: True):
 def _on_main_thread(work, keep_on):
     """What work() returns or raises. A render that a window started has a thread of its own, on which bpy.data must not
     change; meanwhile Blender's main thread runs timers."""
-    if _thread.get_ident() == _MAIN:
+    if get_ident() == _MAIN:
         return work()
     done = []
 

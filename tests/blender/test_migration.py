@@ -37,5 +37,6 @@ def test_old_files_keep_their_look(tmp_path):
     paths = [str(tmp_path / f"{name}.blend") for name in ("old", "new", "foreign")]
     done = subprocess.run([sys.executable, "-c", SCRIPT, *paths], capture_output=True, text=True, timeout=120)
     line = next(line for line in done.stdout.splitlines() if line.startswith("FACT "))
-    assert json.loads(line[5:]) == {"old": [2, "LAYERS", "SCENE", 5.0, True], "new": [2, "AUTO", "RELATIVE", 5.0, False],
+    assert json.loads(line[5:]) == {"old": [2, "LAYERS", "SCENE", 5.0, True],
+                                     "new": [2, "AUTO", "RELATIVE", 5.0, False],
                                      "foreign": [2, "AUTO", "RELATIVE", 8.0, False]}

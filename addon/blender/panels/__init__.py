@@ -5,9 +5,9 @@ In: the properties of scene, object and material (properties.py), the library's 
 what Blender's user sees in the properties editor, the sidebar and the menus. A panel computes nothing.
 
 stages makes one panel for each stage from the table, rows greyed out by enabled_if; so a new parameter or stage needs
-nothing here. scene, styles, blocks (objects, materials) and passes have the rest of the properties, presets and settings
-what is done with many at once, paint and marks the tools of the sidebar and of Edit Mode, levels the list of light
-levels, cycles Cycles' own panels, shown for Encre too.
+nothing here. scene, styles, blocks (objects, materials) and passes have the rest of the properties, presets and
+settings what is done with many at once, paint and marks the tools of the sidebar and of Edit Mode, levels the list of
+light levels, cycles Cycles' own panels, shown for Encre too.
 
 To add: a panel to the file of its group, after base.EncrePanel and in its CLASSES; a group as a file, named below.
 """
