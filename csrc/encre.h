@@ -277,20 +277,22 @@ typedef struct encre_raster_job {
 	encre_image attributes;  /* out, n_channels; 0 = nothing */
 	encre_progress progress; /* may be NULL */
 	void *user;
-	encre_image marks;   /* out, 2: the layer `marks` of what can be seen of the lines, of several that pass
-				between the same pixels the first; where none does, of the contours of triangles:
-				edges, found by the indices of corners, at which a surface ends or turns away or
-				numbers change; of several of them the outermost of the surface in front */
-	encre_image creases; /* out, 4: the layer `creases`: of edges between two triangles of a mesh, by the indices
-				of corners, that bend by 5 degrees or more and can be seen; of several that pass
-				between the same pixels the one that bends most */
+	encre_image marks;      /* out, 2: the layer `marks` of what can be seen of the lines, of several that pass
+				   between the same pixels the first; where none does, of the contours of triangles:
+				   edges, found by the indices of corners, at which a surface ends or turns away or
+				   numbers change; of several of them the outermost of the surface in front */
+	encre_image creases;    /* out, 4: the layer `creases`: of edges between two triangles of a mesh, by the indices
+				   of corners, that bend by 5 degrees or more and can be seen; of several that pass
+				   between the same pixels the one that bends most */
+	encre_image coincident; /* out, 1: the object number of a later surface that coincides with the one in front and
+				   is of another object; 0 = none */
 } encre_raster_job;
 
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent
- * triangles neither overlap nor leave gaps (top-left rule); equal depths: the earlier mesh, then the earlier
- * primitive. A line is hidden where it lies more than half a pixel behind the surfaces on both sides. Absent outputs
- * are skipped; present ones share one size, and one is present at least. Arrays of meshes lie at multiples of 4, the
- * meshes at one of 8. Indices out of range are an error. */
+ * triangles neither overlap nor leave gaps (top-left rule); where surfaces coincide, as far as floats tell: the earlier
+ * mesh, then the earlier primitive. A line is hidden where it lies more than half a pixel behind the surfaces on both
+ * sides. Absent outputs are skipped; present ones share one size, and one is present at least. Arrays of meshes lie at
+ * multiples of 4, the meshes at one of 8. Indices out of range are an error. */
 ENCRE_API int32_t encre_raster(encre_context *context, encre_raster_job *job);
 
 /* ---- baking ---------------------------------------------------------------------------------------------- */

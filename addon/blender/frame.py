@@ -189,7 +189,9 @@ class Frames:
         objects, drawn, views = None, [], {}
         if settings.active or asked or keeps:
             objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers)
-            drawn = ["object", "material", "style", "marks", *(["normal", "creases"] if settings.wants_edges else [])]
+            drawn = ["object", "material", "style", "marks", "coincident"]
+            if settings.wants_edges:
+                drawn += ["normal", "creases"]
             if any(mesh.attributes is not None for mesh in objects.meshes):
                 drawn.append("attributes")
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():

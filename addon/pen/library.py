@@ -92,7 +92,7 @@ class _RasterJob(c.Structure):
                 ("view", c.c_double * 16), ("projection", c.c_double * 16), ("clip_start", c.c_double),
                 ("clip_end", c.c_double), ("frame", _Frame), *((n, _Image) for n in _RASTER_OUTPUTS),
                 ("progress", _Progress), ("user", c.c_void_p), ("marks", _Image),
-                ("creases", _Image)]
+                ("creases", _Image), ("coincident", _Image)]
 
 
 class _BakeJob(c.Structure):
@@ -309,7 +309,7 @@ class Library:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
-        (H, W, 2) and `creases` (H, W, 4).
+        (H, W, 2), `creases` (H, W, 4) and `coincident`.
         """
         job, keep = _RasterJob(), []
         array = (_Mesh * max(1, len(meshes)))()

@@ -31,10 +31,32 @@ def own_pixels(index: np.ndarray, drawn: np.ndarray) -> tuple[np.ndarray, np.nda
     return pixels, sources
 
 
+def settled(index: np.ndarray, drawn: np.ndarray, where: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    """The index of the picture, where surfaces of several objects coincide the rasteriser's: a renderer shows now one
+    of them, now another, from pixel to pixel.
+
+    index, drawn: (height, width) object numbers; where: bool, the pixels at which the rasteriser says that two
+    coincide; pairs: (n, 2) numbers of those that do somewhere.
+    """
+    alike = np.arange(int(max(index.max(), drawn.max())) + 1)
+    for one, other in pairs.astype(np.intp):
+        alike[alike == alike[other]] = alike[one]
+    grown = np.pad(where, 1)  # a centre on the edge of one of them
+    near = where | grown[:-2, 1:-1] | grown[2:, 1:-1] | grown[1:-1, :-2] | grown[1:-1, 2:]
+    given, own = (np.clip(numbers, 0, len(alike) - 1).astype(np.intp) for numbers in (index, drawn))
+    return np.where(near & (alike[given] == alike[own]), drawn, index)
+
+
 def compact(maps: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The rasteriser's pictures as long as Cycles renders: numbers in as few bytes as they need, and what is 0
-    everywhere left out. Creases get as a fifth channel what bends() tells of the `normal` of the faces, which goes."""
+    everywhere left out. Creases get as a fifth channel what bends() tells of the `normal` of the faces, which goes.
+    Of `coincident` it stays where there are any, and in `pairs` of which objects."""
     out = {}
+    coincident = maps.pop("coincident", None)
+    if coincident is not None and coincident.any():
+        out["coincident"] = coincident != 0
+        both = maps["object"][out["coincident"]], coincident[out["coincident"]]
+        out["pairs"] = np.unique(np.stack(both, 1).astype(np.int32), axis=0)
     if "creases" in maps:
         creases, normal = maps.pop("creases"), maps.pop("normal")
         out["creases"] = np.empty((*creases.shape[:2], 5), np.float16)  # to 1/2048 pixel and 1/16 degree
@@ -54,11 +76,13 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
 
     index: (height, width) object index that Cycles wrote. maps: what compact() gave of the rasteriser's pictures
     `object` (a number per part of an instance, 0 = nothing), `material`, `style`, `attributes` (the controls) and
-    `marks` and `creases`; each is popped when it is read.
+    `marks` and `creases`, and `coincident` and `pairs`; each is popped when it is read.
     owners[number]: what Cycles wrote for that instance; numbers[number]: what the object layer says for it.
     strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices.
     """
     instance = maps.pop("object").reshape(index.shape)
+    if "coincident" in maps:
+        index = settled(index, owners[instance], maps.pop("coincident"), owners[maps.pop("pairs")])
     pixels, sources = own_pixels(index, owners[instance])
     found = sources >= 0
 

@@ -318,14 +318,15 @@ int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char 
 	const encre_layer_description what[] = {
 		{"depth", "", 1, 0},    {"normal", "", 3, 0},  {"object", "", 1, 0},
 		{"material", "", 1, 0}, {"style", "", 1, 0},   {"attributes", "", job->n_channels, 0},
-		{"marks", "", 2, 0},    {"creases", "", 4, 0},
+		{"marks", "", 2, 0},    {"creases", "", 4, 0}, {"coincident", "", 1, 0},
 	};
-	const encre_image *images[] = {&job->depth, &job->normal,     &job->object, &job->material,
-				       &job->style, &job->attributes, &job->marks,  &job->creases};
+	const encre_image *images[] = {&job->depth,      &job->normal, &job->object,  &job->material,  &job->style,
+				       &job->attributes, &job->marks,  &job->creases, &job->coincident};
 	const encre_image *first = NULL;
 	*clean = *job;
-	encre_image *clean_images[] = {&clean->depth, &clean->normal,     &clean->object, &clean->material,
-				       &clean->style, &clean->attributes, &clean->marks,  &clean->creases};
+	encre_image *clean_images[] = {&clean->depth,    &clean->normal,  &clean->object,
+				       &clean->material, &clean->style,   &clean->attributes,
+				       &clean->marks,    &clean->creases, &clean->coincident};
 	if (job->n_channels < 0 || job->n_channels > ENCRE_MAX_CHANNELS)
 		return refuse(error, size, "attributes: %d channels; give 0 to %d", (int)job->n_channels,
 			      ENCRE_MAX_CHANNELS);

@@ -111,6 +111,15 @@ static void mark(void *user, const crossing *c)
 		*out = (float)-share;
 }
 
+/* Whether one of both pixels shows two surfaces that coincide. */
+static bool at_twins(const marking *m, const crossing *c)
+{
+	const band *b = m->b;
+	size_t at = (size_t)(c->row + OUTLINE_GUARD - b->y0) * (size_t)m->r->width +
+		    (size_t)(c->column + OUTLINE_GUARD - b->x0);
+	return b->twin[at] != NOTHING || b->twin[at + (c->down ? (size_t)m->r->width : 1)] != NOTHING;
+}
+
 static void crease(void *user, const crossing *c)
 {
 	marking *m = user;
@@ -124,9 +133,17 @@ static void crease(void *user, const crossing *c)
 	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
 	if (hides(&p) && hides(&q))
 		return;
+	bool twins = at_twins(m, c);
+	if (twins && p.part != m->own && q.part != m->own)
+		return; /* of the later of two surfaces that coincide */
 	double share = c->share > least_share ? c->share : least_share;
 	out[0] = (float)(share < 1 ? share : 1);
 	out[1] = m->bend;
+	if (!twins || p.part == q.part || !r->job->marks.data)
+		return;
+	/* the earlier surface ends there, though the mesh goes on behind the later one */
+	float *contour = pixel_at(&r->job->marks, x - r->room.x0, y - r->room.y0) + c->down;
+	*contour = *contour == 0 ? -out[0] : *contour;
 }
 
 static void clear_rows(const encre_image *image, int y0, int rows)

@@ -173,20 +173,27 @@ static inline int64_t floor_divide(int64_t k, int64_t d)
 	return whole - ((double)whole > q);
 }
 
-static void draw_span(const depth_plane *plane, const outline *o, int x, int y, int n, uint32_t number,
-		      float *restrict depth, uint32_t *restrict front)
+static void draw_span(const band *b, const depth_plane *plane, const outline *o, int x, int y, int n, uint32_t number)
 {
 	double row = y - o->y0, above = plane->n[1] * row + plane->n[2], below = plane->d[1] * row + plane->d[2];
 	double step_n = plane->n[0], step_d = plane->d[0], nearest = o->nearest, farthest = o->farthest;
+	size_t at = (size_t)(y - b->y0) * (size_t)(b->x1 - b->x0) + (size_t)(x - b->x0);
+	float *restrict depth = b->depth + at, least = b->close;
+	uint32_t *restrict front = b->front + at;
 	int column = x - o->x0;
 	for (int i = 0; i < n; i++) {
 		double z = (step_n * (column + i) + above) / (step_d * (column + i) + below);
 		/* A surface seen on its edge has no depth of its own (not even a number), but its corners have. */
 		z = z > nearest ? z : nearest;
 		z = z < farthest ? z : farthest;
-		float f = (float)z;
-		front[i] = f < depth[i] ? number : front[i];
-		depth[i] = f < depth[i] ? f : depth[i];
+		float f = (float)z, nearer = depth[i] - f, close = least + fabsf(f) * 0x1p-20f;
+		/* Where rounding does not tell which is nearer, whether the two coincide is asked of their planes. */
+		if (nearer >= -close && nearer <= close && b->coincide(b->user, front[i], number, x + i, y))
+			b->twin[at + (size_t)i] = number;
+		else if (nearer > 0) {
+			front[i] = number;
+			depth[i] = f;
+		}
 	}
 }
 
@@ -224,8 +231,7 @@ static void draw_triangle(const band *b, const outline *o, int j, const depth_pl
 		}
 		if (left > right)
 			continue;
-		size_t at = (size_t)(row - b->y0) * (size_t)(b->x1 - b->x0) + (size_t)(left - b->x0);
-		draw_span(plane, o, (int)left, row, (int)(right - left + 1), number, b->depth + at, b->front + at);
+		draw_span(b, plane, o, (int)left, row, (int)(right - left + 1), number);
 	}
 }
 
@@ -265,4 +271,18 @@ double outline_depth(const corner c[3], double x, double y, double *step)
 	double slope = (fabs(p.n[0] - z * p.d[0]) + fabs(p.n[1] - z * p.d[1])) / fabs(p.d[2]);
 	*step = slope < farthest - nearest ? slope : farthest - nearest; /* of one seen on its edge it is no number */
 	return z > nearest ? z < farthest ? z : farthest : nearest;
+}
+
+static inline double plane_depth(const depth_plane *p, double x, double y)
+{
+	return (p->n[0] * x + p->n[1] * y + p->n[2]) / (p->d[0] * x + p->d[1] * y + p->d[2]);
+}
+
+bool outline_same_plane(const corner one[3], const corner other[3], double x, double y, double close)
+{
+	depth_plane p = plane_of(one, x, y), q = plane_of(other, x, y);
+	bool same = true; /* of one seen on its edge depths are no numbers */
+	for (int k = 0; k < 3; k++)
+		same = same && fabs(plane_depth(&p, k == 1, k == 2) - plane_depth(&q, k == 1, k == 2)) <= close;
+	return same;
 }

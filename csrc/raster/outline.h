@@ -35,16 +35,24 @@ typedef struct outline {
 	double nearest, farthest;
 } outline;
 
-/* Rows y0..y1-1 of the images, packed: depth (INFINITY to begin with) and number of what is nearest. */
+/* Whether two primitives are one surface about the centre of a pixel, as far as rounding tells. */
+typedef bool (*outline_coincide)(const void *user, uint32_t earlier, uint32_t later, int column, int row);
+
+/* Rows y0..y1-1 of the images, packed: depth (INFINITY to begin with) and number of what is nearest, and the number of
+ * a later one that coincides with what was nearest when it was drawn. */
 typedef struct band {
 	int x0, x1, y0, y1;
 	float *depth;
-	uint32_t *front;
+	uint32_t *front, *twin;
+	float close; /* depths less apart, and a 2^20th of the depth, may be of surfaces that coincide */
+	outline_coincide coincide;
+	const void *user;
 } band;
 
 /* False where the triangle covers no pixel of the images, is not finite, or cannot be told from that. */
 bool outline_make(const room *room, const corner corner[3], outline *o);
-/* Puts `number` where the outline is nearer than what is there. */
+/* Puts `number` where the outline is nearer than what is there, and does not coincide with it. Numbers grow from call
+ * to call. */
 void outline_draw(const outline *o, uint32_t number, const band *b);
 /* Shares of the second and the third corner at a place in pixels of the full frame, perspective-correct; 0..1 also
  * where snapping has moved an edge. */
@@ -52,6 +60,9 @@ void outline_shares(const corner corner[3], double x, double y, double *second, 
 /* Depth of the triangle's plane at a place in pixels of the full frame, kept between the depths of its corners, and in
  * *step by how much it changes from there to a neighbouring pixel. */
 double outline_depth(const corner corner[3], double x, double y, double *step);
+/* Whether the planes of two triangles, at a place in pixels of the full frame and a pixel beside it, are at most
+ * `close` apart along the view axis. */
+bool outline_same_plane(const corner one[3], const corner other[3], double x, double y, double close);
 /* Shortens a line to what lies in the room, not clipped to the images; false if nothing does, or it is not finite. */
 bool outline_clip(const room *room, corner corner[2]);
 

@@ -49,6 +49,18 @@ static bool rows_of(const raster *r, const part *part, uint32_t primitive, int *
 	return *y0 < *y1;
 }
 
+bool raster_coincide(const void *user, uint32_t one, uint32_t other, int column, int row)
+{
+	const raster *r = user;
+	const part *part = geometry_part(&r->geometry, NULL, one);
+	corner a[3], b[3];
+	geometry_corners(part, one - part->first, a);
+	part = geometry_part(&r->geometry, part, other);
+	geometry_corners(part, other - part->first, b);
+	double x = column - OUTLINE_GUARD + 0.5, y = row - OUTLINE_GUARD + 0.5;
+	return outline_same_plane(a, b, x, y, 2 * ((double)r->close + fabs(a[0].z) * 0x1p-20));
+}
+
 /* ---- sorting into bands ------------------------------------------------------------------------------------ */
 
 static uint32_t chunk_end(const raster *r, uint32_t from)
@@ -114,12 +126,26 @@ typedef struct surface {
 	const float *attributes; /* of the three corners; NULL = 0 */
 } surface;
 
+static float object_of(const part *part, uint32_t number)
+{
+	const encre_mesh *mesh = part->mesh;
+	return (float)(mesh->object ? mesh->object[number - part->first] : mesh->object_index);
+}
+
+/* The object of a primitive that coincides with the one in front; 0 if it is of the same. */
+static float object_beside(const raster *r, uint32_t front, uint32_t twin)
+{
+	float own = object_of(geometry_part(&r->geometry, NULL, front), front);
+	float other = object_of(geometry_part(&r->geometry, NULL, twin), twin);
+	return own != other ? other : 0;
+}
+
 static void load_surface(const raster *r, uint32_t number, surface *s)
 {
 	s->part = geometry_part(&r->geometry, s->part, number);
 	const encre_mesh *mesh = s->part->mesh;
 	uint32_t i = number - s->part->first;
-	s->object = (float)(mesh->object ? mesh->object[i] : mesh->object_index);
+	s->object = object_of(s->part, number);
 	s->material = (float)(mesh->material ? mesh->material[i] : mesh->material_index);
 	s->style = (float)(mesh->style ? mesh->style[i] : mesh->style_index);
 	s->attributes = mesh->attributes && mesh->n_channels
@@ -154,6 +180,7 @@ static void shade_row(const raster *r, const band *b, int row)
 	int y = row - r->room.y0;
 	const float *depth = b->depth + (size_t)(row - b->y0) * (size_t)r->width;
 	const uint32_t *front = b->front + (size_t)(row - b->y0) * (size_t)r->width;
+	const uint32_t *twin = b->twin + (size_t)(row - b->y0) * (size_t)r->width;
 	uint32_t number = NOTHING;
 	static const surface nothing;
 	surface s = nothing;
@@ -173,9 +200,23 @@ static void shade_row(const raster *r, const band *b, int row)
 		if (job->normal.data)
 			for (int c = 0; c < 3; c++)
 				pixel_at(&job->normal, x, y)[c] = any ? s.normal[c] : 0;
+		if (job->coincident.data)
+			*pixel_at(&job->coincident, x, y) =
+				any && twin[x] != NOTHING ? object_beside(r, front[x], twin[x]) : 0;
 		if (job->attributes.data)
 			shade_attributes(r, any ? &s : &nothing, x, y);
 	}
+}
+
+/* Forgets those that coincide with what something nearer hides. */
+static void clear_twins(const raster *r, const band *b)
+{
+	for (int row = b->y0; row < b->y1; row++)
+		for (int x = 0; x < r->width; x++) {
+			size_t at = (size_t)(row - b->y0) * (size_t)r->width + (size_t)x;
+			if (b->twin[at] != NOTHING && !raster_coincide(r, b->front[at], b->twin[at], b->x0 + x, row))
+				b->twin[at] = NOTHING;
+		}
 }
 
 static void draw_bands(void *data, int b0, int b1, int thread)
@@ -187,12 +228,16 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 			  .x1 = r->room.x1,
 			  .y0 = r->room.y0 + i * BAND,
 			  .depth = r->depth + (size_t)thread * size,
-			  .front = r->front + (size_t)thread * size};
+			  .front = r->front + (size_t)thread * size,
+			  .twin = r->twin + (size_t)thread * size,
+			  .close = r->close,
+			  .coincide = raster_coincide,
+			  .user = r};
 		int end = r->room.y1 - b.y0 < BAND ? r->room.y1 : b.y0 + BAND;
 		b.y1 = end < r->room.y1 ? end + r->more : end;
 		for (size_t k = 0; k < size; k++) {
 			b.depth[k] = INFINITY;
-			b.front[k] = NOTHING;
+			b.front[k] = b.twin[k] = NOTHING;
 		}
 		const part *part = NULL;
 		for (size_t k = r->list[i]; k < r->list[i + 1]; k++) {
@@ -201,6 +246,7 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 			if (part->mesh->kind == ENCRE_TRIANGLES && outline_of(r, part, r->entry[k] - part->first, &o))
 				outline_draw(&o, r->entry[k], &b);
 		}
+		clear_twins(r, &b);
 		for (int row = b.y0; row < end; row++)
 			shade_row(r, &b, row);
 		if (r->edges)
@@ -221,6 +267,7 @@ static void plan(raster *r, int threads, arena *a)
 	r->bends = r->job->creases.data ? arena_take(a, (size_t)3 * r->geometry.n_primitives, sizeof *r->bends) : NULL;
 	r->depth = arena_take(a, band, sizeof *r->depth);
 	r->front = arena_take(a, band, sizeof *r->front);
+	r->twin = arena_take(a, band, sizeof *r->twin);
 }
 
 static int32_t run(bands *pool, raster *r)
@@ -245,8 +292,8 @@ static int32_t run(bands *pool, raster *r)
 
 int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size)
 {
-	const encre_image *images[] = {&job->depth, &job->normal,     &job->object, &job->material,
-				       &job->style, &job->attributes, &job->marks,  &job->creases};
+	const encre_image *images[] = {&job->depth,      &job->normal, &job->object,  &job->material,  &job->style,
+				       &job->attributes, &job->marks,  &job->creases, &job->coincident};
 	const encre_image *image = NULL;
 	for (size_t i = 0; i < sizeof images / sizeof *images; i++)
 		if (images[i]->data)
@@ -260,6 +307,9 @@ int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t
 	if (code)
 		return code;
 	const encre_frame *f = &job->frame;
+	const double *v = job->view;
+	/* what Blender, in floats, can't place more exactly this far from the origin */
+	r.close = (float)fmin(0x1p-22 * sqrt(v[3] * v[3] + v[7] * v[7] + v[11] * v[11]), 1e30);
 	r.room = (room){.start = job->clip_start > -FLT_MAX ? job->clip_start : -FLT_MAX, /* depths are floats */
 			.end = job->clip_end > job->clip_start ? job->clip_end : INFINITY,
 			.frame_width = f->width,

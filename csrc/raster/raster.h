@@ -17,6 +17,7 @@ typedef struct raster {
 	room room;
 	int n_bands, n_chunks;
 	uint32_t chunk; /* primitives in a chunk */
+	float close;    /* depths less apart may be of surfaces that coincide */
 	int more;       /* rows that a band needs below its own: 1 for marks and creases */
 
 	band_range *range; /* of each primitive */
@@ -24,6 +25,7 @@ typedef struct raster {
 	size_t *list;      /* n_bands + 1: where a band's primitives start */
 	float *depth;      /* per thread (BAND + 1) x width */
 	uint32_t *front;   /* likewise: number of the nearest primitive */
+	uint32_t *twin;    /* likewise: of one that may coincide with it */
 	uint32_t *entry;   /* primitives by band */
 	uint8_t *edges;    /* of each triangle: what contours_find() says; with marks or creases only */
 	uint16_t *bends;   /* of each triangle's edges, likewise; with creases only */
@@ -36,6 +38,9 @@ static inline float *pixel_at(const encre_image *image, int x, int y)
 {
 	return (float *)((char *)image->data + y * image->row_stride + x * image->pixel_stride);
 }
+
+/* Whether two primitives coincide at the centre of a pixel, as outline_coincide. */
+bool raster_coincide(const void *r, uint32_t one, uint32_t other, int column, int row);
 
 /* What encre_raster() does. Images and frame of the job have been checked and images have strides; meshes and matrices
  * are checked here. Returns a code of enum encre_code; `error` gets a sentence for ENCRE_ERROR_ARGUMENT only. */

@@ -145,9 +145,9 @@ task random_raster(void)
 	if (chance(0.005))
 		job.frame.width = weird_int();
 	job.n_channels = whole(0, 6);
-	encre_image *image[] = {&job.depth, &job.normal,     &job.object, &job.material,
-				&job.style, &job.attributes, &job.marks};
-	const int channels[] = {1, 3, 1, 1, 1, job.n_channels, 2};
+	encre_image *image[] = {&job.depth,      &job.normal, &job.object,  &job.material,  &job.style,
+				&job.attributes, &job.marks,  &job.creases, &job.coincident};
+	const int channels[] = {1, 3, 1, 1, 1, job.n_channels, 2, 4, 1};
 	t.n_outputs = sizeof image / sizeof *image;
 	for (int i = 0; i < t.n_outputs; i++)
 		if (chance(0.7) && channels[i])

@@ -11,7 +11,7 @@ from encre.pen.library import Frame, Mesh, load
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.raster import NOTHING, STEPS, draw
-from views import looking, orthographic, perspective, pixels, soup
+from views import looking, orthographic, perspective, pixels, rotation, soup
 
 OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes")
 
@@ -256,6 +256,52 @@ def test_equal_depths_go_to_the_earlier_mesh_and_primitive():
     second = library.raster([twice, one], view, p, frame, (90, 60), 0.1)
     assert (second["object"][there] == 2).all() and second["material"].max() < 30
     np.testing.assert_array_equal(first["depth"], second["depth"])
+
+
+def tile(points, plane, order, **numbers):
+    """A convex polygon of places in a plane (origin, two directions), cut up from its corner `order` on."""
+    points = np.roll(np.array(points, float), -order, 0)
+    fan = [(0, k, k + 1) for k in range(1, len(points) - 1)]
+    return Mesh((plane[0] + points @ np.array(plane[1:])).astype(np.float32), np.array(fan, np.int32), **numbers)
+
+
+@pytest.mark.parametrize("projection", [perspective, orthographic])
+@pytest.mark.parametrize("seed", range(4))
+def test_of_surfaces_that_coincide_the_earlier_is_drawn_and_the_other_told(projection, seed):
+    """Against each drawn alone. Every plane is tilted, and its polygons are cut up in their own ways, so that their
+    depths differ by rounding."""
+    rng = np.random.default_rng(seed)
+    plane = rng.uniform(-0.3, 0.3, 3), *rotation(rng)[:2] * rng.uniform(0.5, 2)
+    ring = np.linspace(0, 2 * np.pi, 8)[:-1, None]
+    shapes = [np.hstack([np.cos(ring), np.sin(ring)]) * size + rng.uniform(-0.4, 0.4, 2) for size in (1.1, 0.8, 0.9)]
+    meshes = [tile(shape, plane, 2 * k, object_index=k + 1) for k, shape in enumerate(shapes)]
+    camera = looking(rng), projection(97, 61), Frame(97, 61), (97, 61), 0.1
+    alone = np.array([draw([mesh], *camera)["depth"] < NOTHING for mesh in meshes])
+    both = alone.sum(0) > 1
+    assert both.sum() > 60
+    for order in ((0, 1, 2), (2, 0, 1)):
+        got = library.raster([meshes[k] for k in order], *camera, outputs=("depth", "object", "coincident"))
+        first = np.select([alone[k] for k in order], [k + 1 for k in order])
+        np.testing.assert_array_equal(got["object"], first)
+        assert ((got["coincident"] > 0) == both).all()
+        other = got["coincident"][both].astype(int) - 1
+        assert (other + 1 != first[both]).all() and alone[:, both][other, np.arange(both.sum())].all()
+
+
+@pytest.mark.parametrize("gap, angle", [(1e-4, 0), (0, 0.01)])
+def test_surfaces_that_are_apart_do_not_coincide(gap, angle):
+    square = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+    turned = np.array([(np.cos(angle), 0, np.sin(angle)), (0, 1, 0)])
+    meshes = [tile(square, ((0, 0, 0), (1, 0, 0), (0, 1, 0)), 0, object_index=1),
+              tile(square, ((0, 0, gap), *turned), 1, object_index=2)]
+    view = np.eye(4)
+    view[2, 3] = -5
+    for order in (meshes, meshes[::-1]):
+        got = library.raster(order, view, perspective(97, 61), Frame(97, 61), (97, 61), 0.1,
+                             outputs=("object", "coincident"))
+        there = got["object"] > 0
+        assert there.sum() > 400 and not got["coincident"].any()
+        assert (got["object"][there] == 2).mean() == (1.0 if gap else pytest.approx(0.5, abs=0.03))
 
 
 def test_constant_attributes_stay_exact():

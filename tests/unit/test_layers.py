@@ -204,6 +204,18 @@ def test_rasterised_layers():
     assert made["marks"].tolist() == [[[0.5, 0.5], [0.5, 0.5], [0, 0.5], [0, 0], [0, 0]]]
 
 
+def test_where_objects_coincide_the_rasteriser_says_which_is_there():
+    """Objects 1 and 2 coincide at the second to fourth pixel, 3 lies before them at the third: hair, say."""
+    index = np.array([[5, 6, 7, 6, 6, 5]], np.float32)
+    one = np.array([[1, 1, 1, 1, 2, 2]], np.float32)
+    maps = overlay.compact({"object": one, "material": one * 0, "style": one * 0,
+                            "coincident": np.array([[0, 2, 2, 2, 0, 0]], np.float32)})
+    assert maps["coincident"].itemsize == 1 and maps["pairs"].tolist() == [[1, 2]]
+    made = overlay.rasterised(index, maps, np.array([0, 5, 6]), np.array([0, 50, 60]), lambda stray: 10 * stray)
+    assert made["object"][..., 0].tolist() == [[50, 50, 70, 50, 60, 50]], "the last is not close to where they coincide"
+    assert not maps
+
+
 def test_only_what_is_not_0_is_kept_of_what_was_rasterised():
     none = np.zeros((2, 3), np.float32)
     maps = {"object": none + 300, "material": none, "style": none, "attributes": np.zeros((2, 3, 6), np.float32),

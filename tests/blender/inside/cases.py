@@ -16,8 +16,10 @@ import geometry  # noqa: E402
 import keeping  # noqa: E402
 import pictures  # noqa: E402
 import supersampling  # noqa: E402
+import surfaces  # noqa: E402
 
-CASES = {name: case for topic in (pictures, geometry, failures, supersampling, baking, details, keeping)
+CASES = {name: case for topic in (pictures, geometry, failures, supersampling, baking, details, keeping,
+                              surfaces)
          for name, case in vars(topic).items()}
 
 case, folder = sys.argv[sys.argv.index("--") + 1:]
