@@ -14,6 +14,7 @@ from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
 from . import cameras, meshes, overrides, papers, properties, subframes, subject, versions
 
+_FEW = 8  # fewer samples make a draft, of which denoising would take the most time
 stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
 
 
@@ -32,6 +33,7 @@ class _ViewLayer:
     frame: Frame
     border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
+    samples: int                     # of a pixel, at most
     asked: list                      # names of the pictures to draw besides Combined
     keeps: bool                      # whether the file keeps what drawing again needs
     paper: np.ndarray | None         # the image that is read for its heights
@@ -205,10 +207,11 @@ class Frames:
             objects.meshes.clear()
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
+        samples = depsgraph.view_layer.samples or depsgraph.scene_eval.cycles.samples
         return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views,
                           camera.data.clip_start, frame,
                           (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
-                          threads, asked, keeps, paper, _beside(depsgraph.scene_eval, settings))
+                          threads, samples, asked, keeps, paper, _beside(depsgraph.scene_eval, settings))
 
     def _go_on(self, _fraction=0):
         return not self.engine.test_break()
@@ -314,8 +317,10 @@ class Frames:
     def _denoiser(self, layer):
         if not layer.settings.denoises or not denoise.available(versions.home()):
             return None
+        frame, scale = supersample.frame(layer.frame, layer.factor), layer.settings.light_scale
         return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, self._go_on,
-                                                                   versions.home())
+                                                               versions.home(), scale, layer.samples < _FEW,
+                                                               (frame.x, frame.y))
 
     def _stamp(self, result, layer):
         """The settings go into the saved file, so that it can be drawn again without Blender."""

@@ -290,6 +290,19 @@ def test_denoised_light(render):
     assert shot.facts["kept"] == [True]
 
 
+def test_no_stripes_along_the_frame(render):
+    """Light that is just above a level's threshold everywhere: what noise the denoiser leaves is inked."""
+    shot = render("stripes")
+    if "Open Image Denoise is not there" in shot.output:
+        return
+    small, large = (shot.passes(name)["Encre Lines"][..., 3] for name in ("small", "large"))
+    middle = large[90:180, 80:240]
+    ring = np.ones(small.shape, bool)
+    ring[3:-3, 3:-3] = False
+    assert middle.shape == small.shape and small[ring].sum() <= middle[ring].sum() + 0.5
+    assert small[~ring].sum() <= middle[~ring].sum() + 0.5
+
+
 def test_direct_light(render):
     found = render("direct").passes("direct")
     assert np.array_equal(found["Encre Diffuse"], found["DiffDir"])

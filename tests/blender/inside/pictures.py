@@ -4,7 +4,7 @@
 import os
 
 import bpy
-from studio import HEIGHT, WIDTH, exr, fact, passes_on, register, set_all, shoot, stage
+from studio import HEIGHT, WIDTH, exr, fact, material, passes_on, plane, register, set_all, shoot, stage
 
 
 def picture(out):
@@ -266,6 +266,28 @@ def denoised(out):
     from encre.pen import denoise
 
     fact("available", denoise.available(versions.home()))
+
+
+def stripes(out):
+    """Lines along the light's noise in the same view: the frame's own, and as the middle of a larger one."""
+    scene = stage(160, 90, 2, ground=False)
+    for name in ("Cube", "Ball"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    wall = plane("Wall", material("Wall", (0.6, 0.6, 0.6)), z=0)
+    scene.camera.location, scene.camera.rotation_euler = (0, 0, 5), (0, 0, 0)
+    bpy.data.objects["Sun"].data.angle = 3
+    bpy.data.objects["Sun"].data.energy = 1.76
+    wall.rotation_euler = 0, 0, 0.3
+    scene.world = bpy.data.worlds.new("World")
+    scene.encre.use_smudging = scene.encre.use_hatching = False
+    scene.encre.edge_light, scene.encre.length_unit, scene.encre.line_thickness = 1, "PIXELS", 2
+    for level in ((0.2, 0, 0), (1, 0.5, 0.001)):  # just below the light that there is everywhere
+        row = scene.encre.shade_levels.add()
+        row.intensity, row.threshold, row.transition = level
+    shoot(out, "small")
+    scene.render.resolution_x, scene.render.resolution_y = 320, 270
+    scene.camera.data.sensor_width *= 2
+    shoot(out, "large")
 
 
 def direct(out):
