@@ -26,6 +26,10 @@ def _cycles():
     return cycles.engine
 
 
+def _in_file(scene):
+    return any(scene.as_pointer() == other.as_pointer() for other in bpy.data.scenes)
+
+
 class EncreEngine(bpy.types.RenderEngine):
     bl_idname = ENGINE
     bl_label = "Encre"
@@ -80,8 +84,8 @@ class EncreEngine(bpy.types.RenderEngine):
     def update(self, data, depsgraph):
         self.refused = False
         with self.refusing():
-            # Freestyle's strokes come as a scene of their own; neither they nor previews are drawn on.
-            if not self.is_preview and not depsgraph.scene.name.startswith("FRS"):
+            # Freestyle's strokes come as a scene that the file does not have; neither they nor previews are drawn on.
+            if not self.is_preview and _in_file(depsgraph.scene):
                 self.frames = self.frames or frame.Frames(self)
                 self.frames.begin(depsgraph)
             if not self.session:

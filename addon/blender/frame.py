@@ -290,6 +290,9 @@ class Frames:
         camera, maps, projection = layer.views[name]
         frame = supersample.frame(layer.frame, layer.factor)
         index = passes.pop("IndexOB")[..., 0]
+        instance = maps["object"].reshape(index.shape)
+        caught = objects.catchers[instance] & (objects.owners[instance] == index) if objects.catchers.any() else None
+        del instance
         known = overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)
         if layer.user_indices is not None:
             given = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)
@@ -300,6 +303,10 @@ class Frames:
             known["seen_depth"] = layers.seen_depth(passes.pop("Denoising Depth"), projection, frame, layer.clip_start)
         images, nonfinite = layers.assemble(passes, settings, known, self._denoiser(layer), layer.denoise_other)
         known.clear()
+        if caught is not None:
+            overlay.hide(images, caught)
+            for layer_name, name in (("depth", "Depth"), ("normal", "Normal"), ("color", "DiffCol")):
+                write(versions.pass_name(name), images[layer_name])  # as drawing the file again reads them
         # What is stored leaves as soon as it is there: while the library draws, nothing else is held.
         if layer.keeps:
             for name in saved.passes("seen_depth" in images):

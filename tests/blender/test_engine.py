@@ -303,6 +303,15 @@ def test_no_stripes_along_the_frame(render):
     assert small[~ring].sum() <= middle[~ring].sum() + 0.5
 
 
+def test_shadow_catchers_have_no_lines(render):
+    shot = render("catcher")
+    caught, without = (shot.passes(name) for name in ("caught", "without"))
+    assert np.abs(caught["Combined"][..., 3] - without["Combined"][..., 3]).max() > 0.3, "there is a shadow"
+    assert np.abs(caught["Encre Lines"] - without["Encre Lines"]).max() < 1e-3
+    composite(str(shot.folder / "caught.exr"), str(shot.folder / "again.exr"), {})
+    assert np.abs(shot.passes("again")["Combined"] - caught["Combined"]).max() <= 1e-5
+
+
 def test_direct_light(render):
     found = render("direct").passes("direct")
     assert np.array_equal(found["Encre Diffuse"], found["DiffDir"])
@@ -400,8 +409,10 @@ def test_not_finite(render):
 
 def test_freestyle_and_bake(render):
     shot = render("freestyle")  # without a line style it says so itself, with a traceback
-    assert shot.facts["error"] == [None] and "engine.py" not in shot.output
-    assert shot.passes("freestyle")["Encre Lines"].max() > 0.9
+    assert shot.facts["error"] == [None, None] and "engine.py" not in shot.output
+    for name in "freestyle", "named":
+        assert shot.passes(name)["Encre Lines"].max() > 0.9, name
+    assert shot.facts["drawn"] == [2], "not on the strokes' own scene"
     shot = render("bake")
     assert shot.facts["baked"][0] > 0.5
     assert np.array_equal(shot.passes("before")["Combined"], shot.passes("after")["Combined"])

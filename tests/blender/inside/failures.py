@@ -127,7 +127,14 @@ def freestyle(out):
     sets = scene.view_layers[0].freestyle_settings.linesets
     for strokes in list(sets) or [sets.new("Set")]:
         strokes.linestyle = strokes.linestyle or bpy.data.linestyles.new("Style")
+    from encre.blender import frame
+
+    real, drawn = frame.library.draw, []
+    frame.library.draw = lambda *args, **more: drawn.append(1) or real(*args, **more)
     fact("error", shoot(out, "freestyle"))
+    scene.name = "FRS1_Scene"  # as Freestyle calls its own
+    fact("error", shoot(out, "named"))
+    fact("drawn", len(drawn))
 
 
 def cancelled(out):

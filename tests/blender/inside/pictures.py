@@ -290,6 +290,18 @@ def stripes(out):
     shoot(out, "large")
 
 
+def catcher(out):
+    """A ground that only catches shadows, and none at all; the ground's shape is in no pass."""
+    scene = stage(samples=1)
+    scene.encre.use_shading = scene.encre.use_smudging = scene.encre.use_hatching = False
+    scene.render.film_transparent = True
+    ground = bpy.data.objects["Ground"]
+    ground.scale, ground.is_shadow_catcher = (0.2, 0.2, 1), True
+    shoot(out, "caught")
+    ground.hide_render = True
+    shoot(out, "without")
+
+
 def direct(out):
     scene = stage()
     scene.encre.light_denoise = "NONE"
