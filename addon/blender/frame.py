@@ -170,6 +170,8 @@ class Frames:
         blurred = overrides.blur(depsgraph, settings.active) if settings.active or self.overrode else ()
         if blurred:
             self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
+        if settings.wants_seen:
+            overrides.follow_reflections(depsgraph)
         overrides.expect(depsgraph, _own(depsgraph.scene, depsgraph.view_layer, True))
         self.overrode = settings.active
         if flat:

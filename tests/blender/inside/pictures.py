@@ -2,6 +2,7 @@
 """Whole pictures: what they hold, their view layers, borders and eyes, and what comes after the render."""
 
 import os
+from math import radians
 
 import bpy
 from studio import HEIGHT, WIDTH, exr, fact, material, passes_on, plane, register, set_all, shoot, stage
@@ -300,6 +301,27 @@ def catcher(out):
     shoot(out, "caught")
     ground.hide_render = True
     shoot(out, "without")
+
+
+def reflections(out):
+    """A mirror behind the cube and the ball; Blender 5.2 can switch off that passes see into it."""
+    scene = stage(samples=8)
+    plane("Mirror", mirror(), z=0)
+    bpy.data.objects["Mirror"].rotation_euler = radians(-90), 0, radians(15)
+    bpy.data.objects["Mirror"].location.y = 2.5
+    settings = scene.view_layers[0].cycles
+    shoot(out, "on")
+    if hasattr(settings, "denoising_pass_follow_reflections"):
+        settings.denoising_pass_follow_reflections = False
+        shoot(out, "off")
+        fact("kept", settings.denoising_pass_follow_reflections)
+
+
+def mirror():
+    found = material("Mirror", (1, 1, 1))
+    inputs = found.node_tree.nodes["Principled BSDF"].inputs
+    inputs["Metallic"].default_value, inputs["Roughness"].default_value = 1, 0
+    return found
 
 
 def direct(out):
