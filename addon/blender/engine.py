@@ -61,8 +61,10 @@ class EncreEngine(bpy.types.RenderEngine):
         """What goes wrong inside ends the render with a sentence, and Blender then writes no file."""
         try:
             yield
-        except Cancelled:
+        except Cancelled as error:
             self.refused = True
+            if not self.test_break():  # else Blender, which asked for it, would take the frame for a finished one
+                self.say("ERROR", f"{error}, but not by you; render again")
         except MemoryError:
             self.refused = True
             self.say("ERROR", "memory: there is none left for this frame; make it smaller or close other programs")
@@ -106,6 +108,11 @@ class EncreEngine(bpy.types.RenderEngine):
         with self.refusing():
             if self.frames:
                 self.frames.after()
+
+    def draw(self, context, depsgraph):
+        """What Cycles has rendered so far, in the image editor."""
+        if self.session:
+            _cycles().draw(self, depsgraph, context.space_data)
 
     def bake(self, depsgraph, obj, pass_type, pass_filter, width, height):
         _cycles().bake(self, depsgraph, obj, pass_type, pass_filter, width, height)

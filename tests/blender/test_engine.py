@@ -312,6 +312,16 @@ def test_shadow_catchers_have_no_lines(render):
     assert np.abs(shot.passes("again")["Combined"] - caught["Combined"]).max() <= 1e-5
 
 
+def test_mirrors_show_lines_whatever_the_user_switched_off(render):
+    shot = render("reflections")
+    on = shot.passes("on")
+    seen = np.abs(on["Encre Seen Depth"] - on["Depth"])[on["Depth"] < 1e9]
+    assert (seen > 1).mean() > 0.05, "there is something in the mirror"
+    if shot.wrote("off"):  # 5.2 and later
+        assert np.array_equal(shot.passes("off")["Combined"], on["Combined"])
+        assert shot.facts["kept"] == [False]
+
+
 def test_direct_light(render):
     found = render("direct").passes("direct")
     assert np.array_equal(found["Encre Diffuse"], found["DiffDir"])
@@ -383,6 +393,11 @@ def test_failure_under_way(render):
     assert "denoiser failed" in shot.facts["late"][0] and not shot.wrote("late")
     assert "memory" in shot.facts["memory"][0] and not shot.wrote("memory")
     assert "Traceback" not in shot.output
+
+
+def test_stopped_by_itself(render):
+    shot = render("stopped")
+    assert "not by you" in shot.facts["error"][0] and not shot.wrote("stopped")
 
 
 def test_library_missing(render, tmp_path):

@@ -91,6 +91,19 @@ def fails(out):
     fact("memory", shoot(out, "memory"))
 
 
+def stopped(out):
+    """Drawing says that it was cancelled, though Blender did not ask for it."""
+    stage()
+    from encre.blender import frame
+    from encre.pen.errors import Cancelled
+
+    def stop(*_args, **_more):
+        raise Cancelled("rendering was cancelled")
+
+    frame.library.draw = stop
+    fact("error", shoot(out, "stopped"))
+
+
 def without_library(out):
     """ENCRE_PACKAGE is a package without its library."""
     bpy.ops.wm.read_factory_settings()
