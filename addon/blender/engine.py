@@ -26,6 +26,10 @@ def _cycles():
     return cycles.engine
 
 
+def _in_file(scene):
+    return any(scene.as_pointer() == other.as_pointer() for other in bpy.data.scenes)
+
+
 class EncreEngine(bpy.types.RenderEngine):
     bl_idname = ENGINE
     bl_label = "Encre"
@@ -57,8 +61,10 @@ class EncreEngine(bpy.types.RenderEngine):
         """What goes wrong inside ends the render with a sentence, and Blender then writes no file."""
         try:
             yield
-        except Cancelled:
+        except Cancelled as error:
             self.refused = True
+            if not self.test_break():  # else Blender, which asked for it, would take the frame for a finished one
+                self.say("ERROR", f"{error}, but not by you; render again")
         except MemoryError:
             self.refused = True
             self.say("ERROR", "memory: there is none left for this frame; make it smaller or close other programs")
@@ -80,8 +86,8 @@ class EncreEngine(bpy.types.RenderEngine):
     def update(self, data, depsgraph):
         self.refused = False
         with self.refusing():
-            # Freestyle's strokes come as a scene of their own; neither they nor previews are drawn on.
-            if not self.is_preview and not depsgraph.scene.name.startswith("FRS"):
+            # Freestyle's strokes come as a scene that the file does not have; neither they nor previews are drawn on.
+            if not self.is_preview and _in_file(depsgraph.scene):
                 self.frames = self.frames or frame.Frames(self)
                 self.frames.begin(depsgraph)
             if not self.session:
@@ -102,6 +108,11 @@ class EncreEngine(bpy.types.RenderEngine):
         with self.refusing():
             if self.frames:
                 self.frames.after()
+
+    def draw(self, context, depsgraph):
+        """What Cycles has rendered so far, in the image editor."""
+        if self.session:
+            _cycles().draw(self, depsgraph, context.space_data)
 
     def bake(self, depsgraph, obj, pass_type, pass_filter, width, height):
         _cycles().bake(self, depsgraph, obj, pass_type, pass_filter, width, height)

@@ -14,6 +14,7 @@ from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
 from . import cameras, meshes, overrides, papers, properties, subframes, subject, versions
 
+_FEW = 8  # fewer samples make a draft, of which denoising would take the most time
 stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
 
 
@@ -32,6 +33,7 @@ class _ViewLayer:
     frame: Frame
     border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
+    samples: int                     # of a pixel, at most
     asked: list                      # names of the pictures to draw besides Combined
     keeps: bool                      # whether the file keeps what drawing again needs
     paper: np.ndarray | None         # the image that is read for its heights
@@ -168,6 +170,8 @@ class Frames:
         blurred = overrides.blur(depsgraph, settings.active) if settings.active or self.overrode else ()
         if blurred:
             self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
+        if settings.wants_seen:
+            overrides.follow_reflections(depsgraph)
         overrides.expect(depsgraph, _own(depsgraph.scene, depsgraph.view_layer, True))
         self.overrode = settings.active
         if flat:
@@ -207,10 +211,11 @@ class Frames:
             objects.meshes.clear()
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
+        samples = depsgraph.view_layer.samples or depsgraph.scene_eval.cycles.samples
         return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views,
                           camera.data.clip_start, frame,
                           (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
-                          threads, asked, keeps, paper, _beside(depsgraph.scene_eval, settings))
+                          threads, samples, asked, keeps, paper, _beside(depsgraph.scene_eval, settings))
 
     def _go_on(self, _fraction=0):
         return not self.engine.test_break()
@@ -289,6 +294,9 @@ class Frames:
         camera, maps, projection = layer.views[name]
         frame = supersample.frame(layer.frame, layer.factor)
         index = passes.pop("IndexOB")[..., 0]
+        instance = maps["object"].reshape(index.shape)
+        caught = objects.catchers[instance] & (objects.owners[instance] == index) if objects.catchers.any() else None
+        del instance
         known = overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)
         if layer.user_indices is not None:
             given = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)
@@ -299,6 +307,10 @@ class Frames:
             known["seen_depth"] = layers.seen_depth(passes.pop("Denoising Depth"), projection, frame, layer.clip_start)
         images, nonfinite = layers.assemble(passes, settings, known, self._denoiser(layer), layer.denoise_other)
         known.clear()
+        if caught is not None:
+            overlay.hide(images, caught)
+            for layer_name, name in (("depth", "Depth"), ("normal", "Normal"), ("color", "DiffCol")):
+                write(versions.pass_name(name), images[layer_name])  # as drawing the file again reads them
         # What is stored leaves as soon as it is there: while the library draws, nothing else is held.
         if layer.keeps:
             for name in saved.passes("seen_depth" in images):
@@ -316,8 +328,10 @@ class Frames:
     def _denoiser(self, layer):
         if not layer.settings.denoises or not denoise.available(versions.home()):
             return None
+        frame, scale = supersample.frame(layer.frame, layer.factor), layer.settings.light_scale
         return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, self._go_on,
-                                                                   versions.home())
+                                                               versions.home(), scale, layer.samples < _FEW,
+                                                               (frame.x, frame.y))
 
     def _stamp(self, result, layer):
         """The settings go into the saved file, so that it can be drawn again without Blender."""

@@ -23,6 +23,7 @@ class Objects:
     numbers: np.ndarray  # what the layer `object` says
     indices: np.ndarray | None  # by Cycles' index: what the layer says where nothing was drawn; None: see strays()
     automatic: bool
+    catchers: np.ndarray  # which show nothing but shadows
 
     def strays(self, index):
         """What the layer `object` says at pixels with Cycles' index, whose object the rasteriser did not draw."""
@@ -37,7 +38,7 @@ def extract(depsgraph, automatic, line_numbers):
     """The Objects that the camera can see. `line_numbers`: what overrides.pass_indices() gave, None if it was
     not called.
     """
-    meshes, owners, numbers = [], [0], [0]
+    meshes, owners, numbers, catchers = [], [0], [0], [False]
     cache, running, materials = {}, {}, _Materials(depsgraph.scene_eval)
     first_free = 0 if line_numbers is None else len(line_numbers)
     for instance in depsgraph.object_instances:
@@ -55,6 +56,7 @@ def extract(depsgraph, automatic, line_numbers):
         number = len(owners)
         parts = range(first_free + number, first_free + number + triangles.n_parts)
         owners += [obj.pass_index] * len(parts)
+        catchers += [obj.is_shadow_catcher] * len(parts)
         numbers.append(_line_number(instance, obj, automatic, line_numbers, running, parts[0]))
         numbers += [own if automatic else -own for own in parts[1:]]  # negative: no pass index is
         meshes.append(_mesh(triangles, obj, materials, instance.matrix_world, number))
@@ -62,7 +64,7 @@ def extract(depsgraph, automatic, line_numbers):
             meshes.append(Mesh(triangles.points, triangles.marked, kind="lines",
                                     model=np.array(instance.matrix_world, np.float64)))
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
-                   line_numbers if automatic else None, automatic)
+                   line_numbers if automatic else None, automatic, np.array(catchers))
 
 
 def _in_camera(obj, depsgraph):

@@ -72,6 +72,13 @@ def expect(depsgraph, names):
             aov.name = name
 
 
+def follow_reflections(depsgraph):
+    """Lets the passes that see into mirrors do so, where a view layer can switch that off (5.2 and later)."""
+    cycles = depsgraph.view_layer_eval.cycles
+    if not getattr(cycles, "denoising_pass_follow_reflections", True):
+        cycles.denoising_pass_follow_reflections = True
+
+
 def pass_indices(depsgraph, automatic):
     """Gives each evaluated object a pass index of its own, or back its user's; originals keep theirs.
 

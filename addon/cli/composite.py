@@ -168,7 +168,7 @@ def _read(exr, names, settings, place, seen, threads):
         bands = [(rows.start, {name: picture[rows] for name, picture in exr.read(wanted).items()})]
 
         def clean(picture, albedo, normal):
-            return denoise.denoise(picture, albedo, normal, threads)
+            return denoise.denoise(picture, albedo, normal, threads, scale=settings.light_scale)
     for first, passes in bands:
         passes = {name: _opaque(picture[:, columns], name) for name, picture in passes.items()}
         mattes.number(passes)

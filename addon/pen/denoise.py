@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Open Image Denoise, Blender's or the system's, by its C functions: light without Monte-Carlo noise."""
 
+import contextlib
 import ctypes as c
 import ctypes.util
 import functools
@@ -13,19 +14,25 @@ import numpy as np
 
 from .errors import Cancelled, EncreError
 
-_CPU, _FLOAT3, _CANCELLED = 1, 3, 6
-_Monitor = c.CFUNCTYPE(c.c_bool, c.c_void_p, c.c_double)
+_CPU, _FLOAT3 = 1, 3
+_PAD = 32  # mirrored pixels beyond the frame: less lets stripes along it through
+_OVERLAP = 80  # how far its network sees, on its grid
+_GRID = 16  # on which the network halves pictures: places on it give the same in every part of a frame
+_ROWS, _PIXELS = 34 * _GRID, 1 << 20  # of a strip, one or the other: between two of them it can be cancelled
+_FAST, _FAST_SINCE = 4, 20300
 # Parameters and result of each function used; handles are pointers.
 _SIGNATURES = {
     "oidnNewDevice": (c.c_void_p, c.c_int),
     "oidnSetDeviceInt": (None, c.c_void_p, c.c_char_p, c.c_int),
+    "oidnGetDeviceInt": (c.c_int, c.c_void_p, c.c_char_p),
     "oidnCommitDevice": (None, c.c_void_p),
     "oidnReleaseDevice": (None, c.c_void_p),
     "oidnGetDeviceError": (c.c_int, c.c_void_p, c.POINTER(c.c_char_p)),
     "oidnNewFilter": (c.c_void_p, c.c_void_p, c.c_char_p),
     "oidnReleaseFilter": (None, c.c_void_p),
     "oidnSetFilterBool": (None, c.c_void_p, c.c_char_p, c.c_bool),
-    "oidnSetFilterProgressMonitorFunction": (None, c.c_void_p, _Monitor, c.c_void_p),
+    "oidnSetFilterInt": (None, c.c_void_p, c.c_char_p, c.c_int),
+    "oidnSetFilterFloat": (None, c.c_void_p, c.c_char_p, c.c_float),
     "oidnSetSharedFilterImage": (None, c.c_void_p, c.c_char_p, c.c_void_p, c.c_int, *[c.c_size_t] * 5),
     "oidnCommitFilter": (None, c.c_void_p),
     "oidnExecuteFilter": (None, c.c_void_p),
@@ -62,36 +69,86 @@ def available(home: str | None = None) -> bool:
 
 
 def denoise(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads: int = 0,
-            keep_on: Callable[[], bool] | None = None, home: str | None = None) -> np.ndarray:
-    """`picture` (height, width, 3), linear and unlimited, without noise; albedo and normal guide it.
+            keep_on: Callable[[], bool] | None = None, home: str | None = None, scale: float = 1.0,
+            fast: bool = False, at: tuple[int, int] = (0, 0)) -> np.ndarray:
+    """`picture` (height, width, 3), linear and unlimited, without noise; albedo and normal guide it, and where neither
+    tells of anything it stays as it is.
 
-    threads: 0 = as many as there are processors. keep_on: called while it works, perhaps on other threads; False
-    cancels (Cancelled). home: as in available(). EncreError: the denoiser failed.
+    threads: 0 = as many as there are processors. keep_on: asked now and then, on this thread; False cancels
+    (Cancelled). home: as in available(). scale: what brings the light that matters near 1; it is not taken from the
+    picture, so that a part of a frame gets what the whole does. fast: half the time and a tenth more noise, where the
+    library can. at: place (x, y) of the picture in its frame. EncreError: the denoiser failed.
     """
-    library = _library(home)
-    inputs = {b"color": picture, b"albedo": albedo, b"normal": normal}
-    inputs = {name: np.ascontiguousarray(image, np.float32) for name, image in inputs.items()}
-    height, width = picture.shape[:2]
-    output = np.empty((height, width, 3), np.float32)
-    monitor = _Monitor(lambda _user, _fraction: keep_on is None or bool(keep_on()))
+    out = np.array(picture, np.float32)
+    height, width = out.shape[:2]
+    there = albedo.any(2) | normal.any(2)
+    rows, columns = np.flatnonzero(there.any(1)), np.flatnonzero(there.any(0))
+    if not rows.size:
+        return out
+    across = _reach(columns[0], columns[-1] + 1, _PAD, _PAD, at[0])
+    with _device(_library(home), threads) as (library, device):
+        for first, last in _strips(rows[0], rows[-1] + 1, len(across)):
+            if keep_on and not keep_on():
+                raise Cancelled("denoising was cancelled")
+            down = _reach(first, last, _PAD if first == rows[0] else _OVERLAP,
+                          _PAD if last == rows[-1] + 1 else _OVERLAP, at[1])
+            place = np.ix_(_mirrored(down, height), _mirrored(across, width))
+            clean = _filter(library, device, [image[place] for image in (picture, albedo, normal)], scale, fast)
+            top, left = first - down[0], columns[0] - across[0]
+            out[first:last, columns[0]:columns[-1] + 1] = clean[
+                top:top + last - first, left:left + columns[-1] + 1 - columns[0]]
+    return out
+
+
+def _reach(first, last, before, after, offset):
+    """Numbers of the rows that first ... last - 1 need, from one on the grid on; some lie outside of the picture."""
+    start = first - before
+    return np.arange(start - (start + offset) % _GRID, last + after)
+
+
+def _mirrored(numbers, size):
+    """Those of rows outside of a picture of `size` rows, mirrored into it at its first and last one."""
+    around = 2 * max(1, size - 1)
+    numbers = np.abs(numbers) % around
+    return np.minimum(np.where(numbers < size, numbers, around - numbers), size - 1)
+
+
+def _strips(first, last, width):
+    """(first row, row after the last) of strips of like height on the grid; few, because they overlap."""
+    count = -(-(last - first) // max(_ROWS, _PIXELS // width))
+    step = -(-(last - first) // (count * _GRID)) * _GRID
+    for start in range(first, last, step):
+        yield start, min(start + step, last)
+
+
+@contextlib.contextmanager
+def _device(library, threads):
     device = library.oidnNewDevice(_CPU)
-    if threads:
-        library.oidnSetDeviceInt(device, b"numThreads", threads)
-    library.oidnCommitDevice(device)
+    try:
+        if threads:
+            library.oidnSetDeviceInt(device, b"numThreads", threads)
+        library.oidnCommitDevice(device)
+        yield library, device
+    finally:
+        library.oidnReleaseDevice(device)
+
+
+def _filter(library, device, images, scale, fast):
+    """The first of the images (height, width, 3), cleaned."""
+    images = [np.ascontiguousarray(image, np.float32) for image in images]
+    output = np.empty_like(images[0])
     work = library.oidnNewFilter(device, b"RT")
-    for name, image in (*inputs.items(), (b"output", output)):
-        library.oidnSetSharedFilterImage(work, name, image.ctypes.data, _FLOAT3, width, height, 0, 0, 0)
+    for name, image in zip((b"color", b"albedo", b"normal", b"output"), (*images, output), strict=True):
+        library.oidnSetSharedFilterImage(work, name, image.ctypes.data, _FLOAT3, *image.shape[1::-1], 0, 0, 0)
     library.oidnSetFilterBool(work, b"hdr", True)
-    library.oidnSetFilterProgressMonitorFunction(work, monitor, None)
+    library.oidnSetFilterFloat(work, b"inputScale", scale)
+    if fast and library.oidnGetDeviceInt(device, b"version") >= _FAST_SINCE:
+        library.oidnSetFilterInt(work, b"quality", _FAST)
     library.oidnCommitFilter(work)
     library.oidnExecuteFilter(work)
-    sentence = c.c_char_p()
-    code = library.oidnGetDeviceError(device, c.byref(sentence))
     library.oidnReleaseFilter(work)
-    library.oidnReleaseDevice(device)
-    if code == _CANCELLED:
-        raise Cancelled("denoising was cancelled")
-    if code:
+    sentence = c.c_char_p()
+    if library.oidnGetDeviceError(device, c.byref(sentence)):
         reason = (sentence.value or b"").decode(errors="replace")
         raise EncreError(f"Open Image Denoise failed ({reason}); set Denoise Light to None")
     return output

@@ -106,6 +106,36 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
     return layers
 
 
+# A layer's value where nothing is.
+_NOTHING = {"object": 0, "material": 0, "style": 0, "controls": 0, "depth": 1e10, "normal": 0, "color": 0, "albedo": 0,
+            "diffuse": 0, "specular": 0, "seen_color": 0, "seen_normal": 0, "seen_depth": 0}
+
+
+def hide(layers: dict[str, np.ndarray], hidden: np.ndarray) -> None:
+    """Changes the layers so that nothing is at the pixels `hidden` (height, width) but what `combined` shows: a shadow
+    catcher. Along a way between two pixels at which nothing is there is no contour and no crease."""
+    nothing = _nothing(layers["depth"])
+    beside = np.zeros(np.add(hidden.shape, 2), bool)
+    for y, x in np.ndindex(3, 3):
+        beside[y:y + hidden.shape[0], x:x + hidden.shape[1]] |= hidden
+    hidden = hidden | (beside[1:-1, 1:-1] & nothing)  # whose colours are averaged with the catcher's
+    for name, value in _NOTHING.items():
+        if name in layers:
+            layers[name][hidden] = value
+    nothing |= hidden
+    between = np.zeros((*nothing.shape, 2), bool)
+    between[:, :-1, 0] = nothing[:, :-1] & nothing[:, 1:]
+    between[:-1, :, 1] = nothing[:-1] & nothing[1:]
+    if "marks" in layers:
+        layers["marks"][between & (layers["marks"] < 0)] = 0
+    if "creases" in layers:
+        layers["creases"][..., :4][np.repeat(between, 2, 2)] = 0
+
+
+def _nothing(depth):
+    return (depth[..., 0] >= 1e9) | ~(depth[..., 0] > 0)
+
+
 def _without(ways, strays):
     """What is told of ways to the right and down (height, width, 2 n), changed: nothing of those to or from `strays`,
     flat numbers of pixels that show something else than the rasteriser drew."""

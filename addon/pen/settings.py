@@ -51,6 +51,12 @@ class Settings:
         return self.every[0]["light_denoise"] == "OIDN" and self.wants_light
 
     @cached_property
+    def light_scale(self) -> float:
+        """What brings light to about 1/2 where it is compared with thresholds."""
+        thresholds = [t for values in self.every for level in values["shade_levels"] for t in level[1:2] if t > 0]
+        return len(thresholds) / (2 * sum(thresholds)) if thresholds else 1.0
+
+    @cached_property
     def factor(self) -> int:
         """Of how many times the frame's size the layers are."""
         return self.every[0]["supersample"] if self.active else 1

@@ -290,6 +290,38 @@ def test_denoised_light(render):
     assert shot.facts["kept"] == [True]
 
 
+def test_no_stripes_along_the_frame(render):
+    """Light that is just above a level's threshold everywhere: what noise the denoiser leaves is inked."""
+    shot = render("stripes")
+    if "Open Image Denoise is not there" in shot.output:
+        return
+    small, large = (shot.passes(name)["Encre Lines"][..., 3] for name in ("small", "large"))
+    middle = large[90:180, 80:240]
+    ring = np.ones(small.shape, bool)
+    ring[3:-3, 3:-3] = False
+    assert middle.shape == small.shape and small[ring].sum() <= middle[ring].sum() + 0.5
+    assert small[~ring].sum() <= middle[~ring].sum() + 0.5
+
+
+def test_shadow_catchers_have_no_lines(render):
+    shot = render("catcher")
+    caught, without = (shot.passes(name) for name in ("caught", "without"))
+    assert np.abs(caught["Combined"][..., 3] - without["Combined"][..., 3]).max() > 0.3, "there is a shadow"
+    assert np.abs(caught["Encre Lines"] - without["Encre Lines"]).max() < 1e-3
+    composite(str(shot.folder / "caught.exr"), str(shot.folder / "again.exr"), {})
+    assert np.abs(shot.passes("again")["Combined"] - caught["Combined"]).max() <= 1e-5
+
+
+def test_mirrors_show_lines_whatever_the_user_switched_off(render):
+    shot = render("reflections")
+    on = shot.passes("on")
+    seen = np.abs(on["Encre Seen Depth"] - on["Depth"])[on["Depth"] < 1e9]
+    assert (seen > 1).mean() > 0.05, "there is something in the mirror"
+    if shot.wrote("off"):  # 5.2 and later
+        assert np.array_equal(shot.passes("off")["Combined"], on["Combined"])
+        assert shot.facts["kept"] == [False]
+
+
 def test_direct_light(render):
     found = render("direct").passes("direct")
     assert np.array_equal(found["Encre Diffuse"], found["DiffDir"])
@@ -363,6 +395,11 @@ def test_failure_under_way(render):
     assert "Traceback" not in shot.output
 
 
+def test_stopped_by_itself(render):
+    shot = render("stopped")
+    assert "not by you" in shot.facts["error"][0] and not shot.wrote("stopped")
+
+
 def test_library_missing(render, tmp_path):
     bare = tmp_path / "bare"
     bare.mkdir()
@@ -387,8 +424,10 @@ def test_not_finite(render):
 
 def test_freestyle_and_bake(render):
     shot = render("freestyle")  # without a line style it says so itself, with a traceback
-    assert shot.facts["error"] == [None] and "engine.py" not in shot.output
-    assert shot.passes("freestyle")["Encre Lines"].max() > 0.9
+    assert shot.facts["error"] == [None, None] and "engine.py" not in shot.output
+    for name in "freestyle", "named":
+        assert shot.passes(name)["Encre Lines"].max() > 0.9, name
+    assert shot.facts["drawn"] == [2], "not on the strokes' own scene"
     shot = render("bake")
     assert shot.facts["baked"][0] > 0.5
     assert np.array_equal(shot.passes("before")["Combined"], shot.passes("after")["Combined"])

@@ -26,6 +26,11 @@ def read(shot, name):
     return oiio.ImageBuf(str(shot.folder / f"{name}.png")).get_pixels(oiio.FLOAT)[..., :3]
 
 
+def test_progress_is_seen(shot):
+    times, while_rendering = shot.facts["drawn"][0]
+    assert times > 2 and while_rendering
+
+
 def test_papers_are_loaded_on_the_main_thread(shot):
     assert shot.facts["finished"] and "Traceback" not in shot.output
     assert shot.facts["paper on main thread"] == [True]

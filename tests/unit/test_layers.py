@@ -121,6 +121,27 @@ def half(picture, albedo, normal):
     return picture / 2
 
 
+def test_nothing_is_where_only_shadows_are_caught():
+    shape = 4, 6
+    layers = {"combined": np.ones((*shape, 4), np.float32), "depth": np.full((*shape, 1), 1e10, np.float32),
+              "color": np.ones((*shape, 3), np.float32), "normal": np.ones((*shape, 3), np.float32),
+              "object": np.zeros((*shape, 1), np.float32), "marks": np.full((*shape, 2), -0.5, np.float32),
+              "creases": np.ones((*shape, 5), np.float32)}
+    hidden = np.zeros(shape, bool)
+    layers["object"][1:, 2:], layers["depth"][1:, 2:] = 3, 5
+    hidden[1:, 2:5] = True  # in the last column something stands before it
+    layers["marks"][2, 2, 0] = 0.5  # drawn by hand
+    overlay.hide(layers, hidden)
+    assert layers["combined"].all()
+    assert np.array_equal(layers["object"][..., 0] != 0, np.indices(shape)[1] * (np.indices(shape)[0] > 0) == 5)
+    assert not layers["color"][:, 1:5].any(), "beside it too, where colours are averaged"
+    assert layers["color"][:, 0].all() and layers["color"][1:, 5].all()
+    right, down = layers["marks"][..., 0], layers["marks"][..., 1]
+    assert right[2, 2] == 0.5 and (right[1:, 4] == -0.5).all() and (right[1:, 3] == 0).all()
+    assert (down[0, 5], down[1, 5], down[1, 3]) == (-0.5, -0.5, 0)
+    assert layers["creases"][1, 4, 0] and not layers["creases"][1, 3, :2].any() and layers["creases"][1, 3, 4]
+
+
 def test_denoised_light_is_put_back(passes):
     light, color = passes["DiffDir"] + passes["DiffInd"], passes["DiffCol"]
     rest = passes["Combined"][..., :3] - color * light

@@ -91,6 +91,19 @@ def fails(out):
     fact("memory", shoot(out, "memory"))
 
 
+def stopped(out):
+    """Drawing says that it was cancelled, though Blender did not ask for it."""
+    stage()
+    from encre.blender import frame
+    from encre.pen.errors import Cancelled
+
+    def stop(*_args, **_more):
+        raise Cancelled("rendering was cancelled")
+
+    frame.library.draw = stop
+    fact("error", shoot(out, "stopped"))
+
+
 def without_library(out):
     """ENCRE_PACKAGE is a package without its library."""
     bpy.ops.wm.read_factory_settings()
@@ -127,7 +140,14 @@ def freestyle(out):
     sets = scene.view_layers[0].freestyle_settings.linesets
     for strokes in list(sets) or [sets.new("Set")]:
         strokes.linestyle = strokes.linestyle or bpy.data.linestyles.new("Style")
+    from encre.blender import frame
+
+    real, drawn = frame.library.draw, []
+    frame.library.draw = lambda *args, **more: drawn.append(1) or real(*args, **more)
     fact("error", shoot(out, "freestyle"))
+    scene.name = "FRS1_Scene"  # as Freestyle calls its own
+    fact("error", shoot(out, "named"))
+    fact("drawn", len(drawn))
 
 
 def cancelled(out):

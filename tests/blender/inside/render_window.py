@@ -64,8 +64,26 @@ def paper():
     settings.paper_source = "PROCEDURAL"
 
 
+def progress():
+    """Cycles' picture is drawn while it renders."""
+    import cycles.engine
+
+    scene, draw, drawn = bpy.context.scene, cycles.engine.draw, []
+
+    def spy(*args):
+        drawn.append(bpy.app.is_job_running("RENDER"))
+        draw(*args)
+
+    cycles.engine.draw = spy
+    scene.cycles.samples, scene.cycles.use_adaptive_sampling = 300, False
+    yield from rendering()
+    cycles.engine.draw = draw
+    scene.cycles.samples = 1
+    studio.fact("drawn", [len(drawn), all(drawn)])
+
+
 def steps():
-    for step in (build, paper):
+    for step in (build, paper, progress):
         made = step()
         if made is not None:
             yield from made
