@@ -279,7 +279,18 @@ def prepare(job, error, report):
                 raise error(f"{job['scene']}: view {view.name} has the file suffix {view.file_suffix}, which leads "
                             "into another folder; change it")
     scene.render.use_file_extension = True
+    if exr and "save_layers" not in job["values"] and scene.encre.save_layers == "AUTO" and properties.active(scene):
+        mute(scene, "encre.save_layers")
+        scene.encre.save_layers = "SLIM"
     return scene
+
+
+def asked(scene):
+    """`view layer.pass` of what the scene's maker wants in files and slim ones would else do without."""
+    for layer in scene.view_layers:
+        wanted = {"DiffDir": layer.use_pass_diffuse_direct, "DiffInd": layer.use_pass_diffuse_indirect,
+                  "Denoising Depth": layer.cycles.denoising_store_passes}
+        yield from (f"{layer.name}.{name}" for name, wants in wanted.items() if wants)
 
 
 def suffixes(scene):
@@ -358,7 +369,7 @@ def main(job, line):
             scene = prepare(job, error, line.report)
     if "mesh" not in job:
         line.report("ready", first=scene.frame_start, last=scene.frame_end, current=scene.frame_current,
-                    suffixes=suffixes(scene), blender=bpy.app.version_string)
+                    suffixes=suffixes(scene), keep=list(asked(scene)), blender=bpy.app.version_string)
         (compare if "techniques" in job else render)(job, scene, line)
     line.report("done")
 
