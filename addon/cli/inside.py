@@ -207,6 +207,8 @@ def use_device(scene, name, error):
 
 def choose(job, error):
     """The scene that the job names, its camera and view layers set as it says."""
+    from encre.blender import properties
+
     scene = bpy.context.scene
     if job["scene_name"] is not None:
         scene = chosen("scene", job["scene_name"], bpy.data.scenes, job, error)
@@ -221,6 +223,9 @@ def choose(job, error):
         chosen("view layer", job["view_layer"], scene.view_layers, job, error)
         for layer in scene.view_layers:
             layer.use = layer.name == job["view_layer"]
+    for switch, name in properties.PASSES.items():
+        for layer in scene.view_layers if name in job["passes"] else ():
+            setattr(layer.encre, switch, True)
     if job["threads"] is not None:
         scene.render.threads_mode = "FIXED" if job["threads"] else "AUTO"
         if job["threads"]:

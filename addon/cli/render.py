@@ -24,8 +24,8 @@ from .workplace import Workplace
 
 # What may be chosen of a scene, and how it is opened; None and False: as the file has it.
 CHOICES = {"samples": None, "size": None, "scene_name": None, "camera": None, "view_layer": None, "threads": None,
-           "device": None, "strict": False, "autoexec": False}
-_PICTURE = ("samples", "size", "scene_name", "camera", "view_layer")  # those that change the picture
+           "device": None, "strict": False, "autoexec": False, "passes": ()}
+_PICTURE = ("samples", "size", "scene_name", "camera", "view_layer", "passes")  # those that change the picture
 _VERSION = 1  # of what a mark says
 
 

@@ -92,7 +92,7 @@ def png(path):
 
 def test_exr_and_back(cube, tmp_path):
     """The file holds all passes, and composite without options gives its Combined again."""
-    works(encre("render", cube, "-o", tmp_path / "out.exr", ALL))
+    works(encre("render", cube, "-o", tmp_path / "out.exr", ALL, "--passes=all"))
     for name in ("Depth", "Normal", *layers.DRAWN, *saved.passes(False)):
         assert exr.part(tmp_path / "out.exr", f"ViewLayer.{name}").shape[:2] == (36, 64)
     assert works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.exr")) == ""
@@ -279,6 +279,14 @@ def test_choices(tmp_path):
     fails(encre("render", path, "-o", tmp_path / "c.png", "--scene", "Othre"), "Othre", "Other")
     fails(encre("render", path, "-o", tmp_path / "c.png", "--camera", "Sun"), "Sun", "camera")
     fails(encre("render", path, "-o", tmp_path / "c.png", "--view-layer", "Nope"), "Nope", "ViewLayer")
+
+
+@pytest.mark.parametrize("name", ["CUDA", "metal"])
+def test_devices_that_are_not_there(cube, tmp_path, name):
+    if any(Path("/dev").glob("nvidia[0-9]*")) or sys.platform == "darwin":
+        pytest.skip("there are such devices")
+    fails(encre("render", cube, "-o", tmp_path / "a.png", "--device", name), f"--device {name.lower()}", "--device cpu")
+    assert left(tmp_path) == []
 
 
 def test_dry_run_and_progress_for_programs(cube, tmp_path):
@@ -527,6 +535,7 @@ def test_broken_blend(tmp_path, content):
     (["cube.py", "-s", "9"], ["cube.py", "no frame"]),
     (["cube.py", "--size", "0x10"], ["0x10"]),
     (["cube.py", "--samples", "many"], ["many"]),
+    (["cube.py", "--passes", "lines,colour"], ["lines,colour", "surface"]),
     (["cube.py", "--set", "line_thickness=-3"], ["line_thickness"]),
     (["cube.py", "--set", "paper_source=IMAGE"], ["paper_image", "choose an image"]),
     (["cube.py", "--preset", "Ink onyl"], ["Ink onyl", "Ink only"]),
