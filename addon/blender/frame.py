@@ -56,16 +56,14 @@ def _keeps(scene):
     return mode in ("ON", "SLIM") or (mode == "AUTO" and multilayer and properties.active(scene))
 
 
-def _asked(scene, view_layer):
+def _asked(view_layer):
     """Names of the pictures that are to be drawn besides Combined."""
-    if scene.encre.save_layers == "SLIM":
-        return []
     return [name for switch, name in properties.PASSES.items() if getattr(view_layer.encre, switch)]
 
 
 def _own(scene, view_layer, seen):
     """{name: channel names} of the passes that the stages fill."""
-    return {**{name: layers.DRAWN[name] for name in _asked(scene, view_layer)},
+    return {**{name: layers.DRAWN[name] for name in _asked(view_layer)},
             **(saved.passes(seen) if _keeps(scene) else {})}
 
 
@@ -189,7 +187,7 @@ class Frames:
         frame, factor = Frame(width, height, x, y), settings.factor
         threads = render.threads if render.threads_mode == "FIXED" else 0
         line_numbers, user_indices = self.numbers or (None, None)
-        asked, keeps = _asked(depsgraph.scene, depsgraph.view_layer), _keeps(depsgraph.scene)
+        asked, keeps = _asked(depsgraph.view_layer), _keeps(depsgraph.scene)
         objects, drawn, views = None, [], {}
         if settings.active or asked or keeps:
             objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers)

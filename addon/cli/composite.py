@@ -45,18 +45,25 @@ def view_layers(channels, views=()):
     return found
 
 
-# What slim files hold with all its digits: half floats would move edges, and numbers must stay what they are.
-_EXACT = ("Depth", "Normal", "IndexOB", "IndexMA", "Encre Index", "Encre Marks", "Denoising Normal", "Encre Seen Depth")
+# What slim files hold with all its digits: numbers must stay what they are, and half floats would move edges. Colour
+# and light are compared with thresholds and with their neighbours; halves of all else are seen nowhere.
+_EXACT = ("Depth", "Normal", "IndexOB", "IndexMA", "Encre Index", "Encre Marks", "Denoising Normal", "Encre Seen Depth",
+          "DiffCol", "Encre Diffuse")
 
 
-def slim(channels, views):
-    """{full channel name: "half" or "float"} of what restyling reads, and Combined."""
+def slim(channels, views, keep=()):
+    """{full channel name: "half", "float" or None, as it is} of what restyling reads, Combined, and passes that are
+    none of what Encre has rendered for itself, or that `keep` names (with their view layers)."""
     kinds = {}
-    for eyes in view_layers(channels, views).values():
+    own = {*layers.CYCLES, *layers.SEEN, *saved.passes(True)}
+    for layer, eyes in view_layers(channels, views).items():
         for passes in eyes.values():
-            read = {**_wanted(passes, "", True), **{name: passes[name] for name in ("Combined",) if name in passes}}
-            for name, names in read.items():
-                kinds.update(dict.fromkeys(names, "float" if name in _EXACT else "half"))
+            read = {*_wanted(passes, "", True), "Combined"}
+            for name, names in passes.items():
+                if name in read:
+                    kinds.update(dict.fromkeys(names, "float" if name in _EXACT else "half"))
+                elif name not in own or f"{layer}.{name}" in keep:
+                    kinds.update(dict.fromkeys(names))
     return kinds
 
 

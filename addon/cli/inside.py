@@ -207,6 +207,8 @@ def use_device(scene, name, error):
 
 def choose(job, error):
     """The scene that the job names, its camera and view layers set as it says."""
+    from encre.blender import properties
+
     scene = bpy.context.scene
     if job["scene_name"] is not None:
         scene = chosen("scene", job["scene_name"], bpy.data.scenes, job, error)
@@ -221,6 +223,9 @@ def choose(job, error):
         chosen("view layer", job["view_layer"], scene.view_layers, job, error)
         for layer in scene.view_layers:
             layer.use = layer.name == job["view_layer"]
+    for switch, name in properties.PASSES.items():
+        for layer in scene.view_layers if name in job["passes"] else ():
+            setattr(layer.encre, switch, True)
     if job["threads"] is not None:
         scene.render.threads_mode = "FIXED" if job["threads"] else "AUTO"
         if job["threads"]:
@@ -279,7 +284,18 @@ def prepare(job, error, report):
                 raise error(f"{job['scene']}: view {view.name} has the file suffix {view.file_suffix}, which leads "
                             "into another folder; change it")
     scene.render.use_file_extension = True
+    if exr and "save_layers" not in job["values"] and scene.encre.save_layers == "AUTO" and properties.active(scene):
+        mute(scene, "encre.save_layers")
+        scene.encre.save_layers = "SLIM"
     return scene
+
+
+def asked(scene):
+    """`view layer.pass` of what the scene's maker wants in files and slim ones would else do without."""
+    for layer in scene.view_layers:
+        wanted = {"DiffDir": layer.use_pass_diffuse_direct, "DiffInd": layer.use_pass_diffuse_indirect,
+                  "Denoising Depth": layer.cycles.denoising_store_passes}
+        yield from (f"{layer.name}.{name}" for name, wants in wanted.items() if wants)
 
 
 def suffixes(scene):
@@ -358,7 +374,7 @@ def main(job, line):
             scene = prepare(job, error, line.report)
     if "mesh" not in job:
         line.report("ready", first=scene.frame_start, last=scene.frame_end, current=scene.frame_current,
-                    suffixes=suffixes(scene), blender=bpy.app.version_string)
+                    suffixes=suffixes(scene), keep=list(asked(scene)), blender=bpy.app.version_string)
         (compare if "techniques" in job else render)(job, scene, line)
     line.report("done")
 

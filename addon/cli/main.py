@@ -18,7 +18,7 @@ import warnings
 
 import numpy as np
 
-from ..pen import library, presets
+from ..pen import layers, library, presets
 from ..pen.errors import EncreError, shown
 from . import images, sequence, substitutes, tools
 from .bake import bake
@@ -96,6 +96,16 @@ def _threads(text):
     return int(text)
 
 
+def _passes(text):
+    known = {name.split()[-1].lower(): name for name in layers.DRAWN}
+    wanted = [word.strip().lower() for word in text.split(",")]
+    if wanted == ["all"]:
+        return list(known.values())
+    if not set(wanted) <= known.keys():
+        raise argparse.ArgumentTypeError(f"{text!r} is no list of {', '.join(known)}, nor all")
+    return [known[word] for word in wanted]
+
+
 def _seconds(text):
     if not re.fullmatch(r"\d{1,9}(\.\d*)?", text) or not float(text) > 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds above 0")
@@ -121,7 +131,7 @@ def _parser():
   encre render scene.py -o test.png -f 1-100x5,7 --set line_thickness=6""")
     command.add_argument("scene", metavar="SCENE", type=_ending(".blend", ".py"), help="a .blend or .py file")
     command.add_argument("-o", "--output", metavar="OUT", required=True, type=_ending(".png", ".exr"), help=(
-        "a .png, or a multilayer .exr with all passes; # in the name stands for digits of the frame number"))
+        "a .png, or a multilayer .exr to draw again; # in the name stands for digits of the frame number"))
     command.add_argument("-f", "--frame", metavar="N", type=_frame_list, help=(
         "the frame (default: the scene's current one), or a list such as 1-100x5,7"))
     command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of an animation")
@@ -130,9 +140,12 @@ def _parser():
                          help="the scene in the file (default: the open one)")
     command.add_argument("--camera", metavar="NAME", help="the camera (default: the scene's)")
     command.add_argument("--view-layer", metavar="NAME", help="render only this one")
+    command.add_argument("--passes", metavar="LIST", type=_passes, default=[], help=(
+        "in an .exr also what is drawn: lines, surface, edges, light, or all (default: as the view layers have it)"))
     command.add_argument("--samples", metavar="N", type=_count, help="samples a pixel")
     command.add_argument("--size", metavar="WxH", type=_size, help="size of the full frame in pixels")
     command.add_argument("--device", choices=("cpu", "cuda", "optix", "hip", "oneapi", "metal"),
+                         type=str.lower,
                          help="what Cycles computes on (default: as the file has it)")
     command.add_argument("--threads", metavar="N", type=_threads,
                          help="0: one a processor (default: as the file has it)")
@@ -275,7 +288,7 @@ def _render(args):
            dry_run=args.dry_run, frame_timeout=args.frame_timeout, keep_going=args.keep_going, blender=args.blender,
            progress=progress, samples=args.samples, size=args.size, scene_name=args.scene_name, camera=args.camera,
            view_layer=args.view_layer, threads=args.threads, device=args.device, strict=args.strict,
-           autoexec=args.enable_autoexec)
+           autoexec=args.enable_autoexec, passes=args.passes)
     progress.tell("done")
 
 

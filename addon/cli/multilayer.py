@@ -27,8 +27,9 @@ class Window:
 
 
 class Exr:
-    """An open EXR: `channels` maps each channel's full name to its (part, number), in the file's order; `views`
-    names the eyes of a stereo picture, else (); `metadata` holds the text attributes. Use as a context manager.
+    """An open EXR: `channels` maps each channel's full name to its (part, number), in the file's order, `kinds` to
+    "half" or "float"; `views` names the eyes of a stereo picture, else (); `metadata` holds the text attributes. Use as
+    a context manager.
 
     Raises EncreError for a file that is missing, unreadable or empty, or whose parts differ in size.
     """
@@ -40,7 +41,7 @@ class Exr:
         if threads:
             oiio.attribute("threads", threads)
             oiio.attribute("exr_threads", threads)
-        self.path, self.channels, self.views, self.metadata, self.window = path, {}, (), {}, None
+        self.path, self.channels, self.kinds, self.views, self.metadata, self.window = path, {}, {}, (), {}, None
         self._file = oiio.ImageInput.open(images.utf8(path))
         if not self._file or self._file.format_name() != "openexr":
             images.complaint(oiio)
@@ -73,6 +74,7 @@ class Exr:
             if view:
                 name = ".".join([*name.split(".")[:-1], view, name.split(".")[-1]])
             self.channels.setdefault(name, (part, number))
+            self.kinds.setdefault(name, "half" if str(spec.channelformat(number)) == "half" else "float")
         for attribute in spec.extra_attribs:
             with contextlib.suppress(UnicodeDecodeError):  # another program's, in another encoding
                 if isinstance(attribute.value, str):
@@ -160,8 +162,8 @@ def write(path, channels, window, views=(), texts=None):
 
 
 def rewrite(path, part, kinds):
-    """Writes the channels of an EXR that `kinds` {full name: "half" or "float"} names into another, `part`, as one part
-    with the same metadata. Few rows are held at a time. Raises EncreError, WriteError.
+    """Writes the channels of an EXR that `kinds` {full name: "half", "float" or None, as it is} names into another,
+    `part`, as one part with the same metadata. Few rows are held at a time. Raises EncreError, WriteError.
     """
     oiio = images.openimageio()
     with Exr(path) as exr:
@@ -169,7 +171,8 @@ def rewrite(path, part, kinds):
         spec = oiio.ImageSpec(window.width, window.height, len(names), "float")
         spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
         spec.channelnames = tuple(names)
-        spec.channelformats = tuple(oiio.TypeDesc(kinds[name]) for name in names)
+        kinds = {name: kinds[name] or exr.kinds[name] for name in names}
+        spec.channelformats = tuple(map(oiio.TypeDesc, kinds.values()))
         spec["compression"] = "zip"
         for key, said in exr.metadata.items():
             if not key.startswith(("oiio:", "openexr:")) and key not in ("compression", "name", "view"):

@@ -24,8 +24,8 @@ from .workplace import Workplace
 
 # What may be chosen of a scene, and how it is opened; None and False: as the file has it.
 CHOICES = {"samples": None, "size": None, "scene_name": None, "camera": None, "view_layer": None, "threads": None,
-           "device": None, "strict": False, "autoexec": False}
-_PICTURE = ("samples", "size", "scene_name", "camera", "view_layer")  # those that change the picture
+           "device": None, "strict": False, "autoexec": False, "passes": ()}
+_PICTURE = ("samples", "size", "scene_name", "camera", "view_layer", "passes")  # those that change the picture
 _VERSION = 1  # of what a mark says
 
 
@@ -186,7 +186,7 @@ class _Sequence:
     def __init__(self, command, job, out, frames, place, progress):
         self.command, self.job, self.out, self.frames = command, job, out, frames
         self.place, self.progress, self.child = place, progress, None
-        self.todo, self.said, self.suffixes, self.started = {}, {}, [""], False
+        self.todo, self.said, self.suffixes, self.keep = {}, {}, [""], ()
 
     def __enter__(self):
         return self
@@ -197,7 +197,7 @@ class _Sequence:
     def plan(self, ready):
         """What is to be done, of what the child says about the scene."""
         self.todo = _todo(self.job["scene"], self.out, self.frames, ready)
-        self.suffixes = ready["suffixes"]
+        self.suffixes, self.keep = ready["suffixes"], ready["keep"]
         try:
             content = sequence.content(self.job["scene"])
         except OSError as error:
@@ -299,7 +299,7 @@ class _Sequence:
         if not name.lower().endswith(".exr"):
             return name
         with multilayer.Exr(part) as exr:
-            scene, kinds = metadata.read(exr.metadata).scene, composite.slim(exr.channels, exr.views)
+            scene, kinds = metadata.read(exr.metadata).scene, composite.slim(exr.channels, exr.views, self.keep)
         if scene is None or scene["save_layers"] != "SLIM":
             return name
         multilayer.rewrite(part, os.path.join(self.place.path, f"slim-{name}"), kinds)

@@ -11,7 +11,7 @@ ENUM(light_denoise, FRAME, 0, "use_shading", "Denoise Light", "How Monte-Carlo n
      ITEM(light_denoise, OIDN, 0, "Open Image Denoise", "Denoise the light with the albedo and the normal as guides, where the library is there")
      ITEM(light_denoise, NONE, 1, "None", "Use the light as it was rendered"))
 ENUM(save_layers, FRAME, 0, "", "Save Layers", "Write the layers that restyling a saved frame needs into the file",
-     ITEM(save_layers, AUTO, 0, "Automatic", "When the output is a multilayer OpenEXR file")
+     ITEM(save_layers, AUTO, 0, "Automatic", "When the output is a multilayer OpenEXR file; with encre render as Slim")
      ITEM(save_layers, ON, 1, "Always", "Always")
      ITEM(save_layers, OFF, 2, "Never", "Never")
-     ITEM(save_layers, SLIM, 3, "Slim", "Always, but nothing else; encre render stores most of it as half floats"))
+     ITEM(save_layers, SLIM, 3, "Slim", "Always; encre render stores nothing else and most of it as half floats"))

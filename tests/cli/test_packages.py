@@ -103,7 +103,7 @@ def test_pip_installs_what_renders(tmp_path, dist, kind):
     run(sys.executable, "-m", "pip", "--python", python, "install", "-q", "--ignore-installed", "--no-deps",
         "--no-index", "--no-build-isolation", dist[kind], cwd=tmp_path)
     (tmp_path / "scene.py").write_text(SCENE)
-    run(python.with_name("encre"), "render", "scene.py", "-o", "out.exr", cwd=tmp_path)
+    run(python.with_name("encre"), "render", "scene.py", "-o", "out.exr", "--passes=lines", cwd=tmp_path)
     assert inked(tmp_path / "out.exr")
     where = run(python, "-c", "import encre; print(encre.__file__)", cwd=tmp_path)
     assert where.startswith(str(tmp_path / "env"))

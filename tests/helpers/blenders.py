@@ -79,10 +79,12 @@ def read(done, folder):
 
 
 def encre(blender, folder, *args):
-    """The command `encre` with a Blender of commands(); `folder` is for what only this run needs."""
-    python, environment, options = sys.executable, dict(os.environ), []
+    """The command `encre` with a Blender of commands(); `folder` is for what only this run needs. What is rendered has
+    all passes."""
+    python, environment = sys.executable, dict(os.environ)
+    options = ["--set=save_layers=ON", "--passes=all"] if args[0] == "render" else []
     if blender == "blender":
-        options = ["--blender", shutil.which("blender")] if args[0] == "render" else []
+        options += ["--blender", shutil.which("blender")] if args[0] == "render" else []
     elif blender != "bpy":  # a bpy in another Python: our package by PYTHONPATH, the libraries its own
         python = commands()[blender][0]
         site = Path(folder) / "site"

@@ -13,14 +13,15 @@ def spheres(n, rng):
         rng.uniform(0.3, 1.2, n)
 
 
-def scene(width, height, n=40, seed=0, noise=0.0):
+def scene(width, height, n=40, seed=0, noise=0.0, rows=slice(None)):
     """Every layer that encre_render() reads, as float32 arrays (height, width, channels), row 0 at the top.
 
-    noise: standard deviation of white noise on the diffuse light, as from few samples.
+    noise: standard deviation of white noise on the diffuse light, as from few samples; rows: which are wanted.
     """
     rng = np.random.default_rng(seed)
     x = ((np.arange(width) + 0.5) / width * 2 - 1) * 0.5 * width / height
-    y = (1 - (np.arange(height) + 0.5) / height * 2) * 0.5
+    y = ((1 - (np.arange(height) + 0.5) / height * 2) * 0.5)[rows]
+    height = len(y)
     ray = np.stack(np.broadcast_arrays(x[None, :], y[:, None], -1.0), -1)
     depth = np.full((height, width), 1e10)
     normal = np.zeros((height, width, 3))
