@@ -73,6 +73,8 @@ def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""
             compile_.append([*cc, *flags, *march, f"-DENCRE_ISA={isa}", "-c", str(source), "-o", objects[-1]])
     if PLATFORM.startswith("linux") and not sanitize:
         flags.append("-Wl,--no-undefined")
+    if PLATFORM.startswith("macos"):
+        flags.append(f"-Wl,-install_name,@rpath/{NAME}")  # or it has the path of the build
     if OTHER:
         flags.append("-Wl,-s")  # no debug data
     link = [*cc, *flags, "-shared", *objects, "-o", str(out), *shlex.split(os.environ.get("LDFLAGS", "")), "-lm"]
@@ -96,7 +98,8 @@ class BuildLibrary(build_ext):
 
     def build_extension(self, ext):
         out = Path(self.get_ext_fullpath(ext.name))
-        variant = "-".join(filter(None, ["debug" * bool(self.debug), "scalar" * bool(self.scalar), self.sanitize]))
+        variant = "-".join(filter(None, [OTHER, "debug" * bool(self.debug), "scalar" * bool(self.scalar),
+                                         self.sanitize]))
         build = Path(self.build_temp, variant.replace(",", "-") or "release")
         build.mkdir(parents=True, exist_ok=True)
         out.parent.mkdir(parents=True, exist_ok=True)
@@ -146,11 +149,11 @@ class ExtensionZip(Command):
             build = f"{version}+{hashlib.sha256(library).hexdigest()[:8]}"
             wheel = f"wheels/encre_library-{build}-{tag}.whl"
             head = f'version = "{version}"\nplatforms = ["{PLATFORM}"]\nwheels = ["./{wheel}"]\n'
+            file.writestr("blender_manifest.toml", head + held.read("encre/blender_manifest.toml").decode())
             for name in held.namelist():
                 inner = name.removeprefix("encre/")
-                if inner == "blender_manifest.toml":
-                    file.writestr(inner, head + held.read(name).decode())
-                elif inner != name and inner not in (NAME, "__main__.py") and not inner.startswith("cli/"):
+                if not (inner == name or inner in (NAME, "__main__.py", "blender_manifest.toml")
+                        or inner.startswith("cli/")):
                     file.writestr(inner, held.read(name))
             file.write("LICENSE")
             with file.open(wheel, "w") as inside:
