@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | gallery | docs | test | test-long | mutate | bench | lint | extension | clean. Each sets up what it needs in
-# .venv.
+# make demo | gallery | docs | test | test-long | mutate | bench | lint | extension | wheels | clean. Each sets up what it
+# needs in .venv.
 
 PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command -v $(p) 2>/dev/null)))
 # One Blender module per Python: the wheels on the package index are built for exactly one version each.
 BPY := $(shell $(PYTHON) -c 'import sys; print({(3, 11): "bpy==4.5.*", (3, 13): "bpy==5.2.*"}.get(sys.version_info[:2], ""))')
 RUN := .venv/bin/python
 
-.PHONY: demo gallery docs extension blenders test test-long mutate bench lint clean build
+.PHONY: demo gallery docs extension wheels blenders test test-long mutate bench lint clean build
 
 .venv/ready: pyproject.toml
 	@test -n "$(BPY)" || command -v blender >/dev/null || \
@@ -39,11 +39,20 @@ docs: build
 extension: .venv/ready
 	$(RUN) setup.py -q extension
 
+# The compiler for other platforms.
+.venv/wheels: .venv/ready
+	PYTHONWARNINGS=ignore $(RUN) -m pip install -q -e ".[wheels]"
+	@touch $@
+
+# For every platform, into build/wheels: minutes.
+wheels: .venv/wheels
+	$(RUN) tools/wheels.py
+
 # Two files of tests at a time, in the order of their folders: those that render come first.
 test: build
 	$(RUN) -m pytest -q -m "not long" -n 2 --dist loadfile --no-loadscope-reorder
 
-test-long: build $(if $(filter bpy==4.5%,$(BPY)),blenders)
+test-long: build .venv/wheels $(if $(filter bpy==4.5%,$(BPY)),blenders)
 	$(RUN) -m pytest -q
 
 # Other versions of Blender for test-long; blender on PATH is tested as well.

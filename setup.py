@@ -8,9 +8,12 @@
 CC chooses the compiler. --debug also checks what must hold between the passes of FINE, and aborts where it does not.
 --scalar builds without vectorisation and without the second instruction set: results are the same bytes, and the test
 suite holds them to it. --sanitize=memory needs clang; with `address` the gaps between blocks of a frame's memory are
-guarded, too. The library has no Python ABI, so the wheel is tagged py3-none.
+guarded, too. The library has no Python ABI, so the wheel is tagged py3-none. ENCRE_PLATFORM builds for another platform
+than this one, with the compiler of the package ziglang (tools/wheels.py).
 """
 
+import base64
+import hashlib
 import os
 import platform
 import shlex
@@ -25,7 +28,19 @@ from setuptools import Command, Extension, setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
 
-NAME = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
+# By Blender's names for them: the file, and for other machines than this one the compiler's target and the wheel's tag.
+PLATFORMS = {
+    "linux-x64": ("libencre.so", "x86_64-linux-gnu.2.28", "manylinux_2_28_x86_64"),
+    "linux-arm64": ("libencre.so", "aarch64-linux-gnu.2.28", "manylinux_2_28_aarch64"),
+    "macos-x64": ("libencre.dylib", "x86_64-macos.11.0", "macosx_11_0_x86_64"),
+    "macos-arm64": ("libencre.dylib", "aarch64-macos.11.0", "macosx_11_0_arm64"),
+    "windows-x64": ("libencre.dll", "x86_64-windows-gnu", "win_amd64"),
+}
+OTHER = os.environ.get("ENCRE_PLATFORM", "")
+SYSTEM = {"darwin": "macos", "win32": "windows"}.get(sys.platform, "linux")
+CPU = {"x86_64": "x64", "AMD64": "x64", "aarch64": "arm64"}.get(platform.machine(), platform.machine())
+PLATFORM = OTHER or f"{SYSTEM}-{CPU}"
+NAME, TARGET, TAG = PLATFORMS.get(PLATFORM, ("libencre.so", "", ""))
 # A file that names anything with these is compiled once per instruction set (csrc/base/stage.h), any other once.
 KERNELS = ("ISA(", "STAGE_SYMBOL(")
 # No option that lets the compiler change a result: every build gives the same bits.
@@ -36,14 +51,17 @@ FLAGS = shlex.split("-std=c11 -Icsrc -D_POSIX_C_SOURCE=200809L -fPIC -fvisibilit
 def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""):
     """Compiler commands for the objects in `build` and then for the library `out`."""
     cc = shlex.split(os.environ.get("CC", "cc"))
-    flags = FLAGS + shlex.split(os.environ.get("CFLAGS", ""))
+    if OTHER:
+        cc = [sys.executable, "-m", "ziglang", "cc", "-target", TARGET]
+    flags = FLAGS + (["-D_DARWIN_C_SOURCE"] if PLATFORM.startswith("macos") else [])  # it hides sysconf()'s names
+    flags += shlex.split(os.environ.get("CFLAGS", ""))
     flags += ["-O1", "-g"] if debug or sanitize else ["-O1", "-fno-tree-vectorize"] if scalar else ["-O3"]
     flags += ["-DENCRE_DEBUG"] if debug else []
     flags += ["-Werror"] if werror else []
     flags += [f"-fsanitize={sanitize}", "-fno-sanitize-recover=all"] if sanitize else []
     variants = {"base": []}
-    if platform.machine() in ("x86_64", "AMD64") and not scalar:
-        variants["v3"] = ["-march=x86-64-v3"]
+    if PLATFORM.endswith("-x64") and not scalar:
+        variants["v3"] = ["-march=x86_64_v3" if OTHER else "-march=x86-64-v3"]
         flags.append("-DENCRE_HAVE_V3")
     compile_, objects = [], []
     for source in sorted(Path("csrc").rglob("*.c")):
@@ -53,8 +71,12 @@ def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""
                 continue
             objects.append(str(build / f"{source.stem}-{isa}.o"))
             compile_.append([*cc, *flags, *march, f"-DENCRE_ISA={isa}", "-c", str(source), "-o", objects[-1]])
-    if sys.platform == "linux" and not sanitize:
+    if PLATFORM.startswith("linux") and not sanitize:
         flags.append("-Wl,--no-undefined")
+    if PLATFORM.startswith("macos"):
+        flags.append(f"-Wl,-install_name,@rpath/{NAME}")  # or it has the path of the build
+    if OTHER:
+        flags.append("-Wl,-s")  # no debug data
     link = [*cc, *flags, "-shared", *objects, "-o", str(out), *shlex.split(os.environ.get("LDFLAGS", "")), "-lm"]
     return compile_, link
 
@@ -76,7 +98,8 @@ class BuildLibrary(build_ext):
 
     def build_extension(self, ext):
         out = Path(self.get_ext_fullpath(ext.name))
-        variant = "-".join(filter(None, ["debug" * bool(self.debug), "scalar" * bool(self.scalar), self.sanitize]))
+        variant = "-".join(filter(None, [OTHER, "debug" * bool(self.debug), "scalar" * bool(self.scalar),
+                                         self.sanitize]))
         build = Path(self.build_temp, variant.replace(",", "-") or "release")
         build.mkdir(parents=True, exist_ok=True)
         out.parent.mkdir(parents=True, exist_ok=True)
@@ -92,23 +115,21 @@ class BuildLibrary(build_ext):
 
 class Wheel(bdist_wheel):
     def get_tag(self):
-        return "py3", "none", super().get_tag()[2]
+        return "py3", "none", TAG if OTHER else super().get_tag()[2]
 
     def run(self):
-        # What earlier builds left there would be packed too: modules that have moved since.
+        # What earlier builds left there would be packed too: modules that have moved since, libraries of others.
         shutil.rmtree(self.get_finalized_command("build").build_lib, ignore_errors=True)
         super().run()
 
 
-FORWARD = """# SPDX-License-Identifier: GPL-3.0-or-later
-from encre import register, unregister  # noqa: F401
-"""
-
-
 class ExtensionZip(Command):
-    """The zip that Blender installs: manifest, forwarding __init__.py, and the wheel with all code."""
+    """The zip that Blender installs: the Python without the command line, and a wheel that holds the library alone.
 
-    user_options = [("wheel=", None, "the wheel to pack instead of one built now")]
+    So Blender runs the Python under the extension's own name, and forgets it when it is updated. It never forgets a
+    library, and a loader takes another file of the same name for the one that it has: this name tells the build."""
+
+    user_options = [("wheel=", None, "the wheel to take all from, instead of one built now")]
 
     def initialize_options(self):
         self.wheel = None
@@ -120,19 +141,41 @@ class ExtensionZip(Command):
         if not self.wheel:
             self.run_command("bdist_wheel")
             self.wheel = self.distribution.dist_files[-1][2]
-        wheel = Path(self.wheel)
-        version = self.distribution.get_version()
-        system = {"darwin": "macos", "win32": "windows"}.get(sys.platform, "linux")
-        cpu = {"x86_64": "x64", "AMD64": "x64", "aarch64": "arm64"}.get(platform.machine(), platform.machine())
-        manifest = Path("addon/blender_manifest.toml").read_text(encoding="utf-8")
-        head = f'version = "{version}"\nplatforms = ["{system}-{cpu}"]\nwheels = ["./wheels/{wheel.name}"]\n'
+        _, version, tag = Path(self.wheel).stem.split("-", 2)
         os.makedirs("build", exist_ok=True)
-        out = Path("build", f"encre-{version}-{system}-{cpu}.zip")
-        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as file:
-            file.writestr("blender_manifest.toml", head + manifest)
-            file.writestr("__init__.py", FORWARD)
-            file.write(wheel, f"wheels/{wheel.name}")
+        out = Path("build", f"encre-{version}-{PLATFORM}.zip")
+        with zipfile.ZipFile(self.wheel) as held, zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as file:
+            library = held.read(f"encre/{NAME}")
+            build = f"{version}+{hashlib.sha256(library).hexdigest()[:8]}"
+            wheel = f"wheels/encre_library-{build}-{tag}.whl"
+            head = f'version = "{version}"\nplatforms = ["{PLATFORM}"]\nwheels = ["./{wheel}"]\n'
+            file.writestr("blender_manifest.toml", head + held.read("encre/blender_manifest.toml").decode())
+            for name in held.namelist():
+                inner = name.removeprefix("encre/")
+                if not (inner == name or inner in (NAME, "__main__.py", "blender_manifest.toml")
+                        or inner.startswith("cli/")):
+                    file.writestr(inner, held.read(name))
+            file.write("LICENSE")
+            with file.open(wheel, "w") as inside:
+                library_wheel(inside, build, tag, library)
         print(out)
+
+
+def library_wheel(file, build, tag, library):
+    """Writes a wheel that puts the library where Python looks for modules."""
+    stem, ending = os.path.splitext(NAME)
+    info = f"encre_library-{build}.dist-info"
+    members = {
+        f"{stem}-{build}{ending}": library,
+        f"{info}/METADATA": f"Metadata-Version: 2.1\nName: encre-library\nVersion: {build}\n".encode(),
+        f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: encre\nRoot-Is-Purelib: false\nTag: {tag}\n".encode(),
+    }
+    rows = [f"{name},sha256={base64.urlsafe_b64encode(hashlib.sha256(data).digest()).decode().rstrip('=')},{len(data)}"
+            for name, data in members.items()]
+    members[f"{info}/RECORD"] = "\n".join([*rows, f"{info}/RECORD,,", ""]).encode()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as wheel:
+        for name, data in members.items():
+            wheel.writestr(name, data)
 
 
 if __name__ == "__main__":  # tests take commands() from here

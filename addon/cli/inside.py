@@ -80,7 +80,7 @@ def register(report=lambda event, **more: None):
         name = cls.__module__.removesuffix(".engine").removesuffix(".blender")  # before 0.2 the engine lay at the top
         package = sys.modules[name]
         folder = os.path.dirname(os.path.abspath(package.__file__))
-        if os.path.samefile(folder, PACKAGE):
+        if name == "encre" and os.path.samefile(folder, PACKAGE):
             return package
         package.unregister()
         report("note", text=f"this Encre ({PACKAGE}) takes the place of the one in Blender ({folder})")
@@ -93,6 +93,12 @@ def register(report=lambda event, **more: None):
     spec.loader.exec_module(package)
     package.register()
     return package
+
+
+def join(package):
+    """Makes this script a module of the package, which imports what lies beside it."""
+    global __package__
+    __package__ = importlib.import_module(".cli", package.__name__).__name__
 
 
 def written_by(path):
@@ -172,7 +178,7 @@ def mute(scene, path):
 
 
 def chosen(kind, name, known, job, error):
-    from encre.pen.errors import unknown
+    from ..pen.errors import unknown
 
     if name not in known:
         raise error(f"{job['scene']}: " + unknown(kind, name, known.keys()))
@@ -249,7 +255,7 @@ def heed(job, error, report):
 
 def prepare(job, error, report):
     """Sets the scene up as the job asks. Nothing of it is saved."""
-    from encre.blender import ENGINE, papers, properties
+    from ..blender import ENGINE, papers, properties
 
     heed(job, error, report)
     scene = choose(job, error)
@@ -316,7 +322,7 @@ def render(job, scene, line):
 
 def render_frame(job, scene, number, stamp):
     """What to report of it."""
-    from encre.blender import frame as engine_frame
+    from ..blender import frame as engine_frame
 
     engine_frame.stamped = stamp
     scene.frame_set(number)
@@ -334,7 +340,7 @@ def render_frame(job, scene, number, stamp):
 
 
 def compare(job, scene, line):
-    from encre.cli import tools
+    from . import tools
 
     mute(scene, "encre.edge_color")
     frames = line.hear()["frames"]
@@ -344,8 +350,8 @@ def compare(job, scene, line):
 
 def save_mesh(job, error):
     """Stores the triangles of an object, as the current frame evaluates it."""
-    from encre.blender import meshes
-    from encre.pen.errors import unknown
+    from ..blender import meshes
+    from ..pen.errors import unknown
 
     obj = bpy.data.objects.get(job["object"])
     if obj is None:
@@ -357,8 +363,8 @@ def save_mesh(job, error):
 def main(job, line):
     with line.watched():
         line.report("doing", text="starting")
-        register(line.report)
-        from encre.pen.errors import EncreError as error
+        join(register(line.report))
+        from ..pen.errors import EncreError as error
 
         @bpy.app.handlers.persistent  # a handler of another kind goes when a file is loaded
         def told(text, *_):

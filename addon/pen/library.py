@@ -6,6 +6,7 @@ Nothing here knows Blender. Errors are EncreError, whose text is one sentence fo
 
 import ctypes as c
 import functools
+import glob
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -101,11 +102,24 @@ class _BakeJob(c.Structure):
                 ("progress", _Progress), ("user", c.c_void_p), ("nonfinite", c.c_int64), ("greatest", c.c_double)]
 
 
+def _path():
+    """The library in the package's folder; in an extension, what the wheel that came with it put where Python looks for
+    modules, under the name of its build."""
+    package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    wheels = glob.glob(os.path.join(glob.escape(package), "wheels", "encre_library-*.whl"))
+    if not wheels:
+        return os.path.join(package, LIBRARY)
+    stem, ending = os.path.splitext(LIBRARY)
+    name = f"{stem}-{os.path.basename(wheels[0]).split('-')[1]}{ending}"
+    places = [os.path.join(folder, name) for folder in sys.path]
+    return next(filter(os.path.exists, places), os.path.join(package, name))
+
+
 class Library:
-    """One loaded libencre. `path` None: the one in the package's folder."""
+    """One loaded libencre. `path` None: the package's own."""
 
     def __init__(self, path=None):
-        path = path or os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), LIBRARY)
+        path = path or _path()
         if not os.path.exists(path):
             raise EncreError(f"{path}: the Encre library is missing; install Encre again for this platform")
         try:

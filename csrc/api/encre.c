@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { MAX_THREADS = 1024 };
 
@@ -98,8 +97,8 @@ int32_t encre_set_simd(encre_context *context, int32_t level)
 static bands *pool_of(encre_context *context, encre_progress progress, void *user)
 {
 	if (!context->pool) {
-		long n = context->threads ? context->threads : sysconf(_SC_NPROCESSORS_ONLN);
-		context->pool = bands_create(n < 1 ? 1 : n > MAX_THREADS ? MAX_THREADS : (int)n);
+		int n = context->threads ? context->threads : bands_processors();
+		context->pool = bands_create(n < 1 ? 1 : n > MAX_THREADS ? MAX_THREADS : n);
 	}
 	if (context->pool)
 		bands_progress(context->pool, progress, user);

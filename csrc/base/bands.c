@@ -7,6 +7,9 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#if !defined _WIN32
+#include <unistd.h>
+#endif
 
 enum { LEAST_BANDS = 16 }; /* so that none is a twentieth of a frame */
 
@@ -74,6 +77,15 @@ static void *worker_main(void *argument)
 	}
 	pthread_mutex_unlock(&pool->lock);
 	return NULL;
+}
+
+int bands_processors(void)
+{
+#if defined _WIN32 /* its sysconf() is the threads' own library */
+	return pthread_num_processors_np();
+#else
+	return (int)sysconf(_SC_NPROCESSORS_ONLN);
+#endif
 }
 
 bands *bands_create(int threads)

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-static bool finite(const double *values, int n)
+static bool all_finite(const double *values, int n)
 {
 	for (int i = 0; i < n; i++)
 		if (!isfinite(values[i]))
@@ -59,7 +59,7 @@ static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_
 int32_t geometry_check(geometry *g, char *error, size_t size)
 {
 	const encre_raster_job *job = g->job;
-	if (!finite(job->view, 16) || !finite(job->projection, 16) || !finite(&job->clip_start, 1) ||
+	if (!all_finite(job->view, 16) || !all_finite(job->projection, 16) || !all_finite(&job->clip_start, 1) ||
 	    isnan(job->clip_end))
 		return refuse(error, size,
 			      "camera: a matrix or clip distance is not a finite number; give the camera another place "

@@ -657,3 +657,23 @@ def test_this_encre_takes_the_place_of_the_installed_one(cube, tmp_path):
                    capture_output=True)
     err = works(encre("render", cube, "-o", tmp_path / "out.png", "--blender", "blender", env=environment))
     assert "takes the place" in err and str(package) in err
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not shutil.which("blender"), reason="needs the program blender")
+def test_no_other_package_of_the_name_comes_before_this_encre(cube, tmp_path):
+    """Though Blender's Python finds one, and this Encre is in Blender already, under another name."""
+    addons, rubbish = tmp_path / "user" / "addons", tmp_path / "rubbish" / "encre"
+    addons.mkdir(parents=True)
+    (addons / "encre_dev").symlink_to(Path(library.__file__).parents[1])
+    rubbish.mkdir(parents=True)
+    (rubbish / "__init__.py").write_text("raise ImportError('rubbish')")
+    environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(tmp_path / "user"), "BLENDER_USER_CONFIG": str(tmp_path)}
+    enable = "import bpy; bpy.ops.preferences.addon_enable(module='encre_dev'); bpy.ops.wm.save_userpref()"
+    subprocess.run(["blender", "-b", "--python-expr", enable], env=environment, check=True, timeout=60,
+                   capture_output=True)
+    program = tmp_path / "blender"
+    program.write_text(f"#!/bin/sh\nPYTHONPATH={rubbish.parent} exec {shutil.which('blender')} \"$@\"\n")
+    program.chmod(0o755)
+    works(encre("render", cube, "-o", tmp_path / "out.png", "--blender", program, env=environment))
+    assert (tmp_path / "out.png").stat().st_size

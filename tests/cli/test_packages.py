@@ -11,6 +11,7 @@ import venv
 import zipfile
 from pathlib import Path
 
+import built
 import exr
 import pytest
 from encre.pen.library import LIBRARY
@@ -32,11 +33,14 @@ scene.render.engine = "ENCRE"
 scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
 scene.render.filepath = {out!r}
 bpy.ops.render.render(write_still=True)
-engine = next(cls for cls in bpy.types.RenderEngine.__subclasses__() if getattr(cls, "bl_idname", "") == "ENCRE")
-import os, sys
-print("FROM", sys.modules[engine.__module__].__file__, flush=True)
-os._exit(0)
+import sys
+engine = bpy.types.RenderEngine.bl_rna_get_subclass_py("ENCRE")
+print("FROM", engine.bl_label, sys.modules[engine.__module__].__file__, flush=True)
 '''
+END = """
+import os
+os._exit(0)
+"""
 INSTALL = '''
 import bpy
 done = bpy.ops.extensions.package_install_files(filepath={archive!r}, repo="user_default", enable_on_install=True)
@@ -64,9 +68,12 @@ def empty(folder):
     return python
 
 
+def ink(path):
+    return exr.part(path, "ViewLayer.Encre Lines")[..., 3]
+
+
 def inked(path):
-    ink = exr.part(path, "ViewLayer.Encre Lines")[..., 3]
-    return ink.max() > 0.5 and ink.mean() < 0.5
+    return ink(path).max() > 0.5 and ink(path).mean() < 0.5
 
 
 @pytest.fixture(scope="module")
@@ -109,19 +116,77 @@ def test_pip_installs_what_renders(tmp_path, dist, kind):
     assert where.startswith(str(tmp_path / "env"))
 
 
-def test_blender_installs_the_extension_and_renders(tmp_path, dist):
-    pytest.importorskip("bpy", reason="needs Blender's Python module")
+def extension(wheel, folder):
+    """The zip that Blender installs, made of the wheel by what the source holds."""
+    run(sys.executable, "setup.py", "-q", "extension", f"--wheel={wheel}", cwd=folder)
+    [made] = (folder / "build").glob("*.zip")
+    return made.rename(wheel.with_suffix(".zip"))
+
+
+def rewritten(wheel, to, members):
+    """The wheel with other contents for some of its files."""
+    with zipfile.ZipFile(wheel) as source, zipfile.ZipFile(to, "w") as file:
+        assert members.keys() <= set(source.namelist())
+        for name in source.namelist():
+            file.writestr(name, members.get(name) or source.read(name))
+    return to
+
+
+@pytest.fixture(scope="module")
+def tree(dist, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tree")
     with tarfile.open(dist[0]) as file:
-        file.extractall(tmp_path, **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
-    [tree] = tmp_path.glob("encre-*")
-    run(sys.executable, "setup.py", "-q", "extension", f"--wheel={dist[1]}", cwd=tree)
-    [archive] = (tree / "build").glob("*.zip")
-    out, script = tmp_path / "out.exr", tmp_path / "install.py"
-    script.write_text(INSTALL.format(archive=str(archive)) + SCENE + RENDER.format(out=str(out)))
+        file.extractall(folder, **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
+    [tree] = folder.glob("encre-*")
+    return tree
+
+
+def test_the_extension_holds_the_python_and_a_wheel_of_the_library(dist, tree):
+    wanted = {path.relative_to(ROOT / "addon").as_posix() for path in (ROOT / "addon").rglob("*")
+              if path.suffix in (".py", ".json", ".toml")}
+    wanted = {name for name in wanted if not name.startswith("cli/")} - {"__main__.py"}
+    with zipfile.ZipFile(extension(dist[1], tree)) as archive:
+        [wheel] = [name for name in archive.namelist() if name.startswith("wheels/")]
+        assert set(archive.namelist()) == wanted | {"LICENSE", wheel}
+        manifest = archive.read("blender_manifest.toml").decode()
+        assert f'wheels = ["./{wheel}"]' in manifest
+        # What reviewers of extensions refuse.
+        refused = re.compile(r"\bimport (threading|subprocess)\b|sys\.path\.|sys\.path *=|\b(eval|exec)\(")
+        assert [name for name in archive.namelist()
+                if name.endswith(".py") and refused.search(archive.read(name).decode())] == []
+        with zipfile.ZipFile(archive.open(wheel)) as held:
+            assert held.testzip() is None
+            [library] = [name for name in held.namelist() if ".dist-info/" not in name]
+            assert re.fullmatch(r"libencre-\d+\.\d+\.\d+\+[0-9a-f]{8}\.(so|dylib|dll)", library)
+
+
+def test_blender_runs_the_extension_that_it_installed_last(tmp_path, dist, tree):
+    """Three after each other in one process: the first, a later version, another build of that version. Python finds
+    other packages of their names before them."""
+    pytest.importorskip("bpy", reason="needs Blender's Python module")
+    engine = (ROOT / "addon" / "blender" / "engine.py").read_text(encoding="utf-8")
+    assert 'bl_label = "Encre"' in engine
+    wheels = [dist[1]]
+    for name, version, thickness in ("Thin", "9.0.0", "0.1f"), ("Thick", "9.0.0", "1.0f"):
+        library = built.changed(tmp_path / f"{name}.so", "csrc/ink/lines.c", "0.5f * p->line_thickness",
+                                f"{thickness} * p->line_thickness")
+        (tmp_path / name).mkdir()
+        tag = dist[1].name.split("-", 2)[2]
+        wheels.append(rewritten(dist[1], tmp_path / name / f"encre-{version}-{tag}", {
+            f"encre/{LIBRARY}": library.read_bytes(),
+            "encre/blender/engine.py": engine.replace('bl_label = "Encre"', f'bl_label = "{name}"').encode()}))
+    for name in "encre", "encre_library", "pen":
+        (tmp_path / "rubbish" / name).mkdir(parents=True)
+        (tmp_path / "rubbish" / name / "__init__.py").write_text("raise ImportError('rubbish')")
+    script, pictures = tmp_path / "install.py", [tmp_path / f"{k}.exr" for k in range(3)]
+    script.write_text("".join(INSTALL.format(archive=str(extension(wheel, tree))) + SCENE + RENDER.format(out=str(out))
+                              for wheel, out in zip(wheels, pictures, strict=True)) + END)
     said = run(empty(tmp_path / "env"), script, cwd=tmp_path, BLENDER_USER_EXTENSIONS=str(tmp_path / "extensions"),
-               BLENDER_USER_CONFIG=str(tmp_path / "config"))
-    assert inked(out)
-    assert f"FROM {tmp_path / 'extensions'}" in said
+               BLENDER_USER_CONFIG=str(tmp_path / "config"), PYTHONPATH=str(tmp_path / "rubbish"))
+    place = tmp_path / "extensions" / "user_default" / "encre" / "blender" / "engine.py"
+    assert re.findall("^FROM (.*)$", said, re.MULTILINE) == [f"{name} {place}" for name in ("Encre", "Thin", "Thick")]
+    first, thin, thick = (ink(out).mean() for out in pictures)
+    assert inked(pictures[0]) and thin < 0.7 * first and thick > 1.3 * first
 
 
 @pytest.mark.skipif(not shutil.which("blender"), reason="needs the program blender")
@@ -129,8 +194,8 @@ def test_the_copied_folder_is_an_add_on(tmp_path):
     shutil.copytree(ROOT / "addon", tmp_path / "scripts" / "addons" / "encre",
                     ignore=shutil.ignore_patterns("__pycache__"))
     out, script = tmp_path / "out.exr", tmp_path / "render.py"
-    script.write_text(SCENE + RENDER.format(out=str(out)))
+    script.write_text(SCENE + RENDER.format(out=str(out)) + END)
     said = run("blender", "-b", "--factory-startup", "--addons", "encre", "-P", script, cwd=tmp_path,
                BLENDER_USER_SCRIPTS=str(tmp_path / "scripts"))
     assert inked(out)
-    assert f"FROM {tmp_path / 'scripts'}" in said
+    assert f"FROM Encre {tmp_path / 'scripts'}" in said

@@ -2,6 +2,7 @@
 """The library built a second time, without vectorisation and for one instruction set: quick to build anew where a file
 has changed, the same results, and linked so that tests see between the passes of FINE."""
 
+import contextlib
 import fcntl
 import os
 import runpy
@@ -42,11 +43,33 @@ def objects(out):
     return link, compile_
 
 
-def probe_fine(name="probe_fine"):
-    """Path of the library with probe_fine.c in place of FINE's table of passes."""
+def changed(out, source, old, new):
+    """Builds the library `out` with the text `old` of the file `source` replaced."""
+    with _alone():
+        link, compile_ = objects(out)
+        text = (ROOT / source).read_text(encoding="utf-8")
+        assert text.count(old) == 1
+        other, made = out.with_name(Path(source).name), out.with_suffix(".o")
+        other.write_text(text.replace(old, new), encoding="utf-8")
+        [own] = [list(command) for command in compile_ if command[command.index("-c") + 1] == source]
+        replaced = own[-1]
+        own[own.index("-c") + 1], own[-1] = str(other), str(made)
+        _run(own)
+        _run([str(made) if part == replaced else part for part in link])
+    return out
+
+
+@contextlib.contextmanager
+def _alone():
     BUILD.mkdir(parents=True, exist_ok=True)
     with open(BUILD / "lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # tests run beside each other
+        yield
+
+
+def probe_fine(name="probe_fine"):
+    """Path of the library with probe_fine.c in place of FINE's table of passes."""
+    with _alone():
         return _probe_fine(BUILD / f"{name}.so")
 
 
