@@ -11,6 +11,7 @@ import numpy as np
 
 from ..pen import layers, library
 from ..pen.settings import Settings, switches
+from .languages import OURS
 
 LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
 # Linked objects and materials keep it in overrides; scenes can't be overridden. A group counts with its pointer only.
@@ -19,7 +20,7 @@ _classes = []
 
 
 def _common(p):
-    return {"name": p.label, "description": p.help}
+    return {"name": p.label, "description": p.help, **OURS}
 
 
 def _limits(p):
@@ -91,7 +92,7 @@ class Own:
     owners: tuple[str, ...] = ("object", "material")
 
     def property(self):
-        about = {"name": self.label, "description": self.help, "override": _OVERRIDABLE}
+        about = {"name": self.label, "description": self.help, "override": _OVERRIDABLE, **OURS}
         if self.kind == "control":
             return bpy.props.FloatProperty(default=0.0, min=-1.0, max=1.0, **about)
         if self.kind == "degrees":
@@ -104,7 +105,7 @@ def own_settings(owner):
     rows = [
         Own("style", "style", "Style",
             "Style that this surface uses; an object's word counts more than a material's"),
-        *(Own(control.name, "control", control.label, f"Added to the painted control {control.attribute}")
+        *(Own(control.name, "control", control.label, "Added to the painted control of the same name")
           for control in library.controls().values()),
         Own("line_group", "text", "Line Group", "Objects of the same group have no outlines between them",
             ("object",)),
