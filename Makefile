@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | gallery | docs | test | test-long | mutate | bench | lint | extension | wheels | clean. Each sets up what it
-# needs in .venv.
+# make demo | gallery | docs | languages | test | test-long | mutate | bench | lint | extension | wheels | clean. Each sets
+# up what it needs in .venv.
 
 PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command -v $(p) 2>/dev/null)))
 # One Blender module per Python: the wheels on the package index are built for exactly one version each.
 BPY := $(shell $(PYTHON) -c 'import sys; print({(3, 11): "bpy==4.5.*", (3, 13): "bpy==5.2.*"}.get(sys.version_info[:2], ""))')
 RUN := .venv/bin/python
 
-.PHONY: demo gallery docs extension wheels blenders test test-long mutate bench lint clean build
+.PHONY: demo gallery docs languages extension wheels blenders test test-long mutate bench lint clean build
 
 .venv/ready: pyproject.toml
 	@test -n "$(BPY)" || command -v blender >/dev/null || \
@@ -35,6 +35,10 @@ gallery: build
 # The pages and tables of docs/ that are computed without Blender: two minutes.
 docs: build
 	$(RUN) tests/helpers/pages.py
+
+# Puts new texts of panels into addon/languages/, for somebody to translate, and takes old ones away.
+languages: build
+	$(RUN) tests/helpers/languages.py --write
 
 extension: .venv/ready
 	$(RUN) setup.py -q extension

@@ -4,6 +4,7 @@
 Every reading function takes evaluated data, so that keyframes and drivers count.
 """
 
+import functools
 from dataclasses import dataclass
 
 import bpy
@@ -11,15 +12,15 @@ import numpy as np
 
 from ..pen import layers, library
 from ..pen.settings import Settings, switches
+from .languages import OURS
 
 LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
 # Linked objects and materials keep it in overrides; scenes can't be overridden. A group counts with its pointer only.
 _OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
-_classes = []
 
 
 def _common(p):
-    return {"name": p.label, "description": p.help}
+    return {"name": p.label, "description": p.help, **OURS}
 
 
 def _limits(p):
@@ -48,22 +49,17 @@ def _property(p):
     return bpy.props.CollectionProperty(type=_level_class(), **_common(p))
 
 
-def _class(name, annotations, **members):
-    cls = type(name, (bpy.types.PropertyGroup,), {"__annotations__": annotations, **members})
-    bpy.utils.register_class(cls)
-    _classes.append(cls)
-    return cls
+def _class(name, annotations):
+    return type(name, (bpy.types.PropertyGroup,), {"__annotations__": annotations})
 
 
 def _tone(level):
     return [min(1.0, level.intensity * c) for c in level.color]
 
 
+@functools.cache
 def _level_class():
     """One level of discrete light; `tone` shows what it looks like."""
-    for cls in _classes:
-        if cls.__name__ == "EncreLevel":
-            return cls
     number = bpy.props.FloatProperty
     return _class("EncreLevel", {
         "intensity": number(name="Intensity", description="Brightness of this level", default=1.0,
@@ -91,7 +87,7 @@ class Own:
     owners: tuple[str, ...] = ("object", "material")
 
     def property(self):
-        about = {"name": self.label, "description": self.help, "override": _OVERRIDABLE}
+        about = {"name": self.label, "description": self.help, "override": _OVERRIDABLE, **OURS}
         if self.kind == "control":
             return bpy.props.FloatProperty(default=0.0, min=-1.0, max=1.0, **about)
         if self.kind == "degrees":
@@ -104,7 +100,7 @@ def own_settings(owner):
     rows = [
         Own("style", "style", "Style",
             "Style that this surface uses; an object's word counts more than a material's"),
-        *(Own(control.name, "control", control.label, f"Added to the painted control {control.attribute}")
+        *(Own(control.name, "control", control.label, "Added to the painted control of the same name")
           for control in library.controls().values()),
         Own("line_group", "text", "Line Group", "Objects of the same group have no outlines between them",
             ("object",)),
@@ -126,10 +122,13 @@ def _pass_switch(name):
             layer.update_render_passes()
 
     help_ = library.load().output_help[name]
-    return bpy.props.BoolProperty(name=name.split()[-1], description=f"{help_[0].upper()}{help_[1:]}", update=requery)
+    return bpy.props.BoolProperty(name=name.split()[-1], description=f"{help_[0].upper()}{help_[1:]}", update=requery,
+                                  **OURS)
 
 
-def register():
+@functools.cache  # 3.4 never lets go of a class that was registered: the same ones, then, each time
+def _classes():
+    """{owner: its class}, and what these are made of before them, in the order in which they register."""
     params = library.params().values()
     style = _class("EncreStyle", {
         "name": bpy.props.StringProperty(name="Name", default="Style"),
@@ -147,17 +146,26 @@ def register():
     material = _class("EncreMaterial", {own.id: own.property() for own in own_settings("material")})
     obj = _class("EncreObject", {own.id: own.property() for own in own_settings("object")})
     layer = _class("EncreViewLayer", {id_: _pass_switch(name) for id_, name in PASSES.items()})
-    bpy.types.ViewLayer.encre = bpy.props.PointerProperty(type=layer)
-    bpy.types.Scene.encre = bpy.props.PointerProperty(type=scene)
-    bpy.types.Material.encre = bpy.props.PointerProperty(type=material, override=_OVERRIDABLE)
-    bpy.types.Object.encre = bpy.props.PointerProperty(type=obj, override=_OVERRIDABLE)
+    return {"level": _level_class(), "style": style, "Scene": scene, "Material": material, "Object": obj,
+            "ViewLayer": layer}
+
+
+_OWNERS = {"Scene": {}, "ViewLayer": {}, "Material": {"override": _OVERRIDABLE}, "Object": {"override": _OVERRIDABLE}}
+
+
+def register():
+    classes = _classes()
+    for cls in classes.values():
+        bpy.utils.register_class(cls)
+    for owner, more in _OWNERS.items():
+        getattr(bpy.types, owner).encre = bpy.props.PointerProperty(type=classes[owner], **more)
 
 
 def unregister():
-    for owner in (bpy.types.ViewLayer, bpy.types.Scene, bpy.types.Material, bpy.types.Object):
-        del owner.encre
-    while _classes:
-        bpy.utils.unregister_class(_classes.pop())
+    for owner in _OWNERS:
+        del getattr(bpy.types, owner).encre
+    for cls in reversed(_classes().values()):
+        bpy.utils.unregister_class(cls)
 
 
 # ---- reading -----------------------------------------------------------------------------------------------------

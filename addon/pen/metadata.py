@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from . import library
+from . import library, settings
 from .errors import EncreError
 from .job import Camera, Frame
 
@@ -56,7 +56,7 @@ def write(scene: dict[str, Any], styles: Sequence[tuple[str, dict[str, Any]]], c
           lost: Sequence[str] = ()) -> dict[str, str]:
     """{key: JSON text} to store in a file, of what Stored says; `styles` in the order of their numbers."""
     said: dict[str, Any] = {
-        PARAMS: {"version": VERSION, "scene": scene,
+        PARAMS: {"version": VERSION, "settings": settings.VERSION, "scene": scene,
                  "styles": [{"name": name, "values": values} for name, values in styles]},
         FRAME: {"width": frame.width, "height": frame.height, "x": frame.x, "y": frame.y},
         CAMERA: {"orthographic": bool(camera.orthographic), "height": float(camera.height),
@@ -104,7 +104,9 @@ def _known(values, stored):
 def _read_params(said, stored):
     if said["version"] != VERSION:
         raise EncreError(f"they have version {said['version']}, and this Encre reads {VERSION}")
-    stored.scene = _known(said.get("scene", {}), stored)
+    # A file lists all that its version knew; what it does not is as that version did it.
+    before = settings.since(int(said.get("settings", 0)))
+    stored.scene = {**before, **_known(said.get("scene", {}), stored)}
     stored.styles = [(str(style["name"]), _known(style.get("values", {}), stored))
                        for style in said.get("styles", [])]
     if count := len(stored.unknown):

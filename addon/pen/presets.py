@@ -2,8 +2,9 @@
 """Presets: named values of some of the scene's parameters, one JSON file each: Encre's own in the folder `presets`,
 a user's where Blender keeps its user's files.
 
-A file holds {"name", "description", "values": {id: value}}, values in the JSON form of `encre params --json`; a PNG of
-the same name beside it is its picture. Adding a preset = adding a file. A preset sets the parameters that it lists and
+A file holds {"name", "description", "values": {id: value}}, values in the JSON form of `encre params --json`, a user's
+also the version of the "settings", of which it has all that are a matter of looks; a PNG of the same name beside it is
+its picture. Adding a preset = adding a file. A preset sets the parameters that it lists and
 leaves all others as they are. It is data from strangers: nothing in it is run, and it opens no other file.
 """
 
@@ -16,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import library
+from . import library, settings
 from .errors import EncreError, unknown
 from .params import tidy
 
@@ -94,7 +95,8 @@ def read(path: Path) -> Preset:
 def _read(path, _changed):
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-        name, description, values = data["name"], data["description"], data["values"]
+        name, description = data["name"], data["description"]
+        values = {**settings.since(int(data.get("settings", settings.VERSION))), **data["values"]}
         if not (isinstance(name, str) and name.strip() and isinstance(description, str)):
             raise ValueError("its name or description is no text")
         if refused := [id_ for id_ in values if not _holds(id_)]:
@@ -120,7 +122,8 @@ def of(values: Mapping[str, Any]) -> dict[str, Any]:
 def write(path: Path, name: str, description: str, values: Mapping[str, Any]) -> None:
     """Writes a preset's file, whole or not at all. EncreError: it can't be written."""
     values = {id_: _short(value) for id_, value in library.check(values).items()}
-    text = json.dumps({"name": name, "description": description, "values": values}, indent=2)
+    text = json.dumps({"name": name, "description": description, "settings": settings.VERSION, "values": values},
+                      indent=2)
     _store(path, lambda part: part.write_text(text + "\n", encoding="utf-8"))
 
 

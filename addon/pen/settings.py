@@ -9,6 +9,19 @@ import numpy as np
 
 from . import library
 
+# Versions of the settings, which files store: {version: {id: the default before it}}. Ids are for ever. To change a
+# default: add a version and what it was before.
+BEFORE = {1: {"crease_source": "LAYERS"}, 2: {"line_depth_unit": "SCENE"}}
+VERSION = max(BEFORE)
+
+
+def since(version: int) -> dict[str, Any]:
+    """{id: the default that settings of this version had} of those that have changed after it."""
+    before: dict[str, Any] = {}
+    for later in range(version + 1, VERSION + 1):
+        before = {**BEFORE[later], **before}
+    return before
+
 
 def switches() -> list[str]:
     """Ids of the parameters that turn a stage off."""

@@ -83,3 +83,12 @@ def test_rows_are_reset_to_the_preset_or_the_default(copied):
     assert copied["reset"] == [[4, 8], [0, 0]]
     assert copied["levels"] == [4, 0]
     assert copied["all"] == ["FINE", 4, None] and copied["differ"] == []
+
+
+@pytest.mark.parametrize("blender", EVERY)
+def test_nothing_stays_when_the_add_on_is_disabled(blender, tmp_path):
+    facts = blenders.run(blender, "registered", tmp_path).facts
+    assert len(facts["on"][0]) > 30
+    [left] = facts["left"]
+    assert {name: what for name, what in left.items() if what and name != "every class"} == {}
+    assert facts["more"] == [[]]

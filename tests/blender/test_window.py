@@ -55,6 +55,13 @@ def test_cycles_panels_and_nodes_are_there(shot):
     assert fact(shot, "shader nodes")
 
 
+def test_panels_speak_the_languages_of_blender(shot):
+    english = ["Hatching", "Lines", "Add Style", "Colour of the ink"]
+    assert shot.facts["language"] == [
+        ["de", "Schraffur", "Linien", "Stil hinzufügen", "Farbe der Tinte"],
+        ["fr", "Hachures", "Lignes", "Ajouter un style", "Couleur de l’encre"], ["en", *english]]
+
+
 def test_operators(shot):
     assert fact(shot, "thickness") == 4  # Ink only
     assert fact(shot, "levels") == 4

@@ -21,7 +21,7 @@ from encre.cli import composite, images, main, multilayer, png, workplace
 from encre.pen import denoise, layers, library, metadata, presets, saved
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
-from encre.pen.settings import Settings, switches
+from encre.pen.settings import VERSION, Settings, switches
 
 SIZE = 96, 64
 OFF = [f"--set={switch}=off" for switch in switches()]
@@ -139,6 +139,8 @@ def test_a_preset_may_be_a_file(run, tmp_path):
     presets.write(mine, "Mine", "", {"line_thickness": np.float32(7.3), "shade_levels": [(0.5,), (1, 0.5, 0.25)]})
     assert json.loads(mine.read_text())["values"] == {"line_thickness": 7.3, "shade_levels": [[0.5], [1, 0.5, 0.25]]}
     assert presets.find(str(mine)).values == {"line_thickness": 7.3, "shade_levels": [(0.5,), (1, 0.5, 0.25)]}
+    mine.write_text(mine.read_text().replace(f'"settings": {VERSION}', '"settings": 1'))
+    assert presets.find(str(mine)).values["line_depth_unit"] == "SCENE", "as when it was saved"
     for text, wrong in (("[]", "can't be used"), ("[" * 10 ** 6, "can't be used"), ("{", "can't be used"),
                         ('{"name": "x", "description": "", "values": {"paper_image": "a.png"}}', "hold no images"),
                         ('{"name": "x", "description": "", "values": {"seed": 1}}', "unknown parameter"),

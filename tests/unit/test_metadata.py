@@ -7,6 +7,7 @@ import pytest
 from encre.pen import library, metadata
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
+from encre.pen.settings import VERSION
 
 
 def test_round_trip():
@@ -28,10 +29,21 @@ def test_round_trip():
     assert metadata.read(written).border == (100, 50, 300, 200)
 
 
+def test_files_of_older_versions_keep_their_look():
+    older = {"version": 1, "scene": {"edge_threshold": 0.25}}
+    read = metadata.read({"encre.params": json.dumps(older)})
+    assert read.scene == {"edge_threshold": 0.25, "crease_source": "LAYERS", "line_depth_unit": "SCENE"}
+    read = metadata.read({"encre.params": json.dumps({**older, "settings": 1})})
+    assert read.scene == {"edge_threshold": 0.25, "line_depth_unit": "SCENE"}
+    older["scene"]["line_depth_unit"] = "RELATIVE"
+    assert metadata.read({"encre.params": json.dumps(older)}).scene["line_depth_unit"] == "RELATIVE"
+
+
 def test_stand_alone():
     read = metadata.read({})
     assert read.scene is read.camera is read.frame is None and read.styles == []
-    read = metadata.read({"encre.params": '{"version": 1, "scene": {"edge_threshold": 0.25, "edge_magic": 1}}'})
+    read = metadata.read({"encre.params": json.dumps(
+        {"version": 1, "settings": VERSION, "scene": {"edge_threshold": 0.25, "edge_magic": 1}})})
     assert read.scene == {"edge_threshold": 0.25} and read.frame is None
     assert len(read.warnings) == 1 and "edge_magic" in read.warnings[0]
 

@@ -14,7 +14,7 @@ To add: a panel to the file of its group, after base.EncrePanel and in its CLASS
 
 import bpy
 
-from .. import thumbnails
+from .. import languages, thumbnails
 from . import blocks, cycles, levels, marks, paint, passes, presets, scene, settings, stages, styles
 
 _registered = []
@@ -25,12 +25,12 @@ def register():
                 *styles.CLASSES, *blocks.CLASSES, *passes.CLASSES):
         bpy.utils.register_class(cls)
         _registered.append(cls)
-    for module in (thumbnails, cycles, paint, marks):
+    for module in (languages, thumbnails, cycles, paint, marks):
         module.register()
 
 
 def unregister():
-    for module in (marks, paint, cycles, thumbnails):
+    for module in (marks, paint, cycles, thumbnails, languages):
         module.unregister()
     while _registered:
         bpy.utils.unregister_class(_registered.pop())

@@ -2,12 +2,14 @@
 """What every panel has in common."""
 
 from .. import ENGINE
+from ..languages import CONTEXT
 
 
 class EncrePanel:
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     bl_context = "render"
+    bl_translation_context = CONTEXT
     COMPAT_ENGINES = {ENGINE}
 
     @classmethod
@@ -21,6 +23,7 @@ class SidebarPanel:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Encre"
+    bl_translation_context = CONTEXT
 
     @classmethod
     def poll(cls, context):

@@ -7,6 +7,7 @@ import bmesh
 import bpy
 
 from .. import ENGINE
+from ..languages import n_
 from ..meshes import PART
 from .base import SidebarPanel
 
@@ -74,15 +75,15 @@ class ENCRE_PT_marks(SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         column = self.layout.column()
         if bpy.app.build_options.freestyle:
-            _row(column, "mesh.mark_freestyle_edge", "Mark Edges")
-        _row(column, "encre.mark_part", "Mark Part")
+            _row(column, "mesh.mark_freestyle_edge", n_("Mark Edges"))
+        _row(column, "encre.mark_part", n_("Mark Part"))
         column.prop(context.object.encre, "separate_parts")
 
 
 def _menu(self, context):
     if context.engine == ENGINE:
         self.layout.separator()
-        for text, clear in (("Mark Line Part", False), ("Clear Line Part", True)):
+        for text, clear in ((n_("Mark Line Part"), False), (n_("Clear Line Part"), True)):
             self.layout.operator("encre.mark_part", text=text).clear = clear
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...pen import colour, library
 from .. import versions
+from ..languages import n_
 from .base import SidebarPanel
 
 
@@ -119,7 +120,7 @@ class ENCRE_PT_paint(SidebarPanel, bpy.types.Panel):
             if there:
                 row.operator("encre.paint_remove", text="", icon="X").control = control.name
         row = layout.row(align=True)
-        for text, value in (("Least", -1.0), ("Neutral", 0.0), ("Most", 1.0)):
+        for text, value in ((n_("Least"), -1.0), (n_("Neutral"), 0.0), (n_("Most"), 1.0)):
             row.operator("encre.brush", text=text).value = value
 
 

@@ -8,6 +8,7 @@ import bpy
 from ...pen import library, presets
 from ...pen.errors import EncreError
 from .. import ENGINE, properties, thumbnails, versions
+from ..languages import CONTEXT, iface_, tip_
 
 
 def folder():
@@ -60,9 +61,9 @@ class ENCRE_OT_preset(_PresetOperator, bpy.types.Operator):
             preset = presets.find(properties_.preset, folder())
         except EncreError as error:
             return str(error)
-        labels = [library.params()[id_].label for id_ in preset.values]
+        labels = [iface_(library.params()[id_].label, CONTEXT) for id_ in preset.values]
         listed = ", ".join(labels[:40]) + (", ..." if len(labels) > 40 else "")
-        return f"{preset.description}. Sets {listed}; leaves all other settings as they are"
+        return f"{tip_(preset.description)}. " + tip_("Sets {}; leaves all other settings as they are").format(listed)
 
     def do(self, context):
         preset = presets.find(self.preset, folder())
@@ -72,8 +73,7 @@ class ENCRE_OT_preset(_PresetOperator, bpy.types.Operator):
 
 
 class ENCRE_OT_preset_save(_PresetOperator, bpy.types.Operator):
-    """Save how the scene looks as a preset, with the last render as its picture. Images, and what the panel Layers
-    sets, are left out"""
+    """Save how the scene looks, without images and the panel Layers, with the last render as the picture"""
 
     bl_idname = "encre.preset_save"
     bl_label = "Save Preset"

@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..languages import iface_
 from . import presets
 from .base import EncrePanel
 
@@ -31,7 +32,7 @@ class ENCRE_PT_encre(EncrePanel, bpy.types.Panel):
         transform = context.scene.view_settings.view_transform
         if transform != "Standard":
             box = layout.box()
-            box.label(text=f"{transform} washes out ink", icon="INFO")
+            box.label(text=iface_("{} washes out ink").format(iface_(transform)), icon="INFO", translate=False)
             box.operator("encre.standard_view")
         row, preset = layout.row(align=True), presets.current(context.scene)
         if preset:

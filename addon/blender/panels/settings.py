@@ -7,6 +7,7 @@ import bpy
 
 from ...pen import library
 from .. import ENGINE, properties
+from ..languages import tip_
 from . import presets
 
 
@@ -66,8 +67,7 @@ class ENCRE_OT_settings_copy(_SettingsOperator, bpy.types.Operator):
 
 
 class ENCRE_OT_settings_paste(_SettingsOperator, bpy.types.Operator):
-    """Take all settings that were copied. A scene takes another's styles as well; a style changes what differs from
-    its scene"""
+    """Take all settings that were copied, a scene also the styles; a style changes what differs from its scene"""
 
     bl_idname = "encre.settings_paste"
     bl_label = "Paste Settings"
@@ -110,7 +110,9 @@ class ENCRE_OT_reset(_SettingsOperator, bpy.types.Operator):
     @classmethod
     def description(cls, context, properties_):
         preset = presets.current(context.scene)
-        return "Reset to the value of " + preset.name if preset else "Reset to the default value"
+        if preset is None:
+            return tip_("Reset to the default value")
+        return tip_("Reset to the value of the preset {}").format(preset.name)
 
     def execute(self, context):
         params, preset = library.params(), presets.current(context.scene)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One panel per stage, drawn from the parameter table."""
 
+import functools
+
 import bpy
 
 from ...pen import library
@@ -58,6 +60,7 @@ def stage_panel(stage):
     return type(f"ENCRE_PT_{stage.id}", (EncrePanel, bpy.types.Panel), members)
 
 
+@functools.cache
 def classes():
     """A panel class for each stage, in the order in which they are shown."""
     return [stage_panel(stage) for stage in library.stages()]

@@ -5,6 +5,7 @@ import bpy
 
 from ...pen import library
 from .. import properties
+from ..languages import CONTEXT, iface_
 from . import settings
 from .base import EncrePanel
 from .stages import draw_params
@@ -49,9 +50,13 @@ class ENCRE_OT_style_remove(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _surface_params(_self=None, _context=None):
-    return [(p.id, f"{stage.label}: {p.label}", p.help) for stage in library.stages() for p in stage.params
-            if p.scope == "surface"]
+_offered = []  # Blender wants the texts that it shows to be kept
+
+
+def _surface_params(_self, _context):
+    _offered[:] = [(p.id, ": ".join(iface_(label, CONTEXT) for label in (stage.label, p.label)), p.help)
+                   for stage in library.stages() for p in stage.params if p.scope == "surface"]
+    return _offered
 
 
 class ENCRE_OT_style_store(bpy.types.Operator):
@@ -62,7 +67,7 @@ class ENCRE_OT_style_store(bpy.types.Operator):
     bl_options = {"UNDO"}
     bl_property = "param"
 
-    param: bpy.props.EnumProperty(name="Setting", items=_surface_params())
+    param: bpy.props.EnumProperty(name="Setting", items=_surface_params)
 
     def invoke(self, context, _event):
         context.window_manager.invoke_search_popup(self)

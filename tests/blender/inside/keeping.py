@@ -156,3 +156,46 @@ def settings(_out):
     fact("all", [properties.scene_values(other)[id_] for id_ in ("edge_detector", "line_thickness", "paper_image")])
     fact("differ", [p.id for p in params.values()
                     if not properties.has(other.encre, p, presets.find("ink_only").values.get(p.id, p.default))])
+
+
+def registered(_out):
+    """What Blender holds of ours after many times of enabling and disabling."""
+    import gc
+
+    package = register()
+    states = []
+    for _ in range(20):
+        package.unregister()
+        gc.collect()
+        states.append(_state())
+        package.register()
+    fact("on", sorted(name for name in dir(bpy.types) if name.startswith(("ENCRE_", "Encre"))))
+    package.unregister()
+    fact("left", states[0])
+    fact("more", [[was, now] for was, now in zip(states[0].items(), states[-1].items(), strict=True) if was != now])
+
+
+def _state():
+    classes = [cls for base in (bpy.types.Panel, bpy.types.Operator, bpy.types.Menu, bpy.types.UIList,
+                                bpy.types.PropertyGroup, bpy.types.RenderEngine) for cls in _below(base)]
+    ours = [cls for cls in classes if cls.__name__.startswith(("ENCRE_", "Encre"))]
+    handlers = [handler for name in dir(bpy.app.handlers) if isinstance(getattr(bpy.app.handlers, name), list)
+                for handler in getattr(bpy.app.handlers, name)]
+    drawn = [function for cls in classes for function in getattr(vars(cls).get("draw"), "_draw_funcs", ())]
+    return {
+        "registered": sorted(name for name in dir(bpy.types) if name.startswith(("ENCRE_", "Encre"))),
+        "classes": sorted(cls.__name__ for cls in ours if cls.is_registered),
+        "every class": len(ours),
+        "handlers": [handler.__module__ for handler in handlers if handler.__module__.startswith("encre")],
+        "drawn": [function.__module__ for function in drawn if function.__module__.startswith("encre")],
+        "engines": [cls.__name__ for cls in classes if "ENCRE" in getattr(cls, "COMPAT_ENGINES", ())
+                    and cls not in ours],
+        "properties": [owner for owner in ("Scene", "ViewLayer", "Object", "Material")
+                       if hasattr(getattr(bpy.types, owner), "encre")],
+    }
+
+
+def _below(cls):
+    for sub in cls.__subclasses__():
+        yield sub
+        yield from _below(sub)

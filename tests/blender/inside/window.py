@@ -128,6 +128,22 @@ def presets():
     window().event_simulate(type="ESC", value="RELEASE")
 
 
+def languages():
+    """Encre's panels where Blender speaks German and French, and English again."""
+    view, translations = bpy.context.preferences.view, bpy.app.translations
+    view.use_translate_interface = view.use_translate_tooltips = True
+    area("PROPERTIES").spaces.active.context = "RENDER"
+    for language in ("de", "fr", "en"):
+        view.language = next(name for name in translations.locales if name.startswith(language))
+        yield
+        yield
+        screenshot(f"render_{language}")
+        studio.fact("language", [language, translations.pgettext_iface("Hatching", "Encre"),
+                                 translations.pgettext_iface("Lines", "Encre"),
+                                 translations.pgettext_iface("Add Style", "Operator"),
+                                 translations.pgettext_tip("Colour of the ink")])
+
+
 def edit_mode():
     """The panel of Edit Mode, as a pop-up: no script can open its tab in the sidebar of 3.4."""
     with override("VIEW_3D"):
@@ -207,7 +223,7 @@ def viewport():
 
 
 def steps():
-    for step in (choose, panels, tabs, presets, edit_mode, paint_mode, stroke, f12, viewport):
+    for step in (choose, panels, tabs, presets, languages, edit_mode, paint_mode, stroke, f12, viewport):
         made = step()
         if made is not None:
             yield from made
