@@ -5,11 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ..pen import denoise, layers, library, metadata, saved
+from ..pen import layers, library, metadata, saved
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
 from ..pen.settings import Settings
-from . import images, interrupt, multilayer, png, substitutes
+from . import denoiser, images, interrupt, multilayer, png, substitutes
+from .room import Room
 
 _LETTERS = "RGBAXYZW"
 _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
@@ -164,18 +165,16 @@ def _idle(pictures, settings, path):
     return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
 
 
-def _read(exr, names, settings, place, seen, threads):
+def _read(exr, names, settings, place, seen, threads, room):
     """(layers of what was rendered, number of values read as 0) of one view, whose passes have these `names`. Bands of
     rows are read and folded one after another: all passes at once would be twice as much. But the denoiser sees all."""
     rows, columns = place
-    whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start), 0
+    whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start, room.zeros), 0
     wanted, mattes = {**_wanted(names, exr.path, seen), **substitutes.cryptomatte(names)}, substitutes.Mattes()
     clean, bands = None, exr.bands(wanted, rows.start, rows.stop)
-    if _denoises(names, settings) and denoise.available():
+    if _denoises(names, settings) and denoiser.available():
         bands = [(rows.start, {name: picture[rows] for name, picture in exr.read(wanted).items()})]
-
-        def clean(picture, albedo, normal):
-            return denoise.denoise(picture, albedo, normal, threads, scale=settings.light_scale)
+        clean = denoiser.cleaner(threads, settings.light_scale)
     for first, passes in bands:
         passes = {name: _opaque(picture[:, columns], name) for name, picture in passes.items()}
         mattes.number(passes)
@@ -189,6 +188,7 @@ def _read(exr, names, settings, place, seen, threads):
         nonfinite += bad
         passes.clear()  # not kept while the next are read
         band.clear()
+        room.give_back()
     return whole.layers, nonfinite
 
 
@@ -240,63 +240,97 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
 
     change: the values to set on those in the file; say(kind, sentence) hears notes and warnings; allow_paths: open a
     paper image that the file names wherever it lies; asked: {classic pass name: name in the file} where that is
-    another; texts: {key: text} to store in `out`. Without a view layer's name the first is drawn. Raises EncreError for
-    the input, images.WriteError where `out` can't be written.
+    another; texts: {key: text} to store in `out`. Without a view layer's name all are drawn, into a .png the first.
+    Raises EncreError for the input, images.WriteError where `out` can't be written.
     """
-    as_png, channels, nonfinite, notes = out.lower().endswith(".png"), {}, 0, []
     with multilayer.Exr(path, threads) as exr:
-        stored = metadata.read(exr.metadata)
-        scene = {**(stored.scene or {}), **change}
-        if (factor := scene.pop("supersample", 1)) > 1:
-            say("note", f"supersample {factor} needs a render: {path} holds layers of the frame's size, and is drawn "
-                        "at that")
-        settings = Settings(scene, stored.styles)
-        settings = Settings(_paper(settings, change, path, allow_paths, stored.paper), stored.styles)
-        found = view_layers(exr.channels, exr.views)
-        layer = _choose(found, view_layer, path)
-        place = _rows_and_columns(stored.border, exr.window)
-        eyes = {view: substitutes.rename(names, asked or {}, exr.channels, path)
-                for view, names in found[layer].items()}
-        eyes = {view: names for view, names in eyes.items() if _has_picture(names)} or eyes
-        others = [name for name in found if name not in (layer, "Composite")
-                  and any(map(_has_picture, found[name].values()))]
-        if others and view_layer is None:
-            say("note", f"{path}: view layer {layer} is drawn, and not {', '.join(others)}; choose by --view-layer")
-        if as_png and len(eyes) > 1:
-            raise EncreError(f"{path}: is stereo, and a PNG has one view; write an .exr")
-        # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
-        seen = stored.camera is not None and settings.wants_seen
-        for view, names in eyes.items():
-            settings, missing = substitutes.switch_off(names, settings)
-            noisy = _denoises(names, settings) and not denoise.available() and (
-                f"{path} holds light as it was rendered, and Open Image Denoise is not installed here: its noise stays")
-            read, bad = _read(exr, names, settings, place, seen, threads)
-            notes = notes or [_notes(stored, names, path), noisy, missing and f"{path} has {'; '.join(missing)}",
-                              _idle(read, settings, path)]
-            with interrupt.heeded() as progress:
-                result = library.draw(read, settings.every, stored.camera, _place(stored, exr.window),
-                                      ("Combined",) if as_png else ("Combined", *layers.DRAWN), threads,
-                                      progress=progress,
-                                      image=lambda name: _paper_pixels(name, stored.paper, change))
-            del read
-            pictures = {name: _whole(picture, place, exr.window) for name, picture in result.images.items()}
-            channels.update(_named(pictures, layer, view, names))
-            nonfinite += bad + result.nonfinite
-            del result
-    for kind, text in [*(("note", note) for note in notes), *(("warning", warning) for warning in stored.warnings)]:
-        if text:
-            say(kind, text)
-    if nonfinite:
-        say("warning", f"{path}: {nonfinite} values were NaN or infinite and were read as 0")
-    if stored.lost:
-        say("note", f"{path}: {' and '.join(stored.lost)} in Combined are not drawn again")
-    if as_png:
+        work = _Work(exr, change, allow_paths, asked or {}, threads, out.lower().endswith(".png"))
+        work.draw(view_layer)
+    for kind, text in work.said:
+        say(kind, text)
+    stored = work.stored
+    if work.as_png:
         view = stored.view or metadata.View()
         if words := _view(stored.view, path):
             say("note", words)
-        png.write(out, pictures["Combined"], exr.window, texts, view.exposure, view.gamma)
+        png.write(out, work.picture, exr.window, texts, view.exposure, view.gamma)
     else:
-        multilayer.write(out, channels, exr.window, exr.views, texts)
+        multilayer.write(out, work.channels, exr.window, exr.views, texts)
+
+
+class _Work:
+    """What is drawn of a file: `channels` {full name: array (H, W)}, `picture`, the last Combined, and `said`, the keys
+    of which are what there is to say."""
+
+    def __init__(self, exr, change, allow_paths, asked, threads, as_png):
+        self.exr, self.change, self.asked, self.threads, self.as_png = exr, change, asked, threads, as_png
+        self.channels, self.said, self.nonfinite = {}, {}, 0
+        self.stored = metadata.read(exr.metadata)
+        scene = {**(self.stored.scene or {}), **change}
+        if (factor := scene.pop("supersample", 1)) > 1:
+            self._say("note", f"supersample {factor} needs a render: {exr.path} holds layers of the frame's size, and "
+                              "is drawn at that")
+        settings = Settings(scene, self.stored.styles)
+        self.settings = Settings(_paper(settings, change, exr.path, allow_paths, self.stored.paper), self.stored.styles)
+        self.place = _rows_and_columns(self.stored.border, exr.window)
+        self.room = Room(exr.window.width * exr.window.height)
+
+    def _say(self, kind, sentence):
+        if sentence:
+            self.said[kind, sentence] = None
+
+    def draw(self, view_layer):
+        """Draws the view layer of this name, or all."""
+        exr, found = self.exr, view_layers(self.exr.channels, self.exr.views)
+        first = _choose(found, view_layer, exr.path)
+        # What --layer names lies in one of them, whose name is not told.
+        others = [name for name, eyes in found.items() if any(map(_has_picture, eyes.values()))
+                  and name not in (first, "Composite") and view_layer is None and not self.asked]
+        if others and self.as_png:
+            self._say("note", f"{exr.path}: view layer {first} is drawn, and not {', '.join(others)}; choose by "
+                              "--view-layer, or write an .exr, which has room for all")
+            others = []
+        for layer in [name for name in found if name in (first, *others)]:
+            eyes = {view: substitutes.rename(names, self.asked, exr.channels, exr.path)
+                    for view, names in found[layer].items()}
+            eyes = {view: names for view, names in eyes.items() if _has_picture(names)} or eyes
+            if self.as_png and len(eyes) > 1:
+                raise EncreError(f"{exr.path}: is stereo, and a PNG has one view; write an .exr")
+            for view, names in eyes.items():
+                self._draw(layer, view, names, f"{exr.path}, view layer {layer}," if others else exr.path)
+        for warning in self.stored.warnings:
+            self._say("warning", warning)
+        if self.nonfinite:
+            self._say("warning", f"{exr.path}: {self.nonfinite} values were NaN or infinite and were read as 0")
+        if self.stored.lost:
+            self._say("note", f"{exr.path}: {' and '.join(self.stored.lost)} in Combined are not drawn again")
+
+    def _draw(self, layer, view, names, where):
+        stored, window = self.stored, self.exr.window
+        settings, missing = substitutes.switch_off(names, self.settings)
+        # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
+        seen = stored.camera is not None and settings.wants_seen
+        read, bad = _read(self.exr, names, settings, self.place, seen, self.threads, self.room)
+        self._say("note", _notes(stored, names, where))
+        if _denoises(names, settings) and not denoiser.available():
+            self._say("note", f"{where} holds light as it was rendered, and Open Image Denoise is not installed here: "
+                              "its noise stays")
+        self._say("note", missing and f"{where} has {'; '.join(missing)}")
+        self._say("note", _idle(read, settings, where))
+        with interrupt.heeded() as progress:
+            def go_on(fraction):
+                self.room.give_back()
+                return progress(fraction)
+
+            result = library.draw(read, settings.every, stored.camera, _place(stored, window),
+                                  ("Combined",) if self.as_png else ("Combined", *layers.DRAWN), self.threads,
+                                  progress=go_on, image=lambda name: _paper_pixels(name, stored.paper, self.change),
+                                  empty=self.room.zeros)
+        del read
+        pictures = {name: _whole(picture, self.place, window) for name, picture in result.images.items()}
+        self.picture = pictures["Combined"]
+        self.channels.update(_named(pictures, layer, view, names))
+        self.nonfinite += bad + result.nonfinite
 
 
 def _named(pictures, layer, view, names):

@@ -213,7 +213,7 @@ def use_device(scene, name, error):
 
 def choose(job, error):
     """The scene that the job names, its camera and view layers set as it says."""
-    from encre.blender import properties
+    from ..blender import properties
 
     scene = bpy.context.scene
     if job["scene_name"] is not None:

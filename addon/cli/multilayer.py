@@ -149,43 +149,55 @@ def write(path, channels, window, views=(), texts=None):
 
     Raises images.WriteError where the file can't be written.
     """
+    spec = _spec(window, list(channels), dict.fromkeys(channels, "float"), views, texts or {})
+    rows = ((y, np.stack([picture[y:y + images.ROWS] for picture in channels.values()], axis=2))
+            for y in range(0, window.height, images.ROWS))
+    with images.writing([path]) as place:
+        _fill(path, os.path.join(place.path, os.path.basename(path)), spec, rows)
+        place.take(os.path.basename(path), path)
+
+
+def _spec(window, names, kinds, views, texts):
     oiio = images.openimageio()
-    spec = oiio.ImageSpec(window.width, window.height, len(channels), "float")
+    spec = oiio.ImageSpec(window.width, window.height, len(names), "float")
     spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
-    spec.channelnames = tuple(channels)
+    spec.channelnames = tuple(names)
+    if "half" in kinds.values():
+        spec.channelformats = tuple(oiio.TypeDesc(kinds[name]) for name in names)
     spec["compression"] = "zip"
-    for key, said in (texts or {}).items():
+    for key, said in texts.items():
         spec[key] = said
     if views:
         spec.attribute("multiView", oiio.TypeDesc(f"string[{len(views)}]"), views)
-    images.write(path, spec, np.stack(list(channels.values()), axis=2))
+    return spec
+
+
+def _fill(path, part, spec, bands):
+    """Writes the file `part`, which is to become `path`, of (row, array (rows, W, channels)). Raises images.WriteError.
+    """
+    out = images.openimageio().ImageOutput.create(part)
+    good = out.open(part, spec)
+    for y, rows in bands if good else ():
+        good = good and out.write_scanlines(spec.y + y, spec.y + y + len(rows), 0, rows)
+    if not (out.close() and good):
+        raise images.unwritten(path, out, part)
 
 
 def rewrite(path, part, kinds):
     """Writes the channels of an EXR that `kinds` {full name: "half", "float" or None, as it is} names into another,
     `part`, as one part with the same metadata. Few rows are held at a time. Raises EncreError, WriteError.
     """
-    oiio = images.openimageio()
     with Exr(path) as exr:
-        window, names = exr.window, [name for name in exr.channels if name in kinds]
-        spec = oiio.ImageSpec(window.width, window.height, len(names), "float")
-        spec.x, spec.y, spec.full_width, spec.full_height = window.x, window.y, window.full_width, window.full_height
-        spec.channelnames = tuple(names)
+        names = [name for name in exr.channels if name in kinds]
         kinds = {name: kinds[name] or exr.kinds[name] for name in names}
-        spec.channelformats = tuple(map(oiio.TypeDesc, kinds.values()))
-        spec["compression"] = "zip"
-        for key, said in exr.metadata.items():
-            if not key.startswith(("oiio:", "openexr:")) and key not in ("compression", "name", "view"):
-                spec[key] = said
-        if exr.views:
-            spec.attribute("multiView", oiio.TypeDesc(f"string[{len(exr.views)}]"), exr.views)
+        texts = {key: said for key, said in exr.metadata.items()
+                 if not key.startswith(("oiio:", "openexr:")) and key not in ("compression", "name", "view")}
         halves = [k for k, name in enumerate(names) if kinds[name] == "half"]
-        out = oiio.ImageOutput.create(part)
-        good = out.open(part, spec)
-        for y, band in exr.bands({"all": names}, 0, window.height) if good else ():
-            rows = np.array(band["all"])
-            rows[..., halves] = np.clip(rows[..., halves], -MOST_HALF, MOST_HALF)
-            good = good and out.write_scanlines(window.y + y, window.y + y + len(rows), 0, rows)
-        good = out.close() and good
-        if not good:
-            raise images.unwritten(path, out, part)
+
+        def bands():
+            for y, band in exr.bands({"all": names}, 0, exr.window.height):
+                rows = np.array(band["all"])
+                rows[..., halves] = np.clip(rows[..., halves], -MOST_HALF, MOST_HALF)
+                yield y, rows
+
+        _fill(path, part, _spec(exr.window, names, kinds, exr.views, texts), bands())

@@ -237,15 +237,16 @@ def _put_together(read, layers, light, shading, denoise_other):
 
 
 class Whole:
-    """The layers of a picture (height, width), from those of its bands of rows."""
+    """The layers of a picture (height, width), from those of its bands of rows. zeros(shape) makes an array."""
 
-    def __init__(self, height: int, width: int) -> None:
-        self.shape = height, width
+    def __init__(self, height: int, width: int,
+                 zeros: Callable[[tuple[int, ...]], np.ndarray] = lambda shape: np.zeros(shape, np.float32)) -> None:
+        self.shape, self.zeros = (height, width), zeros
         self.layers: dict[str, np.ndarray] = {}
 
     def add(self, row: int, layers: dict[str, np.ndarray]) -> None:
         """Those of the rows from `row` on."""
         for name, picture in layers.items():
             if name not in self.layers:
-                self.layers[name] = np.zeros((*self.shape, picture.shape[2]), np.float32)
+                self.layers[name] = self.zeros((*self.shape, picture.shape[2]))
             self.layers[name][row:row + len(picture)] = picture

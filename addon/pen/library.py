@@ -278,8 +278,10 @@ class Library:
     def draw(self, layers: Mapping[str, np.ndarray], every: Sequence[Mapping], camera: Camera | None = None,
              frame: Frame | None = None, outputs: Sequence[str] = ("Combined",), threads: int = 0, simd: int = 1,
              progress: Callable[[float], bool] | None = None,
-             image: Callable[[str], np.ndarray] | None = None) -> Result:
-        """As render(); every[k]: the checked values of style number k, as complete() gives them."""
+             image: Callable[[str], np.ndarray] | None = None,
+             empty: Callable[[tuple[int, ...]], np.ndarray] | None = None) -> Result:
+        """As render(); every[k]: the checked values of style number k, as complete() gives them; empty(shape) makes the
+        arrays of what is drawn."""
         job, keep = self._job(), []
         for i, (name, channels) in enumerate(self.layers.items()):
             a = layers.get(name)
@@ -295,7 +297,8 @@ class Library:
         images = {}
         for i, (name, channels) in enumerate(self.outputs.items()):
             if name in outputs:
-                images[name] = np.empty((height, width, channels), np.float32)
+                shape = height, width, channels
+                images[name] = empty(shape) if empty else np.empty(shape, np.float32)
                 job.outputs[i] = _image(images[name])
         for name in outputs:
             if name not in self.outputs:

@@ -17,8 +17,8 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre.cli import composite, images, main, multilayer, png, workplace
-from encre.pen import denoise, layers, library, metadata, presets, saved
+from encre.cli import composite, denoiser, images, main, multilayer, png, room, workplace
+from encre.pen import layers, library, metadata, presets, saved
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
 from encre.pen.settings import VERSION, Settings, switches
@@ -38,10 +38,11 @@ def scene():
 
 @pytest.fixture
 def run(capsys):
-    def run(*args):
-        """(exit status, stdout, stderr) of `encre args`."""
+    def run(*args, denoise=False):
+        """(exit status, stdout, stderr) of `encre args`, without the denoiser that a Blender brings, unless asked."""
+        plain = ["--set=light_denoise=NONE"] if args[:1] == ("composite",) and len(args) > 2 and not denoise else []
         try:
-            status = main.main([str(arg) for arg in args])
+            status = main.main([str(arg) for arg in (*args, *plain)])
         except SystemExit as end:
             status = end.code
         return status, *capsys.readouterr()
@@ -169,7 +170,7 @@ def test_composite_reads_what_every_blender_writes(run, tmp_path, scene, layout,
     sets = [f"--set={id_}={'off' if value is False else value}" for id_, value in settings.items()]
     status, out, err = run("composite", path, "-o", tmp_path / "out.exr", *sets)
     assert status == 0 and out.startswith(f"{tmp_path / 'out.exr'} (")
-    assert err.startswith("encre: note: ") and err.count("\n") == (2 if settings else 3)  # noise, and what FINE lacks
+    assert err.startswith("encre: note: ") and err.count("\n") == (1 if settings else 2)  # what FINE lacks
     prefix = "" if layout == "bare" else "ViewLayer."
     for name, picture in expected(pictures, settings, outputs=("Combined", *layers.DRAWN)).items():
         assert np.array_equal(exr.picture(tmp_path / "out.exr", prefix + name), picture), name
@@ -462,25 +463,81 @@ def test_cryptomatte_is_the_object_index(run, tmp_path, scene, monkeypatch):
     assert np.array_equal(exr.picture(tmp_path / "out.exr"), want), "only which objects differ counts, not how"
 
 
-def test_noisy_light_is_denoised_where_that_is_installed(run, tmp_path, scene, monkeypatch):
-    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
-    monkeypatch.setattr(denoise, "available", lambda home=None: False)
-    assert "noise stays" in run("composite", path, "-o", tmp_path / "a.exr")[2]
-    monkeypatch.setattr(denoise, "available", lambda home=None: True)
-    monkeypatch.setattr(denoise, "denoise", lambda light, *_: light * np.float32(0.5))
-    assert "noise stays" not in run("composite", path, "-o", tmp_path / "b.exr")[2]
-    assert not np.array_equal(exr.picture(tmp_path / "a.exr"), exr.picture(tmp_path / "b.exr"))
+def test_noisy_light_is_denoised(run, tmp_path, monkeypatch):
+    """By the library that comes with a Blender, where there is one."""
+    if not denoiser.available():
+        pytest.skip("no Open Image Denoise here, in no Blender either")
+    clean, noisy = (exr.write(tmp_path / f"in{noise}.exr", exr.passes(drawn.scene(*SIZE, noise=noise)))
+                    for noise in (0.0, 0.5))
+    light = []
+    for path, denoise in ((clean, False), (noisy, False), (noisy, True)):
+        status, _, err = run("composite", path, "-o", tmp_path / "out.exr", *OFF[1:], denoise=denoise)
+        assert status == 0 and "noise stays" not in err
+        light.append(exr.picture(tmp_path / "out.exr", "ViewLayer.Encre Light"))
+    assert np.abs(light[2] - light[0]).mean() < 0.5 * np.abs(light[1] - light[0]).mean()
 
 
-def test_other_view_layers_are_named(run, tmp_path, scene):
-    pictures = {f"{layer}.{name}": picture for layer in ("One", "Two") for name, picture in exr.passes(scene).items()}
-    letters = {full: exr.LETTERS[full.partition(".")[2]] for full in pictures}
-    channels = {f"{full}.{letter}": np.atleast_3d(picture)[..., k] for full, picture in pictures.items()
-                for k, letter in enumerate(letters[full])}
-    multilayer.write(tmp_path / "in.exr", channels, multilayer.Window(*SIZE, 0, 0, *SIZE))
-    assert "layer One is drawn, and not Two" in run("composite", tmp_path / "in.exr", "-o", tmp_path / "o.exr")[2]
-    err = run("composite", tmp_path / "in.exr", "-o", tmp_path / "o.exr", "--view-layer", "Two")[2]
-    assert "is drawn, and not" not in err
+def test_noise_that_stays_is_said(run, tmp_path, scene, monkeypatch):
+    """Where there is no Blender and no such library."""
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if not (Path(place) / "bpy").is_dir()])
+    monkeypatch.setenv("PATH", str(tmp_path))
+    denoiser.home.cache_clear()
+    try:
+        if denoiser.available():
+            pytest.skip("the system has Open Image Denoise")
+        path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+        assert "noise stays" in run("composite", path, "-o", tmp_path / "a.exr", denoise=True)[2]
+        assert "noise stays" not in run("composite", path, "-o", tmp_path / "a.exr")[2]
+    finally:
+        denoiser.home.cache_clear()
+
+
+def test_all_view_layers_are_drawn(run, tmp_path, scene):
+    """Each as if it were alone; a PNG has room for one, and says so."""
+    second = drawn.scene(*SIZE, seed=1)
+    alone = {"One": exr.passes(scene), "Two": {**exr.passes(second), "Emit": second["color"]}}
+    del alone["One"]["Normal"]  # which switches nothing off in the other
+    channels = {f"{layer}.{name}.{letter}": np.atleast_3d(picture)[..., k] for layer, pictures in alone.items()
+                for name, picture in pictures.items() for k, letter in enumerate(exr.LETTERS[name])}
+    path = tmp_path / "in.exr"
+    multilayer.write(path, channels, multilayer.Window(*SIZE, 0, 0, *SIZE))
+    status, _, err = run("composite", path, "-o", tmp_path / "both.exr")
+    assert status == 0 and "is drawn, and not" not in err and "view layer One, has no normals" in err
+    for layer, pictures in alone.items():
+        assert run("composite", path, "-o", tmp_path / "one.exr", "--view-layer", layer)[2].count("is drawn") == 0
+        own = exr.write(tmp_path / "own.exr", pictures, layer=layer)
+        assert run("composite", own, "-o", tmp_path / "own_out.exr")[0] == 0
+        for name in ("Combined", *layers.DRAWN):
+            want = exr.picture(tmp_path / "own_out.exr", f"{layer}.{name}")
+            for file in "both", "one":
+                assert np.array_equal(exr.picture(tmp_path / f"{file}.exr", f"{layer}.{name}"), want), (layer, name)
+    err = run("composite", path, "-o", tmp_path / "o.png")[2]
+    assert "layer One is drawn, and not Two; choose by --view-layer, or write an .exr" in err
+    assert "is drawn" not in run("composite", path, "-o", tmp_path / "o.png", "--view-layer", "Two")[2]
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="all pictures are in memory here")
+def test_large_pictures_lie_in_files(run, tmp_path, scene, monkeypatch):
+    """With the same pixels; where files have no room, in memory."""
+    path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)})
+    monkeypatch.setattr(room, "LARGE", 1)
+    made = room.Room(SIZE[0] * SIZE[1])
+    picture = made.zeros((1 << 12, 1 << 12))
+    assert not picture[::64].any()
+    picture[:] = 1
+    pages = Path("/proc/self/statm").read_text().split()[2]
+    time.sleep(0.2)
+    made.give_back()
+    assert int(Path("/proc/self/statm").read_text().split()[2]) < int(pages) - (1 << 13) and (picture == 1).all()
+    pictures = []
+    for number, limit in enumerate((1, 1 << 30)):
+        monkeypatch.setattr(room, "LARGE", limit)
+        assert run("composite", path, "-o", tmp_path / f"{number}.exr")[0] == 0
+        pictures.append(exr.read(tmp_path / f"{number}.exr"))
+    assert all(np.array_equal(pictures[0][name], pictures[1][name]) for name in pictures[1])
+    child = encre("composite", path, "-o", tmp_path / "2.exr", preexec_fn=lambda: resource.setrlimit(
+        resource.RLIMIT_FSIZE, (1 << 19,) * 2))
+    assert child.communicate(timeout=60) and child.returncode == 0
 
 
 @pytest.mark.parametrize("ending", ["exr", "png"])
