@@ -12,7 +12,7 @@ from bpy.app.handlers import persistent
 from . import ENGINE, properties
 
 # version: {id: the default before it}
-BEFORE = {1: {"crease_source": "LAYERS"}, 2: {"line_depth_unit": "SCENE"}}
+BEFORE = {1: {"crease_source": "LAYERS"}, 2: {"line_depth_unit": "SCENE", "crease_angle": 20.0}}
 PASSES = 2  # up to this version every view layer had all passes
 VERSION = max(BEFORE)
 
