@@ -16,7 +16,7 @@ ENUM(depth_space, FRAME, 0, "edge_depth&edge_detector=DOG|SOBEL", "Depth Space",
 FLOAT(depth_near, FRAME, 0.1, 0, FLT_MAX, 0, 100, "length", "depth_space=LINEAR", "Near", "Depth that counts as 0")
 FLOAT(depth_far, FRAME, 100, 0, FLT_MAX, 1, 1000, "length", "depth_space=LINEAR", "Far", "Depth that counts as 1; must be beyond Near")
 FLOAT(edge_normal, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "", "Normal", "Weight of creases")
-FLOAT(crease_angle, SURFACE, 20, 1, 180, 1, 90, "angle", "edge_normal&edge_detector=FINE", "Crease Angle", "Surfaces that bend by this angle or more have a line there")
+FLOAT(crease_angle, SURFACE, 32, 1, 180, 1, 90, "angle", "edge_normal&edge_detector=FINE", "Crease Angle", "Surfaces that bend by this angle or more have a line there")
 FLOAT(crease_smooth, SURFACE, 60, 1, 180, 1, 180, "angle", "edge_normal&edge_detector=FINE&crease_source=AUTO", "Smooth Crease Angle", "The same for edges of meshes that are shaded smoothly")
 ENUM(crease_source, FRAME, 0, "edge_normal&edge_detector=FINE", "Creases From", "What tells where surfaces bend",
      ITEM(crease_source, AUTO, 0, "Meshes", "The edges of meshes, and the normals where no mesh tells: hair, displacement, pictures of other renderers")

@@ -70,7 +70,7 @@ def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined
 
 # Cases that the tests of sites and of passes share
 
-ALL = dict(edge_threshold=0.1, edge_color=2.0, edge_light=3.0, edge_material=0.7, edge_seen=2.0)
+ALL = dict(crease_angle=20.0, edge_threshold=0.1, edge_color=2.0, edge_light=3.0, edge_material=0.7, edge_seen=2.0)
 STYLES = [{"edge_normal": 2.0, "edge_depth": 0.2}, {"shade_levels": [(0.2,), (0.7, 0.4, 0)], "shade_exposure": 1.2}]
 ORTHO = Camera(orthographic=True, height=5.0)
 CASES = {  # how shapes() draws it, the scene, styles, camera
@@ -147,7 +147,7 @@ def given(name):
     scene, camera = {**ALL, **scene}, camera or Camera()
     told = vars(camera)
     own = Layers(layers, len(styles), told, None)
-    return layers, scene, View(own, Params(scene, styles), tuple(layers), scene.get("crease_angle", 20.0))
+    return layers, scene, View(own, Params(scene, styles), tuple(layers), scene["crease_angle"])
 
 
 @functools.cache

@@ -11,7 +11,7 @@ from . import measure
 from .scenes import sphere
 
 PARAMS = {
-    "edge_threshold": 0.3, "edge_color": 3.0, "edge_light": 4.0, "edge_material": 0.0,
+    "edge_threshold": 0.3, "edge_color": 3.0, "edge_light": 4.0, "edge_material": 0.0, "crease_angle": 20.0,
     "line_softness": 0.0, "line_gain": 0.5, "line_intensity": 2.0,
     "line_thickness": 1.0, "line_contrast": 0.0, "line_paper": 0.0, "line_occlude": False,
     "length_unit": "PIXELS", "use_shading": False, "use_smudging": False, "use_hatching": False,

@@ -9,7 +9,7 @@ DEFAULTS = {
     "edge_threshold": 0.5, "edge_sigma": 1.0, "depth_near": 0.1, "depth_far": 100.0,
     "edge_depth": 1.0, "edge_normal": 1.0, "edge_object": 1.0, "edge_material": 0.0, "edge_color": 0.0,
     "edge_seen": 1.0, "edge_light": 0.0, "edge_mark": 1.0, "sobel_shape_threshold": 0.25,
-    "crease_angle": 20.0, "crease_smooth": 60.0, "crease_source": "AUTO", "edge_bump": 0.0,
+    "crease_angle": 32.0, "crease_smooth": 60.0, "crease_source": "AUTO", "edge_bump": 0.0,
     "contrast_metric": "RGB", "contrast_threshold": 0.01, "contrast_max": 1.0,
     "contrast_auto": False, "contrast_window": 64.0,
     # lines

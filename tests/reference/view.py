@@ -53,7 +53,7 @@ def norm2(v):
 class View:
     """Layers and parameters as the families look at them."""
 
-    def __init__(self, layers, params, given=(), crease_angle=20.0):
+    def __init__(self, layers, params, given=(), crease_angle=32.0):
         self.layers, self.params, self.given = layers, params, set(given)
         self.shape = layers.depth.shape
         self.threshold = params["edge_threshold"]
