@@ -11,7 +11,10 @@ from . import library
 
 # Versions of the settings, which files store: {version: {id: the default before it}}. Ids are for ever. To change a
 # default: add a version and what it was before.
-BEFORE = {1: {"crease_source": "LAYERS"}, 2: {"line_depth_unit": "SCENE", "crease_angle": 20.0}}
+BEFORE: dict[int, dict[str, Any]] = {
+    1: {"crease_source": "LAYERS"},
+    2: {"line_depth_unit": "SCENE", "crease_angle": 20.0},
+}
 VERSION = max(BEFORE)
 
 
