@@ -69,6 +69,31 @@ def sharp_edges(mesh):
     return np.ones_like(sharp) if getattr(mesh, "use_auto_smooth", False) else sharp
 
 
+def corner_normals(mesh):
+    """Unit normals at the corners of faces, (corners, 3); None where all faces are flat."""
+    smooth = np.empty(len(mesh.polygons), bool)
+    mesh.polygons.foreach_get("use_smooth", smooth)
+    if not smooth.any():
+        return None
+    normals = np.empty((len(mesh.loops), 3), np.float32)
+    if hasattr(mesh, "corner_normals"):  # since 4.1
+        mesh.corner_normals.foreach_get("vector", normals.reshape(-1))
+    else:
+        mesh.calc_normals_split()
+        mesh.loops.foreach_get("normal", normals.reshape(-1))
+    return normals
+
+
+def casts_shadows(lamp):
+    """Whether the light of a lamp's data throws shadows in Cycles. 4.2 gave it one switch for all engines."""
+    return getattr(lamp.cycles, "cast_shadow", True) if bpy.app.version < (4, 2, 0) else lamp.use_shadow
+
+
+def light_linking(obj):
+    """What a lamp is linked to, None before 4.0."""
+    return getattr(obj, "light_linking", None)
+
+
 def has_cycles_denoiser():
     """Whether this build's Cycles has Open Image Denoise. Distributions leave it out, and Cycles then refuses to
     render any scene that asks for it, as every factory scene does."""
