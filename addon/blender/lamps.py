@@ -178,7 +178,8 @@ class _Sets:
         """(light_sets, shadow_sets) of what is lit: the same, as sets of receivers and blockers are numbered as one."""
         if len(self.members) == 1:
             return EVERY_SET, EVERY_SET
-        sets = 1 | sum(1 << k for k, members in enumerate(self.members) if members and obj.original.name_full in members)
+        name = obj.original.name_full
+        sets = 1 | sum(1 << k for k, members in enumerate(self.members) if members and name in members)
         return sets, sets
 
 

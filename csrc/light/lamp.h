@@ -28,8 +28,9 @@ typedef struct lamp {
 
 /* False where it gives no light. */
 bool lamp_make(const encre_lamp *given, lamp *l);
-/* The points, so ordered that each DEALT of them that follow each other, and the first PLAIN, are well spread. */
-void lamp_points(lamp_point points[LAMP_POINTS]);
+/* The points, so ordered that each DEALT of them that follow each other are well spread, and after them PLAIN that are
+ * well spread by themselves, for light without shadows. */
+void lamp_points(lamp_point points[LAMP_POINTS + LAMP_PLAIN]);
 
 static const float pi = 3.14159265f;
 static const float lamp_far = 1e30f; /* of a way that does not end */

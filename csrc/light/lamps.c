@@ -97,17 +97,23 @@ static void disc_of(float a, float b, float out[2])
 	out[1] = r * pixel_sin(angle);
 }
 
-void lamp_points(lamp_point points[LAMP_POINTS])
+/* A point of a set of n, moved from its cell's corner to the middle. */
+static void point_of(uint32_t i, uint32_t n, lamp_point *p)
 {
-	const float half = 0.5f / LAMP_POINTS; /* from a cell's corner to its middle */
-	for (uint32_t i = 0; i < LAMP_POINTS; i++) {
-		lamp_point *p = points + i;
-		p->square[0] = sobol(i, false) + half;
-		p->square[1] = sobol(i, true) + half;
-		disc_of(p->square[0], p->square[1], p->disc);
-		/* another order of the same set: how a point and its place lie must not be alike */
-		uint32_t j = (i * 37 + 11) % LAMP_POINTS;
-		p->place[0] = 2 * (sobol(j, true) + half) - 1;
-		p->place[1] = 2 * (sobol(j, false) + half) - 1;
-	}
+	float half = 0.5f / (float)n;
+	p->square[0] = sobol(i, false) + half;
+	p->square[1] = sobol(i, true) + half;
+	disc_of(p->square[0], p->square[1], p->disc);
+	/* another order of the same set: where on the lamp, and where in the pixel, must not be alike */
+	uint32_t j = (i * 37 + 11) % n;
+	p->place[0] = 2 * (sobol(j, true) + half) - 1;
+	p->place[1] = 2 * (sobol(j, false) + half) - 1;
+}
+
+void lamp_points(lamp_point points[LAMP_POINTS + LAMP_PLAIN])
+{
+	for (uint32_t i = 0; i < LAMP_POINTS; i++)
+		point_of(i, LAMP_POINTS, points + i);
+	for (uint32_t i = 0; i < LAMP_PLAIN; i++)
+		point_of(i, LAMP_PLAIN, points + LAMP_POINTS + i);
 }

@@ -35,7 +35,7 @@ typedef struct light {
 			 while they are smoothed */
 	float *sum;   /* three each: the light of all lamps so far */
 	lamp lamp;
-	lamp_point points[LAMP_POINTS];
+	lamp_point points[LAMP_POINTS + LAMP_PLAIN];
 } light;
 
 /* place.c: fills the surfaces of a row. */

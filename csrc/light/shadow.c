@@ -52,10 +52,11 @@ static bool lights(const light *l, const surface *s)
 static float plain_light(const light *l, const surface *s)
 {
 	int n = l->lamp.soft ? LAMP_PLAIN : 1;
+	const lamp_point *points = l->points + LAMP_POINTS;
 	float sum = 0, far;
 	vec way;
 	for (int k = 0; k < n; k++)
-		sum += lamp_light(&l->lamp, s->at, s->normal, l->points + k, &way, &far);
+		sum += lamp_light(&l->lamp, s->at, s->normal, points + k, &way, &far);
 	sum /= (float)n;
 	return sum > 0 && sum <= FLT_MAX ? sum : 0;
 }
