@@ -90,6 +90,7 @@ def _lamp(data, matrix):
         lamp.width = data.size
         lamp.height = data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
         lamp.spread = data.spread
+        color *= versions.AREA_LIGHT
     if kind == "spot":
         lamp.spot_angle, lamp.spot_blend = data.spot_size, data.spot_blend
     lamp.color = color * (1 if getattr(data, "normalize", True) else _whole(lamp))
