@@ -71,7 +71,7 @@ def lamps(out):
         obj = _lamp(kind, **settings)
         obj.scale = SCALES.get(name, (1, 1, 1))
         shoot(out, name)
-    fact("version", bpy.app.version)
+    fact("version", list(bpy.app.version))
 
 
 def unlit(out):
