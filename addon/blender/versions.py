@@ -16,8 +16,8 @@ _FLAT_RECT = bpy.app.version >= (4, 1, 0)
 LINEAR_BRUSH = bpy.app.version >= (5, 0, 0)
 # 4.5 wants it said that a property of a path may begin with // and warns at every such value otherwise.
 BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
-# 4.5 took an area lamp's watts for what it radiates; before, it shone by pi/4 of that too dark. The same for all shapes.
-AREA_LIGHT = 1.0 if bpy.app.version >= (4, 5, 0) else np.pi / 4
+# What an area lamp radiates of its watts: all in 4.2, pi/4 in 3.4.
+AREA_LIGHT = 1.0 if bpy.app.version >= (4, 1, 0) else np.pi / 4
 # 5.0 made Freestyle's edge marks a boolean attribute; before, they are a property of edges.
 _MARKS_ARE_ATTRIBUTES = bpy.app.version >= (5, 0, 0)
 
