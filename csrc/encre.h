@@ -295,6 +295,88 @@ typedef struct encre_raster_job {
  * multiples of 4, the meshes at one of 8. Indices out of range are an error. */
 ENCRE_API int32_t encre_raster(encre_context *context, encre_raster_job *job);
 
+/* ---- light ----------------------------------------------------------------------------------------------- */
+
+/* What light falls on and what throws shadows, kept from frame to frame: geometry, of which a tree is built once;
+ * instances, which place geometry in the world; lamps. Each has a key that the caller chooses, a number of its kind;
+ * given again it replaces what was there, NULL removes it. Everything is copied. A scene may be used by one thread at a
+ * time, with any context. */
+typedef struct encre_scene encre_scene;
+
+/* Triangles in object space; where a corner is not finite there is none. */
+typedef struct encre_geometry {
+	int32_t n_points, n_triangles;
+	const float *points;    /* n_points x 3 */
+	const int32_t *corners; /* n_triangles x 3, indices into points */
+	const float *normals; /* n_triangles x 3 x 3: unit normals at the corners, by which light falls; NULL = flat */
+} encre_geometry;
+
+typedef struct encre_instance {
+	int64_t geometry;     /* its key; it must be there as long as instances show it */
+	double model[16];     /* object -> world, row by row; one that has no inverse places nothing */
+	uint64_t light_sets;  /* bit k: lamps whose light_set is k light it */
+	uint64_t shadow_sets; /* bit k: it throws shadows in the light of lamps whose shadow_set is k */
+	int32_t camera;       /* 1: the camera sees it, 0: it only throws shadows */
+	int32_t reserved;
+} encre_instance;
+
+enum encre_lamp_type {
+	ENCRE_SUN = 0,
+	ENCRE_POINT,
+	ENCRE_SPOT,
+	ENCRE_RECTANGLE,
+	ENCRE_ELLIPSE,
+};
+
+/* A lamp, in Cycles' units. It stands at the origin of its own space and shines along -z. */
+typedef struct encre_lamp {
+	int32_t type;                  /* enum encre_lamp_type */
+	int32_t shadows;               /* 0: what is in the way does not matter */
+	int32_t light_set, shadow_set; /* 0..63, see encre_instance */
+	float color[3];                /* sun: W/m2 that fall on what faces it; else W that it radiates */
+	float width, height; /* sun: the angle that it fills, radians, in width; point and spot: radius, in world space,
+				in width; else sides, or diameters, in its own space */
+	float spot_angle;    /* of the whole cone, radians, up to pi */
+	float spot_blend;    /* 0..1: how much of the cone is soft */
+	float spread;        /* rectangle, ellipse: into which angle it shines, radians; pi = everywhere in front */
+	int32_t flat;        /* point and spot: 0 = a sphere, 1 = a disc that faces what it lights */
+	int32_t reserved;
+	double model[16]; /* its own space -> world, row by row */
+} encre_lamp;
+
+typedef struct encre_light_job {
+	encre_scene *scene;
+	double view[16]; /* as in encre_raster_job */
+	double projection[16];
+	double clip_start, clip_end;
+	encre_frame frame; /* full frame and place of the images in it */
+	encre_image depth; /* in: the layer `depth` */
+	encre_image
+		normal; /* in: the layer `normal`, which tells of surfaces that are not in the scene; may be absent */
+	encre_image diffuse; /* out: the layer `diffuse`: direct light without the colour of the surface */
+	float world[27]; /* light from all sides: colours that are multiplied by 1, x, y, z, xy, yz, 3 zz - 1, xz and
+			    xx - yy of the normal and summed */
+	int32_t reserved;
+	encre_progress progress; /* may be NULL */
+	void *user;
+} encre_light_job;
+
+/* NULL without memory. */
+ENCRE_API encre_scene *encre_scene_create(void);
+ENCRE_API void encre_scene_free(encre_scene *scene); /* NULL is allowed */
+/* Each returns a code; after an error the scene is as it was before, and the context has the sentence. */
+ENCRE_API int32_t encre_scene_geometry(encre_context *context, encre_scene *scene, int64_t key,
+				       const encre_geometry *geometry);
+ENCRE_API int32_t encre_scene_instance(encre_context *context, encre_scene *scene, int64_t key,
+				       const encre_instance *instance);
+ENCRE_API int32_t encre_scene_lamp(encre_context *context, encre_scene *scene, int64_t key, const encre_lamp *lamp);
+
+/* Draws the light of the scene's lamps and of its world on what the camera sees: for each pixel's centre what of the
+ * scene lies at the layer's depth. Edges of shadows are exact between the centres, and 2 pixels wide where the lamp has
+ * no size. A pixel that shows nothing takes the light of its nearest neighbour, so that contours keep theirs. A border
+ * equals its part of the full frame where its depth does; beyond the images the scene's own surfaces count. */
+ENCRE_API int32_t encre_light(encre_context *context, encre_light_job *job);
+
 /* ---- baking ---------------------------------------------------------------------------------------------- */
 
 /* Lines where colours meet, drawn into a texture. Of `params`, one block, these count: line_thickness in texels,

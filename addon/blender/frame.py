@@ -12,7 +12,7 @@ from ..pen import denoise, layers, library, metadata, overlay, saved, supersampl
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
-from . import cameras, meshes, overrides, papers, properties, subframes, subject, versions
+from . import cameras, lamps, meshes, overrides, papers, properties, subframes, subject, versions
 
 _FEW = 8  # fewer samples make a draft, of which denoising would take the most time
 stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
@@ -28,7 +28,8 @@ class _ViewLayer:
     user_indices: np.ndarray | None  # by Cycles' index, to write into the pass that the user asked for
     objects: meshes.Objects | None   # None: nothing is drawn, nor kept in the file
     views: dict                      # view name -> (camera, rasterised pictures of `factor` times the frame's size,
-                                     #               camera -> clip)
+                                     #               world -> camera, camera -> clip)
+    light: lamps.Light | None        # None: the light is Cycles'
     clip_start: float
     frame: Frame
     border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
@@ -156,9 +157,10 @@ class Frames:
         paper = papers.load(settings.paper, self._go_on) if settings.paper else None
         if paper is not None:
             library.check(settings.scene, lambda _name: paper)
-        if settings.denoises and not denoise.available(versions.home()):
-            self.engine.say("INFO", "Open Image Denoise is not there: the light keeps its noise")
         flat = camera.data.type in {"PERSP", "ORTHO"}
+        light = self._light(depsgraph, camera, settings) if flat else None
+        if settings.denoises and not light and not denoise.available(versions.home()):
+            self.engine.say("INFO", "Open Image Denoise is not there: the light keeps its noise")
         if settings.active and not flat:
             raise EncreError(f"camera {camera.name}: it is panoramic, and Encre draws only what perspective and "
                                   "orthographic cameras see; make it one of them")
@@ -173,7 +175,8 @@ class Frames:
         overrides.expect(depsgraph, _own(depsgraph.scene, depsgraph.view_layer, True))
         self.overrode = settings.active
         if flat:
-            self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other, paper)
+            self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other, paper,
+                                                                    light)
 
     def _camera(self, depsgraph):
         camera = self.engine.camera_override or depsgraph.scene.camera
@@ -181,7 +184,19 @@ class Frames:
             raise EncreError("the scene has no camera: add one and make it the scene's")
         return camera.evaluated_get(depsgraph)
 
-    def _rasterise(self, depsgraph, camera, settings, denoise_other, paper):
+    def _light(self, depsgraph, camera, settings):
+        """The lamps.Light to be drawn; None: Cycles' light is taken."""
+        if not settings.draws_light:
+            return None
+        light = lamps.Light(depsgraph, (camera.data.clip_start, camera.data.clip_end))
+        if light.unknown:
+            self.engine.say("WARNING", f"drawn light leaves out {', '.join(light.unknown)}: only Cycles can read it")
+        if not light.dark:
+            return light
+        self.engine.say("WARNING", "no lamp and no world that can be drawn: the light is Cycles'")
+        return None
+
+    def _rasterise(self, depsgraph, camera, settings, denoise_other, paper, light):
         render = depsgraph.scene_eval.render
         width, height, x, y, columns, rows = cameras.border(render)
         frame, factor = Frame(width, height, x, y), settings.factor
@@ -190,7 +205,7 @@ class Frames:
         asked, keeps = _asked(depsgraph.view_layer), _keeps(depsgraph.scene)
         objects, drawn, views = None, [], {}
         if settings.active or asked or keeps:
-            objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers)
+            objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers, light)
             drawn = ["object", "material", "style", "marks", "coincident"]
             if settings.wants_edges:
                 drawn += ["normal", "creases"]
@@ -204,13 +219,13 @@ class Frames:
                 objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
                 camera.data.clip_start, camera.data.clip_end, len(library.controls()),
                 drawn, threads, self._go_on)
-            views[name] = eye, objects and overlay.compact(maps), projection
+            views[name] = eye, objects and overlay.compact(maps), view, projection
         if objects:
             objects.meshes.clear()
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
         samples = depsgraph.view_layer.samples or depsgraph.scene_eval.cycles.samples
-        return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views,
+        return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light,
                           camera.data.clip_start, frame,
                           (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
                           threads, samples, asked, keeps, paper, _beside(depsgraph.scene_eval, settings))
@@ -289,7 +304,7 @@ class Frames:
         settings, objects = layer.settings, layer.objects
         name = self.engine.get_result().views[view_id].name if len(layer.views) > 1 else ""
         self.engine.update_stats("Encre", f"{layer.name} {name}".strip())
-        camera, maps, projection = layer.views[name]
+        camera, maps, view, projection = layer.views[name]
         frame = supersample.frame(layer.frame, layer.factor)
         index = passes.pop("IndexOB")[..., 0]
         instance = maps["object"].reshape(index.shape)
@@ -303,7 +318,10 @@ class Frames:
         del index
         if "Denoising Depth" in passes:
             known["seen_depth"] = layers.seen_depth(passes.pop("Denoising Depth"), projection, frame, layer.clip_start)
-        images, nonfinite = layers.assemble(passes, settings, known, self._denoiser(layer), layer.denoise_other)
+        illuminate = layer.light and (lambda depth, normal: layer.light.draw(
+            depth, normal, view, projection, frame, layer.threads, self._go_on))
+        images, nonfinite = layers.assemble(passes, settings, known, self._denoiser(layer), layer.denoise_other,
+                                            illuminate)
         known.clear()
         if caught is not None:
             overlay.hide(images, caught)
@@ -324,7 +342,8 @@ class Frames:
         self.nonfinite += drawn.nonfinite
 
     def _denoiser(self, layer):
-        if not layer.settings.denoises or not denoise.available(versions.home()):
+        wanted = layer.denoise_other if layer.light else layer.settings.denoises
+        if not wanted or not denoise.available(versions.home()):
             return None
         frame, scale = supersample.frame(layer.frame, layer.factor), layer.settings.light_scale
         return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, self._go_on,

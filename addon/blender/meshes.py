@@ -34,24 +34,31 @@ class Objects:
 
 # Triangles
 
-def extract(depsgraph, automatic, line_numbers):
+def extract(depsgraph, automatic, line_numbers, light=None):
     """The Objects that the camera can see. `line_numbers`: what overrides.pass_indices() gave, None if it was
-    not called.
+    not called. `light`: a lamps.Light that takes them, and what only throws shadows.
     """
     meshes, owners, numbers, catchers = [], [0], [0], [False]
     cache, running, materials = {}, {}, _Materials(depsgraph.scene_eval)
     first_free = 0 if line_numbers is None else len(line_numbers)
     for instance in depsgraph.object_instances:
         obj = instance.object
-        if obj.type not in MESHABLE or not instance.show_self or not _in_camera(obj, depsgraph):
+        if obj.type not in MESHABLE or not instance.show_self:
+            continue
+        seen = _in_camera(obj, depsgraph)
+        if not seen and not (light and obj.visible_shadow):
             continue
         # Instances come as one passing object. An evaluated mesh has its modifiers in it, a curve or text has not.
         key = (obj.data.as_pointer(), None if obj.type == "MESH" else obj.original.as_pointer(),
                obj.encre.separate_parts)
         if key not in cache:
-            cache[key] = _triangles(obj)
+            cache[key] = _triangles(obj, bool(light))
         triangles = cache[key]
         if triangles is None:
+            continue
+        if light:
+            light.place(obj, key, triangles, instance.matrix_world, seen)
+        if not seen:
             continue
         number = len(owners)
         parts = range(first_free + number, first_free + number + triangles.n_parts)
@@ -95,10 +102,11 @@ class _Triangles:
     n_parts: int
     marked: np.ndarray           # (edges, 2) points of the edges that are marked by hand
     edges: np.ndarray | None     # (triangles,) as Mesh.edges
+    normals: np.ndarray | None   # (triangles, 3, 3) at the corners; None: flat, or nobody asks
 
 
-def _triangles(obj):
-    """The triangles of an evaluated object, None if it has none."""
+def _triangles(obj, light):
+    """The triangles of an evaluated object, None if it has none. light: whether light is to fall on them."""
     try:
         mesh = obj.to_mesh()
     except RuntimeError:  # no geometry
@@ -106,7 +114,7 @@ def _triangles(obj):
     if mesh is None:
         return None
     try:
-        return _read(mesh, obj.encre.separate_parts) if len(mesh.polygons) else None
+        return _read(mesh, obj.encre.separate_parts, light) if len(mesh.polygons) else None
     finally:
         obj.to_mesh_clear()
 
@@ -117,7 +125,7 @@ def _get(collection, name, dtype, width=1):
     return values.reshape(-1, width) if width > 1 else values
 
 
-def _read(mesh, separate):
+def _read(mesh, separate, light):
     position = mesh.attributes.get("position")
     points = (_get(position.data, "vector", np.float32, 3) if position
               else _get(mesh.vertices, "co", np.float32, 3))
@@ -134,9 +142,11 @@ def _read(mesh, separate):
     corners = vertex[loops]
     part, n_parts = _parts(mesh, corners, face, separate)
     marked = versions.marked_edges(mesh)
+    normals = versions.corner_normals(mesh) if light else None
     return _Triangles(points, corners, material, _painted(mesh, loops, corners, face), part, n_parts,
                       np.empty((0, 2), np.int32) if marked is None or not marked.any()
-                      else _get(mesh.edges, "vertices", np.int32, 2)[marked], _edges(mesh, loops, face))
+                      else _get(mesh.edges, "vertices", np.int32, 2)[marked], _edges(mesh, loops, face),
+                      None if normals is None else normals[loops])
 
 
 def _triangulate(mesh, points, vertex):

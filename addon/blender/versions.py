@@ -16,6 +16,8 @@ _FLAT_RECT = bpy.app.version >= (4, 1, 0)
 LINEAR_BRUSH = bpy.app.version >= (5, 0, 0)
 # 4.5 wants it said that a property of a path may begin with // and warns at every such value otherwise.
 BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
+# What an area lamp radiates of its watts: all in 4.2, pi/4 in 3.4.
+AREA_LIGHT = 1.0 if bpy.app.version >= (4, 1, 0) else np.pi / 4
 # 5.0 made Freestyle's edge marks a boolean attribute; before, they are a property of edges.
 _MARKS_ARE_ATTRIBUTES = bpy.app.version >= (5, 0, 0)
 
@@ -67,6 +69,31 @@ def sharp_edges(mesh):
     # Before 4.1 a mesh itself makes edges above an angle sharp: all count then, as the angle is about the least at
     # which creases are lines.
     return np.ones_like(sharp) if getattr(mesh, "use_auto_smooth", False) else sharp
+
+
+def corner_normals(mesh):
+    """Unit normals at the corners of faces, (corners, 3); None where all faces are flat."""
+    smooth = np.empty(len(mesh.polygons), bool)
+    mesh.polygons.foreach_get("use_smooth", smooth)
+    if not smooth.any():
+        return None
+    normals = np.empty((len(mesh.loops), 3), np.float32)
+    if hasattr(mesh, "corner_normals"):  # since 4.1
+        mesh.corner_normals.foreach_get("vector", normals.reshape(-1))
+    else:
+        mesh.calc_normals_split()
+        mesh.loops.foreach_get("normal", normals.reshape(-1))
+    return normals
+
+
+def casts_shadows(lamp):
+    """Whether the light of a lamp's data throws shadows in Cycles. 4.2 gave it one switch for all engines."""
+    return getattr(lamp.cycles, "cast_shadow", True) if bpy.app.version < (4, 2, 0) else lamp.use_shadow
+
+
+def light_linking(obj):
+    """What a lamp is linked to, None before 4.0."""
+    return getattr(obj, "light_linking", None)
 
 
 def has_cycles_denoiser():

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the library is given and gives back, as numpy knows it. Shapes are checked here: C can't see them."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -58,6 +59,29 @@ EDGES = {"flat": 0, "smooth": 1, "none": 2}  # enum encre_edge
 def edge_kinds(kinds: np.ndarray) -> np.ndarray:
     """(t, 3) numbers of EDGES, of the edges from each corner of triangles, as Mesh.edges has them."""
     return (kinds @ np.array((1, 4, 16), np.uint8)).astype(np.uint8)
+
+
+LAMPS = ("sun", "point", "spot", "rectangle", "ellipse")  # enum encre_lamp_type
+EVERY_SET = 2 ** 64 - 1
+
+
+@dataclass
+class Lamp:
+    """A lamp at the origin of its own space, which shines along -z; lengths, angles (radians) and units as in
+    encre_lamp: color is W/m2 of a sun, else W."""
+
+    kind: str
+    color: Sequence[float] = (1, 1, 1)
+    width: float = 0.0
+    height: float = 0.0
+    spot_angle: float = 0.0
+    spot_blend: float = 0.0
+    spread: float = math.pi
+    flat: bool = False
+    shadows: bool = True
+    light_set: int = 0
+    shadow_set: int = 0
+    model: np.ndarray = field(default_factory=lambda: np.eye(4))
 
 
 @dataclass

@@ -17,6 +17,9 @@ from .settings import Settings
 # A picture without its noise, by albedo and normal.
 Denoise = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
+# The layer `diffuse` by depth and normal.
+Illuminate = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
 # What Cycles must render for us: classic name -> channel names, as RenderEngine.register_pass() takes them.
 CYCLES = {
     "Combined": "RGBA",
@@ -149,7 +152,8 @@ _NEUTRAL = ("specular", "style", "controls", "marks")
 
 
 def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str, np.ndarray] | None = None,
-             denoise: Denoise | None = None, denoise_other: bool = False) -> tuple[dict[str, np.ndarray], int]:
+             denoise: Denoise | None = None, denoise_other: bool = False,
+             illuminate: Illuminate | None = None) -> tuple[dict[str, np.ndarray], int]:
     """The layers of one picture.
 
     passes: {classic name: picture}, of CYCLES and SEEN; each is popped when it is read, so that its memory is free
@@ -159,6 +163,7 @@ def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str,
     denoise: function of (picture, albedo, normal) that gives the picture (height, width, 3) without noise, or None.
     denoise_other: clean also what is not diffuse light (Cycles' own denoiser is off while shading is on, because
     it would clean Combined but not the passes, and their difference would be noise).
+    illuminate: function of (depth, normal) that draws the layer `diffuse`, instead of what is in the passes.
     Returns ({layer: picture}, number of values read as 0 because they were not finite). EncreError: a pass that
     can't be done without is missing; the sentence lists those found.
     """
@@ -182,8 +187,11 @@ def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str,
                 if gloss is not None:
                     layers["specular"] = gloss * color
     np.minimum(layers["albedo"], np.float32(1), out=layers["albedo"])
-    _light(read, layers, settings, denoise, denoise_other)
     layers["depth"] = read.raw("Depth")
+    if illuminate:
+        # A surface without a diffuse colour has no diffuse light.
+        layers["diffuse"] = illuminate(layers["depth"], layers["normal"]) * layers["color"].any(2, keepdims=True)
+    _light(read, layers, settings, denoise, denoise_other)
     if "Denoising Albedo" in read and "Denoising Normal" in read:
         layers["seen_color"] = read.raw("Denoising Albedo")
         towards = np.array((1, 1, -1), np.float32)  # Cycles' camera looks along +z

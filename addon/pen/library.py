@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .errors import Cancelled, EncreError, unknown
-from .job import Baked, Camera, Frame, Mesh, Result, entries, picture
+from .job import EVERY_SET, LAMPS, Baked, Camera, Frame, Lamp, Mesh, Result, entries, picture
 from .params import MAX_LEVELS, Control, Param, Stage, control, normal, read, stage, text_of
 
 API_VERSION = 7
@@ -115,6 +115,30 @@ def _path():
     return next(filter(os.path.exists, places), os.path.join(package, name))
 
 
+class _Geometry(c.Structure):
+    _fields_ = [("n_points", c.c_int32), ("n_triangles", c.c_int32), ("points", c.c_void_p), ("corners", c.c_void_p),
+                ("normals", c.c_void_p)]
+
+
+class _Instance(c.Structure):
+    _fields_ = [("geometry", c.c_int64), ("model", c.c_double * 16), ("light_sets", c.c_uint64),
+                ("shadow_sets", c.c_uint64), ("camera", c.c_int32), ("reserved", c.c_int32)]
+
+
+class _Lamp(c.Structure):
+    _fields_ = [("type", c.c_int32), ("shadows", c.c_int32), ("light_set", c.c_int32), ("shadow_set", c.c_int32),
+                ("color", c.c_float * 3), ("width", c.c_float), ("height", c.c_float), ("spot_angle", c.c_float),
+                ("spot_blend", c.c_float), ("spread", c.c_float), ("flat", c.c_int32), ("reserved", c.c_int32),
+                ("model", c.c_double * 16)]
+
+
+class _LightJob(c.Structure):
+    _fields_ = [("scene", c.c_void_p), ("view", c.c_double * 16), ("projection", c.c_double * 16),
+                ("clip_start", c.c_double), ("clip_end", c.c_double), ("frame", _Frame), ("depth", _Image),
+                ("normal", _Image), ("diffuse", _Image), ("world", c.c_float * 27), ("reserved", c.c_int32),
+                ("progress", _Progress), ("user", c.c_void_p)]
+
+
 class Library:
     """One loaded libencre. `path` None: the package's own."""
 
@@ -145,7 +169,11 @@ class Library:
         lib.encre_params_init.argtypes = [c.c_void_p]
         for name in ("encre_set_threads", "encre_set_simd"):
             getattr(lib, name).argtypes = [c.c_void_p, c.c_int32]
-        for name in ("encre_render", "encre_raster", "encre_bake"):
+        lib.encre_scene_create.restype = c.c_void_p
+        lib.encre_scene_free.argtypes, lib.encre_scene_free.restype = [c.c_void_p], None
+        for name in ("encre_scene_geometry", "encre_scene_instance", "encre_scene_lamp"):
+            getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p, c.c_int64, c.c_void_p]
+        for name in ("encre_render", "encre_raster", "encre_bake", "encre_light"):
             getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
         self.path, self.lib = path, lib
         self.layers = {text_of(x.name): x.channels for x in _each(lib.encre_layer_info)}
@@ -371,6 +399,86 @@ class Library:
         job.params = c.addressof(block)
         self._call(self.lib.encre_bake, job, threads, simd, progress)
         return Baked(out, job.nonfinite, job.greatest)
+
+
+class Scene:
+    """What light falls on and what throws shadows, by integer keys (of geometry, instances and lamps, each their own):
+    given again a key replaces what was there, None removes it."""
+
+    def __init__(self, library: Library | None = None) -> None:
+        self._library = library or load()
+        self._handle = self._library.lib.encre_scene_create()
+        if not self._handle:
+            raise EncreError("memory: there is none left for a scene; close other programs")
+
+    def __del__(self) -> None:
+        if getattr(self, "_handle", None):
+            self._library.lib.encre_scene_free(self._handle)
+
+    def _set(self, function, key, value):
+        context = self._library._context(0, 1)
+        try:
+            code = function(context, self._handle, key, value if value is None else c.byref(value))
+            sentence = text_of(self._library.lib.encre_error(context))
+        finally:
+            self._library.lib.encre_destroy(context)
+        if code:
+            raise EncreError(sentence)
+
+    def geometry(self, key: int, points: np.ndarray | None, corners: np.ndarray | None = None,
+                 normals: np.ndarray | None = None) -> None:
+        """points (n, 3) in object space, corners (t, 3), and, where it is smooth, unit normals (t, 3, 3)."""
+        function = self._library.lib.encre_scene_geometry
+        if points is None:
+            return self._set(function, key, None)
+        points = np.ascontiguousarray(points, np.float32).reshape(-1, 3)
+        corners = np.ascontiguousarray(corners, np.int32).reshape(-1, 3)
+        if normals is not None:
+            normals = entries("normals", normals, np.float32, (len(corners), 3, 3))
+        return self._set(function, key, _Geometry(len(points), len(corners), points.ctypes.data, corners.ctypes.data,
+                                                  None if normals is None else normals.ctypes.data))
+
+    def instance(self, key: int, geometry: int | None, model: np.ndarray | None = None, camera: bool = True,
+                 light_sets: int = EVERY_SET, shadow_sets: int = EVERY_SET) -> None:
+        """Places a geometry by a matrix (4, 4); camera: whether it is seen, or only throws shadows. Bits of the sets:
+        which lamps light it, and in the light of which it throws shadows."""
+        function = self._library.lib.encre_scene_instance
+        if geometry is None:
+            return self._set(function, key, None)
+        value = _Instance(geometry, light_sets=light_sets, shadow_sets=shadow_sets, camera=camera)
+        value.model[:] = np.eye(4).ravel() if model is None else np.asarray(model, np.float64).ravel()
+        return self._set(function, key, value)
+
+    def lamp(self, key: int, lamp: Lamp | None) -> None:
+        function = self._library.lib.encre_scene_lamp
+        if lamp is None:
+            return self._set(function, key, None)
+        value = _Lamp(LAMPS.index(lamp.kind), lamp.shadows, lamp.light_set, lamp.shadow_set, tuple(lamp.color),
+                      lamp.width, lamp.height, lamp.spot_angle, lamp.spot_blend, lamp.spread, lamp.flat)
+        value.model[:] = np.asarray(lamp.model, np.float64).ravel()
+        return self._set(function, key, value)
+
+    def light(self, depth: np.ndarray, normal: np.ndarray | None, view: np.ndarray, projection: np.ndarray,
+              frame: Frame, clip_start: float, clip_end: float = 0.0, world: np.ndarray | None = None,
+              threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None) -> np.ndarray:
+        """The layer `diffuse` (H, W, 3) of direct light, from the layers depth (H, W) and normal (H, W, 3).
+
+        view, projection: 4 x 4, as raster() takes them; world: (9, 3), colours by the functions of the normal that
+        encre_light_job names.
+        """
+        job = _LightJob(scene=self._handle, clip_start=clip_start, clip_end=clip_end)
+        job.view[:] = np.asarray(view, np.float64).ravel()
+        job.projection[:] = np.asarray(projection, np.float64).ravel()
+        job.frame = _Frame(frame.width, frame.height, frame.x, frame.y)
+        depth, job.depth = _input("depth", depth, 1)
+        if normal is not None:
+            normal, job.normal = _input("normal", normal, 3)
+        diffuse = np.empty((*depth.shape[:2], 3), np.float32)
+        job.diffuse = _image(diffuse)
+        if world is not None:
+            job.world[:] = np.asarray(world, np.float32).ravel()
+        self._library._call(self._library.lib.encre_light, job, threads, simd, progress)
+        return diffuse
 
 
 def _each(info):

@@ -62,8 +62,13 @@ class Settings:
         return self.active and self.any("use_shading", "use_hatching", "edge_light", "line_light")
 
     @cached_property
+    def draws_light(self) -> bool:
+        """Whether light is to be drawn where there is a scene to draw it from."""
+        return self.every[0]["light_source"] == "DRAWN" and self.active
+
+    @cached_property
     def denoises(self) -> bool:
-        """Whether the light is to be denoised."""
+        """Whether the light is to be denoised, where it is rendered."""
         return self.every[0]["light_denoise"] == "OIDN" and self.wants_light
 
     @cached_property

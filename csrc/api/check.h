@@ -7,6 +7,7 @@
 
 #include <stddef.h>
 
+int32_t check_frame(const encre_frame *f, int width, int height, char *error, size_t size);
 /* Images, parameters, frame and camera. `in` and `out` get the job's images with strides filled in. */
 int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre_image out[ENCRE_OUTPUT_COUNT],
 		  char *error, size_t size);

@@ -3,8 +3,10 @@
  * order. Stages trust what they are given. */
 #include "texture/bake.h"
 #include "api/check.h"
+#include "api/check_light.h"
 #include "base/clean.h"
 #include "base/refuse.h"
+#include "light/handle.h"
 #include "raster/raster.h"
 #include "base/stage.h"
 
@@ -353,5 +355,70 @@ int32_t encre_bake(encre_context *context, encre_bake_job *job)
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
 	code = use_best(context) ? BEST(bake_run)(pool, &clean, job) : bake_run_base(pool, &clean, job);
+	return fail_code(context, code);
+}
+
+/* ---- light ----------------------------------------------------------------------------------------------- */
+
+encre_scene *encre_scene_create(void)
+{
+	return scene_create();
+}
+
+void encre_scene_free(encre_scene *scene)
+{
+	scene_free(scene);
+}
+
+int32_t encre_scene_geometry(encre_context *context, encre_scene *scene, int64_t key, const encre_geometry *geometry)
+{
+	char *error = context->error;
+	size_t size = sizeof context->error;
+	error[0] = 0;
+	int32_t code = check_scene(scene, error, size);
+	if (!code && geometry)
+		code = check_geometry(key, geometry, error, size);
+	if (!code)
+		code = scene_geometry(scene, key, geometry, error, size);
+	return fail_code(context, code);
+}
+
+int32_t encre_scene_instance(encre_context *context, encre_scene *scene, int64_t key, const encre_instance *instance)
+{
+	char *error = context->error;
+	size_t size = sizeof context->error;
+	error[0] = 0;
+	int32_t code = check_scene(scene, error, size);
+	if (!code && instance)
+		code = check_instance(key, instance, error, size);
+	if (!code)
+		code = scene_instance(scene, key, instance, error, size);
+	return fail_code(context, code);
+}
+
+int32_t encre_scene_lamp(encre_context *context, encre_scene *scene, int64_t key, const encre_lamp *lamp)
+{
+	char *error = context->error;
+	size_t size = sizeof context->error;
+	error[0] = 0;
+	int32_t code = check_scene(scene, error, size);
+	if (!code && lamp)
+		code = check_lamp(key, lamp, error, size);
+	if (!code)
+		code = scene_lamp(scene, key, lamp);
+	return fail_code(context, code);
+}
+
+int32_t encre_light(encre_context *context, encre_light_job *job)
+{
+	context->error[0] = 0;
+	encre_light_job clean;
+	int32_t code = check_light(job, &clean, context->error, sizeof context->error);
+	if (code)
+		return code;
+	bands *pool = pool_of(context, job->progress, job->user);
+	if (!pool)
+		return fail_code(context, ENCRE_ERROR_MEMORY);
+	code = use_best(context) ? BEST(light_run)(pool, &clean) : light_run_base(pool, &clean);
 	return fail_code(context, code);
 }

@@ -13,8 +13,8 @@ import drawn
 import numpy as np
 import pytest
 from encre.pen.errors import EncreError
-from encre.pen.job import Frame, Mesh
-from encre.pen.library import LIBRARY, Library
+from encre.pen.job import Frame, Lamp, Mesh
+from encre.pen.library import LIBRARY, Library, Scene
 
 ROOT = Path(__file__).resolve().parents[2]
 WRAPPED = ("malloc", "calloc", "free", "pthread_create")
@@ -56,7 +56,18 @@ def bake(library, settings):
     return {"texture": library.bake(texture, settings, form, threads=3).texture}
 
 
-JOBS = [(render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")),
+def light(library, _settings):
+    scene, points = Scene(library), np.random.default_rng(0).uniform(-1, 1, (60, 3)).astype(np.float32)
+    for key in range(18):  # more than there is room for at first
+        scene.geometry(key, points, np.arange(60).reshape(-1, 3), np.ones((20, 3, 3)))
+        scene.instance(key, key)
+    scene.lamp(0, Lamp("sun", width=0.1))
+    scene.geometry(0, points, np.arange(30).reshape(-1, 3))
+    depth = np.full((8, 12), 2, np.float32)
+    return {"diffuse": scene.light(depth, None, np.eye(4), np.diag([1.0, 1, -1, 1]), Frame(12, 8), 0.1, threads=3)}
+
+
+JOBS = [(light, {}), (render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")),
         (render, dict(edge_detector="DOG", line_search="WALK")),
         (render, dict(edge_detector="DOG", line_search="DILATE", contrast_auto=True)), (raster, {}),
         (bake, {}), (bake, dict(contrast_auto=True))]

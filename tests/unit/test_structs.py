@@ -26,6 +26,10 @@ MIRRORS = {
     "encre_mesh": library._Mesh,
     "encre_raster_job": library._RasterJob,
     "encre_bake_job": library._BakeJob,
+    "encre_geometry": library._Geometry,
+    "encre_instance": library._Instance,
+    "encre_lamp": library._Lamp,
+    "encre_light_job": library._LightJob,
 }
 
 

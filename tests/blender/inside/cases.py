@@ -14,12 +14,13 @@ import details  # noqa: E402
 import failures  # noqa: E402
 import geometry  # noqa: E402
 import keeping  # noqa: E402
+import lit  # noqa: E402
 import pictures  # noqa: E402
 import supersampling  # noqa: E402
 import surfaces  # noqa: E402
 
 CASES = {name: case for topic in (pictures, geometry, failures, supersampling, baking, details, keeping,
-                              surfaces)
+                                  surfaces, lit)
          for name, case in vars(topic).items()}
 
 case, folder = sys.argv[sys.argv.index("--") + 1:]

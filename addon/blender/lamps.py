@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What drawn light needs of a scene: lamps as Cycles takes them, what they light, and what throws shadows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..pen.job import EVERY_SET, Lamp
+from ..pen.library import Scene
+from . import versions, worlds
+
+_KINDS = {"SUN": "sun", "POINT": "point", "SPOT": "spot", "SQUARE": "rectangle", "RECTANGLE": "rectangle",
+          "DISK": "ellipse", "ELLIPSE": "ellipse"}
+_MOST_SETS = 64
+
+
+class Light:
+    """The light of one view layer: made before Cycles frees the scene, drawn after it."""
+
+    def __init__(self, depsgraph, clip):
+        """clip: the camera's (start, end)."""
+        self.scene, self.clip, self.unknown = Scene(), clip, []
+        self.sets = _Sets()
+        self.keys, self.placed, self.lamps = {}, 0, 0
+        self.world = None
+        try:
+            self.world = worlds.light(depsgraph.scene_eval.world)
+        except worlds.Unknown as e:
+            self.unknown.append(f"the world's node {e}")
+        for instance in depsgraph.object_instances:
+            if instance.object.type == "LIGHT" and instance.show_self:
+                self._add_lamp(instance)
+
+    @property
+    def dark(self):
+        """Whether nothing of it can be drawn."""
+        return not self.lamps and self.world is None
+
+    def _add_lamp(self, instance):
+        obj = instance.object
+        if not obj.visible_diffuse or (obj.data.type == "AREA" and obj.data.cycles.is_portal):
+            return
+        try:
+            lamp = _lamp(obj.data, np.array(instance.matrix_world, np.float64))
+        except worlds.Unknown as e:
+            self.unknown.append(f"the node {e} of lamp {obj.name}")
+            return
+        lamp.light_set, lamp.shadow_set = self.sets.numbers(obj)
+        self.scene.lamp(self.lamps, lamp)
+        self.lamps += 1
+
+    def place(self, obj, key, triangles, matrix, seen):
+        """An instance of triangles (meshes.py); key: what instances of the same triangles share."""
+        clear = tuple(k for k, slot in enumerate(obj.material_slots) if _lets_light_through(slot.material))
+        key = key, clear
+        if key not in self.keys:
+            self.keys[key] = len(self.keys)
+            corners, normals = triangles.corners, triangles.normals
+            if clear:
+                slot = (np.zeros(len(corners), np.intp) if triangles.material is None
+                        else np.clip(triangles.material, 0, len(obj.material_slots) - 1))
+                solid = ~np.isin(slot, clear)
+                corners, normals = corners[solid], None if normals is None else normals[solid]
+            self.scene.geometry(self.keys[key], triangles.points, corners, normals)
+        light_sets, shadow_sets = self.sets.of(obj)
+        self.scene.instance(self.placed, self.keys[key], np.array(matrix, np.float64), seen, light_sets,
+                            shadow_sets if obj.visible_shadow else 0)
+        self.placed += 1
+
+    def draw(self, depth, normal, view, projection, frame, threads, progress):
+        """The layer `diffuse`."""
+        return self.scene.light(depth, normal, view, projection, frame, *self.clip, self.world, threads,
+                                progress=progress)
+
+
+# Lamps
+
+def _lamp(data, matrix):
+    color = np.array(data.color, np.float64) * data.energy * 2.0 ** getattr(data, "exposure", 0.0)
+    if getattr(data, "use_temperature", False):
+        color *= np.array(data.temperature_color)
+    color *= _emission(data)
+    kind = _KINDS[data.shape if data.type == "AREA" else data.type]
+    lamp = Lamp(kind, model=matrix, shadows=bool(versions.casts_shadows(data)))
+    if kind == "sun":
+        lamp.width = min(data.angle, np.pi)
+    elif kind in ("point", "spot"):
+        lamp.width, lamp.flat = data.shadow_soft_size, getattr(data, "use_soft_falloff", True)
+    else:
+        lamp.width = data.size
+        lamp.height = data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
+        lamp.spread = data.spread
+        color *= versions.AREA_LIGHT
+    if kind == "spot":
+        lamp.spot_angle, lamp.spot_blend = data.spot_size, data.spot_blend
+    lamp.color = color * (1 if getattr(data, "normalize", True) else _whole(lamp))
+    return lamp
+
+
+def _whole(lamp):
+    """What a lamp radiates whose colour is that of its surface."""
+    if lamp.kind == "sun":
+        return np.pi * np.sin(lamp.width / 2) ** 2 if lamp.width else 1
+    if lamp.kind in ("point", "spot"):
+        return 4 * np.pi * lamp.width ** 2 if lamp.width else 1
+    sides = np.linalg.norm(lamp.model[:3, :2], axis=0)
+    area = lamp.width * lamp.height * sides[0] * sides[1]
+    return area * (np.pi / 4 if lamp.kind == "ellipse" else 1)
+
+
+def _emission(data):
+    """The colour (3,) by which a lamp's nodes multiply its own."""
+    tree = data.node_tree if data.use_nodes else None
+    out = tree and tree.get_output_node("CYCLES")
+    if not out:
+        return np.ones(3)
+    if not out.inputs["Surface"].is_linked:
+        return np.zeros(3)
+    node = out.inputs["Surface"].links[0].from_node
+    if node.bl_idname != "ShaderNodeEmission" or node.mute:
+        raise worlds.Unknown(node.name)
+    return worlds.color(node.inputs["Color"]) * worlds.value(node.inputs["Strength"])
+
+
+# What is in the way
+
+def _lets_light_through(material):
+    """Whether surfaces of a material are not there for light: volumes, and what is wholly transparent."""
+    tree = material and material.use_nodes and material.node_tree
+    out = tree and tree.get_output_node("CYCLES")
+    if not out:
+        return False
+    surface = out.inputs["Surface"]
+    if not surface.is_linked:
+        return out.inputs["Volume"].is_linked
+    node = surface.links[0].from_node
+    if node.bl_idname == "ShaderNodeBsdfPrincipled":
+        return not node.inputs["Alpha"].is_linked and node.inputs["Alpha"].default_value == 0
+    return node.bl_idname == "ShaderNodeBsdfTransparent"
+
+
+# Light linking
+
+@dataclass
+class _Members:
+    """Which objects are in a lamp's collection: of those included, if any are, without those excluded."""
+
+    included: set
+    excluded: set
+
+    def __contains__(self, name):
+        return name not in self.excluded and (not self.included or name in self.included)
+
+
+class _Sets:
+    """Numbers of the sets of objects that lamps are linked to; number 0 are all."""
+
+    def __init__(self):
+        self.collections = [None]
+        self.members = [None]
+
+    def numbers(self, obj):
+        """(light_set, shadow_set) of a lamp."""
+        linking = versions.light_linking(obj)
+        if linking is None:
+            return 0, 0
+        return self._number(linking.receiver_collection), self._number(linking.blocker_collection)
+
+    def _number(self, collection):
+        if collection is None:
+            return 0
+        collection = collection.original
+        if collection not in self.collections and len(self.collections) < _MOST_SETS:
+            self.collections.append(collection)
+            self.members.append(_members(collection))
+        return self.collections.index(collection) if collection in self.collections else 0
+
+    def of(self, obj):
+        """(light_sets, shadow_sets) of what is lit: the same, as sets of receivers and blockers are numbered as one."""
+        if len(self.members) == 1:
+            return EVERY_SET, EVERY_SET
+        name = obj.original.name_full
+        sets = 1 | sum(1 << k for k, members in enumerate(self.members) if members and name in members)
+        return sets, sets
+
+
+def _members(collection):
+    found = _Members(set(), set())
+    for obj, item in zip(collection.objects, collection.collection_objects, strict=True):
+        _side(found, item).add(obj.name_full)
+    for child, item in zip(collection.children, collection.collection_children, strict=True):
+        _side(found, item).update(obj.name_full for obj in child.all_objects)
+    return found
+
+
+def _side(found, item):
+    return found.included if item.light_linking.link_state == "INCLUDE" else found.excluded

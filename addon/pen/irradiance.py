@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light from all sides -> what falls on a matt surface by its normal: spherical harmonics up to order 2, which leave
+out about a hundredth of it (Ramamoorthi and Hanrahan 2001)."""
+
+import numpy as np
+
+# Of the harmonics in the order of encre_light_job.world: the factor before the polynomial, and the share of its order
+# that is left in what falls.
+_FACTOR = np.sqrt(np.array([1 / 4, 3 / 4, 3 / 4, 3 / 4, 15 / 4, 15 / 4, 5 / 16, 15 / 4, 15 / 16]) / np.pi)
+_SHARE = np.array([1, *[2 / 3] * 3, *[1 / 4] * 5])
+
+
+def polynomials(d: np.ndarray) -> np.ndarray:
+    """(..., 9) of directions (..., 3) of length 1."""
+    x, y, z = np.moveaxis(np.asarray(d, np.float64), -1, 0)
+    return np.stack([np.ones_like(x), x, y, z, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y], -1)
+
+
+def constant(color: np.ndarray) -> np.ndarray:
+    """(9, 3) of light that is the same from all sides."""
+    out = np.zeros((9, 3))
+    out[0] = color
+    return out
+
+
+def of_picture(picture: np.ndarray, rotation: np.ndarray | None = None) -> np.ndarray:
+    """(9, 3) of an equirectangular picture (height, width, 3 or more), row 0 at the top, whose middle is seen towards
+    +x and its upper edge towards +z; rotation (3, 3): world -> picture."""
+    height, width = picture.shape[:2]
+    elevation = np.pi * (0.5 - (np.arange(height) + 0.5) / height)
+    turn = np.pi - 2 * np.pi * (np.arange(width) + 0.5) / width
+    level = np.cos(elevation)[:, None]
+    direction = np.stack([level * np.cos(turn), level * np.sin(turn),
+                          np.broadcast_to(np.sin(elevation)[:, None], (height, width))], -1)
+    if rotation is not None:
+        direction = direction @ rotation  # its inverse, applied to rows
+    weight = level * (2 * np.pi / width) * (2 * np.sin(np.pi / 2 / height))
+    color = np.nan_to_num(picture[..., :3].astype(np.float64), posinf=0, neginf=0) * weight[..., None]
+    projected = np.einsum("yxk,yxc->kc", polynomials(direction), color)
+    return projected * (_FACTOR ** 2 * _SHARE)[:, None]

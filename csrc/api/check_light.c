@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "api/check_light.h"
+#include "api/check.h"
+#include "api/images.h"
+#include "base/refuse.h"
+#include "light/handle.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+static bool finite(const double *values, int n)
+{
+	for (int i = 0; i < n; i++)
+		if (!isfinite(values[i]))
+			return false;
+	return true;
+}
+
+int32_t check_scene(const encre_scene *scene, char *error, size_t size)
+{
+	return scene ? ENCRE_OK : refuse(error, size, "scene: is NULL; make one with encre_scene_create()");
+}
+
+int32_t check_geometry(int64_t key, const encre_geometry *g, char *error, size_t size)
+{
+	long long name = (long long)key;
+	if (g->n_points < 0 || g->n_triangles < 0 || g->n_triangles > INT32_MAX / 16)
+		return refuse(error, size, "geometry %lld: %d triangles of %d points; give 0 to %d of them", name,
+			      (int)g->n_triangles, (int)g->n_points, INT32_MAX / 16);
+	if (g->n_triangles && (!g->points || !g->corners))
+		return refuse(error, size, "geometry %lld: has triangles, but no points or corners; give them", name);
+	const void *arrays[] = {g->points, g->corners, g->normals};
+	for (int i = 0; i < 3; i++)
+		if ((uintptr_t)arrays[i] % NUMBER)
+			return refuse(error, size,
+				      "geometry %lld: one of its arrays begins at an address that is no multiple of "
+				      "%d; copy it to one that is",
+				      name, (int)NUMBER);
+	for (int64_t i = 0; i < 3 * (int64_t)g->n_triangles; i++)
+		if ((uint32_t)g->corners[i] >= (uint32_t)g->n_points)
+			return refuse(error, size,
+				      "geometry %lld: triangle %d has a corner at point %d of %d; give indices from 0 "
+				      "to the number of points less one",
+				      name, (int)(i / 3), (int)g->corners[i], (int)g->n_points);
+	return ENCRE_OK;
+}
+
+int32_t check_instance(int64_t key, const encre_instance *in, char *error, size_t size)
+{
+	if (in->camera < 0 || in->camera > 1)
+		return refuse(error, size, "instance %lld: camera is %d; give 0 or 1", (long long)key, (int)in->camera);
+	return ENCRE_OK;
+}
+
+int32_t check_lamp(int64_t key, const encre_lamp *lamp, char *error, size_t size)
+{
+	const struct {
+		const char *name;
+		float value, least, most;
+	} ranges[] = {
+		{"width", lamp->width, 0, lamp->type == ENCRE_SUN ? 3.1416f : INFINITY},
+		{"height", lamp->height, 0, INFINITY},
+		{"spot_angle", lamp->spot_angle, 0, 3.1416f},
+		{"spot_blend", lamp->spot_blend, 0, 1},
+		{"spread", lamp->spread, 0, 3.1416f},
+		{"light_set", (float)lamp->light_set, 0, 63},
+		{"shadow_set", (float)lamp->shadow_set, 0, 63},
+		{"shadows", (float)lamp->shadows, 0, 1},
+		{"flat", (float)lamp->flat, 0, 1},
+	};
+	long long name = (long long)key;
+	if (lamp->type < ENCRE_SUN || lamp->type > ENCRE_ELLIPSE)
+		return refuse(error, size, "lamp %lld: type %d is not known; give one of enum encre_lamp_type", name,
+			      (int)lamp->type);
+	for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
+		if (!(ranges[i].value >= ranges[i].least && ranges[i].value <= ranges[i].most) ||
+		    !isfinite(ranges[i].value))
+			return refuse(error, size, "lamp %lld: %s is %g; give %g to %g", name, ranges[i].name,
+				      (double)ranges[i].value, (double)ranges[i].least, (double)ranges[i].most);
+	if (!isfinite(lamp->color[0]) || !isfinite(lamp->color[1]) || !isfinite(lamp->color[2]))
+		return refuse(error, size, "lamp %lld: its color is not finite; give finite numbers", name);
+	return finite(lamp->model, 16)
+		       ? ENCRE_OK
+		       : refuse(error, size, "lamp %lld: its model is not finite; give it another place", name);
+}
+
+int32_t check_light(const encre_light_job *job, encre_light_job *clean, char *error, size_t size)
+{
+	const encre_layer_description what[] = {{"depth", "", 1, 1}, {"normal", "", 3, 0}, {"diffuse", "", 3, 1}};
+	const encre_image *images[] = {&job->depth, &job->normal, &job->diffuse};
+	*clean = *job;
+	encre_image *clean_images[] = {&clean->depth, &clean->normal, &clean->diffuse};
+	int width = job->diffuse.width, height = job->diffuse.height;
+	int32_t code = check_scene(job->scene, error, size);
+	for (int i = 0; !code && i < 3; i++) {
+		if (!images[i]->data && what[i].required)
+			return refuse(error, size, "%s: this image is missing and required; give it", what[i].name);
+		if (images[i]->data)
+			code = check_image(images[i], what + i, width, height, error, size);
+		*clean_images[i] = with_strides(*images[i]);
+	}
+	for (int i = 0; !code && i < 2; i++)
+		if (images[i]->data)
+			code = check_apart("diffuse", &clean->diffuse, what[i].name, grid_of(clean_images[i]), error,
+					   size);
+	if (!code)
+		code = check_frame(&job->frame, width, height, error, size);
+	for (int k = 0; !code && k < 27; k++)
+		if (!isfinite(job->world[k]))
+			code = refuse(error, size, "world: its light is not finite; give finite numbers");
+	if (!code && (!finite(job->view, 16) || !finite(job->projection, 16) || !finite(&job->clip_start, 1) ||
+		      isnan(job->clip_end) || !camera_inverse(job->view, job->projection, NULL)))
+		code = refuse(error, size,
+			      "camera: a matrix or clip distance is not finite, or its matrices have no inverse; give "
+			      "the camera another place or lens");
+	return code;
+}

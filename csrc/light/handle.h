@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What encre_scene_…() and encre_light() do, with arguments that have been checked but for keys. They return a code of
+ * enum encre_code; `error` gets a sentence for ENCRE_ERROR_ARGUMENT only. */
+#ifndef ENCRE_HANDLE_H
+#define ENCRE_HANDLE_H
+
+#include "base/bands.h"
+
+#include <stddef.h>
+
+encre_scene *scene_create(void);
+void scene_free(encre_scene *scene);
+int32_t scene_geometry(encre_scene *scene, int64_t key, const encre_geometry *geometry, char *error, size_t size);
+int32_t scene_instance(encre_scene *scene, int64_t key, const encre_instance *given, char *error, size_t size);
+int32_t scene_lamp(encre_scene *scene, int64_t key, const encre_lamp *given);
+/* Clip space -> world; false where there is none. `inverse` may be NULL. */
+bool camera_inverse(const double view[16], const double projection[16], double inverse[16]);
+/* Images have strides. */
+int32_t light_run_base(bands *pool, const encre_light_job *job);
+int32_t light_run_v3(bands *pool, const encre_light_job *job);
+
+#endif

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A job of light: surfaces first, then lamp after lamp, all summed, and the light from all sides. */
+#include "light/handle.h"
+#include "light/light.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- rows -------------------------------------------------------------------------------------------------- */
+
+static void place_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	for (int y = y0; y < y1; y++)
+		ISA(place_row)(data, y);
+}
+
+static void add_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	light *l = data;
+	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width; i++)
+		for (int c = 0; c < 3; c++)
+			l->sum[3 * i + c] += l->plain[i] * l->share[i] * l->lamp.color[c];
+}
+
+/* Light from all sides, by the normal. */
+static void world_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	light *l = data;
+	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width; i++) {
+		vec n = l->surfaces[i].normal;
+		const float by[9] = {
+			1, n.x, n.y, n.z, n.x * n.y, n.y * n.z, 3 * n.z * n.z - 1, n.x * n.z, n.x * n.x - n.y * n.y};
+		for (int c = 0; c < 3; c++) {
+			float sum = 0;
+			for (int k = 0; k < 9; k++)
+				sum += by[k] * l->job->world[3 * k + c];
+			l->sum[3 * i + c] = l->surfaces[i].instance == SURFACE_NOTHING ? 0 : max(sum, 0);
+		}
+	}
+}
+
+/* The nearest pixel that shows something within 2 of one that shows nothing: of such as lie equally near the mean, so
+ * that no side is favoured. */
+static void borrow(const light *l, int x, int y, float out[3])
+{
+	int nearest = 9, n = 0;
+	for (int v = y - 2; v <= y + 2; v++)
+		for (int u = x - 2; u <= x + 2; u++) {
+			int far = (u - x) * (u - x) + (v - y) * (v - y);
+			ptrdiff_t j = (ptrdiff_t)v * l->width + u;
+			if (far > nearest || l->surfaces[j].instance == SURFACE_NOTHING)
+				continue;
+			n = far < nearest ? 0 : n;
+			nearest = far;
+			n++;
+			for (int c = 0; c < 3; c++)
+				out[c] = n == 1 ? l->sum[3 * j + c] : out[c] + l->sum[3 * j + c];
+		}
+	for (int c = 0; c < 3; c++)
+		out[c] = n ? out[c] / (float)n : 0;
+}
+
+static void write_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const light *l = data;
+	const encre_image *out = &l->job->diffuse;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0; x < out->width; x++) {
+			ptrdiff_t i = (ptrdiff_t)(y + LIGHT_MARGIN) * l->width + x + LIGHT_MARGIN;
+			float rgb[3] = {l->sum[3 * i], l->sum[3 * i + 1], l->sum[3 * i + 2]};
+			if (l->surfaces[i].instance == SURFACE_NOTHING)
+				borrow(l, x + LIGHT_MARGIN, y + LIGHT_MARGIN, rgb);
+			for (int c = 0; c < 3; c++)
+				rgb[c] = min(max(rgb[c], 0), FLT_MAX);
+			memcpy((char *)out->data + y * out->row_stride + x * out->pixel_stride, rgb, sizeof rgb);
+		}
+}
+
+/* ---- the job ----------------------------------------------------------------------------------------------- */
+
+static void plan(light *l, arena *a)
+{
+	size_t n = (size_t)l->width * (size_t)l->height;
+	l->surfaces = arena_take(a, n, sizeof *l->surfaces);
+	l->state = arena_take(a, n, sizeof *l->state);
+	l->plain = arena_take(a, n, sizeof *l->plain);
+	l->share = arena_take(a, n, sizeof *l->share);
+	l->more = arena_take(a, 2 * n, sizeof *l->more);
+	l->sum = arena_take(a, 3 * n, sizeof *l->sum);
+}
+
+static int32_t run(light *l)
+{
+	const store *lamps = &l->job->scene->lamps;
+	bands_span(l->bands, 0, 0.4);
+	int32_t code = bands_run(l->bands, l->height, 0, place_rows, l);
+	if (!code)
+		code = bands_run(l->bands, l->height, 0, world_rows, l);
+	lamp_points(l->points);
+	for (int32_t i = 0; !code && i < lamps->count; i++) {
+		double share = 0.8 / lamps->count;
+		bands_span(l->bands, 0.2 + share * i, 0.2 + share * (i + 1));
+		if (!lamp_make(lamps->items[i], &l->lamp))
+			continue;
+		code = ISA(shadow_run)(l);
+		if (!code)
+			code = bands_run(l->bands, l->height, 0, add_rows, l);
+	}
+	return code ? code : bands_run(l->bands, l->job->diffuse.height, 0, write_rows, l);
+}
+
+int32_t ISA(light_run)(bands *pool, const encre_light_job *job)
+{
+	light l = {.job = job,
+		   .bands = pool,
+		   .width = job->diffuse.width + 2 * LIGHT_MARGIN,
+		   .height = job->diffuse.height + 2 * LIGHT_MARGIN};
+	camera_inverse(job->view, job->projection, l.inverse);
+	bands_span(pool, 0, 0.1);
+	int32_t code = world_make(&l.world, job->scene, pool);
+	arena a = {0};
+	plan(&l, &a);
+	char *memory = !code && a.used <= SIZE_MAX - 64 ? malloc(a.used + 64) : NULL;
+	if (!code && !memory)
+		code = ENCRE_ERROR_MEMORY;
+	if (!code) {
+		a = (arena){memory + (64 - (uintptr_t)memory % 64), 0};
+		plan(&l, &a);
+		code = run(&l);
+	}
+	free(memory);
+	world_free(&l.world);
+	return code;
+}

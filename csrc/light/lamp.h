@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How much light a point of a lamp gives to a place, after Cycles' definitions of lamps. */
+#ifndef ENCRE_LAMP_H
+#define ENCRE_LAMP_H
+
+#include "light/vector.h"
+#include "encre.h"
+
+/* A lamp that has a size is asked at POINTS fixed points. Each pixel of a TILE x TILE square of the full frame asks
+ * POINTS / TILE^2 of its own. */
+enum { LAMP_POINTS = 64, LAMP_TILE = 4, LAMP_DEALT = LAMP_POINTS / (LAMP_TILE * LAMP_TILE), LAMP_PLAIN = 16 };
+
+typedef struct lamp_point {
+	float square[2], disc[2]; /* of the unit square, and of the unit disc about 0 */
+	float place[2];           /* where in the 2 x 2 pixels about a pixel's centre it is looked at from */
+} lamp_point;
+
+typedef struct lamp {
+	int type, light_set, shadow_set;
+	bool soft, shadows, flat;
+	float color[3];
+	vec at, way, u, v;  /* where it stands, where it shines, and its axes: of length 1, or its sides */
+	float scale[3];     /* spot: of its space */
+	float radius, open; /* sun: 1 less the cosine of half its angle */
+	float edge, blend;  /* spot: cosine where it ends, and 1 over what its soft part takes of it */
+	float spread, gain; /* tangent of half the angle; 0 = everywhere */
+} lamp;
+
+/* False where it gives no light. */
+bool lamp_make(const encre_lamp *given, lamp *l);
+/* The points, so ordered that each DEALT of them that follow each other are well spread, and after them PLAIN that are
+ * well spread by themselves, for light without shadows. */
+void lamp_points(lamp_point points[LAMP_POINTS + LAMP_PLAIN]);
+
+static const float pi = 3.14159265f;
+static const float lamp_far = 1e30f; /* of a way that does not end */
+
+/* Two directions across w. */
+static inline void lamp_across(const lamp *l, vec w, vec *u, vec *v)
+{
+	vec a = fabsf(dot(l->u, w)) > 0.9f ? l->v : l->u;
+	*u = unit(minus(a, times(w, dot(a, w))));
+	*v = cross(w, *u);
+}
+
+static inline float sun_light(const lamp *l, vec normal, const lamp_point *q, vec *way)
+{
+	float x = q->disc[0], y = q->disc[1], part = (x * x + y * y) * l->open, k = sqrtf(l->open * (2 - part));
+	*way = plus(times(l->way, part - 1), plus(times(l->u, k * x), times(l->v, k * y)));
+	return 2 / (2 - l->open) * max(dot(normal, *way), 0) / pi;
+}
+
+static inline float area_light(const lamp *l, vec to, vec normal, const lamp_point *q, vec *way)
+{
+	float a = q->square[0] - 0.5f, b = q->square[1] - 0.5f;
+	if (l->type == ENCRE_ELLIPSE) {
+		a = 0.5f * q->disc[0];
+		b = 0.5f * q->disc[1];
+	}
+	*way = plus(to, plus(times(l->u, a), times(l->v, b)));
+	float square = dot(*way, *way), length = sqrtf(square), front = -dot(*way, l->way) / length;
+	if (!(front > 0))
+		return 0;
+	float value = front * max(dot(normal, *way), 0) / (square * length) / (pi * pi);
+	if (l->spread > 0)
+		value *= l->gain * max(l->spread - sqrtf(max(1 - front * front, 0)) / front, 0);
+	return value;
+}
+
+static inline float ball_light(const lamp *l, vec to, float distance, vec normal, const lamp_point *q, vec *way)
+{
+	vec w = times(to, 1 / distance), u, v;
+	float radius = l->radius, share = 1 / (4 * pi * pi), x = q->disc[0], y = q->disc[1];
+	*way = to;
+	if (!l->soft || distance <= radius)
+		return share * max(dot(normal, w), 0) / (distance * distance);
+	lamp_across(l, w, &u, &v);
+	if (l->flat) {
+		*way = plus(to, plus(times(u, x * radius), times(v, y * radius)));
+		float square = dot(*way, *way), length = sqrtf(square);
+		return share * dot(*way, w) / length * max(dot(normal, *way), 0) / (square * length);
+	}
+	/* what is seen of the sphere, evenly over the angle that it fills */
+	float sine = radius * radius / (distance * distance), open = sine / (1 + sqrtf(1 - sine));
+	float part = (x * x + y * y) * open, z = 1 - part, k = sqrtf(open * (2 - part));
+	*way = plus(times(w, z), plus(times(u, k * x), times(v, k * y)));
+	float value = share / (radius * radius) * 2 * open * max(dot(normal, *way), 0);
+	float inside = radius * radius - distance * distance * part * (1 + z);
+	*way = times(*way, distance * z - sqrtf(max(inside, 0)));
+	return value;
+}
+
+static inline float spot_share(const lamp *l, vec way)
+{
+	vec k = unit(
+		(vec){dot(way, l->u) / l->scale[0], dot(way, l->v) / l->scale[1], -dot(way, l->way) / l->scale[2]});
+	float t = clamp01((k.z - l->edge) * l->blend);
+	return t * t * (3 - 2 * t);
+}
+
+/* Light from one point of the lamp, what is in the way aside, for a lamp of colour 1: the mean over its points is what
+ * falls. way, *far: the ray to that point. */
+static inline float lamp_light(const lamp *l, vec at, vec normal, const lamp_point *q, vec *way, float *far)
+{
+	*far = lamp_far;
+	if (l->type == ENCRE_SUN)
+		return sun_light(l, normal, q, way);
+	*far = 0.99999f;
+	vec to = minus(l->at, at);
+	if (l->type == ENCRE_RECTANGLE || l->type == ENCRE_ELLIPSE)
+		return area_light(l, to, normal, q, way);
+	float distance = sqrtf(dot(to, to)), value = ball_light(l, to, distance, normal, q, way);
+	return l->type == ENCRE_SPOT ? value * spot_share(l, *way) : value;
+}
+
+#endif

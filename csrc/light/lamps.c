@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lamps as they are asked, from lamps as they are given, and the points at which those with a size are asked. */
+#include "light/lamp.h"
+
+#include <stddef.h>
+
+static vec column(const double m[16], int k)
+{
+	return (vec){(float)m[k], (float)m[4 + k], (float)m[8 + k]};
+}
+
+static float length(vec a)
+{
+	return sqrtf(dot(a, a));
+}
+
+static bool finite_lamp(const lamp *l)
+{
+	const float values[] = {l->at.x,         l->at.y,   l->at.z,     dot(l->way, l->way), dot(l->u, l->u),
+				dot(l->v, l->v), l->radius, l->scale[0], l->scale[1],         l->scale[2]};
+	float sum = 0;
+	for (size_t i = 0; i < sizeof values / sizeof *values; i++)
+		sum += values[i] * 0;
+	return sum == 0;
+}
+
+static void make_spot(const encre_lamp *given, lamp *l)
+{
+	float half = 0.5f * given->spot_angle, soft = (1 - pixel_cos(half)) * given->spot_blend;
+	l->edge = pixel_cos(half);
+	l->blend = 1 / max(soft, 1e-6f);
+}
+
+/* Sides in the world, light per area, and the cone that a lamp with a grid before it shines into. */
+static void make_area(const encre_lamp *given, lamp *l)
+{
+	l->u = times(column(given->model, 0), given->width);
+	l->v = times(column(given->model, 1), given->height);
+	l->soft = length(l->u) > 0 || length(l->v) > 0;
+	float half = 0.5f * given->spread;
+	if (given->spread < pi - 1e-4f) {
+		l->spread = pixel_sin(half) / pixel_cos(half);
+		/* tan less its angle: the difference cancels for small ones */
+		float excess = half < 0.05f ? half * half * half * (1.0f / 3) : l->spread - half;
+		l->gain = 1 / max(excess, 1e-12f);
+	}
+}
+
+bool lamp_make(const encre_lamp *given, lamp *l)
+{
+	vec x = column(given->model, 0), y = column(given->model, 1), z = column(given->model, 2);
+	*l = (lamp){.type = given->type,
+		    .light_set = given->light_set,
+		    .shadow_set = given->shadow_set,
+		    .shadows = given->shadows,
+		    .flat = given->flat,
+		    .color = {given->color[0], given->color[1], given->color[2]},
+		    .at = column(given->model, 3),
+		    .way = unit(times(z, -1)),
+		    .u = unit(x),
+		    .v = unit(y),
+		    .scale = {max(length(x), 1e-20f), max(length(y), 1e-20f), max(length(z), 1e-20f)}};
+	if (given->type == ENCRE_SUN) {
+		float sine = pixel_sin(0.25f * given->width);
+		l->open = 2 * sine * sine;
+		l->soft = given->width > 0;
+		lamp_across(l, l->way, &l->u, &l->v);
+	} else if (given->type == ENCRE_POINT || given->type == ENCRE_SPOT) {
+		l->radius = given->width;
+		l->soft = given->width > 0;
+	} else {
+		make_area(given, l);
+	}
+	if (given->type == ENCRE_SPOT)
+		make_spot(given, l);
+	return (l->color[0] || l->color[1] || l->color[2]) && dot(l->way, l->way) > 0.5f && finite_lamp(l);
+}
+
+/* Reversed bits of i as a fraction, and its twin by which pairs fill the square evenly (Sobol). */
+static float sobol(uint32_t i, bool second)
+{
+	uint32_t sum = 0, direction = 1u << 31;
+	for (; i; i >>= 1) {
+		sum ^= i & 1 ? direction : 0;
+		direction = second ? direction ^ direction >> 1 : direction >> 1;
+	}
+	return (float)(sum >> 8) * (1.0f / (1 << 24));
+}
+
+/* Point of the unit disc by concentric squares. */
+static void disc_of(float a, float b, float out[2])
+{
+	float x = 2 * a - 1, y = 2 * b - 1, r = fabsf(x) > fabsf(y) ? x : y;
+	float angle =
+		fabsf(x) > fabsf(y) ? 0.785398163f * (y / x) : 1.57079633f - 0.785398163f * (x / (y == 0 ? 1 : y));
+	out[0] = r * pixel_cos(angle);
+	out[1] = r * pixel_sin(angle);
+}
+
+/* A point of a set of n, moved from its cell's corner to the middle. */
+static void point_of(uint32_t i, uint32_t n, lamp_point *p)
+{
+	float half = 0.5f / (float)n;
+	p->square[0] = sobol(i, false) + half;
+	p->square[1] = sobol(i, true) + half;
+	disc_of(p->square[0], p->square[1], p->disc);
+	/* another order of the same set: where on the lamp, and where in the pixel, must not be alike */
+	uint32_t j = (i * 37 + 11) % n;
+	p->place[0] = 2 * (sobol(j, true) + half) - 1;
+	p->place[1] = 2 * (sobol(j, false) + half) - 1;
+}
+
+void lamp_points(lamp_point points[LAMP_POINTS + LAMP_PLAIN])
+{
+	for (uint32_t i = 0; i < LAMP_POINTS; i++)
+		point_of(i, LAMP_POINTS, points + i);
+	for (uint32_t i = 0; i < LAMP_PLAIN; i++)
+		point_of(i, LAMP_PLAIN, points + LAMP_POINTS + i);
+}

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a scene keeps, and what of it the rays of one job see. */
+#ifndef ENCRE_SCENE_H
+#define ENCRE_SCENE_H
+
+#include "base/bands.h"
+#include "light/tree.h"
+#include "light/vector.h"
+
+#include <stddef.h>
+
+enum { LEAF = 4 };
+
+/* Triangles side by side: a corner and the two edges from it. item < 0: there is none. */
+typedef struct triangle_leaf {
+	float corner[3][LEAF], first[3][LEAF], second[3][LEAF];
+	int32_t item[LEAF];
+} triangle_leaf;
+
+typedef struct shape {
+	int32_t n_points, n_triangles, used; /* by so many instances */
+	bool built;
+	float *points, *normals; /* of the owner; normals may be NULL */
+	int32_t *corners;
+	tree tree; /* over triangles; empty where none is finite */
+	triangle_leaf *leaves;
+	float low[3], high[3];
+} shape;
+
+typedef struct instance {
+	int64_t geometry;
+	const shape *shape;
+	uint64_t light_sets, shadow_sets;
+	bool camera, mirrored, there; /* there: the matrix has an inverse, and the shape something to hit */
+	double model[12], inverse[12];
+} instance;
+
+/* By ascending keys. */
+typedef struct store {
+	int64_t *keys;
+	void **items;
+	int32_t count, room;
+} store;
+
+struct encre_scene {
+	store shapes, instances, lamps;
+};
+
+/* The scene as rays see it. Instances are counted as in the store. */
+typedef struct world {
+	const instance *const *instances;
+	int32_t n_instances;
+	tree tree; /* over instances, one to a leaf */
+	tree_box *boxes;
+	float low[3], high[3]; /* of all */
+} world;
+
+/* Builds the trees that are missing, and the world. world_free() whatever it returns. */
+int32_t world_make(world *w, const encre_scene *scene, bands *pool);
+void world_free(world *w);
+
+#endif

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Points and directions, and matrices of 3 rows of 4: from one space to another. */
+#ifndef ENCRE_VECTOR_H
+#define ENCRE_VECTOR_H
+
+#include "base/pixel.h"
+
+typedef struct vec {
+	float x, y, z;
+} vec;
+
+static inline vec vec_of(const float *p)
+{
+	return (vec){p[0], p[1], p[2]};
+}
+
+static inline vec plus(vec a, vec b)
+{
+	return (vec){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+static inline vec minus(vec a, vec b)
+{
+	return (vec){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline vec times(vec a, float s)
+{
+	return (vec){a.x * s, a.y * s, a.z * s};
+}
+
+static inline float dot(vec a, vec b)
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline vec cross(vec a, vec b)
+{
+	return (vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline vec unit(vec a)
+{
+	return times(a, 1 / sqrtf(dot(a, a) + 1e-30f));
+}
+
+static inline void transform_point(const double m[12], const double p[3], double out[3])
+{
+	for (int i = 0; i < 3; i++)
+		out[i] = m[4 * i] * p[0] + m[4 * i + 1] * p[1] + m[4 * i + 2] * p[2] + m[4 * i + 3];
+}
+
+static inline vec transform_way(const double m[12], vec p)
+{
+	double x = (double)p.x, y = (double)p.y, z = (double)p.z;
+	return (vec){(float)(m[0] * x + m[1] * y + m[2] * z), (float)(m[4] * x + m[5] * y + m[6] * z),
+		     (float)(m[8] * x + m[9] * y + m[10] * z)};
+}
+
+#endif

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Drawn light beside Cycles' of many samples: both are in one file, as Encre Diffuse and DiffDir."""
+
+from math import pi, radians
+
+import bpy
+from mathutils import Vector
+from studio import cube, fact, link, material, passes_on, plane, register, shoot, sphere
+
+LAMPS = {
+    "sun": ("SUN", dict(energy=3, angle=0)),
+    "wide": ("SUN", dict(energy=3, angle=0.25)),
+    "point": ("POINT", dict(energy=400, shadow_soft_size=0)),
+    "ball": ("POINT", dict(energy=400, shadow_soft_size=0.5)),
+    "spot": ("SPOT", dict(energy=900, shadow_soft_size=0, spot_size=0.9, spot_blend=0.4)),
+    "soft": ("SPOT", dict(energy=900, shadow_soft_size=0.3, spot_size=0.9, spot_blend=0.4)),
+    "square": ("AREA", dict(energy=300, shape="SQUARE", size=1.2)),
+    "rectangle": ("AREA", dict(energy=300, shape="RECTANGLE", size=0.4, size_y=2)),
+    "disk": ("AREA", dict(energy=300, shape="DISK", size=1.5, spread=radians(100))),
+    "ellipse": ("AREA", dict(energy=300, shape="ELLIPSE", size=0.6, size_y=1.6)),
+}
+SCALES = {"spot": (1.3, 0.8, 1.1), "square": (1.5, 0.7, 1)}
+
+
+def _stage(samples):
+    """Matt things without bounced light, seen through a filter as narrow as a pixel's centre."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    register()
+    scene = bpy.context.scene
+    scene.render.engine = "ENCRE"
+    scene.render.resolution_x, scene.render.resolution_y = 112, 63
+    scene.cycles.samples, scene.cycles.seed = samples, 1
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+    scene.cycles.max_bounces, scene.cycles.filter_width = 0, 0.01
+    scene.cycles.pixel_filter_type = "BOX"
+    passes_on(scene.view_layers[0])
+    scene.view_layers[0].use_pass_diffuse_direct = True
+    scene.encre.light_source = "DRAWN"
+    cam = link("Camera", bpy.data.cameras.new("Camera"), (1, -7, 4))
+    cam.rotation_euler = (Vector((0, 0, 0)) - cam.location).to_track_quat("-Z", "Y").to_euler()
+    scene.camera = cam
+    for obj in (plane("Ground", z=0.0), cube("Cube", (-0.9, 0, 0.5), 1.0), sphere("Ball", (1.0, -0.3, 0.75)),
+                cube("Small", (0.4, 0.9, 1.4), 0.5)):
+        obj.data.materials.append(_matt(obj.name))
+    return scene
+
+
+def _matt(name):
+    """A material that throws light evenly to all sides: Principled does not in every version."""
+    mat = material(name, (0.7, 0.7, 0.7))
+    tree = mat.node_tree
+    tree.nodes.remove(tree.nodes["Principled BSDF"])
+    tree.links.new(tree.nodes.new("ShaderNodeBsdfDiffuse").outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    return mat
+
+
+def _lamp(kind, **settings):
+    data = bpy.data.lights.new("Lamp", kind)
+    obj = link("Lamp", data, (2.2, -1.0, 3.5))
+    obj.rotation_euler = (Vector((0, 0, 0.4)) - obj.location).to_track_quat("-Z", "Y").to_euler()
+    for name, value in settings.items():
+        setattr(data, name, value)
+    return obj
+
+
+def lamps(out):
+    """One picture for each kind of lamp, alone."""
+    for name, (kind, settings) in LAMPS.items():
+        hard = not settings.get("angle", settings.get("shadow_soft_size", settings.get("size")))
+        _stage(16 if hard else 256)
+        obj = _lamp(kind, **settings)
+        obj.scale = SCALES.get(name, (1, 1, 1))
+        shoot(out, name)
+    fact("version", list(bpy.app.version))
+
+
+def unlit(out):
+    """No lamp, a world that only Cycles can read; then nothing at all is left to draw."""
+    scene = _stage(1)
+    scene.encre.light_denoise = "NONE"
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.use_nodes = True
+    tree = scene.world.node_tree
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    shoot(out, "unlit")
+
+
+def scene_rules(out):
+    """What the camera does not see throws shadows, what throws none does not, and light is linked."""
+    scene = _stage(16)
+    _lamp("SUN", energy=3, angle=0)
+    bpy.data.objects["Cube"].visible_shadow = False
+    bpy.data.objects["Small"].visible_camera = False
+    empty = link("Copies", None, (-1.4, -1.6, 0.2))
+    inner = bpy.data.collections.new("Inner")
+    cube("Copied", (0, 0, 0), 0.4, collection=inner)
+    empty.instance_type, empty.instance_collection = "COLLECTION", inner
+    empty.scale, empty.rotation_euler = (-1, 1.5, 1), (0, 0, 0.5)
+    fog = cube("Fog", (0, 0, 1), 4.0, material("Fog", (1, 1, 1)))
+    tree = fog.data.materials[0].node_tree
+    tree.nodes.remove(tree.nodes["Principled BSDF"])
+    scatter = tree.nodes.new("ShaderNodeVolumePrincipled")
+    scatter.inputs["Density"].default_value = 0
+    tree.links.new(scatter.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.color = (0, 0, 0)
+    shoot(out, "rules")
+
+
+def linked(out):
+    """A second sun that lights the ball alone, and for which only the small cube throws shadows. Since 4.0."""
+    if not hasattr(bpy.types.Object, "light_linking"):
+        return
+    _stage(16)
+    obj = _lamp("SUN", energy=3, angle=0)
+    for kind, name in (("receiver_collection", "Ball"), ("blocker_collection", "Small")):
+        members = bpy.data.collections.new(kind)
+        members.objects.link(bpy.data.objects[name])
+        setattr(obj.light_linking, kind, members)
+    obj.rotation_euler = (0.6, 0.2, pi)
+    other = _lamp("SUN", energy=1, angle=0)
+    excluded = bpy.data.collections.new("not this")
+    excluded.objects.link(bpy.data.objects["Cube"])
+    other.light_linking.receiver_collection = excluded
+    excluded.collection_objects[0].light_linking.link_state = "EXCLUDE"
+    shoot(out, "linked")
+
+
+def kept(out):
+    """A file that keeps its layers, of soft light that is cut into levels, and its twin that is supersampled."""
+    scene = _stage(4)
+    _lamp("AREA", energy=300, shape="SQUARE", size=1.0)
+    for switch in ("use_shading", "use_hatching", "use_lines"):
+        setattr(scene.encre, switch, True)
+    scene.encre.edge_light = 4
+    shoot(out, "kept")
+    scene.render.use_border = scene.render.use_crop_to_border = True
+    scene.render.border_min_x, scene.render.border_max_x = 0.25, 0.75
+    scene.render.border_min_y, scene.render.border_max_y = 0.2, 0.9
+    shoot(out, "border")
+    scene.render.use_border = False
+    scene.encre.supersample = 2
+    shoot(out, "large")

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Drawn light in Blender: as bright as Cycles' and as it is linked there, and kept in files."""
+
+import blenders
+import numpy as np
+import pytest
+
+LAMPS = ["sun", "wide", "point", "ball", "spot", "soft", "square", "rectangle", "disk", "ellipse"]
+
+
+@pytest.fixture(params=blenders.params(), scope="module")
+def lamps(request, tmp_path_factory):
+    return blenders.run(request.param, "lamps", tmp_path_factory.mktemp("lamps"))
+
+
+def beside(picture, reach):
+    """Least and greatest of the pixels within `reach` of each, (height, width)."""
+    height, width = picture.shape
+    padded = np.pad(picture, reach, mode="edge")
+    near = np.stack([padded[y:y + height, x:x + width] for y in range(2 * reach + 1) for x in range(2 * reach + 1)])
+    return near.min(0), near.max(0)
+
+
+def compared(passes):
+    """(difference in shares of the brightest, whether it is 2 pixels away from edges of shadows and things)."""
+    drawn, rendered = passes["Encre Diffuse"].mean(2), passes["DiffDir"].mean(2)
+    low, high = beside(rendered, 2)
+    _, most = beside(passes["IndexOB"][..., 0], 1)
+    least, _ = beside(passes["IndexOB"][..., 0], 1)
+    calm = (high - low < 0.25 * rendered.max()) & (most == least)
+    return abs(drawn - rendered) / rendered.max(), calm
+
+
+@pytest.mark.parametrize("name", LAMPS)
+def test_as_bright_as_cycles(lamps, name):
+    difference, calm = compared(lamps.passes(name))
+    assert calm.mean() > 0.7
+    # Before 4.1 a soft spot is a disc across its axis, and darker by that angle's cosine than the sphere that it is now.
+    most = 0.05 if name == "soft" and lamps.facts["version"][0] < [4, 1] else 0.02
+    assert difference[calm].mean() < most
+    assert np.percentile(difference[calm], 95) < 2.5 * most
+
+
+@pytest.fixture(params=blenders.params(), scope="module")
+def rules(request, tmp_path_factory):
+    return blenders.run(request.param, "scene_rules", tmp_path_factory.mktemp("rules"))
+
+
+def test_shadows_of_what_throws_them(rules):
+    difference, calm = compared(rules.passes("rules"))
+    assert difference[calm].mean() < 0.005 and (difference[calm] > 0.1).mean() < 0.002
+
+
+@pytest.mark.parametrize("blender", blenders.params())
+def test_lamps_that_are_linked(blender, tmp_path):
+    shot = blenders.run(blender, "linked", tmp_path)
+    if not shot.wrote("linked"):
+        pytest.skip("this Blender has no light linking")
+    difference, calm = compared(shot.passes("linked"))
+    assert difference[calm].mean() < 0.005 and (difference[calm] > 0.1).mean() < 0.002
+
+
+@pytest.mark.parametrize("blender", blenders.params())
+def test_without_a_lamp_that_can_be_drawn_one_sentence_and_cycles_light(blender, tmp_path):
+    shot = blenders.run(blender, "unlit", tmp_path)
+    assert "no lamp and no world that can be drawn: the light is Cycles'" in shot.output
+    assert "the world's node Noise Texture" in shot.output
+    passes = shot.passes("unlit")
+    assert passes["Encre Diffuse"].any()
+    assert np.allclose(passes["Encre Diffuse"], passes["DiffDir"] + passes["DiffInd"], atol=1e-6)
+
+
+@pytest.fixture(params=blenders.params(), scope="module")
+def kept(request, tmp_path_factory):
+    return blenders.run(request.param, "kept", tmp_path_factory.mktemp("kept"))
+
+
+def test_a_file_draws_the_same_picture_again(kept):
+    from encre.cli import main
+
+    out = kept.folder / "again.exr"
+    assert not main.main(["composite", str(kept.folder / "kept.exr"), "-o", str(out)])
+    first, again = (kept.passes(name)["Combined"] for name in ("kept", "again"))
+    assert abs(first - again).max() <= 1e-5
+
+
+def test_a_border_has_the_light_of_its_part_of_the_frame(kept):
+    whole, part = kept.passes("kept")["Encre Diffuse"], kept.passes("border")["Encre Diffuse"]
+    top, left = 6, 28
+    assert part.shape == (45, 56, 3)
+    assert np.percentile(abs(whole[top:top + 45, left:left + 56] - part), 99) < 1e-3
+
+
+def test_supersampled_light_is_the_same_light(kept):
+    once, twice = kept.passes("kept")["Encre Diffuse"], kept.passes("large")["Encre Diffuse"]
+    assert abs(once - twice).mean() < 0.02 * once.max()

@@ -1,0 +1,438 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Drawn light: its amounts against every ray by hand, its edges against geometry, its bytes against themselves."""
+
+import numpy as np
+import pytest
+from encre.pen import library
+from encre.pen.errors import EncreError
+from encre.pen.job import Frame, Lamp, Mesh
+from reference import light as reference
+
+CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float32)
+SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+CUBE_CORNERS = np.array([t for a, b, c, d in SIDES for t in ((a, b, c), (a, c, d))], np.int32)
+PLANE = np.array([[-30, -30, 0], [30, -30, 0], [30, 30, 0], [-30, 30, 0]], np.float32)
+PLANE_CORNERS = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+
+
+def look(eye, at, scale=(1, 1, 1)):
+    """The matrix of something that stands at `eye` and looks along its -z."""
+    eye = np.array(eye, float)
+    z = reference.unit(eye - at)
+    x = reference.unit(np.cross((0, 0, 1), z))
+    model = np.eye(4)
+    model[:3, :3] = np.stack([x, np.cross(z, x), z], 1) * scale
+    model[:3, 3] = eye
+    return model
+
+
+def moved(x, y, z, size=1.0):
+    model = np.diag([size, size, size, 1.0])
+    model[:3, 3] = x, y, z
+    return model
+
+
+def perspective(width, height, near=0.1, far=200.0, lens=2.6):
+    return np.array([[lens, 0, 0, 0], [0, lens * width / height, 0, 0],
+                     [0, 0, -(far + near) / (far - near), -2 * far * near / (far - near)], [0, 0, -1, 0]])
+
+
+def ball(n=5):
+    """(points, corners, normals) of a unit ball of facets that is shaded smoothly."""
+    turn, rise = np.meshgrid(np.arange(2 * n) * np.pi / n, np.arange(n + 1) * np.pi / n)
+    points = np.stack([np.sin(rise) * np.cos(turn), np.sin(rise) * np.sin(turn), np.cos(rise)], -1).reshape(-1, 3)
+    k = np.arange(2 * n)
+    corners = []
+    for row in range(n):
+        a, b = row * 2 * n + k, row * 2 * n + (k + 1) % (2 * n)
+        corners += [np.stack([a, a + 2 * n, b + 2 * n], 1), np.stack([a, b + 2 * n, b], 1)]
+    corners = np.concatenate(corners).astype(np.int32)
+    area = np.linalg.norm(np.cross(points[corners[:, 1]] - points[corners[:, 0]],
+                                   points[corners[:, 2]] - points[corners[:, 0]]), axis=1)
+    corners = corners[area > 1e-9]
+    return points.astype(np.float32), corners, points[corners].astype(np.float32)
+
+
+class Stage:
+    """Things on a plane, as the library has them, as the reference has them, and seen by a camera."""
+
+    def __init__(self, width, height, eye=(6, -8, 5), smooth=False, at=(0.2, 0, 0.6)):
+        self.width, self.height = width, height
+        self.view, self.projection = np.linalg.inv(look(eye, at)), perspective(width, height)
+        self.scene, self.world, self.meshes = library.Scene(), reference.World(), []
+        self.add(PLANE, PLANE_CORNERS, np.eye(4))
+        self.add(CUBE, CUBE_CORNERS, moved(0, 0, 1.001))
+        if smooth:
+            points, corners, normals = ball()
+            self.add(points, corners, moved(2.6, -0.6, 0.8, 0.8), normals)
+
+    def add(self, points, corners, model, normals=None, seen=True):
+        key = len(self.meshes)
+        self.scene.geometry(key, points, corners, normals)
+        self.scene.instance(key, key, model, seen)
+        self.world.add(points, corners, model, normals, seen)
+        self.meshes.append(Mesh(points, corners, model=model, object_index=key + 1))
+
+    def depth(self, frame=None, size=None):
+        size = size or (self.width, self.height)
+        return library.raster(self.meshes, self.view, self.projection, frame or Frame(self.width, self.height), size,
+                              0.1, outputs=("depth",))["depth"]
+
+    def objects(self):
+        """Number of what each pixel shows: 1 is the plane, 2 the cube."""
+        size = self.width, self.height
+        return library.raster(self.meshes, self.view, self.projection, Frame(*size), size, 0.1,
+                              outputs=("object",))["object"]
+
+    def light(self, *lamps, depth=None, frame=None, normal=None, **options):
+        for k, lamp in enumerate(lamps):
+            self.scene.lamp(k, lamp)
+        depth = self.depth(frame) if depth is None else depth
+        return self.scene.light(depth, normal, self.view, self.projection, frame or Frame(self.width, self.height),
+                                0.1, **options)
+
+
+def ways(x=3.0, y=1.2, z=5.0, **scale):
+    return look((x, y, z), (0, 0, 0.3), **scale)
+
+
+LAMPS = {
+    "sun": Lamp("sun", model=ways()),
+    "wide sun": Lamp("sun", width=0.3, model=ways()),
+    "point": Lamp("point", model=ways()),
+    "ball": Lamp("point", width=0.7, model=ways()),
+    "disc": Lamp("point", width=0.7, flat=True, model=ways()),
+    "spot": Lamp("spot", spot_angle=0.7, spot_blend=0.4, model=ways()),
+    "soft spot": Lamp("spot", width=0.4, spot_angle=0.8, spot_blend=0.2, model=ways()),
+    "scaled spot": Lamp("spot", width=0.2, spot_angle=0.8, spot_blend=0.5, model=ways(scale=(1.5, 0.6, 1.2))),
+    "rectangle": Lamp("rectangle", width=1.0, height=2.0, model=ways()),
+    "ellipse": Lamp("ellipse", width=1.5, height=0.8, model=ways(scale=(1.0, 1.6, 1.0))),
+    "grid": Lamp("rectangle", width=1.0, height=1.0, spread=1.2, model=ways()),
+}
+
+
+@pytest.mark.parametrize("name", LAMPS)
+def test_as_every_ray_by_hand(name):
+    stage, lamp = Stage(36, 24, smooth=True), LAMPS[name]
+    light, plain, triangle, _ = reference.draw(stage.world, lamp, stage.view, stage.projection, 36, 24)
+    found = stage.light(lamp)
+    assert (found == found[..., :1]).all()
+    there, bright = triangle >= 0, plain.max()
+    with np.errstate(all="ignore"):
+        share = np.where(plain > 0, light / plain, 1)
+    # Within 2 pixels of where shadows begin and end, and on the ball's facets, both mean something else than a pixel's
+    # centre.
+    flat = np.ones_like(there)
+    for y in range(-2, 3):
+        for x in range(-2, 3):
+            beside = np.roll(share, (y, x), (0, 1))
+            flat &= abs(beside - share) < 0.02
+    flat &= there
+    error = abs(found[..., 0] - light) / bright
+    assert flat.sum() > 200
+    assert error[flat].mean() < 1e-3 and np.percentile(error[flat], 99) < 0.01
+    assert error[there].mean() < 0.02
+
+
+def test_without_shadows():
+    stage = Stage(32, 20)
+    lamp = Lamp("sun", shadows=False, model=ways())
+    plain = reference.draw(stage.world, lamp, stage.view, stage.projection, 32, 20)[1]
+    assert np.allclose(stage.light(lamp)[..., 0], plain, atol=1e-5)
+
+
+def test_lamps_add_up_in_their_colours():
+    stage = Stage(32, 20)
+    one, other = Lamp("sun", (1, 0.5, 0.25), model=ways()), Lamp("point", (0, 90, 10), model=ways(-3.0))
+    alone = []
+    for lamp in (one, other):
+        alone.append(stage.light(lamp))
+    assert np.allclose(stage.light(one, other), alone[0] + alone[1], rtol=1e-5, atol=1e-6)
+
+
+# ---- where edges are
+
+
+def shadow_outline(stage, way):
+    """The corners on the screen, in pixels, of the shadow that the cube throws on the plane."""
+    corners = CUBE @ np.eye(3) + (0, 0, 1.001)
+    shadow = corners - corners[:, 2:] / way[2] * way
+    p = np.concatenate([shadow, np.ones((8, 1))], 1) @ (stage.projection @ stage.view).T
+    p = (p[:, :2] / p[:, 3:] * (0.5, -0.5) + 0.5) * (stage.width, stage.height)
+    hull, start = [], p[:, 0].argmin()  # wrapped as a gift
+    while not hull or start != hull[0]:
+        hull.append(start)
+        to = p - p[start]
+        following = (start + 1) % 8
+        for k in range(8):
+            if to[following, 0] * to[k, 1] - to[following, 1] * to[k, 0] > 1e-9:
+                following = k
+        start = following
+    return p[hull]
+
+
+def crossings(share, inside):
+    """Places (x, y) at which half the light lies between neighbouring pixels of the plane."""
+    out = []
+    for axis in (0, 1):
+        a, b = (share[:-1], share[1:]) if axis == 0 else (share[:, :-1], share[:, 1:])
+        both = (inside[:-1] & inside[1:]) if axis == 0 else (inside[:, :-1] & inside[:, 1:])
+        y, x = np.nonzero(((a < 0.5) != (b < 0.5)) & both)
+        t = (0.5 - a[y, x]) / (b[y, x] - a[y, x])
+        out.append(np.stack([x + 0.5 + (t if axis else 0), y + 0.5 + (0 if axis else t)], 1))
+    return np.concatenate(out)
+
+
+def distances(points, outline):
+    """From points to the nearest of an outline's lines, where that is not near a corner; else NaN."""
+    best, corner = np.full(len(points), np.inf), np.full(len(points), np.inf)
+    for a, b in zip(outline, np.roll(outline, -1, 0), strict=True):
+        along = b - a
+        t = np.clip(((points - a) @ along) / (along @ along), 0, 1)
+        best = np.minimum(best, np.linalg.norm(points - a - t[:, None] * along, axis=1))
+        corner = np.minimum(corner, np.linalg.norm(points - a, axis=1))
+    return np.where(corner > 4, best, np.nan)
+
+
+@pytest.mark.parametrize("width, most", [(0, 0.05), (0.00925, 0.15)])
+def test_a_cubes_shadow_ends_where_geometry_says(width, most):
+    found = []
+    for seed in range(6):
+        stage = Stage(320, 180)
+        rng = np.random.default_rng(seed)
+        from_ = np.array([*rng.uniform(-4, 4, 2), rng.uniform(3, 6)])
+        lamp = Lamp("sun", width=width, model=look(from_, (0, 0, 0)))
+        light = stage.light(lamp)[..., 0]
+        plane = stage.objects() == 1
+        share = light / light[plane].max()
+        gap = distances(crossings(share, plane), shadow_outline(stage, from_))
+        found.append(gap[gap < 1])
+    found = np.concatenate(found)
+    assert len(found) > 800
+    assert np.percentile(found, 95) <= most
+
+
+def windows(picture):
+    """(9, height - 2, width - 2): of each pixel that is not at the border the 3 x 3 about it."""
+    height, width = picture.shape
+    return np.stack([picture[y:y + height - 2, x:x + width - 2] for y in range(3) for x in range(3)])
+
+
+def specks(light, surface, levels=4):
+    """Pixels of one surface whose tone is above, or below, that of all eight neighbours."""
+    tone = windows(np.minimum((light / light.max() * levels).astype(int), levels - 1))
+    beside = np.delete(tone, 4, 0)
+    same = (windows(surface) == surface[1:-1, 1:-1]).all(0)
+    return int((same & ((tone[4] > beside.max(0)) | (tone[4] < beside.min(0)))).sum())
+
+
+@pytest.mark.parametrize("lamp", [Lamp("sun", width=0.00925, model=ways()),
+                                  Lamp("rectangle", width=1, height=1, model=ways()),
+                                  Lamp("point", width=0.5, model=ways())], ids=["sun", "rectangle", "ball"])
+def test_soft_light_is_clean(lamp):
+    stage = Stage(480, 270, smooth=True)
+    for k in range(6):  # bars that throw narrow shadows
+        model = np.diag([0.03, 0.03, 0.9, 1.0])
+        model[:3, 3] = -2.2 - 0.25 * k, -1.5 + 0.4 * k, 0.9
+        stage.add(CUBE, CUBE_CORNERS, model)
+    assert specks(stage.light(lamp)[..., 0], stage.objects()) == 0
+
+
+# ---- the same bytes
+
+
+@pytest.mark.parametrize("name", ["sun", "wide sun", "soft spot", "rectangle"])
+def test_same_bytes_on_any_threads_and_instructions(name):
+    stage = Stage(101, 67, smooth=True)
+    first = stage.light(LAMPS[name], threads=1)
+    for options in (dict(threads=3), dict(threads=7), dict(threads=2, simd=0)):
+        assert (stage.light(LAMPS[name], **options) == first).all()
+
+
+@pytest.mark.parametrize("name", ["sun", "rectangle"])
+def test_a_border_is_its_part_of_the_frame(name):
+    stage = Stage(160, 96, smooth=True)
+    depth = stage.depth()
+    whole = stage.light(LAMPS[name], depth=depth)
+    for x, y, width, height in ((0, 0, 160, 96), (37, 21, 60, 41), (70, 50, 1, 1), (101, 3, 59, 90)):
+        part = stage.light(LAMPS[name], depth=depth[y:y + height, x:x + width], frame=Frame(160, 96, x, y))
+        assert (part == whole[y:y + height, x:x + width]).all()
+
+
+# ---- the scene
+
+
+def test_what_is_replaced_and_removed_leaves_nothing():
+    stage, lamp = Stage(64, 40), LAMPS["sun"]
+    before = stage.light(lamp)
+    stage.scene.geometry(9, CUBE, CUBE_CORNERS)
+    stage.scene.instance(9, 9, moved(1.5, 1, 3))
+    stage.scene.lamp(5, LAMPS["rectangle"])
+    assert (stage.light() != before).any()
+    stage.scene.lamp(5, None)
+    stage.scene.instance(9, 9, moved(50, 0, -50))
+    assert (stage.light() == before).all()
+    stage.scene.geometry(1, CUBE * 1.5, CUBE_CORNERS)  # in place of what an instance shows
+    assert (stage.light() != before).any()
+    stage.scene.geometry(1, CUBE, CUBE_CORNERS)
+    stage.scene.instance(9, None)
+    stage.scene.geometry(9, None)
+    stage.scene.geometry(77, None)  # was never there
+    assert (stage.light() == before).all()
+
+
+def test_instances_share_geometry_and_may_be_mirrored():
+    points, corners, normals = ball()
+    places = [moved(2.5, -1, 1), moved(-2.5, -1, 1) @ np.diag([-1.0, 1.2, 0.7, 1])]
+    shared, alone = Stage(40, 25), Stage(40, 25)
+    for place in places:
+        alone.add(points, corners, place, normals)
+    shared.meshes = alone.meshes
+    shared.scene.geometry(2, points, corners, normals)
+    for k, place in enumerate(places):
+        shared.scene.instance(2 + k, 2, place)
+    lamp = LAMPS["wide sun"]
+    found = shared.light(lamp)
+    assert (found == alone.light(lamp)).all()
+    expected, _, triangle, _ = reference.draw(alone.world, lamp, alone.view, alone.projection, 40, 25, 6)
+    assert abs(found[..., 0] - expected)[triangle >= 0].mean() < 0.01
+
+
+def test_sets_say_what_is_lit_and_what_throws_shadows():
+    stage = Stage(96, 60)
+    lamp = LAMPS["sun"]
+    everything = stage.light(lamp)[..., 0]
+    image = stage.objects()
+    stage.scene.instance(1, 1, moved(0, 0, 1.001), shadow_sets=~(1 << 3) & (2 ** 64 - 1))
+    assert (stage.light(lamp)[..., 0] == everything).all()
+    lamp = Lamp("sun", model=ways(), light_set=5, shadow_set=3)
+    without = stage.light(lamp)[..., 0]
+    assert (without[image == 1] > 0).all() and (everything[image == 1] == 0).any()
+    stage.scene.instance(0, 0, light_sets=1)
+    lit = stage.light(lamp)[..., 0]
+    assert (lit[image == 1] == 0).all() and (lit[image == 2] == without[image == 2]).all()
+
+
+def test_what_the_camera_does_not_see_throws_shadows():
+    stage = Stage(96, 60)
+    before = stage.light(LAMPS["sun"])[..., 0]
+    stage.scene.geometry(7, CUBE, CUBE_CORNERS)
+    stage.scene.instance(7, 7, moved(3, -1, 2.5, 0.5), camera=False)
+    after = stage.light(LAMPS["sun"])[..., 0]
+    assert (after <= before + 1e-6).all() and (after < 0.1 * before).sum() > 50
+
+
+def test_light_from_all_sides():
+    from encre.pen import irradiance
+
+    stage = Stage(64, 40, smooth=True)
+    color = np.array([0.2, 0.4, 0.1])
+    found = stage.light(world=irradiance.constant(color))
+    assert np.allclose(found[stage.depth() < 1e9], color, atol=1e-6)
+    # Light from above alone, as bright as the sine of its height: what falls on the ground is 2/3 of it.
+    height = np.sin(np.pi * (0.5 - (np.arange(90) + 0.5) / 90))
+    picture = np.repeat(np.maximum(height, 0)[:, None, None], 180, 1).repeat(3, 2)
+    by = irradiance.of_picture(picture)
+    assert np.allclose(irradiance.polynomials(np.array([0, 0, 1.0])) @ by, 2 / 3, atol=0.01)
+    east = np.zeros((90, 180, 3))
+    east[:, 80:100] = 1  # the middle of the picture lies towards +x
+    assert (irradiance.polynomials(np.array([1.0, 0, 0])) @ irradiance.of_picture(east) > 0.1).all()
+    turned = irradiance.of_picture(east, np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1.0]]))
+    assert np.allclose(irradiance.polynomials(np.array([0, 1.0, 0])) @ turned,
+                       irradiance.polynomials(np.array([1.0, 0, 0])) @ irradiance.of_picture(east), atol=1e-3)
+
+
+# ---- what is unusual
+
+
+def test_what_is_not_in_the_scene_is_told_by_depth_and_normal():
+    stage, lamp = Stage(64, 40), Lamp("sun", model=ways())
+    normal = np.zeros((40, 64, 3), np.float32)
+    normal[...] = 0, 0, 1
+    expected = stage.light(lamp)
+    depth = stage.depth()
+    stage.scene.instance(0, None)  # the plane goes; its depth stays
+    found = stage.light(lamp, depth=depth, normal=normal)
+    image = stage.objects()
+    inner = image == 1
+    assert abs(found - expected)[inner].mean() < 2e-3
+
+
+def test_nothing_comes_out_that_is_not_finite():
+    stage = Stage(40, 30)
+    rng = np.random.default_rng(0)
+    points = CUBE.copy()
+    points[3], points[6] = np.nan, np.inf
+    stage.scene.geometry(5, points, CUBE_CORNERS)
+    stage.scene.instance(5, 5, moved(0, 0, 2))
+    stage.scene.instance(6, 1, np.zeros((4, 4)))
+    stage.scene.instance(7, 1, np.full((4, 4), np.nan))
+    stage.scene.instance(8, 1, np.diag([1e30, 1e30, 1e30, 1.0]))
+    depth = stage.depth()
+    depth[rng.random(depth.shape) < 0.2] = np.nan
+    depth[rng.random(depth.shape) < 0.2] = np.inf
+    depth[rng.random(depth.shape) < 0.2] = -3
+    depth[rng.random(depth.shape) < 0.2] = 1e8
+    normal = rng.normal(size=(30, 40, 3)).astype(np.float32)
+    normal[rng.random(depth.shape) < 0.3] = np.nan
+    lamps = [*LAMPS.values(), Lamp("point", (3e38,) * 3, width=1e-20), Lamp("sun", model=np.zeros((4, 4))),
+             Lamp("rectangle", (1e30,) * 3, width=1e-30, height=1e20), Lamp("spot", spot_angle=0, model=ways())]
+    found = stage.light(*lamps, depth=depth, normal=normal)
+    assert np.isfinite(found).all() and (found >= 0).all()
+
+
+def test_an_empty_scene_is_dark():
+    scene, depth = library.Scene(), np.full((5, 7), 3, np.float32)
+    light = scene.light(depth, None, np.eye(4), perspective(7, 5), Frame(7, 5), 0.1)
+    assert (light == 0).all()
+
+
+def test_a_pixel_beside_a_thing_takes_its_light():
+    scene = library.Scene()
+    scene.geometry(0, CUBE, CUBE_CORNERS)
+    scene.instance(0, 0)
+    scene.lamp(0, Lamp("sun", model=look((3, -5, 6), (0, 0, 0))))
+    view, projection = np.linalg.inv(look((0, -9, 0.01), (0, 0, 0))), perspective(60, 40)
+    depth = library.raster([Mesh(CUBE, CUBE_CORNERS, object_index=1)], view, projection, Frame(60, 40), (60, 40), 0.1,
+                           outputs=("depth",))["depth"]
+    light = scene.light(depth, None, view, projection, Frame(60, 40), 0.1)[..., 0]
+    there = depth < 1e9
+    left = there.any(0).argmax()
+    assert there[20, left] and light[20, left] > 0
+    assert light[20, left - 2] == light[20, left] and light[20, left - 3] == 0
+
+
+REFUSED = [
+    (lambda s: s.geometry(1, CUBE, CUBE_CORNERS + 1), "geometry 1: triangle 2 has a corner at point 8 of 8"),
+    (lambda s: s.instance(4, 99), "instance 4: shows geometry 99, which is not there"),
+    (lambda s: s.geometry(0, None), "geometry 0: is shown by 1 instances"),
+    (lambda s: s.lamp(2, Lamp("sun", width=4)), "lamp 2: width is 4; give 0 to 3.1416"),
+    (lambda s: s.lamp(2, Lamp("point", width=-1)), "lamp 2: width is -1"),
+    (lambda s: s.lamp(2, Lamp("point", (np.nan, 1, 1))), "lamp 2: its color is not finite"),
+    (lambda s: s.lamp(2, Lamp("point", model=np.full((4, 4), np.inf))), "lamp 2: its model is not finite"),
+    (lambda s: s.lamp(2, Lamp("spot", spot_blend=2)), "lamp 2: spot_blend is 2"),
+    (lambda s: s.lamp(2, Lamp("point", light_set=64)), "lamp 2: light_set is 64; give 0 to 63"),
+]
+
+
+@pytest.mark.parametrize("wrong, sentence", REFUSED, ids=[s for _, s in REFUSED])
+def test_what_is_wrong_is_refused(wrong, sentence):
+    stage = Stage(16, 10)
+    before = stage.light(LAMPS["sun"])
+    with pytest.raises(EncreError, match=sentence) as e:
+        wrong(stage.scene)
+    assert ";" in str(e.value)
+    assert (stage.light() == before).all()  # nothing has changed
+
+
+def test_jobs_that_are_wrong_are_refused():
+    stage = Stage(16, 10)
+    depth = stage.depth()
+    with pytest.raises(EncreError, match="frame: 16 x 10 pixels at 1, 0"):
+        stage.light(depth=depth, frame=Frame(16, 10, 1, 0))
+    with pytest.raises(EncreError, match="normal: is 8 x 10 pixels where 16 x 10 are due"):
+        stage.light(depth=depth, normal=np.zeros((10, 8, 3), np.float32))
+    with pytest.raises(EncreError, match="world: its light is not finite"):
+        stage.light(depth=depth, world=np.full((9, 3), np.inf))
+    with pytest.raises(EncreError, match="camera: a matrix"):
+        stage.scene.light(depth, None, np.zeros((4, 4)), stage.projection, Frame(16, 10), 0.1)
