@@ -143,7 +143,7 @@ def tree(dist, tmp_path_factory):
 
 def test_the_extension_holds_the_python_and_a_wheel_of_the_library(dist, tree):
     wanted = {path.relative_to(ROOT / "addon").as_posix() for path in (ROOT / "addon").rglob("*")
-              if path.suffix in (".py", ".json", ".toml")}
+              if path.suffix in (".py", ".json", ".toml", ".png")}
     wanted = {name for name in wanted if not name.startswith("cli/")} - {"__main__.py"}
     with zipfile.ZipFile(extension(dist[1], tree)) as archive:
         [wheel] = [name for name in archive.namelist() if name.startswith("wheels/")]

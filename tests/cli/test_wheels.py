@@ -14,6 +14,7 @@ from encre.pen import library
 
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "tests" / "helpers" / "goldens.c"
+ARM = Path("/usr/aarch64-linux-gnu")
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(3600),
               pytest.mark.skipif(not importlib.util.find_spec("ziglang"), reason="needs the package ziglang")]
@@ -39,6 +40,12 @@ def goldens(tmp_path_factory):
     said = run(program, library.load().path)
     assert len(set(said.splitlines())) > 900
     return program, said
+
+
+def compiled(target, program, *options):
+    run(sys.executable, "-m", "ziglang", "cc", "-target", target, "-O2", f"-I{ROOT / 'csrc'}", SOURCE, "-o", program,
+        *options)
+    return program
 
 
 def unpacked(made, part, folder):
@@ -72,11 +79,16 @@ def test_linux_draws_the_same_bytes(made, goldens, tmp_path):
     assert run(program, unpacked(made, "manylinux_2_28_x86_64", tmp_path)) == here
 
 
+@pytest.mark.skipif(not (shutil.which("qemu-aarch64") and ARM.is_dir()), reason="needs qemu-user, libc6-arm64-cross")
+def test_arm_draws_the_same_bytes(made, goldens, tmp_path):
+    program = compiled("aarch64-linux-gnu.2.28", tmp_path / "goldens", "-ldl")
+    said = run("qemu-aarch64", "-L", ARM, program, unpacked(made, "manylinux_2_28_aarch64", tmp_path))
+    assert said == goldens[1]
+
+
 @pytest.mark.skipif(not shutil.which("wine"), reason="needs wine")
 def test_windows_draws_the_same_bytes(made, goldens, tmp_path):
-    program = tmp_path / "goldens.exe"
-    run(sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-O2", f"-I{ROOT / 'csrc'}", SOURCE,
-        "-o", program)
+    program = compiled("x86_64-windows-gnu", tmp_path / "goldens.exe")
     dll = Path(unpacked(made, "win_amd64", tmp_path))
     said = run("wine", program.name, dll.relative_to(tmp_path), cwd=tmp_path,
                env={**os.environ, "WINEPREFIX": str(tmp_path / "wine"), "WINEDEBUG": "-all"})

@@ -23,12 +23,11 @@
 enum { WIDTH = 97, HEIGHT = 61 };
 
 /* Functions of the library, under their own names with a capital. */
-#define FUNCTIONS(X)                                                                                                   \
-	X(create)                                                                                                      \
-	X(destroy)                                                                                                     \
-	X(error)                                                                                                       \
-	X(set_threads) X(set_simd) X(layer_info) X(output_info) X(stage_info) X(params_size) X(params_init)            \
-		X(params_check) X(render) X(raster)
+/* clang-format off */
+#define FUNCTIONS(X) \
+	X(create) X(destroy) X(error) X(set_threads) X(set_simd) X(layer_info) X(output_info) X(stage_info) \
+	X(params_size) X(params_init) X(params_check) X(render) X(raster)
+/* clang-format on */
 #define POINTER(name) static __typeof__(&encre_##name) my_##name;
 FUNCTIONS(POINTER)
 
@@ -204,6 +203,12 @@ int main(int n, char **arguments)
 	}
 #define FOUND(name) find("encre_" #name, &my_##name);
 	FUNCTIONS(FOUND)
+	encre_context *context = my_create(ENCRE_API_VERSION);
+	if (!context) {
+		fprintf(stderr, "goldens: %s\n", my_error(NULL));
+		return 2;
+	}
+	my_destroy(context);
 	encre_job job = {.camera = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0}, .frame = {WIDTH, HEIGHT, 0, 0}, .n_styles = 1};
 	for (int i = 0; i < ENCRE_LAYER_COUNT; i++) {
 		int channels = my_layer_info(i)->channels;
