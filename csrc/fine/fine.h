@@ -124,9 +124,14 @@ enum { CELL = 4 };
  * that, the strongest. A small frame may have LEAST_BOUND in any case. */
 enum { TILE_SIDE = 128, LEAST_BOUND = 4096 };
 
+static inline int pieces_of(int size, int piece)
+{
+	return (size - 1) / piece + 1;
+}
+
 static inline int tiles_of(int size)
 {
-	return (size - 1) / TILE_SIDE + 1;
+	return pieces_of(size, TILE_SIDE);
 }
 
 /* The first pixel of a tile along a side. */
