@@ -57,13 +57,15 @@ static inline bool is_color(int s)
 	return s == SOURCE_COLOR || s == SOURCE_LIGHT || s == SAMPLE_SEEN_COLOR;
 }
 
+static const float least_full_contrast = 0.25f; /* with contrast_auto */
+
 /* The difference of colours that gives an edge of full strength, at pixel x, y. */
 static inline float full_contrast(const edges *e, int s, int x, int y)
 {
 	if (!e->full[s])
 		return e->p->contrast_max;
 	float most = e->full[s][(ptrdiff_t)y * e->f->width + x];
-	return most > 0.25f ? most : 0.25f;
+	return most > least_full_contrast ? most : least_full_contrast;
 }
 
 /* What distances of what is seen are compared in: linear on planes on screen. 0 or less: nothing there. */

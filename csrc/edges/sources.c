@@ -82,7 +82,7 @@ static float response_alone(const ring *r, int y, int x)
 		if (i >= 0 && i < height)
 			continue;
 		const double *border = patch[clamp_index(i, height) - y + reach];
-		const double *inside = patch[clamp_index(i < 0 ? -i : 2 * (height - 1) - i, height) - y + reach];
+		const double *inside = patch[clamp_index(i < height ? -i : 2 * (height - 1) - i, height) - y + reach];
 		for (int j = 0; j <= 2 * reach; j++)
 			patch[i - y + reach][j] = 2 * border[j] - inside[j];
 	}

@@ -12,7 +12,8 @@
 /* The distance of two colours in the space of the metric below which none is an edge. */
 static float least_contrast(const encre_params *p, float weight)
 {
-	float most = p->contrast_auto ? min(p->contrast_max, 0.25f) : p->contrast_max, least = p->contrast_threshold;
+	float most = p->contrast_auto ? min(p->contrast_max, least_full_contrast) : p->contrast_max,
+	      least = p->contrast_threshold;
 	if (weight > 0 && most > least)
 		least += (most - least) * min(1, p->edge_threshold / weight);
 	/* a difference is at most 2/3 of the distance in RGB, and that distance itself in CIE76; the others bend the
@@ -39,12 +40,12 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	for (int k = 0; k < FAMILY_COUNT; k++)
 		made.floor[k] =
 			families[k].times * (families[k].floor * (families[k].unit == UNIT_CREASE ? made.crease : 1));
-	made.across = (f->width - 1) / CELL + 1;
-	made.tall = (f->height - 1) / CELL + 1;
+	made.across = pieces_of(f->width, CELL);
+	made.tall = pieces_of(f->height, CELL);
 	made.crack = arena_take(a, pixels, sizeof *made.crack);
 	made.ridge = arena_take(a, pixels, sizeof *made.ridge);
 	made.first = arena_take(a, (size_t)FAMILY_COUNT * (size_t)f->height + 1, sizeof *made.first);
-	made.spans = (f->width - 1) / THIN_SPAN + 1;
+	made.spans = pieces_of(f->width, THIN_SPAN);
 	made.hit = arena_take(a, (size_t)made.spans * (size_t)f->height, sizeof *made.hit);
 	size_t tiles = (size_t)tiles_of(f->width) * (size_t)tiles_of(f->height);
 	made.marks = arena_take(a, (size_t)tiles_of(f->width) * (size_t)f->height, sizeof *made.marks);

@@ -124,9 +124,14 @@ enum { CELL = 4 };
  * that, the strongest. A small frame may have LEAST_BOUND in any case. */
 enum { TILE_SIDE = 128, LEAST_BOUND = 4096 };
 
+static inline int pieces_of(int size, int piece)
+{
+	return (size - 1) / piece + 1;
+}
+
 static inline int tiles_of(int size)
 {
-	return (size - 1) / TILE_SIDE + 1;
+	return pieces_of(size, TILE_SIDE);
 }
 
 /* The first pixel of a tile along a side. */
@@ -187,6 +192,8 @@ static inline bool is_crack(int family)
 /* cracks.c */
 void ISA(crack_rows)(void *data, int y0, int y1, int thread);
 bool ISA(crack_site)(const fine *n, const found *at, placed *s);
+/* Only its strength; the place tells the style. */
+bool ISA(crack_weigh)(const fine *n, const found *at, int style, placed *s);
 ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
 static inline void crack_place(const found *at, float share, placed *s)
 {
@@ -251,6 +258,7 @@ bool ISA(fine_weigh)(const fine *n, placed *s, int style, enum source source, fl
 /* Likewise, with another weight than the source's. */
 bool ISA(fine_weigh_by)(const fine *n, placed *s, float weight, enum source source, float strength);
 void ISA(fine_place)(const fine *n, const found *at, placed *s); /* s is cleared, and gets no controls */
+float ISA(fine_strength)(const fine *n, const found *at);        /* that of the site, which need not be placed for it */
 /* Fills cell and member. */
 int32_t ISA(fine_sort)(fine *n);
 

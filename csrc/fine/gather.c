@@ -136,10 +136,9 @@ static uint32_t shuffled(uint32_t x)
  * pixels each way together: lines that are cut anywhere would have more ends than there was to save. */
 static void rank_mark(walk *w, const found *at, int slot)
 {
-	placed s = {0};
+	float own_strength = ISA(fine_strength)(w->n, at);
 	uint32_t strength;
-	ISA(fine_place)(w->n, at, &s);
-	memcpy(&strength, &s.strength, sizeof strength); /* from 0 on, floats order as their bits do */
+	memcpy(&strength, &own_strength, sizeof strength); /* from 0 on, floats order as their bits do */
 	uint32_t block = shuffled((uint32_t)(at->row / BLOCK) << 16 | (uint32_t)(at->column / BLOCK)),
 		 own = shuffled(shuffled((uint32_t)at->row << 16 | at->column) + (uint32_t)slot);
 	w->key[w->count++] = (uint64_t)strength << 32 | (block & 0xffff0000u) | own >> 16;

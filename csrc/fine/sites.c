@@ -100,15 +100,23 @@ static void crack_of(const fine *n, const found *at, placed *s)
 	}
 }
 
+enum { SIDES = 4 };
+
+/* Of a junction: one of the cracks between the four pixels from (column, row). */
+static found side_of(const found *at, int i)
+{
+	static const uint8_t side[SIDES][3] = {
+		{0, 0, AXIS_ROW}, {0, 1, AXIS_ROW}, {0, 0, AXIS_COLUMN}, {1, 0, AXIS_COLUMN}};
+	return (found){(uint16_t)(at->column + side[i][0]), (uint16_t)(at->row + side[i][1]), at->family, side[i][2]};
+}
+
 /* The mean of the cracks between the four pixels from (column, row), with the strongest's strength. */
 static void junction_site(const fine *n, const found *at, placed *s)
 {
-	const int32_t side[4][3] = {{0, 0, AXIS_ROW}, {0, 1, AXIS_ROW}, {0, 0, AXIS_COLUMN}, {1, 0, AXIS_COLUMN}};
 	float x = 0, y = 0;
 	int count = 0;
-	for (int i = 0; i < 4; i++) {
-		found one = {(uint16_t)(at->column + side[i][0]), (uint16_t)(at->row + side[i][1]), at->family,
-			     (uint8_t)side[i][2]};
+	for (int i = 0; i < SIDES; i++) {
+		found one = side_of(at, i);
 		placed its = {0};
 		if (!(n->crack[(ptrdiff_t)one.row * n->f->width + one.column] & mark_of(one.family, one.axis)))
 			continue;
@@ -134,6 +142,22 @@ void ISA(fine_place)(const fine *n, const found *at, placed *s)
 	case KIND_BAND:
 	case KIND_STEP: ISA(ridge_site)(n, at, s); break;
 	}
+}
+
+float ISA(fine_strength)(const fine *n, const found *at)
+{
+	placed s = {0};
+	if (at->family != FAMILY_CRACK || n->f->style)
+		ISA(fine_place)(n, at, &s);
+	else if (at->axis != AXIS_JUNCTION)
+		ISA(crack_weigh)(n, at, 0, &s);
+	else
+		for (int i = 0; i < SIDES; i++) {
+			found one = side_of(at, i);
+			if (n->crack[(ptrdiff_t)one.row * n->f->width + one.column] & mark_of(one.family, one.axis))
+				s.strength = max(s.strength, ISA(fine_strength)(n, &one));
+		}
+	return s.strength;
 }
 
 /* ---- cells ----------------------------------------------------------------------------------------------- */

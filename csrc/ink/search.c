@@ -137,7 +137,7 @@ static void mark_edges(const uint8_t *restrict edge, int n, uint8_t k, uint8_t *
 static void least_rows(const frame *f, int y, uint8_t *rows)
 {
 	memset(rows, STEPS, (size_t)f->width);
-	for (int k = STEPS - 1; k >= 0; k--) {
+	for (int k = STEPS; k-- > 0;) {
 		if (y + k < f->height)
 			mark_edges(f->edge + (size_t)(y + k) * (size_t)f->width, f->width, (uint8_t)k, rows);
 		if (y - k >= 0)

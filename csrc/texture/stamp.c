@@ -208,7 +208,7 @@ void ISA(stamp_row)(const bake *b, const sheet *s, int y)
 	bool discs = !b->job->form.data;
 	for (int x = 0; x < b->width; x++) {
 		uint64_t pair;
-		if (x + 2 <= b->width && (memcpy(&pair, radius + x, 8), pair == 0)) {
+		if (x + 2 <= b->width && (memcpy(&pair, radius + x, sizeof pair), pair == 0)) {
 			x++;
 			continue;
 		}

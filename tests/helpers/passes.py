@@ -98,7 +98,10 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
 }
 WIRES = {  # for the sites of thin things
     f"wires {k}": (dict(seed=k), dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
-    for k in range(10)}
+    for k in range(10)} | {
+    f"few wires {k}": (dict(seed=30 + k, size=(15 + k % 3, 17), count=2 + k % 2, without=("object",) * (k % 3 == 0)),
+                       dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
+    for k in range(20)}
 def _tiny(k):
     """Next to nothing to see, hardly any of it far from the border; not all layers."""
     rng = np.random.default_rng(k)

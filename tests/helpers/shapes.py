@@ -131,7 +131,7 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items() if name not in without}
 
 
-def wires(seed, size=(40, 52), count=4):
+def wires(seed, size=(40, 52), count=4, without=()):
     """Wires of every width and contrast before a wall that a step divides, some of them just before it."""
     rng = np.random.default_rng(seed)
     height, width = size
@@ -162,4 +162,4 @@ def wires(seed, size=(40, 52), count=4):
                   object=object_, normal=value[..., 3:])
     if seed % 2:
         layers["marks"] = marks
-    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items() if name not in without}

@@ -352,8 +352,18 @@ def test_the_library_counts_levels_itself(count, words):
     assert words in library.lib.encre_params_check(block, ctypes.create_string_buffer(400), 400)
 
 
+@pytest.mark.parametrize("channel", range(3))
+@pytest.mark.parametrize("wrong", [-1e-6, np.inf, np.nan])
+def test_the_library_looks_at_the_colours_of_levels_itself(channel, wrong):
+    library = load()
+    block = library.pack({})[0]
+    struct.pack_into("f", block, library.params["shade_levels"].offset + 4 + 12 + 4 * channel, wrong)
+    assert b"level 1 has" in library.lib.encre_params_check(block, ctypes.create_string_buffer(400), 400)
+
+
 def test_the_library_looks_at_the_image():
     library = load()
-    block, keep = library.pack(dict(paper_image="x"), lambda path: np.zeros((4, 4, 5), np.float32))
-    assert b"paper_image" in library.lib.encre_params_check(block, ctypes.create_string_buffer(400), 400)
-    assert keep
+    for size, refused in (((4, 4, 5), True), ((1, 2, 1), False), ((2, 1, 3), False), ((1, 1, 4), False)):
+        block, keep = library.pack(dict(paper_image="x"), lambda _, size=size: np.zeros(size, np.float32))
+        found = library.lib.encre_params_check(block, ctypes.create_string_buffer(400), 400)
+        assert keep and (b"paper_image" in found if refused else not found)

@@ -119,16 +119,18 @@ static float crossing(const frame *f, const found *s)
 	return (weight * t + 2) / (weight + 4);
 }
 
-bool ISA(crack_site)(const fine *n, const found *at, placed *s)
+/* Whether nothing is on one side of it alone. */
+static bool is_outline(const frame *f, const found *at)
+{
+	return (depth_at(f, at->column, at->row) == INFINITY) !=
+	       (depth_at(f, at->column + (at->axis == AXIS_ROW), at->row + (at->axis == AXIS_COLUMN)) == INFINITY);
+}
+
+bool ISA(crack_weigh)(const fine *n, const found *at, int style, placed *s)
 {
 	const frame *f = n->f;
 	int x = at->column, y = at->row, qx = x + (at->axis == AXIS_ROW), qy = y + (at->axis == AXIS_COLUMN);
-	float zp = depth_at(f, x, y), zq = depth_at(f, qx, qy);
-	bool object = (zp == INFINITY) != (zq == INFINITY), material = false;
-	float jump = depth_strength(n, at), known = ISA(hand_place)(n, at);
-	/* a line that was drawn where there is a contour as well is not the contour */
-	crack_place(at, known < 0 ? -known : known > 0 && !(jump > 0 || object) ? known : crossing(f, at), s);
-	int style = fine_style(n, at, s);
+	bool object = is_outline(f, at), material = false;
 	if (f->layer[ENCRE_LAYER_OBJECT].data)
 		object |= layer_row(f, ENCRE_LAYER_OBJECT, y)[x] != layer_row(f, ENCRE_LAYER_OBJECT, qy)[qx];
 	if (f->layer[ENCRE_LAYER_MATERIAL].data)
@@ -136,7 +138,16 @@ bool ISA(crack_site)(const fine *n, const found *at, placed *s)
 	s->strength = 0;
 	ISA(fine_weigh)(n, s, style, SOURCE_OBJECT, object);
 	ISA(fine_weigh)(n, s, style, SOURCE_MATERIAL, material);
-	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, jump);
+	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, depth_strength(n, at));
+}
+
+bool ISA(crack_site)(const fine *n, const found *at, placed *s)
+{
+	float known = ISA(hand_place)(n, at);
+	/* a line that was drawn where there is a contour as well is not the contour */
+	bool drawn = known > 0 && !(depth_strength(n, at) > 0 || is_outline(n->f, at));
+	crack_place(at, known < 0 ? -known : drawn ? known : crossing(n->f, at), s);
+	return ISA(crack_weigh)(n, at, fine_style(n, at, s), s);
 }
 
 /* ---- rows ------------------------------------------------------------------------------------------------ */

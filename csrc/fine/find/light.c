@@ -244,7 +244,7 @@ static void even_rows(void *data, int y0, int y1, int thread)
 int32_t ISA(light_even)(fine *n)
 {
 	frame *f = n->f;
-	even v = {.n = n, .spans = (f->width - 1) / SPAN + 1};
+	even v = {.n = n, .spans = pieces_of(f->width, SPAN)};
 	n->light = late_take(&f->late, (size_t)f->width * (size_t)f->height, sizeof *n->light);
 	v.mark = late_take(&f->late, (size_t)v.spans * (size_t)f->height, sizeof *v.mark);
 	if (!n->light || !v.mark)

@@ -144,7 +144,7 @@ float ISA(seen_clarity)(const fine *n, const found *at, int s)
 			if (open[i][k])
 				read(n, s, x, y, value[i][k]);
 		}
-	for (int k = 0; k < 4; k++) { /* of a stripe, that of one side; next to a crack, half of it */
+	for (int k = 0; k < 3; k++) { /* of a stripe, that of one side; next to a crack, half of it */
 		int dx = at->axis ? 0 : 1, dy = 1 - dx, one = k < 2 ? -1 : 0, two = k > 0;
 		if (open[MIDDLE + one * dy][MIDDLE + one * dx] && open[MIDDLE + two * dy][MIDDLE + two * dx])
 			step2 = max(step2, distance2(value[MIDDLE + one * dy][MIDDLE + one * dx],

@@ -291,7 +291,7 @@ static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
 
 ptrdiff_t ISA(ridge_scratch)(const frame *f)
 {
-	return (2 * SPAN * (f->width + 2 * REACH) + (f->width - 1) / THIN_SPAN + 1 + 3) / 4;
+	return (2 * SPAN * (f->width + 2 * REACH) + pieces_of(f->width, THIN_SPAN) + 3) / 4;
 }
 
 void ISA(ridge_rows)(void *data, int y0, int y1, int thread)

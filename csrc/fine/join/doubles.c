@@ -40,6 +40,7 @@ typedef struct beside {
 	uint32_t *chain; /* by site: number of its chain; NONE where chains meet */
 	uint32_t count;
 	struct chain *list;
+	uint32_t steps; /* along chains since it was asked whether to go on */
 } beside;
 
 /* ---- sites ----------------------------------------------------------------------------------------------- */
@@ -189,8 +190,7 @@ static float length_beside(const beside *b, const chain *c, float *light)
 	return older;
 }
 
-/* Returns how many sites it went along. */
-static uint32_t choose(const beside *b, const chain *c)
+static void choose(beside *b, const chain *c)
 {
 	const fine *n = b->n;
 	float light, all = length_beside(b, c, &light);
@@ -198,8 +198,7 @@ static uint32_t choose(const beside *b, const chain *c)
 		c->loose ? all > most_beside * c->length : light > most_beside * c->length && c->length < longest_loop;
 	drop |= c->rank > RANK_SHAPE && c->wiggle > most_wiggle;
 	drop |= c->rank == RANK_LIGHT && c->length < least_light && (c->loose == 2 || c->closed);
-	uint32_t count = 0;
-	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next, count++) {
+	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next, b->steps++) {
 		next = following(n, c, from, at);
 		if (links_at(n, at) > 2)
 			continue;
@@ -208,7 +207,6 @@ static uint32_t choose(const beside *b, const chain *c)
 		else
 			b->mark[at] |= KEPT;
 	}
-	return count;
 }
 
 int32_t ISA(fine_drop_beside)(fine *n)
@@ -229,14 +227,14 @@ int32_t ISA(fine_drop_beside)(fine *n)
 	if (code)
 		return code;
 	qsort(b.list, b.count, sizeof *b.list, by_weight);
-	uint32_t i = 0, steps = 0;
+	uint32_t i = 0;
 	for (b.rank = RANK_CREASE; !code && b.rank <= RANK_LIGHT; b.rank++) {
 		code = bands_run(n->f->bands, (int)n->count, CHUNK, find_near, &b);
 		for (; !code && i < b.count && b.list[i].rank <= b.rank; i++)
 			if (b.list[i].rank == b.rank) {
-				steps += choose(&b, b.list + i);
-				if (steps >= CHUNK) { /* a step looks at all that is near */
-					steps = 0;
+				choose(&b, b.list + i);
+				if (b.steps >= CHUNK) { /* a step looks at all that is near */
+					b.steps -= CHUNK;
 					code = bands_poll(n->f->bands);
 				}
 			}

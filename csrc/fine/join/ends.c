@@ -36,7 +36,7 @@ typedef struct ends {
 	uint32_t count;
 	end *end;
 	pair *pair;
-	uint32_t *number; /* of the end, by site */
+	uint32_t *number; /* of the end, by site; UINT32_MAX: it is none */
 } ends;
 
 /* The first sites of the chain after its end. */
@@ -132,7 +132,7 @@ static uint32_t pairs_of(const ends *all, uint32_t i, pair *out)
 	near_sites of = near_site(n, s, wedge_apart);
 	for (uint32_t j; near_next(n, &of, &j);) {
 		pair p = {.one = i, .two = all->number[j]};
-		if (j <= e->site || !is_end(n, j) || !join(n, e, all->end + p.two, &p))
+		if (j <= e->site || p.two == UINT32_MAX || !join(n, e, all->end + p.two, &p))
 			continue;
 		if (out)
 			out[count] = p;
@@ -239,7 +239,7 @@ static int32_t join_ends(ends *all, uint32_t pairs, added *to)
 		const end *e = all->end + i;
 		if (e->taken || e->best == UINT32_MAX)
 			continue;
-		const end *other = is_end(n, e->best) ? all->end + all->number[e->best] : NULL;
+		const end *other = all->number[e->best] != UINT32_MAX ? all->end + all->number[e->best] : NULL;
 		if (!other || other > e || other->taken ||
 		    other->best != e->site) /* once where they choose each other */
 			add(to, e->site, e->best);
@@ -264,6 +264,7 @@ static int32_t find_ends(ends *all)
 		return ENCRE_ERROR_MEMORY;
 	for (uint32_t i = 0, k = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
+		all->number[i] = UINT32_MAX;
 		if (is_end(n, i)) {
 			all->end[k] = (end){.site = i};
 			all->number[i] = k++;
