@@ -283,7 +283,9 @@ typedef struct encre_raster_job {
 				   numbers change; of several of them the outermost of the surface in front */
 	encre_image creases;    /* out, 4: the layer `creases`: of edges between two triangles of a mesh, by the indices
 				   of corners, that bend by 5 degrees or more and can be seen; of several that pass
-				   between the same pixels the one that bends most */
+				   between the same pixels the one that bends most; and with a bend of 180 where pieces of
+				   meshes, that hang together by the indices of corners, pass through each other: these
+				   places are contours in `marks`, too, if both are asked for */
 	encre_image coincident; /* out, 1: the object number of a later surface that coincides with the one in front and
 				   is of another object; 0 = none */
 } encre_raster_job;

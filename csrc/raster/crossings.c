@@ -9,8 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double least_share = 1.0 / 1024; /* where a line passes: 0 is nowhere, also in half floats */
-
 /* A line, or the edge of a triangle from corner k to the next. */
 static bool segment_of(const raster *r, const part *part, uint32_t primitive, int k, segment *s, int *y0, int *y1)
 {
@@ -103,7 +101,7 @@ static void mark(void *user, const crossing *c)
 	if (*out > 0)
 		return;
 	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
-	double share = c->share > least_share ? c->share : least_share;
+	double share = c->share > LEAST_SHARE ? c->share : LEAST_SHARE;
 	share = share < 1 ? share : 1;
 	if (!m->own && !(hides(&p) && hides(&q)))
 		*out = (float)share;
@@ -136,7 +134,7 @@ static void crease(void *user, const crossing *c)
 	bool twins = at_twins(m, c);
 	if (twins && p.part != m->own && q.part != m->own)
 		return; /* of the later of two surfaces that coincide */
-	double share = c->share > least_share ? c->share : least_share;
+	double share = c->share > LEAST_SHARE ? c->share : LEAST_SHARE;
 	out[0] = (float)(share < 1 ? share : 1);
 	out[1] = m->bend;
 	if (!twins || p.part == q.part || !r->job->marks.data)

@@ -286,3 +286,9 @@ bool outline_same_plane(const corner one[3], const corner other[3], double x, do
 		same = same && fabs(plane_depth(&p, k == 1, k == 2) - plane_depth(&q, k == 1, k == 2)) <= close;
 	return same;
 }
+
+double outline_plane(const corner c[3], double x, double y)
+{
+	depth_plane p = plane_of(c, x, y);
+	return plane_depth(&p, 0, 0);
+}

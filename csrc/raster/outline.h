@@ -60,6 +60,9 @@ void outline_shares(const corner corner[3], double x, double y, double *second, 
 /* Depth of the triangle's plane at a place in pixels of the full frame, kept between the depths of its corners, and in
  * *step by how much it changes from there to a neighbouring pixel. */
 double outline_depth(const corner corner[3], double x, double y, double *step);
+/* Depth of the triangle's plane at a place in pixels of the full frame; any number, or none, of one seen on its edge.
+ */
+double outline_plane(const corner corner[3], double x, double y);
 /* Whether the planes of two triangles, at a place in pixels of the full frame and a pixel beside it, are at most
  * `close` apart along the view axis. */
 bool outline_same_plane(const corner one[3], const corner other[3], double x, double y, double close);

@@ -12,6 +12,8 @@
 
 #include "raster/contours.h"
 #include "raster/crossings.h"
+#include "raster/meets.h"
+#include "raster/pieces.h"
 
 #include <float.h>
 #include <math.h>
@@ -251,6 +253,8 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 			shade_row(r, &b, row);
 		if (r->edges)
 			crossings_draw(r, i, &b, end);
+		if (r->piece)
+			meets_draw(r, i, &b, end, r->meets + thread);
 	}
 }
 
@@ -265,6 +269,8 @@ static void plan(raster *r, int threads, arena *a)
 	r->list = arena_take(a, (size_t)r->n_bands + 1, sizeof *r->list);
 	r->edges = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->edges) : NULL;
 	r->bends = r->job->creases.data ? arena_take(a, (size_t)3 * r->geometry.n_primitives, sizeof *r->bends) : NULL;
+	r->piece = r->job->creases.data ? arena_take(a, r->geometry.n_primitives, sizeof *r->piece) : NULL;
+	r->meets = r->job->creases.data ? arena_take(a, (size_t)threads, sizeof *r->meets) : NULL;
 	r->depth = arena_take(a, band, sizeof *r->depth);
 	r->front = arena_take(a, band, sizeof *r->front);
 	r->twin = arena_take(a, band, sizeof *r->twin);
@@ -276,6 +282,8 @@ static int32_t run(bands *pool, raster *r)
 	geometry_aim(&r->geometry);
 	if (r->more && (code = contours_find(pool, &r->geometry, r->edges, r->bends)))
 		return code;
+	if (r->piece && (code = pieces_find(pool, &r->geometry, r->piece)))
+		return code;
 	memset(r->place, 0, (size_t)r->n_chunks * (size_t)r->n_bands * sizeof *r->place);
 	if ((code = bands_run(pool, r->n_chunks, 1, count_chunks, r)))
 		return code;
@@ -286,7 +294,7 @@ static int32_t run(bands *pool, raster *r)
 		return ENCRE_ERROR_MEMORY;
 	if ((code = bands_run(pool, r->n_chunks, 1, file_chunks, r)))
 		return code;
-	bands_span(pool, 0.875, 1.125); /* a run takes half of what is left: so far at most three, now all the rest */
+	bands_span(pool, 0.9375, 1.0625); /* a run takes half of what is left: so far at most four, now the rest */
 	return bands_run(pool, r->n_bands, 1, draw_bands, r);
 }
 

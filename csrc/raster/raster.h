@@ -20,19 +20,22 @@ typedef struct raster {
 	float close;    /* depths less apart may be of surfaces that coincide */
 	int more;       /* rows that a band needs below its own: 1 for marks and creases */
 
-	band_range *range; /* of each primitive */
-	size_t *place;     /* n_chunks x n_bands: how many, then where the next one goes */
-	size_t *list;      /* n_bands + 1: where a band's primitives start */
-	float *depth;      /* per thread (BAND + 1) x width */
-	uint32_t *front;   /* likewise: number of the nearest primitive */
-	uint32_t *twin;    /* likewise: of one that may coincide with it */
-	uint32_t *entry;   /* primitives by band */
-	uint8_t *edges;    /* of each triangle: what contours_find() says; with marks or creases only */
-	uint16_t *bends;   /* of each triangle's edges, likewise; with creases only */
+	band_range *range;   /* of each primitive */
+	size_t *place;       /* n_chunks x n_bands: how many, then where the next one goes */
+	size_t *list;        /* n_bands + 1: where a band's primitives start */
+	float *depth;        /* per thread (BAND + 1) x width */
+	uint32_t *front;     /* likewise: number of the nearest primitive */
+	uint32_t *twin;      /* likewise: of one that may coincide with it */
+	uint32_t *entry;     /* primitives by band */
+	uint8_t *edges;      /* of each triangle: what contours_find() says; with marks or creases only */
+	uint16_t *bends;     /* of each triangle's edges, likewise; with creases only */
+	uint32_t *piece;     /* of each primitive: what pieces_find() says; with creases only */
+	struct meets *meets; /* for each thread, likewise */
 } raster;
 
-enum { BAND = 16 }; /* rows that are drawn at once */
-static const uint32_t NOTHING = UINT32_MAX;
+enum { BAND = 16 };              /* rows that are drawn at once */
+#define NOTHING UINT32_MAX       /* number of no primitive */
+#define LEAST_SHARE (1.0 / 1024) /* where a line passes: 0 is nowhere, also in half floats */
 
 static inline float *pixel_at(const encre_image *image, int x, int y)
 {

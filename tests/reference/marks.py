@@ -145,6 +145,71 @@ def marks(lines, meshes, view, projection, frame, size, clip_start):
     return out, unsure
 
 
+def pieces(mesh):
+    """Numbers of the triangles of each part that hangs together by the indices of points."""
+    left, found = {t: set(corner) for t, corner in enumerate(triangles(mesh).tolist())}, []
+    while left:
+        first = min(left)
+        own, points = [first], left.pop(first)
+        while joined := [t for t, corner in left.items() if corner & points]:
+            for t in joined:
+                points |= left.pop(t)
+            own += joined
+        found.append(sorted(own))
+    return found
+
+
+def meets(meshes, view, projection, frame, size, clip_start):
+    """{way: share} where pieces pass through each other, and the ways that are not sure: each piece is drawn alone."""
+    width, height = size
+    front = raster.draw(meshes, view, projection, frame, size, clip_start)["front"]
+    alone, piece = [], {}
+    for number, mesh in enumerate(meshes):
+        for own in pieces(mesh):
+            part = type(mesh)(mesh.points, triangles(mesh)[own], model=mesh.model)
+            piece.update({(number, t): len(alone) for t in own})
+            drawn = raster.draw([part], view, projection, frame, size, clip_start)["front"][..., 1]
+            alone.append(np.where(drawn < 0, -1, np.array(own)[drawn]))
+
+    def plane(triangle, at):
+        mesh = meshes[triangle[0]]
+        corners = _corners(mesh, triangles(mesh)[triangle[1]], view, projection, frame)
+        return _plane(corners, at[1] + frame.x + 0.5, at[0] + frame.y + 0.5)
+
+    found, unsure = {}, set()
+    scale = 2 / (abs(projection[1, 1]) * frame.height)
+    for y, x, axis in np.ndindex(height, width, 2):
+        p, q = (y, x), (y + axis, x + 1 - axis)
+        if q[0] >= height or q[1] >= width or min(front[p][0], front[q][0]) < 0:
+            continue
+        one, other = tuple(front[p].tolist()), tuple(front[q].tolist())
+        if piece[one] == piece[other]:
+            continue
+        a_p, a_q, b_p, b_q = plane(one, p), plane(one, q), plane(other, p), plane(other, q)
+        slack = (abs(a_q - a_p) + abs(b_q - b_p)) / 4
+        if min(b_p - a_p, a_q - b_q) < -slack:  # one plane lies before the other all the way
+            continue
+        one_behind = one[0], int(alone[piece[one]][q])
+        other_behind = other[0], int(alone[piece[other]][p])
+        if min(one_behind[1], other_behind[1]) < 0:
+            continue
+        margin, depths = [], []
+        for first, last in ((one, one_behind), (other_behind, other)):
+            depths += [plane(first, p), plane(last, q)]
+            explained = max(abs(plane(first, q) - depths[-2]), abs(plane(last, p) - depths[-1]))
+            pixel = scale * (plane(one, p) if projection[3, 2] else 1)
+            margin.append(explained + pixel - abs(depths[-1] - depths[-2]))
+        one_p, one_q, other_p, other_q = depths
+        if min(map(abs, margin)) < 1e-4 * abs(one_p):
+            unsure.add((y, x, axis))
+        if min(margin) < 0 or (other_p - one_p) + (one_q - other_q) < 4e-6 * abs(one_p):
+            continue
+        u = (lambda z: -1 / z) if projection[3, 2] else (lambda z: z)
+        a, b = max(u(other_p) - u(one_p), 0), max(u(one_q) - u(other_q), 0)
+        found[y, x, axis] = max(a / (a + b), 1 / 1024)
+    return found, unsure
+
+
 def creases(meshes, view, projection, frame, size, clip_start):
     """The output `creases`, and where it is not sure, as marks(); also where two edges bend almost alike."""
     width, height = size
@@ -156,4 +221,9 @@ def creases(meshes, view, projection, frame, size, clip_start):
                 unsure[way] |= close or (out[way][0] > 0 and abs(degrees - abs(out[way][1])) < 0.02)
                 if degrees > abs(out[way][1]) and any(behind <= allowed for _, behind, allowed in there):
                     out[way] = share, -degrees if smooth else degrees
+    found, doubtful = meets(meshes, view, projection, frame, size, clip_start)
+    for way, share in found.items():
+        out[way] = share, 180
+    for way in doubtful:
+        unsure[way] = True
     return out.reshape(height, width, 4), unsure.repeat(2, 2)

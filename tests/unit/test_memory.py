@@ -46,8 +46,9 @@ def render(library, settings):
 
 def raster(library, _settings):
     points = np.random.default_rng(0).uniform(-1, 1, (60, 3)).astype(np.float32)
-    mesh, matrix = Mesh(points, object_index=1), np.eye(4)
-    return library.raster([mesh], matrix, matrix, Frame(40, 30), (40, 30), -1, -1, threads=3)
+    mesh, matrix = Mesh(points, np.arange(60, dtype=np.int32).reshape(-1, 3), object_index=1), np.eye(4)
+    return library.raster([mesh], matrix, matrix, Frame(40, 30), (40, 30), -1, -1, threads=3,
+                          outputs=("depth", "normal", "object", "marks", "creases", "coincident"))
 
 
 def bake(library, settings):

@@ -5,14 +5,14 @@ from math import radians
 
 import bpy
 from mathutils import Matrix, Vector
-from studio import cube, material, shoot, stage
+from studio import cube, link, material, shoot, stage
 
 
 def _bare(scene):
     """Nothing but the ground, and thin ink."""
     for name in ("Cube", "Ball"):
         bpy.data.objects.remove(bpy.data.objects[name])
-    scene.encre.line_thickness, scene.encre.use_shading, scene.encre.line_paper = 12, False, 0
+    scene.encre.line_thickness, scene.encre.use_shading, scene.encre.line_paper = 18, False, 0
 
 
 def coincident(out):
@@ -26,3 +26,28 @@ def coincident(out):
     shoot(out, "both")
     second.location += turned @ Vector((0, 0.002, 0))
     shoot(out, "behind")
+
+
+def pieces(out):
+    """One mesh of a slab and a board that passes through its top at 8 degrees; then with both as parts, and apart."""
+    scene = stage(320, 180, 1)
+    _bare(scene)
+    mesh = bpy.data.meshes.new("Both")
+    board = bpy.data.meshes.new("Board")
+    for data, height, angle in ((mesh, 0, 0), (board, 0.05, 8)):
+        turn = Matrix.Translation((0, 0, height)) @ Matrix.Rotation(radians(angle), 4, "X")
+        corners = [turn @ Vector((x, y, z)) for z in (-0.2, 0.2) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        faces = [(3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
+        data.from_pydata([c * (1 if data is mesh else 0.8) for c in corners], [], faces)
+    import bmesh
+
+    both = bmesh.new()
+    both.from_mesh(mesh)
+    both.from_mesh(board)
+    both.to_mesh(mesh)
+    both.free()
+    obj = link("Both", mesh, (0, 0, 0.3), material("Clay", (0.7, 0.6, 0.5)))
+    scene.camera.location, scene.camera.rotation_euler = (0, -4.5, 3), (radians(60), 0, 0)
+    shoot(out, "pieces")
+    obj.encre.separate_parts = True
+    shoot(out, "parts")

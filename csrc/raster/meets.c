@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lines where pieces pass through each other. Between two pixels that show different pieces one of two things happens:
+ * the one in front ends, and there is a contour, or it goes on behind the other, and so does the other behind it. That
+ * is looked up: each of the two pieces is drawn alone at the pixel that the other one hides it at. Where both are
+ * found, and their depths follow from those that can be seen, the line passes where the four depths cross. */
+#include "raster/meets.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const float through = 180; /* degrees: a line whatever angle is asked for */
+
+typedef struct place {
+	double x, y; /* pixels of the full frame */
+} place;
+
+static place centre_of(int x, int y)
+{
+	return (place){x - OUTLINE_GUARD + 0.5, y - OUTLINE_GUARD + 0.5};
+}
+
+static void corners_of(const raster *r, uint32_t number, corner c[3])
+{
+	const part *part = geometry_part(&r->geometry, NULL, number);
+	geometry_corners(part, number - part->first, c);
+}
+
+/* ---- each piece alone -------------------------------------------------------------------------------------- */
+
+static int before(const void *a, const void *b)
+{
+	const alone *one = a, *other = b;
+	if (one->piece != other->piece)
+		return one->piece < other->piece ? -1 : 1;
+	if (one->y != other->y)
+		return one->y < other->y ? -1 : 1;
+	return one->way < other->way ? -1 : one->way > other->way;
+}
+
+/* The first of what is looked for that is not before this piece and row. */
+static int first_of(const alone *look, int n, uint32_t piece, int y)
+{
+	int low = 0;
+	while (n > 0) {
+		int half = n / 2;
+		const alone *l = look + low + half;
+		bool less = l->piece < piece || (l->piece == piece && l->y < y);
+		low += less ? half + 1 : 0;
+		n = less ? n - half - 1 : half;
+	}
+	return low;
+}
+
+static void draw_alone(const raster *r, int i, const band *b, alone *look, int n)
+{
+	const part *part = NULL;
+	qsort(look, (size_t)n, sizeof *look, before);
+	for (size_t k = r->list[i]; k < r->list[i + 1]; k++) {
+		uint32_t number = r->entry[k], piece = r->piece[number], twin;
+		int at = first_of(look, n, piece, 0);
+		if (at == n || look[at].piece != piece)
+			continue;
+		corner c[3];
+		outline o;
+		part = geometry_part(&r->geometry, part, number);
+		geometry_corners(part, number - part->first, c);
+		if (part->mesh->kind != ENCRE_TRIANGLES || !outline_make(&r->room, c, &o))
+			continue;
+		for (at = first_of(look, n, piece, o.y0); at < n && look[at].piece == piece && look[at].y < o.y1;
+		     at++) {
+			alone *l = look + at;
+			if (l->x < o.x0 || l->x >= o.x1)
+				continue;
+			band pixel = *b;
+			pixel.x0 = l->x;
+			pixel.x1 = l->x + 1;
+			pixel.y0 = l->y;
+			pixel.y1 = l->y + 1;
+			pixel.depth = &l->depth;
+			pixel.front = &l->number;
+			pixel.twin = &twin;
+			outline_draw(&o, number, &pixel);
+		}
+	}
+}
+
+/* ---- what is found ----------------------------------------------------------------------------------------- */
+
+/* Depths of a surface at two pixels, by the triangles there, and how much more of a step its planes explain. */
+typedef struct run {
+	double from, to, explained;
+} run;
+
+static run follow(const raster *r, uint32_t first, uint32_t last, place p, place q)
+{
+	corner a[3], b[3];
+	corners_of(r, first, a);
+	corners_of(r, last, b);
+	double at_p = outline_plane(a, p.x, p.y), at_q = outline_plane(b, q.x, q.y);
+	double ahead = fabs(outline_plane(a, q.x, q.y) - at_p), back = fabs(outline_plane(b, p.x, p.y) - at_q);
+	return (run){at_p, at_q, ahead > back ? ahead : back};
+}
+
+/* Where on the way from the first pixel to the second the two surfaces cross; 0: nowhere. */
+static double crossing_of(const raster *r, const band *b, const meeting *m, const alone *at_other, const alone *at_one)
+{
+	if (at_other->number == NOTHING || at_one->number == NOTHING)
+		return 0;
+	bool perspective = r->job->projection[14] != 0;
+	place p = centre_of(m->x, m->y), q = centre_of(m->x + !m->down, m->y + m->down);
+	run one = follow(r, m->one, at_other->number, p, q), other = follow(r, at_one->number, m->other, p, q);
+	double pixel = 2 / (fabs(r->job->projection[5]) * r->job->frame.height) * (perspective ? one.from : 1);
+	if (!(fabs(one.to - one.from) <= one.explained + pixel &&
+	      fabs(other.to - other.from) <= other.explained + pixel))
+		return 0; /* of what is another part of the piece */
+	double first = other.from - one.from, second = one.to - other.to;
+	if (!(first + second > 4 * ((double)b->close + fabs(one.from) * 0x1p-20)))
+		return 0; /* they coincide */
+	if (perspective) {
+		first /= one.from * other.from;
+		second /= one.to * other.to;
+	}
+	first = first > 0 ? first : 0;
+	second = second > 0 ? second : 0;
+	double share = first / (first + second);
+	return share > LEAST_SHARE ? share : LEAST_SHARE;
+}
+
+static void settle(const raster *r, int i, const band *b, meets *room, uint32_t n)
+{
+	alone *look = room->look;
+	if (n == 0)
+		return;
+	draw_alone(r, i, b, look, (int)(2 * n));
+	for (uint32_t k = 0; k < 2 * n; k++)
+		*(look[k].way % 2 ? &room->way[look[k].way / 2].at_one : &room->way[look[k].way / 2].at_other) = k;
+	for (uint32_t k = 0; k < n; k++) {
+		const meeting *m = room->way + k;
+		float share = (float)crossing_of(r, b, m, look + m->at_other, look + m->at_one);
+		if (!(share > 0))
+			continue;
+		int x = m->x - r->room.x0, y = m->y - r->room.y0;
+		float *crease = pixel_at(&r->job->creases, x, y) + 2 * m->down;
+		crease[0] = share;
+		crease[1] = through;
+		float *mark = r->job->marks.data ? pixel_at(&r->job->marks, x, y) + m->down : NULL;
+		if (mark && *mark == 0)
+			*mark = -share;
+	}
+}
+
+/* ---- where to look ----------------------------------------------------------------------------------------- */
+
+/* Whether of two planes, each in front at its own pixel, each may go on behind the other. */
+static bool may_meet(const raster *r, uint32_t one, uint32_t other, place p, place q)
+{
+	corner a[3], b[3];
+	corners_of(r, one, a);
+	corners_of(r, other, b);
+	double a_p = outline_plane(a, p.x, p.y), a_q = outline_plane(a, q.x, q.y);
+	double b_p = outline_plane(b, p.x, p.y), b_q = outline_plane(b, q.x, q.y);
+	double slack = 0.25 * (fabs(a_q - a_p) + fabs(b_q - b_p));
+	return b_p >= a_p - slack && a_q >= b_q - slack;
+}
+
+void meets_draw(const raster *r, int i, const band *b, int end, meets *room)
+{
+	uint32_t n = 0;
+	for (int y = b->y0; y < end; y++)
+		for (int x = b->x0; x < b->x1; x++)
+			for (int down = 0; down < 2; down++) {
+				int qx = x + !down, qy = y + down;
+				if (qx >= b->x1 || qy >= b->y1)
+					continue;
+				size_t p = (size_t)(y - b->y0) * (size_t)r->width + (size_t)(x - b->x0);
+				size_t q = p + (down ? (size_t)r->width : 1);
+				uint32_t one = b->front[p], other = b->front[q];
+				if (one == other || one == NOTHING || other == NOTHING ||
+				    r->piece[one] == r->piece[other] || b->twin[p] != NOTHING ||
+				    b->twin[q] != NOTHING ||
+				    !may_meet(r, one, other, centre_of(x, y), centre_of(qx, qy)))
+					continue;
+				room->way[n] = (meeting){.x = x, .y = y, .down = down, .one = one, .other = other};
+				room->look[2 * n] = (alone){r->piece[one], 2 * n, NOTHING, qx, qy, INFINITY};
+				room->look[2 * n + 1] = (alone){r->piece[other], 2 * n + 1, NOTHING, x, y, INFINITY};
+				if (++n < MEETS_WAYS)
+					continue;
+				settle(r, i, b, room, n);
+				n = 0;
+			}
+	settle(r, i, b, room, n);
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where pieces of meshes pass through each other. */
+#ifndef ENCRE_MEETS_H
+#define ENCRE_MEETS_H
+
+#include "raster/raster.h"
+
+enum { MEETS_WAYS = 2048 }; /* between pixels, that are looked at together */
+
+/* What is known of a piece at a pixel: which of its triangles would be in front, were it alone. */
+typedef struct alone {
+	uint32_t piece, way, number;
+	int x, y;
+	float depth;
+} alone;
+
+/* A way from a pixel to its right or lower neighbour, where pieces may pass through each other: the piece in front at
+ * the first pixel at the second one, and the other way round. */
+typedef struct meeting {
+	int x, y;
+	bool down;
+	uint32_t one, other; /* in front at both */
+	uint32_t at_other, at_one;
+} meeting;
+
+/* What a thread needs. */
+typedef struct meets {
+	meeting way[MEETS_WAYS];
+	alone look[2 * MEETS_WAYS];
+} meets;
+
+/* Adds to the creases, and the marks if they are there, of band `i`, whose own rows end before `end`. */
+void meets_draw(const raster *r, int i, const band *b, int end, meets *room);
+
+#endif

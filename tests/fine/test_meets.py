@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lines where pieces pass through each other: the rasteriser finds them by the surfaces themselves. Against the slow
+reference with soups of triangles in test_creases."""
+
+import numpy as np
+import pytest
+from encre.pen import library
+from encre.pen.job import Frame, Mesh
+from views import orthographic, perspective, pixels
+
+SIZE = 96, 72
+THROUGH = 180
+
+
+def joined(*meshes):
+    """One mesh of all their pieces."""
+    starts = np.cumsum([0, *(len(mesh.points) for mesh in meshes)])
+    return Mesh(np.concatenate([mesh.points for mesh in meshes]),
+                np.concatenate([mesh.corners + start for mesh, start in zip(meshes, starts, strict=False)]))
+
+
+def box(at, size):
+    points = np.array([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]) * np.array(size) / 2 + at
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return Mesh(points.astype(np.float32), np.int32([(f[0], f[k], f[k + 1]) for f in faces for k in (1, 2)]))
+
+
+def ball(n, at=(0, 0, 0), radius=1.0):
+    around, up = np.meshgrid(np.arange(n) * 2 * np.pi / n, np.linspace(0.01, np.pi - 0.01, n // 2))
+    points = np.stack([np.cos(around) * np.sin(up), np.sin(around) * np.sin(up), np.cos(up)], -1).reshape(-1, 3)
+    a = np.arange(len(points) - n)
+    b = a // n * n + (a + 1) % n
+    return Mesh((points * radius + at).astype(np.float32),
+                np.concatenate([np.c_[a, b, b + n], np.c_[a, b + n, a + n]]).astype(np.int32))
+
+
+def found(meshes, view, projection, size=SIZE, outputs=("object", "creases", "marks"), **how):
+    """(place of pieces that pass through each other (height, width, 2), 0 where none do, and all pictures)."""
+    maps = library.raster(meshes, view, projection, Frame(*size), size, 0.1, outputs=outputs, **how)
+    creases = maps["creases"]
+    return np.where(creases[..., 1::2] == THROUGH, creases[..., ::2], 0), maps
+
+
+def looking(down, distance=5.0):
+    """From so many degrees above the ground, at the origin; z is up."""
+    a, view = np.radians(90 - down), np.eye(4)
+    view[1:3, 1:3] = [[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]]
+    view[2, 3] = -distance
+    return view
+
+
+@pytest.mark.parametrize("degrees", [1, 8, 45, 80])
+@pytest.mark.parametrize("one_mesh", [True, False])
+def test_two_sheets_cross_in_a_line_at_any_angle(degrees, one_mesh):
+    """From the upper end to the lower one, to a thousandth of a pixel, whatever the angle."""
+    s, c = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
+    square = np.float32([(-40, -30), (40, -30), (40, 30), (-40, 30)])
+    level = Mesh(np.c_[square, 0 * square[:, :1]] + np.float32((48, 36, -50)), np.int32([(0, 1, 2), (0, 2, 3)]))
+    x, y = square[:, :1], square[:, 1:]
+    tilted = Mesh(np.c_[c * x + 48.3 + 0.02 * y, y + 36, -s * x - 50].astype(np.float32),
+                  np.int32([(1, 2, 3), (1, 3, 0)]))
+    meshes = [joined(level, tilted)] if one_mesh else [level, tilted]
+    place, maps = found(meshes, *pixels(*SIZE))
+    rows = np.arange(8, 64)
+    column = place[rows, :, 0].argmax(1)
+    assert ((place[rows, :, 0] > 0).sum(1) == 1).all() and (place[rows][..., 1] > 0).sum() <= 2
+    exact = 48.3 + 0.02 * (rows + 0.5 - 36) - 0.5
+    np.testing.assert_allclose(column + place[rows, column, 0], exact, atol=0.05 if degrees == 1 else 2e-3)
+    np.testing.assert_array_equal(maps["marks"][rows, column, 0], -place[rows, column, 0])
+
+
+@pytest.mark.parametrize("projection", [perspective, orthographic])
+@pytest.mark.parametrize("n", [24, 400])
+def test_a_ball_sunk_into_the_ground_has_one_ring(projection, n):
+    """Of large faces and of such as are smaller than a pixel: the line is whole, and where the ball and the ground are
+    the boundary of what is seen of both."""
+    ground = Mesh(np.float32([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]), np.int32([(0, 1, 2), (0, 2, 3)]))
+    sunk = ball(n, (0, 0, 0.35))
+    camera = looking(35), projection(*SIZE, 3 if projection is perspective else 0.6)
+    place, _ = found([joined(ground, sunk)], *camera)
+    apart = library.raster([ground, Mesh(sunk.points, sunk.corners, object_index=1)], *camera, Frame(*SIZE), SIZE, 0.1,
+                           outputs=("object", "depth"))
+    changes = np.diff(apart["object"], axis=1) != 0, np.diff(apart["object"], axis=0) != 0
+    ways = place[:, :-1, 0] > 0, place[:-1, :, 1] > 0
+    jumps = [np.abs(np.diff(apart["depth"], axis=1 - k)) > 0.15 for k in (0, 1)]  # the ball before the ground
+    for way, change, jump in zip(ways, changes, jumps, strict=True):
+        assert not (way & ~change).any()
+        assert (way | jump)[change].mean() > 0.9 and way.sum() > 10
+    columns = np.flatnonzero(ways[1].any(0))
+    assert (np.diff(columns[3:-3]) == 1).all() and len(columns) > 25, "but where it turns behind the ball"
+
+
+@pytest.mark.parametrize("lift", [0, 0.002, 0.05])
+def test_boxes_that_stand_on_each_other_or_hover_do_not_pass_through(lift):
+    low, high = box((0, 0, -0.5), (2, 2, 1)), box((0.1, 0.2, 0.3 + lift), (0.8, 0.8, 0.6))
+    for view in (looking(25), looking(60)):
+        place, maps = found([joined(low, high)], view, perspective(*SIZE, 2.4))
+        assert not place.any() and np.isfinite(maps["marks"]).all()
+    place, _ = found([joined(low, box((0.1, 0.2, 0.2), (0.8, 0.8, 0.6)))], looking(25), perspective(*SIZE, 2.4))
+    assert (place > 0).sum() > 15
+
+
+@pytest.mark.parametrize("loose", [False, True])
+def test_smooth_surfaces_of_tiny_triangles_have_none(loose):
+    """A bowl and a ball from outside, also where no triangle shares a point with its neighbours, as in files for
+    printers; and two that are the same."""
+    bowl, outer = ball(300, radius=1.6), ball(300, (0, 0, 0.2), 0.9)
+    bowl.corners = bowl.corners[bowl.points[bowl.corners][..., 2].max(1) < 0]
+    bowl, outer = ([Mesh(m.points[m.corners].reshape(-1, 3)) for m in (bowl, outer)] if loose else (bowl, outer))
+    for meshes in ([bowl], [outer], [outer, Mesh(outer.points, outer.corners)]):
+        place, maps = found(meshes, looking(50), perspective(*SIZE, 2.4))
+        assert not place.any() and np.isfinite(maps["creases"]).all()
+
+
+def test_what_lies_before_another_piece_does_not_pass_through_it():
+    """A ring, half before and half behind a board that stands in it: the line is where it goes through, not along its
+    outline before the board."""
+    around, up = np.meshgrid(np.arange(90) * np.pi / 45, np.arange(30) * np.pi / 15)
+    r = 1 + 0.2 * np.cos(up)
+    points = np.stack([r * np.cos(around), r * np.sin(around), 0.2 * np.sin(up)], -1).reshape(-1, 3)
+    a = np.arange(2700)
+    right, below = a // 90 * 90 + (a + 1) % 90, (a + 90) % 2700
+    corners = np.concatenate([np.c_[a, right, below], np.c_[right, (right + 90) % 2700, below]])
+    ring, board = Mesh(points.astype(np.float32), corners.astype(np.int32)), box((0, 0, 0), (4, 0.1, 3))
+    place, _ = found([joined(ring, board)], looking(30), perspective(*SIZE, 2.4))
+    y, x = np.nonzero(place.any(2))
+    assert len(y) > 15
+    assert (np.abs(np.abs(x - 47.5) - 24) < 9).all() and {*np.sign(x - 47.5)} == {-1, 1}
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_borders_and_threads_give_the_same_bytes(threads):
+    camera = looking(35), perspective(*SIZE, 2.4)
+    meshes = [joined(box((0, 0, 0), (1.5, 1, 1)), ball(60, (0.4, -0.2, 0.3), 0.8), box((0, 0, 0.1), (3, 3, 0.1)))]
+    place, whole = found(meshes, *camera, threads=threads)
+    assert (place > 0).sum() > 50
+    part = library.raster(meshes, *camera, Frame(*SIZE, 17, 23), (50, 40), 0.1, outputs=("creases", "marks"), threads=1)
+    for name in part:
+        np.testing.assert_array_equal(part[name][:-1, :-1], whole[name][23:62, 17:66])
