@@ -3,17 +3,19 @@
 
 import numpy as np
 
+from ..pen.around import Window
+
 
 def border(render):
-    """(full width, full height, x, y, width, height) of what is rendered, in pixels, y from the top."""
+    """(full width, full height, the Window of it that is rendered)."""
     full_width = render.resolution_x * render.resolution_percentage // 100
     full_height = render.resolution_y * render.resolution_percentage // 100
     if not render.use_border:
-        return full_width, full_height, 0, 0, full_width, full_height
+        return full_width, full_height, Window(0, 0, full_width, full_height)
     # Blender multiplies in single precision and cuts the decimals off.
     x0, x1 = (int(np.float32(v) * np.float32(full_width)) for v in (render.border_min_x, render.border_max_x))
     y0, y1 = (int(np.float32(v) * np.float32(full_height)) for v in (render.border_min_y, render.border_max_y))
-    return full_width, full_height, x0, full_height - y1, x1 - x0, y1 - y0
+    return full_width, full_height, Window(x0, full_height - y1, x1 - x0, y1 - y0)
 
 
 def views(engine, depsgraph, camera, width, height):

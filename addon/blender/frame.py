@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..pen import denoise, layers, library, metadata, overlay, saved, supersample
+from ..pen import around, denoise, layers, library, metadata, overlay, saved, supersample
+from ..pen.around import Window
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
@@ -31,7 +32,9 @@ class _ViewLayer:
                                      #               world -> camera, camera -> clip)
     light: lamps.Light | None        # None: the light is Cycles'
     clip_start: float
-    frame: Frame
+    frame: Frame                     # with the place of what is drawn in it
+    own: Window                      # what is rendered for the file
+    place: Window                    # that, and so much around it as it depends on
     border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
     threads: int
     samples: int                     # of a pixel, at most
@@ -140,10 +143,10 @@ class Frames:
         a stage fails; Cancelled."""
         self._before(depsgraph)
         layer = self.known.get(depsgraph.view_layer.name)
-        if not layer or layer.factor == 1:
+        if not layer or (layer.factor == 1 and layer.own == layer.place):
             cycles.render(self.engine, depsgraph)
         else:
-            layer.drawn = self._supersample(cycles, depsgraph, layer)
+            layer.drawn = self._in_parts(cycles, depsgraph, layer)
 
     def _before(self, depsgraph):
         """Overrides on the evaluated scene what the stages can't do with, and rasterises what they need from it.
@@ -198,8 +201,9 @@ class Frames:
 
     def _rasterise(self, depsgraph, camera, settings, denoise_other, paper, light):
         render = depsgraph.scene_eval.render
-        width, height, x, y, columns, rows = cameras.border(render)
-        frame, factor = Frame(width, height, x, y), settings.factor
+        width, height, own = cameras.border(render)
+        place, factor = own.grown(self._reach(settings, denoise_other, height), width, height), settings.factor
+        frame = Frame(width, height, place.x, place.y)
         threads = render.threads if render.threads_mode == "FIXED" else 0
         line_numbers, user_indices = self.numbers or (None, None)
         asked, keeps = _asked(depsgraph.view_layer), _keeps(depsgraph.scene)
@@ -216,7 +220,8 @@ class Frames:
             eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1,
                          0 if orthographic else subject.distance(depsgraph, camera, view, projection))
             maps = objects and library.raster(
-                objects.meshes, view, projection, supersample.frame(frame, factor), (factor * columns, factor * rows),
+                objects.meshes, view, projection, supersample.frame(frame, factor),
+                (factor * place.width, factor * place.height),
                 camera.data.clip_start, camera.data.clip_end, len(library.controls()),
                 drawn, threads, self._go_on)
             views[name] = eye, objects and overlay.compact(maps), view, projection
@@ -226,38 +231,49 @@ class Frames:
             user_indices = None
         samples = depsgraph.view_layer.samples or depsgraph.scene_eval.cycles.samples
         return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light,
-                          camera.data.clip_start, frame,
-                          (x, y, columns, rows) if render.use_border and not render.use_crop_to_border else None,
+                          camera.data.clip_start, frame, own, place,
+                          own if render.use_border and not render.use_crop_to_border else None,
                           threads, samples, asked, keeps, paper, _beside(depsgraph.scene_eval, settings))
+
+    def _reach(self, settings, denoise_other, height):
+        """How many pixels around a border are rendered too."""
+        if not subframes.possible(self.engine):
+            return 0
+        denoises = (settings.denoises or denoise_other) and denoise.available(versions.home())
+        return settings.reach(height) + (denoise.REACH if denoises else 0)
 
     def _go_on(self, _fraction=0):
         return not self.engine.test_break()
 
-    def _supersample(self, cycles, depsgraph, layer):
-        """Renders and draws a view layer at `factor` times the frame's size; what is to be written, by view id.
+    def _in_parts(self, cycles, depsgraph, layer):
+        """Renders and draws a view layer at `factor` times the frame's size, and with what lies around a border; what
+        is to be written, by view id.
 
         Drawn at once, because the large layers of all view layers together would not find room.
         """
-        gathered = {}
+        gathered, own, place = {}, layer.own, layer.place
 
-        def take(column, row):
+        def take(window, column, row):
             result = self.engine.get_result()
             for render_pass in result.layers[depsgraph.view_layer.name].passes:
                 if render_pass.name in {**layers.DRAWN, **saved.passes(True)}:
                     continue
                 picture = versions.read_pass(render_pass, result.resolution_x, result.resolution_y)
-                view = gathered.setdefault(render_pass.view_id, supersample.Gathered(layer.factor))
-                view.take(render_pass.name, picture, column, row)
+                picture = picture[result.resolution_y - window.height:, :window.width]
+                view = gathered.setdefault(render_pass.view_id, supersample.Gathered(layer.factor, place))
+                view.take(render_pass.name, picture, column, row, window, window == own)
 
-        subframes.render(self.engine, cycles, depsgraph, self._camera(depsgraph), layer.factor, take,
-                         self._go_on)
+        subframes.render(self.engine, cycles, depsgraph, self._camera(depsgraph), layer.factor,
+                         [*around.pieces(own, place), own], take, self._go_on)
+        top, left = (layer.factor * start for start in (own.y - place.y, own.x - place.x))
+        kept = np.s_[top:top + layer.factor * own.height, left:left + layer.factor * own.width]
         drawn = {}
         for view_id in list(gathered):
             view = gathered.pop(view_id)
             small = drawn[view_id] = view.small
 
             def write(name, picture, small=small):
-                small[name] = supersample.shrink(name, picture, layer.factor)
+                small[name] = supersample.shrink(name, picture[kept], layer.factor)
 
             for name, picture in view.large.items():
                 write(name, picture)
@@ -352,7 +368,7 @@ class Frames:
 
     def _stamp(self, result, layer):
         """The settings go into the saved file, so that it can be drawn again without Blender."""
-        frame = layer.frame
+        frame = Frame(layer.frame.width, layer.frame.height, layer.own.x, layer.own.y)
         if layer.border:
             frame = Frame(frame.width, frame.height)
         camera = next(iter(layer.views.values()))[0]

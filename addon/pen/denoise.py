@@ -16,7 +16,7 @@ from .errors import Cancelled, EncreError
 
 _CPU, _FLOAT3 = 1, 3
 _PAD = 32  # mirrored pixels beyond the frame: less lets stripes along it through
-_OVERLAP = 80  # how far its network sees, on its grid
+REACH = _OVERLAP = 80  # how far its network sees, on its grid
 _GRID = 16  # on which the network halves pictures: places on it give the same in every part of a frame
 _ROWS, _PIXELS = 34 * _GRID, 1 << 20  # of a strip, one or the other: between two of them it can be cancelled
 _FAST, _FAST_SINCE = 4, 20300

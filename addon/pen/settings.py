@@ -9,6 +9,8 @@ import numpy as np
 
 from . import library
 
+_WINDOW = 24  # pixels about an edge at which its detector looks, whatever the settings are
+
 # Versions of the settings, which files store: {version: {id: the default before it}}. Ids are for ever. To change a
 # default: add a version and what it was before.
 BEFORE: dict[int, dict[str, Any]] = {
@@ -81,6 +83,20 @@ class Settings:
     def factor(self) -> int:
         """Of how many times the frame's size the layers are."""
         return self.every[0]["supersample"] if self.active else 1
+
+    def reach(self, height: int) -> int:
+        """How far in a frame of this height, in pixels, what is drawn at a pixel depends on others; light that is
+        denoised and tapers, which follow whole chains, apart."""
+        scene, most = self.every[0], 0.0
+        for values in self.every:
+            if values["use_lines"]:  # a control doubles the width, and so do nearness and light
+                most = max(most, min(scene["line_max_thickness"], 4 * values["line_thickness"]) / 2)
+            if values["use_smudging"]:
+                most = max(most, 2 * values["smudge_range"] + values["smudge_pick"])
+        if scene["contrast_auto"] and self.any("edge_color"):
+            most += scene["contrast_window"] / 2
+        scale = height / 1080 if scene["length_unit"] == "RELATIVE" else 1
+        return int(np.ceil(most * scale)) + _WINDOW if self.active else 0
 
     @cached_property
     def paper(self) -> str | None:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of n times the frame's size: put together from sub-frames, and averaged down. Pure numpy."""
+"""Pictures of n times the frame's size: put together from sub-frames and windows, averaged down. Pure numpy."""
 
 import numpy as np
 
 from . import layers, saved
+from .around import Window
 from .job import Frame
 
 # What can't be averaged: numbers of things, and places, where the mean of near and far is neither.
@@ -65,18 +66,24 @@ class Gathered:
     """The passes of one view, from its sub-frames: in `large` those that the stages read, of the large picture's
     size, in `small` all others, of the frame's; both by their names in this Blender, row 0 at the top."""
 
-    def __init__(self, factor: int) -> None:
-        self.factor = factor
+    def __init__(self, factor: int, place: Window) -> None:
+        """place: the part of the frame that is gathered."""
+        self.factor, self.place = factor, place
         self.large: dict[str, np.ndarray] = {}
         self.small: dict[str, np.ndarray] = {}
 
-    def take(self, name: str, picture: np.ndarray, column: int, row: int) -> None:
-        """Adds what a sub-frame has of the pass `name`."""
-        factor, (height, width, channels) = self.factor, picture.shape
+    def take(self, name: str, picture: np.ndarray, column: int, row: int, window: Window, own: bool) -> None:
+        """Adds what a sub-frame has of the pass `name` in a window; own: whether it is the one that is saved."""
+        factor, channels = self.factor, picture.shape[2]
         if layers.classic(name) in {**layers.CYCLES, **layers.SEEN}:
             if name not in self.large:
-                self.large[name] = np.empty((factor * height, factor * width, channels), np.float32)
-            self.large[name][row::factor, column::factor] = picture
+                size = factor * self.place.height, factor * self.place.width, channels
+                self.large[name] = np.empty(size, np.float32)
+            y, x = factor * (window.y - self.place.y), factor * (window.x - self.place.x)
+            part = self.large[name][y:y + factor * window.height, x:x + factor * window.width]
+            part[row::factor, column::factor] = picture
+        elif not own:
+            return
         elif not _one_sample(name):
             self.small[name] = self.small.get(name, np.float32(0)) + picture * np.float32(1 / factor ** 2)
         elif row == column == factor // 2:

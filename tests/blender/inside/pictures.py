@@ -104,6 +104,13 @@ def border(out):
     shoot(out, "border")
     scene.render.use_crop_to_border = True
     shoot(out, "crop")
+    for denoiser in "NONE", "OIDN":
+        scene.encre.light_denoise = denoiser
+        for name, ends in (("left", (0, 0.47)), ("right", (0.47, 1)), ("frame", (0, 1))):
+            scene.render.border_min_x, scene.render.border_max_x = ends
+            scene.render.border_min_y, scene.render.border_max_y = 0, 1
+            shoot(out, f"{name}-{denoiser}")
+    fact("kept", scene.render.use_persistent_data)
 
 
 def percentage(out):
