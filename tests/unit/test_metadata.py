@@ -7,7 +7,7 @@ import pytest
 from encre.pen import library, metadata
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
-from encre.pen.settings import VERSION
+from encre.pen.settings import VERSION, since
 
 
 def test_round_trip():
@@ -32,9 +32,10 @@ def test_round_trip():
 def test_files_of_older_versions_keep_their_look():
     older = {"version": 1, "scene": {"edge_threshold": 0.25}}
     read = metadata.read({"encre.params": json.dumps(older)})
-    assert read.scene == {"edge_threshold": 0.25, "crease_source": "LAYERS", "line_depth_unit": "SCENE"}
+    assert read.scene == {"edge_threshold": 0.25, "crease_source": "LAYERS", **since(1)}
+    assert since(1)["line_depth_unit"] == "SCENE" and since(VERSION) == {}
     read = metadata.read({"encre.params": json.dumps({**older, "settings": 1})})
-    assert read.scene == {"edge_threshold": 0.25, "line_depth_unit": "SCENE"}
+    assert read.scene == {"edge_threshold": 0.25, **since(1)}
     older["scene"]["line_depth_unit"] = "RELATIVE"
     assert metadata.read({"encre.params": json.dumps(older)}).scene["line_depth_unit"] == "RELATIVE"
 
