@@ -32,9 +32,11 @@ def test_round_trip():
 def test_files_of_older_versions_keep_their_look():
     older = {"version": 1, "scene": {"edge_threshold": 0.25}}
     read = metadata.read({"encre.params": json.dumps(older)})
-    assert read.scene == {"edge_threshold": 0.25, "crease_source": "LAYERS", "line_depth_unit": "SCENE"}
+    assert read.scene == {"edge_threshold": 0.25, "crease_source": "LAYERS", "line_depth_unit": "SCENE",
+                          "crease_angle": 20.0, "line_min_length": 0.0}
     read = metadata.read({"encre.params": json.dumps({**older, "settings": 1})})
-    assert read.scene == {"edge_threshold": 0.25, "line_depth_unit": "SCENE"}
+    assert read.scene == {"edge_threshold": 0.25, "line_depth_unit": "SCENE", "crease_angle": 20.0,
+                          "line_min_length": 0.0}
     older["scene"]["line_depth_unit"] = "RELATIVE"
     assert metadata.read({"encre.params": json.dumps(older)}).scene["line_depth_unit"] == "RELATIVE"
 
