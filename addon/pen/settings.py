@@ -15,7 +15,7 @@ _WINDOW = 24  # pixels about an edge at which its detector looks, whatever the s
 # default: add a version and what it was before.
 BEFORE: dict[int, dict[str, Any]] = {
     1: {"crease_source": "LAYERS"},
-    2: {"line_depth_unit": "SCENE", "crease_angle": 20.0},
+    2: {"line_depth_unit": "SCENE", "crease_angle": 20.0, "line_min_length": 0.0},
 }
 VERSION = max(BEFORE)
 

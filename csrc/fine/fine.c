@@ -165,6 +165,7 @@ static const pass passes[] = {
 	 FOUND | PLACED | CELLS | LINKS, BROKEN(joined)},
 	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, NULL},
 	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
+	{"drop short", NULL, ISA(fine_drop_short), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
 	{"show strength", NULL, show_strength, PLACED | KEPT, 0, NULL},
 };
 

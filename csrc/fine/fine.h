@@ -296,9 +296,10 @@ bool ISA(picture_agrees)(const fine *n, const site *a, const site *b);
 bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, float x, float y);
 
 /* chains.c: whether a line ends at a site, tied to nothing and not cut off by the frame; drops what branches off a line
- * and ends at once. */
+ * and ends at once, and what is too short. */
 bool ISA(leads_nowhere)(const fine *n, uint32_t i);
 int32_t ISA(fine_cut_spurs)(fine *n);
+int32_t ISA(fine_drop_short)(fine *n);
 /* Lengths along its chain from each site to the nearest end that is tied to nothing, INFINITY beyond `reach`. */
 int32_t ISA(fine_free_lengths)(const fine *n, float reach, float *length);
 

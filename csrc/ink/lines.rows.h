@@ -5,6 +5,7 @@ SWITCH(use_lines, SURFACE, 1, "", "Lines", "Draw ink lines along the edges")
 FLOAT(line_thickness, SURFACE, 8, 0, 4096, 0, 64, "px", "use_lines", "Thickness", "Width of a line whose controls are neutral")
 FLOAT(line_max_thickness, FRAME, 128, 0, 4096, 1, 512, "px", "use_lines", "Maximum Thickness", "No line gets wider than this")
 FLOAT(line_taper, SURFACE, 0, 0, 4096, 0, 128, "px", "use_lines&edge_detector=FINE", "Taper", "Length over which a line thins out towards an end that meets no other line; 0: blunt ends")
+FLOAT(line_min_length, SURFACE, 12, 0, 4096, 0, 64, "px", "use_lines&edge_detector=FINE", "Minimum Length", "Lines that are shorter and meet no other are not drawn, but outlines, closed lines and lines drawn by hand; 0: all are")
 ENUM(length_unit, FRAME, 0, "", "Unit", "What a pixel of a length is",
      ITEM(length_unit, RELATIVE, 0, "Relative", "Lengths are for a frame 1080 pixels high and grow with the frame")
      ITEM(length_unit, PIXELS, 1, "Pixels", "Lengths are pixels of the frame"))

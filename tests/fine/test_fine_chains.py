@@ -103,3 +103,26 @@ def test_what_is_smaller_than_pixels_draws_no_labyrinth():
     layers = flat(120, 160)
     layers["normal"][..., :2] += 0.15 * blurred(rng.standard_normal((120, 160, 2)))
     assert (ink(layers) > 0.3).mean() < 0.14
+
+
+def scraps(length, start=20, closed=False, size=(60, 80)):
+    """Layers of a wall with a fold down it that ends after `length` pixels, and with `closed` a small ring of folds."""
+    creases = np.zeros((*size, 5))
+    creases[..., 4] = -1
+    creases[start:start + length, 40, :2] = 0.4, 60
+    if closed:  # a square about four pixels
+        creases[10:12, [9, 11], :2] = 0.5, 60
+        creases[[9, 11], 10:12, 2:4] = 0.5, 60
+    flat = np.ones((*size, 3))
+    layers = dict(combined=np.ones((*size, 4)), color=flat, diffuse=flat, depth=4 * flat[..., :1], normal=0 * flat,
+                  creases=creases)
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+@pytest.mark.parametrize("length", [6, 11, 15])
+def test_scraps_are_not_drawn(length):
+    t = ink(scraps(length, closed=True), line_min_length=12.0)
+    assert (t[15:45, 30:50].max() > 0.5) == (length > 12), "open at both ends"
+    assert t[5:15, 5:15].max() > 0.5, "closed"
+    assert ink(scraps(length), line_min_length=0.0)[15:45, 30:50].max() > 0.5
+    assert ink(scraps(length, start=60 - length), line_min_length=12.0)[:, 30:50].max() > 0.5, "goes on beyond it"

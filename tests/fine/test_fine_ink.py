@@ -31,7 +31,7 @@ def test_lines_are_the_union_of_discs_along_links(name):
     _, _, styles, camera = passes.CASES[case]
     scene = {**scene, **BARE, **pen}
     images, every = passes.run(layers, scene, styles, camera)
-    last = next(s for s in every if s.name == "cut spurs")
+    last = next(s for s in every if s.name == "drop short")
     params = Params({k: v for k, v in scene.items() if k != "crease_angle"}, styles)
     sheet = paper.heights(view.layers, params)[0]
     t, ink, unsure = strokes.draw(Table(last.site, last.link), view.layers, params, sheet)
@@ -53,7 +53,7 @@ def test_smudging_takes_the_nearest_site(case):
     scene = {**scene, **BARE, "use_lines": False, "use_smudging": True, "smudge_range": 6.0, "smudge_pick": 0.0,
              "smudge_falloff": 1.0, "smudge_depth": 0.0}
     images, every = passes.run(layers, scene, (), passes.CASES[case][3])
-    last = next(s for s in every if s.name == "cut spurs")
+    last = next(s for s in every if s.name == "drop short")
     way, unsure = strokes.nearest(Table(last.site), view.shape)
     at = np.floor(np.stack([x, y], -1) + way + 0.5)
     unsure |= (np.abs((way + 0.5) - np.round(way + 0.5)) < 1e-3).any(-1)

@@ -12,7 +12,7 @@ from reference import passes as twin
 from reference.passes import NUMBER, Table
 
 LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, links=6000, ties=40, smooth=4000, crowded=1300, led=1000,
-             corners=100, beside=150, spurs=80)  # found over all cases
+             corners=100, beside=150, spurs=80, short=20)  # found over all cases
 
 
 class Check:
@@ -121,6 +121,11 @@ def drop(check):
     check.alike("beside", gone, dropped(joined, beside), unsure)
     gone, unsure = twin.spurs(beside)
     check.alike("spurs", gone, dropped(beside, last), unsure)
+    params, style = check.c.view.params, check.c.view.layers.style
+    least = params.at("line_min_length", style[last.site["near_y"], last.site["near_x"]])
+    gone, unsure = twin.short(last, least * params.pixels(check.c.view.layers.full_height), check.shape)
+    check.count["short"] += len(gone)
+    check.alike("short", gone, dropped(last, check.tables("drop short")[0]), unsure)
 
 
 @functools.cache

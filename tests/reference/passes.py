@@ -379,3 +379,26 @@ def spurs(t):
             gone |= set(run[:-1])
             dropped[run[:-1]] = True
     return gone, unsure
+
+
+def short(t, least, shape):
+    """Sites of chains that begin and end in the open and are shorter than `least`, by site, at their first end;
+    outlines and marks are none; unsure."""
+    gone, unsure = set(), set()
+    meant = (t.rank == 0) | (t.family == NUMBER["mark"])
+
+    def free(i):
+        return i not in gone and t.is_end(i) and not t.at_border(i, shape)
+
+    for i in range(len(t)):
+        if not free(i):
+            continue
+        run = t.walk(i, t.links[i][0])
+        length = sum(t.apart(*pair) for pair in zip(run, run[1:]))  # noqa: B905
+        if meant[run].any() or not free(run[-1]):
+            continue
+        if abs(length - least[i]) < CLOSE * len(run):
+            unsure |= set(run)
+        if length < least[i]:
+            gone |= set(run)
+    return gone, unsure

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What becomes of a line's free ends: a spur is cut, the pen is lifted. */
+/* What becomes of a line's free ends: a spur is cut, a speck dropped, the pen is lifted. */
 #include "fine/near.h"
 
 static const float longest_spur = 2; /* pixels; test_fine_passes */
@@ -39,6 +39,51 @@ int32_t ISA(fine_cut_spurs)(fine *n)
 		n->site[i].linked.dropped = true;
 		for (from = i, at = first; (next = next_of(n, from, at)) != UINT32_MAX; from = at, at = next)
 			n->site[at].linked.dropped = true;
+	}
+	return code;
+}
+
+/* ---- specks ---------------------------------------------------------------------------------------------- */
+
+/* However short: an outline, or what is drawn by hand. */
+static bool is_meant(const site *s)
+{
+	return rank_of(s) == RANK_SHAPE || s->found.family == FAMILY_MARK;
+}
+
+static float least_length(const frame *f, const site *s)
+{
+	size_t at = (size_t)s->placed.near_y * (size_t)f->width + s->placed.near_x;
+	return f->params[f->style ? f->style[at] : 0].line_min_length * f->scale;
+}
+
+/* Drops what begins and ends in the open and is too short for a line. */
+int32_t ISA(fine_drop_short)(fine *n)
+{
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
+		if (!ISA(leads_nowhere)(n, i))
+			continue;
+		float least = least_length(n->f, n->site + i), length = 0;
+		uint32_t from = UINT32_MAX, at = i;
+		bool meant = is_meant(n->site + i);
+		while (!meant && length < least && (from == UINT32_MAX || links_at(n, at) == 2)) {
+			uint32_t next = from == UINT32_MAX ? n->to[n->at[i]] : next_of(n, from, at);
+			length += sqrtf(apart2(n->site + at, n->site + next));
+			from = at;
+			at = next;
+			meant = is_meant(n->site + at);
+		}
+		if (meant || length >= least || !ISA(leads_nowhere)(n, at))
+			continue;
+		n->site[at].linked.dropped = true;
+		for (uint32_t before = UINT32_MAX, k = i; k != at;) {
+			uint32_t next = before == UINT32_MAX ? n->to[n->at[i]] : next_of(n, before, k);
+			n->site[k].linked.dropped = true;
+			before = k;
+			k = next;
+		}
 	}
 	return code;
 }
