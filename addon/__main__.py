@@ -1,19 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`encre` and `python -m encre`."""
 
+import contextlib
+import os
 import signal
 import sys
 
 
+def _leave(*_):
+    """Nothing is half-made yet, and a module that is loading may take a KeyboardInterrupt for an error of its own."""
+    with contextlib.suppress(OSError):
+        os.write(2, b"encre: interrupted\n")
+    os._exit(130)
+
+
 def main():
     """Runs the process's command line and returns its exit status, 130 when interrupted."""
-    try:
-        # To be ended from outside is to be interrupted: nothing half-made stays behind, and no Blender runs on alone.
-        for name in ("SIGTERM", "SIGHUP"):
-            if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) == signal.SIG_DFL:
-                signal.signal(getattr(signal, name), signal.default_int_handler)
-        from .cli.main import main as run  # only now: the interrupt may come while the modules are loading
+    # To be ended from outside is to be interrupted: nothing half-made stays behind, and no Blender runs on alone.
+    heeded = [number for name in ("SIGINT", "SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None
+              and signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler)]
+    for number in heeded:
+        signal.signal(number, _leave)
+    from .cli.main import main as run
 
+    try:
+        for number in heeded:
+            signal.signal(number, signal.default_int_handler)
         return run()
     except KeyboardInterrupt:
         print("encre: interrupted", file=sys.stderr)

@@ -9,7 +9,8 @@ only file here that knows Blender, and talks with it on a private line; progress
 frames, their files and the marks by which finished ones are known; workplace keeps what is half made and who has
 claimed what. restyle has composite draw files again, and bake works on textures, both without any Blender; substitutes
 stand in for passes that a file lacks; images reads and writes files by OpenImageIO, multilayer those of passes, png
-what is to be seen; interrupt makes Ctrl-C stop the library; tools finds the benchmarks of a checkout.
+what is to be seen; room holds large ones, denoiser finds the library that cleans them; interrupt makes Ctrl-C stop the
+library; tools finds the benchmarks of a checkout.
 
 To add: a command to main._parser(), with its work in a file of its own; a kind of file beside png. render gives inside
 a JSON file with what is to be done, and one frame after the other on the line: a new word between them goes into both.

@@ -27,6 +27,8 @@ from .progress import Progress
 from .render import RenderError, render
 from .restyle import restyle, split, todo
 
+MOST_JOBS = 256
+
 STATUS = """exit status:
   0    all is done
   1    something failed under way
@@ -86,6 +88,12 @@ def _frame_list(text):
 def _count(text):
     if not re.fullmatch(r"[1-9]\d{0,8}", text):
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1")
+    return int(text)
+
+
+def _jobs(text):
+    if not 1 <= (int(text) if re.fullmatch(r"\d{1,9}", text) else 0) <= MOST_JOBS:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of processes from 1 to {MOST_JOBS}")
     return int(text)
 
 
@@ -183,7 +191,7 @@ def _parser():
     command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of a sequence")
     command.add_argument("--resume", action="store_true",
                          help="leave frames alone that are whole and were drawn from the same file and settings")
-    command.add_argument("--jobs", metavar="N", type=_count, default=1,
+    command.add_argument("--jobs", metavar="N", type=_jobs, default=1,
                          help="processes that share a sequence (default: 1)")
     command.add_argument("--share", type=lambda text: tuple(map(int, text.split("/"))), default=(0, 1),
                          help=argparse.SUPPRESS)  # how --jobs tells its processes which frames are theirs
@@ -311,8 +319,9 @@ def _composite(args):
     if args.output is None:
         raise EncreError("-o is missing; say where the picture goes")
     changes, frames = _changes(args), _frames(args)
-    if args.jobs > 1 and len(todo(args.layers, args.output, frames)) > 1:
-        split(args.argv, args.jobs, args.threads)
+    jobs = min(args.jobs, len(todo(args.layers, args.output, frames)))
+    if jobs > 1:
+        split(args.argv, jobs, args.threads)
         return
     restyle(args.layers, args.output, changes, frames=frames, resume=args.resume, share=args.share, say=_say,
             view_layer=args.view_layer, threads=args.threads, allow_paths=args.allow_paths, asked=asked)

@@ -82,8 +82,9 @@ def sweep(folder):
     """Removes the folders in `folder` whose owners are gone."""
     for name in list(_others(folder)):
         path = os.path.join(folder, name)
-        if (os.name != "posix" or os.lstat(path).st_uid == os.getuid()) and not _alive(folder, name):
-            shutil.rmtree(path, ignore_errors=True)
+        with contextlib.suppress(FileNotFoundError):  # its owner has just ended, or another has swept it
+            if (os.name != "posix" or os.lstat(path).st_uid == os.getuid()) and not _alive(folder, name):
+                shutil.rmtree(path, ignore_errors=True)
 
 
 class Workplace:

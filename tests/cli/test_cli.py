@@ -562,7 +562,9 @@ def test_sequences(run, tmp_path, scene, ending):
 def test_jobs(tmp_path, scene):
     for frame in range(1, 6):
         exr.write(tmp_path / f"in.{frame:04}.exr", exr.passes(scene))
-    command = ["composite", tmp_path / "in.####.exr", "-o", tmp_path / "o.####.png", "--jobs", "2"]
+    command = ["composite", tmp_path / "in.####.exr", "-o", tmp_path / "o.####.png", "-f", "1-5", "--jobs", "2"]
+    code, _, err = finish(encre(*command[:-3], "2", "--jobs", "200"))
+    assert code == 0, err
     code, out, err = finish(encre(*command))
     assert code == 0 and out.count("\n") == 5, err
     assert [p.name for p in sorted(tmp_path.glob("*.png"))] == [f"o.{k:04}.png" for k in range(1, 6)]
@@ -587,6 +589,7 @@ def test_jobs(tmp_path, scene):
     (["--preset", ""], ["unknown preset", "Water Memory"]),
     (["--threads", "-1"], ["--threads", "'-1'"]),
     (["--threads", "1025"], ["threads", "1025", "1024"]),
+    (["--jobs", "999999"], ["--jobs", "999999", "256"]),
     (["--frobnicate"], ["--frobnicate"]),
     (["-o", "out.jpg"], ["out.jpg", ".png"]),
     (["-o", ".exr"], [".exr must be a name"]),
@@ -785,6 +788,17 @@ def test_folders_of_the_dead_are_swept(tmp_path):
     assert os.listdir(tmp_path) == [foreign.name]
 
 
+def test_folders_that_go_while_others_look_for_them(tmp_path):
+    """Of processes that share a folder some begin while others end."""
+    code = ("import sys; from encre.cli.workplace import Workplace\n"
+            "for _ in range(300):\n    with Workplace(sys.argv[1]):\n        pass")
+    children = [subprocess.Popen([sys.executable, "-c", code, tmp_path], stderr=subprocess.PIPE, text=True)
+                for _ in range(4)]
+    words = [child.communicate(timeout=120)[1] for child in children]
+    assert [child.returncode for child in children] == [0] * 4, words
+    assert os.listdir(tmp_path) == []
+
+
 # Damaged files
 
 
@@ -890,15 +904,17 @@ def test_interrupting_composite(tmp_path):
     assert os.listdir(tmp_path) == ["in.exr"]
 
 
-def test_interrupting_the_start():
-    """While the modules are loading."""
-    code = """
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("module", ["encre.cli", "datetime"])
+def test_interrupting_the_start(number, module):
+    """While the modules are loading: numpy makes an ImportError of a KeyboardInterrupt."""
+    code = f"""
 import os, signal, sys
 import encre.__main__
 class Finder:
     def find_spec(name, *rest):
-        if name == "encre.cli":
-            os.kill(os.getpid(), signal.SIGINT)
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.{number})
 sys.meta_path.insert(0, Finder)
 sys.exit(encre.__main__.main())
 """
