@@ -62,7 +62,7 @@ class _Tangle:
             return
         places, way = _walk(rng, start, way, int(rng.integers(2, rng.choice([5, 12, 40]))))
         run = self.add(places, family)
-        if rng.random() < 0.1:  # two at one place
+        if rng.random() < (0.6 if len(run) == 2 else 0.1):  # two at one place
             self.at[run[-1]] = self.at[run[-2]]
         ahead = np.array([np.cos(way), np.sin(way)])
         aside = np.array([-ahead[1], ahead[0]])
