@@ -58,7 +58,11 @@ class _Tangle:
         family, way = self.family_by_chance(), rng.uniform(0, 2 * np.pi)
         start = rng.uniform((-1, -1), (SIZE[1], SIZE[0]))
         if rng.random() < 0.15:
-            self.add(_ring(rng, start), family, True)
+            ring = _ring(rng, start)
+            self.add(ring, family, True)
+            if rng.random() < 0.5:  # and one round it
+                off = ring - start
+                self.add(start + off * (1 + 2 / np.linalg.norm(off, axis=1).mean()), family, True)
             return
         places, way = _walk(rng, start, way, int(rng.integers(2, rng.choice([5, 12, 40]))))
         run = self.add(places, family)
