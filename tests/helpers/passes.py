@@ -122,11 +122,11 @@ TINY = {f"tiny {k}": _tiny(k) for k in range(40)}
 MORE = {  # for the passes alone: many lines beside one another
     f"crowded {k}": (dict(seed=100 + k, things=k % 2, noise=0.01 * (k % 3), size=(40, 56)),
                      dict(crease_angle=30.0 + 20 * (k % 3), edge_threshold=0.05 * (k % 4)), (), (None, ORTHO)[k % 2])
-    for k in range(8)} | {
+    for k in range(5)} | {
     f"strokes {k}": (dict(seed=120 + k, hand=26, size=(44, 60), strong=(1.0, 0.1)[k % 2], mirror=k == 3),
                      dict(edge_light=0.0, edge_seen=1.0, edge_color=1.0, color_layer=("LIT", "ALBEDO")[k % 2]), (),
                      None)
-    for k in range(6)}
+    for k in range(4)}
 
 
 TANGLES = {  # for the passes after smoothing: chains by chance in the place of those that are found

@@ -58,11 +58,15 @@ class _Tangle:
         family, way = self.family_by_chance(), rng.uniform(0, 2 * np.pi)
         start = rng.uniform((-1, -1), (SIZE[1], SIZE[0]))
         if rng.random() < 0.15:
-            self.add(_ring(rng, start), family, True)
+            ring = _ring(rng, start)
+            self.add(ring, family, True)
+            if rng.random() < 0.5:  # and one round it
+                off = ring - start
+                self.add(start + off * (1 + 2 / np.linalg.norm(off, axis=1).mean()), family, True)
             return
         places, way = _walk(rng, start, way, int(rng.integers(2, rng.choice([5, 12, 40]))))
         run = self.add(places, family)
-        if rng.random() < 0.1:  # two at one place
+        if rng.random() < (0.6 if len(run) == 2 else 0.1):  # two at one place
             self.at[run[-1]] = self.at[run[-2]]
         ahead = np.array([np.cos(way), np.sin(way)])
         aside = np.array([-ahead[1], ahead[0]])
