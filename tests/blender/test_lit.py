@@ -35,7 +35,7 @@ def compared(passes):
 def test_as_bright_as_cycles(lamps, name):
     difference, calm = compared(lamps.passes(name))
     assert calm.mean() > 0.7
-    # Before 4.1 a soft spot is a disc across its axis, darker by that angle's cosine than the sphere that it is now.
+    # In 3.4 a soft spot is a disc across its axis, and darker by that angle's cosine than the sphere that it is now.
     most = 0.05 if name == "soft" and lamps.facts["version"][0] < [4, 1] else 0.02
     assert difference[calm].mean() < most
     assert np.percentile(difference[calm], 95) < 2.5 * most
