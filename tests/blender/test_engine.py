@@ -96,7 +96,11 @@ def test_border(render):
     for name in "border", "crop":
         again = shot.folder / f"{name}_again.exr"
         composite(str(shot.folder / f"{name}.exr"), str(again), {})
-        assert np.abs(shot.passes(f"{name}_again")["Combined"] - shot.passes(name)["Combined"]).max() <= 1e-5
+        different = np.abs(shot.passes(f"{name}_again")["Combined"] - shot.passes(name)["Combined"]).max(2)
+        if name == "border":
+            different = different[frame.y:frame.y + height, frame.x:frame.x + width]
+        # The file does not hold what lies around, on which its edge depends.
+        assert different[64:-64, 64:-64].max() <= 1e-5 and (different > 1 / 255).mean() < 0.01
 
 
 def test_resolution_percentage(render):
