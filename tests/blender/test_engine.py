@@ -162,7 +162,7 @@ def test_memory_of_a_frame(render):
     facts = render("memory").facts
     assert all(held < 23 + 24 * painted for painted, held in enumerate(facts["held"]))
     plain, painted = facts["peak"]
-    assert plain <= 197 and painted <= 221, facts
+    assert plain <= 201 and painted <= 225, facts
     assert max(facts["left"]) < 1
 
 
