@@ -83,14 +83,15 @@ def passes(scene, view_layer):
         yield versions.pass_name(name), channels, kind
 
 
-def _beside(scene, settings):
+def _beside(scene, settings, cut):
     """What metadata.write() stores besides the settings: how the scene is shown, a paper that is no file, and what a
     restyled picture will lack."""
     view, paper = scene.view_settings, settings.paper and papers.stored(settings.paper)
     return {"view": metadata.View(view.view_transform, view.exposure, view.gamma,
                                   "" if view.look == "None" else view.look),
             "paper": paper,
-            "lost": ["Freestyle's strokes"] if scene.render.use_freestyle else []}
+            "lost": [*(["Freestyle's strokes"] if scene.render.use_freestyle else []),
+                     *(["the ends of lines at the border"] if cut else [])]}
 
 
 class _Passes(Mapping):
@@ -233,7 +234,7 @@ class Frames:
         return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light,
                           camera.data.clip_start, frame, own, place,
                           own if render.use_border and not render.use_crop_to_border else None,
-                          threads, samples, asked, keeps, paper, _beside(depsgraph.scene_eval, settings))
+                          threads, samples, asked, keeps, paper, _beside(depsgraph.scene_eval, settings, own != place))
 
     def _reach(self, settings, denoise_other, height):
         """How many pixels around a border are rendered too."""

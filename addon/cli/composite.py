@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..pen import layers, library, metadata, saved
+from ..pen import colour, layers, library, metadata, saved
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
 from ..pen.settings import Settings
@@ -253,9 +253,12 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
         view = stored.view or metadata.View()
         if words := _view(stored.view, path):
             say("note", words)
+        if (matrix := colour.to_rec709(exr.metadata.get(colour.INTEROP, ""))) is not None:
+            work.picture[..., :3] = work.picture[..., :3] @ matrix.T.astype(np.float32)
         png.write(out, work.picture, exr.window, texts, view.exposure, view.gamma)
     else:
-        multilayer.write(out, work.channels, exr.window, exr.views, texts)
+        named = {key: exr.metadata[key] for key in (colour.INTEROP,) if key in exr.metadata}
+        multilayer.write(out, work.channels, exr.window, exr.views, {**named, **(texts or {})})
 
 
 class _Work:

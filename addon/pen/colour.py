@@ -18,6 +18,32 @@ def decode_srgb(encoded: np.ndarray) -> np.ndarray:
     return np.where(encoded <= 0.04045, encoded / 12.92, np.power((np.maximum(encoded, 0) + 0.055) / 1.055, 2.4))
 
 
+# Chromaticities of red, green, blue and white of the spaces that files name by a colorInteropID.
+INTEROP = "colorInteropID"
+_SPACES = {
+    "lin_rec709_scene": ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.3290)),
+    "lin_rec2020_scene": ((0.708, 0.292), (0.170, 0.797), (0.131, 0.046), (0.3127, 0.3290)),
+    "lin_ap1_scene": ((0.713, 0.293), (0.165, 0.830), (0.128, 0.044), (0.32168, 0.33767)),  # ACEScg
+}
+_BRADFORD = np.array(((0.8951, 0.2664, -0.1614), (-0.7502, 1.7135, 0.0367), (0.0389, -0.0685, 1.0296)))
+
+
+def to_rec709(interop: str) -> np.ndarray | None:
+    """The matrix from a linear space to linear Rec. 709; None: they are the same, or it is not known."""
+    if interop not in _SPACES or interop == "lin_rec709_scene":
+        return None
+    there, here = _to_cones(_SPACES[interop]), _to_cones(_SPACES["lin_rec709_scene"])
+    return np.linalg.inv(here) @ there
+
+
+def _to_cones(space):
+    """Linear colours of a space -> responses of Bradford's cones, of which its white has one each."""
+    xyz = np.array([(x / y, 1, (1 - x - y) / y) for x, y in space]).T
+    primaries, white = xyz[:, :3], xyz[:, 3]
+    rgb_to_xyz = primaries * np.linalg.solve(primaries, white)
+    return (_BRADFORD @ rgb_to_xyz) / (_BRADFORD @ white)[:, None]
+
+
 def control_values(linear: np.ndarray) -> np.ndarray:
     """Control values of scene-linear colours (n, 3 or more): -1 black ... 0 mid grey ... 1 white."""
     grey = np.asarray(linear, np.float64)[:, :3] @ (0.2126, 0.7152, 0.0722)

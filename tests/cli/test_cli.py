@@ -259,6 +259,23 @@ def test_composite_png(run, tmp_path, scene):
     assert np.abs(pixels - 255 * np.concatenate([encoded, alpha], -1)).max() <= 0.501
 
 
+def test_a_wide_working_space(run, tmp_path, scene):
+    """Blender 5 says in its files in which space colours are: a PNG is sRGB, an EXR keeps the space."""
+    red = np.array(((1.7050509879, -0.6217921206, -0.0832588674), (-0.1302564175, 1.1408047365, -0.0105483191),
+                    (-0.0240033568, -0.1289689761, 1.1529723329)))
+    off = {"use_lines": "off", "use_shading": "off", "use_smudging": "off", "use_hatching": "off"}
+    options = [word for id_, value in off.items() for word in ("--set", f"{id_}={value}")]
+    pictures = exr.passes(scene)
+    path = exr.write(tmp_path / "in.exr", pictures, metadata={"colorInteropID": "lin_ap1_scene"})
+    assert run("composite", path, "-o", tmp_path / "out.png", *options)[0] == 0
+    assert run("composite", path, "-o", tmp_path / "out.exr", *options)[0] == 0
+    assert oiio.ImageInput.open(str(tmp_path / "out.exr")).spec()["colorInteropID"] == "lin_ap1_scene"
+    pixels = oiio.ImageInput.open(str(tmp_path / "out.png")).read_image("uint8")[..., :3]
+    x = np.clip(pictures["Combined"][..., :3].astype(np.float64) @ red.T, 0, 1)
+    encoded = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
+    assert np.abs(pixels - 255 * encoded).max() <= 0.6
+
+
 def test_a_png_is_shown_as_the_scene_is(run, tmp_path, scene):
     """Where Standard shows it; else that is said."""
     def drawn_as(view):

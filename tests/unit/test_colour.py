@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What painted greys say."""
+"""What painted greys say; linear spaces."""
 
 import numpy as np
 from encre.pen import colour
@@ -12,3 +12,16 @@ def test_a_painted_grey_is_what_its_byte_says_and_mid_grey_nothing():
     assert np.flatnonzero(values == 0).tolist() == [127, 128]
     other = np.abs(bytes_ - 127.5) > 1
     assert np.abs(values - (2 * bytes_ / 255 - 1))[other].max() < 1e-6
+
+
+def test_spaces_to_rec709():
+    """Published matrices, by Bradford's adaptation of the white; greys stay grey."""
+    acescg = [[1.7050509879, -0.6217921206, -0.0832588674], [-0.1302564175, 1.1408047365, -0.0105483191],
+              [-0.0240033568, -0.1289689761, 1.1529723329]]
+    rec2020 = [[1.6604910021, -0.5876411388, -0.0728498633], [-0.1245504745, 1.1328998971, -0.0083494226],
+               [-0.0181507634, -0.1005788980, 1.1187296614]]
+    for name, published in (("lin_ap1_scene", acescg), ("lin_rec2020_scene", rec2020)):
+        matrix = colour.to_rec709(name)
+        assert np.abs(matrix - published).max() < 2e-4
+        assert np.abs(matrix.sum(1) - 1).max() < 1e-12
+    assert colour.to_rec709("lin_rec709_scene") is None and colour.to_rec709("") is None

@@ -178,8 +178,8 @@ def supersampled_cancelled(out):
     _cycles.create = lambda *args: made.append(1) or create(*args)
     _cycles.free = lambda *args: freed.append(1) or free(*args)
 
-    def stop(self, name, picture, column, row):
-        take(self, name, picture, column, row)
+    def stop(self, name, picture, column, row, *more):
+        take(self, name, picture, column, row, *more)
         subframes.append((column, row))
         if (column, row) == (1, 0):
             stopped.append(True)
