@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..pen import around, denoise, layers, library, metadata, overlay, saved, supersample
+from ..pen import around, denoise, layers, library, metadata, overlay, saved, supersample, through
 from ..pen.around import Window
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
@@ -216,16 +216,26 @@ class Frames:
                 drawn += ["normal", "creases"]
             if any(mesh.attributes is not None for mesh in objects.meshes):
                 drawn.append("attributes")
+        solid = objects.solid() if objects and settings.wants_edges else None
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
             eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1,
                          0 if orthographic else subject.distance(depsgraph, camera, view, projection))
-            maps = objects and library.raster(
-                objects.meshes, view, projection, supersample.frame(frame, factor),
-                (factor * place.width, factor * place.height),
-                camera.data.clip_start, camera.data.clip_end, len(library.controls()),
-                drawn, threads, self._go_on)
-            views[name] = eye, objects and overlay.compact(maps), view, projection
+
+            def raster(those, wanted, view=view, projection=projection):
+                return library.raster(
+                    those, view, projection, supersample.frame(frame, factor),
+                    (factor * place.width, factor * place.height), camera.data.clip_start, camera.data.clip_end,
+                    len(library.controls()), wanted, threads, self._go_on)
+
+            maps = objects and raster(objects.meshes, drawn if solid is None else [*drawn, "depth"])
+            clear = None if solid is None else through.find(maps, raster(solid, ["object", "depth"]), objects.clear)
+            if objects:
+                maps.pop("depth", None)
+                maps = overlay.compact(maps)
+            if clear:
+                maps["through"] = clear
+            views[name] = eye, maps, view, projection
         if objects:
             objects.meshes.clear()
         if not depsgraph.view_layer.use_pass_object_index:
@@ -327,12 +337,23 @@ class Frames:
         instance = maps["object"].reshape(index.shape)
         caught = objects.catchers[instance] & (objects.owners[instance] == index) if objects.catchers.any() else None
         del instance
+        clear, depth = maps.pop("through", None), None
+        given = index
+        if clear:
+            index, depth, decided = through.settled(index, passes["Depth"][..., 0], clear, maps["object"],
+                                                    objects.owners)
+            del clear
         known = overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)
         if layer.user_indices is not None:
-            given = np.clip(index, 0, len(layer.user_indices) - 1).astype(np.intp)
+            given = np.clip(given, 0, len(layer.user_indices) - 1).astype(np.intp)
             write(versions.pass_name("IndexOB"), layer.user_indices[given][..., None])
-            del given
-        del index
+        del index, given
+        if depth is not None:
+            known["depth"] = depth[..., None]
+            write(versions.pass_name("Depth"), known["depth"])  # as drawing the file again reads it
+            if "creases" in known:
+                known["creases"].reshape(-1, 5)[decided, 4] = 0  # normals are noise there
+            del depth, decided
         if "Denoising Depth" in passes:
             known["seen_depth"] = layers.seen_depth(passes.pop("Denoising Depth"), projection, frame, layer.clip_start)
         illuminate = layer.light and (lambda depth, normal: layer.light.draw(

@@ -24,6 +24,25 @@ class Objects:
     indices: np.ndarray | None  # by Cycles' index: what the layer says where nothing was drawn; None: see strays()
     automatic: bool
     catchers: np.ndarray  # which show nothing but shadows
+    clear: np.ndarray  # by number of material: which may let light through
+
+    def solid(self):
+        """The meshes without the triangles that may let light through; None if there are none of these."""
+        if not self.clear.any():
+            return None
+        out = []
+        for mesh in self.meshes:
+            if mesh.kind != "triangles":
+                continue
+            if mesh.material is None:
+                if not self.clear[mesh.material_index]:
+                    out.append(Mesh(mesh.points, mesh.corners, object=mesh.object, object_index=mesh.object_index,
+                                    model=mesh.model))
+                continue
+            kept = ~self.clear[mesh.material]
+            out.append(Mesh(mesh.points, mesh.corners[kept], object_index=mesh.object_index, model=mesh.model,
+                            object=None if mesh.object is None else mesh.object[kept]))
+        return out
 
     def strays(self, index):
         """What the layer `object` says at pixels with Cycles' index, whose object the rasteriser did not draw."""
@@ -71,7 +90,8 @@ def extract(depsgraph, automatic, line_numbers, light=None):
             meshes.append(Mesh(triangles.points, triangles.marked, kind="lines",
                                     model=np.array(instance.matrix_world, np.float64)))
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
-                   line_numbers if automatic else None, automatic, np.array(catchers))
+                   line_numbers if automatic else None, automatic, np.array(catchers),
+                   np.array([known[3] for known in materials.known.values()]))
 
 
 def _in_camera(obj, depsgraph):
@@ -277,14 +297,31 @@ class _Materials:
     """Numbers, styles and controls of materials; each material is asked once."""
 
     def __init__(self, scene):
-        self.scene, self.known = scene, {None: (0, 0, np.float32(properties.controls(None)))}
+        self.scene, self.known = scene, {None: (0, 0, np.float32(properties.controls(None)), False)}
 
     def __call__(self, material):
         key = material and material.name_full
         if key not in self.known:
             self.known[key] = (len(self.known), properties.style_number(material, self.scene),
-                               np.array(properties.controls(material), np.float32))
+                               np.array(properties.controls(material), np.float32), _lets_through(material))
         return self.known[key]
+
+
+def _lets_through(material):
+    """Whether light may pass through the surfaces of a material: whether any of its nodes is transparent."""
+    trees, known = [material.node_tree if material.use_nodes else None], set()
+    while trees:
+        tree = trees.pop()
+        if tree is None or tree.name_full in known:
+            continue
+        known.add(tree.name_full)
+        for node in tree.nodes:
+            alpha = node.inputs.get("Alpha") if node.bl_idname == "ShaderNodeBsdfPrincipled" else None
+            if node.bl_idname == "ShaderNodeBsdfTransparent" or (
+                    alpha and (alpha.is_linked or alpha.default_value < 1)):
+                return True
+            trees.append(getattr(node, "node_tree", None))
+    return False
 
 
 def _mesh(triangles, obj, materials, matrix, number):

@@ -187,7 +187,8 @@ def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str,
                 if gloss is not None:
                     layers["specular"] = gloss * color
     np.minimum(layers["albedo"], np.float32(1), out=layers["albedo"])
-    layers["depth"] = read.raw("Depth")
+    if "depth" not in layers:
+        layers["depth"] = read.raw("Depth")
     if illuminate:
         # A surface without a diffuse colour has no diffuse light.
         layers["diffuse"] = illuminate(layers["depth"], layers["normal"]) * layers["color"].any(2, keepdims=True)

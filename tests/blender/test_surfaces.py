@@ -2,6 +2,7 @@
 """Lines where surfaces coincide, let through or pass through each other."""
 
 import blenders
+import numpy as np
 import pytest
 
 
@@ -31,3 +32,20 @@ def test_pieces_of_a_mesh_have_a_line_where_they_pass_through_each_other(blender
     assert (ink(pieces)[meet] > 0.05).mean() > 0.95
     missing = (ink(parts) > 0.3) & ~(ink(pieces) > 0.05)
     assert missing.sum() < 30
+
+
+def test_what_lets_light_through_at_random_leaves_no_crumbs(blender, tmp_path):
+    """Behind the board of 30 % the box is drawn as if it were not there; where another is cut into squares, index and
+    depth stay those of Cycles."""
+    shot = blenders.run(blender, "fades", tmp_path)
+    boards, bare = shot.passes("boards"), shot.passes("bare")
+    fade, cut = (boards["IndexOB"][..., 0] == k for k in (1, 2))
+    rows, columns = np.nonzero(fade)
+    inside = np.s_[rows.min() + 4:rows.max() - 3, columns.min() + 4:columns.max() - 3]
+    assert 0.1 < fade[inside].mean() < 0.4, "Cycles shows it at random"
+    objects, alone = boards["Encre Index"][..., 0][inside], bare["Encre Index"][..., 0][inside]
+    names = [np.unique(objects[alone == number], return_counts=True) for number in np.unique(alone)]
+    assert all(counts.max() > 0.99 * counts.sum() for _, counts in names)
+    assert np.abs(boards["Depth"][inside] / bare["Depth"][inside] - 1).max() < 2e-2
+    assert ink(boards)[inside].sum() < 1.2 * ink(bare)[inside].sum() + 20
+    assert len(np.unique(boards["Encre Index"][..., 0][cut])) == 1

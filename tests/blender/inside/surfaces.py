@@ -51,3 +51,28 @@ def pieces(out):
     shoot(out, "pieces")
     obj.encre.separate_parts = True
     shoot(out, "parts")
+
+
+def fades(out):
+    """A board before a box that lets 70 % of the light through, evenly at random; one that is cut into squares; and
+    the box without boards."""
+    scene = stage(320, 180, 8)
+    _bare(scene)
+    cube("Box", (0, 1.5, 0.2), 1.4, material("Red", (0.8, 0.2, 0.1)))
+    boards = []
+    for name, x in (("Fade", -0.9), ("Cut", 0.9)):
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata([(-0.8, 0, -0.4), (0.8, 0, -0.4), (0.8, 0, 1), (-0.8, 0, 1)], [], [(0, 1, 2, 3)])
+        boards.append(link(name, mesh, (x, -1, 0), material(name, (0.2, 0.3, 0.8))))
+    nodes = boards[1].data.materials[0].node_tree
+    boards[0].data.materials[0].node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.3
+    squares = nodes.nodes.new("ShaderNodeTexChecker")
+    squares.inputs["Scale"].default_value = 6
+    nodes.links.new(squares.outputs["Fac"], nodes.nodes["Principled BSDF"].inputs["Alpha"])
+    scene.view_layers[0].use_pass_object_index = True
+    for k, board in enumerate(boards):
+        board.pass_index = k + 1
+    shoot(out, "boards")
+    for board in boards:
+        board.hide_render = True
+    shoot(out, "bare")
