@@ -29,7 +29,7 @@ def pictures(name):
     by_size = {size: scenes.NAMED[name](size=(lines, lines * 4 // 3)) for size, lines in SIZES.items()}
     camera = by_size[100].camera_settings
     return ({size: scene.layers("blackman") for size, scene in by_size.items()},
-            Camera(tuple(camera["view"]), camera["orthographic"], camera["height"]))
+            Camera(tuple(camera["view"]), camera["orthographic"], camera["height"], distance=6.0))
 
 
 def darkness(layers, camera=None, **values):
