@@ -26,13 +26,13 @@ def view_layers(channels, views=()):
 
     Blender writes `ViewLayer.Pass.C`, in stereo `ViewLayer.Pass.view.C`; both names may hold dots themselves, so
     known passes are looked for at the end. A picture without view layers or views has the one called "", where
-    R, G, B, A alone are Combined and Z is Depth.
+    R, G, B, A alone are Combined and Z is Depth, in small letters too.
     """
     found, names = {}, (*_known(), *layers.RENAMED.values())
     for full in channels:
         name, _, letter = full.rpartition(".")
         view = next((view for view in views if name.rpartition(".")[2] == view), "")
-        name = name.removesuffix(view).removesuffix(".") or _BARE.get(letter, letter)
+        name = name.removesuffix(view).removesuffix(".") or _BARE.get(letter.upper(), letter)
         layer, _, last = name.rpartition(".")
         for known in names:
             if name == known or name.endswith("." + known):
@@ -341,7 +341,7 @@ def _named(pictures, layer, view, names):
     channels, letters = {}, {**_known(), **layers.DRAWN}
     for name, picture in pictures.items():
         prefix = ".".join(filter(None, [layer, name, view]))
-        if name == "Combined" and (own := [full for full in names.get(name, ()) if full.endswith("R")]):
+        if name == "Combined" and (own := [full for full in names.get(name, ()) if full[-1] in "rR"]):
             prefix = own[0].rpartition(".")[0]
         full = [f"{prefix}.{letter}".removeprefix(".") for letter in letters[name]]
         channels.update(zip(full, np.moveaxis(picture, 2, 0), strict=True))

@@ -263,6 +263,9 @@ def prepare(job, error, report):
     for id_, value in job["values"].items():
         mute(scene, f"encre.{id_}")
         properties.set_value(scene.encre, id_, value)
+    if not any(layer.use for layer in scene.view_layers):
+        raise error(f"{job['scene']}: scene {scene.name} renders none of its view layers; switch one on or give "
+                    "--view-layer")
     camera = scene.camera
     if not camera or camera.type != "CAMERA":
         raise error(f"{job['scene']}: scene {scene.name} has no camera; add one and make it the scene's active camera")

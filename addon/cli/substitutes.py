@@ -28,6 +28,7 @@ BOXES = {
     "IndexOB": ("Data > Indexes > Object Index, or Cryptomatte > Object", "outlines of objects"),
     "IndexMA": ("Data > Indexes > Material Index, or Cryptomatte > Material", "lines between materials"),
 }
+_SINGLE = ("Depth", "IndexOB", "IndexMA")  # some renderers save them as grey in R, G and B
 _CRYPTO = {"IndexOB": "CryptoObject00", "IndexMA": "CryptoMaterial00"}
 
 
@@ -52,7 +53,8 @@ def rename(passes, asked, channels, path):
         if not named:
             raise EncreError(f"{path}: " + unknown("layer", name, dict.fromkeys(
                 full.rpartition(".")[0] or full for full in channels)))
-        found[classic] = sorted(named, key=lambda full: "RGBAXYZ".find(full[-1].upper()))
+        named.sort(key=lambda full: "RGBAXYZ".find(full[-1].upper()))
+        found[classic] = named[:1] if classic in _SINGLE else named
     return found
 
 

@@ -463,6 +463,24 @@ def test_layers_by_another_renderers_names(run, tmp_path, scene, monkeypatch):
     fails(run("composite", path, "-o", tmp_path / "x.exr", "--layer", "gloss=N"), "gloss", "combined")
 
 
+def test_depth_in_grey_and_small_letters(run, tmp_path, scene):
+    pictures, window = exr.passes(scene), multilayer.Window(*SIZE, 0, 0, *SIZE)
+    depth = np.squeeze(pictures["Depth"])
+    color = dict(zip("rgba", np.moveaxis(pictures["Combined"], 2, 0), strict=True))
+    multilayer.write(tmp_path / "a.exr", {**color, "z": depth}, window)
+    multilayer.write(tmp_path / "b.exr", {**{letter.upper(): picture for letter, picture in color.items()},
+                                          **{f"ZDepth.{letter}": depth for letter in "BGR"}}, window)
+    assert run("composite", tmp_path / "a.exr", "-o", tmp_path / "ao.exr")[0] == 0
+    assert run("composite", tmp_path / "b.exr", "-o", tmp_path / "bo.exr", "--layer", "depth=ZDepth")[0] == 0
+    want = expected({name: pictures[name] for name in ("Combined", "Depth")} | {
+        "DiffCol": np.clip(scene["combined"][..., :3], 0, 1), "Normal": 0 * pictures["Normal"],
+        "DiffDir": 0 * pictures["Normal"] + 1}, {"use_shading": False, "use_hatching": False, "edge_light": 0.0,
+                                                 "line_light": 0.0})["Combined"]
+    for file in "ao", "bo":
+        made = exr.read(tmp_path / f"{file}.exr")
+        assert np.array_equal(np.stack([made[letter] for letter in "RGBA"], -1), want), file
+
+
 def test_cryptomatte_is_the_object_index(run, tmp_path, scene, monkeypatch):
     pictures = exr.passes(scene)
     rng = np.random.default_rng(0)

@@ -505,6 +505,7 @@ def test_script_runs_as_main_beside_its_modules(tmp_path):
 
 @pytest.mark.parametrize(("lines", "words"), [
     ("scene.camera = None\n", ["no camera", "scene.py"]),
+    ("scene.view_layers[0].use = False\n", ["none of its view layers", "--view-layer"]),
     ('camera.type = "PANO"\n', ["Camera", "panoramic"]),
     ("scene.nothing = missing\n", ["scene.py, line 21", "NameError", "missing"]),
     ("def\n", ["scene.py, line 21", "SyntaxError"]),
