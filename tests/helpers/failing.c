@@ -5,9 +5,10 @@
 
 #define API __attribute__((visibility("default")))
 
-API int allocations, threads;             /* calls so far */
+/* Atomic: trees and contours are made by several threads, which allocate. */
+API _Atomic int allocations, threads;     /* calls so far */
 API int refuse_allocation, refuse_thread; /* which one to refuse, counted from 1; 0 = none */
-API int held;                             /* blocks that are not freed yet */
+API _Atomic int held;                     /* blocks that are not freed yet */
 
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t count, size_t size);

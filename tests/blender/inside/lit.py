@@ -28,7 +28,7 @@ def _stage(samples):
     register()
     scene = bpy.context.scene
     scene.render.engine = "ENCRE"
-    scene.render.resolution_x, scene.render.resolution_y = 112, 63
+    scene.render.resolution_x, scene.render.resolution_y = 112, 64
     scene.cycles.samples, scene.cycles.seed = samples, 1
     scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
     scene.cycles.max_bounces, scene.cycles.filter_width = 0, 0.01
@@ -110,7 +110,7 @@ def scene_rules(out):
 
 def linked(out):
     """A second sun that lights the ball alone, and for which only the small cube throws shadows. Since 4.0."""
-    if not hasattr(bpy.types.Object, "light_linking"):
+    if "light_linking" not in bpy.types.Object.bl_rna.properties:
         return
     _stage(16)
     obj = _lamp("SUN", energy=3, angle=0)
@@ -137,7 +137,7 @@ def kept(out):
     shoot(out, "kept")
     scene.render.use_border = scene.render.use_crop_to_border = True
     scene.render.border_min_x, scene.render.border_max_x = 0.25, 0.75
-    scene.render.border_min_y, scene.render.border_max_y = 0.2, 0.9
+    scene.render.border_min_y, scene.render.border_max_y = 0.25, 0.75
     shoot(out, "border")
     scene.render.use_border = False
     scene.encre.supersample = 2
