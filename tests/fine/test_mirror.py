@@ -15,7 +15,8 @@ SCENE = Path(__file__).parents[1] / "blender" / "inside" / "glass.py"
 PEN = dict(edge_detector="FINE", edge_threshold=0.3, edge_color=1.0, line_thickness=2.0, length_unit="PIXELS",
            width_object=1.0, width_depth=1.0, width_normal=1.0, width_color=1.0, line_softness=0.0, line_paper=0.0,
            line_gain=0.5, line_intensity=2.0, use_shading=False, use_smudging=False, use_hatching=False,
-           crease_source="LAYERS")  # no mesh tells of creases in a mirror: the open view has them from the normals too
+           crease_source="LAYERS",  # no mesh tells of creases in a mirror: the open view has them from the normals too
+           line_min_length=0.0)  # of a line behind glass noise may leave pieces that meet no other
 
 
 def rendered(blender, folder, kind, size="480x270", samples=8):
