@@ -75,9 +75,9 @@ class Settings:
 
     @cached_property
     def light_scale(self) -> float:
-        """What brings light to about 1/2 where it is compared with thresholds."""
-        thresholds = [t for values in self.every for level in values["shade_levels"] for t in level[1:2] if t > 0]
-        return len(thresholds) / (2 * sum(thresholds)) if thresholds else 1.0
+        """What brings light to about 1 where thresholds compare it. It must not depend on what presets and styles
+        change, else a restyled frame would not be the frame rendered so."""
+        return self.every[0]["shade_exposure"] or 1.0
 
     @cached_property
     def factor(self) -> int:

@@ -40,6 +40,7 @@ scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.seed = 2, False, 
 scene.render.resolution_x, scene.render.resolution_y = 160, 90
 scene.view_settings.view_transform = "Standard"
 """
+AT_THE_BORDER = "the ends of lines at the border in Combined are not drawn again"
 BORDER = """
 scene.render.use_border = True
 scene.render.border_min_x, scene.render.border_max_x = 0.25, 0.8
@@ -58,8 +59,8 @@ scene.encre.paper_source, scene.encre.paper_image, scene.encre.line_paper = "IMA
 FEATURES = {  # name: (lines of the scene, words of the only sentence that is said, whether Combined is the same)
     "plain": ("", None, True),
     "stereo": ("scene.render.use_multiview = True\n", None, True),
-    "border": (BORDER, None, True),
-    "cropped border": (BORDER + "scene.render.use_crop_to_border = True\n", None, True),
+    "border": (BORDER, AT_THE_BORDER, False),
+    "cropped border": (BORDER + "scene.render.use_crop_to_border = True\n", AT_THE_BORDER, False),
     "styles": (STYLES, None, True),
     "generated paper": (PAPER, None, True),
     "packed paper": (PAPER + "paper.pack()\n", None, True),

@@ -56,6 +56,10 @@ class ENCRE_OT_preset(_PresetOperator, bpy.types.Operator):
     preset: bpy.props.StringProperty(name="Preset", options={"HIDDEN"})
 
     @classmethod
+    def poll(cls, _context):
+        return True  # scripts may choose the engine later
+
+    @classmethod
     def description(cls, _context, properties_):
         try:
             preset = presets.find(properties_.preset, folder())
