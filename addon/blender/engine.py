@@ -2,6 +2,7 @@
 """The render engine: Cycles renders the layers, the library draws on them, the picture goes back into Combined."""
 
 import contextlib
+import traceback
 
 import bpy
 from bpy.app.handlers import persistent
@@ -71,6 +72,11 @@ class EncreEngine(bpy.types.RenderEngine):
         except EncreError as error:
             self.refused = True
             self.say("ERROR", str(error))
+        except Exception as error:  # a fault of ours: unsaid, Blender would take Cycles' picture for a finished one
+            self.refused = True
+            traceback.print_exc()
+            self.say("ERROR", f"Encre failed at this frame ({type(error).__name__}: {error}), which is its own fault: "
+                              "report it with the lines that Blender printed")
 
     def update_render_passes(self, scene, layer):
         passes = [tuple(known) for known in _cycles().list_render_passes(scene, layer)]

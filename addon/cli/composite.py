@@ -274,6 +274,9 @@ class _Work:
             self._say("note", f"supersample {factor} needs a render: {exr.path} holds layers of the frame's size, and "
                               "is drawn at that")
         settings = Settings(scene, self.stored.styles)
+        light, held = (given.every[0]["light_source"] for given in (settings, Settings(self.stored.scene)))
+        if light != held and settings.wants_light:
+            self._say("note", f"light_source {light} needs a render: light stays as {exr.path} holds it")
         self.settings = Settings(_paper(settings, change, exr.path, allow_paths, self.stored.paper), self.stored.styles)
         self.place = _rows_and_columns(self.stored.border, exr.window)
         self.room = Room(exr.window.width * exr.window.height)

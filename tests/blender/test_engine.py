@@ -409,6 +409,12 @@ def test_stopped_by_itself(render):
     assert "not by you" in shot.facts["error"][0] and not shot.wrote("stopped")
 
 
+def test_what_nobody_foresaw_is_no_finished_frame(render):
+    shot = render("broken")
+    for name in "before", "after":
+        assert "RuntimeError: boom" in shot.facts[name][0] and not shot.wrote(name)
+
+
 def test_library_missing(render, tmp_path):
     bare = tmp_path / "bare"
     bare.mkdir()

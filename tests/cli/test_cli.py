@@ -203,7 +203,8 @@ def test_composite_gives_a_saved_frame_again(run, tmp_path, frame_file):
 def test_composite_changes_the_scenes_settings_and_no_styles(run, tmp_path, frame_file):
     path, pictures, camera, frame = frame_file
     status, _, err = run("composite", path, "-o", tmp_path / "out.exr", "--preset", "ink only",
-                         "--set", "line_thickness=40", "--set", "shade_levels=0.2; 0.7,0.3,0.1; 1,0.6,0.1,1,0.5,0")
+                         "--set", "light_source=CYCLES", "--set", "line_thickness=40",
+                         "--set", "shade_levels=0.2; 0.7,0.3,0.1; 1,0.6,0.1,1,0.5,0")
     assert status == 0 and err.count("\n") == 1 and "edge_color (one colour everywhere)" in err
     settings = {**presets.find("ink_only").values, "line_thickness": 40,
                 "shade_levels": [(0.2,), (0.7, 0.3, 0.1), (1, 0.6, 0.1, 1, 0.5, 0)]}

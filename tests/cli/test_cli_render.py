@@ -194,15 +194,16 @@ def test_stereo(tmp_path):
 def test_settings_reach_the_engine(cube, tmp_path):
     first, second = tmp_path / "a.exr", tmp_path / "b.exr"
     works(encre("render", cube, "-o", first, ALL, "--preset", "Ink only", "--set", "line_color=1,0,0",
-                "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0", "--samples", "3"))
+                "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0", "--set", "light_source=CYCLES", "--samples", "3"))
     settings = metadata.read(exr.metadata(first))
     assert settings.scene["line_color"] == (1, 0, 0) and settings.scene["surface"] == "PAPER"
     assert settings.scene["shade_levels"][1] == pytest.approx((1, 0.5, 0.1, 1, 0, 0))
     assert exr.metadata(first)["cycles.ViewLayer.samples"] == "3"
     # A frame restyled equals a frame rendered in the new style.
     works(encre("render", cube, "-o", second, ALL, "--samples", "3"))
-    works(encre("composite", second, "-o", tmp_path / "c.exr", "--preset", "Ink only", "--set", "line_color=1,0,0",
-                "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0"))
+    err = works(encre("composite", second, "-o", tmp_path / "c.exr", "--preset", "Ink only",
+                      "--set", "line_color=1,0,0", "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0"))
+    assert "light_source DRAWN needs a render" in err
     assert np.abs(exr.picture(tmp_path / "c.exr") - exr.part(first, "ViewLayer.Combined")).max() <= 1e-5
 
 

@@ -104,6 +104,20 @@ def stopped(out):
     fact("error", shoot(out, "stopped"))
 
 
+def broken(out):
+    """Something fails that nobody foresaw, before Cycles renders and after it."""
+    stage()
+    from encre.blender import frame
+
+    def fail(*_args, **_more):
+        raise RuntimeError("boom")
+
+    rasterise, frame.library.raster = frame.library.raster, fail
+    fact("before", shoot(out, "before"))
+    frame.library.raster, frame.library.draw = rasterise, fail
+    fact("after", shoot(out, "after"))
+
+
 def without_library(out):
     """ENCRE_PACKAGE is a package without its library."""
     bpy.ops.wm.read_factory_settings()
