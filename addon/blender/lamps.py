@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..pen.job import EVERY_SET, Lamp
-from ..pen.library import Scene
+from ..pen.scene import Scene
 from . import versions, worlds
 
 _KINDS = {"SUN": "sun", "POINT": "point", "SPOT": "spot", "SQUARE": "rectangle", "RECTANGLE": "rectangle",

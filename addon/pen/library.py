@@ -14,92 +14,13 @@ from typing import Any
 
 import numpy as np
 
+from . import abi
 from .errors import Cancelled, EncreError, unknown
-from .job import EVERY_SET, LAMPS, Baked, Camera, Frame, Lamp, Mesh, Result, entries, picture
-from .params import MAX_LEVELS, Control, Param, Stage, control, normal, read, stage, text_of
+from .job import Baked, Camera, Frame, Mesh, Result
+from .params import Control, Param, Stage, control, normal, read, stage, text_of
 
 API_VERSION = 7
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
-
-
-# ---- csrc/encre.h ----------------------------------------------------------------------------------------------
-
-
-class _Image(c.Structure):
-    _fields_ = [("data", c.c_void_p), ("width", c.c_int32), ("height", c.c_int32), ("channels", c.c_int32),
-                ("reserved", c.c_int32), ("pixel_stride", c.c_int64), ("row_stride", c.c_int64)]
-
-
-class _LayerInfo(c.Structure):
-    _fields_ = [("name", c.c_char_p), ("help", c.c_char_p), ("channels", c.c_int32), ("required", c.c_int32)]
-
-
-class _ControlInfo(c.Structure):
-    _fields_ = [("name", c.c_char_p), ("label", c.c_char_p), ("white", c.c_char_p), ("black", c.c_char_p),
-                ("saved", c.c_char_p), ("channel", c.c_int32), ("reserved", c.c_int32)]
-
-
-class _Level(c.Structure):
-    _fields_ = [("intensity", c.c_float), ("threshold", c.c_float), ("transition", c.c_float), ("color", c.c_float * 3)]
-
-
-class _Levels(c.Structure):
-    _fields_ = [("count", c.c_int32), ("level", _Level * MAX_LEVELS)]
-
-
-class _Item(c.Structure):
-    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("number", c.c_int64)]
-
-
-class _ParamInfo(c.Structure):
-    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("unit", c.c_char_p),
-                ("enabled_if", c.c_char_p), ("items", c.POINTER(_Item)), ("n_items", c.c_int32), ("type", c.c_int32),
-                ("scope", c.c_int32), ("offset", c.c_int32), ("value", c.c_double * 3), ("hard_min", c.c_double),
-                ("hard_max", c.c_double), ("soft_min", c.c_double), ("soft_max", c.c_double),
-                ("levels", c.POINTER(_Levels)), ("is_switch", c.c_int32), ("reserved", c.c_int32)]
-
-
-class _StageInfo(c.Structure):
-    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("params", c.POINTER(_ParamInfo)),
-                ("n_params", c.c_int32), ("reserved", c.c_int32)]
-
-
-class _Camera(c.Structure):
-    _fields_ = [("view", c.c_float * 9), ("orthographic", c.c_int32), ("height", c.c_float), ("distance", c.c_float)]
-
-
-class _Frame(c.Structure):
-    _fields_ = [("width", c.c_int32), ("height", c.c_int32), ("x", c.c_int32), ("y", c.c_int32)]
-
-
-_Progress = c.CFUNCTYPE(c.c_bool, c.c_void_p, c.c_double)
-
-
-class _Mesh(c.Structure):
-    _fields_ = [("kind", c.c_int32), ("n_primitives", c.c_int32), ("n_points", c.c_int32), ("n_channels", c.c_int32),
-                ("points", c.c_void_p), ("corners", c.c_void_p), ("attributes", c.c_void_p),
-                ("material", c.c_void_p), ("style", c.c_void_p), ("model", c.c_double * 16),
-                ("object_index", c.c_int32), ("material_index", c.c_int32), ("style_index", c.c_int32),
-                ("reserved", c.c_int32), ("object", c.c_void_p), ("edges", c.c_void_p), ("crease_offset", c.c_float),
-                ("reserved2", c.c_int32)]
-
-
-_KINDS = {"triangles": 3, "lines": 2}  # corners of a primitive, in the order of enum encre_primitive
-_RASTER_OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes")
-
-
-class _RasterJob(c.Structure):
-    _fields_ = [("meshes", c.POINTER(_Mesh)), ("n_meshes", c.c_int32), ("n_channels", c.c_int32),
-                ("view", c.c_double * 16), ("projection", c.c_double * 16), ("clip_start", c.c_double),
-                ("clip_end", c.c_double), ("frame", _Frame), *((n, _Image) for n in _RASTER_OUTPUTS),
-                ("progress", _Progress), ("user", c.c_void_p), ("marks", _Image),
-                ("creases", _Image), ("coincident", _Image)]
-
-
-class _BakeJob(c.Structure):
-    _fields_ = [("texture", _Image), ("form", _Image), ("output", _Image), ("params", c.c_void_p),
-                ("linear", c.c_int32), ("wrap_x", c.c_int32), ("wrap_y", c.c_int32), ("reserved", c.c_int32),
-                ("progress", _Progress), ("user", c.c_void_p), ("nonfinite", c.c_int64), ("greatest", c.c_double)]
 
 
 def _path():
@@ -113,30 +34,6 @@ def _path():
     name = f"{stem}-{os.path.basename(wheels[0]).split('-')[1]}{ending}"
     places = [os.path.join(folder, name) for folder in sys.path]
     return next(filter(os.path.exists, places), os.path.join(package, name))
-
-
-class _Geometry(c.Structure):
-    _fields_ = [("n_points", c.c_int32), ("n_triangles", c.c_int32), ("points", c.c_void_p), ("corners", c.c_void_p),
-                ("normals", c.c_void_p)]
-
-
-class _Instance(c.Structure):
-    _fields_ = [("geometry", c.c_int64), ("model", c.c_double * 16), ("light_sets", c.c_uint64),
-                ("shadow_sets", c.c_uint64), ("camera", c.c_int32), ("reserved", c.c_int32)]
-
-
-class _Lamp(c.Structure):
-    _fields_ = [("type", c.c_int32), ("shadows", c.c_int32), ("light_set", c.c_int32), ("shadow_set", c.c_int32),
-                ("color", c.c_float * 3), ("width", c.c_float), ("height", c.c_float), ("spot_angle", c.c_float),
-                ("spot_blend", c.c_float), ("spread", c.c_float), ("flat", c.c_int32), ("reserved", c.c_int32),
-                ("model", c.c_double * 16)]
-
-
-class _LightJob(c.Structure):
-    _fields_ = [("scene", c.c_void_p), ("view", c.c_double * 16), ("projection", c.c_double * 16),
-                ("clip_start", c.c_double), ("clip_end", c.c_double), ("frame", _Frame), ("depth", _Image),
-                ("normal", _Image), ("diffuse", _Image), ("world", c.c_float * 27), ("reserved", c.c_int32),
-                ("progress", _Progress), ("user", c.c_void_p)]
 
 
 class Library:
@@ -160,9 +57,9 @@ class Library:
             raise EncreError(f"{path}: the Encre library has another version than its Python code; "
                              "install both from one package")
         lib.encre_destroy(context)
-        lib.encre_stage_info.restype = c.POINTER(_StageInfo)
-        lib.encre_layer_info.restype = lib.encre_output_info.restype = c.POINTER(_LayerInfo)
-        lib.encre_control_info.restype = c.POINTER(_ControlInfo)
+        lib.encre_stage_info.restype = c.POINTER(abi.StageInfo)
+        lib.encre_layer_info.restype = lib.encre_output_info.restype = c.POINTER(abi.LayerInfo)
+        lib.encre_control_info.restype = c.POINTER(abi.ControlInfo)
         lib.encre_params_size.restype = c.c_int64
         lib.encre_params_check.restype = c.c_char_p
         lib.encre_params_check.argtypes = [c.c_void_p, c.c_char_p, c.c_int64]
@@ -184,9 +81,9 @@ class Library:
         self.params = {p.id: p for s in self.stages for p in s.params}
 
         class Job(c.Structure):
-            _fields_ = [("layers", _Image * len(self.layers)), ("outputs", _Image * len(self.outputs)),
-                        ("camera", _Camera), ("frame", _Frame), ("params", c.c_void_p), ("n_styles", c.c_int32),
-                        ("reserved", c.c_int32), ("progress", _Progress), ("user", c.c_void_p),
+            _fields_ = [("layers", abi.Image * len(self.layers)), ("outputs", abi.Image * len(self.outputs)),
+                        ("camera", abi.Camera), ("frame", abi.Frame), ("params", c.c_void_p), ("n_styles", c.c_int32),
+                        ("reserved", c.c_int32), ("progress", abi.Progress), ("user", c.c_void_p),
                         ("nonfinite", c.c_int64)]
 
         self._job = Job
@@ -210,16 +107,16 @@ class Library:
             elif p.type == "color":
                 (c.c_float * 3).from_address(at)[:] = value
             elif p.type == "levels":
-                levels = _Levels.from_address(at)
+                levels = abi.Levels.from_address(at)
                 levels.count = len(value)
                 for k, level in enumerate(value):
                     i, t, w, *color = tuple(level) + (0, 0, 0, 1, 1, 1)[len(level):]
-                    levels.level[k] = _Level(i, t, w, tuple(color))
+                    levels.level[k] = abi.Level(i, t, w, tuple(color))
             elif value is not None and image:
                 a = np.ascontiguousarray(image(value), np.float32)
                 keep.append(a)
-                _Image.from_buffer((c.c_char * c.sizeof(_Image)).from_address(at))
-                c.memmove(at, c.byref(_image(a)), c.sizeof(_Image))
+                abi.Image.from_buffer((c.c_char * c.sizeof(abi.Image)).from_address(at))
+                c.memmove(at, c.byref(abi.image(a)), c.sizeof(abi.Image))
         return block, keep
 
     def check(self, values: Mapping[str, Any], image: Callable[[str], np.ndarray] | None = None) -> dict[str, Any]:
@@ -278,7 +175,7 @@ class Library:
                 failure.append(e)
                 return False
 
-        job.progress = _Progress(forward) if progress else _Progress()
+        job.progress = abi.Progress(forward) if progress else abi.Progress()
         context = self._context(threads, simd)
         try:
             code = function(context, c.byref(job))
@@ -310,11 +207,11 @@ class Library:
              empty: Callable[[tuple[int, ...]], np.ndarray] | None = None) -> Result:
         """As render(); every[k]: the checked values of style number k, as complete() gives them; empty(shape) makes the
         arrays of what is drawn."""
-        job, keep = self._job(), []
+        job, keep = self._job(), list[Any]()
         for i, (name, channels) in enumerate(self.layers.items()):
             a = layers.get(name)
             if a is not None:
-                a, job.layers[i] = _input(name, a, channels)
+                a, job.layers[i] = abi.given(name, a, channels)
                 keep.append(a)
         for name in layers:
             if name not in self.layers:
@@ -327,7 +224,7 @@ class Library:
             if name in outputs:
                 shape = height, width, channels
                 images[name] = empty(shape) if empty else np.empty(shape, np.float32)
-                job.outputs[i] = _image(images[name])
+                job.outputs[i] = abi.image(images[name])
         for name in outputs:
             if name not in self.outputs:
                 raise EncreError(unknown("output", name, self.outputs))
@@ -340,31 +237,31 @@ class Library:
         job.params = c.cast(c.c_char_p(block), c.c_void_p)
         job.n_styles = len(every)
         camera = camera or Camera()
-        job.camera = _Camera((c.c_float * 9)(*camera.view), bool(camera.orthographic), camera.height,
+        job.camera = abi.Camera((c.c_float * 9)(*camera.view), bool(camera.orthographic), camera.height,
                              camera.distance)
         frame = frame or Frame(width, height)
-        job.frame = _Frame(frame.width, frame.height, frame.x, frame.y)
+        job.frame = abi.Frame(frame.width, frame.height, frame.x, frame.y)
         self._call(self.lib.encre_render, job, threads, simd, progress)
         return Result(images, job.nonfinite)
 
     def raster(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
                size: tuple[int, int], clip_start: float, clip_end: float = 0.0, channels: int = 0,
-               outputs: Sequence[str] = _RASTER_OUTPUTS, threads: int = 0,
+               outputs: Sequence[str] = abi.RASTER_OUTPUTS, threads: int = 0,
                progress: Callable[[float], bool] | None = None) -> dict[str, np.ndarray]:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
         (H, W, 2), `creases` (H, W, 4) and `coincident`.
         """
-        job, keep = _RasterJob(), []
-        array = (_Mesh * max(1, len(meshes)))()
+        job, keep = abi.RasterJob(), []
+        array = (abi.Mesh * max(1, len(meshes)))()
         for m, mesh in zip(array, meshes, strict=False):
-            keep.append(_pack_mesh(m, mesh))
+            keep.append(abi.fill_mesh(m, mesh))
         job.meshes, job.n_meshes, job.n_channels = array, len(meshes), channels
         job.view[:] = np.asarray(view, np.float64).ravel()
         job.projection[:] = np.asarray(projection, np.float64).ravel()
         job.clip_start, job.clip_end = clip_start, clip_end
-        job.frame = _Frame(frame.width, frame.height, frame.x, frame.y)
+        job.frame = abi.Frame(frame.width, frame.height, frame.x, frame.y)
         width, height = size
         images = {}
         for name in outputs:
@@ -372,7 +269,7 @@ class Library:
             shape = height, width, *depth
             images[name] = np.zeros(shape, np.float32)
             if images[name].size:
-                setattr(job, name, _image(images[name]))
+                setattr(job, name, abi.image(images[name]))
         self._call(self.lib.encre_raster, job, threads, 1, progress)
         return images
 
@@ -388,97 +285,17 @@ class Library:
         texture = np.asarray(texture)
         if texture.ndim != 3 or texture.shape[2] not in (3, 4):
             raise EncreError(f"texture: the array has shape {texture.shape}; give (height, width, 3 or 4)")
-        job, out = _BakeJob(linear=linear, wrap_x=wrap[0], wrap_y=wrap[1]), None
-        texture, job.texture = _input("texture", texture, texture.shape[2])
+        job, out = abi.BakeJob(linear=linear, wrap_x=wrap[0], wrap_y=wrap[1]), None
+        texture, job.texture = abi.given("texture", texture, texture.shape[2])
         if form is not None:
-            form, job.form = _input("form", form, 3)
+            form, job.form = abi.given("form", form, 3)
         if draw:
             out = np.empty(texture.shape, np.float32)
-            job.output = _image(out)
+            job.output = abi.image(out)
         block, _ = self.pack(self.check(scene or {}))
         job.params = c.addressof(block)
         self._call(self.lib.encre_bake, job, threads, simd, progress)
         return Baked(out, job.nonfinite, job.greatest)
-
-
-class Scene:
-    """What light falls on and what throws shadows, by integer keys (of geometry, instances and lamps, each their own):
-    given again a key replaces what was there, None removes it."""
-
-    def __init__(self, library: Library | None = None) -> None:
-        self._library = library or load()
-        self._handle = self._library.lib.encre_scene_create()
-        if not self._handle:
-            raise EncreError("memory: there is none left for a scene; close other programs")
-
-    def __del__(self) -> None:
-        if getattr(self, "_handle", None):
-            self._library.lib.encre_scene_free(self._handle)
-
-    def _set(self, function, key, value):
-        context = self._library._context(0, 1)
-        try:
-            code = function(context, self._handle, key, value if value is None else c.byref(value))
-            sentence = text_of(self._library.lib.encre_error(context))
-        finally:
-            self._library.lib.encre_destroy(context)
-        if code:
-            raise EncreError(sentence)
-
-    def geometry(self, key: int, points: np.ndarray | None, corners: np.ndarray | None = None,
-                 normals: np.ndarray | None = None) -> None:
-        """points (n, 3) in object space, corners (t, 3), and, where it is smooth, unit normals (t, 3, 3)."""
-        function = self._library.lib.encre_scene_geometry
-        if points is None:
-            return self._set(function, key, None)
-        points = np.ascontiguousarray(points, np.float32).reshape(-1, 3)
-        corners = np.ascontiguousarray(corners, np.int32).reshape(-1, 3)
-        if normals is not None:
-            normals = entries("normals", normals, np.float32, (len(corners), 3, 3))
-        return self._set(function, key, _Geometry(len(points), len(corners), points.ctypes.data, corners.ctypes.data,
-                                                  None if normals is None else normals.ctypes.data))
-
-    def instance(self, key: int, geometry: int | None, model: np.ndarray | None = None, camera: bool = True,
-                 light_sets: int = EVERY_SET, shadow_sets: int = EVERY_SET) -> None:
-        """Places a geometry by a matrix (4, 4); camera: whether it is seen, or only throws shadows. Bits of the sets:
-        which lamps light it, and in the light of which it throws shadows."""
-        function = self._library.lib.encre_scene_instance
-        if geometry is None:
-            return self._set(function, key, None)
-        value = _Instance(geometry, light_sets=light_sets, shadow_sets=shadow_sets, camera=camera)
-        value.model[:] = np.eye(4).ravel() if model is None else np.asarray(model, np.float64).ravel()
-        return self._set(function, key, value)
-
-    def lamp(self, key: int, lamp: Lamp | None) -> None:
-        function = self._library.lib.encre_scene_lamp
-        if lamp is None:
-            return self._set(function, key, None)
-        value = _Lamp(LAMPS.index(lamp.kind), lamp.shadows, lamp.light_set, lamp.shadow_set, tuple(lamp.color),
-                      lamp.width, lamp.height, lamp.spot_angle, lamp.spot_blend, lamp.spread, lamp.flat)
-        value.model[:] = np.asarray(lamp.model, np.float64).ravel()
-        return self._set(function, key, value)
-
-    def light(self, depth: np.ndarray, normal: np.ndarray | None, view: np.ndarray, projection: np.ndarray,
-              frame: Frame, clip_start: float, clip_end: float = 0.0, world: np.ndarray | None = None,
-              threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None) -> np.ndarray:
-        """The layer `diffuse` (H, W, 3) of direct light, from the layers depth (H, W) and normal (H, W, 3).
-
-        view, projection: 4 x 4, as raster() takes them; world: (9, 3), colours by the functions of the normal that
-        encre_light_job names.
-        """
-        job = _LightJob(scene=self._handle, clip_start=clip_start, clip_end=clip_end)
-        job.view[:] = np.asarray(view, np.float64).ravel()
-        job.projection[:] = np.asarray(projection, np.float64).ravel()
-        job.frame = _Frame(frame.width, frame.height, frame.x, frame.y)
-        depth, job.depth = _input("depth", depth, 1)
-        if normal is not None:
-            normal, job.normal = _input("normal", normal, 3)
-        diffuse = np.empty((*depth.shape[:2], 3), np.float32)
-        job.diffuse = _image(diffuse)
-        if world is not None:
-            job.world[:] = np.asarray(world, np.float32).ravel()
-        self._library._call(self._library.lib.encre_light, job, threads, simd, progress)
-        return diffuse
 
 
 def _each(info):
@@ -487,46 +304,6 @@ def _each(info):
     while p := info(i):
         yield p.contents
         i += 1
-
-
-def _image(a):
-    """encre_image of an array (H, W) or (H, W, C) whose channels are adjacent."""
-    channels = a.shape[2] if a.ndim == 3 else 1
-    return _Image(a.ctypes.data, a.shape[1], a.shape[0], channels, 0, a.strides[1], a.strides[0])
-
-
-def _input(name, a, channels):
-    a = picture(name, a, channels)
-    return a, _image(a)
-
-
-def _pack_mesh(m, mesh):
-    points = np.ascontiguousarray(mesh.points, np.float32).reshape(-1, 3)
-    keep = [points]
-
-    def pointer(what, a, dtype, shape):
-        if a is None:
-            return None
-        keep.append(entries(what, a, dtype, shape))
-        return keep[-1].ctypes.data
-
-    each = _KINDS[mesh.kind]
-    m.kind = list(_KINDS).index(mesh.kind)
-    m.n_points = len(points)
-    m.n_primitives = len(points) // each if mesh.corners is None else len(mesh.corners)
-    m.n_channels = 0 if mesh.attributes is None else mesh.attributes.shape[-1]
-    m.points = points.ctypes.data
-    count = m.n_primitives
-    m.corners = pointer("corners", mesh.corners, np.int32, (count, each))
-    m.attributes = pointer("attributes", mesh.attributes, np.float32, (count, 3))
-    m.material = pointer("material", mesh.material, np.int32, (count,))
-    m.style = pointer("style", mesh.style, np.int32, (count,))
-    m.object = pointer("object", mesh.object, np.int32, (count,))
-    m.edges = pointer("edges", mesh.edges, np.uint8, (count,))
-    m.crease_offset = mesh.crease_offset
-    m.model[:] = np.asarray(mesh.model, np.float64).ravel()
-    m.object_index, m.material_index, m.style_index = mesh.object_index, mesh.material_index, mesh.style_index
-    return keep
 
 
 @functools.cache

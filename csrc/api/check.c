@@ -53,7 +53,8 @@ static int32_t check_camera(const encre_camera *camera, char *error, size_t size
 			      "camera: an orthographic height of %g; give the frame's height in scene units",
 			      (double)camera->height);
 	if (!(camera->distance >= 0 && camera->distance <= FLT_MAX))
-		return refuse(error, size, "camera: a distance of %g; give the depth of what the picture is about, or 0",
+		return refuse(error, size,
+			      "camera: a distance of %g; give the depth of what the picture is about, or 0",
 			      (double)camera->distance);
 	return ENCRE_OK;
 }

@@ -6,6 +6,7 @@ import pytest
 from encre.pen import library
 from encre.pen.errors import EncreError
 from encre.pen.job import Frame, Lamp, Mesh
+from encre.pen.scene import Scene
 from reference import light as reference
 
 CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float32)
@@ -59,7 +60,7 @@ class Stage:
     def __init__(self, width, height, eye=(6, -8, 5), smooth=False, at=(0.2, 0, 0.6)):
         self.width, self.height = width, height
         self.view, self.projection = np.linalg.inv(look(eye, at)), perspective(width, height)
-        self.scene, self.world, self.meshes = library.Scene(), reference.World(), []
+        self.scene, self.world, self.meshes = Scene(), reference.World(), []
         self.add(PLANE, PLANE_CORNERS, np.eye(4))
         self.add(CUBE, CUBE_CORNERS, moved(0, 0, 1.001))
         if smooth:
@@ -382,13 +383,13 @@ def test_nothing_comes_out_that_is_not_finite():
 
 
 def test_an_empty_scene_is_dark():
-    scene, depth = library.Scene(), np.full((5, 7), 3, np.float32)
+    scene, depth = Scene(), np.full((5, 7), 3, np.float32)
     light = scene.light(depth, None, np.eye(4), perspective(7, 5), Frame(7, 5), 0.1)
     assert (light == 0).all()
 
 
 def test_a_pixel_beside_a_thing_takes_its_light():
-    scene = library.Scene()
+    scene = Scene()
     scene.geometry(0, CUBE, CUBE_CORNERS)
     scene.instance(0, 0)
     scene.lamp(0, Lamp("sun", model=look((3, -5, 6), (0, 0, 0))))

@@ -5,7 +5,7 @@ import ctypes
 
 import numpy as np
 import pytest
-from encre.pen import library
+from encre.pen import abi, library
 from encre.pen.errors import Cancelled, EncreError
 from encre.pen.library import Frame, Mesh, load
 from hypothesis import given, settings
@@ -346,17 +346,17 @@ def test_strides_and_absent_outputs():
     full = library.raster(meshes, view, p, frame, (50, 40), 0.1, 0, 3)
     for name in OUTPUTS:
         same(library.raster(meshes, view, p, frame, (50, 40), 0.1, 0, 3, outputs=(name,)), {name: full[name]})
-    lib, job = load(), library._RasterJob()
-    array = (library._Mesh * len(meshes))()
-    keep = [library._pack_mesh(m, mesh) for m, mesh in zip(array, meshes, strict=True)]
+    lib, job = load(), abi.RasterJob()
+    array = (abi.Mesh * len(meshes))()
+    keep = [abi.fill_mesh(m, mesh) for m, mesh in zip(array, meshes, strict=True)]
     job.meshes, job.n_meshes, job.n_channels = array, len(meshes), 3
     job.view[:], job.projection[:], job.clip_start = view.ravel(), p.ravel(), 0.1
-    job.frame = library._Frame(50, 40, 0, 0)
+    job.frame = abi.Frame(50, 40, 0, 0)
     images = {}
     for name in OUTPUTS:
         channels = full[name].shape[2] if full[name].ndim == 3 else 1
         images[name] = np.full((42, 54, channels + 2), -5, np.float32)
-        setattr(job, name, library._image(images[name][-2:0:-1, 2:-2, 1:-1]))  # bottom-up, padded all round
+        setattr(job, name, abi.image(images[name][-2:0:-1, 2:-2, 1:-1]))  # bottom-up, padded all round
     lib._call(lib.lib.encre_raster, job, 2, 1, None)
     del keep
     for name, a in images.items():
@@ -448,12 +448,12 @@ def test_wrong_input_is_named(wrong, words):
     ("n_channels", 17, "17 attribute channels"), ("n_points", 2, "take more points than its 2"),
 ])
 def test_wrong_meshes_are_named(field, value, words):
-    lib, job, mesh = load(), library._RasterJob(), library._Mesh()
-    keep = library._pack_mesh(mesh, Mesh(np.zeros((3, 3), np.float32)))
+    lib, job, mesh = load(), abi.RasterJob(), abi.Mesh()
+    keep = abi.fill_mesh(mesh, Mesh(np.zeros((3, 3), np.float32)))
     setattr(mesh, field, value)
-    job.meshes, job.n_meshes, job.frame = ctypes.pointer(mesh), 1, library._Frame(4, 4, 0, 0)
+    job.meshes, job.n_meshes, job.frame = ctypes.pointer(mesh), 1, abi.Frame(4, 4, 0, 0)
     depth = np.zeros((4, 4), np.float32)
-    job.depth = library._image(depth)
+    job.depth = abi.image(depth)
     with pytest.raises(EncreError, match="mesh 0: .*" + words):
         lib._call(lib.lib.encre_raster, job, 1, 1, None)
     del keep

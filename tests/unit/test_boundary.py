@@ -7,7 +7,7 @@ import drawn
 import numpy as np
 import pytest
 from encre.blender import cameras
-from encre.pen import library
+from encre.pen import abi
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame, Mesh
 from encre.pen.library import load
@@ -32,7 +32,7 @@ class Job:
 
     def _add(self, owner, name, channels):
         self.keep.append(array(channels, name))
-        field = library._image(self.keep[-1])
+        field = abi.image(self.keep[-1])
         if isinstance(owner, int):
             (self.job.layers if name in self.lib.layers else self.job.outputs)[owner] = field
             self.images[name] = (self.job.layers if name in self.lib.layers else self.job.outputs)[owner]
@@ -51,22 +51,22 @@ class Job:
                 self._add(i, name, channels)
         self._params()
         self.job.n_styles = 1
-        self.job.camera = library._Camera((ctypes.c_float * 9)(*Camera().view), 0, 1.0, 0.0)
-        self.job.frame = library._Frame(WIDTH, HEIGHT, 0, 0)
+        self.job.camera = abi.Camera((ctypes.c_float * 9)(*Camera().view), 0, 1.0, 0.0)
+        self.job.frame = abi.Frame(WIDTH, HEIGHT, 0, 0)
 
     def _raster(self):
-        self.job, self.mesh = library._RasterJob(), library._Mesh()
+        self.job, self.mesh = abi.RasterJob(), abi.Mesh()
         points = np.array([[-1, -1, -2], [1, -1, -2], [0, 1, -2]], np.float32)
-        self.keep.append(library._pack_mesh(self.mesh, Mesh(points, np.array([[0, 1, 2]]))))
+        self.keep.append(abi.fill_mesh(self.mesh, Mesh(points, np.array([[0, 1, 2]]))))
         self.job.meshes, self.job.n_meshes, self.job.n_channels = ctypes.pointer(self.mesh), 1, 3
         self.job.view[:] = np.eye(4).ravel()
         self.job.projection[:] = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -0.2, 0, 0, -1, 0]
-        self.job.clip_start, self.job.frame = 0.1, library._Frame(WIDTH, HEIGHT, 0, 0)
+        self.job.clip_start, self.job.frame = 0.1, abi.Frame(WIDTH, HEIGHT, 0, 0)
         for name, channels in dict(depth=1, normal=3, object=1, material=1, style=1, attributes=3, marks=2).items():
             self._add(None, name, channels)
 
     def _bake(self):
-        self.job = library._BakeJob()
+        self.job = abi.BakeJob()
         for name, channels in CHANNELS.items():
             self._add(None, name, channels)
         self._params()
@@ -125,7 +125,7 @@ def test_strides_are_those_of_floats(kind, name, stride, field):
 
 def test_paper_is_an_image_too():
     job, offset = Job("render"), load().params["paper_image"].offset
-    image = library._image(np.full((4, 4), 0.5, np.float32))
+    image = abi.image(np.full((4, 4), 0.5, np.float32))
     image.data = job.images["Combined"].data
     ctypes.memmove(ctypes.addressof(job.block) + offset, ctypes.byref(image), ctypes.sizeof(image))
     job.refused("^Combined: shares memory with paper_image")
@@ -254,7 +254,7 @@ def test_columns_are_read_as_rows_are():
 ])
 def test_frames_have_an_end(kind, frame, words):
     job = Job(kind)
-    job.job.frame = library._Frame(*frame)
+    job.job.frame = abi.Frame(*frame)
     job.refused(words)
 
 

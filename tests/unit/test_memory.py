@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 from encre.pen.errors import EncreError
 from encre.pen.job import Frame, Lamp, Mesh
-from encre.pen.library import LIBRARY, Library, Scene
+from encre.pen.library import LIBRARY, Library
+from encre.pen.scene import Scene
 
 ROOT = Path(__file__).resolve().parents[2]
 WRAPPED = ("malloc", "calloc", "free", "pthread_create")

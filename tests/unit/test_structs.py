@@ -9,27 +9,27 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from encre.pen import library
+from encre.pen import abi, library
 
 ROOT = Path(__file__).parents[2]
 MIRRORS = {
-    "encre_image": library._Image,
-    "encre_layer_description": library._LayerInfo,
-    "encre_control_description": library._ControlInfo,
-    "encre_level": library._Level,
-    "encre_levels": library._Levels,
-    "encre_enum_item": library._Item,
-    "encre_param_info": library._ParamInfo,
-    "encre_stage_description": library._StageInfo,
-    "encre_camera": library._Camera,
-    "encre_frame": library._Frame,
-    "encre_mesh": library._Mesh,
-    "encre_raster_job": library._RasterJob,
-    "encre_bake_job": library._BakeJob,
-    "encre_geometry": library._Geometry,
-    "encre_instance": library._Instance,
-    "encre_lamp": library._Lamp,
-    "encre_light_job": library._LightJob,
+    "encre_image": abi.Image,
+    "encre_layer_description": abi.LayerInfo,
+    "encre_control_description": abi.ControlInfo,
+    "encre_level": abi.Level,
+    "encre_levels": abi.Levels,
+    "encre_enum_item": abi.Item,
+    "encre_param_info": abi.ParamInfo,
+    "encre_stage_description": abi.StageInfo,
+    "encre_camera": abi.Camera,
+    "encre_frame": abi.Frame,
+    "encre_mesh": abi.Mesh,
+    "encre_raster_job": abi.RasterJob,
+    "encre_bake_job": abi.BakeJob,
+    "encre_geometry": abi.Geometry,
+    "encre_instance": abi.Instance,
+    "encre_lamp": abi.Lamp,
+    "encre_light_job": abi.LightJob,
 }
 
 

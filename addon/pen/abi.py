@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The structures of csrc/encre.h, and numpy arrays as the library takes them."""
+
+import ctypes as c
+
+import numpy as np
+
+from . import job
+from .params import MAX_LEVELS
+
+
+class Image(c.Structure):
+    _fields_ = [("data", c.c_void_p), ("width", c.c_int32), ("height", c.c_int32), ("channels", c.c_int32),
+                ("reserved", c.c_int32), ("pixel_stride", c.c_int64), ("row_stride", c.c_int64)]
+
+
+class LayerInfo(c.Structure):
+    _fields_ = [("name", c.c_char_p), ("help", c.c_char_p), ("channels", c.c_int32), ("required", c.c_int32)]
+
+
+class ControlInfo(c.Structure):
+    _fields_ = [("name", c.c_char_p), ("label", c.c_char_p), ("white", c.c_char_p), ("black", c.c_char_p),
+                ("saved", c.c_char_p), ("channel", c.c_int32), ("reserved", c.c_int32)]
+
+
+class Level(c.Structure):
+    _fields_ = [("intensity", c.c_float), ("threshold", c.c_float), ("transition", c.c_float), ("color", c.c_float * 3)]
+
+
+class Levels(c.Structure):
+    _fields_ = [("count", c.c_int32), ("level", Level * MAX_LEVELS)]
+
+
+class Item(c.Structure):
+    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("number", c.c_int64)]
+
+
+class ParamInfo(c.Structure):
+    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("unit", c.c_char_p),
+                ("enabled_if", c.c_char_p), ("items", c.POINTER(Item)), ("n_items", c.c_int32), ("type", c.c_int32),
+                ("scope", c.c_int32), ("offset", c.c_int32), ("value", c.c_double * 3), ("hard_min", c.c_double),
+                ("hard_max", c.c_double), ("soft_min", c.c_double), ("soft_max", c.c_double),
+                ("levels", c.POINTER(Levels)), ("is_switch", c.c_int32), ("reserved", c.c_int32)]
+
+
+class StageInfo(c.Structure):
+    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p), ("help", c.c_char_p), ("params", c.POINTER(ParamInfo)),
+                ("n_params", c.c_int32), ("reserved", c.c_int32)]
+
+
+class Camera(c.Structure):
+    _fields_ = [("view", c.c_float * 9), ("orthographic", c.c_int32), ("height", c.c_float), ("distance", c.c_float)]
+
+
+class Frame(c.Structure):
+    _fields_ = [("width", c.c_int32), ("height", c.c_int32), ("x", c.c_int32), ("y", c.c_int32)]
+
+
+Progress = c.CFUNCTYPE(c.c_bool, c.c_void_p, c.c_double)
+
+
+class Mesh(c.Structure):
+    _fields_ = [("kind", c.c_int32), ("n_primitives", c.c_int32), ("n_points", c.c_int32), ("n_channels", c.c_int32),
+                ("points", c.c_void_p), ("corners", c.c_void_p), ("attributes", c.c_void_p),
+                ("material", c.c_void_p), ("style", c.c_void_p), ("model", c.c_double * 16),
+                ("object_index", c.c_int32), ("material_index", c.c_int32), ("style_index", c.c_int32),
+                ("reserved", c.c_int32), ("object", c.c_void_p), ("edges", c.c_void_p), ("crease_offset", c.c_float),
+                ("reserved2", c.c_int32)]
+
+
+KINDS = {"triangles": 3, "lines": 2}  # corners of a primitive, in the order of enum encre_primitive
+RASTER_OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes")
+
+
+class RasterJob(c.Structure):
+    _fields_ = [("meshes", c.POINTER(Mesh)), ("n_meshes", c.c_int32), ("n_channels", c.c_int32),
+                ("view", c.c_double * 16), ("projection", c.c_double * 16), ("clip_start", c.c_double),
+                ("clip_end", c.c_double), ("frame", Frame), *((n, Image) for n in RASTER_OUTPUTS),
+                ("progress", Progress), ("user", c.c_void_p), ("marks", Image),
+                ("creases", Image), ("coincident", Image)]
+
+
+class BakeJob(c.Structure):
+    _fields_ = [("texture", Image), ("form", Image), ("output", Image), ("params", c.c_void_p),
+                ("linear", c.c_int32), ("wrap_x", c.c_int32), ("wrap_y", c.c_int32), ("reserved", c.c_int32),
+                ("progress", Progress), ("user", c.c_void_p), ("nonfinite", c.c_int64), ("greatest", c.c_double)]
+
+
+class Geometry(c.Structure):
+    _fields_ = [("n_points", c.c_int32), ("n_triangles", c.c_int32), ("points", c.c_void_p), ("corners", c.c_void_p),
+                ("normals", c.c_void_p)]
+
+
+class Instance(c.Structure):
+    _fields_ = [("geometry", c.c_int64), ("model", c.c_double * 16), ("light_sets", c.c_uint64),
+                ("shadow_sets", c.c_uint64), ("camera", c.c_int32), ("reserved", c.c_int32)]
+
+
+class Lamp(c.Structure):
+    _fields_ = [("type", c.c_int32), ("shadows", c.c_int32), ("light_set", c.c_int32), ("shadow_set", c.c_int32),
+                ("color", c.c_float * 3), ("width", c.c_float), ("height", c.c_float), ("spot_angle", c.c_float),
+                ("spot_blend", c.c_float), ("spread", c.c_float), ("flat", c.c_int32), ("reserved", c.c_int32),
+                ("model", c.c_double * 16)]
+
+
+class LightJob(c.Structure):
+    _fields_ = [("scene", c.c_void_p), ("view", c.c_double * 16), ("projection", c.c_double * 16),
+                ("clip_start", c.c_double), ("clip_end", c.c_double), ("frame", Frame), ("depth", Image),
+                ("normal", Image), ("diffuse", Image), ("world", c.c_float * 27), ("reserved", c.c_int32),
+                ("progress", Progress), ("user", c.c_void_p)]
+
+
+def image(a: np.ndarray) -> Image:
+    """encre_image of an array (H, W) or (H, W, C) whose channels are adjacent."""
+    channels = a.shape[2] if a.ndim == 3 else 1
+    return Image(a.ctypes.data, a.shape[1], a.shape[0], channels, 0, a.strides[1], a.strides[0])
+
+
+def given(name: str, a: np.ndarray, channels: int) -> tuple[np.ndarray, Image]:
+    """(the array as the library can read it, its image); job.picture() says what is refused."""
+    a = job.picture(name, a, channels)
+    return a, image(a)
+
+
+def fill_mesh(m: Mesh, mesh: job.Mesh) -> list:
+    """Makes m the mesh, which holds as long as the returned arrays live."""
+    points = np.ascontiguousarray(mesh.points, np.float32).reshape(-1, 3)
+    keep = [points]
+
+    def pointer(what, a, dtype, shape):
+        if a is None:
+            return None
+        keep.append(job.entries(what, a, dtype, shape))
+        return keep[-1].ctypes.data
+
+    each = KINDS[mesh.kind]
+    m.kind = list(KINDS).index(mesh.kind)
+    m.n_points = len(points)
+    m.n_primitives = len(points) // each if mesh.corners is None else len(mesh.corners)
+    m.n_channels = 0 if mesh.attributes is None else mesh.attributes.shape[-1]
+    m.points = points.ctypes.data
+    count = m.n_primitives
+    m.corners = pointer("corners", mesh.corners, np.int32, (count, each))
+    m.attributes = pointer("attributes", mesh.attributes, np.float32, (count, 3))
+    m.material = pointer("material", mesh.material, np.int32, (count,))
+    m.style = pointer("style", mesh.style, np.int32, (count,))
+    m.object = pointer("object", mesh.object, np.int32, (count,))
+    m.edges = pointer("edges", mesh.edges, np.uint8, (count,))
+    m.crease_offset = mesh.crease_offset
+    m.model[:] = np.asarray(mesh.model, np.float64).ravel()
+    m.object_index, m.material_index, m.style_index = mesh.object_index, mesh.material_index, mesh.style_index
+    return keep

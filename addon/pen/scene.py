@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What light falls on, as the library keeps it, and the light that it draws (csrc/light)."""
+
+import ctypes as c
+from collections.abc import Callable
+
+import numpy as np
+
+from . import abi
+from .errors import EncreError
+from .job import EVERY_SET, LAMPS, Frame, Lamp, entries
+from .library import Library, load
+from .params import text_of
+
+
+class Scene:
+    """What light falls on and what throws shadows, by integer keys (of geometry, instances and lamps, each their own):
+    given again a key replaces what was there, None removes it."""
+
+    def __init__(self, library: Library | None = None) -> None:
+        self._library = library or load()
+        self._handle = self._library.lib.encre_scene_create()
+        if not self._handle:
+            raise EncreError("memory: there is none left for a scene; close other programs")
+
+    def __del__(self) -> None:
+        if getattr(self, "_handle", None):
+            self._library.lib.encre_scene_free(self._handle)
+
+    def _set(self, function, key, value):
+        context = self._library._context(0, 1)
+        try:
+            code = function(context, self._handle, key, value if value is None else c.byref(value))
+            sentence = text_of(self._library.lib.encre_error(context))
+        finally:
+            self._library.lib.encre_destroy(context)
+        if code:
+            raise EncreError(sentence)
+
+    def geometry(self, key: int, points: np.ndarray | None, corners: np.ndarray | None = None,
+                 normals: np.ndarray | None = None) -> None:
+        """points (n, 3) in object space, corners (t, 3), and, where it is smooth, unit normals (t, 3, 3)."""
+        function = self._library.lib.encre_scene_geometry
+        if points is None:
+            return self._set(function, key, None)
+        points = np.ascontiguousarray(points, np.float32).reshape(-1, 3)
+        corners = np.ascontiguousarray(corners, np.int32).reshape(-1, 3)
+        if normals is not None:
+            normals = entries("normals", normals, np.float32, (len(corners), 3, 3))
+        return self._set(function, key, abi.Geometry(len(points), len(corners), points.ctypes.data, corners.ctypes.data,
+                                                  None if normals is None else normals.ctypes.data))
+
+    def instance(self, key: int, geometry: int | None, model: np.ndarray | None = None, camera: bool = True,
+                 light_sets: int = EVERY_SET, shadow_sets: int = EVERY_SET) -> None:
+        """Places a geometry by a matrix (4, 4); camera: whether it is seen, or only throws shadows. Bits of the sets:
+        which lamps light it, and in the light of which it throws shadows."""
+        function = self._library.lib.encre_scene_instance
+        if geometry is None:
+            return self._set(function, key, None)
+        value = abi.Instance(geometry, light_sets=light_sets, shadow_sets=shadow_sets, camera=camera)
+        value.model[:] = np.eye(4).ravel() if model is None else np.asarray(model, np.float64).ravel()
+        return self._set(function, key, value)
+
+    def lamp(self, key: int, lamp: Lamp | None) -> None:
+        function = self._library.lib.encre_scene_lamp
+        if lamp is None:
+            return self._set(function, key, None)
+        value = abi.Lamp(LAMPS.index(lamp.kind), lamp.shadows, lamp.light_set, lamp.shadow_set, tuple(lamp.color),
+                      lamp.width, lamp.height, lamp.spot_angle, lamp.spot_blend, lamp.spread, lamp.flat)
+        value.model[:] = np.asarray(lamp.model, np.float64).ravel()
+        return self._set(function, key, value)
+
+    def light(self, depth: np.ndarray, normal: np.ndarray | None, view: np.ndarray, projection: np.ndarray,
+              frame: Frame, clip_start: float, clip_end: float = 0.0, world: np.ndarray | None = None,
+              threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None) -> np.ndarray:
+        """The layer `diffuse` (H, W, 3) of direct light, from the layers depth (H, W) and normal (H, W, 3).
+
+        view, projection: 4 x 4, as raster() takes them; world: (9, 3), colours by the functions of the normal that
+        encre_light_job names.
+        """
+        job = abi.LightJob(scene=self._handle, clip_start=clip_start, clip_end=clip_end)
+        job.view[:] = np.asarray(view, np.float64).ravel()
+        job.projection[:] = np.asarray(projection, np.float64).ravel()
+        job.frame = abi.Frame(frame.width, frame.height, frame.x, frame.y)
+        depth, job.depth = abi.given("depth", depth, 1)
+        if normal is not None:
+            normal, job.normal = abi.given("normal", normal, 3)
+        diffuse = np.empty((*depth.shape[:2], 3), np.float32)
+        job.diffuse = abi.image(diffuse)
+        if world is not None:
+            job.world[:] = np.asarray(world, np.float32).ravel()
+        self._library._call(self._library.lib.encre_light, job, threads, simd, progress)
+        return diffuse
