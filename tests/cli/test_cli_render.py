@@ -110,7 +110,7 @@ def test_slim_files_hold_what_restyling_reads(tmp_path, more):
     works(encre("render", path, "-o", slim, "--size", "320x180"))
     assert slim.stat().st_size < 0.65 * whole.stat().st_size
     name = "ViewLayer.Combined.right" if "multiview" in more else "ViewLayer.Combined"
-    for options in [], ["--preset=ink_only", "--set=line_thickness=9"]:
+    for options in [], ["--preset=ink_only", "--set=light_source=CYCLES", "--set=line_thickness=9"]:
         assert works(encre("composite", slim, "-o", tmp_path / "a.exr", *options)) == ""
         works(encre("composite", whole, "-o", tmp_path / "b.exr", *options))
         a, b = (exr.part(tmp_path / f"{name_}.exr", name) for name_ in "ab")
