@@ -166,7 +166,7 @@ class Library:
         return context
 
     def _call(self, function, job, threads, simd, progress):
-        failure = []
+        failure: list[BaseException] = []
 
         def forward(_user, fraction):
             try:
@@ -176,9 +176,15 @@ class Library:
                 return False
 
         job.progress = abi.Progress(forward) if progress else abi.Progress()
+        self.call(function, job, threads=threads, simd=simd, failure=failure)
+
+    def call(self, function: Any, *arguments: Any, threads: int = 0, simd: int = 1,
+             failure: Sequence[BaseException] = ()) -> None:
+        """function(a new context, *arguments), structures by reference. EncreError: the library refuses; failure: what
+        was raised meanwhile in Python, which goes first."""
         context = self._context(threads, simd)
         try:
-            code = function(context, c.byref(job))
+            code = function(context, *(c.byref(a) if isinstance(a, c.Structure) else a for a in arguments))
             sentence = text_of(self.lib.encre_error(context))
         finally:
             self.lib.encre_destroy(context)

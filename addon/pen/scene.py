@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What light falls on, as the library keeps it, and the light that it draws (csrc/light)."""
 
-import ctypes as c
 from collections.abc import Callable
 
 import numpy as np
@@ -10,7 +9,6 @@ from . import abi
 from .errors import EncreError
 from .job import EVERY_SET, LAMPS, Frame, Lamp, entries
 from .library import Library, load
-from .params import text_of
 
 
 class Scene:
@@ -28,14 +26,7 @@ class Scene:
             self._library.lib.encre_scene_free(self._handle)
 
     def _set(self, function, key, value):
-        context = self._library._context(0, 1)
-        try:
-            code = function(context, self._handle, key, value if value is None else c.byref(value))
-            sentence = text_of(self._library.lib.encre_error(context))
-        finally:
-            self._library.lib.encre_destroy(context)
-        if code:
-            raise EncreError(sentence)
+        self._library.call(function, self._handle, key, value)
 
     def geometry(self, key: int, points: np.ndarray | None, corners: np.ndarray | None = None,
                  normals: np.ndarray | None = None) -> None:

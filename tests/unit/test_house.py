@@ -84,7 +84,7 @@ def test_what_blender_loads_starts_no_threads():
 
 def test_only_the_bindings_know_ctypes():
     know = {path.name for path in ADDON.rglob("*.py") for name in imported(path) if name.partition(".")[0] == "ctypes"}
-    assert know == {"abi.py", "library.py", "scene.py", "denoise.py"}
+    assert know == {"abi.py", "library.py", "denoise.py"}
 
 
 def test_only_one_module_asks_for_blenders_version():
