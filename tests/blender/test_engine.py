@@ -149,7 +149,7 @@ def test_memory_of_a_frame(render):
     facts = render("memory").facts
     assert all(held < 23 + 24 * painted for painted, held in enumerate(facts["held"]))
     plain, painted = facts["peak"]
-    assert plain <= 201 and painted <= 225, facts
+    assert plain <= 166 and painted <= 190, facts
     assert max(facts["left"]) < 1
 
 
