@@ -7,23 +7,9 @@ single hairs of a pixel and less, and the many soft folds of one cloth. She stan
 
 from math import radians, sin
 
-from common import (
-    bricks,
-    camera,
-    flat,
-    group,
-    lathe,
-    light,
-    mesh_object,
-    paint,
-    ramp,
-    settings,
-    slab,
-    strands,
-    tube,
-    world,
-)
+from common import camera, group, lathe, light, mesh_object, paint, ramp, settings, slab, strands, tube, world
 from figures import dancer
+from materials import bricks, flat
 
 
 def colors():

@@ -12,8 +12,6 @@ from common import (
     ball,
     box,
     camera,
-    flat,
-    glow,
     group,
     lathe,
     light,
@@ -27,6 +25,7 @@ from common import (
     world,
 )
 from figures import BARE, SMALL, cat, girl
+from materials import flat, glow
 from mathutils import Vector
 
 EYE = Vector((-1.2, -8.5, 1.6))

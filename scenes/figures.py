@@ -4,21 +4,8 @@
 from math import cos, pi, sin
 from random import Random
 
-from common import (
-    ball,
-    box,
-    flat,
-    glow,
-    group,
-    lathe,
-    loft,
-    mesh_object,
-    modifier,
-    place,
-    rings,
-    strands,
-    tube,
-)
+from common import ball, box, group, lathe, loft, mesh_object, modifier, place, rings, strands, tube
+from materials import flat, glow
 from mathutils import Vector
 
 # What a draughtsman gives a finer pen, and what he leaves unhatched; the starts of the objects' names.

@@ -13,10 +13,7 @@ from common import (
     box,
     camera,
     cards,
-    flat,
-    glow,
     group,
-    leaf,
     light,
     mesh_object,
     paint,
@@ -30,6 +27,7 @@ from common import (
     world,
 )
 from figures import cat
+from materials import flat, glow, leaf
 from mathutils import Vector
 
 EYE = Vector((0.5, -6.6, 1.2))

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import patterns as p
 import pictures
-from common import aim, ball, box, flat, glow, lathe, light, link, settings, slab, tube, world
+from common import aim, ball, box, lathe, light, link, settings, slab, tube, world
 from figures import cat
 from furniture import (
     book,
@@ -27,6 +27,7 @@ from furniture import (
     table_lamp,
     throw,
 )
+from materials import flat, glow
 from mathutils import Vector
 from textured import board, disc, pillow, printed, rounded, sheet, soft_box, turned, wrapped
 

@@ -8,25 +8,9 @@ glass's own. The mirror hangs on the wall y = 0, the window is in the wall x = 1
 from math import cos, pi, radians, sin
 
 import bpy
-from common import (
-    ball,
-    box,
-    bricks,
-    camera,
-    flat,
-    glass,
-    glow,
-    group,
-    lathe,
-    light,
-    mirror,
-    paint,
-    settings,
-    slab,
-    tube,
-    world,
-)
+from common import ball, box, camera, group, lathe, light, paint, settings, slab, tube, world
 from figures import BARE, SMALL, cat, girl
+from materials import bricks, flat, glass, glow, mirror
 
 
 def colors():

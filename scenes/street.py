@@ -11,10 +11,7 @@ from math import cos, pi, radians, sin
 from common import (
     HEXAHEDRON,
     box,
-    bricks,
     camera,
-    flat,
-    glow,
     group,
     lathe,
     light,
@@ -23,7 +20,6 @@ from common import (
     paint,
     ramp,
     repeat,
-    rippled,
     settings,
     slab,
     text,
@@ -31,6 +27,7 @@ from common import (
     world,
 )
 from figures import cat, girl
+from materials import bricks, flat, glow, rippled
 from mathutils import Vector
 
 EYE = Vector((-1.5, -7.6, 1.4))

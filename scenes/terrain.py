@@ -11,7 +11,6 @@ from random import Random
 from common import (
     box,
     camera,
-    flat,
     group,
     lathe,
     light,
@@ -26,6 +25,7 @@ from common import (
     world,
 )
 from figures import BARE, SMALL, cat, girl
+from materials import flat
 from mathutils import Vector, noise
 
 EYE = Vector((2.9, -4.6, 1.15))

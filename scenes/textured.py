@@ -11,7 +11,8 @@ from math import cos, pi, sin, sqrt, tan
 import bmesh
 import bpy
 import numpy as np
-from common import flat, link, modifier, node, place, wire
+from common import link, modifier, place
+from materials import flat, node, wire
 
 # Materials
 

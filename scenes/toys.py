@@ -7,7 +7,8 @@ No seam here can be seen in the layers: everything is smooth and of one colour.
 from math import atan2, cos, hypot, pi, radians, sin
 
 import bpy
-from common import box, camera, flat, light, mark, mesh_object, modifier, part, place, rings, settings, world
+from common import box, camera, light, mark, mesh_object, modifier, part, place, rings, settings, world
+from materials import flat
 
 
 def circle(radius, z, steps=24):

@@ -161,160 +161,6 @@ def sentence(reason):
     return lines[0].removeprefix("Error: ").rstrip(".") if lines else type(reason).__name__
 
 
-def mute(scene, path):
-    """Keeps keyframes and drivers from overwriting a value that the command line gives."""
-    data = scene.animation_data
-    if not data:
-        return
-    curves = list(data.drivers)
-    if data.action:
-        # Blender 5 has no list of its own for an action of one slot.
-        curves += data.action.fcurves if hasattr(data.action, "fcurves") else [
-            curve for layer in data.action.layers for strip in layer.strips for bag in strip.channelbags
-            for curve in bag.fcurves]
-    for curve in curves:
-        if curve.data_path == path or curve.data_path.startswith(path + "["):
-            curve.mute = True
-
-
-def chosen(kind, name, known, job, error):
-    from ..pen.errors import unknown
-
-    if name not in known:
-        raise error(f"{job['scene']}: " + unknown(kind, name, known.keys()))
-    return known[name]
-
-
-def missing():
-    """Files that the scene uses and that are not there."""
-    found = [(library.filepath, None) for library in bpy.data.libraries]
-    found += [(image.filepath, image.library) for image in bpy.data.images
-              if image.source == "FILE" and image.users and image.filepath and not image.packed_file]
-    return [path for path, library in found if not os.path.exists(bpy.path.abspath(path, library=library))]
-
-
-def use_device(scene, name, error):
-    """Has Cycles render on the processor or on the graphics cards of a kind."""
-    scene.cycles.device = "CPU" if name == "cpu" else "GPU"
-    if name == "cpu":
-        return
-    cycles = bpy.context.preferences.addons["cycles"].preferences
-    try:
-        cycles.compute_device_type = name.upper()
-    except TypeError:
-        raise error(f"--device {name}: this Blender knows no such devices; give --device cpu") from None
-    cycles.get_devices()
-    cards = [device for device in cycles.devices if device.type == name.upper()]
-    if not cards:
-        raise error(f"--device {name}: Blender finds none; give --device cpu, or look after its driver")
-    for device in cycles.devices:
-        device.use = device in cards
-
-
-def choose(job, error):
-    """The scene that the job names, its camera and view layers set as it says."""
-    from ..blender import properties
-
-    scene = bpy.context.scene
-    if job["scene_name"] is not None:
-        scene = chosen("scene", job["scene_name"], bpy.data.scenes, job, error)
-        if bpy.context.window:
-            bpy.context.window.scene = scene
-    if job["camera"] is not None:
-        cameras = {obj.name: obj for obj in scene.objects if obj.type == "CAMERA"}
-        scene.camera = chosen("camera", job["camera"], cameras, job, error)
-        for marker in scene.timeline_markers:  # which would change it with the frame
-            marker.camera = None
-    if job["view_layer"] is not None:
-        chosen("view layer", job["view_layer"], scene.view_layers, job, error)
-        for layer in scene.view_layers:
-            layer.use = layer.name == job["view_layer"]
-    for switch, name in properties.PASSES.items():
-        for layer in scene.view_layers if name in job["passes"] else ():
-            setattr(layer.encre, switch, True)
-    if job["threads"] is not None:
-        scene.render.threads_mode = "FIXED" if job["threads"] else "AUTO"
-        if job["threads"]:
-            scene.render.threads = job["threads"]
-    if job["device"] is not None:
-        use_device(scene, job["device"], error)
-    return scene
-
-
-def heed(job, error, report):
-    """Says what the file asks for and does not get."""
-    if bpy.app.autoexec_fail and not job["autoexec"]:
-        report("warning", text=f"{job['scene']}: its scripts and drivers in Python were not run; if you trust whoever "
-               "made the file, give --enable-autoexec")
-    if paths := missing():
-        words = f"{job['scene']}: uses files that are not there: {', '.join(paths)}"
-        if job["strict"]:
-            raise error(f"{words}; bring them back")
-        report("warning", text=words)
-
-
-def prepare(job, error, report):
-    """Sets the scene up as the job asks. Nothing of it is saved."""
-    from ..blender import ENGINE, papers, properties
-
-    heed(job, error, report)
-    scene = choose(job, error)
-    scene.render.engine = ENGINE
-    for id_, value in job["values"].items():
-        mute(scene, f"encre.{id_}")
-        properties.set_value(scene.encre, id_, value)
-    if not any(layer.use for layer in scene.view_layers):
-        raise error(f"{job['scene']}: scene {scene.name} renders none of its view layers; switch one on or give "
-                    "--view-layer")
-    camera = scene.camera
-    if not camera or camera.type != "CAMERA":
-        raise error(f"{job['scene']}: scene {scene.name} has no camera; add one and make it the scene's active camera")
-    settings = properties.settings(scene)
-    if settings.paper:
-        papers.load(settings.paper)
-    if camera.data.type == "PANO" and settings.active:
-        raise error(f"{job['scene']}: camera {camera.name} is panoramic; make it perspective or orthographic")
-    if job["samples"]:
-        scene.cycles.samples = job["samples"]
-    if job["size"]:
-        scene.render.resolution_x, scene.render.resolution_y = job["size"]
-        scene.render.resolution_percentage = 100
-    picture = scene.render.image_settings
-    exr = job["ending"].lower() == ".exr"
-    if hasattr(picture, "media_type"):  # Blender 5: the formats on offer depend on it
-        picture.media_type = "MULTI_LAYER_IMAGE" if exr else "IMAGE"
-    picture.file_format = "OPEN_EXR_MULTILAYER" if exr else "PNG"
-    picture.color_mode, picture.color_depth = "RGBA", "32" if exr else "8"
-    if exr:
-        picture.views_format = "MULTIVIEW"  # both eyes in one file
-    elif scene.render.use_multiview:
-        for view in scene.render.views:  # their words end the file's name
-            if re.search(r"[/\\\0]", view.file_suffix):
-                raise error(f"{job['scene']}: view {view.name} has the file suffix {view.file_suffix}, which leads "
-                            "into another folder; change it")
-    scene.render.use_file_extension = True
-    if exr and "save_layers" not in job["values"] and scene.encre.save_layers == "AUTO" and properties.active(scene):
-        mute(scene, "encre.save_layers")
-        scene.encre.save_layers = "SLIM"
-    return scene
-
-
-def asked(scene):
-    """`view layer.pass` of what the scene's maker wants in files and slim ones would else do without."""
-    for layer in scene.view_layers:
-        wanted = {"DiffDir": layer.use_pass_diffuse_direct, "DiffInd": layer.use_pass_diffuse_indirect,
-                  "Denoising Depth": layer.cycles.denoising_store_passes}
-        yield from (f"{layer.name}.{name}" for name, wants in wanted.items() if wants)
-
-
-def suffixes(scene):
-    """What Blender puts before the endings of a picture's files."""
-    picture = scene.render.image_settings
-    if not scene.render.use_multiview or picture.file_format != "PNG" or picture.views_format != "INDIVIDUAL":
-        return [""]
-    return [view.file_suffix for view in scene.render.views if view.use]
-
-
 def render(job, scene, line):
     """Renders each frame that comes on the line, until the line says that it is the last."""
     while frame := line.hear():
@@ -343,9 +189,9 @@ def render_frame(job, scene, number, stamp):
 
 
 def compare(job, scene, line):
-    from . import tools
+    from . import staging, tools
 
-    mute(scene, "encre.edge_color")
+    staging.mute(scene, "encre.edge_color")
     frames = line.hear()["frames"]
     with line.watched():
         tools.load("compare", "techniques").render(job, scene, frames, line.report)
@@ -368,6 +214,7 @@ def main(job, line):
         line.report("doing", text="starting")
         join(register(line.report))
         from ..pen.errors import EncreError as error
+        from . import staging
 
         @bpy.app.handlers.persistent  # a handler of another kind goes when a file is loaded
         def told(text, *_):
@@ -380,10 +227,11 @@ def main(job, line):
         if "mesh" in job:
             save_mesh(job, error)
         else:
-            scene = prepare(job, error, line.report)
+            scene = staging.prepare(job, line.report)
     if "mesh" not in job:
         line.report("ready", first=scene.frame_start, last=scene.frame_end, current=scene.frame_current,
-                    suffixes=suffixes(scene), keep=list(asked(scene)), blender=bpy.app.version_string)
+                    suffixes=staging.suffixes(scene), keep=list(staging.asked(scene)),
+                    blender=bpy.app.version_string)
         (compare if "techniques" in job else render)(job, scene, line)
     line.report("done")
 

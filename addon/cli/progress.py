@@ -14,6 +14,11 @@ _REPORT = re.compile(r"(Info|Warning): (.+)")  # how Blender prints what the eng
 WIDTH = 30
 
 
+def say(kind, sentence):
+    """One line on the standard error: an error, a warning or a note."""
+    print(f"encre: {kind}: {shown(sentence)}", file=sys.stderr, flush=True)
+
+
 class Progress:
     """say(kind, sentence) hears notes and warnings; `as_json`: one object a line goes to the standard output, none to
     the standard error; verbose: pass on all that Blender prints."""

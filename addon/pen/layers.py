@@ -177,16 +177,7 @@ def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str,
                 layers[layer] = read.raw(name)
     # The library itself cleans and counts what goes through unchanged: depth may be infinite.
     layers["normal"], layers["color"] = read.raw("Normal"), read("DiffCol")
-    layers["albedo"] = np.array(layers["color"])
-    for name in ("GlossCol", "TransCol", "Emit"):
-        if name in read:
-            color = read(name)
-            layers["albedo"] += color
-            if name == "GlossCol" and settings.wants_specular:
-                gloss = read.total("GlossDir", "GlossInd")
-                if gloss is not None:
-                    layers["specular"] = gloss * color
-    np.minimum(layers["albedo"], np.float32(1), out=layers["albedo"])
+    _albedo(read, layers, settings)
     if "depth" not in layers:
         layers["depth"] = read.raw("Depth")
     if illuminate:
@@ -203,6 +194,20 @@ def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str,
         if name in layers and not layers[name].any():
             del layers[name]
     return layers, read.nonfinite
+
+
+def _albedo(read, layers, settings):
+    """Adds the layers `albedo` and, if wanted, `specular`."""
+    layers["albedo"] = np.array(layers["color"])
+    for name in ("GlossCol", "TransCol", "Emit"):
+        if name in read:
+            color = read(name)
+            layers["albedo"] += color
+            if name == "GlossCol" and settings.wants_specular:
+                gloss = read.total("GlossDir", "GlossInd")
+                if gloss is not None:
+                    layers["specular"] = gloss * color
+    np.minimum(layers["albedo"], np.float32(1), out=layers["albedo"])
 
 
 def _light(read, layers, settings, denoise, denoise_other):
@@ -232,16 +237,19 @@ def _put_together(read, layers, light, shading, denoise_other):
     if light is None or not np.any(shading) or layers["diffuse"] is light.rendered[False]:
         return read.raw("Combined")
     combined, color = read("Combined"), layers["color"]
-    other = combined[..., :3] - color * light.rendered[False]
-    plain = combined[..., :3]
+    other = color * light.rendered[False]
+    np.subtract(combined[..., :3], other, out=other)
     if denoise_other and light.denoise:
         # Nothing but rounding makes it negative in a pixel of its own, and the denoiser knows no negative light.
         other = light.denoise(np.maximum(other, 0), *light.guides) + np.minimum(other, 0)
-        if np.ndim(shading):
-            plain = color * light.clean(False) + other
-    result = np.empty_like(combined, order="C")
-    result[..., :3] = _pick(shading, lambda: color * layers["diffuse"] + other, lambda: plain)
-    result[..., 3] = combined[..., 3]
+    result = np.array(combined, order="C")
+    shaded = result[..., :3]
+    if not np.ndim(shading):  # everywhere: it is at least somewhere
+        np.multiply(color, layers["diffuse"], out=shaded)
+        shaded += other
+        return result
+    plain = color * light.clean(False) + other if denoise_other and light.denoise else combined[..., :3]
+    shaded[:] = np.where(shading, color * layers["diffuse"] + other, plain)
     return result
 
 

@@ -39,7 +39,8 @@ def pack(name: str, layers: dict[str, np.ndarray]) -> np.ndarray | None:
         places = [(channel, layers.get("creases"), channel) for channel in range(4)]
     else:
         places = [(channel, layers.get("controls"), k) for channel, k in control_passes()[name]]
-    out = np.zeros((*layers["combined"].shape[:2], 4 if name == _CREASES else 3), np.float32)
+    # From below to above, as Blender stores it: writing it copies nothing.
+    out = np.zeros((*layers["combined"].shape[:2], 4 if name == _CREASES else 3), np.float32)[::-1]
     if name == _MARKS and "creases" not in layers:
         out[..., 2] = -1  # no mesh tells of any pixel
     for channel, layer, k in places:

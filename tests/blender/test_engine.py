@@ -2,25 +2,12 @@
 """The engine in Blender: each case of blender/cases.py is rendered in a process of its own and its pixels looked at."""
 
 import json
-from pathlib import Path
 
-import blenders
 import numpy as np
-import pytest
 from encre.cli import multilayer
 from encre.cli.composite import composite
 from encre.pen import layers, library, metadata, saved
 from encre.pen.settings import Settings
-
-
-@pytest.fixture(params=blenders.params(), scope="module")
-def blender(request):
-    return request.param
-
-
-@pytest.fixture
-def render(blender, tmp_path):
-    return lambda case, **environment: blenders.run(blender, case, tmp_path, environment)
 
 
 def over(lines, surface):
@@ -162,7 +149,7 @@ def test_memory_of_a_frame(render):
     facts = render("memory").facts
     assert all(held < 23 + 24 * painted for painted, held in enumerate(facts["held"]))
     plain, painted = facts["peak"]
-    assert plain <= 201 and painted <= 225, facts
+    assert plain <= 166 and painted <= 190, facts
     assert max(facts["left"]) < 1
 
 
@@ -378,58 +365,6 @@ def test_memory_is_freed(render):
     assert shot.facts["made"][0] >= 3 and shot.facts["freed"] == shot.facts["made"]
 
 
-def test_refused(render):
-    shot = render("refused")
-    words = {"panoramic": "panoramic", "no camera": "camera", "levels": "overlap", "no paper": "image",
-             "lost paper": "no such file"}
-    for name, word in words.items():
-        sentence = shot.facts[name][0]
-        assert sentence and word in sentence and "Traceback" not in sentence, (name, sentence)
-        assert not shot.wrote(name.replace(" ", "-")), name
-    assert "Traceback" not in shot.output
-    assert shot.facts["panoramic off"] == [None] and shot.wrote("panoramic-off")
-
-
-def test_papers(render):
-    shot = render("papers")
-    assert shot.facts["unused"] == [None, None] and shot.wrote("procedural") and shot.wrote("image")
-    assert "no such file" in shot.facts["missing"][0] and "65537" in shot.facts["too long"][0]
-    assert shot.facts["rendered"] == [0], "said before Cycles starts"
-
-
-def test_failure_under_way(render):
-    shot = render("fails")
-    assert "denoiser failed" in shot.facts["late"][0] and not shot.wrote("late")
-    assert "memory" in shot.facts["memory"][0] and not shot.wrote("memory")
-    assert "Traceback" not in shot.output
-
-
-def test_stopped_by_itself(render):
-    shot = render("stopped")
-    assert "not by you" in shot.facts["error"][0] and not shot.wrote("stopped")
-
-
-def test_what_nobody_foresaw_is_no_finished_frame(render):
-    shot = render("broken")
-    for name in "before", "after":
-        assert "RuntimeError: boom" in shot.facts[name][0] and not shot.wrote(name)
-
-
-def test_library_missing(render, tmp_path):
-    bare = tmp_path / "bare"
-    bare.mkdir()
-    for path in Path(library.__file__).parents[1].iterdir():
-        if path.suffix in {".py", ".json"} or path.is_dir():
-            (bare / path.name).symlink_to(path)
-    shot = render("without_library", ENCRE_PACKAGE=str(bare))
-    assert "library is missing" in shot.facts["missing"][0] and not shot.wrote("missing")
-    assert "Traceback" not in shot.output
-    shot = render("no_library")
-    assert "missing" in shot.facts["missing"][0] and not shot.wrote("missing")
-    assert "version" in shot.facts["version"][0] and not shot.wrote("version")
-    assert "Traceback" not in shot.output
-
-
 def test_not_finite(render):
     shot = render("nonfinite")
     assert shot.facts["error"] == [None]
@@ -446,14 +381,3 @@ def test_freestyle_and_bake(render):
     shot = render("bake")
     assert shot.facts["baked"][0] > 0.5
     assert np.array_equal(shot.passes("before")["Combined"], shot.passes("after")["Combined"])
-
-
-def test_cancel(render, blender):
-    shot = render("cancelled")
-    assert "Traceback" not in shot.output
-    assert shot.facts["seconds"][0] < 0.5
-    if blender != "blender":
-        return
-    shot = render("interrupted")  # only Blender's program hears the interrupt
-    assert shot.facts["finish"][0] < 0.5
-    assert not shot.wrote("interrupted")

@@ -3,20 +3,9 @@
 
 import blenders
 import numpy as np
-import pytest
 from encre.cli import multilayer
 from encre.cli.composite import composite
 from encre.pen import library, metadata, supersample
-
-
-@pytest.fixture(params=blenders.params(), scope="module")
-def blender(request):
-    return request.param
-
-
-@pytest.fixture
-def render(blender, tmp_path):
-    return lambda case: blenders.run(blender, case, tmp_path)
 
 
 def test_layers_are_those_of_a_larger_render(render):

@@ -3,12 +3,6 @@
 
 import blenders
 import numpy as np
-import pytest
-
-
-@pytest.fixture(params=blenders.params(), scope="module")
-def blender(request):
-    return request.param
 
 
 def ink(passes):

@@ -1,17 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`encre render`, in a real Blender: the bpy of this Python, and with the marker `long` every other at hand."""
+"""`encre render`, in a real Blender: the bpy of this Python, and with the marker `long` every other at hand.
 
-import contextlib
-import json
+What becomes of sequences, and of runs that fail, is in test_render_runs.py."""
+
 import os
-import pty
-import re
 import shutil
-import signal
-import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import blenders
@@ -19,71 +14,15 @@ import exr
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from encre.cli import child, images, multilayer, render
+from cube import ALL, CUBE, encre, fails, left, script, works
+from encre.cli import multilayer, render
 from encre.pen import layers, library, metadata, saved
 from encre.pen.errors import EncreError
 
-CUBE = '''
-import bpy
-scene = bpy.context.scene
-assert not scene.objects, "the file is not empty"
-mesh = bpy.data.meshes.new("Cube")
-mesh.from_pydata([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], [],
-                 [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
-sun = bpy.data.lights.new("Sun", "SUN")
-sun.energy = 3
-camera = bpy.data.cameras.new("Camera")
-for name, data in ("Cube", mesh), ("Sun", sun), ("Camera", camera):
-    scene.collection.objects.link(bpy.data.objects.new(name, data))
-bpy.data.objects["Sun"].rotation_euler = 0.5, 0.3, 0
-bpy.data.objects["Camera"].location = 4, -5, 3
-bpy.data.objects["Camera"].rotation_euler = 1.15, 0, 0.67
-scene.camera = bpy.data.objects["Camera"]
-scene.cycles.samples, scene.cycles.use_denoising = 1, False
-scene.render.resolution_x, scene.render.resolution_y = 64, 36
-scene.view_settings.view_transform = "Standard"
-scene.frame_start, scene.frame_end = 3, 4
-'''
-
-
-@pytest.fixture
-def cube(tmp_path):
-    (tmp_path / "cube.py").write_text(CUBE)
-    return tmp_path / "cube.py"
-
-
-def script(tmp_path, more):
-    """The cube's scene and some lines after."""
-    path = tmp_path / "scene.py"
-    path.write_text(CUBE + more)
-    return path
-
-
-def encre(*args, python=sys.executable, **options):
-    command = [python, "-m", "encre", *map(str, args)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300, **options)
-
-
-def works(result):
-    assert result.returncode == 0 and result.stdout.count("\n") <= 1 and "error" not in result.stderr, result.stderr
-    return result.stderr
-
-
-def fails(result, *words, status=2):
-    assert result.returncode == status and result.stdout == "" and "Traceback" not in result.stderr, result.stderr
-    sentence = result.stderr.splitlines()[-1]
-    assert sentence.startswith("encre: error: ") and all(word in sentence for word in words), sentence
-
-
-ALL = "--set=save_layers=ON"  # instead of slim files
 ASKED = """
 layer = scene.view_layers[0]
 layer.use_pass_mist = layer.use_pass_diffuse_direct = layer.encre.use_pass_edges = True
 """
-
-
-def left(folder):
-    return sorted(p.name for p in folder.iterdir() if p.suffix != ".py")
 
 
 def png(path):
@@ -216,42 +155,6 @@ def test_set_wins_over_keyframes(tmp_path):
         assert (settings.scene["line_thickness"], settings.scene["paper_seed"]) == (thickness, seed)
 
 
-def test_frames_and_resume(cube, tmp_path):
-    err = works(encre("render", cube, "-o", tmp_path / "new" / "f_##.png", "-s", "3", "-e", "4"))
-    assert left(tmp_path / "new") == ["f_03.png", "f_04.png"]
-    assert re.fullmatch(r"frame 3 \(1/2\): \S+f_03.png \(\S+ s\)\nframe 4 \(2/2\): \S+f_04.png \(\S+ s\)\n", err), err
-    works(encre("render", cube, "-o", tmp_path / "new" / "f.png", "-s", "4"))
-    assert left(tmp_path / "new") == ["f0004.png", "f_03.png", "f_04.png"]
-
-
-@pytest.mark.parametrize("ending", ["png", "exr"])
-def test_resume_leaves_alone_what_is_whole_and_made_from_the_same(cube, tmp_path, ending):
-    out = tmp_path / f"f_##.{ending}"
-    works(encre("render", cube, "-o", out, "-f", "3-6,8"))
-    finished, half, middle, empty = (tmp_path / f"f_{k:02}.{ending}" for k in (3, 4, 5, 6))
-    before = finished.read_bytes()
-    half.write_bytes(half.read_bytes()[:-2000])
-    hurt = bytearray(middle.read_bytes())
-    at = len(hurt) // 2 if ending == "exr" else hurt.index(b"IDAT") + 30
-    hurt[at:at + 8] = bytes(255 - byte for byte in hurt[at:at + 8])
-    middle.write_bytes(hurt)
-    empty.write_bytes(b"")
-    missing = tmp_path / f"f_08.{ending}"
-    missing.unlink()
-    err = works(encre("render", cube, "-o", out, "-f", "3-6,8", "--resume"))
-    assert "1 of 5 frames are finished" in err and err.count("\n") == 5
-    assert finished.read_bytes() == before
-    assert all(images.whole(path) for path in (half, middle, missing, empty))
-    assert "5 of 5" in works(encre("render", cube, "-o", out, "-f", "3-6,8", "--resume", "--quick"))
-    # Other samples, size, parameters, or another scene file: another picture.
-    for more in ["--samples=2"], ["--size=32x18"], ["--set=line_thickness=9"]:
-        err = works(encre("render", cube, "-o", out, "-f", "3", "--resume", *more))
-        assert "finished" not in err and "f_03" in err
-    works(encre("render", cube, "-o", out, "-f", "3"))
-    cube.write_text(CUBE + "scene.frame_end = 5\n")
-    assert "finished" not in works(encre("render", cube, "-o", out, "-f", "3", "--resume"))
-
-
 CHOICES = """
 other = bpy.data.scenes.new("Other")
 for obj in scene.objects:
@@ -288,42 +191,6 @@ def test_devices_that_are_not_there(cube, tmp_path, name):
         pytest.skip("there are such devices")
     fails(encre("render", cube, "-o", tmp_path / "a.png", "--device", name), f"--device {name.lower()}", "--device cpu")
     assert left(tmp_path) == []
-
-
-def test_dry_run_and_progress_for_programs(cube, tmp_path):
-    done = encre("render", cube, "-o", tmp_path / "new" / "f.png", "-f", "1-9x4,2", "--dry-run")
-    assert done.returncode == 0 and done.stdout.count("to render") == 4 and not (tmp_path / "new").exists()
-    done = encre("render", cube, "-o", tmp_path / "new" / "f.png", "-f", "1-9x4,2", "--progress", "json")
-    events = [json.loads(line) for line in done.stdout.splitlines()]
-    assert done.returncode == 0 and done.stderr == ""
-    assert [e["files"] for e in events if e["event"] == "written"] == [
-        [str(tmp_path / "new" / f"f{k:04}.png")] for k in (1, 5, 9, 2)]
-    assert events[0]["event"] == "frame" and events[-1] == {"event": "done"}
-    assert left(tmp_path / "new") == [f"f{k:04}.png" for k in (1, 2, 5, 9)]
-
-
-FAILING = """
-def hang(scene, *_):
-    import time
-    if scene.frame_current == 2:
-        time.sleep(1000)
-    if scene.frame_current == 4:
-        import os
-        os.kill(os.getpid(), 11)
-bpy.app.handlers.render_pre.append(hang)
-"""
-
-
-def test_a_frame_that_hangs_or_crashes(tmp_path):
-    path = script(tmp_path, FAILING)
-    command = ["render", path, "-o", tmp_path / "f.png", "-f", "1-5", "--frame-timeout", "8"]
-    result = encre(*command)
-    fails(result, "frame 2", "8 s", "--frame-timeout", status=1)
-    assert left(tmp_path) == ["f0001.png"]
-    result = encre(*command, "--keep-going", "--resume")
-    fails(result, "2 of 5 frames failed: 2, 4", status=1)
-    assert "SIGSEGV" in result.stderr and "1 of 5 frames are finished" in result.stderr
-    assert left(tmp_path) == ["f0001.png", "f0003.png", "f0005.png"]
 
 
 NAMES = r"""
@@ -376,103 +243,6 @@ bpy.ops.wm.save_as_mainfile(filepath={str(blend)!r}, compress=False)
     for newer in b"BLENDER-v499" + data[12:], b"BLENDER17-01v0999" + data[17:]:
         blend.write_bytes(newer)
         fails(encre("render", blend, "-o", tmp_path / "c.png", "--strict"), "newer than this")
-
-
-def test_two_processes_share_a_sequence(cube, tmp_path):
-    """No frame is missing, and none is rendered by both."""
-    command = [sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "f.png", "-f", "1-12", "--resume"]
-    children = [subprocess.Popen(command, stderr=subprocess.PIPE, text=True) for _ in range(2)]
-    words = [child.communicate(timeout=200)[1] for child in children]
-    assert [child.returncode for child in children] == [0, 0], words
-    written = [int(frame) for said in words for frame in re.findall(r"^frame (\d+) \(", said, re.MULTILINE)]
-    assert sorted(written) == list(range(1, 13))
-    assert left(tmp_path) == [f"f{k:04}.png" for k in range(1, 13)]
-
-
-@pytest.mark.parametrize("count", [5, pytest.param(100, marks=[pytest.mark.long, pytest.mark.timeout(1800)])])
-def test_killed_at_random(cube, tmp_path, count):
-    """Parent or child is killed; then --resume makes every frame whole, and no process, folder or file is left."""
-    temporary, out = tmp_path / "temporary", tmp_path / "out"
-    temporary.mkdir()
-    out.mkdir()
-    random = np.random.default_rng(count)
-    environment = {**os.environ, "TMPDIR": str(temporary)}
-    frames = f"1-{2 * count}"
-    command = [sys.executable, "-m", "encre", "render", cube, "-o", out / "f.png", "-f", frames, "--resume"]
-    seen = {}
-    for number in range(count):
-        child = subprocess.Popen(command, stderr=subprocess.DEVNULL, env=environment)
-        deadline = time.monotonic() + random.uniform(0, 5)
-        while time.monotonic() < deadline and child.poll() is None:
-            time.sleep(0.02)
-        inner = [pid for pid in running(temporary) if pid != child.pid]
-        with contextlib.suppress(ProcessLookupError):  # all frames are done
-            os.kill(inner[0] if number % 2 and inner else child.pid, signal.SIGKILL)
-        child.wait(60)
-        deadline = time.monotonic() + 20
-        while running(temporary) and time.monotonic() < deadline:
-            time.sleep(0.05)
-        assert not running(temporary), (number, "Blender runs on")
-        for path in out.glob("f*.png"):
-            assert seen.setdefault(path, path.stat().st_mtime_ns) == path.stat().st_mtime_ns, "written twice"
-    works(subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment))
-    for path, changed in seen.items():
-        assert path.stat().st_mtime_ns == changed, "written twice"
-    assert left(out) == [f"f{k:04}.png" for k in range(1, 2 * count + 1)] and left(temporary) == []
-    assert all(images.whole(path) for path in out.iterdir())
-
-
-def running(temporary):
-    """Processes whose command line names a file in a folder."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/cmdline"):
-        with contextlib.suppress(OSError):  # it has just ended
-            if bytes(temporary) in path.read_bytes():
-                found.append(int(path.parent.name))
-    return found
-
-
-INSIDE = f"""
-import importlib.util, sys, time
-spec = importlib.util.spec_from_file_location("inside", {str(child.INSIDE)!r})
-inside = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(inside)
-line = inside.Line(int(sys.argv[-1]))
-while word := line.hear():
-    with line.watched():
-        line.report("busy")
-        if word == "work":
-            time.sleep(0.3)
-        while word != "work":
-            time.sleep(1000 if word == "hang" else 0.01)
-            line.look()
-    line.report("done")
-"""
-
-
-@pytest.mark.parametrize("word", ["hang", "look", None])
-def test_what_runs_inside_ends_with_the_line(tmp_path, word):
-    """While it is told nothing, works or hangs; and what it is told between two works does not end it."""
-    (tmp_path / "script.py").write_text(INSIDE)
-    ours, theirs = socket.socketpair()
-    theirs.set_inheritable(True)
-    ours.settimeout(60)
-    command = [*render.find_blender(), tmp_path / "script.py", "--", str(theirs.fileno())]
-    running = subprocess.Popen(command, pass_fds=[theirs.fileno()], stdout=subprocess.DEVNULL)
-    theirs.close()
-    try:
-        with ours, ours.makefile() as reader:
-            for said in ("work", "work", word):
-                if said:
-                    ours.sendall(json.dumps(said).encode() + b"\n")
-                    assert "busy" in reader.readline()
-                if said == "work":
-                    assert "done" in reader.readline()
-            assert running.poll() is None
-        assert running.wait(10) in (1, -signal.SIGIO)
-    finally:
-        running.kill()
-        running.wait()
 
 
 def test_a_frame_that_cannot_be_written_is_found_before_rendering(cube, tmp_path):
@@ -567,67 +337,6 @@ def test_which_blender(monkeypatch, tmp_path):
         render.find_blender()
     monkeypatch.setattr(render.importlib.util, "find_spec", lambda name: name)
     assert render.find_blender() == [sys.executable]
-
-
-def test_a_full_disk(cube, tmp_path):
-    """Found under way: status 1, nothing is left, and the old file is as it was."""
-    import resource
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (70_000,) * 2)
-
-    out = tmp_path / "out.exr"
-    out.write_bytes(b"old")
-    result = encre("render", cube, "-o", out, "--size", "320x180", preexec_fn=limit)
-    fails(result, "out.exr", "can't be written", status=1)
-    assert left(tmp_path) == ["out.exr"] and out.read_bytes() == b"old"
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_interrupt(cube, tmp_path, number):
-    child = subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png", "--size",
-                              "1280x720", "--samples", "4000"], stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 60
-    while not list(tmp_path.glob(".encre-*")) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    time.sleep(2)
-    child.send_signal(number)
-    err = child.communicate(timeout=30)[1]
-    assert child.returncode == 130 and err == "encre: interrupted\n" and left(tmp_path) == []
-    running = b"".join(path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline"))
-    assert bytes(tmp_path) not in running, "Blender runs on"
-
-
-@pytest.mark.parametrize("options, number", [(("--size", "64x36"), None), (("--size", "1280x720"), signal.SIGTERM)])
-def test_nothing_stays_among_the_temporary_files(cube, tmp_path, options, number):
-    temporary = tmp_path / "temporary"
-    temporary.mkdir()
-    child = subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png", *options],
-                             stderr=subprocess.PIPE, text=True, env={**os.environ, "TMPDIR": str(temporary)})
-    if number:
-        deadline = time.monotonic() + 60
-        while not list(temporary.glob("*/blender_*")) and time.monotonic() < deadline:
-            time.sleep(0.05)
-        child.send_signal(number)
-    err = child.communicate(timeout=60)[1]
-    assert child.returncode == (130 if number else 0) and left(temporary) == [], err
-
-
-def test_bar_on_a_terminal(cube, tmp_path):
-    main, child = pty.openpty()
-    with subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png"], stderr=child):
-        os.close(child)
-        text = b""
-        while chunk := _read(main):
-            text += chunk
-    assert b"\rframe 1 (1/1) [" in text and b"100 %" in text and b"out.png" in text
-
-
-def _read(fd):
-    try:
-        return os.read(fd, 4096)
-    except OSError:  # the other end closed
-        return b""
 
 
 # Every Blender at hand

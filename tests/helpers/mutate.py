@@ -37,7 +37,7 @@ TESTS = (
      "fine/test_fine_ink.py"),
     ("csrc/ink/", "stages/test_lines.py", "fine/test_fine_ink.py"),
     ("csrc/surface/", "stages/test_surface.py"),
-    ("csrc/raster/", "stages/test_raster.py", "fine/test_marks.py"),
+    ("csrc/raster/", "stages/test_raster.py stages/test_raster_input.py", "fine/test_marks.py"),
     ("csrc/texture/", "stages/test_bake.py -k 'not size4'"),
     ("csrc/base/metric", "unit/test_metric.py"),
     ("csrc/base/pixel.h", "unit/test_metric.py", "stages/test_surface.py"),

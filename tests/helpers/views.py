@@ -57,3 +57,16 @@ def crumpled(rng, n=9, **numbers):
     points = points * rng.uniform(0.7, 1.8, (len(points), 1)) + rng.uniform(-1, 1, 3)
     return Mesh(points.astype(np.float32), corners.astype(np.int32),
                 **{name: rng.integers(1, count, len(corners)) for name, count in numbers.items()})
+
+
+def crowded(rng):
+    """Meshes of triangles by chance before a large one that passes below the camera."""
+    return [soup(rng, 150, 0.7, object_index=1, material=np.arange(150)), soup(rng, 900, 0.1, object_index=2),
+            Mesh(np.array([[-50, -2, 9], [50, -2, 9], [0, -2, -200]], np.float32), object_index=3)]
+
+
+def same(a, b):
+    """The same pixels in all pictures of two rasters."""
+    assert a.keys() == b.keys()
+    for name in a:
+        assert a[name].tobytes() == np.ascontiguousarray(b[name]).tobytes(), name

@@ -14,6 +14,7 @@ INCLUDE = re.compile(r'^\s*#\s*include "([^"]+)"', re.MULTILINE)
 BELOW = {"base": set(), "edges": set(), "fine": {"edges"}, "ink": {"edges", "fine"}, "surface": {"edges", "fine"},
          "raster": set(), "light": set(), "texture": {"edges"},
          "api": {"edges", "fine", "ink", "surface", "raster", "light", "texture"}}
+INSIDE = {"inside.py", "staging.py"}  # what of the command line runs inside Blender
 
 
 def includes():
@@ -70,7 +71,7 @@ def test_blender_knows_no_command_line(path):
     assert [name for name in imported(path) if name.startswith("encre.cli")] == []
 
 
-@pytest.mark.parametrize("path", [p for p in python("cli") if p.name != "inside.py"], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [p for p in python("cli") if p.name not in INSIDE], ids=lambda path: path.name)
 def test_only_what_runs_inside_blender_knows_it(path):
     assert [name for name in imported(path) if re.match(r"(bpy|encre\.blender)\b", name)] == []
 

@@ -14,7 +14,8 @@ from mathutils import Matrix
 
 sys.path.append(str(Path(__file__).parents[3] / "scenes"))
 
-from common import ball, box, camera, flat, glass, lathe, light, mirror, settings, slab, tube, world  # noqa: E402
+from common import ball, box, camera, lathe, light, settings, slab, tube, world  # noqa: E402
+from materials import flat, glass, mirror  # noqa: E402
 
 
 def things():

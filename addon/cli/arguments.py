@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the command line may hold: commands, their options and what each takes."""
+
+import argparse
+import os
+import re
+import textwrap
+
+from ..pen import layers
+from ..pen.errors import EncreError
+from . import images, sequence
+from .progress import say
+
+MOST_JOBS = 256
+
+STATUS = """exit status:
+  0    all is done
+  1    something failed under way
+  2    the command, its input or its output can't be used
+  130  interrupted"""
+
+
+class _Parser(argparse.ArgumentParser):
+    def __init__(self, examples="", **options):
+        super().__init__(allow_abbrev=False, epilog="\n\n".join(filter(None, [examples, STATUS])),
+                         formatter_class=argparse.RawDescriptionHelpFormatter, **options)
+        if self.description:
+            self.description = textwrap.fill(self.description, 100)
+
+    def error(self, message):
+        say("error", f"{message}; see {self.prog} --help")
+        self.exit(2)
+
+
+def _ending(*endings):
+    def check(path):
+        if os.path.splitext(path)[1].lower() not in endings:
+            raise argparse.ArgumentTypeError(f"{path} must be a name that ends in {' or '.join(endings)}")
+        return path
+    return check
+
+
+def _size(text):
+    match = re.fullmatch(r"(\d+)[xX](\d+)", text)
+    size = [int(number) for number in match.groups()] if match else [0]
+    if not all(4 <= number <= 65536 for number in size):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size WIDTHxHEIGHT from 4x4 to 65536x65536")
+    return size
+
+
+def _frame(text):
+    frames = _frame_list(text)
+    if len(frames) > 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not one frame number; give one")
+    return frames[0]
+
+
+def _frame_list(text):
+    try:
+        return sequence.numbers(text)
+    except EncreError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _count(text):
+    if not re.fullmatch(r"[1-9]\d{0,8}", text):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1")
+    return int(text)
+
+
+def _jobs(text):
+    if not 1 <= (int(text) if re.fullmatch(r"\d{1,9}", text) else 0) <= MOST_JOBS:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of processes from 1 to {MOST_JOBS}")
+    return int(text)
+
+
+def _threads(text):
+    if not re.fullmatch(r"\d{1,4}", text) or int(text) > 1024:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of threads from 1 to 1024, nor 0 for one a "
+                                         "processor")
+    return int(text)
+
+
+def _passes(text):
+    known = {name.split()[-1].lower(): name for name in layers.DRAWN}
+    wanted = [word.strip().lower() for word in text.split(",")]
+    if wanted == ["all"]:
+        return list(known.values())
+    if not set(wanted) <= known.keys():
+        raise argparse.ArgumentTypeError(f"{text!r} is no list of {', '.join(known)}, nor all")
+    return [known[word] for word in wanted]
+
+
+def _seconds(text):
+    if not re.fullmatch(r"\d{1,9}(\.\d*)?", text) or not float(text) > 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds above 0")
+    return float(text)
+
+
+def parser():
+    """The parser; of what it reads, `command` names the command."""
+    whole = _Parser(prog="encre", description="Comic-book pictures from Blender scenes and from rendered layers.")
+    whole.add_argument("--version", action="version", version=f"encre {images.version()}")
+    commands = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    style = argparse.ArgumentParser(add_help=False)
+    style.add_argument("--preset", metavar="P", help="apply a preset: its name, as encre presets lists them, or file")
+    style.add_argument("--set", metavar="ID=VALUE", action="append", default=[], dest="sets",
+                       help="change a parameter after the preset (encre params lists them); may be repeated")
+
+    command = commands.add_parser("render", parents=[style], help="render a scene with Blender", description=(
+        "Render a scene with Blender. A .py scene is run in an empty file. Blender is --blender, else the Python "
+        "module bpy, else `blender` on PATH. Several processes may render one sequence: each takes frames that no "
+        "other has."), examples="""examples:
+  encre render scene.blend -o panel.png
+  encre render scene.blend -o frames/####.exr -s 1 -e 48 --resume
+  encre render scene.py -o test.png -f 1-100x5,7 --set line_thickness=6""")
+    command.add_argument("scene", metavar="SCENE", type=_ending(".blend", ".py"), help="a .blend or .py file")
+    command.add_argument("-o", "--output", metavar="OUT", required=True, type=_ending(".png", ".exr"), help=(
+        "a .png, or a multilayer .exr to draw again; # in the name stands for digits of the frame number"))
+    command.add_argument("-f", "--frame", metavar="N", type=_frame_list, help=(
+        "the frame (default: the scene's current one), or a list such as 1-100x5,7"))
+    command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of an animation")
+    command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of an animation")
+    command.add_argument("--scene", metavar="NAME", dest="scene_name",
+                         help="the scene in the file (default: the open one)")
+    command.add_argument("--camera", metavar="NAME", help="the camera (default: the scene's)")
+    command.add_argument("--view-layer", metavar="NAME", help="render only this one")
+    command.add_argument("--passes", metavar="LIST", type=_passes, default=[], help=(
+        "in an .exr also what is drawn: lines, surface, edges, light, or all (default: as the view layers have it)"))
+    command.add_argument("--samples", metavar="N", type=_count, help="samples a pixel")
+    command.add_argument("--size", metavar="WxH", type=_size, help="size of the full frame in pixels")
+    command.add_argument("--device", choices=("cpu", "cuda", "optix", "hip", "oneapi", "metal"),
+                         type=str.lower,
+                         help="what Cycles computes on (default: as the file has it)")
+    command.add_argument("--threads", metavar="N", type=_threads,
+                         help="0: one a processor (default: as the file has it)")
+    command.add_argument("--resume", action="store_true", help=(
+        "leave frames alone that are whole and were made from the same file (whatever it links), parameters, "
+        "samples, size and versions"))
+    command.add_argument("--quick", action="store_true", help="with --resume: don't read finished frames to their end")
+    command.add_argument("--keep-going", action="store_true",
+                         help="go on after a frame that failed, and say at the end which")
+    command.add_argument("--frame-timeout", metavar="S", type=_seconds, help="give a frame up after so many seconds")
+    command.add_argument("--strict", action="store_true", help=(
+        "missing textures and libraries, and a file newer than this Blender, are errors"))
+    command.add_argument("--enable-autoexec", action="store_true", help="run the scripts in the file; trust its maker")
+    command.add_argument("--dry-run", action="store_true", help="only say which files would be written")
+    command.add_argument("--progress", choices=("text", "json"), default="text", help=(
+        "json: an object a line on the standard output"))
+    command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
+    command.add_argument("--verbose", action="store_true", help="pass on what Blender prints")
+
+    command = commands.add_parser("composite", parents=[style], help="restyle a rendered multilayer EXR", description=(
+        "Restyle a rendered multilayer EXR, without Blender. The settings in the file are where it starts."),
+        examples="""examples:
+  encre composite 0001.exr -o panel.png --preset ink_only --set line_thickness=6
+  encre composite 0001.exr -o panel.png --set shade_levels="0.5; 0.7,0.5,0.025; 1.1,0.9,0.025"
+  encre composite 'in.####.exr' -o 'out.####.png' -f 1-100x5,7 --resume --jobs 4
+  encre composite other.exr --check --layer depth=Z""")
+    command.add_argument("layers", metavar="LAYERS.exr", help=(
+        "a multilayer EXR that Blender wrote; # in the name stands for digits of the frame number"))
+    command.add_argument("-o", "--output", metavar="OUT", type=_ending(".png", ".exr"),
+                         help="a .png (sRGB), or an .exr with Combined and Encre's passes")
+    command.add_argument("-f", "--frame", metavar="N", type=_frame_list, help=(
+        "of a sequence, the frames to draw: a list such as 1-100x5,7 (default: all that are there)"))
+    command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of a sequence")
+    command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of a sequence")
+    command.add_argument("--resume", action="store_true",
+                         help="leave frames alone that are whole and were drawn from the same file and settings")
+    command.add_argument("--jobs", metavar="N", type=_jobs, default=1,
+                         help="processes that share a sequence (default: 1)")
+    command.add_argument("--share", type=lambda text: tuple(map(int, text.split("/"))), default=(0, 1),
+                         help=argparse.SUPPRESS)  # how --jobs tells its processes which frames are theirs
+    command.add_argument("--check", action="store_true",
+                         help="only say which passes there are, and what each that is missing switches off")
+    command.add_argument("--layer", metavar="WORD=NAME", action="append", default=[], dest="asked", help=(
+        "another renderer's name for combined, depth, normal, color, light, object or material, as depth=Z"))
+    command.add_argument("--view-layer", metavar="N", help="name of the view layer (default: the file's first)")
+    command.add_argument("--allow-paths", action="store_true", help=(
+        "read the paper image that the file names wherever it lies, not only beside the file"))
+    command.add_argument("--threads", metavar="N", type=_threads, default=0,
+                         help="default, and 0: one a processor")
+
+    command = commands.add_parser("bake", parents=[style], help="draw inter-color lines into a texture", description=(
+        "Draw lines into a texture where its colours meet, as wide as they differ. Of the parameters, line_thickness "
+        "(in texels) and those of contrast count. 8- and 16-bit images are sRGB, images of floats linear."),
+        examples="""examples:
+  encre bake wood.png -o wood_lines.png --uniform vase.obj
+  encre bake wood.png -o wood_lines.png --uniform scene.blend:Vase --mips""")
+    command.add_argument("texture", metavar="TEXTURE", help="an image of any kind; it is never changed")
+    command.add_argument("-o", "--output", metavar="OUT", required=True, help="the image to write, not TEXTURE itself")
+    command.add_argument("--uniform", metavar="MESH", help=(
+        "give lines the same width everywhere on this mesh: MESH.obj, or FILE.blend:OBJECT, which needs Blender; "
+        "line_thickness is then in texels of mean size"))
+    command.add_argument("--mips", action="store_true", help=(
+        "also write NAME.mip1.png, NAME.mip2.png ... beside OUT = NAME.png: images half, a quarter ... as large, each "
+        "with lines drawn for its own texels, to mix by distance in a material"))
+    command.add_argument("--tile", choices=("none", "x", "y", "xy"), help=(
+        "where the texture repeats and lines go on over its border (default: xy; with --uniform, where the mesh does)"))
+    command.add_argument("--threads", metavar="N", type=_threads, default=0,
+                         help="default, and 0: one a processor")
+    command.add_argument("--blender", metavar="PATH", help="the Blender program to use for FILE.blend:OBJECT")
+
+    command = commands.add_parser("compare", parents=[style], help="compare baked and dynamic lines", description=(
+        "Render a scene without lines between colours, with such lines baked into its textures and with lines drawn "
+        "in the frame, and put the three and a caption into the quadrants of one picture. OUT_crops shows details, "
+        "OUT_blender Blender's own lines."))
+    command.add_argument("scene", metavar="SCENE", type=_ending(".blend", ".py"), help="a .blend or .py file")
+    command.add_argument("-o", "--output", metavar="OUT", required=True, type=_ending(".png"), help=(
+        "a .png twice as wide and high as the frame; # in the name stands for digits of the frame number"))
+    command.add_argument("--seed", metavar="N", type=int, default=0, help="chooses which of the two is on the left")
+    command.add_argument("-f", "--frame", metavar="N", type=_frame, help="the frame (default: the scene's current one)")
+    command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of an animation")
+    command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of an animation")
+    command.add_argument("--uniform", action="store_true", help="bake lines that are equally wide on the surface")
+    command.add_argument("--mips", action="store_true", help="bake mip levels, each shown at its distance")
+    command.add_argument("--quadrants", action="store_true", help="only the quadrants: no crops, no Blender's lines")
+    command.add_argument("--samples", metavar="N", type=_count, help="samples a pixel")
+    command.add_argument("--size", metavar="WxH", type=_size, help="size of the frame in pixels")
+    command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
+    command.add_argument("--verbose", action="store_true", help="pass on what Blender prints")
+
+    command = commands.add_parser("params", help="list the parameters")
+    command.add_argument("--json", action="store_true", help="as a JSON list, for programs")
+
+    commands.add_parser("presets", help="list the presets")
+    return whole

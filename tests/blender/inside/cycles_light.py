@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light as Cycles renders it: its noise, mirrors, shadow catchers, direct light."""
+
+from math import radians
+
+import bpy
+from studio import fact, material, plane, shoot, stage
+
+
+def denoised(out):
+    """A noisy lamp, with the light denoised and not; the user's own denoiser is on."""
+    scene = stage(samples=4)
+    bpy.data.lights["Sun"].angle = 3.0
+    scene.world = bpy.data.worlds.new("World")
+    scene.cycles.use_denoising = True
+    scene.encre.use_lines = scene.encre.use_hatching = False
+    shoot(out, "denoised")
+    fact("kept", scene.cycles.use_denoising)
+    scene.encre.light_denoise = "NONE"
+    scene.cycles.use_denoising = False
+    shoot(out, "noisy")
+    from encre.blender import versions
+    from encre.pen import denoise
+
+    fact("available", denoise.available(versions.home()))
+
+
+def stripes(out):
+    """Lines along the light's noise in the same view: the frame's own, and as the middle of a larger one."""
+    scene = stage(160, 90, 2, ground=False)
+    for name in ("Cube", "Ball"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    wall = plane("Wall", material("Wall", (0.6, 0.6, 0.6)), z=0)
+    scene.camera.location, scene.camera.rotation_euler = (0, 0, 5), (0, 0, 0)
+    bpy.data.objects["Sun"].data.angle = 3
+    bpy.data.objects["Sun"].data.energy = 1.76
+    wall.rotation_euler = 0, 0, 0.3
+    scene.world = bpy.data.worlds.new("World")
+    scene.encre.use_smudging = scene.encre.use_hatching = False
+    scene.encre.edge_light, scene.encre.length_unit, scene.encre.line_thickness = 1, "PIXELS", 2
+    for level in ((0.2, 0, 0), (1, 0.5, 0.001)):  # just below the light that there is everywhere
+        row = scene.encre.shade_levels.add()
+        row.intensity, row.threshold, row.transition = level
+    shoot(out, "small")
+    scene.render.resolution_x, scene.render.resolution_y = 320, 270
+    scene.camera.data.sensor_width *= 2
+    shoot(out, "large")
+
+
+def catcher(out):
+    """A ground that only catches shadows, and none at all; the ground's shape is in no pass."""
+    scene = stage(samples=1)
+    scene.encre.use_shading = scene.encre.use_smudging = scene.encre.use_hatching = False
+    scene.render.film_transparent = True
+    ground = bpy.data.objects["Ground"]
+    ground.scale, ground.is_shadow_catcher = (0.2, 0.2, 1), True
+    shoot(out, "caught")
+    ground.hide_render = True
+    shoot(out, "without")
+
+
+def reflections(out):
+    """A mirror behind the cube and the ball; Blender 5.2 can switch off that passes see into it."""
+    scene = stage(samples=8)
+    plane("Mirror", mirror(), z=0)
+    bpy.data.objects["Mirror"].rotation_euler = radians(-90), 0, radians(15)
+    bpy.data.objects["Mirror"].location.y = 2.5
+    settings = scene.view_layers[0].cycles
+    shoot(out, "on")
+    if hasattr(settings, "denoising_pass_follow_reflections"):
+        settings.denoising_pass_follow_reflections = False
+        shoot(out, "off")
+        fact("kept", settings.denoising_pass_follow_reflections)
+
+
+def mirror():
+    found = material("Mirror", (1, 1, 1))
+    inputs = found.node_tree.nodes["Principled BSDF"].inputs
+    inputs["Metallic"].default_value, inputs["Roughness"].default_value = 1, 0
+    return found
+
+
+def direct(out):
+    scene = stage()
+    scene.encre.light_denoise = "NONE"
+    scene.world = bpy.data.worlds.new("World")
+    scene.encre.shade_light = "DIRECT"
+    shoot(out, "direct")

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sequences, processes that share them, and files that are large, half made or in the way."""
+
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import drawn
+import exr
+import numpy as np
+import pytest
+from command import OFF, SIZE, fails, finish, start
+from encre.cli import images, multilayer, png, room, workplace
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="all pictures are in memory here")
+def test_large_pictures_lie_in_files(run, tmp_path, scene, monkeypatch):
+    """With the same pixels; where files have no room, in memory."""
+    path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)})
+    monkeypatch.setattr(room, "LARGE", 1)
+    made = room.Room(SIZE[0] * SIZE[1])
+    picture = made.zeros((1 << 12, 1 << 12))
+    assert not picture[::64].any()
+    picture[:] = 1
+    pages = Path("/proc/self/statm").read_text().split()[2]
+    time.sleep(0.2)
+    made.give_back()
+    assert int(Path("/proc/self/statm").read_text().split()[2]) < int(pages) - (1 << 13) and (picture == 1).all()
+    pictures = []
+    for number, limit in enumerate((1, 1 << 30)):
+        monkeypatch.setattr(room, "LARGE", limit)
+        assert run("composite", path, "-o", tmp_path / f"{number}.exr")[0] == 0
+        pictures.append(exr.read(tmp_path / f"{number}.exr"))
+    assert all(np.array_equal(pictures[0][name], pictures[1][name]) for name in pictures[1])
+    child = start("composite", path, "-o", tmp_path / "2.exr", preexec_fn=lambda: resource.setrlimit(
+        resource.RLIMIT_FSIZE, (1 << 19,) * 2))
+    assert child.communicate(timeout=60) and child.returncode == 0
+
+
+@pytest.mark.parametrize("ending", ["exr", "png"])
+def test_sequences(run, tmp_path, scene, ending):
+    for frame in (1, 2, 3, 7):
+        exr.write(tmp_path / f"in.{frame:04}.exr", {**exr.passes(scene), "Combined": scene["combined"] / frame})
+    pattern, out = tmp_path / "in.####.exr", tmp_path / "out" / f"o.####.{ending}"
+    status, said, err = run("composite", pattern, "-o", out, "-f", "1-3x2,7")
+    assert status == 0 and said.count("\n") == 3 and err.count("encre: note") <= 4
+    assert sorted(os.listdir(tmp_path / "out")) == [f"o.{k:04}.{ending}" for k in (1, 3, 7)]
+    first = tmp_path / "out" / f"o.0001.{ending}"
+    before = first.stat().st_mtime_ns
+    status, said, err = run("composite", pattern, "-o", out, "--resume")
+    assert status == 0 and said.count("\n") == 1 and "3 of 4 frames are finished" in err
+    assert first.stat().st_mtime_ns == before
+    assert run("composite", pattern, "-o", out, "--resume", "-s", "2", "--set=line_thickness=9")[1].count("\n") == 3
+    fails(run("composite", pattern, "-o", out, "-f", "9"), "in.0009.exr", "No such file")
+    fails(run("composite", tmp_path / "in.0001.exr", "-o", out, "-f", "1"), "#")
+    fails(run("composite", tmp_path / "none.####.exr", "-o", out), "no such frame")
+
+
+def test_jobs(tmp_path, scene):
+    for frame in range(1, 6):
+        exr.write(tmp_path / f"in.{frame:04}.exr", exr.passes(scene))
+    command = ["composite", tmp_path / "in.####.exr", "-o", tmp_path / "o.####.png", "-f", "1-5", "--jobs", "2"]
+    code, _, err = finish(start(*command[:-3], "2", "--jobs", "200"))
+    assert code == 0, err
+    code, out, err = finish(start(*command))
+    assert code == 0 and out.count("\n") == 5, err
+    assert [p.name for p in sorted(tmp_path.glob("*.png"))] == [f"o.{k:04}.png" for k in range(1, 6)]
+    (tmp_path / "in.0002.exr").write_bytes(b"")
+    code, _, err = finish(start(*command))
+    assert code == 1 and "in.0002.exr" in err and err.splitlines()[-1].startswith("encre: error: not all frames")
+    assert not list(tmp_path.glob(".encre-*"))
+
+
+def test_what_is_half_made_has_a_name_that_nobody_foresees(tmp_path, monkeypatch):
+    """And lies in a folder of its own, into which no link can have been put."""
+    seen, store = [], images.store
+
+    def watched(place, *rest):
+        seen.append(place.path)
+        store(place, *rest)
+        assert os.stat(place.path).st_mode & 0o777 == 0o700
+
+    monkeypatch.setattr(images, "store", watched)
+    for _ in range(2):
+        png.write(tmp_path / "a.png", np.zeros((2, 2, 4), np.float32), multilayer.Window(2, 2, 0, 0, 2, 2))
+    assert len(set(seen)) == 2 and os.listdir(tmp_path) == ["a.png"]
+
+
+def test_a_link_gives_way_to_the_picture(run, tmp_path, scene):
+    path, other = exr.write(tmp_path / "in.exr", exr.passes(scene)), tmp_path / "other"
+    other.write_bytes(b"old")
+    (tmp_path / "out.png").symlink_to(other)
+    assert run("composite", path, "-o", tmp_path / "out.png")[0] == 0
+    assert other.read_bytes() == b"old" and not (tmp_path / "out.png").is_symlink()
+
+
+def test_folders_of_the_dead_are_swept(tmp_path):
+    code = ("import os, sys; from encre.cli.workplace import Workplace\n"
+            "place = Workplace(sys.argv[1]); place.claim('1.png'); print(place.path, flush=True); sys.stdin.read()")
+    child = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                             text=True)
+    theirs = Path(child.stdout.readline().strip())
+    foreign = tmp_path / re.sub(r"encre-[^-]*", "encre-elsewhere", theirs.name)
+    foreign.mkdir()
+    with workplace.Workplace(tmp_path) as place:
+        assert theirs.is_dir(), "its owner lives"
+        assert place.claim("1.png") and place.claim("2.png") is None
+    child.kill()
+    child.communicate()
+    # The same number, but another process's: of this one, which started at another time.
+    reborn = tmp_path / re.sub(r"-\d+-\d+-([0-9a-f]{16})$", f"-{os.getpid()}-1-\\1", theirs.name)
+    reborn.mkdir()
+    with workplace.Workplace(tmp_path) as place:
+        assert not theirs.exists() and not reborn.exists() and foreign.is_dir()
+        assert place.claim("1.png") is None
+    assert os.listdir(tmp_path) == [foreign.name]
+
+
+def test_folders_that_go_while_others_look_for_them(tmp_path):
+    """Of processes that share a folder some begin while others end."""
+    code = ("import sys; from encre.cli.workplace import Workplace\n"
+            "for _ in range(300):\n    with Workplace(sys.argv[1]):\n        pass")
+    children = [subprocess.Popen([sys.executable, "-c", code, tmp_path], stderr=subprocess.PIPE, text=True)
+                for _ in range(4)]
+    words = [child.communicate(timeout=120)[1] for child in children]
+    assert [child.returncode for child in children] == [0] * 4, words
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("ending", ["exr", "png"])
+def test_a_full_disk_leaves_the_old_file(tmp_path, ending):
+    layers_ = exr.passes(drawn.scene(480, 320, noise=1.0))
+    path = exr.write(tmp_path / "in.exr", layers_)
+    out = tmp_path / "out" / f"out.{ending}"
+    out.parent.mkdir()
+    out.write_bytes(b"old")
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (80_000,) * 2)  # enough for the probe, not for the picture
+
+    child = start("composite", path, "-o", out, *OFF, preexec_fn=limit)  # the noise of the input fills files
+    err = child.communicate(timeout=60)[1]
+    assert child.returncode == 1 and "can't be written" in err.splitlines()[-1] and "Traceback" not in err, err
+    assert os.listdir(out.parent) == [out.name] and out.read_bytes() == b"old"
+
+
+def test_interrupting_composite(tmp_path):
+    path = exr.write(tmp_path / "in.exr", exr.passes(drawn.scene(1280, 720)))
+    child = start("composite", path, "-o", tmp_path / "out.exr", "--threads", "1")
+    files = Path(f"/proc/{child.pid}/fd")
+    while child.poll() is None and path not in [f.resolve() for f in files.iterdir() if f.exists()]:
+        time.sleep(0.01)
+    child.send_signal(signal.SIGINT)
+    err = child.communicate(timeout=60)[1]
+    assert (child.returncode, err) == (130, "encre: interrupted\n")
+    assert os.listdir(tmp_path) == ["in.exr"]
