@@ -59,13 +59,16 @@ test: build
 test-long: build .venv/wheels $(if $(filter bpy==4.5%,$(BPY)),blenders)
 	$(RUN) -m pytest -q
 
-# Other versions of Blender for test-long; blender on PATH is tested as well.
+# Other versions of Blender for test-long; blender on PATH is tested as well. 5.2 wants a Python of its own: without it
+# its tests are skipped by name.
+build/blenders/bpy-5.2/ready: PYTHON = python3.13
 build/blenders/bpy-%/ready:
 	$(PYTHON) -m venv $(@D)
 	$(@D)/bin/python -m pip install -q "bpy==$*.*" numpy openimageio
 	@touch $@
 
-blenders: build/blenders/bpy-4.2/ready build/blenders/bpy-5.0/ready
+blenders: build/blenders/bpy-4.2/ready build/blenders/bpy-5.0/ready \
+		$(if $(shell python3.13 -c 'print(1)' 2>/dev/null),build/blenders/bpy-5.2/ready)
 
 bench: build
 	$(RUN) tests/helpers/bench.py

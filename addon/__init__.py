@@ -26,9 +26,9 @@ def _modules():
     except EncreError as error:
         print(f"encre: {error}", file=sys.stderr)
         return (engine,)  # it says so to whoever renders
-    from .blender import bake, migration, panels, properties, subframes
+    from .blender import bake, escape, migration, panels, properties, subframes
 
-    return properties, migration, engine, subframes, panels, bake
+    return properties, migration, engine, escape, subframes, panels, bake
 
 
 def register():

@@ -31,6 +31,35 @@ def _in_file(scene):
     return any(scene.as_pointer() == other.as_pointer() for other in bpy.data.scenes)
 
 
+class _Refusing:
+    """What goes wrong inside ends the render with a sentence, and Blender then writes no file. No generator: what is
+    raised through one holds the engine in a circle of references (Python 3.13)."""
+
+    def __init__(self, engine):
+        self.engine = engine
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, _kind, error, _trace):
+        if not isinstance(error, Exception):
+            return False
+        self.engine.refused = True
+        if isinstance(error, Cancelled):
+            if not self.engine.test_break():  # Blender would take the frame for a finished one
+                self.engine.say("ERROR", f"{error}, but not by you; render again")
+        elif isinstance(error, MemoryError):
+            self.engine.say("ERROR",
+                            "memory: there is none left for this frame; make it smaller or close other programs")
+        elif isinstance(error, EncreError):
+            self.engine.say("ERROR", str(error))
+        else:  # a fault of ours: unsaid, Blender would take Cycles' picture for a finished one
+            traceback.print_exception(error)
+            self.engine.say("ERROR", f"Encre failed at this frame ({type(error).__name__}: {error}), which is its own "
+                                     "fault: report it with the lines that Blender printed")
+        return True
+
+
 class EncreEngine(bpy.types.RenderEngine):
     bl_idname = ENGINE
     bl_label = "Encre"
@@ -57,26 +86,10 @@ class EncreEngine(bpy.types.RenderEngine):
             _said.add(sentence)
             self.report({kind}, sentence)
 
-    @contextlib.contextmanager
-    def refusing(self):
-        """What goes wrong inside ends the render with a sentence, and Blender then writes no file."""
-        try:
-            yield
-        except Cancelled as error:
-            self.refused = True
-            if not self.test_break():  # else Blender, which asked for it, would take the frame for a finished one
-                self.say("ERROR", f"{error}, but not by you; render again")
-        except MemoryError:
-            self.refused = True
-            self.say("ERROR", "memory: there is none left for this frame; make it smaller or close other programs")
-        except EncreError as error:
-            self.refused = True
-            self.say("ERROR", str(error))
-        except Exception as error:  # a fault of ours: unsaid, Blender would take Cycles' picture for a finished one
-            self.refused = True
-            traceback.print_exc()
-            self.say("ERROR", f"Encre failed at this frame ({type(error).__name__}: {error}), which is its own fault: "
-                              "report it with the lines that Blender printed")
+    def free(self):
+        """Gives back Cycles' session, with all its memory."""
+        _cycles().free(self)
+        self.session = None
 
     def update_render_passes(self, scene, layer):
         passes = [tuple(known) for known in _cycles().list_render_passes(scene, layer)]
@@ -91,7 +104,7 @@ class EncreEngine(bpy.types.RenderEngine):
 
     def update(self, data, depsgraph):
         self.refused = False
-        with self.refusing():
+        with _Refusing(self):
             # Freestyle's strokes come as a scene that the file does not have; neither they nor previews are drawn on.
             if not self.is_preview and _in_file(depsgraph.scene):
                 self.frames = self.frames or frame.Frames(self)
@@ -101,7 +114,7 @@ class EncreEngine(bpy.types.RenderEngine):
             _cycles().reset(self, data, depsgraph)
 
     def render(self, depsgraph):
-        with self.refusing():
+        with _Refusing(self):
             if self.frames:
                 self.frames.render(_cycles(), depsgraph)
             else:
@@ -109,11 +122,14 @@ class EncreEngine(bpy.types.RenderEngine):
 
     def render_frame_finish(self):
         if self.refused:
+            self.free()
             return
         _cycles().render_frame_finish(self)  # only now are all tiles there
-        with self.refusing():
+        with _Refusing(self):
             if self.frames:
                 self.frames.after()
+        if self.refused:
+            self.free()
 
     def draw(self, context, depsgraph):
         """What Cycles has rendered so far, in the image editor."""

@@ -6,6 +6,7 @@ import weakref
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import bpy
 import numpy as np
 
 from ..pen import around, denoise, layers, library, metadata, overlay, saved, supersample, through
@@ -13,7 +14,7 @@ from ..pen.around import Window
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
-from . import cameras, lamps, meshes, overrides, papers, properties, subframes, subject, versions
+from . import cameras, escape, lamps, meshes, overrides, papers, properties, subframes, subject, versions
 
 _FEW = 8  # fewer samples make a draft, of which denoising would take the most time
 stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
@@ -127,6 +128,7 @@ class Frames:
         self.numbers = None    # of objects: what overrides.pass_indices() gave
         self.overrode = False  # with persistent data, what one frame overrode is there in the next
         self.nonfinite = 0     # values that were read as 0
+        self.esc = None        # the escape.Esc after which it draws
 
     # Before Cycles
 
@@ -254,7 +256,7 @@ class Frames:
         return settings.reach(height) + (denoise.REACH if denoises else 0)
 
     def _go_on(self, _fraction=0):
-        return not self.engine.test_break()
+        return not (self.esc.again if self.esc else self.engine.test_break())
 
     def _in_parts(self, cycles, depsgraph, layer):
         """Renders and draws a view layer at `factor` times the frame's size, and with what lies around a border; what
@@ -296,11 +298,19 @@ class Frames:
     # After Cycles
 
     def after(self):
-        """Runs the stages on every view layer and view that was rendered. EncreError: they can't; Cancelled."""
+        """Runs the stages on every view layer and view that was rendered; a still that a window's user has stopped is
+        drawn as far as it has come. EncreError: they can't; Cancelled."""
+        if self._go_on():
+            self._after()
+        elif not bpy.app.background and not self.engine.is_animation:
+            with escape.Esc() as self.esc:
+                self._after()
+
+    def _after(self):
         known, self.known = self.known, {}
         for key, text in stamped.items():
             self.engine.get_result().stamp_data_add_field(key, text)
-        if not known or not self._go_on():
+        if not known:
             return
         result = self.engine.get_result()
         for layer in result.layers:
@@ -318,8 +328,9 @@ class Frames:
                     for name, picture in mine.drawn.pop(view_id).items():
                         write(name, picture)
                 elif mine.objects:
-                    size = result.resolution_x, result.resolution_y
-                    self._draw(mine, view_id, _Passes(there, size, mine.settings.wants_seen), write)
+                    passes = _Passes(there, (result.resolution_x, result.resolution_y), mine.settings.wants_seen)
+                    if not self.esc or passes["Depth"].any():  # else it was stopped before the first sample
+                        self._draw(mine, view_id, passes, write)
             self._stamp(result, mine)
         if self.nonfinite:
             self.engine.say("WARNING", f"{self.nonfinite} values of the layers were not finite and were read as 0")
@@ -381,7 +392,7 @@ class Frames:
 
     def _denoiser(self, layer):
         wanted = layer.denoise_other if layer.light else layer.settings.denoises
-        if not wanted or not denoise.available(versions.home()):
+        if self.esc or not wanted or not denoise.available(versions.home()):
             return None
         frame, scale = supersample.frame(layer.frame, layer.factor), layer.settings.light_scale
         return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, self._go_on,

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders that a window starts, on a thread of their own (blender/inside/render_window.py presses the keys)."""
+"""Renders that a window starts, on a thread of their own (blender/inside/*_window.py press the keys)."""
 
+import ctypes.util
 import shutil
 import subprocess
 from pathlib import Path
@@ -9,17 +10,27 @@ import blenders
 import OpenImageIO as oiio
 import pytest
 
-WINDOW = Path(__file__).parent / "inside" / "render_window.py"
+INSIDE = Path(__file__).parent / "inside"
+
+
+def drive(script, folder, *options):
+    if not shutil.which("blender") or not shutil.which("xvfb-run"):
+        pytest.skip("needs the programs blender and xvfb-run")
+    command = ["xvfb-run", "-a", "-s", "-screen 0 800x600x24", "blender", "--factory-startup", *options,
+               "-p", "0", "0", "800", "600", "-P", str(INSIDE / script), "--", "render", str(folder)]
+    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace"), folder)
 
 
 @pytest.fixture(scope="module")
 def shot(tmp_path_factory):
-    if not shutil.which("blender") or not shutil.which("xvfb-run"):
-        pytest.skip("needs the programs blender and xvfb-run")
-    folder = tmp_path_factory.mktemp("window")
-    command = ["xvfb-run", "-a", "-s", "-screen 0 800x600x24", "blender", "--factory-startup",
-               "--enable-event-simulate", "-p", "0", "0", "800", "600", "-P", str(WINDOW), "--", "render", str(folder)]
-    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace"), folder)
+    return drive("render_window.py", tmp_path_factory.mktemp("window"), "--enable-event-simulate")
+
+
+@pytest.fixture(scope="module")
+def esc(tmp_path_factory):
+    if not ctypes.util.find_library("Xtst"):
+        pytest.skip("needs libXtst")
+    return drive("esc_window.py", tmp_path_factory.mktemp("esc"))
 
 
 def read(shot, name):
@@ -35,3 +46,14 @@ def test_papers_are_loaded_on_the_main_thread(shot):
     assert shot.facts["finished"] and "Traceback" not in shot.output
     assert shot.facts["paper on main thread"] == [True]
     assert (read(shot, "paper").max(-1) < 0.1).sum() > 100
+
+
+def test_esc_inks_what_is_rendered(esc):
+    assert esc.facts["finished"] and "Traceback" not in esc.output
+    assert esc.facts["once"][0] > 3 and (read(esc, "once").max(-1) < 0.1).sum() > 200
+
+
+def test_a_second_esc_gives_up(esc):
+    assert 0 < esc.facts["twice"][0] < esc.facts["once"][0]
+    cube = read(esc, "twice").max(-1)
+    assert (cube < 0.1).sum() == 0 and cube.std() > 0.05  # as Cycles left it

@@ -200,9 +200,12 @@ def memory(out):
     from encre.blender import frame
 
     scene.cycles.use_denoising = False
-    scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    exr(scene, os.path.join(out, "memory.exr"))
     pixels = 960 * 540
     passes_on(scene.view_layers[0], False)
+    scene.render.resolution_percentage = 5
+    bpy.ops.render.render()  # what Python itself loads is there now
+    scene.render.resolution_percentage = 100
     real = frame.Frames.after
 
     def spy(self):

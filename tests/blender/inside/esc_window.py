@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in a Blender with a window: `esc_window.py -- esc FOLDER` stops renders by Esc, once and twice."""
+
+import os
+import sys
+import time
+
+import bpy
+
+sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+import keys  # noqa: E402
+import studio  # noqa: E402
+import window  # noqa: E402
+
+
+def waiting(seconds):
+    start = time.time()
+    while time.time() < start + seconds:
+        yield
+
+
+def build():
+    studio.register()
+    scene = bpy.context.scene
+    bpy.context.preferences.view.render_display_type = "AREA"
+    scene.render.engine = "ENCRE"
+    scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 160, 90, 100000
+    scene.cycles.use_adaptive_sampling = False
+    scene.render.image_settings.file_format = "PNG"
+    scene.encre.line_thickness = 40
+    keys.point(300, 300)
+
+
+def stopped(name, twice):
+    """F12, Esc while Cycles renders, and again while the stages run, which are slow then."""
+    from encre.blender import frame
+
+    real, asked = frame.library.draw, []
+
+    def draw(*args, progress=None, **more):
+        def slow(fraction):
+            asked.append(fraction)
+            time.sleep(0.2 if twice else 0)
+            return progress(fraction)
+        return real(*args, progress=slow, **more)
+
+    frame.library.draw = draw
+    yield from waiting(0.3)
+    keys.press("F12")
+    while not bpy.app.is_job_running("RENDER"):
+        yield
+    yield from waiting(2)
+    keys.press("Escape")
+    if twice:
+        while not asked:
+            yield
+        yield from waiting(0.8)
+        keys.press("Escape")
+    while bpy.app.is_job_running("RENDER"):
+        yield
+    yield from waiting(0.3)
+    frame.library.draw = real
+    studio.fact(name, len(asked))
+    bpy.data.images["Render Result"].save_render(os.path.join(window.FOLDER, f"{name}.png"))
+
+
+def steps():
+    build()
+    yield from stopped("once", twice=False)
+    yield from stopped("twice", twice=True)
+
+
+if __name__ == "__main__":
+    todo = steps()
+    bpy.context.preferences.view.show_splash = False
+    bpy.app.timers.register(lambda: window.run(todo), first_interval=1.0)

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Real keys for a window, through the X server: Blender's own simulated Esc does not stop a render."""
+
+import ctypes
+
+_X11, _TEST = ctypes.CDLL("libX11.so.6"), ctypes.CDLL("libXtst.so.6")
+_X11.XOpenDisplay.restype = ctypes.c_void_p
+_X11.XStringToKeysym.restype = ctypes.c_ulong
+_DISPLAY = ctypes.c_void_p(_X11.XOpenDisplay(None))
+
+
+def press(name):
+    """Presses and releases a key, by the name that X11 has for it."""
+    code = _X11.XKeysymToKeycode(_DISPLAY, ctypes.c_ulong(_X11.XStringToKeysym(name.encode())))
+    for down in (1, 0):
+        _TEST.XTestFakeKeyEvent(_DISPLAY, code, down, 0)
+    _X11.XFlush(_DISPLAY)
+
+
+def point(x, y):
+    """Moves the mouse, which says where keys go."""
+    _TEST.XTestFakeMotionEvent(_DISPLAY, -1, x, y, 0)
+    _X11.XFlush(_DISPLAY)
