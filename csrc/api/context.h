@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a context holds, and how the jobs of all kinds take threads and kernels from it. */
+#ifndef ENCRE_CONTEXT_H
+#define ENCRE_CONTEXT_H
+
+#include "base/stage.h"
+
+struct encre_context {
+	int32_t threads, simd;
+	bands *pool; /* NULL until needed, or after a change of threads */
+	char error[512];
+};
+
+/* The kernels for the best instructions that this build has; use_best() tells whether to run them. */
+#ifdef ENCRE_HAVE_V3
+#define BEST(name) JOIN(name, v3)
+#else
+#define BEST(name) JOIN(name, base)
+#endif
+
+bool use_best(const encre_context *context);
+/* The threads, which will report to `progress`; NULL without memory. */
+bands *pool_of(encre_context *context, encre_progress progress, void *user);
+/* `code`, with the sentence of those codes that have always the same. */
+int32_t fail_code(encre_context *context, int32_t code);
+
+#endif
