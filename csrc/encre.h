@@ -21,14 +21,15 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 7 };
+enum { ENCRE_API_VERSION = 8 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
 	ENCRE_OK = 0,
 	ENCRE_ERROR_ARGUMENT = 1,  /* the sentence in encre_error() names the thing and the cure */
 	ENCRE_ERROR_MEMORY = 2,    /* an allocation failed; outputs are unspecified */
-	ENCRE_ERROR_CANCELLED = 3, /* the progress callback returned false; outputs are unspecified */
+	ENCRE_ERROR_CANCELLED = 3, /* progress returned false, or encre_cancel(); outputs are unspecified */
+	ENCRE_RUNNING = 4,         /* encre_poll() alone: work goes on */
 };
 
 /* ---- images ---------------------------------------------------------------------------------------------- */
@@ -406,6 +407,40 @@ enum { ENCRE_MAX_TEXELS = 32768 };
 /* Widths and heights are 1 to ENCRE_MAX_TEXELS, the same for all images. Without a form each texel draws a disc of
  * radius line_thickness * strength / 2 about its centre, with it an ellipse about the boundary that it sees. */
 ENCRE_API int32_t encre_bake(encre_context *context, encre_bake_job *job);
+
+/* ---- in the background ----------------------------------------------------------------------------------- */
+
+enum encre_kind {
+	ENCRE_RENDER = 0, /* encre_job */
+	ENCRE_RASTER = 1, /* encre_raster_job */
+	ENCRE_LIGHT = 2,  /* encre_light_job */
+	ENCRE_BAKE = 3,   /* encre_bake_job */
+};
+
+/* A job of some kind, with progress NULL. */
+typedef struct encre_step {
+	int32_t kind; /* enum encre_kind */
+	int32_t reserved;
+	void *job;
+} encre_step;
+
+enum { ENCRE_MAX_STEPS = 64 };
+
+/* Starts steps, 1 to ENCRE_MAX_STEPS, that run one after the other on a thread of the library's while the caller goes
+ * on; a step may read what an earlier one has drawn. It returns at once: ENCRE_OK, or an error, and nothing has begun.
+ * The steps are copied. Jobs, and all that they name, are the work's until it has ended: till then nobody else reads
+ * outputs, changes inputs, uses a scene or frees anything. Of this context, which the work uses, only the three
+ * functions below, encre_error() and encre_destroy() may be called, on the thread that started it; others are refused.
+ */
+ENCRE_API int32_t encre_start(encre_context *context, const encre_step *steps, int32_t n_steps);
+/* ENCRE_RUNNING, or how the work has ended: with the code of the first step that failed, after which no other was
+ * begun, and its sentence in encre_error(). It never waits. `fraction` (may be NULL) gets how much is done, 0..1.
+ * Without work it says again how the last has ended, at first ENCRE_OK. */
+ENCRE_API int32_t encre_poll(encre_context *context, double *fraction);
+/* Asks the work to end soon with ENCRE_ERROR_CANCELLED and returns at once; what has ended already stays as it is. */
+ENCRE_API void encre_cancel(encre_context *context);
+/* Waits for the work to end; returns as encre_poll(). encre_destroy() cancels and waits, too. */
+ENCRE_API int32_t encre_wait(encre_context *context);
 
 #ifdef __cplusplus
 }

@@ -2,6 +2,8 @@
 """The structures of csrc/encre.h, and numpy arrays as the library takes them."""
 
 import ctypes as c
+from collections.abc import Sequence
+from ctypes import Array
 
 import numpy as np
 
@@ -108,6 +110,18 @@ class LightJob(c.Structure):
                 ("clip_start", c.c_double), ("clip_end", c.c_double), ("frame", Frame), ("depth", Image),
                 ("normal", Image), ("diffuse", Image), ("world", c.c_float * 27), ("reserved", c.c_int32),
                 ("progress", Progress), ("user", c.c_void_p)]
+
+
+class Step(c.Structure):
+    _fields_ = [("kind", c.c_int32), ("reserved", c.c_int32), ("job", c.c_void_p)]
+
+
+WORKS = ("render", "raster", "light", "bake")  # enum encre_kind; their functions are called so, too
+
+
+def steps(works: Sequence[job.Work]) -> Array[Step]:
+    """What encre_start() takes; the works must live until they have ended."""
+    return (Step * len(works))(*(Step(WORKS.index(work.kind), 0, c.addressof(work.job)) for work in works))
 
 
 def image(a: np.ndarray) -> Image:

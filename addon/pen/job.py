@@ -2,8 +2,9 @@
 """What the library is given and gives back, as numpy knows it. Shapes are checked here: C can't see them."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -82,6 +83,16 @@ class Lamp:
     light_set: int = 0
     shadow_set: int = 0
     model: np.ndarray = field(default_factory=lambda: np.eye(4))
+
+
+@dataclass
+class Work:
+    """A job of the library that is ready to run: at once (Library.run()) or beside others (background.py)."""
+
+    kind: str                   # one of abi.WORKS
+    job: Any                    # its structure, and what that points to
+    keep: list
+    result: Callable[[], Any]   # what has come of it, to be called when it has ended
 
 
 @dataclass

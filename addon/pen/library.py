@@ -16,10 +16,10 @@ import numpy as np
 
 from . import abi
 from .errors import Cancelled, EncreError, unknown
-from .job import Baked, Camera, Frame, Mesh, Result
+from .job import Baked, Camera, Frame, Mesh, Result, Work
 from .params import Control, Param, Stage, control, normal, read, stage, text_of
 
-API_VERSION = 7
+API_VERSION = 8
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 
 
@@ -70,8 +70,11 @@ class Library:
         lib.encre_scene_free.argtypes, lib.encre_scene_free.restype = [c.c_void_p], None
         for name in ("encre_scene_geometry", "encre_scene_instance", "encre_scene_lamp"):
             getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p, c.c_int64, c.c_void_p]
-        for name in ("encre_render", "encre_raster", "encre_bake", "encre_light"):
+        for name in ("encre_render", "encre_raster", "encre_bake", "encre_light", "encre_poll"):
             getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
+        lib.encre_start.argtypes = [c.c_void_p, c.c_void_p, c.c_int32]
+        lib.encre_wait.argtypes = lib.encre_cancel.argtypes = [c.c_void_p]
+        lib.encre_cancel.restype = None
         self.path, self.lib = path, lib
         self.layers = {text_of(x.name): x.channels for x in _each(lib.encre_layer_info)}
         self.outputs = {text_of(x.name): x.channels for x in _each(lib.encre_output_info)}
@@ -154,7 +157,8 @@ class Library:
 
     # -- work
 
-    def _context(self, threads, simd):
+    def context(self, threads: int = 0, simd: int = 1) -> Any:
+        """A new encre_context, for the caller to destroy. EncreError: it can't be made."""
         context = self.lib.encre_create(API_VERSION)
         if not context:
             raise EncreError("memory: there is none left for rendering; close other programs")
@@ -178,11 +182,16 @@ class Library:
         job.progress = abi.Progress(forward) if progress else abi.Progress()
         self.call(function, job, threads=threads, simd=simd, failure=failure)
 
+    def run(self, work: Work, threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None) -> Any:
+        """Runs a work and returns its result."""
+        self._call(getattr(self.lib, f"encre_{work.kind}"), work.job, threads, simd, progress)
+        return work.result()
+
     def call(self, function: Any, *arguments: Any, threads: int = 0, simd: int = 1,
              failure: Sequence[BaseException] = ()) -> None:
         """function(a new context, *arguments), structures by reference. EncreError: the library refuses; failure: what
         was raised meanwhile in Python, which goes first."""
-        context = self._context(threads, simd)
+        context = self.context(threads, simd)
         try:
             code = function(context, *(c.byref(a) if isinstance(a, c.Structure) else a for a in arguments))
             sentence = text_of(self.lib.encre_error(context))
@@ -213,6 +222,13 @@ class Library:
              empty: Callable[[tuple[int, ...]], np.ndarray] | None = None) -> Result:
         """As render(); every[k]: the checked values of style number k, as complete() gives them; empty(shape) makes the
         arrays of what is drawn."""
+        return self.run(self.draw_work(layers, every, camera, frame, outputs, image, empty), threads, simd, progress)
+
+    def draw_work(self, layers: Mapping[str, np.ndarray], every: Sequence[Mapping], camera: Camera | None = None,
+                  frame: Frame | None = None, outputs: Sequence[str] = ("Combined",),
+                  image: Callable[[str], np.ndarray] | None = None,
+                  empty: Callable[[tuple[int, ...]], np.ndarray] | None = None) -> Work:
+        """The Work of draw()."""
         job, keep = self._job(), list[Any]()
         for i, (name, channels) in enumerate(self.layers.items()):
             a = layers.get(name)
@@ -247,8 +263,7 @@ class Library:
                              camera.distance)
         frame = frame or Frame(width, height)
         job.frame = abi.Frame(frame.width, frame.height, frame.x, frame.y)
-        self._call(self.lib.encre_render, job, threads, simd, progress)
-        return Result(images, job.nonfinite)
+        return Work("render", job, keep, lambda: Result(images, job.nonfinite))
 
     def raster(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
                size: tuple[int, int], clip_start: float, clip_end: float = 0.0, channels: int = 0,
@@ -259,6 +274,13 @@ class Library:
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
         (H, W, 2), `creases` (H, W, 4) and `coincident`.
         """
+        work = self.raster_work(meshes, view, projection, frame, size, clip_start, clip_end, channels, outputs)
+        return self.run(work, threads, 1, progress)
+
+    def raster_work(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
+                    size: tuple[int, int], clip_start: float, clip_end: float = 0.0, channels: int = 0,
+                    outputs: Sequence[str] = abi.RASTER_OUTPUTS) -> Work:
+        """The Work of raster()."""
         job, keep = abi.RasterJob(), []
         array = (abi.Mesh * max(1, len(meshes)))()
         for m, mesh in zip(array, meshes, strict=False):
@@ -276,8 +298,7 @@ class Library:
             images[name] = np.zeros(shape, np.float32)
             if images[name].size:
                 setattr(job, name, abi.image(images[name]))
-        self._call(self.lib.encre_raster, job, threads, 1, progress)
-        return images
+        return Work("raster", job, [keep, array], lambda: images)
 
     def bake(self, texture: np.ndarray, scene: Mapping | None = None, form: np.ndarray | None = None,
              linear: bool = False, wrap: tuple[bool, bool] = (True, True), draw: bool = True, threads: int = 0,
@@ -300,8 +321,8 @@ class Library:
             job.output = abi.image(out)
         block, _ = self.pack(self.check(scene or {}))
         job.params = c.addressof(block)
-        self._call(self.lib.encre_bake, job, threads, simd, progress)
-        return Baked(out, job.nonfinite, job.greatest)
+        work = Work("bake", job, [texture, form, block], lambda: Baked(out, job.nonfinite, job.greatest))
+        return self.run(work, threads, simd, progress)
 
 
 def _each(info):

@@ -7,7 +7,7 @@ import numpy as np
 
 from . import abi
 from .errors import EncreError
-from .job import EVERY_SET, LAMPS, Frame, Lamp, entries
+from .job import EVERY_SET, LAMPS, Frame, Lamp, Work, entries
 from .library import Library, load
 
 
@@ -69,6 +69,12 @@ class Scene:
         view, projection: 4 x 4, as raster() takes them; world: (9, 3), colours by the functions of the normal that
         encre_light_job names.
         """
+        work = self.light_work(depth, normal, view, projection, frame, clip_start, clip_end, world)
+        return self._library.run(work, threads, simd, progress)
+
+    def light_work(self, depth: np.ndarray, normal: np.ndarray | None, view: np.ndarray, projection: np.ndarray,
+                   frame: Frame, clip_start: float, clip_end: float = 0.0, world: np.ndarray | None = None) -> Work:
+        """The Work of light(). The scene must stay as it is until it has ended."""
         job = abi.LightJob(scene=self._handle, clip_start=clip_start, clip_end=clip_end)
         job.view[:] = np.asarray(view, np.float64).ravel()
         job.projection[:] = np.asarray(projection, np.float64).ravel()
@@ -80,5 +86,4 @@ class Scene:
         job.diffuse = abi.image(diffuse)
         if world is not None:
             job.world[:] = np.asarray(world, np.float32).ravel()
-        self._library._call(self._library.lib.encre_light, job, threads, simd, progress)
-        return diffuse
+        return Work("light", job, [self, depth, normal], lambda: diffuse)

@@ -258,3 +258,40 @@ int32_t check_bake(const encre_bake_job *job, encre_bake_job *clean, char *error
 				   grid_of_bytes(job->params, sizeof(encre_params)), error, size);
 	return code;
 }
+
+/* ---- steps ----------------------------------------------------------------------------------------------- */
+
+encre_progress *step_progress(const encre_step *step, void ***user)
+{
+	encre_job *render = step->job;
+	encre_raster_job *raster = step->job;
+	encre_light_job *light = step->job;
+	encre_bake_job *bake = step->job;
+	switch (step->kind) {
+	case ENCRE_RENDER: *user = &render->user; return &render->progress;
+	case ENCRE_RASTER: *user = &raster->user; return &raster->progress;
+	case ENCRE_LIGHT: *user = &light->user; return &light->progress;
+	default: *user = &bake->user; return &bake->progress;
+	}
+}
+
+int32_t check_steps(const encre_step *steps, int32_t n_steps, char *error, size_t size)
+{
+	if (!steps || n_steps < 1 || n_steps > ENCRE_MAX_STEPS)
+		return refuse(error, size, "steps: %d are given; give 1 to %d", steps ? (int)n_steps : 0,
+			      ENCRE_MAX_STEPS);
+	for (int i = 0; i < n_steps; i++) {
+		void **user;
+		if (steps[i].kind < ENCRE_RENDER || steps[i].kind > ENCRE_BAKE)
+			return refuse(error, size, "step %d: kind %d is not known; give one of enum encre_kind", i,
+				      (int)steps[i].kind);
+		if (!steps[i].job)
+			return refuse(error, size, "step %d: it has no job; give it one", i);
+		if (*step_progress(steps + i, &user))
+			return refuse(error, size,
+				      "step %d: its progress would be called on another thread; give NULL, and ask "
+				      "encre_poll()",
+				      i);
+	}
+	return ENCRE_OK;
+}

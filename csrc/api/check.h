@@ -15,5 +15,9 @@ int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre
 int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char *error, size_t size);
 /* Likewise, and the parameters. */
 int32_t check_bake(const encre_bake_job *job, encre_bake_job *clean, char *error, size_t size);
+/* Steps and that their jobs leave progress alone: what else a job says is checked at its turn. */
+int32_t check_steps(const encre_step *steps, int32_t n_steps, char *error, size_t size);
+/* Where the job of a step, of a known kind, has its progress, and the user of it. */
+encre_progress *step_progress(const encre_step *step, void ***user);
 
 #endif

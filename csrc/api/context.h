@@ -5,11 +5,19 @@
 
 #include "base/stage.h"
 
+typedef struct background background;
+
 struct encre_context {
 	int32_t threads, simd;
-	bands *pool; /* NULL until needed, or after a change of threads */
+	bands *pool;            /* NULL until needed, or after a change of threads */
+	background *background; /* NULL: nothing goes on */
+	int32_t ended;          /* with which code the last that went on has ended */
 	char error[512];
 };
+
+/* What each function of a context begins with: refuses while work goes on in the background, and forgets the last
+ * error. */
+int32_t enter(encre_context *context);
 
 /* The kernels for the best instructions that this build has; use_best() tells whether to run them. */
 #ifdef ENCRE_HAVE_V3

@@ -28,6 +28,8 @@ void encre_destroy(encre_context *context)
 {
 	if (!context)
 		return;
+	encre_cancel(context);
+	encre_wait(context);
 	bands_destroy(context->pool);
 	free(context);
 }
@@ -51,7 +53,9 @@ int32_t fail_code(encre_context *context, int32_t code)
 
 int32_t encre_set_threads(encre_context *context, int32_t threads)
 {
-	context->error[0] = 0;
+	int32_t code = enter(context);
+	if (code)
+		return code;
 	if (threads < 0 || threads > MAX_THREADS)
 		return refuse(context->error, sizeof context->error,
 			      "threads: %d is outside 0..%d; give 0 for as many as processors", (int)threads,
@@ -66,7 +70,9 @@ int32_t encre_set_threads(encre_context *context, int32_t threads)
 
 int32_t encre_set_simd(encre_context *context, int32_t level)
 {
-	context->error[0] = 0;
+	int32_t code = enter(context);
+	if (code)
+		return code;
 	if (level < 0 || level > 1)
 		return refuse(context->error, sizeof context->error,
 			      "simd: level %d is outside 0..1; give 1 for the best there is", (int)level);
@@ -100,9 +106,10 @@ bool use_best(const encre_context *context)
 
 int32_t encre_raster(encre_context *context, encre_raster_job *job)
 {
-	context->error[0] = 0;
 	encre_raster_job clean;
-	int32_t code = check_raster(job, &clean, context->error, sizeof context->error);
+	int32_t code = enter(context);
+	if (!code)
+		code = check_raster(job, &clean, context->error, sizeof context->error);
 	if (code)
 		return code;
 	bands *pool = pool_of(context, job->progress, job->user);
@@ -116,9 +123,10 @@ int32_t encre_raster(encre_context *context, encre_raster_job *job)
 
 int32_t encre_bake(encre_context *context, encre_bake_job *job)
 {
-	context->error[0] = 0;
 	encre_bake_job clean;
-	int32_t code = check_bake(job, &clean, context->error, sizeof context->error);
+	int32_t code = enter(context);
+	if (!code)
+		code = check_bake(job, &clean, context->error, sizeof context->error);
 	if (code)
 		return code;
 	bands *pool = pool_of(context, job->progress, job->user);
@@ -144,8 +152,9 @@ int32_t encre_scene_geometry(encre_context *context, encre_scene *scene, int64_t
 {
 	char *error = context->error;
 	size_t size = sizeof context->error;
-	error[0] = 0;
-	int32_t code = check_scene(scene, error, size);
+	int32_t code = enter(context);
+	if (!code)
+		code = check_scene(scene, error, size);
 	if (!code && geometry)
 		code = check_geometry(key, geometry, error, size);
 	if (!code)
@@ -157,8 +166,9 @@ int32_t encre_scene_instance(encre_context *context, encre_scene *scene, int64_t
 {
 	char *error = context->error;
 	size_t size = sizeof context->error;
-	error[0] = 0;
-	int32_t code = check_scene(scene, error, size);
+	int32_t code = enter(context);
+	if (!code)
+		code = check_scene(scene, error, size);
 	if (!code && instance)
 		code = check_instance(key, instance, error, size);
 	if (!code)
@@ -170,8 +180,9 @@ int32_t encre_scene_lamp(encre_context *context, encre_scene *scene, int64_t key
 {
 	char *error = context->error;
 	size_t size = sizeof context->error;
-	error[0] = 0;
-	int32_t code = check_scene(scene, error, size);
+	int32_t code = enter(context);
+	if (!code)
+		code = check_scene(scene, error, size);
 	if (!code && lamp)
 		code = check_lamp(key, lamp, error, size);
 	if (!code)
@@ -181,9 +192,10 @@ int32_t encre_scene_lamp(encre_context *context, encre_scene *scene, int64_t key
 
 int32_t encre_light(encre_context *context, encre_light_job *job)
 {
-	context->error[0] = 0;
 	encre_light_job clean;
-	int32_t code = check_light(job, &clean, context->error, sizeof context->error);
+	int32_t code = enter(context);
+	if (!code)
+		code = check_light(job, &clean, context->error, sizeof context->error);
 	if (code)
 		return code;
 	bands *pool = pool_of(context, job->progress, job->user);

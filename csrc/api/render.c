@@ -176,9 +176,10 @@ static int32_t run(work *w)
 
 int32_t encre_render(encre_context *context, encre_job *job)
 {
-	context->error[0] = 0;
 	work w = {.context = context, .job = job};
-	int32_t code = check_job(job, w.in, w.out, context->error, sizeof context->error);
+	int32_t code = enter(context);
+	if (!code)
+		code = check_job(job, w.in, w.out, context->error, sizeof context->error);
 	if (code)
 		return code;
 	frame *f = &w.f;

@@ -30,6 +30,7 @@ task random_bake(void)
 	static encre_bake_job job;
 	memset(&job, 0, sizeof job);
 	task t = {.run = run,
+		  .kind = ENCRE_BAKE,
 		  .job = &job,
 		  .progress = &job.progress,
 		  .result = &job.nonfinite,

@@ -189,14 +189,35 @@ static uint64_t take_outputs(const task *t, bool look)
 	return hash;
 }
 
-static int32_t run_once(const task *t, int threads, int simd, uint64_t *hash)
+/* The job on a thread of the library's, as the second of two steps the first of which it also is. `cancel`: after how
+ * many questions. */
+static int32_t run_behind(encre_context *context, const task *t, int cancel)
+{
+	encre_step steps[] = {{t->kind, 0, t->job}, {t->kind, 0, t->job}};
+	double before = 0, fraction;
+	if (encre_start(context, steps, 2))
+		fail("work in the background is refused");
+	if (!encre_start(context, steps, 1) || !encre_set_threads(context, 1))
+		fail("a context that is at work takes other work");
+	for (int asked = 1; encre_poll(context, &fraction) == ENCRE_RUNNING; asked++) {
+		if (!(fraction >= before && fraction <= 1))
+			fail("the fraction goes back or beyond 1");
+		before = fraction;
+		if (asked == cancel)
+			encre_cancel(context);
+		nanosleep(&(struct timespec){0, 20000}, NULL);
+	}
+	return chance(0.5) ? encre_wait(context) : encre_poll(context, NULL);
+}
+
+static int32_t run_once(const task *t, int threads, int simd, bool behind, uint64_t *hash)
 {
 	encre_context *context = encre_create(ENCRE_API_VERSION);
 	if (!context || encre_set_threads(context, threads) || encre_set_simd(context, simd))
 		fail("there is no context");
 	last = 0;
 	calls = 0;
-	int32_t code = t->run(context, t->job);
+	int32_t code = behind ? run_behind(context, t, cancel_at) : t->run(context, t->job);
 	const char *sentence = encre_error(context);
 	if (code == ENCRE_OK ? *sentence != 0
 			     : code == ENCRE_ERROR_ARGUMENT && (!strstr(sentence, ": ") || !strstr(sentence, "; ")))
@@ -213,12 +234,15 @@ static int32_t run_job(const task *t)
 	uint64_t one, two;
 	int threads = whole(1, 3), simd = whole(0, 1);
 	cancel_at = chance(0.05) ? whole(1, 40) : 0;
-	*t->progress = cancel_at || chance(0.3) ? progress : NULL;
+	bool behind = chance(0.2);
+	*t->progress = !behind && (cancel_at || chance(0.3)) ? progress : NULL;
 	remember();
-	int32_t code = run_once(t, threads, simd, &one);
-	if (code == ENCRE_OK && !cancel_at && chance(0.2))
-		if (run_once(t, 4 - threads, 1 - simd, &two) != code || one != two)
+	int32_t code = run_once(t, threads, simd, behind, &one);
+	if (code == ENCRE_OK && !cancel_at && chance(0.2)) {
+		*t->progress = NULL;
+		if (run_once(t, 4 - threads, 1 - simd, chance(0.3), &two) != code || one != two)
 			fail("threads or instructions have changed an output");
+	}
 	return code;
 }
 

@@ -71,6 +71,7 @@ uint64_t pair_count(void);
 /* A job that is ready to run; outputs are those whose samples may change. */
 typedef struct task {
 	int32_t (*run)(encre_context *context, void *job);
+	int32_t kind; /* enum encre_kind: the same in the background */
 	void *job;
 	encre_progress *progress; /* of the job */
 	encre_image output[16];

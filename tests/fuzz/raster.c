@@ -132,7 +132,7 @@ task random_raster(void)
 {
 	static encre_raster_job job;
 	memset(&job, 0, sizeof job);
-	task t = {.run = run, .job = &job, .progress = &job.progress};
+	task t = {.run = run, .kind = ENCRE_RASTER, .job = &job, .progress = &job.progress};
 	int width = chance(0.2) ? whole(1, 4) : whole(1, 100), height = chance(0.2) ? whole(1, 4) : whole(1, 100);
 	shared out = {0};
 	job.frame = (encre_frame){width, height, 0, 0};

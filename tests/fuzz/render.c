@@ -261,6 +261,7 @@ task random_render(uint64_t k)
 	static encre_job job;
 	memset(&job, 0, sizeof job);
 	task t = {.run = run,
+		  .kind = ENCRE_RENDER,
 		  .job = &job,
 		  .progress = &job.progress,
 		  .result = &job.nonfinite,

@@ -12,6 +12,7 @@ import bench
 import drawn
 import numpy as np
 import pytest
+from encre.pen.background import Background
 from encre.pen.errors import EncreError
 from encre.pen.job import Frame, Lamp, Mesh
 from encre.pen.library import LIBRARY, Library
@@ -69,7 +70,14 @@ def light(library, _settings):
     return {"diffuse": scene.light(depth, None, np.eye(4), np.diag([1.0, 1, -1, 1]), Frame(12, 8), 0.1, threads=3)}
 
 
-JOBS = [(light, {}), (render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")),
+def background(library, settings):
+    layers = drawn.scene(61, 37, n=6)
+    behind = Background(3, library=library)
+    behind.start([library.draw_work(layers, library.complete(library.check(settings)))])
+    return behind.wait()[0].images
+
+
+JOBS = [(background, {}), (light, {}), (render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")),
         (render, dict(edge_detector="DOG", line_search="WALK")),
         (render, dict(edge_detector="DOG", line_search="DILATE", contrast_auto=True)), (raster, {}),
         (bake, {}), (bake, dict(contrast_auto=True))]
@@ -89,9 +97,9 @@ def test_each_refused_once(library, job, settings, what):
         try:
             images = job(library, settings)
         except EncreError as e:
-            assert what == "allocation" and str(e).startswith("memory: ") and ";" in str(e)
+            assert (what == "allocation" or job == background) and str(e).startswith("memory: ") and ";" in str(e)
         else:
-            assert what == "thread" or calls.value <= refused
+            assert (what == "thread" and (job, refused) != (background, 0)) or calls.value <= refused
             assert all(images[name].tobytes() == whole[name].tobytes() for name in whole)
         finally:
             refuse.value = 0

@@ -30,6 +30,7 @@ MIRRORS = {
     "encre_instance": abi.Instance,
     "encre_lamp": abi.Lamp,
     "encre_light_job": abi.LightJob,
+    "encre_step": abi.Step,
 }
 
 

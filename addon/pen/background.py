@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Works of the library that go on while Python does something else."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from . import abi
+from .errors import Cancelled, EncreError
+from .job import Work
+from .library import Library, load
+from .params import text_of
+
+_RUNNING, _CANCELLED = 4, 3  # enum encre_code
+
+
+class Background:
+    """A thread of the library's, which has one list of works at a time."""
+
+    def __init__(self, threads: int = 0, simd: int = 1, library: Library | None = None) -> None:
+        self._library = library or load()
+        self._works: list[Work] = []
+        self._context = self._library.context(threads, simd)
+
+    def __del__(self) -> None:
+        if getattr(self, "_context", None):  # it waits until nobody uses the works any more
+            self._library.lib.encre_destroy(self._context)
+
+    def start(self, works: Sequence[Work]) -> None:
+        """Starts works, which run one after the other; one may read what an earlier one draws. EncreError: others go
+        on, or the library has no memory for them."""
+        if self._library.lib.encre_start(self._context, abi.steps(works), len(works)):
+            raise EncreError(self._sentence())
+        self._works = list(works)
+
+    def poll(self) -> list[Any] | None:
+        """None as long as works go on, then once their results; EncreError, Cancelled: one of them failed."""
+        return self._ended(self._library.lib.encre_poll(self._context, None))
+
+    def wait(self) -> list[Any]:
+        """Waits for what poll() gives at last."""
+        return self._ended(self._library.lib.encre_wait(self._context)) or []
+
+    def cancel(self) -> None:
+        """Has the works end soon, if they have not yet: poll() then raises Cancelled."""
+        self._library.lib.encre_cancel(self._context)
+
+    def _ended(self, code):
+        if code == _RUNNING:
+            return None
+        works, self._works = self._works, []
+        if code and works:
+            raise (Cancelled if code == _CANCELLED else EncreError)(self._sentence())
+        return [work.result() for work in works]
+
+    def _sentence(self):
+        return text_of(self._library.lib.encre_error(self._context))

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Work that goes on while the caller does something else: steps that run one after the other on a thread of their own.
+ * It has a context of its own, to which the caller's lends its threads, so that the two share nothing that is not
+ * atomic. */
+#include "api/check.h"
+#include "api/context.h"
+#include "base/refuse.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct background {
+	encre_context own;
+	pthread_t thread;
+	atomic_bool cancel, done;
+	_Atomic float fraction;
+	int32_t code; /* of the thread until it is done */
+	int at, n_steps;
+	encre_step steps[];
+};
+
+/* ---- on the thread --------------------------------------------------------------------------------------- */
+
+static bool go_on(void *user, double fraction)
+{
+	background *b = user;
+	atomic_store(&b->fraction, (float)((b->at + fraction) / b->n_steps));
+	return !atomic_load(&b->cancel);
+}
+
+static int32_t run_step(encre_context *context, const encre_step *step)
+{
+	switch (step->kind) {
+	case ENCRE_RENDER: return encre_render(context, step->job);
+	case ENCRE_RASTER: return encre_raster(context, step->job);
+	case ENCRE_LIGHT: return encre_light(context, step->job);
+	default: return encre_bake(context, step->job);
+	}
+}
+
+static void *background_main(void *data)
+{
+	background *b = data;
+	for (b->at = 0; !b->code && b->at < b->n_steps; b->at++) {
+		void **user;
+		encre_progress *progress = step_progress(b->steps + b->at, &user);
+		void *before = *user;
+		*progress = go_on;
+		*user = b;
+		/* one that was cancelled between two steps must not begin the next */
+		b->code = go_on(b, 0) ? run_step(&b->own, b->steps + b->at) : fail_code(&b->own, ENCRE_ERROR_CANCELLED);
+		*progress = NULL;
+		*user = before;
+	}
+	atomic_store(&b->done, true);
+	return NULL;
+}
+
+/* ---- on the caller's ------------------------------------------------------------------------------------- */
+
+int32_t enter(encre_context *context)
+{
+	if (context->background) /* whose sentence stands in its own context */
+		return refuse(context->error, sizeof context->error,
+			      "context: its work in the background goes on; wait for it, or take another context");
+	context->error[0] = 0;
+	return ENCRE_OK;
+}
+
+int32_t encre_start(encre_context *context, const encre_step *steps, int32_t n_steps)
+{
+	int32_t code = enter(context);
+	if (!code)
+		code = check_steps(steps, n_steps, context->error, sizeof context->error);
+	if (code)
+		return code;
+	size_t size = (size_t)n_steps * sizeof *steps;
+	background *b = calloc(1, sizeof *b + size);
+	if (!b)
+		return fail_code(context, ENCRE_ERROR_MEMORY);
+	memcpy(b->steps, steps, size);
+	b->n_steps = n_steps;
+	b->own = *context;
+	if (pthread_create(&b->thread, NULL, background_main, b)) {
+		free(b);
+		snprintf(context->error, sizeof context->error,
+			 "memory: no thread can be started; close other programs");
+		return ENCRE_ERROR_MEMORY;
+	}
+	context->background = b;
+	context->pool = NULL;
+	return ENCRE_OK;
+}
+
+int32_t encre_poll(encre_context *context, double *fraction)
+{
+	background *b = context->background;
+	if (fraction)
+		*fraction = b ? (double)atomic_load(&b->fraction) : 1;
+	return b && !atomic_load(&b->done) ? ENCRE_RUNNING : encre_wait(context);
+}
+
+void encre_cancel(encre_context *context)
+{
+	if (context->background)
+		atomic_store(&context->background->cancel, true);
+}
+
+int32_t encre_wait(encre_context *context)
+{
+	background *b = context->background;
+	if (!b)
+		return context->ended;
+	pthread_join(b->thread, NULL);
+	b->own.ended = b->code;
+	*context = b->own;
+	free(b);
+	return context->ended;
+}

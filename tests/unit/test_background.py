@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Works in the background: the same bytes as at once, one after the other, and well-defined ends."""
+
+import ctypes
+import time
+
+import drawn
+import numpy as np
+import pytest
+from encre.pen import abi
+from encre.pen.background import Background
+from encre.pen.errors import Cancelled, EncreError
+from encre.pen.job import Frame, Lamp, Mesh
+from encre.pen.library import load
+from encre.pen.scene import Scene
+
+WIDTH, HEIGHT = 96, 64
+VIEW = np.eye(4)
+LENS = np.array([[1, 0, 0, 0], [0, 1.5, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]])
+
+
+def drawing(size=(WIDTH, HEIGHT), **settings):
+    return load().draw_work(drawn.scene(*size), load().complete(load().check(settings)))
+
+
+def run(works):
+    """Results of works in the background, and how often they were asked for."""
+    behind, asked = Background(), 0
+    behind.start(works)
+    while (results := behind.poll()) is None:
+        asked += 1
+        time.sleep(1e-4)
+    return results, asked
+
+
+def chain():
+    """Raster, light and render, each of which reads what those before it draw; and what comes of them."""
+    points = np.random.default_rng(2).uniform(-2, 2, (90, 3)).astype(np.float32) - (0, 0, 5)
+    corners = np.arange(90, dtype=np.int32).reshape(-1, 3)
+    frame, scene = Frame(WIDTH, HEIGHT), Scene()
+    scene.geometry(0, points, corners)
+    scene.instance(0, 0)
+    scene.lamp(0, Lamp("sun", color=(2, 2, 2), width=0.1))
+    raster = load().raster_work([Mesh(points, corners, object=np.arange(1, 31, dtype=np.int32))], VIEW, LENS, frame,
+                                (WIDTH, HEIGHT), 0.1)
+    maps = raster.result()
+    light = scene.light_work(maps["depth"], maps["normal"], VIEW, LENS, frame, 0.1)
+    layers = {"combined": np.ones((HEIGHT, WIDTH, 4), np.float32), "color": maps["normal"], "diffuse": light.result(),
+              "depth": maps["depth"], "normal": maps["normal"], "object": maps["object"]}
+    return [raster, light, load().draw_work(layers, load().complete({"line_thickness": 60.0}))]
+
+
+def test_the_same_bytes_as_at_once():
+    one = [load().run(work) for work in chain()]
+    two, asked = run(chain())
+    assert asked > 0
+    assert all(np.array_equal(one[0][name], two[0][name]) for name in one[0]) and (one[0]["object"] > 0).mean() > 0.2
+    assert np.array_equal(one[1], two[1]) and one[1].std() > 0.01
+    assert np.array_equal(one[2].images["Combined"], two[2].images["Combined"])
+    assert (two[2].images["Combined"][..., 0] < 0.5).sum() > 100
+
+
+def test_one_thread_after_the_other_and_again():
+    behind, want = Background(3), load().run(drawing()).images["Combined"]
+    for _ in range(5):
+        behind.start([drawing()])
+        assert np.array_equal(behind.wait()[0].images["Combined"], want)
+        assert behind.poll() == []
+
+
+def test_a_work_that_goes_on_keeps_others_away():
+    behind = Background()
+    behind.start([drawing((960, 540))])
+    with pytest.raises(EncreError, match="^context: its work in the background goes on; "):
+        behind.start([drawing()])
+    lib = load().lib
+    assert lib.encre_set_threads(behind._context, 2) == lib.encre_set_simd(behind._context, 0) == 1
+    assert lib.encre_render(behind._context, ctypes.byref(drawing().job)) == 1
+    assert len(behind.wait()) == 1
+    assert lib.encre_set_threads(behind._context, 2) == 0
+
+
+def test_a_cancelled_work_ends_soon():
+    work, behind, late = drawing((1280, 720)), Background(), []
+    begin = time.perf_counter()
+    load().run(work)
+    whole = time.perf_counter() - begin
+    for k in range(12):
+        behind.start([drawing((1280, 720)) if k % 4 == 0 else work, work])
+        time.sleep(whole * (k + 0.5) / 12)
+        begin = time.perf_counter()
+        behind.cancel()
+        with pytest.raises(Cancelled):
+            behind.wait()
+        late.append(time.perf_counter() - begin)
+    assert np.median(late) < whole / 10
+    assert load().lib.encre_poll(behind._context, None) == 3
+    behind.start([drawing()])  # and it is as good as new
+    assert len(behind.wait()) == 1
+
+
+def test_what_is_dropped_ends():
+    behind = Background()
+    behind.start([drawing((1280, 720))] * 20)
+    begin = time.perf_counter()
+    del behind
+    assert time.perf_counter() - begin < 1
+
+
+def test_the_first_that_fails_ends_all():
+    bad, after = drawing(), drawing()
+    bad.job.frame.width = 3
+    image = after.result().images["Combined"]
+    image[...] = 7
+    behind = Background()
+    behind.start([drawing(), bad, after])
+    with pytest.raises(EncreError, match="^frame: "):
+        behind.wait()
+    assert (image == 7).all()
+    assert not bad.job.progress
+    assert load().lib.encre_error(behind._context).startswith(b"frame: ")
+
+
+@pytest.mark.parametrize("spoil, words", [
+    (lambda steps: setattr(steps[1], "kind", 4), "^step 1: kind 4 is not known; "),
+    (lambda steps: setattr(steps[1], "kind", -1), "^step 1: kind -1 is not known; "),
+    (lambda steps: setattr(steps[0], "job", None), "^step 0: it has no job; "),
+])
+def test_wrong_steps_are_refused(monkeypatch, spoil, words):
+    right = abi.steps
+
+    def wrong(works):
+        steps = right(works)
+        spoil(steps)
+        return steps
+
+    behind = Background()
+    monkeypatch.setattr(abi, "steps", wrong)
+    with pytest.raises(EncreError, match=words):
+        behind.start([drawing(), drawing()])
+
+
+@pytest.mark.parametrize("count", [0, 65])
+def test_so_many_steps_are_refused(count):
+    behind, work = Background(), drawing()
+    with pytest.raises(EncreError, match=f"^steps: {count} are given; give 1 to 64"):
+        behind.start([work] * count)
+    assert behind.poll() == []
+
+
+def test_progress_is_not_called_on_another_thread():
+    for work in chain():
+        work.job.progress = abi.Progress(lambda _user, _fraction: True)
+        with pytest.raises(EncreError, match="^step 0: its progress would be called"):
+            Background().start([work])
+
+
+def test_the_fraction_grows_to_the_end():
+    lib, context, work = load().lib, load().context(), drawing((480, 270))
+    fraction, seen = ctypes.c_double(), [0.0]
+    assert lib.encre_poll(context, ctypes.byref(fraction)) == 0 and fraction.value == 1
+    assert lib.encre_start(context, abi.steps([work, work]), 2) == 0
+    while lib.encre_poll(context, ctypes.byref(fraction)) == 4:
+        seen.append(fraction.value)
+    assert lib.encre_poll(context, ctypes.byref(fraction)) == 0 and fraction.value == 1
+    lib.encre_destroy(context)
+    assert seen == sorted(seen) and 0.5 < max(seen) <= 1 and len(set(seen)) > 5
