@@ -19,7 +19,7 @@ from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Mesh, Result
 from .params import Control, Param, Stage, control, normal, read, stage, text_of
 
-API_VERSION = 7
+API_VERSION = 8
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 
 
@@ -257,7 +257,7 @@ class Library:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
-        (H, W, 2), `creases` (H, W, 4) and `coincident`.
+        (H, W, 2), `creases` (H, W, 4), `coincident` and `shading` (H, W, 3).
         """
         job, keep = abi.RasterJob(), []
         array = (abi.Mesh * max(1, len(meshes)))()
@@ -271,7 +271,8 @@ class Library:
         width, height = size
         images = {}
         for name in outputs:
-            depth = {"normal": (3,), "attributes": (channels,), "marks": (2,), "creases": (4,)}.get(name, ())
+            depth = {"normal": (3,), "shading": (3,), "attributes": (channels,), "marks": (2,),
+                     "creases": (4,)}.get(name, ())
             shape = height, width, *depth
             images[name] = np.zeros(shape, np.float32)
             if images[name].size:
