@@ -250,6 +250,8 @@ typedef struct encre_mesh {
 				 all ENCRE_EDGE_FLAT */
 	float crease_offset;  /* degrees: added to the bend of every edge */
 	int32_t reserved2;
+	const float *normals; /* of triangles, object space: n_primitives x 3 x 3 at the corners, by which surfaces are
+				 shaded; NULL = flat */
 } encre_mesh;
 
 /* What a crease along an edge of a triangle is taken for. */
@@ -289,6 +291,8 @@ typedef struct encre_raster_job {
 				   places are contours in `marks`, too, if both are asked for */
 	encre_image coincident; /* out, 1: the object number of a later surface that coincides with the one in front and
 				   is of another object; 0 = none */
+	encre_image shading;    /* out, 3: by which the surface is shaded: the meshes' normals, interpolated and of
+				   length 1, world space, on the side of `normal`'s face; where there are none, `normal` */
 } encre_raster_job;
 
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent

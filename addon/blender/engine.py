@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.errors import Cancelled, EncreError
-from . import ENGINE, frame
+from . import ENGINE, frame, wanted
 
 _said = set()
 
@@ -94,7 +94,7 @@ class EncreEngine(bpy.types.RenderEngine):
     def update_render_passes(self, scene, layer):
         passes = [tuple(known) for known in _cycles().list_render_passes(scene, layer)]
         if not self.is_preview and not scene.is_evaluated:  # as overrides.expect() needs it
-            passes += list(frame.passes(scene, layer))
+            passes += list(wanted.passes(scene, layer))
         seen = set()
         for name, channels, kind in passes:
             # Cycles itself makes the "Noisy" twins; registered by us they would leave Combined empty.
@@ -109,6 +109,8 @@ class EncreEngine(bpy.types.RenderEngine):
             if not self.is_preview and _in_file(depsgraph.scene):
                 self.frames = self.frames or frame.Frames(self)
                 self.frames.begin(depsgraph)
+                if self.frames.fast:
+                    return
             if not self.session:
                 _cycles().create(self, data)
             _cycles().reset(self, data, depsgraph)
@@ -124,7 +126,8 @@ class EncreEngine(bpy.types.RenderEngine):
         if self.refused:
             self.free()
             return
-        _cycles().render_frame_finish(self)  # only now are all tiles there
+        if not (self.frames and self.frames.fast):
+            _cycles().render_frame_finish(self)  # only now are all tiles there
         with _Refusing(self):
             if self.frames:
                 self.frames.after()

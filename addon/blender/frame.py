@@ -14,10 +14,22 @@ from ..pen.around import Window
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
-from . import cameras, escape, lamps, meshes, overrides, papers, properties, subframes, subject, versions
+from . import (
+    cameras,
+    escape,
+    fast_frame,
+    lamps,
+    meshes,
+    overrides,
+    papers,
+    properties,
+    subframes,
+    subject,
+    versions,
+    wanted,
+)
 
 _FEW = 8  # fewer samples make a draft, of which denoising would take the most time
-stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
 
 
 @dataclass
@@ -42,7 +54,7 @@ class _ViewLayer:
     asked: list                      # names of the pictures to draw besides Combined
     keeps: bool                      # whether the file keeps what drawing again needs
     paper: np.ndarray | None         # the image that is read for its heights
-    beside: dict                     # what else the file says of the scene: _beside()
+    beside: dict                     # what else the file says of the scene: wanted.beside()
     drawn: dict | None = None        # view id -> passes to write, if that is already done
 
     @property
@@ -53,46 +65,6 @@ class _ViewLayer:
     def outputs(self):
         """Names of the pictures to draw."""
         return [*(["Combined"] if self.settings.active else []), *self.asked]
-
-
-def _keeps(scene):
-    """Whether the file keeps what drawing its picture again needs."""
-    mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
-    return mode in ("ON", "SLIM") or (mode == "AUTO" and multilayer and properties.active(scene))
-
-
-def _asked(view_layer):
-    """Names of the pictures that are to be drawn besides Combined."""
-    return [name for switch, name in properties.PASSES.items() if getattr(view_layer.encre, switch)]
-
-
-def _own(scene, view_layer, seen):
-    """{name: channel names} of the passes that the stages fill."""
-    return {**{name: layers.DRAWN[name] for name in _asked(view_layer)},
-            **(saved.passes(seen) if _keeps(scene) else {})}
-
-
-def passes(scene, view_layer):
-    """What Cycles and the stages must have a place for: (name, channel names, kind), as register_pass() takes."""
-    wanted = dict(layers.CYCLES)
-    if hasattr(scene, "encre"):  # else the library was missing when Blender started
-        with contextlib.suppress(EncreError):  # said when it comes to rendering
-            seen = properties.settings(scene).wants_seen
-            wanted |= {**_own(scene, view_layer, seen), **(layers.SEEN if seen else {})}
-    for name, channels in wanted.items():
-        kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
-        yield versions.pass_name(name), channels, kind
-
-
-def _beside(scene, settings, cut):
-    """What metadata.write() stores besides the settings: how the scene is shown, a paper that is no file, and what a
-    restyled picture will lack."""
-    view, paper = scene.view_settings, settings.paper and papers.stored(settings.paper)
-    return {"view": metadata.View(view.view_transform, view.exposure, view.gamma,
-                                  "" if view.look == "None" else view.look),
-            "paper": paper,
-            "lost": [*(["Freestyle's strokes"] if scene.render.use_freestyle else []),
-                     *(["the ends of lines at the border"] if cut else [])]}
 
 
 class _Passes(Mapping):
@@ -126,6 +98,7 @@ class Frames:
         self.known = {}        # view layer's name -> _ViewLayer
         self.settings = None   # of the evaluated scene; None: they can't be used
         self.numbers = None    # of objects: what overrides.pass_indices() gave
+        self.fast = None       # the FastFrames, where Cycles has nothing to do
         self.overrode = False  # with persistent data, what one frame overrode is there in the next
         self.nonfinite = 0     # values that were read as 0
         self.esc = None        # the escape.Esc after which it draws
@@ -137,13 +110,19 @@ class Frames:
         self.settings = self.numbers = None
         with contextlib.suppress(EncreError):  # said when it comes to rendering: baking comes by here too
             self.settings = properties.settings(depsgraph.scene_eval)
-        if self.settings and (self.settings.active or self.overrode):
+        self.fast = None
+        if self.settings and self.settings.fast:
+            self.fast = fast_frame.FastFrames(self.engine, self._go_on)
+        elif self.settings and (self.settings.active or self.overrode):
             automatic = self.settings.active and self.settings.scene["object_index"] == "AUTO"
             self.numbers = overrides.pass_indices(depsgraph, automatic)
 
     def render(self, cycles, depsgraph):
         """Has `cycles` (cycles.engine) render a view layer. EncreError: the settings or the camera can't be used, or
         a stage fails; Cancelled."""
+        if self.fast:
+            self.fast.render(depsgraph, self._camera(depsgraph), self.settings)
+            return
         self._before(depsgraph)
         layer = self.known.get(depsgraph.view_layer.name)
         if not layer or (layer.factor == 1 and layer.own == layer.place):
@@ -178,7 +157,7 @@ class Frames:
             self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
         if settings.wants_seen:
             overrides.follow_reflections(depsgraph)
-        overrides.expect(depsgraph, _own(depsgraph.scene, depsgraph.view_layer, True))
+        overrides.expect(depsgraph, wanted.own(depsgraph.scene, depsgraph.view_layer, True))
         self.overrode = settings.active
         if flat:
             self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other, paper,
@@ -209,7 +188,7 @@ class Frames:
         frame = Frame(width, height, place.x, place.y)
         threads = render.threads if render.threads_mode == "FIXED" else 0
         line_numbers, user_indices = self.numbers or (None, None)
-        asked, keeps = _asked(depsgraph.view_layer), _keeps(depsgraph.scene)
+        asked, keeps = wanted.asked(depsgraph.view_layer), wanted.keeps(depsgraph.scene)
         objects, drawn, views = None, [], {}
         if settings.active or asked or keeps:
             objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers, light)
@@ -246,7 +225,8 @@ class Frames:
         return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light,
                           camera.data.clip_start, frame, own, place,
                           own if render.use_border and not render.use_crop_to_border else None,
-                          threads, samples, asked, keeps, paper, _beside(depsgraph.scene_eval, settings, own != place))
+                          threads, samples, asked, keeps, paper,
+                          wanted.beside(depsgraph.scene_eval, settings, own != place))
 
     def _reach(self, settings, denoise_other, height):
         """How many pixels around a border are rendered too."""
@@ -300,7 +280,9 @@ class Frames:
     def after(self):
         """Runs the stages on every view layer and view that was rendered; a still that a window's user has stopped is
         drawn as far as it has come. EncreError: they can't; Cancelled."""
-        if self._go_on():
+        if self.fast:
+            self.fast.after()
+        elif self._go_on():
             self._after()
         elif not bpy.app.background and not self.engine.is_animation:
             with escape.Esc() as self.esc:
@@ -308,7 +290,7 @@ class Frames:
 
     def _after(self):
         known, self.known = self.known, {}
-        for key, text in stamped.items():
+        for key, text in wanted.stamped.items():
             self.engine.get_result().stamp_data_add_field(key, text)
         if not known:
             return

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What drawn light needs of a scene: lamps as Cycles takes them, what they light, and what throws shadows."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,14 +14,27 @@ _KINDS = {"SUN": "sun", "POINT": "point", "SPOT": "spot", "SQUARE": "rectangle",
 _MOST_SETS = 64
 
 
+@dataclass
+class Kept:
+    """What the library keeps of a scene from one Light to the next: trees of triangles that are still the same."""
+
+    scene: Scene = field(default_factory=Scene)
+    geometry: dict = field(default_factory=dict)  # key -> (number in the scene, triangles)
+    numbered: int = 0                             # geometries so far
+    placed: int = 0                               # instances in the scene
+    lamps: int = 0
+
+
 class Light:
     """The light of one view layer: made before Cycles frees the scene, drawn after it."""
 
-    def __init__(self, depsgraph, clip):
-        """clip: the camera's (start, end)."""
-        self.scene, self.clip, self.unknown = Scene(), clip, []
+    def __init__(self, depsgraph, clip, kept=None):
+        """clip: the camera's (start, end); kept: the Kept of the Light before this one, which must not be drawn any
+        more."""
+        self.kept, self.clip, self.unknown = kept or Kept(), clip, []
+        self.scene = self.kept.scene
         self.sets = _Sets()
-        self.keys, self.placed, self.lamps = {}, 0, 0
+        self.used, self.placed, self.lamps = set(), 0, 0
         self.world = None
         try:
             self.world = worlds.light(depsgraph.scene_eval.world)
@@ -52,20 +65,35 @@ class Light:
     def place(self, obj, key, triangles, matrix, seen):
         """An instance of triangles (meshes.py); key: what instances of the same triangles share."""
         clear = tuple(k for k, slot in enumerate(obj.material_slots) if _lets_light_through(slot.material))
-        key = key, clear
-        if key not in self.keys:
-            self.keys[key] = len(self.keys)
+        key, kept = (key, clear), self.kept
+        self.used.add(key)
+        if key not in kept.geometry or kept.geometry[key][1] is not triangles:
+            number, _ = kept.geometry.get(key, (kept.numbered, None))
+            kept.numbered = max(kept.numbered, number + 1)
+            kept.geometry[key] = number, triangles
             corners, normals = triangles.corners, triangles.normals
             if clear:
                 slot = (np.zeros(len(corners), np.intp) if triangles.material is None
                         else np.clip(triangles.material, 0, len(obj.material_slots) - 1))
                 solid = ~np.isin(slot, clear)
                 corners, normals = corners[solid], None if normals is None else normals[solid]
-            self.scene.geometry(self.keys[key], triangles.points, corners, normals)
+            self.scene.geometry(number, triangles.points, corners, normals)
         light_sets, shadow_sets = self.sets.of(obj)
-        self.scene.instance(self.placed, self.keys[key], np.array(matrix, np.float64), seen, light_sets,
+        self.scene.instance(self.placed, kept.geometry[key][0], np.array(matrix, np.float64), seen, light_sets,
                             shadow_sets if obj.visible_shadow else 0)
         self.placed += 1
+        kept.placed = max(kept.placed, self.placed)
+
+    def tidy(self):
+        """After all is placed: what the last Light had and this one has not is no longer kept."""
+        kept = self.kept
+        for number in range(self.placed, kept.placed):
+            self.scene.instance(number, None)
+        for number in range(self.lamps, kept.lamps):
+            self.scene.lamp(number, None)
+        for key in kept.geometry.keys() - self.used:
+            self.scene.geometry(kept.geometry.pop(key)[0], None)
+        kept.placed, kept.lamps = self.placed, self.lamps
 
     def draw(self, depth, normal, view, projection, frame, threads, progress):
         """The layer `diffuse`."""

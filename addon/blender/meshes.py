@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Evaluated objects -> triangles with painted controls, marked edges  and numbers of objects."""
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,7 @@ class Objects:
     automatic: bool
     catchers: np.ndarray  # which show nothing but shadows
     clear: np.ndarray  # by number of material: which may let light through
+    materials: list    # by their numbers, full names; None: of what has none
 
     def solid(self):
         """The meshes without the triangles that may let light through; None if there are none of these."""
@@ -53,26 +55,60 @@ class Objects:
 
 # Triangles
 
-def extract(depsgraph, automatic, line_numbers, light=None):
+class Kept:
+    """Triangles from one extraction to the next."""
+
+    def __init__(self):
+        self._known = {}  # key -> (triangles, names of what they are made of)
+        self._used = set()
+
+    def drop(self, names):
+        """Forgets what is made of any of these (type, name)."""
+        self._known = {key: known for key, known in self._known.items() if not known[1] & names}
+
+    def get(self, key, names, read):
+        """The triangles of a key, made by read() where they are not there."""
+        self._used.add(key)
+        if key not in self._known:
+            self._known[key] = read(), set()
+        triangles, sources = self._known[key]
+        sources |= names
+        return triangles
+
+    def tidy(self):
+        """Forgets what was not asked for since the last time."""
+        self._known = {key: known for key, known in self._known.items() if key in self._used}
+        self._used = set()
+
+
+def block_name(block):
+    return type(block.original).__name__, block.original.name_full
+
+
+def extract(depsgraph, automatic, line_numbers, light=None, kept=None, shown=None):
     """The Objects that the camera can see. `line_numbers`: what overrides.pass_indices() gave, None if it was
-    not called. `light`: a lamps.Light that takes them, and what only throws shadows.
+    not called. `light`: a lamps.Light that takes them, and what only throws shadows. `kept`: a Kept; with it normals
+    are read. `shown`: whether an original object is, None: all are.
     """
     meshes, owners, numbers, catchers = [], [0], [0], [False]
-    cache, running, materials = {}, {}, _Materials(depsgraph.scene_eval)
+    running, materials = {}, _Materials(depsgraph.scene_eval)
+    smooth, kept = bool(light) or kept is not None, kept or Kept()
     first_free = 0 if line_numbers is None else len(line_numbers)
     for instance in depsgraph.object_instances:
         obj = instance.object
         if obj.type not in MESHABLE or not instance.show_self:
             continue
+        top = instance.parent if instance.is_instance else obj
+        if shown and not shown(top.original):
+            continue
         seen = _in_camera(obj, depsgraph)
         if not seen and not (light and obj.visible_shadow):
             continue
         # Instances come as one passing object. An evaluated mesh has its modifiers in it, a curve or text has not.
-        key = (obj.data.as_pointer(), None if obj.type == "MESH" else obj.original.as_pointer(),
-               obj.encre.separate_parts)
-        if key not in cache:
-            cache[key] = _triangles(obj, bool(light))
-        triangles = cache[key]
+        own = None if obj.type == "MESH" else obj.original.as_pointer()
+        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts
+        names = {block_name(block) for block in (obj, top, obj.data)}
+        triangles = kept.get(key, names, functools.partial(_triangles, obj, smooth))
         if triangles is None:
             continue
         if light:
@@ -89,9 +125,10 @@ def extract(depsgraph, automatic, line_numbers, light=None):
         if len(triangles.marked):
             meshes.append(Mesh(triangles.points, triangles.marked, kind="lines",
                                     model=np.array(instance.matrix_world, np.float64)))
+    kept.tidy()
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
                    line_numbers if automatic else None, automatic, np.array(catchers),
-                   np.array([known[3] for known in materials.known.values()]))
+                   np.array([known[3] for known in materials.known.values()]), list(materials.known))
 
 
 def _in_camera(obj, depsgraph):
@@ -221,10 +258,11 @@ _NUMBERS = {"INT": np.int32, "INT8": np.int32, "BOOLEAN": bool, "FLOAT": np.floa
 def _parts(mesh, corners, face, separate):
     """(part of each triangle (t,), or None, number of parts): faces with another encre_part, or, with `separate`, not
     joined by any face, are of another part. The lowest number, and the first point, are part 0."""
-    number = np.zeros(len(corners))
     attribute = mesh.attributes.get(PART)
-    if attribute is not None and attribute.domain == "FACE" and attribute.data_type in _NUMBERS:
-        number = _get(attribute.data, "value", _NUMBERS[attribute.data_type])[face]
+    numbered = attribute is not None and attribute.domain == "FACE" and attribute.data_type in _NUMBERS
+    if not numbered and not separate:
+        return None, 1
+    number = _get(attribute.data, "value", _NUMBERS[attribute.data_type])[face] if numbered else np.zeros(len(corners))
     piece = islands(len(mesh.vertices), corners)[corners[:, 0]] if separate else np.zeros(len(corners), np.intp)
     found, part = np.unique(np.stack([number, piece], 1), axis=0, return_inverse=True)
     return (part.reshape(-1).astype(np.int32), len(found)) if len(found) > 1 else (None, 1)
@@ -331,7 +369,7 @@ def _mesh(triangles, obj, materials, matrix, number):
     mesh = Mesh(triangles.points, triangles.corners, object_index=number,
                      model=np.array(matrix, np.float64), material_index=slots[0][0],
                      style_index=own_style or slots[0][1], edges=triangles.edges,
-                     crease_offset=obj.encre.crease_offset)
+                     crease_offset=obj.encre.crease_offset, normals=triangles.normals)
     if triangles.part is not None:
         mesh.object = number + triangles.part
     slot = np.zeros(len(triangles.corners), np.intp)

@@ -7,6 +7,8 @@ the horizon nor what moves counts. A long lens from afar and a short one from ne
 same pen: the distance is that at which a size fills the frame, whatever the lens.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from .meshes import MESHABLE
@@ -16,17 +18,36 @@ _SHAPES_MOVE = {"ARMATURE", "CLOTH", "DYNAMIC_PAINT", "EXPLODE", "FLUID", "HOOK"
                 "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "OCEAN", "SOFT_BODY", "SURFACE_DEFORM", "WAVE"}
 
 
-def distance(depsgraph, camera, view, projection):
-    """In scene units along the axis of an evaluated perspective camera; 0 where there is nothing to tell it from.
-    `view`, `projection`: what cameras.views() gave."""
-    focus = camera.data.dof
-    if focus.focus_object:
-        place = np.append(focus.focus_object.evaluated_get(depsgraph).matrix_world.translation, 1)
-        if (ahead := -float((view @ place)[2])) > 0:
+@dataclass
+class Subject:
+    """What of a scene tells the distance, whatever looks at it."""
+
+    place: np.ndarray | None = None  # the focus, in world space
+    focus: float = 0.0               # its distance, where it is set as a number
+    size: float = 0.0
+
+    def distance(self, view, projection):
+        """In scene units along the axis of a perspective camera; 0 where there is nothing to tell it from. `view`,
+        `projection`: as cameras.views() gives them."""
+        if self.place is not None and (ahead := -float((view @ self.place)[2])) > 0:
             return ahead
-    elif focus.id_data.original.dof.use_dof:  # of the evaluated camera it is switched off
-        return float(focus.focus_distance)
-    return 0.5 * _FILLS * size(depsgraph) * float(projection[1, 1])
+        return self.focus or 0.5 * _FILLS * self.size * float(projection[1, 1])
+
+
+def read(depsgraph, camera=None):
+    """The Subject of a scene; camera: an evaluated one whose focus counts."""
+    focus = camera and camera.data.dof
+    if focus and focus.focus_object:
+        place = np.append(focus.focus_object.evaluated_get(depsgraph).matrix_world.translation, 1)
+        return Subject(place, size=size(depsgraph))
+    if focus and focus.id_data.original.dof.use_dof:  # of the evaluated camera it is switched off
+        return Subject(focus=float(focus.focus_distance))
+    return Subject(size=size(depsgraph))
+
+
+def distance(depsgraph, camera, view, projection):
+    """What read() tells of one camera."""
+    return read(depsgraph, camera).distance(view, projection)
 
 
 def size(depsgraph):

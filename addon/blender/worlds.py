@@ -4,9 +4,12 @@
 import numpy as np
 
 from ..pen import irradiance
+from ..pen.sky import Sky
 
 # What a ray that lights a matt surface says of itself.
 _RAY = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Length": 1e10, "Ray Depth": 1.0, "Diffuse Depth": 1.0}
+# And one from the camera.
+SEEN = {"Is Camera Ray": 1.0, "Ray Length": 1e10}
 _MOST = 64  # rows of a picture that are summed: light by the normal is smooth
 
 
@@ -14,25 +17,47 @@ class Unknown(Exception):
     """A node that can't be read; its text is the node's name."""
 
 
+class _Light:
+    """A world's light: numbers that can be added and multiplied."""
+
+    ray = _RAY
+    constant = staticmethod(irradiance.constant)
+
+    @staticmethod
+    def picture(pixels, rotation):
+        return irradiance.of_picture(_shrunk(pixels), rotation)
+
+
+class _Look:
+    """Likewise what is seen of it."""
+
+    ray = SEEN
+    constant = Sky
+
+    @staticmethod
+    def picture(pixels, rotation):
+        return Sky(pictures=((pixels, rotation),))
+
+
 def light(world):
     """(9, 3) as Scene.light() takes it, of an evaluated world, None: it is dark. Unknown: it can't be told."""
-    if world is None or not _lights(world):
-        return None
+    found = _world(world, "diffuse", _Light)
+    return found if np.any(found) else None
+
+
+def sky(world):
+    """The Sky that the camera sees of an evaluated world. Unknown: it can't be told."""
+    return _world(world, "camera", _Look)
+
+
+def _world(world, asked, kind):
+    """What a _Light or _Look makes of a world; asked: the visibility that counts."""
+    if world is None or not getattr(getattr(world, "cycles_visibility", None), asked, True):
+        return kind.constant(np.zeros(3))
     if not world.use_nodes or world.node_tree is None:
-        return _some(irradiance.constant(np.array(world.color)))
+        return kind.constant(np.array(world.color))
     out = world.node_tree.get_output_node("CYCLES")
-    if out is None or not out.inputs["Surface"].is_linked:
-        return None
-    return _some(_shader(out.inputs["Surface"]))
-
-
-def _lights(world):
-    visibility = getattr(world, "cycles_visibility", None)
-    return getattr(visibility, "diffuse", True)
-
-
-def _some(coefficients):
-    return coefficients if np.any(coefficients) else None
+    return kind.constant(np.zeros(3)) if out is None else _shader(out.inputs["Surface"], kind)
 
 
 def _source(socket):
@@ -45,32 +70,33 @@ def _source(socket):
     return None
 
 
-def _shader(socket):
+def _shader(socket, kind):
     source = _source(socket)
     if source is None:
-        return irradiance.constant(np.zeros(3))
+        return kind.constant(np.zeros(3))
     node = source[0]
     if node.mute:
         raise Unknown(node.name)
     if node.bl_idname == "ShaderNodeBackground":
-        return _color(node.inputs["Color"]) * value(node.inputs["Strength"])
+        return _color(node.inputs["Color"], kind) * value(node.inputs["Strength"], kind.ray)
     if node.bl_idname == "ShaderNodeAddShader":
-        return _shader(node.inputs[0]) + _shader(node.inputs[1])
+        return _shader(node.inputs[0], kind) + _shader(node.inputs[1], kind)
     if node.bl_idname == "ShaderNodeMixShader":
-        share = float(np.clip(value(node.inputs[0]), 0, 1))
-        return ((1 - share) * _shader(node.inputs[1]) if share < 1 else 0) + (
-            share * _shader(node.inputs[2]) if share > 0 else 0)
+        share = float(np.clip(value(node.inputs[0], kind.ray), 0, 1))
+        if share in (0, 1):  # what can't be told of the other does not matter
+            return _shader(node.inputs[1 + int(share)], kind)
+        return _shader(node.inputs[1], kind) * (1 - share) + _shader(node.inputs[2], kind) * share
     raise Unknown(node.name)
 
 
-def _color(socket):
+def _color(socket, kind):
     source = _source(socket)
     if source and source[0].bl_idname == "ShaderNodeTexEnvironment":
-        return _environment(source[0])
-    return irradiance.constant(color(socket))
+        return _environment(source[0], kind)
+    return kind.constant(color(socket))
 
 
-def value(socket):
+def value(socket, ray=_RAY):
     """The number that a socket gets. Unknown: it isn't the same everywhere."""
     source = _source(socket)
     if source is None:
@@ -79,14 +105,14 @@ def value(socket):
     if node.bl_idname == "ShaderNodeValue":
         return float(node.outputs[0].default_value)
     if node.bl_idname == "ShaderNodeLightPath":
-        return _RAY.get(name, 0.0)
+        return ray.get(name, 0.0)
     if node.bl_idname == "ShaderNodeMath":
-        return _math(node)
+        return _math(node, ray)
     raise Unknown(node.name)
 
 
-def _math(node):
-    a, b = (value(node.inputs[k]) for k in range(2))
+def _math(node, ray):
+    a, b = (value(node.inputs[k], ray) for k in range(2))
     results = {"ADD": a + b, "SUBTRACT": a - b, "MULTIPLY": a * b, "MAXIMUM": max(a, b), "MINIMUM": min(a, b),
                "GREATER_THAN": float(a > b), "LESS_THAN": float(a < b)}
     if node.operation not in results:
@@ -104,15 +130,15 @@ def color(socket):
     raise Unknown(source[0].name)
 
 
-def _environment(node):
+def _environment(node, kind):
     image = node.image
     if node.projection != "EQUIRECTANGULAR" or image is None or not all(image.size):
         raise Unknown(node.name)
     width, height = image.size
     pixels = np.empty(width * height * image.channels, np.float32)
     image.pixels.foreach_get(pixels)
-    picture = _shrunk(pixels.reshape(height, width, image.channels)[::-1])
-    return irradiance.of_picture(picture if image.channels > 2 else picture[..., :1].repeat(3, 2), _rotation(node))
+    picture = pixels.reshape(height, width, image.channels)[::-1]
+    return kind.picture(picture[..., :3] if image.channels > 2 else picture[..., :1].repeat(3, 2), _rotation(node))
 
 
 def _shrunk(picture):

@@ -171,9 +171,9 @@ def render(job, scene, line):
 
 def render_frame(job, scene, number, stamp):
     """What to report of it."""
-    from ..blender import frame as engine_frame
+    from ..blender import wanted
 
-    engine_frame.stamped = stamp
+    wanted.stamped = stamp
     scene.frame_set(number)
     scene.render.filepath = os.path.join(job["folder"], str(number))
     try:

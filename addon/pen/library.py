@@ -272,7 +272,7 @@ class Library:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
-        (H, W, 2), `creases` (H, W, 4) and `coincident`.
+        (H, W, 2), `creases` (H, W, 4), `coincident` and `shading` (H, W, 3).
         """
         work = self.raster_work(meshes, view, projection, frame, size, clip_start, clip_end, channels, outputs)
         return self.run(work, threads, 1, progress)
@@ -293,7 +293,8 @@ class Library:
         width, height = size
         images = {}
         for name in outputs:
-            depth = {"normal": (3,), "attributes": (channels,), "marks": (2,), "creases": (4,)}.get(name, ())
+            depth = {"normal": (3,), "shading": (3,), "attributes": (channels,), "marks": (2,),
+                     "creases": (4,)}.get(name, ())
             shape = height, width, *depth
             images[name] = np.zeros(shape, np.float32)
             if images[name].size:

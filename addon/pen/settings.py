@@ -64,6 +64,11 @@ class Settings:
         return self.active and self.any("use_shading", "use_hatching", "edge_light", "line_light")
 
     @cached_property
+    def fast(self) -> bool:
+        """Whether the layers are drawn from the scene, without a renderer."""
+        return self.every[0]["layer_source"] == "ENCRE"
+
+    @cached_property
     def draws_light(self) -> bool:
         """Whether light is to be drawn where there is a scene to draw it from."""
         return self.every[0]["light_source"] == "DRAWN" and self.active
@@ -116,7 +121,8 @@ class Settings:
     @cached_property
     def wants_seen(self) -> bool:
         """Whether lines are drawn in what mirrors and glass show."""
-        return self.every[0]["edge_detector"] == "FINE" and self.any("edge_seen") and self.wants_edges
+        return (self.every[0]["edge_detector"] == "FINE" and self.any("edge_seen") and self.wants_edges
+                and not self.fast)
 
     def idle(self, pictures: Mapping[str, np.ndarray]) -> dict[str, str]:
         """{weight: why} of the sources of edges that are asked for and find nothing in the layers of a picture."""

@@ -3,14 +3,17 @@
 /* What the engine does before and after the library: size, choice and cleaning of the layers. No C stage reads these;
  * lengths in PIXELS are multiplied by supersample. */
 STAGE(layers, "Layers", "What the engine renders and saves for the stages")
+ENUM(layer_source, FRAME, 0, "", "Layers", "What renders the layers on which is drawn",
+     ITEM(layer_source, CYCLES, 0, "Cycles", "Cycles: all materials and all light")
+     ITEM(layer_source, ENCRE, 1, "Encre", "Encre itself, many times faster, without reflections and bounced light: for animatics and flat pictures"))
 INT(supersample, FRAME, 1, 1, 4, 1, 4, "", "", "Supersample", "Draw at this many times the width and height, with as many rays as before, and average down: for things thinner than a pixel; memory grows by its square")
 ENUM(object_index, FRAME, 0, "", "Object Index", "What counts as an object of its own where outlines are drawn",
      ITEM(object_index, AUTO, 0, "Automatic", "A running number for every object or named line group, whatever the pass index is")
      ITEM(object_index, PASS, 1, "Pass Index", "The pass index set in the object's properties"))
-ENUM(light_source, FRAME, 0, "", "Light", "What the light is that is cut into levels, hatched and followed by lines",
+ENUM(light_source, FRAME, 0, "layer_source=CYCLES", "Light", "What the light is that is cut into levels, hatched and followed by lines",
      ITEM(light_source, CYCLES, 0, "Cycles", "As Cycles renders it, with bounced light and noise")
      ITEM(light_source, DRAWN, 1, "Drawn", "Direct light of the scene's lamps and world, drawn exactly and without noise"))
-ENUM(light_denoise, FRAME, 0, "use_shading&light_source=CYCLES", "Denoise Light", "How Monte-Carlo noise is taken out of the light before it is cut into levels",
+ENUM(light_denoise, FRAME, 0, "use_shading&light_source=CYCLES&layer_source=CYCLES", "Denoise Light", "How Monte-Carlo noise is taken out of the light before it is cut into levels",
      ITEM(light_denoise, OIDN, 0, "Open Image Denoise", "Denoise the light with the albedo and the normal as guides, where the library is there")
      ITEM(light_denoise, NONE, 1, "None", "Use the light as it was rendered"))
 ENUM(save_layers, FRAME, 0, "", "Save Layers", "Write the layers that restyling a saved frame needs into the file",

@@ -4,6 +4,7 @@
 #include "raster/geometry.h"
 #include "base/refuse.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 
@@ -34,8 +35,8 @@ static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_
 	if (mesh->n_primitives && !mesh->points)
 		return refuse(error, size, "mesh %d: has %d primitives, but no points; give them", number,
 			      (int)mesh->n_primitives);
-	const void *arrays[] = {mesh->points,   mesh->corners, mesh->attributes,
-				mesh->material, mesh->style,   mesh->object};
+	const void *arrays[] = {mesh->points, mesh->corners, mesh->attributes, mesh->material,
+				mesh->style,  mesh->object,  mesh->normals};
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		if ((uintptr_t)arrays[i] % sizeof(float))
 			return refuse(error, size,
@@ -89,6 +90,16 @@ static void multiply(const double a[16], const double b[16], double out[16])
 					 a[4 * i + 3] * b[12 + j];
 }
 
+/* Of the left upper 3 x 3. They turn what lies across two edges as the edges turn: mirrored where these are. */
+static void cofactors(const double m[16], double out[9])
+{
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++) {
+			int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+			out[3 * i + j] = m[4 * a + c] * m[4 * b + d] - m[4 * a + d] * m[4 * b + c];
+		}
+}
+
 void geometry_aim(geometry *g)
 {
 	const encre_raster_job *job = g->job;
@@ -111,6 +122,7 @@ void geometry_aim(geometry *g)
 		multiply(camera, view, part->screen);
 		part->mesh = mesh;
 		part->first = first;
+		cofactors(mesh->model, part->turn);
 		first += (uint32_t)mesh->n_primitives;
 	}
 	bool perspective = p[14] != 0;
@@ -194,4 +206,20 @@ void geometry_normal(const geometry *g, const part *part, uint32_t i, float norm
 	double length = square > 0 ? sqrt(square) : 1;
 	for (int c = 0; c < 3; c++)
 		normal[c] = (float)(facing < 0 ? -n[c] / length : n[c] / length);
+}
+
+bool geometry_turn(const part *part, const double normal[3], double side, float turned[3])
+{
+	double n[3], square = 0;
+	for (int c = 0; c < 3; c++) {
+		const double *row = part->turn + 3 * c;
+		n[c] = row[0] * normal[0] + row[1] * normal[1] + row[2] * normal[2];
+		square += n[c] * n[c];
+	}
+	if (!(square > 0 && square <= DBL_MAX))
+		return false;
+	double scale = side / sqrt(square);
+	for (int c = 0; c < 3; c++)
+		turned[c] = (float)(scale * n[c]);
+	return true;
 }

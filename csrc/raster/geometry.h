@@ -13,6 +13,7 @@ typedef struct part {
 	const encre_mesh *mesh;
 	uint32_t first;
 	double screen[16]; /* object space -> corner, row by row */
+	double turn[9];    /* normals: object -> world space, of any length */
 } part;
 
 typedef struct geometry {
@@ -35,5 +36,7 @@ void geometry_corners(const part *part, uint32_t i, corner c[3]);
 void geometry_across(const part *part, uint32_t i, double across[3]);
 /* A triangle's unit normal, world space, facing the eye. */
 void geometry_normal(const geometry *g, const part *part, uint32_t i, float normal[3]);
+/* A normal in object space, turned and made of length 1 in world space, times `side`; false: it has no direction. */
+bool geometry_turn(const part *part, const double normal[3], double side, float turned[3]);
 
 #endif

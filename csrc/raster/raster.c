@@ -126,6 +126,8 @@ typedef struct surface {
 	corner corner[3];
 	float normal[3], object, material, style;
 	const float *attributes; /* of the three corners; NULL = 0 */
+	const float *normals;    /* likewise, in object space; NULL = flat */
+	double side;             /* 1: the eye sees the side of the normals, -1: the other */
 } surface;
 
 static float object_of(const part *part, uint32_t number)
@@ -153,27 +155,46 @@ static void load_surface(const raster *r, uint32_t number, surface *s)
 	s->attributes = mesh->attributes && mesh->n_channels
 				? mesh->attributes + (size_t)i * 3 * (size_t)mesh->n_channels
 				: NULL;
-	if (r->job->attributes.data && s->attributes)
+	s->normals = r->job->shading.data && mesh->normals ? mesh->normals + (size_t)i * 9 : NULL;
+	if ((r->job->attributes.data && s->attributes) || s->normals)
 		geometry_corners(s->part, i, s->corner);
-	if (r->job->normal.data)
+	if (r->job->normal.data || r->job->shading.data)
 		geometry_normal(&r->geometry, s->part, i, s->normal);
+	if (s->normals) {
+		double across[3], facing = 0;
+		geometry_across(s->part, i, across);
+		for (int c = 0; c < 3; c++)
+			facing += across[c] * (double)s->normal[c];
+		s->side = facing < 0 ? -1 : 1;
+	}
 }
 
-static void shade_attributes(const raster *r, const surface *s, int x, int y)
+/* From the first corner on: a constant stays what it is. */
+static inline double mixed(const float *values, int stride, const double share[2])
 {
-	float *out = pixel_at(&r->job->attributes, x, y);
-	int given = s->attributes ? s->part->mesh->n_channels : 0, n = r->job->n_channels;
-	double second = 0, third = 0;
-	if (given)
-		outline_shares(s->corner, r->job->frame.x + x + 0.5, r->job->frame.y + y + 0.5, &second, &third);
-	for (int c = 0; c < n; c++) {
-		out[c] = 0;
-		if (c < given) { /* from the first corner on: a constant stays what it is */
-			double a = (double)s->attributes[c], b = (double)s->attributes[given + c],
-			       d = (double)s->attributes[2 * given + c];
-			out[c] = (float)(a + second * (b - a) + third * (d - a));
-		}
-	}
+	double a = (double)values[0], b = (double)values[stride], c = (double)values[2 * stride];
+	return a + share[0] * (b - a) + share[1] * (c - a);
+}
+
+static void shade_normal(const surface *s, const double share[2], float *out)
+{
+	double normal[3] = {0};
+	for (int c = 0; c < 3 && s->normals; c++)
+		normal[c] = mixed(s->normals + c, 3, share);
+	if (!s->normals || !geometry_turn(s->part, normal, s->side, out))
+		memcpy(out, s->normal, sizeof s->normal);
+}
+
+static void shade_corners(const raster *r, const surface *s, int x, int y)
+{
+	double share[2] = {0};
+	if (s->attributes || s->normals)
+		outline_shares(s->corner, r->job->frame.x + x + 0.5, r->job->frame.y + y + 0.5, share, share + 1);
+	if (r->job->shading.data)
+		shade_normal(s, share, pixel_at(&r->job->shading, x, y));
+	int given = s->attributes ? s->part->mesh->n_channels : 0;
+	for (int c = 0; r->job->attributes.data && c < r->job->n_channels; c++)
+		pixel_at(&r->job->attributes, x, y)[c] = c < given ? (float)mixed(s->attributes + c, given, share) : 0;
 }
 
 static void shade_row(const raster *r, const band *b, int row)
@@ -205,8 +226,8 @@ static void shade_row(const raster *r, const band *b, int row)
 		if (job->coincident.data)
 			*pixel_at(&job->coincident, x, y) =
 				any && twin[x] != NOTHING ? object_beside(r, front[x], twin[x]) : 0;
-		if (job->attributes.data)
-			shade_attributes(r, any ? &s : &nothing, x, y);
+		if (job->attributes.data || job->shading.data)
+			shade_corners(r, any ? &s : &nothing, x, y);
 	}
 }
 
@@ -300,8 +321,8 @@ static int32_t run(bands *pool, raster *r)
 
 int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size)
 {
-	const encre_image *images[] = {&job->depth,      &job->normal, &job->object,  &job->material,  &job->style,
-				       &job->attributes, &job->marks,  &job->creases, &job->coincident};
+	const encre_image *images[] = {&job->depth,      &job->normal, &job->object,  &job->material,   &job->style,
+				       &job->attributes, &job->marks,  &job->creases, &job->coincident, &job->shading};
 	const encre_image *image = NULL;
 	for (size_t i = 0; i < sizeof images / sizeof *images; i++)
 		if (images[i]->data)

@@ -59,6 +59,15 @@ static const int32_t *random_numbers(int n)
 	return at;
 }
 
+static const float *random_shares(size_t n)
+{
+	float *at = take(n * sizeof *at);
+	double odd = chance(0.2) ? 0.01 : 0;
+	for (size_t k = 0; k < n; k++)
+		at[k] = chance(odd) ? weird() : (float)share();
+	return at;
+}
+
 static void random_mesh(encre_mesh *mesh)
 {
 	mesh->kind = chance(0.7) ? ENCRE_TRIANGLES : ENCRE_LINES;
@@ -71,14 +80,11 @@ static void random_mesh(encre_mesh *mesh)
 	else
 		random_corners(mesh, each);
 	random_points(mesh);
-	if (mesh->kind == ENCRE_TRIANGLES && mesh->n_channels && chance(0.7)) {
-		size_t n = 3 * (size_t)mesh->n_primitives * (size_t)mesh->n_channels;
-		float *at = take(n * sizeof *at);
-		double odd = chance(0.2) ? 0.01 : 0;
-		for (size_t k = 0; k < n; k++)
-			at[k] = chance(odd) ? weird() : (float)share();
-		mesh->attributes = at;
-	}
+	size_t corners = 3 * (size_t)mesh->n_primitives;
+	if (mesh->kind == ENCRE_TRIANGLES && mesh->n_channels && chance(0.7))
+		mesh->attributes = random_shares(corners * (size_t)mesh->n_channels);
+	if (mesh->kind == ENCRE_TRIANGLES && chance(0.5))
+		mesh->normals = random_shares(corners * 3);
 	mesh->material = random_numbers(mesh->n_primitives);
 	mesh->style = random_numbers(mesh->n_primitives);
 	mesh->object = random_numbers(mesh->n_primitives);
@@ -145,9 +151,9 @@ task random_raster(void)
 	if (chance(0.005))
 		job.frame.width = weird_int();
 	job.n_channels = whole(0, 6);
-	encre_image *image[] = {&job.depth,      &job.normal, &job.object,  &job.material,  &job.style,
-				&job.attributes, &job.marks,  &job.creases, &job.coincident};
-	const int channels[] = {1, 3, 1, 1, 1, job.n_channels, 2, 4, 1};
+	encre_image *image[] = {&job.depth,      &job.normal, &job.object,  &job.material,   &job.style,
+				&job.attributes, &job.marks,  &job.creases, &job.coincident, &job.shading};
+	const int channels[] = {1, 3, 1, 1, 1, job.n_channels, 2, 4, 1, 3};
 	t.n_outputs = sizeof image / sizeof *image;
 	for (int i = 0; i < t.n_outputs; i++)
 		if (chance(0.7) && channels[i])

@@ -35,11 +35,11 @@ DEFAULTS = {
     "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
     "paper_seed": 0,
     # read before the layers reach the stages
-    "object_index": "AUTO", "shade_light": "ALL", "light_source": "CYCLES", "light_denoise": "OIDN",
-    "save_layers": "AUTO",
+    "object_index": "AUTO", "shade_light": "ALL", "layer_source": "CYCLES", "light_source": "CYCLES",
+    "light_denoise": "OIDN", "save_layers": "AUTO",
 }
 
-ENGINE = {"object_index", "shade_light", "light_source", "light_denoise", "save_layers"}
+ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "light_denoise", "save_layers"}
 SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching")
 
 _WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light", "mark")}

@@ -54,6 +54,7 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
     columns, rows = np.arange(width) + frame.x, np.arange(height) + frame.y
     view, projection = np.asarray(view, float), np.asarray(projection, float)
     out = SimpleNamespace(depth=np.full((height, width), NOTHING), normal=np.zeros((height, width, 3)),
+                          shading=np.zeros((height, width, 3)),
                           object=np.zeros((height, width)), material=np.zeros((height, width)),
                           style=np.zeros((height, width)), attributes=np.zeros((height, width, channels)),
                           unsure=np.zeros((height, width), bool), front=np.full((height, width, 2), -1))
@@ -94,9 +95,13 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
             py, px, depth, share = py[front], px[front], depth[front], share[front]
             normal = np.cross(world[1] - world[0], world[2] - world[0])
             towards = view[2, :3] if projection[3, 2] == 0 else -view[:3, :3].T @ view[:3, 3] - world[0]
-            normal *= (1 if normal @ towards >= 0 else -1) / np.linalg.norm(normal)
+            side = 1 if normal @ towards >= 0 else -1
+            normal *= side / np.linalg.norm(normal)
             nearest[py, px] = out.depth[py, px] = depth
-            out.normal[py, px] = normal
+            out.normal[py, px] = out.shading[py, px] = normal
+            if mesh.normals is not None:
+                turned = _shading(share @ mesh.normals[t].astype(float), mesh.model, side)
+                out.shading[py, px] = np.where(turned.any(1, keepdims=True), turned, normal)
             out.front[py, px] = number, t
             out.object[py, px] = mesh.object_index if mesh.object is None else mesh.object[t]
             out.material[py, px] = mesh.material_index if mesh.material is None else mesh.material[t]
@@ -106,3 +111,10 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
                 n = min(channels, mesh.attributes.shape[-1])
                 out.attributes[py, px, :n] = share @ mesh.attributes[t, :, :n].astype(float)
     return vars(out)
+
+
+def _shading(normals, model, side):
+    """Normals (n, 3) in world space, of length 1, on the side that is seen. The inverse's transpose turns them; where
+    the model mirrors, corners go round the other way, and the normal of a face with them."""
+    turned = side * np.sign(np.linalg.det(model[:3, :3])) * normals @ np.linalg.inv(model[:3, :3])
+    return turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-300)

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 from reference.raster import NOTHING, STEPS, draw
 from views import crowded, looking, orthographic, perspective, pixels, rotation, same, soup
 
-OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes")
+OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes", "shading")
 
 
 def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=0):
-    got = library.raster(meshes, view, projection, frame, size, start, end, channels)
+    got = library.raster(meshes, view, projection, frame, size, start, end, channels, OUTPUTS)
     want = draw(meshes, view, projection, frame, size, start, end, channels)
     sure = ~want["unsure"]
     assert sure.mean() > 0.9
@@ -23,6 +23,7 @@ def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=
         np.testing.assert_array_equal(got[name][sure], want[name][sure], name)
     np.testing.assert_allclose(got["depth"], want["depth"], rtol=1e-6)
     np.testing.assert_allclose(got["normal"][sure], want["normal"][sure], atol=1e-6)
+    np.testing.assert_allclose(got["shading"][sure], want["shading"][sure], atol=1e-5)
     np.testing.assert_allclose(got["attributes"][sure], want["attributes"][sure], atol=1e-5)
     return got
 
@@ -43,6 +44,10 @@ def test_soup(size, projection):
               soup(rng, 80, 0.4, object_index=4, material=np.arange(80), style=np.arange(80) % 3, channels=5),
               soup(rng, 50, object_index=-7, channels=1)]
     meshes[3].attributes = None
+    for mesh, mirror in ((meshes[0], -1), (meshes[2], 1)):
+        mesh.normals = rng.uniform(-1, 1, (len(mesh.points) // 3, 3, 3)).astype(np.float32)
+        mesh.normals[:9] = 0  # without a direction: as where there are none
+        mesh.model[:3, 0] *= mirror
     got = compare(meshes, looking(rng), projection(*size), Frame(*size), size, channels=4)
     if size == (97, 53):
         assert {0, 3, 4, -7} == set(np.unique(got["object"]))
@@ -330,7 +335,7 @@ def test_threads_do_not_matter():
 def test_strides_and_absent_outputs():
     rng = np.random.default_rng(13)
     meshes, view, p, frame = crowded(rng), looking(rng), perspective(50, 40), Frame(50, 40)
-    full = library.raster(meshes, view, p, frame, (50, 40), 0.1, 0, 3)
+    full = library.raster(meshes, view, p, frame, (50, 40), 0.1, 0, 3, OUTPUTS)
     for name in OUTPUTS:
         same(library.raster(meshes, view, p, frame, (50, 40), 0.1, 0, 3, outputs=(name,)), {name: full[name]})
     lib, job = load(), abi.RasterJob()

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is asked of a view layer: the passes that it has, what its file keeps, and what the file says."""
+
+import contextlib
+
+from ..pen import layers, metadata, saved
+from ..pen.errors import EncreError
+from . import papers, properties, versions
+
+stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
+
+
+def keeps(scene):
+    """Whether the file keeps what drawing its picture again needs."""
+    mode, multilayer = scene.encre.save_layers, scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
+    return mode in ("ON", "SLIM") or (mode == "AUTO" and multilayer and properties.active(scene))
+
+
+def asked(view_layer):
+    """Names of the pictures that are to be drawn besides Combined."""
+    return [name for switch, name in properties.PASSES.items() if getattr(view_layer.encre, switch)]
+
+
+def own(scene, view_layer, seen):
+    """{name: channel names} of the passes that the stages fill."""
+    return {**{name: layers.DRAWN[name] for name in asked(view_layer)},
+            **(saved.passes(seen) if keeps(scene) else {})}
+
+
+def passes(scene, view_layer):
+    """What Cycles and the stages must have a place for: (name, channel names, kind), as register_pass() takes."""
+    wanted = dict(layers.CYCLES)
+    if hasattr(scene, "encre"):  # else the library was missing when Blender started
+        with contextlib.suppress(EncreError):  # said when it comes to rendering
+            seen = properties.settings(scene).wants_seen
+            wanted |= {**own(scene, view_layer, seen), **(layers.SEEN if seen else {})}
+    for name, channels in wanted.items():
+        kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
+        yield versions.pass_name(name), channels, kind
+
+
+def beside(scene, settings, cut):
+    """What metadata.write() stores besides the settings: how the scene is shown, a paper that is no file, and what a
+    restyled picture will lack."""
+    view, paper = scene.view_settings, settings.paper and papers.stored(settings.paper)
+    return {"view": metadata.View(view.view_transform, view.exposure, view.gamma,
+                                  "" if view.look == "None" else view.look),
+            "paper": paper,
+            "lost": [*(["Freestyle's strokes"] if scene.render.use_freestyle else []),
+                     *(["the ends of lines at the border"] if cut else [])]}

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is seen of a world where nothing is in front of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .job import Frame
+
+
+@dataclass
+class Sky:
+    """The sum of a colour (3,) and of equirectangular pictures: (height, width, 3), row 0 at the top, whose middle is
+    seen towards +x and its upper edge towards +z, each with the rotation world -> picture."""
+
+    color: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    pictures: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
+
+    def __add__(self, other: Sky) -> Sky:
+        return Sky(self.color + other.color, self.pictures + other.pictures)
+
+    def __mul__(self, factor: float) -> Sky:
+        if factor == 1:
+            return self
+        return Sky(self.color * factor, tuple((pixels * np.float32(factor), turn) for pixels, turn in self.pictures))
+
+    def seen(self, view: np.ndarray, projection: np.ndarray, frame: Frame, pixels: np.ndarray,
+             width: int) -> np.ndarray:
+        """(n, 3) at flat numbers of pixels of a picture of this width, of which `frame` tells the place."""
+        out = np.broadcast_to(self.color.astype(np.float32), (len(pixels), 3)).copy()
+        if self.pictures:
+            direction = _directions(view, projection, frame, pixels, width)
+            for picture, turn in self.pictures:
+                out += _looked_up(picture, direction @ turn.T)
+        return out
+
+
+def _directions(view, projection, frame, pixels, width):
+    """Of length 1, world space; of an orthographic camera all the same."""
+    row, column = np.divmod(pixels, width)
+    x = (2 * (column + frame.x + 0.5) / frame.width - 1 + projection[0, 2]) / projection[0, 0]
+    y = (1 - 2 * (row + frame.y + 0.5) / frame.height + projection[1, 2]) / projection[1, 1]
+    if projection[3, 3] == 1:
+        x, y = np.zeros_like(x), np.zeros_like(y)
+    ray = np.stack([x, y, np.full_like(x, -1)], 1)
+    return (ray / np.linalg.norm(ray, axis=1, keepdims=True)) @ view[:3, :3]
+
+
+def _looked_up(picture, direction):
+    """Between the four nearest texels; round the horizon the picture closes."""
+    height, width = picture.shape[:2]
+    x = (0.5 - np.arctan2(direction[:, 1], direction[:, 0]) / (2 * np.pi)) * width - 0.5
+    y = np.arccos(np.clip(direction[:, 2], -1, 1)) / np.pi * height - 0.5
+    left, top = np.floor(x), np.clip(np.floor(y), 0, height - 1)
+    right, down = (x - left)[:, None].astype(np.float32), np.clip(y - top, 0, 1)[:, None].astype(np.float32)
+    columns = [(left + k).astype(np.intp) % width for k in (0, 1)]
+    rows = [np.minimum(top + k, height - 1).astype(np.intp) for k in (0, 1)]
+    upper, lower = (picture[row, columns[0]] * (1 - right) + picture[row, columns[1]] * right for row in rows)
+    return upper * (1 - down) + lower * down
