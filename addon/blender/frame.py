@@ -14,7 +14,7 @@ from ..pen.around import Window
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
-from . import cameras, escape, lamps, meshes, overrides, papers, properties, subframes, subject, versions
+from . import beside, cameras, escape, lamps, meshes, overrides, papers, properties, subframes, subject, versions
 
 _FEW = 8  # fewer samples make a draft, of which denoising would take the most time
 stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
@@ -42,7 +42,7 @@ class _ViewLayer:
     asked: list                      # names of the pictures to draw besides Combined
     keeps: bool                      # whether the file keeps what drawing again needs
     paper: np.ndarray | None         # the image that is read for its heights
-    beside: dict                     # what else the file says of the scene: _beside()
+    beside: dict                     # what else the file says of the scene: beside.of()
     drawn: dict | None = None        # view id -> passes to write, if that is already done
 
     @property
@@ -82,17 +82,6 @@ def passes(scene, view_layer):
     for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
         yield versions.pass_name(name), channels, kind
-
-
-def _beside(scene, settings, cut):
-    """What metadata.write() stores besides the settings: how the scene is shown, a paper that is no file, and what a
-    restyled picture will lack."""
-    view, paper = scene.view_settings, settings.paper and papers.stored(settings.paper)
-    return {"view": metadata.View(view.view_transform, view.exposure, view.gamma,
-                                  "" if view.look == "None" else view.look),
-            "paper": paper,
-            "lost": [*(["Freestyle's strokes"] if scene.render.use_freestyle else []),
-                     *(["the ends of lines at the border"] if cut else [])]}
 
 
 class _Passes(Mapping):
@@ -246,7 +235,8 @@ class Frames:
         return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light,
                           camera.data.clip_start, frame, own, place,
                           own if render.use_border and not render.use_crop_to_border else None,
-                          threads, samples, asked, keeps, paper, _beside(depsgraph.scene_eval, settings, own != place))
+                          threads, samples, asked, keeps, paper,
+                          beside.of(depsgraph.scene_eval, settings, own != place))
 
     def _reach(self, settings, denoise_other, height):
         """How many pixels around a border are rendered too."""

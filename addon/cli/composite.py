@@ -11,6 +11,7 @@ from ..pen.job import Frame
 from ..pen.settings import Settings
 from . import denoiser, images, interrupt, multilayer, png, substitutes
 from .room import Room
+from .view import Shown
 
 _LETTERS = "RGBAXYZW"
 _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
@@ -151,14 +152,6 @@ def _notes(stored, passes, path):
     return f"{path} does not hold all that Encre saves: {', '.join(assumed)}" if assumed else None
 
 
-def _view(view, path):
-    """What a PNG does not have of how the scene is shown, in one sentence; None: nothing."""
-    if view is None:
-        return f"{path} does not tell the scene's exposure and view transform: the PNG is Standard, without exposure"
-    own = " and look ".join(name for name in (view.transform, view.look) if name not in ("", "Standard"))
-    return f"view transform {own} is applied by Blender alone: the PNG is Standard" if own else None
-
-
 def _idle(pictures, settings, path):
     """Which sources of edges have nothing to work on, in one sentence; None: all have."""
     found = ", ".join(f"{name} ({why})" for name, why in settings.idle(pictures).items())
@@ -250,12 +243,14 @@ def composite(path, out, change, view_layer=None, threads=0, say=print, allow_pa
         say(kind, text)
     stored = work.stored
     if work.as_png:
-        view = stored.view or metadata.View()
-        if words := _view(stored.view, path):
-            say("note", words)
-        if (matrix := colour.to_rec709(exr.metadata.get(colour.INTEROP, ""))) is not None:
+        matrix = colour.to_rec709(exr.metadata.get(colour.INTEROP, ""))
+        if matrix is not None:
             work.picture[..., :3] = work.picture[..., :3] @ matrix.T.astype(np.float32)
-        png.write(out, work.picture, exr.window, texts, view.exposure, view.gamma)
+        shown = Shown(stored.view or metadata.View(), matrix is not None)
+        if words := shown.lacks() if stored.view else "the scene's exposure and view transform are not told: the PNG " \
+                "is Standard, without exposure":
+            say("note", f"{path}: {words}")
+        png.write(out, work.picture, exr.window, texts, shown)
     else:
         named = {key: exr.metadata[key] for key in (colour.INTEROP,) if key in exr.metadata}
         multilayer.write(out, work.channels, exr.window, exr.views, {**named, **(texts or {})})

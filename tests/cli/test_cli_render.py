@@ -103,12 +103,18 @@ def test_what_is_not_given_again_is_stored_or_said(tmp_path):
     assert np.abs(exr.picture(tmp_path / "c.exr") - picture).max() > 0.01, "the paper is seen"
 
 
-@pytest.mark.parametrize("more", ["", "scene.view_settings.exposure, scene.view_settings.gamma = -1, 1.3\n"])
+VIEWS = ["", "view.exposure, view.gamma = -1, 1.3\n",
+         "view.view_transform, view.look, view.exposure = 'AgX', 'AgX - Punchy', 0.7\n",
+         "view.view_transform, view.look, view.gamma = 'Filmic', 'High Contrast', 1.2\n",
+         "scene.display_settings.display_device, view.view_transform = 'Display P3', 'AgX'\n"]
+
+
+@pytest.mark.parametrize("more", VIEWS, ids=["Standard", "exposure", "AgX", "Filmic", "P3"])
 def test_png_is_the_same_picture(tmp_path, more):
-    cube = script(tmp_path, more)
+    cube = script(tmp_path, "view = scene.view_settings\n" + more)
     works(encre("render", cube, "-o", tmp_path / "out.png", "--size", "80x45"))
     works(encre("render", cube, "-o", tmp_path / "out.exr", "--size", "80x45"))
-    works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.png"))
+    assert works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.png")) == ""
     a, b = png(tmp_path / "out.png").astype(int), png(tmp_path / "again.png").astype(int)
     assert a.shape == b.shape == (45, 80, 4) and np.abs(a - b).max() <= 2  # Blender dithers
 

@@ -10,7 +10,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from command import OFF, SIZE, STYLES, expected, fails
-from encre.cli import composite, multilayer
+from encre.cli import composite, installed, multilayer
 from encre.pen import layers, metadata, presets
 from encre.pen.job import Camera, Frame
 
@@ -130,8 +130,8 @@ def test_a_wide_working_space(run, tmp_path, scene):
     assert np.abs(pixels - 255 * encoded).max() <= 0.6
 
 
-def test_a_png_is_shown_as_the_scene_is(run, tmp_path, scene):
-    """Where Standard shows it; else that is said."""
+def test_a_png_is_shown_as_the_scene_is(run, tmp_path, scene, monkeypatch):
+    """Where Standard or a Blender here shows it (test_png_is_the_same_picture); else that is said."""
     def drawn_as(view):
         stored = metadata.write({}, [], Camera(), Frame(*SIZE), view=view)
         path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)}, metadata=stored)
@@ -148,8 +148,16 @@ def test_a_png_is_shown_as_the_scene_is(run, tmp_path, scene):
     encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055) ** (1 / 1.5)
     inside = (plain > 20) & (plain < 255)
     assert err == "" and np.abs(shown_ - 255 * encoded)[inside].max() <= 1.5
-    other, err = drawn_as(metadata.View("AgX", 0.0, 1.0, "AgX - Punchy"))
-    assert np.array_equal(other, plain) and "AgX and look AgX - Punchy" in err and err.count("\n") == 1
+    other, err = drawn_as(metadata.View("Own", 0.0, 1.0, "Own - Punchy"))
+    assert np.array_equal(other, plain) and err.count("\n") == 1
+    assert "no Blender is found here that brings the view transform Own and look Own - Punchy" in err
+    other, err = drawn_as(metadata.View(beside=["curves", "white balance"]))
+    assert np.array_equal(other, plain) and "curves and white balance of the scene's view are Blender's alone" in err
+    broken = tmp_path / "config.ocio"
+    broken.write_text("ocio_profile_version: 9\n")
+    monkeypatch.setattr(installed, "colour_configurations", lambda: [str(broken)])
+    _, err = drawn_as(metadata.View("AgX", 1.0))
+    assert "brings the view transform AgX: the PNG is Standard" in err
 
 
 def test_composite_keeps_the_data_window(run, tmp_path, scene):
