@@ -228,16 +228,18 @@ def check(path, view_layer=None, asked=None):
     return "\n".join(lines), good
 
 
-def composite(path, out, change, view_layer=None, threads=0, say=print, allow_paths=False, asked=None, texts=None):
+def composite(path, out, change, view_layer=None, threads=0, say=print, allow_paths=False, asked=None, texts=None,
+              named=()):
     """Restyles the EXR `path` into `out` (.exr or .png).
 
     change: the values to set on those in the file; say(kind, sentence) hears notes and warnings; allow_paths: open a
     paper image that the file names wherever it lies; asked: {classic pass name: name in the file} where that is
-    another; texts: {key: text} to store in `out`. Without a view layer's name all are drawn, into a .png the first.
-    Raises EncreError for the input, images.WriteError where `out` can't be written.
+    another; texts: {key: text} to store in `out`; named: ids of which it is said if they change nothing. Without a view
+    layer's name all are drawn, into a .png the first. Raises EncreError for the input, images.WriteError where `out`
+    can't be written.
     """
     with multilayer.Exr(path, threads) as exr:
-        work = _Work(exr, change, allow_paths, asked or {}, threads, out.lower().endswith(".png"))
+        work = _Work(exr, change, allow_paths, asked or {}, threads, out.lower().endswith(".png"), named)
         work.draw(view_layer)
     for kind, text in work.said:
         say(kind, text)
@@ -260,7 +262,7 @@ class _Work:
     """What is drawn of a file: `channels` {full name: array (H, W)}, `picture`, the last Combined, and `said`, the keys
     of which are what there is to say."""
 
-    def __init__(self, exr, change, allow_paths, asked, threads, as_png):
+    def __init__(self, exr, change, allow_paths, asked, threads, as_png, named):
         self.exr, self.change, self.asked, self.threads, self.as_png = exr, change, asked, threads, as_png
         self.channels, self.said, self.nonfinite = {}, {}, 0
         self.stored = metadata.read(exr.metadata)
@@ -273,6 +275,7 @@ class _Work:
         if light != held and settings.wants_light:
             self._say("note", f"light_source {light} needs a render: light stays as {exr.path} holds it")
         self.settings = Settings(_paper(settings, change, exr.path, allow_paths, self.stored.paper), self.stored.styles)
+        self._say("note", settings.in_vain(named))
         self.place = _rows_and_columns(self.stored.border, exr.window)
         self.room = Room(exr.window.width * exr.window.height)
 

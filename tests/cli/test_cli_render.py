@@ -145,7 +145,8 @@ def test_settings_reach_the_engine(cube, tmp_path):
     assert settings.scene["shade_levels"][1] == pytest.approx((1, 0.5, 0.1, 1, 0, 0))
     assert exr.metadata(first)["cycles.ViewLayer.samples"] == "3"
     # A frame restyled equals a frame rendered in the new style.
-    works(encre("render", cube, "-o", second, ALL, "--samples", "3"))
+    err = works(encre("render", cube, "-o", second, ALL, "--samples", "3", "--set=sobel_shape_threshold=.5"))
+    assert "changes nothing here: sobel_shape_threshold (it needs edge_detector=SOBEL)" in err
     err = works(encre("composite", second, "-o", tmp_path / "c.exr", "--preset", "Ink only",
                       "--set", "line_color=1,0,0", "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0"))
     assert "light_source DRAWN needs a render" in err
@@ -316,7 +317,8 @@ def test_broken_blend(tmp_path, content):
     (["cube.py", "--passes", "lines,colour"], ["lines,colour", "surface"]),
     (["cube.py", "--set", "line_thickness=-3"], ["line_thickness"]),
     (["cube.py", "--set", "paper_source=IMAGE"], ["paper_image", "choose an image"]),
-    (["cube.py", "--preset", "Ink onyl"], ["Ink onyl", "Ink only"]),
+    (["cube.py", "--passes", "lines"], ["--passes", "out.png", ".exr"]),
+    (["cube.py", "--preset", "Ink onyl"], ["Ink onyl", "ink_only"]),
     (["cube.py", "--blender", "no/blender"], ["no/blender"]),
     (["cube.py", "--blender", ""], ["--blender"]),
     (["cube.py", "--blender", "/bin/true"], ["/bin/true", "is it Blender?"]),

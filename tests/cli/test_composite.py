@@ -247,6 +247,26 @@ def test_composite_says_what_metadata_are_missing(run, tmp_path, scene):
         assert status == 0 and err.count("\n") == 1 + (missing == metadata.CAMERA) and err.startswith("encre: note: ")
 
 
+def test_what_is_set_in_vain_is_said(run, tmp_path, scene):
+    """What only a style uses, or a preset gives, is not."""
+    def said(styles, *sets):
+        stored = metadata.write({"use_hatching": False}, styles, Camera(), Frame(*SIZE), view=metadata.View())
+        path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)}, metadata=stored)
+        status, _, err = run("composite", path, "-o", tmp_path / "out.png", *(f"--set={text}" for text in sets))
+        assert status == 0
+        return err
+
+    some = ("edge_detector=DOG", "line_min_length=3", "line_thickness=7", "hatch_amount=.5", "contrast_auto=on",
+            "contrast_max=.1")
+    assert said((), *some) == (
+        "encre: note: what was set changes nothing here: line_min_length (it needs edge_detector=FINE), "
+        "hatch_amount (it needs use_hatching=on), contrast_max (it needs contrast_auto=off)\n")
+    assert said((), *some, "use_hatching=on", "edge_detector=FINE", "contrast_auto=off") == ""
+    assert said([("Pencil", {"use_hatching": True})], "hatch_amount=.5") == ""
+    assert said((), "edge_normal=0", "crease_angle=9").endswith(": crease_angle (it needs edge_normal above 0)\n")
+    assert "paper_scale (it needs paper_source=PROCEDURAL or IMAGE)" in said((), "paper_source=NONE", "paper_scale=4")
+
+
 def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, scene):
     pictures = {**exr.passes(scene), **exr.saved(scene)}
     pictures["Encre Index"] = np.zeros_like(pictures["Encre Index"])
