@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Encre, a comic-book render engine. Blender's modules are imported only where Blender calls."""
 
+import os
 import sys
 
 bl_info = {
@@ -31,7 +32,21 @@ def _modules():
     return properties, migration, engine, escape, subframes, panels, bake
 
 
+def _elsewhere():
+    """The folder of another Encre that is registered; None: there is none. Two would take each other's classes away."""
+    import bpy
+
+    engine = bpy.types.RenderEngine.bl_rna_get_subclass_py("ENCRE")
+    name = engine.__module__.removesuffix(".engine").removesuffix(".blender") if engine else __name__
+    return None if name == __name__ else os.path.dirname(getattr(sys.modules.get(name), "__file__", name))
+
+
 def register():
+    from .pen.errors import EncreError
+
+    if folder := _elsewhere():
+        raise EncreError(f"Encre is enabled already, from {folder}: disable that one in Preferences, Add-ons, then "
+                         f"enable this, {os.path.dirname(__file__)}")
     for module in _modules():
         module.register()
         _registered.append(module)

@@ -39,12 +39,19 @@ def passes(scene, view_layer):
         yield versions.pass_name(name), channels, kind
 
 
+def _view(scene):
+    """How Blender shows what it saves of the scene."""
+    given = scene.render.image_settings if scene.render.image_settings.color_management == "OVERRIDE" else scene
+    view = given.view_settings
+    beside = {"curves": view.use_curve_mapping, "white balance": getattr(view, "use_white_balance", False)}
+    return metadata.View(view.view_transform, view.exposure, view.gamma, "" if view.look == "None" else view.look,
+                         given.display_settings.display_device, [name for name, used in beside.items() if used])
+
+
 def beside(scene, settings, cut):
     """What metadata.write() stores besides the settings: how the scene is shown, a paper that is no file, and what a
     restyled picture will lack."""
-    view, paper = scene.view_settings, settings.paper and papers.stored(settings.paper)
-    return {"view": metadata.View(view.view_transform, view.exposure, view.gamma,
-                                  "" if view.look == "None" else view.look),
-            "paper": paper,
+    return {"view": _view(scene),
+            "paper": settings.paper and papers.stored(settings.paper),
             "lost": [*(["Freestyle's strokes"] if scene.render.use_freestyle else []),
                      *(["the ends of lines at the border"] if cut else [])]}

@@ -11,6 +11,7 @@ from ..pen.job import Frame
 from ..pen.settings import Settings
 from . import denoiser, images, interrupt, multilayer, png, substitutes
 from .room import Room
+from .view import Shown
 
 _LETTERS = "RGBAXYZW"
 _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
@@ -151,14 +152,6 @@ def _notes(stored, passes, path):
     return f"{path} does not hold all that Encre saves: {', '.join(assumed)}" if assumed else None
 
 
-def _view(view, path):
-    """What a PNG does not have of how the scene is shown, in one sentence; None: nothing."""
-    if view is None:
-        return f"{path} does not tell the scene's exposure and view transform: the PNG is Standard, without exposure"
-    own = " and look ".join(name for name in (view.transform, view.look) if name not in ("", "Standard"))
-    return f"view transform {own} is applied by Blender alone: the PNG is Standard" if own else None
-
-
 def _idle(pictures, settings, path):
     """Which sources of edges have nothing to work on, in one sentence; None: all have."""
     found = ", ".join(f"{name} ({why})" for name, why in settings.idle(pictures).items())
@@ -235,27 +228,31 @@ def check(path, view_layer=None, asked=None):
     return "\n".join(lines), good
 
 
-def composite(path, out, change, view_layer=None, threads=0, say=print, allow_paths=False, asked=None, texts=None):
+def composite(path, out, change, view_layer=None, threads=0, say=print, allow_paths=False, asked=None, texts=None,
+              named=()):
     """Restyles the EXR `path` into `out` (.exr or .png).
 
     change: the values to set on those in the file; say(kind, sentence) hears notes and warnings; allow_paths: open a
     paper image that the file names wherever it lies; asked: {classic pass name: name in the file} where that is
-    another; texts: {key: text} to store in `out`. Without a view layer's name all are drawn, into a .png the first.
-    Raises EncreError for the input, images.WriteError where `out` can't be written.
+    another; texts: {key: text} to store in `out`; named: ids of which it is said if they change nothing. Without a view
+    layer's name all are drawn, into a .png the first. Raises EncreError for the input, images.WriteError where `out`
+    can't be written.
     """
     with multilayer.Exr(path, threads) as exr:
-        work = _Work(exr, change, allow_paths, asked or {}, threads, out.lower().endswith(".png"))
+        work = _Work(exr, change, allow_paths, asked or {}, threads, out.lower().endswith(".png"), named)
         work.draw(view_layer)
     for kind, text in work.said:
         say(kind, text)
     stored = work.stored
     if work.as_png:
-        view = stored.view or metadata.View()
-        if words := _view(stored.view, path):
-            say("note", words)
-        if (matrix := colour.to_rec709(exr.metadata.get(colour.INTEROP, ""))) is not None:
+        matrix = colour.to_rec709(exr.metadata.get(colour.INTEROP, ""))
+        if matrix is not None:
             work.picture[..., :3] = work.picture[..., :3] @ matrix.T.astype(np.float32)
-        png.write(out, work.picture, exr.window, texts, view.exposure, view.gamma)
+        shown = Shown(stored.view or metadata.View(), matrix is not None)
+        if words := shown.lacks() if stored.view else "the scene's exposure and view transform are not told: the PNG " \
+                "is Standard, without exposure":
+            say("note", f"{path}: {words}")
+        png.write(out, work.picture, exr.window, texts, shown)
     else:
         named = {key: exr.metadata[key] for key in (colour.INTEROP,) if key in exr.metadata}
         multilayer.write(out, work.channels, exr.window, exr.views, {**named, **(texts or {})})
@@ -265,7 +262,7 @@ class _Work:
     """What is drawn of a file: `channels` {full name: array (H, W)}, `picture`, the last Combined, and `said`, the keys
     of which are what there is to say."""
 
-    def __init__(self, exr, change, allow_paths, asked, threads, as_png):
+    def __init__(self, exr, change, allow_paths, asked, threads, as_png, named):
         self.exr, self.change, self.asked, self.threads, self.as_png = exr, change, asked, threads, as_png
         self.channels, self.said, self.nonfinite = {}, {}, 0
         self.stored = metadata.read(exr.metadata)
@@ -278,6 +275,7 @@ class _Work:
         if light != held and settings.wants_light:
             self._say("note", f"light_source {light} needs a render: light stays as {exr.path} holds it")
         self.settings = Settings(_paper(settings, change, exr.path, allow_paths, self.stored.paper), self.stored.styles)
+        self._say("note", settings.in_vain(named))
         self.place = _rows_and_columns(self.stored.border, exr.window)
         self.room = Room(exr.window.width * exr.window.height)
 

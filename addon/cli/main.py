@@ -40,6 +40,11 @@ def _changes(args):
     return values
 
 
+def _named(args):
+    """Ids that --set gives."""
+    return [text.partition("=")[0].strip() for text in args.sets]
+
+
 def _frames(args):
     ranged = args.start is not None or args.end is not None
     if ranged and args.frame is not None:
@@ -58,12 +63,14 @@ def _scene(args):
 def _render(args):
     if args.quick and not args.resume:
         raise EncreError("--quick says how --resume looks at frames; give both")
+    if args.passes and not args.output.lower().endswith(".exr"):
+        raise EncreError(f"--passes names passes of an .exr, and {args.output} has none; end its name in .exr")
     frames, progress = _frames(args), Progress(say, args.progress == "json", args.verbose)
     render(_scene(args), args.output, frames=frames, values=_changes(args), resume=args.resume, quick=args.quick,
            dry_run=args.dry_run, frame_timeout=args.frame_timeout, keep_going=args.keep_going, blender=args.blender,
            progress=progress, samples=args.samples, size=args.size, scene_name=args.scene_name, camera=args.camera,
            view_layer=args.view_layer, threads=args.threads, device=args.device, strict=args.strict,
-           autoexec=args.enable_autoexec, passes=args.passes)
+           autoexec=args.enable_autoexec, passes=args.passes, named=_named(args))
     progress.tell("done")
 
 
@@ -91,7 +98,8 @@ def _composite(args):
         split(args.argv, jobs, args.threads)
         return
     restyle(args.layers, args.output, changes, frames=frames, resume=args.resume, share=args.share, say=say,
-            view_layer=args.view_layer, threads=args.threads, allow_paths=args.allow_paths, asked=asked)
+            view_layer=args.view_layer, threads=args.threads, allow_paths=args.allow_paths, asked=asked,
+            named=_named(args))
 
 
 def _bake(args):

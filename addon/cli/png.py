@@ -10,12 +10,13 @@ from ..pen import colour
 from . import images
 
 MOST = 32768  # pixels each way
+_ROWS = 512   # encoded at a time
 
 
-def write(path, rgba, window, texts=None, exposure=0.0, gamma=1.0):
-    """Writes scene-linear, premultiplied (H, W, 4) as 8-bit sRGB with straight alpha, whole or not at all.
+def write(path, rgba, window, texts=None, shown=colour.encode_srgb):
+    """Writes scene-linear, premultiplied (H, W, 4) as 8 bits with straight alpha, whole or not at all.
 
-    exposure, in stops, and gamma are those of Blender's view transform Standard; texts: {key: text} to store.
+    shown: what makes of straight colours (rows, W, 3) those of a display; texts: {key: text} to store.
 
     The picture is the display window: PNG has no other. Raises images.WriteError where the file can't be written.
     """
@@ -23,23 +24,21 @@ def write(path, rgba, window, texts=None, exposure=0.0, gamma=1.0):
     if max(window.full_width, window.full_height) > MOST:
         raise images.WriteError(f"{path}: the display window is {window.full_width} x {window.full_height}, and a PNG "
                                 f"has at most {MOST} pixels each way; write an .exr")
-    alpha = np.clip(rgba[:, :, 3:], 0, 1)
-    straight = rgba[:, :, :3] / np.where(alpha > 0, alpha, 1)
-    if exposure:
-        straight *= np.float32(2) ** exposure
-    encoded = colour.encode_srgb(straight)
-    if gamma != 1:
-        encoded **= 1 / gamma
     picture = np.zeros((window.full_height, window.full_width, 4), np.uint8)
-    top, left = max(window.y, 0), max(window.x, 0)
-    pixels = np.round(255 * np.concatenate([encoded, alpha], axis=2)).astype(np.uint8)
-    pixels = pixels[top - window.y:, left - window.x:][:max(window.full_height - top, 0),
-                                                       :max(window.full_width - left, 0)]
-    picture[top:top + pixels.shape[0], left:left + pixels.shape[1]] = pixels
+    left, right = max(window.x, 0), min(window.x + window.width, window.full_width)
+    for y in range(max(window.y, 0), min(window.y + window.height, window.full_height), _ROWS):
+        rows = rgba[y - window.y:, max(left - window.x, 0):right - window.x][:min(_ROWS, window.full_height - y)]
+        picture[y:y + len(rows), left:right] = _bytes(rows, shown)
     spec = oiio.ImageSpec(window.full_width, window.full_height, 4, "uint8")
     spec["oiio:ColorSpace"] = "sRGB"
     spec["oiio:UnassociatedAlpha"] = 1  # the pixels are straight already
     images.write(path, spec, picture, lambda part: stamp(part, texts or {}))
+
+
+def _bytes(rgba, shown):
+    alpha = np.clip(rgba[:, :, 3:], 0, 1)
+    encoded = shown(rgba[:, :, :3] / np.where(alpha > 0, alpha, 1))
+    return np.round(255 * np.concatenate([encoded, alpha], axis=2)).astype(np.uint8)
 
 
 def stamp(path, texts):

@@ -22,9 +22,10 @@ from .child import Child, Ended
 from .progress import Progress
 from .workplace import Workplace
 
-# What may be chosen of a scene, and how it is opened; None and False: as the file has it.
+# What may be chosen of a scene, and how it is opened; None and False: as the file has it. named: the ids in values of
+# which it is said if they change nothing.
 CHOICES = {"samples": None, "size": None, "scene_name": None, "camera": None, "view_layer": None, "threads": None,
-           "device": None, "strict": False, "autoexec": False, "passes": ()}
+           "device": None, "strict": False, "autoexec": False, "passes": (), "named": ()}
 _PICTURE = ("samples", "size", "scene_name", "camera", "view_layer", "passes")  # those that change the picture
 _VERSION = 1  # of what a mark says
 

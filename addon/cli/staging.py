@@ -117,6 +117,8 @@ def prepare(job, report):
         raise EncreError(f"{job['scene']}: scene {scene.name} has no camera; add one and make it the scene's active "
                          "camera")
     settings = properties.settings(scene)
+    if words := settings.in_vain(job["named"]):
+        report("note", text=words)
     if settings.paper:
         papers.load(settings.paper)
     if camera.data.type == "PANO" and settings.active:

@@ -24,12 +24,15 @@ _BORDER = ("x", "y", "width", "height")
 
 @dataclass
 class View:
-    """How the scene is shown: the name of Blender's view transform, exposure in stops, display gamma, look or ""."""
+    """How the scene is shown: the name of Blender's view transform, exposure in stops, display gamma, look or "", the
+    display, and words for what else is done to it."""
 
     transform: str = "Standard"
     exposure: float = 0.0
     gamma: float = 1.0
     look: str = ""
+    display: str = "sRGB"
+    beside: list = field(default_factory=list)
 
 
 @dataclass
@@ -142,7 +145,8 @@ def _read_view(said, stored):
     exposure, gamma = float(said["exposure"]), float(said["gamma"])
     if not (abs(exposure) <= 64 and 0.01 <= gamma <= 100):
         raise ValueError
-    stored.view = View(str(said["transform"]), exposure, gamma, str(said["look"]))
+    stored.view = View(str(said["transform"]), exposure, gamma, str(said["look"]), str(said.get("display", "sRGB")),
+                       [str(what) for what in said.get("beside", ())][:16])
 
 
 def _packed(name, pixels):

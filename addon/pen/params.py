@@ -4,7 +4,7 @@
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -91,6 +91,18 @@ def control(c: Any) -> Control:
 def text_of(b: bytes | None) -> str:
     """A string of C's; NULL is empty."""
     return (b or b"").decode()
+
+
+def terms(rule: str, value: Callable[[str], Any]) -> dict[str, bool]:
+    """{term: whether it is true} of an `enabled_if`, of what value(id) gives."""
+
+    def true(term):
+        if term.startswith("!"):
+            return not true(term[1:])
+        id_, _, items = term.partition("=")
+        return value(id_) in items.split("|") if items else bool(value(id_))
+
+    return {term: true(term) for term in rule.split("&")} if rule else {}
 
 
 def _levels(levels):

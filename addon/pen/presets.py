@@ -68,7 +68,7 @@ def find(name: str, folder: Path | None = None) -> Preset:
     """The preset called `name`: its id or its name, in any case, with spaces, - or _, of Encre's own and those in a
     user's folder; or the file that `name` is the path of.
 
-    Raises EncreError with the nearest names if there is none.
+    Raises EncreError with the nearest ids if there is none.
     """
     if name.lower().endswith(".json"):
         return read(Path(name))
@@ -76,7 +76,7 @@ def find(name: str, folder: Path | None = None) -> Preset:
     for preset in known:
         if _key(name) in (_key(preset.id), _key(preset.name)):
             return preset
-    raise EncreError(unknown("preset", name, [preset.name for preset in known]))
+    raise EncreError(unknown("preset", name, [preset.id for preset in known]))
 
 
 def _key(name):

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import library
+from .params import terms
 
 _WINDOW = 24  # pixels about an edge at which its detector looks, whatever the settings are
 
@@ -33,6 +34,16 @@ def switches() -> list[str]:
     return [stage.switch.id for stage in library.stages() if stage.switch]
 
 
+def _wish(term):
+    """A term of an `enabled_if` as --set takes it."""
+    id_, _, items = term.lstrip("!").partition("=")
+    if items:
+        return f"{id_}={' or '.join(items.split('|'))}"
+    if library.params()[id_].type == "bool":
+        return f"{id_}={'off' if term.startswith('!') else 'on'}"
+    return f"{id_} above 0"
+
+
 class Settings:
     """scene: the scene's values; styles: [(name, what it changes)], in the order of their numbers, which begin at 1;
     every: the complete values of each style, number 0 (the scene's) first."""
@@ -47,6 +58,17 @@ class Settings:
     def any(self, *names: str) -> bool:
         """Whether any of these switches and weights is on anywhere."""
         return any(values[name] > 0 for values in self.every for name in names)
+
+    def in_vain(self, ids: Iterable[str]) -> str | None:
+        """Which of these parameters change nothing, in one sentence, because no style has what their rows ask for;
+        None: all do something."""
+        found = {}
+        for p in (library.params()[id_] for id_ in ids):
+            judged = [terms(p.enabled_if, values.__getitem__) for values in self.every]
+            if not any(all(each.values()) for each in judged):
+                found[p.id] = " and ".join(_wish(term) for term, true in judged[0].items() if not true)
+        some = ", ".join(f"{id_} (it needs {wish})" for id_, wish in found.items())
+        return f"what was set changes nothing here: {some}" if found else None
 
     @cached_property
     def active(self) -> bool:

@@ -8,14 +8,6 @@
 #include <math.h>
 #include <stdbool.h>
 
-static bool finite(const double *values, int n)
-{
-	for (int i = 0; i < n; i++)
-		if (!isfinite(values[i]))
-			return false;
-	return true;
-}
-
 int32_t check_scene(const encre_scene *scene, char *error, size_t size)
 {
 	return scene ? ENCRE_OK : refuse(error, size, "scene: is NULL; make one with encre_scene_create()");
@@ -79,7 +71,7 @@ int32_t check_lamp(int64_t key, const encre_lamp *lamp, char *error, size_t size
 				      (double)ranges[i].value, (double)ranges[i].least, (double)ranges[i].most);
 	if (!isfinite(lamp->color[0]) || !isfinite(lamp->color[1]) || !isfinite(lamp->color[2]))
 		return refuse(error, size, "lamp %lld: its color is not finite; give finite numbers", name);
-	return finite(lamp->model, 16)
+	return all_finite(lamp->model, 16)
 		       ? ENCRE_OK
 		       : refuse(error, size, "lamp %lld: its model is not finite; give it another place", name);
 }
@@ -108,8 +100,9 @@ int32_t check_light(const encre_light_job *job, encre_light_job *clean, char *er
 	for (int k = 0; !code && k < 27; k++)
 		if (!isfinite(job->world[k]))
 			code = refuse(error, size, "world: its light is not finite; give finite numbers");
-	if (!code && (!finite(job->view, 16) || !finite(job->projection, 16) || !finite(&job->clip_start, 1) ||
-		      isnan(job->clip_end) || !camera_inverse(job->view, job->projection, NULL)))
+	if (!code &&
+	    (!all_finite(job->view, 16) || !all_finite(job->projection, 16) || !all_finite(&job->clip_start, 1) ||
+	     isnan(job->clip_end) || !camera_inverse(job->view, job->projection, NULL)))
 		code = refuse(error, size,
 			      "camera: a matrix or clip distance is not finite, or its matrices have no inverse; give "
 			      "the camera another place or lens");

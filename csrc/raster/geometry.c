@@ -8,14 +8,6 @@
 #include <math.h>
 #include <stdbool.h>
 
-static bool all_finite(const double *values, int n)
-{
-	for (int i = 0; i < n; i++)
-		if (!isfinite(values[i]))
-			return false;
-	return true;
-}
-
 static int corners_of(const encre_mesh *mesh)
 {
 	return mesh->kind == ENCRE_TRIANGLES ? 3 : 2;

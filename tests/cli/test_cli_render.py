@@ -103,12 +103,18 @@ def test_what_is_not_given_again_is_stored_or_said(tmp_path):
     assert np.abs(exr.picture(tmp_path / "c.exr") - picture).max() > 0.01, "the paper is seen"
 
 
-@pytest.mark.parametrize("more", ["", "scene.view_settings.exposure, scene.view_settings.gamma = -1, 1.3\n"])
+VIEWS = ["", "view.exposure, view.gamma = -1, 1.3\n",
+         "view.view_transform, view.look, view.exposure = 'AgX', 'AgX - Punchy', 0.7\n",
+         "view.view_transform, view.look, view.gamma = 'Filmic', 'High Contrast', 1.2\n",
+         "scene.display_settings.display_device, view.view_transform = 'Display P3', 'AgX'\n"]
+
+
+@pytest.mark.parametrize("more", VIEWS, ids=["Standard", "exposure", "AgX", "Filmic", "P3"])
 def test_png_is_the_same_picture(tmp_path, more):
-    cube = script(tmp_path, more)
+    cube = script(tmp_path, "view = scene.view_settings\n" + more)
     works(encre("render", cube, "-o", tmp_path / "out.png", "--size", "80x45"))
     works(encre("render", cube, "-o", tmp_path / "out.exr", "--size", "80x45"))
-    works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.png"))
+    assert works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.png")) == ""
     a, b = png(tmp_path / "out.png").astype(int), png(tmp_path / "again.png").astype(int)
     assert a.shape == b.shape == (45, 80, 4) and np.abs(a - b).max() <= 2  # Blender dithers
 
@@ -139,7 +145,8 @@ def test_settings_reach_the_engine(cube, tmp_path):
     assert settings.scene["shade_levels"][1] == pytest.approx((1, 0.5, 0.1, 1, 0, 0))
     assert exr.metadata(first)["cycles.ViewLayer.samples"] == "3"
     # A frame restyled equals a frame rendered in the new style.
-    works(encre("render", cube, "-o", second, ALL, "--samples", "3"))
+    err = works(encre("render", cube, "-o", second, ALL, "--samples", "3", "--set=sobel_shape_threshold=.5"))
+    assert "changes nothing here: sobel_shape_threshold (it needs edge_detector=SOBEL)" in err
     err = works(encre("composite", second, "-o", tmp_path / "c.exr", "--preset", "Ink only",
                       "--set", "line_color=1,0,0", "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0"))
     assert "light_source DRAWN needs a render" in err
@@ -310,7 +317,8 @@ def test_broken_blend(tmp_path, content):
     (["cube.py", "--passes", "lines,colour"], ["lines,colour", "surface"]),
     (["cube.py", "--set", "line_thickness=-3"], ["line_thickness"]),
     (["cube.py", "--set", "paper_source=IMAGE"], ["paper_image", "choose an image"]),
-    (["cube.py", "--preset", "Ink onyl"], ["Ink onyl", "Ink only"]),
+    (["cube.py", "--passes", "lines"], ["--passes", "out.png", ".exr"]),
+    (["cube.py", "--preset", "Ink onyl"], ["Ink onyl", "ink_only"]),
     (["cube.py", "--blender", "no/blender"], ["no/blender"]),
     (["cube.py", "--blender", ""], ["--blender"]),
     (["cube.py", "--blender", "/bin/true"], ["/bin/true", "is it Blender?"]),

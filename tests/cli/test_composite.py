@@ -10,7 +10,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from command import OFF, SIZE, STYLES, expected, fails
-from encre.cli import composite, multilayer
+from encre.cli import composite, installed, multilayer
 from encre.pen import layers, metadata, presets
 from encre.pen.job import Camera, Frame
 
@@ -130,8 +130,8 @@ def test_a_wide_working_space(run, tmp_path, scene):
     assert np.abs(pixels - 255 * encoded).max() <= 0.6
 
 
-def test_a_png_is_shown_as_the_scene_is(run, tmp_path, scene):
-    """Where Standard shows it; else that is said."""
+def test_a_png_is_shown_as_the_scene_is(run, tmp_path, scene, monkeypatch):
+    """Where Standard or a Blender here shows it (test_png_is_the_same_picture); else that is said."""
     def drawn_as(view):
         stored = metadata.write({}, [], Camera(), Frame(*SIZE), view=view)
         path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)}, metadata=stored)
@@ -148,8 +148,16 @@ def test_a_png_is_shown_as_the_scene_is(run, tmp_path, scene):
     encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055) ** (1 / 1.5)
     inside = (plain > 20) & (plain < 255)
     assert err == "" and np.abs(shown_ - 255 * encoded)[inside].max() <= 1.5
-    other, err = drawn_as(metadata.View("AgX", 0.0, 1.0, "AgX - Punchy"))
-    assert np.array_equal(other, plain) and "AgX and look AgX - Punchy" in err and err.count("\n") == 1
+    other, err = drawn_as(metadata.View("Own", 0.0, 1.0, "Own - Punchy"))
+    assert np.array_equal(other, plain) and err.count("\n") == 1
+    assert "no Blender is found here that brings the view transform Own and look Own - Punchy" in err
+    other, err = drawn_as(metadata.View(beside=["curves", "white balance"]))
+    assert np.array_equal(other, plain) and "curves and white balance of the scene's view are Blender's alone" in err
+    broken = tmp_path / "config.ocio"
+    broken.write_text("ocio_profile_version: 9\n")
+    monkeypatch.setattr(installed, "colour_configurations", lambda: [str(broken)])
+    _, err = drawn_as(metadata.View("AgX", 1.0))
+    assert "brings the view transform AgX: the PNG is Standard" in err
 
 
 def test_composite_keeps_the_data_window(run, tmp_path, scene):
@@ -237,6 +245,26 @@ def test_composite_says_what_metadata_are_missing(run, tmp_path, scene):
         path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)
         status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
         assert status == 0 and err.count("\n") == 1 + (missing == metadata.CAMERA) and err.startswith("encre: note: ")
+
+
+def test_what_is_set_in_vain_is_said(run, tmp_path, scene):
+    """What only a style uses, or a preset gives, is not."""
+    def said(styles, *sets):
+        stored = metadata.write({"use_hatching": False}, styles, Camera(), Frame(*SIZE), view=metadata.View())
+        path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)}, metadata=stored)
+        status, _, err = run("composite", path, "-o", tmp_path / "out.png", *(f"--set={text}" for text in sets))
+        assert status == 0
+        return err
+
+    some = ("edge_detector=DOG", "line_min_length=3", "line_thickness=7", "hatch_amount=.5", "contrast_auto=on",
+            "contrast_max=.1")
+    assert said((), *some) == (
+        "encre: note: what was set changes nothing here: line_min_length (it needs edge_detector=FINE), "
+        "hatch_amount (it needs use_hatching=on), contrast_max (it needs contrast_auto=off)\n")
+    assert said((), *some, "use_hatching=on", "edge_detector=FINE", "contrast_auto=off") == ""
+    assert said([("Pencil", {"use_hatching": True})], "hatch_amount=.5") == ""
+    assert said((), "edge_normal=0", "crease_angle=9").endswith(": crease_angle (it needs edge_normal above 0)\n")
+    assert "paper_scale (it needs paper_source=PROCEDURAL or IMAGE)" in said((), "paper_source=NONE", "paper_scale=4")
 
 
 def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, scene):

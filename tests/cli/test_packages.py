@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What users install: source archive, wheel, extension and legacy add-on each render where nothing of ours lies."""
 
+import json
 import os
 import re
 import shutil
@@ -190,10 +191,80 @@ def test_blender_runs_the_extension_that_it_installed_last(tmp_path, dist, tree)
     assert inked(pictures[0]) and thin < 0.7 * first and thick > 1.3 * first
 
 
+TWO = '''
+import bpy
+import addon_utils, json
+bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+def fact(*what):
+    print("FACT " + json.dumps(what), flush=True)
+def state():
+    engine = bpy.types.RenderEngine.bl_rna_get_subclass_py("ENCRE")
+    ours = tuple(name + ".blender." for name in ONE_AND_OTHER)
+    classes = [cls for kind in (bpy.types.Panel, bpy.types.Operator, bpy.types.PropertyGroup)
+               for cls in kind.__subclasses__() if cls.__module__.startswith(ours) and cls.is_registered]
+    return [engine and engine.__module__, sorted({cls.__module__.partition(".blender.")[0] for cls in classes}),
+            hasattr(bpy.context.scene, "encre")]
+def enable(name):
+    said = []
+    addon_utils.enable(name, handle_error=lambda error: said.append(str(error)))
+    fact(name, said, *state())
+for first, second in ONE_AND_OTHER, ONE_AND_OTHER[::-1]:
+    enable(first)
+    enable(second)
+    addon_utils.disable(first)
+    fact("off", *state())
+    enable(second)
+    addon_utils.disable(second)
+    fact("off", *state())
+''' + END
+
+
+def two(command, tmp_path, names, **environment):
+    """Enables each of two Encres while the other is enabled, and then by itself."""
+    script = tmp_path / "two.py"
+    script.write_text(TWO.replace("ONE_AND_OTHER", repr(names)))
+    said = run(*command, script, cwd=tmp_path, **environment)
+    found = [json.loads(line[5:]) for line in said.splitlines() if line.startswith("FACT ")]
+    expected = []
+    for first, second in names, names[::-1]:
+        [sentence] = found[len(expected) + 1][1]
+        assert sentence.startswith("Encre is enabled already, from ") and f"/{first.rpartition('.')[2]}: " in sentence
+        expected += [[first, [], f"{first}.blender.engine", [first], True],
+                     [second, [sentence], f"{first}.blender.engine", [first], True], ["off", None, [], False],
+                     [second, [], f"{second}.blender.engine", [second], True], ["off", None, [], False]]
+    assert found == expected
+
+
+def copied(folder, *names):
+    for name in names:
+        shutil.copytree(ROOT / "addon", folder / "scripts" / "addons" / name,
+                        ignore=shutil.ignore_patterns("__pycache__"))
+
+
+def test_of_two_encres_the_first_stays(tmp_path, dist, tree):
+    """An add-on and an extension."""
+    pytest.importorskip("bpy", reason="needs Blender's Python module")
+    copied(tmp_path, "encre_copy")
+    places = {"BLENDER_USER_EXTENSIONS": str(tmp_path / "extensions"), "BLENDER_USER_CONFIG": str(tmp_path / "config"),
+              "BLENDER_USER_SCRIPTS": str(tmp_path / "scripts")}
+    install = tmp_path / "install.py"
+    install.write_text(INSTALL.replace("enable_on_install=True", "enable_on_install=False").format(
+        archive=str(extension(dist[1], tree))) + END)
+    python = empty(tmp_path / "env")
+    run(python, install, cwd=tmp_path, **places)
+    two([python], tmp_path, ["encre_copy", "bl_ext.user_default.encre"], **places)
+
+
+@pytest.mark.skipif(not shutil.which("blender"), reason="needs the program blender")
+def test_of_two_add_ons_the_first_stays(tmp_path):
+    copied(tmp_path, "encre", "encre_copy")
+    two(["blender", "-b", "--factory-startup", "-P"], tmp_path, ["encre", "encre_copy"],
+        BLENDER_USER_SCRIPTS=str(tmp_path / "scripts"))
+
+
 @pytest.mark.skipif(not shutil.which("blender"), reason="needs the program blender")
 def test_the_copied_folder_is_an_add_on(tmp_path):
-    shutil.copytree(ROOT / "addon", tmp_path / "scripts" / "addons" / "encre",
-                    ignore=shutil.ignore_patterns("__pycache__"))
+    copied(tmp_path, "encre")
     out, script = tmp_path / "out.exr", tmp_path / "render.py"
     script.write_text(SCENE + RENDER.format(out=str(out)) + END)
     said = run("blender", "-b", "--factory-startup", "--addons", "encre", "-P", script, cwd=tmp_path,

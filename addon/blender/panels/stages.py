@@ -6,6 +6,7 @@ import functools
 import bpy
 
 from ...pen import library
+from ...pen.params import terms
 from . import presets, settings
 from .base import EncrePanel
 from .levels import draw_levels
@@ -13,15 +14,7 @@ from .levels import draw_levels
 
 def enabled(group, rule):
     """Whether a parameter's `enabled_if` holds for the values of a group; parameters that it lacks count as on."""
-
-    def term(text):
-        if text.startswith("!"):
-            return not term(text[1:])
-        id_, _, items = text.partition("=")
-        value = getattr(group, id_, True)
-        return value in items.split("|") if items else bool(value)
-
-    return all(term(t) for t in rule.split("&")) if rule else True
+    return all(terms(rule, lambda id_: getattr(group, id_, True)).values())
 
 
 def draw_params(layout, group, params, path):
