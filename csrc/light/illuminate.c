@@ -100,7 +100,7 @@ static int32_t run(light *l)
 	int32_t code = bands_run(l->bands, l->height, 0, place_rows, l);
 	if (!code)
 		code = bands_run(l->bands, l->height, 0, world_rows, l);
-	lamp_points(l->points);
+	lamp_points_make(&l->points);
 	for (int32_t i = 0; !code && i < lamps->count; i++) {
 		double share = 0.8 / lamps->count;
 		bands_span(l->bands, 0.2 + share * i, 0.2 + share * (i + 1));

@@ -6,9 +6,9 @@
 #include "light/vector.h"
 #include "encre.h"
 
-/* A lamp that has a size is asked at POINTS fixed points. Each pixel of a TILE x TILE square of the full frame asks
- * POINTS / TILE^2 of its own. */
-enum { LAMP_POINTS = 64, LAMP_TILE = 4, LAMP_DEALT = LAMP_POINTS / (LAMP_TILE * LAMP_TILE), LAMP_PLAIN = 16 };
+/* A lamp that has a size is asked at fixed points. Each pixel of a square of TILE x TILE of the full frame has POINTS
+ * of its own; DEALT, each pixel of WIDE x WIDE others, tell whether they matter. */
+enum { LAMP_TILE = 4, LAMP_POINTS = 64, LAMP_WIDE = 8, LAMP_DEALT = 4, LAMP_PLAIN = 16 };
 
 typedef struct lamp_point {
 	float square[2], disc[2]; /* of the unit square, and of the unit disc about 0 */
@@ -28,9 +28,14 @@ typedef struct lamp {
 
 /* False where it gives no light. */
 bool lamp_make(const encre_lamp *given, lamp *l);
-/* The points, so ordered that each DEALT of them that follow each other are well spread, and after them PLAIN that are
- * well spread by themselves, for light without shadows. */
-void lamp_points(lamp_point points[LAMP_POINTS + LAMP_PLAIN]);
+typedef struct lamp_points {
+	lamp_point of[LAMP_TILE][LAMP_TILE][LAMP_POINTS]; /* by row and column */
+	lamp_point first[LAMP_WIDE][LAMP_WIDE][LAMP_DEALT];
+	lamp_point plain[LAMP_PLAIN]; /* for light without shadows */
+} lamp_points;
+
+/* Points that are well spread: those of each pixel, of 2 x 2 that begin at an even place, of each square. */
+void lamp_points_make(lamp_points *p);
 
 static const float pi = 3.14159265f;
 static const float lamp_far = 1e30f; /* of a way that does not end */

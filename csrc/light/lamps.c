@@ -97,23 +97,39 @@ static void disc_of(float a, float b, float out[2])
 	out[1] = r * pixel_sin(angle);
 }
 
-/* A point of a set of n, moved from its cell's corner to the middle. */
-static void point_of(uint32_t i, uint32_t n, lamp_point *p)
+/* Point i of a set of n, moved from its cell's corner to the middle; its place is that of a set of m. */
+static void point_of(uint32_t i, uint32_t n, uint32_t m, lamp_point *p)
 {
-	float half = 0.5f / (float)n;
+	float half = 0.5f / (float)n, half_place = 0.5f / (float)m;
 	p->square[0] = sobol(i, false) + half;
 	p->square[1] = sobol(i, true) + half;
 	disc_of(p->square[0], p->square[1], p->disc);
 	/* another order of the same set: where on the lamp, and where in the pixel, must not be alike */
-	uint32_t j = (i * 37 + 11) % n;
-	p->place[0] = 2 * (sobol(j, true) + half) - 1;
-	p->place[1] = 2 * (sobol(j, false) + half) - 1;
+	uint32_t j = (i * 37 + 11) % m;
+	p->place[0] = 2 * (sobol(j, true) + half_place) - 1;
+	p->place[1] = 2 * (sobol(j, false) + half_place) - 1;
 }
 
-void lamp_points(lamp_point points[LAMP_POINTS + LAMP_PLAIN])
+/* Bits of column and row in turns: what stands together in a square of 2, 4 ... pixels follows each other. */
+static uint32_t woven(uint32_t x, uint32_t y)
 {
-	for (uint32_t i = 0; i < LAMP_POINTS; i++)
-		point_of(i, LAMP_POINTS, points + i);
-	for (uint32_t i = 0; i < LAMP_PLAIN; i++)
-		point_of(i, LAMP_PLAIN, points + LAMP_POINTS + i);
+	uint32_t sum = 0;
+	for (int k = 0; k < 8; k++)
+		sum |= (x >> k & 1) << 2 * k | (y >> k & 1) << (2 * k + 1);
+	return sum;
+}
+
+void lamp_points_make(lamp_points *p)
+{
+	const uint32_t n = LAMP_TILE * LAMP_TILE * LAMP_POINTS, m = LAMP_WIDE * LAMP_WIDE * LAMP_DEALT;
+	for (uint32_t y = 0; y < LAMP_TILE; y++)
+		for (uint32_t x = 0; x < LAMP_TILE; x++)
+			for (uint32_t k = 0; k < LAMP_POINTS; k++)
+				point_of(woven(x, y) * LAMP_POINTS + k, n, LAMP_POINTS, &p->of[y][x][k]);
+	for (uint32_t y = 0; y < LAMP_WIDE; y++)
+		for (uint32_t x = 0; x < LAMP_WIDE; x++)
+			for (uint32_t k = 0; k < LAMP_DEALT; k++)
+				point_of(woven(x, y) * LAMP_DEALT + k, m, LAMP_DEALT, &p->first[y][x][k]);
+	for (uint32_t k = 0; k < LAMP_PLAIN; k++)
+		point_of(k, LAMP_PLAIN, LAMP_PLAIN, &p->plain[k]);
 }

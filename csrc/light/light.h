@@ -8,7 +8,7 @@
 
 /* Pixels around the images that are drawn, too: where a shadow is soft, a pixel of the border takes part in what is
  * done with others as far away as that. */
-enum { LIGHT_MARGIN = 12 };
+enum { LIGHT_MARGIN = 22 };
 
 enum { SURFACE_NOTHING = -1, SURFACE_STRAY = -2 /* of no geometry: only depth and normal tell of it */ };
 
@@ -35,7 +35,7 @@ typedef struct light {
 			 while they are smoothed */
 	float *sum;   /* three each: the light of all lamps so far */
 	lamp lamp;
-	lamp_point points[LAMP_POINTS + LAMP_PLAIN];
+	lamp_points points;
 } light;
 
 /* place.c: fills the surfaces of a row. */

@@ -5,14 +5,26 @@
  * finds where the edge passes; the share is linear in the distance to the line through the places so found, over 2
  * pixels, so that half of the light is where the edge is.
  *
- * A lamp with a size: each pixel asks the points that its place in a tile of the full frame deals to it. Where these
- * disagree, there or nearby, it asks all, each from another place in the 2 x 2 pixels about it; what is left of their
- * grain goes by the mean of such neighbours on the same surface whose share is much the same. */
+ * A lamp with a size: each pixel asks the few points that its place in a tile of the full frame deals to it. Where
+ * these disagree, there or nearby, it asks many, each from another place in the 2 x 2 pixels about it. No two pixels of
+ * a tile ask the same points: what would be bands is grain, which means of such neighbours on the same surface as have
+ * much the same share take away. In the first the places of a tile weigh the same; the others reach far where a
+ * penumbra is wide. */
 #include "light/light.h"
 
-enum { HALVINGS = 7, NEAR = 4 /* pixels: how far disagreement reaches */, WINDOW = 3 /* likewise, of the mean */ };
-_Static_assert(NEAR + WINDOW + 1 <= LIGHT_MARGIN - 2, "beyond the images surfaces are known in the margin only");
-static const float alike = 0.25f; /* shares that differ by more are on two sides of an edge */
+#include <stdlib.h>
+
+enum {
+	HALVINGS = 7,
+	NEAR = 4, /* pixels: how far disagreement reaches */
+	TAPS = LAMP_TILE - 1,
+	FAR_TAPS = 2,
+	WINDOW = 2 * TAPS + 1,
+	REACH = 2 * TAPS + FAR_TAPS * LAMP_TILE /* pixels: of the means together */
+};
+_Static_assert(NEAR + REACH + 1 <= LIGHT_MARGIN - 2, "beyond the images surfaces are known in the margin only");
+
+static const float gentle_slope = 0.08f; /* from one place that takes part to the next: no edge */
 
 static bool comes(const light *l, const surface *s, vec way, float far, hint *h)
 {
@@ -52,7 +64,7 @@ static bool lights(const light *l, const surface *s)
 static float plain_light(const light *l, const surface *s)
 {
 	int n = l->lamp.soft ? LAMP_PLAIN : 1;
-	const lamp_point *points = l->points + LAMP_POINTS;
+	const lamp_point *points = l->points.plain;
 	float sum = 0, far;
 	vec way;
 	for (int k = 0; k < n; k++)
@@ -71,11 +83,9 @@ static void centre_rows(void *data, int y0, int y1, int thread)
 		for (int x = 0; x < l->width; x++) {
 			ptrdiff_t i = (ptrdiff_t)y * l->width + x;
 			const surface *s = l->surfaces + i;
-			int dealt = l->lamp.soft ? LAMP_DEALT : 1, first = 0;
-			if (l->lamp.soft) {
-				int column = (f->x + x) & (LAMP_TILE - 1), row = (f->y + y) & (LAMP_TILE - 1);
-				first = LAMP_DEALT * (LAMP_TILE * row + column);
-			}
+			const lamp_point *first =
+				l->points.first[(f->y + y) & (LAMP_WIDE - 1)][(f->x + x) & (LAMP_WIDE - 1)];
+			int dealt = l->lamp.soft ? LAMP_DEALT : 1;
 			l->state[i] = 0;
 			l->plain[i] = lights(l, s) ? plain_light(l, s) : 0;
 			l->share[i] = l->plain[i] > 0;
@@ -83,7 +93,7 @@ static void centre_rows(void *data, int y0, int y1, int thread)
 				continue;
 			float all = 0, seen = 0;
 			for (int k = 0; k < dealt; k++)
-				ask(l, s, l->points + first + k, &all, &seen, &h);
+				ask(l, s, first + k, &all, &seen, &h);
 			l->state[i] = !(all > 0) ? MIXED : (uint8_t)((seen > 0 ? LIT : 0) | (seen < all ? DARK : 0));
 			l->share[i] = all > 0 ? seen / all : 0;
 		}
@@ -106,7 +116,7 @@ static float find_edge(const light *l, int x, int y, bool down, hint *h)
 			surface t = ISA(place_on)(l, other, u, v, &inside_other);
 			s = inside_other ? t : s;
 		}
-		ask(l, &s, l->points, &all, &seen, h);
+		ask(l, &s, l->points.plain, &all, &seen, h);
 		if ((seen > 0) == (l->state[i] == LIT))
 			low = middle;
 		else
@@ -191,9 +201,11 @@ static bool mixed_near(const light *l, int x, int y)
 static float full_share(const light *l, int x, int y, hint *h)
 {
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+	const encre_frame *f = &l->job->frame;
+	const lamp_point *points = l->points.of[(f->y + y) & (LAMP_TILE - 1)][(f->x + x) & (LAMP_TILE - 1)];
 	float all = 0, seen = 0;
 	for (int k = 0; k < LAMP_POINTS; k++) {
-		const lamp_point *q = l->points + k;
+		const lamp_point *q = points + k;
 		int u = x + (int)floorf(0.5f + q->place[0]), v = y + (int)floorf(0.5f + q->place[1]);
 		surface s = l->surfaces[i];
 		if (u >= 0 && v >= 0 && u < l->width && v < l->height) {
@@ -223,37 +235,102 @@ static void full_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
+typedef struct smoothing {
+	light *light;
+	const float *from;
+	float *to;
+	int apart, next; /* one pixel's share from the next's: in `from` and in `to` */
+	int step, taps;  /* pixels from one that takes part to the next; so many to each side */
+	float alike;     /* shares that differ by more are on two sides of an edge */
+} smoothing;
+
+/* What takes part in a mean: by how much it differs, NAN if it lies on another surface. */
+static void differences(const smoothing *m, int x, int y, float from[WINDOW][WINDOW])
+{
+	const light *l = m->light;
+	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+	for (int b = -m->taps; b <= m->taps; b++)
+		for (int a = -m->taps; a <= m->taps; a++) {
+			int u = x + a * m->step, v = y + b * m->step;
+			ptrdiff_t j = (ptrdiff_t)v * l->width + u;
+			bool takes_part = u >= 0 && v >= 0 && u < l->width && v < l->height && l->state[j] &&
+					  (j == i || one_surface(l->surfaces + i, l->surfaces + j));
+			from[b + m->taps][a + m->taps] =
+				takes_part ? m->from[j * m->apart] - m->from[i * m->apart] : NAN;
+		}
+}
+
+static float tent(const smoothing *m, int a, int b)
+{
+	return (float)((m->taps + 1 - abs(a)) * (m->taps + 1 - abs(b)));
+}
+
+static float smooth_share(const smoothing *m, int x, int y)
+{
+	float from[WINDOW][WINDOW], slope[2] = {0, 0}, squares[2] = {0, 0}, sum = 0, weights = 0;
+	differences(m, x, y, from);
+	for (int b = -m->taps; b <= m->taps; b++)
+		for (int a = -m->taps; a <= m->taps; a++) {
+			float difference = from[b + m->taps][a + m->taps], weight = tent(m, a, b);
+			if (!(difference == difference))
+				continue;
+			slope[0] += weight * (float)a * difference;
+			slope[1] += weight * (float)b * difference;
+			squares[0] += weight * (float)(a * a);
+			squares[1] += weight * (float)(b * b);
+		}
+	slope[0] /= squares[0] + 1e-6f;
+	slope[1] /= squares[1] + 1e-6f;
+	float gentle = clamp01(2 - (fabsf(slope[0]) + fabsf(slope[1])) / gentle_slope);
+	for (int b = -m->taps; b <= m->taps; b++)
+		for (int a = -m->taps; a <= m->taps; a++) {
+			float difference = from[b + m->taps][a + m->taps];
+			if (!(difference == difference))
+				continue;
+			float beside = difference - slope[0] * (float)a - slope[1] * (float)b;
+			float even = clamp01(2 - 2 * fabsf(difference) / m->alike);
+			float steep = gentle * clamp01(2 - 2 * fabsf(beside) / m->alike);
+			float weight = tent(m, a, b) * max(even, steep);
+			sum += weight * difference;
+			weights += weight;
+		}
+	return clamp01(m->from[((ptrdiff_t)y * m->light->width + x) * m->apart] + sum / weights);
+}
+
 static void smooth_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
-	light *l = data;
+	const smoothing *m = data;
 	for (int y = y0; y < y1; y++)
-		for (int x = 0; x < l->width; x++) {
-			ptrdiff_t i = (ptrdiff_t)y * l->width + x;
-			float own = l->more[2 * i], sum = 0, weights = 0;
-			l->share[i] = own;
-			if (!(l->more[2 * i + 1] > 0))
-				continue;
-			for (int v = y - WINDOW; v <= y + WINDOW; v++)
-				for (int u = x - WINDOW; u <= x + WINDOW; u++) {
-					ptrdiff_t j = (ptrdiff_t)v * l->width + u;
-					if (u < 0 || v < 0 || u >= l->width || v >= l->height || !l->state[j])
-						continue;
-					float weight = 1 - fabsf(l->more[2 * j] - own) / alike;
-					if (!(weight > 0) || (j != i && !one_surface(l->surfaces + i, l->surfaces + j)))
-						continue;
-					sum += weight * l->more[2 * j];
-					weights += weight;
-				}
-			l->share[i] = sum / weights;
+		for (int x = 0; x < m->light->width; x++) {
+			ptrdiff_t i = (ptrdiff_t)y * m->light->width + x;
+			bool full = m->light->more[2 * i + 1] > 0;
+			m->to[i * m->next] = full ? smooth_share(m, x, y) : m->from[i * m->apart];
 		}
+}
+
+static int32_t soft_run(light *l)
+{
+	const smoothing passes[] = {
+		{l, l->more, l->share, 2, 1, 1, TAPS, 0.25f},
+		{l, l->share, l->more, 1, 2, LAMP_TILE, FAR_TAPS, 0.04f},
+		{l, l->more, l->share, 2, 1, 1, TAPS, 0.03f},
+	};
+	int32_t code = bands_run(l->bands, l->height, 0, full_rows, l);
+	for (int k = 0; !code && k < 3; k++) {
+		smoothing m = passes[k];
+		code = bands_run(l->bands, l->height, 0, smooth_rows, &m);
+	}
+	return code;
 }
 
 int32_t ISA(shadow_run)(light *l)
 {
-	const bands_kernel hard[] = {centre_rows, edge_rows, ramp_rows}, soft[] = {centre_rows, full_rows, smooth_rows};
-	int32_t code = ENCRE_OK;
-	for (int k = 0; !code && k < (l->lamp.shadows ? 3 : 1); k++)
-		code = bands_run(l->bands, l->height, 0, (l->lamp.soft ? soft : hard)[k], l);
-	return code;
+	int32_t code = bands_run(l->bands, l->height, 0, centre_rows, l);
+	if (code || !l->lamp.shadows)
+		return code;
+	if (l->lamp.soft)
+		return soft_run(l);
+	code = bands_run(l->bands, l->height, 0, edge_rows, l);
+	return code ? code : bands_run(l->bands, l->height, 0, ramp_rows, l);
 }

@@ -138,6 +138,27 @@ def test_soft_light_is_clean(lamp):
     assert specks(stage.light(lamp)[..., 0], stage.objects()) == 0
 
 
+def parts(lamp, n):
+    """n * n rectangles that make one."""
+    k = (np.arange(n) + 0.5) / n - 0.5
+    return [Lamp("rectangle", tuple(c / n**2 for c in lamp.color), width=lamp.width / n, height=lamp.height / n,
+                 model=lamp.model @ moved(a * lamp.width, b * lamp.height, 0)) for a in k for b in k]
+
+
+def test_a_wide_penumbra_has_no_bands():
+    stage = Stage(960, 8, eye=(0.3, -6, 3), at=(0.3, 0, 3))
+    wall = np.array([[-30, 3, -30], [30, 3, -30], [30, 3, 30], [-30, 3, 30]], np.float32)
+    stage.add(wall, PLANE_CORNERS, np.eye(4))
+    for k in range(3):  # bars whose shadows are nowhere whole
+        model = np.diag([0.04, 0.04, 2.5, 1.0])
+        model[:3, 3] = -0.6 + 0.7 * k, -0.5 + 0.3 * k, 7
+        stage.add(CUBE, CUBE_CORNERS, model)
+    lamp = Lamp("rectangle", width=2, height=2, model=look((0.8, -6, 9.0), (0, 3, 3.2)))
+    found = stage.light(lamp)[..., 0]
+    expected = stage.light(*parts(lamp, 6))[..., 0]
+    assert np.percentile(abs(found - expected), 99) < 0.012 * expected.max()
+
+
 # ---- the same bytes
 
 
