@@ -7,7 +7,7 @@ from encre.pen import library
 from encre.pen.errors import EncreError
 from encre.pen.job import Frame, Lamp, Mesh
 from encre.pen.scene import Scene
-from lamps import CUBE, CUBE_CORNERS, LAMPS, Stage, ball, look, moved, perspective, ways
+from lamps import CUBE, CUBE_CORNERS, LAMPS, PLANE_CORNERS, Stage, ball, look, moved, perspective, ways
 from reference import light as reference
 
 
