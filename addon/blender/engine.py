@@ -31,6 +31,25 @@ def _in_file(scene):
     return any(scene.as_pointer() == other.as_pointer() for other in bpy.data.scenes)
 
 
+def _passes(scene, layer, drawn):
+    """(name, channel names, kind) of each pass of a view layer. drawn: whether the stages run, as on what the user has
+    and not on its evaluated copy, of which overrides.expect() takes care."""
+    passes = [tuple(known) for known in _cycles().list_render_passes(scene, layer)]
+    if drawn:
+        passes += list(wanted.passes(scene, layer))
+    seen = set()
+    for name, channels, kind in passes:
+        # Cycles itself makes the "Noisy" twins; registered by us they would leave Combined empty.
+        if name not in seen and not name.startswith("Noisy "):
+            seen.add(name)
+            yield name, channels, kind
+
+
+def pass_names(layer):
+    """Names of the passes that a view layer would get now."""
+    return [name for name, _, _ in _passes(layer.id_data, layer, True)]
+
+
 class _Refusing:
     """What goes wrong inside ends the render with a sentence, and Blender then writes no file. No generator: what is
     raised through one holds the engine in a circle of references (Python 3.13)."""
@@ -92,15 +111,8 @@ class EncreEngine(bpy.types.RenderEngine):
         self.session = None
 
     def update_render_passes(self, scene, layer):
-        passes = [tuple(known) for known in _cycles().list_render_passes(scene, layer)]
-        if not self.is_preview and not scene.is_evaluated:  # as overrides.expect() needs it
-            passes += list(wanted.passes(scene, layer))
-        seen = set()
-        for name, channels, kind in passes:
-            # Cycles itself makes the "Noisy" twins; registered by us they would leave Combined empty.
-            if name not in seen and not name.startswith("Noisy "):
-                seen.add(name)
-                self.register_pass(scene, layer, name, len(channels), channels, kind)
+        for name, channels, kind in _passes(scene, layer, not self.is_preview and not scene.is_evaluated):
+            self.register_pass(scene, layer, name, len(channels), channels, kind)
 
     def update(self, data, depsgraph):
         self.refused = False
@@ -109,7 +121,7 @@ class EncreEngine(bpy.types.RenderEngine):
             if not self.is_preview and _in_file(depsgraph.scene):
                 self.frames = self.frames or frame.Frames(self)
                 self.frames.begin(depsgraph)
-                if self.frames.fast:
+                if not self.frames.by_cycles:
                     return
             if not self.session:
                 _cycles().create(self, data)
@@ -126,7 +138,7 @@ class EncreEngine(bpy.types.RenderEngine):
         if self.refused:
             self.free()
             return
-        if not (self.frames and self.frames.fast):
+        if not self.frames or self.frames.by_cycles:
             _cycles().render_frame_finish(self)  # only now are all tiles there
         with _Refusing(self):
             if self.frames:

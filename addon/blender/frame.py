@@ -2,23 +2,22 @@
 """One rendered frame: settings and overrides before Cycles, triangles, and the stages on Cycles' passes after."""
 
 import contextlib
+import functools
 import weakref
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 
 import bpy
 import numpy as np
 
 from ..pen import around, denoise, layers, library, metadata, overlay, saved, supersample, through
-from ..pen.around import Window
 from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
-from ..pen.settings import Settings
 from . import (
     cameras,
     escape,
     fast_frame,
     lamps,
+    memory,
     meshes,
     overrides,
     papers,
@@ -28,64 +27,9 @@ from . import (
     versions,
     wanted,
 )
+from .known import Passes, ViewLayer
 
 _FEW = 8  # fewer samples make a draft, of which denoising would take the most time
-
-
-@dataclass
-class _ViewLayer:
-    """What is known of a view layer before Cycles renders it."""
-
-    name: str
-    settings: Settings
-    denoise_other: bool
-    user_indices: np.ndarray | None  # by Cycles' index, to write into the pass that the user asked for
-    objects: meshes.Objects | None   # None: nothing is drawn, nor kept in the file
-    views: dict                      # view name -> (camera, rasterised pictures of `factor` times the frame's size,
-                                     #               world -> camera, camera -> clip)
-    light: lamps.Light | None        # None: the light is Cycles'
-    clip_start: float
-    frame: Frame                     # with the place of what is drawn in it
-    own: Window                      # what is rendered for the file
-    place: Window                    # that, and so much around it as it depends on
-    border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
-    threads: int
-    samples: int                     # of a pixel, at most
-    asked: list                      # names of the pictures to draw besides Combined
-    keeps: bool                      # whether the file keeps what drawing again needs
-    paper: np.ndarray | None         # the image that is read for its heights
-    beside: dict                     # what else the file says of the scene: wanted.beside()
-    drawn: dict | None = None        # view id -> passes to write, if that is already done
-
-    @property
-    def factor(self):
-        return self.settings.factor
-
-    @property
-    def outputs(self):
-        """Names of the pictures to draw."""
-        return [*(["Combined"] if self.settings.active else []), *self.asked]
-
-
-class _Passes(Mapping):
-    """What Cycles wrote of one view, by its classic names: read from Blender each time, so that nothing is kept."""
-
-    def __init__(self, there, size, seen):
-        """there: render passes by their names in this Blender; size: (width, height); seen: whether to read SEEN."""
-        self.size = size
-        names = {name: versions.pass_name(name) for name in [*layers.CYCLES, *(layers.SEEN if seen else ())]}
-        self.there = {name: there[own] for name, own in names.items() if own in there}
-
-    def __getitem__(self, name):
-        return versions.read_pass(self.there[name], *self.size)
-
-    pop = __getitem__
-
-    def __iter__(self):
-        return iter(self.there)
-
-    def __len__(self):
-        return len(self.there)
 
 
 class Frames:
@@ -95,22 +39,31 @@ class Frames:
         # Weakly: Blender frees an engine when the last reference goes, and Cycles' memory with it, but takes away
         # the engine's own before Python would find a circle of references.
         self.engine = weakref.proxy(engine)
-        self.known = {}        # view layer's name -> _ViewLayer
+        self.known = {}        # view layer's name -> ViewLayer
         self.settings = None   # of the evaluated scene; None: they can't be used
         self.numbers = None    # of objects: what overrides.pass_indices() gave
         self.fast = None       # the FastFrames, where Cycles has nothing to do
         self.overrode = False  # with persistent data, what one frame overrode is there in the next
         self.nonfinite = 0     # values that were read as 0
         self.esc = None        # the escape.Esc after which it draws
+        self.again = None      # the memory.Picture that it draws, and nothing is rendered
+
+    @property
+    def by_cycles(self):
+        """Whether Cycles has anything to do."""
+        return not self.again and not self.fast
 
     # Before Cycles
 
     def begin(self, depsgraph):
         """Reads the settings and numbers the objects, before Cycles looks for what changed in the evaluated scene."""
         self.settings = self.numbers = None
+        self.again = memory.again(depsgraph.scene)
         with contextlib.suppress(EncreError):  # said when it comes to rendering: baking comes by here too
             self.settings = properties.settings(depsgraph.scene_eval)
         self.fast = None
+        if self.again:
+            return
         if self.settings and self.settings.fast:
             self.fast = fast_frame.FastFrames(self.engine, self._go_on)
         elif self.settings and (self.settings.active or self.overrode):
@@ -120,6 +73,9 @@ class Frames:
     def render(self, cycles, depsgraph):
         """Has `cycles` (cycles.engine) render a view layer. EncreError: the settings or the camera can't be used, or
         a stage fails; Cancelled."""
+        if self.again:
+            self._remember(depsgraph)
+            return
         if self.fast:
             self.fast.render(depsgraph, self._camera(depsgraph), self.settings)
             return
@@ -139,9 +95,7 @@ class Frames:
         """
         self.known.pop(depsgraph.view_layer.name, None)
         settings, camera = self.settings or properties.settings(depsgraph.scene_eval), self._camera(depsgraph)
-        paper = papers.load(settings.paper, self._go_on) if settings.paper else None
-        if paper is not None:
-            library.check(settings.scene, lambda _name: paper)
+        paper = self._paper(settings)
         flat = camera.data.type in {"PERSP", "ORTHO"}
         light = self._light(depsgraph, camera, settings) if flat else None
         if settings.denoises and not light and not denoise.available(versions.home()):
@@ -162,6 +116,38 @@ class Frames:
         if flat:
             self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other, paper,
                                                                     light)
+
+    def _remember(self, depsgraph):
+        """Puts the passes of a view layer that is in memory into the result, to be drawn again. EncreError: it is not,
+        or the settings can't be used; Cancelled."""
+        settings = self.settings or properties.settings(depsgraph.scene_eval)
+        kept = self.again.layers.get(depsgraph.view_layer.name)
+        lack = kept.lacks(settings) if kept else f"view layer {depsgraph.view_layer.name}"
+        if lack:
+            raise EncreError(f"{lack} needs layers that are not in memory: render the picture")
+        before = kept.before
+        cut = before.own != before.place
+        self.known[before.name] = replace(
+            before, drawn=None, settings=settings, paper=self._paper(settings),
+            asked=wanted.asked(depsgraph.view_layer), keeps=wanted.keeps(depsgraph.scene),
+            beside=wanted.beside(depsgraph.scene_eval, settings, cut),
+            views={name: (eye, None, view, projection) for name, (eye, _, view, projection) in before.views.items()})
+        whole = self.engine.get_result()
+        width, height, names = whole.resolution_x, whole.resolution_y, [view.name for view in whole.views]
+        for number, view in kept.views.items():
+            name = names[number] if len(kept.views) > 1 else ""
+            result = self.engine.begin_result(0, 0, width, height, layer=before.name, view=name)
+            for render_pass in result.layers[0].passes:
+                picture = view.shown.get(render_pass.name)
+                if picture is not None and render_pass.view_id == number:
+                    versions.write_pass(render_pass, picture)
+            self.engine.end_result(result)
+
+    def _paper(self, settings):
+        paper = papers.load(settings.paper, self._go_on) if settings.paper else None
+        if paper is not None:
+            library.check(settings.scene, lambda _name: paper)
+        return paper
 
     def _camera(self, depsgraph):
         camera = self.engine.camera_override or depsgraph.scene.camera
@@ -222,11 +208,15 @@ class Frames:
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
         samples = depsgraph.view_layer.samples or depsgraph.scene_eval.cycles.samples
-        return _ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light,
+        layer = ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light,
                           camera.data.clip_start, frame, own, place,
                           own if render.use_border and not render.use_crop_to_border else None,
                           threads, samples, asked, keeps, paper,
                           wanted.beside(depsgraph.scene_eval, settings, own != place))
+        if settings.active and memory.wanted(self.engine, depsgraph.scene):
+            layer.kept = memory.Layer(layer, overrides.denoises(depsgraph))
+            memory.begin(depsgraph.scene, layer.kept)
+        return layer
 
     def _reach(self, settings, denoise_other, height):
         """How many pixels around a border are rendered too."""
@@ -258,21 +248,16 @@ class Frames:
 
         subframes.render(self.engine, cycles, depsgraph, self._camera(depsgraph), layer.factor,
                          [*around.pieces(own, place), own], take, self._go_on)
-        top, left = (layer.factor * start for start in (own.y - place.y, own.x - place.x))
-        kept = np.s_[top:top + layer.factor * own.height, left:left + layer.factor * own.width]
         drawn = {}
         for view_id in list(gathered):
             view = gathered.pop(view_id)
             small = drawn[view_id] = view.small
-
-            def write(name, picture, small=small):
-                small[name] = supersample.shrink(name, picture[kept], layer.factor)
-
+            write = layer.shrinking(small.__setitem__)
             for name, picture in view.large.items():
                 write(name, picture)
             large = {layers.classic(name): view.large.pop(name) for name in list(view.large)}
             del picture
-            self._draw(layer, view_id, large, write)
+            self._draw(layer, view_id, large, small.__setitem__, dict(small))
         return drawn
 
     # After Cycles
@@ -309,22 +294,38 @@ class Frames:
                 if mine.drawn:
                     for name, picture in mine.drawn.pop(view_id).items():
                         write(name, picture)
+                elif self.again:
+                    self._draw(mine, view_id, None, write)
                 elif mine.objects:
-                    passes = _Passes(there, (result.resolution_x, result.resolution_y), mine.settings.wants_seen)
-                    if not self.esc or passes["Depth"].any():  # else it was stopped before the first sample
-                        self._draw(mine, view_id, passes, write)
+                    size = result.resolution_x, result.resolution_y
+                    passes, shown = Passes(there, size, mine.settings.wants_seen), None
+                    if self.esc and not passes["Depth"].any():  # it was stopped before the first sample
+                        continue
+                    if mine.kept:
+                        shown = {name: versions.read_pass(one, *size) for name, one in there.items()
+                                 if not memory.ours(name)}
+                        passes = {name: shown[versions.pass_name(name)] for name in passes}
+                    self._draw(mine, view_id, passes, write, shown)
             self._stamp(result, mine)
         if self.nonfinite:
             self.engine.say("WARNING", f"{self.nonfinite} values of the layers were not finite and were read as 0")
             self.nonfinite = 0
 
-    def _draw(self, layer, view_id, passes, write):
+    def _draw(self, layer, view_id, passes, write, shown=None):
         """Draws one view of one view layer from the passes that Cycles wrote, by classic names, of which each is
-        popped as it is read. write(name, picture) gets what is to be stored, by the name in this Blender."""
+        popped as it is read; None: those in memory. write(name, picture) gets what is to be stored, by the name in
+        this Blender. shown: what the result has, if that is to be kept."""
         settings, objects = layer.settings, layer.objects
         name = self.engine.get_result().views[view_id].name if len(layer.views) > 1 else ""
         self.engine.update_stats("Encre", f"{layer.name} {name}".strip())
         camera, maps, view, projection = layer.views[name]
+        kept = None
+        if layer.kept:
+            if passes is not None:
+                layer.kept.views[view_id] = memory.View(dict(passes), shown, dict(maps))
+            kept = layer.kept.views[view_id]
+            passes, maps, write = kept.again(objects.catchers.any()), dict(kept.maps), kept.noting(write)
+        write = layer.shrinking(write)
         frame = supersample.frame(layer.frame, layer.factor)
         index = passes.pop("IndexOB")[..., 0]
         instance = maps["object"].reshape(index.shape)
@@ -351,8 +352,11 @@ class Frames:
             known["seen_depth"] = layers.seen_depth(passes.pop("Denoising Depth"), projection, frame, layer.clip_start)
         illuminate = layer.light and (lambda depth, normal: layer.light.draw(
             depth, normal, view, projection, frame, layer.threads, self._go_on))
-        images, nonfinite = layers.assemble(passes, settings, known, self._denoiser(layer), layer.denoise_other,
-                                            illuminate)
+        denoiser = self._denoiser(layer)
+        if kept:
+            denoiser = denoiser and functools.partial(kept.once, settings.light_scale, denoiser)
+            illuminate = illuminate and functools.partial(kept.once, "drawn", illuminate)
+        images, nonfinite = layers.assemble(passes, settings, known, denoiser, layer.denoise_other, illuminate)
         known.clear()
         if caught is not None:
             overlay.hide(images, caught)

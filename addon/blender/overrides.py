@@ -46,6 +46,12 @@ def denoiser(depsgraph, shaded, overrode):
     return shaded and user and depsgraph.view_layer.cycles.use_denoising, missing
 
 
+def denoises(depsgraph):
+    """Whether Cycles' denoiser is on where it may be, and is there."""
+    wanted = depsgraph.scene.cycles.use_denoising and depsgraph.view_layer.cycles.use_denoising
+    return wanted and versions.has_cycles_denoiser()
+
+
 def blur(depsgraph, off):
     """Switches motion blur and depth of field off, or back to what the user set. Returns the names of what was on."""
     cameras = (block for block in depsgraph.ids if isinstance(block, bpy.types.Camera))

@@ -126,6 +126,13 @@ def _pass_switch(name):
                                   **OURS)
 
 
+def _keep(self, _context):
+    from . import memory
+
+    if not self.keep_layers:
+        memory.forget()
+
+
 @functools.cache  # 3.4 never lets go of a class that was registered: the same ones, then, each time
 def _classes():
     """{owner: its class}, and what these are made of before them, in the order in which they register."""
@@ -139,6 +146,12 @@ def _classes():
         **{p.id: _property(p) for p in params},
         "styles": bpy.props.CollectionProperty(type=style, name="Styles"),
         "active_style": bpy.props.IntProperty(options={"HIDDEN"}),
+        "keep_layers": bpy.props.BoolProperty(
+            name="Keep Layers", default=True, update=_keep, **OURS,
+            description="Keep what F12 has rendered in memory, so that settings are drawn anew without rendering"),
+        "auto_redraw": bpy.props.BoolProperty(
+            name="Redraw Automatically", default=True, **OURS,
+            description="Draw the last render again whenever a setting changes, while an image editor shows it"),
         "preset": bpy.props.StringProperty(options={"HIDDEN"}),  # id of the last one: rows are reset to its values
         "version": bpy.props.IntProperty(options={"HIDDEN"}),  # of the settings in a file: migration.py
         "active_level": bpy.props.IntProperty(options={"HIDDEN"}),

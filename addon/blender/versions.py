@@ -104,6 +104,18 @@ def has_cycles_denoiser():
     return bool(getattr(_cycles, "with_openimagedenoise", True))
 
 
+def strips(editor):
+    """The strips of a sequencer. 4.4 renamed them."""
+    return list(editor.strips if hasattr(editor, "strips") else editor.sequences)
+
+
+def compositor(scene):
+    """The nodes that composite a scene, None without. In 5.0 they became a group of their own."""
+    if hasattr(scene, "compositing_node_group"):
+        return scene.compositing_node_group
+    return scene.node_tree if scene.use_nodes else None
+
+
 def user_folder(package):
     """Where a package of ours may keep files of its user."""
     repository = package.split(".")[:3]

@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import blenders
+import numpy as np
 import OpenImageIO as oiio
 import pytest
 
@@ -33,6 +34,11 @@ def esc(tmp_path_factory):
     return drive("esc_window.py", tmp_path_factory.mktemp("esc"))
 
 
+@pytest.fixture(scope="module")
+def redraw(tmp_path_factory):
+    return drive("redraw_window.py", tmp_path_factory.mktemp("redraw"), "--enable-event-simulate")
+
+
 def read(shot, name):
     return oiio.ImageBuf(str(shot.folder / f"{name}.png")).get_pixels(oiio.FLOAT)[..., :3]
 
@@ -57,3 +63,29 @@ def test_a_second_esc_gives_up(esc):
     assert 0 < esc.facts["twice"][0] < esc.facts["once"][0]
     cube = read(esc, "twice").max(-1)
     assert (cube < 0.1).sum() == 0 and cube.std() > 0.05  # as Cycles left it
+
+
+def test_a_setting_is_drawn_from_memory_as_f12_draws_it(redraw):
+    assert redraw.facts["finished"] and "Traceback" not in redraw.output
+    assert redraw.facts["redrawn"] == [True] * 6
+    assert all(calls == [] for calls in redraw.facts["by Cycles"])
+    for name in ("thick", "red", "flat", "off", "border", "super"):
+        again, fresh = read(redraw, f"{name}-again"), read(redraw, f"{name}-fresh")
+        assert np.abs(again - fresh).max() <= 1 / 255, name
+        if name not in ("border", "super"):
+            assert np.abs(again - read(redraw, f"{name}-before")).max() > 0.2, name
+        if name in ("thick", "red", "flat"):
+            assert np.array_equal(read(redraw, f"{name}-back"), read(redraw, f"{name}-before")), name
+
+
+def test_what_the_layers_can_not_show_is_not_redrawn(redraw):
+    for said, wanted in zip(redraw.facts["refused"],
+                            ("frame 1", "size", "Supersample", "Object Index", "other passes", "styles", "no layers"),
+                            strict=True):
+        assert wanted in said
+    assert redraw.facts["possible"] == [None]
+    assert redraw.facts["bytes"][0] < 260 and redraw.facts["left"] == [0]
+
+
+def test_a_redraw_that_is_stopped_leaves_the_picture(redraw):
+    assert np.array_equal(read(redraw, "whole"), read(redraw, "stopped"))

@@ -3,6 +3,7 @@
 
 import bpy
 
+from .. import memory
 from ..languages import iface_
 from . import presets
 from .base import EncrePanel
@@ -40,6 +41,12 @@ class ENCRE_PT_encre(EncrePanel, bpy.types.Panel):
         else:
             row.popover("ENCRE_PT_presets", icon="PRESET")
         row.menu("ENCRE_MT_scene_settings", text="", icon="DOWNARROW_HLT")
+        row = layout.row(align=True)
+        row.prop(context.scene.encre, "keep_layers")
+        if held := memory.size(context.scene):
+            row.label(text=f"{held / 1e6:.0f} MB", translate=False)
+            row.prop(context.scene.encre, "auto_redraw", text="", icon="AUTO")
+            row.operator("encre.redraw", text="", icon="FILE_REFRESH")
 
 
 CLASSES = (ENCRE_OT_standard_view, ENCRE_PT_encre)

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is known of a view layer before it is rendered, and the passes that Cycles then wrote."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..pen import layers, supersample
+from ..pen.around import Window
+from ..pen.job import Frame
+from ..pen.settings import Settings
+from . import lamps, memory, meshes, versions
+
+
+@dataclass
+class ViewLayer:
+    """What is known of a view layer before Cycles renders it."""
+
+    name: str
+    settings: Settings
+    denoise_other: bool
+    user_indices: np.ndarray | None  # by Cycles' index, to write into the pass that the user asked for
+    objects: meshes.Objects | None   # None: nothing is drawn, nor kept in the file
+    views: dict                      # view name -> (camera, rasterised pictures of `factor` times the frame's size,
+                                     #               world -> camera, camera -> clip)
+    light: lamps.Light | None        # None: the light is Cycles'
+    clip_start: float
+    frame: Frame                     # with the place of what is drawn in it
+    own: Window                      # what is rendered for the file
+    place: Window                    # that, and so much around it as it depends on
+    border: tuple | None             # what was rendered where the file shows all of the frame: x, y, width, height
+    threads: int
+    samples: int                     # of a pixel, at most
+    asked: list                      # names of the pictures to draw besides Combined
+    keeps: bool                      # whether the file keeps what drawing again needs
+    paper: np.ndarray | None         # the image that is read for its heights
+    beside: dict                     # what else the file says of the scene: wanted.beside()
+    kept: memory.Layer | None = None  # what is kept of it, or drawn again
+    drawn: dict | None = None        # view id -> passes to write, if that is already done
+
+    @property
+    def factor(self):
+        return self.settings.factor
+
+    @property
+    def outputs(self):
+        """Names of the pictures to draw."""
+        return [*(["Combined"] if self.settings.active else []), *self.asked]
+
+    def shrinking(self, write):
+        """write(), of what is drawn at `factor` times the frame's size and with what lies around."""
+        if self.factor == 1 and self.own == self.place:
+            return write
+        top, left = (self.factor * start for start in (self.own.y - self.place.y, self.own.x - self.place.x))
+        kept = np.s_[top:top + self.factor * self.own.height, left:left + self.factor * self.own.width]
+        return lambda name, picture: write(name, supersample.shrink(name, picture[kept], self.factor))
+
+
+class Passes(Mapping):
+    """What Cycles wrote of one view, by its classic names: read from Blender each time, so that nothing is kept."""
+
+    def __init__(self, there, size, seen):
+        """there: render passes by their names in this Blender; size: (width, height); seen: whether to read SEEN."""
+        self.size = size
+        names = {name: versions.pass_name(name) for name in [*layers.CYCLES, *(layers.SEEN if seen else ())]}
+        self.there = {name: there[own] for name, own in names.items() if own in there}
+
+    def __getitem__(self, name):
+        return versions.read_pass(self.there[name], *self.size)
+
+    pop = __getitem__
+
+    def __iter__(self):
+        return iter(self.there)
+
+    def __len__(self):
+        return len(self.there)

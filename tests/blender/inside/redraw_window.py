@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in a Blender with a window: `redraw_window.py -- render FOLDER` changes settings after F12, which are drawn anew
+without Cycles, and renders each of them by F12 too.
+
+Needs --enable-event-simulate.
+"""
+
+import os
+import sys
+import time
+
+import bpy
+
+sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+import studio  # noqa: E402
+import window  # noqa: E402
+from render_window import picture, rendering  # noqa: E402
+
+rendered, ended = [], []
+
+
+def spy(real, name):
+    return lambda *args: rendered.append(name) or real(*args)
+
+
+def count():
+    import _cycles
+
+    for name in ("create", "reset", "render"):
+        setattr(_cycles, name, spy(getattr(_cycles, name), name))
+
+
+def build():
+    bpy.context.preferences.view.render_display_type = "AREA"
+    studio.register()
+    count()
+    for handlers in (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel):
+        handlers.append(lambda *_: ended.append(1))
+    scene = bpy.context.scene
+    scene.render.engine = "ENCRE"
+    scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 160, 90, 4
+    scene.cycles.seed = 1
+    scene.render.image_settings.file_format = "PNG"
+    scene.encre.line_thickness = 20
+
+
+def redrawn():
+    """Until the redraw that a change starts has ended; False if none begins."""
+    bpy.context.scene.update_tag()
+    start, before = time.time(), len(rendered)
+    ended.clear()
+    while not ended:
+        if time.time() > start + 8:
+            return False
+        yield
+    while bpy.app.is_job_running("RENDER"):
+        yield
+    yield
+    studio.fact("by Cycles", rendered[before:])
+    return True
+
+
+CHANGES = {
+    "thick": {"line_thickness": 50},
+    "red": {"line_color": (0.6, 0, 0), "use_hatching": False},
+    "flat": {"shade_exposure": 0.3, "use_smudging": False},
+    "off": {"use_lines": False, "use_shading": False, "use_smudging": False},
+}
+
+
+def settings():
+    """Each change is drawn from memory, then rendered, and all is set back."""
+    scene = bpy.context.scene
+    scene.cycles.use_denoising = False
+    for name, change in CHANGES.items():
+        yield from rendering()
+        picture(f"{name}-before")
+        before = {id_: getattr(scene.encre, id_) for id_ in change}
+        before = {id_: tuple(value) if id_.endswith("color") else value for id_, value in before.items()}
+        for id_, value in change.items():
+            setattr(scene.encre, id_, value)
+        started = time.time()
+        studio.fact("redrawn", (yield from redrawn()))
+        studio.fact("seconds", time.time() - started)
+        picture(f"{name}-again")
+        yield from rendering()
+        picture(f"{name}-fresh")
+        for id_, value in before.items():
+            setattr(scene.encre, id_, value)
+        if name != "off":  # without lines their layers are not rendered
+            yield from redrawn()
+            picture(f"{name}-back")
+
+
+def undrawn():
+    """What layers in memory can't show is not drawn, and F12 after a redraw renders."""
+    from encre.blender import memory
+    from encre.blender.engine import pass_names
+
+    scene = bpy.context.scene
+    yield from rendering()
+    studio.fact("bytes", memory.size(scene) / (160 * 90))
+    for owner, name, value in ((scene, "frame_current", 2), (scene.render, "resolution_x", 170),
+                               (scene.encre, "supersample", 2), (scene.encre, "object_index", "PASS"),
+                               (scene.view_layers[0], "use_pass_mist", True)):
+        before = getattr(owner, name)
+        setattr(owner, name, value)
+        studio.fact("refused", memory.refusal(scene, pass_names))
+        setattr(owner, name, before)
+    scene.encre.styles.add()
+    studio.fact("refused", memory.refusal(scene, pass_names))
+    scene.encre.styles.remove(0)
+    studio.fact("possible", memory.refusal(scene, pass_names))
+    scene.encre.keep_layers = False
+    studio.fact("refused", memory.refusal(scene, pass_names))
+    studio.fact("left", memory.size(scene))
+
+
+def border():
+    """A border, whose surroundings are rendered too, and layers of twice the size."""
+    scene = bpy.context.scene
+    scene.render.use_border, scene.render.border_min_x, scene.render.border_max_y = True, 0.3, 0.8
+    for name, factor in ("border", 1), ("super", 2):
+        scene.encre.supersample = factor
+        yield from rendering()
+        scene.encre.line_color = (0.6, 0, 0)
+        studio.fact("redrawn", (yield from redrawn()))
+        picture(f"{name}-again")
+        yield from rendering()
+        picture(f"{name}-fresh")
+        scene.encre.line_color = (0, 0, 0)
+    scene.render.use_border, scene.encre.supersample = False, 1
+
+
+def given_up():
+    """A redraw that is stopped leaves what was drawn before."""
+    from encre.blender import frame
+
+    scene = bpy.context.scene
+    scene.encre.keep_layers = True
+    yield from rendering()
+    picture("whole")
+    scene.encre.line_thickness = 50
+    real = frame.Frames._go_on
+    frame.Frames._go_on = lambda self, _fraction=0: False
+    yield from redrawn()
+    frame.Frames._go_on = real
+    picture("stopped")
+
+
+def steps():
+    build()
+    yield
+    yield from settings()
+    yield from border()
+    yield from undrawn()
+    yield from given_up()
+
+
+if __name__ == "__main__":
+    todo = steps()
+    bpy.context.preferences.view.show_splash = False
+    bpy.app.timers.register(lambda: window.run(todo), first_interval=1.0)
