@@ -5,9 +5,10 @@ In: Blender's hooks, with the evaluated scene; the passes that Cycles writes int
 read, so that keyframes and drivers count, and only evaluated data are changed: the user's scene stays as it is. Out:
 the result with Encre's pictures in the place of the passes; sentences in Blender's report.
 
-engine forwards the hooks to frame, which does one render: before Cycles, and after. It reads settings by properties,
-meshes, cameras and papers; overrides switches off in the evaluated scene what lines can't do with; subframes has Cycles
-render larger layers; memory keeps the last render's layers, escape draws after a break; bake draws into textures; panels shows it all, with thumbnails of presets.
+engine forwards the hooks to frame, which does one render: before Cycles, and after; fast_frame does one without Cycles.
+It reads settings by properties, meshes, cameras and papers; overrides switches off in the evaluated scene what lines
+can't do with; subframes has Cycles render larger layers; memory keeps the last render's layers, escape draws after a
+break; bake draws into textures; panels shows it all, with thumbnails of presets.
 
 To add: a setting of an object or a material to properties; what else a mesh tells to meshes; what differs between
 Blenders to versions, with the version and the reason, and nowhere else. Nothing here knows the command line.
