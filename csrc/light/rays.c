@@ -165,7 +165,13 @@ static bool nearer(float share, const hit *a, const hit *b)
 	return a->instance != b->instance ? a->instance < b->instance : a->triangle < b->triangle;
 }
 
-static void look_in(const shape *s, const local *l, int32_t number, float share, hit *best)
+typedef struct search {
+	float share;
+	int32_t skip; /* a triangle that does not count */
+	hit best;
+} search;
+
+static void look_in(const shape *s, const local *l, int32_t number, search *f)
 {
 	int32_t stack[TREE_STACK], top = 1;
 	stack[0] = 0;
@@ -181,8 +187,8 @@ static void look_in(const shape *s, const local *l, int32_t number, float share,
 			meet(s->leaves + ~child, l, t);
 			for (int i = 0; i < LEAF; i++) {
 				hit found = {number, s->leaves[~child].item[i], t[i]};
-				if (t[i] > 0 && nearer(share, &found, best))
-					*best = found;
+				if (t[i] > 0 && found.triangle != f->skip && nearer(f->share, &found, &f->best))
+					f->best = found;
 			}
 		}
 	}
@@ -196,7 +202,7 @@ bool ISA(ray_nearest)(const world *w, const double from[3], const double to[3], 
 	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
 	aim(&all);
 	stack[0] = 0;
-	*found = (hit){-1, -1, INFINITY};
+	search f = {share, -1, {-1, -1, INFINITY}};
 	while (top) {
 		const tree_node *n = w->tree.nodes + stack[--top];
 		for (unsigned bits = entered(n, &all); bits; bits &= bits - 1) {
@@ -215,8 +221,37 @@ bool ISA(ray_nearest)(const world *w, const double from[3], const double to[3], 
 			local l = {.from = {(float)a[0], (float)a[1], (float)a[2]}, .far = 1};
 			l.way = (vec){(float)(b[0] - a[0]), (float)(b[1] - a[1]), (float)(b[2] - a[2])};
 			aim(&l);
-			look_in(in->shape, &l, number, share, found);
+			look_in(in->shape, &l, number, &f);
 		}
 	}
+	*found = f.best;
 	return found->instance >= 0;
+}
+
+bool ISA(ray_stops)(const world *w, const ray *r, float *share)
+{
+	local all = {.from = r->from, .way = r->way, .far = r->far};
+	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
+	aim(&all);
+	stack[0] = 0;
+	search f = {0, -1, {-1, -1, INFINITY}};
+	while (top) {
+		const tree_node *n = w->tree.nodes + stack[--top];
+		for (unsigned bits = entered(n, &all); bits; bits &= bits - 1) {
+			int32_t child = n->child[__builtin_ctz(bits)];
+			if (child >= 0) {
+				stack[top++] = child;
+				continue;
+			}
+			int32_t number = w->boxes[w->tree.leaves[~child].from].item;
+			const instance *in = w->instances[number];
+			if (!casts(in, r->set))
+				continue;
+			local l = local_of(in, r);
+			f.skip = number == r->instance ? r->triangle : -1;
+			look_in(in->shape, &l, number, &f);
+		}
+	}
+	*share = f.best.share;
+	return f.best.instance >= 0;
 }

@@ -94,7 +94,7 @@ def distances(points, outline):
     return np.where(corner > 4, best, np.nan)
 
 
-@pytest.mark.parametrize("width, most", [(0, 0.05), (0.00925, 0.15)])
+@pytest.mark.parametrize("width, most", [(0, 0.03), (0.00925, 0.03), (0.02, 0.07)])
 def test_a_cubes_shadow_ends_where_geometry_says(width, most):
     found = []
     for seed in range(6):
