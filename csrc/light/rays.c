@@ -58,8 +58,12 @@ static inline unsigned entered(const tree_node *n, const local *l)
 	return bits;
 }
 
-/* Where a ray meets the triangles of a leaf: 0 where it does not. */
-static inline void meet(const triangle_leaf *leaf, const local *l, float t[LEAF])
+typedef struct meeting {
+	float t[LEAF], u[LEAF], v[LEAF]; /* t: 0 where it meets nothing */
+} meeting;
+
+/* Where a ray meets the triangles of a leaf. */
+static inline void meet(const triangle_leaf *leaf, const local *l, meeting *m)
 {
 	for (int i = 0; i < LEAF; i++) {
 		vec e = {leaf->first[0][i], leaf->first[1][i], leaf->first[2][i]};
@@ -69,21 +73,30 @@ static inline void meet(const triangle_leaf *leaf, const local *l, float t[LEAF]
 		float r = 1 / dot(e, p), u = dot(to, p) * r, v = dot(l->way, q) * r, at = dot(f, q) * r;
 		bool in = (u >= -edge) & (v >= -edge) & (u + v <= 1 + edge) & (at > 0) & (at < l->far) &
 			  (leaf->item[i] >= 0);
-		t[i] = in ? at : 0;
+		m->t[i] = in ? at : 0;
+		m->u[i] = u;
+		m->v[i] = v;
 	}
 }
 
-static bool leaf_blocks(const triangle_leaf *leaf, const local *l, int32_t skip)
+static bool leaf_blocks(const world *w, const shape *s, int32_t number, const local *l, int32_t skip)
 {
-	float t[LEAF];
-	meet(leaf, l, t);
+	const triangle_leaf *leaf = s->leaves + number;
+	meeting m;
+	meet(leaf, l, &m);
 	bool any = false;
+	if (s->uvs) {
+		for (int i = 0; i < LEAF; i++)
+			any |= m.t[i] > 0 && leaf->item[i] != skip &&
+			       solid_at(w->textures, s, leaf->item[i], m.u[i], m.v[i]);
+		return any;
+	}
 	for (int i = 0; i < LEAF; i++)
-		any |= (t[i] > 0) & (leaf->item[i] != skip);
+		any |= (m.t[i] > 0) & (leaf->item[i] != skip);
 	return any;
 }
 
-static bool shape_blocks(const shape *s, const local *l, int32_t skip, hint *h)
+static bool shape_blocks(const world *w, const shape *s, const local *l, int32_t skip, hint *h)
 {
 	int32_t stack[TREE_STACK], top = 1;
 	stack[0] = 0;
@@ -94,7 +107,7 @@ static bool shape_blocks(const shape *s, const local *l, int32_t skip, hint *h)
 			int slot = __builtin_ctz(bits);
 			if (n->child[slot] >= 0) {
 				stack[top++] = n->child[slot];
-			} else if (leaf_blocks(s->leaves + ~n->child[slot], l, skip)) {
+			} else if (leaf_blocks(w, s, ~n->child[slot], l, skip)) {
 				h->node = at;
 				h->slot = slot;
 				return true;
@@ -118,7 +131,7 @@ static bool hint_blocks(const world *w, const ray *r, const local *all, const hi
 	local l = local_of(in, r);
 	const tree_node *n = in->shape->tree.nodes + h->node;
 	return entered(n, &l) >> h->slot & 1 &&
-	       leaf_blocks(in->shape->leaves + ~n->child[h->slot], &l, h->instance == r->instance ? r->triangle : -1);
+	       leaf_blocks(w, in->shape, ~n->child[h->slot], &l, h->instance == r->instance ? r->triangle : -1);
 }
 
 bool ISA(ray_blocked)(const world *w, const ray *r, hint *h)
@@ -144,7 +157,7 @@ bool ISA(ray_blocked)(const world *w, const ray *r, hint *h)
 			if (!casts(in, r->set))
 				continue;
 			local l = local_of(in, r);
-			if (shape_blocks(in->shape, &l, number == r->instance ? r->triangle : -1, h)) {
+			if (shape_blocks(w, in->shape, &l, number == r->instance ? r->triangle : -1, h)) {
 				h->instance = number;
 				h->top_node = at;
 				h->top_slot = slot;
@@ -167,7 +180,8 @@ static bool nearer(float share, const hit *a, const hit *b)
 
 typedef struct search {
 	float share;
-	int32_t skip; /* a triangle that does not count */
+	int32_t skip;          /* a triangle that does not count */
+	const store *textures; /* NULL: holes don't count */
 	hit best;
 } search;
 
@@ -183,11 +197,13 @@ static void look_in(const shape *s, const local *l, int32_t number, search *f)
 				stack[top++] = child;
 				continue;
 			}
-			float t[LEAF];
-			meet(s->leaves + ~child, l, t);
+			meeting m;
+			meet(s->leaves + ~child, l, &m);
 			for (int i = 0; i < LEAF; i++) {
-				hit found = {number, s->leaves[~child].item[i], t[i]};
-				if (t[i] > 0 && found.triangle != f->skip && nearer(f->share, &found, &f->best))
+				hit found = {number, s->leaves[~child].item[i], m.t[i]};
+				if (m.t[i] > 0 && found.triangle != f->skip && nearer(f->share, &found, &f->best) &&
+				    (!f->textures || !s->uvs ||
+				     solid_at(f->textures, s, found.triangle, m.u[i], m.v[i])))
 					f->best = found;
 			}
 		}
@@ -202,7 +218,7 @@ bool ISA(ray_nearest)(const world *w, const double from[3], const double to[3], 
 	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
 	aim(&all);
 	stack[0] = 0;
-	search f = {share, -1, {-1, -1, INFINITY}};
+	search f = {share, -1, NULL, {-1, -1, INFINITY}};
 	while (top) {
 		const tree_node *n = w->tree.nodes + stack[--top];
 		for (unsigned bits = entered(n, &all); bits; bits &= bits - 1) {
@@ -234,7 +250,7 @@ bool ISA(ray_stops)(const world *w, const ray *r, float *share)
 	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
 	aim(&all);
 	stack[0] = 0;
-	search f = {0, -1, {-1, -1, INFINITY}};
+	search f = {0, -1, w->textures, {-1, -1, INFINITY}};
 	while (top) {
 		const tree_node *n = w->tree.nodes + stack[--top];
 		for (unsigned bits = entered(n, &all); bits; bits &= bits - 1) {
