@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 8 };
+enum { ENCRE_API_VERSION = 9 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -305,9 +305,9 @@ ENCRE_API int32_t encre_raster(encre_context *context, encre_raster_job *job);
 /* ---- light ----------------------------------------------------------------------------------------------- */
 
 /* What light falls on and what throws shadows, kept from frame to frame: geometry, of which a tree is built once;
- * instances, which place geometry in the world; lamps. Each has a key that the caller chooses, a number of its kind;
- * given again it replaces what was there, NULL removes it. Everything is copied. A scene may be used by one thread at a
- * time, with any context. */
+ * instances, which place geometry in the world; lamps; textures, which say where geometry has holes. Each has a key
+ * that the caller chooses, a number of its kind; given again it replaces what was there, NULL removes it. Everything is
+ * copied. A scene may be used by one thread at a time, with any context. */
 typedef struct encre_scene encre_scene;
 
 /* Triangles in object space; where a corner is not finite there is none. */
@@ -316,7 +316,19 @@ typedef struct encre_geometry {
 	const float *points;    /* n_points x 3 */
 	const int32_t *corners; /* n_triangles x 3, indices into points */
 	const float *normals; /* n_triangles x 3 x 3: unit normals at the corners, by which light falls; NULL = flat */
+	const float *uvs; /* n_triangles x 3 x 2: where the corners are in the triangle's texture; NULL: no textures */
+	const int32_t *textures; /* n_triangles: keys of textures; one that is not there is solid everywhere */
 } encre_geometry;
+
+enum encre_extension { ENCRE_REPEAT = 0, ENCRE_EXTEND, ENCRE_CLIP /* nothing is there */ };
+
+/* Where a surface is solid: rays go through where `alpha`, as its texels are mixed there, is below a half. */
+typedef struct encre_texture {
+	int32_t width, height; /* 1 to ENCRE_MAX_TEXELS */
+	int32_t extension;     /* enum encre_extension: what lies beyond 0..1 */
+	int32_t closest;       /* 1: texels are not mixed */
+	const uint8_t *alpha;  /* height x width, packed; v = 0 is the first row's lower end */
+} encre_texture;
 
 typedef struct encre_instance {
 	int64_t geometry;     /* its key; it must be there as long as instances show it */
@@ -376,6 +388,8 @@ ENCRE_API int32_t encre_scene_geometry(encre_context *context, encre_scene *scen
 				       const encre_geometry *geometry);
 ENCRE_API int32_t encre_scene_instance(encre_context *context, encre_scene *scene, int64_t key,
 				       const encre_instance *instance);
+ENCRE_API int32_t encre_scene_texture(encre_context *context, encre_scene *scene, int64_t key,
+				      const encre_texture *texture);
 ENCRE_API int32_t encre_scene_lamp(encre_context *context, encre_scene *scene, int64_t key, const encre_lamp *lamp);
 
 /* Draws the light of the scene's lamps and of its world on what the camera sees: for each pixel's centre what of the

@@ -90,7 +90,12 @@ class BakeJob(c.Structure):
 
 class Geometry(c.Structure):
     _fields_ = [("n_points", c.c_int32), ("n_triangles", c.c_int32), ("points", c.c_void_p), ("corners", c.c_void_p),
-                ("normals", c.c_void_p)]
+                ("normals", c.c_void_p), ("uvs", c.c_void_p), ("textures", c.c_void_p)]
+
+
+class Texture(c.Structure):
+    _fields_ = [("width", c.c_int32), ("height", c.c_int32), ("extension", c.c_int32), ("closest", c.c_int32),
+                ("alpha", c.c_void_p)]
 
 
 class Instance(c.Structure):

@@ -19,7 +19,7 @@ from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Mesh, Result, Work
 from .params import Control, Param, Stage, control, normal, read, stage, text_of
 
-API_VERSION = 8
+API_VERSION = 9
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 
 
@@ -68,7 +68,7 @@ class Library:
             getattr(lib, name).argtypes = [c.c_void_p, c.c_int32]
         lib.encre_scene_create.restype = c.c_void_p
         lib.encre_scene_free.argtypes, lib.encre_scene_free.restype = [c.c_void_p], None
-        for name in ("encre_scene_geometry", "encre_scene_instance", "encre_scene_lamp"):
+        for name in ("encre_scene_geometry", "encre_scene_instance", "encre_scene_texture", "encre_scene_lamp"):
             getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p, c.c_int64, c.c_void_p]
         for name in ("encre_render", "encre_raster", "encre_bake", "encre_light", "encre_poll"):
             getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]

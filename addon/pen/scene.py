@@ -11,6 +11,9 @@ from .job import EVERY_SET, LAMPS, Frame, Lamp, Work, entries
 from .library import Library, load
 
 
+EXTENSIONS = ("REPEAT", "EXTEND", "CLIP")
+
+
 class Scene:
     """What light falls on and what throws shadows, by integer keys (of geometry, instances and lamps, each their own):
     given again a key replaces what was there, None removes it."""
@@ -29,8 +32,10 @@ class Scene:
         self._library.call(function, self._handle, key, value)
 
     def geometry(self, key: int, points: np.ndarray | None, corners: np.ndarray | None = None,
-                 normals: np.ndarray | None = None) -> None:
-        """points (n, 3) in object space, corners (t, 3), and, where it is smooth, unit normals (t, 3, 3)."""
+                 normals: np.ndarray | None = None, uvs: np.ndarray | None = None,
+                 textures: np.ndarray | None = None) -> None:
+        """points (n, 3) in object space, corners (t, 3); where it is smooth, unit normals (t, 3, 3); where it has holes,
+        uvs (t, 3, 2) and keys of textures (t,), negative: none."""
         function = self._library.lib.encre_scene_geometry
         if points is None:
             return self._set(function, key, None)
@@ -38,8 +43,24 @@ class Scene:
         corners = np.ascontiguousarray(corners, np.int32).reshape(-1, 3)
         if normals is not None:
             normals = entries("normals", normals, np.float32, (len(corners), 3, 3))
-        return self._set(function, key, abi.Geometry(len(points), len(corners), points.ctypes.data, corners.ctypes.data,
-                                                  None if normals is None else normals.ctypes.data))
+        if uvs is not None:
+            uvs = entries("uvs", uvs, np.float32, (len(corners), 3, 2))
+            textures = entries("textures", textures, np.int32, (len(corners),))
+        value = abi.Geometry(len(points), len(corners), points.ctypes.data, corners.ctypes.data)
+        for name, array in (("normals", normals), ("uvs", uvs), ("textures", textures)):
+            setattr(value, name, None if array is None else array.ctypes.data)
+        return self._set(function, key, value)
+
+    def texture(self, key: int, alpha: np.ndarray | None, extension: str = "REPEAT", closest: bool = False) -> None:
+        """Where surfaces are solid: alpha (H, W) of bytes, the row of v = 0 first, solid from 128 on; extension: what lies
+        beyond 0..1, one of EXTENSIONS."""
+        function = self._library.lib.encre_scene_texture
+        if alpha is None:
+            return self._set(function, key, None)
+        alpha = np.ascontiguousarray(alpha, np.uint8)
+        height, width = alpha.shape
+        return self._set(function, key, abi.Texture(width, height, EXTENSIONS.index(extension), closest,
+                                                    alpha.ctypes.data))
 
     def instance(self, key: int, geometry: int | None, model: np.ndarray | None = None, camera: bool = True,
                  light_sets: int = EVERY_SET, shadow_sets: int = EVERY_SET) -> None:

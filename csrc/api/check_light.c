@@ -21,8 +21,11 @@ int32_t check_geometry(int64_t key, const encre_geometry *g, char *error, size_t
 			      (int)g->n_triangles, (int)g->n_points, INT32_MAX / 16);
 	if (g->n_triangles && (!g->points || !g->corners))
 		return refuse(error, size, "geometry %lld: has triangles, but no points or corners; give them", name);
-	const void *arrays[] = {g->points, g->corners, g->normals};
-	for (int i = 0; i < 3; i++)
+	if (!g->uvs != !g->textures)
+		return refuse(error, size, "geometry %lld: has %s; give both or none", name,
+			      g->uvs ? "uvs without textures" : "textures without uvs");
+	const void *arrays[] = {g->points, g->corners, g->normals, g->uvs, g->textures};
+	for (int i = 0; i < 5; i++)
 		if ((uintptr_t)arrays[i] % NUMBER)
 			return refuse(error, size,
 				      "geometry %lld: one of its arrays begins at an address that is no multiple of "
@@ -35,6 +38,18 @@ int32_t check_geometry(int64_t key, const encre_geometry *g, char *error, size_t
 				      "to the number of points less one",
 				      name, (int)(i / 3), (int)g->corners[i], (int)g->n_points);
 	return ENCRE_OK;
+}
+
+int32_t check_texture(int64_t key, const encre_texture *t, char *error, size_t size)
+{
+	long long name = (long long)key;
+	if (t->width < 1 || t->height < 1 || t->width > ENCRE_MAX_TEXELS || t->height > ENCRE_MAX_TEXELS)
+		return refuse(error, size, "texture %lld: %d x %d texels; give 1 to %d", name, (int)t->width,
+			      (int)t->height, (int)ENCRE_MAX_TEXELS);
+	if (t->extension < ENCRE_REPEAT || t->extension > ENCRE_CLIP || t->closest < 0 || t->closest > 1)
+		return refuse(error, size, "texture %lld: extension is %d and closest %d; give 0 to 2, and 0 or 1",
+			      name, (int)t->extension, (int)t->closest);
+	return t->alpha ? ENCRE_OK : refuse(error, size, "texture %lld: has no alpha; give its texels", name);
 }
 
 int32_t check_instance(int64_t key, const encre_instance *in, char *error, size_t size)

@@ -10,6 +10,7 @@
 
 int32_t check_scene(const encre_scene *scene, char *error, size_t size);
 int32_t check_geometry(int64_t key, const encre_geometry *g, char *error, size_t size);
+int32_t check_texture(int64_t key, const encre_texture *t, char *error, size_t size);
 int32_t check_instance(int64_t key, const encre_instance *in, char *error, size_t size);
 int32_t check_lamp(int64_t key, const encre_lamp *lamp, char *error, size_t size);
 /* `clean` gets the job with strides filled in. */

@@ -176,6 +176,20 @@ int32_t encre_scene_instance(encre_context *context, encre_scene *scene, int64_t
 	return fail_code(context, code);
 }
 
+int32_t encre_scene_texture(encre_context *context, encre_scene *scene, int64_t key, const encre_texture *texture)
+{
+	char *error = context->error;
+	size_t size = sizeof context->error;
+	int32_t code = enter(context);
+	if (!code)
+		code = check_scene(scene, error, size);
+	if (!code && texture)
+		code = check_texture(key, texture, error, size);
+	if (!code)
+		code = scene_texture(scene, key, texture);
+	return fail_code(context, code);
+}
+
 int32_t encre_scene_lamp(encre_context *context, encre_scene *scene, int64_t key, const encre_lamp *lamp)
 {
 	char *error = context->error;

@@ -36,15 +36,20 @@ static bool invert(const double m[16], double out[16])
 	return true;
 }
 
-bool camera_inverse(const double view[16], const double projection[16], double inverse[16])
+void camera_product(const double view[16], const double projection[16], double both[16])
 {
-	double both[16], out[16];
 	for (int i = 0; i < 4; i++)
 		for (int j = 0; j < 4; j++) {
 			both[4 * i + j] = 0;
 			for (int k = 0; k < 4; k++)
 				both[4 * i + j] += projection[4 * i + k] * view[4 * k + j];
 		}
+}
+
+bool camera_inverse(const double view[16], const double projection[16], double inverse[16])
+{
+	double both[16], out[16];
+	camera_product(view, projection, both);
 	if (!invert(both, out))
 		return false;
 	if (inverse)

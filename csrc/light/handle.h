@@ -12,7 +12,10 @@ encre_scene *scene_create(void);
 void scene_free(encre_scene *scene);
 int32_t scene_geometry(encre_scene *scene, int64_t key, const encre_geometry *geometry, char *error, size_t size);
 int32_t scene_instance(encre_scene *scene, int64_t key, const encre_instance *given, char *error, size_t size);
+int32_t scene_texture(encre_scene *scene, int64_t key, const encre_texture *given);
 int32_t scene_lamp(encre_scene *scene, int64_t key, const encre_lamp *given);
+/* World -> clip space. */
+void camera_product(const double view[16], const double projection[16], double both[16]);
 /* Clip space -> world; false where there is none. `inverse` may be NULL. */
 bool camera_inverse(const double view[16], const double projection[16], double inverse[16]);
 /* Images have strides. */

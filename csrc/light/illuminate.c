@@ -89,7 +89,9 @@ static void plan(light *l, arena *a)
 	l->state = arena_take(a, n, sizeof *l->state);
 	l->plain = arena_take(a, n, sizeof *l->plain);
 	l->share = arena_take(a, n, sizeof *l->share);
-	l->more = arena_take(a, 2 * n, sizeof *l->more);
+	l->cut = arena_take(a, 2 * n, sizeof *l->cut);
+	l->spare = arena_take(a, n, sizeof *l->spare);
+	l->exact = arena_take(a, n, sizeof *l->exact);
 	l->sum = arena_take(a, 3 * n, sizeof *l->sum);
 }
 
@@ -120,6 +122,7 @@ int32_t ISA(light_run)(bands *pool, const encre_light_job *job)
 		   .width = job->diffuse.width + 2 * LIGHT_MARGIN,
 		   .height = job->diffuse.height + 2 * LIGHT_MARGIN};
 	camera_inverse(job->view, job->projection, l.inverse);
+	camera_product(job->view, job->projection, l.clip);
 	bands_span(pool, 0, 0.1);
 	int32_t code = world_make(&l.world, job->scene, pool);
 	arena a = {0};

@@ -32,6 +32,7 @@ typedef struct lamp_points {
 	lamp_point of[LAMP_TILE][LAMP_TILE][LAMP_POINTS]; /* by row and column */
 	lamp_point first[LAMP_WIDE][LAMP_WIDE][LAMP_DEALT];
 	lamp_point plain[LAMP_PLAIN]; /* for light without shadows */
+	lamp_point middle, rim[2];    /* where the lamp ends along its two axes */
 } lamp_points;
 
 /* Points that are well spread: those of each pixel, of 2 x 2 that begin at an even place, of each square. */

@@ -132,4 +132,7 @@ void lamp_points_make(lamp_points *p)
 				point_of(woven(x, y) * LAMP_DEALT + k, m, LAMP_DEALT, &p->first[y][x][k]);
 	for (uint32_t k = 0; k < LAMP_PLAIN; k++)
 		point_of(k, LAMP_PLAIN, LAMP_PLAIN, &p->plain[k]);
+	p->middle = (lamp_point){.square = {0.5f, 0.5f}};
+	p->rim[0] = (lamp_point){.square = {1, 0.5f}, .disc = {1, 0}};
+	p->rim[1] = (lamp_point){.square = {0.5f, 1}, .disc = {0, 1}};
 }

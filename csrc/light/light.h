@@ -8,7 +8,7 @@
 
 /* Pixels around the images that are drawn, too: where a shadow is soft, a pixel of the border takes part in what is
  * done with others as far away as that. */
-enum { LIGHT_MARGIN = 22 };
+enum { LIGHT_MARGIN = 24 };
 
 enum { SURFACE_NOTHING = -1, SURFACE_STRAY = -2 /* of no geometry: only depth and normal tell of it */ };
 
@@ -18,8 +18,9 @@ typedef struct surface {
 	int32_t instance, triangle; /* or SURFACE_... */
 } surface;
 
-/* What a lamp does at a pixel: 0 where none of its light would come. */
-enum { LIT = 1, DARK = 2, MIXED = LIT | DARK, FULL = 4 /* all of its points were asked */ };
+/* What a lamp does at a pixel: 0 where none of its light would come. Of a lamp with a size its middle's doings, LIT or
+ * DARK where they were asked for, lie CORE_SHIFT higher. */
+enum { LIT = 1, DARK = 2, MIXED = LIT | DARK, CORE_SHIFT = 2 };
 
 typedef struct light {
 	const encre_light_job *job;
@@ -29,11 +30,13 @@ typedef struct light {
 	double inverse[16]; /* clip -> world */
 	surface *surfaces;
 	uint8_t *state;
-	float *plain; /* light without shadows */
-	float *share; /* what of it comes */
-	float *more;  /* two each: on the ways to the right and down where an edge passes, negative: none; or shares
-			 while they are smoothed */
-	float *sum;   /* three each: the light of all lamps so far */
+	float *plain;    /* light without shadows */
+	float *share;    /* what of it comes */
+	float *cut;      /* two each: where on the ways to the right and down an edge passes, negative: nowhere */
+	float *spare;    /* shares while they are smoothed */
+	float *exact;    /* 1: the share is that of an edge whose place is known; negative: not all points were asked */
+	float *sum;      /* three each: the light of all lamps so far */
+	double clip[16]; /* world -> clip */
 	lamp lamp;
 	lamp_points points;
 } light;
@@ -43,8 +46,31 @@ void ISA(place_row)(light *l, int y);
 /* What the way of sight through a place in pixels of the picture with its margin meets on the surface that the centre
  * of another pixel shows; *inside: whether it is still the same triangle. */
 surface ISA(place_on)(const light *l, const surface *near, float x, float y, bool *inside);
-/* shadow.c: the shares of light of one lamp. */
+/* Where in the full frame a place is, in pixels; far outside if it is behind the camera. */
+void ISA(place_pixel)(const light *l, vec at, double out[2]);
+
+/* shadow.c: the shares of light of one lamp; soft.c: of one with a size. */
 int32_t ISA(shadow_run)(light *l);
+int32_t ISA(soft_run)(light *l);
+/* Adds a point's light to *all, and to *seen if nothing is in its way. */
+void ISA(shadow_ask)(const light *l, const surface *s, const lamp_point *q, float *all, float *seen, hint *h);
+/* What is nearest on the way to the lamp's middle; false if nothing is. */
+bool ISA(shadow_thrower)(const light *l, const surface *s, vec *place);
+/* Fills `cut`. */
+void ISA(edge_rows)(void *light, int y0, int y1, int thread);
+
+/* The line by which a shadow passes a pixel's centre: dot of (x, y) = far, in pixels from it, through (a, 0) and (0,
+ * b). */
+typedef struct edge_line {
+	float x, y, far, a, b;
+} edge_line;
+
+bool ISA(edge_at)(const light *l, int x, int y, edge_line *e);
+
+static inline int core_at(const light *l, ptrdiff_t i)
+{
+	return l->state[i] >> (l->lamp.soft ? CORE_SHIFT : 0) & MIXED;
+}
 
 static inline bool one_surface(const surface *a, const surface *b)
 {

@@ -23,6 +23,17 @@ static void sight(const light *l, double x, double y, double from[3], double to[
 	}
 }
 
+void ISA(place_pixel)(const light *l, vec at, double out[2])
+{
+	const double *m = l->clip, p[3] = {(double)at.x, (double)at.y, (double)at.z};
+	double c[4];
+	for (int r = 0; r < 4; r++)
+		c[r] = m[4 * r] * p[0] + m[4 * r + 1] * p[1] + m[4 * r + 2] * p[2] + m[4 * r + 3];
+	double w = c[3] > 1e-9 ? c[3] : 1e-9;
+	out[0] = (0.5 + 0.5 * c[0] / w) * l->job->frame.width;
+	out[1] = (0.5 - 0.5 * c[1] / w) * l->job->frame.height;
+}
+
 static double depth_at_point(const light *l, const double p[3])
 {
 	const double *v = l->job->view + 8;

@@ -58,8 +58,12 @@ static inline unsigned entered(const tree_node *n, const local *l)
 	return bits;
 }
 
-/* Where a ray meets the triangles of a leaf: 0 where it does not. */
-static inline void meet(const triangle_leaf *leaf, const local *l, float t[LEAF])
+typedef struct meeting {
+	float t[LEAF], u[LEAF], v[LEAF]; /* t: 0 where it meets nothing */
+} meeting;
+
+/* Where a ray meets the triangles of a leaf. */
+static inline void meet(const triangle_leaf *leaf, const local *l, meeting *m)
 {
 	for (int i = 0; i < LEAF; i++) {
 		vec e = {leaf->first[0][i], leaf->first[1][i], leaf->first[2][i]};
@@ -69,21 +73,30 @@ static inline void meet(const triangle_leaf *leaf, const local *l, float t[LEAF]
 		float r = 1 / dot(e, p), u = dot(to, p) * r, v = dot(l->way, q) * r, at = dot(f, q) * r;
 		bool in = (u >= -edge) & (v >= -edge) & (u + v <= 1 + edge) & (at > 0) & (at < l->far) &
 			  (leaf->item[i] >= 0);
-		t[i] = in ? at : 0;
+		m->t[i] = in ? at : 0;
+		m->u[i] = u;
+		m->v[i] = v;
 	}
 }
 
-static bool leaf_blocks(const triangle_leaf *leaf, const local *l, int32_t skip)
+static bool leaf_blocks(const world *w, const shape *s, int32_t number, const local *l, int32_t skip)
 {
-	float t[LEAF];
-	meet(leaf, l, t);
+	const triangle_leaf *leaf = s->leaves + number;
+	meeting m;
+	meet(leaf, l, &m);
 	bool any = false;
+	if (s->uvs) {
+		for (int i = 0; i < LEAF; i++)
+			any |= m.t[i] > 0 && leaf->item[i] != skip &&
+			       solid_at(w->textures, s, leaf->item[i], m.u[i], m.v[i]);
+		return any;
+	}
 	for (int i = 0; i < LEAF; i++)
-		any |= (t[i] > 0) & (leaf->item[i] != skip);
+		any |= (m.t[i] > 0) & (leaf->item[i] != skip);
 	return any;
 }
 
-static bool shape_blocks(const shape *s, const local *l, int32_t skip, hint *h)
+static bool shape_blocks(const world *w, const shape *s, const local *l, int32_t skip, hint *h)
 {
 	int32_t stack[TREE_STACK], top = 1;
 	stack[0] = 0;
@@ -94,7 +107,7 @@ static bool shape_blocks(const shape *s, const local *l, int32_t skip, hint *h)
 			int slot = __builtin_ctz(bits);
 			if (n->child[slot] >= 0) {
 				stack[top++] = n->child[slot];
-			} else if (leaf_blocks(s->leaves + ~n->child[slot], l, skip)) {
+			} else if (leaf_blocks(w, s, ~n->child[slot], l, skip)) {
 				h->node = at;
 				h->slot = slot;
 				return true;
@@ -118,7 +131,7 @@ static bool hint_blocks(const world *w, const ray *r, const local *all, const hi
 	local l = local_of(in, r);
 	const tree_node *n = in->shape->tree.nodes + h->node;
 	return entered(n, &l) >> h->slot & 1 &&
-	       leaf_blocks(in->shape->leaves + ~n->child[h->slot], &l, h->instance == r->instance ? r->triangle : -1);
+	       leaf_blocks(w, in->shape, ~n->child[h->slot], &l, h->instance == r->instance ? r->triangle : -1);
 }
 
 bool ISA(ray_blocked)(const world *w, const ray *r, hint *h)
@@ -144,7 +157,7 @@ bool ISA(ray_blocked)(const world *w, const ray *r, hint *h)
 			if (!casts(in, r->set))
 				continue;
 			local l = local_of(in, r);
-			if (shape_blocks(in->shape, &l, number == r->instance ? r->triangle : -1, h)) {
+			if (shape_blocks(w, in->shape, &l, number == r->instance ? r->triangle : -1, h)) {
 				h->instance = number;
 				h->top_node = at;
 				h->top_slot = slot;
@@ -165,7 +178,14 @@ static bool nearer(float share, const hit *a, const hit *b)
 	return a->instance != b->instance ? a->instance < b->instance : a->triangle < b->triangle;
 }
 
-static void look_in(const shape *s, const local *l, int32_t number, float share, hit *best)
+typedef struct search {
+	float share;
+	int32_t skip;          /* a triangle that does not count */
+	const store *textures; /* NULL: holes don't count */
+	hit best;
+} search;
+
+static void look_in(const shape *s, const local *l, int32_t number, search *f)
 {
 	int32_t stack[TREE_STACK], top = 1;
 	stack[0] = 0;
@@ -177,12 +197,14 @@ static void look_in(const shape *s, const local *l, int32_t number, float share,
 				stack[top++] = child;
 				continue;
 			}
-			float t[LEAF];
-			meet(s->leaves + ~child, l, t);
+			meeting m;
+			meet(s->leaves + ~child, l, &m);
 			for (int i = 0; i < LEAF; i++) {
-				hit found = {number, s->leaves[~child].item[i], t[i]};
-				if (t[i] > 0 && nearer(share, &found, best))
-					*best = found;
+				hit found = {number, s->leaves[~child].item[i], m.t[i]};
+				if (m.t[i] > 0 && found.triangle != f->skip && nearer(f->share, &found, &f->best) &&
+				    (!f->textures || !s->uvs ||
+				     solid_at(f->textures, s, found.triangle, m.u[i], m.v[i])))
+					f->best = found;
 			}
 		}
 	}
@@ -196,7 +218,7 @@ bool ISA(ray_nearest)(const world *w, const double from[3], const double to[3], 
 	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
 	aim(&all);
 	stack[0] = 0;
-	*found = (hit){-1, -1, INFINITY};
+	search f = {share, -1, NULL, {-1, -1, INFINITY}};
 	while (top) {
 		const tree_node *n = w->tree.nodes + stack[--top];
 		for (unsigned bits = entered(n, &all); bits; bits &= bits - 1) {
@@ -215,8 +237,37 @@ bool ISA(ray_nearest)(const world *w, const double from[3], const double to[3], 
 			local l = {.from = {(float)a[0], (float)a[1], (float)a[2]}, .far = 1};
 			l.way = (vec){(float)(b[0] - a[0]), (float)(b[1] - a[1]), (float)(b[2] - a[2])};
 			aim(&l);
-			look_in(in->shape, &l, number, share, found);
+			look_in(in->shape, &l, number, &f);
 		}
 	}
+	*found = f.best;
 	return found->instance >= 0;
+}
+
+bool ISA(ray_stops)(const world *w, const ray *r, float *share)
+{
+	local all = {.from = r->from, .way = r->way, .far = r->far};
+	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
+	aim(&all);
+	stack[0] = 0;
+	search f = {0, -1, w->textures, {-1, -1, INFINITY}};
+	while (top) {
+		const tree_node *n = w->tree.nodes + stack[--top];
+		for (unsigned bits = entered(n, &all); bits; bits &= bits - 1) {
+			int32_t child = n->child[__builtin_ctz(bits)];
+			if (child >= 0) {
+				stack[top++] = child;
+				continue;
+			}
+			int32_t number = w->boxes[w->tree.leaves[~child].from].item;
+			const instance *in = w->instances[number];
+			if (!casts(in, r->set))
+				continue;
+			local l = local_of(in, r);
+			f.skip = number == r->instance ? r->triangle : -1;
+			look_in(in->shape, &l, number, &f);
+		}
+	}
+	*share = f.best.share;
+	return f.best.instance >= 0;
 }

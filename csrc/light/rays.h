@@ -22,6 +22,9 @@ typedef struct hint {
 
 bool ISA(ray_blocked)(const world *w, const ray *r, hint *h);
 
+/* What part of a ray's way is free; false if all of it. */
+bool ISA(ray_stops)(const world *w, const ray *r, float *share);
+
 typedef struct hit {
 	int32_t instance, triangle;
 	float share; /* of the way from `from` to `to` */

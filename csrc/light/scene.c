@@ -8,83 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- by keys ----------------------------------------------------------------------------------------------- */
-
-/* Where a key is, or would be. */
-static int32_t place_of(const store *s, int64_t key)
-{
-	int32_t low = 0, high = s->count;
-	if (high && s->keys[high - 1] < key) /* most keys come in order */
-		return high;
-	while (low < high) {
-		int32_t middle = low + (high - low) / 2;
-		if (s->keys[middle] < key)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low;
-}
-
-static void *find(const store *s, int64_t key)
-{
-	int32_t at = place_of(s, key);
-	return at < s->count && s->keys[at] == key ? s->items[at] : NULL;
-}
-
-static bool make_room(store *s)
-{
-	if (s->count < s->room)
-		return true;
-	int32_t room = s->room ? s->room * 2 : 16;
-	int64_t *keys = malloc((size_t)room * sizeof *keys);
-	void **items = malloc((size_t)room * sizeof *items);
-	if (!keys || !items) {
-		free(keys);
-		free(items);
-		return false;
-	}
-	if (s->count) {
-		memcpy(keys, s->keys, (size_t)s->count * sizeof *keys);
-		memcpy(items, s->items, (size_t)s->count * sizeof *items);
-	}
-	free(s->keys);
-	free(s->items);
-	s->keys = keys;
-	s->items = items;
-	s->room = room;
-	return true;
-}
-
-/* Puts an item in the place of the one with its key, which it returns; NULL if there was none. There is room. */
-static void *put(store *s, int64_t key, void *item)
-{
-	int32_t at = place_of(s, key);
-	if (at < s->count && s->keys[at] == key) {
-		void *before = s->items[at];
-		s->items[at] = item;
-		return before;
-	}
-	memmove(s->keys + at + 1, s->keys + at, (size_t)(s->count - at) * sizeof *s->keys);
-	memmove(s->items + at + 1, s->items + at, (size_t)(s->count - at) * sizeof *s->items);
-	s->keys[at] = key;
-	s->items[at] = item;
-	s->count++;
-	return NULL;
-}
-
-static void *take(store *s, int64_t key)
-{
-	int32_t at = place_of(s, key);
-	if (at == s->count || s->keys[at] != key)
-		return NULL;
-	void *item = s->items[at];
-	s->count--;
-	memmove(s->keys + at, s->keys + at + 1, (size_t)(s->count - at) * sizeof *s->keys);
-	memmove(s->items + at, s->items + at + 1, (size_t)(s->count - at) * sizeof *s->items);
-	return item;
-}
-
 /* ---- geometry ---------------------------------------------------------------------------------------------- */
 
 static void free_shape(shape *s)
@@ -96,6 +19,8 @@ static void free_shape(shape *s)
 	free(s->points);
 	free(s->normals);
 	free(s->corners);
+	free(s->uvs);
+	free(s->textures);
 	free(s);
 }
 
@@ -118,7 +43,10 @@ static shape *new_shape(const encre_geometry *g)
 	s->points = copy_of(g->points, 3 * points, sizeof *s->points);
 	s->corners = copy_of(g->corners, 3 * triangles, sizeof *s->corners);
 	s->normals = g->normals ? copy_of(g->normals, 9 * triangles, sizeof *s->normals) : NULL;
-	if (!s->points || !s->corners || (g->normals && !s->normals)) {
+	s->uvs = g->uvs ? copy_of(g->uvs, 6 * triangles, sizeof *s->uvs) : NULL;
+	s->textures = g->textures ? copy_of(g->textures, triangles, sizeof *s->textures) : NULL;
+	if (!s->points || !s->corners || (g->normals && !s->normals) || (g->uvs && !s->uvs) ||
+	    (g->textures && !s->textures)) {
 		free_shape(s);
 		return NULL;
 	}
@@ -127,18 +55,18 @@ static shape *new_shape(const encre_geometry *g)
 
 int32_t scene_geometry(encre_scene *scene, int64_t key, const encre_geometry *geometry, char *error, size_t size)
 {
-	shape *old = find(&scene->shapes, key), *made;
+	shape *old = store_find(&scene->shapes, key), *made;
 	if (!geometry) {
 		if (old && old->used)
 			return refuse(error, size,
 				      "geometry %lld: is shown by %d instances; remove them before it, or replace it",
 				      (long long)key, (int)old->used);
-		free_shape(take(&scene->shapes, key));
+		free_shape(store_take(&scene->shapes, key));
 		return ENCRE_OK;
 	}
-	if (!make_room(&scene->shapes) || !(made = new_shape(geometry)))
+	if (!store_room(&scene->shapes) || !(made = new_shape(geometry)))
 		return ENCRE_ERROR_MEMORY;
-	put(&scene->shapes, key, made);
+	store_put(&scene->shapes, key, made);
 	if (old) {
 		made->used = old->used;
 		for (int32_t i = 0; made->used && i < scene->instances.count; i++) {
@@ -240,12 +168,12 @@ int32_t scene_instance(encre_scene *scene, int64_t key, const encre_instance *gi
 {
 	instance *made = NULL;
 	if (given) {
-		shape *shown = find(&scene->shapes, given->geometry);
+		shape *shown = store_find(&scene->shapes, given->geometry);
 		if (!shown)
 			return refuse(error, size,
 				      "instance %lld: shows geometry %lld, which is not there; add that first",
 				      (long long)key, (long long)given->geometry);
-		if (!make_room(&scene->instances) || !(made = malloc(sizeof *made)))
+		if (!store_room(&scene->instances) || !(made = malloc(sizeof *made)))
 			return ENCRE_ERROR_MEMORY;
 		*made = (instance){.geometry = given->geometry,
 				   .shape = shown,
@@ -256,10 +184,24 @@ int32_t scene_instance(encre_scene *scene, int64_t key, const encre_instance *gi
 		made->there = invert(made->model, made->inverse, &made->mirrored);
 		shown->used++;
 	}
-	instance *old = made ? put(&scene->instances, key, made) : take(&scene->instances, key);
+	instance *old = made ? store_put(&scene->instances, key, made) : store_take(&scene->instances, key);
 	if (old)
-		((shape *)find(&scene->shapes, old->geometry))->used--;
+		((shape *)store_find(&scene->shapes, old->geometry))->used--;
 	free(old);
+	return ENCRE_OK;
+}
+
+int32_t scene_texture(encre_scene *scene, int64_t key, const encre_texture *given)
+{
+	texture *made = NULL;
+	if (given) {
+		size_t texels = (size_t)given->width * (size_t)given->height;
+		if (!store_room(&scene->textures) || !(made = malloc(sizeof *made + texels)))
+			return ENCRE_ERROR_MEMORY;
+		*made = (texture){given->width, given->height, given->extension, given->closest};
+		memcpy(made->alpha, given->alpha, texels);
+	}
+	free(made ? store_put(&scene->textures, key, made) : store_take(&scene->textures, key));
 	return ENCRE_OK;
 }
 
@@ -267,11 +209,11 @@ int32_t scene_lamp(encre_scene *scene, int64_t key, const encre_lamp *given)
 {
 	encre_lamp *made = NULL;
 	if (given) {
-		if (!make_room(&scene->lamps) || !(made = malloc(sizeof *made)))
+		if (!store_room(&scene->lamps) || !(made = malloc(sizeof *made)))
 			return ENCRE_ERROR_MEMORY;
 		*made = *given;
 	}
-	free(made ? put(&scene->lamps, key, made) : take(&scene->lamps, key));
+	free(made ? store_put(&scene->lamps, key, made) : store_take(&scene->lamps, key));
 	return ENCRE_OK;
 }
 
@@ -288,10 +230,10 @@ void scene_free(encre_scene *scene)
 		free_shape(scene->shapes.items[i]);
 	for (int32_t i = 0; i < scene->instances.count; i++)
 		free(scene->instances.items[i]);
-	for (int32_t i = 0; i < scene->lamps.count; i++)
-		free(scene->lamps.items[i]);
-	store *const stores[] = {&scene->shapes, &scene->instances, &scene->lamps};
-	for (int i = 0; i < 3; i++) {
+	store *const stores[] = {&scene->shapes, &scene->instances, &scene->textures, &scene->lamps};
+	for (int i = 0; i < 4; i++) {
+		for (int32_t k = 0; i > 1 && k < stores[i]->count; k++)
+			free(stores[i]->items[k]);
 		free(stores[i]->keys);
 		free(stores[i]->items);
 	}
@@ -354,7 +296,7 @@ static bool world_box(const instance *in, tree_box *box)
 
 int32_t world_make(world *w, const encre_scene *scene, bands *pool)
 {
-	*w = (world){.n_instances = scene->instances.count};
+	*w = (world){.n_instances = scene->instances.count, .textures = &scene->textures};
 	w->instances = (const instance *const *)(void *const *)scene->instances.items;
 	builder b = {.shapes = &scene->shapes};
 	atomic_init(&b.failed, false);

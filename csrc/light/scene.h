@@ -22,10 +22,18 @@ typedef struct shape {
 	bool built;
 	float *points, *normals; /* of the owner; normals may be NULL */
 	int32_t *corners;
+	float *uvs; /* and textures; NULL where it has no holes */
+	int32_t *textures;
 	tree tree; /* over triangles; empty where none is finite */
 	triangle_leaf *leaves;
 	float low[3], high[3];
 } shape;
+
+typedef struct texture {
+	int32_t width, height, extension;
+	bool closest;
+	uint8_t alpha[];
+} texture;
 
 typedef struct instance {
 	int64_t geometry;
@@ -42,8 +50,15 @@ typedef struct store {
 	int32_t count, room;
 } store;
 
+void *store_find(const store *s, int64_t key); /* NULL: it is not there */
+/* Whether there is room for one more, or memory for it. */
+bool store_room(store *s);
+/* Puts an item in the place of the one with its key, which it returns; NULL if there was none. There is room. */
+void *store_put(store *s, int64_t key, void *item);
+void *store_take(store *s, int64_t key);
+
 struct encre_scene {
-	store shapes, instances, lamps;
+	store shapes, instances, textures, lamps;
 };
 
 /* The scene as rays see it. Instances are counted as in the store. */
@@ -53,7 +68,11 @@ typedef struct world {
 	tree tree; /* over instances, one to a leaf */
 	tree_box *boxes;
 	float low[3], high[3]; /* of all */
+	const store *textures;
 } world;
+
+/* Whether a triangle of a shape with textures is solid there, by how far it is along its two edges. */
+bool solid_at(const store *textures, const shape *s, int32_t triangle, float u, float v);
 
 /* Builds the trees that are missing, and the world. world_free() whatever it returns. */
 int32_t world_make(world *w, const encre_scene *scene, bands *pool);

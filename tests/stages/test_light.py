@@ -94,7 +94,7 @@ def distances(points, outline):
     return np.where(corner > 4, best, np.nan)
 
 
-@pytest.mark.parametrize("width, most", [(0, 0.05), (0.00925, 0.15)])
+@pytest.mark.parametrize("width, most", [(0, 0.03), (0.00925, 0.03), (0.02, 0.07)])
 def test_a_cubes_shadow_ends_where_geometry_says(width, most):
     found = []
     for seed in range(6):
@@ -234,6 +234,42 @@ def test_sets_say_what_is_lit_and_what_throws_shadows():
     assert (lit[image == 1] == 0).all() and (lit[image == 2] == without[image == 2]).all()
 
 
+def test_what_is_not_solid_lets_light_through():
+    """A leaf over the plane, a disc cut out of it by its texture, throws the shadow of a disc."""
+    stage = Stage(160, 96, eye=(0, -1, 14), at=(0, 0, 0))
+    stage.scene.instance(1, None)
+    stage.meshes.pop()
+    n = 64
+    y, x = (np.mgrid[:n, :n] + 0.5) / n
+    disc = np.clip(128 + 400 * (0.3 - np.hypot(x - 0.5, y - 0.5)) * 4, 0, 255)
+    stage.scene.texture(7, disc.astype(np.uint8))
+    leaf = np.array([[-2, -2, 2], [2, -2, 2], [2, 2, 2], [-2, 2, 2]], np.float32)
+    uvs = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], np.float32)
+    lamp = Lamp("sun", model=look((0, 0, 5), (0, 0.01, 0)))
+    depth = stage.depth()
+
+    def shadow(textures, uvs=uvs):
+        stage.scene.geometry(9, leaf, PLANE_CORNERS, uvs=uvs, textures=np.array(textures, np.int32))
+        stage.scene.instance(9, 9, camera=False)
+        return stage.light(lamp, depth=depth)[..., 0] < 0.5 / np.pi
+
+    plain = shadow([-1, -1])
+    assert (shadow([3, 3]) == plain).all()  # not there: solid
+    cut, half = shadow([7, 7]), shadow([7, -1])
+    assert cut.sum() == pytest.approx(np.pi * 1.2**2 / 16 * plain.sum(), rel=0.03)
+    assert half.sum() == pytest.approx((plain.sum() + cut.sum()) / 2, rel=0.03)
+    many = shadow([7, 7], uvs * 4 - 1)
+    assert many.sum() == pytest.approx(cut.sum(), rel=0.05) and (many != cut).any()
+    stage.scene.texture(7, disc.astype(np.uint8), "CLIP")
+    assert shadow([7, 7], uvs * 4 - 1).sum() == pytest.approx(cut.sum() / 16, rel=0.3)
+    stage.scene.texture(7, np.full((1, 1), 255, np.uint8), "EXTEND", closest=True)
+    assert (shadow([7, 7], uvs * 4 - 1) == plain).all()
+    stage.scene.texture(7, np.zeros((3, 5), np.uint8))
+    assert not shadow([7, 7]).any()
+    uvs[0, 0] = np.nan
+    assert shadow([7, 7]).any()  # where it is can't be told: solid
+
+
 def test_what_the_camera_does_not_see_throws_shadows():
     stage = Stage(96, 60)
     before = stage.light(LAMPS["sun"])[..., 0]
@@ -325,6 +361,7 @@ def test_a_pixel_beside_a_thing_takes_its_light():
 
 REFUSED = [
     (lambda s: s.geometry(1, CUBE, CUBE_CORNERS + 1), "geometry 1: triangle 2 has a corner at point 8 of 8"),
+    (lambda s: s.texture(1, np.zeros((0, 4))), "texture 1: 4 x 0 texels"),
     (lambda s: s.instance(4, 99), "instance 4: shows geometry 99, which is not there"),
     (lambda s: s.geometry(0, None), "geometry 0: is shown by 1 instances"),
     (lambda s: s.lamp(2, Lamp("sun", width=4)), "lamp 2: width is 4; give 0 to 3.1416"),

@@ -27,6 +27,7 @@ MIRRORS = {
     "encre_raster_job": abi.RasterJob,
     "encre_bake_job": abi.BakeJob,
     "encre_geometry": abi.Geometry,
+    "encre_texture": abi.Texture,
     "encre_instance": abi.Instance,
     "encre_lamp": abi.Lamp,
     "encre_light_job": abi.LightJob,
