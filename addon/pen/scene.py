@@ -10,7 +10,6 @@ from .errors import EncreError
 from .job import EVERY_SET, LAMPS, Frame, Lamp, Work, entries
 from .library import Library, load
 
-
 EXTENSIONS = ("REPEAT", "EXTEND", "CLIP")
 
 
