@@ -69,9 +69,10 @@ enum encre_layer {
 	ENCRE_LAYER_SEEN_DEPTH,  /* 1: as depth, along the way that light takes; 0 = nothing there (may be absent) */
 	ENCRE_LAYER_CREASES,     /* 5: where edges of meshes pass, and by how many degrees the surface bends there: on
 				    the way to the right neighbour place and bend, to the lower one place and bend; as in
-				    marks 0 < place <= 1, 0 = nowhere; bend negative: shaded smoothly. Fifth: by how many
-				    degrees the faces of the pixels on both sides of it differ, in whatever direction they
-				    do most; negative: no mesh tells of this pixel (absent: of none) */
+				    marks 0 < place <= 1, 0 = nowhere; bend negative: shaded smoothly; 360 more than it is:
+				    over several faces. Fifth: by how many degrees the faces of the pixels on both sides of
+				    it differ, in whatever direction they do most; negative: no mesh tells of this pixel
+				    (absent: of none) */
 	ENCRE_LAYER_COUNT
 };
 
@@ -288,7 +289,9 @@ typedef struct encre_raster_job {
 				   of corners, that bend by 5 degrees or more and can be seen; of several that pass
 				   between the same pixels the one that bends most; and with a bend of 180 where pieces of
 				   meshes, that hang together by the indices of corners, pass through each other: these
-				   places are contours in `marks`, too, if both are asked for */
+				   places are contours in `marks`, too, if both are asked for. With
+				   `normal` and `object`, instead of edges that are part of a bend over several faces,
+				   which is narrow on the screen, its middle, with 360 degrees more than it bends */
 	encre_image coincident; /* out, 1: the object number of a later surface that coincides with the one in front and
 				   is of another object; 0 = none */
 	encre_image shading;    /* out, 3: by which the surface is shaded: the meshes' normals, interpolated and of

@@ -49,6 +49,9 @@ def _marks(picture, factor):
     return marks
 
 
+_SPREAD = 360  # more than that: a bend over several faces
+
+
 def _creases(picture, factor):
     """Likewise of creases (height, width, 4): on each way that remains the one that bends most."""
     first = factor // 2
@@ -57,7 +60,7 @@ def _creases(picture, factor):
         for k in range(factor):
             part = picture[first + k * axis::factor, first + k * (1 - axis)::factor, 2 * axis:2 * axis + 2]
             old = creases[:part.shape[0], :part.shape[1], 2 * axis:2 * axis + 2]
-            more = np.abs(part[..., 1]) > np.abs(old[..., 1])
+            more = np.abs(part[..., 1]) % _SPREAD > np.abs(old[..., 1]) % _SPREAD
             old[more] = np.stack([(k + part[..., 0]) / factor, part[..., 1]], 2)[more]
     return creases
 

@@ -85,6 +85,8 @@ static inline float luminance(float r, float g, float b)
 
 /* Depths from `depth_end` on mean that nothing is there; what is written for it, as Cycles does, is `depth_nothing`. */
 static const float depth_end = 1e9f, depth_nothing = 1e10f;
+/* In the layer `creases` a bend over several faces has so many degrees more. */
+static const float crease_spread = 360;
 
 /* What a depth layer's value means: INFINITY where nothing is there (0, negative and NaN come from other renderers). */
 static inline float depth_of(float z)

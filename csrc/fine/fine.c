@@ -28,11 +28,8 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	size_t pixels = (size_t)f->width * (size_t)f->height;
 	float half = f->params->crease_angle * 0.00872664626f; /* in radians */
 	fine made = {.f = f, .e = f->edges, .crease = 2 * pixel_sin(half)};
-	made.least_angle = INFINITY;
-	for (int i = 0; i < f->n_styles; i++) {
+	for (int i = 0; i < f->n_styles; i++)
 		made.bumps |= e->bump[i] > 0;
-		made.least_angle = fminf(made.least_angle, f->params[i].crease_angle);
-	}
 	for (int i = 0; i < f->n_styles; i++)
 		made.most_color = max(made.most_color, e->weight[SOURCE_COLOR][i]);
 	made.least_contrast =

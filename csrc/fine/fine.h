@@ -148,7 +148,6 @@ typedef struct fine {
 	float most_color;          /* the largest weight of colour, without the painted control */
 	float least_contrast;      /* between colours across a step */
 	bool bumps;                /* normals may make edges where no face bends */
-	float least_angle;         /* the least crease_angle of all styles */
 	uint8_t *colored;          /* by row: colours may make edges */
 	uint8_t *crack;            /* width * height */
 	uint8_t *hit;              /* spans * height: of THIN_SPAN pixels of a row */
@@ -219,8 +218,7 @@ float ISA(hand_place)(const fine *n, const found *at);
 /* creases.c: marks in the cracks of a row where edges of meshes pass that bend enough. */
 void ISA(crease_row)(const fine *n, int y);
 bool ISA(crease_site)(const fine *n, const found *at, placed *s);
-/* The weight of a crease that the normals show at a pixel: where the faces of the mesh bend too little for it, it is a
- * bump. */
+/* The weight of a crease that the normals show at a pixel: where a mesh tells of creases, it is a bump. */
 float ISA(crease_weight)(const fine *n, int x, int y, int style);
 /* Whether anywhere in a row one may be more than that. */
 bool ISA(crease_asked)(const fine *n, int y);

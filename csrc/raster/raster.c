@@ -10,6 +10,7 @@
  * they lie is geometry.c's, what one covers outline.c's. */
 #include "raster/raster.h"
 
+#include "raster/bevels.h"
 #include "raster/contours.h"
 #include "raster/crossings.h"
 #include "raster/meets.h"
@@ -316,7 +317,8 @@ static int32_t run(bands *pool, raster *r)
 	if ((code = bands_run(pool, r->n_chunks, 1, file_chunks, r)))
 		return code;
 	bands_span(pool, 0.9375, 1.0625); /* a run takes half of what is left: so far at most four, now the rest */
-	return bands_run(pool, r->n_bands, 1, draw_bands, r);
+	code = bands_run(pool, r->n_bands, 1, draw_bands, r);
+	return code || !r->bends || !r->job->normal.data || !r->job->object.data ? code : bevels_draw(pool, r->job);
 }
 
 int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size)

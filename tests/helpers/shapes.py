@@ -31,10 +31,10 @@ def _patches(rng, size, kinds, values):
 
 
 def edges(rng, size, count):
-    """The layer `creases` of edges by chance, flat and smooth, and of faces that bend here and there."""
+    """The layer `creases` of edges by chance, flat, smooth, over several faces; of faces that bend here and there."""
     layer = np.zeros((*size, 5))
-    for _ in range(count):
-        place, bend = strokes(rng, size, 1), rng.uniform(5, 90) * rng.choice((-1, 1))
+    for k in range(count):
+        place, bend = strokes(rng, size, 1), (rng.uniform(5, 90) + 360 * (k % 3 == 0)) * rng.choice((-1, 1))
         for axis in (0, 1):
             there = (place[..., axis] > 0) & (abs(bend) > np.abs(layer[..., 2 * axis + 1]))
             layer[there, 2 * axis] = place[there, axis]

@@ -148,6 +148,8 @@ def creases(view):
     if not view.meshes:
         return found
     place, bend = layer[..., [0, 2]], np.abs(layer[..., [1, 3]])
+    spread = bend > 360  # over several faces
+    bend = np.where(spread, bend - 360, bend)
     place = np.minimum(place, 1.0)
     place[:, -1, ROW] = place[-1, :, COLUMN] = 0  # ways out of the frame
 
@@ -175,7 +177,8 @@ def creases(view):
         asked = "crease_smooth" if layer[row, column, 1 + 2 * axis] < 0 else "crease_angle"
         more_ = bend[row, column, axis] - view.params.tables[style][asked]
         site = view.weigh(at, "crease", column, row, axis, {SOURCES.index("normal"): 1.0}, style)
-        site.eased = 255 * 0.6 * (1 - clamp01(more_ / 4))
+        thinner, ease = (0.8, 20) if spread[row, column, axis] else (0.6, 4)
+        site.eased = 255 * thinner * (1 - clamp01(more_ / ease))
         site.margin = min(site.margin, more_ if more_ >= 0 else -1.0)
         found["crease", row, column, axis] = site
     return found

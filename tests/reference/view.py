@@ -63,12 +63,10 @@ class View:
                         for k, name in enumerate((*SOURCES, "seen"))}
 
     def normal_weights(self, row, column):
-        """By style, of a crease that the normals show at a pixel: that of bumps where the mesh bends too little."""
-        angles, bumps = (self.params.at(name, np.arange(len(self.params.tables))) for name in (
-            "crease_angle", "edge_bump"))
-        faces = self.layers.creases[row, column, 4]
-        bent = ~self.meshes | (faces < 0) | (faces >= angles)
-        return np.where(bent, self.weights[SOURCES.index("normal")], bumps)
+        """By style, of a crease that the normals show at a pixel: that of bumps where a mesh tells of creases."""
+        bumps = self.params.at("edge_bump", np.arange(len(self.params.tables)))
+        untold = ~self.meshes | (self.layers.creases[row, column, 4] < 0)
+        return np.where(untold, self.weights[SOURCES.index("normal")], bumps)
 
     @property
     def meshes(self):

@@ -1,21 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Creases that the meshes tell: the layer says exactly where each edge passes between two pixels and how much it bends
  * there, so that nothing is guessed from averaged normals. What bends as much as asked is a line, from end to end where
- * it is seen; just above that it is thinner, because what bends more and more would pop. */
+ * it is seen; just above that it is thinner, because what bends more and more would pop. What bends over several faces
+ * bends less and less as they spread on the screen: that takes longer. */
 #include "fine/near.h"
 
-static const float ease = 4;           /* degrees over which a line gets its full width */
-static const float least_width = 0.4f; /* of it where it begins */
+/* Degrees over which a line gets its full width, and the share of that where it begins: of an edge, of a bend over
+ * several faces. */
+static const float ease[2] = {4, 20}, least_width[2] = {0.4f, 0.2f};
 
 typedef struct passing {
 	float place, bend;
+	bool spread; /* over several faces */
 } passing;
 
 static passing passing_at(const fine *n, int x, int y, int axis)
 {
 	plane creases = n->f->layer[ENCRE_LAYER_CREASES];
 	const float *at = creases.data + y * creases.row + (ptrdiff_t)5 * x + 2 * axis;
-	return (passing){clamp01(at[0]), at[1]};
+	bool spread = fabsf(at[1]) > crease_spread;
+	return (passing){clamp01(at[0]),
+			 !spread     ? at[1]
+			 : at[1] < 0 ? at[1] + crease_spread
+				     : at[1] - crease_spread,
+			 spread};
 }
 
 static float faces_at(const fine *n, int x, int y)
@@ -26,16 +34,13 @@ static float faces_at(const fine *n, int x, int y)
 
 float ISA(crease_weight)(const fine *n, int x, int y, int style)
 {
-	float faces = faces_at(n, x, y);
-	bool bent = faces < 0 || faces >= n->f->params[style].crease_angle;
-	return bent ? n->e->weight[SOURCE_NORMAL][style] : n->e->bump[style];
+	return faces_at(n, x, y) < 0 ? n->e->weight[SOURCE_NORMAL][style] : n->e->bump[style];
 }
 
 bool ISA(crease_asked)(const fine *n, int y)
 {
-	float least = n->least_angle;
 	for (int x = 0; x < n->f->width; x++)
-		if (!(faces_at(n, x, y) >= 0 && faces_at(n, x, y) < least))
+		if (!(faces_at(n, x, y) >= 0))
 			return true;
 	return false;
 }
@@ -55,7 +60,7 @@ bool ISA(crease_site)(const fine *n, const found *at, placed *s)
 	float more = more_than_asked(n->f->params + style, here.bend);
 	if (more < 0)
 		return false;
-	s->eased = (uint8_t)(255 * (1 - least_width) * (1 - clamp01(more / ease)) + 0.5f);
+	s->eased = (uint8_t)(255 * (1 - least_width[here.spread]) * (1 - clamp01(more / ease[here.spread])) + 0.5f);
 	return ISA(fine_weigh)(n, s, style, SOURCE_NORMAL, 1);
 }
 
