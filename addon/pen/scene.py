@@ -33,8 +33,8 @@ class Scene:
     def geometry(self, key: int, points: np.ndarray | None, corners: np.ndarray | None = None,
                  normals: np.ndarray | None = None, uvs: np.ndarray | None = None,
                  textures: np.ndarray | None = None) -> None:
-        """points (n, 3) in object space, corners (t, 3); where it is smooth, unit normals (t, 3, 3); where it has holes,
-        uvs (t, 3, 2) and keys of textures (t,), negative: none."""
+        """points (n, 3) in object space, corners (t, 3); where it is smooth, unit normals (t, 3, 3); where it has
+        holes, uvs (t, 3, 2) and keys of textures (t,), negative: none."""
         function = self._library.lib.encre_scene_geometry
         if points is None:
             return self._set(function, key, None)
@@ -51,8 +51,8 @@ class Scene:
         return self._set(function, key, value)
 
     def texture(self, key: int, alpha: np.ndarray | None, extension: str = "REPEAT", closest: bool = False) -> None:
-        """Where surfaces are solid: alpha (H, W) of bytes, the row of v = 0 first, solid from 128 on; extension: what lies
-        beyond 0..1, one of EXTENSIONS."""
+        """Where surfaces are solid: alpha (H, W) of bytes, the row of v = 0 first, solid from 128 on; extension: what
+        lies beyond 0..1, one of EXTENSIONS."""
         function = self._library.lib.encre_scene_texture
         if alpha is None:
             return self._set(function, key, None)
