@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.errors import Cancelled, EncreError
-from . import ENGINE, frame, wanted
+from . import ENGINE, frame, live, wanted
 
 _said = set()
 
@@ -92,6 +92,7 @@ class EncreEngine(bpy.types.RenderEngine):
         super().__init__(*args, **kwargs)
         self.session = None  # Cycles keeps its session here
         self.frames = None
+        self.live = None
         self.refused = False
 
     def __del__(self):
@@ -155,16 +156,10 @@ class EncreEngine(bpy.types.RenderEngine):
         _cycles().bake(self, depsgraph, obj, pass_type, pass_filter, width, height)
 
     def view_update(self, context, depsgraph):
-        data = context.blend_data
-        if not self.session:
-            # As with Cycles, to choose the rendered view starts it, whether or not it was paused before.
-            context.scene.cycles.preview_pause = depsgraph.scene_eval.cycles.preview_pause = False
-            _cycles().create(self, data, context.region, context.space_data, context.region_data)
-        _cycles().reset(self, data, depsgraph)
-        _cycles().sync(self, depsgraph, data)
+        live.view_update(self, _cycles, context, depsgraph)
 
     def view_draw(self, context, depsgraph):
-        _cycles().view_draw(self, depsgraph, context.region, context.space_data, context.region_data)
+        live.view_draw(self, _cycles, context, depsgraph)
 
     def update_script_node(self, node):
         if not _cycles().with_osl():

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The layers of a picture without a renderer: a scene is read once, then drawn from any side by the library alone."""
 
+import dataclasses
+
 import bpy
 import numpy as np
 
-from ..pen import library, overlay
+from ..pen import background, library, overlay
 from ..pen.job import Camera
 from ..pen.sky import Sky
 from . import cameras, lamps, materials, meshes, subject, worlds
@@ -32,7 +34,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, shown=None):
     is about, None: only the scene's size does; shown: whether an original object is, None: all are.
     """
     kept, scene = kept or Kept(), depsgraph.scene_eval
-    light = lamps.Light(depsgraph, clip, kept.light)
+    light = lamps.Light(depsgraph, clip, kept.light, shown)
     objects = meshes.extract(depsgraph, settings.every[0]["object_index"] == "AUTO", None, light, kept.meshes, shown)
     light.tidy()
     notes = []
@@ -64,6 +66,18 @@ def _looks(depsgraph, names):
     return np.array(looks, np.float32), unknown
 
 
+def _same(one, other):
+    if one is other or type(one) is not type(other):
+        return one is other
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, other)
+    if isinstance(one, (list, tuple)):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if dataclasses.is_dataclass(one):
+        return all(_same(getattr(one, field.name), getattr(other, field.name)) for field in dataclasses.fields(one))
+    return one == other
+
+
 class Scene:
     """What is drawn from: nothing of it is Blender's, so that it stays whatever becomes of the depsgraph."""
 
@@ -84,7 +98,12 @@ class Scene:
         the picture, of `size` (width, height), in it. Each layer is an array of its own. Cancelled: go_on(fraction)
         was False.
         """
-        layers = self.pictures(view, projection, frame, size, settings, threads, go_on)
+        return background.run(self.steps(view, projection, frame, size, settings), threads, go_on)
+
+    def steps(self, view, projection, frame, size, settings, clip=None):
+        """The steps (pen/background.py) to what layers() gives; clip: of what looks at the scene, if not as it was
+        read."""
+        layers = yield from self._pictures(view, projection, frame, size, settings, clip or self.clip)
         for name in ("gloss", "emission", "index"):
             layers.pop(name)
         return layers, self.camera(view, projection)
@@ -92,14 +111,23 @@ class Scene:
     def pictures(self, view, projection, frame, size, settings, threads=0, go_on=None):
         """What layers() gives, and `gloss` and `emission`, colours that are not matt, and `index`, objects' pass
         indices."""
+        return background.run(self._pictures(view, projection, frame, size, settings, self.clip), threads, go_on)
+
+    def _pictures(self, view, projection, frame, size, settings, clip):
         objects = self.objects
         wanted = ["depth", "object", "material", "style", "marks", "shading"]
         if settings.wants_edges:
             wanted += ["normal", "creases"]
         painted = any(mesh.attributes is not None for mesh in objects.meshes)
         channels = len(library.controls()) if painted else 0
-        maps = library.raster(objects.meshes, view, projection, frame, size, *self.clip, channels,
-                              [*wanted, "attributes"] if painted else wanted, threads, go_on)
+        raster = library.load().raster_work(objects.meshes, view, projection, frame, size, *clip, channels,
+                                            [*wanted, "attributes"] if painted else wanted)
+        yield []
+        maps = raster.result()  # its arrays, which light reads
+        works = [raster]
+        if not self.light.dark:
+            works.append(self.light.work(maps["depth"][..., None], maps["shading"], view, projection, frame, clip))
+        _, *diffuse = yield works
         instance, material = (maps[name].astype(np.int32) for name in ("object", "material"))
         there = instance > 0
         layers = {"normal": maps["shading"], "marks": maps["marks"]}
@@ -107,17 +135,22 @@ class Scene:
         layers["object"], layers["index"] = (of[instance][..., None] for of in (objects.numbers, objects.owners))
         if painted:
             layers["controls"] = maps["attributes"]
+        yield []
         if settings.wants_edges:
             layers["creases"] = np.concatenate([maps["creases"], overlay.bends(maps["normal"])[..., None]], 2)
+            yield []
         looks = self.looks[material]
         looks[~there] = 0
+        yield []
         layers |= {name: np.ascontiguousarray(looks[:, :, k]) for k, name in enumerate(("color", "gloss", "emission"))}
         layers["albedo"] = np.minimum(looks.sum(2), np.float32(1))
-        layers["diffuse"] = self._diffuse(layers, view, projection, frame, threads, go_on)
+        yield []
+        layers["diffuse"] = diffuse[0] if diffuse else self._from_camera(layers["normal"], view)
         layers["combined"] = combined = np.empty((*there.shape, 4), np.float32)
         # What is reflected, or shows through glass, is not known: as bright as the light that falls there.
         combined[..., :3] = (layers["color"] + layers["gloss"]) * layers["diffuse"] + layers["emission"]
         combined[..., 3] = 1
+        yield []
         layers["diffuse"] *= layers["color"].any(2, keepdims=True)  # as a renderer has it
         self._background(layers, ~there, view, projection, frame)
         if objects.catchers.any():
@@ -126,11 +159,14 @@ class Scene:
             self._background(layers, caught, view, projection, frame)
         return layers
 
-    def _diffuse(self, layers, view, projection, frame, threads, go_on):
-        if not self.light.dark:
-            return self.light.draw(layers["depth"], layers["normal"], view, projection, frame, threads, go_on)
-        towards = np.einsum("yxc,c->yx", layers["normal"], view[2, :3].astype(np.float32))
+    def _from_camera(self, normal, view):
+        towards = np.einsum("yxc,c->yx", normal, view[2, :3].astype(np.float32))
         return np.maximum(towards, 0)[..., None].repeat(3, 2)
+
+    def same(self, other):
+        """Whether another Scene looks the same from everywhere."""
+        return all(_same(getattr(self, name), getattr(other, name)) for name in
+                   ("looks", "sky", "transparent", "subject", "objects")) and self.light.same(other.light)
 
     def _background(self, layers, where, view, projection, frame):
         combined = layers["combined"]

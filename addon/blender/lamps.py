@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What drawn light needs of a scene: lamps as Cycles takes them, what they light, and what throws shadows."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
@@ -19,7 +19,8 @@ class Kept:
     """What the library keeps of a scene from one Light to the next: trees of triangles that are still the same."""
 
     scene: Scene = field(default_factory=Scene)
-    geometry: dict = field(default_factory=dict)  # key -> (number in the scene, triangles)
+    geometry: dict = field(default_factory=dict)  # key -> (number in the scene, triangles, number of their change)
+    changes: int = 0
     numbered: int = 0                             # geometries so far
     placed: int = 0                               # instances in the scene
     lamps: int = 0
@@ -28,20 +29,22 @@ class Kept:
 class Light:
     """The light of one view layer: made before Cycles frees the scene, drawn after it."""
 
-    def __init__(self, depsgraph, clip, kept=None):
+    def __init__(self, depsgraph, clip, kept=None, shown=None):
         """clip: the camera's (start, end); kept: the Kept of the Light before this one, which must not be drawn any
-        more."""
+        more; shown: as meshes.extract() takes it."""
         self.kept, self.clip, self.unknown = kept or Kept(), clip, []
         self.scene = self.kept.scene
         self.sets = _Sets()
         self.used, self.placed, self.lamps = set(), 0, 0
+        self.said = []  # all that the scene was told, by which two of them are compared
         self.world = None
         try:
             self.world = worlds.light(depsgraph.scene_eval.world)
         except worlds.Unknown as e:
             self.unknown.append(f"the world's node {e}")
         for instance in depsgraph.object_instances:
-            if instance.object.type == "LIGHT" and instance.show_self:
+            if instance.object.type == "LIGHT" and instance.show_self and (
+                    not shown or shown((instance.parent if instance.is_instance else instance.object).original)):
                 self._add_lamp(instance)
 
     @property
@@ -60,6 +63,8 @@ class Light:
             return
         lamp.light_set, lamp.shadow_set = self.sets.numbers(obj)
         self.scene.lamp(self.lamps, lamp)
+        self.said.append([getattr(lamp, of.name) if of.name not in ("color", "model")
+                          else np.asarray(getattr(lamp, of.name)).tobytes() for of in fields(lamp)])
         self.lamps += 1
 
     def place(self, obj, key, triangles, matrix, seen):
@@ -67,10 +72,12 @@ class Light:
         clear = tuple(k for k, slot in enumerate(obj.material_slots) if _lets_light_through(slot.material))
         key, kept = (key, clear), self.kept
         self.used.add(key)
-        if key not in kept.geometry or kept.geometry[key][1] is not triangles:
-            number, _ = kept.geometry.get(key, (kept.numbered, None))
-            kept.numbered = max(kept.numbered, number + 1)
-            kept.geometry[key] = number, triangles
+        number, before, change = kept.geometry.get(key, (kept.numbered, None, 0))
+        if before is not triangles:
+            kept.geometry[key] = number, triangles, change
+        if before is None or not before.same_shape(triangles):
+            kept.numbered, kept.changes = max(kept.numbered, number + 1), kept.changes + 1
+            kept.geometry[key] = number, triangles, kept.changes
             corners, normals = triangles.corners, triangles.normals
             if clear:
                 slot = (np.zeros(len(corners), np.intp) if triangles.material is None
@@ -79,8 +86,9 @@ class Light:
                 corners, normals = corners[solid], None if normals is None else normals[solid]
             self.scene.geometry(number, triangles.points, corners, normals)
         light_sets, shadow_sets = self.sets.of(obj)
-        self.scene.instance(self.placed, kept.geometry[key][0], np.array(matrix, np.float64), seen, light_sets,
-                            shadow_sets if obj.visible_shadow else 0)
+        matrix, shadow_sets = np.array(matrix, np.float64), shadow_sets if obj.visible_shadow else 0
+        self.scene.instance(self.placed, number, matrix, seen, light_sets, shadow_sets)
+        self.said.append((kept.geometry[key][2], matrix.tobytes(), seen, light_sets, shadow_sets))
         self.placed += 1
         kept.placed = max(kept.placed, self.placed)
 
@@ -94,6 +102,14 @@ class Light:
         for key in kept.geometry.keys() - self.used:
             self.scene.geometry(kept.geometry.pop(key)[0], None)
         kept.placed, kept.lamps = self.placed, self.lamps
+
+    def same(self, other):
+        """Whether another Light of the same Kept would draw the same."""
+        return self.said == other.said and np.array_equal(self.world, other.world)
+
+    def work(self, depth, normal, view, projection, frame, clip):
+        """The Work that draws the layer `diffuse`; clip: as the Light was made with, of what looks at it now."""
+        return self.scene.light_work(depth, normal, view, projection, frame, *clip, self.world)
 
     def draw(self, depth, normal, view, projection, frame, threads, progress):
         """The layer `diffuse`."""

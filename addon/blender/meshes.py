@@ -161,6 +161,11 @@ class _Triangles:
     edges: np.ndarray | None     # (triangles,) as Mesh.edges
     normals: np.ndarray | None   # (triangles, 3, 3) at the corners; None: flat, or nobody asks
 
+    def same_shape(self, other):
+        """Whether light falls on others as it does on these."""
+        return all(np.array_equal(getattr(self, name), getattr(other, name))
+                   for name in ("points", "corners", "normals", "material"))
+
 
 def _triangles(obj, light):
     """The triangles of an evaluated object, None if it has none. light: whether light is to fall on them."""

@@ -19,8 +19,12 @@ LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
 _OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 
 
+def _changed(_self, _context):
+    """Blender tells views that a script has set a property only of those that have an update, be it empty."""
+
+
 def _common(p):
-    return {"name": p.label, "description": p.help, **OURS}
+    return {"name": p.label, "description": p.help, "update": _changed, **OURS}
 
 
 def _limits(p):
@@ -46,7 +50,7 @@ def _property(p):
                                              **_common(p))
     if p.type == "image":
         return bpy.props.PointerProperty(type=bpy.types.Image, **_common(p))
-    return bpy.props.CollectionProperty(type=_level_class(), **_common(p))
+    return bpy.props.CollectionProperty(type=_level_class(), name=p.label, description=p.help, **OURS)
 
 
 def _class(name, annotations):
@@ -60,7 +64,7 @@ def _tone(level):
 @functools.cache
 def _level_class():
     """One level of discrete light; `tone` shows what it looks like."""
-    number = bpy.props.FloatProperty
+    number = functools.partial(bpy.props.FloatProperty, update=_changed)
     return _class("EncreLevel", {
         "intensity": number(name="Intensity", description="Brightness of this level", default=1.0,
                             min=0.0, soft_max=2.0),
@@ -69,7 +73,8 @@ def _level_class():
         "transition": number(name="Transition", description="Width over which it blends with the level below",
                              default=0.025, min=0.0, soft_max=1.0),
         "color": bpy.props.FloatVectorProperty(name="Color", description="Colour of this level's light", size=3,
-                                               subtype="COLOR", default=(1, 1, 1), min=0.0, soft_max=1.0),
+                                               subtype="COLOR", default=(1, 1, 1), min=0.0, soft_max=1.0,
+                                               update=_changed),
         "tone": bpy.props.FloatVectorProperty(name="Tone", description="A white surface at this level", size=3,
                                               subtype="COLOR", min=0.0, max=1.0, get=_tone),
     })
@@ -87,7 +92,7 @@ class Own:
     owners: tuple[str, ...] = ("object", "material")
 
     def property(self):
-        about = {"name": self.label, "description": self.help, "override": _OVERRIDABLE, **OURS}
+        about = {"name": self.label, "description": self.help, "override": _OVERRIDABLE, "update": _changed, **OURS}
         if self.kind == "control":
             return bpy.props.FloatProperty(default=0.0, min=-1.0, max=1.0, **about)
         if self.kind == "degrees":
@@ -138,7 +143,7 @@ def _classes():
     """{owner: its class}, and what these are made of before them, in the order in which they register."""
     params = library.params().values()
     style = _class("EncreStyle", {
-        "name": bpy.props.StringProperty(name="Name", default="Style"),
+        "name": bpy.props.StringProperty(name="Name", default="Style", update=_changed),
         **{p.id: _property(p) for p in params if p.scope == "surface"},
         "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
     })
@@ -155,15 +160,45 @@ def _classes():
         "preset": bpy.props.StringProperty(options={"HIDDEN"}),  # id of the last one: rows are reset to its values
         "version": bpy.props.IntProperty(options={"HIDDEN"}),  # of the settings in a file: migration.py
         "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
+        "viewport_scale": bpy.props.IntProperty(
+            name="Viewport Scale", description="Size of the picture in rendered views that are at rest, as part of "
+            "theirs; while something moves it is drawn smaller where that takes too long", subtype="PERCENTAGE",
+            default=100, min=10, max=100, soft_min=25, update=_changed, **OURS),
     })
     material = _class("EncreMaterial", {own.id: own.property() for own in own_settings("material")})
     obj = _class("EncreObject", {own.id: own.property() for own in own_settings("object")})
     layer = _class("EncreViewLayer", {id_: _pass_switch(name) for id_, name in PASSES.items()})
     return {"level": _level_class(), "style": style, "Scene": scene, "Material": material, "Object": obj,
-            "ViewLayer": layer}
+            "ViewLayer": layer, "View3DShading": _view_class()}
 
 
-_OWNERS = {"Scene": {}, "ViewLayer": {}, "Material": {"override": _OVERRIDABLE}, "Object": {"override": _OVERRIDABLE}}
+def _view_class():
+    """What a rendered 3D view shows."""
+    def redraw(_self, context):
+        for window in context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.type == "VIEW_3D":
+                    area.tag_redraw()
+
+    return _class("EncreView", {
+        "source": bpy.props.EnumProperty(name="View", description="What draws the rendered view", update=redraw, items=[
+            ("ENCRE", "Encre", "Ink, on layers that Encre draws itself"),
+            ("CYCLES", "Cycles", "Cycles' own view, without ink")], **OURS),
+        "show": bpy.props.EnumProperty(name="Show", description="What the view shows", update=redraw, items=[
+            ("FINAL", "Final", "The finished picture"),
+            ("INK", "Ink", "The lines alone, on white"),
+            ("EDGES", "Sources", "The lines that each source of edges draws alone, in its colour"),
+            ("LEVELS", "Levels", "The levels of light, on white surfaces"),
+            ("STYLES", "Styles", "A colour for each style, grey for the scene's own"),
+            ("CONTROL", "Control", "A control: red where it is most, blue where least, grey where neutral")], **OURS),
+        "control": bpy.props.EnumProperty(
+            name="Control", description="The control that is shown", update=redraw,
+            items=[(control.name, control.label, "") for control in library.controls().values()], **OURS),
+    })
+
+
+_OWNERS = {"View3DShading": {}, "Scene": {}, "ViewLayer": {}, "Material": {"override": _OVERRIDABLE},
+           "Object": {"override": _OVERRIDABLE}}
 
 
 def register():

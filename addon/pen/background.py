@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Works of the library that go on while Python does something else."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Generator, Sequence
 from typing import Any
 
 from . import abi
@@ -11,6 +11,21 @@ from .library import Library, load
 from .params import text_of
 
 _RUNNING, _CANCELLED = 4, 3  # enum encre_code
+
+# What is done in steps, so that others may wait for the library: it yields lists of works, which run one after the
+# other, and is sent their results, or an empty list to take breath; and it returns what has come of it.
+Steps = Generator[list[Work], list[Any], Any]
+
+
+def run(steps: Steps, threads: int = 0, progress: Callable[[float], bool] | None = None) -> Any:
+    """What steps return; the library does its part of them while this waits."""
+    results: list[Any] | None = None
+    try:
+        while True:
+            works = steps.send(results)  # type: ignore[arg-type]
+            results = [load().run(work, threads, 1, progress) for work in works]
+    except StopIteration as end:
+        return end.value
 
 
 class Background:

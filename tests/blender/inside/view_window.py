@@ -1,0 +1,325 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in a Blender with a window: `view_window.py -- view FOLDER` works in the rendered 3D view as a user does.
+
+Needs --enable-event-simulate. Pictures are what Encre uploads, scene-linear; they are saved as FOLDER/NAME.npy.
+"""
+
+import gc
+import os
+import resource
+import sys
+import time
+from math import radians
+from pathlib import Path
+
+import bpy
+import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+
+sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+import studio  # noqa: E402
+import window  # noqa: E402
+
+REDRAWS = int(os.environ.get("ENCRE_REDRAWS", 1000))
+uploaded = []  # (seconds, picture), the last of them
+uploads = [0]
+
+
+def spy():
+    from encre.blender import screen
+
+    upload = screen.upload
+
+    def look(picture):
+        uploaded[:] = [*uploaded[-60:], (time.perf_counter(), picture.copy())]
+        uploads[0] += 1
+        return upload(picture)
+
+    screen.upload = look
+
+
+def views():
+    from encre.blender import live
+
+    return [thing for thing in gc.get_objects() if type(thing) is live.View and thing.engine()]
+
+
+def space():
+    return window.area("VIEW_3D").spaces.active
+
+
+def state(view):
+    """Whether it shows all that there is to show, and what it says."""
+    what = view.what
+    return [bool(view.texture and not view.stale and not view.picture and what.now == view._now()
+                 and what.scale == view.scale), view.failure, view.stale, bool(view.picture), view.scale,
+            what and [what.scale, what.now == view._now(), what.cancelled]]
+
+
+def rest():
+    """Until the view shows all that there is to show."""
+    end = time.perf_counter() + 20
+    yield
+    yield
+    while time.perf_counter() < end:
+        if all(state(view)[0] or view.failure for view in views()):
+            return
+        yield
+    raise AssertionError(f"the view does not come to rest: {[state(view) for view in views()]}")
+
+
+def picture(name):
+    np.save(os.path.join(window.FOLDER, f"{name}.npy"), uploaded[-1][1])
+
+
+def reads():
+    return [view.read_number for view in views()]
+
+
+def build():
+    """A cube of many faces, a ball and a ground; the view from the camera."""
+    scene = studio.stage(320, 180)
+    cube = bpy.data.objects["Cube"]
+    cube.modifiers.new("Subdivision", "SUBSURF").subdivision_type = "SIMPLE"
+    cube.modifiers["Subdivision"].levels = 5
+    cube.scale = 1.6, 1.6, 1.6
+    cube.rotation_euler.z = radians(20)
+    bpy.context.view_layer.objects.active = cube
+    cube.select_set(True)
+    with window.override("VIEW_3D"):
+        bpy.ops.object.modifier_apply(modifier="Subdivision")
+    scene.view_settings.view_transform = "Standard"
+    scene.encre.layer_source = "ENCRE"
+    space().overlay.show_overlays = False
+    spy()
+    space().shading.type = "RENDERED"
+    yield from rest()
+
+
+def camera():
+    """The camera's view, and what F12 makes of the same frame."""
+    region = space().region_3d
+    region.view_perspective = "CAMERA"
+    region.view_camera_zoom = 20
+    yield from rest()
+    picture("camera")
+    window.screenshot("camera")
+    height, width, _ = uploaded[-1][1].shape
+    scene = bpy.context.scene
+    before = scene.render.resolution_x, scene.render.resolution_y
+    scene.encre.save_layers = "OFF"
+    scene.render.resolution_x, scene.render.resolution_y = width, height
+    studio.fact("f12", studio.shoot(window.FOLDER, "f12"))
+    scene.render.resolution_x, scene.render.resolution_y = before
+    yield from rest()
+    scene.encre.viewport_scale = 50
+    yield from rest()
+    picture("half")
+    scene.encre.viewport_scale = 100
+    yield from rest()
+    studio.fact("back", bool((uploaded[-1][1] == np.load(os.path.join(window.FOLDER, "camera.npy"))).all()))
+
+
+def border():
+    render = bpy.context.scene.render
+    render.use_border = True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.5, 1
+    yield from rest()
+    picture("border")
+    render.use_border = False
+    yield from rest()
+
+
+def orbit():
+    """The view turns for a while: pictures come, and nothing is read."""
+    region = space().region_3d
+    region.view_perspective, region.view_distance = "PERSP", 6
+    yield from rest()
+    known, begin = reads(), time.perf_counter()
+    for _ in range(12):
+        turn = region.view_rotation.copy()
+        turn.rotate(type(turn)((0, 0, 1), radians(6)))
+        region.view_rotation = turn
+        yield
+    studio.fact("orbit", [sum(at > begin for at, _ in uploaded), reads() == known])
+    yield from rest()
+    region.view_perspective = "ORTHO"
+    yield from rest()
+    picture("ortho")
+    studio.fact("ortho read", reads() == known)
+
+
+def slider():
+    """A setting, by a script and with a key: the ink follows, nothing is read anew."""
+    scene, known = bpy.context.scene, reads()
+    space().region_3d.view_perspective = "CAMERA"
+    yield from rest()
+    known = reads()
+    picture("thick")
+    scene.encre.line_thickness = 20
+    yield from rest()
+    picture("thin")
+    studio.fact("slider read", reads() == known)
+    style = scene.encre.styles.add()
+    style.name, style.line_thickness = "Quiet", 0
+    bpy.data.objects["Ball"].encre.style = style.name
+    yield from rest()
+    picture("style")
+    bpy.data.objects["Ball"].encre.style = ""
+    scene.encre.styles.clear()
+    scene.encre.line_thickness = 60
+    yield from rest()
+
+
+def stroke():
+    """Vertex Paint: ink changes while the brush is down."""
+    with window.override("VIEW_3D"):
+        bpy.ops.encre.paint(control="thickness")
+        bpy.ops.encre.brush(value=1.0)
+        space().region_3d.view_perspective = "CAMERA"
+    bpy.context.scene.tool_settings.unified_paint_settings.size = 12
+    yield from rest()
+    picture("unpainted")
+    region = next(r for r in window.area("VIEW_3D").regions if r.type == "WINDOW")
+    cube = bpy.data.objects["Cube"]
+    spots = [location_3d_to_region_2d(region, space().region_3d, cube.matrix_world @ vertex.co)
+             for vertex in cube.data.vertices]
+    x, y = int(min(at.x for at in spots)) - 10, int(sum(at.y for at in spots) / len(spots))
+    left, bottom, right, top = views()[0].look.place
+    height, width, _ = uploaded[-1][1].shape
+    # In pixels of the picture, y from the top: of the brush's way and of what is as far from it as the brush reaches.
+    at = [x + dx - (left + 1) / 2 * region.width for dx in (-15, 55)]
+    studio.fact("stroke", [*at, height - (y - (bottom + 1) / 2 * region.height)])
+    begin, move = time.perf_counter(), window.window().event_simulate
+    move(type="MOUSEMOVE", value="NOTHING", x=region.x + x, y=region.y + y)
+    yield
+    move(type="LEFTMOUSE", value="PRESS", x=region.x + x, y=region.y + y)
+    for dx in range(0, 41, 4):
+        yield
+        move(type="MOUSEMOVE", value="NOTHING", x=region.x + x + dx, y=region.y + y)
+    for _ in range(10):
+        yield
+    studio.fact("while painting", sum(at > begin for at, _ in uploaded))
+    move(type="LEFTMOUSE", value="RELEASE", x=region.x + x + 40, y=region.y + y)
+    yield from rest()
+    picture("painted")
+    window.screenshot("painted")
+    with window.override("VIEW_3D"):
+        bpy.ops.object.mode_set(mode="OBJECT")
+    yield from rest()
+
+
+def shows():
+    """Each other thing that a view may show."""
+    shading = space().shading.encre
+    for show in ("INK", "EDGES", "LEVELS", "STYLES", "CONTROL"):
+        shading.show = show
+        yield from rest()
+        picture(show.lower())
+        if show == "EDGES":
+            window.screenshot("edges")
+    shading.show = "FINAL"
+    yield from rest()
+
+
+def undo():
+    """What is undone is seen so."""
+    with window.override("VIEW_3D"):
+        bpy.ops.ed.undo_push(message="Before")
+        bpy.data.objects["Ball"].location.z += 0.5
+        bpy.ops.ed.undo_push(message="Moved")
+    yield from rest()
+    picture("moved")
+    with window.override("VIEW_3D"):
+        bpy.ops.ed.undo()
+    yield from rest()
+    picture("undone")
+
+
+def broken():
+    """What can't be used is said, and the view mends itself."""
+    scene = bpy.context.scene
+    scene.encre.paper_source = "IMAGE"
+    yield from rest()
+    studio.fact("sentence", views()[0].failure)
+    window.screenshot("broken")
+    scene.encre.paper_source = "PROCEDURAL"
+    yield from rest()
+    studio.fact("mended", views()[0].failure)
+
+
+def play():
+    """24 frames of a moving cube."""
+    cube, scene = bpy.data.objects["Cube"], bpy.context.scene
+    cube.keyframe_insert("location", frame=1)
+    cube.location.x += 1
+    cube.keyframe_insert("location", frame=24)
+    scene.frame_end = 24
+    scene.frame_set(1)
+    yield from rest()
+    picture("first")
+    begin, frames = time.perf_counter(), []
+    bpy.app.handlers.frame_change_post.append(lambda *_: frames.append(scene.frame_current))
+    with window.override("VIEW_3D"):
+        bpy.ops.screen.animation_play()
+    while len(frames) < 24:
+        yield
+    studio.fact("played", sum(at > begin for at, _ in uploaded))
+    with window.override("VIEW_3D"):
+        bpy.ops.screen.animation_cancel(restore_frame=False)
+    scene.frame_set(24)
+    yield from rest()
+    picture("last")
+
+
+def flat():
+    """Small pictures from all sides hold no more and more memory."""
+    from encre.blender import live
+
+    region, scene = space().region_3d, bpy.context.scene
+    scene.encre.viewport_scale = 10
+    region.view_perspective = "PERSP"
+    yield from rest()
+    view, held, turn, before = views()[0], [], region.view_rotation.copy(), uploads[0]
+    for k in range(REDRAWS):
+        turn.rotate(type(turn)((0, 0, 1), radians(1)))
+        region.view_rotation = turn
+        region.update()
+        with window.override("VIEW_3D"):
+            view._step(bpy.context, bpy.context.evaluated_depsgraph_get())
+            while view.picture and not view.picture.ended:
+                live._tick()
+                time.sleep(0.0005)
+            view._step(bpy.context, bpy.context.evaluated_depsgraph_get())
+        if k in (REDRAWS // 10, REDRAWS - 1):
+            held.append(int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize())
+        if k % 50 == 49:
+            yield
+    studio.fact("memory", [uploads[0] - before, *held])
+    scene.encre.viewport_scale = 100
+    yield from rest()
+
+
+def cycles():
+    """Cycles' own view, and back."""
+    space().shading.encre.source = "CYCLES"
+    for _ in range(20):
+        yield
+    studio.fact("with Cycles", [len(views())])
+    window.screenshot("cycles")
+    space().shading.encre.source = "ENCRE"
+    yield from rest()
+    studio.fact("without Cycles", len(views()))
+
+
+def steps():
+    for step in (build, camera, border, orbit, slider, stroke, shows, undo, broken, play, flat, cycles):
+        begin = time.perf_counter()
+        yield from step()
+        studio.fact("time", [step.__name__, round(time.perf_counter() - begin, 1)])
+
+
+if __name__ == "__main__":
+    todo = steps()
+    bpy.context.preferences.view.show_splash = False
+    bpy.app.timers.register(lambda: window.run(todo), first_interval=1.0, persistent=True)

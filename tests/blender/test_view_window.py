@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rendered 3D view in a window (blender/inside/view_window.py works in it)."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import blenders
+import numpy as np
+import pytest
+
+WINDOW = Path(__file__).parent / "inside" / "view_window.py"
+
+
+@pytest.fixture(scope="module")
+def shot(tmp_path_factory):
+    if not shutil.which("blender") or not shutil.which("xvfb-run"):
+        pytest.skip("needs the programs blender and xvfb-run")
+    folder = tmp_path_factory.mktemp("view")
+    command = ["xvfb-run", "-a", "-s", "-screen 0 800x600x24", "blender", "--factory-startup",
+               "--enable-event-simulate", "-p", "0", "0", "800", "600", "-P", str(WINDOW), "--", "view", str(folder)]
+    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace"), folder)
+
+
+def fact(shot, name):
+    return shot.facts[name][0]
+
+
+def picture(shot, name):
+    return np.load(shot.folder / f"{name}.npy")
+
+
+def apart(one, other):
+    """(height, width): which pixels can be told apart."""
+    return np.abs(one - other).max(-1) > 0.01
+
+
+def test_nothing_fails(shot):
+    assert fact(shot, "finished") and "Traceback" not in shot.output, shot.output[-3000:]
+
+
+def test_the_view_of_the_camera_is_the_final_frame(shot):
+    view, final = picture(shot, "camera"), shot.passes("f12")["Combined"]
+    assert view.shape == final.shape and (view[..., :3].max(-1) < 0.05).mean() > 0.02
+    assert np.abs(view - final).max() < 1e-5
+    small = picture(shot, "half")
+    assert small.shape[:2] == (view.shape[0] // 2, view.shape[1] // 2) and fact(shot, "back")
+    assert np.abs(view[:small.shape[0] * 2].reshape(small.shape[0], 2, -1, 2, 4).mean((1, 3)) - small).mean() < 0.01
+
+
+def test_a_border_is_its_part_of_the_frame(shot):
+    view, border = picture(shot, "camera"), picture(shot, "border")
+    height, width = view.shape[:2]
+    left = round(width * 0.25)
+    assert border.shape[0] == height // 2
+    assert apart(view[:height // 2, left:left + border.shape[1]], border)[:-8, 8:-8].mean() < 0.002
+
+
+def test_a_view_that_turns_reads_nothing(shot):
+    pictures, nothing_read = fact(shot, "orbit")
+    assert pictures > 2 and nothing_read and fact(shot, "ortho read")
+    ortho = picture(shot, "ortho")
+    assert len(np.unique(ortho.reshape(-1, 4)[:, :3].round(1), axis=0)) > 3  # the cube, the ball, the ground
+
+
+def test_a_slider_draws_and_reads_nothing(shot):
+    ink = [(picture(shot, name)[..., :3].max(-1) < 0.05).sum() for name in ("thick", "thin", "style")]
+    assert fact(shot, "slider read") and ink[1] < ink[0] - 1000 and ink[2] < ink[1] - 100
+
+
+def test_ink_grows_under_the_brush_and_nowhere_else(shot):
+    changed = apart(picture(shot, "unpainted"), picture(shot, "painted"))
+    left, right, y = fact(shot, "stroke")
+    rows, columns = np.nonzero(changed)
+    assert changed.sum() > 50 and fact(shot, "while painting") > 0
+    assert columns.min() > left and columns.max() < right and np.abs(rows - y).max() < 25
+    red = picture(shot, "control")
+    rows, columns = np.nonzero(red[..., 0] > 2 * red[..., 1])
+    assert len(rows) > 50 and columns.min() > left and columns.max() < right and np.abs(rows - y).max() < 25
+
+
+def test_what_else_is_shown(shot):
+    ink, sources, levels, styles = (picture(shot, name)[..., :3] for name in ("ink", "edges", "levels", "styles"))
+    assert (ink.min(-1) == 1).mean() > 0.7 and 0.01 < (ink.max(-1) < 0.1).mean() < 0.2
+    red, blue = (sources[..., 0] > 2 * sources[..., 2]), (sources[..., 2] > 2 * sources[..., 0])
+    assert red.sum() > 200 and blue.sum() > 200  # outlines, creases
+    _, pixels = np.unique(levels.reshape(-1, 3).round(3), axis=0, return_counts=True)
+    assert 2 < (pixels > 300).sum() < 8 and np.sort(pixels)[-4:].sum() > 0.8 * pixels.sum()  # flat tones
+    assert np.ptp(styles, axis=-1).max() < 1e-6  # grey: all have the scene's
+
+
+def test_undo_is_seen(shot):
+    assert apart(picture(shot, "moved"), picture(shot, "undone")).sum() > 200
+    assert (picture(shot, "undone") == picture(shot, "painted")).all()
+
+
+def test_what_is_wrong_is_said(shot):
+    assert fact(shot, "sentence").startswith("paper_image: ") and fact(shot, "mended") is None
+
+
+def test_playback_draws(shot):
+    assert fact(shot, "played") > 1
+    assert apart(picture(shot, "first"), picture(shot, "last")).sum() > 500
+
+
+def test_memory_stays_flat(shot):
+    pictures, before, after = fact(shot, "memory")
+    assert pictures >= 1000 and after < 1.02 * before
+
+
+def test_cycles_shows_its_own_view(shot):
+    assert fact(shot, "with Cycles") == [0] and fact(shot, "without Cycles") == 1
