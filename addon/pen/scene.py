@@ -10,7 +10,6 @@ from .errors import EncreError
 from .job import EVERY_SET, LAMPS, Frame, Lamp, Work, entries
 from .library import Library, load
 
-
 EXTENSIONS = ("REPEAT", "EXTEND", "CLIP")
 
 
@@ -34,8 +33,8 @@ class Scene:
     def geometry(self, key: int, points: np.ndarray | None, corners: np.ndarray | None = None,
                  normals: np.ndarray | None = None, uvs: np.ndarray | None = None,
                  textures: np.ndarray | None = None) -> None:
-        """points (n, 3) in object space, corners (t, 3); where it is smooth, unit normals (t, 3, 3); where it has holes,
-        uvs (t, 3, 2) and keys of textures (t,), negative: none."""
+        """points (n, 3) in object space, corners (t, 3); where it is smooth, unit normals (t, 3, 3); where it has
+        holes, uvs (t, 3, 2) and keys of textures (t,), negative: none."""
         function = self._library.lib.encre_scene_geometry
         if points is None:
             return self._set(function, key, None)
@@ -43,7 +42,7 @@ class Scene:
         corners = np.ascontiguousarray(corners, np.int32).reshape(-1, 3)
         if normals is not None:
             normals = entries("normals", normals, np.float32, (len(corners), 3, 3))
-        if uvs is not None:
+        if uvs is not None and textures is not None:
             uvs = entries("uvs", uvs, np.float32, (len(corners), 3, 2))
             textures = entries("textures", textures, np.int32, (len(corners),))
         value = abi.Geometry(len(points), len(corners), points.ctypes.data, corners.ctypes.data)
@@ -52,8 +51,8 @@ class Scene:
         return self._set(function, key, value)
 
     def texture(self, key: int, alpha: np.ndarray | None, extension: str = "REPEAT", closest: bool = False) -> None:
-        """Where surfaces are solid: alpha (H, W) of bytes, the row of v = 0 first, solid from 128 on; extension: what lies
-        beyond 0..1, one of EXTENSIONS."""
+        """Where surfaces are solid: alpha (H, W) of bytes, the row of v = 0 first, solid from 128 on; extension: what
+        lies beyond 0..1, one of EXTENSIONS."""
         function = self._library.lib.encre_scene_texture
         if alpha is None:
             return self._set(function, key, None)
