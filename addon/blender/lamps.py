@@ -7,7 +7,7 @@ import numpy as np
 
 from ..pen.job import EVERY_SET, Lamp
 from ..pen.scene import Scene
-from . import versions, worlds
+from . import cutouts, versions, worlds
 
 _KINDS = {"SUN": "sun", "POINT": "point", "SPOT": "spot", "SQUARE": "rectangle", "RECTANGLE": "rectangle",
           "DISK": "ellipse", "ELLIPSE": "ellipse"}
@@ -21,6 +21,7 @@ class Kept:
     scene: Scene = field(default_factory=Scene)
     geometry: dict = field(default_factory=dict)  # key -> (number in the scene, triangles, number of their change)
     changes: int = 0
+    textures: dict = field(default_factory=dict)  # Cutout -> number in the scene
     numbered: int = 0                             # geometries so far
     placed: int = 0                               # instances in the scene
     lamps: int = 0
@@ -34,7 +35,7 @@ class Light:
         more; shown: as meshes.extract() takes it."""
         self.kept, self.clip, self.unknown = kept or Kept(), clip, []
         self.scene = self.kept.scene
-        self.sets = _Sets()
+        self.sets, self.materials = _Sets(), {}
         self.used, self.placed, self.lamps = set(), 0, 0
         self.said = []  # all that the scene was told, by which two of them are compared
         self.world = None
@@ -69,8 +70,8 @@ class Light:
 
     def place(self, obj, key, triangles, matrix, seen):
         """An instance of triangles (meshes.py); key: what instances of the same triangles share."""
-        clear = tuple(k for k, slot in enumerate(obj.material_slots) if _lets_light_through(slot.material))
-        key, kept = (key, clear), self.kept
+        solid, kept = self._solid(obj), self.kept
+        key = key, solid
         self.used.add(key)
         number, before, change = kept.geometry.get(key, (kept.numbered, None, 0))
         if before is not triangles:
@@ -78,19 +79,53 @@ class Light:
         if before is None or not before.same_shape(triangles):
             kept.numbered, kept.changes = max(kept.numbered, number + 1), kept.changes + 1
             kept.geometry[key] = number, triangles, kept.changes
-            corners, normals = triangles.corners, triangles.normals
-            if clear:
-                slot = (np.zeros(len(corners), np.intp) if triangles.material is None
-                        else np.clip(triangles.material, 0, len(obj.material_slots) - 1))
-                solid = ~np.isin(slot, clear)
-                corners, normals = corners[solid], None if normals is None else normals[solid]
-            self.scene.geometry(number, triangles.points, corners, normals)
+            self._geometry(number, triangles, solid)
         light_sets, shadow_sets = self.sets.of(obj)
         matrix, shadow_sets = np.array(matrix, np.float64), shadow_sets if obj.visible_shadow else 0
         self.scene.instance(self.placed, number, matrix, seen, light_sets, shadow_sets)
         self.said.append((kept.geometry[key][2], matrix.tobytes(), seen, light_sets, shadow_sets))
         self.placed += 1
         kept.placed = max(kept.placed, self.placed)
+
+    def _solid(self, obj):
+        """How solid each slot's surfaces are: a Cutout, or whether they are."""
+        return tuple(found if isinstance(found, cutouts.Cutout) else found >= 0.5
+                     for found in (self._cutout(slot.material) for slot in obj.material_slots)) or (True,)
+
+    def _cutout(self, material):
+        if material not in self.materials:
+            self.materials[material] = cutouts.of(material)
+        return self.materials[material]
+
+    def maps(self, obj):
+        """The names of the UV maps that place() reads of the triangles of an object."""
+        return tuple(sorted({solid.uv_map for solid in self._solid(obj) if isinstance(solid, cutouts.Cutout)}))
+
+    def _geometry(self, number, triangles, solid):
+        corners, normals, uvs, textures = triangles.corners, triangles.normals, None, None
+        slot = (np.zeros(len(corners), np.intp) if triangles.material is None
+                else np.clip(triangles.material, 0, len(solid) - 1))
+        for k, cutout in enumerate(solid):
+            there = triangles.uvs.get(cutout.uv_map) if isinstance(cutout, cutouts.Cutout) else None
+            if there is None:
+                continue
+            if textures is None:
+                uvs, textures = np.zeros((len(corners), 3, 2), np.float32), np.full(len(corners), -1, np.int32)
+            uvs[slot == k] = cutout.placed(there[slot == k])
+            textures[slot == k] = self._texture(cutout)
+        if not all(solid):
+            kept = np.array([bool(s) for s in solid])[slot]
+            corners, normals, uvs, textures = (None if a is None else a[kept]
+                                               for a in (corners, normals, uvs, textures))
+        self.scene.geometry(number, triangles.points, corners, normals, uvs, textures)
+
+    def _texture(self, cutout):
+        """Its key in the scene."""
+        textures = self.kept.textures
+        if cutout not in textures:
+            textures[cutout] = len(textures)
+            self.scene.texture(textures[cutout], cutout.alpha(), cutout.extension, cutout.closest)
+        return textures[cutout]
 
     def tidy(self):
         """After all is placed: what the last Light had and this one has not is no longer kept."""
@@ -164,23 +199,6 @@ def _emission(data):
     if node.bl_idname != "ShaderNodeEmission" or node.mute:
         raise worlds.Unknown(node.name)
     return worlds.color(node.inputs["Color"]) * worlds.value(node.inputs["Strength"])
-
-
-# What is in the way
-
-def _lets_light_through(material):
-    """Whether surfaces of a material are not there for light: volumes, and what is wholly transparent."""
-    tree = material and material.use_nodes and material.node_tree
-    out = tree and tree.get_output_node("CYCLES")
-    if not out:
-        return False
-    surface = out.inputs["Surface"]
-    if not surface.is_linked:
-        return out.inputs["Volume"].is_linked
-    node = surface.links[0].from_node
-    if node.bl_idname == "ShaderNodeBsdfPrincipled":
-        return not node.inputs["Alpha"].is_linked and node.inputs["Alpha"].default_value == 0
-    return node.bl_idname == "ShaderNodeBsdfTransparent"
 
 
 # Light linking

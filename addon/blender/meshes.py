@@ -106,9 +106,10 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, shown=Non
             continue
         # Instances come as one passing object. An evaluated mesh has its modifiers in it, a curve or text has not.
         own = None if obj.type == "MESH" else obj.original.as_pointer()
-        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts
+        maps = light.maps(obj) if light else ()
+        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps
         names = {block_name(block) for block in (obj, top, obj.data)}
-        triangles = kept.get(key, names, functools.partial(_triangles, obj, smooth))
+        triangles = kept.get(key, names, functools.partial(_triangles, obj, smooth, maps))
         if triangles is None:
             continue
         if light:
@@ -160,15 +161,19 @@ class _Triangles:
     marked: np.ndarray           # (edges, 2) points of the edges that are marked by hand
     edges: np.ndarray | None     # (triangles,) as Mesh.edges
     normals: np.ndarray | None   # (triangles, 3, 3) at the corners; None: flat, or nobody asks
+    uvs: dict                    # name of a UV map that light asks for -> (triangles, 3, 2) at the corners
 
     def same_shape(self, other):
         """Whether light falls on others as it does on these."""
-        return all(np.array_equal(getattr(self, name), getattr(other, name))
-                   for name in ("points", "corners", "normals", "material"))
+        return (self.uvs.keys() == other.uvs.keys()
+                and all(np.array_equal(uvs, other.uvs[name]) for name, uvs in self.uvs.items())
+                and all(np.array_equal(getattr(self, name), getattr(other, name))
+                        for name in ("points", "corners", "normals", "material")))
 
 
-def _triangles(obj, light):
-    """The triangles of an evaluated object, None if it has none. light: whether light is to fall on them."""
+def _triangles(obj, light, maps):
+    """The triangles of an evaluated object, None if it has none. light: whether light is to fall on them; maps: the UV
+    maps that are read, "" = the one that renders use."""
     try:
         mesh = obj.to_mesh()
     except RuntimeError:  # no geometry
@@ -176,7 +181,7 @@ def _triangles(obj, light):
     if mesh is None:
         return None
     try:
-        return _read(mesh, obj.encre.separate_parts, light) if len(mesh.polygons) else None
+        return _read(mesh, obj.encre.separate_parts, light, maps) if len(mesh.polygons) else None
     finally:
         obj.to_mesh_clear()
 
@@ -187,7 +192,7 @@ def _get(collection, name, dtype, width=1):
     return values.reshape(-1, width) if width > 1 else values
 
 
-def _read(mesh, separate, light):
+def _read(mesh, separate, light, maps):
     position = mesh.attributes.get("position")
     points = (_get(position.data, "vector", np.float32, 3) if position
               else _get(mesh.vertices, "co", np.float32, 3))
@@ -208,7 +213,14 @@ def _read(mesh, separate, light):
     return _Triangles(points, corners, material, _painted(mesh, loops, corners, face), part, n_parts,
                       np.empty((0, 2), np.int32) if marked is None or not marked.any()
                       else _get(mesh.edges, "vertices", np.int32, 2)[marked], _edges(mesh, loops, face),
-                      None if normals is None else normals[loops])
+                      None if normals is None else normals[loops],
+                      {name: uvs[loops] for name in maps if (uvs := _uvs(mesh, name)) is not None})
+
+
+def _uvs(mesh, name):
+    """By corners (n, 2), of the UV map of this name, "" = the one that renders use; None: it is not there."""
+    layer = mesh.uv_layers.get(name) if name else next((u for u in mesh.uv_layers if u.active_render), None)
+    return layer and _get(layer.data, "uv", np.float32, 2)
 
 
 def _triangulate(mesh, points, vertex):

@@ -60,7 +60,7 @@ def _world(world, asked, kind):
     return kind.constant(np.zeros(3)) if out is None else _shader(out.inputs["Surface"], kind)
 
 
-def _source(socket):
+def source_of(socket):
     """(node, name of its output) that a socket is linked to, past reroutes; None."""
     while socket.is_linked:
         link = socket.links[0]
@@ -71,7 +71,7 @@ def _source(socket):
 
 
 def _shader(socket, kind):
-    source = _source(socket)
+    source = source_of(socket)
     if source is None:
         return kind.constant(np.zeros(3))
     node = source[0]
@@ -90,7 +90,7 @@ def _shader(socket, kind):
 
 
 def _color(socket, kind):
-    source = _source(socket)
+    source = source_of(socket)
     if source and source[0].bl_idname == "ShaderNodeTexEnvironment":
         return _environment(source[0], kind)
     return kind.constant(color(socket))
@@ -98,7 +98,7 @@ def _color(socket, kind):
 
 def value(socket, ray=_RAY):
     """The number that a socket gets. Unknown: it isn't the same everywhere."""
-    source = _source(socket)
+    source = source_of(socket)
     if source is None:
         return float(socket.default_value)
     node, name = source
@@ -122,7 +122,7 @@ def _math(node, ray):
 
 def color(socket):
     """The linear colour (3,) that a socket gets. Unknown: it isn't the same everywhere."""
-    source = _source(socket)
+    source = source_of(socket)
     if source is None:
         return np.array(socket.default_value[:3], np.float64)
     if source[0].bl_idname == "ShaderNodeRGB":
@@ -150,7 +150,7 @@ def _shrunk(picture):
 
 def _rotation(node):
     """World -> picture."""
-    source = _source(node.inputs["Vector"])
+    source = source_of(node.inputs["Vector"])
     if source is None or source[0].bl_idname == "ShaderNodeTexCoord":
         return np.eye(3)
     mapping = source[0]

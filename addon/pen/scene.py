@@ -42,7 +42,7 @@ class Scene:
         corners = np.ascontiguousarray(corners, np.int32).reshape(-1, 3)
         if normals is not None:
             normals = entries("normals", normals, np.float32, (len(corners), 3, 3))
-        if uvs is not None:
+        if uvs is not None and textures is not None:
             uvs = entries("uvs", uvs, np.float32, (len(corners), 3, 2))
             textures = entries("textures", textures, np.int32, (len(corners),))
         value = abi.Geometry(len(points), len(corners), points.ctypes.data, corners.ctypes.data)

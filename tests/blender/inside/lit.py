@@ -4,6 +4,7 @@
 from math import pi, radians
 
 import bpy
+import numpy as np
 from mathutils import Vector
 from studio import cube, fact, link, material, passes_on, plane, register, shoot, sphere
 
@@ -106,6 +107,56 @@ def scene_rules(out):
     scene.world = bpy.data.worlds.new("World")
     scene.world.color = (0, 0, 0)
     shoot(out, "rules")
+
+
+def _leaf(name, place, size):
+    """A square of which an image shows a ring; (its material's node tree, the image's node)."""
+    obj = plane(name, z=0.0)
+    obj.data.uv_layers.new()
+    obj.location, obj.scale = place, (size, size, 1)
+    mat = material(name, (0.7, 0.7, 0.7))
+    obj.data.materials.append(mat)
+    n = 64
+    y, x = (np.mgrid[:n, :n] + 0.5) / n
+    far = np.hypot(x - 0.4, y - 0.6)
+    pixels = np.ones((n, n, 4), np.float32)
+    pixels[..., 3] = (far < 0.35) & (far > 0.15)
+    image = bpy.data.images.new(name, n, n, alpha=True)
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    node = mat.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = image
+    return mat.node_tree, node
+
+
+def leaves(out):
+    """What images cut out throws its own shadow: through Alpha, and mixed with Transparent, turned, repeated."""
+    scene = _stage(16)
+    scene.view_layers[0].use_pass_diffuse_direct = True
+    _lamp("SUN", energy=3, angle=0)
+    for name in ("Cube", "Ball", "Small"):
+        bpy.data.objects[name].visible_shadow = bpy.data.objects[name].visible_camera = False
+    tree, image = _leaf("One", (-0.9, 0.2, 1.0), 0.12)
+    tree.links.new(image.outputs["Alpha"], tree.nodes["Principled BSDF"].inputs["Alpha"])
+    tree, image = _leaf("Other", (0.9, 0.0, 1.2), 0.12)
+    nodes, link_ = tree.nodes, tree.links.new
+    place, over, mix = (nodes.new(f"ShaderNode{kind}") for kind in ("Mapping", "Math", "MixShader"))
+    place.inputs["Scale"].default_value, place.inputs["Rotation"].default_value = (2, 2, 2), (0, 0, 0.4)
+    place.inputs["Location"].default_value = (0.3, 0.1, 0)
+    over.operation, over.inputs[1].default_value = "LESS_THAN", 0.4
+    link_(nodes.new("ShaderNodeTexCoord").outputs["UV"], place.inputs["Vector"])
+    link_(place.outputs[0], image.inputs["Vector"])
+    link_(image.outputs["Alpha"], over.inputs[0])
+    link_(over.outputs[0], mix.inputs[0])
+    link_(nodes["Principled BSDF"].outputs[0], mix.inputs[1])
+    link_(nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[2])
+    link_(mix.outputs[0], nodes["Material Output"].inputs["Surface"])
+    _leaf("Pane", (0.2, -1.2, 0.7), 0.03)[0].nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.01
+    for name in ("One", "Other", "Pane"):
+        bpy.data.objects[name].visible_camera = False
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.color = (0, 0, 0)
+    shoot(out, "leaves")
 
 
 def linked(out):

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the surfaces of a material are solid: everywhere, nowhere, or where an image says so, as leaves are cut out."""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Euler
+
+from ..pen import colour
+from . import worlds
+
+_RAY = {"Is Shadow Ray": 1.0, "Ray Length": 1.0, "Ray Depth": 1.0}
+_EXTENSIONS = {"REPEAT", "EXTEND", "CLIP"}
+
+
+@dataclass(frozen=True)
+class Cutout:
+    """An image by which surfaces are solid where scale * value + offset >= 0.5."""
+
+    image: str     # name_full
+    channel: str   # the output of the node, Alpha or Color
+    scale: float
+    offset: float
+    extension: str
+    closest: bool
+    uv_map: str    # "" = the one that renders use
+    turn: tuple    # (2, 3) in rows: UV -> image
+
+    def __mul__(self, k):
+        return _with(self, self.scale * k, self.offset * k)
+
+    def __add__(self, k):
+        return _with(self, self.scale, self.offset + k)
+
+    __rmul__, __radd__ = __mul__, __add__
+
+    def alpha(self):
+        """(H, W) of bytes, the lowest row first, solid from 128 on."""
+        image = next(image for image in bpy.data.images if image.name_full == self.image)
+        width, height = image.size
+        pixels = np.empty(width * height * image.channels, np.float32)
+        image.pixels.foreach_get(pixels)
+        pixels = pixels.reshape(height, width, image.channels)
+        if self.channel == "Alpha":
+            opaque = image.channels < 4 or image.alpha_mode == "NONE"
+            value = np.ones((height, width)) if opaque else pixels[..., 3]
+        else:
+            value = pixels[..., :3] if image.channels > 2 else pixels[..., :1].repeat(3, 2)
+            if not image.is_float and image.colorspace_settings.name == "sRGB":
+                value = colour.decode_srgb(value)
+            value = value @ (0.2126, 0.7152, 0.0722)
+        return np.clip(np.rint(255 * (self.scale * value + self.offset)), 0, 255).astype(np.uint8)
+
+    def placed(self, uvs):
+        """UVs (t, 3, 2) -> places in the image."""
+        turn = np.array(self.turn).reshape(2, 3)
+        return (uvs @ turn[:, :2].T + turn[:, 2]).astype(np.float32)
+
+
+def _with(cutout, scale, offset):
+    return Cutout(cutout.image, cutout.channel, scale, offset, cutout.extension, cutout.closest, cutout.uv_map,
+                  cutout.turn)
+
+
+def of(material):
+    """How solid a material's surfaces are where a lamp's light meets them: a Cutout, or a number from 0 to 1; solid are
+    those that can't be told."""
+    tree = material and material.use_nodes and material.node_tree
+    out = tree and tree.get_output_node("CYCLES")
+    if not out:
+        return 1.0
+    if not out.inputs["Surface"].is_linked:
+        return 0.0 if out.inputs["Volume"].is_linked else 1.0
+    try:
+        return _shader(out.inputs["Surface"])
+    except worlds.Unknown:
+        return 1.0
+
+
+def _shader(socket):
+    source = worlds.source_of(socket)
+    if source is None:
+        return 1.0
+    node = source[0]
+    if node.mute:
+        raise worlds.Unknown(node.name)
+    if node.bl_idname == "ShaderNodeBsdfTransparent":
+        return 0.0
+    if node.bl_idname == "ShaderNodeBsdfPrincipled":
+        return _value(node.inputs["Alpha"])
+    if node.bl_idname == "ShaderNodeMixShader":
+        share = _value(node.inputs[0])
+        if share in (0, 1):
+            return _shader(node.inputs[1 + int(share)])
+        one, other = (_shader(node.inputs[k]) for k in (1, 2))
+        if any(isinstance(solid, Cutout) for solid in (one, other)):
+            raise worlds.Unknown(node.name)
+        return one if one == other else share * (other - one) + one
+    return 1.0
+
+
+def _value(socket):
+    """A number or a Cutout."""
+    source = worlds.source_of(socket)
+    if source is None:
+        return float(socket.default_value)
+    node, name = source
+    if node.mute:
+        raise worlds.Unknown(node.name)
+    if node.bl_idname == "ShaderNodeTexImage":
+        return _image(node, name)
+    if node.bl_idname == "ShaderNodeMath":
+        return _math(node)
+    if node.bl_idname == "ShaderNodeRGBToBW":
+        return _value(node.inputs[0])
+    if node.bl_idname == "ShaderNodeInvert" and not node.inputs["Fac"].is_linked:
+        share, a = node.inputs["Fac"].default_value, _value(node.inputs["Color"])
+        return (1 - 2 * share) * a + share
+    return worlds.value(socket, _RAY)
+
+
+def _math(node):
+    first, second = node.inputs[:2]
+    if node.operation == "ROUND":
+        return _value(first)
+    a, b = _value(first), _value(second)
+    cut = isinstance(a, Cutout) + isinstance(b, Cutout)
+    if cut == 2 or (not cut and node.operation not in ("GREATER_THAN", "LESS_THAN")):
+        return worlds.value(node.outputs[0].links[0].to_socket, _RAY)
+    if node.operation == "ADD":
+        return a + b
+    if node.operation == "SUBTRACT":
+        return a + -1 * b
+    if node.operation == "MULTIPLY":
+        return a * b
+    if node.operation in ("GREATER_THAN", "LESS_THAN"):
+        over = a + -1 * b if node.operation == "GREATER_THAN" else b + -1 * a
+        return over + 0.5 if cut else float(over > 0)  # an image is cut in the middle
+    raise worlds.Unknown(node.name)
+
+
+def _image(node, output):
+    image = node.image
+    known = (image is not None and image.source in ("FILE", "GENERATED") and all(image.size)
+             and node.projection == "FLAT" and node.extension in _EXTENSIONS)
+    if not known:
+        raise worlds.Unknown(node.name)
+    uv_map, turn = _place(node.inputs["Vector"])
+    return Cutout(image.name_full, output, 1.0, 0.0, node.extension, node.interpolation == "Closest", uv_map,
+                  tuple(float(x) for x in turn.ravel()))
+
+
+def _place(socket):
+    """(UV map, (2, 3) from UV to what a socket gets)."""
+    source = worlds.source_of(socket)
+    if source is None:
+        return "", np.eye(2, 3)
+    node, name = source
+    if node.bl_idname == "ShaderNodeUVMap":
+        return node.uv_map, np.eye(2, 3)
+    if node.bl_idname == "ShaderNodeTexCoord" and name == "UV":
+        return "", np.eye(2, 3)
+    if node.bl_idname != "ShaderNodeMapping" or node.mute or any(socket.is_linked for socket in node.inputs[1:]):
+        raise worlds.Unknown(node.name)
+    uv_map, before = _place(node.inputs["Vector"])
+    own = _mapping(node) @ np.array([[1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1.0]])
+    turn = own[:2] @ np.vstack([before, (0, 0, 1)])
+    return uv_map, turn
+
+
+def _mapping(node):
+    """(4, 4)"""
+    place, rotation, scale = (np.array(node.inputs[name].default_value) for name in ("Location", "Rotation", "Scale"))
+    out = np.eye(4)
+    out[:3, :3] = np.array(Euler(rotation).to_matrix()) * scale
+    if node.vector_type in ("POINT", "TEXTURE"):
+        out[:3, 3] = place
+    if node.vector_type == "NORMAL":
+        raise worlds.Unknown(node.name)
+    return np.linalg.pinv(out) if node.vector_type == "TEXTURE" else out
