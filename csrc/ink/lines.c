@@ -40,8 +40,11 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 	float full = p->line_depth_distance;
 	if (p->line_depth_unit == line_depth_unit_RELATIVE && f->camera.distance > 0)
 		full = min(full * f->camera.distance, FLT_MAX);
-	if (full > 0 && !f->camera.orthographic)
-		radius *= min(full / z, 4);
+	if (full > 0 && !f->camera.orthographic) {
+		bool outline = source == SOURCE_OBJECT || source == SOURCE_DEPTH; /* far away it says most of a shape */
+		float least = outline ? min(0.5f * p->line_depth_least * f->scale, radius) : 0;
+		radius = max(radius * min(full / z, p->line_depth_most), least);
+	}
 	if (p->line_light != 0) {
 		const float *rgb = layer_row(f, ENCRE_LAYER_DIFFUSE, ny) + (ptrdiff_t)3 * nx;
 		float lit = clamp01(max3(rgb[0], rgb[1], rgb[2]) * p->shade_exposure);

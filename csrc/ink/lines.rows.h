@@ -22,6 +22,8 @@ FLOAT(line_depth_distance, SURFACE, 0, 0, FLT_MAX, 0, 100, "", "use_lines", "Ful
 ENUM(line_depth_unit, SURFACE, 0, "line_depth_distance", "Distance Unit", "What that distance is measured in",
      ITEM(line_depth_unit, RELATIVE, 0, "Relative", "The distance of the camera's focus where depth of field or a focus object is set, else that at which a few things of the scene fill the frame, whatever the lens")
      ITEM(line_depth_unit, SCENE, 1, "Scene", "Units of the scene"))
+FLOAT(line_depth_most, SURFACE, 4, 0, FLT_MAX, 1, 4, "factor", "line_depth_distance", "Most Near By", "So many times their thickness lines get at most as they come near")
+FLOAT(line_depth_least, SURFACE, 0, 0, 4096, 0, 8, "px", "line_depth_distance", "Least Outline", "No outline gets thinner than this, however far away, that has this width near by")
 BOOL(line_occlude, FRAME, 1, "use_lines", "Occlude", "Wide lines of far objects stay behind near ones")
 ENUM(line_search, FRAME, 0, "use_lines", "Search", "Which edge inks a pixel",
      ITEM(line_search, EXACT, 0, "Strongest", "The edge that inks it most, at any thickness")

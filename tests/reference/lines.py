@@ -28,18 +28,20 @@ class Pen:
         distance = params.at("line_depth_distance", style)
         if layers.distance > 0:
             distance = distance * np.where(params.at("line_depth_unit", style) == "RELATIVE", layers.distance, 1.0)
-        nearer = np.clip(distance / edges.z, 0.0, 4.0)
-        if layers.orthographic:
-            nearer = np.ones_like(nearer)
+        changes = np.zeros(np.shape(distance), bool) if layers.orthographic else distance > 0
+        nearer = np.where(changes, np.minimum(distance / edges.z, params.at("line_depth_most", style)), 1.0)
+        least = np.where(changes, 0.5 * unit * params.at("line_depth_least", style), 0.0)
         widths = np.array([params.at("width_" + name, style) for name in (*SOURCES, "seen")])
         width = np.take_along_axis(widths, np.maximum(edges.source, 0)[None], 0)[0]
         contrast = mix(1.0, np.minimum(1.0, edges.strength), params.at("line_contrast", style))
         most = 0.5 * params["line_max_thickness"] * unit
 
         half = (0.5 * unit * params.at("line_thickness", style) * np.where(c > 0, 1 + 8 * c, 1 + c)
-                * np.where(distance == 0, 1.0, nearer) * heavier)
-        self.radius = np.minimum(most, half * width * contrast)
-        self.reach = np.minimum(most, half * widths.max(axis=0))  # whatever its strength and source
+                * heavier)
+        outline = np.isin(edges.source, [SOURCES.index("object"), SOURCES.index("depth")])
+        there = half * width * contrast  # at the distance of full width
+        self.radius = np.minimum(most, np.maximum(there * nearer, np.where(outline, np.minimum(least, there), 0)))
+        self.reach = np.minimum(most, half * widths.max(axis=0) * np.maximum(nearer, 1))  # whatever strength and source
 
         value_ = params.at("line_tint_value", style)[..., None]
         tint = params.at("line_tint", style)[..., None]

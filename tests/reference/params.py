@@ -16,7 +16,7 @@ DEFAULTS = {
     "use_lines": True, "line_thickness": 8.0, "line_max_thickness": 128.0, "line_contrast": 0.0,
     "width_object": 1.0, "width_material": 1.0, "width_depth": 0.8, "width_normal": 0.6, "width_color": 0.6,
     "width_light": 0.5, "width_seen": 1.0, "width_mark": 1.0, "line_depth_distance": 0.0,
-    "line_depth_unit": "RELATIVE",
+    "line_depth_unit": "RELATIVE", "line_depth_most": 4.0, "line_depth_least": 0.0,
     "line_light": 0.0, "line_taper": 0.0, "line_min_length": 12.0,
     "line_softness": 0.9, "line_occlude": True, "line_paper": 0.6, "line_intensity": 1.0, "line_gain": 4.0,
     "line_search": "EXACT", "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0, "line_tint_value": 0.35,

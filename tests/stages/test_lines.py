@@ -29,6 +29,8 @@ CASES = {
     "thin": dict(line_thickness=2.1, line_softness=0.4, paper_source="NONE"),
     "distance": dict(line_depth_distance=5.0, line_thickness=9.0, line_occlude=False),
     "near": dict(line_depth_distance=500.0, line_thickness=4.0),
+    "far": dict(line_depth_distance=0.4, line_depth_least=5.0, line_thickness=9.0, width_depth=0.3, edge_color=1.0),
+    "not so near": dict(line_depth_distance=500.0, line_depth_most=1.4, line_thickness=9.0),
     "shade": dict(line_light=0.9, line_thickness=20.0, shade_exposure=0.8),
     "light": dict(line_light=-0.7, line_thickness=20.0),
     "widths": dict(width_object=0.6, width_material=1.8, width_color=2.4),
