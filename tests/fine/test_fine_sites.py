@@ -64,14 +64,14 @@ def compare(name):
     return sure, open_, wrong
 
 
-ALL = [*passes.TINY, *passes.CASES, *passes.WIRES]
+ALL = [*passes.TINY, *passes.CASES, *passes.WIRES, *passes.LIGHTS]
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_sites_are_where_the_reference_finds_them(name):
     sure, open_, wrong = compare(name)
     assert wrong == []
-    assert name in passes.TINY or sum(open_.values()) < 0.15 * sum(sure.values())
+    assert name in passes.TINY or name in passes.LIGHTS or sum(open_.values()) < 0.15 * sum(sure.values())
 
 
 def test_every_family_is_compared():

@@ -35,6 +35,8 @@ def edges(rng, size, count):
     layer = np.zeros((*size, 5))
     for _ in range(count):
         place, bend = strokes(rng, size, 1), rng.uniform(5, 90) * rng.choice((-1, 1))
+        if rng.random() < 0.6:  # as much as another
+            bend = 15 * np.round(bend / 15)
         for axis in (0, 1):
             there = (place[..., axis] > 0) & (abs(bend) > np.abs(layer[..., 2 * axis + 1]))
             layer[there, 2 * axis] = place[there, axis]
@@ -163,3 +165,16 @@ def wires(seed, size=(40, 52), count=4, without=()):
     if seed % 2:
         layers["marks"] = marks
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items() if name not in without}
+
+
+def dapples(seed, size):
+    """Nothing but light, that drifts, jumps and has noise, much of it about the thresholds of levels."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:size[0], :size[1]].astype(float)
+    light = 0.45 + rng.uniform(0.01, 0.3) * np.sin(rng.uniform(0.02, 0.3) * x + rng.uniform(0.02, 0.6) * y)
+    light *= np.where(_cover(rng, y, x, "half", size), 1, rng.choice((1, 1.02, 1.5)))
+    light *= 1 + rng.choice((0.003, 0.02, 0.1)) * rng.standard_normal(size)
+    flat = np.ones((*size, 3))
+    layers = dict(combined=np.ones((*size, 4)), color=0.5 * flat, albedo=0.5 * flat, normal=flat * (0, 0, 1),
+                  depth=4 * np.ones(size), diffuse=light[..., None] * rng.uniform(0.8, 1, (*size, 3)))
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
