@@ -89,6 +89,7 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
             [{"edge_light": 1.0}, {"shade_exposure": 1.3}], None),
     "near": (dict(seed=21, strong=0.1, things=2, wires=1), dict(edge_threshold=0.15, edge_color=1.0, crease_angle=8.0),
              (), None),
+    "inlaid": (dict(seed=93, inlaid=5), dict(edge_color=0.0, edge_material=1.0), (), None),
     "many edges": (dict(seed=73, bent=90, size=(24, 24), busy=False), dict(crease_angle=30.0), (), None),
     "edges": (dict(seed=71, things=1, bent=24, mirror=True), dict(edge_color=0.0, edge_bump=0.4), (), None),
     "soft edges": (dict(seed=72, things=2, bent=30, styles=2, size=(44, 60)),
@@ -126,7 +127,8 @@ def _tiny(k):
 TINY = {f"tiny {k}": _tiny(k) for k in range(40)}
 LIGHTS = {  # rows of all lengths
     f"light {k}": (dict(seed=300 + k, size=size),
-                   dict(edge_threshold=0.1, shade_levels=[(0.1,), (0.4, 0.3, 0), (0.7, 0.45 - 0.01 * k, 0), (0.9, 0.6, 0)]),
+                   dict(edge_threshold=0.1,
+                        shade_levels=[(0.1,), (0.4, 0.3, 0), (0.7, 0.45 - 0.01 * k, 0), (0.9, 0.6, 0)]),
                    (), None)
     for k, size in enumerate(((1, 80), (3, 67), (9, 33), (5, 32), (4, 31), (12, 64), (7, 100), (40, 5)))}
 MORE = {  # for the passes alone: many lines beside one another

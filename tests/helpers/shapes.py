@@ -35,12 +35,13 @@ def edges(rng, size, count):
     layer = np.zeros((*size, 5))
     for _ in range(count):
         place, bend = strokes(rng, size, 1), rng.uniform(5, 90) * rng.choice((-1, 1))
-        if rng.random() < 0.6:  # as much as another
+        if count > 50 and rng.random() < 0.6:  # as much as another
             bend = 15 * np.round(bend / 15)
         for axis in (0, 1):
             there = (place[..., axis] > 0) & (abs(bend) > np.abs(layer[..., 2 * axis + 1]))
             layer[there, 2 * axis] = place[there, axis]
             layer[there, 2 * axis + 1] = bend
+    layer[:, -1, 0] = layer[-1, :, 2] = 0.5 * (count > 50)  # ways out of the frame
     layer[..., 4] = rng.choice((-1.0, 3.0, 30.0, 80.0), size, p=(0.1, 0.3, 0.3, 0.3))
     return layer
 
@@ -65,7 +66,7 @@ def strokes(rng, size, count):
 
 
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0, light=1.0, hand=0, bent=0, without=()):
+           strong=1.0, light=1.0, hand=0, bent=0, inlaid=0, without=()):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so."""
     rng = np.random.default_rng(seed)
     height, width = size
@@ -125,6 +126,8 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     if noise:
         for name in ("normal", "albedo", "diffuse", *(("seen_normal", "seen_color") if mirror else ())):
             layers[name] = layers[name] * (1 + noise * rng.standard_normal(layers[name].shape))
+    for _ in range(inlaid):  # of another material, or another object, and nothing else tells it
+        layers[rng.choice(("material", "object"))][_cover(rng, y, x, "disc", size)] = rng.integers(5, 9)
     if painted:
         layers["controls"] = np.where(rng.random((*size, 1)) < 0.7, 0, rng.uniform(-0.3, 0.3, (*size, 6)))
     if styles:

@@ -8,7 +8,6 @@ import numpy as np
 
 from .metric import clamp01, mix
 
-
 TIE = 1e-4
 
 
@@ -203,8 +202,8 @@ class Things:
         return s if inside else None
 
     def pieces(self):
-        """(x, y, axis, place along the axis, half, what it parts: 1 objects, 2 depths, whether rounding decides) of things
-        between centres."""
+        """(x, y, axis, place along the axis, half, what it parts: 1 objects, 2 depths, whether rounding decides) of
+        things between centres."""
         height, width = self.shape
         spans = self.spans()
         for y in range(height):
