@@ -64,14 +64,15 @@ def compare(name):
     return sure, open_, wrong
 
 
-ALL = [*passes.TINY, *passes.CASES, *passes.WIRES]
+ALL = [*passes.TINY, *passes.CASES, *passes.WIRES, *passes.LIGHTS]
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_sites_are_where_the_reference_finds_them(name):
     sure, open_, wrong = compare(name)
     assert wrong == []
-    assert name in passes.TINY or sum(open_.values()) < 0.15 * sum(sure.values())
+    most = 0.15 if name in passes.CASES else 0.3  # wires may lie evenly between pixels
+    assert name in passes.TINY or name in passes.LIGHTS or sum(open_.values()) < most * sum(sure.values())
 
 
 def test_every_family_is_compared():
@@ -80,14 +81,28 @@ def test_every_family_is_compared():
     assert {name: (found[name], least) for name, least in LEAST.items() if found[name] < least} == {}
 
 
+@pytest.mark.parametrize("name", ["faces", "mirror", "tiny 3"])
+def test_the_strongest_site_of_a_pixel_is_shown(name):
+    layers, scene, view = passes.given(name)
+    images, every = passes.run(layers, scene, (), passes.CASES.get(name, passes.TINY.get(name))[3], ["Encre Edges"])
+    wanted = np.zeros(view.shape, np.float32)
+    for s in every[-1].site[~(every[-1].site["dropped"] > 0)]:
+        at = tuple(np.clip(np.floor((s["y"] + 0.5, s["x"] + 0.5)).astype(int), 0, np.array(view.shape) - 1))
+        wanted[at] = max(wanted[at], s["strength"])
+    assert wanted.max() > 0
+    assert np.array_equal(images["Encre Edges"][..., 0], wanted)
+
+
 @pytest.mark.parametrize("ortho", [False, True])
 def test_where_the_eye_passes_through(ortho):
     """Spots that show, by a little more or less than what tells a mirror, another normal, colour or depth."""
     rng = np.random.default_rng(ortho)
-    shape, eye = (96, 144), Camera(orthographic=ortho, height=3.0)
-    layers = dict(combined=np.ones((*shape, 4)), color=np.full((*shape, 3), 0.5), diffuse=np.ones((*shape, 3)),
-                  depth=np.full((*shape, 1), 4.0), normal=np.tile([0.0, 0, 0.8], (*shape, 1)))
-    seen = [layers[name].copy() for name in ("normal", "color", "depth")]
+    turn = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+    told = dict(view=turn.ravel(), orthographic=ortho, height=3.0)
+    shape, eye = (96, 144), Camera(**told)
+    layers = dict(combined=np.ones((*shape, 4)), color=rng.uniform(0.2, 0.7, (*shape, 3)), diffuse=np.ones((*shape, 3)),
+                  depth=np.full((*shape, 1), 4.0), normal=np.tile([0.0, 0, 0.8], (*shape, 1)) @ turn)
+    seen = [layers["normal"] @ turn.T, layers["color"].copy(), layers["depth"].copy()]
     for k, (y, x) in enumerate(np.ndindex(8, 12)):
         spot = np.s_[12 * y + 4:12 * y + 7, 12 * x + 4:12 * x + 7]
         near = rng.uniform(0.83, 1.17, 3)
@@ -104,7 +119,7 @@ def test_where_the_eye_passes_through(ortho):
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
     _, every = passes.run(layers, passes.ALL, camera=eye)
     found = next(s for s in every if s.name == "see through").through > 0
-    view = View(Layers(layers, 0, dict(orthographic=ortho, height=3.0), None), Params(passes.ALL, ()), layers)
+    view = View(Layers(layers, 0, told, None), Params(passes.ALL, ()), layers)
     wanted, unsure = ridged.through(view)
     assert 0.05 < found.mean() < 0.5 and unsure.mean() < 0.05
     assert np.array_equal(found | unsure, wanted | unsure)

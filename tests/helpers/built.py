@@ -76,7 +76,8 @@ def probe_fine(name="probe_fine"):
 def _probe_fine(out):
     source, made = HERE / "probe_fine.c", BUILD / "probe_fine.o"
     link, compile_ = objects(out)
-    newest = max(p.stat().st_mtime_ns for p in (source, *(ROOT / "csrc").rglob("*.[ch]")))
+    read = source, ROOT / "csrc" / "fine" / "fine.c", *(ROOT / "csrc").rglob("*.h")
+    newest = max(p.stat().st_mtime_ns for p in read)
     if not made.exists() or made.stat().st_mtime_ns <= newest:
         own = list(compile_[0])
         own[own.index("-c") + 1], own[-1] = str(source), str(made)

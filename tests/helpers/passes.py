@@ -89,11 +89,15 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
             [{"edge_light": 1.0}, {"shade_exposure": 1.3}], None),
     "near": (dict(seed=21, strong=0.1, things=2, wires=1), dict(edge_threshold=0.15, edge_color=1.0, crease_angle=8.0),
              (), None),
+    "inlaid": (dict(seed=93, inlaid=5), dict(edge_color=0.0, edge_material=1.0), (), None),
+    "many edges": (dict(seed=73, bent=90, size=(24, 24), busy=False), dict(crease_angle=30.0), (), None),
     "edges": (dict(seed=71, things=1, bent=24, mirror=True), dict(edge_color=0.0, edge_bump=0.4), (), None),
     "soft edges": (dict(seed=72, things=2, bent=30, styles=2, size=(44, 60)),
                    dict(edge_light=0.0, crease_angle=33.0, crease_smooth=45.0),
                    [{"crease_angle": 60.0}, {"edge_normal": 0.5, "crease_smooth": 20.0}], ORTHO),
     "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
+    "painted": (dict(seed=91, painted=True, things=1), dict(edge_color=0.0, edge_threshold=0.0), (), None),
+    "faint rods": (dict(seed=92, wires=4, things=1, strong=0.1, size=(40, 40)), dict(edge_threshold=0.0), (), ORTHO),
     "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
 }
 WIRES = {  # for the sites of thin things
@@ -101,7 +105,9 @@ WIRES = {  # for the sites of thin things
     for k in range(10)} | {
     f"few wires {k}": (dict(seed=30 + k, size=(15 + k % 3, 17), count=2 + k % 2, without=("object",) * (k % 3 == 0)),
                        dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
-    for k in range(20)}
+    for k in range(28)}
+
+
 def _tiny(k):
     """Next to nothing to see, hardly any of it far from the border; not all layers."""
     rng = np.random.default_rng(k)
@@ -119,6 +125,12 @@ def _tiny(k):
 
 
 TINY = {f"tiny {k}": _tiny(k) for k in range(40)}
+LIGHTS = {  # rows of all lengths
+    f"light {k}": (dict(seed=300 + k, size=size),
+                   dict(edge_threshold=0.1,
+                        shade_levels=[(0.1,), (0.4, 0.3, 0), (0.7, 0.45 - 0.01 * k, 0), (0.9, 0.6, 0)]),
+                   (), None)
+    for k, size in enumerate(((1, 80), (3, 67), (9, 33), (5, 32), (4, 31), (12, 64), (7, 100), (40, 5)))}
 MORE = {  # for the passes alone: many lines beside one another
     f"crowded {k}": (dict(seed=100 + k, things=k % 2, noise=0.01 * (k % 3), size=(40, 56)),
                      dict(crease_angle=30.0 + 20 * (k % 3), edge_threshold=0.05 * (k % 4)), (), (None, ORTHO)[k % 2])
@@ -145,8 +157,9 @@ class Case:
 
 @functools.cache
 def given(name):
-    how, scene, styles, camera = {**CASES, **TINY, **MORE, **WIRES}[name]
-    layers = (shapes.wires if name in WIRES else shapes.shapes)(**how)
+    how, scene, styles, camera = {**CASES, **TINY, **MORE, **WIRES, **LIGHTS}[name]
+    draw = shapes.wires if name in WIRES else shapes.dapples if name in LIGHTS else shapes.shapes
+    layers = draw(**how)
     scene, camera = {**ALL, **scene}, camera or Camera()
     told = vars(camera)
     own = Layers(layers, len(styles), told, None)
@@ -168,6 +181,6 @@ def case(name):
         scene = {**ALL, **own}
         view = View(Layers(layers, 0, {}, None), Params(scene, ()), tuple(layers))
         return Case(*run(layers, scene, given=(site, link)), view)
-    _, _, styles, camera = {**CASES, **TINY, **MORE, **WIRES}[name]
+    _, _, styles, camera = {**CASES, **TINY, **MORE, **WIRES, **LIGHTS}[name]
     layers, scene, view = given(name)
     return Case(*run(layers, scene, styles, camera), view)

@@ -34,11 +34,15 @@ def edges(rng, size, count):
     """The layer `creases` of edges by chance, flat, smooth, over several faces; of faces that bend here and there."""
     layer = np.zeros((*size, 5))
     for k in range(count):
-        place, bend = strokes(rng, size, 1), (rng.uniform(5, 90) + 360 * (k % 3 == 0)) * rng.choice((-1, 1))
+        place, bend = strokes(rng, size, 1), rng.uniform(5, 90) * rng.choice((-1, 1))
+        if count > 50 and rng.random() < 0.6:  # as much as another
+            bend = 15 * np.round(bend / 15)
+        bend += np.sign(bend) * 360 * (k % 3 == 0)
         for axis in (0, 1):
             there = (place[..., axis] > 0) & (abs(bend) > np.abs(layer[..., 2 * axis + 1]))
             layer[there, 2 * axis] = place[there, axis]
             layer[there, 2 * axis + 1] = bend
+    layer[:, -1, 0] = layer[-1, :, 2] = 0.5 * (count > 50)  # ways out of the frame
     layer[..., 4] = rng.choice((-1.0, 3.0, 30.0, 80.0), size, p=(0.1, 0.3, 0.3, 0.3))
     return layer
 
@@ -63,7 +67,7 @@ def strokes(rng, size, count):
 
 
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0, light=1.0, hand=0, bent=0, without=()):
+           strong=1.0, light=1.0, hand=0, bent=0, inlaid=0, without=()):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so."""
     rng = np.random.default_rng(seed)
     height, width = size
@@ -123,6 +127,8 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     if noise:
         for name in ("normal", "albedo", "diffuse", *(("seen_normal", "seen_color") if mirror else ())):
             layers[name] = layers[name] * (1 + noise * rng.standard_normal(layers[name].shape))
+    for _ in range(inlaid):  # of another material, or another object, and nothing else tells it
+        layers[rng.choice(("material", "object"))][_cover(rng, y, x, "disc", size)] = rng.integers(5, 9)
     if painted:
         layers["controls"] = np.where(rng.random((*size, 1)) < 0.7, 0, rng.uniform(-0.3, 0.3, (*size, 6)))
     if styles:
@@ -163,3 +169,16 @@ def wires(seed, size=(40, 52), count=4, without=()):
     if seed % 2:
         layers["marks"] = marks
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items() if name not in without}
+
+
+def dapples(seed, size):
+    """Nothing but light, that drifts, jumps and has noise, much of it about the thresholds of levels."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:size[0], :size[1]].astype(float)
+    light = 0.45 + rng.uniform(0.01, 0.3) * np.sin(rng.uniform(0.02, 0.3) * x + rng.uniform(0.02, 0.6) * y)
+    light *= np.where(_cover(rng, y, x, "half", size), 1, rng.choice((1, 1.02, 1.5)))
+    light *= 1 + rng.choice((0.003, 0.02, 0.1)) * rng.standard_normal(size)
+    flat = np.ones((*size, 3))
+    layers = dict(combined=np.ones((*size, 4)), color=0.5 * flat, albedo=0.5 * flat, normal=flat * (0, 0, 1),
+                  depth=4 * np.ones(size), diffuse=light[..., None] * rng.uniform(0.8, 1, (*size, 3)))
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}

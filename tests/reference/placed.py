@@ -113,13 +113,14 @@ def thin(view, found):
     for (_, row, column, axis), site in on(found).items():
         placed = things.place(axis, column, row, site.y - row if axis else site.x - column)
         if placed:
-            share, *site.thin = placed
+            share, *site.thin, unsure = placed
+            site.doubtful |= unsure
             site.x, site.y = (column, row + share) if axis else (column + share, row)
-    for x, y, axis, at, half, hits in things.pieces():
+    for x, y, axis, at, half, hits, unsure in things.pieces():
         place = (x, at) if axis else (at, y)
         site = view.weigh(place, "thin", x, y, axis, {SOURCES.index("object"): float(bool(hits & 1)),
                                                       SOURCES.index("depth"): float(bool(hits & 2))})
-        site.thin = (1.0, half, 0.0)
+        site.thin, site.doubtful = (1.0, half, 0.0), unsure
         found["thin", y, x, axis] = site
 
 

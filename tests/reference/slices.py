@@ -8,6 +8,13 @@ import numpy as np
 
 from .metric import clamp01, mix
 
+TIE = 1e-4
+
+
+def halfway(middle):
+    """Whether it lies between two pixels as far as rounding goes."""
+    return abs(middle % 1 - 0.5) < TIE
+
 
 def ramp(x, low, high):
     return float(clamp01((x - low) / (high - low)))
@@ -34,6 +41,7 @@ class Thing:
     slices: list
     steps: int
     ends: list
+    unsure: bool = False  # rounding decides which pixel a middle lies in
 
     @property
     def hits(self):
@@ -144,6 +152,7 @@ class Things:
             middle = own.middle
             k = 1
             while k <= (6 if thing.hits else 16):
+                thing.unsure |= halfway(middle)
                 s = self.about(axis, across + way * k, int(np.floor(middle + 0.5)))
                 if s is None or not s.stands @ own.stands > 0 or abs(s.middle - middle) > 1.5 \
                         or s.ground != own.ground or abs(s.hits - own.hits) > 1:
@@ -169,8 +178,8 @@ class Things:
         return found
 
     def place(self, axis, x, y, was):
-        """(share of the way to the next pixel, thin, half, inside) of a crack that lay at the share `was`; None if it
-        bounds no thin thing."""
+        """(share of the way to the next pixel, thin, half, inside, whether rounding decides) of a crack that lay at the
+        share `was`; None if it bounds no thin thing."""
         z = self.layers.depth
         zp, zq = z[y, x], z[y + axis, x + 1 - axis]
         ahead = int(zq < zp)
@@ -183,17 +192,18 @@ class Things:
         thin = min(own.trust, ramp(-2 * half * thing.square, -3.2, -2.6), ramp(thing.steps, 1, 3))
         told = self.known[axis][y, x] < 0
         share = was if told else mix(was, clamp01(own.middle + (-half if ahead else half) - at), thin)
-        return share, thin, half * thing.square, own.middle - at - share
+        return share, thin, half * thing.square, own.middle - at - share, thing.unsure
 
     def _lies(self, axis, x, y):
         """The slice of a thing that covers no centre here, but lies in this pixel."""
         at = y if axis else x
         s = self.about(axis, x if axis else y, at)
-        inside = s is not None and s.hits == 0 and -0.5 <= s.middle - at < 0.5 and s.area <= 2.05 * s.peak
+        inside = s is not None and s.hits == 0 and abs(s.middle - at) < 0.5 + TIE and s.area <= 2.05 * s.peak
         return s if inside else None
 
     def pieces(self):
-        """(x, y, axis, place along the axis, half, what it parts: 1 objects, 2 depths) of things between centres."""
+        """(x, y, axis, place along the axis, half, what it parts: 1 objects, 2 depths, whether rounding decides) of
+        things between centres."""
         height, width = self.shape
         spans = self.spans()
         for y in range(height):
@@ -205,8 +215,9 @@ class Things:
                 row, column = self._lies(0, x, y), self._lies(1, x, y)
                 if row is None and column is None:
                     continue
+                unsure = any(s is not None and halfway(s.middle) for s in (row, column))
                 axis = int(column is not None and (row is None or column.area < row.area))
                 own = column if axis else row
                 thing = self.along(axis, x if axis else y, own)
                 if thing.hits and thing.steps >= 3:
-                    yield x, y, axis, own.middle, thing.half * thing.square, hits
+                    yield x, y, axis, own.middle, thing.half * thing.square, hits, thing.unsure or unsure

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from encre.pen import library
+from encre.pen import irradiance, library
 from encre.pen.errors import EncreError
 from encre.pen.job import Frame, Lamp, Mesh
 from encre.pen.scene import Scene
@@ -279,9 +279,17 @@ def test_what_the_camera_does_not_see_throws_shadows():
     assert (after <= before + 1e-6).all() and (after < 0.1 * before).sum() > 50
 
 
-def test_light_from_all_sides():
-    from encre.pen import irradiance
+def test_light_from_all_sides_goes_by_the_normal():
+    stage = Stage(48, 32, smooth=True)
+    by = np.random.default_rng(4).uniform(-0.3, 1, (9, 3))
+    triangle, _, normal, _ = reference.surfaces(stage.world, stage.view, stage.projection, 48, 32)
+    there = (triangle >= 0).reshape(32, 48)
+    want = np.maximum(irradiance.polynomials(normal) @ by, 0).reshape(32, 48, 3)
+    error = np.abs(stage.light(world=by) - want).max(-1)[there]
+    assert there.sum() > 500 and (error < 1e-4).mean() > 0.9, np.percentile(error, (50, 90, 95, 99))
 
+
+def test_light_from_all_sides():
     stage = Stage(64, 40, smooth=True)
     color = np.array([0.2, 0.4, 0.1])
     found = stage.light(world=irradiance.constant(color))

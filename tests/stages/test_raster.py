@@ -99,6 +99,34 @@ def test_slivers_keep_to_their_corners():
     assert not got["attributes"].any()
 
 
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("corners", [[(0, 1, 2), (0, 2, 3)], [(1, 2, 3), (1, 3, 0)]])
+def test_a_pixel_centre_on_an_edge_belongs_to_what_lies_right_of_it_or_below(corners, turned):
+    """Rectangles that begin and end at centres, one beside and below the other, cover each pixel once."""
+    points, faces, cuts = [], [], (0.5, 1.5, 4.5, 5.5, 9.5)
+    for y0, y1 in zip(cuts, cuts[1:], strict=False):
+        for x0, x1 in zip(cuts, cuts[1:], strict=False):
+            first = len(points)
+            points += [(x0, y0, -2), (x1, y0, -2), (x1, y1, -2), (x0, y1, -2)]
+            faces += [tuple(first + k for k in (c[::-1] if turned else c)) for c in corners]
+    places = np.digitize(np.arange(11) + 0.5, cuts) - 1
+    inside = (places >= 0) & (places < 4)
+    wanted = np.where(inside[:, None] & inside, 1 + 4 * places[:, None] + places, 0)
+    points, faces = np.array(points, np.float32), np.array(faces, np.int32)
+    meshes = [Mesh(points, faces[2 * k:2 * k + 2], object_index=k + 1) for k in range(16)]
+    for order in (meshes, meshes[::-1]):
+        got = library.raster(order, *pixels(11, 11), Frame(11, 11), (11, 11), 0.1)["object"]
+        assert np.array_equal(got, wanted), got
+
+
+@pytest.mark.parametrize("size", [(1, 1), (9, 1), (1, 9), (2, 17)])
+def test_what_covers_a_small_frame_covers_all_of_it(size):
+    width, height = size
+    points = np.float32([(-5, -5, -2), (99, -5, -2), (-5, 99, -2)])
+    got = library.raster([Mesh(points, object_index=1)], *pixels(*size), Frame(*size), size, 0.1)
+    assert got["object"].shape == (height, width) and (got["object"] == 1).all()
+
+
 def test_lines_that_snapping_makes_surfaces_face_the_camera():
     rng = np.random.default_rng(8)
     start = rng.integers(0, 7, (4000, 2)) + 0.5 + np.c_[np.zeros(4000), rng.integers(-20, 21, 4000) / (2 * STEPS)]

@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What changes constants to try the tests: which ones, and that tests notice them."""
 
+import runpy
+import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import drawn
 import mutate
+import numpy as np
+from encre.pen.job import Frame, Lamp, Mesh
+from encre.pen.library import Library, load
+from encre.pen.scene import Scene
 
 ROOT = Path(__file__).parents[2]
 
@@ -42,3 +50,47 @@ def test_changes_that_matter_are_noticed():
                            "--only", "csrc/base/metric.c"], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count("noticed ") == 3
+
+
+def pictures(library):
+    """Bytes of all that a library draws, of a frame with something of everything in it."""
+    layers = drawn.scene(301, 149, noise=0.02)
+    layers["style"] = (layers["object"] % 3 == 0).astype(np.float32)
+    layers["seen_color"], layers["seen_normal"], layers["seen_depth"] = (
+        np.ascontiguousarray(layers[name][:, ::-1]) for name in ("albedo", "normal", "depth"))
+    fine = dict(edge_detector="FINE", edge_color=2.0, edge_light=3.0, edge_seen=2.0)
+    made = []
+    for scene in ({**fine, "line_taper": 9.0}, {**fine, "line_thickness": 1.0, "line_softness": 0.0}, {},
+                  dict(edge_detector="SOBEL", line_search="NEAREST", contrast_auto=True, edge_color=1.0)):
+        made += library.render(layers, scene, [dict(shade_exposure=1.4)], outputs=list(library.outputs),
+                               threads=2).images.values()
+    rng = np.random.default_rng(1)
+    meshes = [Mesh(rng.uniform(-1, 1, (120, 3)).astype(np.float32) - (0, 0, 3),
+                   rng.integers(0, 120, (200, 3)).astype(np.int32), object_index=k + 1) for k in range(3)]
+    projection = np.array([[1.5, 0, 0, 0], [0, 2, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]])
+    front = library.raster(meshes, np.eye(4), projection, Frame(120, 90), (120, 90), 0.1,
+                           outputs=("depth", "normal", "object", "marks", "creases"))
+    made += front.values()
+    made.append(library.bake(layers["albedo"], dict(line_thickness=5.0)).texture)
+    scene = Scene(library)
+    for k, mesh in enumerate(meshes):
+        scene.geometry(k, mesh.points, mesh.corners)
+        scene.instance(k, k, np.eye(4))
+    scene.lamp(0, Lamp("rectangle", width=1.0, height=1.0))
+    made.append(scene.light(front["depth"], front["normal"], np.eye(4), projection, Frame(120, 90), 0.1))
+    return [picture.tobytes() for picture in made]
+
+
+def test_how_work_is_cut_up_and_saved_changes_no_byte(tmp_path):
+    shutil.copytree(ROOT / "csrc", tmp_path / "csrc")
+    (tmp_path / "made").mkdir()
+    for name, old, new in [*mutate.CUTS, *((name, old, new) for name, _, old, new in mutate.FILTERS if old)]:
+        text = (tmp_path / name).read_text(encoding="utf-8")
+        assert text.count(old) == 1, name
+        (tmp_path / name).write_text(text.replace(old, new), encoding="utf-8")
+    compile_, link = runpy.run_path(str(ROOT / "setup.py"), run_name="tests")["commands"](
+        tmp_path / "moved.so", tmp_path / "made", scalar=True)
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda command: subprocess.run([*command, "-O0"], cwd=tmp_path, check=True), compile_))
+    subprocess.run(link, cwd=tmp_path, check=True)
+    assert pictures(Library(str(tmp_path / "moved.so"))) == pictures(load())
