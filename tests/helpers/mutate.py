@@ -51,7 +51,7 @@ TESTS = (
     ("csrc/base/metric", "unit/test_metric.py"),
     ("csrc/base/pixel.h", "unit/test_metric.py", "stages/test_surface.py"),
     ("csrc/base/params", "unit/test_layers.py unit/test_house.py"),
-    ("csrc/light/", "stages/test_light.py -k 'by_hand and (rectangle or soft) or all_sides or threads and sun'",
+    ("csrc/light/", "stages/test_light.py -k 'by_hand and (rectangle or soft) or all_sides or keys or threads and sun'",
      "stages/test_light.py"),
     ("csrc/api/check", "unit/test_boundary.py", "stages/test_light.py -k refused"),
     ("csrc/", "unit/test_layers.py", "unit/test_memory.py", "stages/test_edges.py -k sizes", "stages/test_surface.py"),
