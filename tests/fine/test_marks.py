@@ -44,6 +44,25 @@ def test_where_lines_pass_and_are_seen(projection, surfaces):
 
 
 @pytest.mark.parametrize("projection", [perspective, orthographic])
+def test_lines_are_cut_where_the_camera_begins_to_see(projection):
+    rng = np.random.default_rng(6)
+    mesh, camera = lines(rng, 16, 0.6), (looking(rng), projection(67, 45))
+    ends = mesh.points[mesh.corners].astype(float)
+    far = -(np.concatenate([ends, np.ones((*ends.shape[:2], 1))], -1) @ (camera[0] @ mesh.model).T)[..., 2]
+    start = far.mean()
+    beyond = np.flatnonzero((far > start).any(1))
+    for k, end in np.argwhere(far < start):
+        share = (start - far[k, end]) / (far[k, 1 - end] - far[k, end])
+        ends[k, end] += share * (ends[k, 1 - end] - ends[k, end])
+    numbers = np.arange(2 * len(beyond), dtype=np.int32).reshape(-1, 2)
+    cut = Mesh(ends[beyond].reshape(-1, 3).astype(np.float32), numbers, model=mesh.model, kind="lines")
+    got = passing([mesh], *camera, Frame(67, 45), start=start)
+    want, unsure = marks([cut], [], *camera, Frame(67, 45), (67, 45), 0.1)
+    assert (far < start).any(1)[beyond].sum() > 5 and (want > 0).sum() > 30
+    assert (np.abs(got - want)[~unsure] > 1e-3).sum() <= 2  # at the very end of a line
+
+
+@pytest.mark.parametrize("projection", [perspective, orthographic])
 @pytest.mark.parametrize("seed", range(3))
 def test_where_contours_pass_and_are_seen(projection, seed):
     rng = np.random.default_rng(seed)

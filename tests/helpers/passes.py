@@ -142,7 +142,7 @@ MORE = {  # for the passes alone: many lines beside one another
 
 
 TANGLES = {  # for the passes after smoothing: chains by chance in the place of those that are found
-    f"tangle {k}": (k, dict(color_layer=("ALBEDO", "LIT")[k % 2])) for k in range(16)}
+    f"tangle {k}": (k, dict(color_layer=("ALBEDO", "LIT")[k % 2])) for k in range(22)}
 
 
 @dataclass

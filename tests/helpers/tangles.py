@@ -94,6 +94,18 @@ class _Tangle:
                                     int(rng.integers(1, 5)))[0], other)
             self.links.append((begin, branch[0]))
 
+    def loop(self):
+        """A line of light that parts from another, runs along beside it and comes back."""
+        rng, way = self.rng, self.rng.uniform(0, 2 * np.pi)
+        along = 0.95 * np.array([np.cos(way), np.sin(way)])
+        places = rng.uniform((30, 25), (SIZE[1] - 30, SIZE[0] - 25)) + (np.arange(52) - 26)[:, None] * along
+        family, count = FAMILIES.index("light"), int(rng.integers(18, 42))
+        begin = int(rng.integers(2, 50 - count))
+        run = self.add(places, family)
+        off = rng.uniform(2, 3) * np.minimum(1, np.minimum(np.arange(1, count), np.arange(count - 1, 0, -1)) / 3)
+        its = self.add(places[begin + 1:begin + count] + off[:, None] * np.array([-along[1], along[0]]), family)
+        self.links += [(run[begin], its[0]), (its[-1], run[begin + count])]
+
     def table(self):
         """(sites in the order of families, rows and columns, pairs that are linked)"""
         rng, height, width = self.rng, *SIZE
@@ -118,6 +130,8 @@ def tangle(seed):
     """(layers, sites, links)"""
     rng = np.random.default_rng(seed)
     made = _Tangle(rng, (0, 0, 5, 8)[seed % 4])
+    for _ in range(4 * (seed >= 16)):
+        made.loop()
     while len(made.at) < 420:
         made.draw()
     for _ in range(25):  # what was too short to be a line

@@ -202,6 +202,18 @@ def test_what_is_replaced_and_removed_leaves_nothing():
     assert (stage.light() == before).all()
 
 
+def test_keys_come_and_go_in_any_order():
+    one, other = Stage(24, 16), Stage(24, 16)
+    lamps = {key: Lamp("sun", (1 + key, 2.0, 1 / key), model=ways(x=1.0 + key)) for key in range(1, 10)}
+    for key in (6, 2, 9, 4, 1, 8, 3, 7, 5):
+        one.scene.lamp(key, lamps[key])
+    for key in (4, 9, 1):
+        one.scene.lamp(key, None)
+    for key in (2, 3, 5, 6, 7, 8):
+        other.scene.lamp(key, lamps[key])
+    assert (one.light() == other.light()).all() and one.light().max() > 0
+
+
 def test_instances_share_geometry_and_may_be_mirrored():
     points, corners, normals = ball()
     places = [moved(2.5, -1, 1), moved(-2.5, -1, 1) @ np.diag([-1.0, 1.2, 0.7, 1])]
