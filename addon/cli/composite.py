@@ -9,7 +9,7 @@ from ..pen import colour, layers, library, metadata, saved
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
 from ..pen.settings import Settings
-from . import denoiser, images, interrupt, multilayer, png, substitutes
+from . import denoiser, images, interrupt, multilayer, png, slim, substitutes
 from .room import Room
 from .view import Shown
 
@@ -19,7 +19,7 @@ _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
 
 def _known():
     """{classic pass name: channel letters} of all that is read."""
-    return {**layers.CYCLES, "IndexMA": "X", **saved.passes(True), **layers.SEEN}
+    return {**layers.CYCLES, "IndexMA": "X", **saved.passes(True), **layers.SEEN, **slim.PASSES}
 
 
 def view_layers(channels, views=()):
@@ -47,26 +47,10 @@ def view_layers(channels, views=()):
     return found
 
 
-# What slim files hold with all its digits: numbers must stay what they are, and half floats would move edges. Colour
-# and light are compared with thresholds and with their neighbours; halves of all else are seen nowhere.
-_EXACT = ("Depth", "Normal", "IndexOB", "IndexMA", "Encre Index", "Encre Marks", "Denoising Normal", "Encre Seen Depth",
-          "DiffCol", "Encre Diffuse")
-
-
-def slim(channels, views, keep=()):
-    """{full channel name: "half", "float" or None, as it is} of what restyling reads, Combined, and passes that are
-    none of what Encre has rendered for itself, or that `keep` names (with their view layers)."""
-    kinds = {}
-    own = {*layers.CYCLES, *layers.SEEN, *saved.passes(True)}
-    for layer, eyes in view_layers(channels, views).items():
-        for passes in eyes.values():
-            read = {*_wanted(passes, "", True), "Combined"}
-            for name, names in passes.items():
-                if name in read:
-                    kinds.update(dict.fromkeys(names, "float" if name in _EXACT else "half"))
-                elif name not in own or f"{layer}.{name}" in keep:
-                    kinds.update(dict.fromkeys(names))
-    return kinds
+def packer(exr, keep=()):
+    """The slim.Packer of an open file."""
+    return slim.Packer(view_layers(exr.channels, exr.views), lambda passes: _wanted(passes, exr.path, True), exr.kinds,
+                       metadata.read(exr.metadata).camera, keep)
 
 
 def _has_picture(passes):
@@ -89,7 +73,7 @@ def _wanted(passes, path, seen):
     """{pass: channels} that have to be read: not those that Encre's own passes stand for, what is `seen` if asked."""
     letters = _known()
     wanted = {name: channels for name, channels in passes.items()
-              if name in letters and (seen or name not in {*layers.SEEN, "Encre Seen Depth"})}
+              if name in letters and (seen or name not in {*layers.SEEN, *slim.STANDS, "Encre Seen Depth"})}
     if "Encre Seen Depth" in wanted:
         wanted.pop("Denoising Depth", None)
     if "Encre Source" in wanted and "Encre Diffuse" in wanted:
@@ -158,18 +142,21 @@ def _idle(pictures, settings, path):
     return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
 
 
-def _read(exr, names, settings, place, seen, threads, room):
+def _read(exr, names, settings, place, camera, threads, room):
     """(layers of what was rendered, number of values read as 0) of one view, whose passes have these `names`. Bands of
     rows are read and folded one after another: all passes at once would be twice as much. But the denoiser sees all."""
     rows, columns = place
+    # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
     whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start, room.zeros), 0
-    wanted, mattes = {**_wanted(names, exr.path, seen), **substitutes.cryptomatte(names)}, substitutes.Mattes()
+    wanted = {**_wanted(names, exr.path, camera and settings.wants_seen), **substitutes.cryptomatte(names)}
+    mattes = substitutes.Mattes()
     clean, bands = None, exr.bands(wanted, rows.start, rows.stop)
     if _denoises(names, settings) and denoiser.available():
         bands = [(rows.start, {name: picture[rows] for name, picture in exr.read(wanted).items()})]
         clean = denoiser.cleaner(threads, settings.light_scale)
     for first, passes in bands:
         passes = {name: _opaque(picture[:, columns], name) for name, picture in passes.items()}
+        slim.unpack(passes, camera)
         mattes.number(passes)
         substitutes.fill(passes)
         try:
@@ -312,9 +299,7 @@ class _Work:
     def _draw(self, layer, view, names, where):
         stored, window = self.stored, self.exr.window
         settings, missing = substitutes.switch_off(names, self.settings)
-        # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
-        seen = stored.camera is not None and settings.wants_seen
-        read, bad = _read(self.exr, names, settings, self.place, seen, self.threads, self.room)
+        read, bad = _read(self.exr, names, settings, self.place, stored.camera, self.threads, self.room)
         self._say("note", _notes(stored, names, where))
         if _denoises(names, settings) and not denoiser.available():
             self._say("note", f"{where} holds light as it was rendered, and Open Image Denoise is not installed here: "
