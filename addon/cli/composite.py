@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..pen import colour, layers, library, metadata, saved
+from ..pen import colour, denoise, layers, library, metadata, saved
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
 from ..pen.settings import Settings
@@ -14,6 +14,7 @@ from .room import Room
 from .view import Shown
 
 _LETTERS = "RGBAXYZW"
+_AT_ONCE = 1 << 22  # pixels of noisy light that are read at a time
 _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
 
 
@@ -144,18 +145,16 @@ def _idle(pictures, settings, path):
 
 def _read(exr, names, settings, place, camera, threads, room):
     """(layers of what was rendered, number of values read as 0) of one view, whose passes have these `names`. Bands of
-    rows are read and folded one after another: all passes at once would be twice as much. But the denoiser sees all."""
+    rows are read and folded one after another: all passes at once would be twice as much."""
     rows, columns = place
     # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
     whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start, room.zeros), 0
     wanted = {**_wanted(names, exr.path, camera and settings.wants_seen), **substitutes.cryptomatte(names)}
     mattes = substitutes.Mattes()
-    clean, bands = None, exr.bands(wanted, rows.start, rows.stop)
-    if _denoises(names, settings) and denoiser.available():
-        bands = [(rows.start, {name: picture[rows] for name, picture in exr.read(wanted).items()})]
-        clean = denoiser.cleaner(threads, settings.light_scale)
-    for first, passes in bands:
+    noisy = _denoises(names, settings) and denoiser.available()
+    for first, around, passes in (_strips if noisy else _bands)(exr, wanted, rows):
         passes = {name: _opaque(picture[:, columns], name) for name, picture in passes.items()}
+        clean = denoiser.cleaner(threads, settings.light_scale, first - around[0] - rows.start) if noisy else None
         slim.unpack(passes, camera)
         mattes.number(passes)
         substitutes.fill(passes)
@@ -164,12 +163,38 @@ def _read(exr, names, settings, place, camera, threads, room):
         except EncreError as error:
             others = ", ".join(sorted(set(names) - set(wanted))) or "nothing"
             raise EncreError(f"{exr.path}: {error}; besides in the file: {others}") from None
-        whole.add(first - rows.start, band)
+        whole.add(first - rows.start, {name: picture[around[0]:len(picture) - around[1]]
+                                       for name, picture in band.items()})
         nonfinite += bad
         passes.clear()  # not kept while the next are read
         band.clear()
         room.give_back()
     return whole.layers, nonfinite
+
+
+def _bands(exr, wanted, rows):
+    """(row, (0, 0), passes) of bands of rows, none of which is kept here while the next is read."""
+    return map(lambda band: (band[0], (0, 0), band[1]), exr.bands(wanted, rows.start, rows.stop))
+
+
+def _strips(exr, wanted, rows):
+    """Yields (row, how many more above and below, passes) of strips of rows, with as many more as the denoiser sees."""
+    step = max(_AT_ONCE // exr.window.width // denoise.REACH, 1) * denoise.REACH
+    for first in range(rows.start, rows.stop, step):
+        end = min(first + step, rows.stop)
+        above, below = min(denoise.REACH, first - rows.start), min(denoise.REACH, rows.stop - end)
+        passes = exr.read(wanted, first - above, end + below)
+        for picture in passes.values():
+            _forget_nonfinite(picture[:above])
+            _forget_nonfinite(picture[len(picture) - below:])
+        del picture
+        yield first, (above, below), passes
+        del passes  # not while the next are read
+
+
+def _forget_nonfinite(margin):
+    """What is not finite around a strip is counted where it is drawn."""
+    np.copyto(margin, 0, where=~np.isfinite(margin))
 
 
 def _denoises(names, settings):

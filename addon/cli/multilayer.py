@@ -80,13 +80,15 @@ class Exr:
                 if isinstance(attribute.value, str):
                     self.metadata.setdefault(attribute.name, attribute.value)
 
-    def read(self, passes):
-        """{name: array (H, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}."""
-        shape = self.window.height, self.window.width
-        out = {name: np.empty((*shape, len(channels)), np.float32) for name, channels in passes.items()}
-        for first, band in self.bands(passes, 0, self.window.height):
+    def read(self, passes, first=0, end=None):
+        """{name: array (rows, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}: the rows from
+        `first` to `end`, else all."""
+        end = self.window.height if end is None else end
+        out = {name: np.empty((end - first, self.window.width, len(channels)), np.float32)
+               for name, channels in passes.items()}
+        for row, band in self.bands(passes, first, end):
             for name, picture in band.items():
-                out[name][first:first + len(picture)] = picture
+                out[name][row - first:row - first + len(picture)] = picture
         return out
 
     def bands(self, passes, first, end):
