@@ -5,21 +5,22 @@ from pathlib import Path
 
 import numpy as np
 
-from ..pen import colour, layers, library, metadata, saved
+from ..pen import colour, denoise, layers, library, metadata, saved
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
 from ..pen.settings import Settings
-from . import denoiser, images, interrupt, multilayer, png, substitutes
+from . import denoiser, images, interrupt, multilayer, png, slim, substitutes
 from .room import Room
 from .view import Shown
 
 _LETTERS = "RGBAXYZW"
+_AT_ONCE = 1 << 22  # pixels of noisy light that are read at a time
 _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
 
 
 def _known():
     """{classic pass name: channel letters} of all that is read."""
-    return {**layers.CYCLES, "IndexMA": "X", **saved.passes(True), **layers.SEEN}
+    return {**layers.CYCLES, "IndexMA": "X", **saved.passes(True), **layers.SEEN, **slim.PASSES}
 
 
 def view_layers(channels, views=()):
@@ -47,26 +48,10 @@ def view_layers(channels, views=()):
     return found
 
 
-# What slim files hold with all its digits: numbers must stay what they are, and half floats would move edges. Colour
-# and light are compared with thresholds and with their neighbours; halves of all else are seen nowhere.
-_EXACT = ("Depth", "Normal", "IndexOB", "IndexMA", "Encre Index", "Encre Marks", "Denoising Normal", "Encre Seen Depth",
-          "DiffCol", "Encre Diffuse")
-
-
-def slim(channels, views, keep=()):
-    """{full channel name: "half", "float" or None, as it is} of what restyling reads, Combined, and passes that are
-    none of what Encre has rendered for itself, or that `keep` names (with their view layers)."""
-    kinds = {}
-    own = {*layers.CYCLES, *layers.SEEN, *saved.passes(True)}
-    for layer, eyes in view_layers(channels, views).items():
-        for passes in eyes.values():
-            read = {*_wanted(passes, "", True), "Combined"}
-            for name, names in passes.items():
-                if name in read:
-                    kinds.update(dict.fromkeys(names, "float" if name in _EXACT else "half"))
-                elif name not in own or f"{layer}.{name}" in keep:
-                    kinds.update(dict.fromkeys(names))
-    return kinds
+def packer(exr, keep=()):
+    """The slim.Packer of an open file."""
+    return slim.Packer(view_layers(exr.channels, exr.views), lambda passes: _wanted(passes, exr.path, True), exr.kinds,
+                       metadata.read(exr.metadata).camera, keep)
 
 
 def _has_picture(passes):
@@ -89,7 +74,7 @@ def _wanted(passes, path, seen):
     """{pass: channels} that have to be read: not those that Encre's own passes stand for, what is `seen` if asked."""
     letters = _known()
     wanted = {name: channels for name, channels in passes.items()
-              if name in letters and (seen or name not in {*layers.SEEN, "Encre Seen Depth"})}
+              if name in letters and (seen or name not in {*layers.SEEN, *slim.STANDS, "Encre Seen Depth"})}
     if "Encre Seen Depth" in wanted:
         wanted.pop("Denoising Depth", None)
     if "Encre Source" in wanted and "Encre Diffuse" in wanted:
@@ -158,18 +143,19 @@ def _idle(pictures, settings, path):
     return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
 
 
-def _read(exr, names, settings, place, seen, threads, room):
+def _read(exr, names, settings, place, camera, threads, room):
     """(layers of what was rendered, number of values read as 0) of one view, whose passes have these `names`. Bands of
-    rows are read and folded one after another: all passes at once would be twice as much. But the denoiser sees all."""
+    rows are read and folded one after another: all passes at once would be twice as much."""
     rows, columns = place
+    # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
     whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start, room.zeros), 0
-    wanted, mattes = {**_wanted(names, exr.path, seen), **substitutes.cryptomatte(names)}, substitutes.Mattes()
-    clean, bands = None, exr.bands(wanted, rows.start, rows.stop)
-    if _denoises(names, settings) and denoiser.available():
-        bands = [(rows.start, {name: picture[rows] for name, picture in exr.read(wanted).items()})]
-        clean = denoiser.cleaner(threads, settings.light_scale)
-    for first, passes in bands:
+    wanted = {**_wanted(names, exr.path, camera and settings.wants_seen), **substitutes.cryptomatte(names)}
+    mattes = substitutes.Mattes()
+    noisy = _denoises(names, settings) and denoiser.available()
+    for first, around, passes in (_strips if noisy else _bands)(exr, wanted, rows):
         passes = {name: _opaque(picture[:, columns], name) for name, picture in passes.items()}
+        clean = denoiser.cleaner(threads, settings.light_scale, first - around[0] - rows.start) if noisy else None
+        slim.unpack(passes, camera)
         mattes.number(passes)
         substitutes.fill(passes)
         try:
@@ -177,12 +163,38 @@ def _read(exr, names, settings, place, seen, threads, room):
         except EncreError as error:
             others = ", ".join(sorted(set(names) - set(wanted))) or "nothing"
             raise EncreError(f"{exr.path}: {error}; besides in the file: {others}") from None
-        whole.add(first - rows.start, band)
+        whole.add(first - rows.start, {name: picture[around[0]:len(picture) - around[1]]
+                                       for name, picture in band.items()})
         nonfinite += bad
         passes.clear()  # not kept while the next are read
         band.clear()
         room.give_back()
     return whole.layers, nonfinite
+
+
+def _bands(exr, wanted, rows):
+    """(row, (0, 0), passes) of bands of rows, none of which is kept here while the next is read."""
+    return map(lambda band: (band[0], (0, 0), band[1]), exr.bands(wanted, rows.start, rows.stop))
+
+
+def _strips(exr, wanted, rows):
+    """Yields (row, how many more above and below, passes) of strips of rows, with as many more as the denoiser sees."""
+    step = max(_AT_ONCE // exr.window.width // denoise.REACH, 1) * denoise.REACH
+    for first in range(rows.start, rows.stop, step):
+        end = min(first + step, rows.stop)
+        above, below = min(denoise.REACH, first - rows.start), min(denoise.REACH, rows.stop - end)
+        passes = exr.read(wanted, first - above, end + below)
+        for picture in passes.values():
+            _forget_nonfinite(picture[:above])
+            _forget_nonfinite(picture[len(picture) - below:])
+        del picture
+        yield first, (above, below), passes
+        del passes  # not while the next are read
+
+
+def _forget_nonfinite(margin):
+    """What is not finite around a strip is counted where it is drawn."""
+    np.copyto(margin, 0, where=~np.isfinite(margin))
 
 
 def _denoises(names, settings):
@@ -312,9 +324,7 @@ class _Work:
     def _draw(self, layer, view, names, where):
         stored, window = self.stored, self.exr.window
         settings, missing = substitutes.switch_off(names, self.settings)
-        # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
-        seen = stored.camera is not None and settings.wants_seen
-        read, bad = _read(self.exr, names, settings, self.place, seen, self.threads, self.room)
+        read, bad = _read(self.exr, names, settings, self.place, stored.camera, self.threads, self.room)
         self._say("note", _notes(stored, names, where))
         if _denoises(names, settings) and not denoiser.available():
             self._say("note", f"{where} holds light as it was rendered, and Open Image Denoise is not installed here: "

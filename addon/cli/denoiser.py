@@ -17,6 +17,7 @@ def available():
     return denoise.available(home())
 
 
-def cleaner(threads, scale):
-    """What layers.assemble() takes as `denoise`."""
-    return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, threads, scale=scale, home=home())
+def cleaner(threads, scale, row):
+    """What layers.assemble() takes as `denoise` for a part of the frame that begins at this row."""
+    return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, threads, scale=scale, home=home(),
+                                                           at=(0, row))

@@ -11,7 +11,7 @@ from ..pen.errors import EncreError
 from . import images
 
 MOST_PACKED = 2000  # values in a byte of a file: no compression does better than a fourth of that
-MOST_HALF = 65504.0
+_AT_ONCE = 1 << 29  # bytes
 
 
 @dataclass(frozen=True)
@@ -80,13 +80,15 @@ class Exr:
                 if isinstance(attribute.value, str):
                     self.metadata.setdefault(attribute.name, attribute.value)
 
-    def read(self, passes):
-        """{name: array (H, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}."""
-        shape = self.window.height, self.window.width
-        out = {name: np.empty((*shape, len(channels)), np.float32) for name, channels in passes.items()}
-        for first, band in self.bands(passes, 0, self.window.height):
+    def read(self, passes, first=0, end=None):
+        """{name: array (rows, W, channels)}, float32, row 0 at the top, of {name: [full channel name …]}: the rows from
+        `first` to `end`, else all."""
+        end = self.window.height if end is None else end
+        out = {name: np.empty((end - first, self.window.width, len(channels)), np.float32)
+               for name, channels in passes.items()}
+        for row, band in self.bands(passes, first, end):
             for name, picture in band.items():
-                out[name][first:first + len(picture)] = picture
+                out[name][row - first:row - first + len(picture)] = picture
         return out
 
     def bands(self, passes, first, end):
@@ -183,21 +185,48 @@ def _fill(path, part, spec, bands):
         raise images.unwritten(path, out, part)
 
 
-def rewrite(path, part, kinds):
-    """Writes the channels of an EXR that `kinds` {full name: "half", "float" or None, as it is} names into another,
-    `part`, as one part with the same metadata. Few rows are held at a time. Raises EncreError, WriteError.
+def rewrite(exr, part, packer):
+    """Writes what a slim.Packer makes of an open Exr into another file, `part`, with the same metadata: each pass as a
+    part of its own, which takes less room, or one part where there are views. Raises EncreError, WriteError.
     """
-    with Exr(path) as exr:
-        names = [name for name in exr.channels if name in kinds]
-        kinds = {name: kinds[name] or exr.kinds[name] for name in names}
-        texts = {key: said for key, said in exr.metadata.items()
-                 if not key.startswith(("oiio:", "openexr:")) and key not in ("compression", "name", "view")}
-        halves = [k for k, name in enumerate(names) if kinds[name] == "half"]
+    texts = {key: said for key, said in exr.metadata.items()
+             if not key.startswith(("oiio:", "openexr:")) and key not in ("compression", "name", "view")}
+    parts = {name: [name] for name in packer.parts} if not exr.views else {"": list(packer.parts)}
+    specs = []
+    for name, passes in parts.items():
+        kinds = {full: kind for each in passes for full, kind in packer.parts[each].items()}
+        specs.append(_spec(exr.window, list(kinds), kinds, exr.views, {} if specs else texts))
+        if name:
+            specs[-1]["oiio:subimagename"] = name
+    out = images.openimageio().ImageOutput.create(part)
+    good = out.open(part, specs) if len(specs) > 1 else out.open(part, specs[0])
+    for number, rows in enumerate(_packed(exr, packer, list(parts.values()))):
+        good = good and (not number or out.open(part, specs[number], "AppendSubimage"))
+        good = good and out.write_image(rows)
+    if not (out.close() and good):
+        raise images.unwritten(exr.path, out, part)
 
-        def bands():
-            for y, band in exr.bands({"all": names}, 0, exr.window.height):
-                rows = np.array(band["all"])
-                rows[..., halves] = np.clip(rows[..., halves], -MOST_HALF, MOST_HALF)
-                yield y, rows
 
-        _fill(path, part, _spec(exr.window, names, kinds, exr.views, texts), bands())
+def _packed(exr, packer, parts):
+    """Yields the pixels (H, W, channels) of each of the parts, which are lists of passes. As many are made at a time
+    as fit into some memory, for each time the whole file is read."""
+    height, width = exr.window.height, exr.window.width
+    while parts:
+        kinds, size, count = [], 0, 0
+        for passes in parts:
+            kinds.append([kind for each in passes for kind in packer.parts[each].values()])
+            size += height * width * len(kinds[-1]) * (2 if {*kinds[-1]} == {"half"} else 4)
+            if count and size > _AT_ONCE:
+                break
+            count += 1
+        now, parts = parts[:count], parts[count:]
+        pictures = [np.empty((height, width, len(own)), np.float16 if {*own} == {"half"} else np.float32)
+                    for own, _ in zip(kinds, now, strict=False)]
+        sources = {each: packer.sources(each) for passes in now for each in passes}
+        for y, band in exr.bands(sources, 0, height):
+            for passes, picture in zip(now, pictures, strict=True):
+                rows = [row for each in passes
+                        for row in packer.pack(each, np.moveaxis(band[each], 2, 0)).values()]
+                picture[y:y + len(rows[0])] = np.stack(rows, axis=2)
+        while pictures:
+            yield pictures.pop(0)

@@ -300,10 +300,10 @@ class _Sequence:
         if not name.lower().endswith(".exr"):
             return name
         with multilayer.Exr(part) as exr:
-            scene, kinds = metadata.read(exr.metadata).scene, composite.slim(exr.channels, exr.views, self.keep)
-        if scene is None or scene["save_layers"] != "SLIM":
-            return name
-        multilayer.rewrite(part, os.path.join(self.place.path, f"slim-{name}"), kinds)
+            scene = metadata.read(exr.metadata).scene
+            if scene is None or scene["save_layers"] != "SLIM":
+                return name
+            multilayer.rewrite(exr, os.path.join(self.place.path, f"slim-{name}"), composite.packer(exr, self.keep))
         os.remove(part)
         return f"slim-{name}"
 

@@ -10,6 +10,7 @@ import re
 import bpy
 
 from ..blender import ENGINE, papers, properties
+from ..pen import layers
 from ..pen.errors import EncreError, unknown
 
 
@@ -152,7 +153,7 @@ def asked(scene):
     """`view layer.pass` of what the scene's maker wants in files and slim ones would else do without."""
     for layer in scene.view_layers:
         wanted = {"DiffDir": layer.use_pass_diffuse_direct, "DiffInd": layer.use_pass_diffuse_indirect,
-                  "Denoising Depth": layer.cycles.denoising_store_passes}
+                  **dict.fromkeys(layers.SEEN, layer.cycles.denoising_store_passes)}
         yield from (f"{layer.name}.{name}" for name, wants in wanted.items() if wants)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..pen.errors import EncreError, unknown
 from ..pen.settings import Settings
+from . import slim
 
 # What --layer may name: word -> classic pass name.
 GIVEN = {"combined": "Combined", "depth": "Depth", "normal": "Normal", "color": "DiffCol", "light": "DiffDir",
@@ -129,6 +130,7 @@ def listed(passes):
     own = {"Encre Source": ("Combined",), "Encre Diffuse": ("DiffDir", "DiffInd"),
            "Encre Index": ("IndexOB", "IndexMA")}
     stands = {name: by for by, names in own.items() if by in passes for name in names}
+    stands.update({name: by for by, name in slim.STANDS.items() if by in passes})
     stands.update({index: matte for index, matte in _CRYPTO.items() if matte in passes})
     for name, (box, without) in BOXES.items():
         if name in passes or name in stands:
@@ -138,6 +140,6 @@ def listed(passes):
     for name, without in (("Encre Index", "outlines of the parts of meshes, styles"),
                           ("Encre Line Controls", "painted controls"),
                           ("Denoising Normal", "lines in mirrors and glass")):
-        if name not in passes:
+        if name not in passes and name not in stands:
             lines.append(f"  {name}: missing; render with Encre and Save Layers on; off without it: {without}")
     return lines

@@ -13,7 +13,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from command import OFF, SIZE, expected, fails, finish, start
-from encre.cli import denoiser, multilayer
+from encre.cli import composite, denoiser, multilayer
 from encre.pen import metadata
 from encre.pen.job import Camera, Frame
 
@@ -115,6 +115,24 @@ def test_noisy_light_is_denoised(run, tmp_path, monkeypatch):
         assert status == 0 and "noise stays" not in err
         light.append(exr.picture(tmp_path / "out.exr", "ViewLayer.Encre Light"))
     assert np.abs(light[2] - light[0]).mean() < 0.5 * np.abs(light[1] - light[0]).mean()
+
+
+def test_light_is_denoised_in_strips(run, tmp_path, monkeypatch):
+    """Of large pictures, with as much around each as the denoiser sees; what is not finite counts once."""
+    if not denoiser.available():
+        pytest.skip("no Open Image Denoise here, in no Blender either")
+    pictures = exr.passes(drawn.scene(64, 420, noise=0.5))
+    pictures["DiffDir"][150:170, 5] = np.nan
+    path = exr.write(tmp_path / "in.exr", pictures)
+    drawn_, said = [], []
+    for at_once in 1 << 22, 64 * 80:
+        monkeypatch.setattr(composite, "_AT_ONCE", at_once)
+        status, _, err = run("composite", path, "-o", tmp_path / "out.exr", denoise=True)
+        assert status == 0 and "60 values" in err
+        drawn_.append(exr.picture(tmp_path / "out.exr", "ViewLayer.Encre Light"))
+        said.append(err)
+    assert np.abs(drawn_[0] - drawn_[1]).max() < 2e-3 and said[0] == said[1]
+    assert np.abs(drawn_[0] - drawn_[1]).mean() < 1e-5
 
 
 def test_noise_that_stays_is_said(run, tmp_path, scene, monkeypatch):
