@@ -14,6 +14,7 @@ from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
 from . import (
     cameras,
+    early,
     escape,
     fast_frame,
     lamps,
@@ -46,6 +47,7 @@ class Frames:
         self.overrode = False  # with persistent data, what one frame overrode is there in the next
         self.nonfinite = 0     # values that were read as 0
         self.esc = None        # the escape.Esc after which it draws
+        self.ink = None        # to be shown over what Cycles renders: early.for_display()
         self.again = None      # the memory.Picture that it draws, and nothing is rendered
 
     @property
@@ -57,7 +59,7 @@ class Frames:
 
     def begin(self, depsgraph):
         """Reads the settings and numbers the objects, before Cycles looks for what changed in the evaluated scene."""
-        self.settings = self.numbers = None
+        self.settings = self.numbers = self.ink = None
         self.again = memory.again(depsgraph.scene)
         with contextlib.suppress(EncreError):  # said when it comes to rendering: baking comes by here too
             self.settings = properties.settings(depsgraph.scene_eval)
@@ -82,7 +84,12 @@ class Frames:
         self._before(depsgraph)
         layer = self.known.get(depsgraph.view_layer.name)
         if not layer or (layer.factor == 1 and layer.own == layer.place):
-            cycles.render(self.engine, depsgraph)
+            if layer and layer.settings.any("use_lines") and early.possible(self.engine, depsgraph.scene_eval):
+                early.sample(self.engine, cycles, depsgraph)
+                if self._go_on():
+                    self.ink = early.lines(self.engine.get_result(), layer, self._draw)
+            if self._go_on():  # else what the sample left is drawn
+                cycles.render(self.engine, depsgraph)
         else:
             layer.drawn = self._in_parts(cycles, depsgraph, layer)
 
@@ -378,7 +385,7 @@ class Frames:
 
     def _denoiser(self, layer):
         wanted = layer.denoise_other if layer.light else layer.settings.denoises
-        if self.esc or not wanted or not denoise.available(versions.home()):
+        if self.esc or layer.hasty or not wanted or not denoise.available(versions.home()):
             return None
         frame, scale = supersample.frame(layer.frame, layer.factor), layer.settings.light_scale
         return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, self._go_on,

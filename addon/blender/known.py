@@ -37,6 +37,7 @@ class ViewLayer:
     paper: np.ndarray | None         # the image that is read for its heights
     beside: dict                     # what else the file says of the scene: wanted.beside()
     kept: memory.Layer | None = None  # what is kept of it, or drawn again
+    hasty: bool = False              # whether nothing but lines is drawn, to be seen for a while
     drawn: dict | None = None        # view id -> passes to write, if that is already done
 
     @property
@@ -46,6 +47,8 @@ class ViewLayer:
     @property
     def outputs(self):
         """Names of the pictures to draw."""
+        if self.hasty:
+            return ["Encre Lines"]
         return [*(["Combined"] if self.settings.active else []), *self.asked]
 
     def shrinking(self, write):

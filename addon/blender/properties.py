@@ -151,6 +151,9 @@ def _classes():
         **{p.id: _property(p) for p in params},
         "styles": bpy.props.CollectionProperty(type=style, name="Styles"),
         "active_style": bpy.props.IntProperty(options={"HIDDEN"}),
+        "ink_early": bpy.props.BoolProperty(
+            name="Ink While Rendering", default=True, **OURS,
+            description="In a window, render one sample ahead, whose lines are shown until the render is done"),
         "keep_layers": bpy.props.BoolProperty(
             name="Keep Layers", default=True, update=_keep, **OURS,
             description="Keep what F12 has rendered in memory, so that settings are drawn anew without rendering"),
