@@ -25,6 +25,7 @@ class ViewLayer:
     views: dict                      # view name -> (camera, rasterised pictures of `factor` times the frame's size,
                                      #               world -> camera, camera -> clip)
     light: lamps.Light | None        # None: the light is Cycles'
+    volumes: np.ndarray              # volumes.corners(), if light besides the diffuse is denoised
     clip_start: float
     frame: Frame                     # with the place of what is drawn in it
     own: Window                      # what is rendered for the file

@@ -43,3 +43,12 @@ def test_what_lets_light_through_at_random_leaves_no_crumbs(blender, tmp_path):
     assert np.abs(boards["Depth"][inside] / bare["Depth"][inside] - 1).max() < 2e-2
     assert ink(boards)[inside].sum() < 1.2 * ink(bare)[inside].sum() + 20
     assert len(np.unique(boards["Encre Index"][..., 0][cut])) == 1
+
+
+def test_smoke_is_denoised_where_no_surface_is(blender, tmp_path):
+    """Its own pixels lie beside the cube's box; but for them nothing changes."""
+    shot = blenders.run(blender, "smoke", tmp_path)
+    clean, noisy = (shot.passes(name)["Combined"][..., :3] for name in ("clean", "noisy"))
+    smoke = np.s_[20:60, 100:125]
+    rough = [np.abs(np.diff(picture[smoke], axis=1)).mean() for picture in (clean, noisy)]
+    assert rough[0] < 0.5 * rough[1], rough

@@ -76,3 +76,21 @@ def fades(out):
     for board in boards:
         board.hide_render = True
     shoot(out, "bare")
+
+
+def smoke(out):
+    """A box of smoke beside a small cube, whose own box the smoke is not in."""
+    scene = stage(samples=4, ground=False)
+    bpy.data.objects.remove(bpy.data.objects["Ball"])
+    scene.cycles.use_denoising = True
+    box = cube("Smoke", (0.9, 0, 0.3), 1.6, material("Smoke", (1, 1, 1)))
+    nodes = box.active_material.node_tree
+    nodes.nodes.remove(nodes.nodes["Principled BSDF"])
+    scatter = nodes.nodes.new("ShaderNodeVolumeScatter")
+    scatter.inputs["Density"].default_value = 0.8
+    nodes.links.new(scatter.outputs[0], nodes.nodes["Material Output"].inputs["Volume"])
+    shoot(out, "clean")
+    from encre.blender import volumes
+
+    volumes.corners = lambda _depsgraph: ()
+    shoot(out, "noisy")
