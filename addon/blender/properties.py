@@ -12,6 +12,7 @@ import numpy as np
 
 from ..pen import layers, library
 from ..pen.settings import Settings, switches
+from . import versions
 from .languages import OURS
 
 LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
@@ -286,7 +287,7 @@ def active(scene):
 
 def settings(scene):
     """The Settings of a scene. EncreError: they can't be used."""
-    return Settings(scene_values(scene), styles(scene))
+    return Settings(scene_values(scene), styles(scene), versions.working_space())
 
 
 def style_number(block, scene):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Surfaces that a renderer can't tell apart from pixel to pixel, and such as pass through each other."""
 
+import os
 from math import radians
 
 import bpy
@@ -94,3 +95,21 @@ def smoke(out):
 
     volumes.corners = lambda _depsgraph: ()
     shoot(out, "noisy")
+
+
+def wide(out):
+    """Red ink in files of two working spaces, where this Blender has them."""
+    if not hasattr(bpy.data, "colorspace"):
+        return
+    for space in ("Linear Rec.709", "ACEScg"):
+        scene = stage(samples=1)
+        scene.encre.line_color, scene.encre.line_thickness = (0.6, 0.02, 0), 120
+        bpy.ops.wm.set_working_color_space(working_space=space)
+        scene.view_settings.view_transform, scene.render.dither_intensity = "Standard", 0
+        shoot(out, space)
+        from encre.blender import versions
+
+        for owner, name, value in versions.as_png(scene.render.image_settings):
+            setattr(owner, name, value)
+        scene.render.filepath = os.path.join(out, f"{space}.png")
+        bpy.ops.render.render(write_still=True)
