@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.errors import Cancelled, EncreError
-from . import ENGINE, frame, live, wanted
+from . import ENGINE, early, frame, live, wanted
 
 _said = set()
 
@@ -148,9 +148,11 @@ class EncreEngine(bpy.types.RenderEngine):
             self.free()
 
     def draw(self, context, depsgraph):
-        """What Cycles has rendered so far, in the image editor."""
+        """What Cycles has rendered so far, in the image editor, and the lines of its first sample."""
         if self.session:
             _cycles().draw(self, depsgraph, context.space_data)
+            if self.frames and self.frames.ink is not None:
+                early.draw(self.frames.ink)
 
     def bake(self, depsgraph, obj, pass_type, pass_filter, width, height):
         _cycles().bake(self, depsgraph, obj, pass_type, pass_filter, width, height)

@@ -14,6 +14,7 @@ from ..pen.errors import EncreError
 from ..pen.job import Camera, Frame
 from . import (
     cameras,
+    early,
     escape,
     fast_frame,
     lamps,
@@ -25,6 +26,7 @@ from . import (
     subframes,
     subject,
     versions,
+    volumes,
     wanted,
 )
 from .known import Passes, ViewLayer
@@ -46,6 +48,7 @@ class Frames:
         self.overrode = False  # with persistent data, what one frame overrode is there in the next
         self.nonfinite = 0     # values that were read as 0
         self.esc = None        # the escape.Esc after which it draws
+        self.ink = None        # to be shown over what Cycles renders: early.for_display()
         self.again = None      # the memory.Picture that it draws, and nothing is rendered
 
     @property
@@ -57,7 +60,7 @@ class Frames:
 
     def begin(self, depsgraph):
         """Reads the settings and numbers the objects, before Cycles looks for what changed in the evaluated scene."""
-        self.settings = self.numbers = None
+        self.settings = self.numbers = self.ink = None
         self.again = memory.again(depsgraph.scene)
         with contextlib.suppress(EncreError):  # said when it comes to rendering: baking comes by here too
             self.settings = properties.settings(depsgraph.scene_eval)
@@ -82,7 +85,12 @@ class Frames:
         self._before(depsgraph)
         layer = self.known.get(depsgraph.view_layer.name)
         if not layer or (layer.factor == 1 and layer.own == layer.place):
-            cycles.render(self.engine, depsgraph)
+            if layer and layer.settings.any("use_lines") and early.possible(self.engine, depsgraph.scene_eval):
+                early.sample(self.engine, cycles, depsgraph)
+                if self._go_on():
+                    self.ink = early.lines(self.engine.get_result(), layer, self._draw)
+            if self._go_on():  # else what the sample left is drawn
+                cycles.render(self.engine, depsgraph)
         else:
             layer.drawn = self._in_parts(cycles, depsgraph, layer)
 
@@ -209,8 +217,8 @@ class Frames:
             user_indices = None
         samples = depsgraph.view_layer.samples or depsgraph.scene_eval.cycles.samples
         layer = ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light,
-                          camera.data.clip_start, frame, own, place,
-                          own if render.use_border and not render.use_crop_to_border else None,
+                          volumes.corners(depsgraph) if denoise_other else (), camera.data.clip_start, frame,
+                          own, place, own if render.use_border and not render.use_crop_to_border else None,
                           threads, samples, asked, keeps, paper,
                           wanted.beside(depsgraph.scene_eval, settings, own != place))
         if settings.active and memory.wanted(self.engine, depsgraph.scene):
@@ -352,7 +360,8 @@ class Frames:
             known["seen_depth"] = layers.seen_depth(passes.pop("Denoising Depth"), projection, frame, layer.clip_start)
         illuminate = layer.light and (lambda depth, normal: layer.light.draw(
             depth, normal, view, projection, frame, layer.threads, self._go_on))
-        denoiser = self._denoiser(layer)
+        size = layer.factor * layer.place.width, layer.factor * layer.place.height
+        denoiser = self._denoiser(layer, volumes.window(layer.volumes, view, projection, frame, size))
         if kept:
             denoiser = denoiser and functools.partial(kept.once, settings.light_scale, denoiser)
             illuminate = illuminate and functools.partial(kept.once, "drawn", illuminate)
@@ -376,14 +385,14 @@ class Frames:
             write(name, drawn.images.pop(name))
         self.nonfinite += drawn.nonfinite
 
-    def _denoiser(self, layer):
+    def _denoiser(self, layer, also):
         wanted = layer.denoise_other if layer.light else layer.settings.denoises
-        if self.esc or not wanted or not denoise.available(versions.home()):
+        if self.esc or layer.hasty or not wanted or not denoise.available(versions.home()):
             return None
         frame, scale = supersample.frame(layer.frame, layer.factor), layer.settings.light_scale
         return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, self._go_on,
                                                                versions.home(), scale, layer.samples < _FEW,
-                                                               (frame.x, frame.y))
+                                                               (frame.x, frame.y), also)
 
     def _stamp(self, result, layer):
         """The settings go into the saved file, so that it can be drawn again without Blender."""

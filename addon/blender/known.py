@@ -25,6 +25,7 @@ class ViewLayer:
     views: dict                      # view name -> (camera, rasterised pictures of `factor` times the frame's size,
                                      #               world -> camera, camera -> clip)
     light: lamps.Light | None        # None: the light is Cycles'
+    volumes: np.ndarray              # volumes.corners(), if light besides the diffuse is denoised
     clip_start: float
     frame: Frame                     # with the place of what is drawn in it
     own: Window                      # what is rendered for the file
@@ -37,6 +38,7 @@ class ViewLayer:
     paper: np.ndarray | None         # the image that is read for its heights
     beside: dict                     # what else the file says of the scene: wanted.beside()
     kept: memory.Layer | None = None  # what is kept of it, or drawn again
+    hasty: bool = False              # whether nothing but lines is drawn, to be seen for a while
     drawn: dict | None = None        # view id -> passes to write, if that is already done
 
     @property
@@ -46,6 +48,8 @@ class ViewLayer:
     @property
     def outputs(self):
         """Names of the pictures to draw."""
+        if self.hasty:
+            return ["Encre Lines"]
         return [*(["Combined"] if self.settings.active else []), *self.asked]
 
     def shrinking(self, write):

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..pen import layers, library
 from ..pen.settings import Settings, switches
+from . import versions
 from .languages import OURS
 
 LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
@@ -151,6 +152,9 @@ def _classes():
         **{p.id: _property(p) for p in params},
         "styles": bpy.props.CollectionProperty(type=style, name="Styles"),
         "active_style": bpy.props.IntProperty(options={"HIDDEN"}),
+        "ink_early": bpy.props.BoolProperty(
+            name="Ink While Rendering", default=True, **OURS,
+            description="In a window, render one sample ahead, whose lines are shown until the render is done"),
         "keep_layers": bpy.props.BoolProperty(
             name="Keep Layers", default=True, update=_keep, **OURS,
             description="Keep what F12 has rendered in memory, so that settings are drawn anew without rendering"),
@@ -283,7 +287,7 @@ def active(scene):
 
 def settings(scene):
     """The Settings of a scene. EncreError: they can't be used."""
-    return Settings(scene_values(scene), styles(scene))
+    return Settings(scene_values(scene), styles(scene), versions.working_space())
 
 
 def style_number(block, scene):

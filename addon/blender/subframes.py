@@ -20,7 +20,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.errors import Cancelled, EncreError
-from . import ENGINE, cameras
+from . import ENGINE, cameras, early
 from .overrides import changed
 
 _SEED_STEP = 1013904223  # far from the seeds of the next frames, which are often the frame's number
@@ -30,8 +30,8 @@ _switched = set()  # names of the scenes whose data are persistent for this rend
 @persistent
 def _begin(*_):
     for scene in bpy.data.scenes:  # a compositor's or sequencer's others get no render_init
-        several = getattr(getattr(scene, "encre", None), "supersample", 1) > 1 or scene.render.use_border
-        wanted = scene.render.engine == ENGINE and several
+        wanted = scene.render.engine == ENGINE and hasattr(scene, "encre") and (
+            scene.encre.supersample > 1 or scene.render.use_border or early.wanted(scene))
         if wanted and not scene.render.use_persistent_data:
             scene.render.use_persistent_data = True
             _switched.add(scene.name)

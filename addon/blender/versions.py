@@ -104,6 +104,11 @@ def has_cycles_denoiser():
     return bool(getattr(_cycles, "with_openimagedenoise", True))
 
 
+def working_space():
+    """The colorInteropID of the file's working space. 5.0 let files have others than linear Rec. 709."""
+    return getattr(getattr(bpy.data, "colorspace", None), "working_space_interop_id", "")
+
+
 def strips(editor):
     """The strips of a sequencer. 4.4 renamed them."""
     return list(editor.strips if hasattr(editor, "strips") else editor.sequences)

@@ -282,11 +282,13 @@ class _Work:
         if (factor := scene.pop("supersample", 1)) > 1:
             self._say("note", f"supersample {factor} needs a render: {exr.path} holds layers of the frame's size, and "
                               "is drawn at that")
-        settings = Settings(scene, self.stored.styles)
+        space = exr.metadata.get(colour.INTEROP, "")
+        settings = Settings(scene, self.stored.styles, space)
         light, held = (given.every[0]["light_source"] for given in (settings, Settings(self.stored.scene)))
         if light != held and settings.wants_light:
             self._say("note", f"light_source {light} needs a render: light stays as {exr.path} holds it")
-        self.settings = Settings(_paper(settings, change, exr.path, allow_paths, self.stored.paper), self.stored.styles)
+        self.settings = Settings(_paper(settings, change, exr.path, allow_paths, self.stored.paper), self.stored.styles,
+                                 space)
         self._say("note", settings.in_vain(named))
         self.place = _rows_and_columns(self.stored.border, exr.window)
         self.room = Room(exr.window.width * exr.window.height)

@@ -96,7 +96,7 @@ def switch_off(names, settings):
         off = {"use_shading": False, "use_hatching": False, "edge_light": 0.0, "line_light": 0.0}
         styles = [(name, {**values, **{id_: value for id_, value in off.items() if id_ in values}})
                   for name, values in settings.styles]
-        settings = Settings({**settings.scene, **off}, styles)
+        settings = Settings({**settings.scene, **off}, styles, settings.space)
         said.append("no diffuse light and colour: nothing is shaded flat or hatched, and no line follows a shadow")
     for name, sentence in (("DiffCol", "no diffuse colour: lines between colours follow the picture's"),
                            ("Depth", "no depth: no line between depths"),

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Colours: sRGB and linear light, what painted greys say, pictures of half the size."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 
@@ -34,6 +36,14 @@ def to_rec709(interop: str) -> np.ndarray | None:
         return None
     there, here = _to_cones(_SPACES[interop]), _to_cones(_SPACES["lin_rec709_scene"])
     return np.linalg.inv(here) @ there
+
+
+def from_rec709(color: Sequence[float], space: str) -> tuple[float, ...]:
+    """A linear Rec. 709 colour in a linear space, by its colorInteropID; as it is where that is not known."""
+    matrix = to_rec709(space)
+    if matrix is None:
+        return tuple(color)
+    return tuple(float(c) for c in np.maximum(np.linalg.solve(matrix, np.asarray(color, np.float64)), 0))
 
 
 def _to_cones(space):

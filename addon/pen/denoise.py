@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .around import Window
 from .errors import Cancelled, EncreError
 
 _CPU, _FLOAT3 = 1, 3
@@ -70,9 +71,9 @@ def available(home: str | None = None) -> bool:
 
 def denoise(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads: int = 0,
             keep_on: Callable[[], bool] | None = None, home: str | None = None, scale: float = 1.0,
-            fast: bool = False, at: tuple[int, int] = (0, 0)) -> np.ndarray:
+            fast: bool = False, at: tuple[int, int] = (0, 0), also: Window | None = None) -> np.ndarray:
     """`picture` (height, width, 3), linear and unlimited, without noise; albedo and normal guide it, and where neither
-    tells of anything it stays as it is.
+    tells of anything, outside of `also`, it stays as it is.
 
     threads: 0 = as many as there are processors. keep_on: asked now and then, on this thread; False cancels
     (Cancelled). home: as in available(). scale: what brings the light that matters near 1; it is not taken from the
@@ -82,6 +83,8 @@ def denoise(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads
     out = np.array(picture, np.float32)
     height, width = out.shape[:2]
     there = albedo.any(2) | normal.any(2)
+    if also:
+        there[also.y:also.y + also.height, also.x:also.x + also.width] = True
     rows, columns = np.flatnonzero(there.any(1)), np.flatnonzero(there.any(0))
     if not rows.size:
         return out

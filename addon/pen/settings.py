@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from . import library
+from . import colour, library
 from .params import terms
 
 _WINDOW = 24  # pixels about an edge at which its detector looks, whatever the settings are
@@ -46,14 +46,27 @@ def _wish(term):
 
 class Settings:
     """scene: the scene's values; styles: [(name, what it changes)], in the order of their numbers, which begin at 1;
-    every: the complete values of each style, number 0 (the scene's) first."""
+    every: the complete values of each style, number 0 (the scene's) first, with colours in the space of the pictures;
+    settings have them in linear Rec. 709."""
 
     def __init__(self, scene: Mapping[str, Any] | None = None,
-                 styles: Iterable[tuple[str, Mapping[str, Any]]] = ()) -> None:
-        """Of values that may be incomplete. EncreError: they can't be used."""
+                 styles: Iterable[tuple[str, Mapping[str, Any]]] = (), space: str = "") -> None:
+        """Of values that may be incomplete; space: the pictures' colorInteropID. EncreError: they can't be used."""
+        self.space = space
         self.scene = library.check(scene or {})
         self.styles = [(name, library.check(changed)) for name, changed in styles]
         self.every = library.complete(self.scene, [changed for _, changed in self.styles])
+        if colour.to_rec709(space) is not None:
+            self.every = [{id_: self._placed(library.params()[id_].type, value) for id_, value in values.items()}
+                          for values in self.every]
+
+    def _placed(self, kind: str, value: Any) -> Any:
+        """A value with its colours in the space of the pictures."""
+        if kind == "color":
+            return colour.from_rec709(value, self.space)
+        if kind == "levels":  # (intensity, threshold, transition), which a colour may follow
+            return [(*level[:3], *colour.from_rec709(level[3:], self.space)) if level[3:] else level for level in value]
+        return value
 
     def any(self, *names: str) -> bool:
         """Whether any of these switches and weights is on anywhere."""

@@ -48,6 +48,16 @@ def test_progress_is_seen(shot):
     assert times > 2 and while_rendering
 
 
+def test_ink_is_seen_while_the_picture_grows(shot):
+    assert shot.facts["still growing"] == [True, True] and shot.facts["persistent"] == [False]
+    green = {}
+    for name in ("early", "late"):
+        red, bright, blue = np.moveaxis(read(shot, f"{name}-growing"), 2, 0)
+        green[name] = ((bright > 0.6) & (red < 0.3) & (blue < 0.3)).sum()
+    assert green["early"] > green["late"] + 400, green
+    assert np.array_equal(read(shot, "early"), read(shot, "late"))
+
+
 def test_papers_are_loaded_on_the_main_thread(shot):
     assert shot.facts["finished"] and "Traceback" not in shot.output
     assert shot.facts["paper on main thread"] == [True]

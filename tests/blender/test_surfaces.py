@@ -3,6 +3,10 @@
 
 import blenders
 import numpy as np
+import OpenImageIO as oiio
+import pytest
+from encre.cli.composite import composite
+from encre.pen import colour
 
 
 def ink(passes):
@@ -43,3 +47,33 @@ def test_what_lets_light_through_at_random_leaves_no_crumbs(blender, tmp_path):
     assert np.abs(boards["Depth"][inside] / bare["Depth"][inside] - 1).max() < 2e-2
     assert ink(boards)[inside].sum() < 1.2 * ink(bare)[inside].sum() + 20
     assert len(np.unique(boards["Encre Index"][..., 0][cut])) == 1
+
+
+def test_smoke_is_denoised_where_no_surface_is(blender, tmp_path):
+    """Its own pixels lie beside the cube's box; but for them nothing changes."""
+    shot = blenders.run(blender, "smoke", tmp_path)
+    clean, noisy = (shot.passes(name)["Combined"][..., :3] for name in ("clean", "noisy"))
+    smoke = np.s_[20:60, 100:125]
+    rough = [np.abs(np.diff(picture[smoke], axis=1)).mean() for picture in (clean, noisy)]
+    assert rough[0] < 0.5 * rough[1], rough
+
+
+def test_ink_is_of_the_same_colour_in_every_working_space(blender, tmp_path):
+    shot = blenders.run(blender, "wide", tmp_path)
+    if not shot.wrote("ACEScg"):
+        pytest.skip("this Blender has one working space")
+    spaces = "Linear Rec.709", "ACEScg"
+    full = np.logical_and(*(ink(shot.passes(space)) > 0.999 for space in spaces))
+    assert full.sum() > 500
+    shown = [picture(shot.folder / f"{space}.png") for space in spaces]
+    assert np.abs(shown[0] - shown[1])[full].max() <= 1 / 255
+    assert np.abs(shown[0][full] - colour.encode_srgb(np.array((0.6, 0.02, 0)))).max() <= 1 / 255
+    values = [shot.passes(space)["Encre Lines"][full][:, :3] for space in spaces]
+    assert np.abs(values[0] - values[1]).max() > 0.1, "in the file they are of its space"
+    for space in spaces:  # the file says its space, and its settings the colours that they had
+        composite(str(shot.folder / f"{space}.exr"), str(tmp_path / "again.png"), {})
+        assert np.abs(picture(tmp_path / "again.png")[full] - shown[0][full]).max() <= 1.01 / 255
+
+
+def picture(path):
+    return oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT)[..., :3]

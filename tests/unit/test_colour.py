@@ -3,6 +3,7 @@
 
 import numpy as np
 from encre.pen import colour
+from encre.pen.settings import Settings
 
 
 def test_a_painted_grey_is_what_its_byte_says_and_mid_grey_nothing():
@@ -25,3 +26,16 @@ def test_spaces_to_rec709():
         assert np.abs(matrix - published).max() < 2e-4
         assert np.abs(matrix.sum(1) - 1).max() < 1e-12
     assert colour.to_rec709("lin_rec709_scene") is None and colour.to_rec709("") is None
+
+
+def test_settings_have_their_colours_in_rec709_and_pictures_in_theirs():
+    red = (0.6, 0.02, 0.0)
+    for space in ("lin_rec2020_scene", "lin_ap1_scene"):
+        there = colour.from_rec709(red, space)
+        assert np.abs(colour.to_rec709(space) @ there - red).max() < 1e-6 and abs(there[0] - red[0]) > 0.1
+        given = Settings({"line_color": red, "shade_levels": [(0.5, 0, 0), (1, 0.5, 0.1, *red)]}, (), space)
+        assert given.scene["line_color"] == red
+        assert np.allclose(given.every[0]["line_color"], there)
+        assert np.allclose(given.every[0]["shade_levels"][1], (1, 0.5, 0.1, *there))
+        assert np.allclose(given.every[0]["paper_color"], 1, atol=1e-6), "white stays white"
+    assert colour.from_rec709(red, "") == red

@@ -41,6 +41,7 @@ class ENCRE_PT_encre(EncrePanel, bpy.types.Panel):
         else:
             row.popover("ENCRE_PT_presets", icon="PRESET")
         row.menu("ENCRE_MT_scene_settings", text="", icon="DOWNARROW_HLT")
+        layout.prop(context.scene.encre, "ink_early")
         row = layout.row(align=True)
         row.prop(context.scene.encre, "keep_layers")
         if held := memory.size(context.scene):

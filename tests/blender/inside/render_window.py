@@ -22,6 +22,7 @@ def press(key):
 
 def build():
     studio.register()
+    bpy.context.preferences.view.render_display_type = "AREA"
     scene = bpy.context.scene
     scene.render.engine = "ENCRE"
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 160, 90, 1
@@ -82,8 +83,32 @@ def progress():
     studio.fact("drawn", [len(drawn), all(drawn)])
 
 
+def growing():
+    """The picture as it grows, inked and not, and when it is done."""
+    import cycles.engine
+
+    scene, draw, drawn = bpy.context.scene, cycles.engine.draw, []
+    cycles.engine.draw = lambda engine, *args: drawn.append(engine.frames.ink is not None) or draw(engine, *args)
+    scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 320, 180, 100
+    scene.cycles.use_denoising, scene.encre.line_thickness, scene.encre.line_color = False, 40, (0, 1, 0)
+    for name in ("early", "late"):
+        scene.encre.ink_early = name == "early"
+        drawn.clear()
+        press("F12")
+        while drawn.count(scene.encre.ink_early) < 3:
+            yield
+        window.screenshot(f"{name}-growing")
+        studio.fact("still growing", bpy.app.is_job_running("RENDER"))
+        while bpy.app.is_job_running("RENDER"):
+            yield
+        yield
+        picture(name)
+    cycles.engine.draw = draw
+    studio.fact("persistent", scene.render.use_persistent_data)
+
+
 def steps():
-    for step in (build, paper, progress):
+    for step in (build, paper, progress, growing):
         made = step()
         if made is not None:
             yield from made

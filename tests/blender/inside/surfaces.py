@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Surfaces that a renderer can't tell apart from pixel to pixel, and such as pass through each other."""
 
+import os
 from math import radians
 
 import bpy
@@ -76,3 +77,39 @@ def fades(out):
     for board in boards:
         board.hide_render = True
     shoot(out, "bare")
+
+
+def smoke(out):
+    """A box of smoke beside a small cube, whose own box the smoke is not in."""
+    scene = stage(samples=4, ground=False)
+    bpy.data.objects.remove(bpy.data.objects["Ball"])
+    scene.cycles.use_denoising = True
+    box = cube("Smoke", (0.9, 0, 0.3), 1.6, material("Smoke", (1, 1, 1)))
+    nodes = box.active_material.node_tree
+    nodes.nodes.remove(nodes.nodes["Principled BSDF"])
+    scatter = nodes.nodes.new("ShaderNodeVolumeScatter")
+    scatter.inputs["Density"].default_value = 0.8
+    nodes.links.new(scatter.outputs[0], nodes.nodes["Material Output"].inputs["Volume"])
+    shoot(out, "clean")
+    from encre.blender import volumes
+
+    volumes.corners = lambda _depsgraph: ()
+    shoot(out, "noisy")
+
+
+def wide(out):
+    """Red ink in files of two working spaces, where this Blender has them."""
+    if not hasattr(bpy.data, "colorspace"):
+        return
+    for space in ("Linear Rec.709", "ACEScg"):
+        scene = stage(samples=1)
+        scene.encre.line_color, scene.encre.line_thickness = (0.6, 0.02, 0), 120
+        bpy.ops.wm.set_working_color_space(working_space=space)
+        scene.view_settings.view_transform, scene.render.dither_intensity = "Standard", 0
+        shoot(out, space)
+        from encre.blender import versions
+
+        for owner, name, value in versions.as_png(scene.render.image_settings):
+            setattr(owner, name, value)
+        scene.render.filepath = os.path.join(out, f"{space}.png")
+        bpy.ops.render.render(write_still=True)
