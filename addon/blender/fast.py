@@ -8,7 +8,7 @@ import numpy as np
 
 from ..pen import background, library, overlay
 from ..pen.job import Camera
-from ..pen.sky import Sky
+from ..pen.sky import Sky, directions
 from . import cameras, lamps, materials, meshes, nodes, subject, worlds
 
 _SHOWS = 0.5         # alpha from which on a surface is there, as Blender's threshold is
@@ -150,8 +150,8 @@ class Scene:
         yield []
         layers["diffuse"] = self._from_camera(layers["normal"], view) if diffuse is None else diffuse
         layers["combined"] = combined = np.empty((*there.shape, 4), np.float32)
-        # What is reflected, or shows through glass, is not known: as bright as the light that falls there.
-        combined[..., :3] = (layers["color"] + layers["gloss"]) * layers["diffuse"] + layers["emission"]
+        combined[..., :3] = layers["color"] * layers["diffuse"] + layers["emission"]
+        self._gloss(layers, looks["surface"][..., 1], view, projection, frame)
         combined[..., 3] = 1
         yield []
         layers["diffuse"] *= layers["color"].any(2, keepdims=True)  # as a renderer has it
@@ -229,6 +229,25 @@ class Scene:
         """Whether another Scene looks the same from everywhere."""
         return all(_same(getattr(self, name), getattr(other, name)) for name in
                    ("materials", "sky", "transparent", "subject", "objects")) and self.light.same(other.light)
+
+    def _gloss(self, layers, roughness, view, projection, frame):
+        """Adds what is reflected: of things it is not known, so smooth surfaces reflect the sky, and rough ones are as
+        bright as the light that falls there."""
+        shape = roughness.shape
+        pixels = np.flatnonzero(layers["gloss"].any(2))
+        if not pixels.size:
+            return
+        gloss, light, normal, combined = (layers[name].reshape(-1, layers[name].shape[2]) for name in
+                                          ("gloss", "diffuse", "normal", "combined"))
+        rays = directions(view, projection, frame, pixels, shape[1])
+        across = normal[pixels]
+        mirrored = rays - 2 * np.einsum("nc,nc->n", rays, across)[:, None] * across
+        rough = roughness.reshape(-1)[pixels, None]
+        sky = self.sky.towards(mirrored)
+        reflected = gloss[pixels] * (sky + rough * (light[pixels] - sky))
+        combined[pixels, :3] += reflected
+        layers["specular"] = np.zeros((*shape, 3), np.float32)
+        layers["specular"].reshape(-1, 3)[pixels] = reflected
 
     def _background(self, layers, where, view, projection, frame):
         combined = layers["combined"]
