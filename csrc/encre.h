@@ -262,7 +262,7 @@ enum encre_edge {
 	ENCRE_EDGE_NONE = 2,   /* inside a face, or never a crease: only an end of the surface */
 };
 
-enum { ENCRE_MAX_CHANNELS = 16 };
+enum { ENCRE_MAX_CHANNELS = 24 };
 
 typedef struct encre_raster_job {
 	const encre_mesh *meshes;
@@ -296,6 +296,8 @@ typedef struct encre_raster_job {
 				   is of another object; 0 = none */
 	encre_image shading;    /* out, 3: by which the surface is shaded: the meshes' normals, interpolated and of
 				   length 1, world space, on the side of `normal`'s face; where there are none, `normal` */
+	encre_image beyond; /* in, 1: only what lies farther than this is drawn; at `depth`'s 1e10 nothing is. It hides
+			       no line. May be absent */
 } encre_raster_job;
 
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent
@@ -401,6 +403,77 @@ ENCRE_API int32_t encre_scene_lamp(encre_context *context, encre_scene *scene, i
  * equals its part of the full frame where its depth does; beyond the images the scene's own surfaces count. */
 ENCRE_API int32_t encre_light(encre_context *context, encre_light_job *job);
 
+/* ---- materials ------------------------------------------------------------------------------------------- */
+
+/* What surfaces look like without light, computed for each pixel by small programs: a node tree, compiled. They work on
+ * registers of one number. */
+
+enum { ENCRE_MAX_REGISTERS = 512, ENCRE_INPUTS = 8, ENCRE_DATA = 2 };
+
+typedef struct encre_operation_description {
+	const char *name; /* static storage */
+	int32_t inputs, outputs;
+} encre_operation_description;
+
+/* What the operation with this code takes and gives; NULL past the end. csrc/material/operations.rows.h tells what each
+ * does. */
+ENCRE_API const encre_operation_description *encre_operation_info(int32_t code);
+
+typedef struct encre_operation {
+	int32_t code, out;        /* the first of the registers that it writes, which it must not read */
+	int32_t in[ENCRE_INPUTS]; /* registers */
+	int32_t data[ENCRE_DATA];
+} encre_operation;
+
+/* What a program leaves in its registers, in this order. */
+enum encre_result {
+	ENCRE_RESULT_COLOR = 0,      /* 3: of matt surfaces */
+	ENCRE_RESULT_GLOSS = 3,      /* 3: of what is reflected, or shows through */
+	ENCRE_RESULT_EMISSION = 6,   /* 3 */
+	ENCRE_RESULT_ALPHA = 9,      /* 1 = nothing shows through */
+	ENCRE_RESULT_ROUGHNESS = 10, /* of reflections */
+	ENCRE_RESULTS
+};
+
+typedef struct encre_program {
+	const encre_operation *operations;
+	int32_t n_operations, n_registers; /* registers are 0 at the start */
+	int32_t result[ENCRE_RESULTS];     /* registers; what is left in several may be the same */
+	int32_t reserved;
+} encre_program;
+
+/* Scene-linear colours with alpha, 4 numbers a texel, row 0 at the bottom, of levels of detail one after the other:
+ * each half as wide and high as the one before, rounded down, but at least 1. */
+typedef struct encre_picture {
+	const float *texels;
+	int32_t width, height, levels;
+	int32_t wrap; /* enum encre_extension */
+} encre_picture;
+
+typedef struct encre_materials {
+	const encre_program *programs; /* by the number of the material */
+	const encre_picture *textures;
+	const float *constants;
+	const float *things; /* n_things x n_values: what is the same all over an object, by its number */
+	int32_t n_programs, n_textures, n_constants, n_things, n_values, reserved;
+} encre_materials;
+
+typedef struct encre_material_job {
+	const encre_materials *materials;
+	double view[16]; /* as in encre_raster_job */
+	double projection[16];
+	encre_frame frame;
+	encre_image object, material, depth, normal; /* in: what encre_raster() drew; object 0 = nothing */
+	encre_image attributes;                      /* in; may be absent */
+	encre_image color, gloss, emission;          /* out, 3: scene-linear, at least 0; 0 where nothing is */
+	encre_image surface;                         /* out, 2: alpha and roughness, 0 to 1 */
+	encre_progress progress;                     /* may be NULL */
+	void *user;
+} encre_material_job;
+
+/* Absent outputs are skipped. Programs that can't be run, as they read what is not there, are an error. */
+ENCRE_API int32_t encre_material(encre_context *context, encre_material_job *job);
+
 /* ---- baking ---------------------------------------------------------------------------------------------- */
 
 /* Lines where colours meet, drawn into a texture. Of `params`, one block, these count: line_thickness in texels,
@@ -432,10 +505,11 @@ ENCRE_API int32_t encre_bake(encre_context *context, encre_bake_job *job);
 /* ---- in the background ----------------------------------------------------------------------------------- */
 
 enum encre_kind {
-	ENCRE_RENDER = 0, /* encre_job */
-	ENCRE_RASTER = 1, /* encre_raster_job */
-	ENCRE_LIGHT = 2,  /* encre_light_job */
-	ENCRE_BAKE = 3,   /* encre_bake_job */
+	ENCRE_RENDER = 0,   /* encre_job */
+	ENCRE_RASTER = 1,   /* encre_raster_job */
+	ENCRE_LIGHT = 2,    /* encre_light_job */
+	ENCRE_BAKE = 3,     /* encre_bake_job */
+	ENCRE_MATERIAL = 4, /* encre_material_job */
 };
 
 /* A job of some kind, with progress NULL. */

@@ -1,81 +1,61 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What surfaces look like without light, as far as it can be told without a renderer."""
+"""Node trees of materials -> programs of what they look like without light (csrc/material).
+
+What can't be shown raises Unknown with the node's name; the material then has its viewport colour. To add a node: a
+method of _Compiler in nodes.py.
+"""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import worlds
+from ..pen.job import Materials
+from ..pen.program import Pool
+from . import nodes
 
 _PLAIN = (0.8, 0.8, 0.8)  # what a renderer gives a surface without a material
 
 
 @dataclass
-class Look:
-    """Colours (3,), scene-linear."""
+class Looks:
+    """The programs of a scene's materials."""
 
-    color: np.ndarray = field(default_factory=lambda: np.zeros(3))     # of matt light
-    gloss: np.ndarray = field(default_factory=lambda: np.zeros(3))     # of what is reflected or seen through it
-    emission: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    pool: Pool = field(default_factory=Pool)
+    known: dict = field(default_factory=dict)     # full name, None: no material -> (Compiler, Surface)
+    sources: dict = field(default_factory=dict)   # likewise -> what it reads of meshes, in the order of the channels
+    unknown: dict = field(default_factory=dict)   # full name -> the node that can't be shown
 
-    def __add__(self, other):
-        return Look(self.color + other.color, self.gloss + other.gloss, self.emission + other.emission)
-
-    def __mul__(self, share):
-        return Look(self.color * share, self.gloss * share, self.emission * share)
-
-
-def look(material):
-    """(the Look of a material, the name of the node that can't be shown: then it is its viewport colour, or None)."""
-    if material is None:
-        return Look(np.array(_PLAIN)), None
-    plain = Look(np.array(material.diffuse_color[:3], np.float64))
-    if not material.use_nodes or material.node_tree is None:
-        return plain, None
-    out = material.node_tree.get_output_node("CYCLES")
-    try:
-        return (_surface(out.inputs["Surface"]) if out else Look()), None
-    except worlds.Unknown as e:
-        return plain, str(e)
+    def programs(self, names, things, first):
+        """The job.Materials by number; names: in the order of the numbers; first: the first of the attributes' channels
+        that are theirs."""
+        made = []
+        for name in names:
+            compiler, surface = self.known[name]
+            made.append(compiler.finish(surface, first))
+        return Materials(made, self.pool.textures, np.array(self.pool.constants, np.float32), things)
 
 
-def _surface(socket):
-    if not socket.is_linked:
-        return Look()
-    node = socket.links[0].from_node
-    if node.mute or node.bl_idname not in _SURFACES:
-        raise worlds.Unknown(node.name)
-    return _SURFACES[node.bl_idname](node)
+def read(blocks, images):
+    """The Looks of evaluated materials; images: a nodes.Images."""
+    looks = Looks()
+    for block in [None, *blocks]:
+        name = block and block.name_full
+        compiler = nodes.Compiler(looks.pool, images)
+        try:
+            surface = _surface(compiler, block)
+        except nodes.Unknown as e:
+            looks.unknown[name] = str(e)
+            compiler = nodes.Compiler(looks.pool, images)
+            surface = compiler.matt(tuple(map(float, block.diffuse_color[:3])))
+        looks.known[name] = compiler, surface
+        looks.sources[name] = compiler.sources
+    return looks
 
 
-def _number(socket):
-    return worlds.value(socket, worlds.SEEN)
-
-
-def _principled(node):
-    base, metal = worlds.color(node.inputs["Base Color"]), _number(node.inputs["Metallic"])
-    through = _number(node.inputs["Transmission Weight" if "Transmission Weight" in node.inputs else "Transmission"])
-    own = (1 - metal) * (1 - through)
-    emission = worlds.color(node.inputs["Emission Color" if "Emission Color" in node.inputs else "Emission"])
-    return Look(base * own, base * (1 - own), emission * _number(node.inputs["Emission Strength"]))
-
-
-def _mix(node):
-    share = float(np.clip(_number(node.inputs[0]), 0, 1))
-    if share in (0, 1):
-        return _surface(node.inputs[1 + int(share)])
-    return _surface(node.inputs[1]) * (1 - share) + _surface(node.inputs[2]) * share
-
-
-_SURFACES = {
-    "ShaderNodeBsdfPrincipled": _principled,
-    "ShaderNodeBsdfDiffuse": lambda node: Look(worlds.color(node.inputs["Color"])),
-    "ShaderNodeBsdfToon": lambda node: Look(worlds.color(node.inputs["Color"])),
-    "ShaderNodeBsdfGlossy": lambda node: Look(gloss=worlds.color(node.inputs["Color"])),
-    "ShaderNodeBsdfAnisotropic": lambda node: Look(gloss=worlds.color(node.inputs["Color"])),  # since 4.0 Glossy's id
-    "ShaderNodeBsdfGlass": lambda node: Look(gloss=worlds.color(node.inputs["Color"])),
-    "ShaderNodeEmission": lambda node: Look(
-        emission=worlds.color(node.inputs["Color"]) * _number(node.inputs["Strength"])),
-    "ShaderNodeMixShader": _mix,
-    "ShaderNodeAddShader": lambda node: _surface(node.inputs[0]) + _surface(node.inputs[1]),
-}
+def _surface(compiler, block):
+    if block is None:
+        return compiler.matt(_PLAIN)
+    if not block.use_nodes or block.node_tree is None:
+        return compiler.matt(tuple(map(float, block.diffuse_color[:3])))
+    out = block.node_tree.get_output_node("CYCLES")
+    return compiler.shader(out.inputs["Surface"]) if out else compiler.nothing()

@@ -2,14 +2,15 @@
 """Evaluated objects -> triangles with painted controls, marked edges  and numbers of objects."""
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..pen import colour, library, unwrap
 from ..pen.errors import EncreError
 from ..pen.job import EDGES, Mesh, edge_kinds
-from . import properties, versions
+from . import attributes, properties, versions
+from .attributes import get
 
 MESHABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
@@ -27,6 +28,8 @@ class Objects:
     catchers: np.ndarray  # which show nothing but shadows
     clear: np.ndarray  # by number of material: which may let light through
     materials: list    # by their numbers, full names; None: of what has none
+    things: np.ndarray # what programs of materials read of each: colour with alpha, random, pass index, place
+    shown: list        # by the meshes: attributes (t, 3, channels) that programs of materials read, or None
 
     def solid(self):
         """The meshes without the triangles that may let light through; None if there are none of these."""
@@ -85,12 +88,13 @@ def block_name(block):
     return type(block.original).__name__, block.original.name_full
 
 
-def extract(depsgraph, automatic, line_numbers, light=None, kept=None, shown=None):
+def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=None, looks=None):
     """The Objects that the camera can see. `line_numbers`: what overrides.pass_indices() gave, None if it was
     not called. `light`: a lamps.Light that takes them, and what only throws shadows. `kept`: a Kept; with it normals
-    are read. `shown`: whether an original object is, None: all are.
+    are read. `visible`: whether an original object is, None: all are. `looks`: the materials.Looks whose programs will
+    read attributes, after the controls.
     """
-    meshes, owners, numbers, catchers = [], [0], [0], [False]
+    meshes, shown, owners, numbers, catchers, things = [], [], [0], [0], [False], [(0,) * 9]
     running, materials = {}, _Materials(depsgraph.scene_eval)
     smooth, kept = bool(light) or kept is not None, kept or Kept()
     first_free = 0 if line_numbers is None else len(line_numbers)
@@ -99,7 +103,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, shown=Non
         if obj.type not in MESHABLE or not instance.show_self:
             continue
         top = instance.parent if instance.is_instance else obj
-        if shown and not shown(top.original):
+        if visible and not visible(top.original):
             continue
         seen = _in_camera(obj, depsgraph)
         if not seen and not (light and obj.visible_shadow):
@@ -107,9 +111,10 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, shown=Non
         # Instances come as one passing object. An evaluated mesh has its modifiers in it, a curve or text has not.
         own = None if obj.type == "MESH" else obj.original.as_pointer()
         maps = light.maps(obj) if light else ()
-        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps
+        read = _read_by(obj, looks) if seen else frozenset()
+        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps, read
         names = {block_name(block) for block in (obj, top, obj.data)}
-        triangles = kept.get(key, names, functools.partial(_triangles, obj, smooth, maps))
+        triangles = kept.get(key, names, functools.partial(_triangles, obj, smooth, maps, read))
         if triangles is None:
             continue
         if light:
@@ -120,16 +125,32 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, shown=Non
         parts = range(first_free + number, first_free + number + triangles.n_parts)
         owners += [obj.pass_index] * len(parts)
         catchers += [obj.is_shadow_catcher] * len(parts)
+        things += [_thing(instance, obj)] * len(parts) if looks else []
         numbers.append(_line_number(instance, obj, automatic, line_numbers, running, parts[0]))
         numbers += [own if automatic else -own for own in parts[1:]]  # negative: no pass index is
-        meshes.append(_mesh(triangles, obj, materials, instance.matrix_world, number))
+        mesh, read = _mesh(triangles, obj, materials, instance.matrix_world, number, looks)
+        meshes.append(mesh)
+        shown.append(read)
         if len(triangles.marked):
             meshes.append(Mesh(triangles.points, triangles.marked, kind="lines",
                                     model=np.array(instance.matrix_world, np.float64)))
+            shown.append(None)
     kept.tidy()
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
                    line_numbers if automatic else None, automatic, np.array(catchers),
-                   np.array([known[3] for known in materials.known.values()]), list(materials.known))
+                   np.array([known[3] for known in materials.known.values()]), list(materials.known),
+                   np.array(things, np.float32), shown)
+
+
+def _read_by(obj, looks):
+    """What the materials of an object read of its mesh."""
+    if not looks:
+        return frozenset()
+    return frozenset(source for name in _slots(obj) for source in looks.sources[name])
+
+
+def _thing(instance, obj):
+    return (*obj.color, instance.random_id / 0xffffffff, obj.original.pass_index, *instance.matrix_world.translation)
 
 
 def _in_camera(obj, depsgraph):
@@ -162,6 +183,8 @@ class _Triangles:
     edges: np.ndarray | None     # (triangles,) as Mesh.edges
     normals: np.ndarray | None   # (triangles, 3, 3) at the corners; None: flat, or nobody asks
     uvs: dict                    # name of a UV map that light asks for -> (triangles, 3, 2) at the corners
+    sources: dict                # what programs of materials read -> (triangles, 3, 3) at the corners; absent: 0
+    shown: dict = field(default_factory=dict)  # what attributes.by_slot() made of them, by the layouts
 
     def same_shape(self, other):
         """Whether light falls on others as it does on these."""
@@ -171,9 +194,9 @@ class _Triangles:
                         for name in ("points", "corners", "normals", "material")))
 
 
-def _triangles(obj, light, maps):
+def _triangles(obj, light, maps, sources):
     """The triangles of an evaluated object, None if it has none. light: whether light is to fall on them; maps: the UV
-    maps that are read, "" = the one that renders use."""
+    maps that are read, "" = the one that renders use; sources: what programs of materials read."""
     try:
         mesh = obj.to_mesh()
     except RuntimeError:  # no geometry
@@ -181,28 +204,22 @@ def _triangles(obj, light, maps):
     if mesh is None:
         return None
     try:
-        return _read(mesh, obj.encre.separate_parts, light, maps) if len(mesh.polygons) else None
+        return _read(mesh, obj.encre.separate_parts, light, maps, sources) if len(mesh.polygons) else None
     finally:
         obj.to_mesh_clear()
 
 
-def _get(collection, name, dtype, width=1):
-    values = np.empty(len(collection) * width, dtype)
-    collection.foreach_get(name, values)
-    return values.reshape(-1, width) if width > 1 else values
-
-
-def _read(mesh, separate, light, maps):
+def _read(mesh, separate, light, maps, sources):
     position = mesh.attributes.get("position")
-    points = (_get(position.data, "vector", np.float32, 3) if position
-              else _get(mesh.vertices, "co", np.float32, 3))
+    points = (get(position.data, "vector", np.float32, 3) if position
+              else get(mesh.vertices, "co", np.float32, 3))
     corner_vertex = mesh.attributes.get(".corner_vert")  # many times faster than the loops, where it is there
-    vertex = (_get(corner_vertex.data, "value", np.int32) if corner_vertex
-              else _get(mesh.loops, "vertex_index", np.int32))
+    vertex = (get(corner_vertex.data, "value", np.int32) if corner_vertex
+              else get(mesh.loops, "vertex_index", np.int32))
     loops, face = _triangulate(mesh, points, vertex)
     material = mesh.attributes.get("material_index")
     if material is not None and material.domain == "FACE" and len(material.data):
-        material = _get(material.data, "value", np.int32)[face]
+        material = get(material.data, "value", np.int32)[face]
         material = material if material.any() else None
     else:
         material = None
@@ -212,24 +229,25 @@ def _read(mesh, separate, light, maps):
     normals = versions.corner_normals(mesh) if light else None
     return _Triangles(points, corners, material, _painted(mesh, loops, corners, face), part, n_parts,
                       np.empty((0, 2), np.int32) if marked is None or not marked.any()
-                      else _get(mesh.edges, "vertices", np.int32, 2)[marked], _edges(mesh, loops, face),
+                      else get(mesh.edges, "vertices", np.int32, 2)[marked], _edges(mesh, loops, face),
                       None if normals is None else normals[loops],
-                      {name: uvs[loops] for name in maps if (uvs := _uvs(mesh, name)) is not None})
+                      {name: uvs[loops] for name in maps if (uvs := _uvs(mesh, name)) is not None},
+                      attributes.read(mesh, sources, points, loops, corners, face))
 
 
 def _uvs(mesh, name):
     """By corners (n, 2), of the UV map of this name, "" = the one that renders use; None: it is not there."""
     layer = mesh.uv_layers.get(name) if name else next((u for u in mesh.uv_layers if u.active_render), None)
-    return layer and _get(layer.data, "uv", np.float32, 2)
+    return layer and get(layer.data, "uv", np.float32, 2)
 
 
 def _triangulate(mesh, points, vertex):
     """(corners of each triangle (t, 3), face of each (t,)), as Blender, and so Cycles, cuts the faces."""
-    start, total = _get(mesh.polygons, "loop_start", np.int32), _get(mesh.polygons, "loop_total", np.int32)
+    start, total = get(mesh.polygons, "loop_start", np.int32), get(mesh.polygons, "loop_total", np.int32)
     if total.max() > 4:
         mesh.calc_loop_triangles()
-        return (_get(mesh.loop_triangles, "loops", np.int32, 3),
-                _get(mesh.loop_triangles, "polygon_index", np.int32))
+        return (get(mesh.loop_triangles, "loops", np.int32, 3),
+                get(mesh.loop_triangles, "polygon_index", np.int32))
     faces = np.arange(len(total), dtype=np.int32)
     triangle, quad = faces[total == 3], faces[total == 4]
     four = start[quad][:, None] + np.arange(4, dtype=np.int32)
@@ -249,19 +267,19 @@ NO_LINE = "encre_no_line"  # a boolean attribute of edges: never a crease
 
 def _edges(mesh, loops, face):
     """What creases along the triangles' edges are taken for, (t,) as Mesh.edges; None: all between flat faces."""
-    start, total = (_get(mesh.polygons, name, np.int32)[face][:, None] for name in ("loop_start", "loop_total"))
-    smooth = _get(mesh.polygons, "use_smooth", bool)[face][:, None]
+    start, total = (get(mesh.polygons, name, np.int32)[face][:, None] for name in ("loop_start", "loop_total"))
+    smooth = get(mesh.polygons, "use_smooth", bool)[face][:, None]
     never = mesh.attributes.get(NO_LINE)
     never = None if never is None or (never.domain, never.data_type) != ("EDGE", "BOOLEAN") else never
     if total.max() == 3 and not smooth.any() and never is None:
         return None
     inner = np.roll(loops, -1, 1) - start != (loops - start + 1) % total  # cuts through a face
     corner_edge = mesh.attributes.get(".corner_edge")  # as fast as .corner_vert
-    edge = (_get(corner_edge.data, "value", np.int32) if corner_edge
-            else _get(mesh.loops, "edge_index", np.int32))[loops]
+    edge = (get(corner_edge.data, "value", np.int32) if corner_edge
+            else get(mesh.loops, "edge_index", np.int32))[loops]
     kinds = np.where(smooth & ~versions.sharp_edges(mesh)[edge], EDGES["smooth"], EDGES["flat"])
     if never is not None:
-        inner |= _get(never.data, "value", bool)[edge]
+        inner |= get(never.data, "value", bool)[edge]
     kinds[inner] = EDGES["none"]
     return edge_kinds(kinds)
 
@@ -279,7 +297,7 @@ def _parts(mesh, corners, face, separate):
     numbered = attribute is not None and attribute.domain == "FACE" and attribute.data_type in _NUMBERS
     if not numbered and not separate:
         return None, 1
-    number = _get(attribute.data, "value", _NUMBERS[attribute.data_type])[face] if numbered else np.zeros(len(corners))
+    number = get(attribute.data, "value", _NUMBERS[attribute.data_type])[face] if numbered else np.zeros(len(corners))
     piece = islands(len(mesh.vertices), corners)[corners[:, 0]] if separate else np.zeros(len(corners), np.intp)
     found, part = np.unique(np.stack([number, piece], 1), axis=0, return_inverse=True)
     return (part.reshape(-1).astype(np.int32), len(found)) if len(found) > 1 else (None, 1)
@@ -314,12 +332,12 @@ def unwrapped(obj, depsgraph, uv_map=""):
         layer = mesh.uv_layers.get(uv_map) or next((u for u in mesh.uv_layers if u.active_render), None)
         if not layer:
             raise EncreError(f"{obj.name}: has no UV map; unwrap it first")
-        points = _get(mesh.vertices, "co", np.float32, 3)
-        vertex = _get(mesh.loops, "vertex_index", np.int32)
+        points = get(mesh.vertices, "co", np.float32, 3)
+        vertex = get(mesh.loops, "vertex_index", np.int32)
         loops, _ = _triangulate(mesh, points, vertex)
         world = np.array(evaluated.matrix_world, np.float64)
         return unwrap.Unwrapped(points @ world[:3, :3].T + world[:3, 3], vertex[loops],
-                                _get(layer.data, "uv", np.float32, 2)[loops].astype(np.float64))
+                                get(layer.data, "uv", np.float32, 2)[loops].astype(np.float64))
     finally:
         evaluated.to_mesh_clear()
 
@@ -334,9 +352,9 @@ def _painted(mesh, loops, corners, face):
         if attribute is None or not len(attribute.data):
             continue
         if attribute.data_type in ("FLOAT_COLOR", "BYTE_COLOR"):
-            values = colour.control_values(_get(attribute.data, "color", np.float32, 4))
+            values = colour.control_values(get(attribute.data, "color", np.float32, 4))
         elif attribute.data_type == "FLOAT":
-            values = _get(attribute.data, "value", np.float32)
+            values = get(attribute.data, "value", np.float32)
         else:
             continue
         where = {"POINT": corners, "CORNER": loops, "FACE": face[:, None]}.get(attribute.domain)
@@ -379,7 +397,13 @@ def _lets_through(material):
     return False
 
 
-def _mesh(triangles, obj, materials, matrix, number):
+def _slots(obj):
+    """Full names of the materials of an object's slots."""
+    return [slot.material and slot.material.name_full for slot in obj.material_slots] or [None]
+
+
+def _mesh(triangles, obj, materials, matrix, number, looks):
+    """(the Mesh, its attributes for the programs of its materials)."""
     slots = [materials(slot.material) for slot in obj.material_slots] or [materials(None)]
     own_style = properties.style_number(obj, materials.scene)
     controls = np.array([slot[2] for slot in slots]) + np.array(properties.controls(obj), np.float32)
@@ -399,4 +423,10 @@ def _mesh(triangles, obj, materials, matrix, number):
         mesh.attributes = added.repeat(3, 1) if triangles.painted is None else triangles.painted + added
     else:
         mesh.attributes = triangles.painted
-    return mesh
+    if looks:
+        layouts = [tuple(looks.sources[name]) for name in _slots(obj)]
+        shown = triangles.shown.get(layouts := tuple(layouts))
+        if shown is None and any(layouts) and triangles.sources:
+            shown = triangles.shown[layouts] = attributes.by_slot(triangles.sources, slot, layouts)
+        return mesh, shown
+    return mesh, None

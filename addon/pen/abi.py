@@ -79,7 +79,8 @@ class RasterJob(c.Structure):
                 ("view", c.c_double * 16), ("projection", c.c_double * 16), ("clip_start", c.c_double),
                 ("clip_end", c.c_double), ("frame", Frame), *((n, Image) for n in RASTER_OUTPUTS),
                 ("progress", Progress), ("user", c.c_void_p), ("marks", Image),
-                ("creases", Image), ("coincident", Image), ("shading", Image)]
+                ("creases", Image), ("coincident", Image), ("shading", Image),
+                ("beyond", Image)]
 
 
 class BakeJob(c.Structure):
@@ -117,11 +118,48 @@ class LightJob(c.Structure):
                 ("progress", Progress), ("user", c.c_void_p)]
 
 
+class OperationInfo(c.Structure):
+    _fields_ = [("name", c.c_char_p), ("inputs", c.c_int32), ("outputs", c.c_int32)]
+
+
+class Operation(c.Structure):
+    _fields_ = [("code", c.c_int32), ("out", c.c_int32), ("in", c.c_int32 * 8), ("data", c.c_int32 * 2)]
+
+
+RESULTS = 11
+
+
+class Program(c.Structure):
+    _fields_ = [("operations", c.c_void_p), ("n_operations", c.c_int32), ("n_registers", c.c_int32),
+                ("result", c.c_int32 * RESULTS), ("reserved", c.c_int32)]
+
+
+class Picture(c.Structure):
+    _fields_ = [("texels", c.c_void_p), ("width", c.c_int32), ("height", c.c_int32), ("levels", c.c_int32),
+                ("wrap", c.c_int32)]
+
+
+class Materials(c.Structure):
+    _fields_ = [("programs", c.POINTER(Program)), ("textures", c.POINTER(Picture)), ("constants", c.c_void_p),
+                ("things", c.c_void_p), ("n_programs", c.c_int32), ("n_textures", c.c_int32),
+                ("n_constants", c.c_int32), ("n_things", c.c_int32), ("n_values", c.c_int32), ("reserved", c.c_int32)]
+
+
+MATERIAL_INPUTS = {"object": 1, "material": 1, "depth": 1, "normal": 3}  # channels
+MATERIAL_OUTPUTS = {"color": 3, "gloss": 3, "emission": 3, "surface": 2}
+
+
+class MaterialJob(c.Structure):
+    _fields_ = [("materials", c.POINTER(Materials)), ("view", c.c_double * 16), ("projection", c.c_double * 16),
+                ("frame", Frame), *((n, Image) for n in MATERIAL_INPUTS), ("attributes", Image),
+                *((n, Image) for n in MATERIAL_OUTPUTS), ("progress", Progress), ("user", c.c_void_p)]
+
+
 class Step(c.Structure):
     _fields_ = [("kind", c.c_int32), ("reserved", c.c_int32), ("job", c.c_void_p)]
 
 
-WORKS = ("render", "raster", "light", "bake")  # enum encre_kind; their functions are called so, too
+WORKS = ("render", "raster", "light", "bake", "material")  # enum encre_kind; their functions are called so, too
 
 
 def steps(works: Sequence[job.Work]) -> Array[Step]:
@@ -139,6 +177,32 @@ def given(name: str, a: np.ndarray, channels: int) -> tuple[np.ndarray, Image]:
     """(the array as the library can read it, its image); job.picture() says what is refused."""
     a = job.picture(name, a, channels)
     return a, image(a)
+
+
+def materials(given: job.Materials) -> tuple[Materials, list]:
+    """(encre_materials, arrays as long as which it holds)."""
+    keep: list = []
+
+    def pointer(a, dtype):
+        keep.append(np.ascontiguousarray(a, dtype))
+        return keep[-1].ctypes.data if keep[-1].size else None
+
+    programs, textures = (Program * max(1, len(given.programs)))(), (Picture * max(1, len(given.textures)))()
+    for to, program in zip(programs, given.programs, strict=False):
+        operations = job.entries("operations", program.operations, np.int32, (len(program.operations), 12))
+        to.operations, to.n_operations = pointer(operations, np.int32), len(operations)
+        to.n_registers = program.registers
+        to.result[:] = list(program.result)
+    for to, texture in zip(textures, given.textures, strict=False):
+        count, width, height = 0, texture.width, texture.height
+        for _ in range(texture.levels):
+            count, width, height = count + width * height, max(1, width // 2), max(1, height // 2)
+        to.texels = pointer(job.entries("texels", texture.texels, np.float32, (count, 4)), np.float32)
+        to.width, to.height, to.levels = texture.width, texture.height, texture.levels
+        to.wrap = job.WRAPS.index(texture.wrap)
+    things = np.asarray(given.things, np.float32)
+    return Materials(programs, textures, pointer(given.constants, np.float32), pointer(things, np.float32),
+                     len(given.programs), len(given.textures), len(given.constants), *things.shape, 0), keep
 
 
 def fill_mesh(m: Mesh, mesh: job.Mesh) -> list:

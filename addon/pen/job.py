@@ -98,6 +98,42 @@ class Work:
 
 
 @dataclass
+class Picture:
+    """texels: (n, 4), scene-linear, of `levels` levels of detail one after the other, each of half the width and
+    height, row 0 at the bottom; wrap: "repeat", "extend" or "clip"."""
+
+    texels: np.ndarray
+    width: int
+    height: int
+    levels: int = 1
+    wrap: str = "repeat"
+
+
+WRAPS = ("repeat", "extend", "clip")  # enum encre_extension
+
+
+@dataclass
+class Program:
+    """operations: (n, 12), code, first output, eight inputs and two data of each; result: a register for each of enum
+    encre_result."""
+
+    operations: np.ndarray
+    registers: int
+    result: Sequence[int]
+
+
+@dataclass
+class Materials:
+    """What encre_material runs: programs by number of material; things (objects, values): what is the same all over an
+    object, by its number."""
+
+    programs: Sequence[Program]
+    textures: Sequence[Picture] = ()
+    constants: np.ndarray = field(default_factory=lambda: np.zeros(0, np.float32))
+    things: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.float32))
+
+
+@dataclass
 class Result:
     images: dict[str, np.ndarray]
     nonfinite: int

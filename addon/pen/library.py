@@ -16,7 +16,7 @@ import numpy as np
 
 from . import abi
 from .errors import Cancelled, EncreError, unknown
-from .job import Baked, Camera, Frame, Mesh, Result, Work
+from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work
 from .params import Control, Param, Stage, control, normal, read, stage, text_of
 
 API_VERSION = 9
@@ -60,6 +60,7 @@ class Library:
         lib.encre_stage_info.restype = c.POINTER(abi.StageInfo)
         lib.encre_layer_info.restype = lib.encre_output_info.restype = c.POINTER(abi.LayerInfo)
         lib.encre_control_info.restype = c.POINTER(abi.ControlInfo)
+        lib.encre_operation_info.restype = c.POINTER(abi.OperationInfo)
         lib.encre_params_size.restype = c.c_int64
         lib.encre_params_check.restype = c.c_char_p
         lib.encre_params_check.argtypes = [c.c_void_p, c.c_char_p, c.c_int64]
@@ -70,7 +71,7 @@ class Library:
         lib.encre_scene_free.argtypes, lib.encre_scene_free.restype = [c.c_void_p], None
         for name in ("encre_scene_geometry", "encre_scene_instance", "encre_scene_texture", "encre_scene_lamp"):
             getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p, c.c_int64, c.c_void_p]
-        for name in ("encre_render", "encre_raster", "encre_bake", "encre_light", "encre_poll"):
+        for name in ("encre_render", "encre_raster", "encre_bake", "encre_light", "encre_material", "encre_poll"):
             getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
         lib.encre_start.argtypes = [c.c_void_p, c.c_void_p, c.c_int32]
         lib.encre_wait.argtypes = lib.encre_cancel.argtypes = [c.c_void_p]
@@ -81,6 +82,8 @@ class Library:
         self.output_help = {text_of(x.name): text_of(x.help) for x in _each(lib.encre_output_info)}
         self.controls = {x.name: x for x in map(control, _each(lib.encre_control_info))}
         self.stages = tuple(map(stage, _each(lib.encre_stage_info)))
+        self.operations = {text_of(x.name): (k, x.inputs, x.outputs)
+                           for k, x in enumerate(_each(lib.encre_operation_info))}
         self.params = {p.id: p for s in self.stages for p in s.params}
 
         class Job(c.Structure):
@@ -268,18 +271,20 @@ class Library:
     def raster(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
                size: tuple[int, int], clip_start: float, clip_end: float = 0.0, channels: int = 0,
                outputs: Sequence[str] = abi.RASTER_OUTPUTS, threads: int = 0,
-               progress: Callable[[float], bool] | None = None) -> dict[str, np.ndarray]:
+               progress: Callable[[float], bool] | None = None,
+               beyond: np.ndarray | None = None) -> dict[str, np.ndarray]:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
-        (H, W, 2), `creases` (H, W, 4), `coincident` and `shading` (H, W, 3).
+        (H, W, 2), `creases` (H, W, 4), `coincident` and `shading` (H, W, 3). beyond (H, W): only what lies farther
+        than this is drawn; at 1e10 nothing is.
         """
-        work = self.raster_work(meshes, view, projection, frame, size, clip_start, clip_end, channels, outputs)
+        work = self.raster_work(meshes, view, projection, frame, size, clip_start, clip_end, channels, outputs, beyond)
         return self.run(work, threads, 1, progress)
 
     def raster_work(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
                     size: tuple[int, int], clip_start: float, clip_end: float = 0.0, channels: int = 0,
-                    outputs: Sequence[str] = abi.RASTER_OUTPUTS) -> Work:
+                    outputs: Sequence[str] = abi.RASTER_OUTPUTS, beyond: np.ndarray | None = None) -> Work:
         """The Work of raster()."""
         job, keep = abi.RasterJob(), []
         array = (abi.Mesh * max(1, len(meshes)))()
@@ -290,6 +295,8 @@ class Library:
         job.projection[:] = np.asarray(projection, np.float64).ravel()
         job.clip_start, job.clip_end = clip_start, clip_end
         job.frame = abi.Frame(frame.width, frame.height, frame.x, frame.y)
+        if beyond is not None:
+            beyond, job.beyond = abi.given("beyond", beyond, 1)
         width, height = size
         images = {}
         for name in outputs:
@@ -299,7 +306,37 @@ class Library:
             images[name] = np.zeros(shape, np.float32)
             if images[name].size:
                 setattr(job, name, abi.image(images[name]))
-        return Work("raster", job, [keep, array], lambda: images)
+        return Work("raster", job, [keep, array, beyond], lambda: images)
+
+    def material(self, materials: Materials, maps: Mapping[str, np.ndarray], view: np.ndarray, projection: np.ndarray,
+                 frame: Frame, threads: int = 0, simd: int = 1,
+                 progress: Callable[[float], bool] | None = None) -> dict[str, np.ndarray]:
+        """What surfaces look like without light: `color`, `gloss` and `emission` (H, W, 3), `surface` (H, W, 2), alpha
+        and roughness. maps: object, material and depth (H, W), normal (H, W, 3) and perhaps attributes (H, W, n), as
+        raster() gives them.
+        """
+        return self.run(self.material_work(materials, maps, view, projection, frame), threads, simd, progress)
+
+    def material_work(self, materials: Materials, maps: Mapping[str, np.ndarray], view: np.ndarray,
+                      projection: np.ndarray, frame: Frame) -> Work:
+        """The Work of material()."""
+        job = abi.MaterialJob()
+        block, keep = abi.materials(materials)
+        job.materials = c.pointer(block)
+        job.view[:] = np.asarray(view, np.float64).ravel()
+        job.projection[:] = np.asarray(projection, np.float64).ravel()
+        job.frame = abi.Frame(frame.width, frame.height, frame.x, frame.y)
+        given = {**abi.MATERIAL_INPUTS, "attributes": maps["attributes"].shape[-1] if "attributes" in maps else 0}
+        for name in given.keys() & maps.keys():
+            if maps[name].size:
+                a, image = abi.given(name, maps[name], given[name])
+                setattr(job, name, image)
+                keep.append(a)
+        images = {}
+        for name, channels in abi.MATERIAL_OUTPUTS.items():
+            images[name] = np.empty((*maps["object"].shape[:2], channels), np.float32)
+            setattr(job, name, abi.image(images[name]))
+        return Work("material", job, [keep, block], lambda: images)
 
     def bake(self, texture: np.ndarray, scene: Mapping | None = None, form: np.ndarray | None = None,
              linear: bool = False, wrap: tuple[bool, bool] = (True, True), draw: bool = True, threads: int = 0,

@@ -98,10 +98,10 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
     if "attributes" in maps:
         layers["controls"] = moved(maps.pop("attributes"))
     if "marks" in maps:
-        layers["marks"] = _without(maps.pop("marks"), pixels)
+        layers["marks"] = without(maps.pop("marks"), pixels)
     if "creases" in maps:
         layers["creases"] = np.array(maps.pop("creases"), np.float32)
-        _without(layers["creases"][..., :4], pixels)
+        without(layers["creases"][..., :4], pixels)
         layers["creases"].reshape(-1, 5)[pixels, 4] = -1  # no mesh tells of them
     return layers
 
@@ -136,7 +136,7 @@ def _nothing(depth):
     return (depth[..., 0] >= 1e9) | ~(depth[..., 0] > 0)
 
 
-def _without(ways, strays):
+def without(ways: np.ndarray, strays: np.ndarray) -> np.ndarray:
     """What is told of ways to the right and down (height, width, 2 n), changed: nothing of those to or from `strays`,
     flat numbers of pixels that show something else than the rasteriser drew."""
     n = ways.shape[2] // 2

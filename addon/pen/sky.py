@@ -29,16 +29,20 @@ class Sky:
     def seen(self, view: np.ndarray, projection: np.ndarray, frame: Frame, pixels: np.ndarray,
              width: int) -> np.ndarray:
         """(n, 3) at flat numbers of pixels of a picture of this width, of which `frame` tells the place."""
-        out = np.broadcast_to(self.color.astype(np.float32), (len(pixels), 3)).copy()
-        if self.pictures:
-            direction = _directions(view, projection, frame, pixels, width)
-            for picture, turn in self.pictures:
-                out += _looked_up(picture, direction @ turn.T)
+        if not self.pictures:
+            return self.towards(np.empty((len(pixels), 3)))
+        return self.towards(directions(view, projection, frame, pixels, width))
+
+    def towards(self, direction: np.ndarray) -> np.ndarray:
+        """(n, 3) in directions (n, 3) of length 1, world space."""
+        out = np.broadcast_to(self.color.astype(np.float32), direction.shape).copy()
+        for picture, turn in self.pictures:
+            out += _looked_up(picture, direction @ turn.T)
         return out
 
 
-def _directions(view, projection, frame, pixels, width):
-    """Of length 1, world space; of an orthographic camera all the same."""
+def directions(view: np.ndarray, projection: np.ndarray, frame: Frame, pixels: np.ndarray, width: int) -> np.ndarray:
+    """In which pixels are seen, (n, 3) of length 1, world space; by an orthographic camera all in the same."""
     row, column = np.divmod(pixels, width)
     x = (2 * (column + frame.x + 0.5) / frame.width - 1 + projection[0, 2]) / projection[0, 0]
     y = (1 - 2 * (row + frame.y + 0.5) / frame.height + projection[1, 2]) / projection[1, 1]

@@ -220,6 +220,17 @@ int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char 
 	}
 	if (!first)
 		return refuse(error, size, "raster: no output is given; give at least one image to draw into");
+	if (job->beyond.data) {
+		const encre_layer_description beyond = {"beyond", "", 1, 0};
+		int32_t code = check_image(&job->beyond, &beyond, first->width, first->height, error, size);
+		clean->beyond = with_strides(job->beyond);
+		for (size_t k = 0; !code && k < sizeof images / sizeof *images; k++)
+			if (images[k]->data)
+				code = check_apart(what[k].name, clean_images[k], "beyond", grid_of(&clean->beyond),
+						   error, size);
+		if (code)
+			return code;
+	}
 	return check_frame(&job->frame, first->width, first->height, error, size);
 }
 
@@ -268,11 +279,13 @@ encre_progress *step_progress(const encre_step *step, void ***user)
 	encre_job *render = step->job;
 	encre_raster_job *raster = step->job;
 	encre_light_job *light = step->job;
+	encre_material_job *material = step->job;
 	encre_bake_job *bake = step->job;
 	switch (step->kind) {
 	case ENCRE_RENDER: *user = &render->user; return &render->progress;
 	case ENCRE_RASTER: *user = &raster->user; return &raster->progress;
 	case ENCRE_LIGHT: *user = &light->user; return &light->progress;
+	case ENCRE_MATERIAL: *user = &material->user; return &material->progress;
 	default: *user = &bake->user; return &bake->progress;
 	}
 }
@@ -284,7 +297,7 @@ int32_t check_steps(const encre_step *steps, int32_t n_steps, char *error, size_
 			      ENCRE_MAX_STEPS);
 	for (int i = 0; i < n_steps; i++) {
 		void **user;
-		if (steps[i].kind < ENCRE_RENDER || steps[i].kind > ENCRE_BAKE)
+		if (steps[i].kind < ENCRE_RENDER || steps[i].kind > ENCRE_MATERIAL)
 			return refuse(error, size, "step %d: kind %d is not known; give one of enum encre_kind", i,
 				      (int)steps[i].kind);
 		if (!steps[i].job)

@@ -3,9 +3,11 @@
  * trust what they are given. */
 #include "api/check.h"
 #include "api/check_light.h"
+#include "api/check_material.h"
 #include "api/context.h"
 #include "base/refuse.h"
 #include "light/handle.h"
+#include "material/material.h"
 #include "raster/raster.h"
 #include "texture/bake.h"
 
@@ -216,5 +218,26 @@ int32_t encre_light(encre_context *context, encre_light_job *job)
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
 	code = use_best(context) ? BEST(light_run)(pool, &clean) : light_run_base(pool, &clean);
+	return fail_code(context, code);
+}
+
+/* ---- materials --------------------------------------------------------------------------------------------- */
+
+const encre_operation_description *encre_operation_info(int32_t code)
+{
+	return operation_info(code);
+}
+
+int32_t encre_material(encre_context *context, encre_material_job *job)
+{
+	context->error[0] = 0;
+	encre_material_job clean;
+	int32_t code = check_material(job, &clean, context->error, sizeof context->error);
+	if (code)
+		return code;
+	bands *pool = pool_of(context, job->progress, job->user);
+	if (!pool)
+		return fail_code(context, ENCRE_ERROR_MEMORY);
+	code = use_best(context) ? BEST(material_draw)(pool, &clean) : material_draw_base(pool, &clean);
 	return fail_code(context, code);
 }

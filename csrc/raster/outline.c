@@ -179,6 +179,7 @@ static void draw_span(const band *b, const depth_plane *plane, const outline *o,
 	double step_n = plane->n[0], step_d = plane->d[0], nearest = o->nearest, farthest = o->farthest;
 	size_t at = (size_t)(y - b->y0) * (size_t)(b->x1 - b->x0) + (size_t)(x - b->x0);
 	float *restrict depth = b->depth + at, least = b->close;
+	const float *restrict beyond = b->beyond ? b->beyond + at : NULL;
 	uint32_t *restrict front = b->front + at;
 	int column = x - o->x0;
 	for (int i = 0; i < n; i++) {
@@ -187,6 +188,8 @@ static void draw_span(const band *b, const depth_plane *plane, const outline *o,
 		z = z > nearest ? z : nearest;
 		z = z < farthest ? z : farthest;
 		float f = (float)z, nearer = depth[i] - f, close = least + fabsf(f) * 0x1p-20f;
+		if (beyond && !(f - close > beyond[i]))
+			continue;
 		/* Where rounding does not tell which is nearer, whether the two coincide is asked of their planes. */
 		if (nearer >= -close && nearer <= close && b->coincide(b->user, front[i], number, x + i, y))
 			b->twin[at + (size_t)i] = number;

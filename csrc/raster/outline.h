@@ -44,7 +44,8 @@ typedef struct band {
 	int x0, x1, y0, y1;
 	float *depth;
 	uint32_t *front, *twin;
-	float close; /* depths less apart, and a 2^20th of the depth, may be of surfaces that coincide */
+	const float *beyond; /* likewise: only what lies farther is drawn; NULL: all is */
+	float close;         /* depths less apart, and a 2^20th of the depth, may be of surfaces that coincide */
 	outline_coincide coincide;
 	const void *user;
 } band;

@@ -243,6 +243,16 @@ static void clear_twins(const raster *r, const band *b)
 		}
 }
 
+static void load_beyond(const raster *r, const band *b, float *out)
+{
+	for (int row = b->y0; row < b->y1; row++)
+		for (int x = 0; x < r->width; x++) {
+			float depth = *pixel_at(&r->job->beyond, x, row - r->room.y0);
+			out[(size_t)(row - b->y0) * (size_t)r->width + (size_t)x] =
+				depth < depth_nothing ? depth : INFINITY;
+		}
+}
+
 static void draw_bands(void *data, int b0, int b1, int thread)
 {
 	const raster *r = data;
@@ -254,11 +264,14 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 			  .depth = r->depth + (size_t)thread * size,
 			  .front = r->front + (size_t)thread * size,
 			  .twin = r->twin + (size_t)thread * size,
+			  .beyond = r->beyond ? r->beyond + (size_t)thread * size : NULL,
 			  .close = r->close,
 			  .coincide = raster_coincide,
 			  .user = r};
 		int end = r->room.y1 - b.y0 < BAND ? r->room.y1 : b.y0 + BAND;
 		b.y1 = end < r->room.y1 ? end + r->more : end;
+		if (r->beyond)
+			load_beyond(r, &b, r->beyond + (size_t)thread * size);
 		for (size_t k = 0; k < size; k++) {
 			b.depth[k] = INFINITY;
 			b.front[k] = b.twin[k] = NOTHING;
@@ -294,6 +307,7 @@ static void plan(raster *r, int threads, arena *a)
 	r->piece = r->job->creases.data ? arena_take(a, r->geometry.n_primitives, sizeof *r->piece) : NULL;
 	r->meets = r->job->creases.data ? arena_take(a, (size_t)threads, sizeof *r->meets) : NULL;
 	r->depth = arena_take(a, band, sizeof *r->depth);
+	r->beyond = r->job->beyond.data ? arena_take(a, band, sizeof *r->beyond) : NULL;
 	r->front = arena_take(a, band, sizeof *r->front);
 	r->twin = arena_take(a, band, sizeof *r->twin);
 }

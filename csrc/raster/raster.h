@@ -24,6 +24,7 @@ typedef struct raster {
 	size_t *place;       /* n_chunks x n_bands: how many, then where the next one goes */
 	size_t *list;        /* n_bands + 1: where a band's primitives start */
 	float *depth;        /* per thread (BAND + 1) x width */
+	float *beyond;       /* likewise: what the job's image says; NULL: it has none */
 	uint32_t *front;     /* likewise: number of the nearest primitive */
 	uint32_t *twin;      /* likewise: of one that may coincide with it */
 	uint32_t *entry;     /* primitives by band */

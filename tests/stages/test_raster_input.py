@@ -89,7 +89,7 @@ def test_wrong_input_is_named(wrong, words):
 
 @pytest.mark.parametrize("field, value, words", [
     ("kind", 7, "kind 7 is not known"), ("n_primitives", -1, "-1 primitives"), ("points", None, "no points"),
-    ("n_channels", 17, "17 attribute channels"), ("n_points", 2, "take more points than its 2"),
+    ("n_channels", 25, "25 attribute channels"), ("n_points", 2, "take more points than its 2"),
 ])
 def test_wrong_meshes_are_named(field, value, words):
     lib, job, mesh = load(), abi.RasterJob(), abi.Mesh()

@@ -32,6 +32,12 @@ MIRRORS = {
     "encre_lamp": abi.Lamp,
     "encre_light_job": abi.LightJob,
     "encre_step": abi.Step,
+    "encre_operation_description": abi.OperationInfo,
+    "encre_operation": abi.Operation,
+    "encre_program": abi.Program,
+    "encre_picture": abi.Picture,
+    "encre_materials": abi.Materials,
+    "encre_material_job": abi.MaterialJob,
 }
 
 

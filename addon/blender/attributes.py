@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What programs of materials read of meshes: coordinates and attributes, at the corners of triangles."""
+
+import numpy as np
+
+
+def get(collection, name, dtype, width=1):
+    """A property of all items, (n,) or (n, width)."""
+    values = np.empty(len(collection) * width, dtype)
+    collection.foreach_get(name, values)
+    return values.reshape(-1, width) if width > 1 else values
+
+
+def read(mesh, wanted, points, loops, corners, face):
+    """{(kind, name): (t, 3, 3)} of those wanted that the mesh has."""
+    found = {}
+    for kind, name in wanted:
+        if kind == "object":
+            found[kind, name] = points[corners]
+        elif kind == "generated":
+            found[kind, name] = _generated(mesh, points)[corners]
+        else:
+            values = (_uv if kind == "uv" else _attribute)(mesh, name, loops, corners, face)
+            if values is not None:
+                found[kind, name] = values
+    return found
+
+
+def _uv(mesh, name, loops, _corners, _face):
+    layer = mesh.uv_layers.get(name) or next((u for u in mesh.uv_layers if u.active_render), None)
+    return _three(get(layer.data, "uv", np.float32, 2))[loops] if layer else None
+
+
+def _attribute(mesh, name, loops, corners, face):
+    layer = mesh.attributes.get(name) if name else mesh.color_attributes.active_color
+    values = None if layer is None or not len(layer.data) else _values(layer)
+    where = layer and {"POINT": corners, "CORNER": loops, "FACE": face[:, None]}.get(layer.domain)
+    return None if values is None or where is None else np.broadcast_to(values[where], (len(loops), 3, 3))
+
+
+def _three(values):
+    """(n, 3) of (n, 1 to 4) values."""
+    out = np.zeros((len(values), 3), np.float32)
+    out[:, :values.shape[1]] = values[:, :3]
+    return out
+
+
+def _values(attribute):
+    """(n, 3) of an attribute, None if programs can't read it. Byte colours come linear."""
+    if attribute.data_type in ("FLOAT_COLOR", "BYTE_COLOR"):
+        return get(attribute.data, "color", np.float32, 4)[:, :3]
+    numbers = {"FLOAT": np.float32, "INT": np.int32, "BOOLEAN": bool}
+    if attribute.data_type in numbers:
+        return np.repeat(get(attribute.data, "value", numbers[attribute.data_type])[:, None].astype(np.float32), 3, 1)
+    widths = {"FLOAT_VECTOR": 3, "FLOAT2": 2}
+    if attribute.data_type not in widths:
+        return None
+    return _three(get(attribute.data, "vector", np.float32, widths[attribute.data_type]))
+
+
+def _generated(mesh, points):
+    """0 to 1 across the texture space of the mesh."""
+    size, middle = (np.array(value, np.float32) for value in (mesh.texspace_size, mesh.texspace_location))
+    return (points - middle) / np.where(size != 0, 2 * size, 1) + np.float32(0.5)
+
+
+def by_slot(sources, slot, layouts):
+    """(t, 3, channels) of what read() gave: of each triangle in the order in which its slot's program reads it."""
+    if len(layouts) == 1:
+        zero = np.zeros((len(slot), 3, 3), np.float32)
+        return np.concatenate([sources.get(source, zero) for source in layouts[0]], 2)
+    out = np.zeros((len(slot), 3, 3 * max(map(len, layouts))), np.float32)
+    for k, layout in enumerate(layouts):
+        here = np.flatnonzero(slot == k)
+        for n, source in enumerate(layout):
+            if len(here) and source in sources:
+                out[here, :, 3 * n:3 * n + 3] = sources[source][here]
+    return out

@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The job: pixels of a band are sorted by material, so that programs run for full blocks. */
+#include "base/arena.h"
+#include "base/bands.h"
+#include "base/pixel.h"
+#include "material/material.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { BAND = 16 }; /* rows whose pixels are sorted together */
+
+typedef struct pixel {
+	uint16_t x, row; /* row of the band */
+} pixel;
+
+typedef struct drawing {
+	const encre_material_job *job;
+	const encre_materials *materials;
+	int width, height, most_registers;
+	double inverse[12]; /* pixel and depth -> world: right, down, ahead, origin */
+	bool straight;      /* rays of an orthographic camera */
+	/* per thread */
+	block *blocks;
+	float *reg;
+	pixel *sorted;  /* BAND x width */
+	uint32_t *from; /* n_programs + 1 */
+} drawing;
+
+static inline float *at(const encre_image *image, int x, int y)
+{
+	return (float *)((char *)image->data + y * image->row_stride + x * image->pixel_stride);
+}
+
+/* The material of what a pixel shows; -1: nothing. */
+static inline int32_t material_at(const drawing *d, int x, int y)
+{
+	if (!(*at(&d->job->object, x, y) > 0))
+		return -1;
+	float number = *at(&d->job->material, x, y);
+	return number >= 0 && number < (float)d->materials->n_programs ? (int32_t)number : -1;
+}
+
+/* By how much the attributes change to a neighbour of the same surface: to that of both sides which is nearer, because
+ * across a seam the other is far. */
+static void steps_along(const drawing *d, int x, int y, int dx, int dy, int n, float out[ENCRE_MAX_CHANNELS])
+{
+	const encre_material_job *job = d->job;
+	const float *own = at(&job->attributes, x, y);
+	float least = INFINITY;
+	memset(out, 0, sizeof(float) * ENCRE_MAX_CHANNELS);
+	for (int side = -1; side <= 1; side += 2) {
+		int px = x + side * dx, py = y + side * dy;
+		if (px < 0 || py < 0 || px >= d->width || py >= d->height ||
+		    *at(&job->object, px, py) != *at(&job->object, x, y) ||
+		    *at(&job->material, px, py) != *at(&job->material, x, y))
+			continue;
+		const float *other = at(&job->attributes, px, py);
+		float sum = 0;
+		for (int c = 0; c < n; c++)
+			sum += fabsf(other[c] - own[c]);
+		if (sum < least) {
+			least = sum;
+			for (int c = 0; c < n; c++)
+				out[c] = (float)side * (other[c] - own[c]);
+		}
+	}
+}
+
+/* What a program of its operations reads. */
+typedef struct reads {
+	bool channels, steps, place, normal;
+} reads;
+
+static void load(const drawing *d, block *b, const pixel *pixels, int n, int y0, const reads *r)
+{
+	const encre_material_job *job = d->job;
+	int channels = job->attributes.data ? job->attributes.channels : 0;
+	b->n = n;
+	for (int i = 0; i < n; i++) {
+		int x = pixels[i].x, y = y0 + pixels[i].row;
+		b->thing[i] = (int32_t)min(*at(&job->object, x, y), 1e9f);
+		if (r->channels)
+			for (int c = 0; c < channels; c++)
+				b->channel[c][i] = at(&job->attributes, x, y)[c];
+		if (r->steps) {
+			float right[ENCRE_MAX_CHANNELS], down[ENCRE_MAX_CHANNELS];
+			steps_along(d, x, y, 1, 0, channels, right);
+			steps_along(d, x, y, 0, 1, channels, down);
+			for (int c = 0; c < channels; c++) {
+				b->right[c][i] = right[c];
+				b->down[c][i] = down[c];
+			}
+		}
+		if (r->normal)
+			for (int c = 0; c < 3; c++)
+				b->normal[c][i] = at(&job->normal, x, y)[c];
+		if (r->place) {
+			double z = (double)*at(&job->depth, x, y), wide = d->straight ? 1 : z;
+			double px = job->frame.x + x + 0.5, py = job->frame.y + y + 0.5;
+			for (int c = 0; c < 3; c++) {
+				const double *m = d->inverse + c;
+				double ray = m[0] * px + m[3] * py;
+				b->place[c][i] = (float)(wide * ray + z * m[6] + m[9]);
+			}
+		}
+	}
+}
+
+static void store(const encre_image *image, int channels, const block *b, const int32_t *result, const pixel *pixels,
+		  int y0)
+{
+	if (!image->data)
+		return;
+	for (int i = 0; i < b->n; i++)
+		for (int c = 0; c < channels; c++) {
+			float value = b->reg[(size_t)result[c] * MATERIAL_BLOCK + (size_t)i];
+			at(image, pixels[i].x, y0 + pixels[i].row)[c] = min(max(value, 0), FLT_MAX);
+		}
+}
+
+static reads reads_of(const encre_program *p)
+{
+	reads r = {0};
+	for (int k = 0; k < p->n_operations; k++) {
+		const char *name = operation_info(p->operations[k].code)->name;
+		r.channels |= !strcmp(name, "channel");
+		r.steps |= !strcmp(name, "footprint");
+		r.place |= !strcmp(name, "place");
+		r.normal |= !strcmp(name, "normal");
+	}
+	return r;
+}
+
+/* Sorts the pixels of rows y0..y1-1 by material; from[m] is where those of m begin. */
+static void sort(const drawing *d, int y0, int y1, pixel *sorted, uint32_t *from)
+{
+	int n = d->materials->n_programs;
+	memset(from, 0, ((size_t)n + 1) * sizeof *from);
+	for (int y = y0; y < y1; y++)
+		for (int x = 0; x < d->width; x++) {
+			int32_t m = material_at(d, x, y);
+			if (m >= 0)
+				from[m]++;
+		}
+	uint32_t sum = 0;
+	for (int m = 0; m <= n; m++) { /* the end of each, which filing from behind makes its beginning */
+		sum += m < n ? from[m] : 0;
+		from[m] = sum;
+	}
+	for (int y = y1 - 1; y >= y0; y--)
+		for (int x = d->width - 1; x >= 0; x--) {
+			int32_t m = material_at(d, x, y);
+			if (m >= 0)
+				sorted[--from[m]] = (pixel){(uint16_t)x, (uint16_t)(y - y0)};
+		}
+}
+
+static void clear(const encre_image *image, int y0, int y1)
+{
+	for (int y = y0; image->data && y < y1; y++)
+		for (int x = 0; x < image->width; x++)
+			memset(at(image, x, y), 0, (size_t)image->channels * sizeof(float));
+}
+
+static void draw_band(const drawing *d, int y0, int y1, int thread)
+{
+	const encre_material_job *job = d->job;
+	block *b = d->blocks + thread;
+	pixel *sorted = d->sorted + (size_t)thread * BAND * (size_t)d->width;
+	uint32_t *from = d->from + (size_t)thread * ((size_t)d->materials->n_programs + 1);
+	b->materials = d->materials;
+	b->reg = d->reg + (size_t)thread * (size_t)d->most_registers * MATERIAL_BLOCK;
+	const encre_image *all[] = {&job->color, &job->gloss, &job->emission, &job->surface};
+	for (int k = 0; k < 4; k++)
+		clear(all[k], y0, y1);
+	sort(d, y0, y1, sorted, from);
+	for (int m = 0; m < d->materials->n_programs; m++) {
+		const encre_program *p = b->program = d->materials->programs + m;
+		reads r = from[m] < from[m + 1] ? reads_of(p) : (reads){0};
+		for (uint32_t k = from[m]; k < from[m + 1]; k += MATERIAL_BLOCK) {
+			uint32_t n = from[m + 1] - k < MATERIAL_BLOCK ? from[m + 1] - k : MATERIAL_BLOCK;
+			load(d, b, sorted + k, (int)n, y0, &r);
+			memset(b->reg, 0, (size_t)p->n_registers * MATERIAL_BLOCK * sizeof *b->reg);
+			ISA(material_run)(b);
+			store(&job->color, 3, b, p->result + ENCRE_RESULT_COLOR, sorted + k, y0);
+			store(&job->gloss, 3, b, p->result + ENCRE_RESULT_GLOSS, sorted + k, y0);
+			store(&job->emission, 3, b, p->result + ENCRE_RESULT_EMISSION, sorted + k, y0);
+			store(&job->surface, 2, b, p->result + ENCRE_RESULT_ALPHA, sorted + k, y0);
+		}
+	}
+}
+
+static void draw_bands(void *data, int b0, int b1, int thread)
+{
+	const drawing *d = data;
+	for (int i = b0; i < b1; i++)
+		draw_band(d, i * BAND, (i + 1) * BAND < d->height ? (i + 1) * BAND : d->height, thread);
+}
+
+/* A pixel's ray, in the world, grows with its place: right and down by so much. */
+static void aim(drawing *d)
+{
+	const double *v = d->job->view, *p = d->job->projection;
+	const encre_frame *f = &d->job->frame;
+	d->straight = p[14] == 0;
+	double sign = d->straight ? 1 : -p[14]; /* w is that times the depth */
+	double camera[4][3] = {
+		{2 * sign / (f->width * p[0]), 0, 0}, {0, -2 * sign / (f->height * p[5]), 0}, {0, 0, -1}, {0, 0, 0}};
+	double origin[2] = {d->straight ? (-1 - p[3]) / p[0] : (-sign + p[2]) / p[0],
+			    d->straight ? (1 - p[7]) / p[5] : (sign + p[6]) / p[5]};
+	for (int k = 0; k < 2; k++)
+		camera[d->straight ? 3 : 2][k] = origin[k];
+	for (int c = 0; c < 3; c++) {
+		double eye = -(v[c] * v[3] + v[4 + c] * v[7] + v[8 + c] * v[11]);
+		for (int k = 0; k < 4; k++)
+			d->inverse[3 * k + c] = v[c] * camera[k][0] + v[4 + c] * camera[k][1] +
+						v[8 + c] * camera[k][2] + (k == 3 ? eye : 0);
+	}
+}
+
+static void plan(drawing *d, int threads, arena *a)
+{
+	size_t n = (size_t)threads;
+	d->blocks = arena_take(a, n, sizeof *d->blocks);
+	d->reg = arena_take(a, n * (size_t)d->most_registers * MATERIAL_BLOCK, sizeof *d->reg);
+	d->sorted = arena_take(a, n * BAND * (size_t)d->width, sizeof *d->sorted);
+	d->from = arena_take(a, n * ((size_t)d->materials->n_programs + 1), sizeof *d->from);
+}
+
+int32_t ISA(material_draw)(bands *pool, const encre_material_job *job)
+{
+	drawing d = {.job = job, .materials = job->materials, .width = job->object.width, .height = job->object.height};
+	for (int m = 0; m < d.materials->n_programs; m++)
+		if (d.materials->programs[m].n_registers > d.most_registers)
+			d.most_registers = d.materials->programs[m].n_registers;
+	aim(&d);
+	arena a = {0};
+	plan(&d, bands_threads(pool), &a);
+	char *memory = a.used <= SIZE_MAX - 64 ? malloc(a.used + 64) : NULL;
+	if (!memory)
+		return ENCRE_ERROR_MEMORY;
+	a = (arena){memory + (64 - (uintptr_t)memory % 64), 0};
+	plan(&d, bands_threads(pool), &a);
+	memset(d.blocks, 0, (size_t)bands_threads(pool) * sizeof *d.blocks);
+	bands_span(pool, 0, 1);
+	int32_t code = bands_run(pool, (d.height - 1) / BAND + 1, 1, draw_bands, &d);
+	free(memory);
+	return code;
+}

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The machine: runs a material's program for a block of pixels, operation by operation, so that each is one loop over
+ * adjacent numbers. */
+#include "base/pixel.h"
+#include "material/material.h"
+
+#include <math.h>
+#include <string.h>
+
+/* x^y; of negative x for whole y, else 0. */
+static inline float signed_power(float x, float y)
+{
+	float size = fabsf(x) > 0 && y < 0 ? 1 / max(fabsf(x), 1e-30f) : fabsf(x);
+	float power = pixel_pow(min(size, 1e30f), fabsf(y));
+	float odd = y - 2 * floorf(y * 0.5f);
+	return x >= 0 ? power : odd == 0 ? power : odd == 1 ? -power : 0;
+}
+
+/* As pixel_atan2() wants its operands. */
+static inline float far_from_nothing(float x)
+{
+	float size = fabsf(x);
+	return size > 1e-30f ? min(max(x, -1e30f), 1e30f) : 0;
+}
+
+#define EACH(name, inputs, value)                                                                                      \
+	void ISA(run_##name)(const block *k, const encre_operation *o, const float *const in[], float *const out[])    \
+	{                                                                                                              \
+		(void)k, (void)o;                                                                                      \
+		const float *restrict first = in[0], *restrict second = in[1], *restrict third = in[2];                \
+		float *restrict to = out[0];                                                                           \
+		for (int i = 0; i < MATERIAL_BLOCK; i++) {                                                             \
+			float a = first[i], b = second[i], c = third[i];                                               \
+			(void)b, (void)c;                                                                              \
+			to[i] = value;                                                                                 \
+		}                                                                                                      \
+	}
+#define OPERATION(name, inputs, outputs)
+#include "material/operations.rows.h"
+
+static void fill(float *to, float value)
+{
+	for (int i = 0; i < MATERIAL_BLOCK; i++)
+		to[i] = value;
+}
+
+#define RUN(name)                                                                                                      \
+	void ISA(run_##name)(const block *b, const encre_operation *o, const float *const in[], float *const out[])
+
+RUN(constant)
+{
+	(void)in;
+	fill(out[0], b->materials->constants[o->data[0]]);
+}
+
+RUN(channel)
+{
+	(void)in;
+	memcpy(out[0], b->channel[o->data[0]], sizeof b->channel[0]);
+}
+
+RUN(place)
+{
+	(void)in, (void)o;
+	for (int c = 0; c < 3; c++)
+		memcpy(out[c], b->place[c], sizeof b->place[c]);
+}
+
+RUN(normal)
+{
+	(void)in, (void)o;
+	for (int c = 0; c < 3; c++)
+		memcpy(out[c], b->normal[c], sizeof b->normal[c]);
+}
+
+RUN(thing)
+{
+	(void)in;
+	const encre_materials *m = b->materials;
+	for (int i = 0; i < MATERIAL_BLOCK; i++) {
+		size_t number = (size_t)b->thing[i];
+		out[0][i] = b->thing[i] >= 0 && b->thing[i] < m->n_things
+				    ? m->things[number * (size_t)m->n_values + (size_t)o->data[0]]
+				    : 0;
+	}
+}
+
+RUN(footprint)
+{
+	(void)in;
+	const float *by = b->materials->constants + o->data[1];
+	for (int k = 0; k < 4; k++) {
+		const float (*step)[MATERIAL_BLOCK] = (k < 2 ? b->right : b->down) + o->data[0];
+		const float *row = by + 3 * (k & 1);
+		for (int i = 0; i < MATERIAL_BLOCK; i++)
+			out[k][i] = row[0] * step[0][i] + row[1] * step[1][i] + row[2] * step[2][i];
+	}
+}
+
+/* Stop k of a ramp: its place, then its colour. */
+static const float *stop_at(const float *stops, int k)
+{
+	return stops + (size_t)5 * (size_t)k;
+}
+
+RUN(ramp)
+{
+	const float *stops = b->materials->constants + o->data[0];
+	int n = o->data[1];
+	for (int i = 0; i < b->n; i++) {
+		int k = 0;
+		while (k + 1 < n && in[0][i] >= stop_at(stops, k + 1)[0])
+			k++;
+		const float *from = stop_at(stops, k), *to = stop_at(stops, k + 1 < n ? k + 1 : k);
+		float wide = to[0] - from[0], t = wide > 0 ? clamp01((in[0][i] - from[0]) / wide) : 0;
+		for (int c = 0; c < 4; c++)
+			out[c][i] = mix(from[1 + c], to[1 + c], t);
+	}
+}
+
+RUN(steps)
+{
+	const float *stops = b->materials->constants + o->data[0];
+	for (int i = 0; i < b->n; i++) {
+		int k = 0;
+		while (k + 1 < o->data[1] && in[0][i] >= stop_at(stops, k + 1)[0])
+			k++;
+		for (int c = 0; c < 4; c++)
+			out[c][i] = stop_at(stops, k)[1 + c];
+	}
+}
+
+RUN(curve)
+{
+	const float *table = b->materials->constants + o->data[0];
+	int last = o->data[1] - 1;
+	for (int i = 0; i < b->n; i++) {
+		float x = clamp01(in[0][i]) * (float)last;
+		int k = (int)x < last ? (int)x : last - 1;
+		out[0][i] = mix(table[k], table[k + 1], x - (float)k);
+	}
+}
+
+RUN(to_hsv)
+{
+	(void)o;
+	for (int i = 0; i < b->n; i++) {
+		float red = in[0][i], green = in[1][i], blue = in[2][i];
+		float most = max3(red, green, blue), span = most - min(min(red, green), blue), hue = 0;
+		if (span > 0 && red == most)
+			hue = (green - blue) / span;
+		else if (span > 0)
+			hue = green == most ? 2 + (blue - red) / span : 4 + (red - green) / span;
+		out[0][i] = hue < 0 ? hue / 6 + 1 : hue / 6;
+		out[1][i] = most > 0 ? span / most : 0;
+		out[2][i] = most;
+	}
+}
+
+RUN(from_hsv)
+{
+	(void)o;
+	for (int i = 0; i < b->n; i++) {
+		float turn = 6 * (in[0][i] - floorf(in[0][i]));
+		for (int c = 0; c < 3; c++) { /* red leads at 0, green at 2, blue at 4 */
+			float way = fabsf(turn - 2 * (float)c);
+			float near = min(way, 6 - way);
+			out[c][i] = in[2][i] * mix(1, clamp01(2 - near), in[1][i]);
+		}
+	}
+}
+
+typedef struct entry {
+	encre_operation_description what;
+	operation_run run;
+} entry;
+
+static const entry entries[] = {
+#define EACH(name, inputs, value) {{#name, inputs, 1}, ISA(run_##name)},
+#define OPERATION(name, inputs, outputs) {{#name, inputs, outputs}, ISA(run_##name)},
+#include "material/operations.rows.h"
+};
+
+void ISA(material_run)(block *b)
+{
+	const encre_program *p = b->program;
+	for (int k = 0; k < p->n_operations; k++) {
+		const encre_operation *o = p->operations + k;
+		const entry *e = entries + o->code;
+		const float *in[ENCRE_INPUTS];
+		float *out[4];
+		for (int i = 0; i < ENCRE_INPUTS; i++) /* those that it does not take are any */
+			in[i] = b->reg + (size_t)(i < e->what.inputs ? o->in[i] : o->in[0]) * MATERIAL_BLOCK;
+		for (int i = 0; i < e->what.outputs; i++)
+			out[i] = b->reg + (size_t)(o->out + i) * MATERIAL_BLOCK;
+		e->run(b, o, in, out);
+	}
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Programs of materials: what the room's files share. */
+#ifndef ENCRE_MATERIAL_H
+#define ENCRE_MATERIAL_H
+
+#include "base/stage.h"
+
+enum { MATERIAL_BLOCK = 64 }; /* pixels that a program is run for at once */
+
+/* Pixels of one material, and what programs read of them. */
+typedef struct block {
+	const encre_materials *materials;
+	const encre_program *program;
+	int n;      /* of MATERIAL_BLOCK; what lies beyond is computed, and means nothing */
+	float *reg; /* program->n_registers x MATERIAL_BLOCK */
+	float channel[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK];
+	float right[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK]; /* by how much it grows from a pixel to the next */
+	float down[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK];
+	float place[3][MATERIAL_BLOCK], normal[3][MATERIAL_BLOCK];
+	int32_t thing[MATERIAL_BLOCK];
+} block;
+
+/* in[k] and out[k]: registers, MATERIAL_BLOCK numbers each. */
+typedef void (*operation_run)(const block *b, const encre_operation *o, const float *const in[], float *const out[]);
+
+/* How many numbers an operation takes and gives; NULL: there is none of that code. */
+const encre_operation_description *operation_info(int32_t code);
+int operation_count(void);
+
+/* Runs a block's program. */
+void ISA(material_run)(block *b);
+/* Computes a job's outputs. Returns ENCRE_OK, ENCRE_ERROR_MEMORY or ENCRE_ERROR_CANCELLED. */
+int32_t ISA(material_draw)(bands *pool, const encre_material_job *job);
+int32_t material_draw_base(bands *pool, const encre_material_job *job);
+#ifdef ENCRE_HAVE_V3
+int32_t material_draw_v3(bands *pool, const encre_material_job *job);
+#endif
+
+#define EACH(name, inputs, value)
+#define OPERATION(name, inputs, outputs)                                                                               \
+	void ISA(run_##name)(const block *b, const encre_operation *o, const float *const in[], float *const out[]);
+#include "material/operations.rows.h"
+
+#endif

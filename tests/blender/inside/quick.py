@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The same scene by Cycles and by Encre alone, materials of many nodes in it."""
+
+import bpy
+import numpy as np
+from studio import cube, link, plane, shoot, sphere, stage
+
+
+def _matt(name, make):
+    """A diffuse material whose colour is what make(tree) gives."""
+    mat = bpy.data.materials.new(name)
+    mat.use_nodes = True
+    tree = mat.node_tree
+    tree.nodes.remove(tree.nodes["Principled BSDF"])
+    surface = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    tree.links.new(make(tree), surface.inputs["Color"])
+    tree.links.new(surface.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    return mat
+
+
+def _new(tree, kind, **inputs):
+    made = tree.nodes.new("ShaderNode" + kind)
+    for name, value in inputs.items():
+        made.inputs[name.replace("_", " ")].default_value = value
+    return made
+
+
+def _picture(tree):
+    """A picture that is turned and stretched, by UV."""
+    image = bpy.data.images.new("Picture", 16, 8)
+    rng = np.random.default_rng(1)
+    pixels = np.ones((8, 16, 4), np.float32)
+    pixels[..., :3] = rng.random((4, 8, 3)).repeat(2, 0).repeat(2, 1)
+    image.pixels.foreach_set(pixels.ravel())
+    where, mapping, texture = _new(tree, "TexCoord"), _new(tree, "Mapping"), _new(tree, "TexImage")
+    mapping.inputs["Scale"].default_value, mapping.inputs["Rotation"].default_value = (0.6, 0.5, 1), (0, 0, 0.4)
+    texture.image = image
+    tree.links.new(where.outputs["UV"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs[0], texture.inputs["Vector"])
+    return texture.outputs["Color"]
+
+
+def _checks(tree):
+    """Checks of two colours, then by way of hue and a curve."""
+    checker = _new(tree, "TexChecker", Scale=4.0, Color1=(0.7, 0.2, 0.1, 1), Color2=(0.1, 0.4, 0.6, 1))
+    turned = _new(tree, "HueSaturation", Hue=0.6, Saturation=0.8, Value=0.9)
+    tree.links.new(checker.outputs["Color"], turned.inputs["Color"])
+    return turned.outputs["Color"]
+
+
+def _ramp(tree):
+    """A ramp along the object's own z."""
+    where, apart, ramp = _new(tree, "TexCoord"), _new(tree, "SeparateXYZ"), _new(tree, "ValToRGB")
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.1, 0.1, 0.5, 1), (0.9, 0.8, 0.2, 1)
+    tree.links.new(where.outputs["Object"], apart.inputs[0])
+    tree.links.new(apart.outputs["Z"], ramp.inputs["Fac"])
+    return ramp.outputs["Color"]
+
+
+def _painted(tree):
+    """A colour attribute, darkened."""
+    attribute, gamma = _new(tree, "VertexColor"), _new(tree, "Gamma", Gamma=1.5)
+    attribute.layer_name = "Paint"
+    tree.links.new(attribute.outputs["Color"], gamma.inputs["Color"])
+    return gamma.outputs["Color"]
+
+
+def _leaf(tree):
+    return _new(tree, "RGB").outputs[0]
+
+
+def _cut(mat):
+    """Cuts a disc out of the UV square."""
+    tree = mat.node_tree
+    where, away, far, inside, mix, clear = (_new(tree, kind) for kind in (
+        "TexCoord", "VectorMath", "VectorMath", "Math", "MixShader", "BsdfTransparent"))
+    away.operation, away.inputs[1].default_value, far.operation = "SUBTRACT", (0.5, 0.5, 0), "LENGTH"
+    inside.operation, inside.inputs[1].default_value = "LESS_THAN", 0.4
+    surface = next(node for node in tree.nodes if node.type == "BSDF_DIFFUSE")
+    for out, into in ((where.outputs["UV"], away.inputs[0]), (away.outputs[0], far.inputs[0]),
+                      (far.outputs["Value"], inside.inputs[0]), (inside.outputs[0], mix.inputs[0]),
+                      (clear.outputs[0], mix.inputs[1]), (surface.outputs[0], mix.inputs[2]),
+                      (mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])):
+        tree.links.new(out, into)
+    return mat
+
+
+def _square(obj):
+    layer = obj.data.uv_layers.new()
+    for loop, corner in zip(obj.data.loops, layer.data, strict=True):
+        corner.uv = [0.5 + 0.5 * np.sign(x) for x in obj.data.vertices[loop.vertex_index].co[:2]]
+
+
+def _scene():
+    scene = stage(ground=False, samples=16)
+    for name in ("Cube", "Ball"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    _square(cube("Cube", (-1.4, 0, 0), 1.2, _matt("Picture", _picture)))
+    sphere("Ball", (1.4, 0.3, 0.2), _matt("Ramp", _ramp))
+    cube("Checks", (0, 1.0, 0.3), 1.1, _matt("Checks", _checks))
+    painted = plane("Ground", _matt("Painted", _painted))
+    colors = painted.data.color_attributes.new("Paint", "FLOAT_COLOR", "CORNER")
+    colors.data.foreach_set("color", np.random.default_rng(2).random(16).astype(np.float32))
+    card = plane("Card", _cut(_matt("Leaf", _leaf)), 1.6, 0.0)
+    card.location, card.rotation_euler = (0, -1.0, 0.2), (1.2, 0.2, 0.3)
+    _square(card)
+    text = bpy.data.curves.new("Text", "FONT")
+    text.body, text.size, text.extrude = "a", 0.8, 0.05
+    link("Text", text, (-0.6, -1.2, 0.6), _matt("Plain", _leaf)).rotation_euler = (1.4, 0, 0)
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width, scene.cycles.max_bounces = "BOX", 0.01, 0
+    scene.cycles.transparent_max_bounces = 8
+    scene.encre.save_layers, scene.encre.light_source = "ON", "DRAWN"
+    return scene
+
+
+def layer_sources(out):
+    """By both; then ours in part, with a border of its own, larger, and with nothing behind."""
+    scene = _scene()
+    shoot(out, "cycles")
+    scene.encre.layer_source = "ENCRE"
+    shoot(out, "encre")
+    shoot(out, "again")
+    render = scene.render
+    render.use_border = True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.3, 0.9
+    render.use_crop_to_border = True
+    shoot(out, "border")
+    render.use_border = False
+    scene.encre.supersample = 2
+    shoot(out, "large")
+    scene.encre.supersample = 1
+    render.film_transparent = True
+    shoot(out, "transparent")
+
+
+def what_only_cycles_can_show(out):
+    """A node that can't be read, and no lamp."""
+    scene = stage()
+    bpy.data.objects.remove(bpy.data.objects["Sun"])
+    mat = bpy.data.materials["Red"]
+    mat.diffuse_color = (0.2, 0.3, 0.4, 1)
+    sky = _new(mat.node_tree, "Wavelength")
+    mat.node_tree.links.new(sky.outputs[0], mat.node_tree.nodes["Principled BSDF"].inputs["Base Color"])
+    scene.encre.layer_source = "ENCRE"
+    shoot(out, "unknown")

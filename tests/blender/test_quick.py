@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers that Encre draws without Cycles: they are Cycles', and wherever they are asked for."""
+
+import blenders
+import numpy as np
+import pytest
+
+
+@pytest.fixture(params=blenders.params(), scope="module")
+def shots(request, tmp_path_factory):
+    return blenders.run(request.param, "layer_sources", tmp_path_factory.mktemp("quick"))
+
+
+def partners(labels, others):
+    """Share of the pixels at which both say the same, by whatever numbers."""
+    found, counts = np.unique(np.stack([labels.ravel(), others.ravel()]), axis=1, return_counts=True)
+    return sum(counts[found[0] == label].max() for label in np.unique(found[0])) / labels.size
+
+
+def inside(labels):
+    """Where a pixel and its neighbours show the same thing."""
+    padded = np.pad(labels, 1, mode="edge")
+    height, width = labels.shape
+    return np.all([padded[y:y + height, x:x + width] == labels for y in range(3) for x in range(3)], 0)
+
+
+def test_as_cycles_has_them(shots):
+    ours, theirs = shots.passes("encre"), shots.passes("cycles")
+    index, other = (p["Encre Index"][..., 0] for p in (ours, theirs))
+    assert partners(index, other) > 0.9995 and partners(other, index) > 0.9995
+    near, far = (np.minimum(p["Depth"][..., 0], 1e6) for p in (ours, theirs))
+    assert (abs(near - far) > 2e-3 * far).mean() < 0.0005
+    same = inside(index) & inside(other)  # elsewhere Cycles' colours and normals are means
+    color = abs(ours["DiffCol"] - theirs["DiffCol"]).max(2)[same]
+    assert color.mean() < 0.015 and np.percentile(color, 80) < 0.002  # Cycles averages across texels and checks
+    turned = np.einsum("yxc,yxc->yx", ours["Normal"], theirs["Normal"])[same & (far < 1e6)]
+    assert (turned > 0.99).mean() > 0.98
+    light = abs(ours["Encre Diffuse"] - theirs["Encre Diffuse"]).max(2)[same]
+    assert light.mean() < 0.001
+    picture = abs(ours["Encre Source"] - theirs["Encre Source"]).max(2)[same]
+    assert picture.mean() < 0.02
+
+
+def test_the_same_again_and_in_parts(shots):
+    whole, again, part = (shots.passes(name) for name in ("encre", "again", "border"))
+    height, width = whole["Combined"].shape[:2]
+    assert all((whole[name] == again[name]).all() for name in whole)
+    top, left = height - int(np.float32(0.9) * np.float32(height)), int(np.float32(0.25) * np.float32(width))
+    for name in ("Combined", "Encre Index", "Depth", "DiffCol"):
+        own = part[name]
+        there = whole[name][top:top + own.shape[0], left:left + own.shape[1]]
+        np.testing.assert_allclose(own, there, atol=1e-5, err_msg=name)
+
+
+def test_larger_and_averaged_down(shots):
+    whole, large = shots.passes("encre"), shots.passes("large")
+    assert abs(whole["Combined"] - large["Combined"]).mean() < 0.05
+    steps = [(abs(np.diff(p["DiffCol"], axis=1)).max(2) > 0.3).mean() for p in (whole, large)]
+    assert steps[1] < 0.9 * steps[0]  # edges have colours between
+
+
+def test_nothing_behind(shots):
+    alpha, depth = (shots.passes("transparent")[name] for name in ("Encre Source", "Depth"))
+    assert ((alpha[..., 3] == 0) == (depth[..., 0] >= 1e9)).all() and (alpha[..., 3] == 0).any()
+
+
+@pytest.mark.parametrize("blender", blenders.params())
+def test_what_only_cycles_can_show_is_said_in_one_line(blender, tmp_path):
+    shot = blenders.run(blender, "what_only_cycles_can_show", tmp_path)
+    assert shot.output.count("in their viewport colour, as only Cycles can show them: Red (Wavelength)") == 1
+    assert "a lamp shines from the camera" in shot.output
+    passes = shot.passes("unknown")
+    color = passes["DiffCol"].reshape(-1, 3)
+    assert np.isclose(color, (0.2, 0.3, 0.4), atol=1e-5).all(1).any()
+    assert passes["DiffDir"].max() > 0.5
