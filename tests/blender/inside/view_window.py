@@ -58,7 +58,7 @@ def state(view):
 
 def rest():
     """Until the view shows all that there is to show."""
-    end = time.perf_counter() + 20
+    end = time.perf_counter() + 90
     yield
     yield
     while time.perf_counter() < end:
