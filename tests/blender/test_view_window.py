@@ -108,5 +108,17 @@ def test_memory_stays_flat(shot):
     assert pictures >= 1000 and after < 1.02 * before
 
 
+def test_what_is_hidden_is_not_there(shot):
+    assert apart(picture(shot, "all"), picture(shot, "without ball")).sum() > 500
+    clear = picture(shot, "transparent")[..., 3] < 0.5
+    assert 0.1 < clear.mean() < 0.9 and (picture(shot, "all")[..., 3] > 0.99).all()
+
+
+def test_two_views_at_once(shot):
+    camera, free, regions = fact(shot, "views")
+    assert len(regions) == 2 and free in regions and regions[0] != regions[1]
+    assert camera[0] < max(width for width, _ in regions) and fact(shot, "views left") == 1
+
+
 def test_cycles_shows_its_own_view(shot):
     assert fact(shot, "with Cycles") == [0] and fact(shot, "without Cycles") == 1

@@ -122,7 +122,7 @@ def test_the_first_that_fails_ends_all():
 
 
 @pytest.mark.parametrize("spoil, words", [
-    (lambda steps: setattr(steps[1], "kind", 4), "^step 1: kind 4 is not known; "),
+    (lambda steps: setattr(steps[1], "kind", 99), "^step 1: kind 99 is not known; "),
     (lambda steps: setattr(steps[1], "kind", -1), "^step 1: kind -1 is not known; "),
     (lambda steps: setattr(steps[0], "job", None), "^step 0: it has no job; "),
 ])

@@ -58,7 +58,7 @@ def state(view):
 
 def rest():
     """Until the view shows all that there is to show."""
-    end = time.perf_counter() + 20
+    end = time.perf_counter() + 90
     yield
     yield
     while time.perf_counter() < end:
@@ -300,6 +300,41 @@ def flat():
     yield from rest()
 
 
+def hidden():
+    """What is hidden, and what lies behind the picture."""
+    scene, ball = bpy.context.scene, bpy.data.objects["Ball"]
+    space().region_3d.view_perspective = "CAMERA"
+    yield from rest()
+    picture("all")
+    ball.hide_set(True)
+    yield from rest()
+    picture("without ball")
+    ball.hide_set(False)
+    scene.render.film_transparent = True
+    yield from rest()
+    picture("transparent")
+    scene.render.film_transparent = False
+
+
+def several():
+    """Two views, of different size, of which one is made smaller."""
+    with window.override("VIEW_3D"):
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.6)
+    yield
+    areas = [area for area in window.window().screen.areas if area.type == "VIEW_3D"]
+    for area in areas:
+        area.spaces.active.shading.type = "RENDERED"
+    areas[1].spaces.active.region_3d.view_perspective = "PERSP"
+    yield from rest()
+    seen = {view.what.where.through_camera: view.what.where for view in views()}
+    studio.fact("views", [seen[True].full, [seen[False].part.width, seen[False].part.height],
+                          [[region.width, region.height] for area in areas for region in area.regions
+                           if region.type == "WINDOW"]])
+    areas[1].type = "CONSOLE"
+    yield from rest()
+    studio.fact("views left", len(views()))
+
+
 def cycles():
     """Cycles' own view, and back."""
     space().shading.encre.source = "CYCLES"
@@ -313,7 +348,8 @@ def cycles():
 
 
 def steps():
-    for step in (build, camera, border, orbit, slider, stroke, shows, undo, broken, play, flat, cycles):
+    for step in (build, camera, border, orbit, slider, stroke, shows, undo, broken, play, flat, hidden, several,
+                 cycles):
         begin = time.perf_counter()
         yield from step()
         studio.fact("time", [step.__name__, round(time.perf_counter() - begin, 1)])
