@@ -59,7 +59,9 @@ def bytes_here():
 
 
 # Where cc is gcc, the first is what is installed.
-@pytest.mark.parametrize(("compiler", "options"), [pytest.param("gcc", [], marks=pytest.mark.long), ("clang", [])])
+@pytest.mark.parametrize(("compiler", "options"), [
+    pytest.param("gcc", [], marks=pytest.mark.long), pytest.param("clang", [], marks=pytest.mark.long),
+    ("clang", ["--scalar"])])
 def test_every_build_gives_the_same_bytes(tmp_path, bytes_here, compiler, options):
     assert pictures(build(tmp_path, compiler, *options)) == bytes_here
 
