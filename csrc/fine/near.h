@@ -85,15 +85,21 @@ typedef struct near_sites {
 	uint32_t i, end;
 } near_sites;
 
+/* All sites in a box, and more. */
+static inline near_sites near_box(const fine *n, float left, float top, float right, float bottom)
+{
+	return (near_sites){
+		.row = pixel_of(top, n->f->height) / CELL,
+		.last = pixel_of(bottom, n->f->height) / CELL,
+		.x0 = pixel_of(left, n->f->width) / CELL,
+		.x1 = pixel_of(right, n->f->width) / CELL,
+	};
+}
+
 /* All sites within `reach` of (x, y), and more. */
 static inline near_sites near_place(const fine *n, float x, float y, float reach)
 {
-	return (near_sites){
-		.row = pixel_of(y - reach, n->f->height) / CELL,
-		.last = pixel_of(y + reach, n->f->height) / CELL,
-		.x0 = pixel_of(x - reach, n->f->width) / CELL,
-		.x1 = pixel_of(x + reach, n->f->width) / CELL,
-	};
+	return near_box(n, x - reach, y - reach, x + reach, y + reach);
 }
 
 static inline near_sites near_site(const fine *n, const site *s, float reach)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Blenders, one after the other, and cases rendered in them."""
 
+import functools
+
 import blenders
 import pytest
 
@@ -10,6 +12,10 @@ def blender(request):
     return request.param
 
 
-@pytest.fixture
-def render(blender, tmp_path):
-    return lambda case, **environment: blenders.run(blender, case, tmp_path, environment)
+@pytest.fixture(scope="module")
+def render(blender, tmp_path_factory):
+    """render(case): its Shot, which several tests of a file may look at."""
+    @functools.cache
+    def render(case, **environment):
+        return blenders.run(blender, case, tmp_path_factory.mktemp(case), environment)
+    return render

@@ -50,8 +50,8 @@ def test_operators(blender, tmp_path):
 def test_dialog_escape_and_undo(tmp_path):
     if not shutil.which("blender") or not shutil.which("xvfb-run"):
         pytest.skip("needs the programs blender and xvfb-run")
-    command = ["xvfb-run", "-a", "-s", "-screen 0 1600x1000x24", "blender", "--factory-startup",
-               "--enable-event-simulate", "-p", "0", "0", "1600", "1000", "-P", str(WINDOW), "--", "bake", "."]
+    command = ["xvfb-run", "-a", "-s", "-screen 0 1000x700x24", "blender", "--factory-startup",
+               "--enable-event-simulate", "-p", "0", "0", "1000", "700", "-P", str(WINDOW), "--", "bake", "."]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, errors="replace", cwd=tmp_path)
     shot = blenders.read(done, tmp_path)
     facts = {name: values[0] for name, values in shot.facts.items()}

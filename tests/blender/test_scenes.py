@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 SCENES = [path for path in (Path(__file__).parents[2] / "scenes").glob("*.py") if "def build()" in path.read_text()]
+ELSEWHERE = {"living_room", "street"}  # files of tests have them rendered, larger
 
 
-@pytest.mark.parametrize("scene", sorted(SCENES), ids=lambda path: path.stem)
+@pytest.mark.parametrize("scene", [
+    pytest.param(path, id=path.stem, marks=[pytest.mark.long] if path.stem in ELSEWHERE else [])
+    for path in sorted(SCENES)])
 @pytest.mark.parametrize("blender", blenders.params())
 def test_scene_renders(blender, scene, tmp_path):
     frame = tmp_path / "frame.exr"

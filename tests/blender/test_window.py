@@ -19,8 +19,8 @@ def shot(tmp_path_factory):
     if not shutil.which("blender") or not shutil.which("xvfb-run"):
         pytest.skip("needs the programs blender and xvfb-run")
     folder = tmp_path_factory.mktemp("window")
-    command = ["xvfb-run", "-a", "-s", "-screen 0 1600x1000x24", "blender", "--factory-startup",
-               "--enable-event-simulate", "-p", "0", "0", "1600", "1000", "-P", str(WINDOW),
+    command = ["xvfb-run", "-a", "-s", "-screen 0 1200x800x24", "blender", "--factory-startup",
+               "--enable-event-simulate", "-p", "0", "0", "1200", "800", "-P", str(WINDOW),
                "--", "window", str(folder)]
     return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace",
                                         env={**os.environ, "BLENDER_USER_CONFIG": str(folder / "config")}), folder)

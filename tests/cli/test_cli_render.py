@@ -40,7 +40,7 @@ def test_exr_and_back(cube, tmp_path):
     assert np.abs(exr.picture(tmp_path / "again.exr") - picture).max() <= 1e-5
 
 
-@pytest.mark.parametrize("more", [ASKED, "scene.render.use_multiview = True\n"])
+@pytest.mark.parametrize("more", [ASKED, pytest.param("scene.render.use_multiview = True\n", marks=pytest.mark.long)])
 def test_slim_files_hold_what_restyling_reads(tmp_path, more):
     """And what the scene's maker asked for. Combined again within 1/255 at 99.95 % of the pixels."""
     path = script(tmp_path, more)

@@ -204,7 +204,7 @@ def test_a_full_disk(cube, tmp_path):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_interrupt(cube, tmp_path, number):
     child = subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png", "--size",
-                              "1280x720", "--samples", "4000"], stderr=subprocess.PIPE, text=True)
+                              "1280x720", "--samples", "4000", "--threads", "1"], stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 60
     while not list(tmp_path.glob(".encre-*")) and time.monotonic() < deadline:
         time.sleep(0.05)
@@ -216,7 +216,8 @@ def test_interrupt(cube, tmp_path, number):
     assert bytes(tmp_path) not in running, "Blender runs on"
 
 
-@pytest.mark.parametrize("options, number", [(("--size", "64x36"), None), (("--size", "1280x720"), signal.SIGTERM)])
+@pytest.mark.parametrize("options, number", [
+    (("--size", "64x36"), None), (("--size", "1280x720", "--threads", "1"), signal.SIGTERM)])
 def test_nothing_stays_among_the_temporary_files(cube, tmp_path, options, number):
     temporary = tmp_path / "temporary"
     temporary.mkdir()

@@ -33,8 +33,9 @@ def rendered(path):
 
 
 def debug_build(root, folder):
-    done = subprocess.run([sys.executable, "setup.py", "-q", "build_ext", "--debug", f"--build-lib={folder}",
-                           f"--build-temp={folder}/temp"], cwd=root, capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "setup.py", "-q", "build_ext", "--debug", "--scalar",
+                           f"--build-lib={folder}", f"--build-temp={folder}/temp"],
+                          cwd=root, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return folder / "encre" / LIBRARY
 

@@ -18,7 +18,7 @@ import pytest
 from encre.pen.library import LIBRARY, Library, load
 
 ROOT = Path(__file__).parents[2]
-WIDTH, HEIGHT = 960, 540
+WIDTH, HEIGHT = 640, 360
 SETTINGS = bench.SOURCES["with colour and light"]
 FLAGS = ("-std=c11", f"-I{ROOT / 'csrc'}", "-O1", "-fPIC", "-D_POSIX_C_SOURCE=200809L", "-ffp-contract=off",
          "-fvisibility=hidden", "-pthread")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The library built a second time, without vectorisation and for one instruction set: quick to build anew where a file
-has changed, the same results, and linked so that tests see between the passes of FINE."""
+has changed, the same results, and linked as tests need it: so that they see between the passes of FINE, say."""
 
 import contextlib
 import fcntl
@@ -19,7 +19,7 @@ def _commands(out):
     here = os.getcwd()
     os.chdir(ROOT)  # the commands name their files from here
     try:
-        return runpy.run_path("setup.py", run_name="tests")["commands"](out, BUILD, scalar=True)
+        return runpy.run_path("setup.py", run_name="tests")["commands"](out, BUILD, scalar=True, werror=True)
     finally:
         os.chdir(here)
 
@@ -41,6 +41,13 @@ def objects(out):
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(_run, filter(old, compile_)))
     return link, compile_
+
+
+def library(out, *more):
+    """Links the library `out`; more: what else the linker gets."""
+    with _alone():
+        _run([*objects(out)[0], *more])
+    return out
 
 
 def changed(out, source, old, new):

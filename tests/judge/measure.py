@@ -50,10 +50,17 @@ def _drawn(truth, every=4):
     return points.take(np.arange(0, points.x.size, every))
 
 
+def _clear(truth, reach):
+    """Of the points that must be inked those that are alone: the same for every drawing."""
+    if reach not in truth.clear:
+        points = _drawn(truth)
+        truth.clear[reach] = points.take(_alone(truth, points, reach))
+    return truth.clear[reach]
+
+
 def place(t, truth):
     """Hairline: how far the ink's centre is from the contour, in pixels, and the `count` of points looked at."""
-    points = _drawn(truth)
-    points = points.take(_alone(truth, points, 3.5))
+    points = _clear(truth, 3.5)
     s, ink = _profiles(t, points, 2.5, along=(-0.5, -0.25, 0, 0.25, 0.5))
     total = ink.sum(1)
     seen = total > 0.3 / 0.125
@@ -64,16 +71,14 @@ def place(t, truth):
 
 def width(t, truth, asked):
     """The median of the ink across the contour, pixels, for lines of the asked width; nan where none is alone."""
-    points = _drawn(truth)
-    points = points.take(_alone(truth, points, asked + 2.5))
+    points = _clear(truth, asked + 2.5)
     s, ink = _profiles(t, points, asked / 2 + 2)
     return float(np.median(ink.sum(1) * 0.125)) if len(ink) else float("nan")
 
 
 def evenness(t, truth):
     """Hairline: the share of its length where the ink across it, averaged over 2 pixels along, is 0.75…1.25."""
-    points = _drawn(truth)
-    points = points.take(_alone(truth, points, 3.5))
+    points = _clear(truth, 3.5)
     _, ink = _profiles(t, points, 2.5, along=(-1, -0.5, 0, 0.5, 1))
     ink = ink.sum(1) * 0.125
     ink = ink[ink > 0.3]
@@ -82,8 +87,7 @@ def evenness(t, truth):
 
 def once(t, truth):
     """Hairline: the share of the contour along which no second line runs within 6 pixels."""
-    points = _drawn(truth)
-    points = points.take(_alone(truth, points, 8))
+    points = _clear(truth, 8)
     s, ink = _profiles(t, points, 6)
     second = (ink[:, np.abs(s) >= 1.9] > 0.25).any(1)
     return float(1 - second.mean()) if len(ink) else 1.0

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes by formula: the layers a renderer would give, and where their contours truly are."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +13,8 @@ THRESHOLDS = (0.5, 0.9)  # of the default shade_levels
 GREYS = metric.encode(np.array([0.5, 0.7, 1.1]))
 NOTHING = 1e10
 STEP = 0.125  # pixels between two points of a contour
+CREASE = 20  # degrees of a bend that must be inked
+OUTLINE = 0.02  # step of depth, relative, that must be inked
 _SIDE = 0.004  # pixels: how far to either side of a contour its two sides are looked at
 _GRID = 8  # samples a pixel and axis
 
@@ -84,11 +86,12 @@ class Truth:
     angle: np.ndarray  # degrees between the normals
     color: np.ndarray  # contrast of the encoded albedos (Herring 2016, eq. 3.1)
     light: np.ndarray  # contrast of the two light levels' greys
-    narrow: np.ndarray  # a face beside it is less than 3 pixels wide
+    narrow: np.ndarray  # of creases: a face beside it is less than 3 pixels wide
     size: tuple  # rows, columns
+    clear: dict = field(init=False, default_factory=dict)  # what measure.py has found of these points
 
     def take(self, where):
-        arrays = {k: v[where] for k, v in vars(self).items() if k != "size"}
+        arrays = {k: v[where] for k, v in vars(self).items() if k not in ("size", "clear")}
         return Truth(size=self.size, **arrays)
 
     def visible(self):
@@ -101,11 +104,11 @@ class Truth:
 
     @property
     def outline(self):
-        return (self.depth >= 0.02) | self.index
+        return (self.depth >= OUTLINE) | self.index
 
     def required(self, kind):
         """Mask of the points that must be inked; `kind` is outline, crease, color, light, or all."""
-        crease = (self.angle >= 20) & ~self.narrow & ~self.outline
+        crease = (self.angle >= CREASE) & ~self.narrow & ~self.outline
         color = (self.color >= 0.12) & ~self.outline & ~(self.angle >= 8)
         light = (self.light > 0.05) & ~self.outline & ~(self.angle >= 8) & ~(self.color >= 0.05)
         masks = {"outline": self.outline, "crease": crease, "color": color, "light": light}
@@ -135,6 +138,7 @@ class Scene:
     size: tuple = (300, 400)  # rows, columns
 
     def __post_init__(self):
+        self._averages = {}  # by filter
         for k, solid in enumerate(self.solids, 1):
             solid.index = k
 
@@ -216,11 +220,8 @@ class Scene:
 
         noise: 1 is 3 % of white noise in the light and 1 % in normal and colour. one_index: all is one object."""
         h, w = self.size
-        y, x = np.mgrid[0.0:h, 0.0:w]
-        centre = self.trace(x, y)
+        centre, soft = self._centres, self._average(filter)
         there = np.isfinite(centre["depth"])
-        soft = _measured(centre)
-        self._average(soft, filter)
         normal, albedo, light, alpha = soft[..., :3], soft[..., 3:6], soft[..., 6:7], soft[..., 7:]
         g = np.random.default_rng(seed).standard_normal((3, h, w, 3)) * noise * (alpha > 0)
         diffuse = light * self.light.tint * (1 + 0.03 * g[0])
@@ -231,10 +232,18 @@ class Scene:
                   "object": index[..., None]}
         return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
 
-    def _average(self, soft, filter):
-        """Replace soft (rows, columns, 8) by averages where a contour is within 2 pixels; else the centre will do.
+    @cached_property
+    def _centres(self):
+        y, x = np.mgrid[0.0:self.size[0], 0.0:self.size[1]]
+        return self.trace(x, y)
+
+    def _average(self, filter):
+        """(rows, columns, 8): averages where a contour is within 2 pixels; else the centre will do.
 
         One jittered sample in each of 8×8 cells of the filter's weight, each pixel with its own."""
+        if filter in self._averages:
+            return self._averages[filter]
+        soft = self._averages[filter] = _measured(self._centres)
         truth, (h, w) = self.truth, self.size
         busy = np.zeros(self.size, bool)
         for dy in range(-2, 3):
@@ -249,6 +258,8 @@ class Scene:
             dy, dx = (_place(filter, (cell + j) / _GRID) for cell, j in zip((cell_y, cell_x), jitter, strict=True))
             samples = _measured(self.trace(spot[:, 1:] + dx, spot[:, :1] + dy))
             soft[spot[:, 0], spot[:, 1]] = samples.mean(1)
+        soft.flags.writeable = False
+        return soft
 
     @property
     def camera_settings(self):
@@ -345,12 +356,16 @@ class Scene:
         color = metric.rgb(metric.encode(one["albedo"]), metric.encode(two["albedo"]))
         levels = [np.searchsorted(THRESHOLDS, s["light"]) for s in (one, two)]
         light = np.abs(GREYS[levels[0]] - GREYS[levels[1]])
-        narrow = self._narrow(x, y, nx, ny, one, two)
+        crease, narrow = (angle >= CREASE) & (depth < OUTLINE), np.zeros(x.shape, bool)
+        faces = [s["solid"][crease].astype(np.int32) * 64 + s["part"][crease] for s in (one, two)]
+        narrow[crease] = self._narrow(x[crease], y[crease], faces)
         truth = Truth(x, y, nx, ny, number, depth, index, angle, color, light, narrow, self.size)
         return truth.visible()
 
-    def _narrow(self, x, y, nx, ny, one, two):
-        """Whether a face beside the point has no disc of 3 pixels within 3 pixels of it."""
+    def _narrow(self, x, y, faces):
+        """Whether one of the faces beside the point has no disc of 3 pixels within 3 pixels of it."""
+        if not x.size:
+            return False
         h, w = self.size
         fine = 3  # places a pixel and axis
         rows, columns = np.meshgrid(np.arange(-3 * fine, (h + 3) * fine) / fine,
@@ -368,8 +383,7 @@ class Scene:
         ring = [(dy, dx) for dy in range(-reach, reach + 1) for dx in range(-reach, reach + 1)
                 if dy * dy + dx * dx <= (4.5 * fine) ** 2]
         narrow = np.zeros(x.shape, bool)
-        for s in (one, two):
-            face = s["solid"].astype(np.int32) * 64 + s["part"]
+        for face in faces:
             wide = np.zeros(x.shape, bool)
             iy, ix = (np.round(v * fine).astype(int) + 3 * fine for v in (y, x))
             todo = np.arange(x.size)

@@ -47,7 +47,7 @@ def check(texture, scene=None, tolerance=1e-4, **options):
 
 
 @pytest.mark.parametrize("wrap", WRAPS)
-@pytest.mark.parametrize("size", [(1, 1), (1, 7), (9, 1), (2, 3), (29, 41), (37, 16)])
+@pytest.mark.parametrize("size", [(1, 1), (1, 7), (9, 1), (2, 3), (19, 27), (37, 16)])
 def test_discs(size, wrap):
     for seed, thickness in enumerate((3.0, 8.0, 21.0)):
         scene = dict(line_thickness=thickness, contrast_max=0.6)
@@ -57,7 +57,7 @@ def test_discs(size, wrap):
 
 
 @pytest.mark.parametrize("wrap", WRAPS)
-@pytest.mark.parametrize("size", [(1, 1), (1, 7), (9, 1), (2, 3), (23, 31)])
+@pytest.mark.parametrize("size", [(1, 1), (1, 7), (9, 1), (2, 3), (17, 23)])
 def test_ellipses(size, wrap):
     wrap = (wrap[0] and size[1] > 1, wrap[1])  # by shear a single column may be inked best by a far repetition
     for seed, thickness in enumerate((2.0, 7.0)):

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import built
 import drawn
 import numpy as np
 import pytest
@@ -57,9 +58,16 @@ def bytes_here():
     return pictures(load())
 
 
-@pytest.mark.parametrize(("compiler", "options"), [("gcc", []), ("clang", []), ("gcc", ["--scalar"])])
+# Where cc is gcc, the first is what is installed.
+@pytest.mark.parametrize(("compiler", "options"), [
+    pytest.param("gcc", [], marks=pytest.mark.long), pytest.param("clang", [], marks=pytest.mark.long),
+    ("clang", ["--scalar"])])
 def test_every_build_gives_the_same_bytes(tmp_path, bytes_here, compiler, options):
     assert pictures(build(tmp_path, compiler, *options)) == bytes_here
+
+
+def test_the_scalar_build_gives_the_same_bytes(tmp_path, bytes_here):
+    assert pictures(Library(str(built.library(tmp_path / LIBRARY)))) == bytes_here
 
 
 @pytest.mark.parametrize("simd", [0, 1])

@@ -2,13 +2,11 @@
 """Every allocation and every thread refused once: a sentence or the same picture, and nothing is left behind."""
 
 import ctypes
-import os
-import shlex
-import subprocess
 import sys
 from pathlib import Path
 
 import bench
+import built
 import drawn
 import numpy as np
 import pytest
@@ -27,13 +25,8 @@ def library(tmp_path_factory):
     if sys.platform != "linux":
         pytest.skip("needs a linker that wraps functions")
     out = tmp_path_factory.mktemp("failing") / LIBRARY
-    subprocess.run([*shlex.split(os.environ.get("CC", "cc")), "-std=c11", f"-I{ROOT / 'csrc'}", "-O1", "-fPIC",
-                    "-D_POSIX_C_SOURCE=200809L",
-                    "-ffp-contract=off", "-fvisibility=hidden", "-pthread", "-shared",
-                    *map(str, ROOT.glob("csrc/**/*.c")),
-                    str(ROOT / "tests" / "helpers" / "failing.c"), *(f"-Wl,--wrap={f}" for f in WRAPPED), "-lm",
-                    "-o", str(out)], check=True)
-    return Library(str(out))
+    return Library(str(built.library(out, str(ROOT / "tests" / "helpers" / "failing.c"),
+                                     *(f"-Wl,--wrap={function}" for function in WRAPPED))))
 
 
 def render(library, settings):

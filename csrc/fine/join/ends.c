@@ -37,6 +37,8 @@ typedef struct ends {
 	end *end;
 	pair *pair;
 	uint32_t *number; /* of the end, by site; UINT32_MAX: it is none */
+	uint32_t *first;  /* ends by cells, as fine.cell has the sites: member[first[i]] to member[first[i + 1] - 1] */
+	uint32_t *member;
 } ends;
 
 /* The first sites of the chain after its end. */
@@ -97,21 +99,35 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 	return (p->cost <= ray_to && fabsf(sine) >= least_sine) || ISA(picture_wedge)(n, s, t, rank, p->x, p->y);
 }
 
+/* The cells in which an end may find something to tie to. */
+static near_sites cells_ahead(const fine *n, const end *e)
+{
+	const float beyond = far_reach + 0.1f, aside = 2.2f; /* what lies ahead is never as far from the line */
+	float x = n->site[e->site].placed.x, y = n->site[e->site].placed.y, wide = aside * fabsf(e->dy),
+	      tall = aside * fabsf(e->dx), to_x = beyond * e->dx, to_y = beyond * e->dy;
+	return near_box(n, x + min(0, to_x) - wide, y + min(0, to_y) - tall, x + max(0, to_x) + wide,
+			y + max(0, to_y) + tall);
+}
+
 static void look_ahead(const ends *all, end *e)
 {
 	const fine *n = all->n;
 	const site *s = n->site + e->site;
 	uint32_t own[OWN];
 	int count = own_chain(n, e->site, own);
-	near_sites of = near_site(n, s, far_reach);
+	near_sites of = cells_ahead(n, e);
 	e->best = UINT32_MAX;
 	e->cost = INFINITY;
 	for (uint32_t j; near_next(n, &of, &j);) {
 		const site *t = n->site + j;
-		float d2 = apart2(s, t), d = sqrtf(d2);
+		float along = (t->placed.x - s->placed.x) * e->dx + (t->placed.y - s->placed.y) * e->dy,
+		      d2 = apart2(s, t);
+		if (!(along > 0) || d2 > 1.01f * far_reach * far_reach) /* most are not, and what follows costs more */
+			continue;
+		float d = sqrtf(d2);
 		if (t->linked.dropped || !(d > 0) || d > far_reach || !older(s, t))
 			continue;
-		float cosine = ((t->placed.x - s->placed.x) * e->dx + (t->placed.y - s->placed.y) * e->dy) / d;
+		float cosine = along / d;
 		if (!(d <= near_reach ? cosine >= near_cosine : cosine >= far_cosine) || is_in(j, own, count))
 			continue;
 		float cost = d / (cosine * cosine * cosine * cosine);
@@ -130,13 +146,16 @@ static uint32_t pairs_of(const ends *all, uint32_t i, pair *out)
 	const site *s = n->site + e->site;
 	uint32_t count = 0;
 	near_sites of = near_site(n, s, wedge_apart);
-	for (uint32_t j; near_next(n, &of, &j);) {
-		pair p = {.one = i, .two = all->number[j]};
-		if (j <= e->site || p.two == UINT32_MAX || !join(n, e, all->end + p.two, &p))
-			continue;
-		if (out)
-			out[count] = p;
-		count++;
+	for (; of.row <= of.last; of.row++) {
+		const uint32_t *first = all->first + (ptrdiff_t)of.row * n->across;
+		for (uint32_t k = first[of.x0]; k < first[of.x1 + 1]; k++) {
+			pair p = {.one = i, .two = all->member[k]};
+			if (p.two <= i || !join(n, e, all->end + p.two, &p))
+				continue;
+			if (out)
+				out[count] = p;
+			count++;
+		}
 	}
 	return count;
 }
@@ -260,7 +279,10 @@ static int32_t find_ends(ends *all)
 		return code;
 	all->end = late_take(&n->f->late, all->count, sizeof *all->end);
 	all->number = late_take(&n->f->late, n->count, sizeof *all->number);
-	if (!all->end || !all->number)
+	size_t cells = (size_t)n->across * (size_t)n->tall;
+	all->first = late_take(&n->f->late, cells + 1, sizeof *all->first);
+	all->member = late_take(&n->f->late, all->count, sizeof *all->member);
+	if (!all->end || !all->number || !all->first || !all->member)
 		return ENCRE_ERROR_MEMORY;
 	for (uint32_t i = 0, k = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
@@ -270,6 +292,15 @@ static int32_t find_ends(ends *all)
 			all->number[i] = k++;
 		}
 	}
+	uint32_t k = 0;
+	for (size_t i = 0; !code && i < cells; i++) {
+		code = at_step(n, (uint32_t)i);
+		all->first[i] = k;
+		for (uint32_t j = n->cell[i]; j < n->cell[i + 1]; j++)
+			if (all->number[n->member[j]] != UINT32_MAX)
+				all->member[k++] = all->number[n->member[j]];
+	}
+	all->first[cells] = k;
 	return code;
 }
 
@@ -310,6 +341,8 @@ static int32_t round_of(fine *n)
 		code = ISA(fine_add_links)(n, to.link, to.count);
 	late_drop(&n->f->late, all.end);
 	late_drop(&n->f->late, all.number);
+	late_drop(&n->f->late, all.first);
+	late_drop(&n->f->late, all.member);
 	late_drop(&n->f->late, all.pair);
 	late_drop(&n->f->late, to.link);
 	return code;

@@ -68,7 +68,7 @@ def lamps(out):
     """One picture for each kind of lamp, alone."""
     for name, (kind, settings) in LAMPS.items():
         hard = not settings.get("angle", settings.get("shadow_soft_size", settings.get("size")))
-        _stage(16 if hard else 256)
+        _stage(16 if hard else 64)
         obj = _lamp(kind, **settings)
         obj.scale = SCALES.get(name, (1, 1, 1))
         shoot(out, name)

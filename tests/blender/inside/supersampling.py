@@ -80,8 +80,8 @@ def larger(out):
         glow.inputs["Color"].default_value = {"Red": (1, 0.1, 0.1, 1), "Green": (0, 0.7, 0.2, 1)}.get(
             mat.name, (0.3, 0.3, 0.3, 1))
         mat.node_tree.links.new(glow.outputs[0], end.inputs[0])
-    scene.cycles.samples, scene.cycles.use_adaptive_sampling = 32768, False
-    render.resolution_x, render.resolution_y = 40, 21
+    scene.cycles.samples, scene.cycles.use_adaptive_sampling = 16384, False
+    render.resolution_x, render.resolution_y = 20, 11
     compare("edges")
 
 
