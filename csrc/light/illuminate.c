@@ -98,14 +98,14 @@ static void plan(light *l, arena *a)
 static int32_t run(light *l)
 {
 	const store *lamps = &l->job->scene->lamps;
-	bands_span(l->bands, 0, 0.4);
+	bands_span(l->bands, 0.1, 0.3);
 	int32_t code = bands_run(l->bands, l->height, 0, place_rows, l);
 	if (!code)
 		code = bands_run(l->bands, l->height, 0, world_rows, l);
 	lamp_points_make(&l->points);
 	for (int32_t i = 0; !code && i < lamps->count; i++) {
-		double share = 0.8 / lamps->count;
-		bands_span(l->bands, 0.2 + share * i, 0.2 + share * (i + 1));
+		double share = 0.7 / lamps->count;
+		bands_span(l->bands, 0.3 + share * i, 0.3 + share * (i + 1));
 		if (!lamp_make(lamps->items[i], &l->lamp))
 			continue;
 		code = ISA(shadow_run)(l);

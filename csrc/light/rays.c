@@ -20,7 +20,9 @@ static float inverse_of(float x)
 	return 1 / (fabsf(x) < 1e-18f ? least : x);
 }
 
-static void aim(local *l)
+/* False for a ray that is not finite: of what it meets nothing could be told, and it would enter boxes that are empty.
+ */
+static bool aim(local *l)
 {
 	l->inverse = (vec){inverse_of(l->way.x), inverse_of(l->way.y), inverse_of(l->way.z)};
 	const float inverse[3] = {l->inverse.x, l->inverse.y, l->inverse.z};
@@ -28,17 +30,19 @@ static void aim(local *l)
 		l->low[k] = inverse[k] < 0 ? 3 + k : k;
 		l->high[k] = inverse[k] < 0 ? k : 3 + k;
 	}
+	const vec none = {0, 0, 0};
+	return dot(l->from, none) + dot(l->way, none) == 0;
 }
 
-/* The ray in the space of an instance. */
-static local local_of(const instance *in, const ray *r)
+/* The ray in the space of an instance; false if it is not finite there. */
+static bool local_of(const instance *in, const ray *r, local *l)
 {
 	double from[3] = {(double)r->from.x, (double)r->from.y, (double)r->from.z}, at[3];
 	transform_point(in->inverse, from, at);
-	local l = {.from = {(float)at[0], (float)at[1], (float)at[2]}, .way = transform_way(in->inverse, r->way)};
-	l.far = r->far;
-	aim(&l);
-	return l;
+	*l = (local){.from = {(float)at[0], (float)at[1], (float)at[2]},
+		     .way = transform_way(in->inverse, r->way),
+		     .far = r->far};
+	return aim(l);
 }
 
 /* The boxes of a node that a ray enters, a bit each. */
@@ -128,7 +132,9 @@ static bool hint_blocks(const world *w, const ray *r, const local *all, const hi
 	const instance *in = w->instances[h->instance];
 	if (!casts(in, r->set) || !(entered(w->tree.nodes + h->top_node, all) >> h->top_slot & 1))
 		return false;
-	local l = local_of(in, r);
+	local l;
+	if (!local_of(in, r, &l))
+		return false;
 	const tree_node *n = in->shape->tree.nodes + h->node;
 	return entered(n, &l) >> h->slot & 1 &&
 	       leaf_blocks(w, in->shape, ~n->child[h->slot], &l, h->instance == r->instance ? r->triangle : -1);
@@ -138,8 +144,9 @@ bool ISA(ray_blocked)(const world *w, const ray *r, hint *h)
 {
 	local all = {.from = r->from, .way = r->way, .far = r->far};
 	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
-	aim(&all);
 	stack[0] = 0;
+	if (!aim(&all))
+		return false;
 	if (h->instance >= 0 && hint_blocks(w, r, &all, h))
 		return true;
 	while (top) {
@@ -154,9 +161,9 @@ bool ISA(ray_blocked)(const world *w, const ray *r, hint *h)
 			}
 			int32_t number = w->boxes[w->tree.leaves[~child].from].item;
 			const instance *in = w->instances[number];
-			if (!casts(in, r->set))
+			local l;
+			if (!casts(in, r->set) || !local_of(in, r, &l))
 				continue;
-			local l = local_of(in, r);
 			if (shape_blocks(w, in->shape, &l, number == r->instance ? r->triangle : -1, h)) {
 				h->instance = number;
 				h->top_node = at;
@@ -216,8 +223,8 @@ bool ISA(ray_nearest)(const world *w, const double from[3], const double to[3], 
 	r.way = (vec){(float)(to[0] - from[0]), (float)(to[1] - from[1]), (float)(to[2] - from[2])};
 	local all = {.from = r.from, .way = r.way, .far = r.far};
 	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
-	aim(&all);
 	stack[0] = 0;
+	top = aim(&all) ? top : 0;
 	search f = {share, -1, NULL, {-1, -1, INFINITY}};
 	while (top) {
 		const tree_node *n = w->tree.nodes + stack[--top];
@@ -236,8 +243,8 @@ bool ISA(ray_nearest)(const world *w, const double from[3], const double to[3], 
 			transform_point(in->inverse, to, b);
 			local l = {.from = {(float)a[0], (float)a[1], (float)a[2]}, .far = 1};
 			l.way = (vec){(float)(b[0] - a[0]), (float)(b[1] - a[1]), (float)(b[2] - a[2])};
-			aim(&l);
-			look_in(in->shape, &l, number, &f);
+			if (aim(&l))
+				look_in(in->shape, &l, number, &f);
 		}
 	}
 	*found = f.best;
@@ -248,8 +255,8 @@ bool ISA(ray_stops)(const world *w, const ray *r, float *share)
 {
 	local all = {.from = r->from, .way = r->way, .far = r->far};
 	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
-	aim(&all);
 	stack[0] = 0;
+	top = aim(&all) ? top : 0;
 	search f = {0, -1, w->textures, {-1, -1, INFINITY}};
 	while (top) {
 		const tree_node *n = w->tree.nodes + stack[--top];
@@ -261,9 +268,9 @@ bool ISA(ray_stops)(const world *w, const ray *r, float *share)
 			}
 			int32_t number = w->boxes[w->tree.leaves[~child].from].item;
 			const instance *in = w->instances[number];
-			if (!casts(in, r->set))
+			local l;
+			if (!casts(in, r->set) || !local_of(in, r, &l))
 				continue;
-			local l = local_of(in, r);
 			f.skip = number == r->instance ? r->triangle : -1;
 			look_in(in->shape, &l, number, &f);
 		}

@@ -248,16 +248,17 @@ static int32_t run_job(const task *t)
 
 /* ---- all jobs ---------------------------------------------------------------------------------------------- */
 
-enum { KINDS = 3, OF_TEN = 10, RENDERS = 7, RASTERS = 2 };
+enum { KINDS = 4, OF_TEN = 10, RENDERS = 6, RASTERS = 2, BAKES = 1 };
 
 static int32_t run_seed(int *kind)
 {
 	uint64_t of_ten = seed % OF_TEN;
 	state = seed * 0x2545f4914f6cdd1du;
-	*kind = of_ten < RENDERS ? 0 : of_ten < RENDERS + RASTERS ? 1 : 2;
+	*kind = of_ten < RENDERS ? 0 : of_ten < RENDERS + RASTERS ? 1 : of_ten < RENDERS + RASTERS + BAKES ? 2 : 3;
 	task t = *kind == 0   ? random_render(seed / OF_TEN * RENDERS + of_ten)
 		 : *kind == 1 ? random_raster()
-			      : random_bake();
+		 : *kind == 2 ? random_bake()
+			      : random_light();
 	int32_t code = run_job(&t);
 	give_back();
 	return code;
@@ -279,7 +280,7 @@ int main(int n, char **arguments)
 	uint64_t first = strtoull(arguments[1], NULL, 10), step = strtoull(arguments[2], NULL, 10),
 		 most = n > 4 ? strtoull(arguments[4], NULL, 10) : UINT64_MAX, done = 0;
 	double begin = seconds(), end = begin + strtod(arguments[3], NULL);
-	static const char *const names[KINDS] = {"render", "raster", "bake"};
+	static const char *const names[KINDS] = {"render", "raster", "bake", "light"};
 	unsigned long drawn[KINDS] = {0}, refused[KINDS] = {0}, cancelled = 0;
 	signal(SIGALRM, hang);
 	if (__sanitizer_set_death_callback)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Random jobs for the library. fuzz.c runs them and looks at what came back, pictures.c makes images, render.c,
- * raster.c and bake.c one kind of job each. A seed is a job: the same one on every machine. */
+ * raster.c, light.c and bake.c one kind of job each. A seed is a job: the same one on every machine. */
 #ifndef ENCRE_FUZZ_H
 #define ENCRE_FUZZ_H
 
@@ -66,6 +66,13 @@ void *random_params(int count);
 void *paired_params(uint64_t k, int count);
 uint64_t pair_count(void);
 
+/* ---- places (raster.c) ------------------------------------------------------------------------------------- */
+
+void random_matrix(double m[16]);
+/* n triples: soups, grids, flat or odd ones, in front of the camera. */
+float *random_triples(int n);
+void random_lens(double view[16], double projection[16], double *clip_start, double *clip_end);
+
 /* ---- jobs -------------------------------------------------------------------------------------------------- */
 
 /* A job that is ready to run; outputs are those whose samples may change. */
@@ -84,5 +91,6 @@ typedef struct task {
 task random_render(uint64_t k);
 task random_raster(void);
 task random_bake(void);
+task random_light(void);
 
 #endif

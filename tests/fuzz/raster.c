@@ -7,7 +7,7 @@
 
 enum { MESHES = 5 };
 
-static void random_matrix(double m[16])
+void random_matrix(double m[16])
 {
 	double a = 6.3 * share(), c = cos(a), s = sin(a);
 	const double turned[16] = {c, -s, 0, share() - 0.5, s, c, 0, share() - 0.5, 0, 0, 1, share() - 0.5, 0, 0, 0, 1};
@@ -19,9 +19,9 @@ static void random_matrix(double m[16])
 		memset(m, 0, sizeof turned);
 }
 
-static void random_points(encre_mesh *mesh)
+float *random_triples(int triples)
 {
-	size_t n = 3 * (size_t)mesh->n_points;
+	size_t n = 3 * (size_t)triples;
 	float *at = take(n * sizeof *at);
 	double size = chance(0.8) ? 4 : magnitude(-20, 30), odd = chance(0.2) ? 0.02 : 0;
 	bool grid = chance(0.3), flat = chance(0.1);
@@ -30,7 +30,7 @@ static void random_points(encre_mesh *mesh)
 		v = grid ? floor(2 * v) / 2 : v;
 		at[k] = chance(odd) ? weird() : (float)(k % 3 == 2 ? (flat ? -5 : v - 5) : v);
 	}
-	mesh->points = at;
+	return at;
 }
 
 static void random_corners(encre_mesh *mesh, int each)
@@ -79,7 +79,7 @@ static void random_mesh(encre_mesh *mesh)
 		mesh->n_primitives = mesh->n_points / each;
 	else
 		random_corners(mesh, each);
-	random_points(mesh);
+	mesh->points = random_triples(mesh->n_points);
 	size_t corners = 3 * (size_t)mesh->n_primitives;
 	if (mesh->kind == ENCRE_TRIANGLES && mesh->n_channels && chance(0.7))
 		mesh->attributes = random_shares(corners * (size_t)mesh->n_channels);
@@ -97,7 +97,7 @@ static void random_mesh(encre_mesh *mesh)
 		*number[whole(0, 3)] = -whole(1, INT32_MAX);
 }
 
-static void random_lens(encre_raster_job *job)
+void random_lens(double view[16], double projection[16], double *clip_start, double *clip_end)
 {
 	double wide = 0.5 + share(), near = magnitude(-3, 0), far = 100;
 	const double eye[16] = {1 / wide,
@@ -117,16 +117,16 @@ static void random_lens(encre_raster_job *job)
 				-1,
 				0};
 	const double flat[16] = {.2, 0, 0, 0, 0, .2, 0, 0, 0, 0, -.02, -1, 0, 0, 0, 1};
-	memcpy(job->projection, chance(0.7) ? eye : flat, sizeof eye);
-	random_matrix(job->view);
+	memcpy(projection, chance(0.7) ? eye : flat, sizeof eye);
+	random_matrix(view);
 	if (chance(0.03))
-		job->projection[whole(0, 15)] = chance(0.5) ? magnitude(-300, 300) : (double)weird();
-	job->clip_start = chance(0.7) ? near : chance(0.5) ? 0 : -5;
-	job->clip_end = chance(0.6) ? far : chance(0.5) ? 0 : 3;
+		projection[whole(0, 15)] = chance(0.5) ? magnitude(-300, 300) : (double)weird();
+	*clip_start = chance(0.7) ? near : chance(0.5) ? 0 : -5;
+	*clip_end = chance(0.6) ? far : chance(0.5) ? 0 : 3;
 	if (chance(0.03))
-		job->clip_start = chance(0.5) ? (double)weird() : -magnitude(0, 300);
+		*clip_start = chance(0.5) ? (double)weird() : -magnitude(0, 300);
 	if (chance(0.03))
-		job->clip_end = chance(0.5) ? (double)weird() : magnitude(0, 300);
+		*clip_end = chance(0.5) ? (double)weird() : magnitude(0, 300);
 }
 
 static int32_t run(encre_context *context, void *job)
@@ -165,6 +165,6 @@ task random_raster(void)
 	for (int i = 0; i < job.n_meshes; i++)
 		random_mesh(meshes + i);
 	job.meshes = meshes;
-	random_lens(&job);
+	random_lens(job.view, job.projection, &job.clip_start, &job.clip_end);
 	return t;
 }

@@ -13,7 +13,9 @@ progress reports at its ends; the best of the rounds counts, for the copy as wel
 import argparse
 import ctypes
 import resource
+import sys
 import time
+from pathlib import Path
 
 import drawn
 import numpy as np
@@ -193,6 +195,30 @@ def fine(rounds, width, height):
               f"{(own - least) / copy / count * 1000:12.4f}{4 * small / own:9.2f}{held:7.1f}")
 
 
+def light(rounds, width, height):
+    """Three lamps over a cube, a ball and 64 balls of 3,200 triangles each; trees are built in the first round."""
+    sys.path.insert(0, str(Path(__file__).parents[1]))
+    import lamps  # knows the reference
+
+    stage = lamps.Stage(width, height, smooth=True)
+    points, corners, normals = lamps.ball(40)
+    stage.scene.geometry(9, points, corners, normals)
+    for k in range(64):
+        model = lamps.moved(k % 8 - 4.0, k // 8 - 3.0, 2.5, 0.25)
+        stage.scene.instance(9 + k, 9, model)
+        stage.meshes.append(lamps.Mesh(points, corners, model=model, object_index=9 + k))
+    depth, copy = stage.depth(), copy_seconds(width * height * 112)
+    print(f"\nlight by rays, one thread, {width} x {height}; processor seconds, and as a ratio to the copy")
+    cases = {"hard lamps": ("sun", "point", "spot"), "soft lamps": ("wide sun", "ball", "rectangle")}
+    for case, names in cases.items():
+        best = 1e9
+        for _ in range(rounds):
+            start = time.process_time()
+            stage.light(*(lamps.LAMPS[name] for name in names), depth=depth, threads=1)
+            best = min(best, time.process_time() - start)
+        print(f"{case:18}{best:8.2f} s{best / copy:8.1f}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", default="1920x1080")
@@ -213,6 +239,7 @@ def main():
             print(f"{case:18}{threads or 'all':>8}{whole:8.2f}" + "".join(f"{p:8.2f}" for p in parts))
     all_off(args.rounds, layers)
     fine(args.rounds, width, height)
+    light(args.rounds, width, height)
     bake(args.rounds)
     print(f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
 
