@@ -27,7 +27,7 @@ def build():
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 160, 90, 100000
     scene.cycles.use_adaptive_sampling = False
     scene.render.image_settings.file_format = "PNG"
-    scene.encre.line_thickness = 40
+    scene.encre.line_thickness, scene.encre.ink_early = 40, False
     keys.point(300, 300)
 
 
