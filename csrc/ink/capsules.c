@@ -32,50 +32,76 @@ typedef struct gather {
 	const fine *n;
 	capsules *all;
 	float *length; /* to the nearest free end, by site; NULL where no line tapers */
+	float *radius; /* by site: evened along its line, before it tapers or is crowded */
 } gather;
 
-static pen_end pen_end_of(const frame *f, const site *made, float length)
+/* What the pen gives before its line is evened: `out` is its radius, `fade` the share of that. */
+static pen_end pen_end_of(const frame *f, const site *made)
 {
 	const placed *s = &made->placed;
-	float crowd = made->linked.crowd;
 	pen pen;
 	pen_end e = {.x = s->x, .y = s->y};
 	e.owner = (uint32_t)s->near_y << 16 | s->near_x;
 	if (!ISA(pen_of)(f, s->near_x, s->near_y, (enum source)s->source, s->strength, &pen))
 		return e;
-	pen.radius *= 1 - (float)s->eased / 255;
-	float taper = pen.p->line_taper * f->scale;
-	if (length < taper)
-		pen.radius *= length / taper;
-	if (pen.radius * crowd > 1)
-		pen.radius = 1 / crowd;
-	/* a thing not much wider than its lines lets no paper between them: they are one, from its middle */
-	float filled = s->thin * clamp01(1 - 2 * (s->half - pen.radius));
-	if (made->found.axis == AXIS_ROW)
-		e.x += filled * s->inside;
-	else
-		e.y += filled * s->inside;
-	e.out = filled * s->half + pen.radius;
-	e.fade = pen.p->line_softness * pen.radius;
+	e.out = pen.radius * (1 - (float)s->eased / 255);
+	e.fade = pen.p->line_softness;
 	e.gain = pen.gain;
 	e.ease = pen.gain > 0 ? min(1 / pen.gain, 1e30f) : 0;
 	e.bias = pen.bias;
 	e.paper = pen.p->line_paper;
 	e.limit = min(pen.limit, 1e30f); /* finite: it is interpolated */
-	float ramp = min(e.ease, 1 - e.bias),
-	      middle = e.out - e.fade * (e.bias + 0.5f * ramp); /* on the highest paper */
-	if (ramp > 0 && middle > 0)
-		e.reach = max(middle, 0.5f) + 0.5f * max(e.fade * ramp, 1);
 	return e;
+}
+
+/* `radius`: evened along the line. */
+static void finish(const frame *f, const site *made, float radius, float length, pen_end *e)
+{
+	const placed *s = &made->placed;
+	float crowd = made->linked.crowd;
+	int style = f->style ? f->style[(size_t)s->near_y * (size_t)f->width + s->near_x] : 0;
+	if (!f->params[style].use_lines)
+		return;
+	float taper = f->params[style].line_taper * f->scale;
+	if (length < taper)
+		radius *= length / taper;
+	if (radius * crowd > 1)
+		radius = 1 / crowd;
+	/* a thing not much wider than its lines lets no paper between them: they are one, from its middle */
+	float filled = s->thin * clamp01(1 - 2 * (s->half - radius));
+	if (made->found.axis == AXIS_ROW)
+		e->x += filled * s->inside;
+	else
+		e->y += filled * s->inside;
+	e->out = filled * s->half + radius;
+	e->fade *= radius;
+	float ramp = min(e->ease, 1 - e->bias),
+	      middle = e->out - e->fade * (e->bias + 0.5f * ramp); /* on the highest paper */
+	if (ramp > 0 && middle > 0)
+		e->reach = max(middle, 0.5f) + 0.5f * max(e->fade * ramp, 1);
 }
 
 static void make_pens(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const gather *g = data;
+	for (int i = first; i < end; i++) {
+		g->radius[i] = 0;
+		if (g->n->site[i].linked.dropped)
+			continue;
+		g->all->end[i] = pen_end_of(g->f, g->n->site + i);
+		g->radius[i] = g->all->end[i].out;
+	}
+}
+
+static void finish_pens(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const gather *g = data;
 	for (int i = first; i < end; i++)
 		if (!g->n->site[i].linked.dropped)
-			g->all->end[i] = pen_end_of(g->f, g->n->site + i, g->length ? g->length[i] : INFINITY);
+			finish(g->f, g->n->site + i, g->radius[i], g->length ? g->length[i] : INFINITY,
+			       g->all->end + i);
 }
 
 /* ---- bands ----------------------------------------------------------------------------------------------- */
@@ -135,9 +161,17 @@ int32_t ISA(capsules_gather)(frame *f, capsules *all)
 		if (code)
 			return code;
 	}
+	g.radius = late_take(&f->late, n->count, sizeof *g.radius);
+	if (!g.radius)
+		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, make_pens, &g);
+	if (!code)
+		code = ISA(capsules_even)(f, &g.radius);
+	if (!code)
+		code = bands_run(f->bands, (int)n->count, CHUNK, finish_pens, &g);
 	if (code)
 		return code;
+	late_drop(&f->late, g.radius);
 	memset(all->first, 0, (bands + 2) * sizeof *all->first);
 	code = enter_all(&g,
 			 all->first + 2); /* counted two places on: summed up, and filled, they end where they belong */

@@ -104,6 +104,8 @@ typedef struct capsules {
 
 int32_t ISA(capsules_gather)(frame *f, capsules *all);
 void ISA(capsules_draw)(const capsules *all, canvas *c);
+/* widths.c: evens half the widths at all sites along their lines; another block of memory takes the place of theirs. */
+int32_t ISA(capsules_even)(frame *f, float **radius);
 
 /* search.c: the other ways name one edge for every pixel. */
 typedef struct search {

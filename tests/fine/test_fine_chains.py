@@ -126,3 +126,16 @@ def test_scraps_are_not_drawn(length):
     assert t[5:15, 5:15].max() > 0.5, "closed"
     assert ink(scraps(length), line_min_length=0.0)[15:45, 30:50].max() > 0.5
     assert ink(scraps(length, start=60 - length), line_min_length=12.0)[:, 30:50].max() > 0.5, "goes on beyond it"
+
+
+def test_a_line_s_width_eases_where_what_it_is_made_of_changes():
+    """An outline, where a leaf stands off a wall, that goes on as a crease a fifth as wide: no blob, no step."""
+    y, x = np.mgrid[:90, :60]
+    layers = flat(90, 60)
+    layers["depth"] = np.where((x < 30) | (y > 45), 5.0, 5 + 0.05 * (45 - y))
+    layers["normal"] = np.where((x < 30)[..., None], (-0.6, 0, 0.8), (0.6, 0, 0.8))
+    t = ink(layers, line_thickness=10.0, width_normal=0.2, edge_color=0.0)[:, 10:50]
+    width = t.sum(1)
+    assert width[10:30] == pytest.approx(np.full(20, 10.0), abs=0.3)
+    assert width[60:80] == pytest.approx(np.full(20, 2.0), abs=0.3)
+    assert (np.diff(width[10:80]) < 0.3).all() and np.abs(np.diff(width[10:80])).max() < 2.0
