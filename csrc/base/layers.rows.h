@@ -5,7 +5,7 @@
 STAGE(layers, "Layers", "What the engine renders and saves for the stages")
 ENUM(layer_source, FRAME, 0, "", "Layers", "What renders the layers on which is drawn",
      ITEM(layer_source, CYCLES, 0, "Cycles", "Cycles: all materials and all light")
-     ITEM(layer_source, ENCRE, 1, "Encre", "Encre itself, many times faster, without reflections and bounced light: for animatics and flat pictures"))
+     ITEM(layer_source, ENCRE, 1, "Encre", "Encre itself, without noise, reflections and bounced light: for animatics and flat pictures"))
 INT(supersample, FRAME, 1, 1, 4, 1, 4, "", "", "Supersample", "Draw at this many times the width and height, with as many rays as before, and average down: for things thinner than a pixel; memory grows by its square")
 ENUM(object_index, FRAME, 0, "", "Object Index", "What counts as an object of its own where outlines are drawn",
      ITEM(object_index, AUTO, 0, "Automatic", "A running number for every object or named line group, whatever the pass index is")
