@@ -160,6 +160,8 @@ def _lamp(data, matrix):
         color *= np.array(data.temperature_color)
     color *= _emission(data)
     kind = _KINDS[data.shape if data.type == "AREA" else data.type]
+    if kind == "spot" and not versions.SPOTS_SCALE:
+        matrix[:3, :3] /= np.linalg.norm(matrix[:3, :3], axis=0)
     lamp = Lamp(kind, model=matrix, shadows=bool(versions.casts_shadows(data)))
     if kind == "sun":
         lamp.width = min(data.angle, np.pi)
