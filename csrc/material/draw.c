@@ -46,9 +46,11 @@ static inline int32_t material_at(const drawing *d, int x, int y)
 static void steps_along(const drawing *d, int x, int y, int dx, int dy, int n, float out[ENCRE_MAX_CHANNELS])
 {
 	const encre_material_job *job = d->job;
+	memset(out, 0, sizeof(float) * ENCRE_MAX_CHANNELS);
+	if (!n)
+		return;
 	const float *own = at(&job->attributes, x, y);
 	float least = INFINITY;
-	memset(out, 0, sizeof(float) * ENCRE_MAX_CHANNELS);
 	for (int side = -1; side <= 1; side += 2) {
 		int px = x + side * dx, py = y + side * dy;
 		if (px < 0 || py < 0 || px >= d->width || py >= d->height ||

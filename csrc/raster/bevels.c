@@ -174,7 +174,7 @@ static void weigh(const ways *w, int first, int count, bend *best, float *cleare
 /* How the normals change from one end of a bend to the other; false: it does not go one way round. */
 static bool across_of(const search *s, int x, int y, bend *b)
 {
-	int from = b->first, to = b->first + b->ways;
+	int from = (int)b->first, to = from + b->ways;
 	const float *n = normal_at(s, x + (b->axis ? 0 : from), y + (b->axis ? from : 0)),
 		    *m = normal_at(s, x + (b->axis ? 0 : to), y + (b->axis ? to : 0));
 	for (int c = 0; c < 3; c++)
