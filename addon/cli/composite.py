@@ -284,9 +284,11 @@ class _Work:
                               "is drawn at that")
         space = exr.metadata.get(colour.INTEROP, "")
         settings = Settings(scene, self.stored.styles, space)
-        light, held = (given.every[0]["light_source"] for given in (settings, Settings(self.stored.scene)))
-        if light != held and settings.wants_light:
-            self._say("note", f"light_source {light} needs a render: light stays as {exr.path} holds it")
+        held = Settings(self.stored.scene).every[0]
+        for source, stays, used in (("layer_source", "its layers are", True),
+                                    ("light_source", "its light is", settings.wants_light)):
+            if (value := settings.every[0][source]) != held[source] and used:
+                self._say("note", f"{source} {value} needs a render: {exr.path} is drawn as {stays}")
         self.settings = Settings(_paper(settings, change, exr.path, allow_paths, self.stored.paper), self.stored.styles,
                                  space)
         self._say("note", settings.in_vain(named))

@@ -150,8 +150,9 @@ def test_settings_reach_the_engine(cube, tmp_path):
     err = works(encre("render", cube, "-o", second, ALL, "--samples", "3", "--set=sobel_shape_threshold=.5"))
     assert "changes nothing here: sobel_shape_threshold (it needs edge_detector=SOBEL)" in err
     err = works(encre("composite", second, "-o", tmp_path / "c.exr", "--preset", "Ink only",
-                      "--set", "line_color=1,0,0", "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0"))
-    assert "light_source DRAWN needs a render" in err
+                      "--set", "line_color=1,0,0", "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0",
+                      "--set", "layer_source=ENCRE"))
+    assert "light_source DRAWN needs a render" in err and "layer_source ENCRE needs a render" in err
     assert np.abs(exr.picture(tmp_path / "c.exr") - exr.part(first, "ViewLayer.Combined")).max() <= 1e-5
 
 
