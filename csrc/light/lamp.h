@@ -8,7 +8,7 @@
 
 /* A lamp that has a size is asked at fixed points. Each pixel of a square of TILE x TILE of the full frame has POINTS
  * of its own; DEALT, each pixel of WIDE x WIDE others, tell whether they matter. */
-enum { LAMP_TILE = 4, LAMP_POINTS = 64, LAMP_WIDE = 8, LAMP_DEALT = 4, LAMP_PLAIN = 16 };
+enum { LAMP_TILE = 4, LAMP_POINTS = 16, LAMP_WIDE = 8, LAMP_DEALT = 4, LAMP_PLAIN = 16 };
 
 typedef struct lamp_point {
 	float square[2], disc[2]; /* of the unit square, and of the unit disc about 0 */
