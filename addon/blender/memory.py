@@ -266,6 +266,7 @@ class ENCRE_OT_redraw(bpy.types.Operator):
 
     bl_idname = "encre.redraw"
     bl_label = "Redraw"
+    bl_options = {"REGISTER"}
 
     @classmethod
     def poll(cls, context):

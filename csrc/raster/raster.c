@@ -330,9 +330,11 @@ static int32_t run(bands *pool, raster *r)
 		return ENCRE_ERROR_MEMORY;
 	if ((code = bands_run(pool, r->n_chunks, 1, file_chunks, r)))
 		return code;
-	bands_span(pool, 0.9375, 1.0625); /* a run takes half of what is left: so far at most four, now the rest */
+	bool bevels = r->bends && r->job->normal.data && r->job->object.data;
+	/* A run takes half of what is left: so far at most four, now the rest, but for what bevels take. */
+	bands_span(pool, 0.9375, bevels ? 1 : 1.0625);
 	code = bands_run(pool, r->n_bands, 1, draw_bands, r);
-	return code || !r->bends || !r->job->normal.data || !r->job->object.data ? code : bevels_draw(pool, r->job);
+	return code || !bevels ? code : bevels_draw(pool, r->job);
 }
 
 int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size)

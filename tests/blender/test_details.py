@@ -35,7 +35,7 @@ def test_whatever_changes_the_scene_can_be_undone(facts):
 
 
 KEEPS = {"ENCRE_OT_bake", "ENCRE_OT_preset_import", "ENCRE_OT_preset_export", "ENCRE_OT_preset_remove",  # only files
-         "ENCRE_OT_settings_copy"}
+         "ENCRE_OT_settings_copy", "ENCRE_OT_redraw", "ENCRE_OT_give_up"}  # what was rendered
 
 
 def test_the_brush_paints_what_is_asked(facts):

@@ -53,7 +53,7 @@ def test_shadows_of_what_throws_them(rules):
 
 @pytest.mark.parametrize("blender", blenders.params())
 def test_leaves_that_images_cut_out_throw_their_own_shadows(blender, tmp_path):
-    passes = blenders.run(blender, "leaves", tmp_path).passes("leaves")
+    passes = blenders.run(blender, "cut_leaves", tmp_path).passes("cut_leaves")
     difference, calm = compared(passes)
     assert difference[calm].mean() < 0.005 and (difference[calm] > 0.1).mean() < 0.003
     shadow = passes["DiffDir"].mean(2) < 0.1 * passes["DiffDir"].max()

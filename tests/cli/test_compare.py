@@ -52,7 +52,7 @@ scene.render.resolution_x, scene.render.resolution_y = 480, 270
 scene.view_settings.view_transform = "Standard"
 '''
 FLAT = ("--preset", "inter_color", "--set", "line_thickness=24", "--set", "line_depth_distance=4",
-        "--set", "line_depth_unit=SCENE", "--quadrants")
+        "--set", "line_depth_unit=SCENE", "--set", "line_depth_most=4", "--set", "line_depth_least=0", "--quadrants")
 
 
 @pytest.fixture

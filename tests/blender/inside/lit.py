@@ -129,7 +129,7 @@ def _leaf(name, place, size):
     return mat.node_tree, node
 
 
-def leaves(out):
+def cut_leaves(out):
     """What images cut out throws its own shadow: through Alpha, and mixed with Transparent, turned, repeated."""
     scene = _stage(16)
     scene.view_layers[0].use_pass_diffuse_direct = True
@@ -156,7 +156,7 @@ def leaves(out):
         bpy.data.objects[name].visible_camera = False
     scene.world = bpy.data.worlds.new("World")
     scene.world.color = (0, 0, 0)
-    shoot(out, "leaves")
+    shoot(out, "cut_leaves")
 
 
 def linked(out):
