@@ -41,6 +41,11 @@ def _saving(*_):
     for scene in bpy.data.scenes:
         if not scene.library:
             scene.encre.version = VERSION
+    # Blender 5 stores an override of settings only setting by setting where the linked original has any; reading one
+    # gives it them, and the override of all, which can't be read again, is not stored.
+    for block in (*bpy.data.objects, *bpy.data.materials):
+        if block.override_library and block.override_library.reference:
+            _ = block.override_library.reference.encre.style
 
 
 _HANDLERS = (("load_post", _opened), ("save_pre", _saving))

@@ -122,7 +122,7 @@ class Settings:
     @cached_property
     def factor(self) -> int:
         """Of how many times the frame's size the layers are."""
-        return self.every[0]["supersample"] if self.active else 1
+        return self.every[0]["supersample"] if self.active or self.fast else 1
 
     def reach(self, height: int) -> int:
         """How far in a frame of this height, in pixels, what is drawn at a pixel depends on others; light that is

@@ -79,7 +79,7 @@ def test_slim_files_give_every_scene_again(tmp_path, scene):
     a, b = (exr.part(tmp_path / f"{name}.exr", "ViewLayer.Combined") for name in ("whole", "again"))
     assert (np.abs(a - b).max(2) <= 1 / 255).mean() >= 0.9995
     share = (tmp_path / "slim.exr").stat().st_size / (tmp_path / "whole.exr").stat().st_size
-    assert share < (0.4 if scene.stem == "living_room" else 0.34), share  # wood's grain, whose colours keep all digits
+    assert share < (0.4 if scene.stem == "living_room" else 0.36), share  # wood's grain, whose colours keep all digits
 
 
 GENERATED = """

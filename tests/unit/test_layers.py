@@ -296,6 +296,7 @@ def test_what_is_active():
     assert not asked({**off, "use_lines": True}).wants_light
     assert asked({**off, "use_lines": True}, {"edge_light": 1.0}).wants_light
     assert asked({"supersample": 2}).factor == 2 and asked({**off, "supersample": 2}).factor == 1
+    assert asked({**off, "supersample": 2, "layer_source": "ENCRE"}).factor == 2
 
 
 def test_settings_are_checked_and_complete():
