@@ -79,7 +79,7 @@ def render(folder):
     turn.build()
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = WIDTH, HEIGHT, SAMPLES
-    scene.view_layers[0].use_pass_z = True
+    scene.view_layers[0].use_pass_z = scene.view_layers[0].encre.use_pass_lines = True
     scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
     scene.render.image_settings.color_depth = "32"
     for name, value in INK.items():
@@ -188,19 +188,20 @@ class Edges:
 class View:
     """The camera of a frame."""
 
-    def __init__(self, scene, frame):
+    def __init__(self, scene, frame, size=(WIDTH, HEIGHT)):
         scene.frame_set(frame)
+        self.size = width, height = size
         depsgraph = bpy.context.evaluated_depsgraph_get()
         camera = scene.camera.evaluated_get(depsgraph)
         self.eye = np.array(camera.matrix_world.translation)
-        self.matrix = np.array(camera.calc_matrix_camera(depsgraph, x=WIDTH, y=HEIGHT)
+        self.matrix = np.array(camera.calc_matrix_camera(depsgraph, x=width, y=height)
                                @ camera.matrix_world.normalized().inverted())
 
     def project(self, points):
         """x, y of pixel centres (n, 2), and depth."""
         c = np.c_[points, np.ones(len(points))] @ self.matrix.T
-        z = c[:, 3]
-        return np.stack([(c[:, 0] / z + 1) * WIDTH / 2 - 0.5, (1 - c[:, 1] / z) * HEIGHT / 2 - 0.5], 1), z
+        z, (width, height) = c[:, 3], self.size
+        return np.stack([(c[:, 0] / z + 1) * width / 2 - 0.5, (1 - c[:, 1] / z) * height / 2 - 0.5], 1), z
 
 
 def seen(depth, at, z):
@@ -214,7 +215,8 @@ def seen(depth, at, z):
 
 
 def sample(t, at):
-    x, y = np.clip(at[..., 0], 0, WIDTH - 1.001), np.clip(at[..., 1], 0, HEIGHT - 1.001)
+    height, width = t.shape
+    x, y = np.clip(at[..., 0], 0, width - 1.001), np.clip(at[..., 1], 0, height - 1.001)
     c, r = x.astype(int), y.astype(int)
     u, v = x - c, y - r
     return ((t[r, c] * (1 - u) + t[r, c + 1] * u) * (1 - v) + (t[r + 1, c] * (1 - u) + t[r + 1, c + 1] * u) * v)
@@ -306,7 +308,10 @@ def stills(ink, path):
     left, right = WIDTH // 2 - 160, WIDTH // 2 + 160
     panels = [np.repeat(1 - ink[name][STILL][:, left:right, None], 3, 2) for name in NAMES]
     words = [((right - left) * k + 10, 22, 18, title) for k, title in enumerate(NAMES.values())]
-    picture = images.draw_text(np.concatenate(panels, 1), words)
+    jpeg(images.draw_text(np.concatenate(panels, 1), words), path)
+
+
+def jpeg(picture, path):
     spec = oiio.ImageSpec(picture.shape[1], picture.shape[0], 3, "uint8")
     spec["Compression"] = "jpeg:80"
     out = oiio.ImageOutput.create(str(path))

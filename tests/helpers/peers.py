@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lines of scenes that no setting was chosen on, Encre's beside Freestyle's and Line Art's: writes docs/peers.md.
+
+    python tests/helpers/peers.py FOLDER [SCENE ...]      renders the scenes of strangers.py into FOLDER, or takes
+                                                          what is there; needs bpy
+
+The truth comes from meshes and camera alone: edges that bend by BEND or more, ends of surfaces, and outlines, wherever
+a ray from the eye reaches them. Points on them are sought in each picture's ink.
+"""
+
+import os
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+import bpy
+import exr
+import numpy as np
+import strangers
+import turn
+from encre.cli import images, inside, tools
+from encre.pen import colour
+from mathutils import Vector
+
+ROOT = Path(__file__).parents[2]
+sys.path.append(str(ROOT / "tests"))
+from reference import near  # noqa: E402 - found only now
+
+WIDTH, HEIGHT, SAMPLES = 960, 540, 16
+BEND = 50      # degrees: what Freestyle, Line Art and FINE all take for a crease as they come
+EVERY = 1.5    # pixels between points on an edge, at most
+REACH = 1.5    # pixels from a point in which its ink is sought
+INKED = 0.25   # ink that counts as a line
+SCRAP = 12     # pixels: a piece of ink that spans less is one
+ALONE = 8      # pixels from a point without another edge, where two lines are one too many
+APART = 1e-4   # share of its distance by which a point is lifted off its surface before the eye looks for it
+
+PAGE = """# Beside Freestyle and Line Art
+
+Five scenes on which no setting was chosen (`tests/helpers/strangers.py`), {size}, {samples} samples, each drawn by
+Encre with its own detector, by Freestyle and by Line Art, all with lines {wide} pixels wide from the shapes alone.
+`python tests/helpers/peers.py FOLDER` renders them and writes this page.
+
+Which lines there are comes from the meshes and the camera: outlines, ends of surfaces, and edges that bend by {bend}°
+or more, wherever a ray from the eye reaches them. *Un-inked*: the share of their points with ink of less than {inked}
+within {reach} px. *Scraps*: pieces of ink that span less than {scrap} px. *Doubles*: the share of points with no other
+edge within {alone} px beside which two lines run. Encre alone draws where bodies stand in each other; those lines are
+not asked for here.
+
+| scene | lines | un-inked | scraps | doubles |
+|---|---|---|---|---|
+{rows}
+
+![Each scene by Encre, by Freestyle and by Line Art](peers.jpg)
+"""
+
+
+class Edges:
+    """All edges of what the render shows, in world space."""
+
+    def __init__(self, depsgraph, eye):
+        ends, facing, bend, away = [], [], [], []
+        for instance in depsgraph.object_instances:
+            obj = instance.object
+            if obj.type not in {"MESH", "CURVE"} or not instance.show_self:
+                continue
+            mesh, world = obj.to_mesh(), np.array(instance.matrix_world)
+            points = np.array([v.co for v in mesh.vertices]) @ world[:3, :3].T + world[:3, 3]
+            turned = np.linalg.inv(world[:3, :3]).T
+            normals = np.array([p.normal for p in mesh.polygons]) @ turned.T
+            normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-20)
+            middle = np.array([points[list(p.vertices)].mean(0) for p in mesh.polygons])
+            front = (normals * (eye - middle)).sum(1) > 0
+            beside = defaultdict(list)
+            for polygon in mesh.polygons:
+                for key in polygon.edge_keys:
+                    beside[key].append(polygon.index)
+            for key, (one, *others) in beside.items():
+                two = others[0] if others else one
+                ends.append(points[list(key)])
+                facing.append((front[one], front[two]))
+                bend.append(np.degrees(np.arccos(np.clip(normals[one] @ normals[two], -1, 1))) if others else 180)
+                away.append(normals[one] + (normals[two] if others else 0))
+            obj.to_mesh_clear()
+        self.ends, self.facing, self.bend = np.array(ends), np.array(facing), np.array(bend)
+        self.away = np.array(away)
+        self.away /= np.maximum(np.linalg.norm(self.away, axis=1, keepdims=True), 1e-20)
+
+    def lines(self, bend):
+        """Which are lines where they can be seen: ends, outlines, and bends of an outside."""
+        open_ = self.bend == 180
+        return open_ | (self.facing[:, 0] != self.facing[:, 1]) | (self.facing.any(1) & (self.bend >= bend))
+
+
+def visible(scene, depsgraph, view, edges, which):
+    """Points of the edges `which` on the frame that the eye sees: (x, y), the way along the edge on the frame."""
+    a, b = (view.project(edges.ends[which, k])[0] for k in (0, 1))
+    depth = np.stack([view.project(edges.ends[which, k])[1] for k in (0, 1)])
+    fine = (depth > 0).all(0)
+    edge, a, b = np.flatnonzero(which)[fine], a[fine], b[fine]
+    count = np.clip(np.ceil(np.linalg.norm(b - a, axis=1) / EVERY), 1, 4000).astype(int)
+    own = np.repeat(np.arange(len(edge)), count)
+    share = (np.arange(len(own)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[own]
+    points = edges.ends[edge[own], 0] * (1 - share[:, None]) + edges.ends[edge[own], 1] * share[:, None]
+    at, far = view.project(points)
+    inside = np.all((at > 4) & (at < (WIDTH - 5, HEIGHT - 5)), 1) & (far > 0)
+    kept = []
+    for k in np.flatnonzero(inside):
+        lift = APART * far[k]
+        eye = view.eye - points[k]
+        reach = np.linalg.norm(eye)
+        way = eye / reach
+        start = points[k] + way * lift + edges.away[edge[own[k]]] * lift
+        if not scene.ray_cast(depsgraph, Vector(start), Vector(way), distance=float(reach))[0]:
+            kept.append(k)
+    along = (b - a)[own[kept]]
+    return at[kept], along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+
+
+def measure(t, at, along, around):
+    """Share un-inked, number of scraps, share doubled."""
+    across = along[:, ::-1] * (-1, 1)
+    s = np.arange(-ALONE, ALONE + 0.125, 0.25)
+    profiles = turn.sample(t, at[:, None] + across[:, None] * s[:, None])
+    bare = profiles[:, np.abs(s) <= REACH].max(1) < INKED
+    i, j = near.pairs(at, around, ALONE)
+    off = around[j] - at[i]
+    crowded = np.zeros(len(at), bool)
+    crowded[i[np.abs((off * across[i]).sum(1)) > 1]] = True
+    alone = profiles[~crowded]
+    twice = [peaks(profile) > 1 for profile in alone]
+    return float(bare.mean()), scraps(t), float(np.mean(twice)) if twice else 0.0
+
+
+def peaks(profile):
+    """How many lines a profile crosses: runs of ink, parted by a gap in which it falls under half of INKED."""
+    count, inside = 0, False
+    for value in profile:
+        if not inside and value >= INKED:
+            count, inside = count + 1, True
+        elif inside and value < INKED / 2:
+            inside = False
+    return count
+
+
+def scraps(t):
+    """Pieces of ink, eight neighbours, that span less than SCRAP and do not touch the border."""
+    ink, found = t >= INKED, 0
+    left = set(zip(*np.nonzero(ink), strict=True))
+    while left:
+        stack = [left.pop()]
+        rows, columns = [stack[0][0]], [stack[0][1]]
+        while stack:
+            y, x = stack.pop()
+            for near_by in ((y + j, x + i) for j in (-1, 0, 1) for i in (-1, 0, 1)):
+                if near_by in left:
+                    left.remove(near_by)
+                    stack.append(near_by)
+                    rows.append(near_by[0])
+                    columns.append(near_by[1])
+        whole = min(rows) > 0 and min(columns) > 0 and max(rows) < HEIGHT - 1 and max(columns) < WIDTH - 1
+        if whole and np.hypot(max(rows) - min(rows) + 1, max(columns) - min(columns) + 1) < SCRAP:
+            found += 1
+    return found
+
+
+def shoot(folder, name, techniques):
+    """{technique: T}, and the edges seen: points and ways of the lines, points of all that may be one."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    strangers.SCENES[name]()
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = WIDTH, HEIGHT, SAMPLES
+    scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    scene.view_layers[0].encre.use_pass_lines = True
+    for key, value in turn.INK.items():
+        setattr(scene.encre, key, value)
+    kinds = {"fine": (turn.encre("FINE"), techniques.dynamic), "freestyle": (turn.white, techniques.freestyle),
+             "line_art": (turn.white, techniques.line_art)}
+    ink = {}
+    for kind, contexts in kinds.items():
+        path = folder / f"{name}_{kind}.exr"
+        if not path.exists():
+            turn.shoot(scene, 1, path, contexts)
+        ink[kind] = (exr.part(path, "ViewLayer.Encre Lines")[..., 3] if kind == "fine" else
+                     1 - exr.part(path, "ViewLayer.Combined")[..., :3].mean(2).clip(0, 1))
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    view = turn.View(scene, 1, (WIDTH, HEIGHT))
+    edges = Edges(depsgraph, view.eye)
+    at, along = visible(scene, depsgraph, view, edges, edges.lines(BEND))
+    around, _ = visible(scene, depsgraph, view, edges, edges.lines(10))
+    return ink, at, along, around
+
+
+def main():
+    folder = Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    inside.register()
+    techniques = tools.load("compare", "techniques")
+    names, rows, pictures = sys.argv[2:] or list(strangers.SCENES), [], []
+    for name in names:
+        ink, at, along, around = shoot(folder, name, techniques)
+        for kind, t in ink.items():
+            bare, pieces, twice = measure(t, at, along, around)
+            rows.append(f"| {name} | {turn.NAMES[kind]} | {bare:.1%} | {pieces} | {twice:.1%} |")
+            print(rows[-1], flush=True)
+        pictures.append(np.concatenate([np.repeat(1 - t[..., None], 3, 2) for t in ink.values()], 1))
+        images.write_textures({str(folder / f"{name}.png"):
+                               images.Texture(pictures[-1].astype(np.float32), "uint8", False, False)})
+    if names == list(strangers.SCENES):
+        page = PAGE.format(size=f"{WIDTH}×{HEIGHT}", samples=SAMPLES, wide="1.5", bend=BEND, inked=INKED, reach=REACH,
+                           scrap=SCRAP, alone=ALONE, rows="\n".join(rows))
+        (ROOT / "docs" / "peers.md").write_text(page, encoding="utf-8")
+        turn.jpeg(colour.halved(np.concatenate(pictures).astype(np.float32), True), ROOT / "docs" / "peers.jpg")
+    sys.stdout.flush()
+    os._exit(0)  # Blender's own threads may wait for each other at the end
+
+
+if __name__ == "__main__":
+    main()
