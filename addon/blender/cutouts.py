@@ -5,10 +5,9 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from mathutils import Euler
 
 from ..pen import colour
-from . import worlds
+from . import trees, worlds
 
 _RAY = {"Is Shadow Ray": 1.0, "Ray Length": 1.0, "Ray Depth": 1.0}
 _EXTENSIONS = {"REPEAT", "EXTEND", "CLIP"}
@@ -74,17 +73,17 @@ def of(material):
         return 0.0 if out.inputs["Volume"].is_linked else 1.0
     try:
         return _shader(out.inputs["Surface"])
-    except worlds.Unknown:
+    except trees.Unknown:
         return 1.0
 
 
 def _shader(socket):
-    source = worlds.source_of(socket)
+    source = trees.source_of(socket)
     if source is None:
         return 1.0
     node = source[0]
     if node.mute:
-        raise worlds.Unknown(node.name)
+        raise trees.Unknown(node.name)
     if node.bl_idname == "ShaderNodeBsdfTransparent":
         return 0.0
     if node.bl_idname == "ShaderNodeBsdfPrincipled":
@@ -95,27 +94,27 @@ def _shader(socket):
             return _shader(node.inputs[1 + int(share)])
         one, other = (_shader(node.inputs[k]) for k in (1, 2))
         if any(isinstance(solid, Cutout) for solid in (one, other)):
-            raise worlds.Unknown(node.name)
+            raise trees.Unknown(node.name)
         return one if one == other else share * (other - one) + one
     return 1.0
 
 
 def _value(socket):
     """A number or a Cutout."""
-    source = worlds.source_of(socket)
+    source = trees.source_of(socket)
     if source is None:
         return float(socket.default_value)
-    node, name = source
+    node, output = source
     if node.mute:
-        raise worlds.Unknown(node.name)
+        raise trees.Unknown(node.name)
     if node.bl_idname == "ShaderNodeTexImage":
-        return _image(node, name)
+        return _image(node, output.name)
     if node.bl_idname == "ShaderNodeMath":
         return _math(node)
     if node.bl_idname == "ShaderNodeRGBToBW":
         return _value(node.inputs[0])
-    if node.bl_idname == "ShaderNodeInvert" and not node.inputs["Fac"].is_linked:
-        share, a = node.inputs["Fac"].default_value, _value(node.inputs["Color"])
+    if node.bl_idname == "ShaderNodeInvert" and not trees.input_of(node, "Fac").is_linked:
+        share, a = trees.input_of(node, "Fac").default_value, _value(node.inputs["Color"])
         return (1 - 2 * share) * a + share
     return worlds.value(socket, _RAY)
 
@@ -137,7 +136,7 @@ def _math(node):
     if node.operation in ("GREATER_THAN", "LESS_THAN"):
         over = a + -1 * b if node.operation == "GREATER_THAN" else b + -1 * a
         return over + 0.5 if cut else float(over > 0)  # an image is cut in the middle
-    raise worlds.Unknown(node.name)
+    raise trees.Unknown(node.name)
 
 
 def _image(node, output):
@@ -145,7 +144,7 @@ def _image(node, output):
     known = (image is not None and image.source in ("FILE", "GENERATED") and all(image.size)
              and node.projection == "FLAT" and node.extension in _EXTENSIONS)
     if not known:
-        raise worlds.Unknown(node.name)
+        raise trees.Unknown(node.name)
     uv_map, turn = _place(node.inputs["Vector"])
     return Cutout(image.name_full, output, 1.0, 0.0, node.extension, node.interpolation == "Closest", uv_map,
                   tuple(float(x) for x in turn.ravel()))
@@ -153,29 +152,17 @@ def _image(node, output):
 
 def _place(socket):
     """(UV map, (2, 3) from UV to what a socket gets)."""
-    source = worlds.source_of(socket)
+    source = trees.source_of(socket)
     if source is None:
         return "", np.eye(2, 3)
-    node, name = source
+    node, output = source
     if node.bl_idname == "ShaderNodeUVMap":
         return node.uv_map, np.eye(2, 3)
-    if node.bl_idname == "ShaderNodeTexCoord" and name == "UV":
+    if node.bl_idname == "ShaderNodeTexCoord" and output.name == "UV":
         return "", np.eye(2, 3)
-    if node.bl_idname != "ShaderNodeMapping" or node.mute or any(socket.is_linked for socket in node.inputs[1:]):
-        raise worlds.Unknown(node.name)
+    if node.bl_idname != "ShaderNodeMapping" or node.mute:
+        raise trees.Unknown(node.name)
     uv_map, before = _place(node.inputs["Vector"])
-    own = _mapping(node) @ np.array([[1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1.0]])
+    own = trees.mapping(node) @ np.array([[1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1.0]])
     turn = own[:2] @ np.vstack([before, (0, 0, 1)])
     return uv_map, turn
-
-
-def _mapping(node):
-    """(4, 4)"""
-    place, rotation, scale = (np.array(node.inputs[name].default_value) for name in ("Location", "Rotation", "Scale"))
-    out = np.eye(4)
-    out[:3, :3] = np.array(Euler(rotation).to_matrix()) * scale
-    if node.vector_type in ("POINT", "TEXTURE"):
-        out[:3, 3] = place
-    if node.vector_type == "NORMAL":
-        raise worlds.Unknown(node.name)
-    return np.linalg.pinv(out) if node.vector_type == "TEXTURE" else out

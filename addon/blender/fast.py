@@ -9,7 +9,7 @@ import numpy as np
 from ..pen import background, library, overlay
 from ..pen.job import Camera
 from ..pen.sky import Sky, directions
-from . import cameras, lamps, materials, meshes, nodes, subject, worlds
+from . import cameras, lamps, materials, meshes, pictures, subject, trees, worlds
 
 _SHOWS = 0.5         # alpha from which on a surface is there, as Blender's threshold is
 _MOST_BEHIND = 8     # surfaces that are looked through, one after the other
@@ -23,7 +23,7 @@ class Kept:
     """
 
     def __init__(self):
-        self.meshes, self.light, self.images = meshes.Kept(), lamps.Kept(), nodes.Images()
+        self.meshes, self.light, self.images = meshes.Kept(), lamps.Kept(), pictures.Images()
 
     def update(self, depsgraph):
         """Forgets what has another shape since the last evaluation. (An engine that has just been made is told of
@@ -56,7 +56,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
         notes.append(f"in their viewport colour, as only Cycles can show them: {', '.join(unknown)}")
     try:
         sky = worlds.sky(scene.world)
-    except worlds.Unknown as e:
+    except trees.Unknown as e:
         sky = Sky(np.array(scene.world.color))
         notes.append(f"the world in its viewport colour, as only Cycles can show its node {e}")
     made = looks.programs(objects.materials, objects.things, first)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..pen.job import EVERY_SET, Lamp
 from ..pen.scene import Scene
-from . import cutouts, versions, worlds
+from . import cutouts, trees, versions, worlds
 
 _KINDS = {"SUN": "sun", "POINT": "point", "SPOT": "spot", "SQUARE": "rectangle", "RECTANGLE": "rectangle",
           "DISK": "ellipse", "ELLIPSE": "ellipse"}
@@ -41,7 +41,7 @@ class Light:
         self.world = None
         try:
             self.world = worlds.light(depsgraph.scene_eval.world)
-        except worlds.Unknown as e:
+        except trees.Unknown as e:
             self.unknown.append(f"the world's node {e}")
         for instance in depsgraph.object_instances:
             if instance.object.type == "LIGHT" and instance.show_self and (
@@ -59,7 +59,7 @@ class Light:
             return
         try:
             lamp = _lamp(obj.data, np.array(instance.matrix_world, np.float64))
-        except worlds.Unknown as e:
+        except trees.Unknown as e:
             self.unknown.append(f"the node {e} of lamp {obj.name}")
             return
         lamp.light_set, lamp.shadow_set = self.sets.numbers(obj)
@@ -199,7 +199,7 @@ def _emission(data):
         return np.zeros(3)
     node = out.inputs["Surface"].links[0].from_node
     if node.bl_idname != "ShaderNodeEmission" or node.mute:
-        raise worlds.Unknown(node.name)
+        raise trees.Unknown(node.name)
     return worlds.color(node.inputs["Color"]) * worlds.value(node.inputs["Strength"])
 
 

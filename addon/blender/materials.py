@@ -2,7 +2,8 @@
 """Node trees of materials -> programs of what they look like without light (csrc/material).
 
 What can't be shown raises Unknown with the node's name; the material then has its viewport colour. To add a node: a
-method of _Compiler in nodes.py.
+method of Compiler in nodes.py, of Values in values.py if
+it mixes colours and numbers.
 """
 
 from dataclasses import dataclass, field
@@ -11,7 +12,7 @@ import numpy as np
 
 from ..pen.job import Materials
 from ..pen.program import Pool
-from . import nodes
+from . import nodes, trees
 
 _PLAIN = (0.8, 0.8, 0.8)  # what a renderer gives a surface without a material
 
@@ -36,14 +37,14 @@ class Looks:
 
 
 def read(blocks, images):
-    """The Looks of evaluated materials; images: a nodes.Images."""
+    """The Looks of evaluated materials; images: a pictures.Images."""
     looks = Looks()
     for block in [None, *blocks]:
         name = block and block.name_full
         compiler = nodes.Compiler(looks.pool, images)
         try:
             surface = _surface(compiler, block)
-        except nodes.Unknown as e:
+        except trees.Unknown as e:
             looks.unknown[name] = str(e)
             compiler = nodes.Compiler(looks.pool, images)
             surface = compiler.matt(tuple(map(float, block.diffuse_color[:3])))

@@ -2,19 +2,17 @@
 """The world's light, as far as it can be told without a renderer: colours and pictures, by the nodes that mix them."""
 
 import numpy as np
+from mathutils import Euler
 
 from ..pen import irradiance
 from ..pen.sky import Sky
+from . import trees
 
 # What a ray that lights a matt surface says of itself.
 _RAY = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Length": 1e10, "Ray Depth": 1.0, "Diffuse Depth": 1.0}
 # And one from the camera.
 SEEN = {"Is Camera Ray": 1.0, "Ray Length": 1e10}
 _MOST = 64  # rows of a picture that are summed: light by the normal is smooth
-
-
-class Unknown(Exception):
-    """A node that can't be read; its text is the node's name."""
 
 
 class _Light:
@@ -60,23 +58,13 @@ def _world(world, asked, kind):
     return kind.constant(np.zeros(3)) if out is None else _shader(out.inputs["Surface"], kind)
 
 
-def source_of(socket):
-    """(node, name of its output) that a socket is linked to, past reroutes; None."""
-    while socket.is_linked:
-        link = socket.links[0]
-        if link.from_node.bl_idname != "NodeReroute":
-            return link.from_node, link.from_socket.name
-        socket = link.from_node.inputs[0]
-    return None
-
-
 def _shader(socket, kind):
-    source = source_of(socket)
+    source = trees.source_of(socket)
     if source is None:
         return kind.constant(np.zeros(3))
     node = source[0]
     if node.mute:
-        raise Unknown(node.name)
+        raise trees.Unknown(node.name)
     if node.bl_idname == "ShaderNodeBackground":
         return _color(node.inputs["Color"], kind) * value(node.inputs["Strength"], kind.ray)
     if node.bl_idname == "ShaderNodeAddShader":
@@ -86,11 +74,11 @@ def _shader(socket, kind):
         if share in (0, 1):  # what can't be told of the other does not matter
             return _shader(node.inputs[1 + int(share)], kind)
         return _shader(node.inputs[1], kind) * (1 - share) + _shader(node.inputs[2], kind) * share
-    raise Unknown(node.name)
+    raise trees.Unknown(node.name)
 
 
 def _color(socket, kind):
-    source = source_of(socket)
+    source = trees.source_of(socket)
     if source and source[0].bl_idname == "ShaderNodeTexEnvironment":
         return _environment(source[0], kind)
     return kind.constant(color(socket))
@@ -98,17 +86,17 @@ def _color(socket, kind):
 
 def value(socket, ray=_RAY):
     """The number that a socket gets. Unknown: it isn't the same everywhere."""
-    source = source_of(socket)
+    source = trees.source_of(socket)
     if source is None:
         return float(socket.default_value)
-    node, name = source
+    node, output = source
     if node.bl_idname == "ShaderNodeValue":
         return float(node.outputs[0].default_value)
     if node.bl_idname == "ShaderNodeLightPath":
-        return ray.get(name, 0.0)
+        return ray.get(output.name, 0.0)
     if node.bl_idname == "ShaderNodeMath":
         return _math(node, ray)
-    raise Unknown(node.name)
+    raise trees.Unknown(node.name)
 
 
 def _math(node, ray):
@@ -116,24 +104,24 @@ def _math(node, ray):
     results = {"ADD": a + b, "SUBTRACT": a - b, "MULTIPLY": a * b, "MAXIMUM": max(a, b), "MINIMUM": min(a, b),
                "GREATER_THAN": float(a > b), "LESS_THAN": float(a < b)}
     if node.operation not in results:
-        raise Unknown(node.name)
+        raise trees.Unknown(node.name)
     return min(max(results[node.operation], 0.0), 1.0) if node.use_clamp else results[node.operation]
 
 
 def color(socket):
     """The linear colour (3,) that a socket gets. Unknown: it isn't the same everywhere."""
-    source = source_of(socket)
+    source = trees.source_of(socket)
     if source is None:
         return np.array(socket.default_value[:3], np.float64)
     if source[0].bl_idname == "ShaderNodeRGB":
         return np.array(source[0].outputs[0].default_value[:3], np.float64)
-    raise Unknown(source[0].name)
+    raise trees.Unknown(source[0].name)
 
 
 def _environment(node, kind):
     image = node.image
     if node.projection != "EQUIRECTANGULAR" or image is None or not all(image.size):
-        raise Unknown(node.name)
+        raise trees.Unknown(node.name)
     width, height = image.size
     pixels = np.empty(width * height * image.channels, np.float32)
     image.pixels.foreach_get(pixels)
@@ -150,13 +138,11 @@ def _shrunk(picture):
 
 def _rotation(node):
     """World -> picture."""
-    source = source_of(node.inputs["Vector"])
+    source = trees.source_of(node.inputs["Vector"])
     if source is None or source[0].bl_idname == "ShaderNodeTexCoord":
         return np.eye(3)
     mapping = source[0]
     if mapping.bl_idname != "ShaderNodeMapping" or mapping.inputs["Rotation"].is_linked:
-        raise Unknown(mapping.name)
-    from mathutils import Euler
-
+        raise trees.Unknown(mapping.name)
     turn = np.array(Euler(mapping.inputs["Rotation"].default_value).to_matrix())
     return turn.T if mapping.vector_type == "TEXTURE" else turn

@@ -41,11 +41,20 @@ def _picture(tree):
 
 
 def _checks(tree):
-    """Checks of two colours, then by way of hue and a curve."""
+    """Checks of two colours, by way of hue, a curve, contrast and a share of the opposite. By position: Blender 5 has
+    other names for some."""
     checker = _new(tree, "TexChecker", Scale=4.0, Color1=(0.7, 0.2, 0.1, 1), Color2=(0.1, 0.4, 0.6, 1))
     turned = _new(tree, "HueSaturation", Hue=0.6, Saturation=0.8, Value=0.9)
+    curve, bright, opposite = _new(tree, "RGBCurve"), _new(tree, "BrightContrast"), _new(tree, "Invert")
+    curve.mapping.curves[0].points.new(0.5, 0.7)
+    curve.mapping.update()
+    bright.inputs[1].default_value, bright.inputs[2].default_value = 0.05, 0.1
+    opposite.inputs[0].default_value = 0.2
     tree.links.new(checker.outputs["Color"], turned.inputs["Color"])
-    return turned.outputs["Color"]
+    tree.links.new(turned.outputs[0], curve.inputs["Color"])
+    tree.links.new(curve.outputs[0], bright.inputs["Color"])
+    tree.links.new(bright.outputs[0], opposite.inputs["Color"])
+    return opposite.outputs[0]
 
 
 def _ramp(tree):
@@ -53,7 +62,7 @@ def _ramp(tree):
     where, apart, ramp = _new(tree, "TexCoord"), _new(tree, "SeparateXYZ"), _new(tree, "ValToRGB")
     ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.1, 0.1, 0.5, 1), (0.9, 0.8, 0.2, 1)
     tree.links.new(where.outputs["Object"], apart.inputs[0])
-    tree.links.new(apart.outputs["Z"], ramp.inputs["Fac"])
+    tree.links.new(apart.outputs["Z"], ramp.inputs[0])
     return ramp.outputs["Color"]
 
 

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's images -> pictures that programs of materials look into, with levels of detail."""
+
+import numpy as np
+
+from ..pen.colour import decode_srgb
+from ..pen.job import Picture
+
+_DECODED = decode_srgb(np.arange(256, dtype=np.float32) / 255).astype(np.float32)  # of pictures of 8 bits
+
+
+class Images:
+    """Pictures as programs look into them, kept from one reading of the scene to the next."""
+
+    def __init__(self):
+        self._known = {}
+
+    def drop(self, names):
+        self._known = {key: known for key, known in self._known.items() if ("Image", key[0]) not in names}
+
+    def get(self, image, wrap):
+        """The job.Picture of a Blender image."""
+        key = image.name_full, image.colorspace_settings.name, tuple(image.size)
+        if key not in self._known:
+            self._known[key] = _levels(_pixels(image))
+        texels, width, height, levels = self._known[key]
+        return Picture(texels, width, height, levels, wrap)
+
+
+def _pixels(image):
+    """(height, width, 4), scene-linear, row 0 at the bottom; magenta where the file is not there, as renderers have."""
+    width, height = image.size
+    if not width or not height or not image.channels:
+        return np.array([[[1, 0, 1, 1]]], np.float32)
+    flat = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(flat)
+    out = flat.reshape(height, width, image.channels)
+    if not image.is_float and image.colorspace_settings.name == "sRGB":
+        colors = out[..., :3] if image.channels > 2 else out[..., :1]
+        colors[...] = _DECODED[(colors * np.float32(255) + np.float32(0.5)).astype(np.uint8)]
+    if image.channels == 4:
+        return out
+    whole = np.ones((height, width, 4), np.float32)
+    whole[..., :3] = out[..., :3] if image.channels > 2 else out[..., :1]
+    if image.channels == 2:
+        whole[..., 3] = out[..., 1]
+    return whole
+
+
+def _levels(picture):
+    """(texels of all levels of detail (n, 4), width, height, how many)."""
+    height, width = picture.shape[:2]
+    levels = [picture]
+    while max(picture.shape[:2]) > 1:
+        if len(picture) > 1:
+            picture = (picture[:-1:2] + picture[1::2]) * np.float32(0.5)
+        if picture.shape[1] > 1:
+            picture = (picture[:, :-1:2] + picture[:, 1::2]) * np.float32(0.5)
+        levels.append(picture)
+    return np.concatenate([level.reshape(-1, 4) for level in levels]), width, height, len(levels)

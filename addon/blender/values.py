@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shader nodes that mix colours and numbers -> operations, a part of nodes.Compiler."""
+
+import numpy as np
+
+from . import trees
+
+
+class Values:
+    """A method for each kind of node; Compiler gives `build`, number(), three(), _each() and _mixed()."""
+
+    def _RGB(self, node):
+        return {"Color": tuple(map(float, node.outputs[0].default_value[:3]))}
+
+    def _Value(self, node):
+        return {"Value": float(node.outputs[0].default_value)}
+
+    def _ValToRGB(self, node):
+        ramp, share = node.color_ramp, self.number(trees.input_of(node, "Fac"))
+        if ramp.color_mode != "RGB":
+            raise trees.Unknown(node.name)
+        if ramp.interpolation in ("LINEAR", "CONSTANT"):
+            stops = [(stop.position, *stop.color) for stop in ramp.elements]
+        else:
+            stops = [(k / 256, *ramp.evaluate(k / 256)) for k in range(257)]
+        at = self.build.pool.place([number for stop in stops for number in stop])
+        name = "steps" if ramp.interpolation == "CONSTANT" else "ramp"
+        r, g, b, alpha = self.build.run(name, (share,), (at, len(stops)))
+        return {"Color": (r, g, b), "Alpha": alpha}
+
+    def _RGBCurve(self, node):
+        color, share = self.three(node.inputs["Color"]), self.number(trees.input_of(node, "Fac"))
+        mapping = node.mapping
+        mapping.update()
+        white = [mapping.evaluate(mapping.curves[3], k / 256) for k in range(257)]
+        out = []
+        for k in range(3):
+            table = [mapping.evaluate(mapping.curves[k], value) for value in white]
+            out.append(self.build.run("curve", (color[k],), (self.build.pool.place(table), 257))[0])
+        return {"Color": self._mixed(color, tuple(out), share)}
+
+    def _MixRGB(self, node):
+        return {"Color": self._blend(node, node.blend_type, self.number(trees.input_of(node, "Fac")),
+                                     self.three(node.inputs["Color1"]), self.three(node.inputs["Color2"]),
+                                     node.use_clamp)}
+
+    def _Mix(self, node):
+        def of(name, kind):
+            return next(s for s in node.inputs if s.identifier == f"{name}_{kind}")
+
+        share = self.number(of("Factor", "Float"))
+        share = self.build.clamp(share) if node.clamp_factor else share
+        if node.data_type == "RGBA":
+            value = self._blend(node, node.blend_type, share, self.three(of("A", "Color")),
+                                self.three(of("B", "Color")), node.clamp_result)
+            return {"Result_Color": value}
+        if node.data_type == "FLOAT":
+            return {"Result_Float": self.build.mix(self.number(of("A", "Float")), self.number(of("B", "Float")), share)}
+        if node.data_type == "VECTOR" and node.factor_mode == "UNIFORM":
+            return {"Result_Vector": self._mixed(self.three(of("A", "Vector")), self.three(of("B", "Vector")), share)}
+        raise trees.Unknown(node.name)
+
+    def _blend(self, node, kind, share, a, b, clamp):
+        build = self.build
+        share = build.clamp(share)
+        blends = {
+            "MIX": lambda x, y: y,
+            "MULTIPLY": build.multiply,
+            "ADD": build.add,
+            "SUBTRACT": build.subtract,
+            "DARKEN": build.minimum,
+            "LIGHTEN": build.maximum,
+            "DIFFERENCE": lambda x, y: build.apply("absolute", build.subtract(x, y)),
+            "SCREEN": lambda x, y: build.subtract(1.0, build.multiply(build.subtract(1.0, x), build.subtract(1.0, y))),
+            "DIVIDE": build.divide,
+            "OVERLAY": self._overlay,
+        }
+        if kind not in blends:
+            raise trees.Unknown(node.name)
+        out = self._each(lambda x, y: build.mix(x, blends[kind](x, y), share), a, b)
+        return tuple(map(build.clamp, out)) if clamp else out
+
+    def _overlay(self, x, y):
+        build = self.build
+        dark = build.multiply(2.0, build.multiply(x, y))
+        light = build.subtract(1.0, build.multiply(2.0, build.multiply(build.subtract(1.0, x), build.subtract(1.0, y))))
+        return build.mix(light, dark, build.less(x, 0.5))
+
+    def _Math(self, node):
+        build = self.build
+        a, b, c = ([self.number(socket) for socket in node.inputs] + [0.0, 0.0])[:3]
+
+        def turn(name):
+            return lambda: build.apply(name, a)
+
+        kinds = {
+            "ADD": lambda: build.add(a, b), "SUBTRACT": lambda: build.subtract(a, b),
+            "MULTIPLY": lambda: build.multiply(a, b), "DIVIDE": lambda: build.divide(a, b),
+            "MULTIPLY_ADD": lambda: build.add(build.multiply(a, b), c),
+            "POWER": lambda: build.apply("power", a, b), "SQRT": turn("root"), "ABSOLUTE": turn("absolute"),
+            "MINIMUM": lambda: build.minimum(a, b), "MAXIMUM": lambda: build.maximum(a, b),
+            "LESS_THAN": lambda: build.less(a, b), "GREATER_THAN": lambda: build.less(b, a),
+            "FLOOR": turn("floor"), "FRACT": lambda: build.subtract(a, build.apply("floor", a)),
+            "CEIL": lambda: build.subtract(0.0, build.apply("floor", build.subtract(0.0, a))),
+            "ROUND": lambda: build.apply("floor", build.add(a, 0.5)),
+            "SINE": turn("sine"), "COSINE": turn("cosine"),
+            "ARCTAN2": lambda: build.apply("angle", a, b),
+            "RADIANS": lambda: build.multiply(a, np.pi / 180), "DEGREES": lambda: build.multiply(a, 180 / np.pi),
+        }
+        if node.operation not in kinds:
+            raise trees.Unknown(node.name)
+        value = kinds[node.operation]()
+        return {"Value": build.clamp(value) if node.use_clamp else value}
+
+    def _VectorMath(self, node):
+        build, (a, b) = self.build, (self.three(socket) for socket in list(node.inputs)[:2])
+        kinds = {"ADD": build.add, "SUBTRACT": build.subtract, "MULTIPLY": build.multiply, "DIVIDE": build.divide,
+                 "MINIMUM": build.minimum, "MAXIMUM": build.maximum}
+        if node.operation in kinds:
+            return {"Vector": self._each(kinds[node.operation], a, b)}
+        squares = build.add(build.multiply(a[0], a[0]), build.add(build.multiply(a[1], a[1]),
+                                                                  build.multiply(a[2], a[2])))
+        if node.operation == "SCALE":
+            scale = self.number(node.inputs["Scale"])
+            return {"Vector": tuple(build.multiply(x, scale) for x in a)}
+        if node.operation == "LENGTH":
+            return {"Value": build.apply("root", squares)}
+        if node.operation == "NORMALIZE":
+            length = build.apply("root", squares)
+            return {"Vector": tuple(build.divide(x, length) for x in a)}
+        if node.operation == "DOT_PRODUCT":
+            parts = self._each(build.multiply, a, b)
+            return {"Value": build.add(parts[0], build.add(parts[1], parts[2]))}
+        raise trees.Unknown(node.name)
+
+    def _MapRange(self, node):
+        if node.data_type != "FLOAT" or node.interpolation_type != "LINEAR":
+            raise trees.Unknown(node.name)
+        build = self.build
+        value, low, high, to_low, to_high = (self.number(node.inputs[name]) for name in
+                                             ("Value", "From Min", "From Max", "To Min", "To Max"))
+        share = build.divide(build.subtract(value, low), build.subtract(high, low))
+        share = build.clamp(share) if node.clamp else share
+        return {"Result": build.add(to_low, build.multiply(share, build.subtract(to_high, to_low)))}
+
+    def _SeparateXYZ(self, node):
+        return dict(zip("XYZ", self.three(node.inputs[0]), strict=True))
+
+    def _CombineXYZ(self, node):
+        return {"Vector": tuple(self.number(socket) for socket in node.inputs)}
+
+    def _SeparateColor(self, node):
+        if node.mode == "HSV":
+            values = self.build.run("to_hsv", self.three(node.inputs[0]))
+        elif node.mode == "RGB":
+            values = self.three(node.inputs[0])
+        else:
+            raise trees.Unknown(node.name)
+        return dict(zip(("Red", "Green", "Blue"), values, strict=True))
+
+    def _CombineColor(self, node):
+        values = tuple(self.number(socket) for socket in node.inputs)
+        if node.mode not in ("RGB", "HSV"):
+            raise trees.Unknown(node.name)
+        return {"Color": self.build.run("from_hsv", values) if node.mode == "HSV" else values}
+
+    def _SeparateRGB(self, node):
+        return dict(zip("RGB", self.three(node.inputs[0]), strict=True))
+
+    def _CombineRGB(self, node):
+        return {"Image": tuple(self.number(socket) for socket in node.inputs)}
+
+    def _Invert(self, node):
+        color = self.three(node.inputs["Color"])
+        flipped = tuple(self.build.subtract(1.0, c) for c in color)
+        return {"Color": self._mixed(color, flipped, self.number(trees.input_of(node, "Fac")))}
+
+    def _Gamma(self, node):
+        gamma = self.number(node.inputs["Gamma"])
+        return {"Color": tuple(self.build.apply("power", c, gamma) for c in self.three(node.inputs["Color"]))}
+
+    def _BrightContrast(self, node):
+        build = self.build
+        bright, contrast = self.number(trees.input_of(node, "Bright")), self.number(node.inputs["Contrast"])
+        steep, lift = build.add(1.0, contrast), build.subtract(bright, build.multiply(contrast, 0.5))
+        return {"Color": tuple(build.maximum(build.add(build.multiply(c, steep), lift), 0.0)
+                               for c in self.three(node.inputs["Color"]))}
+
+    def _HueSaturation(self, node):
+        build, color = self.build, self.three(node.inputs["Color"])
+        hue, saturation, value, share = (self.number(trees.input_of(node, name)) for name in
+                                         ("Hue", "Saturation", "Value", "Fac"))
+        h, s, v = build.run("to_hsv", color)
+        turned = build.add(build.add(h, hue), 0.5)
+        out = build.run("from_hsv", (turned, build.clamp(build.multiply(s, saturation)), build.multiply(v, value)))
+        return {"Color": tuple(build.maximum(c, 0.0) for c in self._mixed(color, out, share))}
+
+    def _Clamp(self, node):
+        build = self.build
+        if node.clamp_type != "MINMAX":
+            raise trees.Unknown(node.name)
+        value, low, high = (self.number(node.inputs[name]) for name in ("Value", "Min", "Max"))
+        return {"Result": build.minimum(build.maximum(value, low), high)}
