@@ -6,12 +6,12 @@ read, so that keyframes and drivers count, and only evaluated data are changed: 
 the result with Encre's pictures in the place of the passes; sentences in Blender's report.
 
 engine forwards the hooks to frame, which does one render: before Cycles, and after; fast_frame does one without Cycles.
-It reads settings by properties, meshes, cameras and papers; overrides switches off in the evaluated scene what lines
-can't do with; subframes has Cycles render larger layers; early inks a picture that grows, escape after a break, memory
-draws the last render again; live inks rendered 3D views: eye tells what they look at, screen draws in them. bake draws
-into textures; panels shows it all, with thumbnails of presets.
+It reads settings by properties, objects by meshes with triangles, cameras and papers; overrides switches off in the
+evaluated scene what lines can't do with; subframes has Cycles render larger layers; early inks a picture that grows,
+escape after a break, memory draws the last render again; live inks rendered 3D views: eye tells what they look at,
+screen draws in them. bake draws into textures; panels shows it all, with thumbnails of presets.
 
-To add: a setting of an object or a material to properties; what else a mesh tells to meshes; what differs between
+To add: a setting of an object or a material to properties; what else a mesh tells to triangles; what differs between
 Blenders to versions, with the version and the reason, and nowhere else. Nothing here knows the command line.
 """
 

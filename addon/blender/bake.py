@@ -10,7 +10,7 @@ import numpy as np
 
 from ..pen import library, unwrap
 from ..pen.errors import EncreError
-from . import ENGINE, meshes, properties, versions
+from . import ENGINE, properties, triangles, versions
 from .panels.base import SidebarPanel
 
 SOURCE = "encre_source"  # on a baked image: the image that it was made from, which so has a user
@@ -86,7 +86,7 @@ def _mesh(task, depsgraph):
     name = _uv_map(task.nodes)
     if name is None:
         raise EncreError(f"{task.image.name}: is not laid on by a UV map alone; apply its mapping to the UV map")
-    return unwrap.join([meshes.unwrapped(obj, depsgraph, name) for obj in task.objects])
+    return unwrap.join([triangles.unwrapped(obj, depsgraph, name) for obj in task.objects])
 
 
 def _tiles(task, mesh):

@@ -69,7 +69,7 @@ class Light:
         self.lamps += 1
 
     def place(self, obj, key, triangles, matrix, seen):
-        """An instance of triangles (meshes.py); key: what instances of the same triangles share."""
+        """An instance of triangles.Triangles; key: what instances of the same triangles share."""
         solid, kept = self._solid(obj), self.kept
         key = key, solid
         self.used.add(key)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .meshes import MESHABLE
+from .triangles import MESHABLE
 
 _FILLS = 3.2  # sizes in the height of the frame; by eye, between rooms, streets and single things
 _SHAPES_MOVE = {"ARMATURE", "CLOTH", "DYNAMIC_PAINT", "EXPLODE", "FLUID", "HOOK", "LATTICE", "MESH_CACHE",

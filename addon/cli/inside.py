@@ -199,13 +199,13 @@ def compare(job, scene, line):
 
 def save_mesh(job, error):
     """Stores the triangles of an object, as the current frame evaluates it."""
-    from ..blender import meshes
+    from ..blender import triangles
     from ..pen.errors import unknown
 
     obj = bpy.data.objects.get(job["object"])
     if obj is None:
         raise error(f"{job['scene']}: " + unknown("object", job["object"], [o.name for o in bpy.data.objects]))
-    mesh = meshes.unwrapped(obj, bpy.context.evaluated_depsgraph_get())
+    mesh = triangles.unwrapped(obj, bpy.context.evaluated_depsgraph_get())
     np.savez(job["mesh"], points=mesh.points, corners=mesh.corners, uv=mesh.uv)
 
 

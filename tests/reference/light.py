@@ -10,21 +10,29 @@ class World:
     def __init__(self):
         self.points, self.normals, self.owner = np.empty((0, 3, 3)), np.empty((0, 3, 3)), np.empty(0, int)
         self.seen, self.casts = np.empty(0, bool), np.empty(0, bool)
+        self.smooth, self.turned = np.empty(0, bool), np.empty(0)
+        self.sets = []  # of the owners: (bits of the lamps that light it, of those in whose light it throws shadows)
 
-    def add(self, points, corners, model=None, normals=None, seen=True, casts=True):
+    def add(self, points, corners, model=None, normals=None, seen=True, casts=True, sets=(~0, ~0)):
         model = np.eye(4) if model is None else model
         triangles = (np.asarray(points, float) @ model[:3, :3].T + model[:3, 3])[corners]
         flat = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-        if normals is None:
-            normals = np.repeat(flat[:, None], 3, 1) * np.sign(np.linalg.det(model[:3, :3]))
-        else:
-            normals = normals @ np.linalg.inv(model[:3, :3])
+        side, smooth = np.sign(np.linalg.det(model[:3, :3])), normals is not None
+        self.sets.append(sets)
+        normals = np.repeat(flat[:, None], 3, 1) * side if normals is None else normals @ np.linalg.inv(model[:3, :3])
         n = len(triangles)
         self.points, self.normals = np.concatenate([self.points, triangles]), np.concatenate([self.normals, normals])
         self.owner = np.append(self.owner, np.full(n, self.owner.max(initial=-1) + 1))
         self.seen, self.casts = np.append(self.seen, np.full(n, seen)), np.append(self.casts, np.full(n, casts))
+        self.smooth, self.turned = np.append(self.smooth, np.full(n, smooth)), np.append(self.turned, np.full(n, side))
 
-    def meet(self, origin, way, which):
+    def lit_by(self, light_set):
+        return np.array([own[0] >> light_set & 1 for own in self.sets], bool)[self.owner]
+
+    def throws(self, shadow_set):
+        return self.casts & np.array([own[1] >> shadow_set & 1 for own in self.sets], bool)[self.owner]
+
+    def meet(self, origin, way, which, least=1e-6):
         """(distance in units of `way`, inf for none; u; v), (rays, triangles), of rays (n, 3)."""
         a, e, f = self.points[which, 0], *(self.points[which, k] - self.points[which, 0] for k in (1, 2))
         p = np.cross(way[:, None], f)
@@ -35,7 +43,7 @@ class World:
             q = np.cross(to, e)
             v = (way[:, None] * q).sum(-1) / det
             t = (f * q).sum(-1) / det
-            hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 1e-6)
+            hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (t > least)
         return np.where(hit, t, np.inf), u, v
 
     def blocked(self, origin, way, far, but):

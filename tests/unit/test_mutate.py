@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import drawn
+import mutants
 import mutate
 import numpy as np
 from encre.pen.job import Frame, Lamp, Mesh
@@ -31,16 +32,16 @@ float f(const float *v)
 
 
 def test_what_is_changed():
-    found = [(m.line, m.old, m.new) for m in mutate.mutants_of("csrc/a.c", CODE)]
+    found = [(m.line, m.old, m.new) for m in mutants.mutants_of("csrc/a.c", CODE)]
     assert found == [(3, "3", "2"), (3, "3", "4"), (4, "0.25f", "0.2f"), (4, "0.25f", "0.3f"),
                      (7, "1e6f", "800000.0f"), (7, "1e6f", "1200000.0f"), (9, "2", "1"), (9, "2", "3"), (9, "0", "1"),
                      (9, "2", "1"), (9, "2", "3")]
 
 
 def test_the_list_of_what_none_can_notice_names_lines_that_are_there():
-    every = mutate.every_mutant(ROOT)
+    every = mutants.every_mutant(ROOT)
     there = {(m.path, m.text, m.old, m.new) for found in every.values() for m in found}
-    assert mutate.known() - there == set()
+    assert mutants.known() - there == set()
     for name, old, _, _ in mutate.PYTHON:
         assert (ROOT / name).read_text(encoding="utf-8").count(old) == 1, name
 
@@ -84,7 +85,7 @@ def pictures(library):
 def test_how_work_is_cut_up_and_saved_changes_no_byte(tmp_path):
     shutil.copytree(ROOT / "csrc", tmp_path / "csrc")
     (tmp_path / "made").mkdir()
-    for name, old, new in [*mutate.CUTS, *((name, old, new) for name, _, old, new in mutate.FILTERS if old)]:
+    for name, old, new in [*mutants.CUTS, *((name, old, new) for name, _, old, new in mutants.FILTERS if old)]:
         text = (tmp_path / name).read_text(encoding="utf-8")
         assert text.count(old) == 1, name
         (tmp_path / name).write_text(text.replace(old, new), encoding="utf-8")

@@ -12,7 +12,7 @@ from math import sqrt
 
 import bpy
 import numpy as np
-from encre.blender import bake, meshes, properties, subject, versions
+from encre.blender import bake, properties, subject, triangles, versions
 from encre.pen import colour, library, unwrap
 from encre.pen.errors import EncreError
 
@@ -162,7 +162,7 @@ class BakedSet:
 
 def surface(task, depsgraph):
     """The triangles that show the image. Raises EncreError where one has no UV map."""
-    return unwrap.join([meshes.unwrapped(obj, depsgraph) for obj in task.objects])
+    return unwrap.join([triangles.unwrapped(obj, depsgraph) for obj in task.objects])
 
 
 def texels_per_metre(mesh, width, height):

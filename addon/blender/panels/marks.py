@@ -8,7 +8,7 @@ import bpy
 
 from .. import ENGINE
 from ..languages import n_
-from ..meshes import PART
+from ..triangles import PART
 from .base import SidebarPanel
 
 

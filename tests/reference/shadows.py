@@ -1,0 +1,535 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Drawn light by its own means, in float64: the points that pixels deal to lamps, where shadows end, how wide penumbrae
+are and how their grain is evened. All pixels at once, every ray against every triangle. What light *should* come is
+in light.py."""
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+
+MARGIN, TILE, POINTS, WIDE, DEALT = 24, 4, 16, 8, 4
+NOTHING, STRAY = -1, -2
+
+
+def dot(a, b):
+    return (a * b).sum(-1)
+
+
+def unit(a):
+    return a / np.sqrt(dot(a, a) + 1e-30)[..., None]
+
+
+# ---- the points of a lamp
+
+
+@dataclass
+class Asked:
+    """Points (n, 2) of the unit square, of the unit disc, and in the 2 x 2 pixels about a pixel's centre."""
+
+    square: np.ndarray
+    disc: np.ndarray
+    place: np.ndarray
+
+    def __getitem__(self, which):
+        return Asked(self.square[which], self.disc[which], self.place[which])
+
+
+def sobol(n):
+    """The first n points of Sobol's sequence in the square; n is a power of two."""
+    first, second = [0.0], [0]
+    for k in range(n.bit_length() - 1):  # each half is the one before, moved
+        first += [x + 0.5 ** (k + 1) for x in first]
+        row = 0
+        for j in range(k + 1):  # Pascal's triangle, odd or even
+            row |= (k & j == j) << (31 - j)
+        second += [y ^ row for y in second]
+    return np.stack([first, np.array(second) / 2 ** 32], 1)
+
+
+def disc(square):
+    x, y = (2 * square - 1).T
+    wide = abs(x) > abs(y)
+    r = np.where(wide, x, y)
+    with np.errstate(all="ignore"):
+        turn = np.where(wide, np.pi / 4 * y / x, np.pi / 2 - np.pi / 4 * x / np.where(y == 0, 1, y))
+    return np.stack([r * np.cos(turn), r * np.sin(turn)], 1)
+
+
+@functools.cache
+def asked(n, m):
+    """n points, whose places come again after m."""
+    square, k = sobol(n) + 0.5 / n, np.arange(n)
+    return Asked(square, disc(square), 2 * (sobol(m)[(37 * k + 11) % m][:, ::-1] + 0.5 / m) - 1)
+
+
+@functools.cache
+def dealt(side, each, m):
+    """Which points those pixels ask, (side, side, each), by row and column."""
+    number = np.zeros((side, side), int)
+    for y, x in np.ndindex(side, side):
+        number[y, x] = sum((x >> k & 1) << 2 * k | (y >> k & 1) << 2 * k + 1 for k in range(3))
+    return asked(side * side * each, m), number[..., None] * each + np.arange(each)
+
+
+def one(square=(0.5, 0.5), disc=(0, 0)):
+    return Asked(np.array([square]), np.array([disc]), np.zeros((1, 2)))
+
+
+# ---- what one point of a lamp gives
+
+
+class Lit:
+    """A lamp; all ways (n, 3) are to its points, `endless` if they have no length."""
+
+    def __init__(self, lamp):
+        self.lamp = lamp
+        axes, self.at = lamp.model[:3, :3], lamp.model[:3, 3]
+        self.scale = np.linalg.norm(axes, axis=0)
+        self.x, self.y, self.way = unit(axes[:, 0]), unit(axes[:, 1]), -unit(axes[:, 2])
+        self.area, self.endless = lamp.kind in ("rectangle", "ellipse"), lamp.kind == "sun"
+        self.u, self.v = axes[:, 0] * lamp.width, axes[:, 1] * lamp.height
+        self.soft = lamp.width > 0 or self.area and lamp.height > 0
+
+    def across(self, w):
+        a = np.where(abs(dot(self.x, w))[:, None] > 0.9, self.y, self.x)
+        u = unit(a - w * dot(a, w)[:, None])
+        return u, np.cross(w, u)
+
+    def __call__(self, at, normal, q):
+        """(light, ways) for places (n, 3), of points (n) or (1)."""
+        falls = self.sun if self.endless else self.area_light if self.area else self.ball
+        with np.errstate(all="ignore"):
+            value, way = falls(at, normal, q)
+            if self.lamp.kind == "spot":
+                own = unit(np.stack([dot(way, self.x), dot(way, self.y), -dot(way, self.way)], -1) / self.scale)
+                edge = np.cos(self.lamp.spot_angle / 2)
+                t = np.clip((own[:, 2] - edge) / max((1 - edge) * self.lamp.spot_blend, 1e-6), 0, 1)
+                value = value * t * t * (3 - 2 * t)
+        return np.where(np.isfinite(value), np.maximum(value, 0), 0), way
+
+    def cap(self, q, open_):
+        """(z, x, y) of directions that are even over a cone; open: 1 less the cosine of half its angle."""
+        part = dot(q.disc, q.disc) * open_
+        k = np.sqrt(open_ * (2 - part))
+        return 1 - part, k * q.disc[:, 0], k * q.disc[:, 1]
+
+    def sun(self, at, normal, q):
+        open_ = 1 - np.cos(self.lamp.width / 2)
+        u, v = self.across(self.way[None])
+        z, x, y = (a[:, None] for a in self.cap(q, open_))
+        way = np.broadcast_to(-z * self.way + x * u + y * v, at.shape)
+        return 2 / (2 - open_) * dot(normal, way) / np.pi, way
+
+    def area_light(self, at, normal, q):
+        a = q.square - 0.5 if self.lamp.kind == "rectangle" else q.disc / 2
+        way = self.at - at + a[:, :1] * self.u + a[:, 1:] * self.v
+        length = np.linalg.norm(way, axis=1)
+        front = -dot(way, self.way) / length
+        value = front * np.maximum(dot(normal, way), 0) / length ** 3 / np.pi ** 2
+        if self.lamp.spread < np.pi - 1e-4:
+            half = self.lamp.spread / 2
+            value = value * np.maximum(np.tan(half) - np.tan(np.arccos(front)), 0) / (np.tan(half) - half)
+        return np.where(front > 0, value, 0), way
+
+    def ball(self, at, normal, q):
+        to, radius, share = self.at - at, self.lamp.width, 1 / (4 * np.pi ** 2)
+        far = np.linalg.norm(to, axis=1)
+        w = to / far[:, None]
+        hard = share * dot(normal, w) / far ** 2, to
+        if not radius:
+            return hard
+        u, v = self.across(w)
+        if self.lamp.flat:
+            way = to + radius * (q.disc[:, :1] * u + q.disc[:, 1:] * v)
+            length = np.linalg.norm(way, axis=1)
+            soft = share * dot(way, w) * dot(normal, way) / length ** 4
+        else:
+            sine = radius ** 2 / far ** 2
+            open_ = 1 - np.sqrt(1 - sine)
+            z, x, y = self.cap(q, open_)
+            way = z[:, None] * w + x[:, None] * u + y[:, None] * v
+            soft = share / radius ** 2 * 2 * open_ * dot(normal, way)
+            way = way * (far * z - np.sqrt(np.maximum(radius ** 2 - far ** 2 * (1 - z * z), 0)))[:, None]
+        within = far <= radius
+        return np.where(within, hard[0], soft), np.where(within[:, None], to, way)
+
+
+# ---- what pixels show
+
+
+@dataclass
+class Shown:
+    """Of n places: where, the normal by which light falls, where rays begin, the triangle's own normal to the eye, and
+    its number, or NOTHING, or STRAY."""
+
+    at: np.ndarray
+    normal: np.ndarray
+    start: np.ndarray
+    across: np.ndarray
+    triangle: np.ndarray
+
+    def __getitem__(self, which):
+        return Shown(*(array[which] for array in vars(self).values()))
+
+    def where(self, which, other):
+        return Shown(*(np.where(which if mine.ndim == 1 else which[:, None], mine, its)
+                       for mine, its in zip(vars(self).values(), vars(other).values(), strict=True)))
+
+    def one_surface(self, i, j):
+        """Whether places i and j lie on one smooth surface."""
+        way = self.at[j] - self.at[i]
+        near = 0.3 * np.linalg.norm(way, axis=-1)
+        return ((dot(self.across[i], self.across[j]) > 0.5) & (abs(dot(way, self.across[i])) <= near)
+                & (abs(dot(way, self.across[j])) <= near))
+
+
+class Picture:
+    """What the light of lamps does to a picture with its margin, from layers depth (H, W), 1e10 for nothing, and normal
+    (H, W, 3) at (x, y) of a frame of `size`."""
+
+    def __init__(self, world, view, projection, size, start, depth, normal, corner=(0, 0)):
+        self.world, self.view, self.size, self.corner = world, view, size, corner
+        self.clip = projection @ view
+        self.inverse = np.linalg.inv(self.clip)
+        self.height, self.width = depth.shape[0] + 2 * MARGIN, depth.shape[1] + 2 * MARGIN
+        self.y, self.x = (a.ravel() for a in np.mgrid[:self.height, :self.width])
+        self.number = np.arange(len(self.x))
+        given = np.pad(np.where(depth < 1e9, depth, np.inf), MARGIN, constant_values=np.nan).ravel()
+        wide = np.pad(normal, ((MARGIN, MARGIN), (MARGIN, MARGIN), (0, 0))).reshape(-1, 3)
+        self.shown = self._shown(given, wide, start)
+
+    def sight(self, x, y):
+        """Two points each on the ways of sight through places of the picture."""
+        u = 2 * (x + self.corner[0] - MARGIN) / self.size[0] - 1
+        v = 1 - 2 * (y + self.corner[1] - MARGIN) / self.size[1]
+        ends = []
+        for z in (-1, 0):
+            p = np.stack([u, v, np.full_like(u, z), np.ones_like(u)], 1) @ self.inverse.T
+            ends.append(p[:, :3] / p[:, 3:])
+        return ends
+
+    def depth(self, p):
+        return -(p @ self.view[2, :3] + self.view[2, 3])
+
+    def pixel(self, at):
+        c = np.concatenate([at, np.ones((len(at), 1))], 1) @ self.clip.T
+        return (0.5 + c[:, :2] / c[:, 3:] * (0.5, -0.5)) * self.size
+
+    def _shown(self, given, normal, start):
+        a, b = self.sight(self.x + 0.5, self.y + 0.5)
+        world = self.world
+        seen = np.flatnonzero(world.seen)
+        t = world.meet(a, b - a, seen)[0]
+        with np.errstate(all="ignore"):
+            z = self.depth(a)[:, None] + t * (self.depth(b) - self.depth(a))[:, None]
+            off = np.where(np.isnan(given)[:, None], z - start, abs(z / given[:, None] - 1))
+            off[np.isnan(off) | (off < 0) | (~np.isnan(given)[:, None] & (off >= 1e-3))] = np.inf
+        best = off.argmin(1)
+        found = np.isfinite(off.min(1))
+        shown = self.on(np.where(found, seen[best], 0), a, b)[0]
+        shown.triangle[~found] = NOTHING
+        with np.errstate(all="ignore"):
+            share = (given - self.depth(a)) / (self.depth(b) - self.depth(a))
+            stray = ~found & np.isfinite(given)
+            at = a + share[:, None] * (b - a)
+            own = np.where((dot(normal, normal) > 1e-6)[:, None], unit(normal), -unit(b - a))
+        shown = Shown(at, own, at, own, np.full(len(at), STRAY)).where(stray, shown)
+        nothing = shown.triangle == NOTHING
+        for array in (shown.at, shown.normal, shown.start, shown.across):
+            array[nothing] = 0
+        return shown
+
+    def on(self, triangle, a, b):
+        """(Shown where the ways from a to b meet the planes of triangles, whether within them)."""
+        world = self.world
+        corner, way = world.points[triangle], b - a
+        e, f, to = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0], a - corner[:, 0]
+        p, q = np.cross(way, f), np.cross(to, e)
+        with np.errstate(all="ignore"):
+            det = dot(e, p)
+            u, v, t = dot(to, p) / det, dot(way, q) / det, dot(f, q) / det
+        at = a + t[:, None] * way
+        front = unit(np.cross(e, f)) * world.turned[triangle][:, None]
+        away = dot(front, way) > 0
+        across = np.where(away[:, None], -front, front)
+        normal, begin = self._smooth(triangle, at, corner, u, v, away, across)
+        inside = (u >= 0) & (v >= 0) & (u + v <= 1)
+        return Shown(at, normal, begin, across, np.array(triangle)), inside
+
+    def _smooth(self, triangle, at, corner, u, v, away, across):
+        c = np.stack([0 * u, np.clip(u, 0, 1), np.clip(v, 0, 1)], 1)
+        c /= np.maximum(c[:, 1:].sum(1), 1)[:, None]
+        c[:, 0] = 1 - c[:, 1] - c[:, 2]
+        normals = unit(self.world.normals[triangle]) * np.where(away, -1, 1)[:, None, None]
+        under = np.minimum(dot(at[:, None] - corner, normals), 0)
+        smooth = self.world.smooth[triangle][:, None]
+        normal = (c[..., None] * normals).sum(1)
+        normal = np.where(smooth & (dot(normal, normal) > 0.01)[:, None], unit(normal), across)
+        return normal, np.where(smooth, at - ((c * under)[..., None] * normals).sum(1), at)
+
+    def beside(self, near, x, y):
+        """(Shown at places of the picture on the surfaces of pixels `near`, whether still on their triangles)."""
+        a, b = self.sight(x, y)
+        own = self.shown[near]
+        found, inside = self.on(np.maximum(own.triangle, 0), a, b)
+        with np.errstate(all="ignore"):
+            t = dot(own.at - a, own.across) / dot(b - a, own.across)
+        at = a + np.where(np.isfinite(t), t, 0)[:, None] * (b - a)
+        stray = own.triangle < 0
+        return Shown(at, own.normal, at, own.across, own.triangle).where(stray, found), inside | stray
+
+    # ---- rays
+
+    def ray(self, lit, s, way):
+        """(where rays begin, their ways)."""
+        side = np.where(dot(s.across, way) < 0, -1, 1)
+        off = (abs(s.at).max(1) + 1) * np.where(s.triangle >= 0, 1e-6, 1e-3) * side
+        start = s.start + off[:, None] * s.across
+        return start, way if lit.endless else way + s.at - start
+
+    def meetings(self, lit, s, way):
+        """(where rays begin, their ways, how far along them they meet each triangle: inf where they don't)."""
+        start, way = self.ray(lit, s, way)
+        t = self.world.meet(start, way, np.arange(len(self.world.owner)), least=0)[0]
+        t[t >= (np.inf if lit.endless else 0.99999)] = np.inf
+        t[:, ~self.world.throws(lit.lamp.shadow_set)] = np.inf
+        own = np.flatnonzero(s.triangle >= 0)
+        t[own, s.triangle[own]] = np.inf
+        return start, way, t
+
+    def ask(self, lit, s, q):
+        """(light of the points q at places, what of it comes)."""
+        value, way = lit(s.at, s.normal, q)
+        value[s.triangle == NOTHING] = 0
+        seen = value.copy()
+        if lit.lamp.shadows:
+            lit_at = np.flatnonzero(value > 0)
+            t = self.meetings(lit, s[lit_at], way[lit_at])[2]
+            seen[lit_at[np.isfinite(t).any(1)]] = 0
+        return value, seen
+
+    # ---- one lamp
+
+    def moved(self, u, v):
+        """(numbers of the pixels (u, v), whether they are there)."""
+        there = (u >= 0) & (v >= 0) & (u < self.width) & (v < self.height)
+        return np.where(there, v * self.width + u, 0), there
+
+    def neighbours(self, reach, step=1):
+        """(a, b, numbers of the pixels there, whether they are there) for all around each."""
+        for b in range(-reach, reach + 1):
+            for a in range(-reach, reach + 1):
+                yield a, b, *self.moved(self.x + a * step, self.y + b * step)
+
+    def share(self, lit):
+        """(light without shadows, the share of it that comes) of a lamp of colour 1."""
+        world, s, n = self.world, self.shown, len(self.x)
+        falls = (s.triangle == STRAY) | ((s.triangle >= 0) & world.lit_by(lit.lamp.light_set)[s.triangle])
+        middle = one()
+        plain_points = asked(POINTS, POINTS) if lit.soft else middle
+        plain = sum(lit(s.at, s.normal, plain_points[k:k + 1])[0] for k in range(len(plain_points.square)))
+        plain = np.where(falls & (s.triangle != NOTHING), plain / len(plain_points.square), 0)
+        there = plain > 0
+        columns, rows = self.x + self.corner[0], self.y + self.corner[1]
+        points, numbers = dealt(WIDE, DEALT, WIDE * WIDE * DEALT)
+        mine = numbers[rows % WIDE, columns % WIDE]
+        all_, seen = np.zeros(n), np.zeros(n)
+        for k in range(DEALT if lit.soft else 1):
+            value, comes = self.ask(lit, s, points[mine[:, k]] if lit.soft else middle)
+            all_, seen = all_ + np.where(there, value, 0), seen + np.where(there, comes, 0)
+        bright, dark = seen > 0, seen < all_ * (1 - 1e-9)
+        bright, dark = (there & (all_ > 0) & k | there & (all_ == 0) for k in (bright, dark))
+        with np.errstate(all="ignore"):
+            share = np.where(all_ > 0, seen / all_, 0)
+        if not lit.lamp.shadows:
+            return plain, share
+        if lit.soft:
+            return plain, self.soft(lit, bright, dark, share)
+        cut = self.cuts(lit, bright & ~dark, dark & ~bright)
+        edge = self.edges(cut)
+        away = np.minimum(abs(edge.far), 1) / 2
+        return plain, np.where(edge.there, np.where(bright & ~dark, 0.5 + away, 0.5 - away), share)
+
+    # ---- where edges pass
+
+    def cuts(self, lit, bright, dark):
+        """(n, 2): where on the ways right and down the light of the lamp's middle goes or comes; NaN: nowhere."""
+        out = np.full((len(self.x), 2), np.nan)
+        for axis, (a, b) in enumerate(((1, 0), (0, 1))):
+            j, there = self.moved(self.x + a, self.y + b)
+            i = np.flatnonzero(there & (bright & dark[j] | dark & bright[j]) & self.shown.one_surface(self.number, j))
+            j = j[i]
+            low, high = np.zeros(len(i)), np.ones(len(i))
+            for _ in range(7):
+                middle = (low + high) / 2
+                u, v = self.x[i] + 0.5 + a * middle, self.y[i] + 0.5 + b * middle
+                s, inside = self.beside(i, u, v)
+                other, inside_other = self.beside(j, u, v)
+                s = s.where(inside | ~inside_other | (self.shown.triangle[i] == self.shown.triangle[j]), other)
+                same = (self.ask(lit, s, one())[1] > 0) == bright[i]
+                low, high = np.where(same, middle, low), np.where(same, high, middle)
+            out[i, axis] = (low + high) / 2
+        return out
+
+    def edges(self, cut):
+        to = []
+        for axis, (a, b) in enumerate(((1, 0), (0, 1))):
+            before, there = self.moved(self.x - a, self.y - b)
+            behind = np.where(there, cut[before, axis], np.nan)
+            ahead = np.where(np.isnan(cut[:, axis]), 9, cut[:, axis])
+            to.append(np.where(1 - behind < ahead, behind - 1, ahead))
+        return Edges(*to)
+
+    # ---- lamps with a size
+
+    def goes_on(self, i, u, v, there):
+        j, within = self.moved(u, v)
+        return within & there[j] & self.shown.one_surface(i, j)
+
+    def soft(self, lit, bright, dark, share):
+        """The share that comes of a lamp with a size."""
+        there, mixed = bright | dark, bright & dark
+        full = mixed.copy()
+        for _, _, j, within in self.neighbours(4):
+            other = (bright[j] & ~bright) | (dark[j] & ~dark)
+            full |= there & within & other & self.shown.one_surface(self.number, j)
+        fine = share.copy()
+        pixels = np.flatnonzero(full)
+        fine[pixels] = self.full_share(lit, pixels, there)
+        core = self.ask(lit, self.shown[pixels], one())
+        bright, dark = np.zeros_like(there), np.zeros_like(there)
+        bright[pixels], dark[pixels] = (core[0] > 0) & (core[1] > 0), (core[0] > 0) & (core[1] == 0)
+        edge = self.edges(self.cuts(lit, bright, dark))
+        exact = np.where(full, 0.0, np.nan)
+        self.narrow(edge, self.widths(lit, edge, bright), full, bright, dark, fine, exact)
+        fine = self.evened(fine, exact, there, 1, 3, 0.25)
+        fine = self.evened(fine, exact, there, TILE, 2, 0.04)
+        return self.evened(fine, exact, there, 1, 3, 0.03)
+
+    def full_share(self, lit, i, there):
+        points, numbers = dealt(TILE, POINTS, POINTS)
+        x, y = self.x[i], self.y[i]
+        mine = numbers[(y + self.corner[1]) % TILE, (x + self.corner[0]) % TILE]
+        columns = [self.goes_on(i, x + k, y, there) for k in (-1, 1)]
+        rows = [self.goes_on(i, x, y + k, there) for k in (-1, 1)]
+        all_, seen = np.zeros(len(i)), np.zeros(len(i))
+        for k in range(POINTS):
+            q = points[mine[:, k]]
+            a = np.where(np.where(q.place[:, 0] > 0, columns[1], columns[0]), q.place[:, 0], 0)
+            b = np.where(np.where(q.place[:, 1] > 0, rows[1], rows[0]), q.place[:, 1], 0)
+            u, v = x + np.floor(0.5 + a).astype(int), y + np.floor(0.5 + b).astype(int)
+            straight = (u == x) | (v == y)
+            moved = straight | self.goes_on(i, u, v, there)
+            near = np.where(moved, self.moved(u, v)[0], i)
+            s = self.beside(near, x + 0.5 + a, y + 0.5 + b)[0].where(moved, self.shown[i])
+            value, comes = self.ask(lit, s, q)
+            all_, seen = all_ + value, seen + comes
+        return np.where(all_ > 0, seen / np.where(all_ > 0, all_, 1), 0)
+
+    def widths(self, lit, edge, bright):
+        """How many pixels wide penumbrae are, by what throws them; 4 if more; NaN where no edge passes."""
+        out = np.full(len(self.x), np.nan)
+        i = np.flatnonzero(edge.there)
+        a, b = edge.a[i], edge.b[i]
+        across = abs(a) <= abs(b)
+        far = np.where(across, a, b)
+        far_more = far + np.where(bright[i] == (far > 0), 0.03, -0.03)
+        u = self.x[i] + 0.5 + np.where(across, far_more, 0)
+        v = self.y[i] + 0.5 + np.where(across, 0, far_more)
+        s, inside = self.beside(i, u, v)
+        beyond = i + np.where(far > 0, 1, -1) * np.where(across, 1, self.width)
+        other, inside_other = self.beside(beyond, u, v)
+        s = s.where(inside, other)
+        value, way = lit(s.at, s.normal, one())
+        start, way, t = self.meetings(lit, s, way)
+        first = t.min(1)
+        known = (inside | inside_other) & (value > 0) & np.isfinite(first)
+        place = start + np.where(np.isfinite(first), first, 0)[:, None] * way
+        moves = []
+        for rim in (one((1, 0.5), (1, 0)), one((0.5, 1), (0, 1))):
+            ways = lit(s.at, s.normal, rim)[1]
+            off = place - s.at
+            ways = ways if lit.endless else ways - off
+            with np.errstate(all="ignore"):
+                to = off - ways * (dot(off, s.across) / dot(ways, s.across))[:, None]
+            step = self.pixel(s.at + to) - self.pixel(s.at)
+            moves.append(abs(step[:, 0] * edge.x[i] + step[:, 1] * edge.y[i]))
+        half = moves[0] + moves[1] if lit.lamp.kind == "rectangle" else np.hypot(*moves)
+        out[i] = np.where(known & (2 * half < 4), 2 * half, 4)
+        return out
+
+    def narrow(self, edge, width, full, bright, dark, fine, exact):
+        """Puts ramps where penumbrae are narrow, in place."""
+        nearest, chosen = np.full(len(self.x), 9), np.full(len(self.x), -1)
+        for a, b, j, within in self.neighbours(2):
+            free = (a == 0 and b == 0) | self.shown.one_surface(self.number, j)
+            ok = within & ~np.isnan(width[j]) & free & (a * a + b * b < nearest)
+            nearest[ok], chosen[ok] = a * a + b * b, j[ok]
+        i = np.flatnonzero(full & (bright | dark) & (chosen >= 0))
+        j = chosen[i]
+        away = edge.x[j] * (self.x[i] - self.x[j]) + edge.y[j] * (self.y[i] - self.y[j]) - edge.far[j]
+        wide = np.maximum(width[j], 2)
+        ramp = np.clip(0.5 + np.where(bright[j] == (edge.far[j] < 0), away, -away) / wide, 0, 1)
+        ramp = np.where(bright[i], np.maximum(ramp, 0.5), np.minimum(ramp, 0.5))
+        exact[i] = np.clip((4 - wide) / 2, 0, 1)
+        fine[i] += exact[i] * (ramp - fine[i])
+
+    def evened(self, share, exact, there, step, taps, alike):
+        """Each pixel's mean with those around it that differ little, or by a gentle slope."""
+        def around(of):
+            for a, b, j, within in self.neighbours(taps, step):
+                ok = within & there[j] & ~(exact[j] > 0)
+                ok &= ((a == 0) & (b == 0)) | self.shown.one_surface(self.number, j)
+                yield a, b, ok, (taps + 1 - abs(a)) * (taps + 1 - abs(b)), of[j] - of
+
+        slopes = np.zeros((2, len(share)))
+        squares = np.zeros((2, len(share)))
+        for a, b, ok, weight, off in around(share):
+            for axis, k in enumerate((a, b)):
+                slopes[axis] += ok * weight * k * off
+                squares[axis] += ok * weight * k * k
+        slopes /= squares + 1e-6
+        gentle = np.clip(2 - abs(slopes).sum(0) / 0.08, 0, 1)
+        total, weights = 0, 0
+        for a, b, ok, weight, off in around(share):
+            even = np.clip(2 - 2 * abs(off) / alike, 0, 1)
+            steep = gentle * np.clip(2 - 2 * abs(off - slopes[0] * a - slopes[1] * b) / alike, 0, 1)
+            weight = ok * weight * np.maximum(even, steep)
+            total, weights = total + weight * off, weights + weight
+        mean = np.where(weights > 0, total / np.where(weights > 0, weights, 1), 0)
+        out = np.clip(share + (1 - exact) * mean, 0, 1)
+        return np.where((exact >= 0) & (exact < 1), out, share)
+
+    # ---- all
+
+    def light(self, lamps, polynomials=None, world=None):
+        """The layer (H, W, 3)."""
+        total = np.zeros((len(self.x), 3))
+        there = self.shown.triangle != NOTHING
+        if world is not None:
+            total[there] = np.maximum(polynomials(self.shown.normal[there]) @ world, 0)
+        for lamp in lamps:
+            plain, share = self.share(Lit(lamp))
+            total += (plain * share)[:, None] * np.array(lamp.color, float)
+        # Beside a thing what shows nothing takes the mean of what is nearest.
+        nearest, sums, count = np.full(len(self.x), 9), np.zeros_like(total), np.zeros(len(self.x))
+        for far in sorted({a * a + b * b for a in range(3) for b in range(3)}):
+            for a, b, j, within in self.neighbours(2):
+                ok = (a * a + b * b == far) & within & there[j] & (nearest >= far)
+                nearest[ok], count[ok] = far, count[ok] + 1
+                sums[ok] += total[j[ok]]
+        lent = ~there & (count > 0)
+        total[lent] = sums[lent] / count[lent][:, None]
+        whole = total.reshape(self.height, self.width, 3)
+        return whole[MARGIN:-MARGIN, MARGIN:-MARGIN]
+
+
+class Edges:
+    """The lines by which edges pass near pixels, through (a, 0) and (0, b) from their centres; 9: not there."""
+
+    def __init__(self, a, b):
+        self.a, self.b = a, b
+        length = np.sqrt(a * a + b * b + 1e-12)
+        self.x, self.y, self.far = b / length, a / length, a * b / length
+        self.there = (a != 9) | (b != 9)

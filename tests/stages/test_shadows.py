@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Drawn light against its twin, which does the same by simpler means: on small pictures, lamp by lamp."""
+
+import numpy as np
+import pytest
+from encre.pen import irradiance
+from encre.pen.job import Frame, Lamp
+from lamps import CUBE, CUBE_CORNERS, LAMPS, Stage, ball, look, moved, ways
+from reference.shadows import Picture
+
+WIDTH, HEIGHT = 18, 13
+BY_HAND = np.s_[9:12, 2:7]  # pixels that show what no geometry tells of
+
+
+def scene(eye=(6, -8, 5), at=(0.2, 0, 0.6), size=(WIDTH, HEIGHT)):
+    """A cube, a smooth ball, a smaller one in a mirror, and a bar that the camera does not see, on a plane."""
+    stage = Stage(*size, eye, at=at)
+    points, corners, normals = ball(3)
+    stage.add(points, corners, moved(2.6, -0.6, 0.8, 0.8), normals)
+    stage.add(points, corners, moved(-2.2, -1.6, 0.9) @ np.diag([-0.9, 0.6, 0.8, 1]), normals)
+    bar = np.diag([0.04, 0.05, 1.4, 1.0])
+    bar[:3, 3] = -0.9, -2.3, 1.4
+    stage.add(CUBE, CUBE_CORNERS, bar, seen=False)
+    return stage
+
+
+def layers(stage):
+    """(depth, normal): with a piece of a wall that is not in the scene, and depths that are a little off."""
+    depth = np.float32(stage.depth())
+    there = depth < 1e9
+    depth[::2][there[::2]] *= np.float32(1.0008)
+    normal = np.zeros((*depth.shape, 3), np.float32)
+    normal[..., 1:] = -3, 0.5
+    depth[BY_HAND] = np.linspace(7.1, 7.9, 5, dtype=np.float32)
+    normal[BY_HAND][1, 2] = 0  # tells of none
+    return depth, normal
+
+
+def twin_of(stage, depth, normal, frame):
+    return Picture(stage.world, stage.view, stage.projection, (frame.width, frame.height), 0.1, depth, normal,
+                   (frame.x, frame.y))
+
+
+def alike(got, want, within=3e-6):
+    assert want.max() > 0
+    np.testing.assert_allclose(got, want, atol=within * want.max(), rtol=0)
+
+
+@pytest.fixture(scope="module")
+def still():
+    """(the scene, its layers, the twin that has looked at them)."""
+    stage = scene()
+    depth, normal = layers(stage)
+    return stage, depth, normal, twin_of(stage, depth, normal, Frame(WIDTH, HEIGHT))
+
+
+MORE = {
+    "small sun": Lamp("sun", width=0.03, model=ways()),
+    "small ball": Lamp("point", width=0.05, model=ways()),
+    "small rectangle": Lamp("rectangle", width=0.15, height=0.1, model=ways()),
+    "narrow grid": Lamp("ellipse", width=3.0, height=4.0, spread=0.09, model=look((18, 7, 30), (0, -1, 0.3))),
+    "within": Lamp("point", width=2.0, model=moved(-0.2, -1.5, 1.2)),
+    "no shadows": Lamp("rectangle", width=2.0, height=1.0, shadows=False, model=ways()),
+}
+
+
+@pytest.mark.parametrize("name", [*LAMPS, *MORE])
+def test_a_lamp(name, still):
+    stage, depth, normal, twin = still
+    lamp = {**LAMPS, **MORE}[name]
+    # A narrow cone is a small difference of floats.
+    alike(stage.light(lamp, depth=depth, normal=normal), twin.light([lamp]), 0.01 if lamp.spread < 0.1 else 3e-6)
+
+
+def test_lamps_and_all_sides_in_a_part_of_the_frame():
+    """Each thing with lamps of its own, colours, a corner of the frame, what the layers show nothing of."""
+    size, frame = (41, 30), Frame(41, 30, 13, 6)
+    stage = scene(size=size)
+    depth, normal = (layer[6:6 + HEIGHT, 13:13 + WIDTH].copy() for layer in layers(stage))
+    depth[3:7, 6:11] = 1e10
+    for key, sets in ((1, (0b110, ~0)), (2, (~0, 0b101)), (4, (~0, 0b10))):
+        stage.world.sets[key] = sets
+        model = stage.meshes[key].model
+        stage.scene.instance(key, key, model, key != 4, *(k & 2 ** 64 - 1 for k in sets))
+    lamps = [Lamp("sun", (1, 0.5, 0.25), width=0.1, model=ways(), light_set=0, shadow_set=1),
+             Lamp("point", (0, 90, 10), model=ways(-3.0), light_set=1, shadow_set=0),
+             Lamp("rectangle", (50, 5, 0), width=0.5, height=0.5, model=ways(y=-2.0), light_set=2, shadow_set=2)]
+    by = np.random.default_rng(4).uniform(-0.3, 1, (9, 3))
+    twin = twin_of(stage, depth, normal, frame)
+    got = stage.light(*lamps, depth=depth, normal=normal, frame=frame, world=by)
+    alike(got, twin.light(lamps, irradiance.polynomials, by))
+
+
+def test_an_orthographic_camera():
+    stage = scene((3, -8, 4), (0.2, 0, 0.8))
+    stage.projection = np.array([[0.3, 0, 0, 0.05], [0, 0.4, 0, -0.1], [0, 0, -0.02, -1], [0, 0, 0, 1.0]])
+    depth, normal = layers(stage)
+    lamps = [Lamp("sun", width=0.05, model=ways()), Lamp("spot", spot_angle=0.7, spot_blend=0.4, model=ways())]
+    alike(stage.light(*lamps, depth=depth, normal=normal),
+          twin_of(stage, depth, normal, Frame(WIDTH, HEIGHT)).light(lamps))
