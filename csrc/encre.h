@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 9 };
+enum { ENCRE_API_VERSION = 10 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -73,6 +73,9 @@ enum encre_layer {
 				    over several faces. Fifth: by how many degrees the faces of the pixels on both sides of
 				    it differ, in whatever direction they do most; negative: no mesh tells of this pixel
 				    (absent: of none) */
+	ENCRE_LAYER_HIGHLIGHTS,  /* 3: what of specular comes straight from lamps (absent: 0) */
+	ENCRE_LAYER_BACKGROUND,  /* 3: what of combined is light of the world behind everything (absent: all of it where
+				    nothing is there, else 0) */
 	ENCRE_LAYER_COUNT
 };
 

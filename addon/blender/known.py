@@ -67,7 +67,8 @@ class Passes(Mapping):
     def __init__(self, there, size, seen):
         """there: render passes by their names in this Blender; size: (width, height); seen: whether to read SEEN."""
         self.size = size
-        names = {name: versions.pass_name(name) for name in [*layers.CYCLES, *(layers.SEEN if seen else ())]}
+        names = {name: versions.pass_name(name)
+                 for name in (*layers.CYCLES, *layers.BEHIND, *(layers.SEEN if seen else ()))}
         self.there = {name: there[own] for name, own in names.items() if own in there}
 
     def __getitem__(self, name):

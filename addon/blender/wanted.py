@@ -32,7 +32,9 @@ def passes(scene, view_layer):
     wanted = dict(layers.CYCLES)
     if hasattr(scene, "encre"):  # else the library was missing when Blender started
         with contextlib.suppress(EncreError):  # said when it comes to rendering
-            seen = properties.settings(scene).wants_seen
+            settings = properties.settings(scene)
+            seen = settings.wants_seen
+            wanted |= layers.BEHIND if settings.wants_parts else {}
             wanted |= {**own(scene, view_layer, seen), **(layers.SEEN if seen else {})}
     for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")

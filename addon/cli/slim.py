@@ -42,7 +42,7 @@ class Packer:
 
     def __init__(self, found, read, kinds, camera, keep=()):
         self.parts, self.make, self.camera = {}, {}, camera
-        own = {*layers.CYCLES, *layers.SEEN, *saved.passes(True)}
+        own = {*layers.CYCLES, *layers.BEHIND, *layers.SEEN, *saved.passes(True)}
         for layer, eyes in found.items():
             for view, passes in eyes.items():
                 wanted = {*read(passes), "Combined"}

@@ -37,6 +37,8 @@ CYCLES = {
 }
 # Its passes that look into mirrors and through clear glass, up to the first rough surface.
 SEEN = {"Denoising Albedo": "RGB", "Denoising Normal": "XYZ", "Denoising Depth": "Z"}
+# Its pass of what the world shows behind everything.
+BEHIND = {"Env": "RGB"}
 # The pictures that the library draws beside Combined.
 DRAWN = {"Encre Lines": "RGBA", "Encre Surface": "RGBA", "Encre Edges": "X", "Encre Light": "RGB"}
 # Blender 5 renamed these passes.
@@ -49,6 +51,7 @@ RENAMED = {
     "GlossCol": "Glossy Color",
     "TransCol": "Transmission Color",
     "Emit": "Emission",
+    "Env": "Environment",
     "IndexOB": "Object Index",
     "IndexMA": "Material Index",
 }
@@ -148,7 +151,7 @@ class _Light:
 
 
 # Layers that may as well be absent where they are 0 everywhere.
-_NEUTRAL = ("specular", "style", "controls", "marks")
+_NEUTRAL = ("specular", "highlights", "style", "controls", "marks")
 
 
 def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str, np.ndarray] | None = None,
@@ -156,8 +159,8 @@ def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str,
              illuminate: Illuminate | None = None) -> tuple[dict[str, np.ndarray], int]:
     """The layers of one picture.
 
-    passes: {classic name: picture}, of CYCLES and SEEN; each is popped when it is read, so that its memory is free
-    after its last reader.
+    passes: {classic name: picture}, of CYCLES, BEHIND and SEEN; each is popped when it is read, so that its memory is
+    free after its last reader.
     settings: the settings.Settings of the picture.
     known: layers that need not be made of passes, as the rasteriser or a file has them.
     denoise: function of (picture, albedo, normal) that gives the picture (height, width, 3) without noise, or None.
@@ -197,14 +200,20 @@ def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str,
 
 
 def _albedo(read, layers, settings):
-    """Adds the layers `albedo` and, if wanted, `specular`."""
+    """Adds the layers `albedo` and, if wanted, `specular`, `highlights` and `background`."""
+    if settings.wants_parts and "Env" in read:
+        layers["background"] = read.raw("Env")
     layers["albedo"] = np.array(layers["color"])
     for name in ("GlossCol", "TransCol", "Emit"):
         if name in read:
             color = read(name)
             layers["albedo"] += color
             if name == "GlossCol" and settings.wants_specular:
-                gloss = read.total("GlossDir", "GlossInd")
+                gloss = read.total("GlossDir")
+                if settings.wants_parts and gloss is not None:
+                    layers["highlights"] = gloss * color
+                more = read.total("GlossInd")
+                gloss = more if gloss is None else gloss if more is None else gloss + more
                 if gloss is not None:
                     layers["specular"] = gloss * color
     np.minimum(layers["albedo"], np.float32(1), out=layers["albedo"])

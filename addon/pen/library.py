@@ -19,7 +19,7 @@ from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work
 from .params import Control, Param, Stage, control, normal, read, stage, text_of
 
-API_VERSION = 9
+API_VERSION = 10
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 
 

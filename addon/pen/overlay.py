@@ -108,7 +108,7 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
 
 # A layer's value where nothing is.
 _NOTHING = {"object": 0, "material": 0, "style": 0, "controls": 0, "depth": 1e10, "normal": 0, "color": 0, "albedo": 0,
-            "diffuse": 0, "specular": 0, "seen_color": 0, "seen_normal": 0, "seen_depth": 0}
+            "diffuse": 0, "specular": 0, "highlights": 0, "seen_color": 0, "seen_normal": 0, "seen_depth": 0}
 
 
 def hide(layers: dict[str, np.ndarray], hidden: np.ndarray) -> None:

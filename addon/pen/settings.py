@@ -17,6 +17,7 @@ _WINDOW = 24  # pixels about an edge at which its detector looks, whatever the s
 BEFORE: dict[int, dict[str, Any]] = {
     1: {"crease_source": "LAYERS"},
     2: {"line_depth_unit": "SCENE", "crease_angle": 20.0, "line_min_length": 0.0},
+    3: {"hatch_color_light": 0.0},
 }
 VERSION = max(BEFORE)
 
@@ -151,7 +152,16 @@ class Settings:
     @cached_property
     def wants_specular(self) -> bool:
         """Whether anything looks at highlights."""
-        return self.any("use_hatching")
+        return self.any("use_hatching") or self.wants_parts
+
+    @cached_property
+    def wants_parts(self) -> bool:
+        """Whether parts of what is not diffuse light are to be other than they were rendered."""
+        if not self.every[0]["other_light"]:
+            return False
+        weights = "other_background", "other_highlights", "other_reflections", "other_glow"
+        return any(values["use_shading"] and (values["highlight_shape"] or any(values[id_] != 1 for id_ in weights))
+                   for values in self.every)
 
     @cached_property
     def wants_seen(self) -> bool:

@@ -78,7 +78,7 @@ class Gathered:
     def take(self, name: str, picture: np.ndarray, column: int, row: int, window: Window, own: bool) -> None:
         """Adds what a sub-frame has of the pass `name` in a window; own: whether it is the one that is saved."""
         factor, channels = self.factor, picture.shape[2]
-        if layers.classic(name) in {**layers.CYCLES, **layers.SEEN}:
+        if layers.classic(name) in {**layers.CYCLES, **layers.BEHIND, **layers.SEEN}:
             if name not in self.large:
                 size = factor * self.place.height, factor * self.place.width, channels
                 self.large[name] = np.empty(size, np.float32)

@@ -28,6 +28,8 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 	[ENCRE_LAYER_SEEN_DEPTH] = {"seen_depth", "its distance, as depth", 1, 0},
 	[ENCRE_LAYER_CREASES] = {"creases", "where edges of meshes pass to the right and down, and how much they bend",
 				 5, 0},
+	[ENCRE_LAYER_HIGHLIGHTS] = {"highlights", "what of specular comes straight from lamps", 3, 0},
+	[ENCRE_LAYER_BACKGROUND] = {"background", "what of combined is light of the world behind everything", 3, 0},
 };
 
 #define CONTROL(id, text, lab, most, least, file_pass, place)                                                          \

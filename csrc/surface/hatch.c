@@ -8,10 +8,22 @@ enum { CHUNK = 256 };
 
 /* ---- row kernels ----------------------------------------------------------------------------------------- */
 
+/* share: what light on dark colours leaves of the lack of brightness, from the level of each pixel; the lightest level
+ * leaves least. */
+static void lighten_row(const encre_params *p, int n, float *restrict share)
+{
+	const encre_levels *levels = &p->shade_levels;
+	float low = levels->level[0].intensity, high = levels->level[levels->count - 1].intensity, rise = high - low;
+	float scale = rise > 0 ? 1 / rise : 0, most = p->hatch_color_light;
+	for (int i = 0; i < n; i++)
+		share[i] = 1 - most * clamp01((share[i] - low) * scale);
+}
+
 /* Brightness that keeps the pencil away, at most 1: the lesser of colour's and light's, each as a share of its
- * threshold. What shines or reflects is bright in both. */
+ * threshold. `left` of what a colour lacks stays where light falls on it (NULL: all). What shines or reflects is bright
+ * in both. */
 static void bright_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
-		       const float *restrict diffuse, float *restrict bright)
+		       const float *restrict diffuse, const float *restrict left, float *restrict bright)
 {
 	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold,
 	      exposure = p->shade_exposure, other[CHUNK];
@@ -24,7 +36,8 @@ static void bright_row(const encre_params *p, int n, const float *restrict combi
 		for (int i = 0; i < n; i++) {
 			const float *a = color + 3 * i;
 			float own = max3(a[0], a[1], a[2]), share = (own > other[i] ? own : other[i]) / color_threshold;
-			bright[i] = share < 1 ? share : 1;
+			share = share < 1 ? share : 1;
+			bright[i] = left ? 1 - (1 - share) * left[i] : share;
 		}
 	if (light_threshold > 0)
 		for (int i = 0; i < n; i++) {
@@ -84,9 +97,14 @@ static const float *pixels(const frame *f, enum encre_layer layer, int channels,
 
 static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n)
 {
-	float bright[CHUNK], pressure[CHUNK], paper[CHUNK];
+	float bright[CHUNK], pressure[CHUNK], paper[CHUNK], left[CHUNK];
+	bool lightens = p->hatch_color_light > 0;
+	if (lightens) {
+		ISA(shade_tones)(f, y, x, x + n, left);
+		lighten_row(p, n, left);
+	}
 	bright_row(p, n, pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), pixels(f, ENCRE_LAYER_COLOR, 3, y, x),
-		   pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), bright);
+		   pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), lightens ? left : NULL, bright);
 	if (!pressure_row(p->hatch_amount, n, controls_at(f, x, y), bright, pressure))
 		return;
 	ISA(paper_row)(f, y, x, x + n, 0.5f, paper);

@@ -71,10 +71,11 @@ static void level_color_row(const encre_levels *levels, int n, const float *rest
 static void light_row(const encre_params *p, int n, const float *restrict diffuse, const float *restrict tone,
 		      float *restrict light)
 {
-	float weight = p->shade_tint_weight, tint[3] = {p->shade_tint[0], p->shade_tint[1], p->shade_tint[2]};
+	float weight = p->shade_tint_weight, hued = p->light_hue,
+	      tint[3] = {p->shade_tint[0], p->shade_tint[1], p->shade_tint[2]};
 	for (int i = 0; i < n; i++) {
 		const float *d = diffuse + 3 * i;
-		float v = max3(d[0], d[1], d[2]), hue = v > 0 ? 1 / (v > 0.02f ? v : 0.02f) : 0;
+		float v = max3(d[0], d[1], d[2]), hue = v > 0 ? hued / (v > 0.02f ? v : 0.02f) : 0;
 		float shade = 1 - tone[i], w = (shade > 0 ? shade : 0) * weight, share = w / (1 + w);
 		for (int c = 0; c < 3; c++)
 			light[3 * i + c] =
@@ -96,6 +97,62 @@ static void shaded_row(const encre_params *p, int n, const float *restrict combi
 			out[4 * i + c] = combined[4 * i + 3] == 0
 						 ? combined[4 * i + c]
 						 : positive(blend(lit, flat, strength) + other_light * other);
+		}
+		out[4 * i + 3] = combined[4 * i + 3];
+	}
+}
+
+/* How strong each part of what is not diffuse light is, and the colour of highlights that are shapes. */
+typedef struct parts {
+	float background, highlights, reflections, glow;
+	float shape, threshold, inverse, color[3];
+	bool bare;
+} parts;
+
+static parts parts_of(const frame *f, const encre_params *p)
+{
+	return (parts){
+		.bare = f->params->surface == surface_PAPER,
+		.background = f->params->other_background,
+		.highlights = p->other_highlights,
+		.reflections = p->other_reflections,
+		.glow = p->other_glow,
+		.shape = p->highlight_shape,
+		.threshold = p->highlight_threshold,
+		.inverse = p->highlight_transition > 1e-30f ? 1 / p->highlight_transition : 0,
+		.color = {p->highlight_color[0], p->highlight_color[1], p->highlight_color[2]},
+	};
+}
+
+static bool as_rendered(const parts *k)
+{
+	return k->background == 1 && k->highlights == 1 && k->reflections == 1 && k->glow == 1 && !(k->shape > 0);
+}
+
+/* combined with each part as strong as wanted. Whatever no layer tells apart counts as glass and emission. Layers that
+ * are absent are NULL. */
+static void weigh_row(const parts *k, int n, const float *restrict combined, const float *restrict color,
+		      const float *restrict diffuse, const float *restrict specular, const float *restrict highlights,
+		      const float *restrict background, const float *restrict depth, float *restrict out)
+{
+	for (int i = 0; i < n; i++) {
+		const float *h = highlights ? highlights + 3 * i : NULL;
+		bool nothing = !(depth_of(depth[i]) < INFINITY);
+		float bright = h ? max3(h[0], h[1], h[2]) : 0, share = 0;
+		if (k->inverse > 0)
+			share = clamp01((bright - k->threshold) * k->inverse + 0.5f);
+		else
+			share = bright > k->threshold ? 1 : 0;
+		for (int c = 0; c < 3; c++) {
+			float other = bounded(combined[4 * i + c] - bounded(color[3 * i + c] * diffuse[3 * i + c]));
+			float lamps = h ? h[c] : 0, gloss = specular ? specular[3 * i + c] : 0;
+			float behind = background ? background[3 * i + c] : nothing ? other : 0;
+			float rest = bounded(other - behind - (gloss > lamps ? gloss : lamps));
+			float shown = blend(lamps, k->color[c] * share, h ? k->shape : 0);
+			float sum = k->background * behind + k->highlights * shown + k->glow * rest;
+			sum += k->reflections * (gloss > lamps ? gloss - lamps : 0);
+			sum = k->bare || combined[4 * i + 3] != 0 ? bounded(bounded(sum) - other) : 0;
+			out[4 * i + c] = bounded(combined[4 * i + c] + sum);
 		}
 		out[4 * i + 3] = combined[4 * i + 3];
 	}
@@ -137,6 +194,13 @@ void ISA(shade_exposed)(const frame *f, int y, float *light)
 	}
 }
 
+/* Three channels from pixel x of row y on; NULL where the layer is absent. */
+static const float *part_of(const frame *f, enum encre_layer layer, int x, int y)
+{
+	const float *row = layer_row(f, layer, y);
+	return row ? row + (ptrdiff_t)3 * x : NULL;
+}
+
 static void shade_run(const frame *f, const encre_params *p, int y, int x, int n)
 {
 	const float *combined = layer_row(f, ENCRE_LAYER_COMBINED, y) + 4 * x;
@@ -144,8 +208,18 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + 3 * x;
 	float *surface = output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * x;
 	bool want_light = f->output[ENCRE_OUTPUT_LIGHT].data, bare = f->params->surface == surface_PAPER;
-	float exposed[CHUNK] = {0}, tone[CHUNK], own_light[3 * CHUNK], other_light = f->params->other_light;
+	float exposed[CHUNK] = {0}, tone[CHUNK], own_light[3 * CHUNK], weighed[4 * CHUNK];
+	float other_light = f->params->other_light;
 	float *light = want_light ? output_row(f, ENCRE_OUTPUT_LIGHT, y) + 3 * x : own_light;
+	if (p->use_shading) {
+		parts k = parts_of(f, p);
+		if (!as_rendered(&k)) {
+			weigh_row(&k, n, combined, color, diffuse, part_of(f, ENCRE_LAYER_SPECULAR, x, y),
+				  part_of(f, ENCRE_LAYER_HIGHLIGHTS, x, y), part_of(f, ENCRE_LAYER_BACKGROUND, x, y),
+				  layer_row(f, ENCRE_LAYER_DEPTH, y) + x, weighed);
+			combined = weighed;
+		}
+	}
 	if (want_light || (p->use_shading && !bare)) {
 		exposed_row(n, diffuse, p->shade_exposure, exposed);
 		tone_row(&p->shade_levels, n, exposed, tone);

@@ -9,7 +9,7 @@ from .params import SWITCHES, Params
 
 REQUIRED = {"combined": 4, "color": 3, "diffuse": 3, "depth": 1, "normal": 3}
 OPTIONAL = {"albedo": 3, "specular": 3, "object": 1, "material": 1, "style": 1, "controls": 6, "marks": 2,
-            "creases": 5}
+            "creases": 5, "highlights": 3, "background": 3}
 SEEN = {"seen_color": 3, "seen_normal": 3, "seen_depth": 1}
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
 _LARGEST = float(np.finfo(np.float32).max)
@@ -40,7 +40,9 @@ class Layers:
         self.seen_color, self.seen_normal, self.seen_depth = (
             clean(name, channels) if there else None for name, channels in SEEN.items())
         self.seen_depth = self.seen_depth[..., 0] if there else None
-        self.normal, self.specular = data["normal"], data["specular"]
+        self.normal, self.specular, self.highlights = data["normal"], data["specular"], data["highlights"]
+        self.gives_highlights = layers.get("highlights") is not None
+        self.background = None if layers.get("background") is None else data["background"]
         self.albedo = self.color if layers.get("albedo") is None else data["albedo"]
         self.object, self.material = data["object"][..., 0], data["material"][..., 0]
         self.marks, self.creases = data["marks"], data["creases"]
@@ -77,7 +79,7 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
     edges = edge_stage.find(layers, params)
     surface, light, doubtful = shade.surface(layers, params)
     surface, smudge_doubtful = smudge.smudge(layers, params, edges, surface, doubtful)
-    surface = hatch.hatch(layers, params, surface, hatch_paper)
+    surface, hatch_doubtful = hatch.hatch(layers, params, surface, hatch_paper)
 
     rgb, alpha = surface[..., :3], surface[..., 3:]
     active = np.any([params.at(switch, layers.style) for switch in SWITCHES], axis=0)[..., None]
@@ -97,5 +99,5 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
     return {
         **passes, "edge_mask": edges.mask, "edge_source": edges.source, "sources": edges.sources,
         "nonfinite": layers.nonfinite, "edge_unsure": edges.strength_doubtful,
-        "unsure": doubtful | smudge_doubtful | line_doubtful,
+        "unsure": doubtful | hatch_doubtful | smudge_doubtful | line_doubtful,
     }

@@ -4,11 +4,12 @@
 import numpy as np
 
 from .metric import clamp01, mix, value
-from .shade import other
+from .shade import levels, other
 
 
 def hatch(layers, params, surface, paper):
-    """The surface (H, W, 4) with its hatching; paper (H, W) is the height there, 0…1."""
+    """The surface (H, W, 4) with its hatching; and where float32 may be on the other side of a level's step. paper
+    (H, W) is the height there, 0…1."""
     style = layers.style
 
     def lit(v, name):
@@ -18,9 +19,19 @@ def hatch(layers, params, surface, paper):
     shine = value(other(layers))
     tone = np.maximum(value(layers.color), shine)
     light = np.maximum(value(layers.diffuse) * params.at("shade_exposure", style), shine)
-    bright = np.minimum(lit(tone, "hatch_color_threshold"), lit(light, "hatch_light_threshold")).clip(max=1.0)
+    level, _, doubtful = levels(layers, params)
+    rise = np.zeros_like(level)
+    for k, steps in params.levels():
+        low, high = steps[0][0], steps[-1][0]
+        own = style == k
+        if high > low:
+            rise[own] = clamp01((level[own] - low) / (high - low))
+    colored = lit(tone, "hatch_color_threshold").clip(max=1.0)
+    colored = 1 - (1 - colored) * (1 - params.at("hatch_color_light", style) * rise)
+    bright = np.minimum(colored, lit(light, "hatch_light_threshold")).clip(max=1.0)
     strength = paper * (1 + layers.controls["hatching"]) * params.at("hatch_amount", style) - bright
     ink = clamp01((1 - clamp01(value(layers.specular))) * 2.5 * strength)
     ink = np.where(layers.there & params.at("use_hatching", style), ink, 0.0)[..., None]
     rgb, alpha = surface[..., :3], surface[..., 3:]
-    return np.concatenate([mix(rgb, params.at("hatch_color", style) * alpha, ink), alpha], axis=-1)
+    drawn = np.concatenate([mix(rgb, params.at("hatch_color", style) * alpha, ink), alpha], axis=-1)
+    return drawn, doubtful & params.at("use_hatching", style) & (params.at("hatch_color_light", style) > 0)

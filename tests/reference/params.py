@@ -25,13 +25,16 @@ DEFAULTS = {
     "use_shading": True, "shade_levels": [(0.5,), (0.7, 0.5, 0.025), (1.1, 0.9, 0.025)],
     "shade_exposure": 1.0, "shade_tint": (0.60, 0.55, 0.90), "shade_tint_weight": 1.0,
     "shade_saturation": 0.6, "shade_strength": 1.0, "other_light": 1.0,
-    "surface": "SHADED", "paper_color": (1.0, 1.0, 1.0),
+    "light_hue": 1.0,
+    "other_background": 1.0, "other_highlights": 1.0, "other_reflections": 1.0, "other_glow": 1.0,
+    "highlight_shape": 0.0, "highlight_threshold": 0.3, "highlight_transition": 0.05,
+    "highlight_color": (1.0, 1.0, 1.0), "surface": "SHADED", "paper_color": (1.0, 1.0, 1.0),
     # smudging
     "use_smudging": True, "smudge_range": 10.0, "smudge_pick": 7.0, "smudge_depth": 0.01,
     "smudge_falloff": 0.5, "smudge_speed": 1.0,
     # hatching and paper
     "use_hatching": True, "hatch_amount": 0.7, "hatch_color": (0.0, 0.0, 0.0),
-    "hatch_color_threshold": 0.35, "hatch_light_threshold": 0.5,
+    "hatch_color_threshold": 0.35, "hatch_light_threshold": 0.5, "hatch_color_light": 0.5,
     "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
     "paper_seed": 0,
     # read before the layers reach the stages
@@ -44,6 +47,8 @@ SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching")
 
 _WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light", "mark")}
 _CREASES = {"crease_angle", "crease_smooth", "edge_bump"}
+_PARTS = {"light_hue", "other_highlights", "other_reflections", "other_glow", "highlight_shape",
+          "highlight_threshold", "highlight_transition", "highlight_color"}
 _FRAME_LINES = {"line_search", "line_max_thickness", "line_occlude"}
 
 
@@ -51,6 +56,8 @@ def is_surface(name):
     """Whether a style may change the parameter `name`; all others belong to the frame."""
     if name in _FRAME_LINES:
         return False
+    if name in _PARTS:
+        return True
     return name in _WEIGHTS | _CREASES or name.startswith(("width_", "line_", "shade_", "hatch_", "smudge_", "use_"))
 
 

@@ -39,6 +39,7 @@ def light(layers, params):
     level, color, doubtful = levels(layers, params)
     v = value(layers.diffuse)[..., None]
     hue = np.where(v > 0, mix(1.0, layers.diffuse / np.where(v > 0, v, 1.0), clamp01(v / 0.02)), 1.0)
+    hue = mix(1.0, hue, params.at("light_hue", layers.style)[..., None])
     shade = np.maximum(0.0, 1 - level) * params.at("shade_tint_weight", layers.style)
     tint = params.at("shade_tint", layers.style)
     tinted = (hue * (level[..., None] * color) + shade[..., None] * tint) / (1 + shade[..., None])
@@ -48,6 +49,31 @@ def light(layers, params):
 def other(layers):
     """What `color·diffuse` leaves of the image: emission, reflections, glass, sky; signed."""
     return layers.combined[..., :3] - layers.color * layers.diffuse
+
+
+def weighted(layers, params):
+    """`other` with its parts as strong as wanted, and where float32 may be on the other side of a highlight's edge."""
+    whole = other(layers)
+    there = layers.there[..., None]
+    background = np.where(there, 0.0, whole) if layers.background is None else layers.background
+    lamps = layers.highlights
+    gloss = np.maximum(layers.specular, lamps)
+    rest = whole - background - gloss
+    threshold, transition, shape = (params.at("highlight_" + name, layers.style)
+                                    for name in ("threshold", "transition", "shape"))
+    bright = value(lamps)
+    wide = np.where(transition > 1e-30, transition, 1.0)
+    share = np.where(transition > 1e-30, clamp01((bright - threshold) / wide + 0.5), bright > threshold)
+    doubtful = (shape > 0) & (transition < 1e-3) & (np.abs(bright - threshold) < transition / 2 + 1e-4)
+    given = layers.gives_highlights * shape[..., None]
+    shown = mix(lamps, params.at("highlight_color", layers.style) * share[..., None], given)
+
+    def weight(name):
+        return params.at(name, layers.style)[..., None]
+
+    parts = (params["other_background"] * background + weight("other_highlights") * shown
+             + weight("other_reflections") * (gloss - lamps) + weight("other_glow") * rest)
+    return parts, doubtful
 
 
 def surface(layers, params):
@@ -63,10 +89,12 @@ def surface(layers, params):
     paper = params["surface"] == "PAPER"
     if paper:
         shaded = np.array(params["paper_color"]) * alpha
-    rgb = np.maximum(0.0, shaded + params["other_light"] * other(layers))
+    parts, edges = weighted(layers, params)
+    doubtful = (doubtful & (not paper)) | edges
+    rgb = np.maximum(0.0, shaded + params["other_light"] * parts)
 
     on = params.at("use_shading", layers.style)[..., None]
     if not paper:
         on = on & (alpha != 0)
     rgb = np.where(on, rgb, layers.combined[..., :3])
-    return np.concatenate([rgb, alpha], axis=-1), tinted, doubtful & on[..., 0] & (not paper)
+    return np.concatenate([rgb, alpha], axis=-1), tinted, doubtful & on[..., 0]

@@ -48,6 +48,7 @@ def random_layers(height, width, seed=0):
     controls[..., 2] = 0
     layers = dict(
         combined=np.concatenate([rgb, alpha], -1), color=color, diffuse=diffuse, specular=noise(3) * chance(0.4),
+        highlights=noise(3, 0.0, 0.8) * chance(0.5), background=noise(3) * chance(0.3),
         depth=np.where(chance(0.1), 1e10, rng.integers(2, 6, (height, width, 1)) + 0.01 * noise(1)),
         normal=noise(3, -1), object=chance(0.006), style=rng.integers(0, 3, (height, width, 1)), controls=controls)
     return {name: a.astype(np.float32) for name, a in layers.items()}
@@ -79,10 +80,17 @@ def assert_agrees(layers, scene, styles=(), image=None, camera=None, frame=None,
     dict(ONLY_SHADING, surface="PAPER", paper_color=(0.9, 0.8, 0.7), other_light=0.3),
     dict(ONLY_SHADING, other_light=0.4, shade_strength=0.3, shade_tint_weight=0.0),
     dict(ONLY_SHADING, shade_levels=[(0.7,)]),
+    dict(ONLY_SHADING, light_hue=0.0),
+    dict(ONLY_SHADING, light_hue=0.4, other_background=0.3,
+         other_highlights=1.7, other_reflections=0.2, other_glow=0.6),
+    dict(ONLY_SHADING, surface="PAPER", highlight_shape=0.8, highlight_color=(0.9, 0.7, 0.2), other_background=0.0),
+    dict(ONLY_SHADING, highlight_shape=1.0, highlight_transition=0.0, other_light=0.5),
     ONLY_SMUDGING,
     dict(ONLY_SMUDGING, smudge_range=64.0, smudge_pick=20.0, smudge_falloff=1.0),
     dict(ONLY_SMUDGING, smudge_range=40.0, smudge_pick=0.0, smudge_depth=0.0, length_unit="RELATIVE"),
     ONLY_HATCHING,
+    dict(ONLY_HATCHING, hatch_color_light=0.0),
+    dict(ONLY_HATCHING, hatch_color_light=1.0, shade_levels=TONES),
     dict(ONLY_HATCHING, paper_source="NONE", hatch_amount=2.0),
     dict(ONLY_HATCHING, hatch_color_threshold=0.0, hatch_color=(0.2, 0.4, 0.6), paper_scale=2.7),
     SIMPLE,
@@ -92,8 +100,10 @@ def test_agrees_with_the_reference(scene, size):
 
 
 def test_agrees_without_optional_layers():
-    layers = {name: a for name, a in random_layers(40, 64).items() if name not in ("specular", "controls", "style")}
+    layers = {name: a for name, a in random_layers(40, 64).items() if name not in
+              ("specular", "highlights", "background", "controls", "style")}
     assert_agrees(layers, SIMPLE)
+    assert_agrees(layers, dict(ONLY_SHADING, other_background=0.2, other_reflections=0.5, highlight_shape=0.6))
 
 
 def test_agrees_under_an_orthographic_camera():
@@ -120,6 +130,24 @@ def test_any_levels(data):
     layers = dict(random_layers(1, 500), diffuse=light)
     del layers["style"]
     assert_agrees(layers, dict(ONLY_SHADING, shade_levels=levels, shade_tint_weight=0.7), tolerance=1e-4)
+
+
+def test_dark_colours_keep_their_levels_apart():
+    """A black coat under rising light: without help it is black all over, with it each level is lighter."""
+    light = np.repeat(np.float32([0.3, 0.6, 1.2]), 40).reshape(1, -1, 1) * np.ones((40, 1, 3), np.float32)
+    color = np.full_like(light, 0.02)
+    layers = dict(combined=np.concatenate([color * light, np.ones_like(light[..., :1])], -1), color=color,
+                  diffuse=light, depth=np.full_like(light[..., :1], 4), normal=np.ones_like(light))
+    alone = dict(use_lines=False, use_smudging=False)
+
+    def bands(**scene):
+        picture = draw(layers, {**alone, **scene})["Combined"][..., 0]
+        return [picture[:, 40 * k:40 * k + 40].mean() for k in range(3)]
+
+    flat = bands(use_hatching=False)
+    black, kept = bands(hatch_color_light=0.0), bands()
+    assert max(black) < 0.1 * flat[2]
+    assert kept[0] < 0.3 * kept[1] < 0.3 * kept[2] and kept[2] > 0.8 * flat[2]
 
 
 # ---- against themselves
@@ -258,7 +286,8 @@ def heights(width, height, scene=(), image=None, **how):
     ones = np.ones((height, width, 4), np.float32)
     layers = dict(combined=ones, color=ones[..., :3] * np.float32(0.3), diffuse=ones[..., :3] * np.float32(1 / 0.3),
                   normal=ones[..., :3], depth=ones[..., :1])
-    scene = dict(ONLY_HATCHING, hatch_amount=0.7, hatch_light_threshold=0, hatch_color_threshold=1.0, **dict(scene))
+    scene = dict(ONLY_HATCHING, hatch_amount=0.7, hatch_light_threshold=0, hatch_color_threshold=1.0,
+                 hatch_color_light=0.0, **dict(scene))
     return (1 - np.float64(draw(layers, scene, image=image, **how)["Combined"][..., 0])) / 2.5 / 0.7 + 0.3 / 0.7
 
 

@@ -39,6 +39,18 @@ def test_layers_of_a_picture(passes):
         assert np.array_equal(made[layer], passes[name])
 
 
+def test_parts_of_what_is_not_diffuse_are_taken_where_one_is_changed(passes):
+    sky = np.random.default_rng(2).random((*SHAPE, 3), np.float32)
+    assert not assemble({**passes, "Env": sky}, {})[0].keys() & {"highlights", "background"}
+    assert "highlights" not in assemble(passes, {"other_highlights": 0, "use_shading": False})[0]
+    made, _ = assemble({**passes, "Env": sky}, {"use_hatching": False}, [{"other_highlights": 0.5}])
+    assert np.array_equal(made["background"], sky)
+    close(made["highlights"], passes["GlossDir"] * passes["GlossCol"])
+    close(made["specular"], (passes["GlossDir"] + passes["GlossInd"]) * passes["GlossCol"])
+    del passes["GlossDir"]
+    assert "highlights" not in assemble(passes, {"highlight_shape": 1.0})[0]
+
+
 def test_what_is_seen(passes):
     assert not assemble(passes, {})[0].keys() & {"seen_color", "seen_normal", "seen_depth"}
     normal = np.random.default_rng(1).random((*SHAPE, 3), np.float32)
