@@ -67,7 +67,7 @@ class Mesh(c.Structure):
                 ("material", c.c_void_p), ("style", c.c_void_p), ("model", c.c_double * 16),
                 ("object_index", c.c_int32), ("material_index", c.c_int32), ("style_index", c.c_int32),
                 ("reserved", c.c_int32), ("object", c.c_void_p), ("edges", c.c_void_p), ("crease_offset", c.c_float),
-                ("reserved2", c.c_int32), ("normals", c.c_void_p)]
+                ("reserved2", c.c_int32), ("normals", c.c_void_p), ("rest", c.c_void_p), ("rest_normals", c.c_void_p)]
 
 
 KINDS = {"triangles": 3, "lines": 2}  # corners of a primitive, in the order of enum encre_primitive
@@ -80,7 +80,7 @@ class RasterJob(c.Structure):
                 ("clip_end", c.c_double), ("frame", Frame), *((n, Image) for n in RASTER_OUTPUTS),
                 ("progress", Progress), ("user", c.c_void_p), ("marks", Image),
                 ("creases", Image), ("coincident", Image), ("shading", Image),
-                ("beyond", Image)]
+                ("beyond", Image), ("anchor", Image)]
 
 
 class BakeJob(c.Structure):
@@ -231,6 +231,8 @@ def fill_mesh(m: Mesh, mesh: job.Mesh) -> list:
     m.edges = pointer("edges", mesh.edges, np.uint8, (count,))
     m.crease_offset = mesh.crease_offset
     m.normals = pointer("normals", mesh.normals, np.float32, (count, 3, 3))
+    m.rest = pointer("rest", mesh.rest, np.float32, (count, 3, 3))
+    m.rest_normals = pointer("rest_normals", mesh.rest_normals, np.float32, (count, 3, 3))
     m.model[:] = np.asarray(mesh.model, np.float64).ravel()
     m.object_index, m.material_index, m.style_index = mesh.object_index, mesh.material_index, mesh.style_index
     return keep

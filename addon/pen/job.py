@@ -36,8 +36,8 @@ class Frame:
 class Mesh:
     """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels); numbers of
     `object`, `material` and `style` (t,) or one for all; edges (t,) packed by edge_kinds(), and the degrees that are
-    added to every bend; normals (t, 3, 3) at the corners, in object space, None: flat. Of kind `lines`: points and
-    corners (t, 2) alone.
+    added to every bend; normals (t, 3, 3) at the corners, in object space, None: flat; rest positions and their normals
+    likewise, None: the points, flat. Of kind `lines`: points and corners (t, 2) alone.
     """
 
     points: np.ndarray
@@ -54,6 +54,8 @@ class Mesh:
     edges: np.ndarray | None = None
     crease_offset: float = 0.0
     normals: np.ndarray | None = None
+    rest: np.ndarray | None = None
+    rest_normals: np.ndarray | None = None
 
 
 EDGES = {"flat": 0, "smooth": 1, "none": 2}  # enum encre_edge

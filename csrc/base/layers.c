@@ -30,6 +30,11 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 				 5, 0},
 	[ENCRE_LAYER_HIGHLIGHTS] = {"highlights", "what of specular comes straight from lamps", 3, 0},
 	[ENCRE_LAYER_BACKGROUND] = {"background", "what of combined is light of the world behind everything", 3, 0},
+	[ENCRE_LAYER_ANCHOR] =
+		{"anchor",
+		 "rest position, rest normal, size of a pixel there, how the position grows to the right "
+		 "and down",
+		 13, 0},
 };
 
 #define CONTROL(id, text, lab, most, least, file_pass, place)                                                          \

@@ -54,6 +54,15 @@ enum control {
 #include "base/controls.rows.h"
 	CONTROL_COUNT
 };
+/* Channels of the layer `anchor`. */
+enum {
+	ANCHOR_POSITION = 0, /* rest position, 3 */
+	ANCHOR_NORMAL = 3,   /* rest normal, 3 */
+	ANCHOR_PIXEL = 6,    /* rest units per pixel of a surface that faces the camera; 0 = nothing there */
+	ANCHOR_RIGHT = 7,    /* growth of the position to the right neighbour, 3 */
+	ANCHOR_DOWN = 10,    /* and to the lower one */
+	ANCHOR_COUNT = 13
+};
 _Static_assert((int)CONTROL_COUNT <= (int)ENCRE_MAX_CHANNELS, "encre_raster() draws them in one go");
 
 typedef struct frame {
@@ -129,6 +138,13 @@ static inline const float *controls_at(const frame *f, int x, int y)
 {
 	const float *row = layer_row(f, ENCRE_LAYER_CONTROLS, y);
 	return row ? row + (ptrdiff_t)CONTROL_COUNT * x : NULL;
+}
+
+/* Likewise the ANCHOR_COUNT channels of the layer `anchor`; NULL where it is absent. */
+static inline const float *anchor_at(const frame *f, int x, int y)
+{
+	const float *row = layer_row(f, ENCRE_LAYER_ANCHOR, y);
+	return row ? row + (ptrdiff_t)ANCHOR_COUNT * x : NULL;
 }
 
 /* INFINITY where nothing is there. */
