@@ -276,8 +276,8 @@ class Library:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
-        (H, W, 2), `creases` (H, W, 4), `coincident` and `shading` (H, W, 3). beyond (H, W): only what lies farther
-        than this is drawn; at 1e10 nothing is.
+        (H, W, 2), `creases` (H, W, 4), `coincident`, `shading` (H, W, 3) and `anchor` (H, W, 13). beyond (H, W): only
+        what lies farther than this is drawn; at 1e10 nothing is.
         """
         work = self.raster_work(meshes, view, projection, frame, size, clip_start, clip_end, channels, outputs, beyond)
         return self.run(work, threads, 1, progress)
@@ -301,7 +301,7 @@ class Library:
         images = {}
         for name in outputs:
             depth = {"normal": (3,), "shading": (3,), "attributes": (channels,), "marks": (2,),
-                     "creases": (4,)}.get(name, ())
+                     "creases": (4,), "anchor": (self.layers["anchor"],)}.get(name, ())
             shape = height, width, *depth
             images[name] = np.zeros(shape, np.float32)
             if images[name].size:

@@ -174,7 +174,7 @@ static int32_t check_apart_from_meshes(const encre_raster_job *job, const char *
 			size_t count;
 		} taken[] = {{m->points, 3 * points},   {m->corners, corners},  {m->attributes, corners * channels},
 			     {m->material, primitives}, {m->style, primitives}, {m->object, primitives},
-			     {m->normals, 3 * corners}};
+			     {m->normals, 3 * corners}, {m->rest, 3 * corners}, {m->rest_normals, 3 * corners}};
 		for (size_t k = 0; !code && k < sizeof taken / sizeof *taken; k++)
 			if (taken[k].from)
 				code = check_apart(name, output, "a mesh",
@@ -189,15 +189,16 @@ int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char 
 		{"depth", "", 1, 0},    {"normal", "", 3, 0},  {"object", "", 1, 0},
 		{"material", "", 1, 0}, {"style", "", 1, 0},   {"attributes", "", job->n_channels, 0},
 		{"marks", "", 2, 0},    {"creases", "", 4, 0}, {"coincident", "", 1, 0},
-		{"shading", "", 3, 0},
+		{"shading", "", 3, 0},  {"anchor", "", 13, 0},
 	};
-	const encre_image *images[] = {&job->depth,      &job->normal, &job->object,  &job->material,   &job->style,
-				       &job->attributes, &job->marks,  &job->creases, &job->coincident, &job->shading};
+	const encre_image *images[] = {&job->depth,      &job->normal,     &job->object, &job->material,
+				       &job->style,      &job->attributes, &job->marks,  &job->creases,
+				       &job->coincident, &job->shading,    &job->anchor};
 	const encre_image *first = NULL;
 	*clean = *job;
 	encre_image *clean_images[] = {&clean->depth,      &clean->normal,     &clean->object, &clean->material,
 				       &clean->style,      &clean->attributes, &clean->marks,  &clean->creases,
-				       &clean->coincident, &clean->shading};
+				       &clean->coincident, &clean->shading,    &clean->anchor};
 	if (job->n_channels < 0 || job->n_channels > ENCRE_MAX_CHANNELS)
 		return refuse(error, size, "attributes: %d channels; give 0 to %d", (int)job->n_channels,
 			      ENCRE_MAX_CHANNELS);

@@ -7,6 +7,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
 static int corners_of(const encre_mesh *mesh)
 {
@@ -27,8 +28,8 @@ static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_
 	if (mesh->n_primitives && !mesh->points)
 		return refuse(error, size, "mesh %d: has %d primitives, but no points; give them", number,
 			      (int)mesh->n_primitives);
-	const void *arrays[] = {mesh->points, mesh->corners, mesh->attributes, mesh->material,
-				mesh->style,  mesh->object,  mesh->normals};
+	const void *arrays[] = {mesh->points, mesh->corners, mesh->attributes, mesh->material,    mesh->style,
+				mesh->object, mesh->normals, mesh->rest,       mesh->rest_normals};
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		if ((uintptr_t)arrays[i] % sizeof(float))
 			return refuse(error, size,
@@ -158,11 +159,18 @@ void geometry_corners(const part *part, uint32_t i, corner c[3])
 	}
 }
 
-static void world_corners(const part *part, uint32_t i, double p[3][3])
+void geometry_world(const part *part, uint32_t i, double p[3][3])
 {
 	for (int k = 0; k < 3; k++)
 		for (int c = 0; c < 3; c++)
 			p[k][c] = row_times(part->mesh->model + 4 * c, point_of(part->mesh, i, k));
+}
+
+void geometry_rest(const part *part, uint32_t i, float p[3][3])
+{
+	const encre_mesh *mesh = part->mesh;
+	for (int k = 0; k < 3; k++)
+		memcpy(p[k], mesh->rest ? mesh->rest + 9 * (size_t)i + 3 * k : point_of(mesh, i, k), sizeof p[k]);
 }
 
 static void cross_edges(double p[3][3], double n[3])
@@ -176,14 +184,14 @@ static void cross_edges(double p[3][3], double n[3])
 void geometry_across(const part *part, uint32_t i, double across[3])
 {
 	double p[3][3];
-	world_corners(part, i, p);
+	geometry_world(part, i, p);
 	cross_edges(p, across);
 }
 
 void geometry_normal(const geometry *g, const part *part, uint32_t i, float normal[3])
 {
 	double p[3][3], n[3], to[3], facing = 0, square = 0;
-	world_corners(part, i, p);
+	geometry_world(part, i, p);
 	cross_edges(p, n);
 	for (int c = 0; c < 3; c++) {
 		to[c] = g->eye[c] - g->eye[3] * p[0][c];

@@ -14,6 +14,7 @@ typedef struct part {
 	uint32_t first;
 	double screen[16]; /* object space -> corner, row by row */
 	double turn[9];    /* normals: object -> world space, of any length */
+	double span; /* with the output `anchor`: rest units that a world unit is on its surface, 0 where it has none */
 } part;
 
 typedef struct geometry {
@@ -32,6 +33,9 @@ void geometry_aim(geometry *g);
 const part *geometry_part(const geometry *g, const part *last, uint32_t number);
 /* Corners of primitive `i` of a part: three, of a line two. */
 void geometry_corners(const part *part, uint32_t i, corner c[3]);
+/* Corners of a triangle in world space, and where it rests. */
+void geometry_world(const part *part, uint32_t i, double p[3][3]);
+void geometry_rest(const part *part, uint32_t i, float p[3][3]);
 /* Across a triangle in world space, to the side from which its corners go round against the clock; of any length. */
 void geometry_across(const part *part, uint32_t i, double across[3]);
 /* A triangle's unit normal, world space, facing the eye. */

@@ -266,6 +266,27 @@ void outline_shares(const corner c[3], double x, double y, double *second, doubl
 	*third = sum > 0 ? e[2] / sum : 0;
 }
 
+void outline_growth(const corner c[3], double x, double y, double share[3], double right[3], double down[3])
+{
+	double e[3], ex[3], ey[3], sum = 0, sum_x = 0, sum_y = 0;
+	for (int k = 0; k < 3; k++) { /* e, as in outline_shares(), is linear in x and y */
+		const corner *a = c + (k + 1) % 3, *b = c + (k + 2) % 3;
+		e[k] = (a->x - x * a->w) * (b->y - y * b->w) - (b->x - x * b->w) * (a->y - y * a->w);
+		ex[k] = b->w * a->y - a->w * b->y;
+		ey[k] = a->w * b->x - b->w * a->x;
+		sum += e[k];
+		sum_x += ex[k];
+		sum_y += ey[k];
+	}
+	outline_shares(c, x, y, share + 1, share + 2);
+	share[0] = 1 - share[1] - share[2];
+	double square = sum * sum;
+	for (int k = 0; k < 3; k++) {
+		right[k] = square > 0 ? (ex[k] * sum - e[k] * sum_x) / square : 0;
+		down[k] = square > 0 ? (ey[k] * sum - e[k] * sum_y) / square : 0;
+	}
+}
+
 double outline_depth(const corner c[3], double x, double y, double *step)
 {
 	depth_plane p = plane_of(c, x, y);

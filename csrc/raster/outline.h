@@ -58,6 +58,9 @@ void outline_draw(const outline *o, uint32_t number, const band *b);
 /* Shares of the second and the third corner at a place in pixels of the full frame, perspective-correct; 0..1 also
  * where snapping has moved an edge. */
 void outline_shares(const corner corner[3], double x, double y, double *second, double *third);
+/* Shares of all three corners there, and their growth per pixel to the right and down, which has no bounds, or is 0,
+ * where the triangle is seen on its edge. */
+void outline_growth(const corner corner[3], double x, double y, double share[3], double right[3], double down[3]);
 /* Depth of the triangle's plane at a place in pixels of the full frame, kept between the depths of its corners, and in
  * *step by how much it changes from there to a neighbouring pixel. */
 double outline_depth(const corner corner[3], double x, double y, double *step);

@@ -10,6 +10,7 @@
  * they lie is geometry.c's, what one covers outline.c's. */
 #include "raster/raster.h"
 
+#include "raster/anchors.h"
 #include "raster/bevels.h"
 #include "raster/contours.h"
 #include "raster/crossings.h"
@@ -128,7 +129,8 @@ typedef struct surface {
 	float normal[3], object, material, style;
 	const float *attributes; /* of the three corners; NULL = 0 */
 	const float *normals;    /* likewise, in object space; NULL = flat */
-	double side;             /* 1: the eye sees the side of the normals, -1: the other */
+	anchor_face anchor;
+	double side; /* 1: the eye sees the side of the normals, -1: the other */
 } surface;
 
 static float object_of(const part *part, uint32_t number)
@@ -157,7 +159,9 @@ static void load_surface(const raster *r, uint32_t number, surface *s)
 				? mesh->attributes + (size_t)i * 3 * (size_t)mesh->n_channels
 				: NULL;
 	s->normals = r->job->shading.data && mesh->normals ? mesh->normals + (size_t)i * 9 : NULL;
-	if ((r->job->attributes.data && s->attributes) || s->normals)
+	if (r->job->anchor.data)
+		anchors_load(s->part, i, &s->anchor);
+	if ((r->job->attributes.data && s->attributes) || s->normals || r->job->anchor.data)
 		geometry_corners(s->part, i, s->corner);
 	if (r->job->normal.data || r->job->shading.data)
 		geometry_normal(&r->geometry, s->part, i, s->normal);
@@ -229,6 +233,8 @@ static void shade_row(const raster *r, const band *b, int row)
 				any && twin[x] != NOTHING ? object_beside(r, front[x], twin[x]) : 0;
 		if (job->attributes.data || job->shading.data)
 			shade_corners(r, any ? &s : &nothing, x, y);
+		if (job->anchor.data)
+			anchors_draw(job, any ? &s.anchor : NULL, s.corner, x, y);
 	}
 }
 
@@ -316,6 +322,8 @@ static int32_t run(bands *pool, raster *r)
 {
 	int32_t code;
 	geometry_aim(&r->geometry);
+	if (r->job->anchor.data && (code = anchors_measure(pool, &r->geometry)))
+		return code;
 	if (r->more && (code = contours_find(pool, &r->geometry, r->edges, r->bends)))
 		return code;
 	if (r->piece && (code = pieces_find(pool, &r->geometry, r->piece)))
@@ -331,16 +339,17 @@ static int32_t run(bands *pool, raster *r)
 	if ((code = bands_run(pool, r->n_chunks, 1, file_chunks, r)))
 		return code;
 	bool bevels = r->bends && r->job->normal.data && r->job->object.data;
-	/* A run takes half of what is left: so far at most four, now the rest, but for what bevels take. */
-	bands_span(pool, 0.9375, bevels ? 1 : 1.0625);
+	/* A run takes half of what is left: so far at most five, now the rest, but for what bevels take. */
+	bands_span(pool, 0.96875, bevels ? 1 : 1.03125);
 	code = bands_run(pool, r->n_bands, 1, draw_bands, r);
 	return code || !bevels ? code : bevels_draw(pool, r->job);
 }
 
 int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size)
 {
-	const encre_image *images[] = {&job->depth,      &job->normal, &job->object,  &job->material,   &job->style,
-				       &job->attributes, &job->marks,  &job->creases, &job->coincident, &job->shading};
+	const encre_image *images[] = {&job->depth,      &job->normal,     &job->object, &job->material,
+				       &job->style,      &job->attributes, &job->marks,  &job->creases,
+				       &job->coincident, &job->shading,    &job->anchor};
 	const encre_image *image = NULL;
 	for (size_t i = 0; i < sizeof images / sizeof *images; i++)
 		if (images[i]->data)

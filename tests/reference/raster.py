@@ -56,7 +56,8 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
     out = SimpleNamespace(depth=np.full((height, width), NOTHING), normal=np.zeros((height, width, 3)),
                           shading=np.zeros((height, width, 3)),
                           object=np.zeros((height, width)), material=np.zeros((height, width)),
-                          style=np.zeros((height, width)), attributes=np.zeros((height, width, channels)),
+                          style=np.zeros((height, width)), anchor=np.zeros((height, width, 13)),
+                          attributes=np.zeros((height, width, channels)),
                           unsure=np.zeros((height, width), bool), front=np.full((height, width, 2), -1))
     nearest = np.full((height, width), np.inf)
     for number, mesh in enumerate(meshes):
@@ -83,16 +84,17 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
                 continue
             # shares of the corners: the point of the triangle's plane on the line of sight
             cx, cy = columns[px] + 0.5, rows[py] + 0.5
-            system = np.stack([screen[:, 0] - cx[:, None] * screen[:, 2], screen[:, 1] - cy[:, None] * screen[:, 2],
-                               np.ones((len(px), 3))], axis=1)
-            share = np.linalg.solve(system, np.broadcast_to([0.0, 0.0, 1.0], (len(px), 3))[:, :, None])[:, :, 0]
+            share = _shares(screen, cx, cy)
             depth = np.clip(share @ screen[:, 3], seen[:, 3].min(), seen[:, 3].max())
+            growth = [(_shares(screen, cx + dx, cy + dy) - _shares(screen, cx - dx, cy - dy)) / 2e-4
+                      for dx, dy in ((1e-4, 0), (0, 1e-4))]
             share = np.maximum(share, 0)
             share /= share.sum(1, keepdims=True)
             before = nearest[py, px]
             out.unsure[py, px] |= np.abs(depth - before) < 1e-6 * np.abs(depth)
             front = depth.astype(np.float32) < before.astype(np.float32)
             py, px, depth, share = py[front], px[front], depth[front], share[front]
+            growth = [each[front] for each in growth]
             normal = np.cross(world[1] - world[0], world[2] - world[0])
             towards = view[2, :3] if projection[3, 2] == 0 else -view[:3, :3].T @ view[:3, 3] - world[0]
             side = 1 if normal @ towards >= 0 else -1
@@ -103,6 +105,7 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
                 turned = _shading(share @ mesh.normals[t].astype(float), mesh.model, side)
                 out.shading[py, px] = np.where(turned.any(1, keepdims=True), turned, normal)
             out.front[py, px] = number, t
+            out.anchor[py, px] = _anchor(mesh, t, corner, share, growth, share @ screen[:, 2], projection, frame)
             out.object[py, px] = mesh.object_index if mesh.object is None else mesh.object[t]
             out.material[py, px] = mesh.material_index if mesh.material is None else mesh.material[t]
             out.style[py, px] = mesh.style_index if mesh.style is None else mesh.style[t]
@@ -118,3 +121,36 @@ def _shading(normals, model, side):
     the model mirrors, corners go round the other way, and the normal of a face with them."""
     turned = side * np.sign(np.linalg.det(model[:3, :3])) * normals @ np.linalg.inv(model[:3, :3])
     return turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-300)
+
+
+def _shares(screen, x, y):
+    """(n, 3) of the corners: the point of the triangle's plane on the line of sight through places in pixels."""
+    system = np.stack([screen[:, 0] - x[:, None] * screen[:, 2], screen[:, 1] - y[:, None] * screen[:, 2],
+                       np.ones((len(x), 3))], axis=1)
+    return np.linalg.solve(system, np.broadcast_to([0.0, 0.0, 1.0], (len(x), 3))[:, :, None])[:, :, 0]
+
+
+def _area(triangles):
+    """Of triangles (n, 3, 3) together, twice, without what is not finite."""
+    each = np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
+    return each[np.isfinite(each)].sum()
+
+
+def _anchor(mesh, t, corner, share, growth, w, projection, frame):
+    """The layer `anchor` (n, 13) at places on triangle t, of points `corner`; w: clip space's."""
+    points = np.asarray(mesh.points, np.float32).astype(float)
+    faces = points[np.arange(len(points)).reshape(-1, 3) if mesh.corners is None else mesh.corners]
+    rest = faces if mesh.rest is None else np.asarray(mesh.rest, float)
+    scale = np.sqrt(_area(rest) / _area(faces @ mesh.model[:3, :3].T))
+    # how many pixels a unit across is where w is 1: the mean of both ways
+    pixel = w * scale * 2 / np.sqrt(abs(projection[0, 0]) * frame.width * abs(projection[1, 1]) * frame.height)
+    normal = np.broadcast_to(np.cross(rest[t, 1] - rest[t, 0], rest[t, 2] - rest[t, 0]), (len(share), 3))
+    if mesh.rest_normals is not None:
+        smooth = share @ mesh.rest_normals[t].astype(float)
+        normal = np.where(smooth.any(1, keepdims=True), smooth, normal)
+    normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    grown = [each @ rest[t] for each in growth]
+    length = [np.linalg.norm(each, axis=1) for each in grown]
+    grown = [each * np.minimum(1, 64 * pixel / np.maximum(n, 1e-300))[:, None]
+             for each, n in zip(grown, length, strict=True)]
+    return np.concatenate([share @ rest[t], normal, pixel[:, None], *grown], 1)

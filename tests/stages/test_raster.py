@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from reference.raster import NOTHING, STEPS, draw
 from views import crowded, looking, orthographic, perspective, pixels, rotation, same, soup
 
-OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes", "shading")
+OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes", "shading", "anchor")
 
 
 def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=0):
@@ -24,6 +24,12 @@ def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=
     np.testing.assert_allclose(got["depth"], want["depth"], rtol=1e-6)
     np.testing.assert_allclose(got["normal"][sure], want["normal"][sure], atol=1e-6)
     np.testing.assert_allclose(got["shading"][sure], want["shading"][sure], atol=1e-5)
+    place, span, growth = slice(0, 6), slice(6, 7), slice(7, 13)
+    unit = np.maximum(want["anchor"][..., span], 1e-30)
+    np.testing.assert_allclose(got["anchor"][sure][:, place], want["anchor"][sure][:, place], atol=1e-5)
+    np.testing.assert_allclose(got["anchor"][..., span], want["anchor"][..., span], rtol=1e-5)
+    np.testing.assert_allclose((got["anchor"] / unit)[sure][:, growth], (want["anchor"] / unit)[sure][:, growth],
+                               rtol=2e-3, atol=1e-3)
     np.testing.assert_allclose(got["attributes"][sure], want["attributes"][sure], atol=1e-5)
     return got
 
@@ -47,6 +53,8 @@ def test_soup(size, projection):
     for mesh, mirror in ((meshes[0], -1), (meshes[2], 1)):
         mesh.normals = rng.uniform(-1, 1, (len(mesh.points) // 3, 3, 3)).astype(np.float32)
         mesh.normals[:9] = 0  # without a direction: as where there are none
+        mesh.rest = (mesh.points.reshape(-1, 3, 3) * 3 + rng.uniform(-1, 1, mesh.normals.shape)).astype(np.float32)
+        mesh.rest_normals = mesh.normals[::-1].copy()
         mesh.model[:3, 0] *= mirror
     got = compare(meshes, looking(rng), projection(*size), Frame(*size), size, channels=4)
     if size == (97, 53):

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The output `anchor`: where on the thing a pixel is. */
+#ifndef ENCRE_ANCHORS_H
+#define ENCRE_ANCHORS_H
+
+#include "base/bands.h"
+#include "raster/geometry.h"
+
+/* Of one triangle; the corners on the screen are the caller's. */
+typedef struct anchor_face {
+	const part *part;
+	float rest[3][3];
+	const float *normals; /* at the corners; NULL = flat */
+	float flat[3];        /* of any length */
+} anchor_face;
+
+/* Fills `span` of all parts. */
+int32_t anchors_measure(bands *pool, geometry *g);
+void anchors_load(const part *part, uint32_t i, anchor_face *face);
+/* Pixel x, y of the output, whose centre the face covers; NULL: nothing is there. */
+void anchors_draw(const encre_raster_job *job, const anchor_face *face, const corner corner[3], int x, int y);
+
+#endif
