@@ -13,7 +13,7 @@ from . import cameras, lamps, materials, meshes, pictures, subject, trees, world
 
 _SHOWS = 0.5         # alpha from which on a surface is there, as Blender's threshold is
 _MOST_BEHIND = 8     # surfaces that are looked through, one after the other
-_NUMBERS = ("depth", "object", "material", "style", "shading", "normal")
+_NUMBERS = ("depth", "object", "material", "style", "shading", "normal", "anchor")
 
 
 class Kept:
@@ -43,7 +43,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     blocks = [block for block in depsgraph.ids if isinstance(block, bpy.types.Material)]
     looks = materials.read(blocks, kept.images)
     objects = meshes.extract(depsgraph, settings.every[0]["object_index"] == "AUTO", None, light, kept.meshes, visible,
-                             looks)
+                             looks, settings.wants_anchor)
     first = _join_attributes(objects)
     light.tidy()
     notes = []
@@ -132,11 +132,15 @@ class Scene:
         wanted = ["depth", "object", "material", "style", "marks", "shading"]
         if settings.wants_edges:
             wanted += ["normal", "creases"]
+        if settings.wants_anchor:
+            wanted.append("anchor")
         maps, looks, diffuse, through = yield from self._front(view, projection, frame, size, wanted, clip)
         instance = maps["object"].astype(np.int32)
         there = instance > 0
         layers = {"normal": maps["shading"], "marks": maps["marks"]}
         layers |= {name: maps[name][..., None] for name in ("depth", "material", "style")}
+        if "anchor" in maps:
+            layers["anchor"] = maps["anchor"]
         layers["object"], layers["index"] = (of[instance][..., None] for of in (objects.numbers, objects.owners))
         if self.painted:
             layers["controls"] = np.ascontiguousarray(maps["attributes"][..., :len(library.controls())])

@@ -62,7 +62,7 @@ class FastFrames:
         layers = {name: pictures.pop(name) for name in list(pictures) if name in library.load().layers}
         write("Combined", layers["combined"])
         if wanted.keeps(depsgraph.scene):
-            for name in saved.passes(False):
+            for name in saved.passes(False, "anchor" in layers):
                 write(name, saved.pack(name, layers))
         asked = [*(["Combined"] if settings.active else []), *wanted.asked(depsgraph.view_layer)]
         camera = scene.camera(*matrices)

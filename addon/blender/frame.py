@@ -119,7 +119,7 @@ class Frames:
             self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
         if settings.wants_seen:
             overrides.follow_reflections(depsgraph)
-        overrides.expect(depsgraph, wanted.own(depsgraph.scene, depsgraph.view_layer, True))
+        overrides.expect(depsgraph, wanted.own(depsgraph.scene, depsgraph.view_layer, True, True))
         self.overrode = settings.active
         if flat:
             self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other, paper,
@@ -185,10 +185,13 @@ class Frames:
         asked, keeps = wanted.asked(depsgraph.view_layer), wanted.keeps(depsgraph.scene)
         objects, drawn, views = None, [], {}
         if settings.active or asked or keeps:
-            objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers, light)
+            objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers, light,
+                                     anchored=settings.wants_anchor)
             drawn = ["object", "material", "style", "marks", "coincident"]
             if settings.wants_edges:
                 drawn += ["normal", "creases"]
+            if settings.wants_anchor:
+                drawn.append("anchor")
             if any(mesh.attributes is not None for mesh in objects.meshes):
                 drawn.append("attributes")
         solid = objects.solid() if objects and settings.wants_edges else None
@@ -247,7 +250,7 @@ class Frames:
         def take(window, column, row):
             result = self.engine.get_result()
             for render_pass in result.layers[depsgraph.view_layer.name].passes:
-                if render_pass.name in {**layers.DRAWN, **saved.passes(True)}:
+                if render_pass.name in {**layers.DRAWN, **saved.passes(True, True)}:
                     continue
                 picture = versions.read_pass(render_pass, result.resolution_x, result.resolution_y)
                 picture = picture[result.resolution_y - window.height:, :window.width]
@@ -367,13 +370,14 @@ class Frames:
             illuminate = illuminate and functools.partial(kept.once, "drawn", illuminate)
         images, nonfinite = layers.assemble(passes, settings, known, denoiser, layer.denoise_other, illuminate)
         known.clear()
+        overlay.complete_anchor(images, view, projection, frame)
         if caught is not None:
             overlay.hide(images, caught)
             for layer_name, name in (("depth", "Depth"), ("normal", "Normal"), ("color", "DiffCol")):
                 write(versions.pass_name(name), images[layer_name])  # as drawing the file again reads them
         # What is stored leaves as soon as it is there: while the library draws, nothing else is held.
         if layer.keeps:
-            for name in saved.passes("seen_depth" in images):
+            for name in saved.passes("seen_depth" in images, "anchor" in images):
                 write(name, saved.pack(name, images))
         self.nonfinite += nonfinite
         if not layer.outputs:

@@ -76,6 +76,7 @@ class Layer:
             "Object Index": old.scene["object_index"] != new.scene["object_index"],
             "the list of styles": [name for name, _ in old.styles] != [name for name, _ in new.styles],
             "Lines": new.wants_edges and not old.wants_edges,
+            "what sticks to surfaces": new.wants_anchor and not old.wants_anchor,
             "what mirrors show": new.wants_seen and not old.wants_seen,
             "Shading": self.denoised and old.shaded != new.shaded,
         }
@@ -103,7 +104,7 @@ class Picture:
 
 def ours(name):
     """Whether the stages fill a pass."""
-    return name in layers.DRAWN or name in saved.passes(True)
+    return name in layers.DRAWN or name in saved.passes(True, True)
 
 
 def _size(scene):

@@ -82,11 +82,12 @@ def block_name(block):
     return type(block.original).__name__, block.original.name_full
 
 
-def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=None, looks=None):
+def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=None, looks=None,
+            anchored=False):
     """The Objects that the camera can see. `line_numbers`: what overrides.pass_indices() gave, None if it was
     not called. `light`: a lamps.Light that takes them, and what only throws shadows. `kept`: a Kept; with it normals
     are read. `visible`: whether an original object is, None: all are. `looks`: the materials.Looks whose programs will
-    read attributes, after the controls.
+    read attributes, after the controls. `anchored`: whether to tell where surfaces rest.
     """
     meshes, shown, owners, numbers, catchers, things = [], [], [0], [0], [False], [(0,) * 9]
     running, materials = {}, _Materials(depsgraph.scene_eval)
@@ -106,9 +107,9 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         own = None if obj.type == "MESH" else obj.original.as_pointer()
         maps = light.maps(obj) if light else ()
         read = _read_by(obj, looks) if seen else frozenset()
-        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps, read
+        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps, read, anchored
         names = {block_name(block) for block in (obj, top, obj.data)}
-        triangles = kept.get(key, names, functools.partial(read_triangles, obj, smooth, maps, read))
+        triangles = kept.get(key, names, functools.partial(read_triangles, obj, smooth, maps, read, anchored))
         if triangles is None:
             continue
         if light:
@@ -211,7 +212,8 @@ def _mesh(triangles, obj, materials, matrix, number, looks):
     mesh = Mesh(triangles.points, triangles.corners, object_index=number,
                      model=np.array(matrix, np.float64), material_index=slots[0][0],
                      style_index=own_style or slots[0][1], edges=triangles.edges,
-                     crease_offset=obj.encre.crease_offset, normals=triangles.normals)
+                     crease_offset=obj.encre.crease_offset, normals=triangles.normals,
+                     rest=triangles.rest, rest_normals=triangles.rest_normals)
     if triangles.part is not None:
         mesh.object = number + triangles.part
     slot = np.zeros(len(triangles.corners), np.intp)

@@ -28,6 +28,8 @@ class Triangles:
     normals: np.ndarray | None   # (triangles, 3, 3) at the corners; None: flat, or nobody asks
     uvs: dict                    # name of a UV map that light asks for -> (triangles, 3, 2) at the corners
     sources: dict                # what programs of materials read -> (triangles, 3, 3) at the corners; absent: 0
+    rest: np.ndarray | None      # (triangles, 3, 3) rest positions at the corners; None: the points, or nobody asks
+    rest_normals: np.ndarray | None  # likewise; None: flat
     shown: dict = field(default_factory=dict)  # what attributes.by_slot() made of them, by the layouts
 
     def same_shape(self, other):
@@ -38,9 +40,10 @@ class Triangles:
                         for name in ("points", "corners", "normals", "material")))
 
 
-def read_triangles(obj, light, maps, sources):
+def read_triangles(obj, light, maps, sources, anchored):
     """The triangles of an evaluated object, None if it has none. light: whether light is to fall on them; maps: the UV
-    maps that are read, "" = the one that renders use; sources: what programs of materials read."""
+    maps that are read, "" = the one that renders use; sources: what programs of materials read; anchored: whether to
+    tell where they rest."""
     try:
         mesh = obj.to_mesh()
     except RuntimeError:  # no geometry
@@ -48,12 +51,20 @@ def read_triangles(obj, light, maps, sources):
     if mesh is None:
         return None
     try:
-        return _of_mesh(mesh, obj.encre.separate_parts, light, maps, sources) if len(mesh.polygons) else None
+        bent = anchored and _may_be_bent(obj)
+        return (_of_mesh(mesh, obj.encre.separate_parts, light, maps, sources, anchored, bent)
+                if len(mesh.polygons) else None)
     finally:
         obj.to_mesh_clear()
 
 
-def _of_mesh(mesh, separate, light, maps, sources):
+def _may_be_bent(obj):
+    """Whether the evaluated mesh of an object may have another shape than at rest."""
+    return obj.type == "MESH" and bool(obj.modifiers or obj.original.data.shape_keys
+                                       or obj.parent_type in ("ARMATURE", "LATTICE"))
+
+
+def _of_mesh(mesh, separate, light, maps, sources, anchored, bent):
     position = mesh.attributes.get("position")
     points = (get(position.data, "vector", np.float32, 3) if position
               else get(mesh.vertices, "co", np.float32, 3))
@@ -70,13 +81,48 @@ def _of_mesh(mesh, separate, light, maps, sources):
     corners = vertex[loops]
     part, n_parts = _parts(mesh, corners, face, separate)
     marked = versions.marked_edges(mesh)
-    normals = versions.corner_normals(mesh) if light else None
+    normals = versions.corner_normals(mesh) if light or anchored else None
+    normals = None if normals is None else normals[loops]
+    rest = _rest(mesh, points, loops, corners, bent) if anchored else None
+    rest_normals = normals if rest is None else _smooth(mesh, rest, corners, face)
     return Triangles(points, corners, material, _painted(mesh, loops, corners, face), part, n_parts,
                       np.empty((0, 2), np.int32) if marked is None or not marked.any()
                       else get(mesh.edges, "vertices", np.int32, 2)[marked], _edges(mesh, loops, face),
-                      None if normals is None else normals[loops],
+                      normals if light else None,
                       {name: uvs[loops] for name in maps if (uvs := _uvs(mesh, name)) is not None},
-                      attributes.read(mesh, sources, points, loops, corners, face))
+                      attributes.read(mesh, sources, points, loops, corners, face), rest,
+                      rest_normals if anchored else None)
+
+
+# Rest
+
+ANCHOR = "encre_anchor"  # a vector attribute of points or corners: where the surface rests
+
+
+def _rest(mesh, points, loops, corners, bent):
+    """Rest positions at the triangles' corners, (t, 3, 3); None: the surface is at rest."""
+    pinned = mesh.attributes.get(ANCHOR)
+    if pinned is not None and pinned.data_type == "FLOAT_VECTOR" and pinned.domain in ("POINT", "CORNER"):
+        return get(pinned.data, "vector", np.float32, 3)[corners if pinned.domain == "POINT" else loops]
+    if not bent:
+        return None
+    # What textures by generated coordinates stick to: modifiers that deform, and shape keys, have not moved it. For
+    # the viewport Blender does not keep it, and gives the position as it is.
+    rest = get(mesh.vertices, "undeformed_co", np.float32, 3)
+    return None if np.array_equal(rest, points) else rest[corners]
+
+
+def _smooth(mesh, rest, corners, face):
+    """Normals of the resting surface, (t, 3, 3) at the corners: means of the faces about a point that are shaded
+    smoothly; 0 at flat ones. None: all are."""
+    smooth = get(mesh.polygons, "use_smooth", bool)[face]
+    if not smooth.any():
+        return None
+    across = np.cross(rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]) * smooth[:, None]
+    count, spread = len(mesh.vertices), np.repeat(across, 3, 0)
+    sums = np.stack([np.bincount(corners.reshape(-1), spread[:, c], count) for c in range(3)], 1)
+    length = np.linalg.norm(sums, axis=1, keepdims=True)
+    return ((sums / np.maximum(length, 1e-30))[corners] * smooth[:, None, None]).astype(np.float32)
 
 
 def _uvs(mesh, name):

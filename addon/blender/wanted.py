@@ -21,10 +21,10 @@ def asked(view_layer):
     return [name for switch, name in properties.PASSES.items() if getattr(view_layer.encre, switch)]
 
 
-def own(scene, view_layer, seen):
-    """{name: channel names} of the passes that the stages fill."""
+def own(scene, view_layer, seen, anchor):
+    """{name: channel names} of the passes that the stages fill; seen, anchor: as saved.passes() has them."""
     return {**{name: layers.DRAWN[name] for name in asked(view_layer)},
-            **(saved.passes(seen) if keeps(scene) else {})}
+            **(saved.passes(seen, anchor) if keeps(scene) else {})}
 
 
 def passes(scene, view_layer):
@@ -35,7 +35,7 @@ def passes(scene, view_layer):
             settings = properties.settings(scene)
             seen = settings.wants_seen
             wanted |= layers.BEHIND if settings.wants_parts else {}
-            wanted |= {**own(scene, view_layer, seen), **(layers.SEEN if seen else {})}
+            wanted |= {**own(scene, view_layer, seen, settings.wants_anchor), **(layers.SEEN if seen else {})}
     for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
         yield versions.pass_name(name), channels, kind

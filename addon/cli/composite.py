@@ -20,7 +20,7 @@ _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
 
 def _known():
     """{classic pass name: channel letters} of all that is read."""
-    return {**layers.CYCLES, **layers.BEHIND, "IndexMA": "X", **saved.passes(True), **layers.SEEN, **slim.PASSES}
+    return {**layers.CYCLES, **layers.BEHIND, "IndexMA": "X", **saved.passes(True, True), **layers.SEEN, **slim.PASSES}
 
 
 def view_layers(channels, views=()):

@@ -151,7 +151,7 @@ class _Light:
 
 
 # Layers that may as well be absent where they are 0 everywhere.
-_NEUTRAL = ("specular", "highlights", "style", "controls", "marks")
+_NEUTRAL = ("specular", "highlights", "style", "controls", "marks", "anchor")
 
 
 def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str, np.ndarray] | None = None,

@@ -5,9 +5,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .job import Frame
+
 # The 5x5 window about a pixel without it: least distance first, then least row, then least column.
 _WINDOW = sorted(((y, x) for y in range(-2, 3) for x in range(-2, 3) if y or x),
                  key=lambda at: (at[0] ** 2 + at[1] ** 2, at))
+_GRAZING = 0.06  # cosine of the steepest slope that is told of a surface which only its normal tells of
 
 
 def own_pixels(index: np.ndarray, drawn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -63,7 +66,7 @@ def compact(maps: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         out["creases"][..., :4] = creases
         out["creases"][..., 4] = bends(normal)
     for name, picture in maps.items():
-        if name not in ("attributes", "marks"):
+        if name not in ("attributes", "marks", "anchor"):
             out[name] = picture.astype(np.min_scalar_type(int(picture.max())))
         elif picture.any():
             out[name] = picture
@@ -76,7 +79,7 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
 
     index: (height, width) object index that Cycles wrote. maps: what compact() gave of the rasteriser's pictures
     `object` (a number per part of an instance, 0 = nothing), `material`, `style`, `attributes` (the controls) and
-    `marks` and `creases`, and `coincident` and `pairs`; each is popped when it is read.
+    `marks`, `creases` and `anchor`, and `coincident` and `pairs`; each is popped when it is read.
     owners[number]: what Cycles wrote for that instance; numbers[number]: what the object layer says for it.
     strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices.
     """
@@ -97,6 +100,9 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
               "style": moved(maps.pop("style"))}
     if "attributes" in maps:
         layers["controls"] = moved(maps.pop("attributes"))
+    if "anchor" in maps:
+        layers["anchor"] = moved(maps.pop("anchor"))
+        _extrapolate(layers["anchor"], pixels[found], sources[found])
     if "marks" in maps:
         layers["marks"] = without(maps.pop("marks"), pixels)
     if "creases" in maps:
@@ -106,9 +112,56 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
     return layers
 
 
+def _extrapolate(anchor, pixels, sources):
+    """Puts right the rest positions at `pixels` that were taken from `sources`, flat numbers, as if the surface went on
+    evenly: else a pattern would be torn there."""
+    flat, width = anchor.reshape(-1, anchor.shape[2]), anchor.shape[1]
+    down, right = (one - other for one, other in zip(np.divmod(pixels, width), np.divmod(sources, width), strict=True))
+    flat[pixels, :3] += right[:, None].astype(np.float32) * flat[pixels, 7:10]
+    flat[pixels, :3] += down[:, None].astype(np.float32) * flat[pixels, 10:13]
+
+
+def complete_anchor(layers: dict[str, np.ndarray], view: np.ndarray, projection: np.ndarray, frame: Frame) -> None:
+    """Fills the layer `anchor`, if there is one, where something is that the rasteriser knows nothing of, as hair: with
+    its own place in the world.
+
+    view, projection: world -> camera and camera -> clip, 4 x 4; frame: the full frame and the place of the picture in
+    it.
+    """
+    anchor = layers.get("anchor")
+    if anchor is None:
+        return
+    rows, columns = np.nonzero((anchor[..., 6] == 0) & ~_nothing(layers["depth"]))
+    depth, normal = (layers[name][rows, columns].astype(np.float64) for name in ("depth", "normal"))
+    to_world, orthographic = np.linalg.inv(view), projection[3, 3] == 1
+
+    def place(right, down, z):
+        """Of what lies at depth z on the line of sight through a place beside the pixels' centres."""
+        x = 2 * (columns + frame.x + 0.5 + right) / frame.width - 1
+        y = 1 - 2 * (rows + frame.y + 0.5 + down) / frame.height
+        along = 1 if orthographic else z  # w of the clip space
+        camera = np.stack([(x * along + projection[0, 2] * z - projection[0, 3]) / projection[0, 0],
+                           (y * along + projection[1, 2] * z - projection[1, 3]) / projection[1, 1], -z], 1)
+        return camera @ to_world[:3, :3].T + to_world[:3, 3]
+
+    z = depth[:, 0]
+    here = place(0, 0, z)
+    pixel = np.linalg.norm(place(0, 1, z) - here, axis=1)
+    ray = place(0, 0, z + 1) - here
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = np.where(length > 0, normal / np.maximum(length, 1e-30), -ray)
+    facing = (normal * ray).sum(1)
+    facing = np.copysign(np.maximum(np.abs(facing), _GRAZING * np.linalg.norm(ray, axis=1)), facing)
+    anchor[rows, columns, :3], anchor[rows, columns, 3:6], anchor[rows, columns, 6] = here, normal, pixel
+    for channel, right, down in ((7, 1, 0), (10, 0, 1)):
+        aside = place(right, down, z) - here
+        anchor[rows, columns, channel:channel + 3] = aside - ray * ((normal * aside).sum(1) / facing)[:, None]
+
+
 # A layer's value where nothing is.
 _NOTHING = {"object": 0, "material": 0, "style": 0, "controls": 0, "depth": 1e10, "normal": 0, "color": 0, "albedo": 0,
-            "diffuse": 0, "specular": 0, "highlights": 0, "seen_color": 0, "seen_normal": 0, "seen_depth": 0}
+            "diffuse": 0, "specular": 0, "highlights": 0, "anchor": 0, "seen_color": 0, "seen_normal": 0,
+            "seen_depth": 0}
 
 
 def hide(layers: dict[str, np.ndarray], hidden: np.ndarray) -> None:

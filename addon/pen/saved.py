@@ -10,13 +10,20 @@ from . import library
 _WHOLE = {"Encre Source": "combined", "Encre Diffuse": "diffuse", "Encre Seen Depth": "seen_depth"}
 _INDEX, _MARKS, _CREASES = "Encre Index", "Encre Marks", "Encre Creases"  # Z of the marks is the creases' fifth channel
 _NUMBERS = ("object", "material", "style")
+ANCHOR = {"Encre Anchor": slice(0, 3), "Encre Anchor Normal": slice(3, 7), "Encre Anchor X": slice(7, 10),
+          "Encre Anchor Y": slice(10, 13)}  # channels of the layer `anchor`
 
 
-def passes(seen: bool) -> dict[str, str]:
-    """{pass: channel letters}. seen: whether there are the layers of what mirrors show."""
+def passes(seen: bool, anchor: bool) -> dict[str, str]:
+    """{pass: channel letters}. seen: whether there are the layers of what mirrors show; anchor: that of where on the
+    thing a pixel is."""
     out = {"Encre Source": "RGBA", "Encre Diffuse": "RGB", _INDEX: "XYZ", **dict.fromkeys(control_passes(), "XYZ"),
            _MARKS: "XYZ", _CREASES: "RGBA"}
-    return {**out, "Encre Seen Depth": "X"} if seen else out
+    if seen:
+        out["Encre Seen Depth"] = "X"
+    if anchor:
+        out.update((name, "XYZ" if at.stop - at.start == 3 else "RGBA") for name, at in ANCHOR.items())
+    return out
 
 
 def control_passes() -> dict[str, list[tuple[int, int]]]:
@@ -31,6 +38,8 @@ def pack(name: str, layers: dict[str, np.ndarray]) -> np.ndarray | None:
     """The pass `name` of passes(), (height, width, channels), from the layers of a picture; None: it has none of it."""
     if name in _WHOLE:
         return layers.get(_WHOLE[name])
+    if name in ANCHOR:
+        return layers["anchor"][..., ANCHOR[name]] if "anchor" in layers else None
     if name == _INDEX:
         places = [(channel, layers.get(layer), 0) for channel, layer in enumerate(_NUMBERS)]
     elif name == _MARKS:
@@ -58,6 +67,8 @@ def unpack(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         out["marks"] = found[_MARKS][..., :2]
     if _CREASES in found and _MARKS in found:
         out["creases"] = np.concatenate([found[_CREASES], found[_MARKS][..., 2:]], 2)
+    if found.keys() >= ANCHOR.keys():
+        out["anchor"] = np.concatenate([found[name] for name in ANCHOR], 2)
     controls = [(found[name], places) for name, places in control_passes().items() if name in found]
     if controls:
         out["controls"] = np.zeros((*controls[0][0].shape[:2], len(library.controls())), np.float32)

@@ -164,6 +164,11 @@ class Settings:
                    for values in self.every)
 
     @cached_property
+    def wants_anchor(self) -> bool:
+        """Whether anything sticks to surfaces, or is to be able to."""
+        return self.every[0]["save_anchor"] == "ON"
+
+    @cached_property
     def wants_seen(self) -> bool:
         """Whether lines are drawn in what mirrors and glass show."""
         return (self.every[0]["edge_detector"] == "FINE" and self.any("edge_seen") and self.wants_edges

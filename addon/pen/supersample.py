@@ -10,6 +10,7 @@ from .job import Frame
 # What can't be averaged: numbers of things, and places, where the mean of near and far is neither.
 _ONE_SAMPLE = {"Depth", "Denoising Depth", "IndexOB", "IndexMA", "Position", "UV", "Vector", "Encre Index",
                "Encre Seen Depth"}
+_ANCHOR_PIXEL = 3  # channel of Encre Anchor Normal: the size of a pixel
 
 
 def frame(place: Frame, factor: int) -> Frame:
@@ -23,6 +24,8 @@ def shrink(name: str, picture: np.ndarray, factor: int) -> np.ndarray:
         return _marks(picture, factor)
     if name == "Encre Creases":
         return _creases(picture, factor)
+    if name in saved.ANCHOR:
+        return _anchor(name, picture[factor // 2::factor, factor // 2::factor].copy(), factor)
     if _one_sample(name):
         return picture[factor // 2::factor, factor // 2::factor].copy()  # or the large one would stay
     parts = (picture[row::factor, column::factor] for row in range(factor) for column in range(factor))
@@ -32,6 +35,15 @@ def shrink(name: str, picture: np.ndarray, factor: int) -> np.ndarray:
 def _one_sample(name):
     return (layers.classic(name) in _ONE_SAMPLE or name in saved.control_passes()
             or name.startswith(("Crypto", "Debug")))
+
+
+def _anchor(name, picture, factor):
+    """One sample; what is told per pixel grows with it."""
+    if name in ("Encre Anchor X", "Encre Anchor Y"):
+        picture *= np.float32(factor)
+    elif name == "Encre Anchor Normal":
+        picture[..., _ANCHOR_PIXEL] *= np.float32(factor)
+    return picture
 
 
 def _marks(picture, factor):

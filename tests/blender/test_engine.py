@@ -18,7 +18,7 @@ def over(lines, surface):
 def test_picture(render):
     shot = render("picture")
     found = shot.passes("picture")
-    assert found.keys() >= layers.CYCLES.keys() | layers.DRAWN.keys() | saved.passes(False).keys()
+    assert found.keys() >= layers.CYCLES.keys() | layers.DRAWN.keys() | saved.passes(False, False).keys()
     assert "Unknown pass" not in shot.output and shot.facts["aovs"] == [0]
     assert found["Encre Lines"][..., 3].max() > 0.9  # there is ink
     assert np.abs(over(found["Encre Lines"], found["Encre Surface"]) - found["Combined"]).max() < 1e-6
@@ -47,7 +47,7 @@ def test_all_off_is_cycles(render):
     for found in (asked, kept):
         assert found["Combined"].tobytes() == cycles["Combined"].tobytes()
     assert asked["Encre Surface"].tobytes() == asked["Combined"].tobytes() and asked["Encre Lines"].max() == 0
-    assert kept.keys() >= saved.passes(False).keys() and not kept.keys() & layers.DRAWN.keys()
+    assert kept.keys() >= saved.passes(False, False).keys() and not kept.keys() & layers.DRAWN.keys()
     assert len(np.unique(kept["Encre Index"][..., 0])) == 4
 
 
@@ -350,9 +350,9 @@ def test_compositor(render):
 
 def test_save_layers(render):
     shot = render("saved")
-    assert shot.passes("on").keys() >= saved.passes(False).keys()
-    assert shot.passes("auto").keys() >= saved.passes(False).keys()
-    assert not shot.passes("off").keys() & saved.passes(False).keys()
+    assert shot.passes("on").keys() >= saved.passes(False, False).keys()
+    assert shot.passes("auto").keys() >= saved.passes(False, False).keys()
+    assert not shot.passes("off").keys() & saved.passes(False, False).keys()
     assert json.loads(shot.metadata("off")["encre.params"])["scene"]["save_layers"] == "OFF"
 
 

@@ -6,8 +6,8 @@ what Blender's user sees in the properties editor, the sidebar and the menus. A 
 
 stages makes one panel for each stage from the table, rows greyed out by enabled_if; so a new parameter or stage needs
 nothing here. scene, styles, blocks (objects, materials) and passes have the rest of the properties, presets and
-settings what is done with many at once, paint and marks the tools of the sidebar and of Edit Mode, levels the list of
-light levels, view what the 3D view shows, cycles Cycles' own panels, shown for Encre too.
+settings what is done with many at once, paint, marks and pin the tools of the sidebar and of Edit Mode, levels the list
+of light levels, view what the 3D view shows, cycles Cycles' own panels, shown for Encre too.
 
 To add: a panel to the file of its group, after base.EncrePanel and in its CLASSES; a group as a file, named below.
 """
@@ -15,7 +15,7 @@ To add: a panel to the file of its group, after base.EncrePanel and in its CLASS
 import bpy
 
 from .. import languages, thumbnails
-from . import blocks, cycles, levels, marks, paint, passes, presets, scene, settings, stages, styles, view
+from . import blocks, cycles, levels, marks, paint, passes, pin, presets, scene, settings, stages, styles, view
 
 _registered = []
 
@@ -25,12 +25,12 @@ def register():
                 *styles.CLASSES, *blocks.CLASSES, *passes.CLASSES, *view.CLASSES):
         bpy.utils.register_class(cls)
         _registered.append(cls)
-    for module in (languages, thumbnails, cycles, paint, marks):
+    for module in (languages, thumbnails, cycles, paint, marks, pin):
         module.register()
 
 
 def unregister():
-    for module in (marks, paint, cycles, thumbnails, languages):
+    for module in (pin, marks, paint, cycles, thumbnails, languages):
         module.unregister()
     while _registered:
         bpy.utils.unregister_class(_registered.pop())

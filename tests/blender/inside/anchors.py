@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where on the thing pixels are: surfaces that are placed, bent, keyed and pinned."""
+
+import bpy
+import numpy as np
+from studio import cube, fact, shoot, stage
+
+
+def _column(name, at):
+    """A box of 1 x 1 x 2 of many faces."""
+    import bmesh
+
+    obj = cube(name, at)
+    box = bmesh.new()
+    box.from_mesh(obj.data)
+    bmesh.ops.scale(box, vec=(1, 1, 2), verts=box.verts)
+    bmesh.ops.subdivide_edges(box, edges=box.edges, cuts=7, use_grid_fill=True)
+    box.to_mesh(obj.data)
+    box.free()
+    return obj
+
+
+def anchored(out):
+    """A cube, placed and scaled; a column that is twisted; one that a shape key leans over. Then larger samples, layers
+    of Encre's own, and what the depsgraph of a window knows before and after Pin Pattern."""
+    scene = stage(160, 90, 1, ground=False)
+    scene.encre.save_anchor = "ON"
+    bpy.data.objects["Cube"].scale = (0.5, 0.5, 0.5)
+    bpy.data.objects["Cube"].rotation_euler = (0.3, 0.2, 0.5)
+    bpy.data.objects.remove(bpy.data.objects["Ball"])
+    twisted, leaning = _column("Twisted", (0.6, 0, 0)), _column("Leaning", (2.2, 0, 0))
+    for index, name in ((1, "Cube"), (2, "Twisted"), (3, "Leaning")):
+        bpy.data.objects[name].pass_index = index
+    scene.view_layers[0].use_pass_object_index = True
+    twist = twisted.modifiers.new("Twist", "SIMPLE_DEFORM")
+    twist.deform_method, twist.angle, twist.deform_axis = "TWIST", 1.2, "Z"
+    leaning.shape_key_add(name="Basis")
+    key = leaning.shape_key_add(name="Over")
+    for point in key.data:
+        point.co.x += 0.4 * point.co.z
+    key.value = 1
+    fact("cube", np.array(bpy.data.objects["Cube"].matrix_world).tolist())
+    shoot(out, "one")
+    scene.encre.supersample = 2
+    shoot(out, "two")
+    scene.encre.supersample, scene.encre.layer_source = 1, "ENCRE"
+    shoot(out, "own")
+    scene.encre.save_anchor = "AUTO"
+    shoot(out, "without")
+    _pinned(twisted)
+
+
+def _pinned(obj):
+    from encre.blender import meshes
+
+    def apart():
+        """How far what is told lies from the mesh at rest, in a window's depsgraph."""
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        depsgraph.update()
+        found = meshes.extract(depsgraph, True, None, anchored=True, visible=lambda one: one == obj)
+        (mesh,) = found.meshes
+        rest = np.empty((len(obj.data.vertices), 3), np.float32)
+        obj.data.vertices.foreach_get("co", rest.reshape(-1))
+        told = mesh.points[mesh.corners] if mesh.rest is None else mesh.rest
+        return float(np.abs(told - rest[mesh.corners]).max())
+
+    fact("apart", apart())
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    bpy.ops.encre.pin_pattern()
+    fact("apart", apart())
+    fact("pinned", obj.data.attributes["encre_anchor"].domain)
+    bpy.ops.encre.pin_pattern(clear=True)
+    fact("cleared", "encre_anchor" in obj.data.attributes)
