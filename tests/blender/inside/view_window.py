@@ -175,7 +175,7 @@ def stroke():
     """Vertex Paint: ink changes while the brush is down."""
     with window.override("VIEW_3D"):
         bpy.ops.encre.paint(control="thickness")
-        bpy.ops.encre.brush(value=1.0)
+        bpy.ops.encre.brush(kind="ADD", strength=1.0)
         space().region_3d.view_perspective = "CAMERA"
     bpy.context.scene.tool_settings.unified_paint_settings.size = 12
     yield from rest()
