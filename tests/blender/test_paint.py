@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import blenders
+import numpy as np
 import pytest
 
 WINDOW = Path(__file__).parent / "inside" / "paint_window.py"
@@ -45,6 +46,36 @@ def test_fill_where_it_is_selected_or_masked(facts):
 def test_what_can_not_be_painted_is_said(facts):
     assert "is not a colour" in facts["numbers"] and facts["after"] == "OBJECT"
     assert "has no faces" in facts["bare"]
+
+
+# Geometry Nodes
+
+
+@pytest.fixture(params=blenders.params(), scope="module")
+def nodes(request, tmp_path_factory):
+    return blenders.run(request.param, "control_nodes", tmp_path_factory.mktemp("nodes"))
+
+
+def test_nodes_lie_one_above_another_and_over_paint(nodes):
+    least, most, groups = fact(nodes, "stack")
+    assert abs(least - 0.25) < 0.005 and abs(most - 0.25) < 0.005 and groups == 1
+    assert abs(fact(nodes, "without paint") - 0.75) < 1e-5
+
+
+def test_nodes_make_what_they_say(nodes):
+    most, apart = fact(nodes, "near")
+    assert most > 0.4 and apart < 0.01  # what is within 1/128 of 0 is 0
+    assert fact(nodes, "edge-on") < 0.07 and fact(nodes, "new empty") == "EMPTY"  # 3.4 has normals of faces there
+    low, middle, high = fact(nodes, "spread")
+    assert low < -0.15 and abs(middle) < 0.15 and high > 0.15
+    assert "no camera" in fact(nodes, "no camera")
+
+
+def test_nodes_draw_what_the_same_values_by_hand_draw(nodes):
+    made, hand, neither = (nodes.passes(name) for name in ("nodes", "hand", "neither"))
+    for name in ("Combined", "Encre Lines"):
+        assert np.abs(made[name] - hand[name]).max() < 0.01, name
+    assert (np.abs(neither["Combined"] - hand["Combined"]).max(-1) > 0.1).sum() > 50
 
 
 # In a window

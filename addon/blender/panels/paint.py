@@ -5,7 +5,7 @@ import bpy
 
 from ...pen import library
 from ...pen.errors import EncreError
-from .. import ENGINE, painting
+from .. import ENGINE, control_nodes, painting
 from ..languages import n_
 from .base import SidebarPanel
 
@@ -175,6 +175,55 @@ class ENCRE_OT_brush(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class ENCRE_OT_control_nodes(bpy.types.Operator):
+    """Add a modifier of Geometry Nodes that makes this control, over what is painted and what others before it make"""
+
+    bl_idname = "encre.control_nodes"
+    bl_label = "Add Encre Control"
+    bl_options = {"REGISTER", "UNDO"}
+
+    control: _choice()
+    by: bpy.props.EnumProperty(name="By", items=[
+        ("NOISE", "Noise", "Spots of more and less"),
+        ("NEARNESS", "Nearness", "Most at the other selected object, or at a new empty at the 3D cursor"),
+        ("EDGE_ON", "Edge-on", "Most where the surface turns away from the camera"),
+        ("VALUE", "Value", "The same everywhere")])
+    amount: bpy.props.FloatProperty(name="Amount", description="The control where it is most", min=-1, max=1, default=1,
+                                    subtype="FACTOR")
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT" and ENCRE_OT_paint.poll(context)
+
+    def invoke(self, context, _event):
+        return context.window_manager.invoke_props_dialog(self)
+
+    def execute(self, context):
+        obj, name = context.object, {"EDGE_ON": "Edge-on"}.get(self.by, self.by.title())
+        if obj.library:
+            self.report({"ERROR"}, f"{obj.name}: the object is linked and takes no modifiers; override it first")
+            return {"CANCELLED"}
+        values = {"Attribute": library.controls()[self.control].attribute, name: self.amount}
+        if self.by == "NEARNESS":
+            others = [other for other in context.selected_objects if other != obj]
+            values["Object"] = others[0] if others else _empty(context)
+            values["Reach"] = max(obj.dimensions) / 2 or 1.0
+        if self.by == "EDGE_ON":
+            if not context.scene.camera:
+                self.report({"ERROR"}, "The scene has no camera; add one, or choose another way")
+                return {"CANCELLED"}
+            values["Camera"] = context.scene.camera
+        control_nodes.add(obj, values)
+        return {"FINISHED"}
+
+
+def _empty(context):
+    made = bpy.data.objects.new(control_nodes.NAME, None)
+    made.location, made.empty_display_size = context.scene.cursor.location, 0.2
+    context.collection.objects.link(made)
+    return made
+
+
 class ENCRE_PT_paint(SidebarPanel, bpy.types.Panel):
     bl_label = "Encre Controls"
 
@@ -192,6 +241,8 @@ class ENCRE_PT_paint(SidebarPanel, bpy.types.Panel):
             _row(column, context, control, control == now)
         if context.mode == "PAINT_VERTEX":
             _brush(layout, obj.data)
+        else:
+            layout.operator("encre.control_nodes", icon="GEOMETRY_NODES")
 
 
 def _row(column, context, control, pressed):
@@ -225,11 +276,12 @@ def _menu(self, context):
     if ENCRE_PT_paint.poll(context):
         self.layout.separator()
         self.layout.operator("wm.call_panel", text="Encre Controls").name = "ENCRE_PT_paint"
+        self.layout.operator("encre.control_nodes")
 
 
 _register, _unregister = bpy.utils.register_classes_factory(
     (ENCRE_OT_paint, ENCRE_OT_control_fill, ENCRE_OT_control_reset, ENCRE_OT_control_show, ENCRE_OT_brush,
-     ENCRE_PT_paint))
+     ENCRE_OT_control_nodes, ENCRE_PT_paint))
 _MENUS = "VIEW3D_MT_object", "VIEW3D_MT_paint_vertex"
 
 

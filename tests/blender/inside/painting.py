@@ -3,7 +3,8 @@
 
 import bpy
 import numpy as np
-from studio import cube, fact, stage
+from mathutils import Vector
+from studio import cube, fact, shoot, stage
 
 
 def _values(obj, name="thickness"):
@@ -113,3 +114,66 @@ def _bare():
     obj = bpy.data.objects.new("Bare", bpy.data.meshes.new("Bare"))
     bpy.context.scene.collection.objects.link(obj)
     return obj
+
+
+# Geometry Nodes
+
+def _made(obj, name="thickness"):
+    """The control's values at the corners of the evaluated mesh."""
+    from encre.pen import colour
+
+    bpy.context.view_layer.update()
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    found = evaluated.to_mesh().attributes[f"encre_{name}"]
+    values = np.empty((len(found.data), 4), np.float32)
+    found.data.foreach_get("color", values.ravel())
+    evaluated.to_mesh_clear()
+    return colour.control_values(values)
+
+
+def control_nodes(out):
+    """Controls by nodes: what each way gives, one above another, and the picture of the same values by hand."""
+    from encre.blender import control_nodes as ours
+
+    scene = stage()
+    ball, target = bpy.data.objects["Ball"], bpy.data.objects["Cube"]
+    _select(ball)
+    bpy.ops.encre.control_fill(control="thickness", value=-0.5)
+    bpy.ops.encre.control_nodes(control="thickness", by="VALUE", amount=0.25)
+    bpy.ops.encre.control_nodes(control="thickness", by="VALUE", amount=0.5)
+    fact("stack", [float(_made(ball).min()), float(_made(ball).max()), len(bpy.data.node_groups)])
+    bpy.ops.encre.control_reset(control="thickness")
+    fact("without paint", float(_made(ball).mean()))
+    ball.modifiers.clear()
+    _select(ball, target)
+    before, target.location = target.location.copy(), ball.location + Vector((0.5, 0, 0.2))
+    bpy.ops.encre.control_nodes(control="thickness", by="NEARNESS", amount=0.8)
+    mesh, reach = ball.data, max(ball.dimensions) / 2
+    away = np.array([((ball.matrix_world @ mesh.vertices[loop.vertex_index].co) - target.location).length
+                     for loop in mesh.loops])
+    made = _made(ball)
+    fact("near", [float(made.max()), float(np.abs(made - 0.8 * np.clip(1 - away / reach, 0, 1)).max())])
+    ball.modifiers.clear()
+    target.location = before
+    _select(ball)
+    bpy.ops.encre.control_nodes(control="thickness", by="NEARNESS")
+    fact("new empty", bpy.data.objects[ours.NAME].type)
+    ball.modifiers.clear()
+    bpy.ops.encre.control_nodes(control="thickness", by="EDGE_ON", amount=-1)
+    towards = [(scene.camera.location - ball.location - vertex.co).normalized().dot(vertex.co.normalized())
+               for vertex in mesh.vertices]
+    wanted = np.array([abs(towards[loop.vertex_index]) - 1 for loop in mesh.loops])
+    fact("edge-on", float(np.abs(_made(ball) - wanted).mean()))
+    bpy.ops.encre.control_nodes(control="thickness", by="NOISE")
+    bpy.ops.encre.control_nodes(control="hatching", by="NOISE", amount=0.5)
+    values = {name: _made(ball, name) for name in ("thickness", "hatching")}
+    fact("spread", [float(v) for v in np.percentile(values["hatching"], (5, 50, 95))])
+    shoot(out, "nodes")
+    ball.modifiers.clear()
+    for name, given in values.items():
+        ball.data.attributes.new(f"encre_{name}", "FLOAT", "CORNER").data.foreach_set("value", given)
+    shoot(out, "hand")
+    ball.data.attributes.remove(ball.data.attributes["encre_thickness"])
+    shoot(out, "neither")
+    scene.camera = None
+    fact("no camera", _refused(bpy.ops.encre.control_nodes, control="thickness", by="EDGE_ON"))
