@@ -141,3 +141,28 @@ def as_png(settings):
 def home():
     """The folder in which this Blender keeps its scripts' folder and its libraries."""
     return os.path.dirname(bpy.utils.resource_path("LOCAL"))
+
+
+def group_socket(tree, name, kind, default=None, limits=None, output=False):
+    """Adds an input or output to a node group. 4.0 gave groups an interface of their own."""
+    if hasattr(tree, "interface"):
+        socket = tree.interface.new_socket(name=name, in_out="OUTPUT" if output else "INPUT",
+                                           socket_type=f"NodeSocket{kind}")
+    else:
+        socket = (tree.outputs if output else tree.inputs).new(f"NodeSocket{kind}", name)
+    if default is not None:
+        socket.default_value = default
+    if limits:
+        socket.min_value, socket.max_value = limits
+
+
+def set_group_input(modifier, name, value):
+    """Sets an input of a modifier of Geometry Nodes. 5.2 gave inputs a struct; before, they are custom properties."""
+    tree = modifier.node_group
+    sockets = tree.interface.items_tree if hasattr(tree, "interface") else tree.inputs
+    identifier = next(socket.identifier for socket in sockets
+                      if socket.name == name and getattr(socket, "in_out", "INPUT") == "INPUT")
+    if hasattr(modifier, "properties"):
+        getattr(modifier.properties.inputs, identifier).value = value
+    else:
+        modifier[identifier] = value

@@ -69,14 +69,17 @@ def test_a_slider_draws_and_reads_nothing(shot):
 
 
 def test_ink_grows_under_the_brush_and_nowhere_else(shot):
-    changed = apart(picture(shot, "unpainted"), picture(shot, "painted"))
-    left, right, y = fact(shot, "stroke")
-    rows, columns = np.nonzero(changed)
+    """Ink changes within the brush's circles and the reach of the thickest line, paint within them and a face."""
+    before, after, red = (picture(shot, name) for name in ("unpainted", "painted", "control"))
+    left, right, y, radius = fact(shot, "stroke")
+    rows, columns = np.indices(before.shape[:2])
+    far = np.hypot(np.maximum(np.maximum(left - columns, columns - right), 0), rows - y) - radius
+    changed, face = apart(before, after), before.shape[0] / 48
     assert changed.sum() > 50 and fact(shot, "while painting") > 0
-    assert columns.min() > left and columns.max() < right and np.abs(rows - y).max() < 25
-    red = picture(shot, "control")
-    rows, columns = np.nonzero(red[..., 0] > 2 * red[..., 1])
-    assert len(rows) > 50 and columns.min() > left and columns.max() < right and np.abs(rows - y).max() < 25
+    assert far[changed].max() < face + 128 / 1080 * before.shape[0] / 2  # Maximum Thickness
+    assert (after[changed][:, :3].max(-1) < 0.05).mean() > 0.3 > (before[changed][:, :3].max(-1) < 0.05).mean()
+    painted = red[..., 0] > 2 * red[..., 1]
+    assert painted.sum() > 50 and far[painted].max() < face
 
 
 def test_what_else_is_shown(shot):

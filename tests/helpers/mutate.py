@@ -73,7 +73,7 @@ PYTHON = (
      "blender/test_details.py"),
     ("addon/pen/unwrap.py", "weight = np.repeat(area, 3)", "weight = np.ones(3 * len(area))",
      "unit/test_unwrap.py -k corner"),
-    ("addon/blender/panels/paint.py", "if self.value else 128 / 255", "", "blender/test_details.py"),
+    ("addon/blender/painting.py", "if value else _GREY", "", "blender/test_paint.py"),
 )
 
 

@@ -13,6 +13,8 @@ def draw_block(layout, block, owner, scene):
     layout.use_property_split = True
     for kind, rows in groupby(properties.own_settings(owner), lambda own: own.kind):
         column = layout.column(align=True)
+        if kind == "control":
+            column.label(text="Offsets")
         for own in rows:
             if kind == "style":
                 column.prop_search(block.encre, own.id, scene.encre, "styles")

@@ -1,23 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painting controls: each is a colour attribute `encre_<control>` that Vertex Paint edits, grey where neutral."""
+"""Painting controls on meshes with Vertex Paint: a row a control."""
 
 import bpy
-import numpy as np
 
-from ...pen import colour, library
-from .. import versions
+from ...pen import library
+from ...pen.errors import EncreError
+from .. import ENGINE, control_nodes, painting
 from ..languages import n_
 from .base import SidebarPanel
-
-
-def attribute(mesh, control, create=True):
-    """The mesh's colour attribute of a control; made neutral where it is missing."""
-    found = mesh.color_attributes.get(control.attribute)
-    if found is None and create:
-        found = mesh.color_attributes.new(control.attribute, "BYTE_COLOR", "CORNER")
-        grey = colour.decode_srgb(128 / 255)
-        found.data.foreach_set("color", np.tile(np.float32((grey, grey, grey, 1)), len(found.data)))
-    return found
 
 
 def _choice():
@@ -27,78 +17,211 @@ def _choice():
         for control in library.controls().values()])
 
 
-class ENCRE_OT_paint(bpy.types.Operator):
-    """Paint this control onto the mesh: white is most, black is least, grey leaves things as they are"""
+def _objects(context):
+    """The meshes' objects that are meant, one for each mesh: those in Edit Mode, the one in Vertex Paint, or the active
+    one and the selected ones."""
+    if context.mode == "EDIT_MESH":
+        return list(context.objects_in_mode_unique_data)
+    found = {}
+    for obj in (context.object, *(context.selected_objects if context.mode == "OBJECT" else ())):
+        if obj and obj.type == "MESH":
+            found.setdefault(obj.data.name_full, obj)
+    return list(found.values())
 
-    bl_idname = "encre.paint"
-    bl_label = "Paint Control"
+
+def painted(context):
+    """The control that is being painted, None: none is."""
+    if context.mode != "PAINT_VERTEX":
+        return None
+    active = context.object.data.color_attributes.active_color
+    return next((c for c in library.controls().values() if active and active.name == c.attribute), None)
+
+
+class _PaintOperator:
     bl_options = {"REGISTER", "UNDO"}
-
-    control: _choice()
 
     @classmethod
     def poll(cls, context):
         return context.object is not None and context.object.type == "MESH"
 
+    @property
+    def chosen(self):
+        return library.controls()[self.control]
+
     def execute(self, context):
-        obj = context.object
-        if not obj.data.polygons:
-            self.report({"ERROR"}, f"{obj.name}: the mesh has no faces to paint on; choose another object")
-            return {"CANCELLED"}
-        mode = obj.mode
-        if mode == "EDIT":
+        """Works outside of Edit Mode, as its meshes' attributes can't be written there, and goes back to it."""
+        mode, objects = context.mode, _objects(context)
+        if mode == "EDIT_MESH":
             bpy.ops.object.mode_set(mode="OBJECT")
-        found = attribute(obj.data, library.controls()[self.control])
-        obj.data.color_attributes.active_color = found
-        if mode != "VERTEX_PAINT":
+        try:
+            return self.work(context, mode, objects)
+        except EncreError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        finally:
+            if mode == "EDIT_MESH" and context.mode == "OBJECT":
+                bpy.ops.object.mode_set(mode="EDIT")
+
+
+class ENCRE_OT_paint(_PaintOperator, bpy.types.Operator):
+    """Paint this control: white is most, black least, grey leaves things as they are. Press again to stop"""
+
+    bl_idname = "encre.paint"
+    bl_label = "Paint Control"
+
+    control: _choice()
+
+    def work(self, context, mode, objects):
+        if painted(context) == self.chosen:
+            bpy.ops.object.mode_set(mode="OBJECT")
+            return {"FINISHED"}
+        for obj in objects:
+            obj.data.color_attributes.active_color = painting.new(obj.data, self.chosen)
+        if mode != "PAINT_VERTEX":
             bpy.ops.object.mode_set(mode="VERTEX_PAINT")
+        if painting.brush_kind() is None and not painting.set_brush("ADD", painting.STRENGTH):
+            self.report({"WARNING"}, "Vertex Paint has no brush; choose one")
         return {"FINISHED"}
 
 
-class ENCRE_OT_paint_remove(bpy.types.Operator):
-    """Remove the painted control from the mesh"""
+class ENCRE_OT_control_fill(_PaintOperator, bpy.types.Operator):
+    """Give this control one value: in Edit Mode where it is selected, in Vertex Paint where the mask lets it"""
 
-    bl_idname = "encre.paint_remove"
-    bl_label = "Remove Painted Control"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_idname = "encre.control_fill"
+    bl_label = "Fill Control"
+
+    control: _choice()
+    value: bpy.props.FloatProperty(name="Value", description="-1 is least, 0 leaves things as they are, 1 is most",
+                                   min=-1, max=1, default=1, subtype="FACTOR")
+
+    def invoke(self, context, _event):
+        return context.window_manager.invoke_props_dialog(self)
+
+    def work(self, _context, mode, objects):
+        if not sum(painting.fill(obj, self.chosen, self.value, mode == "EDIT_MESH") for obj in objects):
+            self.report({"WARNING"}, "Nothing is selected; select what to fill")
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class ENCRE_OT_control_reset(_PaintOperator, bpy.types.Operator):
+    """Take this control's paint off the selected meshes; what is being painted becomes neutral"""
+
+    bl_idname = "encre.control_reset"
+    bl_label = "Reset Control"
+
+    control: _choice()
+
+    def work(self, context, mode, objects):
+        control = self.chosen
+        if mode == "PAINT_VERTEX" and painted(context) == control:
+            painting.fill(context.object, control, 0.0, False)
+        elif not sum(painting.remove(obj.data, control) for obj in objects):
+            self.report({"WARNING"}, f"{control.attribute}: these meshes have no such attribute")
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class ENCRE_OT_control_show(bpy.types.Operator):
+    """Show this control in the rendered view: red where it is most, blue where least. Press again for the picture"""
+
+    bl_idname = "encre.control_show"
+    bl_label = "Show Control"
+    bl_options = {"INTERNAL"}
 
     control: _choice()
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and context.object.type == "MESH" and context.object.mode != "EDIT"
+        return context.engine == ENGINE and context.space_data is not None and context.space_data.type == "VIEW_3D"
 
     def execute(self, context):
-        control = library.controls()[self.control]
-        found = attribute(context.object.data, control, create=False)
-        if found is None:
-            self.report({"WARNING"}, f"{control.attribute}: this mesh has no such attribute")
-            return {"CANCELLED"}
-        context.object.data.color_attributes.remove(found)
+        shading = context.space_data.shading
+        if shows(context, self.control):
+            shading.encre.show = "FINAL"
+            return {"FINISHED"}
+        shading.encre.show, shading.encre.control, shading.encre.source = "CONTROL", self.control, "ENCRE"
+        shading.type = "RENDERED"
         return {"FINISHED"}
+
+
+def shows(context, name):
+    """Whether the 3D view shows a control."""
+    shading = context.space_data.shading
+    return (shading.type == "RENDERED" and (shading.encre.source, shading.encre.show) == ("ENCRE", "CONTROL")
+            and shading.encre.control == name)
 
 
 class ENCRE_OT_brush(bpy.types.Operator):
-    """Set the brush to a value of the control: -1 least, 0 neutral, 1 most"""
+    """Choose what the brush does to the control"""
 
     bl_idname = "encre.brush"
-    bl_label = "Brush Value"
+    bl_label = "Brush"
     bl_options = {"REGISTER", "UNDO"}
 
-    value: bpy.props.FloatProperty(name="Value", min=-1, max=1, default=0)
+    kind: bpy.props.EnumProperty(name="Brush", items=[
+        ("ADD", "Add", "Raise the control, at full strength by 1"),
+        ("SUBTRACT", "Subtract", "Lower the control, at full strength by 1"),
+        ("NEUTRAL", "Neutral", "Wipe the control towards what leaves things as they are")])
+    strength: bpy.props.FloatProperty(name="Strength", description="Strength of the brush", min=0, max=1,
+                                      default=painting.STRENGTH, subtype="FACTOR", options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
-        return context.mode == "PAINT_VERTEX" and context.tool_settings.vertex_paint.brush is not None
+        return context.mode == "PAINT_VERTEX" and painting.strength_owner() is not None
+
+    def execute(self, _context):
+        painting.set_brush(self.kind, self.strength if self.properties.is_property_set("strength") else None)
+        return {"FINISHED"}
+
+
+class ENCRE_OT_control_nodes(bpy.types.Operator):
+    """Add a modifier of Geometry Nodes that makes this control, over what is painted and what others before it make"""
+
+    bl_idname = "encre.control_nodes"
+    bl_label = "Add Encre Control"
+    bl_options = {"REGISTER", "UNDO"}
+
+    control: _choice()
+    by: bpy.props.EnumProperty(name="By", items=[
+        ("NOISE", "Noise", "Spots of more and less"),
+        ("NEARNESS", "Nearness", "Most at the other selected object, or at a new empty at the 3D cursor"),
+        ("EDGE_ON", "Edge-on", "Most where the surface turns away from the camera"),
+        ("VALUE", "Value", "The same everywhere")])
+    amount: bpy.props.FloatProperty(name="Amount", description="The control where it is most", min=-1, max=1, default=1,
+                                    subtype="FACTOR")
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT" and ENCRE_OT_paint.poll(context)
+
+    def invoke(self, context, _event):
+        return context.window_manager.invoke_props_dialog(self)
 
     def execute(self, context):
-        encoded = (self.value + 1) / 2 if self.value else 128 / 255
-        shade = colour.decode_srgb(encoded) if versions.LINEAR_BRUSH else encoded
-        paint = context.tool_settings.vertex_paint
-        unified = getattr(paint, "unified_paint_settings", None) or context.tool_settings.unified_paint_settings
-        owner = unified if unified.use_unified_color else paint.brush
-        owner.color = (shade, shade, shade)
+        obj, name = context.object, {"EDGE_ON": "Edge-on"}.get(self.by, self.by.title())
+        if obj.library:
+            self.report({"ERROR"}, f"{obj.name}: the object is linked and takes no modifiers; override it first")
+            return {"CANCELLED"}
+        values = {"Attribute": library.controls()[self.control].attribute, name: self.amount}
+        if self.by == "NEARNESS":
+            others = [other for other in context.selected_objects if other != obj]
+            values["Object"] = others[0] if others else _empty(context)
+            values["Reach"] = max(obj.dimensions) / 2 or 1.0
+        if self.by == "EDGE_ON":
+            if not context.scene.camera:
+                self.report({"ERROR"}, "The scene has no camera; add one, or choose another way")
+                return {"CANCELLED"}
+            values["Camera"] = context.scene.camera
+        control_nodes.add(obj, values)
         return {"FINISHED"}
+
+
+def _empty(context):
+    made = bpy.data.objects.new(control_nodes.NAME, None)
+    made.location, made.empty_display_size = context.scene.cursor.location, 0.2
+    context.collection.objects.link(made)
+    return made
 
 
 class ENCRE_PT_paint(SidebarPanel, bpy.types.Panel):
@@ -109,20 +232,66 @@ class ENCRE_PT_paint(SidebarPanel, bpy.types.Panel):
         return super().poll(context) and ENCRE_OT_paint.poll(context)
 
     def draw(self, context):
-        layout, mesh = self.layout, context.object.data
-        active = mesh.color_attributes.active_color
-        column = layout.column(align=True)
+        layout, obj = self.layout, context.object
+        column, now = layout.column(align=True), painted(context)
+        split = column.split(factor=0.5)
+        split.label(text="Paint")
+        split.label(text="Offset")
         for control in library.controls().values():
-            row = column.row(align=True)
-            there = attribute(mesh, control, create=False)
-            row.operator("encre.paint", text=control.label, depress=there is not None and there == active,
-                         icon="BRUSH_DATA" if there else "ADD").control = control.name
-            if there:
-                row.operator("encre.paint_remove", text="", icon="X").control = control.name
-        row = layout.row(align=True)
-        for text, value in ((n_("Least"), -1.0), (n_("Neutral"), 0.0), (n_("Most"), 1.0)):
-            row.operator("encre.brush", text=text).value = value
+            _row(column, context, control, control == now)
+        if context.mode == "PAINT_VERTEX":
+            _brush(layout, obj.data)
+        else:
+            layout.operator("encre.control_nodes", icon="GEOMETRY_NODES")
 
 
-register, unregister = bpy.utils.register_classes_factory(
-    (ENCRE_OT_paint, ENCRE_OT_paint_remove, ENCRE_OT_brush, ENCRE_PT_paint))
+def _row(column, context, control, pressed):
+    mesh, split = context.object.data, column.split(factor=0.5, align=True)
+    there = control.attribute in mesh.attributes
+    split.operator("encre.paint", text=control.label, depress=pressed,
+                   icon="BRUSH_DATA" if there else "ADD").control = control.name
+    row = split.row(align=True)
+    row.prop(context.object.encre, control.name, text="")
+    row.operator("encre.control_fill", text="", icon="SNAP_FACE").control = control.name
+    row.operator("encre.control_show", text="", icon="HIDE_OFF",
+                 depress=shows(context, control.name)).control = control.name
+    last = row.row(align=True)
+    last.enabled = there
+    last.operator("encre.control_reset", text="", icon="X").control = control.name
+
+
+def _brush(layout, mesh):
+    column, kind = layout.column(align=True), painting.brush_kind()
+    row = column.row(align=True)
+    for own, text in (("ADD", n_("Add")), ("SUBTRACT", n_("Subtract")), ("NEUTRAL", n_("Neutral"))):
+        row.operator("encre.brush", text=text, depress=kind == own).kind = own
+    if owner := painting.strength_owner():
+        column.prop(owner, "strength", slider=True)
+    row = layout.row(heading="Mirror", align=True)
+    for axis in "xyz":
+        row.prop(mesh, f"use_mirror_{axis}", text=axis.upper(), toggle=True)
+
+
+def _menu(self, context):
+    if ENCRE_PT_paint.poll(context):
+        self.layout.separator()
+        self.layout.operator("wm.call_panel", text="Encre Controls").name = "ENCRE_PT_paint"
+        self.layout.operator("encre.control_nodes")
+
+
+_register, _unregister = bpy.utils.register_classes_factory(
+    (ENCRE_OT_paint, ENCRE_OT_control_fill, ENCRE_OT_control_reset, ENCRE_OT_control_show, ENCRE_OT_brush,
+     ENCRE_OT_control_nodes, ENCRE_PT_paint))
+_MENUS = "VIEW3D_MT_object", "VIEW3D_MT_paint_vertex"
+
+
+def register():
+    _register()
+    for name in _MENUS:
+        getattr(bpy.types, name).append(_menu)
+
+
+def unregister():
+    for name in _MENUS:
+        getattr(bpy.types, name).remove(_menu)
+    _unregister()

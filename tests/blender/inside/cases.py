@@ -17,13 +17,14 @@ import failures  # noqa: E402
 import geometry  # noqa: E402
 import keeping  # noqa: E402
 import lit  # noqa: E402
+import painting  # noqa: E402
 import pictures  # noqa: E402
 import quick  # noqa: E402
 import supersampling  # noqa: E402
 import surfaces  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
-                                  keeping, surfaces, lit, quick, anchors)
+                                  keeping, surfaces, lit, painting, quick, anchors)
          for name, case in vars(topic).items()}
 
 case, folder = sys.argv[sys.argv.index("--") + 1:]

@@ -64,20 +64,6 @@ def _rules(scene):
 
 
 def _operators():
-    """The options of all operators, and the colours that the brush gets."""
-    from encre.pen import colour
-
+    """The options of all operators."""
     operators = [cls for cls in bpy.types.Operator.__subclasses__() if cls.__name__.startswith("ENCRE_OT_")]
     fact("options", {cls.__name__: sorted(cls.bl_options) for cls in operators})
-    ball = bpy.data.objects["Ball"]
-    bpy.context.view_layer.objects.active = ball
-    bpy.ops.object.mode_set(mode="VERTEX_PAINT")
-    paint = bpy.context.tool_settings.vertex_paint
-    fact("brush", paint.brush is not None)
-    if paint.brush is None:
-        return
-    unified = getattr(paint, "unified_paint_settings", None) or bpy.context.tool_settings.unified_paint_settings
-    for value in (-1.0, 0.0, 0.5, 1.0):
-        bpy.ops.encre.brush(value=value)
-        shade = (unified if unified.use_unified_color else paint.brush).color[0]
-        fact("shade", [value, float(shade), float(colour.encode_srgb(shade))])

@@ -21,6 +21,7 @@ import studio  # noqa: E402
 import window  # noqa: E402
 
 REDRAWS = int(os.environ.get("ENCRE_REDRAWS", 1000))
+BRUSH = 12  # pixels
 uploaded = []  # (seconds, picture), the last of them
 uploads = [0]
 
@@ -175,9 +176,9 @@ def stroke():
     """Vertex Paint: ink changes while the brush is down."""
     with window.override("VIEW_3D"):
         bpy.ops.encre.paint(control="thickness")
-        bpy.ops.encre.brush(value=1.0)
+        bpy.ops.encre.brush(kind="ADD", strength=1.0)
         space().region_3d.view_perspective = "CAMERA"
-    bpy.context.scene.tool_settings.unified_paint_settings.size = 12
+    bpy.context.scene.tool_settings.unified_paint_settings.size = BRUSH
     yield from rest()
     picture("unpainted")
     region = next(r for r in window.area("VIEW_3D").regions if r.type == "WINDOW")
@@ -187,9 +188,9 @@ def stroke():
     x, y = int(min(at.x for at in spots)) - 10, int(sum(at.y for at in spots) / len(spots))
     left, bottom, right, top = views()[0].look.place
     height, width, _ = uploaded[-1][1].shape
-    # In pixels of the picture, y from the top: of the brush's way and of what is as far from it as the brush reaches.
-    at = [x + dx - (left + 1) / 2 * region.width for dx in (-15, 55)]
-    studio.fact("stroke", [*at, height - (y - (bottom + 1) / 2 * region.height)])
+    # In pixels of the picture, y from the top: where the brush's way begins and ends, and the brush's radius.
+    at = [x + dx - (left + 1) / 2 * region.width for dx in (0, 40)]
+    studio.fact("stroke", [*at, height - (y - (bottom + 1) / 2 * region.height), BRUSH])
     begin, move = time.perf_counter(), window.window().event_simulate
     move(type="MOUSEMOVE", value="NOTHING", x=region.x + x, y=region.y + y)
     yield

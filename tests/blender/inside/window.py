@@ -168,7 +168,7 @@ def paint_mode():
     values = painted()
     studio.fact("neutral", [min(values), max(values)])
     with override("VIEW_3D"):
-        bpy.ops.encre.brush(value=1.0)
+        bpy.ops.encre.brush(kind="ADD", strength=1.0)
 
 
 def painted():

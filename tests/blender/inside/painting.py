@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Controls that are painted, filled and made by nodes."""
+
+import bpy
+import numpy as np
+from mathutils import Vector
+from studio import cube, fact, shoot, stage
+
+
+def _values(obj, name="thickness"):
+    """The distinct bytes of a painted control, None where there is none."""
+    found = obj.data.color_attributes.get(f"encre_{name}")
+    return found and sorted({round(item.color_srgb[0] * 255) for item in found.data})
+
+
+def _select(*objects):
+    bpy.context.view_layer.update()  # in 5.2 it has no objects before
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(obj in objects)
+    bpy.context.view_layer.objects.active = objects[0]
+
+
+def _refused(operator, **options):
+    """The sentence with which an operator ends."""
+    try:
+        return str(operator(**options))
+    except RuntimeError as error:
+        return str(error)
+
+
+def painting(_out):
+    """Paint, fill and reset, of one mesh and of several."""
+    from encre.blender import painting as ours
+    from encre.blender.panels import paint
+
+    stage()
+    one, other = bpy.data.objects["Cube"], cube("Other", (0, 2, 0))
+    _select(one, other)
+    bpy.ops.encre.paint(control="thickness")
+    fact("made", [_values(one), _values(other), one.mode, one.data.color_attributes.active_color.name,
+                  paint.painted(bpy.context).name])
+    fact("has brush", ours.strength_owner() is not None)
+    if ours.strength_owner():
+        fact("first brush", [ours.brush_kind(), ours.strength_owner().strength])
+        for kind in ours.BRUSHES:
+            bpy.ops.encre.brush(kind=kind, strength=0.25)
+            fact("brush", [kind, ours.brush_kind(), ours.strength_owner().strength])
+        ours.strength_owner().strength = 0.75
+        bpy.ops.encre.brush(kind="ADD")
+        fact("kept strength", ours.strength_owner().strength)
+        bpy.context.tool_settings.vertex_paint.brush.blend = "DARKEN"
+        fact("other brush", ours.brush_kind())
+    bpy.ops.encre.paint(control="thickness")
+    fact("left", [one.mode, paint.painted(bpy.context)])
+
+    bpy.ops.encre.control_fill(control="thickness", value=0.5)
+    fact("filled", [_values(one), _values(other)])
+    bpy.ops.encre.control_fill(control="thickness", value=0)
+    fact("neutral", _values(one))
+    bpy.ops.encre.control_reset(control="thickness")
+    fact("reset", [_values(one), _values(other)])
+    fact("reset again", _refused(bpy.ops.encre.control_reset, control="thickness"))
+    _some(one)
+    _wrong(one)
+
+
+def _some(one):
+    """Only what is selected, or what a mask lets."""
+    _select(one)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    fact("nothing selected", _refused(bpy.ops.encre.control_fill, control="hatching", value=-1))
+    bpy.ops.mesh.select_mode(type="FACE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    fact("not made", _values(one, "hatching"))
+    one.data.polygons[2].select = True
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.encre.control_fill(control="hatching", value=-1)
+    fact("edit", one.mode)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    fact("some", [k for k, item in enumerate(one.data.color_attributes["encre_hatching"].data)
+                  if item.color_srgb[0] < 0.1])
+    bpy.ops.encre.paint(control="hatching")
+    one.data.use_paint_mask = True
+    for k, polygon in enumerate(one.data.polygons):
+        polygon.select = k == 4
+    bpy.ops.encre.control_fill(control="hatching", value=1)
+    one.data.use_paint_mask, one.data.use_paint_mask_vertex = False, True
+    for k, vertex in enumerate(one.data.vertices):
+        vertex.select = k == 0
+    bpy.ops.encre.control_fill(control="color_edge", value=1)
+    one.data.use_paint_mask_vertex = False
+    white = {name: [k for k, item in enumerate(one.data.color_attributes[f"encre_{name}"].data)
+                    if item.color_srgb[0] > 0.9] for name in ("hatching", "color_edge")}
+    vertex = [loop.vertex_index for loop in one.data.loops]
+    fact("masked", [white["hatching"], sorted({vertex[k] for k in white["color_edge"]}), len(white["color_edge"])])
+    bpy.ops.encre.control_reset(control="hatching")
+    fact("reset while painting", [_values(one, "hatching"), one.mode])
+    bpy.ops.object.mode_set(mode="OBJECT")
+    points = one.data.color_attributes.new("encre_intensity", "FLOAT_COLOR", "POINT")
+    bpy.ops.encre.control_fill(control="intensity", value=1)
+    fact("points", float(np.array([item.color for item in points.data]).min()))
+
+
+def _wrong(one):
+    one.data.attributes.new("encre_smudge_range", "FLOAT", "POINT")
+    fact("numbers", _refused(bpy.ops.encre.paint, control="smudge_range"))
+    fact("after", one.mode)
+    _select(_bare())
+    fact("bare", _refused(bpy.ops.encre.paint, control="thickness"))
+
+
+def _bare():
+    obj = bpy.data.objects.new("Bare", bpy.data.meshes.new("Bare"))
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+# Geometry Nodes
+
+def _made(obj, name="thickness"):
+    """The control's values at the corners of the evaluated mesh."""
+    from encre.pen import colour
+
+    bpy.context.view_layer.update()
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    found = evaluated.to_mesh().attributes[f"encre_{name}"]
+    values = np.empty((len(found.data), 4), np.float32)
+    found.data.foreach_get("color", values.ravel())
+    evaluated.to_mesh_clear()
+    return colour.control_values(values)
+
+
+def control_nodes(out):
+    """Controls by nodes: what each way gives, one above another, and the picture of the same values by hand."""
+    from encre.blender import control_nodes as ours
+
+    scene = stage()
+    ball, target = bpy.data.objects["Ball"], bpy.data.objects["Cube"]
+    _select(ball)
+    bpy.ops.encre.control_fill(control="thickness", value=-0.5)
+    bpy.ops.encre.control_nodes(control="thickness", by="VALUE", amount=0.25)
+    bpy.ops.encre.control_nodes(control="thickness", by="VALUE", amount=0.5)
+    fact("stack", [float(_made(ball).min()), float(_made(ball).max()), len(bpy.data.node_groups)])
+    bpy.ops.encre.control_reset(control="thickness")
+    fact("without paint", float(_made(ball).mean()))
+    ball.modifiers.clear()
+    _select(ball, target)
+    before, target.location = target.location.copy(), ball.location + Vector((0.5, 0, 0.2))
+    bpy.ops.encre.control_nodes(control="thickness", by="NEARNESS", amount=0.8)
+    mesh, reach = ball.data, max(ball.dimensions) / 2
+    away = np.array([((ball.matrix_world @ mesh.vertices[loop.vertex_index].co) - target.location).length
+                     for loop in mesh.loops])
+    made = _made(ball)
+    fact("near", [float(made.max()), float(np.abs(made - 0.8 * np.clip(1 - away / reach, 0, 1)).max())])
+    ball.modifiers.clear()
+    target.location = before
+    _select(ball)
+    bpy.ops.encre.control_nodes(control="thickness", by="NEARNESS")
+    fact("new empty", bpy.data.objects[ours.NAME].type)
+    ball.modifiers.clear()
+    bpy.ops.encre.control_nodes(control="thickness", by="EDGE_ON", amount=-1)
+    towards = [(scene.camera.location - ball.location - vertex.co).normalized().dot(vertex.co.normalized())
+               for vertex in mesh.vertices]
+    wanted = np.array([abs(towards[loop.vertex_index]) - 1 for loop in mesh.loops])
+    fact("edge-on", float(np.abs(_made(ball) - wanted).mean()))
+    bpy.ops.encre.control_nodes(control="thickness", by="NOISE")
+    bpy.ops.encre.control_nodes(control="hatching", by="NOISE", amount=0.5)
+    values = {name: _made(ball, name) for name in ("thickness", "hatching")}
+    fact("spread", [float(v) for v in np.percentile(values["hatching"], (5, 50, 95))])
+    shoot(out, "nodes")
+    ball.modifiers.clear()
+    for name, given in values.items():
+        ball.data.attributes.new(f"encre_{name}", "FLOAT", "CORNER").data.foreach_set("value", given)
+    shoot(out, "hand")
+    ball.data.attributes.remove(ball.data.attributes["encre_thickness"])
+    shoot(out, "neither")
+    scene.camera = None
+    fact("no camera", _refused(bpy.ops.encre.control_nodes, control="thickness", by="EDGE_ON"))
