@@ -27,7 +27,7 @@ HERE = Path(__file__).resolve()
 # Memory that is never set holds a pattern, and an index beyond an array ends the process: both are noticed at once.
 SEEN = ("-fsanitize=bounds -fsanitize-undefined-trap-on-error -ftrivial-auto-var-init=pattern -U_FORTIFY_SOURCE "
         "-D_FORTIFY_SOURCE=2")
-LIMIT, STILL = 60, 1200  # seconds that a mutant's tests may compute, and may take: what hangs is noticed
+LIMIT, STILL = 40, 1200  # seconds that a mutant's tests may compute, and may take: what hangs is noticed
 
 # The nearest tests of a file or folder: the first that fits; one after another, the likeliest to notice first.
 TESTS = (
@@ -117,10 +117,15 @@ class Copy:
         subprocess.run(link, check=True)
         os.replace("addon/libencre.so.part", "addon/libencre.so")
 
-    def warm(self, fine):
+    def warm(self, fine, light=False):
         self.build("probe_0")
         import numpy  # noqa: F401
         import pytest  # noqa: F401
+        if light:
+            sys.path.append(str(self.tree / "tests" / "stages"))
+            import test_shadows
+            for name in test_shadows.ALL:
+                test_shadows.case(name)
         if not fine:
             return
         import passes
@@ -296,7 +301,8 @@ def main(arguments=None):
         tree = Path(folder).resolve()
         copy(root, tree)
         own = Copy(tree)
-        own.warm(any(m.path.startswith(("csrc/fine/", "csrc/edges/")) for m in chosen))
+        own.warm(any(m.path.startswith(("csrc/fine/", "csrc/edges/")) for m in chosen),
+                 any(m.path.startswith("csrc/light/") for m in chosen))
         for mutant in chosen:
             if (mutant.path, mutant.text, mutant.old, mutant.new) in listed:
                 equal.append(mutant)
