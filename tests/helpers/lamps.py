@@ -60,7 +60,7 @@ class Stage:
     def __init__(self, width, height, eye=(6, -8, 5), smooth=False, at=(0.2, 0, 0.6)):
         self.width, self.height = width, height
         self.view, self.projection = np.linalg.inv(look(eye, at)), perspective(width, height)
-        self.world, self.meshes, self.sets, self._given = reference.World(), [], {}, []
+        self.world, self.meshes, self.sets, self.holes, self._given = reference.World(), [], {}, {}, []
         self.add(PLANE, PLANE_CORNERS, np.eye(4))
         self.add(CUBE, CUBE_CORNERS, moved(0, 0, 1.001))
         if smooth:
@@ -84,7 +84,10 @@ class Stage:
 
     def _give(self, scene):
         for key, points, corners, normals, model, seen in self._given:
-            scene.geometry(key, points, corners, normals)
+            uvs, textures, picture = self.holes.get(key, (None, None, None))
+            if picture:
+                scene.texture(*picture)
+            scene.geometry(key, points, corners, normals, uvs, textures)
             scene.instance(key, key, model, seen, *(k & EVERY_SET for k in self.sets.get(key, (~0, ~0))))
         self._given = []
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Changes constants of csrc, one at a time, and looks whether a test notices: make mutate.
 
-    python tests/helpers/mutate.py [--seed N] [--count N] [--only FILE] [--all] [--floats] | --python
+    python tests/helpers/mutate.py [--seed N] [--count N] [--only FILE] [--all] [--floats] [--part K/N] | --python
 
 In a copy of the tree a float grows or shrinks by a fifth and a whole number by one; what it is part of is compiled
 again, and the nearest tests run, the likeliest to notice first. What survives is listed in mutants.txt with the reason
@@ -56,6 +56,8 @@ TESTS = (
     ("csrc/api/check", "unit/test_boundary.py", "stages/test_light.py -k refused"),
     ("csrc/", "unit/test_layers.py", "unit/test_memory.py", "stages/test_edges.py -k sizes", "stages/test_surface.py"),
 )
+
+TWINS = ("csrc/fine/", "csrc/edges/")  # their tests ask twins that take their time
 
 
 # Lines of Python that once could go wrong unseen: what stands there, what it becomes, who should notice.
@@ -281,6 +283,7 @@ def main(arguments=None):
     parser.add_argument("--all", action="store_true", help="every change of every constant")
     parser.add_argument("--floats", action="store_true", help="no whole numbers")
     parser.add_argument("--line", type=int, default=0, help="of the file that --only names")
+    parser.add_argument("--part", default="1/1", help="of the sample, by files: 2/3 is the second of three")
     args = parser.parse_args(arguments)
     seed = args.seed if args.seed is not None else random.SystemRandom().randrange(10**6)
     root = HERE.parents[2]
@@ -295,13 +298,16 @@ def main(arguments=None):
         chosen = [mutant for found in every.values() for mutant in found]
     if args.line:
         chosen = [mutant for mutant in chosen if mutant.line == args.line]
+    k, parts = map(int, args.part.split("/"))
+    chosen.sort(key=lambda mutant: (mutant.path.startswith(TWINS), mutant.path))
+    chosen = chosen[len(chosen) * (k - 1) // parts:len(chosen) * k // parts]
     print(f"mutate: seed {seed}, {len(chosen)} changes", flush=True)
     listed, survived, equal = mutants.known(), [], []
     with tempfile.TemporaryDirectory(prefix="encre-mutate-") as folder:
         tree = Path(folder).resolve()
         copy(root, tree)
         own = Copy(tree)
-        own.warm(any(m.path.startswith(("csrc/fine/", "csrc/edges/")) for m in chosen),
+        own.warm(any(m.path.startswith(TWINS) for m in chosen),
                  any(m.path.startswith("csrc/light/") for m in chosen))
         for mutant in chosen:
             if (mutant.path, mutant.text, mutant.old, mutant.new) in listed:

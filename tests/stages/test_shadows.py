@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from encre.pen import irradiance
 from encre.pen.job import Frame, Lamp
-from lamps import CUBE, CUBE_CORNERS, LAMPS, Stage, ball, look, moved, ways
+from lamps import CUBE, CUBE_CORNERS, LAMPS, PLANE_CORNERS, Stage, ball, look, moved, ways
 from reference import light
-from reference.shadows import Picture
+from reference.shadows import Hole, Picture
 
 WIDTH, HEIGHT = 18, 13
 BY_HAND = np.s_[9:12, 2:7]  # pixels that show what no geometry tells of
@@ -91,8 +91,27 @@ def straight():
                 stage)
 
 
+LEAF = np.array([[-1.8, -2.4, 2.2], [0.6, -2.4, 2.3], [0.6, -0.2, 2.4], [-1.8, -0.2, 2.3]], np.float32)
+
+
+def with_holes(extension, closest):
+    """Leaves cut out of two triangles, one of which goes beyond its picture."""
+    stage, rng = scene(), np.random.default_rng(7)
+    alpha = rng.choice([0, 90, 127, 128, 160, 255], (5, 4)).astype(np.uint8)
+    uvs = np.array([[[0.1, 0], [1, 0.2], [0.9, 1]], [[-0.6, 0.2], [1.4, 1.5], [-0.3, 1.9]]], np.float32)
+    first = len(stage.world.owner)
+    stage.add(LEAF, PLANE_CORNERS, np.eye(4), seen=False)
+    stage.world.holes = {first + k: Hole(uvs[k].astype(float), alpha, extension, closest) for k in range(2)}
+    stage.holes[len(stage.meshes) - 1] = uvs, np.array([3, 3], np.int32), (3, alpha, extension, closest)
+    small = Lamp("rectangle", (9, 9, 9), width=0.3, height=0.2, model=ways(1.0))
+    return Case([Lamp("sun", model=ways(0.6, 0.5)), small], stage)
+
+
 ALL = {**{name: functools.partial(Case, [lamp]) for name, lamp in {**LAMPS, **MORE}.items()},
-       "sets": with_sets, "orthographic": straight}
+       "sets": with_sets, "orthographic": straight,
+       "holes": functools.partial(with_holes, "REPEAT", False),
+       "holes, once": functools.partial(with_holes, "CLIP", True),
+       "holes, drawn out": functools.partial(with_holes, "EXTEND", False)}
 
 
 @functools.cache
