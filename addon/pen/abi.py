@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The structures of csrc/encre.h, and numpy arrays as the library takes them."""
+"""The structures and functions of csrc/encre.h, and numpy arrays and values of parameters as the library takes them."""
 
 import ctypes as c
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from ctypes import Array
+from typing import Any
 
 import numpy as np
 
 from . import job
-from .params import MAX_LEVELS
+from .params import MAX_LEVELS, Param
 
 
 class Image(c.Structure):
@@ -236,3 +237,61 @@ def fill_mesh(m: Mesh, mesh: job.Mesh) -> list:
     m.model[:] = np.asarray(mesh.model, np.float64).ravel()
     m.object_index, m.material_index, m.style_index = mesh.object_index, mesh.material_index, mesh.style_index
     return keep
+
+
+def declare(lib: c.CDLL) -> None:
+    """Tells ctypes what the functions of encre.h take and give."""
+    lib.encre_stage_info.restype = c.POINTER(StageInfo)
+    lib.encre_layer_info.restype = lib.encre_output_info.restype = c.POINTER(LayerInfo)
+    lib.encre_control_info.restype = c.POINTER(ControlInfo)
+    lib.encre_operation_info.restype = c.POINTER(OperationInfo)
+    lib.encre_params_size.restype = c.c_int64
+    lib.encre_params_check.restype = c.c_char_p
+    lib.encre_params_check.argtypes = [c.c_void_p, c.c_char_p, c.c_int64]
+    lib.encre_params_init.argtypes = [c.c_void_p]
+    for name in ("encre_set_threads", "encre_set_simd"):
+        getattr(lib, name).argtypes = [c.c_void_p, c.c_int32]
+    lib.encre_scene_create.restype = c.c_void_p
+    lib.encre_scene_free.argtypes, lib.encre_scene_free.restype = [c.c_void_p], None
+    for name in ("encre_scene_geometry", "encre_scene_instance", "encre_scene_texture", "encre_scene_lamp"):
+        getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p, c.c_int64, c.c_void_p]
+    for name in ("encre_render", "encre_raster", "encre_bake", "encre_light", "encre_material", "encre_poll"):
+        getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
+    lib.encre_start.argtypes = [c.c_void_p, c.c_void_p, c.c_int32]
+    lib.encre_wait.argtypes = lib.encre_cancel.argtypes = [c.c_void_p]
+    lib.encre_cancel.restype = None
+
+
+def render_job(layers: int, outputs: int) -> type[c.Structure]:
+    """encre_job, for so many layers and outputs."""
+    class Job(c.Structure):
+        _fields_ = [("layers", Image * layers), ("outputs", Image * outputs),
+                    ("camera", Camera), ("frame", Frame), ("params", c.c_void_p), ("n_styles", c.c_int32),
+                    ("reserved", c.c_int32), ("progress", Progress), ("user", c.c_void_p),
+                    ("nonfinite", c.c_int64)]
+    return Job
+
+
+def put(p: Param, block: int, value: Any, load: Callable[[str], np.ndarray] | None) -> np.ndarray | None:
+    """Writes a checked value to its place in the parameter block at an address; `load` reads paper images. What must be
+    kept as long as the block."""
+    at = block + p.offset
+    if p.type in ("bool", "int"):
+        c.c_int32.from_address(at).value = int(value)
+    elif p.type == "enum":
+        c.c_int32.from_address(at).value = p.number[value]
+    elif p.type == "float":
+        c.c_float.from_address(at).value = value
+    elif p.type == "color":
+        (c.c_float * 3).from_address(at)[:] = value
+    elif p.type == "levels":
+        levels = Levels.from_address(at)
+        levels.count = len(value)
+        for k, level in enumerate(value):
+            i, t, w, *color = tuple(level) + (0, 0, 0, 1, 1, 1)[len(level):]
+            levels.level[k] = Level(i, t, w, tuple(color))
+    elif value is not None and load:
+        pixels = np.ascontiguousarray(load(value), np.float32)
+        c.memmove(at, c.byref(image(pixels)), c.sizeof(Image))
+        return pixels
+    return None

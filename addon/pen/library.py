@@ -57,25 +57,7 @@ class Library:
             raise EncreError(f"{path}: the Encre library has another version than its Python code; "
                              "install both from one package")
         lib.encre_destroy(context)
-        lib.encre_stage_info.restype = c.POINTER(abi.StageInfo)
-        lib.encre_layer_info.restype = lib.encre_output_info.restype = c.POINTER(abi.LayerInfo)
-        lib.encre_control_info.restype = c.POINTER(abi.ControlInfo)
-        lib.encre_operation_info.restype = c.POINTER(abi.OperationInfo)
-        lib.encre_params_size.restype = c.c_int64
-        lib.encre_params_check.restype = c.c_char_p
-        lib.encre_params_check.argtypes = [c.c_void_p, c.c_char_p, c.c_int64]
-        lib.encre_params_init.argtypes = [c.c_void_p]
-        for name in ("encre_set_threads", "encre_set_simd"):
-            getattr(lib, name).argtypes = [c.c_void_p, c.c_int32]
-        lib.encre_scene_create.restype = c.c_void_p
-        lib.encre_scene_free.argtypes, lib.encre_scene_free.restype = [c.c_void_p], None
-        for name in ("encre_scene_geometry", "encre_scene_instance", "encre_scene_texture", "encre_scene_lamp"):
-            getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p, c.c_int64, c.c_void_p]
-        for name in ("encre_render", "encre_raster", "encre_bake", "encre_light", "encre_material", "encre_poll"):
-            getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
-        lib.encre_start.argtypes = [c.c_void_p, c.c_void_p, c.c_int32]
-        lib.encre_wait.argtypes = lib.encre_cancel.argtypes = [c.c_void_p]
-        lib.encre_cancel.restype = None
+        abi.declare(lib)
         self.path, self.lib = path, lib
         self.layers = {text_of(x.name): x.channels for x in _each(lib.encre_layer_info)}
         self.outputs = {text_of(x.name): x.channels for x in _each(lib.encre_output_info)}
@@ -85,14 +67,7 @@ class Library:
         self.operations = {text_of(x.name): (k, x.inputs, x.outputs)
                            for k, x in enumerate(_each(lib.encre_operation_info))}
         self.params = {p.id: p for s in self.stages for p in s.params}
-
-        class Job(c.Structure):
-            _fields_ = [("layers", abi.Image * len(self.layers)), ("outputs", abi.Image * len(self.outputs)),
-                        ("camera", abi.Camera), ("frame", abi.Frame), ("params", c.c_void_p), ("n_styles", c.c_int32),
-                        ("reserved", c.c_int32), ("progress", abi.Progress), ("user", c.c_void_p),
-                        ("nonfinite", c.c_int64)]
-
-        self._job = Job
+        self._job = abi.render_job(len(self.layers), len(self.outputs))
 
     # -- values
 
@@ -100,29 +75,8 @@ class Library:
         """A parameter block of checked values; `image` loads paper images. Returns (bytearray, things to keep)."""
         block = (c.c_char * self.lib.encre_params_size())()
         self.lib.encre_params_init(block)
-        keep = []
-        for id_, value in values.items():
-            p = self.params[id_]
-            at = c.addressof(block) + p.offset
-            if p.type in ("bool", "int"):
-                c.c_int32.from_address(at).value = int(value)
-            elif p.type == "enum":
-                c.c_int32.from_address(at).value = p.number[value]
-            elif p.type == "float":
-                c.c_float.from_address(at).value = value
-            elif p.type == "color":
-                (c.c_float * 3).from_address(at)[:] = value
-            elif p.type == "levels":
-                levels = abi.Levels.from_address(at)
-                levels.count = len(value)
-                for k, level in enumerate(value):
-                    i, t, w, *color = tuple(level) + (0, 0, 0, 1, 1, 1)[len(level):]
-                    levels.level[k] = abi.Level(i, t, w, tuple(color))
-            elif value is not None and image:
-                a = np.ascontiguousarray(image(value), np.float32)
-                keep.append(a)
-                abi.Image.from_buffer((c.c_char * c.sizeof(abi.Image)).from_address(at))
-                c.memmove(at, c.byref(abi.image(a)), c.sizeof(abi.Image))
+        keep = [a for id_, value in values.items()
+                if (a := abi.put(self.params[id_], c.addressof(block), value, image)) is not None]
         return block, keep
 
     def check(self, values: Mapping[str, Any], image: Callable[[str], np.ndarray] | None = None) -> dict[str, Any]:

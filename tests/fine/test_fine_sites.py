@@ -123,3 +123,20 @@ def test_where_the_eye_passes_through(ortho):
     wanted, unsure = ridged.through(view)
     assert 0.05 < found.mean() < 0.5 and unsure.mean() < 0.05
     assert np.array_equal(found | unsure, wanted | unsure)
+
+
+@pytest.mark.parametrize("ortho", [False, True])
+@pytest.mark.parametrize("apart", [0.018, 0.022])
+def test_where_two_things_touch_the_line_belongs_to_the_one_painted_more(apart, ortho):
+    """They touch within 2 % of the depth, or of the height that an orthographic camera sees."""
+    eye = Camera(orthographic=ortho, height=3.0)
+    right = np.tile(np.arange(24) >= 12, (20, 1))[..., None]
+    layers = dict(combined=np.ones((20, 24, 4)), color=np.ones((20, 24, 3)), diffuse=np.ones((20, 24, 3)),
+                  object=1.0 + right, normal=np.tile([0.0, 0, 1], (20, 24, 1)),
+                  depth=4 + apart * (3 if ortho else 4) * right, controls=right * np.eye(6)[0])
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    _, every = passes.run(layers, passes.ALL, camera=eye)
+    sites = every[-1].site
+    assert len(sites) > 15 and (sites["column"] == 11).all()
+    # Of the object that it bounds the nearest pixel, then the one beside the line.
+    assert (sites["near_x"] >= 12).all() if apart < 0.02 else (sites["near_x"] <= 11).all()

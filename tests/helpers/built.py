@@ -4,7 +4,9 @@ has changed, the same results, and linked as tests need it: so that they see bet
 
 import contextlib
 import fcntl
+import functools
 import os
+import re
 import runpy
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
@@ -28,15 +30,30 @@ def _run(command):
     subprocess.run(command, cwd=ROOT, check=True)
 
 
+def _included(path):
+    text = path.read_text(encoding="utf-8")
+    return [ROOT / "csrc" / name for name in re.findall(r'^#include "([^"]+)"', text, re.MULTILINE)]
+
+
+def _old(made, *sources, included=_included):
+    """Whether one of the sources, or of what they include, is as new as what was made of them."""
+    found, open_ = set(), list(sources)
+    while open_:
+        path = open_.pop()
+        if path not in found:
+            found.add(path)
+            open_ += included(path)
+    return not made.exists() or made.stat().st_mtime_ns <= max(p.stat().st_mtime_ns for p in found)
+
+
 def objects(out):
     """Compiles what has changed; the command that links the library `out`."""
     BUILD.mkdir(parents=True, exist_ok=True)
     compile_, link = _commands(out)
-    headers = max(p.stat().st_mtime_ns for p in (ROOT / "csrc").rglob("*.h"))
+    included = functools.cache(_included)
 
     def old(command):
-        source, made = ROOT / command[command.index("-c") + 1], Path(command[-1])
-        return not made.exists() or made.stat().st_mtime_ns <= max(source.stat().st_mtime_ns, headers)
+        return _old(Path(command[-1]), ROOT / command[command.index("-c") + 1], included=included)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(_run, filter(old, compile_)))
@@ -83,9 +100,7 @@ def probe_fine(name="probe_fine"):
 def _probe_fine(out):
     source, made = HERE / "probe_fine.c", BUILD / "probe_fine.o"
     link, compile_ = objects(out)
-    read = source, ROOT / "csrc" / "fine" / "fine.c", *(ROOT / "csrc").rglob("*.h")
-    newest = max(p.stat().st_mtime_ns for p in read)
-    if not made.exists() or made.stat().st_mtime_ns <= newest:
+    if _old(made, source, ROOT / "csrc" / "fine" / "fine.c"):
         own = list(compile_[0])
         own[own.index("-c") + 1], own[-1] = str(source), str(made)
         _run(own)

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lamps of every kind, and things on a plane for them to shine on."""
 
+import functools
+
 import numpy as np
 from encre.pen import library
-from encre.pen.job import Frame, Lamp, Mesh
+from encre.pen.job import EVERY_SET, Frame, Lamp, Mesh
 from encre.pen.scene import Scene
 from reference import light as reference
 
@@ -58,7 +60,7 @@ class Stage:
     def __init__(self, width, height, eye=(6, -8, 5), smooth=False, at=(0.2, 0, 0.6)):
         self.width, self.height = width, height
         self.view, self.projection = np.linalg.inv(look(eye, at)), perspective(width, height)
-        self.scene, self.world, self.meshes = Scene(), reference.World(), []
+        self.world, self.meshes, self.sets, self.holes, self._given = reference.World(), [], {}, {}, []
         self.add(PLANE, PLANE_CORNERS, np.eye(4))
         self.add(CUBE, CUBE_CORNERS, moved(0, 0, 1.001))
         if smooth:
@@ -67,10 +69,27 @@ class Stage:
 
     def add(self, points, corners, model, normals=None, seen=True):
         key = len(self.meshes)
-        self.scene.geometry(key, points, corners, normals)
-        self.scene.instance(key, key, model, seen)
         self.world.add(points, corners, model, normals, seen)
         self.meshes.append(Mesh(points, corners, model=model, object_index=key + 1))
+        self._given.append((key, points, corners, normals, model, seen))
+        if "scene" in self.__dict__:
+            self._give(self.scene)
+
+    @functools.cached_property
+    def scene(self):
+        """Things as the library has them, from the first look on."""
+        scene = Scene()
+        self._give(scene)
+        return scene
+
+    def _give(self, scene):
+        for key, points, corners, normals, model, seen in self._given:
+            uvs, textures, picture = self.holes.get(key, (None, None, None))
+            if picture:
+                scene.texture(*picture)
+            scene.geometry(key, points, corners, normals, uvs, textures)
+            scene.instance(key, key, model, seen, *(k & EVERY_SET for k in self.sets.get(key, (~0, ~0))))
+        self._given = []
 
     def depth(self, frame=None, size=None):
         size = size or (self.width, self.height)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Changes constants of csrc, one at a time, and looks whether a test notices: make mutate.
 
-    python tests/helpers/mutate.py [--seed N] [--count N] [--only FILE] [--all] [--floats] | --python
+    python tests/helpers/mutate.py [--seed N] [--count N] [--only FILE] [--all] [--floats] [--part K/N] | --python
 
 In a copy of the tree a float grows or shrinks by a fifth and a whole number by one; what it is part of is compiled
 again, and the nearest tests run, the likeliest to notice first. What survives is listed in mutants.txt with the reason
@@ -27,7 +27,7 @@ HERE = Path(__file__).resolve()
 # Memory that is never set holds a pattern, and an index beyond an array ends the process: both are noticed at once.
 SEEN = ("-fsanitize=bounds -fsanitize-undefined-trap-on-error -ftrivial-auto-var-init=pattern -U_FORTIFY_SOURCE "
         "-D_FORTIFY_SOURCE=2")
-LIMIT, STILL = 60, 1200  # seconds that a mutant's tests may compute, and may take: what hangs is noticed
+LIMIT, STILL = 40, 1200  # seconds that a mutant's tests may compute, and may take: what hangs is noticed
 
 # The nearest tests of a file or folder: the first that fits; one after another, the likeliest to notice first.
 TESTS = (
@@ -56,6 +56,8 @@ TESTS = (
     ("csrc/api/check", "unit/test_boundary.py", "stages/test_light.py -k refused"),
     ("csrc/", "unit/test_layers.py", "unit/test_memory.py", "stages/test_edges.py -k sizes", "stages/test_surface.py"),
 )
+
+TWINS = ("csrc/fine/", "csrc/edges/")  # their tests ask twins that take their time
 
 
 # Lines of Python that once could go wrong unseen: what stands there, what it becomes, who should notice.
@@ -117,10 +119,15 @@ class Copy:
         subprocess.run(link, check=True)
         os.replace("addon/libencre.so.part", "addon/libencre.so")
 
-    def warm(self, fine):
+    def warm(self, fine, light=False):
         self.build("probe_0")
         import numpy  # noqa: F401
         import pytest  # noqa: F401
+        if light:
+            sys.path.append(str(self.tree / "tests" / "stages"))
+            import test_shadows
+            for name in test_shadows.ALL:
+                test_shadows.case(name)
         if not fine:
             return
         import passes
@@ -276,6 +283,7 @@ def main(arguments=None):
     parser.add_argument("--all", action="store_true", help="every change of every constant")
     parser.add_argument("--floats", action="store_true", help="no whole numbers")
     parser.add_argument("--line", type=int, default=0, help="of the file that --only names")
+    parser.add_argument("--part", default="1/1", help="of the sample, by files: 2/3 is the second of three")
     args = parser.parse_args(arguments)
     seed = args.seed if args.seed is not None else random.SystemRandom().randrange(10**6)
     root = HERE.parents[2]
@@ -290,13 +298,17 @@ def main(arguments=None):
         chosen = [mutant for found in every.values() for mutant in found]
     if args.line:
         chosen = [mutant for mutant in chosen if mutant.line == args.line]
+    k, parts = map(int, args.part.split("/"))
+    chosen.sort(key=lambda mutant: (mutant.path.startswith(TWINS), mutant.path))
+    chosen = chosen[len(chosen) * (k - 1) // parts:len(chosen) * k // parts]
     print(f"mutate: seed {seed}, {len(chosen)} changes", flush=True)
     listed, survived, equal = mutants.known(), [], []
     with tempfile.TemporaryDirectory(prefix="encre-mutate-") as folder:
         tree = Path(folder).resolve()
         copy(root, tree)
         own = Copy(tree)
-        own.warm(any(m.path.startswith(("csrc/fine/", "csrc/edges/")) for m in chosen))
+        own.warm(any(m.path.startswith(TWINS) for m in chosen),
+                 any(m.path.startswith("csrc/light/") for m in chosen))
         for mutant in chosen:
             if (mutant.path, mutant.text, mutant.old, mutant.new) in listed:
                 equal.append(mutant)

@@ -11,6 +11,7 @@ class World:
         self.points, self.normals, self.owner = np.empty((0, 3, 3)), np.empty((0, 3, 3)), np.empty(0, int)
         self.seen, self.casts = np.empty(0, bool), np.empty(0, bool)
         self.smooth, self.turned = np.empty(0, bool), np.empty(0)
+        self.holes = {}  # number of a triangle -> shadows.Hole
         self.sets = []  # of the owners: (bits of the lamps that light it, of those in whose light it throws shadows)
 
     def add(self, points, corners, model=None, normals=None, seen=True, casts=True, sets=(~0, ~0)):

@@ -184,6 +184,38 @@ class Shown:
                 & (abs(dot(way, self.across[j])) <= near))
 
 
+@dataclass
+class Hole:
+    """Where a triangle is solid: by the corners' uvs (3, 2) in a picture of alpha, 0 to 255, as Scene.texture() has it.
+    """
+
+    uvs: np.ndarray
+    alpha: np.ndarray
+    extension: str = "REPEAT"
+    closest: bool = False
+
+    def solid(self, u, v):
+        with np.errstate(all="ignore"):
+            place = self.uvs[0] + u[:, None] * (self.uvs[1] - self.uvs[0]) + v[:, None] * (self.uvs[2] - self.uvs[0])
+        height, width = self.alpha.shape
+        x, y = (np.nan_to_num(place, nan=0, posinf=0, neginf=0) * (width, height)).T
+        if self.closest:
+            return self.texel(np.floor(x), np.floor(y)) >= 128
+        left, low = np.floor(x - 0.5), np.floor(y - 0.5)
+        total = sum((1 - abs(x - 0.5 - column)) * (1 - abs(y - 0.5 - row)) * self.texel(column, row)
+                    for row in (low, low + 1) for column in (left, left + 1))
+        return total >= 127.5
+
+    def texel(self, x, y):
+        height, width = self.alpha.shape
+        x, y = x.astype(int), y.astype(int)
+        within = (x >= 0) & (y >= 0) & (x < width) & (y < height)
+        if self.extension == "REPEAT":
+            return self.alpha[y % height, x % width].astype(float)
+        found = self.alpha[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)].astype(float)
+        return np.where(within, found, 0) if self.extension == "CLIP" else found
+
+
 class Picture:
     """What the light of lamps does to a picture with its margin, from layers depth (H, W), 1e10 for nothing, and normal
     (H, W, 3) at (x, y) of a frame of `size`."""
@@ -291,7 +323,9 @@ class Picture:
     def meetings(self, lit, s, way):
         """(where rays begin, their ways, how far along them they meet each triangle: inf where they don't)."""
         start, way = self.ray(lit, s, way)
-        t = self.world.meet(start, way, np.arange(len(self.world.owner)), least=0)[0]
+        t, u, v = self.world.meet(start, way, np.arange(len(self.world.owner)), least=0)
+        for triangle, hole in self.world.holes.items():
+            t[:, triangle][~hole.solid(u[:, triangle], v[:, triangle])] = np.inf
         t[t >= (np.inf if lit.endless else 0.99999)] = np.inf
         t[:, ~self.world.throws(lit.lamp.shadow_set)] = np.inf
         own = np.flatnonzero(s.triangle >= 0)

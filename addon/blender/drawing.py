@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One view of a view layer: the passes that Cycles wrote become layers, the stages draw on them, pictures go out."""
+
+import functools
+
+import numpy as np
+
+from ..pen import denoise, layers, library, overlay, saved, supersample, through
+from . import memory, versions, volumes
+
+_FEW = 8  # fewer samples make a draft, of which denoising would take the most time
+
+
+def draw(engine, layer, view_id, passes, write, go_on, shown=None, hasty=False):
+    """Draws one view of one view layer from the passes that Cycles wrote, by classic names, of which each is popped as
+    it is read; None: those in memory. write(name, picture) gets what is to be stored, by the name in this Blender.
+    shown: what the result has, if that is to be kept; hasty: there is no time for the denoiser. Returns how many values
+    were read as 0."""
+    settings, objects = layer.settings, layer.objects
+    name = engine.get_result().views[view_id].name if len(layer.views) > 1 else ""
+    engine.update_stats("Encre", f"{layer.name} {name}".strip())
+    camera, maps, view, projection = layer.views[name]
+    kept = None
+    if layer.kept:
+        if passes is not None:
+            layer.kept.views[view_id] = memory.View(dict(passes), shown, dict(maps))
+        kept = layer.kept.views[view_id]
+        passes, maps, write = kept.again(objects.catchers.any()), dict(kept.maps), kept.noting(write)
+    write = layer.shrinking(write)
+    frame = supersample.frame(layer.frame, layer.factor)
+    index = passes.pop("IndexOB")[..., 0]
+    instance = maps["object"].reshape(index.shape)
+    caught = objects.catchers[instance] & (objects.owners[instance] == index) if objects.catchers.any() else None
+    del instance
+    clear, depth = maps.pop("through", None), None
+    given = index
+    if clear:
+        index, depth, decided = through.settled(index, passes["Depth"][..., 0], clear, maps["object"],
+                                                objects.owners)
+        del clear
+    known = overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)
+    if layer.user_indices is not None:
+        given = np.clip(given, 0, len(layer.user_indices) - 1).astype(np.intp)
+        write(versions.pass_name("IndexOB"), layer.user_indices[given][..., None])
+    del index, given
+    if depth is not None:
+        known["depth"] = depth[..., None]
+        write(versions.pass_name("Depth"), known["depth"])  # as drawing the file again reads it
+        if "creases" in known:
+            known["creases"].reshape(-1, 5)[decided, 4] = 0  # normals are noise there
+        del depth, decided
+    if "Denoising Depth" in passes:
+        known["seen_depth"] = layers.seen_depth(passes.pop("Denoising Depth"), projection, frame, layer.clip_start)
+    illuminate = layer.light and (lambda depth, normal: layer.light.draw(
+        depth, normal, view, projection, frame, layer.threads, go_on))
+    size = layer.factor * layer.place.width, layer.factor * layer.place.height
+    denoiser = _denoiser(layer, go_on, hasty, volumes.window(layer.volumes, view, projection, frame, size))
+    if kept:
+        denoiser = denoiser and functools.partial(kept.once, settings.light_scale, denoiser)
+        illuminate = illuminate and functools.partial(kept.once, "drawn", illuminate)
+    images, nonfinite = layers.assemble(passes, settings, known, denoiser, layer.denoise_other, illuminate)
+    known.clear()
+    overlay.complete_anchor(images, view, projection, frame)
+    if caught is not None:
+        overlay.hide(images, caught)
+        for layer_name, name in (("depth", "Depth"), ("normal", "Normal"), ("color", "DiffCol")):
+            write(versions.pass_name(name), images[layer_name])  # as drawing the file again reads them
+    # What is stored leaves as soon as it is there: while the library draws, nothing else is held.
+    if layer.keeps:
+        for name in saved.passes("seen_depth" in images, "anchor" in images):
+            write(name, saved.pack(name, images))
+    if not layer.outputs:
+        return nonfinite
+    drawn = library.draw(images, settings.every, camera, frame, outputs=layer.outputs,
+                         threads=layer.threads, progress=go_on, image=lambda _name: layer.paper)
+    images.clear()
+    for name in list(drawn.images):
+        write(name, drawn.images.pop(name))
+    return nonfinite + drawn.nonfinite
+
+
+def _denoiser(layer, go_on, hasty, also):
+    wanted = layer.denoise_other if layer.light else layer.settings.denoises
+    if hasty or layer.hasty or not wanted or not denoise.available(versions.home()):
+        return None
+    frame, scale = supersample.frame(layer.frame, layer.factor), layer.settings.light_scale
+    return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, go_on,
+                                                           versions.home(), scale, layer.samples < _FEW,
+                                                           (frame.x, frame.y), also)
