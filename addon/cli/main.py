@@ -95,7 +95,7 @@ def _composite(args):
     changes, frames = _changes(args), _frames(args)
     jobs = min(args.jobs, len(todo(args.layers, args.output, frames)))
     if jobs > 1:
-        split(args.argv, jobs, args.threads)
+        split(args.argv, args.layers, jobs, args.threads)
         return
     restyle(args.layers, args.output, changes, frames=frames, resume=args.resume, share=args.share, say=say,
             view_layer=args.view_layer, threads=args.threads, allow_paths=args.allow_paths, asked=asked,
