@@ -129,6 +129,8 @@ def prepare(job, report):
     if job["size"]:
         scene.render.resolution_x, scene.render.resolution_y = job["size"]
         scene.render.resolution_percentage = 100
+    if words := settings.blots(scene.render.resolution_y * scene.render.resolution_percentage // 100):
+        report("note", text=words)
     picture = scene.render.image_settings
     exr = job["ending"].lower() == ".exr"
     if hasattr(picture, "media_type"):  # Blender 5: the formats on offer depend on it

@@ -311,6 +311,23 @@ def test_another_light_is_said_where_it_would_be_seen(run, tmp_path, scene):
     assert not said({"Encre Diffuse": np.ones_like(scene["diffuse"])}, {}), "it is the same everywhere"
 
 
+def test_lines_in_pixels_that_run_together_are_said(run, tmp_path, scene):
+    """The presets of the theses are in pixels, for pictures as large as theirs."""
+    path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)},
+                     metadata=metadata.write({}, [], Camera(), Frame(400, 360)))
+
+    def said(*options):
+        status, _, err = run("composite", path, "-o", tmp_path / "out.exr", *options)
+        assert status == 0
+        return [line for line in err.splitlines() if "run together" in line]
+
+    [words] = said("--preset=inter_color_2016")
+    assert "lines of 22 px run together in a picture 360 px high; make it larger than 733" in words
+    assert said("--preset=inter_color_2016", "--set=line_max_thickness=10") == []
+    assert said("--preset=inter_color_2016", "--set=length_unit=RELATIVE") == []
+    assert said("--preset=water_memory_2020") == said("--set=line_thickness=100") == []
+
+
 def test_all_view_layers_are_drawn(run, tmp_path, scene):
     """Each as if it were alone; a PNG has room for one, and says so."""
     second = drawn.scene(*SIZE, seed=1)
