@@ -344,10 +344,13 @@ class _Work:
                 self.room.give_back()
                 return progress(fraction)
 
-            result = library.draw(read, settings.every, stored.camera, _place(stored, window),
-                                  ("Combined",) if self.as_png else ("Combined", *layers.DRAWN), self.threads,
-                                  progress=go_on, image=lambda name: _paper_pixels(name, stored.paper, self.change),
-                                  empty=self.room.zeros)
+            try:
+                result = library.draw(read, settings.every, stored.camera, _place(stored, window),
+                                      ("Combined",) if self.as_png else ("Combined", *layers.DRAWN), self.threads,
+                                      progress=go_on, image=lambda name: _paper_pixels(name, stored.paper, self.change),
+                                      empty=self.room.zeros)
+            except EncreError as error:
+                raise EncreError(f"{where}: {error}") from None
         del read
         pictures = {name: _whole(picture, self.place, window) for name, picture in result.images.items()}
         self.picture = pictures["Combined"]

@@ -12,6 +12,7 @@ import time
 from ..pen import metadata
 from ..pen.errors import EncreError, shown
 from . import images, sequence
+from .composite import check as passes_of
 from .composite import composite
 from .progress import say
 from .render import RenderError
@@ -63,8 +64,21 @@ def _once(say, said, source):
     return hear
 
 
+def check(layers, frames, view_layer, asked):
+    """Yields (file, text that lists its passes, whether it can be drawn) of an EXR or of those of a sequence: each list
+    once, of the first that has it."""
+    seen = set()
+    for source in todo(layers, layers, frames):
+        text, good = passes_of(source, view_layer, asked)
+        if (alike := text.replace(source, "")) not in seen:
+            seen.add(alike)
+            yield source, text, good
+
+
 def todo(layers, out, frames):
     """{input: output}."""
+    if re.search(r"%\d*d", os.path.basename(layers)):
+        raise EncreError(f"{layers}: write # for each digit of the frame's number, not %d")
     if "#" not in os.path.basename(layers):
         if frames is not None:
             raise EncreError(f"{layers}: is one file, not a sequence; put # where the number stands")

@@ -152,6 +152,24 @@ sys.exit(encre.__main__.main())
     assert (child.returncode, child.stderr) == (130, "encre: interrupted\n")
 
 
+def test_a_mistake_of_ours_is_one_line_and_what_modules_warn_of_is_said_once():
+    code = """
+import sys, warnings
+from encre.cli import main
+def mistake(_args):
+    raise ZeroDivisionError("boom \x1b[2J")
+def hum(_args):
+    for _ in range(3):
+        warnings.warn("something is odd")
+main.COMMANDS.update(presets=mistake, params=hum)
+sys.exit(100 * main.main(["params"]) + main.main(["presets"]))
+"""
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    warning, error = child.stderr.splitlines()
+    assert child.returncode == 1 and warning == "encre: warning: something is odd"
+    assert error.startswith(r"encre: error: this should not happen: ZeroDivisionError: boom \x1b[2J (<string>, line 5)")
+
+
 def test_streams_that_are_closed_or_know_few_characters():
     for shell in (">&-", "2>&-", ">&- 2>&-"):
         child = subprocess.run(f'"{sys.executable}" -m encre params {shell}', shell=True, capture_output=True,

@@ -291,6 +291,20 @@ def test_thousands_of_unknown_settings_are_one_warning(run, tmp_path, scene):
 # Damaged files
 
 
+def test_huge_values_and_windows(tmp_path, scene):
+    """What overflows is counted with what is not finite, without numpy's own words; a display window is no order."""
+    pictures = exr.passes(scene)
+    for name in ("Combined", "DiffDir", "Normal"):
+        pictures[name] = pictures[name].copy()
+        pictures[name][4:8, :20] *= np.float32(3e38)
+    exr.write(tmp_path / "huge.exr", pictures)
+    code, _, err = finish(start("composite", tmp_path / "huge.exr", "-o", tmp_path / "huge.png", "--threads", "1"))
+    assert code == 0 and "overflow" not in err and all(line.startswith("encre: ") for line in err.splitlines()), err
+    exr.write(tmp_path / "wide.exr", exr.passes(scene), window=(0, 0, 100000, 100000))
+    fails(finish(start("composite", tmp_path / "wide.exr", "-o", tmp_path / "wide.png")), "wide.exr", "100000")
+
+
+
 @pytest.mark.parametrize("letters", ["RGB", "RGBAQ", "ARGB"])
 @pytest.mark.parametrize("saved", [False, True])
 def test_combined_without_alpha_or_with_more(run, tmp_path, scene, letters, saved, monkeypatch):
