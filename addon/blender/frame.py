@@ -104,7 +104,8 @@ class Frames:
         flat = camera.data.type in {"PERSP", "ORTHO"}
         light = self._light(depsgraph, camera, settings) if flat else None
         if settings.denoises and not light and not denoise.available(versions.home()):
-            self.engine.say("INFO", "Open Image Denoise is not there: the light keeps its noise")
+            self.engine.say("INFO", "Open Image Denoise is not there: the light keeps its noise; with "
+                                    "light_source=DRAWN it has none")
         if settings.active and not flat:
             raise EncreError(f"camera {camera.name}: it is panoramic, and Encre draws only what perspective and "
                                   "orthographic cameras see; make it one of them")

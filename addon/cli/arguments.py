@@ -28,6 +28,8 @@ class _Parser(argparse.ArgumentParser):
             self.description = textwrap.fill(self.description, 100)
 
     def error(self, message):
+        if re.fullmatch(r"unrecognized arguments: \S.*\.exr", message):  # what a shell makes of in.*.exr
+            message += " (of a sequence give one name with # for the number, in quotes: 'in.####.exr')"
         say("error", f"{message}; see {self.prog} --help")
         self.exit(2)
 
@@ -35,7 +37,9 @@ class _Parser(argparse.ArgumentParser):
 def _ending(*endings):
     def check(path):
         if os.path.splitext(path)[1].lower() not in endings:
-            raise argparse.ArgumentTypeError(f"{path} must be a name that ends in {' or '.join(endings)}")
+            raise argparse.ArgumentTypeError(f"{path or repr(path)} must be a name that ends in {' or '.join(endings)}")
+        if re.search(r"%\d*d", os.path.basename(path)):
+            raise argparse.ArgumentTypeError(f"{path}: write # for each digit of the frame's number, not %d")
         return path
     return check
 

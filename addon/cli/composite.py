@@ -284,11 +284,9 @@ class _Work:
                               "is drawn at that")
         space = exr.metadata.get(colour.INTEROP, "")
         settings = Settings(scene, self.stored.styles, space)
-        held = Settings(self.stored.scene).every[0]
-        for source, stays, used in (("layer_source", "its layers are", True),
-                                    ("light_source", "its light is", settings.wants_light)):
-            if (value := settings.every[0][source]) != held[source] and used:
-                self._say("note", f"{source} {value} needs a render: {exr.path} is drawn as {stays}")
+        self.held = Settings(self.stored.scene)
+        if (value := settings.every[0]["layer_source"]) != self.held.every[0]["layer_source"]:
+            self._say("note", f"layer_source {value} needs a render: {exr.path} is drawn as its layers are")
         self.settings = Settings(_paper(settings, change, exr.path, allow_paths, self.stored.paper), self.stored.styles,
                                  space)
         self._say("note", settings.in_vain(named))
@@ -331,8 +329,14 @@ class _Work:
         read, bad = _read(self.exr, names, settings, self.place, stored.camera, self.threads, self.room)
         self._say("note", _notes(stored, names, where))
         if _denoises(names, settings) and not denoiser.available():
+            cure = "; rendered with light_source=DRAWN it has none" if stored.scene is not None else ""
             self._say("note", f"{where} holds light as it was rendered, and Open Image Denoise is not installed here: "
-                              "its noise stays")
+                              f"its noise stays{cure}")
+        light = settings.every[0]["light_source"]
+        if settings.wants_light and light != self.held.every[0]["light_source"] and not self.held.fast \
+                and np.ptp(read["diffuse"]):
+            self._say("note", f"light_source {light} needs a render: {where} is drawn as its light is")
+        self._say("note", settings.blots(_place(stored, window).height))
         self._say("note", missing and f"{where} has {'; '.join(missing)}")
         self._say("note", _idle(read, settings, where))
         with interrupt.heeded() as progress:
@@ -340,10 +344,13 @@ class _Work:
                 self.room.give_back()
                 return progress(fraction)
 
-            result = library.draw(read, settings.every, stored.camera, _place(stored, window),
-                                  ("Combined",) if self.as_png else ("Combined", *layers.DRAWN), self.threads,
-                                  progress=go_on, image=lambda name: _paper_pixels(name, stored.paper, self.change),
-                                  empty=self.room.zeros)
+            try:
+                result = library.draw(read, settings.every, stored.camera, _place(stored, window),
+                                      ("Combined",) if self.as_png else ("Combined", *layers.DRAWN), self.threads,
+                                      progress=go_on, image=lambda name: _paper_pixels(name, stored.paper, self.change),
+                                      empty=self.room.zeros)
+            except EncreError as error:
+                raise EncreError(f"{where}: {error}") from None
         del read
         pictures = {name: _whole(picture, self.place, window) for name, picture in result.images.items()}
         self.picture = pictures["Combined"]

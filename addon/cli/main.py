@@ -20,10 +20,9 @@ from ..pen.errors import EncreError, shown
 from . import images, substitutes, tools
 from .arguments import parser
 from .bake import bake
-from .composite import check
 from .progress import Progress, say
 from .render import RenderError, render
-from .restyle import restyle, split, todo
+from .restyle import check, restyle, split, todo
 
 
 def _changes(args):
@@ -85,17 +84,19 @@ def _compare(args):
 def _composite(args):
     asked = substitutes.given(args.asked)
     if args.check:
-        text, good = check(args.layers, args.view_layer, asked)
-        print("\n".join(map(shown, text.splitlines())))
-        if not good:
-            raise EncreError(f"{args.layers}: has no picture: pass Combined is missing; render it")
+        bad = []
+        for source, text, good in check(args.layers, _frames(args), args.view_layer, asked):
+            print("\n".join(map(shown, text.splitlines())), flush=True)
+            bad += [] if good else [source]
+        if bad:
+            raise EncreError(f"{', '.join(bad)}: has no picture: pass Combined is missing; render it")
         return
     if args.output is None:
         raise EncreError("-o is missing; say where the picture goes")
     changes, frames = _changes(args), _frames(args)
     jobs = min(args.jobs, len(todo(args.layers, args.output, frames)))
     if jobs > 1:
-        split(args.argv, jobs, args.threads)
+        split(args.argv, args.layers, jobs, args.threads)
         return
     restyle(args.layers, args.output, changes, frames=frames, resume=args.resume, share=args.share, say=say,
             view_layer=args.view_layer, threads=args.threads, allow_paths=args.allow_paths, asked=asked,

@@ -37,7 +37,8 @@ class Exr:
     def __init__(self, path, threads=0):
         oiio = images.openimageio()
         if not os.path.isfile(path):
-            raise EncreError(f"{path}: there is no such file; check the path")
+            raise EncreError(f"{path}: is a folder; give a file in it" if os.path.isdir(path) else
+                             f"{path}: there is no such file; check the path")
         if threads:
             oiio.attribute("threads", threads)
             oiio.attribute("exr_threads", threads)

@@ -19,7 +19,10 @@ def numbers(text):
         match = _PART.fullmatch(part.strip())
         first = int(match[1]) if match else 0
         last = int(match[2]) if match and match[2] else first
-        if not match or last < first or max(abs(first), abs(last)) > LAST_FRAME:
+        if last < first:
+            raise EncreError(f"{text!r} goes backwards from {first} to {last}; give the first frame first: "
+                             f"{last}-{first}")
+        if not match or max(abs(first), abs(last)) > LAST_FRAME:
             raise EncreError(f"{text!r} is not a frame number from {-LAST_FRAME} to {LAST_FRAME} nor a list such as "
                              "1-100x5,7; give one")
         found.update(dict.fromkeys(range(first, last + 1, int(match[3] or 1))))

@@ -39,9 +39,19 @@ def chosen(kind, name, known, job):
 def missing():
     """Files that the scene uses and that are not there."""
     found = [(library.filepath, None) for library in bpy.data.libraries]
-    found += [(image.filepath, image.library) for image in bpy.data.images
-              if image.source == "FILE" and image.users and image.filepath and not image.packed_file]
+    found += [(path, image.library) for image in bpy.data.images
+              if image.source in ("FILE", "MOVIE", "TILED") and image.users and image.filepath
+              and not image.packed_files for path in _files(image)]
     return [path for path, library in found if not os.path.exists(bpy.path.abspath(path, library=library))]
+
+
+def _files(image):
+    """Paths of an image: several of one in tiles."""
+    if image.source != "TILED":
+        return [image.filepath]
+    numbers = [tile.number for tile in image.tiles]
+    return [image.filepath.replace("<UDIM>", str(number))
+            .replace("<UVTILE>", f"u{(number - 1001) % 10 + 1}_v{(number - 1001) // 10 + 1}") for number in numbers]
 
 
 def use_device(scene, name):
@@ -129,6 +139,8 @@ def prepare(job, report):
     if job["size"]:
         scene.render.resolution_x, scene.render.resolution_y = job["size"]
         scene.render.resolution_percentage = 100
+    if words := settings.blots(scene.render.resolution_y * scene.render.resolution_percentage // 100):
+        report("note", text=words)
     picture = scene.render.image_settings
     exr = job["ending"].lower() == ".exr"
     if hasattr(picture, "media_type"):  # Blender 5: the formats on offer depend on it

@@ -13,11 +13,18 @@ class Cancelled(EncreError):
     """The progress callback returned False."""
 
 
-def unknown(kind: str, name: object, names: Iterable[str]) -> str:
-    """One sentence about an unknown name, with the nearest known ones."""
-    near = difflib.get_close_matches(str(name), list(names), 3, 0.5)
-    cure = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(names)}"
-    return f"{name}: unknown {kind}; {cure}"
+_MOST_LISTED = 16  # names in one sentence
+
+
+def unknown(kind: str, name: object, names: Iterable[str], listed: str = "") -> str:
+    """One sentence about an unknown name: with the nearest known ones or, where none is near and they are few, all.
+    listed: what is said after that, of where all are found."""
+    known = [str(each) for each in names]
+    near = difflib.get_close_matches(str(name), known, 3, 0.5)
+    if not near and len(known) > _MOST_LISTED:
+        near = difflib.get_close_matches(str(name), known, 3, 0)
+    cure = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(known)}"
+    return f"{name}: unknown {kind}; {cure}" + listed
 
 
 def shown(text: str) -> str:

@@ -20,6 +20,7 @@ from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work
 from .params import Control, Param, Stage, control, normal, read, stage, text_of
 
 API_VERSION = 10
+_ALL = "; `encre params` lists all"
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 
 
@@ -85,7 +86,7 @@ class Library:
         out = {}
         for id_, value in values.items():
             if id_ not in self.params:
-                raise EncreError(unknown("parameter", id_, self.params))
+                raise EncreError(unknown("parameter", id_, self.params, _ALL))
             out[id_] = normal(self.params[id_], value)
         text = c.create_string_buffer(512)
         block, _keep = self.pack(out, image)
@@ -355,7 +356,7 @@ def complete(scene: Mapping[str, Any], styles: Sequence[Mapping[str, Any]] = ())
 def parse(id_: str, text: str) -> Any:
     """A value from the command line's text, good by itself. EncreError: unknown id, or it can't be read."""
     if id_ not in params():
-        raise EncreError(unknown("parameter", id_, params()))
+        raise EncreError(unknown("parameter", id_, params(), _ALL))
     return normal(params()[id_], read(params()[id_], text))
 
 

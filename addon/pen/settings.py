@@ -10,6 +10,7 @@ import numpy as np
 from . import colour, library
 from .params import terms
 
+_MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
 _WINDOW = 24  # pixels about an edge at which its detector looks, whatever the settings are
 
 # Versions of the settings, which files store: {version: {id: the default before it}}. Ids are for ever. To change a
@@ -43,6 +44,18 @@ def _wish(term):
     if library.params()[id_].type == "bool":
         return f"{id_}={'off' if term.startswith('!') else 'on'}"
     return f"{id_} above 0"
+
+
+def pixels_wide(values: Mapping[str, Any]) -> float:
+    """How wide lines are that are given in pixels of the frame; 0: there are none."""
+    if not values["use_lines"] or values["length_unit"] != "PIXELS":
+        return 0.0
+    return min(values["line_thickness"], values["line_max_thickness"])
+
+
+def crowded(width: float, height: int) -> bool:
+    """Whether lines so wide run together in a picture of this height."""
+    return width > _MOST_OF_HEIGHT * height
 
 
 class Settings:
@@ -83,6 +96,14 @@ class Settings:
                 found[p.id] = " and ".join(_wish(term) for term, true in judged[0].items() if not true)
         some = ", ".join(f"{id_} (it needs {wish})" for id_, wish in found.items())
         return f"what was set changes nothing here: {some}" if found else None
+
+    def blots(self, height: int) -> str | None:
+        """That lines in pixels are too wide for a picture of this height, in one sentence; None: they are not."""
+        most = max(map(pixels_wide, self.every))
+        if not crowded(most, height):
+            return None
+        return (f"lines of {most:g} px run together in a picture {height} px high; make it larger than "
+                f"{int(most / _MOST_OF_HEIGHT)}, or set length_unit=RELATIVE and they shrink with it")
 
     @cached_property
     def active(self) -> bool:

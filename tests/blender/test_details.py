@@ -28,6 +28,10 @@ def test_what_has_no_effect_is_greyed_out(facts):
         assert enabled == (detector == "CONTRAST" and not auto)
 
 
+def test_lines_in_pixels_that_run_together_are_said(facts):
+    assert facts["blots"] == [None, *["Lines of 22 px run together"] * 2, None]
+
+
 def test_whatever_changes_the_scene_can_be_undone(facts):
     options = facts["options"][0]
     assert len(options) > 8

@@ -109,6 +109,20 @@ def test_words_for_values(said, id_, value):
     assert library.parse(id_, said) == (value if id_ != "line_color" else pytest.approx(value))
 
 
+def test_an_unknown_parameter_has_its_nearest_beside_it_and_not_all(run):
+    for said, near in (("foo=1", ""), ("thickness=3", "line_thickness"), ("lines=3", "use_lines")):
+        result = run("composite", "in.exr", "-o", "out.png", f"--set={said}")
+        fails(result, "unknown parameter; did you mean ", near, "; `encre params` lists all")
+        names = result[2].partition("did you mean ")[2].partition("?")[0].split(", ")
+        assert len(names) <= 3 and set(names) <= library.params().keys()
+    fails(run("composite", "in.exr", "-o", "out.png", "--set=edge_detector=foo"), "known are DOG, ", "FINE")
+
+
+def test_frames_that_go_backwards(run):
+    fails(run("composite", "in.#.exr", "-o", "out.#.png", "-f", "1,5-1"), "goes backwards from 5 to 1",
+          "give the first frame first: 1-5; see")
+
+
 def test_threads_0_is_one_a_processor(run, tmp_path, scene):
     path = exr.write(tmp_path / "in.exr", exr.passes(scene))
     assert run("composite", path, "-o", tmp_path / "out.exr", "--threads", "0")[0] == 0
@@ -136,6 +150,24 @@ sys.exit(encre.__main__.main())
 """
     child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert (child.returncode, child.stderr) == (130, "encre: interrupted\n")
+
+
+def test_a_mistake_of_ours_is_one_line_and_what_modules_warn_of_is_said_once():
+    code = """
+import sys, warnings
+from encre.cli import main
+def mistake(_args):
+    raise ZeroDivisionError("boom \x1b[2J")
+def hum(_args):
+    for _ in range(3):
+        warnings.warn("something is odd")
+main.COMMANDS.update(presets=mistake, params=hum)
+sys.exit(100 * main.main(["params"]) + main.main(["presets"]))
+"""
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    warning, error = child.stderr.splitlines()
+    assert child.returncode == 1 and warning == "encre: warning: something is odd"
+    assert error.startswith(r"encre: error: this should not happen: ZeroDivisionError: boom \x1b[2J (<string>, line 5)")
 
 
 def test_streams_that_are_closed_or_know_few_characters():

@@ -227,6 +227,31 @@ def test_what_blender_prints_is_never_a_report(tmp_path):
     fails(encre("render", path, "-o", tmp_path / "no.png", "--strict"), "lost", "not there")
 
 
+LINKS = """
+import os
+here = os.path.dirname(__file__)
+bpy.data.libraries.write(os.path.join(here, "props.blend"), {mesh})
+with bpy.data.libraries.load(os.path.join(here, "props.blend"), link=True) as (_, props):
+    props.meshes = ["Cube"]
+scene.collection.objects.link(bpy.data.objects.new("Prop", props.meshes[0]))
+tiles = bpy.data.images.new("tiles", 4, 4, tiled=True)
+tiles.tiles.new(1002)
+tiles.filepath_raw, tiles.use_fake_user = os.path.join(here, "wood.<UDIM>.png"), True
+open(os.path.join(here, "wood.1001.png"), "wb")
+bpy.ops.wm.save_as_mainfile(filepath=os.path.join(here, "in.blend"))
+os.remove(os.path.join(here, "props.blend"))
+"""
+
+
+def test_missing_libraries_and_tiles_are_said(tmp_path):
+    works(encre("render", script(tmp_path, LINKS), "-o", tmp_path / "a.png"))
+    err = works(encre("render", tmp_path / "in.blend", "-o", tmp_path / "b.png"))
+    assert "not there: " in err and "props.blend" in err and "wood.1002.png" in err and "wood.1001.png" not in err
+    out = tmp_path / "c.png"
+    fails(encre("render", tmp_path / "in.blend", "-o", out, "--strict"), "props.blend", "bring them back")
+    assert not out.exists()
+
+
 def test_a_view_leads_into_no_other_folder(tmp_path):
     path = script(tmp_path, "scene.render.use_multiview = True\n"
                             "scene.render.views[0].file_suffix = '/../../escaped'\n")

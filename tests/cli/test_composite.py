@@ -292,6 +292,42 @@ def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, sce
     assert "edge_seen" in said()
 
 
+def test_another_light_is_said_where_it_would_be_seen(run, tmp_path, scene):
+    """Not where nothing looks at light, none is in the file, or it was drawn all the same."""
+    def said(change, held, *options):
+        pictures = {**exr.passes(scene), **exr.saved(scene), **change}
+        stored = metadata.write(held, [], Camera(), Frame(*SIZE))
+        path = exr.write(tmp_path / "in.exr", {name: p for name, p in pictures.items() if p is not None},
+                         metadata=stored)
+        status, _, err = run("composite", path, "-o", tmp_path / "out.exr", "--preset", "ink_only", *options)
+        assert status == 0
+        return " needs a render" in err
+
+    assert said({}, {}) and said({}, {"light_source": "DRAWN"}, "--set=light_source=CYCLES")
+    assert not said({}, {"light_source": "DRAWN"})
+    assert not said({}, {"layer_source": "ENCRE"}), "whose light is always drawn"
+    assert not said({}, {}, "--set=use_shading=off", "--set=edge_light=0")
+    assert not said(dict.fromkeys(("Encre Diffuse", "DiffDir", "DiffInd", "Encre Source")), {}), "there is no light"
+    assert not said({"Encre Diffuse": np.ones_like(scene["diffuse"])}, {}), "it is the same everywhere"
+
+
+def test_lines_in_pixels_that_run_together_are_said(run, tmp_path, scene):
+    """The presets of the theses are in pixels, for pictures as large as theirs."""
+    path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)},
+                     metadata=metadata.write({}, [], Camera(), Frame(400, 360)))
+
+    def said(*options):
+        status, _, err = run("composite", path, "-o", tmp_path / "out.exr", *options)
+        assert status == 0
+        return [line for line in err.splitlines() if "run together" in line]
+
+    [words] = said("--preset=inter_color_2016")
+    assert "lines of 22 px run together in a picture 360 px high; make it larger than 733" in words
+    assert said("--preset=inter_color_2016", "--set=line_max_thickness=10") == []
+    assert said("--preset=inter_color_2016", "--set=length_unit=RELATIVE") == []
+    assert said("--preset=water_memory_2020") == said("--set=line_thickness=100") == []
+
+
 def test_all_view_layers_are_drawn(run, tmp_path, scene):
     """Each as if it were alone; a PNG has room for one, and says so."""
     second = drawn.scene(*SIZE, seed=1)

@@ -61,6 +61,29 @@ def test_sequences(run, tmp_path, scene, ending):
     fails(run("composite", tmp_path / "none.####.exr", "-o", out), "no such frame")
 
 
+def test_sequences_are_checked(run, tmp_path, scene):
+    """What many frames have alike is listed once."""
+    pictures = exr.passes(scene)
+    for frame in (1, 2, 3):
+        exr.write(tmp_path / f"in.{frame}.exr", pictures)
+    exr.write(tmp_path / "in.4.exr", {name: pictures[name] for name in ("Combined", "Depth")})
+    status, out, err = run("composite", tmp_path / "in.#.exr", "--check")
+    assert (status, err) == (0, "") and out.count("view layer") == 2 and "in.1.exr: view" in out and "in.4.exr" in out
+    assert run("composite", tmp_path / "in.#.exr", "--check", "-f", "2-3")[1].count("view layer") == 1
+    exr.write(tmp_path / "in.3.exr", {"Depth": scene["depth"]})
+    status, out, err = run("composite", tmp_path / "in.#.exr", "--check")
+    assert status == 2 and out.count("view layer") == 3 and "in.3.exr: has no picture" in err and "in.4" not in err
+
+
+def test_sequences_by_other_programs_names(run, tmp_path):
+    fails(run("composite", tmp_path / "in.%04d.exr", "-o", tmp_path / "o.#.png"), "in.%04d.exr: write #")
+    fails(run("composite", tmp_path / "in.#.exr", "-o", tmp_path / "o.%04d.png"), "o.%04d.png: write #")
+    fails(run("composite", "in.1.exr", "in.2.exr", "in.3.exr", "-o", "o.png"), "unrecognized arguments: in.2.exr",
+          "in quotes: 'in.####.exr'")
+    fails(run("composite", tmp_path, "-o", tmp_path / "o.png"), "is a folder")
+    fails(run("composite", "in.exr", "-o", ""), "'' must be a name that ends in")
+
+
 def test_jobs(tmp_path, scene):
     for frame in range(1, 6):
         exr.write(tmp_path / f"in.{frame:04}.exr", exr.passes(scene))
@@ -70,10 +93,29 @@ def test_jobs(tmp_path, scene):
     code, out, err = finish(start(*command))
     assert code == 0 and out.count("\n") == 5, err
     assert [p.name for p in sorted(tmp_path.glob("*.png"))] == [f"o.{k:04}.png" for k in range(1, 6)]
+    (tmp_path / "o.0002.png").unlink()
+    code, out, err = finish(start(*command, "--resume", "--preset", "inter_color_2016"))
+    assert code == 0 and out.count("\n") == 5 and "finished" not in err
+    assert err.count("does not hold all") == 1, "what all say is said once"
+    (tmp_path / "o.0002.png").unlink()
+    code, out, err = finish(start(*command, "--resume", "--preset", "inter_color_2016"))
+    assert code == 0 and out.count("\n") == 1 and err.count("finished") == 1
+    assert err.endswith("encre: note: 4 of 5 frames are finished and left alone\n")
     (tmp_path / "in.0002.exr").write_bytes(b"")
     code, _, err = finish(start(*command))
     assert code == 1 and "in.0002.exr" in err and err.splitlines()[-1].startswith("encre: error: not all frames")
     assert not list(tmp_path.glob(".encre-*"))
+
+
+def test_jobs_end_with_the_process_that_shares_them_out(tmp_path, scene):
+    for frame in range(1, 41):
+        exr.write(tmp_path / f"in.{frame:04}.exr", exr.passes(scene))
+    child = start("composite", tmp_path / "in.####.exr", "-o", tmp_path / "o.####.png", "--jobs", "2",
+                  env={**os.environ, "TMPDIR": str(tmp_path)})
+    assert child.stdout.readline()
+    child.kill()
+    out, err = child.communicate(timeout=60)  # when all who could still write have ended
+    assert len(list(tmp_path.glob("o.*.png"))) < 20 and not list(tmp_path.glob(".encre-*")), err
 
 
 def test_what_is_half_made_has_a_name_that_nobody_foresees(tmp_path, monkeypatch):

@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import drawn
 import exr
@@ -135,19 +134,28 @@ def test_light_is_denoised_in_strips(run, tmp_path, monkeypatch):
     assert np.abs(drawn_[0] - drawn_[1]).mean() < 1e-5
 
 
-def test_noise_that_stays_is_said(run, tmp_path, scene, monkeypatch):
-    """Where there is no Blender and no such library."""
-    monkeypatch.setattr(sys, "path", [place for place in sys.path if not (Path(place) / "bpy").is_dir()])
-    monkeypatch.setenv("PATH", str(tmp_path))
-    denoiser.home.cache_clear()
-    try:
-        if denoiser.available():
-            pytest.skip("the system, or another test of this process, has Open Image Denoise")
-        path = exr.write(tmp_path / "in.exr", exr.passes(scene))
-        assert "noise stays" in run("composite", path, "-o", tmp_path / "a.exr", denoise=True)[2]
-        assert "noise stays" not in run("composite", path, "-o", tmp_path / "a.exr")[2]
-    finally:
-        denoiser.home.cache_clear()
+def test_noise_that_stays_is_said(tmp_path, scene):
+    """Where there is no Blender and no such library, and with it where it need not be."""
+    code = """
+import pathlib, sys
+import OpenImageIO
+from encre.cli import denoiser, main
+sys.path[:] = [place for place in sys.path if not (pathlib.Path(place) / "bpy").is_dir()]
+print(denoiser.available(), flush=True)
+for name in "plain.exr", "frame.exr":
+    main.main(["composite", name, "-o", "a.exr"])
+main.main(["composite", "plain.exr", "-o", "a.exr", "--set=light_denoise=NONE"])
+"""
+    exr.write(tmp_path / "plain.exr", exr.passes(scene))
+    exr.write(tmp_path / "frame.exr", exr.passes(scene), metadata=metadata.write({}, [], Camera(), Frame(*SIZE)))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, timeout=60,
+                          env={**os.environ, "PATH": str(tmp_path)})
+    if done.stdout.startswith("True"):
+        pytest.skip("the system has Open Image Denoise")
+    said = [line for line in done.stderr.splitlines() if "noise" in line]
+    assert len(said) == 2 and all("its noise stays" in line for line in said), done.stderr
+    assert "plain.exr" in said[0] and said[1].endswith("; rendered with light_source=DRAWN it has none")
+    assert "DRAWN" not in said[0], "others' renderers don't know that"
 
 
 @pytest.mark.parametrize(("options", "words"), [
@@ -281,6 +289,20 @@ def test_thousands_of_unknown_settings_are_one_warning(run, tmp_path, scene):
 
 
 # Damaged files
+
+
+def test_huge_values_and_windows(tmp_path, scene):
+    """What overflows is counted with what is not finite, without numpy's own words; a display window is no order."""
+    pictures = exr.passes(scene)
+    for name in ("Combined", "DiffDir", "Normal"):
+        pictures[name] = pictures[name].copy()
+        pictures[name][4:8, :20] *= np.float32(3e38)
+    exr.write(tmp_path / "huge.exr", pictures)
+    code, _, err = finish(start("composite", tmp_path / "huge.exr", "-o", tmp_path / "huge.png", "--threads", "1"))
+    assert code == 0 and "overflow" not in err and all(line.startswith("encre: ") for line in err.splitlines()), err
+    exr.write(tmp_path / "wide.exr", exr.passes(scene), window=(0, 0, 100000, 100000))
+    fails(finish(start("composite", tmp_path / "wide.exr", "-o", tmp_path / "wide.png")), "wide.exr", "100000")
+
 
 
 @pytest.mark.parametrize("letters", ["RGB", "RGBAQ", "ARGB"])

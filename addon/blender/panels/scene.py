@@ -3,7 +3,8 @@
 
 import bpy
 
-from .. import memory
+from ...pen.settings import crowded, pixels_wide
+from .. import memory, properties
 from ..languages import iface_
 from . import presets
 from .base import EncrePanel
@@ -19,6 +20,14 @@ class ENCRE_OT_standard_view(bpy.types.Operator):
     def execute(self, context):
         context.scene.view_settings.view_transform = "Standard"
         return {"FINISHED"}
+
+
+def blots(scene):
+    """That lines in pixels are too wide for the frame, in a few words; None: they are not."""
+    width = pixels_wide(properties.scene_values(scene))
+    if crowded(width, scene.render.resolution_y * scene.render.resolution_percentage // 100):
+        return iface_("Lines of {} px run together").format(f"{width:g}")
+    return None
 
 
 class ENCRE_PT_encre(EncrePanel, bpy.types.Panel):
@@ -41,6 +50,8 @@ class ENCRE_PT_encre(EncrePanel, bpy.types.Panel):
         else:
             row.popover("ENCRE_PT_presets", icon="PRESET")
         row.menu("ENCRE_MT_scene_settings", text="", icon="DOWNARROW_HLT")
+        if words := blots(context.scene):
+            layout.label(text=words, icon="INFO", translate=False)
         layout.prop(context.scene.encre, "ink_early")
         row = layout.row(align=True)
         row.prop(context.scene.encre, "keep_layers")

@@ -13,6 +13,7 @@ import anchors  # noqa: E402
 import baking  # noqa: E402
 import cycles_light  # noqa: E402
 import details  # noqa: E402
+import distances  # noqa: E402
 import failures  # noqa: E402
 import geometry  # noqa: E402
 import keeping  # noqa: E402
@@ -24,7 +25,7 @@ import supersampling  # noqa: E402
 import surfaces  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
-                                  keeping, surfaces, lit, painting, quick, anchors)
+                                  keeping, surfaces, lit, painting, quick, anchors, distances)
          for name, case in vars(topic).items()}
 
 case, folder = sys.argv[sys.argv.index("--") + 1:]

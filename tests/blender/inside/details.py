@@ -10,6 +10,7 @@ def details(out):
     _groups()
     _threads(scene, out)
     _rules(scene)
+    _blots(scene)
     _operators()
 
 
@@ -61,6 +62,19 @@ def _rules(scene):
     for detector, auto in (("CONTRAST", False), ("CONTRAST", True), ("DOG", False)):
         settings.color_detector, settings.contrast_auto = detector, auto
         fact("enabled", [rule, detector, auto, stages.enabled(settings, rule)])
+
+
+def _blots(scene):
+    """What the panel says of lines in pixels, in frames of three sizes."""
+    from encre.blender.panels import scene as panel
+
+    settings, render = scene.encre, scene.render
+    settings.length_unit, settings.line_thickness = "PIXELS", 22
+    for height, percent in ((1080, 100), (1080, 50), (200, 100)):
+        render.resolution_y, render.resolution_percentage = height, percent
+        fact("blots", panel.blots(scene))
+    settings.length_unit = "RELATIVE"
+    fact("blots", panel.blots(scene))
 
 
 def _operators():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cases of what is kept: library overrides, presets, copied settings."""
+"""Cases of what is kept: library overrides, looks of older files, presets, copied settings."""
 
 import json
 import os
@@ -36,6 +36,28 @@ def overridden(out):
         local = next(block for block in getattr(bpy.data, blocks) if block.override_library)
         fact(owner, {own.id: [_value(own, number), getattr(local.encre, own.id)]
                      for number, own in enumerate(properties.own_settings(owner))})
+
+
+def opened(out):
+    """Files of version 0.1.0, of this one, and one in which nobody has chosen Encre."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    register()
+    from encre.blender import migration
+
+    paths = {name: os.path.join(out, f"{name}.blend") for name in ("foreign", "new", "old")}
+    scene = bpy.context.scene
+    bpy.ops.wm.save_as_mainfile(filepath=paths["foreign"])
+    scene.render.engine, scene.encre.line_thickness = "ENCRE", 5
+    bpy.ops.wm.save_as_mainfile(filepath=paths["new"])
+    bpy.app.handlers.save_pre.remove(migration._saving)  # version 0.1.0 wrote none
+    scene.encre.version = 0
+    bpy.ops.wm.save_as_mainfile(filepath=paths["old"])
+    for name, path in paths.items():
+        bpy.ops.wm.open_mainfile(filepath=path)
+        settings = bpy.context.scene.encre
+        fact(name, [settings.version, settings.crease_source, settings.line_depth_unit, settings.crease_angle,
+                    settings.line_min_length, round(settings.line_thickness, 3),
+                    bpy.context.view_layer.encre.use_pass_lines])
 
 
 def _value(own, number):

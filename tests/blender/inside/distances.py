@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The case of how far away what the picture is about stands."""
+
+import bpy
+import numpy as np
+from studio import fact, register
+
+
+def distances(_out):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    register()
+    from encre.blender import subject
+
+    scene = bpy.context.scene
+
+    def cube(place, size=1.0):
+        bpy.ops.mesh.primitive_cube_add(size=size, location=place)
+        return bpy.context.object
+
+    def distance(lens=50.0):
+        camera.lens = lens
+        graph = bpy.context.evaluated_depsgraph_get()
+        there = scene.camera.evaluated_get(graph)
+        view = np.array(there.matrix_world.inverted())
+        projection = np.array(there.calc_matrix_camera(graph, x=160, y=90))
+        return subject.distance(graph, there, view, projection)
+
+    camera = bpy.data.cameras.new("Camera")
+    scene.camera = bpy.data.objects.new("Camera", camera)
+    scene.collection.objects.link(scene.camera)
+    scene.camera.location = 0, 0, 20
+    fact("nothing", distance())
+    for x in (-6, -3, 0, 3, 6):
+        cube((x, 0, 0))
+    fact("plain", distance())
+    cube((0, 0, -5000), 10000)
+    fact("ground", distance())
+    flies = cube((50, 0, 0))
+    flies.keyframe_insert("location", frame=1)
+    flies.location = -900, 4, 4
+    flies.keyframe_insert("location", frame=10)
+    child = cube((1, 0, 0))
+    child.parent = flies
+    frames = []
+    for frame in (1, 5, 10):
+        scene.frame_set(frame)
+        frames.append(distance())
+    fact("frames", frames)
+    fact("long lens", distance(100.0) / distance())
+    camera.dof.focus_distance = 7
+    fact("no focus", distance() != 7)
+    camera.dof.use_dof = True
+    fact("focus", distance())
+    camera.dof.focus_object = bpy.data.objects["Cube.001"]
+    fact("focus object", distance(100.0))
+    camera.dof.focus_object.location.z = 30  # behind the camera
+    fact("behind", distance())
+    for obj in scene.objects:
+        if obj.type == "MESH":
+            obj.constraints.new("COPY_SCALE")
+    camera.dof.focus_object = None
+    camera.dof.use_dof = False
+    fact("all move", distance())
