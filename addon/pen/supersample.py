@@ -48,14 +48,15 @@ def _anchor(name, picture, factor):
 
 def _marks(picture, factor):
     """Places of marks between the pixels that remain: on each way there are `factor` of the old ways, and as in the
-    rasteriser lines come before seams, which are negative, and then the first."""
+    rasteriser lines come before contours, which are negative and tell steps of 2 besides, and then the first."""
     first = factor // 2
     marks = np.zeros_like(picture[first::factor, first::factor])
     marks[..., 2] = picture[first::factor, first::factor, 2]
     for axis in (0, 1):
         for k in reversed(range(factor)):
             part = picture[first + k * axis::factor, first + k * (1 - axis)::factor, axis]
-            place = np.where(part, np.copysign((k + np.abs(part)) / factor, part), 0)
+            steps = np.where(part < 0, 2 * np.floor(-part / 2), 0)
+            place = np.where(part, np.copysign((k + np.abs(part) - steps) / factor + steps, part), 0)
             old = marks[:part.shape[0], :part.shape[1], axis]
             old[...] = np.where((part > 0) | ((part < 0) & (old <= 0)), place, old)
     return marks

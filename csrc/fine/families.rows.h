@@ -31,7 +31,7 @@ SAMPLE(SOURCE_SEEN,       SEEN_NORMAL, 3, VECTOR)
 SAMPLE(SAMPLE_SEEN_COLOR, SEEN_COLOR,  3, COLOR)
 SAMPLE(SAMPLE_SEEN_DEPTH, SEEN_DEPTH,  1, DISTANCE)
 
-FAMILY(CRACK,            CRACK, NO_SAMPLE,         SOURCE_DEPTH,  SHAPE,  0,     ONE,    0,    0,    0,    0, CRACK, 0)
+FAMILY(CRACK,            CRACK, NO_SAMPLE,         SOURCE_DEPTH,  SHAPE,  0,     ONE,    0,    0,    1,    0, CRACK, 0)
 FAMILY(THIN,             THIN,  NO_SAMPLE,         SOURCE_DEPTH,  SHAPE,  0,     ONE,    0,    0,    0,    0, RIDGE, 0)
 FAMILY(MARK,             CRACK, NO_SAMPLE,         SOURCE_MARK,   CREASE, 0,     ONE,    0,    1.5f, 0,    0, CRACK, 4)
 FAMILY(CREASE,           CRACK, NO_SAMPLE,         SOURCE_NORMAL, CREASE, 0,     ONE,    0,    1.5f, 0,    3, CRACK, 6)

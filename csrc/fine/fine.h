@@ -98,6 +98,7 @@ typedef struct placed {
 	uint8_t source : 7;       /* the strongest: whose width the line has */
 	uint8_t eased;            /* 255ths of its width that it lacks */
 	bool weak : 1;            /* of a line only where that goes on beside what is none by itself */
+	bool told : 1;            /* a contour that the mesh alone tells, or tells best */
 	int8_t step[3]; /* a step's way along its axis through the values of its layer, at most 127 long; else 0 */
 } placed;
 
@@ -214,6 +215,9 @@ void ISA(hand_row)(const fine *n, int y);
 bool ISA(hand_site)(const fine *n, const found *at, placed *s);
 /* Where a line passes between the pixels of a crack, 0 < place <= 1, or a contour, -place; 0 for nowhere. */
 float ISA(hand_place)(const fine *n, const found *at);
+/* By how many steps (base/pixel.h) what a contour bounds lies before what is behind it; 0: less, or it is asked of the
+ * layers. */
+int ISA(hand_steps)(const fine *n, const found *at);
 
 /* creases.c: marks in the cracks of a row where edges of meshes pass that bend enough. */
 void ISA(crease_row)(const fine *n, int y);

@@ -115,6 +115,7 @@ static void junction_site(const fine *n, const found *at, placed *s)
 {
 	float x = 0, y = 0;
 	int count = 0;
+	s->weak = s->told = true;
 	for (int i = 0; i < SIDES; i++) {
 		found one = side_of(at, i);
 		placed its = {0};
@@ -124,6 +125,8 @@ static void junction_site(const fine *n, const found *at, placed *s)
 		x += its.x;
 		y += its.y;
 		count++;
+		s->weak &= its.weak;
+		s->told &= its.told;
 		if (its.strength > s->strength) {
 			s->strength = its.strength;
 			s->source = its.source;

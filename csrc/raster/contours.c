@@ -13,7 +13,8 @@
 
 enum {
 	DIFFERENT = 4, /* beside the sides: numbers differ */
-	FACING = 6,    /* above the bits of the edges */
+	SHARED = 8,    /* likewise: several triangles have it */
+	FACING = 9,    /* above the bits of the edges */
 };
 
 static inline int32_t point_at(const encre_mesh *mesh, uint32_t corner)
@@ -119,7 +120,7 @@ static void file_edges(const encre_mesh *mesh, uint32_t corners, edge_list *list
 
 /* Looks through the edges from a point to higher ones. edges[i] has what facing() says of triangle i above its edges.
  */
-static void join(const part *part, int32_t point, const edge_list *list, uint8_t *edges, uint16_t *bends)
+static void join(const part *part, int32_t point, const edge_list *list, uint16_t *edges, uint16_t *bends)
 {
 	const encre_mesh *mesh = part->mesh;
 	uint32_t from = list->start[point], end = list->start[point + 1];
@@ -139,6 +140,7 @@ static void join(const part *part, int32_t point, const edge_list *list, uint8_t
 			bend_more(list->bend + first, bend_of(part, list->corner[first], c));
 		enum contour_side side = (enum contour_side)(edges[c / 3] >> FACING);
 		list->cover[first] |= (uint8_t)(point_at(mesh, c) == point ? side : turned(side));
+		list->cover[first] |= met ? SHARED : 0;
 		list->cover[first] |= same_numbers(mesh, c / 3, list->corner[first] / 3) ? 0 : DIFFERENT;
 	}
 	for (uint32_t k = from; k < end; k++) {
@@ -148,16 +150,17 @@ static void join(const part *part, int32_t point, const edge_list *list, uint8_t
 			continue;
 		if (bends)
 			bends[c] = list->bend[k];
-		if (list->cover[k] == CONTOUR_BOTH)
+		if ((list->cover[k] & ~SHARED) == CONTOUR_BOTH)
 			continue;
 		enum contour_side side = (enum contour_side)(list->cover[k] & CONTOUR_BOTH);
 		side = list->cover[k] & DIFFERENT ? CONTOUR_BOTH : point_at(mesh, c) == point ? side : turned(side);
-		edges[c / 3] |= (uint8_t)(side << 2 * (c % 3));
+		unsigned fold = list->cover[k] & SHARED && side != CONTOUR_BOTH;
+		edges[c / 3] |= (uint16_t)(side << 2 * (c % 3) | fold << (CONTOUR_FOLDS + c % 3));
 	}
 }
 
 /* bends: all 0, or NULL. */
-static bool find(const part *part, uint8_t *edges, uint16_t *bends)
+static bool find(const part *part, uint16_t *edges, uint16_t *bends)
 {
 	const encre_mesh *mesh = part->mesh;
 	uint32_t n = (uint32_t)mesh->n_primitives;
@@ -176,7 +179,7 @@ static bool find(const part *part, uint8_t *edges, uint16_t *bends)
 	memset(list.start, 0, (points + 1) * sizeof *list.start);
 	memset(list.first, 0, points * sizeof *list.first);
 	for (uint32_t i = 0; i < n; i++)
-		edges[i] = (uint8_t)(facing(part, i) << FACING);
+		edges[i] = (uint16_t)(facing(part, i) << FACING);
 	file_edges(mesh, 3 * n, &list);
 	for (int32_t point = 0; point < mesh->n_points; point++)
 		join(part, point, &list, edges, bends);
@@ -188,8 +191,7 @@ static bool find(const part *part, uint8_t *edges, uint16_t *bends)
 
 typedef struct search {
 	const geometry *g;
-	uint8_t *edges;
-	uint16_t *bends;
+	uint16_t *edges, *bends;
 	atomic_bool failed;
 } search;
 
@@ -205,7 +207,7 @@ static void find_parts(void *data, int p0, int p1, int thread)
 	}
 }
 
-int32_t contours_find(bands *pool, const geometry *g, uint8_t *edges, uint16_t *bends)
+int32_t contours_find(bands *pool, const geometry *g, uint16_t *edges, uint16_t *bends)
 {
 	search s = {.g = g, .edges = edges, .bends = bends};
 	if (bends)

@@ -9,13 +9,16 @@
 /* On which side of an edge surfaces lie on the screen, going from its first corner to its second, y down. */
 enum contour_side { CONTOUR_NONE = 0, CONTOUR_RIGHT = 1, CONTOUR_LEFT = 2, CONTOUR_BOTH = 3 };
 
+enum { CONTOUR_FOLDS = 6 };
+
 /* edges: of each primitive, for triangles two bits per edge, that from corner k to the next from bit 2 k on. Of the
  * triangles of a mesh that share an edge, by the indices of its points, one has the side on which all of them lie, or
- * CONTOUR_BOTH where numbers of objects or materials differ; else all have none. Returns a code of enum encre_code.
- * bends (may be NULL): of each primitive, for triangles three, by corners as the sides: for one of those that share an
- * edge by how much it bends there, in BEND_UNIT of a degree, and BEND_SMOOTH; 0 where that is less than BEND_LEAST.
- * Takes about 24 bytes a triangle of the meshes that are searched at once, one by each thread. */
-int32_t contours_find(bands *pool, const geometry *g, uint8_t *edges, uint16_t *bends);
+ * CONTOUR_BOTH where numbers of objects or materials differ; else all have none. From bit CONTOUR_FOLDS on a bit per
+ * edge that has a side: several triangles share it, so that the surface folds there and does not end. Returns a code of
+ * enum encre_code. bends (may be NULL): of each primitive, for triangles three, by corners as the sides: for one of
+ * those that share an edge by how much it bends there, in BEND_UNIT of a degree, and BEND_SMOOTH; 0 where that is less
+ * than BEND_LEAST. Takes about 24 bytes a triangle of the meshes that are searched at once, one by each thread. */
+int32_t contours_find(bands *pool, const geometry *g, uint16_t *edges, uint16_t *bends);
 
 enum { BEND_UNIT = 128, BEND_LEAST = 5 * BEND_UNIT, BEND_MOST = 180 * BEND_UNIT, BEND_SMOOTH = 1 << 15 };
 
@@ -26,9 +29,23 @@ static inline float bend_degrees(uint16_t bend)
 	return bend & BEND_SMOOTH ? -degrees : degrees;
 }
 
-static inline enum contour_side contour_side(uint8_t edges, int k)
+static inline enum contour_side contour_side(uint16_t edges, int k)
 {
 	return (enum contour_side)(edges >> 2 * k & CONTOUR_BOTH);
+}
+
+static inline bool contour_folds(uint16_t edges, int k)
+{
+	return edges >> (CONTOUR_FOLDS + k) & 1;
+}
+
+/* At how many edges of a triangle the surface ends. */
+static inline int contour_ends(uint16_t edges)
+{
+	int ends = 0;
+	for (int k = 0; k < 3; k++)
+		ends += contour_side(edges, k) != CONTOUR_NONE && !contour_folds(edges, k);
+	return ends;
 }
 
 #endif

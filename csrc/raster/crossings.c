@@ -6,6 +6,8 @@
 #include "raster/contours.h"
 #include "raster/segment.h"
 
+#include "base/pixel.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -47,15 +49,17 @@ typedef struct marking {
 	const band *b;
 	const part *part;       /* of the primitive that was looked at last */
 	const part *own;        /* whose contour it is; NULL: a line */
+	bool fold;              /* its surface goes on there, behind */
+	bool cut;               /* its triangle may be one by itself, of a surface that is cut up */
 	enum contour_side side; /* of a contour */
 	bool left, down;        /* where it goes on the screen */
 	float bend;             /* of a crease: degrees, negative for one that is shaded smoothly */
 } marking;
 
-/* What is in front at a pixel, how far a line that passes close by lies behind it, and how far it may and be on it. */
+/* What is in front at a pixel, how far a line that passes close by lies behind it, how far it may and be on it. */
 typedef struct surface_at {
 	const part *part; /* NULL: nothing */
-	double behind, allowed;
+	double behind, allowed, step, pixel;
 } surface_at;
 
 static surface_at look(marking *m, const crossing *c, int x, int y)
@@ -63,14 +67,14 @@ static surface_at look(marking *m, const crossing *c, int x, int y)
 	const raster *r = m->r;
 	uint32_t number = m->b->front[(size_t)(y - m->b->y0) * (size_t)r->width + (size_t)(x - m->b->x0)];
 	if (number == NOTHING)
-		return (surface_at){.behind = -INFINITY};
+		return (surface_at){.behind = -INFINITY, .pixel = 1};
 	corner corner[3];
 	double step, pixel = 2 / (fabs(r->job->projection[5]) * r->job->frame.height);
 	m->part = geometry_part(&r->geometry, m->part, number);
 	geometry_corners(m->part, number - m->part->first, corner);
 	double z = outline_depth(corner, c->x + 0.5, c->y + 0.5, &step);
 	pixel *= r->job->projection[14] != 0 ? c->z : 1; /* in scene units, where the line is */
-	return (surface_at){m->part, c->z - z, 0.5 * (step + pixel)};
+	return (surface_at){m->part, c->z - z, 0.5 * (step + pixel), step, pixel};
 }
 
 static bool hides(const surface_at *s)
@@ -90,6 +94,20 @@ static bool bounds(const marking *m, bool down, float share, float there, const 
 	       (there == 0 || (first ? share > -there : share < -there));
 }
 
+/* How a contour's place is told: with it, how far the surface that it bounds lies before the other. Where it folds it
+ * does, however little. */
+static float contour_told(const marking *m, bool down, float share, const surface_at *p, const surface_at *q)
+{
+	bool first = (m->side == CONTOUR_RIGHT) == (down ? m->left : m->down);
+	const surface_at *other = first ? q : p;
+	double unit = other->pixel * m->r->job->frame.height / 1080, least = (double)least_contour_step;
+	double before = -other->behind - (m->cut ? 0.5 * other->step : 0);
+	int steps = m->fold;
+	for (least *= m->fold ? 2 : 1; steps < MOST_CONTOUR_STEPS && before >= least * unit; least *= 2)
+		steps++;
+	return m->side == CONTOUR_BOTH ? -share : contour_value(share, steps);
+}
+
 static void mark(void *user, const crossing *c)
 {
 	marking *m = user;
@@ -105,8 +123,8 @@ static void mark(void *user, const crossing *c)
 	share = share < 1 ? share : 1;
 	if (!m->own && !(hides(&p) && hides(&q)))
 		*out = (float)share;
-	else if (m->own && bounds(m, c->down, (float)share, *out, &p, &q))
-		*out = (float)-share;
+	else if (m->own && bounds(m, c->down, (float)share, -contour_place(*out), &p, &q))
+		*out = contour_told(m, c->down, (float)share, &p, &q);
 }
 
 /* Whether one of both pixels shows two surfaces that coincide. */
@@ -169,6 +187,8 @@ void crossings_draw(const raster *r, int i, const band *b, int end)
 			    !segment_of(r, part, r->entry[n] - part->first, k, &s, &from, &to))
 				continue;
 			m.side = line ? CONTOUR_BOTH : contour_side(r->edges[r->entry[n]], k);
+			m.fold = !line && contour_folds(r->edges[r->entry[n]], k);
+			m.cut = !line && !m.fold && contour_ends(r->edges[r->entry[n]]) > 1;
 			m.left = s.x[1] < s.x[0];
 			m.down = s.y[1] > s.y[0];
 			if (r->job->marks.data && m.side != CONTOUR_NONE)

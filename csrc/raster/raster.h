@@ -28,7 +28,7 @@ typedef struct raster {
 	uint32_t *front;     /* likewise: number of the nearest primitive */
 	uint32_t *twin;      /* likewise: of one that may coincide with it */
 	uint32_t *entry;     /* primitives by band */
-	uint8_t *edges;      /* of each triangle: what contours_find() says; with marks or creases only */
+	uint16_t *edges;     /* of each triangle: what contours_find() says; with marks or creases only */
 	uint16_t *bends;     /* of each triangle's edges, likewise; with creases only */
 	uint32_t *piece;     /* of each primitive: what pieces_find() says; with creases only */
 	struct meets *meets; /* for each thread, likewise */

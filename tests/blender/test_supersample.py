@@ -96,11 +96,13 @@ def test_marks_keep_their_place():
     marks[4, 1, 0] = -0.25    # a seam before a line
     marks[4, 3, 0] = 0.75
     marks[3, 7, 1] = -1
+    marks[1, 5, 0] = -6.25    # a seam three steps before what is behind it
     marks[0, 0, 0] = marks[2, 2, 1] = 0.5  # not on a way between the middles
     marks[1, 8, 0] = 0.5      # beyond the last
     small = supersample.shrink("Encre Marks", marks, 3)
     wanted = np.zeros((2, 3, 3), np.float32)
     wanted[0, 0, 0], wanted[1, 0, 0], wanted[0, 2, 1], wanted[0, 2, 0] = 1.5 / 3, 2.75 / 3, -1, 1.5 / 3
+    wanted[0, 1, 0] = -(1.25 / 3 + 6)
     assert np.allclose(small, wanted)
 
 

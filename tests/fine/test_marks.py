@@ -6,7 +6,7 @@ import pytest
 from encre.pen import library
 from encre.pen.library import Frame, Mesh
 from judge import verdict
-from reference.marks import marks
+from reference.marks import marks, place_of, steps_of
 from views import crumpled, looking, orthographic, perspective, pixels, rotation, soup
 
 PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_color=0.0, edge_light=0.0, line_thickness=1.0)
@@ -94,8 +94,9 @@ def test_every_way_out_of_a_ball_is_told_exactly(projection):
         size = 80 * p[0, 0] * (radius / np.sqrt(far**2 - radius**2) if p[3, 2] else radius)
         for axis, (one, two) in enumerate(((index[:, :-1], index[:, 1:]), (index[:-1], index[1:]))):
             y, x = np.nonzero(np.minimum(one, two) * np.maximum(one, two) == before)
-            share = -got[y, x, axis]
+            share = place_of(got[y, x, axis])
             assert len(share) > 30 and (share > 0).all()
+            assert (steps_of(got[y, x, axis]) == 7).all()  # what lies behind it is far away
             away = np.hypot(x + 0.5 - 80 + share * (axis == 0), y + 0.5 - 60 + share * (axis == 1)) - size
             assert away.min() > -0.08 and away.max() < 0.01  # the ball has corners
 
@@ -167,7 +168,8 @@ def test_any_length_gives_clean_places(size):
     mesh.points[7] = mesh.points[6]
     for p in (perspective(33, 17), orthographic(33, 17)):
         got = passing([mesh, soup(rng, 5), ball], looking(rng), p, Frame(33, 17))
-        assert ((got == 0) | ((abs(got) >= 1 / 1024) & (abs(got) <= 1))).all()
+        place = np.where(got < 0, place_of(got), got)
+        assert ((got == 0) | ((place >= 1 / 1024) & (place <= 1))).all() and (steps_of(got) <= 7).all()
 
 
 def test_objects_by_triangle():
@@ -272,3 +274,42 @@ def test_a_contour_is_where_it_is_told(what):
     del layers["marks"]
     blind = ink(layers)
     assert np.abs((blind * x).sum(1) / blind.sum(1) - exact)[3:-3].max() > 0.2  # nothing else shows where
+
+
+# ---- contours within a body ----------------------------------------------------------------------------------------
+
+
+def body(ends, steps, meshes=True):
+    """A wall that is all one surface, before which contours come, `steps` (H, W, 2) or one number before what is behind
+    them."""
+    layers = wall(ends=ends, contour=True)
+    layers["marks"] = np.where(layers["marks"] < 0, layers["marks"] - 2 * np.float32(steps), 0).astype(np.float32)
+    return layers | ({"creases": np.zeros((60, 80, 5), np.float32)} if meshes else {})
+
+
+LONG = ((9.3, 11.7), (70.2, 41.4))
+
+
+def test_a_contour_that_hardly_comes_before_its_own_body_is_a_line():
+    t = ink(body(LONG, 3))
+    off, amount = off_the_line(t, *LONG)
+    nine = np.ones(9) / 9
+    assert np.abs(np.convolve(off, nine, "valid")).max() < 0.1 and np.convolve(amount, nine, "valid").min() > 0.9
+    assert not ink(body(LONG, 3), edge_depth=0.0).any() and not ink(body(LONG, 3), crease_source="LAYERS").any()
+    assert not ink(body(LONG, 3, meshes=False)).any()  # the layers are asked, in which nothing is
+
+
+def test_a_contour_fades_into_its_body_and_none_is_only_faint():
+    x = np.arange(80)[None, :, None]
+    sure, faint = ink(body(LONG, 3)), ink(body(LONG, np.where(x < 40, 3, 1)))
+    assert np.array_equal(sure[:, :35], faint[:, :35])
+    assert 0.3 < faint[:, 45:].sum() / sure[:, 45:].sum() < 0.7
+    assert not ink(body(LONG, 2)).any()
+
+
+def test_ripples_make_no_specks():
+    speck = ((30.2, 20.1), (36.8, 24.3))
+    layers = body(speck, 4)
+    assert not ink(layers, line_min_length=9.0).any() and ink(layers, line_min_length=4.0).any()
+    layers["object"][:, 33:] = 1  # what has an outline in it is no ripple
+    assert ink(layers, line_min_length=9.0)[:, 31:35].any()

@@ -67,7 +67,7 @@ def strokes(rng, size, count):
 
 
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0, light=1.0, hand=0, bent=0, inlaid=0, without=()):
+           strong=1.0, light=1.0, hand=0, bent=0, inlaid=0, told=0, without=()):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so."""
     rng = np.random.default_rng(seed)
     height, width = size
@@ -114,6 +114,10 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     layers["marks"] = np.where(rng.random((*size, 2)) < 0.03, rng.uniform(-1, 1, (*size, 2)), 0)
     if hand:
         layers["marks"] = strokes(rng, size, hand)
+    for _ in range(told):  # contours, which come as far before what is behind them as chance has it
+        line = strokes(rng, size, 1)
+        steps = np.clip(rng.integers(0, 6) + rng.integers(-1, 2, (*size, 2)), 0, 9)
+        layers["marks"] = np.where(line > 0, -line - 2 * steps, layers["marks"])
     if bent:
         layers["creases"] = edges(rng, size, bent)
     if mirror:

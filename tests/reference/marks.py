@@ -20,11 +20,13 @@ def _plane(screen, x, y):
 
 
 def _look(screen, x, y, z, pixel):
-    """How far a line lies behind a triangle, and how far it may and still be on it."""
+    """How far a line lies behind a triangle, how far it may and still be on it, and how much its depth changes from
+    pixel to pixel."""
     nearest, farthest = screen[:, 3].min(), screen[:, 3].max()
     h = 1e-4
     slope = sum(abs(_plane(screen, x + a, y + b) - _plane(screen, x - a, y - b)) / (2 * h) for a, b in ((h, 0), (0, h)))
-    return z - np.clip(_plane(screen, x, y), nearest, farthest), 0.5 * (min(slope, farthest - nearest) + pixel)
+    slope = min(slope, farthest - nearest)
+    return z - np.clip(_plane(screen, x, y), nearest, farthest), 0.5 * (slope + pixel), slope
 
 
 def crossings(screen):
@@ -43,8 +45,8 @@ def crossings(screen):
 
 
 def contours(mesh, view, projection, frame):
-    """(corners, right, left) of each edge that can be a contour, and on which sides of it surfaces are, both: where
-    numbers change."""
+    """(corners, right, left, fold, cut) of each edge that can be a contour: on which sides of it surfaces are, both:
+    where numbers change; whether its surface goes on behind; whether a triangle ends there that does so elsewhere."""
     corners = triangles(mesh)
     number = np.stack([np.zeros(len(corners)) if n is None else n for n in (mesh.object, mesh.material)], 1)
     edges = {}
@@ -54,12 +56,15 @@ def contours(mesh, view, projection, frame):
             right = volume * (1 if a < b else -1) > 0
             if a != b:
                 edges.setdefault((min(a, b), max(a, b)), []).append((t, right, volume != 0 and not right))
+    told, ends = [], np.zeros(len(corners), int)
     for edge, found in edges.items():
         right, left = any(f[1] for f in found), any(f[2] for f in found)
-        if len({tuple(number[f[0]]) for f in found}) > 1:
-            yield np.array(edge), True, True
-        elif right != left:
-            yield np.array(edge), right, left
+        both = len({tuple(number[f[0]]) for f in found}) > 1
+        if both or right != left:
+            told.append((edge, right or both, left or both, len(found) > 1 and not both, found[0][0]))
+            ends[found[0][0]] += not told[-1][3]
+    for edge, right, left, fold, triangle in told:
+        yield np.array(edge), right, left, fold, ends[triangle] > 1 and not fold
 
 
 def triangles(mesh):
@@ -97,24 +102,35 @@ def _walk(meshes, view, projection, frame, size, clip_start):
     scale = 2 / (abs(projection[1, 1]) * frame.height)
 
     def crossed(screen):
-        """(way, whether close to another, share, (number, behind, allowed) at both its pixels)"""
+        """(way, whether close to another, share, (number, behind, allowed, slope) at both its pixels, the size of a
+        pixel there)"""
         for column, row, axis, share, x, y, z in crossings(screen):
             p, q = (row - frame.y, column - frame.x), (row - frame.y + axis, column - frame.x + 1 - axis)
             if min(*p) < 0 or q[0] >= height or q[1] >= width:
                 continue
             pixel = scale * (z if projection[3, 2] else 1)
-            there = [(number, *((-np.inf, 0) if number < 0 else _look(
+            there = [(number, *((-np.inf, 0, 0) if number < 0 else _look(
                 _corners(meshes[number], triangles(meshes[number])[t], view, projection, frame),
                 x + 0.5, y + 0.5, z, pixel))) for number, t in (front[p], front[q])]
             close = min(share, 1 - share) < 1e-6 or min(
-                abs(abs(behind) - allowed) for _, behind, allowed in there) < 1e-4 * z
-            yield (*p, axis), close, max(share, 1 / 1024), there
+                abs(abs(behind) - allowed) for _, behind, allowed, _ in there) < 1e-4 * z
+            yield (*p, axis), close, max(share, 1 / 1024), there, pixel
 
     return crossed
 
 
+def place_of(mark):
+    """The place 0..1 of a contour in the layer, which also says in steps how far before what is behind it it lies."""
+    return np.clip(-mark - 2 * steps_of(mark), 0, 1)
+
+
+def steps_of(mark):
+    return np.where(np.asarray(mark) < 0, np.minimum(np.floor(-np.asarray(mark) / 2), 7), 0)
+
+
 def marks(lines, meshes, view, projection, frame, size, clip_start):
-    """The output `marks`, and where it is not sure: lines within rounding of a centre, or of where they are hidden.
+    """The output `marks`, and where it is not sure: lines within rounding of a centre, or of where they are hidden,
+    contours as far before what is behind them as one step more.
 
     lines: (mesh of kind lines), all of whose points lie beyond clip_start, as those of the `meshes` do.
     """
@@ -123,25 +139,29 @@ def marks(lines, meshes, view, projection, frame, size, clip_start):
     crossed = _walk(meshes, view, projection, frame, size, clip_start)
     for mesh in lines:
         for corner in mesh.corners:
-            for way, close, share, there in crossed(_corners(mesh, corner, view, projection, frame)):
+            for way, close, share, there, _ in crossed(_corners(mesh, corner, view, projection, frame)):
                 unsure[way] |= close
-                if out[way] == 0 and any(behind <= allowed for _, behind, allowed in there):
+                if out[way] == 0 and any(behind <= allowed for _, behind, allowed, _ in there):
                     out[way] = share
     for number, mesh in enumerate(meshes):
-        for corner, right, left in contours(mesh, view, projection, frame):
+        for corner, right, left, fold, cut in contours(mesh, view, projection, frame):
             screen = _corners(mesh, corner, view, projection, frame)
             along = np.diff(screen[:, :2] / screen[:, 2:3], axis=0)[0]
-            for way, close, share, there in crossed(screen):
+            for way, close, share, there, pixel in crossed(screen):
                 unsure[way] |= close
                 first = right == (along[0] < 0 if way[2] else along[1] > 0)  # whether it bounds what is at p
                 own, other = there if first else there[::-1]
                 if out[way] > 0 or own[0] != number or other[1] > other[2]:
                     continue
+                known = place_of(out[way])
                 if right and left:
                     if other[0] == number and own[1] <= own[2] and out[way] == 0:
                         out[way] = -share
-                elif own[1] >= -own[2] and (out[way] == 0 or (share > -out[way] if first else share < -out[way])):
-                    out[way] = -share
+                elif own[1] >= -own[2] and (out[way] == 0 or (share > known if first else share < known)):
+                    before = (-other[1] - (other[3] / 2 if cut else 0)) / (pixel * frame.height / 1080)
+                    least = 0.25 * 2.0 ** np.arange(fold, 7)
+                    unsure[way] |= np.any(np.abs(before - least) < 1e-2 * (1 + least))
+                    out[way] = -share - 2 * (fold + np.count_nonzero(before >= least))
     return out, unsure
 
 
@@ -217,9 +237,9 @@ def creases(meshes, view, projection, frame, size, clip_start):
     crossed = _walk(meshes, view, projection, frame, size, clip_start)
     for mesh in meshes:
         for corner, degrees, smooth in bends(mesh):
-            for way, close, share, there in crossed(_corners(mesh, corner, view, projection, frame)):
+            for way, close, share, there, _ in crossed(_corners(mesh, corner, view, projection, frame)):
                 unsure[way] |= close or (out[way][0] > 0 and abs(degrees - abs(out[way][1])) < 0.02)
-                if degrees > abs(out[way][1]) and any(behind <= allowed for _, behind, allowed in there):
+                if degrees > abs(out[way][1]) and any(behind <= allowed for _, behind, allowed, _ in there):
                     out[way] = share, -degrees if smooth else degrees
     found, doubtful = meets(meshes, view, projection, frame, size, clip_start)
     for way, share in found.items():

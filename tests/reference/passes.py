@@ -13,7 +13,8 @@ CRACKS = {"crack", "mark", "crease", "light"}
 ROW, COLUMN, JUNCTION = 0, 1, 2
 SITE = np.dtype([*((name, np.float32) for name in ("x", "y", "strength", "thin", "half", "inside", "crowd")),
                  *((name, np.int32) for name in ("column", "row", "near_x", "near_y", "family", "axis", "source",
-                                                 "dropped", "crumb", "held", "weak", "eased")), ("step", np.int32, 3)])
+                                                 "dropped", "crumb", "held", "weak", "told", "eased")),
+                 ("step", np.int32, 3)])
 CLOSE = 1e-5  # pixels: lengths that differ by less may come out either way
 NUMBER = {name: k for k, name in enumerate(FAMILIES)}
 RANK = np.array([0, 0, 1, 1, 1, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4])
@@ -94,8 +95,9 @@ def close_sites(t, i, reach=1.6):
 
 
 def weak(t, family):
-    """(which weak sites of a stripe in colours hang together with no other, which with one that is not weak)."""
-    if family != NUMBER["color_band"]:
+    """(which weak sites of a stripe in colours, or of contours, hang together with no other, which with one that is not
+    weak)."""
+    if family not in (NUMBER["color_band"], NUMBER["crack"]):
         return set(), set()
     own = {int(i) for i in np.flatnonzero((t.family == family) & ~t.dropped)}
     strong = {i for i in own if not t.site["weak"][i]}
@@ -383,9 +385,9 @@ def spurs(t):
 
 def short(t, least, shape):
     """Sites of chains that begin and end in the open and are shorter than `least`, by site, at their first end;
-    outlines and marks are none; unsure."""
+    outlines and marks are none, but for contours that the mesh alone tells; unsure."""
     gone, unsure = set(), set()
-    meant = (t.rank == 0) | (t.family == NUMBER["mark"])
+    meant = ((t.rank == 0) & (t.site["told"] == 0)) | (t.family == NUMBER["mark"])
 
     def free(i):
         return i not in gone and t.is_end(i) and not t.at_border(i, shape)

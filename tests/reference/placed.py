@@ -4,6 +4,7 @@
 import numpy as np
 
 from . import grid, metric
+from . import marks as lines
 from .edges import SOURCES
 from .metric import clamp01
 from .passes import COLUMN, JUNCTION, ROW
@@ -59,16 +60,24 @@ def cracks(view):
         cross = _crossing(layers, axis)
         there, object_, material = (turn(axis, a) for a in (layers.there, layers.object, layers.material))
         marks = turn(axis, layers.marks[..., axis])
+        steps = lines.steps_of(marks)[:, :-1] * view.meshes
+        marks = np.where(marks < 0, -lines.place_of(marks), marks)
         gone = there[:, 1:] != there[:, :-1]
         strengths = {"object": gone | (object_[:, 1:] != object_[:, :-1]),
                      "material": material[:, 1:] != material[:, :-1], "depth": jump}
-        for i, k in np.argwhere(np.any(list(strengths.values()), axis=0)):
-            known = float(np.clip(marks[i, k], -1, 1))
+        for i, k in np.argwhere(np.any([*strengths.values(), steps], axis=0)):
+            known = float(min(marks[i, k], 1))
             t = -known if known < 0 else known if known > 0 and not (jump[i, k] > 0 or gone[i, k]) else cross[i, k]
             row, column = (k, i) if axis else (i, k)
             place = (column, row + t) if axis else (column + t, row)
-            site = view.weigh(place, "crack", column, row, axis,
-                              {SOURCES.index(name): float(s[i, k]) for name, s in strengths.items()})
+            strong = {SOURCES.index(name): float(s[i, k]) for name, s in strengths.items()}
+            site = seen = view.weigh(place, "crack", column, row, axis, strong)
+            if steps[i, k]:
+                site = view.weigh(place, "crack", column, row, axis, {**strong, SOURCES.index("depth"): 1.0})
+                site.told = site.strength > seen.strength
+                site.weak = site.told and steps[i, k] < 3 and seen.strength < view.threshold
+                site.eased = 64.0 * (3 - steps[i, k]) * site.weak
+                site.doubtful |= abs(seen.margin) < 1e-4
             if jump[i, k] > 0 and known > 0 and jump[i, k] < 1e-3:
                 site.doubtful = True  # whether there is a jump at all decides whose place counts
             found["crack", row, column, axis] = site
@@ -101,14 +110,16 @@ def junctions(found, family, shape):
                 x, y = np.mean([(s.x, s.y) for s in sides], axis=0)
                 strengths = sorted((s.strength for s in sides if s.source != first.source), reverse=True)
                 close = bool(strengths) and abs(first.strength - strengths[0]) < 1e-4
-                found[family, row, column, JUNCTION] = Place(x, y, first.strength, first.source, 1.0,
-                                                             eased=first.eased, doubtful=close)
+                found[family, row, column, JUNCTION] = Place(
+                    x, y, first.strength, first.source, 1.0, all(s.weak for s in sides), all(s.told for s in sides),
+                    eased=first.eased, doubtful=close)
 
 
 def thin(view, found):
     """Places the cracks of thin things again, and finds what of them lies between pixel centres."""
     layers = view.layers
-    known = [np.clip(layers.marks[..., axis], -1, 1) for axis in (ROW, COLUMN)]
+    known = [np.where(layers.marks < 0, -lines.place_of(layers.marks), layers.marks.clip(max=1))[..., axis]
+             for axis in (ROW, COLUMN)]
     things = Things(layers, crack_masks(view, found), known)
     for (_, row, column, axis), site in on(found).items():
         placed = things.place(axis, column, row, site.y - row if axis else site.x - column)

@@ -25,6 +25,7 @@ class Place:
     source: int
     margin: float
     weak: bool = False
+    told: bool = False  # a contour that the mesh tells best
     thin: tuple = (0.0, 0.0, 0.0)
     step: tuple = (0, 0, 0)
     near: tuple = ()

@@ -10,6 +10,10 @@ enum { ROWS = 4 };
  * strength. */
 static const float jump_from = 0.003f, jump_ramp = 0.007f; /* test_fine_sites */
 
+/* A contour that a mesh tells is a line by itself from so many steps on; below, only where such a one goes on, and it
+ * thins out, by so many 255ths of its width a step. */
+enum { SURE_STEPS = 3, EASE_STEP = 64 };
+
 /* ---- depth ----------------------------------------------------------------------------------------------- */
 
 /* What depths are compared in: it is linear on planes on screen. Nothing there is 0, under an orthographic camera
@@ -58,6 +62,15 @@ static void mark_jumps(bool ortho, const float *a, const float *b, const float *
 			float top = max(max(a[i], b[i]), max(c[i], d[i]));
 			out[i] |= jump(a[i], b[i], c[i], d[i]) > least * top ? bit : 0;
 		}
+}
+
+/* Contours that the meshes tell, and something lies behind. */
+static void mark_contours(const float *marks, int n, bool below, uint8_t *restrict out)
+{
+	for (int i = 0; i < n; i++) {
+		out[i] |= i + 1 < n && marks[2 * i] <= -2 ? CRACK_RIGHT : 0;
+		out[i] |= below && marks[2 * i + 1] <= -2 ? CRACK_DOWN : 0;
+	}
 }
 
 static void mark_nothing(float nothing, const float *a, const float *b, int n, uint8_t bit, uint8_t *restrict out)
@@ -138,7 +151,14 @@ bool ISA(crack_weigh)(const fine *n, const found *at, int style, placed *s)
 	s->strength = 0;
 	ISA(fine_weigh)(n, s, style, SOURCE_OBJECT, object);
 	ISA(fine_weigh)(n, s, style, SOURCE_MATERIAL, material);
-	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, depth_strength(n, at));
+	ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, depth_strength(n, at));
+	float known = s->strength;
+	int steps = ISA(hand_steps)(n, at);
+	bool edge = ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, steps > 0);
+	s->told = s->strength > known;
+	s->weak = s->told && steps < SURE_STEPS && known < n->e->p->edge_threshold;
+	s->eased = s->weak ? (uint8_t)(EASE_STEP * (SURE_STEPS - steps)) : 0;
+	return edge;
 }
 
 bool ISA(crack_site)(const fine *n, const found *at, placed *s)
@@ -196,6 +216,8 @@ static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const
 		mark_jumps(e->ortho, u[1], u[1] + 1, u[1] + 2, u[1] + 3, width - 3, least, CRACK_RIGHT, mark + 1);
 	if (e->on[SOURCE_DEPTH] && least < INFINITY && y >= 1 && y + 2 < f->height)
 		mark_jumps(e->ortho, u[0], u[1], u[2], u[3], width, least, CRACK_DOWN, mark);
+	if (e->creases && f->layer[ENCRE_LAYER_MARKS].data && least < INFINITY)
+		mark_contours(layer_row(f, ENCRE_LAYER_MARKS, y), width, below, mark);
 	if (least_strength(e, SOURCE_OBJECT) <= 1) {
 		mark_nothing(nothing, u[1], u[1] + 1, width - 1, CRACK_RIGHT, mark);
 		if (below)

@@ -12,7 +12,14 @@ static float mark_at(const fine *n, int x, int y, int axis)
 float ISA(hand_place)(const fine *n, const found *at)
 {
 	float place = n->f->layer[ENCRE_LAYER_MARKS].data ? mark_at(n, at->column, at->row, at->axis) : 0;
-	return place < 0 ? -clamp01(-place) : clamp01(place);
+	return place < 0 ? -contour_place(place) : clamp01(place);
+}
+
+int ISA(hand_steps)(const fine *n, const found *at)
+{
+	return n->e->creases && n->f->layer[ENCRE_LAYER_MARKS].data
+		       ? contour_steps(mark_at(n, at->column, at->row, at->axis))
+		       : 0;
 }
 
 bool ISA(hand_site)(const fine *n, const found *at, placed *s)

@@ -45,10 +45,10 @@ int32_t ISA(fine_cut_spurs)(fine *n)
 
 /* ---- specks ---------------------------------------------------------------------------------------------- */
 
-/* However short: an outline, or what is drawn by hand. */
+/* However short: an outline, or what is drawn by hand. A contour within a body is a ripple's, if it is short. */
 static bool is_meant(const site *s)
 {
-	return rank_of(s) == RANK_SHAPE || s->found.family == FAMILY_MARK;
+	return (rank_of(s) == RANK_SHAPE && !s->placed.told) || s->found.family == FAMILY_MARK;
 }
 
 static float least_length(const frame *f, const site *s)

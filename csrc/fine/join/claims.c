@@ -43,18 +43,32 @@ static void clear_sites(void *data, int first, int end, int thread)
 
 /* ---- weak sites ------------------------------------------------------------------------------------------ */
 
+static bool is_weak(const site *s)
+{
+	return s->placed.weak && !s->linked.dropped;
+}
+
 /* Holds those that hang together with one that is not weak, and drops the others. */
 static int32_t drop_weak(const turn *t)
 {
 	fine *n = t->n;
-	uint32_t end = t->first + t->count, open_count = 0, to[ROOM];
-	uint32_t *open = late_take(&n->f->late, t->count, sizeof *open);
-	if (!open)
-		return ENCRE_ERROR_MEMORY;
+	uint32_t end = t->first + t->count, weak = 0, open_count = 0, to[ROOM];
 	int32_t code = ENCRE_OK;
 	for (uint32_t i = t->first; !code && i < end; i++) {
 		code = at_step(n, i);
-		if (!n->site[i].linked.dropped && !n->site[i].placed.weak)
+		weak += is_weak(n->site + i);
+	}
+	if (code || weak == 0)
+		return code;
+	uint32_t *open = late_take(&n->f->late, weak, sizeof *open);
+	if (!open)
+		return ENCRE_ERROR_MEMORY;
+	for (uint32_t i = t->first; !code && i < end; i++) {
+		code = at_step(n, i);
+		linked *s = &n->site[i].linked;
+		for (int k = is_weak(n->site + i) ? ISA(close_sites)(n, i, to) : 0; k-- > 0 && !s->held;)
+			s->held = !n->site[to[k]].placed.weak;
+		if (s->held)
 			open[open_count++] = i;
 	}
 	for (uint32_t step = 0; !code && open_count > 0; code = at_step(n, ++step))
