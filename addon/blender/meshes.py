@@ -8,7 +8,7 @@ import numpy as np
 
 from ..pen.job import Mesh
 from . import attributes, properties
-from .triangles import MESHABLE, read_triangles
+from .triangles import MESHABLE, read_lines, read_triangles
 
 
 @dataclass
@@ -107,8 +107,14 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         own = None if obj.type == "MESH" else obj.original.as_pointer()
         maps = light.maps(obj) if light else ()
         read = _read_by(obj, looks) if seen else frozenset()
-        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps, read, anchored
         names = {block_name(block) for block in (obj, top, obj.data)}
+        if obj.encre.mark and seen:
+            lines = kept.get(("lines", obj.data.as_pointer(), own), names, functools.partial(read_lines, obj))
+            if lines is not None:
+                meshes.append(Mesh(*lines, kind="lines", model=np.array(instance.matrix_world, np.float64)))
+                shown.append(None)
+                continue
+        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps, read, anchored
         triangles = kept.get(key, names, functools.partial(read_triangles, obj, smooth, maps, read, anchored))
         if triangles is None:
             continue

@@ -110,6 +110,8 @@ def own_settings(owner):
           for control in library.controls().values()),
         Own("line_group", "text", "Line Group", "Objects of the same group have no outlines between them",
             ("object",)),
+        Own("mark", "bool", "Line Marks", "The edges of this curve, or of this mesh without faces, are drawn as lines "
+            "by hand where no surface hides them", ("object",)),
         Own("separate_parts", "bool", "Separate Parts", "Parts of the mesh that no face joins have outlines between "
             "them, as objects have: also where they pass through each other", ("object",)),
         Own("crease_offset", "degrees", "Crease Offset", "Degrees that are added to the bend of every edge of this "

@@ -58,6 +58,20 @@ def read_triangles(obj, light, maps, sources, anchored):
         obj.to_mesh_clear()
 
 
+def read_lines(obj):
+    """(points, edges (n, 2)) of an evaluated object that has edges and no faces, None of any other."""
+    try:
+        mesh = obj.to_mesh()
+    except RuntimeError:  # no geometry
+        return None
+    try:
+        if mesh is None or len(mesh.polygons) or not len(mesh.edges):
+            return None
+        return get(mesh.vertices, "co", np.float32, 3), get(mesh.edges, "vertices", np.int32, 2)
+    finally:
+        obj.to_mesh_clear()
+
+
 def _may_be_bent(obj):
     """Whether the evaluated mesh of an object may have another shape than at rest."""
     return obj.type == "MESH" and bool(obj.modifiers or obj.original.data.shape_keys

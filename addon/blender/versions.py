@@ -166,3 +166,28 @@ def set_group_input(modifier, name, value):
         getattr(modifier.properties.inputs, identifier).value = value
     else:
         modifier[identifier] = value
+
+
+def annotation(scene):
+    """What holds a scene's annotations, None without. 5.0 renamed it when Grease Pencil got other data."""
+    return getattr(scene, "annotation", None) if hasattr(scene, "annotation") else scene.grease_pencil
+
+
+def layer_matrix(layer):
+    """Where a layer of a Grease Pencil object lies in it. 4.3 renamed it."""
+    return layer.matrix_local if hasattr(layer, "matrix_local") else layer.matrix_layer
+
+
+def strokes(layer, frame):
+    """Points (vectors) of each stroke that a layer of Grease Pencil or annotations shows at a frame, on the screen's
+    none. 4.3 gave Grease Pencil drawings, and annotations kept the strokes of before."""
+    shown = [drawn for drawn in layer.frames if drawn.frame_number <= frame]
+    if not shown:
+        return []
+    now = max(shown, key=lambda drawn: drawn.frame_number)
+    if hasattr(now, "strokes"):
+        found = [([point.co.copy() for point in stroke.points], getattr(stroke, "use_cyclic", False))
+                 for stroke in now.strokes if stroke.display_mode == "3DSPACE"]
+    else:
+        found = [([point.position.copy() for point in stroke.points], stroke.cyclic) for stroke in now.drawing.strokes]
+    return [[*points, points[0]] if cyclic and points else points for points, cyclic in found]

@@ -78,6 +78,34 @@ def test_nodes_draw_what_the_same_values_by_hand_draw(nodes):
     assert (np.abs(neither["Combined"] - hand["Combined"]).max(-1) > 0.1).sum() > 50
 
 
+# Strokes
+
+
+@pytest.fixture(params=blenders.params(), scope="module")
+def strokes(request, tmp_path_factory):
+    return blenders.run(request.param, "strokes", tmp_path_factory.mktemp("strokes"))
+
+
+def test_strokes_become_curves_on_the_surface(strokes):
+    kind, lines, points, hidden = fact(strokes, "marks")
+    assert (kind, lines, hidden) == ("CURVE", 1, True) and 8 < points < 200  # five were drawn
+    found, lift = fact(strokes, "lift")
+    assert found and 0 < lift < 0.001
+    if "note" in strokes.facts:  # 4.5 lets no script draw annotations
+        assert all(abs(y + 0.5) < 0.001 and abs(x + 0.1) < 0.3 for x, y, _ in fact(strokes, "note"))
+        assert fact(strokes, "cleared") == 0
+
+
+@pytest.mark.parametrize("name", ("marked", "marked_quick"))
+def test_strokes_are_inked_where_they_can_be_seen(strokes, name):
+    bare, marked, behind = (strokes.passes(of)["Encre Lines"][..., 3] for of in ("bare", name, "behind"))
+    new = (marked > 0.5) & (bare < 0.1)
+    rows, columns = np.nonzero(new[:, 180:260])
+    assert new.sum() > 150 and np.ptp(columns) > 30 and np.unique(columns).size > 0.95 * np.ptp(columns)
+    assert np.ptp(rows) < 30 and new[:, :170].sum() == 0
+    assert ((behind > 0.5) & (bare < 0.1)).sum() < 40  # of the outline, which has corners
+
+
 # In a window
 
 

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lines by hand, in Edit Mode: faces that are a part of their own, and Blender's own marks of edges."""
+"""Lines by hand: in Edit Mode faces that are a part of their own, and Blender's own marks of edges; strokes that were
+drawn on surfaces."""
 
 import itertools
 
 import bmesh
 import bpy
 
-from .. import ENGINE
+from .. import ENGINE, strokes
 from ..languages import n_
 from ..triangles import PART
 from .base import SidebarPanel
@@ -59,6 +60,60 @@ class ENCRE_OT_mark_part(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class ENCRE_OT_strokes_to_marks(bpy.types.Operator):
+    """Draw the strokes of this Grease Pencil object, or else all annotations, as lines by hand on the surfaces below"""
+
+    bl_idname = "encre.strokes_to_marks"
+    bl_label = "Strokes to Line Marks"
+    bl_options = {"REGISTER", "UNDO"}
+
+    reach: bpy.props.FloatProperty(
+        name="Reach", description="How far strokes may be from the nearest surface; what is farther lands on what is "
+        "seen behind it", min=0, default=0.05, subtype="DISTANCE")
+    keep: bpy.props.BoolProperty(
+        name="Keep Strokes", description="Keep annotations, and Grease Pencil objects to be seen")
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT" and bool(_pencil(context) or strokes.annotated(context.scene))
+
+    def execute(self, context):
+        pencil, scene = _pencil(context), context.scene
+        found = (strokes.of_object(pencil, scene.frame_current) if pencil
+                 else strokes.of_annotations(scene, scene.frame_current))
+        lines = strokes.project(found, strokes.surfaces(context), self.reach, _eye(context))
+        if not lines:
+            self.report({"WARNING"}, "No stroke lies on a mesh; draw with the placement Surface, or raise Reach")
+            return {"CANCELLED"}
+        for body, those in lines.items():
+            strokes.write(body, those, context.collection)
+        if pencil and not self.keep:
+            pencil.hide_render = True
+            pencil.hide_set(True)
+        elif not self.keep:
+            for layer in strokes.annotated(scene):
+                for frame in list(layer.frames):
+                    layer.frames.remove(frame)
+        return {"FINISHED"}
+
+
+def _pencil(context):
+    obj = context.object
+    return obj if obj and obj.type in ("GPENCIL", "GREASEPENCIL") and obj.visible_get() else None
+
+
+def _eye(context):
+    """A point of the world -> where the 3D view, or the scene's camera, sees it from; None without both."""
+    seen = getattr(context, "region_data", None)
+    if seen:
+        place = seen.view_matrix.inverted()
+        if seen.is_perspective:
+            return lambda point: place.translation
+        return lambda point: point + place.col[2].xyz.normalized() * 1000
+    camera = context.scene.camera
+    return camera and (lambda point: camera.matrix_world.translation)
+
+
 def _row(layout, operator, text):
     row = layout.row(align=True)
     row.operator(operator, text=text).clear = False
@@ -80,6 +135,22 @@ class ENCRE_PT_marks(SidebarPanel, bpy.types.Panel):
         column.prop(context.object.encre, "separate_parts")
 
 
+class ENCRE_PT_strokes(SidebarPanel, bpy.types.Panel):
+    bl_label = "Encre Lines"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and ENCRE_OT_strokes_to_marks.poll(context)
+
+    def draw(self, context):
+        self.layout.operator("encre.strokes_to_marks", icon="OUTLINER_OB_GREASEPENCIL")
+
+
+def _object_menu(self, context):
+    if context.engine == ENGINE and ENCRE_OT_strokes_to_marks.poll(context):
+        self.layout.operator("encre.strokes_to_marks")
+
+
 def _menu(self, context):
     if context.engine == ENGINE:
         self.layout.separator()
@@ -87,14 +158,17 @@ def _menu(self, context):
             self.layout.operator("encre.mark_part", text=text).clear = clear
 
 
-_register, _unregister = bpy.utils.register_classes_factory((ENCRE_OT_mark_part, ENCRE_PT_marks))
+_register, _unregister = bpy.utils.register_classes_factory((
+    ENCRE_OT_mark_part, ENCRE_OT_strokes_to_marks, ENCRE_PT_marks, ENCRE_PT_strokes))
 
 
 def register():
     _register()
     bpy.types.VIEW3D_MT_edit_mesh_faces.append(_menu)
+    bpy.types.VIEW3D_MT_object.append(_object_menu)
 
 
 def unregister():
+    bpy.types.VIEW3D_MT_object.remove(_object_menu)
     bpy.types.VIEW3D_MT_edit_mesh_faces.remove(_menu)
     _unregister()

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Controls that are painted, filled and made by nodes."""
 
+from math import radians
+
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 from studio import cube, fact, shoot, stage
 
 
@@ -177,3 +179,78 @@ def control_nodes(out):
     shoot(out, "neither")
     scene.camera = None
     fact("no camera", _refused(bpy.ops.encre.control_nodes, control="thickness", by="EDGE_ON"))
+
+
+# Strokes
+
+def _pencil(name, stroke, turned):
+    """A Grease Pencil object with a stroke, in this Blender's kind."""
+    old = not hasattr(bpy.types, "GreasePencilLayer") or not hasattr(bpy.types, "GreasePencilDrawing")
+    blocks = bpy.data.grease_pencils if old else getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils)
+    data = blocks.new(name)
+    frame = data.layers.new("Lines").frames.new(1)
+    pencil = bpy.data.objects.new(name, data)
+    pencil.matrix_world = turned
+    bpy.context.scene.collection.objects.link(pencil)
+    points = [turned.inverted() @ point for point in stroke]
+    if old:
+        made = frame.strokes.new()
+        made.points.add(len(points))
+    else:
+        frame.drawing.add_strokes([len(points)])
+        made = frame.drawing.strokes[0]
+    for place, point in zip(made.points, points, strict=True):
+        setattr(place, "co" if old else "position", point)
+    return pencil
+
+
+def strokes(out):
+    """A stroke on the front of the ball, drawn by Grease Pencil on a turned object, becomes a line by hand."""
+    scene = stage(320, 180)
+    scene.encre.edge_mark = 1
+    ball = bpy.data.objects["Ball"]
+    ball.rotation_euler, ball.scale = (0.3, 0.2, 0.5), (1.1, 1.1, 1.1)
+    bpy.context.view_layer.update()
+    shoot(out, "bare")
+    front = Vector((0, -1, 0.15)).normalized() * 0.79  # a little off the surface
+    stroke = [ball.location + Matrix.Rotation(radians(angle), 3, "Z") @ front for angle in range(-40, 41, 20)]
+    pencil = _pencil("Pencil", stroke, Matrix.Translation((1, 2, 3)) @ Matrix.Rotation(0.4, 4, "X"))
+    _select(pencil)
+    bpy.context.view_layer.update()
+    bpy.ops.encre.strokes_to_marks()
+    marks = next(child for child in ball.children if child.encre.mark)
+    fact("marks", [marks.type, len(marks.data.splines), len(marks.data.splines[0].points), pencil.hide_render])
+    bpy.context.view_layer.update()
+    found, at, _, _ = ball.closest_point_on_mesh(Vector(marks.data.splines[0].points[1].co[:3]))
+    fact("lift", [found, (at - Vector(marks.data.splines[0].points[1].co[:3])).length])
+    fact("again", _refused(bpy.ops.encre.strokes_to_marks))
+    shoot(out, "marked")
+    scene.encre.layer_source = "ENCRE"
+    shoot(out, "marked_quick")
+    scene.encre.layer_source = "CYCLES"
+    ball.rotation_euler.z += radians(180)
+    shoot(out, "behind")
+    _annotated(scene)
+
+
+def _annotated(scene):
+    """A stroke in the air before the cube lands on it as the camera sees it."""
+    blocks = bpy.data.annotations if hasattr(bpy.data, "annotations") else bpy.data.grease_pencils
+    data = blocks.new("Notes")
+    frame = data.layers.new("Note").frames.new(1)
+    if not hasattr(frame.strokes, "new"):
+        return
+    stroke = frame.strokes.new()
+    stroke.display_mode = "3DSPACE"
+    stroke.points.add(2)
+    for point, x in zip(stroke.points, (-0.85, -0.65), strict=True):
+        point.co = x, -2, 0.5
+    if hasattr(scene, "annotation"):
+        scene.annotation = data
+    else:
+        scene.grease_pencil = data
+    _select(bpy.data.objects["Cube"])
+    bpy.ops.encre.strokes_to_marks()
+    marks = bpy.data.objects["Cube"].children[0]
+    fact("note", [[round(c, 3) for c in point.co[:3]] for point in marks.data.splines[0].points])
+    fact("cleared", sum(len(layer.frames) for layer in data.layers))
