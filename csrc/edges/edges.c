@@ -259,6 +259,12 @@ static void plan(frame *f, arena *a)
 		ISA(fine_plan)(f, &e, a);
 }
 
+static bool draws_nothing(const frame *f)
+{
+	(void)f;
+	return false;
+}
+
 static int32_t run(frame *f)
 {
 	edges *e = f->edges;
@@ -276,4 +282,4 @@ static int32_t run(frame *f)
 	return e->fine ? ISA(fine_run)(f) : bands_run(f->bands, f->height, 0, edge_rows, e);
 }
 
-const stage STAGE_SYMBOL(edges) = {.id = "edges", .check = check, .plan = plan, .run = run};
+const stage STAGE_SYMBOL(edges) = {.id = "edges", .check = check, .plan = plan, .run = run, .draws = draws_nothing};

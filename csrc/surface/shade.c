@@ -289,9 +289,4 @@ static const char *check(const encre_params *params, char *text, size_t size)
 	return NULL;
 }
 
-static int32_t run(frame *f)
-{
-	return bands_run(f->bands, f->height, 0, shade_rows, f);
-}
-
-const stage STAGE_SYMBOL(shade) = {.id = "shade", .check = check, .run = run};
+const stage STAGE_SYMBOL(shade) = {.id = "shade", .check = check, .rows = shade_rows};
