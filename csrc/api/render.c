@@ -25,6 +25,8 @@ static const stage *const *stages_of(const encre_context *context)
 	return use_best(context) ? BEST(stages) : stages_base;
 }
 
+enum { NEAR_ROWS = 4 /* of all layers, looked at and drawn together: that many stay in the cache */ };
+
 typedef struct work {
 	encre_context *context;
 	encre_job *job;
@@ -141,14 +143,15 @@ static void style_row(const work *w, int y)
 }
 
 /* Counts what is not finite and finds which layers must be copied. */
-static void look_at(work *w, int y)
+static void look_at(work *w, int y0, int y1)
 {
 	int64_t bad = 0;
 	for (int i = 0; i < ENCRE_LAYER_COUNT; i++)
-		if (w->in[i].data && !w->copy[i] && !w->clean->look(w->in + i, i, y, &bad)) {
-			atomic_store(w->unclean + i, true);
-			atomic_store(&w->any_unclean, true);
-		}
+		for (int y = y0; w->in[i].data && !w->copy[i] && y < y1; y++)
+			if (!w->clean->look(w->in + i, i, y, &bad)) {
+				atomic_store(w->unclean + i, true);
+				atomic_store(&w->any_unclean, true);
+			}
 	atomic_fetch_add(&w->bad, bad);
 }
 
@@ -156,14 +159,15 @@ static void first_rows(void *data, int y0, int y1, int thread)
 {
 	work *w = data;
 	const stage *const *stages = stages_of(w->context);
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0, end; y < y1; y = end) {
+		end = y1 - y < NEAR_ROWS ? y1 : y + NEAR_ROWS;
 		if (!w->looked)
-			look_at(w, y);
-		if (w->style)
-			style_row(w, y);
+			look_at(w, y, end);
+		for (int i = y; w->style && i < end; i++)
+			style_row(w, i);
 		for (int s = 0; s < w->early && !atomic_load(&w->any_unclean); s++)
 			if (stages[s]->rows)
-				stages[s]->rows(&w->f, y, y + 1, thread);
+				stages[s]->rows(&w->f, y, end, thread);
 	}
 }
 

@@ -81,7 +81,7 @@ typedef struct frame {
 
 	/* edges: */
 	uint8_t *edge;   /* width * height: 0, or 1 + enum source of an edge pixel; NULL unless want_edges */
-	float *strength; /* width * height: edge strength */
+	float *strength; /* width * height, valid at edge pixels: their strength */
 	uint8_t *near; /* width * height, valid at edge pixels: place (dy + 2) * 5 + dx + 2 of the pixel with the least
 			  depth in the 5x5 window, from which an edge takes its controls */
 	/* nearest.c (planned when smudging or a search needs it): */
