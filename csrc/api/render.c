@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A frame: layers are made clean and packed, then the stages run in order. */
+/* A frame: the stages run in order, on layers that are clean and packed. That most are shows only when all is read, and
+ * so the first stages draw with that same reading, on trust; the few frames with a value that is none lose that work.
+ */
 #include "api/check.h"
 #include "api/context.h"
 #include "base/clean.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,13 +25,20 @@ static const stage *const *stages_of(const encre_context *context)
 	return use_best(context) ? BEST(stages) : stages_base;
 }
 
+enum { NEAR_ROWS = 4 /* of all layers, looked at and drawn together: that many stay in the cache */ };
+
 typedef struct work {
 	encre_context *context;
 	encre_job *job;
 	frame f;
 	encre_image in[ENCRE_LAYER_COUNT], out[ENCRE_OUTPUT_COUNT];
-	bool copy[ENCRE_LAYER_COUNT];
+	bool copy[ENCRE_LAYER_COUNT]; /* stages read one */
 	uint8_t *style;
+	const cleaner *clean;
+	int early; /* stages up to this one draw, if at all, with the first reading */
+	bool looked;
+	atomic_bool unclean[ENCRE_LAYER_COUNT], any_unclean;
+	atomic_llong bad;
 } work;
 
 /* ---- nothing is drawn ------------------------------------------------------------------------------------ */
@@ -43,6 +53,16 @@ static void blank_rows(void *data, int y0, int y1, int thread)
 			       4 * (size_t)image->channels);
 }
 
+static void look_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	work *w = data;
+	int64_t bad = 0;
+	for (int y = y0; y < y1; y++)
+		w->clean->look(w->in + ENCRE_LAYER_COMBINED, ENCRE_LAYER_COMBINED, y, &bad);
+	atomic_fetch_add(&w->bad, bad);
+}
+
 /* All switches are off, and nobody asks for edges or light: one way from the layer `combined` to what goes out. */
 static int32_t copy(work *w)
 {
@@ -53,12 +73,14 @@ static int32_t copy(work *w)
 	bool read = false;
 	for (int i = 0; !code && i < 2; i++)
 		if (w->out[pictures[i]].data) {
-			code = clean_copy(w->f.bands, combined, ENCRE_LAYER_COMBINED, w->out + pictures[i],
-					  read ? &counted : bad);
+			code = w->clean->copy(w->f.bands, combined, ENCRE_LAYER_COMBINED, w->out + pictures[i],
+					      read ? &counted : bad);
 			read = true;
 		}
-	if (!code && !read)
-		code = clean_scan(w->f.bands, combined, ENCRE_LAYER_COMBINED, bad, &read);
+	if (!code && !read) {
+		code = bands_run(w->f.bands, w->f.height, 0, look_rows, w);
+		*bad += atomic_load(&w->bad);
+	}
 	if (!code && w->out[ENCRE_OUTPUT_LINES].data)
 		code = bands_run(w->f.bands, w->f.height, 0, blank_rows, w->out + ENCRE_OUTPUT_LINES);
 	return code;
@@ -71,17 +93,11 @@ static plane plane_of(const encre_image *image)
 	return (plane){image->data, (ptrdiff_t)(image->row_stride / 4)};
 }
 
-/* Counts what is not finite and finds which layers must be copied. */
-static int32_t scan(work *w)
+/* Without an own layer of colours, edges compare those of surfaces. */
+static void stand_in(work *w)
 {
-	for (int i = 0; i < ENCRE_LAYER_COUNT; i++) {
-		if (!w->in[i].data)
-			continue;
-		int32_t code = clean_scan(w->f.bands, w->in + i, i, &w->job->nonfinite, w->copy + i);
-		if (code)
-			return code;
-	}
-	return ENCRE_OK;
+	if (!w->in[ENCRE_LAYER_ALBEDO].data)
+		w->f.layer[ENCRE_LAYER_ALBEDO] = w->f.layer[ENCRE_LAYER_COLOR];
 }
 
 static void plan(work *w, arena *a)
@@ -96,8 +112,7 @@ static void plan(work *w, arena *a)
 		/* while measuring the original stands in: a stage's plan may ask whether a layer is there */
 		f->layer[i] = (plane){copy ? copy : w->in[i].data, (ptrdiff_t)f->width * encre_layer_info(i)->channels};
 	}
-	if (!f->layer[ENCRE_LAYER_ALBEDO].data)
-		f->layer[ENCRE_LAYER_ALBEDO] = f->layer[ENCRE_LAYER_COLOR];
+	stand_in(w);
 	for (int i = 0; i < ENCRE_OUTPUT_COUNT; i++)
 		if (w->out[i].data && packed(w->out + i))
 			f->output[i] = plane_of(w->out + i);
@@ -116,17 +131,43 @@ static void plan(work *w, arena *a)
 			stages[s]->plan(f, a);
 }
 
-static void style_rows(void *data, int y0, int y1, int thread)
+/* What is not finite is none of the numbers. */
+static void style_row(const work *w, int y)
 {
-	(void)thread;
-	work *w = data;
 	plane p = w->f.layer[ENCRE_LAYER_STYLE];
-	for (int y = y0; y < y1; y++) {
-		uint8_t *out = w->style + (size_t)y * (size_t)w->f.width;
-		for (int x = 0; x < w->f.width; x++) {
-			float v = p.data ? p.data[y * p.row + x] : 0;
-			out[x] = v >= 1 && v < (float)w->f.n_styles ? (uint8_t)v : 0;
-		}
+	uint8_t *out = w->style + (size_t)y * (size_t)w->f.width;
+	for (int x = 0; x < w->f.width; x++) {
+		float v = p.data ? p.data[y * p.row + x] : 0;
+		out[x] = v >= 1 && v < (float)w->f.n_styles ? (uint8_t)v : 0;
+	}
+}
+
+/* Counts what is not finite and finds which layers must be copied. */
+static void look_at(work *w, int y0, int y1)
+{
+	int64_t bad = 0;
+	for (int i = 0; i < ENCRE_LAYER_COUNT; i++)
+		for (int y = y0; w->in[i].data && !w->copy[i] && y < y1; y++)
+			if (!w->clean->look(w->in + i, i, y, &bad)) {
+				atomic_store(w->unclean + i, true);
+				atomic_store(&w->any_unclean, true);
+			}
+	atomic_fetch_add(&w->bad, bad);
+}
+
+static void first_rows(void *data, int y0, int y1, int thread)
+{
+	work *w = data;
+	const stage *const *stages = stages_of(w->context);
+	for (int y = y0, end; y < y1; y = end) {
+		end = y1 - y < NEAR_ROWS ? y1 : y + NEAR_ROWS;
+		if (!w->looked)
+			look_at(w, y, end);
+		for (int i = y; w->style && i < end; i++)
+			style_row(w, i);
+		for (int s = 0; s < w->early && !atomic_load(&w->any_unclean); s++)
+			if (stages[s]->rows)
+				stages[s]->rows(&w->f, y, end, thread);
 	}
 }
 
@@ -146,31 +187,69 @@ static void export_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-static int32_t clean_layer(work *w, int i)
+static int32_t clean_layer(work *w, int i, int64_t *bad)
 {
 	encre_image to = w->in[i];
-	int64_t counted = 0;
 	to.data = w->f.layer[i].data;
 	to.pixel_stride = 4 * (int64_t)to.channels;
 	to.row_stride = 4 * (int64_t)w->f.layer[i].row;
-	return clean_copy(w->f.bands, w->in + i, i, &to, &counted);
+	return w->clean->copy(w->f.bands, w->in + i, i, &to, bad);
 }
 
-static int32_t run(work *w)
+/* What was not clean is copied, and drawn anew. */
+static int32_t read_again(work *w)
+{
+	frame *f = &w->f;
+	size_t n = (size_t)f->width * (size_t)f->height;
+	int32_t code = ENCRE_OK;
+	for (int i = 0; !code && i < ENCRE_LAYER_COUNT; i++) {
+		if (!atomic_load(w->unclean + i))
+			continue;
+		int channels = encre_layer_info(i)->channels;
+		int64_t counted = 0;
+		f->layer[i] = (plane){late_take(&f->late, n, 4 * (size_t)channels), (ptrdiff_t)f->width * channels};
+		code = f->layer[i].data ? clean_layer(w, i, &counted) : ENCRE_ERROR_MEMORY;
+	}
+	stand_in(w);
+	w->looked = true;
+	atomic_store(&w->any_unclean, false);
+	return code ? code : bands_run(f->bands, f->height, 0, first_rows, w);
+}
+
+static int32_t first(work *w)
 {
 	frame *f = &w->f;
 	const stage *const *stages = stages_of(w->context);
 	int32_t code = ENCRE_OK;
 	for (int i = 0; !code && i < ENCRE_LAYER_COUNT; i++)
 		if (w->copy[i])
-			code = clean_layer(w, i);
-	if (!code && w->style)
-		code = bands_run(f->bands, f->height, 0, style_rows, w);
+			code = clean_layer(w, i, &w->job->nonfinite);
+	for (int s = 0; !code && s < N_STAGES; s++)
+		if (stages[s]->prepare)
+			code = stages[s]->prepare(f);
+	while (w->early < N_STAGES && !(stages[w->early]->run && stages[w->early]->rows) &&
+	       (!stages[w->early]->run || (stages[w->early]->draws && !stages[w->early]->draws(f))))
+		w->early++;
+	if (!code)
+		code = bands_run(f->bands, f->height, 0, first_rows, w);
+	w->job->nonfinite += atomic_load(&w->bad);
+	return code || !atomic_load(&w->any_unclean) ? code : read_again(w);
+}
+
+static int32_t run(work *w)
+{
+	frame *f = &w->f;
+	const stage *const *stages = stages_of(w->context);
+	bands_span(f->bands, 0, 1.5 / (N_STAGES + 2));
+	int32_t code = first(w);
 	for (int s = 0; !code && s < N_STAGES; s++) {
-		bands_span(f->bands, (s + 0.5) / (N_STAGES + 1), (s + 1.5) / (N_STAGES + 1));
-		code = stages[s]->run(f);
+		bands_span(f->bands, (s + 1.5) / (N_STAGES + 2), (s + 2.5) / (N_STAGES + 2));
+		if (stages[s]->run)
+			code = stages[s]->run(f);
+		if (!code && stages[s]->rows && s >= w->early)
+			code = bands_run(f->bands, f->height, 0, stages[s]->rows, f);
 	}
-	bands_span(f->bands, (N_STAGES + 0.5) / (N_STAGES + 1), 1);
+	bands_span(f->bands, (N_STAGES + 1.5) / (N_STAGES + 2), 1);
 	return code ? code : bands_run(f->bands, f->height, 0, export_rows, w);
 }
 
@@ -203,12 +282,11 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	if (!f->bands)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
 	job->nonfinite = 0;
+	w.clean = use_best(context) ? &BEST(cleaner) : &cleaner_base;
 	if (!any)
 		return fail_code(context, copy(&w));
-	bands_span(f->bands, 0, 0.5 / (N_STAGES + 1));
-	code = scan(&w);
-	if (code)
-		return fail_code(context, code);
+	for (int i = 0; i < ENCRE_LAYER_COUNT; i++)
+		w.copy[i] = w.in[i].data && !packed(w.in + i);
 
 	arena a = {0};
 	plan(&w, &a);

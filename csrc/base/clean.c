@@ -1,22 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Layers as stages may trust them. Most frames are clean and packed already: one pass of reading finds that out, and
- * nothing is copied. */
 #include "base/clean.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdatomic.h>
 
-typedef struct clean {
-	const encre_image *image, *to;
-	int layer;
-	atomic_llong bad;
-	atomic_bool unclean;
-} clean;
-
 static float limit_of(int layer)
 {
-	return layer == ENCRE_LAYER_CONTROLS ? 1.0f : FLT_MAX;
+	return layer == ENCRE_LAYER_CONTROLS ? 1.0f : layer == ENCRE_LAYER_DEPTH ? INFINITY : FLT_MAX;
 }
 
 static float *row_at(const encre_image *image, int y)
@@ -24,44 +15,49 @@ static float *row_at(const encre_image *image, int y)
 	return (float *)((char *)image->data + y * image->row_stride);
 }
 
-/* Counts of n adjacent values; *over: one is beyond the limit. */
-static long long count_row(const float *restrict in, int n, bool depth, float limit, int *over)
+/* ---- a look ---------------------------------------------------------------------------------------------- */
+
+/* Whether a value is beyond +-limit, or NaN. Without their sign floats order as whole numbers do, NaN above infinity,
+ * and a difference of two of these never overflows: its sign tells, and signs gather in one number. */
+static bool any_beyond(const float *restrict in, int n, float limit)
 {
-	int nan = 0, inf = 0, out = 0;
-	for (int i = 0; i < n; i++) {
-		float a = fabsf(in[i]);
-		nan += !(a <= INFINITY);
-		inf += a > FLT_MAX;
-		out |= a > limit;
-	}
-	*over |= out;
-	return nan + (depth ? 0 : inf);
+	int32_t most = float_bits(limit), signs = 0;
+	for (int i = 0; i < n; i++)
+		signs |= most - (float_bits(in[i]) & INT32_MAX);
+	return signs < 0;
 }
 
-static void scan_rows(void *data, int y0, int y1, int thread)
+static int64_t count_bad(const float *restrict in, int n, float most)
 {
-	(void)thread;
-	clean *c = data;
-	const encre_image *image = c->image;
+	int bad = 0;
+	for (int i = 0; i < n; i++)
+		bad += !(fabsf(in[i]) <= most);
+	return bad;
+}
+
+static bool look(const encre_image *image, int layer, int y, int64_t *bad)
+{
+	const float *in = row_at(image, y);
 	ptrdiff_t step = (ptrdiff_t)(image->pixel_stride / 4);
-	bool depth = c->layer == ENCRE_LAYER_DEPTH;
-	float limit = limit_of(c->layer);
-	long long bad = 0;
-	int over = 0;
-	for (int y = y0; y < y1; y++) {
-		const float *in = row_at(image, y);
-		if (packed(image))
-			bad += count_row(in, image->width * image->channels, depth, limit, &over);
-		else
-			for (int x = 0; x < image->width; x++)
-				bad += count_row(in + x * step, image->channels, depth, limit, &over);
-	}
-	atomic_fetch_add(&c->bad, bad);
-	if (over)
-		atomic_store(&c->unclean, true);
+	int pieces = packed(image) ? 1 : image->width, n = image->width / pieces * image->channels;
+	bool beyond = false;
+	for (int x = 0; x < pieces; x++, in += step)
+		if (any_beyond(in, n, limit_of(layer))) {
+			*bad += count_bad(in, n, layer == ENCRE_LAYER_DEPTH ? INFINITY : FLT_MAX);
+			beyond = true;
+		}
+	return packed(image) && (!beyond || layer == ENCRE_LAYER_DEPTH);
 }
 
-/* Cleans n adjacent values and counts as count_row() does. Called with a constant `depth` each time. */
+/* ---- copies ---------------------------------------------------------------------------------------------- */
+
+typedef struct job {
+	const encre_image *image, *to;
+	int layer;
+	atomic_llong bad;
+} job;
+
+/* Cleans n adjacent values and counts. Called with a constant `depth` each time. */
 static inline long long copy_row(const float *restrict in, int n, const bool depth, float limit, float *restrict out)
 {
 	int bad = 0;
@@ -77,7 +73,7 @@ static inline long long copy_row(const float *restrict in, int n, const bool dep
 static void copy_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
-	clean *c = data;
+	job *c = data;
 	const encre_image *from = c->image, *to = c->to;
 	ptrdiff_t step = (ptrdiff_t)(from->pixel_stride / 4), out_step = (ptrdiff_t)(to->pixel_stride / 4);
 	bool depth = c->layer == ENCRE_LAYER_DEPTH;
@@ -94,20 +90,12 @@ static void copy_rows(void *data, int y0, int y1, int thread)
 	atomic_fetch_add(&c->bad, bad);
 }
 
-int32_t clean_scan(bands *pool, const encre_image *image, int layer, int64_t *bad, bool *copy)
+static int32_t copy(bands *pool, const encre_image *image, int layer, const encre_image *to, int64_t *bad)
 {
-	clean c = {.image = image, .layer = layer};
-	int32_t code = bands_run(pool, image->height, 0, scan_rows, &c);
-	long long found = atomic_load(&c.bad);
-	*bad += found;
-	*copy = !packed(image) || (layer != ENCRE_LAYER_DEPTH && (atomic_load(&c.unclean) || found));
-	return code;
-}
-
-int32_t clean_copy(bands *pool, const encre_image *image, int layer, const encre_image *to, int64_t *bad)
-{
-	clean c = {.image = image, .layer = layer, .to = to};
+	job c = {.image = image, .layer = layer, .to = to};
 	int32_t code = bands_run(pool, image->height, 0, copy_rows, &c);
 	*bad += atomic_load(&c.bad);
 	return code;
 }
+
+const cleaner ISA(cleaner) = {look, copy};

@@ -81,7 +81,7 @@ typedef struct frame {
 
 	/* edges: */
 	uint8_t *edge;   /* width * height: 0, or 1 + enum source of an edge pixel; NULL unless want_edges */
-	float *strength; /* width * height: edge strength */
+	float *strength; /* width * height, valid at edge pixels: their strength */
 	uint8_t *near; /* width * height, valid at edge pixels: place (dy + 2) * 5 + dx + 2 of the pixel with the least
 			  depth in the 5x5 window, from which an edge takes its controls */
 	/* nearest.c (planned when smudging or a search needs it): */
@@ -176,8 +176,17 @@ typedef struct stage {
 	bool (*reads_edges)(const frame *f);
 	/* Takes the stage's products and scratch from the arena. May be NULL. */
 	void (*plan)(frame *f, arena *a);
-	/* Returns ENCRE_OK, ENCRE_ERROR_CANCELLED or ENCRE_ERROR_MEMORY. Called when planned, in order. */
+	/* These return ENCRE_OK, ENCRE_ERROR_CANCELLED or ENCRE_ERROR_MEMORY. Each may be NULL; not all. */
+	/* What needs parameters alone. Called when planned, before any layer may be read. */
+	int32_t (*prepare)(frame *f);
+	/* Called in order. */
 	int32_t (*run)(frame *f);
+	/* Draws rows of the picture, given the frame, and reads the same rows of layers and picture alone. So it runs
+	 * where these are in the cache: with the look at the layers that says whether they are clean, if no stage with
+	 * run() draws before, and then once more where they were not; else after run(). */
+	bands_kernel rows;
+	/* Whether run() changes the picture. NULL: it does. */
+	bool (*draws)(const frame *f);
 } stage;
 
 #define DECLARE(name) extern const stage JOIN(stage, JOIN_(name, base)), JOIN(stage, JOIN_(name, v3));

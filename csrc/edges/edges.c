@@ -88,6 +88,20 @@ static bool weigh(const edges *e, enum source s, int y, int x0, int n, const uin
 
 /* ---- rows ------------------------------------------------------------------------------------------------ */
 
+enum { GROUP = 32 /* pixels that are passed over if none is an edge */ };
+
+static bool any_edge(const float *restrict strength, const int32_t *restrict winner, int n, float threshold,
+		     uint8_t *restrict edge)
+{
+	int any = 0;
+	for (int i = 0; i < n; i++) {
+		int source = strength[i] >= threshold ? winner[i] : 0; /* 0 where the strength is */
+		edge[i] = (uint8_t)source;
+		any |= source;
+	}
+	return any;
+}
+
 static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 {
 	const frame *f = e->f;
@@ -117,21 +131,18 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 			strength[i] = w > strength[i] ? w : strength[i];
 		}
 	}
-	float threshold = e->p->edge_threshold;
-	int any = 0;
-	for (int i = 0; i < n; i++) {
-		winner[i] = strength[i] >= threshold ? winner[i] : 0; /* 0 where the strength is */
-		any |= winner[i];
-	}
-	uint8_t *restrict edge = f->edge + at;
-	for (int i = 0; i < n; i++)
-		edge[i] = (uint8_t)winner[i];
-	memcpy(f->strength + at, strength, (size_t)n * sizeof *strength);
 	plane out = f->output[ENCRE_OUTPUT_EDGES];
 	if (out.data)
 		memcpy(out.data + y * out.row + x0, strength, (size_t)n * sizeof *strength);
-	if (any && !f->style)
-		nearest_places(f, y, x0, n, f->near + at);
+	uint8_t *restrict edge = f->edge + at;
+	for (int i = 0; i < n; i += GROUP) {
+		int m = n - i < GROUP ? n - i : GROUP;
+		if (!any_edge(strength + i, winner + i, m, e->p->edge_threshold, edge + i))
+			continue;
+		memcpy(f->strength + at + i, strength + i, (size_t)m * sizeof *strength);
+		if (!f->style)
+			nearest_places(f, y, x0 + i, m, f->near + at + i);
+	}
 }
 
 static void edge_rows(void *data, int y0, int y1, int thread)
@@ -259,6 +270,12 @@ static void plan(frame *f, arena *a)
 		ISA(fine_plan)(f, &e, a);
 }
 
+static bool draws_nothing(const frame *f)
+{
+	(void)f;
+	return false;
+}
+
 static int32_t run(frame *f)
 {
 	edges *e = f->edges;
@@ -276,4 +293,4 @@ static int32_t run(frame *f)
 	return e->fine ? ISA(fine_run)(f) : bands_run(f->bands, f->height, 0, edge_rows, e);
 }
 
-const stage STAGE_SYMBOL(edges) = {.id = "edges", .check = check, .plan = plan, .run = run};
+const stage STAGE_SYMBOL(edges) = {.id = "edges", .check = check, .plan = plan, .run = run, .draws = draws_nothing};

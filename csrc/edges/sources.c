@@ -89,6 +89,23 @@ static float response_alone(const ring *r, int y, int x)
 	return e->dog ? dog_alone(&e->gauss, patch) : bend_alone(patch);
 }
 
+static bool all_finite(const float *response, int n)
+{
+	int all = 1;
+	for (int i = 0; i < n; i++)
+		all &= fabsf(response[i]) <= FLT_MAX;
+	return all;
+}
+
+static void mend_responses(const ring *r, int y, int x0, int n, float *response)
+{
+	const frame *f = r->e->f;
+	bool outside = y < r->reach || y >= f->height - r->reach;
+	for (int i = 0; i < n; i++)
+		if (outside || x0 + i < r->reach || x0 + i >= f->width - r->reach || !(fabsf(response[i]) <= FLT_MAX))
+			response[i] = response_alone(r, y, x0 + i);
+}
+
 static void depth_strength(const ring *r, int y, int x0, int n, float *restrict response)
 {
 	const edges *e = r->e;
@@ -101,11 +118,10 @@ static void depth_strength(const ring *r, int y, int x0, int n, float *restrict 
 	else
 		ISA(detect_slope)(row, n, response);
 	if (e->inverse) {
-		bool outside = y < r->reach || y >= e->f->height - r->reach;
-		for (int i = 0; i < n; i++)
-			if (outside | (x0 + i < r->reach) | (x0 + i >= e->f->width - r->reach) |
-			    !(fabsf(response[i]) <= FLT_MAX))
-				response[i] = response_alone(r, y, x0 + i);
+		bool outside = y < r->reach || y >= e->f->height - r->reach || x0 < r->reach ||
+			       x0 + n > e->f->width - r->reach;
+		if (outside || !all_finite(response, n))
+			mend_responses(r, y, x0, n, response);
 	}
 	if (e->inverse && !e->ortho)
 		divide_by_nearest(r, y, x0, n, response);

@@ -36,6 +36,7 @@ static void fill_row(const frame *f, discs *all, int y)
 	const uint8_t *edge = f->edge + (size_t)y * (size_t)f->width;
 	disc *out = all->disc + all->first[y];
 	uint32_t left = all->count[y];
+	const float *strength = f->strength + (size_t)(y + 1 < f->height ? y + 1 : y) * (size_t)f->width;
 	float reach = 0;
 	for (int x = 0; left; x++) {
 		uint64_t eight;
@@ -46,6 +47,7 @@ static void fill_row(const frame *f, discs *all, int y)
 		if (!edge[x])
 			continue;
 		left--;
+		__builtin_prefetch(strength + x); /* lines go on below */
 		if (!ISA(disc_of)(f, x, y, out))
 			continue;
 		reach = max(reach, out->reach);
@@ -79,11 +81,10 @@ static void fill_rows(void *data, int y0, int y1, int thread)
 	float *tiles = g->all->nearest + (size_t)(y0 / TILE) * (size_t)across;
 	for (int i = 0; i < across; i++)
 		tiles[i] = INFINITY;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && f->params->line_occlude; y++)
+		tile_row(f, y, tiles); /* depth is in the cache then, for the discs */
+	for (int y = y0; y < y1; y++)
 		fill_row(f, g->all, y);
-		if (f->params->line_occlude)
-			tile_row(f, y, tiles);
-	}
 }
 
 /* Each of n values `step` apart becomes the least of those up to k away. */

@@ -164,10 +164,16 @@ static void ink_row(const canvas *c, int y, const float *color, float *rgba, flo
 		float most = 0;
 		for (int k = 0; k < LANES; k++)
 			most = dark[x + k] > most ? dark[x + k] : most;
-		if (most > 0)
-			ink_pixels(c->f, dark + x, owner ? owner + x : NULL, color,
-				   c->f->width - x < LANES ? c->f->width - x : LANES, rgba + (ptrdiff_t)4 * x,
-				   lines ? lines + (ptrdiff_t)4 * x : NULL);
+		if (!(most > 0))
+			continue;
+		if (y + 1 < c->y1) { /* lines go on below */
+			const float *below = output_row(c->f, ENCRE_OUTPUT_COMBINED, y + 1) + (ptrdiff_t)4 * x;
+			__builtin_prefetch(below);
+			__builtin_prefetch(below + 16);
+		}
+		ink_pixels(c->f, dark + x, owner ? owner + x : NULL, color,
+			   c->f->width - x < LANES ? c->f->width - x : LANES, rgba + (ptrdiff_t)4 * x,
+			   lines ? lines + (ptrdiff_t)4 * x : NULL);
 	}
 }
 

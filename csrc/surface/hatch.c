@@ -117,7 +117,7 @@ static void hatch_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const frame *f = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; f->any.use_hatching && y < y1; y++)
 		for (int x = 0, end; x < f->width; x = end) {
 			const encre_params *p = style_run(f, y, x, f->width - x > CHUNK ? x + CHUNK : f->width, &end);
 			if (p->use_hatching)
@@ -125,9 +125,4 @@ static void hatch_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
-static int32_t run(frame *f)
-{
-	return f->any.use_hatching ? bands_run(f->bands, f->height, 0, hatch_rows, f) : ENCRE_OK;
-}
-
-const stage STAGE_SYMBOL(hatch) = {.id = "hatch", .run = run};
+const stage STAGE_SYMBOL(hatch) = {.id = "hatch", .rows = hatch_rows};

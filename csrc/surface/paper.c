@@ -298,7 +298,7 @@ static void plan(frame *f, arena *a)
 		memcpy(f->paper, &p, sizeof p);
 }
 
-static int32_t run(frame *f)
+static int32_t prepare(frame *f)
 {
 	paper *p = f->paper;
 	if (!p)
@@ -308,4 +308,4 @@ static int32_t run(frame *f)
 	return p->image ? bands_run(f->bands, p->height, 0, image_rows, p) : make_sheet(f, p);
 }
 
-const stage STAGE_SYMBOL(paper) = {.id = "paper", .check = check, .plan = plan, .run = run};
+const stage STAGE_SYMBOL(paper) = {.id = "paper", .check = check, .plan = plan, .prepare = prepare};

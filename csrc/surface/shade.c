@@ -48,57 +48,88 @@ static void tone_row(const encre_levels *levels, int n, const float *restrict x,
 	}
 }
 
-static void level_color_row(const encre_levels *levels, int n, const float *restrict x, float *restrict color)
+/* Planes of interleaved channels: their loops vectorise best. Called with a constant number of channels each time. */
+static inline void split(const float *restrict in, const int channels, int n, float (*restrict plane)[CHUNK])
 {
-	for (int c = 0; c < 3; c++)
-		for (int i = 0; i < n; i++)
-			color[3 * i + c] = levels->level[0].color[c];
+	for (int i = 0; i < n; i++)
+		for (int c = 0; c < channels; c++)
+			plane[c][i] = in[channels * i + c];
+}
+
+static inline void join(float (*restrict plane)[CHUNK], const int channels, int n, float *restrict out)
+{
+	for (int i = 0; i < n; i++)
+		for (int c = 0; c < channels; c++)
+			out[channels * i + c] = plane[c][i];
+}
+
+/* One channel of the colour of the levels. */
+static void level_color_row(const encre_levels *levels, int c, int n, const float *restrict x, float *restrict color)
+{
+	for (int i = 0; i < n; i++)
+		color[i] = levels->level[0].color[c];
 	for (int k = 1; k < levels->count; k++) {
 		encre_level level = levels->level[k];
 		if (!memcmp(level.color, levels->level[k - 1].color, sizeof level.color))
 			continue;
 		float inverse = inverse_width(&level);
-		for (int i = 0; i < n; i++) {
-			float t = passed(x[i], &level, inverse);
-			for (int c = 0; c < 3; c++)
-				color[3 * i + c] = mix(color[3 * i + c], level.color[c], t);
-		}
+		for (int i = 0; i < n; i++)
+			color[i] = mix(color[i], level.color[c], passed(x[i], &level, inverse));
+	}
+}
+
+/* What the channels of light have in common. */
+typedef struct lit {
+	float value[CHUNK], tone[CHUNK], hue[CHUNK], share[CHUNK];
+} lit;
+
+static void lit_row(const encre_params *p, int n, float (*restrict diffuse)[CHUNK], float *restrict exposed,
+		    lit *restrict l)
+{
+	float weight = p->shade_tint_weight, hued = p->light_hue, exposure = p->shade_exposure;
+	for (int i = 0; i < n; i++) {
+		float v = max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]);
+		l->value[i] = v;
+		exposed[i] = v * exposure;
+		l->hue[i] = v > 0 ? hued / (v > 0.02f ? v : 0.02f) : 0;
+	}
+	tone_row(&p->shade_levels, n, exposed, l->tone);
+	for (int i = 0; i < n; i++) {
+		float shade = 1 - l->tone[i], w = (shade > 0 ? shade : 0) * weight;
+		l->share[i] = w / (1 + w);
 	}
 }
 
 /* light: the colour of the level in, the discrete and tinted light out. The hue of dark light fades to white, or noise
  * would shine: mix(1, diffuse/V, V/0.02) is 1 + (diffuse - V)/max(V, 0.02). Likewise (D + w tint)/(1 + w) is a mix. */
-static void light_row(const encre_params *p, int n, const float *restrict diffuse, const float *restrict tone,
-		      float *restrict light)
+static void light_row(const lit *restrict l, float tint, int n, const float *restrict diffuse, float *restrict light)
 {
-	float weight = p->shade_tint_weight, hued = p->light_hue,
-	      tint[3] = {p->shade_tint[0], p->shade_tint[1], p->shade_tint[2]};
+	for (int i = 0; i < n; i++)
+		light[i] = bounded(
+			mix((1 + (diffuse[i] - l->value[i]) * l->hue[i]) * l->tone[i] * light[i], tint, l->share[i]));
+}
+
+/* The saturation that is kept goes to kept, the colour's value to value. */
+static void kept_row(float grey, int n, const float *restrict tone, float (*restrict color)[CHUNK],
+		     float *restrict value, float *restrict kept)
+{
 	for (int i = 0; i < n; i++) {
-		const float *d = diffuse + 3 * i;
-		float v = max3(d[0], d[1], d[2]), hue = v > 0 ? hued / (v > 0.02f ? v : 0.02f) : 0;
-		float shade = 1 - tone[i], w = (shade > 0 ? shade : 0) * weight, share = w / (1 + w);
-		for (int c = 0; c < 3; c++)
-			light[3 * i + c] =
-				bounded(mix((1 + (d[c] - v) * hue) * tone[i] * light[3 * i + c], tint[c], share));
+		float shade = 1 - tone[i];
+		value[i] = max3(color[0][i], color[1][i], color[2][i]);
+		kept[i] = 1 - (shade > 0 ? shade : 0) * grey;
 	}
 }
 
-static void shaded_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
-		       const float *restrict diffuse, const float *restrict tone, const float *restrict light,
-		       float other_light, float *restrict out)
+/* One channel. */
+static void shaded_row(float strength, float other_light, int n, const float *restrict alpha,
+		       const float *restrict color, const float *restrict value, const float *restrict kept,
+		       const float *restrict diffuse, const float *restrict light, float *restrict combined)
 {
-	float grey = 1 - clamp01(p->shade_saturation), strength = p->shade_strength;
 	for (int i = 0; i < n; i++) {
-		const float *a = color + 3 * i;
-		float v = max3(a[0], a[1], a[2]), shade = 1 - tone[i], kept = 1 - (shade > 0 ? shade : 0) * grey;
-		for (int c = 0; c < 3; c++) {
-			float lit = bounded(a[c] * diffuse[3 * i + c]), other = bounded(combined[4 * i + c] - lit);
-			float flat = bounded((v - (v - a[c]) * kept) * light[3 * i + c]);
-			out[4 * i + c] = combined[4 * i + 3] == 0
-						 ? combined[4 * i + c]
-						 : positive(blend(lit, flat, strength) + other_light * other);
-		}
-		out[4 * i + 3] = combined[4 * i + 3];
+		float rendered = combined[i], diffused = bounded(color[i] * diffuse[i]);
+		float flat = bounded((value[i] - (value[i] - color[i]) * kept[i]) * light[i]);
+		float drawn = positive(blend(diffused, flat, strength) + other_light * bounded(rendered - diffused));
+		combined[i] = alpha[i] == 0 ? rendered : drawn;
 	}
 }
 
@@ -208,9 +239,7 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + 3 * x;
 	float *surface = output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * x;
 	bool want_light = f->output[ENCRE_OUTPUT_LIGHT].data, bare = f->params->surface == surface_PAPER;
-	float exposed[CHUNK] = {0}, tone[CHUNK], own_light[3 * CHUNK], weighed[4 * CHUNK];
-	float other_light = f->params->other_light;
-	float *light = want_light ? output_row(f, ENCRE_OUTPUT_LIGHT, y) + 3 * x : own_light;
+	float weighed[4 * CHUNK], other_light = f->params->other_light;
 	if (p->use_shading) {
 		parts k = parts_of(f, p);
 		if (!as_rendered(&k)) {
@@ -220,18 +249,33 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 			combined = weighed;
 		}
 	}
+	float lights[3][CHUNK], diffuses[3][CHUNK];
+	float exposed[CHUNK] = {0}; /* or gcc thinks that it is read unset */
+	lit l;
 	if (want_light || (p->use_shading && !bare)) {
-		exposed_row(n, diffuse, p->shade_exposure, exposed);
-		tone_row(&p->shade_levels, n, exposed, tone);
-		level_color_row(&p->shade_levels, n, exposed, light);
-		light_row(p, n, diffuse, tone, light);
+		split(diffuse, 3, n, diffuses);
+		lit_row(p, n, diffuses, exposed, &l);
+		for (int c = 0; c < 3; c++) {
+			level_color_row(&p->shade_levels, c, n, exposed, lights[c]);
+			light_row(&l, p->shade_tint[c], n, diffuses[c], lights[c]);
+		}
 	}
+	if (want_light)
+		join(lights, 3, n, output_row(f, ENCRE_OUTPUT_LIGHT, y) + 3 * x);
 	if (!p->use_shading)
 		memcpy(surface, combined, (size_t)n * 4 * sizeof *surface);
 	else if (bare)
 		bare_row(f->params->paper_color, n, combined, color, diffuse, other_light, surface);
-	else
-		shaded_row(p, n, combined, color, diffuse, tone, light, other_light, surface);
+	else {
+		float colors[3][CHUNK], rendered[4][CHUNK], value[CHUNK], kept[CHUNK];
+		split(color, 3, n, colors);
+		split(combined, 4, n, rendered);
+		kept_row(1 - clamp01(p->shade_saturation), n, l.tone, colors, value, kept);
+		for (int c = 0; c < 3; c++)
+			shaded_row(p->shade_strength, other_light, n, rendered[3], colors[c], value, kept, diffuses[c],
+				   lights[c], rendered[c]);
+		join(rendered, 4, n, surface);
+	}
 }
 
 static void shade_rows(void *data, int y0, int y1, int thread)
@@ -289,9 +333,4 @@ static const char *check(const encre_params *params, char *text, size_t size)
 	return NULL;
 }
 
-static int32_t run(frame *f)
-{
-	return bands_run(f->bands, f->height, 0, shade_rows, f);
-}
-
-const stage STAGE_SYMBOL(shade) = {.id = "shade", .check = check, .run = run};
+const stage STAGE_SYMBOL(shade) = {.id = "shade", .check = check, .rows = shade_rows};

@@ -186,4 +186,5 @@ static int32_t run(frame *f)
 	return code;
 }
 
-const stage STAGE_SYMBOL(smudge) = {.id = "smudge", .reads_edges = reads_edges, .plan = plan, .run = run};
+const stage STAGE_SYMBOL(smudge) = {
+	.id = "smudge", .reads_edges = reads_edges, .plan = plan, .run = run, .draws = wanted};

@@ -1,113 +1,63 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Times every stage at 1920 x 1080, as a ratio to copying the same bytes (112 a pixel) in the same run.
+"""Times the stages, as ratios to copying 112 bytes a pixel in the same run: to build/bench.json and build/bench.svg.
 
-    python tests/helpers/bench.py [--size WxH] [--rounds N] [--set id=value]...
+    python tests/helpers/bench.py [--size WxH] [--rounds N] [--sizes] [--only TABLE]...
 
-Then the lines of FINE beside those of DOG, on one thread, where 12 % of the pixels lie within 3 of a site: at most 1.3
-times as long for all stages together, 1.5 times with colour and light; 12 bytes a pixel besides input and output.
+All looks, each stage alone, line searches, radii and densities, on one thread and on two, on layers where 12 % of the
+pixels lie within 3 of a site of FINE; with --sizes also 720p to 8K. Then what FINE costs beside DOG, light by rays and
+baking.
 
-Ratios, not seconds: they mean the same on a busy machine and a quiet one. A stage's time is what passes between the
-progress reports at its ends; the best of the rounds counts, for the copy as well.
+Ratios, not seconds: they mean the same on a busy machine and a quiet one. The cases of a table take turns under the
+same load, and the least of all rounds counts, for the copy as well: of processor time on one thread, of time by the
+clock on two. What is drawn goes to memory that is there already, as the copy does.
 """
 
 import argparse
 import ctypes
+import json
 import resource
 import sys
 import time
 from pathlib import Path
 
+import chart
 import drawn
 import numpy as np
 from encre.pen import library
 
-CASES = {
-    "Water Memory": {},
-    "Inter-color": dict(edge_threshold=0.01, edge_color=1.0, line_contrast=1.0, line_softness=0.0, line_thickness=12.0,
-                        line_gain=0.5, line_intensity=2.0, line_paper=0.0, use_shading=False, use_smudging=False,
-                        use_hatching=False),
-    "Sobel, nearest": dict(edge_detector="SOBEL", line_search="NEAREST"),
-    "wide lines": dict(line_thickness=64.0),
-}
+BYTES = 112  # a pixel's in the copy
+THREADS = 1, 2
+INTER_COLOR = dict(edge_threshold=0.01, edge_color=1.0, line_contrast=1.0, line_softness=0.0, line_thickness=12.0,
+                   line_gain=0.5, line_intensity=2.0, line_paper=0.0, use_shading=False, use_smudging=False,
+                   use_hatching=False)
 ALL_OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False)
+DOG, SOBEL, FINE = ({"edge_detector": name} for name in ("DOG", "SOBEL", "FINE"))
+ALL_SOURCES = dict(edge_color=3.0, edge_light=4.0)
+# case: its settings, the ratios that are aimed at on one thread and on two, and what is drawn
+LOOKS = {
+    "Water Memory, DOG": (DOG, (2.0, 1.5)),
+    "Water Memory, FINE": (FINE, (2.5, 1.7)),
+    "colour and light, DOG": (DOG | ALL_SOURCES, (3.0, 2.0)),
+    "colour and light, FINE": (FINE | ALL_SOURCES, (3.0, 2.0)),
+    "Inter-color, FINE": (FINE | INTER_COLOR, (3.0, 2.0)),
+    "Inter-color, SOBEL": (SOBEL | INTER_COLOR, (3.0, 2.0)),
+}
+STAGES = {
+    "edges, DOG": (ALL_OFF | DOG, "Encre Edges"),
+    "edges, SOBEL": (ALL_OFF | SOBEL, "Encre Edges"),
+    "edges, FINE": (ALL_OFF | FINE, "Encre Edges"),
+    "shading": (ALL_OFF | dict(use_shading=True), "Combined"),
+    "smudging": (ALL_OFF | DOG | dict(use_smudging=True), "Combined"),
+    "hatching": (ALL_OFF | dict(use_hatching=True), "Combined"),
+    "lines, DOG": (ALL_OFF | DOG | dict(use_lines=True), "Combined"),
+    "lines, FINE": (ALL_OFF | FINE | dict(use_lines=True), "Combined"),
+}
+RADII = 2, 5, 12, 28, 64
+DENSITIES = 0, 3, 6, 12, 25  # % of the pixels near a site
+SIZES = {"720p": (1280, 720), "1080p": (1920, 1080), "1440p": (2560, 1440), "4K": (3840, 2160), "8K": (7680, 4320)}
 
 
-def stages_run():
-    """Ids of the stages that run, in order: all but the engine's own rows."""
-    return [s.id for s in library.stages() if s.id != "layers"]
-
-
-def once(layers, settings, threads):
-    """Seconds of the whole and of each stage."""
-    names = stages_run()
-    ends = {(k + 1.5) / (len(names) + 1): name for k, name in enumerate(names)}
-    marks, seen = {}, [0.0]
-
-    def progress(fraction):
-        seen[0] = time.perf_counter()
-        for end, name in ends.items():
-            if fraction < end:
-                marks[name] = seen[0]
-                break
-        return True
-
-    start = time.perf_counter()
-    library.render(layers, settings, outputs=list(library.OUTPUTS), threads=threads, progress=progress)
-    whole = time.perf_counter() - start
-    times, last = {}, start
-    for name in names:
-        times[name] = marks.get(name, last) - last
-        last = marks.get(name, last)
-    return whole, times
-
-
-def copy_seconds(nbytes):
-    a, b = np.ones(nbytes // 4, np.float32), np.zeros(nbytes // 4, np.float32)
-    best = 1e9
-    for _ in range(5):
-        start = time.perf_counter()
-        b[:] = a
-        best = min(best, time.perf_counter() - start)
-    return best
-
-
-def bake(rounds, side=2048):
-    """Lines in a texture of spots, plain and uniform."""
-    y, x = np.indices((side, side), np.float32) / side
-    spot = np.hypot(x * 12 % 1 - 0.5, y * 12 % 1 - 0.5) < 0.35
-    texture = np.float32([(0.9, 0.8, 0.5), (0.7, 0.2, 0.2)])[spot.astype(int)]
-    copy = copy_seconds(24 * side * side)
-    form = np.stack([0.2 + 2 * x, 0.3 * x, 1.5 - y], 2)
-    print(f"\nbaking {side} x {side} texels; copy of {24 * side * side / 1e6:.0f} MB: {copy * 1e3:.1f} ms = 1.00")
-    cases = {"plain": {}, "uniform": dict(form=form), "CIEDE2000": dict(scene=dict(contrast_metric="CIEDE2000")),
-             "local contrast": dict(scene=dict(contrast_auto=True))}
-    for case, options in cases.items():
-        for threads in (1, 0):
-            best = 1e9
-            for _ in range(rounds):
-                start = time.perf_counter()
-                library.bake(texture, threads=threads, **options)
-                best = min(best, time.perf_counter() - start)
-            print(f"{case:18}{threads or 'all':>8}{best / copy:8.2f}{best:8.3f} s")
-
-
-def all_off(rounds, layers):
-    """With every switch off, Combined alone: it is copied once."""
-    copy = copy_seconds(layers["combined"].nbytes)
-    print(f"\nall off; copy of {layers['combined'].nbytes / 1e6:.0f} MB: {copy * 1e3:.1f} ms = 1.00")
-    for threads in (1, 0):
-        best = 1e9
-        for _ in range(4 * rounds):
-            start = time.perf_counter()
-            library.render(layers, ALL_OFF, threads=threads)
-            best = min(best, time.perf_counter() - start)
-        print(f"{'all off':18}{threads or 'all':>8}{best / copy:8.2f}")
-
-
-# What FINE costs
-
-SOURCES = {"default sources": {}, "with colour and light": dict(edge_color=3.0, edge_light=4.0)}
-CELL = {"default sources": 204, "with colour and light": 298}  # pixels from ball to ball: 12 % are near a site
+# Layers
 
 
 def balls(width, height, cell):
@@ -136,6 +86,10 @@ def balls(width, height, cell):
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
 
 
+SOURCES = {"default sources": {}, "with colour and light": ALL_SOURCES}
+CELL = {"default sources": 204, "with colour and light": 298}  # pixels from ball to ball: 12 % are near a site
+
+
 def sites(layers, settings):
     """How many pixels hold a site, and which share of all lies within 3 of one."""
     holds = library.render(layers, settings, outputs=["Encre Edges"]).images["Encre Edges"][..., 0] > 0
@@ -147,17 +101,6 @@ def sites(layers, settings):
                               for d, n in ((dy, height), (dx, width)))
                 near[own[0], other[0]] |= holds[own[1], other[1]]
     return int(holds.sum()), near.mean()
-
-
-def turns(rounds, jobs):
-    """Least processor seconds of each job (layers, settings) on one thread; they take turns under the same load."""
-    best = [1e9] * len(jobs)
-    for _ in range(rounds):
-        for k, (layers, settings) in enumerate(jobs):
-            start = time.process_time()
-            library.render(layers, settings, threads=1)
-            best[k] = min(best[k], time.process_time() - start)
-    return best
 
 
 def held_bytes(layers, settings):
@@ -176,6 +119,153 @@ def held_bytes(layers, settings):
     seen, before = [0], held()
     library.render(layers, settings, threads=1, progress=lambda _: seen.append(held()) or True)
     return max(seen) - before - layers["combined"].nbytes
+
+
+# Time
+
+
+def copy_seconds(nbytes):
+    a, b = np.ones(nbytes // 4, np.float32), np.zeros(nbytes // 4, np.float32)
+    best = 1e9
+    for _ in range(5):
+        start = time.perf_counter()
+        b[:] = a
+        best = min(best, time.perf_counter() - start)
+    return best
+
+
+class Runs:
+    """Cases that take turns with the copy: (layers, settings, output); each is drawn into memory of its own size."""
+
+    def __init__(self, cases):
+        self.cases, self.target = cases, {}
+        most = max(layers["combined"][..., 0].size for layers, *_ in cases.values())
+        self.from_, self.to = (np.ones(most * BYTES // 4, np.float32) for _ in range(2))
+
+    def memory(self, shape):
+        return self.target.setdefault(shape, np.zeros(shape, np.float32))
+
+    def least(self, rounds, threads):
+        """{case: (ratio to the copy of its pixels, seconds)}."""
+        clock = time.process_time if threads == 1 else time.perf_counter
+        best, copies = dict.fromkeys(self.cases, 1e9), dict.fromkeys(self.cases, 1e9)
+        for _ in range(rounds):
+            for name, (layers, settings, output) in self.cases.items():
+                every = library.complete(library.check(settings))
+                start = clock()
+                library.draw(layers, every, outputs=[output], threads=threads, empty=self.memory)
+                best[name] = min(best[name], clock() - start)
+                floats = layers["combined"][..., 0].size * BYTES // 4
+                start = clock()
+                self.to[:floats] = self.from_[:floats]
+                copies[name] = min(copies[name], clock() - start)
+        of_size = {}
+        for name, (layers, *_) in self.cases.items():
+            size = layers["combined"].shape
+            of_size[size] = min(of_size.get(size, 1e9), copies[name])
+        return {name: (best[name] / of_size[self.cases[name][0]["combined"].shape], best[name]) for name in best}
+
+
+def measure(title, cases, rounds, aims=None, held=False):
+    """Prints a table of cases; returns it as rows for the file."""
+    runs, rows = Runs(cases), []
+    print(f"\n{title:26}" + "".join(f"{f'{n} threads' if n > 1 else '1 thread':>12}{'aim':>6}" for n in THREADS)
+          + f"{'ms':>9}" + f"{'bytes':>8}" * held)
+    least = [runs.least(rounds, threads) for threads in THREADS]
+    for name, (layers, settings, _) in cases.items():
+        aim = (aims or {}).get(name, (None, None))
+        row = {"table": title, "case": name, "pixels": layers["combined"][..., 0].size,
+               "ratio": [round(times[name][0], 3) for times in least],
+               "seconds": [round(times[name][1], 6) for times in least]}
+        if aim[0]:
+            row["aim"] = aim
+        if held:
+            row["bytes"] = round(held_bytes(layers, settings) / row["pixels"], 1)
+        rows.append(row)
+        print(f"{name:26}" + "".join(f"{ratio:12.2f}{wanted or '':>6}" for ratio, wanted in zip(row["ratio"], aim,
+                                                                                             strict=True))
+              + f"{least[0][name][1] * 1e3:9.1f}" + (f"{row['bytes']:8.1f}" if held else ""))
+    return rows
+
+
+def turns(rounds, jobs):
+    """Least processor seconds of each job (layers, settings) on one thread; they take turns under the same load."""
+    best = [1e9] * len(jobs)
+    for _ in range(rounds):
+        for k, (layers, settings) in enumerate(jobs):
+            start = time.process_time()
+            library.render(layers, settings, threads=1)
+            best[k] = min(best[k], time.process_time() - start)
+    return best
+
+
+# Tables
+
+
+def off(layers, rounds):
+    """Nothing is drawn: Combined alone is copied, once, and compared with just that."""
+    rows = measure("all off", {"of 112 bytes": (layers, ALL_OFF, "Combined")}, 4 * rounds)
+    share = BYTES * layers["combined"][..., 0].size / layers["combined"].nbytes
+    print(f"{'of its 16 bytes':26}" + "".join(f"{ratio * share:12.2f}{1.0:>6}" for ratio in rows[0]["ratio"]))
+    return [rows[0] | {"ratio": [round(ratio * share, 3) for ratio in rows[0]["ratio"]], "aim": (1.0, 1.0)}]
+
+
+def looks(layers, rounds):
+    dense = balls(*size_of(layers), CELL["with colour and light"] * size_of(layers)[1] // 1080)
+    cases = {name: (dense if "colour" in name else layers, settings, "Combined")
+             for name, (settings, _) in LOOKS.items()}
+    return measure("looks", cases, rounds, {name: aim for name, (_, aim) in LOOKS.items()}, held=True)
+
+
+def stages(layers, rounds):
+    painted = layers | {"controls": np.zeros((*layers["depth"].shape, library.load().layers["controls"]), np.float32)}
+    place = list(library.controls()).index("smudge_range")
+    painted["controls"][:, ::8, place] = 1
+    return measure("stages alone", {name: (painted if name == "smudging" else layers, *case)
+                                    for name, case in STAGES.items()}, rounds)
+
+
+def searches(layers, rounds):
+    cases = {search.lower(): (layers, DOG | dict(line_search=search), "Combined")
+             for search in ("EXACT", "NEAREST", "WALK", "DILATE")}
+    return measure("searches", cases, rounds)
+
+
+def radii(layers, rounds):
+    cases = {f"radius {r}, {detector['edge_detector']}": (layers, detector | dict(line_thickness=2.0 * r), "Combined")
+             for r in RADII for detector in (DOG, FINE)}
+    return measure("radii", cases, rounds)
+
+
+def densities(layers, rounds):
+    cases, (width, height) = {}, size_of(layers)
+    for percent in DENSITIES:
+        cell = round(CELL["default sources"] * height / 1080 * 12 / percent) if percent else 0
+        some = balls(width, height, cell)
+        for detector in (DOG, FINE):
+            cases[f"{percent} %, {detector['edge_detector']}"] = some, detector, "Combined"
+    return measure("density", cases, rounds)
+
+
+def sizes(layers, rounds):
+    rows = []
+    for name, (width, height) in SIZES.items():
+        some = balls(width, height, CELL["default sources"] * height // 1080)
+        cases = {f"{name}, {detector['edge_detector']}": (some, detector, "Combined") for detector in (DOG, FINE)}
+        rows += measure("sizes", cases, max(1, round(rounds * 2e6 / (width * height))))
+    return rows
+
+
+def size_of(layers):
+    height, width = layers["depth"].shape
+    return width, height
+
+
+TABLES = {"off": off, "looks": looks, "stages": stages, "searches": searches, "radii": radii, "densities": densities,
+          "sizes": sizes}
+
+
+# What FINE, light and baking cost
 
 
 def fine(rounds, width, height):
@@ -219,28 +309,47 @@ def light(rounds, width, height):
         print(f"{case:18}{best:8.2f} s{best / copy:8.1f}")
 
 
+def bake(rounds, side=2048):
+    """Lines in a texture of spots, plain and uniform."""
+    y, x = np.indices((side, side), np.float32) / side
+    spot = np.hypot(x * 12 % 1 - 0.5, y * 12 % 1 - 0.5) < 0.35
+    texture = np.float32([(0.9, 0.8, 0.5), (0.7, 0.2, 0.2)])[spot.astype(int)]
+    copy = copy_seconds(24 * side * side)
+    form = np.stack([0.2 + 2 * x, 0.3 * x, 1.5 - y], 2)
+    print(f"\nbaking {side} x {side} texels; copy of {24 * side * side / 1e6:.0f} MB: {copy * 1e3:.1f} ms = 1.00")
+    cases = {"plain": {}, "uniform": dict(form=form), "CIEDE2000": dict(scene=dict(contrast_metric="CIEDE2000")),
+             "local contrast": dict(scene=dict(contrast_auto=True))}
+    for case, options in cases.items():
+        for threads in (1, 0):
+            best = 1e9
+            for _ in range(rounds):
+                start = time.perf_counter()
+                library.bake(texture, threads=threads, **options)
+                best = min(best, time.perf_counter() - start)
+            print(f"{case:18}{threads or 'all':>8}{best / copy:8.2f}{best:8.3f} s")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", default="1920x1080")
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--set", action="append", default=[])
+    parser.add_argument("--sizes", action="store_true", help="720p to 8K too: minutes, and 8 GB of memory")
+    parser.add_argument("--only", action="append", choices=TABLES, help="these tables alone")
     args = parser.parse_args()
     width, height = map(int, args.size.split("x"))
-    extra = {k: library.parse(k, v) for k, v in (s.split("=", 1) for s in args.set)}
-    layers = drawn.scene(width, height, noise=0.01)
-    copy = copy_seconds(width * height * 112)
-    print(f"copy of {width * height * 112 / 1e6:.0f} MB: {copy * 1e3:.1f} ms = 1.00")
-    print(f"{'':18}{'threads':>8}{'whole':>8}" + "".join(f"{n:>8}" for n in stages_run()))
-    for case, settings in CASES.items():
-        for threads in (1, 0):
-            runs = [once(layers, {**settings, **extra}, threads) for _ in range(args.rounds)]
-            whole = min(r[0] for r in runs) / copy
-            parts = [min(r[1][n] for r in runs) / copy for n in stages_run()]
-            print(f"{case:18}{threads or 'all':>8}{whole:8.2f}" + "".join(f"{p:8.2f}" for p in parts))
-    all_off(args.rounds, layers)
-    fine(args.rounds, width, height)
-    light(args.rounds, width, height)
-    bake(args.rounds)
+    layers = balls(width, height, CELL["default sources"] * height // 1080)
+    copy = copy_seconds(width * height * BYTES)
+    print(f"{width} x {height}; copy of {BYTES} bytes a pixel: {copy * 1e3:.1f} ms = 1.00")
+    wanted = args.only or [name for name in TABLES if name != "sizes" or args.sizes]
+    rows = [row for name in wanted for row in TABLES[name](layers, args.rounds)]
+    build = Path(__file__).parents[2] / "build"
+    build.mkdir(exist_ok=True)
+    (build / "bench.json").write_text(json.dumps({"size": [width, height], "rows": rows}, indent=1), encoding="utf-8")
+    (build / "bench.svg").write_text(chart.bars(rows), encoding="utf-8")
+    if not args.only:
+        fine(args.rounds, width, height)
+        light(args.rounds, width, height)
+        bake(args.rounds)
     print(f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
 
 
