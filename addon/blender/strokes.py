@@ -78,8 +78,8 @@ def of_annotations(scene, frame):
 
 def project(strokes, bodies, reach, eye):
     """{surface: [points of a line on it]} of strokes: each point on the nearest surface within reach, or else on what
-    is seen behind it; eye(point): from where a point is seen, None: from nowhere. A stroke over several surfaces becomes a
-    line on each."""
+    is seen behind it; eye(point): from where a point is seen, None: from nowhere. A stroke over several surfaces
+    becomes a line on each."""
     found = {}
     for stroke in strokes:
         lines = []
