@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 import passes
 import pytest
-from reference import ends
+from reference import chains, ends
 from reference import passes as twin
 from reference.passes import NUMBER, Table
 
@@ -117,13 +117,13 @@ def lead(check):
 
 def drop(check):
     joined, beside, last = (check.tables(name)[0] for name in ("join ends", "drop beside", "cut spurs"))
-    gone, unsure = twin.beside(joined, check.shape)
+    gone, unsure = chains.beside(joined, check.shape)
     check.alike("beside", gone, dropped(joined, beside), unsure)
-    gone, unsure = twin.spurs(beside)
+    gone, unsure = chains.spurs(beside)
     check.alike("spurs", gone, dropped(beside, last), unsure)
     params, style = check.c.view.params, check.c.view.layers.style
     least = params.at("line_min_length", style[last.site["near_y"], last.site["near_x"]])
-    gone, unsure = twin.short(last, least * params.pixels(check.c.view.layers.full_height), check.shape)
+    gone, unsure = chains.short(last, least * params.pixels(check.c.view.layers.full_height), check.shape)
     check.count["short"] += len(gone)
     check.alike("short", gone, dropped(last, check.tables("drop short")[0]), unsure)
 

@@ -51,7 +51,7 @@ TESTS = (
     ("csrc/base/metric", "unit/test_metric.py"),
     ("csrc/base/pixel.h", "unit/test_metric.py", "stages/test_surface.py"),
     ("csrc/base/params", "unit/test_layers.py unit/test_house.py"),
-    ("csrc/light/", "stages/test_shadows.py", "stages/test_light.py"),
+    ("csrc/light/", "stages/test_shadows.py", "stages/test_light.py", "stages/test_light_edges.py"),
     ("csrc/material/", "stages/test_material.py"),
     ("csrc/api/check", "unit/test_boundary.py", "stages/test_light.py -k refused"),
     ("csrc/", "unit/test_layers.py", "unit/test_memory.py", "stages/test_edges.py -k sizes", "stages/test_surface.py"),
@@ -131,10 +131,11 @@ class Copy:
         if not fine:
             return
         import passes
-        from reference import ends
+        from reference import chains, ends
         from reference import passes as twins
-        for name in ("crack_links", "ridge_links", "ties", "smooth", "crowd", "beside", "spurs"):
-            setattr(twins, name, _remembering(getattr(twins, name)))
+        slow = {twins: ("crack_links", "ridge_links", "ties", "smooth", "crowd"), chains: ("beside", "spurs")}
+        for place, name in ((place, name) for place, names in slow.items() for name in names):
+            setattr(place, name, _remembering(getattr(place, name)))
         ends.lead_on = _remembering(ends.lead_on)
         passes.library = functools.cache(lambda: passes.load("probe_0"))
         if self._pytest(["tests/fine/test_fine_sites.py", "tests/fine/test_fine_passes.py"]):

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""FINE's passes over chains of sites, which run from where not exactly two links meet: doubles, spurs, what is too
+short. As in passes.py."""
+
+import numpy as np
+
+from .passes import CLOSE, FAMILIES, NUMBER
+
+
+def chains(t):
+    """Lists of sites; a closed one, from its least site, ends with that again."""
+    used, found = set(), []
+    for closed in (False, True):
+        for i, links in enumerate(t.links):
+            for j in links:
+                if (len(links) == 2) != closed or (i, j) in used or (closed and i in used):
+                    continue
+                run = t.walk(i, j)
+                used |= {*zip(run, run[1:]), *zip(run[1:], run)}  # noqa: B905
+                used |= set(run) if closed else set(run[1:-1])
+                found.append(run)
+    return found
+
+
+def _turns(t, run):
+    """Variance of the sines of half the angles by which a chain turns, pixel by pixel."""
+    anchor, way, sines = t.at[run[0]], None, []
+    for i in run:
+        step = t.at[i] - anchor
+        length = np.hypot(*step)
+        if length < 1:
+            continue
+        step = step / length
+        if way is not None:
+            half = np.sqrt(max(0, (1 - step @ way) / 2))
+            sines.append(-half if way[0] * step[1] - way[1] * step[0] < 0 else half)
+        way, anchor = step, t.at[i]
+    return float(np.var(sines)) if len(sines) > 1 else 0.0
+
+
+def _way(t, i):
+    """The way of the line at a site; None where several meet."""
+    links = t.links[i]
+    if len(links) not in (1, 2):
+        return None
+    return t.at[links[1] if len(links) == 2 else i] - t.at[links[0]]
+
+
+def beside(t, shape):
+    """Which sites are dropped with their chain, because it runs along another, wiggles, or is a speck of light; unsure.
+    """
+    runs = chains(t)
+    chain_of = {i: k for k, run in enumerate(runs) for i in run if len(t.links[i]) <= 2}
+    kept, gone, unsure = set(), set(), set()
+    doubt = [0.0]
+
+    def along(i, own):
+        way = _way(t, i)
+        if way is None:
+            return False
+        for j, d in t.within(i, 3.5):
+            wanted = (t.rank[j] == t.rank[i] and j in kept) if own else t.rank[j] < t.rank[i]
+            other = _way(t, j)
+            if t.dropped[j] or j in gone or not wanted or other is None or (
+                    j in chain_of and chain_of[j] == chain_of.get(i)):
+                continue
+            cosine = abs(way @ other) - 0.85 * np.hypot(*way) * np.hypot(*other)
+            doubt[0] += abs(d - 3.5) < CLOSE or abs(cosine) < CLOSE
+            if d <= 3.5 and cosine >= 0:
+                return True
+        return False
+
+    def weight(k):
+        run = runs[k]
+        its = [0 if FAMILIES[t.family[i]] == "mark" else t.rank[i] for i in run if len(t.links[i]) <= 2]
+        return min([*its, 4]), -sum(t.apart(i, j) for i, j in zip(run, run[1:])), run[0], run[1]  # noqa: B905
+
+    weights = sorted((weight(k), k) for k in range(len(runs)))
+    marked = {}
+    for rank in (1, 2, 3):
+        # what an older rank dropped is gone for the next, but not what the same one drops
+        left = [i for i in np.flatnonzero(~t.dropped & (t.rank == rank)) if i not in gone]
+        marked |= {i: along(i, False) for i in left}
+        for (its, length, *_), k in weights:
+            if its != rank:
+                continue
+            run, length = runs[k], -length
+            doubt[0] = 0
+            light = [rank == 3 and along(i, True) for i in run]
+            every = [marked.get(i, False) or own for i, own in zip(run, light, strict=True)]
+            pieces = [t.apart(i, j) for i, j in zip(run, run[1:])]  # noqa: B905
+            of_light, of_all = (sum(p * (a + b) / 2 for p, a, b in zip(pieces, flags, flags[1:]))  # noqa: B905
+                                for flags in (light, every))
+            closed = run[0] == run[-1] and len(t.links[run[0]]) == 2
+            loose = sum(t.is_end(i) and not t.at_border(i, shape) for i in (run[0], run[-1]))
+            whole = max(length, 1e-9)
+            margins = [of_all / whole - 0.5 if loose else min(of_light / whole - 0.5, (30 - length) / 30),
+                       _turns(t, run) - 0.12]
+            if rank == 3 and (loose == 2 or closed):
+                margins.append((6 - length) / 6)
+            if min(abs(m) for m in margins) < 1e-4 or doubt[0]:
+                unsure |= set(run)
+            members = {i for i in run if len(t.links[i]) <= 2}
+            if max(margins) > 0:
+                gone |= members
+            else:
+                kept |= members
+    return gone, unsure
+
+
+def spurs(t):
+    """Sites of what branches off a line and ends within 2 pixels; unsure."""
+    gone, unsure = set(), set()
+    dropped = t.dropped.copy()
+    for i in range(len(t)):
+        if dropped[i] or len(t.links[i]) != 1 or t.rank[i] == 0:
+            continue
+        run, length = [i, t.links[i][0]], 0.0
+        length = t.apart(*run)
+        while length < 2 and (ahead := t.next(run[-2], run[-1])) is not None:
+            length += t.apart(run[-1], ahead)
+            run.append(ahead)
+        if abs(length - 2) < CLOSE:
+            unsure |= set(run)
+        if len(t.links[run[-1]]) > 2 and length < 2:
+            gone |= set(run[:-1])
+            dropped[run[:-1]] = True
+    return gone, unsure
+
+
+def short(t, least, shape):
+    """Sites of chains that begin and end in the open and are shorter than `least`, by site, at their first end;
+    outlines and marks are none, but for contours that the mesh alone tells; unsure."""
+    gone, unsure = set(), set()
+    meant = ((t.rank == 0) & (t.site["told"] == 0)) | (t.family == NUMBER["mark"])
+
+    def free(i):
+        return i not in gone and t.is_end(i) and not t.at_border(i, shape)
+
+    for i in range(len(t)):
+        if not free(i):
+            continue
+        run = t.walk(i, t.links[i][0])
+        length = sum(t.apart(*pair) for pair in zip(run, run[1:]))  # noqa: B905
+        if meant[run].any() or not free(run[-1]):
+            continue
+        if abs(length - least[i]) < CLOSE * len(run):
+            unsure |= set(run)
+        if length < least[i]:
+            gone |= set(run)
+    return gone, unsure
