@@ -135,7 +135,7 @@ def test_the_two_edges_of_a_chamfer_are_one_line_where_they_are_close():
     assert np.diff(np.flatnonzero(apart)).max() > 5
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [0, 1, 2, *(pytest.param(k, marks=pytest.mark.long) for k in (3, 4, 5))])
 def test_against_the_reference(seed):
     rng = np.random.default_rng(seed)
     meshes = [bevel(int(rng.integers(1, 9)), rng.uniform(1, 8), rng.uniform(0, 90), rng.uniform(50, 110),

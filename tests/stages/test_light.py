@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drawn light: its amounts against every ray by hand, its edges against geometry, its bytes against themselves."""
+"""Drawn light: its amounts against every ray by hand, its bytes against themselves, what scenes and jobs may be."""
 
 import numpy as np
 import pytest
@@ -48,115 +48,6 @@ def test_lamps_add_up_in_their_colours():
     for lamp in (one, other):
         alone.append(stage.light(lamp))
     assert np.allclose(stage.light(one, other), alone[0] + alone[1], rtol=1e-5, atol=1e-6)
-
-
-# ---- where edges are
-
-
-def shadow_outline(stage, way):
-    """The corners on the screen, in pixels, of the shadow that the cube throws on the plane."""
-    corners = CUBE @ np.eye(3) + (0, 0, 1.001)
-    shadow = corners - corners[:, 2:] / way[2] * way
-    p = np.concatenate([shadow, np.ones((8, 1))], 1) @ (stage.projection @ stage.view).T
-    p = (p[:, :2] / p[:, 3:] * (0.5, -0.5) + 0.5) * (stage.width, stage.height)
-    hull, start = [], p[:, 0].argmin()  # wrapped as a gift
-    while not hull or start != hull[0]:
-        hull.append(start)
-        to = p - p[start]
-        following = (start + 1) % 8
-        for k in range(8):
-            if to[following, 0] * to[k, 1] - to[following, 1] * to[k, 0] > 1e-9:
-                following = k
-        start = following
-    return p[hull]
-
-
-def crossings(share, inside):
-    """Places (x, y) at which half the light lies between neighbouring pixels of the plane."""
-    out = []
-    for axis in (0, 1):
-        a, b = (share[:-1], share[1:]) if axis == 0 else (share[:, :-1], share[:, 1:])
-        both = (inside[:-1] & inside[1:]) if axis == 0 else (inside[:, :-1] & inside[:, 1:])
-        y, x = np.nonzero(((a < 0.5) != (b < 0.5)) & both)
-        t = (0.5 - a[y, x]) / (b[y, x] - a[y, x])
-        out.append(np.stack([x + 0.5 + (t if axis else 0), y + 0.5 + (0 if axis else t)], 1))
-    return np.concatenate(out)
-
-
-def distances(points, outline):
-    """From points to the nearest of an outline's lines, where that is not near a corner; else NaN."""
-    best, corner = np.full(len(points), np.inf), np.full(len(points), np.inf)
-    for a, b in zip(outline, np.roll(outline, -1, 0), strict=True):
-        along = b - a
-        t = np.clip(((points - a) @ along) / (along @ along), 0, 1)
-        best = np.minimum(best, np.linalg.norm(points - a - t[:, None] * along, axis=1))
-        corner = np.minimum(corner, np.linalg.norm(points - a, axis=1))
-    return np.where(corner > 4, best, np.nan)
-
-
-@pytest.mark.parametrize("width, most", [(0, 0.03), (0.00925, 0.03), (0.02, 0.07)])
-def test_a_cubes_shadow_ends_where_geometry_says(width, most):
-    found = []
-    for seed in range(6):
-        stage = Stage(320, 180)
-        rng = np.random.default_rng(seed)
-        from_ = np.array([*rng.uniform(-4, 4, 2), rng.uniform(3, 6)])
-        lamp = Lamp("sun", width=width, model=look(from_, (0, 0, 0)))
-        light = stage.light(lamp)[..., 0]
-        plane = stage.objects() == 1
-        share = light / light[plane].max()
-        gap = distances(crossings(share, plane), shadow_outline(stage, from_))
-        found.append(gap[gap < 1])
-    found = np.concatenate(found)
-    assert len(found) > 800
-    assert np.percentile(found, 95) <= most
-
-
-def windows(picture):
-    """(9, height - 2, width - 2): of each pixel that is not at the border the 3 x 3 about it."""
-    height, width = picture.shape
-    return np.stack([picture[y:y + height - 2, x:x + width - 2] for y in range(3) for x in range(3)])
-
-
-def specks(light, surface, levels=4):
-    """Pixels of one surface whose tone is above, or below, that of all eight neighbours."""
-    tone = windows(np.minimum((light / light.max() * levels).astype(int), levels - 1))
-    beside = np.delete(tone, 4, 0)
-    same = (windows(surface) == surface[1:-1, 1:-1]).all(0)
-    return int((same & ((tone[4] > beside.max(0)) | (tone[4] < beside.min(0)))).sum())
-
-
-@pytest.mark.parametrize("lamp", [Lamp("sun", width=0.00925, model=ways()),
-                                  Lamp("rectangle", width=1, height=1, model=ways()),
-                                  Lamp("point", width=0.5, model=ways())], ids=["sun", "rectangle", "ball"])
-def test_soft_light_is_clean(lamp):
-    stage = Stage(480, 270, smooth=True)
-    for k in range(6):  # bars that throw narrow shadows
-        model = np.diag([0.03, 0.03, 0.9, 1.0])
-        model[:3, 3] = -2.2 - 0.25 * k, -1.5 + 0.4 * k, 0.9
-        stage.add(CUBE, CUBE_CORNERS, model)
-    assert specks(stage.light(lamp)[..., 0], stage.objects()) == 0
-
-
-def parts(lamp, n):
-    """n * n rectangles that make one."""
-    k = (np.arange(n) + 0.5) / n - 0.5
-    return [Lamp("rectangle", tuple(c / n**2 for c in lamp.color), width=lamp.width / n, height=lamp.height / n,
-                 model=lamp.model @ moved(a * lamp.width, b * lamp.height, 0)) for a in k for b in k]
-
-
-def test_a_wide_penumbra_has_no_bands():
-    stage = Stage(960, 8, eye=(0.3, -6, 3), at=(0.3, 0, 3))
-    wall = np.array([[-30, 3, -30], [30, 3, -30], [30, 3, 30], [-30, 3, 30]], np.float32)
-    stage.add(wall, PLANE_CORNERS, np.eye(4))
-    for k in range(3):  # bars whose shadows are nowhere whole
-        model = np.diag([0.04, 0.04, 2.5, 1.0])
-        model[:3, 3] = -0.6 + 0.7 * k, -0.5 + 0.3 * k, 7
-        stage.add(CUBE, CUBE_CORNERS, model)
-    lamp = Lamp("rectangle", width=2, height=2, model=look((0.8, -6, 9.0), (0, 3, 3.2)))
-    found = stage.light(lamp)[..., 0]
-    expected = stage.light(*parts(lamp, 6))[..., 0]
-    assert np.percentile(abs(found - expected), 99) < 0.012 * expected.max()
 
 
 # ---- the same bytes

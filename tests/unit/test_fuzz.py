@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SECONDS = float(os.environ.get("ENCRE_FUZZ_SECONDS", 30))
+SECONDS = float(os.environ.get("ENCRE_FUZZ_SECONDS", 15))
 SHARE = {"address,undefined,float-cast-overflow": 4 / 6, "memory": 1 / 6, "thread": 1 / 6}
 PLAIN = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O2", "-g", f"-I{ROOT / 'csrc'}"]
 
