@@ -217,35 +217,61 @@ static void look_in(const shape *s, const local *l, int32_t number, search *f)
 	}
 }
 
+/* The way of a ray down the tree of instances. */
+typedef struct walk {
+	const world *w;
+	local ray;
+	int32_t stack[TREE_STACK], top;
+	const tree_node *node;
+	unsigned bits;
+} walk;
+
+static void walk_from(walk *k, const world *w, const ray *r)
+{
+	k->w = w;
+	k->ray = (local){.from = r->from, .way = r->way, .far = r->far};
+	k->stack[0] = 0;
+	k->top = aim(&k->ray) && w->tree.n_nodes > 0;
+	k->bits = 0;
+}
+
+/* The next instance whose box it enters; -1: there is none. */
+static int32_t walk_on(walk *k)
+{
+	for (;;) {
+		if (!k->bits) {
+			if (!k->top)
+				return -1;
+			k->node = k->w->tree.nodes + k->stack[--k->top];
+			k->bits = entered(k->node, &k->ray);
+			continue;
+		}
+		int32_t child = k->node->child[__builtin_ctz(k->bits)];
+		k->bits &= k->bits - 1;
+		if (child < 0)
+			return k->w->boxes[k->w->tree.leaves[~child].from].item;
+		k->stack[k->top++] = child;
+	}
+}
+
 bool ISA(ray_nearest)(const world *w, const double from[3], const double to[3], float share, hit *found)
 {
 	ray r = {.from = {(float)from[0], (float)from[1], (float)from[2]}, .far = 1};
 	r.way = (vec){(float)(to[0] - from[0]), (float)(to[1] - from[1]), (float)(to[2] - from[2])};
-	local all = {.from = r.from, .way = r.way, .far = r.far};
-	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
-	stack[0] = 0;
-	top = aim(&all) ? top : 0;
 	search f = {share, -1, NULL, {-1, -1, INFINITY}};
-	while (top) {
-		const tree_node *n = w->tree.nodes + stack[--top];
-		for (unsigned bits = entered(n, &all); bits; bits &= bits - 1) {
-			int32_t child = n->child[__builtin_ctz(bits)];
-			if (child >= 0) {
-				stack[top++] = child;
-				continue;
-			}
-			int32_t number = w->boxes[w->tree.leaves[~child].from].item;
-			const instance *in = w->instances[number];
-			if (!in->camera)
-				continue;
-			double a[3], b[3];
-			transform_point(in->inverse, from, a);
-			transform_point(in->inverse, to, b);
-			local l = {.from = {(float)a[0], (float)a[1], (float)a[2]}, .far = 1};
-			l.way = (vec){(float)(b[0] - a[0]), (float)(b[1] - a[1]), (float)(b[2] - a[2])};
-			if (aim(&l))
-				look_in(in->shape, &l, number, &f);
-		}
+	walk k;
+	walk_from(&k, w, &r);
+	for (int32_t number; (number = walk_on(&k)) >= 0;) {
+		const instance *in = w->instances[number];
+		if (!in->camera)
+			continue;
+		double a[3], b[3];
+		transform_point(in->inverse, from, a);
+		transform_point(in->inverse, to, b);
+		local l = {.from = {(float)a[0], (float)a[1], (float)a[2]}, .far = 1};
+		l.way = (vec){(float)(b[0] - a[0]), (float)(b[1] - a[1]), (float)(b[2] - a[2])};
+		if (aim(&l))
+			look_in(in->shape, &l, number, &f);
 	}
 	*found = f.best;
 	return found->instance >= 0;
@@ -253,27 +279,16 @@ bool ISA(ray_nearest)(const world *w, const double from[3], const double to[3], 
 
 bool ISA(ray_stops)(const world *w, const ray *r, float *share)
 {
-	local all = {.from = r->from, .way = r->way, .far = r->far};
-	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
-	stack[0] = 0;
-	top = aim(&all) ? top : 0;
 	search f = {0, -1, w->textures, {-1, -1, INFINITY}};
-	while (top) {
-		const tree_node *n = w->tree.nodes + stack[--top];
-		for (unsigned bits = entered(n, &all); bits; bits &= bits - 1) {
-			int32_t child = n->child[__builtin_ctz(bits)];
-			if (child >= 0) {
-				stack[top++] = child;
-				continue;
-			}
-			int32_t number = w->boxes[w->tree.leaves[~child].from].item;
-			const instance *in = w->instances[number];
-			local l;
-			if (!casts(in, r->set) || !local_of(in, r, &l))
-				continue;
-			f.skip = number == r->instance ? r->triangle : -1;
-			look_in(in->shape, &l, number, &f);
-		}
+	walk k;
+	walk_from(&k, w, r);
+	for (int32_t number; (number = walk_on(&k)) >= 0;) {
+		const instance *in = w->instances[number];
+		local l;
+		if (!casts(in, r->set) || !local_of(in, r, &l))
+			continue;
+		f.skip = number == r->instance ? r->triangle : -1;
+		look_in(in->shape, &l, number, &f);
 	}
 	*share = f.best.share;
 	return f.best.instance >= 0;
