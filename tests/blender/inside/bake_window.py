@@ -90,15 +90,5 @@ def cancel():
     studio.fact("left over", running())
 
 
-def steps():
-    for step in (build, cancel, bake):
-        made = step()
-        if made is not None:
-            yield from made
-        yield
-
-
 if __name__ == "__main__":
-    todo = steps()
-    bpy.context.preferences.view.show_splash = False
-    bpy.app.timers.register(lambda: window.run(todo), first_interval=1.0)
+    window.start(window.each(build, cancel, bake))

@@ -107,15 +107,5 @@ def growing():
     studio.fact("persistent", scene.render.use_persistent_data)
 
 
-def steps():
-    for step in (build, paper, progress, growing):
-        made = step()
-        if made is not None:
-            yield from made
-        yield
-
-
 if __name__ == "__main__":
-    todo = steps()
-    bpy.context.preferences.view.show_splash = False
-    bpy.app.timers.register(lambda: window.run(todo), first_interval=1.0)
+    window.start(window.each(build, paper, progress, growing))

@@ -222,15 +222,21 @@ def viewport():
     screenshot("viewport")
 
 
-def steps():
-    for step in (choose, panels, tabs, presets, languages, edit_mode, paint_mode, stroke, f12, viewport):
+def each(*steps):
+    """The steps one after another; one may wait, by yield, for Blender to do something."""
+    for step in steps:
         made = step()
         if made is not None:
             yield from made
         yield
 
 
-def run(todo):
+def start(todo, **options):
+    bpy.context.preferences.view.show_splash = False
+    bpy.app.timers.register(lambda: _run(todo), first_interval=1.0, **options)
+
+
+def _run(todo):
     try:
         next(todo)
     except StopIteration:
@@ -245,6 +251,4 @@ def run(todo):
 
 
 if __name__ == "__main__":
-    todo = steps()
-    bpy.context.preferences.view.show_splash = False
-    bpy.app.timers.register(lambda: run(todo), first_interval=1.0)
+    start(each(choose, panels, tabs, presets, languages, edit_mode, paint_mode, stroke, f12, viewport))
