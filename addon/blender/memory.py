@@ -18,7 +18,7 @@ from bpy.app.handlers import persistent
 from ..pen import layers, saved
 from ..pen.errors import EncreError
 from ..pen.settings import Settings
-from . import cameras, properties, versions
+from . import cameras, handlers, properties, versions
 
 _MOST_FOUND = 4  # pictures of a view that are kept besides its passes
 _REST = 0.12  # seconds without a change before a redraw
@@ -283,19 +283,17 @@ class ENCRE_OT_redraw(bpy.types.Operator):
         return {"FINISHED"}
 
 
-_HANDLERS = (("render_init", _begins), ("render_complete", _ends), ("render_cancel", _ends), ("load_pre", _loads),
-             ("depsgraph_update_post", _changed))
+_listen, _hear_no_more = handlers.pair(("render_init", _begins), ("render_complete", _ends), ("render_cancel", _ends),
+                                       ("load_pre", _loads), ("depsgraph_update_post", _changed))
 
 
 def register():
     bpy.utils.register_class(ENCRE_OT_redraw)
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
+    _listen()
 
 
 def unregister():
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).remove(handler)
+    _hear_no_more()
     with contextlib.suppress(ValueError):
         bpy.app.timers.unregister(_watch)
     bpy.utils.unregister_class(ENCRE_OT_redraw)

@@ -10,7 +10,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.settings import VERSION, since
-from . import ENGINE, properties
+from . import ENGINE, handlers, properties
 
 PASSES = 2  # up to this version every view layer had all passes
 
@@ -48,14 +48,4 @@ def _saving(*_):
             _ = block.override_library.reference.encre.style
 
 
-_HANDLERS = (("load_post", _opened), ("save_pre", _saving))
-
-
-def register():
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
-
-
-def unregister():
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).remove(handler)
+register, unregister = handlers.pair(("load_post", _opened), ("save_pre", _saving))

@@ -20,7 +20,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.errors import Cancelled, EncreError
-from . import ENGINE, cameras, early
+from . import ENGINE, cameras, early, handlers
 from .overrides import changed
 
 _SEED_STEP = 1013904223  # far from the seeds of the next frames, which are often the frame's number
@@ -44,17 +44,7 @@ def _end(*_):
             scene.render.use_persistent_data = False  # frees the data as well
 
 
-_HANDLERS = (("render_init", _begin), ("render_complete", _end), ("render_cancel", _end))
-
-
-def register():
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
-
-
-def unregister():
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).remove(handler)
+register, unregister = handlers.pair(("render_init", _begin), ("render_complete", _end), ("render_cancel", _end))
 
 
 def possible(engine):
