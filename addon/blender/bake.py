@@ -10,7 +10,7 @@ import numpy as np
 
 from ..pen import library, unwrap
 from ..pen.errors import EncreError
-from . import ENGINE, properties, triangles, versions
+from . import ENGINE, pictures, properties, triangles, versions
 from .panels.base import SidebarPanel
 
 SOURCE = "encre_source"  # on a baked image: the image that it was made from, which so has a user
@@ -52,13 +52,10 @@ def _image_nodes(tree, seen):
 
 def read(image):
     """The pixels (H, W, 3 or 4) as stored, row 0 at the top. Raises EncreError."""
-    width, height = image.size
-    if not width or not height:
+    pixels = pictures.values(image)
+    if pixels is None:
         raise EncreError(f"{image.name}: has no pixels; find its missing file first")
-    flat = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(flat)
-    pixels = flat.reshape(height, width, image.channels)[::-1]
-    return pixels if image.channels > 2 else np.repeat(pixels[..., :1], 3, 2)
+    return (pixels if image.channels > 2 else pictures.colors(pixels))[::-1]
 
 
 def settings(context):

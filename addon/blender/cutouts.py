@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..pen import colour
-from . import trees, worlds
+from . import pictures, trees, worlds
 
 _RAY = {"Is Shadow Ray": 1.0, "Ray Length": 1.0, "Ray Depth": 1.0}
 _EXTENSIONS = {"REPEAT", "EXTEND", "CLIP"}
@@ -37,18 +36,12 @@ class Cutout:
     def alpha(self):
         """(H, W) of bytes, the lowest row first, solid from 128 on."""
         image = next(image for image in bpy.data.images if image.name_full == self.image)
-        width, height = image.size
-        pixels = np.empty(width * height * image.channels, np.float32)
-        image.pixels.foreach_get(pixels)
-        pixels = pixels.reshape(height, width, image.channels)
+        pixels = pictures.linear(image)
         if self.channel == "Alpha":
             opaque = image.channels < 4 or image.alpha_mode == "NONE"
-            value = np.ones((height, width)) if opaque else pixels[..., 3]
+            value = np.ones(pixels.shape[:2]) if opaque else pixels[..., 3]
         else:
-            value = pixels[..., :3] if image.channels > 2 else pixels[..., :1].repeat(3, 2)
-            if not image.is_float and image.colorspace_settings.name == "sRGB":
-                value = colour.decode_srgb(value)
-            value = value @ (0.2126, 0.7152, 0.0722)
+            value = pictures.colors(pixels) @ (0.2126, 0.7152, 0.0722)
         return np.clip(np.rint(255 * (self.scale * value + self.offset)), 0, 255).astype(np.uint8)
 
     def placed(self, uvs):

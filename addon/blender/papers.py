@@ -7,10 +7,9 @@ import time
 from _thread import get_ident
 
 import bpy
-import numpy as np
 
 from ..pen.errors import Cancelled, EncreError
-from . import properties
+from . import pictures, properties
 
 _MAIN = get_ident()  # Blender imports add-ons on its main thread
 
@@ -82,12 +81,10 @@ def _read(path, _changed):
 
 
 def _pixels(image, name):
-    width, height = image.size
-    if not width or not height:
+    pixels = pictures.values(image)
+    if pixels is None:
         raise _unreadable(name)
-    pixels = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(pixels)
-    return pixels.reshape(height, width, image.channels)[::-1]
+    return pixels[::-1]
 
 
 def _unreadable(name):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's images -> pictures that programs of materials look into, with levels of detail."""
+"""Blender's images: their values, and pictures that programs of materials look into, with levels of detail."""
 
 import numpy as np
 
@@ -27,21 +27,40 @@ class Images:
         return Picture(texels, width, height, levels, wrap)
 
 
-def _pixels(image):
-    """(height, width, 4), scene-linear, row 0 at the bottom; magenta where the file is not there, as renderers have."""
+def values(image):
+    """What a Blender image holds, float32 (height, width, channels), row 0 at the bottom; None where its file is not
+    there."""
     width, height = image.size
     if not width or not height or not image.channels:
-        return np.array([[[1, 0, 1, 1]]], np.float32)
+        return None
     flat = np.empty(width * height * image.channels, np.float32)
     image.pixels.foreach_get(flat)
-    out = flat.reshape(height, width, image.channels)
-    if not image.is_float and image.colorspace_settings.name == "sRGB":
-        colors = out[..., :3] if image.channels > 2 else out[..., :1]
-        colors[...] = _DECODED[(colors * np.float32(255) + np.float32(0.5)).astype(np.uint8)]
+    return flat.reshape(height, width, image.channels)
+
+
+def colors(picture):
+    """Red, green and blue of what values() gave; grey three times."""
+    return picture[..., :3] if picture.shape[2] > 2 else picture[..., :1].repeat(3, 2)
+
+
+def linear(image):
+    """values(), the colours scene-linear."""
+    out = values(image)
+    if out is not None and not image.is_float and image.colorspace_settings.name == "sRGB":
+        encoded = out[..., :3] if image.channels > 2 else out[..., :1]
+        encoded[...] = _DECODED[(encoded * np.float32(255) + np.float32(0.5)).astype(np.uint8)]
+    return out
+
+
+def _pixels(image):
+    """(height, width, 4), scene-linear, row 0 at the bottom; magenta where the file is not there, as renderers have."""
+    out = linear(image)
+    if out is None:
+        return np.array([[[1, 0, 1, 1]]], np.float32)
     if image.channels == 4:
         return out
-    whole = np.ones((height, width, 4), np.float32)
-    whole[..., :3] = out[..., :3] if image.channels > 2 else out[..., :1]
+    whole = np.ones((*out.shape[:2], 4), np.float32)
+    whole[..., :3] = colors(out)
     if image.channels == 2:
         whole[..., 3] = out[..., 1]
     return whole

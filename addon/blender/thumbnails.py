@@ -8,7 +8,7 @@ import bpy
 import bpy.utils.previews
 import numpy as np
 
-from . import versions
+from . import pictures, versions
 from .overrides import changed
 
 SIDE = 128
@@ -40,12 +40,9 @@ def save(scene, path):
 def _pixels(path):
     image = bpy.data.images.load(path)
     try:
-        width, height = image.size
-        pixels = np.empty(width * height * 4, np.float32)
-        image.pixels.foreach_get(pixels)
+        return pictures.values(image)
     finally:
         bpy.data.images.remove(image)
-    return pixels.reshape(height, width, 4)
 
 
 def shrink(pixels, side):

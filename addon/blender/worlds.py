@@ -6,7 +6,7 @@ from mathutils import Euler
 
 from ..pen import irradiance
 from ..pen.sky import Sky
-from . import trees
+from . import pictures, trees
 
 # What a ray that lights a matt surface says of itself.
 _RAY = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Length": 1e10, "Ray Depth": 1.0, "Diffuse Depth": 1.0}
@@ -122,11 +122,7 @@ def _environment(node, kind):
     image = node.image
     if node.projection != "EQUIRECTANGULAR" or image is None or not all(image.size):
         raise trees.Unknown(node.name)
-    width, height = image.size
-    pixels = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(pixels)
-    picture = pixels.reshape(height, width, image.channels)[::-1]
-    return kind.picture(picture[..., :3] if image.channels > 2 else picture[..., :1].repeat(3, 2), _rotation(node))
+    return kind.picture(pictures.colors(pictures.values(image))[::-1], _rotation(node))
 
 
 def _shrunk(picture):
