@@ -303,6 +303,12 @@ def test_the_camera_s_distance_is_finite(distance):
     job.refused("^camera: a distance of ")
 
 
+def test_parameters_are_there():
+    job = Job("render")
+    job.job.params = None
+    job.refused("^params: 0 styles; give 1 to ")
+
+
 def test_parameters_are_aligned():
     for kind in ("render", "bake"):
         job = Job(kind)
