@@ -221,7 +221,8 @@ class Frames:
                           volumes.corners(depsgraph) if denoise_other else (), camera.data.clip_start, frame,
                           own, place, own if render.use_border and not render.use_crop_to_border else None,
                           threads, samples, asked, keeps, paper,
-                          wanted.beside(depsgraph.scene_eval, settings, own != place))
+                          wanted.beside(depsgraph.scene_eval, settings, own != place),
+                          wanted.spare(depsgraph.scene, depsgraph.view_layer))
         if settings.active and memory.wanted(self.engine, depsgraph.scene):
             layer.kept = memory.Layer(layer, overrides.denoises(depsgraph))
             memory.begin(depsgraph.scene, layer.kept)
@@ -315,6 +316,9 @@ class Frames:
                                  if not memory.ours(name)}
                         passes = {name: shown[versions.pass_name(name)] for name in passes}
                     self._draw(mine, view_id, passes, write, shown)
+            for there in by_view.values():
+                for name in set(mine.spare) & there.keys():
+                    versions.clear_pass(there[name], result.resolution_x, result.resolution_y)
             self._stamp(result, mine)
         if self.nonfinite:
             self.engine.say("WARNING", f"{self.nonfinite} values of the layers were not finite and were read as 0")

@@ -37,6 +37,7 @@ class ViewLayer:
     keeps: bool                      # whether the file keeps what drawing again needs
     paper: np.ndarray | None         # the image that is read for its heights
     beside: dict                     # what else the file says of the scene: wanted.beside()
+    spare: list                      # names of passes that are emptied in the end: wanted.spare()
     kept: memory.Layer | None = None  # what is kept of it, or drawn again
     hasty: bool = False              # whether nothing but lines is drawn, to be seen for a while
     drawn: dict | None = None        # view id -> passes to write, if that is already done

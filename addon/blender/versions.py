@@ -48,6 +48,11 @@ def write_pass(render_pass, picture):
     render_pass.rect.foreach_set(flat.reshape(-1) if _FLAT_RECT else flat.reshape(-1, render_pass.channels))
 
 
+def clear_pass(render_pass, width, height):
+    """Stores zeros in a render pass."""
+    write_pass(render_pass, np.zeros((height, width, render_pass.channels), np.float32))
+
+
 def marked_edges(mesh):
     """Which edges of a mesh are marked for Freestyle: bool (edges,), None where no mesh of this Blender says.
 

@@ -21,6 +21,20 @@ def asked(view_layer):
     return [name for switch, name in properties.PASSES.items() if getattr(view_layer.encre, switch)]
 
 
+def switched_on(view_layer):
+    """{classic name: whether the scene's maker wants it} of Cycles' passes for which Encre's own stand in a file."""
+    return {"DiffDir": view_layer.use_pass_diffuse_direct, "DiffInd": view_layer.use_pass_diffuse_indirect,
+            **dict.fromkeys(layers.SEEN, view_layer.cycles.denoising_store_passes)}
+
+
+def spare(scene, view_layer):
+    """Names of the passes that a slim file of Blender's does without: noise that nobody reads takes much room."""
+    if scene.encre.save_layers != "SLIM":
+        return []
+    return [versions.pass_name(name) for name, wants in switched_on(view_layer).items()
+            if not wants and name in ("DiffDir", "DiffInd", "Denoising Depth")]
+
+
 def own(scene, view_layer, seen, anchor):
     """{name: channel names} of the passes that the stages fill; seen, anchor: as saved.passes() has them."""
     return {**{name: layers.DRAWN[name] for name in asked(view_layer)},

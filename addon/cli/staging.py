@@ -9,8 +9,7 @@ import re
 
 import bpy
 
-from ..blender import ENGINE, papers, properties
-from ..pen import layers
+from ..blender import ENGINE, papers, properties, wanted
 from ..pen.errors import EncreError, unknown
 
 
@@ -164,9 +163,7 @@ def prepare(job, report):
 def asked(scene):
     """`view layer.pass` of what the scene's maker wants in files and slim ones would else do without."""
     for layer in scene.view_layers:
-        wanted = {"DiffDir": layer.use_pass_diffuse_direct, "DiffInd": layer.use_pass_diffuse_indirect,
-                  **dict.fromkeys(layers.SEEN, layer.cycles.denoising_store_passes)}
-        yield from (f"{layer.name}.{name}" for name, wants in wanted.items() if wants)
+        yield from (f"{layer.name}.{name}" for name, wants in wanted.switched_on(layer).items() if wants)
 
 
 def suffixes(scene):

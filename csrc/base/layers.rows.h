@@ -20,7 +20,7 @@ ENUM(save_layers, FRAME, 0, "", "Save Layers", "Write the layers that restyling 
      ITEM(save_layers, AUTO, 0, "Automatic", "When the output is a multilayer OpenEXR file; with encre render as Slim")
      ITEM(save_layers, ON, 1, "Always", "Always")
      ITEM(save_layers, OFF, 2, "Never", "Never")
-     ITEM(save_layers, SLIM, 3, "Slim", "Always; encre render stores nothing else and most of it as half floats"))
+     ITEM(save_layers, SLIM, 3, "Slim", "Always, without noisy passes that nobody reads; encre render stores nothing else and most of it as half floats"))
 ENUM(save_anchor, FRAME, 0, "", "Save Anchor", "Tell of each pixel where on the thing at rest it is, so that drawn texture sticks to surfaces",
      ITEM(save_anchor, AUTO, 0, "Automatic", "When something that is drawn sticks to surfaces")
      ITEM(save_anchor, ON, 1, "Always", "Always, so that a saved frame can be drawn again with something that sticks"))

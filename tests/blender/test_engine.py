@@ -3,6 +3,7 @@
 
 import json
 
+import exr
 import numpy as np
 from encre.cli import multilayer
 from encre.cli.composite import composite
@@ -354,6 +355,19 @@ def test_save_layers(render):
     assert shot.passes("auto").keys() >= saved.passes(False, False).keys()
     assert not shot.passes("off").keys() & saved.passes(False, False).keys()
     assert json.loads(shot.metadata("off")["encre.params"])["scene"]["save_layers"] == "OFF"
+
+
+def test_slim_files_of_a_window_have_no_noise_that_nobody_reads(render, tmp_path):
+    shot = render("saved")
+    whole, slim, asked = (shot.passes(name) for name in ("on", "slim", "asked"))
+    for name in ("DiffDir", "DiffInd", "Denoising Depth"):
+        assert whole[name].any() and not slim[name].any()
+    assert np.array_equal(asked["DiffDir"], whole["DiffDir"]) and not asked["DiffInd"].any()
+    assert np.array_equal(slim["Combined"], whole["Combined"])
+    sizes = [(shot.folder / f"{name}.exr").stat().st_size for name in ("slim", "on")]
+    assert sizes[0] < 0.9 * sizes[1], sizes
+    composite(str(shot.folder / "slim.exr"), str(tmp_path / "again.exr"), {})
+    assert np.abs(exr.part(tmp_path / "again.exr", "ViewLayer.Combined") - slim["Combined"]).max() < 1e-5
 
 
 def test_scene_is_untouched(render):

@@ -46,16 +46,22 @@ def rules(request, tmp_path_factory):
     return blenders.run(request.param, "scene_rules", tmp_path_factory.mktemp("rules"))
 
 
+def apart(shot):
+    """How far the mean may be off: 5.2 has the light of samples in steps, and for that a little less of it."""
+    return 0.005 if shot.facts["version"][0] < [5, 2] else 0.008
+
+
 def test_shadows_of_what_throws_them(rules):
     difference, calm = compared(rules.passes("rules"))
-    assert difference[calm].mean() < 0.005 and (difference[calm] > 0.1).mean() < 0.002
+    assert difference[calm].mean() < apart(rules) and (difference[calm] > 0.1).mean() < 0.002
 
 
 @pytest.mark.parametrize("blender", blenders.params())
 def test_leaves_that_images_cut_out_throw_their_own_shadows(blender, tmp_path):
-    passes = blenders.run(blender, "cut_leaves", tmp_path).passes("cut_leaves")
+    shot = blenders.run(blender, "cut_leaves", tmp_path)
+    passes = shot.passes("cut_leaves")
     difference, calm = compared(passes)
-    assert difference[calm].mean() < 0.005 and (difference[calm] > 0.1).mean() < 0.003
+    assert difference[calm].mean() < apart(shot) and (difference[calm] > 0.1).mean() < 0.003
     shadow = passes["DiffDir"].mean(2) < 0.1 * passes["DiffDir"].max()
     assert 0.04 < shadow.mean() < 0.2
 

@@ -27,6 +27,7 @@ def _stage(samples):
     """Matt things without bounced light, seen through a filter as narrow as a pixel's centre."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     register()
+    fact("version", list(bpy.app.version))
     scene = bpy.context.scene
     scene.render.engine = "ENCRE"
     scene.render.resolution_x, scene.render.resolution_y = 112, 64
@@ -72,7 +73,6 @@ def lamps(out):
         obj = _lamp(kind, **settings)
         obj.scale = SCALES.get(name, (1, 1, 1))
         shoot(out, name)
-    fact("version", list(bpy.app.version))
 
 
 def unlit(out):

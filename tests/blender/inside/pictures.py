@@ -295,9 +295,11 @@ def compositor(out):
 
 def saved(out):
     scene = stage()
-    for mode in ("AUTO", "ON", "OFF"):
+    for mode in ("AUTO", "ON", "OFF", "SLIM"):
         scene.encre.save_layers = mode
         shoot(out, mode.lower())
+    scene.view_layers[0].use_pass_diffuse_direct = True
+    shoot(out, "asked")
 
 
 def untouched(out):
