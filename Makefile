@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | gallery | docs | languages | test | test-long | mutate | bench | bench-live | lint | extension | wheels |
-# clean. Each sets up what it needs in .venv.
+# make demo | gallery | docs | languages | test | test-long | mutate | bench | bench-peers | bench-live | lint |
+# extension | wheels | clean. Each sets up what it needs in .venv.
 
 PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command -v $(p) 2>/dev/null)))
 # One Blender module per Python: the wheels on the package index are built for exactly one version each.
 BPY := $(shell $(PYTHON) -c 'import sys; print({(3, 11): "bpy==4.5.*", (3, 13): "bpy==5.2.*"}.get(sys.version_info[:2], ""))')
 RUN := .venv/bin/python
 
-.PHONY: demo gallery docs languages extension wheels blenders test test-long mutate bench bench-live lint clean build
+.PHONY: demo gallery docs languages extension wheels blenders test test-long mutate bench bench-peers bench-live lint \
+	clean build
 
 .venv/ready: pyproject.toml
 	@test -n "$(BPY)" || command -v blender >/dev/null || \
@@ -72,6 +73,15 @@ blenders: build/blenders/bpy-4.2/ready build/blenders/bpy-5.0/ready \
 
 bench: build
 	$(RUN) tests/helpers/bench.py
+
+# The same picture by libraries for pictures, each of which may be missing. They bring a numpy of their own.
+build/peers/ready:
+	for peer in numpy scipy opencv-python-headless scikit-image openimageio; do \
+		$(RUN) -m pip install -q --upgrade --target $(@D) $$peer || echo "$$peer: can't be installed"; done
+	@touch $@
+
+bench-peers: build build/peers/ready
+	PYTHONPATH=build/peers $(RUN) tests/helpers/bench_peers.py
 
 # The rendered 3D view in a window: needs blender and xvfb-run.
 bench-live: build
