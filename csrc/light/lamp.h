@@ -8,7 +8,7 @@
 
 /* A lamp that has a size is asked at fixed points. Each pixel of a square of TILE x TILE of the full frame has POINTS
  * of its own; DEALT, each pixel of WIDE x WIDE others, tell whether they matter. */
-enum { LAMP_TILE = 4, LAMP_POINTS = 16, LAMP_WIDE = 8, LAMP_DEALT = 4, LAMP_PLAIN = 16 };
+enum { LAMP_TILE = 4, LAMP_POINTS = 16, LAMP_WIDE = 8, LAMP_DEALT = 4, LAMP_PLAIN = 16, LAMP_RIM = 4 };
 
 typedef struct lamp_point {
 	float square[2], disc[2]; /* of the unit square, and of the unit disc about 0 */
@@ -31,8 +31,8 @@ bool lamp_make(const encre_lamp *given, lamp *l);
 typedef struct lamp_points {
 	lamp_point of[LAMP_TILE][LAMP_TILE][LAMP_POINTS]; /* by row and column */
 	lamp_point first[LAMP_WIDE][LAMP_WIDE][LAMP_DEALT];
-	lamp_point plain[LAMP_PLAIN]; /* for light without shadows */
-	lamp_point middle, rim[2];    /* where the lamp ends along its two axes */
+	lamp_point plain[LAMP_PLAIN];     /* for light without shadows */
+	lamp_point middle, rim[LAMP_RIM]; /* where the lamp ends: ahead along its two axes, and behind */
 } lamp_points;
 
 /* Points that are well spread: those of each pixel, of 2 x 2 that begin at an even place, of each square. */

@@ -135,4 +135,6 @@ void lamp_points_make(lamp_points *p)
 	p->middle = (lamp_point){.square = {0.5f, 0.5f}};
 	p->rim[0] = (lamp_point){.square = {1, 0.5f}, .disc = {1, 0}};
 	p->rim[1] = (lamp_point){.square = {0.5f, 1}, .disc = {0, 1}};
+	p->rim[2] = (lamp_point){.square = {0, 0.5f}, .disc = {-1, 0}};
+	p->rim[3] = (lamp_point){.square = {0.5f, 0}, .disc = {0, -1}};
 }

@@ -14,7 +14,7 @@ enum { SURFACE_NOTHING = -1, SURFACE_STRAY = -2 /* of no geometry: only depth an
 
 typedef struct surface {
 	vec at, normal;             /* normal: by which light falls; towards the eye, as `across` */
-	vec from, across;           /* where rays begin; of the triangle, length 1 */
+	vec lift, across;           /* how far above it rays begin that graze it; of the triangle, length 1 */
 	int32_t instance, triangle; /* or SURFACE_... */
 } surface;
 

@@ -87,8 +87,8 @@ static vec world_normal(const instance *in, vec n)
 	return direction(out);
 }
 
-/* Between the corners of a smooth surface: its normal, and where rays begin so that they don't meet its own facets: on
- * the planes that touch it at the corners (Hanika 2021). */
+/* Between the corners of a smooth surface: its normal, and how far above it rays begin that must not meet its own
+ * facets: on the planes that touch it at the corners (Hanika 2021). */
 static void smooth(const instance *in, int32_t triangle, double corner[3][3], float u, float v, bool away, surface *s)
 {
 	float c[3] = {0, clamp01(u), clamp01(v)}, over = max(c[1] + c[2], 1);
@@ -105,7 +105,7 @@ static void smooth(const instance *in, int32_t triangle, double corner[3][3], fl
 	}
 	if (dot(sum, sum) > 0.01f)
 		s->normal = unit(sum);
-	s->from = plus(s->at, lift);
+	s->lift = lift;
 }
 
 /* Where the way of sight from a to b meets the plane of a triangle. */
@@ -136,7 +136,6 @@ static surface meet_plane(const light *l, int32_t number, int32_t triangle, cons
 	bool away = (along(across, way) > 0) != in->mirrored;
 	s.across = away ? times(s.across, -1) : s.across;
 	s.normal = s.across;
-	s.from = s.at;
 	*inside = u >= 0 && v >= 0 && u + v <= 1;
 	if (in->shape->normals)
 		smooth(in, triangle, corner, (float)u, (float)v, away, &s);
@@ -157,7 +156,7 @@ surface ISA(place_on)(const light *l, const surface *near, float x, float y, boo
 	double slope = along(way, n), t = slope != 0 ? along(to, n) / slope : 0;
 	for (int k = 0; k < 3; k++)
 		to[k] = a[k] + t * way[k];
-	s.from = s.at = narrow(to);
+	s.at = narrow(to);
 	*inside = true;
 	return s;
 }
@@ -174,7 +173,7 @@ static surface stray(const encre_image *normals, int x, int y, const double at[3
 	}
 	float square = dot(n, n);
 	n = square > 1e-6f && square < 1e6f ? unit(n) : times(seen, -1);
-	return (surface){.at = narrow(at), .from = narrow(at), .normal = n, .across = n, .instance = SURFACE_STRAY};
+	return (surface){.at = narrow(at), .normal = n, .across = n, .instance = SURFACE_STRAY};
 }
 
 /* The nearest that the camera sees, beyond the images. */
@@ -224,7 +223,7 @@ static surface place_at(const light *l, int x, int y)
 
 static bool finite_place(const surface *s)
 {
-	float sum = dot(s->at, (vec){0, 0, 0}) + dot(s->normal, (vec){0, 0, 0}) + dot(s->from, (vec){0, 0, 0}) +
+	float sum = dot(s->at, (vec){0, 0, 0}) + dot(s->normal, (vec){0, 0, 0}) + dot(s->lift, (vec){0, 0, 0}) +
 		    dot(s->across, (vec){0, 0, 0});
 	return sum == 0;
 }

@@ -7,12 +7,25 @@
 
 enum { HALVINGS = 7 };
 
+/* How much of its lift a ray takes: all where it would go into the facet, none where it leaves that at more than a few
+ * degrees, for a tall lift passes by what throws a shadow. Cycles' rule. */
+static float lifted(const surface *s, vec way)
+{
+	const float graze = 0.1f;
+	float rate = 1 / (graze * sqrtf(max(dot(way, way), 1e-30f)));
+	float facet = dot(s->across, way) * rate, shaded = dot(s->normal, way) * rate;
+	return clamp01(shaded < 1 ? 2 - facet - shaded : 1 - facet);
+}
+
 /* far: how much of the way belongs to it. */
 static ray ray_to(const light *l, const surface *s, vec way, float far)
 {
-	float size = max3(fabsf(s->at.x), fabsf(s->at.y), fabsf(s->at.z)), side = dot(s->across, way) < 0 ? -1 : 1;
+	float size = max3(fabsf(s->at.x), fabsf(s->at.y), fabsf(s->at.z));
 	float off = (size + 1) * (s->instance >= 0 ? 1e-6f : 1e-3f);
-	ray r = {.from = plus(s->from, times(s->across, side * off)),
+	vec from = plus(s->at, times(s->across, off));
+	if (dot(s->lift, s->lift) > 0)
+		from = plus(from, times(s->lift, lifted(s, way)));
+	ray r = {.from = from,
 		 .way = way,
 		 .far = far,
 		 .instance = s->instance,

@@ -55,6 +55,17 @@ static bool goes_on(const light *l, int x, int y, int u, int v)
 	       one_surface(l->surfaces + i, l->surfaces + j);
 }
 
+/* What a place shows between the centres of pixels i and j. Beyond a triangle its plane runs under the next one where
+ * the surface is hollow, and what is not there would lie in its shadow: then it is what the centre of i shows. */
+static surface place_within(const light *l, ptrdiff_t i, ptrdiff_t j, float x, float y)
+{
+	bool inside;
+	surface s = ISA(place_on)(l, l->surfaces + j, x, y, &inside);
+	if (!inside && i != j)
+		s = ISA(place_on)(l, l->surfaces + i, x, y, &inside);
+	return inside ? s : l->surfaces[i];
+}
+
 /* Places are looked at from within the surface: beside where it ends from the pixel's own column or row. */
 static float full_share(const light *l, int x, int y, hint *h)
 {
@@ -69,11 +80,13 @@ static float full_share(const light *l, int x, int y, hint *h)
 		int u = x + (int)floorf(0.5f + a), v = y + (int)floorf(0.5f + b);
 		ptrdiff_t i = (ptrdiff_t)y * l->width + x, j = (ptrdiff_t)v * l->width + u;
 		surface s = l->surfaces[i];
-		bool inside;
 		if (u == x || v == y || goes_on(l, x, y, u, v))
-			s = ISA(place_on)(l, l->surfaces + j, (float)x + 0.5f + a, (float)y + 0.5f + b, &inside);
+			s = place_within(l, i, j, (float)x + 0.5f + a, (float)y + 0.5f + b);
 		ISA(shadow_ask)(l, &s, q, &all, &seen, h);
 	}
+	int more = all > 0 ? 0 : LAMP_PLAIN; /* of its own none gives light */
+	for (int k = 0; k < more; k++)
+		ISA(shadow_ask)(l, l->surfaces + (ptrdiff_t)y * l->width + x, l->points.plain + k, &all, &seen, h);
 	return all > 0 ? seen / all : 0;
 }
 
@@ -126,6 +139,18 @@ static float moves(const light *l, const surface *s, vec place, const lamp_point
 	return (float)(b[0] - a[0]) * e->x + (float)(b[1] - a[1]) * e->y;
 }
 
+/* Whether light falls from all of the lamp: else half of what falls is not where its middle goes. */
+static bool faces(const light *l, const surface *s)
+{
+	bool all = true;
+	for (int k = 0; k < LAMP_RIM; k++) {
+		vec way;
+		float far;
+		all &= lamp_light(&l->lamp, s->at, s->normal, l->points.rim + k, &way, &far) > 0;
+	}
+	return all;
+}
+
 /* How many pixels wide the penumbra is that an edge has, by what throws it; SOFT if more, or if it can't be told. */
 static float width_of(const light *l, int x, int y, const edge_line *e)
 {
@@ -139,10 +164,8 @@ static float width_of(const light *l, int x, int y, const edge_line *e)
 		ptrdiff_t side = across ? 1 : l->width;
 		s = ISA(place_on)(l, l->surfaces + (far > 0 ? i + side : i - side), u, v, &inside);
 	}
-	if (!inside)
-		return SOFT;
 	vec place;
-	if (!ISA(shadow_thrower)(l, &s, &place))
+	if (!inside || !faces(l, &s) || !ISA(shadow_thrower)(l, &s, &place))
 		return SOFT;
 	float a = moves(l, &s, place, l->points.rim, e), b = moves(l, &s, place, l->points.rim + 1, e);
 	float half = l->lamp.type == ENCRE_RECTANGLE ? fabsf(a) + fabsf(b) : sqrtf(a * a + b * b);

@@ -3,8 +3,10 @@
 
 import numpy as np
 import pytest
-from encre.pen.job import Lamp
+from encre.pen import library
+from encre.pen.job import Frame, Lamp, Mesh
 from lamps import CUBE, CUBE_CORNERS, PLANE_CORNERS, Stage, look, moved, ways
+from reference import light as reference
 
 
 def shadow_outline(stage, way):
@@ -90,6 +92,53 @@ def test_soft_light_is_clean(lamp):
         model[:3, 3] = -2.2 - 0.25 * k, -1.5 + 0.4 * k, 0.9
         stage.add(CUBE, CUBE_CORNERS, model)
     assert specks(stage.light(lamp)[..., 0], stage.objects()) == 0
+
+
+def waves(n=40):
+    """(points, corners, normals) of a smooth surface with hollows."""
+    x, y = np.meshgrid(np.linspace(-1, 1, n), np.linspace(-1, 1, n))
+    points = np.stack([2 * x, 2 * y, 0.12 * np.cos(4.5 * x) * np.cos(3.7 * y)], -1).reshape(-1, 3)
+    normals = np.stack([0.27 * np.sin(4.5 * x) * np.cos(3.7 * y), 0.222 * np.cos(4.5 * x) * np.sin(3.7 * y),
+                        np.ones_like(x)], -1).reshape(-1, 3)
+    k = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
+    corners = np.concatenate([np.stack([k, k + 1, k + n + 1], 1), np.stack([k, k + n + 1, k + n], 1)])
+    return points.astype(np.float32), corners.astype(np.int32), reference.unit(normals)[corners].astype(np.float32)
+
+
+@pytest.mark.parametrize("lamp", [Lamp("rectangle", width=1, height=1, model=look((3, 1.5, 0.6), (0, 0, 0))),
+                                  Lamp("point", width=0.4, model=look((3, 1.5, 0.6), (0, 0, 0)))],
+                         ids=["rectangle", "ball"])
+def test_hollows_of_a_smooth_surface_have_no_specks(lamp):
+    stage = Stage(320, 180, eye=(1, -4, 3), at=(0, 0, 0))
+    for key in (0, 1):
+        stage.scene.instance(key, None)
+    points, corners, normals = waves()
+    stage.scene.geometry(2, points, corners, normals)
+    stage.scene.instance(2, 2)
+    depth = library.raster([Mesh(points, corners)], stage.view, stage.projection, Frame(320, 180), (320, 180), 0.1,
+                           outputs=("depth",))["depth"]
+    light = stage.light(lamp, depth=depth)[..., 0]
+    near = windows(light / light.max())
+    beside = np.delete(near, 4, 0)
+    assert np.maximum(beside.min(0) - near[4], near[4] - beside.max(0)).max() < 0.005
+
+
+def test_a_tall_lift_passes_by_no_shadow():
+    """A lid whose corners are shaded as if it were round: rays that graze nothing begin on it, below what stands
+    there."""
+    turn = np.arange(16) * np.pi / 8
+    points = np.append(np.stack([np.cos(turn), np.sin(turn), 0 * turn], 1), [[0, 0, 0]], 0).astype(np.float32)
+    corners = np.array([(k, (k + 1) % 16, 16) for k in range(16)], np.int32)
+    normals = reference.unit(points + (0, 0, 0.6))[corners].astype(np.float32)
+    stage = Stage(96, 64, eye=(0.5, -3, 5), at=(0, 0, 1.5))
+    stage.meshes.pop()  # what follows takes the cube's place
+    stage.add(points, corners, moved(0, 0, 1.5, 1.0), normals)
+    stage.add(CUBE, CUBE_CORNERS, moved(0, 0, 1.61, 0.1))
+    light = stage.light(Lamp("sun", model=look((1, 0, 1), (0, 0, 0))))[..., 0]
+    # The cube's shadow, which lies at its foot on the lid.
+    p = stage.projection @ stage.view @ (-0.18, 0, 1.5, 1)
+    x, y = (p[:2] / p[3] * (0.5, -0.5) + 0.5) * (96, 64)
+    assert light[int(y), int(x)] == 0
 
 
 def parts(lamp, n):
