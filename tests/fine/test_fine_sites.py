@@ -140,3 +140,16 @@ def test_where_two_things_touch_the_line_belongs_to_the_one_painted_more(apart, 
     assert len(sites) > 15 and (sites["column"] == 11).all()
     # Of the object that it bounds the nearest pixel, then the one beside the line.
     assert (sites["near_x"] >= 12).all() if apart < 0.02 else (sites["near_x"] <= 11).all()
+
+
+def test_what_a_mirror_shows_takes_the_controls_of_its_own_pixel_however_near_it_is():
+    layers, scene, _ = passes.given("mirror")
+    layers = {name: a * np.float32(0.01) if name.endswith("depth") else a for name, a in layers.items()}
+    assert layers["depth"].min() < 0.1
+    _, every = passes.run(layers, scene, passes.CASES["mirror"][2], passes.CASES["mirror"][3])
+    sites = next(s for s in every if s.name == "gather").site
+    sites = sites[[FAMILIES[k].startswith("seen") for k in sites["family"]]]
+    height, width = layers["depth"].shape[:2]
+    assert len(sites) > 50
+    assert np.array_equal(sites["near_x"], np.clip(np.floor(sites["x"] + 0.5), 0, width - 1))
+    assert np.array_equal(sites["near_y"], np.clip(np.floor(sites["y"] + 0.5), 0, height - 1))

@@ -69,6 +69,18 @@ def test_two_sheets_cross_in_a_line_at_any_angle(degrees, one_mesh):
     np.testing.assert_array_equal(maps["marks"][rows, column, 0], -place[rows, column, 0])
 
 
+@pytest.mark.parametrize("at", [0, 4])
+def test_what_one_triangle_holds_together_is_one_piece(at):
+    """Two sheets cross; a triangle anywhere among the others joins them, and they are one thing that is folded."""
+    square = np.float32([(-40, -30), (40, -30), (40, 30), (-40, 30)])
+    x, y = square[:, :1], square[:, 1:]
+    points = np.concatenate([np.c_[x + 48, y + 36, 0 * x - 50], np.c_[0.9 * x + 48, y + 36, -0.4 * x - 50]])
+    sheets = np.int32([(0, 1, 2), (0, 2, 3), (4, 5, 6), (4, 6, 7)])
+    assert found([Mesh(points.astype(np.float32), sheets)], *pixels(*SIZE))[0].any()
+    bridge = np.insert(sheets, at, (0, 4, 3), 0)
+    assert not found([Mesh(points.astype(np.float32), bridge)], *pixels(*SIZE))[0].any()
+
+
 @pytest.mark.parametrize("projection", [perspective, orthographic])
 @pytest.mark.parametrize("n", [24, 400])
 def test_a_ball_sunk_into_the_ground_has_one_ring(projection, n):
