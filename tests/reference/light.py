@@ -1,7 +1,41 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Direct light on what a camera sees: every ray against every triangle, every lamp at thousands of points."""
 
+from dataclasses import dataclass
+
 import numpy as np
+
+
+@dataclass
+class Hole:
+    """Where a triangle is solid: by the corners' uvs (3, 2) in a picture of alpha, 0 to 255, as Scene.texture() has it.
+    """
+
+    uvs: np.ndarray
+    alpha: np.ndarray
+    extension: str = "REPEAT"
+    closest: bool = False
+
+    def solid(self, u, v):
+        with np.errstate(all="ignore"):
+            place = self.uvs[0] + u[:, None] * (self.uvs[1] - self.uvs[0]) + v[:, None] * (self.uvs[2] - self.uvs[0])
+        height, width = self.alpha.shape
+        x, y = (np.nan_to_num(place, nan=0, posinf=0, neginf=0) * (width, height)).T
+        if self.closest:
+            return self.texel(np.floor(x), np.floor(y)) >= 128
+        left, low = np.floor(x - 0.5), np.floor(y - 0.5)
+        total = sum((1 - abs(x - 0.5 - column)) * (1 - abs(y - 0.5 - row)) * self.texel(column, row)
+                    for row in (low, low + 1) for column in (left, left + 1))
+        return total >= 127.5
+
+    def texel(self, x, y):
+        height, width = self.alpha.shape
+        x, y = x.astype(int), y.astype(int)
+        within = (x >= 0) & (y >= 0) & (x < width) & (y < height)
+        if self.extension == "REPEAT":
+            return self.alpha[y % height, x % width].astype(float)
+        found = self.alpha[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)].astype(float)
+        return np.where(within, found, 0) if self.extension == "CLIP" else found
 
 
 class World:
@@ -11,7 +45,7 @@ class World:
         self.points, self.normals, self.owner = np.empty((0, 3, 3)), np.empty((0, 3, 3)), np.empty(0, int)
         self.seen, self.casts = np.empty(0, bool), np.empty(0, bool)
         self.smooth, self.turned = np.empty(0, bool), np.empty(0)
-        self.holes = {}  # number of a triangle -> shadows.Hole
+        self.holes = {}  # number of a triangle -> Hole
         self.sets = []  # of the owners: (bits of the lamps that light it, of those in whose light it throws shadows)
 
     def add(self, points, corners, model=None, normals=None, seen=True, casts=True, sets=(~0, ~0)):

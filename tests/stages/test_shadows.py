@@ -9,7 +9,8 @@ from encre.pen import irradiance
 from encre.pen.job import Frame, Lamp
 from lamps import CUBE, CUBE_CORNERS, LAMPS, PLANE_CORNERS, Stage, ball, look, moved, ways
 from reference import light
-from reference.shadows import Hole, Picture
+from reference.light import Hole
+from reference.shadows import Picture
 
 WIDTH, HEIGHT = 18, 13
 BY_HAND = np.s_[9:12, 2:7]  # pixels that show what no geometry tells of
