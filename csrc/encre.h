@@ -96,6 +96,7 @@ enum encre_output {
 	ENCRE_OUTPUT_SURFACE,      /* 4: the picture before the lines */
 	ENCRE_OUTPUT_EDGES,        /* 1: edge strength */
 	ENCRE_OUTPUT_LIGHT,        /* 3: discrete, tinted light */
+	ENCRE_OUTPUT_TONES,        /* 4: the ink of tones alone, premultiplied */
 	ENCRE_OUTPUT_COUNT
 };
 

@@ -40,7 +40,8 @@ SEEN = {"Denoising Albedo": "RGB", "Denoising Normal": "XYZ", "Denoising Depth":
 # Its pass of what the world shows behind everything.
 BEHIND = {"Env": "RGB"}
 # The pictures that the library draws beside Combined.
-DRAWN = {"Encre Lines": "RGBA", "Encre Surface": "RGBA", "Encre Edges": "X", "Encre Light": "RGB"}
+DRAWN = {"Encre Lines": "RGBA", "Encre Surface": "RGBA", "Encre Edges": "X", "Encre Light": "RGB",
+         "Encre Tones": "RGBA"}
 # Blender 5 renamed these passes.
 RENAMED = {
     "DiffDir": "Diffuse Direct",

@@ -17,7 +17,7 @@ import numpy as np
 from . import abi
 from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work
-from .params import Control, Param, Stage, control, normal, read, stage, text_of
+from .params import Control, Param, Stage, control, fills, normal, read, stage, text_of
 
 API_VERSION = 10
 _ALL = "; `encre params` lists all"
@@ -106,7 +106,8 @@ class Library:
         """The image from which the paper's heights come when these complete() values draw; None: nothing reads one.
         EncreError: there should be one."""
         drawn = any((values["use_lines"] and values["line_paper"] > 0)
-                    or (values["use_hatching"] and values["hatch_amount"] > 0) for values in every)
+                    or ((values["use_hatching"] or fills(values, "GRAIN")) and values["hatch_amount"] > 0)
+                    for values in every)
         if not drawn or every[0]["paper_source"] != "IMAGE":
             return None
         if not every[0]["paper_image"]:

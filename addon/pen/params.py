@@ -4,7 +4,7 @@
 import math
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -103,6 +103,11 @@ def terms(rule: str, value: Callable[[str], Any]) -> dict[str, bool]:
         return value(id_) in items.split("|") if items else bool(value(id_))
 
     return {term: true(term) for term in rule.split("&")} if rule else {}
+
+
+def fills(values: Mapping[str, Any], *tones: str) -> bool:
+    """Whether any of these tones fills a level of light with these values."""
+    return values["use_tones"] and any(values[id_] in tones for id_ in ("tone_dark", "tone_middle", "tone_light"))
 
 
 def _levels(levels):

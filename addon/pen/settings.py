@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import colour, library
-from .params import terms
+from .params import fills, terms
 
 _MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
 _WINDOW = 24  # pixels about an edge at which its detector looks, whatever the settings are
@@ -118,7 +118,7 @@ class Settings:
     @cached_property
     def wants_light(self) -> bool:
         """Whether anything compares light with a threshold, so that its noise would show as speckle."""
-        return self.active and self.any("use_shading", "use_hatching", "edge_light", "line_light")
+        return self.active and self.any("use_shading", "use_hatching", "use_tones", "edge_light", "line_light")
 
     @cached_property
     def fast(self) -> bool:
@@ -187,7 +187,8 @@ class Settings:
     @cached_property
     def wants_anchor(self) -> bool:
         """Whether anything sticks to surfaces, or is to be able to."""
-        return self.every[0]["save_anchor"] == "ON"
+        return self.every[0]["save_anchor"] == "ON" or any(
+            values["tone_space"] == "SURFACE" and fills(values, "DOTS", "LINES", "CROSS") for values in self.every)
 
     @cached_property
     def wants_seen(self) -> bool:

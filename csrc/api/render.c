@@ -81,8 +81,10 @@ static int32_t copy(work *w)
 		code = bands_run(w->f.bands, w->f.height, 0, look_rows, w);
 		*bad += atomic_load(&w->bad);
 	}
-	if (!code && w->out[ENCRE_OUTPUT_LINES].data)
-		code = bands_run(w->f.bands, w->f.height, 0, blank_rows, w->out + ENCRE_OUTPUT_LINES);
+	static const int inks[] = {ENCRE_OUTPUT_LINES, ENCRE_OUTPUT_TONES};
+	for (int i = 0; !code && i < 2; i++)
+		if (w->out[inks[i]].data)
+			code = bands_run(w->f.bands, w->f.height, 0, blank_rows, w->out + inks[i]);
 	return code;
 }
 

@@ -36,6 +36,7 @@
 #include "surface/smudge.rows.h"
 #include "surface/paper.rows.h"
 #include "surface/hatch.rows.h"
+#include "tones/tones.rows.h"
 #include "ink/lines.rows.h"
 
 #undef STAGE

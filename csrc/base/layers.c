@@ -49,6 +49,7 @@ static const encre_layer_description outputs[ENCRE_OUTPUT_COUNT] = {
 	[ENCRE_OUTPUT_SURFACE] = {"Encre Surface", "the picture before the lines", 4, 0},
 	[ENCRE_OUTPUT_EDGES] = {"Encre Edges", "edge strength", 1, 0},
 	[ENCRE_OUTPUT_LIGHT] = {"Encre Light", "discrete, tinted light", 3, 0},
+	[ENCRE_OUTPUT_TONES] = {"Encre Tones", "dots, lines and ink in the shade alone, premultiplied", 4, 0},
 };
 
 const encre_layer_description *encre_layer_info(int32_t layer)

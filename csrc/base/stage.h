@@ -27,7 +27,7 @@
 #define ISA(name) JOIN(name, ENCRE_ISA)
 #define STAGE_SYMBOL(name) ISA(JOIN(stage, name))
 
-#define STAGES(X) X(edges) X(shade) X(smudge) X(paper) X(hatch) X(lines)
+#define STAGES(X) X(edges) X(shade) X(smudge) X(paper) X(hatch) X(tones) X(lines)
 
 /* ---- frame: what stages read and make -------------------------------------------------------------------- */
 
@@ -93,7 +93,8 @@ typedef struct frame {
 	void *paper;
 	/* edges, lines: scratch */
 	void *edges, *lines;
-	void *fine; /* sites and links of detector FINE (fine.h), else NULL; then edge, strength and near are NULL */
+	void *tones; /* tones: a screen for each style */
+	void *fine;  /* sites and links of detector FINE (fine.h), else NULL; then edge, strength and near are NULL */
 	late *late;
 } frame;
 
@@ -201,6 +202,8 @@ void ISA(shade_exposed)(const frame *f, int y, float *light);
  * paper (lines see 1, hatching 0.5). Coordinates are of this frame's images; the sheet starts at the full frame's
  * top left. */
 void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *height);
+/* hatch.c: of a style's pixels x..x+n-1 of row y, their brightness 0..1 becomes the pencil's cover. */
+void ISA(hatch_cover)(const frame *f, const encre_params *p, int y, int x, int n, float *bright);
 /* nearest.c: exact Euclidean nearest edge pixels; ties: least distance, row, column. plan is called by the stages
  * that read frame.nearest (twice is once); run fills it if it isn't filled. Edges farther than `reach` pixels may be
  * reported as none. */

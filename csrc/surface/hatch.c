@@ -4,6 +4,8 @@
 #include "base/pixel.h"
 #include "base/stage.h"
 
+#include <string.h>
+
 enum { CHUNK = 256 };
 
 /* ---- row kernels ----------------------------------------------------------------------------------------- */
@@ -95,9 +97,21 @@ static const float *pixels(const frame *f, enum encre_layer layer, int channels,
 	return row ? row + (ptrdiff_t)channels * x : NULL;
 }
 
+void ISA(hatch_cover)(const frame *f, const encre_params *p, int y, int x, int n, float *bright)
+{
+	float pressure[CHUNK], paper[CHUNK];
+	if (!pressure_row(p->hatch_amount, n, controls_at(f, x, y), bright, pressure)) {
+		memset(bright, 0, (size_t)n * sizeof *bright);
+		return;
+	}
+	ISA(paper_row)(f, y, x, x + n, 0.5f, paper);
+	cover_row(n, pixels(f, ENCRE_LAYER_SPECULAR, 3, y, x), pixels(f, ENCRE_LAYER_DEPTH, 1, y, x), pressure, paper,
+		  bright);
+}
+
 static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n)
 {
-	float bright[CHUNK], pressure[CHUNK], paper[CHUNK], left[CHUNK];
+	float bright[CHUNK], left[CHUNK];
 	bool lightens = p->hatch_color_light > 0;
 	if (lightens) {
 		ISA(shade_tones)(f, y, x, x + n, left);
@@ -105,11 +119,7 @@ static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n
 	}
 	bright_row(p, n, pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), pixels(f, ENCRE_LAYER_COLOR, 3, y, x),
 		   pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), lightens ? left : NULL, bright);
-	if (!pressure_row(p->hatch_amount, n, controls_at(f, x, y), bright, pressure))
-		return;
-	ISA(paper_row)(f, y, x, x + n, 0.5f, paper);
-	cover_row(n, pixels(f, ENCRE_LAYER_SPECULAR, 3, y, x), pixels(f, ENCRE_LAYER_DEPTH, 1, y, x), pressure, paper,
-		  bright);
+	ISA(hatch_cover)(f, p, y, x, n, bright);
 	draw_row(p->hatch_color, n, bright, output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * (ptrdiff_t)x);
 }
 

@@ -256,6 +256,12 @@ static const char *check(const encre_params *params, char *text, size_t size)
 	return text;
 }
 
+static bool rubs(const encre_params *p)
+{
+	return p->use_tones && (p->tone_dark == tone_dark_GRAIN || p->tone_middle == tone_middle_GRAIN ||
+				p->tone_light == tone_light_GRAIN);
+}
+
 static bool wanted(const frame *f)
 {
 	const encre_params *scene = f->params;
@@ -264,7 +270,7 @@ static bool wanted(const frame *f)
 		return false;
 	for (int i = 0; i < f->n_styles; i++)
 		if ((f->params[i].use_lines && f->params[i].line_paper > 0) ||
-		    (f->params[i].use_hatching && f->params[i].hatch_amount > 0))
+		    ((f->params[i].use_hatching || rubs(f->params + i)) && f->params[i].hatch_amount > 0))
 			return true;
 	return false;
 }

@@ -30,7 +30,7 @@ THREADS = 1, 2
 INTER_COLOR = dict(edge_threshold=0.01, edge_color=1.0, line_contrast=1.0, line_softness=0.0, line_thickness=12.0,
                    line_gain=0.5, line_intensity=2.0, line_paper=0.0, use_shading=False, use_smudging=False,
                    use_hatching=False)
-ALL_OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False)
+ALL_OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=False)
 DOG, SOBEL, FINE = ({"edge_detector": name} for name in ("DOG", "SOBEL", "FINE"))
 ALL_SOURCES = dict(edge_color=3.0, edge_light=4.0)
 # case: its settings, the ratios that are aimed at on one thread and on two, and what is drawn
@@ -225,6 +225,16 @@ def stages(layers, rounds):
                                     for name, case in STAGES.items()}, rounds)
 
 
+def tones(layers, rounds):
+    """Ink that grows with the darkness, over half of the picture."""
+    import sticks
+
+    things = sticks.layers_of(*sticks.posed(zoom=2.5), size_of(layers))[0]
+    cases = {name: (things, ALL_OFF | settings | dict(use_tones=True), "Combined")
+             for name, settings in sticks.SCREENS.items()}
+    return measure("tones alone", cases, rounds, dict.fromkeys(cases, (4.0, 3.0)))
+
+
 def searches(layers, rounds):
     cases = {search.lower(): (layers, DOG | dict(line_search=search), "Combined")
              for search in ("EXACT", "NEAREST", "WALK", "DILATE")}
@@ -261,8 +271,8 @@ def size_of(layers):
     return width, height
 
 
-TABLES = {"off": off, "looks": looks, "stages": stages, "searches": searches, "radii": radii, "densities": densities,
-          "sizes": sizes}
+TABLES = {"off": off, "looks": looks, "stages": stages, "tones": tones, "searches": searches, "radii": radii,
+          "densities": densities, "sizes": sizes}
 
 
 # What FINE, light and baking cost

@@ -4,12 +4,12 @@
 import numpy as np
 
 from . import edges as edge_stage
-from . import hatch, lines, paper, shade, smudge
+from . import hatch, lines, paper, shade, smudge, tones
 from .params import SWITCHES, Params
 
 REQUIRED = {"combined": 4, "color": 3, "diffuse": 3, "depth": 1, "normal": 3}
 OPTIONAL = {"albedo": 3, "specular": 3, "object": 1, "material": 1, "style": 1, "controls": 6, "marks": 2,
-            "creases": 5, "highlights": 3, "background": 3}
+            "creases": 5, "highlights": 3, "background": 3, "anchor": 13}
 SEEN = {"seen_color": 3, "seen_normal": 3, "seen_depth": 1}
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching")
 _LARGEST = float(np.finfo(np.float32).max)
@@ -46,6 +46,7 @@ class Layers:
         self.albedo = self.color if layers.get("albedo") is None else data["albedo"]
         self.object, self.material = data["object"][..., 0], data["material"][..., 0]
         self.marks, self.creases = data["marks"], data["creases"]
+        self.anchor = None if layers.get("anchor") is None else data["anchor"]
         z = data["depth"][..., 0]
         self.there = (z > 0) & (z < 1e9)
         self.depth = np.where(self.there, z, np.inf)
@@ -80,6 +81,7 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
     surface, light, doubtful = shade.surface(layers, params)
     surface, smudge_doubtful = smudge.smudge(layers, params, edges, surface, doubtful)
     surface, hatch_doubtful = hatch.hatch(layers, params, surface, hatch_paper)
+    surface, tone_ink = tones.fill(layers, params, surface, hatch_paper)
 
     rgb, alpha = surface[..., :3], surface[..., 3:]
     active = np.any([params.at(switch, layers.style) for switch in SWITCHES], axis=0)[..., None]
@@ -94,6 +96,7 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
         "Encre Surface": np.concatenate([rgb, alpha], axis=-1),
         "Encre Edges": edges.strength,
         "Encre Light": light,
+        "Encre Tones": tone_ink,
     }
     passes = {name: np.clip(image, -_LARGEST, _LARGEST) for name, image in passes.items()}
     return {

@@ -7,6 +7,12 @@ from .metric import clamp01, mix, value
 from .shade import levels, other
 
 
+def cover(layers, of, bright, paper):
+    """(H, W) how much pencil is on surfaces of a brightness; of(name): the parameter of each pixel."""
+    strength = paper * (1 + layers.controls["hatching"]) * of("hatch_amount") - bright
+    return np.where(layers.there, clamp01((1 - clamp01(value(layers.specular))) * 2.5 * strength), 0.0)
+
+
 def hatch(layers, params, surface, paper):
     """The surface (H, W, 4) with its hatching; and where float32 may be on the other side of a level's step. paper
     (H, W) is the height there, 0…1."""
@@ -29,9 +35,8 @@ def hatch(layers, params, surface, paper):
     colored = lit(tone, "hatch_color_threshold").clip(max=1.0)
     colored = 1 - (1 - colored) * (1 - params.at("hatch_color_light", style) * rise)
     bright = np.minimum(colored, lit(light, "hatch_light_threshold")).clip(max=1.0)
-    strength = paper * (1 + layers.controls["hatching"]) * params.at("hatch_amount", style) - bright
-    ink = clamp01((1 - clamp01(value(layers.specular))) * 2.5 * strength)
-    ink = np.where(layers.there & params.at("use_hatching", style), ink, 0.0)[..., None]
+    ink = cover(layers, lambda name: params.at(name, style), bright, paper)
+    ink = np.where(params.at("use_hatching", style), ink, 0.0)[..., None]
     rgb, alpha = surface[..., :3], surface[..., 3:]
     drawn = np.concatenate([mix(rgb, params.at("hatch_color", style) * alpha, ink), alpha], axis=-1)
     return drawn, doubtful & params.at("use_hatching", style) & (params.at("hatch_color_light", style) > 0)

@@ -37,13 +37,16 @@ DEFAULTS = {
     "hatch_color_threshold": 0.35, "hatch_light_threshold": 0.5, "hatch_color_light": 0.5,
     "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
     "paper_seed": 0,
+    # tones
+    "use_tones": False, "tone_dark": "DOTS", "tone_middle": "DOTS", "tone_light": "NONE", "tone_darkness": 0.0,
+    "tone_pitch": 8.0, "tone_angle": 45.0, "tone_hardness": 1.0, "tone_color": (0.0, 0.0, 0.0), "tone_space": "SCREEN",
     # read before the layers reach the stages
     "object_index": "AUTO", "shade_light": "ALL", "layer_source": "CYCLES", "light_source": "CYCLES",
-    "light_denoise": "OIDN", "save_layers": "AUTO",
+    "light_denoise": "OIDN", "save_layers": "AUTO", "save_anchor": "AUTO",
 }
 
-ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "light_denoise", "save_layers"}
-SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching")
+ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "light_denoise", "save_layers", "save_anchor"}
+SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_tones")
 
 _WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light", "mark")}
 _CREASES = {"crease_angle", "crease_smooth", "edge_bump"}
@@ -58,7 +61,8 @@ def is_surface(name):
         return False
     if name in _PARTS:
         return True
-    return name in _WEIGHTS | _CREASES or name.startswith(("width_", "line_", "shade_", "hatch_", "smudge_", "use_"))
+    return name in _WEIGHTS | _CREASES or name.startswith(
+        ("width_", "line_", "shade_", "hatch_", "smudge_", "tone_", "use_"))
 
 
 class Params:

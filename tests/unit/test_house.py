@@ -12,7 +12,7 @@ CSRC, ADDON = ROOT / "csrc", ROOT / "addon"
 INCLUDE = re.compile(r'^\s*#\s*include "([^"]+)"', re.MULTILINE)
 # What a room of csrc may include besides itself, base and encre.h.
 BELOW = {"base": set(), "edges": set(), "fine": {"edges"}, "ink": {"edges", "fine"}, "surface": {"edges", "fine"},
-         "raster": set(), "light": set(), "material": set(), "texture": {"edges"},
+         "tones": set(), "raster": set(), "light": set(), "material": set(), "texture": {"edges"},
          "api": {"edges", "fine", "ink", "surface", "raster", "light", "material", "texture"}}
 INSIDE = {"inside.py", "staging.py"}  # what of the command line runs inside Blender
 

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tones against tests/reference/tones.py, against the ink that was asked for, and how they stick to surfaces."""
+
+import numpy as np
+import pytest
+import sticks
+from encre.pen import library
+from encre.pen.job import Frame
+from reference import render as reference
+
+ALONE = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=True,
+             length_unit="PIXELS")
+LEVELS = [(0.15,), (0.5, 0.3, 0.2), (0.8, 0.7, 0.0), (1.1, 1.0, 0.1)]
+STYLES = [dict(tone_dark="CROSS", tone_middle="GRAIN", tone_light="DOTS", tone_space="SURFACE", tone_pitch=9.0,
+               tone_hardness=0.4, tone_color=(0.4, 0.1, 0.0), tone_darkness=0.2),
+          dict(tone_dark="SOLID", tone_middle="LINES", tone_light="LINES", tone_angle=-20.0),
+          dict(use_tones=False)]
+
+
+def stuck(width, height, seed=0):
+    """Layers of the scene that `sticks` draws, with noise in what tones read besides."""
+    rng = np.random.default_rng(seed)
+    meshes, view, projection = sticks.posed(turn=0.3)
+    maps = library.raster(meshes, view, projection, Frame(width, height), (width, height), 0.1,
+                          outputs=("depth", "object", "shading", "anchor"))
+    color, diffuse = rng.uniform(0, 1, (height, width, 3)), rng.uniform(0, 1.3, (height, width, 3))
+    alpha = rng.uniform(0.2, 1, (height, width, 1))
+    combined = np.concatenate([color * diffuse + rng.uniform(-0.1, 0.2, color.shape), alpha], 2)
+    layers = dict(combined=combined, color=color, diffuse=diffuse, depth=maps["depth"], normal=maps["shading"],
+                  object=maps["object"], anchor=maps["anchor"], style=rng.integers(0, 4, (height, width)),
+                  controls=rng.uniform(-0.5, 0.5, (height, width, 6)), specular=rng.uniform(0, 0.4, color.shape))
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+@pytest.mark.parametrize("kind", ["SOLID", "DOTS", "LINES", "CROSS", "GRAIN"])
+@pytest.mark.parametrize("space", ["SCREEN", "SURFACE"])
+def test_twin(kind, space):
+    width, height = 120, 80
+    layers = stuck(width, height)
+    scene = dict(ALONE, shade_levels=LEVELS, tone_dark=kind, tone_middle=kind, tone_light=kind, tone_space=space,
+                 tone_pitch=7.3, tone_angle=30.0)
+    names = ("Combined", "Encre Tones")
+    frame = Frame(200, 160, 31, 20)
+    got = library.render(layers, scene, STYLES, frame=frame, outputs=names).images
+    want = reference(layers, scene, STYLES, frame=vars(frame))
+    for name in names:
+        off = np.abs(got[name] - want[name]).max(-1)
+        assert (off > 4e-3).mean() < 4e-3, (name, off.max(), (off > 4e-3).mean())
+    assert got["Encre Tones"][..., 3].std() > 0.05
+
+
+def test_without_an_anchor_the_screen_is_kept_to():
+    layers = stuck(60, 40)
+    del layers["anchor"]
+    one, two = (library.render(layers, dict(ALONE, tone_space=space)).images["Combined"]
+                for space in ("SCREEN", "SURFACE"))
+    assert one.tobytes() == two.tobytes()
+
+
+@pytest.mark.parametrize("space", ["SCREEN", "SURFACE"])
+def test_threads_instructions_and_borders_change_nothing(space):
+    layers = stuck(97, 61)
+    scene = dict(ALONE, shade_levels=LEVELS, tone_light="LINES", tone_space=space)
+
+    def drawn(part=np.s_[:, :], frame=None, **how):
+        return library.render({name: a[part] for name, a in layers.items()}, scene, STYLES, frame=frame,
+                              outputs=("Combined", "Encre Tones"), **how).images
+
+    whole = drawn(threads=1)
+    for how in (dict(threads=4), dict(simd=0)):
+        for name, picture in drawn(**how).items():
+            assert picture.tobytes() == whole[name].tobytes(), (name, how)
+    part = drawn(np.s_[20:50, 33:90], Frame(97, 61, 33, 20))
+    assert all(np.array_equal(part[name], whole[name][20:50, 33:90]) for name in whole)
+
+
+def flat(dark, size=(444, 444), anchor=None, **scene):
+    """Share of ink on a surface that is as dark everywhere."""
+    height, width = size
+    one = np.ones((height, width, 3), np.float32)
+    layers = dict(combined=np.ones((height, width, 4), np.float32), color=one, diffuse=one, depth=5 * one[..., :1],
+                  normal=one)
+    if anchor is not None:
+        layers["anchor"] = anchor
+    ink = library.render(layers, dict(ALONE, shade_levels=[(1 - dark,)], **scene), outputs=["Encre Tones"])
+    return ink.images["Encre Tones"][..., 3]
+
+
+RAMP = (0.05, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 0.95)
+
+
+@pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
+@pytest.mark.parametrize("look", [dict(tone_pitch=8.0), dict(tone_pitch=5.3, tone_angle=15.0),
+                                  dict(tone_pitch=12.0, tone_angle=0.0, tone_hardness=0.5), dict(tone_pitch=3.0),
+                                  dict(tone_pitch=37.0)])
+def test_ink_on_the_screen_is_what_was_asked_for(kind, look):
+    for dark in RAMP:
+        assert abs(flat(dark, tone_dark=kind, **look).mean() - dark) < 0.01, dark
+
+
+@pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
+def test_ink_on_surfaces_is_what_was_asked_for_at_any_distance(kind):
+    """A plane that is slanted both ways, from where a pitch is 2^m on to where it is 2^(m + 1)."""
+    size = 300, 300
+    y, x = np.mgrid[:size[0], :size[1]]
+    for k in range(5):
+        anchor = np.zeros((*size, 13), np.float32)
+        right, down = np.array((0.01, 0.002, 0)) * 2 ** (k / 5), np.array((-0.001, 0.017, 0.0)) * 2 ** (k / 5)
+        anchor[..., :3] = x[..., None] * right + y[..., None] * down
+        anchor[..., 3:7] = 0, 0, 1, 0.01
+        anchor[..., 7:10], anchor[..., 10:] = right, down
+        if kind != "DOTS":  # a wall: planes across the up axis cut it
+            anchor = anchor[..., (2, 0, 1, 5, 3, 4, 6, 9, 7, 8, 12, 10, 11)].copy()
+        for dark in RAMP:
+            ink = flat(dark, size, anchor, tone_dark=kind, tone_space="SURFACE", tone_angle=20.0)
+            # dark dots whose rows are not at right angles overlap less than the table thinks
+            assert abs(ink.mean() - dark) < (0.04 if kind == "DOTS" and dark > 0.7 else 0.01), (k, dark)
+
+
+@pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
+def test_an_octave_ends_as_the_next_begins(kind):
+    """Nothing pops: of two pictures a hair apart in scale hardly a pixel differs."""
+    size = 120, 120
+    y, x = np.mgrid[:size[0], :size[1]]
+    drawn = []
+    for pixel in (2**-7 * (1 - 1e-5), 2**-7 * (1 + 1e-5)):
+        anchor = np.zeros((*size, 13), np.float32)
+        anchor[..., 1], anchor[..., 2] = x * pixel, y * pixel
+        anchor[..., 3], anchor[..., 6], anchor[..., 8], anchor[..., 12] = 1, pixel, pixel, pixel
+        drawn.append(flat(0.4, size, anchor, tone_dark=kind, tone_space="SURFACE", tone_pitch=8.0, tone_angle=0.0))
+    assert drawn[0].std() > 0.2 and np.abs(drawn[0] - drawn[1]).max() < 0.1
+
+
+@pytest.mark.parametrize("name, motion, corr, pop", [
+    ("dots", "pan", 0.985, 0.002), ("dots", "zoom", 0.93, 0.003), ("dots", "turn", 0.97, 0.003),
+    ("lines", "pan", 0.995, 0.001), ("lines", "zoom", 0.95, 0.001), ("lines", "turn", 0.97, 0.001)])
+def test_tones_stick_to_what_moves(name, motion, corr, pop):
+    found, pops, ink = sticks.followed(sticks.SCREENS[name], sticks.MOTIONS[motion][:3])
+    assert found > corr and pops < pop and ink < 0.1, (found, pops, ink)
