@@ -17,12 +17,12 @@ NOTHING, STRAY = -1, -2
 
 @dataclass
 class Shown:
-    """Of n places: where, the normal by which light falls, where rays begin, the triangle's own normal to the eye, and
-    its number, or NOTHING, or STRAY."""
+    """Of n places: where, the normal by which light falls, how far above rays begin that graze it, the triangle's own
+    normal to the eye, and its number, or NOTHING, or STRAY."""
 
     at: np.ndarray
     normal: np.ndarray
-    start: np.ndarray
+    lift: np.ndarray
     across: np.ndarray
     triangle: np.ndarray
 
@@ -91,9 +91,9 @@ class Picture:
             stray = ~found & np.isfinite(given)
             at = a + share[:, None] * (b - a)
             own = np.where((dot(normal, normal) > 1e-6)[:, None], unit(normal), -unit(b - a))
-        shown = Shown(at, own, at, own, np.full(len(at), STRAY)).where(stray, shown)
+        shown = Shown(at, own, np.zeros_like(at), own, np.full(len(at), STRAY)).where(stray, shown)
         nothing = shown.triangle == NOTHING
-        for array in (shown.at, shown.normal, shown.start, shown.across):
+        for array in (shown.at, shown.normal, shown.lift, shown.across):
             array[nothing] = 0
         return shown
 
@@ -110,9 +110,9 @@ class Picture:
         front = unit(np.cross(e, f)) * world.turned[triangle][:, None]
         away = dot(front, way) > 0
         across = np.where(away[:, None], -front, front)
-        normal, begin = self._smooth(triangle, at, corner, u, v, away, across)
+        normal, lift = self._smooth(triangle, at, corner, u, v, away, across)
         inside = (u >= 0) & (v >= 0) & (u + v <= 1)
-        return Shown(at, normal, begin, across, np.array(triangle)), inside
+        return Shown(at, normal, lift, across, np.array(triangle)), inside
 
     def _smooth(self, triangle, at, corner, u, v, away, across):
         c = np.stack([0 * u, np.clip(u, 0, 1), np.clip(v, 0, 1)], 1)
@@ -123,7 +123,7 @@ class Picture:
         smooth = self.world.smooth[triangle][:, None]
         normal = (c[..., None] * normals).sum(1)
         normal = np.where(smooth & (dot(normal, normal) > 0.01)[:, None], unit(normal), across)
-        return normal, np.where(smooth, at - ((c * under)[..., None] * normals).sum(1), at)
+        return normal, np.where(smooth, -((c * under)[..., None] * normals).sum(1), 0)
 
     def beside(self, near, x, y):
         """(Shown at places of the picture on the surfaces of pixels `near`, whether still on their triangles)."""
@@ -134,15 +134,16 @@ class Picture:
             t = dot(own.at - a, own.across) / dot(b - a, own.across)
         at = a + np.where(np.isfinite(t), t, 0)[:, None] * (b - a)
         stray = own.triangle < 0
-        return Shown(at, own.normal, at, own.across, own.triangle).where(stray, found), inside | stray
+        return Shown(at, own.normal, np.zeros_like(at), own.across, own.triangle).where(stray, found), inside | stray
 
     # ---- rays
 
     def ray(self, lit, s, way):
         """(where rays begin, their ways)."""
-        side = np.where(dot(s.across, way) < 0, -1, 1)
-        off = (abs(s.at).max(1) + 1) * np.where(s.triangle >= 0, 1e-6, 1e-3) * side
-        start = s.start + off[:, None] * s.across
+        facet, shaded = (dot(n, unit(way)) / 0.1 for n in (s.across, s.normal))
+        share = np.clip(np.where(shaded < 1, 2 - facet - shaded, 1 - facet), 0, 1)
+        off = (abs(s.at).max(1) + 1) * np.where(s.triangle >= 0, 1e-6, 1e-3)
+        start = s.at + share[:, None] * s.lift + off[:, None] * s.across
         return start, way if lit.endless else way + s.at - start
 
     def meetings(self, lit, s, way):
@@ -281,9 +282,15 @@ class Picture:
             straight = (u == x) | (v == y)
             moved = straight | self.goes_on(i, u, v, there)
             near = np.where(moved, self.moved(u, v)[0], i)
-            s = self.beside(near, x + 0.5 + a, y + 0.5 + b)[0].where(moved, self.shown[i])
+            s, inside = self.beside(near, x + 0.5 + a, y + 0.5 + b)
+            own, inside_own = self.beside(i, x + 0.5 + a, y + 0.5 + b)
+            s = s.where(inside, own).where(moved & (inside | inside_own), self.shown[i])
             value, comes = self.ask(lit, s, q)
             all_, seen = all_ + value, seen + comes
+        none = all_ == 0
+        for k in range(POINTS):
+            value, comes = self.ask(lit, self.shown[i], asked(POINTS, POINTS)[k:k + 1])
+            all_, seen = all_ + none * value, seen + none * comes
         return np.where(all_ > 0, seen / np.where(all_ > 0, all_, 1), 0)
 
     def widths(self, lit, edge, bright):
@@ -304,6 +311,9 @@ class Picture:
         start, way, t = self.meetings(lit, s, way)
         first = t.min(1)
         known = (inside | inside_other) & (value > 0) & np.isfinite(first)
+        for side in (1, -1):  # light falls from all of the lamp
+            for rim in (one((0.5 + side / 2, 0.5), (side, 0)), one((0.5, 0.5 + side / 2), (0, side))):
+                known &= lit(s.at, s.normal, rim)[0] > 0
         place = start + np.where(np.isfinite(first), first, 0)[:, None] * way
         moves = []
         for rim in (one((1, 0.5), (1, 0)), one((0.5, 1), (0, 1))):
