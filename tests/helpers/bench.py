@@ -15,6 +15,7 @@ clock on two. What is drawn goes to memory that is there already, as the copy do
 import argparse
 import ctypes
 import json
+import os
 import resource
 import sys
 import time
@@ -207,7 +208,8 @@ def off(layers, rounds):
     rows = measure("all off", {"of 112 bytes": (layers, ALL_OFF, "Combined")}, 4 * rounds)
     share = BYTES * layers["combined"][..., 0].size / layers["combined"].nbytes
     print(f"{'of its 16 bytes':26}" + "".join(f"{ratio * share:12.2f}{1.0:>6}" for ratio in rows[0]["ratio"]))
-    return [rows[0] | {"ratio": [round(ratio * share, 3) for ratio in rows[0]["ratio"]], "aim": (1.0, 1.0)}]
+    return [rows[0] | {"case": "of its 16 bytes", "ratio": [round(ratio * share, 3) for ratio in rows[0]["ratio"]],
+                       "aim": (1.0, 1.0)}]
 
 
 def looks(layers, rounds):
@@ -354,7 +356,8 @@ def main():
     rows = [row for name in wanted for row in TABLES[name](layers, args.rounds)]
     build = Path(__file__).parents[2] / "build"
     build.mkdir(exist_ok=True)
-    (build / "bench.json").write_text(json.dumps({"size": [width, height], "rows": rows}, indent=1), encoding="utf-8")
+    found = {"size": [width, height], "load": os.getloadavg()[1], "rows": rows}
+    (build / "bench.json").write_text(json.dumps(found, indent=1), encoding="utf-8")
     (build / "bench.svg").write_text(chart.bars(rows), encoding="utf-8")
     if not args.only:
         fine(args.rounds, width, height)

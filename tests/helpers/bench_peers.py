@@ -5,8 +5,8 @@
 
 Edges by differences of Gaussians of 1/z and of normals, and between objects; soft ink 8 pixels wide along them; light
 in three flat levels, tinted and less saturated in the shade. Each library does it as who knows it would write it, on
-one thread. Whatever can't be imported is said and left out; `make bench-peers` installs all. build/bench.json, of
-`make bench`, gives the page its other tables.
+one thread. Whatever can't be imported is said and left out; `make bench-peers` installs all. build/bench.json, which
+`make bench` wrote, gives the page its other tables.
 """
 
 import argparse
@@ -17,6 +17,7 @@ import time
 from pathlib import Path
 
 import bench
+import chart
 import numpy as np
 from encre.pen import library
 
@@ -37,6 +38,8 @@ it. Ratios of one machine hold roughly on others; seconds do not.
 This page: {machine}, {size}, where 12 % of the pixels lie near a line.
 
 {tables}
+
+![The same as bars](speed.svg)
 
 ## Beside libraries for pictures
 
@@ -231,13 +234,14 @@ def processor():
     return f"{names[0]}, {len(names)} cores" if names else platform.processor()
 
 
-def tables():
+def tables(found):
     """Markdown of what `make bench` measured."""
-    path = ROOT / "build" / "bench.json"
-    if not path.exists():
-        return "(`make bench` has not run.)"
     text, table = [], None
-    for row in json.loads(path.read_text(encoding="utf-8"))["rows"]:
+    if found["load"] > 1:
+        text.append(f"The machine was busy while it ran, with a load of {found['load']:.0f}. Processor time, in which "
+                    "one thread is measured,\nbears that but for what others take of the caches; time by the clock, in "
+                    "which two are, is too long.")
+    for row in found["rows"]:
         if row["table"] != table:
             table = row["table"]
             text.append(f"\n| {table} | one thread | two threads | aim | bytes a pixel besides input and output |\n"
@@ -271,11 +275,13 @@ def main():
         far = (np.abs(pictures[name] - pictures["Encre"]).max(-1) > 0.1).mean()
         aim = f" (aim {AIMS[name]})" if name in AIMS else ""
         times = f"{best[name] / best['Encre']:.1f} times{aim}" if version else ""
-        rows.append(f"| {name} {version} | {best[name]:.3f} | {times} | {far:.2%} |")
+        rows.append(f"| {f'{name} {version}'.strip()} | {best[name]:.3f} | {times} | {far:.2%} |")
         print(rows[-1])
     if not args.only_print:
-        page = PAGE.format(machine=processor(), size=f"{width} x {height}", tables=tables(), rounds=args.rounds,
+        found = json.loads((ROOT / "build" / "bench.json").read_text(encoding="utf-8"))
+        page = PAGE.format(machine=processor(), size=f"{width} x {height}", tables=tables(found), rounds=args.rounds,
                            rows="\n".join(rows))
+        (ROOT / "docs" / "speed.svg").write_text(chart.bars(found["rows"]), encoding="utf-8")
         (ROOT / "docs" / "speed.md").write_text(page, encoding="utf-8")
 
 
