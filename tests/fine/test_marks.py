@@ -299,12 +299,21 @@ def test_a_contour_that_hardly_comes_before_its_own_body_is_a_line():
     assert not ink(body(LONG, 3, meshes=False)).any()  # the layers are asked, in which nothing is
 
 
-def test_a_contour_fades_into_its_body_and_none_is_only_faint():
+def test_a_contour_fades_into_its_body_and_no_short_one_is_only_faint():
     x = np.arange(80)[None, :, None]
     sure, faint = ink(body(LONG, 3)), ink(body(LONG, np.where(x < 40, 3, 1)))
     assert np.array_equal(sure[:, :35], faint[:, :35])
     assert 0.3 < faint[:, 45:].sum() / sure[:, 45:].sum() < 0.7
-    assert not ink(body(LONG, 2)).any()
+    assert 0.6 < ink(body(LONG, 2)).sum() / sure.sum() < 0.9
+    short = (30.2, 20.1), (42.1, 26.3)
+    assert not ink(body(short, 2), line_min_length=0.0).any() and ink(body(short, 3), line_min_length=0.0).any()
+
+
+def test_a_place_of_a_contour_alone_is_no_line():
+    layers = body(LONG, 3)
+    layers["marks"][:] = 0
+    layers["marks"][30, 40, 0] = -8.5
+    assert not ink(layers).any() and ink(layers, line_min_length=0.0).any()
 
 
 def test_ripples_make_no_specks():

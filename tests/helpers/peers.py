@@ -8,6 +8,7 @@ The truth comes from meshes and camera alone: edges that bend by BEND or more, e
 a ray from the eye reaches them. Points on them are sought in each picture's ink.
 """
 
+import contextlib
 import os
 import sys
 from collections import defaultdict
@@ -38,7 +39,8 @@ APART = 1e-4   # share of its distance by which a point is lifted off its surfac
 PAGE = """# Beside Freestyle and Line Art
 
 Five scenes on which no setting was chosen (`tests/helpers/strangers.py`), {size}, {samples} samples, each drawn by
-Encre with its own detector, by Freestyle and by Line Art, all with lines {wide} pixels wide from the shapes alone.
+Encre with its own detector from [layers of its own](layers.md), by Freestyle and by Line Art, all with lines {wide}
+pixels wide from the shapes alone.
 `python tests/helpers/peers.py FOLDER` renders them and writes this page.
 
 Which lines there are comes from the meshes and the camera: outlines, ends of surfaces, and edges that bend by {bend}°
@@ -164,6 +166,12 @@ def scraps(t):
     return found
 
 
+@contextlib.contextmanager
+def own_layers(scene):
+    scene.encre.layer_source = "ENCRE"
+    yield
+
+
 def shoot(folder, name, techniques):
     """{technique: T}, and the edges seen: points and ways of the lines, points of all that may be one."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
@@ -174,8 +182,8 @@ def shoot(folder, name, techniques):
     scene.view_layers[0].encre.use_pass_lines = True
     for key, value in turn.INK.items():
         setattr(scene.encre, key, value)
-    kinds = {"fine": (turn.encre("FINE"), techniques.dynamic), "freestyle": (turn.white, techniques.freestyle),
-             "line_art": (turn.white, techniques.line_art)}
+    kinds = {"fine": (turn.encre("FINE"), own_layers, techniques.dynamic),
+             "freestyle": (turn.white, techniques.freestyle), "line_art": (turn.white, techniques.line_art)}
     ink = {}
     for kind, contexts in kinds.items():
         path = folder / f"{name}_{kind}.exr"

@@ -138,6 +138,8 @@ def short(t, least, shape):
         return i not in gone and t.is_end(i) and not t.at_border(i, shape)
 
     for i in range(len(t)):
+        if t.site["told"][i] and not t.links[i] and not t.dropped[i] and least[i] > 0 and not t.at_border(i, shape):
+            gone.add(i)
         if not free(i):
             continue
         run = t.walk(i, t.links[i][0])

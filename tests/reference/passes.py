@@ -96,7 +96,7 @@ def close_sites(t, i, reach=1.6):
 
 def weak(t, family):
     """(which weak sites of a stripe in colours, or of contours, hang together with no other, which with one that is not
-    weak)."""
+    weak, or with 23 more of a contour)."""
     if family not in (NUMBER["color_band"], NUMBER["crack"]):
         return set(), set()
     own = {int(i) for i in np.flatnonzero((t.family == family) & ~t.dropped)}
@@ -106,6 +106,13 @@ def weak(t, family):
         new = set(close_sites(t, growing.pop())) - kept
         kept |= new
         growing += new
+    for i in own - kept if family == NUMBER["crack"] else ():
+        found, growing = {i}, [i]
+        while i not in kept and growing:
+            new = set(close_sites(t, growing.pop())) - found
+            found |= new
+            growing += new
+        kept |= found if len(found) >= 24 else set()
     return own - kept, kept - strong
 
 

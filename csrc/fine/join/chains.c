@@ -57,12 +57,21 @@ static float least_length(const frame *f, const site *s)
 	return f->params[f->style ? f->style[at] : 0].line_min_length * f->scale;
 }
 
+/* A place of a contour by itself. */
+static bool is_lone(const fine *n, uint32_t i)
+{
+	const site *s = n->site + i;
+	return s->placed.told && links_at(n, i) == 0 && least_length(n->f, s) > 0 && !at_border(n->f, s);
+}
+
 /* Drops what begins and ends in the open and is too short for a line. */
 int32_t ISA(fine_drop_short)(fine *n)
 {
 	int32_t code = ENCRE_OK;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
+		if (is_lone(n, i))
+			n->site[i].linked.dropped = true;
 		if (!ISA(leads_nowhere)(n, i))
 			continue;
 		float least = least_length(n->f, n->site + i), length = 0;

@@ -5,6 +5,7 @@
 
 enum { CHUNK = 2048 };
 
+static const uint32_t long_contour = 24; /* sites that hang together: however faint, it is a line */
 static const float clear_of_band = 2; /* pixels that a step keeps from the stripes in its own layer; test_fine_passes */
 
 typedef struct turn {
@@ -48,7 +49,24 @@ static bool is_weak(const site *s)
 	return s->placed.weak && !s->linked.dropped;
 }
 
-/* Holds those that hang together with one that is not weak, and drops the others. */
+/* Holds all weak ones that those at open[0] to open[count - 1] hang together with, and adds them; how many there are
+ * then. */
+static int32_t hold_on(fine *n, uint32_t *open, uint32_t *count)
+{
+	uint32_t to[ROOM];
+	int32_t code = ENCRE_OK;
+	for (uint32_t at = 0; !code && at < *count; code = at_step(n, ++at))
+		for (int k = ISA(close_sites)(n, open[at], to); k-- > 0;) {
+			site *s = n->site + to[k];
+			if (s->placed.weak && !s->linked.held) {
+				s->linked.held = true;
+				open[(*count)++] = to[k];
+			}
+		}
+	return code;
+}
+
+/* Holds those that hang together with one that is not weak, and contours that are long, and drops the others. */
 static int32_t drop_weak(const turn *t)
 {
 	fine *n = t->n;
@@ -71,14 +89,17 @@ static int32_t drop_weak(const turn *t)
 		if (s->held)
 			open[open_count++] = i;
 	}
-	for (uint32_t step = 0; !code && open_count > 0; code = at_step(n, ++step))
-		for (int k = ISA(close_sites)(n, open[--open_count], to); k-- > 0;) {
-			site *s = n->site + to[k];
-			if (s->placed.weak && !s->linked.held) {
-				s->linked.held = true;
-				open[open_count++] = to[k];
-			}
-		}
+	code = code ? code : hold_on(n, open, &open_count);
+	for (uint32_t i = t->first; !code && t->is == families + FAMILY_CRACK && i < end; i++) {
+		if (!is_weak(n->site + i) || n->site[i].linked.held)
+			continue;
+		open[0] = i;
+		open_count = 1;
+		n->site[i].linked.held = true;
+		code = hold_on(n, open, &open_count);
+		for (uint32_t k = 0; k < open_count && open_count < long_contour; k++)
+			n->site[open[k]].linked.held = false;
+	}
 	for (uint32_t i = t->first; !code && i < end; i++) {
 		code = at_step(n, i);
 		n->site[i].linked.dropped |= n->site[i].placed.weak && !n->site[i].linked.held;
