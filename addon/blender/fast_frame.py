@@ -1,23 +1,53 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One frame whose layers Encre draws itself: read, drawn and written into Blender's result, without Cycles."""
 
+from dataclasses import dataclass, field
+
 import numpy as np
 
 from ..pen import library, metadata, saved, supersample
+from ..pen.around import Window
 from ..pen.errors import Cancelled, EncreError
-from ..pen.job import Frame
-from . import cameras, fast, papers, versions, wanted
+from ..pen.job import Camera, Frame
+from ..pen.settings import Settings
+from . import cameras, fast, memory, papers, versions, wanted
 
 # What Cycles would have written: pass -> picture of fast.Scene.pictures().
 _PASSES = {"Depth": "depth", "Normal": "normal", "DiffDir": "diffuse", "DiffCol": "color", "GlossCol": "gloss",
            "Emit": "emission", "IndexOB": "index", "IndexMA": "material"}
 
 
-class FastFrames:
-    """The frames of one render, by the hooks of its engine."""
+@dataclass
+class _Place:
+    """What is drawn of a view: the frame in which it lies, of `factor` times the size that is written."""
 
-    def __init__(self, engine, go_on):
-        self.engine, self.go_on = engine, go_on
+    camera: Camera
+    frame: Frame    # of the size that is written
+    large: Frame
+    own: Window     # what is written
+    inside: tuple   # that in what is drawn: slices
+    factor: int
+
+    def write(self, out, name, picture):
+        if picture is not None:
+            picture = picture if picture.ndim == 3 else picture[..., None]
+            out[versions.pass_name(name)] = supersample.shrink(name, picture[self.inside], self.factor)
+
+
+@dataclass
+class _Layer:
+    """What memory keeps of a view layer beside its pictures."""
+
+    name: str
+    settings: Settings
+    places: dict = field(default_factory=dict)  # view's name -> _Place
+
+
+class FastFrames:
+    """The frames of one render, by the hooks of its engine. again: the memory.Picture that is drawn again."""
+
+    def __init__(self, engine, go_on, again=None):
+        self.engine, self.go_on, self.again = engine, go_on, again
         self.stamps = {}  # view layer's name -> what its file is to say
 
     def render(self, depsgraph, camera, settings):
@@ -25,58 +55,70 @@ class FastFrames:
         if camera.data.type not in {"PERSP", "ORTHO"}:
             raise EncreError(f"camera {camera.name}: it is panoramic, and Encre draws only what perspective and "
                              "orthographic cameras see; make it one of them")
+        name = depsgraph.view_layer.name
+        kept = self.again and self.again.layer(name, settings)
         paper = papers.load(settings.paper, self.go_on) if settings.paper else None
         if paper is not None:
             library.check(settings.scene, lambda _name: paper)
+        if kept:
+            for view, pictures in kept.views.items():
+                place = kept.before.places[view]
+                self._write(pictures.shown, place.own, name, view)  # which stays if it is given up
+                pictures.shown = self._ink(depsgraph, settings, paper, view, place, pictures.passes, pictures.maps)
+            return
         self.engine.update_stats("Encre", "reading the scene")
         scene = fast.read(depsgraph, settings, (camera.data.clip_start, camera.data.clip_end), camera=camera)
         for note in scene.notes:
             self.engine.say("WARNING", note)
-        render = depsgraph.scene_eval.render
-        width, height, own = cameras.border(render)
-        place = own.grown(settings.reach(height), width, height)
-        for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
+        if settings.active and memory.wanted(self.engine, depsgraph.scene):
+            kept = memory.Layer(_Layer(name, settings), False)
+            memory.begin(depsgraph.scene, kept)
+        width, height, _ = cameras.border(depsgraph.scene_eval.render)
+        for view, matrices in cameras.views(self.engine, depsgraph, camera, width, height).items():
             if not self.go_on():
                 raise Cancelled("rendering was cancelled")
-            self.engine.update_stats("Encre", f"{depsgraph.view_layer.name} {name}".strip())
-            drawn = self._draw(scene, depsgraph, settings, (view, projection), Frame(width, height, place.x, place.y),
-                               place, own, paper)
-            self._write(drawn, own, depsgraph.view_layer.name, name)
+            self.engine.update_stats("Encre", f"{name} {view}".strip())
+            place, layers, plain = self._draw(scene, depsgraph, settings, matrices)
+            out = self._ink(depsgraph, settings, paper, view, place, layers, plain)
+            if kept:
+                kept.before.places[view], kept.views[view] = place, memory.View(layers, out, plain)
 
-    def _draw(self, scene, depsgraph, settings, matrices, frame, place, own, paper):
-        """{pass: picture} of the window `own`."""
-        factor, render = settings.factor, depsgraph.scene_eval.render
-        threads = render.threads if render.threads_mode == "FIXED" else 0
-        large, size = supersample.frame(frame, factor), (factor * place.width, factor * place.height)
-        pictures = scene.pictures(*matrices, large, size, settings, threads, self.go_on)
-        top, left = (factor * start for start in (own.y - place.y, own.x - place.x))
-        kept, out = np.s_[top:top + factor * own.height, left:left + factor * own.width], {}
-
-        def write(name, picture):
-            if picture is not None:
-                picture = picture if picture.ndim == 3 else picture[..., None]
-                out[versions.pass_name(name)] = supersample.shrink(name, picture[kept], factor)
-
+    def _draw(self, scene, depsgraph, settings, matrices):
+        """(the _Place, layers as library.draw() takes them, {pass: picture that no stage draws})."""
+        width, height, own = cameras.border(depsgraph.scene_eval.render)
+        around, factor, plain = own.grown(settings.reach(height), width, height), settings.factor, {}
+        frame = Frame(width, height, around.x, around.y)
+        large = supersample.frame(frame, factor)
+        top, left = (factor * start for start in (own.y - around.y, own.x - around.x))
+        place = _Place(scene.camera(*matrices), frame, large, own,
+                       np.s_[top:top + factor * own.height, left:left + factor * own.width], factor)
+        pictures = scene.pictures(*matrices, large, (factor * around.width, factor * around.height), settings,
+                                  _threads(depsgraph), self.go_on)
         for name, layer in _PASSES.items():
-            write(name, pictures[layer])
-        layers = {name: pictures.pop(name) for name in list(pictures) if name in library.load().layers}
-        write("Combined", layers["combined"])
+            place.write(plain, name, pictures[layer])
+        place.write(plain, "Combined", pictures["combined"])
+        return place, {name: picture for name, picture in pictures.items() if name in library.load().layers}, plain
+
+    def _ink(self, depsgraph, settings, paper, view, place, layers, plain):
+        """Draws what a view layer is asked for and writes it: {pass: picture}."""
+        out = dict(plain)
         if wanted.keeps(depsgraph.scene):
             for name in saved.passes(False, "anchor" in layers):
-                write(name, saved.pack(name, layers))
+                place.write(out, name, saved.pack(name, layers))
         asked = [*(["Combined"] if settings.active else []), *wanted.asked(depsgraph.view_layer)]
-        camera = scene.camera(*matrices)
         if asked:
-            drawn = library.draw(layers, settings.every, camera, large, outputs=asked, threads=threads,
-                                 progress=self.go_on, image=lambda _name: paper)
+            drawn = library.draw(layers, settings.every, place.camera, place.large, outputs=asked,
+                                 threads=_threads(depsgraph), progress=self.go_on, image=lambda _name: paper)
             for name in asked:
-                write(name, drawn.images.pop(name))
-        if depsgraph.view_layer.name not in self.stamps:  # of the first view
+                place.write(out, name, drawn.images.pop(name))
+        layer, render = depsgraph.view_layer.name, depsgraph.scene_eval.render
+        if layer not in self.stamps:  # of the first view
+            own, frame = place.own, place.frame
             border = own if render.use_border and not render.use_crop_to_border else None
             where = Frame(frame.width, frame.height) if border else Frame(frame.width, frame.height, own.x, own.y)
-            self.stamps[depsgraph.view_layer.name] = metadata.write(
-                settings.scene, settings.styles, camera, where, border,
-                **wanted.beside(depsgraph.scene_eval, settings, False))
+            self.stamps[layer] = metadata.write(settings.scene, settings.styles, place.camera, where, border,
+                                                **wanted.beside(depsgraph.scene_eval, settings, False))
+        self._write(out, place.own, layer, view)
         return out
 
     def _write(self, drawn, own, layer, view):
@@ -93,3 +135,8 @@ class FastFrames:
         for fields in stamps.values():
             for key, text in {**wanted.stamped, **fields}.items():
                 result.stamp_data_add_field(key, text)
+
+
+def _threads(depsgraph):
+    render = depsgraph.scene_eval.render
+    return render.threads if render.threads_mode == "FIXED" else 0

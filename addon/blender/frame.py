@@ -63,8 +63,9 @@ class Frames:
             self.settings = properties.settings(depsgraph.scene_eval)
         self.fast = None
         if self.again:
-            return
-        if self.settings and self.settings.fast:
+            if self.again.fast:
+                self.fast = fast_frame.FastFrames(self.engine, self._go_on, self.again)
+        elif self.settings and self.settings.fast:
             self.fast = fast_frame.FastFrames(self.engine, self._go_on)
         elif self.settings and (self.settings.active or self.overrode):
             automatic = self.settings.active and self.settings.scene["object_index"] == "AUTO"
@@ -73,11 +74,12 @@ class Frames:
     def render(self, cycles, depsgraph):
         """Has `cycles` (cycles.engine) render a view layer. EncreError: the settings or the camera can't be used, or
         a stage fails; Cancelled."""
+        if self.fast:
+            settings = self.settings or properties.settings(depsgraph.scene_eval)
+            self.fast.render(depsgraph, self._camera(depsgraph), settings)
+            return
         if self.again:
             self._remember(depsgraph)
-            return
-        if self.fast:
-            self.fast.render(depsgraph, self._camera(depsgraph), self.settings)
             return
         self._before(depsgraph)
         layer = self.known.get(depsgraph.view_layer.name)
@@ -127,10 +129,7 @@ class Frames:
         """Puts the passes of a view layer that is in memory into the result, to be drawn again. EncreError: it is not,
         or the settings can't be used; Cancelled."""
         settings = self.settings or properties.settings(depsgraph.scene_eval)
-        kept = self.again.layers.get(depsgraph.view_layer.name)
-        lack = kept.lacks(settings) if kept else f"view layer {depsgraph.view_layer.name}"
-        if lack:
-            raise EncreError(f"{lack} needs layers that are not in memory: render the picture")
+        kept = self.again.layer(depsgraph.view_layer.name, settings)
         before = kept.before
         cut = before.own != before.place
         self.known[before.name] = replace(

@@ -70,9 +70,9 @@ class Layer:
         """What must be rendered before the picture can be drawn with other settings; None: nothing."""
         old = self.before.settings
         changed = {
-            "Layers": new.fast,
+            "Layers": new.fast != old.fast,
             "Supersample": old.factor != new.factor,
-            "Light": old.draws_light != new.draws_light,
+            "Light": old.draws_light != new.draws_light and not new.fast,
             "Object Index": old.scene["object_index"] != new.scene["object_index"],
             "the list of styles": [name for name, _ in old.styles] != [name for name, _ in new.styles],
             "Lines": new.wants_edges and not old.wants_edges,
@@ -91,6 +91,18 @@ class Picture:
     size: tuple
     values: tuple  # settings that were drawn last, of the scene as the user has it
     layers: dict = field(default_factory=dict)  # view layer's name -> Layer
+
+    @property
+    def fast(self):
+        """Whether Encre drew the layers itself."""
+        return any(layer.before.settings.fast for layer in self.layers.values())
+
+    def layer(self, name, settings: Settings):
+        """The Layer of a view layer's name, to be drawn with these settings. EncreError: it can't be."""
+        kept = self.layers.get(name)
+        if lack := kept.lacks(settings) if kept else f"view layer {name}":
+            raise EncreError(f"{lack} needs layers that are not in memory: render the picture")
+        return kept
 
     @property
     def bytes(self):
@@ -165,7 +177,8 @@ def refusal(scene, names):
         if not kept or not kept.views:
             return f"view layer {layer.name} is not in memory: render the picture"
         shown = next(iter(kept.views.values())).shown
-        if any(name not in shown and not ours(name) for name in names(layer)):
+        # Of passes that Encre does not draw itself there is nothing in a fast picture, asked for or not.
+        if not picture.fast and any(name not in shown and not ours(name) for name in names(layer)):
             return f"view layer {layer.name} has other passes now: render the picture"
         if lack := kept.lacks(settings):
             return f"{lack} has changed and needs other layers: render the picture"

@@ -148,24 +148,26 @@ def _classes():
     style = _class("EncreStyle", {
         "name": bpy.props.StringProperty(name="Name", default="Style", update=_changed),
         **{p.id: _property(p) for p in params if p.scope == "surface"},
-        "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
+        "active_level": bpy.props.IntProperty(options={"HIDDEN"}, update=_changed),
     })
     scene = _class("EncreScene", {
         **{p.id: _property(p) for p in params},
         "styles": bpy.props.CollectionProperty(type=style, name="Styles"),
-        "active_style": bpy.props.IntProperty(options={"HIDDEN"}),
+        "active_style": bpy.props.IntProperty(options={"HIDDEN"}, update=_changed),
         "ink_early": bpy.props.BoolProperty(
-            name="Ink While Rendering", default=True, **OURS,
+            name="Ink While Rendering", default=True, update=_changed, **OURS,
             description="In a window, render one sample ahead, whose lines are shown until the render is done"),
         "keep_layers": bpy.props.BoolProperty(
             name="Keep Layers", default=True, update=_keep, **OURS,
             description="Keep what F12 has rendered in memory, so that settings are drawn anew without rendering"),
         "auto_redraw": bpy.props.BoolProperty(
-            name="Redraw Automatically", default=True, **OURS,
+            name="Redraw Automatically", default=True, update=_changed, **OURS,
             description="Draw the last render again whenever a setting changes, while an image editor shows it"),
-        "preset": bpy.props.StringProperty(options={"HIDDEN"}),  # id of the last one: rows are reset to its values
-        "version": bpy.props.IntProperty(options={"HIDDEN"}),  # of the settings in a file: migration.py
-        "active_level": bpy.props.IntProperty(options={"HIDDEN"}),
+        # Id of the last one: rows are reset to its values.
+        "preset": bpy.props.StringProperty(options={"HIDDEN"}, update=_changed),
+        # Of the settings in a file: migration.py.
+        "version": bpy.props.IntProperty(options={"HIDDEN"}, update=_changed),
+        "active_level": bpy.props.IntProperty(options={"HIDDEN"}, update=_changed),
         "viewport_scale": bpy.props.IntProperty(
             name="Viewport Scale", description="Size of the picture in rendered views that are at rest, as part of "
             "theirs; while something moves it is drawn smaller where that takes too long", subtype="PERCENTAGE",

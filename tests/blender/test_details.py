@@ -32,6 +32,10 @@ def test_lines_in_pixels_that_run_together_are_said(facts):
     assert facts["blots"] == [None, *["Lines of 22 px run together"] * 2, None]
 
 
+def test_every_property_tells_views_of_its_change(facts):
+    assert facts["without update"] == [[]] and facts["properties"][0] > 150
+
+
 def test_whatever_changes_the_scene_can_be_undone(facts):
     options = facts["options"][0]
     assert len(options) > 8

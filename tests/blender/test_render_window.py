@@ -88,6 +88,14 @@ def test_a_setting_is_drawn_from_memory_as_f12_draws_it(redraw):
             assert np.array_equal(read(redraw, f"{name}-back"), read(redraw, f"{name}-before")), name
 
 
+def test_layers_of_encre_are_drawn_from_memory_too(redraw):
+    assert redraw.facts["quickly redrawn"] == [[True, 0]] * 2
+    for name in ("quick", "quick_off"):
+        again, fresh, before = (read(redraw, f"{name}-{when}") for when in ("again", "fresh", "before"))
+        assert np.abs(again - fresh).max() <= 1 / 255 and np.abs(again - before).max() > 0.2, name
+    assert 0 <= redraw.facts["quick bytes"][0] < 300
+
+
 def test_what_the_layers_can_not_show_is_not_redrawn(redraw):
     for said, wanted in zip(redraw.facts["refused"],
                             ("frame 1", "size", "Supersample", "Object Index", "other passes", "styles", "no layers"),

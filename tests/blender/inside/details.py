@@ -11,6 +11,7 @@ def details(out):
     _threads(scene, out)
     _rules(scene)
     _blots(scene)
+    _updates()
     _operators()
 
 
@@ -75,6 +76,18 @@ def _blots(scene):
         fact("blots", panel.blots(scene))
     settings.length_unit = "RELATIVE"
     fact("blots", panel.blots(scene))
+
+
+def _updates():
+    """Which of our properties have no update, without which a script's change is not seen. Collections can't have one,
+    and what is computed changes with what it is of."""
+    from encre.blender import properties
+
+    every = [(cls.__name__, name, made) for cls in properties._classes().values()
+             for name, made in cls.__annotations__.items()]
+    fact("without update", [[owner, name] for owner, name, made in every if made.keywords.get("update") is None
+                            and "get" not in made.keywords and made.function is not bpy.props.CollectionProperty])
+    fact("properties", len(every))
 
 
 def _operators():

@@ -14,7 +14,7 @@ import bpy
 sys.path.append(os.path.dirname(os.path.abspath(__file__)))
 import studio  # noqa: E402
 import window  # noqa: E402
-from render_window import picture, rendering  # noqa: E402
+from render_window import picture, press, rendering  # noqa: E402
 
 rendered, ended = [], []
 
@@ -132,6 +132,41 @@ def border():
     scene.render.use_border, scene.encre.supersample = False, 1
 
 
+def soon():
+    """rendering() of what may be done before anyone has seen that it runs."""
+    ended.clear()
+    press("F12")
+    while not ended or bpy.app.is_job_running("RENDER"):
+        yield
+    yield
+
+
+def quick():
+    """Layers that Encre has drawn itself: nothing is read again. As many bytes as are kept for a pixel."""
+    from encre.blender import fast, memory
+
+    scene, reads, read = bpy.context.scene, [], fast.read
+    scene.encre.layer_source = "ENCRE"
+    fast.read = lambda *args, **named: reads.append(1) or read(*args, **named)
+    for name, change in ("quick", {"line_color": (0.6, 0, 0), "shade_exposure": 0.3}), ("quick_off", CHANGES["off"]):
+        yield from soon()
+        picture(f"{name}-before")
+        reads.clear()
+        before = {id_: getattr(scene.encre, id_) for id_ in change}
+        for id_, value in change.items():
+            setattr(scene.encre, id_, value)
+        studio.fact("quickly redrawn", [(yield from redrawn()), len(reads)])
+        picture(f"{name}-again")
+        yield from soon()
+        picture(f"{name}-fresh")
+        for id_, value in before.items():
+            setattr(scene.encre, id_, (0, 0, 0) if id_ == "line_color" else value)
+    studio.fact("quick bytes", memory.size(scene) / (160 * 90))
+    scene.encre.layer_source = "CYCLES"
+    yield from soon()
+    fast.read = read
+
+
 def given_up():
     """A redraw that is stopped leaves what was drawn before."""
     from encre.blender import frame
@@ -153,6 +188,7 @@ def steps():
     yield
     yield from settings()
     yield from border()
+    yield from quick()
     yield from undrawn()
     yield from given_up()
 
