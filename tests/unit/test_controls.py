@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The table of painted controls: what files keep, and what README.md says of it."""
+"""The table of painted controls: what files keep, and what docs/painting.md says of it."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from encre.pen import library, saved
 
-README = Path(__file__).parents[2] / "README.md"
+PAGE = Path(__file__).parents[2] / "docs" / "painting.md"
 
 
 def test_files_keep_them_where_they_always_did():
@@ -31,5 +31,5 @@ def test_what_is_saved_is_read_again_and_an_older_file_has_fewer():
 
 
 def test_the_manual_tells_them():
-    rows = re.findall(r"\| `(\w+)` \| (.+?) \| (.+?) \|", README.read_text(encoding="utf-8"))
+    rows = re.findall(r"\| `(\w+)` \| (.+?) \| (.+?) \|", PAGE.read_text(encoding="utf-8"))
     assert rows == [(c.attribute, c.white, c.black) for c in library.controls().values()]
