@@ -84,7 +84,8 @@ def thumbnails(folder):
     """The pictures of all presets: the monkey among the toys, THUMBNAIL pixels wide and high. Widths in pixels are for
     frames of full size."""
     frame, full = folder / "thumbnails.exr", folder / "thumbnails.png"
-    encre("render", ROOT / "scenes" / "toys.py", "-o", frame, "--size", "1920x1080", "--samples", 4, "--resume")
+    encre("render", ROOT / "scenes" / "toys.py", "-o", frame, "--size", "1920x1080", "--samples", 4, "--set",
+          "save_anchor=ON", "--resume")
     for preset in sorted((ROOT / "addon" / "presets").glob("*.json")):
         encre("composite", frame, "-o", full, "--preset", preset)
         small = resized(oiio.ImageBuf(str(full)).get_pixels(oiio.FLOAT)[160:920, 580:1340, :3], THUMBNAIL, "box")

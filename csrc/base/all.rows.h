@@ -38,6 +38,7 @@
 #include "surface/hatch.rows.h"
 #include "tones/tones.rows.h"
 #include "ink/lines.rows.h"
+#include "ink/pen.rows.h"
 
 #undef STAGE
 #undef BOOL

@@ -2,188 +2,14 @@
 /* Ink along links: the union of discs whose centre, radius, darkness and depth run evenly from one site to the next. Of
  * a wide line each link draws only the pixels that lie before its own ends, as its neighbours draw the others. */
 #include "ink/discs.h"
+#include "ink/tips.h"
 #include "fine/near.h"
-
-/* What a site gives the links that end at it. On paper of height h, a share `bias` of which the pencil doesn't reach,
- * the darkness that coverage min(1, (out - d) / fade) gets at distance d is gain * (h * coverage - bias). Of that ramp
- * pixels show how dark it gets and where it is half as dark, but none is steeper than a pixel is wide, and what is
- * thinner than a pixel is as much fainter instead: so the ink of a line doesn't depend on the size of the frame. */
-typedef struct pen_end {
-	float x, y;
-	float out, fade;
-	float gain, ease; /* one over the other */
-	float bias, paper, limit;
-	float reach;    /* nothing is darkened from here on */
-	uint32_t owner; /* the pixel with the controls, y << 16 | x */
-} pen_end;
-
-enum { CHUNK = 1024 };
 
 /* A link draws this many pixels beyond the line that halves the angle with its neighbour, because the radius may vary.
  */
 static const float overlap = 1.0f;
 /* Where the radius changes more from one site to the next, a link may ink what lies before its neighbours. */
 static const float most_steep = 0.5f;
-
-/* ---- pens ------------------------------------------------------------------------------------------------ */
-
-typedef struct gather {
-	const frame *f;
-	const fine *n;
-	capsules *all;
-	float *length; /* to the nearest free end, by site; NULL where no line tapers */
-	float *radius; /* by site: evened along its line, before it tapers or is crowded */
-} gather;
-
-/* What the pen gives before its line is evened: `out` is its radius, `fade` the share of that. */
-static pen_end pen_end_of(const frame *f, const site *made)
-{
-	const placed *s = &made->placed;
-	pen pen;
-	pen_end e = {.x = s->x, .y = s->y};
-	e.owner = (uint32_t)s->near_y << 16 | s->near_x;
-	if (!ISA(pen_of)(f, s->near_x, s->near_y, (enum source)s->source, s->strength, &pen))
-		return e;
-	e.out = pen.radius * (1 - (float)s->eased / 255);
-	e.fade = pen.p->line_softness;
-	e.gain = pen.gain;
-	e.ease = pen.gain > 0 ? min(1 / pen.gain, 1e30f) : 0;
-	e.bias = pen.bias;
-	e.paper = pen.p->line_paper;
-	e.limit = min(pen.limit, 1e30f); /* finite: it is interpolated */
-	return e;
-}
-
-/* `radius`: evened along the line. */
-static void finish(const frame *f, const site *made, float radius, float length, pen_end *e)
-{
-	const placed *s = &made->placed;
-	float crowd = made->linked.crowd;
-	int style = f->style ? f->style[(size_t)s->near_y * (size_t)f->width + s->near_x] : 0;
-	if (!f->params[style].use_lines)
-		return;
-	float taper = f->params[style].line_taper * f->scale;
-	if (length < taper)
-		radius *= length / taper;
-	if (radius * crowd > 1)
-		radius = 1 / crowd;
-	/* a thing not much wider than its lines lets no paper between them: they are one, from its middle */
-	float filled = s->thin * clamp01(1 - 2 * (s->half - radius));
-	if (made->found.axis == AXIS_ROW)
-		e->x += filled * s->inside;
-	else
-		e->y += filled * s->inside;
-	e->out = filled * s->half + radius;
-	e->fade *= radius;
-	float ramp = min(e->ease, 1 - e->bias),
-	      middle = e->out - e->fade * (e->bias + 0.5f * ramp); /* on the highest paper */
-	if (ramp > 0 && middle > 0)
-		e->reach = max(middle, 0.5f) + 0.5f * max(e->fade * ramp, 1);
-}
-
-static void make_pens(void *data, int first, int end, int thread)
-{
-	(void)thread;
-	const gather *g = data;
-	for (int i = first; i < end; i++) {
-		g->radius[i] = 0;
-		if (g->n->site[i].linked.dropped)
-			continue;
-		g->all->end[i] = pen_end_of(g->f, g->n->site + i);
-		g->radius[i] = g->all->end[i].out;
-	}
-}
-
-static void finish_pens(void *data, int first, int end, int thread)
-{
-	(void)thread;
-	const gather *g = data;
-	for (int i = first; i < end; i++)
-		if (!g->n->site[i].linked.dropped)
-			finish(g->f, g->n->site + i, g->radius[i], g->length ? g->length[i] : INFINITY,
-			       g->all->end + i);
-}
-
-/* ---- bands ----------------------------------------------------------------------------------------------- */
-
-/* Adds a capsule to the lists of the bands that it reaches into; counts while there are no lists. */
-static void enter(const gather *g, uint32_t a, uint32_t b, uint32_t *next)
-{
-	const pen_end *one = g->all->end + a, *two = g->all->end + b;
-	float reach = max(one->reach, two->reach), top = min(one->y, two->y) - reach,
-	      bottom = max(one->y, two->y) + reach;
-	if (!(reach > 0) || bottom < 0 || top > (float)(g->f->height - 1))
-		return;
-	for (int k = pixel_of(top - 0.5f, g->f->height) / BAND; k <= pixel_of(bottom + 0.5f, g->f->height) / BAND;
-	     k++) {
-		if (g->all->list) {
-			g->all->list[next[k]][0] = a;
-			g->all->list[next[k]][1] = b;
-		}
-		next[k]++;
-	}
-}
-
-static int32_t enter_all(const gather *g, uint32_t *next)
-{
-	const fine *n = g->n;
-	int32_t code = ENCRE_OK;
-	for (uint32_t i = 0; !code && i < n->count; i++) {
-		code = at_step(n, i);
-		if (n->site[i].linked.dropped)
-			continue;
-		if (n->at[i] == n->at[i + 1])
-			enter(g, i, i, next);
-		for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
-			if (n->to[k] > i && !n->site[n->to[k]].linked.dropped)
-				enter(g, i, n->to[k], next);
-	}
-	return code;
-}
-
-int32_t ISA(capsules_gather)(frame *f, capsules *all)
-{
-	const fine *n = f->fine;
-	gather g = {.f = f, .n = n, .all = all};
-	size_t bands = (size_t)(f->height - 1) / BAND + 1;
-	all->end = late_take(&f->late, n->count, sizeof *all->end);
-	all->first = late_take(&f->late, bands + 2, sizeof *all->first);
-	if (!all->end || !all->first)
-		return ENCRE_ERROR_MEMORY;
-	float taper = 0;
-	for (int i = 0; i < f->n_styles; i++)
-		taper = max(taper, f->params[i].line_taper * f->scale);
-	if (taper > 0) {
-		g.length = late_take(&f->late, n->count, sizeof *g.length);
-		if (!g.length)
-			return ENCRE_ERROR_MEMORY;
-		int32_t code = ISA(fine_free_lengths)(n, taper, g.length);
-		if (code)
-			return code;
-	}
-	g.radius = late_take(&f->late, n->count, sizeof *g.radius);
-	if (!g.radius)
-		return ENCRE_ERROR_MEMORY;
-	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, make_pens, &g);
-	if (!code)
-		code = ISA(capsules_even)(f, &g.radius);
-	if (!code)
-		code = bands_run(f->bands, (int)n->count, CHUNK, finish_pens, &g);
-	if (code)
-		return code;
-	late_drop(&f->late, g.radius);
-	memset(all->first, 0, (bands + 2) * sizeof *all->first);
-	code = enter_all(&g,
-			 all->first + 2); /* counted two places on: summed up, and filled, they end where they belong */
-	if (code)
-		return code;
-	for (size_t k = 2; k < bands + 2; k++)
-		all->first[k] += all->first[k - 1];
-	all->list = late_take(&f->late, all->first[bands + 1], sizeof *all->list);
-	if (!all->list)
-		return ENCRE_ERROR_MEMORY;
-	return enter_all(&g, all->first + 1);
-}
 
 /* ---- drawing --------------------------------------------------------------------------------------------- */
 
@@ -194,6 +20,8 @@ typedef struct cut {
 
 typedef struct capsule {
 	const pen_end *a, *b;
+	uint32_t one, two;     /* their numbers */
+	const uint8_t *dry[2]; /* their bristles; NULL: none is dry */
 	float dx, dy, inverse; /* from a to b; 1 / length^2, 0 for a site alone */
 	float reach;
 	int cuts;
@@ -208,32 +36,52 @@ static bool unit_of(float *x, float *y)
 	return length > 1e-6f;
 }
 
+typedef struct place {
+	float x, y;
+} place;
+
+/* Where a site's end lies along its line: where the hand strayed to, if it did. */
+static place place_of(const fine *n, const capsules *all, uint32_t stroke, uint32_t i)
+{
+	const pen_end *e = all->end + (size_t)stroke * all->count + i;
+	const placed *s = &n->site[i].placed;
+	return all->moved && !n->site[i].linked.dropped ? (place){e->x, e->y} : (place){s->x, s->y};
+}
+
 /* Leaves what lies beyond end `here` to the one other link there. */
-static void cut_at(const fine *n, capsule *c, uint32_t here, uint32_t there)
+static void cut_at(const fine *n, const capsules *all, uint32_t stroke, capsule *c, uint32_t here, uint32_t there)
 {
 	if (n->at[here + 1] - n->at[here] != 2)
 		return;
 	uint32_t other = n->to[n->at[here]] == there ? n->to[n->at[here] + 1] : n->to[n->at[here]];
-	const placed *h = &n->site[here].placed, *t = &n->site[there].placed, *o = &n->site[other].placed;
-	float ox = h->x - o->x, oy = h->y - o->y, tx = t->x - h->x, ty = t->y - h->y;
+	place h = place_of(n, all, stroke, here), t = place_of(n, all, stroke, there),
+	      o = place_of(n, all, stroke, other);
+	float ox = h.x - o.x, oy = h.y - o.y, tx = t.x - h.x, ty = t.y - h.y;
 	if (!unit_of(&ox, &oy) || !unit_of(&tx, &ty) || ox * tx + oy * ty < 0)
 		return;
 	float wx = ox + tx, wy = oy + ty;
 	unit_of(&wx, &wy);
-	c->cut[c->cuts++] = (cut){wx, wy, wx * h->x + wy * h->y - overlap};
+	c->cut[c->cuts++] = (cut){wx, wy, wx * h.x + wy * h.y - overlap};
 }
 
 static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32_t b)
 {
-	capsule c = {.a = all->end + a, .b = all->end + b};
+	capsule c = {.a = all->end + a, .b = all->end + b, .one = a, .two = b};
+	uint32_t stroke = a / all->count;
+	if (all->dry && (c.a->bristles || c.b->bristles)) {
+		c.dry[0] = all->dry[a];
+		c.dry[1] = all->dry[b];
+	}
 	c.dx = c.b->x - c.a->x;
 	c.dy = c.b->y - c.a->y;
 	float square = c.dx * c.dx + c.dy * c.dy;
 	c.inverse = square > 1e-12f ? 1 / square : 0;
 	c.reach = max(c.a->reach, c.b->reach);
 	if (c.reach > 2.5f && a != b && fabsf(c.b->out - c.a->out) < most_steep) {
-		cut_at(n, &c, a, b);
-		cut_at(n, &c, b, a);
+		a %= all->count;
+		b %= all->count;
+		cut_at(n, all, stroke, &c, a, b);
+		cut_at(n, all, stroke, &c, b, a);
 	}
 	return c;
 }
@@ -264,11 +112,29 @@ static void span_of(const capsule *c, int y, int width, int *first, int *end)
 	*end = high < 0 ? 0 : high < (float)(width - 1) ? (int)high + 1 : width;
 }
 
+/* What the bristle over a place leaves of the ink. Bristles lie side by side across the link, from one rim on: which
+ * changes over where a line is as steep as few are, as neighbouring links of the others must agree. */
+static const float steep = 0.41421356f;
+
+static inline float left_by(const capsule *e, float px, float py, float s, float half)
+{
+	float length = sqrtf(e->dx * e->dx + e->dy * e->dy), across = e->dx * py - e->dy * px;
+	bool turned = e->dx + steep * e->dy < 0;
+	across = length > 1e-6f && half > 0 ? across / (length * half) : 0;
+	across = clamp01(0.5f + 0.5f * (turned ? -across : across));
+	float left[2];
+	for (int k = 0; k < 2; k++) {
+		int n = (int)(k ? e->b : e->a)->bristles, at = (int)(across * (float)n);
+		left[k] = n ? (float)e->dry[k][at < n ? at : n - 1] / 255 : 1;
+	}
+	return mix(left[0], left[1], s);
+}
+
 /* Called with constants each time. Where `owned` is true, who inked is remembered: among equals the nearest; only then
  * distance and owner are read. Where `papered` is false paper is as high as can be. */
 static inline void ink_span(const capsule *restrict e, float y, int x, int end, const bool owned, const bool papered,
-			    float *restrict dark, const float *restrict depth, const float *restrict grain,
-			    float *restrict distance, uint32_t *restrict owner)
+			    const bool dry, float *restrict dark, const float *restrict depth,
+			    const float *restrict grain, float *restrict distance, uint32_t *restrict owner)
 {
 	const pen_end *a = e->a, *b = e->b;
 	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;
@@ -277,7 +143,7 @@ static inline void ink_span(const capsule *restrict e, float y, int x, int end, 
 	float more_out = b->out - out, more_fade = b->fade - fade, more_gain = b->gain - gain,
 	      more_ease = b->ease - ease;
 	float more_bias = b->bias - bias, more_paper = b->paper - paper, more_limit = b->limit - limit;
-	uint32_t one = a->owner, two = b->owner;
+	uint32_t one = e->one, two = e->two;
 	for (; x < end; x += LANES)
 		for (int k = 0; k < LANES; k++) {
 			float px = (float)(x + k) - from, s = px * ux + uy, before = dark[x + k];
@@ -299,6 +165,8 @@ static inline void ink_span(const capsule *restrict e, float y, int x, int end, 
 			float t = 0.5f + (half - sqrtf(d2)) / width;
 			t = t < 1 ? t : 1;
 			t = faint * most * t;
+			if (dry)
+				t *= left_by(e, px, py, s, out + s * more_out);
 			t = depth[x + k] >= limit + s * more_limit ? t : 0;
 			if (!owned) {
 				dark[x + k] = t > before ? t : before;
@@ -325,14 +193,20 @@ static void draw_capsule(const capsule *e, canvas *c)
 		canvas_touch(c, y, x, end);
 		size_t at = (size_t)(y - c->y0) * c->stride;
 		float *dark = c->dark + at, *depth = c->depth + at, *grain = c->grain + at;
-		if (c->owner && papered)
-			ink_span(e, (float)y, x, end, true, true, dark, depth, grain, c->distance + at, c->owner + at);
-		else if (c->owner)
-			ink_span(e, (float)y, x, end, true, false, dark, depth, grain, c->distance + at, c->owner + at);
+		float *distance = c->owner ? c->distance + at : NULL;
+		uint32_t *owner = c->owner ? c->owner + at : NULL;
+		if (e->dry[0] && owner)
+			ink_span(e, (float)y, x, end, true, true, true, dark, depth, grain, distance, owner);
+		else if (e->dry[0])
+			ink_span(e, (float)y, x, end, false, true, true, dark, depth, grain, NULL, NULL);
+		else if (owner && papered)
+			ink_span(e, (float)y, x, end, true, true, false, dark, depth, grain, distance, owner);
+		else if (owner)
+			ink_span(e, (float)y, x, end, true, false, false, dark, depth, grain, distance, owner);
 		else if (papered)
-			ink_span(e, (float)y, x, end, false, true, dark, depth, grain, NULL, NULL);
+			ink_span(e, (float)y, x, end, false, true, false, dark, depth, grain, NULL, NULL);
 		else
-			ink_span(e, (float)y, x, end, false, false, dark, depth, grain, NULL, NULL);
+			ink_span(e, (float)y, x, end, false, false, false, dark, depth, grain, NULL, NULL);
 	}
 }
 

@@ -61,8 +61,9 @@ typedef struct canvas {
 	float *dark;         /* darkness, at least 0, not yet clamped to 1 */
 	float *depth;        /* INFINITY = nothing there */
 	float *grain;        /* height of the paper - 1 */
-	/* Which edge inks each pixel, as y << 16 | x, and the square of its distance; NULL where all ink is the same.
-	 * Then dark is clamped, so that among equals the nearest, then the first in reading order, can be kept. */
+	/* Which edge inks each pixel, as y << 16 | x, or the number of a link's end, and the square of its distance;
+	 * NULL where all ink is the same. Then dark is clamped, so that among equals the nearest, then the first in
+	 * reading order, can be kept. */
 	uint32_t *owner;
 	float *distance;
 } canvas;
@@ -97,12 +98,18 @@ void ISA(discs_draw)(const discs *all, canvas *c);
 
 /* capsules.c: the strongest of all links between the sites of detector FINE, and of the sites without a link. */
 typedef struct capsules {
-	struct pen_end *end; /* by site */
+	struct pen_end *end; /* by stroke, and in it by site */
+	float (*ink)[3];     /* likewise; NULL where all ink is the same */
+	uint8_t (*dry)[8];   /* likewise, what each bristle gives (pen.h); NULL where none is dry */
+	uint32_t count;      /* of sites */
+	bool moved;          /* ends lie elsewhere than their sites */
 	uint32_t *first;     /* by band of the canvas, and one more: where its list begins */
-	uint32_t (*list)[2]; /* sites of the links that reach into a band; twice the same: a site alone */
+	uint32_t (*list)[2]; /* ends of the links that reach into a band; twice the same: a site alone */
 } capsules;
 
-int32_t ISA(capsules_gather)(frame *f, capsules *all);
+/* inked: inks differ. */
+/* tips.c makes them, capsules.c draws them. */
+int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all);
 void ISA(capsules_draw)(const capsules *all, canvas *c);
 /* widths.c: evens half the widths at all sites along their lines; another block of memory takes the place of theirs. */
 int32_t ISA(capsules_even)(frame *f, float **radius);

@@ -2,6 +2,7 @@
 /* Edge pixels to ink, put over the picture. Thickness and pressure of a line come from painted controls (Vainumäe 2020,
  * 3.2) or from contrast and depth (Herring 2016); which edge inks a pixel is found by discs.c or search.c. */
 #include "ink/discs.h"
+#include "ink/pen.h"
 
 #include <string.h>
 
@@ -90,7 +91,8 @@ static bool inks_differ(const frame *f, float *color)
 		const encre_params *p = f->params + i;
 		if (!p->use_lines)
 			continue;
-		if (p->line_tint > 0 || (found && memcmp(color, p->line_color, sizeof p->line_color) != 0))
+		if ((f->params->edge_detector == edge_detector_FINE ? ISA(inks_by_site)(p) : p->line_tint > 0) ||
+		    (found && memcmp(color, p->line_color, sizeof p->line_color) != 0))
 			return true;
 		memcpy(color, p->line_color, sizeof p->line_color);
 		found = true;
@@ -127,16 +129,18 @@ static void fade_row(const frame *f, int y, float *rgba)
 	}
 }
 
-/* Ink over n pixels; lines may be NULL. */
-static void ink_pixels(const frame *f, const float *dark, const uint32_t *owner, const float *color, int n, float *rgba,
-		       float *lines)
+/* Ink over n pixels; lines may be NULL. own: inks of sites, whose numbers `owner` then has. */
+static void ink_pixels(const frame *f, const float (*own)[3], const float *dark, const uint32_t *owner,
+		       const float *color, int n, float *rgba, float *lines)
 {
 	float ink[3] = {color[0], color[1], color[2]};
 	for (int x = 0; x < n; x++) {
 		if (!(dark[x] > 0))
 			continue; /* its bits stay as they are */
 		float t = dark[x] < 1 ? dark[x] : 1, *p = rgba + (ptrdiff_t)4 * x;
-		if (owner)
+		if (owner && own)
+			memcpy(ink, own[owner[x]], sizeof ink);
+		else if (owner)
 			ink_of(f, (int)(owner[x] & 0xffff), (int)(owner[x] >> 16), ink);
 		for (int c = 0; c < 3; c++)
 			p[c] = blend(p[c], ink[c], t);
@@ -151,7 +155,7 @@ static void ink_pixels(const frame *f, const float *dark, const uint32_t *owner,
 }
 
 /* The ink of one row of the canvas over its pixels. */
-static void ink_row(const canvas *c, int y, const float *color, float *rgba, float *lines)
+static void ink_row(const canvas *c, int y, const float (*own)[3], const float *color, float *rgba, float *lines)
 {
 	size_t row = (size_t)(y - c->y0) * c->stride;
 	const float *dark = c->dark + row;
@@ -171,7 +175,7 @@ static void ink_row(const canvas *c, int y, const float *color, float *rgba, flo
 			__builtin_prefetch(below);
 			__builtin_prefetch(below + 16);
 		}
-		ink_pixels(c->f, dark + x, owner ? owner + x : NULL, color,
+		ink_pixels(c->f, own, dark + x, owner ? owner + x : NULL, color,
 			   c->f->width - x < LANES ? c->f->width - x : LANES, rgba + (ptrdiff_t)4 * x,
 			   lines ? lines + (ptrdiff_t)4 * x : NULL);
 	}
@@ -189,7 +193,7 @@ static void finish_row(const lines *l, const canvas *c, int y)
 	if (f->output[ENCRE_OUTPUT_LINES].data)
 		lines = memset(output_row(f, ENCRE_OUTPUT_LINES, y), 0, bytes);
 	if (c->open[y - c->y0])
-		ink_row(c, y, l->color, rgba, lines);
+		ink_row(c, y, (const float (*)[3])l->capsules.ink, l->color, rgba, lines);
 }
 
 /* ---- bands ----------------------------------------------------------------------------------------------- */
@@ -336,7 +340,7 @@ static int32_t run(frame *f)
 	lines *l = f->lines;
 	int32_t code = ENCRE_OK;
 	if (f->any.use_lines && f->fine)
-		code = ISA(capsules_gather)(f, &l->capsules);
+		code = ISA(capsules_gather)(f, l->canvas.owner != NULL, &l->capsules);
 	else if (f->any.use_lines)
 		code = f->params->line_search == line_search_EXACT ? ISA(discs_gather)(f, &l->discs)
 								   : ISA(search_run)(f, &l->search);

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The ink along FINE's lines against its twin, on the sites and links that the library has found."""
 
+import itertools
+
 import numpy as np
 import passes
 import pytest
-from reference import paper, strokes
+from encre.pen import library
+from reference import hand, paper, strokes
 from reference.params import Params
 from reference.passes import Table
 
@@ -20,6 +23,15 @@ PENS = {  # the case, what it is drawn with
     "paper": ("mirror", dict(line_thickness=2.0, paper_source="PROCEDURAL", line_paper=0.7, line_gain=4.0)),
     "tinted": ("styles", dict(line_thickness=1.1, line_tint=0.8, line_tint_value=0.6, line_light=0.7, line_contrast=1.0,
                               line_depth_distance=4.0)),
+    "brush": ("faces", dict(line_thickness=5.0, pen_pressure=0.6, pen_pressure_length=40.0, pen_rough=0.5,
+                             pen_rough_length=5.0, pen_seed=7)),
+    "stray": ("faces", dict(line_thickness=3.0, pen_wobble=1.2, pen_wobble_length=25.0, pen_strokes=2, pen_gaps=0.3,
+                            pen_gaps_length=20.0, width_contact=1.6, width_intersection=0.4)),
+    "dry": ("faces", dict(line_thickness=3.3, pen_dry=0.8, pen_dry_length=9.0, pen_bristles=3)),
+    "inks": ("faces", dict(line_thickness=3.0, line_color_by_kind=True, line_color_outline=(0.8, 0, 0), line_lit=0.4,
+                           line_color_contact=(0, 0.7, 0), line_color_inner=(0, 0, 0.9), line_tint=0.2,
+                           line_color_crease=(0.5, 0.5, 0), line_color_color=(0, 0.5, 0.5))),
+    "on dark": ("rods", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.4)),
     "not hidden": ("things", dict(line_thickness=4.0, line_occlude=False, width_light=2.0, line_max_thickness=5.0)),
 }
 
@@ -36,10 +48,52 @@ def test_lines_are_the_union_of_discs_along_links(name):
     sheet = paper.heights(view.layers, params)[0]
     t, ink, unsure = strokes.draw(Table(last.site, last.link), view.layers, params, sheet)
     got = images["Encre Lines"]
-    assert (t > 0.02).mean() > 0.05 and unsure.mean() < 0.15
+    assert (t > 0.02).mean() > 0.05 and unsure.mean() < 0.2
     sure = ~unsure
     assert np.abs(got[..., 3] - t)[sure].max() < 1e-3
     assert np.abs(got[..., :3] - ink * t[..., None])[sure].max() < 2e-3
+
+
+def test_a_hand_draws_the_same_with_any_threads_and_instructions():
+    layers, scene, _ = passes.given("things")
+    scene = {**scene, **BARE, "line_thickness": 5.0, "pen_pressure": 0.5, "pen_wobble": 1.0, "pen_wobble_length": 20.0,
+             "pen_rough": 0.6, "pen_gaps": 0.2, "pen_dry": 0.6, "pen_strokes": 3, "ink_on_dark": 0.5, "line_lit": 0.5}
+    styles = [{"pen_strokes": 1, "pen_dry": 0.0, "line_color_by_kind": True}]
+    layers = {**layers, "style": np.float32(np.indices(layers["depth"].shape[:2]).sum(0)[..., None] // 9 % 2)}
+    outputs = ("Combined", "Encre Lines")
+    first = library.render(layers, scene, styles, outputs=outputs, threads=1, simd=1).images
+    for threads, simd in ((2, 1), (5, 1), (1, 0), (3, 0)):
+        other = library.render(layers, scene, styles, outputs=outputs, threads=threads, simd=simd).images
+        assert all(first[name].tobytes() == other[name].tobytes() for name in outputs)
+
+
+def test_pressure_swells_a_line_by_the_noise_where_it_runs():
+    """A straight outline in the frame: its width, row by row, is that of the twin's noise, and of the mean asked."""
+    height, width = 400, 40
+    object_ = np.zeros((height, width, 1), np.float32)
+    object_[:, 20:] = 1
+    flat = np.ones((height, width, 3), np.float32)
+    layers = {"combined": np.ones((height, width, 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
+              "depth": 5 * flat[..., :1], "object": object_}
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 6.0, "line_intensity": 2.0,
+             "pen_pressure": 0.4, "pen_pressure_length": 60.0}
+    ink = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3].sum(1)[4:-4]
+    at = np.stack([np.full(height, 19.5), np.arange(height), np.zeros(height)], -1)
+    noise = hand.solid(at, np.full(height, 60.0), hand.PRESSURE)[4:-4]
+    assert np.abs(ink - 6 * np.clip(1 + 0.4 * noise, 0.12, 3)).max() < 0.15
+    anchor = np.full((height, width, 13), 0.02, np.float32)
+    anchor[..., :3] = (np.indices((height, width)).sum(0) * 0.02)[..., None]
+    stuck = library.render({**layers, "anchor": anchor}, scene, outputs=("Encre Lines",)).images["Encre Lines"]
+    front = np.repeat((19 + np.arange(height)) * 0.02, 3).reshape(-1, 3)[4:-4]  # of two as near, the left one
+    noise = hand.solid(front, np.full(len(front), 1.2), hand.PRESSURE)
+    assert np.abs(stuck[4:-4, :, 3].sum(1) - 6 * np.clip(1 + 0.4 * noise, 0.12, 3)).max() < 0.3
+
+
+def test_noise_has_one_variance_at_any_wavelength():
+    at = np.random.default_rng(5).uniform(-50, 50, (40000, 3))
+    for wavelength in (0.5, 0.7, 0.99, 3.0, 11.0):
+        noise = hand.solid(at, np.full(len(at), wavelength), 9)
+        assert abs(noise.mean()) < 0.1 and abs(noise.std() - 1) < 0.06
 
 
 @pytest.mark.parametrize("case", ["faces", "rods"])
@@ -62,3 +116,39 @@ def test_smudging_takes_the_nearest_site(case):
     assert moved.sum() > 50
     assert (np.hypot(*np.moveaxis(way, -1, 0))[moved] <= 6.001).all()
     assert np.array_equal(picked[moved], np.clip(at, 0, (width - 1, height - 1))[moved])
+
+
+def drawn_edge(zoom, shift, **pen):
+    """(ink across an upright edge by row, its middle, rest height of each row) where so many pixels show a unit."""
+    height, width = 900, 32
+    rest = ((np.arange(height) - height / 2 + shift) / zoom).astype(np.float32)
+    flat = np.ones((height, width, 3), np.float32)
+    place = np.zeros((height, width, 13), np.float32)
+    place[..., 2], place[..., 6] = rest[:, None], 1 / zoom
+    layers = {"combined": np.ones((height, width, 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
+              "depth": 5 * flat[..., :1], "object": np.repeat(np.arange(width) > 15, 1).astype(np.float32)
+              .reshape(1, -1, 1) * flat[..., :1], "anchor": place}
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 8.0, "line_intensity": 2.0, **pen}
+    ink = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][4:-4, :, 3]
+    return ink.sum(1), ink @ np.arange(width) / np.maximum(ink.sum(1), 1e-6), rest[4:-4]
+
+
+def alike(one, two, k):
+    """Correlation of what two frames show of the same things."""
+    low, high = max(one[2][0], two[2][0]), min(one[2][-1], two[2][-1])
+    at = np.linspace(low, high, 2000)
+    return np.corrcoef(*(np.interp(at, frame[2], frame[k]) for frame in (one, two)))[0, 1]
+
+
+@pytest.mark.parametrize("k, pen", [(0, dict(pen_pressure=0.4, pen_pressure_length=70.0)),
+                                    (0, dict(pen_rough=0.8, pen_rough_length=12.0)),
+                                    (1, dict(pen_wobble=1.2, pen_wobble_length=45.0))])
+def test_what_the_hand_does_sticks_to_the_thing(k, pen):
+    """Panned by 42.4 pixels it is the same; zoomed by 4 in 16 frames it goes over from each frame to the next."""
+    first = drawn_edge(40.0, 0.0, **pen)
+    assert alike(first, drawn_edge(40.0, 42.4, **pen), k) > 0.985
+    frames = [drawn_edge(40.0 * 4 ** (frame / 15), 0.0, **pen) for frame in range(16)]
+    steps = [alike(*pair, k) for pair in itertools.pairwise(frames)]
+    assert np.mean(steps) > 0.97 and min(steps) > 0.9, steps
+    spreads = [frame[k].std() for frame in frames]
+    assert max(spreads) < 3 * min(spreads), "as strong at any distance"

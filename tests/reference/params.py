@@ -20,6 +20,14 @@ DEFAULTS = {
     "line_light": 0.0, "line_taper": 0.0, "line_min_length": 12.0,
     "line_softness": 0.9, "line_occlude": True, "line_paper": 0.6, "line_intensity": 1.0, "line_gain": 4.0,
     "line_search": "EXACT", "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0, "line_tint_value": 0.35,
+    "width_contact": 1.0, "width_intersection": 1.0,
+    "pen_pressure": 0.0, "pen_pressure_length": 210.0, "pen_wobble": 0.0, "pen_wobble_length": 135.0,
+    "pen_rough": 0.0, "pen_rough_length": 12.0, "pen_gaps": 0.0, "pen_gaps_length": 90.0,
+    "pen_dry": 0.0, "pen_dry_length": 33.0, "pen_bristles": 6, "pen_strokes": 1, "pen_seed": 0,
+    "ink_on_dark": 0.0, "ink_dark_color": (1.0, 1.0, 1.0), "ink_dark_threshold": 0.03,
+    "line_lit": 0.0, "line_lit_color": (0.5, 0.25, 0.1), "line_color_by_kind": False,
+    **{"line_color_" + kind: (0.0, 0.0, 0.0) for kind in
+       ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")},
     "surface_fade": 0.0, "length_unit": "RELATIVE", "supersample": 1.0,
     # shading
     "use_shading": True, "shade_levels": [(0.5,), (0.7, 0.5, 0.025), (1.1, 0.9, 0.025)],
@@ -62,7 +70,7 @@ def is_surface(name):
     if name in _PARTS:
         return True
     return name in _WEIGHTS | _CREASES or name.startswith(
-        ("width_", "line_", "shade_", "hatch_", "smudge_", "tone_", "use_"))
+        ("width_", "line_", "pen_", "ink_", "shade_", "hatch_", "smudge_", "tone_", "use_"))
 
 
 class Params:

@@ -2,10 +2,12 @@
 """FINE's ink: the union of the discs along all links, whose centre, radius, darkness and depth run evenly from one site
 to the next; and how far a pixel is from the nearest site."""
 
+import itertools
 from types import SimpleNamespace
 
 import numpy as np
 
+from .hand import KINDS, Hand, inks, kinds, left_by
 from .lines import Pen
 from .metric import clamp01, mix
 
@@ -62,8 +64,8 @@ def evened(t, radius, shape):
     return found
 
 
-def ends(t, layers, params, paper):
-    """What each site gives the links that end at it, as columns; and its ink."""
+def ends(t, layers, params, paper, stroke):
+    """What each site gives the links that end at it in one stroke, as columns; its ink; its bristles."""
     site, shape = t.site, layers.depth.shape
     owner = site["near_y"], site["near_x"]
     pen = Pen(layers, params, SimpleNamespace(owner=owner, z=layers.depth[owner], strength=site["strength"],
@@ -71,12 +73,22 @@ def ends(t, layers, params, paper):
     style = layers.style[owner]
     used = params.at("use_lines", style) > 0
     taper = params.at("line_taper", style) * params.pixels(layers.full_height)
-    radius = evened(t, np.where(used & ~t.dropped, pen.radius * (1 - site["eased"] / 255), 0.0), shape)
+    hand = Hand(t, layers, params, stroke)
+    used = used & hand.drawn
+    kind = kinds(t, layers)
+    half = pen.radius
+    for name in ("contact", "intersection"):
+        half = np.where(kind == KINDS.index(name), half * params.at("width_" + name, style), half)
+    most = 0.5 * params["line_max_thickness"] * params.pixels(layers.full_height)
+    half = np.minimum(half, most) * (1 - site["eased"] / 255)
+    half = np.where(hand.at("pressure") > 0, np.minimum(half * hand.pressure(), most), half)
+    radius = hand.radius(evened(t, np.where(used & ~t.dropped, half, 0.0), shape))
     radius = radius * np.where(taper > 0, clamp01(free_lengths(t, shape) / np.where(taper > 0, taper, 1)), 1)
     radius = np.where(site["crowd"] > 0, np.minimum(radius, 1 / np.maximum(site["crowd"], 1e-12)), radius)
     # a thing not much wider than its lines lets no paper between them: they are one, from its middle
     filled = site["thin"] * clamp01(1 - 2 * (site["half"] - radius))
     at = t.at + (filled * site["inside"])[:, None] * np.where(site["axis"][:, None] == 0, (1, 0), (0, 1))
+    at = at + hand.stray()
     z = np.zeros(len(t))
     if pen.occlude:
         z = pen.z - 0.1 * layers.height if layers.orthographic else 0.9 * pen.z
@@ -84,7 +96,8 @@ def ends(t, layers, params, paper):
     columns = np.stack([filled * site["half"] + radius, pen.softness * radius, gain,
                         np.where(gain > 0, 1 / np.where(gain > 0, gain, 1), 0), np.maximum(0, 1 - pen.strength / 2),
                         pen.roughness, np.minimum(z, 1e30)], 1)
-    return np.where(used[:, None], at, t.at), columns * used[:, None], pen.ink
+    color = inks(t, layers, params, pen.ink, columns[:, 0], layers.combined)
+    return np.where(used[:, None], at, t.at), columns * used[:, None], color, hand.bristles()
 
 
 def darkness(d, out, fade, gain, ease, bias, height):
@@ -101,13 +114,13 @@ def darkness(d, out, fade, gain, ease, bias, height):
 def draw(t, layers, params, paper):
     """(T (H, W), ink (H, W, 3), where rounding tells whose ink it is, or whether something stands before it)."""
     shape = layers.depth.shape
-    at, columns, color = ends(t, layers, params, paper)
     y, x = np.mgrid[:shape[0], :shape[1]]
     best, nearest = np.zeros(shape), np.full(shape, np.inf)
     ink, unsure = np.zeros((*shape, 3)), np.zeros(shape, bool)
     pieces = [(i, j) for i in range(len(t)) for j in t.links[i] if j > i and not t.dropped[i] and not t.dropped[j]]
     pieces += [(i, i) for i in range(len(t)) if not t.links[i] and not t.dropped[i]]
-    for i, j in pieces:
+    strokes = [ends(t, layers, params, paper, k) for k in range(int(max(params.at("pen_strokes", np.arange(1)))))]
+    for (at, columns, color, (numbers, bristles)), (i, j) in itertools.product(strokes, pieces):
         a, way = at[i], at[j] - at[i]
         reach = max(columns[i, 0], columns[j, 0]) + 1
         low = np.maximum(np.floor(np.minimum(at[i], at[j]) - reach).astype(int), 0)
@@ -117,6 +130,10 @@ def draw(t, layers, params, paper):
         d = np.hypot(x[box] - mix(a[0], at[j, 0], s), y[box] - mix(a[1], at[j, 1], s))
         out, fade, gain, ease, bias, rough, limit = (mix(columns[i, k], columns[j, k], s) for k in range(7))
         dark = darkness(d, out, fade, gain, ease, bias, 1 + rough * (paper[box] - 1))
+        if numbers[i] or numbers[j]:
+            left, doubtful = left_by(way, x[box] - a[0], y[box] - a[1], s, out, numbers[[i, j]], bristles[[i, j]])
+            unsure[box] |= doubtful & (dark > 0)
+            dark = dark * left
         z = layers.depth[box]
         hidden = z < limit
         unsure[box] |= np.isfinite(z) & (np.abs(z - limit) < 1e-4 * np.maximum(z, 1)) & (dark > 0)

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What kind a line of FINE is, by what lies on both sides of a site, and which ink it has. */
+#include "ink/pen.h"
+
+#include "base/pixel.h"
+#include "base/stage.h"
+#include "ink/discs.h"
+
+/* A jump in depth of this share, beyond what both sides explain, is one: where an edge of depth has half its strength.
+ */
+static const float least_jump = 0.0065f;
+/* Pieces that pass through each other bend by so many degrees. */
+static const float through = 180;
+
+/* ---- kinds ----------------------------------------------------------------------------------------------- */
+
+static float inverse_at(const frame *f, int x, int y)
+{
+	float z = depth_at(f, clamp_index(x, f->width), clamp_index(y, f->height));
+	if (f->camera.orthographic)
+		return z < INFINITY ? -z / f->camera.height : -1e30f;
+	return 1 / z;
+}
+
+/* What each side, continued straight, misses of the other, as a share of the nearer one. */
+static float jump(const frame *f, int x, int y, int dx, int dy)
+{
+	float before = inverse_at(f, x - dx, y - dy), p = inverse_at(f, x, y), q = inverse_at(f, x + dx, y + dy),
+	      after = inverse_at(f, x + 2 * dx, y + 2 * dy);
+	float l = q - 2 * p + before, r = p - 2 * q + after, near = f->camera.orthographic ? 1 : max(p, q);
+	float far = max(0, max(min(l, -r), min(-l, r)));
+	return near > 0 ? far / near : 0;
+}
+
+static bool same_object(const frame *f, int x, int y, int qx, int qy)
+{
+	const float *p = layer_row(f, ENCRE_LAYER_OBJECT, y), *q = layer_row(f, ENCRE_LAYER_OBJECT, qy);
+	return !p || p[x] == q[qx];
+}
+
+/* A line of the sources that depth and number tell: where the site lies between two pixels, of these; a junction's, of
+ * the two that are farthest apart. */
+static enum line shape_of(const frame *f, const found *at, enum source source)
+{
+	int x = at->column, y = at->row, dx = at->axis != AXIS_COLUMN, dy = at->axis != AXIS_ROW;
+	int qx = clamp_index(x + dx, f->width), qy = clamp_index(y + dy, f->height);
+	bool same = same_object(f, x, y, qx, qy);
+	if (same && source == SOURCE_DEPTH)
+		return LINE_INNER;
+	bool nothing = !(depth_at(f, x, y) < INFINITY) || !(depth_at(f, qx, qy) < INFINITY);
+	return nothing || jump(f, x, y, dx, dy) >= least_jump ? LINE_OUTLINE : LINE_CONTACT;
+}
+
+static bool passes_through(const frame *f, const found *at)
+{
+	const float *row = layer_row(f, ENCRE_LAYER_CREASES, at->row);
+	if (!row || at->axis > AXIS_COLUMN)
+		return false;
+	const float *way = row + (ptrdiff_t)5 * at->column + 2 * (at->axis == AXIS_COLUMN);
+	float bend = fabsf(way[1]);
+	return way[0] != 0 && (bend == through || bend == through + crease_spread);
+}
+
+enum line ISA(line_of)(const frame *f, const site *s)
+{
+	switch ((enum source)s->placed.source) {
+	case SOURCE_OBJECT: return shape_of(f, &s->found, SOURCE_OBJECT);
+	case SOURCE_DEPTH: return shape_of(f, &s->found, SOURCE_DEPTH);
+	case SOURCE_NORMAL: return passes_through(f, &s->found) ? LINE_INTERSECTION : LINE_CREASE;
+	case SOURCE_MATERIAL: return LINE_MATERIAL;
+	case SOURCE_COLOR: return LINE_COLOR;
+	case SOURCE_LIGHT: return LINE_LIGHT;
+	case SOURCE_SEEN: return LINE_SEEN;
+	default: return LINE_MARK;
+	}
+}
+
+float ISA(line_width)(const encre_params *p, enum line kind)
+{
+	return kind == LINE_CONTACT ? p->width_contact : kind == LINE_INTERSECTION ? p->width_intersection : 1;
+}
+
+/* ---- inks ------------------------------------------------------------------------------------------------ */
+
+bool ISA(inks_by_site)(const encre_params *p)
+{
+	return p->line_tint > 0 || p->line_lit > 0 || p->ink_on_dark > 0 || p->line_color_by_kind;
+}
+
+/* How dark the picture is about a site: of eight places beyond the rim the mean of the mean and the brightest. */
+static float about(const frame *f, const placed *s, float half)
+{
+	static const float way[8][2] = {{1, 0},  {0.707f, 0.707f},   {0, 1},  {-0.707f, 0.707f},
+					{-1, 0}, {-0.707f, -0.707f}, {0, -1}, {0.707f, -0.707f}};
+	float sum = 0, most = 0, far = half + 2;
+	for (int k = 0; k < 8; k++) {
+		int x = clamp_index((int)floorf(s->x + far * way[k][0] + 0.5f), f->width),
+		    y = clamp_index((int)floorf(s->y + far * way[k][1] + 0.5f), f->height);
+		const float *rgba = output_row(f, ENCRE_OUTPUT_COMBINED, y) + (ptrdiff_t)4 * x;
+		float v = max(0, bounded(max3(rgba[0], rgba[1], rgba[2])));
+		sum += min(v, 1);
+		most = max(most, min(v, 1));
+	}
+	return 0.5f * (sum / 8 + most);
+}
+
+void ISA(line_ink)(const frame *f, const site *made, float half, float ink[3])
+{
+	const placed *s = &made->placed;
+	int x = s->near_x, y = s->near_y;
+	const encre_params *p = f->params + (f->style ? f->style[(size_t)y * (size_t)f->width + (size_t)x] : 0);
+#define LINE(kind, id, width) [LINE_##kind] = p->line_color_##id,
+	const float *const kinds[LINE_COUNT] = {LINES(LINE)};
+#undef LINE
+	const float *own = p->line_color_by_kind ? kinds[ISA(line_of)(f, made)] : p->line_color;
+	const float *color = layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x;
+	const float *light = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x;
+	float lit = p->line_lit * clamp01(max3(light[0], light[1], light[2]) * p->shade_exposure), dark = 0;
+	if (p->ink_on_dark > 0 && p->ink_dark_threshold > 0)
+		dark = p->ink_on_dark * clamp01(3 - 2 * about(f, s, half) / p->ink_dark_threshold);
+	for (int c = 0; c < 3; c++) {
+		ink[c] = blend(own[c], p->line_tint_value * color[c], p->line_tint);
+		ink[c] = blend(ink[c], p->line_lit_color[c], lit);
+		ink[c] = blend(ink[c], p->ink_dark_color[c], dark);
+	}
+}

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What kind a line of FINE is, its ink, and the hand that draws it. */
+#ifndef ENCRE_PEN_H
+#define ENCRE_PEN_H
+
+#include "fine/fine.h"
+
+/* LINE(KIND, id, width): the parameter line_color_<id>, and which width_<width> it reads; kinds.c has factors on that.
+ *   OUTLINE       a jump in depth to another object, or to nothing
+ *   CONTACT       another object at continuous depth (times width_contact)
+ *   INNER         a jump in depth within an object
+ *   CREASE        a bend
+ *   INTERSECTION  where pieces of a mesh pass through each other (times width_intersection)
+ * An outline that only its depth tells (edge_object 0) reads width_depth. */
+#define LINES(LINE)                                                                                                    \
+	LINE(OUTLINE, outline, object)                                                                                 \
+	LINE(CONTACT, contact, object)                                                                                 \
+	LINE(INNER, inner, depth)                                                                                      \
+	LINE(CREASE, crease, normal)                                                                                   \
+	LINE(INTERSECTION, intersection, normal)                                                                       \
+	LINE(MATERIAL, material, material)                                                                             \
+	LINE(COLOR, color, color)                                                                                      \
+	LINE(LIGHT, light, light)                                                                                      \
+	LINE(SEEN, seen, seen)                                                                                         \
+	LINE(MARK, mark, mark)
+
+#define LINE(kind, ...) LINE_##kind,
+enum line { LINES(LINE) LINE_COUNT };
+#undef LINE
+
+/* kinds.c */
+enum line ISA(line_of)(const frame *f, const site *s);
+/* The factor on the width of its source. */
+float ISA(line_width)(const encre_params *p, enum line kind);
+/* Does the ink depend on more than the style? */
+bool ISA(inks_by_site)(const encre_params *p);
+/* The ink of a line's site, which is `half` pixels wide each way. Reads the picture before any lines. */
+void ISA(line_ink)(const frame *f, const site *s, float half, float ink[3]);
+
+/* pen.c. A stroke is one of the times that a line is drawn. */
+enum { BRISTLES = 8, STROKES = 4 };
+
+typedef struct touch {
+	float rough, fray;     /* how much the rim is frayed here, about 0; times so many pixels */
+	float left;            /* share of it that gaps leave */
+	float dx, dy;          /* pixels that the hand strays by */
+	uint8_t ink[BRISTLES]; /* 255ths that each bristle gives */
+} touch;
+
+/* Whether these parameters have a hand at all. */
+bool ISA(pen_draws)(const encre_params *p);
+/* The factor on the width by the hand's pressure. */
+float ISA(pen_pressure)(const frame *f, const encre_params *p, const site *s, int stroke);
+touch ISA(pen_touch)(const frame *f, const encre_params *p, const site *s, int stroke);
+
+#endif

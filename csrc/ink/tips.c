@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From sites and links to what is drawn of them: how wide, dark and where each link ends, by pen, hand and stroke, and
+ * which links reach into a band. */
+#include "ink/discs.h"
+#include "ink/tips.h"
+#include "ink/pen.h"
+#include "fine/near.h"
+
+enum { CHUNK = 1024 };
+
+/* Of half a line's width the rim is frayed by this share at most, or thin lines would come to pieces. */
+static const float most_frayed = 0.3f;
+
+/* ---- pens ------------------------------------------------------------------------------------------------ */
+
+typedef struct gather {
+	const frame *f;
+	frame *frame;
+	const fine *n;
+	capsules *all;
+	uint32_t stroke;
+	pen_end *end;  /* of this stroke */
+	float *length; /* to the nearest free end, by site; NULL where no line tapers */
+	float *radius; /* by site: evened along its line, before it tapers or is crowded */
+} gather;
+
+/* What the pen gives before its line is evened: `out` is its radius, `fade` the share of that. */
+static pen_end pen_end_of(const frame *f, const site *made)
+{
+	const placed *s = &made->placed;
+	pen pen;
+	pen_end e = {.x = s->x, .y = s->y};
+	if (!ISA(pen_of)(f, s->near_x, s->near_y, (enum source)s->source, s->strength, &pen))
+		return e;
+	if (pen.p->width_contact != 1 || pen.p->width_intersection != 1)
+		pen.radius = min(pen.radius * ISA(line_width)(pen.p, ISA(line_of)(f, made)),
+				 0.5f * f->params->line_max_thickness * f->scale);
+	e.out = pen.radius * (1 - (float)s->eased / 255);
+	e.fade = pen.p->line_softness;
+	e.gain = pen.gain;
+	e.ease = pen.gain > 0 ? min(1 / pen.gain, 1e30f) : 0;
+	e.bias = pen.bias;
+	e.paper = pen.p->line_paper;
+	e.limit = min(pen.limit, 1e30f); /* finite: it is interpolated */
+	return e;
+}
+
+static const encre_params *style_of(const frame *f, const site *made)
+{
+	const placed *s = &made->placed;
+	return f->params + (f->style ? f->style[(size_t)s->near_y * (size_t)f->width + s->near_x] : 0);
+}
+
+/* `radius`: evened along the line. t: what the hand does to it, or NULL. */
+static void finish(const frame *f, const site *made, float radius, float length, const touch *t, pen_end *e)
+{
+	const placed *s = &made->placed;
+	const encre_params *p = style_of(f, made);
+	float crowd = made->linked.crowd;
+	if (!p->use_lines)
+		return;
+	float taper = p->line_taper * f->scale;
+	if (t)
+		radius = max(radius + t->rough * min(t->fray, most_frayed * radius), 0) * t->left;
+	if (length < taper)
+		radius *= length / taper;
+	if (radius * crowd > 1)
+		radius = 1 / crowd;
+	/* a thing not much wider than its lines lets no paper between them: they are one, from its middle */
+	float filled = s->thin * clamp01(1 - 2 * (s->half - radius));
+	if (made->found.axis == AXIS_ROW)
+		e->x += filled * s->inside;
+	else
+		e->y += filled * s->inside;
+	if (t) {
+		e->x += t->dx;
+		e->y += t->dy;
+		e->bristles = p->pen_dry > 0 ? (uint32_t)p->pen_bristles : 0;
+	}
+	e->out = filled * s->half + radius;
+	e->fade *= radius;
+	float ramp = min(e->ease, 1 - e->bias),
+	      middle = e->out - e->fade * (e->bias + 0.5f * ramp); /* on the highest paper */
+	if (ramp > 0 && middle > 0)
+		e->reach = max(middle, 0.5f) + 0.5f * max(e->fade * ramp, 1);
+}
+
+static void make_pens(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const gather *g = data;
+	for (int i = first; i < end; i++) {
+		const site *made = g->n->site + i;
+		const encre_params *p = style_of(g->f, made);
+		g->radius[i] = 0;
+		if (made->linked.dropped)
+			continue;
+		if (g->stroke >= (uint32_t)p->pen_strokes) {
+			g->end[i] = (pen_end){.x = made->placed.x, .y = made->placed.y};
+			continue;
+		}
+		g->end[i] = pen_end_of(g->f, made);
+		g->radius[i] = g->end[i].out;
+		if (p->pen_pressure > 0)
+			g->radius[i] = min(g->radius[i] * ISA(pen_pressure)(g->f, p, made, (int)g->stroke),
+					   0.5f * g->f->params->line_max_thickness * g->f->scale);
+	}
+}
+
+static void finish_pens(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const gather *g = data;
+	for (int i = first; i < end; i++) {
+		const site *made = g->n->site + i;
+		const encre_params *p = style_of(g->f, made);
+		size_t at = (size_t)g->stroke * g->n->count + (size_t)i;
+		bool drawn = g->stroke < (uint32_t)p->pen_strokes;
+		if (made->linked.dropped)
+			continue;
+		touch t;
+		bool touched = drawn && p->use_lines && ISA(pen_draws)(p);
+		if (touched)
+			t = ISA(pen_touch)(g->f, p, made, (int)g->stroke);
+		if (drawn)
+			finish(g->f, made, g->radius[i], g->length ? g->length[i] : INFINITY, touched ? &t : NULL,
+			       g->end + i);
+		if (g->all->dry && touched)
+			memcpy(g->all->dry[at], t.ink, sizeof t.ink);
+		if (g->all->ink)
+			ISA(line_ink)(g->f, made, g->end[i].out, g->all->ink[at]);
+	}
+}
+
+/* The ends of one stroke. */
+static int32_t make_stroke(gather *g, uint32_t stroke)
+{
+	frame *f = g->frame;
+	g->stroke = stroke;
+	g->end = g->all->end + (size_t)stroke * g->n->count;
+	g->radius = late_take(&f->late, g->n->count, sizeof *g->radius);
+	if (!g->radius)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = bands_run(f->bands, (int)g->n->count, CHUNK, make_pens, g);
+	if (!code)
+		code = ISA(capsules_even)(f, &g->radius);
+	if (!code)
+		code = bands_run(f->bands, (int)g->n->count, CHUNK, finish_pens, g);
+	late_drop(&f->late, g->radius);
+	return code;
+}
+
+/* ---- bands ----------------------------------------------------------------------------------------------- */
+
+/* Adds a capsule to the lists of the bands that it reaches into; counts while there are no lists. */
+static void enter(const gather *g, uint32_t a, uint32_t b, uint32_t *next)
+{
+	const pen_end *one = g->all->end + a, *two = g->all->end + b;
+	float reach = max(one->reach, two->reach), top = min(one->y, two->y) - reach,
+	      bottom = max(one->y, two->y) + reach;
+	if (!(reach > 0) || bottom < 0 || top > (float)(g->f->height - 1))
+		return;
+	for (int k = pixel_of(top - 0.5f, g->f->height) / BAND; k <= pixel_of(bottom + 0.5f, g->f->height) / BAND;
+	     k++) {
+		if (g->all->list) {
+			g->all->list[next[k]][0] = a;
+			g->all->list[next[k]][1] = b;
+		}
+		next[k]++;
+	}
+}
+
+static int32_t enter_all(const gather *g, uint32_t stroke, uint32_t *next)
+{
+	const fine *n = g->n;
+	uint32_t from = stroke * n->count;
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
+		if (n->site[i].linked.dropped)
+			continue;
+		if (n->at[i] == n->at[i + 1])
+			enter(g, from + i, from + i, next);
+		for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
+			if (n->to[k] > i && !n->site[n->to[k]].linked.dropped)
+				enter(g, from + i, from + n->to[k], next);
+	}
+	return code;
+}
+
+int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
+{
+	const fine *n = f->fine;
+	gather g = {.f = f, .frame = f, .n = n, .all = all};
+	uint32_t strokes = 1;
+	bool dry = false, moved = false;
+	for (int i = 0; i < f->n_styles; i++) {
+		const encre_params *p = f->params + i;
+		if (!p->use_lines)
+			continue;
+		strokes = (uint32_t)p->pen_strokes > strokes ? (uint32_t)p->pen_strokes : strokes;
+		dry |= p->pen_dry > 0;
+		moved |= p->pen_wobble > 0;
+	}
+	size_t ends = (size_t)strokes * n->count;
+	if (ends > UINT32_MAX)
+		return ENCRE_ERROR_MEMORY;
+	all->count = n->count;
+	all->moved = moved;
+	size_t bands = (size_t)(f->height - 1) / BAND + 1;
+	all->end = late_take(&f->late, ends, sizeof *all->end);
+	all->ink = inked ? late_take(&f->late, ends, sizeof *all->ink) : NULL;
+	all->dry = dry ? late_take(&f->late, ends, sizeof *all->dry) : NULL;
+	all->first = late_take(&f->late, bands + 2, sizeof *all->first);
+	if (!all->end || !all->first || (inked && !all->ink) || (dry && !all->dry))
+		return ENCRE_ERROR_MEMORY;
+	float taper = 0;
+	for (int i = 0; i < f->n_styles; i++)
+		taper = max(taper, f->params[i].line_taper * f->scale);
+	if (taper > 0) {
+		g.length = late_take(&f->late, n->count, sizeof *g.length);
+		if (!g.length)
+			return ENCRE_ERROR_MEMORY;
+		int32_t code = ISA(fine_free_lengths)(n, taper, g.length);
+		if (code)
+			return code;
+	}
+	int32_t code = ENCRE_OK;
+	for (uint32_t k = 0; !code && k < strokes; k++)
+		code = make_stroke(&g, k);
+	if (code)
+		return code;
+	memset(all->first, 0, (bands + 2) * sizeof *all->first);
+	/* counted two places on: summed up, and filled, they end where they belong */
+	for (uint32_t k = 0; !code && k < strokes; k++)
+		code = enter_all(&g, k, all->first + 2);
+	if (code)
+		return code;
+	for (size_t k = 2; k < bands + 2; k++)
+		all->first[k] += all->first[k - 1];
+	all->list = late_take(&f->late, all->first[bands + 1], sizeof *all->list);
+	if (!all->list)
+		return ENCRE_ERROR_MEMORY;
+	for (uint32_t k = 0; !code && k < strokes; k++)
+		code = enter_all(&g, k, all->first + 1);
+	return code;
+}

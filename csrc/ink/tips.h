@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What tips.c makes of sites, and capsules.c draws. */
+#ifndef ENCRE_TIPS_H
+#define ENCRE_TIPS_H
+
+#include <stdint.h>
+
+/* What a site gives the links that end at it. On paper of height h, a share `bias` of which the pencil doesn't reach,
+ * the darkness that coverage min(1, (out - d) / fade) gets at distance d is gain * (h * coverage - bias). Of that ramp
+ * pixels show how dark it gets and where it is half as dark, but none is steeper than a pixel is wide, and what is
+ * thinner than a pixel is as much fainter instead: so the ink of a line doesn't depend on the size of the frame. */
+typedef struct pen_end {
+	float x, y;
+	float out, fade;
+	float gain, ease; /* one over the other */
+	float bias, paper, limit;
+	float reach;       /* nothing is darkened from here on */
+	uint32_t bristles; /* 0: none is dry */
+} pen_end;
+
+#endif

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The hand that draws FINE's lines: noise, what it does to width, place and ink; kinds of lines and their inks."""
+
+import numpy as np
+
+from .metric import clamp01, mix, value
+
+KINDS = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")
+WIDTHS = {"outline": "object", "contact": "object", "inner": "depth", "crease": "normal", "intersection": "normal"}
+PRESSURE, ACROSS, DOWN, ROUGH, GAPS, FLOW, BRISTLE = range(7)
+
+
+def hashed(x, y, z, seed):
+    """-1…1 from integers."""
+    mask = np.uint64(0xffffffff)
+
+    def word(k):
+        return np.asarray(k).astype(np.int64).astype(np.uint64) & mask
+
+    h = (word(seed) + np.uint64(0x2545f491)) * np.uint64(0x9e3779b1) & mask
+    for k, factor, shift in ((x, 0x85ebca6b, 13), (y, 0xc2b2ae35, 16), (z, 0x27d4eb2f, 15)):
+        h = (h ^ word(k)) * np.uint64(factor) & mask
+        h ^= h >> np.uint64(shift)
+    h = h * np.uint64(0x165667b1) & mask
+    h ^= h >> np.uint64(13)
+    return (h >> np.uint64(8)).astype(float) / 2**23 - 1
+
+
+def lattice(p, seed):
+    """Value noise at the points p (n, 3)."""
+    low = np.floor(p)
+    t = p - low
+    w = t**3 * (t * (t * 6 - 15) + 10)
+    out = 0.0
+    for corner in np.ndindex(2, 2, 2):
+        weight = np.prod(np.where(np.array(corner) == 1, w, 1 - w), axis=-1)
+        out = out + weight * hashed(*np.moveaxis(low + corner, -1, 0), seed)
+    return out
+
+
+def solid(p, wavelength, seed):
+    """Noise of unit variance at the points p (n, 3): two octaves, chosen by the wavelength (n,)."""
+    rate = 1 / wavelength
+    octave = np.floor(np.log2(rate))
+    part = rate / 2**octave - 1
+    turn = part * (1.3466 - 0.3466 * part) * np.pi / 2  # log2(1 + part), about
+    first, second = (lattice(p * (2.0**k)[:, None] + 17.3 * k[:, None], seed) for k in (octave, octave + 1))
+    return (np.cos(turn) * first + np.sin(turn) * second) * 2.4972
+
+
+def _spot(layers, x, y):
+    """The anchor of the surface in front at a place, the mean of those of the four pixels about it that show it."""
+    height, width = layers.depth.shape
+    found = []
+    if layers.anchor is None:
+        return None
+    for dy, dx in np.ndindex(2, 2):
+        at = min(max(int(np.floor(y)) + dy, 0), height - 1), min(max(int(np.floor(x)) + dx, 0), width - 1)
+        weight = 1e-3 + (1 - abs(x - np.floor(x) - dx)) * (1 - abs(y - np.floor(y) - dy))
+        if layers.anchor[at][6] > 0 and np.isfinite(layers.depth[at]):
+            found.append((layers.depth[at], layers.object[at], weight, layers.anchor[at]))
+    if not found:
+        return None
+    front, number = min(found, key=lambda each: each[0])[:2]
+    shown = [each for each in found if each[0] <= 1.02 * front and each[1] == number]
+    return np.average([each[3] for each in shown], axis=0, weights=[each[2] for each in shown])
+
+
+class Hand:
+    """What one stroke of the pen does to sites; arrays by site."""
+
+    def __init__(self, t, layers, params, stroke):
+        site = t.site
+        self.style = layers.style[site["near_y"], site["near_x"]]
+        self.params, self.stroke = params, stroke
+        self.scale = params.pixels(layers.full_height)
+        self.p = np.stack([t.at[:, 0] + layers.x, t.at[:, 1] + layers.y, 0 * t.at[:, 0]], -1)
+        self.unit = np.full(len(t), self.scale)
+        for i in range(len(t)):
+            if (spot := _spot(layers, *t.at[i])) is not None:
+                self.p[i], self.unit[i] = spot[:3], spot[6] * self.scale
+        self.drawn = stroke < self.at("strokes")
+
+    def at(self, name):
+        return self.params.at("pen_" + name, self.style)
+
+    def noise(self, length, what):
+        """Of wavelength `length` px; the numbers of seeds differ by style."""
+        out = np.zeros(len(self.unit))
+        for seed in set(self.at("seed").tolist()):
+            own = self.at("seed") == seed
+            number = ((int(seed) * 4 + self.stroke) * 16 + what) & 0xffffffff
+            out[own] = solid(self.p[own], (self.unit * length)[own], number)
+        return out
+
+    def pressure(self):
+        noise = self.noise(self.at("pressure_length"), PRESSURE)
+        return np.where(self.at("pressure") > 0, np.clip(1 + self.at("pressure") * noise, 0.12, 3), 1)
+
+    def radius(self, radius):
+        """Half the widths with frayed rims and gaps."""
+        length = self.at("rough_length")
+        fray = np.minimum(self.at("rough") * self.scale * clamp01(length * self.scale - 1), 0.3 * radius)
+        rough = fray * self.noise(length, ROUGH)
+        gaps = self.at("gaps")
+        x = 2 * gaps - 1
+        left = clamp01(4 * (self.noise(self.at("gaps_length"), GAPS) - x * (1.15 + 0.75 * x**4)) + 0.5)
+        left = np.where(gaps > 0, np.where(gaps < 1, left, 0), 1)
+        return np.maximum(radius + rough, 0) * left
+
+    def stray(self):
+        length = self.at("wobble_length")
+        far = self.at("wobble") * self.scale
+        return np.stack([far * self.noise(length, ACROSS), far * self.noise(length, DOWN)], -1)
+
+    def bristles(self):
+        """(number of bristles, 0 where none is dry; what each gives (n, 8))."""
+        length, dry = self.at("dry_length"), self.at("dry")
+        flow = 1 + 0.6 * self.noise(6 * length, FLOW)
+        ink = [clamp01(2.5 * (0.6 * self.noise(length, BRISTLE + k) + 1.15 - dry * flow)) for k in range(8)]
+        return np.where(dry > 0, self.at("bristles"), 0), np.floor(255 * np.stack(ink, -1) + 0.5) / 255
+
+
+def left_by(way, px, py, s, half, numbers, inks):
+    """(what bristles leave of the ink at (px, py) from the first end of a link, whether another may be there)."""
+    length = np.hypot(*way)
+    if length <= 1e-6:
+        across = np.zeros_like(px)
+    else:
+        across = np.where(half > 0, (way[0] * py - way[1] * px) / (length * np.where(half > 0, half, 1)), 0)
+    turn = way[0] + 0.41421356 * way[1]
+    if turn < 0:
+        across = -across
+    across = clamp01(0.5 + 0.5 * across)
+    left, doubtful = [], np.zeros(px.shape, bool)
+    for n, ink in zip(numbers, inks, strict=True):
+        n = int(n)
+        if not n:
+            left.append(np.ones(px.shape))
+            continue
+        left.append(ink[np.minimum((across * n).astype(int), n - 1)])
+        between = np.round(across * n)
+        doubtful |= (between > 0) & (between < n) & (np.abs(across * n - between) < 1e-3)
+    doubtful |= abs(turn) < 1e-4  # which rim is the first
+    return mix(left[0], left[1], s), doubtful
+
+
+def kinds(t, layers):
+    """Which of KINDS the line of each site is, by its strongest source and what lies on both sides of it."""
+    names = ("object", "material", "depth", "normal", "color", "light", "mark", "seen")
+    height, width = layers.depth.shape
+    out = np.empty(len(t), int)
+    for i, site in enumerate(t.site):
+        name = names[site["source"]]
+        if name in ("object", "depth"):
+            name = _shape(layers, site, height, width, name)
+        elif name == "normal":
+            name = "crease"
+            if site["axis"] < 2:
+                place, bend = layers.creases[site["row"], site["column"], 2 * site["axis"]:2 * site["axis"] + 2]
+                name = "intersection" if place and abs(bend) in (180, 540) else name
+        out[i] = KINDS.index(name)
+    return out
+
+
+def _shape(layers, site, height, width, source):
+    x, y, dx, dy = site["column"], site["row"], site["axis"] != 1, site["axis"] != 0
+
+    def read(layer, k):
+        return layer[np.clip(y + k * int(dy), 0, height - 1), np.clip(x + k * int(dx), 0, width - 1)]
+
+    if source == "depth" and read(layers.object, 0) == read(layers.object, 1):
+        return "inner"
+    z = np.array([read(layers.depth, k) for k in (-1, 0, 1, 2)])
+    if not np.isfinite(z[1:3]).all():
+        return "outline"
+    u = np.where(np.isfinite(z), -z / layers.height, -1e30) if layers.orthographic else 1 / z
+    before, after = u[2] - 2 * u[1] + u[0], u[1] - 2 * u[2] + u[3]
+    far = max(0, min(before, -after), min(-before, after)) / (1 if layers.orthographic else max(u[1:3]))
+    return "outline" if far >= 0.0065 else "contact"
+
+
+def inks(t, layers, params, ink, half, picture):
+    """Each site's ink (n, 3): `ink` is what it is without light, dark and kinds; `picture` lies under the lines."""
+    site = t.site
+    owner = site["near_y"], site["near_x"]
+    style = layers.style[owner]
+    own = np.array([np.array([params.at("line_color_" + name, style)[i] for name in KINDS])[k]
+                    for i, k in enumerate(kinds(t, layers))]).reshape(-1, 3)
+    tint = params.at("line_tint", style)[:, None]
+    tinted = mix(own, params.at("line_tint_value", style)[:, None] * layers.color[owner], tint)
+    ink = np.where(params.at("line_color_by_kind", style)[:, None], tinted, ink)
+    lit = clamp01(value(layers.diffuse)[owner] * params.at("shade_exposure", style))
+    ink = mix(ink, params.at("line_lit_color", style), (params.at("line_lit", style) * lit)[:, None])
+    turn = np.arange(8) * np.pi / 4
+    x, y = (np.floor(t.at[:, k, None] + (half[:, None] + 2) * way(turn).round(3) + 0.5).astype(int)
+            for k, way in ((0, np.cos), (1, np.sin)))
+    height, width = layers.depth.shape
+    v = np.clip(value(picture[..., :3])[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)], 0, 1)
+    threshold = params.at("ink_dark_threshold", style)
+    about = (v.mean(1) + v.max(1)) / 2
+    dark = params.at("ink_on_dark", style) * clamp01(3 - 2 * about / np.where(threshold > 0, threshold, 1))
+    return mix(ink, params.at("ink_dark_color", style), np.where(threshold > 0, dark, 0)[:, None])
