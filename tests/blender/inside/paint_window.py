@@ -181,6 +181,4 @@ def steps():
 
 
 if __name__ == "__main__":
-    todo = steps()
-    bpy.context.preferences.view.show_splash = False
-    bpy.app.timers.register(lambda: window.run(todo), first_interval=1.0, persistent=True)
+    window.start(steps(), persistent=True)
