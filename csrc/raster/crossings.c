@@ -100,11 +100,17 @@ static float contour_told(const marking *m, bool down, float share, const surfac
 {
 	bool first = (m->side == CONTOUR_RIGHT) == (down ? m->left : m->down);
 	const surface_at *other = first ? q : p;
-	double unit = other->pixel * m->r->job->frame.height / 1080, least = (double)least_contour_step;
 	double before = -other->behind - (m->cut ? 0.5 * other->step : 0);
-	int steps = m->fold;
-	for (least *= m->fold ? 2 : 1; steps < MOST_CONTOUR_STEPS && before >= least * unit; least *= 2)
+	double next = (double)least_contour_step * other->pixel * m->r->job->frame.height / 1080;
+	int steps = 0;
+	if (m->fold) {
+		steps = 1;
+		next *= 2;
+	}
+	while (steps < MOST_CONTOUR_STEPS && before >= next) {
 		steps++;
+		next *= 2;
+	}
 	return m->side == CONTOUR_BOTH ? -share : contour_value(share, steps);
 }
 
