@@ -346,7 +346,7 @@ class _Work:
 
             try:
                 result = library.draw(read, settings.every, stored.camera, _place(stored, window),
-                                      ("Combined",) if self.as_png else ("Combined", *layers.DRAWN), self.threads,
+                                      ("Combined", *(() if self.as_png else _drawn(settings))), self.threads,
                                       progress=go_on, image=lambda name: _paper_pixels(name, stored.paper, self.change),
                                       empty=self.room.zeros)
             except EncreError as error:
@@ -356,6 +356,11 @@ class _Work:
         self.picture = pictures["Combined"]
         self.channels.update(_named(pictures, layer, view, names))
         self.nonfinite += bad + result.nonfinite
+
+
+def _drawn(settings):
+    """Names of the pictures beside Combined that go into a file: without tones theirs would be empty."""
+    return [name for name in layers.DRAWN if name != "Encre Tones" or settings.any("use_tones")]
 
 
 def _named(pictures, layer, view, names):

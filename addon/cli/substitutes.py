@@ -103,6 +103,8 @@ def switch_off(names, settings):
                            ("Normal", "no normals: no line at creases")):
         if name not in names:
             said.append(sentence)
+    if settings.sticks and "Encre Anchor" not in names:
+        said.append("no rest positions, which save_anchor=ON renders: tones and the hand of lines stick to the picture")
     return settings, said
 
 
@@ -137,9 +139,11 @@ def listed(passes):
             lines.append(f"  {name}: there" + ("" if name in passes else f", as {stands[name]}"))
         else:
             lines.append(f"  {name}: missing; check {box}; off without it: {without}")
-    for name, without in (("Encre Index", "outlines of the parts of meshes, styles"),
-                          ("Encre Line Controls", "painted controls"),
-                          ("Denoising Normal", "lines in mirrors and glass")):
+    for name, switch, without in (
+            ("Encre Index", "Save Layers", "outlines of the parts of meshes, styles"),
+            ("Encre Line Controls", "Save Layers", "painted controls"),
+            ("Encre Anchor", "Save Anchor", "tones and the hand of lines that stick to things"),
+            ("Denoising Normal", "Save Layers", "lines in mirrors and glass")):
         if name not in passes and name not in stands:
-            lines.append(f"  {name}: missing; render with Encre and Save Layers on; off without it: {without}")
+            lines.append(f"  {name}: missing; render with Encre and {switch} on; off without it: {without}")
     return lines

@@ -185,13 +185,17 @@ class Settings:
                    for values in self.every)
 
     @cached_property
-    def wants_anchor(self) -> bool:
-        """Whether anything sticks to surfaces, or is to be able to."""
+    def sticks(self) -> bool:
+        """Whether anything that is drawn sticks to surfaces."""
         hand = "pen_pressure", "pen_wobble", "pen_rough", "pen_gaps", "pen_dry"
         fine = self.every[0]["edge_detector"] == "FINE"
-        return self.every[0]["save_anchor"] == "ON" or any(
-            (values["tone_space"] == "SURFACE" and fills(values, "DOTS", "LINES", "CROSS"))
-            or (fine and values["use_lines"] and any(values[id_] for id_ in hand)) for values in self.every)
+        return any((values["tone_space"] == "SURFACE" and fills(values, "DOTS", "LINES", "CROSS"))
+                   or (fine and values["use_lines"] and any(values[id_] for id_ in hand)) for values in self.every)
+
+    @cached_property
+    def wants_anchor(self) -> bool:
+        """Whether anything sticks to surfaces, or is to be able to."""
+        return self.every[0]["save_anchor"] == "ON" or self.sticks
 
     @cached_property
     def wants_seen(self) -> bool:

@@ -14,6 +14,8 @@ from encre.cli import composite, installed, multilayer
 from encre.pen import layers, metadata, presets
 from encre.pen.job import Camera, Frame
 
+WRITTEN = [name for name in ("Combined", *layers.DRAWN) if name != "Encre Tones"]  # where no tone is drawn
+
 
 @pytest.mark.parametrize("layout", exr.LAYOUTS)
 @pytest.mark.parametrize("settings", [{}, {"edge_detector": "SOBEL", "line_thickness": 12, "use_smudging": False}])
@@ -25,10 +27,29 @@ def test_composite_reads_what_every_blender_writes(run, tmp_path, scene, layout,
     assert status == 0 and out.startswith(f"{tmp_path / 'out.exr'} (")
     assert err.startswith("encre: note: ") and err.count("\n") == (1 if settings else 2)  # what FINE lacks
     prefix = "" if layout == "bare" else "ViewLayer."
-    for name, picture in expected(pictures, settings, outputs=("Combined", *layers.DRAWN)).items():
+    for name, picture in expected(pictures, settings, outputs=WRITTEN).items():
         assert np.array_equal(exr.picture(tmp_path / "out.exr", prefix + name), picture), name
     assert len(exr.read(tmp_path / "out.exr")) == 16
     assert oiio.ImageInput.open(str(tmp_path / "out.exr")).spec().format == oiio.FLOAT
+
+
+def test_tones_are_a_pass_where_they_are_drawn(run, tmp_path, scene):
+    path, out = exr.write(tmp_path / "in.exr", exr.passes(scene)), tmp_path / "out.exr"
+    assert run("composite", path, "-o", out, "--set=use_tones=on")[0] == 0
+    assert exr.picture(out, "ViewLayer.Encre Tones").any()
+
+
+def test_what_sticks_wants_rest_positions(run, tmp_path, scene):
+    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+
+    def noted(*sets):
+        status, _, err = run("composite", path, "-o", tmp_path / "out.png", *(f"--set={each}" for each in sets))
+        assert status == 0
+        return "rest positions" in err
+
+    assert noted("pen_wobble=1") and noted("use_tones=on", "tone_space=SURFACE")
+    assert not noted() and not noted("use_tones=on")
+    assert "Encre Anchor: missing; render with Encre and Save Anchor on" in run("composite", path, "--check")[1]
 
 
 @pytest.fixture
@@ -184,7 +205,7 @@ def test_composite_draws_what_was_rendered_of_a_border(run, tmp_path, scene):
     stored = metadata.write({}, [("S", {})], Camera(), Frame(120, 100), (5, 7, *SIZE))
     path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)
     assert run("composite", path, "-o", tmp_path / "out.exr")[::2] == (0, "")
-    for name, picture in expected(rendered, {}, [{}], frame=frame, outputs=("Combined", *layers.DRAWN)).items():
+    for name, picture in expected(rendered, {}, [{}], frame=frame, outputs=WRITTEN).items():
         drawn_ = exr.picture(tmp_path / "out.exr", f"ViewLayer.{name}")
         assert np.array_equal(drawn_[around], picture), name
         drawn_[around] = 0
@@ -343,7 +364,7 @@ def test_all_view_layers_are_drawn(run, tmp_path, scene):
         assert run("composite", path, "-o", tmp_path / "one.exr", "--view-layer", layer)[2].count("is drawn") == 0
         own = exr.write(tmp_path / "own.exr", pictures, layer=layer)
         assert run("composite", own, "-o", tmp_path / "own_out.exr")[0] == 0
-        for name in ("Combined", *layers.DRAWN):
+        for name in WRITTEN:
             want = exr.picture(tmp_path / "own_out.exr", f"{layer}.{name}")
             for file in "both", "one":
                 assert np.array_equal(exr.picture(tmp_path / f"{file}.exr", f"{layer}.{name}"), want), (layer, name)
