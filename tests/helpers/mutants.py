@@ -46,7 +46,7 @@ CUTS = (  # the file, what stands there once, what it becomes
     ("csrc/fine/join/ends.c", "CHUNK = 256", "CHUNK = 3"),
     ("csrc/fine/join/links.c", "CHUNK = 2048", "CHUNK = 37"),
     ("csrc/fine/near.h", "PIECE = 4096", "PIECE = 11"),
-    ("csrc/ink/capsules.c", "CHUNK = 1024", "CHUNK = 37"),
+    ("csrc/ink/tips.c", "CHUNK = 1024", "CHUNK = 37"),
     ("csrc/ink/discs.c", "TILE = 32", "TILE = 24"),
     ("csrc/ink/discs.h", "BAND = 16", "BAND = 7"),
     ("csrc/ink/discs.h", "LANES = 8", "LANES = 4"),
