@@ -108,14 +108,15 @@ def test_jobs(tmp_path, scene):
 
 
 def test_jobs_end_with_the_process_that_shares_them_out(tmp_path, scene):
-    for frame in range(1, 41):
-        exr.write(tmp_path / f"in.{frame:04}.exr", exr.passes(scene))
+    one, frames = exr.write(tmp_path / "in.0001.exr", exr.passes(scene)), 200
+    for frame in range(2, frames + 1):
+        os.link(one, tmp_path / f"in.{frame:04}.exr")
     child = start("composite", tmp_path / "in.####.exr", "-o", tmp_path / "o.####.png", "--jobs", "2",
                   env={**os.environ, "TMPDIR": str(tmp_path)})
     assert child.stdout.readline()
     child.kill()
     out, err = child.communicate(timeout=60)  # when all who could still write have ended
-    assert len(list(tmp_path.glob("o.*.png"))) < 20 and not list(tmp_path.glob(".encre-*")), err
+    assert len(list(tmp_path.glob("o.*.png"))) < frames and not list(tmp_path.glob(".encre-*")), err
 
 
 def test_what_is_half_made_has_a_name_that_nobody_foresees(tmp_path, monkeypatch):
