@@ -52,7 +52,7 @@ def test_dialog_escape_and_undo(tmp_path):
         pytest.skip("needs the programs blender and xvfb-run")
     command = ["xvfb-run", "-a", "-s", "-screen 0 1000x700x24", "blender", "--factory-startup",
                "--enable-event-simulate", "-p", "0", "0", "1000", "700", "-P", str(WINDOW), "--", "bake", "."]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, errors="replace", cwd=tmp_path)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace", cwd=tmp_path)
     shot = blenders.read(done, tmp_path)
     facts = {name: values[0] for name, values in shot.facts.items()}
     assert "Traceback" not in shot.output, shot.output[-3000:]

@@ -116,7 +116,7 @@ def shot(tmp_path_factory):
     folder = tmp_path_factory.mktemp("paint_window")
     command = ["xvfb-run", "-a", "-s", "-screen 0 720x540x24", "blender", "--factory-startup",
                "--enable-event-simulate", "-p", "0", "0", "720", "540", "-P", str(WINDOW), "--", "paint", str(folder)]
-    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=200, errors="replace"), folder)
+    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace"), folder)
 
 
 def fact(shot, name):

@@ -7,6 +7,7 @@ Needs --enable-event-simulate. Every step is a function; between two steps Blend
 import contextlib
 import os
 import sys
+import time
 import traceback
 
 import bpy
@@ -15,6 +16,7 @@ sys.path.append(os.path.dirname(os.path.abspath(__file__)))
 import studio  # noqa: E402
 
 FOLDER = sys.argv[-1]
+_LIMIT = 360  # seconds: less than those after which a test ends xvfb-run, which leaves Blender behind
 
 
 def window():
@@ -233,11 +235,14 @@ def each(*steps):
 
 def start(todo, **options):
     bpy.context.preferences.view.show_splash = False
-    bpy.app.timers.register(lambda: _run(todo), first_interval=1.0, **options)
+    end = time.monotonic() + _LIMIT
+    bpy.app.timers.register(lambda: _run(todo, end), first_interval=1.0, **options)
 
 
-def _run(todo):
+def _run(todo, end):
     try:
+        if time.monotonic() > end:
+            todo.throw(TimeoutError(f"not done after {_LIMIT} s"))  # the traceback tells where it waits
         next(todo)
     except StopIteration:
         studio.fact("finished", True)
