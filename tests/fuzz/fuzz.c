@@ -4,8 +4,8 @@
  *     fuzz FIRST STEP SECONDS [COUNT]    seeds FIRST, FIRST + STEP, ...: until SECONDS have passed, or COUNT are done
  *
  * Sanitizers watch the library; here it is held to what encre.h says: nothing but outputs changes, and of those the
- * samples alone; outputs are finite; threads and instructions change no byte; progress never goes back; a refusal is a
- * sentence. Whatever fails ends the run and names the seed. */
+ * samples alone; outputs are written and finite; threads and instructions change no byte; progress never goes back; a
+ * refusal is a sentence. Whatever fails ends the run and names the seed. */
 #include "fuzz.h"
 
 #include <float.h>
@@ -178,7 +178,7 @@ static uint64_t take_outputs(const task *t, bool look)
 				float *at = sample(image, x, y);
 				for (int c = 0; look && !t->any_number[i] && c < image->channels; c++)
 					if (!isfinite(at[c]))
-						fail("an output is not finite");
+						fail("an output is not finite, or not written");
 				hash = hashed(hash, at, size);
 				memcpy(at, sample_before(at), size);
 			}
@@ -210,6 +210,18 @@ static int32_t run_behind(encre_context *context, const task *t, int cancel)
 	return chance(0.5) ? encre_wait(context) : encre_poll(context, NULL);
 }
 
+/* No number is what a job leaves where it forgets to write. */
+static void spoil_outputs(const task *t)
+{
+	for (int i = 0; i < t->n_outputs; i++) {
+		const encre_image *image = t->output + i;
+		for (int y = 0; image->data && y < image->height; y++)
+			for (int x = 0; x < image->width; x++)
+				for (int c = 0; !t->any_number[i] && c < image->channels; c++)
+					sample(image, x, y)[c] = NAN;
+	}
+}
+
 static int32_t run_once(const task *t, int threads, int simd, bool behind, uint64_t *hash)
 {
 	encre_context *context = encre_create(ENCRE_API_VERSION);
@@ -236,6 +248,7 @@ static int32_t run_job(const task *t)
 	cancel_at = chance(0.05) ? whole(1, 40) : 0;
 	bool behind = chance(0.2);
 	*t->progress = !behind && (cancel_at || chance(0.3)) ? progress : NULL;
+	spoil_outputs(t);
 	remember();
 	int32_t code = run_once(t, threads, simd, behind, &one);
 	if (code == ENCRE_OK && !cancel_at && chance(0.2)) {

@@ -51,7 +51,7 @@ typedef struct scene {
 	struct shape {
 		double x, y, size, slope;
 		int kind;
-		uint64_t key;
+		double value[ENCRE_MAX_CHANNELS];
 	} shape[8];
 } scene;
 

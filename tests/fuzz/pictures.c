@@ -67,7 +67,8 @@ scene random_scene(int width, int height)
 		s.shape[i].size = chance(0.4) ? 0.3 + 3 * share() : share() * 0.5 * (width + height);
 		s.shape[i].slope = tan(3.1 * (share() - 0.5));
 		s.shape[i].kind = whole(0, KINDS - 1);
-		s.shape[i].key = bits();
+		for (int c = 0; c < ENCRE_MAX_CHANNELS; c++)
+			s.shape[i].value[c] = whole(0, 255) / 255.0;
 	}
 	return s;
 }
@@ -84,12 +85,12 @@ static bool covers(const struct shape *s, double x, double y)
 }
 
 /* The shape in front, 0 for none, seen from a few places within a pixel: averaged layers show shares. */
-static double value_of(const scene *s, double x, double y, int channel, const double *base)
+static double value_of(const scene *s, double x, double y, int channel, double base, double slope)
 {
 	for (int i = 0; i < s->n_shapes; i++)
 		if (covers(s->shape + i, x, y))
-			return (double)(s->shape[i].key >> 8 * channel & 255) / 255;
-	return base[channel] + base[8] * (x - y);
+			return s->shape[i].value[channel];
+	return base + slope * (x - y);
 }
 
 static double noise_at(int kind, int x, int y)
@@ -112,22 +113,23 @@ static float stored(enum content content, double value, double scale)
 
 void paint(const encre_image *image, enum content content, const scene *s)
 {
-	double scale = chance(0.8) ? 1 : magnitude(-3, 3), base[9];
+	double scale = chance(0.8) ? 1 : magnitude(-3, 3), base[ENCRE_MAX_CHANNELS];
 	int noise = content == NUMBERS || chance(0.5) ? s->noise : SMOOTH;
 	bool averaged = content != DEPTHS && content != NUMBERS && content != PLACES && chance(0.7);
 	if (s->weird > 0 && chance(0.1))
 		scale = magnitude(-38, 38);
-	for (int c = 0; c < 9; c++)
-		base[c] = c < 8 ? share() : share() / (image->width + image->height);
+	double slope = share() / (image->width + image->height);
+	for (int c = 0; c < ENCRE_MAX_CHANNELS; c++)
+		base[c] = share();
 	for (int y = 0; y < image->height; y++)
 		for (int x = 0; x < image->width; x++) {
 			float *at = sample(image, x, y);
 			for (int c = 0; c < image->channels; c++) {
-				double v = value_of(s, x + 0.5, y + 0.5, c, base);
+				double b = base[c], v = value_of(s, x + 0.5, y + 0.5, c, b, slope);
 				if (averaged)
-					v = 0.25 * (v + value_of(s, x + 0.2, y + 0.7, c, base) +
-						    value_of(s, x + 0.7, y + 0.8, c, base) +
-						    value_of(s, x + 0.8, y + 0.2, c, base));
+					v = 0.25 * (v + value_of(s, x + 0.2, y + 0.7, c, b, slope) +
+						    value_of(s, x + 0.7, y + 0.8, c, b, slope) +
+						    value_of(s, x + 0.8, y + 0.2, c, b, slope));
 				v = noise == SMOOTH ? v : 0.5 * (v + noise_at(noise, x, y));
 				at[c] = s->weird > 0 && chance(s->weird) ? weird() : stored(content, v, scale);
 			}

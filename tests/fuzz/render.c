@@ -211,6 +211,7 @@ static enum content content_of(int layer)
 	case ENCRE_LAYER_STYLE: return NUMBERS;
 	case ENCRE_LAYER_CONTROLS: return SHARES;
 	case ENCRE_LAYER_MARKS: return PLACES;
+	case ENCRE_LAYER_ANCHOR: return chance(0.5) ? DIRECTIONS : COLORS; /* sides of a thing, and places */
 	default: return COLORS;
 	}
 }
