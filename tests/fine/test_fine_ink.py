@@ -78,7 +78,7 @@ def test_pressure_swells_a_line_by_the_noise_where_it_runs():
     scene = {**BARE, "edge_detector": "FINE", "line_thickness": 6.0, "line_intensity": 2.0,
              "pen_pressure": 0.4, "pen_pressure_length": 60.0}
     ink = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3].sum(1)[4:-4]
-    at = np.stack([np.full(height, 19.5), np.arange(height), np.zeros(height)], -1)
+    at = np.stack([np.full(height, 20.0), np.arange(height) + 0.5, np.zeros(height)], -1)
     noise = hand.solid(at, np.full(height, 60.0), hand.PRESSURE)[4:-4]
     assert np.abs(ink - 6 * np.clip(1 + 0.4 * noise, 0.12, 3)).max() < 0.15
     anchor = np.full((height, width, 13), 0.02, np.float32)
