@@ -31,6 +31,8 @@ PENS = {  # the case, what it is drawn with
     "inks": ("faces", dict(line_thickness=3.0, line_color_by_kind=True, line_color_outline=(0.8, 0, 0), line_lit=0.4,
                            line_color_contact=(0, 0.7, 0), line_color_inner=(0, 0, 0.9), line_tint=0.2,
                            line_color_crease=(0.5, 0.5, 0), line_color_color=(0, 0.5, 0.5))),
+    "sketch": ("faces", dict(line_thickness=1.2, line_softness=0.4, line_gain=2.0, pen_wobble=0.5, pen_strokes=3,
+                             line_color_by_kind=True, line_color_outline=(0.8, 0, 0), line_color_inner=(0, 0, 0.9))),
     "on dark": ("rods", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.4)),
     "not hidden": ("things", dict(line_thickness=4.0, line_occlude=False, width_light=2.0, line_max_thickness=5.0)),
 }
