@@ -210,11 +210,58 @@ static void draw_capsule(const capsule *e, canvas *c)
 	}
 }
 
+/* ---- strokes --------------------------------------------------------------------------------------------- */
+
+/* The pixels at..end - 1 of one row: what this stroke left of them white, the next may darken. */
+static void lay_span(const canvas *c, size_t at, size_t end)
+{
+	for (; at < end; at++) {
+		float dark = c->dark[at];
+		c->laid[at] += dark - c->laid[at] * dark;
+		c->dark[at] = 0;
+		if (!(dark > c->darkest[at]))
+			continue;
+		c->darkest[at] = dark;
+		if (c->owner)
+			c->darkest_owner[at] = c->owner[at];
+	}
+}
+
+/* Lays a stroke over those before it. Were only the darkest of them kept, strokes less than a pixel apart would look
+ * like one, and a smaller picture would be paler. */
+static void lay(const canvas *c)
+{
+	for (int y = c->y0; y < c->y1; y++)
+		for (int b = 0; b < 64; b++)
+			if (c->open[y - c->y0] >> b & 1) {
+				size_t at = (size_t)(y - c->y0) * c->stride + ((size_t)b << c->shift);
+				lay_span(c, at, at + ((size_t)1 << c->shift));
+			}
+}
+
+static void take_laid(canvas *c)
+{
+	lay(c);
+	float *dark = c->dark;
+	c->dark = c->laid;
+	c->laid = dark;
+	if (c->owner)
+		c->owner = c->darkest_owner;
+}
+
 void ISA(capsules_draw)(const capsules *all, canvas *c)
 {
 	const uint32_t *first = all->first + c->y0 / BAND;
+	uint32_t stroke = 0; /* lists are in their order */
 	for (uint32_t i = first[0]; i < first[1]; i++) {
-		capsule e = capsule_of(c->f->fine, all, all->list[i][0], all->list[i][1]);
+		const uint32_t *ends = all->list[i];
+		if (c->laid && ends[0] / all->count != stroke) {
+			lay(c);
+			stroke = ends[0] / all->count;
+		}
+		capsule e = capsule_of(c->f->fine, all, ends[0], ends[1]);
 		draw_capsule(&e, c);
 	}
+	if (c->laid)
+		take_laid(c);
 }

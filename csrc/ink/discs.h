@@ -66,6 +66,10 @@ typedef struct canvas {
 	 * reading order, can be kept. */
 	uint32_t *owner;
 	float *distance;
+	/* What earlier strokes of a hand laid here, the darkest of them and, where there are owners, whose that is;
+	 * NULL where each line is drawn once. */
+	float *laid, *darkest;
+	uint32_t *darkest_owner;
 } canvas;
 
 void ISA(canvas_open)(canvas *c, int y, uint64_t blocks);
@@ -96,7 +100,8 @@ int32_t ISA(discs_gather)(const frame *f, discs *all);
 void ISA(discs_free)(discs *all);
 void ISA(discs_draw)(const discs *all, canvas *c);
 
-/* capsules.c: the strongest of all links between the sites of detector FINE, and of the sites without a link. */
+/* capsules.c: of each stroke the strongest of all links between the sites of detector FINE, and of the sites without a
+ * link; strokes over each other. */
 typedef struct capsules {
 	struct pen_end *end; /* by stroke, and in it by site */
 	float (*ink)[3];     /* likewise; NULL where all ink is the same */

@@ -100,6 +100,14 @@ static bool inks_differ(const frame *f, float *color)
 	return false;
 }
 
+static bool strokes_overlap(const frame *f)
+{
+	bool found = false;
+	for (int i = 0; i < f->n_styles; i++)
+		found |= f->params[i].use_lines && f->params[i].pen_strokes > 1;
+	return found && f->params->edge_detector == edge_detector_FINE;
+}
+
 /* The ink of the edge pixel x, y. */
 static void ink_of(const frame *f, int x, int y, float ink[3])
 {
@@ -213,6 +221,11 @@ static canvas canvas_of(const lines *l, int y0, int y1, int thread)
 		c.owner += offset;
 		c.distance += offset;
 	}
+	if (c.laid) {
+		c.laid += offset;
+		c.darkest += offset;
+		c.darkest_owner = c.owner ? c.darkest_owner + offset : NULL;
+	}
 	return c;
 }
 
@@ -234,6 +247,8 @@ void ISA(canvas_open)(canvas *c, int y, uint64_t blocks)
 			c->depth[row + (size_t)x] = inside ? depth_of(depth[x]) : 0;
 			c->dark[row + (size_t)x] = 0;
 		}
+		for (int x = x0; c->laid && x < x1; x++)
+			c->laid[row + (size_t)x] = c->darkest[row + (size_t)x] = 0;
 	}
 }
 
@@ -307,7 +322,7 @@ static void plan(frame *f, arena *a)
 {
 	lines *l = arena_take(a, 1, sizeof *l), made = {.f = f};
 	if (f->any.use_lines) {
-		bool owned = inks_differ(f, made.color);
+		bool owned = inks_differ(f, made.color), layered = strokes_overlap(f);
 		int shift = 5;
 		while ((f->width + LANES) >> shift >= 64)
 			shift++;
@@ -322,6 +337,9 @@ static void plan(frame *f, arena *a)
 			.grain = arena_take(a, n, sizeof(float)),
 			.owner = owned ? arena_take(a, n, sizeof(uint32_t)) : NULL,
 			.distance = owned ? arena_take(a, n, sizeof(float)) : NULL,
+			.laid = layered ? arena_take(a, n, sizeof(float)) : NULL,
+			.darkest = layered ? arena_take(a, n, sizeof(float)) : NULL,
+			.darkest_owner = layered && owned ? arena_take(a, n, sizeof(uint32_t)) : NULL,
 		};
 		if (f->params->edge_detector == edge_detector_FINE)
 			; /* its memory is taken when its sites are counted */

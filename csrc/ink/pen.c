@@ -82,7 +82,9 @@ static const float one_surface = 0.02f;
 static spot spot_of(const frame *f, const site *s)
 {
 	float x = s->placed.x, y = s->placed.y, left = floorf(x), top = floorf(y), front = INFINITY, sum = 0;
-	spot at = {.p = {x + (float)f->place.x, y + (float)f->place.y, 0}, .unit = f->scale};
+	/* in units of length, or another number of pixels would have other octaves, and so another line */
+	spot at = {.p = {(x + (float)f->place.x + 0.5f) / f->scale, (y + (float)f->place.y + 0.5f) / f->scale, 0},
+		   .unit = 1};
 	const float *anchor[4];
 	float depth[4], object[4], weight[4], number = 0;
 	if (!f->layer[ENCRE_LAYER_ANCHOR].data)

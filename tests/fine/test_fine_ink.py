@@ -31,6 +31,8 @@ PENS = {  # the case, what it is drawn with
     "inks": ("faces", dict(line_thickness=3.0, line_color_by_kind=True, line_color_outline=(0.8, 0, 0), line_lit=0.4,
                            line_color_contact=(0, 0.7, 0), line_color_inner=(0, 0, 0.9), line_tint=0.2,
                            line_color_crease=(0.5, 0.5, 0), line_color_color=(0, 0.5, 0.5))),
+    "sketch": ("faces", dict(line_thickness=1.2, line_softness=0.4, line_gain=2.0, pen_wobble=0.5, pen_strokes=3,
+                             line_color_by_kind=True, line_color_outline=(0.8, 0, 0), line_color_inner=(0, 0, 0.9))),
     "on dark": ("rods", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.4)),
     "not hidden": ("things", dict(line_thickness=4.0, line_occlude=False, width_light=2.0, line_max_thickness=5.0)),
 }
@@ -78,7 +80,7 @@ def test_pressure_swells_a_line_by_the_noise_where_it_runs():
     scene = {**BARE, "edge_detector": "FINE", "line_thickness": 6.0, "line_intensity": 2.0,
              "pen_pressure": 0.4, "pen_pressure_length": 60.0}
     ink = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3].sum(1)[4:-4]
-    at = np.stack([np.full(height, 19.5), np.arange(height), np.zeros(height)], -1)
+    at = np.stack([np.full(height, 20.0), np.arange(height) + 0.5, np.zeros(height)], -1)
     noise = hand.solid(at, np.full(height, 60.0), hand.PRESSURE)[4:-4]
     assert np.abs(ink - 6 * np.clip(1 + 0.4 * noise, 0.12, 3)).max() < 0.15
     anchor = np.full((height, width, 13), 0.02, np.float32)

@@ -74,8 +74,9 @@ class Hand:
         self.style = layers.style[site["near_y"], site["near_x"]]
         self.params, self.stroke = params, stroke
         self.scale = params.pixels(layers.full_height)
-        self.p = np.stack([t.at[:, 0] + layers.x, t.at[:, 1] + layers.y, 0 * t.at[:, 0]], -1)
-        self.unit = np.full(len(t), self.scale)
+        x, y = ((t.at[:, k] + corner + 0.5) / self.scale for k, corner in ((0, layers.x), (1, layers.y)))
+        self.p = np.stack([x, y, 0 * x], -1)
+        self.unit = np.ones(len(t))
         for i in range(len(t)):
             if (spot := _spot(layers, *t.at[i])) is not None:
                 self.p[i], self.unit[i] = spot[:3], spot[6] * self.scale

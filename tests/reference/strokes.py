@@ -2,7 +2,6 @@
 """FINE's ink: the union of the discs along all links, whose centre, radius, darkness and depth run evenly from one site
 to the next; and how far a pixel is from the nearest site."""
 
-import itertools
 from types import SimpleNamespace
 
 import numpy as np
@@ -114,13 +113,27 @@ def darkness(d, out, fade, gain, ease, bias, height):
 def draw(t, layers, params, paper):
     """(T (H, W), ink (H, W, 3), where rounding tells whose ink it is, or whether something stands before it)."""
     shape = layers.depth.shape
+    laid, darkest, unsure = np.zeros(shape), np.zeros(shape), np.zeros(shape, bool)
+    ink = np.zeros((*shape, 3))
+    pieces = [(i, j) for i in range(len(t)) for j in t.links[i] if j > i and not t.dropped[i] and not t.dropped[j]]
+    pieces += [(i, i) for i in range(len(t)) if not t.links[i] and not t.dropped[i]]
+    for k in range(int(max(params.at("pen_strokes", np.arange(1))))):
+        dark, own, doubtful = _stroke(ends(t, layers, params, paper, k), pieces, layers, paper)
+        laid = 1 - (1 - laid) * (1 - dark)  # what one leaves white the next may darken
+        differ = np.abs(own - ink).max(-1) > 1e-4
+        unsure |= doubtful | (np.abs(dark - darkest) < 1e-4) & (dark > 0) & differ
+        wins = dark > darkest
+        darkest[wins], ink[wins] = dark[wins], own[wins]
+    return laid, ink, unsure
+
+
+def _stroke(each, pieces, layers, paper):
+    shape = layers.depth.shape
     y, x = np.mgrid[:shape[0], :shape[1]]
     best, nearest = np.zeros(shape), np.full(shape, np.inf)
     ink, unsure = np.zeros((*shape, 3)), np.zeros(shape, bool)
-    pieces = [(i, j) for i in range(len(t)) for j in t.links[i] if j > i and not t.dropped[i] and not t.dropped[j]]
-    pieces += [(i, i) for i in range(len(t)) if not t.links[i] and not t.dropped[i]]
-    strokes = [ends(t, layers, params, paper, k) for k in range(int(max(params.at("pen_strokes", np.arange(1)))))]
-    for (at, columns, color, (numbers, bristles)), (i, j) in itertools.product(strokes, pieces):
+    at, columns, color, (numbers, bristles) = each
+    for i, j in pieces:
         a, way = at[i], at[j] - at[i]
         reach = max(columns[i, 0], columns[j, 0]) + 1
         low = np.maximum(np.floor(np.minimum(at[i], at[j]) - reach).astype(int), 0)
