@@ -77,6 +77,14 @@ static inline float max3(float a, float b, float c)
 	return max(max(a, b), c);
 }
 
+/* The brightest channel of what a pixel has beside diffuse light on its colour: what shines, reflects or lets light
+ * through. */
+static inline float other_light(const float combined[4], const float color[3], const float diffuse[3])
+{
+	return max3(combined[0] - color[0] * diffuse[0], combined[1] - color[1] * diffuse[1],
+		    combined[2] - color[2] * diffuse[2]);
+}
+
 /* Rec. 709 luminance of a linear colour. */
 static inline float luminance(float r, float g, float b)
 {

@@ -154,6 +154,16 @@ static inline float depth_at(const frame *f, int x, int y)
 	return depth_of(layer_row(f, ENCRE_LAYER_DEPTH, y)[x]);
 }
 
+static inline int style_at(const frame *f, int x, int y)
+{
+	return f->style ? f->style[(ptrdiff_t)y * f->width + x] : 0;
+}
+
+static inline const encre_params *params_at(const frame *f, int x, int y)
+{
+	return f->params + style_at(f, x, y);
+}
+
 /* Parameters of the style of pixel x of row y, and in *end where the run of pixels with that style ends, at most x1. */
 static inline const encre_params *style_run(const frame *f, int y, int x, int x1, int *end)
 {
@@ -202,8 +212,9 @@ void ISA(shade_exposed)(const frame *f, int y, float *light);
  * paper (lines see 1, hatching 0.5). Coordinates are of this frame's images; the sheet starts at the full frame's
  * top left. */
 void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *height);
-/* hatch.c: of a style's pixels x..x+n-1 of row y, their brightness 0..1 becomes the pencil's cover. */
-void ISA(hatch_cover)(const frame *f, const encre_params *p, int y, int x, int n, float *bright);
+/* hatch.c: of a style's pixels x..x+n-1 of row y, their brightness 0..1 becomes the pencil's cover. False, and nothing
+ * is written, where the pencil reaches none of them. */
+bool ISA(hatch_cover)(const frame *f, const encre_params *p, int y, int x, int n, float *bright);
 /* nearest.c: exact Euclidean nearest edge pixels; ties: least distance, row, column. plan is called by the stages
  * that read frame.nearest (twice is once); run fills it if it isn't filled. Edges farther than `reach` pixels may be
  * reported as none. */

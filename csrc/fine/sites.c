@@ -69,7 +69,7 @@ int ISA(fine_controls)(const fine *n, const found *at, placed *s)
 	int k = least_key[1] < INT32_MAX; /* a corner may lie farther from what it belongs to */
 	s->near_x = (uint16_t)near[k][0];
 	s->near_y = (uint16_t)near[k][1];
-	return f->style ? f->style[(ptrdiff_t)s->near_y * f->width + s->near_x] : 0;
+	return style_at(f, s->near_x, s->near_y);
 }
 
 bool ISA(fine_weigh)(const fine *n, placed *s, int style, enum source source, float strength)

@@ -108,7 +108,7 @@ void ISA(line_ink)(const frame *f, const site *made, float half, float ink[3])
 {
 	const placed *s = &made->placed;
 	int x = s->near_x, y = s->near_y;
-	const encre_params *p = f->params + (f->style ? f->style[(size_t)y * (size_t)f->width + (size_t)x] : 0);
+	const encre_params *p = params_at(f, x, y);
 #define LINE(kind, id, width) [LINE_##kind] = p->line_color_##id,
 	const float *const kinds[LINE_COUNT] = {LINES(LINE)};
 #undef LINE

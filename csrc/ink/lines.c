@@ -19,8 +19,7 @@ typedef struct lines {
 
 bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float strength, pen *d)
 {
-	int style = f->style ? f->style[(size_t)ny * (size_t)f->width + (size_t)nx] : 0;
-	const encre_params *p = f->params + style;
+	const encre_params *p = params_at(f, nx, ny);
 	if (!p->use_lines)
 		return false;
 	const float *controls = controls_at(f, nx, ny);
@@ -113,7 +112,7 @@ static void ink_of(const frame *f, int x, int y, float ink[3])
 {
 	int nx, ny;
 	near_of(f, x, y, &nx, &ny);
-	const encre_params *p = f->params + (f->style ? f->style[(size_t)ny * (size_t)f->width + (size_t)nx] : 0);
+	const encre_params *p = params_at(f, nx, ny);
 	const float *color = layer_row(f, ENCRE_LAYER_COLOR, ny) + (ptrdiff_t)3 * nx;
 	for (int c = 0; c < 3; c++)
 		ink[c] = blend(p->line_color[c], p->line_tint_value * color[c], p->line_tint);

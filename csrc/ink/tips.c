@@ -14,8 +14,7 @@ static const float most_frayed = 0.3f;
 /* ---- pens ------------------------------------------------------------------------------------------------ */
 
 typedef struct gather {
-	const frame *f;
-	frame *frame;
+	frame *f;
 	const fine *n;
 	capsules *all;
 	uint32_t stroke;
@@ -47,8 +46,7 @@ static pen_end pen_end_of(const frame *f, const site *made)
 
 static const encre_params *style_of(const frame *f, const site *made)
 {
-	const placed *s = &made->placed;
-	return f->params + (f->style ? f->style[(size_t)s->near_y * (size_t)f->width + s->near_x] : 0);
+	return params_at(f, made->placed.near_x, made->placed.near_y);
 }
 
 /* `radius`: evened along the line. t: what the hand does to it, or NULL. */
@@ -135,7 +133,7 @@ static void finish_pens(void *data, int first, int end, int thread)
 /* The ends of one stroke. */
 static int32_t make_stroke(gather *g, uint32_t stroke)
 {
-	frame *f = g->frame;
+	frame *f = g->f;
 	g->stroke = stroke;
 	g->end = g->all->end + (size_t)stroke * g->n->count;
 	g->radius = late_take(&f->late, g->n->count, sizeof *g->radius);
@@ -191,7 +189,7 @@ static int32_t enter_all(const gather *g, uint32_t stroke, uint32_t *next)
 int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 {
 	const fine *n = f->fine;
-	gather g = {.f = f, .frame = f, .n = n, .all = all};
+	gather g = {.f = f, .n = n, .all = all};
 	uint32_t strokes = 1;
 	bool dry = false, moved = false;
 	for (int i = 0; i < f->n_styles; i++) {

@@ -4,8 +4,6 @@
 #include "base/pixel.h"
 #include "base/stage.h"
 
-#include <string.h>
-
 enum { CHUNK = 256 };
 
 /* ---- row kernels ----------------------------------------------------------------------------------------- */
@@ -30,8 +28,7 @@ static void bright_row(const encre_params *p, int n, const float *restrict combi
 	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold,
 	      exposure = p->shade_exposure, other[CHUNK];
 	for (int i = 0; i < n; i++) {
-		const float *a = color + 3 * i, *d = diffuse + 3 * i, *all = combined + 4 * i;
-		other[i] = max3(all[0] - a[0] * d[0], all[1] - a[1] * d[1], all[2] - a[2] * d[2]);
+		other[i] = other_light(combined + 4 * i, color + 3 * i, diffuse + 3 * i);
 		bright[i] = 1;
 	}
 	if (color_threshold > 0)
@@ -97,30 +94,29 @@ static const float *pixels(const frame *f, enum encre_layer layer, int channels,
 	return row ? row + (ptrdiff_t)channels * x : NULL;
 }
 
-void ISA(hatch_cover)(const frame *f, const encre_params *p, int y, int x, int n, float *bright)
+bool ISA(hatch_cover)(const frame *f, const encre_params *p, int y, int x, int n, float *bright)
 {
 	float pressure[CHUNK], paper[CHUNK];
-	if (!pressure_row(p->hatch_amount, n, controls_at(f, x, y), bright, pressure)) {
-		memset(bright, 0, (size_t)n * sizeof *bright);
-		return;
-	}
+	if (!pressure_row(p->hatch_amount, n, controls_at(f, x, y), bright, pressure))
+		return false;
 	ISA(paper_row)(f, y, x, x + n, 0.5f, paper);
 	cover_row(n, pixels(f, ENCRE_LAYER_SPECULAR, 3, y, x), pixels(f, ENCRE_LAYER_DEPTH, 1, y, x), pressure, paper,
 		  bright);
+	return true;
 }
 
 static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n)
 {
 	float bright[CHUNK], left[CHUNK];
-	bool lightens = p->hatch_color_light > 0;
+	bool lightens = p->hatch_color_light > 0 && p->hatch_color_threshold > 0;
 	if (lightens) {
 		ISA(shade_tones)(f, y, x, x + n, left);
 		lighten_row(p, n, left);
 	}
 	bright_row(p, n, pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), pixels(f, ENCRE_LAYER_COLOR, 3, y, x),
 		   pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), lightens ? left : NULL, bright);
-	ISA(hatch_cover)(f, p, y, x, n, bright);
-	draw_row(p->hatch_color, n, bright, output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * (ptrdiff_t)x);
+	if (ISA(hatch_cover)(f, p, y, x, n, bright))
+		draw_row(p->hatch_color, n, bright, output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * (ptrdiff_t)x);
 }
 
 static void hatch_rows(void *data, int y0, int y1, int thread)

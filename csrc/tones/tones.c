@@ -29,9 +29,9 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 		    *color = layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x,
 		    *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x;
 	for (int i = 0; i < n; i++) {
-		const float *d = diffuse + 3 * i, *a = color + 3 * i, *all = combined + 4 * i;
-		float other = max3(all[0] - a[0] * d[0], all[1] - a[1] * d[1], all[2] - a[2] * d[2]);
-		light[i] = max(max3(d[0], d[1], d[2]) * p->shade_exposure, other);
+		const float *d = diffuse + 3 * i;
+		light[i] = max(max3(d[0], d[1], d[2]) * p->shade_exposure,
+			       other_light(combined + 4 * i, color + 3 * i, d));
 	}
 }
 
@@ -224,7 +224,8 @@ static void ink_row(const frame *f, const encre_params *p, const tone_screen *s,
 	case tone_dark_GRAIN:
 		for (int i = 0; i < n; i++)
 			ink[i] = 1 - dark[i];
-		ISA(hatch_cover)(f, p, y, x, n, ink);
+		if (!ISA(hatch_cover)(f, p, y, x, n, ink))
+			memset(ink, 0, (size_t)n * sizeof *ink);
 		return;
 	case tone_dark_DOTS: dots(f, p, s, y, x, n, dark, ink); break;
 	default: lines(f, p, s, kind == tone_dark_CROSS, y, x, n, dark, ink);
@@ -248,16 +249,11 @@ static void draw_row(const float *color, int n, const float *restrict ink, const
 
 /* ---- stage ------------------------------------------------------------------------------------------------- */
 
-static const tone_screen *screens_of(const frame *f)
-{
-	return f->tones;
-}
-
 static void tone_run(const frame *f, const encre_params *p, int y, int x, int n)
 {
 	float ink[TONE_CHUNK];
 	wanted w;
-	const tone_screen *screen = screens_of(f) + (p - f->params);
+	const tone_screen *screens = f->tones, *screen = screens + (p - f->params);
 	float *tones = output_row(f, ENCRE_OUTPUT_TONES, y),
 	      *surface = output_row(f, ENCRE_OUTPUT_COMBINED, y) + (ptrdiff_t)4 * x;
 	want(f, p, y, x, n, &w);

@@ -27,10 +27,8 @@ static void read(const fine *n, int source, int x, int y, float *value)
 	const float *in = layer_row(f, layer, y) + (ptrdiff_t)(layer == ENCRE_LAYER_COMBINED ? 4 : 3) * x;
 	for (int c = 0; c < 3; c++)
 		value[c] = is->form == FORM_COLOR ? clamp01(in[c]) : bounded(in[c]);
-	if (is->form == FORM_LIGHT) {
-		int style = f->style ? f->style[(ptrdiff_t)y * f->width + x] : 0;
-		value[0] = bounded(max3(in[0], in[1], in[2]) * f->params[style].shade_exposure);
-	}
+	if (is->form == FORM_LIGHT)
+		value[0] = bounded(max3(in[0], in[1], in[2]) * params_at(f, x, y)->shade_exposure);
 }
 
 /* Values at -2..2 along the axis of a site, read outwards up to where a pixel holds two surfaces: so far they go. */

@@ -53,8 +53,7 @@ static bool is_meant(const site *s)
 
 static float least_length(const frame *f, const site *s)
 {
-	size_t at = (size_t)s->placed.near_y * (size_t)f->width + s->placed.near_x;
-	return f->params[f->style ? f->style[at] : 0].line_min_length * f->scale;
+	return params_at(f, s->placed.near_x, s->placed.near_y)->line_min_length * f->scale;
 }
 
 /* A place of a contour by itself. */
