@@ -27,6 +27,13 @@ static inline bool closed_at(const fine *n, int s, int x, int y)
 	return mixed_at(n, x, y) || (s >= SOURCE_SEEN && !n->through[(ptrdiff_t)y * n->f->width + x]);
 }
 
+/* How far b and c are apart beyond what the slopes from a and to d explain. */
+static inline float jump(float a, float b, float c, float d)
+{
+	float l = c - 2 * b + a, r = b - 2 * c + d;
+	return max(min(l, -r), min(-l, r));
+}
+
 /* Shares that are added up give the place of a boundary exactly under a box filter. Under Blackman and Harris's of 1.5
  * pixels, which is steeper, that is up to 0.125 pixel too far from pixel centres, and the layers don't tell how they
  * were filtered: halfway between the two neither is off by much. */

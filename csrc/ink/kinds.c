@@ -4,6 +4,7 @@
 
 #include "base/pixel.h"
 #include "base/stage.h"
+#include "fine/near.h"
 #include "ink/discs.h"
 
 /* A jump in depth of this share, beyond what both sides explain, is one: where an edge of depth has half its strength.
@@ -23,13 +24,11 @@ static float inverse_at(const frame *f, int x, int y)
 }
 
 /* What each side, continued straight, misses of the other, as a share of the nearer one. */
-static float jump(const frame *f, int x, int y, int dx, int dy)
+static float jump_at(const frame *f, int x, int y, int dx, int dy)
 {
 	float before = inverse_at(f, x - dx, y - dy), p = inverse_at(f, x, y), q = inverse_at(f, x + dx, y + dy),
-	      after = inverse_at(f, x + 2 * dx, y + 2 * dy);
-	float l = q - 2 * p + before, r = p - 2 * q + after, near = f->camera.orthographic ? 1 : max(p, q);
-	float far = max(0, max(min(l, -r), min(-l, r)));
-	return near > 0 ? far / near : 0;
+	      after = inverse_at(f, x + 2 * dx, y + 2 * dy), near = f->camera.orthographic ? 1 : max(p, q);
+	return near > 0 ? max(0, jump(before, p, q, after)) / near : 0;
 }
 
 static bool same_object(const frame *f, int x, int y, int qx, int qy)
@@ -48,7 +47,7 @@ static enum line shape_of(const frame *f, const found *at, enum source source)
 	if (same && source == SOURCE_DEPTH)
 		return LINE_INNER;
 	bool nothing = !(depth_at(f, x, y) < INFINITY) || !(depth_at(f, qx, qy) < INFINITY);
-	return nothing || jump(f, x, y, dx, dy) >= least_jump ? LINE_OUTLINE : LINE_CONTACT;
+	return nothing || jump_at(f, x, y, dx, dy) >= least_jump ? LINE_OUTLINE : LINE_CONTACT;
 }
 
 static bool passes_through(const frame *f, const found *at)

@@ -34,13 +34,6 @@ static void sample_row(const edges *e, const float *restrict z, int n, float *re
 			u[i] = 1 / depth_of(z[i]);
 }
 
-/* How far b and c are apart beyond what the slopes from a and to d explain. */
-static inline float jump(float a, float b, float c, float d)
-{
-	float l = c - 2 * b + a, r = b - 2 * c + d;
-	return max(min(l, -r), min(-l, r));
-}
-
 /* Nothing there lies one frame height behind the farthest of the four. */
 static inline float jump_ortho(float a, float b, float c, float d)
 {
