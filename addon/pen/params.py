@@ -105,9 +105,18 @@ def terms(rule: str, value: Callable[[str], Any]) -> dict[str, bool]:
     return {term: true(term) for term in rule.split("&")} if rule else {}
 
 
+TONES = ("tone_1", "tone_2", "tone_3", "tone_4")  # of the levels of light, the darkest first
+
+
 def fills(values: Mapping[str, Any], *tones: str) -> bool:
     """Whether any of these tones fills a level of light with these values."""
-    return values["use_tones"] and any(values[id_] in tones for id_ in ("tone_dark", "tone_middle", "tone_light"))
+    return values["use_tones"] and any(values[id_] in tones for id_ in TONES)
+
+
+def fills_surfaces(values: Mapping[str, Any]) -> bool:
+    """Whether any tone sticks to surfaces."""
+    return values["use_tones"] and any(values[f"{id_}_space"] == "SURFACE"
+                                       and values[id_] in ("DOTS", "LINES", "CROSS") for id_ in TONES)
 
 
 def _levels(levels):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import colour, library
-from .params import fills, terms
+from .params import fills_surfaces, terms
 
 _MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
 _WINDOW = 24  # pixels about an edge at which its detector looks, whatever the settings are
@@ -189,7 +189,7 @@ class Settings:
         """Whether anything that is drawn sticks to surfaces."""
         hand = "pen_pressure", "pen_wobble", "pen_rough", "pen_gaps", "pen_dry"
         fine = self.every[0]["edge_detector"] == "FINE"
-        return any((values["tone_space"] == "SURFACE" and fills(values, "DOTS", "LINES", "CROSS"))
+        return any(fills_surfaces(values)
                    or (fine and values["use_lines"] and any(values[id_] for id_ in hand)) for values in self.every)
 
     @cached_property

@@ -93,7 +93,7 @@ typedef struct frame {
 	void *paper;
 	/* edges, lines: scratch */
 	void *edges, *lines;
-	void *tones; /* tones: a screen for each style */
+	void *tones; /* tones: those of each style */
 	void *fine;  /* sites and links of detector FINE (fine.h), else NULL; then edge, strength and near are NULL */
 	late *late;
 } frame;

@@ -258,8 +258,8 @@ static const char *check(const encre_params *params, char *text, size_t size)
 
 static bool rubs(const encre_params *p)
 {
-	return p->use_tones && (p->tone_dark == tone_dark_GRAIN || p->tone_middle == tone_middle_GRAIN ||
-				p->tone_light == tone_light_GRAIN);
+	return p->use_tones && (p->tone_1 == tone_1_GRAIN || p->tone_2 == tone_2_GRAIN || p->tone_3 == tone_3_GRAIN ||
+				p->tone_4 == tone_4_GRAIN);
 }
 
 static bool wanted(const frame *f)

@@ -7,19 +7,32 @@
 
 #include <string.h>
 
-enum { KINDS = tone_dark_GRAIN + 1 };
+/* A style's tone of a level. */
+typedef struct slot {
+	int kind, space;
+	float pitch, gradient, across[2]; /* pixels; cosine and sine of the angle */
+	const float *color;
+	int like; /* the first slot that looks the same, perhaps this one: ink that is the same grows from one to the
+		     next */
+	const tone_screen *screen; /* of the first that looks the same */
+} slot;
 
-/* What there is to draw in a chunk: of each kind its share of the pixel and its darkness there. */
+typedef struct style_tones {
+	slot slot[TONE_SLOTS];
+	tone_screen screen[TONE_SLOTS];
+} style_tones;
+
+/* What there is to draw in a chunk: of each slot its share of the pixel and its darkness there. */
 typedef struct wanted {
-	float share[KINDS][TONE_CHUNK], dark[KINDS][TONE_CHUNK];
-	bool any[KINDS];
+	float share[TONE_SLOTS][TONE_CHUNK], dark[TONE_SLOTS][TONE_CHUNK];
+	bool any[TONE_SLOTS];
 } wanted;
 
 /* ---- which tone, and how dark ------------------------------------------------------------------------------ */
 
-static int kind_of(const encre_params *p, int level)
+static int slot_of(int level)
 {
-	return level == 0 ? p->tone_dark : level < p->shade_levels.count - 1 ? p->tone_middle : p->tone_light;
+	return level < TONE_SLOTS ? level : TONE_SLOTS - 1;
 }
 
 /* Light that levels are compared with; what shines or reflects is not in the dark. Nothing there: INFINITY. */
@@ -36,21 +49,23 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 }
 
 /* Levels are at most two at a pixel: their transitions don't overlap. */
-static void want_level(const encre_params *p, int level, int n, const float *restrict light,
+static void want_level(const encre_params *p, int level, float gradient, int n, const float *restrict light,
 		       const float *restrict added, float *restrict share, float *restrict sum)
 {
 	const encre_level *own = p->shade_levels.level + level, *next = own + 1;
 	bool first = level == 0, last = level == p->shade_levels.count - 1;
-	float base = 1 - own->intensity + p->tone_darkness;
+	float base = 1 - own->intensity + p->tone_darkness, start = first ? 0 : own->threshold;
 	float in = own->transition > 1e-30f ? 1 / own->transition : 0,
 	      out = !last && next->transition > 1e-30f ? 1 / next->transition : 0;
+	float span = last ? 0 : next->threshold - start, along = span > 1e-30f ? 1 / span : 0;
+	float fall = last ? 0 : gradient * (next->intensity - own->intensity);
 	for (int i = 0; i < n; i++) {
 		float x = light[i];
 		float entered = first ? 1 : in > 0 ? clamp01((x - own->threshold) * in + 0.5f) : x > own->threshold;
 		float left = last ? 0 : out > 0 ? clamp01((x - next->threshold) * out + 0.5f) : x > next->threshold;
 		float here = max(entered - left, 0);
 		share[i] += here;
-		sum[i] += here * clamp01(base + added[i]);
+		sum[i] += here * clamp01(base - fall * clamp01((x - start) * along) + added[i]);
 	}
 }
 
@@ -62,27 +77,29 @@ static bool any(const float *values, int n)
 	return most > 0;
 }
 
-static void want(const frame *f, const encre_params *p, int y, int x, int n, wanted *w)
+static void want(const frame *f, const encre_params *p, const slot *slots, int y, int x, int n, wanted *w)
 {
 	float light[TONE_CHUNK], added[TONE_CHUNK], none[TONE_CHUNK] = {0};
 	const float *controls = controls_at(f, x, y), *depth = layer_row(f, ENCRE_LAYER_DEPTH, y) + x;
 	light_row(f, p, y, x, n, light);
 	for (int i = 0; i < n; i++)
 		added[i] = controls ? controls[CONTROL_COUNT * i + CONTROL_HATCHING] : 0;
-	for (int k = 0; k < KINDS; k++)
+	for (int k = 0; k < TONE_SLOTS; k++)
 		w->any[k] = false;
 	for (int level = 0; level < p->shade_levels.count; level++) {
-		int k = kind_of(p, level);
-		if (k == tone_dark_NONE)
+		const slot *own = slots + slot_of(level);
+		int k = own->like;
+		if (own->kind == tone_1_NONE)
 			continue;
 		if (!w->any[k]) {
 			memset(w->share[k], 0, sizeof w->share[k]);
 			memset(w->dark[k], 0, sizeof w->dark[k]);
 		}
 		w->any[k] = true;
-		want_level(p, level, n, light, k == tone_dark_GRAIN ? none : added, w->share[k], w->dark[k]);
+		want_level(p, level, own->gradient, n, light, own->kind == tone_1_GRAIN ? none : added, w->share[k],
+			   w->dark[k]);
 	}
-	for (int k = 0; k < KINDS; k++) {
+	for (int k = 0; k < TONE_SLOTS; k++) {
 		for (int i = 0; i < n && w->any[k]; i++) {
 			float share = depth_of(depth[i]) < INFINITY ? w->share[k][i] : 0;
 			w->dark[k][i] = share > 0 ? clamp01(w->dark[k][i] / w->share[k][i]) : 0;
@@ -151,30 +168,29 @@ static void unit(float v[3])
 
 /* ---- ink --------------------------------------------------------------------------------------------------- */
 
-static void dots(const frame *f, const encre_params *p, const tone_screen *s, int y, int x, int n, const float *dark,
-		 float *ink)
+static void dots(const frame *f, const slot *s, int y, int x, int n, const float *dark, float *ink)
 {
 	tone_field chart[2];
-	float angle = p->tone_angle * 0.0174532925f, c = pixel_cos(angle), d = pixel_sin(angle);
-	const float *anchor = p->tone_space == tone_space_SURFACE ? anchor_at(f, x, y) : NULL;
+	float c = s->across[0], d = s->across[1];
+	const float *anchor = s->space == tone_1_space_SURFACE ? anchor_at(f, x, y) : NULL;
 	if (anchor)
 		surface_chart(anchor, n, c, d, chart);
 	else {
 		screen_field(f, y, x, n, c, -d, chart);
 		screen_field(f, y, x, n, d, c, chart + 1);
 	}
-	ISA(tone_dots)(s, n, chart, dark, ink);
+	ISA(tone_dots)(s->screen, n, chart, dark, ink);
 }
 
 /* Two families of lines, of which the second has what the first leaves of the darkness. */
-static void lines(const frame *f, const encre_params *p, const tone_screen *s, bool cross, int y, int x, int n,
-		  const float *dark, float *ink)
+static void lines(const frame *f, const slot *s, int y, int x, int n, const float *dark, float *ink)
 {
+	bool cross = s->kind == tone_1_CROSS;
 	tone_field field;
 	float first[TONE_CHUNK], second[TONE_CHUNK], cut[TONE_CHUNK], more[TONE_CHUNK] = {0};
-	float angle = p->tone_angle * 0.0174532925f, c = pixel_cos(angle), d = pixel_sin(angle);
+	float c = s->across[0], d = s->across[1];
 	float along[3] = {d + 0.15f, 0.1f, c}, other[3];
-	const float *anchor = p->tone_space == tone_space_SURFACE ? anchor_at(f, x, y) : NULL;
+	const float *anchor = s->space == tone_1_space_SURFACE ? anchor_at(f, x, y) : NULL;
 	unit(along);
 	other[0] = along[1] * 0.2f - along[2] * 0.75f;
 	other[1] = along[2] * 0.6f - along[0] * 0.2f;
@@ -194,14 +210,14 @@ static void lines(const frame *f, const encre_params *p, const tone_screen *s, b
 		float left = first[i] < 1 ? 1 - (1 - dark[i]) / (1 - first[i]) : 0;
 		second[i] = cross || cut[i] < 1 ? clamp01(left) : 0;
 	}
-	ISA(tone_lines)(s, n, &field, first, ink);
+	ISA(tone_lines)(s->screen, n, &field, first, ink);
 	if (!any(second, n))
 		return;
 	if (anchor)
 		surface_field(anchor, n, other, &field);
 	else
 		screen_field(f, y, x, n, c, -d, &field);
-	ISA(tone_lines)(s, n, &field, second, more);
+	ISA(tone_lines)(s->screen, n, &field, second, more);
 	for (int i = 0; i < n; i++)
 		ink[i] = ink[i] + more[i] - ink[i] * more[i];
 }
@@ -213,24 +229,24 @@ static void mean_row(const float *anchor, int n, const float *restrict dark, flo
 		ink[i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + ANCHOR_PIXEL] > 0 ? ink[i] : dark[i];
 }
 
-static void ink_row(const frame *f, const encre_params *p, const tone_screen *s, int kind, int y, int x, int n,
-		    const float *dark, float *ink)
+static void ink_row(const frame *f, const encre_params *p, const slot *s, int y, int x, int n, const float *dark,
+		    float *ink)
 {
-	switch (kind) {
-	case tone_dark_SOLID:
+	switch (s->kind) {
+	case tone_1_SOLID:
 		for (int i = 0; i < n; i++)
 			ink[i] = dark[i] > 0 ? 1 : 0;
 		return;
-	case tone_dark_GRAIN:
+	case tone_1_GRAIN:
 		for (int i = 0; i < n; i++)
 			ink[i] = 1 - dark[i];
 		if (!ISA(hatch_cover)(f, p, y, x, n, ink))
 			memset(ink, 0, (size_t)n * sizeof *ink);
 		return;
-	case tone_dark_DOTS: dots(f, p, s, y, x, n, dark, ink); break;
-	default: lines(f, p, s, kind == tone_dark_CROSS, y, x, n, dark, ink);
+	case tone_1_DOTS: dots(f, s, y, x, n, dark, ink); break;
+	default: lines(f, s, y, x, n, dark, ink);
 	}
-	if (p->tone_space == tone_space_SURFACE && anchor_at(f, x, y))
+	if (s->space == tone_1_space_SURFACE && anchor_at(f, x, y))
 		mean_row(anchor_at(f, x, y), n, dark, ink);
 }
 
@@ -249,19 +265,25 @@ static void draw_row(const float *color, int n, const float *restrict ink, const
 
 /* ---- stage ------------------------------------------------------------------------------------------------- */
 
+static const style_tones *tones_of(const frame *f, const encre_params *p)
+{
+	return (const style_tones *)f->tones + (p - f->params);
+}
+
+/* The darkest level's ink comes last. */
 static void tone_run(const frame *f, const encre_params *p, int y, int x, int n)
 {
 	float ink[TONE_CHUNK];
 	wanted w;
-	const tone_screen *screens = f->tones, *screen = screens + (p - f->params);
+	const slot *slots = tones_of(f, p)->slot;
 	float *tones = output_row(f, ENCRE_OUTPUT_TONES, y),
 	      *surface = output_row(f, ENCRE_OUTPUT_COMBINED, y) + (ptrdiff_t)4 * x;
-	want(f, p, y, x, n, &w);
-	for (int kind = KINDS - 1; kind > tone_dark_NONE; kind--) { /* solid ink last */
-		if (!w.any[kind])
+	want(f, p, slots, y, x, n, &w);
+	for (int k = TONE_SLOTS - 1; k >= 0; k--) {
+		if (!w.any[k])
 			continue;
-		ink_row(f, p, screen, kind, y, x, n, w.dark[kind], ink);
-		draw_row(p->tone_color, n, ink, w.share[kind], surface, tones ? tones + (ptrdiff_t)4 * x : NULL);
+		ink_row(f, p, slots + k, y, x, n, w.dark[k], ink);
+		draw_row(slots[k].color, n, ink, w.share[k], surface, tones ? tones + (ptrdiff_t)4 * x : NULL);
 	}
 }
 
@@ -284,19 +306,46 @@ static void tone_rows(void *data, int y0, int y1, int thread)
 
 static void plan(frame *f, arena *a)
 {
-	f->tones = f->any.use_tones ? arena_take(a, (size_t)f->n_styles, sizeof(tone_screen)) : NULL;
+	f->tones = f->any.use_tones ? arena_take(a, (size_t)f->n_styles, sizeof(style_tones)) : NULL;
+}
+
+static bool alike(const slot *a, const slot *b)
+{
+	return a->kind == b->kind && a->space == b->space && a->pitch == b->pitch && a->across[0] == b->across[0] &&
+	       a->across[1] == b->across[1] && memcmp(a->color, b->color, 3 * sizeof *a->color) == 0;
+}
+
+static void fill_slots(const frame *f, const encre_params *p, style_tones *t)
+{
+#define SLOT(n)                                                                                                        \
+	{                                                                                                              \
+		.kind = p->tone_##n, .space = p->tone_##n##_space, .pitch = p->tone_##n##_pitch * f->scale,            \
+		.gradient = p->tone_##n##_gradient,                                                                    \
+		.across = {pixel_cos(p->tone_##n##_angle * 0.0174532925f),                                             \
+			   pixel_sin(p->tone_##n##_angle * 0.0174532925f)},                                            \
+		.color = p->tone_##n##_color                                                                           \
+	}
+	const slot given[TONE_SLOTS] = {SLOT(1), SLOT(2), SLOT(3), SLOT(4)};
+#undef SLOT
+	memcpy(t->slot, given, sizeof given);
+	for (int k = 0; k < TONE_SLOTS; k++) {
+		slot *s = t->slot + k;
+		s->like = k;
+		for (int j = k - 1; j >= 0; j--)
+			if (alike(t->slot + j, s))
+				s->like = j;
+		s->screen = t->screen + s->like;
+		if (s->like == k)
+			ISA(tone_screen_fill)(t->screen + k, s->pitch, p->tone_hardness, s->kind == tone_1_DOTS);
+	}
 }
 
 static int32_t prepare(frame *f)
 {
-	tone_screen *screens = f->tones;
-	for (int i = 0; i < f->n_styles && screens; i++) {
-		const encre_params *p = f->params + i;
-		bool dotted = p->tone_dark == tone_dark_DOTS || p->tone_middle == tone_middle_DOTS ||
-			      p->tone_light == tone_light_DOTS;
-		if (p->use_tones)
-			ISA(tone_screen_fill)(screens + i, p->tone_pitch * f->scale, p->tone_hardness, dotted);
-	}
+	style_tones *styles = f->tones;
+	for (int i = 0; i < f->n_styles && styles; i++)
+		if (f->params[i].use_tones)
+			fill_slots(f, f->params + i, styles + i);
 	return ENCRE_OK;
 }
 

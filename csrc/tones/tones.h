@@ -5,7 +5,7 @@
 
 #include "base/stage.h"
 
-enum { TONE_CHUNK = 256, TONE_BIRTHS = 11, TONE_STEPS = 33 };
+enum { TONE_CHUNK = 256, TONE_BIRTHS = 11, TONE_STEPS = 33, TONE_SLOTS = 4 };
 
 /* A coordinate in which a screen repeats itself, at the pixels of a chunk, and its growth per pixel. */
 typedef struct tone_field {

@@ -47,7 +47,7 @@ def test_what_sticks_wants_rest_positions(run, tmp_path, scene):
         assert status == 0
         return "rest positions" in err
 
-    assert noted("pen_wobble=1") and noted("use_tones=on", "tone_space=SURFACE")
+    assert noted("pen_wobble=1") and noted("use_tones=on", "tone_1_space=SURFACE")
     assert not noted() and not noted("use_tones=on")
     assert "Encre Anchor: missing; render with Encre and Save Anchor on" in run("composite", path, "--check")[1]
 

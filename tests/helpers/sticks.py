@@ -89,20 +89,25 @@ def frame(meshes, view, projection, values):
     return ink, maps
 
 
+
+
+def tone(kind, **look):
+    """Values that fill all levels alike: look(pitch=8) is tone_1_pitch and so on."""
+    return {f"tone_{n}{id_}": value for n in range(1, 5)
+            for id_, value in {"": kind, **{f"_{name}": value for name, value in look.items()}}.items()}
+
+
 # From the darkest to the brightest without a step: ink that grows.
-RAMP = {"shade_levels": [(0.05,), (0.95, 0.5, 1.0)], "tone_light": "DOTS", "length_unit": "PIXELS"}
+RAMP = {"shade_levels": [(0.05,), (0.95, 0.5, 1.0)], "length_unit": "PIXELS"}
 SCREENS = {
-    "dots": {**RAMP, "tone_space": "SURFACE", "tone_pitch": 7.0},
-    "lines": {**RAMP, "tone_dark": "LINES", "tone_light": "LINES", "tone_space": "SURFACE", "tone_pitch": 7.0,
-              "tone_angle": 0.0},
-    "cross-lines": {**RAMP, "tone_dark": "CROSS", "tone_light": "CROSS", "tone_space": "SURFACE", "tone_pitch": 7.0,
-                    "tone_angle": 0.0},
-    "dots on the screen": {**RAMP, "tone_pitch": 7.0},
+    "dots": {**RAMP, **tone("DOTS", space="SURFACE", pitch=7.0)},
+    "lines": {**RAMP, **tone("LINES", space="SURFACE", pitch=7.0, angle=0.0)},
+    "cross-lines": {**RAMP, **tone("CROSS", space="SURFACE", pitch=7.0, angle=0.0)},
+    "dots on the screen": {**RAMP, **tone("DOTS", pitch=7.0)},
 }
 MOTIONS = {"pan": [dict(pan=0.0115 * 5.3 * k / 2) for k in range(6)],
            "zoom": [dict(zoom=4 ** (k / 16)) for k in range(17)],
            "turn": [dict(turn=np.radians(2.5 * k)) for k in range(13)]}
-
 
 
 def posed(pan=0.0, zoom=1.0, turn=0.0):

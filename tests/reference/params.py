@@ -46,8 +46,10 @@ DEFAULTS = {
     "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
     "paper_seed": 0,
     # tones
-    "use_tones": False, "tone_dark": "DOTS", "tone_middle": "DOTS", "tone_light": "NONE", "tone_darkness": 0.0,
-    "tone_pitch": 8.0, "tone_angle": 45.0, "tone_hardness": 1.0, "tone_color": (0.0, 0.0, 0.0), "tone_space": "SCREEN",
+    "use_tones": False, "tone_darkness": 0.0, "tone_hardness": 1.0,
+    **{f"tone_{n}": kind for n, kind in enumerate(("DOTS", "DOTS", "NONE", "NONE"), 1)},
+    **{f"tone_{n}_{id_}": value for n in range(1, 5) for id_, value in
+       dict(pitch=8.0, angle=45.0, space="SCREEN", gradient=0.0, color=(0.0, 0.0, 0.0)).items()},
     # read before the layers reach the stages
     "object_index": "AUTO", "shade_light": "ALL", "layer_source": "CYCLES", "light_source": "CYCLES",
     "light_denoise": "OIDN", "save_layers": "AUTO", "save_anchor": "AUTO",

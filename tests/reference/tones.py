@@ -7,7 +7,7 @@ from . import hatch
 from .metric import clamp01, mix, value
 from .shade import other
 
-KINDS = ("GRAIN", "CROSS", "LINES", "DOTS", "SOLID")  # in the order in which they are drawn
+SLOTS = 4
 BIRTHS, STEPS, RADII, SAMPLES = 11, 33, 40, 12
 
 
@@ -108,13 +108,20 @@ def _both(one, two):
     return one + two - one * two
 
 
-def _dark(layers, levels, of, kind, added):
-    """(share, darkness) of a kind of tone at each pixel."""
+def _looks(of):
+    """What each level's tone looks like, the last that of all further levels: those that are equal are one."""
+    return [(of(f"tone_{n}"), of(f"tone_{n}_pitch"), of(f"tone_{n}_angle"), of(f"tone_{n}_space"),
+             tuple(of(f"tone_{n}_color"))) for n in range(1, SLOTS + 1)]
+
+
+def _dark(layers, levels, of, look):
+    """(share, darkness) of a tone at each pixel."""
     light = np.maximum(value(layers.diffuse) * of("shade_exposure"), value(other(layers)))
+    added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
     share, total = np.zeros(light.shape), np.zeros(light.shape)
     for k, level in enumerate(levels):
-        name = "tone_dark" if k == 0 else "tone_middle" if k < len(levels) - 1 else "tone_light"
-        if of(name) != kind:
+        n = min(k, SLOTS - 1)
+        if _looks(of)[n] != look:
             continue
 
         def passed(steps):
@@ -124,19 +131,24 @@ def _dark(layers, levels, of, kind, added):
 
         here = (passed(level) if k else 1.0) - (passed(levels[k + 1]) if k < len(levels) - 1 else 0.0)
         here = np.maximum(here, 0) * np.ones(light.shape)
+        brighter = level[0]
+        if k < len(levels) - 1:
+            start, end = level[1] if k else 0.0, levels[k + 1][1]
+            along = clamp01((light - start) / (end - start)) if end > start else 0.0
+            brighter = mix(level[0], levels[k + 1][0], of(f"tone_{n + 1}_gradient") * along)
         share += here
-        total += here * clamp01(1 - level[0] + of("tone_darkness") + added)
+        total += here * clamp01(1 - brighter + of("tone_darkness") + added)
     share = np.where(layers.there, share, 0)
     return clamp01(share), clamp01(np.where(share > 0, total / np.maximum(share, 1e-30), 0))
 
 
-def _ink(layers, of, kind, dark, scale, paper):
-    pitch = max(2.0, of("tone_pitch") * scale)
+def _ink(layers, of, look, dark, scale, paper):
+    kind, pitch, angle, space = look[:4]
+    pitch = max(2.0, pitch * scale)
     soft = 1 + (1 - of("tone_hardness")) * pitch / 2
-    angle = np.radians(of("tone_angle"))
-    c, s = np.cos(angle), np.sin(angle)
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     height, width = dark.shape
-    anchor = layers.anchor if of("tone_space") == "SURFACE" else None
+    anchor = layers.anchor if space == "SURFACE" else None
 
     def screen(right, down):
         y, x = np.mgrid[:height, :width]
@@ -187,14 +199,16 @@ def fill(layers, params, surface, paper):
         of, own = table.__getitem__, layers.style == number
         if not of("use_tones"):
             continue
-        for kind in KINDS:
-            added = 0.0 if kind == "GRAIN" else layers.controls["hatching"]
-            share, dark = _dark(layers, of("shade_levels"), of, kind, added)
+        looks = _looks(of)
+        for k, look in reversed(list(enumerate(looks))):
+            if look[0] == "NONE" or look in looks[:k]:
+                continue
+            share, dark = _dark(layers, of("shade_levels"), of, look)
             if not (dark > 0).any():
                 continue
-            t = np.where(own, _ink(layers, of, kind, dark, scale, paper) * share, 0)[..., None]
+            t = np.where(own, _ink(layers, of, look, dark, scale, paper) * share, 0)[..., None]
             alpha = surface[..., 3:]
-            drawn[..., :3] = mix(drawn[..., :3], np.array(of("tone_color")) * alpha, t)
-            ink = np.concatenate([np.array(of("tone_color")) * alpha, alpha], -1)
+            drawn[..., :3] = mix(drawn[..., :3], np.array(look[4]) * alpha, t)
+            ink = np.concatenate([np.array(look[4]) * alpha, alpha], -1)
             alone = mix(alone, ink, t)
     return drawn, alone

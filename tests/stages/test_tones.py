@@ -11,9 +11,11 @@ from reference import render as reference
 ALONE = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=True,
              length_unit="PIXELS")
 LEVELS = [(0.15,), (0.5, 0.3, 0.2), (0.8, 0.7, 0.0), (1.1, 1.0, 0.1)]
-STYLES = [dict(tone_dark="CROSS", tone_middle="GRAIN", tone_light="DOTS", tone_space="SURFACE", tone_pitch=9.0,
-               tone_hardness=0.4, tone_color=(0.4, 0.1, 0.0), tone_darkness=0.2),
-          dict(tone_dark="SOLID", tone_middle="LINES", tone_light="LINES", tone_angle=-20.0),
+STYLES = [dict(tone_1="CROSS", tone_2="GRAIN", tone_3="GRAIN", tone_4="DOTS", tone_1_space="SURFACE",
+               tone_4_space="SURFACE", tone_1_pitch=9.0, tone_1_gradient=0.7, tone_hardness=0.4, tone_3_gradient=1.0,
+               tone_2_color=(0.4, 0.1, 0.0), tone_darkness=0.2),
+          dict(tone_1="SOLID", tone_2="LINES", tone_3="LINES", tone_4="LINES", tone_2_angle=-20.0, tone_3_angle=-20.0,
+               tone_3_gradient=0.5),
           dict(use_tones=False)]
 
 
@@ -37,8 +39,7 @@ def stuck(width, height, seed=0):
 def test_twin(kind, space):
     width, height = 120, 80
     layers = stuck(width, height)
-    scene = dict(ALONE, shade_levels=LEVELS, tone_dark=kind, tone_middle=kind, tone_light=kind, tone_space=space,
-                 tone_pitch=7.3, tone_angle=30.0)
+    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone(kind, space=space, pitch=7.3, angle=30.0))
     names = ("Combined", "Encre Tones")
     frame = Frame(200, 160, 31, 20)
     got = library.render(layers, scene, STYLES, frame=frame, outputs=names).images
@@ -52,7 +53,7 @@ def test_twin(kind, space):
 def test_without_an_anchor_the_screen_is_kept_to():
     layers = stuck(60, 40)
     del layers["anchor"]
-    one, two = (library.render(layers, dict(ALONE, tone_space=space)).images["Combined"]
+    one, two = (library.render(layers, ALONE | sticks.tone("DOTS", space=space)).images["Combined"]
                 for space in ("SCREEN", "SURFACE"))
     assert one.tobytes() == two.tobytes()
 
@@ -60,7 +61,7 @@ def test_without_an_anchor_the_screen_is_kept_to():
 @pytest.mark.parametrize("space", ["SCREEN", "SURFACE"])
 def test_threads_instructions_and_borders_change_nothing(space):
     layers = stuck(97, 61)
-    scene = dict(ALONE, shade_levels=LEVELS, tone_light="LINES", tone_space=space)
+    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("DOTS", space=space), tone_4_pitch=5.0)
 
     def drawn(part=np.s_[:, :], frame=None, **how):
         return library.render({name: a[part] for name, a in layers.items()}, scene, STYLES, frame=frame,
@@ -90,12 +91,12 @@ RAMP = (0.05, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 0.95)
 
 
 @pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
-@pytest.mark.parametrize("look", [dict(tone_pitch=8.0), dict(tone_pitch=5.3, tone_angle=15.0),
-                                  dict(tone_pitch=12.0, tone_angle=0.0, tone_hardness=0.5), dict(tone_pitch=3.0),
-                                  dict(tone_pitch=37.0)])
+@pytest.mark.parametrize("look", [dict(tone_1_pitch=8.0), dict(tone_1_pitch=5.3, tone_1_angle=15.0),
+                                  dict(tone_1_pitch=12.0, tone_1_angle=0.0, tone_hardness=0.5),
+                                  dict(tone_1_pitch=3.0), dict(tone_1_pitch=37.0)])
 def test_ink_on_the_screen_is_what_was_asked_for(kind, look):
     for dark in RAMP:
-        assert abs(flat(dark, tone_dark=kind, **look).mean() - dark) < 0.01, dark
+        assert abs(flat(dark, tone_1=kind, **look).mean() - dark) < 0.01, dark
 
 
 @pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
@@ -112,7 +113,7 @@ def test_ink_on_surfaces_is_what_was_asked_for_at_any_distance(kind):
         if kind != "DOTS":  # a wall: planes across the up axis cut it
             anchor = anchor[..., (2, 0, 1, 5, 3, 4, 6, 9, 7, 8, 12, 10, 11)].copy()
         for dark in RAMP:
-            ink = flat(dark, size, anchor, tone_dark=kind, tone_space="SURFACE", tone_angle=20.0)
+            ink = flat(dark, size, anchor, tone_1=kind, tone_1_space="SURFACE", tone_1_angle=20.0)
             # dark dots whose rows are not at right angles overlap less than the table thinks
             assert abs(ink.mean() - dark) < (0.04 if kind == "DOTS" and dark > 0.7 else 0.01), (k, dark)
 
@@ -127,7 +128,7 @@ def test_an_octave_ends_as_the_next_begins(kind):
         anchor = np.zeros((*size, 13), np.float32)
         anchor[..., 1], anchor[..., 2] = x * pixel, y * pixel
         anchor[..., 3], anchor[..., 6], anchor[..., 8], anchor[..., 12] = 1, pixel, pixel, pixel
-        drawn.append(flat(0.4, size, anchor, tone_dark=kind, tone_space="SURFACE", tone_pitch=8.0, tone_angle=0.0))
+        drawn.append(flat(0.4, size, anchor, tone_1=kind, tone_1_space="SURFACE", tone_1_pitch=8.0, tone_1_angle=0.0))
     assert drawn[0].std() > 0.2 and np.abs(drawn[0] - drawn[1]).max() < 0.1
 
 

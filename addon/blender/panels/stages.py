@@ -6,7 +6,7 @@ import functools
 import bpy
 
 from ...pen import library
-from ...pen.params import terms
+from ...pen.params import TONES, terms
 from . import presets, settings
 from .base import EncrePanel
 from .levels import draw_levels
@@ -17,11 +17,18 @@ def enabled(group, rule):
     return all(terms(rule, lambda id_: getattr(group, id_, True)).values())
 
 
+def _empty(group, id_):
+    """Whether a setting is one of how something looks that is not there: of a tone that is none."""
+    return any(id_.startswith(f"{tone}_") and getattr(group, tone, "") == "NONE" for tone in TONES)
+
+
 def draw_params(layout, group, params, path):
     layout.use_property_split = True
     layout.use_property_decorate = path != "style"
     preset = presets.current(group.id_data)
     for p in params:
+        if path == "scene" and _empty(group, p.id):
+            continue
         line = layout.row(align=True)
         row = line.column()
         row.active = enabled(group, p.enabled_if)
