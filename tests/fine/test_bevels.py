@@ -22,7 +22,6 @@ def turned(points, degrees):
 def bevel(segments, width, degrees=20.0, bend=90.0, kind="flat"):
     """Two faces 50 long that meet under `bend`, rounded off over so many pixels of the picture by so many faces."""
     if segments == 0:
-        at = np.array([0.0])
         turns = np.array([bend])
     else:
         turns = np.full(segments + 1, bend / segments)
@@ -31,6 +30,11 @@ def bevel(segments, width, degrees=20.0, bend=90.0, kind="flat"):
     chord = np.concatenate([[30], np.ones(max(segments, 1) if segments else 0), [30]])
     if segments:
         chord[1:-1] = width / np.cos(heading[1:-1]).sum()
+    return folded(heading, chord, degrees, kind)
+
+
+def folded(heading, chord, degrees=0.0, kind="flat"):
+    """A strip of faces, each with its heading and its length."""
     at = np.concatenate([[(0, 0)], np.cumsum(chord[:, None] * np.stack([np.cos(heading), -np.sin(heading)], 1), 0)])
     at -= (at[len(at) // 2] + at[(len(at) - 1) // 2]) / 2
     points = np.concatenate([np.c_[at[:, 0], np.full(len(at), y), at[:, 1]] for y in (-60, 60)])
@@ -148,6 +152,19 @@ def test_against_the_reference(seed):
     want = spread({**got, "creases": without["creases"]}, 540)
     assert (np.abs(want[..., [1, 3]]) > SPREAD).sum() > 10
     assert (np.abs(got["creases"] - want) > 0.02).any(2).mean() < 0.003
+
+
+@pytest.mark.parametrize("left", [411, 429])
+def test_what_goes_on_beyond_the_border_is_guessed_from_the_other_side(left):
+    """A bend in what is round, a few pixels from the border."""
+    turns = np.r_[np.full(12, 3.0), 26, 26, np.full(12, 3.0)]
+    heading = np.radians(np.r_[0, np.cumsum(turns)] - turns.sum() / 2)
+    mesh, frame = folded(heading, np.r_[30, np.full(25, 1.6), 30]), Frame(960, 540, left, 214)
+    got, without = (library.raster([mesh], *pixels(960, 540), frame, (24, 5), 0.1, outputs=("marks", "creases", *more))
+                    for more in (("object", "normal"), ()))
+    want = spread({**got, "creases": without["creases"]}, 540)
+    assert (np.abs(want[..., [1, 3]]) > SPREAD).sum() == 5
+    np.testing.assert_allclose(got["creases"], want, atol=0.02)
 
 
 @pytest.mark.parametrize("threads", [1, 3])

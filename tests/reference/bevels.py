@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bends over several faces: from what the rasteriser drew without them, in float64."""
 
+import functools
 from itertools import takewhile
 
 import numpy as np
@@ -31,12 +32,12 @@ def _sum(turns):
     return None if None in turns else -1.0 if -1.0 in turns else sum(turns)
 
 
-def _bend(maps, y, x, axis, most):
+def _bend(maps, turn_at, y, x, axis, most):
     """The clearest bend along an axis whose middle passes a pixel: (clear, off, bend, first, count, smooth)."""
     def at(k):
         return (y + k, x) if axis else (y, x + k)
 
-    turn = {k: _turn(maps, *at(k), axis) for k in range(-2 * most, 2 * most)}
+    turn = {k: turn_at(*at(k), axis) for k in range(-2 * most, 2 * most)}
     if sum(max(turn[k] or 0, 0) for k in range(-most, most)) < 20:
         return None
     edge = {k: maps["creases"][at(k)][2 * axis:2 * axis + 2].astype(float) if turn[k] is not None else (0, 0)
@@ -71,10 +72,11 @@ def spread(maps, frame_height):
     """The output `creases` with bends over several faces; maps: object, normal, marks, and creases without them."""
     height, width = maps["object"].shape
     most = int(np.clip(int(frame_height * 10 / 1080 + 0.5), 2, 24))
+    turn = functools.cache(functools.partial(_turn, maps))
     bends = {}
     for y, x in np.ndindex(height, width):
         for axis in (0, 1):
-            found = _bend(maps, y, x, axis, most)
+            found = _bend(maps, turn, y, x, axis, most)
             if not found or (y, x) in bends and found[0] <= bends[y, x][0]:
                 continue
             ends = [maps["normal"][(y + k, x) if axis else (y, x + k)].astype(float)

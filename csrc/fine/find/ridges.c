@@ -129,6 +129,15 @@ static int bulging(const window *w, int x)
 
 /* ---- rows ------------------------------------------------------------------------------------------------ */
 
+/* What lies beyond a row's ends is as its ends are. */
+static void spare(int width, uint8_t *out)
+{
+	for (int k = 1; k <= REACH; k++) {
+		out[-k] = out[0];
+		out[width - 1 + k] = out[width - 1];
+	}
+}
+
 /* Bytes with REACH to spare on both sides. */
 static void mixed_row(const fine *n, int y, uint8_t *out)
 {
@@ -139,10 +148,7 @@ static void mixed_row(const fine *n, int y, uint8_t *out)
 		out[x] = (uint8_t)((crack[x] & (CRACK_RIGHT | CRACK_DOWN)) | (crack[x - 1] & CRACK_RIGHT));
 	for (int x = 0; above && x < width; x++)
 		out[x] |= above[x] & CRACK_DOWN;
-	for (int k = 1; k <= REACH; k++) {
-		out[-k] = out[0];
-		out[width - 1 + k] = out[width - 1];
-	}
+	spare(width, out);
 }
 
 /* Bits by axis. */
@@ -248,10 +254,7 @@ static void closed_row(const fine *n, int y, const uint8_t *mixed, uint8_t *out)
 	const uint8_t *through = n->through + (ptrdiff_t)y * width;
 	for (int x = 0; x < width; x++)
 		out[x] = mixed[x] | !through[x];
-	for (int k = 1; k <= REACH; k++) {
-		out[-k] = out[0];
-		out[width - 1 + k] = out[width - 1];
-	}
+	spare(width, out);
 }
 
 static void mark(const window *w, int x, int y, int family, int axis, uint16_t *ridge)
