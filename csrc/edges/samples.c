@@ -11,8 +11,8 @@ static const float most_sample = 1e15f;
 /* ---- layers -> samples ----------------------------------------------------------------------------------- */
 
 /* Interleaved channels, cut to low..high, to planes. Called with a constant number of channels each time. */
-static inline void split(const float *restrict in, const int channels, int n, float low, float high, float *restrict a,
-			 float *restrict b, float *restrict c)
+KERNEL void split(const float *restrict in, const int channels, int n, float low, float high, float *restrict a,
+		  float *restrict b, float *restrict c)
 {
 	for (int i = 0; i < n; i++) {
 		float u = in[i * channels], v = in[i * channels + 1], w = in[i * channels + 2];

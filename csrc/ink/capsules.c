@@ -132,9 +132,9 @@ static inline float left_by(const capsule *e, float px, float py, float s, float
 
 /* Called with constants each time. Where `owned` is true, who inked is remembered: among equals the nearest; only then
  * distance and owner are read. Where `papered` is false paper is as high as can be. */
-static inline void ink_span(const capsule *restrict e, float y, int x, int end, const bool owned, const bool papered,
-			    const bool dry, float *restrict dark, const float *restrict depth,
-			    const float *restrict grain, float *restrict distance, uint32_t *restrict owner)
+KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const bool owned, const bool papered,
+		     const bool dry, float *restrict dark, const float *restrict depth, const float *restrict grain,
+		     float *restrict distance, uint32_t *restrict owner)
 {
 	const pen_end *a = e->a, *b = e->b;
 	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;

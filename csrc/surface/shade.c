@@ -48,14 +48,14 @@ static void tone_row(const encre_levels *levels, int n, const float *restrict x,
 }
 
 /* Planes of interleaved channels: their loops vectorise best. Called with a constant number of channels each time. */
-static inline void split(const float *restrict in, const int channels, int n, float (*restrict plane)[CHUNK])
+KERNEL void split(const float *restrict in, const int channels, int n, float (*restrict plane)[CHUNK])
 {
 	for (int i = 0; i < n; i++)
 		for (int c = 0; c < channels; c++)
 			plane[c][i] = in[channels * i + c];
 }
 
-static inline void join(float (*restrict plane)[CHUNK], const int channels, int n, float *restrict out)
+KERNEL void join(float (*restrict plane)[CHUNK], const int channels, int n, float *restrict out)
 {
 	for (int i = 0; i < n; i++)
 		for (int c = 0; c < channels; c++)
