@@ -58,7 +58,7 @@ typedef struct job {
 } job;
 
 /* Cleans n adjacent values and counts. Called with a constant `depth` each time. */
-static inline long long copy_row(const float *restrict in, int n, const bool depth, float limit, float *restrict out)
+KERNEL long long copy_row(const float *restrict in, int n, const bool depth, float limit, float *restrict out)
 {
 	int bad = 0;
 	for (int i = 0; i < n; i++) {

@@ -137,8 +137,8 @@ static inline float cmc(color p, color q)
 /* ---- rows ------------------------------------------------------------------------------------------------ */
 
 /* Called with a constant function each time, which the compiler inlines into a loop of its own. */
-static inline void greatest_of(float (*difference)(color, color), int n, const float *const a[3],
-			       const float *const b[3], float *restrict greatest)
+KERNEL void greatest_of(float (*difference)(color, color), int n, const float *const a[3], const float *const b[3],
+			float *restrict greatest)
 {
 	const float *restrict ax = a[0], *restrict ay = a[1], *restrict az = a[2];
 	const float *restrict bx = b[0], *restrict by = b[1], *restrict bz = b[2];

@@ -27,6 +27,10 @@
 #define ISA(name) JOIN(name, ENCRE_ISA)
 #define STAGE_SYMBOL(name) ISA(JOIN(stage, name))
 
+/* A kernel that gets constants where it is called, and is to be a loop of its own for each: compilers that go by size
+ * alone, as clang does, would make one for all of them that is not vectorised. */
+#define KERNEL static inline __attribute__((always_inline))
+
 #define STAGES(X) X(edges) X(shade) X(smudge) X(paper) X(hatch) X(tones) X(lines)
 
 /* ---- frame: what stages read and make -------------------------------------------------------------------- */

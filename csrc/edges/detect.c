@@ -39,7 +39,7 @@ gaussians ISA(gaussians_of)(float sigma)
 /* First down the columns, of differences from their sample in the centre row. Then across: with c the centre, u a
  * sample of its row and u + v that sample's blurred column, the blur less c is the weighted sum of (u - c) + v. Called
  * with a constant reach each time: the taps become straight code over whole rows. */
-static inline void dog(const gaussians *g, const int reach, const float *const *row, int n, float *restrict response)
+KERNEL void dog(const gaussians *g, const int reach, const float *const *row, int n, float *restrict response)
 {
 	float narrow[TILE + 2 * MAX_REACH], wide[TILE + 2 * MAX_REACH];
 	const float *above[MAX_REACH + 1], *below[MAX_REACH + 1], *restrict centre = row[reach] - reach;

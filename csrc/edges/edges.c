@@ -80,7 +80,7 @@ static bool weigh(const edges *e, enum source s, int y, int x0, int n, const uin
 	for (int i = 0; s == SOURCE_COLOR && controls && i < n; i++)
 		weight[i] += controls[CONTROL_COUNT * (ptrdiff_t)i + CONTROL_COLOR_EDGE];
 	for (int i = 0; i < n; i++) {
-		weight[i] = weight[i] > 0 ? weight[i] : 0;
+		weight[i] = positive(weight[i]);
 		any |= weight[i] > 0;
 	}
 	return any;
@@ -126,7 +126,7 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 		ISA(source_strength)(rings + s, y, x0, n, one);
 		for (int i = 0; i < n; i++) {
 			float w = weight[i] * one[i];
-			w = w < FLT_MAX ? w : FLT_MAX;
+			w = min(w, pixel_most);
 			winner[i] = w > strength[i] ? 1 + s : winner[i];
 			strength[i] = w > strength[i] ? w : strength[i];
 		}

@@ -11,17 +11,14 @@ static const float most_sample = 1e15f;
 /* ---- layers -> samples ----------------------------------------------------------------------------------- */
 
 /* Interleaved channels, cut to low..high, to planes. Called with a constant number of channels each time. */
-static inline void split(const float *restrict in, const int channels, int n, float low, float high, float *restrict a,
-			 float *restrict b, float *restrict c)
+KERNEL void split(const float *restrict in, const int channels, int n, float low, float high, float *restrict a,
+		  float *restrict b, float *restrict c)
 {
 	for (int i = 0; i < n; i++) {
 		float u = in[i * channels], v = in[i * channels + 1], w = in[i * channels + 2];
-		u = u > low ? u : low;
-		v = v > low ? v : low;
-		w = w > low ? w : low;
-		a[i] = u < high ? u : high;
-		b[i] = v < high ? v : high;
-		c[i] = w < high ? w : high;
+		a[i] = min(max(u, low), high);
+		b[i] = min(max(v, low), high);
+		c[i] = min(max(w, low), high);
 	}
 }
 
@@ -32,8 +29,7 @@ static void depth_samples(const edges *e, const float *restrict z, int n, float 
 	if (!e->inverse)
 		for (int i = 0; i < n; i++) {
 			float d = depth_of(z[i]);
-			d = d > near ? d : near;
-			out[i] = d < far ? d : far;
+			out[i] = min(max(d, near), far);
 		}
 	else if (e->ortho)
 		for (int i = 0; i < n; i++)
@@ -74,15 +70,16 @@ static void sample_row(const edges *e, enum source s, int y, float *out)
 		return;
 	case SOURCE_COLOR:
 		if (lit)
-			split(layer_row(e->f, ENCRE_LAYER_COMBINED, y), 4, n, 0, 1, out, second, third);
+			split(layer_row(e->f, ENCRE_LAYER_COMBINED, y), 4, n, pixel_zero, pixel_one, out, second,
+			      third);
 		else
-			split(layer_row(e->f, ENCRE_LAYER_ALBEDO, y), 3, n, 0, 1, out, second, third);
+			split(layer_row(e->f, ENCRE_LAYER_ALBEDO, y), 3, n, pixel_zero, pixel_one, out, second, third);
 		break;
 	case SOURCE_SEEN:
 		split(layer_row(e->f, ENCRE_LAYER_SEEN_NORMAL, y), 3, n, -most_sample, most_sample, out, second, third);
 		return;
 	case SAMPLE_SEEN_COLOR:
-		split(layer_row(e->f, ENCRE_LAYER_SEEN_COLOR, y), 3, n, 0, 1, out, second, third);
+		split(layer_row(e->f, ENCRE_LAYER_SEEN_COLOR, y), 3, n, pixel_zero, pixel_one, out, second, third);
 		break;
 	case SAMPLE_SEEN_DEPTH:
 		for (int i = 0; i < n; i++)

@@ -132,9 +132,9 @@ static inline float left_by(const capsule *e, float px, float py, float s, float
 
 /* Called with constants each time. Where `owned` is true, who inked is remembered: among equals the nearest; only then
  * distance and owner are read. Where `papered` is false paper is as high as can be. */
-static inline void ink_span(const capsule *restrict e, float y, int x, int end, const bool owned, const bool papered,
-			    const bool dry, float *restrict dark, const float *restrict depth,
-			    const float *restrict grain, float *restrict distance, uint32_t *restrict owner)
+KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const bool owned, const bool papered,
+		     const bool dry, float *restrict dark, const float *restrict depth, const float *restrict grain,
+		     float *restrict distance, uint32_t *restrict owner)
 {
 	const pen_end *a = e->a, *b = e->b;
 	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;
@@ -147,24 +147,20 @@ static inline void ink_span(const capsule *restrict e, float y, int x, int end, 
 	for (; x < end; x += LANES)
 		for (int k = 0; k < LANES; k++) {
 			float px = (float)(x + k) - from, s = px * ux + uy, before = dark[x + k];
-			s = s > 0 ? s : 0;
-			s = s < 1 ? s : 1;
+			s = clamp01(s);
 			float ex = px - s * dx, ey = py - s * dy, d2 = ex * ex + ey * ey;
 			float h = papered ? 1 + (paper + s * more_paper) * grain[x + k] : 1, low = bias + s * more_bias;
-			float rise = h > low ? h - low : 0, most = (gain + s * more_gain) * rise,
+			float rise = positive(h - low), most = (gain + s * more_gain) * rise,
 			      ramp = ease + s * more_ease;
 			ramp = ramp < rise ? ramp : rise; /* of coverage times height, from nothing to the darkest */
-			most = most < 1 ? most : 1;
+			most = most_one(most);
 			float soft = fade + s * more_fade;
 			soft = papered ? soft / h : soft;
 			float middle = out + s * more_out - soft * (low + 0.5f * ramp), width = soft * ramp;
-			width = width > 1 ? width : 1;
-			float faint = 2 * middle, half = middle > 0.5f ? middle : 0.5f;
-			faint = faint < 1 ? faint : 1;
-			faint = faint > 0 ? faint : 0;
+			width = max(width, pixel_one);
+			float faint = positive(most_one(2 * middle)), half = max(middle, pixel_half);
 			float t = 0.5f + (half - sqrtf(d2)) / width;
-			t = t < 1 ? t : 1;
-			t = faint * most * t;
+			t = faint * most * most_one(t);
 			if (dry)
 				t *= left_by(e, px, py, s, out + s * more_out);
 			t = depth[x + k] >= limit + s * more_limit ? t : 0;

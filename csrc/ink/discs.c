@@ -218,9 +218,7 @@ static void ink_span(const disc *restrict e, float dy, int x, int end, float *re
 	for (; x < end; x += LANES)
 		for (int k = 0; k < LANES; k++) {
 			float px = (float)(x + k), a = first - px, b = px - last;
-			float dx = a > b ? a : b;
-			dx = dx > 0 ? dx : 0;
-			float t = (radius - sqrtf(dx * dx + dy2)) * steep;
+			float dx = positive(max(a, b)), t = (radius - sqrtf(dx * dx + dy2)) * steep;
 			t = t < gain ? t : gain;
 			t = (1 + paper * grain[x + k]) * t - cut;
 			t = depth[x + k] >= limit ? t : 0;
@@ -245,7 +243,7 @@ static void own_span(const disc *restrict e, int y, float dy, int x, int end, fl
 			float t = (radius - sqrtf(d2)) * steep;
 			t = t < gain ? t : gain;
 			t = (1 + paper * grain[x + k]) * t - cut;
-			t = t < 1 ? t : 1;
+			t = most_one(t);
 			t = depth[x + k] >= limit ? t : 0;
 			float rival = t == before ? distance[x + k] : -1; /* squared distance that an equal must beat */
 			int wins = t > before || (t > 0 && d2 < rival);

@@ -35,7 +35,7 @@ static void bright_row(const encre_params *p, int n, const float *restrict combi
 		for (int i = 0; i < n; i++) {
 			const float *a = color + 3 * i;
 			float own = max3(a[0], a[1], a[2]), share = (own > other[i] ? own : other[i]) / color_threshold;
-			share = share < 1 ? share : 1;
+			share = most_one(share);
 			bright[i] = left ? 1 - (1 - share) * left[i] : share;
 		}
 	if (light_threshold > 0)

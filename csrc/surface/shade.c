@@ -12,10 +12,9 @@ enum { CHUNK = 256 };
 /* ---- row kernels ----------------------------------------------------------------------------------------- */
 
 /* NaN, which only overflowing input makes, gives 0. */
-static inline float positive(float x)
+static inline float drawable(float x)
 {
-	x = x > 0 ? x : 0;
-	return x < FLT_MAX ? x : FLT_MAX;
+	return min(positive(x), pixel_most);
 }
 
 /* What levels are compared with. */
@@ -49,14 +48,14 @@ static void tone_row(const encre_levels *levels, int n, const float *restrict x,
 }
 
 /* Planes of interleaved channels: their loops vectorise best. Called with a constant number of channels each time. */
-static inline void split(const float *restrict in, const int channels, int n, float (*restrict plane)[CHUNK])
+KERNEL void split(const float *restrict in, const int channels, int n, float (*restrict plane)[CHUNK])
 {
 	for (int i = 0; i < n; i++)
 		for (int c = 0; c < channels; c++)
 			plane[c][i] = in[channels * i + c];
 }
 
-static inline void join(float (*restrict plane)[CHUNK], const int channels, int n, float *restrict out)
+KERNEL void join(float (*restrict plane)[CHUNK], const int channels, int n, float *restrict out)
 {
 	for (int i = 0; i < n; i++)
 		for (int c = 0; c < channels; c++)
@@ -91,11 +90,11 @@ static void lit_row(const encre_params *p, int n, float (*restrict diffuse)[CHUN
 		float v = max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]);
 		l->value[i] = v;
 		exposed[i] = v * exposure;
-		l->hue[i] = v > 0 ? hued / (v > 0.02f ? v : 0.02f) : 0;
+		l->hue[i] = v > 0 ? hued / max(v, 0.02f) : 0;
 	}
 	tone_row(&p->shade_levels, n, exposed, l->tone);
 	for (int i = 0; i < n; i++) {
-		float shade = 1 - l->tone[i], w = (shade > 0 ? shade : 0) * weight;
+		float shade = 1 - l->tone[i], w = positive(shade) * weight;
 		l->share[i] = w / (1 + w);
 	}
 }
@@ -116,7 +115,7 @@ static void kept_row(float grey, int n, const float *restrict tone, float (*rest
 	for (int i = 0; i < n; i++) {
 		float shade = 1 - tone[i];
 		value[i] = max3(color[0][i], color[1][i], color[2][i]);
-		kept[i] = 1 - (shade > 0 ? shade : 0) * grey;
+		kept[i] = 1 - positive(shade) * grey;
 	}
 }
 
@@ -128,7 +127,7 @@ static void shaded_row(float strength, float other_light, int n, const float *re
 	for (int i = 0; i < n; i++) {
 		float rendered = combined[i], diffused = bounded(color[i] * diffuse[i]);
 		float flat = bounded((value[i] - (value[i] - color[i]) * kept[i]) * light[i]);
-		float drawn = positive(blend(diffused, flat, strength) + other_light * bounded(rendered - diffused));
+		float drawn = drawable(blend(diffused, flat, strength) + other_light * bounded(rendered - diffused));
 		combined[i] = alpha[i] == 0 ? rendered : drawn;
 	}
 }
@@ -195,7 +194,7 @@ static void bare_row(const float *paper, int n, const float *restrict combined, 
 	for (int i = 0; i < n; i++) {
 		for (int c = 0; c < 3; c++) {
 			float other = bounded(combined[4 * i + c] - bounded(color[3 * i + c] * diffuse[3 * i + c]));
-			out[4 * i + c] = positive(paper[c] * combined[4 * i + 3] + other_light * other);
+			out[4 * i + c] = drawable(paper[c] * combined[4 * i + 3] + other_light * other);
 		}
 		out[4 * i + 3] = combined[4 * i + 3];
 	}

@@ -135,8 +135,8 @@ static void radius_rows(void *data, int y0, int y1, int thread)
 }
 
 /* Called with constant channels and steps each time. */
-static inline void darken(const float *restrict in, const ptrdiff_t step, float *restrict out, const ptrdiff_t out_step,
-			  const int channels, int n, const float *restrict dark)
+KERNEL void darken(const float *restrict in, const ptrdiff_t step, float *restrict out, const ptrdiff_t out_step,
+		   const int channels, int n, const float *restrict dark)
 {
 	for (int i = 0; i < n; i++) {
 		float light = 1 - (dark[i] < 1 ? dark[i] : 1);

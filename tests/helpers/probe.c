@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opens the inline maths and colour metrics of csrc/ to tests: no public function of the library shows them bare. */
 #include "base/metric.c"
+#include "base/pixel.c"
 
 #define PROBE(name, call)                                                                                              \
 	ENCRE_API void probe_##name(int n, const float *x, const float *y, float *out)                                 \

@@ -157,8 +157,8 @@ enum { STEP = 1, BAND = 4 };
 /* Squared lengths of what makes a step, across one pixel and, if it is asked for, across two if that is more, and of
  * what makes a band. Called with a constant number of planes, so that the loop over them is unrolled and the one over
  * pixels vectorised. */
-static inline void measure(const float *const (*v)[3], int planes, bool far_too, int n, float *restrict step,
-			   float *restrict wide, float *restrict bulge)
+KERNEL void measure(const float *const (*v)[3], int planes, bool far_too, int n, float *restrict step,
+		    float *restrict wide, float *restrict bulge)
 {
 	for (int i = 0; i < n; i++) {
 		float step2 = 0, wide2 = 0, bulge2 = 0;
