@@ -135,7 +135,11 @@ def _pick(flags, yes, no):
 
 
 class _Light:
-    """Light without the colour of the surface, direct alone or all of it, as rendered or denoised."""
+    """Light without the colour of the surface, direct alone or all of it, as rendered or denoised.
+
+    guides: for the denoiser. In place of the albedo it is told where diffuse light is seen at all: by textures it would
+    print their joints and checks into light that knows nothing of them.
+    """
 
     def __init__(self, read, direct, denoise, guides):
         self.denoise, self.guides, self.cleaned = denoise, guides, {}
@@ -225,7 +229,7 @@ def _light(read, layers, settings, denoise, denoise_other):
     style = layers.get("style")
     shading = _by_style(style, [v["use_shading"] for v in settings.every])
     direct = _by_style(style, [v["shade_light"] == "DIRECT" for v in settings.every])
-    guides = (layers["albedo"], finite(layers["normal"])[0]) if denoise else None
+    guides = (_where_lit(layers["color"]), finite(layers["normal"])[0]) if denoise else None
     light = _Light(read, direct, denoise, guides) if "DiffDir" in read else None
     if "diffuse" in layers:
         layers["diffuse"], bad = finite(layers["diffuse"])
@@ -236,6 +240,11 @@ def _light(read, layers, settings, denoise, denoise_other):
         layers["diffuse"] = _pick(direct, lambda: clean(True), lambda: clean(False))
     if "combined" not in layers:
         layers["combined"] = _put_together(read, layers, light, shading, denoise_other)
+
+
+def _where_lit(color):
+    """1 where there is any colour for diffuse light to be seen in, else 0."""
+    return np.broadcast_to(color.any(2, keepdims=True), color.shape).astype(np.float32)
 
 
 def _put_together(read, layers, light, shading, denoise_other):
@@ -251,7 +260,8 @@ def _put_together(read, layers, light, shading, denoise_other):
     np.subtract(combined[..., :3], other, out=other)
     if denoise_other and light.denoise:
         # Nothing but rounding makes it negative in a pixel of its own, and the denoiser knows no negative light.
-        other = light.denoise(np.maximum(other, 0), *light.guides) + np.minimum(other, 0)
+        guides = layers["albedo"], light.guides[1]
+        other = light.denoise(np.maximum(other, 0), *guides) + np.minimum(other, 0)
     result = np.array(combined, order="C")
     shaded = result[..., :3]
     if not np.ndim(shading):  # everywhere: it is at least somewhere

@@ -155,6 +155,16 @@ def test_nothing_is_where_only_shadows_are_caught():
     assert layers["creases"][1, 4, 0] and not layers["creases"][1, 3, :2].any() and layers["creases"][1, 3, 4]
 
 
+def test_light_is_denoised_without_a_word_of_textures(passes):
+    told = []
+    passes["DiffCol"][1] = 0
+    assemble(passes, {}, (), lambda *pictures: told.append([np.array(p) for p in pictures]) or pictures[0] / 2, True)
+    (light, lit, _), (_, albedo, _) = told
+    assert np.array_equal(light, passes["DiffDir"] + passes["DiffInd"])
+    assert (lit == passes["DiffCol"].any(2, keepdims=True)).all() and lit[0].all() and not lit[1].any()
+    assert len(np.unique(albedo)) > 2, "what is not light is guided by colours"
+
+
 def test_denoised_light_is_put_back(passes):
     light, color = passes["DiffDir"] + passes["DiffInd"], passes["DiffCol"]
     rest = passes["Combined"][..., :3] - color * light
