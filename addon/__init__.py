@@ -27,9 +27,9 @@ def _modules():
     except EncreError as error:
         print(f"encre: {error}", file=sys.stderr)
         return (engine,)  # it says so to whoever renders
-    from .blender import bake, escape, memory, migration, panels, properties, subframes
+    from .blender import bake, escape, migration, panels, properties, redraw, subframes
 
-    return properties, migration, engine, escape, memory, subframes, panels, bake
+    return properties, migration, engine, escape, redraw, subframes, panels, bake
 
 
 def _elsewhere():

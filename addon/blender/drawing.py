@@ -16,18 +16,49 @@ def draw(engine, layer, view_id, passes, write, go_on, shown=None, hasty=False):
     it is read; None: those in memory. write(name, picture) gets what is to be stored, by the name in this Blender.
     shown: what the result has, if that is to be kept; hasty: there is no time for the denoiser. Returns how many values
     were read as 0."""
-    settings, objects = layer.settings, layer.objects
     name = engine.get_result().views[view_id].name if len(layer.views) > 1 else ""
     engine.update_stats("Encre", f"{layer.name} {name}".strip())
-    camera, maps, view, projection = layer.views[name]
-    kept = None
     if layer.kept:
         if passes is not None:
-            layer.kept.views[view_id] = memory.View(dict(passes), shown, dict(maps))
-        kept = layer.kept.views[view_id]
-        passes, maps, write = kept.again(objects.catchers.any()), dict(kept.maps), kept.noting(write)
+            layer.kept.views[view_id] = memory.View(dict(passes), shown, dict(layer.views[name][1]))
+        write = layer.kept.views[view_id].noting(write)
     write = layer.shrinking(write)
-    frame = supersample.frame(layer.frame, layer.factor)
+    images, nonfinite = _layers(layer, name, view_id, passes, write, go_on, hasty)
+    # What is stored leaves as soon as it is there: while the library draws, nothing else is held.
+    if layer.keeps:
+        for one in saved.passes("seen_depth" in images, "anchor" in images):
+            write(one, saved.pack(one, images))
+    if not layer.outputs:
+        return nonfinite
+    drawn = library.draw(images, layer.settings.every, layer.views[name][0], frame_of(layer), outputs=layer.outputs,
+                         threads=layer.threads, progress=go_on, image=lambda _name: layer.paper)
+    images.clear()
+    for one in list(drawn.images):
+        write(one, drawn.images.pop(one))
+    return nonfinite + drawn.nonfinite
+
+
+def remembered(layer):
+    """The layers of the first view of a view layer that is in memory, at once: light is as clean as it was made
+    before."""
+    name, view_id = next(iter(layer.views)), next(iter(layer.kept.views))
+    return _layers(layer, name, view_id, None, lambda _name, _picture: None, None, False, at_once=True)[0]
+
+
+def frame_of(layer):
+    return supersample.frame(layer.frame, layer.factor)
+
+
+def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False):
+    """(layers of a view as the library draws on them, how many values were read as 0); write gets what the stages do
+    not draw."""
+    settings, objects = layer.settings, layer.objects
+    _, maps, view, projection = layer.views[name]
+    kept = None
+    if layer.kept:
+        kept = layer.kept.views[view_id]
+        passes, maps = kept.again(objects.catchers.any()), dict(kept.maps)
+    frame = frame_of(layer)
     index = passes.pop("IndexOB")[..., 0]
     instance = maps["object"].reshape(index.shape)
     caught = objects.catchers[instance] & (objects.owners[instance] == index) if objects.catchers.any() else None
@@ -56,7 +87,8 @@ def draw(engine, layer, view_id, passes, write, go_on, shown=None, hasty=False):
     size = layer.factor * layer.place.width, layer.factor * layer.place.height
     denoiser = _denoiser(layer, go_on, hasty, volumes.window(layer.volumes, view, projection, frame, size))
     if kept:
-        denoiser = denoiser and functools.partial(kept.once, settings.light_scale, denoiser)
+        denoiser = denoiser and (kept.nearest if at_once else
+                                 functools.partial(kept.once, settings.light_scale, denoiser))
         illuminate = illuminate and functools.partial(kept.once, "drawn", illuminate)
     images, nonfinite = layers.assemble(passes, settings, known, denoiser, layer.denoise_other, illuminate)
     known.clear()
@@ -65,18 +97,7 @@ def draw(engine, layer, view_id, passes, write, go_on, shown=None, hasty=False):
         overlay.hide(images, caught)
         for layer_name, name in (("depth", "Depth"), ("normal", "Normal"), ("color", "DiffCol")):
             write(versions.pass_name(name), images[layer_name])  # as drawing the file again reads them
-    # What is stored leaves as soon as it is there: while the library draws, nothing else is held.
-    if layer.keeps:
-        for name in saved.passes("seen_depth" in images, "anchor" in images):
-            write(name, saved.pack(name, images))
-    if not layer.outputs:
-        return nonfinite
-    drawn = library.draw(images, settings.every, camera, frame, outputs=layer.outputs,
-                         threads=layer.threads, progress=go_on, image=lambda _name: layer.paper)
-    images.clear()
-    for name in list(drawn.images):
-        write(name, drawn.images.pop(name))
-    return nonfinite + drawn.nonfinite
+    return images, nonfinite
 
 
 def _denoiser(layer, go_on, hasty, also):

@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.errors import Cancelled, EncreError
-from . import ENGINE, early, frame, live, wanted
+from . import ENGINE, early, frame, live, redraw, wanted
 
 _said = set()
 
@@ -65,7 +65,8 @@ class _Refusing:
             return False
         self.engine.refused = True
         if isinstance(error, Cancelled):
-            if not self.engine.test_break():  # Blender would take the frame for a finished one
+            # Unsaid, Blender would take the frame for a finished one.
+            if not self.engine.test_break() and not redraw.gives_way():
                 self.engine.say("ERROR", f"{error}, but not by you; render again")
         elif isinstance(error, MemoryError):
             self.engine.say("ERROR",

@@ -22,6 +22,7 @@ from . import (
     overrides,
     papers,
     properties,
+    redraw,
     subframes,
     subject,
     versions,
@@ -58,7 +59,7 @@ class Frames:
     def begin(self, depsgraph):
         """Reads the settings and numbers the objects, before Cycles looks for what changed in the evaluated scene."""
         self.settings = self.numbers = self.ink = None
-        self.again = memory.again(depsgraph.scene)
+        self.again = redraw.picture(depsgraph.scene)
         with contextlib.suppress(EncreError):  # said when it comes to rendering: baking comes by here too
             self.settings = properties.settings(depsgraph.scene_eval)
         self.fast = None
@@ -133,10 +134,8 @@ class Frames:
         before = kept.before
         cut = before.own != before.place
         self.known[before.name] = replace(
-            before, drawn=None, settings=settings, paper=self._paper(settings),
-            asked=wanted.asked(depsgraph.view_layer), keeps=wanted.keeps(depsgraph.scene),
-            beside=wanted.beside(depsgraph.scene_eval, settings, cut),
-            views={name: (eye, None, view, projection) for name, (eye, _, view, projection) in before.views.items()})
+            before.again(settings, self._paper(settings)), asked=wanted.asked(depsgraph.view_layer),
+            keeps=wanted.keeps(depsgraph.scene), beside=wanted.beside(depsgraph.scene_eval, settings, cut))
         whole = self.engine.get_result()
         width, height, names = whole.resolution_x, whole.resolution_y, [view.name for view in whole.views]
         for number, view in kept.views.items():
@@ -235,6 +234,8 @@ class Frames:
         return settings.reach(height) + (denoise.REACH if denoises else 0)
 
     def _go_on(self, _fraction=0):
+        if self.again and redraw.gives_way():
+            return False
         return not (self.esc.again if self.esc else self.engine.test_break())
 
     def _in_parts(self, cycles, depsgraph, layer):

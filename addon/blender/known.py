@@ -2,7 +2,7 @@
 """What is known of a view layer before it is rendered, and the passes that Cycles then wrote."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -53,13 +53,22 @@ class ViewLayer:
             return ["Encre Lines"]
         return [*(["Combined"] if self.settings.active else []), *self.asked]
 
+    def again(self, settings, paper):
+        """This view layer, to be drawn from memory with other settings."""
+        views = {name: (eye, None, view, projection) for name, (eye, _, view, projection) in self.views.items()}
+        return replace(self, drawn=None, settings=settings, paper=paper, views=views)
+
     def shrinking(self, write):
         """write(), of what is drawn at `factor` times the frame's size and with what lies around."""
         if self.factor == 1 and self.own == self.place:
             return write
+        return lambda name, picture: write(name, supersample.shrink(name, picture[self.inside], self.factor))
+
+    @property
+    def inside(self):
+        """What is written in what is drawn: slices."""
         top, left = (self.factor * start for start in (self.own.y - self.place.y, self.own.x - self.place.x))
-        kept = np.s_[top:top + self.factor * self.own.height, left:left + self.factor * self.own.width]
-        return lambda name, picture: write(name, supersample.shrink(name, picture[kept], self.factor))
+        return np.s_[top:top + self.factor * self.own.height, left:left + self.factor * self.own.width]
 
 
 class Passes(Mapping):

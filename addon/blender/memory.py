@@ -1,31 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The last render's layers stay in memory, so that another setting is drawn at once, without Cycles.
+"""The last render's layers stay in memory, so that another setting is drawn at once, without Cycles (redraw.py).
 
-Only where there is a window. A redraw is a render like any other for Blender, which composites its result: started by
-an operator, marked here, and for the engine nothing but passes that are there already. What the layers can't show, as
-they were rendered without it, is refused with a sentence. Settings that change redraw by themselves while the result is
-seen in an image editor: a timer waits until they rest.
+Only where there is a window. What the layers can't show, as they were rendered without it, is refused with a sentence.
 """
 
-import contextlib
 import hashlib
 from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
-from bpy.app.handlers import persistent
 
 from ..pen import layers, saved
 from ..pen.errors import EncreError
 from ..pen.settings import Settings
-from . import cameras, handlers, properties, versions
+from . import cameras, properties, versions
 
 _MOST_FOUND = 4  # pictures of a view that are kept besides its passes
-_REST = 0.12  # seconds without a change before a redraw
 
-_kept = {}       # scene's name -> Picture
-_asked = False   # whether the next render that begins is a redraw
-_drawing = False  # whether the one that runs is
+_kept = {}  # scene's name -> Picture
 
 
 @dataclass
@@ -56,6 +48,11 @@ class View:
                 del self.found[next(iter(self.found))]
             self.found[key] = make(*given)
         return self.found[key]
+
+    def nearest(self, picture, *guides):
+        """The picture without its noise as it was last cleaned, by whatever scale; itself if it never was."""
+        key = tuple(hashlib.blake2b(np.ascontiguousarray(one), digest_size=16).digest() for one in (picture, *guides))
+        return next((found for of, found in reversed(self.found.items()) if of[1:] == key), picture)
 
 
 @dataclass
@@ -123,7 +120,8 @@ def _size(scene):
     return *cameras.border(scene.render), scene.render.use_border and not scene.render.use_crop_to_border
 
 
-def _values(scene):
+def values(scene):
+    """What is drawn by, of a scene as the user has it; two that are equal are drawn alike."""
     return properties.scene_values(scene), properties.styles(scene)
 
 
@@ -136,18 +134,22 @@ def wanted(engine, scene):
 def begin(scene, layer):
     """Keeps a Layer of a scene, which gets its views when they are drawn."""
     if scene.name not in _kept:
-        _kept[scene.name] = Picture(scene.frame_current, _size(scene), _values(scene))
+        _kept[scene.name] = Picture(scene.frame_current, _size(scene), values(scene))
     _kept[scene.name].layers[layer.before.name] = layer
 
 
-def again(scene):
-    """The Picture that the render which runs draws again of a scene; None: it is to be rendered."""
-    return _kept.get(scene.name) if _drawing else None
+def picture(scene):
+    """The Picture that is kept of a scene; None: none is."""
+    return _kept.get(scene.name)
 
 
 def size(scene):
     """How many bytes are kept of a scene; 0 = nothing is."""
     return _kept[scene.name].bytes if scene.name in _kept else 0
+
+
+def any_kept():
+    return bool(_kept)
 
 
 def forget():
@@ -191,123 +193,3 @@ def _renders_others(scene):
     tree = versions.compositor(scene)
     return bool(tree) and any(node.bl_idname == "CompositorNodeRLayers" and node.scene not in (None, scene)
                               for node in tree.nodes)
-
-
-def start(window, quiet):
-    """Has Blender render a window's scene anew, from what is kept. quiet: where the result is seen already, no editor
-    is opened."""
-    global _asked
-    preferences, scene = bpy.context.preferences.view, window.scene
-    before, done = preferences.render_display_type, ()
-    _asked, _kept[scene.name].values = True, _values(scene)
-    try:
-        if quiet:
-            preferences.render_display_type = "NONE"
-        with bpy.context.temp_override(window=window):
-            done = bpy.ops.render.render("INVOKE_DEFAULT")
-    finally:
-        if quiet:
-            preferences.render_display_type = before
-        if "RUNNING_MODAL" not in done:  # else the render's thread may have read it already
-            _asked = False
-
-
-def _seen():
-    """Whether an image editor shows the render result."""
-    return any(area.type == "IMAGE_EDITOR" and area.spaces.active.image
-               and area.spaces.active.image.type == "RENDER_RESULT"
-               for window in bpy.context.window_manager.windows for area in window.screen.areas)
-
-
-class _Watch:
-    """Redraws a scene as its settings change and then rest."""
-
-    def __init__(self):
-        self.values = None  # that were seen last
-
-    def __call__(self):
-        from .engine import pass_names
-
-        window = next((w for w in bpy.context.window_manager.windows if w.scene.name in _kept), None)
-        scene = window and window.scene
-        if not scene or not scene.encre.auto_redraw or not _seen():
-            return None
-        if bpy.app.is_job_running("RENDER"):
-            return _REST
-        values, before = _values(scene), self.values
-        self.values = values
-        if values == _kept[scene.name].values:
-            return None
-        if values != before:
-            return _REST
-        if not refusal(scene, pass_names):
-            start(window, quiet=True)
-        return None
-
-
-_watch = _Watch()
-
-
-@persistent
-def _changed(*_):
-    if _kept and not bpy.app.timers.is_registered(_watch):
-        bpy.app.timers.register(_watch, first_interval=_REST)
-
-
-@persistent
-def _begins(*_):
-    global _asked, _drawing
-    _drawing, _asked = _asked, False
-    if not _drawing:
-        forget()
-
-
-@persistent
-def _ends(*_):
-    global _drawing
-    _drawing = False
-
-
-@persistent
-def _loads(*_):
-    global _asked
-    _asked = False
-    forget()
-
-
-class ENCRE_OT_redraw(bpy.types.Operator):
-    """Draw the last render again with the settings as they are now, without rendering it"""
-
-    bl_idname = "encre.redraw"
-    bl_label = "Redraw"
-    bl_options = {"REGISTER"}
-
-    @classmethod
-    def poll(cls, context):
-        return context.scene.name in _kept and not bpy.app.is_job_running("RENDER")
-
-    def execute(self, context):
-        from .engine import pass_names
-
-        if why := refusal(context.scene, pass_names):
-            self.report({"ERROR"}, why)
-            return {"CANCELLED"}
-        start(context.window, _seen())
-        return {"FINISHED"}
-
-
-_listen, _hear_no_more = handlers.pair(("render_init", _begins), ("render_complete", _ends), ("render_cancel", _ends),
-                                       ("load_pre", _loads), ("depsgraph_update_post", _changed))
-
-
-def register():
-    bpy.utils.register_class(ENCRE_OT_redraw)
-    _listen()
-
-
-def unregister():
-    _hear_no_more()
-    with contextlib.suppress(ValueError):
-        bpy.app.timers.unregister(_watch)
-    bpy.utils.unregister_class(ENCRE_OT_redraw)
-    forget()

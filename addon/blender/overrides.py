@@ -6,6 +6,7 @@ Values of a scene whose data are persistent stay from frame to frame: what one f
 """
 
 import contextlib
+import time
 
 import bpy
 import numpy as np
@@ -13,6 +14,21 @@ import numpy as np
 from . import versions
 
 _MOST_INDICES = 32767  # pass_index is a short
+_PATIENCE = 1000  # times that it is tried to write
+
+
+def put(owner, name, value):
+    """setattr(), on a render's thread too. While the main thread draws a panel, Blender lets no thread of Python write
+    anything, so it waits until that is done."""
+    for _ in range(_PATIENCE):
+        try:
+            setattr(owner, name, value)
+            return
+        except AttributeError as error:
+            if "in this context" not in str(error):
+                raise
+        time.sleep(0.002)
+    setattr(owner, name, value)
 
 
 @contextlib.contextmanager
@@ -21,17 +37,17 @@ def changed(*changes):
     before = [getattr(owner, name) for owner, name, _ in changes]
     try:
         for owner, name, value in changes:
-            setattr(owner, name, value)
+            put(owner, name, value)
         yield
     finally:
         for (owner, name, _), value in zip(changes, before, strict=True):
-            setattr(owner, name, value)
+            put(owner, name, value)
 
 
 def _set(owner, name, value):
     """Only where it differs: at some properties' change Blender asks all engines anew what passes there are."""
     if getattr(owner, name) != value:
-        setattr(owner, name, value)
+        put(owner, name, value)
 
 
 def denoiser(depsgraph, shaded, overrode):
@@ -42,7 +58,7 @@ def denoiser(depsgraph, shaded, overrode):
         _set(mine, "use_denoising", user and not shaded)
     missing = mine.use_denoising and not versions.has_cycles_denoiser()
     if missing:
-        mine.use_denoising = False
+        put(mine, "use_denoising", False)
     return shaded and user and depsgraph.view_layer.cycles.use_denoising, missing
 
 
@@ -62,7 +78,7 @@ def blur(depsgraph, off):
         if not off:
             _set(evaluated, switch, getattr(user, switch))
         elif getattr(evaluated, switch):
-            setattr(evaluated, switch, False)
+            put(evaluated, switch, False)
             found.add(name)
     return sorted(found)
 
@@ -74,15 +90,15 @@ def expect(depsgraph, names):
     for name in names:
         if name not in aovs:  # with persistent data it may be there from the last frame
             aov = aovs.add()
-            aov.type = "VALUE"
-            aov.name = name
+            put(aov, "type", "VALUE")
+            put(aov, "name", name)
 
 
 def follow_reflections(depsgraph):
     """Lets the passes that see into mirrors do so, where a view layer can switch that off (5.2 and later)."""
     cycles = depsgraph.view_layer_eval.cycles
     if not getattr(cycles, "denoising_pass_follow_reflections", True):
-        cycles.denoising_pass_follow_reflections = True
+        put(cycles, "denoising_pass_follow_reflections", True)
 
 
 def pass_indices(depsgraph, automatic):
@@ -100,9 +116,9 @@ def pass_indices(depsgraph, automatic):
         if not isinstance(obj, bpy.types.Object):
             continue
         if not automatic:
-            obj.pass_index = obj.original.pass_index
+            put(obj, "pass_index", obj.original.pass_index)
             continue
-        obj.pass_index = (len(line) - 1) % _MOST_INDICES + 1
+        put(obj, "pass_index", (len(line) - 1) % _MOST_INDICES + 1)
         if len(line) <= _MOST_INDICES:
             line.append(_group_number(obj, groups, len(line)))
             user.append(obj.original.pass_index)

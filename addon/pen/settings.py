@@ -142,6 +142,12 @@ class Settings:
         return self.every[0]["shade_exposure"] or 1.0
 
     @cached_property
+    def of_layers(self) -> tuple:
+        """Equal for settings by which layers.assemble() makes the same of the same passes, but for noise."""
+        return (self.denoises, self.wants_parts, self.wants_specular,
+                [(values["use_shading"], values["shade_light"]) for values in self.every])
+
+    @cached_property
     def factor(self) -> int:
         """Of how many times the frame's size the layers are."""
         return self.every[0]["supersample"] if self.active or self.fast else 1

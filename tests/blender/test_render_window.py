@@ -88,6 +88,19 @@ def test_a_setting_is_drawn_from_memory_as_f12_draws_it(redraw):
             assert np.array_equal(read(redraw, f"{name}-back"), read(redraw, f"{name}-before")), name
 
 
+def test_what_is_dragged_is_seen_at_once(redraw):
+    """And is what is drawn when it rests; nothing of it stays in the file."""
+    for name in ("drag", "quick_drag"):
+        pictures, by_cycles, images = redraw.facts[name][0]
+        assert pictures > 4 and by_cycles == [] and images == 2, name  # the result and the compositor's viewer
+        assert np.abs(read(redraw, f"{name}-seen") - read(redraw, f"{name}-drawn")).max() < 3 / 255, name
+
+
+def test_a_redraw_gives_way_to_f12(redraw):
+    assert redraw.facts["given way"] == [1] and "not by you" not in redraw.output.split("given way")[0]
+    assert np.array_equal(read(redraw, "way"), read(redraw, "thick-fresh"))
+
+
 def test_layers_of_encre_are_drawn_from_memory_too(redraw):
     assert redraw.facts["quickly redrawn"] == [[True, 0]] * 2
     for name in ("quick", "quick_off"):

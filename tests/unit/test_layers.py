@@ -378,3 +378,24 @@ def test_of_a_larger_anchor_one_sample_stays_and_what_is_told_per_pixel_grows():
     want = anchor[1::3, 1::3].copy()
     want[..., 6:] *= 3
     np.testing.assert_array_equal(made, want)
+
+
+def test_settings_say_when_they_ask_for_other_layers(passes):
+    """Of all that can be changed, what `of_layers` leaves out changes none."""
+    before, same = Settings({}), 0
+    first, _ = assemble({**passes, "Env": passes["Emit"]}, {})
+    for p in library.params().values():
+        values = {"bool": [True, False], "enum": [item.id for item in p.items], "float": [p.soft_min, p.soft_max],
+                  "int": [int(p.soft_min), int(p.soft_max)]}.get(p.type, [])
+        for value in values:
+            try:
+                settings = Settings({p.id: value})
+            except EncreError:
+                continue
+            if settings.of_layers != before.of_layers:
+                continue
+            made, _ = assemble({**passes, "Env": passes["Emit"]}, {p.id: value})
+            assert made.keys() == first.keys() and all(np.array_equal(made[k], first[k]) for k in first), p.id
+            same += 1
+    assert same > 100
+    assert Settings({"use_shading": False}).of_layers != before.of_layers

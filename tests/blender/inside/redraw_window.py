@@ -14,7 +14,7 @@ import bpy
 sys.path.append(os.path.dirname(os.path.abspath(__file__)))
 import studio  # noqa: E402
 import window  # noqa: E402
-from render_window import picture, press, rendering  # noqa: E402
+from render_window import picture, press  # noqa: E402
 
 rendered, ended = [], []
 
@@ -42,6 +42,19 @@ def build():
     scene.cycles.seed = 1
     scene.render.image_settings.file_format = "PNG"
     scene.encre.line_thickness = 20
+
+
+def rendering():
+    """Until the render that F12 starts has ended; redraws that are under way end before."""
+    from encre.blender import redraw
+
+    while bpy.app.timers.is_registered(redraw._watch) or bpy.app.is_job_running("RENDER"):
+        yield
+    ended.clear()
+    press("F12")
+    while not ended or bpy.app.is_job_running("RENDER"):
+        yield
+    yield
 
 
 def redrawn():
@@ -132,15 +145,6 @@ def border():
     scene.render.use_border, scene.encre.supersample = False, 1
 
 
-def soon():
-    """rendering() of what may be done before anyone has seen that it runs."""
-    ended.clear()
-    press("F12")
-    while not ended or bpy.app.is_job_running("RENDER"):
-        yield
-    yield
-
-
 def quick():
     """Layers that Encre has drawn itself: nothing is read again. As many bytes as are kept for a pixel."""
     from encre.blender import fast, memory
@@ -149,7 +153,7 @@ def quick():
     scene.encre.layer_source = "ENCRE"
     fast.read = lambda *args, **named: reads.append(1) or read(*args, **named)
     for name, change in ("quick", {"line_color": (0.6, 0, 0), "shade_exposure": 0.3}), ("quick_off", CHANGES["off"]):
-        yield from soon()
+        yield from rendering()
         picture(f"{name}-before")
         reads.clear()
         before = {id_: getattr(scene.encre, id_) for id_ in change}
@@ -157,14 +161,74 @@ def quick():
             setattr(scene.encre, id_, value)
         studio.fact("quickly redrawn", [(yield from redrawn()), len(reads)])
         picture(f"{name}-again")
-        yield from soon()
+        yield from rendering()
         picture(f"{name}-fresh")
         for id_, value in before.items():
             setattr(scene.encre, id_, (0, 0, 0) if id_ == "line_color" else value)
     studio.fact("quick bytes", memory.size(scene) / (160 * 90))
     scene.encre.layer_source = "CYCLES"
-    yield from soon()
+    yield from rendering()
     fast.read = read
+
+
+def dragged():
+    """A setting that changes with each step of the window: what is seen until it rests, and then."""
+    from encre.blender import instant, memory
+
+    scene, space = bpy.context.scene, next(instant.editors())
+    scene.encre.keep_layers = True
+    for name, source in ("drag", "CYCLES"), ("quick_drag", "ENCRE"):
+        scene.encre.layer_source = source
+        yield from rendering()
+        seen, before = [], len(rendered)
+
+        def look(seen=seen, name=name):
+            if space.image.type != "RENDER_RESULT":
+                seen.append(hash(tuple(space.image.pixels)))
+                space.image.save_render(os.path.join(window.FOLDER, f"{name}-seen.png"))
+
+        for width in range(20, 60, 2):
+            scene.encre.line_thickness = width
+            yield
+            look()
+        while memory.picture(scene).values != memory.values(scene) or space.image.type != "RENDER_RESULT":
+            yield
+            look()
+        picture(f"{name}-drawn")
+        studio.fact(name, [len(set(seen)), rendered[before:], len(bpy.data.images)])
+        scene.encre.line_thickness = 20
+        yield from redrawn()
+    scene.encre.layer_source = "CYCLES"
+    yield from rendering()
+
+
+def gives_way():
+    """F12 while a redraw runs, which is slow: the picture is rendered."""
+    from encre.blender import drawing
+
+    scene, real, begun = bpy.context.scene, drawing.library.draw, []
+
+    def draw(*args, progress=None, **more):
+        begun.append(1)
+        if len(begun) == 1:
+            end = time.time() + 5
+            while progress(0) and time.time() < end:
+                time.sleep(0.02)
+        return real(*args, progress=progress, **more)
+
+    drawing.library.draw = draw
+    scene.encre.line_thickness, before = 50, len(rendered)
+    scene.update_tag()
+    while not begun:
+        yield
+    press("F12")
+    while len(begun) < 2 or bpy.app.is_job_running("RENDER"):
+        yield
+    drawing.library.draw = real
+    studio.fact("given way", rendered[before:].count("render"))
+    picture("way")
+    scene.encre.line_thickness = 20
+    yield from redrawn()
 
 
 def given_up():
@@ -190,6 +254,8 @@ def steps():
     yield from border()
     yield from quick()
     yield from undrawn()
+    yield from dragged()
+    yield from gives_way()
     yield from given_up()
 
 
