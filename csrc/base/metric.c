@@ -4,6 +4,8 @@
 #include "base/metric.h"
 #include "base/pixel.h"
 
+enum { RUN = 8 /* pixels, a vector */ };
+
 /* ---- spaces ---------------------------------------------------------------------------------------------- */
 
 /* f of CIE L*a*b*: a cube root, with a straight line instead of its steep foot. */
@@ -27,10 +29,36 @@ static void to_lab(int n, float *restrict r, float *restrict g, float *restrict 
 	}
 }
 
-static void to_srgb(int n, float *restrict c)
+static bool differ(const float *restrict c, float from)
+{
+	int32_t bits = 0;
+	for (int i = 0; i < RUN; i++)
+		bits |= float_bits(c[i]) ^ float_bits(from);
+	return bits != 0;
+}
+
+/* Called with a constant n, but at the end of a row. */
+KERNEL void encode(int n, float *restrict c)
 {
 	for (int i = 0; i < n; i++)
 		c[i] = srgb_encode(c[i]);
+}
+
+/* Surfaces often have one colour: what is as the pixels before it keeps their result. */
+static void to_srgb(int n, float *restrict c)
+{
+	float of = 0, is = 0; /* black is black */
+	for (; n >= RUN; n -= RUN, c += RUN) {
+		float last = c[RUN - 1];
+		if (differ(c, of))
+			encode(RUN, c);
+		else
+			for (int k = 0; k < RUN; k++)
+				c[k] = is;
+		of = last;
+		is = c[RUN - 1];
+	}
+	encode(n, c);
 }
 
 void ISA(metric_space)(int metric, int n, float *restrict r, float *restrict g, float *restrict b)

@@ -228,26 +228,37 @@ static canvas canvas_of(const lines *l, int y0, int y1, int thread)
 	return c;
 }
 
+static void open_pixels(int n, const float *restrict z, float *restrict depth, float *restrict grain)
+{
+	for (int i = 0; i < n; i++) {
+		depth[i] = depth_of(z[i]);
+		grain[i] -= 1;
+	}
+}
+
 void ISA(canvas_open)(canvas *c, int y, uint64_t blocks)
 {
 	const frame *f = c->f;
 	const float *depth = layer_row(f, ENCRE_LAYER_DEPTH, y);
 	size_t row = (size_t)(y - c->y0) * c->stride;
 	c->open[y - c->y0] |= blocks;
-	for (int b = 0; b < 64; b++) {
-		int x0 = b << c->shift, x1 = (b + 1) << c->shift, end = x1 < f->width ? x1 : f->width;
-		if (!(blocks >> b & 1))
-			continue;
-		if (x0 < end)
-			ISA(paper_row)(f, y, x0, end, 1, c->grain + row + x0);
-		for (int x = x0; x < x1; x++) {
-			bool inside = x < f->width;
-			c->grain[row + (size_t)x] = inside ? c->grain[row + (size_t)x] - 1 : 0;
-			c->depth[row + (size_t)x] = inside ? depth_of(depth[x]) : 0;
-			c->dark[row + (size_t)x] = 0;
+	for (; blocks; blocks &= blocks - 1) {
+		int x0 = __builtin_ctzll(blocks) << c->shift, size = 1 << c->shift;
+		int inside = f->width - x0 < size ? f->width - x0 : size;
+		size_t at = row + (size_t)x0, bytes = (size_t)size * sizeof(float);
+		memset(c->dark + at, 0, bytes);
+		if (c->laid) {
+			memset(c->laid + at, 0, bytes);
+			memset(c->darkest + at, 0, bytes);
 		}
-		for (int x = x0; c->laid && x < x1; x++)
-			c->laid[row + (size_t)x] = c->darkest[row + (size_t)x] = 0;
+		if (inside < size) {
+			memset(c->grain + at, 0, bytes);
+			memset(c->depth + at, 0, bytes);
+		}
+		if (inside <= 0)
+			continue;
+		ISA(paper_row)(f, y, x0, x0 + inside, 1, c->grain + at);
+		open_pixels(inside, depth + x0, c->depth + at, c->grain + at);
 	}
 }
 

@@ -26,25 +26,22 @@ static void bright_row(const encre_params *p, int n, const float *restrict combi
 		       const float *restrict diffuse, const float *restrict left, float *restrict bright)
 {
 	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold,
-	      exposure = p->shade_exposure, other[CHUNK];
+	      exposure = p->shade_exposure, own[CHUNK], lit[CHUNK];
 	for (int i = 0; i < n; i++) {
-		other[i] = other_light(combined + 4 * i, color + 3 * i, diffuse + 3 * i);
+		const float *a = color + 3 * i, *d = diffuse + 3 * i;
+		float other = other_light(combined + 4 * i, a, d);
+		own[i] = max(max3(a[0], a[1], a[2]), other);
+		lit[i] = max(max3(d[0], d[1], d[2]) * exposure, other);
 		bright[i] = 1;
 	}
 	if (color_threshold > 0)
 		for (int i = 0; i < n; i++) {
-			const float *a = color + 3 * i;
-			float own = max3(a[0], a[1], a[2]), share = (own > other[i] ? own : other[i]) / color_threshold;
-			share = most_one(share);
+			float share = most_one(own[i] / color_threshold);
 			bright[i] = left ? 1 - (1 - share) * left[i] : share;
 		}
 	if (light_threshold > 0)
-		for (int i = 0; i < n; i++) {
-			const float *d = diffuse + 3 * i;
-			float lit = max3(d[0], d[1], d[2]) * exposure,
-			      share = (lit > other[i] ? lit : other[i]) / light_threshold;
-			bright[i] = share < bright[i] ? share : bright[i];
-		}
+		for (int i = 0; i < n; i++)
+			bright[i] = min(lit[i] / light_threshold, bright[i]);
 }
 
 /* Pressure of the pencil, by the painted control. Returns whether it can reach the highest paper anywhere. */
