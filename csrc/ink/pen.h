@@ -4,6 +4,7 @@
 #define ENCRE_PEN_H
 
 #include "fine/fine.h"
+#include "ink/noise.h"
 
 /* LINE(KIND, id, width): the parameter line_color_<id>, and which width_<width> it reads; kinds.c has factors on that.
  *   OUTLINE       a jump in depth to another object, or to nothing
@@ -37,8 +38,15 @@ bool ISA(inks_by_site)(const encre_params *p);
 /* The ink of a line's site, which is `half` pixels wide each way. Reads the picture before any lines. */
 void ISA(line_ink)(const frame *f, const site *s, float half, float ink[3]);
 
-/* pen.c. A stroke is one of the times that a line is drawn. */
-enum { BRISTLES = 8, STROKES = 4 };
+/* pen.c. A stroke is one of the times that a line is drawn; SPAN sites are looked at at a time. */
+enum { BRISTLES = 8, STROKES = 4, SPAN = 64 };
+
+/* A stroke along a few sites: where they are on their things, and whose hand draws each. */
+typedef struct strokes {
+	spots at;
+	const encre_params *p[SPAN];
+	int stroke;
+} strokes;
 
 typedef struct touch {
 	float rough, fray;     /* how much the rim is frayed here, about 0; times so many pixels */
@@ -47,10 +55,10 @@ typedef struct touch {
 	uint8_t ink[BRISTLES]; /* 255ths that each bristle gives */
 } touch;
 
-/* Whether these parameters have a hand at all. */
-bool ISA(pen_draws)(const encre_params *p);
-/* The factor on the width by the hand's pressure. */
-float ISA(pen_pressure)(const frame *f, const encre_params *p, const site *s, int stroke);
-touch ISA(pen_touch)(const frame *f, const encre_params *p, const site *s, int stroke);
+/* Whether these parameters have a hand that varies along its lines. */
+bool ISA(pen_varies)(const encre_params *p);
+/* The factor on the width by the hand's pressure; of n <= SPAN sites. */
+void ISA(pen_pressures)(const strokes *s, int n, float *factor);
+void ISA(pen_touches)(const frame *f, const strokes *s, int n, touch *t);
 
 #endif

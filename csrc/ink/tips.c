@@ -17,6 +17,9 @@ typedef struct gather {
 	frame *f;
 	const fine *n;
 	capsules *all;
+	bool varied; /* some hand's noise is asked for */
+	uint32_t strokes;
+	spots at; /* of all sites; NULL without noise */
 	uint32_t stroke;
 	pen_end *end;  /* of this stroke */
 	float *length; /* to the nearest free end, by site; NULL where no line tapers */
@@ -83,25 +86,54 @@ static void finish(const frame *f, const site *made, float radius, float length,
 		e->reach = max(middle, 0.5f) + 0.5f * max(e->fade * ramp, 1);
 }
 
+/* What the pen gives all strokes before their lines are evened. */
 static void make_pens(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const gather *g = data;
 	for (int i = first; i < end; i++) {
 		const site *made = g->n->site + i;
-		const encre_params *p = style_of(g->f, made);
-		g->radius[i] = 0;
 		if (made->linked.dropped)
 			continue;
-		if (g->stroke >= (uint32_t)p->pen_strokes) {
-			g->end[i] = (pen_end){.x = made->placed.x, .y = made->placed.y};
-			continue;
+		pen_end drawn = pen_end_of(g->f, made), none = {.x = made->placed.x, .y = made->placed.y};
+		uint32_t strokes = (uint32_t)style_of(g->f, made)->pen_strokes;
+		for (uint32_t k = 0; k < g->strokes; k++)
+			g->all->end[(size_t)k * g->n->count + (size_t)i] = k < strokes ? drawn : none;
+	}
+	if (g->at.x) {
+		spots to = spots_from(&g->at, (size_t)first);
+		ISA(spots_fill)(g->f, g->n->site + first, end - first, &to);
+	}
+}
+
+/* The hands of the sites from i on, at most SPAN; returns how many. */
+static int hands_from(const gather *g, int i, int end, strokes *s)
+{
+	int n = end - i < SPAN ? end - i : SPAN;
+	s->at = spots_from(&g->at, (size_t)i);
+	s->stroke = (int)g->stroke;
+	for (int k = 0; k < n; k++)
+		s->p[k] = style_of(g->f, g->n->site + i + k);
+	return n;
+}
+
+static void press_pens(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const gather *g = data;
+	float most = 0.5f * g->f->params->line_max_thickness * g->f->scale, factor[SPAN];
+	for (int i = first, n; i < end; i += n) {
+		strokes s;
+		n = hands_from(g, i, end, &s);
+		for (int k = 0; k < n; k++)
+			factor[k] = 1;
+		if (g->at.x)
+			ISA(pen_pressures)(&s, n, factor);
+		for (int k = 0; k < n; k++) {
+			g->radius[i + k] = g->n->site[i + k].linked.dropped ? 0 : g->end[i + k].out;
+			if (s.p[k]->pen_pressure > 0)
+				g->radius[i + k] = min(g->radius[i + k] * factor[k], most);
 		}
-		g->end[i] = pen_end_of(g->f, made);
-		g->radius[i] = g->end[i].out;
-		if (p->pen_pressure > 0)
-			g->radius[i] = min(g->radius[i] * ISA(pen_pressure)(g->f, p, made, (int)g->stroke),
-					   0.5f * g->f->params->line_max_thickness * g->f->scale);
 	}
 }
 
@@ -109,24 +141,27 @@ static void finish_pens(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const gather *g = data;
-	for (int i = first; i < end; i++) {
-		const site *made = g->n->site + i;
-		const encre_params *p = style_of(g->f, made);
-		size_t at = (size_t)g->stroke * g->n->count + (size_t)i;
-		bool drawn = g->stroke < (uint32_t)p->pen_strokes;
-		if (made->linked.dropped)
-			continue;
-		touch t;
-		bool touched = drawn && p->use_lines && ISA(pen_draws)(p);
-		if (touched)
-			t = ISA(pen_touch)(g->f, p, made, (int)g->stroke);
-		if (drawn)
-			finish(g->f, made, g->radius[i], g->length ? g->length[i] : INFINITY, touched ? &t : NULL,
-			       g->end + i);
-		if (g->all->dry && touched)
-			memcpy(g->all->dry[at], t.ink, sizeof t.ink);
-		if (g->all->ink)
-			ISA(line_ink)(g->f, made, g->end[i].out, g->all->ink[at]);
+	touch touches[SPAN];
+	for (int i = first, n; i < end; i += n) {
+		strokes s;
+		n = hands_from(g, i, end, &s);
+		if (g->at.x)
+			ISA(pen_touches)(g->f, &s, n, touches);
+		for (int k = 0; k < n; k++) {
+			const site *made = g->n->site + i + k;
+			size_t at = (size_t)g->stroke * g->n->count + (size_t)(i + k);
+			bool drawn = g->stroke < (uint32_t)s.p[k]->pen_strokes;
+			const touch *t = drawn && s.p[k]->use_lines && ISA(pen_varies)(s.p[k]) ? touches + k : NULL;
+			if (made->linked.dropped)
+				continue;
+			if (drawn)
+				finish(g->f, made, g->radius[i + k], g->length ? g->length[i + k] : INFINITY, t,
+				       g->end + i + k);
+			if (g->all->dry && t)
+				memcpy(g->all->dry[at], t->ink, sizeof t->ink);
+			if (g->all->ink)
+				ISA(line_ink)(g->f, made, g->end[i + k].out, g->all->ink[at]);
+		}
 	}
 }
 
@@ -139,12 +174,29 @@ static int32_t make_stroke(gather *g, uint32_t stroke)
 	g->radius = late_take(&f->late, g->n->count, sizeof *g->radius);
 	if (!g->radius)
 		return ENCRE_ERROR_MEMORY;
-	int32_t code = bands_run(f->bands, (int)g->n->count, CHUNK, make_pens, g);
+	int32_t code = bands_run(f->bands, (int)g->n->count, CHUNK, press_pens, g);
 	if (!code)
 		code = ISA(capsules_even)(f, &g->radius);
 	if (!code)
 		code = bands_run(f->bands, (int)g->n->count, CHUNK, finish_pens, g);
 	late_drop(&f->late, g->radius);
+	return code;
+}
+
+static int32_t make_strokes(gather *g)
+{
+	frame *f = g->f;
+	if (g->varied) {
+		size_t count = g->n->count;
+		float *at = late_take(&f->late, 4 * count, sizeof *at);
+		if (!at)
+			return ENCRE_ERROR_MEMORY;
+		g->at = (spots){at, at + count, at + 2 * count, at + 3 * count};
+	}
+	int32_t code = bands_run(f->bands, (int)g->n->count, CHUNK, make_pens, g);
+	for (uint32_t k = 0; !code && k < g->strokes; k++)
+		code = make_stroke(g, k);
+	late_drop(&f->late, g->at.x);
 	return code;
 }
 
@@ -189,18 +241,18 @@ static int32_t enter_all(const gather *g, uint32_t stroke, uint32_t *next)
 int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 {
 	const fine *n = f->fine;
-	gather g = {.f = f, .n = n, .all = all};
-	uint32_t strokes = 1;
+	gather g = {.f = f, .n = n, .all = all, .strokes = 1};
 	bool dry = false, moved = false;
 	for (int i = 0; i < f->n_styles; i++) {
 		const encre_params *p = f->params + i;
 		if (!p->use_lines)
 			continue;
-		strokes = (uint32_t)p->pen_strokes > strokes ? (uint32_t)p->pen_strokes : strokes;
+		g.strokes = (uint32_t)p->pen_strokes > g.strokes ? (uint32_t)p->pen_strokes : g.strokes;
+		g.varied |= ISA(pen_varies)(p);
 		dry |= p->pen_dry > 0;
 		moved |= p->pen_wobble > 0;
 	}
-	size_t ends = (size_t)strokes * n->count;
+	size_t ends = (size_t)g.strokes * n->count;
 	if (ends > UINT32_MAX)
 		return ENCRE_ERROR_MEMORY;
 	all->count = n->count;
@@ -223,14 +275,12 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 		if (code)
 			return code;
 	}
-	int32_t code = ENCRE_OK;
-	for (uint32_t k = 0; !code && k < strokes; k++)
-		code = make_stroke(&g, k);
+	int32_t code = make_strokes(&g);
 	if (code)
 		return code;
 	memset(all->first, 0, (bands + 2) * sizeof *all->first);
 	/* counted two places on: summed up, and filled, they end where they belong */
-	for (uint32_t k = 0; !code && k < strokes; k++)
+	for (uint32_t k = 0; !code && k < g.strokes; k++)
 		code = enter_all(&g, k, all->first + 2);
 	if (code)
 		return code;
@@ -239,7 +289,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 	all->list = late_take(&f->late, all->first[bands + 1], sizeof *all->list);
 	if (!all->list)
 		return ENCRE_ERROR_MEMORY;
-	for (uint32_t k = 0; !code && k < strokes; k++)
+	for (uint32_t k = 0; !code && k < g.strokes; k++)
 		code = enter_all(&g, k, all->first + 1);
 	return code;
 }
