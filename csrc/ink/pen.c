@@ -8,16 +8,16 @@
 
 enum { SEED_PRESSURE, SEED_ACROSS, SEED_DOWN, SEED_ROUGH, SEED_GAPS, SEED_FLOW, SEED_BRISTLE, SEEDS = 16 };
 
-bool ISA(pen_varies)(const encre_params *p)
+bool ISA(pen_varies)(const hand *h)
 {
-	return p->pen_pressure > 0 || p->pen_wobble > 0 || p->pen_rough > 0 || p->pen_gaps > 0 || p->pen_dry > 0;
+	return h->pen_pressure > 0 || h->pen_wobble > 0 || h->pen_rough > 0 || h->pen_gaps > 0 || h->pen_dry > 0;
 }
 
 /* What one use of the hand's noise reads of its parameters: how strong it is and how long its waves are. */
 #define USE(name, strong, long)                                                                                        \
-	static float name##_of(const encre_params *p)                                                                  \
+	static float name##_of(const hand *h)                                                                          \
 	{                                                                                                              \
-		return p->strong > 0 ? p->long : 0;                                                                    \
+		return h->strong > 0 ? h->long : 0;                                                                    \
 	}
 USE(pressure, pen_pressure, pen_pressure_length)
 USE(wobble, pen_wobble, pen_wobble_length)
@@ -27,15 +27,14 @@ USE(dry, pen_dry, pen_dry_length)
 #undef USE
 
 /* Noise at n <= SPAN sites, of waves times `times`; false where no hand asks for it. */
-static bool noise_row(const strokes *s, int n, float (*length_of)(const encre_params *), float times, int what,
-		      float *noise)
+static bool noise_row(const strokes *s, int n, float (*length_of)(const hand *), float times, int what, float *noise)
 {
 	float length[SPAN];
 	uint32_t seed[SPAN];
 	bool asked = false;
 	for (int i = 0; i < n; i++) {
-		length[i] = times * length_of(s->p[i]);
-		seed[i] = ((uint32_t)s->p[i]->pen_seed * STROKES + (uint32_t)s->stroke) * SEEDS + (uint32_t)what;
+		length[i] = times * length_of(s->hand[i]);
+		seed[i] = ((uint32_t)s->hand[i]->pen_seed * STROKES + (uint32_t)s->stroke) * SEEDS + (uint32_t)what;
 		asked |= length[i] > 0;
 	}
 	if (asked)
@@ -51,8 +50,8 @@ void ISA(pen_pressures)(const strokes *s, int n, float *factor)
 	float noise[SPAN];
 	bool asked = noise_row(s, n, pressure_of, 1, SEED_PRESSURE, noise);
 	for (int i = 0; i < n; i++)
-		factor[i] = asked && s->p[i]->pen_pressure > 0
-				    ? min(max(1 + s->p[i]->pen_pressure * noise[i], least_pressure), most_pressure)
+		factor[i] = asked && s->hand[i]->pen_pressure > 0
+				    ? min(max(1 + s->hand[i]->pen_pressure * noise[i], least_pressure), most_pressure)
 				    : 1;
 }
 
@@ -77,8 +76,8 @@ static void dry_row(const strokes *s, int n, touch *t)
 	for (int k = 0; k < BRISTLES; k++) {
 		noise_row(s, n, dry_of, 1, SEED_BRISTLE + k, streak);
 		for (int i = 0; i < n; i++) {
-			float dry = s->p[i]->pen_dry * (1 + 0.6f * flow[i]);
-			if (s->p[i]->pen_dry > 0)
+			float dry = s->hand[i]->pen_dry * (1 + 0.6f * flow[i]);
+			if (s->hand[i]->pen_dry > 0)
 				t[i].ink[k] = (uint8_t)(255 * clamp01(2.5f * (0.6f * streak[i] + 1.15f - dry)) + 0.5f);
 		}
 	}
@@ -92,17 +91,17 @@ void ISA(pen_touches)(const frame *f, const strokes *s, int n, touch *t)
 	if (noise_row(s, n, rough_of, 1, SEED_ROUGH, noise))
 		for (int i = 0; i < n; i++) {
 			t[i].rough = noise[i];
-			t[i].fray = s->p[i]->pen_rough * f->scale * resolved(f, s->p[i]->pen_rough_length);
+			t[i].fray = s->hand[i]->pen_rough * f->scale * resolved(f, s->hand[i]->pen_rough_length);
 		}
 	if (noise_row(s, n, gaps_of, 1, SEED_GAPS, noise))
 		for (int i = 0; i < n; i++) {
-			float gaps = s->p[i]->pen_gaps;
+			float gaps = s->hand[i]->pen_gaps;
 			if (gaps > 0)
 				t[i].left = gaps < 1 ? clamp01(4 * (noise[i] - least_of(gaps)) + 0.5f) : 0;
 		}
 	if (noise_row(s, n, wobble_of, 1, SEED_ACROSS, noise) && noise_row(s, n, wobble_of, 1, SEED_DOWN, down))
 		for (int i = 0; i < n; i++) {
-			float far = s->p[i]->pen_wobble * f->scale;
+			float far = s->hand[i]->pen_wobble * f->scale;
 			t[i].dx = far * noise[i];
 			t[i].dy = far * down[i];
 		}
