@@ -107,6 +107,20 @@ def terms(rule: str, value: Callable[[str], Any]) -> dict[str, bool]:
 
 TONES = ("tone_1", "tone_2", "tone_3", "tone_4")  # of the levels of light, the darkest first
 
+PENS = {"PEN": "pen", "PEN_2": "pen_2", "PEN_3": "pen_3"}  # the item of a kind of line that names it: its rows
+LINES = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")
+_VARIES = ("pressure", "wobble", "rough", "gaps", "dry")
+
+
+def pens(values: Mapping[str, Any]) -> set[str]:
+    """The pens that some kind of line is drawn by."""
+    return {PENS[values[f"line_pen_{kind}"]] for kind in LINES}
+
+
+def sticking_pens(values: Mapping[str, Any]) -> bool:
+    """Whether a hand that draws lines sticks to surfaces."""
+    return values["use_lines"] and any(values[f"{pen}_{what}"] for pen in pens(values) for what in _VARIES)
+
 
 def fills(values: Mapping[str, Any], *tones: str) -> bool:
     """Whether any of these tones fills a level of light with these values."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import colour, library
-from .params import fills_surfaces, terms
+from .params import fills_surfaces, pens, sticking_pens, terms
 
 _MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
 _WINDOW = 24  # pixels about an edge at which its detector looks, whatever the settings are
@@ -158,7 +158,9 @@ class Settings:
         scene, most = self.every[0], 0.0
         for values in self.every:
             if values["use_lines"]:  # a control doubles the width, and so do nearness and light
-                most = max(most, min(scene["line_max_thickness"], 4 * values["line_thickness"]) / 2)
+                times = max((values[f"{pen}_width"] for pen in pens(values) - {"pen"}), default=1)
+                widest = 4 * max(times, 1) * values["line_thickness"]
+                most = max(most, min(scene["line_max_thickness"], widest) / 2)
             if values["use_smudging"]:
                 most = max(most, 2 * values["smudge_range"] + values["smudge_pick"])
         if scene["contrast_auto"] and self.any("edge_color"):
@@ -193,10 +195,9 @@ class Settings:
     @cached_property
     def sticks(self) -> bool:
         """Whether anything that is drawn sticks to surfaces."""
-        hand = "pen_pressure", "pen_wobble", "pen_rough", "pen_gaps", "pen_dry"
         fine = self.every[0]["edge_detector"] == "FINE"
         return any(fills_surfaces(values)
-                   or (fine and values["use_lines"] and any(values[id_] for id_ in hand)) for values in self.every)
+                   or (fine and sticking_pens(values)) for values in self.every)
 
     @cached_property
     def wants_anchor(self) -> bool:

@@ -3,6 +3,7 @@
  * a wide line each link draws only the pixels that lie before its own ends, as its neighbours draw the others. */
 #include "ink/discs.h"
 #include "ink/tips.h"
+#include "ink/pen.h"
 #include "fine/near.h"
 
 /* A link draws this many pixels beyond the line that halves the angle with its neighbour, because the radius may vary.
@@ -18,10 +19,19 @@ typedef struct cut {
 	float way_x, way_y, from;
 } cut;
 
+/* Of a link whose line has bristles: across it, and what each bristle gives at its ends, a byte each. */
+typedef struct streaks {
+	float x, y, length; /* the way across times its length; 0 for a link without a way */
+	float count[2];
+	int last[2];
+	uint64_t ink[2];
+} streaks;
+
 typedef struct capsule {
 	const pen_end *a, *b;
 	uint32_t one, two;     /* their numbers */
 	const uint8_t *dry[2]; /* their bristles; NULL: none is dry */
+	streaks across;        /* if any is */
 	float dx, dy, inverse; /* from a to b; 1 / length^2, 0 for a site alone */
 	float reach;
 	int cuts;
@@ -64,6 +74,25 @@ static void cut_at(const fine *n, const capsules *all, uint32_t stroke, capsule 
 	c->cut[c->cuts++] = (cut){wx, wy, wx * h.x + wy * h.y - overlap};
 }
 
+/* What the bristle over a place leaves of the ink. Bristles lie side by side across the link, from one rim on: which
+ * changes over where a line is as steep as few are, as neighbouring links of the others must agree. */
+static const float steep = 0.41421356f;
+
+static streaks streaks_of(const capsule *e)
+{
+	float length = sqrtf(e->dx * e->dx + e->dy * e->dy);
+	bool turned = e->dx + steep * e->dy < 0, way = length > 1e-6f;
+	streaks b = {.x = turned ? -e->dx : e->dx, .y = turned ? -e->dy : e->dy, .length = way ? length : 0};
+	for (int k = 0; k < 2; k++) {
+		int n = (int)(k ? e->b : e->a)->bristles;
+		for (int i = 0; i < BRISTLES; i++)
+			b.ink[k] |= (uint64_t)(n ? e->dry[k][i] : 255) << (8 * i);
+		b.count[k] = (float)(n ? n : 1);
+		b.last[k] = n ? n - 1 : 0;
+	}
+	return b;
+}
+
 static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32_t b)
 {
 	capsule c = {.a = all->end + a, .b = all->end + b, .one = a, .two = b};
@@ -75,6 +104,8 @@ static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32
 	c.dx = c.b->x - c.a->x;
 	c.dy = c.b->y - c.a->y;
 	float square = c.dx * c.dx + c.dy * c.dy;
+	if (c.dry[0])
+		c.across = streaks_of(&c);
 	c.inverse = square > 1e-12f ? 1 / square : 0;
 	c.reach = max(c.a->reach, c.b->reach);
 	if (c.reach > 2.5f && a != b && fabsf(c.b->out - c.a->out) < most_steep) {
@@ -112,20 +143,14 @@ static void span_of(const capsule *c, int y, int width, int *first, int *end)
 	*end = high < 0 ? 0 : high < (float)(width - 1) ? (int)high + 1 : width;
 }
 
-/* What the bristle over a place leaves of the ink. Bristles lie side by side across the link, from one rim on: which
- * changes over where a line is as steep as few are, as neighbouring links of the others must agree. */
-static const float steep = 0.41421356f;
-
-static inline float left_by(const capsule *e, float px, float py, float s, float half)
+static inline float left_by(const streaks *b, float px, float py, float s, float half)
 {
-	float length = sqrtf(e->dx * e->dx + e->dy * e->dy), across = e->dx * py - e->dy * px;
-	bool turned = e->dx + steep * e->dy < 0;
-	across = length > 1e-6f && half > 0 ? across / (length * half) : 0;
-	across = clamp01(0.5f + 0.5f * (turned ? -across : across));
-	float left[2];
+	float across = b->x * py - b->y * px, wide = b->length * half, left[2];
+	across = clamp01(0.5f + 0.5f * (b->length > 0 && half > 0 ? across / wide : 0));
 	for (int k = 0; k < 2; k++) {
-		int n = (int)(k ? e->b : e->a)->bristles, at = (int)(across * (float)n);
-		left[k] = n ? (float)e->dry[k][at < n ? at : n - 1] / 255 : 1;
+		int at = (int)(across * b->count[k]);
+		at = at < b->last[k] ? at : b->last[k];
+		left[k] = (float)(int32_t)(b->ink[k] >> (8 * at) & 255) / 255;
 	}
 	return mix(left[0], left[1], s);
 }
@@ -162,7 +187,7 @@ KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const b
 			float t = 0.5f + (half - sqrtf(d2)) / width;
 			t = faint * most * most_one(t);
 			if (dry)
-				t *= left_by(e, px, py, s, out + s * more_out);
+				t *= left_by(&e->across, px, py, s, out + s * more_out);
 			t = depth[x + k] >= limit + s * more_limit ? t : 0;
 			if (!owned) {
 				dark[x + k] = t > before ? t : before;

@@ -13,6 +13,7 @@
 typedef struct pen {
 	const encre_params *p;
 	float radius, gain, bias, limit;
+	float pressed; /* the painted factor on its intensity */
 } pen;
 
 /* The disc of an edge pixel, or of the edge pixels x..last of one row whose discs differ in nothing but their place.

@@ -24,7 +24,7 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 		return false;
 	const float *controls = controls_at(f, nx, ny);
 	float thickness = controls ? controls[CONTROL_THICKNESS] : 0;
-	float intensity = 1 + (controls ? controls[CONTROL_INTENSITY] : 0);
+	float pressed = 1 + (controls ? controls[CONTROL_INTENSITY] : 0);
 	float z = depth_at(f, nx, ny);
 	const float widths[SOURCE_COUNT] = {
 		[SOURCE_OBJECT] = p->width_object, [SOURCE_MATERIAL] = p->width_material,
@@ -51,9 +51,10 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 		radius *= max(0, 1 + p->line_light * (1 - 2 * lit));
 	}
 
-	intensity = min(intensity * p->line_intensity, 1e30f);
+	float intensity = min(pressed * p->line_intensity, 1e30f);
 	d->p = p;
 	d->radius = min(radius, 0.5f * f->params->line_max_thickness * f->scale);
+	d->pressed = pressed;
 	d->gain = min(p->line_gain * intensity, 1e30f);
 	d->bias = max(0, 1 - 0.5f * intensity);
 	d->limit = !f->params->line_occlude ? 0 : f->camera.orthographic ? z - 0.1f * f->camera.height : 0.9f * z;
@@ -102,8 +103,10 @@ static bool inks_differ(const frame *f, float *color)
 static bool strokes_overlap(const frame *f)
 {
 	bool found = false;
-	for (int i = 0; i < f->n_styles; i++)
-		found |= f->params[i].use_lines && f->params[i].pen_strokes > 1;
+	for (int i = 0; i < f->n_styles; i++) {
+		pens pens = ISA(pens_of)(f->params + i);
+		found |= f->params[i].use_lines && ISA(pens_strokes)(&pens) > 1;
+	}
 	return found && f->params->edge_detector == edge_detector_FINE;
 }
 

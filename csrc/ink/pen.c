@@ -1,145 +1,58 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The hand that draws a line: pressure, wobble, roughness, gaps, dry bristles, by solid noise at the anchor of the
- * surface in front at a site. What is drawn sticks to the thing, and needs no other frame. */
+/* The hand that draws a line: pressure, wobble, roughness, gaps, dry bristles, by solid noise where its sites are on
+ * their things. */
 #include "ink/pen.h"
 
 #include "base/pixel.h"
 #include "base/stage.h"
 
-/* ---- noise ----------------------------------------------------------------------------------------------- */
-
-/* One over the standard deviation of value noise: the weights are Perlin's quintic, whose squares and those of the rest
- * have a mean of 181/231 an axis. */
-static const float unit_variance = 2.4972f;
-
-static inline float hashed(int32_t x, int32_t y, int32_t z, uint32_t seed)
-{
-	uint32_t h = (seed + 0x2545f491u) * 0x9e3779b1u;
-	h = (h ^ (uint32_t)x) * 0x85ebca6bu;
-	h ^= h >> 13;
-	h = (h ^ (uint32_t)y) * 0xc2b2ae35u;
-	h ^= h >> 16;
-	h = (h ^ (uint32_t)z) * 0x27d4eb2fu;
-	h ^= h >> 15;
-	h *= 0x165667b1u;
-	h ^= h >> 13;
-	return (float)(h >> 8) * (2.0f / 16777216) - 1;
-}
-
-static inline float quintic(float t)
-{
-	return t * t * t * (t * (t * 6 - 15) + 10);
-}
-
-static float lattice(const float p[3], uint32_t seed)
-{
-	int32_t i[3];
-	float w[3];
-	for (int k = 0; k < 3; k++) {
-		float at = min(max(p[k], -1e9f), 1e9f), low = floorf(at);
-		i[k] = (int32_t)low;
-		w[k] = quintic(at - low);
-	}
-	float side[2][2];
-	for (int z = 0; z < 2; z++)
-		for (int y = 0; y < 2; y++)
-			side[z][y] = mix(hashed(i[0], i[1] + y, i[2] + z, seed),
-					 hashed(i[0] + 1, i[1] + y, i[2] + z, seed), w[0]);
-	return mix(mix(side[0][0], side[0][1], w[1]), mix(side[1][0], side[1][1], w[1]), w[2]);
-}
-
-/* Of mean 0 and variance 1, with a wavelength of so many units of p. Two octaves are blended, the finer one entering
- * with weight 0 where its turn comes, so that nothing pops while a thing comes nearer. */
-static float solid(const float p[3], float wavelength, uint32_t seed)
-{
-	float rate = 1 / wavelength;
-	if (!(rate > 1e-30f && rate < 1e30f))
-		return 0;
-	int32_t bits = float_bits(rate), octave = (bits >> 23) - 127;
-	float part = (float)(bits & 0x7fffff) * (1.0f / 8388608), noise[2];
-	for (int k = 0; k < 2; k++) {
-		/* an offset of its own, or the zeros of all octaves met in the origin */
-		float scale = bits_float((octave + k + 127) << 23), aside = 17.3f * (float)(octave + k);
-		const float at[3] = {p[0] * scale + aside, p[1] * scale + aside, p[2] * scale + aside};
-		noise[k] = lattice(at, seed);
-	}
-	float turn = part * (1.3466f - 0.3466f * part) * 1.57079633f; /* log2(1 + part), to 0.01 */
-	return (pixel_cos(turn) * noise[0] + pixel_sin(turn) * noise[1]) * unit_variance;
-}
-
-/* ---- the hand -------------------------------------------------------------------------------------------- */
-
-/* Where a site is on its thing, in units of which a "px" of a length is `unit`. */
-typedef struct spot {
-	float p[3], unit;
-} spot;
-
-/* As near as this share of its depth, pixels beside the front-most one count as its surface. */
-static const float one_surface = 0.02f;
-
-/* The mean, by nearness, of those of the four pixels about a site that show the surface in front: so noise runs on
- * evenly where the thing moves by parts of a pixel. Where nothing tells, a place in the frame. */
-static spot spot_of(const frame *f, const site *s)
-{
-	float x = s->placed.x, y = s->placed.y, left = floorf(x), top = floorf(y), front = INFINITY, sum = 0;
-	/* in units of length, or another number of pixels would have other octaves, and so another line */
-	spot at = {.p = {(x + (float)f->place.x + 0.5f) / f->scale, (y + (float)f->place.y + 0.5f) / f->scale, 0},
-		   .unit = 1};
-	const float *anchor[4];
-	float depth[4], object[4], weight[4], number = 0;
-	if (!f->layer[ENCRE_LAYER_ANCHOR].data)
-		return at;
-	for (int k = 0; k < 4; k++) {
-		int px = clamp_index((int)left + (k & 1), f->width), py = clamp_index((int)top + (k >> 1), f->height);
-		const float *objects = layer_row(f, ENCRE_LAYER_OBJECT, py);
-		float fx = x - left, fy = y - top;
-		anchor[k] = anchor_at(f, px, py);
-		depth[k] = anchor[k][ANCHOR_PIXEL] > 0 ? depth_at(f, px, py) : INFINITY;
-		object[k] = objects ? objects[px] : 0;
-		weight[k] = 1e-3f + (k & 1 ? fx : 1 - fx) * (k >> 1 ? fy : 1 - fy);
-		number = depth[k] < front ? object[k] : number;
-		front = min(front, depth[k]);
-	}
-	if (!(front < INFINITY))
-		return at;
-	at = (spot){0};
-	for (int k = 0; k < 4; k++) {
-		if (!(depth[k] <= front * (1 + one_surface)) || object[k] != number)
-			continue;
-		for (int c = 0; c < 3; c++)
-			at.p[c] += weight[k] * anchor[k][ANCHOR_POSITION + c];
-		at.unit += weight[k] * anchor[k][ANCHOR_PIXEL];
-		sum += weight[k];
-	}
-	for (int c = 0; c < 3; c++)
-		at.p[c] = bounded(at.p[c] / sum);
-	at.unit = min(at.unit / sum * f->scale, 1e30f);
-	return at;
-}
-
 enum { SEED_PRESSURE, SEED_ACROSS, SEED_DOWN, SEED_ROUGH, SEED_GAPS, SEED_FLOW, SEED_BRISTLE, SEEDS = 16 };
 
-static uint32_t seed_of(const encre_params *p, int stroke, int what)
+bool ISA(pen_varies)(const hand *h)
 {
-	return ((uint32_t)p->pen_seed * STROKES + (uint32_t)stroke) * SEEDS + (uint32_t)what;
+	return h->pen_pressure > 0 || h->pen_wobble > 0 || h->pen_rough > 0 || h->pen_gaps > 0 || h->pen_dry > 0;
 }
 
-bool ISA(pen_draws)(const encre_params *p)
+/* What one use of the hand's noise reads of its parameters: how strong it is and how long its waves are. */
+#define USE(name, strong, long)                                                                                        \
+	static float name##_of(const hand *h)                                                                          \
+	{                                                                                                              \
+		return h->strong > 0 ? h->long : 0;                                                                    \
+	}
+USE(pressure, pen_pressure, pen_pressure_length)
+USE(wobble, pen_wobble, pen_wobble_length)
+USE(rough, pen_rough, pen_rough_length)
+USE(gaps, pen_gaps, pen_gaps_length)
+USE(dry, pen_dry, pen_dry_length)
+#undef USE
+
+/* Noise at n <= SPAN sites, of waves times `times`; false where no hand asks for it. */
+static bool noise_row(const strokes *s, int n, float (*length_of)(const hand *), float times, int what, float *noise)
 {
-	return p->pen_pressure > 0 || p->pen_wobble > 0 || p->pen_rough > 0 || p->pen_gaps > 0 || p->pen_dry > 0 ||
-	       p->pen_strokes > 1;
+	float length[SPAN];
+	uint32_t seed[SPAN];
+	bool asked = false;
+	for (int i = 0; i < n; i++) {
+		length[i] = times * length_of(s->hand[i]);
+		seed[i] = ((uint32_t)s->hand[i]->pen_seed * STROKES + (uint32_t)s->stroke) * SEEDS + (uint32_t)what;
+		asked |= length[i] > 0;
+	}
+	if (asked)
+		ISA(solid_row)(&s->at, n, length, seed, noise);
+	return asked;
 }
 
 /* A pen gives neither up nor three times its ink. */
 static const float least_pressure = 0.12f, most_pressure = 3;
 
-float ISA(pen_pressure)(const frame *f, const encre_params *p, const site *s, int stroke)
+void ISA(pen_pressures)(const strokes *s, int n, float *factor)
 {
-	if (!(p->pen_pressure > 0))
-		return 1;
-	spot at = spot_of(f, s);
-	float noise = solid(at.p, at.unit * p->pen_pressure_length, seed_of(p, stroke, SEED_PRESSURE));
-	return min(max(1 + p->pen_pressure * noise, least_pressure), most_pressure);
+	float noise[SPAN];
+	bool asked = noise_row(s, n, pressure_of, 1, SEED_PRESSURE, noise);
+	for (int i = 0; i < n; i++)
+		factor[i] = asked && s->hand[i]->pen_pressure > 0
+				    ? min(max(1 + s->hand[i]->pen_pressure * noise[i], least_pressure), most_pressure)
+				    : 1;
 }
 
 /* What is as small as a pixel would only be noise. */
@@ -155,33 +68,42 @@ static float least_of(float gaps)
 	return x * (1.15f + 0.75f * x * x * x * x);
 }
 
-static uint8_t bristle(const encre_params *p, const spot *at, int stroke, int k, float flow)
+static void dry_row(const strokes *s, int n, touch *t)
 {
-	float streak = 0.6f * solid(at->p, at->unit * p->pen_dry_length, seed_of(p, stroke, SEED_BRISTLE + k));
-	return (uint8_t)(255 * clamp01(2.5f * (streak + 1.15f - p->pen_dry * flow)) + 0.5f);
+	float flow[SPAN], streak[SPAN];
+	if (!noise_row(s, n, dry_of, 6, SEED_FLOW, flow))
+		return;
+	for (int k = 0; k < BRISTLES; k++) {
+		noise_row(s, n, dry_of, 1, SEED_BRISTLE + k, streak);
+		for (int i = 0; i < n; i++) {
+			float dry = s->hand[i]->pen_dry * (1 + 0.6f * flow[i]);
+			if (s->hand[i]->pen_dry > 0)
+				t[i].ink[k] = (uint8_t)(255 * clamp01(2.5f * (0.6f * streak[i] + 1.15f - dry)) + 0.5f);
+		}
+	}
 }
 
-touch ISA(pen_touch)(const frame *f, const encre_params *p, const site *s, int stroke)
+void ISA(pen_touches)(const frame *f, const strokes *s, int n, touch *t)
 {
-	spot at = spot_of(f, s);
-	touch t = {.left = 1};
-	if (p->pen_rough > 0) {
-		t.rough = solid(at.p, at.unit * p->pen_rough_length, seed_of(p, stroke, SEED_ROUGH));
-		t.fray = p->pen_rough * f->scale * resolved(f, p->pen_rough_length);
-	}
-	if (p->pen_gaps > 0) {
-		float noise = solid(at.p, at.unit * p->pen_gaps_length, seed_of(p, stroke, SEED_GAPS));
-		t.left = p->pen_gaps < 1 ? clamp01(4 * (noise - least_of(p->pen_gaps)) + 0.5f) : 0;
-	}
-	if (p->pen_wobble > 0) {
-		float far = p->pen_wobble * f->scale, length = at.unit * p->pen_wobble_length;
-		t.dx = far * solid(at.p, length, seed_of(p, stroke, SEED_ACROSS));
-		t.dy = far * solid(at.p, length, seed_of(p, stroke, SEED_DOWN));
-	}
-	if (p->pen_dry > 0) {
-		float flow = 1 + 0.6f * solid(at.p, at.unit * 6 * p->pen_dry_length, seed_of(p, stroke, SEED_FLOW));
-		for (int k = 0; k < p->pen_bristles; k++)
-			t.ink[k] = bristle(p, &at, stroke, k, flow);
-	}
-	return t;
+	float noise[SPAN], down[SPAN];
+	for (int i = 0; i < n; i++)
+		t[i] = (touch){.left = 1};
+	if (noise_row(s, n, rough_of, 1, SEED_ROUGH, noise))
+		for (int i = 0; i < n; i++) {
+			t[i].rough = noise[i];
+			t[i].fray = s->hand[i]->pen_rough * f->scale * resolved(f, s->hand[i]->pen_rough_length);
+		}
+	if (noise_row(s, n, gaps_of, 1, SEED_GAPS, noise))
+		for (int i = 0; i < n; i++) {
+			float gaps = s->hand[i]->pen_gaps;
+			if (gaps > 0)
+				t[i].left = gaps < 1 ? clamp01(4 * (noise[i] - least_of(gaps)) + 0.5f) : 0;
+		}
+	if (noise_row(s, n, wobble_of, 1, SEED_ACROSS, noise) && noise_row(s, n, wobble_of, 1, SEED_DOWN, down))
+		for (int i = 0; i < n; i++) {
+			float far = s->hand[i]->pen_wobble * f->scale;
+			t[i].dx = far * noise[i];
+			t[i].dy = far * down[i];
+		}
+	dry_row(s, n, t);
 }

@@ -4,12 +4,11 @@
 #define ENCRE_PEN_H
 
 #include "fine/fine.h"
+#include "ink/noise.h"
 
-/* LINE(KIND, id, width): the parameter line_color_<id>, and which width_<width> it reads; kinds.c has factors on that.
- *   OUTLINE       a jump in depth to another object, or to nothing
- *   CONTACT       another object at continuous depth (times width_contact)
- *   INNER         a jump in depth within an object
- *   CREASE        a bend
+/* LINE(KIND, id, width): the parameters line_pen_<id> and line_color_<id>, and which width_<width> it reads; kinds.c
+ * has factors on that. OUTLINE       a jump in depth to another object, or to nothing CONTACT       another object at
+ * continuous depth (times width_contact) INNER         a jump in depth within an object CREASE        a bend
  *   INTERSECTION  where pieces of a mesh pass through each other (times width_intersection)
  * An outline that only its depth tells (edge_object 0) reads width_depth. */
 #define LINES(LINE)                                                                                                    \
@@ -28,7 +27,35 @@
 enum line { LINES(LINE) LINE_COUNT };
 #undef LINE
 
-/* kinds.c */
+/* ---- pens ------------------------------------------------------------------------------------------------ */
+
+enum { PENS = 3, BRISTLES = 8, STROKES = 4 };
+
+/* One pen's rows, as parameters have them. */
+#define FLOAT(id, ...) float id;
+#define INT(id, ...) int32_t id;
+typedef struct hand {
+	PEN_ROWS(pen)
+	TOOL_ROWS(pen)
+} hand;
+#undef FLOAT
+#undef INT
+
+/* What a style draws with. */
+typedef struct pens {
+	hand hand[PENS];
+	uint8_t of[LINE_COUNT]; /* which of them draws a kind */
+	bool differ;            /* not all kinds have the first */
+	uint8_t used;           /* a bit each */
+} pens;
+
+/* hands.c */
+pens ISA(pens_of)(const encre_params *p);
+/* The most strokes that any of them draws. */
+uint32_t ISA(pens_strokes)(const pens *s);
+
+/* ---- kinds.c --------------------------------------------------------------------------------------------- */
+
 enum line ISA(line_of)(const frame *f, const site *s);
 /* The factor on the width of its source. */
 float ISA(line_width)(const encre_params *p, enum line kind);
@@ -37,8 +64,18 @@ bool ISA(inks_by_site)(const encre_params *p);
 /* The ink of a line's site, which is `half` pixels wide each way. Reads the picture before any lines. */
 void ISA(line_ink)(const frame *f, const site *s, float half, float ink[3]);
 
-/* pen.c. A stroke is one of the times that a line is drawn. */
-enum { BRISTLES = 8, STROKES = 4 };
+/* ---- pen.c ----------------------------------------------------------------------------------------------- */
+
+/* SPAN sites are looked at at a time. */
+enum { SPAN = 64 };
+
+/* A stroke, one of the times that a line is drawn, along a few sites: where they are on their things, and whose hand
+ * draws each. */
+typedef struct strokes {
+	spots at;
+	const hand *hand[SPAN];
+	int stroke;
+} strokes;
 
 typedef struct touch {
 	float rough, fray;     /* how much the rim is frayed here, about 0; times so many pixels */
@@ -47,10 +84,10 @@ typedef struct touch {
 	uint8_t ink[BRISTLES]; /* 255ths that each bristle gives */
 } touch;
 
-/* Whether these parameters have a hand at all. */
-bool ISA(pen_draws)(const encre_params *p);
-/* The factor on the width by the hand's pressure. */
-float ISA(pen_pressure)(const frame *f, const encre_params *p, const site *s, int stroke);
-touch ISA(pen_touch)(const frame *f, const encre_params *p, const site *s, int stroke);
+/* Whether a hand varies along its lines. */
+bool ISA(pen_varies)(const hand *h);
+/* The factor on the width by the hand's pressure; of n <= SPAN sites. */
+void ISA(pen_pressures)(const strokes *s, int n, float *factor);
+void ISA(pen_touches)(const frame *f, const strokes *s, int n, touch *t);
 
 #endif

@@ -17,47 +17,71 @@ typedef struct gather {
 	frame *f;
 	const fine *n;
 	capsules *all;
+	pens *pens;     /* by style */
+	uint8_t *whose; /* by site, which of its style's pens draws it */
+	bool varied;    /* some hand's noise is asked for */
+	uint32_t strokes;
+	spots at; /* of all sites; NULL without noise */
 	uint32_t stroke;
 	pen_end *end;  /* of this stroke */
 	float *length; /* to the nearest free end, by site; NULL where no line tapers */
 	float *radius; /* by site: evened along its line, before it tapers or is crowded */
 } gather;
 
-/* What the pen gives before its line is evened: `out` is its radius, `fade` the share of that. */
-static pen_end pen_end_of(const frame *f, const site *made)
+/* What the pen gives before its line is evened: `out` is its radius, `fade` the share of that. Tells whose hand it is.
+ */
+static pen_end pen_end_of(const gather *g, const site *made, uint8_t *whose)
 {
+	const frame *f = g->f;
 	const placed *s = &made->placed;
 	pen pen;
 	pen_end e = {.x = s->x, .y = s->y};
+	*whose = 0;
 	if (!ISA(pen_of)(f, s->near_x, s->near_y, (enum source)s->source, s->strength, &pen))
 		return e;
-	if (pen.p->width_contact != 1 || pen.p->width_intersection != 1)
-		pen.radius = min(pen.radius * ISA(line_width)(pen.p, ISA(line_of)(f, made)),
+	const pens *all = g->pens + (pen.p - f->params);
+	if (all->differ || pen.p->width_contact != 1 || pen.p->width_intersection != 1) {
+		enum line kind = ISA(line_of)(f, made);
+		*whose = all->of[kind];
+		pen.radius = min(pen.radius * ISA(line_width)(pen.p, kind) * all->hand[*whose].pen_width,
 				 0.5f * f->params->line_max_thickness * f->scale);
+	}
+	const hand *h = all->hand + *whose;
+	if (*whose) {
+		float intensity = min(pen.pressed * h->pen_intensity, 1e30f);
+		pen.gain = min(h->pen_gain * intensity, 1e30f);
+		pen.bias = max(0, 1 - 0.5f * intensity);
+	}
 	e.out = pen.radius * (1 - (float)s->eased / 255);
-	e.fade = pen.p->line_softness;
+	e.fade = h->pen_softness;
 	e.gain = pen.gain;
 	e.ease = pen.gain > 0 ? min(1 / pen.gain, 1e30f) : 0;
 	e.bias = pen.bias;
-	e.paper = pen.p->line_paper;
+	e.paper = h->pen_paper;
 	e.limit = min(pen.limit, 1e30f); /* finite: it is interpolated */
 	return e;
 }
 
-static const encre_params *style_of(const frame *f, const site *made)
+static const hand *hand_of(const gather *g, uint32_t i)
 {
-	return params_at(f, made->placed.near_x, made->placed.near_y);
+	const placed *s = &g->n->site[i].placed;
+	return g->pens[style_at(g->f, s->near_x, s->near_y)].hand + g->whose[i];
+}
+
+static bool inks(const frame *f, const site *made)
+{
+	return params_at(f, made->placed.near_x, made->placed.near_y)->use_lines;
 }
 
 /* `radius`: evened along the line. t: what the hand does to it, or NULL. */
-static void finish(const frame *f, const site *made, float radius, float length, const touch *t, pen_end *e)
+static void finish(const frame *f, const site *made, const hand *h, float radius, float length, const touch *t,
+		   pen_end *e)
 {
 	const placed *s = &made->placed;
-	const encre_params *p = style_of(f, made);
 	float crowd = made->linked.crowd;
-	if (!p->use_lines)
+	if (!inks(f, made))
 		return;
-	float taper = p->line_taper * f->scale;
+	float taper = h->pen_taper * f->scale;
 	if (t)
 		radius = max(radius + t->rough * min(t->fray, most_frayed * radius), 0) * t->left;
 	if (length < taper)
@@ -73,7 +97,7 @@ static void finish(const frame *f, const site *made, float radius, float length,
 	if (t) {
 		e->x += t->dx;
 		e->y += t->dy;
-		e->bristles = p->pen_dry > 0 ? (uint32_t)p->pen_bristles : 0;
+		e->bristles = h->pen_dry > 0 ? (uint32_t)h->pen_bristles : 0;
 	}
 	e->out = filled * s->half + radius;
 	e->fade *= radius;
@@ -83,25 +107,56 @@ static void finish(const frame *f, const site *made, float radius, float length,
 		e->reach = max(middle, 0.5f) + 0.5f * max(e->fade * ramp, 1);
 }
 
+/* What the pen gives all strokes before their lines are evened. */
 static void make_pens(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const gather *g = data;
 	for (int i = first; i < end; i++) {
 		const site *made = g->n->site + i;
-		const encre_params *p = style_of(g->f, made);
-		g->radius[i] = 0;
-		if (made->linked.dropped)
-			continue;
-		if (g->stroke >= (uint32_t)p->pen_strokes) {
-			g->end[i] = (pen_end){.x = made->placed.x, .y = made->placed.y};
+		if (made->linked.dropped) {
+			g->whose[i] = 0;
 			continue;
 		}
-		g->end[i] = pen_end_of(g->f, made);
-		g->radius[i] = g->end[i].out;
-		if (p->pen_pressure > 0)
-			g->radius[i] = min(g->radius[i] * ISA(pen_pressure)(g->f, p, made, (int)g->stroke),
-					   0.5f * g->f->params->line_max_thickness * g->f->scale);
+		pen_end drawn = pen_end_of(g, made, g->whose + i), none = {.x = made->placed.x, .y = made->placed.y};
+		uint32_t strokes = (uint32_t)hand_of(g, (uint32_t)i)->pen_strokes;
+		for (uint32_t k = 0; k < g->strokes; k++)
+			g->all->end[(size_t)k * g->n->count + (size_t)i] = k < strokes ? drawn : none;
+	}
+	if (g->at.x) {
+		spots to = spots_from(&g->at, (size_t)first);
+		ISA(spots_fill)(g->f, g->n->site + first, end - first, &to);
+	}
+}
+
+/* The hands of the sites from i on, at most SPAN; returns how many. */
+static int hands_from(const gather *g, int i, int end, strokes *s)
+{
+	int n = end - i < SPAN ? end - i : SPAN;
+	s->at = spots_from(&g->at, (size_t)i);
+	s->stroke = (int)g->stroke;
+	for (int k = 0; k < n; k++)
+		s->hand[k] = hand_of(g, (uint32_t)(i + k));
+	return n;
+}
+
+static void press_pens(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const gather *g = data;
+	float most = 0.5f * g->f->params->line_max_thickness * g->f->scale, factor[SPAN];
+	for (int i = first, n; i < end; i += n) {
+		strokes s;
+		n = hands_from(g, i, end, &s);
+		for (int k = 0; k < n; k++)
+			factor[k] = 1;
+		if (g->at.x)
+			ISA(pen_pressures)(&s, n, factor);
+		for (int k = 0; k < n; k++) {
+			g->radius[i + k] = g->n->site[i + k].linked.dropped ? 0 : g->end[i + k].out;
+			if (s.hand[k]->pen_pressure > 0)
+				g->radius[i + k] = min(g->radius[i + k] * factor[k], most);
+		}
 	}
 }
 
@@ -109,24 +164,28 @@ static void finish_pens(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const gather *g = data;
-	for (int i = first; i < end; i++) {
-		const site *made = g->n->site + i;
-		const encre_params *p = style_of(g->f, made);
-		size_t at = (size_t)g->stroke * g->n->count + (size_t)i;
-		bool drawn = g->stroke < (uint32_t)p->pen_strokes;
-		if (made->linked.dropped)
-			continue;
-		touch t;
-		bool touched = drawn && p->use_lines && ISA(pen_draws)(p);
-		if (touched)
-			t = ISA(pen_touch)(g->f, p, made, (int)g->stroke);
-		if (drawn)
-			finish(g->f, made, g->radius[i], g->length ? g->length[i] : INFINITY, touched ? &t : NULL,
-			       g->end + i);
-		if (g->all->dry && touched)
-			memcpy(g->all->dry[at], t.ink, sizeof t.ink);
-		if (g->all->ink)
-			ISA(line_ink)(g->f, made, g->end[i].out, g->all->ink[at]);
+	touch touches[SPAN];
+	for (int i = first, n; i < end; i += n) {
+		strokes s;
+		n = hands_from(g, i, end, &s);
+		if (g->at.x)
+			ISA(pen_touches)(g->f, &s, n, touches);
+		for (int k = 0; k < n; k++) {
+			const site *made = g->n->site + i + k;
+			size_t at = (size_t)g->stroke * g->n->count + (size_t)(i + k);
+			const hand *h = s.hand[k];
+			bool drawn = g->stroke < (uint32_t)h->pen_strokes;
+			const touch *t = drawn && inks(g->f, made) && ISA(pen_varies)(h) ? touches + k : NULL;
+			if (made->linked.dropped)
+				continue;
+			if (drawn)
+				finish(g->f, made, h, g->radius[i + k], g->length ? g->length[i + k] : INFINITY, t,
+				       g->end + i + k);
+			if (g->all->dry && t)
+				memcpy(g->all->dry[at], t->ink, sizeof t->ink);
+			if (g->all->ink)
+				ISA(line_ink)(g->f, made, g->end[i + k].out, g->all->ink[at]);
+		}
 	}
 }
 
@@ -139,12 +198,34 @@ static int32_t make_stroke(gather *g, uint32_t stroke)
 	g->radius = late_take(&f->late, g->n->count, sizeof *g->radius);
 	if (!g->radius)
 		return ENCRE_ERROR_MEMORY;
-	int32_t code = bands_run(f->bands, (int)g->n->count, CHUNK, make_pens, g);
+	int32_t code = bands_run(f->bands, (int)g->n->count, CHUNK, press_pens, g);
 	if (!code)
 		code = ISA(capsules_even)(f, &g->radius);
 	if (!code)
 		code = bands_run(f->bands, (int)g->n->count, CHUNK, finish_pens, g);
 	late_drop(&f->late, g->radius);
+	return code;
+}
+
+static int32_t make_strokes(gather *g)
+{
+	frame *f = g->f;
+	if (g->varied) {
+		size_t count = g->n->count;
+		float *at = late_take(&f->late, 4 * count, sizeof *at);
+		if (!at)
+			return ENCRE_ERROR_MEMORY;
+		g->at = (spots){at, at + count, at + 2 * count, at + 3 * count};
+	}
+	g->whose = late_take(&f->late, g->n->count, sizeof *g->whose);
+	if (!g->whose)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = bands_run(f->bands, (int)g->n->count, CHUNK, make_pens, g);
+	for (uint32_t k = 0; !code && k < g->strokes; k++)
+		code = make_stroke(g, k);
+	late_drop(&f->late, g->whose);
+	late_drop(&f->late, g->at.x);
+	late_drop(&f->late, g->pens);
 	return code;
 }
 
@@ -189,18 +270,27 @@ static int32_t enter_all(const gather *g, uint32_t stroke, uint32_t *next)
 int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 {
 	const fine *n = f->fine;
-	gather g = {.f = f, .n = n, .all = all};
-	uint32_t strokes = 1;
+	gather g = {.f = f, .n = n, .all = all, .strokes = 1};
 	bool dry = false, moved = false;
+	float taper = 0;
+	g.pens = late_take(&f->late, (size_t)f->n_styles, sizeof *g.pens);
+	if (!g.pens)
+		return ENCRE_ERROR_MEMORY;
 	for (int i = 0; i < f->n_styles; i++) {
-		const encre_params *p = f->params + i;
-		if (!p->use_lines)
-			continue;
-		strokes = (uint32_t)p->pen_strokes > strokes ? (uint32_t)p->pen_strokes : strokes;
-		dry |= p->pen_dry > 0;
-		moved |= p->pen_wobble > 0;
+		g.pens[i] = ISA(pens_of)(f->params + i);
+		uint32_t strokes = ISA(pens_strokes)(g.pens + i);
+		for (int k = 0; f->params[i].use_lines && k < PENS; k++) {
+			const hand *h = g.pens[i].hand + k;
+			if (!(g.pens[i].used >> k & 1))
+				continue;
+			g.strokes = strokes > g.strokes ? strokes : g.strokes;
+			g.varied |= ISA(pen_varies)(h);
+			dry |= h->pen_dry > 0;
+			moved |= h->pen_wobble > 0;
+			taper = max(taper, h->pen_taper * f->scale);
+		}
 	}
-	size_t ends = (size_t)strokes * n->count;
+	size_t ends = (size_t)g.strokes * n->count;
 	if (ends > UINT32_MAX)
 		return ENCRE_ERROR_MEMORY;
 	all->count = n->count;
@@ -212,9 +302,6 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 	all->first = late_take(&f->late, bands + 2, sizeof *all->first);
 	if (!all->end || !all->first || (inked && !all->ink) || (dry && !all->dry))
 		return ENCRE_ERROR_MEMORY;
-	float taper = 0;
-	for (int i = 0; i < f->n_styles; i++)
-		taper = max(taper, f->params[i].line_taper * f->scale);
 	if (taper > 0) {
 		g.length = late_take(&f->late, n->count, sizeof *g.length);
 		if (!g.length)
@@ -223,14 +310,12 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 		if (code)
 			return code;
 	}
-	int32_t code = ENCRE_OK;
-	for (uint32_t k = 0; !code && k < strokes; k++)
-		code = make_stroke(&g, k);
+	int32_t code = make_strokes(&g);
 	if (code)
 		return code;
 	memset(all->first, 0, (bands + 2) * sizeof *all->first);
 	/* counted two places on: summed up, and filled, they end where they belong */
-	for (uint32_t k = 0; !code && k < strokes; k++)
+	for (uint32_t k = 0; !code && k < g.strokes; k++)
 		code = enter_all(&g, k, all->first + 2);
 	if (code)
 		return code;
@@ -239,7 +324,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 	all->list = late_take(&f->late, all->first[bands + 1], sizeof *all->list);
 	if (!all->list)
 		return ENCRE_ERROR_MEMORY;
-	for (uint32_t k = 0; !code && k < strokes; k++)
+	for (uint32_t k = 0; !code && k < g.strokes; k++)
 		code = enter_all(&g, k, all->first + 1);
 	return code;
 }

@@ -33,6 +33,11 @@ PENS = {  # the case, what it is drawn with
                            line_color_crease=(0.5, 0.5, 0), line_color_color=(0, 0.5, 0.5))),
     "sketch": ("faces", dict(line_thickness=1.2, line_softness=0.4, line_gain=2.0, pen_wobble=0.5, pen_strokes=3,
                              line_color_by_kind=True, line_color_outline=(0.8, 0, 0), line_color_inner=(0, 0, 0.9))),
+    "pens": ("faces", dict(line_thickness=3.0, pen_rough=0.4, pen_rough_length=6.0, line_pen_crease="PEN_2",
+                           line_pen_contact="PEN_2", line_pen_color="PEN_3", pen_2_width=0.5, pen_2_softness=0.0,
+                           pen_2_gain=1.0, pen_2_strokes=2, pen_2_wobble=0.8, pen_2_seed=3, pen_2_paper=0.0,
+                           pen_3_softness=0.5, pen_3_intensity=0.8, pen_3_taper=6.0, pen_3_pressure=0.5,
+                           pen_3_pressure_length=30.0)),
     "on dark": ("rods", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.4)),
     "not hidden": ("things", dict(line_thickness=4.0, line_occlude=False, width_light=2.0, line_max_thickness=5.0)),
 }

@@ -80,10 +80,16 @@ class Hand:
         for i in range(len(t)):
             if (spot := _spot(layers, *t.at[i])) is not None:
                 self.p[i], self.unit[i] = spot[:3], spot[6] * self.scale
+        named = np.array([params.at("line_pen_" + kind, self.style) for kind in KINDS])
+        self.whose = named[kinds(t, layers), np.arange(len(t))]
         self.drawn = stroke < self.at("strokes")
 
-    def at(self, name):
-        return self.params.at("pen_" + name, self.style)
+    def at(self, name, first=None):
+        """Of each site's pen; `first`: what the tool of the first pen is, instead of a row of its own."""
+        own = self.params.at("pen_" + name, self.style) if first is None else first
+        for pen in ("pen_2", "pen_3"):
+            own = np.where(self.whose == pen.upper(), self.params.at(f"{pen}_{name}", self.style), own)
+        return own
 
     def noise(self, length, what):
         """Of wavelength `length` px; the numbers of seeds differ by style."""

@@ -19,7 +19,9 @@ class Pen:
         self.occlude = params["line_occlude"]
         self.softness = params.at("line_softness", style)
         self.roughness = params.at("line_paper", style)
-        self.strength = (1 + controls["intensity"]) * params.at("line_intensity", style)
+        self.pressed = 1 + controls["intensity"]
+        self.intensity = params.at("line_intensity", style)
+        self.strength = self.pressed * self.intensity
         self.gain = params.at("line_gain", style) * params.at("use_lines", style)
 
         c = controls["thickness"]

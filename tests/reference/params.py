@@ -21,12 +21,15 @@ DEFAULTS = {
     "line_softness": 0.9, "line_occlude": True, "line_paper": 0.6, "line_intensity": 1.0, "line_gain": 4.0,
     "line_search": "EXACT", "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0, "line_tint_value": 0.35,
     "width_contact": 1.0, "width_intersection": 1.0,
-    "pen_pressure": 0.0, "pen_pressure_length": 210.0, "pen_wobble": 0.0, "pen_wobble_length": 135.0,
-    "pen_rough": 0.0, "pen_rough_length": 12.0, "pen_gaps": 0.0, "pen_gaps_length": 90.0,
-    "pen_dry": 0.0, "pen_dry_length": 33.0, "pen_bristles": 6, "pen_strokes": 1, "pen_seed": 0,
+    **{pen + name: value for pen in ("pen_", "pen_2_", "pen_3_") for name, value in {
+        "pressure": 0.0, "pressure_length": 210.0, "wobble": 0.0, "wobble_length": 135.0,
+        "rough": 0.0, "rough_length": 12.0, "gaps": 0.0, "gaps_length": 90.0,
+        "dry": 0.0, "dry_length": 33.0, "bristles": 6, "strokes": 1, "seed": 0}.items()},
+    **{pen + name: value for pen in ("pen_2_", "pen_3_") for name, value in {
+        "width": 1.0, "taper": 0.0, "softness": 0.9, "intensity": 1.0, "gain": 4.0, "paper": 0.6}.items()},
     "ink_on_dark": 0.0, "ink_dark_color": (1.0, 1.0, 1.0), "ink_dark_threshold": 0.03,
     "line_lit": 0.0, "line_lit_color": (0.5, 0.25, 0.1), "line_color_by_kind": False,
-    **{"line_color_" + kind: (0.0, 0.0, 0.0) for kind in
+    **{"line_" + what + kind: value for what, value in (("color_", (0.0, 0.0, 0.0)), ("pen_", "PEN")) for kind in
        ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")},
     "surface_fade": 0.0, "length_unit": "RELATIVE", "supersample": 1.0,
     # shading

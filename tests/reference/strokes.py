@@ -71,13 +71,14 @@ def ends(t, layers, params, paper, stroke):
                                               source=site["source"]), paper)
     style = layers.style[owner]
     used = params.at("use_lines", style) > 0
-    taper = params.at("line_taper", style) * params.pixels(layers.full_height)
     hand = Hand(t, layers, params, stroke)
+    taper = hand.at("taper", params.at("line_taper", style)) * params.pixels(layers.full_height)
     used = used & hand.drawn
     kind = kinds(t, layers)
     half = pen.radius
     for name in ("contact", "intersection"):
         half = np.where(kind == KINDS.index(name), half * params.at("width_" + name, style), half)
+    half = half * hand.at("width", np.ones(len(t)))
     most = 0.5 * params["line_max_thickness"] * params.pixels(layers.full_height)
     half = np.minimum(half, most) * (1 - site["eased"] / 255)
     half = np.where(hand.at("pressure") > 0, np.minimum(half * hand.pressure(), most), half)
@@ -91,10 +92,11 @@ def ends(t, layers, params, paper, stroke):
     z = np.zeros(len(t))
     if pen.occlude:
         z = pen.z - 0.1 * layers.height if layers.orthographic else 0.9 * pen.z
-    gain = pen.gain * pen.strength
-    columns = np.stack([filled * site["half"] + radius, pen.softness * radius, gain,
-                        np.where(gain > 0, 1 / np.where(gain > 0, gain, 1), 0), np.maximum(0, 1 - pen.strength / 2),
-                        pen.roughness, np.minimum(z, 1e30)], 1)
+    strength = pen.pressed * hand.at("intensity", pen.intensity)
+    gain = hand.at("gain", pen.gain) * strength
+    columns = np.stack([filled * site["half"] + radius, hand.at("softness", pen.softness) * radius, gain,
+                        np.where(gain > 0, 1 / np.where(gain > 0, gain, 1), 0), np.maximum(0, 1 - strength / 2),
+                        hand.at("paper", pen.roughness), np.minimum(z, 1e30)], 1)
     color = inks(t, layers, params, pen.ink, columns[:, 0], layers.combined)
     return np.where(used[:, None], at, t.at), columns * used[:, None], color, hand.bristles()
 
@@ -117,7 +119,7 @@ def draw(t, layers, params, paper):
     ink = np.zeros((*shape, 3))
     pieces = [(i, j) for i in range(len(t)) for j in t.links[i] if j > i and not t.dropped[i] and not t.dropped[j]]
     pieces += [(i, i) for i in range(len(t)) if not t.links[i] and not t.dropped[i]]
-    for k in range(int(max(params.at("pen_strokes", np.arange(1))))):
+    for k in range(int(max(params.at(pen + "strokes", 0) for pen in ("pen_", "pen_2_", "pen_3_")))):
         dark, own, doubtful = _stroke(ends(t, layers, params, paper, k), pieces, layers, paper)
         laid = 1 - (1 - laid) * (1 - dark)  # what one leaves white the next may darken
         differ = np.abs(own - ink).max(-1) > 1e-4

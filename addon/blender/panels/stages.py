@@ -46,6 +46,8 @@ def stage_panel(stage):
     """The panel class of one stage; the stage's switch is the panel's check box."""
     switch = stage.switch
     rest = tuple(p for p in stage.params if p is not switch)
+    first = stage.id.rpartition("_")[0]  # pen_2 is one more pen, and lies in the panel of the first
+    parent = first if any(first == other.id for other in library.stages()) else "encre"
 
     def draw(self, context):
         draw_params(self.layout, context.scene.encre, rest, "scene")
@@ -54,7 +56,7 @@ def stage_panel(stage):
         self.layout.prop(context.scene.encre, switch.id, text="")
 
     members = {"bl_label": stage.label, "bl_idname": f"ENCRE_PT_{stage.id}", "bl_options": {"DEFAULT_CLOSED"},
-               "bl_parent_id": "ENCRE_PT_encre", "draw": draw, "__doc__": stage.help}
+               "bl_parent_id": f"ENCRE_PT_{parent}", "draw": draw, "__doc__": stage.help}
     if switch:
         members["draw_header"] = draw_header
     return type(f"ENCRE_PT_{stage.id}", (EncrePanel, bpy.types.Panel), members)

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The pens of a style, and which kind of line each of them draws. */
+#include "ink/pen.h"
+
+#include <stddef.h>
+#include <string.h>
+
+pens ISA(pens_of)(const encre_params *p)
+{
+	pens s = {0};
+	/* the rows of a pen lie one after the other; the first's tool is that of all lines */
+	memcpy(s.hand, &p->pen_pressure, offsetof(hand, pen_width));
+	memcpy(s.hand + 1, &p->pen_2_pressure, sizeof *s.hand);
+	memcpy(s.hand + 2, &p->pen_3_pressure, sizeof *s.hand);
+	hand *first = s.hand;
+	first->pen_width = 1;
+	first->pen_taper = p->line_taper;
+	first->pen_softness = p->line_softness;
+	first->pen_intensity = p->line_intensity;
+	first->pen_gain = p->line_gain;
+	first->pen_paper = p->line_paper;
+#define LINE(kind, id, width) s.of[LINE_##kind] = (uint8_t)p->line_pen_##id;
+	LINES(LINE)
+#undef LINE
+	for (int k = 0; k < LINE_COUNT; k++) {
+		s.differ |= s.of[k] != 0;
+		s.used |= (uint8_t)(1 << s.of[k]);
+	}
+	return s;
+}
+
+#define ROWS_LIE(pen)                                                                                                  \
+	_Static_assert(offsetof(encre_params, pen##_paper) - offsetof(encre_params, pen##_pressure) ==                 \
+			       offsetof(hand, pen_paper),                                                              \
+		       "rows of a pen are its hand");
+ROWS_LIE(pen_2)
+ROWS_LIE(pen_3)
+#undef ROWS_LIE
+_Static_assert(offsetof(encre_params, pen_seed) - offsetof(encre_params, pen_pressure) == offsetof(hand, pen_seed),
+	       "rows of a pen are its hand");
+
+uint32_t ISA(pens_strokes)(const pens *s)
+{
+	uint32_t most = 1;
+	for (int k = 0; k < PENS; k++)
+		if (s->used >> k & 1 && (uint32_t)s->hand[k].pen_strokes > most)
+			most = (uint32_t)s->hand[k].pen_strokes;
+	return most;
+}

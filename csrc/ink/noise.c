@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Solid noise at the anchor of the surface in front at a site. What is drawn by it sticks to the thing, and needs no
+ * other frame. */
+#include "ink/noise.h"
+
+#include "base/pixel.h"
+#include "base/stage.h"
+
+/* ---- noise ----------------------------------------------------------------------------------------------- */
+
+/* One over the standard deviation of value noise: the weights are Perlin's quintic, whose squares and those of the rest
+ * have a mean of 181/231 an axis. */
+static const float unit_variance = 2.4972f;
+
+/* A hash of a seed and three numbers, one after the other: corners that share a number share what it made. */
+static inline uint32_t hash_x(uint32_t seed, int32_t x)
+{
+	uint32_t h = ((seed + 0x2545f491u) * 0x9e3779b1u ^ (uint32_t)x) * 0x85ebca6bu;
+	return h ^ h >> 13;
+}
+
+static inline uint32_t hash_y(uint32_t h, int32_t y)
+{
+	h = (h ^ (uint32_t)y) * 0xc2b2ae35u;
+	return h ^ h >> 16;
+}
+
+static inline float hash_z(uint32_t h, int32_t z)
+{
+	h = (h ^ (uint32_t)z) * 0x27d4eb2fu;
+	h = (h ^ h >> 15) * 0x165667b1u;
+	h ^= h >> 13;
+	return (float)(int32_t)(h >> 8) * (2.0f / 16777216) - 1;
+}
+
+static inline float quintic(float t)
+{
+	return t * t * t * (t * (t * 6 - 15) + 10);
+}
+
+static inline float along_x(uint32_t low, uint32_t high, int32_t y, int32_t z, float w)
+{
+	return mix(hash_z(hash_y(low, y), z), hash_z(hash_y(high, y), z), w);
+}
+
+static inline float lattice(float x, float y, float z, uint32_t seed)
+{
+	x = min(max(x, -1e9f), 1e9f);
+	y = min(max(y, -1e9f), 1e9f);
+	z = min(max(z, -1e9f), 1e9f);
+	float fx = floorf(x), fy = floorf(y), fz = floorf(z);
+	int32_t ix = (int32_t)fx, iy = (int32_t)fy, iz = (int32_t)fz;
+	float wx = quintic(x - fx), wy = quintic(y - fy), wz = quintic(z - fz);
+	uint32_t low = hash_x(seed, ix), high = hash_x(seed, ix + 1);
+	float one = mix(along_x(low, high, iy, iz, wx), along_x(low, high, iy + 1, iz, wx), wy),
+	      two = mix(along_x(low, high, iy, iz + 1, wx), along_x(low, high, iy + 1, iz + 1, wx), wy);
+	return mix(one, two, wz);
+}
+
+/* Two octaves are blended, the finer one entering with weight 0 where its turn comes, so that nothing pops while a
+ * thing comes nearer. */
+void ISA(solid_row)(const spots *at, int n, const float *restrict length, const uint32_t *restrict seed,
+		    float *restrict noise)
+{
+	const float *restrict x = at->x, *restrict y = at->y, *restrict z = at->z, *restrict unit = at->unit;
+	for (int i = 0; i < n; i++) {
+		float rate = 1 / (unit[i] * length[i]);
+		int some = (rate > 1e-30f) & (rate < 1e30f);
+		rate = some ? rate : 1;
+		int32_t bits = float_bits(rate), octave = (bits >> 23) - 127;
+		float part = (float)(bits & 0x7fffff) * (1.0f / 8388608);
+		/* an offset of its own, or the zeros of all octaves met in the origin */
+		float scale = bits_float((octave + 127) << 23), aside = 17.3f * (float)octave;
+		float coarse = lattice(x[i] * scale + aside, y[i] * scale + aside, z[i] * scale + aside, seed[i]);
+		scale = bits_float((octave + 128) << 23);
+		aside = 17.3f * (float)(octave + 1);
+		float finer = lattice(x[i] * scale + aside, y[i] * scale + aside, z[i] * scale + aside, seed[i]);
+		float turn = part * (1.3466f - 0.3466f * part) * 1.57079633f; /* log2(1 + part), to 0.01 */
+		float value = (pixel_cos(turn) * coarse + pixel_sin(turn) * finer) * unit_variance;
+		noise[i] = some ? value : 0;
+	}
+}
+
+/* ---- spots ----------------------------------------------------------------------------------------------- */
+
+typedef struct spot {
+	float p[3], unit;
+} spot;
+
+/* As near as this share of its depth, pixels beside the front-most one count as its surface. */
+static const float one_surface = 0.02f;
+
+/* The mean, by nearness, of those of the four pixels about a site that show the surface in front: so noise runs on
+ * evenly where the thing moves by parts of a pixel. Where nothing tells, a place in the frame. */
+static spot spot_of(const frame *f, const site *s)
+{
+	float x = s->placed.x, y = s->placed.y, left = floorf(x), top = floorf(y), front = INFINITY, sum = 0;
+	/* in units of length, or another number of pixels would have other octaves, and so another line */
+	spot at = {.p = {(x + (float)f->place.x + 0.5f) / f->scale, (y + (float)f->place.y + 0.5f) / f->scale, 0},
+		   .unit = 1};
+	const float *anchor[4];
+	float depth[4], object[4], weight[4], number = 0;
+	if (!f->layer[ENCRE_LAYER_ANCHOR].data)
+		return at;
+	for (int k = 0; k < 4; k++) {
+		int px = clamp_index((int)left + (k & 1), f->width), py = clamp_index((int)top + (k >> 1), f->height);
+		const float *objects = layer_row(f, ENCRE_LAYER_OBJECT, py);
+		float fx = x - left, fy = y - top;
+		anchor[k] = anchor_at(f, px, py);
+		depth[k] = anchor[k][ANCHOR_PIXEL] > 0 ? depth_at(f, px, py) : INFINITY;
+		object[k] = objects ? objects[px] : 0;
+		weight[k] = 1e-3f + (k & 1 ? fx : 1 - fx) * (k >> 1 ? fy : 1 - fy);
+		number = depth[k] < front ? object[k] : number;
+		front = min(front, depth[k]);
+	}
+	if (!(front < INFINITY))
+		return at;
+	at = (spot){0};
+	for (int k = 0; k < 4; k++) {
+		if (!(depth[k] <= front * (1 + one_surface)) || object[k] != number)
+			continue;
+		for (int c = 0; c < 3; c++)
+			at.p[c] += weight[k] * anchor[k][ANCHOR_POSITION + c];
+		at.unit += weight[k] * anchor[k][ANCHOR_PIXEL];
+		sum += weight[k];
+	}
+	for (int c = 0; c < 3; c++)
+		at.p[c] = bounded(at.p[c] / sum);
+	at.unit = min(at.unit / sum * f->scale, 1e30f);
+	return at;
+}
+
+void ISA(spots_fill)(const frame *f, const site *s, int n, const spots *to)
+{
+	enum { AHEAD = 12 };
+	bool known = f->layer[ENCRE_LAYER_ANCHOR].data != NULL;
+	for (int i = 0; i < n; i++) {
+		/* what spot_of() reads lies far apart; a function that only asks for it is left out by gcc 12 */
+		const site *later = s + (i + AHEAD < n ? i + AHEAD : i);
+		for (int k = 0; known && k < 2; k++) {
+			int x = clamp_index((int)later->placed.x, f->width),
+			    y = clamp_index((int)later->placed.y + k, f->height);
+			const float *anchor = anchor_at(f, x, y);
+			__builtin_prefetch(anchor);
+			__builtin_prefetch(anchor + ANCHOR_COUNT);
+			__builtin_prefetch(layer_row(f, ENCRE_LAYER_DEPTH, y) + x);
+		}
+		spot at = s[i].linked.dropped ? (spot){.unit = 1} : spot_of(f, s + i);
+		to->x[i] = at.p[0];
+		to->y[i] = at.p[1];
+		to->z[i] = at.p[2];
+		to->unit[i] = at.unit;
+	}
+}
