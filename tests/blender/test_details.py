@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the add-on reads of a scene, what its panels show and what its operators do, without much rendering."""
 
-import blenders
 import pytest
 
 
-@pytest.fixture(params=blenders.params(), scope="module")
-def facts(request, tmp_path_factory):
-    return blenders.run(request.param, "details", tmp_path_factory.mktemp("details")).facts
+@pytest.fixture(scope="module")
+def facts(render):
+    return render("details").facts
 
 
 def test_instances_of_a_line_group_have_one_number_and_others_each_its_own(facts):

@@ -52,7 +52,7 @@ def test_library_missing(render, tmp_path):
     shot = render("without_library", ENCRE_PACKAGE=str(bare))
     assert "library is missing" in shot.facts["missing"][0] and not shot.wrote("missing")
     assert "Traceback" not in shot.output
-    shot = render("no_library")
+    shot = render("no_library", alone=True)
     assert "missing" in shot.facts["missing"][0] and not shot.wrote("missing")
     assert "version" in shot.facts["version"][0] and not shot.wrote("version")
     assert "Traceback" not in shot.output
@@ -64,6 +64,6 @@ def test_cancel(render, blender):
     assert shot.facts["seconds"][0] < 0.5
     if blender != "blender":
         return
-    shot = render("interrupted")  # only Blender's program hears the interrupt
+    shot = render("interrupted", alone=True)  # only Blender's program hears the interrupt
     assert shot.facts["finish"][0] < 0.5
     assert not shot.wrote("interrupted")

@@ -11,9 +11,13 @@ EVERY = [pytest.param(name, marks=() if name in ("bpy", "blender") else pytest.m
 OURS = list((Path(__file__).parents[2] / "addon" / "presets").glob("*.json"))
 
 
-@pytest.mark.parametrize("blender", EVERY)
-def test_overrides_of_linked_objects_and_materials_are_kept(blender, tmp_path):
-    facts = blenders.run(blender, "overridden", tmp_path).facts
+@pytest.fixture(params=EVERY, scope="module")
+def blender(request):
+    return request.param
+
+
+def test_overrides_of_linked_objects_and_materials_are_kept(render):
+    facts = render("overridden").facts
     controls = {"thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching"}
     for owner, wanted in (("object", {"style", "line_group", "separate_parts", "crease_offset"} | controls),
                           ("material", {"style"} | controls)):
@@ -22,10 +26,10 @@ def test_overrides_of_linked_objects_and_materials_are_kept(blender, tmp_path):
         assert {name: kept for name, (given, kept) in settings.items() if kept != given} == {}
 
 
-@pytest.fixture(params=EVERY, scope="module")
-def presets(request, tmp_path_factory):
+@pytest.fixture(scope="module")
+def presets(blender, tmp_path_factory):
     folder = tmp_path_factory.mktemp("presets")
-    shot = blenders.run(request.param, "presets", folder, {"BLENDER_USER_CONFIG": str(folder / "config")})
+    shot = blenders.run(blender, "presets", folder, {"BLENDER_USER_CONFIG": str(folder / "config")})
     assert shot.facts["folder"] == [str(folder / "config" / "encre" / "presets")]
     return shot.facts
 
@@ -66,10 +70,9 @@ def test_presets_are_shared_and_deleted(presets):
     assert len(wrong) == 2 and "broken.json can't be used" in wrong[0] and "presets hold no images" in wrong[1]
 
 
-@pytest.fixture(params=EVERY, scope="module")
-def copied(request, tmp_path_factory):
-    return {name: facts[0] if len(facts) == 1 else facts for name, facts in
-            blenders.run(request.param, "settings", tmp_path_factory.mktemp("settings")).facts.items()}
+@pytest.fixture(scope="module")
+def copied(render):
+    return {name: facts[0] if len(facts) == 1 else facts for name, facts in render("settings").facts.items()}
 
 
 def test_settings_are_copied_between_scenes_and_styles(copied):
@@ -88,9 +91,8 @@ def test_rows_are_reset_to_the_preset_or_the_default(copied):
     assert copied["all"] == ["FINE", 4, None] and copied["differ"] == []
 
 
-@pytest.mark.parametrize("blender", EVERY)
-def test_nothing_stays_when_the_add_on_is_disabled(blender, tmp_path):
-    facts = blenders.run(blender, "registered", tmp_path).facts
+def test_nothing_stays_when_the_add_on_is_disabled(render):
+    facts = render("registered", alone=True).facts
     assert len(facts["on"][0]) > 30
     [left] = facts["left"]
     assert {name: what for name, what in left.items() if what and name != "every class"} == {}

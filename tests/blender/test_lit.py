@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Drawn light in Blender: as bright as Cycles' and as it is linked there, and kept in files."""
 
-import blenders
 import numpy as np
 import pytest
 
 LAMPS = ["sun", "wide", "point", "ball", "spot", "soft", "square", "rectangle", "disk", "ellipse"]
 
 
-@pytest.fixture(params=blenders.params(), scope="module")
-def lamps(request, tmp_path_factory):
-    return blenders.run(request.param, "lamps", tmp_path_factory.mktemp("lamps"))
+@pytest.fixture(scope="module")
+def lamps(render):
+    return render("lamps")
 
 
 def beside(picture, reach):
@@ -41,9 +40,9 @@ def test_as_bright_as_cycles(lamps, name):
     assert np.percentile(difference[calm], 95) < 2.5 * most
 
 
-@pytest.fixture(params=blenders.params(), scope="module")
-def rules(request, tmp_path_factory):
-    return blenders.run(request.param, "scene_rules", tmp_path_factory.mktemp("rules"))
+@pytest.fixture(scope="module")
+def rules(render):
+    return render("scene_rules")
 
 
 def apart(shot):
@@ -56,9 +55,8 @@ def test_shadows_of_what_throws_them(rules):
     assert difference[calm].mean() < apart(rules) and (difference[calm] > 0.1).mean() < 0.002
 
 
-@pytest.mark.parametrize("blender", blenders.params())
-def test_leaves_that_images_cut_out_throw_their_own_shadows(blender, tmp_path):
-    shot = blenders.run(blender, "cut_leaves", tmp_path)
+def test_leaves_that_images_cut_out_throw_their_own_shadows(render):
+    shot = render("cut_leaves")
     passes = shot.passes("cut_leaves")
     difference, calm = compared(passes)
     assert difference[calm].mean() < apart(shot) and (difference[calm] > 0.1).mean() < 0.003
@@ -66,18 +64,16 @@ def test_leaves_that_images_cut_out_throw_their_own_shadows(blender, tmp_path):
     assert 0.04 < shadow.mean() < 0.2
 
 
-@pytest.mark.parametrize("blender", blenders.params())
-def test_lamps_that_are_linked(blender, tmp_path):
-    shot = blenders.run(blender, "linked", tmp_path)
+def test_lamps_that_are_linked(render):
+    shot = render("linked")
     if not shot.wrote("linked"):
         pytest.skip("this Blender has no light linking")
     difference, calm = compared(shot.passes("linked"))
     assert difference[calm].mean() < 0.005 and (difference[calm] > 0.1).mean() < 0.002
 
 
-@pytest.mark.parametrize("blender", blenders.params())
-def test_without_a_lamp_that_can_be_drawn_one_sentence_and_cycles_light(blender, tmp_path):
-    shot = blenders.run(blender, "unlit", tmp_path)
+def test_without_a_lamp_that_can_be_drawn_one_sentence_and_cycles_light(render):
+    shot = render("unlit")
     assert "no lamp and no world that can be drawn: the light is Cycles'" in shot.output
     assert "the world's node Noise Texture" in shot.output
     passes = shot.passes("unlit")
@@ -85,9 +81,9 @@ def test_without_a_lamp_that_can_be_drawn_one_sentence_and_cycles_light(blender,
     assert np.allclose(passes["Encre Diffuse"], passes["DiffDir"] + passes["DiffInd"], atol=1e-6)
 
 
-@pytest.fixture(params=blenders.params(), scope="module")
-def kept(request, tmp_path_factory):
-    return blenders.run(request.param, "kept", tmp_path_factory.mktemp("kept"))
+@pytest.fixture(scope="module")
+def kept(render):
+    return render("kept")
 
 
 def test_a_file_draws_the_same_picture_again(kept):

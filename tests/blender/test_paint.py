@@ -12,10 +12,9 @@ import pytest
 WINDOW = Path(__file__).parent / "inside" / "paint_window.py"
 
 
-@pytest.fixture(params=blenders.params(), scope="module")
-def facts(request, tmp_path_factory):
-    return {name: found[0] if len(found) == 1 else found for name, found in
-            blenders.run(request.param, "painting", tmp_path_factory.mktemp("paint")).facts.items()}
+@pytest.fixture(scope="module")
+def facts(render):
+    return {name: found[0] if len(found) == 1 else found for name, found in render("painting").facts.items()}
 
 
 def test_paint_makes_neutral_attributes_and_enters_vertex_paint(facts):
@@ -51,9 +50,9 @@ def test_what_can_not_be_painted_is_said(facts):
 # Geometry Nodes
 
 
-@pytest.fixture(params=blenders.params(), scope="module")
-def nodes(request, tmp_path_factory):
-    return blenders.run(request.param, "control_nodes", tmp_path_factory.mktemp("nodes"))
+@pytest.fixture(scope="module")
+def nodes(render):
+    return render("control_nodes")
 
 
 def test_nodes_lie_one_above_another_and_over_paint(nodes):
@@ -81,9 +80,9 @@ def test_nodes_draw_what_the_same_values_by_hand_draw(nodes):
 # Strokes
 
 
-@pytest.fixture(params=blenders.params(), scope="module")
-def strokes(request, tmp_path_factory):
-    return blenders.run(request.param, "strokes", tmp_path_factory.mktemp("strokes"))
+@pytest.fixture(scope="module")
+def strokes(render):
+    return render("strokes")
 
 
 def test_strokes_become_curves_on_the_surface(strokes):

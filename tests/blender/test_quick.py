@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Layers that Encre draws without Cycles: they are Cycles', and wherever they are asked for."""
 
-import blenders
 import numpy as np
 import pytest
 
 
-@pytest.fixture(params=blenders.params(), scope="module")
-def shots(request, tmp_path_factory):
-    return blenders.run(request.param, "layer_sources", tmp_path_factory.mktemp("quick"))
+@pytest.fixture(scope="module")
+def shots(render):
+    return render("layer_sources")
 
 
 def partners(labels, others):
@@ -64,9 +63,8 @@ def test_nothing_behind(shots):
     assert ((alpha[..., 3] == 0) == (depth[..., 0] >= 1e9)).all() and (alpha[..., 3] == 0).any()
 
 
-@pytest.mark.parametrize("blender", blenders.params())
-def test_what_only_cycles_can_show_is_said_in_one_line(blender, tmp_path):
-    shot = blenders.run(blender, "what_only_cycles_can_show", tmp_path)
+def test_what_only_cycles_can_show_is_said_in_one_line(render):
+    shot = render("what_only_cycles_can_show")
     assert shot.output.count("in their viewport colour, as only Cycles can show them: Red (Wavelength)") == 1
     assert "a lamp shines from the camera" in shot.output
     passes = shot.passes("unknown")

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`supersample`: the larger layers are those of a larger render, and what is saved is their mean."""
 
-import blenders
 import numpy as np
 from encre.cli import multilayer
 from encre.cli.composite import composite
@@ -146,13 +145,13 @@ def test_pixels_are_of_the_frame():
     assert np.array_equal(ink(line_thickness=100), ink(line_thickness=100, supersample=4))
 
 
-def test_composite_draws_at_the_frames_size(blender, tmp_path):
-    shot, said = blenders.run(blender, "supersampled", tmp_path), []
-    composite(str(tmp_path / "two.exr"), str(tmp_path / "again.exr"), {}, "ViewLayer",
+def test_composite_draws_at_the_frames_size(render):
+    shot, said = render("supersampled"), []
+    composite(str(shot.folder / "two.exr"), str(shot.folder / "again.exr"), {}, "ViewLayer",
               say=lambda *words: said.append(words))
     assert len(said) == 1 and said[0][0] == "note" and "supersample" in said[0][1]
     again = shot.passes("again")["Combined"]
     one = shot.passes("one")["Combined"]
     assert again.shape == one.shape and np.abs(again - one).mean() < 0.05
-    with multilayer.Exr(str(tmp_path / "again.exr")) as file:
+    with multilayer.Exr(str(shot.folder / "again.exr")) as file:
         assert any(name.endswith("Encre Lines.A") for name in file.channels)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lines where surfaces coincide, let through or pass through each other."""
 
-import blenders
 import numpy as np
 import OpenImageIO as oiio
 import pytest
@@ -13,17 +12,17 @@ def ink(passes):
     return passes["Encre Lines"][..., 3]
 
 
-def test_of_two_faces_in_one_plane_the_earlier_is_drawn(blender, tmp_path):
+def test_of_two_faces_in_one_plane_the_earlier_is_drawn(render):
     """As if the other lay a little behind it, and not a blot: Cycles takes now one, now the other."""
-    shot = blenders.run(blender, "coincident", tmp_path)
+    shot = render("coincident")
     both, behind = shot.passes("both"), shot.passes("behind")
     assert (both["Encre Index"] != behind["Encre Index"]).any(2).sum() < 40
     assert 0.8 < ink(both).sum() / ink(behind).sum() < 1.05
 
 
-def test_pieces_of_a_mesh_have_a_line_where_they_pass_through_each_other(blender, tmp_path):
+def test_pieces_of_a_mesh_have_a_line_where_they_pass_through_each_other(render):
     """At 8 degrees, where the normals show no crease, and as whole as between parts."""
-    shot = blenders.run(blender, "pieces", tmp_path)
+    shot = render("pieces")
     pieces, parts = shot.passes("pieces"), shot.passes("parts")
     meet = (pieces["Encre Creases"][..., 1::2] == 180).any(2)
     assert 100 < meet.sum() < 600
@@ -32,10 +31,10 @@ def test_pieces_of_a_mesh_have_a_line_where_they_pass_through_each_other(blender
     assert missing.sum() < 30
 
 
-def test_what_lets_light_through_at_random_leaves_no_crumbs(blender, tmp_path):
+def test_what_lets_light_through_at_random_leaves_no_crumbs(render):
     """Behind the board of 30 % the box is drawn as if it were not there; where another is cut into squares, index and
     depth stay those of Cycles."""
-    shot = blenders.run(blender, "fades", tmp_path)
+    shot = render("fades")
     boards, bare = shot.passes("boards"), shot.passes("bare")
     fade, cut = (boards["IndexOB"][..., 0] == k for k in (1, 2))
     rows, columns = np.nonzero(fade)
@@ -49,17 +48,17 @@ def test_what_lets_light_through_at_random_leaves_no_crumbs(blender, tmp_path):
     assert len(np.unique(boards["Encre Index"][..., 0][cut])) == 1
 
 
-def test_smoke_is_denoised_where_no_surface_is(blender, tmp_path):
+def test_smoke_is_denoised_where_no_surface_is(render):
     """Its own pixels lie beside the cube's box; but for them nothing changes."""
-    shot = blenders.run(blender, "smoke", tmp_path)
+    shot = render("smoke")
     clean, noisy = (shot.passes(name)["Combined"][..., :3] for name in ("clean", "noisy"))
     smoke = np.s_[20:60, 100:125]
     rough = [np.abs(np.diff(picture[smoke], axis=1)).mean() for picture in (clean, noisy)]
     assert rough[0] < 0.5 * rough[1], rough
 
 
-def test_ink_is_of_the_same_colour_in_every_working_space(blender, tmp_path):
-    shot = blenders.run(blender, "wide", tmp_path)
+def test_ink_is_of_the_same_colour_in_every_working_space(render):
+    shot = render("wide")
     if not shot.wrote("ACEScg"):
         pytest.skip("this Blender has one working space")
     spaces = "Linear Rec.709", "ACEScg"
@@ -71,8 +70,8 @@ def test_ink_is_of_the_same_colour_in_every_working_space(blender, tmp_path):
     values = [shot.passes(space)["Encre Lines"][full][:, :3] for space in spaces]
     assert np.abs(values[0] - values[1]).max() > 0.1, "in the file they are of its space"
     for space in spaces:  # the file says its space, and its settings the colours that they had
-        composite(str(shot.folder / f"{space}.exr"), str(tmp_path / "again.png"), {})
-        assert np.abs(picture(tmp_path / "again.png")[full] - shown[0][full]).max() <= 1.01 / 255
+        composite(str(shot.folder / f"{space}.exr"), str(shot.folder / "again.png"), {})
+        assert np.abs(picture(shot.folder / "again.png")[full] - shown[0][full]).max() <= 1.01 / 255
 
 
 def picture(path):

@@ -4,9 +4,11 @@
 import functools
 import json
 import os
+import secrets
 import shutil
 import subprocess
 import sys
+import threading
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -71,12 +73,55 @@ def read(done, folder):
     """What a finished Blender printed and drew."""
     words = done.stdout + done.stderr
     assert done.returncode == 0, words[-4000:]
+    return Shot(Path(folder), words, _facts(done.stdout))
+
+
+def _facts(words):
     facts = {}
-    for line in done.stdout.splitlines():
+    for line in words.splitlines():
         if line.startswith("FACT "):
             name, value = json.loads(line[5:])
             facts.setdefault(name, []).append(value)
-    return Shot(Path(folder), words, facts)
+    return facts
+
+
+class Running:
+    """A Blender that is started once and runs one case after the other."""
+
+    def __init__(self, blender):
+        self._blender, self._child = blender, None
+
+    def run(self, case, folder):
+        """Likewise; what a case has replaced in our modules is put back after it."""
+        if not self._child:
+            self._token = secrets.token_hex(8)
+            self._child = subprocess.Popen([*commands()[self._blender], "--", "-", self._token], stdin=subprocess.PIPE,
+                                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace",
+                                           text=True)
+        limit = threading.Timer(300, self._child.kill)
+        limit.start()
+        said = []
+        try:
+            self._child.stdin.write(f"{case} {folder}\n")
+            self._child.stdin.flush()
+            for line in self._child.stdout:
+                if line.startswith(f"DONE {self._token}"):
+                    break
+                said.append(line)
+            words = "".join(said)
+            assert line == f"DONE {self._token} 1\n", words[-4000:]
+        except BaseException:
+            self.stop()
+            raise
+        finally:
+            limit.cancel()
+        return Shot(Path(folder), words, _facts(words))
+
+    def stop(self):
+        if self._child:
+            self._child.kill()
+            self._child.communicate()
+            self._child = None
 
 
 def encre(blender, folder, *args):

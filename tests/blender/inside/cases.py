@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs in Blender: `cases.py -- CASE FOLDER` renders what one test looks at, and prints facts as lines `FACT {json}`.
+"""Runs in Blender: `cases.py -- CASE FOLDER` renders what one test looks at, and prints facts as lines `FACT {json}`;
+`cases.py -- - TOKEN` those that it is told, and says `DONE TOKEN 1` after each, or 0 where it failed.
 
 A case is a function of one of the modules below. Pictures are saved as multilayer EXR, so that tests see what users
 get.
@@ -7,6 +8,7 @@ get.
 
 import os
 import sys
+import traceback
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import anchors  # noqa: E402
@@ -28,15 +30,42 @@ CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, su
                                   keeping, surfaces, lit, painting, quick, anchors, distances)
          for name, case in vars(topic).items()}
 
-case, folder = sys.argv[sys.argv.index("--") + 1:]
-status = 1
-try:
-    CASES[case](folder)
-    status = 0
-finally:
-    sys.stdout.flush()
-    if status:
-        import traceback
 
+def replaceable():
+    """{(module or class, name): function} of what cases replace by what watches it."""
+    import _cycles
+
+    places = [_cycles]
+    for name, module in list(sys.modules.items()):
+        if module and name.split(".")[0] == "encre":
+            places += [module, *(own for own in vars(module).values()
+                                 if isinstance(own, type) and own.__module__ == name)]
+    return {(place, name): value for place in places for name, value in list(vars(place).items())
+            if callable(value) and not isinstance(value, type)}
+
+
+def run(case, folder):
+    """Whether it went well. What it has replaced is put back."""
+    before = replaceable()
+    try:
+        CASES[case](folder)
+        return True
+    except BaseException:
         traceback.print_exc()
-    os._exit(status)
+        return False
+    finally:
+        for (place, name), value in before.items():
+            if vars(place).get(name) is not value:
+                setattr(place, name, value)
+
+
+case, folder = sys.argv[sys.argv.index("--") + 1:]
+if case != "-":
+    well = run(case, folder)
+    sys.stdout.flush()
+    os._exit(not well)
+for line in sys.stdin:
+    well = run(*line.rstrip("\n").split(" ", 1))
+    sys.stderr.flush()
+    print(f"\nDONE {folder} {well:d}", flush=True)
+os._exit(0)
