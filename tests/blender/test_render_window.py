@@ -96,6 +96,14 @@ def test_what_is_dragged_is_seen_at_once(redraw):
         assert np.abs(read(redraw, f"{name}-seen") - read(redraw, f"{name}-drawn")).max() < 3 / 255, name
 
 
+def test_a_file_that_is_opened_is_drawn_anew(redraw):
+    for name in ("file", "quick_file"):
+        assert redraw.facts[name] == [[True, [], "RENDER_RESULT"]]
+        again, fresh, thin = (read(redraw, f"{name}-{when}") for when in ("again", "fresh", "thin"))
+        assert np.abs(again - fresh).max() <= 1 / 255 and np.abs(again - thin).max() > 0.2, name
+    assert all("160 x 90" in said and "170 x 90" in said for said in redraw.facts["not opened"])
+
+
 def test_a_redraw_gives_way_to_f12(redraw):
     assert redraw.facts["given way"] == [1] and "not by you" not in redraw.output.split("given way")[0]
     assert np.array_equal(read(redraw, "way"), read(redraw, "thick-fresh"))
