@@ -8,9 +8,9 @@ the result with Encre's pictures in the place of the passes; sentences in Blende
 engine forwards the hooks to frame, which does one render: before Cycles, and after it by drawing; fast_frame does one
 without Cycles. It reads settings by properties, objects by meshes with triangles, cameras and papers; overrides
 switches off in the evaluated scene what lines can't do with; subframes has Cycles render larger layers; early inks a
-picture that grows, escape after a break; memory keeps the last render's layers, which redraw draws again, and instant
-while a setting is dragged; live inks rendered 3D views: eye tells what they look at, screen draws in them. bake draws
-into textures; panels shows it all, with thumbnails of presets.
+picture that grows, escape after a break; memory keeps the last render's layers, or those of a file that is opened,
+which redraw draws again, and instant while a setting is dragged; live inks rendered 3D views: eye tells what they look
+at, screen draws in them. bake draws into textures; panels shows it all, with thumbnails of presets.
 
 To add: a setting of an object or a material to properties; what else a mesh tells to triangles; what differs between
 Blenders to versions, with the version and the reason, and nowhere else. Nothing here knows the command line.

@@ -102,7 +102,7 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False):
 
 def _denoiser(layer, go_on, hasty, also):
     wanted = layer.denoise_other if layer.light else layer.settings.denoises
-    if hasty or layer.hasty or not wanted or not denoise.available(versions.home()):
+    if hasty or layer.early == "Encre Lines" or not wanted or not denoise.available(versions.home()):
         return None
     frame, scale = supersample.frame(layer.frame, layer.factor), layer.settings.light_scale
     return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, go_on,

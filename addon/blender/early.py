@@ -1,22 +1,34 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ink over a picture that is still rendered: in a window, one sample is rendered ahead, whose depth, index and normals
-are as good as the last one's, and its lines lie over Cycles' picture while that grows.
+are as good as the last one's. What is drawn of it is shown until the render is done: all where its light is clean,
+else its lines, over Cycles' picture while that grows.
 
 Cycles shows other engines nothing but Combined before its end, and parts of a render put together are not the render
 (adaptive sampling, denoisers, Cryptomatte): so the sample is thrown away, and what is saved is what it would be
 without. The scene is read twice, for which data must be persistent: subframes.py.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
 
+from ..pen import denoise
+from . import versions
 from .known import Passes
 from .overrides import changed
 
 LEAST = 33  # samples: one of them is 3 % of the work
-_shown = {}  # "texture": the one that was drawn last; freed on the main thread only
+_shown = {}  # "early" and its "texture": the one that was drawn last; freed on the main thread only
+
+
+@dataclass
+class Early:
+    """What is shown: scene-linear premultiplied colours (height, width, 4), row 0 at the bottom, and whether they are
+    the whole picture."""
+
+    picture: np.ndarray
+    whole: bool
 
 
 def wanted(scene):
@@ -42,36 +54,38 @@ def sample(engine, cycles, depsgraph):
     cycles.reset(engine, bpy.data, depsgraph)
 
 
-def lines(result, layer, draw):
-    """The lines of a view layer whose first sample is in the result, for_display(); draw: Frames._draw."""
-    there, found = {one.name: one for one in result.layers[layer.name].passes}, {}
+def output(layer):
+    """Name of the picture of a view layer's first sample that is shown: all of it where shade is cut into levels and
+    the light has no noise, or loses it; else the lines alone, over Cycles' picture. None: there is neither."""
+    settings = layer.settings
+    if settings.shaded and (layer.light or (settings.denoises and denoise.available(versions.home()))):
+        return "Combined"
+    return "Encre Lines" if settings.any("use_lines") else None
+
+
+def picture(result, layer, draw):
+    """The picture output() of a view layer whose first sample is in the result; draw: Frames._draw."""
+    there, found, name = {one.name: one for one in result.layers[layer.name].passes}, {}, output(layer)
     passes = Passes(there, (result.resolution_x, result.resolution_y), layer.settings.wants_seen)
-    views = {name: (eye, dict(maps), *rest) for name, (eye, maps, *rest) in layer.views.items()}
-    draw(replace(layer, views=views, kept=None, keeps=False, light=None, user_indices=None, hasty=True), 0, passes,
-         found.__setitem__)
-    return for_display(found["Encre Lines"])
+    views = {view: (eye, dict(maps), *rest) for view, (eye, maps, *rest) in layer.views.items()}
+    draw(replace(layer, views=views, kept=None, keeps=False, user_indices=None, samples=1, early=name,
+                 light=layer.light if name == "Combined" else None), 0, passes, found.__setitem__)
+    return Early(np.ascontiguousarray(found[name][::-1], np.float32), name == "Combined")
 
 
-def for_display(lines):
-    """Ink as the display shows it, of scene-linear premultiplied colours (height, width, 4); row 0 at the bottom."""
-    alpha = lines[..., 3:]
-    color = np.clip(lines[..., :3] / np.maximum(alpha, np.float32(1e-6)), 0, 1)
-    color = np.where(color <= 0.0031308, 12.92 * color, 1.055 * color ** (1 / 2.4) - 0.055)
-    return np.ascontiguousarray(np.concatenate([color * alpha, alpha], 2)[::-1], np.float32)
-
-
-def draw(ink):
-    """Draws what for_display() gave over the render in an image editor, whose pixels Blender has made the units."""
+def draw(early):
+    """Draws an Early over the render in an image editor, whose pixels Blender has made the units; it shows what is
+    drawn there by the scene's view transform."""
     import gpu
     from gpu_extras.presets import draw_texture_2d
 
-    height, width, _ = ink.shape
-    if _shown.get("ink") is not ink:
-        pixels = gpu.types.Buffer("FLOAT", ink.size, ink.reshape(-1))
-        _shown.update(ink=ink, texture=gpu.types.GPUTexture((width, height), format="RGBA16F", data=pixels))
+    height, width, _ = early.picture.shape
+    if _shown.get("early") is not early:
+        pixels = gpu.types.Buffer("FLOAT", early.picture.size, early.picture.reshape(-1))
+        _shown.update(early=early, texture=gpu.types.GPUTexture((width, height), format="RGBA16F", data=pixels))
         if not bpy.app.timers.is_registered(_free):
             bpy.app.timers.register(_free, first_interval=1)
-    gpu.state.blend_set("ALPHA_PREMULT")
+    gpu.state.blend_set("NONE" if early.whole else "ALPHA_PREMULT")
     draw_texture_2d(_shown["texture"], (0, 0), width, height)
     gpu.state.blend_set("NONE")
 

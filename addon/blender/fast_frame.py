@@ -18,7 +18,7 @@ _PASSES = {"Depth": "depth", "Normal": "normal", "DiffDir": "diffuse", "DiffCol"
 
 
 @dataclass
-class _Place:
+class Place:
     """What is drawn of a view: the frame in which it lies, of `factor` times the size that is written."""
 
     camera: Camera
@@ -35,12 +35,12 @@ class _Place:
 
 
 @dataclass
-class _Layer:
+class Kept:
     """What memory keeps of a view layer beside its pictures."""
 
     name: str
     settings: Settings
-    places: dict = field(default_factory=dict)  # view's name -> _Place
+    places: dict = field(default_factory=dict)  # view's name -> Place
 
 
 class FastFrames:
@@ -71,7 +71,7 @@ class FastFrames:
         for note in scene.notes:
             self.engine.say("WARNING", note)
         if settings.active and memory.wanted(self.engine, depsgraph.scene):
-            kept = memory.Layer(_Layer(name, settings), False)
+            kept = memory.Layer(Kept(name, settings), False)
             memory.begin(depsgraph.scene, kept)
         width, height, _ = cameras.border(depsgraph.scene_eval.render)
         for view, matrices in cameras.views(self.engine, depsgraph, camera, width, height).items():
@@ -84,13 +84,13 @@ class FastFrames:
                 kept.before.places[view], kept.views[view] = place, memory.View(layers, out, plain)
 
     def _draw(self, scene, depsgraph, settings, matrices):
-        """(the _Place, layers as library.draw() takes them, {pass: picture that no stage draws})."""
+        """(the Place, layers as library.draw() takes them, {pass: picture that no stage draws})."""
         width, height, own = cameras.border(depsgraph.scene_eval.render)
         around, factor, plain = own.grown(settings.reach(height), width, height), settings.factor, {}
         frame = Frame(width, height, around.x, around.y)
         large = supersample.frame(frame, factor)
         top, left = (factor * start for start in (own.y - around.y, own.x - around.x))
-        place = _Place(scene.camera(*matrices), frame, large, own,
+        place = Place(scene.camera(*matrices), frame, large, own,
                        np.s_[top:top + factor * own.height, left:left + factor * own.width], factor)
         pictures = scene.pictures(*matrices, large, (factor * around.width, factor * around.height), settings,
                                   _threads(depsgraph), self.go_on)

@@ -46,7 +46,7 @@ class Frames:
         self.overrode = False  # with persistent data, what one frame overrode is there in the next
         self.nonfinite = 0     # values that were read as 0
         self.esc = None        # the escape.Esc after which it draws
-        self.ink = None        # to be shown over what Cycles renders: early.for_display()
+        self.ink = None        # the early.Early to be shown over what Cycles renders
         self.again = None      # the memory.Picture that it draws, and nothing is rendered
 
     @property
@@ -85,10 +85,10 @@ class Frames:
         self._before(depsgraph)
         layer = self.known.get(depsgraph.view_layer.name)
         if not layer or (layer.factor == 1 and layer.own == layer.place):
-            if layer and layer.settings.any("use_lines") and early.possible(self.engine, depsgraph.scene_eval):
+            if layer and early.output(layer) and early.possible(self.engine, depsgraph.scene_eval):
                 early.sample(self.engine, cycles, depsgraph)
                 if self._go_on():
-                    self.ink = early.lines(self.engine.get_result(), layer, self._draw)
+                    self.ink = early.picture(self.engine.get_result(), layer, self._draw)
             if self._go_on():  # else what the sample left is drawn
                 cycles.render(self.engine, depsgraph)
         else:

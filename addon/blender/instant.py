@@ -18,6 +18,11 @@ from . import drawing, papers
 _NAME, _OURS = "Encre", "encre_instant"  # the image's, and the property that tells it from a user's
 
 
+def result():
+    """Blender's image of the render result; None: nothing was rendered yet."""
+    return next((image for image in bpy.data.images if image.type == "RENDER_RESULT"), None)
+
+
 def editors():
     """The spaces of image editors that show the render result, or the picture in its place."""
     for window in bpy.context.window_manager.windows:
@@ -109,9 +114,8 @@ def hide():
     mine = [image for image in bpy.data.images if _OURS in image]
     if not mine:
         return
-    result = next((image for image in bpy.data.images if image.type == "RENDER_RESULT"), None)
     for space in list(editors()):
         if _OURS in space.image:
-            space.image = result
+            space.image = result()
     for image in mine:  # undo may have brought back another
         bpy.data.images.remove(image)

@@ -39,7 +39,7 @@ class ViewLayer:
     beside: dict                     # what else the file says of the scene: wanted.beside()
     spare: list                      # names of passes that are emptied in the end: wanted.spare()
     kept: memory.Layer | None = None  # what is kept of it, or drawn again
-    hasty: bool = False              # whether nothing but lines is drawn, to be seen for a while
+    early: str | None = None         # the only picture that is drawn, to be seen for a while
     drawn: dict | None = None        # view id -> passes to write, if that is already done
 
     @property
@@ -49,8 +49,8 @@ class ViewLayer:
     @property
     def outputs(self):
         """Names of the pictures to draw."""
-        if self.hasty:
-            return ["Encre Lines"]
+        if self.early:
+            return [self.early]
         return [*(["Combined"] if self.settings.active else []), *self.asked]
 
     def again(self, settings, paper):

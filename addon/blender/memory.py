@@ -61,6 +61,7 @@ class Layer:
 
     before: object  # what was known of it before Cycles rendered: frame.py
     denoised: bool  # whether Cycles' denoiser is on where light is not cut into levels
+    opened: bool = False  # whether a file has told it, whose settings are in it as they were
     views: dict = field(default_factory=dict)  # view id -> View
 
     def lacks(self, new: Settings):
@@ -70,7 +71,9 @@ class Layer:
             "Layers": new.fast != old.fast,
             "Supersample": old.factor != new.factor,
             "Light": old.draws_light != new.draws_light and not new.fast,
-            "Object Index": old.scene["object_index"] != new.scene["object_index"],
+            "Object Index": old.every[0]["object_index"] != new.every[0]["object_index"],
+        } if not self.opened else {}
+        changed |= {
             "the list of styles": [name for name, _ in old.styles] != [name for name, _ in new.styles],
             "Lines": new.wants_edges and not old.wants_edges,
             "what sticks to surfaces": new.wants_anchor and not old.wants_anchor,
@@ -91,8 +94,8 @@ class Picture:
 
     @property
     def fast(self):
-        """Whether Encre drew the layers itself."""
-        return any(layer.before.settings.fast for layer in self.layers.values())
+        """Whether views hold the layers themselves, as Encre drew them or a file had them, and not Cycles' passes."""
+        return any(layer.opened or layer.before.settings.fast for layer in self.layers.values())
 
     def layer(self, name, settings: Settings):
         """The Layer of a view layer's name, to be drawn with these settings. EncreError: it can't be."""

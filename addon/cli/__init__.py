@@ -9,7 +9,7 @@ that runs inside, and talks with it on a private line; staging sets up the scene
 progress shows what is said; sequence knows frames, their files and the marks by which finished ones are known;
 workplace keeps what is half made and who has claimed what. restyle has composite draw files again, and bake works on
 textures, both without any Blender; substitutes stand in for passes that a file lacks; images reads and writes files by
-OpenImageIO, multilayer those of passes, which slim packs, png what is to be seen, which view makes of light; room holds
+OpenImageIO, multilayer those of passes, png what is to be seen, which view makes of light; room holds
 large ones, denoiser cleans light, installed finds what Blenders here bring along for that and for view; interrupt makes
 Ctrl-C stop the library; tools finds the benchmarks of a checkout.
 

@@ -5,52 +5,21 @@ from pathlib import Path
 
 import numpy as np
 
-from ..pen import colour, denoise, layers, library, metadata, saved
+from ..pen import colour, denoise, layers, library, metadata, saved, slim
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
 from ..pen.settings import Settings
-from . import denoiser, images, interrupt, multilayer, png, slim, substitutes
+from ..pen.stored import known, opaque, view_layers, wanted
+from . import denoiser, images, interrupt, multilayer, png, substitutes
 from .room import Room
 from .view import Shown
 
-_LETTERS = "RGBAXYZW"
 _AT_ONCE = 1 << 22  # pixels of noisy light that are read at a time
-_BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
-
-
-def _known():
-    """{classic pass name: channel letters} of all that is read."""
-    return {**layers.CYCLES, **layers.BEHIND, "IndexMA": "X", **saved.passes(True, True), **layers.SEEN, **slim.PASSES}
-
-
-def view_layers(channels, views=()):
-    """{view layer: {view: {classic pass name: [full channel name …]}}} in the file's order.
-
-    Blender writes `ViewLayer.Pass.C`, in stereo `ViewLayer.Pass.view.C`; both names may hold dots themselves, so
-    known passes are looked for at the end. A picture without view layers or views has the one called "", where
-    R, G, B, A alone are Combined and Z is Depth, in small letters too.
-    """
-    found, names = {}, (*_known(), *layers.RENAMED.values())
-    for full in channels:
-        name, _, letter = full.rpartition(".")
-        view = next((view for view in views if name.rpartition(".")[2] == view), "")
-        name = name.removesuffix(view).removesuffix(".") or _BARE.get(letter.upper(), letter)
-        layer, _, last = name.rpartition(".")
-        for known in names:
-            if name == known or name.endswith("." + known):
-                layer, last = name[:-len(known)].removesuffix("."), known
-        passes = found.setdefault(layer, {}).setdefault(view, {})
-        passes.setdefault(layers.classic(last), []).append(full)
-    for eyes in found.values():
-        for passes in eyes.values():
-            for fulls in passes.values():
-                fulls.sort(key=lambda full: _LETTERS.find(full[-1].upper()))
-    return found
 
 
 def packer(exr, keep=()):
     """The slim.Packer of an open file."""
-    return slim.Packer(view_layers(exr.channels, exr.views), lambda passes: _wanted(passes, exr.path, True), exr.kinds,
+    return slim.Packer(view_layers(exr.channels, exr.views), lambda passes: wanted(passes, exr.path, True), exr.kinds,
                        metadata.read(exr.metadata).camera, keep)
 
 
@@ -68,33 +37,6 @@ def _choose(found, name, path):
     if name not in found:
         raise EncreError(f"{path}: " + unknown("view layer", name, found))
     return name
-
-
-def _wanted(passes, path, seen):
-    """{pass: channels} that have to be read: not those that Encre's own passes stand for, what is `seen` if asked."""
-    letters = _known()
-    wanted = {name: channels for name, channels in passes.items()
-              if name in letters and (seen or name not in {*layers.SEEN, *slim.STANDS, "Encre Seen Depth"})}
-    if "Encre Seen Depth" in wanted:
-        wanted.pop("Denoising Depth", None)
-    if "Encre Source" in wanted and "Encre Diffuse" in wanted:
-        for name in ("Combined", "DiffDir", "DiffInd"):
-            wanted.pop(name, None)
-    for name, channels in wanted.items():
-        by_letter = {full[-1].upper(): full for full in channels}
-        asked = letters[name].removesuffix("A" if "A" not in by_letter else "")
-        if set(asked) - set(by_letter) and len(channels) != len(asked):
-            raise EncreError(f"{path}: pass {name} has the channels {', '.join(channels)}; "
-                                  f"save it with all of {', '.join(letters[name])}")
-        wanted[name] = [by_letter[letter] for letter in asked] if set(asked) <= set(by_letter) else channels
-    return wanted
-
-
-def _opaque(picture, name):
-    """A pass that was saved without its alpha covers all."""
-    if picture.shape[2] == len(_known().get(name, "X")):
-        return picture
-    return np.concatenate([picture, np.ones_like(picture[..., :1])], axis=2)
 
 
 def _place(stored, window):
@@ -149,11 +91,11 @@ def _read(exr, names, settings, place, camera, threads, room):
     rows, columns = place
     # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
     whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start, room.zeros), 0
-    wanted = {**_wanted(names, exr.path, camera and settings.wants_seen), **substitutes.cryptomatte(names)}
+    read = {**wanted(names, exr.path, bool(camera and settings.wants_seen)), **substitutes.cryptomatte(names)}
     mattes = substitutes.Mattes()
     noisy = _denoises(names, settings) and denoiser.available()
-    for first, around, passes in (_strips if noisy else _bands)(exr, wanted, rows):
-        passes = {name: _opaque(picture[:, columns], name) for name, picture in passes.items()}
+    for first, around, passes in (_strips if noisy else _bands)(exr, read, rows):
+        passes = {name: opaque(picture[:, columns], name) for name, picture in passes.items()}
         clean = denoiser.cleaner(threads, settings.light_scale, first - around[0] - rows.start) if noisy else None
         slim.unpack(passes, camera)
         mattes.number(passes)
@@ -161,7 +103,7 @@ def _read(exr, names, settings, place, camera, threads, room):
         try:
             band, bad = layers.assemble(passes, settings, saved.unpack(passes), clean)
         except EncreError as error:
-            others = ", ".join(sorted(set(names) - set(wanted))) or "nothing"
+            others = ", ".join(sorted(set(names) - set(read))) or "nothing"
             raise EncreError(f"{exr.path}: {error}; besides in the file: {others}") from None
         whole.add(first - rows.start, {name: picture[around[0]:len(picture) - around[1]]
                                        for name, picture in band.items()})
@@ -365,7 +307,7 @@ def _drawn(settings):
 
 def _named(pictures, layer, view, names):
     """{full channel name: array (H, W)}, named as the input's channels."""
-    channels, letters = {}, {**_known(), **layers.DRAWN}
+    channels, letters = {}, {**known(), **layers.DRAWN}
     for name, picture in pictures.items():
         prefix = ".".join(filter(None, [layer, name, view]))
         if name == "Combined" and (own := [full for full in names.get(name, ()) if full[-1] in "rR"]):

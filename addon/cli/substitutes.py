@@ -6,9 +6,9 @@ Only Combined can't be replaced. To know another pass by a word of --layer, add 
 
 import numpy as np
 
+from ..pen import slim
 from ..pen.errors import EncreError, unknown
 from ..pen.settings import Settings
-from . import slim
 
 # What --layer may name: word -> classic pass name.
 GIVEN = {"combined": "Combined", "depth": "Depth", "normal": "Normal", "color": "DiffCol", "light": "DiffDir",

@@ -6,8 +6,9 @@ Out: arrays again; values checked; one sentence (errors.EncreError) for what the
 
 library binds the C functions, abi has their structures, scene is what drawn light falls on, params has their table of
 parameters, job what they take and give. settings checks values once and tells what they ask for; layers and overlay put
-layers together from passes; saved packs them for a file and unpacks them; metadata and presets write and read values;
-denoise, supersample, unwrap and colour are pictures' arithmetic.
+layers together from passes; saved packs them for a file and unpacks them, slim for little room; stored tells what a
+file's channels are, exr reads them where no library is at hand; metadata and presets write and read values; denoise,
+supersample, unwrap and colour are pictures' arithmetic.
 
 To add: what the engine and the command line both need comes here, if it can do without Blender; numpy only. C's structs
 stand in abi alone, after encre.h; no parameter's default, range or label stands here, as the table tells them.

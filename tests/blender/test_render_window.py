@@ -49,13 +49,20 @@ def test_progress_is_seen(shot):
 
 
 def test_ink_is_seen_while_the_picture_grows(shot):
-    assert shot.facts["still growing"] == [True, True] and shot.facts["persistent"] == [False]
+    assert shot.facts["still growing"] == [True] * 3 and shot.facts["persistent"] == [False]
     green = {}
     for name in ("early", "late"):
         red, bright, blue = np.moveaxis(read(shot, f"{name}-growing"), 2, 0)
         green[name] = ((bright > 0.6) & (red < 0.3) & (blue < 0.3)).sum()
     assert green["early"] > green["late"] + 400, green
     assert np.array_equal(read(shot, "early"), read(shot, "late"))
+
+
+def test_shade_without_noise_is_seen_while_the_picture_grows(shot):
+    """In the colours of the picture when it is done."""
+    growing, done = (read(shot, f"shaded-{when}")[100:520, :600] for when in ("growing", "done"))  # of the editor
+    assert done.std() > 0.03 and (np.abs(growing - done).max(-1) > 0.05).mean() < 0.005
+    assert np.abs(growing - done).mean() < 0.002
 
 
 def test_papers_are_loaded_on_the_main_thread(shot):
@@ -94,6 +101,14 @@ def test_what_is_dragged_is_seen_at_once(redraw):
         pictures, by_cycles, images = redraw.facts[name][0]
         assert pictures > 4 and by_cycles == [] and images == 2, name  # the result and the compositor's viewer
         assert np.abs(read(redraw, f"{name}-seen") - read(redraw, f"{name}-drawn")).max() < 3 / 255, name
+
+
+def test_a_file_that_is_opened_is_drawn_anew(redraw):
+    for name in ("file", "quick_file"):
+        assert redraw.facts[name] == [[True, [], "RENDER_RESULT"]]
+        again, fresh, thin = (read(redraw, f"{name}-{when}") for when in ("again", "fresh", "thin"))
+        assert np.abs(again - fresh).max() <= 1 / 255 and np.abs(again - thin).max() > 0.2, name
+    assert all("160 x 90" in said and "170 x 90" in said for said in redraw.facts["not opened"])
 
 
 def test_a_redraw_gives_way_to_f12(redraw):

@@ -5,8 +5,8 @@ import drawn
 import exr
 import numpy as np
 import pytest
-from encre.cli import composite, multilayer, slim
-from encre.pen import metadata
+from encre.cli import composite, multilayer
+from encre.pen import metadata, slim
 from encre.pen.job import Camera, Frame
 
 SIZE = 80, 56

@@ -59,6 +59,7 @@ class ENCRE_PT_encre(EncrePanel, bpy.types.Panel):
             row.label(text=f"{held / 1e6:.0f} MB", translate=False)
             row.prop(context.scene.encre, "auto_redraw", text="", icon="AUTO")
             row.operator("encre.redraw", text="", icon="FILE_REFRESH")
+        row.operator("encre.open_layers", text="", icon="FILE_FOLDER")
 
 
 CLASSES = (ENCRE_OT_standard_view, ENCRE_PT_encre)

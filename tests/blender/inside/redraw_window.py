@@ -231,6 +231,46 @@ def gives_way():
     yield from redrawn()
 
 
+def opened():
+    """Layers that a file holds are drawn with other settings as those of a render are."""
+    from encre.blender import memory
+
+    scene = bpy.context.scene
+    yield from rendering()
+    space = window.area("IMAGE_EDITOR").spaces.active
+    for name, source in ("file", "CYCLES"), ("quick_file", "ENCRE"):
+        scene.encre.layer_source = source
+        studio.exr(scene, os.path.join(window.FOLDER, f"{name}-"))
+        yield from rendering()
+        path = os.path.join(window.FOLDER, f"{name}-.exr")
+        bpy.data.images["Render Result"].save_render(path)
+        scene.render.image_settings.file_format = "PNG"
+        scene.encre.line_thickness = 50
+        yield from rendering()
+        picture(f"{name}-fresh")
+        memory.forget()
+        space.image = bpy.data.images.load(path)
+        before = len(rendered)
+        ended.clear()
+        with window.override("IMAGE_EDITOR"):
+            bpy.ops.encre.open_layers("INVOKE_DEFAULT")
+        while not ended or bpy.app.is_job_running("RENDER"):
+            yield
+        yield
+        picture(f"{name}-again")
+        scene.encre.line_thickness = 20
+        studio.fact(name, [(yield from redrawn()), rendered[before:], space.image.type])
+        picture(f"{name}-thin")
+        scene.render.resolution_x = 170
+        try:
+            bpy.ops.encre.open_layers(filepath=path)
+        except RuntimeError as error:
+            studio.fact("not opened", str(error))
+        scene.render.resolution_x = 160
+    scene.encre.layer_source = "CYCLES"
+    yield from rendering()
+
+
 def given_up():
     """A redraw that is stopped leaves what was drawn before."""
     from encre.blender import frame
@@ -256,6 +296,7 @@ def steps():
     yield from undrawn()
     yield from dragged()
     yield from gives_way()
+    yield from opened()
     yield from given_up()
 
 

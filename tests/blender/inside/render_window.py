@@ -92,8 +92,11 @@ def growing():
     cycles.engine.draw = lambda engine, *args: drawn.append(engine.frames.ink is not None) or draw(engine, *args)
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 320, 180, 100
     scene.cycles.use_denoising, scene.encre.line_thickness, scene.encre.line_color = False, 40, (0, 1, 0)
-    for name in ("early", "late"):
-        scene.encre.ink_early = name == "early"
+    for name in ("early", "late", "shaded"):
+        scene.encre.ink_early = name != "late"
+        if name == "shaded":
+            scene.encre.light_source, scene.encre.line_color = "DRAWN", (0.2, 0.2, 0.2)
+            scene.view_settings.view_transform, scene.cycles.samples = "Filmic", 300
         drawn.clear()
         press("F12")
         while drawn.count(scene.encre.ink_early) < 3:
@@ -103,6 +106,8 @@ def growing():
         while bpy.app.is_job_running("RENDER"):
             yield
         yield
+        yield
+        window.screenshot(f"{name}-done")
         picture(name)
     cycles.engine.draw = draw
     studio.fact("persistent", scene.render.use_persistent_data)

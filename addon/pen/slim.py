@@ -6,9 +6,13 @@ is so bright that a half's steps are seen, and at the rims of what is seen, wher
 What mirrors show is kept where it is not the surface itself. Depths lose digits.
 """
 
+from collections.abc import Callable, Collection, Mapping
+from typing import Any
+
 import numpy as np
 
-from ..pen import layers, saved
+from . import layers, saved
+from .job import Camera
 
 MOST_HALF = 65504.0
 # Numbers must stay what they are. And colours: where lines run between them hangs on their last digits.
@@ -35,13 +39,16 @@ def _renamed(full, name, other):
 class Packer:
     """`parts` {name: {full channel name: "half" or "float"}} of a slim file, and how they are made of a whole one's.
 
-    found: what composite.view_layers() says of the whole file; read(passes): {pass: channels} of what restyling reads;
+    found: what stored.view_layers() says of the whole file; read(passes): {pass: channels} of what restyling reads;
     kinds: {full channel name: kind}, of the whole file; camera: the job.Camera in its metadata, or None; keep: view
     layers with passes that are wanted as they are. Passes that are none of what Encre has rendered for itself stay.
     """
 
-    def __init__(self, found, read, kinds, camera, keep=()):
-        self.parts, self.make, self.camera = {}, {}, camera
+    def __init__(self, found: Mapping, read: Callable[[dict], Collection[str]], kinds: Mapping[str, str],
+                 camera: Camera | None, keep: Collection[str] = ()) -> None:
+        self.parts: dict[str, dict[str, str]] = {}
+        self.make: dict[str, Any] = {}
+        self.camera = camera
         own = {*layers.CYCLES, *layers.BEHIND, *layers.SEEN, *saved.passes(True, True)}
         for layer, eyes in found.items():
             for view, passes in eyes.items():
@@ -83,18 +90,18 @@ class Packer:
         else:
             seen = half(seen)
             same = seen == half(itself)
-        return np.moveaxis(np.where(same.all(-1, keepdims=True), np.float32((mark, 0, 0)), seen), -1, 0)
+        return np.moveaxis(np.where(same.all(-1, keepdims=True), np.array([mark, 0, 0], np.float32), seen), -1, 0)
 
-    def sources(self, part):
+    def sources(self, part: str) -> list[str]:
         """Names of the whole file's channels that `part` is made of."""
         return self.make[part][0]
 
-    def pack(self, part, rows):
+    def pack(self, part: str, rows: list[np.ndarray]) -> dict[str, np.ndarray]:
         """{full channel name: rows (H, W)} of `part` from those of its sources()."""
         return dict(zip(self.parts[part], self.make[part][1](*rows), strict=True))
 
 
-def unpack(pictures, camera):
+def unpack(pictures: dict[str, np.ndarray], camera: Camera | None) -> None:
     """Puts into `pictures` {pass: (H, W, channels)} of a slim file what restyling reads. Of whole files, nothing."""
     for name, rest in _RESTS.items():
         if rest in pictures and name in pictures:
@@ -112,7 +119,7 @@ def _camera_sees(normal, camera):
     return normal @ (np.reshape(camera.view, (3, 3)).T * (1, 1, -1)).astype(np.float32)
 
 
-def half(values):
+def half(values: np.ndarray) -> np.ndarray:
     """Floats as a half holds them."""
     return np.clip(values, -MOST_HALF, MOST_HALF).astype(np.float16).astype(np.float32)
 
@@ -127,7 +134,7 @@ def _rim(*rows):
     return [np.where(np.abs(length - 1) < _RIM, np.float32(0), row - half(row)) for row in rows]
 
 
-def rounded(values, bits):
+def rounded(values: np.ndarray, bits: int) -> np.ndarray:
     """Floats with so many bits of their mantissa, the others 0."""
     if bits == 23:
         return values
