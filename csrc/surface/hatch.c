@@ -23,7 +23,8 @@ static void lighten_row(const encre_params *p, int n, float *restrict share)
  * threshold. `left` of what a colour lacks stays where light falls on it (NULL: all). What shines or reflects is bright
  * in both. */
 static void bright_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
-		       const float *restrict diffuse, const float *restrict left, float *restrict bright)
+		       const float *restrict diffuse, const float *restrict controls, const float *restrict left,
+		       float *restrict bright)
 {
 	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold,
 	      exposure = p->shade_exposure, other[CHUNK];
@@ -41,8 +42,8 @@ static void bright_row(const encre_params *p, int n, const float *restrict combi
 	if (light_threshold > 0)
 		for (int i = 0; i < n; i++) {
 			const float *d = diffuse + 3 * i;
-			float lit = max3(d[0], d[1], d[2]) * exposure,
-			      share = (lit > other[i] ? lit : other[i]) / light_threshold;
+			float lit = max3(d[0], d[1], d[2]) * exposure + painted_light(controls, i),
+			      share = positive(max(lit, other[i]) / light_threshold);
 			bright[i] = share < bright[i] ? share : bright[i];
 		}
 }
@@ -114,7 +115,7 @@ static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n
 		lighten_row(p, n, left);
 	}
 	bright_row(p, n, pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), pixels(f, ENCRE_LAYER_COLOR, 3, y, x),
-		   pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), lightens ? left : NULL, bright);
+		   pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), controls_at(f, x, y), lightens ? left : NULL, bright);
 	if (ISA(hatch_cover)(f, p, y, x, n, bright))
 		draw_row(p->hatch_color, n, bright, output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * (ptrdiff_t)x);
 }
