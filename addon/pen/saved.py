@@ -17,8 +17,8 @@ ANCHOR = {"Encre Anchor": slice(0, 3), "Encre Anchor Normal": slice(3, 7), "Encr
 def passes(seen: bool, anchor: bool) -> dict[str, str]:
     """{pass: channel letters}. seen: whether there are the layers of what mirrors show; anchor: that of where on the
     thing a pixel is."""
-    out = {"Encre Source": "RGBA", "Encre Diffuse": "RGB", _INDEX: "XYZ", **dict.fromkeys(control_passes(), "XYZ"),
-           _MARKS: "XYZ", _CREASES: "RGBA"}
+    controls = {name: _letters(places) for name, places in control_passes().items()}
+    out = {"Encre Source": "RGBA", "Encre Diffuse": "RGB", _INDEX: "XYZ", **controls, _MARKS: "XYZ", _CREASES: "RGBA"}
     if seen:
         out["Encre Seen Depth"] = "X"
     if anchor:
@@ -34,12 +34,17 @@ def control_passes() -> dict[str, list[tuple[int, int]]]:
     return out
 
 
+def _letters(places: list[tuple[int, int]]) -> str:
+    return "XYZ" if any(channel for channel, _ in places) else "X"
+
+
 def pack(name: str, layers: dict[str, np.ndarray]) -> np.ndarray | None:
     """The pass `name` of passes(), (height, width, channels), from the layers of a picture; None: it has none of it."""
     if name in _WHOLE:
         return layers.get(_WHOLE[name])
     if name in ANCHOR:
         return layers["anchor"][..., ANCHOR[name]] if "anchor" in layers else None
+    channels = 4 if name == _CREASES else 3
     if name == _INDEX:
         places = [(channel, layers.get(layer), 0) for channel, layer in enumerate(_NUMBERS)]
     elif name == _MARKS:
@@ -47,9 +52,10 @@ def pack(name: str, layers: dict[str, np.ndarray]) -> np.ndarray | None:
     elif name == _CREASES:
         places = [(channel, layers.get("creases"), channel) for channel in range(4)]
     else:
+        channels = len(_letters(control_passes()[name]))
         places = [(channel, layers.get("controls"), k) for channel, k in control_passes()[name]]
     # From below to above, as Blender stores it: writing it copies nothing.
-    out = np.zeros((*layers["combined"].shape[:2], 4 if name == _CREASES else 3), np.float32)[::-1]
+    out = np.zeros((*layers["combined"].shape[:2], channels), np.float32)[::-1]
     if name == _MARKS and "creases" not in layers:
         out[..., 2] = -1  # no mesh tells of any pixel
     for channel, layer, k in places:

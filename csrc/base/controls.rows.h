@@ -12,4 +12,5 @@ CONTROL(COLOR_EDGE, "color_edge", "Color Edge", "draws the boundaries of colours
 CONTROL(SMUDGE_RANGE, "smudge_range", "Smudge Range", "colour from behind spreads over the outline", "colour spreads from in front", "Encre Surface Controls", 0)
 CONTROL(SMUDGE_FALLOFF, "smudge_falloff", "Smudge Falloff", "it stays full over half its reach", "it fades at once", "Encre Surface Controls", 1)
 CONTROL(HATCHING, "hatching", "Hatching", "more pencil", "no pencil", "Encre Surface Controls", 2)
+CONTROL(LIGHT, "light", "Light", "half more light, before it is cut into levels", "half less", "Encre Light Controls", 0)
 #undef CONTROL

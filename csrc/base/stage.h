@@ -152,6 +152,12 @@ static inline const float *anchor_at(const frame *f, int x, int y)
 	return row ? row + (ptrdiff_t)ANCHOR_COUNT * x : NULL;
 }
 
+/* What is painted onto the light of pixel i of controls_at(), exposed: half at full paint. */
+static inline float painted_light(const float *controls, ptrdiff_t i)
+{
+	return controls ? 0.5f * controls[CONTROL_COUNT * i + CONTROL_LIGHT] : 0;
+}
+
 /* INFINITY where nothing is there. */
 static inline float depth_at(const frame *f, int x, int y)
 {
@@ -166,6 +172,13 @@ static inline int style_at(const frame *f, int x, int y)
 static inline const encre_params *params_at(const frame *f, int x, int y)
 {
 	return f->params + style_at(f, x, y);
+}
+
+/* Light that levels are compared with: the brightest channel of diffuse light, exposed, and what is painted onto it. */
+static inline float exposed_at(const frame *f, int x, int y)
+{
+	const float *d = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x;
+	return max3(d[0], d[1], d[2]) * params_at(f, x, y)->shade_exposure + painted_light(controls_at(f, x, y), 0);
 }
 
 /* Parameters of the style of pixel x of row y, and in *end where the run of pixels with that style ends, at most x1. */

@@ -46,8 +46,7 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 		radius = max(radius * min(full / z, p->line_depth_most), least);
 	}
 	if (p->line_light != 0) {
-		const float *rgb = layer_row(f, ENCRE_LAYER_DIFFUSE, ny) + (ptrdiff_t)3 * nx;
-		float lit = clamp01(max3(rgb[0], rgb[1], rgb[2]) * p->shade_exposure);
+		float lit = clamp01(exposed_at(f, nx, ny));
 		radius *= max(0, 1 + p->line_light * (1 - 2 * lit));
 	}
 

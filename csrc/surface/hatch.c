@@ -23,7 +23,8 @@ static void lighten_row(const encre_params *p, int n, float *restrict share)
  * threshold. `left` of what a colour lacks stays where light falls on it (NULL: all). What shines or reflects is bright
  * in both. */
 static void bright_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
-		       const float *restrict diffuse, const float *restrict left, float *restrict bright)
+		       const float *restrict diffuse, const float *restrict controls, const float *restrict left,
+		       float *restrict bright)
 {
 	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold,
 	      exposure = p->shade_exposure, own[CHUNK], lit[CHUNK];
@@ -31,7 +32,7 @@ static void bright_row(const encre_params *p, int n, const float *restrict combi
 		const float *a = color + 3 * i, *d = diffuse + 3 * i;
 		float other = other_light(combined + 4 * i, a, d);
 		own[i] = max(max3(a[0], a[1], a[2]), other);
-		lit[i] = max(max3(d[0], d[1], d[2]) * exposure, other);
+		lit[i] = max(max3(d[0], d[1], d[2]) * exposure + painted_light(controls, i), other);
 		bright[i] = 1;
 	}
 	if (color_threshold > 0)
@@ -41,7 +42,7 @@ static void bright_row(const encre_params *p, int n, const float *restrict combi
 		}
 	if (light_threshold > 0)
 		for (int i = 0; i < n; i++)
-			bright[i] = min(lit[i] / light_threshold, bright[i]);
+			bright[i] = min(positive(lit[i] / light_threshold), bright[i]);
 }
 
 /* Pressure of the pencil, by the painted control. Returns whether it can reach the highest paper anywhere. */
@@ -111,7 +112,7 @@ static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n
 		lighten_row(p, n, left);
 	}
 	bright_row(p, n, pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), pixels(f, ENCRE_LAYER_COLOR, 3, y, x),
-		   pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), lightens ? left : NULL, bright);
+		   pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), controls_at(f, x, y), lightens ? left : NULL, bright);
 	if (ISA(hatch_cover)(f, p, y, x, n, bright))
 		draw_row(p->hatch_color, n, bright, output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * (ptrdiff_t)x);
 }

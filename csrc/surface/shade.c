@@ -18,10 +18,13 @@ static inline float drawable(float x)
 }
 
 /* What levels are compared with. */
-static void exposed_row(int n, const float *restrict diffuse, float exposure, float *restrict x)
+static void exposed_row(int n, const float *restrict diffuse, const float *restrict controls, float exposure,
+			float *restrict x)
 {
 	for (int i = 0; i < n; i++)
 		x[i] = max3(diffuse[3 * i], diffuse[3 * i + 1], diffuse[3 * i + 2]) * exposure;
+	for (int i = 0; controls && i < n; i++)
+		x[i] += painted_light(controls, i);
 }
 
 /* Share of the way from the level below to this one. Below 1e-30 a transition is a step: its inverse may overflow. */
@@ -82,8 +85,8 @@ typedef struct lit {
 	float value[CHUNK], tone[CHUNK], hue[CHUNK], share[CHUNK];
 } lit;
 
-static void lit_row(const encre_params *p, int n, float (*restrict diffuse)[CHUNK], float *restrict exposed,
-		    lit *restrict l)
+static void lit_row(const encre_params *p, int n, float (*restrict diffuse)[CHUNK], const float *restrict controls,
+		    float *restrict exposed, lit *restrict l)
 {
 	float weight = p->shade_tint_weight, hued = p->light_hue, exposure = p->shade_exposure;
 	for (int i = 0; i < n; i++) {
@@ -92,6 +95,8 @@ static void lit_row(const encre_params *p, int n, float (*restrict diffuse)[CHUN
 		exposed[i] = v * exposure;
 		l->hue[i] = v > 0 ? hued / max(v, 0.02f) : 0;
 	}
+	for (int i = 0; controls && i < n; i++)
+		exposed[i] += painted_light(controls, i);
 	tone_row(&p->shade_levels, n, exposed, l->tone);
 	for (int i = 0; i < n; i++) {
 		float shade = 1 - l->tone[i], w = positive(shade) * weight;
@@ -208,7 +213,7 @@ void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone)
 	for (int x = x0, end; x < x1; x = end) {
 		float light[CHUNK];
 		const encre_params *p = style_run(f, y, x, x1 - x > CHUNK ? x + CHUNK : x1, &end);
-		exposed_row(end - x, diffuse + 3 * x, p->shade_exposure, light);
+		exposed_row(end - x, diffuse + 3 * x, controls_at(f, x, y), p->shade_exposure, light);
 		tone_row(&p->shade_levels, end - x, light, tone + (x - x0));
 	}
 }
@@ -218,7 +223,7 @@ void ISA(shade_exposed)(const frame *f, int y, float *light)
 	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
 	for (int x = 0, end; x < f->width; x = end) {
 		const encre_params *p = style_run(f, y, x, f->width, &end);
-		exposed_row(end - x, diffuse + (ptrdiff_t)3 * x, p->shade_exposure, light + x);
+		exposed_row(end - x, diffuse + (ptrdiff_t)3 * x, controls_at(f, x, y), p->shade_exposure, light + x);
 		for (int i = x; i < end; i++)
 			light[i] = bounded(light[i]);
 	}
@@ -253,7 +258,7 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	lit l;
 	if (want_light || (p->use_shading && !bare)) {
 		split(diffuse, 3, n, diffuses);
-		lit_row(p, n, diffuses, exposed, &l);
+		lit_row(p, n, diffuses, controls_at(f, x, y), exposed, &l);
 		for (int c = 0; c < 3; c++) {
 			level_color_row(&p->shade_levels, c, n, exposed, lights[c]);
 			light_row(&l, p->shade_tint[c], n, diffuses[c], lights[c]);

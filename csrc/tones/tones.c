@@ -38,12 +38,13 @@ static int slot_of(int level)
 /* Light that levels are compared with; what shines or reflects is not in the dark. Nothing there: INFINITY. */
 static void light_row(const frame *f, const encre_params *p, int y, int x, int n, float *restrict light)
 {
-	const float *combined = layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x,
+	const float *controls = controls_at(f, x, y),
+		    *combined = layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x,
 		    *color = layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x,
 		    *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x;
 	for (int i = 0; i < n; i++) {
 		const float *d = diffuse + 3 * i;
-		light[i] = max(max3(d[0], d[1], d[2]) * p->shade_exposure,
+		light[i] = max(max3(d[0], d[1], d[2]) * p->shade_exposure + painted_light(controls, i),
 			       other_light(combined + 4 * i, color + 3 * i, d));
 	}
 }

@@ -10,6 +10,8 @@ from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
 from judge import scenes, verdict
 
+CONTROLS = len(library.controls())
+
 OUTPUTS = ("Combined", "Encre Lines", "Encre Edges")
 ALL = dict(edge_detector="FINE", edge_threshold=0.3, edge_color=3.0, edge_light=4.0, edge_material=1.0, edge_seen=3.0)
 
@@ -48,7 +50,7 @@ def noise(height, width, seed=0, smooth=False):
     """Layers in which nearly everything is an edge, some values are not finite and some pixels show nothing."""
     rng = np.random.default_rng(seed)
     layers = {name: rng.random((height, width, channels), np.float32) for name, channels in
-              dict(combined=4, color=3, albedo=3, diffuse=3, specular=3, depth=1, normal=3, controls=6,
+              dict(combined=4, color=3, albedo=3, diffuse=3, specular=3, depth=1, normal=3, controls=CONTROLS,
                    seen_color=3, seen_normal=3, seen_depth=1).items()}
     layers["depth"] = 1 + layers["depth"] * 5
     layers["normal"], layers["seen_normal"] = layers["normal"] * 2 - 1, layers["seen_normal"] * 2 - 1
@@ -127,7 +129,7 @@ def step(width=64, height=40, slope=0.0, at=31.4):
     left = (x < edge)[..., None]
     layers = dict(combined=np.ones((height, width, 4)), color=share * (0.7, 0.2, 0.1) + (1 - share) * (0.1, 0.3, 0.8),
                   diffuse=np.ones((height, width, 3)), depth=np.where(left, 4.0, 9.0), object=left * 1.0,
-                  normal=share * (0, 0, 1.0) + (1 - share) * (0, 1.0, 0), controls=np.zeros((height, width, 6)))
+                  normal=share * (0, 0, 1.0) + (1 - share) * (0, 1.0, 0), controls=np.zeros((height, width, CONTROLS)))
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
 
 

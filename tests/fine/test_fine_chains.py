@@ -6,6 +6,8 @@ import pytest
 from encre.pen import library
 from judge import verdict
 
+CONTROLS = len(library.controls())
+
 PEN = dict(verdict.PARAMS, edge_detector="FINE", line_thickness=1.0)
 
 
@@ -76,7 +78,7 @@ def test_the_foot_of_a_thin_thing_keeps_its_own_line():
     layers["depth"] = np.where(blade, 8.0, 8.0 - 0.1 * (y - 59.5) / 10)
     layers["object"] = blade * 1.0
     layers["normal"] = np.where(blade[..., None], (0, 0, 1.0), (0, 1.0, 0))
-    layers["controls"] = np.zeros((90, 100, 6))
+    layers["controls"] = np.zeros((90, 100, CONTROLS))
     layers["controls"][..., 0] = np.where(blade, -0.75, 0)
     t = ink(layers, line_thickness=8.0, edge_normal=0.0)
     assert t[20:52].sum(1) == pytest.approx(np.full(32, 4.0), abs=0.3)  # two sides, a quarter of 8 each

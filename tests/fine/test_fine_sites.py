@@ -7,12 +7,15 @@ from collections import Counter
 import numpy as np
 import passes
 import pytest
+from encre.pen import library
 from encre.pen.job import Camera
 from reference import ridged
 from reference.frame import Layers
 from reference.params import Params
 from reference.passes import FAMILIES
 from reference.view import SURE, View
+
+CONTROLS = len(library.controls())
 
 OFF = dict(x=2e-5, y=2e-5, strength=5e-5, thin=1e-4, half=5e-5, inside=5e-5)  # single floats, and divisions of them
 LEAST = dict(crack=4000, thin=50, mark=250, crease=250, normal_band=150, normal=800, color_band=300, color=1000,
@@ -133,7 +136,7 @@ def test_where_two_things_touch_the_line_belongs_to_the_one_painted_more(apart, 
     right = np.tile(np.arange(24) >= 12, (20, 1))[..., None]
     layers = dict(combined=np.ones((20, 24, 4)), color=np.ones((20, 24, 3)), diffuse=np.ones((20, 24, 3)),
                   object=1.0 + right, normal=np.tile([0.0, 0, 1], (20, 24, 1)),
-                  depth=4 + apart * (3 if ortho else 4) * right, controls=right * np.eye(6)[0])
+                  depth=4 + apart * (3 if ortho else 4) * right, controls=right * (np.arange(CONTROLS) == 0))
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
     _, every = passes.run(layers, passes.ALL, camera=eye)
     sites = every[-1].site

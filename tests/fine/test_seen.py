@@ -7,6 +7,8 @@ from encre.pen import library
 from encre.pen.job import Camera
 from judge import scenes, verdict
 
+CONTROLS = len(library.controls())
+
 RIM = np.s_[20:-20, 30:-30]  # the mirror in the frame
 PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_light=0.0, edge_seen=3.0, width_seen=1.0)
 
@@ -96,7 +98,7 @@ def test_weight_width_and_the_mirrors_own_controls():
         assert t.sum() == pytest.approx(width, abs=0.2)
         assert (t * np.arange(100)).sum() / t.sum() == pytest.approx(49.5, abs=0.1)
     assert drawn(layers, edge_seen=0.2)[..., 3].max() == 0
-    near = {**layers, "depth": layers["depth"].copy(), "controls": np.zeros((60, 100, 6), np.float32)}
+    near = {**layers, "depth": layers["depth"].copy(), "controls": np.zeros((60, 100, CONTROLS), np.float32)}
     near["depth"][:, 52:54] = 0.5  # a post before the mirror, beside the line
     near["controls"][:, 52:54, 0] = -1
     near["controls"][:, :52, 0] = 0.25

@@ -2,6 +2,9 @@
 """Layers drawn by formula: spheres over a checkered floor, for tests and the benchmark that need a picture."""
 
 import numpy as np
+from encre.pen import library
+
+CONTROLS = len(library.controls())
 
 LIGHT = np.array([0.48, 0.64, 0.60])
 
@@ -52,7 +55,7 @@ def scene(width, height, n=40, seed=0, noise=0.0, rows=slice(None)):
     diffuse = np.maximum(diffuse * (1 + noise * rng.standard_normal(diffuse.shape)), 0)
     specular = np.maximum(normal @ LIGHT, 0)[..., None] ** 40 * there * (0.6, 0.6, 0.6)
     combined = np.concatenate([albedo * diffuse + specular, there], -1)
-    controls = np.zeros((height, width, 6))
+    controls = np.zeros((height, width, CONTROLS))
     controls[..., 0] = np.where(index % 7 == 3, 0.3, 0)
     controls[..., 3:5] = np.where(index % 5 == 2, 0.8, 0)[..., None]
     layers = dict(combined=combined, color=albedo, albedo=albedo, diffuse=diffuse, specular=specular, depth=depth,

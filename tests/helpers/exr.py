@@ -23,7 +23,7 @@ def saved(drawn):
     """What save_layers adds: Encre's own passes, and those that see into mirrors, of which there are none here."""
     index = np.stack([drawn[name] for name in ("object", "material", "style")], axis=-1)
     return {"Encre Source": drawn["combined"], "Encre Diffuse": drawn["diffuse"], "Encre Index": index,
-            **{name: kept.pack(name, drawn) for name in ("Encre Line Controls", "Encre Surface Controls")},
+            **{name: kept.pack(name, drawn) for name in kept.control_passes()},
             "Denoising Albedo": drawn["albedo"],
             "Denoising Normal": drawn["normal"] * np.float32((1, 1, -1)), "Encre Seen Depth": drawn["depth"]}
 

@@ -2,6 +2,9 @@
 """Small layers of random shapes, averaged over the pixel as a renderer does, for what looks at more than noise."""
 
 import numpy as np
+from encre.pen import library
+
+CONTROLS = len(library.controls())
 
 FINER = 6  # samples a pixel, each way
 
@@ -134,7 +137,7 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     for _ in range(inlaid):  # of another material, or another object, and nothing else tells it
         layers[rng.choice(("material", "object"))][_cover(rng, y, x, "disc", size)] = rng.integers(5, 9)
     if painted:
-        layers["controls"] = np.where(rng.random((*size, 1)) < 0.7, 0, rng.uniform(-0.3, 0.3, (*size, 6)))
+        layers["controls"] = np.where(rng.random((*size, 1)) < 0.7, 0, rng.uniform(-0.3, 0.3, (*size, CONTROLS)))
     if styles:
         layers["style"] = np.minimum(_patches(rng, size, ("half", "disc"), lambda: rng.integers(0, styles + 1, 1)),
                                      styles).round()[..., 0]

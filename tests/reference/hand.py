@@ -4,6 +4,7 @@
 import numpy as np
 
 from .metric import clamp01, mix, value
+from .shade import exposed
 
 KINDS = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")
 WIDTHS = {"outline": "object", "contact": "object", "inner": "depth", "crease": "normal", "intersection": "normal"}
@@ -197,7 +198,7 @@ def inks(t, layers, params, ink, half, picture):
     tint = params.at("line_tint", style)[:, None]
     tinted = mix(own, params.at("line_tint_value", style)[:, None] * layers.color[owner], tint)
     ink = np.where(params.at("line_color_by_kind", style)[:, None], tinted, ink)
-    lit = clamp01(value(layers.diffuse)[owner] * params.at("shade_exposure", style))
+    lit = clamp01(exposed(layers, params)[owner])
     ink = mix(ink, params.at("line_lit_color", style), (params.at("line_lit", style) * lit)[:, None])
     turn = np.arange(8) * np.pi / 4
     x, y = (np.floor(t.at[:, k, None] + (half[:, None] + 2) * way(turn).round(3) + 0.5).astype(int)

@@ -4,7 +4,7 @@
 import numpy as np
 
 from .metric import clamp01, mix, value
-from .shade import levels, other
+from .shade import exposed, levels, other
 
 
 def cover(layers, of, bright, paper):
@@ -24,7 +24,7 @@ def hatch(layers, params, surface, paper):
 
     shine = value(other(layers))
     tone = np.maximum(value(layers.color), shine)
-    light = np.maximum(value(layers.diffuse) * params.at("shade_exposure", style), shine)
+    light = np.maximum(exposed(layers, params), shine)
     level, _, doubtful = levels(layers, params)
     rise = np.zeros_like(level)
     for k, steps in params.levels():
@@ -34,7 +34,7 @@ def hatch(layers, params, surface, paper):
             rise[own] = clamp01((level[own] - low) / (high - low))
     colored = lit(tone, "hatch_color_threshold").clip(max=1.0)
     colored = 1 - (1 - colored) * (1 - params.at("hatch_color_light", style) * rise)
-    bright = np.minimum(colored, lit(light, "hatch_light_threshold")).clip(max=1.0)
+    bright = np.minimum(colored, lit(light, "hatch_light_threshold")).clip(0.0, 1.0)
     ink = cover(layers, lambda name: params.at(name, style), bright, paper)
     ink = np.where(params.at("use_hatching", style), ink, 0.0)[..., None]
     rgb, alpha = surface[..., :3], surface[..., 3:]

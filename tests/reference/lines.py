@@ -5,7 +5,8 @@ import numpy as np
 
 from . import grid
 from .edges import SOURCES
-from .metric import clamp01, mix, value
+from .metric import clamp01, mix
+from .shade import exposed
 
 
 class Pen:
@@ -25,7 +26,7 @@ class Pen:
         self.gain = params.at("line_gain", style) * params.at("use_lines", style)
 
         c = controls["thickness"]
-        lit = clamp01(value(layers.diffuse)[owner] * params.at("shade_exposure", style))
+        lit = clamp01(exposed(layers, params)[owner])
         heavier = np.maximum(0.0, 1 + params.at("line_light", style) * (1 - 2 * lit))
         distance = params.at("line_depth_distance", style)
         if layers.distance > 0:

@@ -9,6 +9,7 @@ from .edges import SOURCES
 from .metric import clamp01
 from .passes import COLUMN, JUNCTION, ROW
 from .ridged import ridges, through
+from .shade import painted
 from .slices import Things
 from .view import SEEN, SURE, Place, along, level_of, levels_apart, turn
 
@@ -219,16 +220,18 @@ def light(view, cracked):
     style = view.layers.style
     steps = [table["shade_levels"] for table in view.params.tables]
     exposure = [table["shade_exposure"] for table in view.params.tables]
-    own = np.array([[level_of(even[p] * exposure[style[p]], steps[style[p]]) for p in zip([y] * even.shape[1], range(
-        even.shape[1]), strict=True)] for y in range(even.shape[0])])
+    paint = painted(view.layers)
+    own = np.array([[level_of(even[p] * exposure[style[p]] + paint[p], steps[style[p]])
+                     for p in zip([y] * even.shape[1], range(even.shape[1]), strict=True)]
+                    for y in range(even.shape[0])])
     gap = min(step[1] for table in steps for step in table[1:]) if any(len(t) > 1 for t in steps) else 1
     for axis in (ROW, COLUMN):
-        level, light_ = turn(axis, own), turn(axis, even)
+        level, light_, more = turn(axis, own), turn(axis, even), turn(axis, paint)
         for i, k in np.argwhere(level[:, 1:] != level[:, :-1]):
             row, column = (k, i) if axis else (i, k)
             near = view.near(*((column, row + 0.5) if axis else (column + 0.5, row)), column, row, "light", axis)
             s = style[near]
-            one, two = light_[i, k] * exposure[s], light_[i, k + 1] * exposure[s]
+            one, two = (light_[i, at] * exposure[s] + more[i, at] for at in (k, k + 1))
             low, high = sorted((level_of(one, steps[s]), level_of(two, steps[s])))
             if low == high or cracked[axis, row, column]:
                 continue

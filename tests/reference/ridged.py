@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import grid, metric
+from . import grid
 from .edges import SOURCES
 from .metric import clamp01
 from .passes import COLUMN, ROW
+from .shade import exposed
 from .view import SEEN, SURE, along, levels_apart, more, norm2, turn
 
 PAD = 4
@@ -44,8 +45,7 @@ def layers_of(view, mixed, through):
     layers, color = view.layers, clamp01(view.layers.albedo)
     if view.params["color_layer"] == "LIT":
         color = clamp01(layers.combined[..., :3])
-    exposure = view.params.at("shade_exposure", layers.style)
-    lit = (metric.value(layers.diffuse) * exposure)[..., None]
+    lit = exposed(layers, view.params)[..., None]
     floor = 0.35 * view.bend
     yield Layer("normal", SOURCES.index("normal"), layers.normal, layers.normal, floor, 1.2 * floor, mixed)
     yield Layer("color", SOURCES.index("color"), view.space(color), color, 0.01, 0.012, mixed)

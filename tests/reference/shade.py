@@ -6,10 +6,19 @@ import numpy as np
 from .metric import clamp01, mix, value
 
 
+def exposed(layers, params):
+    """The light (H, W) that is compared with thresholds, by the pixel's own style."""
+    return value(layers.diffuse) * params.at("shade_exposure", layers.style) + painted(layers)
+
+
+def painted(layers):
+    """What is painted onto exposed light."""
+    return 0.5 * layers.controls["light"]
+
+
 def levels(layers, params):
     """The level I (H, W) and its colour K (H, W, 3) by the pixel's own style; and where a step is near."""
-    exposure = params.at("shade_exposure", layers.style)
-    x = value(layers.diffuse) * exposure
+    x = exposed(layers, params)
     level, color, doubtful = np.zeros_like(x), np.zeros((*x.shape, 3)), np.zeros(x.shape, bool)
     for k, steps in params.levels():
         own = layers.style == k

@@ -5,7 +5,7 @@ import numpy as np
 
 from . import hatch
 from .metric import clamp01, mix, value
-from .shade import other
+from .shade import other, painted
 
 SLOTS = 4
 BIRTHS, STEPS, RADII, SAMPLES = 11, 33, 40, 12
@@ -116,7 +116,7 @@ def _looks(of):
 
 def _dark(layers, levels, of, look):
     """(share, darkness) of a tone at each pixel."""
-    light = np.maximum(value(layers.diffuse) * of("shade_exposure"), value(other(layers)))
+    light = np.maximum(value(layers.diffuse) * of("shade_exposure") + painted(layers), value(other(layers)))
     added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
     share, total = np.zeros(light.shape), np.zeros(light.shape)
     for k, level in enumerate(levels):

@@ -9,6 +9,8 @@ from encre.pen import library
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera
 
+CONTROLS = len(library.controls())
+
 OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False)
 NO_EDGES = {f"edge_{source}": 0.0 for source in reference.SOURCES}
 # Ink is 1 on edge pixels and 0 beside them: discs of radius 1 have no falloff inside.
@@ -43,7 +45,7 @@ def drawn(height, width, seed=0, kind="noise", nasty=False, painted=True):
         color=albedo, albedo=albedo, diffuse=np.repeat(blocks(rng, height, width, 3, [0.2, 0.6, 1.2])[..., None], 3, 2),
         depth=depth, normal=normal, object=blocks(rng, height, width, 8, range(3)),
         material=blocks(rng, height, width, 6, range(3)), style=blocks(rng, height, width, 7, range(4)),
-        controls=np.where(rng.random((height, width, 1)) < 0.5, 0, rng.uniform(-1.2, 1.2, (height, width, 6))),
+        controls=np.where(rng.random((height, width, 1)) < 0.5, 0, rng.uniform(-1.2, 1.2, (height, width, CONTROLS))),
         marks=rng.choice([0, -0.5, 0.2, 0.5, 0.7, 1], (height, width, 2), p=[0.9, *[0.02] * 5]))
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items() if painted or name != "controls"}
     if nasty:

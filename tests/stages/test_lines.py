@@ -5,10 +5,13 @@ import masks
 import numpy as np
 import pytest
 import reference
+from encre.pen import library
 from encre.pen.errors import Cancelled
 from encre.pen.job import Camera, Frame
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+CONTROLS = len(library.controls())
 
 # Only sources that float32 and float64 decide alike: indices, and bright specks on black that are an edge each.
 SHARP = dict(edge_depth=0.0, edge_normal=0.0, edge_material=0.8, edge_color=1.5, color_detector="DOG", edge_sigma=0.5,
@@ -57,7 +60,7 @@ def noise_layers(height, width, seed=0, styles=0, painted=True, smooth=False):
     index = blocks(37, range(2)) if not smooth else (waves > 0.1).astype(np.float32) + (np.abs(waves + 0.2) < 0.02)
     depth = blocks(17, (3, 4, 6)) + (noise(1)[..., 0] if not smooth else 2 * waves)
     depth[blocks(11, range(9)) == 3] = 1e10
-    controls = np.zeros((height, width, 6), np.float32)
+    controls = np.zeros((height, width, CONTROLS), np.float32)
     if painted:
         controls[..., :2] = noise(2, -1.1, 1.1) * (rng.random((height, width, 2)) < 0.4)
         if smooth:

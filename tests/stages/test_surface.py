@@ -16,6 +16,8 @@ from hypothesis import strategies as st
 from reference import paper as reference_paper
 from reference import render as reference
 
+CONTROLS = len(library.controls())
+
 # Edges between objects alone are the same in float32 and float64, so that smudging can be judged everywhere.
 SIMPLE = dict(use_lines=False, edge_depth=0, edge_normal=0, length_unit="PIXELS")
 ONLY_SHADING = dict(SIMPLE, use_smudging=False, use_hatching=False)
@@ -44,7 +46,7 @@ def random_layers(height, width, seed=0):
     color, diffuse = noise(3), noise(3, -0.05, 1.6) * np.where(chance(0.2), 0.02, 1.0)
     alpha = np.where(chance(0.1), 0.0, np.where(chance(0.5), 1.0, noise(1)))
     rgb = color * diffuse + noise(3, -0.2, 0.3)
-    controls = noise(6, -1.3, 1.3)
+    controls = noise(CONTROLS, -1.3, 1.3)
     controls[..., 2] = 0
     layers = dict(
         combined=np.concatenate([rgb, alpha], -1), color=color, diffuse=diffuse, specular=noise(3) * chance(0.4),
@@ -244,7 +246,7 @@ def two_halves(width=40, edge=20):
 
 
 def painted(layers, smudge_range, falloff):
-    controls = np.zeros((*layers["depth"].shape[:2], 6), np.float32)
+    controls = np.zeros((*layers["depth"].shape[:2], CONTROLS), np.float32)
     controls[..., 3], controls[..., 4] = smudge_range, falloff
     return dict(layers, controls=controls)
 

@@ -8,6 +8,8 @@ from encre.pen import library
 from encre.pen.job import Frame
 from reference import render as reference
 
+CONTROLS = len(library.controls())
+
 ALONE = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=True,
              length_unit="PIXELS")
 LEVELS = [(0.15,), (0.5, 0.3, 0.2), (0.8, 0.7, 0.0), (1.1, 1.0, 0.1)]
@@ -30,7 +32,7 @@ def stuck(width, height, seed=0):
     combined = np.concatenate([color * diffuse + rng.uniform(-0.1, 0.2, color.shape), alpha], 2)
     layers = dict(combined=combined, color=color, diffuse=diffuse, depth=maps["depth"], normal=maps["shading"],
                   object=maps["object"], anchor=maps["anchor"], style=rng.integers(0, 4, (height, width)),
-                  controls=rng.uniform(-0.5, 0.5, (height, width, 6)), specular=rng.uniform(0, 0.4, color.shape))
+                  controls=rng.uniform(-0.5, 0.5, (height, width, CONTROLS)), specular=rng.uniform(0, 0.4, color.shape))
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
 
 

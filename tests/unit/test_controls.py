@@ -12,21 +12,22 @@ PAGE = Path(__file__).parents[2] / "docs" / "painting.md"
 
 def test_files_keep_them_where_they_always_did():
     places = {c.name: (c.saved, c.channel) for c in library.controls().values()}
-    line, surface = "Encre Line Controls", "Encre Surface Controls"
+    line, surface, light = "Encre Line Controls", "Encre Surface Controls", "Encre Light Controls"
     assert places == {"thickness": (line, 0), "intensity": (line, 1), "color_edge": (line, 2),
-                      "smudge_range": (surface, 0), "smudge_falloff": (surface, 1), "hatching": (surface, 2)}
+                      "smudge_range": (surface, 0), "smudge_falloff": (surface, 1), "hatching": (surface, 2),
+                      "light": (light, 0)}
     assert list(saved.passes(False, False).items()) == [
         ("Encre Source", "RGBA"), ("Encre Diffuse", "RGB"), ("Encre Index", "XYZ"), (line, "XYZ"), (surface, "XYZ"),
-        ("Encre Marks", "XYZ"), ("Encre Creases", "RGBA")]
+        (light, "X"), ("Encre Marks", "XYZ"), ("Encre Creases", "RGBA")]
 
 
 def test_what_is_saved_is_read_again_and_an_older_file_has_fewer():
     controls = np.random.default_rng(1).uniform(-1, 1, (3, 4, len(library.controls()))).astype(np.float32)
     made = {"combined": np.ones((3, 4, 4), np.float32), "controls": controls}
-    kept = {name: saved.pack(name, made) for name in ("Encre Line Controls", "Encre Surface Controls")}
+    kept = {name: saved.pack(name, made) for name in saved.control_passes()}
     np.testing.assert_array_equal(saved.unpack(kept)["controls"], controls)
-    del kept["Encre Surface Controls"]
-    np.testing.assert_array_equal(saved.unpack(kept)["controls"], controls * np.float32([1, 1, 1, 0, 0, 0]))
+    del kept["Encre Surface Controls"], kept["Encre Light Controls"]
+    np.testing.assert_array_equal(saved.unpack(kept)["controls"], controls * np.float32([1, 1, 1, 0, 0, 0, 0]))
     assert "controls" not in saved.unpack({})
 
 

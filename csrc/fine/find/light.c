@@ -85,6 +85,14 @@ static int level_of_all(const encre_params *p, const float *light, int n)
 	return level == level_of(&p->shade_levels, (high[0] + change_of(high[0])) * p->shade_exposure) ? level : MIXED;
 }
 
+static bool is_painted(const float *controls, int n)
+{
+	bool any = false;
+	for (int i = 0; controls && i < n; i++)
+		any |= controls[CONTROL_COUNT * i + CONTROL_LIGHT] != 0;
+	return any;
+}
+
 /* Fills the light with its noise, and finds the spans of one level. */
 static void level_rows(void *data, int y0, int y1, int thread)
 {
@@ -98,7 +106,9 @@ static void level_rows(void *data, int y0, int y1, int thread)
 		for (int x = 0, end; x < f->width; x = end) {
 			int span_end = (x / SPAN + 1) * SPAN < f->width ? (x / SPAN + 1) * SPAN : f->width;
 			const encre_params *p = style_run(f, y, x, span_end, &end);
-			int level = level_of_all(p, light + x, end - x), before = x % SPAN ? mark[x / SPAN] : level;
+			int level = is_painted(controls_at(f, x, y), end - x) ? MIXED
+									      : level_of_all(p, light + x, end - x),
+			    before = x % SPAN ? mark[x / SPAN] : level;
 			mark[x / SPAN] = (uint8_t)(level == before ? level : MIXED);
 		}
 	}
@@ -271,14 +281,20 @@ void ISA(level_row)(const fine *n, int y, uint8_t *restrict level)
 	const float *light = light_row(n, y);
 	for (int x = 0, end; x < f->width; x = end) {
 		const encre_params *p = style_run(f, y, x, f->width, &end);
+		const float *controls = controls_at(f, x, y);
 		float exposure = p->shade_exposure;
 		memset(level + x, 0, (size_t)(end - x));
 		for (int k = 1; k < p->shade_levels.count; k++) {
 			float threshold = p->shade_levels.level[k].threshold;
 			for (int i = x; i < end; i++)
-				level[i] += light[i] * exposure > threshold;
+				level[i] += light[i] * exposure + painted_light(controls, i - x) > threshold;
 		}
 	}
+}
+
+static float light_at(const fine *n, const encre_params *p, int x, int y)
+{
+	return bounded(light_row(n, y)[x] * p->shade_exposure + painted_light(controls_at(n->f, x, y), 0));
 }
 
 float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two)
@@ -305,8 +321,7 @@ bool ISA(light_site)(const fine *n, const found *at, placed *s)
 	crack_place(at, 0.5f, s);
 	int style = fine_style(n, at, s);
 	const encre_params *own = f->params + style;
-	float one = bounded(light_row(n, at->row)[at->column] * own->shade_exposure),
-	      two = bounded(light_row(n, qy)[qx] * own->shade_exposure);
+	float one = light_at(n, own, at->column, at->row), two = light_at(n, own, qx, qy);
 	int low = level_of(&own->shade_levels, one < two ? one : two),
 	    high = level_of(&own->shade_levels, one > two ? one : two);
 	if (low == high)
