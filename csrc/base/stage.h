@@ -174,11 +174,12 @@ static inline const encre_params *params_at(const frame *f, int x, int y)
 	return f->params + style_at(f, x, y);
 }
 
-/* Light that levels are compared with: the brightest channel of diffuse light, exposed, and what is painted onto it. */
-static inline float exposed_at(const frame *f, int x, int y)
+/* Light that a style's levels are compared with: the brightest channel of diffuse light, exposed, and what is painted
+ * onto it. */
+static inline float exposed_at(const frame *f, const encre_params *p, int x, int y)
 {
 	const float *d = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x;
-	return max3(d[0], d[1], d[2]) * params_at(f, x, y)->shade_exposure + painted_light(controls_at(f, x, y), 0);
+	return max3(d[0], d[1], d[2]) * p->shade_exposure + painted_light(controls_at(f, x, y), 0);
 }
 
 /* Parameters of the style of pixel x of row y, and in *end where the run of pixels with that style ends, at most x1. */

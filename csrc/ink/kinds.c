@@ -113,7 +113,7 @@ void ISA(line_ink)(const frame *f, const site *made, float half, float ink[3])
 #undef LINE
 	const float *own = p->line_color_by_kind ? kinds[ISA(line_of)(f, made)] : p->line_color;
 	const float *color = layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x;
-	float lit = p->line_lit * clamp01(exposed_at(f, x, y)), dark = 0;
+	float lit = p->line_lit * clamp01(exposed_at(f, p, x, y)), dark = 0;
 	if (p->ink_on_dark > 0 && p->ink_dark_threshold > 0)
 		dark = p->ink_on_dark * clamp01(3 - 2 * about(f, s, half) / p->ink_dark_threshold);
 	for (int c = 0; c < 3; c++) {

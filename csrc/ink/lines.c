@@ -46,7 +46,7 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 		radius = max(radius * min(full / z, p->line_depth_most), least);
 	}
 	if (p->line_light != 0) {
-		float lit = clamp01(exposed_at(f, nx, ny));
+		float lit = clamp01(exposed_at(f, p, nx, ny));
 		radius *= max(0, 1 + p->line_light * (1 - 2 * lit));
 	}
 

@@ -28,7 +28,7 @@ static void read(const fine *n, int source, int x, int y, float *value)
 	for (int c = 0; c < 3; c++)
 		value[c] = is->form == FORM_COLOR ? clamp01(in[c]) : bounded(in[c]);
 	if (is->form == FORM_LIGHT)
-		value[0] = bounded(exposed_at(f, x, y));
+		value[0] = bounded(exposed_at(f, params_at(f, x, y), x, y));
 }
 
 /* Values at -2..2 along the axis of a site, read outwards up to where a pixel holds two surfaces: so far they go. */
