@@ -65,7 +65,8 @@ enum {
 	ANCHOR_PIXEL = 6,    /* rest units per pixel of a surface that faces the camera; 0 = nothing there */
 	ANCHOR_RIGHT = 7,    /* growth of the position to the right neighbour, 3 */
 	ANCHOR_DOWN = 10,    /* and to the lower one */
-	ANCHOR_COUNT = 13
+	ANCHOR_FORM = 13,    /* where it bends most, as long as it bends that way alone, 0..1; 3 */
+	ANCHOR_COUNT = 16
 };
 _Static_assert((int)CONTROL_COUNT <= (int)ENCRE_MAX_CHANNELS, "encre_raster() draws them in one go");
 

@@ -105,11 +105,11 @@ def test_ink_on_surfaces_is_what_was_asked_for_at_any_distance(kind):
     size = 300, 300
     y, x = np.mgrid[:size[0], :size[1]]
     for k in range(5):
-        anchor = np.zeros((*size, 13), np.float32)
+        anchor = np.zeros((*size, 16), np.float32)
         right, down = np.array((0.01, 0.002, 0)) * 2 ** (k / 5), np.array((-0.001, 0.017, 0.0)) * 2 ** (k / 5)
         anchor[..., :3] = x[..., None] * right + y[..., None] * down
         anchor[..., 3:7] = 0, 0, 1, 0.01
-        anchor[..., 7:10], anchor[..., 10:] = right, down
+        anchor[..., 7:10], anchor[..., 10:13] = right, down
         if kind != "DOTS":  # a wall: planes across the up axis cut it
             anchor = anchor[..., (2, 0, 1, 5, 3, 4, 6, 9, 7, 8, 12, 10, 11)].copy()
         for dark in RAMP:
@@ -125,7 +125,7 @@ def test_an_octave_ends_as_the_next_begins(kind):
     y, x = np.mgrid[:size[0], :size[1]]
     drawn = []
     for pixel in (2**-7 * (1 - 1e-5), 2**-7 * (1 + 1e-5)):
-        anchor = np.zeros((*size, 13), np.float32)
+        anchor = np.zeros((*size, 16), np.float32)
         anchor[..., 1], anchor[..., 2] = x * pixel, y * pixel
         anchor[..., 3], anchor[..., 6], anchor[..., 8], anchor[..., 12] = 1, pixel, pixel, pixel
         drawn.append(flat(0.4, size, anchor, tone_1=kind, tone_1_space="SURFACE", tone_1_pitch=8.0, tone_1_angle=0.0))
