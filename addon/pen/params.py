@@ -130,7 +130,13 @@ def fills(values: Mapping[str, Any], *tones: str) -> bool:
 def fills_surfaces(values: Mapping[str, Any]) -> bool:
     """Whether any tone sticks to surfaces."""
     return values["use_tones"] and any(values[f"{id_}_space"] == "SURFACE"
-                                       and values[id_] in ("DOTS", "LINES", "CROSS") for id_ in TONES)
+                                       and values[id_] not in ("NONE", "SOLID", "GRAIN") for id_ in TONES)
+
+
+def strokes_pitch(values: Mapping[str, Any]) -> float:
+    """The largest pitch of tones that are strokes or spots, which reach over other pixels; 0: there are none."""
+    wide = [values[f"{id_}_pitch"] for id_ in TONES if values[id_] in ("HATCH", "STIPPLE")]
+    return max(wide, default=0.0) if values["use_tones"] else 0.0
 
 
 def _levels(levels):

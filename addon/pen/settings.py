@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from . import colour, library
-from .params import fills_surfaces, pens, sticking_pens, terms
+from .params import fills_surfaces, pens, sticking_pens, strokes_pitch, terms
 
 _MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
+STROKE = 4.5  # pitches from a stroke's place to its end, at most
 _WINDOW = 24  # pixels about an edge at which its detector looks, whatever the settings are
 
 # Versions of the settings, which files store: {version: {id: the default before it}}. Ids are for ever. To change a
@@ -161,6 +162,7 @@ class Settings:
                 times = max((values[f"{pen}_width"] for pen in pens(values) - {"pen"}), default=1)
                 widest = 4 * max(times, 1) * values["line_thickness"]
                 most = max(most, min(scene["line_max_thickness"], widest) / 2)
+            most = max(most, STROKE * strokes_pitch(values))
             if values["use_smudging"]:
                 most = max(most, 2 * values["smudge_range"] + values["smudge_pick"])
         if scene["contrast_auto"] and self.any("edge_color"):

@@ -98,7 +98,7 @@ typedef struct frame {
 	void *paper;
 	/* edges, lines: scratch */
 	void *edges, *lines;
-	void *tones; /* tones: those of each style */
+	void *tones; /* tones: those of each style, and ink of strokes */
 	void *fine;  /* sites and links of detector FINE (fine.h), else NULL; then edge, strength and near are NULL */
 	late *late;
 } frame;
@@ -201,7 +201,7 @@ typedef struct stage {
 	 * where these are in the cache: with the look at the layers that says whether they are clean, if no stage with
 	 * run() draws before, and then once more where they were not; else after run(). */
 	bands_kernel rows;
-	/* Whether run() changes the picture. NULL: it does. */
+	/* Whether run() changes the picture, or makes what rows() needs. NULL: it does. */
 	bool (*draws)(const frame *f);
 } stage;
 

@@ -13,14 +13,16 @@ ENUM(tone_##n, SURFACE, value, "use_tones", "Tone " #n, "What fills " whose, \
      ITEM(tone_##n, DOTS, 2, "Dots", "Dots whose share of the surface is the level's darkness") \
      ITEM(tone_##n, LINES, 3, "Lines", "Parallel lines, as wide as the darkness wants") \
      ITEM(tone_##n, CROSS, 4, "Cross-Lines", "Lines in two directions") \
-     ITEM(tone_##n, GRAIN, 5, "Grain", "Pencil rubbed over the paper, as in Hatching")) \
-FLOAT(tone_##n##_pitch, SURFACE, 8, 1, 1000, 4, 40, "px", "use_tones&tone_" #n "=DOTS|LINES|CROSS", "Pitch " #n, "From dot to dot or line to line, at least two pixels of the picture") \
-FLOAT(tone_##n##_angle, SURFACE, 45, -180, 180, 0, 90, "degrees", "use_tones&tone_" #n "=DOTS|LINES|CROSS", "Angle " #n, "By which rows of dots, and lines, are turned") \
-ENUM(tone_##n##_space, SURFACE, 0, "use_tones&tone_" #n "=DOTS|LINES|CROSS", "Space " #n, "What dots and lines keep to", \
+     ITEM(tone_##n, GRAIN, 5, "Grain", "Pencil rubbed over the paper, as in Hatching") \
+     ITEM(tone_##n, HATCH, 6, "Hatching", "Strokes along the form, in layers across each other as it gets darker") \
+     ITEM(tone_##n, STIPPLE, 7, "Stipple", "Spots set by hand, the more the darker")) \
+FLOAT(tone_##n##_pitch, SURFACE, 8, 1, 1000, 4, 40, "px", "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE", "Pitch " #n, "From dot to dot or line to line, about, at least two pixels of the picture") \
+FLOAT(tone_##n##_angle, SURFACE, 45, -180, 180, 0, 90, "degrees", "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE", "Angle " #n, "By which rows of dots, lines and strokes are turned") \
+ENUM(tone_##n##_space, SURFACE, 0, "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE", "Space " #n, "What dots, lines and strokes keep to", \
      ITEM(tone_##n##_space, SCREEN, 0, "Screen", "The picture, as printed: for stills") \
      ITEM(tone_##n##_space, SURFACE, 1, "Surface", "The things: they move with them, and have the same size at any distance")) \
-FLOAT(tone_##n##_gradient, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones&tone_" #n "=DOTS|LINES|CROSS|GRAIN", "Gradient " #n, "How far the tone gets brighter within its level, up to what the next level has") \
-COLOR(tone_##n##_color, SURFACE, 0, 0, 0, "use_tones&tone_" #n "=SOLID|DOTS|LINES|CROSS|GRAIN", "Color " #n, "Colour of its ink")
+FLOAT(tone_##n##_gradient, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones&tone_" #n "=DOTS|LINES|CROSS|GRAIN|HATCH|STIPPLE", "Gradient " #n, "How far the tone gets brighter within its level, up to what the next level has") \
+COLOR(tone_##n##_color, SURFACE, 0, 0, 0, "use_tones&tone_" #n "=SOLID|DOTS|LINES|CROSS|GRAIN|HATCH|STIPPLE", "Color " #n, "Colour of its ink")
 TONE(1, 2, "the darkest level of light")
 TONE(2, 2, "the second level of light")
 TONE(3, 0, "the third level of light")
