@@ -133,10 +133,9 @@ def fills_surfaces(values: Mapping[str, Any]) -> bool:
                                        and values[id_] not in ("NONE", "SOLID", "GRAIN") for id_ in TONES)
 
 
-def strokes_pitch(values: Mapping[str, Any]) -> float:
-    """The largest pitch of tones that are strokes or spots, which reach over other pixels; 0: there are none."""
-    wide = [values[f"{id_}_pitch"] for id_ in TONES if values[id_] in ("HATCH", "STIPPLE")]
-    return max(wide, default=0.0) if values["use_tones"] else 0.0
+def strokes_pitches(values: Mapping[str, Any]) -> list[float]:
+    """The pitches of tones that are strokes or spots, which reach over other pixels."""
+    return [values[f"{id_}_pitch"] for id_ in TONES if values["use_tones"] and values[id_] in ("HATCH", "STIPPLE")]
 
 
 def _levels(levels):

@@ -108,7 +108,9 @@ enum { NEAREST_NONE = INT16_MIN, NEAREST_FAR = INT16_MAX - 1 /* pixels: no edge 
 /* Pixels per "px" of a parameter, in a full frame of this height. */
 static inline float scale_of(const encre_params *scene, int height)
 {
-	return scene->length_unit == length_unit_RELATIVE ? (float)height / 1080 : (float)scene->supersample;
+	if (scene->length_unit == length_unit_PIXELS)
+		return (float)scene->supersample;
+	return (float)height / (scene->length_unit == length_unit_MM ? scene->page_height : 1080);
 }
 
 /* How far, in pixels, anyone looks for the nearest edge pixel. */

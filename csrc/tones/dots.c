@@ -70,10 +70,10 @@ static void fill_radii(tone_screen *s, int b0, int b1)
 	}
 }
 
-tone_screen *ISA(tone_screen_fill)(tone_screen *s, float pitch, float hardness, bool dots)
+tone_screen *ISA(tone_screen_fill)(tone_screen *s, float pitch, float hardness, bool crisp, bool dots)
 {
 	s->pitch = pitch > 2 ? pitch : 2;
-	s->soft = 1 + (1 - hardness) * 0.5f * s->pitch;
+	s->soft = crisp ? 0.002f : 1 + (1 - hardness) * 0.5f * s->pitch;
 	for (int b0 = 0; b0 < TONE_BIRTHS && dots; b0++)
 		for (int b1 = 0; b1 <= b0; b1++)
 			fill_radii(s, b0, b1);

@@ -19,8 +19,9 @@ typedef struct place {
 } place;
 
 /* Ink between two places, over what is of the object at pixel (column, row). */
-static void draw_between(const brush *b, place p, place q, bool spot, int column, int row)
+static void draw_between(const brush *b, const tone_mark *mark, place p, place q, int column, int row)
 {
+	bool spot = mark->slot->kind == tone_1_STIPPLE, crisp = mark->slot->crisp;
 	float most = max(p.half, q.half), along[2] = {q.x - p.x, q.y - p.y};
 	float square = along[0] * along[0] + along[1] * along[1], over = square > 0 ? 1 / square : 0;
 	int left = (int)max(min(p.x, q.x) - most - 0.5f, 0), right = (int)max(max(p.x, q.x) + most + 1.5f, 0);
@@ -40,7 +41,8 @@ static void draw_between(const brush *b, place p, place q, bool spot, int column
 				continue; /* the next one's: else a stroke would darken itself where its parts meet */
 			float dx = fx - t * along[0], dy = fy - t * along[1], half = mix(p.half, q.half, t);
 			float reach = spot ? ISA(tone_true_radius)(half) : half, solid = spot ? 1 : min(2 * half, 1);
-			float cover = min(clamp01(reach + 0.5f - sqrtf(dx * dx + dy * dy)), solid);
+			float away = sqrtf(dx * dx + dy * dy), cover = min(clamp01(reach + 0.5f - away), solid);
+			cover = crisp ? half >= away : cover;
 			if (cover > 0 && (!own || own[x] == object))
 				px[x].ink = (uint8_t)(255.5f - (float)(255 - px[x].ink) * (1 - cover));
 		}
@@ -117,7 +119,7 @@ static void draw_mark(const brush *b, const tone_mark *mark, int row)
 	if (mark->slot->kind == tone_1_STIPPLE) {
 		place at = {mark->x, mark->y, half};
 		if (half > 0)
-			draw_between(b, at, at, true, x, y);
+			draw_between(b, mark, at, at, x, y);
 		return;
 	}
 	place all[2 * STEPS + 1], *places = all + STEPS, back[STEPS];
@@ -133,7 +135,7 @@ static void draw_mark(const brush *b, const tone_mark *mark, int row)
 		places[k].half = min(places[k].half, places[k + 1].half + point);
 	for (int k = -before; k < after; k++)
 		if (places[k].half > 0.02f || places[k + 1].half > 0.02f)
-			draw_between(b, places[k], places[k + 1], false, x, y);
+			draw_between(b, mark, places[k], places[k + 1], x, y);
 }
 
 /* ---- passes ------------------------------------------------------------------------------------------------ */

@@ -34,8 +34,9 @@ void ISA(tone_chart)(const frame *f, const tone_slot *s, int y, int x, int n, to
 	if (anchor)
 		ISA(tone_surface_chart)(anchor, n, c, d, chart);
 	else {
-		ISA(tone_screen_field)(f, y, x, n, c, -d, chart);
-		ISA(tone_screen_field)(f, y, x, n, d, c, chart + 1);
+		float per = 1 / (tone_marked(s) ? tone_mark_pitch(s) : s->screen->pitch);
+		ISA(tone_screen_field)(f, y, x, n, c * per, -d * per, chart);
+		ISA(tone_screen_field)(f, y, x, n, d * per, c * per, chart + 1);
 	}
 }
 
@@ -61,7 +62,7 @@ static void lines(const frame *f, const tone_slot *s, int y, int x, int n, const
 	bool cross = s->kind == tone_1_CROSS;
 	tone_field field;
 	float first[TONE_CHUNK], second[TONE_CHUNK], cut[TONE_CHUNK], more[TONE_CHUNK] = {0};
-	float c = s->across[0], d = s->across[1];
+	float c = s->across[0], d = s->across[1], per = 1 / s->screen->pitch;
 	float along[3] = {d + 0.15f, 0.1f, c}, other[3];
 	const float *anchor = s->space == tone_1_space_SURFACE ? anchor_at(f, x, y) : NULL;
 	unit(along);
@@ -77,7 +78,7 @@ static void lines(const frame *f, const tone_slot *s, int y, int x, int n, const
 		ISA(tone_surface_field)(anchor, n, along, &field);
 		ISA(tone_cut)(anchor, n, along, cut);
 	} else
-		ISA(tone_screen_field)(f, y, x, n, d, c, &field);
+		ISA(tone_screen_field)(f, y, x, n, d * per, c * per, &field);
 	for (int i = 0; i < n; i++) {
 		first[i] *= cut[i];
 		float left = first[i] < 1 ? 1 - (1 - dark[i]) / (1 - first[i]) : 0;
@@ -89,7 +90,7 @@ static void lines(const frame *f, const tone_slot *s, int y, int x, int n, const
 	if (anchor)
 		ISA(tone_surface_field)(anchor, n, other, &field);
 	else
-		ISA(tone_screen_field)(f, y, x, n, c, -d, &field);
+		ISA(tone_screen_field)(f, y, x, n, c * per, -d * per, &field);
 	ISA(tone_lines)(s->screen, n, &field, second, more);
 	for (int i = 0; i < n; i++)
 		ink[i] = ink[i] + more[i] - ink[i] * more[i];
@@ -126,15 +127,16 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 }
 
 /* Ink over the picture, and over what the output has of tones. */
-static void draw_row(const float *color, int n, const float *restrict ink, const float *restrict share,
+static void draw_row(const tone_slot *s, int n, const float *restrict ink, const float *restrict share,
 		     float *restrict surface, float *restrict tones)
 {
 	for (int i = 0; i < n; i++) {
 		float t = ink[i] * share[i], alpha = surface[4 * i + 3];
+		t = s->crisp ? t >= 0.5f : t;
 		for (int c = 0; c < 3; c++)
-			surface[4 * i + c] = blend(surface[4 * i + c], bounded(color[c] * alpha), t);
+			surface[4 * i + c] = blend(surface[4 * i + c], bounded(s->color[c] * alpha), t);
 		for (int c = 0; c < 4 && tones; c++)
-			tones[4 * i + c] = blend(tones[4 * i + c], (c < 3 ? color[c] : 1) * alpha, t);
+			tones[4 * i + c] = blend(tones[4 * i + c], (c < 3 ? s->color[c] : 1) * alpha, t);
 	}
 }
 
@@ -158,7 +160,7 @@ static void tone_run(const frame *f, const encre_params *p, int y, int x, int n)
 		if (!w.any[k])
 			continue;
 		ink_row(f, p, slots + k, y, x, n, w.dark[k], ink);
-		draw_row(slots[k].color, n, ink, w.share[k], surface, tones ? tones + (ptrdiff_t)4 * x : NULL);
+		draw_row(slots + k, n, ink, w.share[k], surface, tones ? tones + (ptrdiff_t)4 * x : NULL);
 	}
 }
 
@@ -214,12 +216,34 @@ static bool alike(const tone_slot *a, const tone_slot *b)
 	       a->across[1] == b->across[1] && memcmp(a->color, b->color, 3 * sizeof *a->color) == 0;
 }
 
+/* Pixels from dot to dot. */
+static float pitch_px(const frame *f, float pitch)
+{
+	const encre_params *scene = f->params;
+	if (scene->tone_pitch_unit == tone_pitch_unit_LENGTH)
+		return pitch * f->scale;
+	return 25.4f * (float)f->place.height / (scene->page_height * pitch);
+}
+
+/* A screen of the picture whose steps are whole pixels repeats itself exactly: without grey its ink would else have
+ * moire. */
+static void snap(tone_slot *s)
+{
+	float a = nearest_int(s->pitch * s->across[0]), b = nearest_int(s->pitch * s->across[1]);
+	float pitch = sqrtf(a * a + b * b);
+	if (!s->crisp || s->space == tone_1_space_SURFACE || tone_marked(s) || !(pitch >= 2 && pitch < 65536))
+		return;
+	s->pitch = pitch;
+	s->across[0] = a / pitch;
+	s->across[1] = b / pitch;
+}
+
 static void fill_slots(const frame *f, const encre_params *p, tone_style *t)
 {
 #define SLOT(n)                                                                                                        \
 	{                                                                                                              \
-		.kind = p->tone_##n, .space = p->tone_##n##_space, .pitch = p->tone_##n##_pitch * f->scale,            \
-		.gradient = p->tone_##n##_gradient,                                                                    \
+		.kind = p->tone_##n, .space = p->tone_##n##_space, .crisp = p->tone_crisp,                             \
+		.pitch = pitch_px(f, p->tone_##n##_pitch), .gradient = p->tone_##n##_gradient,                         \
 		.across = {pixel_cos(p->tone_##n##_angle * 0.0174532925f),                                             \
 			   pixel_sin(p->tone_##n##_angle * 0.0174532925f)},                                            \
 		.color = p->tone_##n##_color                                                                           \
@@ -230,12 +254,14 @@ static void fill_slots(const frame *f, const encre_params *p, tone_style *t)
 	for (int k = 0; k < TONE_SLOTS; k++) {
 		tone_slot *s = t->slot + k;
 		s->like = k;
+		snap(s);
 		for (int j = k - 1; j >= 0; j--)
 			if (alike(t->slot + j, s))
 				s->like = j;
 		s->screen = t->screen + s->like;
 		if (s->like == k)
-			ISA(tone_screen_fill)(t->screen + k, s->pitch, p->tone_hardness, s->kind == tone_1_DOTS);
+			ISA(tone_screen_fill)(t->screen + k, s->pitch, p->tone_hardness, s->crisp,
+					      s->kind == tone_1_DOTS);
 	}
 }
 

@@ -16,7 +16,7 @@ typedef struct tone_field {
 /* One look of dots or lines. */
 typedef struct tone_screen {
 	float pitch; /* pixels, at least 2 */
-	float soft;  /* pixels over which edges fade, at least 1 */
+	float soft;  /* pixels over which edges fade, at least 1; next to nothing of crisp ones */
 	/* radius of full-grown dots in pixels, by the square roots of how grown those between are, along one axis and
 	   the other, and by even() of the darkness */
 	float radius[TONE_BIRTHS][TONE_BIRTHS][TONE_STEPS];
@@ -25,6 +25,7 @@ typedef struct tone_screen {
 /* A style's tone of a level. */
 typedef struct tone_slot {
 	int kind, space;
+	bool crisp;
 	float pitch, gradient, across[2]; /* pixels; cosine and sine of the angle */
 	const float *color;
 	int like; /* the first slot that looks the same, perhaps this one: ink that is the same grows from one to the
@@ -78,7 +79,7 @@ void ISA(tone_cut)(const float *restrict anchor, int n, const float along[3], fl
 /* dots.c, ruled.c */
 /* The radius that is drawn for a disc of radius r, in pixels, so that small ones are not too dark. */
 float ISA(tone_true_radius)(float r);
-tone_screen *ISA(tone_screen_fill)(tone_screen *screen, float pitch, float hardness, bool dots);
+tone_screen *ISA(tone_screen_fill)(tone_screen *screen, float pitch, float hardness, bool crisp, bool dots);
 void ISA(tone_lattice_fill)(float pitch, int n, const tone_field field[2], tone_lattice *l);
 void ISA(tone_dots)(const tone_screen *screen, int n, const tone_field field[2], const float *restrict dark,
 		    float *restrict ink);

@@ -47,10 +47,10 @@ def shown(cover, spots):
 class Drawing:
     """What a tone's marks are drawn on. chart: two fields (value, right, down) on which their places lie, unturned."""
 
-    def __init__(self, layers, kind, pitch, angle, anchor, chart, dark, lattice):
+    def __init__(self, layers, kind, pitch, angle, anchor, chart, dark, lattice, crisp=False):
         self.layers, self.spots, self.angle, self.anchor, self.dark = layers, kind == "STIPPLE", angle, anchor, dark
         self.pitch = max(pitch * (0.5 if self.spots else 1), 3)
-        self.chart, self.lattice = chart, lattice
+        self.chart, self.lattice, self.crisp = chart, lattice, crisp
         self.ink = np.zeros(dark.shape, np.uint8)
         self.byte = np.floor(255 * clamp01(dark) + 0.5).astype(int)
         tables = [shown(covers(k / 255)[layer], False) for k in range(256) for layer in range(3)]
@@ -130,6 +130,8 @@ class Drawing:
             cover = clamp01(true + 0.5 - distance)
         else:
             cover = np.where((at >= 0) & (at < 1), np.minimum(clamp01(half + 0.5 - distance), 2 * half), 0)
+        if self.crisp:
+            cover = (half >= distance) & (self.spots | ((at >= 0) & (at < 1)))
         cover = np.where(self.layers.object == self.layers.object[y, x], cover, 0)
         self.ink = np.floor(255.5 - (255 - self.ink.astype(float)) * (1 - cover)).astype(np.uint8)
 

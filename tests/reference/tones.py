@@ -148,13 +148,21 @@ def _dark(layers, levels, of, look):
 
 def _ink(layers, of, look, dark, scale, paper, own):
     kind, pitch, angle, space = look[:4]
-    pitch = max(2.0, pitch * scale)
-    soft = 1 + (1 - of("tone_hardness")) * pitch / 2
+    counted = of("tone_pitch_unit") == "LPI"
+    pitch = 25.4 * layers.full_height / (of("page_height") * pitch) if counted else pitch * scale
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    if of("tone_crisp") and space == "SCREEN" and kind in ("DOTS", "LINES", "CROSS"):  # whole pixels
+        whole = np.round(pitch * c), np.round(pitch * s)
+        pitch = np.hypot(*whole)
+        c, s = whole[0] / pitch, whole[1] / pitch
+    pitch = max(2.0, pitch)
+    soft = 0.002 if of("tone_crisp") else 1 + (1 - of("tone_hardness")) * pitch / 2
     height, width = dark.shape
     anchor = layers.anchor if space == "SURFACE" else None
 
     def screen(right, down):
+        each = {"HATCH": max(pitch, 3), "STIPPLE": max(pitch / 2, 3)}.get(kind, pitch)
+        right, down = right / each, down / each
         y, x = np.mgrid[:height, :width]
         return right * (x + layers.x + 0.5) + down * (y + layers.y + 0.5), right + 0 * x, down + 0 * x
 
@@ -187,7 +195,7 @@ def _ink(layers, of, look, dark, scale, paper, own):
         else:
             turn = np.radians(angle) + (np.arctan2(0.3511234, 0.9363292) if kind == "HATCH" else 0)
             ink = scatter.Drawing(layers, kind, pitch, np.radians(angle), anchor, chart(np.cos(turn), np.sin(turn)),
-                                  dark, lattice).draw(own)
+                                  dark, lattice, of("tone_crisp")).draw(own)
         return ink if anchor is None else np.where(anchor[..., 6] > 0, ink, dark)
     first = 1 - np.sqrt(1 - dark) if kind == "CROSS" else dark
     if anchor is None:
@@ -220,6 +228,7 @@ def fill(layers, params, surface, paper):
             if not (dark > 0).any():
                 continue
             t = np.where(own, _ink(layers, of, look, dark, scale, paper, own) * share, 0)[..., None]
+            t = np.where(t >= 0.5, 1.0, 0.0) if of("tone_crisp") else t
             alpha = surface[..., 3:]
             drawn[..., :3] = mix(drawn[..., :3], np.array(look[4]) * alpha, t)
             ink = np.concatenate([np.array(look[4]) * alpha, alpha], -1)

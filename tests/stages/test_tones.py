@@ -51,6 +51,27 @@ def test_twin(kind, space):
     assert got["Encre Tones"][..., 3].std() > 0.05
 
 
+@pytest.mark.parametrize("kind", ["SOLID", "DOTS", "CROSS"])
+def test_twin_in_ink_or_none_by_lines_an_inch(kind):
+    layers = stuck(120, 80)
+    scene = dict(ALONE, shade_levels=LEVELS, tone_crisp=True, tone_pitch_unit="LPI", length_unit="MM",
+                 page_height=40.0, **sticks.tone(kind, pitch=15.0, angle=30.0))
+    got, want = (images["Encre Tones"][..., 3] / layers["combined"][..., 3] for images in
+                 (library.render(layers, scene, outputs=["Encre Tones"]).images, reference(layers, scene)))
+    assert np.abs(got - np.round(got)).max() < 1e-6 and 0.1 < got.mean() < 0.9
+    assert (np.abs(got - want) > 0.5).mean() < 0.01
+
+
+@pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
+def test_crisp_screens_repeat_themselves_by_whole_pixels(kind):
+    """(7, 5) pixels on, and as far across, the same: no moire; and the ink is what was asked for, by whole pixels."""
+    look = dict(tone_1=kind, tone_crisp=True, tone_1_pitch=74**0.5, tone_1_angle=np.degrees(np.arctan2(5, 7)))
+    for dark in (0.2, 0.5, 0.8):
+        ink = flat(dark, (222, 222), **look)
+        assert set(np.unique(ink)) == {0, 1} and abs(ink.mean() - dark) < 0.08
+        assert np.array_equal(ink[7:, 5:], ink[:-7, :-5]) or np.array_equal(ink[5:, 7:], ink[:-5, :-7])
+
+
 @pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
 @pytest.mark.parametrize("space", ["SCREEN", "SURFACE"])
 def test_twin_of_strokes(kind, space):
@@ -146,7 +167,7 @@ def test_ink_on_surfaces_is_what_was_asked_for_at_any_distance(kind):
         anchor[..., 3:7] = 0, 0, 1, 0.01
         anchor[..., 7:10], anchor[..., 10:13] = right, down
         if kind != "DOTS":  # a wall: planes across the up axis cut it
-            anchor = anchor[..., (2, 0, 1, 5, 3, 4, 6, 9, 7, 8, 12, 10, 11)].copy()
+            anchor = anchor[..., (2, 0, 1, 5, 3, 4, 6, 9, 7, 8, 12, 10, 11, 13, 14, 15)].copy()
         for dark in RAMP:
             ink = flat(dark, size, anchor, tone_1=kind, tone_1_space="SURFACE", tone_1_angle=20.0)
             # dark dots whose rows are not at right angles overlap less than the table thinks
