@@ -81,11 +81,13 @@ enum encre_layer {
 				    nothing is there, else 0) */
 	/* Where on the thing: by what drawn texture sticks to a surface, from this frame alone. In units of the rest
 	   position, which are those of object space as a rule. */
-	ENCRE_LAYER_ANCHOR, /* 13: of what is at the pixel's centre, 0 to 2 its rest position P: where it was before
+	ENCRE_LAYER_ANCHOR, /* 16: of what is at the pixel's centre, 0 to 2 its rest position P: where it was before
 			       its mesh was bent; 3 to 5 the normal there, of length 1, as the resting surface is
 			       shaded; 6 how much of P a pixel spans on a surface that faces the camera, > 0, 0 =
-			       nothing there; 7 to 9 and 10 to 12 by how much P grows per pixel to the right and down
-			       (absent: nothing sticks) */
+			       nothing there; 7 to 9 and 10 to 12 by how much P grows per pixel to the right and down;
+			       13 to 15 the direction in which the resting surface bends most, either way along it, as
+			       long as it bends that way alone: 1 of a cylinder, 0 of a ball or a plane (absent: nothing
+			       sticks) */
 	ENCRE_LAYER_COUNT
 };
 
@@ -316,7 +318,7 @@ typedef struct encre_raster_job {
 				   length 1, world space, on the side of `normal`'s face; where there are none, `normal` */
 	encre_image beyond; /* in, 1: only what lies farther than this is drawn; at `depth`'s 1e10 nothing is. It hides
 			       no line. May be absent */
-	encre_image anchor; /* out, 13: the layer `anchor`; 0 = nothing. A pixel's span is that of the whole mesh, by
+	encre_image anchor; /* out, 16: the layer `anchor`; 0 = nothing. A pixel's span is that of the whole mesh, by
 			       how large its surface is in the world and at rest, so that it does not jump from face to
 			       face. Derivatives are those of the face in front, exact, of one that is seen on its edge
 			       at most 64 spans long */

@@ -232,7 +232,7 @@ class Library:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
-        (H, W, 2), `creases` (H, W, 4), `coincident`, `shading` (H, W, 3) and `anchor` (H, W, 13). beyond (H, W): only
+        (H, W, 2), `creases` (H, W, 4), `coincident`, `shading` (H, W, 3) and `anchor` (H, W, 16). beyond (H, W): only
         what lies farther than this is drawn; at 1e10 nothing is.
         """
         work = self.raster_work(meshes, view, projection, frame, size, clip_start, clip_end, channels, outputs, beyond)

@@ -130,7 +130,12 @@ def fills(values: Mapping[str, Any], *tones: str) -> bool:
 def fills_surfaces(values: Mapping[str, Any]) -> bool:
     """Whether any tone sticks to surfaces."""
     return values["use_tones"] and any(values[f"{id_}_space"] == "SURFACE"
-                                       and values[id_] in ("DOTS", "LINES", "CROSS") for id_ in TONES)
+                                       and values[id_] not in ("NONE", "SOLID", "GRAIN") for id_ in TONES)
+
+
+def strokes_pitches(values: Mapping[str, Any]) -> list[float]:
+    """The pitches of tones that are strokes or spots, which reach over other pixels."""
+    return [values[f"{id_}_pitch"] for id_ in TONES if values["use_tones"] and values[id_] in ("HATCH", "STIPPLE")]
 
 
 def _levels(levels):

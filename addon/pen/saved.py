@@ -11,7 +11,7 @@ _WHOLE = {"Encre Source": "combined", "Encre Diffuse": "diffuse", "Encre Seen De
 _INDEX, _MARKS, _CREASES = "Encre Index", "Encre Marks", "Encre Creases"  # Z of the marks is the creases' fifth channel
 _NUMBERS = ("object", "material", "style")
 ANCHOR = {"Encre Anchor": slice(0, 3), "Encre Anchor Normal": slice(3, 7), "Encre Anchor X": slice(7, 10),
-          "Encre Anchor Y": slice(10, 13)}  # channels of the layer `anchor`
+          "Encre Anchor Y": slice(10, 13), "Encre Anchor Form": slice(13, 16)}  # channels of the layer `anchor`
 
 
 def passes(seen: bool, anchor: bool) -> dict[str, str]:

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from . import colour, library
-from .params import fills_surfaces, pens, sticking_pens, terms
+from .params import fills_surfaces, pens, sticking_pens, strokes_pitches, terms
 
 _MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
+_STROKE = 4.5  # pitches from a stroke's place to its end, at most
 _WINDOW = 24  # pixels about an edge at which its detector looks, whatever the settings are
 
 # Versions of the settings, which files store: {version: {id: the default before it}}. Ids are for ever. To change a
@@ -165,8 +166,12 @@ class Settings:
                 most = max(most, 2 * values["smudge_range"] + values["smudge_pick"])
         if scene["contrast_auto"] and self.any("edge_color"):
             most += scene["contrast_window"] / 2
-        scale = height / 1080 if scene["length_unit"] == "RELATIVE" else 1
-        return int(np.ceil(most * scale)) + _WINDOW if self.active else 0
+        scale = {"RELATIVE": height / 1080, "MM": height / scene["page_height"], "PIXELS": 1}[scene["length_unit"]]
+        counted = scene["tone_pitch_unit"] == "LPI"
+        inch = 25.4 * height / scene["page_height"]
+        strokes = [inch / pitch if counted else pitch * scale for values in self.every for pitch in strokes_pitches(values)]
+        far = max(most * scale, *(_STROKE * max(pitch, 3) for pitch in strokes), 0)
+        return int(np.ceil(far)) + _WINDOW if self.active else 0
 
     @cached_property
     def paper(self) -> str | None:

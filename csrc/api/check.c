@@ -189,7 +189,7 @@ int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char 
 		{"depth", "", 1, 0},    {"normal", "", 3, 0},  {"object", "", 1, 0},
 		{"material", "", 1, 0}, {"style", "", 1, 0},   {"attributes", "", job->n_channels, 0},
 		{"marks", "", 2, 0},    {"creases", "", 4, 0}, {"coincident", "", 1, 0},
-		{"shading", "", 3, 0},  {"anchor", "", 13, 0},
+		{"shading", "", 3, 0},  {"anchor", "", 16, 0},
 	};
 	const encre_image *images[] = {&job->depth,      &job->normal,     &job->object, &job->material,
 				       &job->style,      &job->attributes, &job->marks,  &job->creases,

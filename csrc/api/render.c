@@ -229,7 +229,7 @@ static int32_t first(work *w)
 	for (int s = 0; !code && s < N_STAGES; s++)
 		if (stages[s]->prepare)
 			code = stages[s]->prepare(f);
-	while (w->early < N_STAGES && !(stages[w->early]->run && stages[w->early]->rows) &&
+	while (w->early < N_STAGES &&
 	       (!stages[w->early]->run || (stages[w->early]->draws && !stages[w->early]->draws(f))))
 		w->early++;
 	if (!code)

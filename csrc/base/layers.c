@@ -33,8 +33,8 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 	[ENCRE_LAYER_ANCHOR] =
 		{"anchor",
 		 "rest position, rest normal, size of a pixel there, how the position grows to the right "
-		 "and down",
-		 13, 0},
+		 "and down, which way the surface bends",
+		 16, 0},
 };
 
 #define CONTROL(id, text, lab, most, least, file_pass, place)                                                          \

@@ -65,7 +65,8 @@ enum {
 	ANCHOR_PIXEL = 6,    /* rest units per pixel of a surface that faces the camera; 0 = nothing there */
 	ANCHOR_RIGHT = 7,    /* growth of the position to the right neighbour, 3 */
 	ANCHOR_DOWN = 10,    /* and to the lower one */
-	ANCHOR_COUNT = 13
+	ANCHOR_FORM = 13,    /* where it bends most, as long as it bends that way alone, 0..1; 3 */
+	ANCHOR_COUNT = 16
 };
 _Static_assert((int)CONTROL_COUNT <= (int)ENCRE_MAX_CHANNELS, "encre_raster() draws them in one go");
 
@@ -97,7 +98,7 @@ typedef struct frame {
 	void *paper;
 	/* edges, lines: scratch */
 	void *edges, *lines;
-	void *tones; /* tones: those of each style */
+	void *tones; /* tones: those of each style, and ink of strokes */
 	void *fine;  /* sites and links of detector FINE (fine.h), else NULL; then edge, strength and near are NULL */
 	late *late;
 } frame;
@@ -107,7 +108,9 @@ enum { NEAREST_NONE = INT16_MIN, NEAREST_FAR = INT16_MAX - 1 /* pixels: no edge 
 /* Pixels per "px" of a parameter, in a full frame of this height. */
 static inline float scale_of(const encre_params *scene, int height)
 {
-	return scene->length_unit == length_unit_RELATIVE ? (float)height / 1080 : (float)scene->supersample;
+	if (scene->length_unit == length_unit_PIXELS)
+		return (float)scene->supersample;
+	return (float)height / (scene->length_unit == length_unit_MM ? scene->page_height : 1080);
 }
 
 /* How far, in pixels, anyone looks for the nearest edge pixel. */
@@ -214,7 +217,7 @@ typedef struct stage {
 	 * where these are in the cache: with the look at the layers that says whether they are clean, if no stage with
 	 * run() draws before, and then once more where they were not; else after run(). */
 	bands_kernel rows;
-	/* Whether run() changes the picture. NULL: it does. */
+	/* Whether run() changes the picture, or makes what rows() needs. NULL: it does. */
 	bool (*draws)(const frame *f);
 } stage;
 

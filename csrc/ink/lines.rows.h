@@ -8,7 +8,9 @@ FLOAT(line_taper, SURFACE, 0, 0, 4096, 0, 128, "px", "use_lines&edge_detector=FI
 FLOAT(line_min_length, SURFACE, 12, 0, 4096, 0, 64, "px", "use_lines&edge_detector=FINE", "Minimum Length", "Lines that are shorter and meet no other are not drawn, but outlines, closed lines and lines drawn by hand; 0: all are")
 ENUM(length_unit, FRAME, 0, "", "Unit", "What a pixel of a length is",
      ITEM(length_unit, RELATIVE, 0, "Relative", "Lengths are for a frame 1080 pixels high and grow with the frame")
-     ITEM(length_unit, PIXELS, 1, "Pixels", "Lengths are pixels of the frame"))
+     ITEM(length_unit, PIXELS, 1, "Pixels", "Lengths are pixels of the frame")
+     ITEM(length_unit, MM, 2, "Millimetres", "Lengths are millimetres of a page as high as the frame"))
+FLOAT(page_height, FRAME, 257, 1, 100000, 50, 600, "", "", "Page Height", "Height of the printed frame in millimetres, for lengths in millimetres and for lines an inch")
 FLOAT(line_contrast, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines", "Contrast", "How far thickness follows the strength of the edge")
 FLOAT(line_softness, SURFACE, 0.9, 0, 1, 0, 1, "factor", "use_lines", "Softness", "Share of the half width over which a line fades; 0 is a sharp pen")
 FLOAT(line_intensity, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "use_lines", "Intensity", "Pressure of the pencil")

@@ -3,6 +3,7 @@
  * corner's share of a place on the screen is a quotient of linear functions of the place, so that its derivatives are
  * exact, in perspective too. */
 #include "raster/anchors.h"
+#include "raster/form.h"
 #include "raster/raster.h"
 
 #include <math.h>
@@ -64,6 +65,7 @@ void anchors_load(const part *part, uint32_t i, anchor_face *face)
 	face->part = part;
 	face->normals = mesh->rest_normals ? mesh->rest_normals + (size_t)i * 9 : NULL;
 	geometry_rest(part, i, face->rest);
+	form_of(face->rest, face->normals, face->form);
 	for (int c = 0; c < 3; c++) {
 		int a = (c + 1) % 3, b = (c + 2) % 3;
 		const float *p = face->rest[0], *q = face->rest[1], *r = face->rest[2];
@@ -123,6 +125,7 @@ void anchors_draw(const encre_raster_job *job, const anchor_face *face, const co
 	out[ANCHOR_PIXEL] = (float)pixel;
 	draw_growth(face, right, pixel, out + ANCHOR_RIGHT);
 	draw_growth(face, down, pixel, out + ANCHOR_DOWN);
+	memcpy(out + ANCHOR_FORM, face->form, sizeof face->form);
 	bool finite = out[ANCHOR_PIXEL] > 0;
 	for (int c = 0; c < ANCHOR_COUNT; c++)
 		finite = finite && isfinite(out[c]);

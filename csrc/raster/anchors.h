@@ -12,6 +12,7 @@ typedef struct anchor_face {
 	float rest[3][3];
 	const float *normals; /* at the corners; NULL = flat */
 	float flat[3];        /* of any length */
+	float form[3];
 } anchor_face;
 
 /* Fills `span` of all parts. */

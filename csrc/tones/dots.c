@@ -39,6 +39,11 @@ static float mean_ink(float pitch, float soft, float h0, float h1, float radius)
 	return sum / (SAMPLES * SAMPLES);
 }
 
+float ISA(tone_true_radius)(float r)
+{
+	return true_radius(r);
+}
+
 /* The darkness whose even steps a table has: fine at both ends, where ink grows as the square of a radius, and its gaps
  * as that of what they lack. */
 static inline float even(float dark)
@@ -65,10 +70,10 @@ static void fill_radii(tone_screen *s, int b0, int b1)
 	}
 }
 
-tone_screen *ISA(tone_screen_fill)(tone_screen *s, float pitch, float hardness, bool dots)
+tone_screen *ISA(tone_screen_fill)(tone_screen *s, float pitch, float hardness, bool crisp, bool dots)
 {
 	s->pitch = pitch > 2 ? pitch : 2;
-	s->soft = 1 + (1 - hardness) * 0.5f * s->pitch;
+	s->soft = crisp ? 0.002f : 1 + (1 - hardness) * 0.5f * s->pitch;
 	for (int b0 = 0; b0 < TONE_BIRTHS && dots; b0++)
 		for (int b1 = 0; b1 <= b0; b1++)
 			fill_radii(s, b0, b1);
@@ -95,19 +100,10 @@ static float radius_at(const tone_screen *s, float h0, float h1, float dark)
 	return mix(low, high, a);
 }
 
-/* What the dots about a chunk's pixels are like. */
-typedef struct lattice {
-	float at[2][TONE_CHUNK];                        /* in dots that are full-grown */
-	float across[2][TONE_CHUNK], up[2][TONE_CHUNK]; /* on the screen, from a dot to the next along each axis */
-	float root[2][TONE_CHUNK];                      /* of how grown those between are */
-	float radius[TONE_CHUNK];
-	float flat[TONE_CHUNK]; /* 1: seen on its edge, it shows no dots */
-} lattice;
-
-static void fill_lattice(const tone_screen *s, int n, const tone_field field[2], lattice *l)
+void ISA(tone_lattice_fill)(float pitch, int n, const tone_field field[2], tone_lattice *l)
 {
 	const float *a = field[0].right, *b = field[0].down, *c = field[1].right, *d = field[1].down;
-	float per = 1 / s->pitch;
+	float per = 1 / pitch;
 	for (int i = 0; i < n; i++) {
 		float cross = a[i] * d[i] - b[i] * c[i], area = fabsf(cross);
 		float sides = (a[i] * a[i] + b[i] * b[i]) * (c[i] * c[i] + d[i] * d[i]);
@@ -124,13 +120,15 @@ static void fill_lattice(const tone_screen *s, int n, const tone_field field[2],
 		l->up[0][i] = y0 / m0;
 		l->across[1][i] = x1 / m1;
 		l->up[1][i] = y1 / m1;
-		l->root[0][i] = sqrtf(grown0 - 1);
-		l->root[1][i] = sqrtf(grown1 - 1);
+		l->grown[0][i] = grown0 - 1;
+		l->grown[1][i] = grown1 - 1;
+		l->scale[0][i] = m0;
+		l->scale[1][i] = m1;
 	}
 }
 
 /* The squared distance of the nearest of the four dots about a pixel that are off by these parts of a step. */
-static inline float nearest(const lattice *l, int i, float off0, float off1)
+static inline float nearest(const tone_lattice *l, int i, float off0, float off1)
 {
 	float f0 = l->at[0][i] - off0, f1 = l->at[1][i] - off1, best = 1e30f;
 	f0 -= floorf(f0);
@@ -146,13 +144,16 @@ static inline float nearest(const lattice *l, int i, float off0, float off1)
 void ISA(tone_dots)(const tone_screen *s, int n, const tone_field field[2], const float *restrict dark,
 		    float *restrict ink)
 {
-	lattice l;
-	float soft = s->soft, share = 1 / soft;
-	fill_lattice(s, n, field, &l);
+	tone_lattice l;
+	float root[2][TONE_CHUNK], radius[TONE_CHUNK], soft = s->soft, share = 1 / soft;
+	ISA(tone_lattice_fill)(s->pitch, n, field, &l);
+	for (int k = 0; k < 2; k++)
+		for (int i = 0; i < n; i++)
+			root[k][i] = sqrtf(l.grown[k][i]);
 	for (int i = 0; i < n; i++)
-		l.radius[i] = radius_at(s, l.root[0][i], l.root[1][i], dark[i]);
+		radius[i] = radius_at(s, root[0][i], root[1][i], dark[i]);
 	for (int i = 0; i < n; i++) {
-		float h0 = l.root[0][i], h1 = l.root[1][i], r = l.radius[i];
+		float h0 = root[0][i], h1 = root[1][i], r = radius[i];
 		float most = disc(r, sqrtf(nearest(&l, i, 0, 0)), soft, share);
 		most = max(most, disc(r * h0, sqrtf(nearest(&l, i, 0.5f, 0)), soft, share));
 		most = max(most, disc(r * h1, sqrtf(nearest(&l, i, 0, 0.5f)), soft, share));

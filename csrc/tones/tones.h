@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Screens: a darkness in 0..1 becomes ink whose mean is that, in dots or lines of a fixed size on the screen. */
+/* What the files of tones have of each other. A darkness in 0..1 becomes ink whose mean is that, in dots, lines or
+ * strokes of a fixed size on the screen. */
 #ifndef ENCRE_TONES_H
 #define ENCRE_TONES_H
 
 #include "base/stage.h"
 
-enum { TONE_CHUNK = 256, TONE_BIRTHS = 11, TONE_STEPS = 33, TONE_SLOTS = 4 };
+enum { TONE_CHUNK = 256, TONE_BIRTHS = 11, TONE_STEPS = 33, TONE_SLOTS = 4, TONE_LAYERS = 3 /* of strokes */ };
 
 /* A coordinate in which a screen repeats itself, at the pixels of a chunk, and its growth per pixel. */
 typedef struct tone_field {
@@ -15,13 +16,71 @@ typedef struct tone_field {
 /* One look of dots or lines. */
 typedef struct tone_screen {
 	float pitch; /* pixels, at least 2 */
-	float soft;  /* pixels over which edges fade, at least 1 */
+	float soft;  /* pixels over which edges fade, at least 1; next to nothing of crisp ones */
 	/* radius of full-grown dots in pixels, by the square roots of how grown those between are, along one axis and
 	   the other, and by even() of the darkness */
 	float radius[TONE_BIRTHS][TONE_BIRTHS][TONE_STEPS];
 } tone_screen;
 
-tone_screen *ISA(tone_screen_fill)(tone_screen *screen, float pitch, float hardness, bool dots);
+/* A style's tone of a level. */
+typedef struct tone_slot {
+	int kind, space;
+	bool crisp;
+	float pitch, gradient, across[2]; /* pixels; cosine and sine of the angle */
+	const float *color;
+	int like; /* the first slot that looks the same, perhaps this one: ink that is the same grows from one to the
+		     next */
+	const tone_screen *screen; /* of the first that looks the same */
+} tone_slot;
+
+typedef struct tone_style {
+	tone_slot slot[TONE_SLOTS];
+	tone_screen screen[TONE_SLOTS];
+} tone_style;
+
+/* What there is to draw in a chunk: of each slot its share of the pixel and its darkness there. */
+typedef struct tone_wanted {
+	float share[TONE_SLOTS][TONE_CHUNK], dark[TONE_SLOTS][TONE_CHUNK];
+	bool any[TONE_SLOTS];
+} tone_wanted;
+
+/* Points at the whole numbers of two fields, so many to the unit along each that they are a pitch or up to two apart.
+ */
+typedef struct tone_lattice {
+	float at[2][TONE_CHUNK];                        /* in points that are full-grown */
+	float across[2][TONE_CHUNK], up[2][TONE_CHUNK]; /* on the screen, from a point to the next along each axis */
+	float grown[2][TONE_CHUNK];                     /* how far those half-way between are, 0..1 */
+	float scale[2][TONE_CHUNK];                     /* full-grown ones to the unit, a power of 2 */
+	float flat[TONE_CHUNK];                         /* 1: seen on its edge, it shows none */
+} tone_lattice;
+
+typedef struct tone_marks tone_marks; /* strokes.h */
+
+/* What the stage has of a frame. */
+typedef struct tone_frame {
+	tone_style *styles;
+	tone_marks *marks;
+} tone_frame;
+
+/* tones.c: the coordinates of a slot's dots, spots and strokes. */
+void ISA(tone_chart)(const frame *f, const tone_slot *s, int y, int x, int n, tone_field chart[2]);
+
+/* dark.c */
+void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w);
+
+/* fields.c: of n pixels from x on in row y. A field of the picture along (right, down), in pixels of the full frame; of
+ * the thing, its place along a direction in the space in which it rests; the two axes of the thing that its normal is
+ * farthest from, turned; and how well planes across a direction cut the surface, 0..1: not where they graze it. */
+void ISA(tone_screen_field)(const frame *f, int y, int x, int n, float right, float down, tone_field *field);
+void ISA(tone_surface_field)(const float *restrict anchor, int n, const float along[3], tone_field *field);
+void ISA(tone_surface_chart)(const float *restrict anchor, int n, float cosine, float sine, tone_field field[2]);
+void ISA(tone_cut)(const float *restrict anchor, int n, const float along[3], float *restrict cut);
+
+/* dots.c, ruled.c */
+/* The radius that is drawn for a disc of radius r, in pixels, so that small ones are not too dark. */
+float ISA(tone_true_radius)(float r);
+tone_screen *ISA(tone_screen_fill)(tone_screen *screen, float pitch, float hardness, bool crisp, bool dots);
+void ISA(tone_lattice_fill)(float pitch, int n, const tone_field field[2], tone_lattice *l);
 void ISA(tone_dots)(const tone_screen *screen, int n, const tone_field field[2], const float *restrict dark,
 		    float *restrict ink);
 void ISA(tone_lines)(const tone_screen *screen, int n, const tone_field *field, const float *restrict dark,

@@ -4,6 +4,10 @@ STAGE(tones, "Tones", "Dots, lines or ink that fill the levels of light")
 SWITCH(use_tones, SURFACE, 0, "", "Tones", "Fill the levels of light with dots, lines or ink")
 FLOAT(tone_darkness, SURFACE, 0, -1, 1, -1, 1, "", "use_tones", "Darkness", "Added to how dark a level is, which is 1 less its intensity")
 FLOAT(tone_hardness, SURFACE, 1, 0, 1, 0, 1, "factor", "use_tones", "Hardness", "1: dots and lines have an edge; 0: they fade over half their distance")
+BOOL(tone_crisp, SURFACE, 0, "use_tones", "Crisp", "Ink or none at every pixel, without grey edges, and dots and lines of the screen at whole pixels: for print at 600 dots an inch and more")
+ENUM(tone_pitch_unit, FRAME, 0, "use_tones", "Pitch Unit", "What pitches are measured in",
+     ITEM(tone_pitch_unit, LENGTH, 0, "Length", "As other lengths, from dot to dot")
+     ITEM(tone_pitch_unit, LPI, 1, "Lines an Inch", "Dots or lines to the inch of the printed page"))
 /* One tone for each level of light, the darkest first; the last is that of all brighter levels. tone_<n> is what it is,
  * tone_<n>_... how it looks. TONE_SLOTS (tones.h) counts them. */
 #define TONE(n, value, whose) \
@@ -13,14 +17,16 @@ ENUM(tone_##n, SURFACE, value, "use_tones", "Tone " #n, "What fills " whose, \
      ITEM(tone_##n, DOTS, 2, "Dots", "Dots whose share of the surface is the level's darkness") \
      ITEM(tone_##n, LINES, 3, "Lines", "Parallel lines, as wide as the darkness wants") \
      ITEM(tone_##n, CROSS, 4, "Cross-Lines", "Lines in two directions") \
-     ITEM(tone_##n, GRAIN, 5, "Grain", "Pencil rubbed over the paper, as in Hatching")) \
-FLOAT(tone_##n##_pitch, SURFACE, 8, 1, 1000, 4, 40, "px", "use_tones&tone_" #n "=DOTS|LINES|CROSS", "Pitch " #n, "From dot to dot or line to line, at least two pixels of the picture") \
-FLOAT(tone_##n##_angle, SURFACE, 45, -180, 180, 0, 90, "degrees", "use_tones&tone_" #n "=DOTS|LINES|CROSS", "Angle " #n, "By which rows of dots, and lines, are turned") \
-ENUM(tone_##n##_space, SURFACE, 0, "use_tones&tone_" #n "=DOTS|LINES|CROSS", "Space " #n, "What dots and lines keep to", \
+     ITEM(tone_##n, GRAIN, 5, "Grain", "Pencil rubbed over the paper, as in Hatching") \
+     ITEM(tone_##n, HATCH, 6, "Hatching", "Strokes along the form, in layers across each other as it gets darker") \
+     ITEM(tone_##n, STIPPLE, 7, "Stipple", "Spots set by hand, the more the darker")) \
+FLOAT(tone_##n##_pitch, SURFACE, 8, 0.02, 1000, 4, 40, "px", "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE", "Pitch " #n, "From dot to dot or line to line, about, at least two pixels of the picture") \
+FLOAT(tone_##n##_angle, SURFACE, 45, -180, 180, 0, 90, "degrees", "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE", "Angle " #n, "By which rows of dots, lines and strokes are turned") \
+ENUM(tone_##n##_space, SURFACE, 0, "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE", "Space " #n, "What dots, lines and strokes keep to", \
      ITEM(tone_##n##_space, SCREEN, 0, "Screen", "The picture, as printed: for stills") \
      ITEM(tone_##n##_space, SURFACE, 1, "Surface", "The things: they move with them, and have the same size at any distance")) \
-FLOAT(tone_##n##_gradient, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones&tone_" #n "=DOTS|LINES|CROSS|GRAIN", "Gradient " #n, "How far the tone gets brighter within its level, up to what the next level has") \
-COLOR(tone_##n##_color, SURFACE, 0, 0, 0, "use_tones&tone_" #n "=SOLID|DOTS|LINES|CROSS|GRAIN", "Color " #n, "Colour of its ink")
+FLOAT(tone_##n##_gradient, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones&tone_" #n "=DOTS|LINES|CROSS|GRAIN|HATCH|STIPPLE", "Gradient " #n, "How far the tone gets brighter within its level, up to what the next level has") \
+COLOR(tone_##n##_color, SURFACE, 0, 0, 0, "use_tones&tone_" #n "=SOLID|DOTS|LINES|CROSS|GRAIN|HATCH|STIPPLE", "Color " #n, "Colour of its ink")
 TONE(1, 2, "the darkest level of light")
 TONE(2, 2, "the second level of light")
 TONE(3, 0, "the third level of light")

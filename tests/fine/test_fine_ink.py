@@ -88,7 +88,7 @@ def test_pressure_swells_a_line_by_the_noise_where_it_runs():
     at = np.stack([np.full(height, 20.0), np.arange(height) + 0.5, np.zeros(height)], -1)
     noise = hand.solid(at, np.full(height, 60.0), hand.PRESSURE)[4:-4]
     assert np.abs(ink - 6 * np.clip(1 + 0.4 * noise, 0.12, 3)).max() < 0.15
-    anchor = np.full((height, width, 13), 0.02, np.float32)
+    anchor = np.full((height, width, 16), 0.02, np.float32)
     anchor[..., :3] = (np.indices((height, width)).sum(0) * 0.02)[..., None]
     stuck = library.render({**layers, "anchor": anchor}, scene, outputs=("Encre Lines",)).images["Encre Lines"]
     front = np.repeat((19 + np.arange(height)) * 0.02, 3).reshape(-1, 3)[4:-4]  # of two as near, the left one
@@ -130,7 +130,7 @@ def drawn_edge(zoom, shift, **pen):
     height, width = 900, 32
     rest = ((np.arange(height) - height / 2 + shift) / zoom).astype(np.float32)
     flat = np.ones((height, width, 3), np.float32)
-    place = np.zeros((height, width, 13), np.float32)
+    place = np.zeros((height, width, 16), np.float32)
     place[..., 2], place[..., 6] = rest[:, None], 1 / zoom
     layers = {"combined": np.ones((height, width, 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
               "depth": 5 * flat[..., :1], "object": np.repeat(np.arange(width) > 15, 1).astype(np.float32)

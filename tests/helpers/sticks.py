@@ -103,6 +103,8 @@ SCREENS = {
     "dots": {**RAMP, **tone("DOTS", space="SURFACE", pitch=7.0)},
     "lines": {**RAMP, **tone("LINES", space="SURFACE", pitch=7.0, angle=0.0)},
     "cross-lines": {**RAMP, **tone("CROSS", space="SURFACE", pitch=7.0, angle=0.0)},
+    "hatching": {**RAMP, **tone("HATCH", space="SURFACE", pitch=7.0, angle=0.0)},
+    "stipple": {**RAMP, **tone("STIPPLE", space="SURFACE", pitch=7.0)},
     "dots on the screen": {**RAMP, **tone("DOTS", pitch=7.0)},
 }
 MOTIONS = {"pan": [dict(pan=0.0115 * 5.3 * k / 2) for k in range(6)],

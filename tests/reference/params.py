@@ -49,7 +49,8 @@ DEFAULTS = {
     "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
     "paper_seed": 0,
     # tones
-    "use_tones": False, "tone_darkness": 0.0, "tone_hardness": 1.0,
+    "use_tones": False, "tone_darkness": 0.0, "tone_hardness": 1.0, "tone_crisp": False, "tone_pitch_unit": "LENGTH",
+    "page_height": 257.0,
     **{f"tone_{n}": kind for n, kind in enumerate(("DOTS", "DOTS", "NONE", "NONE"), 1)},
     **{f"tone_{n}_{id_}": value for n in range(1, 5) for id_, value in
        dict(pitch=8.0, angle=45.0, space="SCREEN", gradient=0.0, color=(0.0, 0.0, 0.0)).items()},
@@ -105,4 +106,6 @@ class Params:
 
     def pixels(self, full_height):
         """Pixels in one unit of length."""
-        return full_height / 1080.0 if self["length_unit"] == "RELATIVE" else float(self["supersample"])
+        if self["length_unit"] == "PIXELS":
+            return float(self["supersample"])
+        return full_height / (self["page_height"] if self["length_unit"] == "MM" else 1080.0)

@@ -56,7 +56,7 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
     out = SimpleNamespace(depth=np.full((height, width), NOTHING), normal=np.zeros((height, width, 3)),
                           shading=np.zeros((height, width, 3)),
                           object=np.zeros((height, width)), material=np.zeros((height, width)),
-                          style=np.zeros((height, width)), anchor=np.zeros((height, width, 13)),
+                          style=np.zeros((height, width)), anchor=np.zeros((height, width, 16)),
                           attributes=np.zeros((height, width, channels)),
                           unsure=np.zeros((height, width), bool), front=np.full((height, width, 2), -1))
     nearest = np.full((height, width), np.inf)
@@ -137,7 +137,7 @@ def _area(triangles):
 
 
 def _anchor(mesh, t, corner, share, growth, w, projection, frame):
-    """The layer `anchor` (n, 13) at places on triangle t, of points `corner`; w: clip space's."""
+    """The layer `anchor` (n, 16) at places on triangle t, of points `corner`; w: clip space's."""
     points = np.asarray(mesh.points, np.float32).astype(float)
     faces = points[np.arange(len(points)).reshape(-1, 3) if mesh.corners is None else mesh.corners]
     rest = faces if mesh.rest is None else np.asarray(mesh.rest, float)
@@ -153,4 +153,25 @@ def _anchor(mesh, t, corner, share, growth, w, projection, frame):
     length = [np.linalg.norm(each, axis=1) for each in grown]
     grown = [each * np.minimum(1, 64 * pixel / np.maximum(n, 1e-300))[:, None]
              for each, n in zip(grown, length, strict=True)]
-    return np.concatenate([share @ rest[t], normal, pixel[:, None], *grown], 1)
+    form = np.broadcast_to(_form(rest[t], mesh.rest_normals if mesh.rest_normals is None else mesh.rest_normals[t]),
+                           normal.shape)
+    return np.concatenate([share @ rest[t], normal, pixel[:, None], *grown, form], 1)
+
+
+def _form(rest, normals):
+    """Where a triangle bends most, as long as it bends that way alone: from the linear map of its plane that takes
+    edges to the differences of the corners' normals, made symmetric."""
+    edges = rest[1:] - rest[0]
+    up = np.cross(*edges)
+    area = np.linalg.norm(up)
+    if normals is None or not area > 1e-12 * (edges[0] ** 2).sum():
+        return np.zeros(3)
+    normals = normals.astype(float)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    basis = np.linalg.svd(edges)[2][:2]
+    bend = np.linalg.solve(edges @ basis.T, (normals[1:] - normals[0]) @ basis.T)
+    values, ways = np.linalg.eigh((bend + bend.T) / 2)
+    small, large = sorted(np.abs(values))
+    most = np.argmax(np.abs(values))
+    sure = np.clip(((small + large) * np.sqrt(area) - 2e-4) / 8e-4, 0, 1)
+    return ways[:, most] @ basis * (large - small) / max(large + small, 1e-300) * sure

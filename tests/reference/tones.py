@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import hatch
+from . import hatch, scatter
 from .metric import clamp01, mix, value
 from .shade import other, painted
 
@@ -61,8 +61,10 @@ def looked_up(table, h0, h1, dark):
     return out
 
 
-def dots(fields, dark, pitch, soft):
-    """fields: (value, growth to the right, down) of two coordinates."""
+def lattice(fields, pitch):
+    """Of points that are a pitch or up to two apart: (place in whole ones, these to the unit, how far those half-way
+    between are grown, steps on the screen from one to the next) for both fields, (value, growth to the right, down);
+    and where none show, as they are seen on their edge."""
     (u0, a, b), (u1, c, d) = fields
     cross = a * d - b * c
     flat = ~(cross**2 > 1e-6 * (a * a + b * b) * (c * c + d * d))
@@ -70,12 +72,14 @@ def dots(fields, dark, pitch, soft):
     steps = np.stack([d / cross, -c / cross]), np.stack([-b / cross, a / cross])  # on the screen, of a unit of each
     along = [np.maximum(np.hypot(*s), 1e-30) for s in steps]
     shear = np.sqrt(np.clip(np.abs(1 / cross) / (along[0] * along[1]), 0.05, 1))
-    at, root, step = [], [], []
-    for u, length, s in zip((u0, u1), along, steps, strict=True):
-        scale, grown = octave(length * shear / pitch)
-        at.append(u * scale)
-        root.append(np.sqrt(np.maximum(grown - 1, 0)))
-        step.append(s / scale)
+    scale, grown = zip(*(octave(length * shear / pitch) for length in along), strict=True)
+    return ([u * m for u, m in zip((u0, u1), scale, strict=True)], scale, [np.maximum(g - 1, 0) for g in grown],
+            [s / m for s, m in zip(steps, scale, strict=True)], flat)
+
+
+def dots(fields, dark, pitch, soft):
+    at, _, grown, step, flat = lattice(fields, pitch)
+    root = [np.sqrt(g) for g in grown]
     r = looked_up(radii(pitch, soft), root[0], root[1], dark)
     ink = np.zeros(dark.shape)
     for half0 in (0, 0.5):
@@ -142,15 +146,23 @@ def _dark(layers, levels, of, look):
     return clamp01(share), clamp01(np.where(share > 0, total / np.maximum(share, 1e-30), 0))
 
 
-def _ink(layers, of, look, dark, scale, paper):
+def _ink(layers, of, look, dark, scale, paper, own):
     kind, pitch, angle, space = look[:4]
-    pitch = max(2.0, pitch * scale)
-    soft = 1 + (1 - of("tone_hardness")) * pitch / 2
+    counted = of("tone_pitch_unit") == "LPI"
+    pitch = 25.4 * layers.full_height / (of("page_height") * pitch) if counted else pitch * scale
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    if of("tone_crisp") and space == "SCREEN" and kind in ("DOTS", "LINES", "CROSS"):  # whole pixels
+        whole = np.round(pitch * c), np.round(pitch * s)
+        pitch = np.hypot(*whole)
+        c, s = whole[0] / pitch, whole[1] / pitch
+    pitch = max(2.0, pitch)
+    soft = 0.002 if of("tone_crisp") else 1 + (1 - of("tone_hardness")) * pitch / 2
     height, width = dark.shape
     anchor = layers.anchor if space == "SURFACE" else None
 
     def screen(right, down):
+        each = {"HATCH": max(pitch, 3), "STIPPLE": max(pitch / 2, 3)}.get(kind, pitch)
+        right, down = right / each, down / each
         y, x = np.mgrid[:height, :width]
         return right * (x + layers.x + 0.5) + down * (y + layers.y + 0.5), right + 0 * x, down + 0 * x
 
@@ -161,21 +173,30 @@ def _ink(layers, of, look, dark, scale, paper):
         return (dark > 0).astype(float)
     if kind == "GRAIN":
         return hatch.cover(layers, of, 1 - dark, paper)
-    if kind == "DOTS" and anchor is None:
-        return dots((screen(c, -s), screen(s, c)), dark, pitch, soft)
-    if kind == "DOTS":
+
+    def chart(c, s):
+        if anchor is None:
+            return screen(c, -s), screen(s, c)
         normal = np.abs(anchor[..., 3:6])
         axis = np.argmax(normal, -1)  # of equal ones the first
         first, second = np.where(axis == 0, 1, 0), np.where(axis == 2, 1, 2)
 
-        def chart(one, two):
+        def turned(one, two):
             def along(k):
                 return (one * np.take_along_axis(anchor, (k + first)[..., None], 2)
                         + two * np.take_along_axis(anchor, (k + second)[..., None], 2))[..., 0]
             return along(0), along(7), along(10)
 
-        ink = dots((chart(c, s), chart(-s, c)), dark, pitch, soft)
-        return np.where(anchor[..., 6] > 0, ink, dark)
+        return turned(c, s), turned(-s, c)
+
+    if kind in ("DOTS", "HATCH", "STIPPLE"):
+        if kind == "DOTS":
+            ink = dots(chart(c, s), dark, pitch, soft)
+        else:
+            turn = np.radians(angle) + (np.arctan2(0.3511234, 0.9363292) if kind == "HATCH" else 0)
+            ink = scatter.Drawing(layers, kind, pitch, np.radians(angle), anchor, chart(np.cos(turn), np.sin(turn)),
+                                  dark, lattice, of("tone_crisp")).draw(own)
+        return ink if anchor is None else np.where(anchor[..., 6] > 0, ink, dark)
     first = 1 - np.sqrt(1 - dark) if kind == "CROSS" else dark
     if anchor is None:
         ink = lines(screen(s, c), first, pitch, soft)
@@ -206,7 +227,8 @@ def fill(layers, params, surface, paper):
             share, dark = _dark(layers, of("shade_levels"), of, look)
             if not (dark > 0).any():
                 continue
-            t = np.where(own, _ink(layers, of, look, dark, scale, paper) * share, 0)[..., None]
+            t = np.where(own, _ink(layers, of, look, dark, scale, paper, own) * share, 0)[..., None]
+            t = np.where(t >= 0.5, 1.0, 0.0) if of("tone_crisp") else t
             alpha = surface[..., 3:]
             drawn[..., :3] = mix(drawn[..., :3], np.array(look[4]) * alpha, t)
             ink = np.concatenate([np.array(look[4]) * alpha, alpha], -1)

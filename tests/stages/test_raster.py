@@ -30,6 +30,10 @@ def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=
     np.testing.assert_allclose(got["anchor"][..., span], want["anchor"][..., span], rtol=1e-5)
     np.testing.assert_allclose((got["anchor"] / unit)[sure][:, growth], (want["anchor"] / unit)[sure][:, growth],
                                rtol=2e-3, atol=1e-3)
+    for name in (got, want):  # either way along it
+        form = name["anchor"][sure][:, 13:].astype(float)
+        name["bends"] = form[:, :, None] * form[:, None, :]
+    np.testing.assert_allclose(got.pop("bends"), want["bends"], atol=1e-3)
     np.testing.assert_allclose(got["attributes"][sure], want["attributes"][sure], atol=1e-5)
     return got
 

@@ -6,6 +6,7 @@ import pytest
 import sticks
 from encre.pen import library
 from encre.pen.job import Frame
+from encre.pen.settings import Settings
 from reference import render as reference
 
 CONTROLS = len(library.controls())
@@ -52,6 +53,44 @@ def test_twin(kind, space):
     assert got["Encre Tones"][..., 3].std() > 0.05
 
 
+@pytest.mark.parametrize("kind", ["SOLID", "DOTS", "CROSS"])
+def test_twin_in_ink_or_none_by_lines_an_inch(kind):
+    layers = stuck(120, 80)
+    scene = dict(ALONE, shade_levels=LEVELS, tone_crisp=True, tone_pitch_unit="LPI", length_unit="MM",
+                 page_height=40.0, **sticks.tone(kind, pitch=15.0, angle=30.0))
+    got, want = (images["Encre Tones"][..., 3] / layers["combined"][..., 3] for images in
+                 (library.render(layers, scene, outputs=["Encre Tones"]).images, reference(layers, scene)))
+    assert np.abs(got - np.round(got)).max() < 1e-6 and 0.1 < got.mean() < 0.9
+    assert (np.abs(got - want) > 0.5).mean() < 0.01
+
+
+@pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
+def test_crisp_screens_repeat_themselves_by_whole_pixels(kind):
+    """(7, 5) pixels on, and as far across, the same: no moire; and the ink is what was asked for, by whole pixels."""
+    look = dict(tone_1=kind, tone_crisp=True, tone_1_pitch=74**0.5, tone_1_angle=np.degrees(np.arctan2(5, 7)))
+    for dark in (0.2, 0.5, 0.8):
+        ink = flat(dark, (222, 222), **look)
+        assert set(np.unique(ink)) == {0, 1} and abs(ink.mean() - dark) < 0.08
+        assert np.array_equal(ink[7:, 5:], ink[:-7, :-5]) or np.array_equal(ink[5:, 7:], ink[:-5, :-7])
+
+
+@pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
+@pytest.mark.parametrize("space", ["SCREEN", "SURFACE"])
+def test_twin_of_strokes(kind, space):
+    """With one style: what a stroke of one meets in another's pixels is not told twice."""
+    layers = stuck(90, 60)
+    layers["diffuse"] = np.ascontiguousarray(np.broadcast_to(np.linspace(0, 1.2, 90, dtype=np.float32)[None, :, None],
+                                                             layers["color"].shape))
+    layers["combined"][..., :3] = layers["color"] * layers["diffuse"]
+    del layers["controls"], layers["style"]
+    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone(kind, space=space, pitch=8.3, angle=20.0))
+    got = library.render(layers, scene, outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
+    want = reference(layers, scene, frame=None)["Encre Tones"][..., 3]
+    off = np.abs(got - want)
+    assert (off > 0.02).mean() < 0.015 and off.mean() < 0.002, ((off > 0.02).mean(), off.mean())
+    assert got.std() > 0.2
+
+
 def test_without_an_anchor_the_screen_is_kept_to():
     layers = stuck(60, 40)
     del layers["anchor"]
@@ -75,6 +114,23 @@ def test_threads_instructions_and_borders_change_nothing(space):
             assert picture.tobytes() == whole[name].tobytes(), (name, how)
     part = drawn(np.s_[20:50, 33:90], Frame(97, 61, 33, 20))
     assert all(np.array_equal(part[name], whole[name][20:50, 33:90]) for name in whole)
+
+
+def test_strokes_lie_alike_in_every_band_and_part():
+    """A part of the frame has those that reach it, if as much around it is there as a stroke is long."""
+    layers = {name: a for name, a in stuck(160, 120).items() if name not in ("style", "controls")}
+    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="SURFACE", pitch=6.0))
+
+    def drawn(part=np.s_[:, :], frame=None, **how):
+        return library.render({name: a[part] for name, a in layers.items()}, scene, frame=frame,
+                              outputs=["Encre Tones"], **how).images["Encre Tones"]
+
+    whole = drawn(threads=1)
+    for how in (dict(threads=5), dict(simd=0)):
+        assert drawn(**how).tobytes() == whole.tobytes(), how
+    ring = Settings(scene).reach(120)
+    part = drawn(np.s_[20:, 10:150], Frame(160, 120, 10, 20))
+    assert ring < 60 and np.array_equal(part[ring:, ring:-ring], whole[20 + ring:, 10 + ring:150 - ring])
 
 
 def flat(dark, size=(444, 444), anchor=None, **scene):
@@ -107,13 +163,13 @@ def test_ink_on_surfaces_is_what_was_asked_for_at_any_distance(kind):
     size = 300, 300
     y, x = np.mgrid[:size[0], :size[1]]
     for k in range(5):
-        anchor = np.zeros((*size, 13), np.float32)
+        anchor = np.zeros((*size, 16), np.float32)
         right, down = np.array((0.01, 0.002, 0)) * 2 ** (k / 5), np.array((-0.001, 0.017, 0.0)) * 2 ** (k / 5)
         anchor[..., :3] = x[..., None] * right + y[..., None] * down
         anchor[..., 3:7] = 0, 0, 1, 0.01
-        anchor[..., 7:10], anchor[..., 10:] = right, down
+        anchor[..., 7:10], anchor[..., 10:13] = right, down
         if kind != "DOTS":  # a wall: planes across the up axis cut it
-            anchor = anchor[..., (2, 0, 1, 5, 3, 4, 6, 9, 7, 8, 12, 10, 11)].copy()
+            anchor = anchor[..., (2, 0, 1, 5, 3, 4, 6, 9, 7, 8, 12, 10, 11, 13, 14, 15)].copy()
         for dark in RAMP:
             ink = flat(dark, size, anchor, tone_1=kind, tone_1_space="SURFACE", tone_1_angle=20.0)
             # dark dots whose rows are not at right angles overlap less than the table thinks
@@ -127,14 +183,23 @@ def test_an_octave_ends_as_the_next_begins(kind):
     y, x = np.mgrid[:size[0], :size[1]]
     drawn = []
     for pixel in (2**-7 * (1 - 1e-5), 2**-7 * (1 + 1e-5)):
-        anchor = np.zeros((*size, 13), np.float32)
+        anchor = np.zeros((*size, 16), np.float32)
         anchor[..., 1], anchor[..., 2] = x * pixel, y * pixel
         anchor[..., 3], anchor[..., 6], anchor[..., 8], anchor[..., 12] = 1, pixel, pixel, pixel
         drawn.append(flat(0.4, size, anchor, tone_1=kind, tone_1_space="SURFACE", tone_1_pitch=8.0, tone_1_angle=0.0))
     assert drawn[0].std() > 0.2 and np.abs(drawn[0] - drawn[1]).max() < 0.1
 
 
+@pytest.mark.parametrize("kind, off", [("HATCH", 0.025), ("STIPPLE", 0.045)])
+def test_ink_of_strokes_is_what_was_asked_for(kind, off):
+    for look in (dict(tone_1_pitch=4.0), dict(tone_1_pitch=8.0, tone_1_angle=0.0)):
+        for dark in RAMP:
+            ink = flat(dark, tone_1=kind, **look)[70:-70, 70:-70]
+            assert abs(ink.mean() - dark) < off, (look, dark, ink.mean())
+
+
 @pytest.mark.parametrize("name, motion, corr, pop", [
+    ("hatching", "pan", 0.97, 0.004), ("hatching", "zoom", 0.88, 0.006), ("stipple", "turn", 0.97, 0.004),
     ("dots", "pan", 0.985, 0.002), ("dots", "zoom", 0.93, 0.003), ("dots", "turn", 0.97, 0.003),
     ("lines", "pan", 0.995, 0.001), ("lines", "zoom", 0.95, 0.001), ("lines", "turn", 0.97, 0.001)])
 def test_tones_stick_to_what_moves(name, motion, corr, pop):

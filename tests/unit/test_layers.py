@@ -340,9 +340,9 @@ def test_rest_positions_go_on_evenly_where_a_pixel_shows_what_its_neighbour_does
     index[2, 1:5] = 7
     drawn = index.copy()
     drawn[2, 4] = 0  # Cycles shows it here, the rasteriser does not
-    anchor = np.zeros((5, 6, 13), np.float32)
-    anchor[2, 1:4] = np.arange(3)[:, None] * np.eye(13, dtype=np.float32)[0] * 0.5
-    anchor[2, 1:4, 6:] = (0.5, 0.5, 0, 0, 0, 0.5, 0)
+    anchor = np.zeros((5, 6, 16), np.float32)
+    anchor[2, 1:4] = np.arange(3)[:, None] * np.eye(16, dtype=np.float32)[0] * 0.5
+    anchor[2, 1:4, 6:] = (0.5, 0.5, 0, 0, 0, 0.5, 0, 0, 0, 0)
     maps = {"object": drawn, "material": 0 * drawn, "style": 0 * drawn, "anchor": anchor}
     owners = np.arange(8.0)
     made = overlay.rasterised(index, maps, owners, owners, np.negative)["anchor"]
@@ -374,10 +374,10 @@ def test_what_no_mesh_tells_of_sticks_to_the_world(orthographic):
 
 
 def test_of_a_larger_anchor_one_sample_stays_and_what_is_told_per_pixel_grows():
-    anchor = np.random.default_rng(2).uniform(0.1, 1, (6, 9, 13)).astype(np.float32)
+    anchor = np.random.default_rng(2).uniform(0.1, 1, (6, 9, 16)).astype(np.float32)
     made = np.concatenate([supersample.shrink(name, anchor[..., at], 3) for name, at in saved.ANCHOR.items()], 2)
     want = anchor[1::3, 1::3].copy()
-    want[..., 6:] *= 3
+    want[..., 6:13] *= 3
     np.testing.assert_array_equal(made, want)
 
 

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Strokes along the form and spots, one by one: places on a lattice, shifted, and ink drawn from there."""
+
+import numpy as np
+
+from .metric import clamp01, mix
+
+LENGTH, JITTER, FULL, STRAY = 5.0, 0.6, np.log(2), 0.1
+BESIDE = 0, 0.381966, 0.763932
+TURNED = 0, np.radians(45), np.radians(-60)
+AXES = np.array([(0.148, 0.0986, 0.984), (0.148, 0.984, 0.0986)])
+RANKS = 3242174889, 2447445413
+WORD = 0xffffffff
+
+
+def stir(h, k):
+    h = (h ^ k & WORD) * 2654435761 & WORD
+    h = (h ^ h >> 15) * 2246822519 & WORD
+    return h ^ h >> 13
+
+
+def share(h):
+    return (h >> 8) / 2**24
+
+
+def area(cover, spots):
+    """Of marks that cover so much: from a lattice, though shifted, they cover each other less than thrown at random."""
+    y = -np.log(max(1 - cover, 1 / 1024))
+    return y / (1 + y * (0.395 - 0.027 * y if spots else 0.21))
+
+
+def covers(dark):
+    """The share that each of the layers covers: each half of what is left, all alike in the dark."""
+    if dark > 0.875:
+        return [1 - np.cbrt(1 - dark)] * 3
+    return [min(max(1 - min((1 - dark) * 2**k, 1), 0), 0.5) for k in range(3)]
+
+
+def shown(cover, spots):
+    """(up to which rank marks are drawn, their size)."""
+    x = area(cover, spots) / FULL
+    rank = 1.25 * min(x, 1) ** 0.75
+    mean = 2 * rank * rank if rank < 0.25 else rank - 0.125 - 2 * max(rank - 1, 0) ** 2
+    return rank, x / mean if mean > 0 else 0
+
+
+class Drawing:
+    """What a tone's marks are drawn on. chart: two fields (value, right, down) on which their places lie, unturned."""
+
+    def __init__(self, layers, kind, pitch, angle, anchor, chart, dark, lattice, crisp=False):
+        self.layers, self.spots, self.angle, self.anchor, self.dark = layers, kind == "STIPPLE", angle, anchor, dark
+        self.pitch = max(pitch * (0.5 if self.spots else 1), 3)
+        self.chart, self.lattice, self.crisp = chart, lattice, crisp
+        self.ink = np.zeros(dark.shape, np.uint8)
+        self.byte = np.floor(255 * clamp01(dark) + 0.5).astype(int)
+        tables = [shown(covers(k / 255)[layer], False) for k in range(256) for layer in range(3)]
+        spots = [shown(k / 255, True) for k in range(256)]
+        self.tables = np.array(spots).reshape(256, 1, 2) if self.spots else np.array(tables).reshape(256, 3, 2)
+
+    def one_surface(self, x0, y0, x1, y1):
+        """Whether the surface goes on from a pixel to its neighbour."""
+        height, width = self.dark.shape
+        if x1 >= width or y1 >= height or self.layers.object[y0, x0] != self.layers.object[y1, x1]:
+            return False
+        a = None if self.layers.anchor is None else self.layers.anchor[y0, x0]
+        if a is not None and a[6] > 0 and self.layers.anchor[y1, x1, 6] > 0:
+            apart = self.layers.anchor[y1, x1, :3] - a[:3]
+            return apart @ apart <= 16 * (a[7:10] @ a[7:10] + a[10:13] @ a[10:13])
+        near, far = self.layers.depth[y0, x0], self.layers.depth[y1, x1]
+        return abs(far - near) <= 0.05 * near
+
+    def gets_to(self, x0, y0, x1, y1):
+        """First along the row, then along the column."""
+        height, width = self.dark.shape
+        if not (0 <= x1 < width and 0 <= y1 < height):
+            return False
+        row = all(self.ends(x, y0)[0] for x in range(min(x0, x1), max(x0, x1)))
+        return row and all(self.ends(x1, y)[1] for y in range(min(y0, y1), max(y0, y1)))
+
+    def ends(self, x, y):
+        if not self.byte[y, x] or self.spots:  # nobody has looked
+            return True, True
+        return self.one_surface(x, y, x + 1, y), self.one_surface(x, y, x, y + 1)
+
+    def way(self, layer, x, y):
+        """Direction of a stroke on the screen, kept in 256ths of half a turn."""
+        right, down = self.exact_way(layer, x, y)
+        turn = np.floor(256 * np.arctan2(down, right) / np.pi + 0.5) * np.pi / 256
+        turn %= np.pi
+        return np.array((np.cos(turn), np.sin(turn)))
+
+    def exact_way(self, layer, x, y):
+        turn = self.angle + TURNED[layer]
+        if self.anchor is None:
+            return np.array((np.cos(turn), -np.sin(turn)))
+        if not self.byte[y, x]:
+            return np.array((1.0, 0.0))
+        a = self.anchor[y, x].astype(float)
+        normal, right, down, form = a[3:6], a[7:10], a[10:13], a[13:]
+        axis = AXES[int(abs(AXES[0] @ normal) > 0.95)]
+        along = np.cross(axis, normal)
+        along /= max(np.linalg.norm(along), 1e-6)
+        across = np.cross(normal, along)
+        # angles doubled, as ways have no sign
+        own = (form @ along + 1j * (form @ across)) ** 2 + 0.25 * (1 - min(np.linalg.norm(form), 1)) ** 2
+        on = np.exp(1j * (np.angle(own) / 2 + turn))
+        on = on.real * along + on.imag * across
+        found = np.linalg.lstsq(np.stack([right, down], 1), on, rcond=None)[0]
+        return found / max(np.linalg.norm(found), 1e-30)
+
+    def half(self, layer, rank, size, x, y):
+        last, large = self.tables[self.byte[y, x], layer]
+        drawn = clamp01((last - rank) * 4) * large
+        if self.spots:
+            return self.pitch * size * np.sqrt(drawn * FULL / np.pi)
+        return 0.75 * FULL * self.pitch / LENGTH * size * drawn
+
+    def between(self, p, q, x, y):
+        """Ink between two places (x, y, half width) over what is of the object at a pixel."""
+        p, q = np.array(p), np.array(q)
+        rows, columns = np.mgrid[:self.dark.shape[0], :self.dark.shape[1]] + 0.5
+        way = (q - p)[:2]
+        square = way @ way
+        at = ((columns - p[0]) * way[0] + (rows - p[1]) * way[1]) / (square if square > 0 else 1)
+        t = np.clip(at, 0, 1)
+        distance = np.hypot(columns - p[0] - t * way[0], rows - p[1] - t * way[1])
+        half = mix(p[2], q[2], t)
+        if self.spots:
+            true = np.where(half > 0.57735, np.sqrt(np.maximum(half**2 - 1 / 12, 0)), np.cbrt(3 * half**2) - 0.5)
+            cover = clamp01(true + 0.5 - distance)
+        else:
+            cover = np.where((at >= 0) & (at < 1), np.minimum(clamp01(half + 0.5 - distance), 2 * half), 0)
+        if self.crisp:
+            cover = (half >= distance) & (self.spots | ((at >= 0) & (at < 1)))
+        cover = np.where(self.layers.object == self.layers.object[y, x], cover, 0)
+        self.ink = np.floor(255.5 - (255 - self.ink.astype(float)) * (1 - cover)).astype(np.uint8)
+
+    def trace(self, layer, rank, size, reach, turn, sign, step, place, x, y):
+        found, last = [], None
+        place = np.array(place)
+        while len(found) < 24:
+            way = self.way(layer, x, y)
+            way = way + turn * np.array((-way[1], way[0]))
+            last = way * (sign if last is None else -1 if way @ last < 0 else 1)
+            place = place + step * last
+            nx, ny = (int(v) for v in np.floor(place))
+            if not self.gets_to(x, y, nx, ny):
+                break
+            x, y = nx, ny
+            t = step * (len(found) + 1) / reach
+            half = self.half(layer, rank, size, x, y) * max(1 - t * t, 0) if self.byte[y, x] else 0
+            found.append([*place, half])
+            if t >= 1 or not self.byte[y, x]:
+                break
+        return found
+
+    def mark(self, layer, x, y, whole, way, fields):
+        """Draws the mark whose place is in pixel (x, y)."""
+        normal = None if self.anchor is None else np.abs(self.anchor[y, x, 3:6])
+        h = stir(0x9e3779b9, 3 * (0 if normal is None else int(np.argmax(normal))) + layer)
+        odds, weight = [], 1.0
+        for k in range(2):
+            n, exponent = int(whole[k]), -(int(np.log2(fields["scale"][k])) + 127)
+            weight *= fields["grown"][k] if n & 1 else 1
+            while n and n % 2 == 0:
+                n, exponent = n // 2, exponent + 1
+            odds.append(n)
+            h = stir(h, exponent if n else 0)
+        rank = share(h + odds[0] * RANKS[0] + odds[1] * RANKS[1] & WORD)
+        h = stir(stir(h, odds[0]), odds[1])
+        for k in range(2):
+            h = stir(h, 1)
+            step = fields["step"][k]
+            way = way + (share(h) - 0.5) * JITTER * self.pitch / max(np.linalg.norm(step), 1e-6) * step
+        h = stir(h, 2)
+        turn = (share(h) - 0.5) * STRAY
+        h = stir(h, 3)
+        size = np.sqrt(weight)
+        place = x + 0.5 + way[0], y + 0.5 + way[1]
+        px, py = (int(v) for v in np.floor(place))
+        if not self.gets_to(x, y, px, py):
+            return
+        half = self.half(layer, rank, size, px, py)
+        if self.spots:
+            if half > 0:
+                self.between([*place, half], [*place, half], px, py)
+            return
+        reach = 0.5 * LENGTH * self.pitch * size * (0.7 + 0.6 * share(h))
+        step = max(2, reach / 23)
+        forth, back = (self.trace(layer, rank, size, reach, turn, sign, step, place, px, py) for sign in (1, -1))
+        places = [*back[::-1], [*place, half], *forth]
+        for order in (range(1, len(places)), range(len(places) - 2, -1, -1)):
+            for k in order:
+                before = k - 1 if order.step > 0 else k + 1
+                places[k][2] = min(places[k][2], places[before][2] + 0.25 * step)
+        for p, q in zip(places, places[1:], strict=False):
+            if p[2] > 0.02 or q[2] > 0.02:
+                self.between(p, q, px, py)
+
+    def draw(self, own):
+        """own: pixels that hold the places of marks."""
+        lattice = [self.lattice([(u + BESIDE[layer], *g) for u, *g in self.chart], self.pitch)
+                   for layer in range(1 if self.spots else 3)]
+        for y, x in zip(*np.nonzero(own & (self.byte > 0)), strict=True):
+            for layer, (at, scale, grown, step, flat) in enumerate(lattice):
+                if flat[y, x] or self.tables[self.byte[y, x], layer, 0] <= 0:
+                    continue
+                steps = [s[:, y, x] for s in step]
+                whole = [np.floor(2 * u[y, x] + 0.5) for u in at]
+                way = sum(0.5 * (n - 2 * u[y, x]) * s for n, u, s in zip(whole, at, steps, strict=True))
+                if (way >= -0.5).all() and (way < 0.5).all():
+                    self.mark(layer, x, y, whole, way, {"scale": [s[y, x] for s in scale], "step": steps,
+                                                        "grown": [g[y, x] for g in grown]})
+        return self.ink / 255
