@@ -108,6 +108,7 @@ typedef struct capsules {
 	float (*ink)[3];     /* likewise; NULL where all ink is the same */
 	uint8_t (*dry)[8];   /* likewise, what each bristle gives (pen.h); NULL where none is dry */
 	uint32_t count;      /* of sites */
+	uint32_t ends;       /* strokes times sites; ends beyond corners follow */
 	bool moved;          /* ends lie elsewhere than their sites */
 	uint32_t *first;     /* by band of the canvas, and one more: where its list begins */
 	uint32_t (*list)[2]; /* ends of the links that reach into a band; twice the same: a site alone */
