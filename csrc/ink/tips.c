@@ -21,6 +21,7 @@ typedef struct gather {
 	pens *pens;     /* by style */
 	uint8_t *whose; /* by site, which of its style's pens draws it */
 	bool varied;    /* some hand's noise is asked for */
+	bool bounded;   /* lines may cover so much of the picture only */
 	uint32_t strokes;
 	spots at;    /* of all sites; NULL without noise */
 	turns turns; /* no corners are looked for where no pen asks */
@@ -282,6 +283,8 @@ static int32_t make_strokes(gather *g)
 	if (!g->whose)
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(f->bands, (int)g->n->count, CHUNK, make_pens, g);
+	if (!code && g->bounded)
+		code = ISA(thickets_thin)(f, g->strokes, g->all->end);
 	for (uint32_t k = 0; !code && k < g->strokes; k++)
 		code = make_stroke(g, k);
 	late_drop(&f->late, g->whose);
@@ -344,6 +347,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 	for (int i = 0; i < f->n_styles; i++) {
 		g.pens[i] = ISA(pens_of)(f, f->params + i);
 		uint32_t strokes = ISA(pens_strokes)(g.pens + i);
+		g.bounded |= f->params[i].use_lines && f->params[i].line_density < 1;
 		for (int k = 0; f->params[i].use_lines && k < PENS; k++) {
 			const hand *h = g.pens[i].hand + k;
 			if (!(g.pens[i].used >> k & 1))

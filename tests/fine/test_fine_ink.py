@@ -45,6 +45,7 @@ PENS = {  # the case, what it is drawn with
                               pen_boil=0.4)),
     "dashed": ("faces", dict(line_thickness=1.5, pen_dash=7.0, pen_dash_space=3.0, line_pen_crease="PEN_2",
                              pen_2_dash=3.0, pen_2_dash_space=4.0, pen_2_softness=0.0, pen_2_paper=0.0)),
+    "thicket": ("wires", dict(line_thickness=2.0, line_density=0.2)),
     "on dark": ("rods", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.4)),
     "not hidden": ("things", dict(line_thickness=4.0, line_occlude=False, width_light=2.0, line_max_thickness=5.0)),
 }

@@ -64,6 +64,28 @@ def evened(t, radius, shape):
     return found
 
 
+def _thinned(t, half, most, unit, shape):
+    """Half the widths where lines cover at most such a share of what is about them: ink is weighed on the nodes of a
+    grid, and evened over their neighbours twice."""
+    step = max(16 * unit, 2)
+    share = np.zeros([int(side / step) + 2 for side in shape])
+    where = np.maximum(t.at + 0.5, 0) / step
+    x, y = np.floor(where).astype(int).T
+    u, v = (where - np.floor(where)).T
+    corners = [(y, x, (1 - u) * (1 - v)), (y, x + 1, u * (1 - v)), (y + 1, x, (1 - u) * v), (y + 1, x + 1, u * v)]
+    length = np.array([sum(t.apart(i, j) / 2 for j in t.links[i] if not t.dropped[j]) if t.links[i] else 2 * half[i]
+                       for i in range(len(t))])
+    ink = np.where(t.dropped, 0, 2 * half * length / step**2)
+    for row, column, weight in corners:
+        np.add.at(share, (row, column), weight * ink)
+    for _ in range(2):
+        for axis in (0, 1):
+            wide = np.pad(share, [(1, 1) if axis == k else (0, 0) for k in (0, 1)])
+            share = (np.delete(wide, (-2, -1), axis) + 2 * share + np.delete(wide, (0, 1), axis)) / 4
+    about = sum(weight * share[row, column] for row, column, weight in corners)
+    return half * np.where((about > most) & (most < 1), most / np.maximum(about, 1e-12), 1)
+
+
 def ends(t, layers, params, paper, stroke):
     """What each site gives the links that end at it in one stroke, as columns; its ink; its bristles."""
     site, shape = t.site, layers.depth.shape
@@ -82,6 +104,7 @@ def ends(t, layers, params, paper, stroke):
     half = half * hand.at("width", np.ones(len(t)))
     most = 0.5 * params["line_max_thickness"] * params.pixels(layers.full_height)
     half = np.minimum(half, most) * (1 - site["eased"] / 255)
+    half = _thinned(t, half * used, params.at("line_density", style), params.pixels(layers.full_height), shape)
     turn = turned(t)
     pooled = hand.at("pool") * clamp01(turn - 0.5)
     wider = hand.pressure() * (1 + pooled)
