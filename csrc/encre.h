@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 10 };
+enum { ENCRE_API_VERSION = 11 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -203,9 +203,10 @@ typedef struct encre_camera {
 				 is a multiple of; 0: not known, and that is in scene units */
 } encre_camera;
 
-/* Full frame in pixels, at most 65536 each way, and where the images' top left pixel lies in it (border rendering). */
+/* Full frame in pixels, at most 65536 each way, and where the images' top left pixel lies in it (border rendering).
+ * `number`: which frame of its animation it is, for lines that are drawn anew. */
 typedef struct encre_frame {
-	int32_t width, height, x, y;
+	int32_t width, height, x, y, number;
 } encre_frame;
 
 typedef struct encre_job {

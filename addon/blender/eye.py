@@ -21,6 +21,7 @@ class Eye:
     part: Window            # of it what is drawn
     place: tuple            # that in the region: left, bottom, right, top from -1 to 1
     through_camera: bool    # or a free view
+    number: int             # of the frame of the animation
 
     @property
     def key(self):
@@ -35,7 +36,7 @@ class Eye:
         size = tuple(max(1, round(v * scale)) for v in (self.part.width, self.part.height))
         width, height = (max(round(full * scale), at + side)
                          for full, at, side in zip(self.full, (x, y), size, strict=True))
-        return Frame(width, height, x, y), size
+        return Frame(width, height, x, y, self.number), size
 
 
 def look(context, depsgraph):
@@ -63,7 +64,8 @@ def look(context, depsgraph):
         return None, camera
     place = 2 * left / width - 1, 1 - 2 * bottom / height, 2 * right / width - 1, 1 - 2 * top / height
     return Eye(view, projection, clip, (frame.width, frame.height),
-               Window(left - frame.x, top - frame.y, right - left, bottom - top), place, bool(camera)), camera
+               Window(left - frame.x, top - frame.y, right - left, bottom - top), place, bool(camera),
+               depsgraph.scene.frame_current), camera
 
 
 def _camera(space, seen, depsgraph):

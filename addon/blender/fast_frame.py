@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One frame whose layers Encre draws itself: read, drawn and written into Blender's result, without Cycles."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -87,7 +87,7 @@ class FastFrames:
         """(the Place, layers as library.draw() takes them, {pass: picture that no stage draws})."""
         width, height, own = cameras.border(depsgraph.scene_eval.render)
         around, factor, plain = own.grown(settings.reach(height), width, height), settings.factor, {}
-        frame = Frame(width, height, around.x, around.y)
+        frame = Frame(width, height, around.x, around.y, depsgraph.scene_eval.frame_current)
         large = supersample.frame(frame, factor)
         top, left = (factor * start for start in (own.y - around.y, own.x - around.x))
         place = Place(scene.camera(*matrices), frame, large, own,
@@ -115,7 +115,7 @@ class FastFrames:
         if layer not in self.stamps:  # of the first view
             own, frame = place.own, place.frame
             border = own if render.use_border and not render.use_crop_to_border else None
-            where = Frame(frame.width, frame.height) if border else Frame(frame.width, frame.height, own.x, own.y)
+            where = replace(frame, x=0, y=0) if border else replace(frame, x=own.x, y=own.y)
             self.stamps[layer] = metadata.write(settings.scene, settings.styles, place.camera, where, border,
                                                 **wanted.beside(depsgraph.scene_eval, settings, False))
         self._write(out, place.own, layer, view)

@@ -175,7 +175,7 @@ class Frames:
         render = depsgraph.scene_eval.render
         width, height, own = cameras.border(render)
         place, factor = own.grown(self._reach(settings, denoise_other, height), width, height), settings.factor
-        frame = Frame(width, height, place.x, place.y)
+        frame = Frame(width, height, place.x, place.y, depsgraph.scene_eval.frame_current)
         threads = render.threads if render.threads_mode == "FIXED" else 0
         line_numbers, user_indices = self.numbers or (None, None)
         asked, keeps = wanted.asked(depsgraph.view_layer), wanted.keeps(depsgraph.scene)
@@ -329,9 +329,9 @@ class Frames:
 
     def _stamp(self, result, layer):
         """The settings go into the saved file, so that it can be drawn again without Blender."""
-        frame = Frame(layer.frame.width, layer.frame.height, layer.own.x, layer.own.y)
+        frame = replace(layer.frame, x=layer.own.x, y=layer.own.y)
         if layer.border:
-            frame = Frame(frame.width, frame.height)
+            frame = replace(frame, x=0, y=0)
         camera = next(iter(layer.views.values()))[0]
         for key, text in metadata.write(layer.settings.scene, layer.settings.styles, camera, frame,
                                         layer.border, **layer.beside).items():

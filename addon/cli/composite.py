@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`encre composite`: the stages on the passes of a saved multilayer EXR, without any Blender."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -43,7 +44,7 @@ def _place(stored, window):
     """The frame of what was rendered: the metadata's, or else the display window, which overscan makes larger."""
     x, y, *_ = stored.border or (0, 0)
     if frame := stored.frame:
-        return Frame(frame.width, frame.height, frame.x + window.x + x, frame.y + window.y + y)
+        return replace(frame, x=frame.x + window.x + x, y=frame.y + window.y + y)
     left, top = min(window.x, 0), min(window.y, 0)
     return Frame(max(window.full_width, window.x + window.width) - left,
                       max(window.full_height, window.y + window.height) - top, window.x - left + x, window.y - top + y)

@@ -56,7 +56,8 @@ class Camera(c.Structure):
 
 
 class Frame(c.Structure):
-    _fields_ = [("width", c.c_int32), ("height", c.c_int32), ("x", c.c_int32), ("y", c.c_int32)]
+    _fields_ = [("width", c.c_int32), ("height", c.c_int32), ("x", c.c_int32), ("y", c.c_int32),
+                ("number", c.c_int32)]
 
 
 Progress = c.CFUNCTYPE(c.c_bool, c.c_void_p, c.c_double)

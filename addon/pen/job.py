@@ -24,12 +24,14 @@ class Camera:
 
 @dataclass
 class Frame:
-    """Size of the full frame in pixels, and where the images' top left pixel lies in it."""
+    """Size of the full frame in pixels, where the images' top left pixel lies in it, and which of its animation it is.
+    """
 
     width: int
     height: int
     x: int = 0
     y: int = 0
+    number: int = 0
 
 
 @dataclass

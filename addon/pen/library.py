@@ -10,6 +10,7 @@ import glob
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import astuple
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work
 from .params import Control, Param, Stage, control, fills, normal, read, stage, text_of
 
-API_VERSION = 10
+API_VERSION = 11
 _ALL = "; `encre params` lists all"
 LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
 
@@ -221,7 +222,7 @@ class Library:
         job.camera = abi.Camera((c.c_float * 9)(*camera.view), bool(camera.orthographic), camera.height,
                              camera.distance)
         frame = frame or Frame(width, height)
-        job.frame = abi.Frame(frame.width, frame.height, frame.x, frame.y)
+        job.frame = abi.Frame(*astuple(frame))
         return Work("render", job, keep, lambda: Result(images, job.nonfinite))
 
     def raster(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
@@ -250,7 +251,7 @@ class Library:
         job.view[:] = np.asarray(view, np.float64).ravel()
         job.projection[:] = np.asarray(projection, np.float64).ravel()
         job.clip_start, job.clip_end = clip_start, clip_end
-        job.frame = abi.Frame(frame.width, frame.height, frame.x, frame.y)
+        job.frame = abi.Frame(*astuple(frame))
         if beyond is not None:
             beyond, job.beyond = abi.given("beyond", beyond, 1)
         width, height = size
@@ -281,7 +282,7 @@ class Library:
         job.materials = c.pointer(block)
         job.view[:] = np.asarray(view, np.float64).ravel()
         job.projection[:] = np.asarray(projection, np.float64).ravel()
-        job.frame = abi.Frame(frame.width, frame.height, frame.x, frame.y)
+        job.frame = abi.Frame(*astuple(frame))
         given = {**abi.MATERIAL_INPUTS, "attributes": maps["attributes"].shape[-1] if "attributes" in maps else 0}
         for name in given.keys() & maps.keys():
             if maps[name].size:

@@ -61,7 +61,7 @@ def write(scene: dict[str, Any], styles: Sequence[tuple[str, dict[str, Any]]], c
     said: dict[str, Any] = {
         PARAMS: {"version": VERSION, "settings": settings.VERSION, "scene": scene,
                  "styles": [{"name": name, "values": values} for name, values in styles]},
-        FRAME: {"width": frame.width, "height": frame.height, "x": frame.x, "y": frame.y},
+        FRAME: asdict(frame),
         CAMERA: {"orthographic": bool(camera.orthographic), "height": float(camera.height),
                  "distance": float(camera.distance), "view": [float(v) for v in np.ravel(camera.view)]},
     }
@@ -122,7 +122,8 @@ def _read_frame(said, stored):
     sizes = [said[key] for key in ("width", "height", "x", "y")]
     if any(type(size) is not int for size in sizes) or sizes[0] < 1 or sizes[1] < 1:
         raise ValueError
-    stored.frame = Frame(*sizes)
+    number = said.get("number", 0)  # files of older versions
+    stored.frame = Frame(*sizes, number if type(number) is int and abs(number) < 2**31 else 0)
 
 
 def _read_camera(said, stored):

@@ -109,7 +109,7 @@ TONES = ("tone_1", "tone_2", "tone_3", "tone_4")  # of the levels of light, the 
 
 PENS = {"PEN": "pen", "PEN_2": "pen_2", "PEN_3": "pen_3"}  # the item of a kind of line that names it: its rows
 LINES = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")
-_VARIES = ("pressure", "wobble", "rough", "gaps", "dry")
+_VARIES = ("pressure", "wobble", "rough", "gaps", "dash", "dry", "overshoot")
 
 
 def pens(values: Mapping[str, Any]) -> set[str]:

@@ -108,7 +108,7 @@ static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32
 		c.across = streaks_of(&c);
 	c.inverse = square > 1e-12f ? 1 / square : 0;
 	c.reach = max(c.a->reach, c.b->reach);
-	if (c.reach > 2.5f && a != b && fabsf(c.b->out - c.a->out) < most_steep) {
+	if (c.reach > 2.5f && a != b && b < all->ends && fabsf(c.b->out - c.a->out) < most_steep) {
 		a %= all->count;
 		b %= all->count;
 		cut_at(n, all, stroke, &c, a, b);

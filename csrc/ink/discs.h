@@ -108,6 +108,7 @@ typedef struct capsules {
 	float (*ink)[3];     /* likewise; NULL where all ink is the same */
 	uint8_t (*dry)[8];   /* likewise, what each bristle gives (pen.h); NULL where none is dry */
 	uint32_t count;      /* of sites */
+	uint32_t ends;       /* strokes times sites; ends beyond corners follow */
 	bool moved;          /* ends lie elsewhere than their sites */
 	uint32_t *first;     /* by band of the canvas, and one more: where its list begins */
 	uint32_t (*list)[2]; /* ends of the links that reach into a band; twice the same: a site alone */
@@ -119,6 +120,10 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all);
 void ISA(capsules_draw)(const capsules *all, canvas *c);
 /* widths.c: evens half the widths at all sites along their lines; another block of memory takes the place of theirs. */
 int32_t ISA(capsules_even)(frame *f, float **radius);
+
+struct pen_end;
+/* thickets.c: thins the ends of all strokes, by how much of what is about them those of the first cover. */
+int32_t ISA(thickets_thin)(frame *f, uint32_t strokes, struct pen_end *end);
 
 /* search.c: the other ways name one edge for every pixel. */
 typedef struct search {

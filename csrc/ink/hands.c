@@ -5,7 +5,16 @@
 #include <stddef.h>
 #include <string.h>
 
-pens ISA(pens_of)(const encre_params *p)
+/* Another for each so many frames, and never 0. */
+static uint32_t again(const hand *h, int32_t number)
+{
+	if (h->pen_hold < 1)
+		return 0;
+	int32_t turn = number / h->pen_hold - (number % h->pen_hold < 0);
+	return ((uint32_t)turn * 0x9e3779b1u) | 1;
+}
+
+pens ISA(pens_of)(const frame *f, const encre_params *p)
 {
 	pens s = {0};
 	/* the rows of a pen lie one after the other; the first's tool is that of all lines */
@@ -26,6 +35,8 @@ pens ISA(pens_of)(const encre_params *p)
 		s.differ |= s.of[k] != 0;
 		s.used |= (uint8_t)(1 << s.of[k]);
 	}
+	for (int k = 0; k < PENS; k++)
+		s.again[k] = again(s.hand + k, f->place.number);
 	return s;
 }
 
@@ -36,7 +47,7 @@ pens ISA(pens_of)(const encre_params *p)
 ROWS_LIE(pen_2)
 ROWS_LIE(pen_3)
 #undef ROWS_LIE
-_Static_assert(offsetof(encre_params, pen_seed) - offsetof(encre_params, pen_pressure) == offsetof(hand, pen_seed),
+_Static_assert(offsetof(encre_params, pen_boil) - offsetof(encre_params, pen_pressure) == offsetof(hand, pen_boil),
 	       "rows of a pen are its hand");
 
 uint32_t ISA(pens_strokes)(const pens *s)

@@ -103,7 +103,7 @@ static bool strokes_overlap(const frame *f)
 {
 	bool found = false;
 	for (int i = 0; i < f->n_styles; i++) {
-		pens pens = ISA(pens_of)(f->params + i);
+		pens pens = ISA(pens_of)(f, f->params + i);
 		found |= f->params[i].use_lines && ISA(pens_strokes)(&pens) > 1;
 	}
 	return found && f->params->edge_detector == edge_detector_FINE;

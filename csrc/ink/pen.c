@@ -6,11 +6,22 @@
 #include "base/pixel.h"
 #include "base/stage.h"
 
-enum { SEED_PRESSURE, SEED_ACROSS, SEED_DOWN, SEED_ROUGH, SEED_GAPS, SEED_FLOW, SEED_BRISTLE, SEEDS = 16 };
+enum {
+	SEED_PRESSURE,
+	SEED_ACROSS,
+	SEED_DOWN,
+	SEED_ROUGH,
+	SEED_GAPS,
+	SEED_FLOW,
+	SEED_BRISTLE,
+	SEED_FARTHER = SEED_BRISTLE + BRISTLES,
+	SEEDS = 16
+};
 
 bool ISA(pen_varies)(const hand *h)
 {
-	return h->pen_pressure > 0 || h->pen_wobble > 0 || h->pen_rough > 0 || h->pen_gaps > 0 || h->pen_dry > 0;
+	return h->pen_pressure > 0 || h->pen_wobble > 0 || h->pen_rough > 0 || h->pen_gaps > 0 || h->pen_dry > 0 ||
+	       h->pen_dash > 0 || h->pen_overshoot > 0;
 }
 
 /* What one use of the hand's noise reads of its parameters: how strong it is and how long its waves are. */
@@ -24,21 +35,39 @@ USE(wobble, pen_wobble, pen_wobble_length)
 USE(rough, pen_rough, pen_rough_length)
 USE(gaps, pen_gaps, pen_gaps_length)
 USE(dry, pen_dry, pen_dry_length)
+USE(overshoot, pen_overshoot, pen_overshoot)
 #undef USE
+
+/* Noise of one seed and, as far as it boils, of the seed of now, of variance 1 together. */
+static void boil_row(const strokes *s, int n, const float *length, uint32_t *seed, float *noise)
+{
+	float anew[SPAN];
+	for (int i = 0; i < n; i++)
+		seed[i] ^= s->again[i];
+	ISA(solid_row)(&s->at, n, length, seed, anew);
+	for (int i = 0; i < n; i++) {
+		float turn = 1.57079633f * s->hand[i]->pen_boil;
+		if (s->again[i])
+			noise[i] = pixel_cos(turn) * noise[i] + pixel_sin(turn) * anew[i];
+	}
+}
 
 /* Noise at n <= SPAN sites, of waves times `times`; false where no hand asks for it. */
 static bool noise_row(const strokes *s, int n, float (*length_of)(const hand *), float times, int what, float *noise)
 {
 	float length[SPAN];
 	uint32_t seed[SPAN];
-	bool asked = false;
+	bool asked = false, boils = false;
 	for (int i = 0; i < n; i++) {
 		length[i] = times * length_of(s->hand[i]);
 		seed[i] = ((uint32_t)s->hand[i]->pen_seed * STROKES + (uint32_t)s->stroke) * SEEDS + (uint32_t)what;
 		asked |= length[i] > 0;
+		boils |= length[i] > 0 && s->again[i] && s->hand[i]->pen_boil > 0;
 	}
 	if (asked)
 		ISA(solid_row)(&s->at, n, length, seed, noise);
+	if (boils)
+		boil_row(s, n, length, seed, noise);
 	return asked;
 }
 
@@ -105,5 +134,8 @@ void ISA(pen_touches)(const frame *f, const strokes *s, int n, touch *t)
 			t[i].dx = far * noise[i];
 			t[i].dy = far * down[i];
 		}
+	if (noise_row(s, n, overshoot_of, 1, SEED_FARTHER, noise))
+		for (int i = 0; i < n; i++)
+			t[i].farther = max(0, 1 + 0.5f * noise[i]);
 	dry_row(s, n, t);
 }

@@ -47,10 +47,11 @@ typedef struct pens {
 	uint8_t of[LINE_COUNT]; /* which of them draws a kind */
 	bool differ;            /* not all kinds have the first */
 	uint8_t used;           /* a bit each */
+	uint32_t again[PENS];   /* the seed of what they draw anew now; 0: they draw once for all frames */
 } pens;
 
 /* hands.c */
-pens ISA(pens_of)(const encre_params *p);
+pens ISA(pens_of)(const frame *f, const encre_params *p);
 /* The most strokes that any of them draws. */
 uint32_t ISA(pens_strokes)(const pens *s);
 
@@ -74,6 +75,7 @@ enum { SPAN = 64 };
 typedef struct strokes {
 	spots at;
 	const hand *hand[SPAN];
+	uint32_t again[SPAN]; /* the seed of what is drawn anew now; 0 for none */
 	int stroke;
 } strokes;
 
@@ -81,6 +83,7 @@ typedef struct touch {
 	float rough, fray;     /* how much the rim is frayed here, about 0; times so many pixels */
 	float left;            /* share of it that gaps leave */
 	float dx, dy;          /* pixels that the hand strays by */
+	float farther;         /* times as far as others a stroke goes on beyond a corner */
 	uint8_t ink[BRISTLES]; /* 255ths that each bristle gives */
 } touch;
 

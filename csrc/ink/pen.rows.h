@@ -17,11 +17,17 @@ FLOAT(pen##_rough, SURFACE, 0, 0, 64, 0, 4, "px", PEN_RULE, "Roughness", "How fa
 FLOAT(pen##_rough_length, SURFACE, 12, 1, 1024, 3, 60, "px", PEN_RULE "&" #pen "_rough", "Roughness Length", "Size of what is frayed, about") \
 FLOAT(pen##_gaps, SURFACE, 0, 0, 1, 0, 0.5, "factor", PEN_RULE, "Gaps", "Share of a line that is left out") \
 FLOAT(pen##_gaps_length, SURFACE, 90, 1, 16384, 20, 500, "px", PEN_RULE "&" #pen "_gaps", "Gaps Length", "Length from one gap to the next, about") \
+FLOAT(pen##_dash, SURFACE, 0, 0, 16384, 0, 200, "px", PEN_RULE, "Dash", "Length of dashes, about; 0: lines are whole") \
+FLOAT(pen##_dash_space, SURFACE, 10, 0, 16384, 0, 200, "px", PEN_RULE "&" #pen "_dash", "Dash Space", "Length left out between dashes") \
 FLOAT(pen##_dry, SURFACE, 0, 0, 2, 0, 1, "factor", PEN_RULE, "Dryness", "How much of the line the bristles leave white") \
 FLOAT(pen##_dry_length, SURFACE, 33, 1, 16384, 5, 300, "px", PEN_RULE "&" #pen "_dry", "Dryness Length", "Length of the streaks, about") \
 INT(pen##_bristles, SURFACE, 6, 1, 8, 1, 8, "", PEN_RULE "&" #pen "_dry", "Bristles", "Streaks side by side across the line") \
 INT(pen##_strokes, SURFACE, 1, 1, 4, 1, 4, "", PEN_RULE, "Strokes", "How many times each line is drawn, every time with another wobble") \
-INT(pen##_seed, SURFACE, 0, 0, 2147483647, 0, 1000, "", PEN_RULE, "Seed", "Another hand; a driver such as #frame//2 draws all lines anew on twos")
+FLOAT(pen##_overshoot, SURFACE, 0, 0, 1024, 0, 60, "px", PEN_RULE, "Overshoot", "How far strokes go on beyond corners, about") \
+FLOAT(pen##_pool, SURFACE, 0, 0, 4, 0, 1, "factor", PEN_RULE, "Pooling", "How much wider lines are where they turn back, where ink gathers") \
+INT(pen##_seed, SURFACE, 0, 0, 2147483647, 0, 1000, "", PEN_RULE, "Seed", "Another hand") \
+INT(pen##_hold, SURFACE, 0, 0, 10000, 0, 8, "", PEN_RULE, "Hold", "Frames for which a line stays as it is drawn, then it is drawn anew: 2 is on twos; 0: lines are drawn once for all frames") \
+FLOAT(pen##_boil, SURFACE, 1, 0, 1, 0, 1, "factor", PEN_RULE "&" #pen "_hold", "Boil", "How much of a line is another whenever it is drawn anew")
 /* The tool. */
 #define TOOL_ROWS(pen) \
 FLOAT(pen##_width, SURFACE, 1, 0, 4096, 0, 4, "", PEN_RULE, "Width", "Its lines are so many times as wide as those of the first pen") \

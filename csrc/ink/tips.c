@@ -4,6 +4,7 @@
 #include "ink/discs.h"
 #include "ink/tips.h"
 #include "ink/pen.h"
+#include "ink/turns.h"
 #include "fine/near.h"
 
 enum { CHUNK = 1024 };
@@ -20,12 +21,15 @@ typedef struct gather {
 	pens *pens;     /* by style */
 	uint8_t *whose; /* by site, which of its style's pens draws it */
 	bool varied;    /* some hand's noise is asked for */
+	bool bounded;   /* lines may cover so much of the picture only */
 	uint32_t strokes;
-	spots at; /* of all sites; NULL without noise */
+	spots at;    /* of all sites; NULL without noise */
+	turns turns; /* no corners are looked for where no pen asks */
 	uint32_t stroke;
-	pen_end *end;  /* of this stroke */
-	float *length; /* to the nearest free end, by site; NULL where no line tapers */
-	float *radius; /* by site: evened along its line, before it tapers or is crowded */
+	pen_end *end;   /* of this stroke */
+	float *farther; /* by site: pixels that a stroke goes on beyond a corner; NULL: no pen does */
+	float *length;  /* to the nearest free end, by site; NULL where no line tapers */
+	float *radius;  /* by site: evened along its line, before it tapers or is crowded */
 } gather;
 
 /* What the pen gives before its line is evened: `out` is its radius, `fade` the share of that. Tells whose hand it is.
@@ -73,9 +77,19 @@ static bool inks(const frame *f, const site *made)
 	return params_at(f, made->placed.near_x, made->placed.near_y)->use_lines;
 }
 
+/* Half the width beside a place where dashes part: caps of lines are round, so space is left for these. */
+static float dashed(const frame *f, const hand *h, const beat *b, float radius)
+{
+	if (!(b->length > 0))
+		return radius;
+	float space = 0.5f * min(h->pen_dash_space * f->scale + 2 * radius, b->length - 1);
+	float whole = clamp01(b->whole - space + 0.5f), half = clamp01(b->half - b->born * space + 0.5f);
+	return radius * whole * mix(1, half, min(1, b->born * space));
+}
+
 /* `radius`: evened along the line. t: what the hand does to it, or NULL. */
 static void finish(const frame *f, const site *made, const hand *h, float radius, float length, const touch *t,
-		   pen_end *e)
+		   const beat *b, pen_end *e)
 {
 	const placed *s = &made->placed;
 	float crowd = made->linked.crowd;
@@ -83,7 +97,7 @@ static void finish(const frame *f, const site *made, const hand *h, float radius
 		return;
 	float taper = h->pen_taper * f->scale;
 	if (t)
-		radius = max(radius + t->rough * min(t->fray, most_frayed * radius), 0) * t->left;
+		radius = dashed(f, h, b, max(radius + t->rough * min(t->fray, most_frayed * radius), 0) * t->left);
 	if (length < taper)
 		radius *= length / taper;
 	if (radius * crowd > 1)
@@ -135,9 +149,18 @@ static int hands_from(const gather *g, int i, int end, strokes *s)
 	int n = end - i < SPAN ? end - i : SPAN;
 	s->at = spots_from(&g->at, (size_t)i);
 	s->stroke = (int)g->stroke;
-	for (int k = 0; k < n; k++)
+	for (int k = 0; k < n; k++) {
+		const placed *at = &g->n->site[i + k].placed;
 		s->hand[k] = hand_of(g, (uint32_t)(i + k));
+		s->again[k] = g->pens[style_at(g->f, at->near_x, at->near_y)].again[g->whose[i + k]];
+	}
 	return n;
+}
+
+/* Ink gathers from a turn of 60 degrees on, all of it at one of 120. */
+static float pooled(const gather *g, uint32_t i)
+{
+	return clamp01(g->turns.turn[i] - 0.5f);
 }
 
 static void press_pens(void *data, int first, int end, int thread)
@@ -154,8 +177,9 @@ static void press_pens(void *data, int first, int end, int thread)
 			ISA(pen_pressures)(&s, n, factor);
 		for (int k = 0; k < n; k++) {
 			g->radius[i + k] = g->n->site[i + k].linked.dropped ? 0 : g->end[i + k].out;
-			if (s.hand[k]->pen_pressure > 0)
-				g->radius[i + k] = min(g->radius[i + k] * factor[k], most);
+			float pool = s.hand[k]->pen_pool > 0 ? s.hand[k]->pen_pool * pooled(g, (uint32_t)(i + k)) : 0;
+			if (s.hand[k]->pen_pressure > 0 || pool > 0)
+				g->radius[i + k] = min(g->radius[i + k] * factor[k] * (1 + pool), most);
 		}
 	}
 }
@@ -178,15 +202,51 @@ static void finish_pens(void *data, int first, int end, int thread)
 			const touch *t = drawn && inks(g->f, made) && ISA(pen_varies)(h) ? touches + k : NULL;
 			if (made->linked.dropped)
 				continue;
+			beat beat = {0};
+			if (t && h->pen_dash > 0)
+				beat = ISA(beat_of)(g->n, &g->at, (uint32_t)(i + k),
+						    (h->pen_dash + h->pen_dash_space) * g->f->scale);
 			if (drawn)
 				finish(g->f, made, h, g->radius[i + k], g->length ? g->length[i + k] : INFINITY, t,
-				       g->end + i + k);
+				       &beat, g->end + i + k);
+			if (g->farther)
+				g->farther[i + k] = t && drawn ? t->farther * h->pen_overshoot * g->f->scale : 0;
 			if (g->all->dry && t)
 				memcpy(g->all->dry[at], t->ink, sizeof t->ink);
 			if (g->all->ink)
 				ISA(line_ink)(g->f, made, g->end[i + k].out, g->all->ink[at]);
 		}
 	}
+}
+
+/* Where the end of a spur is among all. */
+static size_t spur_end(const gather *g, uint32_t stroke, uint32_t k)
+{
+	return (size_t)g->strokes * g->n->count + (size_t)stroke * g->turns.spurs + k;
+}
+
+/* A stroke's end beyond a corner, where the pen is lifted: never farther than half the line before it is long. */
+static void go_on(const gather *g, uint32_t k)
+{
+	static const float lifted = 0.35f;
+	const spur *s = g->turns.spur + k;
+	size_t from = (size_t)g->stroke * g->n->count + s->site, to = spur_end(g, g->stroke, k);
+	pen_end *e = g->all->end + to;
+	*e = g->all->end[from];
+	float far = min(g->farther[s->site], 0.5f * s->room);
+	if (g->n->site[s->site].linked.dropped || !(far > 0.5f) || !(e->reach > 0)) {
+		e->reach = 0;
+		return;
+	}
+	e->limit = g->end[s->back].limit; /* where lines meet, they have that of the nearest */
+	e->x += far * s->dx;
+	e->y += far * s->dy;
+	e->out *= lifted;
+	e->fade *= lifted;
+	if (g->all->dry)
+		memcpy(g->all->dry[to], g->all->dry[from], sizeof *g->all->dry);
+	if (g->all->ink)
+		memcpy(g->all->ink[to], g->all->ink[from], sizeof *g->all->ink);
 }
 
 /* The ends of one stroke. */
@@ -203,6 +263,8 @@ static int32_t make_stroke(gather *g, uint32_t stroke)
 		code = ISA(capsules_even)(f, &g->radius);
 	if (!code)
 		code = bands_run(f->bands, (int)g->n->count, CHUNK, finish_pens, g);
+	for (uint32_t k = 0; !code && k < g->turns.spurs; k++)
+		go_on(g, k);
 	late_drop(&f->late, g->radius);
 	return code;
 }
@@ -221,6 +283,8 @@ static int32_t make_strokes(gather *g)
 	if (!g->whose)
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(f->bands, (int)g->n->count, CHUNK, make_pens, g);
+	if (!code && g->bounded)
+		code = ISA(thickets_thin)(f, g->strokes, g->all->end);
 	for (uint32_t k = 0; !code && k < g->strokes; k++)
 		code = make_stroke(g, k);
 	late_drop(&f->late, g->whose);
@@ -252,10 +316,13 @@ static void enter(const gather *g, uint32_t a, uint32_t b, uint32_t *next)
 static int32_t enter_all(const gather *g, uint32_t stroke, uint32_t *next)
 {
 	const fine *n = g->n;
-	uint32_t from = stroke * n->count;
+	uint32_t from = stroke * n->count, spur = 0;
 	int32_t code = ENCRE_OK;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
+		for (; spur < g->turns.spurs && g->turns.spur[spur].site == i; spur++)
+			if (g->all->end[spur_end(g, stroke, spur)].reach > 0)
+				enter(g, from + i, (uint32_t)spur_end(g, stroke, spur), next);
 		if (n->site[i].linked.dropped)
 			continue;
 		if (n->at[i] == n->at[i + 1])
@@ -272,13 +339,15 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 	const fine *n = f->fine;
 	gather g = {.f = f, .n = n, .all = all, .strokes = 1};
 	bool dry = false, moved = false;
-	float taper = 0;
+	float taper = 0, farther = 0;
+	bool pooled = false;
 	g.pens = late_take(&f->late, (size_t)f->n_styles, sizeof *g.pens);
 	if (!g.pens)
 		return ENCRE_ERROR_MEMORY;
 	for (int i = 0; i < f->n_styles; i++) {
-		g.pens[i] = ISA(pens_of)(f->params + i);
+		g.pens[i] = ISA(pens_of)(f, f->params + i);
 		uint32_t strokes = ISA(pens_strokes)(g.pens + i);
+		g.bounded |= f->params[i].use_lines && f->params[i].line_density < 1;
 		for (int k = 0; f->params[i].use_lines && k < PENS; k++) {
 			const hand *h = g.pens[i].hand + k;
 			if (!(g.pens[i].used >> k & 1))
@@ -288,29 +357,36 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 			dry |= h->pen_dry > 0;
 			moved |= h->pen_wobble > 0;
 			taper = max(taper, h->pen_taper * f->scale);
+			farther = max(farther, h->pen_overshoot * f->scale);
+			pooled |= h->pen_pool > 0;
 		}
 	}
-	size_t ends = (size_t)g.strokes * n->count;
+	int32_t code = farther > 0 || pooled ? ISA(turns_find)(f, 6 * farther, &g.turns) : ENCRE_OK;
+	if (code)
+		return code;
+	size_t ends = (size_t)g.strokes * ((size_t)n->count + g.turns.spurs);
 	if (ends > UINT32_MAX)
 		return ENCRE_ERROR_MEMORY;
 	all->count = n->count;
+	all->ends = g.strokes * n->count;
+	g.farther = g.turns.spurs ? late_take(&f->late, n->count, sizeof *g.farther) : NULL;
 	all->moved = moved;
 	size_t bands = (size_t)(f->height - 1) / BAND + 1;
 	all->end = late_take(&f->late, ends, sizeof *all->end);
 	all->ink = inked ? late_take(&f->late, ends, sizeof *all->ink) : NULL;
 	all->dry = dry ? late_take(&f->late, ends, sizeof *all->dry) : NULL;
 	all->first = late_take(&f->late, bands + 2, sizeof *all->first);
-	if (!all->end || !all->first || (inked && !all->ink) || (dry && !all->dry))
+	if (!all->end || !all->first || (g.turns.spurs && !g.farther) || (inked && !all->ink) || (dry && !all->dry))
 		return ENCRE_ERROR_MEMORY;
 	if (taper > 0) {
 		g.length = late_take(&f->late, n->count, sizeof *g.length);
 		if (!g.length)
 			return ENCRE_ERROR_MEMORY;
-		int32_t code = ISA(fine_free_lengths)(n, taper, g.length);
+		code = ISA(fine_free_lengths)(n, taper, g.length);
 		if (code)
 			return code;
 	}
-	int32_t code = make_strokes(&g);
+	code = make_strokes(&g);
 	if (code)
 		return code;
 	memset(all->first, 0, (bands + 2) * sizeof *all->first);

@@ -7,6 +7,7 @@ import numpy as np
 import passes
 import pytest
 from encre.pen import library
+from encre.pen.job import Frame
 from reference import hand, paper, strokes
 from reference.params import Params
 from reference.passes import Table
@@ -38,6 +39,13 @@ PENS = {  # the case, what it is drawn with
                            pen_2_gain=1.0, pen_2_strokes=2, pen_2_wobble=0.8, pen_2_seed=3, pen_2_paper=0.0,
                            pen_3_softness=0.5, pen_3_intensity=0.8, pen_3_taper=6.0, pen_3_pressure=0.5,
                            pen_3_pressure_length=30.0)),
+    "beyond": ("faces", dict(line_thickness=1.5, pen_overshoot=9.0, pen_strokes=2, pen_wobble=0.4,
+                             line_color_by_kind=True, line_color_crease=(0.5, 0, 0))),
+    "turning": ("faces", dict(line_thickness=2.0, pen_pool=1.0, pen_pressure=0.3, pen_pressure_length=25.0, pen_hold=2,
+                              pen_boil=0.4)),
+    "dashed": ("faces", dict(line_thickness=1.5, pen_dash=7.0, pen_dash_space=3.0, line_pen_crease="PEN_2",
+                             pen_2_dash=3.0, pen_2_dash_space=4.0, pen_2_softness=0.0, pen_2_paper=0.0)),
+    "thicket": ("wires", dict(line_thickness=2.0, line_density=0.2)),
     "on dark": ("rods", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.4)),
     "not hidden": ("things", dict(line_thickness=4.0, line_occlude=False, width_light=2.0, line_max_thickness=5.0)),
 }
@@ -72,6 +80,25 @@ def test_a_hand_draws_the_same_with_any_threads_and_instructions():
     for threads, simd in ((2, 1), (5, 1), (1, 0), (3, 0)):
         other = library.render(layers, scene, styles, outputs=outputs, threads=threads, simd=simd).images
         assert all(first[name].tobytes() == other[name].tobytes() for name in outputs)
+
+
+def test_a_hand_draws_anew_when_its_frames_are_over():
+    """By the number of a frame alone: it needs none before it."""
+    layers, scene, _ = passes.given("faces")
+    scene = {**scene, **BARE, "line_thickness": 3.0, "pen_wobble": 1.0, "pen_wobble_length": 20.0}
+    height, width = layers["depth"].shape[:2]
+
+    def drawn(number, **values):
+        frame = Frame(width, height, number=number)
+        return library.render(layers, {**scene, **values}, outputs=("Encre Lines",), frame=frame).images["Encre Lines"]
+
+    once = drawn(7)
+    assert np.array_equal(once, drawn(8)) and np.array_equal(once, drawn(8, pen_hold=2, pen_boil=0.0))
+    twos = [drawn(number, pen_hold=2) for number in (-2, -1, 0, 1, 2)]
+    assert np.array_equal(twos[0], twos[1]) and np.array_equal(twos[2], twos[3])
+    steps = [np.abs(one - other).mean() for one, other in ((twos[1], twos[2]), (twos[3], twos[4]))]
+    little = np.abs(drawn(1, pen_hold=2, pen_boil=0.1) - once).mean()
+    assert min(steps) > 3 * little > 0
 
 
 def test_pressure_swells_a_line_by_the_noise_where_it_runs():

@@ -151,9 +151,9 @@ task random_light(void)
 	}
 	if (chance(0.99))
 		job.diffuse = t.output[0] = picture(width, height, 3, NULL);
-	job.frame = (encre_frame){width, height, 0, 0};
+	job.frame = (encre_frame){width, height, 0, 0, 0};
 	if (chance(0.3)) {
-		job.frame = (encre_frame){width, height, whole(0, 300), whole(0, 300)};
+		job.frame = (encre_frame){width, height, whole(0, 300), whole(0, 300), 0};
 		job.frame.width += job.frame.x + whole(0, 300);
 		job.frame.height += job.frame.y + whole(0, 300);
 	}

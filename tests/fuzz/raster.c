@@ -141,10 +141,10 @@ task random_raster(void)
 	task t = {.run = run, .kind = ENCRE_RASTER, .job = &job, .progress = &job.progress};
 	int width = chance(0.2) ? whole(1, 4) : whole(1, 100), height = chance(0.2) ? whole(1, 4) : whole(1, 100);
 	shared out = {0};
-	job.frame = (encre_frame){width, height, 0, 0};
+	job.frame = (encre_frame){width, height, 0, 0, 0};
 	if (chance(0.3)) {
 		int far = chance(0.8) ? 300 : 60000;
-		job.frame = (encre_frame){width, height, whole(0, far), whole(0, far)};
+		job.frame = (encre_frame){width, height, whole(0, far), whole(0, far), 0};
 		job.frame.width += job.frame.x + whole(0, 300);
 		job.frame.height += job.frame.y + whole(0, 300);
 	}

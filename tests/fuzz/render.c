@@ -238,7 +238,7 @@ static void random_camera(encre_camera *camera)
 
 static encre_frame random_place(int width, int height)
 {
-	encre_frame f = {width, height, 0, 0};
+	encre_frame f = {width, height, 0, 0, chance(0.5) ? 0 : weird_int()};
 	if (chance(0.3)) {
 		int far = chance(0.8) ? 300 : 60000;
 		f.x = whole(0, far);

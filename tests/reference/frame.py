@@ -62,7 +62,7 @@ class Layers:
         self.height = float(camera.get("height", 1.0))
         self.distance = float(camera.get("distance", 0.0))
         self.full_height = frame.get("height", height)
-        self.x, self.y = frame.get("x", 0), frame.get("y", 0)
+        self.x, self.y, self.number = (frame.get(key, 0) for key in ("x", "y", "number"))
 
 
 def render(layers, scene=None, styles=(), camera=None, frame=None):

@@ -9,6 +9,7 @@ from .shade import exposed
 KINDS = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")
 WIDTHS = {"outline": "object", "contact": "object", "inner": "depth", "crease": "normal", "intersection": "normal"}
 PRESSURE, ACROSS, DOWN, ROUGH, GAPS, FLOW, BRISTLE = range(7)
+FARTHER = BRISTLE + 8
 
 
 def hashed(x, y, z, seed):
@@ -84,6 +85,9 @@ class Hand:
         named = np.array([params.at("line_pen_" + kind, self.style) for kind in KINDS])
         self.whose = named[kinds(t, layers), np.arange(len(t))]
         self.drawn = stroke < self.at("strokes")
+        hold = self.at("hold")
+        turn = layers.number // np.where(hold > 0, hold, 1)
+        self.again = np.where(hold > 0, (turn * 0x9e3779b1) % 2**32 | 1, 0)
 
     def at(self, name, first=None):
         """Of each site's pen; `first`: what the tool of the first pen is, instead of a row of its own."""
@@ -95,11 +99,20 @@ class Hand:
     def noise(self, length, what):
         """Of wavelength `length` px; the numbers of seeds differ by style."""
         out = np.zeros(len(self.unit))
-        for seed in set(self.at("seed").tolist()):
-            own = self.at("seed") == seed
+        for seed, again in set(zip(self.at("seed").tolist(), self.again.tolist(), strict=True)):
+            own = (self.at("seed") == seed) & (self.again == again)
             number = ((int(seed) * 4 + self.stroke) * 16 + what) & 0xffffffff
             out[own] = solid(self.p[own], (self.unit * length)[own], number)
+            if again:
+                anew = solid(self.p[own], (self.unit * length)[own], number ^ again)
+                turn = self.at("boil")[own] * np.pi / 2
+                out[own] = np.cos(turn) * out[own] + np.sin(turn) * anew
         return out
+
+    def farther(self):
+        """Pixels that a stroke goes on beyond a corner, were there room."""
+        far = self.at("overshoot")
+        return far * self.scale * np.maximum(0, 1 + self.noise(np.maximum(far, 1e-9), FARTHER) / 2)
 
     def pressure(self):
         noise = self.noise(self.at("pressure_length"), PRESSURE)

@@ -19,12 +19,13 @@ DEFAULTS = {
     "line_depth_unit": "RELATIVE", "line_depth_most": 4.0, "line_depth_least": 0.0,
     "line_light": 0.0, "line_taper": 0.0, "line_min_length": 12.0,
     "line_softness": 0.9, "line_occlude": True, "line_paper": 0.6, "line_intensity": 1.0, "line_gain": 4.0,
-    "line_search": "EXACT", "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0, "line_tint_value": 0.35,
+    "line_search": "EXACT", "line_density": 1.0, "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0, "line_tint_value": 0.35,
     "width_contact": 1.0, "width_intersection": 1.0,
     **{pen + name: value for pen in ("pen_", "pen_2_", "pen_3_") for name, value in {
         "pressure": 0.0, "pressure_length": 210.0, "wobble": 0.0, "wobble_length": 135.0,
         "rough": 0.0, "rough_length": 12.0, "gaps": 0.0, "gaps_length": 90.0,
-        "dry": 0.0, "dry_length": 33.0, "bristles": 6, "strokes": 1, "seed": 0}.items()},
+        "dry": 0.0, "dry_length": 33.0, "bristles": 6, "strokes": 1, "seed": 0, "hold": 0, "boil": 1.0,
+        "dash": 0.0, "dash_space": 10.0, "overshoot": 0.0, "pool": 0.0}.items()},
     **{pen + name: value for pen in ("pen_2_", "pen_3_") for name, value in {
         "width": 1.0, "taper": 0.0, "softness": 0.9, "intensity": 1.0, "gain": 4.0, "paper": 0.6}.items()},
     "ink_on_dark": 0.0, "ink_dark_color": (1.0, 1.0, 1.0), "ink_dark_threshold": 0.03,

@@ -9,6 +9,7 @@ import numpy as np
 from .hand import KINDS, Hand, inks, kinds, left_by
 from .lines import Pen
 from .metric import clamp01, mix
+from .turns import dashed, spurs, turned
 
 
 def free_lengths(t, shape):
@@ -63,6 +64,28 @@ def evened(t, radius, shape):
     return found
 
 
+def _thinned(t, half, most, unit, shape):
+    """Half the widths where lines cover at most such a share of what is about them: ink is weighed on the nodes of a
+    grid, and evened over their neighbours twice."""
+    step = max(16 * unit, 2)
+    share = np.zeros([int(side / step) + 2 for side in shape])
+    where = np.maximum(t.at + 0.5, 0) / step
+    x, y = np.floor(where).astype(int).T
+    u, v = (where - np.floor(where)).T
+    corners = [(y, x, (1 - u) * (1 - v)), (y, x + 1, u * (1 - v)), (y + 1, x, (1 - u) * v), (y + 1, x + 1, u * v)]
+    length = np.array([sum(t.apart(i, j) / 2 for j in t.links[i] if not t.dropped[j]) if t.links[i] else 2 * half[i]
+                       for i in range(len(t))])
+    ink = np.where(t.dropped, 0, 2 * half * length / step**2)
+    for row, column, weight in corners:
+        np.add.at(share, (row, column), weight * ink)
+    for _ in range(2):
+        for axis in (0, 1):
+            wide = np.pad(share, [(1, 1) if axis == k else (0, 0) for k in (0, 1)])
+            share = (np.delete(wide, (-2, -1), axis) + 2 * share + np.delete(wide, (0, 1), axis)) / 4
+    about = sum(weight * share[row, column] for row, column, weight in corners)
+    return half * np.where((about > most) & (most < 1), most / np.maximum(about, 1e-12), 1)
+
+
 def ends(t, layers, params, paper, stroke):
     """What each site gives the links that end at it in one stroke, as columns; its ink; its bristles."""
     site, shape = t.site, layers.depth.shape
@@ -81,8 +104,12 @@ def ends(t, layers, params, paper, stroke):
     half = half * hand.at("width", np.ones(len(t)))
     most = 0.5 * params["line_max_thickness"] * params.pixels(layers.full_height)
     half = np.minimum(half, most) * (1 - site["eased"] / 255)
-    half = np.where(hand.at("pressure") > 0, np.minimum(half * hand.pressure(), most), half)
-    radius = hand.radius(evened(t, np.where(used & ~t.dropped, half, 0.0), shape))
+    half = _thinned(t, half * used, params.at("line_density", style), params.pixels(layers.full_height), shape)
+    turn = turned(t)
+    pooled = hand.at("pool") * clamp01(turn - 0.5)
+    wider = hand.pressure() * (1 + pooled)
+    half = np.where((hand.at("pressure") > 0) | (pooled > 0), np.minimum(half * wider, most), half)
+    radius = dashed(t, hand, hand.radius(evened(t, np.where(used & ~t.dropped, half, 0.0), shape)))
     radius = radius * np.where(taper > 0, clamp01(free_lengths(t, shape) / np.where(taper > 0, taper, 1)), 1)
     radius = np.where(site["crowd"] > 0, np.minimum(radius, 1 / np.maximum(site["crowd"], 1e-12)), radius)
     # a thing not much wider than its lines lets no paper between them: they are one, from its middle
@@ -98,7 +125,23 @@ def ends(t, layers, params, paper, stroke):
                         np.where(gain > 0, 1 / np.where(gain > 0, gain, 1), 0), np.maximum(0, 1 - strength / 2),
                         hand.at("paper", pen.roughness), np.minimum(z, 1e30)], 1)
     color = inks(t, layers, params, pen.ink, columns[:, 0], layers.combined)
-    return np.where(used[:, None], at, t.at), columns * used[:, None], color, hand.bristles()
+    at, columns = np.where(used[:, None], at, t.at), columns * used[:, None]
+    return _beyond(spurs(t, turn), hand.farther() * used, at, columns, color, *hand.bristles())
+
+
+def _beyond(spurs, farther, at, columns, color, numbers, bristles):
+    """Likewise, with ends beyond corners behind the others, and the pairs that these make."""
+    pairs = []
+    for i, last, way, length in spurs:
+        far = min(farther[i], length / 2)
+        if far > 0.5:
+            pairs.append((i, len(at)))
+            at = np.vstack([at, at[i] + far * way])
+            end = columns[i] * [0.35, 0.35, 1, 1, 1, 1, 1]
+            end[6] = columns[last, 6]
+            columns, color = np.vstack([columns, end]), np.vstack([color, color[i]])
+            numbers, bristles = np.append(numbers, numbers[i]), np.vstack([bristles, bristles[i:i + 1]])
+    return at, columns, color, (numbers, bristles), pairs
 
 
 def darkness(d, out, fade, gain, ease, bias, height):
@@ -134,8 +177,8 @@ def _stroke(each, pieces, layers, paper):
     y, x = np.mgrid[:shape[0], :shape[1]]
     best, nearest = np.zeros(shape), np.full(shape, np.inf)
     ink, unsure = np.zeros((*shape, 3)), np.zeros(shape, bool)
-    at, columns, color, (numbers, bristles) = each
-    for i, j in pieces:
+    at, columns, color, (numbers, bristles), beyond = each
+    for i, j in pieces + beyond:
         a, way = at[i], at[j] - at[i]
         reach = max(columns[i, 0], columns[j, 0]) + 1
         low = np.maximum(np.floor(np.minimum(at[i], at[j]) - reach).astype(int), 0)

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How lines turn, where strokes go on beyond corners, and how dashes lie along them. */
+#ifndef ENCRE_TURNS_H
+#define ENCRE_TURNS_H
+
+#include "ink/noise.h"
+
+/* A stroke that comes to a corner goes on from its site. */
+typedef struct spur {
+	uint32_t site, back; /* where it ends; on the line before that, as far as its way was told by */
+	float dx, dy;        /* its way, of length 1 */
+	float room;          /* pixels that the line is long before it, at most what was asked for */
+} spur;
+
+typedef struct turns {
+	float *turn;    /* by site, 1 less the cosine of the angle: 0 straight on, 2 back */
+	spur *spur;     /* in the order of their sites */
+	uint32_t spurs; /* how many */
+} turns;
+
+/* room: pixels along a line that a spur is told of; 0: no spurs are asked for. */
+int32_t ISA(turns_find)(frame *f, float room, turns *t);
+
+/* Where a site lies in the dashes along its line. */
+typedef struct beat {
+	float whole, half; /* pixels to the nearest place where dashes part, and to the nearest where one is parting */
+	float born;        /* how far that has come, 0..1 */
+	float length;      /* pixels from one place to the other; 0: nothing tells */
+} beat;
+
+/* `length`: in pixels, of a dash and what follows it. */
+beat ISA(beat_of)(const fine *n, const spots *all, uint32_t i, float length);
+
+#endif

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How lines turn, where strokes go on beyond corners, and where dashes part, on the sites of FINE."""
+
+import itertools
+
+import numpy as np
+
+from .metric import clamp01, mix
+
+ARM, LEAST_ARM, CORNER, PASSING, STEPS, MOST_SLANT = 6.0, 2.0, 0.18, 0.7, 8, 12.0
+
+
+def _walk(t, i, first, reach):
+    """(sites on the way, how far along the line each is reached, the way to the end and its length)."""
+    sites, along, way, length, before, at = [], [], np.zeros(2), 0.0, i, first
+    while at is not None and at != i and not t.dropped[at] and length < reach:
+        step = t.apart(before, at)
+        share = min(1, (reach - length) / step) if step else 1
+        way = mix(t.at[before], t.at[at], share) - t.at[i]
+        length += share * step
+        sites.append(at)
+        along.append(length)
+        before, at = at, t.next(before, at)
+    return sites, along, way, length
+
+
+def _arm(t, i, first):
+    """(the way of a line's arm, None where it is too short to tell; whether it is long; the site at its end)."""
+    sites, _, way, length = _walk(t, i, first, ARM)
+    told = np.hypot(*way) > LEAST_ARM / 2
+    return (way / np.hypot(*way) if told else None), told and length >= LEAST_ARM, (sites or [i])[-1]
+
+
+def turned(t):
+    """1 less the cosine of the angle by which the line turns at each site."""
+    out = np.zeros(len(t))
+    for i in range(len(t)):
+        if not t.dropped[i] and len(t.links[i]) == 2:
+            (a, whole, _), (b, other, _) = (_arm(t, i, first) for first in t.links[i])
+            if whole and other:
+                out[i] = 1 + a @ b
+    return out
+
+
+def _is_corner(t, i, turn):
+    if not turn[i] > CORNER:
+        return False
+    for first in t.links[i]:
+        sites, along, _, _ = _walk(t, i, first, ARM)
+        if any(turn[at] > turn[i] or (turn[at] == turn[i] and at < i) for at in sites):
+            return False
+        farther = [turn[at] for at, far in zip(sites, along, strict=True) if far > ARM / 2]
+        if min(farther, default=2) > PASSING * turn[i]:
+            return False
+    return True
+
+
+def spurs(t, turn):
+    """[(site, the last site of its arm, way, length of the line before it)] where a stroke ends and others go on."""
+    out = []
+    for i in range(len(t)):
+        links = t.links[i]
+        if t.dropped[i] or not 2 <= len(links) <= 4 or (len(links) == 2 and not _is_corner(t, i, turn)):
+            continue
+        arms = [_arm(t, i, first) for first in links]
+        for k, (way, whole, last) in enumerate(arms):
+            if whole and all(j == k or other is None or 1 + way @ other > CORNER
+                             for j, (other, _, _) in enumerate(arms)):
+                out.append((i, last, -way, _walk(t, i, links[k], np.inf)[3]))
+    return out
+
+
+def _on(t, p, unit, i, first, scale):
+    on, before, at = [], i, first
+    while len(on) < STEPS and at is not None and at != i and not t.dropped[at]:
+        most = MOST_SLANT * unit[before] / scale * max(1, t.apart(before, at))
+        if np.hypot(np.hypot(*(p[at] - p[before])[:2]), (p[at] - p[before])[2]) > most or t.family[at] != t.family[i]:
+            break
+        on.append(at)
+        before, at = at, t.next(before, at)
+    return on
+
+
+def dashed(t, hand, radius):
+    """Half the widths of dashed lines: parted at whole powers of two of places along the thing, and, as far as the next
+    power is near, halfway between."""
+    out = radius.copy()
+    ways = [np.array(w[::-1]) / np.sqrt(np.square(w).sum())
+            for w in itertools.product((-1, 0, 1), repeat=3) if w > (0, 0, 0)]
+    for i in range(len(t)):
+        dash, links = hand.at("dash")[i], t.links[i]
+        if not dash > 0 or t.dropped[i] or not 1 <= len(links) <= 2:
+            continue
+        length = (dash + hand.at("dash_space")[i]) * hand.scale
+        sides = [_on(t, hand.p, hand.unit, i, first, hand.scale) for first in links] + [[]]
+        on = [*sides[0][::-1], i, *sides[1]]
+        middle = len(sides[0])
+        each = min(middle, len(on) - 1 - middle)
+        best = None
+        for way in ways:
+            along = hand.p[on] @ way
+            net = abs(along[-1] - along[0])
+            score = net - 2 * (np.abs(np.diff(along)).sum() - net)
+            if best is None or score > best[0]:
+                best = score, net, along[middle - each:middle + each + 1].mean()
+        if best[1] <= 0:
+            continue
+        rate = t.apart(on[0], on[-1]) / (length * best[1])
+        power = 2.0 ** np.floor(np.log2(rate))
+        times = rate / power
+        part = best[2] * power % 1
+        space = 0.5 * min(hand.at("dash_space")[i] * hand.scale + 2 * radius[i], length - 1)
+        born = (times - 1) * space
+        half = clamp01(abs(part - 0.5) * times * length - born + 0.5)
+        out[i] *= clamp01(min(part, 1 - part) * times * length - space + 0.5) * mix(1, half, min(1, born))
+    return out
