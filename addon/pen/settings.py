@@ -169,7 +169,8 @@ class Settings:
         scale = {"RELATIVE": height / 1080, "MM": height / scene["page_height"], "PIXELS": 1}[scene["length_unit"]]
         counted = scene["tone_pitch_unit"] == "LPI"
         inch = 25.4 * height / scene["page_height"]
-        strokes = [inch / pitch if counted else pitch * scale for values in self.every for pitch in strokes_pitches(values)]
+        strokes = [inch / pitch if counted else pitch * scale
+                   for values in self.every for pitch in strokes_pitches(values)]
         far = max(most * scale, *(_STROKE * max(pitch, 3) for pitch in strokes), 0)
         return int(np.ceil(far)) + _WINDOW if self.active else 0
 
