@@ -147,7 +147,8 @@ def parser():
                          help="go on after a frame that failed, and say at the end which")
     command.add_argument("--frame-timeout", metavar="S", type=_seconds, help="give a frame up after so many seconds")
     command.add_argument("--strict", action="store_true", help=(
-        "missing textures and libraries, and a file newer than this Blender, are errors"))
+        "missing or broken textures, libraries, caches and styles, scripts that fail, and a file newer than this "
+        "Blender are errors"))
     command.add_argument("--enable-autoexec", action="store_true", help="run the scripts in the file; trust its maker")
     command.add_argument("--dry-run", action="store_true", help="only say which files would be written")
     command.add_argument("--progress", choices=("text", "json"), default="text", help=(
