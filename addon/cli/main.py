@@ -65,11 +65,15 @@ def _render(args):
     if args.passes and not args.output.lower().endswith(".exr"):
         raise EncreError(f"--passes names passes of an .exr, and {args.output} has none; end its name in .exr")
     frames, progress = _frames(args), Progress(say, args.progress == "json", args.verbose)
-    render(_scene(args), args.output, frames=frames, values=_changes(args), resume=args.resume, quick=args.quick,
-           dry_run=args.dry_run, frame_timeout=args.frame_timeout, keep_going=args.keep_going, blender=args.blender,
-           progress=progress, samples=args.samples, size=args.size, scene_name=args.scene_name, camera=args.camera,
-           view_layer=args.view_layer, threads=args.threads, device=args.device, strict=args.strict,
-           autoexec=args.enable_autoexec, passes=args.passes, named=_named(args))
+    try:
+        render(_scene(args), args.output, frames=frames, values=_changes(args), resume=args.resume, quick=args.quick,
+               dry_run=args.dry_run, frame_timeout=args.frame_timeout, keep_going=args.keep_going, blender=args.blender,
+               progress=progress, samples=args.samples, size=args.size, scene_name=args.scene_name, camera=args.camera,
+               view_layer=args.view_layer, threads=args.threads, device=args.device, strict=args.strict,
+               autoexec=args.enable_autoexec, passes=args.passes, named=_named(args))
+    except (EncreError, OSError, MemoryError) as error:
+        progress.tell("error", text=str(error))
+        raise
     progress.tell("done")
 
 

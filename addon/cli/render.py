@@ -233,7 +233,13 @@ class _Sequence:
             for frame in left:
                 path = self.todo[frame]
                 name = os.path.basename(path)
-                if holder := self.place.claim(name):
+                try:
+                    holder = self.place.claim(name)
+                except OSError as error:  # the folder was removed, and our own in it
+                    rest = [str(each) for each in self.todo if not os.path.exists(self.todo[each])]
+                    raise RenderError(f"{images.unwritable(path, error.strerror)}; frames {', '.join(rest)} are not "
+                                      "rendered: run again with --resume") from None
+                if holder:
                     held[frame] = holder
                     continue
                 held.pop(frame, None)
@@ -242,13 +248,16 @@ class _Sequence:
                     if (resume or last) and self.finished(frame, quick):
                         finished += 1
                         continue
+                    if not self.child:  # before a frame is begun: what Blender says of the file is no news
+                        self._start()
                     self.progress.begin(frame, order[frame], len(order))
                     self._frame(frame, timeout)
                 except RenderError as error:
                     if not keep_going:
+                        self.progress.tell("failed", frame=frame, text=str(error))
                         raise
                     failed.append(frame)
-                    self.progress.say("warning", str(error))
+                    self.progress.failed(frame, str(error))
                 finally:
                     self.place.release(name)
             left = list(held)
@@ -277,8 +286,6 @@ class _Sequence:
             self.child = None
 
     def _frame(self, frame, timeout):
-        if not self.child:
-            self._start()
         self.child.begin(frame)
         self.child.send(frame=frame, stamp={metadata.MARK: self.mark(frame)})
         try:

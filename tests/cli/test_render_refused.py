@@ -41,7 +41,7 @@ scene.collection.objects.link(bpy.data.objects.new("Prop", props.meshes[0]))
 tiles = bpy.data.images.new("tiles", 4, 4, tiled=True)
 tiles.tiles.new(1002)
 tiles.filepath_raw, tiles.use_fake_user = os.path.join(here, "wood.<UDIM>.png"), True
-open(os.path.join(here, "wood.1001.png"), "wb")
+open(os.path.join(here, "wood.1001.png"), "wb").write(b"rings")
 bpy.ops.wm.save_as_mainfile(filepath=os.path.join(here, "in.blend"))
 os.remove(os.path.join(here, "props.blend"))
 """
