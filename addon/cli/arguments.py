@@ -78,6 +78,12 @@ def _jobs(text):
     return int(text)
 
 
+def _share(text):
+    """How --jobs tells a process which frames are its own, and where to tell what becomes of them."""
+    k, n, path = text.split("/", 2)
+    return int(k), int(n), path
+
+
 def _threads(text):
     if not re.fullmatch(r"\d{1,4}", text) or int(text) > 1024:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of threads from 1 to 1024, nor 0 for one a "
@@ -173,10 +179,11 @@ def parser():
     command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of a sequence")
     command.add_argument("--resume", action="store_true",
                          help="leave frames alone that are whole and were drawn from the same file and settings")
+    command.add_argument("--keep-going", action="store_true",
+                         help="of a sequence, go on after a frame that failed, and say at the end which")
     command.add_argument("--jobs", metavar="N", type=_jobs, default=1,
                          help="processes that share a sequence (default: 1)")
-    command.add_argument("--share", type=lambda text: tuple(map(int, text.split("/"))), default=(0, 1),
-                         help=argparse.SUPPRESS)  # how --jobs tells its processes which frames are theirs
+    command.add_argument("--share", type=_share, help=argparse.SUPPRESS)
     command.add_argument("--check", action="store_true",
                          help="only say which passes there are, and what each that is missing switches off")
     command.add_argument("--layer", metavar="WORD=NAME", action="append", default=[], dest="asked", help=(

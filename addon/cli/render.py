@@ -236,8 +236,8 @@ class _Sequence:
                 try:
                     holder = self.place.claim(name)
                 except OSError as error:  # the folder was removed, and our own in it
-                    rest = [str(each) for each in self.todo if not os.path.exists(self.todo[each])]
-                    raise RenderError(f"{images.unwritable(path, error.strerror)}; frames {', '.join(rest)} are not "
+                    rest = sequence.listed(each for each, file in self.todo.items() if not os.path.exists(file))
+                    raise RenderError(f"{images.unwritable(path, error.strerror)}; frames {rest} are not "
                                       "rendered: run again with --resume") from None
                 if holder:
                     held[frame] = holder
@@ -270,7 +270,7 @@ class _Sequence:
             self.progress.say("note", f"frame {frame} is left to {holder}, which is rendering it; if that runs no "
                               "more, remove its folder .encre-... beside the output")
         if failed:
-            raise RenderError(f"{len(failed)} of {len(order)} frames failed: {', '.join(map(str, failed))}; "
+            raise RenderError(f"{len(failed)} of {len(order)} frames failed: {sequence.listed(failed)}; "
                               "see the warnings above and run again with --resume")
 
     def _start(self):
