@@ -120,8 +120,8 @@ def parser():
 
     command = commands.add_parser("render", parents=[style], help="render a scene with Blender", description=(
         "Render a scene with Blender. A .py scene is run in an empty file. Blender is --blender, else the Python "
-        "module bpy, else `blender` on PATH. Several processes may render one sequence: each takes frames that no "
-        "other has."), examples="""examples:
+        "module bpy, else `blender` on PATH. With --resume several processes may render one sequence: each takes "
+        "frames that no other has."), examples="""examples:
   encre render scene.blend -o panel.png
   encre render scene.blend -o frames/####.exr -s 1 -e 48 --resume
   encre render scene.py -o test.png -f 1-100x5,7 --set line_thickness=6""")
@@ -130,7 +130,8 @@ def parser():
         "a .png, or a multilayer .exr to draw again; # in the name stands for digits of the frame number"))
     command.add_argument("-f", "--frame", metavar="N", type=_frame_list, help=(
         "the frame (default: the scene's current one), or a list such as 1-100x5,7"))
-    command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of an animation")
+    command.add_argument("-s", "--start", metavar="A", type=_frame, help=(
+        "first frame of an animation, which has the scene's frame step"))
     command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of an animation")
     command.add_argument("--scene", metavar="NAME", dest="scene_name",
                          help="the scene in the file (default: the open one)")
@@ -156,7 +157,8 @@ def parser():
         "missing or broken textures, libraries, caches and styles, scripts that fail, and a file newer than this "
         "Blender are errors"))
     command.add_argument("--enable-autoexec", action="store_true", help="run the scripts in the file; trust its maker")
-    command.add_argument("--dry-run", action="store_true", help="only say which files would be written")
+    command.add_argument("--dry-run", action="store_true", help=(
+        "only say which files would be written, also by File Output nodes"))
     command.add_argument("--progress", choices=("text", "json"), default="text", help=(
         "json: an object a line on the standard output"))
     command.add_argument("--blender", metavar="PATH", help="the Blender program to use")

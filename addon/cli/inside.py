@@ -266,8 +266,8 @@ def main(job, line):
         else:
             scene = staging.prepare(job, line.report)
     if "mesh" not in job:
-        line.report("ready", first=scene.frame_start, last=scene.frame_end, current=scene.frame_current,
-                    suffixes=staging.suffixes(scene), keep=list(staging.asked(scene)),
+        line.report("ready", first=scene.frame_start, last=scene.frame_end, step=scene.frame_step,
+                    current=scene.frame_current, suffixes=staging.suffixes(scene), keep=list(staging.asked(scene)),
                     blender=bpy.app.version_string)
         (compare if "techniques" in job else render)(job, scene, line, amiss)
     line.report("done")

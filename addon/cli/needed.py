@@ -124,10 +124,26 @@ def unrendered(scene):
 
 
 def outputs(scene):
-    """{folder or file: the File Output node that writes there}, which Blender does by itself."""
-    found = {}
+    """(where a File Output node writes, the folder that this needs, the node), which Blender does by itself."""
     for node in _compositor(scene):
         if node.type == "OUTPUT_FILE" and any(socket.is_linked for socket in node.inputs):
-            path = node.base_path if hasattr(node, "base_path") else node.directory
-            found.setdefault(_absolute(path), node.name)
-    return found
+            if hasattr(node, "base_path"):
+                path = _absolute(node.base_path)
+                folder = os.path.dirname(path) if node.format.file_format == "OPEN_EXR_MULTILAYER" else path
+            else:  # since 5.0
+                folder = _absolute(node.directory)
+                path = os.path.join(folder, node.file_name)
+            yield path, folder, node.name
+
+
+def no_folder(path):
+    """What lies where a folder of `path` would have to be; None: nothing does."""
+    while path != os.path.dirname(path) and not os.path.exists(path):
+        path = os.path.dirname(path)
+    return None if os.path.isdir(path) else path
+
+
+def strips(scene):
+    """Whether the sequencer shows anything."""
+    editor = scene.sequence_editor
+    return bool(editor) and any(not strip.mute for strip in versions.strips(editor))

@@ -16,10 +16,10 @@ import time
 import numpy as np
 
 from ..pen import metadata, unwrap
-from ..pen.errors import EncreError
+from ..pen.errors import EncreError, shown
 from . import composite, images, multilayer, png, sequence
 from .child import Child, Ended
-from .progress import Progress
+from .progress import Progress, put
 from .workplace import Workplace
 
 # What may be chosen of a scene, and how it is opened; None and False: as the file has it. named: the ids in values of
@@ -171,7 +171,7 @@ def _todo(scene, out, wanted, ready):
     if isinstance(wanted, tuple):
         first, last = (own if number is None else number
                        for number, own in zip(wanted, (ready["first"], ready["last"]), strict=True))
-        wanted, out = range(first, last + 1), sequence.pattern(out)
+        wanted, out = range(first, last + 1, ready["step"]), sequence.pattern(out)
     elif wanted is None:
         wanted = [ready["current"]]
     elif len(wanted) > 1:
@@ -211,17 +211,21 @@ class _Sequence:
 
     def finished(self, frame, quick):
         """Whether the files of a frame are there, whole, and made from the same."""
-        stem, ending = os.path.splitext(self.todo[frame])
-        paths = [stem + suffix + ending for suffix in self.suffixes]
         return all(images.text(path, metadata.MARK) == self.mark(frame) and images.whole(path, last_row=quick)
-                   for path in paths)
+                   for path in self._paths(frame))
+
+    def _paths(self, frame):
+        """The files of a frame: in stereo one for each eye."""
+        stem, ending = os.path.splitext(self.todo[frame])
+        return [stem + suffix + ending for suffix in self.suffixes]
 
     def show(self, resume, quick):
-        for frame, path in self.todo.items():
+        for frame in self.todo:
             state = "finished" if resume and self.finished(frame, quick) else "to render"
-            self.progress.tell("plan", frame=frame, file=path, state=state)
-            if not self.progress.as_json:
-                print(f"frame {frame}: {path} ({state})")
+            for path in self._paths(frame):
+                self.progress.tell("plan", frame=frame, file=path, state=state)
+                if not self.progress.as_json:
+                    put(shown(f"frame {frame}: {path} ({state})"))
 
     def run(self, resume, quick, timeout, keep_going):
         self._start()

@@ -107,6 +107,17 @@ def heed_scene(job, scene, report):
         _amiss(job, report, f"the compositor reads view layer {', '.join(layers)}, which --view-layer leaves out, and "
                             "gets nothing from it; leave --view-layer out, or switch Compositing off in the scene's "
                             "Post Processing")
+    if outputs := list(needed.outputs(scene)):
+        places = ", ".join(dict.fromkeys(f"{path} (node {node})" for path, _, node in outputs))
+        report("note", text=f"{job['scene']}: Blender itself writes more files, which --resume does not look at: "
+               f"{places}")
+    for _, folder, node in outputs:
+        if lost := needed.no_folder(folder):
+            _amiss(job, report, f"node {node} can't write its files: {lost} is no folder; move it away, or mute "
+                                "the node")
+    if scene.render.use_sequencer and needed.strips(scene):
+        report("warning", text=f"{job['scene']}: the strips of scene {scene.name}'s sequencer take the place of the "
+               "picture, and an .exr has no passes to draw again; switch Sequencer off in its Post Processing")
 
 
 def prepare(job, report):

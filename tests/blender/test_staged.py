@@ -29,6 +29,19 @@ def test_a_compositor_that_reads_what_is_not_rendered(facts):
         assert found[f"{name} said"] == [[]] and found[f"{name} strict"] == [None]
 
 
+def test_files_that_blender_writes_besides(facts):
+    """They are named; what stands where their folder would be is found before."""
+    found = facts("other_outputs")
+    for name in "no strips", "muted":
+        assert found[f"{name} said"] == [[]] and found[f"{name} strict"] == [None]
+    [[[kind, text]]] = found["free said"]
+    assert kind == "note" and "taken" in text and "(node File Output)" in text and found["free strict"] == [None]
+    [[_, [kind, text]]], [error] = found["taken said"], found["taken strict"]
+    assert kind == "warning" and "taken is no folder" in text and error == text
+    [[[kind, text]]] = found["strips said"]
+    assert kind == "warning" and "sequencer" in text and "no passes" in text
+
+
 def test_files_that_cannot_be_used(facts):
     found = facts("files_amiss")
     amiss(found, "style", "Cube has the style Nope", "add such a style")

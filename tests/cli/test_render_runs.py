@@ -57,8 +57,11 @@ def test_resume_leaves_alone_what_is_whole_and_made_from_the_same(cube, tmp_path
 
 
 def test_dry_run_and_progress_for_programs(cube, tmp_path):
-    done = encre("render", cube, "-o", tmp_path / "new" / "f.png", "-f", "1-9x4,2", "--dry-run")
-    assert done.returncode == 0 and done.stdout.count("to render") == 4 and not (tmp_path / "new").exists()
+    steps = script(tmp_path, "scene.frame_step, scene.render.use_multiview = 3, True\n")
+    done = encre("render", steps, "-o", tmp_path / "new" / "f.png", "-s", "1", "-e", "9", "--dry-run")
+    assert done.returncode == 0 and not (tmp_path / "new").exists()
+    assert done.stdout == "".join(f"frame {k}: {tmp_path}/new/f{k:04}_{eye}.png (to render)\n"
+                                  for k in (1, 4, 7) for eye in "LR"), "the scene's step, and a file for each eye"
     done = encre("render", cube, "-o", tmp_path / "new" / "f.png", "-f", "1-9x4,2", "--progress", "json")
     events = [json.loads(line) for line in done.stdout.splitlines()]
     assert done.returncode == 0 and done.stderr == ""

@@ -43,17 +43,23 @@ def camera_of_markers(out):
     fact("cameras", seen)
 
 
-def compositor_of_other_layers(out):
+def compositor(scene):
+    """Its tree, without nodes."""
     from encre.blender import versions
 
-    scene = stage()
-    scene.view_layers.new("Other")
     if hasattr(scene, "compositing_node_group"):
         scene.compositing_node_group = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
     else:
         scene.use_nodes = True
     tree = versions.compositor(scene)
     tree.nodes.clear()
+    return tree
+
+
+def compositor_of_other_layers(out):
+    scene = stage()
+    scene.view_layers.new("Other")
+    tree = compositor(scene)
     read, blur = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("CompositorNodeBlur")
     read.layer = "ViewLayer"
     tree.links.new(read.outputs["Image"], blur.inputs[0])
@@ -61,6 +67,31 @@ def compositor_of_other_layers(out):
     said("own layer", scene, view_layer="ViewLayer")
     scene.render.use_compositing = False
     said("switched off", scene, view_layer="Other")
+
+
+def other_outputs(out):
+    """A compositor that writes files, and a sequencer."""
+    scene = stage()
+    scene.sequence_editor_create()
+    said("no strips", scene)
+    tree = compositor(scene)
+    read, write = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("CompositorNodeOutputFile")
+    place = os.path.join(out, "taken")
+    if hasattr(write, "base_path"):
+        write.base_path = place
+    else:
+        write.directory = place
+        write.file_output_items.new("RGBA", "Image")
+    tree.links.new(read.outputs["Image"], write.inputs[0])
+    said("free", scene)
+    open(place, "w").close()
+    said("taken", scene)
+    write.mute = True
+    said("muted", scene)
+    editor = scene.sequence_editor
+    strips = editor.strips if hasattr(editor, "strips") else editor.sequences
+    strips.new_effect("Colour", "COLOR", 1, 1, **({"length": 9} if bpy.app.version >= (5, 0) else {"frame_end": 9}))
+    said("strips", scene)
 
 
 def files_amiss(out):
