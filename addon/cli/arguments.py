@@ -78,6 +78,12 @@ def _jobs(text):
     return int(text)
 
 
+def _share(text):
+    """How --jobs tells a process which frames are its own, and where to tell what becomes of them."""
+    k, n, path = text.split("/", 2)
+    return int(k), int(n), path
+
+
 def _threads(text):
     if not re.fullmatch(r"\d{1,4}", text) or int(text) > 1024:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of threads from 1 to 1024, nor 0 for one a "
@@ -114,8 +120,8 @@ def parser():
 
     command = commands.add_parser("render", parents=[style], help="render a scene with Blender", description=(
         "Render a scene with Blender. A .py scene is run in an empty file. Blender is --blender, else the Python "
-        "module bpy, else `blender` on PATH. Several processes may render one sequence: each takes frames that no "
-        "other has."), examples="""examples:
+        "module bpy, else `blender` on PATH. With --resume several processes may render one sequence: each takes "
+        "frames that no other has."), examples="""examples:
   encre render scene.blend -o panel.png
   encre render scene.blend -o frames/####.exr -s 1 -e 48 --resume
   encre render scene.py -o test.png -f 1-100x5,7 --set line_thickness=6""")
@@ -124,7 +130,8 @@ def parser():
         "a .png, or a multilayer .exr to draw again; # in the name stands for digits of the frame number"))
     command.add_argument("-f", "--frame", metavar="N", type=_frame_list, help=(
         "the frame (default: the scene's current one), or a list such as 1-100x5,7"))
-    command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of an animation")
+    command.add_argument("-s", "--start", metavar="A", type=_frame, help=(
+        "first frame of an animation, which has the scene's frame step"))
     command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of an animation")
     command.add_argument("--scene", metavar="NAME", dest="scene_name",
                          help="the scene in the file (default: the open one)")
@@ -147,9 +154,11 @@ def parser():
                          help="go on after a frame that failed, and say at the end which")
     command.add_argument("--frame-timeout", metavar="S", type=_seconds, help="give a frame up after so many seconds")
     command.add_argument("--strict", action="store_true", help=(
-        "missing textures and libraries, and a file newer than this Blender, are errors"))
+        "missing or broken textures, libraries, caches and styles, scripts that fail, and a file newer than this "
+        "Blender are errors"))
     command.add_argument("--enable-autoexec", action="store_true", help="run the scripts in the file; trust its maker")
-    command.add_argument("--dry-run", action="store_true", help="only say which files would be written")
+    command.add_argument("--dry-run", action="store_true", help=(
+        "only say which files would be written, also by File Output nodes"))
     command.add_argument("--progress", choices=("text", "json"), default="text", help=(
         "json: an object a line on the standard output"))
     command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
@@ -172,10 +181,11 @@ def parser():
     command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of a sequence")
     command.add_argument("--resume", action="store_true",
                          help="leave frames alone that are whole and were drawn from the same file and settings")
+    command.add_argument("--keep-going", action="store_true",
+                         help="of a sequence, go on after a frame that failed, and say at the end which")
     command.add_argument("--jobs", metavar="N", type=_jobs, default=1,
                          help="processes that share a sequence (default: 1)")
-    command.add_argument("--share", type=lambda text: tuple(map(int, text.split("/"))), default=(0, 1),
-                         help=argparse.SUPPRESS)  # how --jobs tells its processes which frames are theirs
+    command.add_argument("--share", type=_share, help=argparse.SUPPRESS)
     command.add_argument("--check", action="store_true",
                          help="only say which passes there are, and what each that is missing switches off")
     command.add_argument("--layer", metavar="WORD=NAME", action="append", default=[], dest="asked", help=(

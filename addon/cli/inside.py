@@ -161,20 +161,52 @@ def sentence(reason):
     return lines[0].removeprefix("Error: ").rstrip(".") if lines else type(reason).__name__
 
 
-def render(job, scene, line):
+class Amiss:
+    """What Blender passes over, and --strict does not: scripts that fail, as handlers may, and what a frame lacks."""
+
+    def __init__(self, strict, report):
+        self.strict, self.report, self.came, self.told = strict, report, [], set()
+        self.show = sys.excepthook
+        sys.excepthook = self.catch  # with which Blender prints what a handler raises, before it goes on
+
+    def catch(self, kind, reason, trace):
+        at = traceback.extract_tb(trace)
+        where = f"{os.path.basename(at[-1].filename)}, line {at[-1].lineno}: " if at else ""
+        self.came.append(f"a script failed ({where}{kind.__name__}: {sentence(reason)}); repair it")
+        self.show(kind, reason, trace)
+
+    def found(self, where, *more):
+        """Why it can't go on, of what came since this was asked and is told besides; None: it can, and all that is new
+        has been said."""
+        words = list(dict.fromkeys([*more, *self.came]))
+        self.came.clear()
+        if words and self.strict:
+            return f"{where}: {', '.join(words)}"
+        for each in words:
+            if each not in self.told:
+                self.told.add(each)
+                self.report("warning", text=f"{where}: {each}")
+        return None
+
+
+def render(job, scene, line, amiss):
     """Renders each frame that comes on the line, until the line says that it is the last."""
     while frame := line.hear():
         with line.watched():
-            event, more = render_frame(job, scene, frame["frame"], frame["stamp"])
+            event, more = render_frame(job, scene, frame["frame"], frame["stamp"], amiss)
         line.report(event, **more)
 
 
-def render_frame(job, scene, number, stamp):
+def render_frame(job, scene, number, stamp, amiss):
     """What to report of it."""
     from ..blender import wanted
+    from . import needed
 
     wanted.stamped = stamp
     scene.frame_set(number)
+    lost = [f"uses {words}; bring it back" for words in needed.lost_now(scene, amiss.strict)]
+    if words := amiss.found(f"frame {number}", *lost):
+        return "failed", {"text": words}
     scene.render.filepath = os.path.join(job["folder"], str(number))
     try:
         done = bpy.ops.render.render(write_still=True, scene=scene.name)
@@ -183,12 +215,14 @@ def render_frame(job, scene, number, stamp):
     # Stereo makes a file for each eye, named 1_L and 1_R.
     name = re.compile(rf"{number}(_.*)?{re.escape(job['ending'])}", re.IGNORECASE)
     made = [entry for entry in os.listdir(job["folder"]) if name.fullmatch(entry)]
+    if words := amiss.found(f"frame {number}"):
+        return "failed", {"text": words}
     if "FINISHED" in done and made:
         return "written", {"names": made}
     return "failed", {"text": f"frame {number}: Blender wrote no picture; run again with --verbose to see why"}
 
 
-def compare(job, scene, line):
+def compare(job, scene, line, _amiss):
     from . import staging, tools
 
     staging.mute(scene, "encre.edge_color")
@@ -212,6 +246,7 @@ def save_mesh(job, error):
 def main(job, line):
     with line.watched():
         line.report("doing", text="starting")
+        amiss = Amiss(job["strict"], line.report)
         join(register(line.report))
         from ..pen.errors import EncreError as error
         from . import staging
@@ -224,15 +259,17 @@ def main(job, line):
 
         bpy.app.handlers.render_stats.append(told)
         load(job, error, line.report)
+        if words := amiss.found(job["scene"]):
+            raise error(words)
         if "mesh" in job:
             save_mesh(job, error)
         else:
             scene = staging.prepare(job, line.report)
     if "mesh" not in job:
-        line.report("ready", first=scene.frame_start, last=scene.frame_end, current=scene.frame_current,
-                    suffixes=staging.suffixes(scene), keep=list(staging.asked(scene)),
+        line.report("ready", first=scene.frame_start, last=scene.frame_end, step=scene.frame_step,
+                    current=scene.frame_current, suffixes=staging.suffixes(scene), keep=list(staging.asked(scene)),
                     blender=bpy.app.version_string)
-        (compare if "techniques" in job else render)(job, scene, line)
+        (compare if "techniques" in job else render)(job, scene, line, amiss)
     line.report("done")
 
 
@@ -246,7 +283,8 @@ if __name__ == "__main__":
         main(job, line)
     except BaseException as reason:  # whatever it is, the command line says it in a sentence
         traceback.print_exc()
-        line.report("error", text=sentence(reason))
+        ours = sys.modules.get("encre.pen.errors")  # whose words are a sentence, though a name in it has several lines
+        line.report("error", text=str(reason) if ours and isinstance(reason, ours.EncreError) else sentence(reason))
     finally:
         # Blender's own exit would save preferences, and bpy's may crash.
         sys.stdout.flush()

@@ -20,9 +20,11 @@ from ..pen.errors import EncreError, shown
 from . import images, substitutes, tools
 from .arguments import parser
 from .bake import bake
+from .jobs import run as run_jobs
+from .jobs import teller
 from .progress import Progress, say
 from .render import RenderError, render
-from .restyle import check, restyle, split, todo
+from .restyle import LEFT, check, plan, restyle, sum_up
 
 
 def _changes(args):
@@ -65,11 +67,15 @@ def _render(args):
     if args.passes and not args.output.lower().endswith(".exr"):
         raise EncreError(f"--passes names passes of an .exr, and {args.output} has none; end its name in .exr")
     frames, progress = _frames(args), Progress(say, args.progress == "json", args.verbose)
-    render(_scene(args), args.output, frames=frames, values=_changes(args), resume=args.resume, quick=args.quick,
-           dry_run=args.dry_run, frame_timeout=args.frame_timeout, keep_going=args.keep_going, blender=args.blender,
-           progress=progress, samples=args.samples, size=args.size, scene_name=args.scene_name, camera=args.camera,
-           view_layer=args.view_layer, threads=args.threads, device=args.device, strict=args.strict,
-           autoexec=args.enable_autoexec, passes=args.passes, named=_named(args))
+    try:
+        render(_scene(args), args.output, frames=frames, values=_changes(args), resume=args.resume, quick=args.quick,
+               dry_run=args.dry_run, frame_timeout=args.frame_timeout, keep_going=args.keep_going, blender=args.blender,
+               progress=progress, samples=args.samples, size=args.size, scene_name=args.scene_name, camera=args.camera,
+               view_layer=args.view_layer, threads=args.threads, device=args.device, strict=args.strict,
+               autoexec=args.enable_autoexec, passes=args.passes, named=_named(args))
+    except (EncreError, OSError, MemoryError) as error:
+        progress.tell("error", text=str(error))
+        raise
     progress.tell("done")
 
 
@@ -84,23 +90,35 @@ def _compare(args):
 def _composite(args):
     asked = substitutes.given(args.asked)
     if args.check:
-        bad = []
-        for source, text, good in check(args.layers, _frames(args), args.view_layer, asked):
-            print("\n".join(map(shown, text.splitlines())), flush=True)
-            bad += [] if good else [source]
-        if bad:
-            raise EncreError(f"{', '.join(bad)}: has no picture: pass Combined is missing; render it")
+        faults = []
+        for text, fault in check(args.layers, _frames(args), args.view_layer, asked):
+            if text:
+                print("\n".join(map(shown, text.splitlines())), flush=True)
+            faults += [fault] if fault else []
+        for fault in faults[:-1]:
+            say("error", fault)
+        if faults:
+            raise EncreError(faults[-1])
         return
     if args.output is None:
         raise EncreError("-o is missing; say where the picture goes")
     changes, frames = _changes(args), _frames(args)
-    jobs = min(args.jobs, len(todo(args.layers, args.output, frames)))
+    whole = plan(args.layers, args.output, frames, args.keep_going)
+    share, states, jobs = args.share, {}, min(args.jobs, len(whole))
+
+    def tell(frame, state, words=""):
+        states[frame] = state
+        if words:
+            say("note" if state == LEFT else "warning", words)
+
     if jobs > 1:
-        split(args.argv, args.layers, jobs, args.threads)
-        return
-    restyle(args.layers, args.output, changes, frames=frames, resume=args.resume, share=args.share, say=say,
-            view_layer=args.view_layer, threads=args.threads, allow_paths=args.allow_paths, asked=asked,
-            named=_named(args))
+        run_jobs(args.argv, args.layers, whole, jobs, args.threads, args.keep_going, tell)
+    else:
+        restyle(whole, args.output, changes, teller(share[2], whole) if share else tell, share=(share or (0, 1))[:2],
+                resume=args.resume, keep_going=args.keep_going, view_layer=args.view_layer, threads=args.threads,
+                allow_paths=args.allow_paths, asked=asked, named=_named(args))
+    if not share:
+        sum_up(whole, states)
 
 
 def _bake(args):

@@ -2,6 +2,7 @@
 """What `encre` says while it works: a bar on a terminal, a line a frame elsewhere, or JSON for programs."""
 
 import json
+import os
 import re
 import sys
 import time
@@ -14,9 +15,21 @@ _REPORT = re.compile(r"(Info|Warning): (.+)")  # how Blender prints what the eng
 WIDTH = 30
 
 
+def put(text, stream="stdout", end="\n"):
+    """Prints; whether somebody reads it. Work goes on where nobody does any more, as after `| head -1`."""
+    stream = getattr(sys, stream)
+    try:
+        print(text, end=end, file=stream, flush=True)
+        return True
+    except OSError:
+        with open(os.devnull, "w") as nowhere:  # what is left in the stream would fail again at the end
+            os.dup2(nowhere.fileno(), stream.fileno())
+        return False
+
+
 def say(kind, sentence):
     """One line on the standard error: an error, a warning or a note."""
-    print(f"encre: {kind}: {shown(sentence)}", file=sys.stderr, flush=True)
+    put(f"encre: {kind}: {shown(sentence)}", "stderr")
 
 
 class Progress:
@@ -30,13 +43,14 @@ class Progress:
         self.part = 0, 1  # how many parts of the frame are done, and of how many
 
     def tell(self, event, **more):
-        if self.as_json:
-            print(json.dumps({"event": event, **more}), flush=True)
+        if self.as_json and not put(json.dumps({"event": event, **more})):
+            self.as_json = False
+            self._say("warning", "nobody reads what --progress json tells any more; rendering goes on")
 
-    def say(self, kind, sentence):
+    def say(self, kind, sentence, **more):
         self.clear()
         self._say(kind, sentence)
-        self.tell(kind, text=sentence)
+        self.tell(kind, text=sentence, **({"frame": self.frame} if self.label else {}), **more)
 
     def begin(self, frame, number, count):
         self.frame, self.label = frame, f"frame {frame} ({number}/{count})"
@@ -49,13 +63,20 @@ class Progress:
         took = time.monotonic() - self.start
         self.tell("written", frame=self.frame, files=paths, seconds=round(took, 3))
         for path in () if self.as_json else paths:
-            print(shown(f"{self.label}: {path} ({took:.1f} s)"), file=sys.stderr, flush=True)
+            put(shown(f"{self.label}: {path} ({took:.1f} s)"), "stderr")
         self.label = ""
+
+    def failed(self, frame, sentence):
+        """A frame that the others go on without."""
+        self.clear()
+        self.label = ""
+        self._say("warning", sentence)
+        self.tell("failed", frame=frame, text=sentence)
 
     def hear(self, line):
         """A line that Blender printed; whether it is known."""
         if self.verbose:
-            print(shown(line), file=sys.stderr)
+            put(shown(line), "stderr")
         if sample := _SAMPLE.search(line):
             self._sample(int(sample[1]), int(sample[2]))
         elif part := _PART.search(line):
@@ -77,8 +98,8 @@ class Progress:
         if self.tty:
             filled = WIDTH * number // count
             bar = "#" * filled + "." * (WIDTH - filled)
-            print(f"\r{self.label} [{bar}] {100 * number // count:3d} %", end="", file=sys.stderr, flush=True)
+            put(f"\r{self.label} [{bar}] {100 * number // count:3d} %", "stderr", end="")
 
     def clear(self):
         if self.tty:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+            put("\r\x1b[K", "stderr", end="")

@@ -16,10 +16,10 @@ import time
 import numpy as np
 
 from ..pen import metadata, unwrap
-from ..pen.errors import EncreError
+from ..pen.errors import EncreError, shown
 from . import composite, images, multilayer, png, sequence
 from .child import Child, Ended
-from .progress import Progress
+from .progress import Progress, put
 from .workplace import Workplace
 
 # What may be chosen of a scene, and how it is opened; None and False: as the file has it. named: the ids in values of
@@ -171,7 +171,7 @@ def _todo(scene, out, wanted, ready):
     if isinstance(wanted, tuple):
         first, last = (own if number is None else number
                        for number, own in zip(wanted, (ready["first"], ready["last"]), strict=True))
-        wanted, out = range(first, last + 1), sequence.pattern(out)
+        wanted, out = range(first, last + 1, ready["step"]), sequence.pattern(out)
     elif wanted is None:
         wanted = [ready["current"]]
     elif len(wanted) > 1:
@@ -211,17 +211,21 @@ class _Sequence:
 
     def finished(self, frame, quick):
         """Whether the files of a frame are there, whole, and made from the same."""
-        stem, ending = os.path.splitext(self.todo[frame])
-        paths = [stem + suffix + ending for suffix in self.suffixes]
         return all(images.text(path, metadata.MARK) == self.mark(frame) and images.whole(path, last_row=quick)
-                   for path in paths)
+                   for path in self._paths(frame))
+
+    def _paths(self, frame):
+        """The files of a frame: in stereo one for each eye."""
+        stem, ending = os.path.splitext(self.todo[frame])
+        return [stem + suffix + ending for suffix in self.suffixes]
 
     def show(self, resume, quick):
-        for frame, path in self.todo.items():
+        for frame in self.todo:
             state = "finished" if resume and self.finished(frame, quick) else "to render"
-            self.progress.tell("plan", frame=frame, file=path, state=state)
-            if not self.progress.as_json:
-                print(f"frame {frame}: {path} ({state})")
+            for path in self._paths(frame):
+                self.progress.tell("plan", frame=frame, file=path, state=state)
+                if not self.progress.as_json:
+                    put(shown(f"frame {frame}: {path} ({state})"))
 
     def run(self, resume, quick, timeout, keep_going):
         self._start()
@@ -233,7 +237,13 @@ class _Sequence:
             for frame in left:
                 path = self.todo[frame]
                 name = os.path.basename(path)
-                if holder := self.place.claim(name):
+                try:
+                    holder = self.place.claim(name)
+                except OSError as error:  # the folder was removed, and our own in it
+                    rest = sequence.listed(each for each, file in self.todo.items() if not os.path.exists(file))
+                    raise RenderError(f"{images.unwritable(path, error.strerror)}; frames {rest} are not "
+                                      "rendered: run again with --resume") from None
+                if holder:
                     held[frame] = holder
                     continue
                 held.pop(frame, None)
@@ -242,13 +252,16 @@ class _Sequence:
                     if (resume or last) and self.finished(frame, quick):
                         finished += 1
                         continue
+                    if not self.child:  # before a frame is begun: what Blender says of the file is no news
+                        self._start()
                     self.progress.begin(frame, order[frame], len(order))
                     self._frame(frame, timeout)
                 except RenderError as error:
                     if not keep_going:
+                        self.progress.tell("failed", frame=frame, text=str(error))
                         raise
                     failed.append(frame)
-                    self.progress.say("warning", str(error))
+                    self.progress.failed(frame, str(error))
                 finally:
                     self.place.release(name)
             left = list(held)
@@ -261,7 +274,7 @@ class _Sequence:
             self.progress.say("note", f"frame {frame} is left to {holder}, which is rendering it; if that runs no "
                               "more, remove its folder .encre-... beside the output")
         if failed:
-            raise RenderError(f"{len(failed)} of {len(order)} frames failed: {', '.join(map(str, failed))}; "
+            raise RenderError(f"{len(failed)} of {len(order)} frames failed: {sequence.listed(failed)}; "
                               "see the warnings above and run again with --resume")
 
     def _start(self):
@@ -277,8 +290,6 @@ class _Sequence:
             self.child = None
 
     def _frame(self, frame, timeout):
-        if not self.child:
-            self._start()
         self.child.begin(frame)
         self.child.send(frame=frame, stamp={metadata.MARK: self.mark(frame)})
         try:

@@ -1,59 +1,114 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`encre composite` on a file or a sequence of them, alone or shared among processes."""
+"""`encre composite` on a file or a sequence of them; jobs shares one among processes, each of which runs this."""
 
-import contextlib
 import os
 import re
-import subprocess
-import sys
 import tempfile
 import time
+from dataclasses import dataclass
 
 from ..pen import metadata
-from ..pen.errors import EncreError, shown
-from . import images, sequence
+from ..pen.errors import Cancelled, EncreError, shown
+from . import images, sequence, workplace
 from .composite import check as passes_of
 from .composite import composite
-from .progress import say
+from .progress import put, say
 from .render import RenderError
-from .workplace import Workplace
 
-_FINISHED = "{} of {} frames are finished and left alone"
-_LOOK = 0.1  # seconds between two looks at what other processes say
+FAILED, DRAWN, FINISHED, LEFT, BEGUN = "failed", "drawn", "finished", "left", "begun"  # what a frame may be
 
 
-def restyle(layers, out, change, *, frames=None, resume=False, share=(0, 1), say=say, **options):
-    """Restyles the EXR `layers` into `out`, or each of a sequence whose names have # for the number.
+@dataclass(frozen=True)
+class Frame:
+    """One file of a sequence and what is drawn of it; number: None where there is but one file."""
 
-    frames: a list, (first, last), or None for all that are there; share (k, n): only every n-th, from the k-th on;
-    resume: leave alone what is whole and was made from the same; options: as composite() has them. Raises EncreError
-    for the input, images.WriteError where something can't be written.
-    """
+    number: int | None
+    source: str
+    path: str
+
+
+def plan(layers, out, frames, keep_going=False):
+    """The Frames that are to be drawn, whose places have been looked at. Raises EncreError, with `keep_going` not for
+    a frame that is not there."""
     whole = todo(layers, out, frames)
-    mine = dict(list(whole.items())[share[0]::share[1]])
     images.prepare(out)
-    for source, path in mine.items():
-        if os.path.exists(path) and os.path.exists(source) and os.path.samefile(path, source):
-            raise EncreError(f"{path}: is the file that is read, whose layers would be lost; give another name")
-        images.check_place(path)
-    said, finished, parent = {}, 0, os.getppid()
+    if lost := [frame for frame in whole if frame.number is not None and not os.path.exists(frame.source)]:
+        others = f" nor {len(lost) - 1} more: frames {sequence.listed([frame.number for frame in lost])}"
+        if not keep_going:
+            raise EncreError(f"{lost[0].source}: there is no such file{others if len(lost) > 1 else ''}; give only "
+                             "frames that are there, or --keep-going")
+    for frame in whole:
+        if os.path.exists(frame.path) and os.path.exists(frame.source) and os.path.samefile(frame.path, frame.source):
+            raise EncreError(f"{frame.path}: is the file that is read, whose layers would be lost; give another name")
+        images.check_place(frame.path)
+    return whole
+
+
+def restyle(whole, out, change, tell, *, share=(0, 1), resume=False, keep_going=False, say=say, **options):
+    """Restyles the Frames `whole` into `out`, the name of all.
+
+    tell(frame, state, words) hears what becomes of each; share (k, n): only every n-th, from the k-th on; resume: leave
+    alone what is whole and was made from the same; keep_going: go on after one that failed; options: as composite() has
+    them. Raises what composite() does for a single file, which fails in no other way.
+    """
+    said, parent = {}, os.getppid()
     with images.writing([out]) as place:
-        for source, path in mine.items():
+        for frame in whole[share[0]::share[1]]:
             if share[1] > 1 and os.getppid() != parent:  # it was killed, and nobody waits for the rest
+                workplace.sweep(tempfile.gettempdir())
                 raise RenderError("the process that shares the frames out is gone; run again with --resume")
-            name, start = os.path.basename(path), time.perf_counter()
-            if holder := place.claim(name):
-                say("note", f"{path} is left to {holder}, which is drawing it")
-                continue
-            texts = {metadata.MARK: _mark(source, change, options)} if "#" in layers or resume else None
-            if resume and images.text(path, metadata.MARK) == texts[metadata.MARK] and images.whole(path):
-                finished += 1
-            else:
-                composite(source, path, change, say=_once(say, said, source), texts=texts, **options)
-                print(f"{shown(path)} ({time.perf_counter() - start:.1f} s)", flush=True)
-            place.release(name)
-    if finished or resume and share[1] > 1:
-        say("note", _FINISHED.format(finished, len(mine)))
+            tell(frame, BEGUN)
+            try:
+                tell(frame, *_one(frame, change, place, resume, _once(say, said, frame.source), options))
+            except Cancelled:
+                raise
+            except (EncreError, OSError, MemoryError) as error:
+                if frame.number is None:
+                    raise
+                tell(frame, FAILED, _reason(frame, error))
+                if not keep_going:
+                    return
+
+
+def _one(frame, change, place, resume, say, options):
+    """What became of a frame, and more words."""
+    name, start = os.path.basename(frame.path), time.perf_counter()
+    if holder := place.claim(name):
+        return LEFT, f"{frame.path} is left to {holder}, which is drawing it"
+    try:
+        texts = {metadata.MARK: _mark(frame.source, change, options)} if frame.number is not None or resume else None
+        if resume and images.text(frame.path, metadata.MARK) == texts[metadata.MARK] and images.whole(frame.path):
+            return FINISHED, ""
+        try:
+            composite(frame.source, frame.path, change, say=say, texts=texts, **options)
+        except images.WriteError:
+            raise
+        except EncreError as error:
+            raise EncreError(_reason(frame, error)) from None
+        put(f"{shown(frame.path)} ({time.perf_counter() - start:.1f} s)")
+        return DRAWN, ""
+    finally:
+        place.release(name)
+
+
+def _reason(frame, error):
+    """Why a frame failed, in a sentence that names its file."""
+    words = getattr(error, "strerror", None) or str(error) or "there is not enough memory for it"
+    return words if frame.source in words or frame.path in words else f"{frame.source}: {words}"
+
+
+def sum_up(whole, states, say=say):
+    """Says what became of `whole`, by {frame: state}; RenderError: not all was done."""
+    def numbers(*wanted):
+        return sequence.listed([frame.number for frame in whole if states.get(frame) in wanted])
+
+    if finished := sum(state == FINISHED for state in states.values()):
+        say("note", f"{finished} of {len(whole)} frames are finished and left alone")
+    if bad := sum(state == FAILED for state in states.values()):
+        rest = numbers(None, BEGUN)
+        more = f"; not drawn after that: {rest}" if rest else ""
+        raise RenderError(f"{bad} of {len(whole)} frames failed: {numbers(FAILED)}{more}; see the warnings above, and "
+                          "run again with --resume")
 
 
 def _once(say, said, source):
@@ -65,24 +120,38 @@ def _once(say, said, source):
 
 
 def check(layers, frames, view_layer, asked):
-    """Yields (file, text that lists its passes, whether it can be drawn) of an EXR or of those of a sequence: each list
+    """Yields (text that lists its passes, why it can't be drawn or None) of an EXR or of those of a sequence: each list
     once, of the first that has it."""
-    seen = set()
-    for source in todo(layers, layers, frames):
-        text, good = passes_of(source, view_layer, asked)
-        if (alike := text.replace(source, "")) not in seen:
-            seen.add(alike)
-            yield source, text, good
+    seen, whole = set(), todo(layers, layers, frames)
+    for frame in whole:
+        source = frame.source
+        try:
+            text, good = passes_of(source, view_layer, asked)
+        except EncreError as error:
+            if frame.number is None:
+                raise
+            yield "", str(error)
+            continue
+        fault = None if good else (f"{source}: has no picture: pass Combined is missing; render it, or say which it is "
+                                   "by --layer combined=NAME")
+        if good and not images.whole(source, last_row=True):
+            fault = f"{source}: is damaged: its last row can't be read; render or copy it again"
+        new = (alike := text.replace(source, "")) not in seen
+        seen.add(alike)
+        if new or fault:
+            yield text if new else "", fault
+    if len(whole) > 1:
+        yield f"{layers}: {len(whole)} files; lists that are alike are shown once", None
 
 
 def todo(layers, out, frames):
-    """{input: output}."""
+    """The Frames that are meant."""
     if re.search(r"%\d*d", os.path.basename(layers)):
         raise EncreError(f"{layers}: write # for each digit of the frame's number, not %d")
     if "#" not in os.path.basename(layers):
         if frames is not None:
             raise EncreError(f"{layers}: is one file, not a sequence; put # where the number stands")
-        return {layers: out}
+        return [Frame(None, layers, out)]
     there = sequence.found(layers)
     if isinstance(frames, tuple):
         first, last = frames
@@ -92,7 +161,7 @@ def todo(layers, out, frames):
     if not there:
         raise EncreError(f"{layers}: there is no such frame; check the path")
     out = sequence.pattern(out)
-    return {sequence.path(layers, frame): sequence.path(out, frame) for frame in there}
+    return [Frame(number, sequence.path(layers, number), sequence.path(out, number)) for number in there]
 
 
 def _mark(source, change, options):
@@ -102,58 +171,3 @@ def _mark(source, change, options):
         raise EncreError(f"{source}: can't be read ({error.strerror}); check the path") from None
     picture = {name: options.get(name) for name in ("view_layer", "asked")}
     return sequence.mark(source=content, values=change, encre=images.version(), **picture)
-
-
-def split(argv, layers, jobs, threads):
-    """Runs the command line `argv` in as many processes, each with its share of the frames of `layers`, and passes on
-    what they say, once where all say it. RenderError: one failed."""
-    more = [] if threads else ["--threads", str(max(1, (os.cpu_count() or 1) // jobs))]
-    with contextlib.ExitStack() as stack:
-        folder = stack.enter_context(Workplace(tempfile.gettempdir(), "encre-")).path
-        hear, children = _Chorus(layers), []
-        stack.callback(lambda: [_end(child) for child in children])
-        for k in range(jobs):
-            said = os.path.join(folder, str(k))
-            with open(said, "wb") as file:
-                children.append(subprocess.Popen(
-                    [sys.executable, "-m", __package__.partition(".")[0], *argv, "--jobs", "1", *more, "--share",
-                     f"{k}/{jobs}"], stderr=file))
-            hear.files.append(stack.enter_context(open(said, "rb")))
-        while any([child.poll() is None for child in children]):
-            hear()
-            time.sleep(_LOOK)
-        hear()
-    if hear.finished:
-        say("note", _FINISHED.format(hear.finished, hear.frames))
-    if any(child.returncode for child in children):
-        raise RenderError("not all frames were drawn; see above, and run again with --resume")
-
-
-def _end(child):
-    if child.poll() is None:
-        child.terminate()
-        child.wait()
-
-
-class _Chorus:
-    """What processes that share a sequence write into `files`: as a function it passes on what is new."""
-
-    def __init__(self, layers):
-        self.files, self.said, self.finished, self.frames = [], set(), 0, 0
-        self.one = re.compile("-?[0-9]+".join(map(re.escape, re.split("#+", shown(os.path.basename(layers))))))
-
-    def __call__(self):
-        for file in self.files:
-            while (row := file.readline()).endswith(b"\n"):
-                self._pass_on(row.decode(errors="replace"))
-            file.seek(-len(row), os.SEEK_CUR)  # of a row that is not whole yet
-
-    def _pass_on(self, row):
-        if counts := re.fullmatch(f"encre: note: {_FINISHED}\n".format(r"(\d+)", r"(\d+)"), row):
-            self.finished, self.frames = self.finished + int(counts[1]), self.frames + int(counts[2])
-            return
-        words = self.one.sub("", row)
-        if words not in self.said:
-            self.said.add(words)
-            sys.stderr.write(row)
-            sys.stderr.flush()

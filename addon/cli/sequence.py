@@ -29,6 +29,17 @@ def numbers(text):
     return list(found)
 
 
+def listed(frames):
+    """Numbers as text, runs of three and more as first-last."""
+    runs = []
+    for frame in sorted(frames):
+        if runs and frame == runs[-1][-1] + 1:
+            runs[-1].append(frame)
+        else:
+            runs.append([frame])
+    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs)
+
+
 def path(pattern, frame):
     """The file of a frame: runs of # in the name of `pattern` are its digits."""
     folder, name = os.path.split(pattern)

@@ -4,13 +4,13 @@
 Runs inside Blender, where inside.py imports it.
 """
 
-import os
 import re
 
 import bpy
 
 from ..blender import ENGINE, papers, properties, wanted
 from ..pen.errors import EncreError, unknown
+from . import needed
 
 
 def mute(scene, path):
@@ -33,24 +33,6 @@ def chosen(kind, name, known, job):
     if name not in known:
         raise EncreError(f"{job['scene']}: " + unknown(kind, name, known.keys()))
     return known[name]
-
-
-def missing():
-    """Files that the scene uses and that are not there."""
-    found = [(library.filepath, None) for library in bpy.data.libraries]
-    found += [(path, image.library) for image in bpy.data.images
-              if image.source in ("FILE", "MOVIE", "TILED") and image.users and image.filepath
-              and not image.packed_files for path in _files(image)]
-    return [path for path, library in found if not os.path.exists(bpy.path.abspath(path, library=library))]
-
-
-def _files(image):
-    """Paths of an image: several of one in tiles."""
-    if image.source != "TILED":
-        return [image.filepath]
-    numbers = [tile.number for tile in image.tiles]
-    return [image.filepath.replace("<UDIM>", str(number))
-            .replace("<UVTILE>", f"u{(number - 1001) % 10 + 1}_v{(number - 1001) // 10 + 1}") for number in numbers]
 
 
 def use_device(scene, name):
@@ -80,9 +62,10 @@ def choose(job):
             bpy.context.window.scene = scene
     if job["camera"] is not None:
         cameras = {obj.name: obj for obj in scene.objects if obj.type == "CAMERA"}
-        scene.camera = chosen("camera", job["camera"], cameras, job)
-        for marker in scene.timeline_markers:  # which would change it with the frame
+        camera = chosen("camera", job["camera"], cameras, job)
+        for marker in scene.timeline_markers:  # which change it with the frame, and at once where one loses its own
             marker.camera = None
+        scene.camera = camera
     if job["view_layer"] is not None:
         chosen("view layer", job["view_layer"], scene.view_layers, job)
         for layer in scene.view_layers:
@@ -99,22 +82,49 @@ def choose(job):
     return scene
 
 
+def _amiss(job, report, words):
+    """What --strict takes for an error."""
+    if job["strict"]:
+        raise EncreError(f"{job['scene']}: {words}")
+    report("warning", text=f"{job['scene']}: {words}")
+
+
 def heed(job, report):
     """Says what the file asks for and does not get."""
     if bpy.app.autoexec_fail and not job["autoexec"]:
         report("warning", text=f"{job['scene']}: its scripts and drivers in Python were not run; if you trust whoever "
                "made the file, give --enable-autoexec")
-    if paths := missing():
-        words = f"{job['scene']}: uses files that are not there: {', '.join(paths)}"
-        if job["strict"]:
-            raise EncreError(f"{words}; bring them back")
-        report("warning", text=words)
+    if files := needed.lost(job["strict"]):
+        _amiss(job, report, f"uses files that can't be used: {', '.join(files)}; bring them back")
+
+
+def heed_scene(job, scene, report):
+    """Likewise of the scene, which has been chosen."""
+    for name, style in needed.styles(scene):
+        _amiss(job, report, f"{name} has the style {style}, which scene {scene.name} has not, and is drawn as the "
+                            "scene is; add such a style or choose another")
+    if job["view_layer"] is not None and (layers := needed.unrendered(scene)):
+        _amiss(job, report, f"the compositor reads view layer {', '.join(layers)}, which --view-layer leaves out, and "
+                            "gets nothing from it; leave --view-layer out, or switch Compositing off in the scene's "
+                            "Post Processing")
+    if outputs := list(needed.outputs(scene)):
+        places = ", ".join(dict.fromkeys(f"{path} (node {node})" for path, _, node in outputs))
+        report("note", text=f"{job['scene']}: Blender itself writes more files, which --resume does not look at: "
+               f"{places}")
+    for _, folder, node in outputs:
+        if lost := needed.no_folder(folder):
+            _amiss(job, report, f"node {node} can't write its files: {lost} is no folder; move it away, or mute "
+                                "the node")
+    if scene.render.use_sequencer and needed.strips(scene):
+        report("warning", text=f"{job['scene']}: the strips of scene {scene.name}'s sequencer take the place of the "
+               "picture, and an .exr has no passes to draw again; switch Sequencer off in its Post Processing")
 
 
 def prepare(job, report):
     """Sets the scene up as the job asks. Nothing of it is saved."""
     heed(job, report)
     scene = choose(job)
+    heed_scene(job, scene, report)
     scene.render.engine = ENGINE
     for id_, value in job["values"].items():
         mute(scene, f"encre.{id_}")

@@ -56,7 +56,8 @@ def test_sequences(run, tmp_path, scene, ending):
     assert status == 0 and said.count("\n") == 1 and "3 of 4 frames are finished" in err
     assert first.stat().st_mtime_ns == before
     assert run("composite", pattern, "-o", out, "--resume", "-s", "2", "--set=line_thickness=9")[1].count("\n") == 3
-    fails(run("composite", pattern, "-o", out, "-f", "9"), "in.0009.exr", "No such file")
+    fails(run("composite", pattern, "-o", out, "-f", "3-6"), "--keep-going",
+          "in.0004.exr: there is no such file nor 2 more: frames 4-6")
     fails(run("composite", tmp_path / "in.0001.exr", "-o", out, "-f", "1"), "#")
     fails(run("composite", tmp_path / "none.####.exr", "-o", out), "no such frame")
 
@@ -73,6 +74,14 @@ def test_sequences_are_checked(run, tmp_path, scene):
     exr.write(tmp_path / "in.3.exr", {"Depth": scene["depth"]})
     status, out, err = run("composite", tmp_path / "in.#.exr", "--check")
     assert status == 2 and out.count("view layer") == 3 and "in.3.exr: has no picture" in err and "in.4" not in err
+    assert out.endswith("4 files; lists that are alike are shown once\n")
+    (tmp_path / "in.2.exr").write_bytes((tmp_path / "in.2.exr").read_bytes()[:-2000])
+    (tmp_path / "in.1.exr").write_bytes(b"")
+    err = run("composite", tmp_path / "in.#.exr", "--check")[2]
+    assert "in.1.exr: is not a readable" in err and "in.2.exr: is damaged" in err and "in.3.exr: has no" in err
+    assert err.count("encre: error: ") == err.count("\n") == 3
+    status, _, err = run("composite", tmp_path / "in.2.exr", "--check")
+    assert status == 2 and "in.2.exr: is damaged" in err
 
 
 def test_sequences_by_other_programs_names(run, tmp_path):
@@ -101,10 +110,54 @@ def test_jobs(tmp_path, scene):
     code, out, err = finish(start(*command, "--resume", "--preset", "inter_color_2016"))
     assert code == 0 and out.count("\n") == 1 and err.count("finished") == 1
     assert err.endswith("encre: note: 4 of 5 frames are finished and left alone\n")
-    (tmp_path / "in.0002.exr").write_bytes(b"")
-    code, _, err = finish(start(*command))
-    assert code == 1 and "in.0002.exr" in err and err.splitlines()[-1].startswith("encre: error: not all frames")
     assert not list(tmp_path.glob(".encre-*"))
+
+
+def test_a_frame_that_fails_ends_a_sequence_alike_by_one_process_and_by_several(run, tmp_path, scene):
+    """With --keep-going the others are drawn; each that fails is named, and at the end all are listed."""
+    for frame in (1, 2, 3, 4, 5):
+        exr.write(tmp_path / f"in.{frame}.exr", exr.passes(scene))
+    for frame in (3, 5):
+        (tmp_path / f"in.{frame}.exr").write_bytes((tmp_path / "in.1.exr").read_bytes()[:-2000])
+    exr.write(tmp_path / "in.2.exr", exr.passes(scene), metadata={"encre.params": "{"})
+    for jobs in (1, 3):
+        out, command = tmp_path / str(jobs), ("composite", tmp_path / "in.#.exr", "-f", "1-6", "--jobs", jobs, "-o")
+        fails(run(*command, out / "o.#.png"), "in.6.exr: there is no such file", status=2)
+        code, said, err = finish(start(*command, out / "o.#.png", "--keep-going"))
+        assert code == 1 and said.count("\n") == 2 and {p.name for p in out.glob("*")} == {"o.1.png", "o.4.png"}
+        for frame in (2, 3, 5, 6):
+            assert sum(line.startswith("encre: warning") and f"in.{frame}.exr: " in line
+                       for line in err.splitlines()) == 1, err
+        assert err.endswith("encre: error: 4 of 6 frames failed: 2, 3, 5, 6; see the warnings above, and run again "
+                            "with --resume\n")
+        code, _, err = finish(start(*command[:3], "1,3-5", *command[4:], out / "p.#.png"))
+        assert code == 1 and "of 4 frames failed: " in err.splitlines()[-1] and (jobs > 1 or "that: 4, 5; " in err), err
+
+
+def test_a_process_that_is_killed_is_told_with_its_frame(tmp_path, scene):
+    one = exr.write(tmp_path / "in.1.exr", exr.passes(scene))
+    for frame in (2, 3, 4):
+        os.link(one, tmp_path / f"in.{frame}.exr")
+    os.remove(tmp_path / "in.2.exr")
+    os.mkfifo(tmp_path / "in.2.exr")
+    child = start("composite", tmp_path / "in.#.exr", "-f", "1-4", "-o", tmp_path / "o.#.png", "--jobs", "2")
+    deadline = time.monotonic() + 60
+    while not (found := [path.parent.name for path in Path("/proc").glob("[0-9]*/cmdline")
+                         if b"--share\x001/2/" in read(path) and bytes(tmp_path) in read(path)]):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    time.sleep(0.5)
+    os.kill(int(found[0]), signal.SIGKILL)
+    code, _, err = finish(child)
+    assert code == 1 and "in.2.exr: the process that drew it ended (signal SIGKILL)" in err, err
+    assert err.splitlines()[-1].startswith("encre: error: 1 of 4 frames failed: 2; not drawn after that: 4; ")
+
+
+def read(path):
+    try:
+        return path.read_bytes()
+    except OSError:  # it has just ended
+        return b""
 
 
 def test_jobs_end_with_the_process_that_shares_them_out(tmp_path, scene):

@@ -41,7 +41,7 @@ scene.collection.objects.link(bpy.data.objects.new("Prop", props.meshes[0]))
 tiles = bpy.data.images.new("tiles", 4, 4, tiled=True)
 tiles.tiles.new(1002)
 tiles.filepath_raw, tiles.use_fake_user = os.path.join(here, "wood.<UDIM>.png"), True
-open(os.path.join(here, "wood.1001.png"), "wb")
+open(os.path.join(here, "wood.1001.png"), "wb").write(b"rings")
 bpy.ops.wm.save_as_mainfile(filepath=os.path.join(here, "in.blend"))
 os.remove(os.path.join(here, "props.blend"))
 """
@@ -50,7 +50,7 @@ os.remove(os.path.join(here, "props.blend"))
 def test_missing_libraries_and_tiles_are_said(tmp_path):
     works(encre("render", script(tmp_path, LINKS), "-o", tmp_path / "a.png"))
     err = works(encre("render", tmp_path / "in.blend", "-o", tmp_path / "b.png"))
-    assert "not there: " in err and "props.blend" in err and "wood.1002.png" in err and "wood.1001.png" not in err
+    assert "props.blend (not there)" in err and "wood.1002.png (not there)" in err and "wood.1001.png" not in err
     out = tmp_path / "c.png"
     fails(encre("render", tmp_path / "in.blend", "-o", out, "--strict"), "props.blend", "bring them back")
     assert not out.exists()

@@ -57,8 +57,11 @@ def test_resume_leaves_alone_what_is_whole_and_made_from_the_same(cube, tmp_path
 
 
 def test_dry_run_and_progress_for_programs(cube, tmp_path):
-    done = encre("render", cube, "-o", tmp_path / "new" / "f.png", "-f", "1-9x4,2", "--dry-run")
-    assert done.returncode == 0 and done.stdout.count("to render") == 4 and not (tmp_path / "new").exists()
+    steps = script(tmp_path, "scene.frame_step, scene.render.use_multiview = 3, True\n")
+    done = encre("render", steps, "-o", tmp_path / "new" / "f.png", "-s", "1", "-e", "9", "--dry-run")
+    assert done.returncode == 0 and not (tmp_path / "new").exists()
+    assert done.stdout == "".join(f"frame {k}: {tmp_path}/new/f{k:04}_{eye}.png (to render)\n"
+                                  for k in (1, 4, 7) for eye in "LR"), "the scene's step, and a file for each eye"
     done = encre("render", cube, "-o", tmp_path / "new" / "f.png", "-f", "1-9x4,2", "--progress", "json")
     events = [json.loads(line) for line in done.stdout.splitlines()]
     assert done.returncode == 0 and done.stderr == ""
@@ -69,6 +72,8 @@ def test_dry_run_and_progress_for_programs(cube, tmp_path):
 
 
 FAILING = """
+print("Info: Read library: nothing")
+
 def hang(scene, *_):
     import time
     if scene.frame_current == 2:
@@ -86,9 +91,14 @@ def test_a_frame_that_hangs_or_crashes(tmp_path):
     result = encre(*command)
     fails(result, "frame 2", "8 s", "--frame-timeout", status=1)
     assert left(tmp_path) == ["f0001.png"]
-    result = encre(*command, "--keep-going", "--resume")
-    fails(result, "2 of 5 frames failed: 2, 4", status=1)
+    result = encre(*command, "--keep-going", "--resume", "--progress", "json")
+    events = [json.loads(line) for line in result.stdout.splitlines()]
+    failed = {event["frame"]: event["text"] for event in events if event["event"] == "failed"}
+    assert list(failed) == [2, 4] and "8 s" in failed[2] and "SIGSEGV" in failed[4]
+    assert events[-1]["event"] == "error" and "2 of 5 frames failed: 2, 4" in events[-1]["text"]
+    assert result.returncode == 1 and result.stderr.endswith(f"encre: error: {events[-1]['text']}\n")
     assert "SIGSEGV" in result.stderr and "1 of 5 frames are finished" in result.stderr
+    assert "Read library" not in result.stdout + result.stderr, "what the second Blender says of the file"
     assert left(tmp_path) == ["f0001.png", "f0003.png", "f0005.png"]
 
 

@@ -23,11 +23,12 @@ import lit  # noqa: E402
 import painting  # noqa: E402
 import pictures  # noqa: E402
 import quick  # noqa: E402
+import staged  # noqa: E402
 import supersampling  # noqa: E402
 import surfaces  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
-                                  keeping, surfaces, lit, painting, quick, anchors, distances)
+                                  keeping, surfaces, lit, painting, quick, anchors, distances, staged)
          for name, case in vars(topic).items()}
 
 
