@@ -105,6 +105,6 @@ def _denoiser(layer, go_on, hasty, also):
     if hasty or layer.early == "Encre Lines" or not wanted or not denoise.available(versions.home()):
         return None
     frame, scale = supersample.frame(layer.frame, layer.factor), layer.settings.light_scale
-    return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, layer.threads, go_on,
-                                                           versions.home(), scale, layer.samples < _FEW,
-                                                           (frame.x, frame.y), also)
+    return lambda picture, albedo, normal, *surface: denoise.denoise(
+        picture, albedo, normal, layer.threads, go_on, versions.home(), scale, layer.samples < _FEW,
+        (frame.x, frame.y), also, surface)

@@ -19,5 +19,5 @@ def available():
 
 def cleaner(threads, scale, row):
     """What layers.assemble() takes as `denoise` for a part of the frame that begins at this row."""
-    return lambda picture, albedo, normal: denoise.denoise(picture, albedo, normal, threads, scale=scale, home=home(),
-                                                           at=(0, row))
+    return lambda picture, albedo, normal, *surface: denoise.denoise(
+        picture, albedo, normal, threads, scale=scale, home=home(), at=(0, row), surface=surface)

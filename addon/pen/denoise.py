@@ -8,16 +8,18 @@ import functools
 import glob
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from . import even
 from .around import Window
 from .errors import Cancelled, EncreError
 
 _CPU, _FLOAT3 = 1, 3
 _PAD = 32  # mirrored pixels beyond the frame: less lets stripes along it through
-REACH = _OVERLAP = 80  # how far its network sees, on its grid
+_OVERLAP = 80  # how far its network sees, on its grid
+REACH = _OVERLAP + even.REACH  # with what evens out what it leaves
 _GRID = 16  # on which the network halves pictures: places on it give the same in every part of a frame
 _ROWS, _PIXELS = 34 * _GRID, 1 << 20  # of a strip, one or the other: between two of them it can be cancelled
 _FAST, _FAST_SINCE = 4, 20300
@@ -71,14 +73,16 @@ def available(home: str | None = None) -> bool:
 
 def denoise(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads: int = 0,
             keep_on: Callable[[], bool] | None = None, home: str | None = None, scale: float = 1.0,
-            fast: bool = False, at: tuple[int, int] = (0, 0), also: Window | None = None) -> np.ndarray:
+            fast: bool = False, at: tuple[int, int] = (0, 0), also: Window | None = None,
+            surface: Sequence[np.ndarray] = ()) -> np.ndarray:
     """`picture` (height, width, 3), linear and unlimited, without noise; albedo and normal guide it, and where neither
     tells of anything, outside of `also`, it stays as it is.
 
     threads: 0 = as many as there are processors. keep_on: asked now and then, on this thread; False cancels
     (Cancelled). home: as in available(). scale: what brings the light that matters near 1; it is not taken from the
     picture, so that a part of a frame gets what the whole does. fast: half the time and a tenth more noise, where the
-    library can. at: place (x, y) of the picture in its frame. EncreError: the denoiser failed.
+    library can. at: place (x, y) of the picture in its frame. surface: of light, depth and perhaps number of the
+    object, by which what is left of noise is evened out. EncreError: the denoiser failed.
     """
     out = np.array(picture, np.float32)
     height, width = out.shape[:2]
@@ -100,6 +104,8 @@ def denoise(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads
             top, left = first - down[0], columns[0] - across[0]
             out[first:last, columns[0]:columns[-1] + 1] = clean[
                 top:top + last - first, left:left + columns[-1] + 1 - columns[0]]
+    if surface:
+        even.even(out, picture, normal, *surface)
     return out
 
 

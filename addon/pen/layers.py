@@ -14,8 +14,8 @@ from .errors import EncreError
 from .job import Frame
 from .settings import Settings
 
-# A picture without its noise, by albedo and normal.
-Denoise = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+# A picture without its noise, by albedo and normal; of light depth and, if it is known, the object's number follow.
+Denoise = Callable[..., np.ndarray]
 
 # The layer `diffuse` by depth and normal.
 Illuminate = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -138,11 +138,12 @@ class _Light:
     """Light without the colour of the surface, direct alone or all of it, as rendered or denoised.
 
     guides: for the denoiser. In place of the albedo it is told where diffuse light is seen at all: by textures it would
-    print their joints and checks into light that knows nothing of them.
+    print their joints and checks into light that knows nothing of them. surface: depth and, if
+    known, number of the object, by which what the denoiser leaves is evened out.
     """
 
-    def __init__(self, read, direct, denoise, guides):
-        self.denoise, self.guides, self.cleaned = denoise, guides, {}
+    def __init__(self, read, direct, denoise, guides, surface):
+        self.denoise, self.guides, self.surface, self.cleaned = denoise, guides, surface, {}
         first = read("DiffDir")
         self.rendered = {True: first if np.ndim(direct) or direct else None,
                          False: first + read("DiffInd") if "DiffInd" in read else first}
@@ -151,7 +152,7 @@ class _Light:
         if not self.denoise:
             return self.rendered[direct]
         if direct not in self.cleaned:
-            self.cleaned[direct] = self.denoise(self.rendered[direct], *self.guides)
+            self.cleaned[direct] = self.denoise(self.rendered[direct], *self.guides, *self.surface)
         return self.cleaned[direct]
 
 
@@ -168,7 +169,8 @@ def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str,
     free after its last reader.
     settings: the settings.Settings of the picture.
     known: layers that need not be made of passes, as the rasteriser or a file has them.
-    denoise: function of (picture, albedo, normal) that gives the picture (height, width, 3) without noise, or None.
+    denoise: function of (picture, albedo, normal) that gives the picture (height, width, 3) without noise, or None; of
+    light it gets the layers depth and, where known, object, too, to even out what is left.
     denoise_other: clean also what is not diffuse light (Cycles' own denoiser is off while shading is on, because
     it would clean Combined but not the passes, and their difference would be noise).
     illuminate: function of (depth, normal) that draws the layer `diffuse`, instead of what is in the passes.
@@ -230,7 +232,8 @@ def _light(read, layers, settings, denoise, denoise_other):
     shading = _by_style(style, [v["use_shading"] for v in settings.every])
     direct = _by_style(style, [v["shade_light"] == "DIRECT" for v in settings.every])
     guides = (_where_lit(layers["color"]), finite(layers["normal"])[0]) if denoise else None
-    light = _Light(read, direct, denoise, guides) if "DiffDir" in read else None
+    surface = [layers[name] for name in ("depth", "object") if name in layers]
+    light = _Light(read, direct, denoise, guides, surface) if "DiffDir" in read else None
     if "diffuse" in layers:
         layers["diffuse"], bad = finite(layers["diffuse"])
         read.nonfinite += bad
@@ -243,8 +246,8 @@ def _light(read, layers, settings, denoise, denoise_other):
 
 
 def _where_lit(color):
-    """1 where there is any colour for diffuse light to be seen in, else 0."""
-    return np.broadcast_to(color.any(2, keepdims=True), color.shape).astype(np.float32)
+    """Whether there is any colour for diffuse light to be seen in, of a byte a pixel."""
+    return np.broadcast_to(color.any(2, keepdims=True), color.shape)
 
 
 def _put_together(read, layers, light, shading, denoise_other):

@@ -54,9 +54,8 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 		made.through = arena_take(a, pixels, sizeof *made.through);
 		made.glimpse = arena_take(a, (size_t)f->height, sizeof *made.glimpse);
 	}
-	ptrdiff_t scratch[] = {ISA(crack_scratch)(f), ISA(ridge_scratch)(f),
-			       e->on[SOURCE_LIGHT] ? ISA(light_scratch)(f) : 0};
-	for (int i = 0; i < 3; i++)
+	ptrdiff_t scratch[] = {ISA(crack_scratch)(f), ISA(ridge_scratch)(f)};
+	for (int i = 0; i < 2; i++)
 		made.thread_scratch = scratch[i] > made.thread_scratch ? scratch[i] : made.thread_scratch;
 	made.scratch =
 		arena_take(a, (size_t)bands_threads(f->bands) * (size_t)made.thread_scratch, sizeof *made.scratch);
@@ -100,11 +99,6 @@ static int32_t show_strength(fine *n)
 	return code;
 }
 
-static bool is_lit(const fine *n)
-{
-	return n->e->on[SOURCE_LIGHT];
-}
-
 static bool has_seen(const fine *n)
 {
 	return n->seen != NULL;
@@ -120,18 +114,17 @@ static bool is_colored(const fine *n)
 /* What passes read and write. */
 enum part {
 	LAYERS = 1 << 0,
-	LIGHT = 1 << 1,   /* fine.light */
-	CRACKS = 1 << 2,  /* crack, colored */
-	HITS = 1 << 3,    /* hit */
-	THROUGH = 1 << 4, /* through, glimpse */
-	RIDGES = 1 << 5,  /* ridge, seen */
-	BOUND = 1 << 6,   /* kept */
-	FOUND = 1 << 7,   /* count, first, and of each site: found */
-	PLACED = 1 << 8,
-	CELLS = 1 << 9,  /* cell, member */
-	KEPT = 1 << 10,  /* linked */
-	LINKS = 1 << 11, /* at, to, known */
-	MARKS = LAYERS | LIGHT | CRACKS | HITS | THROUGH | RIDGES
+	CRACKS = 1 << 1,  /* crack, colored */
+	HITS = 1 << 2,    /* hit */
+	THROUGH = 1 << 3, /* through, glimpse */
+	RIDGES = 1 << 4,  /* ridge, seen */
+	BOUND = 1 << 5,   /* kept */
+	FOUND = 1 << 6,   /* count, first, and of each site: found */
+	PLACED = 1 << 7,
+	CELLS = 1 << 8,  /* cell, member */
+	KEPT = 1 << 9,   /* linked */
+	LINKS = 1 << 10, /* at, to, known */
+	MARKS = LAYERS | CRACKS | HITS | THROUGH | RIDGES
 };
 
 /* What is not wanted writes NULL, and nobody asks for it. */
@@ -144,8 +137,7 @@ typedef struct pass {
 } pass;
 
 static const pass passes[] = {
-	{"even light", is_lit, ISA(light_even), LAYERS, LIGHT, NULL},
-	{"mark cracks", NULL, mark_cracks, LAYERS | LIGHT, CRACKS, BROKEN(cracks)},
+	{"mark cracks", NULL, mark_cracks, LAYERS, CRACKS, BROKEN(cracks)},
 	{"mark hits", NULL, mark_hits, LAYERS | CRACKS, HITS, NULL},
 	{"see through", has_seen, ISA(seen_run), LAYERS, THROUGH, NULL},
 	{"mark ridges", NULL, mark_ridges, LAYERS | CRACKS | HITS | THROUGH, RIDGES, BROKEN(ridges)},

@@ -157,8 +157,6 @@ typedef struct fine {
 	uint16_t *seen;   /* width * height; NULL: nothing is known of it */
 	uint8_t *through; /* width * height: the eye passes through or off the surface here; NULL likewise */
 	uint8_t *glimpse; /* by row: there are such pixels */
-	float *light;     /* the light, without its noise where that may matter, until sites are placed; NULL where it
-			     makes no edges */
 	uint32_t *marks;  /* by row, and in it by tile: how many marks are kept */
 	/* By tile, where it has too many marks, those that are kept, a bit each, by pixel of the tile; NULL: all. */
 	uint64_t **kept, *dense; /* dense: the memory of these */
@@ -202,8 +200,6 @@ static inline void crack_place(const found *at, float share, placed *s)
 }
 
 /* light.c */
-int32_t ISA(light_even)(fine *n);             /* takes and fills light */
-ptrdiff_t ISA(light_scratch)(const frame *f); /* floats a thread */
 /* Into how many levels the light of each pixel rises. */
 void ISA(level_row)(const fine *n, int y, uint8_t *level);
 bool ISA(light_site)(const fine *n, const found *at, placed *s);

@@ -261,8 +261,6 @@ int32_t ISA(fine_gather)(fine *n)
 		return ENCRE_ERROR_MEMORY;
 	n->count = (uint32_t)count;
 	int32_t code = bands_run(f->bands, f->height, 0, make_rows, n);
-	late_drop(&f->late, n->light);
 	late_drop(&f->late, n->dense);
-	n->light = NULL;
 	return code;
 }

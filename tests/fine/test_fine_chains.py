@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 from encre.pen import library
+from encre.pen.even import even
 from judge import verdict
 
 CONTROLS = len(library.controls())
@@ -36,7 +37,10 @@ def test_noise_in_soft_light_leaves_a_level_one_smooth_line(slope):
     y, x = np.mgrid[:160, :120]
     noise = blurred(rng.standard_normal(x.shape))
     light = np.maximum(0.6, 0.9 + slope * (x - 60 - 0.1 * (y - 80)))
-    t = ink(flat(160, 120, light * (1 + 0.006 * noise / noise.std())))[8:-8]
+    left = (light * (1 + 0.006 * noise / noise.std())).astype(np.float32)[..., None].repeat(3, 2)
+    rendered = (left[..., :1] * (1 + 0.05 * rng.standard_normal((160, 120, 1)))).astype(np.float32)
+    evened = even(left, rendered, np.tile((0.0, 0, 1), (160, 120, 1)), np.full((160, 120, 1), 5.0))
+    t = ink(flat(160, 120, evened[..., 0]))[8:-8]
     rows = np.arange(8, 152)
     centre = (t * np.arange(120)).sum(1) / t.sum(1)
     assert t.sum(1) == pytest.approx(np.ones(144), abs=0.6)  # once in every row, hardly slanting

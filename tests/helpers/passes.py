@@ -23,13 +23,12 @@ class Snapshot:
     name: str
     site: np.ndarray  # of SITE
     link: np.ndarray  # (n, 2), each twice
-    light: np.ndarray | None
     through: np.ndarray | None
 
 
 class _Snapshot(c.Structure):
     _fields_ = [("name", c.c_char_p), *((name, c.c_int32) for name in ("sites", "links", "width", "height")),
-                *((name, c.c_void_p) for name in ("site", "link", "light", "through"))]
+                *((name, c.c_void_p) for name in ("site", "link", "through"))]
 
 
 def _array(address, shape, kind):
@@ -63,7 +62,6 @@ def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined
         shape = k.height, k.width
         every.append(Snapshot(k.name.decode(), _array(k.site, k.sites, SITE), _array(k.link, (k.links, 2), np.int32)
                               if k.link else np.zeros((0, 2), np.int32),
-                              _array(k.light, shape, np.float32) if k.light else None,
                               _array(k.through, shape, np.uint8) if k.through else None))
     return images, every
 

@@ -18,8 +18,7 @@ typedef struct snapshot {
 	int32_t sites, links, width, height;
 	probe_site *site;
 	int32_t (*link)[2];
-	float *light;     /* width * height, or NULL */
-	uint8_t *through; /* likewise */
+	uint8_t *through; /* width * height, or NULL */
 } snapshot;
 
 static snapshot *kept;
@@ -75,7 +74,6 @@ static void keep(const char *pass, const fine *n)
 				k->link[k->links++][1] = (int32_t)n->to[j];
 			}
 	}
-	k->light = copy(n->light, pixels * sizeof *k->light);
 	k->through = copy(n->through, pixels);
 }
 
@@ -178,7 +176,6 @@ void probe_clear(void)
 	for (int32_t i = 0; i < n_kept; i++) {
 		free(kept[i].site);
 		free(kept[i].link);
-		free(kept[i].light);
 		free(kept[i].through);
 	}
 	free(kept);

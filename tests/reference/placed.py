@@ -3,8 +3,8 @@
 
 import numpy as np
 
-from . import grid, metric
 from . import marks as lines
+from . import metric
 from .edges import SOURCES
 from .metric import clamp01
 from .passes import COLUMN, JUNCTION, ROW
@@ -200,33 +200,19 @@ def creases(view):
 # Light: where it crosses a threshold between two pixels
 
 
-def evened(x, noise=0.035):
-    """Light (H, W) without its noise: three passes of a 3×3 mean, 1, 2 and 4 pixels apart, of what is alike."""
-    for apart in (1, 2, 4):
-        sharp = 1 / (noise * np.maximum(x, 0.02)) ** 2
-        total, weights = np.zeros_like(x), np.full_like(x, 4)
-        for dy in (-1, 0, 1):
-            for dx in (-1, 0, 1):
-                off = grid.read(x, apart * dy, apart * dx) - x
-                weight = (2 - abs(dy * dx)) * clamp01(1 - off**2 * sharp) ** 2 * (dy != 0 or dx != 0)
-                total, weights = total + weight * off, weights + weight
-        x = x + total / weights
-    return x
-
-
 def light(view, cracked):
-    """The light without noise; crossings, but where a crack runs."""
-    found, even = {}, evened(np.minimum(metric.value(view.layers.diffuse), 1e7))
+    """Crossings of light, but where a crack runs."""
+    found, lit = {}, metric.value(view.layers.diffuse)
     style = view.layers.style
     steps = [table["shade_levels"] for table in view.params.tables]
     exposure = [table["shade_exposure"] for table in view.params.tables]
     paint = painted(view.layers)
-    own = np.array([[level_of(even[p] * exposure[style[p]] + paint[p], steps[style[p]])
-                     for p in zip([y] * even.shape[1], range(even.shape[1]), strict=True)]
-                    for y in range(even.shape[0])])
+    own = np.array([[level_of(lit[p] * exposure[style[p]] + paint[p], steps[style[p]])
+                     for p in zip([y] * lit.shape[1], range(lit.shape[1]), strict=True)]
+                    for y in range(lit.shape[0])])
     gap = min(step[1] for table in steps for step in table[1:]) if any(len(t) > 1 for t in steps) else 1
     for axis in (ROW, COLUMN):
-        level, light_, more = turn(axis, own), turn(axis, even), turn(axis, paint)
+        level, light_, more = turn(axis, own), turn(axis, lit), turn(axis, paint)
         for i, k in np.argwhere(level[:, 1:] != level[:, :-1]):
             row, column = (k, i) if axis else (i, k)
             near = view.near(*((column, row + 0.5) if axis else (column + 0.5, row)), column, row, "light", axis)
@@ -244,7 +230,7 @@ def light(view, cracked):
             if min(every) < SURE * max(1, gap):
                 site.margin = 0.0
             found["light", row, column, axis] = site
-    return even, found
+    return found
 
 
 # All
@@ -254,7 +240,7 @@ def find(view):
     """{(family, row, column, axis): Place} of everything that may be a site."""
     found = cracks(view)
     cracked = crack_masks(view, found)
-    even, light_ = light(view, cracked) if view.weights[SOURCES.index("light")].any() else (None, {})
+    light_ = light(view, cracked) if view.weights[SOURCES.index("light")].any() else {}
     thin(view, found)
     junctions(found, "crack", view.shape)
     own = marks(view)
@@ -269,5 +255,5 @@ def find(view):
     if {"seen_color", "seen_normal"} <= view.given and view.weights[SEEN].any():
         seen, unsure = through(view)
     found |= own | bent | light_ | ridges(view, mixed, seen)
-    return found, {"light": even, "through": seen, "through_unsure": unsure, "mixed": mixed}
+    return found, {"through": seen, "through_unsure": unsure, "mixed": mixed}
 

@@ -129,7 +129,7 @@ def test_light_by_style(passes):
     assert np.array_equal(made["combined"][:, 6:], passes["Combined"][:, 6:])
 
 
-def half(picture, albedo, normal):
+def half(picture, albedo, normal, *surface):
     assert albedo.shape == normal.shape == picture.shape and picture.min() >= 0
     return picture / 2
 
@@ -159,7 +159,8 @@ def test_light_is_denoised_without_a_word_of_textures(passes):
     told = []
     passes["DiffCol"][1] = 0
     assemble(passes, {}, (), lambda *pictures: told.append([np.array(p) for p in pictures]) or pictures[0] / 2, True)
-    (light, lit, _), (_, albedo, _) = told
+    (light, lit, _, depth, *_), (_, albedo, _) = told
+    assert np.array_equal(depth, passes["Depth"])
     assert np.array_equal(light, passes["DiffDir"] + passes["DiffInd"])
     assert (lit == passes["DiffCol"].any(2, keepdims=True)).all() and lit[0].all() and not lit[1].any()
     assert len(np.unique(albedo)) > 2, "what is not light is guided by colours"

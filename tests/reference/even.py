@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Denoised light evened out, one pixel after the other, in float64."""
+
+import math
+
+import numpy as np
+
+AHEAD = {(0, 1): 2, (1, 0): 2, (1, 1): 1, (1, -1): 1}  # down, right: weight beside that of the pixel, 2
+STEPS = 8, 4, 2, 1
+
+
+def even(light, rendered, normal, depth, number):
+    """What addon/pen/even.py makes of these; light, rendered, normal: (H, W, 3), depth, number: (H, W)."""
+    own = Picture(light.max(2), normal, depth, number)
+    noise = spread(Picture(rendered.max(2), normal, depth, number))
+    most = {p: 3 * noise[p] - 0.001 * own.light[p] for p in np.ndindex(depth.shape)}
+    for step in STEPS:
+        own.light = {p: smoothed(own, p, step, most[p]) for p in most}
+    factor = np.array([own.light[p] / max(light[p].max(), 1e-30) for p in most]).reshape(depth.shape)
+    return light * factor[..., None]
+
+
+class Picture:
+    def __init__(self, light, normal, depth, number):
+        self.shape, self.number, self.normal = depth.shape, number, normal
+        self.light = {p: float(light[p]) for p in np.ndindex(self.shape)}
+        self.near = {p: 1 / depth[p] if 0 < depth[p] < 1e9 else 0.0 for p in np.ndindex(self.shape)}
+
+    def at(self, p, ahead, step):
+        return tuple(min(max(i + step * k, 0), n - 1) for i, k, n in zip(p, ahead, self.shape, strict=True))
+
+    def pair(self, p, ahead, step):
+        """Two pixels on either side of p, and whether both show its surface."""
+        one, two = self.at(p, ahead, step), self.at(p, ahead, -step)
+        bend = abs(self.near[one] + self.near[two] - 2 * self.near[p])
+        same = self.number[one] == self.number[p] == self.number[two]
+        turn = np.linalg.norm(self.normal[one] + self.normal[two] - 2 * self.normal[p])
+        return one, two, same and turn < 0.2 and bend < 0.003 * max(1, step / 2) * self.near[p]
+
+
+def smoothed(picture, p, step, most):
+    own, total, weights = picture.light[p], 0.0, 2.0
+    for ahead, weight in AHEAD.items():
+        one, two, same = picture.pair(p, ahead, step)
+        off = (picture.light[one] + picture.light[two]) / 2 - own
+        if same and abs(off) < most:
+            weight *= (1 - (off / most) ** 2) ** 2
+            total, weights = total + weight * off, weights + weight
+    return own + total / weights
+
+
+def spread(picture):
+    """By pixel, the standard deviation of the light: least of the 5 x 5 windows 5 pixels around."""
+    squares = {}
+    for p in picture.light:
+        rest, whole = 4 * picture.light[p], True
+        for ahead, weight in AHEAD.items():
+            one, two, same = picture.pair(p, ahead, 1)
+            rest += (picture.light[one] + picture.light[two]) * (-2 if weight == 2 else 1)
+            whole &= same
+        squares[p] = rest * rest / 36 if whole else None
+    window = {}
+    for p in squares:
+        known = [squares[picture.at(p, (y, x), 1)] for y in range(-2, 3) for x in range(-2, 3)]
+        known = [square for square in known if square is not None]
+        window[p] = sum(known) / len(known) if len(known) > 5 else math.inf
+    least = {p: min(window[picture.at(picture.at(p, (y, 0), 5), (0, x), 5)] for y in (-1, 0, 1) for x in (-1, 0, 1))
+             for p in window}
+    return {p: math.sqrt(v) if v < math.inf else 0.0 for p, v in least.items()}

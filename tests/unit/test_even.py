@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the denoiser leaves of noise is evened out, and nothing else."""
+
+import numpy as np
+import pytest
+from encre.pen import even as module
+from reference import even as reference
+
+HEIGHT, WIDTH = 90, 120
+Y, X = np.mgrid[:HEIGHT, :WIDTH]
+FLAT = np.full((HEIGHT, WIDTH, 1), 5, np.float32)
+FACING = np.tile(np.float32((0, 0, 1)), (HEIGHT, WIDTH, 1))
+
+
+def even(light, *given):
+    return module.even(light.copy(), *given)
+
+
+def grey(light):
+    return np.repeat(light[..., None], 3, 2).astype(np.float32)
+
+
+def noisy(light, seed=1, left=0.01, amount=0.08):
+    """(light as a denoiser leaves it, with clouds; light as rendered)"""
+    rng = np.random.default_rng(seed)
+    cloud = rng.standard_normal(light.shape)
+    for axis in (0, 1):
+        for step in (1, 2):
+            cloud = (np.roll(cloud, step, axis) + 2 * cloud + np.roll(cloud, -step, axis)) / 4
+    return grey(light * (1 + left * cloud / cloud.std())), grey(light * (1 + amount * rng.standard_normal(light.shape)))
+
+
+def crossings(light, level):
+    """By row, the columns after which the light passes the level."""
+    return [np.flatnonzero((row[1:] > level) != (row[:-1] > level)) for row in light]
+
+
+def places(light, level):
+    """By row, where the light first passes the level, between two pixels."""
+    column = np.array([row[0] for row in crossings(light, level)])
+    one, two = light[np.arange(len(light)), column], light[np.arange(len(light)), column + 1]
+    return column + (one - level) / (one - two)
+
+
+def shadow(slope=0.2):
+    """The edge of a hard shadow, averaged over pixels, that slants."""
+    edge = 60.3 + slope * (Y - 45)
+    return 0.2 + 0.8 * np.clip(edge - X + 0.5, 0, 1)
+
+
+@pytest.mark.parametrize("numbers", [False, True])
+def test_as_the_reference_has_it(numbers):
+    rng = np.random.default_rng(3)
+    y, x = np.mgrid[:24, :31]
+    light, rendered = (grey(p[..., 0]) for p in noisy(np.where(x + y > 26, 0.3, 0.5 + 0.01 * x)))
+    light *= rng.uniform(0.5, 1, 3).astype(np.float32)
+    depth = np.where(x > 20, 9, 5 + 0.01 * y)[..., None].astype(np.float32)
+    depth[3:6, 3:7] = 1e10
+    depth[9, 2] = np.nan
+    number = (y > 17)[..., None].astype(np.float32) if numbers else None
+    normal = FACING[:24, :31] + (np.abs(y - 20) < 2)[..., None] * np.float32((0.15, 0, 0))
+    exact = (p.astype(float) for p in (light, rendered, normal, depth[..., 0]))
+    wanted = reference.even(*exact, number[..., 0] if numbers else np.zeros((24, 31)))
+    assert np.abs(wanted - light).max() > 0.004
+    np.testing.assert_allclose(even(light, rendered, normal, depth, number), wanted, rtol=1e-3, atol=1e-5)
+
+
+def test_light_without_noise_keeps_every_byte():
+    ball = np.maximum(0, 1 - ((X - 50) / 70) ** 2 - ((Y - 40) / 60) ** 2)
+    for light in (grey(ball), grey(shadow()), grey(0.3 + 0.001 * X), np.zeros((HEIGHT, WIDTH, 3), np.float32)):
+        assert np.array_equal(even(light, light, FACING, FLAT), light)
+
+
+def test_a_level_in_soft_light_ends_in_one_clean_curve():
+    light = 0.9 - 0.004 * (X - 60 - 0.1 * (Y - 45))
+    left, rendered = noisy(light)
+    before, after = (crossings(p[8:-8, ..., 0], 0.9) for p in (left, even(left, rendered, FACING, FLAT)))
+    assert max(map(len, before)) > 2 and {len(row) for row in after} == {1}
+    straight = 59.5 + 0.1 * (np.arange(8, HEIGHT - 8) - 45)
+    assert np.percentile(np.abs(np.concatenate(after) - straight), 95) < 3
+    assert np.std(np.diff(np.concatenate(after))) < 0.8
+
+
+def test_the_edge_of_a_shadow_stays_where_it_is():
+    light = shadow()
+    left, rendered = noisy(light, left=0.003)
+    off = np.abs(places(even(left, rendered, FACING, FLAT)[..., 0], 0.6) - places(light, 0.6))
+    assert np.percentile(off, 95) < 0.05 and off.max() < 0.2
+
+
+def test_nothing_is_mixed_across_an_outline():
+    light = np.where(X < 60, 0.5, 0.502)
+    left, rendered = noisy(light, left=0)
+    fold = np.where(X[..., None] < 60, FACING, np.float32((0.6, 0, 0.8)))
+    for normal, depth, number in ((FACING, np.where(X < 60, 5, 6), None), (FACING, FLAT[..., 0], (X < 60)[..., None]),
+                                  (fold, FLAT[..., 0], None)):
+        made = even(left, rendered, normal, depth[..., None].astype(np.float32), number)
+        assert np.array_equal(made, left)
+    assert not np.array_equal(even(left, rendered, FACING, FLAT), left)
+
+
+def test_a_part_is_as_in_the_whole(monkeypatch):
+    left, rendered = noisy(shadow())
+    whole = even(left, rendered, FACING, FLAT)
+    part = (slice(10, 80), slice(5, 100))
+    inner = (slice(module.REACH, -module.REACH),) * 2
+    assert np.array_equal(even(left[part], rendered[part], FACING[part], FLAT[part])[inner], whole[part][inner])
+    monkeypatch.setattr(module, "_PIXELS", 1)
+    assert np.array_equal(even(left, rendered, FACING, FLAT), whole)
+
+
+def test_huge_light_stays_as_it_is():
+    light = np.full((20, 20, 3), 3e38, np.float32)
+    light[::3, ::2] = 1
+    assert np.isfinite(even(light, light, FACING[:20, :20], FLAT[:20, :20])).all()
