@@ -3,8 +3,9 @@
  *
  * Each pixel asks the few points that its place in a square of the full frame deals to it. Where these disagree, there
  * or nearby, it asks many, each from another place in the 2 x 2 pixels about it. No two pixels of a tile ask the same
- * points: what would be bands is grain, which means of such neighbours on the same surface as have much the same share
- * take away. In the first the places of a tile weigh the same; the others reach far where a penumbra is wide.
+ * points: what would be bands is grain, which a mean of such neighbours on the same surface as have much the same share
+ * takes away, and then the means of pairs on either side: far pairs where a penumbra is wide. Those leave slopes as
+ * they are.
  *
  * Half of the light comes where the lamp's middle goes behind what throws the shadow. Where a penumbra is at most a few
  * pixels wide that edge is found as for a lamp without a size, and its ramp is as wide as the penumbra. */
@@ -15,17 +16,17 @@
 enum {
 	NEAR = 4, /* pixels: how far disagreement reaches */
 	TAPS = LAMP_TILE - 1,
-	FAR_TAPS = 2,
-	WINDOW = 2 * TAPS + 1,
-	REACH = 2 * TAPS + FAR_TAPS * LAMP_TILE, /* pixels: of the means together */
-	BESIDE = 2,                              /* pixels: likewise, of an edge */
+	FARTHEST = 8,                    /* pixels: to the places of a pair; then by halves */
+	REACH = TAPS + 2 * FARTHEST - 1, /* pixels: of the means together */
+	BESIDE = 2,                      /* pixels: likewise, of an edge */
 	SHARP = 2,
 	SOFT = 4 /* pixels: a penumbra of less is an edge with a ramp, one of more is asked for point by point */
 };
 _Static_assert(NEAR + BESIDE + REACH + 1 <= LIGHT_MARGIN - 2,
 	       "beyond the images surfaces are known in the margin only");
 
-static const float gentle_slope = 0.08f; /* from one place that takes part to the next: no edge */
+/* Shares that differ by more are on two sides of an edge: of the places of a tile; of pairs, a pixel apart. */
+static const float alike_dealt = 0.35f, alike_pairs = 0.04f;
 
 /* Whether some of the light, but not all, comes to one surface near a pixel. */
 static bool mixed_near(const light *l, int x, int y)
@@ -232,66 +233,37 @@ typedef struct smoothing {
 	light *light;
 	const float *from;
 	float *to;
-	int step, taps; /* pixels from one that takes part to the next; so many to each side */
-	float alike;    /* shares that differ by more are on two sides of an edge */
+	int step;    /* pixels to the places of a pair */
+	float alike; /* shares that differ by more are on two sides of an edge */
 } smoothing;
 
-/* What takes part in a mean: by how much it differs, NAN if it lies on another surface or is known exactly. */
-static void differences(const smoothing *m, int x, int y, float from[WINDOW][WINDOW])
+/* Whether the share of a place says something of that of pixel i: it lies on its surface, and is not known exactly. */
+static bool takes_part(const light *l, ptrdiff_t i, int u, int v)
 {
-	const light *l = m->light;
-	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
-	for (int b = -m->taps; b <= m->taps; b++)
-		for (int a = -m->taps; a <= m->taps; a++) {
-			int u = x + a * m->step, v = y + b * m->step;
-			ptrdiff_t j = (ptrdiff_t)v * l->width + u;
-			bool takes_part = u >= 0 && v >= 0 && u < l->width && v < l->height && l->state[j] &&
-					  !(l->exact[j] > 0) &&
-					  (j == i || one_surface(l->surfaces + i, l->surfaces + j));
-			from[b + m->taps][a + m->taps] = takes_part ? m->from[j] - m->from[i] : NAN;
-		}
+	ptrdiff_t j = (ptrdiff_t)v * l->width + u;
+	return u >= 0 && v >= 0 && u < l->width && v < l->height && l->state[j] && !(l->exact[j] > 0) &&
+	       (j == i || one_surface(l->surfaces + i, l->surfaces + j));
 }
 
-static float tent(const smoothing *m, int a, int b)
+/* The mean of a neighbourhood in which the places of a square weigh the same, less the share itself. */
+static float dealt_mean(const smoothing *m, int x, int y)
 {
-	return (float)((m->taps + 1 - abs(a)) * (m->taps + 1 - abs(b)));
-}
-
-static float smooth_share(const smoothing *m, int x, int y)
-{
-	float from[WINDOW][WINDOW], slope[2] = {0, 0}, squares[2] = {0, 0}, sum = 0, weights = 0;
-	differences(m, x, y, from);
-	for (int b = -m->taps; b <= m->taps; b++)
-		for (int a = -m->taps; a <= m->taps; a++) {
-			float difference = from[b + m->taps][a + m->taps], weight = tent(m, a, b);
-			if (!(difference == difference))
+	ptrdiff_t i = (ptrdiff_t)y * m->light->width + x;
+	float sum = 0, weights = 0;
+	for (int b = -TAPS; b <= TAPS; b++)
+		for (int a = -TAPS; a <= TAPS; a++) {
+			if (!takes_part(m->light, i, x + a, y + b))
 				continue;
-			slope[0] += weight * (float)a * difference;
-			slope[1] += weight * (float)b * difference;
-			squares[0] += weight * (float)(a * a);
-			squares[1] += weight * (float)(b * b);
-		}
-	slope[0] /= squares[0] + 1e-6f;
-	slope[1] /= squares[1] + 1e-6f;
-	float gentle = clamp01(2 - (fabsf(slope[0]) + fabsf(slope[1])) / gentle_slope);
-	for (int b = -m->taps; b <= m->taps; b++)
-		for (int a = -m->taps; a <= m->taps; a++) {
-			float difference = from[b + m->taps][a + m->taps];
-			if (!(difference == difference))
-				continue;
-			float beside = difference - slope[0] * (float)a - slope[1] * (float)b;
-			float even = clamp01(2 - 2 * fabsf(difference) / m->alike);
-			float steep = gentle * clamp01(2 - 2 * fabsf(beside) / m->alike);
-			float weight = tent(m, a, b) * max(even, steep);
+			float difference = m->from[i + (ptrdiff_t)b * m->light->width + a] - m->from[i];
+			float weight = (float)((LAMP_TILE - abs(a)) * (LAMP_TILE - abs(b))) *
+				       clamp01(2 - 2 * fabsf(difference) / m->alike);
 			sum += weight * difference;
 			weights += weight;
 		}
-	ptrdiff_t i = (ptrdiff_t)y * m->light->width + x;
-	float mean = weights > 0 ? sum / weights : 0;
-	return clamp01(m->from[i] + (1 - m->light->exact[i]) * mean);
+	return weights > 0 ? sum / weights : 0;
 }
 
-static void smooth_rows(void *data, int y0, int y1, int thread)
+static void dealt_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const smoothing *m = data;
@@ -299,24 +271,58 @@ static void smooth_rows(void *data, int y0, int y1, int thread)
 		for (int x = 0; x < m->light->width; x++) {
 			ptrdiff_t i = (ptrdiff_t)y * m->light->width + x;
 			float exact = m->light->exact[i];
-			m->to[i] = exact >= 0 && exact < 1 ? smooth_share(m, x, y) : m->from[i];
+			m->to[i] = m->from[i];
+			if (exact >= 0 && exact < 1)
+				m->to[i] = clamp01(m->from[i] + (1 - exact) * dealt_mean(m, x, y));
+		}
+}
+
+/* By how much the mean of two places on either side differs, where both take part. */
+static void pair_up(const smoothing *m, int x, int y, int a, int b, float weight, float *sum, float *weights)
+{
+	ptrdiff_t i = (ptrdiff_t)y * m->light->width + x, j = (ptrdiff_t)b * m->step * m->light->width + a * m->step;
+	if (!takes_part(m->light, i, x + a * m->step, y + b * m->step) ||
+	    !takes_part(m->light, i, x - a * m->step, y - b * m->step))
+		return;
+	float off = 0.5f * (m->from[i + j] + m->from[i - j]) - m->from[i];
+	float even = max(1 - off * off / (m->alike * m->alike), 0);
+	weight *= even * even;
+	*sum += weight * off;
+	*weights += weight;
+}
+
+static void pair_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const smoothing *m = data;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0; x < m->light->width; x++) {
+			ptrdiff_t i = (ptrdiff_t)y * m->light->width + x;
+			float exact = m->light->exact[i], sum = 0, weights = 2;
+			m->to[i] = m->from[i];
+			if (exact < 0 || exact >= 1)
+				continue;
+			pair_up(m, x, y, 1, 0, 2, &sum, &weights);
+			pair_up(m, x, y, 0, 1, 2, &sum, &weights);
+			pair_up(m, x, y, 1, 1, 1, &sum, &weights);
+			pair_up(m, x, y, -1, 1, 1, &sum, &weights);
+			m->to[i] = clamp01(m->from[i] + (1 - exact) * sum / weights);
 		}
 }
 
 int32_t ISA(soft_run)(light *l)
 {
 	const bands_kernel first[] = {full_rows, core_rows, ISA(edge_rows), width_rows, narrow_rows};
-	const smoothing means[] = {
-		{l, l->spare, l->share, 1, TAPS, 0.25f},
-		{l, l->share, l->spare, LAMP_TILE, FAR_TAPS, 0.04f},
-		{l, l->spare, l->share, 1, TAPS, 0.03f},
-	};
 	int32_t code = ENCRE_OK;
 	for (int k = 0; !code && k < 5; k++)
 		code = bands_run(l->bands, l->height, 0, first[k], l);
-	for (int k = 0; !code && k < 3; k++) {
-		smoothing m = means[k];
-		code = bands_run(l->bands, l->height, 0, smooth_rows, &m);
+	smoothing m = {l, l->spare, l->share, 1, alike_dealt};
+	if (!code)
+		code = bands_run(l->bands, l->height, 0, dealt_rows, &m);
+	for (int step = FARTHEST; !code && step > 0; step /= 2) {
+		bool odd = m.to == l->share;
+		m = (smoothing){l, m.to, odd ? l->spare : l->share, step, alike_pairs / (float)step};
+		code = bands_run(l->bands, l->height, 0, pair_rows, &m);
 	}
 	return code;
 }

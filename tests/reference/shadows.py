@@ -7,7 +7,7 @@ import numpy as np
 from .lamps import Lit, asked, dealt, dot, one, unit
 from .shown import NOTHING, STRAY, Edges, Shown
 
-MARGIN, TILE, POINTS, WIDE, DEALT = 24, 4, 16, 8, 4
+MARGIN, TILE, POINTS, WIDE, DEALT = 28, 4, 16, 8, 4
 
 
 class Picture:
@@ -145,11 +145,11 @@ class Picture:
         there = (u >= 0) & (v >= 0) & (u < self.width) & (v < self.height)
         return np.where(there, v * self.width + u, 0), there
 
-    def neighbours(self, reach, step=1):
+    def neighbours(self, reach):
         """(a, b, numbers of the pixels there, whether they are there) for all around each."""
         for b in range(-reach, reach + 1):
             for a in range(-reach, reach + 1):
-                yield a, b, *self.moved(self.x + a * step, self.y + b * step)
+                yield a, b, *self.moved(self.x + a, self.y + b)
 
     def share(self, lit):
         """(light without shadows, the share of it that comes) of a lamp of colour 1."""
@@ -232,9 +232,10 @@ class Picture:
         edge = self.edges(self.cuts(lit, bright, dark))
         exact = np.where(full, 0.0, np.nan)
         self.narrow(edge, self.widths(lit, edge, bright), full, bright, dark, fine, exact)
-        fine = self.evened(fine, exact, there, 1, 3, 0.25)
-        fine = self.evened(fine, exact, there, TILE, 2, 0.04)
-        return self.evened(fine, exact, there, 1, 3, 0.03)
+        fine = self.dealt_mean(fine, exact, there)
+        for step in (8, 4, 2, 1):
+            fine = self.paired(fine, exact, there, step)
+        return fine
 
     def full_share(self, lit, i, there):
         points, numbers = dealt(TILE, POINTS, POINTS)
@@ -313,31 +314,32 @@ class Picture:
         exact[i] = np.clip((4 - wide) / 2, 0, 1)
         fine[i] += exact[i] * (ramp - fine[i])
 
-    def evened(self, share, exact, there, step, taps, alike):
-        """Each pixel's mean with those around it that differ little, or by a gentle slope."""
-        def around(of):
-            for a, b, j, within in self.neighbours(taps, step):
-                ok = within & there[j] & ~(exact[j] > 0)
-                ok &= ((a == 0) & (b == 0)) | self.shown.one_surface(self.number, j)
-                yield a, b, ok, (taps + 1 - abs(a)) * (taps + 1 - abs(b)), of[j] - of
-
-        slopes = np.zeros((2, len(share)))
-        squares = np.zeros((2, len(share)))
-        for a, b, ok, weight, off in around(share):
-            for axis, k in enumerate((a, b)):
-                slopes[axis] += ok * weight * k * off
-                squares[axis] += ok * weight * k * k
-        slopes /= squares + 1e-6
-        gentle = np.clip(2 - abs(slopes).sum(0) / 0.08, 0, 1)
+    def dealt_mean(self, share, exact, there):
+        """Each pixel's mean with those of the 7x7 around it that differ little."""
         total, weights = 0, 0
-        for a, b, ok, weight, off in around(share):
-            even = np.clip(2 - 2 * abs(off) / alike, 0, 1)
-            steep = gentle * np.clip(2 - 2 * abs(off - slopes[0] * a - slopes[1] * b) / alike, 0, 1)
-            weight = ok * weight * np.maximum(even, steep)
+        for a, b, j, within in self.neighbours(TILE - 1):
+            ok = self.takes_part(exact, there, j, within)
+            off = share[j] - share
+            weight = ok * (TILE - abs(a)) * (TILE - abs(b)) * np.clip(2 - 2 * abs(off) / 0.35, 0, 1)
             total, weights = total + weight * off, weights + weight
-        mean = np.where(weights > 0, total / np.where(weights > 0, weights, 1), 0)
-        out = np.clip(share + (1 - exact) * mean, 0, 1)
-        return np.where((exact >= 0) & (exact < 1), out, share)
+        return self.moved_by(share, exact, np.where(weights > 0, total / np.where(weights > 0, weights, 1), 0))
+
+    def paired(self, share, exact, there, step):
+        """Each pixel and the means of two on either side of it that differ little from it."""
+        total, weights = 0, 2
+        for a, b, strength in ((1, 0, 2), (0, 1, 2), (1, 1, 1), (-1, 1, 1)):
+            (i, known), (j, within) = (self.moved(self.x + k * step * a, self.y + k * step * b) for k in (1, -1))
+            ok = self.takes_part(exact, there, i, known) & self.takes_part(exact, there, j, within)
+            off = (share[i] + share[j]) / 2 - share
+            weight = ok * strength * np.maximum(1 - (off * step / 0.04) ** 2, 0) ** 2
+            total, weights = total + weight * off, weights + weight
+        return self.moved_by(share, exact, total / weights)
+
+    def takes_part(self, exact, there, j, within):
+        return within & there[j] & ~(exact[j] > 0) & ((j == self.number) | self.shown.one_surface(self.number, j))
+
+    def moved_by(self, share, exact, mean):
+        return np.where((exact >= 0) & (exact < 1), np.clip(share + (1 - exact) * mean, 0, 1), share)
 
     # ---- all
 
