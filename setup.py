@@ -54,11 +54,11 @@ def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""
     if OTHER:
         cc = [sys.executable, "-m", "ziglang", "cc", "-target", TARGET]
     flags = FLAGS + (["-D_DARWIN_C_SOURCE"] if PLATFORM.startswith("macos") else [])  # it hides sysconf()'s names
-    flags += shlex.split(os.environ.get("CFLAGS", ""))
     flags += ["-O1", "-g"] if debug or sanitize else ["-O1", "-fno-tree-vectorize"] if scalar else ["-O3"]
     flags += ["-DENCRE_DEBUG"] if debug else []
     flags += ["-Werror"] if werror else []
     flags += [f"-fsanitize={sanitize}", "-fno-sanitize-recover=all"] if sanitize else []
+    flags += shlex.split(os.environ.get("CFLAGS", ""))  # last: what is asked for counts
     variants = {"base": []}
     if PLATFORM.endswith("-x64") and not scalar:
         variants["v3"] = ["-march=x86_64_v3" if OTHER else "-march=x86-64-v3"]

@@ -126,6 +126,7 @@ def test_frames_crops_and_blenders_lines(stripes, tmp_path):
         assert changed[55:65].any() and not changed[:50].any() and not changed[70:118].any()
 
 
+@pytest.mark.long
 def test_mips_and_uniform(stripes, tmp_path):
     """On a plane all texels are alike and these two change little; but they are other pictures."""
     pictures = []

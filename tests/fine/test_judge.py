@@ -9,7 +9,7 @@ from judge import measure, meshes, scenes, shapes, verdict
 from judge.scene import Light, Scene, look
 from reference import near
 
-LONG = {"sphere", "roof", "horizon", 12}  # what the others show too
+LONG = {"sphere", "boxes", "roof", "horizon", "patches", 12}  # what the others show too
 SCENES = [pytest.param(name, marks=pytest.mark.long) if name in LONG else name for name in [*scenes.NAMED, 11, 12]]
 
 

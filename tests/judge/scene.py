@@ -368,10 +368,14 @@ class Scene:
             return False
         h, w = self.size
         fine = 3  # places a pixel and axis
-        rows, columns = np.meshgrid(np.arange(-3 * fine, (h + 3) * fine) / fine,
-                                    np.arange(-3 * fine, (w + 3) * fine) / fine, indexing="ij")
-        seen = self.trace(columns, rows)
-        label = seen["solid"].astype(np.int32) * 64 + seen["part"]
+        about = np.zeros((h + 6, w + 6), bool)  # what is asked below, by pixels
+        about[np.floor(y + 3).astype(int), np.floor(x + 3).astype(int)] = True
+        for axis in (0, 1):
+            about = np.any([np.roll(about, shift, axis) for shift in range(-7, 8)], axis=0)
+        rows, columns = np.nonzero(about.repeat(fine, 0).repeat(fine, 1))
+        seen = self.trace(columns / fine - 3, rows / fine - 3)
+        label = np.full(((h + 6) * fine, (w + 6) * fine), -1, np.int32)
+        label[rows, columns] = seen["solid"].astype(np.int32) * 64 + seen["part"]
         r = int(1.5 * fine)
         span = np.arange(-r, r + 1)
         whole = np.ones(label.shape, bool)

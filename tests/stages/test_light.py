@@ -11,7 +11,8 @@ from lamps import CUBE, CUBE_CORNERS, LAMPS, PLANE_CORNERS, Stage, ball, look, m
 from reference import light as reference
 
 
-@pytest.mark.parametrize("name", LAMPS)
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=pytest.mark.long if name in ("disc", "ellipse") else ()) for name in LAMPS])
 def test_as_every_ray_by_hand(name):
     stage, lamp = Stage(36, 24, smooth=True), LAMPS[name]
     light, plain, triangle, _ = reference.draw(stage.world, lamp, stage.view, stage.projection, 36, 24)

@@ -103,7 +103,8 @@ def test_each_refused_once(library, job, settings, what):
     assert refused >= 2
 
 
-@pytest.mark.parametrize("sources", bench.SOURCES)
+@pytest.mark.parametrize("sources", [
+    pytest.param(name, marks=pytest.mark.long if name == "default sources" else ()) for name in bench.SOURCES])
 @pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallinfo2"), reason="needs glibc's count of memory")
 def test_fine_holds_at_most_12_bytes_a_pixel(sources):
     """Besides input and output, where 12 % of the pixels are near a line."""
