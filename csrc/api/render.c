@@ -292,10 +292,9 @@ int32_t encre_render(encre_context *context, encre_job *job)
 
 	arena a = {0};
 	plan(&w, &a);
-	char *memory = a.used <= SIZE_MAX - 64 ? malloc(a.used + 64) : NULL;
+	void *memory = arena_make(&a);
 	if (!memory)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
-	a = (arena){memory + (64 - (uintptr_t)memory % 64), 0};
 	plan(&w, &a);
 	code = run(&w);
 	late_free(f->late);

@@ -43,6 +43,13 @@ void *arena_take(arena *a, size_t count, size_t size)
 	return a->base + at;
 }
 
+void *arena_make(arena *a)
+{
+	char *memory = a->used <= SIZE_MAX - 64 ? malloc(a->used + 64) : NULL;
+	*a = (arena){memory ? memory + (64 - (uintptr_t)memory % 64) : NULL, 0};
+	return memory;
+}
+
 /* What a block holds begins behind its head, at the second multiple of 64 from there. */
 static void *place_in(late *head)
 {

@@ -14,6 +14,8 @@ typedef struct arena {
 /* `count` items of `size` bytes, aligned to 64 bytes, not cleared; NULL while measuring. Sizes that overflow make
  * the sum stick at SIZE_MAX, which no allocation satisfies. */
 void *arena_take(arena *a, size_t count, size_t size);
+/* Memory for what was measured, in which `a` is to be planned now; for the caller to free. NULL without memory. */
+void *arena_make(arena *a);
 
 /* What can't be planned, because only the frame's content tells how much it is: freed when the frame is done. Not to be
  * called from a kernel. */

@@ -127,11 +127,10 @@ int32_t ISA(light_run)(bands *pool, const encre_light_job *job)
 	int32_t code = world_make(&l.world, job->scene, pool);
 	arena a = {0};
 	plan(&l, &a);
-	char *memory = !code && a.used <= SIZE_MAX - 64 ? malloc(a.used + 64) : NULL;
+	void *memory = code ? NULL : arena_make(&a);
 	if (!code && !memory)
 		code = ENCRE_ERROR_MEMORY;
 	if (!code) {
-		a = (arena){memory + (64 - (uintptr_t)memory % 64), 0};
 		plan(&l, &a);
 		code = run(&l);
 	}

@@ -239,10 +239,9 @@ int32_t ISA(material_draw)(bands *pool, const encre_material_job *job)
 	aim(&d);
 	arena a = {0};
 	plan(&d, bands_threads(pool), &a);
-	char *memory = a.used <= SIZE_MAX - 64 ? malloc(a.used + 64) : NULL;
+	void *memory = arena_make(&a);
 	if (!memory)
 		return ENCRE_ERROR_MEMORY;
-	a = (arena){memory + (64 - (uintptr_t)memory % 64), 0};
 	plan(&d, bands_threads(pool), &a);
 	memset(d.blocks, 0, (size_t)bands_threads(pool) * sizeof *d.blocks);
 	bands_span(pool, 0, 1);

@@ -233,10 +233,9 @@ int32_t ISA(bake_run)(bands *pool, const encre_bake_job *job, encre_bake_job *re
 		  .bands = pool};
 	arena a = {0};
 	plan(&b, &a);
-	char *memory = a.used <= SIZE_MAX - 64 ? malloc(a.used + 64) : NULL;
+	void *memory = arena_make(&a);
 	if (!memory)
 		return ENCRE_ERROR_MEMORY;
-	a = (arena){memory + (64 - (uintptr_t)memory % 64), 0};
 	plan(&b, &a);
 	int32_t code = run(&b, result);
 	free(memory);

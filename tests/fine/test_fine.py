@@ -82,6 +82,17 @@ def test_any_size_gives_finite_numbers(size, smooth):
         assert all(np.isfinite(a).all() for a in images.values())
 
 
+@pytest.mark.parametrize("size, thickness", [((1, 9), 9.0), ((9, 1), 4096.0), ((4, 7), 4096.0), ((5, 8), 2.0),
+                                             ((7, 15), 4096.0), ((4, 16), 2.0), ((5, 33), 90.0), ((3, 255), 4096.0),
+                                             ((7, 256), 2.0), ((5, 257), 9.0), ((3, 2041), 2.0)])
+def test_any_size_gives_the_same_bytes(size, thickness):
+    """Around whole vectors, pieces of rows and blocks of the canvas, and with lines much wider than the picture."""
+    scene = dict(ALL, line_thickness=thickness, line_max_thickness=4096.0, length_unit="PIXELS", line_tint=0.5)
+    one, other = (drawn(noise(*size, 2, smooth=True), scene, threads=threads, simd=simd)
+                  for threads, simd in ((1, 1), (3, 0)))
+    assert all(one[name].tobytes() == other[name].tobytes() for name in OUTPUTS)
+
+
 @pytest.mark.parametrize("styles", [(), ({"edge_normal": 0.3, "line_taper": 9.0, "shade_exposure": 2.0},
                                          {"use_lines": False})])
 def test_threads_and_instructions_change_nothing(styles):

@@ -67,7 +67,8 @@ def test_a_border_is_its_part_of_the_frame(name):
     stage = Stage(160, 96, smooth=True)
     depth = stage.depth()
     whole = stage.light(LAMPS[name], depth=depth)
-    for x, y, width, height in ((0, 0, 160, 96), (37, 21, 60, 41), (70, 50, 1, 1), (101, 3, 59, 90)):
+    for x, y, width, height in ((0, 0, 160, 96), (37, 21, 60, 41), (70, 50, 1, 1), (101, 3, 59, 90), (60, 9, 1, 60),
+                                (20, 50, 133, 1), (64, 40, 8, 8), (63, 41, 17, 9)):
         part = stage.light(LAMPS[name], depth=depth[y:y + height, x:x + width], frame=Frame(160, 96, x, y))
         assert (part == whole[y:y + height, x:x + width]).all()
 

@@ -113,12 +113,25 @@ def test_fade_spares_styles_without_a_stage():
 
 
 @pytest.mark.parametrize("search", SEARCHES)
-@pytest.mark.parametrize("size", [(1, 1), (1, 2), (3, 1), (1, 90), (90, 1), (2, 3)])
+@pytest.mark.parametrize("size", [(1, 1), (1, 2), (3, 1), (1, 90), (90, 1), (2, 3), (2, 8), (3, 9), (2, 31), (3, 32),
+                                  (2, 33), (17, 15), (2, 255), (1, 256), (2, 257)])
 def test_sizes(size, search):
-    for seed in range(3):
+    for seed in range(3 if max(size) < 100 else 1):
         layers = noise_layers(*size, seed)
         layers["albedo"][:] = np.random.default_rng(seed).random((*size, 1)) < 0.3
         check(layers, dict(line_search=search, edge_threshold=0.01), frame=full(*size))
+
+
+@pytest.mark.parametrize("search", SEARCHES)
+def test_widths_at_which_blocks_of_the_canvas_double(search):
+    """One more than 64 blocks do not fit a row's word."""
+    for width in (2007, 2008, 2009, 2040, 4056):
+        layers = noise_layers(3, width, styles=2)
+        one, other = (masks.render(layers, dict(line_thickness=9.0, line_tint=0.5, line_search=search,
+                                                length_unit="PIXELS"), STYLES, outputs=PASSES, threads=threads,
+                                   simd=simd).images for threads, simd in ((1, 1), (2, 0)))
+        assert all(one[name].tobytes() == other[name].tobytes() and np.isfinite(one[name]).all() for name in PASSES)
+        assert one["Encre Lines"][..., 3].any(0)[-99:].any()
 
 
 @pytest.mark.parametrize("search", ["EXACT", "NEAREST"])

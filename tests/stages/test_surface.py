@@ -175,6 +175,19 @@ def test_bytes_depend_on_neither_threads_nor_instructions(layers, scene):
             assert image.tobytes() == expected[name].tobytes(), (name, threads, simd)
 
 
+@pytest.mark.parametrize("scene", [ONLY_SHADING, ONLY_HATCHING, dict(SIMPLE, surface="PAPER", highlight_shape=0.7)],
+                         ids=["shading", "hatching", "paper"])
+def test_any_width_is_part_of_a_wider_one(scene):
+    """Rows are worked on in vectors and in pieces of 256 pixels; what is left over of them is as the rest."""
+    layers, frame = nasty_layers(3, 531), Frame(900, 700, 11, 6)
+    scene = dict(scene, use_smudging=False)
+    whole = draw(layers, scene, STYLES, frame=frame)
+    for width in (1, 7, 8, 9, 15, 16, 17, 31, 33, 255, 256, 257, 511, 513):
+        part = draw({name: a[:, :width] for name, a in layers.items()}, scene, STYLES, frame=frame)
+        for name, image in part.items():
+            assert image.tobytes() == whole[name][:, :width].tobytes(), (name, width)
+
+
 def test_nothing_comes_out_infinite():
     image = np.random.default_rng(1).choice(np.float32(NASTY), (9, 5, 3))
     extremes = dict(SIMPLE, shade_exposure=3e38, shade_tint_weight=3e38, hatch_amount=3e38, paper_roughness=3e38,

@@ -100,6 +100,17 @@ def test_without_an_anchor_the_screen_is_kept_to():
 
 
 @pytest.mark.parametrize("space", ["SCREEN", "SURFACE"])
+def test_any_width_is_part_of_a_wider_one(space):
+    layers, frame, names = stuck(530, 5), Frame(900, 700, 11, 6), ("Combined", "Encre Tones")
+    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("DOTS", space=space), tone_4_pitch=5.0)
+    whole = library.render(layers, scene, STYLES, frame=frame, outputs=names).images
+    for width in (1, 7, 8, 9, 15, 16, 17, 31, 33, 255, 256, 257, 511, 513):
+        part = library.render({name: a[:, :width] for name, a in layers.items()}, scene, STYLES, frame=frame,
+                              outputs=names).images
+        assert all(part[name].tobytes() == whole[name][:, :width].tobytes() for name in names), width
+
+
+@pytest.mark.parametrize("space", ["SCREEN", "SURFACE"])
 def test_threads_instructions_and_borders_change_nothing(space):
     layers = stuck(97, 61)
     scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("DOTS", space=space), tone_4_pitch=5.0)

@@ -93,6 +93,17 @@ def test_inline_maths(probe, name, x, y, want, limit):
     assert error.max() <= limit
 
 
+@pytest.mark.parametrize("name", METRICS)
+def test_colours_do_not_depend_on_their_neighbours(probe, name):
+    """Runs of one colour are encoded once: of any length, beginning anywhere, black and minus nothing among them."""
+    values = np.float32([0, 0.2, 1, 0.2, 0.0031, -0.0, 0.7])
+    for n in (1, 2, 7, 8, 9, 15, 16, 17, 31, 33, 255, 257):
+        for run in (1, 3, 8, 20, 300):
+            colors = np.stack([values[(np.arange(n) // run + c) % len(values)] for c in range(3)], 1)
+            alone = np.concatenate([space(probe, name, colors[i:i + 1].copy()) for i in range(n)])
+            assert space(probe, name, colors).tobytes() == alone.tobytes(), (n, run)
+
+
 def test_exact_values(probe):
     assert call(probe.probe_srgb, [0, 1]).tolist() == [0, 1]
     assert call(probe.probe_cbrt, [0, 1, 8, 27]).tolist() == [0, 1, 2, 3]
