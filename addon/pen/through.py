@@ -52,7 +52,9 @@ def settled(index: np.ndarray, depth: np.ndarray, known: Through, front: np.ndar
         own_depth, known.depth)
     rows, columns = (slice(max(0, at.min() - 1), at.max() + 2) for at in np.nonzero(region))
     mixed, whole = (np.zeros(index.shape, bool) for _ in range(2))
-    mixed[rows, columns] = _by_chance(solid[rows, columns], region[rows, columns])
+    # Gaps in a dense crown lie about like chance, but its leaves do not: they are whole.
+    mixed[rows, columns] = (_by_chance(solid[rows, columns], region[rows, columns])
+                            & _by_chance(shown[rows, columns], region[rows, columns]))
     whole[rows, columns] = _window(shown[rows, columns], _WIDE) > _MOST * _window(region[rows, columns], _WIDE)
     here = np.flatnonzero(mixed.reshape(-1)[known.pixels])
     pixels, known_here = known.pixels[here], whole.reshape(-1)[known.pixels[here]]

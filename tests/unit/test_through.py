@@ -86,3 +86,18 @@ def test_chance_against_the_reference():
     got = through._by_chance(solid, region)
     assert 0.2 < got.mean() < 0.8
     assert (got != want).sum() == 0
+
+
+def test_gaps_in_a_dense_crown_stay():
+    """Leaves one behind the other with gaps by chance: which leaf is seen is not by chance."""
+    random, y, x = np.random.default_rng(2), *np.mgrid[:SHAPE[0], :SHAPE[1]]
+    leaves = np.zeros(SHAPE, bool)
+    for at in random.random((90, 2)) * SHAPE:
+        leaves |= np.hypot(y - at[0], x - at[1]) < 3
+    gaps = random.random(SHAPE) < 0.06
+    index, depth, known, front, _, far, covered = board(leaves & ~gaps)
+    behind = covered & ~leaves & ~gaps
+    index, depth = np.where(behind, OWNERS[3], index), np.where(behind, 3.0, depth).astype(np.float32)
+    got, at, pixels = through.settled(index, depth, known, front, OWNERS)
+    assert pixels.size < 0.02 * covered.sum()
+    assert (got != index).mean() < 0.01 and (np.abs(at - depth) > 0.01).mean() < 0.01
