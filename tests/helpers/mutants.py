@@ -35,10 +35,6 @@ CUTS = (  # the file, what stands there once, what it becomes
      "band = band < 3 ? 3 : band > 29 ? 29 : band;"),
     ("csrc/edges/detect.h", "TILE = 256", "TILE = 64"),
     ("csrc/edges/window.c", "LANES = 16", "LANES = 8"),
-    ("csrc/fine/find/light.c", "BAND = 32", "BAND = 9"),
-    ("csrc/fine/find/light.c", "SPAN = 32", "SPAN = 24"),
-    ("csrc/fine/find/light.c", "LANES = 16", "LANES = 5"),
-    ("csrc/fine/find/light.c", "PIECE_ROWS = 128", "PIECE_ROWS = 3"),
     ("csrc/fine/find/ridges.c", "SHORT = 32", "SHORT = 8"),
     ("csrc/fine/join/claims.c", "CHUNK = 2048", "CHUNK = 37"),
     ("csrc/fine/join/density.c", "CHUNK = 2048", "CHUNK = 37"),
@@ -67,9 +63,6 @@ FILTERS = (  # the file, the function, what stands there once, what lets everyth
     ("csrc/fine/fine.c", "least_contrast", "return least * (", "return 0 * ("),
     ("csrc/fine/find/creases.c", "ISA(crease_asked)", "if (!(faces_at(n, x, y) >= 0))",
      "if (x >= 0)"),
-    ("csrc/fine/find/light.c", "level_of_all", "p->shade_exposure) ? level : MIXED;",
-     "p->shade_exposure) ? MIXED : MIXED;"),
-    ("csrc/fine/find/light.c", "find_spans", "", ""),  # of level_of_all()
     ("csrc/fine/find/ridges.c", "keep_levels", "", ""),  # of candidates()
     ("csrc/fine/find/ridges.c", "candidates", "out[i] = mixed[i] ? 0 : all;",
      "out[i] = mixed[i] ? 0 : (uint8_t)(all | 3 * STEP | 3 * BAND);"),
@@ -79,7 +72,6 @@ FILTERS = (  # the file, the function, what stands there once, what lets everyth
 # Functions that say how much memory is taken, as ROOM.
 STEPPED = re.compile(r"\b(\w+) = -1; \1 <= 1(?=; \1 \+= 2)")  # a 2 ends the loop as soon
 SIZES = (("csrc/fine/find/cracks.c", "stride_of"), ("csrc/fine/find/cracks.c", "ISA(crack_scratch)"),
-         ("csrc/fine/find/light.c", "stride_of"), ("csrc/fine/find/light.c", "ISA(light_scratch)"),
          ("csrc/fine/find/ridges.c", "ISA(ridge_scratch)"))
 # A parameter that is an array: its length says nothing in C.
 TAKEN = re.compile(r"\b(?!return\b|else\b|case\b|sizeof\b)\w+ \(?\*?\w+\)?(?:\[[^\]]*\])+(?=[,)])")

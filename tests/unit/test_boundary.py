@@ -259,7 +259,8 @@ def test_frames_have_an_end(kind, frame, words):
 
 
 @pytest.mark.parametrize("view", [[0] * 9, [2, 0, 0, 0, 1, 0, 0, 0, 1], [1, 0, 0, 0.1, 1, 0, 0, 0, 1],
-                                  [1, 0, 0, 0, float("nan"), 0, 0, 0, 1], [3e38] * 9])
+                                  [1, 0, 0, 0, float("nan"), 0, 0, 0, 1], [1, 0, 0, 0, 1, 0, 0, 0, 2],
+                                  [3e38] * 9])
 def test_views_are_rotations(view):
     job = Job("render")
     job.job.camera.view[:] = view
