@@ -105,3 +105,33 @@ def test_a_border_has_the_light_of_its_part_of_the_frame(kept):
 def test_supersampled_light_is_the_same_light(kept):
     once, twice = kept.passes("kept")["Encre Diffuse"], kept.passes("large")["Encre Diffuse"]
     assert abs(once - twice).mean() < 0.02 * once.max()
+
+
+def crossings(light, level, where):
+    """Places (x, y) between neighbours of a region at which light reaches the level."""
+    found = []
+    for picture, region, order in ((light, where, 1), (light.T, where.T, -1)):
+        one, two = picture[:, :-1], picture[:, 1:]
+        y, x = np.nonzero(((one > level) != (two > level)) & region[:, :-1] & region[:, 1:])
+        found.append(np.stack((x + (one[y, x] - level) / (one[y, x] - two[y, x]), y), 1)[:, ::order])
+    return np.concatenate(found)
+
+
+def test_an_edge_of_cycles_light_is_where_the_shadow_ends(render):
+    shot = render("shadow")
+    if "Open Image Denoise is not there" in shot.output:
+        return
+    rendered, drawn = (shot.passes(name) for name in ("rendered", "drawn"))
+    number = drawn["IndexOB"][..., 0]
+    ground = beside(number, 3)
+    ground = (ground[0] == ground[1]) & (number == number[-1, 0])
+    edge, true = (crossings(light, np.median(light[ground]) / 2, ground)
+                  for light in (passes["Encre Diffuse"].max(2) for passes in (rendered, drawn)))
+    assert len(true) > 60 and abs(len(edge) - len(true)) <= 4, "one edge"
+    off = []
+    for place in edge:
+        near = true[np.argsort(((true - place) ** 2).sum(1))[:6]]
+        _, spread, axes = np.linalg.svd(near - near.mean(0))
+        if spread[1] < 0.1 * spread[0]:  # else a corner is near
+            off.append(abs((place - near.mean(0)) @ axes[1]))
+    assert len(off) > 60 and np.percentile(off, 95) < 0.2

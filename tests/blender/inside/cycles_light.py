@@ -86,3 +86,12 @@ def direct(out):
     scene.world = bpy.data.worlds.new("World")
     scene.encre.shade_light = "DIRECT"
     shoot(out, "direct")
+
+
+def shadow(out):
+    """A hard shadow, as Cycles renders it and as it is drawn."""
+    scene = stage(320, 170, 16)
+    scene.encre.shade_light = "DIRECT"
+    shoot(out, "rendered")
+    scene.encre.light_source = "DRAWN"
+    shoot(out, "drawn")
