@@ -32,6 +32,8 @@ def test_as_cycles_has_them(shots):
     same = inside(index) & inside(other)  # elsewhere Cycles' colours and normals are means
     color = abs(ours["DiffCol"] - theirs["DiffCol"]).max(2)[same]
     assert color.mean() < 0.015 and np.percentile(color, 80) < 0.002  # Cycles averages across texels and checks
+    grey = np.ptp(theirs["DiffCol"], axis=2)[same] == 0
+    assert len(np.unique(theirs["DiffCol"][same][grey][:, 0].round(2))) > 30 and color[grey].mean() < 0.002  # the waves
     turned = np.einsum("yxc,yxc->yx", ours["Normal"], theirs["Normal"])[same & (far < 1e6)]
     assert (turned > 0.99).mean() > 0.98
     light = abs(ours["Encre Diffuse"] - theirs["Encre Diffuse"]).max(2)[same]
