@@ -73,3 +73,9 @@ def test_what_only_cycles_can_show_is_said_in_one_line(render):
     color = passes["DiffCol"].reshape(-1, 3)
     assert np.isclose(color, (0.2, 0.3, 0.4), atol=1e-5).all(1).any()
     assert passes["DiffDir"].max() > 0.5
+
+
+@pytest.mark.parametrize("count", [50, pytest.param(500, marks=pytest.mark.long)])
+def test_renders_hold_no_more_and_more_memory(render, count):
+    (held,) = render("many", **({"ENCRE_RENDERS": str(count)} if count > 50 else {})).facts["held"]
+    assert len(held) == count and held[-1] < 1.02 * held[count // 4]

@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The same scene by Cycles and by Encre alone, materials of many nodes in it."""
 
+import os
+import resource
+from pathlib import Path
+
 import bpy
 import numpy as np
-from studio import cube, link, plane, shoot, sphere, stage
+from studio import cube, fact, link, plane, shoot, sphere, stage
 
 
 def _matt(name, make):
@@ -164,6 +168,18 @@ def layer_sources(out):
     scene.encre.supersample = 1
     render.film_transparent = True
     shoot(out, "transparent")
+
+
+def many(_out):
+    """Small renders one after the other, by both in turn: bytes that the process holds."""
+    scene, count, held = stage(48, 27, 1), int(os.environ.get("ENCRE_RENDERS", 50)), []
+    page = resource.getpagesize()
+    for k in range(count):
+        scene.encre.layer_source = ("CYCLES", "ENCRE")[k % 2]
+        scene.encre.line_thickness = 20 + k % 7
+        bpy.ops.render.render()
+        held.append(int(Path("/proc/self/statm").read_text().split()[1]) * page)
+    fact("held", held)
 
 
 def what_only_cycles_can_show(out):
