@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shader nodes -> operations. To add one: a method _<bl_idname without ShaderNode> of Compiler that gives the values of
-all its outputs by their names."""
+all its outputs by their names. Patterns are in patterns.py, what mixes colours and numbers in values.py."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..pen.job import Program
-from ..pen.program import Builder, Register, TooLong
+from ..pen.program import Builder, TooLong
 from . import trees, worlds
-from .values import Values
+from .patterns import Patterns
 
 _MOST_SOURCES = 5
 _GREY = (0.2126, 0.7152, 0.0722)
@@ -35,7 +35,7 @@ class Straight:
     rows: np.ndarray
 
 
-class Compiler(Values):
+class Compiler(Patterns):
     """The program of one material."""
 
     def __init__(self, pool, images):
@@ -308,61 +308,3 @@ class Compiler(Values):
             steps = self.build.run("footprint", data=(3 * vector.source, by))
         r, g, b, alpha = self.build.run("texture", (u, v, *steps), (number,))
         return {"Color": (r, g, b), "Alpha": alpha}
-
-    # Patterns
-
-    def _place(self, node):
-        scale = self.number(node.inputs["Scale"]) if "Scale" in node.inputs else 1.0
-        vector = self._scalars(self.vector(node.inputs["Vector"], self._generated))
-        return tuple(self.build.multiply(x, scale) for x in vector)
-
-    def _TexChecker(self, node):
-        share = self.build.apply("checker", *self._place(node))
-        return {"Color": self._mixed(self.three(node.inputs["Color2"]), self.three(node.inputs["Color1"]), share),
-                "Fac": share}
-
-    def _TexBrick(self, node):
-        known = [self.number(node.inputs[name]) for name in
-                 ("Mortar Size", "Mortar Smooth", "Bias", "Brick Width", "Row Height")]
-        if any(isinstance(x, Register) for x in known):
-            raise trees.Unknown(node.name)
-        x, y, _ = self._place(node)
-        at = self.build.pool.place([node.offset, node.offset_frequency, node.squash, node.squash_frequency, *known])
-        tint, mortar = self.build.run("brick", (x, y), (at,))
-        color = self._mixed(self.three(node.inputs["Color1"]), self.three(node.inputs["Color2"]), tint)
-        return {"Color": self._mixed(color, self.three(node.inputs["Mortar"]), mortar), "Fac": mortar}
-
-    def _TexGradient(self, node):
-        build = self.build
-        x, y, z = self._scalars(self.vector(node.inputs["Vector"], self._generated))
-        kind = node.gradient_type
-        if kind == "LINEAR":
-            share = x
-        elif kind == "QUADRATIC":
-            share = build.maximum(x, 0.0)
-            share = build.multiply(share, share)
-        elif kind == "EASING":
-            t = build.clamp(x)
-            square = build.multiply(t, t)
-            share = build.subtract(build.multiply(square, 3.0), build.multiply(build.multiply(square, t), 2.0))
-        elif kind == "DIAGONAL":
-            share = build.multiply(build.add(x, y), 0.5)
-        elif kind == "RADIAL":
-            share = build.add(build.multiply(build.apply("angle", y, x), 1 / (2 * np.pi)), 0.5)
-        else:
-            squares = build.add(build.multiply(x, x), build.add(build.multiply(y, y), build.multiply(z, z)))
-            share = build.maximum(build.subtract(0.999999, build.apply("root", squares)), 0.0)
-            share = build.multiply(share, share) if kind == "QUADRATIC_SPHERE" else share
-        share = build.clamp(share)
-        return {"Color": (share,) * 3, "Fac": share}
-
-    def _TexNoise(self, node):
-        detail, rough = self.number(node.inputs["Detail"]), self.number(node.inputs["Roughness"])
-        plain = (node.noise_dimensions == "3D" and self.number(node.inputs["Distortion"]) == 0
-                 and getattr(node, "noise_type", "FBM") == "FBM" and getattr(node, "normalize", True)
-                 and ("Lacunarity" not in node.inputs or self.number(node.inputs["Lacunarity"]) == 2))
-        if not plain or isinstance(detail, Register):
-            raise trees.Unknown(node.name)
-        detail = min(max(detail, 0.0), 15.0)
-        at = self.build.pool.place([np.floor(detail), detail - np.floor(detail)])
-        return {"Fac": self.build.run("noise", (*self._place(node), rough), (at,))[0]}

@@ -69,9 +69,10 @@ class _Watch:
         self.forget()
 
     def forget(self):
-        self.values, self.changed, self.instant, self.begun = None, 0.0, None, None
+        self.values, self.changed, self.instant, self.begun, self.again = None, 0.0, None, None, None
 
-    def __call__(self):
+    def step(self):
+        """Seconds until it is called again; None: it need not be."""
         global _yields
         window = next((w for w in bpy.context.window_manager.windows if memory.picture(w.scene)), None)
         scene = window and window.scene
@@ -138,9 +139,29 @@ class _Watch:
 _watch = _Watch()
 
 
+class ENCRE_OT_watch(bpy.types.Operator):
+    """Show settings that change"""
+
+    # Whether Python may write is one flag of Blender's for all threads, which stays wrong where a view is drawn as a
+    # render ends; operators alone always may.
+
+    bl_idname = "encre.watch"
+    bl_label = "Watch Settings"
+    bl_options = {"INTERNAL"}
+
+    def execute(self, _context):
+        _watch.again = _watch.step()
+        return {"FINISHED"}
+
+
+def _look():
+    bpy.ops.encre.watch()
+    return _watch.again
+
+
 def _wake():
-    if not bpy.app.timers.is_registered(_watch):
-        bpy.app.timers.register(_watch, first_interval=0)
+    if not bpy.app.timers.is_registered(_look):
+        bpy.app.timers.register(_look, first_interval=0)
 
 
 @persistent
@@ -235,7 +256,7 @@ def _render_by(context, event):
 
 _listen, _hear_no_more = handlers.pair(("render_init", _begins), ("render_complete", _ends), ("render_cancel", _ends),
                                        ("load_pre", _loads), ("save_pre", _saves), ("depsgraph_update_post", _changed))
-_CLASSES = ENCRE_OT_redraw, ENCRE_OT_give_way
+_CLASSES = ENCRE_OT_redraw, ENCRE_OT_give_way, ENCRE_OT_watch
 
 
 def register():
@@ -247,7 +268,7 @@ def register():
 def unregister():
     _hear_no_more()
     with contextlib.suppress(ValueError):
-        bpy.app.timers.unregister(_watch)
+        bpy.app.timers.unregister(_look)
     _watch.forget()
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

@@ -32,6 +32,8 @@ def test_as_cycles_has_them(shots):
     same = inside(index) & inside(other)  # elsewhere Cycles' colours and normals are means
     color = abs(ours["DiffCol"] - theirs["DiffCol"]).max(2)[same]
     assert color.mean() < 0.015 and np.percentile(color, 80) < 0.002  # Cycles averages across texels and checks
+    grey = np.ptp(theirs["DiffCol"], axis=2)[same] == 0
+    assert len(np.unique(theirs["DiffCol"][same][grey][:, 0].round(2))) > 30 and color[grey].mean() < 0.002  # the waves
     turned = np.einsum("yxc,yxc->yx", ours["Normal"], theirs["Normal"])[same & (far < 1e6)]
     assert (turned > 0.99).mean() > 0.98
     light = abs(ours["Encre Diffuse"] - theirs["Encre Diffuse"]).max(2)[same]
@@ -71,3 +73,9 @@ def test_what_only_cycles_can_show_is_said_in_one_line(render):
     color = passes["DiffCol"].reshape(-1, 3)
     assert np.isclose(color, (0.2, 0.3, 0.4), atol=1e-5).all(1).any()
     assert passes["DiffDir"].max() > 0.5
+
+
+@pytest.mark.parametrize("count", [50, pytest.param(500, marks=pytest.mark.long)])
+def test_renders_hold_no_more_and_more_memory(render, count):
+    (held,) = render("many", **({"ENCRE_RENDERS": str(count)} if count > 50 else {})).facts["held"]
+    assert len(held) == count and held[-1] < 1.02 * held[count // 4]

@@ -1,25 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The rendered 3D view in a window (blender/inside/view_window.py works in it)."""
 
+import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import blenders
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 
 WINDOW = Path(__file__).parent / "inside" / "view_window.py"
 
 
-@pytest.fixture(scope="module")
-def shot(tmp_path_factory):
+def look(folder, **environment):
     if not shutil.which("blender") or not shutil.which("xvfb-run"):
         pytest.skip("needs the programs blender and xvfb-run")
-    folder = tmp_path_factory.mktemp("view")
     command = ["xvfb-run", "-a", "-s", "-screen 0 800x600x24", "blender", "--factory-startup",
                "--enable-event-simulate", "-p", "0", "0", "800", "600", "-P", str(WINDOW), "--", "view", str(folder)]
-    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace"), folder)
+    limit = 400 * (10 if environment else 1)
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=limit, errors="replace",
+                           env={**os.environ, **environment})
+    return blenders.read(ended, folder)
+
+
+@pytest.fixture(scope="module")
+def shot(tmp_path_factory):
+    return look(tmp_path_factory.mktemp("view"))
 
 
 def fact(shot, name):
@@ -122,6 +130,28 @@ def test_two_views_at_once(shot):
     assert len(regions) == 2 and free in regions and regions[0] != regions[1]
     assert camera[1] < min(height for _, height in regions)  # the frame lies within its region
     assert fact(shot, "views left") == 1
+
+
+def test_a_pinned_pattern_stays_in_the_view(shot):
+    """At rest it changes nothing; of a mesh that is bent then, letting go moves it."""
+    assert fact(shot, "pin") == ["FINISHED"] and fact(shot, "pinned") == [None]
+    assert (picture(shot, "unpinned") == picture(shot, "pinned")).all()
+    assert apart(picture(shot, "pinned"), picture(shot, "bent")).sum() > 2000
+    assert 200 < apart(picture(shot, "bent"), picture(shot, "let go")).sum() < 5000
+
+
+def test_two_windows_and_a_render_at_once(shot):
+    views, failures, beside = fact(shot, "together")
+    assert views == 2 and failures == [None, None] and beside > 0
+    alone, together = (oiio.ImageBuf(str(shot.folder / f"{name}.png")).get_pixels() for name in ("alone", "together"))
+    assert np.array_equal(alone, together) and alone.std() > 0.1
+
+
+@pytest.mark.long
+def test_memory_stays_flat_for_long(tmp_path):
+    shot = look(tmp_path, ENCRE_REDRAWS="10000")
+    pictures, before, after = fact(shot, "memory")
+    assert fact(shot, "finished") and pictures >= 10000 and after < 1.02 * before
 
 
 def test_cycles_shows_its_own_view(shot):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The layers of the scenes by Cycles and by Encre itself: how far they are apart, and what each costs.
 
-    python tests/helpers/layered.py FOLDER [SCENE ...]     prints a row of docs/layers.md for each scene
+    python tests/helpers/layered.py FOLDER [SCENE ...]     prints a row of docs/layers.md for each scene, and writes
+                                                           FOLDER/layers.jpg, Encre's on the left, Cycles' on the right
 """
 
 import resource
@@ -12,6 +13,8 @@ from pathlib import Path
 
 import exr
 import numpy as np
+import OpenImageIO as oiio
+from encre.pen.colour import encode_srgb
 
 SCENES = Path(__file__).parents[2] / "scenes"
 OPTIONS = ["--size", "480x270", "--set", "save_layers=ON", "--set", "light_source=DRAWN"]
@@ -60,8 +63,14 @@ def compared(ours, theirs):
             light.mean())
 
 
+def pair(*paths):
+    """(height, width, 3) of the pictures of two files side by side, as they are shown."""
+    return np.concatenate([encode_srgb(np.clip(exr.part(path, "ViewLayer.Combined")[..., :3], 0, 1))
+                           for path in paths], 1)
+
+
 def main(folder, *scenes):
-    folder = Path(folder)
+    folder, pairs = Path(folder), []
     for scene in scenes or sorted(p.stem for p in SCENES.glob("*.py") if "def build()" in p.read_text()):
         ours, theirs = folder / f"{scene}-encre.exr", folder / f"{scene}-cycles.exr"
         mine, _ = render(scene, ours, "--set", "layer_source=ENCRE")
@@ -69,6 +78,10 @@ def main(folder, *scenes):
         index, depth, mean, p99, light = compared(ours, theirs)
         print(f"| {scene} | {100 * index:.3f} % | {100 * depth:.3f} % | {mean:.4f} | {p99:.3f} | {light:.4f} | "
               f"{mine:.1f} s | {slow:.1f} s |", flush=True)
+        pairs.append(pair(ours, theirs))
+    sheet = oiio.ImageBuf(np.ascontiguousarray(np.concatenate(pairs), np.float32))
+    sheet.specmod().attribute("CompressionQuality", 82)
+    sheet.write(str(folder / "layers.jpg"))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The same scene by Cycles and by Encre alone, materials of many nodes in it."""
 
+import os
+import resource
+from pathlib import Path
+
 import bpy
 import numpy as np
-from studio import cube, link, plane, shoot, sphere, stage
+from studio import cube, fact, link, plane, shoot, sphere, stage
 
 
 def _matt(name, make):
@@ -66,6 +70,28 @@ def _ramp(tree):
     return ramp.outputs["Color"]
 
 
+def _waves(tree):
+    """Bands of waves that noise bends, times rings of each other profile."""
+    made = []
+    for kind, along, profile, distortion in (("BANDS", "X", "SIN", 3.0), ("BANDS", "DIAGONAL", "TRI", 0.0),
+                                             ("RINGS", "Z", "SAW", 0.0), ("RINGS", "SPHERICAL", "TRI", 1.0)):
+        wave = _new(tree, "TexWave", Scale=0.3, Distortion=distortion, Detail_Scale=1.5, Phase_Offset=0.4)
+        wave.wave_type, wave.wave_profile = kind, profile
+        wave.bands_direction = along if kind == "BANDS" else "Y"
+        wave.rings_direction = along if kind == "RINGS" else "Y"
+        made.append(wave)
+    sums = made[0].outputs["Fac"]
+    for wave in made[1:]:
+        add = _new(tree, "Math")
+        tree.links.new(sums, add.inputs[0])
+        tree.links.new(wave.outputs["Color"], add.inputs[1])
+        sums = add.outputs[0]
+    part = _new(tree, "Math")
+    part.operation, part.inputs[1].default_value = "MULTIPLY", 0.25
+    tree.links.new(sums, part.inputs[0])
+    return part.outputs[0]
+
+
 def _painted(tree):
     """A colour attribute, darkened."""
     attribute, gamma = _new(tree, "VertexColor"), _new(tree, "Gamma", Gamma=1.5)
@@ -106,6 +132,8 @@ def _scene():
         bpy.data.objects.remove(bpy.data.objects[name])
     _square(cube("Cube", (-1.4, 0, 0), 1.2, _matt("Picture", _picture)))
     sphere("Ball", (1.4, 0.3, 0.2), _matt("Ramp", _ramp))
+    plane("Wall", _matt("Waves", _waves), 4.0, 0.0).location = (0, 2.5, 0)
+    bpy.data.objects["Wall"].rotation_euler = (1.4, 0, 0)
     cube("Checks", (0, 1.0, 0.3), 1.1, _matt("Checks", _checks))
     painted = plane("Ground", _matt("Painted", _painted))
     colors = painted.data.color_attributes.new("Paint", "FLOAT_COLOR", "CORNER")
@@ -140,6 +168,18 @@ def layer_sources(out):
     scene.encre.supersample = 1
     render.film_transparent = True
     shoot(out, "transparent")
+
+
+def many(_out):
+    """Small renders one after the other, by both in turn: bytes that the process holds."""
+    scene, count, held = stage(48, 27, 1), int(os.environ.get("ENCRE_RENDERS", 50)), []
+    page = resource.getpagesize()
+    for k in range(count):
+        scene.encre.layer_source = ("CYCLES", "ENCRE")[k % 2]
+        scene.encre.line_thickness = 20 + k % 7
+        bpy.ops.render.render()
+        held.append(int(Path("/proc/self/statm").read_text().split()[1]) * page)
+    fact("held", held)
 
 
 def what_only_cycles_can_show(out):

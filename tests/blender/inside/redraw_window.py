@@ -48,7 +48,7 @@ def rendering():
     """Until the render that F12 starts has ended; redraws that are under way end before."""
     from encre.blender import redraw
 
-    while bpy.app.timers.is_registered(redraw._watch) or bpy.app.is_job_running("RENDER"):
+    while bpy.app.timers.is_registered(redraw._look) or bpy.app.is_job_running("RENDER"):
         yield
     ended.clear()
     press("F12")

@@ -336,6 +336,81 @@ def several():
     studio.fact("views left", len(views()))
 
 
+def pinned():
+    """A pattern that is pinned to a mesh at rest, which is then bent; and let go."""
+    scene, ball = bpy.context.scene, bpy.data.objects["Ball"]
+    scene.encre.pen_wobble, scene.encre.pen_gaps = 0.6, 0.5
+    bpy.ops.object.select_all(action="DESELECT")
+    ball.select_set(True)
+    bpy.context.view_layer.objects.active = ball
+    yield from rest()
+    picture("unpinned")
+    with window.override("VIEW_3D"):
+        studio.fact("pin", list(bpy.ops.encre.pin_pattern()))
+    yield from rest()
+    picture("pinned")
+    for vertex in ball.data.vertices:
+        vertex.co.z += 0.8 * vertex.co.x ** 2
+    ball.data.update()
+    yield from rest()
+    picture("bent")
+    with window.override("VIEW_3D"):
+        bpy.ops.encre.pin_pattern(clear=True)
+    yield from rest()
+    picture("let go")
+    studio.fact("pinned", [view.failure for view in views()])
+    scene.encre.pen_wobble = scene.encre.pen_gaps = 0.0
+    yield from rest()
+
+
+class Write(bpy.types.Operator):
+    """Where a view was drawn as a render ended, Blender lets no script write, but operators."""
+
+    bl_idname, bl_label, todo = "encre_test.write", "Write", []
+
+    def execute(self, _context):
+        for change in Write.todo:
+            setattr(*change)
+        return {"FINISHED"}
+
+
+def write(*changes):
+    Write.todo = changes
+    bpy.ops.encre_test.write()
+
+
+def together():
+    """Two windows and a final render at once: each as it is alone. (A render that begins ends previews.)"""
+    scene = bpy.context.scene
+    settings = scene.render.image_settings
+    settings.file_format, settings.color_depth = "PNG", "8"
+    scene.render.resolution_percentage, thickness = 300, scene.encre.line_thickness
+    bpy.context.preferences.view.render_display_type = "NONE"
+    bpy.utils.register_class(Write)
+    for name in ("alone", "together"):
+        if name == "together":
+            with window.override("VIEW_3D"):
+                bpy.ops.wm.window_new()
+            yield
+            other = next(a for a in bpy.context.window_manager.windows[1].screen.areas if a.type == "VIEW_3D")
+            write((other.spaces.active.shading, "type", "RENDERED"),
+                  (other.spaces.active.overlay, "show_overlays", False),
+                  (other.spaces.active.region_3d, "view_perspective", "CAMERA"))
+        turn = space().region_3d.view_rotation.copy()
+        turn.rotate(type(turn)((0, 0, 1), 0.3))
+        write((scene.encre, "line_thickness", thickness + 1), (space().region_3d, "view_rotation", turn))
+        with bpy.context.temp_override(window=window.window()):
+            bpy.ops.render.render("INVOKE_DEFAULT")
+        beside = 0
+        while bpy.app.is_job_running("RENDER"):
+            beside += any(view.picture for view in views())
+            yield
+        write((scene.encre, "line_thickness", thickness))
+        yield from rest()
+        bpy.data.images["Render Result"].save_render(os.path.join(window.FOLDER, f"{name}.png"))
+    studio.fact("together", [len(views()), [view.failure for view in views()], beside])
+
+
 def cycles():
     """Cycles' own view, and back."""
     space().shading.encre.source = "CYCLES"
@@ -349,8 +424,8 @@ def cycles():
 
 
 def steps():
-    for step in (build, camera, border, orbit, slider, stroke, shows, undo, broken, play, flat, hidden, several,
-                 cycles):
+    for step in (build, camera, border, orbit, slider, stroke, shows, undo, broken, play, flat, hidden, pinned,
+                 several, cycles, together):
         begin = time.perf_counter()
         yield from step()
         studio.fact("time", [step.__name__, round(time.perf_counter() - begin, 1)])

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nodes of patterns by formula -> operations: a part of nodes.Compiler, whose methods it uses."""
+
+import functools
+
+import numpy as np
+
+from ..pen.program import Register
+from . import trees
+from .values import Values
+
+
+class Patterns(Values):
+    """The values of their outputs, by names."""
+
+    def _place(self, node):
+        scale = self.number(node.inputs["Scale"]) if "Scale" in node.inputs else 1.0
+        vector = self._scalars(self.vector(node.inputs["Vector"], self._generated))
+        return tuple(self.build.multiply(x, scale) for x in vector)
+
+    def _TexChecker(self, node):
+        share = self.build.apply("checker", *self._place(node))
+        return {"Color": self._mixed(self.three(node.inputs["Color2"]), self.three(node.inputs["Color1"]), share),
+                "Fac": share}
+
+    def _TexBrick(self, node):
+        known = [self.number(node.inputs[name]) for name in
+                 ("Mortar Size", "Mortar Smooth", "Bias", "Brick Width", "Row Height")]
+        if any(isinstance(x, Register) for x in known):
+            raise trees.Unknown(node.name)
+        x, y, _ = self._place(node)
+        at = self.build.pool.place([node.offset, node.offset_frequency, node.squash, node.squash_frequency, *known])
+        tint, mortar = self.build.run("brick", (x, y), (at,))
+        color = self._mixed(self.three(node.inputs["Color1"]), self.three(node.inputs["Color2"]), tint)
+        return {"Color": self._mixed(color, self.three(node.inputs["Mortar"]), mortar), "Fac": mortar}
+
+    def _TexGradient(self, node):
+        build = self.build
+        x, y, z = self._scalars(self.vector(node.inputs["Vector"], self._generated))
+        kind = node.gradient_type
+        if kind == "LINEAR":
+            share = x
+        elif kind == "QUADRATIC":
+            share = build.maximum(x, 0.0)
+            share = build.multiply(share, share)
+        elif kind == "EASING":
+            t = build.clamp(x)
+            square = build.multiply(t, t)
+            share = build.subtract(build.multiply(square, 3.0), build.multiply(build.multiply(square, t), 2.0))
+        elif kind == "DIAGONAL":
+            share = build.multiply(build.add(x, y), 0.5)
+        elif kind == "RADIAL":
+            share = build.add(build.multiply(build.apply("angle", y, x), 1 / (2 * np.pi)), 0.5)
+        else:
+            squares = build.add(build.multiply(x, x), build.add(build.multiply(y, y), build.multiply(z, z)))
+            share = build.maximum(build.subtract(0.999999, build.apply("root", squares)), 0.0)
+            share = build.multiply(share, share) if kind == "QUADRATIC_SPHERE" else share
+        share = build.clamp(share)
+        return {"Color": (share,) * 3, "Fac": share}
+
+    def _TexNoise(self, node):
+        detail, rough = self.number(node.inputs["Detail"]), self.number(node.inputs["Roughness"])
+        plain = (node.noise_dimensions == "3D" and self.number(node.inputs["Distortion"]) == 0
+                 and getattr(node, "noise_type", "FBM") == "FBM" and getattr(node, "normalize", True)
+                 and ("Lacunarity" not in node.inputs or self.number(node.inputs["Lacunarity"]) == 2))
+        if not plain:
+            raise trees.Unknown(node.name)
+        return {"Fac": self._noise(node, self._place(node), detail, rough)}
+
+    def _noise(self, node, place, detail, rough):
+        if isinstance(detail, Register):
+            raise trees.Unknown(node.name)
+        detail = min(max(detail, 0.0), 15.0)
+        at = self.build.pool.place([np.floor(detail), detail - np.floor(detail)])
+        return self.build.run("noise", (*place, rough), (at,))[0]
+
+    def _TexWave(self, node):
+        build, number = self.build, lambda name: self.number(node.inputs[name])
+        # Places on a boundary are inside, whatever rounding does.
+        place = [build.multiply(build.add(x, 1e-6), 0.999999) for x in self._place(node)]
+        bands = node.wave_type == "BANDS"
+        along = node.bands_direction if bands else node.rings_direction
+        if bands:
+            way = (build.multiply(build.add(place[0], build.add(place[1], place[2])), 10.0) if along == "DIAGONAL"
+                   else build.multiply(place["XYZ".index(along)], 20.0))
+        else:
+            squares = [build.multiply(x, x) for k, x in enumerate(place) if along == "SPHERICAL" or "XYZ"[k] != along]
+            way = build.multiply(build.apply("root", functools.reduce(build.add, squares)), 20.0)
+        way, distortion = build.add(way, number("Phase Offset")), number("Distortion")
+        if distortion != 0:
+            scale = number("Detail Scale")
+            noise = self._noise(node, [build.multiply(x, scale) for x in place], number("Detail"),
+                                number("Detail Roughness"))
+            way = build.add(way, build.multiply(distortion, build.subtract(build.multiply(noise, 2.0), 1.0)))
+        if node.wave_profile == "SIN":
+            share = build.add(0.5, build.multiply(0.5, build.apply("sine", build.subtract(way, np.pi / 2))))
+        else:
+            turns = build.multiply(way, 1 / (2 * np.pi))
+            if node.wave_profile == "SAW":
+                share = build.subtract(turns, build.apply("floor", turns))
+            else:
+                nearest = build.apply("floor", build.add(turns, 0.5))
+                share = build.multiply(build.apply("absolute", build.subtract(turns, nearest)), 2.0)
+        return {"Color": (share,) * 3, "Fac": share}
