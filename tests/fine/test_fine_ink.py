@@ -3,6 +3,7 @@
 
 import itertools
 
+import hands
 import numpy as np
 import passes
 import pytest
@@ -80,6 +81,13 @@ def test_a_hand_draws_the_same_with_any_threads_and_instructions():
     for threads, simd in ((2, 1), (5, 1), (1, 0), (3, 0)):
         other = library.render(layers, scene, styles, outputs=outputs, threads=threads, simd=simd).images
         assert all(first[name].tobytes() == other[name].tobytes() for name in outputs)
+
+
+def test_a_hand_sticks_to_one_who_walks():
+    """Skin that bends, and legs that pass before each other."""
+    poses = [(hands.walker(k / 24, 0.05 * k - 0.3), *hands.sticks.eye(zoom=1.6)) for k in range(3)]
+    assert min(hands.followed(hands.PENS["brush"], poses)) > 0.94
+    assert max(abs(share - 1) for share in hands.sizes(hands.PENS["brush"])) < 0.1
 
 
 def test_a_hand_draws_anew_when_its_frames_are_over():

@@ -70,8 +70,8 @@ def _thinned(t, half, most, unit, shape):
     step = max(16 * unit, 2)
     share = np.zeros([int(side / step) + 2 for side in shape])
     where = np.maximum(t.at + 0.5, 0) / step
-    x, y = np.floor(where).astype(int).T
-    u, v = (where - np.floor(where)).T
+    x, y = np.minimum(np.floor(where).astype(int), np.array(share.shape[::-1]) - 2).T
+    u, v = clamp01(where - np.stack([x, y], -1)).T
     corners = [(y, x, (1 - u) * (1 - v)), (y, x + 1, u * (1 - v)), (y + 1, x, (1 - u) * v), (y + 1, x + 1, u * v)]
     length = np.array([sum(t.apart(i, j) / 2 for j in t.links[i] if not t.dropped[j]) if t.links[i] else 2 * half[i]
                        for i in range(len(t))])
@@ -105,7 +105,8 @@ def ends(t, layers, params, paper, stroke):
     most = 0.5 * params["line_max_thickness"] * params.pixels(layers.full_height)
     half = np.minimum(half, most) * (1 - site["eased"] / 255)
     half = _thinned(t, half * used, params.at("line_density", style), params.pixels(layers.full_height), shape)
-    turn = turned(t)
+    turns = (hand.at("overshoot") > 0).any() or (hand.at("pool") > 0).any()
+    turn = turned(t) if turns else np.zeros(len(t))
     pooled = hand.at("pool") * clamp01(turn - 0.5)
     wider = hand.pressure() * (1 + pooled)
     half = np.where((hand.at("pressure") > 0) | (pooled > 0), np.minimum(half * wider, most), half)
@@ -126,7 +127,7 @@ def ends(t, layers, params, paper, stroke):
                         hand.at("paper", pen.roughness), np.minimum(z, 1e30)], 1)
     color = inks(t, layers, params, pen.ink, columns[:, 0], layers.combined)
     at, columns = np.where(used[:, None], at, t.at), columns * used[:, None]
-    return _beyond(spurs(t, turn), hand.farther() * used, at, columns, color, *hand.bristles())
+    return _beyond(spurs(t, turn) if turns else (), hand.farther() * used, at, columns, color, *hand.bristles())
 
 
 def _beyond(spurs, farther, at, columns, color, numbers, bristles):
