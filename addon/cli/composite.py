@@ -16,6 +16,7 @@ from .room import Room
 from .view import Shown
 
 _COMPOSITED = "Composite"  # how Blender calls the compositor's picture among the view layers
+_PICTURES = {"combined", "beauty", "rgba", "rgb", "color", "final"}  # how others call theirs
 _AT_ONCE = 1 << 22  # pixels of noisy light that are read at a time
 
 
@@ -106,7 +107,9 @@ def _read(exr, names, settings, place, camera, threads, room):
             band, bad = layers.assemble(passes, settings, saved.unpack(passes), clean)
         except EncreError as error:
             others = ", ".join(sorted(set(names) - set(read))) or "nothing"
-            raise EncreError(f"{exr.path}: {error}; besides in the file: {others}") from None
+            like = next((full[0].rpartition(".")[0] for name, full in names.items() if name.lower() in _PICTURES), "")
+            cure = f"; if {like} is the picture: --layer combined={like}" if like and not _has_picture(names) else ""
+            raise EncreError(f"{exr.path}: {error}; besides in the file: {others}{cure}") from None
         whole.add(first - rows.start, {name: picture[around[0]:len(picture) - around[1]]
                                        for name, picture in band.items()})
         nonfinite += bad

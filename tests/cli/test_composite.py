@@ -373,6 +373,15 @@ def test_all_view_layers_are_drawn(run, tmp_path, scene):
     assert "is drawn" not in run("composite", path, "-o", tmp_path / "o.png", "--view-layer", "Two")[2]
 
 
+def test_a_picture_of_another_name_is_offered(run, tmp_path, scene):
+    channels = {f"viewlayer.combined.{c}": scene["combined"][..., k] for k, c in enumerate("RGBA")}
+    path = tmp_path / "in.exr"
+    multilayer.write(path, channels, multilayer.Window(*SIZE, 0, 0, *SIZE))
+    fails(run("composite", path, "-o", tmp_path / "out.exr"), "pass Combined is missing",
+          "--layer combined=viewlayer.combined")
+    assert run("composite", path, "-o", tmp_path / "out.exr", "--layer", "combined=viewlayer.combined")[0] == 0
+
+
 def test_what_the_compositor_made_is_said_to_be_lost(run, tmp_path, scene):
     """Unless it made nothing."""
     channels = {f"ViewLayer.{name}.{letter}": np.atleast_3d(picture)[..., k]
