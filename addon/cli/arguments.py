@@ -12,12 +12,24 @@ from . import images, sequence
 from .progress import say
 
 MOST_JOBS = 256
+MOST_SAMPLES = 1 << 24  # Cycles takes no more
 
 STATUS = """exit status:
   0    all is done
   1    something failed under way
   2    the command, its input or its output can't be used
   130  interrupted"""
+
+
+def joined(argv):
+    """`argv` with -f and a list that begins with a minus as one word: argparse would take the list for an option."""
+    words = []
+    for word in argv:
+        if words and words[-1] in ("-f", "--frame") and re.match(r"-\d.*[-,x]", word):
+            words[-1] += f"={word}" if words[-1].startswith("--") else word
+        else:
+            words.append(word)
+    return words
 
 
 class _Parser(argparse.ArgumentParser):
@@ -67,8 +79,8 @@ def _frame_list(text):
 
 
 def _count(text):
-    if not re.fullmatch(r"[1-9]\d{0,8}", text):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1")
+    if not 1 <= (int(text) if re.fullmatch(r"\d{1,9}", text) else 0) <= MOST_SAMPLES:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to {MOST_SAMPLES}")
     return int(text)
 
 

@@ -15,6 +15,8 @@ from . import denoiser, images, interrupt, multilayer, png, substitutes
 from .room import Room
 from .view import Shown
 
+_COMPOSITED = "Composite"  # how Blender calls the compositor's picture among the view layers
+_PICTURES = {"combined", "beauty", "rgba", "rgb", "color", "final"}  # how others call theirs
 _AT_ONCE = 1 << 22  # pixels of noisy light that are read at a time
 
 
@@ -32,7 +34,7 @@ def _choose(found, name, path):
     """The view layer called `name`, or the file's first; the compositor's result is not one."""
     if name is None:
         names = [n for n, eyes in found.items()
-                 if n != "Composite" or any(set(passes) != {"Combined"} for passes in eyes.values())]
+                 if n != _COMPOSITED or any(set(passes) != {"Combined"} for passes in eyes.values())]
         drawn = [n for n in names if any(_has_picture(passes) for passes in found[n].values())]
         return (drawn or names or list(found))[0]
     if name not in found:
@@ -105,7 +107,9 @@ def _read(exr, names, settings, place, camera, threads, room):
             band, bad = layers.assemble(passes, settings, saved.unpack(passes), clean)
         except EncreError as error:
             others = ", ".join(sorted(set(names) - set(read))) or "nothing"
-            raise EncreError(f"{exr.path}: {error}; besides in the file: {others}") from None
+            like = next((full[0].rpartition(".")[0] for name, full in names.items() if name.lower() in _PICTURES), "")
+            cure = f"; if {like} is the picture: --layer combined={like}" if like and not _has_picture(names) else ""
+            raise EncreError(f"{exr.path}: {error}; besides in the file: {others}{cure}") from None
         whole.add(first - rows.start, {name: picture[around[0]:len(picture) - around[1]]
                                        for name, picture in band.items()})
         nonfinite += bad
@@ -169,6 +173,17 @@ def _paper_pixels(name, stored, change):
     return stored[1] if stored and name == stored[0] and not change.get("paper_image") else images.read_paper(name)
 
 
+def _composited(exr, found, layer):
+    """Whether the compositor made another picture than it had of a view layer."""
+    for view, names in found.get(_COMPOSITED, {}).items() if layer != _COMPOSITED else ():
+        pair = {"made": names.get("Combined", ()), "had": found[layer].get(view, {}).get("Combined", ())}
+        if len(pair["made"]) != len(pair["had"]) or any(
+                not np.array_equal(band["made"], band["had"], equal_nan=True)
+                for _, band in exr.bands(pair, 0, exr.window.height)):
+            return True
+    return False
+
+
 def check(path, view_layer=None, asked=None):
     """(text that lists which passes an EXR holds and what each that is missing switches off, whether it is enough)."""
     with multilayer.Exr(path) as exr:
@@ -176,7 +191,8 @@ def check(path, view_layer=None, asked=None):
         lines, good = [], True
         for layer in [_choose(found, view_layer, path)] if view_layer is not None else found:
             passes = substitutes.rename(next(iter(found[layer].values())), asked or {}, exr.channels, path)
-            if layer == "Composite" and set(passes) == {"Combined"}:
+            if layer == _COMPOSITED and set(passes) == {"Combined"} and view_layer is None:
+                lines += [f"{path}: {layer}, what the compositor made, is not drawn again"]
                 continue
             lines += [f"{path}: view layer {layer}" if layer else path, *substitutes.listed(passes)]
             good = good and bool({"Combined", "Encre Source"} & set(passes))
@@ -246,7 +262,7 @@ class _Work:
         first = _choose(found, view_layer, exr.path)
         # What --layer names lies in one of them, whose name is not told.
         others = [name for name, eyes in found.items() if any(map(_has_picture, eyes.values()))
-                  and name not in (first, "Composite") and view_layer is None and not self.asked]
+                  and name not in (first, _COMPOSITED) and view_layer is None and not self.asked]
         if others and self.as_png:
             self._say("note", f"{exr.path}: view layer {first} is drawn, and not {', '.join(others)}; choose by "
                               "--view-layer, or write an .exr, which has room for all")
@@ -259,6 +275,9 @@ class _Work:
                 raise EncreError(f"{exr.path}: is stereo, and a PNG has one view; write an .exr")
             for view, names in eyes.items():
                 self._draw(layer, view, names, f"{exr.path}, view layer {layer}," if others else exr.path)
+        if _composited(exr, found, first):
+            self._say("note", f"{exr.path}: what the compositor made ({_COMPOSITED}.Combined) is not drawn again, as "
+                              "its nodes run in Blender alone: composite the new Combined by them")
         for warning in self.stored.warnings:
             self._say("warning", warning)
         if self.nonfinite:

@@ -58,6 +58,18 @@ def utf8(path):
         raise EncreError(f"{path}: this name is not UTF-8; rename the file or its folder") from None
 
 
+def check_source(path):
+    """Raises EncreError for a file that can't be read."""
+    if os.path.isdir(path):
+        raise EncreError(f"{path}: is a folder; give a file in it")
+    if not os.path.isfile(path):  # nor a pipe, for which opening it would wait
+        raise EncreError(f"{path}: there is no such file; check the path")
+    try:
+        open(path, "rb").close()
+    except OSError as error:
+        raise EncreError(f"{path}: can't be read ({error.strerror}); check the path and who may read it") from None
+
+
 def read_paper(path):
     """An image of any kind as an array (H, W) or (H, W, 3) of float32, values as stored, without its alpha."""
     if not os.path.isfile(path):

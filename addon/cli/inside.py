@@ -214,6 +214,9 @@ def render_frame(job, scene, number, stamp, amiss):
         return "failed", {"text": f"frame {number}: {sentence(reason)}"}
     # Stereo makes a file for each eye, named 1_L and 1_R.
     name = re.compile(rf"{number}(_.*)?{re.escape(job['ending'])}", re.IGNORECASE)
+    if not os.path.isdir(job["folder"]):
+        return "failed", {"text": f"frame {number}: the folder that it was written into is gone; run again with "
+                                  "--resume"}
     made = [entry for entry in os.listdir(job["folder"]) if name.fullmatch(entry)]
     if words := amiss.found(f"frame {number}"):
         return "failed", {"text": words}

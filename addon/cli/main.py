@@ -18,7 +18,7 @@ import numpy as np
 from ..pen import library, presets
 from ..pen.errors import EncreError, shown
 from . import images, substitutes, tools
-from .arguments import parser
+from .arguments import joined, parser
 from .bake import bake
 from .jobs import run as run_jobs
 from .jobs import teller
@@ -56,8 +56,7 @@ def _frames(args):
 
 
 def _scene(args):
-    if not os.path.isfile(args.scene):
-        raise EncreError(f"{args.scene}: there is no such file; check the path")
+    images.check_source(args.scene)
     return args.scene
 
 
@@ -177,6 +176,17 @@ COMMANDS = {"render": _render, "composite": _composite, "bake": _bake, "compare"
             "presets": _presets}
 
 
+def _words(error):
+    """A sentence; what the system says holds no cure."""
+    if isinstance(error, OSError):
+        try:
+            os.getcwd()
+        except OSError:
+            return "the folder in which this was started is gone; change into one that is there"
+        return f"{error.filename or 'a file'}: {error.strerror or error}; check the path and who may use it"
+    return str(error) or "there is not enough memory; give a smaller picture"
+
+
 def _ready_to_print():
     """A terminal that knows few characters gets the others written out, and a closed stream nothing."""
     for name in ("stdout", "stderr"):
@@ -194,8 +204,9 @@ def main(argv=None):
         with warnings.catch_warnings(), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             # What overflows becomes infinite, and is counted with what is not finite in the input.
             warnings.showwarning = lambda message, *_, **__: heard.setdefault(str(message))
+            argv = joined(sys.argv[1:] if argv is None else argv)
             args = parser().parse_args(argv)
-            args.argv = sys.argv[1:] if argv is None else argv
+            args.argv = argv
             COMMANDS[args.command](args)
         for words in heard:
             say("warning", words)
@@ -205,7 +216,7 @@ def main(argv=None):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except (EncreError, MemoryError, OSError) as error:
-        say("error", str(error) or "there is not enough memory; give a smaller picture")
+        say("error", _words(error))
         under_way = isinstance(error, (RenderError, images.WriteError)) or not isinstance(error, EncreError)
         return 1 if under_way else 2
     except Exception as error:  # a mistake of ours; no trace of it helps who rendered, its place helps who mends it

@@ -36,9 +36,7 @@ class Exr:
 
     def __init__(self, path, threads=0):
         oiio = images.openimageio()
-        if not os.path.isfile(path):
-            raise EncreError(f"{path}: is a folder; give a file in it" if os.path.isdir(path) else
-                             f"{path}: there is no such file; check the path")
+        images.check_source(path)
         if threads:
             oiio.attribute("threads", threads)
             oiio.attribute("exr_threads", threads)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`encre composite` on a file or a sequence of them; jobs shares one among processes, each of which runs this."""
 
+import contextlib
 import os
 import re
 import tempfile
@@ -52,10 +53,12 @@ def restyle(whole, out, change, tell, *, share=(0, 1), resume=False, keep_going=
     them. Raises what composite() does for a single file, which fails in no other way.
     """
     said, parent = {}, os.getppid()
-    with images.writing([out]) as place:
+    with contextlib.ExitStack() as stack:
+        if share[1] > 1:  # its folder would stay if it were killed
+            stack.callback(workplace.sweep, tempfile.gettempdir())
+        place = stack.enter_context(images.writing([out]))
         for frame in whole[share[0]::share[1]]:
             if share[1] > 1 and os.getppid() != parent:  # it was killed, and nobody waits for the rest
-                workplace.sweep(tempfile.gettempdir())
                 raise RenderError("the process that shares the frames out is gone; run again with --resume")
             tell(frame, BEGUN)
             try:
@@ -93,7 +96,9 @@ def _one(frame, change, place, resume, say, options):
 
 def _reason(frame, error):
     """Why a frame failed, in a sentence that names its file."""
-    words = getattr(error, "strerror", None) or str(error) or "there is not enough memory for it"
+    if isinstance(error, OSError):
+        return images.unwritable(frame.path, error.strerror)
+    words = str(error) or "there is not enough memory for it"
     return words if frame.source in words or frame.path in words else f"{frame.source}: {words}"
 
 

@@ -2,7 +2,7 @@
 """A process's own folder: for what is not finished yet, and for its claims to frames that others might take as well.
 
 The folder's name tells its owner: host, process, when that started, and a word that nobody can foresee. A folder whose
-owner is gone is swept by whoever next makes one beside it.
+owner is gone is swept by whoever next makes one beside it, or is done with theirs.
 """
 
 import contextlib
@@ -105,6 +105,7 @@ class Workplace:
         if self._held:
             self._held.close()
         shutil.rmtree(self.path, ignore_errors=True)
+        sweep(self.folder)  # of those who were killed meanwhile, whom nobody may follow
 
     def claim(self, name):
         """Claims the file `name` of the folder against all other processes; says who has it, None: this one now has.
@@ -112,6 +113,9 @@ class Workplace:
         Each puts down its own mark before it looks for others', so that of two at least one sees the other's.
         """
         mark = f"claim-{name}"[:200]
+        if not os.path.isdir(self.path):  # somebody has removed the folder that it is in
+            os.makedirs(self.path, 0o700)
+            self._held = _lock(os.path.join(self.path, "lock"))
         with open(os.path.join(self.path, mark), "xb"):
             pass
         for other in _others(self.folder):

@@ -94,16 +94,40 @@ def read(path: Path) -> Preset:
 @functools.lru_cache(256)  # panels ask at every redraw
 def _read(path, _changed):
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-        name, description = data["name"], data["description"]
-        values = {**settings.since(int(data.get("settings", settings.VERSION))), **data["values"]}
-        if not (isinstance(name, str) and name.strip() and isinstance(description, str)):
-            raise ValueError("its name or description is no text")
+        data = _data(path)
+        values = {**settings.since(data.get("settings", settings.VERSION)), **data["values"]}
         if refused := [id_ for id_ in values if not _holds(id_)]:
             raise EncreError(f"{refused[0]}: presets hold no images")
-        return Preset(path, name, description, library.check(values))
-    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError, EncreError) as error:
+        return Preset(path, data["name"], data["description"], library.check(values))
+    except EncreError as error:
         raise EncreError(f"the preset file {path} can't be used: {error}; repair or remove it") from None
+    except (TypeError, ValueError, AttributeError, OverflowError):
+        raise EncreError(f"the preset file {path} can't be used: a value in it is of another kind than its "
+                         "parameter's, or far too large; repair or remove it") from None
+
+
+def _data(path):
+    """What the file holds, which has all that a preset must have."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except UnicodeDecodeError:
+        raise EncreError("it is no text in UTF-8") from None
+    except RecursionError:
+        raise EncreError("its lists are nested without end") from None
+    except ValueError as error:
+        raise EncreError(f"it is no JSON ({error})") from None
+    kinds = {"name": (str, "text"), "description": (str, "text"), "values": (dict, "object of settings"),
+             "settings": (int, "whole number")}
+    if not isinstance(data, dict):
+        raise EncreError(f"it is no JSON object with {', '.join(list(kinds)[:3])}")
+    for key, (kind, words) in kinds.items():
+        if key not in data and key != "settings":
+            raise EncreError(f"it has no {key}")
+        if not isinstance(data.get(key, kind()), kind) or key == "name" and not data[key].strip():
+            raise EncreError(f"its {key} is no {words}")
+    if data.get("settings", settings.VERSION) < min(settings.BEFORE) - 1:
+        raise EncreError(f"its settings are of no version: {data['settings']}")
+    return data
 
 
 def _holds(id_):

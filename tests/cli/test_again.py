@@ -69,6 +69,12 @@ FEATURES = {  # name: (lines of the scene, words of the only sentence that is sa
     "view layers": ("scene.view_layers.new('Second.one').use_pass_mist = True\n"
                     "scene.view_layers['Second.one'].layer_collection.holdout = False\n", None, True),
     "Freestyle": ("scene.render.use_freestyle = True\n", "Freestyle's strokes in Combined are not drawn again", False),
+    "compositor": ("scene.use_nodes = True\ntree = scene.node_tree\ntree.nodes.clear()\n"
+                   "read, turn, write = map(tree.nodes.new, ('CompositorNodeRLayers', 'CompositorNodeInvert',"
+                   " 'CompositorNodeComposite'))\n"
+                   "tree.links.new(read.outputs[0], turn.inputs['Color'])\n"
+                   "tree.links.new(turn.outputs[0], write.inputs[0])\n",
+                   "what the compositor made (Composite.Combined) is not drawn again", True),
     "supersample": ("scene.encre.supersample = 2\n", "supersample 2 needs a render", False),
     "creases from normals": ("scene.encre.crease_source = 'LAYERS'\n", None, True),
     "smooth creases": ("bpy.ops.object.select_all(action='DESELECT')\nscene.encre.crease_smooth = True\n"

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 
 import exr
 import numpy as np
@@ -67,15 +68,47 @@ def test_a_preset_may_be_a_file(run, tmp_path):
     assert presets.find(str(mine)).values == {"line_thickness": 7.3, "shade_levels": [(0.5,), (1, 0.5, 0.25)]}
     mine.write_text(mine.read_text().replace(f'"settings": {VERSION}', '"settings": 1'))
     assert presets.find(str(mine)).values["line_depth_unit"] == "SCENE", "as when it was saved"
-    for text, wrong in (("[]", "can't be used"), ("[" * 10 ** 6, "can't be used"), ("{", "can't be used"),
+    for text, wrong in (("[]", "no JSON object with name"), ("[" * 10 ** 6, "nested without end"), ("{", "no JSON (E"),
+                        ('{"name": "x", "values": {}}', "has no description"), ("\udcff", "no text in UTF-8"),
+                        ('{"name": "x", "description": "", "values": {}, "settings": -9}', "of no version: -9"),
                         ('{"name": "x", "description": "", "values": {"paper_image": "a.png"}}', "hold no images"),
                         ('{"name": "x", "description": "", "values": {"seed": 1}}', "unknown parameter"),
                         ('{"name": 3, "description": "", "values": {}}', "no text"),
                         ('{"name": "x", "description": "", "values": {"line_thickness": 1%s}}' % ("0" * 400), "used")):
-        mine.write_text(text)
+        mine.write_text(text, errors="surrogateescape")
         status, out, err = run("composite", "in.exr", "-o", tmp_path / "out.png", "--preset", mine)
         assert (status, out) == (2, "") and wrong in err and err.count("\n") == 1
     assert "can't be read" in run("composite", "in.exr", "-o", "out.png", "--preset", "gone.json")[2]
+
+
+def test_what_may_not_be_read_is_told_with_the_cure(run, tmp_path, monkeypatch):
+    """A file of another's, and a folder that is gone."""
+    own = os.geteuid()
+    with tempfile.TemporaryDirectory(dir="/tmp") as place:
+        os.chmod(place, 0o777)
+        for command, name in ("composite", f"{place}/in.exr"), ("render", f"{place}/in.blend"):
+            open(name, "w").close()
+            os.chmod(name, 0)
+            try:
+                if own == 0:  # who may read all
+                    os.seteuid(65534)
+                said = run(command, name, "-o", f"{place}/out.exr")
+            finally:
+                os.seteuid(own)
+            assert said[0] == 2 and f"{name}: can't be read (Permission denied); check" in said[2], said
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    assert "the folder in which this was started is gone" in run("composite", tmp_path / "in.exr", "-o", "out.exr")[2]
+
+
+def test_numbers_that_begin_with_a_minus(run, tmp_path):
+    for words in (("-f", "-5--2"), ("--frame", "-5,-2"), ("-f-5--2",), ("--frame=-5--2x3",)):
+        err = run("composite", tmp_path / "in.#.exr", "-o", tmp_path / "o.#.png", *words)[2]
+        assert "in.-5.exr: there is no such file nor " in err, words
+    err = run("render", "in.blend", "-o", "o.png", "--samples", "99999999999")[2]
+    assert "'99999999999' is not a whole number from 1 to 16777216" in err
 
 
 @pytest.mark.parametrize("command", [(), ("render",), ("composite",), ("params",), ("presets",)])

@@ -175,7 +175,7 @@ def test_set_wins_over_keyframes(tmp_path):
         assert (settings.scene["line_thickness"], settings.scene["paper_seed"]) == (thickness, seed)
 
 
-CHOICES = """
+CHOICES = r"""
 other = bpy.data.scenes.new("Other")
 for obj in scene.objects:
     other.collection.objects.link(obj)
@@ -185,6 +185,7 @@ other.collection.objects.link(second)
 other.camera = scene.camera
 other.timeline_markers.new("m", frame=1).camera = scene.camera
 other.view_layers.new("Extra")
+scene.view_layers.new("two\nlines")
 other.cycles.samples, other.cycles.use_denoising = 1, False
 other.render.resolution_x, other.render.resolution_y = 40, 30
 """
@@ -202,7 +203,7 @@ def test_choices(tmp_path):
         assert not any(name.startswith("ViewLayer.") for name in opened.channels)
     fails(encre("render", path, "-o", tmp_path / "c.png", "--scene", "Othre"), "Othre", "Other")
     fails(encre("render", path, "-o", tmp_path / "c.png", "--camera", "Sun"), "Sun", "camera")
-    fails(encre("render", path, "-o", tmp_path / "c.png", "--view-layer", "Nope"), "Nope", "ViewLayer")
+    fails(encre("render", path, "-o", tmp_path / "c.png", "--view-layer", "Nope"), "Nope", r"ViewLayer, two\nlines")
 
 
 def test_blend_file(tmp_path):

@@ -373,6 +373,29 @@ def test_all_view_layers_are_drawn(run, tmp_path, scene):
     assert "is drawn" not in run("composite", path, "-o", tmp_path / "o.png", "--view-layer", "Two")[2]
 
 
+def test_a_picture_of_another_name_is_offered(run, tmp_path, scene):
+    channels = {f"viewlayer.combined.{c}": scene["combined"][..., k] for k, c in enumerate("RGBA")}
+    path = tmp_path / "in.exr"
+    multilayer.write(path, channels, multilayer.Window(*SIZE, 0, 0, *SIZE))
+    fails(run("composite", path, "-o", tmp_path / "out.exr"), "pass Combined is missing",
+          "--layer combined=viewlayer.combined")
+    assert run("composite", path, "-o", tmp_path / "out.exr", "--layer", "combined=viewlayer.combined")[0] == 0
+
+
+def test_what_the_compositor_made_is_said_to_be_lost(run, tmp_path, scene):
+    """Unless it made nothing."""
+    channels = {f"ViewLayer.{name}.{letter}": np.atleast_3d(picture)[..., k]
+                for name, picture in exr.passes(scene).items() for k, letter in enumerate(exr.LETTERS[name])}
+    path, window = tmp_path / "in.exr", multilayer.Window(*SIZE, 0, 0, *SIZE)
+    for gain in 1, 0.5:
+        made = {f"Composite.Combined.{c}": gain * channels[f"ViewLayer.Combined.{c}"] for c in "RGBA"}
+        multilayer.write(path, {**channels, **made}, window)
+        status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
+        assert status == 0 and ("compositor made (Composite.Combined) is not drawn again" in err) == (gain != 1), err
+    assert "Composite, what the compositor made, is not drawn again" in run("composite", path, "--check")[1]
+    assert "Composite\n  Combined: there" in run("composite", path, "--check", "--view-layer", "Composite")[1]
+
+
 @pytest.mark.parametrize(("ending", "change", "most"), [("exr", {}, 189), ("exr", {"edge_seen": 0.0}, 161),
                                                         ("png", {}, 143)])
 def test_memory_of_composite(tmp_path, monkeypatch, ending, change, most):

@@ -169,7 +169,7 @@ def test_jobs_end_with_the_process_that_shares_them_out(tmp_path, scene):
     assert child.stdout.readline()
     child.kill()
     out, err = child.communicate(timeout=60)  # when all who could still write have ended
-    assert len(list(tmp_path.glob("o.*.png"))) < frames and not list(tmp_path.glob(".encre-*")), err
+    assert len(list(tmp_path.glob("o.*.png"))) < frames and not list(tmp_path.glob("*encre-*")), err
 
 
 def test_what_is_half_made_has_a_name_that_nobody_foresees(tmp_path, monkeypatch):
@@ -206,8 +206,10 @@ def test_folders_of_the_dead_are_swept(tmp_path):
     with workplace.Workplace(tmp_path) as place:
         assert theirs.is_dir(), "its owner lives"
         assert place.claim("1.png") and place.claim("2.png") is None
-    child.kill()
-    child.communicate()
+        child.kill()
+        child.communicate()
+    assert not theirs.exists(), "whoever survives sweeps"
+    theirs.mkdir()
     # The same number, but another process's: of this one, which started at another time.
     reborn = tmp_path / re.sub(r"-\d+-\d+-([0-9a-f]{16})$", f"-{os.getpid()}-1-\\1", theirs.name)
     reborn.mkdir()

@@ -74,6 +74,7 @@ def test_dry_run_and_progress_for_programs(cube, tmp_path):
 
 
 FAILING = """
+import os
 print("Info: Read library: nothing")
 
 def hang(scene, *_):
@@ -81,9 +82,14 @@ def hang(scene, *_):
     if scene.frame_current == 2:
         time.sleep(1000)
     if scene.frame_current == 4:
-        import os
         os.kill(os.getpid(), 11)
+
+def remove(scene, *_):
+    import shutil
+    if scene.frame_current == 6:
+        shutil.rmtree(os.environ["OUT"])
 bpy.app.handlers.render_pre.append(hang)
+bpy.app.handlers.render_write.append(remove)
 """
 
 
@@ -102,6 +108,11 @@ def test_a_frame_that_hangs_or_crashes(tmp_path):
     assert "SIGSEGV" in result.stderr and "1 of 5 frames are finished" in result.stderr
     assert "Read library" not in result.stdout + result.stderr, "what the second Blender says of the file"
     assert left(tmp_path) == ["f0001.png", "f0003.png", "f0005.png"]
+    gone = tmp_path / "gone"
+    command = ["render", path, "-o", gone / "f.png", "-f", "6,7", "--keep-going"]
+    result = encre(*command, env={**os.environ, "OUT": str(gone)})
+    fails(result, "1 of 2 frames failed: 6", status=1)
+    assert "frame 6: the folder that it was written into is gone" in result.stderr and left(gone) == ["f0007.png"]
 
 
 def test_two_processes_share_a_sequence(cube, tmp_path):
