@@ -161,7 +161,9 @@ class Settings:
             if values["use_lines"]:  # a control doubles the width, and so do nearness and light
                 times = max((values[f"{pen}_width"] for pen in pens(values) - {"pen"}), default=1)
                 widest = 4 * max(times, 1) * values["line_thickness"]
-                most = max(most, min(scene["line_max_thickness"], widest) / 2)
+                strays = max(4 * values[f"{pen}_wobble"] + 3 * values[f"{pen}_overshoot"] for pen in pens(values))
+                weighed = 48 if values["line_density"] < 1 else 0  # three nodes of its grid
+                most = max(most, min(scene["line_max_thickness"], widest) / 2 + strays + weighed)
             if values["use_smudging"]:
                 most = max(most, 2 * values["smudge_range"] + values["smudge_pick"])
         if scene["contrast_auto"] and self.any("edge_color"):

@@ -10,13 +10,14 @@ static const float node = 16, least_node = 2;
 typedef struct grid {
 	int across, tall;
 	float step;   /* pixels from node to node */
+	float x, y;   /* of the picture's corner from the first node: nodes are the full frame's */
 	float *share; /* of what is about a node lines cover */
 } grid;
 
 /* The node above and left of a place, and how far on it lies; nodes reach one beyond the frame. */
 static void place_on(const grid *g, const placed *s, int *x, int *y, float *u, float *v)
 {
-	float px = max(s->x + 0.5f, 0) / g->step, py = max(s->y + 0.5f, 0) / g->step;
+	float px = max(g->x + s->x + 0.5f, 0) / g->step, py = max(g->y + s->y + 0.5f, 0) / g->step;
 	*x = clamp_index((int)px, g->across - 1);
 	*y = clamp_index((int)py, g->tall - 1);
 	*u = clamp01(px - (float)*x);
@@ -77,8 +78,10 @@ int32_t ISA(thickets_thin)(frame *f, uint32_t strokes, pen_end *end)
 {
 	const fine *n = f->fine;
 	grid g = {.step = max(node * f->scale, least_node)};
-	g.across = (int)((float)f->width / g.step) + 2;
-	g.tall = (int)((float)f->height / g.step) + 2;
+	g.x = (float)f->place.x - floorf((float)f->place.x / g.step) * g.step;
+	g.y = (float)f->place.y - floorf((float)f->place.y / g.step) * g.step;
+	g.across = (int)(((float)f->width + g.x) / g.step) + 2;
+	g.tall = (int)(((float)f->height + g.y) / g.step) + 2;
 	g.share = late_take(&f->late, (size_t)g.across * (size_t)g.tall, sizeof *g.share);
 	if (!g.share)
 		return ENCRE_ERROR_MEMORY;

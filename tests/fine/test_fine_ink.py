@@ -8,7 +8,7 @@ import numpy as np
 import passes
 import pytest
 from encre.pen import library
-from encre.pen.job import Frame
+from encre.pen.job import Camera, Frame
 from reference import hand, paper, strokes
 from reference.params import Params
 from reference.passes import Table
@@ -88,6 +88,20 @@ def test_a_hand_sticks_to_one_who_walks():
     poses = [(hands.walker(k / 24, 0.05 * k - 0.3), *hands.sticks.eye(zoom=1.6)) for k in range(3)]
     assert min(hands.followed(hands.PENS["brush"], poses)) > 0.94
     assert max(abs(share - 1) for share in hands.sizes(hands.PENS["brush"])) < 0.1
+
+
+def test_a_part_of_a_frame_is_as_dense_as_the_frame():
+    """Farther from its rim than anything is looked at: ink is weighed on nodes of the full frame."""
+    view, projection = hands.sticks.eye()
+    layers, _ = hands.sticks.layers_of(hands.sticks.scene(), view, projection)
+    whole = hands.drawn(layers, view, {"line_density": 0.1})[0]
+    x, y, width, height = 137, 41, 300, 250
+    part = {name: np.ascontiguousarray(a[y:y + height, x:x + width]) for name, a in layers.items()}
+    ink = library.render(part, {**hands.PLAIN, "line_density": 0.1}, camera=Camera(view[:3, :3].ravel()),
+                         frame=Frame(*hands.sticks.SIZE, x, y), outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
+    inner = np.s_[60:-60, 60:-60]
+    assert (ink[inner] > 0.5).sum() > 100
+    assert np.abs(ink - whole[y:y + height, x:x + width])[inner].max() < 1e-3
 
 
 def test_a_hand_draws_anew_when_its_frames_are_over():
