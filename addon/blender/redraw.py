@@ -41,7 +41,7 @@ def start(window, quiet):
     global _asked, _yields
     preferences, scene = bpy.context.preferences.view, window.scene
     before, done = preferences.render_display_type, ()
-    _asked, _yields, memory.picture(scene).values = True, False, memory.values(scene)
+    _asked, _yields, values = True, False, memory.values(scene)
     try:
         if quiet:
             preferences.render_display_type = "NONE"
@@ -53,6 +53,7 @@ def start(window, quiet):
         if "RUNNING_MODAL" not in done:  # else the render's thread may have read it already
             _asked = False
     if "RUNNING_MODAL" in done:
+        memory.picture(scene).values = values
         for one in bpy.context.window_manager.windows:
             with bpy.context.temp_override(window=one):
                 bpy.ops.encre.give_way("INVOKE_DEFAULT")
@@ -100,6 +101,7 @@ class _Watch:
 
         if memory.refusal(scene, pass_names):
             return self._end()
+        self.changed = now  # if it does not begin, it is tried again after a rest
         start(window, quiet=True)
         return _TICK
 
