@@ -17,9 +17,10 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 		    *color = layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x,
 		    *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x;
 	for (int i = 0; i < n; i++) {
-		const float *d = diffuse + 3 * i;
-		light[i] = max(max3(d[0], d[1], d[2]) * p->shade_exposure + painted_light(controls, i),
-			       other_light(combined + 4 * i, color + 3 * i, d));
+		const float *d = diffuse + 3 * i, *a = color + 3 * i;
+		float lit = max3(d[0], d[1], d[2]) * p->shade_exposure + painted_light(controls, i);
+		lit = max3(a[0], a[1], a[2]) < p->tone_black ? -1 : lit;
+		light[i] = max(lit, other_light(combined + 4 * i, a, d));
 	}
 }
 

@@ -3,6 +3,7 @@
 STAGE(tones, "Tones", "Dots, lines or ink that fill the levels of light")
 SWITCH(use_tones, SURFACE, 0, "", "Tones", "Fill the levels of light with dots, lines or ink")
 FLOAT(tone_darkness, SURFACE, 0, -1, 1, -1, 1, "", "use_tones", "Darkness", "Added to how dark a level is, which is 1 less its intensity")
+FLOAT(tone_black, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Spotted Blacks", "Colours darker than this are in the darkest level, whatever their light")
 FLOAT(tone_hardness, SURFACE, 1, 0, 1, 0, 1, "factor", "use_tones", "Hardness", "1: dots and lines have an edge; 0: they fade over half their distance")
 BOOL(tone_crisp, SURFACE, 0, "use_tones", "Crisp", "Ink or none at every pixel, without grey edges, and dots and lines of the screen at whole pixels: for print at 600 dots an inch and more")
 ENUM(tone_pitch_unit, FRAME, 0, "use_tones", "Pitch Unit", "What pitches are measured in",

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The layer `anchor` in Blender: what files keep of it, of surfaces that are placed, bent, keyed and pinned."""
 
+from types import SimpleNamespace
+
 import numpy as np
 from encre.pen import saved
+from reference import tones
 
 
 def layer(passes):
@@ -68,6 +71,19 @@ def test_of_larger_layers_one_sample_is_kept_and_what_is_told_per_pixel_grows(re
     assert np.median(np.linalg.norm(a[:, :3] - b[:, :3], axis=1) / a[:, 6]) < 1
     np.testing.assert_allclose(b[:, 6], a[:, 6], rtol=0.02)
     assert np.median(np.linalg.norm(b[:, 7:10], axis=1) / np.linalg.norm(a[:, 7:10], axis=1)) > 0.9
+
+
+def test_tones_stick_to_surfaces_at_f12(render):
+    """Dots lie where the layer `anchor` of the same file has them, at the darkness of the one level there is."""
+    passes = render("anchored").passes("own")
+    anchor = layer(passes)
+    looks = dict(tone_pitch_unit="LENGTH", tone_crisp=False, tone_hardness=1.0)
+    want = tones._ink(SimpleNamespace(anchor=anchor), looks.__getitem__, ("DOTS", 60.0, 45.0, "SURFACE"),
+                      np.full(anchor.shape[:2], 0.4), 90 / 1080, None, None)
+    there = anchor[..., 6] > 0
+    got = passes["Encre Tones"][..., 3]
+    assert not got[~there].any() and want[there].std() > 0.3
+    assert (np.abs(got - want)[there] < 0.1).mean() > 0.9
 
 
 def test_files_without_what_sticks_have_no_anchor(render):

@@ -234,7 +234,8 @@ def tones(layers, rounds):
     things = sticks.layers_of(*sticks.posed(zoom=2.5), size_of(layers))[0]
     cases = {name: (things, ALL_OFF | settings | dict(use_tones=True), "Combined")
              for name, settings in sticks.SCREENS.items()}
-    return measure("tones alone", cases, rounds, dict.fromkeys(cases, (4.0, 3.0)))
+    aims = {**dict.fromkeys(cases, (4.0, 3.0)), **dict.fromkeys(("hatching", "stipple"), (10.0, 6.0))}
+    return measure("tones alone", cases, rounds, aims)
 
 
 def searches(layers, rounds):

@@ -50,7 +50,8 @@ DEFAULTS = {
     "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
     "paper_seed": 0,
     # tones
-    "use_tones": False, "tone_darkness": 0.0, "tone_hardness": 1.0, "tone_crisp": False, "tone_pitch_unit": "LENGTH",
+    "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0,
+    "tone_hardness": 1.0, "tone_crisp": False, "tone_pitch_unit": "LENGTH",
     "page_height": 257.0,
     **{f"tone_{n}": kind for n, kind in enumerate(("DOTS", "DOTS", "NONE", "NONE"), 1)},
     **{f"tone_{n}_{id_}": value for n in range(1, 5) for id_, value in

@@ -120,7 +120,8 @@ def _looks(of):
 
 def _dark(layers, levels, of, look):
     """(share, darkness) of a tone at each pixel."""
-    light = np.maximum(value(layers.diffuse) * of("shade_exposure") + painted(layers), value(other(layers)))
+    lit = value(layers.diffuse) * of("shade_exposure") + painted(layers)
+    light = np.maximum(np.where(value(layers.color) < of("tone_black"), -1, lit), value(other(layers)))
     added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
     share, total = np.zeros(light.shape), np.zeros(light.shape)
     for k, level in enumerate(levels):

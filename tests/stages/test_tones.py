@@ -16,7 +16,7 @@ ALONE = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatchin
 LEVELS = [(0.15,), (0.5, 0.3, 0.2), (0.8, 0.7, 0.0), (1.1, 1.0, 0.1)]
 STYLES = [dict(tone_1="CROSS", tone_2="GRAIN", tone_3="GRAIN", tone_4="DOTS", tone_1_space="SURFACE",
                tone_4_space="SURFACE", tone_1_pitch=9.0, tone_1_gradient=0.7, tone_hardness=0.4, tone_3_gradient=1.0,
-               tone_2_color=(0.4, 0.1, 0.0), tone_darkness=0.2),
+               tone_2_color=(0.4, 0.1, 0.0), tone_darkness=0.2, tone_black=0.6),
           dict(tone_1="SOLID", tone_2="LINES", tone_3="LINES", tone_4="LINES", tone_2_angle=-20.0, tone_3_angle=-20.0,
                tone_3_gradient=0.5),
           dict(use_tones=False)]

@@ -3,6 +3,7 @@
 
 import bpy
 import numpy as np
+from encre.blender import properties
 from studio import cube, fact, shoot, stage
 
 
@@ -44,8 +45,10 @@ def anchored(out):
     scene.encre.supersample = 2
     shoot(out, "two")
     scene.encre.supersample, scene.encre.layer_source = 1, "ENCRE"
+    properties.set_value(scene.encre, "shade_levels", [(0.6,)])
+    scene.encre.use_tones, scene.encre.tone_1_space, scene.encre.tone_1_pitch = True, "SURFACE", 60
     shoot(out, "own")
-    scene.encre.save_anchor = "AUTO"
+    scene.encre.use_tones, scene.encre.save_anchor = False, "AUTO"
     shoot(out, "without")
     _pinned(twisted)
 
