@@ -119,11 +119,11 @@ def _read_params(said, stored):
 
 
 def _read_frame(said, stored):
-    sizes = [said[key] for key in ("width", "height", "x", "y")]
-    if any(type(size) is not int for size in sizes) or sizes[0] < 1 or sizes[1] < 1:
+    width, height, x, y = sizes = [said[key] for key in ("width", "height", "x", "y")]
+    if any(type(size) is not int for size in sizes) or width < 1 or height < 1:
         raise ValueError
     number = said.get("number", 0)  # files of older versions
-    stored.frame = Frame(*sizes, number if type(number) is int and abs(number) < 2**31 else 0)
+    stored.frame = Frame(width, height, x, y, number if type(number) is int and abs(number) < 2**31 else 0)
 
 
 def _read_camera(said, stored):

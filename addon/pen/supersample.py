@@ -15,7 +15,7 @@ _ANCHOR_PIXEL = 3  # channel of Encre Anchor Normal: the size of a pixel
 
 def frame(place: Frame, factor: int) -> Frame:
     """The Frame of the large picture."""
-    return Frame(*(factor * side for side in (place.width, place.height, place.x, place.y)), place.number)
+    return Frame(factor * place.width, factor * place.height, factor * place.x, factor * place.y, place.number)
 
 
 def shrink(name: str, picture: np.ndarray, factor: int) -> np.ndarray:

@@ -188,7 +188,8 @@ beat ISA(beat_of)(const fine *n, const spots *p, uint32_t i, float length)
 	float far = 0, place = 0, best = 0;
 	/* along the one of thirteen ways that is nearest, and least unsteady: a straight line has one all along */
 	for (int k = 14; k < 27; k++) {
-		float wx = (float)(k % 3 - 1), wy = (float)(k / 3 % 3 - 1), wz = (float)(k / 9 - 1);
+		int x = k % 3 - 1, y = k / 3 % 3 - 1, z = k / 9 - 1;
+		float wx = (float)x, wy = (float)y, wz = (float)z;
 		float inverse = 1 / sqrtf(wx * wx + wy * wy + wz * wz), before = 0, sum = 0, all = 0, first = 0;
 		for (int j = 0; j < count; j++) {
 			float along = (p->x[on[j]] * wx + p->y[on[j]] * wy + p->z[on[j]] * wz) * inverse;

@@ -82,7 +82,7 @@ static unsigned darken(const frame *f, const encre_params *p, const tone_slot *s
 			share += here;
 			sum += here * w.dark[k][i];
 		}
-		px[i].dark = share > 0 ? (uint8_t)(255 * clamp01(sum / share) + 0.5f) : 0;
+		px[i].dark = share > 0 ? (uint8_t)floorf(255 * clamp01(sum / share) + 0.5f) : 0;
 		any |= px[i].dark ? 1u << px[i].bits : 0;
 	}
 	return any;
