@@ -187,6 +187,7 @@ def _composited(exr, found, layer):
 def check(path, view_layer=None, asked=None):
     """(text that lists which passes an EXR holds and what each that is missing switches off, whether it is enough)."""
     with multilayer.Exr(path) as exr:
+        metadata.read(exr.metadata)  # which raises for those that can't be used
         found = view_layers(exr.channels, exr.views)
         lines, good = [], True
         for layer in [_choose(found, view_layer, path)] if view_layer is not None else found:

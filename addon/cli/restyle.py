@@ -133,9 +133,7 @@ def check(layers, frames, view_layer, asked):
         try:
             text, good = passes_of(source, view_layer, asked)
         except EncreError as error:
-            if frame.number is None:
-                raise
-            yield "", str(error)
+            yield "", _reason(frame, error)
             continue
         fault = None if good else (f"{source}: has no picture: pass Combined is missing; render it, or say which it is "
                                    "by --layer combined=NAME")

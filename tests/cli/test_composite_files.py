@@ -80,6 +80,8 @@ def test_sequences_are_checked(run, tmp_path, scene):
     err = run("composite", tmp_path / "in.#.exr", "--check")[2]
     assert "in.1.exr: is not a readable" in err and "in.2.exr: is damaged" in err and "in.3.exr: has no" in err
     assert err.count("encre: error: ") == err.count("\n") == 3
+    exr.write(tmp_path / "in.4.exr", pictures, metadata={"encre.params": "{"})
+    assert "in.4.exr: the metadata encre.params can't be read" in run("composite", tmp_path / "in.#.exr", "--check")[2]
     status, _, err = run("composite", tmp_path / "in.2.exr", "--check")
     assert status == 2 and "in.2.exr: is damaged" in err
 
