@@ -104,6 +104,11 @@ static bool has_seen(const fine *n)
 	return n->seen != NULL;
 }
 
+static bool has_creases(const fine *n)
+{
+	return n->e->creases && n->e->on[SOURCE_NORMAL];
+}
+
 static bool is_colored(const fine *n)
 {
 	return n->e->on[SOURCE_COLOR];
@@ -150,6 +155,7 @@ static const pass passes[] = {
 	{"smooth", NULL, ISA(fine_smooth), LINKS | KEPT | PLACED, PLACED, NULL},
 	{"sort again", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
 	{"crowd", is_colored, ISA(fine_crowd), FOUND | PLACED | CELLS | KEPT, KEPT, BROKEN(crowd)},
+	{"give way", has_creases, ISA(fine_give_way), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, BROKEN(crowd)},
 	{"join ends", NULL, ISA(fine_join_ends), LAYERS | FOUND | PLACED | CELLS | KEPT | LINKS,
 	 FOUND | PLACED | CELLS | LINKS, BROKEN(joined)},
 	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, NULL},

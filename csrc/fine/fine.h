@@ -283,6 +283,8 @@ int32_t ISA(fine_smooth)(fine *n);
 int32_t ISA(fine_tie)(fine *n);
 /* density.c: bounds the radius of lines between colours by the room they have. */
 int32_t ISA(fine_crowd)(fine *n);
+/* Likewise of edges of meshes, beside older lines. */
+int32_t ISA(fine_give_way)(fine *n);
 /* ends.c: leads loose ends on to what lies ahead. */
 int32_t ISA(fine_join_ends)(fine *n);
 /* doubles.c: drops chains that run along others. */

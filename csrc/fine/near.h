@@ -34,6 +34,12 @@ static inline float jump(float a, float b, float c, float d)
 	return max(min(l, -r), min(-l, r));
 }
 
+/* Light goes on a little where a surface has ended, for the colours that are averaged there; no line of light does. */
+static inline bool is_nothing(const fine *n, int x, int y)
+{
+	return depth_at(n->f, x, y) == INFINITY;
+}
+
 /* Shares that are added up give the place of a boundary exactly under a box filter. Under Blackman and Harris's of 1.5
  * pixels, which is steeper, that is up to 0.125 pixel too far from pixel centres, and the layers don't tell how they
  * were filtered: halfway between the two neither is off by much. */
@@ -167,6 +173,18 @@ static inline uint32_t next_of(const fine *n, uint32_t from, uint32_t i)
 {
 	const uint32_t *to = n->to + n->at[i];
 	return links_at(n, i) != 2 ? UINT32_MAX : to[0] == from ? to[1] : to[0];
+}
+
+/* The way of the line at a site, of any length; false where several meet. */
+static inline bool way_of(const fine *n, uint32_t i, float way[2])
+{
+	uint32_t links = links_at(n, i);
+	if (links != 1 && links != 2)
+		return false;
+	const site *a = n->site + n->to[n->at[i]], *b = links == 2 ? n->site + n->to[n->at[i] + 1] : n->site + i;
+	way[0] = b->placed.x - a->placed.x;
+	way[1] = b->placed.y - a->placed.y;
+	return true;
 }
 
 #endif

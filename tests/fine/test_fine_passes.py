@@ -11,8 +11,8 @@ from reference import chains, ends
 from reference import passes as twin
 from reference.passes import NUMBER, Table
 
-LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, links=6000, ties=40, smooth=4000, crowded=1300, led=1000,
-             corners=100, beside=150, spurs=80, short=20)  # found over all cases
+LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, links=6000, ties=40, smooth=4000, crowded=1300, parted=30,
+             led=1000, corners=100, beside=150, spurs=80, short=20)  # found over all cases
 
 
 class Check:
@@ -97,9 +97,22 @@ def crowd(check):
     check.count["crowded"] += int((bound > 0).sum())
 
 
+def give_way(check):
+    if not check.tables("give way"):
+        return
+    before = (check.tables("crowd") or check.tables("smooth"))[0]
+    bound, unsure = twin.give_way(before)
+    creases = [i for i in np.flatnonzero(before.family == NUMBER["crease"]) if i not in unsure]
+    got = check.tables("give way")[0].site["crowd"]
+    assert np.minimum(got[creases], 1e3) == pytest.approx(np.minimum(bound[creases], 1e3), rel=1e-2, abs=1e-4)
+    others = before.family != NUMBER["crease"]
+    assert np.array_equal(got[others], before.site["crowd"][others])
+    check.count["parted"] += int((bound > 0).sum())
+
+
 def lead(check):
     """Both rounds of joining ends."""
-    before = (check.tables("crowd") or check.tables("smooth"))[0]
+    before = (check.tables("give way") or check.tables("crowd") or check.tables("smooth"))[0]
     for after in check.tables("add links")[-2:]:
         links, corners, doubt = ends.lead_on(before, check.c.view.layers, check.c.view.params)
         new = range(len(before), len(after))
@@ -131,7 +144,8 @@ def drop(check):
 @functools.cache
 def compare(name):
     check = Check(passes.case(name))
-    for each in (crowd, lead, drop) if name in passes.TANGLES else (claim, link, tie, smooth, crowd, lead, drop):
+    last = crowd, give_way, lead, drop
+    for each in last if name in passes.TANGLES else (claim, link, tie, smooth, *last):
         each(check)
     return check.count
 

@@ -264,3 +264,31 @@ def crowd(t, shape):
         mean = weights / total
         bound[i] = (1 - mean / 10) / (0.25 * (mean - 2.5 if mean > 2.5 else 1e-6))
     return bound, doubt
+
+
+# Edges of meshes beside older lines
+
+
+def give_way(t):
+    """1 over the greatest radius of sites on edges of meshes, 0 where it is not bounded; unsure."""
+    def way(i):
+        ends = [*t.links[i], i][:2]
+        return (t.at[ends[1]] - t.at[ends[0]]) * (-1 if len(t.links[i]) == 1 else 1)
+    bound, doubt = np.zeros(len(t)), set()
+    crease = FAMILIES.index("crease")
+    lines = [i for i in range(len(t)) if not t.dropped[i] and len(t.links[i]) in (1, 2) and np.any(way(i))]
+    for i in lines:
+        if t.family[i] != crease:
+            continue
+        room, (x, y) = 4.0, way(i) / np.linalg.norm(way(i))
+        for j in lines:
+            if t.family[j] >= crease:
+                continue
+            gap, other = t.at[j] - t.at[i], way(j) / np.linalg.norm(way(j))
+            along, aside, level = abs(gap @ (x, y)), abs(gap @ (y, -x)), abs(other @ (x, y))
+            if aside < 4 and min(abs(along - 1), abs(level - 0.95)) < CLOSE:
+                doubt.add(i)
+            elif along <= 1 and level >= 0.95:
+                room = min(room, aside)
+        bound[i] = (1 - room / 4) / (0.25 * max(room - 1.5, 1e-6))
+    return bound, doubt

@@ -214,6 +214,8 @@ def light(view, cracked):
         level, light_, more = turn(axis, own), turn(axis, lit), turn(axis, paint)
         for i, k in np.argwhere(level[:, 1:] != level[:, :-1]):
             row, column = (k, i) if axis else (i, k)
+            if not (view.layers.there[row, column] or view.layers.there[row + axis, column + 1 - axis]):
+                continue
             near = view.near(*((column, row + 0.5) if axis else (column + 0.5, row)), column, row, "light", axis)
             s = style[near]
             one, two = (light_[i, at] * exposure[s] + more[i, at] for at in (k, k + 1))

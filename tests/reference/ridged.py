@@ -258,6 +258,8 @@ def ridges(view, mixed, through):
             kinds.append((band_margins(layer), band_site, layer.name + "_band"))
         for margins, place, family in kinds:
             for axis, row, column in np.argwhere(margins > -SURE):
+                if layer.name == "light" and not view.layers.there[row, column]:
+                    continue
                 site = place(view, layer, row, column, axis)
                 if site is not None:
                     site.margin = min(site.margin, margins[axis, row, column])

@@ -56,6 +56,8 @@ bool ISA(light_site)(const fine *n, const found *at, placed *s)
 {
 	const frame *f = n->f;
 	int qx = at->column + (at->axis == AXIS_ROW), qy = at->row + (at->axis == AXIS_COLUMN);
+	if (is_nothing(n, at->column, at->row) && is_nothing(n, qx, qy))
+		return false;
 	crack_place(at, 0.5f, s);
 	int style = fine_style(n, at, s);
 	const encre_params *own = f->params + style;

@@ -161,6 +161,8 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 	float value[5][3], difference = 0, bend = 0, step = 0;
 	int source = families[at->family].sample, planes = samples[source].planes, form = samples[source].form;
 	int far[2], low = 0, high = 4;
+	if (form == FORM_LIGHT && is_nothing(n, at->column, at->row))
+		return false;
 	read_along(n, source, at, value, far);
 	if (families[at->family].kind == KIND_BAND)
 		return far[0] == 2 && far[1] == 2 && band_site(n, at, s, value);

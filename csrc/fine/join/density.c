@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How much room lines between colours have. Where a texture is farther away than its pixels can show, as a chequered
- * floor is near the horizon, its lines close up, break, and follow what sampling has left of it. They get thinner as
- * the next lines on both sides come near, and are gone before that is all there is to see. */
+/* How much room lines have. Those between colours: where a texture is farther away than its pixels can show, as a
+ * chequered floor is near the horizon, its lines close up, break, and follow what sampling has left of it. They get
+ * thinner as the next lines on both sides come near, and are gone before that is all there is to see. Edges of meshes
+ * beside a line that is older: where they were cut off at some distance, what runs about there would be a ladder. */
 #include "fine/near.h"
 
 enum { CHUNK = 2048 };
@@ -143,4 +144,41 @@ int32_t ISA(fine_crowd)(fine *n)
 	if (!code)
 		code = bands_run(n->f->bands, cells, CHUNK, sum_cells, &c);
 	return code ? code : bands_run(n->f->bands, (int)n->count, CHUNK, bound, &c);
+}
+
+/* ---- edges of meshes --------------------------------------------------------------------------------------- */
+
+/* Pixels beside an older line that runs along, up to where and within which it counts; as above, and how far along. */
+static const float wide = 4, closed = 1.5f, along = 1;
+static const float level = 0.95f; /* cosine */
+
+static void give_way(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const fine *n = data;
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
+		site *s = n->site + i;
+		float way[2], other[2], room = wide;
+		if (s->found.family != FAMILY_CREASE || s->linked.dropped || !way_of(n, i, way))
+			continue;
+		float square = way[0] * way[0] + way[1] * way[1], length = sqrtf(square);
+		near_sites of = near_site(n, s, wide + along);
+		for (uint32_t j; near_next(n, &of, &j);) {
+			const site *t = n->site + j;
+			if (t->found.family >= FAMILY_CREASE || t->linked.dropped || !way_of(n, j, other))
+				continue;
+			float x = t->placed.x - s->placed.x, y = t->placed.y - s->placed.y,
+			      aside = fabsf(x * way[1] - y * way[0]), dot = way[0] * other[0] + way[1] * other[1];
+			if (fabsf(x * way[0] + y * way[1]) <= along * length && aside < room * length &&
+			    dot * dot >= level * level * square * (other[0] * other[0] + other[1] * other[1]))
+				room = aside / length;
+		}
+		if (room < wide)
+			s->linked.crowd = (1 - room / wide) / (share * max(room - closed, 1e-6f));
+	}
+}
+
+int32_t ISA(fine_give_way)(fine *n)
+{
+	return bands_run(n->f->bands, (int)n->count, CHUNK, give_way, n);
 }

@@ -45,18 +45,6 @@ typedef struct beside {
 
 /* ---- sites ----------------------------------------------------------------------------------------------- */
 
-/* The way of the line at a site, of any length; false where several meet. */
-static bool way_of(const fine *n, uint32_t i, float way[2])
-{
-	uint32_t links = links_at(n, i);
-	if (links != 1 && links != 2)
-		return false;
-	const site *a = n->site + n->to[n->at[i]], *b = links == 2 ? n->site + n->to[n->at[i] + 1] : n->site + i;
-	way[0] = b->placed.x - a->placed.x;
-	way[1] = b->placed.y - a->placed.y;
-	return true;
-}
-
 /* Whether a site runs along one of an older rank, or along one of its own that is kept. */
 static bool runs_along(const beside *b, uint32_t i, bool own)
 {
