@@ -9,7 +9,8 @@
     measure.place(t, truth), measure.whole(t, truth), measure.stray(t, truth) …   # one promise each
     print(verdict.table({"mine": verdict.judge(my_detector, {"boxes": scene})}))  # all of them
 
-shapes: solids met by rays, and the curves on them; scene: camera, light, layers, truth; scenes: the library;
+shapes: solids met by rays, and the curves on them; scene: camera, light, layers, truth; scenes: the library; meshes:
+scenes of polygons; told: such of which our rasteriser tells; kinds: scenes of other kinds than FINE was tuned on;
 measure: the promises, on one picture; verdict: their limits, on many. The truth comes from the formulas alone: curves
 that may be contours (edges, silhouettes, crossings, rims of patches, light levels, shadows, the horizon) are kept where
 a ray 0.004 pixels to one side sees something else than one to the other side.

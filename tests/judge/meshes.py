@@ -20,7 +20,16 @@ class Mesh:
     points: np.ndarray  # (n, 3)
     faces: list  # of lists of their points' numbers
     color: tuple = (0.5, 0.5, 0.5)
+    piece: list = ()  # of each face the number of the piece that it is of
+    strips: list = ()  # of bevels: the two faces beside one, and the list of its own
     index: int = field(default=0, init=False)  # the scene's
+
+    def __post_init__(self):
+        self.piece = list(self.piece) or [0] * len(self.faces)
+
+    @cached_property
+    def triangles(self):
+        return np.array([(face[0], b, c) for face in self.faces for b, c in pairwise(face[1:])], np.int32)
 
     @cached_property
     def normals(self):
@@ -91,7 +100,7 @@ class MeshScene(Scene):
                 value = -pz[corners] if self.camera.height else 1 / pz[corners]
                 plane = np.linalg.lstsq(np.stack([cx, cy, np.ones(len(cx))], 1), value, rcond=None)[0]
                 value = plane[0] * x[spot] + plane[1] * y[spot] + plane[2]
-                front = (which[spot] == 0) | (value > near[spot])
+                front = (which[spot] == 0) | (value > near[spot] + 1e-9 * np.abs(near[spot]))  # the first of equals
                 spot = spot[front]
                 near[spot], which[spot], face[spot] = value[front], solid.index, k
         normal, albedo, part = np.zeros((x.size, 3)), np.zeros((x.size, 3)), np.zeros(x.size, np.int8)

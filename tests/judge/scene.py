@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from reference import metric
 
-from .shapes import circle, meet
+from .shapes import circle, meet, parted
 
 THRESHOLDS = (0.5, 0.9)  # of the default shade_levels
 GREYS = metric.encode(np.array([0.5, 0.7, 1.1]))
@@ -25,11 +25,12 @@ class Camera:
     view: np.ndarray  # (3, 3) world to camera: x right, y up, looking along -z
     focal: float = 1.2  # in frame heights
     height: float = 0.0  # of the frame in scene units: orthographic
+    shift: tuple = (0.0, 0.0)  # pixels by which all that is seen is moved
 
     def rays(self, x, y, size):
         """Origins and directions (…, 3) through places of the frame; t is the depth along the view axis."""
         h, w = size
-        u, v = (x - (w - 1) / 2) / h, ((h - 1) / 2 - y) / h
+        u, v = (x - self.shift[0] - (w - 1) / 2) / h, ((h - 1) / 2 + self.shift[1] - y) / h
         if self.height:
             flat = np.stack([u * self.height, v * self.height, np.zeros_like(u)], -1)
             return self.eye + flat @ self.view, np.broadcast_to(-self.view[2], flat.shape)
@@ -43,7 +44,7 @@ class Camera:
         z = -c[..., 2]
         with np.errstate(divide="ignore", invalid="ignore"):
             scale = h / self.height if self.height else self.focal * h / z
-            return c[..., 0] * scale + (w - 1) / 2, (h - 1) / 2 - c[..., 1] * scale, z
+            return (c[..., 0] * scale + (w - 1) / 2 + self.shift[0], (h - 1) / 2 - c[..., 1] * scale + self.shift[1], z)
 
     @property
     def homogeneous(self):
@@ -86,7 +87,7 @@ class Truth:
     angle: np.ndarray  # degrees between the normals
     color: np.ndarray  # contrast of the encoded albedos (Herring 2016, eq. 3.1)
     light: np.ndarray  # contrast of the two light levels' greys
-    narrow: np.ndarray  # of creases: a face beside it is less than 3 pixels wide
+    narrow: np.ndarray  # may be left out: a crease beside a face less than 3 pixels wide, crowded colours
     size: tuple  # rows, columns
     clear: dict = field(init=False, default_factory=dict)  # what measure.py has found of these points
 
@@ -109,7 +110,7 @@ class Truth:
     def required(self, kind):
         """Mask of the points that must be inked; `kind` is outline, crease, color, light, or all."""
         crease = (self.angle >= CREASE) & ~self.narrow & ~self.outline
-        color = (self.color >= 0.12) & ~self.outline & ~(self.angle >= 8)
+        color = (self.color >= 0.12) & ~self.narrow & ~self.outline & ~(self.angle >= 8)
         light = (self.light > 0.05) & ~self.outline & ~(self.angle >= 8) & ~(self.color >= 0.05)
         masks = {"outline": self.outline, "crease": crease, "color": color, "light": light}
         return np.any(list(masks.values()), axis=0) if kind == "all" else masks[kind]
@@ -148,7 +149,7 @@ class Scene:
             for two in self.solids[:k]:
                 ends = [solid.reach for solid in (one, two) if solid.reach]
                 apart = len(ends) == 2 and np.linalg.norm(ends[0][0] - ends[1][0]) > ends[0][1] + ends[1][1]
-                curves += [] if apart else meet(one, two)
+                curves += [] if apart or (len(ends) == 2 and parted(one, two)) else meet(one, two)
         return curves
 
     # Layers

@@ -312,6 +312,16 @@ def band(solid, low, high, color):
     solid.patches.append(Patch(0, inside, color, [side.ring(low), side.ring(high)]))
 
 
+def parted(one, two):
+    """Whether a plane of one of two polyhedra has all of the other before it; touching edges are its own."""
+    for a, b in (one, two), (two, one):
+        if all(isinstance(part, HalfSpace) for part in b.parts):
+            corners = np.array([curve(end) for curve in b.edges for end in (0.0, 1.0)])
+            if any((corners @ part.n >= part.k - 1e-9).all() for part in a.parts if isinstance(part, HalfSpace)):
+                return True
+    return False
+
+
 def meet(one, two):
     """Curves in which two solids cut into each other; ball with ball and with flat parts, cone with flat parts."""
     reach = one.reach or two.reach

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes of other kinds than those that FINE was tuned on: what is thin, far, faceted, bevelled, cut out, or stands in
+something else. Each takes a shift in pixels. Those of meshes come with what our rasteriser tells of them."""
+
+from functools import cached_property
+
+import numpy as np
+from reference import near
+
+from .meshes import box as hull
+from .meshes import quad
+from .scene import Light, Scene, look
+from .scenes import COLORS, SUN, turned
+from .shapes import Cone, HalfSpace, Solid, across, box, ground, polygon, unit
+from .told import Told, bevelled, grown, joined, prism, rock, tube
+
+CROWD = 10  # pixels between boundaries of colours, below which their lines thin out
+FLAT = Light(SUN, sun=0.0, ambient=0.7)
+
+
+def coloured(solids):
+    for k, solid in enumerate(solids):
+        solid.color = np.array(COLORS[k % len(COLORS)]) * (0.8 + 0.1 * (k % 3))
+    return solids
+
+
+def between(a, b, thick):
+    """A rod of square section from one point to another."""
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    along = unit(b - a)
+    one, two = across(along)
+    return box((thick, thick, np.linalg.norm(b - a)), (a + b) / 2, np.stack([one, two, along], 1))
+
+
+class Crowded(Scene):
+    """One with boundaries of colours that lie closer together than lines between colours may."""
+
+    @cached_property
+    def truth(self):
+        truth = super().truth
+        i, j = near.pairs(np.stack([truth.x, truth.y], 1), np.stack([truth.x, truth.y], 1)[::2], CROWD)
+        j = 2 * j
+        dx, dy = truth.x[j] - truth.x[i], truth.y[j] - truth.y[i]
+        across = np.abs(dx * truth.nx[i] + dy * truth.ny[i])
+        along = np.abs(dy * truth.nx[i] - dx * truth.ny[i])
+        level = np.abs(truth.nx[i] * truth.nx[j] + truth.ny[i] * truth.ny[j]) > 0.9
+        truth.narrow[i[level & (across > 1.2) & (along < 1.5)]] = True
+        return truth
+
+
+# By formula
+
+
+def tops(**more):
+    """Low slabs whose tops are three to five pixels high and forty wide."""
+    slabs = [box((0.62, tall, 0.5), (x, tall / 2, z), turned(yaw))
+             for x, z, tall, yaw in ((-1.5, 1.2, 0.12, 0.0), (-0.4, 1.4, 0.2, 0.03), (0.8, 1.1, 0.3, -0.05),
+                                     (1.7, 0.2, 0.4, 0.1), (-1.1, -0.8, 0.25, -0.2), (0.3, -1.2, 0.5, 0.0))]
+    return Scene(look([0.1, 0.75, 6.2], [0, 0.35, 0], **more), coloured([ground(0.0), *slabs]), FLAT)
+
+
+def shadows(**more):
+    """Thin posts, upright and leaning, whose shadows on the floor are one and a half to four pixels wide."""
+    posts = [between((x, -0.01, z), (x + lean, tall, z), thick)
+             for x, z, lean, tall, thick in ((-1.9, 0.3, 0, 1.3, 0.035), (-1.0, 0.9, 0.3, 1.1, 0.03),
+                                             (0.1, 0.2, 0, 1.4, 0.05), (0.9, 1.0, -0.2, 0.9, 0.07))]
+    light = Light(unit([0.55, 0.6, -0.35]), sun=0.9, ambient=0.2)
+    return Scene(look([0.2, 2.4, 6.0], [-0.2, 0.4, 0.5], **more), coloured([ground(0.0), *posts]), light)
+
+
+def wires(**more):
+    """Level wires and nearly level ones, one and a half to four pixels thick, before a wall and the sky."""
+    wall = box((2.0, 2.2, 0.4), (-0.9, 1.1, -1.2), turned(0.15))
+    lines = [between((-3.5, y, 0), (3.5, y + rise, 0), thick)
+             for y, rise, thick in ((0.45, 0, 0.035), (0.8, 0.02, 0.05), (1.15, 0, 0.07), (1.5, -0.05, 0.045),
+                                    (1.9, 0.11, 0.03), (2.25, 0, 0.06))]
+    return Scene(look([0.0, 1.3, 6.0], [0, 1.25, 0], **more), coloured([ground(-0.2), wall, *lines]), FLAT)
+
+
+def hairs(**more):
+    """Rods as thin as a pixel and a half to three, that cross each other at all angles, before the sky and a board."""
+    rng = np.random.default_rng(5)
+    board = box((1.8, 1.7, 0.1), (0.9, 1.1, -1.5), turned(-0.2))
+    rods = []
+    for k in range(9):
+        turn, at = np.pi * (k + 0.3) / 9, rng.uniform(-0.7, 0.7, 2)
+        way = 1.6 * np.array([np.cos(turn), np.sin(turn), 0])
+        middle = np.array([at[0], 1.2 + at[1], 0.8 - 0.2 * k])
+        rods.append(between(middle - way, middle + way, rng.uniform(0.035, 0.065)))
+    return Scene(look([0.1, 1.3, 6.0], [0, 1.2, 0], **more), coloured([board, *rods]), FLAT)
+
+
+def city(**more):
+    """Towers whose windows get as small as a pixel, with roads between."""
+    solids = [ground(0.0)]
+    for x, z, wide, tall in ((-2.4, 0, 1.0, 2.6), (-0.8, -1.5, 1.0, 3.0), (0.9, -0.5, 0.9, 2.2), (2.4, -5, 1.2, 3.6),
+                             (-0.3, -9, 1.6, 4.5)):
+        tower = box((wide, tall, wide), (x, tall / 2, z), turned(0.35 * np.sign(-x)))
+        for part in (5, 1 if x < 0 else 3):
+            face = tower.parts[part]
+            if abs(face.n[1]) > 0.5:
+                continue
+            side = unit(np.cross([0, 1, 0], face.n))
+            middle = np.array([x, 0, z]) + face.n * wide / 2
+            for row in range(int(tall / 0.28)):
+                for column in (-0.32, -0.11, 0.11, 0.32):
+                    low = middle + side * wide * column + np.array([0, 0.12 + 0.28 * row, 0])
+                    out, up = side * wide * 0.07, np.array([0, 0.15, 0])
+                    polygon(tower, part, [low - out, low + out, low + out + up, low - out + up],
+                            np.array([0.08, 0.1, 0.14]))
+        solids.append(tower)
+    return Crowded(look([0.4, 2.9, 7.5], [0, 1.2, 0], **more), coloured(solids), FLAT)
+
+
+def stairs(**more):
+    """Steps whose risers and treads are three to eight pixels high."""
+    steps = [box((2.2 - 0.05 * k, 0.11, 3.0 - 0.3 * k), (-0.2, 0.055 + 0.11 * k, -0.15 * k), turned(0.25))
+             for k in range(9)]
+    return Scene(look([0.6, 1.9, 6.5], [0, 0.5, 0], **more), coloured([ground(0.0), *steps]), FLAT)
+
+
+def railing(**more):
+    """Bars two to four pixels wide with as much between them."""
+    bars = [box((0.05, 0.9, 0.05), (-2.1 + 0.17 * k, 0.5, 0.4 - 0.1 * k), np.eye(3)) for k in range(25)]
+    rail = between((-2.2, 1.0, 0.5), (2.2, 1.0, -2.1), 0.09)
+    return Scene(look([0.3, 1.3, 5.5], [0, 0.6, 0], **more), coloured([ground(0.0), *bars, rail]), FLAT)
+
+
+# Of meshes
+
+
+def leaf(centre, turn, size):
+    """A flat leaf with two points, and the card that it is cut out of."""
+    centre, thick = np.asarray(centre, float), 1e-5
+    one, two, out = turn.T
+    parts = [Cone(centre + sign * 0.6 * size * one, out, size, 0.0, 0, 1) for sign in (-1, 1)]
+    rings = [part.ring(0.0) for part in parts]
+    parts += [HalfSpace(sign * out, sign * out @ centre + thick) for sign in (-1, 1)]
+    corners = [centre + size * (0.7 * a * one + b * two) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    return Solid(parts, rings, (centre, size)), quad(corners)
+
+
+def leaves(**more):
+    """Leaves cut out of cards by alpha, that lie over each other, some only a few pixels wide."""
+    rng = np.random.default_rng(8)
+    found = [leaf(rng.uniform((-1.6, 0.2, -1), (1.6, 2.2, 1)), turned(*rng.uniform(-0.8, 0.8, 2), rng.uniform(0, 3)),
+                  rng.uniform(0.15, 0.5)) for _ in range(22)]
+    wall = box((6, 4, 0.1), (0, 1.2, -2.5), turned(0.1))
+    solids = coloured([wall, *(solid for solid, _ in found)])
+    return Told(look([0.1, 1.3, 6.0], [0, 1.2, 0], **more), solids, FLAT,
+                drawn=[hull((6, 4, 0.1), (0, 1.2, -2.5), turned(0.1)), *(card for _, card in found)])
+
+
+def bevels(**more):
+    """Boxes with edges that are rounded off by one face, by three and by five: near, and so far that it is an edge."""
+    boxes = [bevelled((1.5, 1.1, 1.2), (-1.0, 0.55, 0.4), turned(0.5), 0.18, 1),
+             bevelled((1.0, 1.6, 0.9), (0.7, 0.8, -0.6), turned(-0.4), 0.025, 1),
+             bevelled((1.0, 0.8, 1.0), (1.8, 0.4, 0.5), turned(0.7), 0.022, 3),
+             bevelled((0.9, 1.2, 0.9), (-2.0, 0.6, -1.6), turned(0.2), 0.03, 5)]
+    return Told(look([0.4, 2.3, 6.0], [0.1, 0.6, 0], **more), coloured(boxes), FLAT)
+
+
+def facets(**more):
+    """Rocks with faces of all bends."""
+    rocks = [rock((-1.0, 0.9, 0.2), 0.9, 1), rock((1.1, 0.8, -0.2), 0.8, 2, 0.14), rock((0.3, 0.4, 1.5), 0.35, 3)]
+    return Told(look([0.2, 1.7, 6.0], [0.1, 0.8, 0], **more), coloured(rocks), FLAT)
+
+
+def elbow(**more):
+    """Pipes of eight sides that bend by more and by less than a crease."""
+    pipes = [tube([(-2, 0.4, 0), (-0.9, 0.45, 0.1)], 0.3, (30, 26, 15, 26, 35), 0.55),
+             tube([(-1.8, 1.9, -0.5), (-1.0, 1.9, -0.4)], 0.22, (-10, -14, -18, -26, -32, -10), 0.5)]
+    return Told(look([0.3, 1.5, 6.0], [0.2, 1.0, 0], **more), coloured(pipes), FLAT)
+
+
+def through(**more):
+    """Meshes that stand in each other, and pieces of one mesh that do."""
+    block = hull((1.4, 1.4, 1.0), (-1.0, 0.7, 0.1), turned(0.4))
+    rod = hull((0.35, 0.35, 2.6), (-0.9, 0.8, 0.2), turned(0.9, 0.2))
+    cross = joined(hull((0.5, 2.0, 0.5), (1.2, 1.0, -0.2), turned(0.3)), hull((1.8, 0.4, 0.4), (1.2, 1.2, -0.1),
+                                                                               turned(-0.2, 0.0, 0.25)))
+    floor = hull((7, 0.4, 6), (0, -0.05, 0), turned(0.05))
+    return Told(look([0.3, 2.2, 6.0], [0.1, 0.7, 0], **more), coloured([floor, block, rod, cross]), FLAT)
+
+
+def coincident(**more):
+    """Boxes that share planes, so that a renderer shows now one of them, now the other."""
+    boxes = [hull((1.4, 1.2, 0.8), (-0.8, 0.6, 0), turned(0)), hull((1.4, 0.8, 0.8), (0.2, 0.8, 0), turned(0)),
+             hull((0.6, 0.6, 0.8), (1.2, 0.3, 0), turned(0)), hull((0.5, 0.3, 0.5), (-0.9, 1.35, 0), turned(0)),
+             hull((0.5, 0.3, 0.5), (1.15, 0.75, 0.15), turned(0))]
+    return Told(look([1.6, 2.0, 5.6], [0.1, 0.7, 0], **more), coloured(boxes), FLAT)
+
+
+def bolts(**more):
+    """A plate with a step, a hole's rim and bolts with six sides that are ten to twenty pixels wide."""
+    heads = [prism(6, 0.12 + 0.02 * (k % 3), 0.14, (-1.3 + 0.65 * (k % 5), 0.37, 0.9 - 0.9 * (k // 5)), 0.3 * k)
+             for k in range(10)]
+    ring = grown(20, 0.55, 0.35, 0.3, (0.1, 0.3, -1.3))
+    plate = hull((3.8, 0.3, 3.0), (0, 0.15, 0.0), turned(0.1))
+    return Told(look([0.5, 3.0, 5.6], [0.1, 0.3, 0], **more), coloured([plate, *heads, ring]), FLAT)
+
+
+ANALYTIC = {f.__name__: f for f in (tops, shadows, wires, hairs, city, stairs, railing)}
+MESHES = {f.__name__: f for f in (leaves, bevels, facets, elbow, through, coincident, bolts)}
+SHIFTS = (0.0, 0.0), (0.25, 0.375), (0.5, 0.125), (0.71, 0.62)  # pixels

@@ -1,0 +1,292 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes of which our rasteriser tells where meshes end, bend and pass through each other; and meshes for them."""
+
+from dataclasses import replace
+from functools import cached_property
+from itertools import combinations, pairwise
+
+import numpy as np
+from encre.pen import job, library, overlay
+from reference import near
+
+from .meshes import Mesh, MeshScene
+from .scene import CREASE, Scene, Truth
+from .shapes import across, segment, unit
+
+FULL = 4  # degrees over which a crease gets its full width
+ONE = 2.5  # pixels: what bends within them is one bend
+APART = 3.5  # from which on two edges are two for certain
+BESIDE = 2.0  # pixels: of a crease and an outline closer than this the crease may be left out
+
+
+def matrices_of(camera, size):
+    """World to camera, and camera to clip, as library.raster() takes them; not of an orthographic one."""
+    h, w = size
+    view = np.eye(4)
+    view[:3, :3], view[:3, 3] = camera.view, -camera.view @ camera.eye
+    return view, np.array([[2 * camera.focal * h / w, 0, -2 * camera.shift[0] / w, 0],
+                           [0, 2 * camera.focal, 2 * camera.shift[1] / h, 0],
+                           [0, 0, -1, -0.02], [0, 0, -1, 0]])
+
+
+def rasters(meshes):
+    """As the rasteriser takes them, numbered from 1 on."""
+    return [job.Mesh(mesh.points.astype(np.float32), mesh.triangles, object_index=k)
+            for k, mesh in enumerate(meshes, 1)]
+
+
+def tell(layers, meshes, matrices, seed=0):
+    """Layers, and what rasterised meshes tell, put together as the engine does."""
+    h, w = layers["depth"].shape[:2]
+    maps = library.raster(rasters(meshes), *matrices, job.Frame(w, h), (w, h), 0.01, outputs=(
+        "object", "depth", "material", "style", "normal", "marks", "creases", "coincident"))
+    del maps["depth"]
+    index, other = layers["object"][..., 0].astype(np.int64), maps["coincident"].astype(np.int64)
+    either = (other > 0) & (maps["object"] == index) & (np.random.default_rng(seed).random((h, w)) < 0.5)
+    index = np.where(either, other, index)  # a renderer shows now this, now that
+    numbers = np.arange(len(meshes) + 1)
+    told = overlay.rasterised(index, overlay.compact(maps), numbers, numbers, lambda lost: lost)
+    return layers | {name: np.ascontiguousarray(told[name], np.float32)
+                     for name in ("object", "marks", "creases") if name in told}
+
+
+class _Telling:
+    """Layers with what rasterised meshes tell, put together as the engine does."""
+    drawn = ()  # meshes that are rasterised, one for each solid
+
+    def layers(self, filter="box", noise=0.0, seed=0, one_index=False):
+        matrices = matrices_of(self.camera, self.size)
+        return tell(super().layers(filter, noise, seed), self.drawn or self.solids, matrices, seed)
+
+
+class ToldSolids(_Telling, Scene):
+    """Solids by formula, cut out of meshes by alpha."""
+
+    def __init__(self, camera, solids, light, drawn, **more):
+        super().__init__(camera, solids, light, **more)
+        self.drawn = drawn
+
+
+class ToldMeshes(_Telling, MeshScene):
+    """Meshes, which may stand in each other."""
+
+    def __init__(self, camera, meshes, size=(300, 400)):
+        super().__init__(camera, meshes, size)
+
+    @cached_property
+    def _edges(self):
+        """[(ends, mesh, its faces there)] of all curves."""
+        found = []
+        for mesh in self.solids:
+            front = mesh.facing(self.camera.homogeneous)
+            found += [(mesh.points[list(ends)], mesh, faces) for ends, faces in mesh.edges.items()
+                      if front[faces].any()]
+        for one, two in combinations([(mesh, piece) for mesh in self.solids for piece in range(max(mesh.piece) + 1)],
+                                     2):
+            found += [(ends, None, []) for ends in meet(*one, *two)]
+        return found
+
+    def _curves(self):
+        return [segment(*ends) for ends, _, _ in self._edges]
+
+    @cached_property
+    def truth(self):
+        """As of any scene; what bends within a few pixels is one bend, in its middle."""
+        truth = super().truth
+        truth.narrow |= truth.angle < CREASE + FULL
+        outline = truth.take(truth.outline)
+        crease = np.flatnonzero(~truth.outline)
+        i, j = near.pairs(np.stack([truth.x[crease], truth.y[crease]], 1), np.stack([outline.x, outline.y], 1), BESIDE)
+        level = np.abs(truth.nx[crease[i]] * outline.nx[j] + truth.ny[crease[i]] * outline.ny[j]) > 0.95
+        dropped = np.zeros(truth.x.size, bool)
+        dropped[crease[i[level]]] = truth.narrow[crease[i[level]]]
+        middles = [self._strip(truth, dropped, mesh, strip) for mesh in self.solids for strip in mesh.strips]
+        arrays = [truth.take(~dropped), *(m for m in middles if m is not None)]
+        return Truth(size=self.size, **{name: np.concatenate([getattr(a, name) for a in arrays])
+                                        for name in vars(truth) if name not in ("size", "clear")})
+
+    def _strip(self, truth, dropped, mesh, strip):
+        """Marks points of a bevel's edges that are no lines by themselves; gives its middle if it is one itself."""
+        one, two, faces = strip
+        front = mesh.facing(self.camera.homogeneous)
+        own = np.array([m is mesh and bool(set(faces) & set(at)) for _, m, at in self._edges])[truth.curve]
+        own &= ~truth.outline
+        rims = [np.array([mesh.points[list(ends)] for ends, at in mesh.edges.items()
+                          if face in at and set(at) & set(faces)][0]) for face in (one, two)]
+        if np.linalg.norm(rims[0][0] - rims[1][0]) > np.linalg.norm(rims[0][0] - rims[1][1]):
+            rims[1] = rims[1][::-1]
+        (ax, ay, _), (bx, by, _) = (self.camera.project(rim, self.size) for rim in rims)
+        way = np.array([ax[1] - ax[0], ay[1] - ay[0]])
+        wide = abs((bx - ax).mean() * way[1] - (by - ay).mean() * way[0]) / max(np.hypot(*way), 1e-9)
+        if wide >= APART:
+            return None
+        truth.narrow |= own
+        if wide >= ONE or not front[[one, two]].all():
+            return None
+        dropped |= own
+        middle = segment(*(rims[0] + rims[1]) / 2)
+        x, y, nx, ny = self._points(middle)
+        ends = self.camera.project(middle(np.array([0.0, 1.0])), self.size)[2]
+        seen = self.trace(x, y)
+        shown = (seen["solid"] == mesh.index) & (np.abs(seen["depth"] - ends.mean()) < 2 * np.ptp(ends) + 0.03)
+        x, y, nx, ny = (v[shown] for v in (x, y, nx, ny))
+        none = np.zeros(x.size)
+        bend = np.degrees(np.arccos(np.clip(mesh.normals[one] @ mesh.normals[two], -1, 1)))
+        return Truth(x, y, nx, ny, none - 1, none, none > 0, none + bend, none, none, none > 0, self.size)
+
+
+def Told(camera, solids, light, drawn=None, **more):  # noqa: N802 - either class
+    if drawn:
+        return ToldSolids(camera, solids, light, drawn, **more)
+    return ToldMeshes(camera, solids, **more)
+
+
+# ---- where meshes cross --------------------------------------------------------------------------------------------
+
+
+def _through(corners, n, k):
+    """The ends of the stretch of a convex polygon that lies in the plane n·p = k, or None."""
+    off = corners @ n - k
+    around = [*zip(corners, off, strict=True), (corners[0], off[0])]
+    found = [a + (b - a) * (u / (u - v)) for (a, u), (b, v) in pairwise(around) if (u < 0) != (v < 0)]
+    return found if len(found) == 2 else None
+
+
+def meet(one, piece, two, other):
+    """The straight stretches in which a piece of a mesh cuts another."""
+    found = []
+    faces = [[(mesh.points[face], n) for face, n, p in zip(mesh.faces, mesh.normals, mesh.piece, strict=True)
+              if p == number] for mesh, number in ((one, piece), (two, other))]
+    for a, n in faces[0]:
+        for b, m in faces[1]:
+            along = np.cross(n, m)
+            if along @ along < 1e-6 or (a.min(0) > b.max(0)).any() or (b.min(0) > a.max(0)).any():
+                continue
+            ends = _through(a, m, m @ b[0]), _through(b, n, n @ a[0])
+            if None in ends:
+                continue
+            (s0, s1), (t0, t1) = (sorted(p @ along for p in pair) for pair in ends)
+            low, high = max(s0, t0), min(s1, t1)
+            if low < high:
+                p, q = ends[0]
+                share = [(at - p @ along) / ((q - p) @ along) for at in (low, high)]
+                found.append(np.array([p + (q - p) * s for s in share]))
+    return found
+
+
+# ---- meshes --------------------------------------------------------------------------------------------------------
+
+
+def joined(*meshes):
+    """One mesh of several pieces."""
+    starts = np.cumsum([0, *(len(mesh.points) for mesh in meshes)])
+    faces = [[int(k + start) for k in face] for mesh, start in zip(meshes, starts, strict=False) for face in mesh.faces]
+    return Mesh(np.concatenate([mesh.points for mesh in meshes]), faces,
+                piece=[k for k, mesh in enumerate(meshes) for _ in mesh.faces])
+
+
+def convex(normals, offsets, turn, centre):
+    """What lies behind all the planes; also the number of the face of each plane, or None."""
+    points, faces, number = [], [], []
+    for k, n in enumerate(normals):
+        one, two = across(n)
+        corners = [n * offsets[k] + 50 * (a * one + b * two) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        for m, offset in zip(np.delete(normals, k, 0), np.delete(offsets, k), strict=True):
+            clipped = []
+            for p, q in pairwise([*corners, corners[0]] if corners else []):
+                u, v = p @ m - offset, q @ m - offset
+                clipped += [p] if u <= 0 else []
+                if u < 0 < v or v < 0 < u:
+                    clipped.append(p + (q - p) * (u / (u - v)))
+            corners = clipped
+        face = []
+        for p in corners:
+            same = [i for i, other in enumerate(points) if np.abs(other - p).max() < 1e-7]
+            points += [] if same else [p]
+            face += [i for i in (same or [len(points) - 1]) if i not in face]
+        number.append(len(faces) if len(face) > 2 else None)
+        faces += [face] * (len(face) > 2)
+    return Mesh(np.asarray(centre, float) + np.array(points) @ turn.T, faces), number
+
+
+def bevelled(size, centre, turn, radius, segments):
+    """A box whose edges are rounded off by so many faces each."""
+    half = np.asarray(size, float) / 2
+    normals = [sign * axis for axis in np.eye(3) for sign in (-1, 1)]
+    offsets, strips = [half[k // 2] for k in range(6)], []
+    for a, b in combinations(range(6), 2):
+        if a // 2 == b // 2:
+            continue
+        strips.append((a, b, range(len(normals), len(normals) + segments)))
+        for k in range(segments):
+            turned = (k + 0.5) / segments * np.pi / 2
+            n = np.cos(turned) * normals[a] + np.sin(turned) * normals[b]
+            normals.append(n)
+            offsets.append(n @ (normals[a] * (half[a // 2] - radius) + normals[b] * (half[b // 2] - radius)) + radius)
+    mesh, number = convex(np.array(normals), np.array(offsets), turn, centre)
+    mesh.strips = [(number[a], number[b], [number[k] for k in planes]) for a, b, planes in strips]
+    return mesh
+
+
+def rock(centre, radius, seed, rough=0.1, planes=26):
+    """A ball cut by planes from all sides."""
+    rng = np.random.default_rng(seed)
+    up = 1 - 2 * (np.arange(planes) + 0.5) / planes
+    around = np.arange(planes) * 2.399963
+    normals = np.stack([np.sqrt(1 - up**2) * np.cos(around), up, np.sqrt(1 - up**2) * np.sin(around)], 1)
+    normals += 0.12 * rng.standard_normal(normals.shape)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return convex(normals, radius * (1 + rough * rng.uniform(-1, 1, planes)), np.eye(3), centre)[0]
+
+
+def tube(path, radius, bends, length, sides=8):
+    """A pipe in a plane that faces the eye: straight pieces, each turned by so many degrees from the one before."""
+    points = [np.asarray(p, float) for p in path]
+    ways, out = [unit(points[1] - points[0])], np.array([0.0, 0.0, 1.0])
+    out = unit(out - (out @ ways[0]) * ways[0])
+    for bend in bends:
+        a = np.radians(bend)
+        ways.append(np.cos(a) * ways[-1] + np.sin(a) * np.cross(out, ways[-1]))
+        points.append(points[-1] + length * ways[-1])
+    turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
+    rings = []
+    for k, p in enumerate(points):
+        way = ways[max(k - 1, 0)]
+        middle = way + ways[min(k, len(ways) - 1)]
+        off = radius * (np.cos(turns)[:, None] * np.cross(way, out) + np.sin(turns)[:, None] * out)
+        rings.append(p + off - way * ((off @ middle) / (way @ middle))[:, None])
+    faces = [[sides * k + j, sides * k + (j + 1) % sides, sides * (k + 1) + (j + 1) % sides, sides * (k + 1) + j]
+             for k in range(len(rings) - 1) for j in range(sides)]
+    last = sides * (len(rings) - 1)
+    faces += [list(range(sides))[::-1], list(range(last, last + sides))]
+    return outward(Mesh(np.concatenate(rings), faces))
+
+
+def prism(sides, radius, height, foot, turn):
+    """An upright column."""
+    turns = np.arange(sides) * 2 * np.pi / sides + turn
+    ring = radius * np.stack([np.cos(turns), 0 * turns, np.sin(turns)], 1) + foot
+    faces = [[k, (k + 1) % sides, sides + (k + 1) % sides, sides + k] for k in range(sides)]
+    faces += [list(range(sides))[::-1], list(range(sides, 2 * sides))]
+    return outward(Mesh(np.concatenate([ring, ring + (0, height, 0)]), faces))
+
+
+def grown(sides, radius, inner, height, foot):
+    """An upright ring with a hole."""
+    turns = np.arange(sides) * 2 * np.pi / sides
+    rings = [r * np.stack([np.cos(turns), 0 * turns, np.sin(turns)], 1) + foot + np.array([0, y, 0])
+             for r, y in ((radius, 0), (radius, height), (inner, height), (inner, 0))]
+    faces = [[sides * a + k, sides * a + (k + 1) % sides, sides * b + (k + 1) % sides, sides * b + k]
+             for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)) for k in range(sides)]
+    return outward(Mesh(np.concatenate(rings), faces))
+
+
+def outward(mesh):
+    """With all faces the other way round if the mesh is inside out."""
+    first = np.array([mesh.points[face[0]] for face in mesh.faces])
+    area = np.array([sum(np.linalg.norm(np.cross(mesh.points[b] - mesh.points[face[0]],
+                                                 mesh.points[c] - mesh.points[face[0]]))
+                         for b, c in pairwise(face[1:])) for face in mesh.faces])
+    if (area * (mesh.normals * (first - mesh.points.mean(0))).sum(1)).sum() < 0:
+        return replace(mesh, faces=[face[::-1] for face in mesh.faces])
+    return mesh
