@@ -3,7 +3,7 @@
 
 import pages
 import pytest
-from judge import scenes, verdict
+from judge import kinds, scenes, verdict
 
 
 @pytest.fixture(scope="module")
@@ -38,3 +38,15 @@ def test_the_page_tells_of_the_others(detector):
 def test_fine_keeps_them_on_scenes_that_it_was_not_tuned_on(first, count):
     fresh = {seed: scenes.draw(seed) for seed in range(first, first + count)}
     assert verdict.broken(verdict.judge(pages.drawer("FINE"), fresh, full=False)) == {}
+
+
+SHORT = {"facets", "through"}  # in a second each
+
+
+@pytest.mark.parametrize("name", [name if name in SHORT else pytest.param(name, marks=pytest.mark.long)
+                                  for name in (*kinds.ANALYTIC, *kinds.MESHES)])
+def test_fine_breaks_no_more_on_scenes_of_other_kinds_than_the_page_says(name):
+    text = (pages.DOCS / "lines.md").read_text(encoding="utf-8")
+    said = pages.table(text, 2)[name]["breaks"]
+    found = pages.judged_kinds("FINE", (name,), (0,) if name in SHORT else None, full=name not in SHORT)
+    assert {promise for promise in verdict.broken(found) if promise not in said} == set()

@@ -202,4 +202,5 @@ def bolts(**more):
 
 ANALYTIC = {f.__name__: f for f in (tops, shadows, wires, hairs, city, stairs, railing)}
 MESHES = {f.__name__: f for f in (leaves, bevels, facets, elbow, through, coincident, bolts)}
+MOVED = {*MESHES, "tops", "shadows"}
 SHIFTS = (0.0, 0.0), (0.25, 0.375), (0.5, 0.125), (0.71, 0.62)  # pixels
