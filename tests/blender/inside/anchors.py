@@ -3,7 +3,6 @@
 
 import bpy
 import numpy as np
-from encre.blender import properties
 from studio import cube, fact, shoot, stage
 
 
@@ -24,6 +23,8 @@ def _column(name, at):
 def anchored(out):
     """A cube, placed and scaled; a column that is twisted; one that a shape key leans over. Then larger samples, layers
     of Encre's own, and what the depsgraph of a window knows before and after Pin Pattern."""
+    from encre.blender import properties
+
     scene = stage(160, 90, 1, ground=False)
     scene.encre.save_anchor = "ON"
     bpy.data.objects["Cube"].scale = (0.5, 0.5, 0.5)

@@ -43,7 +43,7 @@ def camera_of_markers(out):
     fact("cameras", seen)
 
 
-def compositor(scene):
+def _compositor(scene):
     """Its tree, without nodes."""
     from encre.blender import versions
 
@@ -59,7 +59,7 @@ def compositor(scene):
 def compositor_of_other_layers(out):
     scene = stage()
     scene.view_layers.new("Other")
-    tree = compositor(scene)
+    tree = _compositor(scene)
     read, blur = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("CompositorNodeBlur")
     read.layer = "ViewLayer"
     tree.links.new(read.outputs["Image"], blur.inputs[0])
@@ -74,7 +74,7 @@ def other_outputs(out):
     scene = stage()
     scene.sequence_editor_create()
     said("no strips", scene)
-    tree = compositor(scene)
+    tree = _compositor(scene)
     read, write = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("CompositorNodeOutputFile")
     place = os.path.join(out, "taken")
     if hasattr(write, "base_path"):
