@@ -11,6 +11,9 @@ import sys
 import traceback
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import studio  # noqa: E402
+
+studio.register()  # the package that is tried; a Blender by itself knows none, or another
 import anchors  # noqa: E402
 import baking  # noqa: E402
 import cycles_light  # noqa: E402
