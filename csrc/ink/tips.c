@@ -157,10 +157,11 @@ static int hands_from(const gather *g, int i, int end, strokes *s)
 	return n;
 }
 
-/* Ink gathers from a turn of 60 degrees on, all of it at one of 120. */
+/* Ink gathers from a turn of 60 degrees on, all of it at one of 120. Turns are not known where only styles without
+ * lines ask for them: those draw nothing. */
 static float pooled(const gather *g, uint32_t i)
 {
-	return clamp01(g->turns.turn[i] - 0.5f);
+	return g->turns.turn ? clamp01(g->turns.turn[i] - 0.5f) : 0;
 }
 
 static void press_pens(void *data, int first, int end, int thread)

@@ -152,6 +152,15 @@ def test_noise_has_one_variance_at_any_wavelength():
         assert abs(noise.mean()) < 0.1 and abs(noise.std() - 1) < 0.06
 
 
+def test_styles_without_lines_pool_no_ink():
+    layers, _, _ = passes.given("faces")
+    layers = {**layers, "style": np.float32(np.indices(layers["depth"].shape[:2])[1] > 20)}
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 3.0}
+    plain, pooled = (library.render(layers, library.check(scene), [{"use_lines": False, "pen_pool": pool}]).images
+                     for pool in (0.0, 1.0))
+    assert np.array_equal(plain["Combined"], pooled["Combined"])
+
+
 @pytest.mark.parametrize("case", ["faces", "rods"])
 def test_smudging_takes_the_nearest_site(case):
     """A picture that tells each pixel's place, pulled over by a fixed length: where it comes from tells the way."""

@@ -89,6 +89,7 @@ def growing():
     import cycles.engine
 
     scene, draw, drawn = bpy.context.scene, cycles.engine.draw, []
+    scene.encre.auto_redraw = False  # else a redraw of the changed settings may begin together with F12
     cycles.engine.draw = lambda engine, *args: drawn.append(engine.frames.ink is not None) or draw(engine, *args)
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 320, 180, 100
     scene.cycles.use_denoising, scene.encre.line_thickness, scene.encre.line_color = False, 40, (0, 1, 0)
