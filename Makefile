@@ -53,9 +53,10 @@ extension: .venv/ready
 wheels: .venv/wheels
 	$(RUN) tools/wheels.py
 
-# Two files of tests at a time, in the order of their folders: those that render come first.
+# Three files of tests at a time, in the order of their folders: those that render come first. One more than two cores
+# work on, for tests in windows wait for most of their time.
 test: build
-	$(RUN) -m pytest -q -m "not long" -n 2 --dist loadfile --no-loadscope-reorder
+	$(RUN) -m pytest -q -m "not long" -n 3 --dist loadfile --no-loadscope-reorder
 
 test-long: build .venv/wheels $(if $(filter bpy==4.5%,$(BPY)),blenders)
 	$(RUN) -m pytest -q
@@ -71,8 +72,11 @@ build/blenders/bpy-%/ready:
 blenders: build/blenders/bpy-4.2/ready build/blenders/bpy-5.0/ready \
 		$(if $(shell python3.13 -c 'print(1)' 2>/dev/null),build/blenders/bpy-5.2/ready)
 
+# BENCH="--size 480x270 --rounds 1" is a small run.
 bench: build
-	$(RUN) tests/helpers/bench.py
+	$(RUN) tests/helpers/bench.py $(BENCH)
+	$(RUN) tests/helpers/bench_costs.py $(BENCH)
+	$(RUN) tests/helpers/bench_light.py $(BENCH)
 
 # The same picture by libraries for pictures, each of which may be missing. They bring a numpy of their own, which is
 # another than Blender's.
@@ -84,7 +88,8 @@ build/peers/ready: | build
 
 # `make bench bench-peers` renews all of docs/speed.md.
 bench-peers: build build/peers/ready
-	PYTHONPATH=build/peers $(RUN) tests/helpers/bench_peers.py
+	$(RUN) tests/helpers/bench_blender.py $(BENCH)
+	PYTHONPATH=build/peers $(RUN) tests/helpers/bench_peers.py $(BENCH)
 
 # The rendered 3D view in a window: needs blender and xvfb-run.
 bench-live: build

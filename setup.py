@@ -81,6 +81,25 @@ def commands(out, build, *, debug=False, werror=False, scalar=False, sanitize=""
     return compile_, link
 
 
+def _compile(command):
+    """The compiler's exit status. What was compiled by the same command from files that are older is left as it is."""
+    made = Path(command[-1])
+    by, of = made.with_suffix(".cmd"), made.with_suffix(".d")
+    told = "\0".join(command)
+    try:
+        sources = of.read_text(encoding="utf-8").replace("\\\n", " ").split(": ", 1)[1].split()
+        if by.read_text(encoding="utf-8") == told and made.stat().st_mtime_ns > max(
+                os.stat(name).st_mtime_ns for name in sources):
+            return 0
+    except (OSError, IndexError):
+        pass
+    by.unlink(missing_ok=True)
+    status = subprocess.call([*command, "-MD", "-MF", str(of)])
+    if not status:
+        by.write_text(told, encoding="utf-8")
+    return status
+
+
 class BuildLibrary(build_ext):
     user_options = build_ext.user_options + [
         ("werror", None, "make warnings errors"),
@@ -107,7 +126,7 @@ class BuildLibrary(build_ext):
         compile_, link = commands(part, build, debug=self.debug, werror=self.werror, scalar=self.scalar,
                                   sanitize=self.sanitize)
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            failed = any(list(pool.map(subprocess.call, compile_))) or subprocess.call(link)
+            failed = any(list(pool.map(_compile, compile_))) or subprocess.call(link)
         if failed:
             raise SystemExit("encre: the C library does not compile; read the compiler's messages above")
         os.replace(part, out)  # a running program keeps the old file

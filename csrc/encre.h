@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 11 };
+enum { ENCRE_API_VERSION = 14 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -81,13 +81,16 @@ enum encre_layer {
 				    nothing is there, else 0) */
 	/* Where on the thing: by what drawn texture sticks to a surface, from this frame alone. In units of the rest
 	   position, which are those of object space as a rule. */
-	ENCRE_LAYER_ANCHOR, /* 16: of what is at the pixel's centre, 0 to 2 its rest position P: where it was before
-			       its mesh was bent; 3 to 5 the normal there, of length 1, as the resting surface is
-			       shaded; 6 how much of P a pixel spans on a surface that faces the camera, > 0, 0 =
-			       nothing there; 7 to 9 and 10 to 12 by how much P grows per pixel to the right and down;
-			       13 to 15 the direction in which the resting surface bends most, either way along it, as
-			       long as it bends that way alone: 1 of a cylinder, 0 of a ball or a plane (absent: nothing
-			       sticks) */
+	ENCRE_LAYER_ANCHOR,  /* 16: of what is at the pixel's centre, 0 to 2 its rest position P: where it was before
+				its mesh was bent; 3 to 5 the normal there, of length 1, as the resting surface is
+				shaded; 6 how much of P a pixel spans on a surface that faces the camera, > 0, 0 =
+				nothing there; 7 to 9 and 10 to 12 by how much P grows per pixel to the right and down;
+				13 to 15 the direction in which the resting surface bends most, either way along it, as
+				long as it bends that way alone: 1 of a cylinder, 0 of a ball or a plane (absent: nothing
+				sticks) */
+	ENCRE_LAYER_GLOSS,   /* 3: unlit colour of what mirrors: specular without its light (absent: 0) */
+	ENCRE_LAYER_TANGENT, /* 3: the direction on the resting surface in which U of its UV map grows, of length 1; 0:
+				it has none (absent: none has) */
 	ENCRE_LAYER_COUNT
 };
 
@@ -201,6 +204,8 @@ typedef struct encre_camera {
 	float height;         /* orthographic: height of the full frame in scene units, > 0 */
 	float distance;       /* perspective: depth of what the picture is about, which a relative line_depth_distance
 				 is a multiple of; 0: not known, and that is in scene units */
+	float light; /* diffuse light of what faces the strongest lamp, which is 1 with shade_meter LAMPS; 0: not
+			known, and light is as it is */
 } encre_camera;
 
 /* Full frame in pixels, at most 65536 each way, and where the images' top left pixel lies in it (border rendering).
@@ -273,6 +278,7 @@ typedef struct encre_mesh {
 	const float *rest; /* of triangles: n_primitives x 3 x 3, rest positions at the corners, in any unit; NULL = the
 			      points */
 	const float *rest_normals; /* likewise: by which the resting surface is shaded; NULL = flat */
+	const float *uv;           /* of triangles: n_primitives x 3 x 2 at the corners; NULL = 0 */
 } encre_mesh;
 
 /* What a crease along an edge of a triangle is taken for. */
@@ -317,12 +323,13 @@ typedef struct encre_raster_job {
 				   is of another object; 0 = none */
 	encre_image shading;    /* out, 3: by which the surface is shaded: the meshes' normals, interpolated and of
 				   length 1, world space, on the side of `normal`'s face; where there are none, `normal` */
-	encre_image beyond; /* in, 1: only what lies farther than this is drawn; at `depth`'s 1e10 nothing is. It hides
-			       no line. May be absent */
-	encre_image anchor; /* out, 16: the layer `anchor`; 0 = nothing. A pixel's span is that of the whole mesh, by
-			       how large its surface is in the world and at rest, so that it does not jump from face to
-			       face. Derivatives are those of the face in front, exact, of one that is seen on its edge
-			       at most 64 spans long */
+	encre_image beyond;  /* in, 1: only what lies farther than this is drawn; at `depth`'s 1e10 nothing is. It hides
+				no line. May be absent */
+	encre_image anchor;  /* out, 16: the layer `anchor`; 0 = nothing. A pixel's span is that of the whole mesh, by
+				how large its surface is in the world and at rest, so that it does not jump from face to
+				face. Derivatives are those of the face in front, exact, of one that is seen on its edge
+				at most 64 spans long */
+	encre_image tangent; /* out, 3: the layer `tangent`, by the meshes' uv; 0 where these do not grow */
 } encre_raster_job;
 
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent
@@ -393,6 +400,15 @@ typedef struct encre_lamp {
 	double model[16]; /* its own space -> world, row by row */
 } encre_lamp;
 
+enum { ENCRE_MAX_BENDS = 64 };
+
+/* An ellipsoid in which light falls as on its own surface, and what lies in it throws no shadows. */
+typedef struct encre_bend {
+	double model[16]; /* a ball of radius 1 -> world, row by row; one without an inverse does nothing */
+	float amount;     /* 0..1: how far normals are bent */
+	float fade;       /* 0..1: over which part of the radius, from its surface inwards, that begins */
+} encre_bend;
+
 typedef struct encre_light_job {
 	encre_scene *scene;
 	double view[16]; /* as in encre_raster_job */
@@ -405,7 +421,9 @@ typedef struct encre_light_job {
 	encre_image diffuse; /* out: the layer `diffuse`: direct light without the colour of the surface */
 	float world[27]; /* light from all sides: colours that are multiplied by 1, x, y, z, xy, yz, 3 zz - 1, xz and
 			    xx - yy of the normal and summed */
-	int32_t reserved;
+	int32_t n_bends; /* 0..ENCRE_MAX_BENDS */
+	const encre_bend *bends;
+	bool sharp; /* shadows are those of lamps without a size, which takes a half to a third of the time */
 	encre_progress progress; /* may be NULL */
 	void *user;
 } encre_light_job;

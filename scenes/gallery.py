@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws the pictures of docs/: every scene rendered once, restyled with three presets, and a page of them all.
+"""Draws the pictures of docs/: every scene rendered once and restyled with three presets, one with all, and a page.
 
     python scenes/gallery.py [--size WxH] [--samples N] [--only NAME]... FOLDER [FILE.blend]...
 
@@ -15,10 +15,12 @@ from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
+from encre.pen.presets import presets
 
 ROOT = Path(__file__).resolve().parents[1]
 SMALL = 640  # pixels wide
 MOST = 60_000  # bytes of a small picture
+ROW = 3  # pictures of presets beside each other
 THUMBNAIL = 128
 PRESETS = {"Water Memory": "water_memory", "Inter-color": "inter_color", "Ink only": "ink_only"}
 SCENES = {  # name: what is to be seen
@@ -45,11 +47,18 @@ scene.world = bpy.data.worlds.new("World")
 scene.world.color = 0.3, 0.3, 0.4
 scene.view_settings.view_transform = "Standard"
 """
+SHOWN = "dancer"  # by every preset
 HEAD = """# Gallery
 
 Each scene is rendered once, at {size} with {samples} samples a pixel, and drawn with each preset as it comes; here it
 is shown smaller. `make gallery` draws them all. What is good and bad about the hard ones is told in
 [scenes.md](scenes.md).
+
+"""
+EVERY = """## Every preset
+
+`encre render scenes/{scene}.py --preset NAME --set layer_source=ENCRE`, at {size}: fast layers, without Cycles.
+[presets.md](presets.md) tells how to choose, save and share them.
 
 """
 
@@ -80,17 +89,40 @@ def shrink(source, target):
             return
 
 
+def table(what, pictures):
+    """Markdown of pictures, a name and a file each, ROW beside each other."""
+    rows = []
+    for k in range(0, len(pictures), ROW):
+        row = pictures[k:k + ROW]
+        rows += [[name for name, _ in row], [f"![{what}, {name}](scenes/{file}.jpg)" for name, file in row]]
+    lines = [f"| {' | '.join(row + [''] * (ROW - len(row)))} |" for row in rows]
+    return "\n".join((lines[0], f"|{'---|' * ROW}", *lines[1:])) + "\n\n"
+
+
+def by_every_preset(folder, size):
+    """The scene that is rendered with each preset; its part of the page."""
+    pictures = []
+    for preset in presets():
+        picture = f"{SHOWN}-{preset.id.replace('_', '-')}-fast"
+        full = folder / f"{picture}.png"
+        encre("render", ROOT / "scenes" / f"{SHOWN}.py", "-o", full, "--size", size, "--preset", preset.id, "--set",
+              "layer_source=ENCRE")
+        shrink(full, ROOT / "docs" / "scenes" / f"{picture}.jpg")
+        pictures.append((preset.name, picture))
+    return EVERY.format(scene=SHOWN, size=size.replace("x", "×")) + table(SCENES[SHOWN], pictures)
+
+
 def thumbnails(folder):
     """The pictures of all presets: the monkey among the toys, THUMBNAIL pixels wide and high. Widths in pixels are for
     frames of full size."""
     frame, full = folder / "thumbnails.exr", folder / "thumbnails.png"
     encre("render", ROOT / "scenes" / "toys.py", "-o", frame, "--size", "1920x1080", "--samples", 4, "--set",
           "save_anchor=ON", "--resume")
-    for preset in sorted((ROOT / "addon" / "presets").glob("*.json")):
-        encre("composite", frame, "-o", full, "--preset", preset)
+    for preset in presets():
+        encre("composite", frame, "-o", full, "--preset", preset.id)
         small = resized(oiio.ImageBuf(str(full)).get_pixels(oiio.FLOAT)[160:920, 580:1340, :3], THUMBNAIL, "box")
         small.specmod()["png:compressionLevel"] = 9
-        if not small.write(str(preset.with_suffix(".png")), "uint8"):
+        if not small.write(str(preset.picture), "uint8"):
             raise SystemExit(small.geterror())
 
 
@@ -120,9 +152,9 @@ def main():
                 full = args.folder / f"{picture}.png"
                 encre("composite", frame, "-o", full, "--preset", PRESETS[preset])
                 shrink(full, ROOT / "docs" / "scenes" / f"{picture}.jpg")
-        page += f"## `{source.name}`\n\n| {' | '.join(drawn)} |\n|{'---|' * len(drawn)}\n"
-        page += f"| {' | '.join(f'![{words}, {preset}](scenes/{file}.jpg)' for preset, file in drawn.items())} |\n\n"
+        page += f"## `{source.name}`\n\n" + table(words, list(drawn.items()))
     if not args.only:
+        page += by_every_preset(args.folder, args.size)
         thumbnails(args.folder)
         (ROOT / "docs" / "gallery.md").write_text(page.rstrip() + "\n", encoding="utf-8")
 

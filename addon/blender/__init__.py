@@ -6,7 +6,7 @@ read, so that keyframes and drivers count, and only evaluated data are changed: 
 the result with Encre's pictures in the place of the passes; sentences in Blender's report.
 
 engine forwards the hooks to frame, which does one render: before Cycles, and after it by drawing; fast_frame does one
-without Cycles. It reads settings by properties, objects by meshes with triangles, cameras and papers; overrides
+without Cycles. It reads settings by properties, objects by meshes with triangles, cameras and images; overrides
 switches off in the evaluated scene what lines can't do with; subframes has Cycles render larger layers; early inks a
 picture that grows, escape after a break; memory keeps the last render's layers, or those of a file that is opened,
 which redraw draws again, and instant while a setting is dragged; live inks rendered 3D views: eye tells what they look

@@ -26,12 +26,12 @@ def draw(engine, layer, view_id, passes, write, go_on, shown=None, hasty=False):
     images, nonfinite = _layers(layer, name, view_id, passes, write, go_on, hasty)
     # What is stored leaves as soon as it is there: while the library draws, nothing else is held.
     if layer.keeps:
-        for one in saved.passes("seen_depth" in images, "anchor" in images):
+        for one in saved.passes("seen_depth" in images, "anchor" in images, "tangent" in images):
             write(one, saved.pack(one, images))
     if not layer.outputs:
         return nonfinite
     drawn = library.draw(images, layer.settings.every, layer.views[name][0], frame_of(layer), outputs=layer.outputs,
-                         threads=layer.threads, progress=go_on, image=lambda _name: layer.paper)
+                         threads=layer.threads, progress=go_on, image=layer.images.__getitem__)
     images.clear()
     for one in list(drawn.images):
         write(one, drawn.images.pop(one))
@@ -43,6 +43,14 @@ def remembered(layer):
     before."""
     name, view_id = next(iter(layer.views)), next(iter(layer.kept.views))
     return _layers(layer, name, view_id, None, lambda _name, _picture: None, None, False, at_once=True)[0]
+
+
+def work(layer, passes, outputs):
+    """The job.Work that draws the first view of a view layer on the passes that Cycles has written so far."""
+    name = next(iter(layer.views))
+    images, _ = _layers(layer, name, 0, passes, lambda _name, _picture: None, None, False)
+    return library.load().draw_work(images, layer.settings.every, layer.views[name][0], frame_of(layer), outputs,
+                                    layer.images.__getitem__)
 
 
 def frame_of(layer):

@@ -1,24 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ink over a picture that is still rendered: in a window, one sample is rendered ahead, whose depth, index and normals
 are as good as the last one's. What is drawn of it is shown until the render is done: all where its light is clean,
-else its lines, over Cycles' picture while that grows.
+else its lines, over Cycles' picture while that grows. Every few seconds it is drawn anew from the samples so far.
 
-Cycles shows other engines nothing but Combined before its end, and parts of a render put together are not the render
-(adaptive sampling, denoisers, Cryptomatte): so the sample is thrown away, and what is saved is what it would be
-without. The scene is read twice, for which data must be persistent: subframes.py.
+Parts of a render put together are not the render (adaptive sampling, denoisers, Cryptomatte): so the first sample is
+thrown away, and what is saved is what it would be without. The scene is read twice, for which data must be persistent:
+subframes.py. While it renders Cycles shows other engines nothing but Combined, and writes all passes only for previews
+of materials. It asks whether it renders one each time it shows its picture, so it is told so for that once.
 """
 
+import time
 from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
 
 from ..pen import denoise
-from . import versions
+from ..pen.background import Background
+from ..pen.errors import Cancelled, EncreError
+from . import drawing, versions
 from .known import Passes
 from .overrides import changed
 
 LEAST = 33  # samples: one of them is 3 % of the work
+_EVERY = 3.0    # seconds between pictures of a render that grows, at least
+_SHARE = 0.02   # of its time that reading them may take
+_TICK = 0.1     # seconds between two looks at one that is drawn
+
 _shown = {}  # "early" and its "texture": the one that was drawn last; freed on the main thread only
 
 
@@ -65,12 +73,105 @@ def output(layer):
 
 def picture(result, layer, draw):
     """The picture output() of a view layer whose first sample is in the result; draw: Frames._draw."""
-    there, found, name = {one.name: one for one in result.layers[layer.name].passes}, {}, output(layer)
-    passes = Passes(there, (result.resolution_x, result.resolution_y), layer.settings.wants_seen)
+    mine, found = _of(layer), {}
+    draw(mine, 0, _passes(result, layer), found.__setitem__)
+    return _early(found[mine.early], mine.early)
+
+
+def _early(drawn, name):
+    return Early(np.ascontiguousarray(drawn[::-1], np.float32), name == "Combined")
+
+
+def _of(layer):
+    """A view layer of which only output() is drawn."""
+    name = output(layer)
     views = {view: (eye, dict(maps), *rest) for view, (eye, maps, *rest) in layer.views.items()}
-    draw(replace(layer, views=views, kept=None, keeps=False, user_indices=None, samples=1, early=name,
-                 light=layer.light if name == "Combined" else None), 0, passes, found.__setitem__)
-    return Early(np.ascontiguousarray(found[name][::-1], np.float32), name == "Combined")
+    return replace(layer, views=views, kept=None, keeps=False, user_indices=None, samples=1, early=name,
+                   light=layer.light if name == "Combined" else None)
+
+
+def _passes(result, layer):
+    there = {one.name: one for one in result.layers[layer.name].passes}
+    return Passes(there, (result.resolution_x, result.resolution_y), layer.settings.wants_seen)
+
+
+class _Light:
+    """Drawn light that is the same whatever samples there are."""
+
+    def __init__(self, light):
+        self.light, self.found = light, None
+
+    def draw(self, *where):
+        if self.found is None:
+            self.found = self.light.draw(*where)
+        return self.found
+
+
+class Growth:
+    """The pictures of a view layer that Cycles renders in an engine."""
+
+    def __init__(self, engine, layer, show):
+        """show(Early): called when one is drawn."""
+        self.engine, self.layer, self.show, self.behind = engine, layer, show, Background(layer.threads)
+        if layer.light:
+            self.layer = replace(layer, light=_Light(layer.light))
+        self.next = time.monotonic() + _EVERY / 2
+        self.asked = self.ended = False
+        self.name, self.before = output(layer), self._few(_passes(engine.get_result(), layer))
+
+    @staticmethod
+    def _few(passes):
+        """What tells whether there are new samples."""
+        return passes["Combined"][::8, ::8].copy()
+
+    @staticmethod
+    def possible(layer):
+        """Whether what is drawn needs no denoiser, which would keep the window waiting."""
+        return output(layer) == "Encre Lines" or layer.light is not None
+
+    def seen(self):
+        """An image editor shows what Cycles has rendered: on the main thread."""
+        now = time.monotonic()
+        if self.ended or now < self.next:
+            return
+        if not self.asked:
+            self.engine.is_preview = self.asked = True
+            return
+        begun = time.monotonic()
+        passes = _passes(self.engine.get_result(), self.layer)
+        few = self._few(passes)
+        if np.array_equal(few, self.before):
+            return  # they have not been written yet
+        self.engine.is_preview = self.asked = False
+        self.before, layer = few, _of(self.layer)
+        try:
+            self.behind.start([drawing.work(layer, passes, [self.name])])
+        except EncreError:
+            self.ended = True
+            return
+        self.next = now + max(_EVERY, (time.monotonic() - begun) / _SHARE)
+        bpy.app.timers.register(self._look, first_interval=_TICK)
+
+    def _look(self):
+        try:
+            results = self.behind.poll()
+        except (Cancelled, EncreError):
+            return None
+        if results is None:
+            return _TICK
+        if not self.ended:
+            self.show(_early(results[0].images[self.name], self.name))
+            for window in bpy.context.window_manager.windows:
+                for area in window.screen.areas:
+                    if area.type == "IMAGE_EDITOR":
+                        area.tag_redraw()
+        return None
+
+    def end(self):
+        """The render is done, or stopped."""
+        self.ended = True
+        self.engine.is_preview = False
+        self.behind.cancel()
 
 
 def draw(early):

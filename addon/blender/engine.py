@@ -7,15 +7,22 @@ import traceback
 import bpy
 from bpy.app.handlers import persistent
 
+from ..pen import library
 from ..pen.errors import Cancelled, EncreError
-from . import ENGINE, early, frame, live, redraw, wanted
+from . import ENGINE, early, frame, handlers, live, redraw, wanted
 
 _said = set()
 
 
 @persistent
-def _forget_said(*_):
+def _begins(*_):
     _said.clear()
+
+
+@persistent
+def _ends(*_):
+    with contextlib.suppress(EncreError):  # there may be no library
+        library.load().forget()  # what frames have kept for the next: hundreds of MB
 
 
 def _cycles():
@@ -152,6 +159,8 @@ class EncreEngine(bpy.types.RenderEngine):
         """What Cycles has rendered so far, in the image editor, and the lines of its first sample."""
         if self.session:
             _cycles().draw(self, depsgraph, context.space_data)
+            if self.frames and self.frames.growth:
+                self.frames.growth.seen()
             if self.frames and self.frames.ink is not None:
                 early.draw(self.frames.ink)
 
@@ -181,11 +190,14 @@ class EncreEngine(bpy.types.RenderEngine):
         osl.update_custom_camera_shader(camera, self.report)
 
 
+_listen, _hear_no_more = handlers.pair(("render_init", _begins), ("render_complete", _ends), ("render_cancel", _ends))
+
+
 def register():
     bpy.utils.register_class(EncreEngine)
-    bpy.app.handlers.render_init.append(_forget_said)
+    _listen()
 
 
 def unregister():
-    bpy.app.handlers.render_init.remove(_forget_said)
+    _hear_no_more()
     bpy.utils.unregister_class(EncreEngine)

@@ -7,6 +7,8 @@ flag of the break stays set, so a second Esc is heard by an operator in each win
 
 import bpy
 
+from .listener import Listener
+
 _hearing = None  # the Esc that is under way
 
 
@@ -34,25 +36,20 @@ class Esc:
                 bpy.ops.encre.give_up("INVOKE_DEFAULT")
 
 
-class ENCRE_OT_give_up(bpy.types.Operator):
+class ENCRE_OT_give_up(Listener, bpy.types.Operator):
     """Leave the picture as it was rendered"""
 
     bl_idname = "encre.give_up"
     bl_label = "Give Up Drawing"
     bl_options = {"INTERNAL"}
 
-    def invoke(self, context, _event):
-        self.timer = context.window_manager.event_timer_add(0.1, window=context.window)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context, event):
+    def hears(self, _context, event):
         if _hearing and event.type == "ESC" and event.value == "PRESS" and not event.is_repeat:
             _hearing.again = True
-        if not _hearing or _hearing.again:
-            context.window_manager.event_timer_remove(self.timer)
-            return {"CANCELLED", "PASS_THROUGH"}
-        return {"PASS_THROUGH"}
+        return False
+
+    def over(self):
+        return not _hearing or _hearing.again
 
 
 def register():

@@ -9,11 +9,11 @@ import numpy as np
 from ..pen import background, library, overlay
 from ..pen.job import Camera
 from ..pen.sky import Sky, directions
-from . import cameras, lamps, materials, meshes, pictures, subject, trees, worlds
+from . import cameras, lamps, materials, meshes, mirrors, pictures, subject, trees, worlds
 
 _SHOWS = 0.5         # alpha from which on a surface is there, as Blender's threshold is
 _MOST_BEHIND = 8     # surfaces that are looked through, one after the other
-_NUMBERS = ("depth", "object", "material", "style", "shading", "normal", "anchor")
+_NUMBERS = ("depth", "object", "material", "style", "shading", "normal", "anchor", "tangent")
 
 
 class Kept:
@@ -43,7 +43,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     blocks = [block for block in depsgraph.ids if isinstance(block, bpy.types.Material)]
     looks = materials.read(blocks, kept.images)
     objects = meshes.extract(depsgraph, settings.every[0]["object_index"] == "AUTO", None, light, kept.meshes, visible,
-                             looks, settings.wants_anchor)
+                             looks, settings.wants_anchor, settings.wants_tangent)
     first = _join_attributes(objects)
     light.tidy()
     notes = []
@@ -61,7 +61,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
         notes.append(f"the world in its viewport colour, as only Cycles can show its node {e}")
     made = looks.programs(objects.materials, objects.things, first)
     return Scene(objects, light, made, sky, scene.render.film_transparent, subject.read(depsgraph, camera), clip,
-                 notes, first > 0)
+                 notes, first > 0, looks.through(objects.materials))
 
 
 def _join_attributes(objects):
@@ -91,19 +91,26 @@ def _same(one, other):
     return one == other
 
 
+def _any(color):
+    """Whether any of three channels is not 0; any() over a last axis as short takes ten times as long."""
+    red, green, blue = np.moveaxis(color, 2, 0)
+    return (red != 0) | (green != 0) | (blue != 0)
+
+
 class Scene:
     """What is drawn from: nothing of it is Blender's, so that it stays whatever becomes of the depsgraph."""
 
-    def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted):
+    def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted, through):
         self.objects, self.light, self.materials, self.sky, self.clip = objects, light, made, sky, clip
         self.transparent, self.subject = transparent, about
         self.notes = notes  # sentences about what is missing
         self.painted = painted  # whether the first attributes are controls
+        self.through = through  # by number of material: whether light goes through it
 
     def camera(self, view, projection):
         orthographic = projection[3, 3] == 1
         return Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1,
-                      0 if orthographic else self.subject.distance(view, projection))
+                      0 if orthographic else self.subject.distance(view, projection), self.subject.light)
 
     def layers(self, view, projection, frame, size, settings, threads=0, go_on=None):
         """({layer: picture}, Camera), as library.draw() takes them.
@@ -114,11 +121,11 @@ class Scene:
         """
         return background.run(self.steps(view, projection, frame, size, settings), threads, go_on)
 
-    def steps(self, view, projection, frame, size, settings, clip=None):
+    def steps(self, view, projection, frame, size, settings, clip=None, sharp=False):
         """The steps (pen/background.py) to what layers() gives; clip: of what looks at the scene, if not as it was
-        read."""
-        layers = yield from self._pictures(view, projection, frame, size, settings, clip or self.clip)
-        for name in ("gloss", "emission", "index"):
+        read; sharp: whether shadows are those of lamps without a size, which are drawn in less time."""
+        layers = yield from self._pictures(view, projection, frame, size, settings, clip or self.clip, sharp)
+        for name in ("emission", "index"):
             layers.pop(name)
         return layers, self.camera(view, projection)
 
@@ -127,38 +134,45 @@ class Scene:
         indices."""
         return background.run(self._pictures(view, projection, frame, size, settings, self.clip), threads, go_on)
 
-    def _pictures(self, view, projection, frame, size, settings, clip):
+    def _pictures(self, view, projection, frame, size, settings, clip, sharp=False):
         objects = self.objects
         wanted = ["depth", "object", "material", "style", "marks", "shading"]
         if settings.wants_edges:
             wanted += ["normal", "creases"]
         if settings.wants_anchor:
             wanted.append("anchor")
-        maps, looks, diffuse, through = yield from self._front(view, projection, frame, size, wanted, clip)
+        if settings.wants_tangent:
+            wanted.append("tangent")
+        maps, looks, diffuse, through = yield from self._front(view, projection, frame, size, wanted, clip, sharp)
         instance = maps["object"].astype(np.int32)
         there = instance > 0
         layers = {"normal": maps["shading"], "marks": maps["marks"]}
         layers |= {name: maps[name][..., None] for name in ("depth", "material", "style")}
-        if "anchor" in maps:
-            layers["anchor"] = maps["anchor"]
+        layers |= {name: maps[name] for name in ("anchor", "tangent") if name in maps}
         layers["object"], layers["index"] = (of[instance][..., None] for of in (objects.numbers, objects.owners))
         if self.painted:
             layers["controls"] = np.ascontiguousarray(maps["attributes"][..., :len(library.controls())])
         yield []
         if settings.wants_edges:
-            layers["creases"] = np.concatenate([maps["creases"], overlay.bends(maps["normal"])[..., None]], 2)
-            layers["creases"][through, 4] = -1  # no mesh tells of them
+            layers["creases"] = creases = maps["creases"].base  # its four channels, and room for the fifth
+            creases[..., 4] = overlay.bends(maps["normal"])
+            creases[through, 4] = -1  # no mesh tells of them
             yield []
         layers |= {name: looks[name] for name in ("color", "gloss", "emission")}
-        layers["albedo"] = np.minimum(sum(looks[name] for name in ("color", "gloss", "emission")), np.float32(1))
+        layers["albedo"] = albedo = layers["color"] + layers["gloss"]
+        albedo += layers["emission"]
+        np.minimum(albedo, np.float32(1), out=albedo)
         yield []
         layers["diffuse"] = self._from_camera(layers["normal"], view) if diffuse is None else diffuse
         layers["combined"] = combined = np.empty((*there.shape, 4), np.float32)
-        combined[..., :3] = layers["color"] * layers["diffuse"] + layers["emission"]
-        self._gloss(layers, looks["surface"][..., 1], view, projection, frame)
+        np.multiply(layers["color"], layers["diffuse"], out=combined[..., :3])
+        combined[..., :3] += layers["emission"]
+        shown = yield from self._mirrored(layers, maps, looks, view, projection, frame, size, clip,
+                                          sharp)
+        self._gloss(layers, looks["surface"][..., 1], view, projection, frame, shown)
         combined[..., 3] = 1
         yield []
-        layers["diffuse"] *= layers["color"].any(2, keepdims=True)  # as a renderer has it
+        layers["diffuse"] *= _any(layers["color"])[..., None]  # as a renderer has it
         self._background(layers, ~there, view, projection, frame)
         if objects.catchers.any():
             caught = objects.catchers[instance]
@@ -166,23 +180,18 @@ class Scene:
             self._background(layers, caught, view, projection, frame)
         return layers
 
-    def _front(self, view, projection, frame, size, wanted, clip):
+    def _front(self, view, projection, frame, size, wanted, clip, sharp):
         """(rasterised pictures, looks, light or None) of what is in front and shows more than what lies behind it, and
         where something is seen through (height, width)."""
         objects, clear = self.objects, self.objects.clear.any()
-        channels = max((mesh.attributes.shape[2] for mesh in objects.meshes if mesh.attributes is not None), default=0)
 
         def works(wanted, beyond=None):
-            raster = library.load().raster_work(objects.meshes, view, projection, frame, size, *clip, channels,
-                                                [*wanted, "attributes"] if channels else wanted, beyond)
-            maps = raster.result()  # its arrays, which the others read
-            return maps, [raster, library.load().material_work(
-                self.materials, {**maps, "normal": maps["shading"]}, view, projection, frame)]
+            return self._works(view, projection, frame, size, clip, wanted, beyond)
 
         def light(maps):
             if self.light.dark:
                 return []
-            return [self.light.work(maps["depth"][..., None], maps["shading"], view, projection, frame, clip)]
+            return [self.light.work(maps["depth"][..., None], maps["shading"], view, projection, frame, clip, sharp)]
 
         maps, first = works(wanted)
         yield []
@@ -201,6 +210,18 @@ class Scene:
                 np.divide(looks[name], alpha, out=looks[name])
             diffuse = yield light(maps)
         return maps, looks, diffuse[0] if diffuse else None, changed
+
+    def _works(self, view, projection, frame, size, clip, wanted, beyond):
+        """(pictures that the rasteriser fills, the works that do and tell what materials look like)"""
+        meshes = self.objects.meshes
+        channels = max((mesh.attributes.shape[2] for mesh in meshes if mesh.attributes is not None), default=0)
+        width, height = size
+        into = {"creases": np.zeros((height, width, 5), np.float32)[..., :4]} if "creases" in wanted else {}
+        raster = library.load().raster_work(meshes, view, projection, frame, size, *clip, channels,
+                                            [*wanted, "attributes"] if channels else wanted, beyond, into)
+        maps = raster.result()  # its arrays, which the others read
+        return maps, [raster, library.load().material_work(
+            self.materials, {**maps, "normal": maps["shading"]}, view, projection, frame)]
 
     def _behind(self, maps, looks, open_, works):
         """Changes the pictures where `open_`: to what lies behind, until it shows."""
@@ -225,6 +246,42 @@ class Scene:
         for picture in looks.values():
             picture[open_] = 0
 
+    def _mirrored(self, layers, maps, looks, view, projection, frame, size, clip, sharp):
+        """(where flat mirrors are, what they show there); the layers get what is seen in them."""
+        found = mirrors.find(maps, looks, self.through, view, projection, frame)
+        where, shown = np.zeros(maps["depth"].shape, bool), None
+        for mirror in found:
+            behind, beyond = view @ mirror.turn, np.where(mirror.where, maps["depth"], np.float32(1e10))
+
+            def works(wanted, beyond=beyond, behind=behind):
+                return self._works(behind, projection, frame, size, clip, wanted, beyond)
+
+            theirs, first = works(["depth", "object", "material", "shading"])
+            _, look = yield first
+            open_ = self.objects.clear[theirs["material"].astype(np.int32)] & (look["surface"][..., 0] < _SHOWS)
+            if open_.any():
+                yield from self._behind(theirs, look, open_, works)
+            light = self._from_camera(theirs["shading"], behind)
+            if not self.light.dark:
+                (light,) = yield [self.light.work(theirs["depth"][..., None], theirs["shading"], behind, projection,
+                                                  frame, clip, sharp)]
+            if shown is None:
+                shown = np.zeros_like(layers["color"])
+                layers["seen_color"], layers["seen_depth"] = layers["color"].copy(), layers["depth"].copy()
+                layers["seen_normal"] = layers["normal"].copy()
+            picture = (look["color"] + look["gloss"]) * light + look["emission"]
+            pixels = np.flatnonzero(mirror.where & (theirs["object"] == 0))
+            picture.reshape(-1, 3)[pixels] = self.sky.seen(behind, projection, frame, pixels, size[0])
+            for name, new in (("seen_color", look["color"]), ("seen_depth", theirs["depth"][..., None]),
+                              ("seen_normal", theirs["shading"])):
+                layers[name][mirror.where] = new[mirror.where]
+            shown[mirror.where] = picture[mirror.where]
+            where |= mirror.where
+        if shown is not None:
+            layers["seen_normal"] = layers["seen_normal"] @ view[:3, :3].T.astype(np.float32)
+            layers["seen_depth"][layers["seen_depth"] >= 1e9] = 0
+        return where, shown
+
     def _from_camera(self, normal, view):
         towards = np.einsum("yxc,c->yx", normal, view[2, :3].astype(np.float32))
         return np.maximum(towards, 0)[..., None].repeat(3, 2)
@@ -234,11 +291,11 @@ class Scene:
         return all(_same(getattr(self, name), getattr(other, name)) for name in
                    ("materials", "sky", "transparent", "subject", "objects")) and self.light.same(other.light)
 
-    def _gloss(self, layers, roughness, view, projection, frame):
-        """Adds what is reflected: of things it is not known, so smooth surfaces reflect the sky, and rough ones are as
-        bright as the light that falls there."""
+    def _gloss(self, layers, roughness, view, projection, frame, flat):
+        """Adds what is reflected: of things it is known in flat mirrors alone, so other smooth surfaces reflect the
+        sky, and rough ones are as bright as the light that falls there."""
         shape = roughness.shape
-        pixels = np.flatnonzero(layers["gloss"].any(2))
+        pixels = np.flatnonzero(_any(layers["gloss"]))
         if not pixels.size:
             return
         gloss, light, normal, combined = (layers[name].reshape(-1, layers[name].shape[2]) for name in
@@ -247,7 +304,10 @@ class Scene:
         across = normal[pixels]
         mirrored = rays - 2 * np.einsum("nc,nc->n", rays, across)[:, None] * across
         rough = roughness.reshape(-1)[pixels, None]
-        sky = self.sky.towards(mirrored)
+        sky, (where, shown) = self.sky.towards(mirrored), flat
+        if shown is not None:
+            flat = where.reshape(-1)[pixels]
+            sky[flat] = shown.reshape(-1, 3)[pixels[flat]]
         reflected = gloss[pixels] * (sky + rough * (light[pixels] - sky))
         combined[pixels, :3] += reflected
         layers["specular"] = np.zeros((*shape, 3), np.float32)
@@ -258,6 +318,9 @@ class Scene:
         if self.transparent:
             combined[where] = 0
         else:
-            pixels = np.flatnonzero(where)
-            combined.reshape(-1, 4)[pixels, :3] = self.sky.seen(view, projection, frame, pixels, where.shape[1])
-            combined.reshape(-1, 4)[pixels, 3] = 1
+            if self.sky.pictures:
+                pixels = np.flatnonzero(where)
+                combined.reshape(-1, 4)[pixels, :3] = self.sky.seen(view, projection, frame, pixels, where.shape[1])
+            else:
+                np.copyto(combined[..., :3], self.sky.color.astype(np.float32), where=where[..., None])
+            np.copyto(combined[..., 3], 1, where=where)

@@ -10,7 +10,7 @@ from ..pen.around import Window
 from ..pen.errors import Cancelled, EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
-from . import cameras, fast, memory, papers, versions, wanted
+from . import cameras, fast, images, memory, versions, wanted
 
 # What Cycles would have written: pass -> picture of fast.Scene.pictures().
 _PASSES = {"Depth": "depth", "Normal": "normal", "DiffDir": "diffuse", "DiffCol": "color", "GlossCol": "gloss",
@@ -57,14 +57,12 @@ class FastFrames:
                              "orthographic cameras see; make it one of them")
         name = depsgraph.view_layer.name
         kept = self.again and self.again.layer(name, settings)
-        paper = papers.load(settings.paper, self.go_on) if settings.paper else None
-        if paper is not None:
-            library.check(settings.scene, lambda _name: paper)
+        read = images.load(settings, self.go_on)
         if kept:
             for view, pictures in kept.views.items():
                 place = kept.before.places[view]
                 self._write(pictures.shown, place.own, name, view)  # which stays if it is given up
-                pictures.shown = self._ink(depsgraph, settings, paper, view, place, pictures.passes, pictures.maps)
+                pictures.shown = self._ink(depsgraph, settings, read, view, place, pictures.passes, pictures.maps)
             return
         self.engine.update_stats("Encre", "reading the scene")
         scene = fast.read(depsgraph, settings, (camera.data.clip_start, camera.data.clip_end), camera=camera)
@@ -79,7 +77,7 @@ class FastFrames:
                 raise Cancelled("rendering was cancelled")
             self.engine.update_stats("Encre", f"{name} {view}".strip())
             place, layers, plain = self._draw(scene, depsgraph, settings, matrices)
-            out = self._ink(depsgraph, settings, paper, view, place, layers, plain)
+            out = self._ink(depsgraph, settings, read, view, place, layers, plain)
             if kept:
                 kept.before.places[view], kept.views[view] = place, memory.View(layers, out, plain)
 
@@ -99,16 +97,17 @@ class FastFrames:
         place.write(plain, "Combined", pictures["combined"])
         return place, {name: picture for name, picture in pictures.items() if name in library.load().layers}, plain
 
-    def _ink(self, depsgraph, settings, paper, view, place, layers, plain):
+    def _ink(self, depsgraph, settings, read, view, place, layers, plain):
         """Draws what a view layer is asked for and writes it: {pass: picture}."""
         out = dict(plain)
         if wanted.keeps(depsgraph.scene):
-            for name in saved.passes(False, "anchor" in layers):
+            for name in saved.passes(False, "anchor" in layers, "tangent" in layers):
                 place.write(out, name, saved.pack(name, layers))
         asked = [*(["Combined"] if settings.active else []), *wanted.asked(depsgraph.view_layer)]
         if asked:
             drawn = library.draw(layers, settings.every, place.camera, place.large, outputs=asked,
-                                 threads=_threads(depsgraph), progress=self.go_on, image=lambda _name: paper)
+                                 threads=_threads(depsgraph), progress=self.go_on, image=read.__getitem__,
+                                 empty=versions.empty_pass)
             for name in asked:
                 place.write(out, name, drawn.images.pop(name))
         layer, render = depsgraph.view_layer.name, depsgraph.scene_eval.render
@@ -117,7 +116,7 @@ class FastFrames:
             border = own if render.use_border and not render.use_crop_to_border else None
             where = replace(frame, x=0, y=0) if border else replace(frame, x=own.x, y=own.y)
             self.stamps[layer] = metadata.write(settings.scene, settings.styles, place.camera, where, border,
-                                                **wanted.beside(depsgraph.scene_eval, settings, False))
+                                                **wanted.beside(depsgraph.scene_eval, read, False))
         self._write(out, place.own, layer, view)
         return out
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import bpy
 
 from ..pen import around, denoise, layers, library, metadata, overlay, saved, supersample, through
-from ..pen.errors import EncreError
+from ..pen.errors import Cancelled, EncreError
 from ..pen.job import Camera, Frame
 from . import (
     cameras,
@@ -16,11 +16,11 @@ from . import (
     early,
     escape,
     fast_frame,
+    images,
     lamps,
     memory,
     meshes,
     overrides,
-    papers,
     properties,
     redraw,
     subframes,
@@ -47,6 +47,7 @@ class Frames:
         self.nonfinite = 0     # values that were read as 0
         self.esc = None        # the escape.Esc after which it draws
         self.ink = None        # the early.Early to be shown over what Cycles renders
+        self.growth = None     # the early.Growth that draws it anew
         self.again = None      # the memory.Picture that it draws, and nothing is rendered
 
     @property
@@ -89,10 +90,18 @@ class Frames:
                 early.sample(self.engine, cycles, depsgraph)
                 if self._go_on():
                     self.ink = early.picture(self.engine.get_result(), layer, self._draw)
+                    if early.Growth.possible(layer):
+                        self.growth = early.Growth(self.engine, layer, self._show)
             if self._go_on():  # else what the sample left is drawn
                 cycles.render(self.engine, depsgraph)
+            if self.growth:
+                self.growth.end()
+                self.growth = None
         else:
             layer.drawn = self._in_parts(cycles, depsgraph, layer)
+
+    def _show(self, ink):
+        self.ink = ink
 
     def _before(self, depsgraph):
         """Overrides on the evaluated scene what the stages can't do with, and rasterises what they need from it.
@@ -103,7 +112,7 @@ class Frames:
         """
         self.known.pop(depsgraph.view_layer.name, None)
         settings, camera = self.settings or properties.settings(depsgraph.scene_eval), self._camera(depsgraph)
-        paper = self._paper(settings)
+        pictures = images.load(settings, self._go_on)
         flat = camera.data.type in {"PERSP", "ORTHO"}
         light = self._light(depsgraph, camera, settings) if flat else None
         if settings.denoises and not light and not denoise.available(versions.home()):
@@ -120,11 +129,11 @@ class Frames:
             self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
         if settings.wants_seen:
             overrides.follow_reflections(depsgraph)
-        overrides.expect(depsgraph, wanted.own(depsgraph.scene, depsgraph.view_layer, True, True))
+        overrides.expect(depsgraph, wanted.own(depsgraph.scene, depsgraph.view_layer, True, True, True))
         self.overrode = settings.active
         if flat:
-            self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other, paper,
-                                                                    light)
+            self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other,
+                                                                    pictures, light)
 
     def _remember(self, depsgraph):
         """Puts the passes of a view layer that is in memory into the result, to be drawn again. EncreError: it is not,
@@ -133,9 +142,10 @@ class Frames:
         kept = self.again.layer(depsgraph.view_layer.name, settings)
         before = kept.before
         cut = before.own != before.place
+        loaded = images.load(settings, self._go_on)
         self.known[before.name] = replace(
-            before.again(settings, self._paper(settings)), asked=wanted.asked(depsgraph.view_layer),
-            keeps=wanted.keeps(depsgraph.scene), beside=wanted.beside(depsgraph.scene_eval, settings, cut))
+            before.again(settings, loaded), asked=wanted.asked(depsgraph.view_layer),
+            keeps=wanted.keeps(depsgraph.scene), beside=wanted.beside(depsgraph.scene_eval, loaded, cut))
         whole = self.engine.get_result()
         width, height, names = whole.resolution_x, whole.resolution_y, [view.name for view in whole.views]
         for number, view in kept.views.items():
@@ -146,12 +156,6 @@ class Frames:
                 if picture is not None and render_pass.view_id == number:
                     versions.write_pass(render_pass, picture)
             self.engine.end_result(result)
-
-    def _paper(self, settings):
-        paper = papers.load(settings.paper, self._go_on) if settings.paper else None
-        if paper is not None:
-            library.check(settings.scene, lambda _name: paper)
-        return paper
 
     def _camera(self, depsgraph):
         camera = self.engine.camera_override or depsgraph.scene.camera
@@ -171,7 +175,7 @@ class Frames:
         self.engine.say("WARNING", "no lamp and no world that can be drawn: the light is Cycles'")
         return None
 
-    def _rasterise(self, depsgraph, camera, settings, denoise_other, paper, light):
+    def _rasterise(self, depsgraph, camera, settings, denoise_other, pictures, light):
         render = depsgraph.scene_eval.render
         width, height, own = cameras.border(render)
         place, factor = own.grown(self._reach(settings, denoise_other, height), width, height), settings.factor
@@ -182,19 +186,22 @@ class Frames:
         objects, drawn, views = None, [], {}
         if settings.active or asked or keeps:
             objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers, light,
-                                     anchored=settings.wants_anchor)
+                                     anchored=settings.wants_anchor, unwrapped=settings.wants_tangent)
             drawn = ["object", "material", "style", "marks", "coincident"]
             if settings.wants_edges:
                 drawn += ["normal", "creases"]
             if settings.wants_anchor:
                 drawn.append("anchor")
+            if settings.wants_tangent:
+                drawn.append("tangent")
             if any(mesh.attributes is not None for mesh in objects.meshes):
                 drawn.append("attributes")
         solid = objects.solid() if objects and settings.wants_edges else None
+        about = subject.read(depsgraph, camera)
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
             eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1,
-                         0 if orthographic else subject.distance(depsgraph, camera, view, projection))
+                         0 if orthographic else about.distance(view, projection), about.light)
 
             def raster(those, wanted, view=view, projection=projection):
                 return library.raster(
@@ -218,8 +225,8 @@ class Frames:
         layer = ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light,
                           volumes.corners(depsgraph) if denoise_other else (), camera.data.clip_start, frame,
                           own, place, own if render.use_border and not render.use_crop_to_border else None,
-                          threads, samples, asked, keeps, paper,
-                          wanted.beside(depsgraph.scene_eval, settings, own != place),
+                          threads, samples, asked, keeps, pictures,
+                          wanted.beside(depsgraph.scene_eval, pictures, own != place),
                           wanted.spare(depsgraph.scene, depsgraph.view_layer))
         if settings.active and memory.wanted(self.engine, depsgraph.scene):
             layer.kept = memory.Layer(layer, overrides.denoises(depsgraph))
@@ -249,7 +256,7 @@ class Frames:
         def take(window, column, row):
             result = self.engine.get_result()
             for render_pass in result.layers[depsgraph.view_layer.name].passes:
-                if render_pass.name in {**layers.DRAWN, **saved.passes(True, True)}:
+                if render_pass.name in {**layers.DRAWN, **saved.passes(True, True, True)}:
                     continue
                 picture = versions.read_pass(render_pass, result.resolution_x, result.resolution_y)
                 picture = picture[result.resolution_y - window.height:, :window.width]
@@ -277,6 +284,8 @@ class Frames:
         drawn as far as it has come. EncreError: they can't; Cancelled."""
         if self.fast:
             self.fast.after()
+        elif self.again and redraw.gives_way():
+            raise Cancelled("the redraw gave way")
         elif self._go_on():
             self._after()
         elif not bpy.app.background and not self.engine.is_animation:

@@ -13,7 +13,7 @@ from ..pen import supersample
 from ..pen.background import Background
 from ..pen.errors import Cancelled, EncreError
 from ..pen.shown import Drawing, Wish, picture
-from . import drawing, papers
+from . import drawing, images
 
 _NAME, _OURS = "Encre", "encre_instant"  # the image's, and the property that tells it from a user's
 
@@ -44,22 +44,21 @@ class Instant:
         """Begins a picture with other settings, if they can be drawn. EncreError: they can't."""
         if self.layer.lacks(settings) or not self.layer.views:
             raise EncreError("these settings need other layers")
-        paper = papers.load(settings.paper) if settings.paper else None
-        self.steps, self.waits = self._steps(settings, paper), False
+        self.steps, self.waits = self._steps(settings, images.load(settings)), False
 
-    def _steps(self, settings, paper):
+    def _steps(self, settings, read):
         before, view = self.layer.before, next(iter(self.layer.views.values()))
         if self.kept.fast:
             place = next(iter(before.places.values()))
             layers, camera, frame, factor, inside, own = (
                 view.passes, place.camera, place.large, place.factor, place.inside, place.own)
         else:
-            again = before.again(settings, paper)
+            again = before.again(settings, read)
             if self.of != settings.of_layers:
                 self.layers, self.of = drawing.remembered(again), settings.of_layers
             layers, camera, frame = self.layers, next(iter(before.views.values()))[0], drawing.frame_of(again)
             factor, inside, own = before.factor, before.inside, before.own
-        drawn = yield from picture(Drawing(layers, camera, frame, settings, paper), Wish())
+        drawn = yield from picture(Drawing(layers, camera, frame, settings, read), Wish())
         return supersample.shrink("Combined", drawn[inside], factor), own
 
     def go_on(self):

@@ -35,7 +35,7 @@ class ViewLayer:
     samples: int                     # of a pixel, at most
     asked: list                      # names of the pictures to draw besides Combined
     keeps: bool                      # whether the file keeps what drawing again needs
-    paper: np.ndarray | None         # the image that is read for its heights
+    images: dict                     # {Chosen: pixels} that the settings read
     beside: dict                     # what else the file says of the scene: wanted.beside()
     spare: list                      # names of passes that are emptied in the end: wanted.spare()
     kept: memory.Layer | None = None  # what is kept of it, or drawn again
@@ -53,10 +53,10 @@ class ViewLayer:
             return [self.early]
         return [*(["Combined"] if self.settings.active else []), *self.asked]
 
-    def again(self, settings, paper):
+    def again(self, settings, images):
         """This view layer, to be drawn from memory with other settings."""
         views = {name: (eye, None, view, projection) for name, (eye, _, view, projection) in self.views.items()}
-        return replace(self, drawn=None, settings=settings, paper=paper, views=views)
+        return replace(self, drawn=None, settings=settings, images=images, views=views)
 
     def shrinking(self, write):
         """write(), of what is drawn at `factor` times the frame's size and with what lies around."""

@@ -5,13 +5,13 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from ..pen.job import EVERY_SET, Lamp
+from ..pen.job import EVERY_SET, Bend, Lamp
 from ..pen.scene import Scene
 from . import cutouts, trees, versions, worlds
 
 _KINDS = {"SUN": "sun", "POINT": "point", "SPOT": "spot", "SQUARE": "rectangle", "RECTANGLE": "rectangle",
           "DISK": "ellipse", "ELLIPSE": "ellipse"}
-_MOST_SETS = 64
+_MOST_SETS, _MOST_BENDS = 64, 64
 
 
 @dataclass
@@ -38,15 +38,16 @@ class Light:
         self.sets, self.materials = _Sets(), {}
         self.used, self.placed, self.lamps = set(), 0, 0
         self.said = []  # all that the scene was told, by which two of them are compared
-        self.world = None
+        self.world, self.bends = None, []
         try:
             self.world = worlds.light(depsgraph.scene_eval.world)
         except trees.Unknown as e:
             self.unknown.append(f"the world's node {e}")
         for instance in depsgraph.object_instances:
-            if instance.object.type == "LIGHT" and instance.show_self and (
+            kind = instance.object.type
+            if kind in ("LIGHT", "EMPTY") and instance.show_self and (
                     not shown or shown((instance.parent if instance.is_instance else instance.object).original)):
-                self._add_lamp(instance)
+                (self._add_lamp if kind == "LIGHT" else self._add_bend)(instance)
 
     @property
     def dark(self):
@@ -55,18 +56,23 @@ class Light:
 
     def _add_lamp(self, instance):
         obj = instance.object
-        if not obj.visible_diffuse or (obj.data.type == "AREA" and obj.data.cycles.is_portal):
-            return
-        try:
-            lamp = _lamp(obj.data, np.array(instance.matrix_world, np.float64))
-        except trees.Unknown as e:
-            self.unknown.append(f"the node {e} of lamp {obj.name}")
+        lamp = told(obj, np.array(instance.matrix_world, np.float64), self.unknown)
+        if lamp is None:
             return
         lamp.light_set, lamp.shadow_set = self.sets.numbers(obj)
         self.scene.lamp(self.lamps, lamp)
         self.said.append([getattr(lamp, of.name) if of.name not in ("color", "model")
                           else np.asarray(getattr(lamp, of.name)).tobytes() for of in fields(lamp)])
         self.lamps += 1
+
+    def _add_bend(self, instance):
+        obj = instance.object
+        if obj.empty_display_type != "SPHERE" or not obj.encre.bend_light > 0 or len(self.bends) == _MOST_BENDS:
+            return
+        model = np.array(instance.matrix_world, np.float64)
+        model[:3, :3] *= obj.empty_display_size
+        self.bends.append(Bend(model, obj.encre.bend_light, obj.encre.bend_fade))
+        self.said.append((model.tobytes(), obj.encre.bend_light, obj.encre.bend_fade))
 
     def place(self, obj, key, triangles, matrix, seen):
         """An instance of triangles.Triangles; key: what instances of the same triangles share."""
@@ -142,17 +148,31 @@ class Light:
         """Whether another Light of the same Kept would draw the same."""
         return self.said == other.said and np.array_equal(self.world, other.world)
 
-    def work(self, depth, normal, view, projection, frame, clip):
-        """The Work that draws the layer `diffuse`; clip: as the Light was made with, of what looks at it now."""
-        return self.scene.light_work(depth, normal, view, projection, frame, *clip, self.world)
+    def work(self, depth, normal, view, projection, frame, clip, sharp=False):
+        """The Work that draws the layer `diffuse`; clip: as the Light was made with, of what looks at it now; sharp: as
+        light_work() takes it."""
+        return self.scene.light_work(depth, normal, view, projection, frame, *clip, self.world, self.bends, sharp)
 
     def draw(self, depth, normal, view, projection, frame, threads, progress):
         """The layer `diffuse`."""
         return self.scene.light(depth, normal, view, projection, frame, *self.clip, self.world, threads,
-                                progress=progress)
+                                progress=progress, bends=self.bends)
 
 
 # Lamps
+
+def told(obj, matrix, unknown=None):
+    """The Lamp that an object is; None: it lights no surface, or has nodes that can't be told, which go to `unknown`.
+    """
+    if not obj.visible_diffuse or (obj.data.type == "AREA" and obj.data.cycles.is_portal):
+        return None
+    try:
+        return _lamp(obj.data, matrix)
+    except trees.Unknown as e:
+        if unknown is not None:
+            unknown.append(f"the node {e} of lamp {obj.name}")
+        return None
+
 
 def _lamp(data, matrix):
     color = np.array(data.color, np.float64) * data.energy * 2.0 ** getattr(data, "exposure", 0.0)

@@ -7,7 +7,8 @@ is finished; it never waits. The library draws in the background; a timer looks 
 picture, gives it the next, and asks for a redraw when there is a picture.
 
 While something moves pictures are as small as they must be to be there in time, and none of those is given up, or a
-moving view would show none. At rest a whole one follows, which ends at once when something moves again.
+moving view would show none; shadows have hard edges then. At rest a whole one follows, which ends at once when
+something moves again.
 """
 
 import contextlib
@@ -22,7 +23,7 @@ from ..pen import library, shown
 from ..pen.background import Background
 from ..pen.errors import Cancelled, EncreError
 from ..pen.shown import Drawing, Wish
-from . import eye, fast, papers, properties
+from . import eye, fast, images, properties
 
 _BUDGET = 1 / 15  # seconds that a picture may take while something moves
 _SMALLER = (1, 1 / 2, 1 / 4)
@@ -103,7 +104,8 @@ class View:
     def __init__(self, engine, threads):
         self.engine = weakref.ref(engine)
         self.kept, self.stale = fast.Kept(), True
-        self.scene = self.settings = self.paper = self.failure = None
+        self.scene = self.settings = self.failure = None
+        self.images = {}  # that the settings read
         self.failed = None              # the _Now that could not be drawn
         self.read_number = self.settings_number = 0
         self.look = self.wish = self.scale = None
@@ -190,20 +192,19 @@ class View:
         space, layer, scene = context.space_data, context.view_layer, depsgraph.scene_eval
         try:
             settings = properties.settings(scene)
-            paper = papers.load(settings.paper) if settings.paper else None
-            if paper is not None:
-                library.check(settings.scene, lambda _name: paper)
+            read_images = images.load(settings)
             read = fast.read(depsgraph, settings, self.look.clip, self.kept, camera,
                              lambda obj: obj.visible_get(view_layer=layer, viewport=space))
         except Exception as error:
             self.settings, self.failure = None, sentence(error)
             return
-        if self.settings is None or settings.every != self.settings.every or paper is not self.paper:
+        if self.settings is None or settings.every != self.settings.every or \
+                not images.same(read_images, self.images):
             self.settings_number += 1
         if self.scene is None or not self.scene.same(read):
             self.read_number += 1
             self.layers.clear()
-        self.settings, self.paper, self.scene, self.failure = settings, paper, read, None
+        self.settings, self.images, self.scene, self.failure = settings, read_images, read, None
 
     def _now(self):
         return _Now(self.read_number, self.settings_number, self.look.key, self.wish)
@@ -247,15 +248,16 @@ class View:
     def _steps(self, scale):
         """The steps to the picture; what is known now may be other when they run."""
         return self._draw(scale, self._key(), self._layers(scale), self.look, self.wish, self.scene, self.settings,
-                          self.paper)
+                          self.images)
 
-    def _draw(self, scale, key, drawn, where, wish, scene, settings, paper):
+    def _draw(self, scale, key, drawn, where, wish, scene, settings, pictures):
         begun, (frame, size), whole = time.perf_counter(), where.frame(scale), drawn is None
         if whole:
-            drawn = yield from scene.steps(where.view, where.projection, frame, size, settings, where.clip)
+            drawn = yield from scene.steps(where.view, where.projection, frame, size, settings, where.clip,
+                                           scale < self.scale)
             self.layers = {of: kept for of, kept in self.layers.items() if kept.key == key}
             self.layers[scale] = _Layers(key, drawn)
-        image = yield from shown.picture(Drawing(*drawn, frame, settings, paper), wish)
+        image = yield from shown.picture(Drawing(*drawn, frame, settings, pictures), wish)
         self.costs[scale, whole] = time.perf_counter() - begun
         return image
 

@@ -36,6 +36,11 @@ class Looks:
         return Materials(made, self.pool.textures, np.array(self.pool.constants, np.float32), things)
 
 
+    def through(self, names):
+        """Whether light goes through each material: bool (n,)."""
+        return np.array([self.known[name][0].through for name in names], bool)
+
+
 def read(blocks, images):
     """The Looks of evaluated materials; images: a pictures.Images."""
     looks = Looks()

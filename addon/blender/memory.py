@@ -77,6 +77,7 @@ class Layer:
             "the list of styles": [name for name, _ in old.styles] != [name for name, _ in new.styles],
             "Lines": new.wants_edges and not old.wants_edges,
             "what sticks to surfaces": new.wants_anchor and not old.wants_anchor,
+            "strokes along UV": new.wants_tangent and not old.wants_tangent,
             "what mirrors show": new.wants_seen and not old.wants_seen,
             "Shading": self.denoised and old.shaded != new.shaded,
         }
@@ -110,13 +111,14 @@ class Picture:
         for layer in list(self.layers.values()):  # lists, because a render's thread may add to them
             for view in list(layer.views.values()):
                 for some in (view.passes, view.shown, view.maps, view.found):
-                    pictures.update((id(a), a.nbytes) for a in list(some.values()) if isinstance(a, np.ndarray))
+                    arrays = [a for a in list(some.values()) if isinstance(a, np.ndarray)]
+                    pictures.update((id(a), a.nbytes) for a in (a if a.base is None else a.base for a in arrays))
         return sum(pictures.values())
 
 
 def ours(name):
     """Whether the stages fill a pass."""
-    return name in layers.DRAWN or name in saved.passes(True, True)
+    return name in layers.DRAWN or name in saved.passes(True, True, True)
 
 
 def _size(scene):

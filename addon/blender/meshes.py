@@ -83,11 +83,12 @@ def block_name(block):
 
 
 def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=None, looks=None,
-            anchored=False):
+            anchored=False, unwrapped=False):
     """The Objects that the camera can see. `line_numbers`: what overrides.pass_indices() gave, None if it was
     not called. `light`: a lamps.Light that takes them, and what only throws shadows. `kept`: a Kept; with it normals
     are read. `visible`: whether an original object is, None: all are. `looks`: the materials.Looks whose programs will
-    read attributes, after the controls. `anchored`: whether to tell where surfaces rest.
+    read attributes, after the controls. `anchored`: whether to tell where surfaces rest; `unwrapped`: which
+    way their UV maps lie.
     """
     meshes, shown, owners, numbers, catchers, things = [], [], [0], [0], [False], [(0,) * 9]
     running, materials = {}, _Materials(depsgraph.scene_eval)
@@ -114,8 +115,9 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
                 meshes.append(Mesh(*lines, kind="lines", model=np.array(instance.matrix_world, np.float64)))
                 shown.append(None)
                 continue
-        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps, read, anchored
-        triangles = kept.get(key, names, functools.partial(read_triangles, obj, smooth, maps, read, anchored))
+        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps, read, anchored, unwrapped
+        triangles = kept.get(key, names, functools.partial(read_triangles, obj, smooth, maps, read, anchored,
+                                                            unwrapped))
         if triangles is None:
             continue
         if light:
@@ -219,7 +221,7 @@ def _mesh(triangles, obj, materials, matrix, number, looks):
                      model=np.array(matrix, np.float64), material_index=slots[0][0],
                      style_index=own_style or slots[0][1], edges=triangles.edges,
                      crease_offset=obj.encre.crease_offset, normals=triangles.normals,
-                     rest=triangles.rest, rest_normals=triangles.rest_normals)
+                     rest=triangles.rest, rest_normals=triangles.rest_normals, uv=triangles.uv)
     if triangles.part is not None:
         mesh.object = number + triangles.part
     slot = np.zeros(len(triangles.corners), np.intp)

@@ -40,6 +40,7 @@ class Compiler(Patterns):
 
     def __init__(self, pool, images):
         self.images, self.build, self.sources = images, Builder(pool), []
+        self.through = False  # whether light goes through it, as through glass
         self._known, self._groups = {}, []  # outputs of nodes by (groups around them, node); nodes of open groups
 
     # What becomes of it
@@ -184,7 +185,7 @@ class Compiler(Patterns):
     def _BsdfDiffuse(self, node):
         return {"BSDF": Surface(self.three(node.inputs["Color"]))}
 
-    _BsdfToon = _BsdfDiffuse
+    _BsdfToon = _BsdfTranslucent = _BsdfDiffuse
 
     def _SubsurfaceScattering(self, node):
         return {"BSSRDF": Surface(self.three(node.inputs["Color"]))}
@@ -194,16 +195,18 @@ class Compiler(Patterns):
                                 roughness=self.number(node.inputs["Roughness"]))}
 
     _BsdfAnisotropic = _BsdfGlossy  # what Glossy is called since 4.0
-    _BsdfGlass = _BsdfRefraction = _BsdfGlossy
+
+    def _BsdfGlass(self, node):
+        self.through = True
+        return self._BsdfGlossy(node)
+
+    _BsdfRefraction = _BsdfGlass
 
     def _BsdfTransparent(self, node):
         return {"BSDF": Surface(alpha=0.0)}
 
     def _Holdout(self, node):
         return {"Holdout": Surface()}
-
-    def _BsdfTranslucent(self, node):
-        return {"BSDF": Surface(self.three(node.inputs["Color"]))}
 
     def _Emission(self, node):
         strength = self.number(node.inputs["Strength"])
@@ -219,6 +222,7 @@ class Compiler(Patterns):
         base, metal = self.three(inputs["Base Color"]), build.clamp(self.number(inputs["Metallic"]))
         through = build.clamp(self.number(named("Transmission Weight", "Transmission")))
         alpha = build.clamp(self.number(inputs["Alpha"]))
+        self.through |= through != 0
         matt = build.multiply(alpha, build.multiply(build.subtract(1.0, metal), build.subtract(1.0, through)))
         other = build.subtract(alpha, matt)
         strength = build.multiply(self.number(inputs["Emission Strength"]), alpha)

@@ -87,10 +87,13 @@ class Own:
     panels. Whoever needs it reads block.encre.<id>."""
 
     id: str
-    kind: str  # "control" -1..1, "degrees" -180..180, "style" the name of one of the scene's, "text", "bool"
+    # "control" -1..1, "degrees" -180..180, "share" 0..1, "style" the name of one of the scene's, "text", "bool"
+    kind: str
     label: str
     help: str
     owners: tuple[str, ...] = ("object", "material")
+    default: float = 0.0
+    of: str = ""  # the kind of empty that alone has it
 
     def property(self):
         about = {"name": self.label, "description": self.help, "override": _OVERRIDABLE, "update": _changed, **OURS}
@@ -98,6 +101,8 @@ class Own:
             return bpy.props.FloatProperty(default=0.0, min=-1.0, max=1.0, **about)
         if self.kind == "degrees":
             return bpy.props.FloatProperty(default=0.0, min=-180.0, max=180.0, soft_min=-90.0, soft_max=90.0, **about)
+        if self.kind == "share":
+            return bpy.props.FloatProperty(default=self.default, min=0.0, max=1.0, subtype="FACTOR", **about)
         return bpy.props.BoolProperty(**about) if self.kind == "bool" else bpy.props.StringProperty(**about)
 
 
@@ -116,6 +121,10 @@ def own_settings(owner):
             "them, as objects have: also where they pass through each other", ("object",)),
         Own("crease_offset", "degrees", "Crease Offset", "Degrees that are added to the bend of every edge of this "
             "mesh before Crease Angle decides", ("object",)),
+        Own("bend_light", "share", "Bend Light", "How far drawn light falls on what is inside this empty as on the "
+            "empty's own sphere; nothing inside throws shadows there", ("object",), of="SPHERE"),
+        Own("bend_fade", "share", "Fade", "Over which part of its radius, from its surface inwards, that begins",
+            ("object",), 0.2, "SPHERE"),
     ]
     return [own for own in rows if owner in own.owners]
 
@@ -132,6 +141,10 @@ def _pass_switch(name):
     help_ = library.load().output_help[name]
     return bpy.props.BoolProperty(name=name.split()[-1], description=f"{help_[0].upper()}{help_[1:]}", update=requery,
                                   **OURS)
+
+
+def _shines_one_way(_self, obj):
+    return obj.type == "LIGHT" and obj.data.type != "POINT"
 
 
 def _keep(self, _context):
@@ -163,6 +176,10 @@ def _classes():
         "auto_redraw": bpy.props.BoolProperty(
             name="Redraw Automatically", default=True, update=_changed, **OURS,
             description="Draw the last render again whenever a setting changes, while an image editor shows it"),
+        "rim_lamp": bpy.props.PointerProperty(
+            name="From Lamp", type=bpy.types.Object, poll=_shines_one_way, update=_changed, **OURS,
+            description="A sun, a spot or an area lamp along whose direction the rim light comes, instead of from its "
+            "own angle"),
         # Id of the last one: rows are reset to its values.
         "preset": bpy.props.StringProperty(options={"HIDDEN"}, update=_changed),
         # Of the settings in a file: migration.py.
@@ -249,12 +266,20 @@ def _value(group, p):
 
 def scene_values(scene):
     """{id: value} of every parameter of the scene."""
-    return {p.id: _value(scene.encre, p) for p in library.params().values()}
+    values = {p.id: _value(scene.encre, p) for p in library.params().values()}
+    lamp = scene.encre.rim_lamp
+    if lamp and _shines_one_way(None, lamp):
+        x, y, z = lamp.matrix_world.to_3x3().col[2].normalized()  # it shines along -z
+        values |= {"rim_space": "WORLD", "rim_angle": float(np.degrees(np.arctan2(y, x))),
+                   "rim_elevation": float(np.degrees(np.arcsin(np.clip(z, -1, 1))))}
+    return values
 
 
 def stores(group, p):
     """Whether a style changes this parameter, or a scene has had it set."""
-    return bool(len(group.shade_levels)) if p.type == "levels" else group.is_property_set(p.id)
+    if p.type in ("levels", "image"):  # a pointer counts as set once it was looked at
+        return bool(getattr(group, p.id))
+    return group.is_property_set(p.id)
 
 
 def _own_params(group):

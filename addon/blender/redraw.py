@@ -4,7 +4,8 @@
 For Blender a redraw is a render like any other, whose result it composites: started by an operator, marked here, and
 for the engine nothing but passes that are there already. Settings that change are seen at once (instant.py) and redraw
 by themselves when they rest, while an image editor shows the result. A redraw gives way to settings that change further
-and to the user's own F12, which Blender would not begin beside it.
+and to the user's own render, which Blender would not begin beside it: to F12, and when the Render menu opens, as nobody
+is told of a click there that Blender ignores.
 """
 
 import contextlib
@@ -15,14 +16,18 @@ from bpy.app.handlers import persistent
 
 from ..pen.errors import EncreError
 from . import handlers, instant, memory, properties
+from .listener import Listener
 
 _REST = 0.2    # seconds without a change before a redraw
 _TICK = 0.01   # seconds between two looks at a picture that is drawn
+_MENU = 10     # seconds for which the Render menu is taken to be open, as nobody is told when it closes
 
 _asked = False    # whether the next render that begins is a redraw
 _drawing = False  # whether the one that runs is
+_latest = False   # whether the one that began last is, though it may have ended
 _yields = False   # whether it is to end
-_next = None      # the properties of the user's render that begins then
+_next = None      # the window and properties of the user's render that begins then
+_opened = 0.0     # when the Render menu was opened
 
 
 def picture(scene):
@@ -78,9 +83,9 @@ class _Watch:
         window = next((w for w in bpy.context.window_manager.windows if memory.picture(w.scene)), None)
         scene = window and window.scene
         if _next is not None:
-            return self._give_way()
+            return None if _begin_next() else _TICK
         if not scene or not scene.encre.auto_redraw or not any(instant.editors()):
-            return self._end()
+            return self.end()
         if _running() and not (_asked or _drawing):
             instant.hide()
             return _REST
@@ -93,14 +98,16 @@ class _Watch:
         if _yields:
             kept.values, _yields = None, False  # it was given up
         if values == kept.values:
-            return self._end()
+            return self.end()
         working = self._draw(kept, window, scene)
         if working or now < self.changed + _REST:
             return _TICK
+        if now < _opened + _MENU:
+            return _REST
         from .engine import pass_names
 
         if memory.refusal(scene, pass_names):
-            return self._end()
+            return self.end()
         self.changed = now  # if it does not begin, it is tried again after a rest
         start(window, quiet=True)
         return _TICK
@@ -121,21 +128,9 @@ class _Watch:
             self.instant.begin(properties.settings(scene))
         return self.instant.go_on()
 
-    def _end(self):
+    def end(self):
         self.forget()
         instant.hide()
-
-    def _give_way(self):
-        """Begins the user's render once the redraw has ended."""
-        global _next, _yields
-        if _running():
-            return _TICK
-        window, options = _next
-        _next, _yields = None, False
-        self._end()
-        with bpy.context.temp_override(window=window):
-            bpy.ops.render.render("INVOKE_DEFAULT", **options)
-        return None
 
 
 _watch = _Watch()
@@ -144,8 +139,9 @@ _watch = _Watch()
 class ENCRE_OT_watch(bpy.types.Operator):
     """Show settings that change"""
 
-    # Whether Python may write is one flag of Blender's for all threads, which stays wrong where a view is drawn as a
-    # render ends; operators alone always may.
+    # Whether Python may write is one flag of Blender's for all threads: each call sets it back to what it was when it
+    # began. A render's thread that begins a call while a panel or a view is drawn, and ends it later, leaves it at what
+    # is right for drawing. Operators alone may write then, and only Blender may begin them.
 
     bl_idname = "encre.watch"
     bl_label = "Watch Settings"
@@ -157,8 +153,26 @@ class ENCRE_OT_watch(bpy.types.Operator):
 
 
 def _look():
-    bpy.ops.encre.watch()
+    try:
+        bpy.ops.encre.watch()
+    except RuntimeError as error:
+        if "in this state" not in str(error):
+            raise
+        return _REST  # it may not be begun now
     return _watch.again
+
+
+def _begin_next():
+    """Begins the user's render once the redraw has ended. Whether it has begun."""
+    global _next, _yields
+    if _next is None or _running():
+        return False
+    window, options = _next
+    _next, _yields = None, False
+    _watch.end()
+    with bpy.context.temp_override(window=window):
+        bpy.ops.render.render("INVOKE_DEFAULT", **options)
+    return True
 
 
 def _wake():
@@ -172,10 +186,19 @@ def _changed(*_):
         _wake()
 
 
+def _menu_opens(_menu, _context):
+    global _opened, _yields
+    _opened = time.monotonic()
+    _yields |= _running() and (_asked or _latest)
+    _changed()
+
+
 @persistent
 def _begins(*_):
-    global _asked, _drawing
+    global _asked, _drawing, _latest, _opened
+    _opened = 0.0
     _drawing, _asked = _asked, False
+    _latest = _drawing
     if not _drawing:
         memory.forget()
 
@@ -220,28 +243,24 @@ class ENCRE_OT_redraw(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ENCRE_OT_give_way(bpy.types.Operator):
+class ENCRE_OT_give_way(Listener, bpy.types.Operator):
     """End a redraw and render"""
 
     bl_idname = "encre.give_way"
     bl_label = "Give Way to a Render"
     bl_options = {"INTERNAL"}
 
-    def invoke(self, context, _event):
-        self.timer = context.window_manager.event_timer_add(0.1, window=context.window)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context, event):
+    def hears(self, context, event):
         global _next, _yields
-        if _running() and _next is None and (options := _render_by(context, event)) is not None:
-            _next, _yields = (context.window, options), True
-            _wake()
-            return {"RUNNING_MODAL"}  # Blender would do nothing
-        if not _running():
-            context.window_manager.event_timer_remove(self.timer)
-            return {"CANCELLED", "PASS_THROUGH"}
-        return {"PASS_THROUGH"}
+        _begin_next()  # here too, as a timer may not be allowed to
+        if self.over() or _next is not None or (options := _render_by(context, event)) is None:
+            return False
+        _next, _yields = (context.window, options), True
+        _wake()
+        return True  # Blender would do nothing
+
+    def over(self):
+        return not _running() or not (_asked or _latest)
 
 
 def _render_by(context, event):
@@ -264,11 +283,13 @@ _CLASSES = ENCRE_OT_redraw, ENCRE_OT_give_way, ENCRE_OT_watch
 def register():
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
+    bpy.types.TOPBAR_MT_render.append(_menu_opens)
     _listen()
 
 
 def unregister():
     _hear_no_more()
+    bpy.types.TOPBAR_MT_render.remove(_menu_opens)
     with contextlib.suppress(ValueError):
         bpy.app.timers.unregister(_look)
     _watch.forget()

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from . import meter
 from .triangles import MESHABLE
 
 _FILLS = 3.2  # sizes in the height of the frame; by eye, between rooms, streets and single things
@@ -25,6 +26,7 @@ class Subject:
     place: np.ndarray | None = None  # the focus, in world space
     focus: float = 0.0               # its distance, where it is set as a number
     size: float = 0.0
+    light: float = 0.0               # of what faces the strongest lamp: meter.py
 
     def distance(self, view, projection):
         """In scene units along the axis of a perspective camera; 0 where there is nothing to tell it from. `view`,
@@ -36,44 +38,52 @@ class Subject:
 
 def read(depsgraph, camera=None):
     """The Subject of a scene; camera: an evaluated one whose focus counts."""
+    things = _Things(depsgraph)
+    size = things.size()
+    light = meter.light(depsgraph.scene_eval, things.lamps, things.places, size)
     focus = camera and camera.data.dof
     if focus and focus.focus_object:
         place = np.append(focus.focus_object.evaluated_get(depsgraph).matrix_world.translation, 1)
-        return Subject(place, size=size(depsgraph))
+        return Subject(place, size=size, light=light)
     if focus and focus.id_data.original.dof.use_dof:  # of the evaluated camera it is switched off
-        return Subject(focus=float(focus.focus_distance))
-    return Subject(size=size(depsgraph))
+        return Subject(focus=float(focus.focus_distance), light=light)
+    return Subject(size=size, light=light)
 
 
-def distance(depsgraph, camera, view, projection):
-    """What read() tells of one camera."""
-    return read(depsgraph, camera).distance(view, projection)
+class _Things:
+    """What stands in a scene. places (n, 3), radii (n,); still: whether nothing may move it; lamps: (object, matrix)
+    pairs."""
 
+    def __init__(self, depsgraph):
+        places, radii, still, moving, self.lamps = [], [], [], {}, []
+        for instance in depsgraph.object_instances:
+            obj = instance.object
+            if not instance.show_self or obj.type not in (*MESHABLE, "LIGHT"):
+                continue
+            matrix = np.array(instance.matrix_world)
+            if obj.type == "LIGHT":
+                self.lamps.append((obj, matrix))
+                continue
+            box = np.array(obj.bound_box, np.float64)
+            places.append(matrix[:3, :3] @ box.mean(0) + matrix[:3, 3])
+            radii.append(np.linalg.norm(matrix[:3, :3] @ (box[6] - box[0])) / 2)
+            owner = (instance.parent if instance.is_instance else obj).original
+            if owner.name_full not in moving:
+                moving[owner.name_full] = _moves(owner)
+            still.append(not (moving[owner.name_full] or instance.is_instance and _moves(obj.original)))
+        self.places, self.radii = np.reshape(places, (-1, 3)), np.array(radii)
+        self.still = np.array(still, bool)
 
-def size(depsgraph):
-    """Of the scene: between the radius within which half of what stands still lies and that of its things, because a
-    picture shows some things of a scene, seldom all and seldom one. Where all moves, that of the things."""
-    places, radii, still, moving = [], [], [], {}
-    for instance in depsgraph.object_instances:
-        obj = instance.object
-        if obj.type not in MESHABLE or not instance.show_self:
-            continue
-        box = np.array(obj.bound_box, np.float64)
-        matrix = np.array(instance.matrix_world)
-        places.append(matrix[:3, :3] @ box.mean(0) + matrix[:3, 3])
-        radii.append(np.linalg.norm(matrix[:3, :3] @ (box[6] - box[0])) / 2)
-        owner = (instance.parent if instance.is_instance else obj).original
-        if owner.name_full not in moving:
-            moving[owner.name_full] = _moves(owner)
-        still.append(not (moving[owner.name_full] or instance.is_instance and _moves(obj.original)))
-    if not places:
-        return 0.0
-    places, radii, still = np.array(places), np.array(radii), np.array(still)
-    if not still.any():
-        return _middle(radii)
-    places, radii = places[still], radii[still]
-    away = radii + np.linalg.norm(places - np.median(places, 0), axis=1)
-    return float(np.sqrt(_middle(radii) * _middle(away)))
+    def size(self):
+        """Of the scene: between the radius within which half of what stands still lies and that of its things, because
+        a picture shows some things of a scene, seldom all and seldom one. Where all moves, that of the things."""
+        if not len(self.places):
+            return 0.0
+        if not self.still.any():
+            return _middle(self.radii)
+        places, radii = self.places[self.still], self.radii[self.still]
+        away = radii + np.linalg.norm(places - np.median(places, 0), axis=1)
+        return float(np.sqrt(_middle(radii) * _middle(away)))
 
 
 def _middle(values):

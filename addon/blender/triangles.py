@@ -30,6 +30,7 @@ class Triangles:
     sources: dict                # what programs of materials read -> (triangles, 3, 3) at the corners; absent: 0
     rest: np.ndarray | None      # (triangles, 3, 3) rest positions at the corners; None: the points, or nobody asks
     rest_normals: np.ndarray | None  # likewise; None: flat
+    uv: np.ndarray | None        # (triangles, 3, 2) at the corners, of the map that renders use; None: nobody asks
     shown: dict = field(default_factory=dict)  # what attributes.by_slot() made of them, by the layouts
 
     def same_shape(self, other):
@@ -40,10 +41,10 @@ class Triangles:
                         for name in ("points", "corners", "normals", "material")))
 
 
-def read_triangles(obj, light, maps, sources, anchored):
+def read_triangles(obj, light, maps, sources, anchored, unwrapped):
     """The triangles of an evaluated object, None if it has none. light: whether light is to fall on them; maps: the UV
     maps that are read, "" = the one that renders use; sources: what programs of materials read; anchored: whether to
-    tell where they rest."""
+    tell where they rest; unwrapped: which way their UV map lies."""
     try:
         mesh = obj.to_mesh()
     except RuntimeError:  # no geometry
@@ -52,7 +53,7 @@ def read_triangles(obj, light, maps, sources, anchored):
         return None
     try:
         bent = anchored and _may_be_bent(obj)
-        return (_of_mesh(mesh, obj.encre.separate_parts, light, maps, sources, anchored, bent)
+        return (_of_mesh(mesh, obj.encre.separate_parts, light, maps, sources, anchored, unwrapped, bent)
                 if len(mesh.polygons) else None)
     finally:
         obj.to_mesh_clear()
@@ -78,7 +79,7 @@ def _may_be_bent(obj):
                                        or obj.parent_type in ("ARMATURE", "LATTICE"))
 
 
-def _of_mesh(mesh, separate, light, maps, sources, anchored, bent):
+def _of_mesh(mesh, separate, light, maps, sources, anchored, unwrapped, bent):
     position = mesh.attributes.get("position")
     points = (get(position.data, "vector", np.float32, 3) if position
               else get(mesh.vertices, "co", np.float32, 3))
@@ -99,13 +100,14 @@ def _of_mesh(mesh, separate, light, maps, sources, anchored, bent):
     normals = None if normals is None else normals[loops]
     rest = _rest(mesh, points, loops, corners, bent) if anchored else None
     rest_normals = normals if rest is None else _smooth(mesh, rest, corners, face)
+    uvs = _uvs(mesh, "") if unwrapped else None
     return Triangles(points, corners, material, _painted(mesh, loops, corners, face), part, n_parts,
                       np.empty((0, 2), np.int32) if marked is None or not marked.any()
                       else get(mesh.edges, "vertices", np.int32, 2)[marked], _edges(mesh, loops, face),
                       normals if light else None,
                       {name: uvs[loops] for name in maps if (uvs := _uvs(mesh, name)) is not None},
                       attributes.read(mesh, sources, points, loops, corners, face), rest,
-                      rest_normals if anchored else None)
+                      rest_normals if anchored else None, None if uvs is None else uvs[loops])
 
 
 # Rest

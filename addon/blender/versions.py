@@ -48,6 +48,11 @@ def write_pass(render_pass, picture):
     render_pass.rect.foreach_set(flat.reshape(-1) if _FLAT_RECT else flat.reshape(-1, render_pass.channels))
 
 
+def empty_pass(shape):
+    """A picture (height, width, channels) to be filled, which write_pass() need not turn around."""
+    return np.empty(shape, np.float32)[::-1]
+
+
 def clear_pass(render_pass, width, height):
     """Stores zeros in a render pass."""
     write_pass(render_pass, np.zeros((height, width, render_pass.channels), np.float32))

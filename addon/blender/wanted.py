@@ -5,7 +5,7 @@ import contextlib
 
 from ..pen import layers, metadata, saved
 from ..pen.errors import EncreError
-from . import papers, properties, versions
+from . import images, properties, versions
 
 stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
 
@@ -35,10 +35,16 @@ def spare(scene, view_layer):
             if not wants and name in ("DiffDir", "DiffInd", "Denoising Depth")]
 
 
-def own(scene, view_layer, seen, anchor):
-    """{name: channel names} of the passes that the stages fill; seen, anchor: as saved.passes() has them."""
+def _others_read(scene):
+    """Whether something may read passes that the user has not switched on: a file of all passes, or nodes."""
+    multilayer = scene.render.image_settings.file_format == "OPEN_EXR_MULTILAYER"
+    return keeps(scene) or multilayer or versions.compositor(scene) is not None
+
+
+def own(scene, view_layer, seen, anchor, tangent):
+    """{name: channel names} of the passes that the stages fill; seen, anchor, tangent: as saved.passes() has them."""
     return {**{name: layers.DRAWN[name] for name in asked(view_layer)},
-            **(saved.passes(seen, anchor) if keeps(scene) else {})}
+            **(saved.passes(seen, anchor, tangent) if keeps(scene) else {})}
 
 
 def passes(scene, view_layer):
@@ -48,8 +54,11 @@ def passes(scene, view_layer):
         with contextlib.suppress(EncreError):  # said when it comes to rendering
             settings = properties.settings(scene)
             seen = settings.wants_seen
-            wanted |= layers.BEHIND if settings.wants_parts else {}
-            wanted |= {**own(scene, view_layer, seen, settings.wants_anchor), **(layers.SEEN if seen else {})}
+            if settings.fast and not _others_read(scene):  # Blender has each pass twice for a moment
+                wanted = {"Combined": layers.CYCLES["Combined"]}
+            else:
+                wanted |= {**(layers.BEHIND if settings.wants_parts else {}), **(layers.SEEN if seen else {})}
+            wanted |= own(scene, view_layer, seen, settings.wants_anchor, settings.wants_tangent)
     for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
         yield versions.pass_name(name), channels, kind
@@ -64,10 +73,10 @@ def _view(scene):
                          given.display_settings.display_device, [name for name, used in beside.items() if used])
 
 
-def beside(scene, settings, cut):
-    """What metadata.write() stores besides the settings: how the scene is shown, a paper that is no file, and what a
-    restyled picture will lack."""
+def beside(scene, loaded, cut):
+    """What metadata.write() stores besides the settings: how the scene is shown, images that are no files, of those
+    that images.load() gave, and what a restyled picture will lack."""
     return {"view": _view(scene),
-            "paper": settings.paper and papers.stored(settings.paper),
+            "images": images.held(loaded),
             "lost": [*(["Freestyle's strokes"] if scene.render.use_freestyle else []),
                      *(["the ends of lines at the border"] if cut else [])]}

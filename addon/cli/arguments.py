@@ -204,7 +204,7 @@ def parser():
         "another renderer's name for combined, depth, normal, color, light, object or material, as depth=Z"))
     command.add_argument("--view-layer", metavar="N", help="name of the view layer (default: the file's first)")
     command.add_argument("--allow-paths", action="store_true", help=(
-        "read the paper image that the file names wherever it lies, not only beside the file"))
+        "read images that the file names wherever they lie, not only beside the file"))
     command.add_argument("--threads", metavar="N", type=_threads, default=0,
                          help="default, and 0: one a processor")
 

@@ -9,6 +9,7 @@ import numpy as np
 from ..pen import colour, denoise, layers, library, metadata, saved, slim
 from ..pen.errors import EncreError, unknown
 from ..pen.job import Frame
+from ..pen.params import Chosen
 from ..pen.settings import Settings
 from ..pen.stored import known, opaque, view_layers, wanted
 from . import denoiser, images, interrupt, multilayer, png, substitutes
@@ -149,28 +150,29 @@ def _denoises(names, settings):
     return settings.denoises and "Encre Diffuse" not in names and {"DiffDir", "DiffCol"} <= names.keys()
 
 
-def _paper(settings, change, path, allow_paths, stored):
-    """The scene's values with a paper image that may be opened: a stranger's file is not to choose what else is read.
-    `stored`: (name, pixels) of one that it holds itself."""
-    scene = settings.scene
-    if scene.get("paper_source") != "IMAGE":
-        return {**scene, "paper_image": None}
-    if not settings.paper:
-        return {**scene, "paper_source": "NONE", "paper_image": None}
-    image = scene.get("paper_image")
-    if stored and image == stored[0] and not change.get("paper_image"):
-        return scene
-    if image and not change.get("paper_image"):
+def _allowed(settings, change, path, allow_paths, stored):
+    """The values of the scene and the styles, (name, values), with images that may be opened: a stranger's file is not
+    to choose what else is read. `stored`: {Chosen: pixels} of those that it holds itself."""
+    read = set(settings.images)
+
+    def allow(values, own):
+        """own: what the user has set of them."""
+        return {id_: image(Chosen(id_, value), own) if library.params()[id_].type == "image" else value
+                for id_, value in values.items()}
+
+    def image(chosen, own):
+        if chosen not in read:
+            return None
+        if own.get(chosen.id) or chosen in stored:
+            return chosen.name
         beside = Path(path).resolve().parent
-        image = str(beside / image)
-        if not allow_paths and not Path(image).resolve().is_relative_to(beside):
-            raise EncreError(f"{path}: names the paper image {image}, which does not lie beside it; give --allow-paths "
-                             "if you trust the file, or --set paper_image=PATH")
-    return {**scene, "paper_image": image}
+        place = str(beside / chosen.name)
+        if not allow_paths and not Path(place).resolve().is_relative_to(beside):
+            raise EncreError(f"{path}: names the {chosen.id.replace('_', ' ')} {place}, which does not lie beside it; "
+                             f"give --allow-paths if you trust the file, or --set {chosen.id}=PATH")
+        return place
 
-
-def _paper_pixels(name, stored, change):
-    return stored[1] if stored and name == stored[0] and not change.get("paper_image") else images.read_paper(name)
+    return allow(settings.scene, change), [(name, allow(values, {})) for name, values in settings.styles]
 
 
 def _composited(exr, found, layer):
@@ -200,12 +202,21 @@ def check(path, view_layer=None, asked=None):
     return "\n".join(lines), good
 
 
+def images_of(path, change, allow_paths=False):
+    """Paths of the image files that composite() would read for an EXR. Raises EncreError."""
+    with multilayer.Exr(path) as exr:
+        stored = metadata.read(exr.metadata)
+    settings = Settings({**(stored.scene or {}), **change}, stored.styles)
+    settings = Settings(*_allowed(settings, change, path, allow_paths, stored.images))
+    return [chosen.name for chosen in settings.images if chosen not in stored.images]
+
+
 def composite(path, out, change, view_layer=None, threads=0, say=print, allow_paths=False, asked=None, texts=None,
               named=()):
     """Restyles the EXR `path` into `out` (.exr or .png).
 
-    change: the values to set on those in the file; say(kind, sentence) hears notes and warnings; allow_paths: open a
-    paper image that the file names wherever it lies; asked: {classic pass name: name in the file} where that is
+    change: the values to set on those in the file; say(kind, sentence) hears notes and warnings; allow_paths: open
+    images that the file names wherever they lie; asked: {classic pass name: name in the file} where that is
     another; texts: {key: text} to store in `out`; named: ids of which it is said if they change nothing. Without a view
     layer's name all are drawn, into a .png the first. Raises EncreError for the input, images.WriteError where `out`
     can't be written.
@@ -247,11 +258,14 @@ class _Work:
         self.held = Settings(self.stored.scene)
         if (value := settings.every[0]["layer_source"]) != self.held.every[0]["layer_source"]:
             self._say("note", f"layer_source {value} needs a render: {exr.path} is drawn as its layers are")
-        self.settings = Settings(_paper(settings, change, exr.path, allow_paths, self.stored.paper), self.stored.styles,
-                                 space)
+        self.settings = Settings(*_allowed(settings, change, exr.path, allow_paths, self.stored.images), space)
         self._say("note", settings.in_vain(named))
         self.place = _rows_and_columns(self.stored.border, exr.window)
         self.room = Room(exr.window.width * exr.window.height)
+
+    def _image(self, chosen):
+        own = self.change.get(chosen.id) == chosen.name
+        return images.read_chosen(chosen) if own or chosen not in self.stored.images else self.stored.images[chosen]
 
     def _say(self, kind, sentence):
         if sentence:
@@ -310,7 +324,7 @@ class _Work:
             try:
                 result = library.draw(read, settings.every, stored.camera, _place(stored, window),
                                       ("Combined", *(() if self.as_png else _drawn(settings))), self.threads,
-                                      progress=go_on, image=lambda name: _paper_pixels(name, stored.paper, self.change),
+                                      progress=go_on, image=self._image,
                                       empty=self.room.zeros)
             except EncreError as error:
                 raise EncreError(f"{where}: {error}") from None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Image files, through OpenImageIO: what all kinds have in common, paper images, textures in and out.
+"""Image files, through OpenImageIO: what all kinds have in common, images of settings, textures in and out.
 
 multilayer knows EXR, png PNG. Only the command line uses this: Blender reads and writes its own images.
 """
@@ -13,10 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..pen import colour
+from ..pen import colour, library
 from ..pen.errors import EncreError
 from .workplace import Workplace
 
+_LINEAR = "openexr", "hdr"  # kinds of files that hold linear light
 ROWS = 64  # read at a time: whole chunks of all but DWAB files, little memory for what is not wanted of them
 
 
@@ -70,14 +71,19 @@ def check_source(path):
         raise EncreError(f"{path}: can't be read ({error.strerror}); check the path and who may read it") from None
 
 
-def read_paper(path):
-    """An image of any kind as an array (H, W) or (H, W, 3) of float32, values as stored, without its alpha."""
+def read_chosen(chosen):
+    """An image of any kind as an array (H, W) or (H, W, 3) of float32, values as its parameter wants them, without its
+    alpha."""
+    path = chosen.name
     if not os.path.isfile(path):
-        raise EncreError(f"paper_image: there is no file {path}; check the path")
-    pixels = _stored(path, "float")
+        raise EncreError(f"{chosen.id}: there is no file {path}; check the path")
+    pixels, kind = _stored(path)
     if pixels is None:
-        raise EncreError(f"paper_image: {path} can't be read; give an image such as a PNG or an EXR")
-    return np.ascontiguousarray(pixels[:, :, :3] if pixels.shape[2] > 2 else pixels[:, :, 0])
+        raise EncreError(f"{chosen.id}: {path} can't be read; give an image such as a PNG or an EXR")
+    pixels = pixels[:, :, :3] if pixels.shape[2] > 2 else pixels[:, :, 0]
+    if library.params()[chosen.id].unit == "color" and kind not in _LINEAR:  # TIFFs of floats, too, as Blender has it
+        pixels = colour.decode_srgb(pixels)
+    return np.ascontiguousarray(pixels, np.float32)
 
 
 @dataclass
@@ -108,7 +114,7 @@ def read_texture(path, most):
     if spec.depth > 1 or spec.deep or spec.nchannels not in (1, 2, 3, 4):
         raise EncreError(f"{path}: is no flat picture with 1 to 4 channels but has {spec.nchannels}; "
                          "give a texture, not render passes")
-    pixels = _stored(path, "float")
+    pixels, _ = _stored(path)
     if pixels is None:
         raise EncreError(f"{path}: can't be read to its end; save it again")
     if spec.nchannels < 3:
@@ -128,7 +134,7 @@ def fit_texture(path, texture):
         raise EncreError(f"{path}: images of this kind can't be written; give a name that ends in .png, .tif or .exr")
     if texture.pixels.shape[2] == 4 and not out.supports("alpha"):
         raise EncreError(f"{path}: the texture has alpha, which this kind of file has not; give a name in .png or .tif")
-    linear = out.format_name() in ("openexr", "hdr")
+    linear = out.format_name() in _LINEAR
     if texture.linear == linear or out.format_name() == "tiff":
         return texture
     color, alpha = texture.pixels[..., :3], texture.pixels[..., 3:]
@@ -162,18 +168,19 @@ def _as_stored():
     return spec
 
 
-def _stored(path, kind):
-    """All pixels (H, W, channels) of an image without conversion of colour or alpha; None: it can't be read."""
+def _stored(path):
+    """(all pixels (H, W, channels) of an image as floats, without conversion of colour or alpha, or None where it can't
+    be read; OpenImageIO's name for its kind of file)."""
     oiio = openimageio()
     with quiet():
         file = oiio.ImageInput.open(utf8(path), _as_stored())
-        pixels = file.read_image(kind) if file else None
+        pixels = file.read_image("float") if file else None
     complaint(oiio)
     if pixels is None:
-        return None
-    spec = file.spec()
+        return None, ""
+    spec, kind = file.spec(), file.format_name()
     file.close()
-    return pixels.reshape(spec.height, spec.width, spec.nchannels)
+    return pixels.reshape(spec.height, spec.width, spec.nchannels), kind
 
 
 def draw_text(picture, lines):

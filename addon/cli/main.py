@@ -17,6 +17,7 @@ import numpy as np
 
 from ..pen import library, presets
 from ..pen.errors import EncreError, shown
+from ..pen.params import Chosen
 from . import images, substitutes, tools
 from .arguments import joined, parser
 from .bake import bake
@@ -35,9 +36,10 @@ def _changes(args):
         if not equals:
             raise EncreError(f"--set {text}: has no value; write --set ID=VALUE")
         values[id_.strip()] = library.parse(id_.strip(), value)
-    if values.get("paper_image"):
-        values["paper_image"] = os.path.abspath(values["paper_image"])
-        images.read_paper(values["paper_image"])
+    for id_, value in values.items():
+        if value and library.params()[id_].type == "image":
+            values[id_] = os.path.abspath(value)
+            images.read_chosen(Chosen(id_, values[id_]))
     return values
 
 

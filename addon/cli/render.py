@@ -200,11 +200,13 @@ class _Sequence:
         self.todo = _todo(self.job["scene"], self.out, self.frames, ready)
         self.suffixes, self.keep = ready["suffixes"], ready["keep"]
         try:
-            content = sequence.content(self.job["scene"])
+            content, chosen = sequence.content(self.job["scene"]), sequence.contents(self.job["values"])
         except OSError as error:
-            raise EncreError(f"{self.job['scene']}: can't be read ({error.strerror}); check the path") from None
+            raise EncreError(f"{error.filename or self.job['scene']}: can't be read ({error.strerror}); check the "
+                             "path") from None
         self.said = {"version": _VERSION, "scene": content, "values": self.job["values"], "encre": images.version(),
-                     "blender": ready["blender"], **{name: self.job[name] for name in _PICTURE}}
+                     "blender": ready["blender"], **{name: self.job[name] for name in _PICTURE},
+                     **({"images": chosen} if chosen else {})}
 
     def mark(self, frame):
         return sequence.mark(frame=frame, **self.said)

@@ -12,7 +12,7 @@ from ..pen import metadata
 from ..pen.errors import Cancelled, EncreError, shown
 from . import images, sequence, workplace
 from .composite import check as passes_of
-from .composite import composite
+from .composite import composite, images_of
 from .progress import put, say
 from .render import RenderError
 
@@ -170,7 +170,8 @@ def todo(layers, out, frames):
 def _mark(source, change, options):
     try:
         content = sequence.content(source)
+        chosen = [sequence.content(path) for path in images_of(source, change, options.get("allow_paths", False))]
     except OSError as error:
-        raise EncreError(f"{source}: can't be read ({error.strerror}); check the path") from None
+        raise EncreError(f"{error.filename or source}: can't be read ({error.strerror}); check the path") from None
     picture = {name: options.get(name) for name in ("view_layer", "asked")}
-    return sequence.mark(source=content, values=change, encre=images.version(), **picture)
+    return sequence.mark(source=content, values=change, encre=images.version(), images=chosen, **picture)

@@ -6,6 +6,7 @@ import json
 import os
 import re
 
+from ..pen import library
 from ..pen.errors import EncreError
 
 LAST_FRAME = 1048574  # Blender counts no further
@@ -68,6 +69,11 @@ def content(file):
         while chunk := opened.read(1 << 20):
             sum_.update(chunk)
     return sum_.hexdigest()
+
+
+def contents(values):
+    """{id: content} of the images that are among values of parameters. OSError: one can't be read."""
+    return {id_: content(value) for id_, value in values.items() if value and library.params()[id_].type == "image"}
 
 
 def mark(**said):

@@ -8,7 +8,7 @@ import re
 
 import bpy
 
-from ..blender import ENGINE, papers, properties, wanted
+from ..blender import ENGINE, images, properties, wanted
 from ..pen.errors import EncreError, unknown
 from . import needed
 
@@ -139,8 +139,7 @@ def prepare(job, report):
     settings = properties.settings(scene)
     if words := settings.in_vain(job["named"]):
         report("note", text=words)
-    if settings.paper:
-        papers.load(settings.paper)
+    images.load(settings)
     if camera.data.type == "PANO" and settings.active:
         raise EncreError(f"{job['scene']}: camera {camera.name} is panoramic; make it perspective or orthographic")
     if job["samples"]:

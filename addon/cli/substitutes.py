@@ -104,7 +104,10 @@ def switch_off(names, settings):
         if name not in names:
             said.append(sentence)
     if settings.sticks and "Encre Anchor" not in names:
-        said.append("no rest positions, which save_anchor=ON renders: tones and the hand of lines stick to the picture")
+        said.append("no rest positions, which save_anchor=ON renders: tones, the paint of balls and the hand of lines "
+                    "stick to the picture")
+    elif settings.follows_uv and "Encre Tangent" not in names:
+        said.append("no directions of UV maps, which save_anchor=ON renders: strokes go along the form")
     return settings, said
 
 

@@ -2,7 +2,7 @@
 """The structures and functions of csrc/encre.h, and numpy arrays and values of parameters as the library takes them."""
 
 import ctypes as c
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from ctypes import Array
 from typing import Any
 
@@ -52,7 +52,8 @@ class StageInfo(c.Structure):
 
 
 class Camera(c.Structure):
-    _fields_ = [("view", c.c_float * 9), ("orthographic", c.c_int32), ("height", c.c_float), ("distance", c.c_float)]
+    _fields_ = [("view", c.c_float * 9), ("orthographic", c.c_int32), ("height", c.c_float), ("distance", c.c_float),
+                ("light", c.c_float)]
 
 
 class Frame(c.Structure):
@@ -69,7 +70,8 @@ class Mesh(c.Structure):
                 ("material", c.c_void_p), ("style", c.c_void_p), ("model", c.c_double * 16),
                 ("object_index", c.c_int32), ("material_index", c.c_int32), ("style_index", c.c_int32),
                 ("reserved", c.c_int32), ("object", c.c_void_p), ("edges", c.c_void_p), ("crease_offset", c.c_float),
-                ("reserved2", c.c_int32), ("normals", c.c_void_p), ("rest", c.c_void_p), ("rest_normals", c.c_void_p)]
+                ("reserved2", c.c_int32), ("normals", c.c_void_p), ("rest", c.c_void_p), ("rest_normals", c.c_void_p),
+                ("uv", c.c_void_p)]
 
 
 KINDS = {"triangles": 3, "lines": 2}  # corners of a primitive, in the order of enum encre_primitive
@@ -82,7 +84,7 @@ class RasterJob(c.Structure):
                 ("clip_end", c.c_double), ("frame", Frame), *((n, Image) for n in RASTER_OUTPUTS),
                 ("progress", Progress), ("user", c.c_void_p), ("marks", Image),
                 ("creases", Image), ("coincident", Image), ("shading", Image),
-                ("beyond", Image), ("anchor", Image)]
+                ("beyond", Image), ("anchor", Image), ("tangent", Image)]
 
 
 class BakeJob(c.Structure):
@@ -113,11 +115,15 @@ class Lamp(c.Structure):
                 ("model", c.c_double * 16)]
 
 
+class Bend(c.Structure):
+    _fields_ = [("model", c.c_double * 16), ("amount", c.c_float), ("fade", c.c_float)]
+
+
 class LightJob(c.Structure):
     _fields_ = [("scene", c.c_void_p), ("view", c.c_double * 16), ("projection", c.c_double * 16),
                 ("clip_start", c.c_double), ("clip_end", c.c_double), ("frame", Frame), ("depth", Image),
-                ("normal", Image), ("diffuse", Image), ("world", c.c_float * 27), ("reserved", c.c_int32),
-                ("progress", Progress), ("user", c.c_void_p)]
+                ("normal", Image), ("diffuse", Image), ("world", c.c_float * 27), ("n_bends", c.c_int32),
+                ("bends", c.c_void_p), ("sharp", c.c_bool), ("progress", Progress), ("user", c.c_void_p)]
 
 
 class OperationInfo(c.Structure):
@@ -235,6 +241,7 @@ def fill_mesh(m: Mesh, mesh: job.Mesh) -> list:
     m.normals = pointer("normals", mesh.normals, np.float32, (count, 3, 3))
     m.rest = pointer("rest", mesh.rest, np.float32, (count, 3, 3))
     m.rest_normals = pointer("rest_normals", mesh.rest_normals, np.float32, (count, 3, 3))
+    m.uv = pointer("uv", mesh.uv, np.float32, (count, 3, 2))
     m.model[:] = np.asarray(mesh.model, np.float64).ravel()
     m.object_index, m.material_index, m.style_index = mesh.object_index, mesh.material_index, mesh.style_index
     return keep
@@ -273,9 +280,8 @@ def render_job(layers: int, outputs: int) -> type[c.Structure]:
     return Job
 
 
-def put(p: Param, block: int, value: Any, load: Callable[[str], np.ndarray] | None) -> np.ndarray | None:
-    """Writes a checked value to its place in the parameter block at an address; `load` reads paper images. What must be
-    kept as long as the block."""
+def put(p: Param, block: int, value: Any) -> None:
+    """Writes a checked value to its place in the parameter block at an address; images are put by put_image()."""
     at = block + p.offset
     if p.type in ("bool", "int"):
         c.c_int32.from_address(at).value = int(value)
@@ -291,8 +297,10 @@ def put(p: Param, block: int, value: Any, load: Callable[[str], np.ndarray] | No
         for k, level in enumerate(value):
             i, t, w, *color = tuple(level) + (0, 0, 0, 1, 1, 1)[len(level):]
             levels.level[k] = Level(i, t, w, tuple(color))
-    elif value is not None and load:
-        pixels = np.ascontiguousarray(load(value), np.float32)
-        c.memmove(at, c.byref(image(pixels)), c.sizeof(Image))
-        return pixels
-    return None
+
+
+def put_image(p: Param, block: int, pixels: np.ndarray) -> np.ndarray:
+    """Writes where the pixels of an image parameter lie. What must be kept as long as the block."""
+    pixels = np.ascontiguousarray(pixels, np.float32)
+    c.memmove(block + p.offset, c.byref(image(pixels)), c.sizeof(Image))
+    return pixels

@@ -14,12 +14,13 @@ from .errors import EncreError
 @dataclass
 class Camera:
     """view: rotation world -> camera, 9 floats row by row; height: orthographic frame height in scene units; distance:
-    depth of what the picture is about, 0: not known."""
+    depth of what the picture is about, 0: not known; light: of what faces the strongest lamp, 0: not known."""
 
     view: Sequence[float] = (1, 0, 0, 0, 1, 0, 0, 0, 1)
     orthographic: bool = False
     height: float = 1.0
     distance: float = 0.0
+    light: float = 0.0
 
 
 @dataclass
@@ -39,7 +40,7 @@ class Mesh:
     """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels); numbers of
     `object`, `material` and `style` (t,) or one for all; edges (t,) packed by edge_kinds(), and the degrees that are
     added to every bend; normals (t, 3, 3) at the corners, in object space, None: flat; rest positions and their normals
-    likewise, None: the points, flat. Of kind `lines`: points and corners (t, 2) alone.
+    likewise, None: the points, flat; uv (t, 3, 2) at the corners. Of kind `lines`: points and corners (t, 2) alone.
     """
 
     points: np.ndarray
@@ -58,6 +59,7 @@ class Mesh:
     normals: np.ndarray | None = None
     rest: np.ndarray | None = None
     rest_normals: np.ndarray | None = None
+    uv: np.ndarray | None = None
 
 
 EDGES = {"flat": 0, "smooth": 1, "none": 2}  # enum encre_edge
@@ -89,6 +91,16 @@ class Lamp:
     light_set: int = 0
     shadow_set: int = 0
     model: np.ndarray = field(default_factory=lambda: np.eye(4))
+
+
+@dataclass
+class Bend:
+    """An ellipsoid in which light falls as on its own surface: a ball of radius 1 -> world; amount, fade: 0..1, as in
+    encre_bend."""
+
+    model: np.ndarray
+    amount: float = 1.0
+    fade: float = 0.0
 
 
 @dataclass

@@ -157,7 +157,7 @@ class _Light:
 
 
 # Layers that may as well be absent where they are 0 everywhere.
-_NEUTRAL = ("specular", "highlights", "style", "controls", "marks", "anchor")
+_NEUTRAL = ("specular", "highlights", "gloss", "style", "controls", "marks", "anchor", "tangent")
 
 
 def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str, np.ndarray] | None = None,
@@ -215,6 +215,8 @@ def _albedo(read, layers, settings):
         if name in read:
             color = read(name)
             layers["albedo"] += color
+            if name == "GlossCol" and settings.wants_gloss:
+                layers["gloss"] = np.array(color)
             if name == "GlossCol" and settings.wants_specular:
                 gloss = read.total("GlossDir")
                 if settings.wants_parts and gloss is not None:

@@ -4,45 +4,31 @@
 Nothing here knows Blender. Errors are EncreError, whose text is one sentence for the user.
 """
 
+import contextlib
 import ctypes as c
 import functools
-import glob
 import os
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import astuple
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from . import abi
+from . import abi, installed
 from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work
-from .params import Control, Param, Stage, control, fills, normal, read, stage, text_of
+from .params import Chosen, Control, Param, Stage, chosen, control, normal, read, stage, text_of
 
-API_VERSION = 11
+API_VERSION = 14
 _ALL = "; `encre params` lists all"
-LIBRARY = {"darwin": "libencre.dylib", "win32": "libencre.dll"}.get(sys.platform, "libencre.so")
-
-
-def _path():
-    """The library in the package's folder; in an extension, what the wheel that came with it put where Python looks for
-    modules, under the name of its build."""
-    package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-    wheels = glob.glob(os.path.join(glob.escape(package), "wheels", "encre_library-*.whl"))
-    if not wheels:
-        return os.path.join(package, LIBRARY)
-    stem, ending = os.path.splitext(LIBRARY)
-    name = f"{stem}-{os.path.basename(wheels[0]).split('-')[1]}{ending}"
-    places = [os.path.join(folder, name) for folder in sys.path]
-    return next(filter(os.path.exists, places), os.path.join(package, name))
 
 
 class Library:
     """One loaded libencre. `path` None: the package's own."""
 
     def __init__(self, path=None):
-        path = path or _path()
+        path = path or installed.path()
         if not os.path.exists(path):
             raise EncreError(f"{path}: the Encre library is missing; install Encre again for this platform")
         try:
@@ -70,27 +56,31 @@ class Library:
                            for k, x in enumerate(_each(lib.encre_operation_info))}
         self.params = {p.id: p for s in self.stages for p in s.params}
         self._job = abi.render_job(len(self.layers), len(self.outputs))
+        self._resting: list[tuple[tuple[int, int], Any]] = []
 
     # -- values
 
-    def pack(self, values: Mapping[str, Any], image: Callable[[str], np.ndarray] | None = None) -> tuple[c.Array, list]:
-        """A parameter block of checked values; `image` loads paper images. Returns (bytearray, things to keep)."""
+    def pack(self, values: Mapping[str, Any],
+             images: Mapping[str, np.ndarray] = MappingProxyType({})) -> tuple[c.Array, list]:
+        """A parameter block of checked values; images: {id: pixels} of parameters that are images. Returns (bytearray,
+        things to keep)."""
         block = (c.c_char * self.lib.encre_params_size())()
         self.lib.encre_params_init(block)
-        keep = [a for id_, value in values.items()
-                if (a := abi.put(self.params[id_], c.addressof(block), value, image)) is not None]
-        return block, keep
+        for id_, value in values.items():
+            abi.put(self.params[id_], c.addressof(block), value)
+        return block, [abi.put_image(self.params[id_], c.addressof(block), pixels) for id_, pixels in images.items()]
 
-    def check(self, values: Mapping[str, Any], image: Callable[[str], np.ndarray] | None = None) -> dict[str, Any]:
-        """Normalises parameter values; EncreError for an unknown id, a wrong type, a value out of range, and with
-        `image`, which loads it, for a paper image that can't be used."""
+    def check(self, values: Mapping[str, Any],
+              images: Mapping[str, np.ndarray] = MappingProxyType({})) -> dict[str, Any]:
+        """Normalises parameter values; EncreError for an unknown id, a wrong type, a value out of range, and for images
+        {id: pixels} that can't be used."""
         out = {}
         for id_, value in values.items():
             if id_ not in self.params:
                 raise EncreError(unknown("parameter", id_, self.params, _ALL))
             out[id_] = normal(self.params[id_], value)
         text = c.create_string_buffer(512)
-        block, _keep = self.pack(out, image)
+        block, _keep = self.pack(out, images)
         sentence = self.lib.encre_params_check(block, text, len(text))
         if sentence:
             raise EncreError(text_of(sentence))
@@ -103,17 +93,10 @@ class Library:
         return [base] + [{**base, **{id_: value for id_, value in changed.items()
                                      if self.params[id_].scope == "surface"}} for changed in styles]
 
-    def paper(self, every: Sequence[Mapping]) -> str | None:
-        """The image from which the paper's heights come when these complete() values draw; None: nothing reads one.
-        EncreError: there should be one."""
-        drawn = any((values["use_lines"] and values["line_paper"] > 0)
-                    or ((values["use_hatching"] or fills(values, "GRAIN")) and values["hatch_amount"] > 0)
-                    for values in every)
-        if not drawn or every[0]["paper_source"] != "IMAGE":
-            return None
-        if not every[0]["paper_image"]:
-            raise EncreError("paper_image: the paper's source is an image but none is given; choose an image")
-        return every[0]["paper_image"]
+    def images(self, every: Sequence[Mapping]) -> list[list[Chosen]]:
+        """For each style the images that are read when these complete() values draw. EncreError: one should be read,
+        and none is given."""
+        return chosen(self.stages, every)
 
     # -- work
 
@@ -128,6 +111,24 @@ class Library:
                 self.lib.encre_destroy(context)
                 raise EncreError(sentence)
         return context
+
+    def _rested(self, threads, simd):
+        """The context of an earlier call, which has threads, memory and paper already, if it is one as asked. Two
+        threads of the caller's never get the same."""
+        try:
+            kind, context = self._resting.pop()
+        except IndexError:
+            return self.context(threads, simd)
+        if kind == (threads, simd):
+            return context
+        self.lib.encre_destroy(context)
+        return self.context(threads, simd)
+
+    def forget(self) -> None:
+        """Frees what calls have kept for the next."""
+        with contextlib.suppress(IndexError):  # another thread may take the last one
+            while True:
+                self.lib.encre_destroy(self._resting.pop()[1])
 
     def _call(self, function, job, threads, simd, progress):
         failure: list[BaseException] = []
@@ -149,14 +150,14 @@ class Library:
 
     def call(self, function: Any, *arguments: Any, threads: int = 0, simd: int = 1,
              failure: Sequence[BaseException] = ()) -> None:
-        """function(a new context, *arguments), structures by reference. EncreError: the library refuses; failure: what
-        was raised meanwhile in Python, which goes first."""
-        context = self.context(threads, simd)
+        """function(a context that nobody uses, *arguments), structures by reference. EncreError: the library refuses;
+        failure: what was raised meanwhile in Python, which goes first."""
+        context = self._rested(threads, simd)
         try:
             code = function(context, *(c.byref(a) if isinstance(a, c.Structure) else a for a in arguments))
             sentence = text_of(self.lib.encre_error(context))
         finally:
-            self.lib.encre_destroy(context)
+            self._resting.append(((threads, simd), context))
         if failure:
             raise failure[0]
         if code:
@@ -165,12 +166,12 @@ class Library:
     def render(self, layers: Mapping[str, np.ndarray], scene: Mapping | None = None, styles: Sequence[Mapping] = (),
                camera: Camera | None = None, frame: Frame | None = None, outputs: Sequence[str] = ("Combined",),
                threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None,
-               image: Callable[[str], np.ndarray] | None = None) -> Result:
+               image: Callable[[Chosen], np.ndarray] | None = None) -> Result:
         """Runs the stages on layers of shape (H, W, channels) or (H, W), float32, row 0 at the top, any strides.
 
         scene: values that differ from the defaults; styles[k]: what style number k + 1 changes, of which values of
-        frame scope are ignored. image(name): the pixels of the paper() that is read, if one is. Result.images has an
-        array (H, W, channels) for each of `outputs`.
+        frame scope are ignored. image(chosen): the pixels of one of the images() that are read, if any are.
+        Result.images has an array (H, W, channels) for each of `outputs`.
         """
         every = self.complete(self.check(scene or {}), [self.check(s) for s in styles])
         return self.draw(layers, every, camera, frame, outputs, threads, simd, progress, image)
@@ -178,7 +179,7 @@ class Library:
     def draw(self, layers: Mapping[str, np.ndarray], every: Sequence[Mapping], camera: Camera | None = None,
              frame: Frame | None = None, outputs: Sequence[str] = ("Combined",), threads: int = 0, simd: int = 1,
              progress: Callable[[float], bool] | None = None,
-             image: Callable[[str], np.ndarray] | None = None,
+             image: Callable[[Chosen], np.ndarray] | None = None,
              empty: Callable[[tuple[int, ...]], np.ndarray] | None = None) -> Result:
         """As render(); every[k]: the checked values of style number k, as complete() gives them; empty(shape) makes the
         arrays of what is drawn."""
@@ -186,7 +187,7 @@ class Library:
 
     def draw_work(self, layers: Mapping[str, np.ndarray], every: Sequence[Mapping], camera: Camera | None = None,
                   frame: Frame | None = None, outputs: Sequence[str] = ("Combined",),
-                  image: Callable[[str], np.ndarray] | None = None,
+                  image: Callable[[Chosen], np.ndarray] | None = None,
                   empty: Callable[[tuple[int, ...]], np.ndarray] | None = None) -> Work:
         """The Work of draw()."""
         job, keep = self._job(), list[Any]()
@@ -195,9 +196,8 @@ class Library:
             if a is not None:
                 a, job.layers[i] = abi.given(name, a, channels)
                 keep.append(a)
-        for name in layers:
-            if name not in self.layers:
-                raise EncreError(unknown("layer", name, self.layers))
+        for name in sorted(layers.keys() - self.layers.keys()):
+            raise EncreError(unknown("layer", name, self.layers))
         if layers.get("combined") is None:
             raise EncreError("combined: this layer is missing and required; render it or name the file that has it")
         height, width = layers["combined"].shape[:2]
@@ -207,20 +207,25 @@ class Library:
                 shape = height, width, channels
                 images[name] = empty(shape) if empty else np.empty(shape, np.float32)
                 job.outputs[i] = abi.image(images[name])
-        for name in outputs:
-            if name not in self.outputs:
-                raise EncreError(unknown("output", name, self.outputs))
-        paper = self.paper(every)
-        if paper and not image:
-            raise EncreError(f"paper_image: {paper} is to be read, and nothing that can read it is given; pass `image`")
-        blocks = [self.pack(v, image if paper and k == 0 else None) for k, v in enumerate(every)]
+        for name in sorted(set(outputs) - self.outputs.keys()):
+            raise EncreError(unknown("output", name, self.outputs))
+        read: dict[Chosen, np.ndarray] = {}
+        for one in dict.fromkeys(each for style in self.images(every) for each in style):
+            if not image:
+                raise EncreError(f"{one.id}: {one.name} is to be read, and nothing that can read it is given; "
+                                 "pass `image`")
+            pixels = np.ascontiguousarray(image(one), np.float32)
+            # Tones that look alike flow into each other, and where their images lie is by what the library tells.
+            read[one] = next((known for known in read.values() if np.array_equal(known, pixels, True)), pixels)
+        blocks = [self.pack(v, {each.id: read[each] for each in style})
+                  for v, style in zip(every, self.images(every), strict=True)]
         block = b"".join(bytes(b) for b, _ in blocks)
         keep += [b for _, b in blocks] + [block]
         job.params = c.cast(c.c_char_p(block), c.c_void_p)
         job.n_styles = len(every)
         camera = camera or Camera()
         job.camera = abi.Camera((c.c_float * 9)(*camera.view), bool(camera.orthographic), camera.height,
-                             camera.distance)
+                             camera.distance, camera.light)
         frame = frame or Frame(width, height)
         job.frame = abi.Frame(*astuple(frame))
         return Work("render", job, keep, lambda: Result(images, job.nonfinite))
@@ -233,16 +238,17 @@ class Library:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
-        (H, W, 2), `creases` (H, W, 4), `coincident`, `shading` (H, W, 3) and `anchor` (H, W, 16). beyond (H, W): only
-        what lies farther than this is drawn; at 1e10 nothing is.
+        (H, W, 2), `creases` (H, W, 4), `coincident`, `shading` (H, W, 3), `anchor` (H, W, 16) and `tangent` (H, W, 3).
+        beyond (H, W): only what lies farther than this is drawn; at 1e10 nothing is.
         """
         work = self.raster_work(meshes, view, projection, frame, size, clip_start, clip_end, channels, outputs, beyond)
         return self.run(work, threads, 1, progress)
 
     def raster_work(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
                     size: tuple[int, int], clip_start: float, clip_end: float = 0.0, channels: int = 0,
-                    outputs: Sequence[str] = abi.RASTER_OUTPUTS, beyond: np.ndarray | None = None) -> Work:
-        """The Work of raster()."""
+                    outputs: Sequence[str] = abi.RASTER_OUTPUTS, beyond: np.ndarray | None = None,
+                    into: Mapping[str, np.ndarray] = MappingProxyType({})) -> Work:
+        """The Work of raster(). into: arrays of zeros that it fills, by output; others are made."""
         job, keep = abi.RasterJob(), []
         array = (abi.Mesh * max(1, len(meshes)))()
         for m, mesh in zip(array, meshes, strict=False):
@@ -258,9 +264,9 @@ class Library:
         images = {}
         for name in outputs:
             depth = {"normal": (3,), "shading": (3,), "attributes": (channels,), "marks": (2,),
-                     "creases": (4,), "anchor": (self.layers["anchor"],)}.get(name, ())
+                     "creases": (4,), "anchor": (self.layers["anchor"],), "tangent": (3,)}.get(name, ())
             shape = height, width, *depth
-            images[name] = np.zeros(shape, np.float32)
+            images[name] = into[name] if name in into else np.zeros(shape, np.float32)
             if images[name].size:
                 setattr(job, name, abi.image(images[name]))
         return Work("raster", job, [keep, array, beyond], lambda: images)
@@ -362,12 +368,13 @@ def parse(id_: str, text: str) -> Any:
     return normal(params()[id_], read(params()[id_], text))
 
 
-def check(values: Mapping[str, Any], image: Callable[[str], np.ndarray] | None = None) -> dict[str, Any]:
-    return load().check(values, image)
+def check(values: Mapping[str, Any],
+          images: Mapping[str, np.ndarray] = MappingProxyType({})) -> dict[str, Any]:
+    return load().check(values, images)
 
 
-def paper(every: Sequence[Mapping]) -> str | None:
-    return load().paper(every)
+def images(every: Sequence[Mapping]) -> list[list[Chosen]]:
+    return load().images(every)
 
 
 def render(*args: Any, **kwargs: Any) -> Result:

@@ -6,6 +6,7 @@ import json
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,12 @@ import numpy as np
 from . import library, settings
 from .errors import EncreError
 from .job import Camera, Frame
+from .params import Chosen
 
 PARAMS, FRAME, CAMERA, BORDER = "encre.params", "encre.frame", "encre.camera", "encre.border"
-VIEW, PAPER, LOST = "encre.view", "encre.paper", "encre.lost"
-_MOST_PAPER = 1 << 26  # values of a paper image in a file
+VIEW, IMAGES, LOST = "encre.view", "encre.paper", "encre.lost"  # once, the paper's was the only image
+_MOST_IMAGES = 1 << 26  # values of all images in a file
+_PAPER = "paper_image"
 MARK = "encre.mark"  # from what a frame of a sequence was made: sequence.py
 VERSION = 1
 _BORDER = ("x", "y", "width", "height")
@@ -48,27 +51,29 @@ class Stored:
     frame: Frame | None = None
     border: tuple | None = None
     view: View | None = None
-    paper: tuple | None = None  # (name, pixels) of a paper image that is no file
+    images: dict = field(default_factory=dict)  # {Chosen: pixels} of those that are no files
     lost: list = field(default_factory=list)  # what is in Combined and can't be drawn again
     warnings: list = field(default_factory=list)
     unknown: dict = field(default_factory=dict)
 
 
 def write(scene: dict[str, Any], styles: Sequence[tuple[str, dict[str, Any]]], camera: Camera, frame: Frame,
-          border: Sequence[int] | None = None, view: View | None = None, paper: tuple[str, np.ndarray] | None = None,
-          lost: Sequence[str] = ()) -> dict[str, str]:
+          border: Sequence[int] | None = None, view: View | None = None,
+          images: Mapping[Chosen, np.ndarray] = MappingProxyType({}), lost: Sequence[str] = ()) -> dict[str, str]:
     """{key: JSON text} to store in a file, of what Stored says; `styles` in the order of their numbers."""
     said: dict[str, Any] = {
         PARAMS: {"version": VERSION, "settings": settings.VERSION, "scene": scene,
                  "styles": [{"name": name, "values": values} for name, values in styles]},
         FRAME: asdict(frame),
         CAMERA: {"orthographic": bool(camera.orthographic), "height": float(camera.height),
-                 "distance": float(camera.distance), "view": [float(v) for v in np.ravel(camera.view)]},
+                 "distance": float(camera.distance), "light": float(camera.light),
+                 "view": [float(v) for v in np.ravel(camera.view)]},
     }
     if view:
         said[VIEW] = asdict(view)
-    if paper:
-        said[PAPER] = _packed(*paper)
+    if packed := [_packed(chosen, images[chosen]) for chosen in fitting(images)]:
+        # One alone, of the paper, as files had it before there were others.
+        said[IMAGES] = packed[0] if len(packed) == 1 else packed
     if lost:
         said[LOST] = list(lost)
     if border:
@@ -84,7 +89,7 @@ def read(texts: Mapping[str, str]) -> Stored:
     """
     stored = Stored()
     for key, understand in ((PARAMS, _read_params), (FRAME, _read_frame), (CAMERA, _read_camera),
-                            (BORDER, _read_border), (VIEW, _read_view), (PAPER, _read_paper), (LOST, _read_lost)):
+                            (BORDER, _read_border), (VIEW, _read_view), (IMAGES, _read_images), (LOST, _read_lost)):
         if key not in texts:
             continue
         try:
@@ -129,10 +134,11 @@ def _read_frame(said, stored):
 def _read_camera(said, stored):
     view = np.array(said["view"], np.float64)
     orthographic, height, distance = said["orthographic"], float(said["height"]), float(said.get("distance", 0))
+    light = float(said.get("light", 0))
     if view.shape != (9,) or not np.isfinite(view).all() or type(orthographic) is not bool or not height > 0 \
-            or not 0 <= distance < np.inf:
+            or not 0 <= distance < np.inf or not 0 <= light < np.inf:
         raise ValueError
-    stored.camera = Camera(tuple(view), orthographic, height, distance)
+    stored.camera = Camera(tuple(view), orthographic, height, distance, light)
 
 
 def _read_border(said, stored):
@@ -150,26 +156,47 @@ def _read_view(said, stored):
                        [str(what) for what in said.get("beside", ())][:16])
 
 
-def _packed(name, pixels):
+def fitting(images: Mapping[Chosen, np.ndarray]) -> list[Chosen]:
+    """Those of the images that a file has room for: with more it could not be read again."""
+    room, found = _MOST_IMAGES, []
+    for chosen, pixels in images.items():
+        if pixels.size <= room:
+            room -= pixels.size
+            found.append(chosen)
+    return found
+
+
+def _packed(chosen, pixels):
     """An image (H, W, channels) of floats as JSON takes it; those of 8 bits take no more room than that."""
     data, bits = np.ascontiguousarray(pixels, "<f4"), 32
     if (abs(pixels - 0.5) <= 0.5).all():
         rounded = np.round(pixels * np.float32(255)).astype(np.uint8)
         if np.array_equal(rounded.astype(np.float32) / np.float32(255), pixels):
             data, bits = rounded, 8
-    return {"name": name, "shape": pixels.shape, "bits": bits,
+    of = {} if chosen.id == _PAPER else {"param": chosen.id}
+    return {"name": chosen.name, **of, "shape": pixels.shape, "bits": bits,
             "data": base64.b64encode(zlib.compress(data.tobytes())).decode()}
 
 
-def _read_paper(said, stored):
+def _read_images(said, stored):
+    room = _MOST_IMAGES
+    for one in said if isinstance(said, list) else [said]:
+        chosen, pixels = _unpacked(one, room)
+        stored.images[chosen] = pixels
+        room -= pixels.size
+
+
+def _unpacked(said, room):
+    """(Chosen, pixels) of an image of at most `room` values."""
     shape, bits = tuple(said["shape"]), said["bits"]
     if len(shape) != 3 or any(type(n) is not int or n < 1 for n in shape) or bits not in (8, 32) \
-            or shape[2] > 4 or np.prod(shape, dtype=float) > _MOST_PAPER:
+            or shape[2] > 4 or np.prod(shape, dtype=float) > room:
         raise ValueError
     size = shape[0] * shape[1] * shape[2] * bits // 8
     data = zlib.decompressobj().decompress(base64.b64decode(said["data"]), size)
     pixels = np.frombuffer(data, np.uint8 if bits == 8 else "<f4").reshape(shape)
-    stored.paper = str(said["name"]), pixels / np.float32(255) if bits == 8 else pixels.astype(np.float32)
+    return (Chosen(str(said.get("param", _PAPER)), str(said["name"])),
+            pixels / np.float32(255) if bits == 8 else pixels.astype(np.float32))
 
 
 def _read_lost(said, stored):

@@ -5,11 +5,15 @@ from collections.abc import Callable
 
 import numpy as np
 
+from . import saved
 from .job import Frame
 
 # The 5x5 window about a pixel without it: least distance first, then least row, then least column.
 _WINDOW = sorted(((y, x) for y in range(-2, 3) for x in range(-2, 3) if y or x),
                  key=lambda at: (at[0] ** 2 + at[1] ** 2, at))
+# Channels of the layer `anchor`; the size of a pixel follows the normal.
+_PLACE, _FACING, _RIGHT, _DOWN = (saved.ANCHOR[f"Encre Anchor{which}"] for which in ("", " Normal", " X", " Y"))
+_NORMAL, _PIXEL = slice(_FACING.start, _FACING.stop - 1), _FACING.stop - 1
 _GRAZING = 0.06  # cosine of the steepest slope that is told of a surface which only its normal tells of
 
 
@@ -66,7 +70,7 @@ def compact(maps: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         out["creases"][..., :4] = creases
         out["creases"][..., 4] = bends(normal)
     for name, picture in maps.items():
-        if name not in ("attributes", "marks", "anchor"):
+        if name not in ("attributes", "marks", "anchor", "tangent"):
             out[name] = picture.astype(np.min_scalar_type(int(picture.max())))
         elif picture.any():
             out[name] = picture
@@ -79,7 +83,7 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
 
     index: (height, width) object index that Cycles wrote. maps: what compact() gave of the rasteriser's pictures
     `object` (a number per part of an instance, 0 = nothing), `material`, `style`, `attributes` (the controls) and
-    `marks`, `creases` and `anchor`, and `coincident` and `pairs`; each is popped when it is read.
+    `marks`, `creases`, `anchor` and `tangent`, and `coincident` and `pairs`; each is popped when it is read.
     owners[number]: what Cycles wrote for that instance; numbers[number]: what the object layer says for it.
     strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices.
     """
@@ -103,6 +107,8 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
     if "anchor" in maps:
         layers["anchor"] = moved(maps.pop("anchor"))
         _extrapolate(layers["anchor"], pixels[found], sources[found])
+    if "tangent" in maps:
+        layers["tangent"] = moved(maps.pop("tangent"))
     if "marks" in maps:
         layers["marks"] = without(maps.pop("marks"), pixels)
     if "creases" in maps:
@@ -117,8 +123,8 @@ def _extrapolate(anchor, pixels, sources):
     evenly: else a pattern would be torn there."""
     flat, width = anchor.reshape(-1, anchor.shape[2]), anchor.shape[1]
     down, right = (one - other for one, other in zip(np.divmod(pixels, width), np.divmod(sources, width), strict=True))
-    flat[pixels, :3] += right[:, None].astype(np.float32) * flat[pixels, 7:10]
-    flat[pixels, :3] += down[:, None].astype(np.float32) * flat[pixels, 10:13]
+    flat[pixels, _PLACE] += right[:, None].astype(np.float32) * flat[pixels, _RIGHT]
+    flat[pixels, _PLACE] += down[:, None].astype(np.float32) * flat[pixels, _DOWN]
 
 
 def complete_anchor(layers: dict[str, np.ndarray], view: np.ndarray, projection: np.ndarray, frame: Frame) -> None:
@@ -131,7 +137,7 @@ def complete_anchor(layers: dict[str, np.ndarray], view: np.ndarray, projection:
     anchor = layers.get("anchor")
     if anchor is None:
         return
-    rows, columns = np.nonzero((anchor[..., 6] == 0) & ~_nothing(layers["depth"]))
+    rows, columns = np.nonzero((anchor[..., _PIXEL] == 0) & ~_nothing(layers["depth"]))
     depth, normal = (layers[name][rows, columns].astype(np.float64) for name in ("depth", "normal"))
     to_world, orthographic = np.linalg.inv(view), projection[3, 3] == 1
 
@@ -152,16 +158,18 @@ def complete_anchor(layers: dict[str, np.ndarray], view: np.ndarray, projection:
     normal = np.where(length > 0, normal / np.maximum(length, 1e-30), -ray)
     facing = (normal * ray).sum(1)
     facing = np.copysign(np.maximum(np.abs(facing), _GRAZING * np.linalg.norm(ray, axis=1)), facing)
-    anchor[rows, columns, :3], anchor[rows, columns, 3:6], anchor[rows, columns, 6] = here, normal, pixel
-    for channel, right, down in ((7, 1, 0), (10, 0, 1)):
+    known = anchor[rows, columns]
+    known[:, _PLACE], known[:, _NORMAL], known[:, _PIXEL] = here, normal, pixel
+    for channels, right, down in ((_RIGHT, 1, 0), (_DOWN, 0, 1)):
         aside = place(right, down, z) - here
-        anchor[rows, columns, channel:channel + 3] = aside - ray * ((normal * aside).sum(1) / facing)[:, None]
+        known[:, channels] = aside - ray * ((normal * aside).sum(1) / facing)[:, None]
+    anchor[rows, columns] = known
 
 
 # A layer's value where nothing is.
 _NOTHING = {"object": 0, "material": 0, "style": 0, "controls": 0, "depth": 1e10, "normal": 0, "color": 0, "albedo": 0,
-            "diffuse": 0, "specular": 0, "highlights": 0, "anchor": 0, "seen_color": 0, "seen_normal": 0,
-            "seen_depth": 0}
+            "diffuse": 0, "specular": 0, "highlights": 0, "gloss": 0, "anchor": 0, "tangent": 0, "seen_color": 0,
+            "seen_normal": 0, "seen_depth": 0}
 
 
 def hide(layers: dict[str, np.ndarray], hidden: np.ndarray) -> None:
@@ -212,4 +220,7 @@ def bends(normal: np.ndarray) -> np.ndarray:
         one = normal[:height - 2 * down, first:last]
         other = normal[2 * down:, first + 2 * right:last + 2 * right]
         np.minimum(inner, np.einsum("yxc,yxc->yx", one, other), out=inner)
-    return np.degrees(np.arccos(np.clip(least, -1, 1)))
+    np.maximum(least, -1, out=least)
+    for change in (np.arccos, np.degrees):
+        change(least, out=least)
+    return least

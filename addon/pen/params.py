@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from .colour import decode_srgb
 from .errors import EncreError, unknown
 
 MAX_LEVELS = 16
+_IMAGES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "images")
 _TYPES = ("bool", "int", "float", "enum", "color", "image", "levels")  # in the order of enum encre_type
 _UNLIMITED = float(np.finfo(np.float32).max)
 
@@ -105,6 +106,30 @@ def terms(rule: str, value: Callable[[str], Any]) -> dict[str, bool]:
     return {term: true(term) for term in rule.split("&")} if rule else {}
 
 
+class Chosen(NamedTuple):
+    """An image that a parameter names: the parameter's id, and what settings call the image, a path or a name in
+    Blender."""
+
+    id: str
+    name: str
+
+
+def shipped(p: Param, values: Mapping[str, Any]) -> str | None:
+    """The file of ours that is read where an image is not asked for, because the enum that would ask for it has another
+    item: images/<enum>/<item>.png. None: there is none."""
+    for term in p.enabled_if.split("&"):
+        id_, _, items = term.partition("=")
+        if items and values[id_] not in items.split("|"):
+            path = os.path.join(_IMAGES, id_, f"{values[id_].lower()}.png")
+            return path if os.path.exists(path) else None
+    return None
+
+
+def asked(p: Param, values: Mapping[str, Any]) -> bool:
+    """Whether values ask for a parameter by its `enabled_if`."""
+    return all(terms(p.enabled_if, values.__getitem__).values())
+
+
 TONES = ("tone_1", "tone_2", "tone_3", "tone_4")  # of the levels of light, the darkest first
 
 PENS = {"PEN": "pen", "PEN_2": "pen_2", "PEN_3": "pen_3"}  # the item of a kind of line that names it: its rows
@@ -127,15 +152,29 @@ def fills(values: Mapping[str, Any], *tones: str) -> bool:
     return values["use_tones"] and any(values[id_] in tones for id_ in TONES)
 
 
+def rubs(values: Mapping[str, Any]) -> bool:
+    """Whether anything rubs over the paper's heights."""
+    return (values["use_lines"] and values["line_paper"] > 0) or (
+        values["use_wash"] and values["wash_granulation"] > 0) or (
+        (values["use_hatching"] or fills(values, "GRAIN")) and values["hatch_amount"] > 0)
+
+
 def fills_surfaces(values: Mapping[str, Any]) -> bool:
     """Whether any tone sticks to surfaces."""
-    return values["use_tones"] and any(values[f"{id_}_space"] == "SURFACE"
+    return values["use_tones"] and any(values[f"{id_}_space"] != "SCREEN"
                                        and values[id_] not in ("NONE", "SOLID", "GRAIN") for id_ in TONES)
 
 
-def strokes_pitches(values: Mapping[str, Any]) -> list[float]:
-    """The pitches of tones that are strokes or spots, which reach over other pixels."""
-    return [values[f"{id_}_pitch"] for id_ in TONES if values["use_tones"] and values[id_] in ("HATCH", "STIPPLE")]
+def strokes_along_uv(values: Mapping[str, Any]) -> bool:
+    """Whether strokes that stick to surfaces follow UV maps."""
+    return values["use_tones"] and values["tone_strokes"] == "UV" and any(
+        values[id_] == "HATCH" and values[f"{id_}_space"] != "SCREEN" for id_ in TONES)
+
+
+def strokes_pitches(values: Mapping[str, Any]) -> list[float | None]:
+    """The pitches of tones that are strokes or spots, which reach over other pixels; None: it is the thing's own."""
+    return [None if values[f"{id_}_space"] == "OBJECT" else values[f"{id_}_pitch"] for id_ in TONES
+            if values["use_tones"] and values[id_] in ("HATCH", "STIPPLE")]
 
 
 def _levels(levels):
@@ -262,3 +301,24 @@ def read(p: Param, text: str) -> Any:
         form = {"bool": "on or off", "color": "r,g,b or #rrggbb", "levels": '"0.5; 0.7,0.5,0.025; ..."'}.get(
             p.type, "a number")
         raise EncreError(f"{p.id}: {text!r} can't be read; give {form}") from None
+
+
+def chosen(stages: Sequence[Stage], every: Sequence[Mapping]) -> list[list[Chosen]]:
+    """For each style the images that are read when these values of all parameters draw. EncreError: one should be read,
+    and none is given."""
+    found: list[list[Chosen]] = [[] for _ in every]
+    for one in stages:
+        drawn = [values[one.switch.id] if one.switch else rubs(values) for values in every]
+        for p in one.params:
+            if p.type != "image":
+                continue
+            # an image of the frame is in the scene's block, whichever style reads it
+            reading = drawn if p.scope == "surface" else [any(drawn)]
+            for values, style, reads in zip(every, found, reading, strict=False):
+                if reads and (own := shipped(p, values)):
+                    style.append(Chosen(p.id, own))
+                elif reads and asked(p, values):
+                    if not values[p.id]:
+                        raise EncreError(f"{p.id}: an image is to be read but none is given; choose an image")
+                    style.append(Chosen(p.id, values[p.id]))
+    return found

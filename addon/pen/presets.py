@@ -5,7 +5,8 @@ a user's where Blender keeps its user's files.
 A file holds {"name", "description", "values": {id: value}}, values in the JSON form of `encre params --json`, a user's
 also the version of the "settings", of which it has all that are a matter of looks; a PNG of the same name beside it is
 its picture. Adding a preset = adding a file. A preset sets the parameters that it lists and
-leaves all others as they are. It is data from strangers: nothing in it is run, and it opens no other file.
+leaves all others as they are; but what any of Encre's own lists, the others set to its default, so that each looks the
+same whichever was chosen before. It is data from strangers: nothing in it is run, and it opens no other file.
 """
 
 import functools
@@ -31,6 +32,7 @@ class Preset:
     name: str
     description: str
     values: dict
+    listed: tuple  # the ids that its file lists
 
     @property
     def id(self) -> str:
@@ -98,12 +100,20 @@ def _read(path, _changed):
         values = {**settings.since(data.get("settings", settings.VERSION)), **data["values"]}
         if refused := [id_ for id_ in values if not _holds(id_)]:
             raise EncreError(f"{refused[0]}: presets hold no images")
-        return Preset(path, data["name"], data["description"], library.check(values))
+        set_ = {**_set_by_any(), **values} if path.parent == FOLDER else values
+        return Preset(path, data["name"], data["description"], library.check(set_), tuple(values))
     except EncreError as error:
         raise EncreError(f"the preset file {path} can't be used: {error}; repair or remove it") from None
     except (TypeError, ValueError, AttributeError, OverflowError):
         raise EncreError(f"the preset file {path} can't be used: a value in it is of another kind than its "
                          "parameter's, or far too large; repair or remove it") from None
+
+
+@functools.cache
+def _set_by_any():
+    """{id: default} of all that Encre's own presets list."""
+    return {id_: library.params()[id_].default for path in sorted(FOLDER.glob("*.json"))
+            for id_ in _data(path)["values"]}
 
 
 def _data(path):
@@ -138,8 +148,11 @@ def of(values: Mapping[str, Any]) -> dict[str, Any]:
     """What a preset keeps of a scene's values: how it looks, but not images, which are files of their own."""
     kept = {id_: value for id_, value in values.items()
             if library.params()[id_].stage != _OF_THE_JOB and _holds(id_)}
-    if kept.get("paper_source") == "IMAGE":
-        del kept["paper_source"]
+    for p in library.params().values():
+        for term in p.enabled_if.split("&") if p.type == "image" else ():
+            id_, _, items = term.partition("=")
+            if kept.get(id_) in items.split("|"):  # what asks for an image
+                del kept[id_]
     return kept
 
 

@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The settings of a scene and its styles, read and checked once, and what they ask for."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from . import colour, library
-from .params import fills_surfaces, pens, sticking_pens, strokes_pitches, terms
+from .params import Chosen, fills_surfaces, pens, sticking_pens, strokes_along_uv, strokes_pitches, terms
 
 _MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
 _STROKE = 4.5  # pitches from a stroke's place to its end, at most
+_WIDEST = 40  # px that strokes lie apart at most whose distance grows with the thing
 _WINDOW = 24  # pixels about an edge at which its detector looks, whatever the settings are
 
 # Versions of the settings, which files store: {version: {id: the default before it}}. Ids are for ever. To change a
@@ -119,7 +120,8 @@ class Settings:
     @cached_property
     def wants_light(self) -> bool:
         """Whether anything compares light with a threshold, so that its noise would show as speckle."""
-        return self.active and self.any("use_shading", "use_hatching", "use_tones", "edge_light", "line_light")
+        return self.active and self.any("use_shading", "use_example", "use_hatching", "use_tones", "edge_light",
+                                        "line_light")
 
     @cached_property
     def fast(self) -> bool:
@@ -145,7 +147,7 @@ class Settings:
     @cached_property
     def of_layers(self) -> tuple:
         """Equal for settings by which layers.assemble() makes the same of the same passes, but for noise."""
-        return (self.denoises, self.wants_parts, self.wants_specular,
+        return (self.denoises, self.wants_parts, self.wants_specular, self.wants_gloss,
                 [(values["use_shading"], values["shade_light"]) for values in self.every])
 
     @cached_property
@@ -166,20 +168,32 @@ class Settings:
                 most = max(most, min(scene["line_max_thickness"], widest) / 2 + strays + weighed)
             if values["use_smudging"]:
                 most = max(most, 2 * values["smudge_range"] + values["smudge_pick"])
+            if values["use_wash"]:
+                most = max(most, 2 * values["wash_wobble"] + max(scene["wash_pool_width"], scene["wash_bleed_width"]))
+            if values["use_rim"]:
+                most = max(most, values["rim_width"] + 2)
         if scene["contrast_auto"] and self.any("edge_color"):
             most += scene["contrast_window"] / 2
         scale = {"RELATIVE": height / 1080, "MM": height / scene["page_height"], "PIXELS": 1}[scene["length_unit"]]
         counted = scene["tone_pitch_unit"] == "LPI"
         inch = 25.4 * height / scene["page_height"]
-        strokes = [inch / pitch if counted else pitch * scale
+        strokes = [_WIDEST * scale if pitch is None else inch / pitch if counted else pitch * scale
                    for values in self.every for pitch in strokes_pitches(values)]
         far = max(most * scale, *(_STROKE * max(pitch, 3) for pitch in strokes), 0)
         return int(np.ceil(far)) + _WINDOW if self.active else 0
 
     @cached_property
-    def paper(self) -> str | None:
-        """The image that is read for the paper's heights, None if nothing reads one. EncreError: none is given."""
-        return library.paper(self.every)
+    def images(self) -> list[Chosen]:
+        """The images that are read, each once. EncreError: one should be, and none is given."""
+        return list(dict.fromkeys(chosen for style in library.images(self.every) for chosen in style))
+
+    def load(self, read: Callable[[Chosen], np.ndarray]) -> dict[Chosen, np.ndarray]:
+        """The pixels of the images, each from read(). EncreError: one can't be used."""
+        pixels = {}
+        for chosen in self.images:
+            pixels[chosen] = read(chosen)
+            library.check({}, {chosen.id: pixels[chosen]})
+        return pixels
 
     @cached_property
     def wants_edges(self) -> bool:
@@ -190,6 +204,12 @@ class Settings:
     def wants_specular(self) -> bool:
         """Whether anything looks at highlights."""
         return self.any("use_hatching") or self.wants_parts
+
+    @cached_property
+    def wants_gloss(self) -> bool:
+        """Whether metals are treated apart."""
+        return any((values["use_example"] and values["example_gloss"])
+                   or (values["use_shading"] and values["reflection_tones"]) for values in self.every)
 
     @cached_property
     def wants_parts(self) -> bool:
@@ -204,13 +224,23 @@ class Settings:
     def sticks(self) -> bool:
         """Whether anything that is drawn sticks to surfaces."""
         fine = self.every[0]["edge_detector"] == "FINE"
-        return any(fills_surfaces(values)
+        return any(fills_surfaces(values) or values["use_example"]
                    or (fine and sticking_pens(values)) for values in self.every)
 
     @cached_property
     def wants_anchor(self) -> bool:
         """Whether anything sticks to surfaces, or is to be able to."""
         return self.every[0]["save_anchor"] == "ON" or self.sticks
+
+    @cached_property
+    def follows_uv(self) -> bool:
+        """Whether strokes that are drawn follow UV maps."""
+        return any(strokes_along_uv(values) for values in self.every)
+
+    @cached_property
+    def wants_tangent(self) -> bool:
+        """Whether strokes follow UV maps, or are to be able to."""
+        return self.every[0]["save_anchor"] == "ON" or self.follows_uv
 
     @cached_property
     def wants_seen(self) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 from . import library
 from .background import Steps
 from .job import Camera, Frame, Work
+from .params import Chosen
 from .settings import Settings
 
 # What draws lines: (weight, the colour by which it is known here).
@@ -36,12 +37,11 @@ class Drawing:
     camera: Camera
     frame: Frame
     settings: Settings
-    paper: np.ndarray | None
+    images: Mapping[Chosen, np.ndarray]  # that the settings name
 
     def work(self, outputs: Sequence[str], every: Sequence[Mapping] | None = None) -> Work:
-        paper = self.paper
         return library.load().draw_work(self.layers, every or self.settings.every, self.camera, self.frame, outputs,
-                                        None if paper is None else lambda _name: paper)
+                                        self.images.__getitem__)
 
     def form(self) -> np.ndarray:
         """(height, width, 1): how bright surfaces are that are lit from the camera."""

@@ -14,7 +14,8 @@ _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
 
 def known() -> dict[str, str]:
     """{classic pass name: channel letters} of all that is read."""
-    return {**layers.CYCLES, **layers.BEHIND, "IndexMA": "X", **saved.passes(True, True), **layers.SEEN, **slim.PASSES}
+    return {**layers.CYCLES, **layers.BEHIND, "IndexMA": "X", **saved.passes(True, True, True),
+            **layers.SEEN, **slim.PASSES}
 
 
 def view_layers(channels: Iterable[str], views: Collection[str] = ()) -> dict[str, dict[str, dict[str, list[str]]]]:

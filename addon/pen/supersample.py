@@ -9,7 +9,7 @@ from .job import Frame
 
 # What can't be averaged: numbers of things, and places, where the mean of near and far is neither.
 _ONE_SAMPLE = {"Depth", "Denoising Depth", "IndexOB", "IndexMA", "Position", "UV", "Vector", "Encre Index",
-               "Encre Seen Depth"}
+               "Encre Seen Depth", "Encre Tangent"}
 _ANCHOR_PIXEL = 3  # channel of Encre Anchor Normal: the size of a pixel
 
 
@@ -19,7 +19,10 @@ def frame(place: Frame, factor: int) -> Frame:
 
 
 def shrink(name: str, picture: np.ndarray, factor: int) -> np.ndarray:
-    """The pass `name` (classic or not) of the frame's size: the mean of each factor x factor pixels, or one of them."""
+    """The pass `name` (classic or not) of the frame's size: the mean of each factor x factor pixels, or one of them; of
+    factor 1 the picture itself."""
+    if factor == 1:
+        return picture
     if name == "Encre Marks":
         return _marks(picture, factor)
     if name == "Encre Creases":

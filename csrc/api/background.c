@@ -85,6 +85,7 @@ int32_t encre_start(encre_context *context, const encre_step *steps, int32_t n_s
 	memcpy(b->steps, steps, size);
 	b->n_steps = n_steps;
 	b->own = *context;
+	b->own.stop = &b->cancel;
 	if (pthread_create(&b->thread, NULL, background_main, b)) {
 		free(b);
 		snprintf(context->error, sizeof context->error,
@@ -117,6 +118,7 @@ int32_t encre_wait(encre_context *context)
 		return context->ended;
 	pthread_join(b->thread, NULL);
 	b->own.ended = b->code;
+	b->own.stop = NULL;
 	*context = b->own;
 	free(b);
 	return context->ended;

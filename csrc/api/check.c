@@ -56,6 +56,9 @@ static int32_t check_camera(const encre_camera *camera, char *error, size_t size
 		return refuse(error, size,
 			      "camera: a distance of %g; give the depth of what the picture is about, or 0",
 			      (double)camera->distance);
+	if (!(camera->light >= 0 && camera->light <= FLT_MAX))
+		return refuse(error, size, "camera: a light of %g; give that of what faces the strongest lamp, or 0",
+			      (double)camera->light);
 	return ENCRE_OK;
 }
 
@@ -78,7 +81,31 @@ static int32_t check_params(const encre_params *params, int count, char *error, 
 		if (e)
 			return refuse(error, size, "%s", e);
 	}
-	return params->paper_image.data ? check_memory("paper_image", &params->paper_image, error, size) : ENCRE_OK;
+	int32_t code = ENCRE_OK;
+	for (int i = 0; i < count; i++) {
+#define IMAGE(id, ...)                                                                                                 \
+	if (!code && params[i].id.data)                                                                                \
+		code = check_memory(#id, &params[i].id, error, size);
+#include "base/all.rows.h"
+	}
+	return code;
+}
+
+/* An output, which has strides, lies apart from the images of all styles. */
+static int32_t check_apart_from_images(const encre_job *job, const char *name, const encre_image *out, char *error,
+				       size_t size)
+{
+	const encre_params *params = job->params;
+	int32_t code = ENCRE_OK;
+	for (int i = 0; i < job->n_styles; i++) {
+#define IMAGE(id, ...)                                                                                                 \
+	if (!code && params[i].id.data) {                                                                              \
+		encre_image given = with_strides(params[i].id);                                                        \
+		code = check_apart(name, out, #id, grid_of(&given), error, size);                                      \
+	}
+#include "base/all.rows.h"
+	}
+	return code;
 }
 
 /* Outputs of a job, which have strides, lie apart from each other and from what it reads. */
@@ -86,7 +113,6 @@ static int32_t check_outputs(const encre_job *job, const encre_image *in, const 
 			     size_t size)
 {
 	const encre_params *scene = job->params;
-	encre_image paper = with_strides(scene->paper_image);
 	bool any = false;
 	for (int i = 0; i < ENCRE_OUTPUT_COUNT; i++) {
 		const char *name = encre_output_info(i)->name;
@@ -102,8 +128,8 @@ static int32_t check_outputs(const encre_job *job, const encre_image *in, const 
 			if (out[k].data)
 				code = check_apart(name, out + i, encre_output_info(k)->name, grid_of(out + k), error,
 						   size);
-		if (!code && paper.data)
-			code = check_apart(name, out + i, "paper_image", grid_of(&paper), error, size);
+		if (!code)
+			code = check_apart_from_images(job, name, out + i, error, size);
 		if (!code)
 			code = check_apart(name, out + i, "the parameters",
 					   grid_of_bytes(scene, (size_t)job->n_styles * sizeof *scene), error, size);
@@ -174,7 +200,8 @@ static int32_t check_apart_from_meshes(const encre_raster_job *job, const char *
 			size_t count;
 		} taken[] = {{m->points, 3 * points},   {m->corners, corners},  {m->attributes, corners * channels},
 			     {m->material, primitives}, {m->style, primitives}, {m->object, primitives},
-			     {m->normals, 3 * corners}, {m->rest, 3 * corners}, {m->rest_normals, 3 * corners}};
+			     {m->normals, 3 * corners}, {m->rest, 3 * corners}, {m->rest_normals, 3 * corners},
+			     {m->uv, 2 * corners}};
 		for (size_t k = 0; !code && k < sizeof taken / sizeof *taken; k++)
 			if (taken[k].from)
 				code = check_apart(name, output, "a mesh",
@@ -189,16 +216,16 @@ int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char 
 		{"depth", "", 1, 0},    {"normal", "", 3, 0},  {"object", "", 1, 0},
 		{"material", "", 1, 0}, {"style", "", 1, 0},   {"attributes", "", job->n_channels, 0},
 		{"marks", "", 2, 0},    {"creases", "", 4, 0}, {"coincident", "", 1, 0},
-		{"shading", "", 3, 0},  {"anchor", "", 16, 0},
+		{"shading", "", 3, 0},  {"anchor", "", 16, 0}, {"tangent", "", 3, 0},
 	};
 	const encre_image *images[] = {&job->depth,      &job->normal,     &job->object, &job->material,
 				       &job->style,      &job->attributes, &job->marks,  &job->creases,
-				       &job->coincident, &job->shading,    &job->anchor};
+				       &job->coincident, &job->shading,    &job->anchor, &job->tangent};
 	const encre_image *first = NULL;
 	*clean = *job;
 	encre_image *clean_images[] = {&clean->depth,      &clean->normal,     &clean->object, &clean->material,
 				       &clean->style,      &clean->attributes, &clean->marks,  &clean->creases,
-				       &clean->coincident, &clean->shading,    &clean->anchor};
+				       &clean->coincident, &clean->shading,    &clean->anchor, &clean->tangent};
 	if (job->n_channels < 0 || job->n_channels > ENCRE_MAX_CHANNELS)
 		return refuse(error, size, "attributes: %d channels; give 0 to %d", (int)job->n_channels,
 			      ENCRE_MAX_CHANNELS);

@@ -91,6 +91,22 @@ int32_t check_lamp(int64_t key, const encre_lamp *lamp, char *error, size_t size
 		       : refuse(error, size, "lamp %lld: its model is not finite; give it another place", name);
 }
 
+static int32_t check_bends(const encre_light_job *job, char *error, size_t size)
+{
+	if (job->n_bends < 0 || job->n_bends > ENCRE_MAX_BENDS || (job->n_bends && !job->bends))
+		return refuse(error, size, "bends: %d ellipsoids; give 0 to %d", (int)job->n_bends, ENCRE_MAX_BENDS);
+	for (int k = 0; k < job->n_bends; k++) {
+		const encre_bend *b = job->bends + k;
+		if (!all_finite(b->model, 16) || !(b->amount >= 0 && b->amount <= 1) || !(b->fade >= 0 && b->fade <= 1))
+			return refuse(error, size,
+				      "bends: ellipsoid %d has a matrix that is not finite, or an amount or fade not "
+				      "from 0 to "
+				      "1; give it another place or number",
+				      k);
+	}
+	return ENCRE_OK;
+}
+
 int32_t check_light(const encre_light_job *job, encre_light_job *clean, char *error, size_t size)
 {
 	const encre_layer_description what[] = {{"depth", "", 1, 1}, {"normal", "", 3, 0}, {"diffuse", "", 3, 1}};
@@ -112,6 +128,8 @@ int32_t check_light(const encre_light_job *job, encre_light_job *clean, char *er
 					   size);
 	if (!code)
 		code = check_frame(&job->frame, width, height, error, size);
+	if (!code)
+		code = check_bends(job, error, size);
 	for (int k = 0; !code && k < 27; k++)
 		if (!isfinite(job->world[k]))
 			code = refuse(error, size, "world: its light is not finite; give finite numbers");

@@ -65,17 +65,19 @@ static int32_t check_program(const encre_materials *m, int number, int channels,
 			      (int)p->n_registers, ENCRE_MAX_REGISTERS);
 	for (int k = 0; k < ENCRE_RESULTS; k++)
 		if (p->result[k] < 0 || p->result[k] >= p->n_registers)
-			return refuse(error, size, "program %d: result %d is no register of it", number, k);
+			return refuse(error, size, "program %d: result %d is no register of it; give 0 to %d", number,
+				      k, (int)p->n_registers - 1);
 	for (int k = 0; k < p->n_operations; k++) {
 		const encre_operation *o = p->operations + k;
 		const encre_operation_description *what = operation_info(o->code);
 		if (!what)
-			return refuse(error, size, "program %d: operation %d has the unknown code %d", number, k,
-				      (int)o->code);
+			return refuse(error, size,
+				      "program %d: operation %d has the unknown code %d; see encre_operation_info()",
+				      number, k, (int)o->code);
 		if (!registers_are_there(p, o, what) || !data_are_there(m, o, what->name, channels))
 			return refuse(error, size,
 				      "program %d: operation %d, %s, names a register, constant, channel or texture "
-				      "that it can't use",
+				      "that it can't use; give one that is there",
 				      number, k, what->name);
 	}
 	return ENCRE_OK;
@@ -101,7 +103,7 @@ static int32_t check_materials(const encre_materials *m, int channels, char *err
 	if (!m || m->n_programs < 0 || m->n_textures < 0 || m->n_constants < 0 || m->n_things < 0 || m->n_values < 0 ||
 	    (m->n_programs && !m->programs) || (m->n_textures && !m->textures) || (m->n_constants && !m->constants) ||
 	    (m->n_things && m->n_values && !m->things))
-		return refuse(error, size, "materials: their numbers are not those of what is there");
+		return refuse(error, size, "materials: their numbers are not those of what is there; give both");
 	int32_t code = ENCRE_OK;
 	for (int k = 0; !code && k < m->n_textures; k++)
 		code = check_picture(m->textures + k, k, error, size);

@@ -9,9 +9,14 @@ typedef struct background background;
 
 struct encre_context {
 	int32_t threads, simd;
-	bands *pool;            /* NULL until needed, or after a change of threads */
-	background *background; /* NULL: nothing goes on */
-	int32_t ended;          /* with which code the last that went on has ended */
+	bool best;   /* the processor runs BEST(); asked once, which takes tens of microseconds in a virtual machine */
+	bands *pool; /* NULL until needed, or after a change of threads */
+	background *background;  /* NULL: nothing goes on */
+	const atomic_bool *stop; /* of work in the background: true ends it. NULL: it is the caller that works */
+	int32_t ended;           /* with which code the last that went on has ended */
+	arena_held memory;       /* of the last picture, for the next */
+	arena_held light;        /* likewise, of the last light */
+	void *sheet;             /* paper, likewise */
 	char error[512];
 };
 

@@ -5,6 +5,7 @@
 #include "api/check_light.h"
 #include "api/check_material.h"
 #include "api/context.h"
+#include "base/cpu.h"
 #include "base/refuse.h"
 #include "light/handle.h"
 #include "material/material.h"
@@ -21,8 +22,10 @@ enum { MAX_THREADS = 1024 };
 encre_context *encre_create(int32_t api_version)
 {
 	encre_context *context = api_version == ENCRE_API_VERSION ? calloc(1, sizeof *context) : NULL;
-	if (context)
+	if (context) {
 		context->simd = 1;
+		context->best = cpu_runs_v3();
+	}
 	return context;
 }
 
@@ -33,6 +36,9 @@ void encre_destroy(encre_context *context)
 	encre_cancel(context);
 	encre_wait(context);
 	bands_destroy(context->pool);
+	free(context->memory.memory);
+	free(context->light.memory);
+	free(context->sheet);
 	free(context);
 }
 
@@ -89,19 +95,13 @@ bands *pool_of(encre_context *context, encre_progress progress, void *user)
 		context->pool = bands_create(n < 1 ? 1 : n > MAX_THREADS ? MAX_THREADS : n);
 	}
 	if (context->pool)
-		bands_progress(context->pool, progress, user);
+		bands_progress(context->pool, progress, user, context->stop);
 	return context->pool;
 }
 
 bool use_best(const encre_context *context)
 {
-#ifdef ENCRE_HAVE_V3
-	return context->simd && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-	       __builtin_cpu_supports("bmi2");
-#else
-	(void)context;
-	return false;
-#endif
+	return context->simd && context->best;
 }
 
 /* ---- raster ---------------------------------------------------------------------------------------------- */
@@ -217,7 +217,8 @@ int32_t encre_light(encre_context *context, encre_light_job *job)
 	bands *pool = pool_of(context, job->progress, job->user);
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
-	code = use_best(context) ? BEST(light_run)(pool, &clean) : light_run_base(pool, &clean);
+	code = use_best(context) ? BEST(light_run)(pool, &clean, &context->light)
+				 : light_run_base(pool, &clean, &context->light);
 	return fail_code(context, code);
 }
 

@@ -10,15 +10,6 @@
 /* Bytes from pixel to pixel and from row to row: with no more than that sums of them don't overflow. */
 static const int64_t most_stride = (int64_t)1 << 45;
 
-encre_image with_strides(encre_image image)
-{
-	if (!image.pixel_stride)
-		image.pixel_stride = NUMBER * (int64_t)image.channels;
-	if (!image.row_stride)
-		image.row_stride = image.pixel_stride * image.width;
-	return image;
-}
-
 static int64_t distance(int64_t stride)
 {
 	return stride < 0 ? -stride : stride;

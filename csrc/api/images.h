@@ -3,7 +3,7 @@
 #ifndef ENCRE_IMAGES_H
 #define ENCRE_IMAGES_H
 
-#include "encre.h"
+#include "base/stage.h"
 
 #include <stddef.h>
 
@@ -15,8 +15,6 @@ typedef struct grid {
 	int count[2];
 } grid;
 
-/* The image with strides filled in. */
-encre_image with_strides(encre_image image);
 /* Where the samples of an image lie. */
 int32_t check_memory(const char *name, const encre_image *given, char *error, size_t size);
 /* Channels, size and memory. */

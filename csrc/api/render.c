@@ -7,7 +7,6 @@
 #include "base/clean.h"
 
 #include <stdatomic.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define POINTER(name) &JOIN(stage, JOIN_(name, base)),
@@ -24,8 +23,6 @@ static const stage *const *stages_of(const encre_context *context)
 {
 	return use_best(context) ? BEST(stages) : stages_base;
 }
-
-enum { NEAR_ROWS = 4 /* of all layers, looked at and drawn together: that many stay in the cache */ };
 
 typedef struct work {
 	encre_context *context;
@@ -161,13 +158,13 @@ static void first_rows(void *data, int y0, int y1, int thread)
 {
 	work *w = data;
 	const stage *const *stages = stages_of(w->context);
-	for (int y = y0, end; y < y1; y = end) {
+	for (int y = y0, end; y < y1 && !bands_stopped(w->f.bands); y = end) {
 		end = y1 - y < NEAR_ROWS ? y1 : y + NEAR_ROWS;
 		if (!w->looked)
 			look_at(w, y, end);
 		for (int i = y; w->style && i < end; i++)
 			style_row(w, i);
-		for (int s = 0; s < w->early && !atomic_load(&w->any_unclean); s++)
+		for (int s = 0; s < w->early && !atomic_load(&w->any_unclean) && !bands_stopped(w->f.bands); s++)
 			if (stages[s]->rows)
 				stages[s]->rows(&w->f, y, end, thread);
 	}
@@ -269,8 +266,12 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	f->camera = job->camera;
 	f->place = job->frame;
 	f->params = job->params;
+	f->kept_sheet = &context->sheet;
 	f->n_styles = job->n_styles;
 	f->scale = scale_of(f->params, f->place.height);
+	f->metered = 1;
+	if (f->params->shade_meter == shade_meter_LAMPS && job->camera.light > 1e-30f)
+		f->metered = 1 / job->camera.light;
 	bool any = w.out[ENCRE_OUTPUT_EDGES].data || w.out[ENCRE_OUTPUT_LIGHT].data;
 	for (int i = 0; i < f->n_styles; i++) {
 		any |= draws(f->params + i);
@@ -292,12 +293,10 @@ int32_t encre_render(encre_context *context, encre_job *job)
 
 	arena a = {0};
 	plan(&w, &a);
-	void *memory = arena_make(&a);
-	if (!memory)
+	if (!arena_hold(&a, &context->memory))
 		return fail_code(context, ENCRE_ERROR_MEMORY);
 	plan(&w, &a);
 	code = run(&w);
 	late_free(f->late);
-	free(memory);
 	return fail_code(context, code);
 }

@@ -33,10 +33,13 @@
 #include "base/layers.rows.h"
 #include "edges/edges.rows.h"
 #include "surface/shade.rows.h"
+#include "surface/example.rows.h"
 #include "surface/smudge.rows.h"
 #include "surface/paper.rows.h"
+#include "surface/wash.rows.h"
 #include "surface/hatch.rows.h"
 #include "tones/tones.rows.h"
+#include "surface/rim.rows.h"
 #include "ink/lines.rows.h"
 #include "ink/pen.rows.h"
 

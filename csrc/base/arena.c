@@ -14,9 +14,15 @@
 #endif
 #ifdef GUARDED
 #include <sanitizer/asan_interface.h>
-enum { GAP = 64 };
+enum { GAP = 64, FRESH = 1 };
+#elif defined __has_feature
+#if __has_feature(memory_sanitizer) /* it is to see what nobody has written since it was planned */
+enum { GAP = 0, FRESH = 1 };
 #else
-enum { GAP = 0 };
+enum { GAP = 0, FRESH = 0 };
+#endif
+#else
+enum { GAP = 0, FRESH = 0 };
 #endif
 
 static void guard(const char *from, const char *end)
@@ -43,11 +49,26 @@ void *arena_take(arena *a, size_t count, size_t size)
 	return a->base + at;
 }
 
-void *arena_make(arena *a)
+static void *begin_in(arena *a, char *memory)
 {
-	char *memory = a->used <= SIZE_MAX - 64 ? malloc(a->used + 64) : NULL;
 	*a = (arena){memory ? memory + (64 - (uintptr_t)memory % 64) : NULL, 0};
 	return memory;
+}
+
+void *arena_make(arena *a)
+{
+	return begin_in(a, a->used <= SIZE_MAX - 64 ? malloc(a->used + 64) : NULL);
+}
+
+void *arena_hold(arena *a, arena_held *held)
+{
+	size_t size = a->used <= SIZE_MAX - 64 ? a->used + 64 : SIZE_MAX;
+	if (FRESH || !held->memory || size > held->size || size < held->size / 2) {
+		free(held->memory);
+		*held = (arena_held){arena_make(a), size};
+		return held->memory;
+	}
+	return begin_in(a, held->memory);
 }
 
 /* What a block holds begins behind its head, at the second multiple of 64 from there. */

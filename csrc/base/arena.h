@@ -17,6 +17,17 @@ void *arena_take(arena *a, size_t count, size_t size);
 /* Memory for what was measured, in which `a` is to be planned now; for the caller to free. NULL without memory. */
 void *arena_make(arena *a);
 
+/* Memory that is held from one plan to the next: what is touched for the first time costs the system a page each time,
+ * and in all as much as a third of a frame. */
+typedef struct arena_held {
+	void *memory;
+	size_t size;
+} arena_held;
+
+/* As arena_make(), in what is held if that is large enough and not more than twice too large, else in its place. The
+ * owner frees held.memory at last. */
+void *arena_hold(arena *a, arena_held *held);
+
 /* What can't be planned, because only the frame's content tells how much it is: freed when the frame is done. Not to be
  * called from a kernel. */
 typedef struct late late;

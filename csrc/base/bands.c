@@ -37,19 +37,26 @@ struct bands {
 	void *user;
 	double from, middle, to;
 	atomic_bool cancelled;
+	const atomic_bool *stop;
 
 	worker workers[];
 };
+
+bool bands_stopped(const bands *pool)
+{
+	return atomic_load_explicit(&pool->cancelled, memory_order_relaxed) ||
+	       (pool->stop && atomic_load_explicit(pool->stop, memory_order_relaxed));
+}
 
 static void work(bands *pool, int thread)
 {
 	int i;
 	while ((i = atomic_fetch_add(&pool->next, 1)) < pool->bands) {
 		int y0 = i * pool->band, y1 = pool->height - y0 < pool->band ? pool->height : y0 + pool->band;
-		if (!atomic_load(&pool->cancelled))
+		if (!bands_stopped(pool))
 			pool->kernel(pool->data, y0, y1, thread);
 		int finished = atomic_fetch_add(&pool->finished, 1) + 1;
-		if (thread == 0 && pool->call && !atomic_load(&pool->cancelled)) {
+		if (thread == 0 && pool->call && !bands_stopped(pool)) {
 			double share = (double)finished / pool->bands;
 			if (!pool->call(pool->user, pool->from + (pool->middle - pool->from) * share))
 				atomic_store(&pool->cancelled, true);
@@ -127,8 +134,9 @@ int bands_threads(const bands *pool)
 	return pool->threads;
 }
 
-void bands_progress(bands *pool, encre_progress call, void *user)
+void bands_progress(bands *pool, encre_progress call, void *user, const atomic_bool *stop)
 {
+	pool->stop = stop;
 	pool->call = call;
 	pool->user = user;
 	pool->from = 0;
@@ -144,7 +152,7 @@ void bands_span(bands *pool, double from, double to)
 
 int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *data)
 {
-	if (atomic_load(&pool->cancelled))
+	if (bands_stopped(pool))
 		return ENCRE_ERROR_CANCELLED;
 	if (height <= 0)
 		return ENCRE_OK;
@@ -174,12 +182,12 @@ int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *
 		pthread_cond_wait(&pool->done, &pool->lock);
 	pthread_mutex_unlock(&pool->lock);
 	pool->from = pool->middle;
-	return atomic_load(&pool->cancelled) ? ENCRE_ERROR_CANCELLED : ENCRE_OK;
+	return bands_stopped(pool) ? ENCRE_ERROR_CANCELLED : ENCRE_OK;
 }
 
 int32_t bands_poll(bands *pool)
 {
-	if (pool->call && !atomic_load(&pool->cancelled) && !pool->call(pool->user, pool->from))
+	if (pool->call && !bands_stopped(pool) && !pool->call(pool->user, pool->from))
 		atomic_store(&pool->cancelled, true);
-	return atomic_load(&pool->cancelled) ? ENCRE_ERROR_CANCELLED : ENCRE_OK;
+	return bands_stopped(pool) ? ENCRE_ERROR_CANCELLED : ENCRE_OK;
 }

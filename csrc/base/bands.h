@@ -5,6 +5,8 @@
 
 #include "encre.h"
 
+#include <stdatomic.h>
+
 typedef struct bands bands;
 /* Works on rows y0..y1-1 and writes only these. thread is 0..bands_threads()-1, for per-thread scratch. */
 typedef void (*bands_kernel)(void *data, int y0, int y1, int thread);
@@ -15,8 +17,12 @@ int bands_processors(void);
 bands *bands_create(int threads);
 void bands_destroy(bands *pool);
 int bands_threads(const bands *pool);
-/* From now on finished bands are reported to `call` (may be NULL); takes back a cancellation. */
-void bands_progress(bands *pool, encre_progress call, void *user);
+/* From now on finished bands are reported to `call` (may be NULL); takes back a cancellation. *stop (may be NULL), once
+ * true, cancels as well, and sooner: a call may be slow, and so is not made for every row. */
+void bands_progress(bands *pool, encre_progress call, void *user, const atomic_bool *stop);
+/* Asked by kernels and what one thread does alone, every few hundredths of a millisecond: once it is true they return
+ * at once, as nobody will look at what they make. */
+bool bands_stopped(const bands *pool);
 /* The share of the whole that each following bands_run reports. */
 void bands_span(bands *pool, double from, double to);
 /* Cuts 0..height-1 into bands of `band` rows (0 = a good height) and runs the kernel on all. Returns ENCRE_OK or

@@ -35,6 +35,8 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 		 "rest position, rest normal, size of a pixel there, how the position grows to the right "
 		 "and down, which way the surface bends",
 		 16, 0},
+	[ENCRE_LAYER_GLOSS] = {"gloss", "unlit colour of what mirrors, as metals do", 3, 0},
+	[ENCRE_LAYER_TANGENT] = {"tangent", "direction on the resting surface in which U grows", 3, 0},
 };
 
 #define CONTROL(id, text, lab, most, least, file_pass, place)                                                          \

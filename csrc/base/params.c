@@ -33,7 +33,7 @@ static const encre_levels shade_levels_default = {
 	{HEAD(pid, scp, ENCRE_ENUM, "", enb, lab, hlp), .value = {dft}, .items = pid##_items,                          \
 	 .n_items = sizeof pid##_items / sizeof *pid##_items},
 #define COLOR(pid, scp, r, g, b, enb, lab, hlp) {HEAD(pid, scp, ENCRE_COLOR, "", enb, lab, hlp), .value = {r, g, b}},
-#define IMAGE(pid, scp, enb, lab, hlp) {HEAD(pid, scp, ENCRE_IMAGE, "", enb, lab, hlp)},
+#define IMAGE(pid, scp, unt, enb, lab, hlp) {HEAD(pid, scp, ENCRE_IMAGE, unt, enb, lab, hlp)},
 #define LEVELS(pid, scp, enb, lab, hlp, dft) {HEAD(pid, scp, ENCRE_LEVELS, "", enb, lab, hlp), .levels = &(dft)},
 static const encre_param_info table[] = {
 #include "base/all.rows.h"
@@ -115,10 +115,22 @@ static const char *check_number(const encre_param_info *p, double value, char *t
 	return text;
 }
 
+static const char *check_size(const encre_param_info *p, const encre_image *i, char *text, size_t size)
+{
+	if (!i->data || (i->width > 0 && i->height > 0 && i->width <= 65536 && i->height <= 65536 && i->channels > 0 &&
+			 i->channels <= 4))
+		return NULL;
+	snprintf(text, size,
+		 "%s: is %d x %d pixels of %d channels; give 1 to 65536 pixels each way and 1, 3 or 4 channels", p->id,
+		 (int)i->width, (int)i->height, (int)i->channels);
+	return text;
+}
+
 static const char *check_row(const encre_param_info *p, const char *field, char *text, size_t size)
 {
 	int32_t n;
 	float f[3];
+	encre_image image;
 	switch (p->type) {
 	case ENCRE_BOOL:
 	case ENCRE_INT:
@@ -143,6 +155,7 @@ static const char *check_row(const encre_param_info *p, const char *field, char 
 				return text;
 			}
 		return NULL;
+	case ENCRE_IMAGE: memcpy(&image, field, sizeof image); return check_size(p, &image, text, size);
 	default: return NULL;
 	}
 }

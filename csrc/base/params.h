@@ -9,11 +9,12 @@
  *   FLOAT (likewise)
  *   ENUM  (id, scope, default, enabled_if, label, help, ITEM(id, NAME, number, label, help) ITEM(…)…)
  *   COLOR (id, scope, r, g, b, enabled_if, label, help)
- *   IMAGE (id, scope, enabled_if, label, help)
+ *   IMAGE (id, scope, unit, enabled_if, label, help)
  *   LEVELS(id, scope, enabled_if, label, help, table of the default)
  *
  * scope is FRAME or SURFACE. unit: "" plain, "factor" a 0..1 share, "px" a length that length_unit governs,
- * "length" scene units, "angle" degrees. Item NAME of parameter edge_detector is the C constant edge_detector_NAME. */
+ * "length" scene units, "angle" degrees; of an image "" values as stored, "color" scene-linear colours. Item NAME of
+ * parameter edge_detector is the C constant edge_detector_NAME. */
 #ifndef ENCRE_PARAMS_H
 #define ENCRE_PARAMS_H
 

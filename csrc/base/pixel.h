@@ -39,6 +39,14 @@ static inline float max(float a, float b)
  * 12 takes apart, and two in a row into nine instructions; with one that it does not know each is one. */
 extern const float pixel_zero, pixel_half, pixel_one, pixel_most;
 
+/* A bijective hash. */
+static inline uint32_t mix_bits(uint32_t n)
+{
+	n = (n ^ n >> 16) * 0x7feb352du;
+	n = (n ^ n >> 15) * 0x846ca68bu;
+	return n ^ n >> 16;
+}
+
 /* NaN gives 0. */
 static inline float positive(float x)
 {

@@ -31,7 +31,7 @@
  * alone, as clang does, would make one for all of them that is not vectorised. */
 #define KERNEL static inline __attribute__((always_inline))
 
-#define STAGES(X) X(edges) X(shade) X(smudge) X(paper) X(hatch) X(tones) X(lines)
+#define STAGES(X) X(edges) X(shade) X(example) X(smudge) X(paper) X(wash) X(hatch) X(tones) X(rim) X(lines)
 
 /* ---- frame: what stages read and make -------------------------------------------------------------------- */
 
@@ -76,7 +76,8 @@ typedef struct frame {
 	plane output[ENCRE_OUTPUT_COUNT]; /* COMBINED never absent: stages from shade on change it in place */
 	encre_camera camera;
 	encre_frame place;
-	float scale; /* pixels of this frame per "px" of a parameter (length_unit) */
+	float scale;   /* pixels of this frame per "px" of a parameter (length_unit) */
+	float metered; /* factor on light that brings full light to 1 (shade_meter) */
 	int n_styles;
 	const encre_params *params; /* [n_styles]; [0] is the scene's */
 	const uint8_t *style;       /* width * height, < n_styles; NULL when n_styles is 1 */
@@ -96,10 +97,16 @@ typedef struct frame {
 	void *nearest_scratch; /* NULL once nearest is filled */
 	/* paper: heights h(p) after roughness, clamped to 0..1; call ISA(paper_row) */
 	void *paper;
+	void **kept_sheet; /* the context's: the built-in sheet of its frames before, or NULL; made by malloc() */
+	void *example;     /* the painted balls of each style */
 	/* edges, lines: scratch */
 	void *edges, *lines;
-	void *tones; /* tones: those of each style, and ink of strokes */
-	void *fine;  /* sites and links of detector FINE (fine.h), else NULL; then edge, strength and near are NULL */
+	float *bright; /* shade: what hatching asks of rows, by thread those that are drawn together (bright_row());
+			  NULL: it finds out itself */
+	void *wash;    /* wash: colours blurred along rows */
+	void *rim;     /* rim: sites along silhouettes */
+	void *tones;   /* tones: those of each style, and ink of strokes */
+	void *fine;    /* sites and links of detector FINE (fine.h), else NULL; then edge, strength and near are NULL */
 	late *late;
 } frame;
 
@@ -111,6 +118,13 @@ static inline float scale_of(const encre_params *scene, int height)
 	if (scene->length_unit == length_unit_PIXELS)
 		return (float)scene->supersample;
 	return (float)height / (scene->length_unit == length_unit_MM ? scene->page_height : 1080);
+}
+
+enum { NEAR_ROWS = 4 /* of all layers, looked at and drawn together: that many stay in the cache */ };
+
+static inline float *bright_row(const frame *f, int y, int thread)
+{
+	return f->bright + ((ptrdiff_t)thread * NEAR_ROWS + y % NEAR_ROWS) * f->width;
 }
 
 /* How far, in pixels, anyone looks for the nearest edge pixel. */
@@ -128,6 +142,22 @@ static inline float nearest_reach(const encre_params *params, int n_styles, floa
 	return widest > reach ? widest : reach;
 }
 
+/* The image with strides: 0 stands for those of pixels and rows without gaps. */
+static inline encre_image with_strides(encre_image image)
+{
+	if (!image.pixel_stride)
+		image.pixel_stride = (int64_t)sizeof(float) * image.channels;
+	if (!image.row_stride)
+		image.row_stride = image.pixel_stride * image.width;
+	return image;
+}
+
+/* Of an image that has strides. */
+static inline float *pixel_at(const encre_image *image, int x, int y)
+{
+	return (float *)((char *)image->data + y * image->row_stride + x * image->pixel_stride);
+}
+
 /* NULL where it is absent. */
 static inline const float *layer_row(const frame *f, enum encre_layer layer, int y)
 {
@@ -139,6 +169,15 @@ static inline float *output_row(const frame *f, enum encre_output output, int y)
 {
 	plane p = f->output[output];
 	return p.data ? p.data + y * p.row : NULL;
+}
+
+/* Interleaved channels of n pixels to planes, `apart` floats from one to the next: loops over these vectorise best.
+ * Called with a constant number of channels each time. */
+KERNEL void split_channels(const float *restrict in, const int channels, int n, ptrdiff_t apart, float *restrict plane)
+{
+	for (int i = 0; i < n; i++)
+		for (int c = 0; c < channels; c++)
+			plane[c * apart + i] = in[channels * i + c];
 }
 
 /* The painted controls of pixel x of row y, then those of the pixels after it; NULL where nothing is painted. */
@@ -153,6 +192,13 @@ static inline const float *anchor_at(const frame *f, int x, int y)
 {
 	const float *row = layer_row(f, ENCRE_LAYER_ANCHOR, y);
 	return row ? row + (ptrdiff_t)ANCHOR_COUNT * x : NULL;
+}
+
+/* How far a surface is a metal, by its colour as a mirror (the layer `gloss`): plain surfaces mirror some hundredths of
+ * the light, which stay highlights on them. */
+static inline float metal_share(const float *gloss)
+{
+	return clamp01(8 * (max3(gloss[0], gloss[1], gloss[2]) - 0.06f));
 }
 
 /* What is painted onto the light of pixel i of controls_at(), exposed: half at full paint. */
@@ -177,12 +223,18 @@ static inline const encre_params *params_at(const frame *f, int x, int y)
 	return f->params + style_at(f, x, y);
 }
 
+/* Factor on light before a style's thresholds are compared with it. */
+static inline float exposure_of(const frame *f, const encre_params *p)
+{
+	return min(p->shade_exposure * f->metered, FLT_MAX);
+}
+
 /* Light that a style's levels are compared with: the brightest channel of diffuse light, exposed, and what is painted
  * onto it. */
 static inline float exposed_at(const frame *f, const encre_params *p, int x, int y)
 {
 	const float *d = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x;
-	return max3(d[0], d[1], d[2]) * p->shade_exposure + painted_light(controls_at(f, x, y), 0);
+	return max3(d[0], d[1], d[2]) * exposure_of(f, p) + painted_light(controls_at(f, x, y), 0);
 }
 
 /* Parameters of the style of pixel x of row y, and in *end where the run of pixels with that style ends, at most x1. */
@@ -229,6 +281,11 @@ STAGES(DECLARE)
 void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone);
 /* shade.c: light as levels are compared with it, V times exposure, of row y. */
 void ISA(shade_exposed)(const frame *f, int y, float *light);
+/* hatch.c: brightness that keeps the pencil away from n <= 256 pixels, at most 1. Planes of the layers, 256 floats
+ * apart, light as levels are compared with it, and I of discrete shading. */
+void ISA(hatch_bright)(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
+		       const float *restrict diffuse, const float *restrict exposed, const float *restrict tone,
+		       float *restrict bright);
 /* paper.c: heights h of the paper (after roughness, 0..1) for pixels x0..x1-1 of row y; `none` where there is no
  * paper (lines see 1, hatching 0.5). Coordinates are of this frame's images; the sheet starts at the full frame's
  * top left. */

@@ -88,37 +88,64 @@ void ISA(detect_dog)(const gaussians *g, const float *const *row, int n, float *
 
 /* ---- 3x3 windows ----------------------------------------------------------------------------------------- */
 
+/* The nine samples of a window, as pointers of which the compiler does not know that they lie beside each other: some
+ * would keep two of three samples from one round of a loop for the next, and can't vectorise what comes of that. */
+typedef struct window9 {
+	const float *at[3][3];
+} window9;
+
+static inline window9 window_of(const float *const *row)
+{
+	window9 w;
+	for (int k = 0; k < 3; k++)
+		for (int i = 0; i < 3; i++) {
+			w.at[k][i] = row[k] + i - 1;
+			__asm__("" : "+r"(w.at[k][i]));
+		}
+	return w;
+}
+
+/* Names them: a, b, c from the upper row down, l, m, r from the left. */
+#define WINDOW(row)                                                                                                    \
+	window9 w = window_of(row);                                                                                    \
+	const float *restrict al = w.at[0][0], *restrict am = w.at[0][1], *restrict ar = w.at[0][2];                   \
+	const float *restrict bl = w.at[1][0], *restrict bm = w.at[1][1], *restrict br = w.at[1][2];                   \
+	const float *restrict cl = w.at[2][0], *restrict cm = w.at[2][1], *restrict cr = w.at[2][2]
+
 void ISA(detect_slope)(const float *const *row, int n, float *restrict response)
 {
-	const float *restrict a = row[0], *restrict b = row[1], *restrict c = row[2];
+	WINDOW(row);
+	(void)bm;
 	for (int i = 0; i < n; i++) {
-		float gx = (a[i + 1] - a[i - 1]) + 2 * (b[i + 1] - b[i - 1]) + (c[i + 1] - c[i - 1]);
-		float gy = (c[i - 1] - a[i - 1]) + 2 * (c[i] - a[i]) + (c[i + 1] - a[i + 1]);
+		float gx = (ar[i] - al[i]) + 2 * (br[i] - bl[i]) + (cr[i] - cl[i]);
+		float gy = (cl[i] - al[i]) + 2 * (cm[i] - am[i]) + (cr[i] - ar[i]);
 		response[i] = sqrtf(gx * gx + gy * gy);
 	}
 }
 
 void ISA(detect_bend)(const float *const *row, int n, float *restrict response)
 {
-	const float *restrict a = row[0], *restrict b = row[1], *restrict c = row[2];
+	WINDOW(row);
 	for (int i = 0; i < n; i++) {
-		float lx = ((a[i - 1] - a[i]) + (a[i + 1] - a[i])) + 2 * ((b[i - 1] - b[i]) + (b[i + 1] - b[i])) +
-			   ((c[i - 1] - c[i]) + (c[i + 1] - c[i]));
-		float ly = ((a[i - 1] - b[i - 1]) + (c[i - 1] - b[i - 1])) + 2 * ((a[i] - b[i]) + (c[i] - b[i])) +
-			   ((a[i + 1] - b[i + 1]) + (c[i + 1] - b[i + 1]));
+		float a = am[i], b = bm[i], c = cm[i], left = bl[i], right = br[i];
+		float lx = ((al[i] - a) + (ar[i] - a)) + 2 * ((left - b) + (right - b)) + ((cl[i] - c) + (cr[i] - c));
+		float ly = ((al[i] - left) + (cl[i] - left)) + 2 * ((a - b) + (c - b)) +
+			   ((ar[i] - right) + (cr[i] - right));
 		response[i] = sqrtf(lx * lx + ly * ly);
 	}
 }
 
 void ISA(detect_change)(const float *const *row, int n, float *restrict response)
 {
-	const float *restrict a = row[0], *restrict b = row[1], *restrict c = row[2];
+	WINDOW(row);
 	for (int i = 0; i < n; i++) {
-		int same = (a[i - 1] == b[i]) & (a[i] == b[i]) & (a[i + 1] == b[i]) & (b[i - 1] == b[i]) &
-			   (b[i + 1] == b[i]) & (c[i - 1] == b[i]) & (c[i] == b[i]) & (c[i + 1] == b[i]);
+		float own = bm[i];
+		int same = (al[i] == own) & (am[i] == own) & (ar[i] == own) & (bl[i] == own) & (br[i] == own) &
+			   (cl[i] == own) & (cm[i] == own) & (cr[i] == own);
 		response[i] = same ? 0.0f : 1.0f;
 	}
 }
+#undef WINDOW
 
 void ISA(detect_contrast)(int metric, const float *(*row)[3], int n, float *restrict response)
 {

@@ -14,25 +14,28 @@ static const float most_factor = 1e28f;
 
 /* ---- 5x5 least depth ------------------------------------------------------------------------------------- */
 
-/* Place (dy + 2) * 5 + dx + 2 of the least depth of the 5x5 window about n pixels from (x0, y). Ties: least distance,
- * row, column, which 32 * distance^2 + place orders; first down the columns, then across. */
-static void nearest_places(const frame *f, int y, int x0, int n, uint8_t *restrict place)
+enum { GROUP = 32 /* pixels that are passed over if none is an edge */ };
+
+/* Of n pixels from x0 on, where only columns from..to - 1 of x0 - 2.. lie in the frame. Called with constants where
+ * they can be. */
+KERNEL void places_of(const frame *f, int y, int x0, const int n, const int from, const int to, uint8_t *restrict place)
 {
+	static const int order[] = {0, -1, 1, -2, 2}; /* keys grow: of equals in a column the first counts */
 	float column[TILE + 4], least[TILE];
 	int32_t column_key[TILE + 4], key[TILE];
-	int from = x0 < 2 ? 2 - x0 : 0, to = f->width - x0 + 2 < n + 4 ? f->width - x0 + 2 : n + 4;
 	for (int i = 0; i < n + 4; i++) {
 		column[i] = INFINITY;
 		column_key[i] = INT32_MAX / 2;
 	}
-	for (int dy = -2; dy <= 2; dy++) {
+	for (int at = 0; at < 5; at++) {
+		int dy = order[at];
 		if (y + dy < 0 || y + dy >= f->height)
 			continue;
 		const float *restrict row = layer_row(f, ENCRE_LAYER_DEPTH, y + dy) + x0 - 2;
 		int32_t k = 32 * dy * dy + (dy + 2) * 5 + 2;
 		for (int i = from; i < to; i++) {
 			float z = depth_of(row[i]);
-			int nearer = (z < column[i]) | ((z == column[i]) & (k < column_key[i]));
+			int nearer = (z < column[i]) | (dy == 0);
 			column[i] = nearer ? z : column[i];
 			column_key[i] = nearer ? k : column_key[i];
 		}
@@ -42,7 +45,7 @@ static void nearest_places(const frame *f, int y, int x0, int n, uint8_t *restri
 		key[i] = column_key[i + 2];
 	}
 	for (int dx = -2; dx <= 2; dx++)
-		for (int i = 0; i < n; i++) {
+		for (int i = 0; dx != 0 && i < n; i++) {
 			float z = column[i + 2 + dx];
 			int32_t k = column_key[i + 2 + dx] + 32 * dx * dx + dx;
 			int nearer = (z < least[i]) | ((z == least[i]) & (k < key[i]));
@@ -51,6 +54,17 @@ static void nearest_places(const frame *f, int y, int x0, int n, uint8_t *restri
 		}
 	for (int i = 0; i < n; i++)
 		place[i] = (uint8_t)(key[i] & 31);
+}
+
+/* Place (dy + 2) * 5 + dx + 2 of the least depth of the 5x5 window about n pixels from (x0, y). Ties: least distance,
+ * row, column, which 32 * distance^2 + place orders; first down the columns, then across. */
+static void nearest_places(const frame *f, int y, int x0, int n, uint8_t *restrict place)
+{
+	int from = x0 < 2 ? 2 - x0 : 0, to = f->width - x0 + 2 < n + 4 ? f->width - x0 + 2 : n + 4;
+	if (n == GROUP && from == 0 && to == GROUP + 4)
+		places_of(f, y, x0, GROUP, 0, GROUP + 4, place);
+	else
+		places_of(f, y, x0, n, from, to, place);
 }
 
 /* ---- weights --------------------------------------------------------------------------------------------- */
@@ -67,6 +81,12 @@ static float weight_in(const encre_params *p, enum source s)
 	case SOURCE_SEEN: return p->edge_seen;
 	default: return p->edge_light;
 	}
+}
+
+/* Whether weights of source s depend on the pixel. */
+static bool weighed_each(const edges *e, enum source s)
+{
+	return e->f->style || (s == SOURCE_COLOR && e->f->layer[ENCRE_LAYER_CONTROLS].data);
 }
 
 /* Weights of source s at n pixels; false if all are 0. style: that of the pixel the controls come from, NULL = the
@@ -86,9 +106,19 @@ static bool weigh(const edges *e, enum source s, int y, int x0, int n, const uin
 	return any;
 }
 
-/* ---- rows ------------------------------------------------------------------------------------------------ */
+/* Where the source is the strongest, it wins. Weights: of each pixel, or NULL and one of all. */
+KERNEL void weigh_in(int number, int n, const float *restrict weights, float one, const float *restrict own,
+		     float *restrict strength, int32_t *restrict winner)
+{
+	for (int i = 0; i < n; i++) {
+		float w = (weights ? weights[i] : one) * own[i];
+		w = min(w, pixel_most);
+		winner[i] = w > strength[i] ? number : winner[i];
+		strength[i] = w > strength[i] ? w : strength[i];
+	}
+}
 
-enum { GROUP = 32 /* pixels that are passed over if none is an edge */ };
+/* ---- rows ------------------------------------------------------------------------------------------------ */
 
 static bool any_edge(const float *restrict strength, const int32_t *restrict winner, int n, float threshold,
 		     uint8_t *restrict edge)
@@ -120,16 +150,16 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 					    f->near[at + i] % 5 - 2];
 	}
 	for (int s = 0; s < SOURCE_SEEN; s++) {
-		if (!e->on[s] || !weigh(e, (enum source)s, y, x0, n, f->style ? style : NULL, weight))
+		bool each = weighed_each(e, (enum source)s);
+		if (!e->on[s] || (each ? !weigh(e, (enum source)s, y, x0, n, f->style ? style : NULL, weight)
+				       : !(e->weight[s][0] > 0)))
 			continue;
 		ISA(ring_fill)(rings + s, y);
 		ISA(source_strength)(rings + s, y, x0, n, one);
-		for (int i = 0; i < n; i++) {
-			float w = weight[i] * one[i];
-			w = min(w, pixel_most);
-			winner[i] = w > strength[i] ? 1 + s : winner[i];
-			strength[i] = w > strength[i] ? w : strength[i];
-		}
+		if (each)
+			weigh_in(1 + s, n, weight, 0, one, strength, winner);
+		else
+			weigh_in(1 + s, n, NULL, e->weight[s][0], one, strength, winner);
 	}
 	plane out = f->output[ENCRE_OUTPUT_EDGES];
 	if (out.data)
@@ -152,7 +182,7 @@ static void edge_rows(void *data, int y0, int y1, int thread)
 	for (int s = 0; s < SOURCE_SEEN; s++)
 		rings[s] = ISA(ring_of)(e, (enum source)s, thread);
 	for (int y = y0; y < y1; y++)
-		for (int x0 = 0; x0 < e->f->width; x0 += TILE)
+		for (int x0 = 0; x0 < e->f->width && !bands_stopped(e->f->bands); x0 += TILE)
 			edge_tile(e, rings, y, x0, e->f->width - x0 < TILE ? e->f->width - x0 : TILE);
 }
 
@@ -169,7 +199,7 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 		near.fine = false;
 		near.reach[s] = 1;
 		ring r = ISA(ring_of)(&near, (enum source)s, thread);
-		for (int y = y0; y < y1; y++) {
+		for (int y = y0; y < y1 && !bands_stopped(e->f->bands); y++) {
 			float *row = e->difference[s] + (ptrdiff_t)y * width;
 			ISA(ring_fill)(&r, y);
 			for (int x0 = 0; x0 < width; x0 += TILE)

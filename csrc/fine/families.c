@@ -2,9 +2,9 @@
 /* The tables that families.rows.h makes, and what the compiler must find true of its rows. */
 #include "fine/fine.h"
 
-#define FAMILY(id, kind, sample, source, rank, floor, unit, times, clear, weak, crumb, word, bit)                      \
-	{#id,   KIND_##kind, sample, source, RANK_##rank, floor, UNIT_##unit,                                          \
-	 times, clear,       weak,   crumb,  WORD_##word, bit},
+#define FAMILY(id, kind, sample, rank, floor, unit, faint, crumb, word, bit)                                           \
+	{#id, KIND_##kind, sample, RANK_##rank, floor, UNIT_##unit, FAINT_##faint, crumb, WORD_##word, bit},
+const float clear_of_older = 1.5f, clear_of_turn = 0.75f; /* test_fine_passes */
 const family_info families[FAMILY_COUNT] = {
 #include "fine/families.rows.h"
 };
@@ -19,7 +19,7 @@ const sample_info samples[SAMPLE_COUNT] = {
 #include "fine/families.rows.h"
 };
 
-#define FAMILY(id, kind, sample, source, rank, floor, unit, times, clear, weak, crumb, word, bit)                      \
+#define FAMILY(id, kind, sample, rank, floor, unit, faint, crumb, word, bit)                                           \
 	[WORD_##word][bit] = FAMILY_##id, [WORD_##word][(bit) + 1] = FAMILY_##id,
 const uint8_t marked_family[WORD_COUNT][16] = {
 #include "fine/families.rows.h"
@@ -41,7 +41,7 @@ enum { /* one each, or the compiler refuses */
 #define CHECK_BAND(id, sample)                                                                                         \
 	_Static_assert(FAMILY_##id + 1 == STEP_IN_##sample, #id ": a band stands before the step of its sample");
 #define CHECK_STEP(id, sample)
-#define FAMILY(id, kind, sample, source, rank, floor, unit, times, clear, weak, crumb, word, bit)                      \
+#define FAMILY(id, kind, sample, rank, floor, unit, faint, crumb, word, bit)                                           \
 	_Static_assert((KIND_##kind == KIND_CRACK) == (WORD_##word == WORD_CRACK),                                     \
 		       #id ": cracks have marks of their own");                                                        \
 	_Static_assert(((int)(sample) >= SOURCE_SEEN && (int)(sample) < NO_SAMPLE) == (WORD_##word == WORD_SEEN),      \
@@ -50,16 +50,17 @@ enum { /* one each, or the compiler refuses */
 				    : WORD_##word == WORD_RIDGE ? 14                                                   \
 								: 16),                                                 \
 		       #id ": the word has no such bit");                                                              \
-	_Static_assert((crumb) <= ROOM, #id ": so many are not looked at");                                            \
+	_Static_assert((bit) % 2 == 0, #id ": it has a pair of bits");                                                 \
+	_Static_assert((int)(crumb) <= (int)ROOM, #id ": so many are not looked at");                                  \
 	CHECK_##kind(id, sample)
 #include "fine/families.rows.h"
 
-#define FAMILY(id, kind, sample, source, rank, floor, unit, times, clear, weak, crumb, word, bit)                      \
+#define FAMILY(id, kind, sample, rank, floor, unit, faint, crumb, word, bit)                                           \
 	+((uint64_t)3 << (16 * WORD_##word + (bit)))
 _Static_assert((0
 #include "fine/families.rows.h"
 		) == (0
-#define FAMILY(id, kind, sample, source, rank, floor, unit, times, clear, weak, crumb, word, bit)                      \
+#define FAMILY(id, kind, sample, rank, floor, unit, faint, crumb, word, bit)                                           \
 	| ((uint64_t)3 << (16 * WORD_##word + (bit)))
 #include "fine/families.rows.h"
 		      ),

@@ -35,8 +35,7 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	made.least_contrast =
 		least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
 	for (int k = 0; k < FAMILY_COUNT; k++)
-		made.floor[k] =
-			families[k].times * (families[k].floor * (families[k].unit == UNIT_CREASE ? made.crease : 1));
+		made.floor[k] = families[k].floor * (families[k].unit == UNIT_CREASE ? made.crease : 1);
 	made.across = pieces_of(f->width, CELL);
 	made.tall = pieces_of(f->height, CELL);
 	made.crack = arena_take(a, pixels, sizeof *made.crack);
@@ -104,9 +103,9 @@ static bool has_seen(const fine *n)
 	return n->seen != NULL;
 }
 
-static bool has_creases(const fine *n)
+static bool gives_way(const fine *n)
 {
-	return n->e->creases && n->e->on[SOURCE_NORMAL];
+	return (n->e->creases && n->e->on[SOURCE_NORMAL]) || n->e->on[SOURCE_LIGHT];
 }
 
 static bool is_colored(const fine *n)
@@ -151,11 +150,11 @@ static const pass passes[] = {
 	{"sort", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
 	{"claim", NULL, ISA(fine_claim), FOUND | PLACED | CELLS, KEPT, BROKEN(claims)},
 	{"link", NULL, ISA(fine_link), CRACKS | FOUND | PLACED | CELLS | KEPT, LINKS | KEPT, BROKEN(links)},
-	{"tie", NULL, ISA(fine_tie), FOUND | PLACED | CELLS | KEPT | LINKS, LINKS, BROKEN(links)},
+	{"tie", NULL, ISA(fine_tie), FOUND | PLACED | CELLS | KEPT | LINKS, LINKS | PLACED, BROKEN(links)},
 	{"smooth", NULL, ISA(fine_smooth), LINKS | KEPT | PLACED, PLACED, NULL},
 	{"sort again", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
 	{"crowd", is_colored, ISA(fine_crowd), FOUND | PLACED | CELLS | KEPT, KEPT, BROKEN(crowd)},
-	{"give way", has_creases, ISA(fine_give_way), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, BROKEN(crowd)},
+	{"give way", gives_way, ISA(fine_give_way), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, BROKEN(crowd)},
 	{"join ends", NULL, ISA(fine_join_ends), LAYERS | FOUND | PLACED | CELLS | KEPT | LINKS,
 	 FOUND | PLACED | CELLS | LINKS, BROKEN(joined)},
 	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, NULL},

@@ -32,18 +32,21 @@ enum rank { RANK_SHAPE, RANK_CREASE, RANK_COLOR, RANK_LIGHT, RANK_SEEN, RANK_COU
 enum unit { UNIT_ONE, UNIT_CREASE };
 enum word { WORD_CRACK, WORD_RIDGE, WORD_SEEN, WORD_COUNT };
 
-enum { NO_SAMPLE = SAMPLE_COUNT };
+enum { NO_SAMPLE = SAMPLE_COUNT, LONE = 1, FAINT_SURE = 0, FAINT_FAINT = 1 };
 
 /* families.rows.h tells what the fields are. */
 typedef struct family_info {
 	const char *name;
-	uint8_t kind, sample, source, rank;
+	uint8_t kind, sample, rank;
 	float floor;
 	uint8_t unit;
-	float times, clear, weak;
+	bool faint;
 	uint8_t crumb, word, bit;
 } family_info;
 extern const family_info families[FAMILY_COUNT];
+/* Pixels to sites of earlier families, of all but shapes, which join them. Where light crosses a threshold that goes
+ * round a corner from a step in it, along the other axis, to clear_of_turn: they are one line. */
+extern const float clear_of_older, clear_of_turn;
 
 enum form { FORM_VECTOR, FORM_COLOR, FORM_LIGHT, FORM_DISTANCE };
 
@@ -61,7 +64,7 @@ extern const uint8_t marked_family[WORD_COUNT][16];
 #define MARKS_CRACK(id, bit) id##_RIGHT = 1 << (bit), id##_DOWN = 2 << (bit),
 #define MARKS_RIDGE(id, bit)
 #define MARKS_SEEN(id, bit)
-#define FAMILY(id, kind, sample, source, rank, floor, unit, times, clear, weak, crumb, word, bit) MARKS_##word(id, bit)
+#define FAMILY(id, kind, sample, rank, floor, unit, faint, crumb, word, bit) MARKS_##word(id, bit)
 enum {
 #include "fine/families.rows.h"
 	RIDGE_SEEN = 1 << 14 /* in fine.ridge: the pixel has marks in fine.seen */
@@ -203,6 +206,8 @@ static inline void crack_place(const found *at, float share, placed *s)
 /* Into how many levels the light of each pixel rises. */
 void ISA(level_row)(const fine *n, int y, uint8_t *level);
 bool ISA(light_site)(const fine *n, const found *at, placed *s);
+/* Where the boundary between two values of light is drawn, one line for all levels between them; NAN: there is none. */
+float ISA(light_threshold)(const encre_params *p, float one, float two);
 /* Strength of the boundary between two values of light; the levels are those of p. */
 float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two);
 
@@ -283,7 +288,7 @@ int32_t ISA(fine_smooth)(fine *n);
 int32_t ISA(fine_tie)(fine *n);
 /* density.c: bounds the radius of lines between colours by the room they have. */
 int32_t ISA(fine_crowd)(fine *n);
-/* Likewise of edges of meshes, beside older lines. */
+/* Likewise of edges of meshes, and of light, beside older lines. */
 int32_t ISA(fine_give_way)(fine *n);
 /* ends.c: leads loose ends on to what lies ahead. */
 int32_t ISA(fine_join_ends)(fine *n);

@@ -14,7 +14,7 @@ struct walk {
 	const fine *n;
 	void (*visit)(walk *w, const found *at, int slot);
 	uint32_t number[FAMILY_COUNT]; /* of the next site, by family */
-	uint64_t *key, limit;          /* of the marks of a tile, in the order of the walk; the least that is kept */
+	uint64_t *key, limit;          /* of the marks of a tile, in the order of the walk; more than which is kept */
 	uint64_t *kept;
 	uint32_t count;
 	tile at;
@@ -146,11 +146,11 @@ static void rank_mark(walk *w, const found *at, int slot)
 
 static void choose_mark(walk *w, const found *at, int slot)
 {
-	if (w->key[w->count++] >= w->limit)
+	if (w->key[w->count++] > w->limit)
 		w->kept[(at->row - w->at.y) * TILE_SIDE + at->column - w->at.x] |= (uint64_t)1 << slot;
 }
 
-/* The least key of those of which at most `most` are as large, digit by digit. */
+/* The least number than which at most `most` keys are larger, digit by digit. */
 static uint64_t limit_of(const uint64_t *key, uint32_t count, uint32_t most)
 {
 	enum { DIGIT = 8, DIGITS = 1 << DIGIT };
@@ -165,7 +165,7 @@ static uint64_t limit_of(const uint64_t *key, uint32_t count, uint32_t most)
 			most -= have[digit];
 		limit |= (uint64_t)digit << shift;
 	}
-	return limit + 1;
+	return limit;
 }
 
 typedef struct bound {
@@ -238,7 +238,7 @@ static void make_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const fine *n = data;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(n->f->bands); y++) {
 		walk w = {.n = n, .visit = make_site};
 		for (int k = 0; k < FAMILY_COUNT; k++)
 			w.number[k] = n->first[k * n->f->height + y];

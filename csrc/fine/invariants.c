@@ -105,19 +105,19 @@ const char *broken_claims(const fine *n)
 {
 	for (uint32_t i = 0; i < n->count; i++) {
 		const site *s = n->site + i;
-		const family_info *is = families + s->found.family;
+		bool joins = rank_of(s) == RANK_SHAPE;
 		if (s->linked.crumb && !s->linked.dropped)
 			return "crumbs are dropped";
 		if (s->linked.dropped)
 			continue;
-		if (is->clear > 0 && s->placed.strength <= 0)
+		if (!joins && s->placed.strength <= 0)
 			return "what is kept is an edge";
 		if (s->placed.weak && !s->linked.held)
 			return "weak sites that are kept are held";
-		near_sites of = near_site(n, s, is->clear);
-		for (uint32_t j; is->clear > 0 && near_next(n, &of, &j);)
+		near_sites of = near_site(n, s, clear_of_older);
+		for (uint32_t j; !joins && near_next(n, &of, &j);)
 			if (!n->site[j].linked.dropped && n->site[j].found.family < s->found.family &&
-			    apart2(s, n->site + j) < is->clear * is->clear)
+			    apart2(s, n->site + j) < clear_from(s, n->site + j) * clear_from(s, n->site + j))
 				return "sites keep clear of those of earlier families";
 	}
 	return NULL;

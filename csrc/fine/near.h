@@ -133,6 +133,14 @@ static inline bool near_next(const fine *n, near_sites *of, uint32_t *site)
 	return true;
 }
 
+/* How far a site keeps from one of an earlier family, but for stripes. */
+static inline float clear_from(const site *s, const site *older)
+{
+	bool turns = s->found.family == FAMILY_LIGHT && older->found.family == FAMILY_LIGHT_STEP &&
+		     s->found.axis != older->found.axis;
+	return turns ? clear_of_turn : clear_of_older;
+}
+
 /* ---- order ----------------------------------------------------------------------------------------------- */
 
 /* For qsort(): below, at or above 0. */
@@ -148,12 +156,20 @@ static inline int order_of(uint32_t a, uint32_t b)
 
 /* ---- pieces ---------------------------------------------------------------------------------------------- */
 
-enum { PIECE = 4096 };
+enum { PIECE = 4096, STOP = 32 };
 
 /* Asked before the i-th step of what can't be shared among threads: it may have been cancelled. */
 static inline int32_t at_step(const fine *n, uint32_t i)
 {
-	return i % PIECE ? ENCRE_OK : bands_poll(n->f->bands);
+	if (i % STOP)
+		return ENCRE_OK;
+	return i % PIECE == 0 ? bands_poll(n->f->bands) : bands_stopped(n->f->bands) ? ENCRE_ERROR_CANCELLED : ENCRE_OK;
+}
+
+/* Likewise by kernels: whether to return at once. */
+static inline bool stopped_at(const fine *n, int i)
+{
+	return i % STOP == 0 && bands_stopped(n->f->bands);
 }
 
 /* ---- chains ---------------------------------------------------------------------------------------------- */
@@ -173,6 +189,54 @@ static inline uint32_t next_of(const fine *n, uint32_t from, uint32_t i)
 {
 	const uint32_t *to = n->to + n->at[i];
 	return links_at(n, i) != 2 ? UINT32_MAX : to[0] == from ? to[1] : to[0];
+}
+
+/* A site of a thin thing that covers no pixel centre there lies between sites where it covers some again. */
+typedef struct between {
+	int hits; /* how many are known */
+	uint32_t hit[2];
+	int links[2];   /* from the site to each, the first the nearer one */
+	float along[2]; /* likewise, in pixels */
+} between;
+
+static inline between between_of(const fine *n, uint32_t i)
+{
+	between b = {0};
+	for (uint32_t k = n->at[i]; k < n->at[i + 1] && b.hits < 2; k++) {
+		uint32_t from = i, at = n->to[k];
+		int links = 1;
+		float along = sqrtf(apart2(n->site + i, n->site + at));
+		while (at != UINT32_MAX && at != i && n->site[at].found.family == FAMILY_THIN &&
+		       !n->site[at].linked.dropped) {
+			uint32_t next = next_of(n, from, at);
+			from = at;
+			at = next;
+			if (at != UINT32_MAX)
+				along += sqrtf(apart2(n->site + from, n->site + at));
+			links++;
+		}
+		if (at == UINT32_MAX || at == i || n->site[at].linked.dropped)
+			continue;
+		int nearer = b.hits && (links < b.links[0] || (links == b.links[0] && at < b.hit[0]));
+		b.hit[b.hits] = b.hit[0];
+		b.links[b.hits] = b.links[0];
+		b.along[b.hits] = b.along[0];
+		int own = nearer ? 0 : b.hits;
+		b.hit[own] = at;
+		b.links[own] = links;
+		b.along[own] = along;
+		b.hits++;
+	}
+	return b;
+}
+
+/* The site that tells what a line is of. */
+static inline uint32_t told_by(const fine *n, uint32_t i)
+{
+	if (n->site[i].found.family != FAMILY_THIN)
+		return i;
+	between b = between_of(n, i);
+	return b.hits ? b.hit[0] : i;
 }
 
 /* The way of the line at a site, of any length; false where several meet. */

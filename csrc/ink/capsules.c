@@ -6,11 +6,9 @@
 #include "ink/pen.h"
 #include "fine/near.h"
 
-/* A link draws this many pixels beyond the line that halves the angle with its neighbour, because the radius may vary.
- */
+/* A link draws this many pixels beyond the line that halves the angle with its neighbour: where the radius varies, what
+ * darkens a pixel most lies aside of the nearest place, by the radius times its slope. */
 static const float overlap = 1.0f;
-/* Where the radius changes more from one site to the next, a link may ink what lies before its neighbours. */
-static const float most_steep = 0.5f;
 
 /* ---- drawing --------------------------------------------------------------------------------------------- */
 
@@ -58,12 +56,22 @@ static place place_of(const fine *n, const capsules *all, uint32_t stroke, uint3
 	return all->moved && !n->site[i].linked.dropped ? (place){e->x, e->y} : (place){s->x, s->y};
 }
 
-/* Leaves what lies beyond end `here` to the one other link there. */
+/* Whether what of a link darkens a pixel most may lie farther aside of the nearest place than links overlap. */
+static bool is_steep(const capsules *all, uint32_t stroke, uint32_t a, uint32_t b)
+{
+	const pen_end *e = all->end + (size_t)stroke * all->count + a, *o = all->end + (size_t)stroke * all->count + b;
+	float dx = o->x - e->x, dy = o->y - e->y;
+	return fabsf(o->out - e->out) * max(e->reach, o->reach) > overlap * sqrtf(dx * dx + dy * dy);
+}
+
+/* Leaves what lies beyond end `here` to the one other link there, if that is drawn and not steep. */
 static void cut_at(const fine *n, const capsules *all, uint32_t stroke, capsule *c, uint32_t here, uint32_t there)
 {
 	if (n->at[here + 1] - n->at[here] != 2)
 		return;
 	uint32_t other = n->to[n->at[here]] == there ? n->to[n->at[here] + 1] : n->to[n->at[here]];
+	if (n->site[other].linked.dropped || is_steep(all, stroke, here, other))
+		return;
 	place h = place_of(n, all, stroke, here), t = place_of(n, all, stroke, there),
 	      o = place_of(n, all, stroke, other);
 	float ox = h.x - o.x, oy = h.y - o.y, tx = t.x - h.x, ty = t.y - h.y;
@@ -108,7 +116,7 @@ static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32
 		c.across = streaks_of(&c);
 	c.inverse = square > 1e-12f ? 1 / square : 0;
 	c.reach = max(c.a->reach, c.b->reach);
-	if (c.reach > 2.5f && a != b && b < all->ends && fabsf(c.b->out - c.a->out) < most_steep) {
+	if (c.reach > 2.5f && a != b && b < all->ends && !is_steep(all, stroke, a % all->count, b % all->count)) {
 		a %= all->count;
 		b %= all->count;
 		cut_at(n, all, stroke, &c, a, b);
@@ -274,7 +282,7 @@ void ISA(capsules_draw)(const capsules *all, canvas *c)
 {
 	const uint32_t *first = all->first + c->y0 / BAND;
 	uint32_t stroke = 0; /* lists are in their order */
-	for (uint32_t i = first[0]; i < first[1]; i++) {
+	for (uint32_t i = first[0]; i < first[1] && !bands_stopped(c->f->bands); i++) {
 		const uint32_t *ends = all->list[i];
 		if (c->laid && ends[0] / all->count != stroke) {
 			lay(c);

@@ -57,17 +57,25 @@ static void fill_row(const frame *f, discs *all, int y)
 	all->up[y] = all->down[y] = (uint16_t)min(reach, OPEN - 1);
 }
 
+/* The least of a tile by halves, as a loop that carries it along the row would not be vectorised. */
 static void tile_row(const frame *f, int y, float *tiles)
 {
 	const float *depth = layer_row(f, ENCRE_LAYER_DEPTH, y);
 	for (int x0 = 0; x0 < f->width; x0 += TILE) {
-		float nearest = tiles[x0 / TILE];
+		float nearest[TILE];
 		int n = f->width - x0 < TILE ? f->width - x0 : TILE;
-		for (int x = 0; x < n; x++) {
-			float z = depth_of(depth[x0 + x]);
-			nearest = min(nearest, z);
-		}
-		tiles[x0 / TILE] = nearest;
+		for (int x = n; x < TILE; x++)
+			nearest[x] = INFINITY;
+		if (n == TILE)
+			for (int x = 0; x < TILE; x++)
+				nearest[x] = depth_of(depth[x0 + x]);
+		else
+			for (int x = 0; x < n; x++)
+				nearest[x] = depth_of(depth[x0 + x]);
+		for (int half = TILE / 2; half; half /= 2)
+			for (int x = 0; x < half; x++)
+				nearest[x] = min(nearest[x], nearest[x + half]);
+		tiles[x0 / TILE] = min(tiles[x0 / TILE], nearest[0]);
 	}
 }
 
@@ -83,7 +91,7 @@ static void fill_rows(void *data, int y0, int y1, int thread)
 		tiles[i] = INFINITY;
 	for (int y = y0; y < y1 && f->params->line_occlude; y++)
 		tile_row(f, y, tiles); /* depth is in the cache then, for the discs */
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++)
 		fill_row(f, g->all, y);
 }
 
@@ -162,7 +170,7 @@ static void bound_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const gather *g = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(g->f->bands); y++)
 		bound_row(g->f, g->all, y);
 }
 
@@ -208,13 +216,31 @@ static void join_rows(void *data, int y0, int y1, int thread)
 
 /* ---- drawing --------------------------------------------------------------------------------------------- */
 
+/* What the spans of a disc have in common. */
+typedef struct shade {
+	float first, last, radius, steep, gain, cut, paper, limit;
+} shade;
+
+static shade shade_of(const frame *f, const disc *e)
+{
+	const encre_params *p = f->params + e->style;
+	return (shade){.first = e->x,
+		       .last = e->last,
+		       .radius = e->radius,
+		       .steep = e->gain / fade_of(p, e->radius),
+		       .gain = e->gain,
+		       .cut = e->gain * e->bias,
+		       .paper = p->line_paper,
+		       .limit = e->limit};
+}
+
 /* Eight pixels from x on at a time: pixels beyond the end of the span get what they are due, which is no more than
  * another disc gives them. */
-static void ink_span(const disc *restrict e, float dy, int x, int end, float *restrict dark,
+static void ink_span(const shade *restrict e, float dy, int x, int end, float *restrict dark,
 		     const float *restrict depth, const float *restrict grain)
 {
-	float first = e->x, last = e->last, radius = e->radius, steep = e->gain / e->fade, gain = e->gain;
-	float cut = e->gain * e->bias, paper = e->paper, limit = e->limit, dy2 = dy * dy;
+	float first = e->first, last = e->last, radius = e->radius, steep = e->steep, gain = e->gain;
+	float cut = e->cut, paper = e->paper, limit = e->limit, dy2 = dy * dy;
 	for (; x < end; x += LANES)
 		for (int k = 0; k < LANES; k++) {
 			float px = (float)(x + k), a = first - px, b = px - last;
@@ -227,13 +253,12 @@ static void ink_span(const disc *restrict e, float dy, int x, int end, float *re
 }
 
 /* Likewise, and remembers who inked. Discs come in reading order: an equal takes over only if it is nearer. */
-static void own_span(const disc *restrict e, int y, float dy, int x, int end, float *restrict dark,
+static void own_span(const shade *restrict e, int y, float dy, int x, int end, float *restrict dark,
 		     const float *restrict depth, const float *restrict grain, float *restrict distance,
 		     uint32_t *restrict owner)
 {
-	float radius = e->radius, steep = e->gain / e->fade, gain = e->gain;
-	float cut = e->gain * e->bias, paper = e->paper, limit = e->limit, dy2 = dy * dy;
-	float first = e->x, last = e->last;
+	float first = e->first, last = e->last, radius = e->radius, steep = e->steep, gain = e->gain;
+	float cut = e->cut, paper = e->paper, limit = e->limit, dy2 = dy * dy;
 	uint32_t row = (uint32_t)y << 16;
 	for (; x < end; x += LANES)
 		for (int k = 0; k < LANES; k++) {
@@ -256,6 +281,7 @@ static void own_span(const disc *restrict e, int y, float dy, int x, int end, fl
 static void draw_disc(const disc *e, int y, canvas *c)
 {
 	int from = y - e->up < c->y0 ? c->y0 : y - e->up, to = y + e->down >= c->y1 ? c->y1 - 1 : y + e->down;
+	shade s = shade_of(c->f, e);
 	for (int row = from; row <= to; row++) {
 		int dy = row - y, below = dy > 0, ahead = dy < 0 ? -dy : dy;
 		float square = e->reach * e->reach - (float)dy * (float)dy;
@@ -280,10 +306,10 @@ static void draw_disc(const disc *e, int y, canvas *c)
 		canvas_touch(c, row, x, end);
 		size_t at = (size_t)(row - c->y0) * c->stride;
 		if (c->owner)
-			own_span(e, y, (float)dy, x, end, c->dark + at, c->depth + at, c->grain + at, c->distance + at,
+			own_span(&s, y, (float)dy, x, end, c->dark + at, c->depth + at, c->grain + at, c->distance + at,
 				 c->owner + at);
 		else
-			ink_span(e, (float)dy, x, end, c->dark + at, c->depth + at, c->grain + at);
+			ink_span(&s, (float)dy, x, end, c->dark + at, c->depth + at, c->grain + at);
 	}
 }
 
@@ -292,6 +318,8 @@ void ISA(discs_draw)(const discs *all, canvas *c)
 	for (int y = c->y0 - all->reach < 0 ? 0 : c->y0 - all->reach; y < c->f->height && y < c->y1 + all->reach; y++) {
 		if (y + all->down[y] < c->y0 || y - all->up[y] >= c->y1)
 			continue;
+		if (bands_stopped(c->f->bands))
+			return;
 		const disc *row = all->disc + all->first[y];
 		for (uint32_t i = 0; i < all->count[y]; i++)
 			draw_disc(row + i, y, c);

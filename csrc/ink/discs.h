@@ -18,21 +18,27 @@ typedef struct pen {
 
 /* The disc of an edge pixel, or of the edge pixels x..last of one row whose discs differ in nothing but their place.
  * The darkness that it gives a pixel at distance d, on paper of height h, is, before it is clamped to 0..1,
- *   gain * ((1 + paper * (h - 1)) * min(1, (radius - d) / fade) - bias). */
+ *   gain * ((1 + line_paper * (h - 1)) * min(1, (radius - d) / fade) - bias). */
 typedef struct disc {
 	uint16_t x, last;
 	uint16_t style;
-	float radius, fade; /* fade: from the rim inwards until coverage is full */
-	float gain, bias;   /* gain times intensity; 1 - intensity / 2 */
-	float paper;
-	float reach; /* nothing is darkened from here on, however high the paper */
-	float limit; /* pixels with less depth are not covered */
+	float radius;
+	float gain, bias; /* gain times intensity; 1 - intensity / 2 */
+	float reach;      /* nothing is darkened from here on, however high the paper */
+	float limit;      /* pixels with less depth are not covered */
 	/* Pixels that a neighbouring edge covers at least as well are left to it: how far the disc goes left of x,
 	 * right of last, up and down; and at most dx + dy = corner[below][right] towards a corner (OPEN: no bound). */
 	uint16_t left, right, up, down, corner[2][2];
 } disc;
 
 enum { OPEN = UINT16_MAX };
+
+/* From the rim inwards until coverage is full. There is a disc for each edge pixel, so that what follows from style and
+ * radius is not kept in it. */
+static inline float fade_of(const encre_params *p, float radius)
+{
+	return max(p->line_softness * radius, 1);
+}
 
 /* lines.c: the pen of an edge of that source and strength with the controls of pixel nx, ny; false where lines are off.
  */

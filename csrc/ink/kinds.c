@@ -62,6 +62,8 @@ static bool passes_through(const frame *f, const found *at)
 
 enum line ISA(line_of)(const frame *f, const site *s)
 {
+	const fine *n = f->fine;
+	s = n->site + told_by(n, (uint32_t)(s - n->site));
 	switch ((enum source)s->placed.source) {
 	case SOURCE_OBJECT: return shape_of(f, &s->found, SOURCE_OBJECT);
 	case SOURCE_DEPTH: return shape_of(f, &s->found, SOURCE_DEPTH);

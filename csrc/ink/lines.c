@@ -71,11 +71,9 @@ bool ISA(disc_of)(const frame *f, int x, int y, disc *d)
 	d->x = d->last = (uint16_t)x;
 	d->style = (uint16_t)(pen.p - f->params);
 	d->radius = pen.radius;
-	d->fade = max(pen.p->line_softness * pen.radius, 1);
 	d->gain = pen.gain;
 	d->bias = pen.bias;
-	d->paper = pen.p->line_paper;
-	d->reach = pen.radius - d->fade * d->bias;
+	d->reach = pen.radius - fade_of(pen.p, pen.radius) * d->bias;
 	d->limit = pen.limit;
 	return d->reach > 0 && d->gain > 0;
 }
@@ -281,7 +279,7 @@ static bool found_at(const lines *l, size_t at, int *dx, int *dy)
 static void draw_found(const lines *l, canvas *c)
 {
 	const frame *f = l->f;
-	for (int y = c->y0; y < c->y1; y++) {
+	for (int y = c->y0; y < c->y1 && !bands_stopped(f->bands); y++) {
 		size_t row = (size_t)y * (size_t)f->width, at = (size_t)(y - c->y0) * c->stride;
 		disc d = {0};
 		bool inks = false;
@@ -300,9 +298,10 @@ static void draw_found(const lines *l, canvas *c)
 			canvas_touch(c, y, x, x + 1);
 			if (c->depth[at + (size_t)x] < d.limit)
 				continue;
-			float coverage = min(1, (d.radius - sqrtf(d2)) / d.fade);
+			const encre_params *p = f->params + d.style;
+			float coverage = min(1, (d.radius - sqrtf(d2)) / fade_of(p, d.radius));
 			c->dark[at + (size_t)x] =
-				d.gain * ((1 + d.paper * c->grain[at + (size_t)x]) * coverage - d.bias);
+				d.gain * ((1 + p->line_paper * c->grain[at + (size_t)x]) * coverage - d.bias);
 			if (c->owner)
 				c->owner[at + (size_t)x] = (uint32_t)ey << 16 | (uint32_t)ex;
 		}
@@ -319,7 +318,7 @@ static void lines_rows(void *data, int y0, int y1, int thread)
 		ISA(discs_draw)(&l->discs, &c);
 	else if (l->f->any.use_lines)
 		draw_found(l, &c);
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(l->f->bands); y++)
 		finish_row(l, &c, y);
 }
 

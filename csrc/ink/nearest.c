@@ -58,14 +58,14 @@ static void column_stripes(void *data, int s0, int s1, int thread)
 		int16_t since[STRIPE];
 		for (int x = 0; x < n; x++)
 			since[x] = FAR;
-		for (int y = 0; y < f->height; y++) {
+		for (int y = 0; y < f->height && !bands_stopped(f->bands); y++) {
 			size_t at = (size_t)y * (size_t)f->width + (size_t)x0;
 			step(f->edge + at, n, since);
 			turn_up(since, n, j->n->down + at);
 		}
 		for (int x = 0; x < n; x++)
 			since[x] = FAR;
-		for (int y = f->height - 1; y >= 0; y--) {
+		for (int y = f->height - 1; y >= 0 && !bands_stopped(f->bands); y--) {
 			size_t at = (size_t)y * (size_t)f->width + (size_t)x0;
 			step(f->edge + at, n, since);
 			turn_down(since, n, j->n->reach, j->n->down + at);
@@ -126,7 +126,7 @@ static void nearest_rows(void *data, int y0, int y1, int thread)
 	const job *j = data;
 	size_t width = (size_t)j->f->width;
 	int32_t *stack = j->n->stack + (size_t)thread * 2 * width;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(j->f->bands); y++)
 		nearest_row(j->n->down + (size_t)y * width, j->f->width, stack, stack + width,
 			    j->f->nearest + (size_t)y * width * 2);
 }

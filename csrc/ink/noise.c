@@ -5,6 +5,7 @@
 
 #include "base/pixel.h"
 #include "base/stage.h"
+#include "fine/near.h"
 
 /* ---- noise ----------------------------------------------------------------------------------------------- */
 
@@ -91,10 +92,14 @@ typedef struct spot {
 static const float one_surface = 0.02f;
 
 /* The mean, by nearness, of those of the four pixels about a site that show the surface in front: so noise runs on
- * evenly where the thing moves by parts of a pixel. Where nothing tells, a place in the frame. */
+ * evenly where the thing moves by parts of a pixel. A crack may lie on the centres beyond those that it parts, or be
+ * moved there as lines are smoothed: it keeps its own. Where nothing tells, a place in the frame. */
 static spot spot_of(const frame *f, const site *s)
 {
-	float x = s->placed.x, y = s->placed.y, left = floorf(x), top = floorf(y), front = INFINITY, sum = 0;
+	bool crack = is_crack(s->found.family);
+	float x = s->placed.x, y = s->placed.y, front = INFINITY, sum = 0;
+	float left = crack && s->found.axis != AXIS_COLUMN ? (float)s->found.column : floorf(x),
+	      top = crack && s->found.axis != AXIS_ROW ? (float)s->found.row : floorf(y);
 	/* in units of length, or another number of pixels would have other octaves, and so another line */
 	spot at = {.p = {(x + (float)f->place.x + 0.5f) / f->scale, (y + (float)f->place.y + 0.5f) / f->scale, 0},
 		   .unit = 1};
@@ -105,7 +110,7 @@ static spot spot_of(const frame *f, const site *s)
 	for (int k = 0; k < 4; k++) {
 		int px = clamp_index((int)left + (k & 1), f->width), py = clamp_index((int)top + (k >> 1), f->height);
 		const float *objects = layer_row(f, ENCRE_LAYER_OBJECT, py);
-		float fx = x - left, fy = y - top;
+		float fx = clamp01(x - left), fy = clamp01(y - top);
 		anchor[k] = anchor_at(f, px, py);
 		depth[k] = anchor[k][ANCHOR_PIXEL] > 0 ? depth_at(f, px, py) : INFINITY;
 		object[k] = objects ? objects[px] : 0;
@@ -130,6 +135,26 @@ static spot spot_of(const frame *f, const site *s)
 	return at;
 }
 
+/* Of a thin thing that covers no pixel centre there, between the places where it covers some again. */
+static spot spot_between(const frame *f, const site *s)
+{
+	const fine *n = f->fine;
+	between b = {0};
+	if (s->found.family == FAMILY_THIN)
+		b = between_of(n, (uint32_t)(s - n->site));
+	if (!b.hits)
+		return spot_of(f, s);
+	spot at = spot_of(f, n->site + b.hit[0]);
+	if (b.hits < 2)
+		return at;
+	spot other = spot_of(f, n->site + b.hit[1]);
+	float whole = b.along[0] + b.along[1], share = whole > 0 ? b.along[0] / whole : 0;
+	for (int c = 0; c < 3; c++)
+		at.p[c] = mix(at.p[c], other.p[c], share);
+	at.unit = mix(at.unit, other.unit, share);
+	return at;
+}
+
 void ISA(spots_fill)(const frame *f, const site *s, int n, const spots *to)
 {
 	enum { AHEAD = 12 };
@@ -145,7 +170,7 @@ void ISA(spots_fill)(const frame *f, const site *s, int n, const spots *to)
 			__builtin_prefetch(anchor + ANCHOR_COUNT);
 			__builtin_prefetch(layer_row(f, ENCRE_LAYER_DEPTH, y) + x);
 		}
-		spot at = s[i].linked.dropped ? (spot){.unit = 1} : spot_of(f, s + i);
+		spot at = s[i].linked.dropped ? (spot){.unit = 1} : spot_between(f, s + i);
 		to->x[i] = at.p[0];
 		to->y[i] = at.p[1];
 		to->z[i] = at.p[2];

@@ -36,7 +36,7 @@ static void hold_rows(void *data, int y0, int y1, int thread)
 	const frame *f = j->f;
 	enum { PART = 256 };
 	int32_t best[PART];
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++)
 		for (int x0 = 0; x0 < f->width; x0 += PART) {
 			int n = f->width - x0 < PART ? f->width - x0 : PART;
 			for (int i = 0; i < n; i++)
@@ -104,7 +104,7 @@ static void blur_rows(void *data, int y0, int y1, int thread)
 	const frame *f = j->f;
 	int width = f->width;
 	float *sum = column_of(j, thread) + BLUR_RADIUS;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		for (int x = 0; x < width; x++)
 			sum[x] = j->weight[0] * (float)(f->edge[(size_t)y * (size_t)width + (size_t)x] != 0);
 		for (int k = 1; k <= BLUR_RADIUS; k++) {
@@ -163,7 +163,7 @@ static void gap_rows(void *data, int y0, int y1, int thread)
 	uint8_t *rows = j->s->rows + (size_t)thread * ((size_t)f->width + 2 * STEPS) + STEPS;
 	memset(rows - STEPS, STEPS, STEPS);
 	memset(rows + f->width, STEPS, STEPS);
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		least_rows(f, y, rows);
 		uint8_t *gap = j->s->gap + (size_t)y * (size_t)f->width;
 		memcpy(gap, rows, (size_t)f->width);
@@ -214,7 +214,7 @@ static void walk_rows(void *data, int y0, int y1, int thread)
 	const frame *f = j->f;
 	size_t width = (size_t)f->width;
 	float *gx = column_of(j, thread), *gy = gx + width, *scratch = gy + width;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		const float *m = j->s->blurred + (size_t)y * width, *t = y > 0 ? m - width : m,
 			    *b = y < f->height - 1 ? m + width : m;
 		const uint8_t *gap = j->s->gap + (size_t)y * width;

@@ -34,6 +34,13 @@ static float length_at(const fine *n, uint32_t i, float radius)
 	return n->at[i] == n->at[i + 1] ? 2 * radius : length;
 }
 
+/* Pixels across its line that a site covers: of a thin thing whose lines are one, each of them covers half. */
+static float wide(const site *s, float radius)
+{
+	float lines = s->found.family == FAMILY_THIN ? 1 : 2;
+	return mix(2 * radius, 2 * (s->placed.half + radius) / lines, filled_by(&s->placed, radius));
+}
+
 static int32_t weigh(const fine *n, const grid *g, const pen_end *end)
 {
 	int32_t code = ENCRE_OK;
@@ -46,7 +53,8 @@ static int32_t weigh(const fine *n, const grid *g, const pen_end *end)
 		if (n->site[i].linked.dropped || !(end[i].out > 0))
 			continue;
 		place_on(g, &n->site[i].placed, &x, &y, &u, &v);
-		float ink = 2 * end[i].out * length_at(n, i, end[i].out) / area, *at = g->share + y * g->across + x;
+		float ink = wide(n->site + i, end[i].out) * length_at(n, i, end[i].out) / area,
+		      *at = g->share + y * g->across + x;
 		at[0] += (1 - u) * (1 - v) * ink;
 		at[1] += u * (1 - v) * ink;
 		at[g->across] += (1 - u) * v * ink;

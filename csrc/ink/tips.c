@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From sites and links to what is drawn of them: how wide, dark and where each link ends, by pen, hand and stroke, and
- * which links reach into a band. */
+/* From sites and links to what is drawn of them: how wide, dark and where each link ends, by pen, hand and stroke. */
 #include "ink/discs.h"
 #include "ink/tips.h"
 #include "ink/pen.h"
@@ -87,23 +86,31 @@ static float dashed(const frame *f, const hand *h, const beat *b, float radius)
 	return radius * whole * mix(1, half, min(1, b->born * space));
 }
 
-/* `radius`: evened along the line. t: what the hand does to it, or NULL. */
+/* `radius`: evened along the line. t: what the hand does to it, or NULL. Whether a thing's two lines are one is asked
+ * of an even hand that presses as hard as this one: or a wire would be one line here and two hairs there. */
 static void finish(const frame *f, const site *made, const hand *h, float radius, float length, const touch *t,
 		   const beat *b, pen_end *e)
 {
 	const placed *s = &made->placed;
-	float crowd = made->linked.crowd;
+	float crowd = made->linked.crowd, even = e->out, lift = 1;
 	if (!inks(f, made))
 		return;
 	float taper = h->pen_taper * f->scale;
-	if (t)
-		radius = dashed(f, h, b, max(radius + t->rough * min(t->fray, most_frayed * radius), 0) * t->left);
-	if (length < taper)
+	if (t) {
+		float whole = max(radius + t->rough * min(t->fray, most_frayed * radius), 0);
+		radius = dashed(f, h, b, whole * t->left);
+		lift = whole > 0 ? radius / whole : 0;
+		even += h->pen_pressure * even + min(t->fray, most_frayed * even);
+	}
+	if (length < taper) {
 		radius *= length / taper;
+		lift *= length / taper;
+	}
 	if (radius * crowd > 1)
 		radius = 1 / crowd;
-	/* a thing not much wider than its lines lets no paper between them: they are one, from its middle */
-	float filled = s->thin * clamp01(1 - 2 * (s->half - radius));
+	if (even * crowd > 1)
+		even = 1 / crowd;
+	float filled = filled_by(s, even);
 	if (made->found.axis == AXIS_ROW)
 		e->x += filled * s->inside;
 	else
@@ -113,7 +120,7 @@ static void finish(const frame *f, const site *made, const hand *h, float radius
 		e->y += t->dy;
 		e->bristles = h->pen_dry > 0 ? (uint32_t)h->pen_bristles : 0;
 	}
-	e->out = filled * s->half + radius;
+	e->out = lift * filled * s->half + radius;
 	e->fade *= radius;
 	float ramp = min(e->ease, 1 - e->bias),
 	      middle = e->out - e->fade * (e->bias + 0.5f * ramp); /* on the highest paper */
@@ -220,18 +227,12 @@ static void finish_pens(void *data, int first, int end, int thread)
 	}
 }
 
-/* Where the end of a spur is among all. */
-static size_t spur_end(const gather *g, uint32_t stroke, uint32_t k)
-{
-	return (size_t)g->strokes * g->n->count + (size_t)stroke * g->turns.spurs + k;
-}
-
 /* A stroke's end beyond a corner, where the pen is lifted: never farther than half the line before it is long. */
 static void go_on(const gather *g, uint32_t k)
 {
 	static const float lifted = 0.35f;
 	const spur *s = g->turns.spur + k;
-	size_t from = (size_t)g->stroke * g->n->count + s->site, to = spur_end(g, g->stroke, k);
+	size_t from = (size_t)g->stroke * g->n->count + s->site, to = spur_end(g->all, &g->turns, g->stroke, k);
 	pen_end *e = g->all->end + to;
 	*e = g->all->end[from];
 	float far = min(g->farther[s->site], 0.5f * s->room);
@@ -294,47 +295,6 @@ static int32_t make_strokes(gather *g)
 	return code;
 }
 
-/* ---- bands ----------------------------------------------------------------------------------------------- */
-
-/* Adds a capsule to the lists of the bands that it reaches into; counts while there are no lists. */
-static void enter(const gather *g, uint32_t a, uint32_t b, uint32_t *next)
-{
-	const pen_end *one = g->all->end + a, *two = g->all->end + b;
-	float reach = max(one->reach, two->reach), top = min(one->y, two->y) - reach,
-	      bottom = max(one->y, two->y) + reach;
-	if (!(reach > 0) || bottom < 0 || top > (float)(g->f->height - 1))
-		return;
-	for (int k = pixel_of(top - 0.5f, g->f->height) / BAND; k <= pixel_of(bottom + 0.5f, g->f->height) / BAND;
-	     k++) {
-		if (g->all->list) {
-			g->all->list[next[k]][0] = a;
-			g->all->list[next[k]][1] = b;
-		}
-		next[k]++;
-	}
-}
-
-static int32_t enter_all(const gather *g, uint32_t stroke, uint32_t *next)
-{
-	const fine *n = g->n;
-	uint32_t from = stroke * n->count, spur = 0;
-	int32_t code = ENCRE_OK;
-	for (uint32_t i = 0; !code && i < n->count; i++) {
-		code = at_step(n, i);
-		for (; spur < g->turns.spurs && g->turns.spur[spur].site == i; spur++)
-			if (g->all->end[spur_end(g, stroke, spur)].reach > 0)
-				enter(g, from + i, (uint32_t)spur_end(g, stroke, spur), next);
-		if (n->site[i].linked.dropped)
-			continue;
-		if (n->at[i] == n->at[i + 1])
-			enter(g, from + i, from + i, next);
-		for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
-			if (n->to[k] > i && !n->site[n->to[k]].linked.dropped)
-				enter(g, from + i, from + n->to[k], next);
-	}
-	return code;
-}
-
 int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 {
 	const fine *n = f->fine;
@@ -388,20 +348,5 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 			return code;
 	}
 	code = make_strokes(&g);
-	if (code)
-		return code;
-	memset(all->first, 0, (bands + 2) * sizeof *all->first);
-	/* counted two places on: summed up, and filled, they end where they belong */
-	for (uint32_t k = 0; !code && k < g.strokes; k++)
-		code = enter_all(&g, k, all->first + 2);
-	if (code)
-		return code;
-	for (size_t k = 2; k < bands + 2; k++)
-		all->first[k] += all->first[k - 1];
-	all->list = late_take(&f->late, all->first[bands + 1], sizeof *all->list);
-	if (!all->list)
-		return ENCRE_ERROR_MEMORY;
-	for (uint32_t k = 0; !code && k < g.strokes; k++)
-		code = enter_all(&g, k, all->first + 1);
-	return code;
+	return code ? code : ISA(capsules_list)(f, &g.turns, g.strokes, all);
 }

@@ -3,7 +3,7 @@
 #ifndef ENCRE_TIPS_H
 #define ENCRE_TIPS_H
 
-#include <stdint.h>
+#include "fine/fine.h"
 
 /* What a site gives the links that end at it. On paper of height h, a share `bias` of which the pencil doesn't reach,
  * the darkness that coverage min(1, (out - d) / fade) gets at distance d is gain * (h * coverage - bias). Of that ramp
@@ -17,5 +17,12 @@ typedef struct pen_end {
 	float reach;       /* nothing is darkened from here on */
 	uint32_t bristles; /* 0: none is dry */
 } pen_end;
+
+/* A thing not much wider than its lines lets no paper between them: they are one, from its middle. How much they are,
+ * where each is `radius` pixels wide to each side. */
+static inline float filled_by(const placed *s, float radius)
+{
+	return s->thin * clamp01(1 - 2 * (s->half - radius));
+}
 
 #endif

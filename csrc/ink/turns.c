@@ -170,6 +170,43 @@ static int steps_on(const fine *n, const spots *p, uint32_t i, uint32_t first, u
 	return count;
 }
 
+/* The thirteen ways between a cube's opposite corners, edges and faces; as many more as fill a vector are no others. */
+enum { WAYS = 13, LANES_OF_WAYS = 16 };
+
+typedef struct ways {
+	/* from the first site to the last, up and down from site to site, and those in the middle together */
+	float net[LANES_OF_WAYS], all[LANES_OF_WAYS], sum[LANES_OF_WAYS];
+} ways;
+
+/* The ways are the inner loops, which are vectorised so. */
+static void along_ways(const spots *p, const uint32_t *on, int count, int from, int to, ways *w)
+{
+	float wx[LANES_OF_WAYS], wy[LANES_OF_WAYS], wz[LANES_OF_WAYS], inverse[LANES_OF_WAYS];
+	float first[LANES_OF_WAYS], before[LANES_OF_WAYS];
+	for (int k = 0; k < LANES_OF_WAYS; k++) {
+		int at = k < WAYS ? 14 + k : 14, column = at % 3, row = at / 3 % 3, slice = at / 9;
+		float x = (float)(column - 1), y = (float)(row - 1), z = (float)(slice - 1);
+		wx[k] = x;
+		wy[k] = y;
+		wz[k] = z;
+		inverse[k] = 1 / sqrtf(x * x + y * y + z * z);
+		first[k] = before[k] = w->all[k] = w->sum[k] = 0;
+	}
+	for (int j = 0; j < count; j++) {
+		float x = p->x[on[j]], y = p->y[on[j]], z = p->z[on[j]];
+		bool middle = j >= from && j <= to;
+		for (int k = 0; k < LANES_OF_WAYS; k++) {
+			float along = (x * wx[k] + y * wy[k] + z * wz[k]) * inverse[k];
+			first[k] = j ? first[k] : along;
+			w->all[k] += j ? fabsf(along - before[k]) : 0;
+			w->sum[k] += middle ? along : 0;
+			before[k] = along;
+		}
+	}
+	for (int k = 0; k < LANES_OF_WAYS; k++)
+		w->net[k] = fabsf(before[k] - first[k]);
+}
+
 beat ISA(beat_of)(const fine *n, const spots *p, uint32_t i, float length)
 {
 	uint32_t on[2 * STEPS + 1], side[STEPS], links = links_at(n, i);
@@ -186,23 +223,15 @@ beat ISA(beat_of)(const fine *n, const spots *p, uint32_t i, float length)
 	int each = left < count - 1 - left ? left : count - 1 - left;
 	uint32_t a = on[0], b = on[count - 1];
 	float far = 0, place = 0, best = 0;
-	/* along the one of thirteen ways that is nearest, and least unsteady: a straight line has one all along */
-	for (int k = 14; k < 27; k++) {
-		int x = k % 3 - 1, y = k / 3 % 3 - 1, z = k / 9 - 1;
-		float wx = (float)x, wy = (float)y, wz = (float)z;
-		float inverse = 1 / sqrtf(wx * wx + wy * wy + wz * wz), before = 0, sum = 0, all = 0, first = 0;
-		for (int j = 0; j < count; j++) {
-			float along = (p->x[on[j]] * wx + p->y[on[j]] * wy + p->z[on[j]] * wz) * inverse;
-			all += j ? fabsf(along - before) : 0;
-			first = j ? first : along;
-			sum += j >= left - each && j <= left + each ? along : 0;
-			before = along;
-		}
-		float net = fabsf(before - first), score = net - 2 * (all - net);
+	/* along the one that is nearest, and least unsteady: a straight line has one all along */
+	ways w;
+	along_ways(p, on, count, left - each, left + each, &w);
+	for (int k = 0; k < WAYS; k++) {
+		float score = w.net[k] - 2 * (w.all[k] - w.net[k]);
 		if (score > best || !far) {
 			best = score;
-			far = net;
-			place = sum / (float)(2 * each + 1);
+			far = w.net[k];
+			place = w.sum[k] / (float)(2 * each + 1);
 		}
 	}
 	float rate = sqrtf(apart2(n->site + a, n->site + b)) / (length * far);

@@ -3,6 +3,7 @@
 #ifndef ENCRE_TURNS_H
 #define ENCRE_TURNS_H
 
+#include "ink/discs.h"
 #include "ink/noise.h"
 
 /* A stroke that comes to a corner goes on from its site. */
@@ -20,6 +21,15 @@ typedef struct turns {
 
 /* room: pixels along a line that a spur is told of; 0: no spurs are asked for. */
 int32_t ISA(turns_find)(frame *f, float room, turns *t);
+
+/* Where the end of a stroke's k-th spur is among all ends: behind those of sites. */
+static inline size_t spur_end(const capsules *all, const turns *t, uint32_t stroke, uint32_t k)
+{
+	return (size_t)all->ends + (size_t)stroke * t->spurs + k;
+}
+
+/* reached.c: which links, and ends of spurs, reach into which band of rows. */
+int32_t ISA(capsules_list)(frame *f, const turns *t, uint32_t strokes, capsules *all);
 
 /* Where a site lies in the dashes along its line. */
 typedef struct beat {

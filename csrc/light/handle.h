@@ -4,6 +4,7 @@
 #ifndef ENCRE_HANDLE_H
 #define ENCRE_HANDLE_H
 
+#include "base/arena.h"
 #include "base/bands.h"
 
 #include <stddef.h>
@@ -18,8 +19,8 @@ int32_t scene_lamp(encre_scene *scene, int64_t key, const encre_lamp *given);
 void camera_product(const double view[16], const double projection[16], double both[16]);
 /* Clip space -> world; false where there is none. `inverse` may be NULL. */
 bool camera_inverse(const double view[16], const double projection[16], double inverse[16]);
-/* Images have strides. */
-int32_t light_run_base(bands *pool, const encre_light_job *job);
-int32_t light_run_v3(bands *pool, const encre_light_job *job);
+/* Images have strides. `held` is for the next one. */
+int32_t light_run_base(bands *pool, const encre_light_job *job, arena_held *held);
+int32_t light_run_v3(bands *pool, const encre_light_job *job, arena_held *held);
 
 #endif

@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What is kept for the next light, at most: a picture of 1080 rows takes 210 million bytes. */
+static const size_t held_most = (size_t)1 << 28;
+
 /* ---- rows -------------------------------------------------------------------------------------------------- */
 
 static void place_rows(void *data, int y0, int y1, int thread)
@@ -30,6 +33,11 @@ static void world_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	light *l = data;
 	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width; i++) {
+		if (l->surfaces[i].instance == SURFACE_NOTHING) {
+			for (int c = 0; c < 3; c++)
+				l->sum[3 * i + c] = 0;
+			continue;
+		}
 		vec n = l->surfaces[i].normal;
 		const float by[9] = {
 			1, n.x, n.y, n.z, n.x * n.y, n.y * n.z, 3 * n.z * n.z - 1, n.x * n.z, n.x * n.x - n.y * n.y};
@@ -37,7 +45,7 @@ static void world_rows(void *data, int y0, int y1, int thread)
 			float sum = 0;
 			for (int k = 0; k < 9; k++)
 				sum += by[k] * l->job->world[3 * k + c];
-			l->sum[3 * i + c] = l->surfaces[i].instance == SURFACE_NOTHING ? 0 : max(sum, 0);
+			l->sum[3 * i + c] = max(sum, 0);
 		}
 	}
 }
@@ -90,6 +98,7 @@ static void plan(light *l, arena *a)
 	l->plain = arena_take(a, n, sizeof *l->plain);
 	l->share = arena_take(a, n, sizeof *l->share);
 	l->cut = arena_take(a, 2 * n, sizeof *l->cut);
+	l->asked = l->cut;
 	l->spare = arena_take(a, n, sizeof *l->spare);
 	l->exact = arena_take(a, n, sizeof *l->exact);
 	l->sum = arena_take(a, 3 * n, sizeof *l->sum);
@@ -108,6 +117,7 @@ static int32_t run(light *l)
 		bands_span(l->bands, 0.3 + share * i, 0.3 + share * (i + 1));
 		if (!lamp_make(lamps->items[i], &l->lamp))
 			continue;
+		l->soft = l->lamp.soft && !l->job->sharp;
 		code = ISA(shadow_run)(l);
 		if (!code)
 			code = bands_run(l->bands, l->height, 0, add_rows, l);
@@ -115,7 +125,7 @@ static int32_t run(light *l)
 	return code ? code : bands_run(l->bands, l->job->diffuse.height, 0, write_rows, l);
 }
 
-int32_t ISA(light_run)(bands *pool, const encre_light_job *job)
+int32_t ISA(light_run)(bands *pool, const encre_light_job *job, arena_held *held)
 {
 	light l = {.job = job,
 		   .bands = pool,
@@ -123,18 +133,21 @@ int32_t ISA(light_run)(bands *pool, const encre_light_job *job)
 		   .height = job->diffuse.height + 2 * LIGHT_MARGIN};
 	camera_inverse(job->view, job->projection, l.inverse);
 	camera_product(job->view, job->projection, l.clip);
+	ISA(bend_make)(&l);
 	bands_span(pool, 0, 0.1);
 	int32_t code = world_make(&l.world, job->scene, pool);
 	arena a = {0};
 	plan(&l, &a);
-	void *memory = code ? NULL : arena_make(&a);
-	if (!code && !memory)
+	if (!code && !arena_hold(&a, held))
 		code = ENCRE_ERROR_MEMORY;
 	if (!code) {
 		plan(&l, &a);
 		code = run(&l);
 	}
-	free(memory);
+	if (held->size > held_most) {
+		free(held->memory);
+		*held = (arena_held){0};
+	}
 	world_free(&l.world);
 	return code;
 }

@@ -7,8 +7,9 @@
 #include "encre.h"
 
 /* A lamp that has a size is asked at fixed points. Each pixel of a square of TILE x TILE of the full frame has POINTS
- * of its own; DEALT, each pixel of WIDE x WIDE others, tell whether they matter. */
-enum { LAMP_TILE = 4, LAMP_POINTS = 16, LAMP_WIDE = 8, LAMP_DEALT = 4, LAMP_PLAIN = 16, LAMP_RIM = 4 };
+ * of its own, of which the FIRST are spread as well and tell whether the rest matter; DEALT, each pixel of WIDE x WIDE
+ * others, tell that of these. */
+enum { LAMP_TILE = 4, LAMP_POINTS = 64, LAMP_FIRST = 16, LAMP_WIDE = 8, LAMP_DEALT = 4, LAMP_PLAIN = 16, LAMP_RIM = 4 };
 
 typedef struct lamp_point {
 	float square[2], disc[2]; /* of the unit square, and of the unit disc about 0 */
@@ -24,6 +25,7 @@ typedef struct lamp {
 	float radius, open; /* sun: 1 less the cosine of half its angle */
 	float edge, blend;  /* spot: cosine where it ends, and 1 over what its soft part takes of it */
 	float spread, gain; /* tangent of half the angle; 0 = everywhere */
+	box goal;           /* it holds where rays to it end; of a sun, their ways */
 } lamp;
 
 /* False where it gives no light. */
@@ -102,6 +104,20 @@ static inline float spot_share(const lamp *l, vec way)
 		(vec){dot(way, l->u) / l->scale[0], dot(way, l->v) / l->scale[1], -dot(way, l->way) / l->scale[2]});
 	float t = clamp01((k.z - l->edge) * l->blend);
 	return t * t * (3 - 2 * t);
+}
+
+/* Of a sun, or a ball, all of which is above the horizon: the mean over its points. */
+static inline bool lamp_mean(const lamp *l, vec at, vec normal, float *value)
+{
+	if (l->type == ENCRE_SUN) {
+		float slope = -dot(l->way, normal);
+		*value = slope / pi;
+		return slope > sqrtf(l->open * (2 - l->open));
+	}
+	vec to = minus(l->at, at);
+	float square = dot(to, to), slope = dot(to, normal);
+	*value = slope / (4 * pi * pi * square * sqrtf(square));
+	return l->type == ENCRE_POINT && !l->flat && square > l->radius * l->radius && slope > l->radius;
 }
 
 /* Light from one point of the lamp, what is in the way aside, for a lamp of colour 1: the mean over its points is what

@@ -46,6 +46,20 @@ static void make_area(const encre_lamp *given, lamp *l)
 	}
 }
 
+static box goal_of(const lamp *l)
+{
+	vec mid = l->at, half = {l->radius, l->radius, l->radius};
+	if (l->type == ENCRE_SUN) {
+		float k = sqrtf(2 * l->open);
+		mid = times(l->way, -1);
+		half = plus(times(plus(absolute(l->u), absolute(l->v)), k), times(absolute(mid), l->open));
+	} else if (l->type == ENCRE_RECTANGLE || l->type == ENCRE_ELLIPSE)
+		half = times(plus(absolute(l->u), absolute(l->v)), 0.5f);
+	float off = 1e-5f * (largest(mid) + largest(half));
+	half = plus(half, (vec){off, off, off});
+	return (box){minus(mid, half), plus(mid, half)};
+}
+
 bool lamp_make(const encre_lamp *given, lamp *l)
 {
 	vec x = column(given->model, 0), y = column(given->model, 1), z = column(given->model, 2);
@@ -73,6 +87,7 @@ bool lamp_make(const encre_lamp *given, lamp *l)
 	}
 	if (given->type == ENCRE_SPOT)
 		make_spot(given, l);
+	l->goal = goal_of(l);
 	return (l->color[0] || l->color[1] || l->color[2]) && dot(l->way, l->way) > 0.5f && finite_lamp(l);
 }
 

@@ -4,11 +4,11 @@
 #define ENCRE_LIGHT_H
 
 #include "light/lamp.h"
-#include "light/rays.h"
+#include "light/shaft.h"
 
 /* Pixels around the images that are drawn, too: where a shadow is soft, a pixel of the border takes part in what is
  * done with others as far away as that. */
-enum { LIGHT_MARGIN = 28 };
+enum { LIGHT_MARGIN = 30 };
 
 enum { SURFACE_NOTHING = -1, SURFACE_STRAY = -2 /* of no geometry: only depth and normal tell of it */ };
 
@@ -22,6 +22,12 @@ typedef struct surface {
  * DARK where they were asked for, lie CORE_SHIFT higher. */
 enum { LIT = 1, DARK = 2, MIXED = LIT | DARK, CORE_SHIFT = 2 };
 
+/* An ellipsoid that bends light. */
+typedef struct bend {
+	double inverse[12]; /* world -> the ball of radius 1 */
+	float amount, fade;
+} bend;
+
 typedef struct light {
 	const encre_light_job *job;
 	bands *bands;
@@ -33,27 +39,70 @@ typedef struct light {
 	float *plain;    /* light without shadows */
 	float *share;    /* what of it comes */
 	float *cut;      /* two each: where on the ways to the right and down an edge passes, negative: nowhere */
+	float *asked;    /* the same place: of the first points, how much is seen of how much */
 	float *spare;    /* shares while they are smoothed */
 	float *exact;    /* 1: the share is that of an edge whose place is known; negative: not all points were asked */
 	float *sum;      /* three each: the light of all lamps so far */
 	double clip[16]; /* world -> clip */
 	lamp lamp;
+	bool soft; /* whether its shadows are */
 	lamp_points points;
+	bend bends[ENCRE_MAX_BENDS];
+	int n_bends;
 } light;
+
+/* A triangle in the world, as place.c found it last: neighbours mostly show the same. */
+typedef struct facet {
+	int32_t instance, triangle; /* negative: none yet */
+	double corner[3][3], first[3], second[3], across[3];
+	vec side, normal[3]; /* of length 1; normals of the corners, where it is smooth */
+} facet;
+#define FACET_NONE ((facet){.instance = -1})
+
+/* What rays that go to a lamp remember of each other. `shaft` may be NULL. */
+typedef struct rays {
+	hint hint;
+	shaft *shaft;
+	facet facet;
+} rays;
+#define RAYS(shaft) ((rays){HINT_NONE, shaft, FACET_NONE})
+
+/* bend.c: reads the job's ellipsoids; bends a surface's normal; what share of a way from a place lies in ellipsoids
+ * that hold the place. */
+void ISA(bend_make)(light *l);
+void ISA(bend_normal)(const light *l, surface *s);
+float ISA(bend_free)(const light *l, vec at, vec way);
 
 /* place.c: fills the surfaces of a row. */
 void ISA(place_row)(light *l, int y);
 /* What the way of sight through a place in pixels of the picture with its margin meets on the surface that the centre
  * of another pixel shows; *inside: whether it is still the same triangle. */
-surface ISA(place_on)(const light *l, const surface *near, float x, float y, bool *inside);
+surface ISA(place_on)(const light *l, facet *known, const surface *near, float x, float y, bool *inside);
 /* Where in the full frame a place is, in pixels; far outside if it is behind the camera. */
 void ISA(place_pixel)(const light *l, vec at, double out[2]);
 
 /* shadow.c: the shares of light of one lamp; soft.c: of one with a size. */
 int32_t ISA(shadow_run)(light *l);
 int32_t ISA(soft_run)(light *l);
+/* narrow.c: puts the edges of narrow penumbrae into `spare` and `exact`, and looks NARROW_REACH pixels far for them. */
+enum { NARROW_REACH = 4 };
+int32_t ISA(narrow_run)(light *l);
 /* Adds a point's light to *all, and to *seen if nothing is in its way. */
-void ISA(shadow_ask)(const light *l, const surface *s, const lamp_point *q, float *all, float *seen, hint *h);
+void ISA(shadow_ask)(const light *l, const surface *s, const lamp_point *q, float *all, float *seen, rays *from);
+/* A bit for each pixel of the square from (x, y) on, above row `end`, that is wanted, row by row of SHAFT_SIDE;
+ * wanted() is called for all, and may fill what they have. */
+static inline uint64_t square_of(light *l, int x, int y, int end, bool (*wanted)(light *l, int x, int y))
+{
+	uint64_t bits = 0;
+	for (int v = y; v < y + SHAFT_SIDE && v < end; v++)
+		for (int u = x; u < x + SHAFT_SIDE && u < l->width; u++)
+			bits |= (uint64_t)wanted(l, u, v) << ((v - y) * SHAFT_SIDE + u - x);
+	return bits;
+}
+
+/* Of the pixels `left`, a bit each from (x, y) on, row by row of SHAFT_SIDE, those that lie on one surface, and a shaft
+ * from them and, with `apron`, from the pixels about them. */
+uint64_t ISA(shadow_group)(const light *l, int x, int y, uint64_t left, int apron, shaft *to);
 /* What is nearest on the way to the lamp's middle; false if nothing is. */
 bool ISA(shadow_thrower)(const light *l, const surface *s, vec *place);
 /* Fills `cut`. */
@@ -69,7 +118,7 @@ bool ISA(edge_at)(const light *l, int x, int y, edge_line *e);
 
 static inline int core_at(const light *l, ptrdiff_t i)
 {
-	return l->state[i] >> (l->lamp.soft ? CORE_SHIFT : 0) & MIXED;
+	return l->state[i] >> (l->soft ? CORE_SHIFT : 0) & MIXED;
 }
 
 static inline bool one_surface(const surface *a, const surface *b)

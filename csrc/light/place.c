@@ -87,9 +87,32 @@ static vec world_normal(const instance *in, vec n)
 	return direction(out);
 }
 
+/* Reads a triangle, unless it is the one that was read last. */
+static void load(const light *l, int32_t number, int32_t triangle, facet *known)
+{
+	if (known->instance == number && known->triangle == triangle)
+		return;
+	const instance *in = l->world.instances[number];
+	const int32_t *corners = in->shape->corners + 3 * (ptrdiff_t)triangle;
+	known->instance = number;
+	known->triangle = triangle;
+	for (int k = 0; k < 3; k++) {
+		const float *point = in->shape->points + 3 * (ptrdiff_t)corners[k];
+		double own[3] = {(double)point[0], (double)point[1], (double)point[2]};
+		transform_point(in->model, own, known->corner[k]);
+		if (in->shape->normals)
+			known->normal[k] =
+				world_normal(in, vec_of(in->shape->normals + 9 * (ptrdiff_t)triangle + 3 * k));
+	}
+	subtract(known->corner[1], known->corner[0], known->first);
+	subtract(known->corner[2], known->corner[0], known->second);
+	product(known->first, known->second, known->across);
+	known->side = times(direction(known->across), in->mirrored ? -1 : 1);
+}
+
 /* Between the corners of a smooth surface: its normal, and how far above it rays begin that must not meet its own
  * facets: on the planes that touch it at the corners (Hanika 2021). */
-static void smooth(const instance *in, int32_t triangle, double corner[3][3], float u, float v, bool away, surface *s)
+static void smooth(const facet *of, float u, float v, bool away, surface *s)
 {
 	float c[3] = {0, clamp01(u), clamp01(v)}, over = max(c[1] + c[2], 1);
 	c[1] /= over;
@@ -97,10 +120,9 @@ static void smooth(const instance *in, int32_t triangle, double corner[3][3], fl
 	c[0] = 1 - c[1] - c[2];
 	vec sum = {0, 0, 0}, lift = {0, 0, 0};
 	for (int k = 0; k < 3; k++) {
-		vec n = world_normal(in, vec_of(in->shape->normals + 9 * (ptrdiff_t)triangle + 3 * k));
-		n = away ? times(n, -1) : n;
+		vec n = away ? times(of->normal[k], -1) : of->normal[k];
 		sum = plus(sum, times(n, c[k]));
-		float under = dot(minus(s->at, narrow(corner[k])), n);
+		float under = dot(minus(s->at, narrow(of->corner[k])), n);
 		lift = plus(lift, times(n, -c[k] * min(0, under)));
 	}
 	if (dot(sum, sum) > 0.01f)
@@ -109,45 +131,39 @@ static void smooth(const instance *in, int32_t triangle, double corner[3][3], fl
 }
 
 /* Where the way of sight from a to b meets the plane of a triangle. */
-static surface meet_plane(const light *l, int32_t number, int32_t triangle, const double a[3], const double b[3],
-			  bool *inside)
+static surface meet_plane(const light *l, facet *known, int32_t number, int32_t triangle, const double a[3],
+			  const double b[3], bool *inside)
 {
 	const instance *in = l->world.instances[number];
-	const int32_t *corners = in->shape->corners + 3 * (ptrdiff_t)triangle;
-	double corner[3][3], e[3], f[3], way[3], to[3], across[3], p[3], q[3], at[3];
-	for (int k = 0; k < 3; k++) {
-		const float *point = in->shape->points + 3 * (ptrdiff_t)corners[k];
-		double own[3] = {(double)point[0], (double)point[1], (double)point[2]};
-		transform_point(in->model, own, corner[k]);
-	}
-	subtract(corner[1], corner[0], e);
-	subtract(corner[2], corner[0], f);
+	double way[3], to[3], p[3], q[3], at[3];
+	load(l, number, triangle, known);
 	subtract(b, a, way);
-	subtract(a, corner[0], to);
-	product(e, f, across);
-	product(way, f, p);
-	product(to, e, q);
-	double det = along(e, p), r = det != 0 ? 1 / det : 0, u = along(to, p) * r, v = along(way, q) * r;
-	double t = along(f, q) * r;
+	subtract(a, known->corner[0], to);
+	product(way, known->second, p);
+	product(to, known->first, q);
+	double det = along(known->first, p), r = det != 0 ? 1 / det : 0, u = along(to, p) * r, v = along(way, q) * r;
+	double t = along(known->second, q) * r;
 	for (int k = 0; k < 3; k++)
 		at[k] = a[k] + t * way[k];
+	bool away = (along(known->across, way) > 0) != in->mirrored;
 	surface s = {.instance = number, .triangle = triangle, .at = narrow(at)};
-	s.across = times(direction(across), in->mirrored ? -1 : 1);
-	bool away = (along(across, way) > 0) != in->mirrored;
-	s.across = away ? times(s.across, -1) : s.across;
+	s.across = away ? times(known->side, -1) : known->side;
 	s.normal = s.across;
 	*inside = u >= 0 && v >= 0 && u + v <= 1;
 	if (in->shape->normals)
-		smooth(in, triangle, corner, (float)u, (float)v, away, &s);
+		smooth(known, (float)u, (float)v, away, &s);
 	return s;
 }
 
-surface ISA(place_on)(const light *l, const surface *near, float x, float y, bool *inside)
+surface ISA(place_on)(const light *l, facet *known, const surface *near, float x, float y, bool *inside)
 {
 	double a[3], b[3];
 	sight(l, (double)x, (double)y, a, b);
-	if (near->instance >= 0)
-		return meet_plane(l, near->instance, near->triangle, a, b, inside);
+	if (near->instance >= 0) {
+		surface met = meet_plane(l, known, near->instance, near->triangle, a, b, inside);
+		ISA(bend_normal)(l, &met);
+		return met;
+	}
 	surface s = *near;
 	double way[3], n[3] = {(double)near->across.x, (double)near->across.y, (double)near->across.z};
 	subtract(b, a, way);
@@ -167,17 +183,15 @@ static surface stray(const encre_image *normals, int x, int y, const double at[3
 	double way[3];
 	subtract(at, eye, way);
 	vec seen = direction(way), n = {0, 0, 0};
-	if (normals->data) {
-		const char *p = (const char *)normals->data + y * normals->row_stride + x * normals->pixel_stride;
-		n = vec_of((const float *)p);
-	}
+	if (normals->data)
+		n = vec_of(pixel_at(normals, x, y));
 	float square = dot(n, n);
 	n = square > 1e-6f && square < 1e6f ? unit(n) : times(seen, -1);
 	return (surface){.at = narrow(at), .normal = n, .across = n, .instance = SURFACE_STRAY};
 }
 
 /* The nearest that the camera sees, beyond the images. */
-static surface look(const light *l, const double a[3], const double b[3])
+static surface look(const light *l, facet *known, const double a[3], const double b[3])
 {
 	const world *w = &l->world;
 	const encre_light_job *job = l->job;
@@ -195,10 +209,10 @@ static surface look(const light *l, const double a[3], const double b[3])
 	at_depth(l, a, b, far, to);
 	if (!(far > near) || !ISA(ray_nearest)(w, from, to, 0, &h))
 		return (surface){.instance = SURFACE_NOTHING};
-	return meet_plane(l, h.instance, h.triangle, a, b, &inside);
+	return meet_plane(l, known, h.instance, h.triangle, a, b, &inside);
 }
 
-static surface place_at(const light *l, int x, int y)
+static surface place_at(const light *l, facet *known, int x, int y)
 {
 	const encre_image *depth = &l->job->depth;
 	double a[3], b[3], from[3], to[3];
@@ -206,9 +220,8 @@ static surface place_at(const light *l, int x, int y)
 	x -= LIGHT_MARGIN;
 	y -= LIGHT_MARGIN;
 	if (x < 0 || y < 0 || x >= depth->width || y >= depth->height)
-		return look(l, a, b);
-	float z =
-		depth_of(*(const float *)((const char *)depth->data + y * depth->row_stride + x * depth->pixel_stride));
+		return look(l, known, a, b);
+	float z = depth_of(*pixel_at(depth, x, y));
 	if (!(z < INFINITY))
 		return (surface){.instance = SURFACE_NOTHING};
 	hit h;
@@ -216,7 +229,7 @@ static surface place_at(const light *l, int x, int y)
 	at_depth(l, a, b, (double)z * (1 - slack), from);
 	at_depth(l, a, b, (double)z * (1 + slack), to);
 	if (ISA(ray_nearest)(&l->world, from, to, 0.5f, &h))
-		return meet_plane(l, h.instance, h.triangle, a, b, &inside);
+		return meet_plane(l, known, h.instance, h.triangle, a, b, &inside);
 	at_depth(l, a, b, (double)z, to);
 	return stray(&l->job->normal, x, y, to, from);
 }
@@ -231,9 +244,12 @@ static bool finite_place(const surface *s)
 void ISA(place_row)(light *l, int y)
 {
 	surface *row = l->surfaces + (ptrdiff_t)y * l->width;
+	facet known = FACET_NONE;
 	for (int x = 0; x < l->width; x++) {
-		row[x] = place_at(l, x, y);
+		row[x] = place_at(l, &known, x, y);
 		if (!finite_place(row + x))
 			row[x] = (surface){.instance = SURFACE_NOTHING};
+		if (row[x].instance != SURFACE_NOTHING)
+			ISA(bend_normal)(l, row + x);
 	}
 }

@@ -2,13 +2,12 @@
 /* How much of the light of a lamp with a size comes to what each pixel shows.
  *
  * Each pixel asks the few points that its place in a square of the full frame deals to it. Where these disagree, there
- * or nearby, it asks many, each from another place in the 2 x 2 pixels about it. No two pixels of a tile ask the same
- * points: what would be bands is grain, which a mean of such neighbours on the same surface as have much the same share
- * takes away, and then the means of pairs on either side: far pairs where a penumbra is wide. Those leave slopes as
- * they are.
+ * or nearby, it asks more, each from another place in the 2 x 2 pixels about it, and many where those disagree. No two
+ * pixels of a tile ask the same points: what would be bands is grain, which a mean of such neighbours on the same
+ * surface as have much the same share takes away, and then the means of pairs on either side: far pairs where a
+ * penumbra is wide. Those leave slopes as they are.
  *
- * Half of the light comes where the lamp's middle goes behind what throws the shadow. Where a penumbra is at most a few
- * pixels wide that edge is found as for a lamp without a size, and its ramp is as wide as the penumbra. */
+ * Narrow penumbrae are the matter of narrow.c. */
 #include "light/light.h"
 
 #include <stdlib.h>
@@ -18,15 +17,23 @@ enum {
 	TAPS = LAMP_TILE - 1,
 	FARTHEST = 8,                    /* pixels: to the places of a pair; then by halves */
 	REACH = TAPS + 2 * FARTHEST - 1, /* pixels: of the means together */
-	BESIDE = 2,                      /* pixels: likewise, of an edge */
-	SHARP = 2,
-	SOFT = 4 /* pixels: a penumbra of less is an edge with a ramp, one of more is asked for point by point */
 };
-_Static_assert(NEAR + BESIDE + REACH + 1 <= LIGHT_MARGIN - 2,
+_Static_assert(NEAR + NARROW_REACH + REACH + 2 <= LIGHT_MARGIN - 2,
 	       "beyond the images surfaces are known in the margin only");
 
 /* Shares that differ by more are on two sides of an edge: of the places of a tile; of pairs, a pixel apart. */
 static const float alike_dealt = 0.35f, alike_pairs = 0.04f;
+
+/* Whether there is light and shadow near a square at all, on whatever surfaces. */
+static bool mixed_about(const light *l, int x, int y)
+{
+	const int more = SHAFT_SIDE + NEAR;
+	int any = 0;
+	for (int v = y < NEAR ? 0 : y - NEAR; v < y + more && v < l->height; v++)
+		for (int u = x < NEAR ? 0 : x - NEAR; u < x + more && u < l->width; u++)
+			any |= l->state[(ptrdiff_t)v * l->width + u];
+	return (any & MIXED) == MIXED;
+}
 
 /* Whether some of the light, but not all, comes to one surface near a pixel. */
 static bool mixed_near(const light *l, int x, int y)
@@ -34,12 +41,9 @@ static bool mixed_near(const light *l, int x, int y)
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
 	int y0 = y < NEAR ? 0 : y - NEAR, y1 = y + NEAR < l->height ? y + NEAR : l->height - 1;
 	int x0 = x < NEAR ? 0 : x - NEAR, x1 = x + NEAR < l->width ? x + NEAR : l->width - 1;
-	int any = 0, own = l->state[i] & MIXED;
-	for (int v = y0; v <= y1; v++)
-		for (int u = x0; u <= x1; u++)
-			any |= l->state[(ptrdiff_t)v * l->width + u];
-	if ((any & MIXED) != MIXED || own == MIXED)
-		return own == MIXED;
+	int own = l->state[i] & MIXED;
+	if (own == MIXED)
+		return true;
 	for (int v = y0; v <= y1; v++)
 		for (int u = x0; u <= x1; u++) {
 			ptrdiff_t j = (ptrdiff_t)v * l->width + u;
@@ -58,173 +62,118 @@ static bool goes_on(const light *l, int x, int y, int u, int v)
 
 /* What a place shows between the centres of pixels i and j. Beyond a triangle its plane runs under the next one where
  * the surface is hollow, and what is not there would lie in its shadow: then it is what the centre of i shows. */
-static surface place_within(const light *l, ptrdiff_t i, ptrdiff_t j, float x, float y)
+static surface place_within(const light *l, facet *known, ptrdiff_t i, ptrdiff_t j, float x, float y)
 {
 	bool inside;
-	surface s = ISA(place_on)(l, l->surfaces + j, x, y, &inside);
+	surface s = ISA(place_on)(l, known, l->surfaces + j, x, y, &inside);
 	if (!inside && i != j)
-		s = ISA(place_on)(l, l->surfaces + i, x, y, &inside);
+		s = ISA(place_on)(l, known, l->surfaces + i, x, y, &inside);
 	return inside ? s : l->surfaces[i];
 }
 
-/* Places are looked at from within the surface: beside where it ends from the pixel's own column or row. */
-static float full_share(const light *l, int x, int y, hint *h)
+/* Asks points of a pixel. Places are looked at from within the surface: beside where it ends from the pixel's own
+ * column or row. */
+static void ask_points(const light *l, int x, int y, int first, int end, float *all, float *seen, rays *from)
 {
 	const encre_frame *f = &l->job->frame;
 	const lamp_point *points = l->points.of[(f->y + y) & (LAMP_TILE - 1)][(f->x + x) & (LAMP_TILE - 1)];
 	bool columns[2] = {goes_on(l, x, y, x - 1, y), goes_on(l, x, y, x + 1, y)};
 	bool rows[2] = {goes_on(l, x, y, x, y - 1), goes_on(l, x, y, x, y + 1)};
-	float all = 0, seen = 0;
-	for (int k = 0; k < LAMP_POINTS; k++) {
+	for (int k = first; k < end; k++) {
 		const lamp_point *q = points + k;
 		float a = columns[q->place[0] > 0] ? q->place[0] : 0, b = rows[q->place[1] > 0] ? q->place[1] : 0;
 		int u = x + (int)floorf(0.5f + a), v = y + (int)floorf(0.5f + b);
 		ptrdiff_t i = (ptrdiff_t)y * l->width + x, j = (ptrdiff_t)v * l->width + u;
 		surface s = l->surfaces[i];
 		if (u == x || v == y || goes_on(l, x, y, u, v))
-			s = place_within(l, i, j, (float)x + 0.5f + a, (float)y + 0.5f + b);
-		ISA(shadow_ask)(l, &s, q, &all, &seen, h);
+			s = place_within(l, &from->facet, i, j, (float)x + 0.5f + a, (float)y + 0.5f + b);
+		ISA(shadow_ask)(l, &s, q, all, seen, from);
 	}
-	int more = all > 0 ? 0 : LAMP_PLAIN; /* of its own none gives light */
-	for (int k = 0; k < more; k++)
-		ISA(shadow_ask)(l, l->surfaces + (ptrdiff_t)y * l->width + x, l->points.plain + k, &all, &seen, h);
-	return all > 0 ? seen / all : 0;
+}
+
+/* Asks for all pixels of a square of which a bit is set. */
+static void ask_square(light *l, int x, int y, uint64_t left, int first, int end, rays *from)
+{
+	while (left) {
+		uint64_t group = ISA(shadow_group)(l, x, y, left, 1, from->shaft);
+		left &= ~group;
+		for (; group; group &= group - 1) {
+			int k = __builtin_ctzll(group), u = x + k % SHAFT_SIDE, v = y + k / SHAFT_SIDE;
+			ptrdiff_t i = (ptrdiff_t)v * l->width + u;
+			float seen = first ? l->asked[2 * i] : 0, all = first ? l->asked[2 * i + 1] : 0;
+			ask_points(l, u, v, first, end, &all, &seen, from);
+			int more = all > 0 || !first ? 0 : LAMP_PLAIN; /* of its own none gives light */
+			for (k = 0; k < more; k++)
+				ISA(shadow_ask)(l, l->surfaces + i, l->points.plain + k, &all, &seen, from);
+			if (first) {
+				l->spare[i] = all > 0 ? seen / all : 0;
+			} else {
+				l->asked[2 * i] = seen;
+				l->asked[2 * i + 1] = all;
+			}
+		}
+	}
+}
+
+static bool asks_first(light *l, int x, int y)
+{
+	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+	bool full = l->state[i] && mixed_near(l, x, y);
+	l->exact[i] = full ? 0 : -1;
+	return full;
+}
+
+static bool asks_none(light *l, int x, int y)
+{
+	l->exact[(ptrdiff_t)y * l->width + x] = -1;
+	return false;
+}
+
+static void first_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	light *l = data;
+	shaft s;
+	rays from = RAYS(&s);
+	for (int y = y0; y < y1; y += SHAFT_SIDE)
+		for (int x = 0; x < l->width; x += SHAFT_SIDE)
+			ask_square(l, x, y, square_of(l, x, y, y1, mixed_about(l, x, y) ? asks_first : asks_none), 0,
+				   LAMP_FIRST, &from);
+}
+
+/* Whether the first points of a pixel and of those about it, as far as these were asked, see the same. */
+static bool agree(const light *l, int x, int y)
+{
+	bool lit = false, dark = false;
+	for (int v = y ? y - 1 : 0; v <= y + 1 && v < l->height; v++)
+		for (int u = x ? x - 1 : 0; u <= x + 1 && u < l->width; u++) {
+			ptrdiff_t i = (ptrdiff_t)v * l->width + u;
+			if (l->exact[i] < 0)
+				continue;
+			lit |= l->asked[2 * i] > 0;
+			dark |= l->asked[2 * i] < l->asked[2 * i + 1] || !(l->asked[2 * i + 1] > 0);
+		}
+	return !(lit && dark);
 }
 
 /* Into `spare`: others read what the centres found. */
-static void full_rows(void *data, int y0, int y1, int thread)
-{
-	(void)thread;
-	light *l = data;
-	hint h = HINT_NONE;
-	for (int y = y0; y < y1; y++)
-		for (int x = 0; x < l->width; x++) {
-			ptrdiff_t i = (ptrdiff_t)y * l->width + x;
-			bool full = l->state[i] && mixed_near(l, x, y);
-			l->spare[i] = full ? full_share(l, x, y, &h) : l->share[i];
-			l->exact[i] = full ? 0 : -1;
-		}
-}
-
-/* ---- penumbrae of a few pixels ----------------------------------------------------------------------------- */
-
-/* Whether light comes from the lamp's middle. */
-static void core_rows(void *data, int y0, int y1, int thread)
-{
-	(void)thread;
-	light *l = data;
-	hint h = HINT_NONE;
-	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width; i++) {
-		float all = 0, seen = 0;
-		if (l->exact[i] < 0)
-			continue;
-		ISA(shadow_ask)(l, l->surfaces + i, &l->points.middle, &all, &seen, &h);
-		if (all > 0)
-			l->state[i] |= (uint8_t)((seen > 0 ? LIT : DARK) << CORE_SHIFT);
-	}
-}
-
-/* By how many pixels the shadow of a place moves across an edge when the light comes from a lamp's rim and not from its
- * middle. */
-static float moves(const light *l, const surface *s, vec place, const lamp_point *rim, const edge_line *e)
-{
-	vec way;
-	float far;
-	lamp_light(&l->lamp, s->at, s->normal, rim, &way, &far);
-	vec off = minus(place, s->at), from = far < lamp_far ? minus(way, off) : way;
-	float slope = dot(from, s->across);
-	vec to = minus(off, times(from, dot(off, s->across) / (fabsf(slope) < 1e-12f ? 1e-12f : slope)));
-	double a[2], b[2];
-	ISA(place_pixel)(l, s->at, a);
-	ISA(place_pixel)(l, plus(s->at, to), b);
-	return (float)(b[0] - a[0]) * e->x + (float)(b[1] - a[1]) * e->y;
-}
-
-/* Whether light falls from all of the lamp: else half of what falls is not where its middle goes. */
-static bool faces(const light *l, const surface *s)
-{
-	bool all = true;
-	for (int k = 0; k < LAMP_RIM; k++) {
-		vec way;
-		float far;
-		all &= lamp_light(&l->lamp, s->at, s->normal, l->points.rim + k, &way, &far) > 0;
-	}
-	return all;
-}
-
-/* How many pixels wide the penumbra is that an edge has, by what throws it; SOFT if more, or if it can't be told. */
-static float width_of(const light *l, int x, int y, const edge_line *e)
+static bool asks_rest(light *l, int x, int y)
 {
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
-	bool across = fabsf(e->a) <= fabsf(e->b), inside;
-	/* a little to the dark side: what is in the way there ends here */
-	float far = across ? e->a : e->b, more = (core_at(l, i) == LIT) == (far > 0) ? 0.03f : -0.03f;
-	float u = (float)x + 0.5f + (across ? far + more : 0), v = (float)y + 0.5f + (across ? 0 : far + more);
-	surface s = ISA(place_on)(l, l->surfaces + i, u, v, &inside);
-	if (!inside) {
-		ptrdiff_t side = across ? 1 : l->width;
-		s = ISA(place_on)(l, l->surfaces + (far > 0 ? i + side : i - side), u, v, &inside);
-	}
-	vec place;
-	if (!inside || !faces(l, &s) || !ISA(shadow_thrower)(l, &s, &place))
-		return SOFT;
-	float a = moves(l, &s, place, l->points.rim, e), b = moves(l, &s, place, l->points.rim + 1, e);
-	float half = l->lamp.type == ENCRE_RECTANGLE ? fabsf(a) + fabsf(b) : sqrtf(a * a + b * b);
-	return 2 * half < SOFT ? 2 * half : SOFT;
+	bool few = l->exact[i] < 0;
+	l->spare[i] = few ? l->share[i] : l->asked[2 * i] > 0;
+	return !few && !agree(l, x, y);
 }
 
-/* Into `share`, which is free meanwhile: widths, negative where no edge passes. */
-static void width_rows(void *data, int y0, int y1, int thread)
+static void rest_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	light *l = data;
-	edge_line e;
-	for (int y = y0; y < y1; y++)
-		for (int x = 0; x < l->width; x++)
-			l->share[(ptrdiff_t)y * l->width + x] = ISA(edge_at)(l, x, y, &e) ? width_of(l, x, y, &e) : -1;
-}
-
-/* The pixel nearest to one, on its surface, beside which an edge passes; negative: none. */
-static ptrdiff_t edge_near(const light *l, int x, int y, int *column, int *row)
-{
-	ptrdiff_t i = (ptrdiff_t)y * l->width + x, found = -1;
-	int nearest = 2 * BESIDE * BESIDE + 1;
-	for (int v = y - BESIDE; v <= y + BESIDE; v++)
-		for (int u = x - BESIDE; u <= x + BESIDE; u++) {
-			int far = (u - x) * (u - x) + (v - y) * (v - y);
-			ptrdiff_t j = (ptrdiff_t)v * l->width + u;
-			if (far >= nearest || u < 0 || v < 0 || u >= l->width || v >= l->height || l->share[j] < 0 ||
-			    (j != i && !one_surface(l->surfaces + i, l->surfaces + j)))
-				continue;
-			nearest = far;
-			found = j;
-			*column = u;
-			*row = v;
-		}
-	return found;
-}
-
-static void narrow_rows(void *data, int y0, int y1, int thread)
-{
-	(void)thread;
-	light *l = data;
-	edge_line e;
-	int u = 0, v = 0;
-	for (int y = y0; y < y1; y++)
-		for (int x = 0; x < l->width; x++) {
-			ptrdiff_t i = (ptrdiff_t)y * l->width + x, j;
-			int own = core_at(l, i);
-			if (l->exact[i] < 0 || !own || (j = edge_near(l, x, y, &u, &v)) < 0)
-				continue;
-			ISA(edge_at)(l, u, v, &e);
-			float away = e.x * (float)(x - u) + e.y * (float)(y - v) - e.far, width = max(l->share[j], 2);
-			float lit = (core_at(l, j) == LIT) == (e.far < 0) ? away : -away;
-			float ramp = clamp01(0.5f + lit / width);
-			/* another edge may lie between the two */
-			ramp = own == LIT ? max(ramp, 0.5f) : min(ramp, 0.5f);
-			l->exact[i] = clamp01((SOFT - width) / (SOFT - SHARP));
-			l->spare[i] += l->exact[i] * (ramp - l->spare[i]);
-		}
+	shaft s;
+	rays from = RAYS(&s);
+	for (int y = y0; y < y1; y += SHAFT_SIDE)
+		for (int x = 0; x < l->width; x += SHAFT_SIDE)
+			ask_square(l, x, y, square_of(l, x, y, y1, asks_rest), LAMP_FIRST, LAMP_POINTS, &from);
 }
 
 /* ---- means ------------------------------------------------------------------------------------------------- */
@@ -312,10 +261,11 @@ static void pair_rows(void *data, int y0, int y1, int thread)
 
 int32_t ISA(soft_run)(light *l)
 {
-	const bands_kernel first[] = {full_rows, core_rows, ISA(edge_rows), width_rows, narrow_rows};
-	int32_t code = ENCRE_OK;
-	for (int k = 0; !code && k < 5; k++)
-		code = bands_run(l->bands, l->height, 0, first[k], l);
+	int32_t code = bands_run(l->bands, l->height, 0, first_rows, l);
+	if (!code)
+		code = bands_run(l->bands, l->height, 0, rest_rows, l);
+	if (!code)
+		code = ISA(narrow_run)(l);
 	smoothing m = {l, l->spare, l->share, 1, alike_dealt};
 	if (!code)
 		code = bands_run(l->bands, l->height, 0, dealt_rows, &m);

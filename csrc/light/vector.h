@@ -9,6 +9,10 @@ typedef struct vec {
 	float x, y, z;
 } vec;
 
+typedef struct box {
+	vec low, high;
+} box;
+
 static inline vec vec_of(const float *p)
 {
 	return (vec){p[0], p[1], p[2]};
@@ -42,6 +46,22 @@ static inline vec cross(vec a, vec b)
 static inline vec unit(vec a)
 {
 	return times(a, 1 / sqrtf(dot(a, a) + 1e-30f));
+}
+
+static inline void box_add(box *b, vec p)
+{
+	b->low = (vec){min(b->low.x, p.x), min(b->low.y, p.y), min(b->low.z, p.z)};
+	b->high = (vec){max(b->high.x, p.x), max(b->high.y, p.y), max(b->high.z, p.z)};
+}
+
+static inline vec absolute(vec a)
+{
+	return (vec){fabsf(a.x), fabsf(a.y), fabsf(a.z)};
+}
+
+static inline float largest(vec a)
+{
+	return max3(fabsf(a.x), fabsf(a.y), fabsf(a.z));
 }
 
 static inline void transform_point(const double m[12], const double p[3], double out[3])

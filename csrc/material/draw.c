@@ -27,17 +27,12 @@ typedef struct drawing {
 	uint32_t *from; /* n_programs + 1 */
 } drawing;
 
-static inline float *at(const encre_image *image, int x, int y)
-{
-	return (float *)((char *)image->data + y * image->row_stride + x * image->pixel_stride);
-}
-
 /* The material of what a pixel shows; -1: nothing. */
 static inline int32_t material_at(const drawing *d, int x, int y)
 {
-	if (!(*at(&d->job->object, x, y) > 0))
+	if (!(*pixel_at(&d->job->object, x, y) > 0))
 		return -1;
-	float number = *at(&d->job->material, x, y);
+	float number = *pixel_at(&d->job->material, x, y);
 	return number >= 0 && number < (float)d->materials->n_programs ? (int32_t)number : -1;
 }
 
@@ -49,15 +44,15 @@ static void steps_along(const drawing *d, int x, int y, int dx, int dy, int n, f
 	memset(out, 0, sizeof(float) * ENCRE_MAX_CHANNELS);
 	if (!n)
 		return;
-	const float *own = at(&job->attributes, x, y);
+	const float *own = pixel_at(&job->attributes, x, y);
 	float least = INFINITY;
 	for (int side = -1; side <= 1; side += 2) {
 		int px = x + side * dx, py = y + side * dy;
 		if (px < 0 || py < 0 || px >= d->width || py >= d->height ||
-		    *at(&job->object, px, py) != *at(&job->object, x, y) ||
-		    *at(&job->material, px, py) != *at(&job->material, x, y))
+		    *pixel_at(&job->object, px, py) != *pixel_at(&job->object, x, y) ||
+		    *pixel_at(&job->material, px, py) != *pixel_at(&job->material, x, y))
 			continue;
-		const float *other = at(&job->attributes, px, py);
+		const float *other = pixel_at(&job->attributes, px, py);
 		float sum = 0;
 		for (int c = 0; c < n; c++)
 			sum += fabsf(other[c] - own[c]);
@@ -81,10 +76,10 @@ static void load(const drawing *d, block *b, const pixel *pixels, int n, int y0,
 	b->n = n;
 	for (int i = 0; i < n; i++) {
 		int x = pixels[i].x, y = y0 + pixels[i].row;
-		b->thing[i] = (int32_t)min(*at(&job->object, x, y), 1e9f);
+		b->thing[i] = (int32_t)min(*pixel_at(&job->object, x, y), 1e9f);
 		if (r->channels)
 			for (int c = 0; c < channels; c++)
-				b->channel[c][i] = at(&job->attributes, x, y)[c];
+				b->channel[c][i] = pixel_at(&job->attributes, x, y)[c];
 		if (r->steps) {
 			float right[ENCRE_MAX_CHANNELS], down[ENCRE_MAX_CHANNELS];
 			steps_along(d, x, y, 1, 0, channels, right);
@@ -96,9 +91,9 @@ static void load(const drawing *d, block *b, const pixel *pixels, int n, int y0,
 		}
 		if (r->normal)
 			for (int c = 0; c < 3; c++)
-				b->normal[c][i] = at(&job->normal, x, y)[c];
+				b->normal[c][i] = pixel_at(&job->normal, x, y)[c];
 		if (r->place) {
-			double z = (double)*at(&job->depth, x, y), wide = d->straight ? 1 : z;
+			double z = (double)*pixel_at(&job->depth, x, y), wide = d->straight ? 1 : z;
 			double px = job->frame.x + x + 0.5, py = job->frame.y + y + 0.5;
 			for (int c = 0; c < 3; c++) {
 				const double *m = d->inverse + c;
@@ -117,7 +112,7 @@ static void store(const encre_image *image, int channels, const block *b, const 
 	for (int i = 0; i < b->n; i++)
 		for (int c = 0; c < channels; c++) {
 			float value = b->reg[(size_t)result[c] * MATERIAL_BLOCK + (size_t)i];
-			at(image, pixels[i].x, y0 + pixels[i].row)[c] = min(max(value, 0), FLT_MAX);
+			pixel_at(image, pixels[i].x, y0 + pixels[i].row)[c] = min(max(value, 0), FLT_MAX);
 		}
 }
 
@@ -162,7 +157,7 @@ static void clear(const encre_image *image, int y0, int y1)
 {
 	for (int y = y0; image->data && y < y1; y++)
 		for (int x = 0; x < image->width; x++)
-			memset(at(image, x, y), 0, (size_t)image->channels * sizeof(float));
+			memset(pixel_at(image, x, y), 0, (size_t)image->channels * sizeof(float));
 }
 
 static void draw_band(const drawing *d, int y0, int y1, int thread)

@@ -81,6 +81,27 @@ static bool unit(const double n[3], float *out)
 	return square > 0;
 }
 
+void anchors_tangent(const part *part, uint32_t i, float tangent[3])
+{
+	const float *uv = part->mesh->uv ? part->mesh->uv + (size_t)i * 6 : NULL;
+	float rest[3][3];
+	double along[3];
+	memset(tangent, 0, 3 * sizeof *tangent);
+	if (!uv)
+		return;
+	geometry_rest(part, i, rest);
+	double u1 = (double)uv[2] - (double)uv[0], v1 = (double)uv[3] - (double)uv[1];
+	double u2 = (double)uv[4] - (double)uv[0], v2 = (double)uv[5] - (double)uv[1];
+	double area = u1 * v2 - u2 * v1, side = area < 0 ? -1 : area > 0 ? 1 : 0;
+	for (int c = 0; c < 3; c++) {
+		double p = (double)rest[0][c];
+		along[c] = side * (v2 * ((double)rest[1][c] - p) - v1 * ((double)rest[2][c] - p));
+	}
+	unit(along, tangent);
+	if (!(isfinite(tangent[0]) && isfinite(tangent[1]) && isfinite(tangent[2])))
+		memset(tangent, 0, 3 * sizeof *tangent);
+}
+
 static void draw_normal(const anchor_face *face, const double share[3], float *out)
 {
 	double n[3] = {(double)face->flat[0], (double)face->flat[1], (double)face->flat[2]}, smooth[3] = {0};

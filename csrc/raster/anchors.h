@@ -18,6 +18,8 @@ typedef struct anchor_face {
 /* Fills `span` of all parts. */
 int32_t anchors_measure(bands *pool, geometry *g);
 void anchors_load(const part *part, uint32_t i, anchor_face *face);
+/* The direction at rest in which U grows on a triangle, of length 1; 0 where it does not. */
+void anchors_tangent(const part *part, uint32_t i, float tangent[3]);
 /* Pixel x, y of the output, whose centre the face covers; NULL: nothing is there. */
 void anchors_draw(const encre_raster_job *job, const anchor_face *face, const corner corner[3], int x, int y);
 

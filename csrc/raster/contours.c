@@ -24,11 +24,13 @@ static inline int32_t point_at(const encre_mesh *mesh, uint32_t corner)
 
 /* The edges of a mesh by their points: corner i begins the edge to the next corner of its triangle. */
 typedef struct edge_list {
-	uint32_t *corner; /* those of each point, at which an edge's lower point stands, in the order of the mesh */
-	uint32_t *start;  /* n_points + 1: where a point's begin */
-	uint32_t *first;  /* by higher point: where in `corner` the edge was met first, plus 1 */
-	uint8_t *cover;   /* by where it was met first: sides, going from the lower point */
-	uint16_t *bend;   /* likewise: the most that two triangles bend there; NULL where nobody asks */
+	uint32_t *corner;    /* those of each point, at which an edge's lower point stands, in the order of the mesh */
+	uint32_t *start;     /* n_points + 1: where a point's begin */
+	uint32_t *first;     /* by higher point: where in `corner` the edge was met first, plus 1 */
+	uint8_t *cover;      /* by where it was met first: sides, going from the lower point */
+	uint16_t *bend;      /* likewise: the most that two triangles bend there; NULL where nobody asks */
+	corner *seen;        /* by point: on the screen */
+	double (*across)[3]; /* by triangle: as geometry_across(), with `bend` only */
 } edge_list;
 
 static inline void ends_of(const encre_mesh *mesh, uint32_t corner, int32_t *low, int32_t *high)
@@ -38,13 +40,21 @@ static inline void ends_of(const encre_mesh *mesh, uint32_t corner, int32_t *low
 	*high = a < b ? b : a;
 }
 
-/* Where the triangle lies beside each of its edges, also where a corner lies behind the eye. */
-static enum contour_side facing(const part *part, uint32_t i)
+static inline bool same_place(const corner *a, const corner *b)
 {
-	corner c[3];
-	geometry_corners(part, i, c);
-	double volume = c[0].x * (c[1].y * c[2].w - c[2].y * c[1].w) + c[1].x * (c[2].y * c[0].w - c[0].y * c[2].w) +
-			c[2].x * (c[0].y * c[1].w - c[1].y * c[0].w);
+	return a->x == b->x && a->y == b->y && a->z == b->z && a->w == b->w;
+}
+
+/* Where the triangle lies beside each of its edges, also where a corner lies behind the eye. What is no triangle, as
+ * at a pole with a point for each meridian, parts nothing: as if it lay on both sides. */
+static enum contour_side facing(const encre_mesh *mesh, const corner *seen, uint32_t i)
+{
+	const corner *a = seen + point_at(mesh, 3 * i), *b = seen + point_at(mesh, 3 * i + 1),
+		     *c = seen + point_at(mesh, 3 * i + 2);
+	if (same_place(a, b) || same_place(b, c) || same_place(c, a))
+		return CONTOUR_BOTH;
+	double volume = a->x * (b->y * c->w - c->y * b->w) + b->x * (c->y * a->w - a->y * c->w) +
+			c->x * (a->y * b->w - b->y * a->w);
 	return volume > 0 ? CONTOUR_RIGHT : volume < 0 ? CONTOUR_LEFT : CONTOUR_NONE;
 }
 
@@ -65,15 +75,13 @@ static enum encre_edge edge_at(const encre_mesh *mesh, uint32_t corner)
 }
 
 /* How much the surface bends between the triangles of two corners at which the same edge begins or ends. */
-static uint16_t bend_of(const part *part, uint32_t c, uint32_t d)
+static uint16_t bend_of(const encre_mesh *mesh, const edge_list *list, uint32_t c, uint32_t d)
 {
-	const encre_mesh *mesh = part->mesh;
 	enum encre_edge one = edge_at(mesh, c), other = edge_at(mesh, d), edge = one < other ? one : other;
 	if (one >= ENCRE_EDGE_NONE || other >= ENCRE_EDGE_NONE)
 		return 0;
-	double a[3], b[3], along = 0, sine = 0;
-	geometry_across(part, c / 3, a);
-	geometry_across(part, d / 3, b);
+	const double *a = list->across[c / 3], *b = list->across[d / 3];
+	double along = 0, sine = 0;
 	double turn = point_at(mesh, c) == point_at(mesh, d) ? -1 : 1; /* else they go along it in opposite ways */
 	for (int k = 0; k < 3; k++) {
 		int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -120,9 +128,8 @@ static void file_edges(const encre_mesh *mesh, uint32_t corners, edge_list *list
 
 /* Looks through the edges from a point to higher ones. edges[i] has what facing() says of triangle i above its edges.
  */
-static void join(const part *part, int32_t point, const edge_list *list, uint16_t *edges, uint16_t *bends)
+static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, uint16_t *edges, uint16_t *bends)
 {
-	const encre_mesh *mesh = part->mesh;
 	uint32_t from = list->start[point], end = list->start[point + 1];
 	int32_t low, high;
 	for (uint32_t k = from; k < end; k++) {
@@ -137,7 +144,7 @@ static void join(const part *part, int32_t point, const edge_list *list, uint16_
 		}
 		uint32_t first = list->first[high] - 1;
 		if (bends && met)
-			bend_more(list->bend + first, bend_of(part, list->corner[first], c));
+			bend_more(list->bend + first, bend_of(mesh, list, list->corner[first], c));
 		enum contour_side side = (enum contour_side)(edges[c / 3] >> FACING);
 		list->cover[first] |= (uint8_t)(point_at(mesh, c) == point ? side : turned(side));
 		list->cover[first] |= met ? SHARED : 0;
@@ -168,6 +175,8 @@ static bool find(const part *part, uint16_t *edges, uint16_t *bends)
 	edge_list list;
 	arena a = {0};
 	for (int pass = 0; pass < 2; pass++) {
+		list.seen = arena_take(&a, points, sizeof *list.seen);
+		list.across = bends ? arena_take(&a, n, sizeof *list.across) : NULL;
 		list.corner = arena_take(&a, (size_t)3 * n, sizeof *list.corner);
 		list.start = arena_take(&a, points + 1, sizeof *list.start);
 		list.first = arena_take(&a, points, sizeof *list.first);
@@ -178,11 +187,16 @@ static bool find(const part *part, uint16_t *edges, uint16_t *bends)
 	}
 	memset(list.start, 0, (points + 1) * sizeof *list.start);
 	memset(list.first, 0, points * sizeof *list.first);
-	for (uint32_t i = 0; i < n; i++)
-		edges[i] = (uint16_t)(facing(part, i) << FACING);
+	for (size_t k = 0; k < points; k++)
+		list.seen[k] = geometry_corner(part, mesh->points + 3 * k);
+	for (uint32_t i = 0; i < n; i++) {
+		edges[i] = (uint16_t)(facing(mesh, list.seen, i) << FACING);
+		if (bends)
+			geometry_across(part, i, list.across[i]);
+	}
 	file_edges(mesh, 3 * n, &list);
 	for (int32_t point = 0; point < mesh->n_points; point++)
-		join(part, point, &list, edges, bends);
+		join(mesh, point, &list, edges, bends);
 	for (uint32_t i = 0; i < n; i++)
 		edges[i] &= (1 << FACING) - 1;
 	free(a.base);

@@ -28,8 +28,8 @@ static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_
 	if (mesh->n_primitives && !mesh->points)
 		return refuse(error, size, "mesh %d: has %d primitives, but no points; give them", number,
 			      (int)mesh->n_primitives);
-	const void *arrays[] = {mesh->points, mesh->corners, mesh->attributes, mesh->material,    mesh->style,
-				mesh->object, mesh->normals, mesh->rest,       mesh->rest_normals};
+	const void *arrays[] = {mesh->points, mesh->corners, mesh->attributes, mesh->material,     mesh->style,
+				mesh->object, mesh->normals, mesh->rest,       mesh->rest_normals, mesh->uv};
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		if ((uintptr_t)arrays[i] % sizeof(float))
 			return refuse(error, size,
@@ -150,13 +150,17 @@ static inline double row_times(const double *row, const float *p)
 	return row[0] * (double)p[0] + row[1] * (double)p[1] + row[2] * (double)p[2] + row[3];
 }
 
+corner geometry_corner(const part *part, const float *point)
+{
+	const double *m = part->screen;
+	return (corner){row_times(m, point), row_times(m + 4, point), row_times(m + 8, point),
+			row_times(m + 12, point)};
+}
+
 void geometry_corners(const part *part, uint32_t i, corner c[3])
 {
-	for (int k = 0; k < corners_of(part->mesh); k++) {
-		const float *p = point_of(part->mesh, i, k);
-		const double *m = part->screen;
-		c[k] = (corner){row_times(m, p), row_times(m + 4, p), row_times(m + 8, p), row_times(m + 12, p)};
-	}
+	for (int k = 0; k < corners_of(part->mesh); k++)
+		c[k] = geometry_corner(part, point_of(part->mesh, i, k));
 }
 
 void geometry_world(const part *part, uint32_t i, double p[3][3])

@@ -32,6 +32,15 @@ static inline double side(const room *r, int plane, const corner *c)
 	}
 }
 
+/* A bit for each plane beyond which it lies. */
+static inline unsigned outside(const room *r, const corner *c)
+{
+	return (unsigned)(side(r, CLIP_START, c) < 0) << CLIP_START | (unsigned)(side(r, CLIP_END, c) < 0) << CLIP_END |
+	       (unsigned)(side(r, CLIP_EYE, c) < 0) << CLIP_EYE | (unsigned)(side(r, CLIP_LEFT, c) < 0) << CLIP_LEFT |
+	       (unsigned)(side(r, CLIP_RIGHT, c) < 0) << CLIP_RIGHT | (unsigned)(side(r, CLIP_TOP, c) < 0) << CLIP_TOP |
+	       (unsigned)(side(r, CLIP_BOTTOM, c) < 0) << CLIP_BOTTOM;
+}
+
 /* Where an edge leaves a plane, always computed from the kept end: two neighbours get the same bits. */
 static corner cut(const corner *in, const corner *out, double s_in, double s_out)
 {
@@ -106,11 +115,9 @@ bool outline_make(const room *r, const corner corner[3], outline *o)
 	memcpy(a, corner, sizeof o->corner);
 	unsigned some = 0, all = ~0u;
 	for (int k = 0; k < 3; k++) {
-		unsigned out = 0;
 		if (!usable(a + k))
 			return false;
-		for (int plane = 0; plane < CLIP_COUNT; plane++)
-			out |= (unsigned)(side(r, plane, a + k) < 0) << plane;
+		unsigned out = outside(r, a + k);
 		some |= out;
 		all &= out;
 	}

@@ -130,6 +130,7 @@ typedef struct surface {
 	const float *attributes; /* of the three corners; NULL = 0 */
 	const float *normals;    /* likewise, in object space; NULL = flat */
 	anchor_face anchor;
+	float tangent[3];
 	double side; /* 1: the eye sees the side of the normals, -1: the other */
 } surface;
 
@@ -161,6 +162,8 @@ static void load_surface(const raster *r, uint32_t number, surface *s)
 	s->normals = r->job->shading.data && mesh->normals ? mesh->normals + (size_t)i * 9 : NULL;
 	if (r->job->anchor.data)
 		anchors_load(s->part, i, &s->anchor);
+	if (r->job->tangent.data)
+		anchors_tangent(s->part, i, s->tangent);
 	if ((r->job->attributes.data && s->attributes) || s->normals || r->job->anchor.data)
 		geometry_corners(s->part, i, s->corner);
 	if (r->job->normal.data || r->job->shading.data)
@@ -235,6 +238,8 @@ static void shade_row(const raster *r, const band *b, int row)
 			shade_corners(r, any ? &s : &nothing, x, y);
 		if (job->anchor.data)
 			anchors_draw(job, any ? &s.anchor : NULL, s.corner, x, y);
+		if (job->tangent.data)
+			memcpy(pixel_at(&job->tangent, x, y), any ? s.tangent : nothing.tangent, sizeof s.tangent);
 	}
 }
 
@@ -349,7 +354,7 @@ int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t
 {
 	const encre_image *images[] = {&job->depth,      &job->normal,     &job->object, &job->material,
 				       &job->style,      &job->attributes, &job->marks,  &job->creases,
-				       &job->coincident, &job->shading,    &job->anchor};
+				       &job->coincident, &job->shading,    &job->anchor, &job->tangent};
 	const encre_image *image = NULL;
 	for (size_t i = 0; i < sizeof images / sizeof *images; i++)
 		if (images[i]->data)
@@ -380,12 +385,12 @@ int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t
 	r.n_chunks = (int)((r.geometry.n_primitives + (uint64_t)r.chunk - 1) / r.chunk);
 	arena a = {0};
 	plan(&r, bands_threads(pool), &a);
-	a = (arena){.base = malloc(a.used)};
-	if (!a.base)
+	void *memory = arena_make(&a);
+	if (!memory)
 		return ENCRE_ERROR_MEMORY;
 	plan(&r, bands_threads(pool), &a);
 	code = run(pool, &r);
 	free(r.entry);
-	free(a.base);
+	free(memory);
 	return code;
 }

@@ -38,11 +38,6 @@ enum { BAND = 16 };              /* rows that are drawn at once */
 #define NOTHING UINT32_MAX       /* number of no primitive */
 #define LEAST_SHARE (1.0 / 1024) /* where a line passes: 0 is nowhere, also in half floats */
 
-static inline float *pixel_at(const encre_image *image, int x, int y)
-{
-	return (float *)((char *)image->data + y * image->row_stride + x * image->pixel_stride);
-}
-
 /* Whether two primitives coincide at the centre of a pixel, as outline_coincide. */
 bool raster_coincide(const void *r, uint32_t one, uint32_t other, int column, int row);
 

@@ -8,37 +8,44 @@ enum { CHUNK = 256 };
 
 /* ---- row kernels ----------------------------------------------------------------------------------------- */
 
-/* share: what light on dark colours leaves of the lack of brightness, from the level of each pixel; the lightest level
- * leaves least. */
-static void lighten_row(const encre_params *p, int n, float *restrict share)
+/* What light on dark colours leaves of the lack of brightness, from the level of each pixel; the lightest level leaves
+ * least. */
+static void lighten_row(const encre_params *p, int n, const float *restrict tone, float *restrict share)
 {
 	const encre_levels *levels = &p->shade_levels;
 	float low = levels->level[0].intensity, high = levels->level[levels->count - 1].intensity, rise = high - low;
 	float scale = rise > 0 ? 1 / rise : 0, most = p->hatch_color_light;
 	for (int i = 0; i < n; i++)
-		share[i] = 1 - most * clamp01((share[i] - low) * scale);
+		share[i] = 1 - most * clamp01((tone[i] - low) * scale);
 }
 
-/* Brightness that keeps the pencil away, at most 1: the lesser of colour's and light's, each as a share of its
- * threshold. `left` of what a colour lacks stays where light falls on it (NULL: all). What shines or reflects is bright
- * in both. */
-static void bright_row(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
-		       const float *restrict diffuse, const float *restrict controls, const float *restrict left,
+static bool lightens(const encre_params *p)
+{
+	return p->hatch_color_light > 0 && p->hatch_color_threshold > 0;
+}
+
+/* The lesser of colour's and light's brightness, each as a share of its threshold. A part of what a colour lacks stays
+ * where light falls on it. What shines or reflects is bright in both. */
+void ISA(hatch_bright)(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
+		       const float *restrict diffuse, const float *restrict exposed, const float *restrict tone,
 		       float *restrict bright)
 {
-	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold,
-	      exposure = p->shade_exposure, own[CHUNK], lit[CHUNK];
+	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold, own[CHUNK],
+	      lit[CHUNK], left[CHUNK];
 	for (int i = 0; i < n; i++) {
-		const float *a = color + 3 * i, *d = diffuse + 3 * i;
-		float other = other_light(combined + 4 * i, a, d);
-		own[i] = max(max3(a[0], a[1], a[2]), other);
-		lit[i] = max(max3(d[0], d[1], d[2]) * exposure + painted_light(controls, i), other);
+		float pixel[] = {combined[i], combined[CHUNK + i], combined[2 * CHUNK + i], 1},
+		      c[] = {color[i], color[CHUNK + i], color[2 * CHUNK + i]},
+		      l[] = {diffuse[i], diffuse[CHUNK + i], diffuse[2 * CHUNK + i]}, other = other_light(pixel, c, l);
+		own[i] = max(max3(c[0], c[1], c[2]), other);
+		lit[i] = max(exposed[i], other);
 		bright[i] = 1;
 	}
+	if (lightens(p))
+		lighten_row(p, n, tone, left);
 	if (color_threshold > 0)
 		for (int i = 0; i < n; i++) {
 			float share = most_one(own[i] / color_threshold);
-			bright[i] = left ? 1 - (1 - share) * left[i] : share;
+			bright[i] = lightens(p) ? 1 - (1 - share) * left[i] : share;
 		}
 	if (light_threshold > 0)
 		for (int i = 0; i < n; i++)
@@ -103,29 +110,41 @@ bool ISA(hatch_cover)(const frame *f, const encre_params *p, int y, int x, int n
 	return true;
 }
 
-static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n)
+/* Where nothing was shaded just before. */
+static void find_bright(const frame *f, const encre_params *p, int y, int x, int n, float *bright)
 {
-	float bright[CHUNK], left[CHUNK];
-	bool lightens = p->hatch_color_light > 0 && p->hatch_color_threshold > 0;
-	if (lightens) {
-		ISA(shade_tones)(f, y, x, x + n, left);
-		lighten_row(p, n, left);
-	}
-	bright_row(p, n, pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), pixels(f, ENCRE_LAYER_COLOR, 3, y, x),
-		   pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), controls_at(f, x, y), lightens ? left : NULL, bright);
+	float combined[4][CHUNK], color[3][CHUNK], diffuse[3][CHUNK], exposed[CHUNK], tone[CHUNK];
+	const float *controls = controls_at(f, x, y);
+	float exposure = exposure_of(f, p);
+	split_channels(pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), 4, n, CHUNK, combined[0]);
+	split_channels(pixels(f, ENCRE_LAYER_COLOR, 3, y, x), 3, n, CHUNK, color[0]);
+	split_channels(pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), 3, n, CHUNK, diffuse[0]);
+	for (int i = 0; i < n; i++)
+		exposed[i] = max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]) * exposure;
+	for (int i = 0; controls && i < n; i++)
+		exposed[i] += painted_light(controls, i);
+	if (lightens(p))
+		ISA(shade_tones)(f, y, x, x + n, tone);
+	ISA(hatch_bright)(p, n, combined[0], color[0], diffuse[0], exposed, tone, bright);
+}
+
+static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n, int thread)
+{
+	float own[CHUNK], *bright = f->bright ? bright_row(f, y, thread) + x : own;
+	if (!f->bright)
+		find_bright(f, p, y, x, n, bright);
 	if (ISA(hatch_cover)(f, p, y, x, n, bright))
 		draw_row(p->hatch_color, n, bright, output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * (ptrdiff_t)x);
 }
 
 static void hatch_rows(void *data, int y0, int y1, int thread)
 {
-	(void)thread;
 	const frame *f = data;
 	for (int y = y0; f->any.use_hatching && y < y1; y++)
 		for (int x = 0, end; x < f->width; x = end) {
 			const encre_params *p = style_run(f, y, x, f->width - x > CHUNK ? x + CHUNK : f->width, &end);
 			if (p->use_hatching)
-				hatch_run(f, p, y, x, end - x);
+				hatch_run(f, p, y, x, end - x, thread);
 		}
 }
 

@@ -6,7 +6,7 @@
 #include "base/stage.h"
 
 #include <float.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { SIZE = 512, SIZE_BITS = 9, FIBRES = 8192, LEVELS = 16384 };
@@ -19,19 +19,23 @@ typedef struct paper {
 	float scale, roughness;
 	int32_t *column; /* per pixel of a row: texel to the left, and how far towards the next */
 	float *share;
-	/* the built-in sheet in the making: */
-	uint32_t key, *pulp, *felt, *count;
-	uint16_t *level;
 } paper;
 
-/* ---- the built-in sheet ---------------------------------------------------------------------------------- */
+/* The built-in sheet, which a context keeps from frame to frame. */
+typedef struct built_in {
+	uint32_t key;
+	float sheet[SIZE * (SIZE + 1)];
+} built_in;
 
-static uint32_t mix_bits(uint32_t n)
-{
-	n = (n ^ n >> 16) * 0x7feb352du;
-	n = (n ^ n >> 15) * 0x846ca68bu;
-	return n ^ n >> 16;
-}
+/* In the making. */
+typedef struct pulp {
+	uint32_t key;
+	float *sheet;
+	uint32_t pulp[SIZE * SIZE], felt[SIZE * SIZE], count[LEVELS];
+	uint16_t level[SIZE * SIZE];
+} pulp;
+
+/* ---- the built-in sheet ---------------------------------------------------------------------------------- */
 
 /* A sine of two parabolas; a full turn is 2^32, the height one texel of fibre(). */
 static uint32_t wave(uint32_t a)
@@ -41,7 +45,7 @@ static uint32_t wave(uint32_t a)
 }
 
 /* Positions are shares of the tile in 2^32, so overflow is the wrap. */
-static void fibre(const paper *p, uint32_t m)
+static void fibre(pulp *p, uint32_t m)
 {
 	uint32_t x = mix_bits(m + p->key), y = mix_bits(m + 1 + p->key), a = mix_bits(m + 2 + p->key),
 		 c = mix_bits(m + 3 + p->key);
@@ -60,10 +64,10 @@ static void fibre(const paper *p, uint32_t m)
 static void ground_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
-	const paper *p = data;
-	uint32_t key = p->key, *restrict pulp = p->pulp;
+	pulp *p = data;
+	uint32_t key = p->key, *restrict out = p->pulp;
 	for (uint32_t i = (uint32_t)y0 * SIZE; i < (uint32_t)y1 * SIZE; i++)
-		pulp[i] = mix_bits(i + key) >> 24;
+		out[i] = mix_bits(i + key) >> 24;
 }
 
 static const uint32_t *wrapped_row(const uint32_t *tile, int y)
@@ -81,7 +85,7 @@ static void wrap_columns(uint32_t *sum, int reach)
 static void press_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
-	const paper *p = data;
+	pulp *p = data;
 	for (int y = y0; y < y1; y++) {
 		const uint32_t *restrict a = wrapped_row(p->pulp, y - 1), *restrict b = wrapped_row(p->pulp, y),
 					 *restrict c = wrapped_row(p->pulp, y + 1);
@@ -97,7 +101,7 @@ static void press_rows(void *data, int y0, int y1, int thread)
 static void level_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
-	const paper *p = data;
+	pulp *p = data;
 	for (int y = y0; y < y1; y++) {
 		const uint32_t *restrict felt = wrapped_row(p->felt, y);
 		uint32_t sum[SIZE + 6] = {0};
@@ -119,7 +123,7 @@ static void level_rows(void *data, int y0, int y1, int thread)
 }
 
 /* count becomes each level's rank: twice the texels below it and once its own. */
-static void rank_levels(const paper *p)
+static void rank_levels(pulp *p)
 {
 	uint32_t below = 0;
 	memset(p->count, 0, LEVELS * sizeof *p->count);
@@ -135,28 +139,57 @@ static void rank_levels(const paper *p)
 static void spread_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
-	const paper *p = data;
+	pulp *p = data;
 	for (int y = y0; y < y1; y++) {
 		const uint16_t *level = p->level + (ptrdiff_t)y * SIZE;
-		float *out = p->sheet + y * p->row;
+		float *out = p->sheet + (ptrdiff_t)y * (SIZE + 1);
 		for (int x = 0; x < SIZE; x++)
 			out[x] = 0.6f + 0.4f * ((float)p->count[level[x]] / (2.0f * SIZE * SIZE));
 		out[SIZE] = out[0];
 	}
 }
 
-static int32_t make_sheet(frame *f, paper *p)
+static int32_t make_sheet(frame *f, pulp *p)
 {
 	bands_kernel kernels[] = {press_rows, level_rows, spread_rows};
-	p->key = mix_bits((uint32_t)f->params->paper_seed + 1);
 	int32_t code = bands_run(f->bands, SIZE, 0, ground_rows, p);
-	for (uint32_t k = 0; k < FIBRES; k++)
+	for (uint32_t k = 0; !code && k < FIBRES; k++) {
 		fibre(p, SIZE * SIZE + 4 * k);
+		if (k % 256 == 0 && bands_stopped(f->bands))
+			code = ENCRE_ERROR_CANCELLED;
+	}
 	for (int i = 0; !code && i < 3; i++) {
 		if (kernels[i] == spread_rows)
 			rank_levels(p);
 		code = bands_run(f->bands, SIZE, 0, kernels[i], p);
 	}
+	return code;
+}
+
+/* Made, or that of an earlier frame; kept only when it is whole. */
+static int32_t built_in_sheet(frame *f, paper *p)
+{
+	uint32_t key = mix_bits((uint32_t)f->params->paper_seed + 1);
+	built_in *kept = *f->kept_sheet;
+	int32_t code = ENCRE_OK;
+	if (!kept || kept->key != key) {
+		pulp *made = late_take(&f->late, 1, sizeof *made);
+		free(kept);
+		*f->kept_sheet = NULL;
+		kept = made ? malloc(sizeof *kept) : NULL;
+		if (!kept)
+			return ENCRE_ERROR_MEMORY;
+		made->key = kept->key = key;
+		made->sheet = kept->sheet;
+		code = make_sheet(f, made);
+		late_drop(&f->late, made);
+		if (code)
+			free(kept);
+		else
+			*f->kept_sheet = kept;
+	}
+	if (!code)
+		p->sheet = kept->sheet;
 	return code;
 }
 
@@ -172,16 +205,15 @@ static void image_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const paper *p = data;
-	const encre_image *image = p->image;
-	ptrdiff_t step = image->pixel_stride ? (ptrdiff_t)(image->pixel_stride / 4) : image->channels;
-	ptrdiff_t row = image->row_stride ? (ptrdiff_t)(image->row_stride / 4) : step * image->width;
+	const encre_image image = with_strides(*p->image);
 	for (int y = y0; y < y1; y++) {
-		const float *in = image->data + y * row;
 		float *out = p->sheet + y * p->row;
-		for (int x = 0; x < p->width; x++, in += step)
-			out[x] = image->channels < 3
+		for (int x = 0; x < p->width; x++) {
+			const float *in = pixel_at(&image, x, y);
+			out[x] = image.channels < 3
 					 ? clean_height(in[0])
 					 : luminance(clean_height(in[0]), clean_height(in[1]), clean_height(in[2]));
+		}
 		out[p->width] = out[0];
 	}
 }
@@ -243,19 +275,6 @@ void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *he
 
 /* ---- stage ----------------------------------------------------------------------------------------------- */
 
-static const char *check(const encre_params *params, char *text, size_t size)
-{
-	const encre_image *i = &params->paper_image;
-	if (!i->data || (i->width > 0 && i->height > 0 && i->width <= 65536 && i->height <= 65536 && i->channels > 0 &&
-			 i->channels <= 4))
-		return NULL;
-	snprintf(
-		text, size,
-		"paper_image: is %d x %d pixels of %d channels; give 1 to 65536 pixels each way and 1, 3 or 4 channels",
-		(int)i->width, (int)i->height, (int)i->channels);
-	return text;
-}
-
 static bool rubs(const encre_params *p)
 {
 	return p->use_tones && (p->tone_1 == tone_1_GRAIN || p->tone_2 == tone_2_GRAIN || p->tone_3 == tone_3_GRAIN ||
@@ -270,6 +289,7 @@ static bool wanted(const frame *f)
 		return false;
 	for (int i = 0; i < f->n_styles; i++)
 		if ((f->params[i].use_lines && f->params[i].line_paper > 0) ||
+		    (f->params[i].use_wash && f->params[i].wash_granulation > 0) ||
 		    ((f->params[i].use_hatching || rubs(f->params + i)) && f->params[i].hatch_amount > 0))
 			return true;
 	return false;
@@ -289,14 +309,10 @@ static void plan(frame *f, arena *a)
 		p.image = &scene->paper_image;
 		p.width = p.image->width;
 		p.height = p.image->height;
-	} else {
-		p.pulp = arena_take(a, SIZE * SIZE, sizeof *p.pulp);
-		p.felt = arena_take(a, SIZE * SIZE, sizeof *p.felt);
-		p.level = arena_take(a, SIZE * SIZE, sizeof *p.level);
-		p.count = arena_take(a, LEVELS, sizeof *p.count);
 	}
 	p.row = (ptrdiff_t)p.width + 1;
-	p.sheet = arena_take(a, (size_t)p.row * (size_t)p.height, sizeof *p.sheet);
+	if (p.image)
+		p.sheet = arena_take(a, (size_t)p.row * (size_t)p.height, sizeof *p.sheet);
 	p.column = arena_take(a, (size_t)f->width, sizeof *p.column);
 	p.share = arena_take(a, (size_t)f->width, sizeof *p.share);
 	f->paper = arena_take(a, 1, sizeof p);
@@ -311,7 +327,7 @@ static int32_t prepare(frame *f)
 		return ENCRE_OK;
 	for (int x = 0; x < f->width; x++)
 		p->column[x] = texel(p, f->place.x + x, p->width, p->share + x);
-	return p->image ? bands_run(f->bands, p->height, 0, image_rows, p) : make_sheet(f, p);
+	return p->image ? bands_run(f->bands, p->height, 0, image_rows, p) : built_in_sheet(f, p);
 }
 
-const stage STAGE_SYMBOL(paper) = {.id = "paper", .check = check, .plan = plan, .prepare = prepare};
+const stage STAGE_SYMBOL(paper) = {.id = "paper", .plan = plan, .prepare = prepare};

@@ -38,7 +38,7 @@ static float inverse_width(const encre_level *level)
 	return level->transition > 1e-30f ? 1 / level->transition : 0;
 }
 
-static void tone_row(const encre_levels *levels, int n, const float *restrict x, float *restrict tone)
+KERNEL void tone_row(const encre_levels *levels, int n, const float *restrict x, float *restrict tone)
 {
 	for (int i = 0; i < n; i++)
 		tone[i] = levels->level[0].intensity;
@@ -50,12 +50,10 @@ static void tone_row(const encre_levels *levels, int n, const float *restrict x,
 	}
 }
 
-/* Planes of interleaved channels: their loops vectorise best. Called with a constant number of channels each time. */
+/* As split_channels() and back. */
 KERNEL void split(const float *restrict in, const int channels, int n, float (*restrict plane)[CHUNK])
 {
-	for (int i = 0; i < n; i++)
-		for (int c = 0; c < channels; c++)
-			plane[c][i] = in[channels * i + c];
+	split_channels(in, channels, n, CHUNK, plane[0]);
 }
 
 KERNEL void join(float (*restrict plane)[CHUNK], const int channels, int n, float *restrict out)
@@ -66,7 +64,7 @@ KERNEL void join(float (*restrict plane)[CHUNK], const int channels, int n, floa
 }
 
 /* One channel of the colour of the levels. */
-static void level_color_row(const encre_levels *levels, int c, int n, const float *restrict x, float *restrict color)
+KERNEL void level_color_row(const encre_levels *levels, int c, int n, const float *restrict x, float *restrict color)
 {
 	for (int i = 0; i < n; i++)
 		color[i] = levels->level[0].color[c];
@@ -82,22 +80,22 @@ static void level_color_row(const encre_levels *levels, int c, int n, const floa
 
 /* What the channels of light have in common. */
 typedef struct lit {
-	float value[CHUNK], tone[CHUNK], hue[CHUNK], share[CHUNK];
+	float value[CHUNK], exposed[CHUNK], tone[CHUNK], hue[CHUNK], share[CHUNK];
 } lit;
 
-static void lit_row(const encre_params *p, int n, float (*restrict diffuse)[CHUNK], const float *restrict controls,
-		    float *restrict exposed, lit *restrict l)
+static void lit_row(const frame *f, const encre_params *p, int n, float (*restrict diffuse)[CHUNK],
+		    const float *restrict controls, lit *restrict l)
 {
-	float weight = p->shade_tint_weight, hued = p->light_hue, exposure = p->shade_exposure;
+	float weight = p->shade_tint_weight, hued = p->light_hue, exposure = exposure_of(f, p);
 	for (int i = 0; i < n; i++) {
 		float v = max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]);
 		l->value[i] = v;
-		exposed[i] = v * exposure;
+		l->exposed[i] = v * exposure;
 		l->hue[i] = v > 0 ? hued / max(v, 0.02f) : 0;
 	}
 	for (int i = 0; controls && i < n; i++)
-		exposed[i] += painted_light(controls, i);
-	tone_row(&p->shade_levels, n, exposed, l->tone);
+		l->exposed[i] += painted_light(controls, i);
+	tone_row(&p->shade_levels, n, l->exposed, l->tone);
 	for (int i = 0; i < n; i++) {
 		float shade = 1 - l->tone[i], w = positive(shade) * weight;
 		l->share[i] = w / (1 + w);
@@ -140,7 +138,7 @@ static void shaded_row(float strength, float other_light, int n, const float *re
 /* How strong each part of what is not diffuse light is, and the colour of highlights that are shapes. */
 typedef struct parts {
 	float background, highlights, reflections, glow;
-	float shape, threshold, inverse, color[3];
+	float shape, threshold, inverse, color[3], tones;
 	bool bare;
 } parts;
 
@@ -155,13 +153,24 @@ static parts parts_of(const frame *f, const encre_params *p)
 		.shape = p->highlight_shape,
 		.threshold = p->highlight_threshold,
 		.inverse = p->highlight_transition > 1e-30f ? 1 / p->highlight_transition : 0,
+		.tones = (float)p->reflection_tones,
 		.color = {p->highlight_color[0], p->highlight_color[1], p->highlight_color[2]},
 	};
 }
 
 static bool as_rendered(const parts *k)
 {
-	return k->background == 1 && k->highlights == 1 && k->reflections == 1 && k->glow == 1 && !(k->shape > 0);
+	return k->background == 1 && k->highlights == 1 && k->reflections == 1 && k->glow == 1 && !(k->shape > 0) &&
+	       !(k->tones > 0);
+}
+
+/* What brings light to the nearest of tones that look evenly far from each other: in square roots. Between two it takes
+ * a tenth of the way, or the border had steps. */
+static inline float to_tone(float light, float tones)
+{
+	float root = min(sqrtf(positive(light)), 1e6f), place = root * tones + 0.5f, whole = floorf(place);
+	float tone = (whole - 1 + clamp01(10 * (place - whole))) / tones;
+	return root > 0 ? tone * tone / (root * root) : 0;
 }
 
 /* combined with each part as strong as wanted. Whatever no layer tells apart counts as glass and emission. Layers that
@@ -193,6 +202,25 @@ static void weigh_row(const parts *k, int n, const float *restrict combined, con
 	}
 }
 
+/* combined, in which what metals mirror becomes flat tones. Whole, with highlights in it: apart both are as noisy as
+ * they were rendered. */
+static void mirrored_row(const parts *k, int n, const float *restrict color, const float *restrict diffuse,
+			 const float *restrict gloss, const float *restrict background, float *restrict combined)
+{
+	for (int i = 0; i < n; i++) {
+		float share = metal_share(gloss + 3 * i), other[3], bright = 0;
+		for (int c = 0; c < 3; c++) {
+			other[c] = bounded(combined[4 * i + c] - bounded(color[3 * i + c] * diffuse[3 * i + c]));
+			other[c] = bounded(other[c] - (background ? k->background * background[3 * i + c] : 0));
+			bright = max(bright, other[c]);
+		}
+		float more = share * (to_tone(bright, k->tones) - 1);
+		more = k->bare || combined[4 * i + 3] != 0 ? more : 0;
+		for (int c = 0; c < 3; c++)
+			combined[4 * i + c] = bounded(combined[4 * i + c] + bounded(more * other[c]));
+	}
+}
+
 static void bare_row(const float *paper, int n, const float *restrict combined, const float *restrict color,
 		     const float *restrict diffuse, float other_light, float *restrict out)
 {
@@ -213,7 +241,7 @@ void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone)
 	for (int x = x0, end; x < x1; x = end) {
 		float light[CHUNK];
 		const encre_params *p = style_run(f, y, x, x1 - x > CHUNK ? x + CHUNK : x1, &end);
-		exposed_row(end - x, diffuse + 3 * x, controls_at(f, x, y), p->shade_exposure, light);
+		exposed_row(end - x, diffuse + 3 * x, controls_at(f, x, y), exposure_of(f, p), light);
 		tone_row(&p->shade_levels, end - x, light, tone + (x - x0));
 	}
 }
@@ -223,7 +251,7 @@ void ISA(shade_exposed)(const frame *f, int y, float *light)
 	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
 	for (int x = 0, end; x < f->width; x = end) {
 		const encre_params *p = style_run(f, y, x, f->width, &end);
-		exposed_row(end - x, diffuse + (ptrdiff_t)3 * x, controls_at(f, x, y), p->shade_exposure, light + x);
+		exposed_row(end - x, diffuse + (ptrdiff_t)3 * x, controls_at(f, x, y), exposure_of(f, p), light + x);
 		for (int i = x; i < end; i++)
 			light[i] = bounded(light[i]);
 	}
@@ -236,33 +264,42 @@ static const float *part_of(const frame *f, enum encre_layer layer, int x, int y
 	return row ? row + (ptrdiff_t)3 * x : NULL;
 }
 
-static void shade_run(const frame *f, const encre_params *p, int y, int x, int n)
+static void shade_run(const frame *f, const encre_params *p, int y, int x, int n, int thread)
 {
 	const float *combined = layer_row(f, ENCRE_LAYER_COMBINED, y) + 4 * x;
 	const float *color = layer_row(f, ENCRE_LAYER_COLOR, y) + 3 * x;
 	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + 3 * x;
 	float *surface = output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * x;
 	bool want_light = f->output[ENCRE_OUTPUT_LIGHT].data, bare = f->params->surface == surface_PAPER;
+	bool shades = p->use_shading && !bare, hatches = f->bright && p->use_hatching;
 	float weighed[4 * CHUNK], other_light = f->params->other_light;
-	if (p->use_shading) {
-		parts k = parts_of(f, p);
-		if (!as_rendered(&k)) {
-			weigh_row(&k, n, combined, color, diffuse, part_of(f, ENCRE_LAYER_SPECULAR, x, y),
-				  part_of(f, ENCRE_LAYER_HIGHLIGHTS, x, y), part_of(f, ENCRE_LAYER_BACKGROUND, x, y),
-				  layer_row(f, ENCRE_LAYER_DEPTH, y) + x, weighed);
-			combined = weighed;
-		}
-	}
-	float lights[3][CHUNK], diffuses[3][CHUNK];
-	float exposed[CHUNK] = {0}; /* or gcc thinks that it is read unset */
+	float lights[3][CHUNK], diffuses[3][CHUNK], colors[3][CHUNK], rendered[4][CHUNK];
 	lit l;
-	if (want_light || (p->use_shading && !bare)) {
+	if (want_light || shades || hatches) {
 		split(diffuse, 3, n, diffuses);
-		lit_row(p, n, diffuses, controls_at(f, x, y), exposed, &l);
-		for (int c = 0; c < 3; c++) {
-			level_color_row(&p->shade_levels, c, n, exposed, lights[c]);
-			light_row(&l, p->shade_tint[c], n, diffuses[c], lights[c]);
-		}
+		lit_row(f, p, n, diffuses, controls_at(f, x, y), &l);
+	}
+	if (shades || hatches) {
+		split(color, 3, n, colors);
+		split(combined, 4, n, rendered);
+	}
+	if (hatches)
+		ISA(hatch_bright)(p, n, rendered[0], colors[0], diffuses[0], l.exposed, l.tone,
+				  bright_row(f, y, thread) + x);
+	parts k = parts_of(f, p);
+	if (p->use_shading && !as_rendered(&k)) {
+		weigh_row(&k, n, combined, color, diffuse, part_of(f, ENCRE_LAYER_SPECULAR, x, y),
+			  part_of(f, ENCRE_LAYER_HIGHLIGHTS, x, y), part_of(f, ENCRE_LAYER_BACKGROUND, x, y),
+			  layer_row(f, ENCRE_LAYER_DEPTH, y) + x, weighed);
+		const float *gloss = k.tones > 0 ? part_of(f, ENCRE_LAYER_GLOSS, x, y) : NULL;
+		if (gloss)
+			mirrored_row(&k, n, color, diffuse, gloss, part_of(f, ENCRE_LAYER_BACKGROUND, x, y), weighed);
+		combined = weighed;
+		split(combined, 4, n, rendered);
+	}
+	for (int c = 0; (want_light || shades) && c < 3; c++) {
+		level_color_row(&p->shade_levels, c, n, l.exposed, lights[c]);
+		light_row(&l, p->shade_tint[c], n, diffuses[c], lights[c]);
 	}
 	if (want_light)
 		join(lights, 3, n, output_row(f, ENCRE_OUTPUT_LIGHT, y) + 3 * x);
@@ -271,9 +308,7 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	else if (bare)
 		bare_row(f->params->paper_color, n, combined, color, diffuse, other_light, surface);
 	else {
-		float colors[3][CHUNK], rendered[4][CHUNK], value[CHUNK], kept[CHUNK];
-		split(color, 3, n, colors);
-		split(combined, 4, n, rendered);
+		float value[CHUNK], kept[CHUNK];
 		kept_row(1 - clamp01(p->shade_saturation), n, l.tone, colors, value, kept);
 		for (int c = 0; c < 3; c++)
 			shaded_row(p->shade_strength, other_light, n, rendered[3], colors[c], value, kept, diffuses[c],
@@ -284,13 +319,23 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 
 static void shade_rows(void *data, int y0, int y1, int thread)
 {
-	(void)thread;
 	const frame *f = data;
 	for (int y = y0; y < y1; y++)
 		for (int x = 0, end; x < f->width; x = end) {
 			const encre_params *p = style_run(f, y, x, f->width - x > CHUNK ? x + CHUNK : f->width, &end);
-			shade_run(f, p, y, x, end - x);
+			shade_run(f, p, y, x, end - x, thread);
 		}
+}
+
+/* Hatching looks at what is split here anyway, and comes next on the same rows where nothing between them needs the
+ * whole picture. */
+static void plan(frame *f, arena *a)
+{
+	bool between = f->any.use_wash || (f->any.use_smudging && f->layer[ENCRE_LAYER_CONTROLS].data);
+	f->bright = NULL;
+	if (f->any.use_hatching && f->any.use_shading && !between)
+		f->bright = arena_take(a, (size_t)bands_threads(f->bands) * NEAR_ROWS * (size_t)f->width,
+				       sizeof *f->bright);
 }
 
 static const char *check(const encre_params *params, char *text, size_t size)
@@ -337,4 +382,4 @@ static const char *check(const encre_params *params, char *text, size_t size)
 	return NULL;
 }
 
-const stage STAGE_SYMBOL(shade) = {.id = "shade", .check = check, .rows = shade_rows};
+const stage STAGE_SYMBOL(shade) = {.id = "shade", .check = check, .plan = plan, .rows = shade_rows};

@@ -4,6 +4,9 @@ STAGE(shade, "Shading", "Flat light in a few levels, tinted and desaturated in t
 SWITCH(use_shading, SURFACE, 1, "", "Shading", "Cut the light into flat levels")
 LEVELS(shade_levels, SURFACE, "", "Levels", "Levels of light, darkest first, with the thresholds between them", shade_levels_default)
 FLOAT(shade_exposure, SURFACE, 1, 0, FLT_MAX, 0, 8, "", "", "Exposure", "Factor on the light before it is compared with thresholds")
+ENUM(shade_meter, FRAME, 0, "", "Full Light", "How much light is full light, 1, where it is compared with thresholds",
+     ITEM(shade_meter, SCENE, 0, "As Lit", "Light as the scene has it: 1 is what a sun of 3.14 W/m2 gives to what faces it")
+     ITEM(shade_meter, LAMPS, 1, "Strongest Lamp", "What faces the strongest lamp has full light, however strong that is: bright scenes and dim ones are cut alike"))
 ENUM(shade_light, SURFACE, 0, "use_shading", "Light", "The light that is cut into levels",
      ITEM(shade_light, ALL, 0, "All", "Direct and bounced light")
      ITEM(shade_light, DIRECT, 1, "Direct", "Direct light alone: flat tones under bounced light"))
@@ -20,6 +23,7 @@ FLOAT(highlight_threshold, SURFACE, 0.3, 0, FLT_MAX, 0, 2, "", "use_shading&othe
 FLOAT(highlight_transition, SURFACE, 0.05, 0, FLT_MAX, 0, 1, "", "use_shading&other_light&highlight_shape", "Highlight Transition", "Range of brightness over which the shape fades")
 COLOR(highlight_color, SURFACE, 1, 1, 1, "use_shading&other_light&highlight_shape", "Highlight Color", "Colour of the shapes")
 FLOAT(other_reflections, SURFACE, 1, 0, 16, 0, 1, "", "use_shading&other_light", "Reflections", "Factor on what mirrors and glossy surfaces show of their surroundings")
+INT(reflection_tones, SURFACE, 0, 0, 64, 0, 8, "", "use_shading&other_light&other_reflections", "Reflection Tones", "0 is reflections as rendered; else those of metals are flat shapes, in that many tones from black to white")
 FLOAT(other_glow, SURFACE, 1, 0, 16, 0, 1, "", "use_shading&other_light", "Glass and Emission", "Factor on what shines, and on what is seen through glass and smoke")
 ENUM(surface, FRAME, 0, "use_shading", "Surface", "What lies under the lines",
      ITEM(surface, SHADED, 0, "Shaded", "The shaded colours")

@@ -89,7 +89,7 @@ static void count_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	smudge *s = data;
 	const frame *f = s->f;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		size_t painted = 0;
 		for (int x = 0, end; x < f->width; x = end) {
 			const encre_params *p = style_run(f, y, x, f->width, &end);
@@ -106,7 +106,7 @@ static void find_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	smudge *s = data;
 	const frame *f = s->f;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		smudged *out = s->list + s->first[y];
 		bool painted = s->first[y + 1] > s->first[y];
 		for (int x = 0, end; painted && x < f->width; x = end) {

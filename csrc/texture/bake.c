@@ -12,11 +12,6 @@ enum { PIECE = 64 }; /* texels of a row that are looked at together */
 
 /* ---- texture -> differences ------------------------------------------------------------------------------ */
 
-static const float *texel(const encre_image *image, int x, int y)
-{
-	return (const float *)((const char *)image->data + y * image->row_stride + x * image->pixel_stride);
-}
-
 /* n texels `step` floats apart to planes, cut to 0..1. Returns how many values are not finite; these are 0. */
 static inline int split(const float *restrict in, const ptrdiff_t step, int channels, int n, float *restrict r,
 			float *restrict g, float *restrict b)
@@ -45,7 +40,7 @@ static void decode(int n, float *restrict c)
 static int load_row(const bake *b, int y, float *plane)
 {
 	const encre_image *image = &b->job->texture;
-	const float *in = texel(image, 0, y);
+	const float *in = pixel_at(image, 0, y);
 	ptrdiff_t step = (ptrdiff_t)(image->pixel_stride / 4);
 	int n = b->width, metric = b->p->contrast_metric, bad;
 	float *c[3] = {plane + 1, plane + b->padded + 1, plane + 2 * b->padded + 1};
@@ -165,7 +160,7 @@ static void ink_rows(void *data, int y0, int y1, int thread)
 			ISA(stamp_row)(b, &s, y);
 	}
 	for (int y = y0; y < y1; y++) {
-		const float *row = texel(in, 0, y), *dark = s.dark + (size_t)(y - y0) * b->padded;
+		const float *row = pixel_at(in, 0, y), *dark = s.dark + (size_t)(y - y0) * b->padded;
 		float *to_row = (float *)((char *)out->data + y * out->row_stride);
 		ptrdiff_t step = (ptrdiff_t)(in->pixel_stride / 4), out_step = (ptrdiff_t)(out->pixel_stride / 4);
 		if (step == 4 && out_step == 4 && in->channels == 4)

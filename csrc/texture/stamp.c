@@ -74,8 +74,7 @@ typedef struct form {
  */
 static form form_at(const bake *b, int x, int y)
 {
-	const encre_image *image = &b->job->form;
-	const float *v = (const float *)((const char *)image->data + y * image->row_stride + x * image->pixel_stride);
+	const float *v = pixel_at(&b->job->form, x, y);
 	float e = v[0], f = v[1], g = v[2];
 	if (!(fabsf(e) <= 1e12f && fabsf(f) <= 1e12f && fabsf(g) <= 1e12f) || (e <= 0 && g <= 0))
 		return (form){1, 0, 1, 1};
@@ -97,10 +96,9 @@ static float limit_of(const form *m, float radius)
 /* Stored color of a texel, as it is compared. */
 static void color_at(const bake *b, int x, int y, float color[3])
 {
-	const encre_image *image = &b->job->texture;
 	x = texel_index(x, b->width, b->wrap_x);
 	y = texel_index(y, b->height, b->wrap_y);
-	const float *v = (const float *)((const char *)image->data + y * image->row_stride + x * image->pixel_stride);
+	const float *v = pixel_at(&b->job->texture, x, y);
 	for (int c = 0; c < 3; c++)
 		color[c] = fabsf(v[c]) <= FLT_MAX ? clamp01(v[c]) : 0;
 }

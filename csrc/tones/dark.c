@@ -9,18 +9,75 @@ static int slot_of(int level)
 	return level < TONE_SLOTS ? level : TONE_SLOTS - 1;
 }
 
+/* Called with a constant number of channels each time: planes vectorise best. */
+KERNEL void split(const float *restrict in, const int channels, int n, float (*restrict plane)[TONE_CHUNK])
+{
+	for (int i = 0; i < n; i++)
+		for (int c = 0; c < channels; c++)
+			plane[c][i] = in[channels * i + c];
+}
+
+/* Mirrors and glass have no light of their own: it becomes that of the thing they show, and without end where they show
+ * none. What mirrors black is as dark as it looks. */
+static void mirrored_row(const frame *f, float exposure, float black, int y, int x, int n, const float *restrict other,
+			 float (*restrict color)[TONE_CHUNK], float *restrict light)
+{
+	const float *seen = layer_row(f, ENCRE_LAYER_SEEN_COLOR, y), *depth = layer_row(f, ENCRE_LAYER_SEEN_DEPTH, y);
+	float least = max(black, 0.05f);
+	for (int i = 0; seen && i < n; i++) {
+		const float *s = seen + (ptrdiff_t)3 * (x + i);
+		float bright = max3(s[0], s[1], s[2]), lit = bounded(other[i] / max(bright, least)) * exposure;
+		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
+		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
+		lit = nothing ? INFINITY : bright >= least ? lit : -1;
+		light[i] = shows ? max(light[i], lit) : light[i];
+	}
+}
+
 /* Light that levels are compared with; what shines or reflects is not in the dark. Nothing there: INFINITY. */
 static void light_row(const frame *f, const encre_params *p, int y, int x, int n, float *restrict light)
 {
-	const float *controls = controls_at(f, x, y),
-		    *combined = layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x,
-		    *color = layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x,
-		    *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x;
+	const float *controls = controls_at(f, x, y);
+	float e[4][TONE_CHUNK], a[3][TONE_CHUNK], d[3][TONE_CHUNK], painted[TONE_CHUNK] = {0}, rest[TONE_CHUNK];
+	float exposure = exposure_of(f, p), black = p->tone_black;
+	split(layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x, 4, n, e);
+	split(layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x, 3, n, a);
+	split(layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x, 3, n, d);
+	for (int i = 0; controls && i < n; i++)
+		painted[i] = painted_light(controls, i);
 	for (int i = 0; i < n; i++) {
-		const float *d = diffuse + 3 * i, *a = color + 3 * i;
-		float lit = max3(d[0], d[1], d[2]) * p->shade_exposure + painted_light(controls, i);
-		lit = max3(a[0], a[1], a[2]) < p->tone_black ? -1 : lit;
-		light[i] = max(lit, other_light(combined + 4 * i, a, d));
+		float lit = max3(d[0][i], d[1][i], d[2][i]) * exposure + painted[i];
+		rest[i] = max3(e[0][i] - a[0][i] * d[0][i], e[1][i] - a[1][i] * d[1][i], e[2][i] - a[2][i] * d[2][i]);
+		lit = max3(a[0][i], a[1][i], a[2][i]) < black ? -1 : lit;
+		light[i] = max(lit, rest[i]);
+	}
+	if (p->tone_mirrors)
+		mirrored_row(f, exposure, black, y, x, n, rest, a, light);
+}
+
+/* How the light passes a threshold: never, in one step, or by and by. */
+enum { ALL, STEP, SLOPE };
+
+KERNEL float past(float x, const int how, float threshold, float rate)
+{
+	if (how == SLOPE)
+		return clamp01((x - threshold) * rate + 0.5f);
+	return how == STEP && x > threshold ? 1 : 0;
+}
+
+typedef struct band_of_light {
+	float in, in_rate, out, out_rate; /* thresholds */
+	float base, start, along, fall;   /* the darkness, and how it falls */
+} band_of_light;
+
+KERNEL void want_band(const band_of_light *b, const int enters, const int leaves, int n, const float *restrict light,
+		      const float *restrict added, float *restrict share, float *restrict sum)
+{
+	for (int i = 0; i < n; i++) {
+		float x = light[i], entered = enters == ALL ? 1 : past(x, enters, b->in, b->in_rate);
+		float here = positive(entered - past(x, leaves, b->out, b->out_rate));
+		share[i] += here;
+		sum[i] += here * clamp01(b->base - b->fall * clamp01((x - b->start) * b->along) + added[i]);
 	}
 }
 
@@ -29,28 +86,44 @@ static void want_level(const encre_params *p, int level, float gradient, int n, 
 		       const float *restrict added, float *restrict share, float *restrict sum)
 {
 	const encre_level *own = p->shade_levels.level + level, *next = own + 1;
-	bool first = level == 0, last = level == p->shade_levels.count - 1;
-	float base = 1 - own->intensity + p->tone_darkness, start = first ? 0 : own->threshold;
-	float in = own->transition > 1e-30f ? 1 / own->transition : 0,
-	      out = !last && next->transition > 1e-30f ? 1 / next->transition : 0;
-	float span = last ? 0 : next->threshold - start, along = span > 1e-30f ? 1 / span : 0;
-	float fall = last ? 0 : gradient * (next->intensity - own->intensity);
-	for (int i = 0; i < n; i++) {
-		float x = light[i];
-		float entered = first ? 1 : in > 0 ? clamp01((x - own->threshold) * in + 0.5f) : x > own->threshold;
-		float left = last ? 0 : out > 0 ? clamp01((x - next->threshold) * out + 0.5f) : x > next->threshold;
-		float here = max(entered - left, 0);
-		share[i] += here;
-		sum[i] += here * clamp01(base - fall * clamp01((x - start) * along) + added[i]);
-	}
+	bool last = level == p->shade_levels.count - 1;
+	int enters = level == 0 ? ALL : own->transition > 1e-30f ? SLOPE : STEP;
+	int leaves = last ? ALL : next->transition > 1e-30f ? SLOPE : STEP;
+	float start = level == 0 ? 0 : own->threshold, span = last ? 0 : next->threshold - start;
+	band_of_light b = {
+		.in = start,
+		.in_rate = enters == SLOPE ? 1 / own->transition : 0,
+		.out = last ? 0 : next->threshold,
+		.out_rate = leaves == SLOPE ? 1 / next->transition : 0,
+		.base = 1 - own->intensity + p->tone_darkness,
+		.start = start,
+		.along = span > 1e-30f ? 1 / span : 0,
+		.fall = last ? 0 : gradient * (next->intensity - own->intensity),
+	};
+#define CASE(in, out)                                                                                                  \
+	if (enters == in && leaves == out)                                                                             \
+		want_band(&b, in, out, n, light, added, share, sum);
+	CASE(ALL, ALL)
+	CASE(ALL, STEP)
+	CASE(ALL, SLOPE)
+	CASE(STEP, ALL)
+	CASE(STEP, STEP)
+	CASE(STEP, SLOPE)
+	CASE(SLOPE, ALL)
+	CASE(SLOPE, STEP)
+	CASE(SLOPE, SLOPE)
+#undef CASE
 }
 
-static bool any(const float *values, int n)
+/* The mean darkness of what is there, from sums. */
+static void finish(const float *restrict depth, int n, float *restrict share, float *restrict dark)
 {
-	float most = 0;
-	for (int i = 0; i < n; i++)
-		most = max(most, values[i]);
-	return most > 0;
+	for (int i = 0; i < n; i++) {
+		int there = (depth[i] > 0) & (depth[i] < depth_end);
+		float own = there ? share[i] : 0;
+		dark[i] = own > 0 ? clamp01(dark[i] / max(own, FLT_MIN)) : 0;
+		share[i] = most_one(own);
+	}
 }
 
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w)
@@ -76,11 +149,9 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 			   w->dark[k]);
 	}
 	for (int k = 0; k < TONE_SLOTS; k++) {
-		for (int i = 0; i < n && w->any[k]; i++) {
-			float share = depth_of(depth[i]) < INFINITY ? w->share[k][i] : 0;
-			w->dark[k][i] = share > 0 ? clamp01(w->dark[k][i] / w->share[k][i]) : 0;
-			w->share[k][i] = clamp01(share);
-		}
-		w->any[k] = w->any[k] && any(w->dark[k], n);
+		if (!w->any[k])
+			continue;
+		finish(depth, n, w->share[k], w->dark[k]);
+		w->any[k] = tone_any(w->dark[k], n);
 	}
 }

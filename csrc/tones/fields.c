@@ -12,8 +12,10 @@ void ISA(tone_screen_field)(const frame *f, int y, int x, int n, float right, fl
 	}
 }
 
-void ISA(tone_surface_field)(const float *restrict anchor, int n, const float along[3], tone_field *field)
+void ISA(tone_surface_field)(const float *restrict anchor, int n, const float direction[3], float per,
+			     tone_field *field)
 {
+	float along[3] = {direction[0] * per, direction[1] * per, direction[2] * per};
 	for (int i = 0; i < n; i++) {
 		const float *a = anchor + (ptrdiff_t)ANCHOR_COUNT * i, *r = a + ANCHOR_RIGHT, *d = a + ANCHOR_DOWN;
 		field->at[i] = a[0] * along[0] + a[1] * along[1] + a[2] * along[2];
@@ -22,17 +24,30 @@ void ISA(tone_surface_field)(const float *restrict anchor, int n, const float al
 	}
 }
 
-void ISA(tone_surface_chart)(const float *restrict anchor, int n, float cosine, float sine, tone_field field[2])
+const tone_rest *ISA(tone_rest_fill)(const frame *f, int y, int x, int n, tone_rest *rest)
 {
-	for (int i = 0; i < n; i++) {
-		const float *a = anchor + (ptrdiff_t)ANCHOR_COUNT * i, *normal = a + ANCHOR_NORMAL;
-		float x = fabsf(normal[0]), y = fabsf(normal[1]), z = fabsf(normal[2]);
-		int first = x >= y && x >= z ? 1 : 0, second = x < z && y < z ? 1 : 2;
-		for (int k = 0; k < 2; k++) {
-			float one = k ? -sine : cosine, two = k ? cosine : sine;
-			field[k].at[i] = one * a[first] + two * a[second];
-			field[k].right[i] = one * a[ANCHOR_RIGHT + first] + two * a[ANCHOR_RIGHT + second];
-			field[k].down[i] = one * a[ANCHOR_DOWN + first] + two * a[ANCHOR_DOWN + second];
+	const float *restrict anchor = anchor_at(f, x, y);
+	n = x + n < f->width ? n + 1 : n;
+	for (int i = 0; anchor && i < n; i++)
+		for (int c = 0; c < ANCHOR_COUNT; c++)
+			rest->at[c][i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + c];
+	return anchor ? rest : NULL;
+}
+
+void ISA(tone_surface_chart)(const tone_rest *rest, int n, float cosine, float sine, tone_field field[2])
+{
+	static const int from[3] = {ANCHOR_POSITION, ANCHOR_RIGHT, ANCHOR_DOWN};
+	const float (*normal)[TONE_REST] = rest->at + ANCHOR_NORMAL;
+	for (int k = 0; k < 3; k++) {
+		const float (*v)[TONE_REST] = rest->at + from[k];
+		float *restrict to = k == 0 ? field[0].at : k == 1 ? field[0].right : field[0].down;
+		float *restrict too = k == 0 ? field[1].at : k == 1 ? field[1].right : field[1].down;
+		for (int i = 0; i < n; i++) {
+			float x = fabsf(normal[0][i]), y = fabsf(normal[1][i]), z = fabsf(normal[2][i]);
+			int first = (x >= y) & (x >= z), second = (x < z) & (y < z);
+			float one = first ? v[1][i] : v[0][i], two = second ? v[1][i] : v[2][i];
+			to[i] = cosine * one + sine * two;
+			too[i] = cosine * two - sine * one;
 		}
 	}
 }

@@ -10,10 +10,12 @@ enum { LEFT = -2, RIGHT = 3 }; /* half-way steps at which lines are looked at: a
 void ISA(tone_lines)(const tone_screen *screen, int n, const tone_field *field, const float *restrict dark,
 		     float *restrict ink)
 {
-	float pitch = screen->pitch, reach = 0.5f * screen->soft, share = 1 / screen->soft;
+	float least = screen->least, most = screen->most;
 	for (int i = 0; i < n; i++) {
 		float slope = sqrtf(field->right[i] * field->right[i] + field->down[i] * field->down[i]), grown;
-		float scale = octave(1 / (slope * pitch > 1e-18f ? slope * pitch : 1e-18f), &grown);
+		float unit = 1 / max(slope, 1e-18f), pitch = min(max(unit, least), most);
+		float soft = screen->soft + screen->more_soft * pitch, reach = 0.5f * soft, share = 1 / soft;
+		float scale = octave(unit / pitch, &grown);
 		float at = 2 * scale * field->at[i], first = floorf(at), off = at - first, step = 0.5f * pitch * grown;
 		float odd = first - 2 * floorf(0.5f * first), whole = 0.5f * pitch * dark[i];
 		float young = whole * (grown - 1), sum = 0;

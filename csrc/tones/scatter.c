@@ -8,7 +8,8 @@
 
 #include <string.h>
 
-static const float jitter = 0.6f; /* pitches */
+static const float jitter = 0.6f;       /* pitches */
+static const float beside_rows = 0.08f; /* sine of the angle up to which a stroke goes along a row of its lattice */
 
 /* ---- tables ------------------------------------------------------------------------------------------------ */
 
@@ -44,12 +45,17 @@ void ISA(tone_marks_tables)(tone_marks *m)
 				  full_cover;
 			float low = min(x, 1), shown = 1.25f * sqrtf(low * sqrtf(low)), over = max(shown - 1, 0);
 			float mean = shown < 0.25f ? 2 * shown * shown : shown - 0.125f - 2 * over * over;
-			m->shown[layer][i] = shown;
-			m->size[layer][i] = mean > 0 ? x / mean : 0;
+			m->widths[layer][i] = (tone_width){shown, mean > 0 ? x / mean : 0};
 		}
 	for (int i = 0; i < 256; i++) {
-		m->way[i][0] = pixel_cos((float)i * (3.14159265f / 256));
-		m->way[i][1] = pixel_sin((float)i * (3.14159265f / 256));
+		int layers = 0;
+		for (int layer = 0; layer < TONE_LAYERS; layer++)
+			layers |= m->widths[layer][i].shown > 0 ? TONE_FOUND << layer : 0;
+		m->layers[0][i] = (uint8_t)layers;
+		m->layers[1][i] = m->widths[TONE_SPOTS][i].shown > 0 ? TONE_FOUND : 0;
+		float x = 1 - (float)i / 128, y = 1 - fabsf(x), length = sqrtf(x * x + y * y);
+		m->way[i][0] = x / length;
+		m->way[i][1] = y / length;
 	}
 }
 
@@ -62,29 +68,38 @@ bool ISA(tone_marks_wanted)(const encre_params *p)
 #undef IN
 }
 
-/* The darkness of n pixels that marks fill, 1..255, 0 of others, and the slot that fills them; of which slots any are.
+/* The darkness of n pixels that marks fill, 1..255, 0 of others, the slot that fills them, and marks' share; of which
+ * slots any are.
  */
 static unsigned darken(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n,
-		       tone_pixel *px)
+		       uint8_t *restrict dark, uint8_t *restrict bits, uint8_t *restrict shares)
 {
 	tone_wanted w;
-	unsigned any = 0;
+	float share[TONE_CHUNK] = {0}, sum[TONE_CHUNK] = {0}, best[TONE_CHUNK] = {0};
+	int32_t slot[TONE_CHUNK] = {0};
+	unsigned found[TONE_SLOTS] = {0}, any = 0;
 	ISA(tone_want)(f, p, slots, y, x, n, &w);
-	for (int i = 0; i < n; i++) {
-		float share = 0, sum = 0, best = 0;
-		px[i].bits = 0;
-		for (int k = 0; k < TONE_SLOTS; k++) {
-			if (!w.any[k] || !tone_marked(slots + k))
-				continue;
+	for (int k = 0; k < TONE_SLOTS; k++) {
+		if (!w.any[k] || !tone_marked(slots + k))
+			continue;
+		for (int i = 0; i < n; i++) {
 			float here = w.share[k][i];
-			px[i].bits = here > best ? (uint8_t)k : px[i].bits;
-			best = max(best, here);
-			share += here;
-			sum += here * w.dark[k][i];
+			slot[i] = here > best[i] ? k : slot[i];
+			best[i] = max(best[i], here);
+			share[i] += here;
+			sum[i] += here * w.dark[k][i];
 		}
-		px[i].dark = share > 0 ? (uint8_t)floorf(255 * clamp01(sum / share) + 0.5f) : 0;
-		any |= px[i].dark ? 1u << px[i].bits : 0;
 	}
+	for (int i = 0; i < n; i++) {
+		float mean = clamp01(sum[i] / max(share[i], 1e-30f));
+		dark[i] = (uint8_t)(int)(share[i] > 0 ? 255 * mean + 0.5f : 0);
+		bits[i] = (uint8_t)slot[i];
+		shares[i] = (uint8_t)(int)(255 * min(share[i], 1) + 0.5f);
+	}
+	for (int i = 0; i < n; i++)
+		found[bits[i]] |= dark[i];
+	for (int k = 0; k < TONE_SLOTS; k++)
+		any |= found[k] ? 1u << k : 0;
 	return any;
 }
 
@@ -118,15 +133,15 @@ static dyadic dyadic_of(float whole, float scale)
 	return (dyadic){n, exponent};
 }
 
-static int main_axis(const float *normal)
+static int main_axis(const tone_rest *rest)
 {
-	float x = fabsf(normal[0]), y = fabsf(normal[1]), z = fabsf(normal[2]);
+	const float (*normal)[TONE_REST] = rest->at + ANCHOR_NORMAL;
+	float x = fabsf(normal[0][0]), y = fabsf(normal[1][0]), z = fabsf(normal[2][0]);
 	return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
 }
 
-/* The layers' lattices lie beside each other, and their strokes across each other. */
+/* The layers' lattices lie beside each other. */
 static const float beside[TONE_LAYERS] = {0, 0.381966f, 0.763932f};
-static const float turned[TONE_LAYERS][2] = {{1, 0}, {0.7071068f, 0.7071068f}, {0.5f, -0.8660254f}};
 
 /* The way in pixels from the middle of pixel i to the point of a layer's lattice that is nearest to it. */
 static inline void nearest_point(const tone_lattice *l, int layer, int i, float whole[2], float way[2])
@@ -141,27 +156,42 @@ static inline void nearest_point(const tone_lattice *l, int layer, int i, float 
 	}
 }
 
-/* Whether a point of a layer's lattice is in pixel i. */
-static inline bool holds(const tone_lattice *l, int layer, int i)
+/* Sets a layer's bit of pixels in which a point of its lattice is. */
+static void hold(const tone_lattice *l, int layer, int n, uint8_t *restrict bits)
 {
-	float whole[2], way[2];
-	nearest_point(l, layer, i, whole, way);
-	return way[0] >= -0.5f && way[0] < 0.5f && way[1] >= -0.5f && way[1] < 0.5f && l->flat[i] <= 0 &&
-	       max(fabsf(whole[0]), fabsf(whole[1])) < 1e9f;
+	for (int i = 0; i < n; i++) {
+		float whole[2], way[2];
+		nearest_point(l, layer, i, whole, way);
+		int holds = (way[0] >= -0.5f) & (way[0] < 0.5f) & (way[1] >= -0.5f) & (way[1] < 0.5f) &
+			    (l->flat[i] <= 0) & (max(fabsf(whole[0]), fabsf(whole[1])) < 1e9f);
+		bits[i] = (uint8_t)(bits[i] | (holds ? TONE_FOUND << layer : 0));
+	}
+}
+
+/* How far marks are shifted along an axis, in pitches. Strokes along the rows of the other axis would cover each other
+ * and leave gaps between the rows, so that there was too little ink; theirs fill the whole of what is between rows. */
+static float shift_of(const float way[2], float row_x, float row_y)
+{
+	float length = sqrtf(row_x * row_x + row_y * row_y);
+	float sine = fabsf(way[0] * row_y - way[1] * row_x) / max(length, 1e-6f);
+	return mix(jitter, 1, clamp01(2 - sine / beside_rows));
 }
 
 /* The mark whose place is in pixel x. */
-static tone_mark mark_at(const frame *f, const tone_slot *s, int layer, int x, int y)
+static tone_mark mark_at(const frame *f, const tone_marks *m, const tone_slot *s, int layer, int x, int y)
 {
 	tone_field chart[2];
 	tone_lattice l;
+	tone_rest own;
 	float whole[2], way[2], weight = 1;
-	ISA(tone_chart)(f, s, y, x, 1, chart);
-	ISA(tone_lattice_fill)(tone_mark_pitch(s), 1, chart, &l);
+	const float *anchor = tone_sticks(s) ? anchor_at(f, x, y) : NULL;
+	const tone_rest *rest = anchor ? &own : NULL;
+	for (int c = 0; anchor && c < ANCHOR_COUNT; c++)
+		own.at[c][0] = anchor[c];
+	ISA(tone_chart)(f, s, rest, y, x, 1, chart);
+	ISA(tone_lattice_fill)(s->least, s->most, 1, chart, &l);
 	nearest_point(&l, layer, 0, whole, way);
-	const float *anchor = s->space == tone_1_space_SURFACE ? anchor_at(f, x, y) : NULL;
-	uint32_t h =
-		stir(0x9e3779b9u, (uint32_t)(TONE_LAYERS * (anchor ? main_axis(anchor + ANCHOR_NORMAL) : 0) + layer));
+	uint32_t h = stir(0x9e3779b9u, (uint32_t)(TONE_LAYERS * (rest ? main_axis(rest) : 0) + layer));
 	dyadic place[2];
 	for (int k = 0; k < 2; k++) {
 		weight *= (int32_t)whole[k] & 1 ? l.grown[k][0] : 1;
@@ -171,24 +201,28 @@ static tone_mark mark_at(const frame *f, const tone_slot *s, int layer, int x, i
 	/* A rank of low discrepancy among those of an octave, so that few are spread as evenly as many. */
 	uint32_t rank = h + (uint32_t)place[0].odd * 3242174889u + (uint32_t)place[1].odd * 2447445413u;
 	h = stir(stir(h, (uint32_t)place[0].odd), (uint32_t)place[1].odd);
+	bool stroke = s->kind == tone_1_HATCH;
+	const float *along = m->way[tone_bytes(m, TONE_WAY + layer, y)[x]];
 	for (int k = 0; k < 2; k++) {
 		float length = sqrtf(l.across[k][0] * l.across[k][0] + l.up[k][0] * l.up[k][0]);
+		float shift = stroke ? shift_of(along, l.across[1 - k][0], l.up[1 - k][0]) : jitter;
 		h = stir(h, 1);
-		float aside = (share_of(h) - 0.5f) * jitter * tone_mark_pitch(s) / max(length, 1e-6f);
+		float aside = (share_of(h) - 0.5f) * shift * l.pitch[k][0] / max(length, 1e-6f);
 		way[0] += aside * l.across[k][0];
 		way[1] += aside * l.up[k][0];
 	}
-	float size = sqrtf(weight), turn, length = 0;
+	float size = sqrtf(weight), turn, length = 0, pitch = sqrtf(l.pitch[0][0] * l.pitch[1][0]);
 	h = stir(h, 2);
 	turn = (share_of(h) - 0.5f) * 0.1f;
 	h = stir(h, 3);
-	if (s->kind == tone_1_HATCH)
-		length = stroke_length * tone_mark_pitch(s) * size * (0.7f + 0.6f * share_of(h));
+	if (stroke)
+		length = stroke_length * pitch * size * (0.7f + 0.6f * share_of(h));
 	return (tone_mark){
-		.x = (float)x + 0.5f + way[0],
-		.y = (float)y + 0.5f + way[1],
+		.x = (float)(f->place.x + x) + 0.5f + way[0],
+		.y = (float)(f->place.y + y) + 0.5f + way[1],
 		.size = size,
 		.rank = share_of(rank),
+		.pitch = pitch,
 		.reach = 0.5f * length,
 		.turn = turn,
 		.slot = s,
@@ -197,147 +231,76 @@ static tone_mark mark_at(const frame *f, const tone_slot *s, int layer, int x, i
 	};
 }
 
-/* ---- ways over the surface --------------------------------------------------------------------------------- */
-
-static float dot3(const float *a, const float *b)
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Two directions in the surface, of length 1: along planes that cut the thing, and across. */
-static void planes_at(const float *normal, float along[3], float across[3])
-{
-	static const float axes[2][3] = {{0.148f, 0.0986f, 0.984f}, {0.148f, 0.984f, 0.0986f}};
-	const float *axis = axes[fabsf(dot3(axes[0], normal)) > 0.95f];
-	for (int c = 0; c < 3; c++)
-		along[c] = axis[(c + 1) % 3] * normal[(c + 2) % 3] - axis[(c + 2) % 3] * normal[(c + 1) % 3];
-	float scale = 1 / sqrtf(max(dot3(along, along), 1e-12f));
-	for (int c = 0; c < 3; c++)
-		along[c] *= scale;
-	for (int c = 0; c < 3; c++)
-		across[c] = normal[(c + 1) % 3] * along[(c + 2) % 3] - normal[(c + 2) % 3] * along[(c + 1) % 3];
-}
-
-/* A way on the screen, either way along it, as a number of 256ths of half a turn. */
-static uint8_t angle_of(float x, float y)
-{
-	float turns = pixel_atan2(y, x) * (1 / 3.14159265f); /* -1..1, and halves are all that counts */
-	return (uint8_t)((int)(256 * turns + 256.5f) & 255);
-}
-
-/* Ways of the layers' strokes on the screen at a pixel: as they lie on the surface that is seen there. */
-static void ways_on_surface(const tone_slot *s, const float *anchor, uint8_t way[TONE_LAYERS])
-{
-	const float *form = anchor + ANCHOR_FORM, *right = anchor + ANCHOR_RIGHT, *down = anchor + ANCHOR_DOWN;
-	float along[3], across[3], on[2][2];
-	planes_at(anchor + ANCHOR_NORMAL, along, across);
-	/* ways have no sign: their angles are doubled where they are mixed */
-	float a = dot3(form, along), b = dot3(form, across), left = 1 - sqrtf(min(a * a + b * b, 1));
-	float u = a * a - b * b + 0.25f * left * left, v = 2 * a * b, length = sqrtf(u * u + v * v);
-	float p = length + u, q = v, both = sqrtf(p * p + q * q);
-	p = both > 1e-9f ? p / both : 0;
-	q = both > 1e-9f ? q / both : 1;
-	float rr = dot3(right, right), rd = dot3(right, down), dd = dot3(down, down);
-	float ra = dot3(right, along), rb = dot3(right, across), da = dot3(down, along), db = dot3(down, across);
-	on[0][0] = dd * ra - rd * da;
-	on[0][1] = rr * da - rd * ra;
-	on[1][0] = dd * rb - rd * db;
-	on[1][1] = rr * db - rd * rb;
-	for (int layer = 0; layer < TONE_LAYERS; layer++) {
-		float c = s->across[0] * turned[layer][0] - s->across[1] * turned[layer][1];
-		float d = s->across[1] * turned[layer][0] + s->across[0] * turned[layer][1];
-		float one = p * c - q * d, two = q * c + p * d;
-		float x = one * on[0][0] + two * on[1][0], y = one * on[0][1] + two * on[1][1];
-		float scale = max(fabsf(x), fabsf(y));
-		way[layer] = scale > 1e-30f ? angle_of(x / scale, y / scale) : 0;
-	}
-}
-
-static void ways_on_screen(const tone_slot *s, uint8_t way[TONE_LAYERS])
-{
-	for (int layer = 0; layer < TONE_LAYERS; layer++)
-		way[layer] = angle_of(s->across[0] * turned[layer][0] - s->across[1] * turned[layer][1],
-				      -s->across[1] * turned[layer][0] - s->across[0] * turned[layer][1]);
-}
-
-/* Whether what is seen at two neighbouring pixels is one surface. */
-static bool goes_on(const frame *f, int x0, int y0, int x1, int y1)
-{
-	if (x1 >= f->width || y1 >= f->height)
-		return false;
-	const float *object0 = layer_row(f, ENCRE_LAYER_OBJECT, y0), *object1 = layer_row(f, ENCRE_LAYER_OBJECT, y1);
-	if (object0 && object0[x0] != object1[x1])
-		return false;
-	const float *a = anchor_at(f, x0, y0), *b = anchor_at(f, x1, y1);
-	if (a && a[ANCHOR_PIXEL] > 0 && b[ANCHOR_PIXEL] > 0) {
-		float apart[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-		float grown = dot3(a + ANCHOR_RIGHT, a + ANCHOR_RIGHT) + dot3(a + ANCHOR_DOWN, a + ANCHOR_DOWN);
-		return dot3(apart, apart) <= 16 * grown;
-	}
-	float near = depth_at(f, x0, y0), far = depth_at(f, x1, y1);
-	return fabsf(far - near) <= 0.05f * near;
-}
-
-/* ---- what strokes need of pixels --------------------------------------------------------------------------- */
+/* ---- passes ------------------------------------------------------------------------------------------------ */
 
 static void look_at(const frame *f, const tone_marks *m, const tone_slot *slots, unsigned any, int y, int x, int n)
 {
-	tone_pixel *px = tone_pixels(f, m, y) + x;
+	uint8_t *dark = tone_bytes(m, TONE_DARK, y) + x, *bits = tone_bytes(m, TONE_BITS, y) + x;
 	for (int k = 0; k < TONE_SLOTS; k++) {
 		const tone_slot *s = slots + k;
 		if (!(any >> k & 1))
 			continue;
 		tone_field chart[2];
 		tone_lattice l;
-		bool spots = s->kind == tone_1_STIPPLE, stuck = s->space == tone_1_space_SURFACE && anchor_at(f, x, y);
-		uint8_t way[TONE_LAYERS];
-		ISA(tone_chart)(f, s, y, x, n, chart);
-		ISA(tone_lattice_fill)(tone_mark_pitch(s), n, chart, &l);
-		ways_on_screen(s, way);
+		tone_rest own;
+		uint8_t found[TONE_CHUNK] = {0};
+		bool spots = s->kind == tone_1_STIPPLE, stuck = tone_sticks(s);
+		const tone_rest *rest = stuck ? ISA(tone_rest_fill)(f, y, x, n, &own) : NULL;
+		ISA(tone_chart)(f, s, rest, y, x, n, chart);
+		ISA(tone_lattice_fill)(s->least, s->most, n, chart, &l);
+		for (int layer = 0; layer < (spots ? 1 : TONE_LAYERS); layer++)
+			hold(&l, layer, n, found);
+		if (!spots)
+			ISA(tone_ways)(f, m, slots, k, rest, y, x, n);
+		for (int i = 0; rest && i < n; i++)
+			found[i] = rest->at[ANCHOR_PIXEL][i] > 0 ? found[i] : TONE_LOST;
 		for (int i = 0; i < n; i++) {
-			if (!px[i].dark || (px[i].bits & TONE_SLOT) != k)
-				continue;
-			for (int layer = 0; layer < (spots ? 1 : TONE_LAYERS); layer++)
-				if (m->shown[spots ? TONE_SPOTS : layer][px[i].dark] > 0 && holds(&l, layer, i))
-					px[i].bits |= (uint8_t)(TONE_FOUND << layer);
-			if (spots)
-				continue;
-			if (stuck)
-				ways_on_surface(s, anchor_at(f, x + i, y), way);
-			memcpy(px[i].way, way, sizeof way);
-			px[i].bits |= goes_on(f, x + i, y, x + i + 1, y) ? 0 : TONE_ENDS_RIGHT;
-			px[i].bits |= goes_on(f, x + i, y, x + i, y + 1) ? 0 : TONE_ENDS_DOWN;
+			unsigned wanted = TONE_LOST | m->layers[spots][dark[i]];
+			bits[i] = (uint8_t)(bits[i] | ((bits[i] & TONE_SLOT) == k ? found[i] & wanted : 0));
 		}
 	}
 }
 
 int ISA(tone_marks_look)(const frame *f, const tone_marks *m, int y)
 {
-	tone_pixel *px = tone_pixels(f, m, y);
+	uint8_t *dark = tone_bytes(m, TONE_DARK, y), *bits = tone_bytes(m, TONE_BITS, y);
 	int n = 0;
-	memset(px, 0, (size_t)f->width * sizeof *px);
+	memset(dark, 0, (size_t)TONE_BYTES * (size_t)f->width);
+	memset(tone_ink(m, y), 0, (size_t)f->width * sizeof *m->ink);
 	for (int x = 0, end; x < f->width; x = end) {
 		int most = f->width - x > TONE_CHUNK ? x + TONE_CHUNK : f->width;
 		const encre_params *p = style_run(f, y, x, most, &end);
 		const tone_slot *slots = m->styles[p - f->params].slot;
-		unsigned any = ISA(tone_marks_wanted)(p) ? darken(f, p, slots, y, x, end - x, px + x) : 0;
+		unsigned any = ISA(tone_marks_wanted)(p) ? darken(f, p, slots, y, x, end - x, dark + x, bits + x,
+								  tone_bytes(m, TONE_SHARE, y) + x)
+							 : 0;
 		if (any)
 			look_at(f, m, slots, any, y, x, end - x);
 	}
 	for (int x = 0; x < f->width; x++)
-		for (int layer = 0; layer < TONE_LAYERS; layer++)
-			n += px[x].bits / TONE_FOUND >> layer & 1;
+		n += (bits[x] >> 4 & 1) + (bits[x] >> 5 & 1) + (bits[x] >> 6 & 1);
 	return n;
 }
 
 void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark *marks)
 {
-	const tone_pixel *px = tone_pixels(f, m, y);
-	for (int x = 0; x < f->width; x++)
-		for (int layer = 0; layer < TONE_LAYERS && px[x].bits >= TONE_FOUND; layer++) {
-			if (!(px[x].bits / TONE_FOUND >> layer & 1))
-				continue;
-			const tone_slot *s = m->styles[style_at(f, x, y)].slot + (px[x].bits & TONE_SLOT);
-			*marks++ = mark_at(f, s, layer, x, y);
+	const uint8_t *bits = tone_bytes(m, TONE_BITS, y);
+	for (int x0 = 0; x0 < f->width; x0 += TONE_CHUNK) {
+		int end = f->width - x0 > TONE_CHUNK ? x0 + TONE_CHUNK : f->width, n = 0, columns[TONE_CHUNK];
+		for (int x = x0; x < end; x++)
+			if (bits[x] & TONE_PLACES)
+				columns[n++] = x;
+		/* they lie far apart, and across two lines of the cache */
+		for (int i = 0; i < n && anchor_at(f, 0, y); i++) {
+			__builtin_prefetch(anchor_at(f, columns[i], y));
+			__builtin_prefetch(anchor_at(f, columns[i], y) + ANCHOR_COUNT - 1);
 		}
+		for (int i = 0; i < n; i++) {
+			int x = columns[i];
+			const tone_slot *s = m->styles[style_at(f, x, y)].slot + (bits[x] & TONE_SLOT);
+			for (int layer = 0; layer < TONE_LAYERS; layer++)
+				if (bits[x] / TONE_FOUND >> layer & 1)
+					*marks++ = mark_at(f, m, s, layer, x, y);
+		}
+	}
 }

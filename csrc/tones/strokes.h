@@ -7,50 +7,73 @@
 
 enum {
 	TONE_SPOTS = TONE_LAYERS, /* the row of tables that spots take */
-	/* a pixel's bits: its slot; whether the surface ends beside it; times 2^layer: the place of a mark is in it */
+	/* what strokes need of a pixel, a byte each: */
+	TONE_DARK = 0, /* 1..255; 0: no mark fills it */
+	TONE_BITS,     /* its slot; whether the surface ends beside it; times 2^layer: the place of a mark is in it;
+			whether its own is known */
+	TONE_SHARE,    /* of the marks in the pixel, 255ths */
+	TONE_WAY,      /* of each layer's strokes, tone_way_of() */
+	TONE_BYTES = TONE_WAY + TONE_LAYERS,
 	TONE_SLOT = 3,
 	TONE_ENDS_RIGHT = 4,
 	TONE_ENDS_DOWN = 8,
-	TONE_FOUND = 16
+	TONE_FOUND = 16,
+	TONE_PLACES = TONE_FOUND * ((1 << TONE_LAYERS) - 1),
+	TONE_LOST = 128 /* nobody knows its place: it has the mean */
 };
 
 static const float stroke_length = 5;        /* pitches */
+static const float widest_apart = 40;        /* "px": so much and no more they are apart that grow with the thing */
 static const float full_cover = 0.69314718f; /* area of all marks of a layer, about: half of the surface is covered */
 
-/* A stroke or spot: pixels of this frame. */
+/* A stroke or spot: pixels of the full frame, so that its numbers are the same in any part of it. */
 typedef struct tone_mark {
 	float x, y;  /* its middle */
 	float size;  /* 0..1, how far it is grown along and across */
 	float rank;  /* 0..1, by which few or many are drawn */
+	float pitch; /* pixels */
 	float reach; /* half of its length; 0 of spots */
 	float turn;  /* radians by which it strays */
 	const tone_slot *slot;
-	int32_t column; /* of the pixel that holds its place on the lattice */
+	int32_t column; /* of this frame's pixel that holds its place on the lattice */
 	uint8_t layer;
 } tone_mark;
 
-/* What strokes need of a pixel. */
-typedef struct tone_pixel {
-	uint8_t dark; /* 1..255; 0: no mark fills it */
-	uint8_t bits; /* strokes.c */
-	uint8_t ink;
-	uint8_t way[TONE_LAYERS]; /* of each layer's strokes, 256ths of half a turn from the right down */
-} tone_pixel;
+/* Which ranks are drawn, and how large. */
+typedef struct tone_width {
+	float shown, size;
+} tone_width;
 
 /* What strokes.c has of a frame; NULL where there are none. */
 struct tone_marks {
 	const tone_style *styles;
-	tone_pixel *pixels; /* width * height */
-	int64_t *first;     /* height + 1: of each row */
+	uint8_t *bytes; /* of each row all pixels' darkness, then their bits, ... */
+	float *ink;
+	int32_t width;
+	int64_t *first; /* height + 1: of each row */
 	tone_mark *marks;
-	/* by layer, spots last, and darkness: which ranks are drawn; how large */
-	float shown[TONE_LAYERS + 1][256], size[TONE_LAYERS + 1][256];
-	float way[256][2];
+	tone_width widths[TONE_LAYERS + 1][256]; /* by layer, spots last, and darkness */
+	uint8_t layers[2][256]; /* of strokes and of spots, TONE_FOUND << layer of those that a darkness has */
+	float way[256][2];      /* by tone_way_of() */
 };
 
-static inline tone_pixel *tone_pixels(const frame *f, const tone_marks *m, int y)
+static inline uint8_t *tone_bytes(const tone_marks *m, int what, int y)
 {
-	return m->pixels + (size_t)y * (size_t)f->width;
+	return m->bytes + ((size_t)y * TONE_BYTES + (size_t)what) * (size_t)m->width;
+}
+
+static inline float *tone_ink(const tone_marks *m, int y)
+{
+	return m->ink + (size_t)y * (size_t)m->width;
+}
+
+/* A way on the screen, either way along it, as one of 256 places on half of the square |x| + |y| = 1. */
+static inline uint8_t tone_way_of(float x, float y)
+{
+	float sum = fabsf(x) + fabsf(y), along = y < 0 ? -x : x;
+	int told = (sum > 1e-30f) & (sum < 1e30f); /* not where squares of the anchor overflow */
+	along = told ? along / sum : 1;
+	return (uint8_t)(int)(128.5f - 128 * along);
 }
 
 static inline bool tone_marked(const tone_slot *s)
@@ -58,12 +81,15 @@ static inline bool tone_marked(const tone_slot *s)
 	return s->kind == tone_1_HATCH || s->kind == tone_1_STIPPLE;
 }
 
-/* From mark to mark, about; a pixel holds one place of each layer at most. */
+/* From mark to mark of constant size, about; a pixel holds one place of each layer at most. */
 static inline float tone_mark_pitch(const tone_slot *s)
 {
 	return max(s->pitch * (s->kind == tone_1_STIPPLE ? 0.5f : 1), 3);
 }
 
+/* ways.c: of the pixels of a chunk that strokes of slot k fill: their ways, and where the surface ends. */
+void ISA(tone_ways)(const frame *f, const tone_marks *m, const tone_slot *slots, int k, const tone_rest *rest, int y,
+		    int x, int n);
 /* scatter.c: whether a style has marks; the tables; what strokes need of a row, and how many marks have their places in
  * it; and these, in the order of columns and layers. */
 bool ISA(tone_marks_wanted)(const encre_params *p);

@@ -7,14 +7,6 @@
 
 #include <string.h>
 
-static bool any(const float *values, int n)
-{
-	float most = 0;
-	for (int i = 0; i < n; i++)
-		most = max(most, values[i]);
-	return most > 0;
-}
-
 static void unit(float v[3])
 {
 	float scale = 1 / sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -24,17 +16,17 @@ static void unit(float v[3])
 
 /* ---- ink --------------------------------------------------------------------------------------------------- */
 
-void ISA(tone_chart)(const frame *f, const tone_slot *s, int y, int x, int n, tone_field chart[2])
+void ISA(tone_chart)(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n,
+		     tone_field chart[2])
 {
 	/* strokes along the rows of their lattice would cover each other, and leave gaps side by side */
 	bool strokes = s->kind == tone_1_HATCH;
 	float c = strokes ? 0.9363292f * s->across[0] - 0.3511234f * s->across[1] : s->across[0];
 	float d = strokes ? 0.9363292f * s->across[1] + 0.3511234f * s->across[0] : s->across[1];
-	const float *anchor = s->space == tone_1_space_SURFACE ? anchor_at(f, x, y) : NULL;
-	if (anchor)
-		ISA(tone_surface_chart)(anchor, n, c, d, chart);
+	if (rest)
+		ISA(tone_surface_chart)(rest, n, c / s->unit, d / s->unit, chart);
 	else {
-		float per = 1 / (tone_marked(s) ? tone_mark_pitch(s) : s->screen->pitch);
+		float per = 1 / (tone_marked(s) ? tone_mark_pitch(s) : max(s->pitch, 2));
 		ISA(tone_screen_field)(f, y, x, n, c * per, -d * per, chart);
 		ISA(tone_screen_field)(f, y, x, n, d * per, c * per, chart + 1);
 	}
@@ -42,18 +34,33 @@ void ISA(tone_chart)(const frame *f, const tone_slot *s, int y, int x, int n, to
 
 static void dots(const frame *f, const tone_slot *s, int y, int x, int n, const float *dark, float *ink)
 {
+	bool stuck = tone_sticks(s);
 	tone_field chart[2];
-	ISA(tone_chart)(f, s, y, x, n, chart);
+	tone_rest rest;
+	ISA(tone_chart)(f, s, stuck ? ISA(tone_rest_fill)(f, y, x, n, &rest) : NULL, y, x, n, chart);
 	ISA(tone_dots)(s->screen, n, chart, dark, ink);
 }
 
+static void pictures(const frame *f, const tone_slot *s, int y, int x, int n, const float *dark, float *ink)
+{
+	tone_field chart[2];
+	tone_rest rest;
+	ISA(tone_chart)(f, s, tone_sticks(s) ? ISA(tone_rest_fill)(f, y, x, n, &rest) : NULL, y, x, n, chart);
+	ISA(tone_picture_row)(s, n, chart, dark, ink);
+}
+
 /* What strokes.c has drawn. */
-static void marks(const frame *f, int y, int x, int n, float *ink)
+static void marks(const frame *f, int y, int x, int n, const float *restrict dark, float *restrict ink)
 {
 	const tone_marks *m = ((const tone_frame *)f->tones)->marks;
-	const tone_pixel *drawn = m->pixels + (size_t)y * (size_t)f->width + (size_t)x;
+	const uint8_t *restrict bits = tone_bytes(m, TONE_BITS, y) + x;
+	const float *restrict drawn = tone_ink(m, y) + x;
+	int lost = 0;
+	memcpy(ink, drawn, (size_t)n * sizeof *ink);
 	for (int i = 0; i < n; i++)
-		ink[i] = (float)drawn[i].ink * (1.0f / 255);
+		lost |= bits[i];
+	for (int i = 0; lost & TONE_LOST && i < n; i++)
+		ink[i] = bits[i] & TONE_LOST ? dark[i] : ink[i];
 }
 
 /* Two families of lines, of which the second has what the first leaves of the darkness. */
@@ -62,9 +69,9 @@ static void lines(const frame *f, const tone_slot *s, int y, int x, int n, const
 	bool cross = s->kind == tone_1_CROSS;
 	tone_field field;
 	float first[TONE_CHUNK], second[TONE_CHUNK], cut[TONE_CHUNK], more[TONE_CHUNK] = {0};
-	float c = s->across[0], d = s->across[1], per = 1 / s->screen->pitch;
+	float c = s->across[0], d = s->across[1], per = 1 / max(s->pitch, 2);
 	float along[3] = {d + 0.15f, 0.1f, c}, other[3];
-	const float *anchor = s->space == tone_1_space_SURFACE ? anchor_at(f, x, y) : NULL;
+	const float *anchor = tone_sticks(s) ? anchor_at(f, x, y) : NULL;
 	unit(along);
 	other[0] = along[1] * 0.2f - along[2] * 0.75f;
 	other[1] = along[2] * 0.6f - along[0] * 0.2f;
@@ -75,7 +82,7 @@ static void lines(const frame *f, const tone_slot *s, int y, int x, int n, const
 		cut[i] = 1;
 	}
 	if (anchor) {
-		ISA(tone_surface_field)(anchor, n, along, &field);
+		ISA(tone_surface_field)(anchor, n, along, 1 / s->unit, &field);
 		ISA(tone_cut)(anchor, n, along, cut);
 	} else
 		ISA(tone_screen_field)(f, y, x, n, d * per, c * per, &field);
@@ -85,10 +92,10 @@ static void lines(const frame *f, const tone_slot *s, int y, int x, int n, const
 		second[i] = cross || cut[i] < 1 ? clamp01(left) : 0;
 	}
 	ISA(tone_lines)(s->screen, n, &field, first, ink);
-	if (!any(second, n))
+	if (!tone_any(second, n))
 		return;
 	if (anchor)
-		ISA(tone_surface_field)(anchor, n, other, &field);
+		ISA(tone_surface_field)(anchor, n, other, 1 / s->unit, &field);
 	else
 		ISA(tone_screen_field)(f, y, x, n, c * per, -d * per, &field);
 	ISA(tone_lines)(s->screen, n, &field, second, more);
@@ -118,11 +125,12 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 			memset(ink, 0, (size_t)n * sizeof *ink);
 		return;
 	case tone_1_HATCH:
-	case tone_1_STIPPLE: marks(f, y, x, n, ink); break;
+	case tone_1_STIPPLE: marks(f, y, x, n, dark, ink); return;
 	case tone_1_DOTS: dots(f, s, y, x, n, dark, ink); break;
+	case tone_1_IMAGE: pictures(f, s, y, x, n, dark, ink); break;
 	default: lines(f, s, y, x, n, dark, ink);
 	}
-	if (s->space == tone_1_space_SURFACE && anchor_at(f, x, y))
+	if (tone_sticks(s) && anchor_at(f, x, y))
 		mean_row(anchor_at(f, x, y), n, dark, ink);
 }
 
@@ -152,15 +160,28 @@ static void tone_run(const frame *f, const encre_params *p, int y, int x, int n)
 {
 	float ink[TONE_CHUNK];
 	tone_wanted w;
-	const tone_slot *slots = tones_of(f, p)->slot;
+	const tone_style *style = tones_of(f, p);
+	const tone_slot *slots = style->slot;
 	float *tones = output_row(f, ENCRE_OUTPUT_TONES, y),
 	      *surface = output_row(f, ENCRE_OUTPUT_COMBINED, y) + (ptrdiff_t)4 * x;
+	tones = tones ? tones + (ptrdiff_t)4 * x : NULL;
+	if (style->only >= 0) { /* what was wanted then */
+		const tone_marks *m = ((const tone_frame *)f->tones)->marks;
+		const uint8_t *share = tone_bytes(m, TONE_SHARE, y) + x, *dark = tone_bytes(m, TONE_DARK, y) + x;
+		for (int i = 0; i < n; i++) {
+			w.share[0][i] = (float)share[i] * (1.0f / 255);
+			w.dark[0][i] = (float)dark[i] * (1.0f / 255);
+		}
+		marks(f, y, x, n, w.dark[0], ink);
+		draw_row(slots + style->only, n, ink, w.share[0], surface, tones);
+		return;
+	}
 	ISA(tone_want)(f, p, slots, y, x, n, &w);
 	for (int k = TONE_SLOTS - 1; k >= 0; k--) {
 		if (!w.any[k])
 			continue;
 		ink_row(f, p, slots + k, y, x, n, w.dark[k], ink);
-		draw_row(slots + k, n, ink, w.share[k], surface, tones ? tones + (ptrdiff_t)4 * x : NULL);
+		draw_row(slots + k, n, ink, w.share[k], surface, tones);
 	}
 }
 
@@ -181,6 +202,37 @@ static void tone_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
+/* Pixels from dot to dot. */
+static float pitch_px(const frame *f, float pitch)
+{
+	const encre_params *scene = f->params;
+	if (scene->tone_pitch_unit == tone_pitch_unit_LENGTH)
+		return pitch * f->scale;
+	return 25.4f * (float)f->place.height / (scene->page_height * pitch);
+}
+
+/* picture: NULL while measuring. */
+static void plan_pictures(const frame *f, const encre_params *p, tone_picture *picture, arena *a)
+{
+	const struct {
+		int kind;
+		const encre_image *image;
+		float pitch;
+	} given[TONE_SLOTS] = {{p->tone_1, &p->tone_1_image, p->tone_1_pitch},
+			       {p->tone_2, &p->tone_2_image, p->tone_2_pitch},
+			       {p->tone_3, &p->tone_3_image, p->tone_3_pitch},
+			       {p->tone_4, &p->tone_4_image, p->tone_4_pitch}};
+	for (int k = 0; k < TONE_SLOTS; k++) {
+		tone_picture own = ISA(tone_picture_of)(given[k].image, pitch_px(f, given[k].pitch));
+		if (p->use_tones && given[k].kind == tone_1_IMAGE && own.image->data) {
+			own.threshold = arena_take(a, (size_t)own.width * (size_t)own.height, sizeof *own.threshold);
+			own.count = arena_take(a, TONE_GREYS, sizeof *own.count);
+		}
+		if (picture)
+			picture[k] = own;
+	}
+}
+
 static bool marked(const frame *f)
 {
 	bool found = false;
@@ -194,13 +246,14 @@ static void plan(frame *f, arena *a)
 	f->tones = NULL;
 	if (!f->any.use_tones)
 		return;
-	size_t n = (size_t)f->width * (size_t)f->height;
 	tone_frame *t = arena_take(a, 1, sizeof *t);
 	tone_frame own = {.styles = arena_take(a, (size_t)f->n_styles, sizeof *own.styles)};
 	if (marked(f)) {
 		tone_marks *m = own.marks = arena_take(a, 1, sizeof *m);
 		tone_marks planes = {.styles = own.styles,
-				     .pixels = arena_take(a, n, sizeof *planes.pixels),
+				     .bytes = arena_take(a, (size_t)f->width * (size_t)f->height, TONE_BYTES),
+				     .ink = arena_take(a, (size_t)f->width * (size_t)f->height, sizeof *planes.ink),
+				     .width = f->width,
 				     .first = arena_take(a, (size_t)f->height + 1, sizeof *planes.first)};
 		if (m)
 			*m = planes;
@@ -208,21 +261,15 @@ static void plan(frame *f, arena *a)
 	if (t)
 		*t = own;
 	f->tones = t;
+	for (int i = 0; i < f->n_styles; i++)
+		plan_pictures(f, f->params + i, own.styles ? own.styles[i].picture : NULL, a);
 }
 
 static bool alike(const tone_slot *a, const tone_slot *b)
 {
 	return a->kind == b->kind && a->space == b->space && a->pitch == b->pitch && a->across[0] == b->across[0] &&
-	       a->across[1] == b->across[1] && memcmp(a->color, b->color, 3 * sizeof *a->color) == 0;
-}
-
-/* Pixels from dot to dot. */
-static float pitch_px(const frame *f, float pitch)
-{
-	const encre_params *scene = f->params;
-	if (scene->tone_pitch_unit == tone_pitch_unit_LENGTH)
-		return pitch * f->scale;
-	return 25.4f * (float)f->place.height / (scene->page_height * pitch);
+	       a->across[1] == b->across[1] && (a->kind != tone_1_IMAGE || a->image->data == b->image->data) &&
+	       memcmp(a->color, b->color, 3 * sizeof *a->color) == 0;
 }
 
 /* A screen of the picture whose steps are whole pixels repeats itself exactly: without grey its ink would else have
@@ -231,11 +278,47 @@ static void snap(tone_slot *s)
 {
 	float a = nearest_int(s->pitch * s->across[0]), b = nearest_int(s->pitch * s->across[1]);
 	float pitch = sqrtf(a * a + b * b);
-	if (!s->crisp || s->space == tone_1_space_SURFACE || tone_marked(s) || !(pitch >= 2 && pitch < 65536))
+	if (!s->crisp || s->kind == tone_1_IMAGE || tone_sticks(s) || tone_marked(s) || !(pitch >= 2 && pitch < 65536))
 		return;
 	s->pitch = pitch;
 	s->across[0] = a / pitch;
 	s->across[1] = b / pitch;
+}
+
+/* The style's light, seen by the camera. */
+static void turn_to_light(const frame *f, const encre_params *p, tone_slot *s)
+{
+	const float degree = 0.0174532925f, *view = f->camera.view;
+	float turn = p->tone_light_turn * degree, height = p->tone_light_height * degree, level = pixel_cos(height);
+	float light[3] = {pixel_cos(turn) * level, pixel_sin(turn) * level, pixel_sin(height)};
+	s->by_uv = p->tone_strokes == tone_strokes_UV;
+	s->to_light = p->tone_strokes == tone_strokes_LIGHT;
+	for (int c = 0; c < 3; c++)
+		s->light[c] = view[3 * c] * light[0] + view[3 * c + 1] * light[1] + view[3 * c + 2] * light[2];
+}
+
+/* How far marks lie apart on things. */
+static void space_out(const frame *f, tone_slot *s)
+{
+	bool own = s->space == tone_1_space_OBJECT;
+	float pitch = tone_mark_pitch(s);
+	s->unit = own ? s->unit * (s->kind == tone_1_STIPPLE ? 0.5f : 1) : 1;
+	s->least = own ? 3 : pitch;
+	s->most = own ? max(widest_apart * f->scale, 3) : pitch;
+}
+
+static int only_marks(const tone_style *t)
+{
+	int only = -1;
+	for (int k = 0; k < TONE_SLOTS; k++) {
+		const tone_slot *s = t->slot + k;
+		if (s->kind == tone_1_NONE || s->like == only)
+			continue;
+		if (only >= 0 || !tone_marked(s))
+			return -1;
+		only = k;
+	}
+	return only;
 }
 
 static void fill_slots(const frame *f, const encre_params *p, tone_style *t)
@@ -243,10 +326,11 @@ static void fill_slots(const frame *f, const encre_params *p, tone_style *t)
 #define SLOT(n)                                                                                                        \
 	{                                                                                                              \
 		.kind = p->tone_##n, .space = p->tone_##n##_space, .crisp = p->tone_crisp,                             \
-		.pitch = pitch_px(f, p->tone_##n##_pitch), .gradient = p->tone_##n##_gradient,                         \
+		.pitch = pitch_px(f, p->tone_##n##_pitch), .unit = 0.01f * p->tone_##n##_pitch,                        \
+		.gradient = p->tone_##n##_gradient,                                                                    \
 		.across = {pixel_cos(p->tone_##n##_angle * 0.0174532925f),                                             \
 			   pixel_sin(p->tone_##n##_angle * 0.0174532925f)},                                            \
-		.color = p->tone_##n##_color                                                                           \
+		.color = p->tone_##n##_color, .image = &p->tone_##n##_image                                            \
 	}
 	const tone_slot given[TONE_SLOTS] = {SLOT(1), SLOT(2), SLOT(3), SLOT(4)};
 #undef SLOT
@@ -255,14 +339,17 @@ static void fill_slots(const frame *f, const encre_params *p, tone_style *t)
 		tone_slot *s = t->slot + k;
 		s->like = k;
 		snap(s);
+		space_out(f, s);
+		turn_to_light(f, p, s);
 		for (int j = k - 1; j >= 0; j--)
 			if (alike(t->slot + j, s))
 				s->like = j;
 		s->screen = t->screen + s->like;
+		s->picture = t->picture + s->like;
 		if (s->like == k)
-			ISA(tone_screen_fill)(t->screen + k, s->pitch, p->tone_hardness, s->crisp,
-					      s->kind == tone_1_DOTS);
+			ISA(tone_screen_fill)(t->screen + k, s, p->tone_hardness);
 	}
+	t->only = only_marks(t);
 }
 
 static int32_t prepare(frame *f)
@@ -273,7 +360,12 @@ static int32_t prepare(frame *f)
 			fill_slots(f, f->params + i, t->styles + i);
 	if (t && t->marks)
 		ISA(tone_marks_tables)(t->marks);
-	return ENCRE_OK;
+	int32_t code = ENCRE_OK;
+	for (int i = 0; t && i < f->n_styles; i++)
+		for (int k = 0; !code && k < TONE_SLOTS; k++)
+			if (t->styles[i].picture[k].threshold)
+				code = ISA(tone_picture_fill)(f, t->styles[i].picture + k);
+	return code;
 }
 
 static int32_t run(frame *f)

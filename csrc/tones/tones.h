@@ -6,36 +6,69 @@
 
 #include "base/stage.h"
 
-enum { TONE_CHUNK = 256, TONE_BIRTHS = 11, TONE_STEPS = 33, TONE_SLOTS = 4, TONE_LAYERS = 3 /* of strokes */ };
+enum {
+	TONE_CHUNK = 256,
+	TONE_GREYS = 65536,
+	TONE_BIRTHS = 11,
+	TONE_STEPS = 33,
+	TONE_SLOTS = 4,
+	TONE_LAYERS = 3 /* of strokes */
+};
 
 /* A coordinate in which a screen repeats itself, at the pixels of a chunk, and its growth per pixel. */
 typedef struct tone_field {
 	float at[TONE_CHUNK], right[TONE_CHUNK], down[TONE_CHUNK];
 } tone_field;
 
+/* The layer anchor at the pixels of a chunk, channel by channel; and at one more, where there is one. */
+enum { TONE_REST = TONE_CHUNK + 8 };
+typedef struct tone_rest {
+	float at[ANCHOR_COUNT][TONE_REST];
+} tone_rest;
+
 /* One look of dots or lines. */
 typedef struct tone_screen {
-	float pitch; /* pixels, at least 2 */
-	float soft;  /* pixels over which edges fade, at least 1; next to nothing of crisp ones */
-	/* radius of full-grown dots in pixels, by the square roots of how grown those between are, along one axis and
-	   the other, and by even() of the darkness */
+	float pitch;           /* pixels, at least 2; where there are many, that of `radius` */
+	float least, most;     /* pixels between which it is what it is on the thing; else octaves keep it there */
+	float soft, more_soft; /* pixels over which edges fade, at least 1; and for each pixel of pitch; next to nothing
+				  of crisp ones */
+	/* radius of full-grown dots of this pitch in pixels, by the square roots of how grown those between are, along
+	   one axis and the other, and by even() of the darkness */
 	float radius[TONE_BIRTHS][TONE_BIRTHS][TONE_STEPS];
 } tone_screen;
+
+/* A tile of a picture whose texels are inked one after the other. */
+typedef struct tone_picture {
+	const encre_image *image;  /* data NULL: there is none, and ink is grey */
+	int shrink, width, height; /* so many pixels of the image are a texel, each way */
+	float aspect;              /* width by height */
+	float *threshold;          /* the darkness from which on a texel is inked */
+	uint32_t *count;           /* scratch */
+} tone_picture;
 
 /* A style's tone of a level. */
 typedef struct tone_slot {
 	int kind, space;
 	bool crisp;
 	float pitch, gradient, across[2]; /* pixels; cosine and sine of the angle */
+	float unit;                       /* of a field on the thing, in the thing's own */
+	float least, most;                /* pixels between which strokes and spots lie a unit apart, else by octaves */
 	const float *color;
+	const encre_image *image;
+	bool by_uv;    /* strokes go along U, where the layer tangent has it */
+	bool to_light; /* or toward `light`, a direction of the camera's */
+	float light[3];
 	int like; /* the first slot that looks the same, perhaps this one: ink that is the same grows from one to the
 		     next */
 	const tone_screen *screen; /* of the first that looks the same */
+	const tone_picture *picture;
 } tone_slot;
 
 typedef struct tone_style {
 	tone_slot slot[TONE_SLOTS];
+	int only; /* the slot of strokes or spots that looks as all others that draw, -1 where there is none */
 	tone_screen screen[TONE_SLOTS];
+	tone_picture picture[TONE_SLOTS];
 } tone_style;
 
 /* What there is to draw in a chunk: of each slot its share of the pixel and its darkness there. */
@@ -44,13 +77,14 @@ typedef struct tone_wanted {
 	bool any[TONE_SLOTS];
 } tone_wanted;
 
-/* Points at the whole numbers of two fields, so many to the unit along each that they are a pitch or up to two apart.
- */
+/* Points at the whole numbers of two fields, so many to the unit along each that they are a pitch or up to two apart on
+ * the screen; where the unit itself is between the least pitch and the most, one. */
 typedef struct tone_lattice {
 	float at[2][TONE_CHUNK];                        /* in points that are full-grown */
 	float across[2][TONE_CHUNK], up[2][TONE_CHUNK]; /* on the screen, from a point to the next along each axis */
 	float grown[2][TONE_CHUNK];                     /* how far those half-way between are, 0..1 */
 	float scale[2][TONE_CHUNK];                     /* full-grown ones to the unit, a power of 2 */
+	float pitch[2][TONE_CHUNK];                     /* on the screen, between the least and the most */
 	float flat[TONE_CHUNK];                         /* 1: seen on its edge, it shows none */
 } tone_lattice;
 
@@ -62,29 +96,52 @@ typedef struct tone_frame {
 	tone_marks *marks;
 } tone_frame;
 
-/* tones.c: the coordinates of a slot's dots, spots and strokes. */
-void ISA(tone_chart)(const frame *f, const tone_slot *s, int y, int x, int n, tone_field chart[2]);
+/* tones.c: the coordinates of a slot's dots, spots and strokes; on the screen without `rest`. */
+void ISA(tone_chart)(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n,
+		     tone_field chart[2]);
 
 /* dark.c */
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w);
 
-/* fields.c: of n pixels from x on in row y. A field of the picture along (right, down), in pixels of the full frame; of
+/* fields.c: the anchor of n pixels, NULL where there is none. */
+const tone_rest *ISA(tone_rest_fill)(const frame *f, int y, int x, int n, tone_rest *rest);
+/* Of n pixels from x on in row y. A field of the picture along (right, down), in pixels of the full frame; of
  * the thing, its place along a direction in the space in which it rests; the two axes of the thing that its normal is
  * farthest from, turned; and how well planes across a direction cut the surface, 0..1: not where they graze it. */
 void ISA(tone_screen_field)(const frame *f, int y, int x, int n, float right, float down, tone_field *field);
-void ISA(tone_surface_field)(const float *restrict anchor, int n, const float along[3], tone_field *field);
-void ISA(tone_surface_chart)(const float *restrict anchor, int n, float cosine, float sine, tone_field field[2]);
+void ISA(tone_surface_field)(const float *restrict anchor, int n, const float along[3], float per, tone_field *field);
+void ISA(tone_surface_chart)(const tone_rest *rest, int n, float cosine, float sine, tone_field field[2]);
 void ISA(tone_cut)(const float *restrict anchor, int n, const float along[3], float *restrict cut);
+
+/* pictures.c: a tile for a pitch, without memory yet; its thresholds; ink of n pixels. */
+tone_picture ISA(tone_picture_of)(const encre_image *image, float pitch);
+int32_t ISA(tone_picture_fill)(frame *f, tone_picture *p);
+void ISA(tone_picture_row)(const tone_slot *s, int n, const tone_field chart[2], const float *restrict dark,
+			   float *restrict ink);
 
 /* dots.c, ruled.c */
 /* The radius that is drawn for a disc of radius r, in pixels, so that small ones are not too dark. */
 float ISA(tone_true_radius)(float r);
-tone_screen *ISA(tone_screen_fill)(tone_screen *screen, float pitch, float hardness, bool crisp, bool dots);
-void ISA(tone_lattice_fill)(float pitch, int n, const tone_field field[2], tone_lattice *l);
+void ISA(tone_screen_fill)(tone_screen *screen, const tone_slot *s, float hardness);
+void ISA(tone_lattice_fill)(float least, float most, int n, const tone_field field[2], tone_lattice *l);
 void ISA(tone_dots)(const tone_screen *screen, int n, const tone_field field[2], const float *restrict dark,
 		    float *restrict ink);
 void ISA(tone_lines)(const tone_screen *screen, int n, const tone_field *field, const float *restrict dark,
 		     float *restrict ink);
+
+static inline bool tone_sticks(const tone_slot *s)
+{
+	return s->space != tone_1_space_SCREEN;
+}
+
+/* Whether any of n values is above 0. */
+static inline bool tone_any(const float *values, int n)
+{
+	float most = 0;
+	for (int i = 0; i < n; i++)
+		most = max(most, values[i]);
+	return most > 0;
+}
 
 /* 2^floor(log2 x) and, in *rest, x divided by it, of 2^-60 <= x <= 2^60; others are moved there. */
 static inline float octave(float x, float *rest)

@@ -53,6 +53,17 @@ def test_growth_is_the_way_to_the_next_pixel(render):
         assert same.sum() > 80 and np.percentile(off, 90) < close, number
 
 
+def test_u_of_the_uv_map_that_renders_use(render):
+    """Along the faces of what has one, whoever draws the layers, and nowhere else."""
+    for name in ("one", "own"):
+        passes = render("anchored").passes(name)
+        tangent, anchor, index = passes["Encre Tangent"], layer(passes), passes["IndexOB"][..., 0]
+        at = inner(index, 1)
+        np.testing.assert_allclose(np.sort(np.abs(tangent[at]), 1), [(0, 0, 1)] * at.sum(), atol=1e-4)
+        assert np.percentile(np.abs((tangent[at] * anchor[at][:, 3:6]).sum(1)), 98) < 1e-4
+        assert not tangent[(index == 2) | (index == 3)].any()
+
+
 def test_the_size_of_a_pixel_knows_scale_and_distance(render):
     shot = render("anchored")
     passes = shot.passes("one")
@@ -78,7 +89,7 @@ def test_tones_stick_to_surfaces_at_f12(render):
     passes = render("anchored").passes("own")
     anchor = layer(passes)
     looks = dict(tone_pitch_unit="LENGTH", tone_crisp=False, tone_hardness=1.0)
-    want = tones._ink(SimpleNamespace(anchor=anchor), looks.__getitem__, ("DOTS", 60.0, 45.0, "SURFACE"),
+    want = tones._ink(SimpleNamespace(anchor=np.float64(anchor)), looks.__getitem__, ("DOTS", 60.0, 45.0, "SURFACE"),
                       np.full(anchor.shape[:2], 0.4), 90 / 1080, None, None)
     there = anchor[..., 6] > 0
     got = passes["Encre Tones"][..., 3]
@@ -89,7 +100,7 @@ def test_tones_stick_to_surfaces_at_f12(render):
 def test_files_without_what_sticks_have_no_anchor(render):
     shot = render("anchored")
     assert saved.ANCHOR.keys() <= shot.passes("one").keys()
-    assert not saved.ANCHOR.keys() & shot.passes("without").keys()
+    assert not {*saved.ANCHOR, "Encre Tangent"} & shot.passes("without").keys()
 
 
 def test_pin_pattern_keeps_rest_positions_where_blender_does_not(render):

@@ -102,6 +102,22 @@ def test_a_border_has_the_light_of_its_part_of_the_frame(kept):
     assert np.percentile(abs(whole[top:top + 32, left:left + 56] - part), 99) < 1e-3
 
 
+def test_an_empty_bends_light(kept):
+    straight, bent = (kept.passes(name)["Encre Diffuse"][..., 0] for name in ("kept", "bent"))
+    number = kept.passes("bent")["IndexOB"][..., 0]
+    cube, ball = (number == number[y, x] for y, x in ((28, 42), (34, 74)))
+    assert 100 < cube.sum() < 900 and 100 < ball.sum() < 900
+    assert (abs(straight - bent)[cube] > 0.02 * straight.max()).mean() > 0.7
+    assert abs(straight - bent)[ball].max() < 1e-3 * straight.max()
+
+
+def test_rim_light_comes_from_the_lamp(kept):
+    space, angle, elevation = kept.facts["rim"][0]
+    assert space == "WORLD"
+    np.testing.assert_allclose([angle, elevation], np.degrees([np.arctan2(-1, 2.2), np.arctan2(3.1, np.hypot(2.2, 1))]),
+                               atol=1e-3)
+
+
 def test_supersampled_light_is_the_same_light(kept):
     once, twice = kept.passes("kept")["Encre Diffuse"], kept.passes("large")["Encre Diffuse"]
     assert abs(once - twice).mean() < 0.02 * once.max()

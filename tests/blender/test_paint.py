@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Controls that are painted, filled, and made by nodes (blender/inside/painting.py and paint_window.py do it)."""
 
-import shutil
-import subprocess
 from pathlib import Path
 
 import blenders
@@ -110,12 +108,8 @@ def test_strokes_are_inked_where_they_can_be_seen(strokes, name):
 
 @pytest.fixture(scope="module")
 def shot(tmp_path_factory):
-    if not shutil.which("blender") or not shutil.which("xvfb-run"):
-        pytest.skip("needs the programs blender and xvfb-run")
     folder = tmp_path_factory.mktemp("paint_window")
-    command = ["xvfb-run", "-a", "-s", "-screen 0 720x540x24", "blender", "--factory-startup",
-               "--enable-event-simulate", "-p", "0", "0", "720", "540", "-P", str(WINDOW), "--", "paint", str(folder)]
-    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace"), folder)
+    return blenders.window(WINDOW, "paint", folder, (720, 540), "--enable-event-simulate")
 
 
 def fact(shot, name):

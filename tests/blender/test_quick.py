@@ -65,6 +65,20 @@ def test_nothing_behind(shots):
     assert ((alpha[..., 3] == 0) == (depth[..., 0] >= 1e9)).all() and (alpha[..., 3] == 0).any()
 
 
+def test_flat_mirrors_show_what_stands_before_them(render):
+    shot = render("flat_mirror")
+    ours, theirs, glass = (shot.passes(name) for name in ("encre", "cycles", "glass"))
+    index, differs = ours["Encre Index"][..., 0], (ours["Encre Source"] != glass["Encre Source"]).any(2)
+    (number,) = np.unique(index[differs])
+    mirror = (index == number) & inside(index)
+    shown, wanted, sky = (p["Encre Source"][..., :3][mirror] for p in (ours, theirs, glass))
+    assert mirror.mean() > 0.1 and wanted.std() > 0.1
+    away = abs(shown - wanted).max(1)  # Cycles averages at the edges of what is seen
+    assert away.mean() < 0.015 and (away > 0.05).mean() < 0.08
+    assert sky.std() < 0.01
+    assert not np.array_equal(ours["Encre Lines"][mirror], glass["Encre Lines"][mirror])  # what is seen is inked
+
+
 def test_what_only_cycles_can_show_is_said_in_one_line(render):
     shot = render("what_only_cycles_can_show")
     assert shot.output.count("in their viewport colour, as only Cycles can show them: Red (Wavelength)") == 1
@@ -77,5 +91,11 @@ def test_what_only_cycles_can_show_is_said_in_one_line(render):
 
 @pytest.mark.parametrize("count", [50, pytest.param(500, marks=pytest.mark.long)])
 def test_renders_hold_no_more_and_more_memory(render, count):
-    (held,) = render("many", **({"ENCRE_RENDERS": str(count)} if count > 50 else {})).facts["held"]
+    facts = render("many", **({"ENCRE_RENDERS": str(count)} if count > 50 else {})).facts
+    (held,) = facts["held"]
     assert len(held) == count and held[-1] < 1.02 * held[count // 4]
+    assert facts["resting"] == [0]  # what one frame keeps for the next goes with the last
+    (readers,) = facts["readers"]  # passes that nobody reads are not made, but for what the user has switched on
+    assert set(readers["nobody"]) == {"Combined", "Normal"}
+    assert set(readers["lines"]) == {"Combined", "Normal", "Encre Lines"}
+    assert all({"Depth", "IndexOB", "DiffCol"} <= set(readers[who]) for who in ("kept", "file", "nodes"))

@@ -2,8 +2,6 @@
 """Renders that a window starts, on a thread of their own (blender/inside/*_window.py press the keys)."""
 
 import ctypes.util
-import shutil
-import subprocess
 from pathlib import Path
 
 import blenders
@@ -14,12 +12,8 @@ import pytest
 INSIDE = Path(__file__).parent / "inside"
 
 
-def drive(script, folder, *options):
-    if not shutil.which("blender") or not shutil.which("xvfb-run"):
-        pytest.skip("needs the programs blender and xvfb-run")
-    command = ["xvfb-run", "-a", "-s", "-screen 0 800x600x24", "blender", "--factory-startup", *options,
-               "-p", "0", "0", "800", "600", "-P", str(INSIDE / script), "--", "render", str(folder)]
-    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace"), folder)
+def drive(script, folder, *options, **environment):
+    return blenders.window(INSIDE / script, "render", folder, (800, 600), *options, **environment)
 
 
 @pytest.fixture(scope="module")
@@ -29,9 +23,18 @@ def shot(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def esc(tmp_path_factory):
+    return real_keys("esc_window.py", tmp_path_factory.mktemp("esc"))
+
+
+@pytest.fixture(scope="module")
+def beside(tmp_path_factory):
+    return real_keys("beside_window.py", tmp_path_factory.mktemp("beside"))
+
+
+def real_keys(script, folder, **environment):
     if not ctypes.util.find_library("Xtst"):
         pytest.skip("needs libXtst")
-    return drive("esc_window.py", tmp_path_factory.mktemp("esc"))
+    return drive(script, folder, **environment)
 
 
 @pytest.fixture(scope="module")
@@ -43,12 +46,8 @@ def read(shot, name):
     return oiio.ImageBuf(str(shot.folder / f"{name}.png")).get_pixels(oiio.FLOAT)[..., :3]
 
 
-def test_progress_is_seen(shot):
-    times, while_rendering = shot.facts["drawn"][0]
-    assert times > 2 and while_rendering
-
-
 def test_ink_is_seen_while_the_picture_grows(shot):
+    """And what Cycles shows without ink: that it has drawn three times is what the window waits for."""
     assert shot.facts["still growing"] == [True] * 3 and shot.facts["persistent"] == [False]
     green = {}
     for name in ("early", "late"):
@@ -56,6 +55,13 @@ def test_ink_is_seen_while_the_picture_grows(shot):
         green[name] = ((bright > 0.6) & (red < 0.3) & (blue < 0.3)).sum()
     assert green["early"] > green["late"] + 400, green
     assert np.array_equal(read(shot, "early"), read(shot, "late"))
+
+
+def test_the_ink_grows_with_the_samples(shot):
+    """Drawn anew of more samples, and the picture in the end is what it is without."""
+    assert shot.facts["late shown"] == [[0, 0]]
+    for name in ("early", "shaded"):
+        assert shot.facts[f"{name} shown"][0][1] >= 1, name
 
 
 def test_shade_without_noise_is_seen_while_the_picture_grows(shot):
@@ -76,6 +82,13 @@ def test_esc_inks_what_is_rendered(esc):
     assert esc.facts["once"][0] > 3 and (read(esc, "once").max(-1) < 0.1).sum() > 200
 
 
+def test_esc_keeps_a_picture_that_grows(esc):
+    """Inked, of the samples that there are: as one is that was stopped without having been shown."""
+    once, growing = read(esc, "once"), read(esc, "growing")
+    assert esc.facts["growing"][0] > 3 and np.abs(once - growing).mean() < 0.02
+    assert ((growing.max(-1) < 0.1) == (once.max(-1) < 0.1)).mean() > 0.99
+
+
 def test_a_second_esc_gives_up(esc):
     assert 0 < esc.facts["twice"][0] < esc.facts["once"][0]
     cube = read(esc, "twice").max(-1)
@@ -90,9 +103,9 @@ def test_a_setting_is_drawn_from_memory_as_f12_draws_it(redraw):
         again, fresh = read(redraw, f"{name}-again"), read(redraw, f"{name}-fresh")
         assert np.abs(again - fresh).max() <= 1 / 255, name
         if name not in ("border", "super"):
-            assert np.abs(again - read(redraw, f"{name}-before")).max() > 0.2, name
+            assert np.abs(again - read(redraw, "before")).max() > 0.2, name
         if name in ("thick", "red", "flat"):
-            assert np.array_equal(read(redraw, f"{name}-back"), read(redraw, f"{name}-before")), name
+            assert np.array_equal(read(redraw, f"{name}-back"), read(redraw, "before")), name
 
 
 def test_what_is_dragged_is_seen_at_once(redraw):
@@ -114,6 +127,25 @@ def test_a_file_that_is_opened_is_drawn_anew(redraw):
 def test_a_redraw_gives_way_to_f12(redraw):
     assert redraw.facts["given way"] == [1] and "not by you" not in redraw.output.split("given way")[0]
     assert np.array_equal(read(redraw, "way"), read(redraw, "thick-fresh"))
+
+
+def test_no_f12_is_lost_beside_a_redraw(beside):
+    assert beside.facts["finished"] and "Traceback" not in beside.output
+    assert "lost" not in beside.facts
+
+
+def test_f12_renders_where_no_timer_may_begin_it(beside):
+    assert beside.facts["without a timer"] == [True]
+
+
+def test_a_redraw_gives_way_to_the_render_menu(beside):
+    assert beside.facts["beside the menu"] == [False] and beside.facts["by menu"] == [True]
+
+
+@pytest.mark.long
+def test_no_f12_of_many_is_lost(tmp_path):
+    shot = real_keys("beside_window.py", tmp_path, ENCRE_PRESSES="100")
+    assert shot.facts["finished"] and "lost" not in shot.facts and shot.facts["redraws"][0] > 10
 
 
 def test_layers_of_encre_are_drawn_from_memory_too(redraw):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far away what the picture is about stands: by the focus, else by the scene's size, and the same in all frames."""
+"""How far away what the picture is about stands: by the focus, else by the scene's size, and the same in all frames;
+and how much light is full light."""
 
+import numpy as np
 import pytest
 
 
@@ -13,4 +15,11 @@ def test_the_distance_of_what_the_picture_is_about(render):
     assert facts["long lens"] == pytest.approx(2)
     assert facts["no focus"] and facts["focus"] == 7 and facts["focus object"] == pytest.approx(20)
     assert facts["behind"] > 0
+    assert facts["dark"] == 0
+    falls = 400 / (2 * np.pi) ** 2 / (144 + np.array([36, 9, 0, 9, 36.0]))
+    counts = falls / (falls + np.mean(falls**0.5) ** 2)
+    mean = np.exp(counts @ np.log(falls) / counts.sum())
+    assert facts["point"] == pytest.approx([mean] * 2), "of the things, wherever the camera is"
+    assert facts["sun"] == pytest.approx(4 / np.pi)
+    assert facts["sun and world"] == pytest.approx(4 / np.pi + 0.5) and facts["world"] == pytest.approx(0.5)
     assert facts["all move"] == pytest.approx(0.5 * 3.2 * 3**0.5 / 2 * 100 / (36 * 9 / 16))

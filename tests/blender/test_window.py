@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender with a window: panels, real brush strokes, F12, the viewport (blender/window.py does the clicking)."""
 
-import os
-import shutil
-import subprocess
 from pathlib import Path
 
 import blenders
@@ -16,14 +13,9 @@ WINDOW = Path(__file__).parents[1] / "blender" / "inside" / "window.py"
 
 @pytest.fixture(scope="module")
 def shot(tmp_path_factory):
-    if not shutil.which("blender") or not shutil.which("xvfb-run"):
-        pytest.skip("needs the programs blender and xvfb-run")
     folder = tmp_path_factory.mktemp("window")
-    command = ["xvfb-run", "-a", "-s", "-screen 0 1200x800x24", "blender", "--factory-startup",
-               "--enable-event-simulate", "-p", "0", "0", "1200", "800", "-P", str(WINDOW),
-               "--", "window", str(folder)]
-    return blenders.read(subprocess.run(command, capture_output=True, text=True, timeout=400, errors="replace",
-                                        env={**os.environ, "BLENDER_USER_CONFIG": str(folder / "config")}), folder)
+    return blenders.window(WINDOW, "window", folder, (1200, 800), "--enable-event-simulate",
+                           BLENDER_USER_CONFIG=str(folder / "config"))
 
 
 def read(path):

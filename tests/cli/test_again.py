@@ -5,6 +5,7 @@ The table of docs/stages.md has a row for each.
 """
 
 import blenders
+import exr
 import numpy as np
 import pytest
 from encre.cli import composite, multilayer
@@ -56,6 +57,14 @@ paper = bpy.data.images.new("Sheet", 32, 32)
 paper.pixels = [v for k in range(32 * 32) for v in (0.5 + (k * 7919 % 101) / 250,) * 3 + (1,)]
 scene.encre.paper_source, scene.encre.paper_image, scene.encre.line_paper = "IMAGE", paper, 1.0
 """
+BALLS = """
+own = bpy.data.images.new("Own", 64, 64)
+own.pixels = [v for k in range(64 * 64) for v in (k % 64 / 64, k // 64 / 64, (k * 7919 % 101) / 100, 1)]
+own.pack()
+scene.encre.use_example, style.example_ball, style.example_image = True, "IMAGE", own
+scene.encre.example_ball = "IMAGE"
+scene.encre.example_image = bpy.data.images.load(__file__.replace("scene.py", "own.tif"))
+"""
 FEATURES = {  # name: (lines of the scene, words of the only sentence that is said, whether Combined is the same)
     "plain": ("", None, True),
     "stereo": ("scene.render.use_multiview = True\n", None, True),
@@ -66,6 +75,7 @@ FEATURES = {  # name: (lines of the scene, words of the only sentence that is sa
     "packed paper": (PAPER + "paper.pack()\n", None, True),
     "paper in a file": (PAPER + "import os\npaper.filepath_raw = os.path.join(os.path.dirname(__file__), 'paper.png')\n"
                         "paper.file_format = 'PNG'\npaper.save()\n", None, True),
+    "by example": (STYLES + BALLS, None, True),
     "view layers": ("scene.view_layers.new('Second.one').use_pass_mist = True\n"
                     "scene.view_layers['Second.one'].layer_collection.holdout = False\n", None, True),
     "Freestyle": ("scene.render.use_freestyle = True\n", "Freestyle's strokes in Combined are not drawn again", False),
@@ -93,7 +103,7 @@ FEATURES = {  # name: (lines of the scene, words of the only sentence that is sa
     "another detector": ("scene.encre.edge_detector = 'SOBEL'\n", None, True),
     "stretched pixels": ("scene.render.pixel_aspect_x = 2\n", None, True),
 }
-QUICK = ("border", "view layers", "supersample", "painted controls")  # what else is quick is in test_cli_render
+QUICK = ("border", "by example", "view layers", "supersample", "painted controls")  # others: test_cli_render
 
 
 @pytest.mark.parametrize("name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.long)
@@ -101,6 +111,8 @@ QUICK = ("border", "view layers", "supersample", "painted controls")  # what els
 def test_combined_again(tmp_path, name):
     lines, words, same = FEATURES[name]
     (tmp_path / "scene.py").write_text(SCENE + lines)
+    ramp = np.linspace(0, 1, 32, dtype=np.float32)
+    exr.texture(tmp_path / "own.tif", np.stack([*np.meshgrid(ramp, ramp), np.full((32, 32), 0.3, np.float32)], 2))
     blenders.encre("bpy", tmp_path, "render", tmp_path / "scene.py", "-o", tmp_path / "a.exr")
     said = blenders.encre("bpy", tmp_path, "composite", tmp_path / "a.exr", "-o", tmp_path / "b.exr")
     assert said.count("\n") == (words is not None) and (words or "") in said, said

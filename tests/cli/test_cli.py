@@ -58,7 +58,10 @@ def test_presets(run):
     values = presets.find("water-memory").values
     assert values == {id_: library.defaults()[id_] for id_ in values}, "the first preset is what the defaults are"
     assert presets.find("After W") == presets.find("water_memory_2020")
-    assert "color_detector" not in presets.find("inter_color_2016").values
+    assert "color_detector" not in presets.find("inter_color_2016").listed
+    sets = [preset.values.keys() for preset in presets.presets()]
+    assert all(keys == sets[0] for keys in sets), "or a picture depends on what was chosen before"
+    assert {"use_tones", "use_wash", "use_example", "pen_pressure"} < sets[0]
 
 
 def test_a_preset_may_be_a_file(run, tmp_path):

@@ -14,12 +14,16 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import widths
-from encre.cli import images, interrupt, main
+from encre.cli import interrupt, main
 from encre.pen import colour, library, presets, unwrap
 
 
 def stored(path, kind="float"):
-    return images._stored(str(path), kind)
+    """The pixels (H, W, channels), without conversion of colour or alpha."""
+    straight = oiio.ImageSpec()
+    straight["oiio:UnassociatedAlpha"] = 1
+    file = oiio.ImageInput.open(str(path), straight)
+    return np.atleast_3d(file.read_image(kind))
 
 
 def write(path, pixels, kind="uint8", **attributes):

@@ -11,7 +11,7 @@ import OpenImageIO as oiio
 import pytest
 from command import OFF, SIZE, STYLES, expected, fails
 from encre.cli import composite, installed, multilayer
-from encre.pen import layers, metadata, presets
+from encre.pen import layers, metadata, presets, saved
 from encre.pen.job import Camera, Frame
 
 WRITTEN = [name for name in ("Combined", *layers.DRAWN) if name != "Encre Tones"]  # where no tone is drawn
@@ -40,13 +40,20 @@ def test_tones_are_a_pass_where_they_are_drawn(run, tmp_path, scene):
 
 
 def test_what_sticks_wants_rest_positions(run, tmp_path, scene):
-    path = exr.write(tmp_path / "in.exr", exr.passes(scene))
+    pictures = exr.passes(scene)
+    path = exr.write(tmp_path / "in.exr", pictures)
 
-    def noted(*sets):
+    def noted(*sets, path=path, what="rest positions"):
         status, _, err = run("composite", path, "-o", tmp_path / "out.png", *(f"--set={each}" for each in sets))
         assert status == 0
-        return "rest positions" in err
+        return what in err
 
+    size = pictures["Combined"].shape[:2]
+    anchored = exr.write(tmp_path / "anchored.exr", {**pictures, **{
+        name: np.zeros((*size, at.stop - at.start), np.float32) for name, at in saved.ANCHOR.items()}})
+    along = "use_tones=on", "tone_1=HATCH", "tone_1_space=SURFACE", "tone_strokes=UV"
+    assert noted(*along, path=anchored, what="directions of UV maps")
+    assert not noted(*along[:3], path=anchored, what="UV")
     assert noted("pen_wobble=1") and noted("use_tones=on", "tone_1_space=SURFACE")
     assert not noted() and not noted("use_tones=on")
     assert "Encre Anchor: missing; render with Encre and Save Anchor on" in run("composite", path, "--check")[1]
@@ -249,106 +256,6 @@ def test_view_layers_of_stereo_files():
         "A.left": {"right": {"Depth": [names[3]]}}}
 
 
-def test_composite_counts_what_is_not_finite(run, tmp_path, scene):
-    pictures = exr.passes(scene)
-    pictures["Normal"] = pictures["Normal"].copy()
-    pictures["Normal"][3, :5, 0] = np.nan
-    path = exr.write(tmp_path / "in.exr", pictures)
-    status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
-    assert status == 0 and "warning" in err and " 5 values" in err
-
-
-def test_composite_says_what_metadata_are_missing(run, tmp_path, scene):
-    pictures = {**exr.passes(scene), **exr.saved(scene)}
-    for missing in metadata.PARAMS, metadata.FRAME, metadata.CAMERA:
-        stored = metadata.write({}, [], Camera(), Frame(*SIZE))
-        del stored[missing]
-        path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)
-        status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
-        assert status == 0 and err.count("\n") == 1 + (missing == metadata.CAMERA) and err.startswith("encre: note: ")
-
-
-def test_what_is_set_in_vain_is_said(run, tmp_path, scene):
-    """What only a style uses, or a preset gives, is not."""
-    def said(styles, *sets):
-        stored = metadata.write({"use_hatching": False}, styles, Camera(), Frame(*SIZE), view=metadata.View())
-        path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)}, metadata=stored)
-        status, _, err = run("composite", path, "-o", tmp_path / "out.png", *(f"--set={text}" for text in sets))
-        assert status == 0
-        return err
-
-    some = ("edge_detector=DOG", "line_min_length=3", "line_thickness=7", "hatch_amount=.5", "contrast_auto=on",
-            "contrast_max=.1")
-    assert said((), *some) == (
-        "encre: note: what was set changes nothing here: line_min_length (it needs edge_detector=FINE), "
-        "hatch_amount (it needs use_hatching=on), contrast_max (it needs contrast_auto=off)\n")
-    assert said((), *some, "use_hatching=on", "edge_detector=FINE", "contrast_auto=off") == ""
-    assert said([("Pencil", {"use_hatching": True})], "hatch_amount=.5") == ""
-    assert said((), "edge_normal=0", "crease_angle=9").endswith(": crease_angle (it needs edge_normal above 0)\n")
-    assert "paper_scale (it needs paper_source=PROCEDURAL or IMAGE)" in said((), "paper_source=NONE", "paper_scale=4")
-
-
-def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, scene):
-    pictures = {**exr.passes(scene), **exr.saved(scene)}
-    pictures["Encre Index"] = np.zeros_like(pictures["Encre Index"])
-    seen = {name: pictures.pop(name) for name in ("Denoising Albedo", "Denoising Normal", "Encre Seen Depth")}
-    stored = metadata.write({}, [], Camera(), Frame(*SIZE))
-
-    def said(*args):
-        path = exr.write(tmp_path / "in.exr", pictures, metadata=stored)
-        status, _, err = run("composite", path, "-o", tmp_path / "out.exr", *args)
-        assert status == 0
-        return err
-
-    err = said("--set=edge_material=1")
-    assert err.startswith("encre: note: ") and err.count("\n") == 1
-    for source in ("edge_object (one index everywhere)", "edge_material (", "edge_seen (no passes"):
-        assert source in err
-    assert "edge_normal" not in err and "edge_color" not in err
-    assert said("--set=edge_object=0", "--set=edge_seen=0") == ""
-    assert said("--set=use_lines=off", "--set=use_smudging=off") == ""
-    pictures.update(seen)
-    assert "edge_seen" not in said()
-    del stored[metadata.CAMERA]  # whose normals they are is not known
-    assert "edge_seen" in said()
-
-
-def test_another_light_is_said_where_it_would_be_seen(run, tmp_path, scene):
-    """Not where nothing looks at light, none is in the file, or it was drawn all the same."""
-    def said(change, held, *options):
-        pictures = {**exr.passes(scene), **exr.saved(scene), **change}
-        stored = metadata.write(held, [], Camera(), Frame(*SIZE))
-        path = exr.write(tmp_path / "in.exr", {name: p for name, p in pictures.items() if p is not None},
-                         metadata=stored)
-        status, _, err = run("composite", path, "-o", tmp_path / "out.exr", "--preset", "ink_only", *options)
-        assert status == 0
-        return " needs a render" in err
-
-    assert said({}, {}) and said({}, {"light_source": "DRAWN"}, "--set=light_source=CYCLES")
-    assert not said({}, {"light_source": "DRAWN"})
-    assert not said({}, {"layer_source": "ENCRE"}), "whose light is always drawn"
-    assert not said({}, {}, "--set=use_shading=off", "--set=edge_light=0")
-    assert not said(dict.fromkeys(("Encre Diffuse", "DiffDir", "DiffInd", "Encre Source")), {}), "there is no light"
-    assert not said({"Encre Diffuse": np.ones_like(scene["diffuse"])}, {}), "it is the same everywhere"
-
-
-def test_lines_in_pixels_that_run_together_are_said(run, tmp_path, scene):
-    """The presets of the theses are in pixels, for pictures as large as theirs."""
-    path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)},
-                     metadata=metadata.write({}, [], Camera(), Frame(400, 360)))
-
-    def said(*options):
-        status, _, err = run("composite", path, "-o", tmp_path / "out.exr", *options)
-        assert status == 0
-        return [line for line in err.splitlines() if "run together" in line]
-
-    [words] = said("--preset=inter_color_2016")
-    assert "lines of 22 px run together in a picture 360 px high; make it larger than 733" in words
-    assert said("--preset=inter_color_2016", "--set=line_max_thickness=10") == []
-    assert said("--preset=inter_color_2016", "--set=length_unit=RELATIVE") == []
-    assert said("--preset=water_memory_2020") == said("--set=line_thickness=100") == []
-
-
 def test_all_view_layers_are_drawn(run, tmp_path, scene):
     """Each as if it were alone; a PNG has room for one, and says so."""
     second = drawn.scene(*SIZE, seed=1)
@@ -371,29 +278,6 @@ def test_all_view_layers_are_drawn(run, tmp_path, scene):
     err = run("composite", path, "-o", tmp_path / "o.png")[2]
     assert "layer One is drawn, and not Two; choose by --view-layer, or write an .exr" in err
     assert "is drawn" not in run("composite", path, "-o", tmp_path / "o.png", "--view-layer", "Two")[2]
-
-
-def test_a_picture_of_another_name_is_offered(run, tmp_path, scene):
-    channels = {f"viewlayer.combined.{c}": scene["combined"][..., k] for k, c in enumerate("RGBA")}
-    path = tmp_path / "in.exr"
-    multilayer.write(path, channels, multilayer.Window(*SIZE, 0, 0, *SIZE))
-    fails(run("composite", path, "-o", tmp_path / "out.exr"), "pass Combined is missing",
-          "--layer combined=viewlayer.combined")
-    assert run("composite", path, "-o", tmp_path / "out.exr", "--layer", "combined=viewlayer.combined")[0] == 0
-
-
-def test_what_the_compositor_made_is_said_to_be_lost(run, tmp_path, scene):
-    """Unless it made nothing."""
-    channels = {f"ViewLayer.{name}.{letter}": np.atleast_3d(picture)[..., k]
-                for name, picture in exr.passes(scene).items() for k, letter in enumerate(exr.LETTERS[name])}
-    path, window = tmp_path / "in.exr", multilayer.Window(*SIZE, 0, 0, *SIZE)
-    for gain in 1, 0.5:
-        made = {f"Composite.Combined.{c}": gain * channels[f"ViewLayer.Combined.{c}"] for c in "RGBA"}
-        multilayer.write(path, {**channels, **made}, window)
-        status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
-        assert status == 0 and ("compositor made (Composite.Combined) is not drawn again" in err) == (gain != 1), err
-    assert "Composite, what the compositor made, is not drawn again" in run("composite", path, "--check")[1]
-    assert "Composite\n  Combined: there" in run("composite", path, "--check", "--view-layer", "Composite")[1]
 
 
 @pytest.mark.parametrize(("ending", "change", "most"), [("exr", {}, 189), ("exr", {"edge_seen": 0.0}, 161),

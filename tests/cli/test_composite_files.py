@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sequences, processes that share them, and files that are large, half made or in the way."""
 
+import contextlib
 import os
 import re
 import resource
@@ -16,6 +17,8 @@ import numpy as np
 import pytest
 from command import OFF, SIZE, fails, finish, start
 from encre.cli import images, multilayer, png, room, workplace
+from encre.pen import metadata
+from encre.pen.job import Camera, Frame
 
 
 @pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="all pictures are in memory here")
@@ -56,6 +59,16 @@ def test_sequences(run, tmp_path, scene, ending):
     assert status == 0 and said.count("\n") == 1 and "3 of 4 frames are finished" in err
     assert first.stat().st_mtime_ns == before
     assert run("composite", pattern, "-o", out, "--resume", "-s", "2", "--set=line_thickness=9")[1].count("\n") == 3
+    paper = ["--resume", "-s", "2", "--set=paper_source=IMAGE", f"--set=paper_image={tmp_path / 'paper.png'}"]
+    for value in (200, 90):  # the same image, and another of its name
+        exr.image(tmp_path / "paper.png", value)
+        assert run("composite", pattern, "-o", out, *paper)[1].count("\n") == 3
+    assert run("composite", pattern, "-o", out, *paper)[1] == ""
+    stored = metadata.write({"paper_source": "IMAGE", "paper_image": "own.png"}, [], Camera(), Frame(*SIZE))
+    exr.write(tmp_path / "in.0002.exr", exr.passes(scene), metadata=stored)
+    for value in (200, 90):  # as it is for the one that the file itself names
+        exr.image(tmp_path / "own.png", value)
+        assert [run("composite", pattern, "-o", out, "--resume", "-f2")[1].count("\n") for _ in range(2)] == [1, 0]
     fails(run("composite", pattern, "-o", out, "-f", "3-6"), "--keep-going",
           "in.0004.exr: there is no such file nor 2 more: frames 4-6")
     fails(run("composite", tmp_path / "in.0001.exr", "-o", out, "-f", "1"), "#")
@@ -248,11 +261,19 @@ def test_a_full_disk_leaves_the_old_file(tmp_path, ending):
     assert os.listdir(out.parent) == [out.name] and out.read_bytes() == b"old"
 
 
+def holds(pid, path):
+    """Whether a process has a file open."""
+    for file in Path(f"/proc/{pid}/fd").iterdir():
+        with contextlib.suppress(FileNotFoundError):  # it is closed meanwhile
+            if os.readlink(file) == str(path):
+                return True
+    return False
+
+
 def test_interrupting_composite(tmp_path):
     path = exr.write(tmp_path / "in.exr", exr.passes(drawn.scene(1280, 720)))
     child = start("composite", path, "-o", tmp_path / "out.exr", "--threads", "1")
-    files = Path(f"/proc/{child.pid}/fd")
-    while child.poll() is None and path not in [f.resolve() for f in files.iterdir() if f.exists()]:
+    while child.poll() is None and not holds(child.pid, path):
         time.sleep(0.01)
     child.send_signal(signal.SIGINT)
     err = child.communicate(timeout=60)[1]

@@ -9,7 +9,6 @@ import sys
 import drawn
 import exr
 import numpy as np
-import OpenImageIO as oiio
 import pytest
 from command import OFF, SIZE, expected, fails, finish, start
 from encre.cli import composite, denoiser, multilayer
@@ -244,17 +243,10 @@ def test_parts_of_different_sizes(run, tmp_path, scene):
 # What strangers made
 
 
-def paper(path):
-    spec = oiio.ImageSpec(8, 8, 1, "uint8")
-    out = oiio.ImageOutput.create(str(path))
-    assert out.open(str(path), spec) and out.write_image(np.full((8, 8, 1), 200, np.uint8)) and out.close()
-    return path
-
-
 def test_a_paper_image_is_opened_where_it_is_used_and_lies_beside_the_file(run, tmp_path, scene):
-    far, near = paper(tmp_path / "far.png"), tmp_path / "in"
+    far, near = exr.image(tmp_path / "far.png"), tmp_path / "in"
     near.mkdir()
-    beside = paper(near / "paper.png")
+    beside = exr.image(near / "paper.png")
     (near / "link.png").symlink_to(far)
 
     def said(image, *options, source="IMAGE"):

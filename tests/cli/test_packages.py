@@ -15,7 +15,7 @@ from pathlib import Path
 import built
 import exr
 import pytest
-from encre.pen.library import LIBRARY
+from encre.pen.installed import LIBRARY
 
 ROOT = Path(__file__).parents[2]
 SCENE = '''

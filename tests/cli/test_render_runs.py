@@ -14,6 +14,7 @@ import sys
 import time
 from pathlib import Path
 
+import exr
 import numpy as np
 import pytest
 from cube import CUBE, encre, fails, left, script, works
@@ -53,6 +54,14 @@ def test_resume_leaves_alone_what_is_whole_and_made_from_the_same(cube, tmp_path
     for more in ["--samples=2"], ["--size=32x18"], ["--set=line_thickness=9"]:
         err = works(encre("render", cube, "-o", out, "-f", "3", "--resume", *more))
         assert "finished" not in err and "f_03" in err
+    # The same image, and another of its name.
+    command = ("render", cube, "-o", out, "-f", "3", "--resume", "--set=paper_source=IMAGE",
+               f"--set=paper_image={(paper := tmp_path / 'paper' / 'p.png')}")
+    paper.parent.mkdir()
+    for value in (200, 90):
+        exr.image(paper, value)
+        assert "finished" not in works(encre(*command))
+    assert "1 of 1" in works(encre(*command))
     works(encre("render", cube, "-o", out, "-f", "3"))
     cube.write_text(CUBE + "scene.frame_end = 5\n")
     assert "finished" not in works(encre("render", cube, "-o", out, "-f", "3", "--resume"))

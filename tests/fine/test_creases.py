@@ -80,6 +80,20 @@ def test_hidden_behind_another_surface():
     assert not passing([fold(60), front], *pixels(40, 30), Frame(40, 30)).any()
 
 
+def test_where_one_of_two_that_coincide_folds_away_it_ends():
+    """The later sheet lies in the plane of the earlier one's first half: beyond the fold it is in front, so this is a
+    contour."""
+    sheet = Mesh(np.float32([(0, 0, -30), (40, 0, -30), (40, 30, -30), (0, 30, -30)]),
+                 np.int32([(0, 1, 2), (0, 2, 3)]), object_index=2)
+    got = library.raster([fold(70, object_index=1), sheet], *pixels(40, 30), Frame(40, 30), (40, 30), 0.1,
+                         outputs=("object", "marks", "creases"))
+    assert (got["object"][10:20, 19] == 1).all() and (got["object"][10:20, 20] == 2).all()
+    np.testing.assert_allclose(got["creases"][10:20, 19, :2], [(0.8, 70)] * 10, atol=0.02)
+    np.testing.assert_allclose(got["marks"][10:20, 19, 0], -0.8, atol=0.01)
+    alone = library.raster([fold(70), sheet], *pixels(40, 30), Frame(40, 30), (40, 30), 0.1, outputs=("creases",))
+    np.testing.assert_array_equal(alone["creases"], got["creases"])
+
+
 @pytest.mark.parametrize("threads", [1, 3])
 def test_borders_and_threads_give_the_same_bytes(threads):
     rng = np.random.default_rng(2)
@@ -122,6 +136,24 @@ def test_meshes_or_normals():
     assert not picture(fold(50, edges=smooth))[8:22, 16:25].any()
     assert picture(fold(50, edges=smooth), crease_smooth=40.0)[8:22, 16:25].any()
     assert picture(fold(50), edge_normal=0.0)[8:22, 16:25].any() == np.False_
+
+
+def two_folds(above, below):
+    """As fold(), shaded smoothly: the upper half of the line bends by the one, the lower half by the other."""
+    points = [(4, y, 0) for y in (4, 15, 26)] + [(20.3, y, 0) for y in (4, 15, 26)]
+    for degrees, y in ((above, 4), (below, 26)):
+        points.append((20.3 + 16 * np.cos(np.radians(degrees)), y, -16 * np.sin(np.radians(degrees))))
+    faces = [(0, 3, 4), (0, 4, 1), (1, 4, 5), (1, 5, 2), (3, 6, 4), (4, 6, 7), (4, 7, 5)]
+    return Mesh(np.float32(points) - np.float32((0, 0, 30)), np.int32(faces),
+                edges=edge_kinds(np.full((7, 3), EDGES["smooth"])))
+
+
+@pytest.mark.parametrize(("below", "goes_on"), [(25.5, True), (28.0, True), (24.5, False)])
+def test_a_smooth_edge_goes_on_beside_one_that_bends_enough(below, goes_on):
+    ink = picture(two_folds(35, below), crease_smooth=30.0)[:, 16:25].sum(1)
+    np.testing.assert_allclose(ink[7:13], 3, atol=0.3)
+    np.testing.assert_allclose(ink[18:23], 0.4 * 3 * goes_on, atol=0.15)
+    assert not picture(two_folds(below, below), crease_smooth=30.0)[8:22, 16:25].any(), "beside nothing it is none"
 
 
 def test_bends_between_faces():

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The detector FINE: its promises on scenes whose contours are known by formula, and what it does with nasty input."""
 
-import functools
 
 import numpy as np
 import pytest
@@ -23,16 +22,11 @@ def ink(layers, camera, **params):
     return drawn.images["Encre Lines"][..., 3]
 
 
-@functools.cache
-def scene_of(name):
-    return scenes.NAMED[name]() if name in scenes.NAMED else scenes.draw(name)
-
-
 # ---- promises: most of them are judged in test_judged.py ------------------------------------------------------------
 
 
 def test_widths_fairness_and_calm():
-    scene = scene_of("patches")
+    scene = scenes.patches()
     layers = scene.layers("blackman")
     found = verdict.widths(ink, scene, layers) | verdict.fair(ink, scene, layers) | verdict.calm(ink, scene)
     assert {promise: value for promise, value in found.items() if not verdict.kept(promise, value)} == {}
@@ -118,7 +112,7 @@ def test_missing_layers_do_without():
 
 
 def test_a_border_shows_what_the_frame_shows():
-    scene, reach = scene_of("boxes"), 64
+    scene, reach = scenes.boxes(), 64
     layers = scene.layers()
     params = verdict.PARAMS | {"edge_detector": "FINE"}
     whole = library.render(layers, params, outputs=OUTPUTS).images

@@ -44,7 +44,7 @@ def compare(name):
             continue
         if (s is None) != (site is None or site.margin < 0):
             wrong.append((key, "missing" if s is None else "extra"))
-        if s is None:
+        if s is None or site is None:
             continue
         sure[family] += 1
         wanted = dict(zip(OFF, (site.x, site.y, site.strength, *site.thin), strict=True))
@@ -55,7 +55,7 @@ def compare(name):
             wrong.append((key, "source", s["source"], site.source))
         if np.abs(s["step"] - site.step).max() > 1:
             wrong.append((key, "step", s["step"], site.step))
-        if family in ("color_band", "crack") and (s["weak"], s["told"]) != (site.weak, site.told):
+        if family in ("color_band", "crack", "crease") and (s["weak"], s["told"]) != (site.weak, site.told):
             wrong.append((key, "weak, told", s["weak"], s["told"]))
         if abs(s["eased"] - site.eased) > 0.51:
             wrong.append((key, "eased", s["eased"], site.eased))
@@ -67,15 +67,15 @@ def compare(name):
     return sure, open_, wrong
 
 
-ALL = [*passes.TINY, *passes.CASES, *passes.WIRES, *passes.LIGHTS]
+ALL = [*passes.TINY, *passes.CASES, *passes.WIRES, *passes.LIGHTS, *passes.SWEEPS, *passes.CUTS, *passes.ROWS]
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_sites_are_where_the_reference_finds_them(name):
     sure, open_, wrong = compare(name)
     assert wrong == []
-    most = 0.16 if name in passes.CASES else 0.3  # wires may lie evenly between pixels
-    assert name in passes.TINY or name in passes.LIGHTS or sum(open_.values()) < most * sum(sure.values())
+    most = 0.25 if name in passes.CASES else 0.3  # wires may lie evenly between pixels
+    assert name not in (*passes.CASES, *passes.WIRES) or sum(open_.values()) < most * sum(sure.values())
 
 
 def test_every_family_is_compared():
@@ -94,6 +94,53 @@ def test_the_strongest_site_of_a_pixel_is_shown(name):
         wanted[at] = max(wanted[at], s["strength"])
     assert wanted.max() > 0
     assert np.array_equal(images["Encre Edges"][..., 0], wanted)
+
+
+@functools.cache
+def sites_moved_to(moved, turn=1, width=60):
+    """Sites of a small picture in a wider one; a wire in one column of centres, a lone line by hand, a spot, a blade
+    that rises from the wall; in a narrower one without that. turn: which way the wire leans."""
+    rows, columns = np.mgrid[:44, :width].astype(float)
+    columns -= moved
+    off = columns - 9 - turn * rows / 50
+    fine = (np.arange(16) + 0.5) / 16 - 0.5
+    share = np.mean([np.abs(off + k) < 0.21 for k in fine], 0)[..., None] * (rows < 36)[..., None]
+    hit = (np.abs(off) < 0.21) & (rows < 36)
+    spot = ((rows == 40) & (np.abs(columns - 9) < 2))[..., None]
+    ones = np.ones((*rows.shape, 3))
+    layers = dict(combined=np.ones((*rows.shape, 4)), color=0.5 * ones - 0.4 * share + 0.3 * spot, diffuse=ones,
+                  depth=np.where(hit, 4.0, 5.0), object=hit * 1.0, normal=ones * (0, 0, 1) - share * (0, 0.6, 0.2),
+                  marks=np.zeros((*rows.shape, 2)))
+    layers["marks"][38, (columns[0] == 9)] = 0.4, 0.6
+    if width == 60:
+        layers["depth"][42] -= 0.004 * np.clip(columns[42] - 16, 0, 15) * (columns[42] < 34)
+    _, every = passes.run({name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}, passes.ALL)
+    return every[-1].site
+
+
+@pytest.mark.parametrize("moved", range(1, 20))
+def test_where_a_picture_lies_in_a_frame_does_not_matter(moved):
+    """What has nothing to see is passed over many pixels at once, and pictures begin anywhere after it."""
+    turn = (1, -1)[moved % 2]
+    first, site = sites_moved_to(0, turn), sites_moved_to(moved, turn).copy()
+    assert {"crack", "thin", "mark", "color_band"} <= {FAMILIES[k] for k in first["family"]}
+    for name in ("column", "near_x"):
+        site[name] -= moved
+    assert [s["x"] - moved for s in site] == pytest.approx(list(first["x"]), abs=1e-4)
+    for name in ("family", "row", "column", "axis", "near_x", "near_y", "dropped"):
+        assert np.array_equal(site[name], first[name]), name
+    assert site["strength"] == pytest.approx(first["strength"], abs=1e-4)
+
+
+@pytest.mark.parametrize("turn", [-1, 1])
+@pytest.mark.parametrize("moved", range(5, 9))
+def test_where_a_picture_ends_does_not_matter(turn, moved):
+    """Spans of pixels in which a wire covers a centre begin and end here and there, and are cut off."""
+    first, site = sites_moved_to(4, turn, 17).copy(), sites_moved_to(moved, turn, moved + 13)
+    assert (first["family"] == FAMILIES.index("thin")).sum() > 3
+    first["column"] += moved - 4
+    for name in ("family", "row", "column", "axis", "dropped"):
+        assert np.array_equal(site[name], first[name]), name
 
 
 @pytest.mark.parametrize("ortho", [False, True])
@@ -117,6 +164,8 @@ def test_where_the_eye_passes_through(ortho):
             seen[1][spot] += 0.1 * near[2] * np.array([0, 0.6, -0.8])
         else:
             seen[2][spot] += 0.02 * near[0] * (3 if ortho else 4) * rng.choice([-1, 1])
+            if k % 2:  # a row of it, or a column, shows nothing
+                seen[2][spot][np.s_[1] if k % 4 == 1 else np.s_[:, 1]] = 4
             seen[0][spot] *= rng.choice([1, 0.8])
     layers.update(zip(("seen_normal", "seen_color", "seen_depth"), seen, strict=True))
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}

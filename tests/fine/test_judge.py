@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from judge import measure, meshes, scenes, shapes, verdict
-from judge.scene import Light, Scene, look
+from judge.camera import look
+from judge.scene import Light, Scene
 from reference import near
 
 LONG = {"sphere", "boxes", "roof", "horizon", "patches", 12}  # what the others show too

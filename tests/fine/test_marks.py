@@ -172,6 +172,20 @@ def test_any_length_gives_clean_places(size):
         assert ((got == 0) | ((place >= 1 / 1024) & (place <= 1))).all() and (steps_of(got) <= 7).all()
 
 
+def test_a_pole_with_a_point_for_each_meridian_has_no_contours():
+    """As of turned shapes whose poles were never merged: beside each quad lies one that has no area."""
+    turns = np.arange(24) * 2 * np.pi / 24
+    rim = np.stack([np.cos(turns), np.sin(turns), 0 * turns - 3.2], 1)
+    k = np.arange(24)
+    right = (k + 1) % 24
+    corners = np.concatenate([np.stack([k, right, 24 + k], 1), np.stack([right, 24 + right, 24 + k], 1)])
+    mesh = Mesh(np.concatenate([rim, [[0, 0, -3]] * 24]).astype(np.float32), corners.astype(np.int32), object_index=1)
+    got = passing([mesh], np.eye(4), perspective(67, 45), Frame(67, 45))
+    want, _ = marks([], [mesh], np.eye(4), perspective(67, 45), Frame(67, 45), (67, 45), 0.1)
+    np.testing.assert_allclose(got, want, atol=1e-5)
+    assert (got < 0).any() and not got[16:29, 24:43].any(), "only its rim is one"
+
+
 def test_objects_by_triangle():
     rng = np.random.default_rng(7)
     mesh = soup(rng, 40, object=np.arange(40) + 1, material=np.arange(40) + 1)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from encre.cli import composite
 from judge import measure, meshes, scenes, verdict
-from judge.scene import look
+from judge.camera import look
 
 SIZE = 270, 480
 PARAMS = verdict.PARAMS | {"edge_light": 0.0}

@@ -81,6 +81,43 @@ def test_a_rod_ends_where_it_ends():
     assert t[26:].max() == 0
 
 
+@pytest.mark.parametrize("level", [0, 0.5, 1, 3, 10, 45])
+def test_a_level_wire_is_as_wide_all_along(level):
+    """Also where it covers no pixel centre, before a wall that is far away and drawn with other widths; and drawn by a
+    hand that presses now more, now less, it has no beads, nor is it one line here and two there."""
+    near = slice(12, 84) if level < 20 else slice(20, 42)
+    pressed = dict(pen_pressure=0.5, pen_pressure_length=60.0, line_thickness=1.6)
+    for width in (0.7, 1.0, 1.5, 2.0, 3.0, 4.0):
+        layers, off = rod(width, np.radians(90 - level), 0.2, 9.0, (40, 96))
+        anchor = np.zeros((*off.shape, 16), np.float32)
+        anchor[..., 6] = np.where(layers["object"] == 2, 0.1, 0.3)
+        anchor[..., :2] = np.indices(off.shape[::-1]).T * anchor[..., 6:7]
+        anchor[..., 2] = layers["depth"]
+        for hand in ({}, pressed):
+            pen = dict(PEN, width_contact=0.4, line_depth_distance=4.0, **{"line_thickness": 2.0, **hand})
+            t = library.render({**layers, "anchor": anchor}, pen, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
+            across = np.convolve(t.sum(0, dtype=float)[near] * np.cos(np.radians(level)), np.ones(3) / 3, "valid")
+            middle = np.where(np.abs(off) < 0.5, t, 0).max(0)[near]
+            assert np.abs(across[4:] - across[:-4]).max() < 0.5, (width, hand)
+            assert hand or np.ptp(across) < 0.7, width
+            assert not hand or width > 3 or np.ptp(middle) < 0.25, width
+
+
+def test_a_ledge_a_pixel_high_has_no_comb():
+    """The sill below a window's frame, before which it lies: how steep it is one pixel does not tell, the mesh does."""
+    z = np.full((24, 32, 1), 4.02)
+    z[12], z[13:] = 4.1, 4.0
+    flat = np.ones((24, 32, 3))
+    layers = dict(combined=np.ones((24, 32, 4)), color=flat, diffuse=flat, normal=flat, depth=z,
+                  object=np.where(np.indices(z.shape)[0] < 12, 1.0, 2.0))
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    known = dict(creases=np.zeros((24, 32, 5), np.float32), marks=np.zeros((24, 32, 2), np.float32))
+    folded = {**known, "marks": known["marks"].copy()}
+    folded["marks"][12, :, 1] = -0.5  # a contour passes there
+    ledge = [ink({**layers, **more})[13, 8:-8].max() for more in ({}, known, folded)]
+    assert ledge[1] < 0.1 < 0.9 < min(ledge[0], ledge[2])
+
+
 def test_threads_and_instructions_change_nothing():
     layers, _ = rod(0.7, 0.3, 0.2)
     one = ink(layers, threads=1)

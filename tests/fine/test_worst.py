@@ -15,7 +15,8 @@ import bench
 import noise
 import numpy as np
 import pytest
-from encre.pen.library import LIBRARY, Library, load
+from encre.pen.installed import LIBRARY
+from encre.pen.library import Library, load
 
 ROOT = Path(__file__).parents[2]
 WIDTH, HEIGHT = 640, 360
@@ -49,7 +50,7 @@ def polls(counted):
     work, found = ctypes.c_ulong.in_dll(counted.lib, "work"), {}
     for name, picture in PICTURES.items():
         found[name], work.value = [0], 0
-        counted.render(picture(WIDTH, HEIGHT), SETTINGS, threads=1,
+        counted.render(picture(480, 270), SETTINGS, threads=1,
                        progress=lambda _, own=found[name]: own.append(work.value) or True)
         found[name].append(work.value)
     return found

@@ -162,6 +162,16 @@ task random_light(void)
 		job.world[k] = (float)(share() - 0.3);
 	if (chance(0.01))
 		job.world[whole(0, 26)] = weird();
+	job.sharp = chance(0.3);
+	static encre_bend bends[4];
+	job.bends = bends;
+	job.n_bends = chance(0.5) ? whole(0, 4) : 0;
+	for (int k = 0; k < job.n_bends; k++) {
+		for (int i = 0; i < 16; i++)
+			bends[k].model[i] = chance(0.003) ? (double)weird() : 6 * share() - 3;
+		bends[k].amount = chance(0.99) ? (float)share() : weird();
+		bends[k].fade = chance(0.99) ? (float)share() : weird();
+	}
 	if (chance(0.7))
 		see(context, &job);
 	encre_destroy(context);

@@ -85,6 +85,8 @@ static void random_mesh(encre_mesh *mesh)
 		mesh->attributes = random_shares(corners * (size_t)mesh->n_channels);
 	if (mesh->kind == ENCRE_TRIANGLES && chance(0.5))
 		mesh->normals = random_shares(corners * 3);
+	if (mesh->kind == ENCRE_TRIANGLES && chance(0.5))
+		mesh->uv = random_shares(corners * 2);
 	mesh->material = random_numbers(mesh->n_primitives);
 	mesh->style = random_numbers(mesh->n_primitives);
 	mesh->object = random_numbers(mesh->n_primitives);
@@ -151,9 +153,9 @@ task random_raster(void)
 	if (chance(0.005))
 		job.frame.width = weird_int();
 	job.n_channels = whole(0, 6);
-	encre_image *image[] = {&job.depth,      &job.normal, &job.object,  &job.material,   &job.style,
-				&job.attributes, &job.marks,  &job.creases, &job.coincident, &job.shading};
-	const int channels[] = {1, 3, 1, 1, 1, job.n_channels, 2, 4, 1, 3};
+	encre_image *image[] = {&job.depth, &job.normal,  &job.object,     &job.material, &job.style,  &job.attributes,
+				&job.marks, &job.creases, &job.coincident, &job.shading,  &job.anchor, &job.tangent};
+	const int channels[] = {1, 3, 1, 1, 1, job.n_channels, 2, 4, 1, 3, 16, 3};
 	t.n_outputs = sizeof image / sizeof *image;
 	for (int i = 0; i < t.n_outputs; i++)
 		if (chance(0.7) && channels[i])

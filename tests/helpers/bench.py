@@ -4,8 +4,7 @@
     python tests/helpers/bench.py [--size WxH] [--rounds N] [--sizes] [--only TABLE]...
 
 All looks, each stage alone, line searches, radii and densities, on one thread and on two, on layers where 12 % of the
-pixels lie within 3 of a site of FINE; with --sizes also 720p to 8K. Then what FINE costs beside DOG, light by rays and
-baking.
+pixels lie within 3 of a site of FINE; with --sizes also 720p to 8K. What is no stage, bench_costs.py measures.
 
 Ratios, not seconds: they mean the same on a busy machine and a quiet one. The cases of a table take turns under the
 same load, and the least of all rounds counts, for the copy as well: of processor time on one thread, of time by the
@@ -17,7 +16,6 @@ import ctypes
 import json
 import os
 import resource
-import sys
 import time
 from pathlib import Path
 
@@ -26,12 +24,14 @@ import drawn
 import numpy as np
 from encre.pen import library
 
+FILE = Path(__file__).parents[2] / "build" / "bench.json"
 BYTES = 112  # a pixel's in the copy
 THREADS = 1, 2
 INTER_COLOR = dict(edge_threshold=0.01, edge_color=1.0, line_contrast=1.0, line_softness=0.0, line_thickness=12.0,
                    line_gain=0.5, line_intensity=2.0, line_paper=0.0, use_shading=False, use_smudging=False,
                    use_hatching=False)
-ALL_OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=False)
+ALL_OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=False,
+               use_rim=False, use_wash=False)
 DOG, SOBEL, FINE = ({"edge_detector": name} for name in ("DOG", "SOBEL", "FINE"))
 ALL_SOURCES = dict(edge_color=3.0, edge_light=4.0)
 # case: its settings, the ratios that are aimed at on one thread and on two, and what is drawn
@@ -50,6 +50,8 @@ STAGES = {
     "shading": (ALL_OFF | dict(use_shading=True), "Combined"),
     "smudging": (ALL_OFF | DOG | dict(use_smudging=True), "Combined"),
     "hatching": (ALL_OFF | dict(use_hatching=True), "Combined"),
+    "wash": (ALL_OFF | dict(use_wash=True), "Combined"),
+    "rim light": (ALL_OFF | dict(use_rim=True), "Combined"),
     "lines, DOG": (ALL_OFF | DOG | dict(use_lines=True), "Combined"),
     "lines, FINE": (ALL_OFF | FINE | dict(use_lines=True), "Combined"),
 }
@@ -117,6 +119,7 @@ def held_bytes(layers, settings):
         now = count()
         return now.used + now.mapped
 
+    library.load().forget()
     seen, before = [0], held()
     library.render(layers, settings, threads=1, progress=lambda _: seen.append(held()) or True)
     return max(seen) - before - layers["combined"].nbytes
@@ -136,10 +139,11 @@ def copy_seconds(nbytes):
 
 
 class Runs:
-    """Cases that take turns with the copy: (layers, settings, output); each is drawn into memory of its own size."""
+    """Cases that take turns with the copy: (layers, settings, output); each is drawn into memory of its own size;
+    image: what reads the images of settings."""
 
-    def __init__(self, cases):
-        self.cases, self.target = cases, {}
+    def __init__(self, cases, image=None):
+        self.cases, self.image, self.target = cases, image, {}
         most = max(layers["combined"][..., 0].size for layers, *_ in cases.values())
         self.from_, self.to = (np.ones(most * BYTES // 4, np.float32) for _ in range(2))
 
@@ -154,7 +158,7 @@ class Runs:
             for name, (layers, settings, output) in self.cases.items():
                 every = library.complete(library.check(settings))
                 start = clock()
-                library.draw(layers, every, outputs=[output], threads=threads, empty=self.memory)
+                library.draw(layers, every, outputs=[output], threads=threads, image=self.image, empty=self.memory)
                 best[name] = min(best[name], clock() - start)
                 floats = layers["combined"][..., 0].size * BYTES // 4
                 start = clock()
@@ -167,9 +171,9 @@ class Runs:
         return {name: (best[name] / of_size[self.cases[name][0]["combined"].shape], best[name]) for name in best}
 
 
-def measure(title, cases, rounds, aims=None, held=False):
+def measure(title, cases, rounds, aims=None, held=False, image=None):
     """Prints a table of cases; returns it as rows for the file."""
-    runs, rows = Runs(cases), []
+    runs, rows = Runs(cases, image), []
     print(f"\n{title:26}" + "".join(f"{f'{n} threads' if n > 1 else '1 thread':>12}{'aim':>6}" for n in THREADS)
           + f"{'ms':>9}" + f"{'bytes':>8}" * held)
     least = [runs.least(rounds, threads) for threads in THREADS]
@@ -187,17 +191,6 @@ def measure(title, cases, rounds, aims=None, held=False):
                                                                                              strict=True))
               + f"{least[0][name][1] * 1e3:9.1f}" + (f"{row['bytes']:8.1f}" if held else ""))
     return rows
-
-
-def turns(rounds, jobs):
-    """Least processor seconds of each job (layers, settings) on one thread; they take turns under the same load."""
-    best = [1e9] * len(jobs)
-    for _ in range(rounds):
-        for k, (layers, settings) in enumerate(jobs):
-            start = time.process_time()
-            library.render(layers, settings, threads=1)
-            best[k] = min(best[k], time.process_time() - start)
-    return best
 
 
 # Tables
@@ -234,8 +227,23 @@ def tones(layers, rounds):
     things = sticks.layers_of(*sticks.posed(zoom=2.5), size_of(layers))[0]
     cases = {name: (things, ALL_OFF | settings | dict(use_tones=True), "Combined")
              for name, settings in sticks.SCREENS.items()}
-    aims = {**dict.fromkeys(cases, (4.0, 3.0)), **dict.fromkeys(("hatching", "stipple"), (10.0, 6.0))}
-    return measure("tones alone", cases, rounds, aims)
+    marks = [name for name, values in sticks.SCREENS.items() if values["tone_1"] in ("HATCH", "STIPPLE")]
+    aims = {**dict.fromkeys(cases, (4.0, 3.0)), **dict.fromkeys(marks, (10.0, 6.0))}
+    tile = np.float32(np.kron(np.random.default_rng(0).random((64, 64, 1)), np.ones((4, 4, 1))))
+    cases["picture"] = things, ALL_OFF | sticks.RAMP | dict(use_tones=True) | sticks.tone(
+        "IMAGE", space="SURFACE", pitch=180.0, image="tile"), "Combined"
+    return measure("tones alone", cases, rounds, aims, image=lambda _: tile)
+
+
+def example(layers, rounds):
+    """A painting over all of the picture, of which the ball's size is that of its strokes."""
+    import sticks
+
+    things = sticks.layers_of(*sticks.posed(zoom=2.5), size_of(layers))[0]
+    ball = np.float32(np.kron(np.random.default_rng(0).random((128, 128, 1)), np.ones((4, 4, 3))))
+    settings = ALL_OFF | dict(use_example=True, example_ball="IMAGE", example_image="ball")
+    return measure("by example", {"by example": (things, settings, "Combined")}, rounds,
+                   {"by example": (40.0, 25.0)}, image=lambda _: ball)
 
 
 def searches(layers, rounds):
@@ -269,77 +277,21 @@ def sizes(layers, rounds):
     return rows
 
 
+def add(part, found):
+    """Other programs' findings, {case: ...}, beside the tables in the file."""
+    whole = json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
+    whole[part] = whole.get(part, {}) | found
+    FILE.parent.mkdir(exist_ok=True)
+    FILE.write_text(json.dumps(whole, indent=1), encoding="utf-8")
+
+
 def size_of(layers):
     height, width = layers["depth"].shape
     return width, height
 
 
-TABLES = {"off": off, "looks": looks, "stages": stages, "tones": tones, "searches": searches, "radii": radii,
-          "densities": densities, "sizes": sizes}
-
-
-# What FINE, light and baking cost
-
-
-def fine(rounds, width, height):
-    print(f"\nFINE beside DOG, one thread, all stages, {width} x {height}")
-    print(f"{'':24}{'near':>7}{'FINE':>7}{'DOG':>7}{'ratio':>7}{'no edges':>10}{'1000 sites':>12}{'quarter':>9}"
-          f"{'bytes':>7}")
-    copy = copy_seconds(width * height * 112)
-    empty = balls(width, height, 0)
-    for name, settings in SOURCES.items():
-        full, quarter = balls(width, height, CELL[name]), balls(width // 2, height // 2, CELL[name])
-        dog = settings | dict(edge_detector="DOG")
-        own, other, least, small = turns(rounds, [(full, settings), (full, dog), (empty, settings),
-                                                  (quarter, settings)])
-        count, near = sites(full, settings)
-        held = held_bytes(full, settings) / (width * height)
-        print(f"{name:24}{near:7.1%}{own / copy:7.2f}{other / copy:7.2f}{own / other:7.2f}{least / copy:10.2f}"
-              f"{(own - least) / copy / count * 1000:12.4f}{4 * small / own:9.2f}{held:7.1f}")
-
-
-def light(rounds, width, height):
-    """Three lamps over a cube, a ball and 64 balls of 3,200 triangles each; trees are built in the first round."""
-    sys.path.insert(0, str(Path(__file__).parents[1]))
-    import lamps  # knows the reference
-
-    stage = lamps.Stage(width, height, smooth=True)
-    points, corners, normals = lamps.ball(40)
-    stage.scene.geometry(9, points, corners, normals)
-    for k in range(64):
-        model = lamps.moved(k % 8 - 4.0, k // 8 - 3.0, 2.5, 0.25)
-        stage.scene.instance(9 + k, 9, model)
-        stage.meshes.append(lamps.Mesh(points, corners, model=model, object_index=9 + k))
-    depth, copy = stage.depth(), copy_seconds(width * height * 112)
-    print(f"\nlight by rays, one thread, {width} x {height}; processor seconds, and as a ratio to the copy")
-    cases = {"hard lamps": ("sun", "point", "spot"), "soft lamps": ("wide sun", "ball", "rectangle")}
-    for case, names in cases.items():
-        best = 1e9
-        for _ in range(rounds):
-            start = time.process_time()
-            stage.light(*(lamps.LAMPS[name] for name in names), depth=depth, threads=1)
-            best = min(best, time.process_time() - start)
-        print(f"{case:18}{best:8.2f} s{best / copy:8.1f}")
-
-
-def bake(rounds, side=2048):
-    """Lines in a texture of spots, plain and uniform."""
-    y, x = np.indices((side, side), np.float32) / side
-    spot = np.hypot(x * 12 % 1 - 0.5, y * 12 % 1 - 0.5) < 0.35
-    texture = np.float32([(0.9, 0.8, 0.5), (0.7, 0.2, 0.2)])[spot.astype(int)]
-    copy = copy_seconds(24 * side * side)
-    form = np.stack([0.2 + 2 * x, 0.3 * x, 1.5 - y], 2)
-    print(f"\nbaking {side} x {side} texels; copy of {24 * side * side / 1e6:.0f} MB: {copy * 1e3:.1f} ms = 1.00")
-    cases = {"plain": {}, "uniform": dict(form=form), "CIEDE2000": dict(scene=dict(contrast_metric="CIEDE2000")),
-             "local contrast": dict(scene=dict(contrast_auto=True))}
-    for case, options in cases.items():
-        for threads in (1, 0):
-            best = 1e9
-            for _ in range(rounds):
-                start = time.perf_counter()
-                library.bake(texture, threads=threads, **options)
-                best = min(best, time.perf_counter() - start)
-            print(f"{case:18}{threads or 'all':>8}{best / copy:8.2f}{best:8.3f} s")
+TABLES = {"off": off, "looks": looks, "stages": stages, "tones": tones, "example": example, "searches": searches,
+          "radii": radii, "densities": densities, "sizes": sizes}
 
 
 def main():
@@ -355,15 +307,10 @@ def main():
     print(f"{width} x {height}; copy of {BYTES} bytes a pixel: {copy * 1e3:.1f} ms = 1.00")
     wanted = args.only or [name for name in TABLES if name != "sizes" or args.sizes]
     rows = [row for name in wanted for row in TABLES[name](layers, args.rounds)]
-    build = Path(__file__).parents[2] / "build"
-    build.mkdir(exist_ok=True)
+    FILE.parent.mkdir(exist_ok=True)
     found = {"size": [width, height], "load": os.getloadavg()[1], "rows": rows}
-    (build / "bench.json").write_text(json.dumps(found, indent=1), encoding="utf-8")
-    (build / "bench.svg").write_text(chart.bars(rows), encoding="utf-8")
-    if not args.only:
-        fine(args.rounds, width, height)
-        light(args.rounds, width, height)
-        bake(args.rounds)
+    FILE.write_text(json.dumps(found, indent=1), encoding="utf-8")
+    FILE.with_suffix(".svg").write_text(chart.bars(rows), encoding="utf-8")
     print(f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
 
 

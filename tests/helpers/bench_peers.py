@@ -6,7 +6,7 @@
 Edges by differences of Gaussians of 1/z and of normals, and between objects; soft ink 8 pixels wide along them; light
 in three flat levels, tinted and less saturated in the shade. Each library does it as who knows it would write it, on
 one thread. Whatever can't be imported is said and left out; `make bench-peers` installs all. build/bench.json, which
-`make bench` wrote, gives the page its other tables.
+`make bench` and bench_blender.py wrote, gives the page its other tables.
 """
 
 import argparse
@@ -49,6 +49,28 @@ seconds, the least of {rounds} rounds in turns. *Apart*: the share of pixels in 
 by more than 0.1 in a channel; a library without distances of pixels draws its ink with a disc and a blur instead.
 
 | | seconds | Encre is so much faster | apart |
+|---|---|---|---|
+{rows}
+"""
+COSTS = """
+## Beside the stages
+
+Processor time on one thread; drawn light is that of all threads.
+
+| | measured | asked |
+|---|---|---|
+{rows}
+"""
+BLENDER = """
+## Beside what Blender has
+
+`scenes/{scene}.py`, {size}, rendered by Cycles at one sample without a denoiser, with lines of the shapes by each. *Own
+part*: what that takes longer than Cycles alone, in processor seconds of all threads, the least of the rounds in turns.
+Line Art's part is finding its strokes and drawing them as tubes, for Blender draws Grease Pencil with a graphics card
+only. The compositor's is Sobel's filter over 1/z, normals and numbers of objects, a threshold, and lines grown and
+blurred; those lines are as jagged as its passes.
+
+| | seconds | own part | of that of FINE |
 |---|---|---|---|
 {rows}
 """
@@ -223,7 +245,7 @@ def peers():
         yield "scikit-image", version, lambda layers: skimage_picture(layers, filters, morphology)
     if oiio:
         oiio.attribute("threads", 1)
-        yield "OpenImageIO", oiio.__version__, lambda layers: oiio_picture(layers, oiio)
+        yield "OpenImageIO", oiio.VERSION_STRING, lambda layers: oiio_picture(layers, oiio)
 
 
 def processor():
@@ -250,6 +272,18 @@ def tables(found):
         one, two = row["ratio"]
         text.append(f"| {row['case']} | {one:.2f} | {two:.2f} | {aim} | {row.get('bytes', '')} |")
     return "\n".join(text).strip()
+
+
+def beside(found):
+    """Markdown of what other programs put into the file."""
+    text = ""
+    if costs := found.get("costs"):
+        text += COSTS.format(rows="\n".join(f"| {case} | {got} | {asked} |" for case, (got, asked) in costs.items()))
+    if blender := found.get("blender"):
+        rows = [f"| {name} | {taken:.2f} | " + (f"{own:.2f} | {share:.2f} times |" if own else " | |")
+                for name, (taken, own, share) in blender["rows"].items()]
+        text += BLENDER.format(scene=blender["scene"], size=blender["size"].replace("x", " x "), rows="\n".join(rows))
+    return text
 
 
 def main():
@@ -283,7 +317,7 @@ def main():
     if not args.only_print:
         found = json.loads(measured.read_text(encoding="utf-8"))
         page = PAGE.format(machine=processor(), size=f"{width} x {height}", tables=tables(found), rounds=args.rounds,
-                           rows="\n".join(rows))
+                           rows="\n".join(rows)) + beside(found)
         (ROOT / "docs" / "speed.svg").write_text(chart.bars(found["rows"]), encoding="utf-8")
         (ROOT / "docs" / "speed.md").write_text(page, encoding="utf-8")
 

@@ -19,6 +19,7 @@ from encre.pen import layers
 
 CASES = Path(__file__).parents[1] / "blender" / "inside" / "cases.py"
 OTHERS = Path(__file__).parents[2] / "build" / "blenders"  # one environment per version of bpy: make blenders
+REFUSED = 75  # how a script of a window ends that Blender lets write no more
 NEWEST = "bpy-5.2"  # which needs another Python than the rest
 
 
@@ -66,6 +67,24 @@ def run(blender, case, folder, environment=None):
     done = subprocess.run([*commands()[blender], "--", case, str(folder)], capture_output=True, text=True,
                           timeout=300, errors="replace",
                           stdin=subprocess.DEVNULL, env={**os.environ, **(environment or {})})
+    return read(done, folder)
+
+
+def window(script, name, folder, size, *options, limit=400, cwd=None, **environment):
+    """A Shot of a script that drives a window of `blender` by inside/window.py; skips where there is no window.
+
+    Blender may refuse for good that Python writes (see there): then it is begun anew.
+    """
+    if not shutil.which("blender") or not shutil.which("xvfb-run"):
+        pytest.skip("needs the programs blender and xvfb-run")
+    width, height = map(str, size)
+    command = ["xvfb-run", "-a", "-s", f"-screen 0 {width}x{height}x24", "blender", "--factory-startup", *options,
+               "-p", "0", "0", width, height, "-P", str(script), "--", name, str(folder)]
+    for _ in range(3):
+        done = subprocess.run(command, capture_output=True, text=True, timeout=limit, errors="replace", cwd=cwd,
+                              env={**os.environ, **environment})
+        if done.returncode != REFUSED:
+            break
     return read(done, folder)
 
 

@@ -35,15 +35,21 @@ def _included(path):
     return [ROOT / "csrc" / name for name in re.findall(r'^#include "([^"]+)"', text, re.MULTILINE)]
 
 
-def _old(made, *sources, included=_included):
-    """Whether one of the sources, or of what they include, is as new as what was made of them."""
+def read(*sources, included=_included):
+    """The sources and all that they include."""
     found, open_ = set(), list(sources)
     while open_:
         path = open_.pop()
         if path not in found:
             found.add(path)
             open_ += included(path)
-    return not made.exists() or made.stat().st_mtime_ns <= max(p.stat().st_mtime_ns for p in found)
+    return found
+
+
+def _old(made, *sources, included=_included):
+    """Whether one of the sources, or of what they include, is as new as what was made of them."""
+    return not made.exists() or made.stat().st_mtime_ns <= max(p.stat().st_mtime_ns
+                                                               for p in read(*sources, included=included))
 
 
 def objects(out):

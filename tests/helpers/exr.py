@@ -6,7 +6,7 @@ import OpenImageIO as oiio
 from encre.pen import layers
 from encre.pen import saved as kept
 
-LETTERS = {**layers.CYCLES, **layers.DRAWN, **kept.passes(True, True), **layers.SEEN, "IndexMA": "X"}
+LETTERS = {**layers.CYCLES, **layers.DRAWN, **kept.passes(True, True, True), **layers.SEEN, "IndexMA": "X"}
 LAYOUTS = ("classic", "parts", "bare")  # Blender 3.4 to 4.x; 5.x; a file without a view layer
 
 
@@ -95,3 +95,17 @@ def part(path, name):
 def metadata(path):
     """{key: text} of all parts."""
     return {a.name: a.value for _, _, spec in _parts(path) for a in spec.extra_attribs if isinstance(a.value, str)}
+
+
+def image(path, value=200):
+    """A small grey picture, whatever its name ends in, all of one value of 0 to 255."""
+    return texture(path, np.full((8, 8, 1), value, np.uint8))
+
+
+def texture(path, pixels):
+    """An image file of bytes or floats (H, W, channels) as they are, whatever its name ends in."""
+    spec = oiio.ImageSpec(*pixels.shape[1::-1], pixels.shape[2], "uint8" if pixels.dtype == np.uint8 else "float")
+    out = oiio.ImageOutput.create(str(path))
+    assert out.open(str(path), spec) and out.write_image(pixels)
+    assert out.close()
+    return path

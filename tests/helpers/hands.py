@@ -196,6 +196,9 @@ CLIP = {"use_tones": True, "line_thickness": 10.0, "line_taper": 30.0, "pen_pres
         "tone_1": "LINES", "tone_1_space": "SURFACE", "tone_1_pitch": 16.0, "tone_1_angle": 0.0,
         "tone_2": "DOTS", "tone_2_space": "SURFACE", "tone_2_pitch": 16.0, "tone_3": "NONE"}
 
+STROKES = {**CLIP, **{f"tone_{n}{what}": value for n in (1, 2)
+                      for what, value in {"": "HATCH", "_space": "SURFACE", "_pitch": 12.0, "_angle": 0.0}.items()}}
+
 
 def clip(k, values=CLIP, size=(480, 270)):
     """Frame k of 48: (H, W), 1 is white."""
@@ -227,8 +230,10 @@ def main():
         cells = [followed(values, poses) for poses in runs.values()]
         print(f"| {name} | " + " | ".join(f"{a:.3f}, {b:.2f}" for a, b in cells) + " | "
               + ", ".join(f"{100 * (share - 1):+.0f} %" for share in sizes(values)) + " |")
-    frames = [clip(k)[5:, 155 + 5 * k // 4:295 + 5 * k // 4] for k in range(48)]
-    written(np.concatenate([np.concatenate(frames[row:row + 8], 1) for row in range(0, 48, 8)]), folder / "walk.jpg")
+    for name, values in (("walk", CLIP), ("walk_strokes", STROKES)):
+        frames = [clip(k, values)[5:, 155 + 5 * k // 4:295 + 5 * k // 4] for k in range(48)]
+        rows = [np.concatenate(frames[row:row + 8], 1) for row in range(0, 48, 8)]
+        written(np.concatenate(rows), folder / f"{name}.jpg")
 
 
 if __name__ == "__main__":

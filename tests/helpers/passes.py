@@ -88,16 +88,19 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
     "near": (dict(seed=21, strong=0.1, things=2, wires=1), dict(edge_threshold=0.15, edge_color=1.0, crease_angle=8.0),
              (), None),
     "inlaid": (dict(seed=93, inlaid=5), dict(edge_color=0.0, edge_material=1.0), (), None),
+    "hardly made": (dict(seed=94, inlaid=5, size=(24, 30)),
+                    dict(edge_threshold=0.4, edge_material=0.3, edge_object=0.25, edge_color=0.5), (), None),
     "many edges": (dict(seed=73, bent=90, size=(24, 24), busy=False), dict(crease_angle=30.0), (), None),
     "edges": (dict(seed=71, things=1, bent=24, mirror=True), dict(edge_color=0.0, edge_bump=0.4), (), None),
     "soft edges": (dict(seed=72, things=2, bent=30, styles=2, size=(44, 60)),
-                   dict(edge_light=0.0, crease_angle=33.0, crease_smooth=45.0),
-                   [{"crease_angle": 60.0}, {"edge_normal": 0.5, "crease_smooth": 20.0}], ORTHO),
+                   dict(edge_light=0.0, crease_angle=33.0, crease_smooth=45.0, edge_bump=0.6),
+                   [{"crease_angle": 60.0, "edge_bump": 0.0, "edge_color": 0.12},
+                    {"edge_normal": 0.5, "crease_smooth": 20.0, "edge_bump": 0.0, "edge_color": 0.12}], ORTHO),
     "told": (dict(seed=95, things=2, bent=4, told=40, size=(44, 60)), dict(edge_color=0.0, edge_light=0.0), (), None),
     "hardly told": (dict(seed=96, bent=4, told=50, strong=0.1, styles=2, size=(44, 60), busy=False),
                     dict(edge_color=0.0, edge_threshold=0.3), [{"edge_depth": 0.2}, {"edge_depth": 2.0}], ORTHO),
     "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
-    "painted": (dict(seed=91, painted=True, things=1), dict(edge_color=0.0, edge_threshold=0.0), (), None),
+    "painted": (dict(seed=91, painted=4, things=1), dict(edge_color=0.0, edge_threshold=0.0), (), None),
     "faint rods": (dict(seed=92, wires=4, things=1, strong=0.1, size=(40, 40)), dict(edge_threshold=0.0), (), ORTHO),
     "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
 }
@@ -106,7 +109,10 @@ WIRES = {  # for the sites of thin things
     for k in range(10)} | {
     f"few wires {k}": (dict(seed=30 + k, size=(15 + k % 3, 17), count=2 + k % 2, without=("object",) * (k % 3 == 0)),
                        dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
-    for k in range(28)}
+    for k in range(20)} | {
+    f"rough wires {k}": (dict(seed=60 + k, size=(16, 20), count=3, noise=0.04),
+                         dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
+    for k in range(4)}
 
 
 def _tiny(k):
@@ -132,6 +138,29 @@ LIGHTS = {  # rows of all lengths
                         shade_levels=[(0.1,), (0.4, 0.3, 0), (0.7, 0.45 - 0.01 * k, 0), (0.9, 0.6, 0)]),
                    (), None)
     for k, size in enumerate(((1, 80), (3, 67), (9, 33), (5, 32), (4, 31), (12, 64), (7, 100), (40, 5)))}
+SWEEPS = {  # what grows past each bound
+    "sweep": (dict(seed=7), dict(edge_threshold=0.0, contrast_threshold=0.0, edge_light=0.0), (), None)}
+SIZES = ((1, 1), (1, 2), (2, 1), (1, 17), (17, 1), (2, 33), (33, 2), (3, 15), (15, 3), (4, 16), (16, 4), (5, 31),
+         (7, 32), (9, 49), (12, 24), (15, 24), (17, 20), (10, 65))  # less than a window, and about spans
+
+
+def _cut(k):
+    """Out of a larger picture: what it shows goes on beyond every border, and says other things than a copy would."""
+    size = SIZES[k % len(SIZES)]
+    rng = np.random.default_rng(500 + k)
+    how = dict(seed=400 + k, size=(size[0] + 12, size[1] + 12), cut=(6, 6), things=1 + k % 2, wires=2,
+               mirror=k % 3 == 0, bent=9 * (k % 2), painted=k % 4 == 0, told=3 * (k % 3 == 1), hand=4 * (k % 4 == 3),
+               strong=(1.0, 0.3)[k % 5 == 4])
+    scene = dict(edge_threshold=float(rng.choice([0, 0.1])), crease_angle=float(rng.choice([8, 30])),
+                 shade_levels=[(0.1,), (0.4, 0.3, 0), (0.7, 0.42, 0), (0.9, 0.6, 0)])
+    return how, scene, (), (None, ORTHO)[k % 2]
+
+
+CUTS = {f"cut {k}": _cut(k) for k in range(30)}  # the small ones twice
+ROWS = {  # the border of what is painted; a line whose first site is the first of all
+    "stroke": (dict(seed=107, hand=1, busy=False, size=(20, 24)), dict(edge_light=0.0, edge_color=0.0), (), None),
+    "painted rows": (dict(seed=99, painted=-3, noise=0.2, size=(16, 24)),
+                     dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0, edge_threshold=0.0), (), None)}
 MORE = {  # for the passes alone: many lines beside one another
     f"crowded {k}": (dict(seed=100 + k, things=k % 2, noise=0.01 * (k % 3), size=(40, 56)),
                      dict(crease_angle=30.0 + 20 * (k % 3), edge_threshold=0.05 * (k % 4)), (), (None, ORTHO)[k % 2])
@@ -142,6 +171,7 @@ MORE = {  # for the passes alone: many lines beside one another
     for k in range(4)}
 
 
+EVERY = {**CASES, **TINY, **MORE, **WIRES, **LIGHTS, **SWEEPS, **CUTS, **ROWS}
 TANGLES = {  # for the passes after smoothing: chains by chance in the place of those that are found
     f"tangle {k}": (k, dict(color_layer=("ALBEDO", "LIT")[k % 2])) for k in range(22)}
 
@@ -158,8 +188,9 @@ class Case:
 
 @functools.cache
 def given(name):
-    how, scene, styles, camera = {**CASES, **TINY, **MORE, **WIRES, **LIGHTS}[name]
-    draw = shapes.wires if name in WIRES else shapes.dapples if name in LIGHTS else shapes.shapes
+    how, scene, styles, camera = EVERY[name]
+    draw = next((draw for draw, names in ((shapes.wires, WIRES), (shapes.dapples, LIGHTS), (shapes.sweeps, SWEEPS))
+                 if name in names), shapes.shapes)
     layers = draw(**how)
     scene, camera = {**ALL, **scene}, camera or Camera()
     told = vars(camera)
@@ -182,6 +213,6 @@ def case(name):
         scene = {**ALL, **own}
         view = View(Layers(layers, 0, {}, None), Params(scene, ()), tuple(layers))
         return Case(*run(layers, scene, given=(site, link)), view)
-    _, _, styles, camera = {**CASES, **TINY, **MORE, **WIRES, **LIGHTS}[name]
+    _, _, styles, camera = EVERY[name]
     layers, scene, view = given(name)
     return Case(*run(layers, scene, styles, camera), view)

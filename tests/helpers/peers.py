@@ -22,6 +22,7 @@ import turn
 from encre.cli import images, inside, tools
 from encre.pen import colour
 from mathutils import Vector
+from mathutils.bvhtree import BVHTree
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "tests"))
@@ -33,7 +34,7 @@ EVERY = 1.5    # pixels between points on an edge, at most
 REACH = 1.5    # pixels from a point in which its ink is sought
 INKED = 0.25   # ink that counts as a line
 SCRAP = 12     # pixels: a piece of ink that spans less is one
-ALONE = 8      # pixels from a point without another edge, where two lines are one too many
+ALONE = 8      # pixels to both sides of a point in which lines are counted: two where nothing else is are one too many
 APART = 1e-4   # share of its distance by which a point is lifted off its surface before the eye looks for it
 
 PAGE = """# Beside Freestyle and Line Art
@@ -46,8 +47,9 @@ pixels wide from the shapes alone.
 Which lines there are comes from the meshes and the camera: outlines, ends of surfaces, and edges that bend by {bend}°
 or more, wherever a ray from the eye reaches them. *Un-inked*: the share of their points with ink of less than {inked}
 within {reach} px. *Scraps*: pieces of ink that span less than {scrap} px. *Doubles*: the share of points with no other
-edge within {alone} px beside which two lines run. Encre alone draws where bodies stand in each other; those lines are
-not asked for here.
+edge within {far} px, and no place where bodies stand in each other, beside which two lines run. Such places are not
+asked for as lines: Encre alone draws them all. A line that is left out makes no double: Line Art has no inner ring on
+the machine's flange, Freestyle no edges of books that stand beside each other.
 
 | scene | lines | un-inked | scraps | doubles |
 |---|---|---|---|---|
@@ -62,6 +64,7 @@ class Edges:
 
     def __init__(self, depsgraph, eye):
         ends, facing, bend, away = [], [], [], []
+        corners, owner = [], []
         for instance in depsgraph.object_instances:
             obj = instance.object
             if obj.type not in {"MESH", "CURVE"} or not instance.show_self:
@@ -83,10 +86,46 @@ class Edges:
                 facing.append((front[one], front[two]))
                 bend.append(np.degrees(np.arccos(np.clip(normals[one] @ normals[two], -1, 1))) if others else 180)
                 away.append(normals[one] + (normals[two] if others else 0))
+            mesh.calc_loop_triangles()
+            corners += [points[list(t.vertices)] for t in mesh.loop_triangles]
+            owner += [len(set(owner))] * len(mesh.loop_triangles)
             obj.to_mesh_clear()
         self.ends, self.facing, self.bend = np.array(ends), np.array(facing), np.array(bend)
         self.away = np.array(away)
+        self.meets = np.zeros(len(ends), bool)
+        self.add_meets(np.array(corners), np.array(owner))
         self.away /= np.maximum(np.linalg.norm(self.away, axis=1, keepdims=True), 1e-20)
+
+    def add_meets(self, corners, owner):
+        """Where triangles of two objects pass through each other."""
+        tree = BVHTree.FromPolygons(corners.reshape(-1, 3).tolist(),
+                                    np.arange(3 * len(corners)).reshape(-1, 3).tolist(), all_triangles=True)
+        pairs = np.array(tree.overlap(tree)).reshape(-1, 2)
+        one, two = (corners[k] for k in pairs[owner[pairs[:, 0]] < owner[pairs[:, 1]]].T)
+        across = [np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]) for t in (one, two)]
+        along = np.cross(*across)
+        along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-20)
+        spans = []
+        for t, other, normal in ((one, two, across[1]), (two, one, across[0])):
+            height = ((t - other[:, :1]) * normal[:, None]).sum(2)
+            place = (t * along[:, None]).sum(2)
+            cut = np.full((len(t), 3), np.nan)  # places on the common line at which the sides pass the other's plane
+            for k, m in ((0, 1), (1, 2), (2, 0)):
+                passes = height[:, k] * height[:, m] < 0
+                share = height[passes, k] / (height[passes, k] - height[passes, m])
+                cut[passes, k] = place[passes, k] * (1 - share) + place[passes, m] * share
+            spans.append((np.fmin.reduce(cut, 1), np.fmax.reduce(cut, 1)))
+        start, end = np.maximum(spans[0][0], spans[1][0]), np.minimum(spans[0][1], spans[1][1])
+        real = np.flatnonzero(end > start)
+        base = np.array([np.linalg.lstsq([across[0][k], across[1][k], along[k]],
+                                         [across[0][k] @ one[k, 0], across[1][k] @ two[k, 0], 0], rcond=None)[0]
+                         for k in real]).reshape(-1, 3)
+        away = sum(n[real] / np.linalg.norm(n[real], axis=1, keepdims=True) for n in across)
+        self.ends = np.concatenate([self.ends, np.stack([base + along[real] * s[real, None] for s in (start, end)], 1)])
+        self.away = np.concatenate([self.away, away / np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-20)])
+        self.facing = np.concatenate([self.facing, np.ones((len(real), 2), bool)])
+        self.bend = np.concatenate([self.bend, np.zeros(len(real))])
+        self.meets = np.concatenate([self.meets, np.ones(len(real), bool)])
 
     def lines(self, bend):
         """Which are lines where they can be seen: ends, outlines, and bends of an outside."""
@@ -125,7 +164,7 @@ def measure(t, at, along, around):
     s = np.arange(-ALONE, ALONE + 0.125, 0.25)
     profiles = turn.sample(t, at[:, None] + across[:, None] * s[:, None])
     bare = profiles[:, np.abs(s) <= REACH].max(1) < INKED
-    i, j = near.pairs(at, around, ALONE)
+    i, j = near.pairs(at, around, ALONE + REACH)  # the ink of one farther off comes into the profile
     off = around[j] - at[i]
     crowded = np.zeros(len(at), bool)
     crowded[i[np.abs((off * across[i]).sum(1)) > 1]] = True
@@ -195,7 +234,7 @@ def shoot(folder, name, techniques):
     view = turn.View(scene, 1, (WIDTH, HEIGHT))
     edges = Edges(depsgraph, view.eye)
     at, along = visible(scene, depsgraph, view, edges, edges.lines(BEND))
-    around, _ = visible(scene, depsgraph, view, edges, edges.lines(10))
+    around, _ = visible(scene, depsgraph, view, edges, edges.lines(10) | edges.meets)
     return ink, at, along, around
 
 
@@ -216,7 +255,7 @@ def main():
                                images.Texture(pictures[-1].astype(np.float32), "uint8", False, False)})
     if names == list(strangers.SCENES):
         page = PAGE.format(size=f"{WIDTH}×{HEIGHT}", samples=SAMPLES, wide="1.5", bend=BEND, inked=INKED, reach=REACH,
-                           scrap=SCRAP, alone=ALONE, rows="\n".join(rows))
+                           scrap=SCRAP, far=ALONE + REACH, rows="\n".join(rows))
         (ROOT / "docs" / "peers.md").write_text(page, encoding="utf-8")
         turn.jpeg(colour.halved(np.concatenate(pictures).astype(np.float32), True), ROOT / "docs" / "peers.jpg")
     sys.stdout.flush()

@@ -45,8 +45,11 @@ def edges(rng, size, count):
             there = (place[..., axis] > 0) & (abs(bend) > np.abs(layer[..., 2 * axis + 1]))
             layer[there, 2 * axis] = place[there, axis]
             layer[there, 2 * axis + 1] = bend
-    layer[:, -1, 0] = layer[-1, :, 2] = 0.5 * (count > 50)  # ways out of the frame
-    layer[..., 4] = rng.choice((-1.0, 3.0, 30.0, 80.0), size, p=(0.1, 0.3, 0.3, 0.3))
+    if count > 50:  # ways out of the frame
+        layer[:, -1, :2] = layer[-1, :, 2:4] = 0.5, 60
+    else:
+        layer[:, -1, 0] = layer[-1, :, 2] = 0
+    layer[..., 4] = rng.choice((-1.0, 0.5, 30.0, 80.0), size, p=(0.1, 0.3, 0.3, 0.3))
     return layer
 
 
@@ -70,8 +73,9 @@ def strokes(rng, size, count):
 
 
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0, light=1.0, hand=0, bent=0, inlaid=0, told=0, without=()):
-    """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so."""
+           strong=1.0, light=1.0, hand=0, bent=0, inlaid=0, told=0, without=(), cut=(0, 0)):
+    """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so.
+    cut: pixels that are cut off, of the rows above and below and of the columns left and right."""
     rng = np.random.default_rng(seed)
     height, width = size
     y, x = np.mgrid[:height, :width].astype(float)
@@ -120,6 +124,7 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     for _ in range(told):  # contours, which come as far before what is behind them as chance has it
         line = strokes(rng, size, 1)
         steps = np.clip(rng.integers(0, 6) + rng.integers(-1, 2, (*size, 2)), 0, 9)
+        line = np.where(line > 0.9, 1, line)  # at the far pixel's centre
         layers["marks"] = np.where(line > 0, -line - 2 * steps, layers["marks"])
     if bent:
         layers["creases"] = edges(rng, size, bent)
@@ -138,13 +143,44 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
         layers[rng.choice(("material", "object"))][_cover(rng, y, x, "disc", size)] = rng.integers(5, 9)
     if painted:
         layers["controls"] = np.where(rng.random((*size, 1)) < 0.7, 0, rng.uniform(-0.3, 0.3, (*size, CONTROLS)))
+        if painted < 0:
+            layers["controls"][:] = 0.3
+        layers["controls"][np.arange(height) % int(painted) != 0] = 0  # in every so many rows
     if styles:
         layers["style"] = np.minimum(_patches(rng, size, ("half", "disc"), lambda: rng.integers(0, styles + 1, 1)),
                                      styles).round()[..., 0]
-    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items() if name not in without}
+    inner = tuple(slice(n, size[k] - n) for k, n in enumerate(cut))
+    return {name: np.ascontiguousarray(a[inner], np.float32) for name, a in layers.items() if name not in without}
 
 
-def wires(seed, size=(40, 52), count=4, without=()):
+def sweeps(seed, size=(20, 60)):
+    """Stripes and steps side by side, of all averaged layers but light, that grow from row to row from what is none to
+    three times as much; what stands for a mirror shows them, too."""
+    rng = np.random.default_rng(seed)
+    height, width = size
+    x = np.tile((np.arange(width * FINER) + 0.5) / FINER - 0.5, (height, 1)) + 0.02 * np.arange(height)[:, None]
+
+    def profile():
+        """(H, W): of cells of 10 pixels, by turns a stripe and a step."""
+        at, cell = x % 10 - 5, (x // 10).astype(int) % 8
+        broad, off = rng.uniform(0.5, 2.2, 8)[cell], rng.uniform(-0.5, 0.5, 8)[cell]
+        soft = np.where(cell % 2, np.abs(at - off) < broad / 2, np.clip((at - off) / broad + 0.5, 0, 1) - at / 10 - 0.5)
+        return soft.reshape(height, width, FINER).mean(2)[..., None]
+
+    grown = np.geomspace(0.25, 0.8, height)[:, None, None]
+    ones = np.ones((height, width, 3))
+    way = (0.6, 0.8, 0)
+    layers = dict(normal=ones * (0, 0, 1) + 0.35 * grown * profile() * way,
+                  diffuse=ones,
+                  albedo=0.4 * ones + 0.03 * grown * profile() * (1, -0.5, 0.3), depth=4 * ones[..., 0],
+                  seen_normal=ones * (0, 0, -1) + 0.6 * grown * profile() * way,
+                  seen_color=0.4 * ones + 0.03 * grown * profile() * (1, -0.5, 0.3), seen_depth=9 * ones[..., 0],
+                  combined=np.ones((height, width, 4)))
+    layers["color"] = layers["albedo"]
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+def wires(seed, size=(40, 52), count=4, without=(), noise=0.0):
     """Wires of every width and contrast before a wall that a step divides, some of them just before it."""
     rng = np.random.default_rng(seed)
     height, width = size
@@ -171,6 +207,7 @@ def wires(seed, size=(40, 52), count=4, without=()):
                                                  marks[:-1, :-1, axis])
         object_ = np.where(hit & (rng.random() < 0.7), k + 1, object_)
         depth = np.where(hit, np.minimum(depth, 5 * rng.choice([0.5, 0.9, rng.uniform(0.985, 0.993)])), depth)
+    value = value + noise * rng.standard_normal(value.shape)
     layers = dict(combined=np.ones((*size, 4)), color=value[..., :3], diffuse=np.ones((*size, 3)), depth=depth,
                   object=object_, normal=value[..., 3:])
     if seed % 2:

@@ -6,6 +6,7 @@
 A ball, a box and a floor to the horizon, lit by formula; frames are drawn one by one, each from its own layers alone.
 corr: correlation of a frame with the next one, brought back by the true motion of the surface; pop: share of the pixels
 that still differ by more than a quarter after a blur of a pixel; ink: how much the share of ink varies over a motion.
+By example has colour and no ink: its brush work is followed.
 """
 
 import sys
@@ -45,11 +46,20 @@ def turned(angle, place):
     return out
 
 
+def mapped(points, corners):
+    """UV (t, 3, 2) of a ball's triangles: U winds about it from pole to pole."""
+    x, y, z = np.moveaxis(points[corners].astype(np.float64), 2, 0)
+    around = np.arctan2(y, x) / (2 * np.pi)
+    around += np.round(around[:, :1] - around)  # on one side of the seam
+    up = np.arccos(np.clip(z, -1, 1)) / np.pi
+    return np.stack([around, up - around], 2).astype(np.float32)
+
+
 def scene(turn=0.0):
-    """Meshes, numbered from 1."""
+    """Meshes, numbered from 1; the first has a UV map."""
     points, corners, normals = ball()
     floor = np.array([(-400, -40, -1), (400, -40, -1), (400, 2000, -1), (-400, 2000, -1)], np.float32)
-    return [Mesh(points, corners, object_index=1, normals=normals, rest_normals=normals,
+    return [Mesh(points, corners, object_index=1, normals=normals, rest_normals=normals, uv=mapped(points, corners),
                  model=turned(turn, (-0.8, 0, 0))),
             Mesh(*box(), object_index=2, model=turned(turn + 0.5, (1.2, 0.4, -0.1))),
             Mesh(floor, np.array([[0, 1, 2], [0, 2, 3]], np.int32), object_index=3)]
@@ -72,22 +82,22 @@ def layers_of(meshes, view, projection, size=SIZE):
     """(layers of white things in the light, the rasteriser's pictures)."""
     width, height = size
     maps = library.raster(meshes, view, projection, Frame(width, height), size, 0.1,
-                          outputs=("depth", "object", "shading", "anchor"))
+                          outputs=("depth", "object", "shading", "anchor", "tangent"))
     lit = np.maximum(maps["shading"] @ LIGHT.astype(np.float32), 0)[..., None] * np.float32(SUN)
     one = np.ones((height, width, 3), np.float32)
     layers = {"combined": np.concatenate([one * lit, one[..., :1]], 2), "color": one, "diffuse": one * lit,
-              "depth": maps["depth"], "normal": maps["shading"], "object": maps["object"], "anchor": maps["anchor"]}
+              "depth": maps["depth"], "normal": maps["shading"], "object": maps["object"], "anchor": maps["anchor"],
+              "tangent": maps["tangent"]}
     return layers, maps
 
 
-def frame(meshes, view, projection, values):
-    """(ink (H, W), the rasteriser's pictures)."""
+def frame(meshes, view, projection, values, image=None):
+    """(ink (H, W), the rasteriser's pictures). image: what reads the images of settings."""
     layers, maps = layers_of(meshes, view, projection)
     off = dict.fromkeys(("use_lines", "use_shading", "use_smudging", "use_hatching"), False)
     ink = library.render(layers, {**off, "use_tones": True, **values}, camera=Camera(view[:3, :3].ravel()),
-                         outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
+                         image=image, outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
     return ink, maps
-
 
 
 
@@ -104,7 +114,12 @@ SCREENS = {
     "lines": {**RAMP, **tone("LINES", space="SURFACE", pitch=7.0, angle=0.0)},
     "cross-lines": {**RAMP, **tone("CROSS", space="SURFACE", pitch=7.0, angle=0.0)},
     "hatching": {**RAMP, **tone("HATCH", space="SURFACE", pitch=7.0, angle=0.0)},
+    "strokes toward the light": {**RAMP, **tone("HATCH", space="SURFACE", pitch=7.0, angle=0.0),
+                                 "tone_strokes": "LIGHT"},
+    "strokes along UV": {**RAMP, **tone("HATCH", space="SURFACE", pitch=7.0, angle=0.0), "tone_strokes": "UV"},
     "stipple": {**RAMP, **tone("STIPPLE", space="SURFACE", pitch=7.0)},
+    "dots painted on": {**RAMP, **tone("DOTS", space="OBJECT", pitch=8.0)},
+    "strokes painted on": {**RAMP, **tone("HATCH", space="OBJECT", pitch=8.0, angle=0.0)},
     "dots on the screen": {**RAMP, **tone("DOTS", pitch=7.0)},
 }
 MOTIONS = {"pan": [dict(pan=0.0115 * 5.3 * k / 2) for k in range(6)],
@@ -149,12 +164,12 @@ def blurred(picture):
     return out
 
 
-def followed(values, poses):
+def followed(values, poses, image=None):
     """(corr, pop, how much ink varies) over a motion."""
     frames = []
     for pose in poses:
         meshes, view, projection = posed(**pose)
-        ink, maps = frame(meshes, view, projection, values)
+        ink, maps = frame(meshes, view, projection, values, image)
         frames.append((ink, (meshes, view, projection, maps)))
     found, pops, shares = [], [], []
     for (ink, one), (after, other) in zip(frames, frames[1:], strict=False):
@@ -170,19 +185,90 @@ def followed(values, poses):
     return np.mean(found), np.mean(pops), np.std(shares) / np.mean(shares)
 
 
+def painted(values, poses, image):
+    """(corr, pop) of the brush work that by example paints on white things in even light."""
+    frames = []
+    for pose in poses:
+        meshes, view, projection = posed(**pose)
+        layers, maps = layers_of(meshes, view, projection)
+        layers["diffuse"] = np.full_like(layers["diffuse"], 0.6)
+        drawn = library.render(layers, values, camera=Camera(view[:3, :3].ravel()), image=image).images["Combined"]
+        bright = coarse = drawn[..., :3].mean(-1)
+        for _ in range(60):
+            coarse = blurred(coarse)
+        frames.append((bright - coarse, (meshes, view, projection, maps)))
+    found, pops = [], []
+    for (one, here), (after, there) in zip(frames, frames[1:], strict=False):
+        moved, seen = back(here[3], there, there[3], after)
+        near = seen & (here[3]["depth"] < 40)
+        found.append(np.corrcoef(one[near], moved[near])[0, 1])
+        pops.append((np.abs(blurred(np.where(near, one - moved, 0)))[near] > 0.25).mean())
+    return np.mean(found), np.mean(pops)
+
+
+def ramp(kind, size):
+    """(H, W) ink from 5 to 95 % on the screen."""
+    width, height = size
+    one = np.ones((height, width, 3), np.float32)
+    light = one * np.linspace(1, 0, width, dtype=np.float32)[None, :, None]
+    layers = {"combined": np.concatenate([light, one[..., :1]], 2), "color": one, "diffuse": light,
+              "depth": 5 * one[..., :1], "normal": one}
+    off = dict.fromkeys(("use_lines", "use_shading", "use_smudging", "use_hatching"), False)
+    return library.render(layers, {**off, "use_tones": True, **RAMP, **tone(kind, pitch=7.0)},
+                          outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
+
+
+def sheet():
+    """(H, W) ink of every tone: in each space, and as a ramp."""
+    rows = []
+    for kind in ("DOTS", "LINES", "CROSS", "HATCH", "STIPPLE"):
+        cells = [frame(*posed(), {**RAMP, **tone(kind, space=space, pitch=7.0)})[0][70:310, 130:570]
+                 for space in ("SCREEN", "SURFACE", "OBJECT")]
+        rows.append(np.concatenate([np.pad(cell, 4) for cell in (*cells, ramp(kind, (240, 240)))], 1))
+    return np.concatenate(rows)
+
+
+def printed():
+    """(H, W) ink or none of 3 cm by 2 of a page at 600 dots an inch: dots and lines, 60 to the inch."""
+    size, parts = (2400, 1350), []
+    layers, _ = layers_of(*posed(), size)
+    off = dict.fromkeys(("use_lines", "use_shading", "use_smudging", "use_hatching"), False)
+    for kind in ("DOTS", "LINES"):
+        values = {**off, **RAMP, **tone(kind, pitch=60.0), "use_tones": True, "tone_crisp": True,
+                  "tone_pitch_unit": "LPI", "length_unit": "MM", "page_height": 1350 / 600 * 25.4}
+        ink = library.render(layers, values, outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
+        parts.append(ink[480:952, 760:1114])
+    return np.concatenate(parts, 1)
+
+
+def cells_of(values, image=None):
+    """A row's figures, motion by motion."""
+    return [f"{a:.3f}, {100 * b:.2f} %, {100 * c:.1f} %"
+            for a, b, c in (followed(values, poses, image) for poses in MOTIONS.values())]
+
+
 def main():
     import OpenImageIO as oiio
+    from encre.cli.images import read_chosen
+    from toned import tile
 
     folder = Path(sys.argv[1])
     folder.mkdir(exist_ok=True)
+    for name, ink in (("tones", sheet()), ("tones_print", printed())):
+        oiio.ImageBuf(np.round(255 * (1 - ink)).astype(np.uint8)[..., None]).write(str(folder / f"{name}.png"))
     print("| | " + " | ".join(f"{motion}: corr, pop, ink" for motion in MOTIONS) + " |")
     for name, values in SCREENS.items():
-        cells = [followed(values, poses) for poses in MOTIONS.values()]
-        print(f"| {name} | " + " | ".join(f"{a:.3f}, {100 * b:.2f} %, {100 * c:.1f} %" for a, b, c in cells) + " |")
+        print(f"| {name} | " + " | ".join(cells_of(values)) + " |", flush=True)
         for label, pose in (("near", {}), ("zoom", dict(zoom=2.52))):
             ink, _ = frame(*posed(**pose), values)
             grey = np.round(255 * (1 - ink)).astype(np.uint8)[..., None]
             oiio.ImageBuf(grey).write(str(folder / f"{name.replace(' ', '-')}-{label}.png"))
+    for name, space, pitch in (("picture", "SURFACE", 90.0), ("picture painted on", "OBJECT", 90.0)):
+        values = {**RAMP, **tone("IMAGE", space=space, pitch=pitch, image="tile")}
+        print(f"| {name} | " + " | ".join(cells_of(values, lambda _: tile(90, 90))) + " |", flush=True)
+    values = {**dict.fromkeys(("use_lines", "use_shading", "use_smudging", "use_hatching"), False), "use_example": True}
+    cells = [painted(values, poses, read_chosen) for poses in MOTIONS.values()]
+    print("| by example | " + " | ".join(f"{a:.3f}, {100 * b:.2f} %" for a, b in cells) + " |")
 
 
 if __name__ == "__main__":

@@ -140,9 +140,10 @@ def tangle(seed):
     def noise(base, far):
         return base + far * rng.standard_normal((*SIZE, 3))
 
-    layers = {"normal": noise(0.3, 0.1), "albedo": noise(0.4, 0.02), "diffuse": noise(0.6, 0.1),
+    layers = {"normal": noise(0.3, 0.1), "albedo": noise(0.4, 0.02), "diffuse": noise(0.6, 0.04),
               "seen_normal": noise(0.3, 0.14), "seen_color": noise(0.4, 0.01), "depth": np.full(SIZE, 4.0)}
     layers["seen_depth"], layers["color"] = layers["depth"], layers["albedo"]
+    layers["object"] = np.kron(rng.integers(0, 2, np.array(SIZE) // 6), np.ones((6, 6)))
     layers["combined"] = np.concatenate([noise(0.4, 0.02), np.ones((*SIZE, 1))], -1)
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
     return layers, *made.table()

@@ -9,7 +9,7 @@
     measure.place(t, truth), measure.whole(t, truth), measure.stray(t, truth) …   # one promise each
     print(verdict.table({"mine": verdict.judge(my_detector, {"boxes": scene})}))  # all of them
 
-shapes: solids met by rays, and the curves on them; scene: camera, light, layers, truth; scenes: the library; meshes:
+shapes: solids met by rays, and the curves on them; camera; scene: light, layers, truth; scenes: the library; meshes:
 scenes of polygons; told: such of which our rasteriser tells; kinds: scenes of other kinds than FINE was tuned on;
 measure: the promises, on one picture; verdict: their limits, on many. The truth comes from the formulas alone: curves
 that may be contours (edges, silhouettes, crossings, rims of patches, light levels, shadows, the horizon) are kept where

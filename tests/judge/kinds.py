@@ -7,9 +7,10 @@ from functools import cached_property
 import numpy as np
 from reference import near
 
+from .camera import look
 from .meshes import box as hull
 from .meshes import quad
-from .scene import Light, Scene, look
+from .scene import Light, Scene
 from .scenes import COLORS, SUN, turned
 from .shapes import Cone, HalfSpace, Solid, across, box, ground, polygon, unit
 from .told import Told, bevelled, grown, joined, prism, rock, tube

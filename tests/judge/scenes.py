@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from .scene import Light, Scene, look
+from .camera import look
+from .scene import Light, Scene
 from .shapes import across, ball, band, box, cap, cone, disc, ground, polygon, prism, unit
 
 SUN = unit([0.45, 0.75, 0.5])

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bends over several faces: from what the rasteriser drew without them, in float64."""
 
-import functools
-from itertools import takewhile
+from types import SimpleNamespace as Bag
 
 import numpy as np
 
 SPREAD = 360
+BY = 1.25  # pixels from a pixel, that a line that goes by it may be away
 
 
 def _degrees(n, m):
@@ -15,11 +15,8 @@ def _degrees(n, m):
 
 
 def _turn(maps, y, x, axis):
-    """What the normal turns from a pixel to the next; -1 at an end of the surface, None beyond the images."""
-    height, width = maps["object"].shape
+    """What the normal turns from a pixel to the next; -1 at an end of the surface."""
     p, q = (y, x), (y + axis, x + 1 - axis)
-    if min(y, x) < 0 or q[0] >= height or q[1] >= width:
-        return None
     n, m = (maps["normal"][at].astype(float) for at in (p, q))
     if maps["object"][p] != maps["object"][q] or not n.any() or not m.any():
         return -1.0
@@ -28,87 +25,165 @@ def _turn(maps, y, x, axis):
     return _degrees(n, m)
 
 
-def _sum(turns):
-    return None if None in turns else -1.0 if -1.0 in turns else sum(turns)
+def _lane(maps, number, axis):
+    """Where a row (axis 0) or a column turns: (place, degrees, bend of the edge there, way)."""
+    height, width = maps["object"].shape
+    found = []
+    for way in range((height if axis else width) - 1):
+        y, x = (way, number) if axis else (number, way)
+        turn = _turn(maps, y, x, axis)
+        place, edge = maps["creases"][y, x, 2 * axis:2 * axis + 2].astype(float)
+        if turn < 0:
+            found.append((way + 0.5, -1.0, 0.0, way))
+        elif turn > 0:
+            found.append((way + (place if place > 0 else 0.5), turn, edge, way))
+    return found
 
 
-def _bend(maps, turn_at, y, x, axis, most):
-    """The clearest bend along an axis whose middle passes a pixel: (clear, off, bend, first, count, smooth)."""
-    def at(k):
-        return (y + k, x) if axis else (y, x + k)
+def _shape(edges):
+    """(degrees, middle, width) of edges."""
+    place, turn = np.array([(e[0], e[1]) for e in edges]).T
+    middle = (place * turn).sum() / turn.sum()
+    wide = np.sqrt(12 * max(0, (turn * (place - middle) ** 2).sum() / turn.sum()))
+    return turn.sum(), middle, max(min(wide, place[-1] - place[0]), 0.25)
 
-    turn = {k: turn_at(*at(k), axis) for k in range(-2 * most, 2 * most)}
-    if sum(max(turn[k] or 0, 0) for k in range(-most, most)) < 20:
+
+def _beside(lane, i, way, reach, border, narrow):
+    """What goes on beside an edge; None: the surface ends, infinite: the other side tells."""
+    total, seen, cut = 0.0, abs(border - lane[i][0]), True
+    k = i + way
+    while 0 <= k < len(lane) and abs(lane[k][0] - lane[i][0]) < reach:
+        away = abs(lane[k][0] - lane[i][0])
+        if lane[k][1] < 0:
+            seen, cut = away, False
+            break
+        total += lane[k][1] * min(1, 2 - 2 * away / reach)
+        k += way
+    if seen < 2:
+        return np.inf if cut or (narrow and seen >= 1) else None
+    return total * reach / seen if seen < reach else total
+
+
+def _run(lane, i, j, narrow, size, normal):
+    """What the edges from i to j are as a bend: (how clear, degrees), or None."""
+    edges = lane[i:j + 1]
+    turn, middle, wide = _shape(edges)
+    places = [e[0] for e in edges]
+    if max(np.diff(places), default=0) > max(0.55 * (places[-1] - places[0]), 1.25 * narrow):
         return None
-    edge = {k: maps["creases"][at(k)][2 * axis:2 * axis + 2].astype(float) if turn[k] is not None else (0, 0)
-            for k in turn}
-    place = {k: k + (edge[k][0] if edge[k][0] > 0 and turn[k] > 0 else 0.5) for k in turn}
-    best = None
-    for count in range(2, most + 1):
-        for first in range(-count, 1):
-            ways = range(first, first + count)
-            every, before, after = (_sum([turn[k] for k in part]) for part in (
-                ways, range(first - count, first), range(first + count, first + 2 * count)))
-            if every is None or every < 20 or -1.0 in (before, after):
-                continue
-            if before is None and after is None:
-                continue
-            sides = 2 * after if before is None else before, 2 * before if after is None else after
-            bend, clear = every - sum(sides) / 2, every - max(sides)
-            more = count // 2
-            around = [*takewhile(lambda k: turn[k] not in (None, -1), range(first - 1, first - 1 - more, -1)), *ways,
-                      *takewhile(lambda k: turn[k] not in (None, -1), range(first + count, first + count + more))]
-            middle = sum(turn[k] * place[k] for k in around) / sum(turn[k] for k in around)
-            own = [abs(edge[k][1]) > (0.36 if abs(place[k] - middle) > 1.6 else 0.6) * every
-                   for k in ways if turn[k] > 0]
-            if min(sides) <= 0.25 * every and bend >= 20 and abs(middle) <= 1.25 and not any(own) and (
-                    clear > max(0, best[0] + 1e-9 if best else 0)):
-                smooth = not any(edge[k][1] > 0 and turn[k] > 0 for k in ways)
-                best = clear, -middle, bend, first, count, smooth
-    return best
+    reach = max(1.6 * wide, narrow)
+    before, after = (_beside(lane, k, way, reach, border, wide <= 0.8 * narrow)
+                     for k, way, border in ((i, -1, 0), (j, 1, size - 1)))
+    if before is None or after is None or np.isinf([before, after]).all():
+        return None
+    before, after = 2 * after if np.isinf(before) else before, 2 * before if np.isinf(after) else after
+    alone = np.clip((0.25 - min(before, after) / turn) / 0.13, 0, 1)
+    bends = alone * (turn - (before + after) / 2)
+    clear = alone * (turn - max(before, after)) / (1 + (wide / (3 * narrow)) ** 2)
+    own = any(abs(e[2]) > (0.36 if abs(e[0] - middle) > 1.6 else 0.6) * turn for e in edges)
+    straight = _degrees(normal(lane[i][3]), normal(lane[j][3] + 1)) >= 0.8 * bends
+    return (clear, bends) if bends >= 20 and clear > 0 and not own and straight else None
+
+
+def _bends(maps, number, axis, narrow):
+    """The bend of each pixel of a lane, if there is one."""
+    height, width = maps["object"].shape
+    size, lane = height if axis else width, _lane(maps, number, axis)
+
+    def normal(k):
+        return maps["normal"][(k, number) if axis else (number, k)].astype(float)
+
+    best = [(0.0,)] * len(lane)
+    for i in range(len(lane)):
+        for j in range(i, len(lane)):
+            if lane[j][1] < 0 or lane[j][0] - lane[i][0] > 4 * narrow:
+                break
+            if sum(e[1] for e in lane[i:j + 1]) >= 20:
+                found = _run(lane, i, j, narrow, size, normal)
+                for k in range(i, j + 1):
+                    if found and found[0] > best[k][0]:
+                        best[k] = *found, i, j
+    out = [None] * size
+    for i, run in enumerate(best):
+        if len(run) == 1 or run[2] != i or any(best[k] != run for k in range(i, run[3] + 1)):
+            continue
+        edges, (first, last) = lane[i:run[3] + 1], (lane[i][3], lane[run[3]][3] + 1)
+        reach, near, far = 0.5 * _shape(edges)[2], i, run[3]
+        while near > 0 and lane[near - 1][1] >= 0 and lane[i][0] - lane[near - 1][0] < reach:
+            near -= 1
+        while far + 1 < len(lane) and lane[far + 1][1] >= 0 and lane[far + 1][0] - lane[run[3]][0] < reach:
+            far += 1
+        _, middle, wide = _shape(lane[near:far + 1])
+        across = np.trunc(63 * (normal(last) - normal(first)))
+        for k in range(size):
+            off = k - middle
+            if (abs(off) <= 2.6 or first <= k <= last) and not (out[k] and abs(out[k].off) <= abs(off)):
+                out[k] = Bag(off=off, wide=wide, most=run[1], across=across, first=first, last=last, axis=axis,
+                             smooth=not any(e[2] > 0 for e in edges))
+    return out
+
+
+def _united(column, row, narrow):
+    """What a column and a row say of a pixel, across the line."""
+    out, wide = row or column, (row or column).wide
+    if row and column:
+        same = min(row.most, column.most) > 0.85 * max(row.most, column.most)
+        out = (row if row.wide < column.wide else column) if same else max(column, row, key=lambda b: b.most)
+        dot = row.across @ column.across
+        parallel = 2 * dot * dot > (row.across @ row.across) * (column.across @ column.across)
+        wide = (row.wide ** -2 + column.wide ** -2) ** -0.5 if same and parallel else out.wide
+    most = out.most / (1 + (0.15 if out.smooth else 0.5) * max(0, wide / narrow - 1))
+    return Bag(**{**vars(out), "off": out.off * wide / out.wide, "wide": wide, "most": most})
+
+
+def _even(bends, y, x, narrow):
+    """How much it bends along the line that goes by a pixel, less if that is short."""
+    bend = bends[y, x]
+    found = [bend.most]
+    for way in (-1, 1):
+        at = y, x
+        for _ in range(int(1.5 * narrow) + 3):
+            beside = [(at[0] + aside, at[1] + way) if bend.axis else (at[0] + way, at[1] + aside)
+                      for aside in (-1, 0, 1)]
+            good = [p for p in beside if p in bends and abs(bends[p].off) <= BY and
+                    2 * abs(bend.across @ bends[p].across) > bend.across @ bend.across]
+            if not good:
+                break
+            at = min(good, key=lambda p: abs(bends[p].off))
+            found.append(bends[at].most)
+    return np.mean(found) * np.clip(len(found) / max(bend.wide / 2, 2) - 1, 0, 1)
 
 
 def spread(maps, frame_height):
     """The output `creases` with bends over several faces; maps: object, normal, marks, and creases without them."""
     height, width = maps["object"].shape
-    most = int(np.clip(int(frame_height * 10 / 1080 + 0.5), 2, 24))
-    turn = functools.cache(functools.partial(_turn, maps))
+    narrow = float(np.clip(frame_height * 2.5 / 540, 1, 12))
+    columns = [_bends(maps, x, 1, narrow) for x in range(width)]
     bends = {}
-    for y, x in np.ndindex(height, width):
-        for axis in (0, 1):
-            found = _bend(maps, turn, y, x, axis, most)
-            if not found or (y, x) in bends and found[0] <= bends[y, x][0]:
-                continue
-            ends = [maps["normal"][(y + k, x) if axis else (y, x + k)].astype(float)
-                    for k in (found[3], found[3] + found[4])]
-            if _degrees(*ends) >= 0.8 * found[2]:
-                bends[y, x] = *found, axis, ends[1] - ends[0]
+    for y in range(height):
+        row = _bends(maps, y, 0, narrow)
+        bends |= {(y, x): _united(columns[x][y], row[x], narrow) for x in range(width) if columns[x][y] or row[x]}
+    most = {at: _even(bends, *at, narrow) for at, bend in bends.items() if abs(bend.off) <= BY}
 
     out = maps["creases"].astype(float)
     for y, x, axis in np.ndindex(height, width, 2):
-        way = out[y, x, 2 * axis:2 * axis + 2]
-        p, q = bends.get((y, x)), bends.get((y + axis, x + 1 - axis))
-        if p and q and min(p[2], q[2]) > abs(way[1]):
-            one, two = p[1], q[1] if np.trunc(63 * p[7]) @ np.trunc(63 * q[7]) > 0 else -q[1]
-            if (one <= 0) != (two <= 0):
-                way[:] = max(abs(one) / (abs(one) + abs(two)), 1 / 1024), min(p[2], q[2]) + SPREAD
-                way[1] *= -1 if p[5] and q[5] else 1
+        way, p, q = out[y, x, 2 * axis:2 * axis + 2], (y, x), (y + axis, x + 1 - axis)
+        own = abs(way[1]) + 16 if way[1] else 0
+        bend = min(most.get(p, 0), most.get(q, 0))
+        if bend > abs(way[1]):
+            dot = bends[p].across @ bends[q].across
+            one, two = bends[p].off, bends[q].off if dot > 0 else -bends[q].off
+            if dot and one != two and (one <= 0) != (two <= 0):
+                way[:] = max(abs(one) / (abs(one) + abs(two)), 1 / 1024), bend + SPREAD
+                way[1] *= -1 if bends[p].smooth and bends[q].smooth else 1
                 continue
-        if way[0] > 0 and abs(way[1]) < 180 and _is_part(bends, way, y, x, axis, most):
-            way[:] = 0
+        if way[0] > 0 and abs(way[1]) < 180:
+            place = (y, x + way[0]) if axis == 0 else (y + way[0], x)
+            if any(_has_part(bends[at], at, place) for at, degrees in most.items() if degrees > own):
+                way[:] = 0
     return out
 
 
-def _is_part(bends, way, y, x, axis, most):
-    place = (y, x + way[0]) if axis == 0 else (y + way[0], x)
-    for j in range(int(place[0]) - most, int(place[0]) + most + 1):
-        for i in range(int(place[1]) - most, int(place[1]) + most + 1):
-            bend = bends.get((j, i))
-            if not bend or bend[2] <= abs(way[1]) or abs(bend[1]) > 0.75:
-                continue
-            along, aside = place[1] - i, place[0] - j
-            if bend[6]:
-                along, aside = aside, along
-            if abs(aside) <= 0.5 and bend[3] <= along <= bend[3] + bend[4]:
-                return True
-    return False
+def _has_part(bend, at, place):
+    along, aside = (place[0], place[1] - at[1]) if bend.axis else (place[1], place[0] - at[0])
+    return abs(bend.off) <= 0.75 and abs(aside) <= 0.5 and bend.first <= along <= bend.last

@@ -51,17 +51,16 @@ def beside(t, shape):
     """
     runs = chains(t)
     chain_of = {i: k for k, run in enumerate(runs) for i in run if len(t.links[i]) <= 2}
-    kept, gone, unsure = set(), set(), set()
+    gone, unsure = set(), set()
     doubt = [0.0]
 
-    def along(i, own):
+    def along(i):
         way = _way(t, i)
         if way is None:
             return False
         for j, d in t.within(i, 3.5):
-            wanted = (t.rank[j] == t.rank[i] and j in kept) if own else t.rank[j] < t.rank[i]
             other = _way(t, j)
-            if t.dropped[j] or j in gone or not wanted or other is None or (
+            if t.dropped[j] or j in gone or t.rank[j] >= t.rank[i] or other is None or (
                     j in chain_of and chain_of[j] == chain_of.get(i)):
                 continue
             cosine = abs(way @ other) - 0.85 * np.hypot(*way) * np.hypot(*other)
@@ -80,22 +79,20 @@ def beside(t, shape):
     for rank in (1, 2, 3):
         # what an older rank dropped is gone for the next, but not what the same one drops
         left = [i for i in np.flatnonzero(~t.dropped & (t.rank == rank)) if i not in gone]
-        marked |= {i: along(i, False) for i in left}
+        marked |= {i: along(i) for i in left}
         for (its, length, *_), k in weights:
             if its != rank:
                 continue
             run, length = runs[k], -length
             doubt[0] = 0
-            light = [rank == 3 and along(i, True) for i in run]
-            every = [marked.get(i, False) or own for i, own in zip(run, light, strict=True)]
-            pieces = [t.apart(i, j) for i, j in zip(run, run[1:])]  # noqa: B905
-            of_light, of_all = (sum(p * (a + b) / 2 for p, a, b in zip(pieces, flags, flags[1:]))  # noqa: B905
-                                for flags in (light, every))
+            flags = [marked.get(i, False) for i in run]
+            of_all = sum(t.apart(i, j) * (a + b) / 2
+                         for i, j, a, b in zip(run, run[1:], flags, flags[1:]))  # noqa: B905
             closed = run[0] == run[-1] and len(t.links[run[0]]) == 2
             loose = sum(t.is_end(i) and not t.at_border(i, shape) for i in (run[0], run[-1]))
             whole = max(length, 1e-9)
-            margins = [of_all / whole - 0.5 if loose else min(of_light / whole - 0.5, (30 - length) / 30),
-                       _turns(t, run) - 0.12]
+            margins = [-1 if rank == 3 or not loose else of_all / whole - 0.5,
+                       _turns(t, run) - (0.3 if rank == 3 else 0.12)]
             if rank == 3 and (loose == 2 or closed):
                 margins.append((6 - length) / 6)
             if min(abs(m) for m in margins) < 1e-4 or doubt[0]:
@@ -103,8 +100,6 @@ def beside(t, shape):
             members = {i for i in run if len(t.links[i]) <= 2}
             if max(margins) > 0:
                 gone |= members
-            else:
-                kept |= members
     return gone, unsure
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from . import metric
 from .metric import clamp01
-from .passes import CLOSE
+from .passes import BANDS, CLOSE
 
 WHOLE = slice(None)
 
@@ -103,7 +103,8 @@ def _aims(t, end, picture, doubt):
         if t.dropped[j] or not older or d == 0 or j in own:
             continue
         cosine = (t.at[j] - t.at[i]) @ end.way / d
-        margin = cosine - (0.7 if d <= 3 else 0.94)
+        stripe = t.family[j] in BANDS and t.family[i] == t.family[j] + 1
+        margin = cosine - (0.94 if d > 3 else 0.5 if stripe else 0.7)
         if d > 3 and margin > -CLOSE:
             margin = min(margin, picture.agrees(t.rank[i], t.at[i], t.at[j]), 6 - d)
         if abs(margin) < CLOSE or abs(d - 3) < CLOSE:

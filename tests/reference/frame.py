@@ -4,12 +4,12 @@
 import numpy as np
 
 from . import edges as edge_stage
-from . import hatch, lines, paper, shade, smudge, tones
+from . import example, hatch, lines, paper, rim, shade, smudge, tones, wash
 from .params import SWITCHES, Params
 
 REQUIRED = {"combined": 4, "color": 3, "diffuse": 3, "depth": 1, "normal": 3}
 OPTIONAL = {"albedo": 3, "specular": 3, "object": 1, "material": 1, "style": 1, "controls": 7, "marks": 2,
-            "creases": 5, "highlights": 3, "background": 3, "anchor": 16}
+            "creases": 5, "highlights": 3, "background": 3, "anchor": 16, "gloss": 3, "tangent": 3}
 SEEN = {"seen_color": 3, "seen_normal": 3, "seen_depth": 1}
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching", "light")
 _LARGEST = float(np.finfo(np.float32).max)
@@ -41,12 +41,14 @@ class Layers:
             clean(name, channels) if there else None for name, channels in SEEN.items())
         self.seen_depth = self.seen_depth[..., 0] if there else None
         self.normal, self.specular, self.highlights = data["normal"], data["specular"], data["highlights"]
+        self.gloss = data["gloss"]
         self.gives_highlights = layers.get("highlights") is not None
         self.background = None if layers.get("background") is None else data["background"]
         self.albedo = self.color if layers.get("albedo") is None else data["albedo"]
         self.object, self.material = data["object"][..., 0], data["material"][..., 0]
         self.marks, self.creases = data["marks"], data["creases"]
         self.anchor = None if layers.get("anchor") is None else data["anchor"]
+        self.tangent = data["tangent"]
         z = data["depth"][..., 0]
         self.there = (z > 0) & (z < 1e9)
         self.depth = np.where(self.there, z, np.inf)
@@ -75,13 +77,20 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
     Raises ValueError for an unknown parameter or a missing layer.
     """
     params = Params(scene, styles)
+    full = float((camera or {}).get("light", 0.0))
+    if params["shade_meter"] == "LAMPS" and full > 0:
+        for table in params.tables:
+            table["shade_exposure"] /= full
     layers = Layers(layers, len(styles), camera, frame)
     line_paper, hatch_paper = paper.heights(layers, params)
     edges = edge_stage.find(layers, params)
     surface, light, doubtful = shade.surface(layers, params)
+    surface = example.paint(layers, params, surface)
     surface, smudge_doubtful = smudge.smudge(layers, params, edges, surface, doubtful)
+    surface = wash.paint(layers, params, surface, hatch_paper)
     surface, hatch_doubtful = hatch.hatch(layers, params, surface, hatch_paper)
     surface, tone_ink = tones.fill(layers, params, surface, hatch_paper)
+    surface, rim_doubtful = rim.light(layers, params, surface)
 
     rgb, alpha = surface[..., :3], surface[..., 3:]
     active = np.any([params.at(switch, layers.style) for switch in SWITCHES], axis=0)[..., None]
@@ -102,5 +111,5 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
     return {
         **passes, "edge_mask": edges.mask, "edge_source": edges.source, "sources": edges.sources,
         "nonfinite": layers.nonfinite, "edge_unsure": edges.strength_doubtful,
-        "unsure": doubtful | hatch_doubtful | smudge_doubtful | line_doubtful,
+        "unsure": doubtful | hatch_doubtful | smudge_doubtful | rim_doubtful | line_doubtful,
     }

@@ -4,6 +4,7 @@
 import numpy as np
 
 from .metric import clamp01, mix, value
+from .passes import COLUMN, CRACKS, FAMILIES, NUMBER, ROW, hits, told_by
 from .shade import exposed
 
 KINDS = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")
@@ -50,15 +51,21 @@ def solid(p, wavelength, seed):
     return (np.cos(turn) * first + np.sin(turn) * second) * 2.4972
 
 
-def _spot(layers, x, y):
-    """The anchor of the surface in front at a place, the mean of those of the four pixels about it that show it."""
+def _spot(layers, t, i):
+    """The anchor of the surface in front at a site, the mean of those of the four pixels about it that show it; about a
+    crack, of those that it parts."""
     height, width = layers.depth.shape
-    found = []
+    found, (x, y) = [], t.at[i]
+    left, top = np.floor(x), np.floor(y)
+    if FAMILIES[t.family[i]] in CRACKS:
+        left = left if t.axis[i] == COLUMN else t.site["column"][i]
+        top = top if t.axis[i] == ROW else t.site["row"][i]
+    x, y = clamp01(x - left), clamp01(y - top)
     if layers.anchor is None:
         return None
     for dy, dx in np.ndindex(2, 2):
-        at = min(max(int(np.floor(y)) + dy, 0), height - 1), min(max(int(np.floor(x)) + dx, 0), width - 1)
-        weight = 1e-3 + (1 - abs(x - np.floor(x) - dx)) * (1 - abs(y - np.floor(y) - dy))
+        at = min(max(int(top) + dy, 0), height - 1), min(max(int(left) + dx, 0), width - 1)
+        weight = 1e-3 + (1 - abs(x - dx)) * (1 - abs(y - dy))
         if layers.anchor[at][6] > 0 and np.isfinite(layers.depth[at]):
             found.append((layers.depth[at], layers.object[at], weight, layers.anchor[at]))
     if not found:
@@ -66,6 +73,15 @@ def _spot(layers, x, y):
     front, number = min(found, key=lambda each: each[0])[:2]
     shown = [each for each in found if each[0] <= 1.02 * front and each[1] == number]
     return np.average([each[3] for each in shown], axis=0, weights=[each[2] for each in shown])
+
+
+def _between(layers, t, hits):
+    """Of a thin thing that covers no pixel centre, between the places where it covers some again."""
+    spots = [_spot(layers, t, at) for _, at, _ in hits]
+    if len(hits) < 2 or spots[0] is None:
+        return spots[0]
+    share = hits[0][2] / (hits[0][2] + hits[1][2])
+    return mix(spots[0], spots[1], share)
 
 
 class Hand:
@@ -80,7 +96,8 @@ class Hand:
         self.p = np.stack([x, y, 0 * x], -1)
         self.unit = np.ones(len(t))
         for i in range(len(t)):
-            if (spot := _spot(layers, *t.at[i])) is not None:
+            between = hits(t, i) if t.family[i] == NUMBER["thin"] else []
+            if (spot := _between(layers, t, between) if between else _spot(layers, t, i)) is not None:
                 self.p[i], self.unit[i] = spot[:3], spot[6] * self.scale
         named = np.array([params.at("line_pen_" + kind, self.style) for kind in KINDS])
         self.whose = named[kinds(t, layers), np.arange(len(t))]
@@ -118,16 +135,18 @@ class Hand:
         noise = self.noise(self.at("pressure_length"), PRESSURE)
         return np.where(self.at("pressure") > 0, np.clip(1 + self.at("pressure") * noise, 0.12, 3), 1)
 
+    def fray(self, radius):
+        return np.minimum(self.at("rough") * self.scale * clamp01(self.at("rough_length") * self.scale - 1),
+                          0.3 * radius)
+
     def radius(self, radius):
-        """Half the widths with frayed rims and gaps."""
-        length = self.at("rough_length")
-        fray = np.minimum(self.at("rough") * self.scale * clamp01(length * self.scale - 1), 0.3 * radius)
-        rough = fray * self.noise(length, ROUGH)
+        """Half the widths with frayed rims, and what gaps leave of them."""
+        rough = self.fray(radius) * self.noise(self.at("rough_length"), ROUGH)
         gaps = self.at("gaps")
         x = 2 * gaps - 1
         left = clamp01(4 * (self.noise(self.at("gaps_length"), GAPS) - x * (1.15 + 0.75 * x**4)) + 0.5)
         left = np.where(gaps > 0, np.where(gaps < 1, left, 0), 1)
-        return np.maximum(radius + rough, 0) * left
+        return np.maximum(radius + rough, 0), left
 
     def stray(self):
         length = self.at("wobble_length")
@@ -171,7 +190,7 @@ def kinds(t, layers):
     names = ("object", "material", "depth", "normal", "color", "light", "mark", "seen")
     height, width = layers.depth.shape
     out = np.empty(len(t), int)
-    for i, site in enumerate(t.site):
+    for i, site in enumerate(t.site[told_by(t)]):
         name = names[site["source"]]
         if name in ("object", "depth"):
             name = _shape(layers, site, height, width, name)

@@ -103,6 +103,21 @@ class Lit:
                 value = value * t * t * (3 - 2 * t)
         return np.where(np.isfinite(value), np.maximum(value, 0), 0), way
 
+    def mean(self, at, normal, value):
+        """The mean over all points, exact where a sun, or a ball, is above the horizon as a whole; else as given."""
+        if not self.soft:
+            return value
+        if self.endless:
+            slope = -dot(self.way, normal)
+            return np.where(slope > np.sin(self.lamp.width / 2), slope / np.pi, value)
+        if self.lamp.kind != "point" or self.lamp.flat:
+            return value
+        to = self.at - at
+        far, slope = np.linalg.norm(to, axis=1), dot(to, normal)
+        with np.errstate(all="ignore"):
+            known = slope / (4 * np.pi ** 2 * far ** 3)
+        return np.where((slope > self.lamp.width) & (far > self.lamp.width), known, value)
+
     def cap(self, q, open_):
         """(z, x, y) of directions that are even over a cone; open: 1 less the cosine of half its angle."""
         part = dot(q.disc, q.disc) * open_

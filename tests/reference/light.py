@@ -191,9 +191,39 @@ def rays(lamp, at, n):
     return way, 0.99999, light
 
 
-def draw(world, lamp, view, projection, width, height, n=12):
+def _share(bend, own):
+    """How far an ellipsoid bends the light at places (..., 3) of its ball."""
+    deep = 1 - np.linalg.norm(own, axis=-1)
+    return bend.amount * np.where(deep > 0, np.clip(deep / bend.fade, 0, 1) if bend.fade else 1.0, 0.0)[..., None]
+
+
+def bent(bends, at, normal):
+    """Normals (n, 3) as ellipsoids bend them."""
+    for bend in bends:
+        inverse = np.linalg.inv(bend.model)
+        own = at @ inverse[:3, :3].T + inverse[:3, 3]
+        share = _share(bend, own)
+        normal = unit(normal * (1 - share) + unit(own @ inverse[:3, :3]) * share)
+    return normal
+
+
+def leaves(bends, at, ways):
+    """After which share of its way (n, 3) each ray begins, from one place or from places (n, 3): where it leaves the
+    ellipsoids that hold the place, as far as these bend its normal."""
+    most = np.zeros(len(ways))
+    for bend in bends:
+        inverse = np.linalg.inv(bend.model)
+        own, to = at @ inverse[:3, :3].T + inverse[:3, 3], ways @ inverse[:3, :3].T
+        a, b, c = (to * to).sum(-1), (to * own).sum(-1), (own * own).sum(-1) - 1
+        whole = (np.sqrt(np.maximum(b * b - a * c, 0)) - b) / a
+        most = np.maximum(most, _share(bend, own)[..., 0] * np.where(c < 0, whole, 0))
+    return most
+
+
+def draw(world, lamp, view, projection, width, height, n=12, bends=()):
     """(light (height, width), light without shadows, triangle of each pixel, depth) of one lamp of colour 1."""
     triangle, at, normal, depth = surfaces(world, view, projection, width, height)
+    normal = bent(bends, at, normal)
     light, plain = np.zeros(len(at)), np.zeros(len(at))
     for i in np.flatnonzero(triangle >= 0):
         way, far, value = rays(lamp, at[i], n)
@@ -201,6 +231,10 @@ def draw(world, lamp, view, projection, width, height, n=12):
         plain[i] = value.sum()
         used = np.flatnonzero(value > 0)
         if lamp.shadows and len(used):
-            value[used[world.blocked(np.repeat(at[i][None], len(used), 0), way[used], far, triangle[i])]] = 0
+            ways, start = way[used], np.repeat(at[i][None], len(used), 0)
+            if bends:
+                part = np.minimum(leaves(bends, at[i], ways), 0.999 if np.isfinite(far) else np.inf)[:, None]
+                start, ways = start + part * ways, ways * (1 - part if np.isfinite(far) else 1)
+            value[used[world.blocked(start, ways, far, triangle[i])]] = 0
         light[i] = value.sum()
     return (light.reshape(height, width), plain.reshape(height, width), triangle.reshape(height, width), depth)

@@ -52,10 +52,12 @@ def contours(mesh, view, projection, frame):
     edges = {}
     for t, corner in enumerate(corners):
         volume = np.linalg.det(_corners(mesh, corner, view, projection, frame)[:, :3])
+        none = len(np.unique(np.asarray(mesh.points)[corner], axis=0)) < 3  # it parts nothing
         for a, b in zip(corner, np.roll(corner, -1), strict=True):
-            right = volume * (1 if a < b else -1) > 0
+            right = none or volume * (1 if a < b else -1) > 0
             if a != b:
-                edges.setdefault((min(a, b), max(a, b)), []).append((t, right, volume != 0 and not right))
+                edges.setdefault((min(a, b), max(a, b)), []).append(
+                    (t, right, none or (volume != 0 and not right)))
     told, ends = [], np.zeros(len(corners), int)
     for edge, found in edges.items():
         right, left = any(f[1] for f in found), any(f[2] for f in found)

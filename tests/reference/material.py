@@ -167,6 +167,7 @@ def _perlin(place):
 
 def _noise(constants, data, x, y, z, rough, *_):
     whole, part = constants[data[0]:data[0] + 2]
+    whole = np.clip(whole, 0, 15)
     shares = np.clip(rough, 0, 1) ** np.arange(int(whole) + 2)
     values = [_perlin(np.array([x, y, z]) * 2 ** k) for k in range(int(whole) + 2)]
     sums, most = np.cumsum(shares * values), np.cumsum(shares)
@@ -175,7 +176,7 @@ def _noise(constants, data, x, y, z, rough, *_):
 
 
 def _power(a, b):
-    if a < 0 and b != np.floor(b):
+    if a < 0 and b != np.floor(b) or a == 0 > b:
         return 0.0
     return np.clip(np.sign(a) ** (b % 2) * max(abs(a), 1e-30 if b < 0 else 0) ** b, -1e30, 1e30)
 

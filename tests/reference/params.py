@@ -35,12 +35,16 @@ DEFAULTS = {
     "surface_fade": 0.0, "length_unit": "RELATIVE", "supersample": 1.0,
     # shading
     "use_shading": True, "shade_levels": [(0.5,), (0.7, 0.5, 0.025), (1.1, 0.9, 0.025)],
-    "shade_exposure": 1.0, "shade_tint": (0.60, 0.55, 0.90), "shade_tint_weight": 1.0,
+    "shade_exposure": 1.0, "shade_meter": "SCENE", "shade_tint": (0.60, 0.55, 0.90), "shade_tint_weight": 1.0,
     "shade_saturation": 0.6, "shade_strength": 1.0, "other_light": 1.0,
     "light_hue": 1.0,
     "other_background": 1.0, "other_highlights": 1.0, "other_reflections": 1.0, "other_glow": 1.0,
-    "highlight_shape": 0.0, "highlight_threshold": 0.3, "highlight_transition": 0.05,
+    "highlight_shape": 0.0, "reflection_tones": 0, "highlight_threshold": 0.3, "highlight_transition": 0.05,
     "highlight_color": (1.0, 1.0, 1.0), "surface": "SHADED", "paper_color": (1.0, 1.0, 1.0),
+    # by example
+    "use_example": False, "example_ball": "GOUACHE", "example_image": None, "example_strength": 1.0,
+    "example_own_color": 1.0, "example_gloss": 0.0, "example_light": 0.75, "example_loose": 0.5, "example_size": 800.0,
+    "example_patch": 110.0,
     # smudging
     "use_smudging": True, "smudge_range": 10.0, "smudge_pick": 7.0, "smudge_depth": 0.01,
     "smudge_falloff": 0.5, "smudge_speed": 1.0,
@@ -50,35 +54,46 @@ DEFAULTS = {
     "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
     "paper_seed": 0,
     # tones
-    "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0,
+    "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0, "tone_mirrors": False,
     "tone_hardness": 1.0, "tone_crisp": False, "tone_pitch_unit": "LENGTH",
+    "tone_strokes": "FORM", "tone_light_turn": 135.0, "tone_light_height": 45.0,
     "page_height": 257.0,
     **{f"tone_{n}": kind for n, kind in enumerate(("DOTS", "DOTS", "NONE", "NONE"), 1)},
     **{f"tone_{n}_{id_}": value for n in range(1, 5) for id_, value in
-       dict(pitch=8.0, angle=45.0, space="SCREEN", gradient=0.0, color=(0.0, 0.0, 0.0)).items()},
+       dict(pitch=8.0, image=None, angle=45.0, space="SCREEN", gradient=0.0, color=(0.0, 0.0, 0.0)).items()},
+    # wash
+    "use_wash": False, "wash_granulation": 0.4, "wash_pooling": 0.6, "wash_pool_width": 9.0, "wash_uneven": 0.35,
+    "wash_size": 160.0, "wash_pigments": 0.3, "wash_bleed": 0.3, "wash_bleed_width": 28.0, "wash_wobble": 3.0,
+    "wash_dilution": 0.08, "wash_seed": 0,
+    # rim light
+    "use_rim": False, "rim_width": 8.0, "rim_turn": 0.8, "rim_space": "PICTURE",
+    "rim_angle": 135.0, "rim_elevation": 30.0, "rim_spread": 180.0, "rim_depth": 0.05,
+    "rim_softness": 0.0, "rim_color": (1.0, 1.0, 1.0), "rim_tint": 0.0, "rim_strength": 1.0,
     # read before the layers reach the stages
     "object_index": "AUTO", "shade_light": "ALL", "layer_source": "CYCLES", "light_source": "CYCLES",
     "light_denoise": "OIDN", "save_layers": "AUTO", "save_anchor": "AUTO",
 }
 
 ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "light_denoise", "save_layers", "save_anchor"}
-SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_tones")
+SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_tones", "use_rim", "use_wash")
 
 _WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light", "mark")}
 _CREASES = {"crease_angle", "crease_smooth", "edge_bump"}
-_PARTS = {"light_hue", "other_highlights", "other_reflections", "other_glow", "highlight_shape",
+_PARTS = {"light_hue", "other_highlights", "other_reflections", "other_glow", "reflection_tones", "highlight_shape",
           "highlight_threshold", "highlight_transition", "highlight_color"}
-_FRAME_LINES = {"line_search", "line_max_thickness", "line_occlude"}
+_FRAMES = {"shade_meter", "line_search", "line_max_thickness", "line_occlude", "wash_pool_width", "wash_bleed_width",
+           "wash_size", "wash_seed"}
 
 
 def is_surface(name):
     """Whether a style may change the parameter `name`; all others belong to the frame."""
-    if name in _FRAME_LINES:
+    if name in _FRAMES:
         return False
     if name in _PARTS:
         return True
     return name in _WEIGHTS | _CREASES or name.startswith(
-        ("width_", "line_", "pen_", "ink_", "shade_", "hatch_", "smudge_", "tone_", "use_"))
+        ("width_", "line_", "pen_", "ink_", "shade_", "hatch_", "smudge_", "tone_", "rim_", "wash_", "example_",
+         "use_"))
 
 
 class Params:
@@ -101,6 +116,10 @@ class Params:
         """Values of `name` for a map of style numbers: the map's shape, and (…, 3) for a colour."""
         assert is_surface(name), f"{name} is the frame's"
         return np.array([table[name] for table in self.tables])[style]
+
+    def of(self, style):
+        """{name: value} of one style."""
+        return self.tables[style]
 
     def levels(self):
         """(style number, its shade_levels) for the scene and each style."""

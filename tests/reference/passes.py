@@ -76,7 +76,8 @@ def owned(t, family):
     old = (t.family < family) & ~t.dropped
     clear = np.where((t.family == family - 1) & np.isin(t.family, BANDS), 2.0, 1.5)
     for i in np.flatnonzero(t.family == family):
-        margin = (clear - np.hypot(*(t.at - t.at[i]).T))[old]
+        turns = (FAMILIES[family] == "light") & (t.family == NUMBER["light_step"]) & (t.axis != t.axis[i])
+        margin = (np.where(turns, 0.75, clear) - np.hypot(*(t.at - t.at[i]).T))[old]
         gone |= {int(i)} if (margin > 0).any() else set()
         unsure |= abs(margin.max(initial=-1)) < CLOSE
     return gone, unsure
@@ -95,9 +96,9 @@ def close_sites(t, i, reach=1.6):
 
 
 def weak(t, family):
-    """(which weak sites of a stripe in colours, or of contours, hang together with no other, which with one that is not
-    weak, or with 23 more of a contour)."""
-    if family not in (NUMBER["color_band"], NUMBER["crack"]):
+    """(which weak sites of stripes in colours, of normals, edges of meshes or contours hang together with no other,
+    which with one that is not weak, or with 23 more of a contour)."""
+    if FAMILIES[family] not in ("color_band", "normal", "crease", "crack"):
         return set(), set()
     own = {int(i) for i in np.flatnonzero((t.family == family) & ~t.dropped)}
     strong = {i for i in own if not t.site["weak"][i]}
@@ -204,6 +205,28 @@ def ties(t):
     return pairs, unsure
 
 
+def hits(t, i):
+    """Where the thing covers a pixel centre again on both sides of a thin site: [(links to it, site, pixels)], nearest
+    first."""
+    found = []
+    for first in t.links[i]:
+        before, at, links, along = i, first, 1, t.apart(i, first)
+        while at is not None and at != i and t.family[at] == NUMBER["thin"] and not t.dropped[at]:
+            before, at = at, t.next(before, at)
+            links, along = links + 1, along + (t.apart(before, at) if at is not None else 0)
+        if at is not None and at != i and not t.dropped[at]:
+            found.append((links, at, along))
+    return sorted(found[:2])
+
+
+def told_by(t):
+    """By site, which one tells what the line is of."""
+    own = np.arange(len(t))
+    for i in np.flatnonzero(t.family == NUMBER["thin"]):
+        own[i] = next((at for _, at, _ in hits(t, i)), i)
+    return own
+
+
 # Evenness: twice, half of what a site lies beside the line between its neighbours, if that is at most 0.3 pixels
 
 
@@ -212,7 +235,7 @@ def smooth(t):
     for _ in range(2):
         moved = at.copy()
         for i, links in enumerate(t.links):
-            if t.dropped[i] or len(links) != 2:
+            if t.dropped[i] or len(links) != 2 or FAMILIES[t.family[i]] in ("light_step", "light"):
                 continue
             a, b = at[links[0]], at[links[1]]
             way = b - a
@@ -266,29 +289,51 @@ def crowd(t, shape):
     return bound, doubt
 
 
-# Edges of meshes beside older lines
+# Edges of meshes, and of light, beside older lines: the room that they have, in the mean of up to 12 sites each way
 
 
 def give_way(t):
-    """1 over the greatest radius of sites on edges of meshes, 0 where it is not bounded; unsure."""
+    """1 over the greatest radius of sites on edges of meshes or of light, 0 where it is not bounded; unsure."""
     def way(i):
         ends = [*t.links[i], i][:2]
         return (t.at[ends[1]] - t.at[ends[0]]) * (-1 if len(t.links[i]) == 1 else 1)
-    bound, doubt = np.zeros(len(t)), set()
+    room, bound, doubt = np.full(len(t), 4.0), np.zeros(len(t)), set()
     crease = FAMILIES.index("crease")
     lines = [i for i in range(len(t)) if not t.dropped[i] and len(t.links[i]) in (1, 2) and np.any(way(i))]
     for i in lines:
-        if t.family[i] != crease:
+        if t.family[i] != crease and t.rank[i] != 3:
             continue
-        room, (x, y) = 4.0, way(i) / np.linalg.norm(way(i))
+        x, y = way(i) / np.linalg.norm(way(i))
         for j in lines:
-            if t.family[j] >= crease:
+            if not (t.family[j] < crease if t.family[i] == crease else t.rank[j] < 3):
                 continue
             gap, other = t.at[j] - t.at[i], way(j) / np.linalg.norm(way(j))
             along, aside, level = abs(gap @ (x, y)), abs(gap @ (y, -x)), abs(other @ (x, y))
             if aside < 4 and min(abs(along - 1), abs(level - 0.95)) < CLOSE:
                 doubt.add(i)
             elif along <= 1 and level >= 0.95:
-                room = min(room, aside)
-        bound[i] = (1 - room / 4) / (0.25 * max(room - 1.5, 1e-6))
-    return bound, doubt
+                room[i] = min(room[i], aside)
+    unsure = set()
+    for i in range(len(t)):
+        if t.dropped[i] or not (t.family[i] == crease or t.rank[i] == 3):
+            continue
+        arms = [along_from(t, i, j) for j in t.links[i]] if len(t.links[i]) == 2 else [[]]
+        both = min(len(arm) for arm in arms)
+        group = [i, *(j for arm in arms for j in arm[:both])]
+        if doubt & set(group):
+            unsure.add(i)
+        mean = float(np.mean(room[group]))
+        bound[i] = (1 - mean / 4) / (0.25 * max(mean - (1.5 if t.family[i] == crease else 0.5), 1e-6))
+    return bound, unsure
+
+
+def along_from(t, i, j):
+    """Up to 12 sites of a line from i by way of j; once round at most."""
+    out, before = [], i
+    while len(out) < 12 and j != i:
+        out.append(j)
+        if len(t.links[j]) != 2:
+            break
+        one, two = t.links[j]
+        before, j = j, two if one == before else one
+    return out

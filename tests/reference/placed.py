@@ -63,6 +63,10 @@ def cracks(view):
         marks = turn(axis, layers.marks[..., axis])
         steps = lines.steps_of(marks)[:, :-1] * view.meshes
         marks = np.where(marks < 0, -lines.place_of(marks), marks)
+        beside = np.zeros(jump.shape, bool)  # a side's slope would be read off another object
+        beside[:, 1:-1] = (object_[:, :-3] != object_[:, 1:-2]) | (object_[:, 2:-1] != object_[:, 3:])
+        same = object_[:, 1:] == object_[:, :-1]
+        jump = np.where(beside & same & (marks[:, :-1] >= 0) & view.meshes, 0, jump)
         gone = there[:, 1:] != there[:, :-1]
         strengths = {"object": gone | (object_[:, 1:] != object_[:, :-1]),
                      "material": material[:, 1:] != material[:, :-1], "depth": jump}
@@ -112,7 +116,8 @@ def junctions(found, family, shape):
                 strengths = sorted((s.strength for s in sides if s.source != first.source), reverse=True)
                 close = bool(strengths) and abs(first.strength - strengths[0]) < 1e-4
                 found[family, row, column, JUNCTION] = Place(
-                    x, y, first.strength, first.source, 1.0, all(s.weak for s in sides), all(s.told for s in sides),
+                    x, y, first.strength, first.source, float(all(s.margin for s in sides)),
+                    all(s.weak for s in sides), all(s.told for s in sides),
                     eased=first.eased, doubtful=close)
 
 
@@ -187,17 +192,62 @@ def creases(view):
         t = place[row, column, axis]
         at = (column, row + t) if axis else (column + t, row)
         style = view.layers.style[view.near(*at, column, row, "crease", axis)]
-        asked = "crease_smooth" if layer[row, column, 1 + 2 * axis] < 0 else "crease_angle"
-        more_ = bend[row, column, axis] - view.params.tables[style][asked]
+        smooth, several = layer[row, column, 1 + 2 * axis] < 0, spread[row, column, axis]
+        angle = view.params.tables[style]["crease_smooth" if smooth else "crease_angle"]
+        more_ = bend[row, column, axis] - angle
+        least = more_ + angle / 6 if smooth and not several else more_  # beside what is a line by itself
         site = view.weigh(at, "crease", column, row, axis, {SOURCES.index("normal"): 1.0}, style)
-        thinner, ease = (0.8, 20) if spread[row, column, axis] else (0.6, 4)
+        thinner, ease = (0.8, 20) if several else (0.6, 4)
         site.eased = 255 * thinner * (1 - clamp01(more_ / ease))
-        site.margin = min(site.margin, more_ if more_ >= 0 else -1.0)
+        site.weak = more_ < 0
+        site.doubtful |= abs(more_) < 1e-4
+        site.margin = min(site.margin, least if least >= 0 else -1.0)
         found["crease", row, column, axis] = site
     return found
 
 
 # Light: where it crosses a threshold between two pixels
+
+
+def room(view, light, steps, k, site, axis, row, column):
+    """Pixels from a place where light crosses threshold k to the line of a stronger one, at most 4."""
+    def contrast(j):
+        return view.difference(*(view.space(np.full(3, clamp01(steps[i][0]))) for i in (j - 1, j)))
+
+    def at(x, y):
+        """NaN beyond what the crack's first pixel shows, and beyond the picture."""
+        height, width = light.shape
+        if not (-0.5 <= x < width - 0.5 and -0.5 <= y < height - 0.5):
+            return np.nan
+        x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
+        left, top = int(x), int(y)
+        part = np.ix_([top, min(top + 1, height - 1)], [left, min(left + 1, width - 1)])
+        if not view.layers.there[part].all() or (view.layers.object[part] != view.layers.object[row, column]).any():
+            return np.nan
+        a, b = x - left, y - top
+        return np.array([1 - b, b]) @ light[part] @ np.array([1 - a, a])
+
+    wide = np.pad(light, 1, mode="edge")[row:row + 4, column:column + 4]  # from a pixel before the first
+    rise = light[row + axis, column + 1 - axis] - light[row, column]
+    pair = wide[:, :3].T if axis else wide[:3]
+    across = (pair[2, 1:3].sum() - pair[0, 1:3].sum()) / 4
+    way = np.array([across, rise] if axis else [rise, across])
+    slope, found = np.hypot(*way), 4.0
+    for j in range(1, len(steps)):
+        step = steps[j][1] - steps[k][1]
+        if j == k or abs(step) >= 8 * slope or contrast(j) < contrast(k) or (contrast(j) == contrast(k) and j > k):
+            continue
+        sign = -1 if step < 0 else 1
+        before = -sign * step
+        for far in np.arange(0.5, found + 0.5, 0.5):
+            after = sign * (at(*(np.array([site.x, site.y]) + sign * far * way / slope)) - steps[j][1])
+            if np.isnan(after):
+                break
+            if after >= 0:
+                found = min(found, far - 0.5 * after / max(after - before, 1e-20))
+                break
+            before = after
+    return found
 
 
 def light(view, cracked):
@@ -227,6 +277,14 @@ def light(view, cracked):
             place = (column, row + t) if axis else (column + t, row)
             site = view.weigh(place, "light", column, row, axis,
                               {SOURCES.index("light"): view.contrast(levels_apart(view, steps[s], one, two))}, s)
+            if high == low + 1:
+                light = lit * exposure[s] + paint
+                thinner = (4 - room(view, light, steps[s], high, site, axis, row, column)) / 2.5
+                if abs(thinner - 1) < 0.01:
+                    site.margin = 0.0
+                elif thinner > 1:
+                    continue
+                site.eased = 255 * min(thinner, 1)
             every = [abs(x - step[1]) for x in (one, two) for step in steps[s][1:]]
             if min(every) < SURE * max(1, gap):
                 site.margin = 0.0

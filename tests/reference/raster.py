@@ -57,6 +57,7 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
                           shading=np.zeros((height, width, 3)),
                           object=np.zeros((height, width)), material=np.zeros((height, width)),
                           style=np.zeros((height, width)), anchor=np.zeros((height, width, 16)),
+                          tangent=np.zeros((height, width, 3)),
                           attributes=np.zeros((height, width, channels)),
                           unsure=np.zeros((height, width), bool), front=np.full((height, width, 2), -1))
     nearest = np.full((height, width), np.inf)
@@ -106,6 +107,7 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
                 out.shading[py, px] = np.where(turned.any(1, keepdims=True), turned, normal)
             out.front[py, px] = number, t
             out.anchor[py, px] = _anchor(mesh, t, corner, share, growth, share @ screen[:, 2], projection, frame)
+            out.tangent[py, px] = _tangent(mesh, t, points[corner])
             out.object[py, px] = mesh.object_index if mesh.object is None else mesh.object[t]
             out.material[py, px] = mesh.material_index if mesh.material is None else mesh.material[t]
             out.style[py, px] = mesh.style_index if mesh.style is None else mesh.style[t]
@@ -156,6 +158,16 @@ def _anchor(mesh, t, corner, share, growth, w, projection, frame):
     form = np.broadcast_to(_form(rest[t], mesh.rest_normals if mesh.rest_normals is None else mesh.rest_normals[t]),
                            normal.shape)
     return np.concatenate([share @ rest[t], normal, pixel[:, None], *grown, form], 1)
+
+
+def _tangent(mesh, t, corners):
+    """The direction on a resting triangle in which U grows, and V does not."""
+    rest = corners if mesh.rest is None else mesh.rest[t].astype(float)
+    grown = np.zeros((2, 2)) if mesh.uv is None else mesh.uv[t, 1:].astype(float) - mesh.uv[t, 0].astype(float)
+    if grown[0, 0] * grown[1, 1] == grown[0, 1] * grown[1, 0]:
+        return np.zeros(3)
+    along = np.linalg.solve(grown, rest[1:] - rest[0])[0]
+    return along / max(np.linalg.norm(along), 1e-300)
 
 
 def _form(rest, normals):

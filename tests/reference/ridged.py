@@ -192,18 +192,31 @@ def band_site(view, layer, row, column, axis):
     site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear},
                       weights=view.normal_weights(row, column) if layer.name == "normal" else None)
     if color:
-        edge = site.margin >= 0
-        doubtful |= abs(site.margin) < SURE
-        site.margin = site.strength - view.threshold / 2 if view.threshold > 0 else site.strength
-        weak |= not edge
+        weak |= _is_weak(view, site)
     site.weak = weak
     site.doubtful |= doubtful or unclear
     site.margin = min(site.margin, margin)
     return site
 
 
+def _is_weak(view, site):
+    """Whether it is an edge only beside one; it needs half as much then."""
+    weak = site.margin < 0
+    site.doubtful |= abs(site.margin) < SURE
+    site.margin = site.strength - view.threshold / 2 if view.threshold > 0 else site.strength
+    return weak
+
+
 def _on_threshold(steps, *values):
     return any(abs(x - step[1]) < SURE * max(1, abs(x)) for x in values for step in steps[1:])
+
+
+def _crossing(steps, v, low, high, place):
+    """Where the light of five pixels crosses the middle of the thresholds between two of them, nearest to the third."""
+    over = [step[1] for step in steps[1:] if min(v[low], v[high]) <= step[1] < max(v[low], v[high])]
+    middle = (over[0] + over[-1]) / 2 if over else np.nan
+    found = [k - 2 + (middle - v[k]) / (v[k + 1] - v[k]) for k in range(4) if (v[k] > middle) != (v[k + 1] > middle)]
+    return min(found, key=abs, default=place)
 
 
 def step_site(view, layer, row, column, axis):
@@ -232,15 +245,20 @@ def step_site(view, layer, row, column, axis):
             jump = jump / v.max() if v.max() > 0 else 0.0
         strength = float(clamp01((jump - 0.1) / 0.03))
     elif layer.name == "light":
-        table = view.params.tables[view.layers.style[view.near(*place, column, row, "light_step", axis)]]
-        doubtful |= _on_threshold(table["shade_levels"], v[low, 0], v[high, 0])
+        style = view.layers.style[view.near(*place, column, row, "light_step", axis)]
+        table = view.params.tables[style]
+        doubtful |= _on_threshold(table["shade_levels"], *v[:, 0])
+        place = _put(row, column, axis, _crossing(table["shade_levels"], v[:, 0], low, high, share))
         strength = view.contrast(levels_apart(view, table["shade_levels"], v[low, 0], v[high, 0]))
     else:
         strength = view.contrast(view.difference(v[low], v[high]))
     family = "light_step" if layer.name == "light" else layer.name
     clear, unclear = clarity(layer, row, column, axis)
     site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear},
-                      weights=view.normal_weights(row, column) if layer.name == "normal" else None)
+                      style if layer.name == "light" else None,
+                      view.normal_weights(row, column) if layer.name == "normal" else None)
+    if layer.name == "normal":
+        site.weak = _is_weak(view, site)
     site.step = tuple((127 * way / max(1.001 * step, 1e-30)).astype(int)) + (0,) * (3 - len(way))
     site.doubtful |= bool(doubtful) or unclear
     site.margin = min(site.margin, margin)

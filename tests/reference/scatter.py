@@ -5,7 +5,8 @@ import numpy as np
 
 from .metric import clamp01, mix
 
-LENGTH, JITTER, FULL, STRAY = 5.0, 0.6, np.log(2), 0.1
+LENGTH, JITTER, FULL, STRAY, STEPS = 5.0, 0.6, np.log(2), 0.1, 6
+ROWS = 0.08  # sine of the angle up to which a stroke goes along a row of its lattice
 BESIDE = 0, 0.381966, 0.763932
 TURNED = 0, np.radians(45), np.radians(-60)
 AXES = np.array([(0.148, 0.0986, 0.984), (0.148, 0.984, 0.0986)])
@@ -47,11 +48,13 @@ def shown(cover, spots):
 class Drawing:
     """What a tone's marks are drawn on. chart: two fields (value, right, down) on which their places lie, unturned."""
 
-    def __init__(self, layers, kind, pitch, angle, anchor, chart, dark, lattice, crisp=False):
+    def __init__(self, layers, kind, bounds, angle, anchor, chart, dark, lattice, crisp=False,
+                 light=None, by_uv=False):
         self.layers, self.spots, self.angle, self.anchor, self.dark = layers, kind == "STIPPLE", angle, anchor, dark
-        self.pitch = max(pitch * (0.5 if self.spots else 1), 3)
+        self.light, self.by_uv = light, by_uv  # the direction toward it, if strokes go there; whether along U
+        self.bounds = bounds  # pixels between which marks are a unit apart
         self.chart, self.lattice, self.crisp = chart, lattice, crisp
-        self.ink = np.zeros(dark.shape, np.uint8)
+        self.ink = np.zeros(dark.shape)
         self.byte = np.floor(255 * clamp01(dark) + 0.5).astype(int)
         tables = [shown(covers(k / 255)[layer], False) for k in range(256) for layer in range(3)]
         spots = [shown(k / 255, True) for k in range(256)]
@@ -71,9 +74,6 @@ class Drawing:
 
     def gets_to(self, x0, y0, x1, y1):
         """First along the row, then along the column."""
-        height, width = self.dark.shape
-        if not (0 <= x1 < width and 0 <= y1 < height):
-            return False
         row = all(self.ends(x, y0)[0] for x in range(min(x0, x1), max(x0, x1)))
         return row and all(self.ends(x1, y)[1] for y in range(min(y0, y1), max(y0, y1)))
 
@@ -83,14 +83,20 @@ class Drawing:
         return self.one_surface(x, y, x + 1, y), self.one_surface(x, y, x, y + 1)
 
     def way(self, layer, x, y):
-        """Direction of a stroke on the screen, kept in 256ths of half a turn."""
+        """Direction of a stroke on the screen, kept as one of 256 places on half of the square |x| + |y| = 1."""
         right, down = self.exact_way(layer, x, y)
-        turn = np.floor(256 * np.arctan2(down, right) / np.pi + 0.5) * np.pi / 256
-        turn %= np.pi
-        return np.array((np.cos(turn), np.sin(turn)))
+        along = (right if down >= 0 else -right) / (abs(right) + abs(down))
+        along = 1 - int(128.5 - 128 * along) % 256 / 128
+        return np.array((along, 1 - abs(along))) / np.hypot(along, 1 - abs(along))
 
     def exact_way(self, layer, x, y):
         turn = self.angle + TURNED[layer]
+        if self.light is not None and self.byte[y, x]:
+            view = self.layers.view
+            light, normal = view @ self.light, view @ self.layers.normal[y, x]
+            along = light - (light @ normal) * normal
+            on = np.cos(turn) * along + np.sin(turn) * np.cross(normal, along)
+            return np.array((on[0], -on[1]))
         if self.anchor is None:
             return np.array((np.cos(turn), -np.sin(turn)))
         if not self.byte[y, x]:
@@ -103,17 +109,21 @@ class Drawing:
         across = np.cross(normal, along)
         # angles doubled, as ways have no sign
         own = (form @ along + 1j * (form @ across)) ** 2 + 0.25 * (1 - min(np.linalg.norm(form), 1)) ** 2
-        on = np.exp(1j * (np.angle(own) / 2 + turn))
+        u, half = self.layers.tangent[y, x], np.angle(own) / 2
+        if self.by_uv and (u @ along) ** 2 + (u @ across) ** 2 > 1e-6:
+            half = np.angle(u @ along + 1j * (u @ across))
+        on = np.exp(1j * (half + turn))
         on = on.real * along + on.imag * across
         found = np.linalg.lstsq(np.stack([right, down], 1), on, rcond=None)[0]
         return found / max(np.linalg.norm(found), 1e-30)
 
     def half(self, layer, rank, size, x, y):
+        """size: of the pitch, in pixels."""
         last, large = self.tables[self.byte[y, x], layer]
         drawn = clamp01((last - rank) * 4) * large
         if self.spots:
-            return self.pitch * size * np.sqrt(drawn * FULL / np.pi)
-        return 0.75 * FULL * self.pitch / LENGTH * size * drawn
+            return size * np.sqrt(drawn * FULL / np.pi)
+        return 0.75 * FULL / LENGTH * size * drawn
 
     def between(self, p, q, x, y):
         """Ink between two places (x, y, half width) over what is of the object at a pixel."""
@@ -133,24 +143,29 @@ class Drawing:
         if self.crisp:
             cover = (half >= distance) & (self.spots | ((at >= 0) & (at < 1)))
         cover = np.where(self.layers.object == self.layers.object[y, x], cover, 0)
-        self.ink = np.floor(255.5 - (255 - self.ink.astype(float)) * (1 - cover)).astype(np.uint8)
+        self.ink = 1 - (1 - self.ink) * (1 - cover)
+
+    def within(self, place):
+        """The pixel of the frame that is nearest to a place: the last stands for what lies beyond."""
+        return [min(max(int(np.floor(v)), 0), size - 1) for v, size in zip(place, self.dark.shape[::-1], strict=True)]
 
     def trace(self, layer, rank, size, reach, turn, sign, step, place, x, y):
         found, last = [], None
         place = np.array(place)
-        while len(found) < 24:
+        while len(found) < STEPS + 2:
             way = self.way(layer, x, y)
             way = way + turn * np.array((-way[1], way[0]))
             last = way * (sign if last is None else -1 if way @ last < 0 else 1)
             place = place + step * last
-            nx, ny = (int(v) for v in np.floor(place))
+            nx, ny = self.within(place)
             if not self.gets_to(x, y, nx, ny):
                 break
             x, y = nx, ny
-            t = step * (len(found) + 1) / reach
-            half = self.half(layer, rank, size, x, y) * max(1 - t * t, 0) if self.byte[y, x] else 0
+            gone = step * (len(found) + 1)  # of a stroke without length even the first step is its end
+            over = gone >= reach
+            half = 0 if over or not self.byte[y, x] else self.half(layer, rank, size, x, y) * (1 - (gone / reach)**2)
             found.append([*place, half])
-            if t >= 1 or not self.byte[y, x]:
+            if over or not self.byte[y, x] or (np.floor(place) != (x, y)).any():
                 break
         return found
 
@@ -168,16 +183,21 @@ class Drawing:
             h = stir(h, exponent if n else 0)
         rank = share(h + odds[0] * RANKS[0] + odds[1] * RANKS[1] & WORD)
         h = stir(stir(h, odds[0]), odds[1])
+        along = None if self.spots else self.way(layer, x, y)
         for k in range(2):
             h = stir(h, 1)
-            step = fields["step"][k]
-            way = way + (share(h) - 0.5) * JITTER * self.pitch / max(np.linalg.norm(step), 1e-6) * step
+            step, row = fields["step"][k], fields["step"][1 - k]
+            shift = JITTER
+            if not self.spots:
+                off = abs(along[0] * row[1] - along[1] * row[0]) / max(np.linalg.norm(row), 1e-6)
+                shift = mix(JITTER, 1, clamp01(2 - off / ROWS))
+            way = way + (share(h) - 0.5) * shift * fields["pitch"][k] / max(np.linalg.norm(step), 1e-6) * step
         h = stir(h, 2)
         turn = (share(h) - 0.5) * STRAY
         h = stir(h, 3)
-        size = np.sqrt(weight)
+        size = np.sqrt(weight) * np.sqrt(fields["pitch"][0] * fields["pitch"][1])
         place = x + 0.5 + way[0], y + 0.5 + way[1]
-        px, py = (int(v) for v in np.floor(place))
+        px, py = self.within(place)
         if not self.gets_to(x, y, px, py):
             return
         half = self.half(layer, rank, size, px, py)
@@ -185,8 +205,8 @@ class Drawing:
             if half > 0:
                 self.between([*place, half], [*place, half], px, py)
             return
-        reach = 0.5 * LENGTH * self.pitch * size * (0.7 + 0.6 * share(h))
-        step = max(2, reach / 23)
+        reach = 0.5 * LENGTH * size * (0.7 + 0.6 * share(h))
+        step = max(4, reach / STEPS)
         forth, back = (self.trace(layer, rank, size, reach, turn, sign, step, place, px, py) for sign in (1, -1))
         places = [*back[::-1], [*place, half], *forth]
         for order in (range(1, len(places)), range(len(places) - 2, -1, -1)):
@@ -199,10 +219,10 @@ class Drawing:
 
     def draw(self, own):
         """own: pixels that hold the places of marks."""
-        lattice = [self.lattice([(u + BESIDE[layer], *g) for u, *g in self.chart], self.pitch)
+        lattice = [self.lattice([(u + BESIDE[layer], *g) for u, *g in self.chart], *self.bounds)
                    for layer in range(1 if self.spots else 3)]
         for y, x in zip(*np.nonzero(own & (self.byte > 0)), strict=True):
-            for layer, (at, scale, grown, step, flat) in enumerate(lattice):
+            for layer, (at, scale, grown, step, flat, pitch) in enumerate(lattice):
                 if flat[y, x] or self.tables[self.byte[y, x], layer, 0] <= 0:
                     continue
                 steps = [s[:, y, x] for s in step]
@@ -210,5 +230,6 @@ class Drawing:
                 way = sum(0.5 * (n - 2 * u[y, x]) * s for n, u, s in zip(whole, at, steps, strict=True))
                 if (way >= -0.5).all() and (way < 0.5).all():
                     self.mark(layer, x, y, whole, way, {"scale": [s[y, x] for s in scale], "step": steps,
-                                                        "grown": [g[y, x] for g in grown]})
-        return self.ink / 255
+                                                        "grown": [g[y, x] for g in grown],
+                                                        "pitch": [p[y, x] for p in pitch]})
+        return self.ink

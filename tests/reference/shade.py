@@ -80,9 +80,23 @@ def weighted(layers, params):
     def weight(name):
         return params.at(name, layers.style)[..., None]
 
-    parts = (params["other_background"] * background + weight("other_highlights") * shown
+    def mirrored(front):
+        """What metals mirror, in flat tones, even in square roots; over a tenth of the way from one to the next."""
+        tones = params.at("reflection_tones", layers.style)
+        share = clamp01(8 * (value(layers.gloss) - 0.06)) * (tones > 0)
+        root = np.sqrt(np.maximum(value(front), 0))
+        place = root * np.maximum(tones, 1) + 0.5
+        tone = (np.floor(place) - 1 + clamp01(10 * (place % 1))) / np.maximum(tones, 1)
+        factor = np.where(root > 0, (tone / np.where(root > 0, root, 1)) ** 2, 0)
+        near = (share > 0) & (place % 1 > 1 - 1e-4)
+        return front * mix(1.0, factor, share)[..., None], near
+
+    world = params["other_background"] * background
+    parts = (world + weight("other_highlights") * shown
              + weight("other_reflections") * (gloss - lamps) + weight("other_glow") * rest)
-    return parts, doubtful
+    kept = 0.0 if layers.background is None else world
+    flat, near = mirrored(parts - kept)
+    return flat + kept, doubtful | near
 
 
 def surface(layers, params):

@@ -5,16 +5,18 @@ All pixels at once, every ray against every triangle. What light *should* come i
 import numpy as np
 
 from .lamps import Lit, asked, dealt, dot, one, unit
+from .light import bent, leaves
 from .shown import NOTHING, STRAY, Edges, Shown
 
-MARGIN, TILE, POINTS, WIDE, DEALT = 28, 4, 16, 8, 4
+MARGIN, TILE, POINTS, FIRST, WIDE, DEALT, PLAIN = 30, 4, 64, 16, 8, 4, 16
 
 
 class Picture:
     """What the light of lamps does to a picture with its margin, from layers depth (H, W), 1e10 for nothing, and normal
     (H, W, 3) at (x, y) of a frame of `size`."""
 
-    def __init__(self, world, view, projection, size, start, depth, normal, corner=(0, 0)):
+    def __init__(self, world, view, projection, size, start, depth, normal, corner=(0, 0), bends=()):
+        self.bends = [bend for bend in bends if bend.amount > 0]
         self.world, self.view, self.size, self.corner = world, view, size, corner
         self.clip = projection @ view
         self.inverse = np.linalg.inv(self.clip)
@@ -62,6 +64,7 @@ class Picture:
             own = np.where((dot(normal, normal) > 1e-6)[:, None], unit(normal), -unit(b - a))
         shown = Shown(at, own, np.zeros_like(at), own, np.full(len(at), STRAY)).where(stray, shown)
         nothing = shown.triangle == NOTHING
+        shown.normal = bent(self.bends, shown.at, shown.normal)
         for array in (shown.at, shown.normal, shown.lift, shown.across):
             array[nothing] = 0
         return shown
@@ -103,6 +106,7 @@ class Picture:
             t = dot(own.at - a, own.across) / dot(b - a, own.across)
         at = a + np.where(np.isfinite(t), t, 0)[:, None] * (b - a)
         stray = own.triangle < 0
+        found.normal = bent(self.bends, found.at, found.normal)
         return Shown(at, own.normal, np.zeros_like(at), own.across, own.triangle).where(stray, found), inside | stray
 
     # ---- rays
@@ -113,7 +117,10 @@ class Picture:
         share = np.clip(np.where(shaded < 1, 2 - facet - shaded, 1 - facet), 0, 1)
         off = (abs(s.at).max(1) + 1) * np.where(s.triangle >= 0, 1e-6, 1e-3)
         start = s.at + share[:, None] * s.lift + off[:, None] * s.across
-        return start, way if lit.endless else way + s.at - start
+        way = way if lit.endless else way + s.at - start
+        free = leaves(self.bends, s.at, way)[:, None]
+        free = free if lit.endless else np.minimum(free, 0.999)
+        return start + free * way, way if lit.endless else way * (1 - free)
 
     def meetings(self, lit, s, way):
         """(where rays begin, their ways, how far along them they meet each triangle: inf where they don't)."""
@@ -156,9 +163,10 @@ class Picture:
         world, s, n = self.world, self.shown, len(self.x)
         falls = (s.triangle == STRAY) | ((s.triangle >= 0) & world.lit_by(lit.lamp.light_set)[s.triangle])
         middle = one()
-        plain_points = asked(POINTS, POINTS) if lit.soft else middle
+        plain_points = asked(PLAIN, PLAIN) if lit.soft else middle
         plain = sum(lit(s.at, s.normal, plain_points[k:k + 1])[0] for k in range(len(plain_points.square)))
-        plain = np.where(falls & (s.triangle != NOTHING), plain / len(plain_points.square), 0)
+        plain = lit.mean(s.at, s.normal, plain / len(plain_points.square))
+        plain = np.where(falls & (s.triangle != NOTHING), plain, 0)
         there = plain > 0
         columns, rows = self.x + self.corner[0], self.y + self.corner[1]
         points, numbers = dealt(WIDE, DEALT, WIDE * WIDE * DEALT)
@@ -231,7 +239,8 @@ class Picture:
         bright[pixels], dark[pixels] = (core[0] > 0) & (core[1] > 0), (core[0] > 0) & (core[1] == 0)
         edge = self.edges(self.cuts(lit, bright, dark))
         exact = np.where(full, 0.0, np.nan)
-        self.narrow(edge, self.widths(lit, edge, bright), full, bright, dark, fine, exact)
+        width = np.where(self.thin(edge, bright), np.inf, self.widths(lit, edge, bright))
+        self.narrow(edge, width, full, bright, dark, fine, exact)
         fine = self.dealt_mean(fine, exact, there)
         for step in (8, 4, 2, 1):
             fine = self.paired(fine, exact, there, step)
@@ -243,8 +252,8 @@ class Picture:
         mine = numbers[(y + self.corner[1]) % TILE, (x + self.corner[0]) % TILE]
         columns = [self.goes_on(i, x + k, y, there) for k in (-1, 1)]
         rows = [self.goes_on(i, x, y + k, there) for k in (-1, 1)]
-        all_, seen = np.zeros(len(i)), np.zeros(len(i))
-        for k in range(POINTS):
+
+        def share(k):
             q = points[mine[:, k]]
             a = np.where(np.where(q.place[:, 0] > 0, columns[1], columns[0]), q.place[:, 0], 0)
             b = np.where(np.where(q.place[:, 1] > 0, rows[1], rows[0]), q.place[:, 1], 0)
@@ -255,13 +264,23 @@ class Picture:
             s, inside = self.beside(near, x + 0.5 + a, y + 0.5 + b)
             own, inside_own = self.beside(i, x + 0.5 + a, y + 0.5 + b)
             s = s.where(inside, own).where(moved & (inside | inside_own), self.shown[i])
-            value, comes = self.ask(lit, s, q)
-            all_, seen = all_ + value, seen + comes
+            return np.array(self.ask(lit, s, q))
+
+        first = sum(share(k) for k in range(FIRST))
+        # Where these, and those of the pixels about it, see the same, the rest would, too.
+        lit_there, dark_there = np.zeros((2, len(self.x)), bool)
+        lit_there[i], dark_there[i] = first[1] > 0, (first[1] < first[0] * (1 - 1e-9)) | (first[0] == 0)
+        lit_near, dark_near = np.zeros((2, len(self.x)), bool)
+        for _, _, j, within in self.neighbours(1):
+            lit_near |= within & lit_there[j]
+            dark_near |= within & dark_there[j]
+        all_, seen = first + sum(share(k) for k in range(FIRST, POINTS))
         none = all_ == 0
-        for k in range(POINTS):
-            value, comes = self.ask(lit, self.shown[i], asked(POINTS, POINTS)[k:k + 1])
+        for k in range(PLAIN):
+            value, comes = self.ask(lit, self.shown[i], asked(PLAIN, PLAIN)[k:k + 1])
             all_, seen = all_ + none * value, seen + none * comes
-        return np.where(all_ > 0, seen / np.where(all_ > 0, all_, 1), 0)
+        rest = np.where(all_ > 0, seen / np.where(all_ > 0, all_, 1), 0)
+        return np.where((lit_near & dark_near)[i], rest, first[1] > 0)
 
     def widths(self, lit, edge, bright):
         """How many pixels wide penumbrae are, by what throws them; 4 if more; NaN where no edge passes."""
@@ -298,14 +317,24 @@ class Picture:
         out[i] = np.where(known & (2 * half < 4), 2 * half, 4)
         return out
 
+    def thin(self, edge, bright):
+        """Whether within two pixels of an edge there is one beyond which light lies the opposite way."""
+        found, sign = np.zeros(len(self.x), bool), np.where(bright == (edge.far < 0), 1, -1)
+        for a, b, j, within in self.neighbours(2):
+            within = within & (a * a + b * b <= 4)
+            cosine = sign * sign[j] * (edge.x * edge.x[j] + edge.y * edge.y[j])
+            found |= within & edge.there[j] & (cosine < -0.5) & self.shown.one_surface(self.number, j)
+        return edge.there & found
+
     def narrow(self, edge, width, full, bright, dark, fine, exact):
         """Puts ramps where penumbrae are narrow, in place."""
-        nearest, chosen = np.full(len(self.x), 9), np.full(len(self.x), -1)
+        nearest, chosen, thin = np.full(len(self.x), 9), np.full(len(self.x), -1), np.zeros(len(self.x), bool)
         for a, b, j, within in self.neighbours(2):
             free = (a == 0 and b == 0) | self.shown.one_surface(self.number, j)
             ok = within & ~np.isnan(width[j]) & free & (a * a + b * b < nearest)
             nearest[ok], chosen[ok] = a * a + b * b, j[ok]
-        i = np.flatnonzero(full & (bright | dark) & (chosen >= 0))
+            thin |= within & free & np.isinf(width[j])
+        i = np.flatnonzero(full & (bright | dark) & (chosen >= 0) & ~thin)
         j = chosen[i]
         away = edge.x[j] * (self.x[i] - self.x[j]) + edge.y[j] * (self.y[i] - self.y[j]) - edge.far[j]
         wide = np.maximum(width[j], 2)

@@ -189,7 +189,7 @@ class Things:
             return None
         thing = self.along(axis, across, own)
         half = own.width / 2 if own.width > 0 else thing.half
-        thin = min(own.trust, ramp(-2 * half * thing.square, -3.2, -2.6), ramp(thing.steps, 1, 3))
+        thin = min(own.trust, ramp(-2 * half * thing.square, -3.9, -3.3), ramp(thing.steps, 1, 3))
         told = self.known[axis][y, x] < 0
         share = was if told else mix(was, clamp01(own.middle + (-half if ahead else half) - at), thin)
         return share, thin, half * thing.square, own.middle - at - share, thing.unsure

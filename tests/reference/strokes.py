@@ -9,6 +9,7 @@ import numpy as np
 from .hand import KINDS, Hand, inks, kinds, left_by
 from .lines import Pen
 from .metric import clamp01, mix
+from .passes import NUMBER
 from .turns import dashed, spurs, turned
 
 
@@ -64,6 +65,11 @@ def evened(t, radius, shape):
     return found
 
 
+def filled_by(t, radius):
+    """How much a thing not much wider than its lines lets no paper between them: they are one, from its middle."""
+    return t.site["thin"] * clamp01(1 - 2 * (t.site["half"] - radius))
+
+
 def _thinned(t, half, most, unit, shape):
     """Half the widths where lines cover at most such a share of what is about them: ink is weighed on the nodes of a
     grid, and evened over their neighbours twice."""
@@ -75,7 +81,9 @@ def _thinned(t, half, most, unit, shape):
     corners = [(y, x, (1 - u) * (1 - v)), (y, x + 1, u * (1 - v)), (y + 1, x, (1 - u) * v), (y + 1, x + 1, u * v)]
     length = np.array([sum(t.apart(i, j) / 2 for j in t.links[i] if not t.dropped[j]) if t.links[i] else 2 * half[i]
                        for i in range(len(t))])
-    ink = np.where(t.dropped, 0, 2 * half * length / step**2)
+    # each of a thing's lines that are one covers half of it, and one along its middle all
+    whole = 2 * (t.site["half"] + half) / np.where(t.family == NUMBER["thin"], 1, 2)
+    ink = np.where(t.dropped, 0, mix(2 * half, whole, filled_by(t, half)) * length / step**2)
     for row, column, weight in corners:
         np.add.at(share, (row, column), weight * ink)
     for _ in range(2):
@@ -96,7 +104,6 @@ def ends(t, layers, params, paper, stroke):
     used = params.at("use_lines", style) > 0
     hand = Hand(t, layers, params, stroke)
     taper = hand.at("taper", params.at("line_taper", style)) * params.pixels(layers.full_height)
-    used = used & hand.drawn
     kind = kinds(t, layers)
     half = pen.radius
     for name in ("contact", "intersection"):
@@ -105,16 +112,23 @@ def ends(t, layers, params, paper, stroke):
     most = 0.5 * params["line_max_thickness"] * params.pixels(layers.full_height)
     half = np.minimum(half, most) * (1 - site["eased"] / 255)
     half = _thinned(t, half * used, params.at("line_density", style), params.pixels(layers.full_height), shape)
+    used = used & hand.drawn  # how dense lines are is weighed once, before that
+    half = half * used
+    even = half
     turns = (hand.at("overshoot") > 0).any() or (hand.at("pool") > 0).any()
     turn = turned(t) if turns else np.zeros(len(t))
     pooled = hand.at("pool") * clamp01(turn - 0.5)
     wider = hand.pressure() * (1 + pooled)
     half = np.where((hand.at("pressure") > 0) | (pooled > 0), np.minimum(half * wider, most), half)
-    radius = dashed(t, hand, hand.radius(evened(t, np.where(used & ~t.dropped, half, 0.0), shape)))
+    whole, left = hand.radius(evened(t, np.where(used & ~t.dropped, half, 0.0), shape))
+    radius = dashed(t, hand, whole * left)
     radius = radius * np.where(taper > 0, clamp01(free_lengths(t, shape) / np.where(taper > 0, taper, 1)), 1)
-    radius = np.where(site["crowd"] > 0, np.minimum(radius, 1 / np.maximum(site["crowd"], 1e-12)), radius)
-    # a thing not much wider than its lines lets no paper between them: they are one, from its middle
-    filled = site["thin"] * clamp01(1 - 2 * (site["half"] - radius))
+    lift = np.where(whole > 0, radius / np.where(whole > 0, whole, 1), 0)
+    crowd = np.where(site["crowd"] > 0, 1 / np.maximum(site["crowd"], 1e-12), np.inf)
+    radius = np.minimum(radius, crowd)
+    # as if the pen were always pressed hard, or a wire would be one line here and two there
+    even = even * (1 + hand.at("pressure")) + hand.fray(even)
+    filled = filled_by(t, np.minimum(even, crowd))
     at = t.at + (filled * site["inside"])[:, None] * np.where(site["axis"][:, None] == 0, (1, 0), (0, 1))
     at = at + hand.stray()
     z = np.zeros(len(t))
@@ -122,12 +136,13 @@ def ends(t, layers, params, paper, stroke):
         z = pen.z - 0.1 * layers.height if layers.orthographic else 0.9 * pen.z
     strength = pen.pressed * hand.at("intensity", pen.intensity)
     gain = hand.at("gain", pen.gain) * strength
-    columns = np.stack([filled * site["half"] + radius, hand.at("softness", pen.softness) * radius, gain,
+    columns = np.stack([lift * filled * site["half"] + radius, hand.at("softness", pen.softness) * radius, gain,
                         np.where(gain > 0, 1 / np.where(gain > 0, gain, 1), 0), np.maximum(0, 1 - strength / 2),
                         hand.at("paper", pen.roughness), np.minimum(z, 1e30)], 1)
     color = inks(t, layers, params, pen.ink, columns[:, 0], layers.combined)
     at, columns = np.where(used[:, None], at, t.at), columns * used[:, None]
-    return _beyond(spurs(t, turn) if turns else (), hand.farther() * used, at, columns, color, *hand.bristles())
+    numbers, bristles = hand.bristles()
+    return _beyond(spurs(t, turn) if turns else (), hand.farther() * used, at, columns, color, numbers * used, bristles)
 
 
 def _beyond(spurs, farther, at, columns, color, numbers, bristles):

@@ -61,10 +61,11 @@ def looked_up(table, h0, h1, dark):
     return out
 
 
-def lattice(fields, pitch):
-    """Of points that are a pitch or up to two apart: (place in whole ones, these to the unit, how far those half-way
-    between are grown, steps on the screen from one to the next) for both fields, (value, growth to the right, down);
-    and where none show, as they are seen on their edge."""
+def lattice(fields, least, most):
+    """Of points that are a pitch or up to two apart, a unit where that is between the least pitch and the most: (place
+    in whole ones, these to the unit, how far those half-way between are grown, steps on the screen from one to the
+    next) for both fields, (value, growth to the right, down); where none show, as they are seen on their edge; and the
+    pitches."""
     (u0, a, b), (u1, c, d) = fields
     cross = a * d - b * c
     flat = ~(cross**2 > 1e-6 * (a * a + b * b) * (c * c + d * d))
@@ -72,32 +73,67 @@ def lattice(fields, pitch):
     steps = np.stack([d / cross, -c / cross]), np.stack([-b / cross, a / cross])  # on the screen, of a unit of each
     along = [np.maximum(np.hypot(*s), 1e-30) for s in steps]
     shear = np.sqrt(np.clip(np.abs(1 / cross) / (along[0] * along[1]), 0.05, 1))
-    scale, grown = zip(*(octave(length * shear / pitch) for length in along), strict=True)
+    pitch = [np.clip(length * shear, least, most) for length in along]
+    scale, grown = zip(*(octave(length * shear / p) for length, p in zip(along, pitch, strict=True)), strict=True)
     return ([u * m for u, m in zip((u0, u1), scale, strict=True)], scale, [np.maximum(g - 1, 0) for g in grown],
-            [s / m for s, m in zip(steps, scale, strict=True)], flat)
+            [s / m for s, m in zip(steps, scale, strict=True)], flat, pitch)
+
+
+TRIED, LEAST = 9, 5
+
+
+def grown_dots(fields, dark, soft):
+    """Dots as if painted on the thing. soft(pitch): pixels over which edges fade."""
+    at, scale, grown, _, flat, pitch = lattice(fields, LEAST, 1e6)
+    root = [np.sqrt(g) for g in grown]
+    r = looked_up(radii(TRIED, soft(TRIED)), root[0], root[1], dark)
+    fade = soft(np.sqrt(pitch[0] * pitch[1]))
+    size = [TRIED * (1 + g) for g in grown]
+    slopes = [np.stack(fields[k][1:]) * size[k] * scale[k] for k in range(2)]
+    even_slope = np.sqrt(np.abs(slopes[0][0] * slopes[1][1] - slopes[0][1] * slopes[1][0]))
+    ink = np.zeros(dark.shape)
+    for i, j in np.ndindex(2, 2):
+        weight = (root[0] if i else 1) * (root[1] if j else 1)
+        away = [size[k] * (at[k] - half / 2 - np.round(at[k] - half / 2)) for k, half in enumerate((i, j))]
+        distance = np.hypot(*away)
+        slope = np.hypot(*(away[0] * slopes[0] + away[1] * slopes[1])) / np.maximum(distance, 1e-6)
+        slope = np.maximum(np.maximum(np.where(distance > 1e-6, slope, 0), 0.25 * even_slope) * fade, 1e-30)
+        ink = np.maximum(ink, disc(r * weight / slope, distance / slope, 1))
+    return np.where(flat, dark, ink)
 
 
 def dots(fields, dark, pitch, soft):
-    at, _, grown, step, flat = lattice(fields, pitch)
+    at, _, grown, step, flat, _ = lattice(fields, pitch, pitch)
     root = [np.sqrt(g) for g in grown]
     r = looked_up(radii(pitch, soft), root[0], root[1], dark)
+    # inner products of the steps; of dots that overlap, as if these met at right angles, the area of a cell the same
+    size = [pitch * (1 + g) for g in grown]
+    upright = clamp01(5 * dark - 2)
+    product = {(i, j): mix((step[i] * step[j]).sum(0), size[i] ** 2 if i == j else 0, upright)
+               for i in range(2) for j in range(2)}
+    area = np.sqrt(np.maximum(product[0, 0] * product[1, 1] - product[0, 1] ** 2, 1e-3 * (size[0] * size[1]) ** 2))
+    even_area = np.where(upright > 0, size[0] * size[1] / area, 1)
     ink = np.zeros(dark.shape)
     for half0 in (0, 0.5):
         for half1 in (0, 0.5):
             part = [at[0] - half0, at[1] - half1]
             part = [p - np.floor(p) for p in part]
             best = np.full(dark.shape, np.inf)
-            for i, j in np.ndindex(2, 2):
-                x, y = (i - part[0]) * step[0] + (j - part[1]) * step[1]
-                best = np.minimum(best, np.hypot(x, y))
+            for corner in np.ndindex(2, 2):
+                way = [c - p for c, p in zip(corner, part, strict=True)]
+                square = sum(way[i] * way[j] * product[i, j] for i in range(2) for j in range(2)) * even_area
+                best = np.minimum(best, np.sqrt(np.maximum(square, 0)))
             weight = (root[0] if half0 else 1) * (root[1] if half1 else 1)
             ink = np.maximum(ink, disc(r * weight, best, soft))
     return np.where(flat, dark, ink)
 
 
-def lines(field, dark, pitch, soft):
+def lines(field, dark, least, most, fade):
     u, right, down = field
-    scale, grown = octave(1 / np.maximum(np.hypot(right, down) * pitch, 1e-18))
+    unit = 1 / np.maximum(np.hypot(right, down), 1e-18)
+    pitch = np.clip(unit, least, most)
+    soft = fade(pitch)
+    scale, grown = octave(unit / pitch)
     at, ink = u * scale, 0.0
     period = pitch * grown
     for half, share in ((0, 1.0), (0.5, grown - 1)):
@@ -108,6 +144,62 @@ def lines(field, dark, pitch, soft):
     return clamp01(ink / soft)
 
 
+def scrambled(n):
+    n = (n ^ n >> 16) * 0x7feb352d & 0xffffffff
+    n = (n ^ n >> 15) * 0x846ca68b & 0xffffffff
+    return n ^ n >> 16
+
+
+def thresholds(image, pitch):
+    """The darkness (H, W) from which on each texel of a tile is inked: its rank among all."""
+    image = np.asarray(image, np.float64)
+    image = np.clip(np.nan_to_num(image[..., None] if image.ndim == 2 else image, nan=0.0), 0, 1)
+    grey = image[..., :3] @ (0.2126, 0.7152, 0.0722) if image.shape[2] > 2 else image[..., 0]
+    height, width = grey.shape
+    shrink = 1
+    while (shrink + 1 <= width / pitch or max(grey.shape) // shrink > 1024) and shrink < min(grey.shape):
+        shrink += 1
+    height, width = height // shrink, width // shrink
+    grey = grey[:height * shrink, :width * shrink].reshape(height, shrink, width, shrink).mean((1, 3))
+    level = np.floor(grey.ravel() * 65535 + 0.5)
+    order = np.sort(level)
+    below = np.searchsorted(order, level)
+    same = np.searchsorted(order, level, "right") - below
+    n = scrambled(np.arange(level.size))  # those of one level in any order, by a hash
+    within = (n >> 8) / 2**24
+    return ((below + within * same) / level.size).reshape(height, width)
+
+
+def pictured(tile, fields, dark, bounds, crisp):
+    """Ink of a tile of thresholds: what a pixel covers of inked texels."""
+    at, _, grown, step, flat, _ = lattice(fields, *bounds)
+    height, width = tile.shape
+
+    pieces = [np.floor(np.clip(a * 12, -1e9, 1e9)).astype(np.int64) & 0xffffffff for a in at]
+    n = scrambled(scrambled(pieces[0]) ^ pieces[1])
+    first, second = (clamp01((g * (4 - g) / 3 - 0.3 * (n & 0xffff) / 65536) / 0.7) for g in grown)
+    both = np.minimum(first, second)
+    shares = {(0, 0): 1 - np.maximum(first, second), (1, 0): first - both, (0, 1): second - both, (1, 1): both}
+
+    def texels(place, n, size):
+        u = (place - np.floor(place)) * n - 0.5
+        first, s = np.floor(u).astype(int), u - np.floor(u)
+        s = (s >= 0.5).astype(float) if crisp else clamp01((s - 0.5) * np.maximum(size / n, 1) + 0.5)
+        return first % n, (first + 1) % n, s
+
+    def inked(row, column):
+        return (tile[row, column] < dark).astype(float)
+
+    ink = np.zeros(dark.shape)
+    for (i, j), share in shares.items():
+        u, v = 1 + i, (1 + j) * width / height
+        left, right, s = texels(at[0] * u, width, np.hypot(*step[0]) / u)
+        above, below, t = texels(at[1] * v, height, np.hypot(*step[1]) / v)
+        ink += share * mix(mix(inked(above, left), inked(above, right), s),
+                           mix(inked(below, left), inked(below, right), s), t)
+    return np.where(flat, dark, ink)
+
+
 def _both(one, two):
     return one + two - one * two
 
@@ -115,13 +207,19 @@ def _both(one, two):
 def _looks(of):
     """What each level's tone looks like, the last that of all further levels: those that are equal are one."""
     return [(of(f"tone_{n}"), of(f"tone_{n}_pitch"), of(f"tone_{n}_angle"), of(f"tone_{n}_space"),
-             tuple(of(f"tone_{n}_color"))) for n in range(1, SLOTS + 1)]
+             tuple(of(f"tone_{n}_color")), id(of(f"tone_{n}_image"))) for n in range(1, SLOTS + 1)]
 
 
 def _dark(layers, levels, of, look):
     """(share, darkness) of a tone at each pixel."""
     lit = value(layers.diffuse) * of("shade_exposure") + painted(layers)
     light = np.maximum(np.where(value(layers.color) < of("tone_black"), -1, lit), value(other(layers)))
+    if of("tone_mirrors") and layers.seen_color is not None:
+        least = max(of("tone_black"), 0.05)
+        seen = value(layers.seen_color)
+        lit = np.where(seen >= least, value(other(layers)) / np.maximum(seen, least) * of("shade_exposure"), -1)
+        nothing = ~((layers.seen_depth > 0) & (layers.seen_depth < 1e9))
+        light = np.where(value(layers.color) < 0.05, np.maximum(light, np.where(nothing, np.inf, lit)), light)
     added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
     share, total = np.zeros(light.shape), np.zeros(light.shape)
     for k, level in enumerate(levels):
@@ -147,9 +245,17 @@ def _dark(layers, levels, of, look):
     return clamp01(share), clamp01(np.where(share > 0, total / np.maximum(share, 1e-30), 0))
 
 
+def _light(of):
+    if of("tone_strokes") != "LIGHT":
+        return None
+    turn, height = np.radians(of("tone_light_turn")), np.radians(of("tone_light_height"))
+    return np.array((np.cos(turn) * np.cos(height), np.sin(turn) * np.cos(height), np.sin(height)))
+
+
 def _ink(layers, of, look, dark, scale, paper, own):
     kind, pitch, angle, space = look[:4]
-    counted = of("tone_pitch_unit") == "LPI"
+    counted, painted_on = of("tone_pitch_unit") == "LPI", space == "OBJECT"
+    unit = 0.01 * pitch * (0.5 if kind == "STIPPLE" else 1) if painted_on else 1  # of a field on the thing
     pitch = 25.4 * layers.full_height / (of("page_height") * pitch) if counted else pitch * scale
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     if of("tone_crisp") and space == "SCREEN" and kind in ("DOTS", "LINES", "CROSS"):  # whole pixels
@@ -157,9 +263,12 @@ def _ink(layers, of, look, dark, scale, paper, own):
         pitch = np.hypot(*whole)
         c, s = whole[0] / pitch, whole[1] / pitch
     pitch = max(2.0, pitch)
-    soft = 0.002 if of("tone_crisp") else 1 + (1 - of("tone_hardness")) * pitch / 2
+
+    def soft(pitch):
+        return 0.002 + 0 * pitch if of("tone_crisp") else 1 + (1 - of("tone_hardness")) * pitch / 2
+
     height, width = dark.shape
-    anchor = layers.anchor if space == "SURFACE" else None
+    anchor = layers.anchor if space != "SCREEN" else None
 
     def screen(right, down):
         each = {"HATCH": max(pitch, 3), "STIPPLE": max(pitch / 2, 3)}.get(kind, pitch)
@@ -168,7 +277,7 @@ def _ink(layers, of, look, dark, scale, paper, own):
         return right * (x + layers.x + 0.5) + down * (y + layers.y + 0.5), right + 0 * x, down + 0 * x
 
     def surface(direction):
-        return tuple(anchor[..., k:k + 3] @ np.asarray(direction) for k in (0, 7, 10))
+        return tuple(anchor[..., k:k + 3] @ np.asarray(direction) / unit for k in (0, 7, 10))
 
     if kind == "SOLID":
         return (dark > 0).astype(float)
@@ -185,23 +294,31 @@ def _ink(layers, of, look, dark, scale, paper, own):
         def turned(one, two):
             def along(k):
                 return (one * np.take_along_axis(anchor, (k + first)[..., None], 2)
-                        + two * np.take_along_axis(anchor, (k + second)[..., None], 2))[..., 0]
+                        + two * np.take_along_axis(anchor, (k + second)[..., None], 2))[..., 0] / unit
             return along(0), along(7), along(10)
 
         return turned(c, s), turned(-s, c)
 
-    if kind in ("DOTS", "HATCH", "STIPPLE"):
+    if kind in ("DOTS", "HATCH", "STIPPLE", "IMAGE"):
         if kind == "DOTS":
-            ink = dots(chart(c, s), dark, pitch, soft)
+            ink = grown_dots(chart(c, s), dark, soft) if painted_on else dots(chart(c, s), dark, pitch, soft(pitch))
+        elif kind == "IMAGE":
+            image = next(of(f"tone_{n}_image") for n in range(1, SLOTS + 1) if id(of(f"tone_{n}_image")) == look[5])
+            tile = thresholds(image, pitch)
+            bounds = (tile.shape[1], 1e6) if painted_on else (pitch, pitch)
+            ink = pictured(tile, chart(c, s), dark, bounds, of("tone_crisp"))
         else:
             turn = np.radians(angle) + (np.arctan2(0.3511234, 0.9363292) if kind == "HATCH" else 0)
-            ink = scatter.Drawing(layers, kind, pitch, np.radians(angle), anchor, chart(np.cos(turn), np.sin(turn)),
-                                  dark, lattice, of("tone_crisp")).draw(own)
+            apart = max(pitch * (0.5 if kind == "STIPPLE" else 1), 3)
+            bounds = (3, max(40 * scale, 3)) if painted_on else (apart, apart)
+            ink = scatter.Drawing(layers, kind, bounds, np.radians(angle), anchor, chart(np.cos(turn), np.sin(turn)),
+                                  dark, lattice, of("tone_crisp"), _light(of),
+                                  of("tone_strokes") == "UV").draw(own)
         return ink if anchor is None else np.where(anchor[..., 6] > 0, ink, dark)
     first = 1 - np.sqrt(1 - dark) if kind == "CROSS" else dark
     if anchor is None:
-        ink = lines(screen(s, c), first, pitch, soft)
-        return _both(ink, lines(screen(c, -s), first, pitch, soft)) if kind == "CROSS" else ink
+        ink = lines(screen(s, c), first, pitch, pitch, soft)
+        return _both(ink, lines(screen(c, -s), first, pitch, pitch, soft)) if kind == "CROSS" else ink
     across = np.array((s + 0.15, 0.1, c))
     across /= np.linalg.norm(across)
     other_way = np.cross(across, (0.6, 0.75, 0.2))
@@ -209,7 +326,8 @@ def _ink(layers, of, look, dark, scale, paper, own):
     dot = anchor[..., 3:6] @ across
     first = first * clamp01((np.sqrt(np.maximum(1 - dot * dot, 0)) - 0.3) / 0.12)
     second = np.where(first < 1, clamp01(1 - (1 - dark) / np.maximum(1 - first, 1e-30)), 0)
-    ink = _both(lines(surface(across), first, pitch, soft), lines(surface(other_way), second, pitch, soft))
+    bounds = (LEAST, 1e6) if painted_on else (pitch, pitch)
+    ink = _both(lines(surface(across), first, *bounds, soft), lines(surface(other_way), second, *bounds, soft))
     return np.where(anchor[..., 6] > 0, ink, dark)
 
 

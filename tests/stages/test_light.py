@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Drawn light: its amounts against every ray by hand, its bytes against themselves, what scenes and jobs may be."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from encre.pen import irradiance, library
 from encre.pen.errors import EncreError
-from encre.pen.job import Frame, Lamp, Mesh
+from encre.pen.job import Bend, Frame, Lamp, Mesh
 from encre.pen.scene import Scene
 from lamps import CUBE, CUBE_CORNERS, LAMPS, PLANE_CORNERS, Stage, ball, look, moved, perspective, ways
 from reference import light as reference
@@ -33,6 +35,52 @@ def test_as_every_ray_by_hand(name):
     assert flat.sum() > 200
     assert error[flat].mean() < 1e-3 and np.percentile(error[flat], 99) < 0.01
     assert error[there].mean() < 0.02
+
+
+def squashed(at, size):
+    """A ball of radius 1 -> an ellipsoid about a place, turned."""
+    turn = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
+    model = np.eye(4)
+    model[:3, :3], model[:3, 3] = turn @ np.diag(size), at
+    return model
+
+
+ABOUT = [Bend(squashed((0, 0, 1.0), (2.2, 1.9, 2.4)), 1.0, 0.3),
+         Bend(squashed((2.4, -0.6, 0.9), (1.3, 1, 1)), 0.6, 0.0)]
+
+
+@pytest.mark.parametrize("name", ["sun", "point"])
+def test_ellipsoids_bend_light(name):
+    """About the cube as about a face, and about the ball; the plane below lies in both."""
+    stage, lamp = Stage(36, 24, smooth=True), LAMPS[name]
+    light, plain, triangle, _ = reference.draw(stage.world, lamp, stage.view, stage.projection, 36, 24, 1, ABOUT)
+    found, straight = stage.light(lamp, bends=ABOUT)[..., 0], stage.light(lamp)[..., 0]
+    there = triangle >= 0
+    error = abs(found - light) / plain.max()
+    assert np.percentile(error[there], 90) < 0.02 and error[there].mean() < 0.02
+    assert error[there].mean() < 0.5 * abs(straight - light)[there].mean() / plain.max()
+    unbent = [Bend(ABOUT[0].model, 0.0), Bend(np.zeros((4, 4)))]
+    assert (stage.light(lamp, bends=unbent)[..., 0] == straight).all()
+
+
+def test_an_ellipsoid_throws_one_clean_shadow_over_what_is_in_it():
+    """A cube in a ball is lit as the ball is, its corners throw nothing on it, and it on the plane as before."""
+    stage, lamp = Stage(64, 48), LAMPS["sun"]
+    model = moved(0, 0, 1.0, 1.8)
+    found, straight, number = stage.light(lamp, bends=[Bend(model)])[..., 0], stage.light(lamp)[..., 0], stage.objects()
+    cube, at = number == 2, reference.surfaces(stage.world, stage.view, stage.projection, 64, 48)[1].reshape(48, 64, 3)
+    ahead = reference.unit(at - model[:3, 3]) @ np.asarray(lamp.model)[:3, 2]
+    np.testing.assert_allclose(found[cube], np.maximum(ahead, 0)[cube] / np.pi, atol=2e-3)
+    far = (number == 1) & (np.linalg.norm(at - model[:3, 3], axis=-1) > 2.1)
+    assert (found[far] == straight[far]).mean() > 0.99 and (straight[far] == 0).any()
+
+
+@pytest.mark.parametrize("bend", [Bend(np.full((4, 4), np.nan)), Bend(np.eye(4), 1.5), Bend(np.eye(4), 1, -0.1)])
+def test_ellipsoids_that_are_none_are_refused(bend):
+    with pytest.raises(EncreError, match="ellipsoid 1"):
+        Stage(8, 8).light(LAMPS["sun"], bends=[Bend(np.eye(4)), bend])
+    with pytest.raises(EncreError, match="give 0 to 64"):
+        Stage(8, 8).light(LAMPS["sun"], bends=[Bend(np.eye(4))] * 65)
 
 
 def test_without_shadows():
@@ -71,6 +119,16 @@ def test_a_border_is_its_part_of_the_frame(name):
                                 (20, 50, 133, 1), (64, 40, 8, 8), (63, 41, 17, 9)):
         part = stage.light(LAMPS[name], depth=depth[y:y + height, x:x + width], frame=Frame(160, 96, x, y))
         assert (part == whole[y:y + height, x:x + width]).all()
+
+
+def test_sharp_shadows_are_those_of_a_lamp_without_a_size():
+    stage, lamp = Stage(160, 96, smooth=True), LAMPS["wide sun"]
+    depth, hard = stage.depth(), replace(lamp, width=0)
+    sharp, expected = stage.light(lamp, depth=depth, sharp=True), stage.light(hard, depth=depth)
+    close = np.abs(sharp - expected) < 0.02 * expected.max()
+    assert close.mean() > 0.97, close.mean()  # amounts differ where the lamp stands at the horizon
+    assert np.abs(sharp - stage.light(lamp, depth=depth)).max() > 0.2 * expected.max()
+    assert (stage.light(hard, depth=depth, sharp=True) == expected).all()
 
 
 # ---- the scene
@@ -249,6 +307,17 @@ def test_nothing_comes_out_that_is_not_finite():
              Lamp("rectangle", (1e30,) * 3, width=1e-30, height=1e20), Lamp("spot", spot_angle=0, model=ways())]
     found = stage.light(*lamps, depth=depth, normal=normal)
     assert np.isfinite(found).all() and (found >= 0).all()
+
+
+@pytest.mark.parametrize("kind", ["point", "spot", "ellipse"])
+def test_a_lamp_of_a_size_that_is_no_number_gives_no_light(kind):
+    stage, model = Stage(12, 9), ways()
+    depth = stage.depth()
+    for k in range(3):
+        huge = model.copy()
+        huge[:3, k] *= 1e25
+        assert (stage.light(Lamp(kind, width=0.1, height=0.1, spot_angle=2.0, model=huge), depth=depth) == 0).all()
+    assert stage.light(Lamp(kind, width=0.1, height=0.1, spot_angle=2.0, model=model), depth=depth).max() > 0
 
 
 def test_an_empty_scene_is_dark():

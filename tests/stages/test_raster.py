@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from reference.raster import NOTHING, STEPS, draw
 from views import crowded, looking, orthographic, perspective, pixels, rotation, same, soup
 
-OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes", "shading", "anchor")
+OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes", "shading", "anchor", "tangent")
 
 
 def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=0):
@@ -34,6 +34,7 @@ def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=
         form = name["anchor"][sure][:, 13:].astype(float)
         name["bends"] = form[:, :, None] * form[:, None, :]
     np.testing.assert_allclose(got.pop("bends"), want["bends"], atol=1e-3)
+    np.testing.assert_allclose(got["tangent"][sure], want["tangent"][sure], atol=1e-5)
     np.testing.assert_allclose(got["attributes"][sure], want["attributes"][sure], atol=1e-5)
     return got
 
@@ -56,6 +57,8 @@ def test_soup(size, projection):
     meshes[3].attributes = None
     for mesh, mirror in ((meshes[0], -1), (meshes[2], 1)):
         mesh.normals = rng.uniform(-1, 1, (len(mesh.points) // 3, 3, 3)).astype(np.float32)
+        mesh.uv = rng.uniform(-1, 1, (*mesh.normals.shape[:2], 2)).astype(np.float32)
+        mesh.uv[:9, 1] = mesh.uv[:9, 2]  # of no area
         mesh.normals[:9] = 0  # without a direction: as where there are none
         mesh.rest = (mesh.points.reshape(-1, 3, 3) * 3 + rng.uniform(-1, 1, mesh.normals.shape)).astype(np.float32)
         mesh.rest_normals = mesh.normals[::-1].copy()

@@ -6,7 +6,7 @@ import functools
 import numpy as np
 import pytest
 from encre.pen import irradiance
-from encre.pen.job import Frame, Lamp
+from encre.pen.job import Bend, Frame, Lamp
 from lamps import CUBE, CUBE_CORNERS, LAMPS, PLANE_CORNERS, Stage, ball, look, moved, ways
 from reference import light
 from reference.light import Hole
@@ -21,7 +21,9 @@ def scene(eye=(6, -8, 5), at=(0.2, 0, 0.6), size=(WIDTH, HEIGHT)):
     stage = Stage(*size, eye, at=at)
     points, corners, normals = ball(3)
     stage.add(points, corners, moved(2.6, -0.6, 0.8, 0.8), normals)
-    stage.add(points, corners, moved(-2.2, -1.6, 0.9) @ np.diag([-0.9, 0.6, 0.8, 1]), normals)
+    turn = np.eye(4)
+    turn[:3, :3] = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
+    stage.add(points, corners, moved(-2.2, -1.6, 0.9) @ turn @ np.diag([-0.9, 0.6, 0.8, 1]), normals)
     bar = np.diag([0.04, 0.05, 1.4, 1.0])
     bar[:3, 3] = -0.9, -2.3, 1.4
     stage.add(CUBE, CUBE_CORNERS, bar, seen=False)
@@ -37,6 +39,7 @@ def layers(stage):
     normal[..., 1:] = -3, 0.5
     depth[BY_HAND] = np.linspace(7.1, 7.9, 5, dtype=np.float32)
     normal[BY_HAND][1, 2] = 0  # tells of none
+    depth[6, 0] = depth[0, 6] = 7.3  # up to the picture's borders
     return depth, normal
 
 
@@ -48,18 +51,19 @@ def alike(got, want, within=3e-6):
 class Case:
     """A scene with lamps, its layers, and what the twin draws. Nothing here calls the library."""
 
-    def __init__(self, lamps, stage=None, frame=None, world=None, hidden=np.s_[:0]):
-        self.lamps, self.stage, self.by = lamps, stage or scene(), world
+    def __init__(self, lamps, stage=None, frame=None, world=None, hidden=np.s_[:0], bends=()):
+        self.lamps, self.stage, self.by, self.bends = lamps, stage or scene(), world, bends
         self.frame = frame or Frame(WIDTH, HEIGHT)
         part = np.s_[self.frame.y:self.frame.y + HEIGHT, self.frame.x:self.frame.x + WIDTH]
         self.depth, self.normal = (layer[part].copy() for layer in layers(self.stage))
         self.depth[hidden] = 1e10
         twin = Picture(self.stage.world, self.stage.view, self.stage.projection, (self.frame.width, self.frame.height),
-                       0.1, self.depth, self.normal, (self.frame.x, self.frame.y))
+                       0.1, self.depth, self.normal, (self.frame.x, self.frame.y), bends)
         self.want = twin.light(lamps, irradiance.polynomials, world)
 
     def got(self):
-        return self.stage.light(*self.lamps, depth=self.depth, normal=self.normal, frame=self.frame, world=self.by)
+        return self.stage.light(*self.lamps, depth=self.depth, normal=self.normal, frame=self.frame, world=self.by,
+                                bends=self.bends)
 
 
 MORE = {
@@ -73,8 +77,10 @@ MORE = {
 
 
 def with_sets():
-    """Each thing with lamps of its own, colours, a corner of the frame, what the layers show nothing of."""
+    """Each thing with lamps of its own, colours, a corner of the frame, what the layers show nothing of; depths of the
+    screen are scaled, which moves no ray."""
     stage = scene(size=(41, 30))
+    stage.projection[2] *= 0.25
     for key, sets in ((1, (0b110, ~0)), (2, (~0, 0b101)), (4, (~0, 0b10))):
         stage.world.sets[key] = sets
         stage.sets[key] = sets
@@ -86,10 +92,24 @@ def with_sets():
 
 
 def straight():
-    stage = scene((-5, 6, 4), (0.2, 0, 0.8))
+    stage = scene((7, 0, 4), (0.2, 0, 0.8))  # nothing to the right goes along the first axis
     stage.projection = np.array([[0.3, 0, 0, 0.05], [0, 0.4, 0, -0.1], [0, 0, -0.02, -1], [0, 0, 0, 1.0]])
     return Case([Lamp("sun", width=0.05, model=ways()), Lamp("spot", spot_angle=0.7, spot_blend=0.4, model=ways())],
                 stage)
+
+
+def with_bends(lamp):
+    """Ellipsoids about the cube, half of the ball and the wall, of which two lie in each other, and one bends nothing.
+    """
+    def about(at, size, amount, fade, seed):
+        turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+        model = np.eye(4)
+        model[:3, :3], model[:3, 3] = turn @ np.diag(size), at
+        return Bend(model, amount, fade)
+
+    return Case([lamp], bends=[about((0, 0, 1.0), (2.2, 1.9, 2.4), 1.0, 0.3, 4),
+                               about((2.4, -0.6, 0.9), (1.3, 1, 1), 0.6, 0.0, 5), about((0, 0, 1), (9, 9, 9), 0, 0, 6),
+                               about((-1.5, -1.0, 0.5), (1.4, 2.0, 0.9), 0.8, 1.0, 7)])
 
 
 LEAF = np.array([[-1.8, -2.4, 2.2], [0.6, -2.4, 2.3], [0.6, -0.2, 2.4], [-1.8, -0.2, 2.3]], np.float32)
@@ -109,6 +129,8 @@ def with_holes(extension, closest):
 
 
 ALL = {**{name: functools.partial(Case, [lamp]) for name, lamp in {**LAMPS, **MORE}.items()},
+       **{f"bends, {name}": functools.partial(with_bends, lamp) for name, lamp in
+          (("sun", LAMPS["sun"]), ("point", LAMPS["point"]), ("small rectangle", MORE["small rectangle"]))},
        "sets": with_sets, "orthographic": straight,
        "holes": functools.partial(with_holes, "REPEAT", False),
        "holes, once": functools.partial(with_holes, "CLIP", True),

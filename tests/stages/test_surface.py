@@ -13,10 +13,8 @@ from encre.pen.job import Camera, Frame
 from encre.pen.library import load
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference import paper as reference_paper
+from randomly import CONTROLS, random_layers
 from reference import render as reference
-
-CONTROLS = len(library.controls())
 
 # Edges between objects alone are the same in float32 and float64, so that smudging can be judged everywhere.
 SIMPLE = dict(use_lines=False, edge_depth=0, edge_normal=0, length_unit="PIXELS")
@@ -33,29 +31,6 @@ STYLES = [
 SIZES = [(89, 257), (1, 1), (1, 40), (40, 1)]
 
 
-def random_layers(height, width, seed=0):
-    """Noise that takes every branch: holes, sky, dark light, three styles, controls beyond their range."""
-    rng = np.random.default_rng(seed)
-
-    def noise(channels, low=0.0, high=1.0):
-        return rng.uniform(low, high, (height, width, channels))
-
-    def chance(p):
-        return rng.random((height, width, 1)) < p
-
-    color, diffuse = noise(3), noise(3, -0.05, 1.6) * np.where(chance(0.2), 0.02, 1.0)
-    alpha = np.where(chance(0.1), 0.0, np.where(chance(0.5), 1.0, noise(1)))
-    rgb = color * diffuse + noise(3, -0.2, 0.3)
-    controls = noise(CONTROLS, -1.3, 1.3)
-    controls[..., 2] = 0
-    layers = dict(
-        combined=np.concatenate([rgb, alpha], -1), color=color, diffuse=diffuse, specular=noise(3) * chance(0.4),
-        highlights=noise(3, 0.0, 0.8) * chance(0.5), background=noise(3) * chance(0.3),
-        depth=np.where(chance(0.1), 1e10, rng.integers(2, 6, (height, width, 1)) + 0.01 * noise(1)),
-        normal=noise(3, -1), object=chance(0.006), style=rng.integers(0, 3, (height, width, 1)), controls=controls)
-    return {name: a.astype(np.float32) for name, a in layers.items()}
-
-
 def draw(layers, scene, styles=(), image=None, **how):
     how.setdefault("outputs", ("Combined", "Encre Light"))
     if image is not None:
@@ -66,7 +41,7 @@ def draw(layers, scene, styles=(), image=None, **how):
 def assert_agrees(layers, scene, styles=(), image=None, camera=None, frame=None, tolerance=2e-5):
     expected = reference(
         layers, scene if image is None else dict(scene, paper_source="IMAGE", paper_image=image), styles,
-        camera and dict(orthographic=camera.orthographic, height=camera.height), frame and vars(frame))
+        camera and vars(camera), frame and vars(frame))
     got = draw(layers, scene, styles, image, camera=camera, frame=frame)
     sure = ~expected["unsure"]
     assert sure.mean() > 0.95
@@ -108,9 +83,38 @@ def test_agrees_without_optional_layers():
     assert_agrees(layers, dict(ONLY_SHADING, other_background=0.2, other_reflections=0.5, highlight_shape=0.6))
 
 
+@pytest.mark.parametrize("scene", [dict(reflection_tones=4), dict(reflection_tones=3, surface="PAPER", other_light=0.6),
+                                   dict(reflection_tones=7, other_background=0.3, other_reflections=0.4)])
+def test_metals_mirror_flat_tones(scene):
+    layers = random_layers(40, 64)
+    rng = np.random.default_rng(4)
+    layers["gloss"] = np.float32(rng.uniform(0, 0.9, (40, 64, 3)) * rng.choice((0, 0.1, 1), (40, 64, 1)))
+    assert_agrees(layers, dict(ONLY_SHADING, **scene), [{}, dict(reflection_tones=0)])
+    if "surface" not in scene:
+        light = np.float32(np.linspace(0, 1, 500)).reshape(1, -1, 1) * np.ones(3, np.float32)
+        chrome = dict(combined=np.concatenate([light, np.ones_like(light[..., :1])], -1), color=0 * light,
+                      diffuse=0 * light, depth=1 + 0 * light[..., :1], normal=light, gloss=0 * light + 0.9)
+        seen = draw(chrome, dict(ONLY_SHADING, reflection_tones=scene["reflection_tones"]))["Combined"][0, :, 0]
+        tones = (np.arange(scene["reflection_tones"] + 1) / scene["reflection_tones"]) ** 2
+        assert (np.abs(seen[:, None] - tones).min(1) < 1e-5).mean() > 0.85 and (np.diff(seen) > -1e-6).all()
+
+
 def test_agrees_under_an_orthographic_camera():
     assert_agrees(random_layers(60, 90), dict(ONLY_SMUDGING, smudge_depth=0.3), STYLES,
                   camera=Camera(orthographic=True, height=5.0))
+
+
+def test_full_light_is_that_of_the_strongest_lamp():
+    assert_agrees(random_layers(40, 64), dict(SIMPLE, shade_meter="LAMPS", use_tones=True, tone_1="DOTS"), STYLES,
+                  camera=Camera(light=0.6), tolerance=1e-4)
+    layers, lit = random_layers(40, 64), Camera(light=4.0)
+    exposed = draw(layers, dict(SIMPLE, shade_exposure=0.25))["Combined"]
+    np.testing.assert_array_equal(draw(layers, dict(SIMPLE, shade_meter="LAMPS"), camera=lit)["Combined"], exposed)
+    for as_lit in (Camera(), Camera(light=1e-38)):
+        np.testing.assert_array_equal(draw(layers, dict(SIMPLE, shade_meter="LAMPS"), camera=as_lit)["Combined"],
+                                      draw(layers, SIMPLE)["Combined"])
+    with pytest.raises(EncreError, match="light of -1"):
+        draw(layers, SIMPLE, camera=Camera(light=-1.0))
 
 
 def test_lengths_follow_the_height_of_the_full_frame():
@@ -294,89 +298,17 @@ def test_unpainted_pixels_keep_every_bit():
     assert (off[:, 35:] != on[:, 35:]).any()
 
 
-# ---- paper
-
-def heights(width, height, scene=(), image=None, **how):
-    """The paper as hatching sees it: over white light and a colour of 0.3, T = 2.5 (amount h - 0.3)."""
-    ones = np.ones((height, width, 4), np.float32)
-    layers = dict(combined=ones, color=ones[..., :3] * np.float32(0.3), diffuse=ones[..., :3] * np.float32(1 / 0.3),
-                  normal=ones[..., :3], depth=ones[..., :1])
-    scene = dict(ONLY_HATCHING, hatch_amount=0.7, hatch_light_threshold=0, hatch_color_threshold=1.0,
-                 hatch_color_light=0.0, **dict(scene))
-    return (1 - np.float64(draw(layers, scene, image=image, **how)["Combined"][..., 0])) / 2.5 / 0.7 + 0.3 / 0.7
-
-
-@pytest.mark.parametrize("seed", [0, 1, 2**31 - 1])
-def test_the_sheet_is_the_recipe(seed):
-    np.testing.assert_allclose(heights(520, 515, dict(paper_seed=seed)),
-                               np.pad(reference_paper.sheet(seed), ((0, 3), (0, 8)), "wrap"), atol=5e-7)
-
-
-def test_the_sheet_is_evenly_spread_and_even():
-    sheet = heights(512, 512)
-    assert sheet.min() >= 0.6 - 1e-6 and sheet.max() <= 1 + 1e-6
-    assert abs(sheet.mean() - 0.8) < 1e-6
-    share, _ = np.histogram(sheet, 8, (0.6, 1.0))
-    assert np.ptp(share) < 0.01 * share.mean()
-    blocks = sheet.reshape(16, 32, 16, 32).mean((1, 3))
-    assert np.ptp(blocks) < 0.02, "a blotch would show the tiling"
-    power = np.abs(np.fft.fft2(sheet - sheet.mean())) ** 2
-    alike = np.fft.ifft2(power).real / power.mean()
-    assert 0.4 < alike[0, 1] < 0.7 and 0.4 < alike[1, 0] < 0.7, "grain of about a pixel"
-    assert abs(alike[0, 1] - alike[1, 0]) < 0.02, "no grain direction"
-    assert np.abs(alike[8:-8, 8:-8]).max() < 0.03, "no repetition within the sheet"
-
-
-def test_another_seed_is_another_sheet():
-    a, b = heights(200, 200), heights(200, 200, dict(paper_seed=1))
-    assert abs(np.corrcoef(a.ravel(), b.ravel())[0, 1]) < 0.02
-
-
-@pytest.mark.parametrize("scale", [1.0, 0.37, 2.6])
-def test_a_border_shows_its_piece_of_the_sheet(scale):
-    scene = dict(paper_scale=scale, length_unit="PIXELS")
-    whole = heights(700, 560, scene)
-    piece = heights(90, 40, scene, frame=Frame(700, 560, 600, 515))
-    np.testing.assert_array_equal(piece, whole[515:555, 600:690])
-
-
-@pytest.mark.parametrize("channels", [0, 1, 2, 3, 4])
-@pytest.mark.parametrize("scale", [1.0, 1.7, 0.3])
-def test_an_image_is_paper(channels, scale):
-    shape = (7, 13, channels) if channels else (7, 13)
-    image = np.random.default_rng(channels).uniform(0.5, 1.0, shape).astype(np.float32)
-    image[3, 4] = np.nan
-    grey = {0: image, 1: image, 2: image[..., :1]}.get(channels, image)
-    grey = grey.reshape(7, 13, -1)
-    expected = reference_paper.heights(
-        _Place(50, 60), _Values(dict(paper_source="IMAGE", paper_scale=scale, paper_roughness=0.8,
-                                     paper_image=grey[..., 0] if grey.shape[-1] == 1 else grey)))[0]
-    got = heights(60, 50, dict(paper_scale=scale, paper_roughness=0.8, length_unit="PIXELS"), image)
-    visible = expected > 0.45
-    np.testing.assert_allclose(got[visible], expected[visible], atol=1e-5)
-
-
-class _Place:
-    """What the reference's paper wants to know of the layers."""
-
-    def __init__(self, height, width):
-        self.depth, self.x, self.y, self.full_height = np.zeros((height, width)), 0, 0, height
-
-
-class _Values(dict):
-    def pixels(self, full_height):
-        return 1.0
-
-
 # ---- what is refused
 
 @pytest.mark.parametrize("levels, words", [
-    ([(0.5,), (0.7, 0.5, 0.2), (1.1, 0.6, 0.2)], "overlap"),
-    ([(0.5,), (0.7, 0.5, 0.0), (1.1, 0.4, 0.0)], "darkest first"),
+    ([(0.5,), (0.7, 0.5, 0.2), (1.1, 0.6, 0.2)], "levels 2 and 3 overlap; move thresholds 0.5 and 0.6 apart"),
+    ([(0.5,), (0.7, 0.5, 0.2), (1.1, 0.6999981, 0.2)], "overlap"),
+    ([(0.5,), (0.7, 0.5, 0.0), (1.1, 0.4, 0.0)], "threshold 0.4 of level 3 lies under 0.5 .*; give darkest first"),
     ([(0.5,)] + [(1.0, k, 0.0) for k in range(16)], "16"),
     ([], "16"),
     ([(0.5,), (-0.7, 0.5, 0.2)], "0 or more"),
     ([(0.5,), (0.7, 0.5, -0.2)], "0 or more"),
+    ([(0.5,), (0.7, np.nan, 0.2)], "level 2 has|0 or more|finite"),
 ])
 def test_levels_that_make_no_sense(levels, words):
     with pytest.raises(EncreError, match=words) as error:
@@ -386,6 +318,7 @@ def test_levels_that_make_no_sense(levels, words):
 
 def test_levels_that_touch():
     library.check(dict(shade_levels=[(0.5,), (0.7, 0.3, 0.2), (1.1, 0.5, 0.2), (1.2, 0.6, 0.0), (1.3, 0.6, 0.0)]))
+    library.check(dict(shade_levels=[(0.5,), (0.7, 0.5, 0.2), (1.1, 0.6999988, 0.2)]))
 
 
 @pytest.mark.parametrize("count, words", [(0, b"give 1 to 16"), (17, b"give 1 to 16")])
@@ -403,11 +336,3 @@ def test_the_library_looks_at_the_colours_of_levels_itself(channel, wrong):
     block = library.pack({})[0]
     struct.pack_into("f", block, library.params["shade_levels"].offset + 4 + 12 + 4 * channel, wrong)
     assert b"level 1 has" in library.lib.encre_params_check(block, ctypes.create_string_buffer(400), 400)
-
-
-def test_the_library_looks_at_the_image():
-    library = load()
-    for size, refused in (((4, 4, 5), True), ((1, 2, 1), False), ((2, 1, 3), False), ((1, 1, 4), False)):
-        block, keep = library.pack(dict(paper_image="x"), lambda _, size=size: np.zeros(size, np.float32))
-        found = library.lib.encre_params_check(block, ctypes.create_string_buffer(400), 400)
-        assert keep and (b"paper_image" in found if refused else not found)

@@ -9,85 +9,12 @@ import pytest
 from encre.blender import cameras
 from encre.pen import abi
 from encre.pen.errors import EncreError
-from encre.pen.job import Camera, Frame, Mesh
+from encre.pen.job import Frame
 from encre.pen.library import load
+from jobs import HEIGHT, KINDS, WIDTH, Job
 
-WIDTH, HEIGHT = 12, 8
-CHANNELS = {"texture": 3, "form": 3, "output": 3}
-
-
-def array(channels, name=""):
-    a = np.full((HEIGHT, WIDTH, channels), 0.25, np.float32)
-    if name == "normal":
-        a[...] = 0, 0, 1
-    return a
-
-
-class Job:
-    """A job that is right, of which tests spoil one thing: `images` by name, `job` as ctypes has it."""
-
-    def __init__(self, kind):
-        self.kind, self.lib, self.keep, self.images = kind, load(), [], {}
-        getattr(self, "_" + kind)()
-
-    def _add(self, owner, name, channels):
-        self.keep.append(array(channels, name))
-        field = abi.image(self.keep[-1])
-        if isinstance(owner, int):
-            (self.job.layers if name in self.lib.layers else self.job.outputs)[owner] = field
-            self.images[name] = (self.job.layers if name in self.lib.layers else self.job.outputs)[owner]
-        else:
-            setattr(self.job, name, field)
-            self.images[name] = getattr(self.job, name)
-
-    def _params(self):
-        self.block, _ = self.lib.pack({})
-        self.job.params = ctypes.addressof(self.block)
-
-    def _render(self):
-        self.job = self.lib._job()
-        for table in (self.lib.layers, self.lib.outputs):
-            for i, (name, channels) in enumerate(table.items()):
-                self._add(i, name, channels)
-        self._params()
-        self.job.n_styles = 1
-        self.job.camera = abi.Camera((ctypes.c_float * 9)(*Camera().view), 0, 1.0, 0.0)
-        self.job.frame = abi.Frame(WIDTH, HEIGHT, 0, 0)
-
-    def _raster(self):
-        self.job, self.mesh = abi.RasterJob(), abi.Mesh()
-        points = np.array([[-1, -1, -2], [1, -1, -2], [0, 1, -2]], np.float32)
-        self.keep.append(abi.fill_mesh(self.mesh, Mesh(points, np.array([[0, 1, 2]]))))
-        self.job.meshes, self.job.n_meshes, self.job.n_channels = ctypes.pointer(self.mesh), 1, 3
-        self.job.view[:] = np.eye(4).ravel()
-        self.job.projection[:] = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -0.2, 0, 0, -1, 0]
-        self.job.clip_start, self.job.frame = 0.1, abi.Frame(WIDTH, HEIGHT, 0, 0)
-        for name, channels in dict(depth=1, normal=3, object=1, material=1, style=1, attributes=3, marks=2).items():
-            self._add(None, name, channels)
-
-    def _bake(self):
-        self.job = abi.BakeJob()
-        for name, channels in CHANNELS.items():
-            self._add(None, name, channels)
-        self._params()
-
-    def run(self):
-        self.lib._call(getattr(self.lib.lib, "encre_" + self.kind), self.job, 1, 1, None)
-
-    def refused(self, words):
-        with pytest.raises(EncreError, match=words) as error:
-            self.run()
-        text = str(error.value)
-        assert ": " in text and "; " in text and "\n" not in text and text.count(".") <= 3
-
-    def memory(self, size):
-        """Bytes, aligned to 8, that live as long as the job."""
-        self.keep.append(np.zeros(size // 8 + 1, np.float64))
-        return self.keep[-1].ctypes.data
-
-
-KINDS = {"render": ("color", "Combined"), "raster": ("depth", "marks"), "bake": ("texture", "output")}
-IMAGES = [(kind, name) for kind, names in KINDS.items() for name in names]
+IMAGES = [("render", "color"), ("render", "Combined"), ("raster", "depth"), ("raster", "marks"), ("bake", "texture"),
+          ("bake", "output")]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -308,6 +235,15 @@ def test_parameters_are_there():
     job = Job("render")
     job.job.params = None
     job.refused("^params: 0 styles; give 1 to ")
+
+
+@pytest.mark.parametrize("style, words", [(0, "^line_thickness: -5 is out of range"), (1, "^style 1: line_thickness"),
+                                          (2, "^style 2: line_thickness")])
+def test_parameters_of_every_style_are_checked(style, words):
+    every = load().complete({}, [{}, {}])
+    every[style]["line_thickness"] = -5.0
+    with pytest.raises(EncreError, match=words):
+        load().draw(drawn.scene(WIDTH, HEIGHT), every)
 
 
 def test_parameters_are_aligned():

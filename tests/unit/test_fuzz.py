@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SECONDS = float(os.environ.get("ENCRE_FUZZ_SECONDS", 15))
+SECONDS = float(os.environ.get("ENCRE_FUZZ_SECONDS", 10))
 SHARE = {"address,undefined,float-cast-overflow": 4 / 6, "memory": 1 / 6, "thread": 1 / 6}
 PLAIN = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1", "-g1", f"-I{ROOT / 'csrc'}"]
 # The address sanitizer stops at a null pointer and beyond an object too: these two only take time to compile.

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Passes to layers, and the rasteriser's pictures to passes, without any Blender."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
-import views
-from encre.pen import layers, library, overlay, saved, supersample
+from encre.pen import layers, library, overlay, saved
 from encre.pen.errors import EncreError
-from encre.pen.job import Camera, Frame, Mesh
+from encre.pen.job import Camera, Frame
 from encre.pen.settings import Settings, switches
 
 SHAPE = (7, 9)
@@ -187,7 +189,7 @@ def test_denoised_light_is_put_back(passes):
 
 
 def test_saved_layers_are_preferred(passes):
-    for name, channels in saved.passes(True, True).items():
+    for name, channels in saved.passes(True, True, True).items():
         passes[name] = np.full((*SHAPE, len(channels)), 0.25, np.float32)
     passes["Encre Index"] += np.arange(3, dtype=np.float32)
     made, _ = assemble(passes, {"shade_light": "DIRECT"}, (), half)
@@ -274,11 +276,11 @@ def test_only_what_is_not_0_is_kept_of_what_was_rasterised():
 def test_files_keep_the_layers():
     random = np.random.default_rng(3)
     names = ("combined", "diffuse", "object", "material", "style", "controls", "marks", "creases", "seen_depth",
-             "anchor")
+             "anchor", "tangent")
     made = {name: random.uniform(-1, 1, (*SHAPE, library.LAYERS[name])).astype(np.float32) for name in names}
-    packed = {name: saved.pack(name, made) for name in saved.passes(True, True)}
+    packed = {name: saved.pack(name, made) for name in saved.passes(True, True, True)}
     assert {name: picture.shape[2] for name, picture in packed.items()} == {
-        name: len(letters) for name, letters in saved.passes(True, True).items()}
+        name: len(letters) for name, letters in saved.passes(True, True, True).items()}
     again = saved.unpack(packed)
     assert again.keys() == made.keys() and all(np.array_equal(again[name], made[name]) for name in names)
     few = {name: made[name] for name in ("combined", "diffuse", "object", "material")}
@@ -324,6 +326,13 @@ def test_what_is_active():
     assert asked({**off, "supersample": 2, "layer_source": "ENCRE"}).factor == 2
 
 
+def test_the_stages_that_are_told_are_those_that_have_rows():
+    csrc = Path(__file__).parents[2] / "csrc"
+    rows = re.findall(r'^#include "(.*)"', (csrc / "base" / "all.rows.h").read_text(), re.MULTILINE)
+    declared = [id_ for name in rows for id_ in re.findall(r"^STAGE\((\w+),", (csrc / name).read_text(), re.MULTILINE)]
+    assert declared == [stage.id for stage in library.stages()] and len(declared) > 9
+
+
 def test_settings_are_checked_and_complete():
     made = Settings({"line_thickness": 3}, [("Ink", {"line_thickness": 4.0, "edge_detector": "DOG"})])
     assert [len(values) for values in made.every] == 2 * [len(library.params())]
@@ -333,52 +342,6 @@ def test_settings_are_checked_and_complete():
     for scene, style in (({"line_thickness": -1}, {}), ({}, {"line_thickness": -1}), ({"line": 1}, {})):
         with pytest.raises(EncreError):
             Settings(scene, [("", style)])
-
-
-def test_rest_positions_go_on_evenly_where_a_pixel_shows_what_its_neighbour_does():
-    index = np.zeros((5, 6), np.int32)
-    index[2, 1:5] = 7
-    drawn = index.copy()
-    drawn[2, 4] = 0  # Cycles shows it here, the rasteriser does not
-    anchor = np.zeros((5, 6, 16), np.float32)
-    anchor[2, 1:4] = np.arange(3)[:, None] * np.eye(16, dtype=np.float32)[0] * 0.5
-    anchor[2, 1:4, 6:] = (0.5, 0.5, 0, 0, 0, 0.5, 0, 0, 0, 0)
-    maps = {"object": drawn, "material": 0 * drawn, "style": 0 * drawn, "anchor": anchor}
-    owners = np.arange(8.0)
-    made = overlay.rasterised(index, maps, owners, owners, np.negative)["anchor"]
-    np.testing.assert_allclose(made[2, 1:5, 0], (0, 0.5, 1, 1.5))
-    np.testing.assert_array_equal(made[2, 4, 6:], made[2, 3, 6:])
-
-
-@pytest.mark.parametrize("orthographic", [False, True])
-def test_what_no_mesh_tells_of_sticks_to_the_world(orthographic):
-    """A plane, as the rasteriser tells of it and as its depth and normal do."""
-    width, height = 24, 16
-    projection = (views.orthographic(width, height) if orthographic
-                  else views.perspective(width, height, 1.2, (0.1, -0.2)))
-    view = np.eye(4)
-    view[:3, :3], view[:3, 3] = np.linalg.qr([(1, 0.2, 0.4), (-0.3, 1, 0.5), (-0.2, -0.6, 1)])[0], (0.3, -0.2, -6)
-    points = np.array([(-30, -30, 0), (30, -30, 0), (30, 30, 0), (-30, 30, 0)], np.float32)
-    mesh = Mesh(points, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
-    frame = Frame(30, 20, 3, 2)
-    maps = library.raster([mesh], view, projection, frame, (width, height), 0.1, outputs=("depth", "normal", "anchor"))
-    layers_ = {"depth": maps["depth"][..., None].copy(), "normal": maps["normal"],
-               "anchor": np.zeros_like(maps["anchor"])}
-    layers_["depth"][3, 4] = 1e10
-    overlay.complete_anchor(layers_, view, projection, frame)
-    assert not layers_["anchor"][3, 4].any()
-    layers_["anchor"][3, 4] = maps["anchor"][3, 4]
-    told = [np.concatenate([a[..., :3], np.abs(a[..., 3:6]), a[..., 6:]], 2)
-            for a in (layers_["anchor"], maps["anchor"])]
-    np.testing.assert_allclose(*told, rtol=2e-3, atol=2e-5)
-
-
-def test_of_a_larger_anchor_one_sample_stays_and_what_is_told_per_pixel_grows():
-    anchor = np.random.default_rng(2).uniform(0.1, 1, (6, 9, 16)).astype(np.float32)
-    made = np.concatenate([supersample.shrink(name, anchor[..., at], 3) for name, at in saved.ANCHOR.items()], 2)
-    want = anchor[1::3, 1::3].copy()
-    want[..., 6:13] *= 3
-    np.testing.assert_array_equal(made, want)
 
 
 def test_settings_say_when_they_ask_for_other_layers(passes):

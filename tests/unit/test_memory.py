@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from encre.pen.background import Background
 from encre.pen.errors import EncreError
+from encre.pen.installed import LIBRARY
 from encre.pen.job import Frame, Lamp, Mesh
-from encre.pen.library import LIBRARY, Library
+from encre.pen.library import Library
 from encre.pen.scene import Scene
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -84,6 +85,7 @@ def test_each_refused_once(library, job, settings, what):
 
     refuse, calls, held = number("refuse_" + what), number(what + "s"), number("held")
     whole = job(library, settings)
+    library.forget()
     refused = 0
     while True:
         calls.value, refuse.value = 0, refused + 1
@@ -96,6 +98,7 @@ def test_each_refused_once(library, job, settings, what):
             assert all(images[name].tobytes() == whole[name].tobytes() for name in whole)
         finally:
             refuse.value = 0
+            library.forget()
         assert held.value == 0
         if calls.value <= refused:
             break
@@ -103,12 +106,25 @@ def test_each_refused_once(library, job, settings, what):
     assert refused >= 2
 
 
+NEEDS_COUNT = pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallinfo2"), reason="needs glibc's count of memory")
+
+
 @pytest.mark.parametrize("sources", [
     pytest.param(name, marks=pytest.mark.long if name == "default sources" else ()) for name in bench.SOURCES])
-@pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallinfo2"), reason="needs glibc's count of memory")
+@NEEDS_COUNT
 def test_fine_holds_at_most_12_bytes_a_pixel(sources):
     """Besides input and output, where 12 % of the pixels are near a line."""
-    width, height = 1920, 1080
+    width, height = 1280, 720
     layers, settings = bench.balls(width, height, bench.CELL[sources]), bench.SOURCES[sources]
     assert 0.11 < bench.sites(layers, settings)[1] < 0.13
     assert bench.held_bytes(layers, settings) <= 12 * width * height
+
+
+@NEEDS_COUNT
+@pytest.mark.parametrize("look", [
+    pytest.param(look, marks=() if look == "Inter-color, SOBEL" else pytest.mark.long) for look in bench.LOOKS])
+def test_looks_hold_at_most_12_bytes_a_pixel(look):
+    """Likewise; Inter-color's edges are the most."""
+    width, height = 1920, 1080
+    layers = bench.balls(width, height, bench.CELL["with colour and light" if "colour" in look else "default sources"])
+    assert bench.held_bytes(layers, bench.LOOKS[look][0]) <= 12 * width * height

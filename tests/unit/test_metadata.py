@@ -3,10 +3,12 @@
 
 import json
 
+import numpy as np
 import pytest
 from encre.pen import library, metadata
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
+from encre.pen.params import Chosen
 from encre.pen.settings import VERSION, since
 
 
@@ -14,19 +16,45 @@ def test_round_trip():
     scene = library.check({**library.defaults(), "line_thickness": 3.5, "shade_tint": (0.1, 0.2, 0.3),
                         "shade_levels": [(0.4,), (0.7, 0.5, 0.025, 1, 0.5, 0)], "paper_image": "/some/paper.png"})
     styles = [("Skin", {"line_thickness": 2.0}), ("Cloth", {"use_lines": False})]
-    camera = Camera((0, 1, 0, 0, 0, 1, 1, 0, 0), True, 4.5, 7.5)
+    camera = Camera((0, 1, 0, 0, 0, 1, 1, 0, 0), True, 4.5, 7.5, 1.25)
     written = metadata.write(scene, styles, camera, Frame(1920, 1080, 100, 50, 7))
     said = {key: json.loads(text) for key, text in written.items()}
     assert said["encre.params"]["version"] == 1
     assert said["encre.params"]["scene"]["shade_levels"] == [[0.4], [0.7, 0.5, 0.025, 1, 0.5, 0]]
     assert said["encre.frame"] == {"width": 1920, "height": 1080, "x": 100, "y": 50, "number": 7}
-    assert said["encre.camera"] == {"orthographic": True, "height": 4.5, "distance": 7.5,
+    assert said["encre.camera"] == {"orthographic": True, "height": 4.5, "distance": 7.5, "light": 1.25,
                                     "view": [0, 1, 0, 0, 0, 1, 1, 0, 0]}
     read = metadata.read({**written, "Software": "another"})
     assert library.check(read.scene) == scene and read.styles == styles and read.camera == camera
     assert read.frame == Frame(1920, 1080, 100, 50, 7) and read.border is None and not read.warnings
     written = metadata.write(scene, styles, camera, Frame(1920, 1080), (100, 50, 300, 200))
     assert metadata.read(written).border == (100, 50, 300, 200)
+
+
+def test_images_that_are_no_files():
+    rng = np.random.default_rng(1)
+    images = {Chosen("paper_image", "Sheet"): rng.random((3, 4, 1), np.float32),
+              Chosen("another_image", "Ball"): np.float32(rng.integers(0, 256, (2, 5, 3)) / 255)}
+    for many in (1, 2):
+        given = dict(list(images.items())[:many])
+        text = metadata.write({}, [], Camera(), Frame(8, 8), images=given)["encre.paper"]
+        read = metadata.read({"encre.paper": text}).images
+        assert read.keys() == given.keys()
+        assert all(np.array_equal(read[chosen], pixels) for chosen, pixels in given.items())
+    huge = dict(json.loads(text)[0], shape=[1 << 13, 1 << 13, 1])
+    with pytest.raises(EncreError, match="encre.paper"):  # together they are more than a file may hold
+        metadata.read({"encre.paper": json.dumps([json.loads(text)[1], huge])})
+
+
+def test_images_for_which_a_file_has_no_room_are_left_out():
+    """A file that held them could not be read again."""
+    small = np.ones((2, 2, 4), np.float32)
+    large = np.broadcast_to(np.float32(1), (1 << 12, (1 << 12) + 1, 4))
+    images = {Chosen("paper_image", "Large"): large, Chosen("example_image", "Small"): small}
+    assert metadata.read(metadata.write({}, [], Camera(), Frame(8, 8), images=images)).images.keys() == {
+        Chosen("example_image", "Small")}
+    assert "encre.paper" not in metadata.write({}, [], Camera(), Frame(8, 8),
+                                               images={Chosen("paper_image", "Large"): large})
 
 
 def test_files_of_older_versions_keep_their_look():

@@ -12,7 +12,7 @@ import drawn
 import mutants
 import mutate
 import numpy as np
-from encre.pen.job import Frame, Lamp, Mesh
+from encre.pen.job import Frame, Lamp, Materials, Mesh, Program
 from encre.pen.library import Library, load
 from encre.pen.scene import Scene
 
@@ -40,7 +40,7 @@ def test_what_is_changed():
 
 def test_the_list_of_what_none_can_notice_names_lines_that_are_there():
     every = mutants.every_mutant(ROOT)
-    there = {(m.path, m.text, m.old, m.new) for found in every.values() for m in found}
+    there = set().union(*(m.names for found in every.values() for m in found))
     assert mutants.known() - there == set()
     for name, old, _, _ in mutate.PYTHON:
         assert (ROOT / name).read_text(encoding="utf-8").count(old) == 1, name
@@ -61,8 +61,15 @@ def pictures(library):
         np.ascontiguousarray(layers[name][:, ::-1]) for name in ("albedo", "normal", "depth"))
     fine = dict(edge_detector="FINE", edge_color=2.0, edge_light=3.0, edge_seen=2.0)
     made = []
-    for scene in ({**fine, "line_taper": 9.0}, {**fine, "line_thickness": 1.0, "line_softness": 0.0}, {},
-                  dict(edge_detector="SOBEL", line_search="NEAREST", contrast_auto=True, edge_color=1.0)):
+    for scene in ({**fine, "line_taper": 9.0, "pen_overshoot": 6.0, "pen_pool": 1.0},
+                  {"use_tones": True, "tone_1": "HATCH", "tone_2": "STIPPLE", "tone_3": "DOTS"},
+                  {**fine, "line_thickness": 1.0, "line_softness": 0.0}, {},
+                  dict(edge_detector="SOBEL", line_search="NEAREST", contrast_auto=True, contrast_metric="CMC",
+                       edge_color=1.0),
+                  dict(edge_color=3.0, edge_light=4.0, line_thickness=30.0, line_tint=0.5, color_layer="LIT",
+                       contrast_metric="CIEDE2000"),
+                  dict(edge_detector="DOG", line_search="WALK", depth_space="LINEAR", color_detector="DOG",
+                       edge_color=1.0, paper_scale=2.5)):
         made += library.render(layers, scene, [dict(shade_exposure=1.4)], outputs=list(library.outputs),
                                threads=2).images.values()
     rng = np.random.default_rng(1)
@@ -72,6 +79,12 @@ def pictures(library):
     front = library.raster(meshes, np.eye(4), projection, Frame(120, 90), (120, 90), 0.1,
                            outputs=("depth", "normal", "object", "marks", "creases"))
     made += front.values()
+    operations = [library.operations[name][0] for name in ("place", "noise", "normal")]
+    program = Program(np.array([[code, 3 * k, *[0] * 10] for k, code in enumerate(operations)], np.int32), 9,
+                      [3, 6, 7, 0, 1, 2, 3, 3, 3, 3, 3])
+    maps = {name: front[name] for name in ("depth", "normal", "object")} | {"material": 0 * front["object"]}
+    made += library.material(Materials([program], (), np.ones(2, np.float32)), maps, np.eye(4), projection,
+                             Frame(120, 90)).values()
     made.append(library.bake(layers["albedo"], dict(line_thickness=5.0)).texture)
     scene = Scene(library)
     for k, mesh in enumerate(meshes):
@@ -82,16 +95,22 @@ def pictures(library):
     return [picture.tobytes() for picture in made]
 
 
-def test_how_work_is_cut_up_and_saved_changes_no_byte(tmp_path):
+def test_how_work_is_cut_up_and_saved_and_who_compiles_changes_no_byte(tmp_path, monkeypatch):
+    """By clang where it is: what is installed is gcc's."""
     shutil.copytree(ROOT / "csrc", tmp_path / "csrc")
     (tmp_path / "made").mkdir()
     for name, old, new in [*mutants.CUTS, *((name, old, new) for name, _, old, new in mutants.FILTERS if old)]:
         text = (tmp_path / name).read_text(encoding="utf-8")
         assert text.count(old) == 1, name
         (tmp_path / name).write_text(text.replace(old, new), encoding="utf-8")
+    for name in mutants.every_mutant(ROOT):
+        text = (tmp_path / name).read_text(encoding="utf-8")
+        (tmp_path / name).write_text(mutants.guards_moved(text), encoding="utf-8")
+    if shutil.which("clang"):
+        monkeypatch.setenv("CC", "clang")
     compile_, link = runpy.run_path(str(ROOT / "setup.py"), run_name="tests")["commands"](
         tmp_path / "moved.so", tmp_path / "made", scalar=True)
     with ThreadPoolExecutor(2) as pool:
-        list(pool.map(lambda command: subprocess.run([*command, "-O0"], cwd=tmp_path, check=True), compile_))
+        list(pool.map(lambda command: subprocess.run(command, cwd=tmp_path, check=True), compile_))
     subprocess.run(link, cwd=tmp_path, check=True)
     assert pictures(Library(str(tmp_path / "moved.so"))) == pictures(load())

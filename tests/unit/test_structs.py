@@ -30,6 +30,7 @@ MIRRORS = {
     "encre_texture": abi.Texture,
     "encre_instance": abi.Instance,
     "encre_lamp": abi.Lamp,
+    "encre_bend": abi.Bend,
     "encre_light_job": abi.LightJob,
     "encre_step": abi.Step,
     "encre_operation_description": abi.OperationInfo,

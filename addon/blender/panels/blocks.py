@@ -11,7 +11,9 @@ from .base import EncrePanel
 
 def draw_block(layout, block, owner, scene):
     layout.use_property_split = True
-    for kind, rows in groupby(properties.own_settings(owner), lambda own: own.kind):
+    shape = getattr(block, "empty_display_type", "") if getattr(block, "type", "") == "EMPTY" else ""
+    settings = [own for own in properties.own_settings(owner) if own.of == shape or not own.of]
+    for kind, rows in groupby(settings, lambda own: own.kind):
         column = layout.column(align=True)
         if kind == "control":
             column.label(text="Offsets")
@@ -20,6 +22,8 @@ def draw_block(layout, block, owner, scene):
                 column.prop_search(block.encre, own.id, scene.encre, "styles")
             else:
                 column.prop(block.encre, own.id)
+        if kind == "share" and scene.encre.light_source != "DRAWN" and scene.encre.layer_source != "ENCRE":
+            column.label(text="Bends drawn light: set Layers › Light to Drawn", icon="INFO")
 
 
 class _BlockPanel(EncrePanel):

@@ -65,9 +65,10 @@ class ENCRE_OT_preset(_PresetOperator, bpy.types.Operator):
             preset = presets.find(properties_.preset, folder())
         except EncreError as error:
             return str(error)
-        labels = [iface_(library.params()[id_].label, CONTEXT) for id_ in preset.values]
+        labels = [iface_(library.params()[id_].label, CONTEXT) for id_ in preset.listed]
         listed = ", ".join(labels[:40]) + (", ..." if len(labels) > 40 else "")
-        return f"{tip_(preset.description)}. " + tip_("Sets {}; leaves all other settings as they are").format(listed)
+        sets = tip_("Sets {}; takes back what other presets set, and leaves all else as it is").format(listed)
+        return f"{tip_(preset.description)}. {sets}"
 
     def do(self, context):
         preset = presets.find(self.preset, folder())

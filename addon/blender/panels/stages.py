@@ -51,6 +51,8 @@ def stage_panel(stage):
 
     def draw(self, context):
         draw_params(self.layout, context.scene.encre, rest, "scene")
+        if stage.id == "rim":
+            self.layout.prop(context.scene.encre, "rim_lamp")
 
     def draw_header(self, context):
         self.layout.prop(context.scene.encre, switch.id, text="")

@@ -57,6 +57,16 @@ static void mark_jumps(bool ortho, const float *a, const float *b, const float *
 		}
 }
 
+/* Takes back jumps in a row within one object (o[1], o[2]) where a side is one pixel of it that another object (o[0],
+ * o[3]) lies beside: no slope is known of it, and a ledge that is seen flat would be a jump. Meshes know: where a
+ * contour of theirs passes, it stays. */
+static void unmark_ledges(const float *const *o, const float *marks, int n, uint8_t bit, uint8_t *restrict out)
+{
+	const float *a = o[0], *b = o[1], *c = o[2], *d = o[3];
+	for (int i = 0; i < n; i++)
+		out[i] &= (uint8_t)(b[i] == c[i] && (a[i] != b[i] || c[i] != d[i]) && !(marks[2 * i] < 0) ? ~bit : 255);
+}
+
 /* Contours that the meshes tell, and something lies behind. */
 static void mark_contours(const float *marks, int n, bool below, uint8_t *restrict out)
 {
@@ -78,7 +88,22 @@ static void mark_different(const float *a, const float *b, int n, uint8_t bit, u
 		out[i] |= a[i] != b[i] ? bit : 0;
 }
 
+static bool knows_contours(const fine *n)
+{
+	return n->e->creases && n->f->layer[ENCRE_LAYER_MARKS].data;
+}
+
 /* ---- sites ----------------------------------------------------------------------------------------------- */
+
+static bool on_ledge(const fine *n, const found *s)
+{
+	plane object = n->f->layer[ENCRE_LAYER_OBJECT];
+	if (!knows_contours(n) || !object.data)
+		return false;
+	ptrdiff_t step = s->axis == AXIS_ROW ? 1 : object.row;
+	const float *o = object.data + s->row * object.row + s->column;
+	return o[0] == o[step] && (o[-step] != o[0] || o[step] != o[2 * step]) && !(ISA(hand_place)(n, s) < 0);
+}
 
 static float depth_strength(const fine *n, const found *s)
 {
@@ -88,7 +113,7 @@ static float depth_strength(const fine *n, const found *s)
 	bool inside = dx ? s->column >= 1 && s->column + 2 < f->width : s->row >= 1 && s->row + 2 < f->height;
 	for (int k = 0; inside && k < 4; k++)
 		u[k] = sample(n->e, layer_row(f, ENCRE_LAYER_DEPTH, s->row + (k - 1) * dy)[s->column + (k - 1) * dx]);
-	if (!inside)
+	if (!inside || on_ledge(n, s))
 		return 0;
 	float top = max(max(u[0], u[1]), max(u[2], u[3]));
 	float j = n->e->ortho ? jump_ortho(u[0], u[1], u[2], u[3]) : top > 0 ? jump(u[0], u[1], u[2], u[3]) / top : 0;
@@ -195,6 +220,22 @@ static void refine(const fine *n, int y, uint8_t *mark, uint8_t bits)
 		}
 }
 
+static void unmark(const fine *n, int y, uint8_t *mark)
+{
+	const frame *f = n->f;
+	const float *marks = layer_row(f, ENCRE_LAYER_MARKS, y), *o[4];
+	int width = f->width;
+	for (int k = 0; k < 4; k++)
+		o[k] = layer_row(f, ENCRE_LAYER_OBJECT, y) + k;
+	if (width > 3)
+		unmark_ledges(o, marks + 2, width - 3, CRACK_RIGHT, mark + 1);
+	if (y < 1 || y + 2 >= f->height)
+		return;
+	for (int k = 0; k < 4; k++)
+		o[k] = layer_row(f, ENCRE_LAYER_OBJECT, y + k - 1);
+	unmark_ledges(o, marks + 1, width, CRACK_DOWN, mark);
+}
+
 static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const *level)
 {
 	const frame *f = n->f;
@@ -209,7 +250,9 @@ static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const
 		mark_jumps(e->ortho, u[1], u[1] + 1, u[1] + 2, u[1] + 3, width - 3, least, CRACK_RIGHT, mark + 1);
 	if (e->on[SOURCE_DEPTH] && least < INFINITY && y >= 1 && y + 2 < f->height)
 		mark_jumps(e->ortho, u[0], u[1], u[2], u[3], width, least, CRACK_DOWN, mark);
-	if (e->creases && f->layer[ENCRE_LAYER_MARKS].data && least < INFINITY)
+	if (knows_contours(n) && f->layer[ENCRE_LAYER_OBJECT].data)
+		unmark(n, y, mark);
+	if (knows_contours(n) && least < INFINITY)
 		mark_contours(layer_row(f, ENCRE_LAYER_MARKS, y), width, below, mark);
 	if (least_strength(e, SOURCE_OBJECT) <= 1) {
 		mark_nothing(nothing, u[1], u[1] + 1, width - 1, CRACK_RIGHT, mark);
@@ -263,7 +306,7 @@ void ISA(crack_rows)(void *data, int y0, int y1, int thread)
 	ptrdiff_t stride = stride_of(f);
 	float *scratch = n->scratch + thread * n->thread_scratch;
 	uint8_t *levels = (uint8_t *)(scratch + ROWS * stride);
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		float *u[ROWS];
 		uint8_t *level[2] = {levels, levels};
 		for (int k = 0; k < ROWS; k++) {

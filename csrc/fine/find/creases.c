@@ -9,6 +9,10 @@
  * several faces. */
 static const float ease[2] = {4, 20}, least_width[2] = {0.4f, 0.2f};
 
+/* An edge of a form that is shaded smoothly bends more here and less there: it goes on beside what is a line by itself
+ * down to this share of the angle. */
+static const float least_smooth = 5 / 6.0f;
+
 typedef struct passing {
 	float place, bend;
 	bool spread; /* over several faces */
@@ -45,10 +49,15 @@ bool ISA(crease_asked)(const fine *n, int y)
 	return false;
 }
 
-/* By how many degrees an edge bends more than it must; negative: it is no line. */
+/* By how many degrees an edge bends more than it must; negative: it is no line by itself. */
 static float more_than_asked(const encre_params *p, float bend)
 {
 	return bend < 0 ? -bend - p->crease_smooth : bend - p->crease_angle;
+}
+
+static bool goes_on(const encre_params *p, const passing *s)
+{
+	return !s->spread && -s->bend >= least_smooth * p->crease_smooth;
 }
 
 bool ISA(crease_site)(const fine *n, const found *at, placed *s)
@@ -57,8 +66,10 @@ bool ISA(crease_site)(const fine *n, const found *at, placed *s)
 	crack_place(at, here.place, s);
 	s->strength = 0;
 	int style = fine_style(n, at, s);
-	float more = more_than_asked(n->f->params + style, here.bend);
-	if (more < 0)
+	const encre_params *p = n->f->params + style;
+	float more = more_than_asked(p, here.bend);
+	s->weak = more < 0;
+	if (s->weak && !goes_on(p, &here))
 		return false;
 	s->eased = (uint8_t)(255 * (1 - least_width[here.spread]) * (1 - clamp01(more / ease[here.spread])) + 0.5f);
 	return ISA(fine_weigh)(n, s, style, SOURCE_NORMAL, 1);

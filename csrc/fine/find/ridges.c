@@ -166,7 +166,7 @@ KERNEL void measure(const float *const (*v)[3], int planes, bool far_too, int n,
 			float near = v[3][c][i] - v[1][c][i], far = v[4][c][i] - v[0][c][i];
 			float e = (v[1][c][i] + v[2][c][i] + v[3][c][i]) - 1.5f * (v[0][c][i] + v[4][c][i]);
 			step2 += near * near;
-			wide2 += far_too ? far * far : 0;
+			wide2 += far * far;
 			bulge2 += e * e;
 		}
 		step[i] = step2;
@@ -297,6 +297,13 @@ ptrdiff_t ISA(ridge_scratch)(const frame *f)
 	return (2 * SPAN * (f->width + 2 * REACH) + pieces_of(f->width, THIN_SPAN) + 3) / 4;
 }
 
+/* A site may lie in the row above or below. */
+static bool colored_near(const fine *n, int y)
+{
+	int height = n->f->height;
+	return n->colored[clamp_index(y - 1, height)] || n->colored[y] || n->colored[clamp_index(y + 1, height)];
+}
+
 void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 {
 	const fine *n = data;
@@ -306,7 +313,7 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 	ring rings[SAMPLE_COUNT];
 	for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++)
 		rings[s] = ISA(ring_of)(n->e, (enum source)s, thread);
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		uint16_t *ridge = n->ridge + (ptrdiff_t)y * f->width;
 		window w = {.n = n};
 		memset(ridge, 0, (size_t)f->width * sizeof *ridge);
@@ -322,10 +329,8 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 			memset(n->seen + (ptrdiff_t)y * f->width, 0, (size_t)f->width * sizeof *n->seen);
 		for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++) {
 			bool wanted = n->e->on[s] && samples[s].step && (s < SOURCE_SEEN || n->glimpse[y]);
-			for (int k = -1; s == SOURCE_COLOR && wanted && k <= 1;
-			     k++) /* a site may lie in the next row */
-				if ((wanted = n->colored[clamp_index(y + k, f->height)]))
-					break;
+			if (s == SOURCE_COLOR)
+				wanted = wanted && colored_near(n, y);
 			if (s == SOURCE_NORMAL && n->e->creases && !n->bumps)
 				wanted = wanted && ISA(crease_asked)(n, y);
 			if (!wanted)

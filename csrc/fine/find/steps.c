@@ -5,6 +5,7 @@
 #include "base/metric.h"
 
 static const float least_of_step = 0.4f; /* share of a step that slopes beside it may not explain; test_fine_sites */
+static const float least_faint = 0.5f;   /* of edge_threshold, beside an edge; test_fine_sites */
 static const float crease_ramp = 0.37f;  /* of the difference of normals at crease_angle; test_fine_sites */
 static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth; test_fine_sites */
 /* pixels; and where it goes on beside one that is narrow enough, and as strong as an edge */
@@ -95,6 +96,21 @@ static void put(const found *at, float offset, placed *s)
 	s->y = (float)at->row + (at->axis ? offset : 0);
 }
 
+/* Where light steps over a threshold the fill of a level ends: the line runs there, wherever the step has its middle.
+ */
+static void put_threshold(const found *at, float (*value)[3], float threshold, placed *s)
+{
+	float best = INFINITY;
+	for (int k = 0; k < 4; k++) {
+		float one = value[k][0] - threshold, two = value[k + 1][0] - threshold;
+		float offset = (float)(k - 2) + one / (one - two);
+		if ((one > 0) != (two > 0) && fabsf(offset) < fabsf(best))
+			best = offset;
+	}
+	if (best < INFINITY)
+		put(at, best, s);
+}
+
 /* As fine_weigh(); what is seen counts as far as it stands out, which is asked only where it matters. */
 static bool weigh(const fine *n, const found *at, placed *s, int style, float strength)
 {
@@ -102,12 +118,22 @@ static bool weigh(const fine *n, const found *at, placed *s, int style, float st
 	if (is->sample == SOURCE_NORMAL && n->e->creases)
 		return ISA(fine_weigh_by)(n, s, ISA(crease_weight)(n, at->column, at->row, style), SOURCE_NORMAL,
 					  strength);
-	if (!ISA(fine_weigh)(n, s, style, (enum source)is->source, strength))
+	enum source source = is->sample < SOURCE_SEEN ? is->sample : SOURCE_SEEN;
+	if (!ISA(fine_weigh)(n, s, style, source, strength))
 		return false;
 	if (is->word != WORD_SEEN)
 		return true;
 	s->strength = 0;
-	return ISA(fine_weigh)(n, s, style, (enum source)is->source, strength * ISA(seen_clarity)(n, at, is->sample));
+	return ISA(fine_weigh)(n, s, style, source, strength * ISA(seen_clarity)(n, at, is->sample));
+}
+
+/* Likewise; what is not as strong as an edge may be weak. */
+static bool weigh_weak(const fine *n, const found *at, placed *s, int style, float strength)
+{
+	bool edge = weigh(n, at, s, style, strength);
+	s->weak |= !edge;
+	return edge ||
+	       (families[at->family].faint && s->strength > 0 && s->strength >= least_faint * n->e->p->edge_threshold);
 }
 
 /* A stripe, narrow enough that its two boundaries are one line. */
@@ -130,7 +156,7 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 		for (int k = 0; k < planes; k++)
 			c[i] += (value[i + 1][k] - mix(value[0][k], value[4][k], 0.25f * (float)(i + 1))) * e[k] / area;
 	float against = -most_against * area;
-	s->weak = is->weak > 0 && area > widest_band * c[1];
+	s->weak = is->faint && area > widest_band * c[1];
 	if (!(c[1] > c[0] && c[1] > c[2] && area <= (s->weak ? widest_weak : widest_band) * c[1] && c[0] > against &&
 	      c[2] > against && c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes))))
 		return false;
@@ -150,10 +176,7 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 		const float *a[3] = {peak, peak + 1, peak + 2}, *b[3] = {base, base + 1, base + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
 	}
-	bool edge = weigh(n, at, s, style, ISA(color_strength)(n, at, is->sample, difference));
-	bool weak = is->weak > 0 && s->strength > 0 && s->strength >= is->weak * n->e->p->edge_threshold;
-	s->weak |= !edge;
-	return edge || weak;
+	return weigh_weak(n, at, s, style, ISA(color_strength)(n, at, is->sample, difference));
 }
 
 bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
@@ -192,7 +215,7 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 	if (!(bend > least_of_step * sqrtf(step) && bend > n->floor[at->family]))
 		return false;
 	if (form == FORM_VECTOR)
-		return weigh(n, at, s, style, clamp01((bend - n->floor[at->family]) / (crease_ramp * n->crease)));
+		return weigh_weak(n, at, s, style, clamp01((bend - n->floor[at->family]) / (crease_ramp * n->crease)));
 	if (form == FORM_DISTANCE) {
 		/* as in cracks.c, what each side's straight continuation misses at the other: a plane's horizon is none
 		 */
@@ -202,14 +225,16 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 		for (int k = 0; k < 5; k++)
 			most = max(most, value[k][0]);
 		j = n->e->ortho ? j : most > 0 ? j / most : 0;
-		return weigh(n, at, s, style, clamp01((j - seen_jump_from) / seen_jump_ramp));
+		return weigh_weak(n, at, s, style, clamp01((j - seen_jump_from) / seen_jump_ramp));
 	}
-	if (form == FORM_LIGHT)
-		difference = ISA(light_contrast)(n, n->f->params + style, value[low][0], value[high][0]);
-	else {
+	if (form == FORM_LIGHT) {
+		const encre_params *own = n->f->params + style;
+		difference = ISA(light_contrast)(n, own, value[low][0], value[high][0]);
+		put_threshold(at, value, ISA(light_threshold)(own, value[low][0], value[high][0]), s);
+	} else {
 		const float *a[3] = {value[low], value[low] + 1, value[low] + 2},
 			    *b[3] = {value[high], value[high] + 1, value[high] + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
 	}
-	return weigh(n, at, s, style, ISA(color_strength)(n, at, source, difference));
+	return weigh_weak(n, at, s, style, ISA(color_strength)(n, at, source, difference));
 }

@@ -9,7 +9,7 @@
 
 enum { PLANES = 6, MOST_HIT = 4, MOST = MOST_HIT + 4, NEARBY = 6, REACH = THIN_SPAN };
 
-static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.2f; /* pixels; test_fine_sites */
+static const float narrow = 2.05f, widest = 4.4f, widest_across = 3.9f; /* pixels; test_fine_sites */
 static const float width_ramp = 0.6f, shortest = 3, length_ramp = 2;    /* pixels; test_fine_sites */
 static const float least_peak = 0.05f;    /* of a stripe, in albedo and half normals; test_fine_sites */
 static const float least_of_slope = 1.2f; /* times what lies on both sides differs; test_fine_sites */
@@ -255,7 +255,7 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const fine *n = data;
 	const frame *f = n->f;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		uint8_t *hit = n->hit + (ptrdiff_t)y * n->spans;
 		memset(hit, 0, (size_t)n->spans);
 		for (int x = 0; x < f->width; x++) {

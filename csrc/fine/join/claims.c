@@ -25,7 +25,7 @@ static bool owned(const fine *n, const site *s)
 		const site *other = n->site + i;
 		if (other->found.family >= s->found.family || other->linked.dropped) /* its own are being dropped now */
 			continue;
-		float clear = other->found.family == band ? clear_of_band : is->clear;
+		float clear = other->found.family == band ? clear_of_band : clear_from(s, other);
 		if (apart2(s, other) < clear * clear)
 			return true;
 	}
@@ -36,7 +36,7 @@ static void clear_sites(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const turn *t = data;
-	for (int i = first; i < end; i++) {
+	for (int i = first; i < end && !stopped_at(t->n, i); i++) {
 		site *s = t->n->site + t->first + i;
 		s->linked.dropped = owned(t->n, s);
 	}
@@ -131,7 +131,7 @@ static void find_crumbs(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const turn *t = data;
-	for (int k = first; k < end; k++) {
+	for (int k = first; k < end && !stopped_at(t->n, k); k++) {
 		uint32_t i = t->first + (uint32_t)k;
 		linked *s = &t->n->site[i].linked;
 		s->crumb = !s->dropped && is_crumb(t->n, i, t->is->crumb);
@@ -156,13 +156,13 @@ int32_t ISA(fine_claim)(fine *n)
 	for (int k = 0; !code && k < FAMILY_COUNT; k++) {
 		turn t = {.n = n, .is = families + k, .first = n->first[k * n->f->height]};
 		t.count = n->first[(k + 1) * n->f->height] - t.first;
-		if (t.is->clear > 0)
+		if (t.is->rank > RANK_SHAPE)
 			code = bands_run(n->f->bands, (int)t.count, CHUNK, clear_sites, &t);
-		if (!code && t.is->weak > 0)
+		if (!code && t.is->faint)
 			code = drop_weak(&t);
-		if (!code && t.is->crumb)
+		if (!code && t.is->crumb > LONE)
 			code = bands_run(n->f->bands, (int)t.count, CHUNK, find_crumbs, &t);
-		if (!code && t.is->crumb)
+		if (!code && t.is->crumb > LONE)
 			code = bands_run(n->f->bands, (int)t.count, CHUNK, drop_crumbs, &t);
 	}
 	return code;

@@ -2,10 +2,11 @@
 /* How much room lines have. Those between colours: where a texture is farther away than its pixels can show, as a
  * chequered floor is near the horizon, its lines close up, break, and follow what sampling has left of it. They get
  * thinner as the next lines on both sides come near, and are gone before that is all there is to see. Edges of meshes
- * beside a line that is older: where they were cut off at some distance, what runs about there would be a ladder. */
+ * beside an outline, and of light beside what is older: where they were cut off at some distance, what runs about there
+ * would be a ladder, or come and go. */
 #include "fine/near.h"
 
-enum { CHUNK = 2048 };
+enum { CHUNK = 2048, EVENED = 12 /* sites each way along a line */ };
 
 /* In pixels. Next lines are looked for so far away, and their distance is averaged over so much each way. */
 static const float reach = 10, spread = 20; /* test_fine_passes */
@@ -82,7 +83,7 @@ static void find_next(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const crowd *c = data;
-	for (int i = first; i < end; i++)
+	for (int i = first; i < end && !stopped_at(c->n, i); i++)
 		if (counts(c->n->site + i))
 			c->near[i] = 1 / distance_to_next(c->n, c->n->site + i);
 }
@@ -124,7 +125,7 @@ static void bound(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const crowd *c = data;
-	for (int i = first; i < end; i++) {
+	for (int i = first; i < end && !stopped_at(c->n, i); i++) {
 		site *s = c->n->site + i;
 		if (s->linked.dropped || !counts(s))
 			continue;
@@ -146,39 +147,94 @@ int32_t ISA(fine_crowd)(fine *n)
 	return code ? code : bands_run(n->f->bands, (int)n->count, CHUNK, bound, &c);
 }
 
-/* ---- edges of meshes --------------------------------------------------------------------------------------- */
+/* ---- beside older lines --------------------------------------------------------------------------------------- */
 
 /* Pixels beside an older line that runs along, up to where and within which it counts; as above, and how far along. */
-static const float wide = 4, closed = 1.5f, along = 1;
-static const float level = 0.95f; /* cosine */
+static const float wide = 4, along = 1;
+static const float closed_crease = 1.5f, closed_light = 0.5f; /* light keeps 1.5 pixels clear by itself */
+static const float level = 0.95f;                             /* cosine */
 
-static void give_way(void *data, int first, int end, int thread)
+typedef struct rooms {
+	fine *n;
+	float *room; /* by site: pixels to the next older line that runs along, `wide` at most */
+} rooms;
+
+static bool may_give_way(const site *s)
+{
+	return !s->linked.dropped && (s->found.family == FAMILY_CREASE || rank_of(s) == RANK_LIGHT);
+}
+
+static void find_rooms(void *data, int first, int end, int thread)
 {
 	(void)thread;
-	const fine *n = data;
+	const rooms *r = data;
+	const fine *n = r->n;
 	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
-		site *s = n->site + i;
+		const site *s = n->site + i;
 		float way[2], other[2], room = wide;
-		if (s->found.family != FAMILY_CREASE || s->linked.dropped || !way_of(n, i, way))
+		bool crease = s->found.family == FAMILY_CREASE;
+		r->room[i] = wide;
+		if (!may_give_way(s) || !way_of(n, i, way))
 			continue;
 		float square = way[0] * way[0] + way[1] * way[1], length = sqrtf(square);
 		near_sites of = near_site(n, s, wide + along);
 		for (uint32_t j; near_next(n, &of, &j);) {
 			const site *t = n->site + j;
-			if (t->found.family >= FAMILY_CREASE || t->linked.dropped || !way_of(n, j, other))
+			bool older = crease ? t->found.family < FAMILY_CREASE : rank_of(t) < RANK_LIGHT;
+			if (!older || t->linked.dropped || !way_of(n, j, other))
 				continue;
 			float x = t->placed.x - s->placed.x, y = t->placed.y - s->placed.y,
 			      aside = fabsf(x * way[1] - y * way[0]), dot = way[0] * other[0] + way[1] * other[1];
 			if (fabsf(x * way[0] + y * way[1]) <= along * length && aside < room * length &&
-			    dot * dot >= level * level * square * (other[0] * other[0] + other[1] * other[1]))
+			    dot * dot > level * level * square * (other[0] * other[0] + other[1] * other[1]))
 				room = aside / length;
 		}
+		r->room[i] = room;
+	}
+}
+
+/* The mean along the line, as far both ways as it goes: what stands beside it in a row, as windows do at a house's
+ * corner, would cut it to dashes. Where an older line comes nearer steadily, the mean is the place's own. */
+static float even_room(const rooms *r, uint32_t i)
+{
+	const fine *n = r->n;
+	float sum = r->room[i], count = 1;
+	if (links_at(n, i) != 2)
+		return sum;
+	uint32_t from[2] = {i, i}, at[2] = {n->to[n->at[i]], n->to[n->at[i] + 1]};
+	for (int k = 0; k < EVENED && at[0] != UINT32_MAX && at[1] != UINT32_MAX && at[0] != i; k++)
+		for (int side = 0; side < 2; side++) {
+			uint32_t next = next_of(n, from[side], at[side]);
+			sum += r->room[at[side]];
+			count++;
+			from[side] = at[side];
+			at[side] = next;
+		}
+	return sum / count;
+}
+
+static void give_way(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const rooms *r = data;
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
+		site *s = r->n->site + i;
+		if (!may_give_way(s))
+			continue;
+		float room = even_room(r, i), closed = s->found.family == FAMILY_CREASE ? closed_crease : closed_light;
 		if (room < wide)
-			s->linked.crowd = (1 - room / wide) / (share * max(room - closed, 1e-6f));
+			s->linked.crowd = max(s->linked.crowd, (1 - room / wide) / (share * max(room - closed, 1e-6f)));
 	}
 }
 
 int32_t ISA(fine_give_way)(fine *n)
 {
-	return bands_run(n->f->bands, (int)n->count, CHUNK, give_way, n);
+	rooms r = {n, late_take(&n->f->late, n->count, sizeof *r.room)};
+	if (!r.room)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_rooms, &r);
+	if (!code)
+		code = bands_run(n->f->bands, (int)n->count, CHUNK, give_way, &r);
+	late_drop(&n->f->late, r.room);
+	return code;
 }

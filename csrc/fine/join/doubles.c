@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A faint line close beside a strong one: whether it is found there depends on how both meet the pixels, and it would
  * come and go. What is found is dropped if it leads nowhere and most of it runs along an older line, else it is kept
- * whole. Where light crosses several thresholds at once, or a shadow is thin, the longest of its lines stands for all.
- */
+ * whole. */
 #include "fine/near.h"
 
 #include <stdlib.h>
@@ -13,10 +12,9 @@ enum { CHUNK = 1024 };
 static const float beside_reach = 3.5f; /* pixels; test_fine_passes */
 static const float parallel = 0.85f;    /* cosine of what still counts as running along; test_fine_passes */
 static const float most_beside = 0.5f;  /* of a chain's length; test_fine_passes */
-static const float longest_loop =
-	30; /* pixels that a line of light may part from another and come back; test_fine_passes */
-static const float most_wiggle =
-	0.12f; /* a line that turns to and fro more is a scribble round what pixels can't show; test_fine_passes */
+/* A line that turns to and fro more is a scribble round what pixels can't show. Light ends at the borders of faces, and
+ * what is filled there with it, however often these turn: only noise turns more; test_fine_passes */
+static const float most_wiggle = 0.12f, most_wiggle_light = 0.3f;
 static const float least_light = 6; /* pixels: shorter lines of light that meet nothing are noise; test_fine_passes */
 
 /* A run of sites between those at which not exactly two meet. */
@@ -29,14 +27,12 @@ typedef struct chain {
 	bool closed;
 } chain;
 
-enum { BESIDE = 1, KEPT = 2 };
-
 static const uint32_t NONE = UINT32_MAX; /* an enumerator is an int */
 
 typedef struct beside {
 	fine *n;
 	int rank;
-	uint8_t *mark;   /* by site */
+	bool *beside;    /* by site: whether it runs along an older line */
 	uint32_t *chain; /* by site: number of its chain; NONE where chains meet */
 	uint32_t count;
 	struct chain *list;
@@ -45,8 +41,8 @@ typedef struct beside {
 
 /* ---- sites ----------------------------------------------------------------------------------------------- */
 
-/* Whether a site runs along one of an older rank, or along one of its own that is kept. */
-static bool runs_along(const beside *b, uint32_t i, bool own)
+/* Whether a site runs along one of an older rank. */
+static bool runs_along(const beside *b, uint32_t i)
 {
 	const fine *n = b->n;
 	const site *s = n->site + i;
@@ -57,9 +53,8 @@ static bool runs_along(const beside *b, uint32_t i, bool own)
 	near_sites of = near_site(n, s, beside_reach);
 	for (uint32_t j; near_next(n, &of, &j);) {
 		const site *t = n->site + j;
-		if (t->linked.dropped || !(own ? rank_of(t) == rank && (b->mark[j] & KEPT) : rank_of(t) < rank) ||
-		    (b->chain[j] == b->chain[i] && b->chain[i] != NONE) || apart2(s, t) > beside_reach * beside_reach ||
-		    !way_of(n, j, other))
+		if (t->linked.dropped || rank_of(t) >= rank || (b->chain[j] == b->chain[i] && b->chain[i] != NONE) ||
+		    apart2(s, t) > beside_reach * beside_reach || !way_of(n, j, other))
 			continue;
 		float dot = way[0] * other[0] + way[1] * other[1],
 		      square = (way[0] * way[0] + way[1] * way[1]) * (other[0] * other[0] + other[1] * other[1]);
@@ -75,7 +70,7 @@ static void find_near(void *data, int first, int end, int thread)
 	const beside *b = data;
 	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++)
 		if (!b->n->site[i].linked.dropped && rank_of(b->n->site + i) == b->rank)
-			b->mark[i] |= runs_along(b, i, false) ? BESIDE : 0; /* an older chain may have KEPT it */
+			b->beside[i] = runs_along(b, i);
 }
 
 /* ---- chains ---------------------------------------------------------------------------------------------- */
@@ -160,51 +155,42 @@ static int by_weight(const void *a, const void *b)
 	return by ? by : order_of(p->second, q->second);
 }
 
-/* How much of a chain lies beside older lines; of light, beside longer lines of light too, and that alone in *light. */
-static float length_beside(const beside *b, const chain *c, float *light)
+/* How much of a chain lies beside older lines. */
+static float length_beside(const beside *b, const chain *c)
 {
 	const fine *n = b->n;
-	float older = 0, before[2] = {0};
-	*light = 0;
+	float length = 0, before = 0;
 	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
 		next = following(n, c, from, at);
-		float piece = from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0;
-		float its = c->rank == RANK_LIGHT && runs_along(b, at, true), all = (b->mark[at] & BESIDE) || its;
-		*light += 0.5f * piece * (its + before[0]);
-		older += 0.5f * piece * (all + before[1]);
-		before[0] = its;
-		before[1] = all;
+		float piece = from != UINT32_MAX ? sqrtf(apart2(n->site + from, n->site + at)) : 0, its = b->beside[at];
+		length += 0.5f * piece * (its + before);
+		before = its;
 	}
-	return older;
+	return length;
 }
 
 static void choose(beside *b, const chain *c)
 {
 	const fine *n = b->n;
-	float light, all = length_beside(b, c, &light);
-	bool drop =
-		c->loose ? all > most_beside * c->length : light > most_beside * c->length && c->length < longest_loop;
-	drop |= c->rank > RANK_SHAPE && c->wiggle > most_wiggle;
+	/* light thins out beside what is older (density.c) */
+	bool drop = c->rank != RANK_LIGHT && c->loose && length_beside(b, c) > most_beside * c->length;
+	drop |= c->rank > RANK_SHAPE && c->wiggle > (c->rank == RANK_LIGHT ? most_wiggle_light : most_wiggle);
 	drop |= c->rank == RANK_LIGHT && c->length < least_light && (c->loose == 2 || c->closed);
 	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next, b->steps++) {
 		next = following(n, c, from, at);
-		if (links_at(n, at) > 2)
-			continue;
-		if (drop)
+		if (drop && links_at(n, at) <= 2)
 			n->site[at].linked.dropped = true;
-		else
-			b->mark[at] |= KEPT;
 	}
 }
 
 int32_t ISA(fine_drop_beside)(fine *n)
 {
 	beside b = {.n = n,
-		    .mark = late_take(&n->f->late, n->count, sizeof *b.mark),
+		    .beside = late_take(&n->f->late, n->count, sizeof *b.beside),
 		    .chain = late_take(&n->f->late, n->count, sizeof *b.chain)};
-	if (!b.mark || !b.chain)
+	if (!b.beside || !b.chain)
 		return ENCRE_ERROR_MEMORY;
-	memset(b.mark, 0, n->count * sizeof *b.mark);
+	memset(b.beside, 0, n->count * sizeof *b.beside);
 	int32_t code = find_chains(&b);
 	if (code)
 		return code;
@@ -229,6 +215,6 @@ int32_t ISA(fine_drop_beside)(fine *n)
 	}
 	late_drop(&n->f->late, b.list);
 	late_drop(&n->f->late, b.chain);
-	late_drop(&n->f->late, b.mark);
+	late_drop(&n->f->late, b.beside);
 	return code;
 }

@@ -3,13 +3,13 @@
 #include "fine/near.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 enum { CHUNK = 256, ROUNDS = 2, OWN = 8 };
 
 static const float back = 3; /* pixels over which a chain's direction is taken; test_fine_passes */
 static const float near_reach = 3, near_cosine = 0.7f, far_reach = 6,
-		   far_cosine = 0.94f; /* of what an end may tie to; test_fine_passes */
+		   far_cosine = 0.94f, /* of what an end may tie to; test_fine_passes */
+	side_cosine = 0.5f;            /* of a stripe that a step's end may tie to; test_fine_passes */
 static const float ray_from = -0.5f, ray_to = 4,
 		   least_sine = 0.34f; /* pixels ahead of both ends at which their lines may meet; test_fine_passes */
 static const float wedge_apart = 8, wedge_to = 10,
@@ -72,6 +72,13 @@ static bool older(const site *s, const site *other)
 	return its <= own || (own == RANK_SHAPE && its == RANK_CREASE);
 }
 
+/* Is a site of a stripe in a step's own layer? It runs on in the middle of two steps, at an angle to both. */
+static bool is_stripe_of(const site *s, const site *other)
+{
+	const family_info *is = families + s->found.family, *its = families + other->found.family;
+	return is->kind == KIND_STEP && its->kind == KIND_BAND && its->sample == is->sample;
+}
+
 /* How two ends may be joined. */
 static bool join(const fine *n, const end *a, const end *b, pair *p)
 {
@@ -102,7 +109,7 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 /* The cells in which an end may find something to tie to. */
 static near_sites cells_ahead(const fine *n, const end *e)
 {
-	const float beyond = far_reach + 0.1f, aside = 2.2f; /* what lies ahead is never as far from the line */
+	const float beyond = far_reach + 0.1f, aside = 2.7f; /* what lies ahead is never as far from the line */
 	float x = n->site[e->site].placed.x, y = n->site[e->site].placed.y, wide = aside * fabsf(e->dy),
 	      tall = aside * fabsf(e->dx), to_x = beyond * e->dx, to_y = beyond * e->dy;
 	return near_box(n, x + min(0, to_x) - wide, y + min(0, to_y) - tall, x + max(0, to_x) + wide,
@@ -128,7 +135,8 @@ static void look_ahead(const ends *all, end *e)
 		if (t->linked.dropped || !(d > 0) || d > far_reach || !older(s, t))
 			continue;
 		float cosine = along / d;
-		if (!(d <= near_reach ? cosine >= near_cosine : cosine >= far_cosine) || is_in(j, own, count))
+		float least = d > near_reach ? far_cosine : is_stripe_of(s, t) ? side_cosine : near_cosine;
+		if (!(cosine >= least) || is_in(j, own, count))
 			continue;
 		float cost = d / (cosine * cosine * cosine * cosine);
 		if (cost < e->cost && (d <= near_reach || ISA(picture_agrees)(n, s, t))) {
@@ -332,7 +340,12 @@ static int32_t round_of(fine *n)
 	code = join_ends(&all, pairs, &to);
 	if (code)
 		return code;
-	memcpy(sites, n->site, n->count * sizeof *sites);
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
+		sites[i] = n->site[i];
+	}
+	if (code)
+		return code;
 	late_drop(&n->f->late, n->site);
 	n->site = sites;
 	n->count += to.sites;

@@ -131,7 +131,7 @@ static void link_sites(void *data, int first, int end, int thread)
 	const linking *l = data;
 	const fine *n = l->n;
 	uint32_t own[ROOM];
-	for (int i = first; i < end; i++) {
+	for (int i = first; i < end && !stopped_at(n, i); i++) {
 		uint32_t count = n->to ? n->at[i + 1] - n->at[i] : 0, *to = n->to && count <= FEW ? l->few[i] : own;
 		if (to == own)
 			count = (uint32_t)links_of(n, (uint32_t)i, own);
@@ -152,6 +152,12 @@ typedef struct smooth {
 	float (*moved)[2];
 } smooth;
 
+/* Is a site where the fill of a level ends? There the line stays. */
+static bool ends_fill(const site *s)
+{
+	return s->found.family == FAMILY_LIGHT_STEP || s->found.family == FAMILY_LIGHT;
+}
+
 /* Halves how far a site lies beside the line between its neighbours in the chain: what few samples a pixel have is not
  * even. */
 static void find_even(void *data, int first, int end, int thread)
@@ -163,7 +169,7 @@ static void find_even(void *data, int first, int end, int thread)
 		const site *s = n->site + i;
 		m->moved[i][0] = s->placed.x;
 		m->moved[i][1] = s->placed.y;
-		if (s->linked.dropped || links_at(n, i) != 2)
+		if (s->linked.dropped || links_at(n, i) != 2 || ends_fill(s))
 			continue;
 		const site *a = n->site + n->to[n->at[i]], *b = n->site + n->to[n->at[i] + 1];
 		float dx = b->placed.x - a->placed.x, dy = b->placed.y - a->placed.y, square = dx * dx + dy * dy;

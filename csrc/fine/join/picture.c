@@ -23,7 +23,6 @@ enum { VALUES = 6 };
 static void look(const fine *n, int rank, float x, float y, float *value)
 {
 	bool lit = n->e->p->color_layer == color_layer_LIT, seen = rank == RANK_SEEN;
-	value[3] = value[4] = value[5] = 0;
 	if (seen) {
 		bilinear(n->f, ENCRE_LAYER_SEEN_COLOR, 3, x, y, value);
 		bilinear(n->f, ENCRE_LAYER_SEEN_NORMAL, 3, x, y, value + 3);
@@ -43,7 +42,8 @@ static bool differ(const float *a, const float *b, int rank)
 		      : rank == RANK_LIGHT ? 0.05f
 					   : 0.02f,
 	      least_seen = 0.2f; /* of a normal */
-	return distance2(a, b, 3) >= least * least || distance2(a + 3, b + 3, 3) >= least_seen * least_seen;
+	return distance2(a, b, 3) >= least * least ||
+	       (rank == RANK_SEEN && distance2(a + 3, b + 3, 3) >= least_seen * least_seen);
 }
 
 /* Over a longer gap a line goes on only if what lies to either side of it differs. Light says too little. */
@@ -72,7 +72,7 @@ bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, f
 	for (int i = 0; i < 2; i++) {
 		const site *s = end[i], *other = end[1 - i];
 		float dx = x - s->placed.x, dy = y - s->placed.y, length = sqrtf(dx * dx + dy * dy);
-		if (!(length > 1e-6f))
+		if (!(length > 0))
 			return false;
 		float ox = -beside * dy / length, oy = beside * dx / length,
 		      way = ox * (other->placed.x - s->placed.x) + oy * (other->placed.y - s->placed.y) > 0 ? -1 : 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Thin things run on between pixel centres as sites along their middle: these are tied to the cracks where the thing
- * covers a centre again. */
+ * covers a centre again, and take their controls there: at their own pixels there is nothing of the thing. */
 #include "fine/near.h"
 
 static const float tie_reach = 1.8f, tie_cosine = -0.3f; /* pixels; between both ties of a site; test_fine_passes */
@@ -50,5 +50,12 @@ int32_t ISA(fine_tie)(fine *n)
 			link[count++][1] = other = best;
 		}
 	}
-	return ISA(fine_add_links)(n, link, count);
+	int32_t code = ISA(fine_add_links)(n, link, count);
+	for (uint32_t i = first; !code && i < end; i++) {
+		const placed *told = &n->site[told_by(n, i)].placed;
+		code = at_step(n, i - first);
+		n->site[i].placed.near_x = told->near_x;
+		n->site[i].placed.near_y = told->near_y;
+	}
+	return code;
 }

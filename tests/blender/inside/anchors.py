@@ -29,6 +29,11 @@ def anchored(out):
     scene.encre.save_anchor = "ON"
     bpy.data.objects["Cube"].scale = (0.5, 0.5, 0.5)
     bpy.data.objects["Cube"].rotation_euler = (0.3, 0.2, 0.5)
+    maps = bpy.data.objects["Cube"].data.uv_layers
+    for name in ("Empty", "Square"):  # each face the whole square
+        maps.new(name=name)
+    maps["Empty"].data.foreach_set("uv", [0.0] * 2 * len(maps["Empty"].data))
+    maps["Square"].active_render = True
     bpy.data.objects.remove(bpy.data.objects["Ball"])
     twisted, leaning = _column("Twisted", (0.6, 0, 0)), _column("Leaning", (2.2, 0, 0))
     for index, name in ((1, "Cube"), (2, "Twisted"), (3, "Leaning")):

@@ -44,11 +44,6 @@ def build():
     bpy.ops.ed.undo_push(message="Built")
 
 
-def press(key):
-    for value in ("PRESS", "RELEASE"):
-        window.window().event_simulate(type=key, value=value)
-
-
 def dialog():
     with window.override("VIEW_3D"):
         bpy.ops.encre.bake("INVOKE_DEFAULT")
@@ -62,7 +57,7 @@ def accept():
     dialog()
     yield
     window.screenshot("dialog")
-    press("RET")
+    window.press("RET")
 
 
 def bake():
@@ -83,7 +78,7 @@ def cancel():
     yield from accept()
     while not running():
         yield
-    press("ESC")
+    window.press("ESC")
     for _ in range(10):
         yield
     studio.fact("cancelled", shown())

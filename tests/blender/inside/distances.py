@@ -17,22 +17,44 @@ def distances(_out):
         bpy.ops.mesh.primitive_cube_add(size=size, location=place)
         return bpy.context.object
 
-    def distance(lens=50.0):
+    def read(lens=50.0):
         camera.lens = lens
         graph = bpy.context.evaluated_depsgraph_get()
         there = scene.camera.evaluated_get(graph)
         view = np.array(there.matrix_world.inverted())
         projection = np.array(there.calc_matrix_camera(graph, x=160, y=90))
-        return subject.distance(graph, there, view, projection)
+        about = subject.read(graph, there)
+        return about.distance(view, projection), about.light
+
+    def distance(lens=50.0):
+        return read(lens)[0]
 
     camera = bpy.data.cameras.new("Camera")
     scene.camera = bpy.data.objects.new("Camera", camera)
     scene.collection.objects.link(scene.camera)
     scene.camera.location = 0, 0, 20
     fact("nothing", distance())
+    fact("dark", read()[1])
+    lamp = bpy.data.lights.new("Lamp", "POINT")
+    lamp.energy = 400.0
+    lamp = bpy.data.objects.new("Lamp", lamp)
+    lamp.location = 0, 0, 12
     for x in (-6, -3, 0, 3, 6):
         cube((x, 0, 0))
     fact("plain", distance())
+    scene.collection.objects.link(lamp)
+    light = [read()[1]]
+    scene.camera.location.x = 40
+    light.append(read()[1])
+    scene.camera.location.x = 0
+    fact("point", light)
+    lamp.data.type, lamp.data.energy = "SUN", 4.0
+    fact("sun", read()[1])
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.color = 0.25, 0.5, 0.125
+    fact("sun and world", read()[1])
+    bpy.data.objects.remove(lamp)
+    fact("world", read()[1])
     cube((0, 0, -5000), 10000)
     fact("ground", distance())
     flies = cube((50, 0, 0))

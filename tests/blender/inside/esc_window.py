@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs in a Blender with a window: `esc_window.py -- esc FOLDER` stops renders by Esc, once and twice."""
+"""Runs in a Blender with a window: `esc_window.py -- esc FOLDER` stops renders by Esc: once, twice, as they grow."""
 
 import os
 import sys
@@ -28,13 +28,26 @@ def build():
     scene.cycles.use_adaptive_sampling = False
     scene.render.image_settings.file_format = "PNG"
     scene.encre.line_thickness, scene.encre.ink_early = 40, False
+    scene.encre.light_source = "DRAWN"
     keys.point(300, 300)
 
 
-def stopped(name, twice):
-    """F12, Esc while Cycles renders, and again while the stages run, which are slow then."""
+def grown():
+    """Until the picture has been inked anew as it grows."""
     from encre.blender import frame
 
+    show, shown = frame.Frames._show, []
+    frame.Frames._show = lambda self, ink: shown.append(ink) or show(self, ink)
+    while not shown:
+        yield
+    frame.Frames._show = show
+
+
+def stopped(name, twice=False, grows=False):
+    """F12, Esc while Cycles renders, and again while the stages run, which are slow then."""
+    from encre.blender import early, frame
+
+    early._EVERY, early._SHARE = 0.1, 1.0
     real, asked = frame.library.draw, []
 
     def draw(*args, progress=None, **more):
@@ -45,11 +58,12 @@ def stopped(name, twice):
         return real(*args, progress=slow, **more)
 
     frame.library.draw = draw
+    bpy.context.scene.encre.ink_early = grows
     yield from waiting(0.3)
     keys.press("F12")
     while not bpy.app.is_job_running("RENDER"):
         yield
-    yield from waiting(2)
+    yield from grown() if grows else waiting(2)
     keys.press("Escape")
     if twice:
         while not asked:
@@ -66,8 +80,9 @@ def stopped(name, twice):
 
 def steps():
     build()
-    yield from stopped("once", twice=False)
+    yield from stopped("once")
     yield from stopped("twice", twice=True)
+    yield from stopped("growing", grows=True)
 
 
 if __name__ == "__main__":

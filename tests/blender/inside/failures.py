@@ -128,14 +128,14 @@ def without_library(out):
 
 def no_library(out):
     stage()
-    from encre.pen import library
+    from encre.pen import installed, library
 
     library.load.cache_clear()
-    there = library.LIBRARY
-    library.LIBRARY = "missing.so"
+    there = installed.LIBRARY
+    installed.LIBRARY = "missing.so"
     fact("missing", shoot(out, "missing"))
     library.load.cache_clear()
-    library.LIBRARY, library.API_VERSION = there, 99
+    installed.LIBRARY, library.API_VERSION = there, 99
     fact("version", shoot(out, "version"))
 
 

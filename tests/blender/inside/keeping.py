@@ -62,7 +62,8 @@ def opened(out):
 
 def _value(own, number):
     """What a setting is given: nothing that it is by itself, each its own."""
-    return {"control": 0.5 + number / 64, "degrees": 8.0 + number, "bool": True}.get(own.kind, f"Name {number}")
+    share = 0.5 + number / 64
+    return {"control": share, "share": share, "degrees": 8.0 + number, "bool": True}.get(own.kind, f"Name {number}")
 
 
 def presets(out):
@@ -171,6 +172,7 @@ def settings(_out):
         setattr(other.encre, id_, value)
         bpy.ops.encre.reset(param=id_)
     fact("reset", [[round(getattr(other.encre, id_), 5), params[id_].default] for id_ in differs])
+    other.encre.shade_levels.add()
     fact("levels", len(other.encre.shade_levels))
     bpy.ops.encre.reset(param="shade_levels")
     fact("levels", len(other.encre.shade_levels))

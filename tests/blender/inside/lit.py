@@ -5,6 +5,7 @@ from math import pi, radians
 
 import bpy
 import numpy as np
+from encre.blender import properties
 from mathutils import Vector
 from studio import cube, fact, link, material, passes_on, plane, register, shoot, sphere
 
@@ -191,5 +192,13 @@ def kept(out):
     scene.render.border_min_y, scene.render.border_max_y = 0.25, 0.75
     shoot(out, "border")
     scene.render.use_border = False
+    empty = link("Shape", None, (-0.9, 0, 0.5))
+    empty.empty_display_type, empty.empty_display_size = "SPHERE", 0.5
+    empty.scale, empty.encre.bend_light, empty.encre.bend_fade = (2, 2, 2), 1, 0
+    scene.encre.rim_lamp = bpy.data.objects["Lamp"]
+    values = properties.settings(scene).scene
+    fact("rim", [values[id_] for id_ in ("rim_space", "rim_angle", "rim_elevation")])
+    shoot(out, "bent")
+    bpy.data.objects.remove(empty)
     scene.encre.supersample = 2
     shoot(out, "large")

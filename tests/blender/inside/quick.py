@@ -7,6 +7,9 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from encre.blender.engine import pass_names
+from encre.blender.properties import PASSES
+from encre.pen import library
 from studio import cube, fact, link, plane, shoot, sphere, stage
 
 
@@ -180,6 +183,35 @@ def many(_out):
         bpy.ops.render.render()
         held.append(int(Path("/proc/self/statm").read_text().split()[1]) * page)
     fact("held", held)
+    fact("resting", len(library.load()._resting))
+    fact("readers", _readers(scene))
+
+
+def _readers(scene):
+    """Names of the passes that a frame by Encre alone has, by who reads them."""
+    layer, found, image = scene.view_layers[0], {}, scene.render.image_settings
+    scene.encre.layer_source, scene.encre.save_layers, image.file_format = "ENCRE", "OFF", "PNG"
+    layer.use_pass_normal = True
+    for switch in PASSES:
+        setattr(layer.encre, switch, False)
+
+    def note(reader):
+        found[reader] = [*pass_names(layer)]
+
+    note("nobody")
+    layer.encre.use_pass_lines = True
+    note("lines")
+    scene.encre.save_layers = "ON"
+    note("kept")
+    scene.encre.save_layers, image.file_format = "OFF", "OPEN_EXR_MULTILAYER"
+    note("file")
+    image.file_format = "PNG"
+    if hasattr(scene, "compositing_node_group"):
+        scene.compositing_node_group = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+    else:
+        scene.use_nodes = True
+    note("nodes")
+    return found
 
 
 def what_only_cycles_can_show(out):
@@ -192,3 +224,27 @@ def what_only_cycles_can_show(out):
     mat.node_tree.links.new(sky.outputs[0], mat.node_tree.nodes["Principled BSDF"].inputs["Base Color"])
     scene.encre.layer_source = "ENCRE"
     shoot(out, "unknown")
+
+
+def flat_mirror(out):
+    """A mirror behind the things, by both, and as one of glass, which reflects nothing but the sky."""
+    scene = stage(samples=16)
+    for mat in bpy.data.materials:
+        nodes = mat.node_tree.nodes
+        surface = _new(mat.node_tree, "BsdfDiffuse", Color=nodes["Principled BSDF"].inputs["Base Color"].default_value)
+        mat.node_tree.links.new(surface.outputs[0], nodes["Material Output"].inputs["Surface"])
+    silver = bpy.data.materials.new("Silver")
+    silver.use_nodes = True
+    tree = silver.node_tree
+    shine = _new(tree, "BsdfGlossy", Roughness=0.0, Color=(0.9, 0.8, 0.9, 1))
+    tree.links.new(shine.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    plane("Mirror", silver, 4.0, 0.0).location = (0, 1.5, 1)
+    bpy.data.objects["Mirror"].rotation_euler = (1.6, 0.05, 0.3)
+    scene.cycles.max_bounces, scene.cycles.filter_width, scene.cycles.pixel_filter_type = 1, 0.01, "BOX"
+    scene.encre.save_layers, scene.encre.light_source = "ON", "DRAWN"
+    shoot(out, "cycles")
+    scene.encre.layer_source = "ENCRE"
+    shoot(out, "encre")
+    glass = _new(tree, "BsdfGlass", Roughness=0.0)
+    tree.links.new(glass.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    shoot(out, "glass")

@@ -14,7 +14,7 @@ import bpy
 sys.path.append(os.path.dirname(os.path.abspath(__file__)))
 import studio  # noqa: E402
 import window  # noqa: E402
-from render_window import picture, press  # noqa: E402
+from render_window import picture  # noqa: E402
 
 rendered, ended = [], []
 
@@ -31,6 +31,7 @@ def count():
 
 
 def build():
+    window.quiet()
     bpy.context.preferences.view.render_display_type = "AREA"
     studio.register()
     count()
@@ -51,7 +52,7 @@ def rendering():
     while bpy.app.timers.is_registered(redraw._look) or bpy.app.is_job_running("RENDER"):
         yield
     ended.clear()
-    press("F12")
+    window.press("F12")
     while not ended or bpy.app.is_job_running("RENDER"):
         yield
     yield
@@ -85,9 +86,9 @@ def settings():
     """Each change is drawn from memory, then rendered, and all is set back."""
     scene = bpy.context.scene
     scene.cycles.use_denoising = False
+    yield from rendering()
+    picture("before")
     for name, change in CHANGES.items():
-        yield from rendering()
-        picture(f"{name}-before")
         before = {id_: getattr(scene.encre, id_) for id_ in change}
         before = {id_: tuple(value) if id_.endswith("color") else value for id_, value in before.items()}
         for id_, value in change.items():
@@ -167,7 +168,6 @@ def quick():
             setattr(scene.encre, id_, (0, 0, 0) if id_ == "line_color" else value)
     studio.fact("quick bytes", memory.size(scene) / (160 * 90))
     scene.encre.layer_source = "CYCLES"
-    yield from rendering()
     fast.read = read
 
 
@@ -221,7 +221,7 @@ def gives_way():
     scene.update_tag()
     while not begun:
         yield
-    press("F12")
+    window.press("F12")
     while len(begun) < 2 or bpy.app.is_job_running("RENDER"):
         yield
     drawing.library.draw = real
@@ -235,9 +235,7 @@ def opened():
     """Layers that a file holds are drawn with other settings as those of a render are."""
     from encre.blender import memory
 
-    scene = bpy.context.scene
-    yield from rendering()
-    space = window.area("IMAGE_EDITOR").spaces.active
+    scene, space = bpy.context.scene, window.area("IMAGE_EDITOR").spaces.active
     for name, source in ("file", "CYCLES"), ("quick_file", "ENCRE"):
         scene.encre.layer_source = source
         studio.exr(scene, os.path.join(window.FOLDER, f"{name}-"))
@@ -268,7 +266,6 @@ def opened():
             studio.fact("not opened", str(error))
         scene.render.resolution_x = 160
     scene.encre.layer_source = "CYCLES"
-    yield from rendering()
 
 
 def given_up():

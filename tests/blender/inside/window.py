@@ -16,6 +16,8 @@ sys.path.append(os.path.dirname(os.path.abspath(__file__)))
 import studio  # noqa: E402
 
 FOLDER = sys.argv[-1]
+_REFUSED = 75  # blenders.REFUSED
+_PATIENCE = 40  # seconds for which Blender may refuse that Python writes
 _LIMIT = 360  # seconds: less than those after which a test ends xvfb-run, which leaves Blender behind
 
 
@@ -31,6 +33,21 @@ def override(kind):
     found = area(kind)
     region = next(r for r in found.regions if r.type == "WINDOW")
     return bpy.context.temp_override(window=window(), screen=window().screen, area=found, region=region)
+
+
+def quiet():
+    """Nothing is drawn but the 3D view, or what a render shows in its place: without a graphics card, panels that
+    follow every change take as long as much else."""
+    bpy.context.preferences.system.viewport_aa = "OFF"
+    for found in window().screen.areas:
+        if found.type != "VIEW_3D":
+            found.type = "TEXT_EDITOR"
+            found.spaces.active.show_region_header = found.spaces.active.show_region_footer = False
+
+
+def press(key):
+    for value in ("PRESS", "RELEASE"):
+        window().event_simulate(type=key, value=value)
 
 
 def screenshot(name):
@@ -233,25 +250,49 @@ def each(*steps):
         yield
 
 
+def _may_write():
+    """Whether Python may write now. Blender has one flag for it for all threads, which each call sets back to what it
+    was when it began: a thread that renders a preview and begins a call while a view is drawn, and ends it later,
+    leaves it at what is right for drawing, until another one sets it right by the same chance."""
+    try:
+        bpy.context.preferences.view.show_splash = False
+    except AttributeError:
+        for found in window().screen.areas:
+            found.tag_redraw()
+        return False
+    return True
+
+
+_REFUSALS = "in this context is not allowed", "can't modify blend data in this state"  # of a property, of an operator
+_wrote = 0.0  # when it might last
+
+
 def start(todo, **options):
     bpy.context.preferences.view.show_splash = False
-    end = time.monotonic() + _LIMIT * (10 if "ENCRE_REDRAWS" in os.environ else 1)
+    global _wrote
+    _wrote = time.monotonic()
+    end = _wrote + _LIMIT * (10 if "ENCRE_REDRAWS" in os.environ else 1)
     bpy.app.timers.register(lambda: _run(todo, end), first_interval=1.0, **options)
 
 
 def _run(todo, end):
+    global _wrote
     try:
         if time.monotonic() > end:
             todo.throw(TimeoutError(f"not done after {_LIMIT} s"))  # the traceback tells where it waits
-        next(todo)
+        if _may_write():
+            _wrote = time.monotonic()
+            next(todo)
+        elif time.monotonic() > _wrote + _PATIENCE:
+            os._exit(_REFUSED)
     except StopIteration:
         studio.fact("finished", True)
         sys.stdout.flush()
         os._exit(0)
-    except BaseException:
+    except BaseException as error:
         traceback.print_exc()
         sys.stderr.flush()
-        os._exit(1)
+        os._exit(_REFUSED if any(words in str(error) for words in _REFUSALS) else 1)
     return 0.1
 
 

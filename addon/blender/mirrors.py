@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flat mirrors: what they show is what a camera sees that stands as far behind them as the real one before."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..pen.sky import directions
+
+_SMOOTH = 0.1     # roughness up to which a surface is a mirror
+_LEAST = 64       # pixels of a mirror that is drawn
+_MOST = 4         # of them in a picture, the largest
+_STRAIGHT = 0.9999  # cosine of what normals of one plane may differ by
+_NEAR = 1e-3      # how far points of one plane may lie off it, as a part of their distance
+
+
+@dataclass
+class Mirror:
+    where: np.ndarray  # (height, width), bool
+    turn: np.ndarray   # world -> world as it shows it, 4 x 4
+
+
+def find(maps, looks, clear, view, projection, frame):
+    """The Mirrors of a picture. maps, looks: what the rasteriser and the materials gave; clear: by number of material,
+    whether light goes through it. Orthographic cameras get none."""
+    if projection[3, 3] == 1:
+        return []
+    red, green, blue = np.moveaxis(looks["gloss"], 2, 0)
+    smooth = ((red + green + blue) > 0) & (looks["surface"][..., 1] <= _SMOOTH)
+    if not smooth.any():
+        return []
+    thing, material = maps["object"].astype(np.intp), maps["material"].astype(np.intp)
+    smooth &= ~clear[material]
+    numbers, counts = np.unique(thing[smooth], return_counts=True)
+    found = []
+    for number in numbers[np.argsort(-counts, kind="stable")][:_MOST]:
+        pixels = np.flatnonzero(smooth & (thing == number))
+        if len(pixels) < _LEAST:
+            break
+        ray = directions(view, projection, frame, pixels, thing.shape[1])
+        depth = maps["depth"].reshape(-1)[pixels, None]
+        eye = -view[:3, :3].T @ view[:3, 3]
+        place = eye + ray * (depth / -(ray @ view[2, :3])[:, None])
+        normals = maps["shading"].reshape(-1, 3)[pixels]
+        normal = np.median(normals, 0).astype(np.float64)
+        normal /= max(np.linalg.norm(normal), 1e-9)
+        high = place @ normal
+        flat = (normals @ normal > _STRAIGHT) & (np.abs(high - np.median(high)) < _NEAR * depth[:, 0])
+        if flat.sum() < _LEAST:
+            continue
+        where, turn = np.zeros(thing.shape, bool), np.eye(4)
+        where.reshape(-1)[pixels[flat]] = True
+        turn[:3, :3] -= 2 * np.outer(normal, normal)
+        turn[:3, 3] = 2 * np.median(high) * normal
+        found.append(Mirror(where, turn))
+    return found

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Penumbrae of a few pixels.
+ *
+ * Half of the light comes where the lamp's middle goes behind what throws the shadow. Where a penumbra is at most a few
+ * pixels wide that edge is found as for a lamp without a size, and its ramp is as wide as the penumbra. What has
+ * another edge so close to it is left to the points: of a shadow thinner than a pixel the centres see dashes. */
+#include "light/light.h"
+
+enum {
+	BESIDE = 2, /* pixels: how far an edge reaches */
+	THIN = 2,   /* pixels: to the other edge of what is thin */
+	SHARP = 2,
+	SOFT = 4, /* pixels: a penumbra of less is an edge with a ramp, one of more is asked for point by point */
+	NARROW    /* in the place of a width: of an edge that has another one close to it */
+};
+_Static_assert(BESIDE + THIN <= NARROW_REACH, "soft.c counts on it");
+
+static const float opposite = -0.5f; /* cosine of the ways to the light of two sides of something thin, at most */
+
+/* Whether light comes from the lamp's middle. */
+static void core_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	light *l = data;
+	rays from = RAYS(NULL);
+	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width; i++) {
+		float all = 0, seen = 0;
+		if (l->exact[i] < 0)
+			continue;
+		ISA(shadow_ask)(l, l->surfaces + i, &l->points.middle, &all, &seen, &from);
+		if (all > 0)
+			l->state[i] |= (uint8_t)((seen > 0 ? LIT : DARK) << CORE_SHIFT);
+	}
+}
+
+/* By how many pixels the shadow of a place moves across an edge when the light comes from a lamp's rim and not from its
+ * middle. */
+static float moves(const light *l, const surface *s, vec place, const lamp_point *rim, const edge_line *e)
+{
+	vec way;
+	float far;
+	lamp_light(&l->lamp, s->at, s->normal, rim, &way, &far);
+	vec off = minus(place, s->at), from = far < lamp_far ? minus(way, off) : way;
+	float slope = dot(from, s->across);
+	vec to = minus(off, times(from, dot(off, s->across) / (fabsf(slope) < 1e-12f ? 1e-12f : slope)));
+	double a[2], b[2];
+	ISA(place_pixel)(l, s->at, a);
+	ISA(place_pixel)(l, plus(s->at, to), b);
+	return (float)(b[0] - a[0]) * e->x + (float)(b[1] - a[1]) * e->y;
+}
+
+/* Whether light falls from all of the lamp: else half of what falls is not where its middle goes. */
+static bool faces(const light *l, const surface *s)
+{
+	bool all = true;
+	for (int k = 0; k < LAMP_RIM; k++) {
+		vec way;
+		float far;
+		all &= lamp_light(&l->lamp, s->at, s->normal, l->points.rim + k, &way, &far) > 0;
+	}
+	return all;
+}
+
+/* How many pixels wide the penumbra is that an edge has, by what throws it; SOFT if more, or if it can't be told. */
+static float width_of(const light *l, facet *known, int x, int y, const edge_line *e)
+{
+	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+	bool across = fabsf(e->a) <= fabsf(e->b), inside;
+	/* a little to the dark side: what is in the way there ends here */
+	float far = across ? e->a : e->b, more = (core_at(l, i) == LIT) == (far > 0) ? 0.03f : -0.03f;
+	float u = (float)x + 0.5f + (across ? far + more : 0), v = (float)y + 0.5f + (across ? 0 : far + more);
+	surface s = ISA(place_on)(l, known, l->surfaces + i, u, v, &inside);
+	if (!inside) {
+		ptrdiff_t side = across ? 1 : l->width;
+		s = ISA(place_on)(l, known, l->surfaces + (far > 0 ? i + side : i - side), u, v, &inside);
+	}
+	vec place;
+	if (!inside || !faces(l, &s) || !ISA(shadow_thrower)(l, &s, &place))
+		return SOFT;
+	float a = moves(l, &s, place, l->points.rim, e), b = moves(l, &s, place, l->points.rim + 1, e);
+	float half = l->lamp.type == ENCRE_RECTANGLE ? fabsf(a) + fabsf(b) : sqrtf(a * a + b * b);
+	return 2 * half < SOFT ? 2 * half : SOFT;
+}
+
+/* Which way light lies beyond an edge beside a pixel. */
+static void brighter(const light *l, ptrdiff_t i, const edge_line *e, float way[2])
+{
+	float sign = (core_at(l, i) == LIT) == (e->far < 0) ? 1 : -1;
+	way[0] = sign * e->x;
+	way[1] = sign * e->y;
+}
+
+/* Whether the other edge of something narrow is close to an edge: two ramps don't make a thin shadow. */
+static bool thin(const light *l, int x, int y, const edge_line *e)
+{
+	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+	float way[2], other[2];
+	edge_line its;
+	brighter(l, i, e, way);
+	for (int v = y - THIN > 0 ? y - THIN : 0; v <= y + THIN && v < l->height; v++)
+		for (int u = x - THIN > 0 ? x - THIN : 0; u <= x + THIN && u < l->width; u++) {
+			ptrdiff_t j = (ptrdiff_t)v * l->width + u;
+			int far = (u - x) * (u - x) + (v - y) * (v - y);
+			if (far > THIN * THIN || !ISA(edge_at)(l, u, v, &its) ||
+			    !one_surface(l->surfaces + i, l->surfaces + j))
+				continue;
+			brighter(l, j, &its, other);
+			if (way[0] * other[0] + way[1] * other[1] < opposite)
+				return true;
+		}
+	return false;
+}
+
+/* Into `share`, which is free meanwhile: widths, NARROW of what is thin, negative where no edge passes. */
+static void width_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	light *l = data;
+	edge_line e;
+	facet known = FACET_NONE;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0; x < l->width; x++)
+			l->share[(ptrdiff_t)y * l->width + x] = !ISA(edge_at)(l, x, y, &e) ? -1
+								: thin(l, x, y, &e) ? NARROW
+										    : width_of(l, &known, x, y, &e);
+}
+
+/* The pixel nearest to one, on its surface, beside which an edge passes; negative: none, or one of something thin. */
+static ptrdiff_t edge_near(const light *l, int x, int y, int *column, int *row)
+{
+	ptrdiff_t i = (ptrdiff_t)y * l->width + x, found = -1;
+	int nearest = 2 * BESIDE * BESIDE + 1;
+	for (int v = y - BESIDE; v <= y + BESIDE; v++)
+		for (int u = x - BESIDE; u <= x + BESIDE; u++) {
+			int far = (u - x) * (u - x) + (v - y) * (v - y);
+			ptrdiff_t j = (ptrdiff_t)v * l->width + u;
+			if (u < 0 || v < 0 || u >= l->width || v >= l->height || l->share[j] < 0 ||
+			    (j != i && !one_surface(l->surfaces + i, l->surfaces + j)))
+				continue;
+			if (l->share[j] == NARROW)
+				return -1;
+			if (far >= nearest)
+				continue;
+			nearest = far;
+			found = j;
+			*column = u;
+			*row = v;
+		}
+	return found;
+}
+
+static void narrow_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	light *l = data;
+	edge_line e;
+	int u = 0, v = 0;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0; x < l->width; x++) {
+			ptrdiff_t i = (ptrdiff_t)y * l->width + x, j;
+			int own = core_at(l, i);
+			if (l->exact[i] < 0 || !own || (j = edge_near(l, x, y, &u, &v)) < 0)
+				continue;
+			ISA(edge_at)(l, u, v, &e);
+			float away = e.x * (float)(x - u) + e.y * (float)(y - v) - e.far, width = max(l->share[j], 2);
+			float lit = (core_at(l, j) == LIT) == (e.far < 0) ? away : -away;
+			float ramp = clamp01(0.5f + lit / width);
+			/* another edge may lie between the two */
+			ramp = own == LIT ? max(ramp, 0.5f) : min(ramp, 0.5f);
+			l->exact[i] = clamp01((SOFT - width) / (SOFT - SHARP));
+			l->spare[i] += l->exact[i] * (ramp - l->spare[i]);
+		}
+}
+
+int32_t ISA(narrow_run)(light *l)
+{
+	const bands_kernel pass[] = {core_rows, ISA(edge_rows), width_rows, narrow_rows};
+	int32_t code = ENCRE_OK;
+	for (int k = 0; !code && k < 4; k++)
+		code = bands_run(l->bands, l->height, 0, pass[k], l);
+	return code;
+}

@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A shaft between two boxes goes down the tree once, for all rays within it: at a share of the way a box that holds
+ * them has bounds that are linear in that share, so that each bound of a box in the tree says for which shares the two
+ * may overlap. */
+#include "light/shaft.h"
+#include "light/local.h"
+
+enum {
+	PART_ENTRIES = 16, /* of one part: where more would be, rays go on down the tree */
+	MOST_ASKED = 24 /* leaves: to ask whether rays pass by pays where pixels are not much larger than triangles */
+};
+
+/* Of coordinates: what rounding may take from a bound. */
+static const float pad = 1e-5f, slack = 1.00001f;
+
+typedef struct beam {
+	float from[2][3];       /* bounds where it begins */
+	float slope[2][3], far; /* and by how much they move, inverted */
+} beam;
+
+/* A box that holds another one as an instance sees it; of places, or of ways. */
+static box turned(const double m[12], box b, bool ways)
+{
+	double mid[3] = {0.5 * ((double)b.low.x + (double)b.high.x), 0.5 * ((double)b.low.y + (double)b.high.y),
+			 0.5 * ((double)b.low.z + (double)b.high.z)};
+	double half[3] = {(double)b.high.x - mid[0], (double)b.high.y - mid[1], (double)b.high.z - mid[2]};
+	double low[3], high[3];
+	for (int i = 0; i < 3; i++) {
+		double at = ways ? 0 : m[4 * i + 3], wide = 0;
+		for (int k = 0; k < 3; k++) {
+			at += m[4 * i + k] * mid[k];
+			wide += fabs(m[4 * i + k]) * half[k];
+		}
+		wide += 1e-6 * (fabs(at) + wide);
+		low[i] = at - wide;
+		high[i] = at + wide;
+	}
+	return (box){{(float)low[0], (float)low[1], (float)low[2]}, {(float)high[0], (float)high[1], (float)high[2]}};
+}
+
+static beam beam_of(box from, box to, float far)
+{
+	bool ways = far >= 2;
+	float most = max(largest(from.low), largest(from.high));
+	float off = pad * (ways ? most : max(most, max(largest(to.low), largest(to.high))));
+	beam b = {.from = {{from.low.x - off, from.low.y - off, from.low.z - off},
+			   {from.high.x + off, from.high.y + off, from.high.z + off}},
+		  .far = far};
+	const float end[2][3] = {{to.low.x, to.low.y, to.low.z}, {to.high.x, to.high.y, to.high.z}};
+	for (int side = 0; side < 2; side++)
+		for (int k = 0; k < 3; k++) {
+			float outer = side ? off : -off;
+			b.slope[side][k] = inverse_of(ways ? end[side][k] : end[side][k] + outer - b.from[side][k]);
+		}
+	return b;
+}
+
+/* The boxes of a node that it may touch, a bit each. */
+static unsigned touched(const tree_node *n, const beam *b)
+{
+	float first[TREE_WIDE], last[TREE_WIDE];
+	for (int i = 0; i < TREE_WIDE; i++) {
+		first[i] = 0;
+		last[i] = b->far;
+	}
+	for (int side = 0; side < 2; side++)
+		for (int k = 0; k < 3; k++) {
+			const float *bound = n->bound[side ? k : 3 + k];
+			float from = b->from[side][k], slope = b->slope[side][k];
+			/* its lower bound must be below their upper one, its upper one above their lower */
+			if ((slope > 0) != (side > 0))
+				for (int i = 0; i < TREE_WIDE; i++)
+					last[i] = min(last[i], (bound[i] - from) * slope);
+			else
+				for (int i = 0; i < TREE_WIDE; i++)
+					first[i] = max(first[i], (bound[i] - from) * slope);
+		}
+	unsigned bits = 0;
+	for (int i = 0; i < TREE_WIDE; i++)
+		bits |= ((first[i] <= last[i] * slack) & (n->bound[0][i] <= n->bound[3][i])) ? 1u << i : 0;
+	return bits;
+}
+
+/* The entries of one instance, from `first` of *s on; their end. */
+static int gather(shaft *s, const tree_node *nodes, const beam *b, int first)
+{
+	int end = first, most = first + PART_ENTRIES < SHAFT_ENTRIES ? first + PART_ENTRIES : SHAFT_ENTRIES;
+	unsigned bits = touched(nodes, b);
+	if (bits)
+		s->entry[end++] = (shaft_entry){0, bits};
+	for (int e = first; e < end; e++) {
+		const tree_node *n = nodes + s->entry[e].node;
+		for (bits = s->entry[e].mask; bits; bits &= bits - 1) {
+			int slot = __builtin_ctz(bits);
+			if (n->child[slot] < 0)
+				continue;
+			unsigned inner = touched(nodes + n->child[slot], b);
+			if (inner && end == most)
+				continue;
+			s->entry[e].mask &= ~(1u << slot);
+			if (inner)
+				s->entry[end++] = (shaft_entry){n->child[slot], inner};
+		}
+	}
+	return end;
+}
+
+/* The places above which rays begin, as an instance sees them, side by side. */
+typedef struct places {
+	float at[2][3][SHAFT_SIDE * SHAFT_SIDE];
+	int32_t triangle[SHAFT_SIDE * SHAFT_SIDE];
+	int count;
+	float doubt; /* by how much rounding may move one */
+} places;
+
+static void places_of(const shaft_starts *from, const instance *in, places *p)
+{
+	float most = 0, world = 0, scale = 0;
+	for (int k = 0; k < 3; k++)
+		scale = max(scale, (float)(fabs(in->inverse[4 * k]) + fabs(in->inverse[4 * k + 1]) +
+					   fabs(in->inverse[4 * k + 2])));
+	for (int j = 0; j < from->count; j++) {
+		for (int h = 0; h < 2; h++) {
+			vec a = from->at[h][j];
+			double own[3] = {(double)a.x, (double)a.y, (double)a.z}, at[3];
+			transform_point(in->inverse, own, at);
+			for (int k = 0; k < 3; k++) {
+				p->at[h][k][j] = (float)at[k];
+				most = max(most, fabsf((float)at[k]));
+			}
+			world = max(world, largest(a));
+		}
+		p->triangle[j] = from->triangle[j];
+	}
+	p->count = from->count;
+	p->doubt = 4e-7f * (most + scale * world);
+}
+
+/* From which places rays along the ways, or to the box, may meet a triangle, is added to `met`. Where a ray meets its
+ * plane, by Moeller and Trumbore, is told by products that are linear in its way, and in how far above the place it
+ * begins: where one of them has the wrong sign for all ways, at both heights, the ray passes on that side. */
+static void meets(const triangle_leaf *leaf, int i, const places *p, box to, bool ways, int *restrict met)
+{
+	const float c[3] = {leaf->corner[0][i], leaf->corner[1][i], leaf->corner[2][i]};
+	const float e[3] = {leaf->first[0][i], leaf->first[1][i], leaf->first[2][i]};
+	const float f[3] = {leaf->second[0][i], leaf->second[1][i], leaf->second[2][i]};
+	const float low[3] = {to.low.x, to.low.y, to.low.z}, high[3] = {to.high.x, to.high.y, to.high.z};
+	float mid[3], half[3], n[3], slope = 0, wide = 0, way = 0, edges = 0;
+	for (int k = 0; k < 3; k++) {
+		mid[k] = 0.5f * (low[k] + high[k]) - (ways ? 0 : c[k]);
+		half[k] = 0.5f * (high[k] - low[k]);
+		n[k] = f[(k + 1) % 3] * e[(k + 2) % 3] - f[(k + 2) % 3] * e[(k + 1) % 3];
+		slope += mid[k] * n[k];
+		wide += half[k] * fabsf(n[k]);
+		way += fabsf(mid[k]) + half[k];
+		edges += fabsf(e[k]) + fabsf(f[k]);
+	}
+	const float side = slope < 0 ? -1 : 1, kept = ways ? 0 : 1;
+	for (int j = 0; j < p->count; j++) {
+		float det = INFINITY, u = -INFINITY, v = -INFINITY, w = -INFINITY, t = -INFINITY;
+		for (int h = 0; h < 2; h++) {
+			float x = p->at[h][0][j] - c[0], y = p->at[h][1][j] - c[1], z = p->at[h][2][j] - c[2];
+			/* f x to, to x e, and what is left of n */
+			float a0 = f[1] * z - f[2] * y, a1 = f[2] * x - f[0] * z, a2 = f[0] * y - f[1] * x;
+			float b0 = y * e[2] - z * e[1], b1 = z * e[0] - x * e[2], b2 = x * e[1] - y * e[0];
+			float d0 = n[0] - a0 - b0, d1 = n[1] - a1 - b1, d2 = n[2] - a2 - b2;
+			float under = kept * (x * n[0] + y * n[1] + z * n[2]);
+			float far = fabsf(x) + fabsf(y) + fabsf(z);
+			float doubt = edges * (p->doubt + 1e-6f * far + 2e-6f * edges);
+			float all = doubt * (way + kept * far);
+			det = min(det, side * (slope - under) - wide - all);
+			u = max(u, side * (mid[0] * a0 + mid[1] * a1 + mid[2] * a2) + half[0] * fabsf(a0) +
+					   half[1] * fabsf(a1) + half[2] * fabsf(a2) + all);
+			v = max(v, side * (mid[0] * b0 + mid[1] * b1 + mid[2] * b2) + half[0] * fabsf(b0) +
+					   half[1] * fabsf(b1) + half[2] * fabsf(b2) + all);
+			w = max(w, side * (mid[0] * d0 + mid[1] * d1 + mid[2] * d2 - under) + half[0] * fabsf(d0) +
+					   half[1] * fabsf(d1) + half[2] * fabsf(d2) + all);
+			t = max(t, side * (f[0] * b0 + f[1] * b1 + f[2] * b2) + doubt * edges);
+		}
+		bool by = (u < 0) | (v < 0) | (w < 0) | (t < 0);
+		met[j] |= !((det > 0) & by) & (p->triangle[j] != leaf->item[i]);
+	}
+}
+
+/* From which places rays may meet a leaf. */
+static uint64_t meet_leaf(const triangle_leaf *leaf, const places *p, box to, bool ways)
+{
+	int met[SHAFT_SIDE * SHAFT_SIDE] = {0};
+	uint64_t bits = 0;
+	for (int i = 0; i < LEAF; i++)
+		if (leaf->item[i] >= 0)
+			meets(leaf, i, p, to, ways, met);
+	for (int j = 0; j < p->count; j++)
+		bits |= (uint64_t)met[j] << j;
+	return bits;
+}
+
+/* Takes leaves out that no ray can meet, as a surface is mostly not in its own way: from which places rays may meet
+ * what is left. */
+static uint64_t turn_away(shaft *s, const shape *of, const instance *in, const shaft_starts *from, box to, int first,
+			  int end)
+{
+	places p;
+	places_of(from, in, &p);
+	uint64_t all = 0;
+	int asked = 0;
+	for (int e = first; e < end; e++) {
+		const tree_node *n = of->tree.nodes + s->entry[e].node;
+		for (unsigned bits = s->entry[e].mask; bits; bits &= bits - 1) {
+			int slot = __builtin_ctz(bits);
+			if (n->child[slot] >= 0 || asked == MOST_ASKED) {
+				all = SHAFT_ALL;
+				continue;
+			}
+			uint64_t met = meet_leaf(of->leaves + ~n->child[slot], &p, to, s->far >= 2);
+			asked++;
+			all |= met;
+			if (!met)
+				s->entry[e].mask &= ~(1u << slot);
+		}
+	}
+	return all;
+}
+
+static int compact(shaft *s, int first, int end)
+{
+	int kept = first;
+	for (int e = first; e < end; e++)
+		if (s->entry[e].mask)
+			s->entry[kept++] = s->entry[e];
+	return kept;
+}
+
+static bool finite_box(box b)
+{
+	const vec none = {0, 0, 0};
+	return dot(b.low, none) + dot(b.high, none) == 0;
+}
+
+void ISA(shaft_make)(shaft *s, const world *w, const shaft_starts *from, box to, float far, int set)
+{
+	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
+	int used = 0;
+	s->from = from->within;
+	s->to = to;
+	s->far = far;
+	s->n_parts = s->start = 0;
+	s->usable = finite_box(from->within) && finite_box(to);
+	stack[0] = 0;
+	beam all = beam_of(from->within, to, far);
+	while (s->usable && top) {
+		int32_t at = stack[--top];
+		const tree_node *n = w->tree.nodes + at;
+		for (unsigned bits = touched(n, &all); s->usable && bits; bits &= bits - 1) {
+			int slot = __builtin_ctz(bits);
+			if (n->child[slot] >= 0) {
+				stack[top++] = n->child[slot];
+				continue;
+			}
+			int32_t number = w->boxes[w->tree.leaves[~n->child[slot]].from].item;
+			const instance *in = w->instances[number];
+			if (!casts(in, set))
+				continue;
+			box own = turned(in->inverse, from->within, false), end = turned(in->inverse, to, far >= 2);
+			s->usable =
+				s->n_parts < SHAFT_PARTS && used < SHAFT_ENTRIES && finite_box(own) && finite_box(end);
+			if (!s->usable)
+				break;
+			beam its = beam_of(own, end, far);
+			int last = gather(s, in->shape->tree.nodes, &its, used);
+			uint64_t starts = SHAFT_ALL;
+			if (from->count && number == from->instance)
+				starts = turn_away(s, in->shape, in, from, end, used, last);
+			last = compact(s, used, last);
+			if (last > used)
+				s->part[s->n_parts++] = (shaft_part){number, at, slot, used, last, starts};
+			used = last;
+		}
+	}
+}
+
+static bool within(const box *b, vec p)
+{
+	return (p.x >= b->low.x) & (p.x <= b->high.x) & (p.y >= b->low.y) & (p.y <= b->high.y) & (p.z >= b->low.z) &
+	       (p.z <= b->high.z);
+}
+
+static bool entry_blocks(const world *w, const shape *s, const shaft_entry *e, const local *l, int32_t skip)
+{
+	const tree_node *n = s->tree.nodes + e->node;
+	for (unsigned bits = entered(n, l) & e->mask; bits; bits &= bits - 1) {
+		int32_t child = n->child[__builtin_ctz(bits)];
+		hint any;
+		if (child < 0 ? leaf_blocks(w, s, ~child, l, skip) : ISA(shape_blocks)(w, s, child, l, skip, &any))
+			return true;
+	}
+	return false;
+}
+
+static bool part_blocks(shaft *s, const shaft_part *p, const world *w, const ray *r, const local *all)
+{
+	const instance *in = w->instances[p->instance];
+	local l;
+	if (!(entered(w->tree.nodes + p->node, all) >> p->slot & 1) || !local_of(in, r, &l))
+		return false;
+	int32_t skip = p->instance == r->instance ? r->triangle : -1;
+	for (int e = p->first; e < p->end; e++)
+		if (entry_blocks(w, in->shape, s->entry + e, &l, skip)) {
+			shaft_entry found = s->entry[e];
+			s->entry[e] = s->entry[p->first];
+			s->entry[p->first] = found;
+			return true;
+		}
+	return false;
+}
+
+bool ISA(shaft_blocks)(shaft *s, const world *w, const ray *r, hint *h)
+{
+	if (!s->usable || !within(&s->from, r->from) || !within(&s->to, s->far >= 2 ? r->way : plus(r->from, r->way)))
+		return ISA(ray_blocked)(w, r, h);
+	local all = {.from = r->from, .way = r->way, .far = r->far};
+	if (shaft_free(s) || !aim(&all))
+		return false;
+	for (int k = 0; k < s->n_parts; k++)
+		if (s->part[k].starts >> s->start & 1 && part_blocks(s, s->part + k, w, r, &all)) {
+			shaft_part found = s->part[k];
+			s->part[k] = s->part[0];
+			s->part[0] = found;
+			return true;
+		}
+	return false;
+}

@@ -1,0 +1,388 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Bends that are spread over several faces, as a bevel's: from afar they are one edge, and none of their own edges may
+ * bend enough to be drawn. Along a row or a column of pixels the surface turns at its edges, whose places the layer of
+ * creases has. Edges in a row are one bend if what they turn is much more than what a wider stretch on either side
+ * does: so what is round has none, be it made of few faces or of many. How wide a bend is comes from how its edges
+ * scatter, so that it hardly changes along a bevel; it counts less and less as it gets wider. The line runs in the
+ * middle of the turning, and takes the place of those edges of the mesh that are part of the bend. */
+#include "raster/bends.h"
+
+#include "base/pixel.h"
+
+static const float narrow = 2.5f / 540;       /* of the frame's height: what bends within it counts in full */
+static const float most_narrow = 12;          /* pixels */
+static const float fading[2] = {0.5f, 0.15f}; /* of what bends is lost for each time that it is as wide again: of flat
+						faces, of smooth ones, which must bend more */
+static const float close_by = 3;              /* times `narrow`, at which a bend weighs half as much as a sharper one */
+static const float longest = 4;               /* times `narrow`: nothing wider is a bend */
+static const float least_bend = 20;           /* degrees, below which nothing is looked for */
+static const float most_of_one = 0.6f;        /* share of a bend that one edge may have: else it is drawn by itself */
+static const float own_line = 0.36f; /* share from which on an edge is seen by itself, unless it is so close: */
+static const float too_close = 1.6f; /* pixels */
+static const float beside_from = 0.12f, beside_to = 0.25f; /* share of a bend that as wide a stretch on the side that
+							     turns less may turn: else it goes on there */
+static const float stretch = 1.6f;        /* times as wide as a bend is what is looked at on either side */
+static const float least_straight = 0.8f; /* of all that it turns: it goes one way round */
+static const float least_seen = 2;        /* pixels beside a bend that must be seen to tell whether it goes on */
+static const float guessed = 1;           /* likewise, from which on the other side tells of a narrow one */
+static const float narrower = 0.8f;       /* times `narrow`, up to which it is one */
+static const float noted = 2.6f;          /* pixels from its line within which pixels are told of a bend */
+static const float most_bare = 0.55f;     /* share of a bend's width in which nothing bends */
+static const float most_apart = 1.25f;    /* times `narrow`, that is always bridged */
+static const float whole = 0.85f;         /* of what a column says a row must say to have found the same */
+static const float least_wide = 0.25f;    /* pixels: of edges that all pass at one place */
+
+enum { MOST_EDGES = 64 };
+
+/* What a way turns, or that there is an end of the surface between. */
+static const float closed = -1;
+
+/* Where the surface turns between two pixel centres of a lane, which is a row or a column. */
+typedef struct turning {
+	float share; /* of the way to the next pixel, at which it is */
+	float turn;  /* degrees, or `closed` */
+	float edge;  /* the bend of the edge there, as in the layer */
+	int32_t way;
+} turning;
+
+/* Edges one after the other, as which something is clearest. */
+typedef struct run {
+	float clear, bends; /* degrees; 0: none */
+	int first, last;
+} run;
+
+/* Of one thread. */
+typedef struct lane {
+	turning *turning; /* BAND lanes of them */
+	run *best;        /* of the runs that have an edge */
+	bend *row;
+} lane;
+
+static const float *normal_at(const bends *s, int x, int y)
+{
+	return pixel_at(&s->job->normal, x, y);
+}
+
+static float degrees_between(const float *n, const float *m)
+{
+	float square = 0;
+	for (int c = 0; c < 3; c++)
+		square += (n[c] - m[c]) * (n[c] - m[c]);
+	float half = 0.5f * sqrtf(square);
+	return 114.591559f * pixel_atan2(half, sqrtf(max(0, 1 - half * half)));
+}
+
+static float turn_between(const bends *s, int x, int y, int axis)
+{
+	int qx = x + !axis, qy = y + axis;
+	const float *n = normal_at(s, x, y), *m = normal_at(s, qx, qy);
+	if (*pixel_at(&s->job->object, x, y) != *pixel_at(&s->job->object, qx, qy) ||
+	    (n[0] == 0 && n[1] == 0 && n[2] == 0) || (m[0] == 0 && m[1] == 0 && m[2] == 0) ||
+	    pixel_at(&s->job->creases, x, y)[2 * axis + 1] >= 180 ||
+	    (s->job->marks.data && pixel_at(&s->job->marks, x, y)[axis] < 0))
+		return closed;
+	if (n[0] == m[0] && n[1] == m[1] && n[2] == m[2])
+		return 0;
+	return degrees_between(n, m);
+}
+
+/* Adds the way from a pixel to the next along the axis, if anything happens there; returns how many it makes. */
+static int note(const bends *s, int x, int y, int axis, turning *list, int count)
+{
+	float turn = turn_between(s, x, y, axis);
+	if (turn == 0)
+		return count;
+	int way = axis ? y : x;
+	const float *crease = pixel_at(&s->job->creases, x, y) + 2 * axis;
+	bool placed = turn > 0 && crease[0] > 0;
+	list[count] = (turning){placed ? crease[0] : 0.5f, turn, turn > 0 ? crease[1] : 0, way};
+	return count + 1;
+}
+
+/* From the pixel `from` to where a turning is. In this way the bits do not depend on where the images begin. */
+static float along(const turning *t, int from)
+{
+	return (float)(t->way - from) + t->share;
+}
+
+/* ---- bends ----------------------------------------------------------------------------------------------- */
+
+/* A lane while it is looked through. */
+typedef struct looking {
+	const bends *s;
+	const turning *list;
+	run *best;
+	int count, axis, number, size; /* number: which row or column it is */
+	bend *out;                     /* of its first pixel, */
+	ptrdiff_t step;                /* from one to the next */
+} looking;
+
+/* How much `reach` pixels beside an end of a bend turn; less is known where the surface ends: -1 where too little is,
+ * INFINITY if the other side may tell, as at the images' border and from `guessed` pixels on. */
+static float beside(const looking *l, int i, int way, float reach, float guessed)
+{
+	const turning *own = l->list + i;
+	float at = own->share, sum = 0, seen = way < 0 ? along(own, 0) : (float)(l->size - 1 - own->way) - at;
+	bool border = true;
+	for (int k = i + way; k >= 0 && k < l->count; k += way) {
+		float away = fabsf(along(l->list + k, own->way) - at);
+		if (away >= reach)
+			break;
+		if (l->list[k].turn < 0) {
+			seen = away;
+			border = false;
+			break;
+		}
+		sum += l->list[k].turn * most_one(2 - 2 * away / reach);
+	}
+	if (seen < least_seen)
+		return border || seen >= guessed ? INFINITY : closed;
+	return seen < reach ? sum * reach / seen : sum;
+}
+
+/* What edges are together, one after the other. */
+typedef struct sum {
+	int from; /* pixel */
+	float least, span, gap, turn, along, square;
+} sum;
+
+static void sum_add(sum *s, const turning *t)
+{
+	float at = along(t, s->from);
+	s->gap = s->turn > 0 ? max(s->gap, at - s->span) : 0;
+	s->turn += t->turn;
+	s->along += t->turn * at;
+	s->square += t->turn * at * at;
+	s->span = at;
+}
+
+static sum sum_from(const turning *t)
+{
+	return (sum){.from = t->way, .least = t->share};
+}
+
+/* Pixels from its first pixel. */
+static float middle_of(const sum *s)
+{
+	return s->along / s->turn;
+}
+
+/* As wide as what turns evenly and scatters as much; two edges alone would be wider than they are apart. */
+static float wide_of(const sum *s)
+{
+	float middle = middle_of(s), wide = sqrtf(12 * max(0, s->square / s->turn - middle * middle));
+	return max(min(wide, s->span - s->least), least_wide);
+}
+
+/* Of what goes on beside, too: where a bend is wider than what is taken for it its middle would jump to and fro. */
+static sum sum_around(const looking *l, int first, int last, float reach)
+{
+	int from = first, to = last;
+	while (from > 0 && l->list[from - 1].turn >= 0 &&
+	       along(l->list + first, l->list[from - 1].way) - l->list[from - 1].share < reach)
+		from--;
+	while (to < l->count - 1 && l->list[to + 1].turn >= 0 &&
+	       along(l->list + to + 1, l->list[last].way) - l->list[last].share < reach)
+		to++;
+	sum all = sum_from(l->list + from);
+	for (int k = from; k <= to; k++)
+		sum_add(&all, l->list + k);
+	return all;
+}
+
+/* Whether an edge of them would be seen beside the bend's line, or is that line itself. */
+static bool has_own_line(const looking *l, int first, int last, const sum *of)
+{
+	for (int k = first; k <= last; k++) {
+		const turning *t = l->list + k;
+		float away = fabsf(along(t, of->from) - middle_of(of));
+		if (fabsf(t->edge) > (away > too_close ? own_line : most_of_one) * of->turn)
+			return true;
+	}
+	return false;
+}
+
+static const float *normal_along(const looking *l, int at)
+{
+	return normal_at(l->s, l->axis ? l->number : at, l->axis ? at : l->number);
+}
+
+/* Notes these edges as a bend, if they are one and none that has one of them is as clear. */
+static void weigh(const looking *l, int first, int last, const sum *of)
+{
+	const bends *s = l->s;
+	float wide = wide_of(of), sharp = wide / (close_by * s->narrow), blunt = 1 + sharp * sharp;
+	if (of->gap > max(most_bare * (of->span - of->least), most_apart * s->narrow)) /* two, one beside the other */
+		return;
+	bool any = false;
+	for (int k = first; k <= last; k++)
+		any |= of->turn > l->best[k].clear * blunt;
+	if (!any)
+		return;
+	float reach = max(stretch * wide, s->narrow), guess = wide <= narrower * s->narrow ? guessed : INFINITY,
+	      before = beside(l, first, -1, reach, guess), after = beside(l, last, 1, reach, guess);
+	if (before < 0 || after < 0 || (before == INFINITY && after == INFINITY))
+		return;
+	before = before < INFINITY ? before : 2 * after;
+	after = after < INFINITY ? after : 2 * before;
+	float goes_on = min(before, after) / of->turn,
+	      alone = clamp01((beside_to - goes_on) / (beside_to - beside_from));
+	run r = {.clear = alone * (of->turn - max(before, after)) / blunt,
+		 .bends = alone * (of->turn - 0.5f * (before + after)),
+		 .first = first,
+		 .last = last};
+	if (!(r.bends >= least_bend && r.clear > 0) || has_own_line(l, first, last, of) ||
+	    !(degrees_between(normal_along(l, l->list[first].way), normal_along(l, l->list[last].way + 1)) >=
+	      least_straight * r.bends))
+		return;
+	for (int k = first; k <= last; k++)
+		if (r.clear > l->best[k].clear)
+			l->best[k] = r;
+}
+
+/* Tells the pixels about its middle of a bend. */
+static void tell(const looking *l, const run *r)
+{
+	const turning *one = l->list + r->first, *other = l->list + r->last;
+	const float *n = normal_along(l, one->way), *m = normal_along(l, other->way + 1);
+	sum of = sum_from(one);
+	bool flat = false;
+	for (int k = r->first; k <= r->last; k++) {
+		sum_add(&of, l->list + k);
+		flat |= l->list[k].edge > 0;
+	}
+	of = sum_around(l, r->first, r->last, 0.5f * wide_of(&of));
+	float middle = middle_of(&of);
+	bend b = {.wide = wide_of(&of),
+		  .most = r->bends,
+		  .ways = (uint8_t)(other->way + 1 - one->way),
+		  .axis = (uint8_t)l->axis,
+		  .smooth = !flat};
+	for (int c = 0; c < 3; c++)
+		b.across[c] = (int8_t)(63 * (m[c] - n[c]));
+	int from = of.from + (int)(middle - noted), to = of.from + (int)(middle + noted) + 1;
+	from = from < one->way ? from : one->way; /* where it is, no other line goes by */
+	to = to > other->way + 1 ? to : other->way + 1;
+	for (int k = from > 0 ? from : 0; k <= to && k < l->size; k++) {
+		bend *out = l->out + k * l->step;
+		b.off = (float)(k - of.from) - middle;
+		b.first = (int8_t)(one->way - k);
+		bool its = fabsf(b.off) <= noted || (k >= one->way && k <= other->way + 1);
+		if (its && !(out->most > 0 && fabsf(out->off) <= fabsf(b.off)))
+			*out = b;
+	}
+}
+
+static void look_through(const looking *l)
+{
+	for (int k = 0; k < l->size; k++)
+		l->out[k * l->step].most = 0;
+	for (int k = 0; k < l->count; k++)
+		l->best[k] = (run){0};
+	for (int first = 0; first < l->count; first++) {
+		sum all = sum_from(l->list + first);
+		for (int last = first; last < l->count && last - first < MOST_EDGES; last++) {
+			const turning *t = l->list + last;
+			if (t->turn < 0 || along(t, all.from) - all.least > l->s->longest)
+				break;
+			sum_add(&all, t);
+			if (all.turn >= least_bend)
+				weigh(l, first, last, &all);
+		}
+	}
+	for (int first = 0; first < l->count; first++) {
+		const run *r = l->best + first;
+		bool own = r->clear > 0 && r->first == first;
+		for (int k = first + 1; own && k <= r->last; k++)
+			own = l->best[k].first == first && l->best[k].last == r->last;
+		if (own)
+			tell(l, r);
+	}
+}
+
+static int longer_of(const bends *s)
+{
+	return s->width > s->height ? s->width : s->height;
+}
+
+static void find_columns(void *data, int x0, int x1, int thread)
+{
+	const bends *s = data;
+	const lane *own = s->lane + thread;
+	int count[BAND] = {0};
+	for (int y = 0; y + 1 < s->height; y++)
+		for (int x = x0; x < x1; x++)
+			count[x - x0] =
+				note(s, x, y, 1, own->turning + (ptrdiff_t)(x - x0) * longer_of(s), count[x - x0]);
+	for (int x = x0; x < x1; x++)
+		look_through(&(looking){s, own->turning + (ptrdiff_t)(x - x0) * longer_of(s), own->best, count[x - x0],
+					1, x, s->height, s->bend + x, s->width});
+}
+
+/* How much a bend still counts that is so many pixels wide. */
+static float faded(const bends *s, const bend *b, float wide)
+{
+	return b->most / (1 + fading[b->smooth] * max(0, wide / s->narrow - 1));
+}
+
+/* Of what a row and a column say of a pixel makes one, measured across the line. */
+static void unite(const bends *s, bend *column, const bend *row)
+{
+	int dot = 0, one = 0, other = 0;
+	for (int c = 0; c < 3; c++) {
+		dot += column->across[c] * row->across[c];
+		one += column->across[c] * column->across[c];
+		other += row->across[c] * row->across[c];
+	}
+	bool same = min(column->most, row->most) > whole * max(column->most, row->most),
+	     both = same && 2.0f * (float)dot * (float)dot > (float)one * (float)other;
+	float u = 1 / column->wide, v = 1 / row->wide;
+	if (same ? v > u : row->most > column->most)
+		*column = *row;
+	if (!(column->most > 0))
+		return;
+	float wide = both ? 1 / sqrtf(u * u + v * v) : column->wide;
+	column->off *= wide / column->wide;
+	column->wide = wide;
+	column->most = faded(s, column, wide);
+}
+
+static void find_rows(void *data, int y0, int y1, int thread)
+{
+	const bends *s = data;
+	const lane *own = s->lane + thread;
+	for (int y = y0; y < y1; y++) {
+		int count = 0;
+		for (int x = 0; x + 1 < s->width; x++)
+			count = note(s, x, y, 0, own->turning, count);
+		look_through(&(looking){s, own->turning, own->best, count, 0, y, s->width, own->row, 1});
+		for (int x = 0; x < s->width; x++)
+			unite(s, s->bend + (ptrdiff_t)y * s->width + x, own->row + x);
+	}
+}
+
+/* ---- all of them ------------------------------------------------------------------------------------------- */
+
+void bends_plan(bends *b, const encre_raster_job *job, int threads, arena *a)
+{
+	b->job = job;
+	b->width = job->creases.width;
+	b->height = job->creases.height;
+	b->narrow = min(max(narrow * (float)job->frame.height, 1), most_narrow);
+	b->longest = longest * b->narrow;
+	b->bend = arena_take(a, (size_t)b->width * (size_t)b->height, sizeof *b->bend);
+	b->lane = arena_take(a, (size_t)threads, sizeof *b->lane);
+	for (int i = 0; i < threads; i++) {
+		lane own = {arena_take(a, (size_t)BAND * (size_t)longer_of(b), sizeof *own.turning),
+			    arena_take(a, (size_t)longer_of(b), sizeof *own.best),
+			    arena_take(a, (size_t)b->width, sizeof *own.row)};
+		if (a->base)
+			b->lane[i] = own;
+	}
+}
+
+int32_t bends_find(bands *pool, bends *b)
+{
+	int32_t code = bands_run(pool, b->width, BAND, find_columns, b);
+	return code ? code : bands_run(pool, b->height, BAND, find_rows, b);
+}

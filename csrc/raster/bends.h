@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Bends that are spread over several faces: what is found of them (bends.c) before lines are drawn (bevels.c). */
+#ifndef ENCRE_BENDS_H
+#define ENCRE_BENDS_H
+
+#include "raster/raster.h"
+
+/* Of a pixel, by which the line of such a bend may go. */
+typedef struct bend {
+	float off;  /* where the pixel lies from the line's middle, along the axis; when united, across the line */
+	float wide; /* pixels, likewise */
+	float most; /* degrees; 0: there is none */
+	int8_t across[3]; /* how its normals change, along the axis */
+	int8_t first;     /* its ways begin there, from the pixel, */
+	uint8_t ways;     /* and are so many */
+	uint8_t axis : 1, smooth : 1;
+} bend;
+
+/* Pixels from a pixel, that a line that goes by it may be away. */
+static const float goes_by_within = 1.25f;
+
+typedef struct bends {
+	const encre_raster_job *job;
+	int width, height;
+	float narrow;  /* pixels, within which what bends counts in full */
+	float longest; /* pixels: nothing wider is a bend */
+	bend *bend;
+	struct lane *lane; /* bends.c's, for each thread */
+} bends;
+
+/* Takes what it needs of an arena, as arena.h says. */
+void bends_plan(bends *b, const encre_raster_job *job, int threads, arena *a);
+int32_t bends_find(bands *pool, bends *b);
+
+static inline const bend *bend_at(const bends *b, int x, int y)
+{
+	return b->bend + (ptrdiff_t)y * b->width + x;
+}
+
+#endif

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* clang-format off */
+STAGE(wash, "Wash", "Colours as watercolour on the paper")
+SWITCH(use_wash, SURFACE, 0, "", "Wash", "Have colours act as watercolour does on the paper")
+FLOAT(wash_granulation, SURFACE, 0.4, 0, 4, 0, 1, "", "use_wash", "Granulation", "How far pigment settles in the valleys of the paper")
+FLOAT(wash_pooling, SURFACE, 0.6, 0, 4, 0, 1, "", "use_wash", "Pooling", "How much darker areas of colour are where they end beside lighter ones, as paint dries")
+FLOAT(wash_pool_width, FRAME, 9, 0, 256, 0, 40, "px", "use_wash&wash_pooling", "Pool Width", "How far into an area its darker border reaches")
+FLOAT(wash_uneven, SURFACE, 0.35, 0, 4, 0, 1, "", "use_wash", "Unevenness", "How far a wash is lighter here and darker there")
+FLOAT(wash_size, FRAME, 160, 2, 4096, 20, 500, "px", "use_wash&wash_uneven", "Size", "From one lighter place to the next, about")
+FLOAT(wash_pigments, SURFACE, 0.3, 0, 4, 0, 1, "", "use_wash", "Pigments", "How far warm and cool pigments part within a wash")
+FLOAT(wash_bleed, SURFACE, 0.3, 0, 1, 0, 1, "factor", "use_wash", "Bleed", "How much colour runs into its surroundings, more where the paper is wet")
+FLOAT(wash_bleed_width, FRAME, 28, 0, 256, 0, 80, "px", "use_wash&wash_bleed", "Bleed Width", "How far it runs")
+FLOAT(wash_wobble, SURFACE, 3, 0, 64, 0, 16, "px", "use_wash", "Wobble", "How far the borders of colours stray from the lines")
+FLOAT(wash_dilution, SURFACE, 0.08, 0, 1, 0, 1, "factor", "use_wash", "Dilution", "How much of the paper shines through all colours")
+INT(wash_seed, FRAME, 0, 0, 2147483647, 0, 1000, "", "use_wash", "Seed", "Another wash; keyframe it and it is painted anew")

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What strokes need of the pixels under them: which way they go there, and whether the surface goes on beside. Many
+ * strokes ask the same pixel, so all are told at once, a row at a time. */
+#include "tones/strokes.h"
+
+/* The layers' strokes lie across each other. */
+static const float turned[TONE_LAYERS][2] = {{1, 0}, {0.7071068f, 0.7071068f}, {0.5f, -0.8660254f}};
+
+static void turn_layer(const tone_slot *s, int layer, float *c, float *d)
+{
+	*c = s->across[0] * turned[layer][0] - s->across[1] * turned[layer][1];
+	*d = s->across[1] * turned[layer][0] + s->across[0] * turned[layer][1];
+}
+
+/* ---- ways -------------------------------------------------------------------------------------------------- */
+
+/* How strokes along the form, and those across, go on the screen: two columns. */
+typedef struct tone_ground {
+	float along[2][TONE_CHUNK], across[2][TONE_CHUNK];
+} tone_ground;
+
+static inline float dot3(float x, float y, float z, float u, float v, float w)
+{
+	return x * u + y * v + z * w;
+}
+
+/* tangent: of the pixels, three channels each, if strokes follow it where it is not 0. */
+KERNEL void ground(const tone_rest *rest, const bool by_uv, const float *restrict tangent, int n,
+		   tone_ground *restrict g)
+{
+	const float (*normal)[TONE_REST] = rest->at + ANCHOR_NORMAL, (*form)[TONE_REST] = rest->at + ANCHOR_FORM,
+		    (*right)[TONE_REST] = rest->at + ANCHOR_RIGHT, (*down)[TONE_REST] = rest->at + ANCHOR_DOWN;
+	for (int i = 0; i < n; i++) {
+		float nx = normal[0][i], ny = normal[1][i], nz = normal[2][i];
+		float rx = right[0][i], ry = right[1][i], rz = right[2][i];
+		float dx = down[0][i], dy = down[1][i], dz = down[2][i];
+		/* where it bends in none: along planes that cut the thing, level but on floors */
+		float level = fabsf(dot3(nx, ny, nz, 0.148f, 0.0986f, 0.984f));
+		float ax = 0.148f, ay = level > 0.95f ? 0.984f : 0.0986f, az = level > 0.95f ? 0.0986f : 0.984f;
+		float x = ay * nz - az * ny, y = az * nx - ax * nz, z = ax * ny - ay * nx;
+		float scale = 1 / sqrtf(max(dot3(x, y, z, x, y, z), 1e-12f));
+		x *= scale;
+		y *= scale;
+		z *= scale;
+		float u = ny * z - nz * y, v = nz * x - nx * z, w = nx * y - ny * x;
+		/* ways have no sign: their angles are doubled where they are mixed */
+		float a = dot3(form[0][i], form[1][i], form[2][i], x, y, z),
+		      b = dot3(form[0][i], form[1][i], form[2][i], u, v, w);
+		float left = 1 - sqrtf(min(a * a + b * b, 1)), one = a * a - b * b + 0.25f * left * left,
+		      two = 2 * a * b;
+		float length = sqrtf(one * one + two * two);
+		float p = one < 0 ? two : length + one, q = one < 0 ? length - one : two;
+		q = length > 0 ? q : 1;
+		if (by_uv) {
+			const float *t = tangent + (ptrdiff_t)3 * i;
+			float c = dot3(t[0], t[1], t[2], x, y, z), d = dot3(t[0], t[1], t[2], u, v, w);
+			bool told = c * c + d * d > 1e-6f;
+			p = told ? c : p;
+			q = told ? d : q;
+		}
+		float rr = dot3(rx, ry, rz, rx, ry, rz), rd = dot3(rx, ry, rz, dx, dy, dz),
+		      dd = dot3(dx, dy, dz, dx, dy, dz);
+		float ra = dot3(rx, ry, rz, x, y, z), rb = dot3(rx, ry, rz, u, v, w);
+		float da = dot3(dx, dy, dz, x, y, z), db = dot3(dx, dy, dz, u, v, w);
+		float ax0 = dd * ra - rd * da, ay0 = rr * da - rd * ra, bx0 = dd * rb - rd * db,
+		      by0 = rr * db - rd * rb;
+		float most = max(max(fabsf(ax0), fabsf(ay0)), max(fabsf(bx0), fabsf(by0)));
+		scale = 1 / max(most, 1e-30f);
+		p *= scale;
+		q *= scale;
+		g->along[0][i] = p * ax0 + q * bx0;
+		g->along[1][i] = p * ay0 + q * by0;
+		g->across[0][i] = p * bx0 - q * ax0;
+		g->across[1][i] = p * by0 - q * ay0;
+	}
+}
+
+static void ground_of(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n, tone_ground *g)
+{
+	const float *tangent = s->by_uv ? layer_row(f, ENCRE_LAYER_TANGENT, y) : NULL;
+	if (tangent)
+		ground(rest, true, tangent + (ptrdiff_t)3 * x, n, g);
+	else
+		ground(rest, false, NULL, n, g);
+}
+
+/* Likewise of strokes toward the light: that from the camera's side, as things are small beside how far they are. */
+static void ground_of_light(const frame *f, const tone_slot *s, int y, int x, int n, tone_ground *g)
+{
+	const float *normal = layer_row(f, ENCRE_LAYER_NORMAL, y) + (ptrdiff_t)3 * x, *v = f->camera.view,
+		    *l = s->light;
+	for (int i = 0; i < n; i++) {
+		float a = normal[3 * i], b = normal[3 * i + 1], c = normal[3 * i + 2];
+		float nx = dot3(v[0], v[1], v[2], a, b, c), ny = dot3(v[3], v[4], v[5], a, b, c),
+		      nz = dot3(v[6], v[7], v[8], a, b, c), facing = dot3(nx, ny, nz, l[0], l[1], l[2]);
+		float tx = l[0] - facing * nx, ty = l[1] - facing * ny, tz = l[2] - facing * nz;
+		g->along[0][i] = tx;
+		g->along[1][i] = -ty;
+		g->across[0][i] = ny * tz - nz * ty;
+		g->across[1][i] = -(nz * tx - nx * tz);
+	}
+}
+
+static void ways_on_surface(const tone_slot *s, const tone_ground *g, int layer, int n, uint8_t *restrict way)
+{
+	float c, d;
+	turn_layer(s, layer, &c, &d);
+	for (int i = 0; i < n; i++)
+		way[i] =
+			tone_way_of(c * g->along[0][i] + d * g->across[0][i], c * g->along[1][i] + d * g->across[1][i]);
+}
+
+/* ---- ends -------------------------------------------------------------------------------------------------- */
+
+/* What tells whether the surface goes on: of a row's pixels and of their neighbours. */
+typedef struct tone_side {
+	const float *object, *depth, *place[3], *pixel;
+} tone_side;
+
+static void ends(const tone_side *a, const tone_side *b, const float *restrict grown, int n, int bit,
+		 uint8_t *restrict bits)
+{
+	const float *ax = a->place[0], *ay = a->place[1], *az = a->place[2], *bx = b->place[0], *by = b->place[1],
+		    *bz = b->place[2];
+	for (int i = 0; i < n; i++) {
+		float x = bx[i] - ax[i], y = by[i] - ay[i], z = bz[i] - az[i];
+		float near = depth_of(a->depth[i]), far = depth_of(b->depth[i]);
+		int known = (a->pixel[i] > 0) & (b->pixel[i] > 0);
+		int close = x * x + y * y + z * z <= 16 * grown[i], level = fabsf(far - near) <= 0.05f * near;
+		int goes = (a->object[i] == b->object[i]) & (known ? close : level);
+		bits[i] = (uint8_t)(bits[i] | (goes ? 0 : bit));
+	}
+}
+
+static tone_side side_of(const frame *f, const tone_rest *rest, int y, int x, int right)
+{
+	static const float none[TONE_REST];
+	const float *object = layer_row(f, ENCRE_LAYER_OBJECT, y), *p = rest ? rest->at[ANCHOR_POSITION] + right : none;
+	const ptrdiff_t next = rest ? TONE_REST : 0;
+	return (tone_side){.object = object ? object + x + right : none,
+			   .depth = layer_row(f, ENCRE_LAYER_DEPTH, y) + x + right,
+			   .place = {p, p + next, p + 2 * next},
+			   .pixel = rest ? rest->at[ANCHOR_PIXEL] + right : none};
+}
+
+/* The position and size of a row's pixels. */
+static const tone_rest *places_of(const frame *f, int y, int x, int n, tone_rest *rest)
+{
+	const float *restrict anchor = anchor_at(f, x, y);
+	for (int i = 0; anchor && i < n; i++)
+		for (int c = ANCHOR_POSITION; c < ANCHOR_POSITION + 3; c++)
+			rest->at[c][i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + c];
+	for (int i = 0; anchor && i < n; i++)
+		rest->at[ANCHOR_PIXEL][i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + ANCHOR_PIXEL];
+	return anchor ? rest : NULL;
+}
+
+static void ends_fill(const frame *f, const tone_rest *rest, int y, int x, int n, uint8_t *bits)
+{
+	float grown[TONE_CHUNK] = {0};
+	tone_rest below;
+	bool last = x + n == f->width, bottom = y + 1 == f->height;
+	for (int k = 0; rest && k < 3; k++) {
+		const float *r = rest->at[ANCHOR_RIGHT + k], *d = rest->at[ANCHOR_DOWN + k];
+		for (int i = 0; i < n; i++)
+			grown[i] += r[i] * r[i] + d[i] * d[i];
+	}
+	tone_side here = side_of(f, rest, y, x, 0), right = side_of(f, rest, y, x, 1);
+	ends(&here, &right, grown, n - last, TONE_ENDS_RIGHT, bits);
+	if (last)
+		bits[n - 1] |= TONE_ENDS_RIGHT;
+	if (!bottom) {
+		tone_side under = side_of(f, rest ? places_of(f, y + 1, x, n, &below) : NULL, y + 1, x, 0);
+		ends(&here, &under, grown, n, TONE_ENDS_DOWN, bits);
+	}
+	for (int i = 0; bottom && i < n; i++)
+		bits[i] |= TONE_ENDS_DOWN;
+}
+
+/* ------------------------------------------------------------------------------------------------------------ */
+
+static void keep_own(const uint8_t *restrict own, const uint8_t *restrict from, int n, uint8_t *restrict to)
+{
+	for (int i = 0; i < n; i++)
+		to[i] = own[i] ? from[i] : to[i];
+}
+
+void ISA(tone_ways)(const frame *f, const tone_marks *m, const tone_slot *slots, int k, const tone_rest *rest, int y,
+		    int x, int n)
+{
+	const tone_slot *s = slots + k;
+	const uint8_t *dark = tone_bytes(m, TONE_DARK, y) + x;
+	uint8_t *bits = tone_bytes(m, TONE_BITS, y) + x, found[TONE_CHUNK] = {0}, way[TONE_CHUNK], own[TONE_CHUNK];
+	tone_ground g;
+	tone_rest any;
+	for (int i = 0; i < n; i++)
+		own[i] = (dark[i] > 0) & ((bits[i] & TONE_SLOT) == k);
+	/* a stroke of the screen ends with the surface too */
+	ends_fill(f, rest ? rest : ISA(tone_rest_fill)(f, y, x, n, &any), y, x, n, found);
+	for (int i = 0; i < n; i++)
+		bits[i] = (uint8_t)(bits[i] | (own[i] ? found[i] : 0));
+	bool lit = s->to_light && f->layer[ENCRE_LAYER_NORMAL].data;
+	if (lit)
+		ground_of_light(f, s, y, x, n, &g);
+	else if (rest)
+		ground_of(f, s, rest, y, x, n, &g);
+	for (int layer = 0; layer < TONE_LAYERS; layer++) {
+		uint8_t *to = tone_bytes(m, TONE_WAY + layer, y) + x;
+		float c, d;
+		turn_layer(s, layer, &c, &d);
+		memset(way, tone_way_of(c, -d), (size_t)n);
+		if (lit || rest)
+			ways_on_surface(s, &g, layer, n, way);
+		keep_own(own, way, n, to);
+	}
+}

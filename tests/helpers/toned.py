@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What tones are drawn on: layers of things at every slant, and a picture that tiles."""
+
+import numpy as np
+import sticks
+from encre.pen import library
+from encre.pen.job import Frame
+
+CONTROLS = len(library.controls())
+
+
+def stuck(width, height, seed=0):
+    """Layers of the scene that `sticks` draws, with noise in what tones read besides."""
+    rng = np.random.default_rng(seed)
+    meshes, view, projection = sticks.posed(turn=0.3)
+    maps = library.raster(meshes, view, projection, Frame(width, height), (width, height), 0.1,
+                          outputs=("depth", "object", "shading", "anchor", "tangent"))
+    color, diffuse = rng.uniform(0, 1, (height, width, 3)), rng.uniform(0, 1.3, (height, width, 3))
+    alpha = rng.uniform(0.2, 1, (height, width, 1))
+    combined = np.concatenate([color * diffuse + rng.uniform(-0.1, 0.2, color.shape), alpha], 2)
+    layers = dict(combined=combined, color=color, diffuse=diffuse, depth=maps["depth"], normal=maps["shading"],
+                  object=maps["object"], anchor=maps["anchor"], tangent=maps["tangent"],
+                  style=rng.integers(0, 4, (height, width)),
+                  controls=rng.uniform(-0.5, 0.5, (height, width, CONTROLS)), specular=rng.uniform(0, 0.4, color.shape))
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+def tile(height=24, width=36):
+    """Waves in 8 bits that repeat themselves, darkest in streaks; and texels that are hardly black, hardly white,
+    beyond both, and no number."""
+    y, x = np.mgrid[:height, :width]
+    waves = np.sin(2 * np.pi * (2 * x / width + y / height)) + 0.5 * np.cos(2 * np.pi * (x / width - 3 * y / height))
+    tile = np.round((waves - waves.min()) / np.ptp(waves) * 255) / 255
+    tile[3::8, ::3], tile[5::8, ::3] = 1 / 65535, 65534 / 65535
+    tile[1::8, ::3], tile[2::8, ::3], tile[7::8, 1::9] = 1.7, -0.6, np.nan
+    return np.float32(tile)[..., None]
+
+
+def steep(width, height, seed=0):
+    """Layers of a surface that is seen ever closer to its edge from the right to the left, from places where a pixel is
+    ever more of it."""
+    layers = stuck(width, height, seed)
+    rng = np.random.default_rng(seed)
+    sine = np.geomspace(4e-4, 1, width)[None]
+    turn, size = rng.uniform(0, 6, (height, width)), np.geomspace(2e-3, 0.1, height)[:, None]
+    right = np.stack([np.cos(turn), np.sin(turn), 0 * turn], -1)
+    down = np.sqrt(1 - sine**2)[..., None] * right + sine[..., None] * np.stack([-right[..., 1], right[..., 0],
+                                                                                0 * turn], -1)
+    axes = rng.permuted(np.tile([0, 1, 2], (height, width, 1)), axis=2)
+    normal = np.broadcast_to((0.2, 0.1, 0.97), right.shape)
+    parts = [rng.uniform(-2, 2, right.shape), normal, right * size[..., None], down * size[..., None], normal]
+    parts = [np.take_along_axis(part, axes, 2) for part in parts]
+    known = rng.uniform(0, 1, (height, width, 1)) > 0.1
+    layers["anchor"] = np.float32(np.concatenate([*parts[:2], known * size[..., None], *parts[2:]], 2))
+    del layers["style"]
+    return layers
+
+
+def ramped(width, height, seed=0):
+    layers = stuck(width, height, seed)
+    light = np.linspace(0, 1.2, width, dtype=np.float32)[None, :, None]
+    layers["diffuse"] = np.ascontiguousarray(np.broadcast_to(light, layers["color"].shape))
+    layers["combined"][..., :3] = layers["color"] * layers["diffuse"]
+    del layers["controls"], layers["style"]
+    return layers
+
+
+def wall(width, height):
+    """Layers of a wall with a step in it, up to all borders, lighter to the right and in places."""
+    y, x = np.mgrid[:height, :width]
+    light = 0.1 + x / width + 0.3 * np.sin(x / 3) * np.sin(y / 2)
+    one = np.ones((height, width, 3))
+    layers = dict(combined=np.concatenate([one * light[..., None], one[..., :1]], 2), color=one,
+                  diffuse=one * light[..., None], depth=np.where(y < height // 2, 5, 5.2 + 0.2 * (x > width // 2)),
+                  normal=one, object=(x > width // 3) * 1.0)
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+def slanted(size, down, scale=1.0, wall=False):
+    """The anchor of a plane that is slanted both ways, so that its rows do not meet at right angles."""
+    y, x = np.mgrid[:size[0], :size[1]]
+    anchor = np.zeros((*size, 16), np.float32)
+    right, down = np.array((0.01, 0.002, 0)) * scale, np.array((*down, 0.0)) * scale
+    anchor[..., :3] = x[..., None] * right + y[..., None] * down
+    anchor[..., 3:7] = 0, 0, 1, 0.01
+    anchor[..., 7:10], anchor[..., 10:13] = right, down
+    return anchor[..., (2, 0, 1, 5, 3, 4, 6, 9, 7, 8, 12, 10, 11, 13, 14, 15)].copy() if wall else anchor
