@@ -33,14 +33,13 @@ def build():
 
 
 def grown():
-    """Until the picture has been inked anew as it grows."""
+    """A list that is filled as the picture is inked anew while it grows. From before the render begins: what it is
+    shown by is taken when its first sample is done."""
     from encre.blender import frame
 
     show, shown = frame.Frames._show, []
     frame.Frames._show = lambda self, ink: shown.append(ink) or show(self, ink)
-    while not shown:
-        yield
-    frame.Frames._show = show
+    return shown
 
 
 def stopped(name, twice=False, grows=False):
@@ -59,11 +58,15 @@ def stopped(name, twice=False, grows=False):
 
     frame.library.draw = draw
     bpy.context.scene.encre.ink_early = grows
+    shown = grown() if grows else [None]
     yield from waiting(0.3)
     keys.press("F12")
     while not bpy.app.is_job_running("RENDER"):
         yield
-    yield from grown() if grows else waiting(2)
+    if not grows:
+        yield from waiting(2)
+    while not shown:
+        yield
     keys.press("Escape")
     if twice:
         while not asked:
