@@ -80,7 +80,7 @@ enum encre_layer {
 	ENCRE_LAYER_BACKGROUND,  /* 3: what of combined is light of the world behind everything (absent: all of it where
 				    nothing is there, else 0) */
 	/* Where on the thing: by what drawn texture sticks to a surface, from this frame alone. In units of the rest
-	   position, which are those of object space as a rule. */
+	   position, which are those of object space as a rule, but for a scale that is not the same all ways. */
 	ENCRE_LAYER_ANCHOR,  /* 16: of what is at the pixel's centre, 0 to 2 its rest position P: where it was before
 				its mesh was bent; 3 to 5 the normal there, of length 1, as the resting surface is
 				shaded; 6 how much of P a pixel spans on a surface that faces the camera, > 0, 0 =

@@ -10,6 +10,8 @@
 /* A jump in depth of this share, beyond what both sides explain, is one: where an edge of depth has half its strength.
  */
 static const float least_jump = 0.0065f;
+/* Links each way over which an outline goes on. */
+enum { BRIDGE = 24 };
 /* Pieces that pass through each other bend by so many degrees. */
 static const float through = 180;
 
@@ -17,24 +19,34 @@ static const float through = 180;
 
 static float inverse_at(const frame *f, int x, int y)
 {
-	float z = depth_at(f, clamp_index(x, f->width), clamp_index(y, f->height));
+	float z = depth_at(f, x, y);
 	if (f->camera.orthographic)
 		return z < INFINITY ? -z / f->camera.height : -1e30f;
 	return 1 / z;
-}
-
-/* What each side, continued straight, misses of the other, as a share of the nearer one. */
-static float jump_at(const frame *f, int x, int y, int dx, int dy)
-{
-	float before = inverse_at(f, x - dx, y - dy), p = inverse_at(f, x, y), q = inverse_at(f, x + dx, y + dy),
-	      after = inverse_at(f, x + 2 * dx, y + 2 * dy), near = f->camera.orthographic ? 1 : max(p, q);
-	return near > 0 ? max(0, jump(before, p, q, after)) / near : 0;
 }
 
 static bool same_object(const frame *f, int x, int y, int qx, int qy)
 {
 	const float *p = layer_row(f, ENCRE_LAYER_OBJECT, y), *q = layer_row(f, ENCRE_LAYER_OBJECT, qy);
 	return !p || p[x] == q[qx];
+}
+
+/* What each side, continued straight, misses of the other, as a share of the nearer one. A side that is one pixel wide,
+ * beyond which another object is, tells no slope: it goes on as deep. */
+static float jump_at(const frame *f, int x, int y, int dx, int dy)
+{
+	float inverse[4], near;
+	int u[4], v[4];
+	for (int k = 0; k < 4; k++) {
+		u[k] = clamp_index(x + (k - 1) * dx, f->width);
+		v[k] = clamp_index(y + (k - 1) * dy, f->height);
+		inverse[k] = inverse_at(f, u[k], v[k]);
+	}
+	for (int k = 0; k < 4; k += 3)
+		if (!same_object(f, u[k], v[k], u[k ? 2 : 1], v[k ? 2 : 1]))
+			inverse[k] = inverse[k ? 2 : 1];
+	near = f->camera.orthographic ? 1 : max(inverse[1], inverse[2]);
+	return near > 0 ? max(0, jump(inverse[0], inverse[1], inverse[2], inverse[3])) / near : 0;
 }
 
 /* A line of the sources that depth and number tell: where the site lies between two pixels, of these; a junction's, of
@@ -50,6 +62,54 @@ static enum line shape_of(const frame *f, const found *at, enum source source)
 	return nothing || jump_at(f, x, y, dx, dy) >= least_jump ? LINE_OUTLINE : LINE_CONTACT;
 }
 
+static bool is_outline(const frame *f, const site *s)
+{
+	enum source source = (enum source)s->placed.source;
+	return (source == SOURCE_OBJECT || source == SOURCE_DEPTH) && s->found.family != FAMILY_THIN &&
+	       shape_of(f, &s->found, source) == LINE_OUTLINE;
+}
+
+/* The next site of a line, coming from `from`: where it meets others, the one most straight on. */
+static uint32_t straight_on(const fine *n, uint32_t from, uint32_t i)
+{
+	const placed *a = &n->site[from].placed, *b = &n->site[i].placed;
+	float x = b->x - a->x, y = b->y - a->y, best = 0;
+	uint32_t next = UINT32_MAX;
+	if (links_at(n, i) == 2)
+		return next_of(n, from, i);
+	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
+		const site *c = n->site + n->to[k];
+		float u = c->placed.x - b->x, v = c->placed.y - b->y, along = x * u + y * v;
+		float ahead = along / sqrtf(u * u + v * v + 1e-12f);
+		if (n->to[k] == from || c->linked.dropped || !(ahead > best))
+			continue;
+		best = ahead;
+		next = n->to[k];
+	}
+	return next;
+}
+
+/* Whether the line is an outline a little farther on both sides. A gap a pixel wide is seen where it covers centres of
+ * pixels and not where its line passes between two rows: there things would seem to touch. */
+static bool goes_on(const frame *f, uint32_t i)
+{
+	const fine *n = f->fine;
+	int sides = 0;
+	for (uint32_t k = n->at[i]; k < n->at[i + 1] && sides < 2; k++) {
+		uint32_t from = i, at = n->to[k];
+		bool found = false;
+		for (int links = 0; links < BRIDGE && !found && at != UINT32_MAX && !n->site[at].linked.dropped;
+		     links++) {
+			uint32_t next = straight_on(n, from, at);
+			found = is_outline(f, n->site + at);
+			from = at;
+			at = next;
+		}
+		sides += found;
+	}
+	return sides == 2;
+}
+
 static bool passes_through(const frame *f, const found *at)
 {
 	const float *row = layer_row(f, ENCRE_LAYER_CREASES, at->row);
@@ -63,10 +123,14 @@ static bool passes_through(const frame *f, const found *at)
 enum line ISA(line_of)(const frame *f, const site *s)
 {
 	const fine *n = f->fine;
-	s = n->site + told_by(n, (uint32_t)(s - n->site));
+	uint32_t i = told_by(n, (uint32_t)(s - n->site));
+	enum line shape;
+	s = n->site + i;
 	switch ((enum source)s->placed.source) {
-	case SOURCE_OBJECT: return shape_of(f, &s->found, SOURCE_OBJECT);
-	case SOURCE_DEPTH: return shape_of(f, &s->found, SOURCE_DEPTH);
+	case SOURCE_OBJECT:
+	case SOURCE_DEPTH:
+		shape = shape_of(f, &s->found, (enum source)s->placed.source);
+		return shape == LINE_CONTACT && goes_on(f, i) ? LINE_OUTLINE : shape;
 	case SOURCE_NORMAL: return passes_through(f, &s->found) ? LINE_INTERSECTION : LINE_CREASE;
 	case SOURCE_MATERIAL: return LINE_MATERIAL;
 	case SOURCE_COLOR: return LINE_COLOR;

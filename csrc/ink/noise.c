@@ -91,6 +91,24 @@ typedef struct spot {
 /* As near as this share of its depth, pixels beside the front-most one count as its surface. */
 static const float one_surface = 0.02f;
 
+/* Pixels of a surface that faces the camera: so far it is followed beside the centre of a pixel. */
+static const float farthest = 16;
+
+/* Adds the rest position that the surface of a pixel has at a site beside its centre: a line that is nearly level steps
+ * from row to row, and on a surface seen at a flat angle a row is a long way. One seen on its edge tells nothing of
+ * what lies beyond. */
+static void add_place(const float *anchor, float x, float y, float weight, spot *sum)
+{
+	float more[3], square = 0, most = farthest * anchor[ANCHOR_PIXEL];
+	for (int c = 0; c < 3; c++) {
+		more[c] = x * anchor[ANCHOR_RIGHT + c] + y * anchor[ANCHOR_DOWN + c];
+		square += more[c] * more[c];
+	}
+	float kept = square > most * most ? most / sqrtf(square) : 1;
+	for (int c = 0; c < 3; c++)
+		sum->p[c] += weight * (anchor[ANCHOR_POSITION + c] + kept * more[c]);
+}
+
 /* The mean, by nearness, of those of the four pixels about a site that show the surface in front: so noise runs on
  * evenly where the thing moves by parts of a pixel. A crack may lie on the centres beyond those that it parts, or be
  * moved there as lines are smoothed: it keeps its own. Where nothing tells, a place in the frame. */
@@ -124,8 +142,8 @@ static spot spot_of(const frame *f, const site *s)
 	for (int k = 0; k < 4; k++) {
 		if (!(depth[k] <= front * (1 + one_surface)) || object[k] != number)
 			continue;
-		for (int c = 0; c < 3; c++)
-			at.p[c] += weight[k] * anchor[k][ANCHOR_POSITION + c];
+		float px = clamp01(x - left) - (float)(k & 1), py = clamp01(y - top) - (float)(k >> 1);
+		add_place(anchor[k], px, py, weight[k], &at);
 		at.unit += weight[k] * anchor[k][ANCHOR_PIXEL];
 		sum += weight[k];
 	}

@@ -9,7 +9,7 @@
 enum { CHUNK = 1024 };
 
 /* Of half a line's width the rim is frayed by this share at most, or thin lines would come to pieces. */
-static const float most_frayed = 0.3f;
+static const float most_frayed = 0.2f;
 
 /* ---- pens ------------------------------------------------------------------------------------------------ */
 

@@ -59,26 +59,42 @@ int32_t anchors_measure(bands *pool, geometry *g)
 	return g->n_parts ? bands_run(pool, g->n_parts, 1, measure_parts, g) : ENCRE_OK;
 }
 
-void anchors_load(const part *part, uint32_t i, anchor_face *face)
-{
-	const encre_mesh *mesh = part->mesh;
-	face->part = part;
-	face->normals = mesh->rest_normals ? mesh->rest_normals + (size_t)i * 9 : NULL;
-	geometry_rest(part, i, face->rest);
-	form_of(face->rest, face->normals, face->form);
-	for (int c = 0; c < 3; c++) {
-		int a = (c + 1) % 3, b = (c + 2) % 3;
-		const float *p = face->rest[0], *q = face->rest[1], *r = face->rest[2];
-		face->flat[c] = (q[a] - p[a]) * (r[b] - p[b]) - (q[b] - p[b]) * (r[a] - p[a]);
-	}
-}
-
 static bool unit(const double n[3], float *out)
 {
 	double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2], scale = square > 0 ? 1 / sqrt(square) : 0;
 	for (int c = 0; c < 3; c++)
 		out[c] = (float)(n[c] * scale);
 	return square > 0;
+}
+
+/* Of the surface as geometry_rest() stretches it. */
+static void stretch_normal(const part *part, const float own[3], float normal[3])
+{
+	const float *s = part->stretch;
+	double n[3];
+	if (s[0] == 1 && s[1] == 1 && s[2] == 1) {
+		memcpy(normal, own, 3 * sizeof *own);
+		return;
+	}
+	for (int c = 0; c < 3; c++)
+		n[c] = (double)own[c] * (double)s[(c + 1) % 3] * (double)s[(c + 2) % 3];
+	unit(n, normal);
+}
+
+void anchors_load(const part *part, uint32_t i, anchor_face *face)
+{
+	const encre_mesh *mesh = part->mesh;
+	face->part = part;
+	face->smooth = mesh->rest_normals != NULL;
+	geometry_rest(part, i, face->rest);
+	for (int k = 0; k < 3 && face->smooth; k++)
+		stretch_normal(part, mesh->rest_normals + (size_t)i * 9 + 3 * k, face->normals + 3 * k);
+	form_of(face->rest, face->smooth ? face->normals : NULL, face->form);
+	for (int c = 0; c < 3; c++) {
+		int a = (c + 1) % 3, b = (c + 2) % 3;
+		const float *p = face->rest[0], *q = face->rest[1], *r = face->rest[2];
+		face->flat[c] = (q[a] - p[a]) * (r[b] - p[b]) - (q[b] - p[b]) * (r[a] - p[a]);
+	}
 }
 
 void anchors_tangent(const part *part, uint32_t i, float tangent[3])
@@ -105,7 +121,7 @@ void anchors_tangent(const part *part, uint32_t i, float tangent[3])
 static void draw_normal(const anchor_face *face, const double share[3], float *out)
 {
 	double n[3] = {(double)face->flat[0], (double)face->flat[1], (double)face->flat[2]}, smooth[3] = {0};
-	for (int k = 0; k < 9 && face->normals; k++)
+	for (int k = 0; k < 9 && face->smooth; k++)
 		smooth[k % 3] += share[k / 3] * (double)face->normals[k];
 	if (!unit(smooth, out))
 		unit(n, out);

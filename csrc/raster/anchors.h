@@ -10,8 +10,9 @@
 typedef struct anchor_face {
 	const part *part;
 	float rest[3][3];
-	const float *normals; /* at the corners; NULL = flat */
-	float flat[3];        /* of any length */
+	float normals[9]; /* at the corners; 0 = flat */
+	bool smooth;
+	float flat[3]; /* of any length */
 	float form[3];
 } anchor_face;
 

@@ -84,6 +84,9 @@ static void multiply(const double a[16], const double b[16], double out[16])
 }
 
 /* Of the left upper 3 x 3. They turn what lies across two edges as the edges turn: mirrored where these are. */
+/* Of the scale: what is less is of rounding in a matrix that turns. */
+static const double least_stretch = 1e-4;
+
 static void cofactors(const double m[16], double out[9])
 {
 	for (int i = 0; i < 3; i++)
@@ -91,6 +94,23 @@ static void cofactors(const double m[16], double out[9])
 			int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
 			out[3 * i + j] = m[4 * a + c] * m[4 * b + d] - m[4 * a + d] * m[4 * b + c];
 		}
+}
+
+/* By how much more each axis of object space is scaled than all are on average, of length. */
+static void stretch_of(const double m[16], float stretch[3])
+{
+	double length[3], mean = 0, most = 0;
+	for (int k = 0; k < 3; k++) {
+		double square = m[k] * m[k] + m[4 + k] * m[4 + k] + m[8 + k] * m[8 + k];
+		length[k] = sqrt(square);
+		mean += square / 3;
+	}
+	mean = sqrt(mean);
+	for (int k = 0; k < 3; k++)
+		most = fmax(most, fabs(length[k] - mean));
+	bool even = !(most > least_stretch * mean) || !isfinite(mean);
+	for (int k = 0; k < 3; k++)
+		stretch[k] = even ? 1 : (float)(length[k] / mean);
 }
 
 void geometry_aim(geometry *g)
@@ -116,6 +136,7 @@ void geometry_aim(geometry *g)
 		part->mesh = mesh;
 		part->first = first;
 		cofactors(mesh->model, part->turn);
+		stretch_of(mesh->model, part->stretch);
 		first += (uint32_t)mesh->n_primitives;
 	}
 	bool perspective = p[14] != 0;
@@ -173,8 +194,11 @@ void geometry_world(const part *part, uint32_t i, double p[3][3])
 void geometry_rest(const part *part, uint32_t i, float p[3][3])
 {
 	const encre_mesh *mesh = part->mesh;
-	for (int k = 0; k < 3; k++)
-		memcpy(p[k], mesh->rest ? mesh->rest + 9 * (size_t)i + 3 * k : point_of(mesh, i, k), sizeof p[k]);
+	for (int k = 0; k < 3; k++) {
+		const float *own = mesh->rest ? mesh->rest + 9 * (size_t)i + 3 * k : point_of(mesh, i, k);
+		for (int c = 0; c < 3; c++)
+			p[k][c] = own[c] * part->stretch[c];
+	}
 }
 
 static void cross_edges(double p[3][3], double n[3])

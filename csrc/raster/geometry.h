@@ -14,6 +14,7 @@ typedef struct part {
 	uint32_t first;
 	double screen[16]; /* object space -> corner, row by row */
 	double turn[9];    /* normals: object -> world space, of any length */
+	float stretch[3];  /* of rest positions: by how much more an axis is scaled than all on average */
 	double span; /* with the output `anchor`: rest units that a world unit is on its surface, 0 where it has none */
 } part;
 
@@ -35,7 +36,8 @@ const part *geometry_part(const geometry *g, const part *last, uint32_t number);
 corner geometry_corner(const part *part, const float *point);
 /* Corners of primitive `i` of a part: three, of a line two. */
 void geometry_corners(const part *part, uint32_t i, corner c[3]);
-/* Corners of a triangle in world space, and where it rests. */
+/* Corners of a triangle in world space, and where it rests: in object space, each axis as long as the scale makes it
+ * beside the others, or patterns would be drawn out with every object that is scaled more one way. */
 void geometry_world(const part *part, uint32_t i, double p[3][3]);
 void geometry_rest(const part *part, uint32_t i, float p[3][3]);
 /* Across a triangle in world space, to the side from which its corners go round against the clock; of any length. */

@@ -285,3 +285,44 @@ def test_what_the_hand_does_sticks_to_the_thing(k, pen):
     assert np.mean(steps) > 0.97 and min(steps) > 0.9, steps
     spreads = [frame[k].std() for frame in frames]
     assert max(spreads) < 3 * min(spreads), "as strong at any distance"
+
+
+def test_a_gap_a_pixel_wide_is_one_kind_of_line_all_along():
+    """Two boards, one as far away as the other, with less than a pixel between them, that run nearly level."""
+    rows, columns = np.mgrid[:60, :240].astype(float)
+    below = rows - 30 + (columns - 120) / 30
+    object_ = np.where(below < -0.4, 1, np.where(below < 0.4, 3, 2))
+    flat = np.ones((60, 240, 3))
+    layers = {"combined": np.ones((60, 240, 4)), "color": flat, "diffuse": flat, "normal": flat * (0, 0, 1),
+              "depth": np.where(object_ == 3, 9.0, 5.0)[..., None], "object": object_[..., None]}
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 8.0, "line_intensity": 2.0, "edge_light": 0.0,
+             "edge_color": 0.0, "width_contact": 0.25}
+    ink = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3].sum(0)[30:-30]
+    assert ink.min() > 8 and np.ptp(ink) < 1.5
+    solid = {**layers, "object": np.where(layers["object"] == 3, 2, layers["object"]).astype(np.float32),
+             "depth": np.full_like(layers["depth"], 5)}
+    touch = library.render(solid, scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3].sum(0)[30:-30]
+    assert touch.min() > 1 and touch.max() < 3
+
+
+def test_noise_runs_on_where_a_line_steps_from_row_to_row():
+    """On a surface seen so flat that a row is eight columns long, the width is that of the noise where it runs."""
+    rows, columns = np.mgrid[:80, :300].astype(float)
+    below = rows - 40 + (columns - 150) / 40
+    flat = np.ones((80, 300, 3), np.float32)
+    share = np.clip(below + 0.5, 0, 1)[..., None].astype(np.float32)  # by which the line is placed
+    layers = {"combined": np.ones((80, 300, 4), np.float32), "color": 0.2 + 0.6 * share * flat, "diffuse": flat,
+              "normal": flat, "depth": np.where(below < 0, 9, 5).astype(np.float32)[..., None],
+              "object": (below >= 0).astype(np.float32)[..., None]}
+    anchor = np.zeros((80, 300, 16), np.float32)
+    anchor[..., 6], anchor[..., 7], anchor[..., 11] = 0.02, 0.02, 0.16
+    anchor[..., 0], anchor[..., 1] = 0.02 * columns, 0.16 * rows
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 6.0, "line_intensity": 2.0, "edge_light": 0.0,
+             "edge_color": 0.0, "pen_pressure": 0.4, "pen_pressure_length": 60.0}
+    ink = library.render({**layers, "anchor": anchor}, scene, outputs=("Encre Lines",)).images["Encre Lines"]
+    x = columns[0]
+    at = np.stack([0.02 * x, 0.16 * (40 - (x - 150) / 40), 0 * x], -1)
+    noise = hand.solid(at, np.full(len(x), 1.2), hand.PRESSURE)
+    wrong = ink[..., 3].sum(0) - 6 * np.clip(1 + 0.4 * noise, 0.12, 3)
+    assert np.abs(wrong[20:-20]).max() < 0.6

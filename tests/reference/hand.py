@@ -52,8 +52,8 @@ def solid(p, wavelength, seed):
 
 
 def _spot(layers, t, i):
-    """The anchor of the surface in front at a site, the mean of those of the four pixels about it that show it; about a
-    crack, of those that it parts."""
+    """The anchor of the surface in front at a site, the mean of those of the four pixels about it that show it, each
+    continued to there; about a crack, of those that it parts."""
     height, width = layers.depth.shape
     found, (x, y) = [], t.at[i]
     left, top = np.floor(x), np.floor(y)
@@ -67,7 +67,11 @@ def _spot(layers, t, i):
         at = min(max(int(top) + dy, 0), height - 1), min(max(int(left) + dx, 0), width - 1)
         weight = 1e-3 + (1 - abs(x - dx)) * (1 - abs(y - dy))
         if layers.anchor[at][6] > 0 and np.isfinite(layers.depth[at]):
-            found.append((layers.depth[at], layers.object[at], weight, layers.anchor[at]))
+            anchor = layers.anchor[at].astype(float)
+            more = (x - dx) * anchor[7:10] + (y - dy) * anchor[10:13]
+            far = np.linalg.norm(more)
+            anchor[:3] += more * min(1, 16 * anchor[6] / far if far else 1)
+            found.append((layers.depth[at], layers.object[at], weight, anchor))
     if not found:
         return None
     front, number = min(found, key=lambda each: each[0])[:2]
@@ -137,7 +141,7 @@ class Hand:
 
     def fray(self, radius):
         return np.minimum(self.at("rough") * self.scale * clamp01(self.at("rough_length") * self.scale - 1),
-                          0.3 * radius)
+                          0.2 * radius)
 
     def radius(self, radius):
         """Half the widths with frayed rims, and what gaps leave of them."""
@@ -200,7 +204,37 @@ def kinds(t, layers):
                 place, bend = layers.creases[site["row"], site["column"], 2 * site["axis"]:2 * site["axis"] + 2]
                 name = "intersection" if place and abs(bend) in (180, 540) else name
         out[i] = KINDS.index(name)
+    outline, shapes = KINDS.index("outline"), out.copy()
+    for i, told in enumerate(told_by(t)):
+        if shapes[i] == KINDS.index("contact"):
+            sides = sum(_meets(t, shapes, told, link, outline) for link in t.links[told])
+            out[i] = outline if sides > 1 else shapes[i]
     return out
+
+
+def _meets(t, shapes, i, at, outline, most=24):
+    """Whether the line that leaves site i by a link is an outline within so many links."""
+    before = i
+    for _ in range(most):
+        if at is None or t.dropped[at]:
+            return False
+        if shapes[at] == outline and t.family[at] != NUMBER["thin"]:
+            return True
+        before, at = at, _straight_on(t, before, at)
+    return False
+
+
+def _straight_on(t, before, at):
+    """The next site of a line: where it meets others, the one most straight on."""
+    if len(t.links[at]) == 2:
+        return t.next(before, at)
+    way, ahead = t.at[at] - t.at[before], {}
+    for one in t.links[at]:
+        if one != before and not t.dropped[one]:
+            step = t.at[one] - t.at[at]
+            ahead[one] = way @ step / np.sqrt(step @ step + 1e-12)
+    best = max(ahead, key=ahead.get, default=None)
+    return best if best is not None and ahead[best] > 0 else None
 
 
 def _shape(layers, site, height, width, source):
@@ -215,6 +249,9 @@ def _shape(layers, site, height, width, source):
     if not np.isfinite(z[1:3]).all():
         return "outline"
     u = np.where(np.isfinite(z), -z / layers.height, -1e30) if layers.orthographic else 1 / z
+    for beyond, side in ((0, 1), (3, 2)):  # one pixel wide: no slope is known
+        if read(layers.object, beyond - 1) != read(layers.object, side - 1):
+            u[beyond] = u[side]
     before, after = u[2] - 2 * u[1] + u[0], u[1] - 2 * u[2] + u[3]
     far = max(0, min(before, -after), min(-before, after)) / (1 if layers.orthographic else max(u[1:3]))
     return "outline" if far >= 0.0065 else "contact"

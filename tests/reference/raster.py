@@ -142,27 +142,38 @@ def _anchor(mesh, t, corner, share, growth, w, projection, frame):
     """The layer `anchor` (n, 16) at places on triangle t, of points `corner`; w: clip space's."""
     points = np.asarray(mesh.points, np.float32).astype(float)
     faces = points[np.arange(len(points)).reshape(-1, 3) if mesh.corners is None else mesh.corners]
-    rest = faces if mesh.rest is None else np.asarray(mesh.rest, float)
+    stretch, normals = _stretch(mesh.model), mesh.rest_normals
+    rest = stretch * (faces if mesh.rest is None else np.asarray(mesh.rest, float))
     scale = np.sqrt(_area(rest) / _area(faces @ mesh.model[:3, :3].T))
     # how many pixels a unit across is where w is 1: the mean of both ways
     pixel = w * scale * 2 / np.sqrt(abs(projection[0, 0]) * frame.width * abs(projection[1, 1]) * frame.height)
     normal = np.broadcast_to(np.cross(rest[t, 1] - rest[t, 0], rest[t, 2] - rest[t, 0]), (len(share), 3))
-    if mesh.rest_normals is not None:
-        smooth = share @ mesh.rest_normals[t].astype(float)
+    if normals is not None:
+        normals = normals[t].astype(float)
+        if (stretch != 1).any():
+            normals *= np.roll(stretch, 1) * np.roll(stretch, 2)
+            normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        smooth = share @ normals
         normal = np.where(smooth.any(1, keepdims=True), smooth, normal)
     normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
     grown = [each @ rest[t] for each in growth]
     length = [np.linalg.norm(each, axis=1) for each in grown]
     grown = [each * np.minimum(1, 64 * pixel / np.maximum(n, 1e-300))[:, None]
              for each, n in zip(grown, length, strict=True)]
-    form = np.broadcast_to(_form(rest[t], mesh.rest_normals if mesh.rest_normals is None else mesh.rest_normals[t]),
-                           normal.shape)
+    form = np.broadcast_to(_form(rest[t], normals), normal.shape)
     return np.concatenate([share @ rest[t], normal, pixel[:, None], *grown, form], 1)
+
+
+def _stretch(model):
+    """By how much more each axis of object space is scaled than all are on average."""
+    length = np.linalg.norm(model[:3, :3], axis=0)
+    mean = np.sqrt((length**2).mean())
+    return length / mean if np.abs(length - mean).max() > 1e-4 * mean else np.ones(3)
 
 
 def _tangent(mesh, t, corners):
     """The direction on a resting triangle in which U grows, and V does not."""
-    rest = corners if mesh.rest is None else mesh.rest[t].astype(float)
+    rest = _stretch(mesh.model) * (corners if mesh.rest is None else mesh.rest[t].astype(float))
     grown = np.zeros((2, 2)) if mesh.uv is None else mesh.uv[t, 1:].astype(float) - mesh.uv[t, 0].astype(float)
     if grown[0, 0] * grown[1, 1] == grown[0, 1] * grown[1, 0]:
         return np.zeros(3)

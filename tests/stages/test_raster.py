@@ -55,14 +55,14 @@ def test_soup(size, projection):
               soup(rng, 80, 0.4, object_index=4, material=np.arange(80), style=np.arange(80) % 3, channels=5),
               soup(rng, 50, object_index=-7, channels=1)]
     meshes[3].attributes = None
-    for mesh, mirror in ((meshes[0], -1), (meshes[2], 1)):
+    for mesh, scale in ((meshes[0], (-1.6, 1, 0.8)), (meshes[2], (1, 1, 1))):
         mesh.normals = rng.uniform(-1, 1, (len(mesh.points) // 3, 3, 3)).astype(np.float32)
         mesh.uv = rng.uniform(-1, 1, (*mesh.normals.shape[:2], 2)).astype(np.float32)
         mesh.uv[:9, 1] = mesh.uv[:9, 2]  # of no area
         mesh.normals[:9] = 0  # without a direction: as where there are none
         mesh.rest = (mesh.points.reshape(-1, 3, 3) * 3 + rng.uniform(-1, 1, mesh.normals.shape)).astype(np.float32)
         mesh.rest_normals = mesh.normals[::-1].copy()
-        mesh.model[:3, 0] *= mirror
+        mesh.model[:3, :3] *= scale
     got = compare(meshes, looking(rng), projection(*size), Frame(*size), size, channels=4)
     if size == (97, 53):
         assert {0, 3, 4, -7} == set(np.unique(got["object"]))

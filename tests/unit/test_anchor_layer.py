@@ -46,6 +46,33 @@ def test_what_no_mesh_tells_of_sticks_to_the_world(orthographic):
     np.testing.assert_allclose(*told, rtol=2e-3, atol=2e-5)
 
 
+@pytest.mark.parametrize("scale", [(0.35, 2.4, 0.3), (3.0, -1.0, 0.5)])
+def test_a_scale_that_is_not_applied_draws_nothing_out(scale):
+    """Where things rest is as if the scale were applied, but for a size that is the same all over."""
+    rng = np.random.default_rng(8)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    corners = rng.normal(size=(40, 3, 3))
+    normals = rng.normal(size=(40, 3, 3))
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    drawn = []
+    for factor in (np.ones(3), np.array(scale)):
+        model, points = np.eye(4), corners * np.abs(np.array(scale) / factor)
+        model[:3, :3], model[2, 3] = turn * np.abs(factor), -6
+        across = normals / np.abs(np.array(scale) / factor)
+        mesh = Mesh(points.reshape(-1, 3).astype(np.float32), model=model,
+                    rest_normals=(across / np.linalg.norm(across, axis=-1, keepdims=True)).astype(np.float32))
+        drawn.append(library.raster([mesh], np.eye(4), views.perspective(60, 40, 1.2), Frame(60, 40), (60, 40), 0.1,
+                                    outputs=("anchor",))["anchor"])
+    applied, own = drawn
+    there = applied[..., 6] > 0
+    assert there.mean() > 0.05
+    size = np.median(own[there][:, 6] / applied[there][:, 6])
+    own[..., :3] /= size
+    own[..., 6:13] /= size
+    close = np.isclose(own, applied, rtol=1e-3, atol=2e-4 * np.abs(applied[there]).max(0)).all(-1)
+    assert close[there].mean() > 0.99  # but where two triangles share a pixel's centre
+
+
 def test_of_a_larger_anchor_one_sample_stays_and_what_is_told_per_pixel_grows():
     anchor = np.random.default_rng(2).uniform(0.1, 1, (6, 9, 16)).astype(np.float32)
     made = np.concatenate([supersample.shrink(name, anchor[..., at], 3) for name, at in saved.ANCHOR.items()], 2)
