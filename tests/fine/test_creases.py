@@ -54,6 +54,19 @@ def test_the_angle_is_the_bend(degrees, sign):
         np.testing.assert_allclose(got[10:20, 19, 0], 20.3 - 19.5, atol=1e-4)
 
 
+def test_what_passes_through_the_centres_of_pixels_passes_by_none():
+    """Each row and column is crossed once, by a line and by an edge that go down to the left."""
+    points = np.float32([(4.5, 4.5, -22), (24.5, 4.5, -30), (4.5, 24.5, -30), (24.5, 24.5, -22)])
+    bent = Mesh(points, np.int32([(0, 1, 2), (1, 3, 2)]))
+    line = Mesh(np.float32(points[1:3] + (0, 0, 9)), np.int32([(0, 1)]), kind="lines")
+    for mesh, output in ((bent, "creases"), (line, "marks")):
+        got = library.raster([mesh], *pixels(30, 30), Frame(30, 30), (30, 30), 0.1, outputs=("depth", output))[output]
+        share = got[..., (0, 2) if output == "creases" else (0, 1)]
+        crossed = share > 0
+        assert (share <= 1).all() and (crossed == (got[..., 1::2] != 0 if output == "creases" else crossed)).all()
+        assert (crossed[5:24, :, 0].sum(1) == 1).all() and (crossed[:, 5:24, 1].sum(0) == 1).all()
+
+
 def test_the_sharpest_of_several_counts():
     near = fold(30), fold(60, 30.2)
     for order in (near, near[::-1]):

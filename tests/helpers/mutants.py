@@ -72,6 +72,7 @@ CUTS = (  # the file, what stands there once, what it becomes
     ("csrc/texture/bake.c", "PIECE = 64", "PIECE = 9"),
     ("csrc/texture/bake.h", "LANES = 8", "LANES = 4"),
     ("csrc/texture/bake.h", "SHEET = 64", "SHEET = 13"),
+    ("csrc/tones/strokes.c", "int band = f->height / (4 * bands_threads(f->bands));", "int band = 23;"),
     ("csrc/tones/strokes.c", "band = band < 64 ? 64 : band < 256 ? band : 256;", "band = 23;"),
 )
 # Functions that say where work may be saved. No byte depends on that, either: the test lets all of them save nothing.
@@ -103,8 +104,11 @@ TAKEN = re.compile(r"\b(?!return\b|else\b|case\b|sizeof\b)\w+ \(?\*?\w+\)?(?:\[[
 # How much memory is taken or copied. More changes nothing; less, or what is read beyond what is given, is for the
 # fuzzer, which guards the gaps between blocks.
 ROOM = re.compile(r"\b(?:arena_take|late_take|malloc|calloc|copy_of)\([^;]*;")
+FETCHED = re.compile(r"\b__builtin_prefetch\([^;]*;")
 BANDS = re.compile(r"\bbands_(?:run|span)\([^;]*;")  # how many rows a band has, which part of the progress a pass is
-DECLARED = re.compile(r"^\s*(?!return\b|else\b|case\b)(?:[a-z]\w*[\s*]+)+\w+(?:\[[^\]]*\])+")  # an array
+# Arrays that are declared: the first of a line, and those of numbers behind others.
+NEXT = re.compile(r"(?<=, )\w+\[\d+\](?= = \{)")
+DECLARED = re.compile(r"^\s*(?!return\b|else\b|case\b)(?:[a-z]\w*[\s*]+)+\w+(?:\[[^\]]*\])+")
 
 
 def blank(text):
@@ -153,7 +157,7 @@ def mutants_of(path, text):
     code, found = blank(text), []
     for match in re.finditer(r"\benum\b[^;{]*\{[^}]*\}", code) if path.endswith(".h") else ():
         code = code[:match.start()] + re.sub(r"[^\n]", " ", match.group()) + code[match.end():]
-    left = [m.span() for pattern in (ROOM, BANDS) for m in pattern.finditer(code)]
+    left = [m.span() for pattern in (ROOM, FETCHED, BANDS) for m in pattern.finditer(code)]
     left += [body(code, name) for file, name, *_ in (*FILTERS, *SIZES) if file == path]
     for _, old, _ in (cut for cut in CUTS if cut[0] == path):
         at = text.index(old)
@@ -162,7 +166,7 @@ def mutants_of(path, text):
     real = [m.span() for m in re.finditer(r"\bstatic const float\b[^;()]*;", code)]
     for number, line in enumerate(code.split("\n"), 1):
         declared = [m.span() for m in re.finditer(r"(?<=[\w)\]])\[[^\]]*\]", line)] if DECLARED.match(line) else []
-        declared += [m.span() for m in TAKEN.finditer(line)]
+        declared += [m.span() for pattern in (TAKEN, NEXT) for m in pattern.finditer(line)]
         for match in NUMBER.finditer(line):
             before, after, at = line[:match.start()].rstrip(), line[match.end():].lstrip(), start + match.start()
             if (is_guard(match.group()) or any(a <= match.start() < b for a, b in declared)

@@ -304,9 +304,11 @@ def test_nothing_comes_out_that_is_not_finite():
     normal = rng.normal(size=(30, 40, 3)).astype(np.float32)
     normal[rng.random(depth.shape) < 0.3] = np.nan
     lamps = [*LAMPS.values(), Lamp("point", (3e38,) * 3, width=1e-20), Lamp("sun", model=np.zeros((4, 4))),
-             Lamp("rectangle", (1e30,) * 3, width=1e-30, height=1e20), Lamp("spot", spot_angle=0, model=ways())]
+             Lamp("rectangle", (1e30,) * 3, width=1e-30, height=1e20), Lamp("spot", spot_angle=0, model=ways()),
+             *[Lamp("sun", (3e38,) * 3, model=ways())] * 9, Lamp("sun", (-3e38,) * 3, model=ways(-3.0))]
     found = stage.light(*lamps, depth=depth, normal=normal)
     assert np.isfinite(found).all() and (found >= 0).all()
+    assert all({0, np.finfo(np.float32).max} <= set(channel.ravel()) for channel in np.moveaxis(found, 2, 0))
 
 
 @pytest.mark.parametrize("kind", ["point", "spot", "ellipse"])

@@ -62,6 +62,7 @@ def test_soup(size, projection):
         mesh.normals[:9] = 0  # without a direction: as where there are none
         mesh.rest = (mesh.points.reshape(-1, 3, 3) * 3 + rng.uniform(-1, 1, mesh.normals.shape)).astype(np.float32)
         mesh.rest_normals = mesh.normals[::-1].copy()
+        mesh.rest_normals[::4, 1] = 0
         mesh.model[:3, :3] *= scale
     got = compare(meshes, looking(rng), projection(*size), Frame(*size), size, channels=4)
     if size == (97, 53):
@@ -206,6 +207,15 @@ def test_a_sheet_covers_each_pixel_once(seed, grid):
     points, triangles = jittered(rng, 7, 6, 41, 33, 0.3, grid)
     points[:, :2] += 0.5 if grid else 0
     np.testing.assert_array_equal(times_covered(points, triangles, *pixels(41, 33), 41, 33), 1)
+
+
+def test_triangles_smaller_than_pixels():
+    """What they show of a corner is told by areas that are less than 1."""
+    rng = np.random.default_rng(3)
+    points, triangles = jittered(rng, 24, 18, 8, 6, 0.3)
+    compare([Mesh(points, triangles, object_index=1, normals=rng.uniform(-1, 1, (len(triangles), 3, 3)).astype("f"),
+                  attributes=rng.uniform(-1, 1, (len(triangles), 3, 2)).astype("f"))], *pixels(8, 6), Frame(8, 6),
+            (8, 6), channels=2)
 
 
 def test_a_fan_of_slivers_covers_each_pixel_once():

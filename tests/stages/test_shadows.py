@@ -112,6 +112,20 @@ def with_bends(lamp):
                                about((-1.5, -1.0, 0.5), (1.4, 2.0, 0.9), 0.8, 1.0, 7)])
 
 
+def rough(seed):
+    """A sheet whose normals are not its facets', but any, in low light."""
+    rng, n, stage = np.random.default_rng(seed), 7, Stage(WIDTH, HEIGHT)
+    x, y = np.meshgrid(np.linspace(-3, 3, n), np.linspace(-3, 3, n))
+    points = np.stack([x, y, 0.3 + 0.5 * rng.random(x.shape)], -1).reshape(-1, 3).astype(np.float32)
+    k = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
+    corners = np.concatenate([np.stack([k, k + 1, k + n + 1], 1), np.stack([k, k + n + 1, k + n], 1)])
+    normals = rng.normal(size=(n * n, 3)) * 0.5
+    normals[:, 2] = np.where(rng.random(n * n) < 0.5, -1, 1)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    stage.add(points, corners.astype(np.int32), np.eye(4), np.float32(normals[corners]))
+    return Case([Lamp("sun", model=ways(-4.0, 2.2, 0.8))], stage)
+
+
 LEAF = np.array([[-1.8, -2.4, 2.2], [0.6, -2.4, 2.3], [0.6, -0.2, 2.4], [-1.8, -0.2, 2.3]], np.float32)
 
 
@@ -131,6 +145,7 @@ def with_holes(extension, closest):
 ALL = {**{name: functools.partial(Case, [lamp]) for name, lamp in {**LAMPS, **MORE}.items()},
        **{f"bends, {name}": functools.partial(with_bends, lamp) for name, lamp in
           (("sun", LAMPS["sun"]), ("point", LAMPS["point"]), ("small rectangle", MORE["small rectangle"]))},
+       "rough": functools.partial(rough, 8), "rougher": functools.partial(rough, 1),
        "sets": with_sets, "orthographic": straight,
        "holes": functools.partial(with_holes, "REPEAT", False),
        "holes, once": functools.partial(with_holes, "CLIP", True),

@@ -139,6 +139,24 @@ def test_twin_of_strokes(kind, space):
     assert twins(ramped(90, 60), scene)["Encre Tones"][..., 3].std() > 0.2
 
 
+def test_twin_of_strokes_near_by():
+    """Where their pitch would be wider on the screen than it may."""
+    layers = wall(60, 40) | dict(anchor=slanted((40, 60), (0.005, 0.015), 0.1))
+    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="OBJECT", pitch=8.0, angle=20.0))
+    twins(layers, scene)
+
+
+def test_twin_of_strokes_over_what_is_torn():
+    """One thing, whose places jump by up to nine pixels' width from one pixel to the next."""
+    rng, size, anchor = np.random.default_rng(1), (36, 48), slanted((36, 48), (0.003, 0.01))
+    layers = wall(*size[::-1]) | dict(anchor=anchor, object=np.zeros(size, np.float32))
+    for axis in 0, 1:
+        gaps = np.cumsum(rng.uniform(0, 0.09, size[axis]) * (rng.random(size[axis]) < 0.3))
+        anchor[..., 1 - axis] += np.float32(gaps if axis else gaps[:, None])
+    anchor[..., 13:], anchor[..., (9, 12)] = (0.8, 0.3, 0), (0.007, -0.004)
+    twins(layers, dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="SURFACE", pitch=6.0, angle=20.0)))
+
+
 def test_strokes_toward_the_light():
     """Down the ball from there; and as the reference has them."""
     scene = dict(ALONE, shade_levels=LEVELS, tone_strokes="LIGHT", tone_light_turn=-120.0, tone_light_height=50.0,
