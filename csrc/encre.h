@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 14 };
+enum { ENCRE_API_VERSION = 15 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -439,6 +439,11 @@ ENCRE_API int32_t encre_scene_instance(encre_context *context, encre_scene *scen
 ENCRE_API int32_t encre_scene_texture(encre_context *context, encre_scene *scene, int64_t key,
 				      const encre_texture *texture);
 ENCRE_API int32_t encre_scene_lamp(encre_context *context, encre_scene *scene, int64_t key, const encre_lamp *lamp);
+
+/* Fills reached[n] with 1 where nothing of the scene throws a shadow on the whole of a way (n x 3) that begins at a
+ * place (n x 3), in the light of a lamp with this shadow_set, else with 0. */
+ENCRE_API int32_t encre_scene_reach(encre_context *context, encre_scene *scene, int32_t n, const float *places,
+				    const float *ways, int32_t shadow_set, uint8_t *reached);
 
 /* Draws the light of the scene's lamps and of its world on what the camera sees: for each pixel's centre what of the
  * scene lies at the layer's depth. Edges of shadows are exact between the centres, and 2 pixels wide where the lamp has

@@ -60,7 +60,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
         sky = Sky(np.array(scene.world.color))
         notes.append(f"the world in its viewport colour, as only Cycles can show its node {e}")
     made = looks.programs(objects.materials, objects.things, first)
-    return Scene(objects, light, made, sky, scene.render.film_transparent, subject.read(depsgraph, camera), clip,
+    return Scene(objects, light, made, sky, scene.render.film_transparent, subject.read(depsgraph, camera, light), clip,
                  notes, first > 0, looks.through(objects.materials))
 
 

@@ -197,7 +197,7 @@ class Frames:
             if any(mesh.attributes is not None for mesh in objects.meshes):
                 drawn.append("attributes")
         solid = objects.solid() if objects and settings.wants_edges else None
-        about = subject.read(depsgraph, camera)
+        about = subject.read(depsgraph, camera, light)
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
             eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1,

@@ -36,11 +36,11 @@ class Subject:
         return self.focus or 0.5 * _FILLS * self.size * float(projection[1, 1])
 
 
-def read(depsgraph, camera=None):
-    """The Subject of a scene; camera: an evaluated one whose focus counts."""
+def read(depsgraph, camera=None, drawn=None):
+    """The Subject of a scene; camera: an evaluated one whose focus counts; drawn: the lamps.Light, all of it placed."""
     things = _Things(depsgraph)
     size = things.size()
-    light = meter.light(depsgraph.scene_eval, things.lamps, things.places, size)
+    light = meter.light(depsgraph.scene_eval, things.lamps, things.boxes, size, drawn)
     focus = camera and camera.data.dof
     if focus and focus.focus_object:
         place = np.append(focus.focus_object.evaluated_get(depsgraph).matrix_world.translation, 1)
@@ -51,11 +51,11 @@ def read(depsgraph, camera=None):
 
 
 class _Things:
-    """What stands in a scene. places (n, 3), radii (n,); still: whether nothing may move it; lamps: (object, matrix)
-    pairs."""
+    """What stands in a scene. boxes (n, 4, 3): middles and three half axes; places (n, 3), radii (n,); still: whether
+    nothing may move it; lamps: (object, matrix) pairs."""
 
     def __init__(self, depsgraph):
-        places, radii, still, moving, self.lamps = [], [], [], {}, []
+        boxes, still, moving, self.lamps = [], [], {}, []
         for instance in depsgraph.object_instances:
             obj = instance.object
             if not instance.show_self or obj.type not in (*MESHABLE, "LIGHT"):
@@ -65,13 +65,14 @@ class _Things:
                 self.lamps.append((obj, matrix))
                 continue
             box = np.array(obj.bound_box, np.float64)
-            places.append(matrix[:3, :3] @ box.mean(0) + matrix[:3, 3])
-            radii.append(np.linalg.norm(matrix[:3, :3] @ (box[6] - box[0])) / 2)
+            half = (box[6] - box[0]) / 2
+            boxes.append([matrix[:3, :3] @ box.mean(0) + matrix[:3, 3], *(matrix[:3, :3] * half).T])
             owner = (instance.parent if instance.is_instance else obj).original
             if owner.name_full not in moving:
                 moving[owner.name_full] = _moves(owner)
             still.append(not (moving[owner.name_full] or instance.is_instance and _moves(obj.original)))
-        self.places, self.radii = np.reshape(places, (-1, 3)), np.array(radii)
+        self.boxes = np.reshape(boxes, (-1, 4, 3))
+        self.places, self.radii = self.boxes[:, 0], np.linalg.norm(self.boxes[:, 1:].sum(1), axis=1)
         self.still = np.array(still, bool)
 
     def size(self):

@@ -263,6 +263,7 @@ def declare(lib: c.CDLL) -> None:
     lib.encre_scene_free.argtypes, lib.encre_scene_free.restype = [c.c_void_p], None
     for name in ("encre_scene_geometry", "encre_scene_instance", "encre_scene_texture", "encre_scene_lamp"):
         getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p, c.c_int64, c.c_void_p]
+    lib.encre_scene_reach.argtypes = [c.c_void_p, c.c_void_p, c.c_int32, c.c_void_p, c.c_void_p, c.c_int32, c.c_void_p]
     for name in ("encre_render", "encre_raster", "encre_bake", "encre_light", "encre_material", "encre_poll"):
         getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
     lib.encre_start.argtypes = [c.c_void_p, c.c_void_p, c.c_int32]

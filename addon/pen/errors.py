@@ -14,17 +14,26 @@ class Cancelled(EncreError):
 
 
 _MOST_LISTED = 16  # names in one sentence
+_ALIKE = 0.785     # names that a slip of the pen parts; at 0.77 line_lit would be near line_width
+_LETTER = 1.2      # of short names, so many letters may be others
 
 
 def unknown(kind: str, name: object, names: Iterable[str], listed: str = "") -> str:
-    """One sentence about an unknown name: with the nearest known ones or, where none is near and they are few, all.
-    listed: what is said after that, of where all are found."""
-    known = [str(each) for each in names]
-    near = difflib.get_close_matches(str(name), known, 3, 0.5)
-    if not near and len(known) > _MOST_LISTED:
-        near = difflib.get_close_matches(str(name), known, 3, 0)
-    cure = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(known)}"
-    return f"{name}: unknown {kind}; {cure}" + listed
+    """One sentence about an unknown name: with the known ones that are near it or that it is a part of; where there are
+    none, with all or the first of them. listed: what is said after that, of where all are found."""
+    known, word = [str(each) for each in names], str(name).lower()
+    alike = {each: difflib.SequenceMatcher(None, each.lower(), word).ratio() for each in known}
+    enough = min(_ALIKE, 1 - _LETTER / max(len(word), 1))
+    near = [each for each in known if alike[each] > enough or len(word) > 2 and word in each.lower()]
+    near = sorted(near, key=lambda each: -alike[each])[:3]
+    if near:
+        cure = f"; did you mean {', '.join(near)}?"
+    elif len(known) <= _MOST_LISTED:
+        cure = f"; known are {', '.join(known)}"
+    else:
+        more = len(known) - _MOST_LISTED
+        cure = "" if listed else f"; known are {', '.join(known[:_MOST_LISTED])} and {more} more"
+    return f"{name}: unknown {kind}{cure}{listed}"
 
 
 def shown(text: str) -> str:

@@ -20,7 +20,7 @@ from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work
 from .params import Chosen, Control, Param, Stage, chosen, control, normal, read, stage, text_of
 
-API_VERSION = 14
+API_VERSION = 15
 _ALL = "; `encre params` lists all"
 
 

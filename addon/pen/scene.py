@@ -82,6 +82,17 @@ class Scene:
         value.model[:] = np.asarray(lamp.model, np.float64).ravel()
         return self._set(function, key, value)
 
+    def reached(self, places: np.ndarray, ways: np.ndarray, shadow_set: int = 0) -> np.ndarray:
+        """(n,) of bool: whether nothing throws a shadow on the whole of ways (n, 3) that begin at places (n, 3), in the
+        light of a lamp with this shadow_set."""
+        places, ways = (np.ascontiguousarray(a, np.float32).reshape(-1, 3) for a in (places, ways))
+        if len(places) != len(ways):
+            raise EncreError(f"reach: {len(places)} places, but {len(ways)} ways; give as many")
+        out = np.zeros(len(places), bool)
+        self._library.call(self._library.lib.encre_scene_reach, self._handle, len(places), places.ctypes.data,
+                           ways.ctypes.data, shadow_set, out.ctypes.data)
+        return out
+
     def light(self, depth: np.ndarray, normal: np.ndarray | None, view: np.ndarray, projection: np.ndarray,
               frame: Frame, clip_start: float, clip_end: float = 0.0, world: np.ndarray | None = None,
               threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None,

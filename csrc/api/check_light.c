@@ -91,6 +91,23 @@ int32_t check_lamp(int64_t key, const encre_lamp *lamp, char *error, size_t size
 		       : refuse(error, size, "lamp %lld: its model is not finite; give it another place", name);
 }
 
+int32_t check_reach(const encre_scene *scene, int32_t n, const float *places, const float *ways, int32_t shadow_set,
+		    const uint8_t *reached, char *error, size_t size)
+{
+	int32_t code = check_scene(scene, error, size);
+	if (code)
+		return code;
+	if (n < 0 || n > INT32_MAX / 16 || shadow_set < 0 || shadow_set > 63)
+		return refuse(error, size, "reach: %d places, shadow_set %d; give 0 to %d of them, and 0 to 63", (int)n,
+			      (int)shadow_set, INT32_MAX / 16);
+	if (n && (!places || !ways || !reached || (uintptr_t)places % NUMBER || (uintptr_t)ways % NUMBER))
+		return refuse(error, size,
+			      "reach: an array is NULL or begins at an address that is no multiple of %d; "
+			      "give the places, the ways, and memory for the answers",
+			      (int)NUMBER);
+	return ENCRE_OK;
+}
+
 static int32_t check_bends(const encre_light_job *job, char *error, size_t size)
 {
 	if (job->n_bends < 0 || job->n_bends > ENCRE_MAX_BENDS || (job->n_bends && !job->bends))

@@ -13,6 +13,8 @@ int32_t check_geometry(int64_t key, const encre_geometry *g, char *error, size_t
 int32_t check_texture(int64_t key, const encre_texture *t, char *error, size_t size);
 int32_t check_instance(int64_t key, const encre_instance *in, char *error, size_t size);
 int32_t check_lamp(int64_t key, const encre_lamp *lamp, char *error, size_t size);
+int32_t check_reach(const encre_scene *scene, int32_t n, const float *places, const float *ways, int32_t shadow_set,
+		    const uint8_t *reached, char *error, size_t size);
 /* `clean` gets the job with strides filled in. */
 int32_t check_light(const encre_light_job *job, encre_light_job *clean, char *error, size_t size);
 

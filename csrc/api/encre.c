@@ -206,6 +206,19 @@ int32_t encre_scene_lamp(encre_context *context, encre_scene *scene, int64_t key
 	return fail_code(context, code);
 }
 
+int32_t encre_scene_reach(encre_context *context, encre_scene *scene, int32_t n, const float *places, const float *ways,
+			  int32_t shadow_set, uint8_t *reached)
+{
+	int32_t code = enter(context);
+	if (!code)
+		code = check_reach(scene, n, places, ways, shadow_set, reached, context->error, sizeof context->error);
+	if (code || !n)
+		return code;
+	bands *pool = pool_of(context, NULL, NULL);
+	code = pool ? reach_run_base(pool, scene, n, places, ways, shadow_set, reached) : ENCRE_ERROR_MEMORY;
+	return fail_code(context, code);
+}
+
 int32_t encre_light(encre_context *context, encre_light_job *job)
 {
 	encre_light_job clean;

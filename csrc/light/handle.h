@@ -22,5 +22,8 @@ bool camera_inverse(const double view[16], const double projection[16], double i
 /* Images have strides. `held` is for the next one. */
 int32_t light_run_base(bands *pool, const encre_light_job *job, arena_held *held);
 int32_t light_run_v3(bands *pool, const encre_light_job *job, arena_held *held);
+/* As encre_scene_reach(). */
+int32_t reach_run_base(bands *pool, const encre_scene *scene, int32_t n, const float *places, const float *ways,
+		       int set, uint8_t *reached);
 
 #endif

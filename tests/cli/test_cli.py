@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from command import SIZE, fails, start
 from encre.pen import library, metadata, presets
-from encre.pen.errors import EncreError
+from encre.pen.errors import EncreError, unknown
 from encre.pen.job import Camera, Frame
 from encre.pen.settings import VERSION
 
@@ -146,12 +146,18 @@ def test_words_for_values(said, id_, value):
 
 
 def test_an_unknown_parameter_has_its_nearest_beside_it_and_not_all(run):
-    for said, near in (("foo=1", ""), ("thickness=3", "line_thickness"), ("lines=3", "use_lines")):
+    for said, near in (("line_thicknes=1", "line_thickness"), ("thickness=3", "line_thickness"),
+                       ("lines=3", "use_lines")):
         result = run("composite", "in.exr", "-o", "out.png", f"--set={said}")
         fails(result, "unknown parameter; did you mean ", near, "; `encre params` lists all")
         names = result[2].partition("did you mean ")[2].partition("?")[0].split(", ")
         assert len(names) <= 3 and set(names) <= library.params().keys()
+    for far in "foo", "line_width", "noir":
+        result = run("composite", "in.exr", "-o", "out.png", f"--set={far}=1")
+        fails(result, f"{far}: unknown parameter; `encre params` lists all")
+        assert "did you mean" not in result[2]
     fails(run("composite", "in.exr", "-o", "out.png", "--set=edge_detector=foo"), "known are DOG, ", "FINE")
+    assert unknown("object", "it", map(str, range(40, 80))).endswith(" 55 and 24 more")
 
 
 def test_frames_that_go_backwards(run):

@@ -37,6 +37,23 @@ def test_as_every_ray_by_hand(name):
     assert error[there].mean() < 0.02
 
 
+def test_what_light_reaches():
+    """Beside, above and under a cube; a way ends where it ends, and only its own set of shadows counts."""
+    scene = Scene()
+    scene.geometry(0, CUBE, CUBE_CORNERS)
+    scene.instance(0, 0, shadow_sets=1 << 3)
+    low, high = CUBE.min(0), CUBE.max(0)
+    under, up = (low + high) / 2 - (0, 0, 5), np.array((0, 0, 100.0))
+    places = np.array([under, under, under + (9, 0, 0), high + 1])
+    ways = np.array([up, up / 50, up, up])
+    assert scene.reached(places, ways, 3).tolist() == [False, True, True, True]
+    assert scene.reached(places, ways).all() and len(scene.reached(places[:0], ways[:0])) == 0
+    with pytest.raises(EncreError, match="^reach: .* shadow_set 64;"):
+        scene.reached(places, ways, 64)
+    with pytest.raises(EncreError, match="^reach: 4 places, but 3 ways;"):
+        scene.reached(places, ways[:3])
+
+
 def squashed(at, size):
     """A ball of radius 1 -> an ellipsoid about a place, turned."""
     turn = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]

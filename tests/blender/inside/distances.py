@@ -9,7 +9,7 @@ from studio import fact, register
 def distances(_out):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     register()
-    from encre.blender import subject
+    from encre.blender import lamps, meshes, subject
 
     scene = bpy.context.scene
 
@@ -25,6 +25,13 @@ def distances(_out):
         projection = np.array(there.calc_matrix_camera(graph, x=160, y=90))
         about = subject.read(graph, there)
         return about.distance(view, projection), about.light
+
+    def reached():
+        """Full light where shadows are known."""
+        graph = bpy.context.evaluated_depsgraph_get()
+        light = lamps.Light(graph, (0.1, 100))
+        meshes.extract(graph, False, None, light)
+        return subject.read(graph, None, light).light
 
     def distance(lens=50.0):
         return read(lens)[0]
@@ -53,6 +60,13 @@ def distances(_out):
     scene.world = bpy.data.worlds.new("World")
     scene.world.color = 0.25, 0.5, 0.125
     fact("sun and world", read()[1])
+    fact("street", reached())
+    roof = cube((0, 0, 9), 30)
+    roof.scale.z = 0.1
+    scene.world.color = 0.01, 0.02, 0.02
+    fact("room", [read()[1], reached()])
+    bpy.data.objects.remove(roof)
+    scene.world.color = 0.25, 0.5, 0.125
     bpy.data.objects.remove(lamp)
     fact("world", read()[1])
     cube((0, 0, -5000), 10000)
