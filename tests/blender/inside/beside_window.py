@@ -55,7 +55,7 @@ def first():
 
 def rendered():
     """Waits for the user's render until it has ended. Whether it has come."""
-    end = time.time() + 8
+    end = time.time() + 30
     while False not in begun and time.time() < end:
         yield
     while bpy.app.is_job_running("RENDER"):

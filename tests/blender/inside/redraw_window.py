@@ -64,7 +64,7 @@ def redrawn():
     start, before = time.time(), len(rendered)
     ended.clear()
     while not ended:
-        if time.time() > start + 8:
+        if time.time() > start + 30:
             return False
         yield
     while bpy.app.is_job_running("RENDER"):

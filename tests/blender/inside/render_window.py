@@ -26,12 +26,13 @@ def build():
 
 
 def rendering():
-    """Until the render that F12 starts has ended."""
+    """Until the render that F12 starts has ended, which a small one may have before the next look."""
+    ended = []
+    bpy.app.handlers.render_complete.append(lambda *_: ended.append(1))
     window.press("F12")
-    while not bpy.app.is_job_running("RENDER"):
+    while not ended or bpy.app.is_job_running("RENDER"):
         yield
-    while bpy.app.is_job_running("RENDER"):
-        yield
+    bpy.app.handlers.render_complete.pop()
     yield
 
 
