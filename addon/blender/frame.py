@@ -122,6 +122,7 @@ class Frames:
             raise EncreError(f"camera {camera.name}: it is panoramic, and Encre draws only what perspective and "
                                   "orthographic cameras see; make it one of them")
         denoise_other, missing = overrides.denoiser(depsgraph, settings.shaded, self.overrode)
+        denoise_other = denoise_other or settings.cuts_mirrored
         if missing:
             self.engine.say("INFO", "this build of Blender has no Open Image Denoise: Cycles' denoiser is off")
         blurred = overrides.blur(depsgraph, settings.active) if settings.active or self.overrode else ()

@@ -139,6 +139,14 @@ class Settings:
         return self.every[0]["light_denoise"] == "OIDN" and self.wants_light
 
     @cached_property
+    def cuts_mirrored(self) -> bool:
+        """Whether what mirrors and glass show is cut into levels, so that its noise must go as that of light."""
+        return self.every[0]["light_denoise"] == "OIDN" and any(
+            values["use_shading"] and (values["use_tones"] and values["tone_mirrors"]
+                                       or values["other_light"] and values["reflection_tones"])
+            for values in self.every)
+
+    @cached_property
     def light_scale(self) -> float:
         """What brings light to about 1 where thresholds compare it. It must not depend on what presets and styles
         change, else a restyled frame would not be the frame rendered so."""

@@ -31,6 +31,16 @@ def close(a, b, tolerance=2e-6):
     assert a.shape == b.shape and np.abs(np.asarray(a, np.float64) - b).max() <= tolerance
 
 
+@pytest.mark.parametrize(("values", "cut"), [
+    (dict(use_tones=True, tone_mirrors=True), True), (dict(use_tones=True), False), (dict(tone_mirrors=True), False),
+    (dict(reflection_tones=3), True), (dict(reflection_tones=3, other_light=0), False),
+    (dict(reflection_tones=3, light_denoise="NONE"), False), (dict(reflection_tones=3, use_shading=False), False)])
+def test_what_mirrors_show_loses_its_noise_where_it_is_cut(values, cut):
+    assert Settings(values).cuts_mirrored is cut
+    scene = {id_: values.pop(id_) for id_ in ("other_light", "light_denoise") if id_ in values}
+    assert Settings(scene, [("one", values)]).cuts_mirrored is cut
+
+
 def test_layers_of_a_picture(passes):
     made, nonfinite = assemble(passes, {})
     assert nonfinite == 0 and made.keys() <= library.LAYERS.keys()
