@@ -7,6 +7,10 @@ towards the mean of two places on either side of it, where they lie on the same 
 than such noise: so slopes stay as they are, however steep, shadows keep their edges, and what had no noise keeps every
 byte. Passes at several distances reach far with few places (a transform with holes: Dammertz et al. 2010), the farthest
 first: the last then takes away what lies between their holes.
+
+What is left are islands where light lies flat: levels would be filled and outlined in crumbs. A place that is brighter,
+or darker, than all about it by less than the noise as rendered comes down, or up, to the nearest of those. Only peaks
+and pits change, no slope and no ridge.
 """
 
 from collections.abc import Callable
@@ -15,11 +19,12 @@ import numpy as np
 
 _STEPS = 8, 4, 2, 1  # pixels, of the passes
 _AROUND, _ASIDE = 2, 5  # pixels: of the window in which noise is measured, and to the windows beside it
-REACH = sum(_STEPS) + 1 + _AROUND + _ASIDE
+REACH = 2 * sum(_STEPS) + 1 + _AROUND + _ASIDE
 _NOISE = 3  # standard deviations of the noise as rendered: what the denoiser can leave of it
+_ABOUT = 3  # of _AHEAD: directions in which what is about a place must be known, to call it a peak
 _NIL = 1e-3  # of the light: less is no noise
 _BEND, _TURN = 0.003, 0.2  # of 1/depth, and of the normal: more is another surface, or a relief that light shows
-_PIXELS = 1 << 15  # at once: so few stay in the caches
+_PIXELS = 1 << 18  # at once: what is around them counts for little, and they stay in the caches
 _ACROSS, _DOWN = (0, 1), (1, 0)
 _AHEAD = _ACROSS, _DOWN, (1, 1), (1, -1)  # of two places on either side; the first two count twice
 
@@ -51,8 +56,11 @@ def _strip(value, rendered, surface):
     """`value`, evened out; at its first and last rows REACH of them are not as in a larger picture."""
     most = _NOISE * _noise(rendered, surface.same(1)) - np.float32(_NIL) * value
     if most.max() > 0:
+        same = {step: surface.same(step) for step in _STEPS}
         for step in _STEPS:
-            value = _pass(value, most, step, surface.same(step))
+            value = _pass(value, most, step, same[step])
+        for step in _STEPS:
+            value = _levelled(value, most / np.float32(_NOISE), step, same[step])
     return value
 
 
@@ -134,3 +142,17 @@ def _pass(light, most, step, same):
         weights += alike
         total += alike * off
     return light + total / weights
+
+
+def _levelled(light, most, step, same):
+    """Peaks lowered, and pits raised, by less than `most`, to the highest, or lowest, of the places about them."""
+    high, low = np.full_like(light, -np.inf), np.full_like(light, np.inf)
+    around, known = _pairs(light, step), np.zeros(light.shape, np.uint8)
+    for ahead in _AHEAD:
+        one, two = around(ahead)
+        here = same[ahead]
+        known += here
+        np.maximum(high, np.maximum(one, two), out=high, where=here)
+        np.minimum(low, np.minimum(one, two), out=low, where=here)
+    near = np.clip(light, low, high)
+    return np.where((known >= _ABOUT) & (np.abs(near - light) < most), near, light)

@@ -16,6 +16,8 @@ def even(light, rendered, normal, depth, number):
     most = {p: 3 * noise[p] - 0.001 * own.light[p] for p in np.ndindex(depth.shape)}
     for step in STEPS:
         own.light = {p: smoothed(own, p, step, most[p]) for p in most}
+    for step in STEPS:
+        own.light = {p: levelled(own, p, step, most[p] / 3) for p in most}
     factor = np.array([own.light[p] / max(light[p].max(), 1e-30) for p in most]).reshape(depth.shape)
     return light * factor[..., None]
 
@@ -47,6 +49,17 @@ def smoothed(picture, p, step, most):
             weight *= (1 - (off / most) ** 2) ** 2
             total, weights = total + weight * off, weights + weight
     return own + total / weights
+
+
+def levelled(picture, p, step, most):
+    own, about = picture.light[p], []
+    for ahead in AHEAD:
+        one, two, same = picture.pair(p, ahead, step)
+        about += [picture.light[one], picture.light[two]] if same else []
+    if len(about) < 6:
+        return own
+    near = min(max(own, min(about)), max(about))
+    return near if abs(near - own) < most else own
 
 
 def spread(picture):

@@ -81,6 +81,27 @@ def test_a_level_in_soft_light_ends_in_one_clean_curve():
     assert np.std(np.diff(np.concatenate(after))) < 0.8
 
 
+def specks(bright):
+    """How many pieces of fewer than 12 pixels a level is filled in."""
+    left, sizes = set(zip(*np.nonzero(bright), strict=True)), []
+    while left:
+        piece = [left.pop()]
+        for y, x in piece:
+            beside = {(y + 1, x), (y - 1, x), (y, x + 1), (y, x - 1)} & left
+            left -= beside
+            piece += beside
+        sizes.append(len(piece))
+    return sum(size < 12 for size in sizes)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_between_shadows_flat_light_makes_no_crumbs(seed):
+    shadows = ((X + Y // 3) % 14 < 4) | ((Y - X // 4) % 17 < 4)
+    left, rendered = noisy(np.where(shadows, 0.1, 0.49), seed, 0.02, 0.06)
+    assert specks(left[..., 0] > 0.5) > 50
+    assert specks(even(left, rendered, FACING, FLAT)[..., 0] > 0.5) <= 6
+
+
 def test_the_edge_of_a_shadow_stays_where_it_is():
     light = shadow()
     left, rendered = noisy(light, left=0.003)
