@@ -113,6 +113,8 @@ void geometry_aim(geometry *g)
 		double view[16];
 		multiply(v, mesh->model, view);
 		multiply(camera, view, part->screen);
+		part->topology = NULL;
+		part->bends = NULL;
 		part->mesh = mesh;
 		part->first = first;
 		cofactors(mesh->model, part->turn);

@@ -15,6 +15,8 @@ typedef struct part {
 	double screen[16]; /* object space -> corner, row by row */
 	double turn[9];    /* normals: object -> world space, of any length */
 	double span; /* with the output `anchor`: rest units that a world unit is on its surface, 0 where it has none */
+	const struct topology *topology; /* of triangles, with marks or creases only: kept_find()'s, */
+	const uint16_t *bends;           /* and with creases only what contours_bends() says */
 } part;
 
 typedef struct geometry {

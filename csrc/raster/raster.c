@@ -15,7 +15,6 @@
 #include "raster/contours.h"
 #include "raster/crossings.h"
 #include "raster/meets.h"
-#include "raster/pieces.h"
 
 #include <float.h>
 #include <math.h>
@@ -314,7 +313,6 @@ static void plan(raster *r, int threads, arena *a)
 	r->place = arena_take(a, (size_t)r->n_chunks * (size_t)r->n_bands, sizeof *r->place);
 	r->list = arena_take(a, (size_t)r->n_bands + 1, sizeof *r->list);
 	r->edges = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->edges) : NULL;
-	r->bends = r->job->creases.data ? arena_take(a, (size_t)3 * r->geometry.n_primitives, sizeof *r->bends) : NULL;
 	r->piece = r->job->creases.data ? arena_take(a, r->geometry.n_primitives, sizeof *r->piece) : NULL;
 	r->meets = r->job->creases.data ? arena_take(a, (size_t)threads, sizeof *r->meets) : NULL;
 	r->depth = arena_take(a, band, sizeof *r->depth);
@@ -323,16 +321,28 @@ static void plan(raster *r, int threads, arena *a)
 	r->twin = arena_take(a, band, sizeof *r->twin);
 }
 
-static int32_t run(bands *pool, raster *r)
+/* Pieces are numbered in their meshes. */
+static void number_pieces(raster *r)
+{
+	for (int p = 0; p < r->geometry.n_parts; p++) {
+		const part *part = r->geometry.parts + p;
+		for (uint32_t i = 0; i < (uint32_t)part->mesh->n_primitives; i++)
+			r->piece[part->first + i] = part->first + (part->topology ? part->topology->piece[i] : i);
+	}
+}
+
+static int32_t run(bands *pool, raster *r, raster_kept **kept)
 {
 	int32_t code;
 	geometry_aim(&r->geometry);
 	if (r->job->anchor.data && (code = anchors_measure(pool, &r->geometry)))
 		return code;
-	if (r->more && (code = contours_find(pool, &r->geometry, r->edges, r->bends)))
+	if (r->more && (code = kept_find(pool, &r->geometry, r->job->creases.data, kept)))
 		return code;
-	if (r->piece && (code = pieces_find(pool, &r->geometry, r->piece)))
+	if (r->more && (code = contours_find(pool, &r->geometry, r->edges)))
 		return code;
+	if (r->piece)
+		number_pieces(r);
 	memset(r->place, 0, (size_t)r->n_chunks * (size_t)r->n_bands * sizeof *r->place);
 	if ((code = bands_run(pool, r->n_chunks, 1, count_chunks, r)))
 		return code;
@@ -343,14 +353,14 @@ static int32_t run(bands *pool, raster *r)
 		return ENCRE_ERROR_MEMORY;
 	if ((code = bands_run(pool, r->n_chunks, 1, file_chunks, r)))
 		return code;
-	bool bevels = r->bends && r->job->normal.data && r->job->object.data;
+	bool bevels = r->job->creases.data && r->job->normal.data && r->job->object.data;
 	/* A run takes half of what is left: so far at most five, now the rest, but for what bevels take. */
 	bands_span(pool, 0.96875, bevels ? 1 : 1.03125);
 	code = bands_run(pool, r->n_bands, 1, draw_bands, r);
 	return code || !bevels ? code : bevels_draw(pool, r->job);
 }
 
-int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size)
+int32_t raster_run(bands *pool, const encre_raster_job *job, raster_kept **kept, char *error, size_t size)
 {
 	const encre_image *images[] = {&job->depth,      &job->normal,     &job->object, &job->material,
 				       &job->style,      &job->attributes, &job->marks,  &job->creases,
@@ -389,7 +399,8 @@ int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t
 	if (!memory)
 		return ENCRE_ERROR_MEMORY;
 	plan(&r, bands_threads(pool), &a);
-	code = run(pool, &r);
+	code = run(pool, &r, kept);
+	kept_free(kept, false);
 	free(r.entry);
 	free(memory);
 	return code;
