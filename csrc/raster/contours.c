@@ -7,13 +7,13 @@
 
 #include "base/pixel.h"
 
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-	DIFFERENT = 4, /* beside the sides: numbers differ */
-	SHARED = 8,    /* likewise: several triangles have it */
+	DIFFERENT = 4,    /* beside the sides: numbers differ */
+	SHARED = 8,       /* likewise: several triangles have it */
+	TRIANGLES = 4096, /* that a thread takes at once */
 };
 
 static inline bool same_place(const corner *a, const corner *b)
@@ -23,10 +23,11 @@ static inline bool same_place(const corner *a, const corner *b)
 
 /* Where the triangle lies beside each of its edges, also where a corner lies behind the eye. What is no triangle, as
  * at a pole with a point for each meridian, parts nothing: as if it lay on both sides. */
-static enum contour_side facing(const encre_mesh *mesh, const corner *seen, uint32_t i)
+static enum contour_side facing(const part *part, uint32_t i)
 {
-	const corner *a = seen + topology_point(mesh, 3 * i), *b = seen + topology_point(mesh, 3 * i + 1),
-		     *c = seen + topology_point(mesh, 3 * i + 2);
+	const corner *a = &part->spots[topology_point(part->mesh, 3 * i)].corner,
+		     *b = &part->spots[topology_point(part->mesh, 3 * i + 1)].corner,
+		     *c = &part->spots[topology_point(part->mesh, 3 * i + 2)].corner;
 	if (same_place(a, b) || same_place(b, c) || same_place(c, a))
 		return CONTOUR_BOTH;
 	double volume = a->x * (b->y * c->w - c->y * b->w) + b->x * (c->y * a->w - a->y * c->w) +
@@ -124,51 +125,45 @@ static unsigned edge_of(const encre_mesh *mesh, const topology *t, const uint8_t
 	return side << 2 * (c % 3) | fold << (CONTOUR_FOLDS + c % 3);
 }
 
-static bool find(const part *part, uint16_t *edges)
-{
-	const encre_mesh *mesh = part->mesh;
-	const topology *t = part->topology;
-	uint32_t n = (uint32_t)mesh->n_primitives;
-	size_t points = (size_t)mesh->n_points;
-	corner *seen = malloc(points * sizeof *seen + n);
-	uint8_t *faces = (uint8_t *)(seen + points);
-	if (!seen)
-		return false;
-	for (size_t k = 0; k < points; k++)
-		seen[k] = geometry_corner(part, mesh->points + 3 * k);
-	for (uint32_t i = 0; i < n; i++)
-		faces[i] = (uint8_t)facing(mesh, seen, i);
-	for (uint32_t i = 0; i < n; i++) {
-		unsigned all = 0;
-		for (uint32_t k = 0; k < 3; k++)
-			all |= t->first[i] >> k & 1 ? edge_of(mesh, t, faces, 3 * i + k) : 0;
-		edges[i] = (uint16_t)all;
-	}
-	free(seen);
-	return true;
-}
-
 typedef struct search {
 	const geometry *g;
+	uint8_t *faces;
 	uint16_t *edges;
-	atomic_bool failed;
 } search;
 
-static void find_parts(void *data, int p0, int p1, int thread)
+static void find_faces(void *data, int from, int end, int thread)
 {
 	(void)thread;
-	search *s = data;
-	for (int p = p0; p < p1; p++) {
-		const part *part = s->g->parts + p;
-		if (part->mesh->kind == ENCRE_TRIANGLES && !find(part, s->edges + part->first))
-			atomic_store(&s->failed, true);
+	const search *s = data;
+	const part *part = NULL;
+	for (uint32_t i = (uint32_t)from; i < (uint32_t)end; i++) {
+		part = geometry_part(s->g, part, i);
+		if (part->topology)
+			s->faces[i] = (uint8_t)facing(part, i - part->first);
 	}
 }
 
-int32_t contours_find(bands *pool, const geometry *g, uint16_t *edges)
+static void find_edges(void *data, int from, int end, int thread)
 {
-	search s = {.g = g, .edges = edges};
-	atomic_init(&s.failed, false);
-	int32_t code = bands_run(pool, g->n_parts, 1, find_parts, &s);
-	return code ? code : atomic_load(&s.failed) ? ENCRE_ERROR_MEMORY : ENCRE_OK;
+	(void)thread;
+	const search *s = data;
+	const part *part = NULL;
+	for (uint32_t i = (uint32_t)from; i < (uint32_t)end; i++) {
+		part = geometry_part(s->g, part, i);
+		const topology *t = part->topology;
+		uint32_t own = i - part->first;
+		unsigned all = 0;
+		for (uint32_t k = 0; t && k < 3; k++)
+			if (t->first[own] >> k & 1)
+				all |= edge_of(part->mesh, t, s->faces + part->first, 3 * own + k);
+		s->edges[i] = (uint16_t)all;
+	}
+}
+
+int32_t contours_find(bands *pool, const geometry *g, uint8_t *faces, uint16_t *edges)
+{
+	search s = {g, faces, edges};
+	int n = (int)g->n_primitives;
+	int32_t code = bands_run(pool, n, TRIANGLES, find_faces, &s);
+	return code ? code : bands_run(pool, n, TRIANGLES, find_edges, &s);
 }

@@ -16,9 +16,8 @@ enum { CONTOUR_FOLDS = 6 };
  * triangles of a mesh that share an edge, by the indices of its points, one has the side on which all of them lie, or
  * CONTOUR_BOTH where numbers of objects or materials differ; else all have none. From bit CONTOUR_FOLDS on a bit per
  * edge that has a side: several triangles share it, so that the surface folds there and does not end. Parts have their
- * topology. Returns a code of enum encre_code. Takes about 17 bytes a triangle of the meshes that are searched at once,
- * one by each thread. */
-int32_t contours_find(bands *pool, const geometry *g, uint16_t *edges);
+ * topology and spots. faces: room for one of each primitive. Returns a code of enum encre_code. */
+int32_t contours_find(bands *pool, const geometry *g, uint8_t *faces, uint16_t *edges);
 
 /* bends: of each triangle three, by corners as the sides: for one of those that share an edge by how much it bends
  * there, in BEND_UNIT of a degree, and BEND_SMOOTH; 0 where that is less than BEND_LEAST. False without memory, of

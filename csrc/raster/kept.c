@@ -278,6 +278,15 @@ int32_t kept_find(bands *pool, geometry *g, bool bends, raster_kept **kept)
 	return code;
 }
 
+void kept_pieces(const geometry *g, uint32_t *piece)
+{
+	for (int p = 0; p < g->n_parts; p++) {
+		const part *part = g->parts + p;
+		for (uint32_t i = 0; i < (uint32_t)part->mesh->n_primitives; i++)
+			piece[part->first + i] = part->first + (part->topology ? part->topology->piece[i] : i);
+	}
+}
+
 void kept_free(raster_kept **kept, bool all)
 {
 	raster_kept *k = *kept;

@@ -14,6 +14,9 @@ typedef struct raster_kept raster_kept;
  * what has not changed since the last, and forgets what is not there any more. *kept: NULL at first. Returns a code of
  * enum encre_code. Takes about 42 bytes a triangle, less where instances share a mesh. */
 int32_t kept_find(bands *pool, geometry *g, bool bends, raster_kept **kept);
+/* piece: of each primitive the running number of the first that it hangs together with, by the indices of points; two
+ * meshes never do. */
+void kept_pieces(const geometry *g, uint32_t *piece);
 /* Gives the memory back; if it is not `all`, then only where it is much. */
 void kept_free(raster_kept **kept, bool all);
 

@@ -28,6 +28,8 @@ typedef struct raster {
 	uint32_t *front;     /* likewise: number of the nearest primitive */
 	uint32_t *twin;      /* likewise: of one that may coincide with it */
 	uint32_t *entry;     /* primitives by band */
+	spot *spots;         /* of the points of triangles */
+	uint8_t *faces;      /* of each triangle: contours_find()'s; with marks or creases only */
 	uint16_t *edges;     /* of each triangle: what contours_find() says; with marks or creases only */
 	uint32_t *piece;     /* of each primitive: the first that it hangs together with; with creases only */
 	struct meets *meets; /* for each thread, likewise */
