@@ -4,6 +4,7 @@
 #define ENCRE_CONTEXT_H
 
 #include "base/stage.h"
+#include "raster/kept.h"
 
 typedef struct background background;
 
@@ -16,6 +17,7 @@ struct encre_context {
 	int32_t ended;           /* with which code the last that went on has ended */
 	arena_held memory;       /* of the last picture, for the next */
 	arena_held light;        /* likewise, of the last light */
+	raster_kept *raster;     /* likewise, of meshes */
 	void *sheet;             /* paper, likewise */
 	char error[512];
 };

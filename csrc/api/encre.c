@@ -38,6 +38,7 @@ void encre_destroy(encre_context *context)
 	bands_destroy(context->pool);
 	free(context->memory.memory);
 	free(context->light.memory);
+	kept_free(&context->raster, true);
 	free(context->sheet);
 	free(context);
 }
@@ -117,7 +118,7 @@ int32_t encre_raster(encre_context *context, encre_raster_job *job)
 	bands *pool = pool_of(context, job->progress, job->user);
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
-	code = raster_run(pool, &clean, context->error, sizeof context->error);
+	code = raster_run(pool, &clean, &context->raster, context->error, sizeof context->error);
 	return context->error[0] ? code : fail_code(context, code);
 }
 

@@ -4,6 +4,7 @@
 #define ENCRE_CONTOURS_H
 
 #include "raster/geometry.h"
+#include "raster/topology.h"
 #include "base/stage.h"
 
 /* On which side of an edge surfaces lie on the screen, going from its first corner to its second, y down. */
@@ -14,11 +15,14 @@ enum { CONTOUR_FOLDS = 6 };
 /* edges: of each primitive, for triangles two bits per edge, that from corner k to the next from bit 2 k on. Of the
  * triangles of a mesh that share an edge, by the indices of its points, one has the side on which all of them lie, or
  * CONTOUR_BOTH where numbers of objects or materials differ; else all have none. From bit CONTOUR_FOLDS on a bit per
- * edge that has a side: several triangles share it, so that the surface folds there and does not end. Returns a code of
- * enum encre_code. bends (may be NULL): of each primitive, for triangles three, by corners as the sides: for one of
- * those that share an edge by how much it bends there, in BEND_UNIT of a degree, and BEND_SMOOTH; 0 where that is less
- * than BEND_LEAST. Takes about 24 bytes a triangle of the meshes that are searched at once, one by each thread. */
-int32_t contours_find(bands *pool, const geometry *g, uint16_t *edges, uint16_t *bends);
+ * edge that has a side: several triangles share it, so that the surface folds there and does not end. Parts have their
+ * topology and spots. faces: room for one of each primitive. Returns a code of enum encre_code. */
+int32_t contours_find(bands *pool, const geometry *g, uint8_t *faces, uint16_t *edges);
+
+/* bends: of each triangle three, by corners as the sides: for one of those that share an edge by how much it bends
+ * there, in BEND_UNIT of a degree, and BEND_SMOOTH; 0 where that is less than BEND_LEAST. False without memory, of
+ * which it takes 24 bytes a triangle. */
+bool contours_bends(const part *part, const topology *t, uint16_t *bends);
 
 enum { BEND_UNIT = 128, BEND_LEAST = 5 * BEND_UNIT, BEND_MOST = 180 * BEND_UNIT, BEND_SMOOTH = 1 << 15 };
 

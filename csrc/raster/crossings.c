@@ -21,10 +21,10 @@ static bool segment_of(const raster *r, const part *part, uint32_t primitive, in
 }
 
 /* Whether an edge of a triangle can be a contour or a crease. */
-static bool is_drawn(const raster *r, uint32_t number, int k)
+static bool is_drawn(const raster *r, const part *part, uint32_t primitive, int k)
 {
-	return (r->job->marks.data && contour_side(r->edges[number], k) != CONTOUR_NONE) ||
-	       (r->bends && r->bends[(size_t)3 * number + (size_t)k]);
+	return (r->job->marks.data && contour_side(r->edges[part->first + primitive], k) != CONTOUR_NONE) ||
+	       (part->bends && part->bends[(size_t)3 * primitive + (size_t)k]);
 }
 
 static void widen(int from, int to, int *y0, int *y1)
@@ -39,7 +39,7 @@ void crossings_rows(const raster *r, const part *part, uint32_t primitive, int *
 	segment s;
 	int from, to;
 	for (int k = 0; k < 3; k++)
-		if (line ? k == 0 && r->job->marks.data : is_drawn(r, part->first + primitive, k))
+		if (line ? k == 0 && r->job->marks.data : is_drawn(r, part, primitive, k))
 			if (segment_of(r, part, primitive, k, &s, &from, &to))
 				widen(from - r->job->frame.y, to - r->job->frame.y, y0, y1);
 }
@@ -189,7 +189,7 @@ void crossings_draw(const raster *r, int i, const band *b, int end)
 		bool line = part->mesh->kind != ENCRE_TRIANGLES;
 		m.own = line ? NULL : part;
 		for (int k = 0; k < (line ? 1 : 3); k++) {
-			if ((!line && !is_drawn(r, r->entry[n], k)) ||
+			if ((!line && !is_drawn(r, part, r->entry[n] - part->first, k)) ||
 			    !segment_of(r, part, r->entry[n] - part->first, k, &s, &from, &to))
 				continue;
 			m.side = line ? CONTOUR_BOTH : contour_side(r->edges[r->entry[n]], k);
@@ -199,7 +199,8 @@ void crossings_draw(const raster *r, int i, const band *b, int end)
 			m.down = s.y[1] > s.y[0];
 			if (r->job->marks.data && m.side != CONTOUR_NONE)
 				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, mark, &m);
-			uint16_t bend = r->bends && !line ? r->bends[(size_t)3 * r->entry[n] + (size_t)k] : 0;
+			size_t corner = (size_t)3 * (r->entry[n] - part->first) + (size_t)k;
+			uint16_t bend = part->bends ? part->bends[corner] : 0;
 			m.bend = bend_degrees(bend);
 			if (bend)
 				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, crease, &m);

@@ -67,6 +67,8 @@ int32_t geometry_check(geometry *g, char *error, size_t size)
 		if (code)
 			return code;
 		n += job->meshes[i].n_primitives;
+		if (job->meshes[i].n_primitives && job->meshes[i].kind == ENCRE_TRIANGLES)
+			g->n_points += (size_t)job->meshes[i].n_points;
 	}
 	if (n > UINT32_MAX / 3)
 		return refuse(error, size, "meshes: have more than %lld primitives; draw them in several jobs",
@@ -133,6 +135,9 @@ void geometry_aim(geometry *g)
 		double view[16];
 		multiply(v, mesh->model, view);
 		multiply(camera, view, part->screen);
+		part->spots = NULL;
+		part->topology = NULL;
+		part->bends = NULL;
 		part->mesh = mesh;
 		part->first = first;
 		cofactors(mesh->model, part->turn);
@@ -160,10 +165,15 @@ const part *geometry_part(const geometry *g, const part *last, uint32_t number)
 	return g->parts + low;
 }
 
-static const float *point_of(const encre_mesh *mesh, uint32_t primitive, int k)
+static int64_t number_of(const encre_mesh *mesh, uint32_t primitive, int k)
 {
 	int64_t c = corners_of(mesh) * (int64_t)primitive + k;
-	return mesh->points + 3 * (int64_t)(mesh->corners ? mesh->corners[c] : c);
+	return mesh->corners ? mesh->corners[c] : c;
+}
+
+static const float *point_of(const encre_mesh *mesh, uint32_t primitive, int k)
+{
+	return mesh->points + 3 * number_of(mesh, primitive, k);
 }
 
 static inline double row_times(const double *row, const float *p)
@@ -181,7 +191,16 @@ corner geometry_corner(const part *part, const float *point)
 void geometry_corners(const part *part, uint32_t i, corner c[3])
 {
 	for (int k = 0; k < corners_of(part->mesh); k++)
-		c[k] = geometry_corner(part, point_of(part->mesh, i, k));
+		c[k] = part->spots ? part->spots[number_of(part->mesh, i, k)].corner
+				   : geometry_corner(part, point_of(part->mesh, i, k));
+}
+
+bool geometry_outline(const part *part, uint32_t i, const room *room, outline *o)
+{
+	const spot *spots[3];
+	for (int k = 0; k < 3; k++)
+		spots[k] = part->spots + number_of(part->mesh, i, k);
+	return outline_make(room, spots, o);
 }
 
 void geometry_world(const part *part, uint32_t i, double p[3][3])

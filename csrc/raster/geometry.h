@@ -16,11 +16,15 @@ typedef struct part {
 	double turn[9];    /* normals: object -> world space, of any length */
 	float stretch[3];  /* of rest positions: by how much more an axis is scaled than all on average */
 	double span; /* with the output `anchor`: rest units that a world unit is on its surface, 0 where it has none */
+	spot *spots; /* of triangles: spots_find()'s, by point */
+	const struct topology *topology; /* of triangles, with marks or creases only: kept_find()'s, */
+	const uint16_t *bends;           /* and with creases only what contours_bends() says */
 } part;
 
 typedef struct geometry {
 	const encre_raster_job *job;
 	uint32_t n_primitives; /* of all meshes, at most UINT32_MAX / 3: their corners are counted, too */
+	size_t n_points;       /* of triangles */
 	int n_parts;
 	part *parts;   /* room for job->n_meshes, the owner's */
 	double eye[4]; /* world space; [3] 0 = the direction towards an eye infinitely far */
@@ -34,8 +38,10 @@ void geometry_aim(geometry *g);
 const part *geometry_part(const geometry *g, const part *last, uint32_t number);
 /* A point in object space on the screen. */
 corner geometry_corner(const part *part, const float *point);
-/* Corners of primitive `i` of a part: three, of a line two. */
+/* Corners of primitive `i` of a part, whose spots are there: three, of a line two. */
 void geometry_corners(const part *part, uint32_t i, corner c[3]);
+/* What a triangle covers, as outline_make(). */
+bool geometry_outline(const part *part, uint32_t i, const room *room, outline *o);
 /* Corners of a triangle in world space, and where it rests: in object space, each axis as long as the scale makes it
  * beside the others, or patterns would be drawn out with every object that is scaled more one way. */
 void geometry_world(const part *part, uint32_t i, double p[3][3]);

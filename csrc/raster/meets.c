@@ -60,11 +60,9 @@ static void draw_alone(const raster *r, int i, const band *b, alone *look, int n
 		int at = first_of(look, n, piece, 0);
 		if (at == n || look[at].piece != piece)
 			continue;
-		corner c[3];
 		outline o;
 		part = geometry_part(&r->geometry, part, number);
-		geometry_corners(part, number - part->first, c);
-		if (part->mesh->kind != ENCRE_TRIANGLES || !outline_make(&r->room, c, &o))
+		if (part->mesh->kind != ENCRE_TRIANGLES || !geometry_outline(part, number - part->first, &r->room, &o))
 			continue;
 		for (at = first_of(look, n, piece, o.y0); at < n && look[at].piece == piece && look[at].y < o.y1;
 		     at++) {

@@ -108,42 +108,73 @@ static inline int32_t pixel_from(int32_t step)
 	return (step + SUB / 2 - 1) >> SUB_BITS;
 }
 
-bool outline_make(const room *r, const corner corner[3], outline *o)
+void outline_see(const room *r, spot *s)
 {
-	struct corner a[OUTLINE_CORNERS];
-	memcpy(o->corner, corner, sizeof o->corner);
-	memcpy(a, corner, sizeof o->corner);
-	unsigned some = 0, all = ~0u;
-	for (int k = 0; k < 3; k++) {
-		if (!usable(a + k))
-			return false;
-		unsigned out = outside(r, a + k);
-		some |= out;
-		all &= out;
-	}
-	if (all)
-		return false;
-	o->n = some ? clip(r, a, 3) : 3;
-	if (o->n < 3)
-		return false;
+	const corner *c = &s->corner;
+	s->x = s->y = 0;
+	s->outside = usable(c) ? outside(r, c) : OUTLINE_NOWHERE;
+	if (s->outside)
+		return;
+	s->x = snap(c->x / c->w, r->frame_width + GUARD);
+	s->y = snap(c->y / c->w, r->frame_height + GUARD);
+}
+
+/* The box of pixels of what is on the grid; false: it has none of the images'. */
+static bool find_box(const room *r, outline *o)
+{
 	int32_t x0 = INT32_MAX, x1 = 0, y0 = INT32_MAX, y1 = 0;
-	o->nearest = INFINITY;
-	o->farthest = -INFINITY;
 	for (int k = 0; k < o->n; k++) {
-		int32_t x = o->x[k] = snap(a[k].x / a[k].w, r->frame_width + GUARD);
-		int32_t y = o->y[k] = snap(a[k].y / a[k].w, r->frame_height + GUARD);
-		x0 = x < x0 ? x : x0;
-		x1 = x > x1 ? x : x1;
-		y0 = y < y0 ? y : y0;
-		y1 = y > y1 ? y : y1;
-		o->nearest = a[k].z < o->nearest ? a[k].z : o->nearest;
-		o->farthest = a[k].z > o->farthest ? a[k].z : o->farthest;
+		x0 = o->x[k] < x0 ? o->x[k] : x0;
+		x1 = o->x[k] > x1 ? o->x[k] : x1;
+		y0 = o->y[k] < y0 ? o->y[k] : y0;
+		y1 = o->y[k] > y1 ? o->y[k] : y1;
 	}
 	o->x0 = pixel_from(x0);
 	o->y0 = pixel_from(y0);
 	o->x1 = pixel_from(x1); /* a centre on the right or bottom edge is not inside */
 	o->y1 = pixel_from(y1);
 	return o->x0 < o->x1 && o->y0 < o->y1 && o->x0 < r->x1 && o->x1 > r->x0 && o->y0 < r->y1 && o->y1 > r->y0;
+}
+
+static void find_depths(const corner *c, outline *o)
+{
+	o->nearest = INFINITY;
+	o->farthest = -INFINITY;
+	for (int k = 0; k < o->n; k++) {
+		o->nearest = c[k].z < o->nearest ? c[k].z : o->nearest;
+		o->farthest = c[k].z > o->farthest ? c[k].z : o->farthest;
+	}
+}
+
+bool outline_make(const room *r, const spot *const spots[3], outline *o)
+{
+	unsigned some = spots[0]->outside | spots[1]->outside | spots[2]->outside;
+	if (some & OUTLINE_NOWHERE || spots[0]->outside & spots[1]->outside & spots[2]->outside)
+		return false;
+	o->n = 3;
+	for (int k = 0; k < 3; k++) {
+		o->x[k] = spots[k]->x;
+		o->y[k] = spots[k]->y;
+	}
+	if (!some && !find_box(r, o))
+		return false;
+	for (int k = 0; k < 3; k++)
+		o->corner[k] = spots[k]->corner;
+	if (!some) {
+		find_depths(o->corner, o);
+		return true;
+	}
+	corner a[OUTLINE_CORNERS];
+	memcpy(a, o->corner, sizeof o->corner);
+	o->n = clip(r, a, 3);
+	if (o->n < 3)
+		return false;
+	for (int k = 0; k < o->n; k++) {
+		o->x[k] = snap(a[k].x / a[k].w, r->frame_width + GUARD);
+		o->y[k] = snap(a[k].y / a[k].w, r->frame_height + GUARD);
+	}
+	find_depths(a, o);
+	return find_box(r, o);
 }
 
 /* Depth = n / d, both linear on the screen: at column x and row y a x + b y + c. */

@@ -9,6 +9,7 @@
 enum {
 	OUTLINE_FRAME = 65536, /* pixels of a frame each way, at most */
 	OUTLINE_GUARD = 32768, /* pixels kept outside of it on all sides */
+	OUTLINE_NOWHERE = 128, /* of a spot: it is not finite, or so large that products would not be */
 	OUTLINE_CORNERS = 12,  /* room for a triangle cut by seven planes, and two more that clipping looks ahead */
 };
 
@@ -16,6 +17,13 @@ enum {
 typedef struct corner {
 	double x, y, w, z;
 } corner;
+
+/* A corner, and where it is on the sub-pixel grid unless it lies outside. */
+typedef struct spot {
+	corner corner;
+	int32_t x, y;
+	uint32_t outside; /* a bit for each plane beyond which it lies, or OUTLINE_NOWHERE */
+} spot;
 
 /* What can be seen: z from start to end, and the columns x0..x1-1 and rows y0..y1-1 of the images. Here and below,
  * columns and rows are counted from the guard's top left: OUTLINE_GUARD more than in the full frame. */
@@ -50,8 +58,10 @@ typedef struct band {
 	const void *user;
 } band;
 
+/* Fills all but the corner. */
+void outline_see(const room *room, spot *s);
 /* False where the triangle covers no pixel of the images, is not finite, or cannot be told from that. */
-bool outline_make(const room *room, const corner corner[3], outline *o);
+bool outline_make(const room *room, const spot *const spots[3], outline *o);
 /* Puts `number` where the outline is nearer than what is there, and does not coincide with it. Numbers grow from call
  * to call. */
 void outline_draw(const outline *o, uint32_t number, const band *b);

@@ -6,8 +6,8 @@
  * stays in cache, and only these are shaded: attributes, normals and indices are never computed for what is hidden.
  * Where lines and contours pass is then looked up in the same buffer (crossings.c), which holds one row more for the
  * ways down from the last.
- * Primitives are transformed anew where they are needed, in double; that is cheaper than keeping them. Where
- * they lie is geometry.c's, what one covers outline.c's. */
+ * Points are brought onto the screen once (spots.c). Where primitives lie is geometry.c's, what one covers
+ * outline.c's. */
 #include "raster/raster.h"
 
 #include "raster/anchors.h"
@@ -15,7 +15,7 @@
 #include "raster/contours.h"
 #include "raster/crossings.h"
 #include "raster/meets.h"
-#include "raster/pieces.h"
+#include "raster/spots.h"
 
 #include <float.h>
 #include <math.h>
@@ -27,14 +27,6 @@ enum {
 	MAX_CHUNKS = 256, /* each has a count for every band */
 };
 
-/* False where it covers no pixel of the images. */
-static bool outline_of(const raster *r, const part *part, uint32_t primitive, outline *o)
-{
-	corner c[3];
-	geometry_corners(part, primitive, c);
-	return outline_make(&r->room, c, o);
-}
-
 /* Rows of the images, from which on and up to which exclusively, that a primitive is drawn in; false: none. */
 static bool rows_of(const raster *r, const part *part, uint32_t primitive, int *y0, int *y1)
 {
@@ -42,7 +34,8 @@ static bool rows_of(const raster *r, const part *part, uint32_t primitive, int *
 	outline o;
 	*y0 = INT32_MAX;
 	*y1 = INT32_MIN;
-	if (!line && outline_of(r, part, primitive, &o)) { /* with marks it is there for the band above as well */
+	if (!line &&
+	    geometry_outline(part, primitive, &r->room, &o)) { /* with marks it is there for the band above as well */
 		*y0 = o.y0 - r->room.y0 - r->more;
 		*y1 = o.y1 - r->room.y0;
 	}
@@ -291,7 +284,8 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 		for (size_t k = r->list[i]; k < r->list[i + 1]; k++) {
 			outline o;
 			part = geometry_part(&r->geometry, part, r->entry[k]);
-			if (part->mesh->kind == ENCRE_TRIANGLES && outline_of(r, part, r->entry[k] - part->first, &o))
+			if (part->mesh->kind == ENCRE_TRIANGLES &&
+			    geometry_outline(part, r->entry[k] - part->first, &r->room, &o))
 				outline_draw(&o, r->entry[k], &b);
 		}
 		clear_twins(r, &b);
@@ -313,8 +307,9 @@ static void plan(raster *r, int threads, arena *a)
 	r->range = arena_take(a, r->geometry.n_primitives, sizeof *r->range);
 	r->place = arena_take(a, (size_t)r->n_chunks * (size_t)r->n_bands, sizeof *r->place);
 	r->list = arena_take(a, (size_t)r->n_bands + 1, sizeof *r->list);
+	r->spots = arena_take(a, r->geometry.n_points, sizeof *r->spots);
 	r->edges = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->edges) : NULL;
-	r->bends = r->job->creases.data ? arena_take(a, (size_t)3 * r->geometry.n_primitives, sizeof *r->bends) : NULL;
+	r->faces = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->faces) : NULL;
 	r->piece = r->job->creases.data ? arena_take(a, r->geometry.n_primitives, sizeof *r->piece) : NULL;
 	r->meets = r->job->creases.data ? arena_take(a, (size_t)threads, sizeof *r->meets) : NULL;
 	r->depth = arena_take(a, band, sizeof *r->depth);
@@ -323,16 +318,21 @@ static void plan(raster *r, int threads, arena *a)
 	r->twin = arena_take(a, band, sizeof *r->twin);
 }
 
-static int32_t run(bands *pool, raster *r)
+static int32_t run(bands *pool, raster *r, raster_kept **kept)
 {
 	int32_t code;
 	geometry_aim(&r->geometry);
+	bands_span(pool, 0, 0.5);
 	if (r->job->anchor.data && (code = anchors_measure(pool, &r->geometry)))
 		return code;
-	if (r->more && (code = contours_find(pool, &r->geometry, r->edges, r->bends)))
+	if ((code = spots_find(pool, &r->geometry, &r->room, r->spots)))
 		return code;
-	if (r->piece && (code = pieces_find(pool, &r->geometry, r->piece)))
+	if (r->more && (code = kept_find(pool, &r->geometry, r->job->creases.data, kept)))
 		return code;
+	if (r->more && (code = contours_find(pool, &r->geometry, r->faces, r->edges)))
+		return code;
+	if (r->piece)
+		kept_pieces(&r->geometry, r->piece);
 	memset(r->place, 0, (size_t)r->n_chunks * (size_t)r->n_bands * sizeof *r->place);
 	if ((code = bands_run(pool, r->n_chunks, 1, count_chunks, r)))
 		return code;
@@ -343,14 +343,13 @@ static int32_t run(bands *pool, raster *r)
 		return ENCRE_ERROR_MEMORY;
 	if ((code = bands_run(pool, r->n_chunks, 1, file_chunks, r)))
 		return code;
-	bool bevels = r->bends && r->job->normal.data && r->job->object.data;
-	/* A run takes half of what is left: so far at most five, now the rest, but for what bevels take. */
-	bands_span(pool, 0.96875, bevels ? 1 : 1.03125);
+	bool bevels = r->job->creases.data && r->job->normal.data && r->job->object.data;
+	bands_span(pool, 0.5, bevels ? 1 : 1.5); /* a run takes half of what is left */
 	code = bands_run(pool, r->n_bands, 1, draw_bands, r);
 	return code || !bevels ? code : bevels_draw(pool, r->job);
 }
 
-int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size)
+int32_t raster_run(bands *pool, const encre_raster_job *job, raster_kept **kept, char *error, size_t size)
 {
 	const encre_image *images[] = {&job->depth,      &job->normal,     &job->object, &job->material,
 				       &job->style,      &job->attributes, &job->marks,  &job->creases,
@@ -389,7 +388,8 @@ int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t
 	if (!memory)
 		return ENCRE_ERROR_MEMORY;
 	plan(&r, bands_threads(pool), &a);
-	code = run(pool, &r);
+	code = run(pool, &r, kept);
+	kept_free(kept, false);
 	free(r.entry);
 	free(memory);
 	return code;

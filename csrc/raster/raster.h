@@ -4,7 +4,7 @@
 #define ENCRE_RASTER_H
 
 #include "base/stage.h"
-#include "raster/geometry.h"
+#include "raster/kept.h"
 
 typedef struct band_range {
 	uint16_t first, end;
@@ -28,9 +28,10 @@ typedef struct raster {
 	uint32_t *front;     /* likewise: number of the nearest primitive */
 	uint32_t *twin;      /* likewise: of one that may coincide with it */
 	uint32_t *entry;     /* primitives by band */
+	spot *spots;         /* of the points of triangles */
+	uint8_t *faces;      /* of each triangle: contours_find()'s; with marks or creases only */
 	uint16_t *edges;     /* of each triangle: what contours_find() says; with marks or creases only */
-	uint16_t *bends;     /* of each triangle's edges, likewise; with creases only */
-	uint32_t *piece;     /* of each primitive: what pieces_find() says; with creases only */
+	uint32_t *piece;     /* of each primitive: the first that it hangs together with; with creases only */
 	struct meets *meets; /* for each thread, likewise */
 } raster;
 
@@ -42,7 +43,8 @@ enum { BAND = 16 };              /* rows that are drawn at once */
 bool raster_coincide(const void *r, uint32_t one, uint32_t other, int column, int row);
 
 /* What encre_raster() does. Images and frame of the job have been checked and images have strides; meshes and matrices
- * are checked here. Returns a code of enum encre_code; `error` gets a sentence for ENCRE_ERROR_ARGUMENT only. */
-int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size);
+ * are checked here. *kept: as kept_find() takes it. Returns a code of enum encre_code; `error` gets a sentence for
+ * ENCRE_ERROR_ARGUMENT only. */
+int32_t raster_run(bands *pool, const encre_raster_job *job, raster_kept **kept, char *error, size_t size);
 
 #endif

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Edges are filed under their lower points, and found again by the higher. Pieces of meshes: points are joined by each
+ * triangle, with ways to the root that are halved as they are walked. */
+#include "raster/topology.h"
+
+#include "base/arena.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- edges ------------------------------------------------------------------------------------------------- */
+
+typedef struct edge_list {
+	uint32_t *corner; /* those of each point, at which an edge's lower point stands, in the order of the mesh */
+	uint32_t *start;  /* n_points + 1: where a point's begin */
+	uint32_t *met;    /* by higher point: where in `corner` the edge was met last, plus 1 */
+} edge_list;
+
+static inline void ends_of(const encre_mesh *mesh, uint32_t corner, int32_t *low, int32_t *high)
+{
+	int32_t a = topology_point(mesh, corner);
+	int32_t b = topology_point(mesh, corner % 3 == 2 ? corner - 2 : corner + 1);
+	*low = a < b ? a : b;
+	*high = a < b ? b : a;
+}
+
+static void file_edges(const encre_mesh *mesh, uint32_t corners, edge_list *list)
+{
+	int32_t low, high;
+	for (uint32_t c = 0; c < corners; c++) {
+		ends_of(mesh, c, &low, &high);
+		list->start[low + 1] += low != high;
+	}
+	for (int32_t p = 0; p < mesh->n_points; p++)
+		list->start[p + 1] += list->start[p];
+	for (uint32_t c = 0; c < corners; c++) {
+		ends_of(mesh, c, &low, &high);
+		if (low != high)
+			list->corner[list->start[low]++] = c;
+	}
+	for (int32_t p = mesh->n_points; p > 0; p--) /* filing has moved each to where the next one's begin */
+		list->start[p] = list->start[p - 1];
+	list->start[0] = 0;
+}
+
+/* Looks through the edges from a point to higher ones. */
+static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, topology *t)
+{
+	uint32_t from = list->start[point], end = list->start[point + 1];
+	int32_t low, high;
+	for (uint32_t k = from; k < end; k++) {
+		uint32_t c = list->corner[k];
+		ends_of(mesh, c, &low, &high);
+		bool met = list->met[high] > from; /* at this point: places of earlier ones come before */
+		if (met)
+			t->next[list->corner[list->met[high] - 1]] = c;
+		t->first[c / 3] |= (uint8_t)(!met << c % 3 | (topology_point(mesh, c) == point) << (3 + c % 3));
+		list->met[high] = k + 1;
+	}
+}
+
+static bool find_edges(const encre_mesh *mesh, topology *t)
+{
+	uint32_t corners = 3 * (uint32_t)mesh->n_primitives;
+	size_t points = (size_t)mesh->n_points;
+	edge_list list;
+	arena a = {0};
+	for (int pass = 0; pass < 2; pass++) {
+		list.corner = arena_take(&a, corners, sizeof *list.corner);
+		list.start = arena_take(&a, points + 1, sizeof *list.start);
+		list.met = arena_take(&a, points, sizeof *list.met);
+		if (pass == 0 && !(a = (arena){.base = malloc(a.used)}).base)
+			return false;
+	}
+	memset(list.start, 0, (points + 1) * sizeof *list.start);
+	memset(list.met, 0, points * sizeof *list.met);
+	memset(t->next, 0xff, corners * sizeof *t->next); /* NO_CORNER */
+	memset(t->first, 0, (size_t)mesh->n_primitives);
+	file_edges(mesh, corners, &list);
+	for (int32_t point = 0; point < mesh->n_points; point++)
+		join(mesh, point, &list, t);
+	free(a.base);
+	return true;
+}
+
+/* ---- pieces ------------------------------------------------------------------------------------------------ */
+
+static uint32_t root_of(uint32_t *above, uint32_t point)
+{
+	while (above[point] != point)
+		point = above[point] = above[above[point]];
+	return point;
+}
+
+static bool find_pieces(const encre_mesh *mesh, uint32_t *piece)
+{
+	uint32_t n = (uint32_t)mesh->n_primitives, points = (uint32_t)mesh->n_points;
+	if (!mesh->corners) {
+		for (uint32_t i = 0; i < n; i++)
+			piece[i] = i;
+		return true;
+	}
+	uint32_t *above = malloc(2 * (size_t)points * sizeof *above), *first = above + points;
+	if (!above)
+		return false;
+	for (uint32_t p = 0; p < points; p++) {
+		above[p] = p;
+		first[p] = UINT32_MAX;
+	}
+	for (uint32_t i = 0; i < n; i++)
+		for (int k = 1; k < 3; k++) {
+			uint32_t a = root_of(above, (uint32_t)mesh->corners[3 * (size_t)i]);
+			uint32_t b = root_of(above, (uint32_t)mesh->corners[3 * (size_t)i + (size_t)k]);
+			above[a > b ? a : b] = a < b ? a : b;
+		}
+	for (uint32_t i = 0; i < n; i++) {
+		uint32_t root = root_of(above, (uint32_t)mesh->corners[3 * (size_t)i]);
+		if (first[root] == UINT32_MAX)
+			first[root] = i;
+		piece[i] = first[root];
+	}
+	free(above);
+	return true;
+}
+
+bool topology_find(const encre_mesh *mesh, topology *t)
+{
+	return find_edges(mesh, t) && find_pieces(mesh, t->piece);
+}
