@@ -31,11 +31,25 @@ typedef struct edge_list {
 	uint16_t *bend;      /* likewise: the most that two triangles bend there; NULL where nobody asks */
 	corner *seen;        /* by point: on the screen */
 	double (*across)[3]; /* by triangle: as geometry_across(), with `bend` only */
+	int32_t *same; /* by point: the first of those that corners of one triangle have at its place; NULL: none have
+			*/
 } edge_list;
 
-static inline void ends_of(const encre_mesh *mesh, uint32_t corner, int32_t *low, int32_t *high)
+static inline int32_t first_at(const edge_list *list, int32_t point)
 {
-	int32_t a = point_at(mesh, corner), b = point_at(mesh, corner % 3 == 2 ? corner - 2 : corner + 1);
+	while (list->same && list->same[point] != point)
+		point = list->same[point];
+	return point;
+}
+
+static inline int32_t end_at(const encre_mesh *mesh, const edge_list *list, uint32_t corner)
+{
+	return first_at(list, point_at(mesh, corner));
+}
+
+static inline void ends_of(const encre_mesh *mesh, const edge_list *list, uint32_t corner, int32_t *low, int32_t *high)
+{
+	int32_t a = end_at(mesh, list, corner), b = end_at(mesh, list, corner % 3 == 2 ? corner - 2 : corner + 1);
 	*low = a < b ? a : b;
 	*high = a < b ? b : a;
 }
@@ -46,7 +60,7 @@ static inline bool same_place(const corner *a, const corner *b)
 }
 
 /* Where the triangle lies beside each of its edges, also where a corner lies behind the eye. What is no triangle, as
- * at a pole with a point for each meridian, parts nothing: as if it lay on both sides. */
+ * at a pole or a tip with a point for each meridian, parts nothing: as if it lay on both sides. */
 static enum contour_side facing(const encre_mesh *mesh, const corner *seen, uint32_t i)
 {
 	const corner *a = seen + point_at(mesh, 3 * i), *b = seen + point_at(mesh, 3 * i + 1),
@@ -82,7 +96,8 @@ static uint16_t bend_of(const encre_mesh *mesh, const edge_list *list, uint32_t 
 		return 0;
 	const double *a = list->across[c / 3], *b = list->across[d / 3];
 	double along = 0, sine = 0;
-	double turn = point_at(mesh, c) == point_at(mesh, d) ? -1 : 1; /* else they go along it in opposite ways */
+	double turn =
+		end_at(mesh, list, c) == end_at(mesh, list, d) ? -1 : 1; /* else they go along it in opposite ways */
 	for (int k = 0; k < 3; k++) {
 		int i = (k + 1) % 3, j = (k + 2) % 3;
 		double s = a[i] * b[j] - a[j] * b[i];
@@ -106,19 +121,38 @@ static void bend_more(uint16_t *bend, uint16_t other)
 		*bend = other;
 }
 
+/* Where a pole or a tip has a point for each meridian, what meets at one of them meets there. */
+static void find_same(const encre_mesh *mesh, const uint16_t *edges, uint32_t n, edge_list *list)
+{
+	int32_t *same = list->same;
+	list->same = NULL;
+	for (uint32_t i = 0; i < n; i++)
+		for (uint32_t k = 0; edges[i] >> FACING == CONTOUR_BOTH && k < 3; k++) {
+			int32_t a = point_at(mesh, 3 * i + k), b = point_at(mesh, 3 * i + (k + 1) % 3);
+			if (!same_place(list->seen + a, list->seen + b))
+				continue;
+			for (int32_t p = 0; !list->same && p < mesh->n_points; p++)
+				same[p] = p;
+			list->same = same;
+			a = first_at(list, a);
+			b = first_at(list, b);
+			same[a > b ? a : b] = a < b ? a : b;
+		}
+}
+
 /* Files the edges under their lower points; one between a point and itself is none. */
-static void file_edges(const encre_mesh *mesh, uint32_t corners, edge_list *list)
+static void file_edges(const encre_mesh *mesh, uint32_t corners, const uint16_t *edges, edge_list *list)
 {
 	int32_t low, high;
 	for (uint32_t c = 0; c < corners; c++) {
-		ends_of(mesh, c, &low, &high);
-		list->start[low + 1] += low != high;
+		ends_of(mesh, list, c, &low, &high);
+		list->start[low + 1] += low != high && edges[c / 3] >> FACING != CONTOUR_BOTH;
 	}
 	for (int32_t p = 0; p < mesh->n_points; p++)
 		list->start[p + 1] += list->start[p];
 	for (uint32_t c = 0; c < corners; c++) {
-		ends_of(mesh, c, &low, &high);
-		if (low != high)
+		ends_of(mesh, list, c, &low, &high);
+		if (low != high && edges[c / 3] >> FACING != CONTOUR_BOTH)
 			list->corner[list->start[low]++] = c;
 	}
 	for (int32_t p = mesh->n_points; p > 0; p--) /* filing has moved each to where the next one's begin */
@@ -134,7 +168,7 @@ static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, u
 	int32_t low, high;
 	for (uint32_t k = from; k < end; k++) {
 		uint32_t c = list->corner[k];
-		ends_of(mesh, c, &low, &high);
+		ends_of(mesh, list, c, &low, &high);
 		bool met = list->first[high] > from; /* at this point: places of earlier ones come before */
 		if (!met) {
 			list->first[high] = k + 1;
@@ -146,13 +180,13 @@ static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, u
 		if (bends && met)
 			bend_more(list->bend + first, bend_of(mesh, list, list->corner[first], c));
 		enum contour_side side = (enum contour_side)(edges[c / 3] >> FACING);
-		list->cover[first] |= (uint8_t)(point_at(mesh, c) == point ? side : turned(side));
+		list->cover[first] |= (uint8_t)(end_at(mesh, list, c) == point ? side : turned(side));
 		list->cover[first] |= met ? SHARED : 0;
 		list->cover[first] |= same_numbers(mesh, c / 3, list->corner[first] / 3) ? 0 : DIFFERENT;
 	}
 	for (uint32_t k = from; k < end; k++) {
 		uint32_t c = list->corner[k];
-		ends_of(mesh, c, &low, &high);
+		ends_of(mesh, list, c, &low, &high);
 		if (list->first[high] != k + 1)
 			continue;
 		if (bends)
@@ -160,7 +194,7 @@ static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, u
 		if ((list->cover[k] & ~SHARED) == CONTOUR_BOTH)
 			continue;
 		enum contour_side side = (enum contour_side)(list->cover[k] & CONTOUR_BOTH);
-		side = list->cover[k] & DIFFERENT ? CONTOUR_BOTH : point_at(mesh, c) == point ? side : turned(side);
+		side = list->cover[k] & DIFFERENT ? CONTOUR_BOTH : end_at(mesh, list, c) == point ? side : turned(side);
 		unsigned fold = list->cover[k] & SHARED && side != CONTOUR_BOTH;
 		edges[c / 3] |= (uint16_t)(side << 2 * (c % 3) | fold << (CONTOUR_FOLDS + c % 3));
 	}
@@ -177,6 +211,7 @@ static bool find(const part *part, uint16_t *edges, uint16_t *bends)
 	for (int pass = 0; pass < 2; pass++) {
 		list.seen = arena_take(&a, points, sizeof *list.seen);
 		list.across = bends ? arena_take(&a, n, sizeof *list.across) : NULL;
+		list.same = arena_take(&a, points, sizeof *list.same);
 		list.corner = arena_take(&a, (size_t)3 * n, sizeof *list.corner);
 		list.start = arena_take(&a, points + 1, sizeof *list.start);
 		list.first = arena_take(&a, points, sizeof *list.first);
@@ -194,7 +229,8 @@ static bool find(const part *part, uint16_t *edges, uint16_t *bends)
 		if (bends)
 			geometry_across(part, i, list.across[i]);
 	}
-	file_edges(mesh, 3 * n, &list);
+	find_same(mesh, edges, n, &list);
+	file_edges(mesh, 3 * n, edges, &list);
 	for (int32_t point = 0; point < mesh->n_points; point++)
 		join(mesh, point, &list, edges, bends);
 	for (uint32_t i = 0; i < n; i++)
