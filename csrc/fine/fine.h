@@ -108,9 +108,10 @@ typedef struct placed {
 /* What joining decides. */
 typedef struct linked {
 	bool dropped;
-	bool crumb;  /* dropped because what it hung together with was no line */
-	bool held;   /* weak, but of a line */
-	float crowd; /* the line's radius is at most 1 / crowd there */
+	bool crumb;   /* dropped because what it hung together with was no line */
+	bool held;    /* weak, but of a line */
+	float crowd;  /* the line's radius is at most 1 / crowd there */
+	float tapers; /* how much that is because what it is of comes to a tip */
 } linked;
 
 typedef struct site {
@@ -278,6 +279,8 @@ int32_t ISA(fine_claim)(fine *n);
 /* links.c: the kept sites of its family that a site may be linked to; at most ROOM. */
 enum { ROOM = 64 };
 int ISA(close_sites)(const fine *n, uint32_t i, uint32_t *to);
+/* Number of the kept site of a crack at a pixel, or n->count. */
+uint32_t ISA(crack_number)(const fine *n, int family, int x, int y, int axis);
 /* Fills at and to, ascending. */
 int32_t ISA(fine_link)(fine *n);
 /* Adds links, of sites that may be new. */
@@ -290,6 +293,8 @@ int32_t ISA(fine_tie)(fine *n);
 int32_t ISA(fine_crowd)(fine *n);
 /* Likewise of edges of meshes, and of light, beside older lines. */
 int32_t ISA(fine_give_way)(fine *n);
+/* slender.c: bounds the radius of lines of thin things, and at tips. */
+int32_t ISA(fine_slender)(fine *n);
 /* ends.c: leads loose ends on to what lies ahead. */
 int32_t ISA(fine_join_ends)(fine *n);
 /* doubles.c: drops chains that run along others. */

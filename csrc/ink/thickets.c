@@ -38,7 +38,7 @@ static float length_at(const fine *n, uint32_t i, float radius)
 static float wide(const site *s, float radius)
 {
 	float lines = s->found.family == FAMILY_THIN ? 1 : 2;
-	return mix(2 * radius, 2 * (s->placed.half + radius) / lines, filled_by(&s->placed, radius));
+	return mix(2 * radius, 2 * (s->placed.half + radius) / lines, filled_by(s, radius));
 }
 
 static int32_t weigh(const fine *n, const grid *g, const pen_end *end)

@@ -110,7 +110,7 @@ static void finish(const frame *f, const site *made, const hand *h, float radius
 		radius = 1 / crowd;
 	if (even * crowd > 1)
 		even = 1 / crowd;
-	float filled = filled_by(s, even);
+	float filled = filled_by(made, even);
 	if (made->found.axis == AXIS_ROW)
 		e->x += filled * s->inside;
 	else

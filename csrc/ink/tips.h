@@ -19,10 +19,13 @@ typedef struct pen_end {
 } pen_end;
 
 /* A thing not much wider than its lines lets no paper between them: they are one, from its middle. How much they are,
- * where each is `radius` pixels wide to each side. */
-static inline float filled_by(const placed *s, float radius)
+ * where each is `radius` pixels wide to each side. Where it tapers they spread towards the middle so much only that
+ * there is as much ink as both together leave of paper, for of what darkens a pixel the most counts and not the sum. */
+static inline float filled_by(const site *s, float radius)
 {
-	return s->thin * clamp01(1 - 2 * (s->half - radius));
+	float half = s->placed.half, beyond = half - radius, one = clamp01(1 - 2 * beyond),
+	      spread = half > 0 ? clamp01((0.5f - beyond) / (2 * half)) : one;
+	return s->placed.thin * mix(one, spread, s->linked.tapers);
 }
 
 #endif

@@ -22,7 +22,7 @@ static inline bool same_place(const corner *a, const corner *b)
 }
 
 /* Where the triangle lies beside each of its edges, also where a corner lies behind the eye. What is no triangle, as
- * at a pole with a point for each meridian, parts nothing: as if it lay on both sides. */
+ * at a pole or a tip with a point for each meridian, parts nothing: as if it lay on both sides. */
 static enum contour_side facing(const part *part, uint32_t i)
 {
 	const corner *a = &part->spots[topology_point(part->mesh, 3 * i)].corner,
@@ -52,16 +52,15 @@ static enum encre_edge edge_at(const encre_mesh *mesh, uint32_t corner)
 }
 
 /* How much the surface bends between the triangles of two corners at which the same edge begins or ends. */
-static uint16_t bend_of(const encre_mesh *mesh, double (*across)[3], uint32_t c, uint32_t d)
+static uint16_t bend_of(const encre_mesh *mesh, const topology *t, double (*across)[3], uint32_t c, uint32_t d)
 {
 	enum encre_edge one = edge_at(mesh, c), other = edge_at(mesh, d), edge = one < other ? one : other;
 	if (one >= ENCRE_EDGE_NONE || other >= ENCRE_EDGE_NONE)
 		return 0;
 	const double *a = across[c / 3], *b = across[d / 3];
 	double along = 0, sine = 0;
-	double turn = topology_point(mesh, c) == topology_point(mesh, d)
-			      ? -1
-			      : 1; /* else they go along it in opposite ways */
+	double turn =
+		topology_rises(t, c) == topology_rises(t, d) ? -1 : 1; /* else they go along it in opposite ways */
 	for (int k = 0; k < 3; k++) {
 		int i = (k + 1) % 3, j = (k + 2) % 3;
 		double s = a[i] * b[j] - a[j] * b[i];
@@ -93,7 +92,7 @@ bool contours_bends(const part *part, const topology *t, uint16_t *bends)
 		if (!(t->first[c / 3] >> c % 3 & 1))
 			continue;
 		for (uint32_t d = t->next[c]; d != NO_CORNER; d = t->next[d]) {
-			uint16_t bend = bend_of(mesh, across, c, d);
+			uint16_t bend = bend_of(mesh, t, across, c, d);
 			if ((bend & ~BEND_SMOOTH) > (bends[c] & ~BEND_SMOOTH))
 				bends[c] = bend;
 		}

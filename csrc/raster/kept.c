@@ -99,6 +99,7 @@ static void update(raster_kept *kept, kept_mesh *m, const encre_mesh *mesh)
 	    (!mesh->edges || !memcmp(m->edges, mesh->edges, n)))
 		return;
 	memcpy(m->points, mesh->points, points);
+	m->found = m->found && !m->topology.by_place && !topology_by_place(mesh);
 	m->has_edges = mesh->edges;
 	if (mesh->edges)
 		memcpy(m->edges, mesh->edges, n);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Edges are filed under their lower points, and found again by the higher. Pieces of meshes: points are joined by each
+/* Edges are filed under their lower points, and found again by the higher; points at which a triangle has no length
+ * stand for each other. Pieces of meshes: points are joined by each
  * triangle, with ways to the root that are halved as they are walked. */
 #include "raster/topology.h"
 
@@ -14,12 +15,58 @@ typedef struct edge_list {
 	uint32_t *corner; /* those of each point, at which an edge's lower point stands, in the order of the mesh */
 	uint32_t *start;  /* n_points + 1: where a point's begin */
 	uint32_t *met;    /* by higher point: where in `corner` the edge was met last, plus 1 */
+	int32_t *same; /* by point: itself, or one before it that stands for it too; NULL: all stand for themselves */
 } edge_list;
 
-static inline void ends_of(const encre_mesh *mesh, uint32_t corner, int32_t *low, int32_t *high)
+static inline bool same_place(const encre_mesh *mesh, int32_t a, int32_t b)
 {
-	int32_t a = topology_point(mesh, corner);
-	int32_t b = topology_point(mesh, corner % 3 == 2 ? corner - 2 : corner + 1);
+	const float *p = mesh->points + 3 * (size_t)a, *q = mesh->points + 3 * (size_t)b;
+	return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+}
+
+/* A triangle with two corners at one place is none, and has no edges. */
+static inline bool is_flat(const encre_mesh *mesh, uint32_t i)
+{
+	int32_t a = topology_point(mesh, 3 * i), b = topology_point(mesh, 3 * i + 1),
+		c = topology_point(mesh, 3 * i + 2);
+	return same_place(mesh, a, b) || same_place(mesh, b, c) || same_place(mesh, c, a);
+}
+
+static inline int32_t first_at(const edge_list *list, int32_t point)
+{
+	while (list->same && list->same[point] != point)
+		point = list->same[point];
+	return point;
+}
+
+/* Where a pole or a tip has a point for each meridian, what meets at one of them meets there. */
+static void find_same(const encre_mesh *mesh, edge_list *list)
+{
+	int32_t *same = list->same;
+	list->same = NULL;
+	for (uint32_t i = 0; i < (uint32_t)mesh->n_primitives; i++)
+		for (uint32_t k = 0; is_flat(mesh, i) && k < 3; k++) {
+			int32_t a = topology_point(mesh, 3 * i + k), b = topology_point(mesh, 3 * i + (k + 1) % 3);
+			if (!same_place(mesh, a, b))
+				continue;
+			for (int32_t p = 0; !list->same && p < mesh->n_points; p++)
+				same[p] = p;
+			list->same = same;
+			a = first_at(list, a);
+			b = first_at(list, b);
+			same[a > b ? a : b] = a < b ? a : b;
+		}
+}
+
+static inline int32_t end_at(const encre_mesh *mesh, const edge_list *list, uint32_t corner)
+{
+	return first_at(list, topology_point(mesh, corner));
+}
+
+static inline void ends_of(const encre_mesh *mesh, const edge_list *list, uint32_t corner, int32_t *low, int32_t *high)
+{
+	int32_t a = end_at(mesh, list, corner);
+	int32_t b = end_at(mesh, list, corner % 3 == 2 ? corner - 2 : corner + 1);
 	*low = a < b ? a : b;
 	*high = a < b ? b : a;
 }
@@ -28,14 +75,14 @@ static void file_edges(const encre_mesh *mesh, uint32_t corners, edge_list *list
 {
 	int32_t low, high;
 	for (uint32_t c = 0; c < corners; c++) {
-		ends_of(mesh, c, &low, &high);
-		list->start[low + 1] += low != high;
+		ends_of(mesh, list, c, &low, &high);
+		list->start[low + 1] += low != high && !(list->same && is_flat(mesh, c / 3));
 	}
 	for (int32_t p = 0; p < mesh->n_points; p++)
 		list->start[p + 1] += list->start[p];
 	for (uint32_t c = 0; c < corners; c++) {
-		ends_of(mesh, c, &low, &high);
-		if (low != high)
+		ends_of(mesh, list, c, &low, &high);
+		if (low != high && !(list->same && is_flat(mesh, c / 3)))
 			list->corner[list->start[low]++] = c;
 	}
 	for (int32_t p = mesh->n_points; p > 0; p--) /* filing has moved each to where the next one's begin */
@@ -50,11 +97,11 @@ static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, t
 	int32_t low, high;
 	for (uint32_t k = from; k < end; k++) {
 		uint32_t c = list->corner[k];
-		ends_of(mesh, c, &low, &high);
+		ends_of(mesh, list, c, &low, &high);
 		bool met = list->met[high] > from; /* at this point: places of earlier ones come before */
 		if (met)
 			t->next[list->corner[list->met[high] - 1]] = c;
-		t->first[c / 3] |= (uint8_t)(!met << c % 3 | (topology_point(mesh, c) == point) << (3 + c % 3));
+		t->first[c / 3] |= (uint8_t)(!met << c % 3 | (end_at(mesh, list, c) == point) << (3 + c % 3));
 		list->met[high] = k + 1;
 	}
 }
@@ -69,6 +116,7 @@ static bool find_edges(const encre_mesh *mesh, topology *t)
 		list.corner = arena_take(&a, corners, sizeof *list.corner);
 		list.start = arena_take(&a, points + 1, sizeof *list.start);
 		list.met = arena_take(&a, points, sizeof *list.met);
+		list.same = arena_take(&a, points, sizeof *list.same);
 		if (pass == 0 && !(a = (arena){.base = malloc(a.used)}).base)
 			return false;
 	}
@@ -76,6 +124,8 @@ static bool find_edges(const encre_mesh *mesh, topology *t)
 	memset(list.met, 0, points * sizeof *list.met);
 	memset(t->next, 0xff, corners * sizeof *t->next); /* NO_CORNER */
 	memset(t->first, 0, (size_t)mesh->n_primitives);
+	find_same(mesh, &list);
+	t->by_place = list.same != NULL;
 	file_edges(mesh, corners, &list);
 	for (int32_t point = 0; point < mesh->n_points; point++)
 		join(mesh, point, &list, t);
@@ -121,6 +171,14 @@ static bool find_pieces(const encre_mesh *mesh, uint32_t *piece)
 	}
 	free(above);
 	return true;
+}
+
+bool topology_by_place(const encre_mesh *mesh)
+{
+	for (uint32_t i = 0; i < (uint32_t)mesh->n_primitives; i++)
+		if (is_flat(mesh, i))
+			return true;
+	return false;
 }
 
 bool topology_find(const encre_mesh *mesh, topology *t)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which triangles of a mesh share edges, and which hang together: what the indices of its corners alone tell. */
+/* Which triangles of a mesh share edges, and which hang together: what the indices of its corners alone tell, but where
+ * triangles have two corners at one place. */
 #ifndef ENCRE_TOPOLOGY_H
 #define ENCRE_TOPOLOGY_H
 
@@ -9,13 +10,14 @@
 
 #define NO_CORNER UINT32_MAX
 
-/* Corner c begins the edge to the next corner of triangle c / 3. Triangles share an edge by the indices of its points;
- * one between a point and itself is none. */
+/* Corner c begins the edge to the next corner of triangle c / 3. Triangles share an edge by the indices of its points,
+ * of which those count as one that a triangle has at one place; it has no edges. */
 typedef struct topology {
 	uint32_t *next;  /* by corner: the next one that has the same edge, in the order of the mesh, or NO_CORNER */
 	uint8_t *first;  /* by triangle: bit k: edge k is an edge, and no triangle before has it; bit 3 + k: it goes
 			    from the lower point to the higher */
 	uint32_t *piece; /* by triangle: the first that it hangs together with */
+	bool by_place;   /* topology_by_place() of the mesh that it was found for */
 } topology;
 
 static inline int32_t topology_point(const encre_mesh *mesh, uint32_t corner)
@@ -28,7 +30,10 @@ static inline bool topology_rises(const topology *t, uint32_t corner)
 	return t->first[corner / 3] >> (3 + corner % 3) & 1;
 }
 
-/* Fills the three arrays. False without memory, of which it takes 12 bytes a triangle and 12 a point for a while. */
+/* Whether some triangle has two corners at one place: edges then depend on where the points are. */
+bool topology_by_place(const encre_mesh *mesh);
+/* Fills the three arrays and by_place. False without memory, of which it takes 12 bytes a triangle and 16 a point for a
+ * while. */
 bool topology_find(const encre_mesh *mesh, topology *t);
 
 #endif

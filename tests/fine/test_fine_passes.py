@@ -7,12 +7,12 @@ from collections import Counter
 import numpy as np
 import passes
 import pytest
-from reference import chains, ends
+from reference import chains, ends, slender
 from reference import passes as twin
 from reference.passes import NUMBER, Table
 
 LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, links=6000, ties=40, smooth=4000, crowded=1300, parted=30,
-             led=1000, corners=100, beside=150, spurs=80, short=20)  # found over all cases
+             slender=300, tapers=50, led=1000, corners=100, beside=150, spurs=80, short=20)  # found over all cases
 
 
 class Check:
@@ -116,9 +116,24 @@ def give_way(check):
     check.count["parted"] += int((bound > 0).sum())
 
 
+def slim(check):
+    before = (check.tables("give way") or check.tables("crowd") or check.tables("smooth"))[0]
+    params, layers = check.c.view.params, check.c.view.layers
+    crowd, tapers, unsure = slender.slender(before, layers.depth, params.pixels(layers.full_height))
+    after = check.tables("slender")[0].site
+    shapes = (before.rank == 0) & ~before.dropped
+    sure = [i for i in np.flatnonzero(shapes) if i not in unsure]
+    assert len(sure) >= 0.9 * shapes.sum() - 6
+    assert after["crowd"][sure] == pytest.approx(crowd[sure], rel=1e-3, abs=1e-4)
+    assert after["tapers"][sure] == pytest.approx(tapers[sure], abs=1e-3)
+    assert np.array_equal(after["crowd"][~shapes], before.site["crowd"][~shapes])
+    check.count["slender"] += int((crowd[sure] > 0).sum())
+    check.count["tapers"] += int((tapers[sure] > 0).sum())
+
+
 def lead(check):
     """Both rounds of joining ends."""
-    before = (check.tables("give way") or check.tables("crowd") or check.tables("smooth"))[0]
+    before = check.tables("slender")[0]
     for after in check.tables("add links")[-2:]:
         links, corners, doubt = ends.lead_on(before, check.c.view.layers, check.c.view.params)
         new = range(len(before), len(after))
@@ -154,7 +169,7 @@ def drop(check):
 def compare(name):
     check = Check(passes.case(name))
     last = crowd, give_way, lead, drop
-    for each in last if name in passes.TANGLES else (claim, link, tie, smooth, *last):
+    for each in last if name in passes.TANGLES else (claim, link, tie, smooth, slim, *last):
         each(check)
     return check.count
 

@@ -186,6 +186,25 @@ def test_a_pole_with_a_point_for_each_meridian_has_no_contours():
     assert (got < 0).any() and not got[16:29, 24:43].any(), "only its rim is one"
 
 
+@pytest.mark.parametrize("turn", [3, 40, 93, 170])
+def test_a_tip_of_several_points_has_contours_on_both_sides(turn):
+    """As of a leaf whose last row of points was scaled to one place: one triangle of each last quad has no area."""
+    across = np.array([[-0.3, 0], [0, 0], [0.3, 0]])
+    flat = np.concatenate([across, across * 0.6 + (0, 0.5), across * 0 + (0, 1)]) * 0.9
+    points = np.c_[flat, np.full(9, -3.0) + 0.2 * np.abs(flat[:, 0])]
+    c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+    points[:, :2] = points[:, :2] @ [(c, -s), (s, c)] + (0.013, 0.007)
+    quads = [(a, a + 1, a + 4, a + 3) for a in (0, 1, 3, 4)]
+    corners = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    mesh = Mesh(points.astype(np.float32), np.array(corners, np.int32), object_index=1)
+    got = passing([mesh], np.eye(4), perspective(101, 91), Frame(101, 91))
+    want, _ = marks([], [mesh], np.eye(4), perspective(101, 91), Frame(101, 91), (101, 91), 0.1)
+    np.testing.assert_allclose(got, want, atol=1e-5)
+    whole = Mesh(points[:7].astype(np.float32), np.minimum(corners, 6).astype(np.int32), object_index=1)
+    other = passing([whole], np.eye(4), perspective(101, 91), Frame(101, 91))
+    assert ((got < 0) == (other < 0)).all() and np.abs(place_of(got) - place_of(other)).max() < 1e-4
+
+
 def test_objects_by_triangle():
     rng = np.random.default_rng(7)
     mesh = soup(rng, 40, object=np.arange(40) + 1, material=np.arange(40) + 1)

@@ -168,7 +168,10 @@ MORE = {  # for the passes alone: many lines beside one another
     f"strokes {k}": (dict(seed=120 + k, hand=26, size=(44, 60), strong=(1.0, 0.1)[k % 2], mirror=k == 3),
                      dict(edge_light=0.0, edge_seen=1.0, edge_color=1.0, color_layer=("LIT", "ALBEDO")[k % 2]), (),
                      None)
-    for k in range(4)}
+    for k in range(4)} | {  # thin things whose lines have px
+    f"slender {k}": (dict(seed=140 + k, things=2, wires=2 + k % 2, told=30 * (k % 2), size=(40, 56), busy=False),
+                     dict(edge_color=0.0, edge_light=0.0, length_unit="PIXELS"), (), (None, ORTHO)[k // 3])
+    for k in range(6)}
 
 
 EVERY = {**CASES, **TINY, **MORE, **WIRES, **LIGHTS, **SWEEPS, **CUTS, **ROWS}

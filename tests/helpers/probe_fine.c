@@ -9,7 +9,7 @@
 
 /* A site as tests/reference/ has it; all fields are four bytes wide. */
 typedef struct probe_site {
-	float x, y, strength, thin, half, inside, crowd;
+	float x, y, strength, thin, half, inside, crowd, tapers;
 	int32_t column, row, near_x, near_y, family, axis, source, dropped, crumb, held, weak, told, eased, step[3];
 } probe_site;
 
@@ -39,6 +39,7 @@ static probe_site opened(const site *s)
 		.half = s->placed.half,
 		.inside = s->placed.inside,
 		.crowd = s->linked.crowd,
+		.tapers = s->linked.tapers,
 		.column = s->found.column,
 		.row = s->found.row,
 		.near_x = s->placed.near_x,
@@ -122,6 +123,7 @@ static int32_t take(fine *n)
 	memset(n->at, 0, (count + 1) * sizeof *n->at);
 	memcpy(link, given.link, links * sizeof *link);
 	n->count = n->known = count;
+	memset(n->crack, 0, (size_t)n->f->width * (size_t)n->f->height); /* of none of these sites */
 	return REAL(fine_add_links)(n, link, links);
 }
 

@@ -48,16 +48,17 @@ def contours(mesh, view, projection, frame):
     """(corners, right, left, fold, cut) of each edge that can be a contour: on which sides of it surfaces are, both:
     where numbers change; whether its surface goes on behind; whether a triangle ends there that does so elsewhere."""
     corners = triangles(mesh)
+    same = _same(mesh, corners)
     number = np.stack([np.zeros(len(corners)) if n is None else n for n in (mesh.object, mesh.material)], 1)
     edges = {}
     for t, corner in enumerate(corners):
         volume = np.linalg.det(_corners(mesh, corner, view, projection, frame)[:, :3])
-        none = len(np.unique(np.asarray(mesh.points)[corner], axis=0)) < 3  # it parts nothing
-        for a, b in zip(corner, np.roll(corner, -1), strict=True):
-            right = none or volume * (1 if a < b else -1) > 0
+        if len(np.unique(np.asarray(mesh.points)[corner], axis=0)) < 3:  # it parts nothing
+            continue
+        for a, b in zip(same[corner], same[np.roll(corner, -1)], strict=True):
+            right = volume * (1 if a < b else -1) > 0
             if a != b:
-                edges.setdefault((min(a, b), max(a, b)), []).append(
-                    (t, right, none or (volume != 0 and not right)))
+                edges.setdefault((min(a, b), max(a, b)), []).append((t, right, volume != 0 and not right))
     told, ends = [], np.zeros(len(corners), int)
     for edge, found in edges.items():
         right, left = any(f[1] for f in found), any(f[2] for f in found)
@@ -69,6 +70,16 @@ def contours(mesh, view, projection, frame):
         yield np.array(edge), right, left, fold, ends[triangle] > 1 and not fold
 
 
+def _same(mesh, corners):
+    """The first of the points that triangles without an area have at one place, by point."""
+    same = np.arange(len(mesh.points))
+    for corner in corners:
+        for a, b in zip(corner, np.roll(corner, -1), strict=True):
+            if (mesh.points[a] == mesh.points[b]).all():
+                same[same == same[max(a, b)]] = same[min(a, b)]
+    return np.array([np.flatnonzero(same == k)[0] for k in same], int)
+
+
 def triangles(mesh):
     return np.arange(len(mesh.points)).reshape(-1, 3) if mesh.corners is None else mesh.corners
 
@@ -78,9 +89,9 @@ def bends(mesh):
     corners = triangles(mesh)
     world = np.asarray(mesh.points, np.float32).astype(float) @ mesh.model[:3, :3].T + mesh.model[:3, 3]
     across = np.cross(world[corners[:, 1]] - world[corners[:, 0]], world[corners[:, 2]] - world[corners[:, 0]])
-    edges = {}
+    edges, same = {}, _same(mesh, corners)
     for t, corner in enumerate(corners):
-        for k, (a, b) in enumerate(zip(corner, np.roll(corner, -1), strict=True)):
+        for k, (a, b) in enumerate(zip(same[corner], same[np.roll(corner, -1)], strict=True)):
             kind = 0 if mesh.edges is None else mesh.edges[t] >> 2 * k & 3
             if a != b:
                 edges.setdefault((min(a, b), max(a, b)), []).append((t, a < b, kind))

@@ -11,7 +11,7 @@ FAMILIES = ("crack", "thin", "mark", "crease", "normal_band", "normal", "color_b
             "seen_depth")  # older first
 CRACKS = {"crack", "mark", "crease", "light"}
 ROW, COLUMN, JUNCTION = 0, 1, 2
-SITE = np.dtype([*((name, np.float32) for name in ("x", "y", "strength", "thin", "half", "inside", "crowd")),
+SITE = np.dtype([*((name, np.float32) for name in ("x", "y", "strength", "thin", "half", "inside", "crowd", "tapers")),
                  *((name, np.int32) for name in ("column", "row", "near_x", "near_y", "family", "axis", "source",
                                                  "dropped", "crumb", "held", "weak", "told", "eased")),
                  ("step", np.int32, 3)])

@@ -66,8 +66,12 @@ def evened(t, radius, shape):
 
 
 def filled_by(t, radius):
-    """How much a thing not much wider than its lines lets no paper between them: they are one, from its middle."""
-    return t.site["thin"] * clamp01(1 - 2 * (t.site["half"] - radius))
+    """How much a thing not much wider than its lines lets no paper between them: they are one, from its middle. At a
+    tip they go so far there that the middle has the ink of both."""
+    half = t.site["half"]
+    one = clamp01(1 - 2 * (half - radius))
+    spread = np.where(half > 0, clamp01((0.5 + radius - half) / np.where(half > 0, 2 * half, 1)), one)
+    return t.site["thin"] * mix(one, spread, t.site["tapers"])
 
 
 def _thinned(t, half, most, unit, shape):

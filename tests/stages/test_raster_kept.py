@@ -27,6 +27,14 @@ def bent(mesh, rng):
     mesh.points = mesh.points + rng.normal(0, 0.1, mesh.points.shape).astype(np.float32)
 
 
+def pointed(mesh, rng):
+    """Three of its points at one place, as at a tip; or no longer."""
+    mesh.points = mesh.points.copy()
+    points = mesh.points[mesh.corners[len(mesh.corners) // 2]]
+    tip = (points[0] == points[1]).all()
+    mesh.points[mesh.corners[len(mesh.corners) // 2]] = points + rng.normal(0, 0.2, (3, 3)) if tip else points[0]
+
+
 def rejoined(mesh, rng):
     mesh.corners = mesh.corners.copy()
     mesh.corners[rng.integers(len(mesh.corners))] = mesh.corners[0, ::-1]
@@ -50,7 +58,7 @@ def numbered(mesh, rng):
     mesh.material = rng.integers(0, 3, len(mesh.corners)).astype(np.int32)
 
 
-CHANGES = (bent, rejoined, named, turned, offset, numbered)
+CHANGES = (bent, pointed, rejoined, named, turned, offset, numbered)
 
 
 @pytest.mark.parametrize("threads", [1, 3])
@@ -63,6 +71,16 @@ def test_a_change_of_one_mesh_shows(change, threads):
     got, want = picture(meshes, camera, threads), anew(meshes, camera, threads)
     same(got, want)
     assert any((got[name] != before[name]).any() for name in OUTPUTS)
+
+
+def test_a_tip_that_opens_shows():
+    rng = np.random.default_rng(23)
+    meshes, camera = [crumpled(rng)], (looking(rng), perspective(50, 40))
+    for _ in range(6):
+        pointed(meshes[0], rng)
+        same(picture(meshes, camera), anew(meshes, camera))
+        pointed(meshes[0], rng)
+        same(picture(meshes, camera), anew(meshes, camera))
 
 
 def test_a_mesh_that_is_written_over_shows():

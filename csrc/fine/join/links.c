@@ -12,8 +12,7 @@ static const float most_uneven = 0.3f; /* test_fine_passes */
 
 /* ---- who is linked --------------------------------------------------------------------------------------- */
 
-/* Number of the crack found at a pixel, or n->count. */
-static uint32_t find(const fine *n, int family, int x, int y, int axis)
+uint32_t ISA(crack_number)(const fine *n, int family, int x, int y, int axis)
 {
 	if (axis != AXIS_JUNCTION && !(n->crack[(ptrdiff_t)y * n->f->width + x] & mark_of(family, axis)))
 		return n->count;
@@ -37,8 +36,9 @@ static int sides(const fine *n, int family, int x, int y, uint32_t *side)
 	int found = 0;
 	if (x < 0 || y < 0 || x + 1 >= n->f->width || y + 1 >= n->f->height)
 		return 0;
-	const uint32_t all[4] = {find(n, family, x, y, AXIS_ROW), find(n, family, x, y + 1, AXIS_ROW),
-				 find(n, family, x, y, AXIS_COLUMN), find(n, family, x + 1, y, AXIS_COLUMN)};
+	const uint32_t all[4] = {
+		ISA(crack_number)(n, family, x, y, AXIS_ROW), ISA(crack_number)(n, family, x, y + 1, AXIS_ROW),
+		ISA(crack_number)(n, family, x, y, AXIS_COLUMN), ISA(crack_number)(n, family, x + 1, y, AXIS_COLUMN)};
 	for (int i = 0; i < 4; i++)
 		if (all[i] < n->count)
 			side[found++] = all[i];
@@ -58,7 +58,8 @@ static int crack_links(const fine *n, uint32_t i, uint32_t *to)
 		int count = sides(n, s->found.family, x, y, side);
 		if (count == 2)
 			to[found++] = side[0] == i ? side[1] : side[0];
-		else if (count > 2 && (to[found] = find(n, s->found.family, x, y, AXIS_JUNCTION)) < n->count)
+		else if (count > 2 &&
+			 (to[found] = ISA(crack_number)(n, s->found.family, x, y, AXIS_JUNCTION)) < n->count)
 			found++;
 	}
 	return found;

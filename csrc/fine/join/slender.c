@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Thin things and tips: where the two contours of one thing run beside each other, a few pixels apart, their lines thin
+ * out, so that something is left of the thing between them, and where they meet, the line gets no bead. */
+#include "fine/near.h"
+
+#include <string.h>
+
+enum { CHUNK = 2048, AROUND = 6 /* sites each way along a line */, LONG = 6 };
+
+/* Px. What is wider is no thin thing, and no line of one is made thinner. */
+static const float widest = 16, least_radius = 1.25f, least_tip = 0.75f; /* test_fine_passes */
+static const float least_pixels = 0.5f;
+static const float share = 0.3f;                /* of the thing, that half a line of it may take; test_fine_passes */
+static const float parted = 0.5f, along = 0.8f; /* cosines of contours that have nothing to do with each other, and that
+						   run along each other; test_fine_passes */
+static const float level = 0.05f, tapered = 0.15f,
+		   acute = 0.3f; /* sines of contours of a rod, and of a tip; test_fine_passes */
+
+/* 1 / half the width that a line may have, 0: any; how much a thing tapers. */
+typedef struct bound {
+	float crowd, tapers;
+} bound;
+
+typedef struct slender {
+	fine *n;
+	bound *bound; /* by site */
+	float unit;   /* pixels of a px */
+	int reach;    /* pixels */
+} slender;
+
+static bool is_contour(const site *s)
+{
+	return !s->linked.dropped && s->found.family == FAMILY_CRACK && s->found.axis <= AXIS_COLUMN;
+}
+
+/* The ways of the line from a site on, up (or left) and down (or right) along the side of a pixel that it crosses
+ * there, to the last such site a few on: others, where it turns from row to row, are not placed as well. 0 where it
+ * ends. */
+static void ways_from(const fine *n, uint32_t i, float way[2][2])
+{
+	const site *s = n->site + i;
+	memset(way, 0, 2 * sizeof *way);
+	for (uint32_t k = n->at[i]; links_at(n, i) <= 2 && k < n->at[i + 1]; k++) {
+		uint32_t from = i, at = n->to[k], last = i;
+		const placed *first = &n->site[at].placed;
+		int down = s->found.axis == AXIS_ROW ? first->y > s->placed.y : first->x > s->placed.x;
+		for (int step = 0; step < LONG && at != UINT32_MAX && at != i; step++) {
+			uint32_t next = next_of(n, from, at);
+			last = n->site[at].found.axis == s->found.axis ? at : last;
+			from = at;
+			at = next;
+		}
+		float x = n->site[last].placed.x - s->placed.x, y = n->site[last].placed.y - s->placed.y,
+		      length = sqrtf(x * x + y * y);
+		if (length > 0.5f) {
+			way[down][0] = x / length;
+			way[down][1] = y / length;
+		}
+	}
+}
+
+/* Number of the contour on the other side of the thing that the one at site i is of; n->count: it is far, or something
+ * lies before the thing there. */
+static uint32_t opposite(const slender *w, const site *s)
+{
+	const fine *n = w->n;
+	const frame *f = n->f;
+	int axis = s->found.axis, dx = axis == AXIS_ROW, dy = 1 - dx, x = s->found.column, y = s->found.row;
+	float own = depth_at(f, x, y), its = depth_at(f, x + dx, y + dy);
+	if (own == its)
+		return n->count;
+	int way = own < its ? -1 : 1, size = axis ? f->height : f->width, at = axis ? y : x;
+	ptrdiff_t step = axis ? f->width : 1;
+	const uint8_t *crack = n->crack + (ptrdiff_t)y * f->width + x;
+	uint8_t mark = mark_of(FAMILY_CRACK, axis) & 255;
+	for (int k = 1; k <= w->reach; k++) {
+		int to = at + way * k;
+		if (to < 0 || to + 1 >= size)
+			break;
+		if (!(crack[way * k * step] & mark))
+			continue;
+		int cx = x + way * k * dx, cy = y + way * k * dy;
+		float inside = depth_at(f, way < 0 ? cx + dx : cx, way < 0 ? cy + dy : cy),
+		      outside = depth_at(f, way < 0 ? cx : cx + dx, way < 0 ? cy : cy + dy);
+		return inside < outside ? ISA(crack_number)(n, FAMILY_CRACK, cx, cy, axis) : n->count;
+	}
+	return n->count;
+}
+
+/* Where the contours of a thing so wide are one beside the other, at an angle of this sine. */
+static float bound_at(const slender *w, float wide, float sine)
+{
+	float far = wide / (widest * w->unit), sharp = clamp01((sine - tapered) / (acute - tapered)),
+	      least = max(mix(least_radius, least_tip, sharp) * w->unit, least_pixels);
+	return 1 / max(share * wide / max(1 - far * far, 1e-6f), least);
+}
+
+/* What pixels alone say of a thin thing, where its contours have no way of their own. */
+static bound thin_bound(const slender *w, const placed *s)
+{
+	return (bound){s->thin * bound_at(w, 2 * s->half, 0), 0};
+}
+
+static bound bound_of(const slender *w, uint32_t i)
+{
+	const fine *n = w->n;
+	const site *s = n->site + i;
+	if (s->linked.dropped || rank_of(s) != RANK_SHAPE)
+		return (bound){0};
+	uint32_t j = is_contour(s) ? opposite(w, s) : n->count;
+	if (j >= n->count)
+		return thin_bound(w, &s->placed);
+	float own[2][2], other[2][2], dot[2];
+	ways_from(n, i, own);
+	ways_from(n, j, other);
+	for (int k = 0; k < 2; k++)
+		dot[k] = own[k][0] * other[k][0] + own[k][1] * other[k][1];
+	int down = dot[1] > dot[0]; /* at a tip one of both goes round it */
+	float beside = clamp01((dot[down] - parted) / (along - parted));
+	if (!(beside > 0))
+		return thin_bound(w, &s->placed);
+	const float *a = own[down], *b = other[down];
+	float way[2] = {a[0] + b[0], a[1] + b[1]}, x = n->site[j].placed.x - s->placed.x,
+	      y = n->site[j].placed.y - s->placed.y, length = sqrtf(way[0] * way[0] + way[1] * way[1]),
+	      sine = fabsf(a[0] * b[1] - a[1] * b[0]);
+	return (bound){beside * bound_at(w, fabsf(x * way[1] - y * way[0]) / length, sine),
+		       clamp01((sine - level) / (tapered - level))};
+}
+
+static void find_bounds(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const slender *w = data;
+	for (int i = first; i < end && !stopped_at(w->n, i); i++)
+		w->bound[i] = bound_of(w, (uint32_t)i);
+}
+
+static bound more(bound a, bound b)
+{
+	return (bound){max(a.crowd, b.crowd), max(a.tapers, b.tapers)};
+}
+
+/* Where several lines meet, as it goes on in two of them. */
+static bound met(const slender *w, uint32_t i)
+{
+	const fine *n = w->n;
+	bound most[2] = {0};
+	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
+		bound own = w->bound[n->to[k]];
+		most[1] = (bound){max(most[1].crowd, min(most[0].crowd, own.crowd)),
+				  max(most[1].tapers, min(most[0].tapers, own.tapers))};
+		most[0] = more(most[0], own);
+	}
+	return most[1];
+}
+
+/* Round a tip a line has no opposite, nor where pixels do not show it: it is bound as it is on both sides of there. */
+static bound closed(const slender *w, uint32_t i)
+{
+	const fine *n = w->n;
+	uint32_t links = links_at(n, i);
+	bound own = w->bound[i], side[2] = {0};
+	if (links > 2)
+		return more(own, met(w, i));
+	for (uint32_t k = 0; k < links; k++) {
+		uint32_t from = i, at = n->to[n->at[i] + k];
+		for (int step = 0; step < AROUND && at != UINT32_MAX && at != i; step++) {
+			side[k] = more(side[k], w->bound[at]);
+			for (uint32_t l = n->at[at]; links_at(n, at) > 2 && l < n->at[at + 1]; l++)
+				side[k] = more(side[k], n->to[l] == from ? (bound){0} : w->bound[n->to[l]]);
+			uint32_t next = next_of(n, from, at);
+			from = at;
+			at = next;
+		}
+	}
+	bound both = {min(side[0].crowd, side[1].crowd), min(side[0].tapers, side[1].tapers)};
+	return more(own, links == 1 ? side[0] : both);
+}
+
+static void set_bounds(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const slender *w = data;
+	for (int i = first; i < end && !stopped_at(w->n, i); i++) {
+		linked *s = &w->n->site[i].linked;
+		if (s->dropped || rank_of(w->n->site + i) != RANK_SHAPE)
+			continue;
+		bound b = closed(w, (uint32_t)i);
+		s->crowd = b.crowd;
+		s->tapers = b.tapers;
+	}
+}
+
+int32_t ISA(fine_slender)(fine *n)
+{
+	slender w = {.n = n, .unit = n->f->scale, .bound = late_take(&n->f->late, n->count, sizeof *w.bound)};
+	if (!w.bound)
+		return ENCRE_ERROR_MEMORY;
+	w.reach = (int)(widest * w.unit);
+	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_bounds, &w);
+	if (!code)
+		code = bands_run(n->f->bands, (int)n->count, CHUNK, set_bounds, &w);
+	late_drop(&n->f->late, w.bound);
+	return code;
+}
+#include <stdio.h>

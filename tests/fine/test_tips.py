@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where two contours of one thing run together: at tips of leaves and tines, and along rails. What is drawn has no
+bead, and something of a light thing is left between its lines."""
+
+import numpy as np
+import pytest
+from encre.pen import library
+
+PEN = dict(edge_detector="FINE", edge_color=0.0, edge_light=0.0, edge_normal=0.0, length_unit="PIXELS",
+           line_softness=0.0, line_gain=0.5, line_intensity=2.0, line_paper=0.0, use_shading=False, use_smudging=False,
+           use_hatching=False, paper_source="NONE")
+SIZE = 72, 96
+
+
+def drawn(inside, thickness, samples=6):
+    """Ink on a white thing before a white wall. inside(x, y): whether the thing is there; where its contours are is
+    told exactly, as a mesh does."""
+    y, x = np.mgrid[:SIZE[0], :SIZE[1]].astype(float)
+    part = (np.arange(samples) + 0.5) / samples - 0.5
+    share = np.mean([inside(x + a, y + b) for a in part for b in part], 0)[..., None]
+    hit, marks = inside(x, y), np.zeros((*SIZE, 2))
+    fine = np.linspace(0, 1, 257)[1:]
+    for axis, (dx, dy) in enumerate(((1, 0), (0, 1))):
+        along = np.stack([inside(x + dx * t, y + dy * t) for t in fine])
+        there = along[-1] != hit
+        marks[..., axis] = np.where(there, -(fine[np.argmax(along != hit, 0)] + 2 * 7), 0)
+    flat = np.ones((*SIZE, 3))
+    layers = dict(combined=np.ones((*SIZE, 4)), color=0.9 - 0.1 * share * flat, diffuse=flat, marks=marks,
+                  creases=np.zeros((*SIZE, 5)), depth=np.where(hit, 4.0, 9.0), object=np.where(hit, 2.0, 1.0),
+                  normal=share * (0, 0, 1.0) + (1 - share) * (0, 0.6, 0.8))
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    made = library.render(layers, dict(PEN, line_thickness=thickness), outputs=["Encre Lines"])
+    return made.images["Encre Lines"][..., 3].astype(float)
+
+
+def wedge(opening, turn):
+    """(inside, distance along its axis from the tip, and aside) of an endless wedge, in degrees."""
+    c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+    half = np.tan(np.radians(opening / 2))
+
+    def along(x, y):
+        return (x - 48.3) * c + (y - 36.2) * s, -(x - 48.3) * s + (y - 36.2) * c
+
+    def inside(x, y):
+        far, aside = along(x, y)
+        return (far > 0) & (np.abs(aside) < far * half)
+
+    return inside, *along(*np.mgrid[:SIZE[0], :SIZE[1]].astype(float)[::-1]), half
+
+
+@pytest.mark.parametrize("turn", [0, 17, 45, 70, 90, 200])
+@pytest.mark.parametrize("opening", [8, 15, 30])
+def test_a_tip_tapers(opening, turn):
+    """Ink across it nowhere grows towards the tip beyond what two lines cover, and ends thinner than one line."""
+    inside, far, aside, half = wedge(opening, turn)
+    for thickness in (4.0, 7.0):
+        t = drawn(inside, thickness)
+        near = np.abs(aside) < 14
+        across = np.array([(t * near * np.maximum(0, 1 - np.abs(far - k) / 1.5)).sum() / 1.5 for k in range(2, 26)])
+        assert across.max() < 2 * thickness / np.cos(np.radians(opening / 2)) + 0.5
+        assert across[:2].max() < thickness, across[:4]
+        widths = 2 * half * np.arange(2, 26) + thickness  # from rim to rim, were the lines as wide as elsewhere
+        merged = widths < 2 * thickness
+        assert (across[merged] < 0.95 * widths[merged]).all()
+        assert t[np.abs(far) + np.abs(aside) < 4].max() > 0.5, "it goes to the tip"
+
+
+@pytest.mark.parametrize("level", [0, 3, 20, 45])
+@pytest.mark.parametrize("width", [3.5, 4.5, 6.0])
+def test_a_light_rail_keeps_its_light(width, level):
+    c, s = np.cos(np.radians(level)), np.sin(np.radians(level))
+    y, x = np.mgrid[:SIZE[0], :SIZE[1]].astype(float)
+    off = (y - 36.3) * c - (x - 48.1) * s
+    t = drawn(lambda x, y: np.abs((y - 36.3) * c - (x - 48.1) * s) < width / 2, 7.0)
+    core = t[10:-10, 14:-14][np.abs(off[10:-10, 14:-14]) < 0.5]
+    assert core.max() < (0.6 if width < 4 else 0.25)
+    assert t[10:-10, 14:-14][np.abs(np.abs(off[10:-10, 14:-14]) - width / 2) < 0.4].min() > 0.9
+
+
+def test_a_wide_thing_keeps_its_lines():
+    t = drawn(lambda x, y: np.abs(x - 48.2) < 12, 6.0)
+    assert t[20:50, :48].sum(1) == pytest.approx(6, abs=0.05)
+
+
+def test_a_square_corner_is_as_wide_as_its_sides():
+    """At 90 degrees two lines have little to do with each other."""
+    inside = wedge(90, 90)[0]
+    t = drawn(inside, 4.0)
+    far = wedge(90, 90)[1]
+    assert t[np.abs(far) < 1.5].max() > 0.99
+    for k in (4, 6, 9):  # across one side
+        row = t[36 + k, 48:]
+        assert row[row > 0.01].sum() > 3.3

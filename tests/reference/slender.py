@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""FINE's bounds of lines where both contours of a thing are near each other: thin things, and tips."""
+
+import numpy as np
+
+from .metric import clamp01, mix
+from .passes import CLOSE, NUMBER, ROW, along_from
+
+WIDEST, SHARE, LEAST, TIP = 16.0, 0.3, 1.25, 0.75  # px, of the thing's width, px, px
+
+
+def _ways(t, i):
+    """Unit vectors up (left) and down (right) along the line, over at most six sites of the same axis; unsure."""
+    ways, unsure, ahead = np.zeros((2, 2)), False, 1 if t.axis[i] == ROW else 0
+    for j in t.links[i] if len(t.links[i]) <= 2 else ():
+        first = t.at[j, ahead] - t.at[i, ahead]
+        last = [k for k in (j, *along_from(t, i, j)[1:])[:6] if t.axis[k] == t.axis[i]]
+        gap = t.at[last[-1]] - t.at[i] if last else np.zeros(2)
+        length = np.hypot(*gap)
+        unsure |= abs(length - 0.5) < CLOSE
+        if length > 0.5:
+            ways[int(first > 0)] = gap / length
+    return ways, unsure
+
+
+def _opposite(t, i, depth, cracks, reach):
+    """The contour at which the thing ends that the one at site i bounds; None: it is far, or the thing lies behind."""
+    axis, at = t.axis[i], np.array([t.site["row"][i], t.site["column"][i]])
+    step = np.array((0, 1) if axis == ROW else (1, 0))
+    one, other = depth[tuple(at)], depth[tuple(at + step)]
+    if one == other:
+        return None
+    way = -1 if one < other else 1
+    for k in range(1, reach + 1):
+        there = at + way * k * step
+        if (there < 0).any() or (there + step >= depth.shape).any():
+            return None
+        if (*there, axis) in cracks:
+            pair = depth[tuple(there)], depth[tuple(there + step)]
+            inside, outside = pair if way > 0 else pair[::-1]
+            j = cracks[(*there, axis)]
+            return j if inside < outside and not t.dropped[j] else None
+    return None
+
+
+def _at(wide, sine, unit):
+    least = max(mix(LEAST, TIP, clamp01((sine - 0.15) / 0.15)) * unit, 0.5)
+    return 1 / max(SHARE * wide / max(1 - (wide / (WIDEST * unit)) ** 2, 1e-6), least)
+
+
+def _thin(t, i, unit):
+    """Where contours have no way of their own."""
+    return t.site["thin"][i] * _at(2.0 * t.site["half"][i], 0.0, unit), 0.0
+
+
+def _bound(t, i, j, unit):
+    """(1 / half the width, how much it tapers, unsure) where contours i and j are of one thing."""
+    (own, doubt), (other, more) = _ways(t, i), _ways(t, j)
+    dots, gap = (own * other).sum(1), t.at[j] - t.at[i]
+    first = int(dots[1] > dots[0])
+    found = [_beside(own[k], other[k], dots[k], gap, unit) or _thin(t, i, unit) for k in (first, 1 - first)]
+    tie = abs(dots[1] - dots[0]) < 1e-5 and not np.allclose(*found, atol=1e-4)
+    return *found[0], doubt or more or tie or abs(dots[first] - 0.5) < 1e-5
+
+
+def _beside(a, b, dot, gap, unit):
+    beside = clamp01((dot - 0.5) / 0.3)
+    if not beside > 0:
+        return None
+    way, sine = a + b, abs(a[0] * b[1] - a[1] * b[0])
+    wide = abs(gap[0] * way[1] - gap[1] * way[0]) / np.hypot(*way)
+    return beside * _at(wide, sine, unit), clamp01((sine - 0.05) / 0.1)
+
+
+def slender(t, depth, unit):
+    """1 over the greatest radius of each site of a shape, 0 where it is not bounded; how much what it is of tapers;
+    unsure. unit: pixels of a px."""
+    found, doubt, result = np.zeros((len(t), 2)), set(), np.zeros((len(t), 2))
+    contour = (t.family == NUMBER["crack"]) & (t.axis <= 1)
+    cracks = {(t.site["row"][i], t.site["column"][i], t.axis[i]): i for i in np.flatnonzero(contour)}
+    for i in np.flatnonzero(~t.dropped & (t.rank == 0)):
+        j = _opposite(t, i, depth, cracks, int(WIDEST * unit)) if contour[i] else None
+        *found[i], unsure = (*_thin(t, i, unit), False) if j is None else _bound(t, i, j, unit)
+        doubt |= {i} if unsure else set()
+    unsure = set()
+    for i in np.flatnonzero(~t.dropped & (t.rank == 0)):  # at the tip itself there is nothing opposite
+        arms = [along_from(t, i, j)[:6] for j in t.links[i]]
+        if len(arms) > 2:  # where lines meet it goes on in two
+            both = np.sort([found[arm[0]] for arm in arms], axis=0)[-2]
+        else:
+            for arm in arms:
+                before = (i, *arm)[-2]
+                arm += [k for k in t.links[arm[-1]] if k != before] if len(t.links[arm[-1]]) > 2 else []
+            both = np.min([found[arm].max(0) for arm in arms], axis=0) if arms else np.zeros(2)
+        result[i] = np.maximum(found[i], both)
+        if doubt & {i, *(k for arm in arms for k in arm)}:
+            unsure.add(i)
+    return *result.T, unsure
