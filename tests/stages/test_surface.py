@@ -213,6 +213,13 @@ def test_shading_off_leaves_the_image_as_it_is():
         assert same[there].all()
 
 
+def test_the_scene_smudges_as_far_without_another_style():
+    layers = random_layers(30, 40)
+    layers["style"][:] = 0
+    alone, beside = (draw(layers, ONLY_SMUDGING, styles)["Combined"] for styles in ((), [{}]))
+    assert alone.tobytes() == beside.tobytes() and np.abs(alone - layers["combined"]).max() > 0.1
+
+
 @pytest.mark.parametrize("threads", [1, 3])
 def test_all_off_copies_in_one_pass_what_the_stages_would_copy(threads):
     layers = dict(random_layers(40, 64), combined=np.float32(np.random.default_rng(5).normal(size=(40, 80, 4))))
