@@ -95,7 +95,7 @@ def test_any_pen_on_any_lines(seed):
     compared(case, pen, 0.02, seed % 3 == 0)  # rounding tells between two as good ways along which to part a line
 
 
-@pytest.mark.parametrize("pen", [dict(line_thickness=2.0, pen_pool=1.0),
+@pytest.mark.parametrize("pen", [dict(line_thickness=2.0, pen_pool=1.0, line_density=0.15),
                                  dict(line_thickness=1.5, pen_overshoot=9.0, pen_strokes=2),
                                  dict(line_thickness=1.5, pen_dash=7.0, pen_dash_space=3.0)], ids=lambda pen: [*pen][1])
 @pytest.mark.parametrize("seed", range(2))

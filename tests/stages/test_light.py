@@ -362,6 +362,7 @@ def test_a_pixel_beside_a_thing_takes_its_light():
 
 REFUSED = [
     (lambda s: s.geometry(1, CUBE, CUBE_CORNERS + 1), "geometry 1: triangle 2 has a corner at point 8 of 8"),
+    (lambda s: s.geometry(1, CUBE, np.int32([(8, 0, 1)])), "geometry 1: triangle 0 has a corner at point 8 of 8"),
     (lambda s: s.texture(1, np.zeros((0, 4))), "texture 1: 4 x 0 texels"),
     (lambda s: s.instance(4, 99), "instance 4: shows geometry 99, which is not there"),
     (lambda s: s.geometry(0, None), "geometry 0: is shown by 1 instances"),

@@ -159,6 +159,21 @@ def test_every_source_has_its_width():
             assert (want["Encre Lines"][..., 3] > 0).any()
 
 
+def test_a_small_thing_near_by_hides_what_is_drawn_farther_right():
+    """It lies at the end of one of the squares of which the least depth is known; the line in the next, alone."""
+    size, near = (70, 110), np.s_[36:60, 50:64]
+    layers = {"combined": np.ones((*size, 4)), "depth": np.full((*size, 1), 10.0),
+              "controls": np.zeros((*size, CONTROLS)), "object": (np.indices(size)[1] > 67)[..., None] * 1.0}
+    layers |= dict.fromkeys(("color", "diffuse", "normal"), np.ones((*size, 3)))
+    layers["depth"][near], layers["object"][near], layers["controls"][near + (0,)] = 1, 2, -1
+    layers = {name: np.float32(layer) for name, layer in layers.items()}
+    scene = dict(edge_detector="DOG", edge_depth=0, edge_normal=0, line_thickness=20.0, length_unit="PIXELS")
+    for occlude in False, True:
+        ink = library.render(layers, dict(scene, line_occlude=occlude), outputs=["Encre Lines"]).images["Encre Lines"]
+        assert ink[40:56, 66:70, 3].min() > 0.5 and ink[near][..., 3].any() != occlude
+
+
+
 @settings(max_examples=20, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6), st.sampled_from([3.0, 9.0, 24.0, 60.0]), st.sampled_from([0.0, 0.3, 0.9]),
        st.sampled_from([0.8, 1.0, 2.0, 4.0]), st.booleans(), st.booleans())

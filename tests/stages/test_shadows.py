@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from encre.pen import irradiance
 from encre.pen.job import Bend, Frame, Lamp
-from lamps import CUBE, CUBE_CORNERS, LAMPS, PLANE_CORNERS, Stage, ball, look, moved, ways
+from lamps import CUBE, CUBE_CORNERS, LAMPS, PLANE, PLANE_CORNERS, Stage, ball, look, moved, ways
 from reference import light
 from reference.light import Hole
 from reference.shadows import Picture
@@ -51,12 +51,13 @@ def alike(got, want, within=3e-6):
 class Case:
     """A scene with lamps, its layers, and what the twin draws. Nothing here calls the library."""
 
-    def __init__(self, lamps, stage=None, frame=None, world=None, hidden=np.s_[:0], bends=()):
+    def __init__(self, lamps, stage=None, frame=None, world=None, hidden=np.s_[:0], bends=(), off=1):
         self.lamps, self.stage, self.by, self.bends = lamps, stage or scene(), world, bends
         self.frame = frame or Frame(WIDTH, HEIGHT)
         part = np.s_[self.frame.y:self.frame.y + HEIGHT, self.frame.x:self.frame.x + WIDTH]
         self.depth, self.normal = (layer[part].copy() for layer in layers(self.stage))
         self.depth[hidden] = 1e10
+        self.depth *= np.float32(off)
         twin = Picture(self.stage.world, self.stage.view, self.stage.projection, (self.frame.width, self.frame.height),
                        0.1, self.depth, self.normal, (self.frame.x, self.frame.y), bends)
         self.want = twin.light(lamps, irradiance.polynomials, world)
@@ -126,6 +127,15 @@ def rough(seed):
     return Case([Lamp("sun", model=ways(-4.0, 2.2, 0.8))], stage)
 
 
+def between():
+    """Depths between two sheets that lie so close that they could be either's."""
+    stage = Stage(WIDTH, HEIGHT)
+    normals = np.zeros((2, 3, 3), np.float32) + np.float32((0.6, 0, 0.8))
+    stage.add(PLANE, PLANE_CORNERS, moved(0, 0, 0.003), normals)
+    off = np.random.default_rng(1).uniform(1, 1.0007, (HEIGHT, WIDTH))
+    return Case([Lamp("sun", model=ways())], stage, off=off)
+
+
 LEAF = np.array([[-1.8, -2.4, 2.2], [0.6, -2.4, 2.3], [0.6, -0.2, 2.4], [-1.8, -0.2, 2.3]], np.float32)
 
 
@@ -146,7 +156,7 @@ ALL = {**{name: functools.partial(Case, [lamp]) for name, lamp in {**LAMPS, **MO
        **{f"bends, {name}": functools.partial(with_bends, lamp) for name, lamp in
           (("sun", LAMPS["sun"]), ("point", LAMPS["point"]), ("small rectangle", MORE["small rectangle"]))},
        "rough": functools.partial(rough, 8), "rougher": functools.partial(rough, 1),
-       "sets": with_sets, "orthographic": straight,
+       "between": between, "sets": with_sets, "orthographic": straight,
        "holes": functools.partial(with_holes, "REPEAT", False),
        "holes, once": functools.partial(with_holes, "CLIP", True),
        "holes, drawn out": functools.partial(with_holes, "EXTEND", False)}

@@ -25,7 +25,7 @@ TONES = [(0.2, 0.9, 0.8, 1.0), (0.6, 0.3, 0.4, 1.0, 0.9, 0.8), (0.9, 0.8, 0.2, 1
 STYLES = [
     dict(shade_levels=TONES, shade_tint=(0.2, 0.5, 0.9), shade_tint_weight=0.4, shade_saturation=0.3,
          shade_exposure=1.3, shade_strength=0.8, hatch_amount=1.2, hatch_color=(0.3, 0.1, 0.0),
-         smudge_range=25.0, smudge_pick=3.0, smudge_falloff=0.2, smudge_speed=2.5),
+         smudge_range=25.0, smudge_pick=3.0, smudge_falloff=0.2, smudge_speed=2.0),
     dict(use_shading=False, hatch_color_threshold=0.9, hatch_light_threshold=0.0, smudge_depth=0.4, smudge_speed=0.5),
 ]
 SIZES = [(89, 257), (1, 1), (1, 40), (40, 1)]
@@ -213,6 +213,13 @@ def test_shading_off_leaves_the_image_as_it_is():
         assert same[there].all()
 
 
+def test_the_scene_smudges_as_far_without_another_style():
+    layers = random_layers(30, 40)
+    layers["style"][:] = 0
+    alone, beside = (draw(layers, ONLY_SMUDGING, styles)["Combined"] for styles in ((), [{}]))
+    assert alone.tobytes() == beside.tobytes() and np.abs(alone - layers["combined"]).max() > 0.1
+
+
 @pytest.mark.parametrize("threads", [1, 3])
 def test_all_off_copies_in_one_pass_what_the_stages_would_copy(threads):
     layers = dict(random_layers(40, 64), combined=np.float32(np.random.default_rng(5).normal(size=(40, 80, 4))))
@@ -229,6 +236,8 @@ def test_all_off_copies_in_one_pass_what_the_stages_would_copy(threads):
     assert copied.images["Combined"].tobytes() == np.float32(clean).tobytes() and not copied.images["Encre Lines"].any()
     assert (copied.nonfinite, drawn.nonfinite) == (12, 15)  # of the layers that are read
     assert library.render(layers, off, outputs=["Encre Lines"], threads=threads).nonfinite == 12
+    apart = dict(layers, combined=np.repeat(layers["combined"], 2, 1)[:, ::2])  # gaps between pixels
+    assert library.render(apart, off, outputs=["Encre Lines"], threads=threads).nonfinite == 12
     assert library.render(layers, off, [{"use_hatching": True}], threads=threads).nonfinite == 15
 
 

@@ -11,6 +11,7 @@ from encre.pen import library
 from encre.pen.job import Camera, Frame
 from encre.pen.settings import Settings
 from reference import render as reference
+from reference.tones import thresholds
 from toned import ramped, slanted, steep, stuck, tile, wall
 
 ALONE = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=True,
@@ -294,7 +295,7 @@ def test_strokes_lie_alike_in_every_band_and_part():
     assert ring < 60 and np.array_equal(part[ring:, ring:-ring], whole[20 + ring:, 10 + ring:150 - ring])
 
 
-def flat(dark, size=(444, 444), anchor=None, **scene):
+def flat(dark, size=(444, 444), anchor=None, tile=TILE, **scene):
     """Share of ink on a surface that is as dark everywhere."""
     height, width = size
     one = np.ones((height, width, 3), np.float32)
@@ -302,7 +303,7 @@ def flat(dark, size=(444, 444), anchor=None, **scene):
                   normal=one * np.float32((0, 0, 1)))
     if anchor is not None:
         layers["anchor"] = anchor
-    ink = library.render(layers, dict(ALONE, shade_levels=[(1 - dark,)], **scene), image=lambda _: TILE,
+    ink = library.render(layers, dict(ALONE, shade_levels=[(1 - dark,)], **scene), image=lambda _: tile,
                          outputs=["Encre Tones"])
     return ink.images["Encre Tones"][..., 3]
 
@@ -332,6 +333,13 @@ def test_ink_of_pictures_is_what_was_asked_for(pitch, angle, crisp):
     for dark in RAMP:
         look = dict(tone_1="IMAGE", tone_1_image="tile", tone_1_pitch=pitch, tone_1_angle=angle, tone_crisp=crisp)
         assert abs(flat(dark, **look).mean() - dark) < 0.01, dark
+
+
+def test_a_black_picture_is_inked_by_chance():
+    black = np.zeros((2, 3, 1), np.float32)
+    for dark in (0.2, 0.4, 0.6, 0.8):
+        ink = flat(dark, (48, 72), tile=black, tone_1="IMAGE", tone_1_image="tile", tone_1_pitch=24.0, tone_1_angle=0.0)
+        assert abs(ink.mean() - (thresholds(black, 24.0) < dark).mean()) < 0.02
 
 
 @pytest.mark.parametrize("kind, down", [("DOTS", (-0.001, 0.017)), ("DOTS", (0.005, 0.015)), ("DOTS", (0.009, 0.009)),
