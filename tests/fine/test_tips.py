@@ -91,3 +91,34 @@ def test_a_square_corner_is_as_wide_as_its_sides():
     for k in (4, 6, 9):  # across one side
         row = t[36 + k, 48:]
         assert row[row > 0.01].sum() > 3.3
+
+
+@pytest.mark.parametrize("slant", [0.07, 0.3, 0.8, 1.7])
+def test_a_joint_of_two_materials_runs_where_the_mesh_says(slant):
+    """Also where colours are not averaged and show stairs, as in fast layers."""
+    y, x = np.mgrid[:SIZE[0], :SIZE[1]].astype(float)
+
+    def side(x, y):
+        return (y - 36.3) - slant * (x - 48.1) > 0
+
+    below, marks = side(x, y), np.zeros((*SIZE, 2))
+    fine = np.linspace(0, 1, 1025)[1:]
+    for axis, (dx, dy) in enumerate(((1, 0), (0, 1))):
+        along = np.stack([side(x + dx * t, y + dy * t) for t in fine])
+        marks[..., axis] = np.where(along[-1] != below, -fine[np.argmax(along != below, 0)], 0)
+    flat = np.ones((*SIZE, 3))
+    layers = dict(combined=np.ones((*SIZE, 4)), color=np.where(below[..., None], (0.6, 0.3, 0.2), (0.5, 0.6, 0.7)),
+                  diffuse=flat, normal=flat * (0, 0, 1), depth=np.full(SIZE, 4.0), object=np.ones(SIZE), marks=marks,
+                  creases=np.zeros((*SIZE, 5)), material=1.0 + below)
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    made = library.render(layers, dict(PEN, edge_color=3.0, edge_material=0.0, line_thickness=1.5, edge_threshold=0.1),
+                          outputs=["Encre Lines"])
+    t = made.images["Encre Lines"][..., 3].astype(float)[8:-8, 8:-8]
+    off = ((y - 36.3) - slant * (x - 48.1))[8:-8, 8:-8]
+    for axis in (0,) if slant < 1 else (1,):
+        ink = t.sum(axis)
+        place = np.where(ink > 0.5, (t * off).sum(axis) / np.maximum(ink, 0.5), 0) / np.hypot(1, slant)
+        whole = (np.abs(off).min(axis) < 0.6) & (ink > 0)
+        inner = whole[6:-6]
+        assert inner.sum() > 20
+        assert np.abs(place[6:-6][inner]).max() < 0.2

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import grid
+from . import marks as lines
 from .edges import SOURCES
 from .metric import clamp01
 from .passes import COLUMN, ROW
@@ -151,6 +152,18 @@ def _share(value, first, second):
     return float(clamp01((value - second) @ (first - second) / square)) if square > 0 else 0.5
 
 
+def _joint(marks, row, column, axis, offset):
+    """Where a mesh tells that a joint passes the pixel within 3/4 of where its colours step; whether that is close."""
+    near = []
+    for k in (-1, 0):
+        at = (row + k, column) if axis else (row, column + k)
+        if min(at) >= 0 and marks[at][axis] < 0 and (place := min(float(lines.place_of(marks[at][axis])), 1)) > 0:
+            near.append((abs(place + k - offset), place + k))
+    near.sort()
+    unsure = any(abs(d - 0.75) < SURE for d, _ in near) or (len(near) > 1 and near[1][0] - near[0][0] < SURE)
+    return (near[0][1], unsure) if near and near[0][0] < 0.75 else (offset, unsure)
+
+
 def _put(row, column, axis, offset):
     offset = float(np.clip(offset, -1, 1))
     return (column, row + offset) if axis else (column + offset, row)
@@ -226,7 +239,11 @@ def step_site(view, layer, row, column, axis):
     doubtful = abs(more(norm2(linear[1] - linear[3]), norm2(linear[0] - linear[4]))) < SURE and \
         not np.allclose(linear[[1, 3]], linear[[0, 4]], atol=1e-6)
     share = sum(_share(linear[k], linear[low], linear[high]) for k in (1, 2, 3)) - 1.5
-    place = _put(row, column, axis, share - 0.06 * np.sin(2 * np.pi * share))
+    offset = share - 0.06 * np.sin(2 * np.pi * share)
+    if layer.name == "color":
+        offset, unsure = _joint(view.layers.marks, row, column, axis, offset)
+        doubtful |= unsure
+    place = _put(row, column, axis, offset)
     way = v[3] - v[1]
     # the slope up to the last pixel goes on at least as steeply
     before = v[2] - v[1] if far[0] < 2 else v[1] - v[0]

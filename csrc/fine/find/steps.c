@@ -179,6 +179,28 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 	return weigh_weak(n, at, s, style, ISA(color_strength)(n, at, is->sample, difference));
 }
 
+/* Pixels from where colours have a step to a joint of materials that a mesh tells; test_fine_sites */
+static const float joint_reach = 0.75f;
+
+/* Where the pixel's colour steps: at a joint of the mesh's materials that passes there, which colours that few samples
+ * or none have averaged show as stairs. */
+static float joint_near(const fine *n, const found *at, float offset)
+{
+	float least = joint_reach, best = offset;
+	for (int k = -1; k <= 0; k++) {
+		found crack = *at;
+		if ((at->axis == AXIS_ROW ? at->column : at->row) + k < 0)
+			continue;
+		*(at->axis == AXIS_ROW ? &crack.column : &crack.row) += (uint16_t)k;
+		float place = -ISA(hand_place)(n, &crack), apart = fabsf(place + (float)k - offset);
+		if (place > 0 && apart < least) {
+			least = apart;
+			best = place + (float)k;
+		}
+	}
+	return best;
+}
+
 bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 {
 	float value[5][3], difference = 0, bend = 0, step = 0;
@@ -193,7 +215,8 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 	float offset = -1.5f;
 	for (int k = 1; k <= 3; k++)
 		offset += share(value[k], value[low], value[high], planes);
-	put(at, unbiased(offset), s);
+	offset = unbiased(offset);
+	put(at, at->family == FAMILY_COLOR ? joint_near(n, at, offset) : offset, s);
 	int style = fine_style(n, at, s);
 
 	if (form == FORM_COLOR)
