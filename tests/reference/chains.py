@@ -95,7 +95,7 @@ def beside(t, shape):
             margins = [-1 if rank == 3 or not loose else of_all / whole - 0.5,
                        _turns(t, run) - (0.3 if rank == 3 else 0.12)]
             if rank > 2 and (loose == 2 or closed):
-                least = 6 if rank == 3 else 14
+                least = 6 if rank == 3 else 9
                 margins.append((least - length) / least)
             if min(abs(m) for m in margins) < 1e-4 or doubt[0]:
                 unsure |= set(run)

@@ -16,7 +16,7 @@ static const float most_beside = 0.5f;  /* of a chain's length; test_fine_passes
  * what is filled there with it, however often these turn: only noise turns more; test_fine_passes */
 static const float most_wiggle = 0.12f, most_wiggle_light = 0.3f;
 /* pixels: shorter lines of light, and of what mirrors and glass show, that meet nothing are noise; test_fine_passes */
-static const float least_light = 6, least_seen = 14;
+static const float least_light = 6, least_seen = 9;
 
 /* A run of sites between those at which not exactly two meet. */
 typedef struct chain {
