@@ -195,6 +195,18 @@ def test_jumps_that_a_mirror_shows_are_lines_from_nine_sites_on(height):
     assert len(site) == height and (site["dropped"] > 0).all() == (height < 9)
 
 
+@pytest.mark.parametrize(("side", "stays"), [(2, False), (8, True)])
+def test_specks_that_a_mirror_shows_are_no_lines(side, stays):
+    shape = 24, 24
+    layers = dict(combined=np.ones((*shape, 4)), seen_depth=np.full(shape, 6.0), depth=np.full(shape, 4.0))
+    for name in ("color", "diffuse", "seen_color", "normal", "seen_normal"):
+        layers[name] = np.full((*shape, 3), -0.5 if name == "seen_normal" else 0.5)
+    layers["seen_color"][8:8 + side, 8:8 + side] = 0.1
+    _, every = passes.run({name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}, passes.ALL)
+    site = next(s.site for s in every if s.name == "drop beside")
+    assert len(site) and (site["dropped"] == 0).any() == stays
+
+
 def test_every_pass_has_something_to_do():
     found = sum((compare(name) for name in ALL), Counter())
     assert {name: (found[name], least) for name, least in LEAST.items() if found[name] < least} == {}

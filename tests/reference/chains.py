@@ -47,7 +47,8 @@ def _way(t, i):
 
 
 def beside(t, shape):
-    """Which sites are dropped with their chain, because it runs along another, wiggles, or is a speck of light; unsure.
+    """Which sites are dropped with their chain, because it runs along another, wiggles, or is a speck of light or in a
+    mirror; unsure.
     """
     runs = chains(t)
     chain_of = {i: k for k, run in enumerate(runs) for i in run if len(t.links[i]) <= 2}
@@ -72,11 +73,11 @@ def beside(t, shape):
     def weight(k):
         run = runs[k]
         its = [0 if FAMILIES[t.family[i]] == "mark" else t.rank[i] for i in run if len(t.links[i]) <= 2]
-        return min([*its, 4]), -sum(t.apart(i, j) for i, j in zip(run, run[1:])), run[0], run[1]  # noqa: B905
+        return min([*its, 5]), -sum(t.apart(i, j) for i, j in zip(run, run[1:])), run[0], run[1]  # noqa: B905
 
     weights = sorted((weight(k), k) for k in range(len(runs)))
     marked = {}
-    for rank in (1, 2, 3):
+    for rank in (1, 2, 3, 4):
         # what an older rank dropped is gone for the next, but not what the same one drops
         left = [i for i in np.flatnonzero(~t.dropped & (t.rank == rank)) if i not in gone]
         marked |= {i: along(i) for i in left}
@@ -93,8 +94,9 @@ def beside(t, shape):
             whole = max(length, 1e-9)
             margins = [-1 if rank == 3 or not loose else of_all / whole - 0.5,
                        _turns(t, run) - (0.3 if rank == 3 else 0.12)]
-            if rank == 3 and (loose == 2 or closed):
-                margins.append((6 - length) / 6)
+            if rank > 2 and (loose == 2 or closed):
+                least = 6 if rank == 3 else 9
+                margins.append((least - length) / least)
             if min(abs(m) for m in margins) < 1e-4 or doubt[0]:
                 unsure |= set(run)
             members = {i for i in run if len(t.links[i]) <= 2}

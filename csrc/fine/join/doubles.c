@@ -15,7 +15,8 @@ static const float most_beside = 0.5f;  /* of a chain's length; test_fine_passes
 /* A line that turns to and fro more is a scribble round what pixels can't show. Light ends at the borders of faces, and
  * what is filled there with it, however often these turn: only noise turns more; test_fine_passes */
 static const float most_wiggle = 0.12f, most_wiggle_light = 0.3f;
-static const float least_light = 6; /* pixels: shorter lines of light that meet nothing are noise; test_fine_passes */
+/* pixels: shorter lines of light, and of what mirrors and glass show, that meet nothing are noise; test_fine_passes */
+static const float least_light = 6, least_seen = 9;
 
 /* A run of sites between those at which not exactly two meet. */
 typedef struct chain {
@@ -175,7 +176,8 @@ static void choose(beside *b, const chain *c)
 	/* light thins out beside what is older (density.c) */
 	bool drop = c->rank != RANK_LIGHT && c->loose && length_beside(b, c) > most_beside * c->length;
 	drop |= c->rank > RANK_SHAPE && c->wiggle > (c->rank == RANK_LIGHT ? most_wiggle_light : most_wiggle);
-	drop |= c->rank == RANK_LIGHT && c->length < least_light && (c->loose == 2 || c->closed);
+	float least = c->rank == RANK_LIGHT ? least_light : c->rank == RANK_SEEN ? least_seen : 0;
+	drop |= c->length < least && (c->loose == 2 || c->closed);
 	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next, b->steps++) {
 		next = following(n, c, from, at);
 		if (drop && links_at(n, at) <= 2)
@@ -202,7 +204,7 @@ int32_t ISA(fine_drop_beside)(fine *n)
 		return code;
 	qsort(b.list, b.count, sizeof *b.list, by_weight);
 	uint32_t i = 0;
-	for (b.rank = RANK_CREASE; !code && b.rank <= RANK_LIGHT; b.rank++) {
+	for (b.rank = RANK_CREASE; !code && b.rank <= RANK_SEEN; b.rank++) {
 		code = bands_run(n->f->bands, (int)n->count, CHUNK, find_near, &b);
 		for (; !code && i < b.count && b.list[i].rank <= b.rank; i++)
 			if (b.list[i].rank == b.rank) {
