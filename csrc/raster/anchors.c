@@ -85,10 +85,11 @@ void anchors_load(const part *part, uint32_t i, anchor_face *face)
 {
 	const encre_mesh *mesh = part->mesh;
 	face->part = part;
-	face->smooth = mesh->rest_normals != NULL;
+	const float *normals = mesh->rest_normals;
+	face->smooth = normals != NULL;
 	geometry_rest(part, i, face->rest);
-	for (int k = 0; k < 3 && face->smooth; k++)
-		stretch_normal(part, mesh->rest_normals + (size_t)i * 9 + 3 * k, face->normals + 3 * k);
+	for (int k = 0; normals && k < 3; k++)
+		stretch_normal(part, normals + (size_t)i * 9 + 3 * k, face->normals + 3 * k);
 	form_of(face->rest, face->smooth ? face->normals : NULL, face->form);
 	for (int c = 0; c < 3; c++) {
 		int a = (c + 1) % 3, b = (c + 2) % 3;

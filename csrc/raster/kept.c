@@ -78,7 +78,7 @@ static kept_mesh *new_mesh(const encre_mesh *mesh)
 		if (!m)
 			return NULL;
 	}
-	if (m->has_corners)
+	if (mesh->corners)
 		memcpy(m->corners, mesh->corners, 3 * n * sizeof *m->corners);
 	return m;
 }
