@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..pen import layers as layering
 from ..pen import library, metadata, saved, supersample
 from ..pen.around import Window
 from ..pen.errors import Cancelled, EncreError
@@ -41,6 +42,15 @@ class Kept:
     name: str
     settings: Settings
     places: dict = field(default_factory=dict)  # view's name -> Place
+
+
+def _seen(layers, view):
+    """The layers of what mirrors show, which files have of all pixels: each shows itself where there is no mirror."""
+    if "seen_depth" in layers:
+        return {name: layers[name] for name in ("seen_color", "seen_depth", "seen_normal")}
+    to_camera = np.asarray(view, np.float32).reshape(3, 3).T
+    return {"seen_color": layers["color"], "seen_normal": layers["normal"] @ to_camera,
+            "seen_depth": np.where(layers["depth"] < 1e9, layers["depth"], np.float32(0))}
 
 
 class FastFrames:
@@ -94,6 +104,10 @@ class FastFrames:
                                   _threads(depsgraph), self.go_on)
         for name, layer in _PASSES.items():
             place.write(plain, name, pictures[layer])
+        if "specular" in pictures:
+            gloss = pictures["gloss"]
+            light = np.divide(pictures["specular"], gloss, out=np.zeros_like(gloss), where=gloss > 0)
+            place.write(plain, "GlossInd", light)
         place.write(plain, "Combined", pictures["combined"])
         return place, {name: picture for name, picture in pictures.items() if name in library.load().layers}, plain
 
@@ -101,8 +115,11 @@ class FastFrames:
         """Draws what a view layer is asked for and writes it: {pass: picture}."""
         out = dict(plain)
         if wanted.keeps(depsgraph.scene):
-            for name in saved.passes(False, "anchor" in layers, "tangent" in layers):
-                place.write(out, name, saved.pack(name, layers))
+            seen = _seen(layers, place.camera.view) if settings.wants_seen else {}
+            for name in saved.passes("seen_depth" in seen, "anchor" in layers, "tangent" in layers):
+                place.write(out, name, saved.pack(name, layers | seen))
+            for name, picture in layering.seen_passes(seen).items():
+                place.write(out, name, picture)
         asked = [*(["Combined"] if settings.active else []), *wanted.asked(depsgraph.view_layer)]
         if asked:
             drawn = library.draw(layers, settings.every, place.camera, place.large, outputs=asked,

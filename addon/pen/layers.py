@@ -37,6 +37,7 @@ CYCLES = {
 }
 # Its passes that look into mirrors and through clear glass, up to the first rough surface.
 SEEN = {"Denoising Albedo": "RGB", "Denoising Normal": "XYZ", "Denoising Depth": "Z"}
+_TOWARDS = np.array((1, 1, -1), np.float32)  # Cycles' camera looks along +z
 # Its pass of what the world shows behind everything.
 BEHIND = {"Env": "RGB"}
 # The pictures that the library draws beside Combined.
@@ -77,6 +78,14 @@ def seen_depth(length: np.ndarray, projection: np.ndarray, frame: Frame, clip_st
     orthographic = projection[3, 3] == 1
     slant = 1 if orthographic else np.sqrt(1 + y[:, None, None] ** 2 + x[:, None] ** 2)
     return np.where(length > 0, length / slant + clip_start, 0).astype(np.float32)
+
+
+def seen_passes(seen: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The passes SEEN, as Cycles has them, of the layers of what mirrors show, if there are any; but for the depth,
+    which files have as a layer."""
+    if not seen:
+        return {}
+    return {"Denoising Albedo": seen["seen_color"], "Denoising Normal": seen["seen_normal"] * _TOWARDS}
 
 
 class _Passes:
@@ -196,8 +205,7 @@ def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str,
     _light(read, layers, settings, denoise, denoise_other)
     if "Denoising Albedo" in read and "Denoising Normal" in read:
         layers["seen_color"] = read.raw("Denoising Albedo")
-        towards = np.array((1, 1, -1), np.float32)  # Cycles' camera looks along +z
-        layers["seen_normal"] = read.raw("Denoising Normal") * towards
+        layers["seen_normal"] = read.raw("Denoising Normal") * _TOWARDS
     else:
         layers.pop("seen_depth", None)
     for name in _NEUTRAL:

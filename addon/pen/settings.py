@@ -253,8 +253,7 @@ class Settings:
     @cached_property
     def wants_seen(self) -> bool:
         """Whether lines are drawn in what mirrors and glass show."""
-        return (self.every[0]["edge_detector"] == "FINE" and self.any("edge_seen") and self.wants_edges
-                and not self.fast)
+        return self.every[0]["edge_detector"] == "FINE" and self.any("edge_seen") and self.wants_edges
 
     def idle(self, pictures: Mapping[str, np.ndarray]) -> dict[str, str]:
         """{weight: why} of the sources of edges that are asked for and find nothing in the layers of a picture."""

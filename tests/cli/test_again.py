@@ -65,6 +65,8 @@ scene.encre.use_example, style.example_ball, style.example_image = True, "IMAGE"
 scene.encre.example_ball = "IMAGE"
 scene.encre.example_image = bpy.data.images.load(__file__.replace("scene.py", "own.tif"))
 """
+MIRROR = "floor.data.materials[0] = material('Mirror', (0.9, 0.9, 0.9), Metallic=1, Roughness=0)\n"
+OWN = "scene.encre.layer_source, scene.encre.edge_seen = 'ENCRE', 1\n"
 FEATURES = {  # name: (lines of the scene, words of the only sentence that is said, whether Combined is the same)
     "plain": ("", None, True),
     "stereo": ("scene.render.use_multiview = True\n", None, True),
@@ -91,8 +93,9 @@ FEATURES = {  # name: (lines of the scene, words of the only sentence that is sa
                        "for face in ball.data.polygons:\n    face.use_smooth = True\n", None, True),
     "orthographic": ("camera.data.type, camera.data.ortho_scale = 'ORTHO', 6\n", None, True),
     "shift and clipping": ("camera.data.shift_x, camera.data.clip_start = 0.2, 3.0\n", None, True),
-    "mirror": ("floor.data.materials[0] = material('Mirror', (0.9, 0.9, 0.9), Metallic=1, Roughness=0)\n",
-                         None, True),
+    "mirror": (MIRROR, None, True),
+    "mirror of Encre's layers": (MIRROR + OWN, None, True),
+    "Encre's layers": (OWN, None, True),
     "painted controls": ("at = cube.data.attributes.new('encre_thickness', 'FLOAT', 'POINT')\n"
                          "at.data.foreach_set('value', [k / 4 - 1 for k in range(8)])\n", None, True),
     "film transparent": ("floor.hide_render = scene.render.film_transparent = True\n", None, True),
@@ -103,7 +106,8 @@ FEATURES = {  # name: (lines of the scene, words of the only sentence that is sa
     "another detector": ("scene.encre.edge_detector = 'SOBEL'\n", None, True),
     "stretched pixels": ("scene.render.pixel_aspect_x = 2\n", None, True),
 }
-QUICK = ("border", "by example", "view layers", "supersample", "painted controls")  # others: test_cli_render
+QUICK = ("border", "by example", "view layers", "supersample", "painted controls",
+         "mirror of Encre's layers")  # others: test_cli_render
 
 
 @pytest.mark.parametrize("name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.long)

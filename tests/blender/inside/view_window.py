@@ -273,7 +273,7 @@ def several():
     for area in areas:
         area.spaces.active.shading.type = "RENDERED"
     areas[1].spaces.active.region_3d.view_perspective = "PERSP"
-    yield from rest()
+    yield from rest(2)
     seen = {view.what.where.through_camera: view.what.where for view in views()}
     studio.fact("views", [seen[True].full, [seen[False].part.width, seen[False].part.height],
                           [[region.width, region.height] for area in areas for region in area.regions
@@ -353,7 +353,7 @@ def together():
             beside += any(view.picture for view in views())
             yield
         write((scene.encre, "line_thickness", thickness))
-        yield from rest()
+        yield from rest(2 if name == "together" else 1)
         bpy.data.images["Render Result"].save_render(os.path.join(window.FOLDER, f"{name}.png"))
     studio.fact("together", [len(views()), [view.failure for view in views()], beside])
 

@@ -43,13 +43,13 @@ def state(view):
             what and [what.scale, what.now == view._now(), what.cancelled]]
 
 
-def rest():
-    """Until the view shows all that there is to show."""
+def rest(count=1):
+    """Until so many views, or more, show all that there is to show: a new one is there by and by."""
     end = time.perf_counter() + 90
     yield
     yield
     while time.perf_counter() < end:
-        if all(state(view)[0] or view.failure for view in views()):
+        if len(views()) >= count and all(state(view)[0] or view.failure for view in views()):
             return
         yield
     raise AssertionError(f"the view does not come to rest: {[state(view) for view in views()]}")
