@@ -312,7 +312,8 @@ class _Work:
         light = settings.every[0]["light_source"]
         if settings.wants_light and light != self.held.every[0]["light_source"] and not self.held.fast \
                 and np.ptp(read["diffuse"]):
-            self._say("note", f"light_source {light} needs a render: {where} is drawn as its light is")
+            held = "Cycles' light" if light == "DRAWN" else "light that Encre has drawn"
+            self._say("note", f"light_source {light} needs a render: {where} holds {held}, which is kept")
         self._say("note", settings.blots(_place(stored, window).height))
         self._say("note", missing and f"{where} has {'; '.join(missing)}")
         self._say("note", _idle(read, settings, where))

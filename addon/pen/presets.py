@@ -95,6 +95,7 @@ def read(path: Path) -> Preset:
 
 @functools.lru_cache(256)  # panels ask at every redraw
 def _read(path, _changed):
+    library.load()  # which may raise what is no fault of the preset
     try:
         data = _data(path)
         values = {**settings.since(data.get("settings", settings.VERSION)), **data["values"]}
