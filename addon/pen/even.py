@@ -24,7 +24,7 @@ _NOISE = 3  # standard deviations of the noise as rendered: what the denoiser ca
 _ABOUT = 3  # of _AHEAD: directions in which what is about a place must be known, to call it a peak
 _NIL = 1e-3  # of the light: less is no noise
 _BEND, _TURN = 0.003, 0.2  # of 1/depth, and of the normal: more is another surface, or a relief that light shows
-_PIXELS = 1 << 18  # at once: what is around them counts for little, and they stay in the caches
+_PIXELS = 1 << 17  # at once: what is around them counts for little, and they stay in the caches
 _ACROSS, _DOWN = (0, 1), (1, 0)
 _AHEAD = _ACROSS, _DOWN, (1, 1), (1, -1)  # of two places on either side; the first two count twice
 
