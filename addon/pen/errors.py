@@ -24,7 +24,8 @@ def unknown(kind: str, name: object, names: Iterable[str], listed: str = "") -> 
     known, word = [str(each) for each in names], str(name).lower()
     alike = {each: difflib.SequenceMatcher(None, each.lower(), word).ratio() for each in known}
     enough = min(_ALIKE, 1 - _LETTER / max(len(word), 1))
-    near = [each for each in known if alike[each] > enough or len(word) > 2 and word in each.lower()]
+    near = [each for each in known
+            if alike[each] > max(enough, 0) or len(word) > 2 and word in each.lower()]
     near = sorted(near, key=lambda each: -alike[each])[:3]
     if near:
         cure = f"; did you mean {', '.join(near)}?"

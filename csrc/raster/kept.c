@@ -20,6 +20,7 @@ typedef struct kept_mesh {
 	int32_t n_triangles, n_points;
 	bool has_corners, has_edges, found;
 	size_t size;
+	void *memory; /* of what follows */
 	topology topology;
 	float *points;
 	int32_t *corners; /* without has_corners none */
@@ -53,34 +54,41 @@ typedef struct search {
 
 /* ---- meshes ------------------------------------------------------------------------------------------------ */
 
-/* All of a mesh in one piece of memory; NULL without. */
+/* NULL without memory. */
 static kept_mesh *new_mesh(const encre_mesh *mesh)
 {
-	kept_mesh *m = NULL;
+	kept_mesh *m = malloc(sizeof *m);
 	size_t n = (size_t)mesh->n_primitives, points = (size_t)mesh->n_points;
 	arena a = {0};
+	if (!m)
+		return NULL;
+	*m = (kept_mesh){.mesh = mesh,
+			 .n_triangles = mesh->n_primitives,
+			 .n_points = mesh->n_points,
+			 .has_corners = mesh->corners};
 	for (int pass = 0; pass < 2; pass++) {
-		kept_mesh *own = arena_take(&a, 1, sizeof *own);
-		kept_mesh made = {.mesh = mesh, .n_triangles = mesh->n_primitives, .n_points = mesh->n_points};
-		made.has_corners = mesh->corners;
-		made.points = arena_take(&a, 3 * points, sizeof *made.points);
-		made.corners = arena_take(&a, made.has_corners ? 3 * n : 0, sizeof *made.corners);
-		made.edges = arena_take(&a, n, sizeof *made.edges);
-		made.topology.next = arena_take(&a, 3 * n, sizeof *made.topology.next);
-		made.topology.first = arena_take(&a, n, sizeof *made.topology.first);
-		made.topology.piece = arena_take(&a, n, sizeof *made.topology.piece);
-		made.size = a.used;
-		if (pass == 0) {
-			m = malloc(a.used);
-			a = (arena){.base = (char *)m};
-		} else
-			*own = made;
-		if (!m)
+		m->points = arena_take(&a, 3 * points, sizeof *m->points);
+		m->corners = arena_take(&a, m->has_corners ? 3 * n : 0, sizeof *m->corners);
+		m->edges = arena_take(&a, n, sizeof *m->edges);
+		m->topology.next = arena_take(&a, 3 * n, sizeof *m->topology.next);
+		m->topology.first = arena_take(&a, n, sizeof *m->topology.first);
+		m->topology.piece = arena_take(&a, n, sizeof *m->topology.piece);
+		m->size = sizeof *m + a.used;
+		if (pass == 0 && !(m->memory = arena_make(&a))) {
+			free(m);
 			return NULL;
+		}
 	}
 	if (mesh->corners)
 		memcpy(m->corners, mesh->corners, 3 * n * sizeof *m->corners);
 	return m;
+}
+
+static void free_mesh(kept_mesh *m)
+{
+	if (m)
+		free(m->memory);
+	free(m);
 }
 
 static bool same_corners(const kept_mesh *m, const encre_mesh *mesh)
@@ -163,7 +171,7 @@ static bool match_parts(search *s, kept_mesh **made, int *n_made, int *table, si
 static void free_meshes(raster_kept *kept)
 {
 	for (int i = 0; i < kept->n_meshes; i++)
-		free(kept->meshes[i]);
+		free_mesh(kept->meshes[i]);
 	free(kept->meshes);
 	kept->meshes = NULL;
 	kept->n_meshes = 0;
