@@ -203,4 +203,3 @@ int32_t ISA(fine_slender)(fine *n)
 	late_drop(&n->f->late, w.bound);
 	return code;
 }
-#include <stdio.h>
