@@ -61,6 +61,22 @@ def paper():
     images._read = read  # and what grows has this paper, too
 
 
+def seen_growing(drawn, shown):
+    """F12, until the picture was drawn three times as it grows: again where it was done before."""
+    ended = []
+    bpy.app.handlers.render_complete.append(lambda *_: ended.append(1))
+    while True:
+        for told in drawn, shown, ended:
+            told.clear()
+        window.press("F12")
+        while not ended and drawn.count(bpy.context.scene.encre.ink_early) < 3:
+            yield
+        if not ended:
+            break
+        yield
+    bpy.app.handlers.render_complete.pop()
+
+
 def growing():
     """The picture as it grows, inked and not, and when it is done; Cycles draws it while it renders."""
     import cycles.engine
@@ -72,18 +88,14 @@ def growing():
     scene.encre.auto_redraw = False  # else a redraw of the changed settings may begin together with F12
     cycles.engine.draw = lambda engine, *args: drawn.append(engine.frames.ink is not None) or draw(engine, *args)
     scene.cycles.use_adaptive_sampling = False
-    scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 320, 180, 100
+    scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 320, 180, 200
     scene.cycles.use_denoising, scene.encre.line_thickness, scene.encre.line_color = False, 40, (0, 1, 0)
     for name in ("early", "late", "shaded"):
         scene.encre.ink_early = name != "late"
         if name == "shaded":
             scene.encre.light_source, scene.encre.line_color = "DRAWN", (0.2, 0.2, 0.2)
             scene.view_settings.view_transform = "Filmic"
-        drawn.clear()
-        shown.clear()
-        window.press("F12")
-        while drawn.count(scene.encre.ink_early) < 3:
-            yield
+        yield from seen_growing(drawn, shown)
         window.screenshot(f"{name}-growing")
         studio.fact("still growing", bpy.app.is_job_running("RENDER"))
         while bpy.app.is_job_running("RENDER"):
