@@ -10,7 +10,8 @@ without Cycles. It reads settings by properties, objects by meshes with triangle
 switches off in the evaluated scene what lines can't do with; subframes has Cycles render larger layers; early inks a
 picture that grows, escape after a break; memory keeps the last render's layers, or those of a file that is opened,
 which redraw draws again, and instant while a setting is dragged; live inks rendered 3D views: eye tells what they look
-at, screen draws in them. bake draws into textures; panels shows it all, with thumbnails of presets.
+at, screen draws in them; threads holds what Python needs on a render's thread and beside one. bake draws into textures;
+panels shows it all, with thumbnails of presets.
 
 To add: a setting of an object or a material to properties; what else a mesh tells to triangles; what differs between
 Blenders to versions, with the version and the reason, and nowhere else. Nothing here knows the command line.

@@ -7,6 +7,7 @@ flag of the break stays set, so a second Esc is heard by an operator in each win
 
 import bpy
 
+from . import threads
 from .listener import Listener
 
 _hearing = None  # the Esc that is under way
@@ -31,9 +32,13 @@ class Esc:
             bpy.app.timers.unregister(self._listen)
 
     def _listen(self):
-        for window in bpy.context.window_manager.windows:
-            with bpy.context.temp_override(window=window):
-                bpy.ops.encre.give_up("INVOKE_DEFAULT")
+        threads.may_write(_hear)
+
+
+def _hear():
+    for window in bpy.context.window_manager.windows:
+        with threads.in_window(window):
+            bpy.ops.encre.give_up("INVOKE_DEFAULT")
 
 
 class ENCRE_OT_give_up(Listener, bpy.types.Operator):

@@ -2,17 +2,12 @@
 """The images that settings name, loaded by Blender."""
 
 import os
-import time
-from _thread import get_ident
 
 import bpy
 
 from ..pen import library
-from ..pen.errors import Cancelled, EncreError
-from . import pictures, properties
-
-_MAIN = get_ident()  # Blender imports add-ons on its main thread
-
+from ..pen.errors import EncreError
+from . import pictures, properties, threads
 
 _known = {}  # {Chosen: (when its file changed, pixels)} of the files that the settings loaded last name
 
@@ -46,36 +41,8 @@ def _load(chosen, keep_on):
             "there is no such file; choose another image"
         raise EncreError(f"{_words(chosen)}: {fault}") from None
     if chosen not in _known or _known[chosen][0] != changed:
-        _known[chosen] = changed, _on_main_thread(lambda: _read(chosen), keep_on)
+        _known[chosen] = changed, threads.on_main_thread(lambda: _read(chosen), keep_on)
     return _known[chosen][1]
-
-
-def _on_main_thread(work, keep_on):
-    """What work() returns or raises. A render that a window started has a thread of its own, on which bpy.data must not
-    change; meanwhile Blender's main thread runs timers."""
-    if get_ident() == _MAIN:
-        return work()
-    done = []
-
-    def run():
-        try:
-            done.append((work(), None))
-        except EncreError as error:
-            done.append((None, error))
-
-    bpy.app.timers.register(run)
-    try:
-        while not done:
-            if not keep_on():
-                raise Cancelled("rendering was cancelled")
-            time.sleep(0.005)
-    finally:
-        if not done and bpy.app.timers.is_registered(run):
-            bpy.app.timers.unregister(run)
-    pixels, error = done[0]
-    if error:
-        raise error
-    return pixels
 
 
 def held(loaded):

@@ -6,29 +6,14 @@ Values of a scene whose data are persistent stay from frame to frame: what one f
 """
 
 import contextlib
-import time
 
 import bpy
 import numpy as np
 
 from . import versions
+from .threads import put
 
 _MOST_INDICES = 32767  # pass_index is a short
-_PATIENCE = 1000  # times that it is tried to write
-
-
-def put(owner, name, value):
-    """setattr(), on a render's thread too. While the main thread draws a panel, Blender lets no thread of Python write
-    anything, so it waits until that is done."""
-    for _ in range(_PATIENCE):
-        try:
-            setattr(owner, name, value)
-            return
-        except AttributeError as error:
-            if "in this context" not in str(error):
-                raise
-        time.sleep(0.002)
-    setattr(owner, name, value)
 
 
 @contextlib.contextmanager

@@ -15,7 +15,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.errors import EncreError
-from . import handlers, instant, memory, properties
+from . import handlers, instant, memory, properties, threads
 from .listener import Listener
 
 _REST = 0.2    # seconds without a change before a redraw
@@ -50,7 +50,7 @@ def start(window, quiet):
     try:
         if quiet:
             preferences.render_display_type = "NONE"
-        with bpy.context.temp_override(window=window):
+        with threads.in_window(window):
             done = bpy.ops.render.render("INVOKE_DEFAULT")
     finally:
         if quiet:
@@ -60,7 +60,7 @@ def start(window, quiet):
     if "RUNNING_MODAL" in done:
         memory.picture(scene).values = values
         for one in bpy.context.window_manager.windows:
-            with bpy.context.temp_override(window=one):
+            with threads.in_window(one):
                 bpy.ops.encre.give_way("INVOKE_DEFAULT")
 
 
@@ -75,7 +75,7 @@ class _Watch:
         self.forget()
 
     def forget(self):
-        self.values, self.changed, self.instant, self.begun, self.again = None, 0.0, None, None, None
+        self.values, self.changed, self.instant, self.begun = None, 0.0, None, None
 
     def step(self):
         """Seconds until it is called again; None: it need not be."""
@@ -136,30 +136,13 @@ class _Watch:
 _watch = _Watch()
 
 
-class ENCRE_OT_watch(bpy.types.Operator):
-    """Show settings that change"""
-
-    # Whether Python may write is one flag of Blender's for all threads: each call sets it back to what it was when it
-    # began. A render's thread that begins a call while a panel or a view is drawn, and ends it later, leaves it at what
-    # is right for drawing. Operators alone may write then, and only Blender may begin them.
-
-    bl_idname = "encre.watch"
-    bl_label = "Watch Settings"
-    bl_options = {"INTERNAL"}
-
-    def execute(self, _context):
-        _watch.again = _watch.step()
-        return {"FINISHED"}
-
-
 def _look():
     try:
-        bpy.ops.encre.watch()
-    except RuntimeError as error:
-        if "in this state" not in str(error):
+        return threads.may_write(_watch.step)
+    except (AttributeError, RuntimeError) as error:
+        if not threads.refused(error):
             raise
-        return _REST  # it may not be begun now
-    return _watch.again
+        return _REST  # a render's thread took the right away meanwhile
 
 
 def _begin_next():
@@ -170,7 +153,7 @@ def _begin_next():
     window, options = _next
     _next, _yields = None, False
     _watch.end()
-    with bpy.context.temp_override(window=window):
+    with threads.in_window(window):
         bpy.ops.render.render("INVOKE_DEFAULT", **options)
     return True
 
@@ -277,7 +260,7 @@ def _render_by(context, event):
 
 _listen, _hear_no_more = handlers.pair(("render_init", _begins), ("render_complete", _ends), ("render_cancel", _ends),
                                        ("load_pre", _loads), ("save_pre", _saves), ("depsgraph_update_post", _changed))
-_CLASSES = ENCRE_OT_redraw, ENCRE_OT_give_way, ENCRE_OT_watch
+_CLASSES = ENCRE_OT_redraw, ENCRE_OT_give_way
 
 
 def register():

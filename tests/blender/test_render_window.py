@@ -142,6 +142,12 @@ def test_a_redraw_gives_way_to_the_render_menu(beside):
     assert beside.facts["beside the menu"] == [False] and beside.facts["by menu"] == [True]
 
 
+def test_a_window_lives_on_where_python_may_write_nothing(beside):
+    """As Blender leaves it by chance."""
+    assert beside.facts["may write"] == [False]
+    assert beside.facts["redrawn"] == [True] and beside.facts["rendered"] == [True]
+
+
 @pytest.mark.long
 def test_no_f12_of_many_is_lost(tmp_path):
     shot = real_keys("beside_window.py", tmp_path, ENCRE_PRESSES="100")

@@ -6,6 +6,7 @@ Needs --enable-event-simulate.
 
 import os
 import sys
+import time
 
 import bpy
 import numpy as np
@@ -54,18 +55,25 @@ def running():
 
 
 def accept():
+    """The dialog, and Return until the lines are baked: a window that is not drawn yet does not hear it."""
     dialog()
     yield
     window.screenshot("dialog")
-    window.press("RET")
+    while not running():
+        window.press("RET")
+        yield from until(running, 3)
+
+
+def until(done, seconds):
+    """Waits for done(), for so long at most."""
+    end = time.monotonic() + seconds
+    while not done() and time.monotonic() < end:
+        yield
 
 
 def bake():
     yield from accept()
-    for _ in range(100):
-        yield
-        if shown()[-1].endswith("lines"):
-            break
+    yield from until(lambda: shown()[-1].endswith("lines"), 100)
     studio.fact("baked", shown())
     yield
     with window.override("VIEW_3D"):
@@ -76,11 +84,8 @@ def bake():
 
 def cancel():
     yield from accept()
-    while not running():
-        yield
     window.press("ESC")
-    for _ in range(10):
-        yield
+    yield from until(lambda: not running(), 60)
     studio.fact("cancelled", shown())
     studio.fact("left over", running())
 

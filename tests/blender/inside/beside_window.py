@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs in a Blender with a window: `beside_window.py -- beside FOLDER` begins renders by hand about when a redraw
-begins or ends: by F12 at any time, also where no timer helps, and by the menu.
+begins or ends: by F12 at any time, also where no timer helps, and by the menu; and where Python may write nothing.
 
 ENCRE_PRESSES says how often F12 is pressed.
 """
@@ -143,5 +143,81 @@ def slow_ones():
     studio.fact("without a timer", (yield from slowly(without_timer)))
 
 
+class SlowPanel(bpy.types.Panel):
+    bl_space_type, bl_region_type, bl_context, bl_label = "PROPERTIES", "WINDOW", "render", "Slow"
+    seen = set()  # what has come so far
+
+    def draw(self, _context):
+        if "render" in self.seen:
+            self.seen.add("drawing")
+            wait_for("engine", self.seen)
+            self.seen.add("drawn")
+
+
+def wait_for(what, seen):
+    end = time.time() + 30
+    while what not in seen and time.time() < end:
+        time.sleep(0.01)
+
+
+def stuck():
+    """A render whose engine begins while a panel is drawn leaves Python where it may write nothing: is a setting drawn
+    that changes then, and F12?"""
+    from encre.blender import frame
+
+    begin, seen = frame.Frames.begin, SlowPanel.seen
+
+    def begins(self, depsgraph):
+        seen.add("engine")
+        wait_for("drawn", seen)
+        time.sleep(0.2)  # it is left a little later
+        begin(self, depsgraph)
+
+    def waits(*_):
+        seen.add("render")
+        wait_for("drawing", seen)
+
+    frame.Frames.begin = begins
+    bpy.utils.register_class(SlowPanel)
+    bpy.app.handlers.render_init.append(waits)
+    while busy():
+        yield
+    begun.clear()
+    keys.press("F12")
+    while "render" not in seen:
+        yield
+    area = window.area("PROPERTIES")
+    area.spaces.active.context = "RENDER"
+    area.tag_redraw()
+    yield from rendered()
+    frame.Frames.begin = begin
+    bpy.app.handlers.render_init.remove(waits)
+    bpy.utils.unregister_class(SlowPanel)
+    said = []
+    bpy.app.timers.register(lambda: said.append(may_write()))
+    while not said:
+        yield
+    studio.fact("may write", said[0])
+    change(50)
+    end = time.time() + 30
+    while True not in begun and time.time() < end:
+        yield
+    while busy():
+        yield
+    studio.fact("redrawn", True in begun)
+    begun.clear()
+    keys.press("F12")
+    studio.fact("rendered", (yield from rendered()))
+
+
+def may_write():
+    scene = bpy.context.scene
+    try:
+        scene.frame_step = scene.frame_step
+        return True
+    except AttributeError:
+        return False
+
+
 if __name__ == "__main__":
-    window.start(window.each(build, first, press, slow_ones))
+    window.start(window.each(build, first, press, slow_ones, stuck))

@@ -43,7 +43,14 @@ def grown():
 
 
 def stopped(name, twice=False, grows=False):
-    """F12, Esc while Cycles renders, and again while the stages run, which are slow then."""
+    """Again with more time where Esc came before the first sample, of which nobody tells: nothing is drawn then."""
+    for seconds in (1, 4, 16, 64):
+        if (yield from tried(name, seconds, twice, grows)):
+            return
+
+
+def tried(name, seconds, twice, grows):
+    """F12, Esc while Cycles renders, and again while the stages run, which are slow then. Whether they ran."""
     from encre.blender import early, frame
 
     early._EVERY, early._SHARE = 0.1, 1.0
@@ -58,18 +65,20 @@ def stopped(name, twice=False, grows=False):
 
     frame.library.draw = draw
     bpy.context.scene.encre.ink_early = grows
-    shown = grown() if grows else [None]
+    shown = [None]
+    if grows:
+        whole, shown = frame.Frames._show, grown()
     yield from waiting(0.3)
     keys.press("F12")
     while not bpy.app.is_job_running("RENDER"):
         yield
     if not grows:
-        yield from waiting(2)
+        yield from waiting(seconds)
     while not shown:
         yield
     keys.press("Escape")
     if twice:
-        while not asked:
+        while not asked and bpy.app.is_job_running("RENDER"):
             yield
         yield from waiting(0.8)
         keys.press("Escape")
@@ -77,8 +86,13 @@ def stopped(name, twice=False, grows=False):
         yield
     yield from waiting(0.3)
     frame.library.draw = real
+    if grows:
+        frame.Frames._show = whole
+    if not asked:
+        return False
     studio.fact(name, len(asked))
     bpy.data.images["Render Result"].save_render(os.path.join(window.FOLDER, f"{name}.png"))
+    return True
 
 
 def steps():

@@ -17,7 +17,6 @@ import studio  # noqa: E402
 
 FOLDER = sys.argv[-1]
 _REFUSED = 75  # blenders.REFUSED
-_PATIENCE = 40  # seconds for which Blender may refuse that Python writes
 _LIMIT = 360  # seconds: less than those after which a test ends xvfb-run, which leaves Blender behind
 
 
@@ -220,10 +219,8 @@ def f12():
     window().event_simulate(type="F12", value="PRESS")
     yield
     window().event_simulate(type="F12", value="RELEASE")
-    for _ in range(600):
+    while bpy.app.is_job_running("RENDER") or not bpy.data.images.get("Render Result"):
         yield
-        if not bpy.app.is_job_running("RENDER") and bpy.data.images.get("Render Result"):
-            break
     yield
     bpy.context.scene.render.image_settings.file_format = "PNG"
     bpy.data.images["Render Result"].save_render(os.path.join(FOLDER, "f12.png"))
@@ -250,50 +247,41 @@ def each(*steps):
         yield
 
 
-def _may_write():
-    """Whether Python may write now. Blender has one flag for it for all threads, which each call sets back to what it
-    was when it began: a thread that renders a preview and begins a call while a view is drawn, and ends it later,
-    leaves it at what is right for drawing, until another one sets it right by the same chance."""
-    try:
-        bpy.context.preferences.view.show_splash = False
-    except AttributeError:
-        for found in window().screen.areas:
-            found.tag_redraw()
-        return False
-    return True
-
-
 _REFUSALS = "in this context is not allowed", "can't modify blend data in this state"  # of a property, of an operator
-_wrote = 0.0  # when it might last
 
 
 def start(todo, **options):
+    """Runs the steps. Each in a getter: with one flag for all threads, Blender may let Python write nowhere else once a
+    render has begun while a panel was drawn."""
     bpy.context.preferences.view.show_splash = False
-    global _wrote
-    _wrote = time.monotonic()
-    end = _wrote + _LIMIT * (10 if "ENCRE_REDRAWS" in os.environ else 1)
-    bpy.app.timers.register(lambda: _run(todo, end), first_interval=1.0, **options)
+    seconds = _LIMIT * (10 if "ENCRE_REDRAWS" in os.environ else 1)
+    end = time.monotonic() + seconds
 
-
-def _run(todo, end):
-    global _wrote
-    try:
-        if time.monotonic() > end:
-            todo.throw(TimeoutError(f"not done after {_LIMIT} s"))  # the traceback tells where it waits
-        if _may_write():
-            _wrote = time.monotonic()
+    def step(_owner):
+        try:
+            if time.monotonic() > end:
+                todo.throw(TimeoutError(f"not done after {seconds} s"))  # the traceback tells where it waits
             next(todo)
-        elif time.monotonic() > _wrote + _PATIENCE:
-            os._exit(_REFUSED)
-    except StopIteration:
-        studio.fact("finished", True)
-        sys.stdout.flush()
-        os._exit(0)
-    except BaseException as error:
-        traceback.print_exc()
-        sys.stderr.flush()
-        os._exit(_REFUSED if any(words in str(error) for words in _REFUSALS) else 1)
-    return 0.1
+        except StopIteration:
+            studio.fact("finished", True)
+            _leave(0)
+        except BaseException as error:
+            traceback.print_exc()
+            _leave(_REFUSED if any(words in str(error) for words in _REFUSALS) else 1)
+        return True
+
+    def run():
+        _ = bpy.data.window_managers[0].encre_step
+        return 0.1
+
+    bpy.types.WindowManager.encre_step = bpy.props.BoolProperty(get=step)
+    bpy.app.timers.register(run, first_interval=1.0, **options)
+
+
+def _leave(code):
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
 
 
 if __name__ == "__main__":
