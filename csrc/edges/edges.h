@@ -7,6 +7,9 @@
 #include "edges/detect.h"
 #include "edges/window.h"
 
+/* 1/z and normals beyond this are cut, so that sums and squares of them stay finite. */
+static const float most_sample = 1e15f;
+
 enum { MAX_ROWS = 2 * MAX_REACH + 1 };
 
 /* What is sampled: each source, SOURCE_SEEN in three ways, of which its own name stands for the normal. */

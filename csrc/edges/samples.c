@@ -5,9 +5,6 @@
 #include "base/metric.h"
 #include "base/pixel.h"
 
-/* 1/z and normals beyond this are cut, so that sums and squares of them stay finite. */
-static const float most_sample = 1e15f;
-
 /* ---- layers -> samples ----------------------------------------------------------------------------------- */
 
 /* Interleaved channels, cut to low..high, to planes. Called with a constant number of channels each time. */

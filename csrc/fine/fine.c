@@ -53,6 +53,7 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 		made.through = arena_take(a, pixels, sizeof *made.through);
 		made.glimpse = arena_take(a, (size_t)f->height, sizeof *made.glimpse);
 	}
+	ISA(light_plan)(&made, e, a);
 	ptrdiff_t scratch[] = {ISA(crack_scratch)(f), ISA(ridge_scratch)(f)};
 	for (int i = 0; i < 2; i++)
 		made.thread_scratch = scratch[i] > made.thread_scratch ? scratch[i] : made.thread_scratch;

@@ -152,6 +152,7 @@ typedef struct fine {
 	float floor[FAMILY_COUNT]; /* of what is a step or a band */
 	float most_color;          /* the largest weight of colour, without the painted control */
 	float least_contrast;      /* between colours across a step */
+	float *level_contrast;     /* of each style, each level and each other: how much they differ */
 	bool bumps;                /* normals may make edges where no face bends */
 	uint8_t *colored;          /* by row: colours may make edges */
 	uint8_t *crack;            /* width * height */
@@ -204,6 +205,7 @@ static inline void crack_place(const found *at, float share, placed *s)
 }
 
 /* light.c */
+void ISA(light_plan)(fine *n, const edges *e, arena *a);
 /* Into how many levels the light of each pixel rises. */
 void ISA(level_row)(const fine *n, int y, uint8_t *level);
 bool ISA(light_site)(const fine *n, const found *at, placed *s);

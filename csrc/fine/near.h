@@ -57,6 +57,43 @@ static inline float distance2(const float *a, const float *b, int planes)
 	return sum;
 }
 
+/* ---- stripes --------------------------------------------------------------------------------------------- */
+
+/* pixels; and where it goes on beside one that is narrow enough, and as strong as an edge */
+static const float widest_band = 2.05f, widest_weak = 2.9f; /* test_fine_sites */
+static const float least_of_peak = 1.5f;                    /* times the step across a band; test_fine_sites */
+static const float most_against = 0.1f; /* share of a band that a pixel of it may lie the other way; test_fine_sites */
+
+/* How the middle three of five values differ, in sum, from the line between the outer two. */
+typedef struct stripe {
+	float base[3], e[3], area, offset; /* offset: of its middle, in pixels */
+	bool weak;
+} stripe;
+
+/* Whether it is narrow enough that its two boundaries are one line. */
+static inline bool stripe_of(const float (*value)[3], int planes, float floor, bool faint, stripe *b)
+{
+	float c[3] = {0, 0, 0};
+	b->area = 0;
+	for (int k = 0; k < planes; k++) {
+		b->e[k] = (value[1][k] + value[2][k] + value[3][k]) - 1.5f * (value[0][k] + value[4][k]);
+		b->base[k] = 0.5f * (value[0][k] + value[4][k]);
+		b->area += b->e[k] * b->e[k];
+	}
+	b->area = sqrtf(b->area);
+	if (!(b->area > floor))
+		return false;
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < planes; k++)
+			c[i] += (value[i + 1][k] - mix(value[0][k], value[4][k], 0.25f * (float)(i + 1))) * b->e[k] /
+				b->area;
+	float against = -most_against * b->area;
+	b->weak = faint && b->area > widest_band * c[1];
+	b->offset = (c[2] - c[0]) / b->area;
+	return c[1] > c[0] && c[1] > c[2] && b->area <= (b->weak ? widest_weak : widest_band) * c[1] &&
+	       c[0] > against && c[2] > against && c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes));
+}
+
 /* ---- tiles ------------------------------------------------------------------------------------------------ */
 
 typedef struct tile {

@@ -38,37 +38,39 @@ static void owner_of(const fine *n, const found *s, int *x, int *y)
  * ground before it is nearer, and has other controls. A thin thing's line may pass where no pixel is its own. */
 int ISA(fine_controls)(const fine *n, const found *at, placed *s)
 {
+	/* by distance, then row, then column: of equal depths the first counts */
+	static const int8_t window[25][2] = {
+		{0, 0},  {0, -1}, {-1, 0}, {1, 0},   {0, 1},   {-1, -1}, {1, -1},  {-1, 1}, {1, 1},
+		{0, -2}, {-2, 0}, {2, 0},  {0, 2},   {-1, -2}, {1, -2},  {-2, -1}, {2, -1}, {-2, 1},
+		{2, 1},  {-1, 2}, {1, 2},  {-2, -2}, {2, -2},  {-2, 2},  {2, 2},
+	};
 	const frame *f = n->f;
-	plane object = f->layer[ENCRE_LAYER_OBJECT];
+	plane object = f->layer[ENCRE_LAYER_OBJECT], depth = f->layer[ENCRE_LAYER_DEPTH];
 	int x = pixel_of(s->x, f->width), y = pixel_of(s->y, f->height), own_x = at->column, own_y = at->row;
-	float least[2] = {INFINITY, INFINITY};
-	int least_key[2] = {INT32_MAX, INT32_MAX}, near[2][2] = {{x, y}, {x, y}};
+	int near = -1, its = -1, left = -x, right = f->width - 1 - x, above = -y, below = f->height - 1 - y;
+	float least = INFINITY, least_its = INFINITY;
 	owner_of(n, at, &own_x, &own_y);
 	bool any = !object.data || at->family == FAMILY_THIN;
-	if (families[at->family].word == WORD_SEEN) /* it lies in the mirror, whatever stands before that */
-		least[0] = least[1] = 0;
+	bool seen = families[at->family].word == WORD_SEEN; /* it lies in the mirror, whatever stands before that */
+	const float *z = depth.data + y * depth.row + x, *number = any ? z : object.data + y * object.row + x;
 	float own = any ? 0 : object.data[own_y * object.row + own_x];
-	for (int dy = -2; dy <= 2; dy++) {
-		if (y + dy < 0 || y + dy >= f->height)
+	for (int i = 0; !seen && i < 25; i++) {
+		int dx = window[i][0], dy = window[i][1];
+		if (dx < left || dx > right || dy < above || dy > below)
 			continue;
-		for (int dx = -2; dx <= 2; dx++) {
-			if (x + dx < 0 || x + dx >= f->width)
-				continue;
-			float z = depth_at(f, x + dx, y + dy);
-			int key = dx * dx + dy * dy; /* then row, then column: the order in which they come */
-			bool its = any || object.data[(y + dy) * object.row + x + dx] == own;
-			for (int k = 0; k <= its; k++)
-				if (z < least[k] || (z == least[k] && key < least_key[k])) {
-					least[k] = z;
-					least_key[k] = key;
-					near[k][0] = x + dx;
-					near[k][1] = y + dy;
-				}
+		float here = depth_of(z[dy * depth.row + dx]);
+		if (here < least || near < 0) {
+			least = here;
+			near = i;
+		}
+		if ((any || number[dy * object.row + dx] == own) && (here < least_its || its < 0)) {
+			least_its = here;
+			its = i;
 		}
 	}
-	int k = least_key[1] < INT32_MAX; /* a corner may lie farther from what it belongs to */
-	s->near_x = (uint16_t)near[k][0];
-	s->near_y = (uint16_t)near[k][1];
+	near = its >= 0 ? its : near; /* a corner may lie farther from what it belongs to */
+	s->near_x = (uint16_t)(x + (near >= 0 ? window[near][0] : 0));
+	s->near_y = (uint16_t)(y + (near >= 0 ? window[near][1] : 0));
 	return style_at(f, s->near_x, s->near_y);
 }
 

@@ -35,19 +35,43 @@ void ISA(level_row)(const fine *n, int y, uint8_t *restrict level)
 	}
 }
 
+/* Of a style that fills by levels: how much two of them differ, by both. */
+static void fill_contrasts(int metric, const encre_params *p, float *contrast)
+{
+	int count = p->shade_levels.count;
+	float plane[3][ENCRE_MAX_LEVELS];
+	for (int k = 0; k < count; k++)
+		for (int c = 0; c < 3; c++)
+			plane[c][k] = clamp01(p->shade_levels.level[k].intensity);
+	float grey[ENCRE_MAX_LEVELS];
+	memcpy(grey, plane[0], sizeof grey);
+	ISA(metric_space)(metric, count, plane[0], plane[1], plane[2]);
+	for (int one = 0; one < count; one++)
+		for (int two = 0; two < count; two++) {
+			const float *a[3] = {plane[0] + one, plane[1] + one, plane[2] + one},
+				    *b[3] = {plane[0] + two, plane[1] + two, plane[2] + two};
+			float *difference = contrast + ENCRE_MAX_LEVELS * one + two;
+			*difference = 0;
+			if (grey[one] != grey[two])
+				ISA(metric_difference)(metric, 1, a, b, difference);
+		}
+}
+
+void ISA(light_plan)(fine *n, const edges *e, arena *a)
+{
+	const frame *f = n->f;
+	size_t room = ENCRE_MAX_LEVELS * ENCRE_MAX_LEVELS;
+	if (!e->on[SOURCE_LIGHT])
+		return;
+	n->level_contrast = arena_take(a, (size_t)f->n_styles * room, sizeof *n->level_contrast);
+	for (int i = 0; n->level_contrast && i < f->n_styles; i++)
+		fill_contrasts(e->p->contrast_metric, f->params + i, n->level_contrast + (size_t)i * room);
+}
+
 /* Between two levels. */
 static float level_contrast(const fine *n, const encre_params *p, int one, int two)
 {
-	int metric = n->e->p->contrast_metric;
-	const encre_level *level = p->shade_levels.level;
-	float a = clamp01(level[one].intensity), b = clamp01(level[two].intensity);
-	if (a == b)
-		return 0;
-	float plane[3][2] = {{a, b}, {a, b}, {a, b}}, difference = 0;
-	ISA(metric_space)(metric, 2, plane[0], plane[1], plane[2]);
-	const float *first[3] = {plane[0], plane[1], plane[2]}, *second[3] = {plane[0] + 1, plane[1] + 1, plane[2] + 1};
-	ISA(metric_difference)(metric, 1, first, second, &difference);
-	return difference;
+	return n->level_contrast[((p - n->f->params) * ENCRE_MAX_LEVELS + one) * ENCRE_MAX_LEVELS + two];
 }
 
 float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two)

@@ -18,6 +18,17 @@ typedef struct window {
 
 /* ---- in a window ----------------------------------------------------------------------------------------- */
 
+/* What lies k away along an axis. */
+static inline float value_at(const window *w, int c, int x, int axis, int k)
+{
+	return w->row[c][REACH + (axis ? k : 0)][x + (axis ? 0 : k)];
+}
+
+static inline bool mixed_along(const window *w, int x, int axis, int k)
+{
+	return w->mixed[REACH + (axis ? k : 0)][x + (axis ? 0 : k)];
+}
+
 /* What lies `step` away from a pixel, or itself where that holds two surfaces. */
 static void beside(const window *w, int x, int k, int step, int axis, float *value)
 {
@@ -30,11 +41,43 @@ static void beside(const window *w, int x, int k, int step, int axis, float *val
 		value[c] = w->row[c][sk][sx];
 }
 
+static bool any_mixed(const window *w, int x)
+{
+	uint32_t any = 0;
+	for (int k = REACH - 2; k <= REACH + 2; k++) {
+		uint32_t four;
+		memcpy(&four, w->mixed[k] + x - 2, 4);
+		any |= four | w->mixed[k][x + 2];
+	}
+	return any;
+}
+
+/* How much the 3x3 about x changes along each axis, where none of the 5x5 is mixed. Called with a constant number of
+ * planes. */
+KERNEL void slopes(const window *w, const int planes, int x, float *sum)
+{
+	for (int k = REACH - 1; k <= REACH + 1; k++)
+		for (int i = x - 1; i <= x + 1; i++) {
+			float across = 0, down = 0;
+			for (int c = 0; c < planes; c++) {
+				float u = w->row[c][k][i + 1] - w->row[c][k][i - 1],
+				      v = w->row[c][k + 1][i] - w->row[c][k - 1][i];
+				across += u * u;
+				down += v * v;
+			}
+			sum[AXIS_ROW] += across;
+			sum[AXIS_COLUMN] += down;
+		}
+}
+
 /* Along which axis the 3x3 about x changes more. */
 static int steeper(const window *w, int x)
 {
 	float sum[2] = {0, 0};
-	for (int k = REACH - 1; k <= REACH + 1; k++)
+	bool plain = !any_mixed(w, x);
+	if (plain)
+		w->is.planes == 3 ? slopes(w, 3, x, sum) : slopes(w, 1, x, sum);
+	for (int k = REACH - 1; !plain && k <= REACH + 1; k++)
 		for (int i = x - 1; i <= x + 1; i++)
 			for (int axis = 0; axis < 2 && !w->mixed[k][i]; axis++) {
 				float before[3], after[3];
@@ -45,43 +88,38 @@ static int steeper(const window *w, int x)
 	return sum[AXIS_COLUMN] > sum[AXIS_ROW] ? AXIS_COLUMN : AXIS_ROW;
 }
 
-/* Samples along an axis about x; value[REACH] is its own. Returns how far they go before they repeat, on the shorter
- * side. */
-static int along(const window *w, int x, int axis, float (*value)[3])
+/* How far samples go on one side of x before they repeat. */
+static int held_to(const window *w, int x, int axis, int side)
 {
-	int shorter = REACH;
-	for (int side = -1; side <= 1; side += 2) {
-		int held = 0;
-		for (int k = 1; k <= REACH && held == k - 1; k++)
-			held += !w->mixed[REACH + (axis ? side * k : 0)][x + (axis ? 0 : side * k)];
-		for (int k = 0; k <= REACH; k++)
-			for (int c = 0, at = side * (k < held ? k : held); c < w->is.planes; c++)
-				value[REACH + side * k][c] = w->row[c][REACH + (axis ? at : 0)][x + (axis ? 0 : at)];
-		shorter = held < shorter ? held : shorter;
-	}
-	return shorter;
+	int held = 0;
+	while (held < REACH && !mixed_along(w, x, axis, side * (held + 1)))
+		held++;
+	return held;
 }
 
 /* Whether the step at x is the greatest of those of the five along its axis that go the same way: the far side of a
  * thin stripe goes the other way. Of two equal ones, which lie at the same place, the first counts. */
 static bool greatest(const window *w, int x, int axis)
 {
-	float value[SPAN][3], own = 0, floor = w->n->floor[w->is.step];
-	int before = axis ? REACH - 1 : REACH, after = axis ? REACH + 1 : REACH, dx = axis ? 0 : 1;
-	if (w->mixed[before][x - dx] || w->mixed[after][x + dx])
+	static const int others[] = {-1, 1, -2, 2};
+	float step[3], own = 0, floor = w->n->floor[w->is.step];
+	if (mixed_along(w, x, axis, -1) || mixed_along(w, x, axis, 1))
 		return false;
 	for (int c = 0; c < w->is.planes; c++) {
-		float d = w->row[c][after][x + dx] - w->row[c][before][x - dx];
-		own += d * d;
+		step[c] = value_at(w, c, x, axis, 1) - value_at(w, c, x, axis, -1);
+		own += step[c] * step[c];
 	}
 	if (!(own > floor * floor))
 		return false;
-	along(w, x, axis, value);
-	for (int k = -2; k <= 2; k++) {
-		float other = distance2(value[REACH + k + 1], value[REACH + k - 1], w->is.planes), dot = 0;
-		for (int c = 0; c < w->is.planes; c++)
-			dot += (value[REACH + k + 1][c] - value[REACH + k - 1][c]) *
-			       (value[REACH + 1][c] - value[REACH - 1][c]);
+	int least = -held_to(w, x, axis, -1), most = held_to(w, x, axis, 1);
+	for (int i = 0; i < 4; i++) {
+		int k = others[i], from = k - 1 > least ? k - 1 : least, to = k + 1 < most ? k + 1 : most;
+		float other = 0, dot = 0;
+		for (int c = 0; c < w->is.planes; c++) {
+			float d = value_at(w, c, x, axis, to) - value_at(w, c, x, axis, from);
+			other += d * d;
+			dot += d * step[c];
+		}
 		if (dot > 0 && (other > own || (k < 0 && other == own)))
 			return false;
 	}
@@ -102,19 +140,29 @@ static float bulge2(const window *w, int x, int k, int axis)
 	return sum;
 }
 
-/* Whether the pixel at x is the one of a band that lies farthest from that line. */
+/* Whether the pixel at x is the one of a band that lies farthest from that line, and the band is as one must be. */
 static bool peaks(const window *w, int x, int axis)
 {
-	float value[SPAN][3], dot[3] = {0, 0, 0};
-	if (along(w, x, axis, value) < 2)
-		return false;
-	const float (*v)[3] = (const float (*)[3])value + REACH - 2;
+	float v[5][3], dot[3] = {0, 0, 0};
+	for (int k = -2; k <= 2; k++)
+		if (k && mixed_along(w, x, axis, k))
+			return false;
 	for (int c = 0; c < w->is.planes; c++) {
+		for (int k = 0; k < 5; k++)
+			v[k][c] = value_at(w, c, x, axis, k - 2);
 		float e = (v[1][c] + v[2][c] + v[3][c]) - 1.5f * (v[0][c] + v[4][c]);
 		for (int i = 0; i < 3; i++)
 			dot[i] += (v[i + 1][c] - mix(v[0][c], v[4][c], 0.25f * (float)(i + 1))) * e;
 	}
-	return dot[1] > dot[0] && dot[1] > dot[2];
+	if (!(dot[1] > dot[0] && dot[1] > dot[2]))
+		return false;
+	stripe b;
+	if (stripe_of((const float (*)[3])v, w->is.planes, w->n->floor[w->is.band], families[w->is.band].faint, &b))
+		return true;
+	for (int k = 0; k < 5 * w->is.planes; k++) /* what is cut is asked of the layer itself */
+		if (!(fabsf(v[k / w->is.planes][k % w->is.planes]) < most_sample))
+			return true;
+	return false;
 }
 
 static int bulging(const window *w, int x)
@@ -213,8 +261,6 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 	int32_t bits[TILE];
 	float least = w->n->floor[w->is.step], band = w->is.band ? w->n->floor[w->is.band] : INFINITY,
 	      contrast = w->least_contrast;
-	for (int i = 0; i < n; i++)
-		bits[i] = 0;
 	for (int axis = 0; axis < 2; axis++) {
 		const float *v[5][3] = {{NULL}};
 		for (int k = -2; k <= 2; k++)
@@ -229,7 +275,8 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 			measure((const float *const(*)[3])v, 3, false, n, step, wide, bulge);
 		for (int i = 0; i < n; i++) {
 			int is_step = step[i] > least * least, is_band = bulge[i] > band * band;
-			bits[i] |= (is_step ? STEP << axis : 0) | (is_band ? BAND << axis : 0);
+			int own = (is_step ? STEP << axis : 0) | (is_band ? BAND << axis : 0);
+			bits[i] = axis ? bits[i] | own : own;
 		}
 		for (int i = 0; far_too && i < n; i++)
 			bits[i] &= wide[i] > contrast * contrast ? -1 : ~(STEP << axis);
@@ -273,8 +320,9 @@ static void mark(const window *w, int x, int y, int family, int axis, uint16_t *
 
 static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
 {
-	uint8_t candidate[TILE + 8] = {0};
+	uint8_t candidate[TILE + 8];
 	candidates(w, x0, n, candidate);
+	memset(candidate + n, 0, 8);
 	for (int i = 0; i < n; i++) {
 		uint64_t eight;
 		memcpy(&eight, candidate + i, 8);

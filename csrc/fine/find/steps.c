@@ -8,10 +8,6 @@ static const float least_of_step = 0.4f; /* share of a step that slopes beside i
 static const float least_faint = 0.5f;   /* of edge_threshold, beside an edge; test_fine_sites */
 static const float crease_ramp = 0.37f;  /* of the difference of normals at crease_angle; test_fine_sites */
 static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth; test_fine_sites */
-/* pixels; and where it goes on beside one that is narrow enough, and as strong as an edge */
-static const float widest_band = 2.05f, widest_weak = 2.9f; /* test_fine_sites */
-static const float least_of_peak = 1.5f;                    /* times the step across a band; test_fine_sites */
-static const float most_against = 0.1f; /* share of a band that a pixel of it may lie the other way; test_fine_sites */
 
 /* A pixel's value in linear terms. */
 static void read(const fine *n, int source, int x, int y, float *value)
@@ -65,11 +61,12 @@ static float share(const float *value, const float *first, const float *second, 
 /* Colours in the space of the metric. */
 static void encode(const fine *n, float (*value)[3])
 {
-	float plane[3][5];
-	for (int k = 0; k < 5; k++)
+	enum { RUN = 8 }; /* as many at once take less time than five */
+	float plane[3][RUN];
+	for (int k = 0; k < RUN; k++)
 		for (int c = 0; c < 3; c++)
-			plane[c][k] = value[k][c];
-	ISA(metric_space)(n->e->p->contrast_metric, 5, plane[0], plane[1], plane[2]);
+			plane[c][k] = value[k < 5 ? k : 4][c];
+	ISA(metric_space)(n->e->p->contrast_metric, RUN, plane[0], plane[1], plane[2]);
 	for (int k = 0; k < 5; k++)
 		for (int c = 0; c < 3; c++)
 			value[k][c] = plane[c][k];
@@ -141,40 +138,27 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 {
 	const family_info *is = families + at->family;
 	int form = samples[is->sample].form, planes = samples[is->sample].planes;
-	float base[3], e[3], c[3] = {0, 0, 0}, area = 0;
+	stripe b;
 	if (form == FORM_COLOR)
 		encode(n, value);
-	for (int k = 0; k < planes; k++) {
-		e[k] = (value[1][k] + value[2][k] + value[3][k]) - 1.5f * (value[0][k] + value[4][k]);
-		base[k] = 0.5f * (value[0][k] + value[4][k]);
-		area += e[k] * e[k];
-	}
-	area = sqrtf(area);
-	if (!(area > n->floor[at->family]))
+	if (!stripe_of((const float (*)[3])value, planes, n->floor[at->family], is->faint, &b))
 		return false;
-	for (int i = 0; i < 3; i++)
-		for (int k = 0; k < planes; k++)
-			c[i] += (value[i + 1][k] - mix(value[0][k], value[4][k], 0.25f * (float)(i + 1))) * e[k] / area;
-	float against = -most_against * area;
-	s->weak = is->faint && area > widest_band * c[1];
-	if (!(c[1] > c[0] && c[1] > c[2] && area <= (s->weak ? widest_weak : widest_band) * c[1] && c[0] > against &&
-	      c[2] > against && c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes))))
-		return false;
-	put(at, (c[2] - c[0]) / area, s);
+	s->weak = b.weak;
+	put(at, b.offset, s);
 	int style = fine_style(n, at, s);
 	if (form == FORM_VECTOR)
 		return weigh(n, at, s, style,
-			     clamp01((area - n->floor[samples[is->sample].step]) / (crease_ramp * n->crease)));
+			     clamp01((b.area - n->floor[samples[is->sample].step]) / (crease_ramp * n->crease)));
 	float difference = 0;
 	if (form == FORM_LIGHT) { /* the stripe may be narrower than a pixel, and so darker than what is seen of it */
-		float rise = e[0] > 0 ? 1 : -1,
+		float rise = b.e[0] > 0 ? 1 : -1,
 		      near = rise * value[0][0] > rise * value[4][0] ? value[0][0] : value[4][0];
-		float deep = near + 2 * e[0], far = rise * deep > rise * value[2][0] ? deep : value[2][0];
+		float deep = near + 2 * b.e[0], far = rise * deep > rise * value[2][0] ? deep : value[2][0];
 		difference = ISA(light_contrast)(n, n->f->params + style, near, far);
 	} else {
-		float peak[3] = {base[0] + e[0], base[1] + e[1], base[2] + e[2]};
-		const float *a[3] = {peak, peak + 1, peak + 2}, *b[3] = {base, base + 1, base + 2};
-		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
+		float peak[3] = {b.base[0] + b.e[0], b.base[1] + b.e[1], b.base[2] + b.e[2]};
+		const float *a[3] = {peak, peak + 1, peak + 2}, *low[3] = {b.base, b.base + 1, b.base + 2};
+		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, low, &difference);
 	}
 	return weigh_weak(n, at, s, style, ISA(color_strength)(n, at, is->sample, difference));
 }
