@@ -238,9 +238,15 @@ static int trace(const brush *b, const tone_mark *mark, float wide, float sign, 
 	return STEPS;
 }
 
+/* Pixels from place to place along a stroke, of which the last lies beyond its end. */
+static inline float step_of(float reach)
+{
+	return max(LEAST_STEP, reach / (STEPS - 2));
+}
+
 static void draw_mark(const brush *b, const tone_mark *mark, int row)
 {
-	float far = max(mark->reach, mark->pitch) + 2;
+	float step = step_of(mark->reach), far = max(mark->reach + step, mark->pitch) + 2;
 	int x = within(pixel_of(mark->x, b->f->place.x), b->f->width),
 	    y = within(pixel_of(mark->y, b->f->place.y), b->f->height);
 	if ((float)y + 1 + far < (float)b->y0 || (float)y - far > (float)b->y1)
@@ -258,7 +264,7 @@ static void draw_mark(const brush *b, const tone_mark *mark, int row)
 	/* a stroke whose width falls to both ends as a parabola has two thirds of its middle's on the mean */
 	float wide = 0.75f * full_cover / stroke_length * pitch;
 	place all[2 * STEPS + 1], *places = all + STEPS, back[STEPS];
-	float step = max(LEAST_STEP, mark->reach / (STEPS - 2)), point = 0.25f * step;
+	float point = 0.25f * step;
 	places[0] = (place){mark->x, mark->y, half_at(b->m->widths[mark->layer], mark->rank, wide, dark)};
 	int after = trace(b, mark, wide, step, step, x, y, places + 1),
 	    before = trace(b, mark, wide, -step, step, x, y, back);
@@ -322,7 +328,8 @@ int32_t ISA(tone_marks_run)(frame *f, tone_marks *m)
 		for (int k = 0; k < TONE_SLOTS && f->params[i].use_tones; k++)
 			if (tone_marked(m->styles[i].slot + k))
 				pitch = max(pitch, m->styles[i].slot[k].most);
-	w.reach = (int)min(pitch * (0.65f * stroke_length + 1), (float)f->height) + 3;
+	float reach = 0.65f * stroke_length * pitch;
+	w.reach = (int)min(reach + step_of(reach) + pitch, (float)f->height) + 3;
 	int32_t code = bands_run(f->bands, f->height, 0, look_at_rows, &w);
 	if (code)
 		return code;
