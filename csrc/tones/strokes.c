@@ -4,13 +4,7 @@
  * columns in which they were found. */
 #include "tones/strokes.h"
 
-enum {
-	LANES = 8,
-	ROWS = 8,
-	NEAR = 4,
-	STEPS = 8 /* from a stroke's middle to its end, and two more */,
-	LEAST_STEP = 4 /* pixels */
-};
+enum { LANES = 8, ROWS = 8 };
 
 /* ---- drawing ----------------------------------------------------------------------------------------------- */
 
@@ -138,14 +132,14 @@ KERNEL void draw_part(const brush *b, const part *g, const bool crisp, const boo
 	}
 }
 
-static void draw_crisp(const brush *b, const part *g)
+static void draw_crisp(const brush *b, const part *g, bool parted)
 {
-	draw_part(b, g, true, b->parted);
+	draw_part(b, g, true, parted);
 }
 
-static void draw_soft(const brush *b, const part *g)
+static void draw_soft(const brush *b, const part *g, bool parted)
 {
-	if (b->parted)
+	if (parted)
 		draw_part(b, g, false, true);
 	else
 		draw_part(b, g, false, false);
@@ -178,90 +172,115 @@ static inline float half_at(const tone_width *widths, float rank, float wide, in
 	return clamp01((widths[dark].shown - rank) * 4) * widths[dark].size * wide;
 }
 
-/* The nearest of `size` pixels: where the frame ends its last pixel stands for what lies beyond, or strokes ended there
- * and left a pale edge. */
-static inline int within(int pixel, int size)
-{
-	pixel = pixel < size ? pixel : size - 1;
-	return pixel > 0 ? pixel : 0;
-}
-
 /* Whether a stroke gets from one pixel of the frame to another over a single surface. */
 static inline bool gets_to(const brush *b, int x0, int y0, int x1, int y1)
 {
 	int left = x0 < x1 ? x0 : x1, top = y0 < y1 ? y0 : y1, wide = x0 < x1 ? x1 - x0 : x0 - x1,
 	    high = y0 < y1 ? y1 - y0 : y0 - y1;
 	const ptrdiff_t next = (ptrdiff_t)TONE_BYTES * b->m->width;
-	const uint8_t *right = tone_bytes(b->m, TONE_BITS, y0) + left, *down = tone_bytes(b->m, TONE_BITS, top) + x1;
-	int ends = 0;
-	/* few at once, without a branch for each */
-	for (int k = 0; k < wide; k += NEAR)
-		for (int i = k; i < k + NEAR; i++)
-			ends |= right[i < wide ? i : wide - 1] & TONE_ENDS_RIGHT;
-	for (int k = 0; k < high; k += NEAR)
-		for (int i = k; i < k + NEAR; i++)
-			ends |= down[(i < high ? i : high - 1) * next] & TONE_ENDS_DOWN;
+	const uint8_t *right = tone_bytes(b->m, TONE_NEAR, y0) + left, *down = tone_bytes(b->m, TONE_NEAR, top) + x1;
+	int ends = 0, k = 0, i = 0;
+	/* mostly one of each; none of none */
+	do {
+		int n = wide - k < TONE_AHEAD ? wide - k : TONE_AHEAD;
+		ends |= right[k] & (1 << n) >> 1;
+		k += TONE_AHEAD;
+	} while (k < wide);
+	do {
+		int n = high - i < TONE_AHEAD ? high - i : TONE_AHEAD;
+		ends |= down[i * next] >> TONE_AHEAD & (1 << n) >> 1;
+		i += TONE_AHEAD;
+	} while (i < high);
 	return !ends;
 }
 
-/* Places of a stroke from its middle on, one way; returns how many. */
-static int trace(const brush *b, const tone_mark *mark, float wide, float sign, float step, int x, int y, place *places)
+/* What is known of a stroke that is traced one way from its middle. */
+typedef struct tracing {
+	float x, y, along, down, step; /* the last but until the first is made the way itself */
+	int column, row, count;
+	bool goes;
+	place *places;
+} tracing;
+
+/* The next place of a stroke. */
+static inline void trace(const brush *b, const tone_mark *mark, const tone_width *widths, float wide, float step,
+			 bool parted, tracing *t)
 {
-	const tone_width *widths = b->m->widths[mark->layer];
-	const ptrdiff_t way = (ptrdiff_t)(TONE_WAY + mark->layer - TONE_DARK) * b->m->width;
-	const uint8_t *at = tone_bytes(b->m, TONE_DARK, y) + x;
-	float px = mark->x, py = mark->y, along = 0, down = 0, rate = step / mark->reach;
-	for (int n = 0; n < STEPS; n++) {
-		const float *there = b->m->way[at[way]];
-		float u = there[0] - mark->turn * there[1], v = there[1] + mark->turn * there[0];
-		float turn = n == 0 ? sign : u * along + v * down < 0 ? -step : step;
-		along = u * turn;
-		down = v * turn;
-		px += along;
-		py += down;
-		int tx = pixel_of(px, b->f->place.x), ty = pixel_of(py, b->f->place.y);
-		int nx = within(tx, b->f->width), ny = within(ty, b->f->height);
-		if (!gets_to(b, x, y, nx, ny))
-			return n;
-		x = nx;
-		y = ny;
-		at = tone_bytes(b->m, TONE_DARK, y) + x;
-		/* it is drawn only when all of it is known */
-		__builtin_prefetch(tone_ink(b->m, y) + x);
-		if (b->parted)
-			__builtin_prefetch(layer_row(b->f, ENCRE_LAYER_OBJECT, y) + x);
-		float t = rate * (float)(n + 1);
-		places[n] = (place){px, py, *at ? half_at(widths, mark->rank, wide, *at) * max(1 - t * t, 0) : 0};
-		if (t >= 1 || !*at || tx != nx || ty != ny)
-			return n + 1;
-	}
-	return STEPS;
+	const int way = TONE_WAY + mark->layer;
+	const float *there = b->m->way[tone_bytes(b->m, way, t->row)[t->column]];
+	float u = there[0] - mark->turn * there[1], v = there[1] + mark->turn * there[0];
+	float turn = t->count == 0 ? t->step : u * t->along + v * t->down < 0 ? -step : step;
+	t->along = u * turn;
+	t->down = v * turn;
+	t->x += t->along;
+	t->y += t->down;
+	int tx = pixel_of(t->x, b->f->place.x), ty = pixel_of(t->y, b->f->place.y);
+	int nx = tone_within(tx, b->f->width), ny = tone_within(ty, b->f->height);
+	t->goes = gets_to(b, t->column, t->row, nx, ny);
+	if (!t->goes)
+		return;
+	t->column = nx;
+	t->row = ny;
+	/* it is drawn only when all of it is known */
+	__builtin_prefetch(tone_ink(b->m, ny) + nx);
+	if (parted)
+		__builtin_prefetch(layer_row(b->f, ENCRE_LAYER_OBJECT, ny) + nx);
+	int dark = tone_bytes(b->m, TONE_DARK, ny)[nx];
+	float far = step / mark->reach * (float)(t->count + 1);
+	t->places[t->count++] =
+		(place){t->x, t->y, dark ? half_at(widths, mark->rank, wide, dark) * max(1 - far * far, 0) : 0};
+	t->goes = far < 1 && dark && tx == nx && ty == ny && t->count < TONE_PLACES_OUT;
+}
+
+/* Begins to read what the middle of a mark will ask. */
+static void fetch(const brush *b, const tone_mark *mark)
+{
+	int x = tone_within(pixel_of(mark->x, b->f->place.x), b->f->width),
+	    y = tone_within(pixel_of(mark->y, b->f->place.y), b->f->height);
+	__builtin_prefetch(tone_bytes(b->m, TONE_DARK, y) + x);
+	__builtin_prefetch(tone_bytes(b->m, TONE_NEAR, y) + x);
+	__builtin_prefetch(tone_bytes(b->m, TONE_WAY + mark->layer, y) + x);
 }
 
 static void draw_mark(const brush *b, const tone_mark *mark, int row)
 {
-	float far = max(mark->reach, mark->pitch) + 2;
-	int x = within(pixel_of(mark->x, b->f->place.x), b->f->width),
-	    y = within(pixel_of(mark->y, b->f->place.y), b->f->height);
+	float step = tone_step(mark->reach), far = max(mark->reach + step, mark->pitch) + 2;
+	int x = tone_within(pixel_of(mark->x, b->f->place.x), b->f->width),
+	    y = tone_within(pixel_of(mark->y, b->f->place.y), b->f->height);
 	if ((float)y + 1 + far < (float)b->y0 || (float)y - far > (float)b->y1)
 		return;
 	if (!gets_to(b, mark->column, row, x, y))
 		return;
+	const tone_width *widths = b->m->widths[mark->slot->kind == tone_1_STIPPLE ? TONE_SPOTS : mark->layer];
+	const tone_block *about = b->m->blocks + y / TONE_BLOCK * tone_blocks(b->f->width) + x / TONE_BLOCK;
+	bool known = far < TONE_BLOCK;
+	if (known && !(widths[about->darkest].shown > mark->rank))
+		return;
+	bool parted = b->parted && !(known && !about->parted);
 	int dark = tone_bytes(b->m, TONE_DARK, y)[x];
 	float object = object_at(b, x, y), pitch = mark->pitch * mark->size;
 	if (mark->slot->kind == tone_1_STIPPLE) {
-		float area = half_at(b->m->widths[TONE_SPOTS], mark->rank, full_cover / 3.14159265f, dark);
+		float area = half_at(widths, mark->rank, full_cover / 3.14159265f, dark);
 		if (area > 0)
 			draw_spot(b, mark->slot, (place){mark->x, mark->y, pitch * sqrtf(area)}, object);
 		return;
 	}
 	/* a stroke whose width falls to both ends as a parabola has two thirds of its middle's on the mean */
 	float wide = 0.75f * full_cover / stroke_length * pitch;
-	place all[2 * STEPS + 1], *places = all + STEPS, back[STEPS];
-	float step = max(LEAST_STEP, mark->reach / (STEPS - 2)), point = 0.25f * step;
-	places[0] = (place){mark->x, mark->y, half_at(b->m->widths[mark->layer], mark->rank, wide, dark)};
-	int after = trace(b, mark, wide, step, step, x, y, places + 1),
-	    before = trace(b, mark, wide, -step, step, x, y, back);
+	place all[2 * TONE_PLACES_OUT + 1], *places = all + TONE_PLACES_OUT, back[TONE_PLACES_OUT];
+	float point = 0.25f * step;
+	places[0] = (place){mark->x, mark->y, half_at(widths, mark->rank, wide, dark)};
+	tracing on = {mark->x, mark->y, 0, 0, step, x, y, 0, true, places + 1}, off = on;
+	off.step = -step;
+	off.places = back;
+	/* both ways at once: each waits for what its pixels tell */
+	while (on.goes | off.goes) {
+		if (on.goes)
+			trace(b, mark, widths, wide, step, parted, &on);
+		if (off.goes)
+			trace(b, mark, widths, wide, step, parted, &off);
+	}
+	int after = on.count, before = off.count;
 	for (int k = 0; k < before; k++)
 		places[-1 - k] = back[k];
 	/* where the dark ends a stroke does so with a point */
@@ -273,71 +292,19 @@ static void draw_mark(const brush *b, const tone_mark *mark, int row)
 	for (int k = -before; k < after; k++) {
 		part g = {places[k], places[k + 1], over, object};
 		if (max(g.from.half, g.to.half) > 0.02f)
-			(mark->slot->crisp ? draw_crisp : draw_soft)(b, &g);
+			(mark->slot->crisp ? draw_crisp : draw_soft)(b, &g, parted);
 	}
 }
 
-/* ---- passes ------------------------------------------------------------------------------------------------ */
-
-typedef struct work {
-	const frame *f;
-	tone_marks *m;
-	int reach; /* rows */
-} work;
-
-static void look_at_rows(void *data, int y0, int y1, int thread)
+void ISA(tone_marks_draw)(const frame *f, const tone_marks *m, int reach, int y0, int y1)
 {
-	(void)thread;
-	const work *w = data;
-	for (int y = y0; y < y1; y++) {
-		w->m->first[y] = ISA(tone_marks_look)(w->f, w->m, y);
-	}
-}
-
-static void find_rows(void *data, int y0, int y1, int thread)
-{
-	(void)thread;
-	const work *w = data;
-	for (int y = y0; y < y1; y++)
-		ISA(tone_marks_find)(w->f, w->m, y, w->m->marks + w->m->first[y]);
-}
-
-static void draw_rows(void *data, int y0, int y1, int thread)
-{
-	(void)thread;
-	const work *w = data;
-	brush b = {w->f, w->m, y0, y1, w->f->layer[ENCRE_LAYER_OBJECT].data != NULL};
-	int from = y0 - w->reach > 0 ? y0 - w->reach : 0,
-	    to = y1 + w->reach < w->f->height ? y1 + w->reach : w->f->height;
+	brush b = {f, m, y0, y1, f->layer[ENCRE_LAYER_OBJECT].data != NULL};
+	int from = y0 - reach > 0 ? y0 - reach : 0, to = y1 + reach < f->height ? y1 + reach : f->height;
 	for (int y = from; y < to; y++)
-		for (int64_t i = w->m->first[y]; i < w->m->first[y + 1]; i++)
-			draw_mark(&b, w->m->marks + i, y);
-}
-
-int32_t ISA(tone_marks_run)(frame *f, tone_marks *m)
-{
-	work w = {f, m, 0};
-	float pitch = 0;
-	for (int i = 0; i < f->n_styles; i++)
-		for (int k = 0; k < TONE_SLOTS && f->params[i].use_tones; k++)
-			if (tone_marked(m->styles[i].slot + k))
-				pitch = max(pitch, m->styles[i].slot[k].most);
-	w.reach = (int)min(pitch * (0.65f * stroke_length + 1), (float)f->height) + 3;
-	int32_t code = bands_run(f->bands, f->height, 0, look_at_rows, &w);
-	if (code)
-		return code;
-	int64_t sum = 0;
-	for (int y = 0; y <= f->height; y++) {
-		int64_t own = y < f->height ? m->first[y] : 0;
-		m->first[y] = sum;
-		sum += own;
-	}
-	m->marks = late_take(&f->late, (size_t)sum + 1, sizeof *m->marks);
-	if (!m->marks)
-		return ENCRE_ERROR_MEMORY;
-	code = bands_run(f->bands, f->height, 0, find_rows, &w);
-	/* strokes are traced in each band that they reach */
-	int band = f->height / (4 * bands_threads(f->bands));
-	band = band < 64 ? 64 : band < 256 ? band : 256;
-	return code ? code : bands_run(f->bands, f->height, band, draw_rows, &w);
+		for (int64_t i = m->first[y]; i < m->first[y + 1]; i++) {
+			/* the next one's middle lies elsewhere */
+			if (i + 1 < m->first[y + 1])
+				fetch(&b, m->marks + i + 1);
+			draw_mark(&b, m->marks + i, y);
+		}
 }

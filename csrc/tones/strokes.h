@@ -12,8 +12,14 @@ enum {
 	TONE_BITS,     /* its slot; whether the surface ends beside it; times 2^layer: the place of a mark is in it;
 			whether its own is known */
 	TONE_SHARE,    /* of the marks in the pixel, 255ths */
+	TONE_NEAR,     /* whether the surface ends between the pixel and the next to the right, the next but one, ...;
+			times 2^TONE_AHEAD: and downward */
 	TONE_WAY,      /* of each layer's strokes, tone_way_of() */
 	TONE_BYTES = TONE_WAY + TONE_LAYERS,
+	TONE_AHEAD = 4,
+	TONE_BLOCK = 32,
+	TONE_PLACES_OUT = 8 /* from a stroke's middle to its end, and two more */,
+	TONE_LEAST_STEP = 4 /* pixels */,
 	TONE_SLOT = 3,
 	TONE_ENDS_RIGHT = 4,
 	TONE_ENDS_DOWN = 8,
@@ -44,11 +50,19 @@ typedef struct tone_width {
 	float shown, size;
 } tone_width;
 
-/* What strokes.c has of a frame; NULL where there are none. */
+/* What TONE_BLOCK pixels each way have at most, and whether of one object. */
+typedef struct tone_block {
+	float object;
+	uint8_t darkest;
+	bool parted;
+} tone_block;
+
+/* What strokes have of a frame; NULL where there are none. */
 struct tone_marks {
 	const tone_style *styles;
 	uint8_t *bytes; /* of each row all pixels' darkness, then their bits, ... */
 	float *ink;
+	tone_block *blocks; /* twice all: each with the 8 about it, and alone */
 	int32_t width;
 	int64_t *first; /* height + 1: of each row */
 	tone_mark *marks;
@@ -60,6 +74,25 @@ struct tone_marks {
 static inline uint8_t *tone_bytes(const tone_marks *m, int what, int y)
 {
 	return m->bytes + ((size_t)y * TONE_BYTES + (size_t)what) * (size_t)m->width;
+}
+
+static inline int tone_blocks(int pixels)
+{
+	return (pixels + TONE_BLOCK - 1) / TONE_BLOCK;
+}
+
+/* Pixels from place to place along a stroke that goes so far both ways, of which the last lies beyond its end. */
+static inline float tone_step(float reach)
+{
+	return max(TONE_LEAST_STEP, reach / (TONE_PLACES_OUT - 2));
+}
+
+/* The nearest of `size` pixels: where the frame ends its last pixel stands for what lies beyond, or strokes ended there
+ * and left a pale edge. */
+static inline int tone_within(int pixel, int size)
+{
+	pixel = pixel < size ? pixel : size - 1;
+	return pixel > 0 ? pixel : 0;
 }
 
 static inline float *tone_ink(const tone_marks *m, int y)
@@ -96,7 +129,9 @@ bool ISA(tone_marks_wanted)(const encre_params *p);
 void ISA(tone_marks_tables)(tone_marks *m);
 int ISA(tone_marks_look)(const frame *f, const tone_marks *m, int y);
 void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark *marks);
-/* strokes.c: ink of all, from darkness on. */
+/* strokes.c: the ink that rows have of marks whose places are at most `reach` rows away. */
+void ISA(tone_marks_draw)(const frame *f, const tone_marks *m, int reach, int y0, int y1);
+/* passes.c: ink of all, from darkness on. */
 int32_t ISA(tone_marks_run)(frame *f, tone_marks *m);
 
 #endif

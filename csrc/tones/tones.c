@@ -250,11 +250,14 @@ static void plan(frame *f, arena *a)
 	tone_frame own = {.styles = arena_take(a, (size_t)f->n_styles, sizeof *own.styles)};
 	if (marked(f)) {
 		tone_marks *m = own.marks = arena_take(a, 1, sizeof *m);
-		tone_marks planes = {.styles = own.styles,
-				     .bytes = arena_take(a, (size_t)f->width * (size_t)f->height, TONE_BYTES),
-				     .ink = arena_take(a, (size_t)f->width * (size_t)f->height, sizeof *planes.ink),
-				     .width = f->width,
-				     .first = arena_take(a, (size_t)f->height + 1, sizeof *planes.first)};
+		tone_marks planes = {
+			.styles = own.styles,
+			.bytes = arena_take(a, (size_t)f->width * (size_t)f->height, TONE_BYTES),
+			.ink = arena_take(a, (size_t)f->width * (size_t)f->height, sizeof *planes.ink),
+			.blocks = arena_take(a, (size_t)tone_blocks(f->width) * (size_t)tone_blocks(f->height),
+					     2 * sizeof *planes.blocks),
+			.width = f->width,
+			.first = arena_take(a, (size_t)f->height + 1, sizeof *planes.first)};
 		if (m)
 			*m = planes;
 	}

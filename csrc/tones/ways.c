@@ -146,10 +146,13 @@ static tone_side side_of(const frame *f, const tone_rest *rest, int y, int x, in
 /* The position and size of a row's pixels. */
 static const tone_rest *places_of(const frame *f, int y, int x, int n, tone_rest *rest)
 {
+	enum { AHEAD = 32 }; /* nobody has read this row, and a page has few pixels of it */
 	const float *restrict anchor = anchor_at(f, x, y);
-	for (int i = 0; anchor && i < n; i++)
+	for (int i = 0; anchor && i < n; i++) {
+		__builtin_prefetch(anchor + (ptrdiff_t)ANCHOR_COUNT * (i + AHEAD < n ? i + AHEAD : i));
 		for (int c = ANCHOR_POSITION; c < ANCHOR_POSITION + 3; c++)
 			rest->at[c][i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + c];
+	}
 	for (int i = 0; anchor && i < n; i++)
 		rest->at[ANCHOR_PIXEL][i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + ANCHOR_PIXEL];
 	return anchor ? rest : NULL;
@@ -179,10 +182,17 @@ static void ends_fill(const frame *f, const tone_rest *rest, int y, int x, int n
 
 /* ------------------------------------------------------------------------------------------------------------ */
 
+/* own: all bits of a pixel that is, none of others. */
 static void keep_own(const uint8_t *restrict own, const uint8_t *restrict from, int n, uint8_t *restrict to)
 {
 	for (int i = 0; i < n; i++)
-		to[i] = own[i] ? from[i] : to[i];
+		to[i] = (uint8_t)((from[i] & own[i]) | (to[i] & ~own[i]));
+}
+
+static void add_own(const uint8_t *restrict own, const uint8_t *restrict from, int n, uint8_t *restrict to)
+{
+	for (int i = 0; i < n; i++)
+		to[i] = (uint8_t)(to[i] | (from[i] & own[i]));
 }
 
 void ISA(tone_ways)(const frame *f, const tone_marks *m, const tone_slot *slots, int k, const tone_rest *rest, int y,
@@ -194,11 +204,10 @@ void ISA(tone_ways)(const frame *f, const tone_marks *m, const tone_slot *slots,
 	tone_ground g;
 	tone_rest any;
 	for (int i = 0; i < n; i++)
-		own[i] = (dark[i] > 0) & ((bits[i] & TONE_SLOT) == k);
+		own[i] = (dark[i] > 0) & ((bits[i] & TONE_SLOT) == k) ? 255 : 0;
 	/* a stroke of the screen ends with the surface too */
 	ends_fill(f, rest ? rest : ISA(tone_rest_fill)(f, y, x, n, &any), y, x, n, found);
-	for (int i = 0; i < n; i++)
-		bits[i] = (uint8_t)(bits[i] | (own[i] ? found[i] : 0));
+	add_own(own, found, n, bits);
 	bool lit = s->to_light && f->layer[ENCRE_LAYER_NORMAL].data;
 	if (lit)
 		ground_of_light(f, s, y, x, n, &g);

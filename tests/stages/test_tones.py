@@ -308,6 +308,17 @@ def flat(dark, size=(444, 444), anchor=None, tile=TILE, **scene):
     return ink.images["Encre Tones"][..., 3]
 
 
+@pytest.mark.parametrize("pitch", [3.0, 6.0, 40.0])
+def test_strokes_reach_as_far_in_any_band(pitch):
+    """Upright ones, of which the last part ends beyond their length: bands of 64 rows and of 130."""
+    one = np.ones((520, 90, 3), np.float32)
+    layers = dict(combined=np.ones((520, 90, 4), np.float32), color=one, diffuse=one, depth=one[..., :1], normal=one)
+    scene = dict(ALONE, shade_levels=[(0.4,)], **sticks.tone("HATCH", space="SCREEN", pitch=pitch, angle=90.0))
+    narrow, tall = (library.render(layers, scene, threads=n, outputs=["Encre Tones"]).images["Encre Tones"]
+                    for n in (5, 1))
+    assert narrow.tobytes() == tall.tobytes() and tall.any()
+
+
 def test_strokes_go_on_to_the_frames_edge():
     """Those whose middle is outside are missing, but none ends before the edge."""
     ink = flat(0.6, **sticks.tone("HATCH", space="SCREEN", pitch=6.0))
