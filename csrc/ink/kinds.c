@@ -69,8 +69,7 @@ static bool is_outline(const frame *f, const site *s)
 	       shape_of(f, &s->found, source) == LINE_OUTLINE;
 }
 
-/* The next site of a line, coming from `from`: where it meets others, the one most straight on. */
-static uint32_t straight_on(const fine *n, uint32_t from, uint32_t i)
+uint32_t ISA(straight_on)(const fine *n, uint32_t from, uint32_t i)
 {
 	const placed *a = &n->site[from].placed, *b = &n->site[i].placed;
 	float x = b->x - a->x, y = b->y - a->y, best = 0;
@@ -100,7 +99,7 @@ static bool goes_on(const frame *f, uint32_t i)
 		bool found = false;
 		for (int links = 0; links < BRIDGE && !found && at != UINT32_MAX && !n->site[at].linked.dropped;
 		     links++) {
-			uint32_t next = straight_on(n, from, at);
+			uint32_t next = ISA(straight_on)(n, from, at);
 			found = is_outline(f, n->site + at);
 			from = at;
 			at = next;
@@ -152,24 +151,7 @@ bool ISA(inks_by_site)(const encre_params *p)
 	return p->line_tint > 0 || p->line_lit > 0 || p->ink_on_dark > 0 || p->line_color_by_kind;
 }
 
-/* How dark the picture is about a site: of eight places beyond the rim the mean of the mean and the brightest. */
-static float about(const frame *f, const placed *s, float half)
-{
-	static const float way[8][2] = {{1, 0},  {0.707f, 0.707f},   {0, 1},  {-0.707f, 0.707f},
-					{-1, 0}, {-0.707f, -0.707f}, {0, -1}, {0.707f, -0.707f}};
-	float sum = 0, most = 0, far = half + 2;
-	for (int k = 0; k < 8; k++) {
-		int x = clamp_index((int)floorf(s->x + far * way[k][0] + 0.5f), f->width),
-		    y = clamp_index((int)floorf(s->y + far * way[k][1] + 0.5f), f->height);
-		const float *rgba = output_row(f, ENCRE_OUTPUT_COMBINED, y) + (ptrdiff_t)4 * x;
-		float v = max(0, bounded(max3(rgba[0], rgba[1], rgba[2])));
-		sum += min(v, 1);
-		most = max(most, min(v, 1));
-	}
-	return 0.5f * (sum / 8 + most);
-}
-
-void ISA(line_ink)(const frame *f, const site *made, float half, float ink[3])
+void ISA(line_ink)(const frame *f, const site *made, float ink[3])
 {
 	const placed *s = &made->placed;
 	int x = s->near_x, y = s->near_y;
@@ -179,12 +161,9 @@ void ISA(line_ink)(const frame *f, const site *made, float half, float ink[3])
 #undef LINE
 	const float *own = p->line_color_by_kind ? kinds[ISA(line_of)(f, made)] : p->line_color;
 	const float *color = layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x;
-	float lit = p->line_lit * clamp01(exposed_at(f, p, x, y)), dark = 0;
-	if (p->ink_on_dark > 0 && p->ink_dark_threshold > 0)
-		dark = p->ink_on_dark * clamp01(3 - 2 * about(f, s, half) / p->ink_dark_threshold);
+	float lit = p->line_lit * clamp01(exposed_at(f, p, x, y));
 	for (int c = 0; c < 3; c++) {
 		ink[c] = blend(own[c], p->line_tint_value * color[c], p->line_tint);
 		ink[c] = blend(ink[c], p->line_lit_color[c], lit);
-		ink[c] = blend(ink[c], p->ink_dark_color[c], dark);
 	}
 }

@@ -62,8 +62,18 @@ enum line ISA(line_of)(const frame *f, const site *s);
 float ISA(line_width)(const encre_params *p, enum line kind);
 /* Does the ink depend on more than the style? */
 bool ISA(inks_by_site)(const encre_params *p);
-/* The ink of a line's site, which is `half` pixels wide each way. Reads the picture before any lines. */
-void ISA(line_ink)(const frame *f, const site *s, float half, float ink[3]);
+/* The first ink of a line's site. */
+void ISA(line_ink)(const frame *f, const site *s, float ink[3]);
+/* The next site of a line, coming from `from`: where it meets others, the one most straight on; or UINT32_MAX. */
+uint32_t ISA(straight_on)(const fine *n, uint32_t from, uint32_t i);
+
+/* ---- second.c -------------------------------------------------------------------------------------------- */
+
+struct pen_end;
+bool ISA(takes_second)(const encre_params *p);
+/* Mixes the second ink into those of all sites of a stroke, and narrows its ends. Reads the picture before any lines.
+ */
+int32_t ISA(second_ink)(frame *f, struct pen_end *end, float (*ink)[3]);
 
 /* ---- pen.c ----------------------------------------------------------------------------------------------- */
 

@@ -20,6 +20,7 @@ typedef struct gather {
 	pens *pens;     /* by style */
 	uint8_t *whose; /* by site, which of its style's pens draws it */
 	bool varied;    /* some hand's noise is asked for */
+	bool second;    /* lines have another ink in the dark */
 	bool bounded;   /* lines may cover so much of the picture only */
 	uint32_t strokes;
 	spots at;    /* of all sites; NULL without noise */
@@ -222,7 +223,7 @@ static void finish_pens(void *data, int first, int end, int thread)
 			if (g->all->dry && t)
 				memcpy(g->all->dry[at], t->ink, sizeof t->ink);
 			if (g->all->ink)
-				ISA(line_ink)(g->f, made, g->end[i + k].out, g->all->ink[at]);
+				ISA(line_ink)(g->f, made, g->all->ink[at]);
 		}
 	}
 }
@@ -265,6 +266,8 @@ static int32_t make_stroke(gather *g, uint32_t stroke)
 		code = ISA(capsules_even)(f, &g->radius);
 	if (!code)
 		code = bands_run(f->bands, (int)g->n->count, CHUNK, finish_pens, g);
+	if (!code && g->second)
+		code = ISA(second_ink)(f, g->end, g->all->ink + (size_t)stroke * g->n->count);
 	for (uint32_t k = 0; !code && k < g->turns.spurs; k++)
 		go_on(g, k);
 	late_drop(&f->late, g->radius);
@@ -309,6 +312,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 		g.pens[i] = ISA(pens_of)(f, f->params + i);
 		uint32_t strokes = ISA(pens_strokes)(g.pens + i);
 		g.bounded |= f->params[i].use_lines && f->params[i].line_density < 1;
+		g.second |= ISA(takes_second)(f->params + i);
 		for (int k = 0; f->params[i].use_lines && k < PENS; k++) {
 			const hand *h = g.pens[i].hand + k;
 			if (!(g.pens[i].used >> k & 1))

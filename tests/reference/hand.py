@@ -258,7 +258,8 @@ def _shape(layers, site, height, width, source):
 
 
 def inks(t, layers, params, ink, half, picture):
-    """Each site's ink (n, 3): `ink` is what it is without light, dark and kinds; `picture` lies under the lines."""
+    """Each site's ink (n, 3), and the factor on its width `half`: `ink` is what it is without light, dark and kinds;
+    `picture` lies under the lines."""
     site = t.site
     owner = site["near_y"], site["near_x"]
     style = layers.style[owner]
@@ -269,12 +270,49 @@ def inks(t, layers, params, ink, half, picture):
     ink = np.where(params.at("line_color_by_kind", style)[:, None], tinted, ink)
     lit = clamp01(exposed(layers, params)[owner])
     ink = mix(ink, params.at("line_lit_color", style), (params.at("line_lit", style) * lit)[:, None])
+    share = params.at("ink_on_dark", style)
+    second = _second(t, _dark(t, layers, params, half, picture), half, params.pixels(layers.full_height))
+    factor = np.where(second > 0, mix(1, second, share), 1)
+    return mix(ink, params.at("ink_dark_color", style), (share * np.minimum(1, 8 * second))[:, None]), factor
+
+
+def _dark(t, layers, params, half, picture):
+    """How dark the picture is about each site."""
+    owner = t.site["near_y"], t.site["near_x"]
+    style = layers.style[owner]
     turn = np.arange(8) * np.pi / 4
     x, y = (np.floor(t.at[:, k, None] + (half[:, None] + 2) * way(turn).round(3) + 0.5).astype(int)
             for k, way in ((0, np.cos), (1, np.sin)))
     height, width = layers.depth.shape
     v = np.clip(value(picture[..., :3])[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)], 0, 1)
     threshold = params.at("ink_dark_threshold", style)
-    about = (v.mean(1) + v.max(1)) / 2
-    dark = params.at("ink_on_dark", style) * clamp01(3 - 2 * about / np.where(threshold > 0, threshold, 1))
-    return mix(ink, params.at("ink_dark_color", style), np.where(threshold > 0, dark, 0)[:, None])
+    dark = clamp01(3 - (v.mean(1) + v.max(1)) / np.where(threshold > 0, threshold, 1))
+    asked = (threshold > 0) & (params.at("ink_on_dark", style) > 0) & (params.at("use_lines", style) > 0)
+    return np.where(asked & ~t.dropped, dark, 0)
+
+
+def _second(t, dark, half, unit):
+    """How far each site's line has swollen since it took the second ink: what is dark is evened over two widths of it
+    each way, and no line gets wider than its full width over four."""
+    def along(i, step):
+        for first in t.links[i]:
+            before, at, far = i, first, 0.0
+            while at is not None and at != i and not t.dropped[at]:
+                far += step(before, at)
+                if far >= 1:
+                    break
+                yield at, far
+                after = _straight_on(t, before, at)
+                on = after is not None and _straight_on(t, after, at) == before
+                before, at = at, after if on else None
+
+    even, full = np.zeros(len(t)), np.maximum(8 * half, 6 * unit)
+    for i in np.flatnonzero(dark):
+        reach = max(4 * half[i], 2 * unit)
+        near = [(i, 0.0), *along(i, lambda a, b, reach=reach: t.apart(a, b) / reach)]
+        even[i] = clamp01(2 * np.average([dark[k] for k, _ in near], weights=[1 - far for _, far in near]) - 1)
+    swollen = even.copy()
+    for i in np.flatnonzero(~t.dropped):
+        for at, far in along(i, lambda a, b: 2 * t.apart(a, b) / (full[a] + full[b])):
+            swollen[at] = min(swollen[at], even[i] + far)
+    return swollen

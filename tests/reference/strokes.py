@@ -143,7 +143,8 @@ def ends(t, layers, params, paper, stroke):
     columns = np.stack([lift * filled * site["half"] + radius, hand.at("softness", pen.softness) * radius, gain,
                         np.where(gain > 0, 1 / np.where(gain > 0, gain, 1), 0), np.maximum(0, 1 - strength / 2),
                         hand.at("paper", pen.roughness), np.minimum(z, 1e30)], 1)
-    color = inks(t, layers, params, pen.ink, columns[:, 0], layers.combined)
+    color, swollen = inks(t, layers, params, pen.ink, columns[:, 0], layers.combined)
+    columns[:, :2] *= swollen[:, None]
     at, columns = np.where(used[:, None], at, t.at), columns * used[:, None]
     numbers, bristles = hand.bristles()
     return _beyond(spurs(t, turn) if turns else (), hand.farther() * used, at, columns, color, numbers * used, bristles)

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The second ink, of lines through dark areas. There the first ink ends unseen; the second begins as a point and swells
+ * along the line, as a pen that is set down. */
+#include "ink/discs.h"
+#include "ink/pen.h"
+#include "ink/tips.h"
+#include "fine/near.h"
+
+enum { CHUNK = 1024 };
+
+/* In half widths: over which darkness is evened each way, and over which a line swells; and the least of both in px. */
+static const float evened = 4, swells = 8, least_evened = 2, least_swells = 6;
+/* A point is so much wider than its share of the ink, before that is full. */
+static const float blunt = 8;
+
+typedef struct second {
+	const frame *f;
+	const fine *n;
+	pen_end *end;
+	float (*ink)[3];
+	float *dark, *even; /* by site: how dark the picture is about it, then how far it has swollen; evened */
+} second;
+
+/* Of eight places beyond the rim the mean of the mean and the brightest. */
+static float about(const frame *f, const placed *s, float half)
+{
+	static const float way[8][2] = {{1, 0},  {0.707f, 0.707f},   {0, 1},  {-0.707f, 0.707f},
+					{-1, 0}, {-0.707f, -0.707f}, {0, -1}, {0.707f, -0.707f}};
+	float sum = 0, most = 0, far = half + 2;
+	for (int k = 0; k < 8; k++) {
+		int x = clamp_index((int)floorf(s->x + far * way[k][0] + 0.5f), f->width),
+		    y = clamp_index((int)floorf(s->y + far * way[k][1] + 0.5f), f->height);
+		const float *rgba = output_row(f, ENCRE_OUTPUT_COMBINED, y) + (ptrdiff_t)4 * x;
+		float v = max(0, bounded(max3(rgba[0], rgba[1], rgba[2])));
+		sum += min(v, 1);
+		most = max(most, min(v, 1));
+	}
+	return 0.5f * (sum / 8 + most);
+}
+
+static void find_dark(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const second *c = data;
+	for (int i = first; i < end; i++) {
+		const site *made = c->n->site + i;
+		const encre_params *p = params_at(c->f, made->placed.near_x, made->placed.near_y);
+		c->dark[i] = 0;
+		if (!made->linked.dropped && p->use_lines && p->ink_on_dark > 0 && p->ink_dark_threshold > 0)
+			c->dark[i] = clamp01(3 - 2 * about(c->f, &made->placed, c->end[i].out) / p->ink_dark_threshold);
+	}
+}
+
+static float reach_of(const second *c, uint32_t i, float halves, float least)
+{
+	return max(halves * c->end[i].out, least * c->f->scale);
+}
+
+static bool goes_on(const fine *n, uint32_t i, uint32_t at)
+{
+	return at != UINT32_MAX && at != i && !n->site[at].linked.dropped;
+}
+
+/* The next site; where several lines meet, of the one that goes straight on, seen from both sides. */
+static uint32_t onward(const fine *n, uint32_t from, uint32_t at)
+{
+	if (links_at(n, at) == 2)
+		return next_of(n, from, at);
+	uint32_t next = ISA(straight_on)(n, from, at);
+	return next != UINT32_MAX && ISA(straight_on)(n, next, at) == from ? next : UINT32_MAX;
+}
+
+/* Lets `even` tell, by how far on they are, the sites to whose mean a change may belong: most have none near. */
+static int32_t find_changes(const second *c)
+{
+	const fine *n = c->n;
+	int32_t code = ENCRE_OK;
+	float most = 0;
+	for (uint32_t i = 0; i < n->count; i++) {
+		c->even[i] = 0;
+		most = max(most, n->site[i].linked.dropped ? 0 : c->end[i].out);
+	}
+	most = max(evened * most, least_evened * c->f->scale);
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
+		for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
+			if (n->site[i].linked.dropped || c->dark[n->to[k]] == c->dark[i])
+				continue;
+			/* back from the site beyond the change as well, for links are walked from both ends */
+			uint32_t from = i, at = n->to[k];
+			c->even[i] = most;
+			for (float left = most; goes_on(n, i, at);) {
+				left -= sqrtf(apart2(n->site + from, n->site + at));
+				if (left <= 0 || (links_at(n, at) == 2 && left <= c->even[at]))
+					break;
+				c->even[at] = max(c->even[at], left);
+				uint32_t next = onward(n, from, at);
+				from = at;
+				at = next;
+			}
+		}
+	}
+	return code;
+}
+
+/* The mean along the line, each way, with weights that fall to 0 at `reach`. */
+static float mean_along(const second *c, uint32_t i, float reach)
+{
+	const fine *n = c->n;
+	float sum = c->dark[i], weights = 1;
+	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
+		uint32_t from = i, at = n->to[k];
+		for (float along = 0; goes_on(n, i, at);) {
+			along += sqrtf(apart2(n->site + from, n->site + at));
+			if (along >= reach)
+				break;
+			sum += (1 - along / reach) * c->dark[at];
+			weights += 1 - along / reach;
+			uint32_t next = onward(n, from, at);
+			from = at;
+			at = next;
+		}
+	}
+	return sum / weights;
+}
+
+static void even_dark(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const second *c = data;
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
+		float dark = c->dark[i];
+		if (dark > 0 && c->even[i] > 0)
+			dark = mean_along(c, i, reach_of(c, i, evened, least_evened));
+		c->even[i] = c->dark[i] > 0 ? clamp01(2 * dark - 1) : 0;
+	}
+}
+
+/* How wide lines are: along each as dark as it is, but rising by no more than 1 over where it swells. */
+static int32_t swell(const second *c)
+{
+	const fine *n = c->n;
+	float *full = c->dark;
+	int32_t code = ENCRE_OK;
+	memcpy(full, c->even, n->count * sizeof *full);
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
+		if (n->site[i].linked.dropped || !(c->even[i] < 1))
+			continue;
+		for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
+			uint32_t from = i, at = n->to[k];
+			for (float level = c->even[i]; goes_on(n, i, at);) {
+				float reach =
+					reach_of(c, from, swells, least_swells) + reach_of(c, at, swells, least_swells);
+				level += 2 * sqrtf(apart2(n->site + from, n->site + at)) / reach;
+				if (level >= 1 || (links_at(n, at) == 2 && level >= full[at]))
+					break;
+				full[at] = min(full[at], level);
+				uint32_t next = onward(n, from, at);
+				from = at;
+				at = next;
+			}
+		}
+	}
+	return code;
+}
+
+static void take_ink(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const second *c = data;
+	for (int i = first; i < end; i++) {
+		if (!(c->even[i] > 0))
+			continue;
+		const placed *s = &c->n->site[i].placed;
+		const encre_params *p = params_at(c->f, s->near_x, s->near_y);
+		pen_end *e = c->end + i;
+		float full = c->dark[i], share = p->ink_on_dark;
+		for (int k = 0; k < 3; k++)
+			c->ink[i][k] = blend(c->ink[i][k], p->ink_dark_color[k], share * min(1, blunt * full));
+		e->out *= mix(1, full, share); /* its reach is no less */
+		e->fade *= mix(1, full, share);
+	}
+}
+
+bool ISA(takes_second)(const encre_params *p)
+{
+	return p->use_lines && p->ink_on_dark > 0;
+}
+
+int32_t ISA(second_ink)(frame *f, pen_end *end, float (*ink)[3])
+{
+	const fine *n = f->fine;
+	second c = {f, n, end, ink, late_take(&f->late, n->count, sizeof *c.dark), NULL};
+	c.even = c.dark ? late_take(&f->late, n->count, sizeof *c.even) : NULL;
+	if (!c.even)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, find_dark, &c);
+	if (!code)
+		code = find_changes(&c);
+	if (!code)
+		code = bands_run(f->bands, (int)n->count, CHUNK, even_dark, &c);
+	if (!code)
+		code = swell(&c);
+	if (!code)
+		code = bands_run(f->bands, (int)n->count, CHUNK, take_ink, &c);
+	late_drop(&f->late, c.dark);
+	late_drop(&f->late, c.even);
+	return code;
+}

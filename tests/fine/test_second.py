@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The second ink of lines through dark areas: it begins as a point, and swells along the line."""
+
+import numpy as np
+import pytest
+from encre.pen import library
+
+PEN = dict(edge_detector="FINE", edge_color=0.0, edge_light=0.0, edge_normal=0.0, length_unit="PIXELS",
+           line_softness=0.0, line_gain=0.5, line_intensity=2.0, line_paper=0.0, use_shading=False, use_smudging=False,
+           use_hatching=False, paper_source="NONE", line_thickness=6.0, ink_on_dark=1.0)
+HEIGHT, WIDTH = 240, 60
+
+
+def whites(value, **values):
+    """The width of what is white along an upright line of 6 pixels, by row, on a ground of so much light (H, W)."""
+    object_ = np.zeros((HEIGHT, WIDTH, 1), np.float32)
+    object_[:, WIDTH // 2:] = 1
+    flat = np.ones((HEIGHT, WIDTH, 3), np.float32)
+    ground = np.ones((HEIGHT, WIDTH, 4), np.float32)
+    ground[..., :3] = value[..., None]
+    layers = {"combined": ground, "color": flat, "diffuse": flat, "normal": flat, "depth": 5 * flat[..., :1],
+              "object": object_}
+    lines = library.render(layers, {**PEN, **values}, outputs=("Encre Lines",)).images["Encre Lines"]
+    return lines[..., 0].sum(1)
+
+
+def ground(*dark):
+    """White, and black in these rows."""
+    rows = np.arange(HEIGHT)[:, None] + 0 * np.arange(WIDTH)
+    return 1 - np.any([(rows >= first) & (rows < end) for first, end in dark], 0).astype(float)
+
+
+def test_white_begins_as_a_point_and_swells_to_the_width_of_the_line():
+    width = whites(ground((60, 180)))
+    assert width[:60].max() == width[180:].max() == 0
+    assert np.abs(np.diff(width)).max() < 1.1  # no square: from a pixel on it swells by a quarter a row
+    assert np.abs(width[100:140] - 6).max() < 0.1
+    rise = np.flatnonzero(width > 3)[0] - np.flatnonzero(width > 0.3)[0]
+    assert 6 <= rise <= 24
+    assert np.abs(width[60:180] - width[60:180][::-1]).max() < 0.6
+
+
+def test_a_long_dark_is_white_and_a_short_one_stays_black():
+    """What is dark over less than a width or two of the line would be a row of ticks."""
+    ticks = whites(ground(*((k, k + 12) for k in range(20, 220, 24))))
+    assert ticks.max() < 0.3
+    assert whites(ground((60, 100))).max() > 1
+
+
+@pytest.mark.parametrize("share", [0.01, 0.5])
+def test_little_of_the_second_ink_narrows_a_line_by_little(share):
+    """So that nothing jumps as the slider leaves 0."""
+    value = ground((60, 180))
+    assert np.abs(whites(value, ink_on_dark=share)[100:140] - 6 * share).max() < 0.1
+    both = whites(value, ink_on_dark=share, line_color=(1.0, 1.0, 1.0))  # all of the line
+    assert np.abs(both[:60] - 6).max() < 0.1 and 6 * (1 - share) - 0.1 < both[6:-6].min() < 6 - 3 * share
+
+
+def test_white_goes_on_where_lines_cross():
+    """A line through the dark is as wide on both sides of where another crosses it."""
+    object_ = np.zeros((120, 120, 1), np.float32)
+    object_[60:] = 1
+    object_[:, 60:] += 2
+    flat = np.ones((120, 120, 3), np.float32)
+    layers = {"combined": np.zeros((120, 120, 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
+              "depth": 5 * flat[..., :1], "object": object_}
+    layers["combined"][:, :, 3] = 1
+    layers["combined"][:62, :, :3] = 1
+    lines = library.render(layers, PEN, outputs=("Encre Lines",)).images["Encre Lines"]
+    width = lines[..., 0].sum(1)
+    assert width[:60].max() == 0 and np.abs(np.diff(width[70:])).max() < 0.5 and np.abs(width[105:115] - 6).max() < 0.1
