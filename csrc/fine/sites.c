@@ -39,7 +39,7 @@ static void owner_of(const fine *n, const found *s, int *x, int *y)
 int ISA(fine_controls)(const fine *n, const found *at, placed *s)
 {
 	/* by distance, then row, then column: of equal depths the first counts */
-	static const int8_t window[25][2] = {
+	static const int window[25][2] = {
 		{0, 0},  {0, -1}, {-1, 0}, {1, 0},   {0, 1},   {-1, -1}, {1, -1},  {-1, 1}, {1, 1},
 		{0, -2}, {-2, 0}, {2, 0},  {0, 2},   {-1, -2}, {1, -2},  {-2, -1}, {2, -1}, {-2, 1},
 		{2, 1},  {-1, 2}, {1, 2},  {-2, -2}, {2, -2},  {-2, 2},  {2, 2},

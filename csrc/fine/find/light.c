@@ -39,11 +39,10 @@ void ISA(level_row)(const fine *n, int y, uint8_t *restrict level)
 static void fill_contrasts(int metric, const encre_params *p, float *contrast)
 {
 	int count = p->shade_levels.count;
-	float plane[3][ENCRE_MAX_LEVELS];
+	float plane[3][ENCRE_MAX_LEVELS] = {{0}}, grey[ENCRE_MAX_LEVELS];
 	for (int k = 0; k < count; k++)
 		for (int c = 0; c < 3; c++)
 			plane[c][k] = clamp01(p->shade_levels.level[k].intensity);
-	float grey[ENCRE_MAX_LEVELS];
 	memcpy(grey, plane[0], sizeof grey);
 	ISA(metric_space)(metric, count, plane[0], plane[1], plane[2]);
 	for (int one = 0; one < count; one++)

@@ -199,8 +199,7 @@ static void mixed_row(const fine *n, int y, uint8_t *out)
 	spare(width, out);
 }
 
-/* Bits by axis. */
-enum { STEP = 1, BAND = 4 };
+enum { STEP = 1, BAND = 4 }; /* bits by axis */
 
 /* Squared lengths of what makes a step, across one pixel and, if it is asked for, across two if that is more, and of
  * what makes a band. Called with a constant number of planes, so that the loop over them is unrolled and the one over
