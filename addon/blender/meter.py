@@ -5,7 +5,7 @@ It comes from lamps and where things stand, never from what a frame shows: a fra
 brighter, and tiles, borders and frames of a farm must agree. Sums over all things change by and by while lamps and
 things move, so that levels don't jump.
 
-It is no more than a few times what most things have: a sun that only comes in by a window does not make night of the
+It is not much more than what most things have: a sun that only comes in by a window does not make night of the
 room, while in a street, where it reaches what faces it, shade stays as dark beside it as it is.
 """
 
@@ -15,7 +15,7 @@ from ..pen import irradiance
 from . import lamps, trees, worlds
 
 _NEAREST = 0.25  # of the scene's size: what hangs nearer to a lamp has no more light than there, or a lampshade counted
-_MOST = 2.0  # times what most things have
+_MOST = 1.5  # times what most things have: they lie above the thresholds of presets, .55 at most
 _DARK = 0.005  # of full light: what has about so little is meant to be dark
 _THINGS = 1000  # so many tell what most have
 _WEAK = 0.2  # of the strongest lamp at a thing: whether weaker ones reach it makes no difference

@@ -204,7 +204,7 @@ void ISA(tone_ways)(const frame *f, const tone_marks *m, const tone_slot *slots,
 	tone_ground g;
 	tone_rest any;
 	for (int i = 0; i < n; i++)
-		own[i] = (dark[i] > 0) & ((bits[i] & TONE_SLOT) == k) ? 255 : 0;
+		own[i] = dark[i] > 0 && (bits[i] & TONE_SLOT) == k ? 255 : 0;
 	/* a stroke of the screen ends with the surface too */
 	ends_fill(f, rest ? rest : ISA(tone_rest_fill)(f, y, x, n, &any), y, x, n, found);
 	add_own(own, found, n, bits);
