@@ -368,8 +368,7 @@ def parse(id_: str, text: str) -> Any:
     return normal(params()[id_], read(params()[id_], text))
 
 
-def check(values: Mapping[str, Any],
-          images: Mapping[str, np.ndarray] = MappingProxyType({})) -> dict[str, Any]:
+def check(values: Mapping[str, Any], images: Mapping[str, np.ndarray] = MappingProxyType({})) -> dict[str, Any]:
     return load().check(values, images)
 
 

@@ -70,3 +70,21 @@ def same(a, b):
     assert a.keys() == b.keys()
     for name in a:
         assert a[name].tobytes() == np.ascontiguousarray(b[name]).tobytes(), name
+
+
+def jittered(rng, nx, ny, width, height, jitter, grid=None):
+    """Points and triangles of a sheet over a frame of width x height and a margin around it."""
+    x, y = np.meshgrid(np.linspace(-0.3, 1.3, nx + 1) * width, np.linspace(-0.3, 1.3, ny + 1) * height)
+    x = x + rng.uniform(-jitter, jitter, x.shape) * width / nx
+    y = y + rng.uniform(-jitter, jitter, y.shape) * height / ny
+    points = np.stack([x, y, np.full_like(x, -2)], -1).reshape(-1, 3)
+    if grid:
+        points[:, :2] = np.floor(points[:, :2] * grid) / grid
+    a = (np.arange(ny)[:, None] * (nx + 1) + np.arange(nx)).ravel()
+    b, c, d = a + 1, a + nx + 2, a + nx + 1
+    flip = (rng.random(len(a)) < 0.5)[:, None, None]
+    one, other = np.array([[a, b, c], [a, c, d]]), np.array([[a, b, d], [b, c, d]])
+    triangles = np.where(flip, one.transpose(2, 0, 1), other.transpose(2, 0, 1)).reshape(-1, 3)
+    turned = rng.random(len(triangles)) < 0.5
+    triangles[turned] = triangles[turned][:, ::-1]
+    return points.astype(np.float32), triangles.astype(np.int32)
