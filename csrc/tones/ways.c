@@ -126,7 +126,7 @@ static void ends(const tone_side *a, const tone_side *b, const float *restrict g
 		float x = bx[i] - ax[i], y = by[i] - ay[i], z = bz[i] - az[i];
 		float near = depth_of(a->depth[i]), far = depth_of(b->depth[i]);
 		int known = (a->pixel[i] > 0) & (b->pixel[i] > 0);
-		int close = x * x + y * y + z * z <= 16 * grown[i], level = fabsf(far - near) <= 0.05f * near;
+		int close = x * x + y * y + z * z <= 16.0f * grown[i], level = fabsf(far - near) <= 0.05f * near;
 		int goes = (a->object[i] == b->object[i]) & (known ? close : level);
 		bits[i] = (uint8_t)(bits[i] | (goes ? 0 : bit));
 	}

@@ -49,18 +49,28 @@ def looking(down, distance=5.0):
     return view
 
 
-@pytest.mark.parametrize("degrees", [1, 8, 45, 80])
-@pytest.mark.parametrize("one_mesh", [True, False])
-def test_two_sheets_cross_in_a_line_at_any_angle(degrees, one_mesh):
-    """From the upper end to the lower one, to a thousandth of a pixel, whatever the angle."""
+def sheets(degrees, one_mesh):
+    """A level one, and one that crosses it at an angle."""
     s, c = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
     square = np.float32([(-40, -30), (40, -30), (40, 30), (-40, 30)])
     level = Mesh(np.c_[square, 0 * square[:, :1]] + np.float32((48, 36, -50)), np.int32([(0, 1, 2), (0, 2, 3)]))
     x, y = square[:, :1], square[:, 1:]
     tilted = Mesh(np.c_[c * x + 48.3 + 0.02 * y, y + 36, -s * x - 50].astype(np.float32),
                   np.int32([(1, 2, 3), (1, 3, 0)]))
-    meshes = [joined(level, tilted)] if one_mesh else [level, tilted]
-    place, maps = found(meshes, *pixels(*SIZE))
+    return [joined(level, tilted)] if one_mesh else [level, tilted]
+
+
+@pytest.mark.parametrize("one_mesh", [True, False])
+def test_two_sheets_that_all_but_coincide_have_none(one_mesh):
+    assert not any(found(sheets(angle, one_mesh), *pixels(*SIZE))[0].any() for angle in (2e-4, 8e-3))
+    assert found(sheets(2e-2, one_mesh), *pixels(*SIZE))[0].any()
+
+
+@pytest.mark.parametrize("degrees", [1, 8, 45, 80])
+@pytest.mark.parametrize("one_mesh", [True, False])
+def test_two_sheets_cross_in_a_line_at_any_angle(degrees, one_mesh):
+    """From the upper end to the lower one, to a thousandth of a pixel, whatever the angle."""
+    place, maps = found(sheets(degrees, one_mesh), *pixels(*SIZE))
     rows = np.arange(8, 64)
     column = place[rows, :, 0].argmax(1)
     assert ((place[rows, :, 0] > 0).sum(1) == 1).all() and (place[rows][..., 1] > 0).sum() <= 2

@@ -35,8 +35,7 @@ def rendered(path):
 
 def debug_build(root, folder):
     done = subprocess.run([sys.executable, "setup.py", "-q", "build_ext", "--debug", "--scalar",
-                           f"--build-lib={folder}", f"--build-temp={folder}/temp"],
-                          cwd=root, capture_output=True, text=True,
+                           f"--build-lib={folder}"], cwd=root, capture_output=True, text=True,
                           env={**os.environ, "CFLAGS": "-O0"})  # soon compiled
     assert done.returncode == 0, done.stderr
     return folder / "encre" / LIBRARY

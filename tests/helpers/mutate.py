@@ -49,6 +49,7 @@ TESTS = (
     ("csrc/raster/geometry", RASTER, "unit/test_limits.py", "fine/test_creases.py"),
     ("csrc/raster/", RASTER, "fine/test_creases.py", "fine/test_marks.py", "fine/test_meets.py"),
     ("csrc/texture/", "stages/test_bake.py -k 'not size4'"),
+    ("csrc/base/bands.", "stages/test_raster_input.py", "unit/test_memory.py", "stages/test_edges.py -k sizes"),
     ("csrc/base/metric.", "unit/test_metric.py", "stages/test_edges.py"),
     ("csrc/base/pixel.h", "unit/test_metric.py", "stages/test_surface.py"),
     ("csrc/base/layers", "unit/test_limits.py", "unit/test_layers.py unit/test_house.py"),

@@ -112,7 +112,9 @@ WIRES = {  # for the sites of thin things
     for k in range(20)} | {
     f"rough wires {k}": (dict(seed=60 + k, size=(16, 20), count=3, noise=0.04),
                          dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
-    for k in range(4)}
+    for k in range(4)} | {
+    "wires that end": (dict(seed=5517, size=(37, 19)), dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (),
+                       ORTHO)}
 
 
 def _tiny(k):
@@ -157,10 +159,12 @@ def _cut(k):
 
 
 CUTS = {f"cut {k}": _cut(k) for k in range(30)}  # the small ones twice
-ROWS = {  # the border of what is painted; a line whose first site is the first of all
+ROWS = {  # the border of what is painted; a line whose first site is the first of all; below the first row
     "stroke": (dict(seed=107, hand=1, busy=False, size=(20, 24)), dict(edge_light=0.0, edge_color=0.0), (), None),
     "painted rows": (dict(seed=99, painted=-3, noise=0.2, size=(16, 24)),
-                     dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0, edge_threshold=0.0), (), None)}
+                     dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0, edge_threshold=0.0), (), None),
+    "low": (dict(seed=4081, size=(3, 22), things=2, mirror=True), dict(edge_threshold=0.0), (), None),
+    "lower": (dict(seed=4129, size=(4, 16), things=2, mirror=True), dict(edge_threshold=0.0), (), None)}
 MORE = {  # for the passes alone: many lines beside one another
     f"crowded {k}": (dict(seed=100 + k, things=k % 2, noise=0.01 * (k % 3), size=(40, 56)),
                      dict(crease_angle=30.0 + 20 * (k % 3), edge_threshold=0.05 * (k % 4)), (), (None, ORTHO)[k % 2])

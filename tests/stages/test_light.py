@@ -54,6 +54,33 @@ def test_what_light_reaches():
         scene.reached(places, ways[:3])
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_triangles_in_a_cloud_are_lit_where_ways_are_free(seed):
+    """By a hard sun: pixels of one triangle about which all ways to it are free, or none."""
+    rng, stage, lamp = np.random.default_rng(seed), Stage(180, 120, (0, -7, 6), at=(0, 0, 0)), Lamp("sun", model=ways())
+    n = 200
+    cloud = rng.uniform((-3, -3, 0.5), (3, 3, 2.5), (n, 1, 3)) + 0.35 * rng.normal(size=(n, 3, 3))
+    stage.add(cloud.reshape(-1, 3).astype(np.float32), np.arange(3 * n, dtype=np.int32).reshape(-1, 3), np.eye(4))
+    stage.meshes[-1].material = np.arange(n, dtype=np.int32) + 1
+    maps = library.raster(stage.meshes, stage.view, stage.projection, Frame(180, 120), (180, 120), 0.1,
+                          outputs=("depth", "normal", "material"))
+    y, x = np.mgrid[:120, :180] + 0.5
+    eye, lens = np.linalg.inv(stage.view), np.diagonal(stage.projection)
+    sight = np.stack([(x / 90 - 1) / lens[0], (1 - y / 60) / lens[1], -np.ones_like(x)], -1) @ eye[:3, :3].T
+    places, sun = eye[:3, 3] + sight * maps["depth"][..., None] + 1e-3 * maps["normal"], lamp.model[:3, 2]
+    free = stage.scene.reached(places.reshape(-1, 3), np.full((x.size, 3), 20 * sun)).reshape(x.shape)
+    plain = maps["normal"] @ sun
+    whole = (maps["material"] > 0) & (plain > 0.1)
+    lit, none = whole & free, whole & ~free
+    for shift in np.ndindex(3, 3):
+        beside = [np.roll(a, np.subtract(shift, 1), (0, 1)) for a in (maps["material"], free)]
+        lit &= (beside[0] == maps["material"]) & beside[1]
+        none &= (beside[0] == maps["material"]) & ~beside[1]
+    found = np.pi * stage.light(lamp)[..., 0]
+    assert lit.sum() > 200 and none.sum() > 200
+    assert (abs(found - plain)[lit] > 0.01).mean() < 0.01 and (found[none] > 0.01).mean() < 0.01
+
+
 def squashed(at, size):
     """A ball of radius 1 -> an ellipsoid about a place, turned."""
     turn = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]

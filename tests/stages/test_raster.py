@@ -233,6 +233,22 @@ def test_back_faces_and_mirrored_models_face_the_camera():
         np.testing.assert_allclose(np.linalg.norm(r["normal"][there], axis=1), 1, atol=1e-6)
 
 
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("side", [-4.0, 4.0])
+def test_a_surface_faces_the_camera_wherever_that_stands(axis, side):
+    """A triangle at the origin, of which a camera sees the one face from here and the other one from there."""
+    place, normal = np.array([0, 0, 5.0]), np.array([0, 0, 0.5])
+    place[axis], normal[axis] = side, 1
+    points = np.linalg.svd(normal[None])[2][1:]
+    view = np.eye(4)
+    view[:3, 3] = -place
+    mesh = Mesh(np.float32([points[0], points[1], -points[0] - points[1]]), np.int32([[0, 1, 2]]), object_index=1)
+    projection = perspective(160, 160, shift=tuple(-1.2 * place[:2] / 5))
+    got = library.raster([mesh], view, projection, Frame(160, 160), (160, 160), 0.1)
+    there = got["object"] == 1
+    assert there.sum() > 20 and (got["normal"][there] @ place > 0).all()
+
+
 def test_equal_depths_go_to_the_earlier_mesh_and_primitive():
     rng = np.random.default_rng(9)
     one = soup(rng, 30, object_index=1, material=np.arange(30))

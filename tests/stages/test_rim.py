@@ -36,7 +36,7 @@ def noise():
          length_unit="RELATIVE", rim_width=150.0),
 ])
 def test_agrees_with_the_reference(scene, camera, layers):
-    styles = [dict(use_rim=False), dict(rim_color=(1, 0.5, 0), rim_width=2.0)]
+    styles = [dict(use_rim=False), dict(rim_color=(1, 0.5, 0), rim_width=2.0, rim_softness=0.9)]
     want = reference(layers, dict(RIM, **scene), styles, camera and dict(vars(camera)))
     sure = ~want["unsure"]
     assert sure.mean() > 0.9
