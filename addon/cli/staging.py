@@ -151,6 +151,9 @@ def prepare(job, report):
         report("note", text=words)
     picture = scene.render.image_settings
     exr = job["ending"].lower() == ".exr"
+    if not exr and settings.active and scene.view_settings.view_transform not in ("Standard", "Raw"):
+        report("note", text=f"{job['scene']}: the view transform {scene.view_settings.view_transform} of scene "
+               f"{scene.name} makes white paper grey and washes out ink; choose Standard in its Color Management")
     if hasattr(picture, "media_type"):  # Blender 5: the formats on offer depend on it
         picture.media_type = "MULTI_LAYER_IMAGE" if exr else "IMAGE"
     picture.file_format = "OPEN_EXR_MULTILAYER" if exr else "PNG"

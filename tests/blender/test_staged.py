@@ -42,6 +42,14 @@ def test_files_that_blender_writes_besides(facts):
     assert kind == "warning" and "sequencer" in text and "no passes" in text
 
 
+def test_a_view_transform_that_makes_paper_grey_is_noted(facts):
+    """In a PNG, not in layers, to which none is applied."""
+    found = facts("view_transforms")
+    [[[kind, text]]] = found["washed out said"]
+    assert kind == "note" and "Filmic" in text and "choose Standard" in text and found["washed out strict"] == [None]
+    assert found["layers said"] == found["standard said"] == [[]]
+
+
 def test_files_that_cannot_be_used(facts):
     found = facts("files_amiss")
     amiss(found, "style", "Cube has the style Nope", "add such a style")

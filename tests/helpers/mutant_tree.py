@@ -121,9 +121,9 @@ class Copy:
             ended = self._ended(number, selection)
             if ended == STALE:
                 raise SystemExit(f"mutate: {self.probe.name} is not the library that was changed")
-            if ended == -signal.SIGKILL and self._unchanged(selection):
+            if (ended == -signal.SIGKILL or ended and selection == selections[-1]) and self._unchanged(selection):
                 raise SystemExit(f"mutate: {selection} takes more than {LIMIT} s, or fails, though nothing is changed; "
-                                 "make two rows of it in TESTS")
+                                 "make two rows of it in TESTS, or mend it")
             if ended:
                 return selection if ended > 0 else f"{selection}: {signal.Signals(-ended).name}"
         return None

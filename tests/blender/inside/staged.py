@@ -5,11 +5,19 @@ import os
 import sys
 
 import bpy
-from studio import fact, stage
+import studio
+from studio import fact
 
 JOB = {"scene": "shot.blend", "ending": ".png", "values": {}, "samples": None, "size": None, "scene_name": None,
        "camera": None, "view_layer": None, "threads": None, "device": None, "strict": False, "autoexec": False,
        "passes": (), "named": ()}
+
+
+def stage():
+    """One of which nothing is said."""
+    scene = studio.stage()
+    scene.view_settings.view_transform = "Standard"
+    return scene
 
 
 def said(name, scene, **job):
@@ -92,6 +100,16 @@ def other_outputs(out):
     strips = editor.strips if hasattr(editor, "strips") else editor.sequences
     strips.new_effect("Colour", "COLOR", 1, 1, **({"length": 9} if bpy.app.version >= (5, 0) else {"frame_end": 9}))
     said("strips", scene)
+
+
+def view_transforms(out):
+    """One that makes paper grey, in layers and in a PNG."""
+    scene = stage()
+    scene.view_settings.view_transform = "Filmic"
+    said("layers", scene, ending=".exr")
+    said("washed out", scene)
+    scene.view_settings.view_transform = "Standard"
+    said("standard", scene)
 
 
 def files_amiss(out):
