@@ -29,7 +29,7 @@ PENS = {  # the case, what it is drawn with
                               line_depth_distance=4.0)),
     "brush": ("faces", dict(line_thickness=5.0, pen_pressure=0.6, pen_pressure_length=40.0, pen_rough=0.5,
                              pen_rough_length=5.0, pen_seed=7)),
-    "frayed": ("faces", dict(line_thickness=9.0, pen_rough=3.0, pen_rough_length=3.0)),
+    "frayed": ("faces", dict(line_thickness=9.0, pen_rough=1.2, pen_rough_length=1.5)),
     "stray": ("faces", dict(line_thickness=3.0, pen_wobble=1.2, pen_wobble_length=25.0, pen_strokes=2, pen_gaps=0.3,
                             pen_gaps_length=20.0, width_contact=1.6, width_intersection=0.4)),
     "dry": ("faces", dict(line_thickness=3.3, pen_dry=0.8, pen_dry_length=9.0, pen_bristles=3)),

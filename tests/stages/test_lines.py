@@ -178,8 +178,10 @@ def test_a_small_thing_near_by_hides_what_is_drawn_farther_right():
 @given(st.integers(0, 10**6), st.sampled_from([3.0, 9.0, 24.0, 60.0]), st.sampled_from([0.0, 0.3, 0.9]),
        st.sampled_from([0.8, 1.0, 2.0, 4.0]), st.booleans(), st.booleans())
 def test_strongest_of_all(seed, thickness, softness, intensity, occlude, tint):
-    """Discs are cut down to where they can win: smooth changes of radius, depth and pressure are where that is hard."""
+    """Discs are cut down to where they can win: smooth changes of radius, depth and pressure are where that is hard.
+    Half of all are nearer than 1."""
     layers = noise_layers(40, 64, seed, painted=seed % 3 > 0, smooth=True)
+    layers["depth"][layers["depth"] < 1e10] *= 0.05 if seed % 2 else 1
     check(layers, dict(line_thickness=thickness, line_softness=softness, line_intensity=intensity, line_occlude=occlude,
                        line_tint=0.6 * tint, edge_material=0.0), frame=full(40, 64))
 
