@@ -6,6 +6,8 @@ PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command 
 # One Blender module per Python: the wheels on the package index are built for exactly one version each.
 BPY := $(shell $(PYTHON) -c 'import sys; print({(3, 11): "bpy==4.5.*", (3, 13): "bpy==5.2.*"}.get(sys.version_info[:2], ""))')
 RUN := .venv/bin/python
+# Python keeps what it has compiled, whatever the shell says: tests begin hundreds of processes.
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo gallery docs languages extension wheels blenders test test-long mutate bench bench-peers bench-live lint \
 	clean build
