@@ -41,8 +41,10 @@ TESTS = (
     *((f"csrc/surface/{name}", f"stages/test_{test}.py")
       for name, test in (("ball", "example"), ("example", "example"), ("rim", "rim"), ("wash", "wash"))),
     ("csrc/surface/", "stages/test_surface.py", "stages/test_paper.py"),
+    *((f"csrc/tones/{name}.", "stages/test_strokes.py -k 'not ink'", "stages/test_strokes.py -k ink",
+       "stages/test_tones.py") for name in ("scatter", "strokes", "ways")),
     ("csrc/tones/", "stages/test_tones.py -k twin", "stages/test_tones.py -k 'not twin and not ink'",
-     "stages/test_tones.py -k 'ink and not twin'"),
+     "stages/test_tones.py -k 'ink and not twin'", "stages/test_strokes.py"),
     ("csrc/raster/be", "fine/test_bevels.py", "fine/test_creases.py"),  # bends, bevels
     ("csrc/raster/meets", "fine/test_meets.py", "fine/test_creases.py"),
     ("csrc/raster/pieces", "fine/test_meets.py", "fine/test_creases.py"),

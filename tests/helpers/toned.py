@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tones are drawn on: layers of things at every slant, and a picture that tiles."""
+"""What tones are drawn on, layers of things at every slant and a picture that tiles; and their twin."""
 
 import numpy as np
 import sticks
 from encre.pen import library
 from encre.pen.job import Frame
+from reference import render as reference
 
 CONTROLS = len(library.controls())
+ALONE = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=True,
+             length_unit="PIXELS")
+LEVELS = [(0.15,), (0.5, 0.3, 0.2), (0.8, 0.7, 0.0), (1.1, 1.0, 0.1)]
+MORE_LEVELS = [(0.1,), (0.3, 0.2, 0.1), (0.4, 0.35, 0.0), (0.6, 0.5, 0.1), (0.7, 0.8, 0.1), (0.95, 1.0, 0.0)]
+RAMP = (0.05, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 0.95)
 
 
 def stuck(width, height, seed=0):
@@ -85,3 +91,36 @@ def slanted(size, down, scale=1.0, wall=False):
     anchor[..., 3:7] = 0, 0, 1, 0.01
     anchor[..., 7:10], anchor[..., 10:13] = right, down
     return anchor[..., (2, 0, 1, 5, 3, 4, 6, 9, 7, 8, 12, 10, 11, 13, 14, 15)].copy() if wall else anchor
+
+
+TILE = tile()
+
+
+def twins(layers, scene, styles=(), frame=None, few=5e-4, rounding=2e-5, wrong=5e-4):
+    """The pictures, held to the reference: but for a few pixels to what rounding does, and these nearly."""
+    names = ("Combined", "Encre Tones")
+    got = library.render(layers, scene, styles, frame=frame, outputs=names, image=lambda _: TILE).images
+    pictures = {id_: TILE for id_ in scene if id_.endswith("_image")}
+    want = reference(layers, scene | pictures, styles, frame=frame and vars(frame))
+    for name in names:
+        off = np.abs(got[name] - want[name]).max(-1)
+        assert (off > rounding).mean() < few and (off > 4e-3).mean() < wrong, (
+            name, off.max(), (off > rounding).mean(), (off > 4e-3).mean())
+    return got
+
+
+def without_some(rng, layers, *names):
+    return {name: a for name, a in layers.items() if name not in names or rng.random() < 0.7}
+
+
+def flat(dark, size=(444, 444), anchor=None, tile=TILE, **scene):
+    """Share of ink on a surface that is as dark everywhere."""
+    height, width = size
+    one = np.ones((height, width, 3), np.float32)
+    layers = dict(combined=np.ones((height, width, 4), np.float32), color=one, diffuse=one, depth=5 * one[..., :1],
+                  normal=one * np.float32((0, 0, 1)))
+    if anchor is not None:
+        layers["anchor"] = anchor
+    ink = library.render(layers, dict(ALONE, shade_levels=[(1 - dark,)], **scene), image=lambda _: tile,
+                         outputs=["Encre Tones"])
+    return ink.images["Encre Tones"][..., 3]

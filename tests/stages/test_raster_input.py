@@ -75,6 +75,7 @@ def drawn(mesh=None, view=None, projection=None, frame=None, size=(8, 8), start=
 
 @pytest.mark.parametrize("wrong, words", [
     (dict(mesh=Mesh(np.zeros((3, 3)), np.array([[0, 1, 3]]))), "mesh 0: primitive 0 has a corner at point 3 of 3"),
+    (dict(mesh=Mesh(np.zeros((3, 3)), np.array([[4, 1, 2]]))), "mesh 0: primitive 0 has a corner at point 4 of 3"),
     (dict(mesh=Mesh(np.zeros((3, 3)), np.array([[0, 1, 2], [2, -1, 0]]))), "primitive 1 has a corner at point -1"),
     (dict(view=np.full((4, 4), np.nan)), "camera: "),
     (dict(projection=np.full((4, 4), np.inf)), "camera: "),

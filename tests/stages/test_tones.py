@@ -9,37 +9,16 @@ import pytest
 import sticks
 from encre.pen import library
 from encre.pen.job import Camera, Frame
-from encre.pen.settings import Settings
 from reference import render as reference
 from reference.tones import thresholds
-from toned import ramped, slanted, steep, stuck, tile, wall
+from toned import ALONE, LEVELS, MORE_LEVELS, RAMP, TILE, flat, ramped, slanted, steep, stuck, tile, twins, without_some
 
-ALONE = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=True,
-             length_unit="PIXELS")
-LEVELS = [(0.15,), (0.5, 0.3, 0.2), (0.8, 0.7, 0.0), (1.1, 1.0, 0.1)]
-MORE_LEVELS = [(0.1,), (0.3, 0.2, 0.1), (0.4, 0.35, 0.0), (0.6, 0.5, 0.1), (0.7, 0.8, 0.1), (0.95, 1.0, 0.0)]
 STYLES = [dict(tone_1="CROSS", tone_2="GRAIN", tone_3="GRAIN", tone_4="DOTS", tone_1_space="SURFACE",
                tone_4_space="SURFACE", tone_1_pitch=9.0, tone_1_gradient=0.7, tone_hardness=0.4, tone_3_gradient=1.0,
                tone_2_color=(0.4, 0.1, 0.0), tone_darkness=0.2, tone_black=0.6),
           dict(tone_1="SOLID", tone_2="LINES", tone_3="LINES", tone_4="LINES", tone_2_angle=-20.0, tone_3_angle=-20.0,
                tone_3_gradient=0.5),
           dict(use_tones=False)]
-
-
-TILE = tile()
-
-
-def twins(layers, scene, styles=(), frame=None, few=5e-4, rounding=2e-5, wrong=5e-4):
-    """The pictures, held to the reference: but for a few pixels to what rounding does, and these nearly."""
-    names = ("Combined", "Encre Tones")
-    got = library.render(layers, scene, styles, frame=frame, outputs=names, image=lambda _: TILE).images
-    pictures = {id_: TILE for id_ in scene if id_.endswith("_image")}
-    want = reference(layers, scene | pictures, styles, frame=frame and vars(frame))
-    for name in names:
-        off = np.abs(got[name] - want[name]).max(-1)
-        assert (off > rounding).mean() < few and (off > 4e-3).mean() < wrong, (
-            name, off.max(), (off > rounding).mean(), (off > 4e-3).mean())
-    return got
 
 
 @pytest.mark.parametrize("kind, space", [("DOTS", "SURFACE"), ("DOTS", "OBJECT"), ("LINES", "SURFACE"),
@@ -79,10 +58,6 @@ def look(rng, kinds):
                 f"tone_{n}_angle": rng.uniform(-180, 180), f"tone_{n}_space": str(rng.choice(["SCREEN", "SURFACE"])),
                 f"tone_{n}_gradient": rng.choice([0, rng.random()]), f"tone_{n}_color": tuple(rng.random(3))}
     return own
-
-
-def without_some(rng, layers, *names):
-    return {name: a for name, a in layers.items() if name not in names or rng.random() < 0.7}
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -130,93 +105,6 @@ def test_crisp_screens_repeat_themselves_by_whole_pixels(kind):
         ink = flat(dark, (222, 222), **look)
         assert set(np.unique(ink)) == {0, 1} and abs(ink.mean() - dark) < 0.08
         assert np.array_equal(ink[7:, 5:], ink[:-7, :-5]) or np.array_equal(ink[5:, 7:], ink[:-5, :-7])
-
-
-@pytest.mark.parametrize("kind, space", [("HATCH", "SCREEN"), ("HATCH", "SURFACE"), ("STIPPLE", "SURFACE"),
-                                         ("HATCH", "OBJECT"), ("STIPPLE", "OBJECT")])
-def test_twin_of_strokes(kind, space):
-    """With one style: what a stroke of one meets in another's pixels is not told twice."""
-    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone(kind, space=space, pitch=8.3, angle=20.0))
-    assert twins(ramped(90, 60), scene)["Encre Tones"][..., 3].std() > 0.2
-
-
-def test_twin_of_strokes_near_by():
-    """Where their pitch would be wider on the screen than it may."""
-    layers = wall(60, 40) | dict(anchor=slanted((40, 60), (0.005, 0.015), 0.1))
-    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="OBJECT", pitch=8.0, angle=20.0))
-    twins(layers, scene)
-
-
-def test_twin_of_strokes_over_what_is_torn():
-    """One thing, whose places jump by up to nine pixels' width from one pixel to the next."""
-    rng, size, anchor = np.random.default_rng(1), (36, 48), slanted((36, 48), (0.003, 0.01))
-    layers = wall(*size[::-1]) | dict(anchor=anchor, object=np.zeros(size, np.float32))
-    for axis in 0, 1:
-        gaps = np.cumsum(rng.uniform(0, 0.09, size[axis]) * (rng.random(size[axis]) < 0.3))
-        anchor[..., 1 - axis] += np.float32(gaps if axis else gaps[:, None])
-    anchor[..., 13:], anchor[..., (9, 12)] = (0.8, 0.3, 0), (0.007, -0.004)
-    twins(layers, dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="SURFACE", pitch=6.0, angle=20.0)))
-
-
-def test_strokes_toward_the_light():
-    """Down the ball from there; and as the reference has them."""
-    scene = dict(ALONE, shade_levels=LEVELS, tone_strokes="LIGHT", tone_light_turn=-120.0, tone_light_height=50.0,
-                 **sticks.tone("HATCH", space="SURFACE", pitch=8.3, angle=0.0))
-    twins(ramped(70, 50), scene)
-
-
-def test_strokes_along_uv():
-    """As the reference has them; along the form on what has no UV map, and where the layer is not there."""
-    layers = ramped(70, 50)
-    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="SURFACE", pitch=8.3, angle=0.0))
-    by_form, by_uv = (twins(layers, scene | dict(tone_strokes=strokes))["Encre Tones"] for strokes in ("FORM", "UV"))
-    differ = np.abs(by_form - by_uv).max(-1) > 0.1
-    has = layers["tangent"].any(-1)
-    assert differ[has].mean() > 0.2 and not differ[~has].any()
-    del layers["tangent"]
-    assert np.array_equal(twins(layers, scene | dict(tone_strokes="UV"))["Encre Tones"], by_form)
-
-
-@pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
-@pytest.mark.parametrize("seed", range(3))
-def test_twin_of_any_strokes(seed, kind):
-    rng = np.random.default_rng(seed)
-    layers = without_some(rng, ramped(70, 50, seed), "anchor", "object")
-    scene = dict(ALONE, shade_levels=LEVELS, tone_crisp=seed == 2, tone_darkness=rng.uniform(-0.2, 0.2),
-                 **sticks.tone(kind, space=("SURFACE", "SCREEN")[seed % 2], pitch=rng.uniform(6, 12),
-                               angle=rng.uniform(-180, 180)))
-    gradients = {f"tone_{n}_gradient": rng.random() for n in range(1, 5)}
-    twins(layers, scene | gradients, frame=Frame(200, 160, 31, 20))
-
-
-@pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
-@pytest.mark.parametrize("crisp", [False, True])
-def test_twin_of_strokes_up_to_the_borders(kind, crisp):
-    scene = dict(ALONE, shade_levels=MORE_LEVELS, tone_crisp=crisp, tone_darkness=0.08,
-                 **sticks.tone(kind, pitch=6.0, angle=-35.0))
-    assert twins(wall(43, 37), scene)["Encre Tones"][..., 3].std() > 0.2
-
-
-@pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
-def test_strokes_may_fill_one_level_alone(kind):
-    layers = ramped(90, 40)
-    for n in range(1, 5):
-        scene = dict(ALONE, shade_levels=LEVELS, tone_darkness=0.3, tone_1="NONE", tone_2="NONE") | {f"tone_{n}": kind}
-        assert library.render(layers, scene, outputs=["Encre Tones"]).images["Encre Tones"][..., 3].max() > 0.3
-
-
-@pytest.mark.parametrize("axis", [1, 2])
-def test_where_strokes_can_not_be_counted_there_are_none(axis):
-    """Beyond a thousand million pitches from where a thing rests, along either axis of its surface."""
-    size = 60, 90
-    y, x = np.mgrid[:size[0], :size[1]].astype(np.float32) * np.float32(0.01)
-    anchor = np.zeros((*size, 16), np.float32)
-    anchor[..., 1], anchor[..., 2], anchor[..., 3], anchor[..., 6] = x, y, 1, 0.01
-    anchor[..., 8], anchor[..., 12] = 0.01, 0.01
-    look = dict(tone_1="STIPPLE", tone_1_space="SURFACE", tone_1_pitch=16.0, tone_1_angle=0.0)
-    assert flat(0.5, size, anchor, **look).any()
-    anchor[..., axis] = 1e9
-    assert not flat(0.5, size, anchor, **look).any()
 
 
 @pytest.mark.parametrize("kind", ["DOTS", "LINES", "IMAGE", "HATCH", "STIPPLE"])
@@ -276,57 +164,6 @@ def test_threads_instructions_and_borders_change_nothing(space):
             assert picture.tobytes() == whole[name].tobytes(), (name, how)
     part = drawn(np.s_[20:50, 33:90], Frame(97, 61, 33, 20))
     assert all(np.array_equal(part[name], whole[name][20:50, 33:90]) for name in whole)
-
-
-def test_strokes_lie_alike_in_every_band_and_part():
-    """A part of the frame has those that reach it, if as much around it is there as a stroke is long."""
-    layers = {name: a for name, a in stuck(160, 120).items() if name not in ("style", "controls")}
-    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="SURFACE", pitch=6.0))
-
-    def drawn(part=np.s_[:, :], frame=None, **how):
-        return library.render({name: a[part] for name, a in layers.items()}, scene, frame=frame,
-                              outputs=["Encre Tones"], **how).images["Encre Tones"]
-
-    whole = drawn(threads=1)
-    for how in (dict(threads=5), dict(simd=0)):
-        assert drawn(**how).tobytes() == whole.tobytes(), how
-    ring = Settings(scene).reach(120)
-    part = drawn(np.s_[20:, 10:150], Frame(160, 120, 10, 20))
-    assert ring < 60 and np.array_equal(part[ring:, ring:-ring], whole[20 + ring:, 10 + ring:150 - ring])
-
-
-def flat(dark, size=(444, 444), anchor=None, tile=TILE, **scene):
-    """Share of ink on a surface that is as dark everywhere."""
-    height, width = size
-    one = np.ones((height, width, 3), np.float32)
-    layers = dict(combined=np.ones((height, width, 4), np.float32), color=one, diffuse=one, depth=5 * one[..., :1],
-                  normal=one * np.float32((0, 0, 1)))
-    if anchor is not None:
-        layers["anchor"] = anchor
-    ink = library.render(layers, dict(ALONE, shade_levels=[(1 - dark,)], **scene), image=lambda _: tile,
-                         outputs=["Encre Tones"])
-    return ink.images["Encre Tones"][..., 3]
-
-
-@pytest.mark.parametrize("pitch", [3.0, 6.0, 40.0])
-def test_strokes_reach_as_far_in_any_band(pitch):
-    """Upright ones, of which the last part ends beyond their length: bands of 64 rows and of 130."""
-    one = np.ones((520, 90, 3), np.float32)
-    layers = dict(combined=np.ones((520, 90, 4), np.float32), color=one, diffuse=one, depth=one[..., :1], normal=one)
-    scene = dict(ALONE, shade_levels=[(0.4,)], **sticks.tone("HATCH", space="SCREEN", pitch=pitch, angle=90.0))
-    narrow, tall = (library.render(layers, scene, threads=n, outputs=["Encre Tones"]).images["Encre Tones"]
-                    for n in (5, 1))
-    assert narrow.tobytes() == tall.tobytes() and tall.any()
-
-
-def test_strokes_go_on_to_the_frames_edge():
-    """Those whose middle is outside are missing, but none ends before the edge."""
-    ink = flat(0.6, **sticks.tone("HATCH", space="SCREEN", pitch=6.0))
-    for edge in (ink[:2], ink[-2:], ink[:, :2], ink[:, -2:]):
-        assert edge.mean() > 0.6 * ink[40:-40, 40:-40].mean()
-
-
-RAMP = (0.05, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 0.95)
 
 
 @pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
@@ -396,23 +233,6 @@ def test_an_octave_ends_as_the_next_begins(kind):
         anchor[..., 3], anchor[..., 6], anchor[..., 8], anchor[..., 12] = 1, pixel, pixel, pixel
         drawn.append(flat(0.4, size, anchor, tone_1=kind, tone_1_space="SURFACE", tone_1_pitch=8.0, tone_1_angle=0.0))
     assert drawn[0].std() > 0.2 and np.abs(drawn[0] - drawn[1]).max() < 0.1
-
-
-@pytest.mark.parametrize("kind, off", [("HATCH", 0.025), ("STIPPLE", 0.045)])
-def test_ink_of_strokes_is_what_was_asked_for(kind, off):
-    for look in (dict(tone_1_pitch=4.0), dict(tone_1_pitch=8.0, tone_1_angle=0.0)):
-        for dark in RAMP:
-            ink = flat(dark, tone_1=kind, **look)[70:-70, 70:-70]
-            assert abs(ink.mean() - dark) < off, (look, dark, ink.mean())
-
-
-@pytest.mark.parametrize("turn", range(-75, 91, 15))
-def test_ink_of_strokes_is_what_was_asked_for_whichever_way_they_go(turn):
-    """Also along the rows of the lattice on which they begin."""
-    for dark in RAMP[2:-2]:
-        ink = flat(dark, (340, 340), tone_1="HATCH", tone_1_pitch=8.0, tone_1_angle=0.0, tone_strokes="LIGHT",
-                   tone_light_turn=turn, tone_light_height=0)[70:-70, 70:-70]
-        assert abs(ink.mean() - dark) < 0.03, (dark, ink.mean())
 
 
 @pytest.mark.parametrize("motion, corr, pop", [("pan", 0.98, 0.001), ("zoom", 0.91, 0.015), ("turn", 0.97, 0.008)])

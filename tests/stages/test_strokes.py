@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Strokes of tones, hatching and stipple, against tests/reference/strokes.py and the ink that was asked for."""
+
+import numpy as np
+import pytest
+import sticks
+from encre.pen import library
+from encre.pen.job import Frame
+from encre.pen.settings import Settings
+from toned import ALONE, LEVELS, MORE_LEVELS, RAMP, flat, ramped, slanted, stuck, twins, wall, without_some
+
+
+@pytest.mark.parametrize("kind, space", [("HATCH", "SCREEN"), ("HATCH", "SURFACE"), ("STIPPLE", "SURFACE"),
+                                         ("HATCH", "OBJECT"), ("STIPPLE", "OBJECT")])
+def test_twin_of_strokes(kind, space):
+    """With one style: what a stroke of one meets in another's pixels is not told twice."""
+    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone(kind, space=space, pitch=8.3, angle=20.0))
+    assert twins(ramped(90, 60), scene)["Encre Tones"][..., 3].std() > 0.2
+
+
+def test_twin_of_strokes_near_by():
+    """Where their pitch would be wider on the screen than it may."""
+    layers = wall(60, 40) | dict(anchor=slanted((40, 60), (0.005, 0.015), 0.1))
+    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="OBJECT", pitch=8.0, angle=20.0))
+    twins(layers, scene)
+
+
+def test_twin_of_strokes_over_what_is_torn():
+    """One thing, whose places jump by up to nine pixels' width from one pixel to the next."""
+    rng, size, anchor = np.random.default_rng(1), (36, 48), slanted((36, 48), (0.003, 0.01))
+    layers = wall(*size[::-1]) | dict(anchor=anchor, object=np.zeros(size, np.float32))
+    for axis in 0, 1:
+        gaps = np.cumsum(rng.uniform(0, 0.09, size[axis]) * (rng.random(size[axis]) < 0.3))
+        anchor[..., 1 - axis] += np.float32(gaps if axis else gaps[:, None])
+    anchor[..., 13:], anchor[..., (9, 12)] = (0.8, 0.3, 0), (0.007, -0.004)
+    twins(layers, dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="SURFACE", pitch=6.0, angle=20.0)))
+
+
+def test_strokes_toward_the_light():
+    """Down the ball from there; and as the reference has them."""
+    scene = dict(ALONE, shade_levels=LEVELS, tone_strokes="LIGHT", tone_light_turn=-120.0, tone_light_height=50.0,
+                 **sticks.tone("HATCH", space="SURFACE", pitch=8.3, angle=0.0))
+    twins(ramped(70, 50), scene)
+
+
+def test_strokes_along_uv():
+    """As the reference has them; along the form on what has no UV map, and where the layer is not there."""
+    layers = ramped(70, 50)
+    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="SURFACE", pitch=8.3, angle=0.0))
+    by_form, by_uv = (twins(layers, scene | dict(tone_strokes=strokes))["Encre Tones"] for strokes in ("FORM", "UV"))
+    differ = np.abs(by_form - by_uv).max(-1) > 0.1
+    has = layers["tangent"].any(-1)
+    assert differ[has].mean() > 0.2 and not differ[~has].any()
+    del layers["tangent"]
+    assert np.array_equal(twins(layers, scene | dict(tone_strokes="UV"))["Encre Tones"], by_form)
+
+
+def test_strokes_along_uv_in_long_rows():
+    """Longer than the 256 pixels that are worked on together."""
+    scene = dict(ALONE, shade_levels=LEVELS, tone_strokes="UV", **sticks.tone("HATCH", space="SURFACE", pitch=8.3))
+    twins(ramped(330, 12), scene)
+
+
+@pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
+@pytest.mark.parametrize("seed", range(3))
+def test_twin_of_any_strokes(seed, kind):
+    rng = np.random.default_rng(seed)
+    layers = without_some(rng, ramped(70, 50, seed), "anchor", "object")
+    scene = dict(ALONE, shade_levels=LEVELS, tone_crisp=seed == 2, tone_darkness=rng.uniform(-0.2, 0.2),
+                 **sticks.tone(kind, space=("SURFACE", "SCREEN")[seed % 2], pitch=rng.uniform(6, 12),
+                               angle=rng.uniform(-180, 180)))
+    gradients = {f"tone_{n}_gradient": rng.random() for n in range(1, 5)}
+    twins(layers, scene | gradients, frame=Frame(200, 160, 31, 20))
+
+
+@pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
+@pytest.mark.parametrize("crisp", [False, True])
+def test_twin_of_strokes_up_to_the_borders(kind, crisp):
+    scene = dict(ALONE, shade_levels=MORE_LEVELS, tone_crisp=crisp, tone_darkness=0.08,
+                 **sticks.tone(kind, pitch=6.0, angle=-35.0))
+    assert twins(wall(43, 37), scene)["Encre Tones"][..., 3].std() > 0.2
+
+
+@pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
+def test_strokes_may_fill_one_level_alone(kind):
+    layers = ramped(90, 40)
+    for n in range(1, 5):
+        scene = dict(ALONE, shade_levels=LEVELS, tone_darkness=0.3, tone_1="NONE", tone_2="NONE") | {f"tone_{n}": kind}
+        assert library.render(layers, scene, outputs=["Encre Tones"]).images["Encre Tones"][..., 3].max() > 0.3
+
+
+@pytest.mark.parametrize("axis", [1, 2])
+def test_where_strokes_can_not_be_counted_there_are_none(axis):
+    """Beyond a thousand million pitches from where a thing rests, along either axis of its surface."""
+    size = 60, 90
+    y, x = np.mgrid[:size[0], :size[1]].astype(np.float32) * np.float32(0.01)
+    anchor = np.zeros((*size, 16), np.float32)
+    anchor[..., 1], anchor[..., 2], anchor[..., 3], anchor[..., 6] = x, y, 1, 0.01
+    anchor[..., 8], anchor[..., 12] = 0.01, 0.01
+    look = dict(tone_1="STIPPLE", tone_1_space="SURFACE", tone_1_pitch=16.0, tone_1_angle=0.0)
+    assert flat(0.5, size, anchor, **look).any()
+    anchor[..., axis] = 1e9
+    assert not flat(0.5, size, anchor, **look).any()
+
+
+def test_strokes_lie_alike_in_every_band_and_part():
+    """A part of the frame has those that reach it, if as much around it is there as a stroke is long."""
+    layers = {name: a for name, a in stuck(160, 120).items() if name not in ("style", "controls")}
+    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="SURFACE", pitch=6.0))
+
+    def drawn(part=np.s_[:, :], frame=None, **how):
+        return library.render({name: a[part] for name, a in layers.items()}, scene, frame=frame,
+                              outputs=["Encre Tones"], **how).images["Encre Tones"]
+
+    whole = drawn(threads=1)
+    for how in (dict(threads=5), dict(simd=0)):
+        assert drawn(**how).tobytes() == whole.tobytes(), how
+    ring = Settings(scene).reach(120)
+    part = drawn(np.s_[20:, 10:150], Frame(160, 120, 10, 20))
+    assert ring < 60 and np.array_equal(part[ring:, ring:-ring], whole[20 + ring:, 10 + ring:150 - ring])
+
+
+@pytest.mark.parametrize("pitch", [3.0, 6.0, 40.0])
+def test_strokes_reach_as_far_in_any_band(pitch):
+    """Upright ones, of which the last part ends beyond their length: bands of 64 rows and of 130."""
+    one = np.ones((520, 90, 3), np.float32)
+    layers = dict(combined=np.ones((520, 90, 4), np.float32), color=one, diffuse=one, depth=one[..., :1], normal=one)
+    scene = dict(ALONE, shade_levels=[(0.4,)], **sticks.tone("HATCH", space="SCREEN", pitch=pitch, angle=90.0))
+    narrow, tall = (library.render(layers, scene, threads=n, outputs=["Encre Tones"]).images["Encre Tones"]
+                    for n in (5, 1))
+    assert narrow.tobytes() == tall.tobytes() and tall.any()
+
+
+def test_strokes_go_on_to_the_frames_edge():
+    """Those whose middle is outside are missing, but none ends before the edge."""
+    ink = flat(0.6, **sticks.tone("HATCH", space="SCREEN", pitch=6.0))
+    for edge in (ink[:2], ink[-2:], ink[:, :2], ink[:, -2:]):
+        assert edge.mean() > 0.6 * ink[40:-40, 40:-40].mean()
+
+
+@pytest.mark.parametrize("kind, off", [("HATCH", 0.025), ("STIPPLE", 0.045)])
+def test_ink_of_strokes_is_what_was_asked_for(kind, off):
+    for look in (dict(tone_1_pitch=4.0), dict(tone_1_pitch=8.0, tone_1_angle=0.0)):
+        for dark in RAMP:
+            ink = flat(dark, tone_1=kind, **look)[70:-70, 70:-70]
+            assert abs(ink.mean() - dark) < off, (look, dark, ink.mean())
+
+
+@pytest.mark.parametrize("turn", range(-75, 91, 15))
+def test_ink_of_strokes_is_what_was_asked_for_whichever_way_they_go(turn):
+    """Also along the rows of the lattice on which they begin."""
+    for dark in RAMP[2:-2]:
+        ink = flat(dark, (340, 340), tone_1="HATCH", tone_1_pitch=8.0, tone_1_angle=0.0, tone_strokes="LIGHT",
+                   tone_light_turn=turn, tone_light_height=0)[70:-70, 70:-70]
+        assert abs(ink.mean() - dark) < 0.03, (dark, ink.mean())
