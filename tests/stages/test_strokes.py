@@ -56,9 +56,12 @@ def test_strokes_along_uv():
 
 
 def test_strokes_along_uv_in_long_rows():
-    """Longer than the 256 pixels that are worked on together."""
+    """Three pictures side by side: longer than the 256 pixels that are worked on together."""
+    layers = {name: np.concatenate([a] * 3, 1) for name, a in ramped(110, 30).items()}
+    layers["anchor"][..., 0] += np.arange(330) // 110 * np.float32(7)
     scene = dict(ALONE, shade_levels=LEVELS, tone_strokes="UV", **sticks.tone("HATCH", space="SURFACE", pitch=8.3))
-    twins(ramped(330, 12), scene)
+    assert layers["tangent"][:, 260:].any()
+    twins(layers, scene)
 
 
 @pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
