@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | gallery | docs | languages | test | test-long | mutate | bench | bench-peers | bench-live | lint |
+# make demo | gallery | docs | languages | hashes | test | test-long | mutate | bench | bench-peers | bench-live | lint |
 # extension | wheels | clean. Each sets up what it needs in .venv.
 
 PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command -v $(p) 2>/dev/null)))
@@ -9,7 +9,7 @@ RUN := .venv/bin/python
 # Python keeps what it has compiled, whatever the shell says: tests begin hundreds of processes.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo gallery docs languages extension wheels blenders test test-long mutate bench bench-peers bench-live lint \
+.PHONY: demo gallery docs languages hashes extension wheels blenders test test-long mutate bench bench-peers bench-live lint \
 	clean build
 
 .venv/ready: pyproject.toml
@@ -38,6 +38,10 @@ gallery: build
 # The pages and tables of docs/ that are computed without Blender: two minutes.
 docs: build
 	$(RUN) tests/helpers/pages.py
+
+# What random jobs draw, after a change that is to be seen: tests/helpers/hashes.txt.
+hashes: build
+	$(RUN) tests/helpers/hashes.py
 
 # Puts new texts of panels into addon/languages/, for somebody to translate, and takes old ones away.
 languages: build

@@ -29,7 +29,8 @@ task random_bake(void)
 {
 	static encre_bake_job job;
 	memset(&job, 0, sizeof job);
-	task t = {.run = run,
+	task t = {.name = "bake",
+		  .run = run,
 		  .kind = ENCRE_BAKE,
 		  .job = &job,
 		  .progress = &job.progress,

@@ -3,6 +3,7 @@
  *
  *     fuzz FIRST STEP SECONDS [COUNT]    seeds FIRST, FIRST + STEP, ...: until SECONDS have passed, or COUNT are done
  *
+ * It says how many, and of each kind that was not to be cancelled a sum of hashes of what was drawn, in any order.
  * Sanitizers watch the library; here it is held to what encre.h says: nothing but outputs changes, and of those the
  * samples alone; outputs are written and finite; threads and instructions change no byte; progress never goes back; a
  * refusal is a sentence. Whatever fails ends the run and names the seed. */
@@ -58,7 +59,8 @@ double between(double low, double high)
 
 double magnitude(int low, int high)
 {
-	return pow(10, low + (high - low) * share());
+	double exponent = (low + (high - low) * share()) * 3.321928094887362;
+	return ldexp(1 + share(), (int)floor(exponent)); /* exact: the same by every library of mathematics */
 }
 
 float weird(void)
@@ -241,19 +243,19 @@ static int32_t run_once(const task *t, int threads, int simd, bool behind, uint6
 	return code;
 }
 
-static int32_t run_job(const task *t)
+static int32_t run_job(const task *t, uint64_t *hash)
 {
-	uint64_t one, two;
+	uint64_t two;
 	int threads = whole(1, 3), simd = whole(0, 1);
 	cancel_at = chance(0.05) ? whole(1, 40) : 0;
 	bool behind = chance(0.2);
 	*t->progress = !behind && (cancel_at || chance(0.3)) ? progress : NULL;
 	spoil_outputs(t);
 	remember();
-	int32_t code = run_once(t, threads, simd, behind, &one);
+	int32_t code = run_once(t, threads, simd, behind, hash);
 	if (code == ENCRE_OK && !cancel_at && chance(0.2)) {
 		*t->progress = NULL;
-		if (run_once(t, 4 - threads, 1 - simd, chance(0.3), &two) != code || one != two)
+		if (run_once(t, 4 - threads, 1 - simd, chance(0.3), &two) != code || *hash != two)
 			fail("threads or instructions have changed an output");
 	}
 	return code;
@@ -261,7 +263,24 @@ static int32_t run_job(const task *t)
 
 /* ---- all jobs ---------------------------------------------------------------------------------------------- */
 
-enum { KINDS = 4, OF_TEN = 10, RENDERS = 6, RASTERS = 2, BAKES = 1 };
+enum { KINDS = 4, MOST_NAMES = 32, OF_TEN = 10, RENDERS = 5, RASTERS = 2, BAKES = 1 };
+
+/* Sums of hashes by name; the names are literals and the library's own. */
+static struct drawn {
+	const char *name;
+	uint64_t sum;
+} drawn[MOST_NAMES];
+
+static void add_drawn(const char *name, uint64_t hash)
+{
+	for (int i = 0; i < MOST_NAMES; i++)
+		if (!drawn[i].name || !strcmp(drawn[i].name, name)) {
+			drawn[i].name = name;
+			drawn[i].sum += hash;
+			return;
+		}
+	fail("more kinds of jobs than there is room for");
+}
 
 static int32_t run_seed(int *kind)
 {
@@ -272,7 +291,10 @@ static int32_t run_seed(int *kind)
 		 : *kind == 1 ? random_raster()
 		 : *kind == 2 ? random_bake()
 			      : random_light();
-	int32_t code = run_job(&t);
+	uint64_t hash;
+	int32_t code = run_job(&t, &hash);
+	if (!cancel_at)
+		add_drawn(t.name, hash + (uint64_t)code);
 	give_back();
 	return code;
 }
@@ -294,7 +316,7 @@ int main(int n, char **arguments)
 		 most = n > 4 ? strtoull(arguments[4], NULL, 10) : UINT64_MAX, done = 0;
 	double begin = seconds(), end = begin + strtod(arguments[3], NULL);
 	static const char *const names[KINDS] = {"render", "raster", "bake", "light"};
-	unsigned long drawn[KINDS] = {0}, refused[KINDS] = {0}, cancelled = 0;
+	unsigned long done_well[KINDS] = {0}, refused[KINDS] = {0}, cancelled = 0;
 	signal(SIGALRM, hang);
 	if (__sanitizer_set_death_callback)
 		__sanitizer_set_death_callback(name_seed);
@@ -302,14 +324,16 @@ int main(int n, char **arguments)
 		int kind;
 		alarm(LONGEST);
 		int32_t code = run_seed(&kind);
-		drawn[kind] += code == ENCRE_OK;
+		done_well[kind] += code == ENCRE_OK;
 		refused[kind] += code == ENCRE_ERROR_ARGUMENT || code == ENCRE_ERROR_MEMORY;
 		cancelled += code == ENCRE_ERROR_CANCELLED;
 	}
 	printf("%" PRIu64 " jobs from seed %" PRIu64 " by %" PRIu64 " in %.1f s:", done, first, step,
 	       seconds() - begin);
 	for (int k = 0; k < KINDS; k++)
-		printf(" %s %lu, refused %lu;", names[k], drawn[k], refused[k]);
+		printf(" %s %lu, refused %lu;", names[k], done_well[k], refused[k]);
 	printf(" cancelled %lu; %" PRIu64 " pairs of parameters\n", cancelled, pair_count());
+	for (int i = 0; i < MOST_NAMES && drawn[i].name; i++)
+		printf("%s %016" PRIx64 "\n", drawn[i].name, drawn[i].sum);
 	return 0;
 }

@@ -77,6 +77,7 @@ void random_lens(double view[16], double projection[16], double *clip_start, dou
 
 /* A job that is ready to run; outputs are those whose samples may change. */
 typedef struct task {
+	const char *name; /* what it tries: hashes are told by it */
 	int32_t (*run)(encre_context *context, void *job);
 	int32_t kind; /* enum encre_kind: the same in the background */
 	void *job;

@@ -136,7 +136,12 @@ task random_light(void)
 {
 	static encre_light_job job;
 	memset(&job, 0, sizeof job);
-	task t = {.run = run, .kind = ENCRE_LIGHT, .job = &job, .progress = &job.progress, .n_outputs = 1};
+	task t = {.name = "light",
+		  .run = run,
+		  .kind = ENCRE_LIGHT,
+		  .job = &job,
+		  .progress = &job.progress,
+		  .n_outputs = 1};
 	int width = chance(0.3) ? whole(1, 5) : whole(1, 40), height = chance(0.3) ? whole(1, 5) : whole(1, 40);
 	encre_context *context = encre_create(ENCRE_API_VERSION);
 	encre_scene_free(kept);

@@ -65,7 +65,7 @@ scene random_scene(int width, int height)
 		s.shape[i].x = share() * width;
 		s.shape[i].y = share() * height;
 		s.shape[i].size = chance(0.4) ? 0.3 + 3 * share() : share() * 0.5 * (width + height);
-		s.shape[i].slope = tan(3.1 * (share() - 0.5));
+		s.shape[i].slope = (float)tan(3.1 * (share() - 0.5));
 		s.shape[i].kind = whole(0, KINDS - 1);
 		for (int c = 0; c < ENCRE_MAX_CHANNELS; c++)
 			s.shape[i].value[c] = whole(0, 255) / 255.0;

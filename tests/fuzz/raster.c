@@ -9,7 +9,7 @@ enum { MESHES = 5 };
 
 void random_matrix(double m[16])
 {
-	double a = 6.3 * share(), c = cos(a), s = sin(a);
+	double a = 6.3 * share(), c = (float)cos(a), s = (float)sin(a);
 	const double turned[16] = {c, -s, 0, share() - 0.5, s, c, 0, share() - 0.5, 0, 0, 1, share() - 0.5, 0, 0, 0, 1};
 	memcpy(m, turned, sizeof turned);
 	if (chance(0.05))
@@ -140,7 +140,7 @@ task random_raster(void)
 {
 	static encre_raster_job job;
 	memset(&job, 0, sizeof job);
-	task t = {.run = run, .kind = ENCRE_RASTER, .job = &job, .progress = &job.progress};
+	task t = {.name = "raster", .run = run, .kind = ENCRE_RASTER, .job = &job, .progress = &job.progress};
 	int width = chance(0.2) ? whole(1, 4) : whole(1, 100), height = chance(0.2) ? whole(1, 4) : whole(1, 100);
 	shared out = {0};
 	job.frame = (encre_frame){width, height, 0, 0, 0};

@@ -261,7 +261,8 @@ task random_render(uint64_t k)
 {
 	static encre_job job;
 	memset(&job, 0, sizeof job);
-	task t = {.run = run,
+	task t = {.name = "render",
+		  .run = run,
 		  .kind = ENCRE_RENDER,
 		  .job = &job,
 		  .progress = &job.progress,
@@ -284,6 +285,10 @@ task random_render(uint64_t k)
 	t.n_outputs = ENCRE_OUTPUT_COUNT;
 	job.n_styles = chance(0.6) ? 1 : chance(0.95) ? whole(2, 6) : 256;
 	job.params = chance(0.6) ? paired_params(k, job.n_styles) : random_params(job.n_styles);
+	for (int i = 0, number; i < detector->n_items; i++) {
+		memcpy(&number, (const char *)job.params + detector->offset, sizeof number);
+		t.name = number == detector->items[i].number ? detector->items[i].id : t.name;
+	}
 	random_camera(&job.camera);
 	job.frame = random_place(width, height);
 	return t;

@@ -66,8 +66,9 @@ TESTS = (
     ("csrc/", "unit/test_layers.py", "unit/test_memory.py", "stages/test_edges.py -k sizes", "stages/test_surface.py"),
 )
 
-# What all of them let pass is driven at random, under sanitizers: reads and writes beyond what there is.
-RANDOM = "unit/test_fuzz.py -k test_random_jobs"
+# What all of them let pass is driven at random: other bytes than before, and, under sanitizers, reads and writes beyond
+# what there is.
+RANDOM = "unit/test_hashes.py", "unit/test_fuzz.py -k test_random_jobs"
 
 TWINS = ("csrc/fine/", "csrc/edges/")  # their tests ask twins that take their time
 
@@ -92,7 +93,7 @@ PYTHON = (
 
 
 def tests_of(path):
-    return *next(tests for prefix, *tests in TESTS if path.startswith(prefix)), RANDOM
+    return *next(tests for prefix, *tests in TESTS if path.startswith(prefix)), *RANDOM
 
 
 def python(root):
