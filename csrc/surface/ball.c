@@ -112,7 +112,7 @@ ball ISA(ball_of)(const frame *f, const encre_params *p)
 	b.radius = ball_share * (float)(b.width < b.height ? b.width : b.height);
 	b.middle[0] = 0.5f * (float)(b.width - 1);
 	b.middle[1] = 0.5f * (float)(b.height - 1);
-	b.square = b.radius > 48 ? (int)(b.radius / 24) : 1;
+	b.square = b.radius >= 24 ? (int)(b.radius / 24) : 1;
 	b.columns = (b.width + b.square - 1) / b.square;
 	b.rows = (b.height + b.square - 1) / b.square;
 	return b;

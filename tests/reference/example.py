@@ -52,7 +52,7 @@ class Ball:
         paint = root[:height * shrink, :width * shrink].reshape(height, shrink, width, shrink, 3).mean((1, 3))
         self.texels, self.radius = texels / shrink, 0.375 * min(height, width)
         self.middle = (width - 1) / 2, (height - 1) / 2
-        self.square = int(self.radius / 24) if self.radius > 48 else 1
+        self.square = max(int(self.radius / 24), 1)
         grid = np.array([[paint[y:y + self.square, x:x + self.square].mean((0, 1))
                           for x in range(0, width, self.square)] for y in range(0, height, self.square)])
         for _ in range(3):

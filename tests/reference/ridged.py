@@ -195,8 +195,7 @@ def band_site(view, layer, row, column, axis):
         table = view.params.tables[view.layers.style[view.near(*place, column, row, family, axis)]]
         rise = 1 if e[0] > 0 else -1
         near = max(v[0, 0], v[4, 0]) if rise > 0 else min(v[0, 0], v[4, 0])
-        deep = near + 2 * e[0]
-        far = max(deep, v[2, 0]) if rise > 0 else min(deep, v[2, 0])
+        far = near + 2 * e[0]
         doubtful |= _on_threshold(table["shade_levels"], near, far)
         strength = view.contrast(levels_apart(view, table["shade_levels"], near, far))
     else:

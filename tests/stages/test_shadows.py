@@ -72,6 +72,7 @@ MORE = {
     "small ball": Lamp("point", width=0.05, model=ways()),
     "small rectangle": Lamp("rectangle", width=0.15, height=0.1, model=ways()),
     "tube": Lamp("rectangle", width=0, height=0.6, model=ways()),
+    "level tube": Lamp("rectangle", width=0.6, height=0, model=ways()),
     "narrow grid": Lamp("ellipse", width=3.0, height=4.0, spread=0.09, model=look((18, 7, 30), (0, -1, 0.3))),
     "within": Lamp("point", width=2.0, model=moved(-0.2, -1.5, 1.2)),
     "no shadows": Lamp("rectangle", width=2.0, height=1.0, shadows=False, model=ways()),

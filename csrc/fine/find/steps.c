@@ -153,8 +153,7 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 	if (form == FORM_LIGHT) { /* the stripe may be narrower than a pixel, and so darker than what is seen of it */
 		float rise = b.e[0] > 0 ? 1 : -1,
 		      near = rise * value[0][0] > rise * value[4][0] ? value[0][0] : value[4][0];
-		float deep = near + 2 * b.e[0], far = rise * deep > rise * value[2][0] ? deep : value[2][0];
-		difference = ISA(light_contrast)(n, n->f->params + style, near, far);
+		difference = ISA(light_contrast)(n, n->f->params + style, near, near + 2 * b.e[0]);
 	} else {
 		float peak[3] = {b.base[0] + b.e[0], b.base[1] + b.e[1], b.base[2] + b.e[2]};
 		const float *a[3] = {peak, peak + 1, peak + 2}, *low[3] = {b.base, b.base + 1, b.base + 2};
