@@ -17,16 +17,38 @@ KERNEL void split(const float *restrict in, const int channels, int n, float (*r
 			plane[c][i] = in[channels * i + c];
 }
 
+/* Where the darkest level has wholly ended, and how far light colours keep out of it. */
+typedef struct spared {
+	float end, share;
+} spared;
+
+static spared spared_of(const encre_params *p)
+{
+	const encre_level *next = p->shade_levels.level + 1;
+	float end = p->shade_levels.count > 1 ? next->threshold + max(0.5f * next->transition, 1e-3f) : 0;
+	return (spared){end, p->tone_local};
+}
+
+/* Light as tones take it: in the shade what is light has up to twice of it, but no more than the next level begins
+ * with, so that where the light falls is still seen. The square root is near how light a colour looks. */
+static inline float spare(spared s, float lit, float bright)
+{
+	float more = lit * (1 + s.share * positive(2 * sqrtf(clamp01(bright)) - 1));
+	return max(lit, min(more, s.end));
+}
+
 /* Mirrors and glass have no light of their own: it becomes that of the thing they show, and without end where they show
  * none. What mirrors black is as dark as it looks. */
-static void mirrored_row(const frame *f, float exposure, float black, int y, int x, int n, const float *restrict other,
+static void mirrored_row(const frame *f, const encre_params *p, int y, int x, int n, const float *restrict other,
 			 float (*restrict color)[TONE_CHUNK], float *restrict light)
 {
 	const float *seen = layer_row(f, ENCRE_LAYER_SEEN_COLOR, y), *depth = layer_row(f, ENCRE_LAYER_SEEN_DEPTH, y);
-	float least = max(black, 0.05f);
+	float exposure = exposure_of(f, p), least = max(p->tone_black, 0.05f);
+	spared own = spared_of(p);
 	for (int i = 0; seen && i < n; i++) {
 		const float *s = seen + (ptrdiff_t)3 * (x + i);
 		float bright = max3(s[0], s[1], s[2]), lit = bounded(other[i] / max(bright, least)) * exposure;
+		lit = spare(own, lit, bright);
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
 		lit = nothing ? INFINITY : bright >= least ? lit : -1;
@@ -40,19 +62,21 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 	const float *controls = controls_at(f, x, y);
 	float e[4][TONE_CHUNK], a[3][TONE_CHUNK], d[3][TONE_CHUNK], painted[TONE_CHUNK] = {0}, rest[TONE_CHUNK];
 	float exposure = exposure_of(f, p), black = p->tone_black;
+	spared own = spared_of(p);
 	split(layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x, 4, n, e);
 	split(layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x, 3, n, a);
 	split(layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x, 3, n, d);
 	for (int i = 0; controls && i < n; i++)
 		painted[i] = painted_light(controls, i);
 	for (int i = 0; i < n; i++) {
-		float lit = max3(d[0][i], d[1][i], d[2][i]) * exposure + painted[i];
+		float bright = max3(a[0][i], a[1][i], a[2][i]);
+		float lit = spare(own, max3(d[0][i], d[1][i], d[2][i]) * exposure, bright) + painted[i];
 		rest[i] = max3(e[0][i] - a[0][i] * d[0][i], e[1][i] - a[1][i] * d[1][i], e[2][i] - a[2][i] * d[2][i]);
-		lit = max3(a[0][i], a[1][i], a[2][i]) < black ? -1 : lit;
+		lit = bright < black ? -1 : lit;
 		light[i] = max(lit, rest[i]);
 	}
 	if (p->tone_mirrors)
-		mirrored_row(f, exposure, black, y, x, n, rest, a, light);
+		mirrored_row(f, p, y, x, n, rest, a, light);
 }
 
 /* How the light passes a threshold: never, in one step, or by and by. */

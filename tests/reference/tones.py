@@ -212,12 +212,19 @@ def _looks(of):
 
 def _dark(layers, levels, of, look):
     """(share, darkness) of a tone at each pixel."""
-    lit = value(layers.diffuse) * of("shade_exposure") + painted(layers)
+    end = levels[1][1] + max(levels[1][2] / 2, 1e-3) if len(levels) > 1 else 0.0
+
+    def spared(lit, color):
+        more = lit * (1 + of("tone_local") * np.maximum(2 * np.sqrt(clamp01(value(color))) - 1, 0))
+        return np.maximum(lit, np.minimum(more, end))
+
+    lit = spared(value(layers.diffuse) * of("shade_exposure"), layers.color) + painted(layers)
     light = np.maximum(np.where(value(layers.color) < of("tone_black"), -1, lit), value(other(layers)))
     if of("tone_mirrors") and layers.seen_color is not None:
         least = max(of("tone_black"), 0.05)
         seen = value(layers.seen_color)
-        lit = np.where(seen >= least, value(other(layers)) / np.maximum(seen, least) * of("shade_exposure"), -1)
+        lit = spared(value(other(layers)) / np.maximum(seen, least) * of("shade_exposure"), layers.seen_color)
+        lit = np.where(seen >= least, lit, -1)
         nothing = ~((layers.seen_depth > 0) & (layers.seen_depth < 1e9))
         light = np.where(value(layers.color) < 0.05, np.maximum(light, np.where(nothing, np.inf, lit)), light)
     added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
