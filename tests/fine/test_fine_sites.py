@@ -96,6 +96,19 @@ def test_the_strongest_site_of_a_pixel_is_shown(name):
     assert np.array_equal(images["Encre Edges"][..., 0], wanted)
 
 
+@pytest.mark.parametrize("name", ["faces", "mirror", "dim mirror", "told", "rods"])
+def test_the_unit_of_length_does_not_matter(name):
+    """Where all is 64 times as near there are the same sites, to the bit."""
+    layers, scene, _ = passes.given(name)
+    styles, camera = passes.EVERY[name][2:]
+    near = {layer: np.where((a > 0) & (a < 1e9), a / np.float32(64), a) if "depth" in layer else a
+            for layer, a in layers.items()}
+    nearer = camera and Camera(orthographic=True, height=camera.height / 64)
+    far, close = (passes.run(given, scene, styles, lens)[1][-1].site
+                  for given, lens in ((layers, camera), (near, nearer)))
+    assert len(far) > 20 and [name for name in far.dtype.names if not np.array_equal(far[name], close[name])] == []
+
+
 @functools.cache
 def sites_moved_to(moved, turn=1, width=60):
     """Sites of a small picture in a wider one; a wire in one column of centres, a lone line by hand, a spot, a blade

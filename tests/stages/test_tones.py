@@ -128,6 +128,9 @@ def test_mirrors_have_the_tones_of_what_they_show():
         np.testing.assert_allclose(got, reference(layers, dots | dict(tone_mirrors=on))["Encre Tones"], atol=2e-5)
         assert (got[:, :12, 1] == on).all() and (got[:, 12:24, 1] == 0).all() and (got[:, 24:, 3] == (not on)).all()
         assert (got[:, :24, 3] == 1).all()
+    blue = dots | dict(tone_mirrors=True), layers | dict(color=zero + np.float32((0, 0, 0.06)))  # is no mirror
+    got = library.render(blue[1], blue[0], outputs=["Encre Tones"]).images["Encre Tones"]
+    assert (got[:, 24:] == (0, 0, 0, 1)).all()
 
 
 def test_without_an_anchor_the_screen_is_kept_to():

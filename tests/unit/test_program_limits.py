@@ -28,7 +28,7 @@ def test_results_are_registers():
         for register in (-1, 0, 1):
             job = Job("material")
             job.block.programs[0].result[k] = register
-            refused_if(register != 0, job, f"^program 0: result {k} is no register")
+            refused_if(register != 0, job, f"^program 0: result {k} is no register of it; give 0 to 0$")
 
 
 @pytest.mark.parametrize("name", list(load().operations))
