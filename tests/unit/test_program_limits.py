@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where what materials may ask for ends: the last number that is right is taken, the first beyond it refused."""
 
+from ctypes import byref, c_void_p
+
 import pytest
 from encre.pen import abi
-from encre.pen.library import load
+from encre.pen.library import API_VERSION, load
 from jobs import Job
 
 MOST_TEXELS, MOST_REGISTERS = 32768, 512
@@ -29,6 +31,18 @@ def test_results_are_registers():
             job = Job("material")
             job.block.programs[0].result[k] = register
             refused_if(register != 0, job, f"^program 0: result {k} is no register of it; give 0 to 0$")
+
+
+def test_what_succeeds_takes_the_sentence_of_what_was_refused_away():
+    good, bad = Job("material"), Job("material")
+    bad.block.programs[0].n_registers = 0
+    lib = good.lib.lib
+    context = c_void_p(lib.encre_create(API_VERSION))
+    try:
+        assert lib.encre_material(context, byref(bad.job)) and lib.encre_error(context)
+        assert lib.encre_material(context, byref(good.job)) == 0 and lib.encre_error(context) == b""
+    finally:
+        lib.encre_destroy(context)
 
 
 @pytest.mark.parametrize("name", list(load().operations))
