@@ -59,7 +59,7 @@ TESTS = (
     ("csrc/light/", "stages/test_shadows.py", "stages/test_light.py", "stages/test_light_edges.py"),
     ("csrc/material/", "stages/test_material.py"),
     ("csrc/api/check", "unit/test_boundary.py unit/test_limits.py unit/test_program_limits.py",
-     "stages/test_light.py -k refused"),
+     "stages/test_light_refused.py"),
     ("csrc/api/images", "unit/test_boundary.py unit/test_limits.py"),
     ("csrc/api/background", "unit/test_background.py"),
     ("csrc/api/encre", "unit/test_limits.py", "unit/test_memory.py", "unit/test_layers.py"),
