@@ -142,7 +142,7 @@ task random_light(void)
 		  .job = &job,
 		  .progress = &job.progress,
 		  .n_outputs = 1};
-	int width = chance(0.3) ? whole(1, 5) : whole(1, 40), height = chance(0.3) ? whole(1, 5) : whole(1, 40);
+	int width = chance(0.3) ? whole(1, 5) : whole(1, 20), height = chance(0.3) ? whole(1, 5) : whole(1, 20);
 	encre_context *context = encre_create(ENCRE_API_VERSION);
 	encre_scene_free(kept);
 	job.scene = kept = encre_scene_create();

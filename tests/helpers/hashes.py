@@ -12,7 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 KEPT = Path(__file__).with_name("hashes.txt")
-JOBS, LONGEST = 2000, 500  # and seconds, of which a fiftieth is usual
+JOBS, LONGEST = 1500, 500  # and seconds, of which a fiftieth is usual
 
 
 def build(library, out):
