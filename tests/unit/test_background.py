@@ -164,7 +164,8 @@ def test_the_fraction_grows_to_the_end():
     lib, context, work = load().lib, load().context(), drawing((480, 270))
     fraction, seen = ctypes.c_double(), [0.0]
     assert lib.encre_poll(context, ctypes.byref(fraction)) == 0 and fraction.value == 1
-    assert lib.encre_start(context, abi.steps([work, work]), 2) == 0
+    steps = 24  # so long that a thread which is kept waiting now and then sees some of it
+    assert lib.encre_start(context, abi.steps([work] * steps), steps) == 0
     while lib.encre_poll(context, ctypes.byref(fraction)) == 4:
         seen.append(fraction.value)
     assert lib.encre_poll(context, ctypes.byref(fraction)) == 0 and fraction.value == 1

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SECONDS = float(os.environ.get("ENCRE_FUZZ_SECONDS", 10))
+SECONDS = float(os.environ.get("ENCRE_FUZZ_SECONDS", 5))
 SHARE = {"address,undefined,float-cast-overflow": 4 / 6, "memory": 1 / 6, "thread": 1 / 6}
 SOON = "-O0" if SECONDS < 60 else "-O1"  # in a third of the time, for a few seconds of jobs
 PLAIN = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", SOON, "-g1", f"-I{ROOT / 'csrc'}"]
