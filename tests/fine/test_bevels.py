@@ -63,8 +63,8 @@ def ball(rings, radius):
     return Mesh(turned(points.reshape(-1, 3), 25), corners.astype(np.int32))
 
 
-def drawn(mesh, **how):
-    return library.raster([mesh], *pixels(960, 540), FRAME, SIZE, 0.1, outputs=(
+def drawn(mesh, camera=None, **how):
+    return library.raster([mesh], *(camera or pixels(960, 540)), FRAME, SIZE, 0.1, outputs=(
         "depth", "normal", "object", "marks", "creases"), **how)
 
 
@@ -99,6 +99,24 @@ def test_a_narrow_bevel_is_one_line(segments, width):
         rows = np.arange(10, SIZE[1] - 10)
         want = 432.2 - 400 - 0.5 - slope * (rows + 200.5 - 224.1)
         assert np.abs(middle - want).max() < 0.6 + 0.1 * width, (degrees, np.abs(middle - want).max())
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_face_along_an_axis_is_no_end_of_the_surface(order):
+    """Its normal has two zeros, where that of nothing has three; whichever axis it is, the bend is the same."""
+    heading, chord = np.radians([0, 22, 44, 66, 88]), np.array([30, 0.8, 1, 1.5, 200])
+    mesh, (view, projection) = folded(order * heading[::order], chord[::order]), pixels(960, 540)
+    points, kinds = mesh.points, []
+    for axis in range(3):
+        way = np.roll(np.eye(3), axis, 0)  # what looks along z looks along another
+        mesh.points, view = (points @ way).astype(np.float32), view.copy()
+        view[:3, :3] = way
+        maps = drawn(mesh, (view, projection))
+        assert (np.sort(maps["normal"].reshape(-1, 3), 1) == (0, 0, 1)).all(1).any()
+        kinds.append(maps["creases"])
+    assert (np.abs(kinds[0][..., [1, 3]]) > SPREAD).any((1, 2))[10:-10].all()
+    np.testing.assert_array_equal(kinds[1], kinds[0])
+    np.testing.assert_array_equal(kinds[2], kinds[0])
 
 
 @pytest.mark.parametrize("degrees", [14, 31])

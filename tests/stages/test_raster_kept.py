@@ -27,12 +27,13 @@ def bent(mesh, rng):
     mesh.points = mesh.points + rng.normal(0, 0.1, mesh.points.shape).astype(np.float32)
 
 
-def pointed(mesh, rng):
+def pointed(mesh, rng, triangle=None):
     """Three of its points at one place, as at a tip; or no longer."""
     mesh.points = mesh.points.copy()
-    points = mesh.points[mesh.corners[len(mesh.corners) // 2]]
+    of = mesh.corners[len(mesh.corners) // 2 if triangle is None else triangle]
+    points = mesh.points[of]
     tip = (points[0] == points[1]).all()
-    mesh.points[mesh.corners[len(mesh.corners) // 2]] = points + rng.normal(0, 0.2, (3, 3)) if tip else points[0]
+    mesh.points[of] = points + rng.normal(0, 0.2, (3, 3)) if tip else points[0]
 
 
 def rejoined(mesh, rng):
@@ -73,14 +74,28 @@ def test_a_change_of_one_mesh_shows(change, threads):
     assert any((got[name] != before[name]).any() for name in OUTPUTS)
 
 
-def test_a_tip_that_opens_shows():
+@pytest.mark.parametrize("triangle", [0, 1, -1])
+def test_a_tip_that_opens_shows(triangle):
     rng = np.random.default_rng(23)
-    meshes, camera = [crumpled(rng)], (looking(rng), perspective(50, 40))
-    for _ in range(6):
-        pointed(meshes[0], rng)
-        same(picture(meshes, camera), anew(meshes, camera))
-        pointed(meshes[0], rng)
-        same(picture(meshes, camera), anew(meshes, camera))
+    mesh, camera = crumpled(rng), (looking(rng), perspective(50, 40))
+    for _ in range(12):
+        pointed(mesh, rng, triangle)
+        same(picture([mesh], camera), anew([mesh], camera))
+
+
+@pytest.mark.parametrize("closing", [0, 1, 2])
+def test_one_triangle_that_closes_joins_its_neighbours(closing):
+    """The edge that it has alone becomes a point, and both its others one."""
+    outer = np.array([(-1.5, 0.5, 0), (-0.6, 1.4, 0), (0.6, 1.2, 0), (1.4, 0.4, 0)], np.float32)
+    mesh = Mesh(np.concatenate([outer, [(0, -1, 0.8)]]).astype(np.float32), np.array([(0, 1, 4), (1, 2, 4), (2, 3, 4)]))
+    mesh.corners = np.roll(mesh.corners, -closing, 0).astype(np.int32)  # a triangle in the middle comes first, or last
+    camera = looking(np.random.default_rng(7)), perspective(50, 40)
+    before = picture([mesh], camera)
+    mesh.points = mesh.points.copy()
+    mesh.points[2] = mesh.points[1]
+    got = picture([mesh], camera)
+    same(got, anew([mesh], camera))
+    assert (got["creases"] != before["creases"]).any()
 
 
 def test_a_mesh_that_is_written_over_shows():
