@@ -10,6 +10,8 @@ from ..pen.job import Mesh
 from . import attributes, properties
 from .triangles import MESHABLE, read_lines, read_triangles
 
+_WORD = 2 ** 32
+
 
 @dataclass
 class Objects:
@@ -131,7 +133,8 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         things += [_thing(instance, obj)] * len(parts) if looks else []
         numbers.append(_line_number(instance, obj, automatic, line_numbers, running, parts[0]))
         numbers += [own if automatic else -own for own in parts[1:]]  # negative: no pass index is
-        mesh, read = _mesh(triangles, obj, materials, instance.matrix_world, number, looks)
+        mesh, read = _mesh(triangles, obj, materials, instance.matrix_world, number, looks,
+                           _copy_seed(instance, obj))
         meshes.append(mesh)
         shown.append(read)
         if len(triangles.marked):
@@ -153,7 +156,30 @@ def _read_by(obj, looks):
 
 
 def _thing(instance, obj):
-    return (*obj.color, instance.random_id / 0xffffffff, obj.original.pass_index, *instance.matrix_world.translation)
+    return (*obj.color, _random_id(instance) / 0xffffffff, obj.original.pass_index, *instance.matrix_world.translation)
+
+
+def _random_id(instance):
+    """32 bits that a thing keeps from frame to frame. Of what is no instance Blender tells none: as Cycles makes them,
+    of the name, by Jenkins' mixing (lookup3)."""
+    if instance.is_instance:
+        return instance.random_id % _WORD  # Blender tells it with a sign
+    name = 0
+    for byte in instance.object.name.encode():
+        name = (name * 37 + byte) % _WORD
+    a, b, c = (0xdeadbeef + (2 << 2) + 13 + name) % _WORD, *[0xdeadbeef + (2 << 2) + 13] * 2
+    for bits in (14, 11, 25, 16, 4, 14, 24):  # c by b, a by c, b by a, and so on
+        c = ((c ^ b) - (b << bits | b >> 32 - bits)) % _WORD
+        a, b, c = b, c, a
+    return b
+
+
+def _copy_seed(instance, obj):
+    """What is drawn by noise on the thing would be the same on all copies of it. 0 for what is there once: it rests in
+    its own coordinates."""
+    data = obj.original.data
+    shared = instance.is_instance or data.users - data.use_fake_user > 1
+    return (_random_id(instance) | 1) - 0x80000000 if shared else 0
 
 
 def _in_camera(obj, depsgraph):
@@ -212,7 +238,7 @@ def _slots(obj):
     return [slot.material and slot.material.name_full for slot in obj.material_slots] or [None]
 
 
-def _mesh(triangles, obj, materials, matrix, number, looks):
+def _mesh(triangles, obj, materials, matrix, number, looks, seed):
     """(the Mesh, its attributes for the programs of its materials)."""
     slots = [materials(slot.material) for slot in obj.material_slots] or [materials(None)]
     own_style = properties.style_number(obj, materials.scene)
@@ -220,7 +246,7 @@ def _mesh(triangles, obj, materials, matrix, number, looks):
     mesh = Mesh(triangles.points, triangles.corners, object_index=number,
                      model=np.array(matrix, np.float64), material_index=slots[0][0],
                      style_index=own_style or slots[0][1], edges=triangles.edges,
-                     crease_offset=obj.encre.crease_offset, normals=triangles.normals,
+                     crease_offset=obj.encre.crease_offset, seed=seed, normals=triangles.normals,
                      rest=triangles.rest, rest_normals=triangles.rest_normals, uv=triangles.uv)
     if triangles.part is not None:
         mesh.object = number + triangles.part

@@ -70,7 +70,7 @@ class Mesh(c.Structure):
                 ("material", c.c_void_p), ("style", c.c_void_p), ("model", c.c_double * 16),
                 ("object_index", c.c_int32), ("material_index", c.c_int32), ("style_index", c.c_int32),
                 ("reserved", c.c_int32), ("object", c.c_void_p), ("edges", c.c_void_p), ("crease_offset", c.c_float),
-                ("reserved2", c.c_int32), ("normals", c.c_void_p), ("rest", c.c_void_p), ("rest_normals", c.c_void_p),
+                ("seed", c.c_int32), ("normals", c.c_void_p), ("rest", c.c_void_p), ("rest_normals", c.c_void_p),
                 ("uv", c.c_void_p)]
 
 
@@ -237,7 +237,7 @@ def fill_mesh(m: Mesh, mesh: job.Mesh) -> list:
     m.style = pointer("style", mesh.style, np.int32, (count,))
     m.object = pointer("object", mesh.object, np.int32, (count,))
     m.edges = pointer("edges", mesh.edges, np.uint8, (count,))
-    m.crease_offset = mesh.crease_offset
+    m.crease_offset, m.seed = mesh.crease_offset, mesh.seed
     m.normals = pointer("normals", mesh.normals, np.float32, (count, 3, 3))
     m.rest = pointer("rest", mesh.rest, np.float32, (count, 3, 3))
     m.rest_normals = pointer("rest_normals", mesh.rest_normals, np.float32, (count, 3, 3))

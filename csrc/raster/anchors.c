@@ -11,7 +11,9 @@
 
 enum {
 	MEASURED = 65536, /* triangles of a part that are measured, about */
-	STEEPEST = 64     /* pixels' spans that the position grows per pixel, at most */
+	STEEPEST = 64,    /* pixels' spans that the position grows per pixel, at most */
+	FARTHEST = 32     /* times its size that a copy is shifted: far on the scale of noise even where it is small on the
+			     screen, and 5 bits of where it rests */
 };
 
 static double area_of(double p[3][3])
@@ -25,8 +27,19 @@ static double area_of(double p[3][3])
 	return sqrt(square);
 }
 
+/* By powers of two: a mesh that changes its size is shifted by as much as before, but for when it doubles. */
+static void shift_part(part *part, double area)
+{
+	int power;
+	frexp(sqrt(area), &power);
+	for (uint32_t c = 0; c < 3; c++) {
+		uint32_t bits = mix_bits(mix_bits((uint32_t)part->mesh->seed) + c);
+		part->shift[c] = part->mesh->seed ? ldexp(FARTHEST * ((double)bits - 0x1p31), power - 32) : 0;
+	}
+}
+
 /* Of a large mesh every so many: always the same ones, so that an animated mesh has no flicker from the choice. */
-static double span_of(const part *part)
+static void measure(part *part)
 {
 	double world = 0, rest = 0;
 	uint32_t n = (uint32_t)part->mesh->n_primitives, step = n / MEASURED + 1;
@@ -43,7 +56,8 @@ static double span_of(const part *part)
 			rest += other;
 		}
 	}
-	return world > 0 ? sqrt(rest / world) : 0;
+	part->span = world > 0 ? sqrt(rest / world) : 0;
+	shift_part(part, rest * step);
 }
 
 static void measure_parts(void *data, int p0, int p1, int thread)
@@ -51,7 +65,8 @@ static void measure_parts(void *data, int p0, int p1, int thread)
 	(void)thread;
 	geometry *g = data;
 	for (int i = p0; i < p1; i++)
-		g->parts[i].span = g->parts[i].mesh->kind == ENCRE_TRIANGLES ? span_of(g->parts + i) : 0;
+		if (g->parts[i].mesh->kind == ENCRE_TRIANGLES)
+			measure(g->parts + i);
 }
 
 int32_t anchors_measure(bands *pool, geometry *g)
@@ -156,8 +171,9 @@ void anchors_draw(const encre_raster_job *job, const anchor_face *face, const co
 	double pixel = lens > 0 ? 2 * w / sqrt(lens) * face->part->span : 0;
 	for (int c = 0; c < 3; c++) {
 		const float *p = face->rest[0] + c; /* from the first corner on: a constant stays what it is */
-		out[ANCHOR_POSITION + c] = (float)((double)p[0] + share[1] * ((double)p[3] - (double)p[0]) +
-						   share[2] * ((double)p[6] - (double)p[0]));
+		out[ANCHOR_POSITION + c] =
+			(float)((double)p[0] + share[1] * ((double)p[3] - (double)p[0]) +
+				share[2] * ((double)p[6] - (double)p[0]) + face->part->shift[c]);
 	}
 	draw_normal(face, share, out + ANCHOR_NORMAL);
 	out[ANCHOR_PIXEL] = (float)pixel;

@@ -16,7 +16,7 @@ typedef struct anchor_face {
 	float form[3];
 } anchor_face;
 
-/* Fills `span` of all parts. */
+/* Fills `span` and `shift` of all parts. */
 int32_t anchors_measure(bands *pool, geometry *g);
 void anchors_load(const part *part, uint32_t i, anchor_face *face);
 /* The direction at rest in which U grows on a triangle, of length 1; 0 where it does not. */

@@ -136,6 +136,7 @@ void geometry_aim(geometry *g)
 		multiply(v, mesh->model, view);
 		multiply(camera, view, part->screen);
 		part->spots = NULL;
+		part->span = 0;
 		part->topology = NULL;
 		part->bends = NULL;
 		part->mesh = mesh;

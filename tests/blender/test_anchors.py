@@ -97,6 +97,22 @@ def test_tones_stick_to_surfaces_at_f12(render):
     assert (np.abs(got - want)[there] < 0.1).mean() > 0.9
 
 
+def test_copies_rest_elsewhere_each_and_stay_there(render):
+    """Or noise on the thing would draw all of them alike."""
+    shot = render("anchored")
+    middles = []
+    for name in ("copies", "moved"):
+        passes = shot.passes(name)
+        anchor, index = layer(passes), passes["IndexOB"][..., 0]
+        for number in (1, 2, 3):
+            own = anchor[index == number][:, :3]
+            middle = (own.min(0) + own.max(0)) / 2
+            assert len(own) > 100 and (np.abs(own - middle).max(0) < 0.52).all()
+            middles.append(middle)
+    np.testing.assert_allclose(middles[3:], middles[:3], atol=0.1)
+    assert all(np.abs(middles[i] - middles[j]).max() > 2 for i, j in ((0, 1), (0, 2), (1, 2)))
+
+
 def test_files_without_what_sticks_have_no_anchor(render):
     shot = render("anchored")
     assert saved.ANCHOR.keys() <= shot.passes("one").keys()

@@ -42,6 +42,14 @@ def test_as_cycles_has_them(shots):
     assert picture.mean() < 0.02
 
 
+def test_a_thing_has_the_random_number_that_cycles_gives_it(render):
+    """By its name, or as an instance; for what is drawn by noise on copies too."""
+    shot = render("named")
+    ours, theirs = (shot.passes(name)["DiffCol"][8, [8, 24, 40, 56], 0] for name in ("encre", "cycles"))
+    assert len(np.unique(theirs.round(2))) == 4
+    np.testing.assert_allclose(ours, theirs, atol=1e-3)
+
+
 def test_the_same_again_and_in_parts(shots):
     whole, again, part = (shots.passes(name) for name in ("encre", "again", "border"))
     height, width = whole["Combined"].shape[:2]

@@ -5,6 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from .example import WORD, scramble
+
 STEPS = 4096  # of the sub-pixel grid, to a pixel
 NOTHING = 1e10
 
@@ -161,7 +163,15 @@ def _anchor(mesh, t, corner, share, growth, w, projection, frame):
     grown = [each * np.minimum(1, 64 * pixel / np.maximum(n, 1e-300))[:, None]
              for each, n in zip(grown, length, strict=True)]
     form = np.broadcast_to(_form(rest[t], normals), normal.shape)
-    return np.concatenate([share @ rest[t], normal, pixel[:, None], *grown, form], 1)
+    return np.concatenate([share @ rest[t] + _shift(mesh.seed, _area(rest)), normal, pixel[:, None], *grown, form], 1)
+
+
+def _shift(seed, area):
+    """How far a copy's rest positions are moved: 32 times its size, as a power of two, along each axis at most."""
+    if not seed:
+        return np.zeros(3)
+    size = 2.0 ** (np.floor(np.log2(np.sqrt(area))) + 1)
+    return np.array([32 * size * (scramble(scramble(seed & WORD) + c & WORD) / 2 ** 31 - 1) / 2 for c in range(3)])
 
 
 def _stretch(model):

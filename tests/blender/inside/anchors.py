@@ -57,6 +57,33 @@ def anchored(out):
     scene.encre.use_tones, scene.encre.save_anchor = False, "AUTO"
     shoot(out, "without")
     _pinned(twisted)
+    scene.encre.save_anchor = "ON"
+    _copies(out, twisted, leaning)
+
+
+def _copies(out, *others):
+    """The cube again with the same mesh, and one of a collection; then others come before them, and they move."""
+    for other in others:
+        bpy.data.objects.remove(other)
+    cubes = [bpy.data.objects["Cube"]]
+    cubes[0].scale = (0.5, 0.5, 0.5)
+    cubes.append(bpy.data.objects.new("Other", cubes[0].data))
+    bpy.context.scene.collection.objects.link(cubes[1])
+    cubes[1].scale, cubes[1].location = (0.5, 0.5, 0.5), (1.2, 0, 0)
+    far = bpy.data.collections.new("Far")
+    far.objects.link(cube("Inner", (0, 0, 0)))
+    bpy.context.scene.collection.objects.unlink(far.objects[0])
+    cubes.append(bpy.data.objects.new("Placed", None))
+    cubes[2].instance_type, cubes[2].instance_collection = "COLLECTION", far
+    bpy.context.scene.collection.objects.link(cubes[2])
+    cubes[2].scale, cubes[2].location = (0.5, 0.5, 0.5), (2.4, 0, 0)
+    for index, obj in enumerate((*cubes[:2], far.objects[0])):
+        obj.pass_index = index + 1
+    shoot(out, "copies")
+    cube("A first one", (0, 3, 0)).pass_index = 9
+    for obj in cubes:
+        obj.location.x -= 0.1
+    shoot(out, "moved")
 
 
 def _pinned(obj):

@@ -173,6 +173,29 @@ def layer_sources(out):
     shoot(out, "transparent")
 
 
+def named(out):
+    """Things that have the same material, whose colour is the thing's random number; the last one is an instance."""
+    scene = stage(64, 16, 1, ground=False)
+    for name in ("Cube", "Ball"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    material = _matt("By thing", lambda tree: _new(tree, "ObjectInfo").outputs["Random"])
+    names = "Cube", "Cube.001", "\u6a39 a", "Of a collection"
+    for k, name in enumerate(names):
+        cube(name, (k - 1.5, 0, 0), 0.9, material)
+    placed, collection = bpy.data.objects.new("Placed", None), bpy.data.collections.new("Collection")
+    collection.objects.link(bpy.data.objects[names[-1]])
+    scene.collection.objects.unlink(bpy.data.objects[names[-1]])
+    placed.instance_type, placed.instance_collection = "COLLECTION", collection
+    scene.collection.objects.link(placed)
+    camera = scene.camera
+    camera.data.type, camera.data.ortho_scale = "ORTHO", 4.0
+    camera.location, camera.rotation_euler = (0, 0, 5), (0, 0, 0)
+    scene.encre.save_layers = "ON"
+    shoot(out, "cycles")
+    scene.encre.layer_source = "ENCRE"
+    shoot(out, "encre")
+
+
 def many(_out):
     """Small renders one after the other, by both in turn: bytes that the process holds."""
     scene, count, held = stage(48, 27, 1), int(os.environ.get("ENCRE_RENDERS", 50)), []
