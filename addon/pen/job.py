@@ -39,8 +39,9 @@ class Frame:
 class Mesh:
     """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels); numbers of
     `object`, `material` and `style` (t,) or one for all; edges (t,) packed by edge_kinds(), and the degrees that are
-    added to every bend; `seed` of a copy, by which its pens and tones differ from another's, 0: of none; normals (t, 3, 3) at the corners, in object space, None: flat; rest positions and their normals
-    likewise, None: the points, flat; uv (t, 3, 2) at the corners. Of kind `lines`: points and corners (t, 2) alone.
+    added to every bend; the seed by which a copy's pens and tones differ from another's, 0: it is none; normals
+    (t, 3, 3) at the corners, in object space, None: flat; rest positions and their normals likewise, None: the points,
+    flat; uv (t, 3, 2) at the corners. Of kind `lines`: points and corners (t, 2) alone.
     """
 
     points: np.ndarray

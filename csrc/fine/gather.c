@@ -125,13 +125,6 @@ static uint32_t marks_of(const fine *n, int i)
 
 /* ---- at most so many a tile ------------------------------------------------------------------------------ */
 
-static uint32_t shuffled(uint32_t x)
-{
-	x = (x ^ x >> 16) * 0x7feb352du;
-	x = (x ^ x >> 15) * 0x846ca68bu;
-	return x ^ x >> 16;
-}
-
 /* Marks order by strength. Those that are as strong as each other are thinned out evenly, wherever they lie, but a few
  * pixels each way together: lines that are cut anywhere would have more ends than there was to save. */
 static void rank_mark(walk *w, const found *at, int slot)
@@ -139,8 +132,8 @@ static void rank_mark(walk *w, const found *at, int slot)
 	float own_strength = ISA(fine_strength)(w->n, at);
 	uint32_t strength;
 	memcpy(&strength, &own_strength, sizeof strength); /* from 0 on, floats order as their bits do */
-	uint32_t block = shuffled((uint32_t)(at->row / BLOCK) << 16 | (uint32_t)(at->column / BLOCK)),
-		 own = shuffled(shuffled((uint32_t)at->row << 16 | at->column) + (uint32_t)slot);
+	uint32_t block = mix_bits((uint32_t)(at->row / BLOCK) << 16 | (uint32_t)(at->column / BLOCK)),
+		 own = mix_bits(mix_bits((uint32_t)at->row << 16 | at->column) + (uint32_t)slot);
 	w->key[w->count++] = (uint64_t)strength << 32 | (block & 0xffff0000u) | own >> 16;
 }
 

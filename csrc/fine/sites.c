@@ -180,7 +180,7 @@ int32_t ISA(fine_sort)(fine *n)
 	n->member = late_take(&n->f->late, n->count, sizeof *n->member);
 	if (!n->member)
 		return ENCRE_ERROR_MEMORY;
-	memset(n->cell, 0, (cells + 1) * sizeof *n->cell);
+	memset(n->cell, 0, cells * sizeof *n->cell);
 	int32_t code = ENCRE_OK;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);

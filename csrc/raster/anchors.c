@@ -12,8 +12,8 @@
 enum {
 	MEASURED = 65536, /* triangles of a part that are measured, about */
 	STEEPEST = 64,    /* pixels' spans that the position grows per pixel, at most */
-	FARTHEST = 32     /* times its size that a copy is shifted: far on the scale of noise even where it is small on the
-			     screen, and 5 bits of where it rests */
+	FARTHEST = 32 /* times its size that a copy is shifted: far on the scale of noise even where it is small on the
+			 screen, and 5 bits of where it rests */
 };
 
 static double area_of(double p[3][3])
@@ -171,9 +171,8 @@ void anchors_draw(const encre_raster_job *job, const anchor_face *face, const co
 	double pixel = lens > 0 ? 2 * w / sqrt(lens) * face->part->span : 0;
 	for (int c = 0; c < 3; c++) {
 		const float *p = face->rest[0] + c; /* from the first corner on: a constant stays what it is */
-		out[ANCHOR_POSITION + c] =
-			(float)((double)p[0] + share[1] * ((double)p[3] - (double)p[0]) +
-				share[2] * ((double)p[6] - (double)p[0]) + face->part->shift[c]);
+		out[ANCHOR_POSITION + c] = (float)((double)p[0] + share[1] * ((double)p[3] - (double)p[0]) +
+						   share[2] * ((double)p[6] - (double)p[0]) + face->part->shift[c]);
 	}
 	draw_normal(face, share, out + ANCHOR_NORMAL);
 	out[ANCHOR_PIXEL] = (float)pixel;

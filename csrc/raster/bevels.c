@@ -75,14 +75,15 @@ static void even_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1; y++)
 		for (int x = 0; x < s->width; x++) {
 			const bend *b = bend_at(s, x, y);
-			float sum = b->most;
+			float *most = l->most + (ptrdiff_t)y * s->width + x, sum = b->most;
 			int length = 1;
-			if (goes_by(b))
-				for (int way = -1; way <= 1; way += 2)
-					length += follow(l, x, y, way, &sum);
+			*most = 0;
+			if (!goes_by(b))
+				continue;
+			for (int way = -1; way <= 1; way += 2)
+				length += follow(l, x, y, way, &sum);
 			float enough = max(0.5f * b->wide, 2);
-			l->most[(ptrdiff_t)y * s->width + x] =
-				goes_by(b) ? sum / (float)length * clamp01((float)length / enough - 1) : 0;
+			*most = sum / (float)length * clamp01((float)length / enough - 1);
 		}
 }
 

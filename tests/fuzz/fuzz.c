@@ -19,7 +19,11 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { MOST_BLOCKS = 512, LONGEST = 120 /* seconds of a job: more is a hang */ };
+enum {
+	MOST_BLOCKS = 512,
+	LONGEST = 120, /* seconds of a job: more is a hang */
+	LEAST = 8      /* jobs, however busy the machine */
+};
 
 static uint64_t seed;
 
@@ -320,7 +324,7 @@ int main(int n, char **arguments)
 	signal(SIGALRM, hang);
 	if (__sanitizer_set_death_callback)
 		__sanitizer_set_death_callback(name_seed);
-	for (seed = first; done < most && seconds() < end; seed += step, done++) {
+	for (seed = first; done < most && (done < LEAST || seconds() < end); seed += step, done++) {
 		int kind;
 		alarm(LONGEST);
 		int32_t code = run_seed(&kind);

@@ -72,6 +72,7 @@ CUTS = (  # the file, what stands there once, what it becomes
     ("csrc/texture/bake.c", "PIECE = 64", "PIECE = 9"),
     ("csrc/texture/bake.h", "LANES = 8", "LANES = 4"),
     ("csrc/texture/bake.h", "SHEET = 64", "SHEET = 13"),
+    ("csrc/tones/strokes.c", "LANES = 8, ROWS = 8", "LANES = 4, ROWS = 3"),
     ("csrc/tones/passes.c", "int band = f->height / (4 * bands_threads(f->bands));", "int band = 23;"),
     ("csrc/tones/passes.c", "band = band < 64 ? 64 : band < 256 ? band : 256;", "band = 23;"),
 )

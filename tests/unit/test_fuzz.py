@@ -58,7 +58,7 @@ def drive(command, first, seconds):
         out, error = process.communicate()
         assert process.returncode == 0, error[:4000] + error[-400:]
         print(out, end="")
-        assert int(out.split()[0]) > 3  # where others keep the machine busy; hundreds otherwise
+        assert int(out.split()[0]) >= 8
 
 
 def test_random_jobs(fuzz):
