@@ -27,8 +27,8 @@ def rod(width, slant, moved, wall=np.inf, size=(48, 64), samples=8):
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}, off
 
 
-def ink(layers, camera=None, **how):
-    return library.render(layers, PEN, camera=camera or Camera(), outputs=["Encre Lines"], **how).images[
+def ink(layers, camera=None, pen=PEN, **how):
+    return library.render(layers, pen, camera=camera or Camera(), outputs=["Encre Lines"], **how).images[
         "Encre Lines"][..., 3].astype(float)
 
 
@@ -116,6 +116,12 @@ def test_a_ledge_a_pixel_high_has_no_comb():
     folded["marks"][12, :, 1] = -0.5  # a contour passes there
     ledge = [ink({**layers, **more})[13, 8:-8].max() for more in ({}, known, folded)]
     assert ledge[1] < 0.1 < 0.9 < min(ledge[0], ledge[2])
+    # between two objects a jump is one, whatever meshes tell
+    layers["depth"][:] = np.where(np.indices(z.shape)[0] < 12, 4.0, 6.0)
+    for axis in (0, 1):
+        turned = {name: np.ascontiguousarray(np.swapaxes(a, 0, axis)) for name, a in (layers | known).items()}
+        t = np.swapaxes(ink(turned, pen=PEN | dict(edge_object=0.0)), 0, axis)
+        assert t[10:14, 8:-8].max(0).min() > 0.9
 
 
 def test_threads_and_instructions_change_nothing():
