@@ -100,9 +100,12 @@ static float least_of(float gaps)
 static void dry_row(const strokes *s, int n, touch *t)
 {
 	float flow[SPAN], streak[SPAN];
+	int most = 0;
 	if (!noise_row(s, n, dry_of, 6, SEED_FLOW, flow))
 		return;
-	for (int k = 0; k < BRISTLES; k++) {
+	for (int i = 0; i < n; i++)
+		most = s->hand[i]->pen_dry > 0 && s->hand[i]->pen_bristles > most ? s->hand[i]->pen_bristles : most;
+	for (int k = 0; k < most; k++) {
 		noise_row(s, n, dry_of, 1, SEED_BRISTLE + k, streak);
 		for (int i = 0; i < n; i++) {
 			float dry = s->hand[i]->pen_dry * (1 + 0.6f * flow[i]);
