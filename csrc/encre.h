@@ -188,7 +188,7 @@ ENCRE_API const encre_stage_description *encre_stage_info(int32_t stage);
 ENCRE_API int64_t encre_params_size(void);
 /* Fills a block with the defaults. */
 ENCRE_API void encre_params_init(void *params);
-/* NULL if the block can be rendered with, else a sentence (static storage or in `text`, capacity `size`). */
+/* NULL if the block can be rendered with, else a sentence (static storage or in `text`, capacity `size` > 0). */
 ENCRE_API const char *encre_params_check(const void *params, char *text, int64_t size);
 
 /* ---- rendering ------------------------------------------------------------------------------------------- */

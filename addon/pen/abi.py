@@ -167,6 +167,8 @@ class Step(c.Structure):
     _fields_ = [("kind", c.c_int32), ("reserved", c.c_int32), ("job", c.c_void_p)]
 
 
+MOST_LEVELS = 32  # of a texture: each halves what an int32 counts
+
 WORKS = ("render", "raster", "light", "bake", "material")  # enum encre_kind; their functions are called so, too
 
 
@@ -197,15 +199,15 @@ def materials(given: job.Materials) -> tuple[Materials, list]:
 
     programs, textures = (Program * max(1, len(given.programs)))(), (Picture * max(1, len(given.textures)))()
     for to, program in zip(programs, given.programs, strict=False):
-        operations = job.entries("operations", program.operations, np.int32, (len(program.operations), 12))
+        operations = job.entries("program: operations", program.operations, np.int32, (len(program.operations), 12))
         to.operations, to.n_operations = pointer(operations, np.int32), len(operations)
         to.n_registers = program.registers
         to.result[:] = list(program.result)
     for to, texture in zip(textures, given.textures, strict=False):
         count, width, height = 0, texture.width, texture.height
-        for _ in range(texture.levels):
+        for _ in range(min(texture.levels, MOST_LEVELS)):
             count, width, height = count + width * height, max(1, width // 2), max(1, height // 2)
-        to.texels = pointer(job.entries("texels", texture.texels, np.float32, (count, 4)), np.float32)
+        to.texels = pointer(job.entries("texture: texels", texture.texels, np.float32, (count, 4)), np.float32)
         to.width, to.height, to.levels = texture.width, texture.height, texture.levels
         to.wrap = job.WRAPS.index(texture.wrap)
     things = np.asarray(given.things, np.float32)
@@ -221,18 +223,18 @@ def fill_mesh(m: Mesh, mesh: job.Mesh) -> list:
     def pointer(what, a, dtype, shape):
         if a is None:
             return None
-        keep.append(job.entries(what, a, dtype, shape))
+        keep.append(job.entries(f"mesh: {what}", a, dtype, shape))
         return keep[-1].ctypes.data
 
     each = KINDS[mesh.kind]
     m.kind = list(KINDS).index(mesh.kind)
     m.n_points = len(points)
     m.n_primitives = len(points) // each if mesh.corners is None else len(mesh.corners)
-    m.n_channels = 0 if mesh.attributes is None else mesh.attributes.shape[-1]
+    m.n_channels = 0 if mesh.attributes is None else np.shape(mesh.attributes)[-1]
     m.points = points.ctypes.data
     count = m.n_primitives
     m.corners = pointer("corners", mesh.corners, np.int32, (count, each))
-    m.attributes = pointer("attributes", mesh.attributes, np.float32, (count, 3))
+    m.attributes = pointer("attributes", mesh.attributes, np.float32, (count, 3, m.n_channels))
     m.material = pointer("material", mesh.material, np.int32, (count,))
     m.style = pointer("style", mesh.style, np.int32, (count,))
     m.object = pointer("object", mesh.object, np.int32, (count,))

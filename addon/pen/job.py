@@ -181,8 +181,16 @@ def picture(name: str, a: np.ndarray, channels: int) -> np.ndarray:
 
 
 def entries(what: str, a: np.ndarray, dtype: type, shape: tuple[int, ...]) -> np.ndarray:
-    """The array `a` of a mesh with at least the axes of `shape`: one that is too short would be read past its end."""
+    """The array `a` of exactly this shape: one that is too short would be read past its end."""
     a = np.ascontiguousarray(a, dtype)
-    if a.shape[:len(shape)] != shape:
-        raise EncreError(f"mesh: {what} has shape {a.shape}; give one entry for each of {shape}")
+    if a.shape != shape:
+        raise EncreError(f"{what}: the array has shape {a.shape}; give {shape}")
+    return a
+
+
+def filled(name: str, a: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """`a`, into which C can write as it is: where picture() would copy, what is written would be lost."""
+    if a.shape != shape or not a.flags.writeable or picture(name, a, shape[2] if len(shape) == 3 else 1) is not a:
+        raise EncreError(f"{name}: the array can't be filled; give a writeable one of float32, of shape {shape}, whose "
+                         "channels are adjacent and whose rows don't overlap")
     return a

@@ -17,7 +17,7 @@ import numpy as np
 
 from . import abi, installed
 from .errors import Cancelled, EncreError, unknown
-from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work
+from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work, filled
 from .params import Chosen, Control, Param, Stage, chosen, control, normal, read, stage, text_of
 
 API_VERSION = 15
@@ -205,7 +205,7 @@ class Library:
         for i, (name, channels) in enumerate(self.outputs.items()):
             if name in outputs:
                 shape = height, width, channels
-                images[name] = empty(shape) if empty else np.empty(shape, np.float32)
+                images[name] = filled(name, empty(shape), shape) if empty else np.empty(shape, np.float32)
                 job.outputs[i] = abi.image(images[name])
         for name in sorted(set(outputs) - self.outputs.keys()):
             raise EncreError(unknown("output", name, self.outputs))
@@ -262,11 +262,14 @@ class Library:
             beyond, job.beyond = abi.given("beyond", beyond, 1)
         width, height = size
         images = {}
+        single = dict.fromkeys(("depth", "object", "material", "style", "coincident"), ())
+        deep = {**single, "normal": (3,), "attributes": (channels,), "marks": (2,), "creases": (4,), "shading": (3,),
+                "anchor": (self.layers["anchor"],), "tangent": (3,)}
         for name in outputs:
-            depth = {"normal": (3,), "shading": (3,), "attributes": (channels,), "marks": (2,),
-                     "creases": (4,), "anchor": (self.layers["anchor"],), "tangent": (3,)}.get(name, ())
-            shape = height, width, *depth
-            images[name] = into[name] if name in into else np.zeros(shape, np.float32)
+            if name not in deep:
+                raise EncreError("raster: " + unknown("output", name, deep))
+            shape = height, width, *deep[name]
+            images[name] = filled(name, into[name], shape) if name in into else np.zeros(shape, np.float32)
             if images[name].size:
                 setattr(job, name, abi.image(images[name]))
         return Work("raster", job, [keep, array, beyond], lambda: images)

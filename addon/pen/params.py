@@ -221,8 +221,12 @@ def _param(stage_id, r):
 def _number(p, value):
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise EncreError(f"{p.id}: {value!r} is not a number; give one")
-    number = float(value)
     low, high = p.hard_min, p.hard_max
+    try:
+        number = float(value)
+    except OverflowError:
+        raise EncreError(f"{p.id}: a whole number of {len(str(value))} digits is out of range; give a smaller one") \
+            from None
     # Blender and the library keep single floats: the one nearest to a limit counts as the limit itself.
     kept = np.float32 if p.type == "float" else float
     with np.errstate(over="ignore"):
@@ -236,7 +240,7 @@ def _number(p, value):
 def _numbers(p, value, counts, form):
     try:
         numbers = [float(x) for x in value]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         numbers = []
     if isinstance(value, str) or len(numbers) not in counts or not all(0 <= x < math.inf for x in numbers):
         raise EncreError(f"{p.id}: {value!r} is not {form}; give numbers of 0 or more")
@@ -257,7 +261,7 @@ def normal(p: Param, value: Any) -> Any:
     if p.type == "float":
         return _number(p, value)
     if p.type == "enum":
-        if value not in p.number:
+        if not isinstance(value, str) or value not in p.number:
             raise EncreError(f"{p.id}: " + unknown("value", value, p.number))
         return value
     if p.type == "color":

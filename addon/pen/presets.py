@@ -105,9 +105,9 @@ def _read(path, _changed):
         return Preset(path, data["name"], data["description"], library.check(set_), tuple(values))
     except EncreError as error:
         raise EncreError(f"the preset file {path} can't be used: {error}; repair or remove it") from None
-    except (TypeError, ValueError, AttributeError, OverflowError):
-        raise EncreError(f"the preset file {path} can't be used: a value in it is of another kind than its "
-                         "parameter's, or far too large; repair or remove it") from None
+    except (TypeError, ValueError, AttributeError):
+        raise EncreError(f"the preset file {path} can't be used: what it holds is no preset; repair or remove it") \
+            from None
 
 
 @functools.cache

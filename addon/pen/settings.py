@@ -25,6 +25,17 @@ BEFORE: dict[int, dict[str, Any]] = {
 VERSION = max(BEFORE)
 
 
+def _widest(values):
+    """How wide a line may be, in units of length: where thickness is painted, near the camera, in the dark, of the
+    widest source and kind, by a pen that is pressed."""
+    source = max(value for id_, value in values.items() if id_.startswith("width_"))
+    kind = max(values["width_contact"], values["width_intersection"], 1)
+    near = max(values["line_depth_most"], 1) if values["line_depth_distance"] else 1
+    pen = max(max(values.get(f"{pen}_width", 1), 1) * (3 if values[f"{pen}_pressure"] else 1)
+              * (1 + values[f"{pen}_pool"]) for pen in pens(values))
+    return 9 * values["line_thickness"] * source * kind * near * (1 + abs(values["line_light"])) * pen
+
+
 def since(version: int) -> dict[str, Any]:
     """{id: the default that settings of this version had} of those that have changed after it."""
     before: dict[str, Any] = {}
@@ -168,12 +179,11 @@ class Settings:
         denoised and tapers, which follow whole chains, apart."""
         scene, most = self.every[0], 0.0
         for values in self.every:
-            if values["use_lines"]:  # a control doubles the width, and so do nearness and light
-                times = max((values[f"{pen}_width"] for pen in pens(values) - {"pen"}), default=1)
-                widest = 4 * max(times, 1) * values["line_thickness"]
-                strays = max(4 * values[f"{pen}_wobble"] + 3 * values[f"{pen}_overshoot"] for pen in pens(values))
+            if values["use_lines"]:
+                strays = max(4 * (values[f"{pen}_wobble"] + values[f"{pen}_rough"]) + 3 * values[f"{pen}_overshoot"]
+                             for pen in pens(values))
                 weighed = 48 if values["line_density"] < 1 else 0  # three nodes of its grid
-                most = max(most, min(scene["line_max_thickness"], widest) / 2 + strays + weighed)
+                most = max(most, min(scene["line_max_thickness"], _widest(values)) / 2 + strays + weighed)
             if values["use_smudging"]:
                 most = max(most, 2 * values["smudge_range"] + values["smudge_pick"])
             if values["use_wash"]:

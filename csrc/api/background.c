@@ -64,11 +64,19 @@ static void *background_main(void *data)
 
 int32_t enter(encre_context *context)
 {
+	if (!context)
+		return ENCRE_ERROR_ARGUMENT;
 	if (context->background) /* whose sentence stands in its own context */
 		return refuse(context->error, sizeof context->error,
 			      "context: its work in the background goes on; wait for it, or take another context");
 	context->error[0] = 0;
 	return ENCRE_OK;
+}
+
+int32_t enter_job(encre_context *context, const void *job)
+{
+	int32_t code = enter(context);
+	return code || job ? code : refuse(context->error, sizeof context->error, "job: is NULL; give one");
 }
 
 int32_t encre_start(encre_context *context, const encre_step *steps, int32_t n_steps)
@@ -99,7 +107,7 @@ int32_t encre_start(encre_context *context, const encre_step *steps, int32_t n_s
 
 int32_t encre_poll(encre_context *context, double *fraction)
 {
-	background *b = context->background;
+	background *b = context ? context->background : NULL;
 	if (fraction)
 		*fraction = b ? (double)atomic_load(&b->fraction) : 1;
 	return b && !atomic_load(&b->done) ? ENCRE_RUNNING : encre_wait(context);
@@ -107,15 +115,15 @@ int32_t encre_poll(encre_context *context, double *fraction)
 
 void encre_cancel(encre_context *context)
 {
-	if (context->background)
+	if (context && context->background)
 		atomic_store(&context->background->cancel, true);
 }
 
 int32_t encre_wait(encre_context *context)
 {
-	background *b = context->background;
+	background *b = context ? context->background : NULL;
 	if (!b)
-		return context->ended;
+		return context ? context->ended : ENCRE_ERROR_ARGUMENT;
 	pthread_join(b->thread, NULL);
 	b->own.ended = b->code;
 	b->own.stop = NULL;

@@ -5,6 +5,7 @@
 #include "base/refuse.h"
 #include "light/handle.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 
@@ -65,8 +66,8 @@ int32_t check_lamp(int64_t key, const encre_lamp *lamp, char *error, size_t size
 		const char *name;
 		float value, least, most;
 	} ranges[] = {
-		{"width", lamp->width, 0, lamp->type == ENCRE_SUN ? 3.1416f : INFINITY},
-		{"height", lamp->height, 0, INFINITY},
+		{"width", lamp->width, 0, lamp->type == ENCRE_SUN ? 3.1416f : FLT_MAX},
+		{"height", lamp->height, 0, FLT_MAX},
 		{"spot_angle", lamp->spot_angle, 0, 3.1416f},
 		{"spot_blend", lamp->spot_blend, 0, 1},
 		{"spread", lamp->spread, 0, 3.1416f},
@@ -80,8 +81,7 @@ int32_t check_lamp(int64_t key, const encre_lamp *lamp, char *error, size_t size
 		return refuse(error, size, "lamp %lld: type %d is not known; give one of enum encre_lamp_type", name,
 			      (int)lamp->type);
 	for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
-		if (!(ranges[i].value >= ranges[i].least && ranges[i].value <= ranges[i].most) ||
-		    !isfinite(ranges[i].value))
+		if (!(ranges[i].value >= ranges[i].least && ranges[i].value <= ranges[i].most))
 			return refuse(error, size, "lamp %lld: %s is %g; give %g to %g", name, ranges[i].name,
 				      (double)ranges[i].value, (double)ranges[i].least, (double)ranges[i].most);
 	if (!isfinite(lamp->color[0]) || !isfinite(lamp->color[1]) || !isfinite(lamp->color[2]))

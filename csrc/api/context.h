@@ -25,6 +25,8 @@ struct encre_context {
 /* What each function of a context begins with: refuses while work goes on in the background, and forgets the last
  * error. */
 int32_t enter(encre_context *context);
+/* Likewise, of one that takes a job. */
+int32_t enter_job(encre_context *context, const void *job);
 
 /* The kernels for the best instructions that this build has; use_best() tells whether to run them. */
 #ifdef ENCRE_HAVE_V3

@@ -110,7 +110,7 @@ bool use_best(const encre_context *context)
 int32_t encre_raster(encre_context *context, encre_raster_job *job)
 {
 	encre_raster_job clean;
-	int32_t code = enter(context);
+	int32_t code = enter_job(context, job);
 	if (!code)
 		code = check_raster(job, &clean, context->error, sizeof context->error);
 	if (code)
@@ -127,7 +127,7 @@ int32_t encre_raster(encre_context *context, encre_raster_job *job)
 int32_t encre_bake(encre_context *context, encre_bake_job *job)
 {
 	encre_bake_job clean;
-	int32_t code = enter(context);
+	int32_t code = enter_job(context, job);
 	if (!code)
 		code = check_bake(job, &clean, context->error, sizeof context->error);
 	if (code)
@@ -223,7 +223,7 @@ int32_t encre_scene_reach(encre_context *context, encre_scene *scene, int32_t n,
 int32_t encre_light(encre_context *context, encre_light_job *job)
 {
 	encre_light_job clean;
-	int32_t code = enter(context);
+	int32_t code = enter_job(context, job);
 	if (!code)
 		code = check_light(job, &clean, context->error, sizeof context->error);
 	if (code)
@@ -245,9 +245,10 @@ const encre_operation_description *encre_operation_info(int32_t code)
 
 int32_t encre_material(encre_context *context, encre_material_job *job)
 {
-	context->error[0] = 0;
 	encre_material_job clean;
-	int32_t code = check_material(job, &clean, context->error, sizeof context->error);
+	int32_t code = enter_job(context, job);
+	if (!code)
+		code = check_material(job, &clean, context->error, sizeof context->error);
 	if (code)
 		return code;
 	bands *pool = pool_of(context, job->progress, job->user);

@@ -255,7 +255,7 @@ static int32_t run(work *w)
 int32_t encre_render(encre_context *context, encre_job *job)
 {
 	work w = {.context = context, .job = job};
-	int32_t code = enter(context);
+	int32_t code = enter_job(context, job);
 	if (!code)
 		code = check_job(job, w.in, w.out, context->error, sizeof context->error);
 	if (code)

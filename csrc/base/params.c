@@ -162,6 +162,8 @@ static const char *check_row(const encre_param_info *p, const char *field, char 
 
 const char *encre_params_check(const void *params, char *text, int64_t size)
 {
+	if (!params || !text || size < 1)
+		return "params: the block or the room for a sentence is NULL; give both";
 	for (int s = 0; encre_stage_info(s); s++) {
 		const encre_stage_description *d = encre_stage_info(s);
 		for (int i = 0; i < d->n_params; i++) {

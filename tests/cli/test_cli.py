@@ -77,7 +77,11 @@ def test_a_preset_may_be_a_file(run, tmp_path):
                         ('{"name": "x", "description": "", "values": {"paper_image": "a.png"}}', "hold no images"),
                         ('{"name": "x", "description": "", "values": {"seed": 1}}', "unknown parameter"),
                         ('{"name": 3, "description": "", "values": {}}', "no text"),
-                        ('{"name": "x", "description": "", "values": {"line_thickness": 1%s}}' % ("0" * 400), "used")):
+                        ('{"name": "x", "description": "", "values": {"line_thickness": 1%s}}' % ("0" * 400),
+                         "line_thickness: a whole number of 401 digits"),
+                        ('{"name": "x", "description": "", "values": {"edge_detector": ["DOG"]}}', "edge_detector: "),
+                        ('{"name": "x", "description": "", "values": {"line_color": [1%s, 0, 0]}}' % ("0" * 400),
+                         "line_color: ")):
         mine.write_text(text, errors="surrogateescape")
         status, out, err = run("composite", "in.exr", "-o", tmp_path / "out.png", "--preset", mine)
         assert (status, out) == (2, "") and wrong in err and err.count("\n") == 1

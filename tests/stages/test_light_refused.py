@@ -15,6 +15,7 @@ REFUSED = [
     (lambda s: s.geometry(0, None), "geometry 0: is shown by 1 instances"),
     (lambda s: s.lamp(2, Lamp("sun", width=4)), "lamp 2: width is 4; give 0 to 3.1416"),
     (lambda s: s.lamp(2, Lamp("point", width=-1)), "lamp 2: width is -1"),
+    (lambda s: s.lamp(2, Lamp("point", height=np.inf)), "lamp 2: height is inf; give 0 to 3"),
     (lambda s: s.lamp(2, Lamp("point", (np.nan, 1, 1))), "lamp 2: its color is not finite"),
     (lambda s: s.lamp(2, Lamp("point", model=np.full((4, 4), np.inf))), "lamp 2: its model is not finite"),
     (lambda s: s.lamp(2, Lamp("spot", spot_blend=2)), "lamp 2: spot_blend is 2"),

@@ -3,7 +3,9 @@
 
 import numpy as np
 import pytest
+from encre.pen import library
 from encre.pen.around import Window, pieces
+from encre.pen.job import Frame
 from encre.pen.settings import Settings
 
 
@@ -25,8 +27,40 @@ def test_reach_follows_the_settings():
     off = {"use_lines": False, "use_shading": False, "use_smudging": False, "use_hatching": False}
     assert Settings(off).reach(1080) == 0
     thin, wide = ({**off, "use_lines": True, "line_thickness": t} for t in (1, 20))
-    assert Settings(wide).reach(1080) - Settings(thin).reach(1080) == 38
+    assert Settings(wide).reach(1080) - Settings(thin).reach(1080) == 59  # painted nine times as thick, 128 at most
     assert Settings(wide).reach(2160) > Settings(wide).reach(1080)
     assert Settings({**wide, "length_unit": "PIXELS"}).reach(2160) == Settings(wide).reach(1080)
     assert Settings(thin, [("Bold", {"line_thickness": 20})]).reach(1080) == Settings(wide).reach(1080)
     assert Settings({**thin, "use_smudging": True, "smudge_range": 100}).reach(1080) > 200
+
+
+@pytest.mark.parametrize("detector", ["FINE", "DOG"])
+@pytest.mark.parametrize("painted, values", [
+    (1, dict(line_thickness=12)),
+    (1, dict(line_thickness=8, line_depth_distance=8.0, line_depth_unit="SCENE")),
+    (0, dict(line_thickness=4, width_object=8.0, line_depth_distance=16.0, line_depth_unit="SCENE")),
+    (0, dict(line_thickness=20, line_depth_distance=16.0, line_depth_unit="SCENE", line_depth_most=8.0)),
+    (1, dict(line_thickness=6, line_light=-1.0)),
+    (0, dict(line_thickness=10, pen_pressure=1.0, pen_rough=4.0, pen_wobble=6.0)),
+])
+def test_a_part_with_what_it_depends_on_is_drawn_as_the_whole(detector, painted, values):
+    """One edge; parts of the frame that begin the nearer to it the farther its line reaches."""
+    height, width, edge = 120, 360, 100
+    flat = np.ones((height, width, 3), np.float32)
+    layers = dict(combined=np.ones((height, width, 4), np.float32), color=flat, diffuse=flat,
+                  depth=np.full((height, width), 2, np.float32), normal=flat * (0, 0, 1),
+                  object=np.where(np.arange(width) < edge, 2, 1) * flat[..., 0],
+                  controls=np.zeros((height, width, len(library.controls())), np.float32))
+    layers["controls"][..., :2] = painted, 1  # thickness, intensity
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    off = dict.fromkeys(("use_shading", "use_smudging", "use_hatching"), False)
+    scene = {**off, "edge_detector": detector, "length_unit": "PIXELS", **values}
+    reach = Settings(scene).reach(height)
+    whole = library.render(layers, scene, frame=Frame(width, height)).images["Combined"]
+    inked = np.flatnonzero((whole[..., 0] < 0.99).any(0))
+    assert inked[-1] >= edge + 4
+    for first in range(edge + 1, edge + 150, 4):
+        left = max(0, first - reach)
+        part = library.render({name: a[:, left:] for name, a in layers.items()}, scene,
+                              frame=Frame(width, height, left, 0)).images["Combined"]
+        np.testing.assert_array_equal(part[:, first - left:], whole[:, first:], err_msg=str(first))

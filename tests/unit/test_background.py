@@ -75,7 +75,9 @@ def test_a_work_that_goes_on_keeps_others_away():
         behind.start([drawing()])
     lib = load().lib
     assert lib.encre_set_threads(behind._context, 2) == lib.encre_set_simd(behind._context, 0) == 1
-    assert lib.encre_render(behind._context, ctypes.byref(drawing().job)) == 1
+    for kind in abi.WORKS:  # none looks at its job before
+        assert getattr(lib, f"encre_{kind}")(behind._context, ctypes.byref(drawing().job)) == 1
+        assert lib.encre_error(behind._context).startswith(b"context: ")
     assert len(behind.wait()) == 1
     assert lib.encre_set_threads(behind._context, 2) == 0
 

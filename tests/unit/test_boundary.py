@@ -9,8 +9,8 @@ import pytest
 from encre.blender import cameras
 from encre.pen import abi
 from encre.pen.errors import EncreError
-from encre.pen.job import Frame
-from encre.pen.library import load
+from encre.pen.job import Frame, Mesh
+from encre.pen.library import API_VERSION, load
 from jobs import HEIGHT, KINDS, WIDTH, Job
 
 IMAGES = [("render", "color"), ("render", "Combined"), ("raster", "depth"), ("raster", "marks"), ("bake", "texture"),
@@ -299,3 +299,67 @@ def test_long_ways_to_an_edge(search, reach, far):
     ink = load().render(layers, scene, outputs=["Encre Lines"], frame=frame).images["Encre Lines"][0, :, 3]
     inked = np.flatnonzero(ink)
     assert inked.size and far - inked[0] == pytest.approx(min(8 * reach, far), abs=2)
+
+
+@pytest.mark.parametrize("function", ["render", "raster", "bake", "light", "material"])
+def test_no_job_and_no_context_are_refused(function):
+    lib = load().lib
+    call, context = getattr(lib, f"encre_{function}"), lib.encre_create(API_VERSION)
+    assert call(context, None) == 1 and b"NULL; give" in lib.encre_error(context)
+    assert call(None, None) == 1
+    lib.encre_destroy(context)
+
+
+def test_without_a_context_nothing_goes_on():
+    lib = load().lib
+    assert lib.encre_start(None, None, 0) == lib.encre_poll(None, None) == lib.encre_wait(None) == 1
+    assert lib.encre_set_threads(None, 1) == lib.encre_set_simd(None, 1) == 1
+    lib.encre_cancel(None)
+
+
+def test_a_check_of_nothing_finds_fault():
+    lib, block = load().lib, ctypes.create_string_buffer(load().lib.encre_params_size())
+    lib.encre_params_init(block)
+    text = ctypes.create_string_buffer(200)
+    assert lib.encre_params_check(block, text, 200) is None
+    for block_, text_, size in ((None, text, 200), (block, None, 200), (block, text, 0)):
+        assert b"NULL; give" in lib.encre_params_check(block_, text_, size)
+
+
+TRIANGLE = np.array([(-1, -1, 0), (1, -1, 0), (0, 1, 0)], np.float32)
+
+
+def raster(mesh=None, **how):
+    how = {"outputs": ("depth",), "into": {}, "channels": 0, **how}
+    return load().raster_work([mesh or Mesh(TRIANGLE)], np.eye(4), np.eye(4), Frame(8, 6), (8, 6), 0.1, **how)
+
+
+def test_arrays_of_a_mesh_have_all_their_axes():
+    for wrong in ((1, 3), (1, 3, 3, 1), (2, 3, 3), (1, 2, 3)):
+        with pytest.raises(EncreError, match="^mesh: attributes: the array has shape"):
+            raster(Mesh(TRIANGLE, attributes=np.zeros(wrong)), channels=3)
+
+
+def fixed(a):
+    a.flags.writeable = False
+    return a
+
+
+@pytest.mark.parametrize("wrong", [
+    fixed(np.zeros((6, 8), np.float32)), np.broadcast_to(np.float32(0), (6, 8)), np.zeros((6, 8)),
+    np.zeros((6, 9), np.float32), np.zeros((6, 16), np.float64)[:, ::2], np.zeros((6, 8), object)],
+    ids=["fixed", "spread", "doubles", "larger", "strided doubles", "objects"])
+def test_what_is_filled_is_as_c_writes_it(wrong):
+    with pytest.raises(EncreError, match="^depth: the array can't be filled; give "):
+        raster(into={"depth": wrong})
+
+
+def test_pixels_may_lie_apart_where_they_are_filled():
+    wide = np.full((6, 8, 3), 7, np.float32)
+    load().run(raster(into={"depth": wide[..., 1]}), 1, 1)
+    assert (wide[..., ::2] == 7).all() and (wide[..., 1] == load().run(raster(), 1, 1)["depth"]).all()
+
+
+def test_outputs_of_the_rasteriser_have_names():
+    with pytest.raises(EncreError, match="^raster: foo: unknown output"):
+        raster(outputs=("depth", "foo"))
