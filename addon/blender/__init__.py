@@ -11,7 +11,15 @@ switches off in the evaluated scene what lines can't do with; subframes has Cycl
 picture that grows, escape after a break; memory keeps the last render's layers, or those of a file that is opened,
 which redraw draws again, and instant while a setting is dragged; live inks rendered 3D views: eye tells what they look
 at, screen draws in them; threads holds what Python needs on a render's thread and beside one. bake draws into textures;
-panels shows it all, with thumbnails of presets.
+panels shows it all, with thumbnails of presets, in other languages by languages.
+
+wanted asks a view layer for passes, known is what of one is known before. fast reads a scene once and draws its layers
+from any side: materials compiles node trees, by nodes, patterns and values, with trees to follow links and attributes
+for what meshes have; cutouts tells where surfaces are solid, worlds and volumes what is around, mirrors what flat ones
+show.
+lamps is the drawn light's scene, meter how much is full light, subject how far away the picture's subject stands.
+painting makes and fills attributes of controls, control_nodes does so by Geometry Nodes, strokes turns drawings into
+marks. handlers is what Blender calls by itself, migration keeps old files' look, listener waits for a key.
 
 To add: a setting of an object or a material to properties; what else a mesh tells to triangles; what differs between
 Blenders to versions, with the version and the reason, and nowhere else. Nothing here knows the command line.

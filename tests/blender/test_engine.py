@@ -148,7 +148,7 @@ def test_memory_of_a_frame(render):
     """numpy counts its pictures with Python's memory. At most there are the 16 layers and what they are put together
     from; pictures that nobody asked for are not made."""
     facts = render("memory").facts
-    assert all(held < 23 + 28 * painted for painted, held in enumerate(facts["held"]))
+    assert all(held < 23 + 4 * len(library.controls()) * painted for painted, held in enumerate(facts["held"]))
     plain, painted = facts["peak"]
     assert plain <= 166 and painted <= 194, facts
     assert max(facts["left"]) < 1

@@ -236,7 +236,8 @@ def test_smudging_takes_the_nearest_site(case):
     height, width = view.shape
     y, x = np.mgrid[:height, :width]
     layers = {**layers, "combined": np.stack([x / 64, y / 64, 0 * x, 1 + 0 * x], -1).astype(np.float32),
-              "controls": np.tile(np.float32([0, 0, 0, 1, 1, 0, 0]), (height, width, 1))}
+              "controls": np.tile(np.float32([name.startswith("smudge_") for name in library.controls()]),
+                                  (height, width, 1))}
     scene = {**scene, **BARE, "use_lines": False, "use_smudging": True, "smudge_range": 6.0, "smudge_pick": 0.0,
              "smudge_falloff": 1.0, "smudge_depth": 0.0}
     images, every = passes.run(layers, scene, (), passes.CASES[case][3])

@@ -250,6 +250,7 @@ def cells_of(values, image=None):
 def main():
     import OpenImageIO as oiio
     from encre.cli.images import read_chosen
+    sys.path.insert(0, str(Path(__file__).parents[1]))  # the twins, by which pictures are tiled
     from toned import tile
 
     folder = Path(sys.argv[1])

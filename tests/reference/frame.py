@@ -7,11 +7,11 @@ from . import edges as edge_stage
 from . import example, hatch, lines, paper, rim, shade, smudge, tones, wash
 from .params import SWITCHES, Params
 
-REQUIRED = {"combined": 4, "color": 3, "diffuse": 3, "depth": 1, "normal": 3}
-OPTIONAL = {"albedo": 3, "specular": 3, "object": 1, "material": 1, "style": 1, "controls": 7, "marks": 2,
-            "creases": 5, "highlights": 3, "background": 3, "anchor": 16, "gloss": 3, "tangent": 3}
-SEEN = {"seen_color": 3, "seen_normal": 3, "seen_depth": 1}
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching", "light")
+REQUIRED = {"combined": 4, "color": 3, "diffuse": 3, "depth": 1, "normal": 3}
+OPTIONAL = {"albedo": 3, "specular": 3, "object": 1, "material": 1, "style": 1, "controls": len(CONTROLS),
+            "marks": 2, "creases": 5, "highlights": 3, "background": 3, "anchor": 16, "gloss": 3, "tangent": 3}
+SEEN = {"seen_color": 3, "seen_normal": 3, "seen_depth": 1}
 _LARGEST = float(np.finfo(np.float32).max)
 
 

@@ -13,7 +13,7 @@ INCLUDE = re.compile(r'^\s*#\s*include "([^"]+)"', re.MULTILINE)
 # What a room of csrc may include besides itself, base and encre.h.
 BELOW = {"base": set(), "edges": set(), "fine": {"edges"}, "ink": {"edges", "fine"}, "surface": {"edges", "fine"},
          "tones": set(), "raster": set(), "light": set(), "material": set(), "texture": {"edges"},
-         "api": {"edges", "fine", "ink", "surface", "raster", "light", "material", "texture"}}
+         "api": {"edges", "fine", "ink", "surface", "tones", "raster", "light", "material", "texture"}}
 INSIDE = {"inside.py", "staging.py", "needed.py"}  # what of the command line runs inside Blender
 
 
@@ -42,6 +42,19 @@ def test_rooms_of_c_include_what_lies_below_them():
              if room(other) not in {"", "base", room(own)} | BELOW.get(room(own), set())
              and not (own == "base/all.rows.h" and other.endswith(".rows.h"))]
     assert wrong == []
+
+
+@pytest.mark.parametrize("folder", sorted({path.parent for path in CSRC.rglob("*.c")}), ids=lambda p: p.name)
+def test_a_room_of_c_names_its_files(folder):
+    text = (folder / "README.md").read_text(encoding="utf-8")
+    assert [path.stem for path in sorted(folder.glob("*.c")) if not re.search(rf"\b{path.stem}\b", text)] == []
+
+
+@pytest.mark.parametrize("folder", ["pen", "blender", "blender/panels", "cli"])
+def test_a_package_names_its_modules(folder):
+    text = ast.get_docstring(ast.parse((ADDON / folder / "__init__.py").read_text(encoding="utf-8")))
+    assert [path.stem for path in sorted((ADDON / folder).glob("[!_]*.py"))
+            if not re.search(rf"\b{path.stem}\b", text)] == []
 
 
 def imported(path):
