@@ -272,8 +272,8 @@ typedef struct encre_mesh {
 	const uint8_t *edges; /* of triangles, enum encre_edge of the edge from corner k at bits 2 k and 2 k + 1; NULL =
 				 all ENCRE_EDGE_FLAT */
 	float crease_offset;  /* degrees: added to the bend of every edge */
-	int32_t seed; /* of a copy: shifts where it rests in the layer `anchor`, by up to 32 times its size, so that no
-			 two of them are drawn by the same hand; 0 = not */
+	int32_t seed; /* of a copy: shifts where it rests in the layer `anchor`, by up to about its size, so that no two
+			 of them are drawn by the same hand; 0 = not */
 	const float *normals; /* of triangles, object space: n_primitives x 3 x 3 at the corners, by which surfaces are
 				 shaded; NULL = flat */
 	const float *rest; /* of triangles: n_primitives x 3 x 3, rest positions at the corners, in any unit; NULL = the

@@ -11,9 +11,7 @@
 
 enum {
 	MEASURED = 65536, /* triangles of a part that are measured, about */
-	STEEPEST = 64,    /* pixels' spans that the position grows per pixel, at most */
-	FARTHEST = 32 /* times its size that a copy is shifted: far on the scale of noise even where it is small on the
-			 screen, and 5 bits of where it rests */
+	STEEPEST = 64     /* pixels' spans that the position grows per pixel, at most */
 };
 
 static double area_of(double p[3][3])
@@ -27,14 +25,16 @@ static double area_of(double p[3][3])
 	return sqrt(square);
 }
 
-/* By powers of two: a mesh that changes its size is shifted by as much as before, but for when it doubles. */
+/* Along each axis by up to half its size, of all its surface: where it is small beside the waves of noise its copies
+ * are drawn much as it is, as the eyes of a face must be. By powers of two, so that a mesh that changes its size is
+ * shifted by as much as before, but for when it doubles. */
 static void shift_part(part *part, double area)
 {
 	int power;
 	frexp(sqrt(area), &power);
 	for (uint32_t c = 0; c < 3; c++) {
 		uint32_t bits = mix_bits(mix_bits((uint32_t)part->mesh->seed) + c);
-		part->shift[c] = part->mesh->seed ? ldexp(FARTHEST * ((double)bits - 0x1p31), power - 32) : 0;
+		part->shift[c] = part->mesh->seed ? ldexp((double)bits - 0x1p31, power - 32) : 0;
 	}
 }
 

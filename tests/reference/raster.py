@@ -167,11 +167,11 @@ def _anchor(mesh, t, corner, share, growth, w, projection, frame):
 
 
 def _shift(seed, area):
-    """How far a copy's rest positions are moved: 32 times its size, as a power of two, along each axis at most."""
+    """How far a copy's rest positions are moved: half its size, as a power of two, along each axis at most."""
     if not seed:
         return np.zeros(3)
     size = 2.0 ** (np.floor(np.log2(np.sqrt(area))) + 1)
-    return np.array([32 * size * (scramble(scramble(seed & WORD) + c & WORD) / 2 ** 31 - 1) / 2 for c in range(3)])
+    return np.array([size * (scramble(scramble(seed & WORD) + c & WORD) / 2 ** 31 - 1) / 2 for c in range(3)])
 
 
 def _stretch(model):
