@@ -92,7 +92,7 @@ typedef struct spot {
 static const float one_surface = 0.02f;
 
 /* Pixels of a surface that faces the camera: so far it is followed beside the centre of a pixel. */
-static const float farthest = 16;
+static const float farthest = 6;
 
 /* Adds the rest position that the surface of a pixel has at a site beside its centre: a line that is nearly level steps
  * from row to row, and on a surface seen at a flat angle a row is a long way. One seen on its edge tells nothing of

@@ -70,7 +70,7 @@ def _spot(layers, t, i):
             anchor = layers.anchor[at].astype(float)
             more = (x - dx) * anchor[7:10] + (y - dy) * anchor[10:13]
             far = np.linalg.norm(more)
-            anchor[:3] += more * min(1, 16 * anchor[6] / far if far else 1)
+            anchor[:3] += more * min(1, 6 * anchor[6] / far if far else 1)
             found.append((layers.depth[at], layers.object[at], weight, anchor))
     if not found:
         return None
