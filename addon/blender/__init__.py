@@ -21,8 +21,8 @@ lamps is the drawn light's scene, meter how much is full light, subject how far 
 painting makes and fills attributes of controls, control_nodes does so by Geometry Nodes, strokes turns drawings into
 marks. handlers is what Blender calls by itself, migration keeps old files' look, listener waits for a key.
 
-To add: a setting of an object or a material to properties; what else a mesh tells to triangles; what differs between
-Blenders to versions, with the version and the reason, and nowhere else. Nothing here knows the command line.
+To add: a setting of an object or a material to properties; what else a mesh tells to triangles; what depends on the
+number of Blender's version to versions, with the reason, and nowhere else. Nothing here knows the command line.
 """
 
 ENGINE = "ENCRE"  # how files name the engine

@@ -26,8 +26,10 @@ def stuck(width, height, seed=0):
     combined = np.concatenate([color * diffuse + rng.uniform(-0.1, 0.2, color.shape), alpha], 2)
     layers = dict(combined=combined, color=color, diffuse=diffuse, depth=maps["depth"], normal=maps["shading"],
                   object=maps["object"], anchor=maps["anchor"], tangent=maps["tangent"],
-                  style=rng.integers(0, 4, (height, width)),
-                  controls=rng.uniform(-0.5, 0.5, (height, width, CONTROLS)), specular=rng.uniform(0, 0.4, color.shape))
+                  style=rng.integers(0, 4, (height, width)), specular=rng.uniform(0, 0.4, color.shape))
+    # of each control its own numbers, so that one more changes nothing else
+    layers["controls"] = np.stack([np.random.default_rng((seed, k)).uniform(-0.5, 0.5, (height, width))
+                                   for k in range(CONTROLS)], -1)
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
 
 
