@@ -4,6 +4,7 @@
 import ctypes as c
 from collections.abc import Sequence
 from ctypes import Array
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -183,6 +184,10 @@ def image(a: np.ndarray) -> Image:
     return Image(a.ctypes.data, a.shape[1], a.shape[0], channels, 0, a.strides[1], a.strides[0])
 
 
+def frame(given: job.Frame) -> Frame:
+    return Frame(*(job.whole(f"frame: {name}", value) for name, value in asdict(given).items()))
+
+
 def given(name: str, a: np.ndarray, channels: int) -> tuple[np.ndarray, Image]:
     """(the array as the library can read it, its image); job.picture() says what is refused."""
     a = job.picture(name, a, channels)
@@ -245,7 +250,8 @@ def fill_mesh(m: Mesh, mesh: job.Mesh) -> list:
     m.rest_normals = pointer("rest_normals", mesh.rest_normals, np.float32, (count, 3, 3))
     m.uv = pointer("uv", mesh.uv, np.float32, (count, 3, 2))
     m.model[:] = np.asarray(mesh.model, np.float64).ravel()
-    m.object_index, m.material_index, m.style_index = mesh.object_index, mesh.material_index, mesh.style_index
+    for name in ("object_index", "material_index", "style_index"):
+        setattr(m, name, job.whole(f"mesh: {name}", getattr(mesh, name)))
     return keep
 
 

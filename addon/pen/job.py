@@ -180,9 +180,20 @@ def picture(name: str, a: np.ndarray, channels: int) -> np.ndarray:
     return a
 
 
+def whole(name: str, value: int) -> int:
+    """`value`, which ctypes would cut to the 32 bits that C counts by."""
+    if not -2 ** 31 <= value < 2 ** 31:
+        raise EncreError(f"{name}: {value} is more than can be counted; give a number of 32 bits")
+    return int(value)
+
+
 def entries(what: str, a: np.ndarray, dtype: type, shape: tuple[int, ...]) -> np.ndarray:
-    """The array `a` of exactly this shape: one that is too short would be read past its end."""
-    a = np.ascontiguousarray(a, dtype)
+    """The array `a` of exactly this shape: one that is too short would be read past its end. Numbers stay what they
+    are."""
+    given, a = np.asarray(a), np.ascontiguousarray(a, dtype)
+    if dtype == np.int32 and given.dtype != dtype and not np.array_equal(given, a):
+        raise EncreError(f"{what}: a number in it is not whole, or more than can be counted; give whole numbers of 32 "
+                         "bits")
     if a.shape != shape:
         raise EncreError(f"{what}: the array has shape {a.shape}; give {shape}")
     return a

@@ -9,7 +9,6 @@ import ctypes as c
 import functools
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import astuple
 from types import MappingProxyType
 from typing import Any
 
@@ -17,7 +16,7 @@ import numpy as np
 
 from . import abi, installed
 from .errors import Cancelled, EncreError, unknown
-from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work, filled
+from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work, filled, whole
 from .params import Chosen, Control, Param, Stage, chosen, control, normal, read, stage, text_of
 
 API_VERSION = 15
@@ -105,7 +104,8 @@ class Library:
         context = self.lib.encre_create(API_VERSION)
         if not context:
             raise EncreError("memory: there is none left for rendering; close other programs")
-        for setting, number in ((self.lib.encre_set_threads, threads), (self.lib.encre_set_simd, simd)):
+        for setting, number in ((self.lib.encre_set_threads, whole("threads", threads)),
+                                (self.lib.encre_set_simd, whole("simd", simd))):
             if setting(context, number):
                 sentence = text_of(self.lib.encre_error(context))
                 self.lib.encre_destroy(context)
@@ -227,7 +227,7 @@ class Library:
         job.camera = abi.Camera((c.c_float * 9)(*camera.view), bool(camera.orthographic), camera.height,
                              camera.distance, camera.light)
         frame = frame or Frame(width, height)
-        job.frame = abi.Frame(*astuple(frame))
+        job.frame = abi.frame(frame)
         return Work("render", job, keep, lambda: Result(images, job.nonfinite))
 
     def raster(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
@@ -257,7 +257,7 @@ class Library:
         job.view[:] = np.asarray(view, np.float64).ravel()
         job.projection[:] = np.asarray(projection, np.float64).ravel()
         job.clip_start, job.clip_end = clip_start, clip_end
-        job.frame = abi.Frame(*astuple(frame))
+        job.frame = abi.frame(frame)
         if beyond is not None:
             beyond, job.beyond = abi.given("beyond", beyond, 1)
         width, height = size
@@ -291,7 +291,7 @@ class Library:
         job.materials = c.pointer(block)
         job.view[:] = np.asarray(view, np.float64).ravel()
         job.projection[:] = np.asarray(projection, np.float64).ravel()
-        job.frame = abi.Frame(*astuple(frame))
+        job.frame = abi.frame(frame)
         given = {**abi.MATERIAL_INPUTS, "attributes": maps["attributes"].shape[-1] if "attributes" in maps else 0}
         for name in given.keys() & maps.keys():
             if maps[name].size:

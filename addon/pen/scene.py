@@ -2,7 +2,6 @@
 """What light falls on, as the library keeps it, and the light that it draws (csrc/light)."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import astuple
 
 import numpy as np
 
@@ -113,7 +112,7 @@ class Scene:
         job = abi.LightJob(scene=self._handle, clip_start=clip_start, clip_end=clip_end, sharp=sharp)
         job.view[:] = np.asarray(view, np.float64).ravel()
         job.projection[:] = np.asarray(projection, np.float64).ravel()
-        job.frame = abi.Frame(*astuple(frame))
+        job.frame = abi.frame(frame)
         depth, job.depth = abi.given("depth", depth, 1)
         if normal is not None:
             normal, job.normal = abi.given("normal", normal, 3)

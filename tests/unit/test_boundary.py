@@ -363,3 +363,16 @@ def test_pixels_may_lie_apart_where_they_are_filled():
 def test_outputs_of_the_rasteriser_have_names():
     with pytest.raises(EncreError, match="^raster: foo: unknown output"):
         raster(outputs=("depth", "foo"))
+
+
+def test_numbers_are_not_cut_to_what_c_counts_by():
+    with pytest.raises(EncreError, match=r"^frame: width: 1099511627776 is more than can be counted"):
+        load().raster_work([Mesh(TRIANGLE)], np.eye(4), np.eye(4), Frame(2 ** 40, 6), (8, 6), 0.1)
+    with pytest.raises(EncreError, match="^mesh: object_index: -4294967295 is more"):
+        raster(Mesh(TRIANGLE, object_index=1 - 2 ** 32))
+    with pytest.raises(EncreError, match="^threads: 1099511627776 is more"):
+        load().run(raster(), 2 ** 40, 1)
+    for corners in ([[0, 1, 2 ** 32 + 2]], [[0, 1, 1.7]], [[0, 1, np.nan]]):
+        with np.errstate(invalid="ignore"), pytest.raises(EncreError, match="^mesh: corners: a number in it is not"):
+            raster(Mesh(TRIANGLE, np.array(corners)))
+    raster(Mesh(TRIANGLE, np.array([[0.0, 1, 2]])))  # whole, of whatever type
