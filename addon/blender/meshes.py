@@ -160,12 +160,17 @@ def _thing(instance, obj):
 
 
 def _random_id(instance):
-    """32 bits that a thing keeps from frame to frame. Of what is no instance Blender tells none: as Cycles makes them,
-    of the name, by Jenkins' mixing (lookup3)."""
+    """32 bits that a thing keeps from frame to frame. Of what is no instance Blender tells none."""
     if instance.is_instance:
         return instance.random_id % _WORD  # Blender tells it with a sign
+    return _named(instance.object.name)
+
+
+@functools.lru_cache(65536)  # asked of each object at every redraw
+def _named(text):
+    """The 32 bits of a name, as Cycles makes them: by Jenkins' mixing (lookup3)."""
     name = 0
-    for byte in instance.object.name.encode():
+    for byte in text.encode():
         name = (name * 37 + byte) % _WORD
     a, b, c = (0xdeadbeef + (2 << 2) + 13 + name) % _WORD, *[0xdeadbeef + (2 << 2) + 13] * 2
     for bits in (14, 11, 25, 16, 4, 14, 24):  # c by b, a by c, b by a, and so on

@@ -28,7 +28,7 @@ def stuck(width, height, seed=0):
                   object=maps["object"], anchor=maps["anchor"], tangent=maps["tangent"],
                   style=rng.integers(0, 4, (height, width)), specular=rng.uniform(0, 0.4, color.shape))
     # of each control its own numbers, so that one more changes nothing else
-    layers["controls"] = np.stack([np.random.default_rng((seed, k)).uniform(-0.5, 0.5, (height, width))
+    layers["controls"] = np.stack([np.random.default_rng((seed, 1, k)).uniform(-0.5, 0.5, (height, width))
                                    for k in range(CONTROLS)], -1)
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
 
