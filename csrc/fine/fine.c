@@ -157,10 +157,11 @@ static const pass passes[] = {
 	{"crowd", is_colored, ISA(fine_crowd), FOUND | PLACED | CELLS | KEPT, KEPT, BROKEN(crowd)},
 	{"give way", gives_way, ISA(fine_give_way), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, BROKEN(crowd)},
 	{"slender", NULL, ISA(fine_slender), LAYERS | CRACKS | FOUND | PLACED | KEPT | LINKS, KEPT, BROKEN(crowd)},
+	{"close eyes", NULL, ISA(fine_close_eyes), PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"join ends", NULL, ISA(fine_join_ends), LAYERS | FOUND | PLACED | CELLS | KEPT | LINKS,
 	 FOUND | PLACED | CELLS | LINKS, BROKEN(joined)},
 	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, NULL},
-	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
+	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"drop short", NULL, ISA(fine_drop_short), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
 	{"show strength", NULL, show_strength, PLACED | KEPT, 0, NULL},
 };

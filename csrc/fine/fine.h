@@ -287,10 +287,14 @@ uint32_t ISA(crack_number)(const fine *n, int family, int x, int y, int axis);
 int32_t ISA(fine_link)(fine *n);
 /* Adds links, of sites that may be new. */
 int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count);
+/* Leaves the links between kept sites: where a chain was dropped, the one that it met goes on. */
+int32_t ISA(fine_unlink_dropped)(fine *n);
 int32_t ISA(fine_smooth)(fine *n);
 
 /* ties.c: links sites of thin things to cracks, when each are linked. */
 int32_t ISA(fine_tie)(fine *n);
+/* eyes.c: leaves one of two ways round a lone pixel. */
+int32_t ISA(fine_close_eyes)(fine *n);
 /* density.c: bounds the radius of lines between colours by the room they have. */
 int32_t ISA(fine_crowd)(fine *n);
 /* Likewise of edges of meshes, and of light, beside older lines. */

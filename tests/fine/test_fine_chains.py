@@ -145,3 +145,19 @@ def test_a_line_s_width_eases_where_what_it_is_made_of_changes():
     assert width[10:30] == pytest.approx(np.full(20, 10.0), abs=0.3)
     assert width[60:80] == pytest.approx(np.full(20, 2.0), abs=0.3)
     assert (np.diff(width[10:80]) < 0.3).all() and np.abs(np.diff(width[10:80])).max() < 2.0
+
+
+def test_a_lone_pixel_does_not_end_a_line():
+    """A ledge that rises from a wall and goes back into it; pixels on its edge are as far as neither side of it."""
+    def widths(lone):
+        y, x = np.mgrid[:120, :60]
+        layers = flat(120, 60)
+        step = 2 * np.maximum(0, 1 - np.abs(y - 60) / 50)
+        layers["depth"] = np.where(x < 30.2 + 0.04 * (y - 60), 5.0, 5 + step)
+        for row in lone:
+            layers["depth"][row, 30] = 5 + step[row, 0] / 2
+        return ink(layers, edge_light=0.0, line_taper=60.0, line_thickness=12.0).sum(1)
+
+    plain, parted = widths(()), widths((40, 55, 70))
+    assert plain.max() > 7 and (plain > 0.5).sum() > 60
+    assert parted == pytest.approx(plain, abs=1.5)

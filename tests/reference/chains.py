@@ -105,21 +105,22 @@ def beside(t, shape):
     return gone, unsure
 
 
-def spurs(t):
-    """Sites of what branches off a line and ends within 2 pixels; unsure."""
+def spurs(t, shape):
+    """Sites of what branches off a line and ends within 2 pixels, of a contour .75; unsure."""
     gone, unsure = set(), set()
     dropped = t.dropped.copy()
     for i in range(len(t)):
-        if dropped[i] or len(t.links[i]) != 1 or t.rank[i] == 0:
+        if dropped[i] or len(t.links[i]) != 1 or t.at_border(i, shape):
             continue
+        longest = 2 if t.rank[i] else 0.75
         run, length = [i, t.links[i][0]], 0.0
         length = t.apart(*run)
-        while length < 2 and (ahead := t.next(run[-2], run[-1])) is not None:
+        while length < longest and (ahead := t.next(run[-2], run[-1])) is not None:
             length += t.apart(run[-1], ahead)
             run.append(ahead)
-        if abs(length - 2) < CLOSE:
+        if abs(length - longest) < CLOSE:
             unsure |= set(run)
-        if len(t.links[run[-1]]) > 2 and length < 2:
+        if len(t.links[run[-1]]) > 2 and length < longest:
             gone |= set(run[:-1])
             dropped[run[:-1]] = True
     return gone, unsure

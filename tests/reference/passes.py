@@ -227,6 +227,30 @@ def told_by(t):
     return own
 
 
+# Eyes: two ways of at most 3 pixels and 6 sites from one place where lines meet to the same other, the shorter kept
+
+
+def eyes(t):
+    """(which sites are on a way that goes, which may be). Ways along a thin thing are its sides, and stay."""
+    gone, unsure = set(), set()
+    for i in range(len(t)):
+        ways = [t.walk(i, j) for j in t.links[i]] if len(t.links[i]) > 2 else []
+        for a in range(len(ways)):
+            for b in range(a + 1, len(ways)):
+                pair = ways[a], ways[b]
+                stay = any(len(w) > 7 or gone & set(w[1:-1]) or (t.site["thin"][w[1:-1]] > 0).any()
+                           or len(t.links[w[-1]]) == 2 for w in pair)
+                if stay or ways[a][-1] != ways[b][-1] or ways[a][-1] == i:
+                    continue
+                length = [sum(t.apart(*p) for p in zip(w[:-1], w[1:], strict=True)) for w in pair]
+                if max(length) > 3 + CLOSE:
+                    continue
+                if max(length) > 3 - CLOSE or abs(length[0] - length[1]) < CLOSE:
+                    unsure |= {*ways[a][1:-1], *ways[b][1:-1]}
+                gone |= set(pair[0 if length[0] > length[1] else 1][1:-1])
+    return gone, unsure
+
+
 # Evenness: twice, half of what a site lies beside the line between its neighbours, if that is at most 0.3 pixels
 
 

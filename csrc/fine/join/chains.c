@@ -2,7 +2,7 @@
 /* What becomes of a line's free ends: a spur is cut, a speck dropped, the pen is lifted. */
 #include "fine/near.h"
 
-static const float longest_spur = 2; /* pixels; test_fine_passes */
+static const float longest_spur = 2, longest_stub = 0.75f; /* pixels, and of a contour; test_fine_passes */
 static const float cut_off = 2; /* pixels from the border within which an end is the frame's doing; test_fine_passes */
 
 /* Where the frame cuts a line off it goes on. */
@@ -25,22 +25,23 @@ int32_t ISA(fine_cut_spurs)(fine *n)
 	int32_t code = ENCRE_OK;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
-		if (!is_end(n, i) || rank_of(n->site + i) == RANK_SHAPE)
+		if (!ISA(leads_nowhere)(n, i))
 			continue;
+		float longest = rank_of(n->site + i) == RANK_SHAPE ? longest_stub : longest_spur;
 		uint32_t first = n->to[n->at[i]], from = i, at = first, next;
 		float length = sqrtf(apart2(n->site + i, n->site + at));
-		while (length < longest_spur && (next = next_of(n, from, at)) != UINT32_MAX) {
+		while (length < longest && (next = next_of(n, from, at)) != UINT32_MAX) {
 			length += sqrtf(apart2(n->site + at, n->site + next));
 			from = at;
 			at = next;
 		}
-		if (length >= longest_spur || links_at(n, at) == 1)
+		if (length >= longest || links_at(n, at) == 1)
 			continue;
 		n->site[i].linked.dropped = true;
 		for (from = i, at = first; (next = next_of(n, from, at)) != UINT32_MAX; from = at, at = next)
 			n->site[at].linked.dropped = true;
 	}
-	return code;
+	return code ? code : ISA(fine_unlink_dropped)(n);
 }
 
 /* ---- specks ---------------------------------------------------------------------------------------------- */

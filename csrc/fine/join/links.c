@@ -250,6 +250,22 @@ int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count)
 	return code;
 }
 
+int32_t ISA(fine_unlink_dropped)(fine *n)
+{
+	uint32_t count = 0, from = 0;
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		uint32_t end = n->at[i + 1];
+		code = at_step(n, i);
+		for (uint32_t k = from; k < end; k++)
+			if (!n->site[i].linked.dropped && !n->site[n->to[k]].linked.dropped)
+				n->to[count++] = n->to[k];
+		n->at[i + 1] = count;
+		from = end;
+	}
+	return code;
+}
+
 int32_t ISA(fine_link)(fine *n)
 {
 	linking l = {n, late_take(&n->f->late, n->count, sizeof *l.few)};
