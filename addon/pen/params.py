@@ -134,7 +134,7 @@ TONES = ("tone_1", "tone_2", "tone_3", "tone_4")  # of the levels of light, the 
 
 PENS = {"PEN": "pen", "PEN_2": "pen_2", "PEN_3": "pen_3"}  # the item of a kind of line that names it: its rows
 LINES = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")
-_VARIES = ("pressure", "wobble", "rough", "gaps", "dash", "dry", "overshoot")
+_VARIES = ("pressure", "wobble", "rough", "gaps", "dash", "dry", "strip", "overshoot")
 
 
 def pens(values: Mapping[str, Any]) -> set[str]:
@@ -307,12 +307,19 @@ def read(p: Param, text: str) -> Any:
         raise EncreError(f"{p.id}: {text!r} can't be read; give {form}") from None
 
 
+def _draws(stage, values):
+    """Whether a stage reads its images."""
+    if stage.switch:
+        return values[stage.switch.id]
+    return stage.id in pens(values) if stage.id in PENS.values() else rubs(values)
+
+
 def chosen(stages: Sequence[Stage], every: Sequence[Mapping]) -> list[list[Chosen]]:
     """For each style the images that are read when these values of all parameters draw. EncreError: one should be read,
     and none is given."""
     found: list[list[Chosen]] = [[] for _ in every]
     for one in stages:
-        drawn = [values[one.switch.id] if one.switch else rubs(values) for values in every]
+        drawn = [_draws(one, values) for values in every]
         for p in one.params:
             if p.type != "image":
                 continue

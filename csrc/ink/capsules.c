@@ -2,6 +2,7 @@
 /* Ink along links: the union of discs whose centre, radius, darkness and depth run evenly from one site to the next. Of
  * a wide line each link draws only the pixels that lie before its own ends, as its neighbours draw the others. */
 #include "ink/discs.h"
+#include "ink/strips.h"
 #include "ink/tips.h"
 #include "ink/pen.h"
 #include "fine/near.h"
@@ -20,6 +21,7 @@ typedef struct cut {
 /* Of a link whose line has bristles: across it, and what each bristle gives at its ends, a byte each. */
 typedef struct streaks {
 	float x, y, length; /* the way across times its length; 0 for a link without a way */
+	bool turned;        /* that goes from its second end to its first */
 	float count[2];
 	int last[2];
 	uint64_t ink[2];
@@ -29,7 +31,8 @@ typedef struct capsule {
 	const pen_end *a, *b;
 	uint32_t one, two;     /* their numbers */
 	const uint8_t *dry[2]; /* their bristles; NULL: none is dry */
-	streaks across;        /* if any is */
+	streaks across;        /* if any is, or a picture lies along it */
+	strip_link strip;      /* of NULL: none does */
 	float dx, dy, inverse; /* from a to b; 1 / length^2, 0 for a site alone */
 	float reach;
 	int cuts;
@@ -86,19 +89,59 @@ static void cut_at(const fine *n, const capsules *all, uint32_t stroke, capsule 
  * changes over where a line is as steep as few are, as neighbouring links of the others must agree. */
 static const float steep = 0.41421356f;
 
-static streaks streaks_of(const capsule *e)
+/* The site beyond one end of a link, or that end where the line does not go on there. */
+static uint32_t beyond(const fine *n, uint32_t here, uint32_t there)
 {
-	float length = sqrtf(e->dx * e->dx + e->dy * e->dy);
-	bool turned = e->dx + steep * e->dy < 0, way = length > 1e-6f;
-	streaks b = {.x = turned ? -e->dx : e->dx, .y = turned ? -e->dy : e->dy, .length = way ? length : 0};
+	uint32_t other = next_of(n, there, here);
+	return other != UINT32_MAX && !n->site[other].linked.dropped ? other : here;
+}
+
+/* From the site before a link to the one after: sites may lie close, and a line across these goes any way. */
+static void widen(const fine *n, const capsules *all, const capsule *e, uint32_t ends[2])
+{
+	ends[0] = e->one;
+	ends[1] = e->two;
+	if (e->two >= all->ends || e->one == e->two)
+		return;
+	uint32_t stroke = e->one / all->count * all->count, a = e->one - stroke, b = e->two - stroke;
+	ends[0] = stroke + beyond(n, a, b);
+	ends[1] = stroke + beyond(n, b, a);
+}
+
+static streaks streaks_of(const capsules *all, const capsule *e, const uint32_t ends[2])
+{
+	const pen_end *from = all->end + ends[0], *to = all->end + ends[1];
+	float dx = to->x - from->x, dy = to->y - from->y;
+	float length = sqrtf(dx * dx + dy * dy);
+	bool turned = dx + steep * dy < 0, way = length > 1e-6f;
+	streaks b = {.x = turned ? -dx : dx, .y = turned ? -dy : dy, .length = way ? length : 0, .turned = turned};
 	for (int k = 0; k < 2; k++) {
 		int n = (int)(k ? e->b : e->a)->bristles;
 		for (int i = 0; i < BRISTLES; i++)
-			b.ink[k] |= (uint64_t)(n ? e->dry[k][i] : 255) << (8 * i);
+			b.ink[k] |= (uint64_t)(n && e->dry[0] ? e->dry[k][i] : 255) << (8 * i);
 		b.count[k] = (float)(n ? n : 1);
 		b.last[k] = n ? n - 1 : 0;
 	}
 	return b;
+}
+
+static strip_link strip_of(const capsules *all, const capsule *e, const uint32_t ends[2])
+{
+	const strip_end *s = all->strip;
+	const streaks *b = &e->across;
+	float x = 0, y = 0;
+	if (b->length > 0) {
+		x = b->x / b->length;
+		y = b->y / b->length;
+	}
+	float far = x * e->dx + y * e->dy;
+	strip_link l = ISA(strip_between)(s + e->one, s + e->two, fabsf(far));
+	float rate = ISA(strip_rate)(s + ends[0], s + ends[1]);
+	l.x = x;
+	l.y = y;
+	l.far = far;
+	l.rate = b->turned ? -rate : rate;
+	return l;
 }
 
 static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32_t b)
@@ -112,8 +155,14 @@ static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32
 	c.dx = c.b->x - c.a->x;
 	c.dy = c.b->y - c.a->y;
 	float square = c.dx * c.dx + c.dy * c.dy;
-	if (c.dry[0])
-		c.across = streaks_of(&c);
+	bool striped = all->strip && (all->strip[a].of || all->strip[b].of);
+	if (c.dry[0] || striped) {
+		uint32_t ends[2];
+		widen(n, all, &c, ends);
+		c.across = streaks_of(all, &c, ends);
+		if (striped)
+			c.strip = strip_of(all, &c, ends);
+	}
 	c.inverse = square > 1e-12f ? 1 / square : 0;
 	c.reach = max(c.a->reach, c.b->reach);
 	if (c.reach > 2.5f && a != b && b < all->ends && !is_steep(all, stroke, a % all->count, b % all->count)) {
@@ -151,10 +200,16 @@ static void span_of(const capsule *c, int y, int width, int *first, int *end)
 	*end = high < 0 ? 0 : high < (float)(width - 1) ? (int)high + 1 : width;
 }
 
-static inline float left_by(const streaks *b, float px, float py, float s, float half)
+/* How far a place lies across the link, from one rim to the other. */
+static inline float across_at(const streaks *b, float px, float py, float half)
 {
-	float across = b->x * py - b->y * px, wide = b->length * half, left[2];
-	across = clamp01(0.5f + 0.5f * (b->length > 0 && half > 0 ? across / wide : 0));
+	float across = b->x * py - b->y * px, wide = b->length * half;
+	return clamp01(0.5f + 0.5f * (b->length > 0 && half > 0 ? across / wide : 0));
+}
+
+static inline float left_by(const streaks *b, float across, float s)
+{
+	float left[2];
 	for (int k = 0; k < 2; k++) {
 		int at = (int)(across * b->count[k]);
 		at = at < b->last[k] ? at : b->last[k];
@@ -163,11 +218,14 @@ static inline float left_by(const streaks *b, float px, float py, float s, float
 	return mix(left[0], left[1], s);
 }
 
+/* What leaves some of a line white. */
+enum brush { SOLID, BRISTLY, STRIPED };
+
 /* Called with constants each time. Where `owned` is true, who inked is remembered: among equals the nearest; only then
  * distance and owner are read. Where `papered` is false paper is as high as can be. */
 KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const bool owned, const bool papered,
-		     const bool dry, float *restrict dark, const float *restrict depth, const float *restrict grain,
-		     float *restrict distance, uint32_t *restrict owner)
+		     const enum brush brush, float *restrict dark, const float *restrict depth,
+		     const float *restrict grain, float *restrict distance, uint32_t *restrict owner)
 {
 	const pen_end *a = e->a, *b = e->b;
 	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;
@@ -194,8 +252,12 @@ KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const b
 			float faint = positive(most_one(2 * middle)), half = max(middle, pixel_half);
 			float t = 0.5f + (half - sqrtf(d2)) / width;
 			t = faint * most * most_one(t);
-			if (dry)
-				t *= left_by(&e->across, px, py, s, out + s * more_out);
+			float half_width = out + s * more_out;
+			if (brush)
+				t *= left_by(&e->across, across_at(&e->across, px, py, half_width), s);
+			if (brush == STRIPED && t > 0)
+				t *= strip_left(&e->strip, px, py, s, across_at(&e->across, px, py, half_width),
+						2 * half_width);
 			t = depth[x + k] >= limit + s * more_limit ? t : 0;
 			if (!owned) {
 				dark[x + k] = t > before ? t : before;
@@ -224,18 +286,22 @@ static void draw_capsule(const capsule *e, canvas *c)
 		float *dark = c->dark + at, *depth = c->depth + at, *grain = c->grain + at;
 		float *distance = c->owner ? c->distance + at : NULL;
 		uint32_t *owner = c->owner ? c->owner + at : NULL;
-		if (e->dry[0] && owner)
-			ink_span(e, (float)y, x, end, true, true, true, dark, depth, grain, distance, owner);
+		if (e->strip.of && owner)
+			ink_span(e, (float)y, x, end, true, true, STRIPED, dark, depth, grain, distance, owner);
+		else if (e->strip.of)
+			ink_span(e, (float)y, x, end, false, true, STRIPED, dark, depth, grain, NULL, NULL);
+		else if (e->dry[0] && owner)
+			ink_span(e, (float)y, x, end, true, true, BRISTLY, dark, depth, grain, distance, owner);
 		else if (e->dry[0])
-			ink_span(e, (float)y, x, end, false, true, true, dark, depth, grain, NULL, NULL);
+			ink_span(e, (float)y, x, end, false, true, BRISTLY, dark, depth, grain, NULL, NULL);
 		else if (owner && papered)
-			ink_span(e, (float)y, x, end, true, true, false, dark, depth, grain, distance, owner);
+			ink_span(e, (float)y, x, end, true, true, SOLID, dark, depth, grain, distance, owner);
 		else if (owner)
-			ink_span(e, (float)y, x, end, true, false, false, dark, depth, grain, distance, owner);
+			ink_span(e, (float)y, x, end, true, false, SOLID, dark, depth, grain, distance, owner);
 		else if (papered)
-			ink_span(e, (float)y, x, end, false, true, false, dark, depth, grain, NULL, NULL);
+			ink_span(e, (float)y, x, end, false, true, SOLID, dark, depth, grain, NULL, NULL);
 		else
-			ink_span(e, (float)y, x, end, false, false, false, dark, depth, grain, NULL, NULL);
+			ink_span(e, (float)y, x, end, false, false, SOLID, dark, depth, grain, NULL, NULL);
 	}
 }
 

@@ -110,14 +110,15 @@ void ISA(discs_draw)(const discs *all, canvas *c);
 /* capsules.c: of each stroke the strongest of all links between the sites of detector FINE, and of the sites without a
  * link; strokes over each other. */
 typedef struct capsules {
-	struct pen_end *end; /* by stroke, and in it by site */
-	float (*ink)[3];     /* likewise; NULL where all ink is the same */
-	uint8_t (*dry)[8];   /* likewise, what each bristle gives (pen.h); NULL where none is dry */
-	uint32_t count;      /* of sites */
-	uint32_t ends;       /* strokes times sites; ends beyond corners follow */
-	bool moved;          /* ends lie elsewhere than their sites */
-	uint32_t *first;     /* by band of the canvas, and one more: where its list begins */
-	uint32_t (*list)[2]; /* ends of the links that reach into a band; twice the same: a site alone */
+	struct pen_end *end;     /* by stroke, and in it by site */
+	float (*ink)[3];         /* likewise; NULL where all ink is the same */
+	uint8_t (*dry)[8];       /* likewise, what each bristle gives (pen.h); NULL where none is dry */
+	struct strip_end *strip; /* likewise, where it lies in the picture along it (strips.h); NULL: no pen has one */
+	uint32_t count;          /* of sites */
+	uint32_t ends;           /* strokes times sites; ends beyond corners follow */
+	bool moved;              /* ends lie elsewhere than their sites */
+	uint32_t *first;         /* by band of the canvas, and one more: where its list begins */
+	uint32_t (*list)[2];     /* ends of the links that reach into a band; twice the same: a site alone */
 } capsules;
 
 /* inked: inks differ. */

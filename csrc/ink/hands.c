@@ -35,6 +35,8 @@ pens ISA(pens_of)(const frame *f, const encre_params *p)
 		s.differ |= s.of[k] != 0;
 		s.used |= (uint8_t)(1 << s.of[k]);
 	}
+	const encre_image *strip[PENS] = {&p->pen_strip_image, &p->pen_2_strip_image, &p->pen_3_strip_image};
+	memcpy(s.strip, strip, sizeof strip);
 	for (int k = 0; k < PENS; k++)
 		s.again[k] = again(s.hand + k, f->place.number);
 	return s;

@@ -21,7 +21,7 @@ enum {
 bool ISA(pen_varies)(const hand *h)
 {
 	return h->pen_pressure > 0 || h->pen_wobble > 0 || h->pen_rough > 0 || h->pen_gaps > 0 || h->pen_dry > 0 ||
-	       h->pen_dash > 0 || h->pen_overshoot > 0;
+	       h->pen_dash > 0 || h->pen_strip > 0 || h->pen_overshoot > 0;
 }
 
 /* What one use of the hand's noise reads of its parameters: how strong it is and how long its waves are. */

@@ -47,7 +47,8 @@ typedef struct pens {
 	uint8_t of[LINE_COUNT]; /* which of them draws a kind */
 	bool differ;            /* not all kinds have the first */
 	uint8_t used;           /* a bit each */
-	uint32_t again[PENS];   /* the seed of what they draw anew now; 0: they draw once for all frames */
+	const encre_image *strip[PENS];
+	uint32_t again[PENS]; /* the seed of what they draw anew now; 0: they draw once for all frames */
 } pens;
 
 /* hands.c */

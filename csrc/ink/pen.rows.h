@@ -22,12 +22,17 @@ FLOAT(pen##_dash_space, SURFACE, 10, 0, 16384, 0, 200, "px", PEN_RULE "&" #pen "
 FLOAT(pen##_dry, SURFACE, 0, 0, 2, 0, 1, "factor", PEN_RULE, "Dryness", "How much of the line the bristles leave white") \
 FLOAT(pen##_dry_length, SURFACE, 33, 1, 16384, 5, 300, "px", PEN_RULE "&" #pen "_dry", "Dryness Length", "Length of the streaks, about") \
 INT(pen##_bristles, SURFACE, 6, 1, 8, 1, 8, "", PEN_RULE "&" #pen "_dry", "Bristles", "Streaks side by side across the line") \
+FLOAT(pen##_strip, SURFACE, 0, 0, 1, 0, 1, "factor", PEN_RULE, "Strip", "How much of a line is left white where a picture that lies along it is light") \
+FLOAT(pen##_strip_length, SURFACE, 300, 1, 16384, 20, 1000, "px", PEN_RULE "&" #pen "_strip", "Strip Length", "Length of the line along which the picture lies, about, then it begins anew") \
 INT(pen##_strokes, SURFACE, 1, 1, 4, 1, 4, "", PEN_RULE, "Strokes", "How many times each line is drawn, every time with another wobble") \
 FLOAT(pen##_overshoot, SURFACE, 0, 0, 1024, 0, 60, "px", PEN_RULE, "Overshoot", "How far strokes go on beyond corners, about") \
 FLOAT(pen##_pool, SURFACE, 0, 0, 4, 0, 1, "factor", PEN_RULE, "Pooling", "How much wider lines are where they turn back, where ink gathers") \
 INT(pen##_seed, SURFACE, 0, 0, 2147483647, 0, 1000, "", PEN_RULE, "Seed", "Another hand") \
 INT(pen##_hold, SURFACE, 0, 0, 10000, 0, 8, "", PEN_RULE, "Hold", "Frames for which a line stays as it is drawn, then it is drawn anew: 2 is on twos; 0: lines are drawn once for all frames") \
 FLOAT(pen##_boil, SURFACE, 1, 0, 1, 0, 1, "factor", PEN_RULE "&" #pen "_hold", "Boil", "How much of a line is another whenever it is drawn anew")
+/* Apart from the others: a hand has numbers alone. */
+#define STRIP_ROW(pen) \
+IMAGE(pen##_strip_image, SURFACE, "", PEN_RULE "&" #pen "_strip", "Strip Image", "Picture along the line, ink where it is dark, from its left to its right and from rim to rim")
 /* The tool. */
 #define TOOL_ROWS(pen) \
 FLOAT(pen##_width, SURFACE, 1, 0, 4096, 0, 4, "", PEN_RULE, "Width", "Its lines are so many times as wide as those of the first pen") \
@@ -44,6 +49,7 @@ ENUM(id, SURFACE, 0, PEN_RULE, label, help, \
 #endif
 STAGE(pen, "Pen", "The hand and the tool that draw the lines")
 PEN_ROWS(pen)
+STRIP_ROW(pen)
 FLOAT(ink_on_dark, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE", "Ink on Dark", "How far lines that run through dark areas take the second ink, so that they are seen there")
 COLOR(ink_dark_color, SURFACE, 1, 1, 1, "use_lines&edge_detector=FINE&ink_on_dark", "Second Ink", "Colour of lines that run through dark areas")
 FLOAT(ink_dark_threshold, SURFACE, 0.03, 0, FLT_MAX, 0, 0.5, "", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Threshold", "Pictures darker than this on both sides of a line are dark areas")
@@ -52,9 +58,11 @@ COLOR(line_lit_color, SURFACE, 0.5, 0.25, 0.1, "use_lines&edge_detector=FINE&lin
 STAGE(pen_2, "Pen 2", "A second pen, for the kinds of line that name it")
 PEN_ROWS(pen_2)
 TOOL_ROWS(pen_2)
+STRIP_ROW(pen_2)
 STAGE(pen_3, "Pen 3", "A third pen, for the kinds of line that name it")
 PEN_ROWS(pen_3)
 TOOL_ROWS(pen_3)
+STRIP_ROW(pen_3)
 STAGE(kinds, "Kinds of Line", "Which pen and which ink draw each kind of line")
 KIND_PEN(line_pen_outline, "Outline Pen", "Lines between an object and what lies behind it")
 KIND_PEN(line_pen_contact, "Contact Pen", "Lines between objects that touch")

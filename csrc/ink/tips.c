@@ -3,6 +3,7 @@
 #include "ink/discs.h"
 #include "ink/tips.h"
 #include "ink/pen.h"
+#include "ink/strips.h"
 #include "ink/turns.h"
 #include "fine/near.h"
 
@@ -26,10 +27,11 @@ typedef struct gather {
 	spots at;    /* of all sites; NULL without noise */
 	turns turns; /* no corners are looked for where no pen asks */
 	uint32_t stroke;
-	pen_end *end;   /* of this stroke */
-	float *farther; /* by site: pixels that a stroke goes on beyond a corner; NULL: no pen does */
-	float *length;  /* to the nearest free end, by site; NULL where no line tapers */
-	float *radius;  /* by site: evened along its line, before it tapers or is crowded */
+	pen_end *end;                 /* of this stroke */
+	const strip *(*strips)[PENS]; /* by style */
+	float *farther;               /* by site: pixels that a stroke goes on beyond a corner; NULL: no pen does */
+	float *length;                /* to the nearest free end, by site; NULL where no line tapers */
+	float *radius;                /* by site: evened along its line, before it tapers or is crowded */
 } gather;
 
 /* What the pen gives before its line is evened: `out` is its radius, `fade` the share of that. Tells whose hand it is.
@@ -193,6 +195,24 @@ static void press_pens(void *data, int first, int end, int thread)
 	}
 }
 
+/* Where a site lies in the strip of its pen: between .7 and 1.4 times as long as was asked for. */
+static strip_end strip_end_of(const gather *g, uint32_t i, const hand *h)
+{
+	const placed *at = &g->n->site[i].placed;
+	strip_end e = {.of = g->strips[style_at(g->f, at->near_x, at->near_y)][g->whose[i]]};
+	if (!e.of)
+		return e;
+	e.left = 1 - h->pen_strip;
+	beat b = ISA(beat_of)(g->n, &g->at, i, 0.70710678f * h->pen_strip_length * g->f->scale);
+	e.at = b.at;
+	e.octave = b.octave;
+	e.length = b.length * (1 + b.born);
+	/* of two lengths at once nothing would be seen, so each piece has its own time to become two */
+	float hash = (float)(int32_t)(mix_bits((uint32_t)b.number) >> 8) * (1.0f / 16777216);
+	e.born = clamp01((b.born - 0.15f - 0.7f * hash) * 8 + 0.5f);
+	return e;
+}
+
 static void finish_pens(void *data, int first, int end, int thread)
 {
 	(void)thread;
@@ -222,6 +242,8 @@ static void finish_pens(void *data, int first, int end, int thread)
 				g->farther[i + k] = t && drawn ? t->farther * h->pen_overshoot * g->f->scale : 0;
 			if (g->all->dry && t)
 				memcpy(g->all->dry[at], t->ink, sizeof t->ink);
+			if (g->all->strip)
+				g->all->strip[at] = t ? strip_end_of(g, (uint32_t)(i + k), h) : (strip_end){0};
 			if (g->all->ink)
 				ISA(line_ink)(g->f, made, g->all->ink[at]);
 		}
@@ -248,6 +270,8 @@ static void go_on(const gather *g, uint32_t k)
 	e->fade *= lifted;
 	if (g->all->dry)
 		memcpy(g->all->dry[to], g->all->dry[from], sizeof *g->all->dry);
+	if (g->all->strip)
+		g->all->strip[to] = g->all->strip[from];
 	if (g->all->ink)
 		memcpy(g->all->ink[to], g->all->ink[from], sizeof *g->all->ink);
 }
@@ -302,7 +326,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 {
 	const fine *n = f->fine;
 	gather g = {.f = f, .n = n, .all = all, .strokes = 1};
-	bool dry = false, moved = false;
+	bool dry = false, moved = false, striped = false;
 	float taper = 0, farther = 0;
 	bool pooled = false;
 	g.pens = late_take(&f->late, (size_t)f->n_styles, sizeof *g.pens);
@@ -320,6 +344,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 			g.strokes = strokes > g.strokes ? strokes : g.strokes;
 			g.varied |= ISA(pen_varies)(h);
 			dry |= h->pen_dry > 0;
+			striped |= h->pen_strip > 0;
 			moved |= h->pen_wobble > 0;
 			taper = max(taper, h->pen_taper * f->scale);
 			farther = max(farther, h->pen_overshoot * f->scale);
@@ -327,6 +352,8 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 		}
 	}
 	int32_t code = farther > 0 || pooled ? ISA(turns_find)(f, 6 * farther, &g.turns) : ENCRE_OK;
+	if (!code && striped)
+		code = ISA(strips_make)(f, g.pens, &g.strips);
 	if (code)
 		return code;
 	size_t ends = (size_t)g.strokes * ((size_t)n->count + g.turns.spurs);
@@ -340,8 +367,10 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 	all->end = late_take(&f->late, ends, sizeof *all->end);
 	all->ink = inked ? late_take(&f->late, ends, sizeof *all->ink) : NULL;
 	all->dry = dry ? late_take(&f->late, ends, sizeof *all->dry) : NULL;
+	all->strip = striped ? late_take(&f->late, ends, sizeof *all->strip) : NULL;
 	all->first = late_take(&f->late, bands + 2, sizeof *all->first);
-	if (!all->end || !all->first || (g.turns.spurs && !g.farther) || (inked && !all->ink) || (dry && !all->dry))
+	if (!all->end || !all->first || (g.turns.spurs && !g.farther) || (inked && !all->ink) || (dry && !all->dry) ||
+	    (striped && !all->strip))
 		return ENCRE_ERROR_MEMORY;
 	if (taper > 0) {
 		g.length = late_take(&f->late, n->count, sizeof *g.length);

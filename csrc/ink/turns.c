@@ -240,9 +240,14 @@ beat ISA(beat_of)(const fine *n, const spots *p, uint32_t i, float length)
 	/* whole powers of two of places part dashes; between them half that part, as far as the next is near */
 	int32_t bits = float_bits(rate);
 	float scale = bits_float(bits & 0x7f800000), times = rate / scale, at = place * scale;
-	at = fabsf(at) < 1e9f ? at - floorf(at) : 0;
+	at = fabsf(at) < 1e9f ? at : 0;
+	float number = floorf(at);
+	at -= number;
 	return (beat){.whole = min(at, 1 - at) * times * length,
 		      .half = fabsf(at - 0.5f) * times * length,
 		      .born = times - 1,
-		      .length = length};
+		      .length = length,
+		      .at = at,
+		      .octave = bits >> 23,
+		      .number = (int32_t)number};
 }

@@ -35,7 +35,10 @@ int32_t ISA(capsules_list)(frame *f, const turns *t, uint32_t strokes, capsules 
 typedef struct beat {
 	float whole, half; /* pixels to the nearest place where dashes part, and to the nearest where one is parting */
 	float born;        /* how far that has come, 0..1 */
-	float length;      /* pixels from one place to the other; 0: nothing tells */
+	float length;      /* as asked for; 0: nothing tells */
+	float at;          /* how far from one place to the next, 0..1, which is that times 1 + born */
+	int32_t octave;    /* which places those are */
+	int32_t number;    /* of the one before */
 } beat;
 
 /* `length`: in pixels, of a dash and what follows it. */

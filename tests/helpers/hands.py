@@ -24,7 +24,8 @@ PENS = {"brush": {"pen_pressure": 0.45, "pen_rough": 0.45},
                    "pen_rough": 0.9, "pen_rough_length": 6.6, "pen_strokes": 2, "line_thickness": 6.0},
         "marker": {"pen_pressure": 0.07, "pen_dry": 0.75, "line_thickness": 15.0},
         "gaps": {"pen_gaps": 0.25},
-        "dashes": {"pen_dash": 40.0, "pen_dash_space": 14.0, "line_thickness": 6.0}}
+        "dashes": {"pen_dash": 40.0, "pen_dash_space": 14.0, "line_thickness": 6.0},
+        "strip": {"pen_strip": 1.0, "pen_strip_length": 120.0, "pen_strip_image": "chalk", "line_thickness": 15.0}}
 REACH = 6  # pixels
 
 
@@ -99,13 +100,24 @@ def walker(phase, on=0.0):
             Mesh(floor, np.array([[0, 1, 2], [0, 2, 3]], np.int32), object_index=2)]
 
 
+def chalk(width=480, height=60, seed=3):
+    """(height, width) of a strip: streaks that come and go along it, again and again."""
+    rng = np.random.default_rng(seed)
+    along, waves = np.arange(width) / width, np.arange(1, 30)
+    turns = 2 * np.pi * (waves[:, None] * along + rng.random((height // 3, len(waves), 1)))
+    streaks = np.repeat((np.sin(turns) / np.sqrt(waves)[:, None]).sum(1), 3, 0)
+    rim = np.abs(np.linspace(-1, 1, height))[:, None] ** 2
+    return 1 / (1 + np.exp(6 + 2.4 * streaks / streaks.std() - 8 * (1 - rim)))
+
+
 # ---- figures -------------------------------------------------------------------------------------------------
 
 def drawn(layers, view, values, number=0):
     """(ink (H, W), where edges are)."""
     height, width = layers["depth"].shape[:2]
     images = library.render(layers, {**PLAIN, **values}, camera=Camera(view[:3, :3].ravel()),
-                            frame=Frame(width, height, number=number), outputs=["Encre Lines", "Encre Edges"]).images
+                            frame=Frame(width, height, number=number), outputs=["Encre Lines", "Encre Edges"],
+                            image=lambda _: 1 - chalk()).images
     return images["Encre Lines"][..., 3], images["Encre Edges"][..., 0] > 0
 
 

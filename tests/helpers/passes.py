@@ -47,7 +47,7 @@ def library():
     return load("probe_fine")
 
 
-def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined"), given=None):
+def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined"), given=None, image=None):
     """(pictures, [Snapshot]); given: (sites, pairs that are linked), which take the place of what `smooth` has left."""
     own = library()
     own.lib.probe_clear()
@@ -55,7 +55,7 @@ def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined
     site, link = given or (np.zeros(0, SITE), np.zeros((0, 2), np.int32))
     own.lib.probe_give(b"smooth" if given else None, c.c_void_p(site.ctypes.data), len(site),
                        c.c_void_p(link.ctypes.data), len(link))
-    images = own.render(layers, scene, styles, camera=camera, outputs=outputs, threads=1, simd=0).images
+    images = own.render(layers, scene, styles, camera=camera, outputs=outputs, threads=1, simd=0, image=image).images
     every = []
     for i in range(own.lib.probe_count()):
         k = own.lib.probe_snapshot(i).contents

@@ -165,8 +165,8 @@ class Hand:
         return np.where(dry > 0, self.at("bristles"), 0), np.floor(255 * np.stack(ink, -1) + 0.5) / 255
 
 
-def left_by(way, px, py, s, half, numbers, inks):
-    """(what bristles leave of the ink at (px, py) from the first end of a link, whether another may be there)."""
+def across_at(way, px, py, half):
+    """(how far (px, py) from the first end of a link lies from one rim to the other, whether that may be turned)."""
     length = np.hypot(*way)
     if length <= 1e-6:
         across = np.zeros_like(px)
@@ -175,8 +175,13 @@ def left_by(way, px, py, s, half, numbers, inks):
     turn = way[0] + 0.41421356 * way[1]
     if turn < 0:
         across = -across
-    across = clamp01(0.5 + 0.5 * across)
-    left, doubtful = [], np.zeros(px.shape, bool)
+    return clamp01(0.5 + 0.5 * across), np.full(px.shape, abs(turn) < 1e-4)
+
+
+def left_by(way, px, py, s, half, numbers, inks):
+    """(what bristles leave of the ink at (px, py) from the first end of a link, whether another may be there)."""
+    across, doubtful = across_at(way, px, py, half)
+    left = []
     for n, ink in zip(numbers, inks, strict=True):
         n = int(n)
         if not n:
@@ -185,7 +190,6 @@ def left_by(way, px, py, s, half, numbers, inks):
         left.append(ink[np.minimum((across * n).astype(int), n - 1)])
         between = np.round(across * n)
         doubtful |= (between > 0) & (between < n) & (np.abs(across * n - between) < 1e-3)
-    doubtful |= abs(turn) < 1e-4  # which rim is the first
     return mix(left[0], left[1], s), doubtful
 
 

@@ -6,10 +6,13 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from .hand import KINDS, Hand, inks, kinds, left_by
+from .hand import KINDS, Hand, across_at, inks, kinds, left_by
 from .lines import Pen
 from .metric import clamp01, mix
 from .passes import NUMBER
+from .strips import End
+from .strips import ends as strip_ends
+from .strips import left as strip_left
 from .turns import dashed, spurs, turned
 
 
@@ -98,8 +101,9 @@ def _thinned(t, half, most, unit, shape):
     return half * np.where((about > most) & (most < 1), most / np.maximum(about, 1e-12), 1)
 
 
-def ends(t, layers, params, paper, stroke):
-    """What each site gives the links that end at it in one stroke, as columns; its ink; its bristles."""
+def ends(t, layers, params, paper, stroke, pictures):
+    """What each site gives the links that end at it in one stroke, as columns; its ink; its bristles; where it lies in
+    the picture along its line."""
     site, shape = t.site, layers.depth.shape
     owner = site["near_y"], site["near_x"]
     pen = Pen(layers, params, SimpleNamespace(owner=owner, z=layers.depth[owner], strength=site["strength"],
@@ -147,10 +151,11 @@ def ends(t, layers, params, paper, stroke):
     columns[:, :2] *= swollen[:, None]
     at, columns = np.where(used[:, None], at, t.at), columns * used[:, None]
     numbers, bristles = hand.bristles()
-    return _beyond(spurs(t, turn) if turns else (), hand.farther() * used, at, columns, color, numbers * used, bristles)
+    return _beyond(spurs(t, turn) if turns else (), hand.farther() * used, at, columns, color, numbers * used, bristles,
+                   strip_ends(t, hand, pictures))
 
 
-def _beyond(spurs, farther, at, columns, color, numbers, bristles):
+def _beyond(spurs, farther, at, columns, color, numbers, bristles, strips):
     """Likewise, with ends beyond corners behind the others, and the pairs that these make."""
     pairs = []
     for i, last, way, length in spurs:
@@ -162,7 +167,8 @@ def _beyond(spurs, farther, at, columns, color, numbers, bristles):
             end[6] = columns[last, 6]
             columns, color = np.vstack([columns, end]), np.vstack([color, color[i]])
             numbers, bristles = np.append(numbers, numbers[i]), np.vstack([bristles, bristles[i:i + 1]])
-    return at, columns, color, (numbers, bristles), pairs
+            strips.append(strips[i])
+    return at, columns, color, (numbers, bristles), strips, pairs
 
 
 def darkness(d, out, fade, gain, ease, bias, height):
@@ -176,15 +182,16 @@ def darkness(d, out, fade, gain, ease, bias, height):
     return clamp01(2 * middle) * most * clamp01(0.5 + (np.maximum(middle, 0.5) - d) / width)
 
 
-def draw(t, layers, params, paper):
-    """(T (H, W), ink (H, W, 3), where rounding tells whose ink it is, or whether something stands before it)."""
+def draw(t, layers, params, paper, pictures=()):
+    """(T (H, W), ink (H, W, 3), where rounding tells whose ink it is, or whether something stands before it); pictures:
+    pyramids of strips.py by pen and style."""
     shape = layers.depth.shape
     laid, darkest, unsure = np.zeros(shape), np.zeros(shape), np.zeros(shape, bool)
     ink = np.zeros((*shape, 3))
     pieces = [(i, j) for i in range(len(t)) for j in t.links[i] if j > i and not t.dropped[i] and not t.dropped[j]]
     pieces += [(i, i) for i in range(len(t)) if not t.links[i] and not t.dropped[i]]
     for k in range(int(max(params.at(pen + "strokes", 0) for pen in ("pen_", "pen_2_", "pen_3_")))):
-        dark, own, doubtful = _stroke(ends(t, layers, params, paper, k), pieces, layers, paper)
+        dark, own, doubtful = _stroke(t, ends(t, layers, params, paper, k, dict(pictures)), pieces, layers, paper)
         laid = 1 - (1 - laid) * (1 - dark)  # what one leaves white the next may darken
         differ = np.abs(own - ink).max(-1) > 1e-4
         unsure |= doubtful | (np.abs(dark - darkest) < 1e-4) & (dark > 0) & differ
@@ -193,12 +200,18 @@ def draw(t, layers, params, paper):
     return laid, ink, unsure
 
 
-def _stroke(each, pieces, layers, paper):
+def _beside(t, i, j):
+    """The site before a link and the one after it, or its ends."""
+    return [other if (other := t.next(*pair)) is not None and not t.dropped[other] else pair[1]
+            for pair in ((j, i), (i, j))]
+
+
+def _stroke(t, each, pieces, layers, paper):
     shape = layers.depth.shape
     y, x = np.mgrid[:shape[0], :shape[1]]
     best, nearest = np.zeros(shape), np.full(shape, np.inf)
     ink, unsure = np.zeros((*shape, 3)), np.zeros(shape, bool)
-    at, columns, color, (numbers, bristles), beyond = each
+    at, columns, color, (numbers, bristles), strips, beyond = each
     for i, j in pieces + beyond:
         a, way = at[i], at[j] - at[i]
         reach = max(columns[i, 0], columns[j, 0]) + 1
@@ -209,8 +222,17 @@ def _stroke(each, pieces, layers, paper):
         d = np.hypot(x[box] - mix(a[0], at[j, 0], s), y[box] - mix(a[1], at[j, 1], s))
         out, fade, gain, ease, bias, rough, limit = (mix(columns[i, k], columns[j, k], s) for k in range(7))
         dark = darkness(d, out, fade, gain, ease, bias, 1 + rough * (paper[box] - 1))
+        striped = any(strips[k] != End() for k in (i, j))
+        ends_ = _beside(t, i, j) if i != j and j < len(t) else (i, j)
+        wide = at[ends_[1]] - at[ends_[0]]
+        if striped:
+            across, doubtful = across_at(wide, x[box] - a[0], y[box] - a[1], out)
+            left, more = strip_left(strips[i], strips[j], [strips[k] for k in ends_], wide, way, x[box] - a[0],
+                                    y[box] - a[1], s, out, across)
+            unsure[box] |= (doubtful | more) & (dark > 0)
+            dark = dark * left
         if numbers[i] or numbers[j]:
-            left, doubtful = left_by(way, x[box] - a[0], y[box] - a[1], s, out, numbers[[i, j]], bristles[[i, j]])
+            left, doubtful = left_by(wide, x[box] - a[0], y[box] - a[1], s, out, numbers[[i, j]], bristles[[i, j]])
             unsure[box] |= doubtful & (dark > 0)
             dark = dark * left
         z = layers.depth[box]

@@ -81,34 +81,47 @@ def _on(t, p, unit, i, first, scale):
     return on
 
 
+WAYS = [np.array(w[::-1]) / np.sqrt(np.square(w).sum())
+        for w in itertools.product((-1, 0, 1), repeat=3) if w > (0, 0, 0)]
+
+
+def beat(t, hand, i, length):
+    """Where a site lies between the places along the thing that part its line, whole numbers of a power of two of them,
+    once to twice `length` pixels apart: (how far from one to the next, which, the power's exponent, how many `length`
+    it is from one to the next); None where nothing tells."""
+    links = t.links[i]
+    if t.dropped[i] or not 1 <= len(links) <= 2:
+        return None
+    sides = [_on(t, hand.p, hand.unit, i, first, hand.scale) for first in links] + [[]]
+    on = [*sides[0][::-1], i, *sides[1]]
+    middle = len(sides[0])
+    each = min(middle, len(on) - 1 - middle)
+    best = None
+    for way in WAYS:
+        along = hand.p[on] @ way
+        net = abs(along[-1] - along[0])
+        score = net - 2 * (np.abs(np.diff(along)).sum() - net)
+        if best is None or score > best[0]:
+            best = score, net, along[middle - each:middle + each + 1].mean()
+    if best[1] <= 0:
+        return None
+    rate = t.apart(on[0], on[-1]) / (length * best[1])
+    octave = np.floor(np.log2(rate))
+    place = best[2] * 2.0**octave
+    return place % 1, np.floor(place), octave, rate / 2.0**octave
+
+
 def dashed(t, hand, radius):
-    """Half the widths of dashed lines: parted at whole powers of two of places along the thing, and, as far as the next
-    power is near, halfway between."""
+    """Half the widths of dashed lines: parted at those places and, as far as the next power is near, halfway between.
+    """
     out = radius.copy()
-    ways = [np.array(w[::-1]) / np.sqrt(np.square(w).sum())
-            for w in itertools.product((-1, 0, 1), repeat=3) if w > (0, 0, 0)]
     for i in range(len(t)):
-        dash, links = hand.at("dash")[i], t.links[i]
-        if not dash > 0 or t.dropped[i] or not 1 <= len(links) <= 2:
-            continue
+        dash = hand.at("dash")[i]
         length = (dash + hand.at("dash_space")[i]) * hand.scale
-        sides = [_on(t, hand.p, hand.unit, i, first, hand.scale) for first in links] + [[]]
-        on = [*sides[0][::-1], i, *sides[1]]
-        middle = len(sides[0])
-        each = min(middle, len(on) - 1 - middle)
-        best = None
-        for way in ways:
-            along = hand.p[on] @ way
-            net = abs(along[-1] - along[0])
-            score = net - 2 * (np.abs(np.diff(along)).sum() - net)
-            if best is None or score > best[0]:
-                best = score, net, along[middle - each:middle + each + 1].mean()
-        if best[1] <= 0:
+        found = beat(t, hand, i, length) if dash > 0 else None
+        if not found:
             continue
-        rate = t.apart(on[0], on[-1]) / (length * best[1])
-        power = 2.0 ** np.floor(np.log2(rate))
-        times = rate / power
-        part = best[2] * power % 1
+        part, _, _, times = found
         space = 0.5 * min(hand.at("dash_space")[i] * hand.scale + 2 * radius[i], length - 1)
         born = (times - 1) * space
         half = clamp01(abs(part - 0.5) * times * length - born + 0.5)
