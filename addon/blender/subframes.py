@@ -20,7 +20,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..pen.errors import Cancelled, EncreError
-from . import ENGINE, cameras, early, handlers
+from . import ENGINE, cameras, early, handlers, threads
 from .overrides import changed
 
 _SEED_STEP = 1013904223  # far from the seeds of the next frames, which are often the frame's number
@@ -33,7 +33,7 @@ def _begin(*_):
         wanted = scene.render.engine == ENGINE and hasattr(scene, "encre") and (
             scene.encre.supersample > 1 or scene.render.use_border or early.wanted(scene))
         if wanted and not scene.render.use_persistent_data:
-            scene.render.use_persistent_data = True
+            threads.put(scene.render, "use_persistent_data", True)
             _switched.add(scene.name)
 
 
@@ -41,7 +41,7 @@ def _begin(*_):
 def _end(*_):
     while _switched:
         if scene := bpy.data.scenes.get(_switched.pop()):
-            scene.render.use_persistent_data = False  # frees the data as well
+            threads.put(scene.render, "use_persistent_data", False)  # frees the data as well
 
 
 register, unregister = handlers.pair(("render_init", _begin), ("render_complete", _end), ("render_cancel", _end))
