@@ -96,9 +96,9 @@ def close_sites(t, i, reach=1.6):
 
 
 def weak(t, family):
-    """(which weak sites of stripes in colours, of normals, edges of meshes or contours hang together with no other,
-    which with one that is not weak, or with 23 more of a contour)."""
-    if FAMILIES[family] not in ("color_band", "normal", "crease", "crack"):
+    """(which weak sites of stripes in colours, of normals, what is seen, edges of meshes or contours hang together with
+    no other, which with one that is not weak, or with 23 more of a contour)."""
+    if FAMILIES[family] not in ("color_band", "normal", "crease", "crack", "seen_normal", "seen_color", "seen_depth"):
         return set(), set()
     own = {int(i) for i in np.flatnonzero((t.family == family) & ~t.dropped)}
     strong = {i for i in own if not t.site["weak"][i]}

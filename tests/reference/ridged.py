@@ -259,6 +259,8 @@ def step_site(view, layer, row, column, axis):
         jump = max(0.0, min(left, -right), min(-left, right))
         if not view.layers.orthographic:
             jump = jump / v.max() if v.max() > 0 else 0.0
+        if jump < 0.1 - SURE:
+            return None
         strength = float(clamp01((jump - 0.1) / 0.03))
     elif layer.name == "light":
         style = view.layers.style[view.near(*place, column, row, "light_step", axis)]
@@ -273,7 +275,7 @@ def step_site(view, layer, row, column, axis):
     site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear},
                       style if layer.name == "light" else None,
                       view.normal_weights(row, column) if layer.name == "normal" else None)
-    if layer.name == "normal":
+    if layer.name == "normal" or layer.name.startswith("seen"):
         site.weak = _is_weak(view, site)
     site.step = tuple((127 * way / max(1.001 * step, 1e-30)).astype(int)) + (0,) * (3 - len(way))
     site.doubtful |= bool(doubtful) or unclear

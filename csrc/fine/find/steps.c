@@ -108,6 +108,11 @@ static void put_threshold(const found *at, float (*value)[3], float threshold, p
 		put(at, best, s);
 }
 
+static bool may_be_weak(const fine *n, const found *at, const placed *s)
+{
+	return families[at->family].faint && s->strength > 0 && s->strength >= least_faint * n->e->p->edge_threshold;
+}
+
 /* As fine_weigh(); what is seen counts as far as it stands out, which is asked only where it matters. */
 static bool weigh(const fine *n, const found *at, placed *s, int style, float strength)
 {
@@ -116,10 +121,9 @@ static bool weigh(const fine *n, const found *at, placed *s, int style, float st
 		return ISA(fine_weigh_by)(n, s, ISA(crease_weight)(n, at->column, at->row, style), SOURCE_NORMAL,
 					  strength);
 	enum source source = is->sample < SOURCE_SEEN ? is->sample : SOURCE_SEEN;
-	if (!ISA(fine_weigh)(n, s, style, source, strength))
-		return false;
-	if (is->word != WORD_SEEN)
-		return true;
+	bool edge = ISA(fine_weigh)(n, s, style, source, strength);
+	if (is->word != WORD_SEEN || !(edge || may_be_weak(n, at, s)))
+		return edge;
 	s->strength = 0;
 	return ISA(fine_weigh)(n, s, style, source, strength * ISA(seen_clarity)(n, at, is->sample));
 }
@@ -129,8 +133,7 @@ static bool weigh_weak(const fine *n, const found *at, placed *s, int style, flo
 {
 	bool edge = weigh(n, at, s, style, strength);
 	s->weak |= !edge;
-	return edge ||
-	       (families[at->family].faint && s->strength > 0 && s->strength >= least_faint * n->e->p->edge_threshold);
+	return edge || may_be_weak(n, at, s);
 }
 
 /* A stripe, narrow enough that its two boundaries are one line. */
