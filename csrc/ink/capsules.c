@@ -7,6 +7,8 @@
 #include "ink/pen.h"
 #include "fine/near.h"
 
+#include <string.h>
+
 /* A link draws this many pixels beyond the line that halves the angle with its neighbour: where the radius varies, what
  * darkens a pixel most lies aside of the nearest place, by the radius times its slope. */
 static const float overlap = 1.0f;
@@ -140,6 +142,7 @@ static strip_link strip_of(const capsules *all, const capsule *e, const uint32_t
 	l.x = x;
 	l.y = y;
 	l.far = far;
+	ISA(strip_choose)(&l, e->a->out + e->b->out);
 	l.rate = b->turned ? -rate : rate;
 	return l;
 }
@@ -221,6 +224,27 @@ static inline float left_by(const streaks *b, float across, float s)
 /* What leaves some of a line white. */
 enum brush { SOLID, BRISTLY, STRIPED };
 
+/* What a strip and bristles leave of LANES pixels of a row, where the link may darken any. */
+static void striped_lanes(const capsule *e, float y, int x, const float *restrict dark, float *restrict left)
+{
+	float px[LANES], s[LANES], across[LANES], from = e->a->x, py = y - e->a->y, most = e->reach * e->reach;
+	int some = 0;
+	for (int k = 0; k < LANES; k++) {
+		px[k] = (float)(x + k) - from;
+		s[k] = clamp01((px[k] * e->dx + py * e->dy) * e->inverse);
+		float ex = px[k] - s[k] * e->dx, ey = py - s[k] * e->dy;
+		some |= (ex * ex + ey * ey < most) & (dark[k] < 1);
+		across[k] = across_at(&e->across, px[k], py, mix(e->a->out, e->b->out, s[k]));
+	}
+	if (!some) {
+		memset(left, 0, LANES * sizeof *left);
+		return;
+	}
+	strip_left(&e->strip, px, py, s, across, left);
+	for (int k = 0; e->dry[0] && k < LANES; k++)
+		left[k] *= left_by(&e->across, across[k], s[k]);
+}
+
 /* Called with constants each time. Where `owned` is true, who inked is remembered: among equals the nearest; only then
  * distance and owner are read. Where `papered` is false paper is as high as can be. */
 KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const bool owned, const bool papered,
@@ -235,7 +259,10 @@ KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const b
 	      more_ease = b->ease - ease;
 	float more_bias = b->bias - bias, more_paper = b->paper - paper, more_limit = b->limit - limit;
 	uint32_t one = e->one, two = e->two;
-	for (; x < end; x += LANES)
+	for (; x < end; x += LANES) {
+		float left[LANES];
+		if (brush == STRIPED)
+			striped_lanes(e, y, x, dark + x, left);
 		for (int k = 0; k < LANES; k++) {
 			float px = (float)(x + k) - from, s = px * ux + uy, before = dark[x + k];
 			s = clamp01(s);
@@ -252,12 +279,10 @@ KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const b
 			float faint = positive(most_one(2 * middle)), half = max(middle, pixel_half);
 			float t = 0.5f + (half - sqrtf(d2)) / width;
 			t = faint * most * most_one(t);
-			float half_width = out + s * more_out;
-			if (brush)
-				t *= left_by(&e->across, across_at(&e->across, px, py, half_width), s);
-			if (brush == STRIPED && t > 0)
-				t *= strip_left(&e->strip, px, py, s, across_at(&e->across, px, py, half_width),
-						2 * half_width);
+			if (brush == BRISTLY)
+				t *= left_by(&e->across, across_at(&e->across, px, py, out + s * more_out), s);
+			if (brush == STRIPED)
+				t *= left[k];
 			t = depth[x + k] >= limit + s * more_limit ? t : 0;
 			if (!owned) {
 				dark[x + k] = t > before ? t : before;
@@ -269,6 +294,7 @@ KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const b
 			distance[x + k] = wins ? d2 : distance[x + k];
 			owner[x + k] = wins ? (s > 0.5f ? two : one) : owner[x + k];
 		}
+	}
 }
 
 static void draw_capsule(const capsule *e, canvas *c)

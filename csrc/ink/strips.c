@@ -156,3 +156,21 @@ strip_link ISA(strip_between)(const strip_end *from, const strip_end *to, float 
 	}
 	return l;
 }
+
+/* Where it is `texels` of the first level to a pixel. */
+static strip_level level_of(const strip *s, float texels)
+{
+	int level = 0;
+	while (texels > 2 && level + 1 < s->levels) {
+		texels *= 0.5f;
+		level++;
+	}
+	return (strip_level){level, level + 1 < s->levels ? clamp01(texels - 1) : 0};
+}
+
+void ISA(strip_choose)(strip_link *l, float wide)
+{
+	float along = (float)l->of->width[0] / l->length, across = (float)l->of->height[0] / max(wide, 1);
+	l->level[0] = level_of(l->of, max(along, across));
+	l->level[1] = level_of(l->of, max(2 * along, across));
+}
