@@ -133,11 +133,13 @@ static spot spot_of(const frame *f, const site *s)
 		depth[k] = anchor[k][ANCHOR_PIXEL] > 0 ? depth_at(f, px, py) : INFINITY;
 		object[k] = objects ? objects[px] : 0;
 		weight[k] = 1e-3f + (k & 1 ? fx : 1 - fx) * (k >> 1 ? fy : 1 - fy);
-		number = depth[k] < front ? object[k] : number;
 		front = min(front, depth[k]);
 	}
 	if (!(front < INFINITY))
 		return at;
+	/* which of two things that touch is nearer changes from site to site: always the same of them */
+	for (int k = 0; k < 4; k++)
+		number = depth[k] <= front * (1 + one_surface) ? max(number, object[k]) : number;
 	at = (spot){0};
 	for (int k = 0; k < 4; k++) {
 		if (!(depth[k] <= front * (1 + one_surface)) || object[k] != number)

@@ -222,12 +222,26 @@ def test_pressure_swells_a_line_by_the_noise_where_it_runs():
     at = np.stack([np.full(height, 20.0), np.arange(height) + 0.5, np.zeros(height)], -1)
     noise = hand.solid(at, np.full(height, 60.0), hand.PRESSURE)[4:-4]
     assert np.abs(ink - 6 * np.clip(1 + 0.4 * noise, 0.12, 3)).max() < 0.15
-    anchor = np.full((height, width, 16), 0.02, np.float32)
-    anchor[..., :3] = (np.indices((height, width)).sum(0) * 0.02)[..., None]
-    stuck = library.render({**layers, "anchor": anchor}, scene, outputs=("Encre Lines",)).images["Encre Lines"]
-    front = np.repeat((19 + np.arange(height)) * 0.02, 3).reshape(-1, 3)[4:-4]  # of two as near, the left one
+
+
+def test_noise_is_of_one_thing_where_two_touch():
+    """An upright line between two things of which now this one is nearer, now that one, by a thousandth."""
+    height, width = 400, 40
+    flat = np.ones((height, width, 3), np.float32)
+    object_, place = np.ones((height, width, 1), np.float32), np.full((height, width, 16), 0.02, np.float32)
+    object_[:, 20:] = 2
+    place[..., :3] = (np.indices((height, width)).sum(0) * 0.02)[..., None]
+    place[:, :20, :3] += 31  # units: the left one is elsewhere at rest
+    depth = 5 * flat[..., :1]
+    depth[::2, 20:] = depth[1::2, :20] = 5.005
+    layers = {"combined": np.ones((height, width, 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
+              "depth": depth, "object": object_, "anchor": place}
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 6.0, "line_intensity": 2.0,
+             "pen_pressure": 0.4, "pen_pressure_length": 60.0}
+    ink = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][4:-4, :, 3].sum(1)
+    front = np.repeat((19.5 + np.arange(height)) * 0.02, 3).reshape(-1, 3)[4:-4]
     noise = hand.solid(front, np.full(len(front), 1.2), hand.PRESSURE)
-    assert np.abs(stuck[4:-4, :, 3].sum(1) - 6 * np.clip(1 + 0.4 * noise, 0.12, 3)).max() < 0.3
+    assert np.abs(ink - 6 * np.clip(1 + 0.4 * noise, 0.12, 3)).max() < 0.3
 
 
 def test_noise_has_one_variance_at_any_wavelength():

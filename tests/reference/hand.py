@@ -74,8 +74,10 @@ def _spot(layers, t, i):
             found.append((layers.depth[at], layers.object[at], weight, anchor))
     if not found:
         return None
-    front, number = min(found, key=lambda each: each[0])[:2]
-    shown = [each for each in found if each[0] <= 1.02 * front and each[1] == number]
+    front = min(found, key=lambda each: each[0])[0]
+    found = [each for each in found if each[0] <= 1.02 * front]
+    number = max(each[1] for each in found)
+    shown = [each for each in found if each[1] == number]
     return np.average([each[3] for each in shown], axis=0, weights=[each[2] for each in shown])
 
 
