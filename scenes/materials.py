@@ -98,11 +98,11 @@ def calc(tree, operation, a, b=0.0):
     return new
 
 
-def mirror(name, color=(0.9, 0.9, 0.9)):
-    """Polished metal: nothing but what it reflects."""
+def mirror(name, color=(0.9, 0.9, 0.9), roughness=0.0):
+    """Polished metal, or brushed: nothing but what it reflects."""
     material = bpy.data.materials.new(name)
     tree = nodes_of(material)
-    wire(tree, (node(tree, "BsdfGlossy", Color=color, Roughness=0.0), node(tree, "OutputMaterial")))
+    wire(tree, (node(tree, "BsdfGlossy", Color=color, Roughness=roughness), node(tree, "OutputMaterial")))
     return material
 
 

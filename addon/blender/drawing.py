@@ -99,7 +99,12 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False):
                                  functools.partial(kept.once, settings.light_scale, denoiser))
         illuminate = illuminate and functools.partial(kept.once, "drawn", illuminate)
     images, nonfinite = layers.assemble(passes, settings, known, denoiser, layer.denoise_other, illuminate)
+    material = known["material"]
     known.clear()
+    if "seen_normal" in images and layers.unmirror(images, material, objects.blurred, layer.views[name][0].view):
+        for one, picture in layers.seen_passes(images):
+            write(versions.pass_name(one), picture)  # as drawing the file again reads it
+    del material
     overlay.complete_anchor(images, view, projection, frame)
     if caught is not None:
         overlay.hide(images, caught)

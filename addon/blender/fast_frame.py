@@ -48,9 +48,7 @@ def _seen(layers, view):
     """The layers of what mirrors show, which files have of all pixels: each shows itself where there is no mirror."""
     if "seen_depth" in layers:
         return {name: layers[name] for name in ("seen_color", "seen_depth", "seen_normal")}
-    to_camera = np.asarray(view, np.float32).reshape(3, 3).T
-    return {"seen_color": layers["color"], "seen_normal": layers["normal"] @ to_camera,
-            "seen_depth": np.where(layers["depth"] < 1e9, layers["depth"], np.float32(0))}
+    return layering.unmirrored(layers, view)
 
 
 class FastFrames:
@@ -118,7 +116,7 @@ class FastFrames:
             seen = _seen(layers, place.camera.view) if settings.wants_seen else {}
             for name in saved.passes("seen_depth" in seen, "anchor" in layers, "tangent" in layers):
                 place.write(out, name, saved.pack(name, layers | seen))
-            for name, picture in layering.seen_passes(seen).items():
+            for name, picture in layering.seen_passes(seen):
                 place.write(out, name, picture)
         asked = [*(["Combined"] if settings.active else []), *wanted.asked(depsgraph.view_layer)]
         if asked:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..pen.job import Mesh
-from . import attributes, properties
+from . import attributes, mirrors, properties, trees
 from .triangles import MESHABLE, read_lines, read_triangles
 
 _WORD = 2 ** 32
@@ -25,6 +25,7 @@ class Objects:
     automatic: bool
     catchers: np.ndarray  # which show nothing but shadows
     clear: np.ndarray  # by number of material: which may let light through
+    blurred: np.ndarray  # likewise: which show nothing clearly, neither mirrored nor through them
     materials: list    # by their numbers, full names; None: of what has none
     things: np.ndarray # what programs of materials read of each: colour with alpha, random, pass index, place
     shown: list        # by the meshes: attributes (t, 3, channels) that programs of materials read, or None
@@ -144,7 +145,8 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     kept.tidy()
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
                    line_numbers if automatic else None, automatic, np.array(catchers),
-                   np.array([known[3] for known in materials.known.values()]), list(materials.known),
+                   *(np.array([known[k] for known in materials.known.values()]) for k in (3, 4)),
+                   list(materials.known),
                    np.array(things, np.float32), shown)
 
 
@@ -211,30 +213,24 @@ class _Materials:
     """Numbers, styles and controls of materials; each material is asked once."""
 
     def __init__(self, scene):
-        self.scene, self.known = scene, {None: (0, 0, np.float32(properties.controls(None)), False)}
+        self.scene, self.known = scene, {None: (0, 0, np.float32(properties.controls(None)), False, False)}
 
     def __call__(self, material):
         key = material and material.name_full
         if key not in self.known:
             self.known[key] = (len(self.known), properties.style_number(material, self.scene),
-                               np.array(properties.controls(material), np.float32), _lets_through(material))
+                               np.array(properties.controls(material), np.float32), _lets_through(material),
+                               mirrors.blurs(material))
         return self.known[key]
 
 
 def _lets_through(material):
     """Whether light may pass through the surfaces of a material: whether any of its nodes is transparent."""
-    trees, known = [material.node_tree if material.use_nodes else None], set()
-    while trees:
-        tree = trees.pop()
-        if tree is None or tree.name_full in known:
-            continue
-        known.add(tree.name_full)
-        for node in tree.nodes:
-            alpha = node.inputs.get("Alpha") if node.bl_idname == "ShaderNodeBsdfPrincipled" else None
-            if node.bl_idname == "ShaderNodeBsdfTransparent" or (
-                    alpha and (alpha.is_linked or alpha.default_value < 1)):
-                return True
-            trees.append(getattr(node, "node_tree", None))
+    for node in trees.nodes_of(material):
+        alpha = node.inputs.get("Alpha") if node.bl_idname == "ShaderNodeBsdfPrincipled" else None
+        if node.bl_idname == "ShaderNodeBsdfTransparent" or (
+                alpha and (alpha.is_linked or alpha.default_value < 1)):
+            return True
     return False
 
 

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat mirrors: what they show is what a camera sees that stands as far behind them as the real one before."""
+"""What mirrors: whether it shows things clearly; and what flat mirrors show, which is what a camera sees that stands as
+far behind them as the real one before."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..pen.sky import directions
+from . import trees
 
 _SMOOTH = 0.1     # roughness up to which a surface is a mirror
+_SHINING = {"BsdfGlossy", "BsdfAnisotropic", "BsdfGlass", "BsdfRefraction"}
+_COATS = ("Coat Weight", "Coat Roughness"), ("Clearcoat", "Clearcoat Roughness")  # since 4.0, before
 _LEAST = 64       # pixels of a mirror that is drawn
 _MOST = 4         # of them in a picture, the largest
 _STRAIGHT = 0.9999  # cosine of what normals of one plane may differ by
@@ -18,6 +22,29 @@ _NEAR = 1e-3      # how far points of one plane may lie off it, as a part of the
 class Mirror:
     where: np.ndarray  # (height, width), bool
     turn: np.ndarray   # world -> world as it shows it, 4 x 4
+
+
+def blurs(material):
+    """Whether a material shows nothing clearly, neither mirrored nor through it: all that shines in it is rougher than
+    a mirror. Where a texture says how rough, it may be clear."""
+    for node in trees.nodes_of(material):
+        sort = node.bl_idname.removeprefix("ShaderNode")
+        if sort == "BsdfTransparent" or sort in _SHINING and (
+                getattr(node, "distribution", "") == "SHARP" or _clear(node.inputs["Roughness"])):
+            return False
+        if sort == "BsdfPrincipled" and (_clear(node.inputs["Roughness"]) or _has(node.inputs["Alpha"], 1) or any(
+                _has(node.inputs[coat], 0) and _clear(node.inputs[coat_rough])
+                for coat, coat_rough in _COATS if coat in node.inputs)):
+            return False
+    return True
+
+
+def _clear(roughness):
+    return roughness.is_linked or roughness.default_value <= _SMOOTH
+
+
+def _has(socket, usual):
+    return socket.is_linked or socket.default_value != usual
 
 
 def find(maps, looks, clear, view, projection, frame):

@@ -9,6 +9,19 @@ class Unknown(Exception):
     """A node that can't be read; its text is the node's name."""
 
 
+def nodes_of(material):
+    """All nodes of a material, those of groups too, each group once."""
+    todo, known = [material.node_tree if material.use_nodes else None], set()
+    while todo:
+        tree = todo.pop()
+        if tree is None or tree.name_full in known:
+            continue
+        known.add(tree.name_full)
+        for node in tree.nodes:
+            yield node
+            todo.append(getattr(node, "node_tree", None))
+
+
 def source_of(socket):
     """(node, its output) that a socket is linked to, past reroutes; None."""
     while socket.is_linked:

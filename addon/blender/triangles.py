@@ -75,8 +75,8 @@ def read_lines(obj):
 
 def _may_be_bent(obj):
     """Whether the evaluated mesh of an object may have another shape than at rest."""
-    return obj.type == "MESH" and bool(obj.modifiers or obj.original.data.shape_keys
-                                       or obj.parent_type in ("ARMATURE", "LATTICE"))
+    keys = getattr(obj.original.data, "shape_keys", None)  # of meshes that metaballs, curves and texts became: none
+    return obj.type == "MESH" and bool(obj.modifiers or keys or obj.parent_type in ("ARMATURE", "LATTICE"))
 
 
 def _of_mesh(mesh, separate, light, maps, sources, anchored, unwrapped, bent):

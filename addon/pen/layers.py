@@ -6,7 +6,7 @@ float32 (height, width, channels), row 0 at the top, of any strides, so a pictur
 Passes go by their classic names; `classic()` translates those of Blender 5.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -40,6 +40,7 @@ SEEN = {"Denoising Albedo": "RGB", "Denoising Normal": "XYZ", "Denoising Depth":
 _TOWARDS = np.array((1, 1, -1), np.float32)  # Cycles' camera looks along +z
 # Its pass of what the world shows behind everything.
 BEHIND = {"Env": "RGB"}
+_BAND = 64  # rows of a picture that are held twice
 # The pictures that the library draws beside Combined.
 DRAWN = {"Encre Lines": "RGBA", "Encre Surface": "RGBA", "Encre Edges": "X", "Encre Light": "RGB",
          "Encre Tones": "RGBA"}
@@ -80,12 +81,40 @@ def seen_depth(length: np.ndarray, projection: np.ndarray, frame: Frame, clip_st
     return np.where(length > 0, length / slant + clip_start, 0).astype(np.float32)
 
 
-def seen_passes(seen: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The passes SEEN, as Cycles has them, of the layers of what mirrors show, if there are any; but for the depth,
-    which files have as a layer."""
-    if not seen:
-        return {}
-    return {"Denoising Albedo": seen["seen_color"], "Denoising Normal": seen["seen_normal"] * _TOWARDS}
+def seen_passes(seen: dict[str, np.ndarray]) -> Iterator[tuple[str, np.ndarray]]:
+    """The passes SEEN by name, one at a time, as Cycles has them, of the layers of what mirrors show, if there are any;
+    but for the depth, which files have as a layer."""
+    if seen:
+        yield "Denoising Albedo", seen["seen_color"]
+        # Rows from the bottom up, as Blender's passes are: nothing turns them around once more.
+        yield "Denoising Normal", (seen["seen_normal"][::-1] * _TOWARDS)[::-1]
+
+
+def unmirrored(layers: dict[str, np.ndarray], view: np.ndarray) -> dict[str, np.ndarray]:
+    """The layers of what mirrors show where nothing mirrors: each surface shows itself.
+
+    view: world -> camera, rotation, 9 numbers.
+    """
+    to_camera = np.asarray(view, np.float32).reshape(3, 3).T
+    return {"seen_color": layers.get("albedo", layers["color"]), "seen_normal": layers["normal"] @ to_camera,
+            "seen_depth": np.where(layers["depth"] < 1e9, layers["depth"], np.float32(0))}
+
+
+def unmirror(layers: dict[str, np.ndarray], materials: np.ndarray, which: np.ndarray, view: np.ndarray) -> bool:
+    """Makes surfaces show themselves, in the layers of what mirrors show that are there; says whether there are any.
+
+    materials: numbers, (height, width, 1); which: (m,) bool, of which materials; view: as in unmirrored.
+    """
+    any_such = False
+    for rows in range(0, len(materials), _BAND):
+        where = which[materials[rows:rows + _BAND].astype(np.intp)]
+        if where.any():
+            any_such = True
+            band = {name: picture[rows:rows + _BAND] for name, picture in layers.items()}
+            for name, own in unmirrored(band, view).items():
+                if name in band:
+                    np.copyto(band[name], own, where=where)
+    return any_such
 
 
 class _Passes:

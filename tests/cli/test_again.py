@@ -67,6 +67,14 @@ scene.encre.example_image = bpy.data.images.load(__file__.replace("scene.py", "o
 """
 MIRROR = "floor.data.materials[0] = material('Mirror', (0.9, 0.9, 0.9), Metallic=1, Roughness=0)\n"
 OWN = "scene.encre.layer_source, scene.encre.edge_seen = 'ENCRE', 1\n"
+NO_MESH = """
+bpy.ops.object.metaball_add(location=(-0.5, -1.5, 0.2))
+bpy.ops.object.text_add(location=(0.8, -1.2, 0))
+bpy.ops.curve.primitive_bezier_circle_add(location=(-1, 1, 0.5))
+bpy.context.object.data.bevel_depth = 0.2
+bpy.ops.surface.primitive_nurbs_surface_sphere_add(location=(1.8, 1, 0))
+scene.encre.save_anchor = "ON"
+"""
 FEATURES = {  # name: (lines of the scene, words of the only sentence that is said, whether Combined is the same)
     "plain": ("", None, True),
     "stereo": ("scene.render.use_multiview = True\n", None, True),
@@ -94,8 +102,10 @@ FEATURES = {  # name: (lines of the scene, words of the only sentence that is sa
     "orthographic": ("camera.data.type, camera.data.ortho_scale = 'ORTHO', 6\n", None, True),
     "shift and clipping": ("camera.data.shift_x, camera.data.clip_start = 0.2, 3.0\n", None, True),
     "mirror": (MIRROR, None, True),
+    "blurred mirror": (MIRROR.replace("Roughness=0", "Roughness=0.25"), None, True),
     "mirror of Encre's layers": (MIRROR + OWN, None, True),
     "Encre's layers": (OWN, None, True),
+    "what has no mesh of its own": (NO_MESH, None, True),
     "painted controls": ("at = cube.data.attributes.new('encre_thickness', 'FLOAT', 'POINT')\n"
                          "at.data.foreach_set('value', [k / 4 - 1 for k in range(8)])\n", None, True),
     "film transparent": ("floor.hide_render = scene.render.film_transparent = True\n", None, True),
@@ -107,7 +117,7 @@ FEATURES = {  # name: (lines of the scene, words of the only sentence that is sa
     "stretched pixels": ("scene.render.pixel_aspect_x = 2\n", None, True),
 }
 QUICK = ("border", "by example", "view layers", "supersample", "painted controls",
-         "mirror of Encre's layers")  # others: test_cli_render
+         "blurred mirror", "what has no mesh of its own", "mirror of Encre's layers")  # others: test_cli_render
 
 
 @pytest.mark.parametrize("name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.long)

@@ -106,3 +106,17 @@ def test_passes_are_there_only_where_they_are_needed(tmp_path):
         with multilayer.Exr(str(tmp_path / "off.exr")) as file:
             found = {name for name in composite.view_layers(file.channels)["ViewLayer"][""]}
         assert not found & {*layers.SEEN, "Encre Seen Depth"} and {*saved.passes(False, False)} <= found
+
+
+@pytest.mark.parametrize("blender", blenders.params())
+@pytest.mark.parametrize("kind, clear", [("SATIN", False), ("LACQUER", True)])
+def test_blurred_mirrors_show_themselves(blender, kind, clear, tmp_path):
+    """What they mirror is noise, of which no line is worth drawing; a clear coat on them mirrors clearly."""
+    passes, settings = rendered(blender, tmp_path, kind, "240x135", 4)
+    made, _ = layers.assemble(dict(passes), Settings(), saved.unpack(passes))
+    view = np.reshape(settings.camera.view, (3, 3))
+    silver = inner((passes["GlossCol"] > 0.5).all(-1), 2)
+    assert silver.mean() > 0.2
+    apart = (np.abs(made["seen_normal"] - made["normal"] @ view.T).max(-1) > 0.01)[silver].mean()
+    far = (np.abs(made["seen_depth"] / made["depth"] - 1) > 0.01)[..., 0][silver].mean()
+    assert (apart > 0.1 and far > 0.5) if clear else (apart == 0 and far == 0)

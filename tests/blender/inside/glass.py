@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The same things in a flat mirror and seen from the mirrored camera; through a pane and without it.
 
-build() makes one of them: MIRROR, MIRRORED, PANE or OPEN, or ORTHO: the mirror through an orthographic camera. The
-mirror stands in the plane y = 0, the pane in y = -0.9.
+build() makes one of them: MIRROR, MIRRORED, PANE or OPEN, or ORTHO: the mirror through an orthographic camera; or the
+mirror is rough, SATIN, or rough under a clear coat, LACQUER. The mirror stands in the plane y = 0, the pane in
+y = -0.9.
 """
 
 import sys
@@ -41,6 +42,18 @@ def things():
     settings()
 
 
+def lacquer():
+    """Rough metal under a coat that mirrors clearly."""
+    coated = bpy.data.materials.new("Lacquer")
+    coated.use_nodes = True
+    inputs = coated.node_tree.nodes["Principled BSDF"].inputs
+    inputs["Metallic"].default_value, inputs["Roughness"].default_value = 1, 0.25
+    coat = "Coat" if "Coat Weight" in inputs else "Clearcoat"  # before 4.0
+    inputs["Coat Weight" if coat == "Coat" else coat].default_value = 1
+    inputs[coat + " Roughness"].default_value = 0.03
+    return coated
+
+
 def build(kind):
     things()
     if kind in ("PANE", "OPEN"):
@@ -53,7 +66,8 @@ def build(kind):
     if kind == "ORTHO":
         eye.data.type, eye.data.ortho_scale, eye.data.shift_x = "ORTHO", 6, 0.1
     if kind != "MIRRORED":
-        box("Mirror", (4.6, 0.02, 2.6), (-0.1, 0.01, 0.25), mirror("Silver", (1.0, 1.0, 1.0)), bevel=0)
+        silver = mirror("Silver", (1.0, 1.0, 1.0), 0.25 if kind == "SATIN" else 0.0)
+        box("Mirror", (4.6, 0.02, 2.6), (-0.1, 0.01, 0.25), lacquer() if kind == "LACQUER" else silver, bevel=0)
         return
     bpy.context.view_layer.update()
     eye.matrix_world = Matrix.Diagonal((1, -1, 1, 1)) @ eye.matrix_world @ Matrix.Diagonal((-1, 1, 1, 1))
