@@ -69,7 +69,8 @@ static bool is_outline(const frame *f, const site *s)
 	       shape_of(f, &s->found, source) == LINE_OUTLINE;
 }
 
-uint32_t ISA(straight_on)(const fine *n, uint32_t from, uint32_t i)
+/* The next site of a line: where it meets others, the one most straight on; or UINT32_MAX. */
+static uint32_t straight_on(const fine *n, uint32_t from, uint32_t i)
 {
 	const placed *a = &n->site[from].placed, *b = &n->site[i].placed;
 	float x = b->x - a->x, y = b->y - a->y, best = 0;
@@ -99,7 +100,7 @@ static bool goes_on(const frame *f, uint32_t i)
 		bool found = false;
 		for (int links = 0; links < BRIDGE && !found && at != UINT32_MAX && !n->site[at].linked.dropped;
 		     links++) {
-			uint32_t next = ISA(straight_on)(n, from, at);
+			uint32_t next = straight_on(n, from, at);
 			found = is_outline(f, n->site + at);
 			from = at;
 			at = next;

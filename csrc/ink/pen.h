@@ -65,8 +65,6 @@ float ISA(line_width)(const encre_params *p, enum line kind);
 bool ISA(inks_by_site)(const encre_params *p);
 /* The first ink of a line's site. */
 void ISA(line_ink)(const frame *f, const site *s, float ink[3]);
-/* The next site of a line, coming from `from`: where it meets others, the one most straight on; or UINT32_MAX. */
-uint32_t ISA(straight_on)(const fine *n, uint32_t from, uint32_t i);
 
 /* ---- second.c -------------------------------------------------------------------------------------------- */
 

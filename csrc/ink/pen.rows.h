@@ -11,6 +11,7 @@
 #define PEN_ROWS(pen) \
 FLOAT(pen##_pressure, SURFACE, 0, 0, 4, 0, 1, "factor", PEN_RULE, "Pressure", "How far lines swell and thin along their way, as a share of their width") \
 FLOAT(pen##_pressure_length, SURFACE, 210, 1, 16384, 20, 500, "px", PEN_RULE "&" #pen "_pressure", "Pressure Length", "Length of the line from one swelling to the next, about") \
+FLOAT(pen##_curve, SURFACE, 0, -1, 4, -1, 1, "factor", PEN_RULE, "Curve", "How much wider lines are where they bend, as a share of their width; below 0 they are thinner there") \
 FLOAT(pen##_wobble, SURFACE, 0, 0, 128, 0, 8, "px", PEN_RULE, "Wobble", "How far the hand strays from the edge") \
 FLOAT(pen##_wobble_length, SURFACE, 135, 1, 16384, 20, 500, "px", PEN_RULE "&" #pen "_wobble", "Wobble Length", "Length of the line from one stray to the next, about") \
 FLOAT(pen##_rough, SURFACE, 0, 0, 64, 0, 4, "px", PEN_RULE, "Roughness", "How far the rim of the line is frayed") \

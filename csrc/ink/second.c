@@ -4,6 +4,7 @@
 #include "ink/discs.h"
 #include "ink/pen.h"
 #include "ink/tips.h"
+#include "ink/turns.h"
 #include "fine/near.h"
 
 enum { CHUNK = 1024 };
@@ -61,15 +62,6 @@ static bool goes_on(const fine *n, uint32_t i, uint32_t at)
 	return at != UINT32_MAX && at != i && !n->site[at].linked.dropped;
 }
 
-/* The next site; where several lines meet, of the one that goes straight on, seen from both sides. */
-static uint32_t onward(const fine *n, uint32_t from, uint32_t at)
-{
-	if (links_at(n, at) == 2)
-		return next_of(n, from, at);
-	uint32_t next = ISA(straight_on)(n, from, at);
-	return next != UINT32_MAX && ISA(straight_on)(n, next, at) == from ? next : UINT32_MAX;
-}
-
 /* Lets `even` tell, by how far on they are, the sites to whose mean a change may belong: most have none near. */
 static int32_t find_changes(const second *c)
 {
@@ -94,7 +86,7 @@ static int32_t find_changes(const second *c)
 				if (left <= 0 || (links_at(n, at) == 2 && left <= c->even[at]))
 					break;
 				c->even[at] = max(c->even[at], left);
-				uint32_t next = onward(n, from, at);
+				uint32_t next = ISA(onward)(n, from, at);
 				from = at;
 				at = next;
 			}
@@ -116,7 +108,7 @@ static float mean_along(const second *c, uint32_t i, float reach)
 				break;
 			sum += (1 - along / reach) * c->dark[at];
 			weights += 1 - along / reach;
-			uint32_t next = onward(n, from, at);
+			uint32_t next = ISA(onward)(n, from, at);
 			from = at;
 			at = next;
 		}
@@ -156,7 +148,7 @@ static int32_t swell(const second *c)
 				if (level >= 1 || (links_at(n, at) == 2 && level >= full[at]))
 					break;
 				full[at] = min(full[at], level);
-				uint32_t next = onward(n, from, at);
+				uint32_t next = ISA(onward)(n, from, at);
 				from = at;
 				at = next;
 			}

@@ -167,11 +167,13 @@ static int hands_from(const gather *g, int i, int end, strokes *s)
 	return n;
 }
 
-/* Ink gathers from a turn of 60 degrees on, all of it at one of 120. Turns are not known where only styles without
- * lines ask for them: those draw nothing. */
-static float pooled(const gather *g, uint32_t i)
+/* Ink gathers from a turn of 60 degrees on, all of it at one of 120. Turns and bends are not known where only styles
+ * without lines ask for them: those draw nothing. */
+static float swollen(const gather *g, uint32_t i, const hand *h)
 {
-	return g->turns.turn ? clamp01(g->turns.turn[i] - 0.5f) : 0;
+	float pool = g->turns.turn ? h->pen_pool * clamp01(g->turns.turn[i] - 0.5f) : 0,
+	      curve = g->turns.bend ? h->pen_curve * g->turns.bend[i] : 0;
+	return (1 + pool) * (1 + curve);
 }
 
 static void press_pens(void *data, int first, int end, int thread)
@@ -188,9 +190,9 @@ static void press_pens(void *data, int first, int end, int thread)
 			ISA(pen_pressures)(&s, n, factor);
 		for (int k = 0; k < n; k++) {
 			g->radius[i + k] = g->n->site[i + k].linked.dropped ? 0 : g->end[i + k].out;
-			float pool = s.hand[k]->pen_pool > 0 ? s.hand[k]->pen_pool * pooled(g, (uint32_t)(i + k)) : 0;
-			if (s.hand[k]->pen_pressure > 0 || pool > 0)
-				g->radius[i + k] = min(g->radius[i + k] * factor[k] * (1 + pool), most);
+			float swell = swollen(g, (uint32_t)(i + k), s.hand[k]);
+			if (s.hand[k]->pen_pressure > 0 || swell != 1)
+				g->radius[i + k] = min(g->radius[i + k] * factor[k] * swell, most);
 		}
 	}
 }
@@ -328,7 +330,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 	gather g = {.f = f, .n = n, .all = all, .strokes = 1};
 	bool dry = false, moved = false, striped = false;
 	float taper = 0, farther = 0;
-	bool pooled = false;
+	bool pooled = false, curved = false;
 	g.pens = late_take(&f->late, (size_t)f->n_styles, sizeof *g.pens);
 	if (!g.pens)
 		return ENCRE_ERROR_MEMORY;
@@ -349,9 +351,12 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 			taper = max(taper, h->pen_taper * f->scale);
 			farther = max(farther, h->pen_overshoot * f->scale);
 			pooled |= h->pen_pool > 0;
+			curved |= h->pen_curve != 0;
 		}
 	}
 	int32_t code = farther > 0 || pooled ? ISA(turns_find)(f, 6 * farther, &g.turns) : ENCRE_OK;
+	if (!code && curved)
+		code = ISA(bends_find)(f, &g.turns);
 	if (!code && striped)
 		code = ISA(strips_make)(f, g.pens, &g.strips);
 	if (code)

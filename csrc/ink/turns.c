@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How lines turn: where ink gathers, and where strokes go on beyond corners. And how far along them a site is, by the
- * place on its thing. */
+/* How lines turn: where ink gathers, where pens press harder, and where strokes go on beyond corners. And how far along
+ * them a site is, by the place on its thing. */
 #include "ink/turns.h"
 
 #include "base/stage.h"
@@ -55,10 +55,37 @@ static bool unit_of(reached *r)
 	return true;
 }
 
+/* Told by arms: where lines meet, single links go any way. */
+static uint32_t straight_on(const fine *n, uint32_t from, uint32_t i)
+{
+	reached a = walk(n, i, from, arm, NULL);
+	uint32_t next = UINT32_MAX;
+	float least = 1;
+	if (!unit_of(&a))
+		return next;
+	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
+		reached b = walk(n, i, n->to[k], arm, NULL);
+		if (n->to[k] == from || !unit_of(&b) || !(1 + a.dx * b.dx + a.dy * b.dy < least))
+			continue;
+		least = 1 + a.dx * b.dx + a.dy * b.dy;
+		next = n->to[k];
+	}
+	return next;
+}
+
+uint32_t ISA(onward)(const fine *n, uint32_t from, uint32_t i)
+{
+	if (links_at(n, i) == 2)
+		return next_of(n, from, i);
+	uint32_t next = straight_on(n, from, i);
+	return next != UINT32_MAX && straight_on(n, next, i) == from ? next : UINT32_MAX;
+}
+
 typedef struct finding {
 	const fine *n;
 	turns *t;
-	float room;
+	float *turn;
+	float room, arm;
 } finding;
 
 static void turn_rows(void *data, int first, int end, int thread)
@@ -67,13 +94,13 @@ static void turn_rows(void *data, int first, int end, int thread)
 	const finding *g = data;
 	const fine *n = g->n;
 	for (int i = first; i < end; i++) {
-		g->t->turn[i] = 0;
+		g->turn[i] = 0;
 		if (n->site[i].linked.dropped || links_at(n, (uint32_t)i) != 2)
 			continue;
 		const uint32_t *to = n->to + n->at[i];
-		reached a = walk(n, (uint32_t)i, to[0], arm, NULL), b = walk(n, (uint32_t)i, to[1], arm, NULL);
+		reached a = walk(n, (uint32_t)i, to[0], g->arm, NULL), b = walk(n, (uint32_t)i, to[1], g->arm, NULL);
 		if (unit_of(&a) && unit_of(&b) && a.length >= least_arm && b.length >= least_arm)
-			g->t->turn[i] = 1 + a.dx * b.dx + a.dy * b.dy;
+			g->turn[i] = 1 + a.dx * b.dx + a.dy * b.dy;
 	}
 }
 
@@ -81,7 +108,7 @@ static void turn_rows(void *data, int first, int end, int thread)
 static bool is_corner(const finding *g, uint32_t i)
 {
 	const fine *n = g->n;
-	const float *turn = g->t->turn;
+	const float *turn = g->turn;
 	if (!(turn[i] > corner))
 		return false;
 	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
@@ -124,8 +151,8 @@ static uint32_t spurs_at(const finding *g, uint32_t i, spur *at)
 int32_t ISA(turns_find)(frame *f, float room, turns *t)
 {
 	const fine *n = f->fine;
-	finding g = {n, t, room};
 	t->turn = late_take(&f->late, n->count, sizeof *t->turn);
+	finding g = {n, t, t->turn, room, arm};
 	if (!t->turn)
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, turn_rows, &g);
@@ -141,6 +168,123 @@ int32_t ISA(turns_find)(frame *f, float room, turns *t)
 		if (!t->spur)
 			return ENCRE_ERROR_MEMORY;
 	}
+	return code;
+}
+
+/* ---- bends ----------------------------------------------------------------------------------------------- */
+
+/* Along the line each way, over which its way is told: in units, and in pixels at least; and corners. */
+static const float side = 28, least_side = 12, corner_arm = 12;
+/* Units: a bend of this radius is half of the most. */
+static const float half_bent = 60;
+
+/* What is read of a site on the way, close together. */
+typedef struct stop {
+	float x, y;
+	uint32_t to[2]; /* UINT32_MAX but where a line has two links */
+	float runs;     /* 0 at a corner, else up to 1; below 0 where it is dropped */
+} stop;
+
+typedef struct bending {
+	const fine *n;
+	float *turn, *bend;
+	stop *stop; /* by site */
+	float arm;
+} bending;
+
+/* Corners are those where strokes end, but none begins from one frame to the next. */
+static void stop_rows(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const bending *g = data;
+	const fine *n = g->n;
+	for (int i = first; i < end; i++) {
+		const placed *s = &n->site[i].placed;
+		const uint32_t *to = n->to + n->at[i];
+		float turn = g->turn[i], bent = 0;
+		bool two = links_at(n, (uint32_t)i) == 2;
+		for (uint32_t k = n->at[i]; turn > 0.1f && k < n->at[i + 1]; k++)
+			bent = max(bent, walk(n, (uint32_t)i, n->to[k], g->arm, g->turn).least);
+		float corner = turn > 0.1f ? clamp01((turn - 0.1f) / 0.15f) * clamp01(4.5f - 5 * bent / turn) : 0;
+		g->stop[i] = (stop){s->x,
+				    s->y,
+				    {two ? to[0] : UINT32_MAX, two ? to[1] : UINT32_MAX},
+				    n->site[i].linked.dropped ? -1 : 1 - corner};
+	}
+}
+
+typedef struct flank {
+	float x, y, share; /* its way, of any length; and how much of it there is */
+} flank;
+
+/* The mean way from i over `first`. The place of i tells little of it, and the last: each jitters. Corners end it. */
+static flank flank_of(const bending *g, uint32_t i, uint32_t first, float reach)
+{
+	flank to = {0};
+	float along = 0, runs = g->stop[i].runs, shorter = 1 / reach;
+	uint32_t from = i, at = first;
+	while (at != UINT32_MAX && at != i && along < reach && runs > 0 && g->stop[at].runs >= 0) {
+		const stop *a = g->stop + from, *b = g->stop + at;
+		float x = b->x - a->x, y = b->y - a->y, step = sqrtf(x * x + y * y),
+		      part = (along + 0.5f * step) * shorter, weight = part < 1 ? part * (1 - part) * runs : 0;
+		to.x += weight * x;
+		to.y += weight * y;
+		to.share += weight * step;
+		along += step;
+		runs = min(runs, b->runs);
+		uint32_t next = b->to[b->to[0] == from];
+		if (next == UINT32_MAX)
+			next = ISA(onward)(g->n, from, at);
+		from = at;
+		at = next;
+	}
+	to.share *= 6 * shorter;
+	return to;
+}
+
+/* k / (k + 1) of a curvature k, as if lines went straight on beyond their ends: so nothing jumps where one grows. */
+static float bend_of(const bending *g, uint32_t i)
+{
+	const uint32_t *to = g->n->to + g->n->at[i];
+	float unit = g->n->f->scale, reach = max(side * unit, least_side);
+	flank a = flank_of(g, i, to[0], reach), b = flank_of(g, i, to[1], reach);
+	float across = fabsf(a.x * b.y - a.y * b.x), along = -(a.x * b.x + a.y * b.y),
+	      both = sqrtf((a.x * a.x + a.y * a.y) * (b.x * b.x + b.y * b.y));
+	/* twice the tangent of half the angle, over the way from the middle of one side to that of the other */
+	float bent = 2 * half_bent * unit * across * a.share * b.share;
+	return bent > 0 ? bent / (bent + reach * max(0, both + along)) : 0;
+}
+
+static void bend_rows(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const bending *g = data;
+	const fine *n = g->n;
+	for (int i = first; i < end; i++) {
+		if (stopped_at(n, i))
+			return;
+		/* where lines meet it may be another's: discs beside it cover it */
+		bool told = !n->site[i].linked.dropped && links_at(n, (uint32_t)i) == 2;
+		g->bend[i] = told ? bend_of(g, (uint32_t)i) : 0;
+	}
+}
+
+int32_t ISA(bends_find)(frame *f, turns *t)
+{
+	const fine *n = f->fine;
+	float reach = max(corner_arm * f->scale, arm);
+	bending g = {n, late_take(&f->late, n->count, sizeof *g.turn), late_take(&f->late, n->count, sizeof *g.bend),
+		     late_take(&f->late, n->count, sizeof *g.stop), reach};
+	t->bend = g.bend;
+	if (!g.turn || !g.bend || !g.stop)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, turn_rows, &(finding){n, t, g.turn, 0, reach});
+	if (!code)
+		code = bands_run(f->bands, (int)n->count, CHUNK, stop_rows, &g);
+	if (!code)
+		code = bands_run(f->bands, (int)n->count, CHUNK, bend_rows, &g);
+	late_drop(&f->late, g.turn);
+	late_drop(&f->late, g.stop);
 	return code;
 }
 

@@ -14,13 +14,21 @@ typedef struct spur {
 } spur;
 
 typedef struct turns {
-	float *turn;    /* by site, 1 less the cosine of the angle: 0 straight on, 2 back */
+	float *turn;    /* by site, 1 less the cosine of the angle: 0 straight on, 2 back; NULL: not asked for */
+	float *bend;    /* by site, 0 where the line is straight, nearly 1 where it curls; likewise */
 	spur *spur;     /* in the order of their sites */
 	uint32_t spurs; /* how many */
 } turns;
 
 /* room: pixels along a line that a spur is told of; 0: no spurs are asked for. */
 int32_t ISA(turns_find)(frame *f, float room, turns *t);
+
+/* The next site of a line, coming from `from`: where several meet, of the one that goes most straight on, seen from
+ * both sides; or UINT32_MAX. */
+uint32_t ISA(onward)(const fine *n, uint32_t from, uint32_t i);
+
+/* How lines bend, over several of their widths. */
+int32_t ISA(bends_find)(frame *f, turns *t);
 
 /* Where the end of a stroke's k-th spur is among all ends: behind those of sites. */
 static inline size_t spur_end(const capsules *all, const turns *t, uint32_t stroke, uint32_t k)

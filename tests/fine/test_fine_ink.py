@@ -47,6 +47,8 @@ PENS = {  # the case, what it is drawn with
                              line_color_by_kind=True, line_color_crease=(0.5, 0, 0))),
     "turning": ("faces", dict(line_thickness=2.0, pen_pool=1.0, pen_pressure=0.3, pen_pressure_length=25.0, pen_hold=2,
                               pen_boil=0.4)),
+    "bending": ("things", dict(line_thickness=3.0, pen_curve=1.5, line_pen_crease="PEN_2", pen_2_curve=-0.8,
+                               line_pen_color="PEN_2", pen_2_softness=0.0, pen_2_paper=0.0)),
     "dashed": ("faces", dict(line_thickness=1.5, pen_dash=7.0, pen_dash_space=3.0, line_pen_crease="PEN_2",
                              pen_2_dash=3.0, pen_2_dash_space=4.0, pen_2_softness=0.0, pen_2_paper=0.0)),
     "strip": ("faces", dict(line_thickness=6.0, line_softness=0.3, pen_strip=0.9, pen_strip_length=25.0,
@@ -105,6 +107,7 @@ def test_any_pen_on_any_lines(seed):
 
 @pytest.mark.parametrize("pen", [dict(line_thickness=2.0, pen_pool=1.0, line_density=0.15),
                                  dict(line_thickness=1.5, pen_overshoot=9.0, pen_strokes=2),
+                                 dict(line_thickness=2.0, pen_curve=1.5),
                                  dict(line_thickness=1.5, pen_dash=7.0, pen_dash_space=3.0)], ids=lambda pen: [*pen][1])
 @pytest.mark.parametrize("seed", range(2))
 def test_any_lines_turn_and_part(seed, pen):
@@ -258,6 +261,53 @@ def test_styles_without_lines_pool_no_ink():
     plain, pooled = (library.render(layers, library.check(scene), [{"use_lines": False, "pen_pool": pool}]).images
                      for pool in (0.0, 1.0))
     assert np.array_equal(plain["Combined"], pooled["Combined"])
+
+
+def outlined(inside, full_height, **pen):
+    """The ink of a shape's outline, in a cut from a frame of that height; inside(x, y) where the shape is."""
+    height, width = side = np.array((300, 300)) * full_height // 1080
+    y, x = (np.indices(side) - np.array((height, width))[:, None, None] / 2 + 0.5) * 1080 / full_height
+    flat = np.ones((height, width, 3), np.float32)
+    layers = {"combined": np.ones((height, width, 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
+              "depth": 5 * flat[..., :1], "object": np.float32(inside(x, y))[..., None]}
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 8.0, "line_intensity": 2.0, "width_contact": 1.0,
+             "length_unit": "RELATIVE", **pen}
+    frame = Frame(2 * full_height, full_height)
+    return library.render(layers, scene, frame=frame, outputs=("Encre Lines",)).images["Encre Lines"][..., 3], x, y
+
+
+@pytest.mark.parametrize("full_height", [1080, 540])
+@pytest.mark.parametrize("radius", [40, 60, 110])
+@pytest.mark.parametrize("shift", [0, 0.4])
+def test_lines_are_wider_where_they_bend(radius, full_height, shift):
+    """A round of 60 px radius takes half of the swelling, evenly all about."""
+    widths = []
+    for curve in (0.0, 0.8):
+        ink, x, y = outlined(lambda x, y: np.hypot(x - shift, y) < radius, full_height, pen_curve=curve)
+        turn = np.floor((np.arctan2(y, x - shift) / np.pi + 1) * 16).astype(int) % 32
+        widths.append(np.bincount(turn.ravel(), ink.ravel(), 32))
+    swelling = widths[1] / widths[0] - 1
+    assert abs(swelling.mean() - 0.8 * 60 / (60 + radius)) < 0.02
+    assert swelling.std() < (0.045 if full_height == 1080 else 0.07)  # a quarter of a pixel of the width
+
+
+@pytest.mark.parametrize("slope", [-0.7, -0.2, 0.05, 0.5, 1.1])
+def test_lines_bend_by_themselves_where_others_meet_them(slope):
+    def met(x, y):
+        return np.where(np.hypot(x, y) < 60, 1, np.where(y > slope * x + 25, 2, 0))
+
+    (plain, x, y), (curved, _, _) = (outlined(met, 1080, pen_curve=curve) for curve in (0.0, 0.8))
+    beyond = np.hypot(x, y) > 68
+    assert np.abs(curved - plain)[beyond].sum() < 0.02 * plain[beyond].sum()
+    assert abs(curved[~beyond].sum() / plain[~beyond].sum() - 1.4) < 0.04
+
+
+def test_straight_lines_and_corners_do_not_swell():
+    def box(x, y):
+        return (np.abs(x + 0.3 * y) < 80) & (np.abs(y - 0.2 * x) < 90)
+
+    plain, curved = (outlined(box, 1080, pen_curve=curve)[0] for curve in (0.0, 0.8))
+    assert np.abs(curved - plain).sum() < 0.01 * plain.sum()
 
 
 @pytest.mark.parametrize("case", ["faces", "rods"])

@@ -24,6 +24,8 @@ PLAIN = ALL_OFF | FINE | dict(use_lines=True)
 # case: what a hand or a tool changes of plain lines
 PENS = {
     "pressure and wobble": dict(pen_pressure=0.45, pen_wobble=0.9),
+    "wider in bends": dict(pen_curve=0.3),
+    "second ink in the dark": dict(ink_on_dark=1.0),
     "frayed": dict(pen_rough=0.45),
     "dashes": dict(pen_dash=40.0),
     "gaps": dict(pen_gaps=0.2),

@@ -6,6 +6,7 @@ import numpy as np
 from .metric import clamp01, mix, value
 from .passes import COLUMN, CRACKS, FAMILIES, NUMBER, ROW, hits, told_by
 from .shade import exposed
+from .turns import onward
 
 KINDS = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")
 WIDTHS = {"outline": "object", "contact": "object", "inner": "depth", "crease": "normal", "intersection": "normal"}
@@ -308,9 +309,7 @@ def _second(t, dark, half, unit):
                 if far >= 1:
                     break
                 yield at, far
-                after = _straight_on(t, before, at)
-                on = after is not None and _straight_on(t, after, at) == before
-                before, at = at, after if on else None
+                before, at = at, onward(t, before, at)
 
     even, full = np.zeros(len(t)), np.maximum(8 * half, 6 * unit)
     for i in np.flatnonzero(dark):

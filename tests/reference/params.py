@@ -22,7 +22,7 @@ DEFAULTS = {
     "line_search": "EXACT", "line_density": 1.0, "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0,
     "line_tint_value": 0.35, "width_contact": 1.0, "width_intersection": 1.0,
     **{pen + name: value for pen in ("pen_", "pen_2_", "pen_3_") for name, value in {
-        "pressure": 0.0, "pressure_length": 210.0, "wobble": 0.0, "wobble_length": 135.0,
+        "pressure": 0.0, "pressure_length": 210.0, "curve": 0.0, "wobble": 0.0, "wobble_length": 135.0,
         "rough": 0.0, "rough_length": 12.0, "gaps": 0.0, "gaps_length": 90.0,
         "dry": 0.0, "dry_length": 33.0, "bristles": 6, "strokes": 1, "seed": 0, "hold": 0, "boil": 1.0,
         "strip": 0.0, "strip_length": 300.0, "dash": 0.0, "dash_space": 10.0, "overshoot": 0.0, "pool": 0.0}.items()},

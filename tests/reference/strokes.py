@@ -13,7 +13,7 @@ from .passes import NUMBER
 from .strips import End
 from .strips import ends as strip_ends
 from .strips import left as strip_left
-from .turns import dashed, spurs, turned
+from .turns import bends, dashed, spurs, turned
 
 
 def free_lengths(t, shape):
@@ -126,8 +126,9 @@ def ends(t, layers, params, paper, stroke, pictures):
     turns = (hand.at("overshoot") > 0).any() or (hand.at("pool") > 0).any()
     turn = turned(t) if turns else np.zeros(len(t))
     pooled = hand.at("pool") * clamp01(turn - 0.5)
-    wider = hand.pressure() * (1 + pooled)
-    half = np.where((hand.at("pressure") > 0) | (pooled > 0), np.minimum(half * wider, most), half)
+    curved = hand.at("curve") * bends(t, hand.scale) if (hand.at("curve") != 0).any() else 0 * pooled
+    wider = hand.pressure() * (1 + pooled) * (1 + curved)
+    half = np.where((hand.at("pressure") > 0) | (pooled > 0) | (curved != 0), np.minimum(half * wider, most), half)
     whole, left = hand.radius(evened(t, np.where(used & ~t.dropped, half, 0.0), shape))
     radius = dashed(t, hand, whole * left)
     radius = radius * np.where(taper > 0, clamp01(free_lengths(t, shape) / np.where(taper > 0, taper, 1)), 1)

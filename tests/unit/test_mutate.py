@@ -61,7 +61,7 @@ def pictures(library):
         np.ascontiguousarray(layers[name][:, ::-1]) for name in ("albedo", "normal", "depth"))
     fine = dict(edge_detector="FINE", edge_color=2.0, edge_light=3.0, edge_seen=2.0)
     made = []
-    for scene in ({**fine, "line_taper": 9.0, "pen_overshoot": 6.0, "pen_pool": 1.0},
+    for scene in ({**fine, "line_taper": 9.0, "pen_overshoot": 6.0, "pen_pool": 1.0, "pen_curve": 0.5},
                   {"use_tones": True, "tone_1": "HATCH", "tone_2": "STIPPLE", "tone_3": "DOTS"},
                   {**fine, "line_thickness": 1.0, "line_softness": 0.0}, {},
                   dict(edge_detector="SOBEL", line_search="NEAREST", contrast_auto=True, contrast_metric="CMC",
