@@ -13,7 +13,7 @@ from .params import Chosen, fills_surfaces, pens, sticking_pens, strokes_along_u
 _MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
 _STROKE = 4.5  # pitches from a stroke's place to its end, at most
 _WIDEST = 40  # px that strokes lie apart at most whose distance grows with the thing
-_WINDOW = 24  # pixels about an edge at which its detector looks, whatever the settings are
+_WINDOW = 24  # px about an edge at which its detector looks, whatever the settings are; no fewer pixels
 
 # Versions of the settings, which files store: {version: {id: the default before it}}. Ids are for ever. To change a
 # default: add a version and what it was before.
@@ -198,7 +198,7 @@ class Settings:
         strokes = [_WIDEST * scale if pitch is None else inch / pitch if counted else pitch * scale
                    for values in self.every for pitch in strokes_pitches(values)]
         far = max(most * scale, *(_STROKE * max(pitch, 3) for pitch in strokes), 0)
-        return int(np.ceil(far)) + _WINDOW if self.active else 0
+        return int(np.ceil(far) + np.ceil(_WINDOW * max(1, scale))) if self.active else 0
 
     @cached_property
     def images(self) -> list[Chosen]:

@@ -41,6 +41,12 @@ static float wide(const site *s, float radius)
 	return mix(2 * radius, 2 * (s->placed.half + radius) / lines, filled_by(s, radius));
 }
 
+/* What its room leaves of a site's radius. */
+static float left_of(const site *s, float radius)
+{
+	return radius * s->linked.crowd > 1 ? 1 / s->linked.crowd : radius;
+}
+
 static int32_t weigh(const fine *n, const grid *g, const pen_end *end)
 {
 	int32_t code = ENCRE_OK;
@@ -53,7 +59,8 @@ static int32_t weigh(const fine *n, const grid *g, const pen_end *end)
 		if (n->site[i].linked.dropped || !(end[i].out > 0))
 			continue;
 		place_on(g, &n->site[i].placed, &x, &y, &u, &v);
-		float ink = wide(n->site + i, end[i].out) * length_at(n, i, end[i].out) / area,
+		float radius = left_of(n->site + i, end[i].out);
+		float ink = wide(n->site + i, radius) * length_at(n, i, radius) / area,
 		      *at = g->share + y * g->across + x;
 		at[0] += (1 - u) * (1 - v) * ink;
 		at[1] += u * (1 - v) * ink;
@@ -106,7 +113,8 @@ int32_t ISA(thickets_thin)(frame *f, uint32_t strokes, pen_end *end)
 		const float *at = g.share + y * g.across + x;
 		float share = mix(mix(at[0], at[1], u), mix(at[g.across], at[g.across + 1], u), v);
 		for (uint32_t k = 0; share > most && most < 1 && k < strokes; k++)
-			end[(size_t)k * n->count + i].out *= most / share;
+			end[(size_t)k * n->count + i].out =
+				left_of(n->site + i, end[(size_t)k * n->count + i].out) * most / share;
 	}
 	late_drop(&f->late, g.share);
 	return code;

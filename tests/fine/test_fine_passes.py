@@ -21,6 +21,7 @@ class Check:
 
     def __init__(self, c):
         self.c, self.shape, self.count = c, c.view.shape, Counter()
+        self.scale = c.view.params.pixels(c.view.layers.full_height)
 
     def tables(self, name):
         return [Table(s.site, s.link) for s in self.c.every if s.name == name]
@@ -102,8 +103,8 @@ def crowd(check):
     if not check.tables("crowd"):
         return
     before, after = check.tables("smooth")[0], check.tables("crowd")[0]
-    bound, unsure = twin.crowd(before, check.shape)
-    if unsure:  # one says something of all within 20 pixels
+    bound, unsure = twin.crowd(before, check.shape, check.scale)
+    if unsure:  # one says something of all about
         return
     assert after.site["crowd"] == pytest.approx(bound, rel=1e-3, abs=1e-5)
     check.count["crowded"] += int((bound > 0).sum())
@@ -113,7 +114,7 @@ def give_way(check):
     if not check.tables("give way"):
         return
     before = (check.tables("crowd") or check.tables("smooth"))[0]
-    bound, unsure = twin.give_way(before)
+    bound, unsure = twin.give_way(before, check.scale)
     bound = np.maximum(bound, before.site["crowd"])
     give = (before.family == NUMBER["crease"]) | (before.rank == 3)
     sure = [i for i in np.flatnonzero(give) if i not in unsure]
@@ -127,8 +128,7 @@ def give_way(check):
 
 def slim(check):
     before = (check.tables("give way") or check.tables("crowd") or check.tables("smooth"))[0]
-    params, layers = check.c.view.params, check.c.view.layers
-    crowd, tapers, unsure = slender.slender(before, layers.depth, params.pixels(layers.full_height))
+    crowd, tapers, unsure = slender.slender(before, check.c.view.layers.depth, check.scale)
     after = check.tables("slender")[0].site
     shapes = (before.rank == 0) & ~before.dropped
     sure = [i for i in np.flatnonzero(shapes) if i not in unsure]
@@ -169,7 +169,7 @@ def drop(check):
     check.alike("spurs", gone, dropped(beside, last), unsure)
     params, style = check.c.view.params, check.c.view.layers.style
     least = params.at("line_min_length", style[last.site["near_y"], last.site["near_x"]])
-    gone, unsure = chains.short(last, least * params.pixels(check.c.view.layers.full_height), check.shape)
+    gone, unsure = chains.short(last, least * check.scale, check.shape)
     check.count["short"] += len(gone)
     check.alike("short", gone, dropped(last, check.tables("drop short")[0]), unsure)
 

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A picture in relative units has the same ink at every size, and no line is drawn in stairs."""
+"""A picture in relative units has the same ink and lines at every size, and no line is drawn in stairs."""
 
 import functools
 import json
 from pathlib import Path
 
+import crowds
 import numpy as np
 import pytest
 from encre.pen import library
@@ -13,6 +14,8 @@ from judge import scenes
 
 PRESETS = Path(library.__file__).parents[1] / "presets"
 SIZES = {25: 68, 50: 135, 100: 270, 200: 540}  # lines of the frame by per cent
+LARGE = {50: 540, 100: 1080, 200: 2160}
+NEAR = 2  # pixels, at 100 %, within which a line is the same
 
 
 def preset(name):
@@ -28,22 +31,67 @@ def pictures(name):
     """The layers of a scene by per cent, and its camera."""
     by_size = {size: scenes.NAMED[name](size=(lines, lines * 4 // 3)) for size, lines in SIZES.items()}
     camera = by_size[100].camera_settings
-    return ({size: scene.layers("blackman") for size, scene in by_size.items()},
+    return ({size: (scene.layers("blackman"), None) for size, scene in by_size.items()},
             Camera(tuple(camera["view"]), camera["orthographic"], camera["height"], distance=6.0))
 
 
-def darkness(layers, camera=None, **values):
-    return library.render(layers, values, camera=camera, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
+@functools.cache
+def crowd():
+    """Likewise of crowded lines."""
+    return {size: crowds.crowded(lines) for size, lines in LARGE.items()}, crowds.CAMERA
+
+
+def darkness(layers, camera=None, frame=None, **values):
+    drawn = library.render(layers, values, camera=camera, frame=frame, outputs=["Encre Lines"])
+    return drawn.images["Encre Lines"][..., 3]
+
+
+def inked(pictures, name):
+    """What lines cover by per cent, each as large as that of 100 %."""
+    by_size, camera = pictures
+    values = dict(preset(name), use_example=False)  # which paints no lines
+    ink = {size: darkness(layers, camera, frame, **values) for size, (layers, frame) in by_size.items()}
+    return {size: sized(a, ink[100].shape) for size, a in ink.items()}
+
+
+def sized(a, shape):
+    """Means of pixels, or pixels again and again."""
+    for axis, n in enumerate(shape):
+        if a.shape[axis] > n:
+            a = a.reshape(*a.shape[:axis], n, -1, *a.shape[axis + 1:]).mean(axis + 1)
+        else:
+            a = np.take(a, np.arange(n) * a.shape[axis] // n, axis)
+    return a
+
+
+def alone(a, b):
+    """Share of the ink of a that has none of b near."""
+    around, h, w = np.pad(b, NEAR), *b.shape
+    ways = [(dy, dx) for dy in range(-NEAR, NEAR + 1) for dx in range(-NEAR, NEAR + 1) if dy**2 + dx**2 <= NEAR**2]
+    most = np.max([around[NEAR + dy:NEAR + dy + h, NEAR + dx:NEAR + dx + w] for dy, dx in ways], 0)
+    return a[most < 0.03 * b.max()].sum() / a.sum()
 
 
 @pytest.mark.parametrize("name", relative())
-def test_ink_is_the_same_at_every_size(name):
-    by_size, camera = pictures("boxes")
-    values = dict(preset(name), use_example=False)  # which paints no lines
-    ink = {size: darkness(layers, camera, **values).mean() for size, layers in by_size.items()}
-    change = {size: abs(ink[size] / ink[100] - 1) for size in ink}
-    assert ink[100] > 0.005
+def test_ink_and_lines_are_the_same_at_every_size(name):
+    ink = inked(pictures("boxes"), name)
+    change = {size: abs(a.mean() / ink[100].mean() - 1) for size, a in ink.items()}
+    assert ink[100].mean() > 0.005
     assert change[50] < 0.05 and change[200] < 0.05 and change[25] < 0.15, change
+    other = {size: max(alone(a, ink[100]), alone(ink[100], a)) for size, a in ink.items()}
+    assert other[50] < 0.01 and other[200] < 0.01 and other[25] < 0.2, other  # a pixel there is four wide here
+
+
+@pytest.mark.parametrize("name", relative())
+def test_crowded_ink_and_lines_are_the_same_in_large_frames(name):
+    """In smaller ones pixels can't part what is farthest away, but they draw nothing else instead."""
+    ink = inked(crowd(), name)
+    change = {size: abs(a.mean() / ink[100].mean() - 1) for size, a in ink.items()}
+    assert change[200] < 0.05 and change[50] < 0.15, change
+    more, less = ({size: alone(*pair) for size, pair in pairs.items()} for pairs in (
+        {size: (a, ink[100]) for size, a in ink.items()}, {size: (ink[100], a) for size, a in ink.items()}))
+    assert more[200] < 0.02 and less[200] < 0.06, (more, less)
+    assert more[50] < 0.06 and less[50] < 0.11, (more, less)
 
 
 def slanted(rows=60, columns=200):

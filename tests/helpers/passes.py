@@ -175,7 +175,10 @@ MORE = {  # for the passes alone: many lines beside one another
     for k in range(4)} | {  # thin things whose lines have px
     f"slender {k}": (dict(seed=140 + k, things=2, wires=2 + k % 2, told=30 * (k % 2), size=(40, 56), busy=False),
                      dict(edge_color=0.0, edge_light=0.0, length_unit="PIXELS"), (), (None, ORTHO)[k // 3])
-    for k in range(6)}
+    for k in range(6)} | {  # frames of 1.7 px, and of more than count
+    f"large {k}": (dict(seed=160 + k, things=1, noise=0.01, size=(40, 56)),
+                   dict(length_unit="MM", page_height=(23.0, 2.0)[k % 2], edge_threshold=0.05), (), None)
+    for k in range(4)}
 
 
 EVERY = {**CASES, **TINY, **MORE, **WIRES, **LIGHTS, **SWEEPS, **CUTS, **ROWS}

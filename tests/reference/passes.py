@@ -277,13 +277,19 @@ def smooth(t):
 # Room between lines of colours
 
 
-def crowd(t, shape):
+def px(scale):
+    """Pixels in a px of room, of a frame with so many."""
+    return min(max(scale, 1.0), 8.0)
+
+
+def crowd(t, shape, scale):
     """1 over the greatest radius of each site, 0 where it is not bounded; unsure."""
+    reach, spread, gone = px(scale) * np.array([10.0, 20.0, 2.5])
     counts = [i for i in range(len(t)) if t.rank[i] == 2 and (not t.dropped[i] or t.site["crumb"][i])]
     near, doubt = {}, set()
     for i in counts:
         ahead_axis = 1 if t.axis[i] == COLUMN else 0
-        nexts = [10.0, 10.0]
+        nexts = [reach, reach]
         for j in counts:
             gap = t.at[j] - t.at[i]
             ahead, aside = gap[ahead_axis], gap[1 - ahead_axis]
@@ -294,7 +300,7 @@ def crowd(t, shape):
             if abs(ahead) > least and abs(aside) <= most:
                 nexts[int(ahead > 0)] = min(nexts[int(ahead > 0)], abs(ahead))
         room = max(nexts)
-        near[i] = 1 / (room / (2 - room / 10) if FAMILIES[t.family[i]] == "color_band" else room)
+        near[i] = 1 / (room / (2 - room / reach) if FAMILIES[t.family[i]] == "color_band" else room)
     cells = {}
     for i in counts:  # of 4 pixels each way
         pixel = np.clip(np.floor(t.at[i] + 0.5), 0, (shape[1] - 1, shape[0] - 1)).astype(int) // 4
@@ -305,23 +311,24 @@ def crowd(t, shape):
             continue
         total = weights = 0
         for (cx, cy), members in cells.items():
-            share = np.prod(np.maximum(0, 1 - np.abs(np.array([4 * cx + 1.5, 4 * cy + 1.5]) - t.at[i]) / 20))
+            share = np.prod(np.maximum(0, 1 - np.abs(np.array([4 * cx + 1.5, 4 * cy + 1.5]) - t.at[i]) / spread))
             total += share * sum(near[j] for j in members)
             weights += share * len(members)
         mean = weights / total
-        bound[i] = (1 - mean / 10) / (0.25 * (mean - 2.5 if mean > 2.5 else 1e-6))
+        bound[i] = (1 - mean / reach) / (0.25 * (mean - gone if mean > gone else 1e-6))
     return bound, doubt
 
 
 # Edges of meshes, and of light, beside older lines: the room that they have, in the mean of up to 12 sites each way
 
 
-def give_way(t):
+def give_way(t, scale):
     """1 over the greatest radius of sites on edges of meshes or of light, 0 where it is not bounded; unsure."""
     def way(i):
         ends = [*t.links[i], i][:2]
         return (t.at[ends[1]] - t.at[ends[0]]) * (-1 if len(t.links[i]) == 1 else 1)
-    room, bound, doubt = np.full(len(t), 4.0), np.zeros(len(t)), set()
+    wide = 4 * px(scale)
+    room, bound, doubt = np.full(len(t), wide), np.zeros(len(t)), set()
     crease = FAMILIES.index("crease")
     lines = [i for i in range(len(t)) if not t.dropped[i] and len(t.links[i]) in (1, 2) and np.any(way(i))]
     for i in lines:
@@ -333,7 +340,7 @@ def give_way(t):
                 continue
             gap, other = t.at[j] - t.at[i], way(j) / np.linalg.norm(way(j))
             along, aside, level = abs(gap @ (x, y)), abs(gap @ (y, -x)), abs(other @ (x, y))
-            if aside < 4 and min(abs(along - 1), abs(level - 0.95)) < CLOSE:
+            if aside < wide and min(abs(along - 1), abs(level - 0.95)) < CLOSE:
                 doubt.add(i)
             elif along <= 1 and level >= 0.95:
                 room[i] = min(room[i], aside)
@@ -347,7 +354,8 @@ def give_way(t):
         if doubt & set(group):
             unsure.add(i)
         mean = float(np.mean(room[group]))
-        bound[i] = (1 - mean / 4) / (0.25 * max(mean - (1.5 if t.family[i] == crease else 0.5), 1e-6))
+        closed = px(scale) * (1.5 if t.family[i] == crease else 0.5)
+        bound[i] = (1 - mean / wide) / (0.25 * max(mean - closed, 1e-6))
     return bound, unsure
 
 

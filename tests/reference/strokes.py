@@ -86,11 +86,13 @@ def _thinned(t, half, most, unit, shape):
     x, y = np.minimum(np.floor(where).astype(int), np.array(share.shape[::-1]) - 2).T
     u, v = clamp01(where - np.stack([x, y], -1)).T
     corners = [(y, x, (1 - u) * (1 - v)), (y, x + 1, u * (1 - v)), (y + 1, x, (1 - u) * v), (y + 1, x + 1, u * v)]
-    length = np.array([sum(t.apart(i, j) / 2 for j in t.links[i] if not t.dropped[j]) if t.links[i] else 2 * half[i]
+    room = 1 / np.maximum(t.site["crowd"], 1e-12)
+    used = np.where(room < half, room, half)
+    length = np.array([sum(t.apart(i, j) / 2 for j in t.links[i] if not t.dropped[j]) if t.links[i] else 2 * used[i]
                        for i in range(len(t))])
     # each of a thing's lines that are one covers half of it, and one along its middle all
-    whole = 2 * (t.site["half"] + half) / np.where(t.family == NUMBER["thin"], 1, 2)
-    ink = np.where(t.dropped, 0, mix(2 * half, whole, filled_by(t, half)) * length / step**2)
+    whole = 2 * (t.site["half"] + used) / np.where(t.family == NUMBER["thin"], 1, 2)
+    ink = np.where(t.dropped, 0, mix(2 * used, whole, filled_by(t, used)) * length / step**2)
     for row, column, weight in corners:
         np.add.at(share, (row, column), weight * ink)
     for _ in range(2):
@@ -98,7 +100,7 @@ def _thinned(t, half, most, unit, shape):
             wide = np.pad(share, [(1, 1) if axis == k else (0, 0) for k in (0, 1)])
             share = (np.delete(wide, (-2, -1), axis) + 2 * share + np.delete(wide, (0, 1), axis)) / 4
     about = sum(weight * share[row, column] for row, column, weight in corners)
-    return half * np.where((about > most) & (most < 1), most / np.maximum(about, 1e-12), 1)
+    return np.where((about > most) & (most < 1), used * most / np.maximum(about, 1e-12), half)
 
 
 def ends(t, layers, params, paper, stroke, pictures):

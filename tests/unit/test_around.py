@@ -64,3 +64,27 @@ def test_a_part_with_what_it_depends_on_is_drawn_as_the_whole(detector, painted,
         part = library.render({name: a[:, left:] for name, a in layers.items()}, scene,
                               frame=Frame(width, height, left, 0)).images["Combined"]
         np.testing.assert_array_equal(part[:, first - left:], whole[:, first:], err_msg=str(first))
+
+
+@pytest.mark.parametrize("scale", [1, 2.5, 5])
+def test_a_part_has_lines_that_thin_out_in_a_crowd_as_in_the_whole(scale):
+    """Stripes of 2.7 px beside wider ones: how close all are decides how wide each line is."""
+    rng = np.random.default_rng(3)
+    height, width = 60, 560
+    edges = scale * np.cumsum(np.append(rng.uniform(2.55, 2.9, 22), rng.uniform(3.5, 5, 300)))
+    flat = np.ones((height, width, 3), np.float32)
+    odd = np.searchsorted(edges, np.arange(width)) % 2
+    layers = dict(combined=np.ones((height, width, 4), np.float32), diffuse=flat, depth=2 * flat[..., 0],
+                  color=np.where(odd[:, None], np.float32([0.2, 0.3, 0.5]), np.float32([0.7, 0.6, 0.4])) * flat,
+                  normal=flat * np.float32([0, 0, 1]), object=flat[..., 0])
+    off = dict.fromkeys(("use_shading", "use_smudging", "use_hatching"), False)
+    scene = {**off, "edge_color": 5.0, "line_thickness": 2.0, "line_max_thickness": 2.0, "length_unit": "MM",
+             "page_height": height / scale}
+    reach = Settings(scene).reach(height)
+    whole = library.render(layers, scene, frame=Frame(width, height)).images["Combined"]
+    assert (whole < 0.9).mean() > 0.05
+    for first in range(int(40 * scale), int(80 * scale), 7):
+        left = first - reach
+        part = library.render({name: np.ascontiguousarray(a[:, left:]) for name, a in layers.items()}, scene,
+                              frame=Frame(width, height, left, 0)).images["Combined"]
+        assert np.abs(part[5:-5, reach:] - whole[5:-5, first:]).max() < 0.03, first

@@ -8,18 +8,26 @@
 
 enum { CHUNK = 2048, EVENED = 12 /* sites each way along a line */ };
 
-/* In pixels. Next lines are looked for so far away, and their distance is averaged over so much each way. */
-static const float reach = 10, spread = 20; /* test_fine_passes */
-/* Another site is on a line of its own that lies so far ahead and no farther to the side: of lines that part other
- * colours, and of those that part the same colours the other way round. */
+/* In px, which in small frames are whole pixels: closer lines these can't part, and in large ones no more than 8. Next
+ * lines are looked for so far away, and their distance is averaged over so much each way. */
+static const float largest_px = 8, reach = 10, spread = 20; /* test_fine_passes */
+/* In pixels: another site is on a line of its own that lies so far ahead and no farther to the side: of lines that part
+ * other colours, and of those that part the same colours the other way round. */
 static const float ahead_other = 1.75f, aside_other = 1.5f, ahead_back = 1, aside_back = 4; /* test_fine_passes */
-static const float gone = 2.5f;   /* lines that are so close are not drawn; test_fine_passes */
+static const float gone = 2.5f;   /* px: lines that are so close are not drawn; test_fine_passes */
 static const float share = 0.25f; /* of the room beyond that, which a line's half may take; test_fine_passes */
+
+/* Pixels in a px. */
+static float px_of(const fine *n)
+{
+	return min(max(n->f->scale, 1), largest_px);
+}
 
 typedef struct crowd {
 	fine *n;
-	float *near;     /* by site: 1 / the distance to the farther of the next lines on both sides */
-	float (*sum)[2]; /* by cell: of that, and how many sites there are */
+	float reach, spread, gone; /* in pixels */
+	float *near;               /* by site: 1 / the distance to the farther of the next lines on both sides */
+	float (*sum)[2];           /* by cell: of that, and how many sites there are */
 } crowd;
 
 /* What was too short to be a line shows all the same how dense lines would be. */
@@ -57,10 +65,11 @@ static void look_in(const fine *n, const site *s, near_sites strip, gap *g)
 }
 
 /* Strip by strip of cells outwards, as long as one may hold something nearer. */
-static float distance_to_next(const fine *n, const site *s)
+static float distance_to_next(const crowd *c, const site *s)
 {
-	gap g = {reach, reach};
-	near_sites of = near_site(n, s, reach), narrow = near_site(n, s, aside_back);
+	const fine *n = c->n;
+	gap g = {c->reach, c->reach};
+	near_sites of = near_site(n, s, c->reach), narrow = near_site(n, s, aside_back);
 	bool down = s->found.axis == AXIS_COLUMN;
 	float at = down ? s->placed.y : s->placed.x;
 	int own = pixel_of(at, down ? n->f->height : n->f->width) / CELL, first = down ? of.row : of.x0,
@@ -76,7 +85,7 @@ static float distance_to_next(const fine *n, const site *s)
 				&g);
 		}
 	float next = g.before > g.after ? g.before : g.after;
-	return s->found.family == FAMILY_COLOR_BAND ? next / (2 - next / reach) : next; /* a stripe has two sides */
+	return s->found.family == FAMILY_COLOR_BAND ? next / (2 - next / c->reach) : next; /* a stripe has two sides */
 }
 
 static void find_next(void *data, int first, int end, int thread)
@@ -85,7 +94,7 @@ static void find_next(void *data, int first, int end, int thread)
 	const crowd *c = data;
 	for (int i = first; i < end && !stopped_at(c->n, i); i++)
 		if (counts(c->n->site + i))
-			c->near[i] = 1 / distance_to_next(c->n, c->n->site + i);
+			c->near[i] = 1 / distance_to_next(c, c->n->site + i);
 }
 
 static void sum_cells(void *data, int first, int end, int thread)
@@ -107,14 +116,14 @@ static void sum_cells(void *data, int first, int end, int thread)
  * be alone. So cells are averaged, with weights that fall to 0 at `spread`. */
 static float mean_distance(const crowd *c, const site *s)
 {
-	near_sites of = near_site(c->n, s, spread);
+	near_sites of = near_site(c->n, s, c->spread);
 	float sum = 0, count = 0;
 	for (int row = of.row; row <= of.last; row++)
 		for (int x = of.x0; x <= of.x1; x++) {
 			const float *cell = c->sum[row * c->n->across + x];
 			float dx = ((float)x + 0.5f) * CELL - 0.5f - s->placed.x,
 			      dy = ((float)row + 0.5f) * CELL - 0.5f - s->placed.y;
-			float weight = max(0, 1 - fabsf(dx) / spread) * max(0, 1 - fabsf(dy) / spread);
+			float weight = max(0, 1 - fabsf(dx) / c->spread) * max(0, 1 - fabsf(dy) / c->spread);
 			sum += weight * cell[0];
 			count += weight * cell[1];
 		}
@@ -129,16 +138,21 @@ static void bound(void *data, int first, int end, int thread)
 		site *s = c->n->site + i;
 		if (s->linked.dropped || !counts(s))
 			continue;
-		float mean = mean_distance(c, s), room = mean > gone ? mean - gone : 1e-6f;
-		s->linked.crowd = (1 - mean / reach) / (share * room);
+		float mean = mean_distance(c, s), room = mean > c->gone ? mean - c->gone : 1e-6f;
+		s->linked.crowd = (1 - mean / c->reach) / (share * room);
 	}
 }
 
 int32_t ISA(fine_crowd)(fine *n)
 {
 	int cells = n->across * n->tall;
-	crowd c = {n, late_take(&n->f->late, n->count, sizeof *c.near),
-		   late_take(&n->f->late, (size_t)cells, sizeof *c.sum)};
+	float px = px_of(n);
+	crowd c = {.n = n,
+		   .reach = reach * px,
+		   .spread = spread * px,
+		   .gone = gone * px,
+		   .near = late_take(&n->f->late, n->count, sizeof *c.near),
+		   .sum = late_take(&n->f->late, (size_t)cells, sizeof *c.sum)};
 	if (!c.near || !c.sum)
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_next, &c);
@@ -149,14 +163,15 @@ int32_t ISA(fine_crowd)(fine *n)
 
 /* ---- beside older lines --------------------------------------------------------------------------------------- */
 
-/* Pixels beside an older line that runs along, up to where and within which it counts; as above, and how far along. */
+/* Px beside an older line that runs along, up to where and within which it counts; as above, and pixels along. */
 static const float wide = 4, along = 1;
 static const float closed_crease = 1.5f, closed_light = 0.5f; /* light keeps 1.5 pixels clear by itself */
 static const float level = 0.95f;                             /* cosine */
 
 typedef struct rooms {
 	fine *n;
-	float *room; /* by site: pixels to the next older line that runs along, `wide` at most */
+	float px;
+	float *room; /* by site: px to the next older line that runs along, `wide` at most */
 } rooms;
 
 static bool may_give_way(const site *s)
@@ -171,13 +186,13 @@ static void find_rooms(void *data, int first, int end, int thread)
 	const fine *n = r->n;
 	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
 		const site *s = n->site + i;
-		float way[2], other[2], room = wide;
+		float way[2], other[2], room = wide * r->px;
 		bool crease = s->found.family == FAMILY_CREASE;
 		r->room[i] = wide;
 		if (!may_give_way(s) || !way_of(n, i, way))
 			continue;
 		float square = way[0] * way[0] + way[1] * way[1], length = sqrtf(square);
-		near_sites of = near_site(n, s, wide + along);
+		near_sites of = near_site(n, s, room + along);
 		for (uint32_t j; near_next(n, &of, &j);) {
 			const site *t = n->site + j;
 			bool older = crease ? t->found.family < FAMILY_CREASE : rank_of(t) < RANK_LIGHT;
@@ -189,7 +204,7 @@ static void find_rooms(void *data, int first, int end, int thread)
 			    dot * dot > level * level * square * (other[0] * other[0] + other[1] * other[1]))
 				room = aside / length;
 		}
-		r->room[i] = room;
+		r->room[i] = room / r->px;
 	}
 }
 
@@ -223,13 +238,14 @@ static void give_way(void *data, int first, int end, int thread)
 			continue;
 		float room = even_room(r, i), closed = s->found.family == FAMILY_CREASE ? closed_crease : closed_light;
 		if (room < wide)
-			s->linked.crowd = max(s->linked.crowd, (1 - room / wide) / (share * max(room - closed, 1e-6f)));
+			s->linked.crowd =
+				max(s->linked.crowd, (1 - room / wide) / (share * max((room - closed) * r->px, 1e-6f)));
 	}
 }
 
 int32_t ISA(fine_give_way)(fine *n)
 {
-	rooms r = {n, late_take(&n->f->late, n->count, sizeof *r.room)};
+	rooms r = {.n = n, .px = px_of(n), .room = late_take(&n->f->late, n->count, sizeof *r.room)};
 	if (!r.room)
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_rooms, &r);
