@@ -9,7 +9,7 @@ import numpy as np
 from ..pen import background, library, overlay
 from ..pen.job import Camera
 from ..pen.sky import Sky, directions
-from . import cameras, lamps, materials, meshes, mirrors, pictures, subject, trees, worlds
+from . import cameras, lamps, materials, meshes, mirrors, pictures, subject, trees, unseen, worlds
 
 _SHOWS = 0.5         # alpha from which on a surface is there, as Blender's threshold is
 _MOST_BEHIND = 8     # surfaces that are looked through, one after the other
@@ -59,6 +59,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     except trees.Unknown as e:
         sky = Sky(np.array(scene.world.color))
         notes.append(f"the world in its viewport colour, as only Cycles can show its node {e}")
+    notes += unseen.of_materials(looks, objects.materials) + unseen.of_things(depsgraph, visible)
     made = looks.programs(objects.materials, objects.things, first)
     return Scene(objects, light, made, sky, scene.render.film_transparent, subject.read(depsgraph, camera, light), clip,
                  notes, first > 0, looks.through(objects.materials))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..pen.job import Materials
 from ..pen.program import Pool
-from . import nodes, trees
+from . import nodes, trees, unseen
 
 _PLAIN = (0.8, 0.8, 0.8)  # what a renderer gives a surface without a material
 
@@ -25,6 +25,7 @@ class Looks:
     known: dict = field(default_factory=dict)     # full name, None: no material -> (Compiler, Surface)
     sources: dict = field(default_factory=dict)   # likewise -> what it reads of meshes, in the order of the channels
     unknown: dict = field(default_factory=dict)   # full name -> the node that can't be shown
+    lost: dict = field(default_factory=dict)      # full name -> what else it has that is not shown
 
     def programs(self, names, things, first):
         """The job.Materials by number; names: in the order of the numbers; first: the first of the attributes' channels
@@ -53,7 +54,7 @@ def read(blocks, images):
             looks.unknown[name] = str(e)
             compiler = nodes.Compiler(looks.pool, images)
             surface = compiler.matt(tuple(map(float, block.diffuse_color[:3])))
-        looks.known[name] = compiler, surface
+        looks.known[name], looks.lost[name] = (compiler, surface), compiler.lost
         looks.sources[name] = compiler.sources
     return looks
 
@@ -64,4 +65,7 @@ def _surface(compiler, block):
     if not block.use_nodes or block.node_tree is None:
         return compiler.matt(tuple(map(float, block.diffuse_color[:3])))
     out = block.node_tree.get_output_node("CYCLES")
-    return compiler.shader(out.inputs["Surface"]) if out else compiler.nothing()
+    if out is None:
+        return compiler.nothing()
+    compiler.lost += unseen.of_output(out)
+    return compiler.shader(out.inputs["Surface"])

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..pen.job import Program
 from ..pen.program import Builder, TooLong
-from . import trees, worlds
+from . import trees, unseen, worlds
 from .patterns import Patterns
 
 _MOST_SOURCES = 5
@@ -41,6 +41,7 @@ class Compiler(Patterns):
     def __init__(self, pool, images):
         self.images, self.build, self.sources = images, Builder(pool), []
         self.through = False  # whether light goes through it, as through glass
+        self.lost = []  # nodes that change what it looks like, and are not shown
         self._known, self._groups = {}, []  # outputs of nodes by (groups around them, node); nodes of open groups
 
     # What becomes of it
@@ -83,6 +84,8 @@ class Compiler(Patterns):
         if key not in self._known:
             try:
                 self._known[key] = make(node)
+                if socket.type == "SHADER" and (lost := unseen.turned(node)) and lost not in self.lost:
+                    self.lost.append(lost)
             except TooLong:
                 raise trees.Unknown(node.name) from None
         values = self._known[key]

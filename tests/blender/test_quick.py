@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Layers that Encre draws without Cycles: they are Cycles', and wherever they are asked for."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -95,6 +97,14 @@ def test_what_only_cycles_can_show_is_said_in_one_line(render):
     color = passes["DiffCol"].reshape(-1, 3)
     assert np.isclose(color, (0.2, 0.3, 0.4), atol=1e-5).all(1).any()
     assert passes["DiffDir"].max() > 0.5
+
+
+def test_what_is_not_shown_is_said_in_two_lines(render):
+    said = render("what_is_not_shown").output
+    lost = "its displacement, its volume, Bump"
+    assert said.count(f"materials that show more in Cycles: Red ({lost}); choose Cycles for Layers to see them") == 1
+    things = re.findall("not shown, as only Cycles can show it: (.*); choose Cycles for Layers", said)
+    assert [sorted(line.split(", ")) for line in things] == [["Fog (a volume)", "Fur (particle hair Hair)"]]
 
 
 @pytest.mark.parametrize("count", [50, pytest.param(500, marks=pytest.mark.long)])

@@ -271,3 +271,35 @@ def flat_mirror(out):
     glass = _new(tree, "BsdfGlass", Roughness=0.0)
     tree.links.new(glass.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     shoot(out, "glass")
+
+
+def what_is_not_shown(out):
+    """A bump in a group, displacement, fog, a volume, particle hair and hair curves; and what has all that unseen."""
+    scene = stage()
+    tree = bpy.data.materials["Red"].node_tree
+    group = tree.nodes.new("ShaderNodeGroup")
+    group.node_tree = inner = bpy.data.node_groups.new("Rough", "ShaderNodeTree")
+    kinds = ("Shader", "SHADER")
+    if hasattr(inner, "interface"):
+        inner.interface.new_socket(kinds[0], in_out="OUTPUT", socket_type="NodeSocketShader")
+    else:
+        inner.outputs.new("NodeSocketShader", kinds[0])
+    bump, surface = _new(inner, "Bump"), _new(inner, "BsdfDiffuse")
+    inner.links.new(bump.outputs[0], surface.inputs["Normal"])
+    inner.links.new(surface.outputs[0], inner.nodes.new("NodeGroupOutput").inputs[0])
+    end = tree.nodes["Material Output"]
+    tree.links.new(group.outputs[0], end.inputs["Surface"])
+    tree.links.new(_new(tree, "Displacement").outputs[0], end.inputs["Displacement"])
+    tree.links.new(_new(tree, "VolumeScatter").outputs[0], end.inputs["Volume"])
+    idle = bpy.data.materials["Grey"].node_tree  # a bump that nothing reads
+    idle.links.new(_new(idle, "Bump").outputs[0], _new(idle, "BsdfDiffuse").inputs["Normal"])
+    fog = bpy.data.objects.new("Fog", bpy.data.volumes.new("Fog"))
+    scene.collection.objects.link(fog)
+    for name, seen in (("Fur", True), ("Hidden", False)):
+        ball = sphere(name)
+        ball.visible_camera = seen
+        ball.modifiers.new("Hair", "PARTICLE_SYSTEM")
+        ball.particle_systems[0].settings.type = "HAIR"
+        ball.particle_systems[0].name = "Hair"
+    scene.encre.layer_source = "ENCRE"
+    shoot(out, "less")
