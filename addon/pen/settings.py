@@ -225,9 +225,10 @@ class Settings:
 
     @cached_property
     def wants_gloss(self) -> bool:
-        """Whether metals are treated apart."""
+        """Whether metals and what is glazed are treated apart."""
         return any((values["use_example"] and values["example_gloss"])
-                   or (values["use_shading"] and values["reflection_tones"]) for values in self.every)
+                   or (values["use_shading"] and values["reflection_tones"])
+                   or (values["use_tones"] and values["tone_black"]) for values in self.every)
 
     @cached_property
     def wants_parts(self) -> bool:

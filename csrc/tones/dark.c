@@ -37,12 +37,29 @@ static inline float spare(spared s, float lit, float bright)
 	return max(lit, min(more, s.end));
 }
 
+static const float clear_from = 0.7f; /* share of light that a glazed thing mirrors from which on it is a mirror */
+
+/* How far what a pixel mirrors lies over a colour of its own, as on the sea, wet stone or lacquer: 0 for metals, which
+ * have none, and where nothing tells what mirrors. The colour is that without the share that mirroring takes of it. */
+static void glazed_row(const frame *f, int y, int x, int n, float (*restrict color)[TONE_CHUNK], float *restrict glazed)
+{
+	const float *gloss = layer_row(f, ENCRE_LAYER_GLOSS, y), *albedo = layer_row(f, ENCRE_LAYER_ALBEDO, y);
+	for (int i = 0; gloss && i < n; i++) {
+		const float *g = gloss + (ptrdiff_t)3 * (x + i), *a = albedo + (ptrdiff_t)3 * (x + i);
+		float mirrors = max3(g[0], g[1], g[2]), bright = max3(color[0][i], color[1][i], color[2][i]);
+		float all = max3(a[0] - color[0][i], a[1] - color[1][i], a[2] - color[2][i]);
+		float share = clamp01(mirrors / max(max(all, mirrors), FLT_MIN));
+		glazed[i] = share * clamp01(50 * bright / max(1 - mirrors, 0.05f));
+	}
+}
+
 /* Mirrors and glass have no light of their own: it becomes that of the thing they show, and without end where they show
- * none. What mirrors black is as dark as it looks. */
+ * none. What mirrors black is as dark as it looks. Glazed things are mirrors where they show another thing clearly. */
 static void mirrored_row(const frame *f, const encre_params *p, int y, int x, int n, const float *restrict other,
-			 float (*restrict color)[TONE_CHUNK], float *restrict light)
+			 float (*restrict color)[TONE_CHUNK], const float *restrict glazed, float *restrict light)
 {
 	const float *seen = layer_row(f, ENCRE_LAYER_SEEN_COLOR, y), *depth = layer_row(f, ENCRE_LAYER_SEEN_DEPTH, y);
+	const float *front = layer_row(f, ENCRE_LAYER_DEPTH, y), *gloss = layer_row(f, ENCRE_LAYER_GLOSS, y);
 	float exposure = exposure_of(f, p), least = max(p->tone_black, 0.05f);
 	spared own = spared_of(p);
 	for (int i = 0; seen && i < n; i++) {
@@ -52,15 +69,24 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
 		lit = nothing ? INFINITY : bright >= least ? lit : -1;
+		if (glazed[i] > 0.5f) {
+			float own_depth = depth_of(front[x + i]);
+			bool itself = depth && fabsf(depth[x + i] - own_depth) <= 0.02f * own_depth;
+			const float *g = gloss + (ptrdiff_t)3 * (x + i);
+			shows = shows && !itself && max3(g[0], g[1], g[2]) >= clear_from;
+		}
 		light[i] = shows ? max(light[i], lit) : light[i];
 	}
 }
 
-/* Light that levels are compared with; what shines or reflects is not in the dark. Nothing there: INFINITY. */
+/* Light that levels are compared with; what shines or reflects is not in the dark, but for what dark glazed things
+ * reflect that is no brighter than full light: the sky alone would cut the sea by the angle it is seen at. Nothing
+ * there: INFINITY. */
 static void light_row(const frame *f, const encre_params *p, int y, int x, int n, float *restrict light)
 {
 	const float *controls = controls_at(f, x, y);
 	float e[4][TONE_CHUNK], a[3][TONE_CHUNK], d[3][TONE_CHUNK], painted[TONE_CHUNK] = {0}, rest[TONE_CHUNK];
+	float glazed[TONE_CHUNK] = {0};
 	float exposure = exposure_of(f, p), black = p->tone_black;
 	spared own = spared_of(p);
 	split(layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x, 4, n, e);
@@ -68,15 +94,16 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 	split(layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x, 3, n, d);
 	for (int i = 0; controls && i < n; i++)
 		painted[i] = painted_light(controls, i);
+	if (black > 0)
+		glazed_row(f, y, x, n, a, glazed);
 	for (int i = 0; i < n; i++) {
 		float bright = max3(a[0][i], a[1][i], a[2][i]);
 		float lit = spare(own, max3(d[0][i], d[1][i], d[2][i]) * exposure, bright) + painted[i];
 		rest[i] = max3(e[0][i] - a[0][i] * d[0][i], e[1][i] - a[1][i] * d[1][i], e[2][i] - a[2][i] * d[2][i]);
-		lit = bright < black ? -1 : lit;
-		light[i] = max(lit, rest[i]);
+		light[i] = bright < black ? max(rest[i] - glazed[i], -1) : max(lit, rest[i]);
 	}
 	if (p->tone_mirrors)
-		mirrored_row(f, p, y, x, n, rest, a, light);
+		mirrored_row(f, p, y, x, n, rest, a, glazed, light);
 }
 
 /* How the light passes a threshold: never, in one step, or by and by. */

@@ -210,6 +210,13 @@ def _looks(of):
              tuple(of(f"tone_{n}_color")), id(of(f"tone_{n}_image"))) for n in range(1, SLOTS + 1)]
 
 
+def _glazed(layers):
+    """How far what is mirrored lies over a colour of its own."""
+    mirrors = value(layers.gloss)
+    share = mirrors / np.maximum(np.maximum(value(layers.albedo - layers.color), mirrors), 1e-30)
+    return share * clamp01(50 * value(layers.color) / np.maximum(1 - mirrors, 0.05))
+
+
 def _dark(layers, levels, of, look):
     """(share, darkness) of a tone at each pixel."""
     end = levels[1][1] + max(levels[1][2] / 2, 1e-3) if len(levels) > 1 else 0.0
@@ -219,14 +226,19 @@ def _dark(layers, levels, of, look):
         return np.maximum(lit, np.minimum(more, end))
 
     lit = spared(value(layers.diffuse) * of("shade_exposure"), layers.color) + painted(layers)
-    light = np.maximum(np.where(value(layers.color) < of("tone_black"), -1, lit), value(other(layers)))
+    rest = value(other(layers))
+    light = np.where(value(layers.color) < of("tone_black"), np.maximum(rest - _glazed(layers), -1),
+                     np.maximum(lit, rest))
     if of("tone_mirrors") and layers.seen_color is not None:
         least = max(of("tone_black"), 0.05)
         seen = value(layers.seen_color)
         lit = spared(value(other(layers)) / np.maximum(seen, least) * of("shade_exposure"), layers.seen_color)
         lit = np.where(seen >= least, lit, -1)
         nothing = ~((layers.seen_depth > 0) & (layers.seen_depth < 1e9))
-        light = np.where(value(layers.color) < 0.05, np.maximum(light, np.where(nothing, np.inf, lit)), light)
+        itself = np.abs(layers.seen_depth - layers.depth) <= 0.02 * layers.depth
+        shows = ((value(layers.color) < 0.05)
+                 & ((_glazed(layers) <= 0.5) | ~itself & (value(layers.gloss) >= 0.7)))
+        light = np.where(shows, np.maximum(light, np.where(nothing, np.inf, lit)), light)
     added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
     share, total = np.zeros(light.shape), np.zeros(light.shape)
     for k, level in enumerate(levels):

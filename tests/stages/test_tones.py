@@ -133,6 +133,31 @@ def test_mirrors_have_the_tones_of_what_they_show():
     assert (got[:, 24:] == (0, 0, 0, 1)).all()
 
 
+def test_the_sky_in_a_dark_sea_does_not_cut_it():
+    """At any angle, from where it mirrors little to where it mirrors nearly all. What lamps throw back is seen, and so
+    is the sky in black metal and, by the layers of what is seen, where the sea is a mirror."""
+    size, sky = (9, 40), 0.8
+    zero, one = np.zeros((*size, 3), np.float32), np.ones((*size, 1), np.float32)
+    gloss = zero + np.linspace(0.05, 0.95, 40, dtype=np.float32)[None, :, None]
+    color = np.float32(0.1) * (1 - gloss)
+    light = np.full(size, sky, np.float32)[..., None]
+    light[:3] = 4  # glitter
+    color[6:] = 0  # metal
+    layers = dict(combined=np.concatenate([color + gloss * light, one], 2), color=color, albedo=color + gloss,
+                  gloss=gloss, diffuse=zero + 1, depth=one, normal=zero + 1, seen_color=color + gloss,
+                  seen_normal=zero + 1, seen_depth=one)
+    scene = dict(ALONE, tone_1="SOLID", tone_2="NONE", tone_3="NONE", tone_black=0.12,
+                 shade_levels=[(0.0,), (1, 0.3, 0)])
+    for mirrors in False, True:
+        for depth in one, 2 * one:  # the surface itself, another thing
+            held, params = layers | dict(seen_depth=depth), scene | dict(tone_mirrors=mirrors)
+            ink = library.render(held, params, outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
+            np.testing.assert_allclose(ink, reference(held, params)["Encre Tones"][..., 3], atol=2e-5)
+            clear = mirrors and depth[0, 0] == 2
+            assert (ink[3:6] == (gloss[3:6, :, 0] < 0.7 if clear else 1)).all()
+            assert (ink[:3, 14:] == 0).all() and (ink[6:, 18:] == 0).all() and ink[6:, :8].all() != mirrors
+
+
 def test_without_an_anchor_the_screen_is_kept_to():
     layers = stuck(60, 40)
     del layers["anchor"]
