@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 15 };
+enum { ENCRE_API_VERSION = 16 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -551,6 +551,20 @@ enum { ENCRE_MAX_TEXELS = 32768 };
  * radius line_thickness * strength / 2 about its centre, with it an ellipse about the boundary that it sees. */
 ENCRE_API int32_t encre_bake(encre_context *context, encre_bake_job *job);
 
+/* ---- others' functions ----------------------------------------------------------------------------------- */
+
+typedef void (*encre_function)(void *argument);
+
+/* A function of another library's, such as a denoiser's, that is to be a step in the background. */
+typedef struct encre_call_job {
+	encre_function function;
+	void *argument;
+	encre_progress progress; /* may be NULL; asked before it is called, not while it runs */
+	void *user;
+} encre_call_job;
+
+ENCRE_API int32_t encre_call(encre_context *context, encre_call_job *job);
+
 /* ---- in the background ----------------------------------------------------------------------------------- */
 
 enum encre_kind {
@@ -559,6 +573,7 @@ enum encre_kind {
 	ENCRE_LIGHT = 2,    /* encre_light_job */
 	ENCRE_BAKE = 3,     /* encre_bake_job */
 	ENCRE_MATERIAL = 4, /* encre_material_job */
+	ENCRE_CALL = 5,     /* encre_call_job */
 };
 
 /* A job of some kind, with progress NULL. */

@@ -2,10 +2,11 @@
 """One view of a view layer: the passes that Cycles wrote become layers, the stages draw on them, pictures go out."""
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 
-from ..pen import denoise, layers, library, overlay, saved, supersample, through
+from ..pen import background, denoise, layers, library, overlay, saved, supersample, through
 from . import memory, versions, volumes
 
 _FEW = 8  # fewer samples make a draft, of which denoising would take the most time
@@ -45,21 +46,37 @@ def remembered(layer):
     return _layers(layer, name, view_id, None, lambda _name, _picture: None, None, False, at_once=True)[0]
 
 
-def work(layer, passes, outputs):
-    """The job.Work that draws the first view of a view layer on the passes that Cycles has written so far."""
-    name = next(iter(layer.views))
-    images, _ = _layers(layer, name, 0, passes, lambda _name, _picture: None, None, False)
-    return library.load().draw_work(images, layer.settings.every, layer.views[name][0], frame_of(layer), outputs,
-                                    layer.images.__getitem__)
+def steps(layer, passes, outputs):
+    """Steps to the pictures of the first view of a view layer on the passes that Cycles has written so far, a dict. Its
+    layers are put together twice: the denoiser, which is not to be waited for, gets what it is asked to clean from the
+    first, and what it has made of that goes into the second."""
+    name, asked, cleaned = next(iter(layer.views)), [], []
+
+    def assembled(passes, clean):
+        view, maps, *rest = layer.views[name]
+        mine = replace(layer, views={name: (view, dict(maps), *rest)})  # maps are popped as they are read
+        return _layers(mine, name, 0, passes, lambda _name, _picture: None, None, False, clean=clean)[0]
+
+    images = assembled(dict(passes), lambda picture, steps: asked.append(steps) or picture)
+    if asked:
+        images.clear()
+        yield []
+        while asked:
+            cleaned.append((yield from asked.pop(0)))
+        images = assembled(passes, lambda _picture, _steps: cleaned.pop(0))
+    passes.clear()
+    (result,) = yield [library.load().draw_work(images, layer.settings.every, layer.views[name][0], frame_of(layer),
+                                                outputs, layer.images.__getitem__)]
+    return result.images
 
 
 def frame_of(layer):
     return supersample.frame(layer.frame, layer.factor)
 
 
-def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False):
+def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, clean=None):
     """(layers of a view as the library draws on them, how many values were read as 0); write gets what the stages do
-    not draw."""
+    not draw. clean(picture, steps): gives what denoise.steps() would return of a picture; None: it is waited for."""
     settings, objects = layer.settings, layer.objects
     _, maps, view, projection = layer.views[name]
     kept = None
@@ -93,7 +110,7 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False):
     illuminate = layer.light and (lambda depth, normal: layer.light.draw(
         depth, normal, view, projection, frame, layer.threads, go_on))
     size = layer.factor * layer.place.width, layer.factor * layer.place.height
-    denoiser = _denoiser(layer, go_on, hasty, volumes.window(layer.volumes, view, projection, frame, size))
+    denoiser = _denoiser(layer, go_on, hasty, volumes.window(layer.volumes, view, projection, frame, size), clean)
     if kept:
         denoiser = denoiser and (kept.nearest if at_once else
                                  functools.partial(kept.once, settings.light_scale, denoiser))
@@ -113,11 +130,16 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False):
     return images, nonfinite
 
 
-def _denoiser(layer, go_on, hasty, also):
+def _denoiser(layer, go_on, hasty, also, clean):
     wanted = layer.denoise_other if layer.light else layer.settings.denoises
     if hasty or layer.early == "Encre Lines" or not wanted or not denoise.available(versions.home()):
         return None
     frame, scale = supersample.frame(layer.frame, layer.factor), layer.settings.light_scale
-    return lambda picture, albedo, normal, *surface: denoise.denoise(
-        picture, albedo, normal, layer.threads, go_on, versions.home(), scale, layer.samples < _FEW,
-        (frame.x, frame.y), also, surface)
+
+    def steps(picture, albedo, normal, *surface):
+        return denoise.steps(picture, albedo, normal, layer.threads, versions.home(), scale, layer.samples < _FEW,
+                             (frame.x, frame.y), also, surface)
+
+    if clean:  # without evening out what is left, which would be waited for
+        return lambda picture, *guides: clean(picture, steps(picture, *guides[:2]))
+    return lambda *given: background.run(steps(*given), 1, go_on)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ink over a picture that is still rendered: in a window, one sample is rendered ahead, whose depth, index and normals
 are as good as the last one's. What is drawn of it is shown until the render is done: all where its light is clean,
-else its lines, over Cycles' picture while that grows. Every few seconds it is drawn anew from the samples so far.
+else its lines, over Cycles' picture while that grows. Every few seconds it is drawn anew from the samples so far, by
+the library's own threads, on which the denoiser works, too (denoise.py); the window waits for what Python does alone.
 
 Parts of a render put together are not the render (adaptive sampling, denoisers, Cryptomatte): so the first sample is
 thrown away, and what is saved is what it would be without. The scene is read twice, for which data must be persistent:
@@ -16,15 +17,16 @@ import bpy
 import numpy as np
 
 from ..pen import denoise
-from ..pen.background import Background
-from ..pen.errors import Cancelled, EncreError
+from ..pen.background import Background, Course
+from ..pen.errors import EncreError
 from . import drawing, versions
 from .known import Passes
 from .overrides import changed
 
 LEAST = 33  # samples: one of them is 3 % of the work
 _EVERY = 3.0    # seconds between pictures of a render that grows, at least
-_SHARE = 0.02   # of its time that reading them may take
+_SHARE = 0.05   # of its time that Blender's main thread may work for them
+_BEHIND = 0.4   # of the time in which they may be drawn beside it
 _TICK = 0.1     # seconds between two looks at one that is drawn
 
 _shown = {}  # "early" and its "texture": the one that was drawn last; freed on the main thread only
@@ -117,6 +119,7 @@ class Growth:
             self.layer = replace(layer, light=_Light(layer.light))
         self.next = time.monotonic() + _EVERY / 2
         self.asked = self.ended = False
+        self.course, self.begun, self.worked = None, 0.0, 0.0  # of the picture that is drawn; seconds
         self.name, self.before = output(layer), self._few(_passes(engine.get_result(), layer))
 
     @staticmethod
@@ -124,47 +127,45 @@ class Growth:
         """What tells whether there are new samples."""
         return passes["Combined"][::8, ::8].copy()
 
-    @staticmethod
-    def possible(layer):
-        """Whether what is drawn needs no denoiser, which would keep the window waiting."""
-        return output(layer) == "Encre Lines" or layer.light is not None
-
     def seen(self):
         """An image editor shows what Cycles has rendered: on the main thread."""
         now = time.monotonic()
-        if self.ended or now < self.next:
+        if self.ended or self.course or now < self.next:
             return
         if not self.asked:
             self.engine.is_preview = self.asked = True
             return
-        begun = time.monotonic()
+        self.begun, worked = now, time.thread_time()
         passes = _passes(self.engine.get_result(), self.layer)
         few = self._few(passes)
         if np.array_equal(few, self.before):
             return  # they have not been written yet
         self.engine.is_preview = self.asked = False
-        self.before, layer = few, _of(self.layer)
-        try:
-            self.behind.start([drawing.work(layer, passes, [self.name])])
-        except EncreError:
-            self.ended = True
-            return
-        self.next = now + max(_EVERY, (time.monotonic() - begun) / _SHARE)
-        bpy.app.timers.register(self._look, first_interval=_TICK)
+        self.before = few
+        self.course = Course(self.behind, drawing.steps(_of(self.layer), dict(passes), [self.name]))
+        self.worked = time.thread_time() - worked
+        bpy.app.timers.register(self._look, first_interval=0)
 
     def _look(self):
+        worked = time.thread_time()
         try:
-            results = self.behind.poll()
-        except (Cancelled, EncreError):
+            if self.ended:  # but what the library still works at must stay
+                return _TICK if self.behind.poll() is None else None
+            more = self.course.go_on()
+        except EncreError:
+            self.ended = True
             return None
-        if results is None:
+        self.worked += time.thread_time() - worked
+        if more:
             return _TICK
-        if not self.ended:
-            self.show(_early(results[0].images[self.name], self.name))
-            for window in bpy.context.window_manager.windows:
-                for area in window.screen.areas:
-                    if area.type == "IMAGE_EDITOR":
-                        area.tag_redraw()
+        drawn, self.course = self.course.value[self.name], None
+        took = time.monotonic() - self.begun
+        self.next = self.begun + max(_EVERY, self.worked / _SHARE, took / _BEHIND)
+        self.show(_early(drawn, self.name))
+        for window in bpy.context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.type == "IMAGE_EDITOR":
+                    area.tag_redraw()
         return None
 
     def end(self):

@@ -90,8 +90,7 @@ class Frames:
                 early.sample(self.engine, cycles, depsgraph)
                 if self._go_on():
                     self.ink = early.picture(self.engine.get_result(), layer, self._draw)
-                    if early.Growth.possible(layer):
-                        self.growth = early.Growth(self.engine, layer, self._show)
+                    self.growth = early.Growth(self.engine, layer, self._show)
             if self._go_on():  # else what the sample left is drawn
                 cycles.render(self.engine, depsgraph)
             if self.growth:

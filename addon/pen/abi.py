@@ -168,9 +168,13 @@ class Step(c.Structure):
     _fields_ = [("kind", c.c_int32), ("reserved", c.c_int32), ("job", c.c_void_p)]
 
 
+class CallJob(c.Structure):
+    _fields_ = [("function", c.c_void_p), ("argument", c.c_void_p), ("progress", Progress), ("user", c.c_void_p)]
+
+
 MOST_LEVELS = 32  # of a texture: each halves what an int32 counts
 
-WORKS = ("render", "raster", "light", "bake", "material")  # enum encre_kind; their functions are called so, too
+WORKS = ("render", "raster", "light", "bake", "material", "call")  # enum encre_kind; their functions are called so, too
 
 
 def steps(works: Sequence[job.Work]) -> Array[Step]:
@@ -272,7 +276,7 @@ def declare(lib: c.CDLL) -> None:
     for name in ("encre_scene_geometry", "encre_scene_instance", "encre_scene_texture", "encre_scene_lamp"):
         getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p, c.c_int64, c.c_void_p]
     lib.encre_scene_reach.argtypes = [c.c_void_p, c.c_void_p, c.c_int32, c.c_void_p, c.c_void_p, c.c_int32, c.c_void_p]
-    for name in ("encre_render", "encre_raster", "encre_bake", "encre_light", "encre_material", "encre_poll"):
+    for name in (*(f"encre_{kind}" for kind in WORKS), "encre_poll"):
         getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
     lib.encre_start.argtypes = [c.c_void_p, c.c_void_p, c.c_int32]
     lib.encre_wait.argtypes = lib.encre_cancel.argtypes = [c.c_void_p]

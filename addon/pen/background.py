@@ -69,3 +69,30 @@ class Background:
 
     def _sentence(self):
         return text_of(self._library.lib.encre_error(self._context))
+
+
+class Course:
+    """Steps on their way, of which a Background does the library's part."""
+
+    def __init__(self, behind: Background, steps: Steps) -> None:
+        self._behind, self._steps, self._waits = behind, steps, False
+        self.value: Any = None  # what they have returned
+
+    def go_on(self) -> bool:
+        """Does one step, unless the library is still at the last; whether there are more. EncreError, Cancelled: they
+        have failed."""
+        results = None
+        if self._waits:
+            results = self._behind.poll()
+            if results is None:
+                return True
+        self._waits = False
+        try:
+            works = self._steps.send(results)  # type: ignore[arg-type]
+        except StopIteration as end:
+            self.value = end.value
+            return False
+        if works:
+            self._behind.start(works)
+            self._waits = True
+        return True

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Open Image Denoise, Blender's or the system's, by its C functions: light without Monte-Carlo noise."""
 
-import contextlib
 import ctypes as c
 import ctypes.util
 import functools
@@ -12,9 +11,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from . import even
+from . import abi, background, even
 from .around import Window
-from .errors import Cancelled, EncreError
+from .errors import EncreError
+from .job import Work
 
 _CPU, _FLOAT3 = 1, 3
 _PAD = 32  # mirrored pixels beyond the frame: less lets stripes along it through
@@ -84,6 +84,14 @@ def denoise(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads
     library can. at: place (x, y) of the picture in its frame. surface: of light, depth and perhaps number of the
     object, by which what is left of noise is evened out. EncreError: the denoiser failed.
     """
+    clean = steps(picture, albedo, normal, threads, home, scale, fast, at, also, surface)
+    return background.run(clean, 1, keep_on and (lambda _: keep_on()))
+
+
+def steps(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads: int = 0, home: str | None = None,
+          scale: float = 1.0, fast: bool = False, at: tuple[int, int] = (0, 0), also: Window | None = None,
+          surface: Sequence[np.ndarray] = ()) -> background.Steps:
+    """The steps of denoise(): the denoiser's work can go on in the background."""
     out = np.array(picture, np.float32)
     height, width = out.shape[:2]
     there = albedo.any(2) | normal.any(2)
@@ -93,17 +101,16 @@ def denoise(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads
     if not rows.size:
         return out
     across = _reach(columns[0], columns[-1] + 1, _PAD, _PAD, at[0])
-    with _device(_library(home), threads) as (library, device):
-        for first, last in _strips(rows[0], rows[-1] + 1, len(across)):
-            if keep_on and not keep_on():
-                raise Cancelled("denoising was cancelled")
-            down = _reach(first, last, _PAD if first == rows[0] else _OVERLAP,
-                          _PAD if last == rows[-1] + 1 else _OVERLAP, at[1])
-            place = np.ix_(_mirrored(down, height), _mirrored(across, width))
-            clean = _filter(library, device, [image[place] for image in (picture, albedo, normal)], scale, fast)
-            top, left = first - down[0], columns[0] - across[0]
-            out[first:last, columns[0]:columns[-1] + 1] = clean[
-                top:top + last - first, left:left + columns[-1] + 1 - columns[0]]
+    device = _Device(_library(home), threads)
+    for first, last in _strips(rows[0], rows[-1] + 1, len(across)):
+        down = _reach(first, last, _PAD if first == rows[0] else _OVERLAP,
+                      _PAD if last == rows[-1] + 1 else _OVERLAP, at[1])
+        place = np.ix_(_mirrored(down, height), _mirrored(across, width))
+        cut = [image[place] for image in (picture, albedo, normal)]
+        (clean,) = yield [_Filter(device, cut, scale, fast).work()]
+        top, left = first - down[0], columns[0] - across[0]
+        out[first:last, columns[0]:columns[-1] + 1] = clean[
+            top:top + last - first, left:left + columns[-1] + 1 - columns[0]]
     if surface:
         even.even(out, picture, normal, *surface)
     return out
@@ -130,34 +137,47 @@ def _strips(first, last, width):
         yield start, min(start + step, last)
 
 
-@contextlib.contextmanager
-def _device(library, threads):
-    device = library.oidnNewDevice(_CPU)
-    try:
+class _Device:
+    """Lives as long as a filter of it."""
+
+    def __init__(self, library, threads):
+        self.library, self.handle = library, library.oidnNewDevice(_CPU)
         if threads:
-            library.oidnSetDeviceInt(device, b"numThreads", threads)
-        library.oidnCommitDevice(device)
-        yield library, device
-    finally:
-        library.oidnReleaseDevice(device)
+            library.oidnSetDeviceInt(self.handle, b"numThreads", threads)
+        library.oidnCommitDevice(self.handle)
+
+    def __del__(self):
+        self.library.oidnReleaseDevice(self.handle)
 
 
-def _filter(library, device, images, scale, fast):
-    """The first of the images (height, width, 3), cleaned."""
-    images = [np.ascontiguousarray(image, np.float32) for image in images]
-    output = np.empty_like(images[0])
-    work = library.oidnNewFilter(device, b"RT")
-    for name, image in zip((b"color", b"albedo", b"normal", b"output"), (*images, output), strict=True):
-        library.oidnSetSharedFilterImage(work, name, image.ctypes.data, _FLOAT3, *image.shape[1::-1], 0, 0, 0)
-    library.oidnSetFilterBool(work, b"hdr", True)
-    library.oidnSetFilterFloat(work, b"inputScale", scale)
-    if fast and library.oidnGetDeviceInt(device, b"version") >= _FAST_SINCE:
-        library.oidnSetFilterInt(work, b"quality", _FAST)
-    library.oidnCommitFilter(work)
-    library.oidnExecuteFilter(work)
-    library.oidnReleaseFilter(work)
-    sentence = c.c_char_p()
-    if library.oidnGetDeviceError(device, c.byref(sentence)):
-        reason = (sentence.value or b"").decode(errors="replace")
-        raise EncreError(f"Open Image Denoise failed ({reason}); set Denoise Light to None")
-    return output
+class _Filter:
+    """Cleans the first of the images (height, width, 3) into `output`. Its work keeps it, which may still go on when
+    nobody waits for it any more."""
+
+    def __init__(self, device, images, scale, fast):
+        self.device, library = device, device.library
+        self.images = [np.ascontiguousarray(image, np.float32) for image in images]
+        self.output = np.empty_like(self.images[0])
+        self.handle = library.oidnNewFilter(device.handle, b"RT")
+        for name, image in zip((b"color", b"albedo", b"normal", b"output"), (*self.images, self.output), strict=True):
+            library.oidnSetSharedFilterImage(self.handle, name, image.ctypes.data, _FLOAT3, *image.shape[1::-1],
+                                             0, 0, 0)
+        library.oidnSetFilterBool(self.handle, b"hdr", True)
+        library.oidnSetFilterFloat(self.handle, b"inputScale", scale)
+        if fast and library.oidnGetDeviceInt(device.handle, b"version") >= _FAST_SINCE:
+            library.oidnSetFilterInt(self.handle, b"quality", _FAST)
+        library.oidnCommitFilter(self.handle)
+
+    def __del__(self):
+        self.device.library.oidnReleaseFilter(self.handle)
+
+    def work(self):
+        run = c.cast(self.device.library.oidnExecuteFilter, c.c_void_p)
+        return Work("call", abi.CallJob(run, self.handle), [self], self.result)
+
+    def result(self):
+        sentence = c.c_char_p()
+        if self.device.library.oidnGetDeviceError(self.device.handle, c.byref(sentence)):
+            reason = (sentence.value or b"").decode(errors="replace")
+            raise EncreError(f"Open Image Denoise failed ({reason}); set Denoise Light to None")
+        return self.output

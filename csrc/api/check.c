@@ -309,11 +309,13 @@ encre_progress *step_progress(const encre_step *step, void ***user)
 	encre_light_job *light = step->job;
 	encre_material_job *material = step->job;
 	encre_bake_job *bake = step->job;
+	encre_call_job *call = step->job;
 	switch (step->kind) {
 	case ENCRE_RENDER: *user = &render->user; return &render->progress;
 	case ENCRE_RASTER: *user = &raster->user; return &raster->progress;
 	case ENCRE_LIGHT: *user = &light->user; return &light->progress;
 	case ENCRE_MATERIAL: *user = &material->user; return &material->progress;
+	case ENCRE_CALL: *user = &call->user; return &call->progress;
 	default: *user = &bake->user; return &bake->progress;
 	}
 }
@@ -325,7 +327,7 @@ int32_t check_steps(const encre_step *steps, int32_t n_steps, char *error, size_
 			      ENCRE_MAX_STEPS);
 	for (int i = 0; i < n_steps; i++) {
 		void **user;
-		if (steps[i].kind < ENCRE_RENDER || steps[i].kind > ENCRE_MATERIAL)
+		if (steps[i].kind < ENCRE_RENDER || steps[i].kind > ENCRE_CALL)
 			return refuse(error, size, "step %d: kind %d is not known; give one of enum encre_kind", i,
 				      (int)steps[i].kind);
 		if (!steps[i].job)

@@ -257,3 +257,18 @@ int32_t encre_material(encre_context *context, encre_material_job *job)
 	code = use_best(context) ? BEST(material_draw)(pool, &clean) : material_draw_base(pool, &clean);
 	return fail_code(context, code);
 }
+
+/* ---- others' functions ----------------------------------------------------------------------------------- */
+
+int32_t encre_call(encre_context *context, encre_call_job *job)
+{
+	int32_t code = enter_job(context, job);
+	if (code)
+		return code;
+	if (!job->function)
+		return refuse(context->error, sizeof context->error, "function: is NULL; give one");
+	if (job->progress && !job->progress(job->user, 0))
+		return fail_code(context, ENCRE_ERROR_CANCELLED);
+	job->function(job->argument);
+	return ENCRE_OK;
+}

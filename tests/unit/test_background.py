@@ -10,7 +10,7 @@ import pytest
 from encre.pen import abi
 from encre.pen.background import Background
 from encre.pen.errors import Cancelled, EncreError
-from encre.pen.job import Frame, Lamp, Mesh
+from encre.pen.job import Frame, Lamp, Mesh, Work
 from encre.pen.library import load
 from encre.pen.scene import Scene
 
@@ -153,6 +153,25 @@ def test_so_many_steps_are_refused(count):
     with pytest.raises(EncreError, match=f"^steps: {count} are given; give 1 to 64"):
         behind.start([work] * count)
     assert behind.poll() == []
+
+
+def test_others_functions_are_called():
+    """At once, and between other steps; none of them where the work has been cancelled, nor without a function."""
+    called, kind = [], ctypes.CFUNCTYPE(None, ctypes.c_void_p)
+    function = kind(called.append)
+
+    pointer = ctypes.cast(function, ctypes.c_void_p)
+
+    def call(argument, pointer=pointer):
+        return Work("call", abi.CallJob(pointer, argument), [], lambda: argument)
+
+    assert load().run(call(1)) == 1 and called == [1]
+    with pytest.raises(Cancelled):
+        load().run(call(2), progress=lambda _fraction: False)
+    results, _ = run([call(3), drawing(), call(4)])
+    assert (results[0], results[2], called) == (3, 4, [1, 3, 4])
+    with pytest.raises(EncreError, match="^function: is NULL; "):
+        load().run(call(5, None))
 
 
 def test_progress_is_not_called_on_another_thread():

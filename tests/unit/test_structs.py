@@ -32,6 +32,7 @@ MIRRORS = {
     "encre_lamp": abi.Lamp,
     "encre_bend": abi.Bend,
     "encre_light_job": abi.LightJob,
+    "encre_call_job": abi.CallJob,
     "encre_step": abi.Step,
     "encre_operation_description": abi.OperationInfo,
     "encre_operation": abi.Operation,

@@ -61,15 +61,24 @@ def paper():
     images._read = read  # and what grows has this paper, too
 
 
-def seen_growing(drawn, shown):
-    """F12, until the picture was drawn three times as it grows: again where it was done before."""
+def with_denoiser():
+    """This Blender gets the denoiser of another, if the test has named one."""
+    from encre.pen import denoise
+
+    denoise._candidates = lambda _home: [os.environ["ENCRE_OIDN"]]
+    denoise._library.cache_clear()
+
+
+def seen_growing(drawn, shown, least=0):
+    """F12, until the picture was drawn three times as it grows, and of further samples so many times at least: again
+    where it was done before."""
     ended = []
     bpy.app.handlers.render_complete.append(lambda *_: ended.append(1))
     while True:
         for told in drawn, shown, ended:
             told.clear()
         window.press("F12")
-        while not ended and drawn.count(bpy.context.scene.encre.ink_early) < 3:
+        while not ended and (drawn.count(bpy.context.scene.encre.ink_early) < 3 or len(shown) < least):
             yield
         if not ended:
             break
@@ -90,12 +99,15 @@ def growing():
     scene.cycles.use_adaptive_sampling = False
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 320, 180, 200
     scene.cycles.use_denoising, scene.encre.line_thickness, scene.encre.line_color = False, 40, (0, 1, 0)
-    for name in ("early", "late", "shaded"):
+    for name in ("early", "late", "shaded", *(["cleaned"] if "ENCRE_OIDN" in os.environ else [])):
         scene.encre.ink_early = name != "late"
         if name == "shaded":
             scene.encre.light_source, scene.encre.line_color = "DRAWN", (0.2, 0.2, 0.2)
             scene.view_settings.view_transform = "Filmic"
-        yield from seen_growing(drawn, shown)
+        if name == "cleaned":
+            scene.encre.light_source = "CYCLES"
+            with_denoiser()
+        yield from seen_growing(drawn, shown, name == "cleaned")
         window.screenshot(f"{name}-growing")
         studio.fact("still growing", bpy.app.is_job_running("RENDER"))
         while bpy.app.is_job_running("RENDER"):
