@@ -23,13 +23,15 @@ export PYTHONDONTWRITEBYTECODE :=
 build: .venv/ready
 	$(RUN) setup.py -q build_ext --inplace
 
-# The scene once with each preset's own settings from one render, and once as Cycles shows it.
+# The scene by two presets and as Cycles shows it, but for noise, from one render; and Ink only from one with the light
+# that it draws, which needs few samples.
 demo: build
 	@.venv/bin/encre render scenes/street.py -o build/demo/street.exr
-	@for preset in water_memory inter_color ink_only; do \
+	@for preset in water_memory inter_color; do \
 		.venv/bin/encre composite build/demo/street.exr --preset $$preset -o build/demo/$$preset.png || exit; done
-	@.venv/bin/encre render scenes/street.py -o build/demo/cycles.png \
+	@.venv/bin/encre composite build/demo/street.exr -o build/demo/cycles.png \
 		$(foreach stage,lines shading smudging hatching,--set use_$(stage)=off)
+	@.venv/bin/encre render scenes/street.py --preset ink_only --samples 4 -o build/demo/ink_only.png
 
 # The pictures of docs/gallery.md and docs/scenes.md: minutes a scene.
 gallery: build
