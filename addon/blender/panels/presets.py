@@ -171,12 +171,12 @@ class ENCRE_PT_presets(bpy.types.Panel):
     bl_idname = "ENCRE_PT_presets"
     bl_space_type = "PROPERTIES"
     bl_region_type = "HEADER"  # no place of its own: a pop-over
-    bl_ui_units_x = 16
+    bl_ui_units_x = 28
 
     def draw(self, _context):
         layout = self.layout
         every, wrong = _every()
-        grid = layout.grid_flow(row_major=True, columns=3, even_columns=True)
+        grid = layout.grid_flow(row_major=True, columns=5, even_columns=True)
         for preset in every:
             column = grid.column(align=True)
             column.template_icon(thumbnails.icon(preset.picture), scale=5.0)
