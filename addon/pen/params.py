@@ -130,7 +130,7 @@ def asked(p: Param, values: Mapping[str, Any]) -> bool:
     return all(terms(p.enabled_if, values.__getitem__).values())
 
 
-TONES = ("tone_1", "tone_2", "tone_3", "tone_4")  # of the levels of light, the darkest first
+TONES = tuple(f"tone_{n}" for n in range(1, 7))  # of the levels of light, the darkest first
 
 PENS = {"PEN": "pen", "PEN_2": "pen_2", "PEN_3": "pen_3"}  # the item of a kind of line that names it: its rows
 LINES = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")
@@ -162,7 +162,7 @@ def rubs(values: Mapping[str, Any]) -> bool:
 def fills_surfaces(values: Mapping[str, Any]) -> bool:
     """Whether any tone sticks to surfaces."""
     return values["use_tones"] and any(values[f"{id_}_space"] != "SCREEN"
-                                       and values[id_] not in ("NONE", "SOLID", "GRAIN") for id_ in TONES)
+                                       and values[id_] not in ("NONE", "SAME", "SOLID", "GRAIN") for id_ in TONES)
 
 
 def strokes_along_uv(values: Mapping[str, Any]) -> bool:

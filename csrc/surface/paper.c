@@ -278,7 +278,7 @@ void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *he
 static bool rubs(const encre_params *p)
 {
 	return p->use_tones && (p->tone_1 == tone_1_GRAIN || p->tone_2 == tone_2_GRAIN || p->tone_3 == tone_3_GRAIN ||
-				p->tone_4 == tone_4_GRAIN);
+				p->tone_4 == tone_4_GRAIN || p->tone_5 == tone_5_GRAIN || p->tone_6 == tone_6_GRAIN);
 }
 
 static bool wanted(const frame *f)

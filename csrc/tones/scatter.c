@@ -63,8 +63,8 @@ void ISA(tone_marks_tables)(tone_marks *m)
 
 bool ISA(tone_marks_wanted)(const encre_params *p)
 {
-#define IN(n) p->tone_##n == tone_##n##_HATCH || p->tone_##n == tone_##n##_STIPPLE
-	return p->use_tones && (IN(1) || IN(2) || IN(3) || IN(4));
+#define IN(n) || p->tone_##n == tone_##n##_HATCH || p->tone_##n == tone_##n##_STIPPLE
+	return p->use_tones && (false TONE_EACH(IN));
 #undef IN
 }
 
@@ -72,7 +72,7 @@ bool ISA(tone_marks_wanted)(const encre_params *p)
  * slots any are.
  */
 static unsigned darken(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n,
-		       uint8_t *restrict dark, uint8_t *restrict bits, uint8_t *restrict shares)
+		       uint8_t *restrict dark, uint8_t *restrict whose, uint8_t *restrict shares)
 {
 	tone_wanted w;
 	float share[TONE_CHUNK] = {0}, sum[TONE_CHUNK] = {0}, best[TONE_CHUNK] = {0};
@@ -93,11 +93,11 @@ static unsigned darken(const frame *f, const encre_params *p, const tone_slot *s
 	for (int i = 0; i < n; i++) {
 		float mean = clamp01(sum[i] / max(share[i], 1e-30f));
 		dark[i] = (uint8_t)(int)(share[i] > 0 ? 255 * mean + 0.5f : 0);
-		bits[i] = (uint8_t)slot[i];
+		whose[i] = (uint8_t)slot[i];
 		shares[i] = (uint8_t)(int)(255 * min(share[i], 1) + 0.5f);
 	}
 	for (int i = 0; i < n; i++)
-		found[bits[i]] |= dark[i];
+		found[whose[i]] |= dark[i];
 	for (int k = 0; k < TONE_SLOTS; k++)
 		any |= found[k] ? 1u << k : 0;
 	return any;
@@ -236,6 +236,7 @@ static tone_mark mark_at(const frame *f, const tone_marks *m, const tone_slot *s
 static void look_at(const frame *f, const tone_marks *m, const tone_slot *slots, unsigned any, int y, int x, int n)
 {
 	uint8_t *dark = tone_bytes(m, TONE_DARK, y) + x, *bits = tone_bytes(m, TONE_BITS, y) + x;
+	const uint8_t *whose = tone_bytes(m, TONE_WHOSE, y) + x;
 	for (int k = 0; k < TONE_SLOTS; k++) {
 		const tone_slot *s = slots + k;
 		if (!(any >> k & 1))
@@ -256,7 +257,7 @@ static void look_at(const frame *f, const tone_marks *m, const tone_slot *slots,
 			found[i] = rest->at[ANCHOR_PIXEL][i] > 0 ? found[i] : TONE_LOST;
 		for (int i = 0; i < n; i++) {
 			unsigned wanted = TONE_LOST | m->layers[spots][dark[i]];
-			bits[i] = (uint8_t)(bits[i] | ((bits[i] & TONE_SLOT) == k ? found[i] & wanted : 0));
+			bits[i] = (uint8_t)(bits[i] | (whose[i] == k ? found[i] & wanted : 0));
 		}
 	}
 }
@@ -271,9 +272,10 @@ int ISA(tone_marks_look)(const frame *f, const tone_marks *m, int y)
 		int most = f->width - x > TONE_CHUNK ? x + TONE_CHUNK : f->width;
 		const encre_params *p = style_run(f, y, x, most, &end);
 		const tone_slot *slots = m->styles[p - f->params].slot;
-		unsigned any = ISA(tone_marks_wanted)(p) ? darken(f, p, slots, y, x, end - x, dark + x, bits + x,
-								  tone_bytes(m, TONE_SHARE, y) + x)
-							 : 0;
+		unsigned any = ISA(tone_marks_wanted)(p)
+				       ? darken(f, p, slots, y, x, end - x, dark + x, tone_bytes(m, TONE_WHOSE, y) + x,
+						tone_bytes(m, TONE_SHARE, y) + x)
+				       : 0;
 		if (any)
 			look_at(f, m, slots, any, y, x, end - x);
 	}
@@ -284,7 +286,7 @@ int ISA(tone_marks_look)(const frame *f, const tone_marks *m, int y)
 
 void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark *marks)
 {
-	const uint8_t *bits = tone_bytes(m, TONE_BITS, y);
+	const uint8_t *bits = tone_bytes(m, TONE_BITS, y), *whose = tone_bytes(m, TONE_WHOSE, y);
 	for (int x0 = 0; x0 < f->width; x0 += TONE_CHUNK) {
 		int end = f->width - x0 > TONE_CHUNK ? x0 + TONE_CHUNK : f->width, n = 0, columns[TONE_CHUNK];
 		for (int x = x0; x < end; x++)
@@ -297,7 +299,7 @@ void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark 
 		}
 		for (int i = 0; i < n; i++) {
 			int x = columns[i];
-			const tone_slot *s = m->styles[style_at(f, x, y)].slot + (bits[x] & TONE_SLOT);
+			const tone_slot *s = m->styles[style_at(f, x, y)].slot + whose[x];
 			for (int layer = 0; layer < TONE_LAYERS; layer++)
 				if (bits[x] / TONE_FOUND >> layer & 1)
 					*marks++ = mark_at(f, m, s, layer, x, y);

@@ -9,8 +9,9 @@ enum {
 	TONE_SPOTS = TONE_LAYERS, /* the row of tables that spots take */
 	/* what strokes need of a pixel, a byte each: */
 	TONE_DARK = 0, /* 1..255; 0: no mark fills it */
-	TONE_BITS,     /* its slot; whether the surface ends beside it; times 2^layer: the place of a mark is in it;
-			whether its own is known */
+	TONE_BITS,     /* whether the surface ends beside it; times 2^layer: the place of a mark is in it; whether its
+			own is known */
+	TONE_WHOSE,    /* its slot */
 	TONE_SHARE,    /* of the marks in the pixel, 255ths */
 	TONE_NEAR,     /* whether the surface ends between the pixel and the next to the right, the next but one, ...;
 			times 2^TONE_AHEAD: and downward */
@@ -20,7 +21,6 @@ enum {
 	TONE_BLOCK = 32,
 	TONE_PLACES_OUT = 8 /* from a stroke's middle to its end, and two more */,
 	TONE_LEAST_STEP = 4 /* pixels */,
-	TONE_SLOT = 3,
 	TONE_ENDS_RIGHT = 4,
 	TONE_ENDS_DOWN = 8,
 	TONE_FOUND = 16,

@@ -218,10 +218,11 @@ static void plan_pictures(const frame *f, const encre_params *p, tone_picture *p
 		int kind;
 		const encre_image *image;
 		float pitch;
-	} given[TONE_SLOTS] = {{p->tone_1, &p->tone_1_image, p->tone_1_pitch},
-			       {p->tone_2, &p->tone_2_image, p->tone_2_pitch},
-			       {p->tone_3, &p->tone_3_image, p->tone_3_pitch},
-			       {p->tone_4, &p->tone_4_image, p->tone_4_pitch}};
+	} given[TONE_SLOTS] = {
+#define GIVEN(n) {p->tone_##n, &p->tone_##n##_image, p->tone_##n##_pitch},
+		TONE_EACH(GIVEN)
+#undef GIVEN
+	};
 	for (int k = 0; k < TONE_SLOTS; k++) {
 		tone_picture own = ISA(tone_picture_of)(given[k].image, pitch_px(f, given[k].pitch));
 		if (p->use_tones && given[k].kind == tone_1_IMAGE && own.image->data) {
@@ -327,17 +328,21 @@ static int only_marks(const tone_style *t)
 static void fill_slots(const frame *f, const encre_params *p, tone_style *t)
 {
 #define SLOT(n)                                                                                                        \
-	{                                                                                                              \
-		.kind = p->tone_##n, .space = p->tone_##n##_space, .crisp = p->tone_crisp,                             \
-		.pitch = pitch_px(f, p->tone_##n##_pitch), .unit = 0.01f * p->tone_##n##_pitch,                        \
-		.gradient = p->tone_##n##_gradient,                                                                    \
-		.across = {pixel_cos(p->tone_##n##_angle * 0.0174532925f),                                             \
-			   pixel_sin(p->tone_##n##_angle * 0.0174532925f)},                                            \
-		.color = p->tone_##n##_color, .image = &p->tone_##n##_image                                            \
-	}
-	const tone_slot given[TONE_SLOTS] = {SLOT(1), SLOT(2), SLOT(3), SLOT(4)};
+	{.kind = p->tone_##n,                                                                                          \
+	 .space = p->tone_##n##_space,                                                                                 \
+	 .crisp = p->tone_crisp,                                                                                       \
+	 .pitch = pitch_px(f, p->tone_##n##_pitch),                                                                    \
+	 .unit = 0.01f * p->tone_##n##_pitch,                                                                          \
+	 .gradient = p->tone_##n##_gradient,                                                                           \
+	 .across = {pixel_cos(p->tone_##n##_angle * 0.0174532925f), pixel_sin(p->tone_##n##_angle * 0.0174532925f)},   \
+	 .color = p->tone_##n##_color,                                                                                 \
+	 .image = &p->tone_##n##_image},
+	const tone_slot given[TONE_SLOTS] = {TONE_EACH(SLOT)};
 #undef SLOT
 	memcpy(t->slot, given, sizeof given);
+	for (int k = 1; k < TONE_SLOTS; k++)
+		if (t->slot[k].kind == tone_5_SAME)
+			t->slot[k] = t->slot[k - 1];
 	for (int k = 0; k < TONE_SLOTS; k++) {
 		tone_slot *s = t->slot + k;
 		s->like = k;

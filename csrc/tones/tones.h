@@ -11,9 +11,11 @@ enum {
 	TONE_GREYS = 65536,
 	TONE_BIRTHS = 11,
 	TONE_STEPS = 33,
-	TONE_SLOTS = 4,
+	TONE_SLOTS = 6,
 	TONE_LAYERS = 3 /* of strokes */
 };
+
+#define TONE_EACH(X) X(1) X(2) X(3) X(4) X(5) X(6)
 
 /* A coordinate in which a screen repeats itself, at the pixels of a chunk, and its growth per pixel. */
 typedef struct tone_field {

@@ -18,8 +18,9 @@ ENUM(tone_pitch_unit, FRAME, 0, "use_tones", "Pitch Unit", "What pitches are mea
      ITEM(tone_pitch_unit, LENGTH, 0, "Length", "As other lengths, from dot to dot")
      ITEM(tone_pitch_unit, LPI, 1, "Lines an Inch", "Dots or lines to the inch of the printed page"))
 /* One tone for each level of light, the darkest first; the last is that of all brighter levels. tone_<n> is what it is,
- * tone_<n>_... how it looks. TONE_SLOTS (tones.h) counts them. */
-#define TONE(n, value, whose) \
+ * tone_<n>_... how it looks. One more: a row below with SAME, which draws what files saved before have, TONE_SLOTS and
+ * TONE_EACH (tones.h), and TONES (pen/params.py). */
+#define TONE(n, value, whose, more) \
 ENUM(tone_##n, SURFACE, value, "use_tones", "Tone " #n, "What fills " whose, \
      ITEM(tone_##n, NONE, 0, "None", "Nothing") \
      ITEM(tone_##n, SOLID, 1, "Solid", "Ink all over, however dark the level is") \
@@ -29,7 +30,7 @@ ENUM(tone_##n, SURFACE, value, "use_tones", "Tone " #n, "What fills " whose, \
      ITEM(tone_##n, GRAIN, 5, "Grain", "Pencil rubbed over the paper, as in Hatching") \
      ITEM(tone_##n, HATCH, 6, "Hatching", "Strokes along the form, in layers across each other as it gets darker") \
      ITEM(tone_##n, STIPPLE, 7, "Stipple", "Spots set by hand, the more the darker") \
-     ITEM(tone_##n, IMAGE, 8, "Image", "A picture, laid side by side, whose dark parts are inked first")) \
+     ITEM(tone_##n, IMAGE, 8, "Image", "A picture, laid side by side, whose dark parts are inked first") more(n)) \
 IMAGE(tone_##n##_image, SURFACE, "", "use_tones&tone_" #n "=IMAGE", "Image " #n, "Picture whose dark parts are inked first; only the order of its greys counts") \
 FLOAT(tone_##n##_pitch, SURFACE, 8, 0.02, 1000, 4, 40, "px", "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE|IMAGE", "Pitch " #n, "From dot to dot or line to line, about, at least two pixels of the picture; of an image its width") \
 FLOAT(tone_##n##_angle, SURFACE, 45, -180, 180, 0, 90, "degrees", "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE|IMAGE", "Angle " #n, "By which rows of dots, lines and strokes are turned") \
@@ -39,8 +40,14 @@ ENUM(tone_##n##_space, SURFACE, 0, "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH
      ITEM(tone_##n##_space, OBJECT, 2, "Object", "The things, and grow and shrink with them as if painted on: pitches are hundredths of their unit, centimetres")) \
 FLOAT(tone_##n##_gradient, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones&tone_" #n "=DOTS|LINES|CROSS|GRAIN|HATCH|STIPPLE|IMAGE", "Gradient " #n, "How far the tone gets brighter within its level, up to what the next level has") \
 COLOR(tone_##n##_color, SURFACE, 0, 0, 0, "use_tones&tone_" #n "=SOLID|DOTS|LINES|CROSS|GRAIN|HATCH|STIPPLE|IMAGE", "Color " #n, "Colour of its ink")
-TONE(1, 2, "the darkest level of light")
-TONE(2, 2, "the second level of light")
-TONE(3, 0, "the third level of light")
-TONE(4, 0, "the fourth level of light, and all brighter ones")
+#define SAME(n) ITEM(tone_##n, SAME, 9, "Same", "As the level before")
+#define NONE_BEFORE(n)
+TONE(1, 2, "the darkest level of light", NONE_BEFORE)
+TONE(2, 2, "the second level of light", NONE_BEFORE)
+TONE(3, 0, "the third level of light", NONE_BEFORE)
+TONE(4, 0, "the fourth level of light", NONE_BEFORE)
+TONE(5, 9, "the fifth level of light", SAME)
+TONE(6, 9, "the sixth level of light, and all brighter ones", SAME)
+#undef NONE_BEFORE
+#undef SAME
 #undef TONE

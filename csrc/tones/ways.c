@@ -200,11 +200,12 @@ void ISA(tone_ways)(const frame *f, const tone_marks *m, const tone_slot *slots,
 {
 	const tone_slot *s = slots + k;
 	const uint8_t *dark = tone_bytes(m, TONE_DARK, y) + x;
+	const uint8_t *whose = tone_bytes(m, TONE_WHOSE, y) + x;
 	uint8_t *bits = tone_bytes(m, TONE_BITS, y) + x, found[TONE_CHUNK] = {0}, way[TONE_CHUNK], own[TONE_CHUNK];
 	tone_ground g;
 	tone_rest any;
 	for (int i = 0; i < n; i++)
-		own[i] = dark[i] > 0 && (bits[i] & TONE_SLOT) == k ? 255 : 0;
+		own[i] = dark[i] > 0 && whose[i] == k ? 255 : 0;
 	/* a stroke of the screen ends with the surface too */
 	ends_fill(f, rest ? rest : ISA(tone_rest_fill)(f, y, x, n, &any), y, x, n, found);
 	add_own(own, found, n, bits);

@@ -58,8 +58,8 @@ DEFAULTS = {
     "tone_hardness": 1.0, "tone_crisp": False, "tone_pitch_unit": "LENGTH",
     "tone_strokes": "FORM", "tone_light_turn": 135.0, "tone_light_height": 45.0,
     "page_height": 257.0,
-    **{f"tone_{n}": kind for n, kind in enumerate(("DOTS", "DOTS", "NONE", "NONE"), 1)},
-    **{f"tone_{n}_{id_}": value for n in range(1, 5) for id_, value in
+    **{f"tone_{n}": kind for n, kind in enumerate(("DOTS", "DOTS", "NONE", "NONE", "SAME", "SAME"), 1)},
+    **{f"tone_{n}_{id_}": value for n in range(1, 7) for id_, value in
        dict(pitch=8.0, image=None, angle=45.0, space="SCREEN", gradient=0.0, color=(0.0, 0.0, 0.0)).items()},
     # wash
     "use_wash": False, "wash_granulation": 0.4, "wash_pooling": 0.6, "wash_pool_width": 9.0, "wash_uneven": 0.35,

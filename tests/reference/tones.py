@@ -7,7 +7,7 @@ from . import hatch, scatter
 from .metric import clamp01, mix, value
 from .shade import other, painted
 
-SLOTS = 4
+SLOTS = 6
 BIRTHS, STEPS, RADII, SAMPLES = 11, 33, 40, 12
 
 
@@ -204,10 +204,18 @@ def _both(one, two):
     return one + two - one * two
 
 
+def _number(of, k):
+    """Of the tone of level k, the last of all further levels; those that are the same have the one before."""
+    n = min(k + 1, SLOTS)
+    while of(f"tone_{n}") == "SAME":
+        n -= 1
+    return n
+
+
 def _looks(of):
-    """What each level's tone looks like, the last that of all further levels: those that are equal are one."""
+    """What each level's tone looks like: those that are equal are one."""
     return [(of(f"tone_{n}"), of(f"tone_{n}_pitch"), of(f"tone_{n}_angle"), of(f"tone_{n}_space"),
-             tuple(of(f"tone_{n}_color")), id(of(f"tone_{n}_image"))) for n in range(1, SLOTS + 1)]
+             tuple(of(f"tone_{n}_color")), id(of(f"tone_{n}_image"))) for n in (_number(of, k) for k in range(SLOTS))]
 
 
 def _glazed(layers):
@@ -242,8 +250,7 @@ def _dark(layers, levels, of, look):
     added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
     share, total = np.zeros(light.shape), np.zeros(light.shape)
     for k, level in enumerate(levels):
-        n = min(k, SLOTS - 1)
-        if _looks(of)[n] != look:
+        if _looks(of)[min(k, SLOTS - 1)] != look:
             continue
 
         def passed(steps):
@@ -257,7 +264,7 @@ def _dark(layers, levels, of, look):
         if k < len(levels) - 1:
             start, end = level[1] if k else 0.0, levels[k + 1][1]
             along = clamp01((light - start) / (end - start)) if end > start else 0.0
-            brighter = mix(level[0], levels[k + 1][0], of(f"tone_{n + 1}_gradient") * along)
+            brighter = mix(level[0], levels[k + 1][0], of(f"tone_{_number(of, k)}_gradient") * along)
         share += here
         total += here * clamp01(1 - brighter + of("tone_darkness") + added)
     share = np.where(layers.there, share, 0)

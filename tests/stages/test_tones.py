@@ -53,8 +53,9 @@ def test_twin_of_dots_of_all_sizes(pitch, hardness):
 def look(rng, kinds):
     own = dict(tone_hardness=rng.choice([1, rng.random()]), tone_black=rng.choice([0, rng.random()]),
                tone_local=rng.choice([0, rng.random()]), tone_darkness=rng.choice([0, rng.uniform(-0.5, 0.5)]))
-    for n in range(1, 5):
-        own |= {f"tone_{n}": str(rng.choice(kinds)), f"tone_{n}_pitch": rng.choice([3, 6, 14]) * rng.uniform(0.5, 1),
+    for n in range(1, 7):
+        own |= {f"tone_{n}": str(rng.choice([*kinds, *["SAME"] * (n > 4)])),
+                f"tone_{n}_pitch": rng.choice([3, 6, 14]) * rng.uniform(0.5, 1),
                 f"tone_{n}_angle": rng.uniform(-180, 180), f"tone_{n}_space": str(rng.choice(["SCREEN", "SURFACE"])),
                 f"tone_{n}_gradient": rng.choice([0, rng.random()]), f"tone_{n}_color": tuple(rng.random(3))}
     return own

@@ -18,8 +18,12 @@ def enabled(group, rule):
 
 
 def _empty(group, id_):
-    """Whether a setting is one of how something looks that is not there: of a tone that is none."""
-    return any(id_.startswith(f"{tone}_") and getattr(group, tone, "") == "NONE" for tone in TONES)
+    """Whether a setting is of what is not there: a level's tone that there is no level for, or how one looks that is
+    none or the same as before."""
+    levels = len(group.shade_levels) or len(library.params()["shade_levels"].default)
+    return any((id_ == tone and n > levels) or (
+        id_.startswith(f"{tone}_") and (n > levels or getattr(group, tone, "") in ("NONE", "SAME")))
+        for n, tone in enumerate(TONES, 1))
 
 
 def draw_params(layout, group, params, path):
