@@ -4,6 +4,7 @@
 
 #define FAMILY(id, kind, sample, rank, floor, unit, faint, crumb, word, bit)                                           \
 	{#id, KIND_##kind, sample, RANK_##rank, floor, UNIT_##unit, FAINT_##faint, crumb, WORD_##word, bit},
+const float least_faint = 0.5f;                           /* test_fine_sites */
 const float clear_of_older = 1.5f, clear_of_turn = 0.75f; /* test_fine_passes */
 const family_info families[FAMILY_COUNT] = {
 #include "fine/families.rows.h"

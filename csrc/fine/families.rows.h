@@ -42,7 +42,7 @@ CRACK_FAMILY(CREASE,                               CREASE,                 FAINT
 BAND_FAMILY(NORMAL_BAND,      SOURCE_NORMAL,       CREASE, 0.42f,  CREASE, SURE,  4,    RIDGE, 2)
 STEP_FAMILY(NORMAL,           SOURCE_NORMAL,       CREASE, 0.35f,  CREASE, FAINT, 3,    RIDGE, 4)
 BAND_FAMILY(COLOR_BAND,       SOURCE_COLOR,        COLOR,  0.012f, ONE,    FAINT, 4,    RIDGE, 6)
-STEP_FAMILY(COLOR,            SOURCE_COLOR,        COLOR,  0.01f,  ONE,    SURE,  3,    RIDGE, 8)
+STEP_FAMILY(COLOR,            SOURCE_COLOR,        COLOR,  0.01f,  ONE,    FAINT, 3,    RIDGE, 8)
 BAND_FAMILY(LIGHT_BAND,       SOURCE_LIGHT,        LIGHT,  0.1f,   ONE,    SURE,  4,    RIDGE, 10)
 STEP_FAMILY(LIGHT_STEP,       SOURCE_LIGHT,        LIGHT,  0.02f,  ONE,    SURE,  3,    RIDGE, 12)
 CRACK_FAMILY(LIGHT,                                LIGHT,                  SURE,  3,           2)

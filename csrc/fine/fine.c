@@ -15,7 +15,7 @@ static float least_contrast(const encre_params *p, float weight)
 	float most = p->contrast_auto ? min(p->contrast_max, least_full_contrast) : p->contrast_max,
 	      least = p->contrast_threshold;
 	if (weight > 0 && most > least)
-		least += (most - least) * min(1, p->edge_threshold / weight);
+		least += (most - least) * min(1, least_faint * p->edge_threshold / weight);
 	/* a difference is at most 2/3 of the distance in RGB, and that distance itself in CIE76; the others bend the
 	 * space */
 	return least * (p->contrast_metric == contrast_metric_RGB     ? 1.5f

@@ -47,6 +47,8 @@ extern const family_info families[FAMILY_COUNT];
 /* Pixels to sites of earlier families, of all but shapes, which join them. Where light crosses a threshold that goes
  * round a corner from a step in it, along the other axis, to clear_of_turn: they are one line. */
 extern const float clear_of_older, clear_of_turn;
+/* Of edge_threshold, of what is FAINT: so strong must be what is a line only beside one. */
+extern const float least_faint;
 
 enum form { FORM_VECTOR, FORM_COLOR, FORM_LIGHT, FORM_DISTANCE };
 

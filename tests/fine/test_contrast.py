@@ -82,3 +82,30 @@ def test_other_metrics_and_threads():
                for threads, simd in ((1, 1), (3, 0))]
         assert got[0]["Encre Edges"].max() == 1
         assert all(got[0][name].tobytes() == got[1][name].tobytes() for name in got[0])
+
+
+def bricks(joint, wide, rows=120, columns=160, ground=0.5):
+    """A wall, averaged over pixels: joints 2 pixels high and `wide` pixels wide, and a spot of their colour."""
+    fine = 4
+    y, x = (np.indices((rows * fine, columns * fine)) + 0.5) / fine
+    row = np.floor(y / 15.3)
+    where = (y % 15.3 < 2) | ((x + 23.1 * (row % 2)) % 46.2 < wide)
+    where = np.where(y < 90, where, np.hypot(x - 80, y - 105) < 6)
+    grey = np.where(where, joint, ground).reshape(rows, fine, columns, fine).mean((1, 3))
+    made = {"combined": 4, "color": 3, "diffuse": 3, "normal": 3, "depth": 1}
+    made = {name: np.full((rows, columns, channels), 0.5, np.float32) for name, channels in made.items()}
+    made["normal"][...] = 0, 0, 1
+    made["albedo"] = np.ascontiguousarray(np.repeat(grey[..., None], 3, 2), np.float32)
+    return made
+
+
+@pytest.mark.parametrize(("joint", "drawn"), [(0.4, True), (0.46, False)])
+def test_joints_between_bricks_are_whole_or_not_there(joint, drawn):
+    """Those that look wide have two sides, each half as strong as the one line of a narrow one."""
+    full = encoded(0.5) - encoded(0.4)
+    scene = SCENE | {"edge_color": 1.0, "contrast_max": 1.0, "edge_threshold": full * 1.2, "line_thickness": 2.0}
+    ink = load().render(bricks(joint, 8), scene, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
+    middle = ink[24:29]  # of a row of bricks, between joints
+    sides = (middle[:, 4:-4].max(0) > 0.1)
+    assert (np.diff(sides.astype(int)) > 0).sum() == 6 * drawn
+    assert ink[95:].max() == 0

@@ -55,7 +55,7 @@ def compare(name):
             wrong.append((key, "source", s["source"], site.source))
         if np.abs(s["step"] - site.step).max() > 1:
             wrong.append((key, "step", s["step"], site.step))
-        if family in ("color_band", "crack", "crease") and (s["weak"], s["told"]) != (site.weak, site.told):
+        if family in ("color_band", "color", "crack", "crease") and (s["weak"], s["told"]) != (site.weak, site.told):
             wrong.append((key, "weak, told", s["weak"], s["told"]))
         if abs(s["eased"] - site.eased) > 0.51:
             wrong.append((key, "eased", s["eased"], site.eased))

@@ -96,13 +96,17 @@ def close_sites(t, i, reach=1.6):
 
 
 def weak(t, family):
-    """(which weak sites of stripes in colours, of normals, what is seen, edges of meshes or contours hang together with
-    no other, which with one that is not weak, or with 23 more of a contour)."""
-    if FAMILIES[family] not in ("color_band", "normal", "crease", "crack", "seen_normal", "seen_color", "seen_depth"):
+    """(which weak sites of colours, of normals, what is seen, edges of meshes or contours hang together with no other,
+    which with one that is not weak, a step with a stripe within 3 pixels in its layer, or with 23 more of a contour)."""
+    if FAMILIES[family] not in ("color_band", "color", "normal", "crease", "crack", "seen_normal", "seen_color",
+                                "seen_depth"):
         return set(), set()
     own = {int(i) for i in np.flatnonzero((t.family == family) & ~t.dropped)}
     strong = {i for i in own if not t.site["weak"][i]}
-    kept, growing = set(strong), list(strong)
+    stripe = family - 1 if family - 1 in BANDS else None
+    kept = strong | {i for i in own - strong
+                     if any(t.family[j] == stripe and not t.dropped[j] and d <= 3 for j, d in t.within(i, 3))}
+    growing = list(kept)
     while growing:
         new = set(close_sites(t, growing.pop())) - kept
         kept |= new

@@ -215,7 +215,7 @@ def _is_weak(view, site):
     """Whether it is an edge only beside one; it needs half as much then."""
     weak = site.margin < 0
     site.doubtful |= abs(site.margin) < SURE
-    site.margin = site.strength - view.threshold / 2 if view.threshold > 0 else site.strength
+    site.margin = site.strength - view.threshold / 2 if view.threshold > 0 else site.strength or -1.0
     return weak
 
 
@@ -275,7 +275,7 @@ def step_site(view, layer, row, column, axis):
     site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear},
                       style if layer.name == "light" else None,
                       view.normal_weights(row, column) if layer.name == "normal" else None)
-    if layer.name == "normal" or layer.name.startswith("seen"):
+    if layer.name in ("normal", "color") or layer.name.startswith("seen"):
         site.weak = _is_weak(view, site)
     site.step = tuple((127 * way / max(1.001 * step, 1e-30)).astype(int)) + (0,) * (3 - len(way))
     site.doubtful |= bool(doubtful) or unclear

@@ -5,7 +5,6 @@
 #include "base/metric.h"
 
 static const float least_of_step = 0.4f; /* share of a step that slopes beside it may not explain; test_fine_sites */
-static const float least_faint = 0.5f;   /* of edge_threshold, beside an edge; test_fine_sites */
 static const float crease_ramp = 0.37f;  /* of the difference of normals at crease_angle; test_fine_sites */
 static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth; test_fine_sites */
 

@@ -6,7 +6,8 @@
 enum { CHUNK = 2048 };
 
 static const uint32_t long_contour = 24; /* sites that hang together: however faint, it is a line */
-static const float clear_of_band = 2; /* pixels that a step keeps from the stripes in its own layer; test_fine_passes */
+/* Pixels that a step keeps from the stripes in its own layer, and within which one holds it; test_fine_passes */
+static const float clear_of_band = 2, held_by_band = 3;
 
 typedef struct turn {
 	fine *n;
@@ -49,6 +50,22 @@ static bool is_weak(const site *s)
 	return s->placed.weak && !s->linked.dropped;
 }
 
+/* Whether a stripe of the same layer ends or turns there: of joints between bricks those that look narrow are stripes,
+ * those that look wide have two sides. */
+static bool meets_band(const fine *n, const site *s)
+{
+	const family_info *is = families + s->found.family;
+	int band = is->kind == KIND_STEP ? samples[is->sample].band : 0;
+	near_sites of = near_site(n, s, held_by_band);
+	for (uint32_t i; band && near_next(n, &of, &i);) {
+		const site *other = n->site + i;
+		if (other->found.family == band && !other->linked.dropped &&
+		    apart2(s, other) <= held_by_band * held_by_band)
+			return true;
+	}
+	return false;
+}
+
 /* Holds all weak ones that those at open[0] to open[count - 1] hang together with, and adds them; how many there are
  * then. */
 static int32_t hold_on(fine *n, uint32_t *open, uint32_t *count)
@@ -66,7 +83,8 @@ static int32_t hold_on(fine *n, uint32_t *open, uint32_t *count)
 	return code;
 }
 
-/* Holds those that hang together with one that is not weak, and contours that are long, and drops the others. */
+/* Holds those that hang together with one that is not weak or a stripe, and contours that are long, and drops the
+ * others. */
 static int32_t drop_weak(const turn *t)
 {
 	fine *n = t->n;
@@ -84,7 +102,10 @@ static int32_t drop_weak(const turn *t)
 	for (uint32_t i = t->first; !code && i < end; i++) {
 		code = at_step(n, i);
 		linked *s = &n->site[i].linked;
-		for (int k = is_weak(n->site + i) ? ISA(close_sites)(n, i, to) : 0; k-- > 0 && !s->held;)
+		if (!is_weak(n->site + i))
+			continue;
+		s->held = meets_band(n, n->site + i);
+		for (int k = s->held ? 0 : ISA(close_sites)(n, i, to); k-- > 0 && !s->held;)
 			s->held = !n->site[to[k]].placed.weak;
 		if (s->held)
 			open[open_count++] = i;
