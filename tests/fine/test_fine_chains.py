@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from encre.pen import library
 from encre.pen.even import even
+from encre.pen.library import Frame, Mesh
 from judge import verdict
+from views import perspective
 
 CONTROLS = len(library.controls())
 
@@ -161,3 +163,29 @@ def test_a_lone_pixel_does_not_end_a_line():
     plain, parted = widths(()), widths((40, 55, 70))
     assert plain.max() > 7 and (plain > 0.5).sum() > 60
     assert parted == pytest.approx(plain, abs=1.5)
+
+
+def test_only_what_meshes_have_is_round_a_few_pixels():
+    """A rivet on a wall, and pixels whose numbers flip; a file that tells of no meshes shows all of it."""
+    turn = np.arange(12) * np.pi / 6
+    rivet = np.stack([0.07 * np.cos(turn) - 0.63, 0.07 * np.sin(turn) + 0.31, np.full(12, -4.9)], 1)
+    fan = np.array([[0, k, k + 1] for k in range(1, 11)], np.int32)
+    wall = np.array([[-30, -30, -5], [30, -30, -5], [0, 40, -5]], np.float32)
+    frame = Frame(80, 60)
+    found = library.raster([Mesh(wall, None, object_index=1), Mesh(rivet.astype(np.float32), fan, object_index=2)],
+                           np.eye(4), perspective(80, 60), frame, (80, 60), 0.1,
+                           outputs=("object", "marks"))
+    index = found["object"].reshape(60, 80)
+    rows, columns = np.nonzero(index == 2)
+    assert 2 <= len(rows) <= 9
+    flips = [(10, 50), (20, 60), (21, 60), (30, 70), (30, 71), (31, 70), (50, 12)]
+    for row, column in flips:
+        index[row, column] = 3
+    layers = dict(flat(60, 80), object=index, marks=found["marks"], creases=np.zeros((60, 80, 5)))
+    drawn = ink(layers)
+    near = np.zeros(drawn.shape, bool)
+    near[rows.min() - 2:rows.max() + 3, columns.min() - 2:columns.max() + 3] = True
+    assert drawn[near].sum() > 3 and drawn[~near].sum() == 0
+    for name in ("marks", "creases"):
+        shown = ink({key: a for key, a in layers.items() if key != name})
+        assert all(shown[row - 1:row + 3, column - 1:column + 3].sum() > 1 for row, column in flips)

@@ -12,7 +12,8 @@ from reference import passes as twin
 from reference.passes import NUMBER, Table
 
 LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, links=6000, ties=40, eyes=40, smooth=4000, crowded=1300,
-             parted=30, slender=300, tapers=50, led=1000, corners=100, beside=150, spurs=80,
+             parted=30, slender=300, tapers=50, led=1000, corners=100, beside=150, rounds=30,
+             spurs=80,
              short=20)  # found over all cases
 
 
@@ -163,7 +164,10 @@ def lead(check):
 
 def drop(check):
     joined, beside, last = (check.tables(name)[0] for name in ("join ends", "drop beside", "cut spurs"))
-    gone, unsure = chains.beside(joined, check.shape)
+    view = check.c.view
+    marks = view.layers.marks if view.meshes and "marks" in view.given else None
+    gone, unsure = chains.beside(joined, check.shape, marks)
+    check.count["rounds"] += int((joined.family[list(gone)] == NUMBER["crack"]).sum())
     check.alike("beside", gone, dropped(joined, beside), unsure)
     gone, unsure = chains.spurs(beside, check.shape)
     check.alike("spurs", gone, dropped(beside, last), unsure)

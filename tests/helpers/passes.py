@@ -178,6 +178,9 @@ MORE = {  # for the passes alone: many lines beside one another
     for k in range(6)} | {  # frames of 1.7 px, and of more than count
     f"large {k}": (dict(seed=160 + k, things=1, noise=0.01, size=(40, 56)),
                    dict(length_unit="MM", page_height=(23.0, 2.0)[k % 2], edge_threshold=0.05), (), None)
+    for k in range(4)} | {
+    f"specks {k}": (dict(seed=180 + k, specks=14, bent=3 * (k < 3), size=(44, 60), busy=False),
+                    dict(edge_color=0.0, edge_light=0.0), (), None)
     for k in range(4)}
 
 

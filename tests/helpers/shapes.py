@@ -73,7 +73,7 @@ def strokes(rng, size, count):
 
 
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0, light=1.0, hand=0, bent=0, inlaid=0, told=0, without=(), cut=(0, 0)):
+           strong=1.0, light=1.0, hand=0, bent=0, inlaid=0, told=0, specks=0, without=(), cut=(0, 0)):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so.
     cut: pixels that are cut off, of the rows above and below and of the columns left and right."""
     rng = np.random.default_rng(seed)
@@ -141,6 +141,10 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
             layers[name] = layers[name] * (1 + noise * rng.standard_normal(layers[name].shape))
     for _ in range(inlaid):  # of another material, or another object, and nothing else tells it
         layers[rng.choice(("material", "object"))][_cover(rng, y, x, "disc", size)] = rng.integers(5, 9)
+    for k in range(specks):  # of other objects, a few pixels large, few of them told
+        y, x = rng.integers((0, 0), size)
+        layers["object"][y:y + rng.integers(1, 4), x:x + rng.integers(1, 4)] = 10 + k
+        layers["marks"] = np.where(rng.random((*size, 1)) < 0.8, 0, layers["marks"])
     if painted:
         layers["controls"] = np.where(rng.random((*size, 1)) < 0.7, 0, rng.uniform(-0.3, 0.3, (*size, CONTROLS)))
         if painted < 0:

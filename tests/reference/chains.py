@@ -46,13 +46,27 @@ def _way(t, i):
     return t.at[links[1] if len(links) == 2 else i] - t.at[links[0]]
 
 
-def beside(t, shape):
-    """Which sites are dropped with their chain, because it runs along another, wiggles, or is a speck of light or in a
-    mirror; unsure.
+def _rounds(t, runs, marks):
+    """Which sites go round a few pixels of which the rasteriser's marks say nothing; unsure."""
+    gone, unsure = set(), set()
+    for run in runs:
+        length = sum(t.apart(i, j) for i, j in zip(run, run[1:]))  # noqa: B905
+        if run[0] != run[-1] or len(t.links[run[0]]) != 2 or length >= 9 + CLOSE:
+            continue
+        at = [(slice(max(row - 1, 0), row + 2), slice(max(column - 1, 0), column + 2))
+              for row, column in zip(t.site["row"][run].astype(int), t.site["column"][run].astype(int), strict=True)]
+        if (t.family[run] == NUMBER["crack"]).all() and not any(marks[place].any() for place in at):
+            (unsure if length > 9 - CLOSE else gone).update(run)
+    return gone, unsure
+
+
+def beside(t, shape, marks):
+    """Which sites are dropped with their chain, because it runs along another, wiggles, is a speck of light or in a
+    mirror, or goes round pixels that no mesh has; marks: of a frame with meshes, or None; unsure.
     """
     runs = chains(t)
     chain_of = {i: k for k, run in enumerate(runs) for i in run if len(t.links[i]) <= 2}
-    gone, unsure = set(), set()
+    gone, unsure = (set(), set()) if marks is None else _rounds(t, runs, marks)
     doubt = [0.0]
 
     def along(i):

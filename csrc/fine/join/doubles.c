@@ -17,6 +17,9 @@ static const float most_beside = 0.5f;  /* of a chain's length; test_fine_passes
 static const float most_wiggle = 0.12f, most_wiggle_light = 0.3f;
 /* pixels: shorter lines of light, and of what mirrors and glass show, that meet nothing are noise; test_fine_passes */
 static const float least_light = 6, least_seen = 9;
+/* pixels: shorter ways round pixels that the rasteriser does not confirm are noise in numbers and depths; test_fine_passes
+ */
+static const float least_round = 9;
 
 /* A run of sites between those at which not exactly two meet. */
 typedef struct chain {
@@ -156,6 +159,38 @@ static int by_weight(const void *a, const void *b)
 	return by ? by : order_of(p->second, q->second);
 }
 
+/* Whether a contour or a line by hand passes between two pixels at a site or beside it. */
+static bool is_known(const fine *n, const site *s)
+{
+	for (int dy = -1; dy <= 1; dy++)
+		for (int dx = -1; dx <= 1; dx++)
+			for (int axis = AXIS_ROW; axis <= AXIS_COLUMN; axis++) {
+				found at = {.column = (uint16_t)clamp_index(s->found.column + dx, n->f->width),
+					    .row = (uint16_t)clamp_index(s->found.row + dy, n->f->height),
+					    .axis = (uint8_t)axis};
+				if (ISA(hand_place)(n, &at) != 0)
+					return true;
+			}
+	return false;
+}
+
+/* Drops what goes round a few pixels, if the frame has what the rasteriser knows of meshes, and that is not of these. */
+static void choose_round(const beside *b, const chain *c)
+{
+	const fine *n = b->n;
+	if (!n->e->creases || !n->f->layer[ENCRE_LAYER_MARKS].data || !c->closed || c->length >= least_round)
+		return;
+	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
+		next = following(n, c, from, at);
+		if (n->site[at].found.family != FAMILY_CRACK || is_known(n, n->site + at))
+			return;
+	}
+	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
+		next = following(n, c, from, at);
+		n->site[at].linked.dropped = true;
+	}
+}
+
 /* How much of a chain lies beside older lines. */
 static float length_beside(const beside *b, const chain *c)
 {
@@ -204,6 +239,10 @@ int32_t ISA(fine_drop_beside)(fine *n)
 		return code;
 	qsort(b.list, b.count, sizeof *b.list, by_weight);
 	uint32_t i = 0;
+	for (; !code && i < b.count && b.list[i].rank == RANK_SHAPE; i++) {
+		choose_round(&b, b.list + i);
+		code = at_step(n, i);
+	}
 	for (b.rank = RANK_CREASE; !code && b.rank <= RANK_SEEN; b.rank++) {
 		code = bands_run(n->f->bands, (int)n->count, CHUNK, find_near, &b);
 		for (; !code && i < b.count && b.list[i].rank <= b.rank; i++)
