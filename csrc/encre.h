@@ -397,8 +397,8 @@ typedef struct encre_lamp {
 	float spot_blend;    /* 0..1: how much of the cone is soft */
 	float spread;        /* rectangle, ellipse: into which angle it shines, radians; pi = everywhere in front */
 	int32_t flat;        /* point and spot: 0 = a sphere, 1 = a disc that faces what it lights */
-	int32_t reserved;
-	double model[16]; /* its own space -> world, row by row */
+	int32_t matt;        /* 1: it makes no highlights */
+	double model[16];    /* its own space -> world, row by row */
 } encre_lamp;
 
 enum { ENCRE_MAX_BENDS = 64 };
@@ -419,7 +419,9 @@ typedef struct encre_light_job {
 	encre_image depth; /* in: the layer `depth` */
 	encre_image
 		normal; /* in: the layer `normal`, which tells of surfaces that are not in the scene; may be absent */
-	encre_image diffuse; /* out: the layer `diffuse`: direct light without the colour of the surface */
+	encre_image diffuse;  /* out: the layer `diffuse`: direct light without the colour of the surface */
+	encre_image shine;    /* in: as encre_material() draws it, what makes highlights; may be absent */
+	encre_image specular; /* out: highlights of the lamps, 3; may be absent */
 	float world[27]; /* light from all sides: colours that are multiplied by 1, x, y, z, xy, yz, 3 zz - 1, xz and
 			    xx - yy of the normal and summed */
 	int32_t n_bends; /* 0..ENCRE_MAX_BENDS */
@@ -481,6 +483,10 @@ enum encre_result {
 	ENCRE_RESULT_EMISSION = 6,   /* 3 */
 	ENCRE_RESULT_ALPHA = 9,      /* 1 = nothing shows through */
 	ENCRE_RESULT_ROUGHNESS = 10, /* of reflections */
+	ENCRE_RESULT_SHINE = 11,     /* 3: of highlights, where a lamp is looked at straight from above */
+	ENCRE_RESULT_SHINE_ROUGHNESS = 14,
+	ENCRE_RESULT_COAT = 15, /* of highlights of a coat above it, which is colourless, and its roughness */
+	ENCRE_RESULT_COAT_ROUGHNESS = 16,
 	ENCRE_RESULTS
 };
 
@@ -516,7 +522,8 @@ typedef struct encre_material_job {
 	encre_image attributes;                      /* in; may be absent */
 	encre_image color, gloss, emission;          /* out, 3: scene-linear, at least 0; 0 where nothing is */
 	encre_image surface;                         /* out, 2: alpha and roughness, 0 to 1 */
-	encre_progress progress;                     /* may be NULL */
+	encre_image shine;       /* out, 6: of highlights the colour and roughness, of a coat's how bright and rough */
+	encre_progress progress; /* may be NULL */
 	void *user;
 } encre_material_job;
 

@@ -6,7 +6,8 @@ import dataclasses
 import bpy
 import numpy as np
 
-from ..pen import background, library, overlay
+from ..pen import abi, background, library, overlay
+from ..pen.irradiance import polynomials
 from ..pen.job import Camera
 from ..pen.sky import Sky, directions
 from . import cameras, lamps, materials, meshes, mirrors, pictures, subject, trees, unseen, worlds
@@ -62,7 +63,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     notes += unseen.of_materials(looks, objects.materials) + unseen.of_things(depsgraph, visible)
     made = looks.programs(objects.materials, objects.things, first)
     return Scene(objects, light, made, sky, scene.render.film_transparent, subject.read(depsgraph, camera, light), clip,
-                 notes, first > 0, looks.through(objects.materials))
+                 notes, first > 0, looks.through(objects.materials), looks.shine(objects.materials))
 
 
 def _join_attributes(objects):
@@ -101,12 +102,13 @@ def _any(color):
 class Scene:
     """What is drawn from: nothing of it is Blender's, so that it stays whatever becomes of the depsgraph."""
 
-    def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted, through):
+    def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted, through, shines):
         self.objects, self.light, self.materials, self.sky, self.clip = objects, light, made, sky, clip
         self.transparent, self.subject = transparent, about
         self.notes = notes  # sentences about what is missing
         self.painted = painted  # whether the first attributes are controls
         self.through = through  # by number of material: whether light goes through it
+        self.shines = shines and light.lamps > 0  # whether lamps make highlights on anything
 
     def camera(self, view, projection):
         orthographic = projection[3, 3] == 1
@@ -144,7 +146,8 @@ class Scene:
             wanted.append("anchor")
         if settings.wants_tangent:
             wanted.append("tangent")
-        maps, looks, diffuse, through = yield from self._front(view, projection, frame, size, wanted, clip, sharp)
+        lit = np.zeros((*size[::-1], 3), np.float32) if self.shines else None
+        maps, looks, diffuse, through = yield from self._front(view, projection, frame, size, wanted, clip, sharp, lit)
         instance = maps["object"].astype(np.int32)
         there = instance > 0
         layers = {"normal": maps["shading"], "marks": maps["marks"]}
@@ -160,6 +163,10 @@ class Scene:
             creases[through, 4] = -1  # no mesh tells of them
             yield []
         layers |= {name: looks[name] for name in ("color", "gloss", "emission")}
+        mirrors = layers["gloss"]
+        if lit is not None:
+            layers["highlights"], layers["gloss"] = lit, np.maximum(mirrors, looks["shine"][..., :3])
+            layers["gloss"] += looks["shine"][..., 4:5]
         layers["albedo"] = albedo = layers["color"] + layers["gloss"]
         albedo += layers["emission"]
         np.minimum(albedo, np.float32(1), out=albedo)
@@ -170,7 +177,10 @@ class Scene:
         combined[..., :3] += layers["emission"]
         shown = yield from self._mirrored(layers, maps, looks, view, projection, frame, size, clip,
                                           sharp)
-        self._gloss(layers, looks["surface"][..., 1], view, projection, frame, shown)
+        self._gloss(layers, mirrors, looks["surface"][..., 1], view, projection, frame, shown)
+        if lit is not None:
+            layers["specular"] = layers["specular"] + lit if "specular" in layers else lit.copy()
+            combined[..., :3] += lit
         combined[..., 3] = 1
         yield []
         layers["diffuse"] *= _any(layers["color"])[..., None]  # as a renderer has it
@@ -181,22 +191,23 @@ class Scene:
             self._background(layers, caught, view, projection, frame)
         return layers
 
-    def _front(self, view, projection, frame, size, wanted, clip, sharp):
+    def _front(self, view, projection, frame, size, wanted, clip, sharp, lit):
         """(rasterised pictures, looks, light or None) of what is in front and shows more than what lies behind it, and
-        where something is seen through (height, width)."""
+        where something is seen through (height, width). lit: gets the lamps' highlights, None: there are none."""
         objects, clear = self.objects, self.objects.clear.any()
 
         def works(wanted, beyond=None):
             return self._works(view, projection, frame, size, clip, wanted, beyond)
 
-        def light(maps):
+        def light(maps, looks):
             if self.light.dark:
                 return []
-            return [self.light.work(maps["depth"][..., None], maps["shading"], view, projection, frame, clip, sharp)]
+            return [self.light.work(maps["depth"][..., None], maps["shading"], view, projection, frame, clip, sharp,
+                                    shine=looks.get("shine"), specular=lit)]
 
         maps, first = works(wanted)
         yield []
-        _, looks, *diffuse = yield [*first, *([] if clear else light(maps))]
+        _, looks, *diffuse = yield [*first, *([] if clear else light(maps, first[1].result()))]
         open_ = objects.clear[maps["material"].astype(np.int32)] & (looks["surface"][..., 0] < _SHOWS)
         changed = open_.copy()
         if open_.any():
@@ -207,9 +218,12 @@ class Scene:
                     overlay.without(maps[name], pixels)
         if clear:
             alpha = np.maximum(looks["surface"][..., :1], np.float32(_SHOWS))
-            for name in ("color", "gloss", "emission"):
-                np.divide(looks[name], alpha, out=looks[name])
-            diffuse = yield light(maps)
+            for name in ("color", "gloss", "emission", *(("shine",) if self.shines else ())):
+                if name == "shine":
+                    looks[name][..., (0, 1, 2, 4)] /= alpha
+                else:
+                    np.divide(looks[name], alpha, out=looks[name])
+            diffuse = yield light(maps, looks)
         return maps, looks, diffuse[0] if diffuse else None, changed
 
     def _works(self, view, projection, frame, size, clip, wanted, beyond):
@@ -222,7 +236,8 @@ class Scene:
                                             [*wanted, "attributes"] if channels else wanted, beyond, into)
         maps = raster.result()  # its arrays, which the others read
         return maps, [raster, library.load().material_work(
-            self.materials, {**maps, "normal": maps["shading"]}, view, projection, frame)]
+            self.materials, {**maps, "normal": maps["shading"]}, view, projection, frame,
+            [name for name in abi.MATERIAL_OUTPUTS if name != "shine" or self.shines])]
 
     def _behind(self, maps, looks, open_, works):
         """Changes the pictures where `open_`: to what lies behind, until it shows."""
@@ -292,24 +307,28 @@ class Scene:
         return all(_same(getattr(self, name), getattr(other, name)) for name in
                    ("materials", "sky", "transparent", "subject", "objects")) and self.light.same(other.light)
 
-    def _gloss(self, layers, roughness, view, projection, frame, flat):
+    def _gloss(self, layers, mirrors, roughness, view, projection, frame, flat):
         """Adds what is reflected: of things it is known in flat mirrors alone, so other smooth surfaces reflect the
         sky, and rough ones are as bright as the light that falls there."""
         shape = roughness.shape
-        pixels = np.flatnonzero(_any(layers["gloss"]))
+        pixels = np.flatnonzero(_any(mirrors))
         if not pixels.size:
             return
-        gloss, light, normal, combined = (layers[name].reshape(-1, layers[name].shape[2]) for name in
-                                          ("gloss", "diffuse", "normal", "combined"))
+        light, normal, combined = (layers[name].reshape(-1, layers[name].shape[2]) for name in
+                                   ("diffuse", "normal", "combined"))
         rays = directions(view, projection, frame, pixels, shape[1])
         across = normal[pixels]
         mirrored = rays - 2 * np.einsum("nc,nc->n", rays, across)[:, None] * across
         rough = roughness.reshape(-1)[pixels, None]
         sky, (where, shown) = self.sky.towards(mirrored), flat
+        blurred = light[pixels]
+        if self.shines:
+            world = self.light.world
+            blurred = 0 if world is None else np.maximum(polynomials(mirrored) @ world, 0).astype(np.float32)
         if shown is not None:
             flat = where.reshape(-1)[pixels]
             sky[flat] = shown.reshape(-1, 3)[pixels[flat]]
-        reflected = gloss[pixels] * (sky + rough * (light[pixels] - sky))
+        reflected = mirrors.reshape(-1, 3)[pixels] * (sky + rough * (blurred - sky))
         combined[pixels, :3] += reflected
         layers["specular"] = np.zeros((*shape, 3), np.float32)
         layers["specular"].reshape(-1, 3)[pixels] = reflected

@@ -103,9 +103,10 @@ class FastFrames:
         for name, layer in _PASSES.items():
             place.write(plain, name, pictures[layer])
         if "specular" in pictures:
-            gloss = pictures["gloss"]
-            light = np.divide(pictures["specular"], gloss, out=np.zeros_like(gloss), where=gloss > 0)
-            place.write(plain, "GlossInd", light)
+            gloss, lamps = pictures["gloss"], pictures.get("highlights", np.float32(0))
+            for name, part in (("GlossInd", pictures["specular"] - lamps), ("GlossDir", lamps)):
+                light = np.divide(part, gloss, out=np.zeros_like(gloss), where=gloss > 0)
+                place.write(plain, name, light)
         place.write(plain, "Combined", pictures["combined"])
         return place, {name: picture for name, picture in pictures.items() if name in library.load().layers}, plain
 

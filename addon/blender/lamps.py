@@ -148,10 +148,11 @@ class Light:
         """Whether another Light of the same Kept would draw the same."""
         return self.said == other.said and np.array_equal(self.world, other.world)
 
-    def work(self, depth, normal, view, projection, frame, clip, sharp=False):
-        """The Work that draws the layer `diffuse`; clip: as the Light was made with, of what looks at it now; sharp: as
-        light_work() takes it."""
-        return self.scene.light_work(depth, normal, view, projection, frame, *clip, self.world, self.bends, sharp)
+    def work(self, depth, normal, view, projection, frame, clip, sharp=False, **more):
+        """The Work that draws the layer `diffuse`; clip: as the Light was made with, of what looks at it now; sharp and
+        more: as light_work() takes them."""
+        return self.scene.light_work(depth, normal, view, projection, frame, *clip, self.world, self.bends, sharp,
+                                     **more)
 
     def draw(self, depth, normal, view, projection, frame, threads, progress):
         """The layer `diffuse`."""
@@ -167,7 +168,9 @@ def told(obj, matrix, unknown=None):
     if not obj.visible_diffuse or (obj.data.type == "AREA" and obj.data.cycles.is_portal):
         return None
     try:
-        return _lamp(obj.data, matrix)
+        lamp = _lamp(obj.data, matrix)
+        lamp.matt = not obj.visible_glossy
+        return lamp
     except trees.Unknown as e:
         if unknown is not None:
             unknown.append(f"the node {e} of lamp {obj.name}")

@@ -36,6 +36,9 @@ class Looks:
             made.append(compiler.finish(surface, first))
         return Materials(made, self.pool.textures, np.array(self.pool.constants, np.float32), things)
 
+    def shine(self, names):
+        """Whether any of the materials makes highlights."""
+        return any(self.known[name][1].shine != (0.0,) * 3 or self.known[name][1].coat != 0.0 for name in names)
 
     def through(self, names):
         """Whether light goes through each material: bool (n,)."""

@@ -25,6 +25,10 @@ class Surface:
     emission: tuple = (0.0, 0.0, 0.0)
     alpha: object = 1.0
     roughness: object = 1.0
+    shine: tuple = (0.0, 0.0, 0.0)   # of highlights, where they are looked at from above
+    shine_roughness: object = 0.0
+    coat: object = 0.0               # likewise, of what lies above it
+    coat_roughness: object = 0.0
 
 
 @dataclass
@@ -55,7 +59,8 @@ class Compiler(Patterns):
     def finish(self, surface, first):
         """The job.Program; first: the first of the attributes' channels that are its."""
         made = self.build.program([*surface.color, *surface.gloss, *surface.emission, surface.alpha,
-                                   surface.roughness])
+                                   surface.roughness, *surface.shine, surface.shine_roughness, surface.coat,
+                                   surface.coat_roughness])
         codes = [self.build.code(name) for name in ("channel", "footprint")]
         operations = made.operations.copy()
         operations[np.isin(operations[:, 0], codes), 10] += first
@@ -194,16 +199,30 @@ class Compiler(Patterns):
         return {"BSSRDF": Surface(self.three(node.inputs["Color"]))}
 
     def _BsdfGlossy(self, node):
-        return {"BSDF": Surface(gloss=self.three(node.inputs["Color"]),
-                                roughness=self.number(node.inputs["Roughness"]))}
+        color, rough = self.three(node.inputs["Color"]), self._roughness(node)
+        return {"BSDF": Surface(gloss=color, roughness=rough, shine=color, shine_roughness=rough)}
+
+    def _roughness(self, node):
+        return self.build.clamp(self.number(node.inputs["Roughness"]))
 
     _BsdfAnisotropic = _BsdfGlossy  # what Glossy is called since 4.0
 
     def _BsdfGlass(self, node):
         self.through = True
-        return self._BsdfGlossy(node)
+        color, rough = self.three(node.inputs["Color"]), self._roughness(node)
+        level = self._mirrors(self.number(node.inputs["IOR"]))
+        return {"BSDF": Surface(gloss=color, roughness=rough, shine_roughness=rough,
+                                shine=tuple(self.build.multiply(c, level) for c in color))}
 
-    _BsdfRefraction = _BsdfGlass
+    def _BsdfRefraction(self, node):
+        self.through = True
+        return {"BSDF": Surface(gloss=self.three(node.inputs["Color"]), roughness=self._roughness(node))}
+
+    def _mirrors(self, ior):
+        """The share of light that a smooth surface mirrors which it meets straight from above."""
+        build = self.build
+        root = build.divide(build.subtract(ior, 1.0), build.add(ior, 1.0))
+        return build.multiply(root, root)
 
     def _BsdfTransparent(self, node):
         return {"BSDF": Surface(alpha=0.0)}
@@ -230,20 +249,41 @@ class Compiler(Patterns):
         other = build.subtract(alpha, matt)
         strength = build.multiply(self.number(inputs["Emission Strength"]), alpha)
         glow = (0.0,) * 3 if strength == 0 else self.three(named("Emission Color", "Emission"))
+        rough = self._roughness(node)
+        if "Specular IOR Level" in inputs:  # since 4.0
+            level = build.multiply(self._mirrors(self.number(inputs["IOR"])),
+                                   build.multiply(2.0, self.number(inputs["Specular IOR Level"])))
+            shine = tuple(build.multiply(c, level) for c in self.three(inputs["Specular Tint"]))
+            coat = build.multiply(self.number(inputs["Coat Weight"]), self._mirrors(self.number(inputs["Coat IOR"])))
+        else:
+            shine = (build.multiply(0.08, self.number(inputs["Specular"])),) * 3
+            coat = build.multiply(0.01, self.number(inputs["Clearcoat"]))  # a quarter of what glass has
         return {"BSDF": Surface(tuple(build.multiply(c, matt) for c in base),
                                 tuple(build.multiply(c, other) for c in base),
-                                tuple(build.multiply(c, strength) for c in glow), alpha,
-                                build.clamp(self.number(inputs["Roughness"])))}
+                                tuple(build.multiply(c, strength) for c in glow), alpha, rough,
+                                tuple(build.multiply(alpha, c) for c in self._mixed(shine, base, metal)), rough,
+                                build.multiply(alpha, coat),
+                                build.clamp(self.number(named("Coat Roughness", "Clearcoat Roughness"))))}
 
     def _MixShader(self, node):
         share = self.build.clamp(self.number(node.inputs[0]))
         if share in (0.0, 1.0):
             return {"Shader": self.shader(node.inputs[1 + int(share)])}
         a, b = (self.shader(node.inputs[k]) for k in (1, 2))
+        mix = self.build.mix
         return {"Shader": Surface(*(self._mixed(getattr(a, name), getattr(b, name), share)
                                     for name in ("color", "gloss", "emission")),
-                                  *(self.build.mix(getattr(a, name), getattr(b, name), share)
-                                    for name in ("alpha", "roughness")))}
+                                  *(mix(getattr(a, name), getattr(b, name), share) for name in ("alpha", "roughness")),
+                                  self._mixed(a.shine, b.shine, share), self._of_both(a, b, "shine", share),
+                                  mix(a.coat, b.coat, share), self._of_both(a, b, "coat", share))}
+
+    def _of_both(self, a, b, what, share=0.5):
+        """How rough highlights of two shaders are: those that one of them has are as rough as its own."""
+        one, other = (getattr(surface, what + "_roughness") for surface in (a, b))
+        for surface, rough in ((a, other), (b, one)):
+            if getattr(surface, what) in (0.0, (0.0,) * 3):
+                return rough
+        return self.build.mix(one, other, share)
 
     def _AddShader(self, node):
         a, b = (self.shader(node.inputs[k]) for k in (0, 1))
@@ -251,7 +291,9 @@ class Compiler(Patterns):
         return {"Shader": Surface(self._each(add, a.color, b.color), self._each(add, a.gloss, b.gloss),
                                   self._each(add, a.emission, b.emission),
                                   self.build.clamp(add(a.alpha, b.alpha)),
-                                  self.build.minimum(a.roughness, b.roughness))}
+                                  self.build.minimum(a.roughness, b.roughness),
+                                  self._each(add, a.shine, b.shine), self._of_both(a, b, "shine"),
+                                  add(a.coat, b.coat), self._of_both(a, b, "coat"))}
 
     # Where
 

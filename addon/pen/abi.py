@@ -112,7 +112,7 @@ class Instance(c.Structure):
 class Lamp(c.Structure):
     _fields_ = [("type", c.c_int32), ("shadows", c.c_int32), ("light_set", c.c_int32), ("shadow_set", c.c_int32),
                 ("color", c.c_float * 3), ("width", c.c_float), ("height", c.c_float), ("spot_angle", c.c_float),
-                ("spot_blend", c.c_float), ("spread", c.c_float), ("flat", c.c_int32), ("reserved", c.c_int32),
+                ("spot_blend", c.c_float), ("spread", c.c_float), ("flat", c.c_int32), ("matt", c.c_int32),
                 ("model", c.c_double * 16)]
 
 
@@ -123,8 +123,9 @@ class Bend(c.Structure):
 class LightJob(c.Structure):
     _fields_ = [("scene", c.c_void_p), ("view", c.c_double * 16), ("projection", c.c_double * 16),
                 ("clip_start", c.c_double), ("clip_end", c.c_double), ("frame", Frame), ("depth", Image),
-                ("normal", Image), ("diffuse", Image), ("world", c.c_float * 27), ("n_bends", c.c_int32),
-                ("bends", c.c_void_p), ("sharp", c.c_bool), ("progress", Progress), ("user", c.c_void_p)]
+                ("normal", Image), ("diffuse", Image), ("shine", Image), ("specular", Image),
+                ("world", c.c_float * 27), ("n_bends", c.c_int32), ("bends", c.c_void_p), ("sharp", c.c_bool),
+                ("progress", Progress), ("user", c.c_void_p)]
 
 
 class OperationInfo(c.Structure):
@@ -135,7 +136,7 @@ class Operation(c.Structure):
     _fields_ = [("code", c.c_int32), ("out", c.c_int32), ("in", c.c_int32 * 8), ("data", c.c_int32 * 2)]
 
 
-RESULTS = 11
+RESULTS = 17
 
 
 class Program(c.Structure):
@@ -155,7 +156,7 @@ class Materials(c.Structure):
 
 
 MATERIAL_INPUTS = {"object": 1, "material": 1, "depth": 1, "normal": 3}  # channels
-MATERIAL_OUTPUTS = {"color": 3, "gloss": 3, "emission": 3, "surface": 2}
+MATERIAL_OUTPUTS = {"color": 3, "gloss": 3, "emission": 3, "surface": 2, "shine": 6}
 
 
 class MaterialJob(c.Structure):

@@ -89,6 +89,7 @@ class Lamp:
     spot_blend: float = 0.0
     spread: float = math.pi
     flat: bool = False
+    matt: bool = False
     shadows: bool = True
     light_set: int = 0
     shadow_set: int = 0

@@ -278,13 +278,14 @@ class Library:
                  frame: Frame, threads: int = 0, simd: int = 1,
                  progress: Callable[[float], bool] | None = None) -> dict[str, np.ndarray]:
         """What surfaces look like without light: `color`, `gloss` and `emission` (H, W, 3), `surface` (H, W, 2), alpha
-        and roughness. maps: object, material and depth (H, W), normal (H, W, 3) and perhaps attributes (H, W, n), as
-        raster() gives them.
+        and roughness, and `shine` (H, W, 6), what makes highlights. maps: object, material and depth (H, W), normal (H,
+        W, 3) and perhaps attributes (H, W, n), as raster() gives them.
         """
         return self.run(self.material_work(materials, maps, view, projection, frame), threads, simd, progress)
 
     def material_work(self, materials: Materials, maps: Mapping[str, np.ndarray], view: np.ndarray,
-                      projection: np.ndarray, frame: Frame) -> Work:
+                      projection: np.ndarray, frame: Frame,
+                      outputs: Sequence[str] = tuple(abi.MATERIAL_OUTPUTS)) -> Work:
         """The Work of material()."""
         job = abi.MaterialJob()
         block, keep = abi.materials(materials)
@@ -299,8 +300,8 @@ class Library:
                 setattr(job, name, image)
                 keep.append(a)
         images = {}
-        for name, channels in abi.MATERIAL_OUTPUTS.items():
-            images[name] = np.empty((*maps["object"].shape[:2], channels), np.float32)
+        for name in outputs:
+            images[name] = np.empty((*maps["object"].shape[:2], abi.MATERIAL_OUTPUTS[name]), np.float32)
             setattr(job, name, abi.image(images[name]))
         return Work("material", job, [keep, block], lambda: images)
 

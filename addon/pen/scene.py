@@ -7,7 +7,7 @@ import numpy as np
 
 from . import abi
 from .errors import EncreError
-from .job import EVERY_SET, LAMPS, Bend, Frame, Lamp, Work, entries
+from .job import EVERY_SET, LAMPS, Bend, Frame, Lamp, Work, entries, filled
 from .library import Library, load
 
 EXTENSIONS = ("REPEAT", "EXTEND", "CLIP")
@@ -77,7 +77,7 @@ class Scene:
         if lamp is None:
             return self._set(function, key, None)
         value = abi.Lamp(LAMPS.index(lamp.kind), lamp.shadows, lamp.light_set, lamp.shadow_set, tuple(lamp.color),
-                      lamp.width, lamp.height, lamp.spot_angle, lamp.spot_blend, lamp.spread, lamp.flat)
+                      lamp.width, lamp.height, lamp.spot_angle, lamp.spot_blend, lamp.spread, lamp.flat, lamp.matt)
         value.model[:] = np.asarray(lamp.model, np.float64).ravel()
         return self._set(function, key, value)
 
@@ -107,8 +107,10 @@ class Scene:
 
     def light_work(self, depth: np.ndarray, normal: np.ndarray | None, view: np.ndarray, projection: np.ndarray,
                    frame: Frame, clip_start: float, clip_end: float = 0.0, world: np.ndarray | None = None,
-                   bends: Sequence[Bend] = (), sharp: bool = False) -> Work:
-        """The Work of light(). The scene must stay as it is until it has ended."""
+                   bends: Sequence[Bend] = (), sharp: bool = False, shine: np.ndarray | None = None,
+                   specular: np.ndarray | None = None) -> Work:
+        """The Work of light(). The scene must stay as it is until it has ended. shine (H, W, 6): as material() draws
+        it; specular (H, W, 3): filled with the highlights that the lamps make on that."""
         job = abi.LightJob(scene=self._handle, clip_start=clip_start, clip_end=clip_end, sharp=sharp)
         job.view[:] = np.asarray(view, np.float64).ravel()
         job.projection[:] = np.asarray(projection, np.float64).ravel()
@@ -116,6 +118,9 @@ class Scene:
         depth, job.depth = abi.given("depth", depth, 1)
         if normal is not None:
             normal, job.normal = abi.given("normal", normal, 3)
+        if shine is not None and specular is not None:
+            shine, job.shine = abi.given("shine", shine, 6)
+            job.specular = abi.image(filled("specular", specular, (*depth.shape[:2], 3)))
         diffuse = np.empty((*depth.shape[:2], 3), np.float32)
         job.diffuse = abi.image(diffuse)
         if world is not None:
@@ -125,4 +130,4 @@ class Scene:
             to.model[:] = np.asarray(bend.model, np.float64).ravel()
             to.amount, to.fade = bend.amount, bend.fade
         job.n_bends, job.bends = len(bends), abi.c.addressof(ellipsoids)
-        return Work("light", job, [self, depth, normal, ellipsoids], lambda: diffuse)
+        return Work("light", job, [self, depth, normal, shine, specular, ellipsoids], lambda: diffuse)

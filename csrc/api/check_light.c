@@ -126,23 +126,30 @@ static int32_t check_bends(const encre_light_job *job, char *error, size_t size)
 
 int32_t check_light(const encre_light_job *job, encre_light_job *clean, char *error, size_t size)
 {
-	const encre_layer_description what[] = {{"depth", "", 1, 1}, {"normal", "", 3, 0}, {"diffuse", "", 3, 1}};
-	const encre_image *images[] = {&job->depth, &job->normal, &job->diffuse};
+	enum { INPUTS = 3, IMAGES = 5 };
+	const encre_layer_description what[IMAGES] = {{"depth", "", 1, 1},
+						      {"normal", "", 3, 0},
+						      {"shine", "", 6, 0},
+						      {"diffuse", "", 3, 1},
+						      {"specular", "", 3, 0}};
+	const encre_image *images[IMAGES] = {&job->depth, &job->normal, &job->shine, &job->diffuse, &job->specular};
 	*clean = *job;
-	encre_image *clean_images[] = {&clean->depth, &clean->normal, &clean->diffuse};
+	encre_image *cleaned[IMAGES] = {&clean->depth, &clean->normal, &clean->shine, &clean->diffuse,
+					&clean->specular};
 	int width = job->diffuse.width, height = job->diffuse.height;
 	int32_t code = check_scene(job->scene, error, size);
-	for (int i = 0; !code && i < 3; i++) {
+	for (int i = 0; !code && i < IMAGES; i++) {
 		if (!images[i]->data && what[i].required)
 			return refuse(error, size, "%s: this image is missing and required; give it", what[i].name);
-		if (images[i]->data)
-			code = check_image(images[i], what + i, width, height, error, size);
-		*clean_images[i] = with_strides(*images[i]);
+		if (!images[i]->data)
+			continue;
+		code = check_image(images[i], what + i, width, height, error, size);
+		*cleaned[i] = with_strides(*images[i]);
+		for (int k = 0; !code && i >= INPUTS && k < i; k++)
+			if (images[k]->data)
+				code = check_apart(what[i].name, cleaned[i], what[k].name, grid_of(cleaned[k]), error,
+						   size);
 	}
-	for (int i = 0; !code && i < 2; i++)
-		if (images[i]->data)
-			code = check_apart("diffuse", &clean->diffuse, what[i].name, grid_of(clean_images[i]), error,
-					   size);
 	if (!code)
 		code = check_frame(&job->frame, width, height, error, size);
 	if (!code)

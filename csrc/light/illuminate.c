@@ -25,6 +25,9 @@ static void add_rows(void *data, int y0, int y1, int thread)
 	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width; i++)
 		for (int c = 0; c < 3; c++)
 			l->sum[3 * i + c] += l->plain[i] * l->share[i] * l->lamp.color[c];
+	for (int y = y0; l->shines && y < y1; y++)
+		if (y >= LIGHT_MARGIN && y < l->height - LIGHT_MARGIN)
+			ISA(shine_row)(l, y - LIGHT_MARGIN);
 }
 
 /* Light from all sides, by the normal. */
@@ -71,6 +74,16 @@ static void borrow(const light *l, int x, int y, float out[3])
 		out[c] = n ? out[c] / (float)n : 0;
 }
 
+static void clear_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const light *l = data;
+	const encre_image *out = &l->job->specular;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0; x < out->width; x++)
+			memset(pixel_at(out, x, y), 0, 3 * sizeof(float));
+}
+
 static void write_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -111,18 +124,39 @@ static int32_t run(light *l)
 	int32_t code = bands_run(l->bands, l->height, 0, place_rows, l);
 	if (!code)
 		code = bands_run(l->bands, l->height, 0, world_rows, l);
+	if (!code && l->job->specular.data)
+		code = bands_run(l->bands, l->job->specular.height, 0, clear_rows, l);
 	lamp_points_make(&l->points);
 	for (int32_t i = 0; !code && i < lamps->count; i++) {
 		double share = 0.7 / lamps->count;
 		bands_span(l->bands, 0.3 + share * i, 0.3 + share * (i + 1));
-		if (!lamp_make(lamps->items[i], &l->lamp))
+		const encre_lamp *given = lamps->items[i];
+		if (!lamp_make(given, &l->lamp))
 			continue;
 		l->soft = l->lamp.soft && !l->job->sharp;
+		l->shines = l->job->specular.data && l->job->shine.data && !given->matt;
 		code = ISA(shadow_run)(l);
 		if (!code)
 			code = bands_run(l->bands, l->height, 0, add_rows, l);
 	}
 	return code ? code : bands_run(l->bands, l->job->diffuse.height, 0, write_rows, l);
+}
+
+/* Where the camera stands, or how far ones look. */
+static void find_eye(light *l)
+{
+	const double *p = l->job->projection, *m = l->inverse;
+	double out[4];
+	l->eye_far = p[14] == 0;
+	int column = l->eye_far ? 2 : 3; /* of what lies on the axis: endlessly far ahead, or at the eye */
+	for (int r = 0; r < 4; r++) {
+		out[r] = 0;
+		for (int k = 0; k < 4; k++)
+			out[r] += m[4 * r + k] * p[4 * k + column];
+	}
+	double by = l->eye_far ? 1 : 1 / out[3];
+	l->eye = (vec){(float)(out[0] * by), (float)(out[1] * by), (float)(out[2] * by)};
+	l->eye = l->eye_far ? unit(l->eye) : l->eye;
 }
 
 int32_t ISA(light_run)(bands *pool, const encre_light_job *job, arena_held *held)
@@ -133,6 +167,7 @@ int32_t ISA(light_run)(bands *pool, const encre_light_job *job, arena_held *held
 		   .height = job->diffuse.height + 2 * LIGHT_MARGIN};
 	camera_inverse(job->view, job->projection, l.inverse);
 	camera_product(job->view, job->projection, l.clip);
+	find_eye(&l);
 	ISA(bend_make)(&l);
 	bands_span(pool, 0, 0.1);
 	int32_t code = world_make(&l.world, job->scene, pool);

@@ -45,7 +45,10 @@ typedef struct light {
 	float *sum;      /* three each: the light of all lamps so far */
 	double clip[16]; /* world -> clip */
 	lamp lamp;
-	bool soft; /* whether its shadows are */
+	bool soft;   /* whether its shadows are */
+	bool shines; /* whether it makes highlights */
+	vec eye;     /* where the camera stands; with eye_far: the way to it, the same everywhere */
+	bool eye_far;
 	lamp_points points;
 	bend bends[ENCRE_MAX_BENDS];
 	int n_bends;
@@ -103,6 +106,8 @@ static inline uint64_t square_of(light *l, int x, int y, int end, bool (*wanted)
 /* Of the pixels `left`, a bit each from (x, y) on, row by row of SHAFT_SIDE, those that lie on one surface, and a shaft
  * from them and, with `apron`, from the pixels about them. */
 uint64_t ISA(shadow_group)(const light *l, int x, int y, uint64_t left, int apron, shaft *to);
+/* shine.c: adds the lamp's highlights to a row of the picture. */
+void ISA(shine_row)(const light *l, int y);
 /* What is nearest on the way to the lamp's middle; false if nothing is. */
 bool ISA(shadow_thrower)(const light *l, const surface *s, vec *place);
 /* Fills `cut`. */

@@ -168,8 +168,8 @@ static void draw_band(const drawing *d, int y0, int y1, int thread)
 	uint32_t *from = d->from + (size_t)thread * ((size_t)d->materials->n_programs + 1);
 	b->materials = d->materials;
 	b->reg = d->reg + (size_t)thread * (size_t)d->most_registers * MATERIAL_BLOCK;
-	const encre_image *all[] = {&job->color, &job->gloss, &job->emission, &job->surface};
-	for (int k = 0; k < 4; k++)
+	const encre_image *all[] = {&job->color, &job->gloss, &job->emission, &job->surface, &job->shine};
+	for (size_t k = 0; k < sizeof all / sizeof *all; k++)
 		clear(all[k], y0, y1);
 	sort(d, y0, y1, sorted, from);
 	for (int m = 0; m < d->materials->n_programs; m++) {
@@ -184,6 +184,7 @@ static void draw_band(const drawing *d, int y0, int y1, int thread)
 			store(&job->gloss, 3, b, p->result + ENCRE_RESULT_GLOSS, sorted + k, y0);
 			store(&job->emission, 3, b, p->result + ENCRE_RESULT_EMISSION, sorted + k, y0);
 			store(&job->surface, 2, b, p->result + ENCRE_RESULT_ALPHA, sorted + k, y0);
+			store(&job->shine, 6, b, p->result + ENCRE_RESULT_SHINE, sorted + k, y0);
 		}
 	}
 }

@@ -89,6 +89,30 @@ def test_flat_mirrors_show_what_stands_before_them(render):
     assert not np.array_equal(ours["Encre Lines"][mirror], glass["Encre Lines"][mirror])  # what is seen is inked
 
 
+def measured(light, where):
+    """(its sum, where its bright part is, how wide that is in pixels) of a highlight."""
+    light = light.sum(2) * where
+    bright = light > 0.5 * np.percentile(light[where], 99.8)
+    share = light * bright / (light * bright).sum()
+    middle = [(share * at).sum() for at in np.indices(share.shape)]
+    return light.sum(), np.array(middle), 2 * np.sqrt(bright.sum() / np.pi)
+
+
+def test_highlights_are_where_cycles_has_them_and_as_large_and_bright(render):
+    shot = render("highlights")
+    for kind in ("SUN", "POINT", "SPOT", "AREA"):
+        theirs, ours = (shot.passes(f"{kind} {source}") for source in ("CYCLES", "ENCRE"))
+        index = ours["Encre Index"][..., 0]
+        found = np.unique(index[index > 0])
+        assert len(found) == 9
+        for number in found:
+            (sum_, at, wide), (other, place, width) = (measured(p["GlossDir"] * p["GlossCol"], index == number)
+                                                       for p in (ours, theirs))
+            assert 0.86 < sum_ / other < 1.05 and np.hypot(*(at - place)) < 0.5, (kind, number)
+            if number < 7 or not shot.facts["clearcoat"][0]:  # which had wider lobes than GGX
+                assert abs(wide - width) < 0.05 * width + 0.5, (kind, number, wide, width)
+
+
 def test_what_only_cycles_can_show_is_said_in_one_line(render):
     shot = render("what_only_cycles_can_show")
     assert shot.output.count("in their viewport colour, as only Cycles can show them: Red (Wavelength)") == 1

@@ -156,6 +156,11 @@ task random_light(void)
 	}
 	if (chance(0.99))
 		job.diffuse = t.output[0] = picture(width, height, 3, NULL);
+	if (chance(0.5)) {
+		job.shine = picture(width, height, 6, NULL);
+		paint(&job.shine, chance(0.9) ? COLORS : DIRECTIONS, &shown);
+		job.specular = t.output[t.n_outputs++] = picture(width, height, 3, NULL);
+	}
 	job.frame = (encre_frame){width, height, 0, 0, 0};
 	if (chance(0.3)) {
 		job.frame = (encre_frame){width, height, whole(0, 300), whole(0, 300), 0};

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from encre.pen import library
+from encre.pen import abi, library
 from encre.pen.errors import Cancelled, EncreError
 from encre.pen.job import Frame, Materials, Picture, Program
 from encre.pen.library import load
@@ -33,7 +33,7 @@ def program(name, data=None):
     given = [row("channel", k, data=(k,)) for k in range(3)]
     given.append(row("place", 3))
     taken = [k % 6 for k in range(inputs)]
-    results = [6 + min(k, outputs - 1) for k in range(11)]
+    results = [6 + min(k, outputs - 1) for k in range(abi.RESULTS)]
     return Program(np.array([*given, row(name, 6, taken, data)], np.int32), 6 + outputs, results)
 
 
@@ -77,7 +77,7 @@ def step(given, x, y, dx, dy):
 
 def expected(made, given, view, projection, frame):
     height, width = given["object"].shape
-    out = np.zeros((height, width, 11))
+    out = np.zeros((height, width, abi.RESULTS))
     for y, x in zip(*np.nonzero(given["object"]), strict=True):
         used = made.programs[int(given["material"][y, x])]
         pixel = SimpleNamespace(channel=given["attributes"][y, x].astype(float), right=step(given, x, y, 1, 0),
@@ -102,7 +102,7 @@ def compare(made, given, projection=perspective, few=1e-9, seed=0):
     view, frame = looking(np.random.default_rng(seed)), Frame(40, 50, 9, 4)
     got = load().material(made, given, view, projection(40, 50), frame)
     want = expected(made, given, view, projection(40, 50), frame)
-    whole = np.concatenate([got[k] for k in ("color", "gloss", "emission", "surface")], 2)
+    whole = np.concatenate([got[k] for k in ("color", "gloss", "emission", "surface", "shine")], 2)
     apart = np.abs(whole - want) / np.maximum(1, np.abs(want))
     assert np.mean(apart > 3e-5) < few, np.mean(apart > 3e-5)
     return whole
@@ -153,7 +153,7 @@ def test_noise_of_so_many_octaves(octaves, part):
     given["attributes"] *= 0.1  # so that those that are small tell apart, too
     operations = [row("channel", 0, data=(0,)), row("channel", 1, data=(1,)), row("channel", 2, data=(2,)),
                   row("constant", 3, data=(2,)), row("noise", 6, (0, 1, 2, 3), (0,))]
-    made = Materials([Program(np.array(operations, np.int32), 7, [6] * 11)], (),
+    made = Materials([Program(np.array(operations, np.int32), 7, [6] * abi.RESULTS)], (),
                      np.array([octaves, part, 0.9], np.float32))
     given["object"][:] = 1
     compare(made, given, few=1e-9 if octaves < 10 else 0.3)
@@ -175,7 +175,7 @@ def test_pictures(wrap, size, wide):
     rng = np.random.default_rng(size[0])
     operations = [row("channel", 0, data=(0,)), row("channel", 1, data=(1,)), row("footprint", 2, data=(0, 0)),
                   row("texture", 6, range(6))]
-    made = Materials([Program(np.array(operations, np.int32), 10, [6, 7, 8, 9] + [0] * 7)],
+    made = Materials([Program(np.array(operations, np.int32), 10, [6, 7, 8, 9] + [0] * (abi.RESULTS - 4))],
                      [picture(rng, *size, wrap)], CONSTANTS * np.float32(wide))
     given, view = maps(rng, 19, 18, 1), looking(rng)
     got = load().material(made, given, view, perspective(19, 18), Frame(19, 18))["color"]
@@ -190,7 +190,7 @@ def test_pictures(wrap, size, wide):
 def test_a_picture_of_one_colour_stays_that():
     texture = Picture(np.full((21, 4), 0.375, np.float32), 4, 4, 3)
     operations = [row("channel", 0, data=(0,)), row("channel", 1, data=(1,)), row("texture", 6, [0, 1, 0, 0, 1, 1])]
-    made = Materials([Program(np.array(operations, np.int32), 10, [6] * 11)], [texture])
+    made = Materials([Program(np.array(operations, np.int32), 10, [6] * abi.RESULTS)], [texture])
     rng = np.random.default_rng(3)
     given = maps(rng, materials=1)
     got = load().material(made, given, looking(rng), perspective(13, 19), Frame(13, 19))["color"]
@@ -228,7 +228,7 @@ def one(**changes):
 
 
 @pytest.mark.parametrize(("made", "words"), [
-    (one(registers=0), "registers"), (one(result=[7] * 11), "no register"),
+    (one(registers=0), "registers"), (one(result=[7] * abi.RESULTS), "no register"),
     (one(operations=np.array([row("add", 0, (1, 0))], np.int32)), "can't use"),
     (one(operations=np.array([row("constant", 0, data=(len(CONSTANTS),))], np.int32)), "can't use"),
     (one(operations=np.array([row("channel", 0, data=(4,))], np.int32)), "can't use"),

@@ -10,6 +10,7 @@ import numpy as np
 from encre.blender.engine import pass_names
 from encre.blender.properties import PASSES
 from encre.pen import library
+from mathutils import Vector
 from studio import cube, fact, link, plane, shoot, sphere, stage
 
 
@@ -303,3 +304,44 @@ def what_is_not_shown(out):
         ball.particle_systems[0].name = "Hair"
     scene.encre.layer_source = "ENCRE"
     shoot(out, "less")
+
+
+def highlights(out):
+    """Balls of metal, plastic and varnish, three of each, by both, with each kind of lamp in turn."""
+    scene = stage(240, 150, 24, ground=False)
+    for name in ("Cube", "Ball", "Sun"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    for row, kind in enumerate(("Metal", "Plastic", "Varnish")):
+        for column, rough in enumerate((0.2, 0.4, 0.6)):
+            mat = bpy.data.materials.new(kind)
+            mat.use_nodes = True
+            inputs = mat.node_tree.nodes["Principled BSDF"].inputs
+            inputs["Base Color"].default_value = (0.6, 0.4, 0.2, 1)
+            inputs["Metallic"].default_value = kind == "Metal"
+            inputs["Roughness"].default_value = 0.7 if kind == "Varnish" else rough
+            coat = "Coat" if "Coat Weight" in inputs else "Clearcoat"
+            inputs["Coat Weight" if coat == "Coat" else coat].default_value = kind == "Varnish"
+            inputs[coat + " Roughness"].default_value = rough
+            ball = sphere(kind, (1.6 * (column - 1), 0, 1.6 * (1 - row)), mat)
+            ball.modifiers.new("Fine", "SUBSURF").render_levels = 2
+            ball.data.polygons.foreach_set("use_smooth", [True] * len(ball.data.polygons))
+    fact("clearcoat", coat == "Clearcoat")
+    scene.camera.location, scene.camera.rotation_euler = (0, -14, 0), (np.pi / 2, 0, 0)
+    scene.camera.data.lens = 75
+    scene.cycles.max_bounces, scene.cycles.pixel_filter_type, scene.cycles.filter_width = 0, "BOX", 1
+    scene.encre.save_layers = "ON"
+    for kind, energy in (("SUN", 3), ("POINT", 1500), ("SPOT", 1500), ("AREA", 800)):
+        data = bpy.data.lights.new(kind, kind)
+        data.energy = energy
+        lamp = link(kind, data, (3, -7, 4))
+        lamp.rotation_euler = Vector((-3, 7, -4)).to_track_quat("-Z", "Y").to_euler()
+        if kind == "SUN":
+            data.angle = 0.1
+        elif kind == "AREA":
+            data.shape, data.size, data.size_y = "RECTANGLE", 3, 0.8
+        else:
+            data.shadow_soft_size = 0.4
+        for source in ("CYCLES", "ENCRE"):
+            scene.encre.layer_source = source
+            shoot(out, f"{kind} {source}")
+        bpy.data.objects.remove(lamp)
