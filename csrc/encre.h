@@ -226,6 +226,8 @@ typedef struct encre_job {
 	encre_progress progress; /* may be NULL */
 	void *user;
 	int64_t nonfinite; /* out: how many values of the layers that are read were NaN or infinite and read as 0 */
+	int64_t same;      /* 0, or a number that is one of this context's next jobs' only if its layers hold the same
+			      values: then edges are found once for all, as long as they are the same */
 } encre_job;
 
 /* `api_version`: ENCRE_API_VERSION of the caller. NULL if it is not this library's, or without memory. */

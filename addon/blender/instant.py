@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ..pen import supersample
-from ..pen.background import Background
+from ..pen.background import Background, Course
 from ..pen.errors import Cancelled, EncreError
 from ..pen.shown import Drawing, Wish, picture
 from . import drawing, images
@@ -38,13 +38,14 @@ class Instant:
     def __init__(self, kept, name, threads=0):
         self.kept, self.layer, self.behind = kept, kept.layers[name], Background(threads)
         self.layers = self.of = None  # those of a Cycles picture, as they were assembled for settings
-        self.steps, self.waits = None, False
+        self.same = 1                 # number of the layers
+        self.course = None
 
     def begin(self, settings):
         """Begins a picture with other settings, if they can be drawn. EncreError: they can't."""
         if self.layer.lacks(settings) or not self.layer.views:
             raise EncreError("these settings need other layers")
-        self.steps, self.waits = self._steps(settings, images.load(settings)), False
+        self.course = Course(self.behind, self._steps(settings, images.load(settings)))
 
     def _steps(self, settings, read):
         before, view = self.layer.before, next(iter(self.layer.views.values()))
@@ -56,31 +57,22 @@ class Instant:
             again = before.again(settings, read)
             if self.of != settings.of_layers:
                 self.layers, self.of = drawing.remembered(again), settings.of_layers
+                self.same += 1
             layers, camera, frame = self.layers, next(iter(before.views.values()))[0], drawing.frame_of(again)
             factor, inside, own = before.factor, before.inside, before.own
-        drawn = yield from picture(Drawing(layers, camera, frame, settings, read), Wish())
+        drawn = yield from picture(Drawing(layers, camera, frame, settings, read, self.same), Wish())
         return supersample.shrink("Combined", drawn[inside], factor), own
 
     def go_on(self):
         """Shows the picture that was begun, once it is drawn. Whether one is still drawn."""
-        results = None
         try:
-            if self.waits:
-                results = self.behind.poll()
-                if results is None:
-                    return True
-                self.waits = False
-            if self.steps:
-                works = self.steps.send(results)
-                if works:
-                    self.behind.start(works)
-                    self.waits = True
-        except StopIteration as end:
-            self.steps = None
-            self._show(*end.value)
+            if not self.course or self.course.go_on():
+                return self.course is not None
+            self._show(*self.course.value)
         except (Cancelled, EncreError):  # the redraw says it
-            self.steps = None
-        return self.steps is not None
+            pass
+        self.course = None
+        return False
 
     def _show(self, drawn, own):
         width, height, bordered = self.kept.size[0], self.kept.size[1], self.kept.size[-1]

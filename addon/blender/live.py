@@ -12,6 +12,7 @@ something moves again.
 """
 
 import contextlib
+import itertools
 import time
 import traceback
 import weakref
@@ -30,6 +31,7 @@ _SMALLER = (1, 1 / 2, 1 / 4)
 _SLICE = 0.004    # seconds that the main thread may work at a time
 _TICK = 0.002
 
+_numbers = itertools.count(1)  # of layers
 _views = weakref.WeakSet()  # that have a picture on its way
 
 
@@ -96,6 +98,7 @@ class _Layers:
 
     key: tuple    # of what they are
     drawn: tuple  # (layers, camera)
+    same: int     # number of theirs
 
 
 class View:
@@ -228,9 +231,9 @@ class View:
         return self.read_number, self.look.key, self.settings.wants_edges
 
     def _layers(self, scale):
-        """(layers, camera) of this scale, if those that were drawn last are still right."""
+        """The _Layers of this scale, if those that were drawn last are still right."""
         known = self.layers.get(scale)
-        return known.drawn if known and self.settings and known.key == self._key() else None
+        return known if known and self.settings and known.key == self._key() else None
 
     def _begin(self):
         """Begins the next picture, if what is shown is not what there is to show."""
@@ -250,14 +253,14 @@ class View:
         return self._draw(scale, self._key(), self._layers(scale), self.look, self.wish, self.scene, self.settings,
                           self.images)
 
-    def _draw(self, scale, key, drawn, where, wish, scene, settings, pictures):
-        begun, (frame, size), whole = time.perf_counter(), where.frame(scale), drawn is None
+    def _draw(self, scale, key, known, where, wish, scene, settings, pictures):
+        begun, (frame, size), whole = time.perf_counter(), where.frame(scale), known is None
         if whole:
             drawn = yield from scene.steps(where.view, where.projection, frame, size, settings, where.clip,
                                            scale < self.scale)
             self.layers = {of: kept for of, kept in self.layers.items() if kept.key == key}
-            self.layers[scale] = _Layers(key, drawn)
-        image = yield from shown.picture(Drawing(*drawn, frame, settings, pictures), wish)
+            known = self.layers[scale] = _Layers(key, drawn, next(_numbers))
+        image = yield from shown.picture(Drawing(*known.drawn, frame, settings, pictures, known.same), wish)
         self.costs[scale, whole] = time.perf_counter() - begun
         return image
 

@@ -188,9 +188,10 @@ class Library:
     def draw_work(self, layers: Mapping[str, np.ndarray], every: Sequence[Mapping], camera: Camera | None = None,
                   frame: Frame | None = None, outputs: Sequence[str] = ("Combined",),
                   image: Callable[[Chosen], np.ndarray] | None = None,
-                  empty: Callable[[tuple[int, ...]], np.ndarray] | None = None) -> Work:
-        """The Work of draw()."""
-        job, keep = self._job(), list[Any]()
+                  empty: Callable[[tuple[int, ...]], np.ndarray] | None = None, same: int = 0) -> Work:
+        """The Work of draw(). same: 0, or a number that other works of these layers, and no others, have too: where
+        one context draws several one after the other, it finds their edges once."""
+        job, keep = self._job(same=same), list[Any]()
         for i, (name, channels) in enumerate(self.layers.items()):
             a = layers.get(name)
             if a is not None:

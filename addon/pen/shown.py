@@ -38,10 +38,11 @@ class Drawing:
     frame: Frame
     settings: Settings
     images: Mapping[Chosen, np.ndarray]  # that the settings name
+    same: int = 0                        # as in library.draw_work()
 
     def work(self, outputs: Sequence[str], every: Sequence[Mapping] | None = None) -> Work:
         return library.load().draw_work(self.layers, every or self.settings.every, self.camera, self.frame, outputs,
-                                        self.images.__getitem__)
+                                        self.images.__getitem__, same=self.same)
 
     def form(self) -> np.ndarray:
         """(height, width, 1): how bright surfaces are that are lit from the camera."""

@@ -3,6 +3,7 @@
 #ifndef ENCRE_CONTEXT_H
 #define ENCRE_CONTEXT_H
 
+#include "api/same.h"
 #include "base/stage.h"
 #include "raster/kept.h"
 
@@ -16,6 +17,7 @@ struct encre_context {
 	const atomic_bool *stop; /* of work in the background: true ends it. NULL: it is the caller that works */
 	int32_t ended;           /* with which code the last that went on has ended */
 	arena_held memory;       /* of the last picture, for the next */
+	kept_edges edges;        /* likewise */
 	arena_held light;        /* likewise, of the last light */
 	raster_kept *raster;     /* likewise, of meshes */
 	void *sheet;             /* paper, likewise */

@@ -37,6 +37,8 @@ void encre_destroy(encre_context *context)
 	encre_wait(context);
 	bands_destroy(context->pool);
 	free(context->memory.memory);
+	edges_drop(&context->edges);
+	free(context->edges.memory.memory);
 	free(context->light.memory);
 	kept_free(&context->raster, true);
 	free(context->sheet);

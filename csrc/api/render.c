@@ -99,7 +99,8 @@ static void stand_in(work *w)
 		w->f.layer[ENCRE_LAYER_ALBEDO] = w->f.layer[ENCRE_LAYER_COLOR];
 }
 
-static void plan(work *w, arena *a)
+/* The stage of edges is the first, and plans in memory of its own. */
+static void plan(work *w, arena *a, arena *edges)
 {
 	frame *f = &w->f;
 	size_t n = (size_t)f->width * (size_t)f->height;
@@ -127,7 +128,7 @@ static void plan(work *w, arena *a)
 	f->nearest_planned = false;
 	for (int s = 0; s < N_STAGES; s++)
 		if (stages[s]->plan)
-			stages[s]->plan(f, a);
+			stages[s]->plan(f, s ? a : edges);
 }
 
 /* What is not finite is none of the numbers. */
@@ -243,8 +244,15 @@ static int32_t run(work *w)
 	int32_t code = first(w);
 	for (int s = 0; !code && s < N_STAGES; s++) {
 		bands_span(f->bands, (s + 1.5) / (N_STAGES + 2), (s + 2.5) / (N_STAGES + 2));
+		late *before = f->late;
+		if (!s)
+			f->late = w->context->edges.late;
 		if (stages[s]->run)
 			code = stages[s]->run(f);
+		if (!s) {
+			w->context->edges.late = f->late;
+			f->late = before;
+		}
 		if (!code && stages[s]->rows && s >= w->early)
 			code = bands_run(f->bands, f->height, 0, stages[s]->rows, f);
 	}
@@ -291,12 +299,23 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	for (int i = 0; i < ENCRE_LAYER_COUNT; i++)
 		w.copy[i] = w.in[i].data && !packed(w.in + i);
 
-	arena a = {0};
-	plan(&w, &a);
-	if (!arena_hold(&a, &context->memory))
+	kept_edges *kept = &context->edges;
+	arena a = {0}, edges = {0};
+	f->output[ENCRE_OUTPUT_EDGES] = plane_of(w.out + ENCRE_OUTPUT_EDGES);
+	f->edges_kept = edges_are_of(kept, f, job->same);
+	if (kept->size && !kept->key)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
-	plan(&w, &a);
+	plan(&w, &a, &edges);
+	if (f->edges_kept)
+		arena_again(&edges, &kept->memory);
+	if (!arena_hold(&a, &context->memory) || (!f->edges_kept && !arena_hold(&edges, &kept->memory))) {
+		edges_drop(kept);
+		return fail_code(context, ENCRE_ERROR_MEMORY);
+	}
+	plan(&w, &a, &edges);
 	code = run(&w);
+	if (code || !kept->key)
+		edges_drop(kept);
 	late_free(f->late);
 	return fail_code(context, code);
 }

@@ -71,6 +71,11 @@ void *arena_hold(arena *a, arena_held *held)
 	return begin_in(a, held->memory);
 }
 
+void arena_again(arena *a, const arena_held *held)
+{
+	begin_in(a, held->memory);
+}
+
 /* What a block holds begins behind its head, at the second multiple of 64 from there. */
 static void *place_in(late *head)
 {

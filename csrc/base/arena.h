@@ -27,6 +27,8 @@ typedef struct arena_held {
 /* As arena_make(), in what is held if that is large enough and not more than twice too large, else in its place. The
  * owner frees held.memory at last. */
 void *arena_hold(arena *a, arena_held *held);
+/* What is held, as it is, for the same plan again. */
+void arena_again(arena *a, const arena_held *held);
 
 /* What can't be planned, because only the frame's content tells how much it is: freed when the frame is done. Not to be
  * called from a kernel. */

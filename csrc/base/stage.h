@@ -82,7 +82,8 @@ typedef struct frame {
 	const encre_params *params; /* [n_styles]; [0] is the scene's */
 	const uint8_t *style;       /* width * height, < n_styles; NULL when n_styles is 1 */
 	bool want_edges;            /* someone reads edges: lines, smudging or the output */
-	switches any;               /* the switch is on in some style */
+	bool edges_kept; /* what the stage of edges has made of the same layers before is there again, where it plans */
+	switches any;    /* the switch is on in some style */
 	bands *bands;
 
 	/* edges: */

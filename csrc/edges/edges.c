@@ -294,8 +294,13 @@ static void plan(frame *f, arena *a)
 					    false);
 	e.samples = arena_take(a, threads * (size_t)e.thread_samples, sizeof *e.samples);
 	f->edges = arena_take(a, 1, sizeof e);
-	if (f->edges)
-		*(edges *)f->edges = e;
+	edges *made = f->edges;
+	if (made && !f->edges_kept)
+		*made = e;
+	if (made) { /* kept ones are of another frame's place in memory */
+		made->f = f;
+		made->p = f->params;
+	}
 	if (e.fine)
 		ISA(fine_plan)(f, &e, a);
 }
@@ -309,7 +314,7 @@ static bool draws_nothing(const frame *f)
 static int32_t run(frame *f)
 {
 	edges *e = f->edges;
-	if (!f->want_edges)
+	if (!f->want_edges || f->edges_kept)
 		return ENCRE_OK;
 	int32_t code = ENCRE_OK;
 	if (e->window.each) {

@@ -61,8 +61,10 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 		arena_take(a, (size_t)bands_threads(f->bands) * (size_t)made.thread_scratch, sizeof *made.scratch);
 	fine *n = arena_take(a, 1, sizeof *n);
 	f->fine = n;
-	if (n)
+	if (n && !f->edges_kept)
 		*n = made;
+	if (n)
+		n->f = f;
 }
 
 /* ---- passes ---------------------------------------------------------------------------------------------- */
