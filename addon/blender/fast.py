@@ -153,7 +153,8 @@ class Scene:
         layers = {"normal": maps["shading"], "marks": maps["marks"]}
         layers |= {name: maps[name][..., None] for name in ("depth", "material", "style")}
         layers |= {name: maps[name] for name in ("anchor", "tangent") if name in maps}
-        layers["object"], layers["index"] = (of[instance][..., None] for of in (objects.numbers, objects.owners))
+        layers["object"], layers["index"] = (of.take(instance, mode="clip")[..., None] for of in
+                                               (objects.numbers, objects.owners))
         if self.painted:
             layers["controls"] = np.ascontiguousarray(maps["attributes"][..., :len(library.controls())])
         yield []
@@ -168,13 +169,16 @@ class Scene:
             layers["highlights"], layers["gloss"] = lit, np.maximum(mirrors, looks["shine"][..., :3])
             layers["gloss"] += looks["shine"][..., 4:5]
         layers["albedo"] = albedo = layers["color"] + layers["gloss"]
-        albedo += layers["emission"]
+        glows = layers["emission"].any()
+        if glows:
+            albedo += layers["emission"]
         np.minimum(albedo, np.float32(1), out=albedo)
         yield []
         layers["diffuse"] = self._from_camera(layers["normal"], view) if diffuse is None else diffuse
         layers["combined"] = combined = np.empty((*there.shape, 4), np.float32)
         np.multiply(layers["color"], layers["diffuse"], out=combined[..., :3])
-        combined[..., :3] += layers["emission"]
+        if glows:
+            combined[..., :3] += layers["emission"]
         shown = yield from self._mirrored(layers, maps, looks, view, projection, frame, size, clip,
                                           sharp)
         self._gloss(layers, mirrors, looks["surface"][..., 1], view, projection, frame, shown)
@@ -341,6 +345,8 @@ class Scene:
             if self.sky.pictures:
                 pixels = np.flatnonzero(where)
                 combined.reshape(-1, 4)[pixels, :3] = self.sky.seen(view, projection, frame, pixels, where.shape[1])
+                np.copyto(combined[..., 3], 1, where=where)
             else:
-                np.copyto(combined[..., :3], self.sky.color.astype(np.float32), where=where[..., None])
-            np.copyto(combined[..., 3], 1, where=where)
+                # A pixel is copied as a whole: four channels one by one take three times as long.
+                one = np.array((*self.sky.color, 1), np.float32).view(np.complex128)
+                np.copyto(combined.view(np.complex128)[..., 0], one[0], where=where)

@@ -213,13 +213,16 @@ def bends(normal: np.ndarray) -> np.ndarray:
     """By how many degrees the faces on both sides of each pixel differ, in the direction in which they do most,
     (height, width). normal: (height, width, 3), 0 where nothing is."""
     height, width = normal.shape[:2]
-    least = np.ones((height, width), np.float32)
+    least, planes = np.ones((height, width), np.float32), np.ascontiguousarray(np.moveaxis(normal, 2, 0))
     for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
         inner = least[down:height - down, abs(right):width - abs(right)]
         first, last = abs(right) - right, width - abs(right) - right
-        one = normal[:height - 2 * down, first:last]
-        other = normal[2 * down:, first + 2 * right:last + 2 * right]
-        np.minimum(inner, np.einsum("yxc,yxc->yx", one, other), out=inner)
+        one = planes[:, :height - 2 * down, first:last]
+        other = planes[:, 2 * down:, first + 2 * right:last + 2 * right]
+        product = one[0] * other[0]
+        for k in (1, 2):
+            product += one[k] * other[k]
+        np.minimum(inner, product, out=inner)
     np.maximum(least, -1, out=least)
     for change in (np.arccos, np.degrees):
         change(least, out=least)
