@@ -108,7 +108,7 @@ static bool has_seen(const fine *n)
 
 static bool gives_way(const fine *n)
 {
-	return (n->e->creases && n->e->on[SOURCE_NORMAL]) || n->e->on[SOURCE_LIGHT];
+	return (n->e->creases && n->e->on[SOURCE_NORMAL]) || n->e->on[SOURCE_LIGHT] || n->e->on[SOURCE_MARK];
 }
 
 static bool is_colored(const fine *n)

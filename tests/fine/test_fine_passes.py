@@ -117,7 +117,7 @@ def give_way(check):
     before = (check.tables("crowd") or check.tables("smooth"))[0]
     bound, unsure = twin.give_way(before, check.scale)
     bound = np.maximum(bound, before.site["crowd"])
-    give = (before.family == NUMBER["crease"]) | (before.rank == 3)
+    give = np.isin(before.family, (NUMBER["mark"], NUMBER["crease"])) | (before.rank == 3)
     sure = [i for i in np.flatnonzero(give) if i not in unsure]
     got = check.tables("give way")[0].site["crowd"]
     assert np.minimum(got[sure], 1e3) == pytest.approx(np.minimum(bound[sure], 1e3), rel=1e-2, abs=1e-4)

@@ -327,30 +327,31 @@ def crowd(t, shape, scale):
 
 
 def give_way(t, scale):
-    """1 over the greatest radius of sites on edges of meshes or of light, 0 where it is not bounded; unsure."""
+    """1 over the greatest radius of sites on edges of meshes, lines by hand or of light, 0 where it is not bounded;
+    unsure."""
     def way(i):
         ends = [*t.links[i], i][:2]
         return (t.at[ends[1]] - t.at[ends[0]]) * (-1 if len(t.links[i]) == 1 else 1)
-    wide = 4 * px(scale)
-    room, bound, doubt = np.full(len(t), wide), np.zeros(len(t)), set()
-    crease = FAMILIES.index("crease")
+    wide = px(scale) * np.where(t.family == NUMBER["mark"], 3, 4)
+    room, bound, doubt = 1.0 * wide, np.zeros(len(t)), set()
+    edge = np.isin(t.family, (NUMBER["mark"], NUMBER["crease"]))
     lines = [i for i in range(len(t)) if not t.dropped[i] and len(t.links[i]) in (1, 2) and np.any(way(i))]
     for i in lines:
-        if t.family[i] != crease and t.rank[i] != 3:
+        if not edge[i] and t.rank[i] != 3:
             continue
         x, y = way(i) / np.linalg.norm(way(i))
         for j in lines:
-            if not (t.family[j] < crease if t.family[i] == crease else t.rank[j] < 3):
+            if not (t.family[j] < t.family[i] if edge[i] else t.rank[j] < 3):
                 continue
             gap, other = t.at[j] - t.at[i], way(j) / np.linalg.norm(way(j))
             along, aside, level = abs(gap @ (x, y)), abs(gap @ (y, -x)), abs(other @ (x, y))
-            if aside < wide and min(abs(along - 1), abs(level - 0.95)) < CLOSE:
+            if aside < wide[i] and min(abs(along - 1), abs(level - 0.95)) < CLOSE:
                 doubt.add(i)
             elif along <= 1 and level >= 0.95:
                 room[i] = min(room[i], aside)
     unsure = set()
     for i in range(len(t)):
-        if t.dropped[i] or not (t.family[i] == crease or t.rank[i] == 3):
+        if t.dropped[i] or not (edge[i] or t.rank[i] == 3):
             continue
         arms = [along_from(t, i, j) for j in t.links[i]] if len(t.links[i]) == 2 else [[]]
         both = min(len(arm) for arm in arms)
@@ -358,8 +359,8 @@ def give_way(t, scale):
         if doubt & set(group):
             unsure.add(i)
         mean = float(np.mean(room[group]))
-        closed = px(scale) * (1.5 if t.family[i] == crease else 0.5)
-        bound[i] = (1 - mean / wide) / (0.25 * max(mean - closed, 1e-6))
+        closed = px(scale) * (1.5 if edge[i] else 0.5)
+        bound[i] = max(0, 1 - mean / wide[i]) / (0.25 * max(mean - closed, 1e-6))
     return bound, unsure
 
 

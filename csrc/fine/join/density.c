@@ -164,19 +164,30 @@ int32_t ISA(fine_crowd)(fine *n)
 /* ---- beside older lines --------------------------------------------------------------------------------------- */
 
 /* Px beside an older line that runs along, up to where and within which it counts; as above, and pixels along. */
-static const float wide = 4, along = 1;
+static const float wide = 4, wide_mark = 3, along = 1;
 static const float closed_crease = 1.5f, closed_light = 0.5f; /* light keeps 1.5 pixels clear by itself */
 static const float level = 0.95f;                             /* cosine */
 
 typedef struct rooms {
 	fine *n;
 	float px;
-	float *room; /* by site: px to the next older line that runs along, `wide` at most */
+	float *room; /* by site: px to the next older line that runs along, at most as far as that counts */
 } rooms;
+
+/* An edge of a mesh: one that bends, or a line by hand. */
+static bool is_edge(const site *s)
+{
+	return s->found.family == FAMILY_CREASE || s->found.family == FAMILY_MARK;
+}
 
 static bool may_give_way(const site *s)
 {
-	return !s->linked.dropped && (s->found.family == FAMILY_CREASE || rank_of(s) == RANK_LIGHT);
+	return !s->linked.dropped && (is_edge(s) || rank_of(s) == RANK_LIGHT);
+}
+
+static float widest(const site *s)
+{
+	return s->found.family == FAMILY_MARK ? wide_mark : wide;
 }
 
 static void find_rooms(void *data, int first, int end, int thread)
@@ -186,16 +197,15 @@ static void find_rooms(void *data, int first, int end, int thread)
 	const fine *n = r->n;
 	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
 		const site *s = n->site + i;
-		float way[2], other[2], room = wide * r->px;
-		bool crease = s->found.family == FAMILY_CREASE;
-		r->room[i] = wide;
+		float way[2], other[2], room = widest(s) * r->px;
+		r->room[i] = widest(s);
 		if (!may_give_way(s) || !way_of(n, i, way))
 			continue;
 		float square = way[0] * way[0] + way[1] * way[1], length = sqrtf(square);
 		near_sites of = near_site(n, s, room + along);
 		for (uint32_t j; near_next(n, &of, &j);) {
 			const site *t = n->site + j;
-			bool older = crease ? t->found.family < FAMILY_CREASE : rank_of(t) < RANK_LIGHT;
+			bool older = is_edge(s) ? t->found.family < s->found.family : rank_of(t) < RANK_LIGHT;
 			if (!older || t->linked.dropped || !way_of(n, j, other))
 				continue;
 			float x = t->placed.x - s->placed.x, y = t->placed.y - s->placed.y,
@@ -236,10 +246,10 @@ static void give_way(void *data, int first, int end, int thread)
 		site *s = r->n->site + i;
 		if (!may_give_way(s))
 			continue;
-		float room = even_room(r, i), closed = s->found.family == FAMILY_CREASE ? closed_crease : closed_light;
-		if (room < wide)
+		float room = even_room(r, i), closed = is_edge(s) ? closed_crease : closed_light, far = widest(s);
+		if (room < far)
 			s->linked.crowd =
-				max(s->linked.crowd, (1 - room / wide) / (share * max((room - closed) * r->px, 1e-6f)));
+				max(s->linked.crowd, (1 - room / far) / (share * max((room - closed) * r->px, 1e-6f)));
 	}
 }
 
