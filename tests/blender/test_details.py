@@ -16,6 +16,11 @@ def test_instances_of_a_line_group_have_one_number_and_others_each_its_own(facts
     assert len(pair) == 1 and len(set(alone)) == len(alone) == 3 and not pair & set(alone)
 
 
+def test_edges_are_told_by_an_attributes_name_to_be_no_lines(facts):
+    """Beside the cuts through six faces, which two triangles have as well, one edge."""
+    assert facts["never lines"] == [[14, 12, 12, 12]]
+
+
 def test_the_library_has_the_scenes_threads(facts):
     assert len(facts["FIXED"][0]) == 2 and set(facts["FIXED"][0]) == {3}
     assert len(facts["AUTO"][0]) == 2 and set(facts["AUTO"][0]) == {0}

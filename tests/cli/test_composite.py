@@ -93,6 +93,22 @@ def test_composite_changes_the_scenes_settings_and_no_styles(run, tmp_path, fram
     assert np.array_equal(exr.picture(tmp_path / "out.exr"), again)
 
 
+def test_another_angle_moves_lines_of_a_saved_frame(run, tmp_path, scene):
+    """Two folds of meshes, of 25 and 45 degrees, in a picture that shows nothing else."""
+    height, width = scene["depth"].shape[:2]
+    bare = {name: np.zeros_like(a) + a[-1:, :1] for name, a in scene.items()}
+    bare |= dict(marks=np.zeros((height, width, 2), np.float32), creases=np.zeros((height, width, 5), np.float32))
+    for column, angle in ((width // 3, 25), (2 * width // 3, 45)):
+        bare["creases"][:, column, :2] = 0.5, angle
+    told = {name: saved.pack(name, bare) for name in ("Encre Marks", "Encre Creases")}
+    path, out = exr.write(tmp_path / "in.exr", {**exr.passes(bare), **exr.saved(bare), **told}), tmp_path / "out.exr"
+    for angle, folds in ((20, (True, True)), (30, (False, True)), (50, (False, False))):
+        assert run("composite", path, "-o", out, "--set=length_unit=PIXELS", f"--set=crease_angle={angle}")[0] == 0
+        ink = exr.picture(out, "ViewLayer.Encre Lines")[..., 3].max(0)
+        drawn = [bool(ink[k * width // 3 - 3:k * width // 3 + 4].max() > 0.1) for k in (1, 2)]
+        assert tuple(drawn) == folds, angle
+
+
 def test_composite_off_is_the_picture_itself(run, tmp_path, scene):
     path = exr.write(tmp_path / "in.exr", exr.passes(scene))
     assert run("composite", path, "-o", tmp_path / "out.exr", *OFF)[0] == 0

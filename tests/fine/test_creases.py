@@ -177,3 +177,32 @@ def test_bends_between_faces():
     ways = [normal[2 - a, 3 - b] @ normal[2 + a, 3 + b] for a, b in ((0, 1), (1, 0), (1, 1), (1, -1))]
     assert found[2, 3] == pytest.approx(np.degrees(np.arccos(min(ways))), abs=1e-3)
     assert found[0, 0] == 0, "at the corner there is nothing on both sides"
+
+
+def bumped(noise, rows=70, columns=90):
+    """Layers of a wall on which a bump map has a groove that winds, of two slopes of 25 degrees, and noise."""
+    fine = 4
+    y, x = (np.indices((rows * fine, columns * fine)) + 0.5) / fine
+    slope = np.where(x > 45 + y / 9 + 4 * np.sin(y / 11), 1.0, -1.0) * np.tan(np.radians(25))
+    normal = np.stack([slope, 0 * slope, np.ones_like(slope)], -1) / np.sqrt(1 + slope**2)[..., None]
+    normal = normal.reshape(rows, fine, columns, fine, 3).mean((1, 3))
+    normal += noise * np.random.default_rng(1).standard_normal(normal.shape)
+    flat = np.ones((rows, columns, 3))
+    layers = dict(combined=np.ones((rows, columns, 4)), color=flat, diffuse=flat, depth=5 * flat[..., 0], normal=normal,
+                  object=flat[..., 0], creases=np.zeros((rows, columns, 5)), marks=np.zeros((rows, columns, 2)))
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+def test_bumps_are_whole_lines_where_they_are_asked_for(noise):
+    """Each row has the groove's, where it is, and nothing else."""
+    def ink(weight):
+        scene = dict(edge_bump=weight, line_thickness=3.0, width_normal=1.0, length_unit="PIXELS", line_softness=0.0)
+        return library.render(bumped(noise), scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
+    drawn, rows = ink(1.0)[3:-3], np.arange(3, 67) + 0.5
+    middle = 45 + rows / 9 + 4 * np.sin(rows / 11)
+    columns = np.arange(drawn.shape[1]) + 0.5
+    assert (drawn.sum(1) > 1).all()
+    assert np.abs((drawn * columns).sum(1) / drawn.sum(1) - middle).max() < 0.4
+    assert not drawn[np.abs(columns - middle[:, None]) > 4].any()
+    assert not ink(0.0).any()

@@ -189,3 +189,28 @@ def test_only_what_meshes_have_is_round_a_few_pixels():
     for name in ("marks", "creases"):
         shown = ink({key: a for key, a in layers.items() if key != name})
         assert all(shown[row - 1:row + 3, column - 1:column + 3].sum() > 1 for row, column in flips)
+
+
+SOFT = {"slow": 100, "quick": 33, "penumbra": 6, "hard": 1}  # pixels over which light gets from 0 to 1
+
+
+@pytest.mark.parametrize("width", SOFT.values(), ids=SOFT)
+def test_a_line_of_light_runs_where_the_fill_ends(width):
+    """Along an edge that winds, with a fill that is a pixel soft, so that it tells its place: what pixels have averaged
+    themselves a little less exactly."""
+    rows, columns, fine = 60, 90, 8
+    y, x = (np.indices((rows * fine, columns * fine)) + 0.5) / fine
+    lean = 1 / 7 + np.cos(y / 9) / 3
+    across = (x - 40 - y / 7 - 3 * np.sin(y / 9)) / np.sqrt(1 + lean**2)
+    light = across > 0 if width == 1 else np.clip(0.5 + across / width, 0, 1)
+    layers = flat(rows, columns, light.reshape(rows, fine, columns, fine).mean((1, 3)))
+    layers["combined"][..., :3] = layers["color"] * layers["diffuse"]
+    params = dict(edge_light=4.0, edge_color=0.0, line_thickness=4.0, use_hatching=False, use_smudging=False,
+                  use_shading=True, shade_levels=[(0.2,), (0.5, 0.5, 1 / width)])
+    drawn = ink(layers, **params)
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    fill = library.render(layers, {**PEN, **params, "use_lines": False}).images["Combined"][..., 0]
+    end = columns - ((fill - fill.min()) / (fill.max() - fill.min())).sum(1)
+    middle = (drawn * (np.arange(columns) + 0.5)).sum(1) / drawn.sum(1)
+    apart = np.abs(middle - end)[6:-6] / np.sqrt(1 + lean.reshape(rows, fine, -1).mean((1, 2))[6:-6] ** 2)
+    assert apart.max() < 0.1 if width > 1 else (apart < 0.1).mean() > 0.85 and apart.max() < 0.125

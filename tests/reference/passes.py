@@ -97,7 +97,7 @@ def close_sites(t, i, reach=1.6):
 
 def weak(t, family):
     """(which weak sites of colours, of normals, what is seen, edges of meshes or contours hang together with no other,
-    which with one that is not weak, a step with a stripe within 3 pixels in its layer, or with 23 more of a contour)."""
+    which with one that is not weak, a step with a stripe of its layer within 3 pixels, or with 23 of a contour)."""
     if FAMILIES[family] not in ("color_band", "color", "normal", "crease", "crack", "seen_normal", "seen_color",
                                 "seen_depth"):
         return set(), set()

@@ -8,6 +8,7 @@ from studio import cube, fact, link, shoot, stage
 def details(out):
     scene = stage(32, 18, 1)
     _groups()
+    _edges()
     _threads(scene, out)
     _rules(scene)
     _blots(scene)
@@ -30,6 +31,24 @@ def _groups():
     names = [i.object.name for i in depsgraph.object_instances if i.object.type == "MESH"]
     numbers = meshes.extract(depsgraph, True, None).numbers[1:]
     fact("numbers", [[name, float(number)] for name, number in zip(names, numbers, strict=True)])
+
+
+def _edges():
+    """How many edges of a cube's triangles are never lines, with an attribute of this name, domain and type on one."""
+    from encre.blender import meshes
+    from encre.pen.job import EDGES
+
+    def never(name, domain="EDGE", kind="BOOLEAN"):
+        made = cube("Told", (0, 0, 0))
+        attribute = made.data.attributes.new(name, kind, domain)
+        attribute.data[0].value = True
+        found = meshes.extract(bpy.context.evaluated_depsgraph_get(), True, None)
+        bpy.data.objects.remove(made)
+        return max(int(sum(((m.edges >> shift) & 3 == EDGES["none"]).sum() for shift in (0, 2, 4)))
+                   for m in found.meshes if len(m.points) == 8)  # there are other cubes
+
+    fact("never lines", [never("encre_no_line"), never("other"), never("encre_no_line", "POINT"),
+                         never("encre_no_line", "EDGE", "INT")])
 
 
 def _threads(scene, out):
