@@ -17,12 +17,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-_STEPS = 8, 4, 2, 1  # pixels, of the passes
+# Of a pass: pixels, and how many standard deviations of the noise as rendered a mean may differ by. Far places lie on
+# other slopes more often, and of clouds that large the denoiser leaves less.
+_PASSES = (16, 1.5), (8, 1.5), (4, 2), (2, 3), (1, 3)
+_STEPS = 8, 4, 2, 1  # pixels: how far peaks and pits are looked for
 _AROUND, _ASIDE = 2, 5  # pixels: of the window in which noise is measured, and to the windows beside it
-REACH = 2 * sum(_STEPS) + 1 + _AROUND + _ASIDE
-_NOISE = 3  # standard deviations of the noise as rendered: what the denoiser can leave of it
+REACH = sum(step for step, _ in _PASSES) + sum(_STEPS) + 1 + _AROUND + _ASIDE
 _ABOUT = 3  # of _AHEAD: directions in which what is about a place must be known, to call it a peak
-_NIL = 1e-3  # of the light: less is no noise
+_NIL = 1 / 3000  # of the light: less is no noise
 _BEND, _TURN = 0.003, 0.2  # of 1/depth, and of the normal: more is another surface, or a relief that light shows
 _PIXELS = 1 << 17  # at once: what is around them counts for little, and they stay in the caches
 _ACROSS, _DOWN = (0, 1), (1, 0)
@@ -54,13 +56,13 @@ def even(light: np.ndarray, rendered: np.ndarray, normal: np.ndarray, depth: np.
 
 def _strip(value, rendered, surface):
     """`value`, evened out; at its first and last rows REACH of them are not as in a larger picture."""
-    most = _NOISE * _noise(rendered, surface.same(1)) - np.float32(_NIL) * value
-    if most.max() > 0:
-        same = {step: surface.same(step) for step in _STEPS}
+    noise = _noise(rendered, surface.same(1)) - np.float32(_NIL) * value
+    if noise.max() > 0:
+        same = {step: surface.same(step) for step, _ in _PASSES}
+        for step, most in _PASSES:
+            value = _pass(value, np.float32(most) * noise, step, same[step])
         for step in _STEPS:
-            value = _pass(value, most, step, same[step])
-        for step in _STEPS:
-            value = _levelled(value, most / np.float32(_NOISE), step, same[step])
+            value = _levelled(value, noise, step, same[step])
     return value
 
 

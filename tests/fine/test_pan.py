@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from encre.pen import library
+from encre.pen import even, library
 from encre.pen.job import Camera, Frame, Lamp
 from encre.pen.scene import Scene as Lit
 from judge import kinds, scenes, verdict
@@ -11,6 +11,7 @@ from judge.camera import look
 from judge.measure import _sample
 from judge.meshes import box, sphere
 from judge.told import bevelled, matrices_of, rasters, rock, tell
+from noise import of_light
 
 FINER = 4  # places a pixel and axis over which colours are averaged
 INKED, NONE, REACH = 0.5, 0.2, 1.5  # ink that is a line; what is none; pixels
@@ -58,8 +59,9 @@ def lamp():
     return Lamp("rectangle", (620, 620, 620), 1.0, 1.0, model=place)
 
 
-def frames(size, noise, count, flat=False, **values):
-    """(T, camera) of a still room in the soft light of a lamp a metre wide, from a camera that turns."""
+def frames(size, noise, count, flat=False, clouds=0.0, **values):
+    """(T, camera) of a still room in the soft light of a lamp a metre wide, from a camera that turns. noise: of each
+    pixel; clouds: what a denoiser leaves, before it is evened out."""
     meshes, lit, found, eye, (h, w) = room(), Lit(), [], np.array([0.3, 2.2, 6.0]), size
     for k, mesh in enumerate(meshes):
         lit.geometry(k, mesh.points, mesh.triangles, smooth(mesh) if mesh is meshes[-1] and not flat else None)
@@ -77,6 +79,10 @@ def frames(size, noise, count, flat=False, **values):
                           for picture in (fine["normal"], colours[fine["object"].astype(int)]))
         light = lit.light(own["depth"], normal, *matrices, Frame(w, h), 0.01) + 0.15
         light *= 1 + noise * np.random.default_rng(k).standard_normal(light.shape).astype(np.float32)
+        if clouds:
+            left, rendered = (np.float32(light * factor[..., None])
+                              for factor in of_light((h, w), k, clouds, 0.06, (1, 2, 4, 4)))
+            light = even.even(left, rendered, normal, own["depth"][..., None], own["object"][..., None])
         layers = dict(combined=np.dstack([albedo * light, own["object"][..., None] > 0]).astype(np.float32),
                       color=albedo, albedo=albedo, diffuse=light, normal=normal, depth=own["depth"][..., None],
                       object=own["object"][..., None])
@@ -118,6 +124,11 @@ def test_lines_of_shapes_go_where_a_pan_takes_them(size, count):
                                                pytest.param(False, (360, 640), 24, marks=pytest.mark.long)])
 def test_lines_of_soft_light_go_where_a_pan_takes_them(flat, size, count):
     assert max(share_that_pops(frames(size, 0.0, count, flat), size)) < 0.001
+
+
+@pytest.mark.parametrize("size, count", [((108, 192), 8), LARGE])
+def test_lines_of_denoised_light_go_where_a_pan_takes_them(size, count):
+    assert max(share_that_pops(frames(size, 0.0, count, clouds=0.02), size)) < 0.0005
 
 
 # ---- light beyond a surface

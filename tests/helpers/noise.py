@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of white noise: the worst that layers can hold."""
+"""Pictures of white noise: the worst that layers can hold; and the noise of rendered light."""
 
 import bench
 import numpy as np
@@ -26,3 +26,13 @@ def textures(width, height, seed=0):
     layers["diffuse"] = 1.5 * rng.random((height, width, 3), np.float32)
     layers["combined"][..., :3] = layers["albedo"] * layers["diffuse"]
     return layers
+
+
+def of_light(shape, seed=1, left=0.01, amount=0.08, steps=(1, 2)):
+    """By what light is multiplied: (where a denoiser leaves clouds, the wider the more steps, as it is rendered)."""
+    rng = np.random.default_rng(seed)
+    cloud = rng.standard_normal(shape)
+    for axis in (0, 1):
+        for step in steps:
+            cloud = (np.roll(cloud, step, axis) + 2 * cloud + np.roll(cloud, -step, axis)) / 4
+    return 1 + left * cloud / cloud.std(), 1 + amount * rng.standard_normal(shape)

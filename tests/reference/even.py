@@ -6,6 +6,7 @@ import math
 import numpy as np
 
 AHEAD = {(0, 1): 2, (1, 0): 2, (1, 1): 1, (1, -1): 1}  # down, right: weight beside that of the pixel, 2
+PASSES = {16: 1.5, 8: 1.5, 4: 2, 2: 3, 1: 3}  # pixels: standard deviations
 STEPS = 8, 4, 2, 1
 
 
@@ -13,12 +14,12 @@ def even(light, rendered, normal, depth, number):
     """What addon/pen/even.py makes of these; light, rendered, normal: (H, W, 3), depth, number: (H, W)."""
     own = Picture(light.max(2), normal, depth, number)
     noise = spread(Picture(rendered.max(2), normal, depth, number))
-    most = {p: 3 * noise[p] - 0.001 * own.light[p] for p in np.ndindex(depth.shape)}
+    most = {p: noise[p] - own.light[p] / 3000 for p in noise}
+    for step, times in PASSES.items():
+        own.light = {p: smoothed(own, p, step, times * most[p]) for p in most}
     for step in STEPS:
-        own.light = {p: smoothed(own, p, step, most[p]) for p in most}
-    for step in STEPS:
-        own.light = {p: levelled(own, p, step, most[p] / 3) for p in most}
-    factor = np.array([own.light[p] / max(light[p].max(), 1e-30) for p in most]).reshape(depth.shape)
+        own.light = {p: levelled(own, p, step, most[p]) for p in most}
+    factor = np.array([own.light[p] / max(light[p].max(), 1e-30) for p in np.ndindex(depth.shape)]).reshape(depth.shape)
     return light * factor[..., None]
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the denoiser leaves of noise is evened out, and nothing else."""
 
+import noise
 import numpy as np
 import pytest
 from encre.pen import even as module
@@ -20,14 +21,9 @@ def grey(light):
     return np.repeat(light[..., None], 3, 2).astype(np.float32)
 
 
-def noisy(light, seed=1, left=0.01, amount=0.08):
+def noisy(light, *more):
     """(light as a denoiser leaves it, with clouds; light as rendered)"""
-    rng = np.random.default_rng(seed)
-    cloud = rng.standard_normal(light.shape)
-    for axis in (0, 1):
-        for step in (1, 2):
-            cloud = (np.roll(cloud, step, axis) + 2 * cloud + np.roll(cloud, -step, axis)) / 4
-    return grey(light * (1 + left * cloud / cloud.std())), grey(light * (1 + amount * rng.standard_normal(light.shape)))
+    return tuple(grey(light * factor) for factor in noise.of_light(light.shape, *more))
 
 
 def crossings(light, level):
@@ -81,6 +77,15 @@ def test_a_level_in_soft_light_ends_in_one_clean_curve():
     assert np.std(np.diff(np.concatenate(after))) < 0.8
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_wide_clouds_move_a_level_little(seed):
+    light = np.broadcast_to(0.5 + 0.0015 * (np.arange(240) - 120), (HEIGHT, 240))
+    left, rendered = noisy(light, seed, 0.004, 0.06, (1, 2, 4, 4))
+    normal, depth = np.tile(FACING, (1, 2, 1)), np.tile(FLAT, (1, 2, 1))
+    off = np.concatenate(crossings(even(left, rendered, normal, depth)[..., 0], 0.5)) - 119.5
+    assert np.std(off) < 0.6
+
+
 def specks(bright):
     """How many pieces of fewer than 12 pixels a level is filled in."""
     left, sizes = set(zip(*np.nonzero(bright), strict=True)), []
@@ -104,14 +109,14 @@ def test_between_shadows_flat_light_makes_no_crumbs(seed):
 
 def test_the_edge_of_a_shadow_stays_where_it_is():
     light = shadow()
-    left, rendered = noisy(light, left=0.003)
+    left, rendered = noisy(light, 1, 0.003)
     off = np.abs(places(even(left, rendered, FACING, FLAT)[..., 0], 0.6) - places(light, 0.6))
     assert np.percentile(off, 95) < 0.05 and off.max() < 0.2
 
 
 def test_nothing_is_mixed_across_an_outline():
     light = np.where(X < 60, 0.5, 0.502)
-    left, rendered = noisy(light, left=0)
+    left, rendered = noisy(light, 1, 0)
     fold = np.where(X[..., None] < 60, FACING, np.float32((0.6, 0, 0.8)))
     for normal, depth, number in ((FACING, np.where(X < 60, 5, 6), None), (FACING, FLAT[..., 0], (X < 60)[..., None]),
                                   (fold, FLAT[..., 0], None)):
@@ -121,13 +126,15 @@ def test_nothing_is_mixed_across_an_outline():
 
 
 def test_a_part_is_as_in_the_whole(monkeypatch):
-    left, rendered = noisy(shadow())
-    whole = even(left, rendered, FACING, FLAT)
-    part = (slice(10, 80), slice(5, 100))
+    left, rendered = noisy(np.tile(shadow(), (2, 2)))
+    normal, depth = np.tile(FACING, (2, 2, 1)), np.tile(FLAT, (2, 2, 1))
+    whole = even(left, rendered, normal, depth)
+    part = (slice(10, 170), slice(5, 200))
     inner = (slice(module.REACH, -module.REACH),) * 2
-    assert np.array_equal(even(left[part], rendered[part], FACING[part], FLAT[part])[inner], whole[part][inner])
+    made = even(left[part], rendered[part], normal[part], depth[part])[inner]
+    assert made.size and np.array_equal(made, whole[part][inner])
     monkeypatch.setattr(module, "_PIXELS", 1)
-    assert np.array_equal(even(left, rendered, FACING, FLAT), whole)
+    assert np.array_equal(even(left, rendered, normal, depth), whole)
 
 
 def test_huge_light_stays_as_it_is():
