@@ -252,6 +252,19 @@ def test_taper_thins_a_line_towards_its_free_end_only():
     assert np.array_equal(taper[80:], blunt[80:])  # the border cuts the line off: no end
 
 
+def test_a_line_that_tapers_leaves_no_gap_in_the_one_it_meets():
+    """A stripe of another colour, 12 pixels long, that stands on an outline."""
+    layers = fading()
+    layers["normal"][:] = 0, 0, 1
+    layers["object"] = np.repeat(np.arange(120)[:, None, None] > 60, 90, 1).astype(np.float32)
+    layers["color"][49:60, 45] = 0
+    blunt, taper = (drawn(layers, dict(PEN, edge_color=3, line_thickness=1.5, line_taper=length))["Encre Lines"][..., 3]
+                    for length in (0.0, 30.0))
+    assert taper[50:57, 40:51].sum() < 0.6 * blunt[50:57, 40:51].sum()
+    outline = np.s_[59:63, 2:-2]
+    assert taper[outline].sum(0).min() > 0.99 * blunt[outline].sum(0).min()
+
+
 def test_crease_angle():
     """A crease of the asked angle is drawn in full, one of a third of it is not."""
     for angle in (10.0, 20.0, 40.0):

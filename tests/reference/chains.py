@@ -142,7 +142,8 @@ def spurs(t, shape):
 
 def short(t, least, shape):
     """Sites of chains that begin and end in the open and are shorter than `least`, by site, at their first end;
-    outlines and marks are none, but for contours that the mesh alone tells; unsure."""
+    outlines and marks are none, but for contours that the mesh alone tells; and of what goes round a colour, some of it
+    weak, and is shorter than twice that at a weak one; unsure."""
     gone, unsure = set(), set()
     meant = ((t.rank == 0) & (t.site["told"] == 0)) | (t.family == NUMBER["mark"])
 
@@ -161,5 +162,14 @@ def short(t, least, shape):
         if abs(length - least[i]) < CLOSE * len(run):
             unsure |= set(run)
         if length < least[i]:
+            gone |= set(run)
+    for run in chains(t):
+        if run[0] != run[-1] or any(len(t.links[i]) != 2 for i in run) or not (t.rank[run] == 2).all():
+            continue
+        length = sum(t.apart(i, j) for i, j in zip(run, run[1:]))  # noqa: B905
+        weak = [i for i in run[1:] if t.site["weak"][i]]
+        if any(abs(length - 2 * least[i]) < CLOSE * len(run) for i in weak):
+            unsure |= set(run)
+        if any(length < 2 * least[i] for i in weak):
             gone |= set(run)
     return gone, unsure

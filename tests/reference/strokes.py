@@ -17,17 +17,23 @@ from .turns import bends, dashed, spurs, turned
 
 
 def free_lengths(t, shape):
-    """Lengths along its chain from each site to the nearest end that is tied to nothing."""
+    """Lengths along its chain from each site to the nearest end that is tied to nothing; where lines meet, of whom at
+    most one goes on, that of the longest of the others."""
     found = np.full(len(t), np.inf)
     for i in range(len(t)):
         if t.dropped[i] or len(t.links[i]) > 1 or t.at_border(i, shape):
             continue
         found[i] = along = 0
         before, at = i, t.links[i][0] if t.links[i] else None
-        while at is not None:
+        while at is not None and len(t.links[at]) <= 2:
             along += t.apart(before, at)
             found[at] = min(found[at], along)
             before, at = at, t.next(before, at)
+    for i in range(len(t)):
+        if len(t.links[i]) > 2 and not t.dropped[i]:
+            free = [found[j] + t.apart(i, j) for j in t.links[i] if len(t.links[j]) <= 2 and np.isfinite(found[j])]
+            if len(free) >= len(t.links[i]) - 1:
+                found[i] = max(free)
     return found
 
 

@@ -64,6 +64,31 @@ static bool is_lone(const fine *n, uint32_t i)
 	return s->placed.told && links_at(n, i) == 0 && least_length(n->f, s) > 0 && !at_border(n->f, s);
 }
 
+/* Drops what goes round a little of a colour, from a weak site of it on, if that is less than twice the least
+ * length: of joints between bricks far away, one here and there is strong enough. */
+static void drop_ring(const fine *n, uint32_t i)
+{
+	float most = 2 * least_length(n->f, n->site + i), length = 0;
+	uint32_t from = UINT32_MAX, at = i, sites = 0, next;
+	do {
+		if (rank_of(n->site + at) != RANK_COLOR || links_at(n, at) != 2)
+			return;
+		next = from == UINT32_MAX ? n->to[n->at[i]] : next_of(n, from, at);
+		length += sqrtf(apart2(n->site + at, n->site + next));
+		sites++;
+		from = at;
+		at = next;
+	} while (at != i && length < most);
+	if (at != i || length >= most)
+		return;
+	for (; sites > 0; sites--) {
+		n->site[at].linked.dropped = true;
+		next = next_of(n, from, at);
+		from = at;
+		at = next;
+	}
+}
+
 /* Drops what begins and ends in the open and is too short for a line. */
 int32_t ISA(fine_drop_short)(fine *n)
 {
@@ -72,6 +97,8 @@ int32_t ISA(fine_drop_short)(fine *n)
 		code = at_step(n, i);
 		if (is_lone(n, i))
 			n->site[i].linked.dropped = true;
+		if (n->site[i].placed.weak && !n->site[i].linked.dropped)
+			drop_ring(n, i);
 		if (!ISA(leads_nowhere)(n, i))
 			continue;
 		float least = least_length(n->f, n->site + i), length = 0;
@@ -99,6 +126,21 @@ int32_t ISA(fine_drop_short)(fine *n)
 
 /* ---- taper ----------------------------------------------------------------------------------------------- */
 
+/* Where lines meet: the longest of those that come from free ends. A line that goes through is whole. */
+static float length_where_meet(const fine *n, uint32_t i, const float *length)
+{
+	float longest = 0;
+	int through = 0;
+	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
+		uint32_t j = n->to[k];
+		if (links_at(n, j) > 2 || length[j] == INFINITY)
+			through++;
+		else
+			longest = max(longest, length[j] + sqrtf(apart2(n->site + i, n->site + j)));
+	}
+	return through > 1 ? INFINITY : longest;
+}
+
 int32_t ISA(fine_free_lengths)(const fine *n, float reach, float *length)
 {
 	for (uint32_t i = 0; i < n->count; i++)
@@ -115,7 +157,7 @@ int32_t ISA(fine_free_lengths)(const fine *n, float reach, float *length)
 		uint32_t from = i, at = links ? n->to[n->at[i]] : UINT32_MAX;
 		while (at != UINT32_MAX) {
 			along += sqrtf(apart2(n->site + from, n->site + at));
-			if (along >= reach)
+			if (along >= reach || links_at(n, at) > 2)
 				break;
 			length[at] = along < length[at] ? along : length[at];
 			uint32_t next = next_of(n, from, at);
@@ -123,5 +165,8 @@ int32_t ISA(fine_free_lengths)(const fine *n, float reach, float *length)
 			at = next;
 		}
 	}
+	for (uint32_t i = 0; !code && i < n->count; i++)
+		if (links_at(n, i) > 2 && !n->site[i].linked.dropped)
+			length[i] = length_where_meet(n, i, length);
 	return code;
 }
