@@ -22,13 +22,14 @@ typedef struct second {
 	float *dark, *even; /* by site: how dark the picture is about it, then how far it has swollen; evened */
 } second;
 
-/* Of eight places beyond the rim the mean of the mean and the brightest. */
-static float about(const frame *f, const placed *s, float half)
+/* Of eight places beyond the rim the mean of the mean and the brightest; or of fewer, if one alone makes it that of no
+ * dark area: it is nine sixteenths of the brightest at least, and most lines run through light. */
+static float about(const frame *f, const placed *s, float half, float threshold)
 {
 	static const float way[8][2] = {{1, 0},  {0.707f, 0.707f},   {0, 1},  {-0.707f, 0.707f},
 					{-1, 0}, {-0.707f, -0.707f}, {0, -1}, {0.707f, -0.707f}};
-	float sum = 0, most = 0, far = half + 2;
-	for (int k = 0; k < 8; k++) {
+	float sum = 0, most = 0, far = half + 2, light = 2.7f * threshold;
+	for (int k = 0; k < 8 && most < light; k++) {
 		int x = clamp_index((int)floorf(s->x + far * way[k][0] + 0.5f), f->width),
 		    y = clamp_index((int)floorf(s->y + far * way[k][1] + 0.5f), f->height);
 		const float *rgba = output_row(f, ENCRE_OUTPUT_COMBINED, y) + (ptrdiff_t)4 * x;
@@ -36,7 +37,7 @@ static float about(const frame *f, const placed *s, float half)
 		sum += min(v, 1);
 		most = max(most, min(v, 1));
 	}
-	return 0.5f * (sum / 8 + most);
+	return most < light ? 0.5f * (sum / 8 + most) : INFINITY;
 }
 
 static void find_dark(void *data, int first, int end, int thread)
@@ -48,7 +49,8 @@ static void find_dark(void *data, int first, int end, int thread)
 		const encre_params *p = params_at(c->f, made->placed.near_x, made->placed.near_y);
 		c->dark[i] = 0;
 		if (!made->linked.dropped && p->use_lines && p->ink_on_dark > 0 && p->ink_dark_threshold > 0)
-			c->dark[i] = clamp01(3 - 2 * about(c->f, &made->placed, c->end[i].out) / p->ink_dark_threshold);
+			c->dark[i] = clamp01(3 - 2 * about(c->f, &made->placed, c->end[i].out, p->ink_dark_threshold) /
+							 p->ink_dark_threshold);
 	}
 }
 
