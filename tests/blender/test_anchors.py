@@ -113,6 +113,15 @@ def test_copies_rest_elsewhere_each_and_stay_there(render):
     assert all(np.abs(middles[i] - middles[j]).max() > 0.3 for i, j in ((0, 1), (0, 2), (1, 2)))
 
 
+def test_nodes_may_write_rest_positions(render):
+    passes = render("anchored").passes("written")
+    anchor, index = layer(passes), passes["IndexOB"][..., 0]
+    at = index == 1
+    assert at.sum() > 150
+    assert np.percentile(on_box(anchor[at][:, :3] - (5, 0, 0), (0.5, 0.5, 0.5)), 98) < 1e-4
+    np.testing.assert_allclose(np.linalg.norm(anchor[inner(index, 1)][:, 3:6], axis=1), 1, atol=1e-5)
+
+
 def test_files_without_what_sticks_have_no_anchor(render):
     shot = render("anchored")
     assert saved.ANCHOR.keys() <= shot.passes("one").keys()

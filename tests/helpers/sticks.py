@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well tones stick to surfaces while a camera pans, zooms and a thing turns: figures, and sheets of pictures.
+"""How well tones stick to surfaces while a camera pans, zooms, a thing turns and a figure walks: figures, and sheets.
 
     python tests/helpers/sticks.py FOLDER
 
@@ -124,23 +124,30 @@ SCREENS = {
 }
 MOTIONS = {"pan": [dict(pan=0.0115 * 5.3 * k / 2) for k in range(6)],
            "zoom": [dict(zoom=4 ** (k / 16)) for k in range(17)],
-           "turn": [dict(turn=np.radians(2.5 * k)) for k in range(13)]}
+           "turn": [dict(turn=np.radians(2.5 * k)) for k in range(13)],
+          "walk": [dict(walk=k) for k in range(13)]}
 
 
-def posed(pan=0.0, zoom=1.0, turn=0.0):
-    return scene(turn), *eye(pan, zoom)
+def posed(pan=0.0, zoom=1.0, turn=0.0, walk=None):
+    if walk is None:
+        return scene(turn), *eye(pan, zoom)
+    import hands  # it imports this
+
+    return hands.walker(walk / 24, 0.05 * walk - 0.3), *eye(zoom=1.6)
 
 
-def back(one, other, second, ink):
-    """(the other frame's ink where the surface of `one` is in it, where it is seen there). one, other: (meshes, view,
-    projection, maps of what is seen)."""
-    meshes, view, projection, maps = other
-    height, width = maps["depth"].shape
-    rest, number = one["anchor"][..., :3].astype(np.float64), one["object"].astype(int)
-    world = np.zeros_like(rest)
-    for mesh in meshes:
-        own = number == mesh.object_index
-        world[own] = rest[own] @ mesh.model[:3, :3].T + mesh.model[:3, 3]
+def back(one, other, ink):
+    """(the other frame's ink where the surface of `one` is in it, where it is seen there, but for what stands still
+    about one who walks). one, other: (meshes, view, projection, maps of what is seen)."""
+    meshes, view, projection, second = other
+    height, width = second["depth"].shape
+    for mesh, moved in zip(one[0], meshes, strict=True):
+        mesh.attributes = (moved.points @ moved.model[:3, :3].T + moved.model[:3, 3]).astype(np.float32)[mesh.corners]
+    world = library.raster(*one[:3], Frame(width, height), (width, height), 0.1, channels=3,
+                           outputs=("attributes",))["attributes"].astype(np.float64)
+    number, close = one[3]["object"].astype(int), 0.05
+    if len(meshes) == 2:  # an arm is as near as what it passes
+        number, close = np.where(number == 1, 1, 0), 0.005
     camera = world @ view[:3, :3].T + view[:3, 3]
     depth = np.where(number > 0, -camera[..., 2], 1)
     x = (camera[..., 0] * projection[0, 0] / depth + 1) / 2 * width - 0.5
@@ -153,7 +160,7 @@ def back(one, other, second, ink):
     for b in (0, 1):
         for a in (0, 1):
             seen &= (second["object"][j + b, i + a] == number)
-            seen &= np.abs(second["depth"][j + b, i + a] - depth) < 0.05 * depth
+            seen &= np.abs(second["depth"][j + b, i + a] - depth) < close * depth
     return moved, seen
 
 
@@ -173,7 +180,7 @@ def followed(values, poses, image=None):
         frames.append((ink, (meshes, view, projection, maps)))
     found, pops, shares = [], [], []
     for (ink, one), (after, other) in zip(frames, frames[1:], strict=False):
-        moved, seen = back(one[3], other, other[3], after)
+        moved, seen = back(one, other, after)
         near = seen & (one[3]["depth"] < 40) & (ink.size > 0)
         found.append(np.corrcoef(ink[near], moved[near])[0, 1])
         pops.append((np.abs(blurred(np.where(near, ink - moved, 0)))[near] > 0.25).mean())
@@ -199,7 +206,7 @@ def painted(values, poses, image):
         frames.append((bright - coarse, (meshes, view, projection, maps)))
     found, pops = [], []
     for (one, here), (after, there) in zip(frames, frames[1:], strict=False):
-        moved, seen = back(here[3], there, there[3], after)
+        moved, seen = back(here, there, after)
         near = seen & (here[3]["depth"] < 40)
         found.append(np.corrcoef(one[near], moved[near])[0, 1])
         pops.append((np.abs(blurred(np.where(near, one - moved, 0)))[near] > 0.25).mean())

@@ -59,6 +59,7 @@ def anchored(out):
     _pinned(twisted)
     scene.encre.save_anchor = "ON"
     _copies(out, twisted, leaning)
+    _written(out)
 
 
 def _copies(out, *others):
@@ -84,6 +85,34 @@ def _copies(out, *others):
     for obj in cubes:
         obj.location.x -= 0.1
     shoot(out, "moved")
+
+
+def _written(out):
+    """A cube whose nodes tell that it rests beside where it is, and then lift it."""
+    from encre.blender.versions import group_socket
+
+    for obj in list(bpy.context.scene.objects):
+        if obj.type == "MESH" or obj.instance_type == "COLLECTION":
+            bpy.data.objects.remove(obj)
+    nodes = bpy.data.node_groups.new("Nodes", "GeometryNodeTree")
+    group_socket(nodes, "Geometry", "Geometry")
+    group_socket(nodes, "Geometry", "Geometry", output=True)
+    begin, end, place, beside, store, lift = (nodes.nodes.new(kind) for kind in (
+        "NodeGroupInput", "NodeGroupOutput", "GeometryNodeInputPosition", "ShaderNodeVectorMath",
+        "GeometryNodeStoreNamedAttribute", "GeometryNodeSetPosition"))
+    store.data_type, store.domain = "FLOAT_VECTOR", "POINT"
+    store.inputs["Name"].default_value = "encre_anchor"
+    beside.inputs[1].default_value = (5, 0, 0)
+    lift.inputs["Offset"].default_value = (0, 0, 0.4)
+    value = next(one for one in store.inputs if one.name == "Value" and one.type == "VECTOR")
+    for one, other in ((place.outputs[0], beside.inputs[0]), (beside.outputs[0], value),
+                       (begin.outputs[0], store.inputs["Geometry"]), (store.outputs[0], lift.inputs["Geometry"]),
+                       (lift.outputs[0], end.inputs[0])):
+        nodes.links.new(one, other)
+    host = cube("Host", (0, 0, 0.3))
+    host.modifiers.new("Nodes", "NODES").node_group = nodes
+    host.pass_index = 1
+    shoot(out, "written")
 
 
 def _pinned(obj):
