@@ -181,7 +181,10 @@ MORE = {  # for the passes alone: many lines beside one another
     for k in range(4)} | {
     f"specks {k}": (dict(seed=180 + k, specks=14, bent=3 * (k < 3), size=(44, 60), busy=False),
                     dict(edge_color=0.0, edge_light=0.0), (), None)
-    for k in range(4)}
+    for k in range(4)} | {
+    f"joints {k}": (dict(seed=190 + k, joints=True, size=(44, 60), busy=False),
+                    dict(edge_color=1.0, edge_light=0.0, contrast_threshold=0.0, edge_threshold=0.09), (), None)
+    for k in range(3)}
 
 
 EVERY = {**CASES, **TINY, **MORE, **WIRES, **LIGHTS, **SWEEPS, **CUTS, **ROWS}

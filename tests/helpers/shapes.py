@@ -73,7 +73,7 @@ def strokes(rng, size, count):
 
 
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0, light=1.0, hand=0, bent=0, inlaid=0, told=0, specks=0, without=(), cut=(0, 0)):
+           strong=1.0, light=1.0, hand=0, bent=0, inlaid=0, told=0, specks=0, joints=False, without=(), cut=(0, 0)):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so.
     cut: pixels that are cut off, of the rows above and below and of the columns left and right."""
     rng = np.random.default_rng(seed)
@@ -112,6 +112,11 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
             layers["material"] = np.where(hit, k % 2, layers["material"])
         layers["normal"] = share * normal() + (1 - share) * layers["normal"]
         layers["albedo"] = share * rng.uniform(0, 1, 3) + (1 - share) * layers["albedo"]
+    if joints:  # between bricks that lean: of two pixels and of six
+        lean = rng.uniform(0, 0.4)
+        across, up = np.cos(lean) * fx + np.sin(lean) * fy, np.cos(lean) * fy - np.sin(lean) * fx
+        part = (up % 9.3 < 1.7) | ((across + 8.5 * (np.floor(up / 9.3) % 2)) % 17 < 6)
+        layers["albedo"][:] = 0.5 - 0.1 * part.reshape(height, FINER, width, FINER).mean((1, 3))[..., None]
     if things and strong == 1 and rng.random() < 0.5:
         sky = _cover(rng, y, x, "disc", size)
         layers["depth"] = np.where(sky, 1e10, layers["depth"])
@@ -143,7 +148,9 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
         layers[rng.choice(("material", "object"))][_cover(rng, y, x, "disc", size)] = rng.integers(5, 9)
     for k in range(specks):  # of other objects, a few pixels large, few of them told
         y, x = rng.integers((0, 0), size)
-        layers["object"][y:y + rng.integers(1, 4), x:x + rng.integers(1, 4)] = 10 + k
+        high, wide = rng.integers(1, 4, 2)
+        layers["object"][y:y + high, x:x + wide] = 10 + k
+        layers["object"][y, x:x + wide + rng.integers(0, 2)] = 10 + k
         layers["marks"] = np.where(rng.random((*size, 1)) < 0.8, 0, layers["marks"])
     if painted:
         layers["controls"] = np.where(rng.random((*size, 1)) < 0.7, 0, rng.uniform(-0.3, 0.3, (*size, CONTROLS)))
