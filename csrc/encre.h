@@ -423,6 +423,7 @@ typedef struct encre_light_job {
 		normal; /* in: the layer `normal`, which tells of surfaces that are not in the scene; may be absent */
 	encre_image diffuse;  /* out: the layer `diffuse`: direct light without the colour of the surface */
 	encre_image shine;    /* in: as encre_material() draws it, what makes highlights; may be absent */
+	encre_image turned;   /* in: likewise, normals by which light falls where they are not 0; may be absent */
 	encre_image specular; /* out: highlights of the lamps, 3; may be absent */
 	float world[27]; /* light from all sides: colours that are multiplied by 1, x, y, z, xy, yz, 3 zz - 1, xz and
 			    xx - yy of the normal and summed */
@@ -489,14 +490,14 @@ enum encre_result {
 	ENCRE_RESULT_SHINE_ROUGHNESS = 14,
 	ENCRE_RESULT_COAT = 15, /* of highlights of a coat above it, which is colourless, and its roughness */
 	ENCRE_RESULT_COAT_ROUGHNESS = 16,
-	ENCRE_RESULTS
+	ENCRE_RESULT_TURNED = 17, /* 3: the way in which light takes the surface to face; 0: its normal */
+	ENCRE_RESULTS = 20
 };
 
 typedef struct encre_program {
 	const encre_operation *operations;
 	int32_t n_operations, n_registers; /* registers are 0 at the start */
 	int32_t result[ENCRE_RESULTS];     /* registers; what is left in several may be the same */
-	int32_t reserved;
 } encre_program;
 
 /* Scene-linear colours with alpha, 4 numbers a texel, row 0 at the bottom, of levels of detail one after the other:
@@ -525,6 +526,7 @@ typedef struct encre_material_job {
 	encre_image color, gloss, emission;          /* out, 3: scene-linear, at least 0; 0 where nothing is */
 	encre_image surface;                         /* out, 2: alpha and roughness, 0 to 1 */
 	encre_image shine;       /* out, 6: of highlights the colour and roughness, of a coat's how bright and rough */
+	encre_image turned;      /* out, 3: normals of normal maps, 0 where there is none */
 	encre_progress progress; /* may be NULL */
 	void *user;
 } encre_material_job;

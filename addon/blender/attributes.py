@@ -19,6 +19,9 @@ def read(mesh, wanted, points, loops, corners, face):
             found[kind, name] = points[corners]
         elif kind == "generated":
             found[kind, name] = _generated(mesh, points)[corners]
+        elif kind == "tangent":
+            if (values := _tangents(mesh, name)) is not None:
+                found[kind, name] = values[loops]
         else:
             values = (_uv if kind == "uv" else _attribute)(mesh, name, loops, corners, face)
             if values is not None:
@@ -29,6 +32,20 @@ def read(mesh, wanted, points, loops, corners, face):
 def _uv(mesh, name, loops, _corners, _face):
     layer = mesh.uv_layers.get(name) or next((u for u in mesh.uv_layers if u.active_render), None)
     return _three(get(layer.data, "uv", np.float32, 2))[loops] if layer else None
+
+
+MIRRORED = 4  # how long tangents are where the UV map is mirrored
+
+
+def _tangents(mesh, name):
+    """(n, 3) of the loops: where U grows, as normal maps are made for."""
+    layer = mesh.uv_layers.get(name) or next((u for u in mesh.uv_layers if u.active_render), None)
+    try:
+        mesh.calc_tangents(uvmap=layer.name if layer else "")
+    except RuntimeError:  # it has no UV map, or faces of more than four corners
+        return None
+    sign = get(mesh.loops, "bitangent_sign", np.float32)
+    return get(mesh.loops, "tangent", np.float32, 3) * np.where(sign < 0, np.float32(MIRRORED), np.float32(1))[:, None]
 
 
 def _attribute(mesh, name, loops, corners, face):

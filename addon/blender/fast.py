@@ -63,7 +63,8 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     notes += unseen.of_materials(looks, objects.materials) + unseen.of_things(depsgraph, visible)
     made = looks.programs(objects.materials, objects.things, first)
     return Scene(objects, light, made, sky, scene.render.film_transparent, subject.read(depsgraph, camera, light), clip,
-                 notes, first > 0, looks.through(objects.materials), looks.shine(objects.materials))
+                 notes, first > 0, looks.through(objects.materials), looks.shine(objects.materials),
+                 looks.turned(objects.materials))
 
 
 def _join_attributes(objects):
@@ -99,16 +100,26 @@ def _any(color):
     return (red != 0) | (green != 0) | (blue != 0)
 
 
+def _facing(normal, looks):
+    """Normals (height, width, 3) with those of normal maps."""
+    if "turned" not in looks:
+        return normal
+    return np.where(_any(looks["turned"])[..., None], looks["turned"], normal)
+
+
 class Scene:
     """What is drawn from: nothing of it is Blender's, so that it stays whatever becomes of the depsgraph."""
 
-    def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted, through, shines):
+    def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted, through, shines, turned):
         self.objects, self.light, self.materials, self.sky, self.clip = objects, light, made, sky, clip
         self.transparent, self.subject = transparent, about
         self.notes = notes  # sentences about what is missing
         self.painted = painted  # whether the first attributes are controls
         self.through = through  # by number of material: whether light goes through it
         self.shines = shines and light.lamps > 0  # whether lamps make highlights on anything
+        self.turned = turned  # whether a normal map turns anything
+        self._looks = [name for name in abi.MATERIAL_OUTPUTS
+                       if {"shine": self.shines, "turned": turned}.get(name, True)]
 
     def camera(self, view, projection):
         orthographic = projection[3, 3] == 1
@@ -174,14 +185,15 @@ class Scene:
             albedo += layers["emission"]
         np.minimum(albedo, np.float32(1), out=albedo)
         yield []
-        layers["diffuse"] = self._from_camera(layers["normal"], view) if diffuse is None else diffuse
+        normal = _facing(layers["normal"], looks)
+        layers["diffuse"] = self._from_camera(normal, view) if diffuse is None else diffuse
         layers["combined"] = combined = np.empty((*there.shape, 4), np.float32)
         np.multiply(layers["color"], layers["diffuse"], out=combined[..., :3])
         if glows:
             combined[..., :3] += layers["emission"]
         shown = yield from self._mirrored(layers, maps, looks, view, projection, frame, size, clip,
                                           sharp)
-        self._gloss(layers, mirrors, looks["surface"][..., 1], view, projection, frame, shown)
+        self._gloss(layers, normal, mirrors, looks["surface"][..., 1], view, projection, frame, shown)
         if lit is not None:
             layers["specular"] = layers["specular"] + lit if "specular" in layers else lit.copy()
             combined[..., :3] += lit
@@ -207,7 +219,7 @@ class Scene:
             if self.light.dark:
                 return []
             return [self.light.work(maps["depth"][..., None], maps["shading"], view, projection, frame, clip, sharp,
-                                    shine=looks.get("shine"), specular=lit)]
+                                    shine=looks.get("shine"), specular=lit, turned=looks.get("turned"))]
 
         maps, first = works(wanted)
         yield []
@@ -241,7 +253,7 @@ class Scene:
         maps = raster.result()  # its arrays, which the others read
         return maps, [raster, library.load().material_work(
             self.materials, {**maps, "normal": maps["shading"]}, view, projection, frame,
-            [name for name in abi.MATERIAL_OUTPUTS if name != "shine" or self.shines])]
+            self._looks)]
 
     def _behind(self, maps, looks, open_, works):
         """Changes the pictures where `open_`: to what lies behind, until it shows."""
@@ -284,7 +296,7 @@ class Scene:
             light = self._from_camera(theirs["shading"], behind)
             if not self.light.dark:
                 (light,) = yield [self.light.work(theirs["depth"][..., None], theirs["shading"], behind, projection,
-                                                  frame, clip, sharp)]
+                                                  frame, clip, sharp, turned=look.get("turned"))]
             if shown is None:
                 shown = np.zeros_like(layers["color"])
                 layers["seen_color"], layers["seen_depth"] = layers["color"].copy(), layers["depth"].copy()
@@ -311,17 +323,16 @@ class Scene:
         return all(_same(getattr(self, name), getattr(other, name)) for name in
                    ("materials", "sky", "transparent", "subject", "objects")) and self.light.same(other.light)
 
-    def _gloss(self, layers, mirrors, roughness, view, projection, frame, flat):
+    def _gloss(self, layers, normal, mirrors, roughness, view, projection, frame, flat):
         """Adds what is reflected: of things it is known in flat mirrors alone, so other smooth surfaces reflect the
         sky, and rough ones are as bright as the light that falls there."""
         shape = roughness.shape
         pixels = np.flatnonzero(_any(mirrors))
         if not pixels.size:
             return
-        light, normal, combined = (layers[name].reshape(-1, layers[name].shape[2]) for name in
-                                   ("diffuse", "normal", "combined"))
+        light, combined = (layers[name].reshape(-1, layers[name].shape[2]) for name in ("diffuse", "combined"))
         rays = directions(view, projection, frame, pixels, shape[1])
-        across = normal[pixels]
+        across = normal.reshape(-1, 3)[pixels]
         mirrored = rays - 2 * np.einsum("nc,nc->n", rays, across)[:, None] * across
         rough = roughness.reshape(-1)[pixels, None]
         sky, (where, shown) = self.sky.towards(mirrored), flat

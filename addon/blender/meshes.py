@@ -27,7 +27,8 @@ class Objects:
     clear: np.ndarray  # by number of material: which may let light through
     blurred: np.ndarray  # likewise: which show nothing clearly, neither mirrored nor through them
     materials: list    # by their numbers, full names; None: of what has none
-    things: np.ndarray # what programs of materials read of each: colour with alpha, random, pass index, place
+    things: np.ndarray # what programs of materials read of each: colour with alpha, random, pass index, place,
+                       # and the turn and scale of its matrix, row by row
     shown: list        # by the meshes: attributes (t, 3, channels) that programs of materials read, or None
 
     def solid(self):
@@ -93,7 +94,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     read attributes, after the controls. `anchored`: whether to tell where surfaces rest; `unwrapped`: which
     way their UV maps lie.
     """
-    meshes, shown, owners, numbers, catchers, things = [], [], [0], [0], [False], [(0,) * 9]
+    meshes, shown, owners, numbers, catchers, things = [], [], [0], [0], [False], [(0,) * 18]
     running, materials = {}, _Materials(depsgraph.scene_eval)
     smooth, kept = bool(light) or kept is not None, kept or Kept()
     first_free = 0 if line_numbers is None else len(line_numbers)
@@ -158,7 +159,9 @@ def _read_by(obj, looks):
 
 
 def _thing(instance, obj):
-    return (*obj.color, _random_id(instance) / 0xffffffff, obj.original.pass_index, *instance.matrix_world.translation)
+    matrix = instance.matrix_world
+    return (*obj.color, _random_id(instance) / 0xffffffff, obj.original.pass_index, *matrix.translation,
+            *(x for row in matrix.to_3x3() for x in row))
 
 
 def _random_id(instance):

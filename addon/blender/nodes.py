@@ -29,6 +29,7 @@ class Surface:
     shine_roughness: object = 0.0
     coat: object = 0.0               # likewise, of what lies above it
     coat_roughness: object = 0.0
+    turned: tuple = (0.0, 0.0, 0.0)  # where light takes it to face; 0: where the mesh does
 
 
 @dataclass
@@ -60,7 +61,7 @@ class Compiler(Patterns):
         """The job.Program; first: the first of the attributes' channels that are its."""
         made = self.build.program([*surface.color, *surface.gloss, *surface.emission, surface.alpha,
                                    surface.roughness, *surface.shine, surface.shine_roughness, surface.coat,
-                                   surface.coat_roughness])
+                                   surface.coat_roughness, *surface.turned])
         codes = [self.build.code(name) for name in ("channel", "footprint")]
         operations = made.operations.copy()
         operations[np.isin(operations[:, 0], codes), 10] += first
@@ -88,9 +89,9 @@ class Compiler(Patterns):
             raise trees.Unknown(node.name)
         if key not in self._known:
             try:
-                self._known[key] = make(node)
-                if socket.type == "SHADER" and (lost := unseen.turned(node)) and lost not in self.lost:
-                    self.lost.append(lost)
+                self._known[key] = values = make(node)
+                if socket.type == "SHADER":
+                    self._turn(node, values)
             except TooLong:
                 raise trees.Unknown(node.name) from None
         values = self._known[key]
@@ -99,6 +100,18 @@ class Compiler(Patterns):
         if socket.name in values:
             return values[socket.name]
         raise trees.Unknown(node.name)
+
+    def _turn(self, node, values):
+        """Has the surfaces that a shader gives face where it is told to, or notes that they should."""
+        for into, (by, _) in unseen.turned(node):
+            try:
+                if into.name != "Normal":
+                    raise trees.Unknown(by.name)
+                for surface in values.values():
+                    surface.turned = self.three(into)
+            except trees.Unknown as e:
+                if str(e) not in self.lost:
+                    self.lost.append(str(e))
 
     def _group(self, node, socket):
         tree = node.node_tree
@@ -275,7 +288,16 @@ class Compiler(Patterns):
                                     for name in ("color", "gloss", "emission")),
                                   *(mix(getattr(a, name), getattr(b, name), share) for name in ("alpha", "roughness")),
                                   self._mixed(a.shine, b.shine, share), self._of_both(a, b, "shine", share),
-                                  mix(a.coat, b.coat, share), self._of_both(a, b, "coat", share))}
+                                  mix(a.coat, b.coat, share), self._of_both(a, b, "coat", share),
+                                  self._turned(a, b, share))}
+
+    def _turned(self, a, b, share=0.5):
+        """Where both shaders together face: those that show nothing do not count."""
+        none = (0.0,) * 3
+        seen = [s.turned for s in (a, b) if any(part != none for part in (s.color, s.gloss, s.emission, s.shine))]
+        if len(set(seen)) < 2:
+            return seen[0] if seen else none
+        return self._mixed(*(self.build.run("normal") if way == none else way for way in seen), share)
 
     def _of_both(self, a, b, what, share=0.5):
         """How rough highlights of two shaders are: those that one of them has are as rough as its own."""
@@ -293,7 +315,7 @@ class Compiler(Patterns):
                                   self.build.clamp(add(a.alpha, b.alpha)),
                                   self.build.minimum(a.roughness, b.roughness),
                                   self._each(add, a.shine, b.shine), self._of_both(a, b, "shine"),
-                                  add(a.coat, b.coat), self._of_both(a, b, "coat"))}
+                                  add(a.coat, b.coat), self._of_both(a, b, "coat"), self._turned(a, b))}
 
     # Where
 

@@ -34,11 +34,9 @@ def of_things(depsgraph, visible=None):
 
 
 def turned(node):
-    """What a shader is told of its surface's normal; None: nothing."""
-    for socket in node.inputs:
-        if socket.name in _TURNED and (source := trees.source_of(socket)):
-            return source[0].name
-    return None
+    """[(input, its source)] of what a shader is told of its surface's normal."""
+    return [(socket, source) for socket in node.inputs
+            if socket.name in _TURNED and (source := trees.source_of(socket))]
 
 
 def of_output(node):

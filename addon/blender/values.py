@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shader nodes that mix colours and numbers -> operations, a part of nodes.Compiler."""
+"""Shader nodes that mix colours and numbers, and normal maps -> operations, a part of nodes.Compiler."""
+
+import functools
 
 import numpy as np
 
-from . import trees
+from . import attributes, trees
 
 
 class Values:
-    """A method for each kind of node; Compiler gives `build`, number(), three(), _each() and _mixed()."""
+    """A method for each kind of node; Compiler gives `build`, number(), three(), _each(), _mixed(), _scalars()
+    and _mesh()."""
 
     def _RGB(self, node):
         return {"Color": tuple(map(float, node.outputs[0].default_value[:3]))}
@@ -201,3 +204,50 @@ class Values:
             raise trees.Unknown(node.name)
         value, low, high = (self.number(node.inputs[name]) for name in ("Value", "Min", "Max"))
         return {"Result": build.minimum(build.maximum(value, low), high)}
+
+    # Normal maps
+
+    def _NormalMap(self, node):
+        """Tangents are Blender's own; they turn with the thing, whose matrix they take for one of even scale."""
+        build, strength = self.build, self.number(node.inputs["Strength"])
+        x, y, z = (build.subtract(build.multiply(2.0, c), 1.0) for c in self.three(node.inputs["Color"]))
+        normal = build.run("normal")
+        if node.space == "WORLD":
+            way = x, y, z
+        elif node.space == "OBJECT":
+            way = self._turned_with_it((x, y, z))
+        elif node.space == "TANGENT":
+            along = self._scalars(self._mesh("tangent", node.uv_map))
+            mirrored = build.less(attributes.MIRRORED, self._dot_of(along, along))  # at least twice the middle
+            along = self._unit(self._turned_with_it(along))
+            side, (x_row, y_row, z_row) = self._cross(normal, along), self._matrix()
+            inverted = build.less(self._dot_of(self._cross(x_row, y_row), z_row), 0.0)
+            sign = build.multiply(*(build.subtract(1.0, build.multiply(2.0, no)) for no in (mirrored, inverted)))
+            x, y = build.multiply(x, strength), build.multiply(build.multiply(y, strength), sign)
+            z = build.mix(1.0, z, build.clamp(strength))
+            return {"Normal": self._unit(tuple(
+                build.add(build.multiply(x, t), build.add(build.multiply(y, b), build.multiply(z, n)))
+                for t, b, n in zip(along, side, normal, strict=True)))}
+        else:
+            raise trees.Unknown(node.name)
+        return {"Normal": self._unit(self._mixed(normal, self._unit(way), strength))}
+
+    def _turned_with_it(self, way):
+        """A way in the thing's space, in the world."""
+        return tuple(self._dot_of(row, way) for row in self._matrix())
+
+    def _matrix(self):
+        """Rows of what turns and scales the thing."""
+        return [tuple(self.build.run("thing", data=(9 + 3 * row + k,))[0] for k in range(3)) for row in range(3)]
+
+    def _dot_of(self, a, b):
+        return functools.reduce(self.build.add, self._each(self.build.multiply, a, b))
+
+    def _cross(self, a, b):
+        build = self.build
+        return tuple(build.subtract(build.multiply(a[j], b[k]), build.multiply(a[k], b[j]))
+                     for j, k in ((1, 2), (2, 0), (0, 1)))
+
+    def _unit(self, a):
+        length = self.build.apply("root", self._dot_of(a, a))
+        return tuple(self.build.divide(x, length) for x in a)

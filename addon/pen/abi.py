@@ -123,7 +123,8 @@ class Bend(c.Structure):
 class LightJob(c.Structure):
     _fields_ = [("scene", c.c_void_p), ("view", c.c_double * 16), ("projection", c.c_double * 16),
                 ("clip_start", c.c_double), ("clip_end", c.c_double), ("frame", Frame), ("depth", Image),
-                ("normal", Image), ("diffuse", Image), ("shine", Image), ("specular", Image),
+                ("normal", Image), ("diffuse", Image), ("shine", Image), ("turned", Image),
+                ("specular", Image),
                 ("world", c.c_float * 27), ("n_bends", c.c_int32), ("bends", c.c_void_p), ("sharp", c.c_bool),
                 ("progress", Progress), ("user", c.c_void_p)]
 
@@ -136,12 +137,12 @@ class Operation(c.Structure):
     _fields_ = [("code", c.c_int32), ("out", c.c_int32), ("in", c.c_int32 * 8), ("data", c.c_int32 * 2)]
 
 
-RESULTS = 17
+RESULTS = 20
 
 
 class Program(c.Structure):
     _fields_ = [("operations", c.c_void_p), ("n_operations", c.c_int32), ("n_registers", c.c_int32),
-                ("result", c.c_int32 * RESULTS), ("reserved", c.c_int32)]
+                ("result", c.c_int32 * RESULTS)]
 
 
 class Picture(c.Structure):
@@ -156,7 +157,7 @@ class Materials(c.Structure):
 
 
 MATERIAL_INPUTS = {"object": 1, "material": 1, "depth": 1, "normal": 3}  # channels
-MATERIAL_OUTPUTS = {"color": 3, "gloss": 3, "emission": 3, "surface": 2, "shine": 6}
+MATERIAL_OUTPUTS = {"color": 3, "gloss": 3, "emission": 3, "surface": 2, "shine": 6, "turned": 3}
 
 
 class MaterialJob(c.Structure):

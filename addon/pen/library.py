@@ -279,8 +279,8 @@ class Library:
                  frame: Frame, threads: int = 0, simd: int = 1,
                  progress: Callable[[float], bool] | None = None) -> dict[str, np.ndarray]:
         """What surfaces look like without light: `color`, `gloss` and `emission` (H, W, 3), `surface` (H, W, 2), alpha
-        and roughness, and `shine` (H, W, 6), what makes highlights. maps: object, material and depth (H, W), normal (H,
-        W, 3) and perhaps attributes (H, W, n), as raster() gives them.
+        and roughness, `shine` (H, W, 6), what makes highlights, and `turned` (H, W, 3), normals of normal maps. maps:
+        object, material and depth (H, W), normal (H, W, 3) and perhaps attributes (H, W, n), as raster() gives them.
         """
         return self.run(self.material_work(materials, maps, view, projection, frame), threads, simd, progress)
 

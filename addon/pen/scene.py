@@ -108,9 +108,10 @@ class Scene:
     def light_work(self, depth: np.ndarray, normal: np.ndarray | None, view: np.ndarray, projection: np.ndarray,
                    frame: Frame, clip_start: float, clip_end: float = 0.0, world: np.ndarray | None = None,
                    bends: Sequence[Bend] = (), sharp: bool = False, shine: np.ndarray | None = None,
-                   specular: np.ndarray | None = None) -> Work:
+                   specular: np.ndarray | None = None, turned: np.ndarray | None = None) -> Work:
         """The Work of light(). The scene must stay as it is until it has ended. shine (H, W, 6): as material() draws
-        it; specular (H, W, 3): filled with the highlights that the lamps make on that."""
+        it; specular (H, W, 3): filled with the highlights that the lamps make on that; turned (H, W, 3): as
+        material() draws them, normals by which light falls, where they are not 0."""
         job = abi.LightJob(scene=self._handle, clip_start=clip_start, clip_end=clip_end, sharp=sharp)
         job.view[:] = np.asarray(view, np.float64).ravel()
         job.projection[:] = np.asarray(projection, np.float64).ravel()
@@ -121,6 +122,8 @@ class Scene:
         if shine is not None and specular is not None:
             shine, job.shine = abi.given("shine", shine, 6)
             job.specular = abi.image(filled("specular", specular, (*depth.shape[:2], 3)))
+        if turned is not None:
+            turned, job.turned = abi.given("turned", turned, 3)
         diffuse = np.empty((*depth.shape[:2], 3), np.float32)
         job.diffuse = abi.image(diffuse)
         if world is not None:
@@ -130,4 +133,4 @@ class Scene:
             to.model[:] = np.asarray(bend.model, np.float64).ravel()
             to.amount, to.fade = bend.amount, bend.fade
         job.n_bends, job.bends = len(bends), abi.c.addressof(ellipsoids)
-        return Work("light", job, [self, depth, normal, shine, specular, ellipsoids], lambda: diffuse)
+        return Work("light", job, [self, depth, normal, shine, specular, turned, ellipsoids], lambda: diffuse)

@@ -126,16 +126,15 @@ static int32_t check_bends(const encre_light_job *job, char *error, size_t size)
 
 int32_t check_light(const encre_light_job *job, encre_light_job *clean, char *error, size_t size)
 {
-	enum { INPUTS = 3, IMAGES = 5 };
-	const encre_layer_description what[IMAGES] = {{"depth", "", 1, 1},
-						      {"normal", "", 3, 0},
-						      {"shine", "", 6, 0},
-						      {"diffuse", "", 3, 1},
-						      {"specular", "", 3, 0}};
-	const encre_image *images[IMAGES] = {&job->depth, &job->normal, &job->shine, &job->diffuse, &job->specular};
+	enum { INPUTS = 4, IMAGES = 6 };
+	const encre_layer_description what[IMAGES] = {{"depth", "", 1, 1},   {"normal", "", 3, 0},
+						      {"shine", "", 6, 0},   {"turned", "", 3, 0},
+						      {"diffuse", "", 3, 1}, {"specular", "", 3, 0}};
+	const encre_image *images[IMAGES] = {&job->depth,  &job->normal,  &job->shine,
+					     &job->turned, &job->diffuse, &job->specular};
 	*clean = *job;
-	encre_image *cleaned[IMAGES] = {&clean->depth, &clean->normal, &clean->shine, &clean->diffuse,
-					&clean->specular};
+	encre_image *cleaned[IMAGES] = {&clean->depth,  &clean->normal,  &clean->shine,
+					&clean->turned, &clean->diffuse, &clean->specular};
 	int width = job->diffuse.width, height = job->diffuse.height;
 	int32_t code = check_scene(job->scene, error, size);
 	for (int i = 0; !code && i < IMAGES; i++) {

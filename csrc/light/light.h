@@ -16,6 +16,7 @@ typedef struct surface {
 	vec at, normal;             /* normal: by which light falls; towards the eye, as `across` */
 	vec lift, across;           /* how far above it rays begin that graze it; of the triangle, length 1 */
 	int32_t instance, triangle; /* or SURFACE_... */
+	bool turned;                /* whether a normal map tells the normal */
 } surface;
 
 /* What a lamp does at a pixel: 0 where none of its light would come. Of a lamp with a size its middle's doings, LIT or

@@ -161,7 +161,11 @@ surface ISA(place_on)(const light *l, facet *known, const surface *near, float x
 	sight(l, (double)x, (double)y, a, b);
 	if (near->instance >= 0) {
 		surface met = meet_plane(l, known, near->instance, near->triangle, a, b, inside);
-		ISA(bend_normal)(l, &met);
+		met.turned = near->turned;
+		if (near->turned)
+			met.normal = near->normal;
+		else
+			ISA(bend_normal)(l, &met);
 		return met;
 	}
 	surface s = *near;
@@ -241,6 +245,18 @@ static bool finite_place(const surface *s)
 	return sum == 0;
 }
 
+/* By a normal map. Beyond the picture nothing tells of one. */
+static void turn(const light *l, surface *s, int x, int y)
+{
+	const encre_image *to = &l->job->turned;
+	if (!to->data || x < 0 || y < 0 || x >= to->width || y >= to->height)
+		return;
+	vec n = vec_of(pixel_at(to, x, y));
+	float square = dot(n, n);
+	s->turned = square > 1e-6f && square < 1e6f;
+	s->normal = s->turned ? unit(n) : s->normal;
+}
+
 void ISA(place_row)(light *l, int y)
 {
 	surface *row = l->surfaces + (ptrdiff_t)y * l->width;
@@ -249,7 +265,9 @@ void ISA(place_row)(light *l, int y)
 		row[x] = place_at(l, &known, x, y);
 		if (!finite_place(row + x))
 			row[x] = (surface){.instance = SURFACE_NOTHING};
-		if (row[x].instance != SURFACE_NOTHING)
-			ISA(bend_normal)(l, row + x);
+		if (row[x].instance == SURFACE_NOTHING)
+			continue;
+		ISA(bend_normal)(l, row + x);
+		turn(l, row + x, x - LIGHT_MARGIN, y - LIGHT_MARGIN);
 	}
 }

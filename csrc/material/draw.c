@@ -104,15 +104,15 @@ static void load(const drawing *d, block *b, const pixel *pixels, int n, int y0,
 	}
 }
 
-static void store(const encre_image *image, int channels, const block *b, const int32_t *result, const pixel *pixels,
-		  int y0)
+static void store(const encre_image *image, int channels, float least, const block *b, const int32_t *result,
+		  const pixel *pixels, int y0)
 {
 	if (!image->data)
 		return;
 	for (int i = 0; i < b->n; i++)
 		for (int c = 0; c < channels; c++) {
 			float value = b->reg[(size_t)result[c] * MATERIAL_BLOCK + (size_t)i];
-			pixel_at(image, pixels[i].x, y0 + pixels[i].row)[c] = min(max(value, 0), FLT_MAX);
+			pixel_at(image, pixels[i].x, y0 + pixels[i].row)[c] = min(max(value, least), FLT_MAX);
 		}
 }
 
@@ -168,7 +168,7 @@ static void draw_band(const drawing *d, int y0, int y1, int thread)
 	uint32_t *from = d->from + (size_t)thread * ((size_t)d->materials->n_programs + 1);
 	b->materials = d->materials;
 	b->reg = d->reg + (size_t)thread * (size_t)d->most_registers * MATERIAL_BLOCK;
-	const encre_image *all[] = {&job->color, &job->gloss, &job->emission, &job->surface, &job->shine};
+	const encre_image *all[] = {&job->color, &job->gloss, &job->emission, &job->surface, &job->shine, &job->turned};
 	for (size_t k = 0; k < sizeof all / sizeof *all; k++)
 		clear(all[k], y0, y1);
 	sort(d, y0, y1, sorted, from);
@@ -180,11 +180,12 @@ static void draw_band(const drawing *d, int y0, int y1, int thread)
 			load(d, b, sorted + k, (int)n, y0, &r);
 			memset(b->reg, 0, (size_t)p->n_registers * MATERIAL_BLOCK * sizeof *b->reg);
 			ISA(material_run)(b);
-			store(&job->color, 3, b, p->result + ENCRE_RESULT_COLOR, sorted + k, y0);
-			store(&job->gloss, 3, b, p->result + ENCRE_RESULT_GLOSS, sorted + k, y0);
-			store(&job->emission, 3, b, p->result + ENCRE_RESULT_EMISSION, sorted + k, y0);
-			store(&job->surface, 2, b, p->result + ENCRE_RESULT_ALPHA, sorted + k, y0);
-			store(&job->shine, 6, b, p->result + ENCRE_RESULT_SHINE, sorted + k, y0);
+			store(&job->color, 3, 0, b, p->result + ENCRE_RESULT_COLOR, sorted + k, y0);
+			store(&job->gloss, 3, 0, b, p->result + ENCRE_RESULT_GLOSS, sorted + k, y0);
+			store(&job->emission, 3, 0, b, p->result + ENCRE_RESULT_EMISSION, sorted + k, y0);
+			store(&job->surface, 2, 0, b, p->result + ENCRE_RESULT_ALPHA, sorted + k, y0);
+			store(&job->shine, 6, 0, b, p->result + ENCRE_RESULT_SHINE, sorted + k, y0);
+			store(&job->turned, 3, -FLT_MAX, b, p->result + ENCRE_RESULT_TURNED, sorted + k, y0);
 		}
 	}
 }

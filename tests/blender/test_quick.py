@@ -113,6 +113,20 @@ def test_highlights_are_where_cycles_has_them_and_as_large_and_bright(render):
                 assert abs(wide - width) < 0.05 * width + 0.5, (kind, number, wide, width)
 
 
+def test_normal_maps_turn_light_as_cycles_has_it(render):
+    shot = render("normal_maps")
+    theirs, ours, flat = (shot.passes(name) for name in ("cycles", "encre", "flat"))
+    index = ours["Encre Index"][..., 0]
+    np.testing.assert_array_equal(index, flat["Encre Index"][..., 0])
+    np.testing.assert_array_equal(ours["Normal"], flat["Normal"])  # lines follow the mesh
+    assert "Normal Map" not in shot.output
+    for number in np.unique(index[index > 0]):
+        where = (index == number) & inside(index)
+        light, wanted, plain = (p["DiffDir"][..., 0][where] for p in (ours, theirs, flat))
+        away = [abs(light - wanted).mean(), abs(plain - wanted).mean()]
+        assert away[0] < 0.05 and away[0] < 0.7 * away[1], (number, away)
+
+
 def test_what_only_cycles_can_show_is_said_in_one_line(render):
     shot = render("what_only_cycles_can_show")
     assert shot.output.count("in their viewport colour, as only Cycles can show them: Red (Wavelength)") == 1

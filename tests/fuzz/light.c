@@ -161,6 +161,10 @@ task random_light(void)
 		paint(&job.shine, chance(0.9) ? COLORS : DIRECTIONS, &shown);
 		job.specular = t.output[t.n_outputs++] = picture(width, height, 3, NULL);
 	}
+	if (chance(0.3)) {
+		job.turned = picture(width, height, 3, NULL);
+		paint(&job.turned, DIRECTIONS, &shown);
+	}
 	job.frame = (encre_frame){width, height, 0, 0, 0};
 	if (chance(0.3)) {
 		job.frame = (encre_frame){width, height, whole(0, 300), whole(0, 300), 0};

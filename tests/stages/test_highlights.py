@@ -88,6 +88,29 @@ def test_same_bytes_on_any_threads_and_instructions_and_in_parts():
     np.testing.assert_array_equal(part, whole[7:22, 9:29])
 
 
+def test_normals_of_maps_turn_light_and_highlights():
+    stage, lamp = Stage(WIDTH, HEIGHT), Lamp("sun", model=ways())
+    stage.scene.lamp(0, lamp)
+    depth, frame, size = stage.depth(), Frame(WIDTH, HEIGHT), (HEIGHT, WIDTH, 3)
+    way = np.array([0.3, -0.2, 0.9])
+    turned, shine, lit = np.zeros(size, np.float32), np.zeros((*size[:2], 6), np.float32), np.zeros(size, np.float32)
+    turned[:, 20:], shine[..., :4] = 3 * way, (1, 1, 1, 0.5)
+
+    def draw(**more):
+        work = stage.scene.light_work(depth, None, stage.view, stage.projection, frame, 0.1, shine=shine, specular=lit,
+                                      **more)
+        return stage.scene._library.run(work, 0, 1), lit.copy()
+
+    (plain, before), (light, after) = draw(), draw(turned=turned)
+    np.testing.assert_array_equal(light[:, :20], plain[:, :20])
+    np.testing.assert_array_equal(after[:, :20], before[:, :20])
+    slope = way @ lamp.model[:3, 2] / np.linalg.norm(way)
+    free = (plain[..., 0] > 0.99 * plain[..., 0].max()) & (stage.objects() == 1)  # the ground, where there is no shadow
+    assert free[:, 20:].sum() > 100
+    np.testing.assert_allclose(light[:, 20:][free[:, 20:]], slope / np.pi, rtol=1e-4)
+    assert (abs(after - before)[:, 20:][free[:, 20:]] > 1e-4).any()
+
+
 def test_nothing_comes_out_that_is_not_finite():
     stage, rng = Shining(), np.random.default_rng(4)
     surface = rng.choice(np.float32([0, 1, -1, 1e-30, 1e30, np.inf, np.nan, 0.3]), (HEIGHT, WIDTH, 6))

@@ -345,3 +345,45 @@ def highlights(out):
             scene.encre.layer_source = source
             shoot(out, f"{kind} {source}")
         bpy.data.objects.remove(lamp)
+
+
+def normal_maps(out):
+    """A map of waves on a ball, its mirror image and a cube that is turned, by both; and without it."""
+    scene = stage(240, 120, 48)
+    n = 64
+    x, y = np.meshgrid(np.arange(n) * 8 * np.pi / n, np.arange(n) * 8 * np.pi / n)
+    steep = np.stack([0.5 * np.sin(x) * np.cos(y), 0.5 * np.cos(x) * np.sin(y), np.ones((n, n))], 2)
+    pixels = np.ones((n, n, 4), np.float32)
+    pixels[..., :3] = 0.5 + 0.5 * steep / np.linalg.norm(steep, axis=2, keepdims=True)
+    image = bpy.data.images.new("Waves", n, n, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    image.pixels.foreach_set(pixels.ravel())
+    for name, strength in (("Red", 0.7), ("Green", 1.0), ("Grey", 1.0)):
+        tree = bpy.data.materials[name].node_tree
+        texture, turn, surface = _new(tree, "TexImage"), _new(tree, "NormalMap", Strength=strength), _new(
+            tree, "BsdfDiffuse", Color=(0.7, 0.7, 0.7, 1))
+        texture.image = image
+        tree.links.new(texture.outputs["Color"], turn.inputs["Color"])
+        tree.links.new(turn.outputs[0], surface.inputs["Normal"])
+        tree.links.new(surface.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    for name in ("Cube", "Ball", "Ground"):
+        mesh = bpy.data.objects[name].data
+        points, corners = np.empty(3 * len(mesh.vertices), np.float32), np.empty(len(mesh.loops), np.int32)
+        mesh.vertices.foreach_get("co", points)
+        mesh.loops.foreach_get("vertex_index", corners)
+        place = points.reshape(-1, 3)[corners]
+        mesh.uv_layers.new().data.foreach_set("uv", np.stack([place[:, 0] + 0.3 * place[:, 1],
+                                                              place[:, 2] + 0.3 * place[:, 1]], 1).ravel())
+    bpy.data.objects["Cube"].rotation_euler = (0, 0, 0.6)
+    ball = bpy.data.objects["Ball"]
+    ball.data.polygons.foreach_set("use_smooth", [True] * len(ball.data.polygons))
+    link("Mirrored", ball.data, (0.2, -1.5, 0.2)).scale = (-0.6, 0.6, 0.6)
+    scene.cycles.max_bounces = 0
+    scene.encre.save_layers = "ON"
+    shoot(out, "cycles")
+    scene.encre.layer_source = "ENCRE"
+    shoot(out, "encre")
+    for mat in bpy.data.materials:
+        for turn in [node for node in mat.node_tree.nodes if node.bl_idname == "ShaderNodeNormalMap"]:
+            turn.inputs["Strength"].default_value = 0
+    shoot(out, "flat")
