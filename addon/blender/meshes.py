@@ -8,6 +8,7 @@ import numpy as np
 
 from ..pen.job import Mesh
 from . import attributes, mirrors, properties, trees
+from .patterns import hashed
 from .triangles import MESHABLE, read_lines, read_triangles
 
 _WORD = 2 ** 32
@@ -173,15 +174,11 @@ def _random_id(instance):
 
 @functools.lru_cache(65536)  # asked of each object at every redraw
 def _named(text):
-    """The 32 bits of a name, as Cycles makes them: by Jenkins' mixing (lookup3)."""
+    """The 32 bits of a name, as Cycles makes them."""
     name = 0
     for byte in text.encode():
         name = (name * 37 + byte) % _WORD
-    a, b, c = (0xdeadbeef + (2 << 2) + 13 + name) % _WORD, *[0xdeadbeef + (2 << 2) + 13] * 2
-    for bits in (14, 11, 25, 16, 4, 14, 24):  # c by b, a by c, b by a, and so on
-        c = ((c ^ b) - (b << bits | b >> 32 - bits)) % _WORD
-        a, b, c = b, c, a
-    return b
+    return hashed(name, 0)
 
 
 def _copy_seed(instance, obj):

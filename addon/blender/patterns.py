@@ -10,6 +10,22 @@ from . import trees
 from .values import Values
 
 
+def hashed(a, b):
+    """32 bits of two numbers of so many, by Jenkins' mixing (lookup3), as Cycles makes them."""
+    c = (0xdeadbeef + (2 << 2) + 13) % 2 ** 32
+    a, b = (a + c) % 2 ** 32, (b + c) % 2 ** 32
+    for bits in (14, 11, 25, 16, 4, 14, 24):  # c by b, a by c, b by a, and so on
+        c = ((c ^ b) - (b << bits | b >> 32 - bits)) % 2 ** 32
+        a, b, c = b, c, a
+    return b
+
+
+def _far(seed):
+    """How far away Cycles looks for more noise that has nothing to do with that at a place."""
+    return [100 + 100 * hashed(*np.array([seed, k], np.float32).view(np.uint32).tolist()) / 0xffffffff
+            for k in range(3)]
+
+
 class Patterns(Values):
     """The values of their outputs, by names."""
 
@@ -65,7 +81,13 @@ class Patterns(Values):
                  and ("Lacunarity" not in node.inputs or self.number(node.inputs["Lacunarity"]) == 2))
         if not plain:
             raise trees.Unknown(node.name)
-        return {"Fac": self._noise(node, self._place(node), detail, rough)}
+        place = self._place(node)
+        out = {"Fac": self._noise(node, place, detail, rough)}
+        if node.outputs["Color"].is_linked:  # its green and blue are noise from elsewhere
+            green, blue = (self._noise(node, [self.build.add(x, by) for x, by in zip(place, _far(seed), strict=True)],
+                                       detail, rough) for seed in (3, 4))
+            out["Color"] = out["Fac"], green, blue
+        return out
 
     def _noise(self, node, place, detail, rough):
         if isinstance(detail, Register):

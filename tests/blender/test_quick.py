@@ -52,6 +52,17 @@ def test_a_thing_has_the_random_number_that_cycles_gives_it(render):
     np.testing.assert_allclose(ours, theirs, atol=1e-3)
 
 
+def test_noise_has_the_colours_that_cycles_gives_it(render):
+    shot = render("noise_in_colours")
+    theirs, ours = (shot.passes(name) for name in ("CYCLES", "ENCRE"))
+    index = ours["Encre Index"][..., 0]
+    near = (index == index[-1, 80]) & inside(index) & (ours["Depth"][..., 0] < 8)
+    color, wanted = (p["DiffCol"][near] for p in (ours, theirs))
+    assert len(color) > 1000 and (np.ptp(wanted, 0) > 0.15).all()
+    assert (abs(color - wanted).mean(0) < 0.02 * np.ptp(wanted, 0)).all()
+    assert (abs(color[:, [1, 2, 0]] - wanted).mean(0) > 0.1 * np.ptp(wanted, 0)).all()
+
+
 def test_the_same_again_and_in_parts(shots):
     whole, again, part = (shots.passes(name) for name in ("encre", "again", "border"))
     height, width = whole["Combined"].shape[:2]

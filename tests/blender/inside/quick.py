@@ -387,3 +387,16 @@ def normal_maps(out):
         for turn in [node for node in mat.node_tree.nodes if node.bl_idname == "ShaderNodeNormalMap"]:
             turn.inputs["Strength"].default_value = 0
     shoot(out, "flat")
+
+
+def noise_in_colours(out):
+    """A ground of noise as wide as many pixels, by both."""
+    scene = stage(160, 90, 16)
+    tree = bpy.data.materials["Grey"].node_tree
+    noise, surface = _new(tree, "TexNoise", Scale=6.0, Detail=1.5), _new(tree, "BsdfDiffuse")
+    tree.links.new(noise.outputs["Color"], surface.inputs["Color"])
+    tree.links.new(surface.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    scene.cycles.max_bounces, scene.encre.save_layers = 0, "ON"
+    for source in ("CYCLES", "ENCRE"):
+        scene.encre.layer_source = source
+        shoot(out, source)
