@@ -8,7 +8,7 @@
 
 /* Pixels around the images that are drawn, too: where a shadow is soft, a pixel of the border takes part in what is
  * done with others as far away as that. */
-enum { LIGHT_MARGIN = 30 };
+enum { LIGHT_MARGIN = 31 };
 
 enum { SURFACE_NOTHING = -1, SURFACE_STRAY = -2 /* of no geometry: only depth and normal tell of it */ };
 

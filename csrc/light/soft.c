@@ -5,7 +5,8 @@
  * or nearby, it asks more, each from another place in the 2 x 2 pixels about it, and many where those disagree. No two
  * pixels of a tile ask the same points: what would be bands is grain, which a mean of such neighbours on the same
  * surface as have much the same share takes away, and then the means of pairs on either side: far pairs where a
- * penumbra is wide. Those leave slopes as they are.
+ * penumbra is wide. Those leave slopes as they are. Last, no pixel is left a little brighter, or darker, than all about
+ * it: cut into tones it would be a speck.
  *
  * Narrow penumbrae are the matter of narrow.c. */
 #include "light/light.h"
@@ -15,14 +16,16 @@
 enum {
 	NEAR = 4, /* pixels: how far disagreement reaches */
 	TAPS = LAMP_TILE - 1,
-	FARTHEST = 8,                    /* pixels: to the places of a pair; then by halves */
-	REACH = TAPS + 2 * FARTHEST - 1, /* pixels: of the means together */
+	FARTHEST = 8,                /* pixels: to the places of a pair; then by halves */
+	REACH = TAPS + 2 * FARTHEST, /* pixels: of the means and what levels them together */
+	ABOUT = 5,                   /* of eight neighbours: how many must be known to call a pixel a speck */
 };
 _Static_assert(NEAR + NARROW_REACH + REACH + 2 <= LIGHT_MARGIN - 2,
 	       "beyond the images surfaces are known in the margin only");
 
 /* Shares that differ by more are on two sides of an edge: of the places of a tile; of pairs, a pixel apart. */
 static const float alike_dealt = 0.35f, alike_pairs = 0.04f;
+static const float most_speck = 0.1f; /* by so much a share may stand out from all about it by chance */
 
 /* Whether there is light and shadow near a square at all, on whatever surfaces. */
 static bool mixed_about(const light *l, int x, int y)
@@ -259,6 +262,40 @@ static void pair_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
+/* The nearest share between the least and the largest of those about a pixel on its surface, less its own. */
+static float off_speck(const smoothing *m, int x, int y)
+{
+	const light *l = m->light;
+	const ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+	float low = 1, high = 0;
+	int known = 0;
+	for (int v = y - 1; v <= y + 1; v++)
+		for (int u = x - 1; u <= x + 1; u++) {
+			if ((u == x && v == y) || !goes_on(l, x, y, u, v))
+				continue;
+			const float share = m->from[(ptrdiff_t)v * l->width + u];
+			low = min(low, share);
+			high = max(high, share);
+			known++;
+		}
+	const float off = known < ABOUT ? 0 : min(max(m->from[i], low), high) - m->from[i];
+	return fabsf(off) < most_speck ? off : 0;
+}
+
+static void level_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const smoothing *m = data;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0; x < m->light->width; x++) {
+			ptrdiff_t i = (ptrdiff_t)y * m->light->width + x;
+			float exact = m->light->exact[i];
+			m->to[i] = m->from[i];
+			if (exact >= 0 && exact < 1)
+				m->to[i] += (1 - exact) * off_speck(m, x, y);
+		}
+}
+
 int32_t ISA(soft_run)(light *l)
 {
 	int32_t code = bands_run(l->bands, l->height, 0, first_rows, l);
@@ -274,5 +311,11 @@ int32_t ISA(soft_run)(light *l)
 		m = (smoothing){l, m.to, odd ? l->spare : l->share, step, alike_pairs / (float)step};
 		code = bands_run(l->bands, l->height, 0, pair_rows, &m);
 	}
+	float *last = l->share;
+	m = (smoothing){.light = l, .from = last, .to = l->spare};
+	if (!code)
+		code = bands_run(l->bands, l->height, 0, level_rows, &m);
+	l->share = m.to;
+	l->spare = last;
 	return code;
 }

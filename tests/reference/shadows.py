@@ -8,7 +8,7 @@ from .lamps import Lit, asked, dealt, dot, one, unit
 from .light import bent, leaves
 from .shown import NOTHING, STRAY, Edges, Shown
 
-MARGIN, TILE, POINTS, FIRST, WIDE, DEALT, PLAIN = 30, 4, 64, 16, 8, 4, 16
+MARGIN, TILE, POINTS, FIRST, WIDE, DEALT, PLAIN = 31, 4, 64, 16, 8, 4, 16
 
 
 class Picture:
@@ -244,7 +244,7 @@ class Picture:
         fine = self.dealt_mean(fine, exact, there)
         for step in (8, 4, 2, 1):
             fine = self.paired(fine, exact, there, step)
-        return fine
+        return self.levelled(fine, exact, there)
 
     def full_share(self, lit, i, there):
         points, numbers = dealt(TILE, POINTS, POINTS)
@@ -363,6 +363,16 @@ class Picture:
             weight = ok * strength * np.maximum(1 - (off * step / 0.04) ** 2, 0) ** 2
             total, weights = total + weight * off, weights + weight
         return self.moved_by(share, exact, total / weights)
+
+    def levelled(self, share, exact, there):
+        """A pixel that stands out by less than 0.1 from all about it on its surface is as the nearest of them."""
+        low, high, known = np.ones(len(share)), np.zeros(len(share)), np.zeros(len(share), int)
+        for a, b, j, within in self.neighbours(1):
+            ok = within & there[j] & self.shown.one_surface(self.number, j) & bool(a or b)
+            low, high = (np.where(ok, pick(to, share[j]), to) for pick, to in ((np.minimum, low), (np.maximum, high)))
+            known += ok
+        off = np.where(known >= 5, np.minimum(np.maximum(share, low), high) - share, 0)
+        return self.moved_by(share, exact, np.where(abs(off) < 0.1, off, 0))
 
     def takes_part(self, exact, there, j, within):
         return within & there[j] & ~(exact[j] > 0) & ((j == self.number) | self.shown.one_surface(self.number, j))
