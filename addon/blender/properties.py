@@ -169,8 +169,8 @@ def _classes():
         "active_style": bpy.props.IntProperty(options={"HIDDEN"}, update=_changed),
         "ink_early": bpy.props.BoolProperty(
             name="Ink While Rendering", default=True, update=_changed, **OURS,
-            description="In a window, show the picture inked as it grows, of one sample that is rendered ahead and more of "
-                        "them every few seconds"),
+            description="In a window, show the picture inked as it grows, of one sample that is rendered ahead and "
+                        "more of them every few seconds"),
         "keep_layers": bpy.props.BoolProperty(
             name="Keep Layers", default=True, update=_keep, **OURS,
             description="Keep what F12 has rendered in memory, so that settings are drawn anew without rendering"),

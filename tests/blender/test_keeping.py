@@ -87,7 +87,7 @@ def test_settings_are_copied_between_scenes_and_styles(copied):
 
 def test_rows_are_reset_to_the_preset_or_the_default(copied):
     assert copied["reset"] == [[4, 8], [0, 0]]
-    assert copied["levels"] == [4, 0]
+    assert copied["levels"] == [3, 2], "one more than the preset has, and its own"
     assert copied["all"] == ["FINE", 4, None] and copied["differ"] == []
 
 

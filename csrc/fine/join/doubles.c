@@ -17,8 +17,7 @@ static const float most_beside = 0.5f;  /* of a chain's length; test_fine_passes
 static const float most_wiggle = 0.12f, most_wiggle_light = 0.3f;
 /* pixels: shorter lines of light, and of what mirrors and glass show, that meet nothing are noise; test_fine_passes */
 static const float least_light = 6, least_seen = 9;
-/* pixels: shorter ways round pixels that the rasteriser does not confirm are noise in numbers and depths; test_fine_passes
- */
+/* pixels: shorter ways round what the rasteriser does not confirm are noise in numbers and depths; test_fine_passes */
 static const float least_round = 9;
 
 /* A run of sites between those at which not exactly two meet. */
@@ -174,7 +173,7 @@ static bool is_known(const fine *n, const site *s)
 	return false;
 }
 
-/* Drops what goes round a few pixels, if the frame has what the rasteriser knows of meshes, and that is not of these. */
+/* Drops what goes round a few pixels, if the frame has what the rasteriser knows of meshes, and not of these. */
 static void choose_round(const beside *b, const chain *c)
 {
 	const fine *n = b->n;
