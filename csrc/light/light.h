@@ -10,6 +10,10 @@
  * done with others as far away as that. */
 enum { LIGHT_MARGIN = 31 };
 
+/* Of the squares of the full frame over which points are dealt the first begins so far within the margin: pictures stay
+ * as they are when the margin grows. */
+enum { DEALT_FROM = 1 };
+
 enum { SURFACE_NOTHING = -1, SURFACE_STRAY = -2 /* of no geometry: only depth and normal tell of it */ };
 
 typedef struct surface {

@@ -148,7 +148,8 @@ static void ask_centre(light *l, int x, int y, rays *from)
 {
 	const encre_frame *f = &l->job->frame;
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
-	const lamp_point *first = l->soft ? l->points.first[(f->y + y) & (LAMP_WIDE - 1)][(f->x + x) & (LAMP_WIDE - 1)]
+	const lamp_point *first = l->soft ? l->points.first[(f->y + y - DEALT_FROM) & (LAMP_WIDE - 1)]
+							   [(f->x + x - DEALT_FROM) & (LAMP_WIDE - 1)]
 					  : &l->points.middle;
 	int dealt = l->soft ? LAMP_DEALT : 1;
 	float all = 0, seen = 0;

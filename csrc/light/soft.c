@@ -79,7 +79,8 @@ static surface place_within(const light *l, facet *known, ptrdiff_t i, ptrdiff_t
 static void ask_points(const light *l, int x, int y, int first, int end, float *all, float *seen, rays *from)
 {
 	const encre_frame *f = &l->job->frame;
-	const lamp_point *points = l->points.of[(f->y + y) & (LAMP_TILE - 1)][(f->x + x) & (LAMP_TILE - 1)];
+	const lamp_point *points =
+		l->points.of[(f->y + y - DEALT_FROM) & (LAMP_TILE - 1)][(f->x + x - DEALT_FROM) & (LAMP_TILE - 1)];
 	bool columns[2] = {goes_on(l, x, y, x - 1, y), goes_on(l, x, y, x + 1, y)};
 	bool rows[2] = {goes_on(l, x, y, x, y - 1), goes_on(l, x, y, x, y + 1)};
 	for (int k = first; k < end; k++) {

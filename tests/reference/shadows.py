@@ -168,7 +168,7 @@ class Picture:
         plain = lit.mean(s.at, s.normal, plain / len(plain_points.square))
         plain = np.where(falls & (s.triangle != NOTHING), plain, 0)
         there = plain > 0
-        columns, rows = self.x + self.corner[0], self.y + self.corner[1]
+        columns, rows = self.x + self.corner[0] - 1, self.y + self.corner[1] - 1
         points, numbers = dealt(WIDE, DEALT, WIDE * WIDE * DEALT)
         mine = numbers[rows % WIDE, columns % WIDE]
         all_, seen = np.zeros(n), np.zeros(n)
@@ -249,7 +249,7 @@ class Picture:
     def full_share(self, lit, i, there):
         points, numbers = dealt(TILE, POINTS, POINTS)
         x, y = self.x[i], self.y[i]
-        mine = numbers[(y + self.corner[1]) % TILE, (x + self.corner[0]) % TILE]
+        mine = numbers[(y + self.corner[1] - 1) % TILE, (x + self.corner[0] - 1) % TILE]
         columns = [self.goes_on(i, x + k, y, there) for k in (-1, 1)]
         rows = [self.goes_on(i, x, y + k, there) for k in (-1, 1)]
 
