@@ -20,7 +20,7 @@ import studio  # noqa: E402
 import window  # noqa: E402
 from watch import picture, reads, rest, space, spy, uploaded, uploads, views  # noqa: E402
 
-REDRAWS = int(os.environ.get("ENCRE_REDRAWS", 150))
+REDRAWS = int(os.environ.get("ENCRE_REDRAWS", 1000))
 BRUSH = 12  # pixels
 
 
@@ -264,6 +264,44 @@ def hidden():
     scene.render.film_transparent = False
 
 
+def resized():
+    """A window that is made smaller, and as large as it was."""
+    width, height = window.window().width, window.window().height
+    space().region_3d.view_perspective = "PERSP"
+    yield from rest()
+    picture("large window")
+    for name, size in ("small window", (width - 200, height - 120)), ("large again", (width, height)):
+        window.resize(*size)
+        while (window.window().width, window.window().height) != size:
+            yield
+        yield from rest()
+        picture(name)
+        region = next(one for one in window.area("VIEW_3D").regions if one.type == "WINDOW")
+        studio.fact(name, [region.width, region.height])
+
+
+def edited():
+    """A mesh whose half is moved in Edit Mode, which is then left."""
+    cube = bpy.data.objects["Cube"]
+    bpy.context.view_layer.objects.active = cube
+    picture("not edited")
+    with window.override("VIEW_3D"):
+        bpy.ops.object.mode_set(mode="EDIT")
+    yield from rest()
+    picture("edit mode")
+    with window.override("VIEW_3D"):
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.transform.translate(value=(0, 0, 0.4))
+    yield from rest()
+    picture("edited")
+    with window.override("VIEW_3D"):
+        bpy.ops.object.mode_set(mode="OBJECT")
+    yield from rest()
+    picture("edit mode left")
+    space().region_3d.view_perspective = "CAMERA"
+    yield from rest()
+
+
 def several():
     """Two views, of different size, of which one is made smaller."""
     with window.override("VIEW_3D"):
@@ -371,8 +409,8 @@ def cycles():
 
 
 def steps():
-    for step in (build, camera, border, orbit, slider, stroke, shows, undo, broken, play, flat, hidden, pinned,
-                 several, cycles, together):
+    for step in (build, camera, border, orbit, slider, stroke, shows, undo, broken, play, flat, hidden, resized,
+                 edited, pinned, several, cycles, together):
         begin = time.perf_counter()
         yield from step()
         studio.fact("time", [step.__name__, round(time.perf_counter() - begin, 1)])

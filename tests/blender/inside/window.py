@@ -5,6 +5,7 @@ Needs --enable-event-simulate. Every step is a function; between two steps Blend
 """
 
 import contextlib
+import ctypes
 import os
 import sys
 import time
@@ -47,6 +48,23 @@ def quiet():
 def press(key):
     for value in ("PRESS", "RELEASE"):
         window().event_simulate(type=key, value=value)
+
+
+def resize(width, height):
+    """Makes the window so large, by the X server: where nobody manages windows, it is a child of the root."""
+    x11, size = ctypes.CDLL("libX11.so.6"), [window().width, window().height]
+    x11.XOpenDisplay.restype, x11.XDefaultRootWindow.restype = ctypes.c_void_p, ctypes.c_ulong
+    display = ctypes.c_void_p(x11.XOpenDisplay(None))
+    root, parent, at = ctypes.c_ulong(x11.XDefaultRootWindow(display)), ctypes.c_ulong(), ctypes.c_int()
+    children, count = ctypes.POINTER(ctypes.c_ulong)(), ctypes.c_uint()
+    x11.XQueryTree(display, root, *map(ctypes.byref, (root, parent, children, count)))
+    for child in map(ctypes.c_ulong, children[:count.value]):
+        own, unused = [ctypes.c_uint(), ctypes.c_uint()], [ctypes.c_uint(), ctypes.c_uint()]
+        x11.XGetGeometry(display, child, *map(ctypes.byref, (root, at, at, *own, *unused)))
+        if [side.value for side in own] == size:
+            x11.XResizeWindow(display, child, width, height)
+    x11.XSync(display, 0)
+    x11.XCloseDisplay(display)
 
 
 def screenshot(name):
