@@ -28,7 +28,7 @@ PENS = {
     "overshoot": dict(line_thickness=6, pen_overshoot=30, pen_strokes=2, pen_wobble=1.2),
     "strip": dict(line_thickness=16, pen_strip=1, pen_strip_image=ROOT / "docs/pen_chalk.png", pen_strip_length=250),
 }
-TONES = ("DOTS", "LINES", "CROSS", "HATCH", "STIPPLE", "IMAGE")
+TONES = ("DOTS", "LINES", "CROSS", "HATCH", "STIPPLE", "IMAGE", "GRAIN", "SOLID")
 SPACES = {"SCREEN": 9, "SURFACE": 9, "OBJECT": None}
 EXPOSURE = {"street": 1, "dancer": 0.45, "terrain": 1}
 PITCH = {"street": 3, "dancer": 2, "terrain": 8}  # centimetres of what is painted on
