@@ -19,11 +19,12 @@ Steps = Generator[list[Work], list[Any], Any]
 
 def run(steps: Steps, threads: int = 0, progress: Callable[[float], bool] | None = None) -> Any:
     """What steps return; the library does its part of them while this waits."""
-    results: list[Any] | None = None
+    results: list[Any] = [None]
     try:
         while True:
-            works = steps.send(results)  # type: ignore[arg-type]
-            results = [load().run(work, threads, 1, progress) for work in works]
+            works = steps.send(results.pop())  # nothing is kept here that the steps let go
+            results.append([load().run(work, threads, 1, progress) for work in works])
+            del works
     except StopIteration as end:
         return end.value
 

@@ -111,6 +111,7 @@ def steps(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads: 
         top, left = first - down[0], columns[0] - across[0]
         out[first:last, columns[0]:columns[-1] + 1] = clean[
             top:top + last - first, left:left + columns[-1] + 1 - columns[0]]
+        del cut, clean  # pictures of a frame each
     if surface:
         even.even(out, picture, normal, *surface)
     return out

@@ -99,9 +99,21 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
         flat[pixels[~found]] = neutral
         return flat.reshape(*index.shape, -1)
 
-    lost = strays(index.reshape(-1)[pixels[~found]]).reshape(-1, 1)
-    layers = {"object": moved(numbers[instance], lost), "material": moved(maps.pop("material")),
-              "style": moved(maps.pop("style"))}
+    own = index.reshape(-1)[pixels[~found]]
+
+    def usual(picture):
+        """Of each pixel whose object was not drawn nearby, as where a leaf's clear part hides it, what most have of it:
+        else there would be borders of materials around nothing."""
+        at = np.flatnonzero(np.isin(index, own) & (index == owners[instance]))
+        (things, values), count = np.unique((index.reshape(-1)[at], picture.reshape(-1)[at]), axis=1, return_counts=True)
+        order = np.lexsort((-values, count))  # the last of each thing is its most frequent, of those the least
+        most = dict(zip(things[order], values[order], strict=True))
+        return np.array([most.get(thing, 0) for thing in own], np.float32).reshape(-1, 1)
+
+    layers = {"object": moved(numbers[instance], strays(own).reshape(-1, 1))}
+    for name in ("material", "style"):
+        picture = maps.pop(name)
+        layers[name] = moved(picture, usual(picture) if picture.any() and own.size else 0)
     if "attributes" in maps:
         layers["controls"] = moved(maps.pop("attributes"))
     if "anchor" in maps:

@@ -150,7 +150,7 @@ def test_memory_of_a_frame(render):
     facts = render("memory").facts
     assert all(held < 23 + 4 * len(library.controls()) * painted for painted, held in enumerate(facts["held"]))
     plain, painted = facts["peak"]
-    assert plain <= 166 and painted <= 194, facts
+    assert plain <= 174 and painted <= 203, facts
     assert max(facts["left"]) < 1
 
 

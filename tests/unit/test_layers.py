@@ -261,6 +261,16 @@ def test_rasterised_layers():
     assert made["marks"].tolist() == [[[0.5, 0.5], [0.5, 0.5], [0, 0.5], [0, 0], [0, 0]]]
 
 
+def test_what_a_clear_part_hides_is_of_its_thing_s_usual_material():
+    """Ground, 1, of materials 3, 4 and 4, and a card, 2, of material 9 and style 1, that is clear where it hides it."""
+    index = np.array([[5, 5, 5, 5, 5, 5, 5, 6, 8]], np.float32)
+    card = np.array([[1, 1, 1, 2, 2, 2, 2, 2, 2]], np.float32)
+    maps = {"object": card, "material": np.array([[4, 4, 3, 9, 9, 9, 9, 9, 9]], np.float32), "style": card - 1}
+    made = overlay.rasterised(index, overlay.compact(maps), np.array([0, 5, 6]), np.array([0, 50, 60]), np.negative)
+    assert made["material"][0, :, 0].tolist() == [4, 4, 3, 3, 3, 4, 4, 9, 0]  # within two pixels the nearest
+    assert made["style"][0, :, 0].tolist() == [0, 0, 0, 0, 0, 0, 0, 1, 0]
+
+
 def test_where_objects_coincide_the_rasteriser_says_which_is_there():
     """Objects 1 and 2 coincide at the second to fourth pixel, 3 lies before them at the third: hair, say."""
     index = np.array([[5, 6, 7, 6, 6, 5]], np.float32)
