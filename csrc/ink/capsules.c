@@ -333,13 +333,12 @@ static void draw_capsule(const capsule *e, canvas *c)
 
 /* ---- strokes --------------------------------------------------------------------------------------------- */
 
-/* The pixels at..end - 1 of one row: what this stroke left of them white, the next may darken. Where it lies in the
- * same place, the same part of a pixel is white. */
-static void lay_span(const canvas *c, float apart, size_t at, size_t end)
+/* The pixels at..end - 1 of one row: what this stroke left of them white, the next may darken. */
+static void lay_span(const canvas *c, size_t at, size_t end)
 {
 	for (; at < end; at++) {
-		float dark = c->dark[at], laid = c->laid[at];
-		c->laid[at] += dark - mix(min(laid, dark), laid * dark, apart);
+		float dark = c->dark[at];
+		c->laid[at] += dark - c->laid[at] * dark;
 		c->dark[at] = 0;
 		if (!(dark > c->darkest[at]))
 			continue;
@@ -351,19 +350,19 @@ static void lay_span(const canvas *c, float apart, size_t at, size_t end)
 
 /* Lays a stroke over those before it. Were only the darkest of them kept, strokes less than a pixel apart would look
  * like one, and a smaller picture would be paler. */
-static void lay(const canvas *c, float apart)
+static void lay(const canvas *c)
 {
 	for (int y = c->y0; y < c->y1; y++)
 		for (int b = 0; b < 64; b++)
 			if (c->open[y - c->y0] >> b & 1) {
 				size_t at = (size_t)(y - c->y0) * c->stride + ((size_t)b << c->shift);
-				lay_span(c, apart, at, at + ((size_t)1 << c->shift));
+				lay_span(c, at, at + ((size_t)1 << c->shift));
 			}
 }
 
-static void take_laid(canvas *c, float apart)
+static void take_laid(canvas *c)
 {
-	lay(c, apart);
+	lay(c);
 	float *dark = c->dark;
 	c->dark = c->laid;
 	c->laid = dark;
@@ -378,12 +377,12 @@ void ISA(capsules_draw)(const capsules *all, canvas *c)
 	for (uint32_t i = first[0]; i < first[1] && !bands_stopped(c->f->bands); i++) {
 		const uint32_t *ends = all->list[i];
 		if (c->laid && ends[0] / all->count != stroke) {
-			lay(c, all->apart);
+			lay(c);
 			stroke = ends[0] / all->count;
 		}
 		capsule e = capsule_of(c->f->fine, all, ends[0], ends[1]);
 		draw_capsule(&e, c);
 	}
 	if (c->laid)
-		take_laid(c, all->apart);
+		take_laid(c);
 }

@@ -116,7 +116,6 @@ typedef struct capsules {
 	struct strip_end *strip; /* likewise, where it lies in the picture along it (strips.h); NULL: no pen has one */
 	uint32_t count;          /* of sites */
 	uint32_t ends;           /* strokes times sites; ends beyond corners follow */
-	float apart;             /* 0: strokes lie in one place; 1: half a pixel and more apart */
 	bool moved;              /* ends lie elsewhere than their sites */
 	uint32_t *first;         /* by band of the canvas, and one more: where its list begins */
 	uint32_t (*list)[2];     /* ends of the links that reach into a band; twice the same: a site alone */

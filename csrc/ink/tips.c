@@ -348,8 +348,6 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 			dry |= h->pen_dry > 0;
 			striped |= h->pen_strip > 0;
 			moved |= h->pen_wobble > 0;
-			if (h->pen_strokes > 1)
-				all->apart = max(all->apart, min(2 * h->pen_wobble * f->scale, 1));
 			taper = max(taper, h->pen_taper * f->scale);
 			farther = max(farther, h->pen_overshoot * f->scale);
 			pooled |= h->pen_pool > 0;

@@ -302,18 +302,6 @@ def test_lines_bend_by_themselves_where_others_meet_them(slope):
     assert abs(curved[~beyond].sum() / plain[~beyond].sum() - 1.4) < 0.04
 
 
-def test_strokes_that_hardly_stray_are_one_line():
-    """Their rims cover the same part of a pixel: in small pictures lines were darker."""
-    def shape(x, y):
-        return np.hypot(x, y) < 100
-
-    one, two = (outlined(shape, 360, pen_strokes=count)[0] for count in (1, 2))
-    assert np.abs(two - one).max() < 1e-6  # was up to 0.22
-    shares = [outlined(shape, height, pen_strokes=2, pen_wobble=1.3, pen_wobble_length=80.0)[0].mean()
-              for height in (1080, 180)]
-    assert abs(shares[1] / shares[0] - 1) < 0.11
-
-
 def test_straight_lines_and_corners_do_not_swell():
     def box(x, y):
         return (np.abs(x + 0.3 * y) < 80) & (np.abs(y - 0.2 * x) < 90)

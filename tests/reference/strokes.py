@@ -199,13 +199,9 @@ def draw(t, layers, params, paper, pictures=()):
     ink = np.zeros((*shape, 3))
     pieces = [(i, j) for i in range(len(t)) for j in t.links[i] if j > i and not t.dropped[i] and not t.dropped[j]]
     pieces += [(i, i) for i in range(len(t)) if not t.links[i] and not t.dropped[i]]
-    unit, used = params.pixels(layers.full_height), {str(params.at("line_pen_" + kind, 0)) for kind in KINDS}
-    apart = max((min(1, 2 * params.at(pen.lower() + "_wobble", 0) * unit) for pen in used
-                 if params.at(pen.lower() + "_strokes", 0) > 1), default=0)
     for k in range(int(max(params.at(pen + "strokes", 0) for pen in ("pen_", "pen_2_", "pen_3_")))):
         dark, own, doubtful = _stroke(t, ends(t, layers, params, paper, k, dict(pictures)), pieces, layers, paper)
-        # what one leaves white the next may darken
-        laid = laid + dark - mix(np.minimum(laid, dark), laid * dark, apart)
+        laid = 1 - (1 - laid) * (1 - dark)  # what one leaves white the next may darken
         differ = np.abs(own - ink).max(-1) > 1e-4
         unsure |= doubtful | (np.abs(dark - darkest) < 1e-4) & (dark > 0) & differ
         wins = dark > darkest
