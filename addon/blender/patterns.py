@@ -8,6 +8,7 @@ import numpy as np
 from ..pen.program import Register
 from . import trees
 from .values import Values
+from .versions import PCG_CELLS
 
 
 def hashed(a, b):
@@ -24,6 +25,10 @@ def _far(seed):
     """How far away Cycles looks for more noise that has nothing to do with that at a place."""
     return [100 + 100 * hashed(*np.array([seed, k], np.float32).view(np.uint32).tolist()) / 0xffffffff
             for k in range(3)]
+
+
+_CELLS = {"F1": "voronoi", "F2": "voronoi_second", "SMOOTH_F1": "voronoi_smooth", "DISTANCE_TO_EDGE": "voronoi_edge"}
+_METRICS = "EUCLIDEAN", "MANHATTAN", "CHEBYCHEV"
 
 
 class Patterns(Values):
@@ -95,6 +100,28 @@ class Patterns(Values):
         detail = min(max(detail, 0.0), 15.0)
         at = self.build.pool.place([np.floor(detail), detail - np.floor(detail)])
         return self.build.run("noise", (*place, rough), (at,))[0]
+
+    def _TexVoronoi(self, node):
+        build, inputs = self.build, node.inputs
+        kind, metric, wide = node.feature, node.distance, node.voronoi_dimensions
+        fractal = "Detail" in inputs and 0 not in (self.number(inputs["Detail"]), self.number(inputs["Roughness"]))
+        if fractal or kind not in _CELLS or metric not in _METRICS or wide not in ("2D", "3D"):
+            raise trees.Unknown(node.name)
+        random, place = build.clamp(self.number(inputs["Randomness"])), self._place(node)
+        smooth = (build.multiply(0.5, self.number(inputs["Smoothness"])),) if kind == "SMOOTH_F1" else ()
+        name = "voronoi" if smooth == (0.0,) else _CELLS[kind]
+        data = _METRICS.index(metric), (wide == "2D") + 2 * PCG_CELLS
+        distance, *rest = build.run(name, (*place, random, *(() if name == "voronoi" else smooth)), data)
+        if getattr(node, "normalize", False):
+            edge = kind == "DISTANCE_TO_EDGE"
+            most = 1.0 if edge or metric == "CHEBYCHEV" else int(wide[0]) ** (0.5 if metric == "EUCLIDEAN" else 1.0)
+            most *= 2 if kind == "F2" else 1
+            distance = build.divide(distance, build.multiply(most, build.add(0.5, build.multiply(0.5, random))))
+        if not rest:
+            return {"Distance": distance}
+        scale = self.number(inputs["Scale"])
+        return {"Distance": distance, "Color": tuple(rest[:3]),
+                "Position": tuple(build.divide(x, scale) for x in rest[3:])}
 
     def _TexWave(self, node):
         build, number = self.build, lambda name: self.number(node.inputs[name])

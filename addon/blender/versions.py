@@ -20,6 +20,8 @@ BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0
 AREA_LIGHT = 1.0 if bpy.app.version >= (4, 1, 0) else np.pi / 4
 # Whether the cone of a spot lamp that is scaled is wider and narrower across: in 4.5 it is, in 3.4 not.
 SPOTS_SCALE = bpy.app.version >= (4, 1, 0)
+# 5.0 places Voronoi's points by PCG; before, by Jenkins' hash.
+PCG_CELLS = bpy.app.version >= (5, 0, 0)
 # 5.0 made Freestyle's edge marks a boolean attribute; before, they are a property of edges.
 _MARKS_ARE_ATTRIBUTES = bpy.app.version >= (5, 0, 0)
 

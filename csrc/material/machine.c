@@ -188,7 +188,7 @@ void ISA(material_run)(block *b)
 		const encre_operation *o = p->operations + k;
 		const entry *e = entries + o->code;
 		const float *in[ENCRE_INPUTS];
-		float *out[4];
+		float *out[MATERIAL_OUTPUTS];
 		for (int i = 0; i < ENCRE_INPUTS; i++) /* those that it does not take are any */
 			in[i] = b->reg + (size_t)(i < e->what.inputs ? o->in[i] : o->in[0]) * MATERIAL_BLOCK;
 		for (int i = 0; i < e->what.outputs; i++)

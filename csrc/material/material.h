@@ -5,7 +5,10 @@
 
 #include "base/stage.h"
 
-enum { MATERIAL_BLOCK = 64 }; /* pixels that a program is run for at once */
+enum {
+	MATERIAL_BLOCK = 64,  /* pixels that a program is run for at once */
+	MATERIAL_OUTPUTS = 7, /* the most that an operation has */
+};
 
 /* Pixels of one material, and what programs read of them. */
 typedef struct block {

@@ -3,15 +3,17 @@
 /* What programs of materials are made of.
  *
  *   EACH(name, inputs, value of a, b and c)   one number of at most three
- *   OPERATION(name, inputs, outputs)          a function in machine.c, texture.c or patterns.c
+ *   OPERATION(name, inputs, outputs)          a function in machine.c, texture.c, patterns.c or voronoi.c
  *
  * `data` of an operation: of constant and thing, which; of channel, the channel; of footprint, the first of three
  * channels and the first of six constants, what u and v grow by with each; of texture, which; of ramp and steps, the
  * first of its constants, a place and a colour with alpha for each stop, and how many stops; of curve, the first of
  * its constants and how many of them lie evenly from 0 to 1; of brick, the first of nine constants: offset, its
  * frequency, squash, its frequency, size of the mortar, its smoothness, bias, width and height of a brick; of noise,
- * the first of two: whole octaves, and the share of the next. No guard: included once per use, which defines EACH and
- * OPERATION. */
+ * the first of two: whole octaves, and the share of the next; of voronoi and its like, how lengths are measured (0:
+ * Euclidean, 1: Manhattan, 2: Chebychev), and the sum of 1 where the third coordinate does not count and 2 where chances
+ * are PCG's (Blender 5), not Jenkins'. These take a place, how random the points are and how smooth, and give a
+ * distance, a colour and a point. No guard: included once per use, which defines EACH and OPERATION. */
 OPERATION(constant, 0, 1)
 OPERATION(channel, 0, 1)
 OPERATION(place, 0, 3)
@@ -44,5 +46,9 @@ OPERATION(from_hsv, 3, 3)
 OPERATION(checker, 3, 1)
 OPERATION(brick, 2, 2)
 OPERATION(noise, 4, 1)
+OPERATION(voronoi, 4, 7)
+OPERATION(voronoi_second, 4, 7)
+OPERATION(voronoi_smooth, 5, 7)
+OPERATION(voronoi_edge, 4, 1)
 #undef EACH
 #undef OPERATION

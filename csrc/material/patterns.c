@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Patterns by formula, the same as Blender's. */
 #include "base/pixel.h"
+#include "material/hash.h"
 #include "material/material.h"
 
 #include <math.h>
@@ -65,32 +66,12 @@ RUN(brick)
 
 /* ---- noise ------------------------------------------------------------------------------------------------- */
 
-static inline uint32_t rotated(uint32_t x, int k)
-{
-	return x << k | x >> (32 - k);
-}
-
-/* Jenkins' mixing of three numbers (lookup3). */
-static uint32_t hashed(int32_t x, int32_t y, int32_t z)
-{
-	uint32_t a = 0xdeadbeefu + (3u << 2) + 13u, b = a, c = a;
-	c += (uint32_t)z;
-	b += (uint32_t)y;
-	a += (uint32_t)x;
-	c = (c ^ b) - rotated(b, 14);
-	a = (a ^ c) - rotated(c, 11);
-	b = (b ^ a) - rotated(a, 25);
-	c = (c ^ b) - rotated(b, 16);
-	a = (a ^ c) - rotated(c, 4);
-	b = (b ^ a) - rotated(a, 14);
-	return (c ^ b) - rotated(b, 24);
-}
-
 /* The height above a corner's plane, whose slope is one of sixteen. */
 static float slope_at(const int32_t cell[3], const float rest[3], int corner)
 {
 	int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
-	uint32_t h = hashed(cell[0] + dx, cell[1] + dy, cell[2] + dz) & 15;
+	uint32_t h =
+		jenkins_of_three((uint32_t)(cell[0] + dx), (uint32_t)(cell[1] + dy), (uint32_t)(cell[2] + dz)) & 15;
 	float x = rest[0] - (float)dx, y = rest[1] - (float)dy, z = rest[2] - (float)dz;
 	float u = h < 8 ? x : y, v = h < 4 ? y : h == 12 || h == 14 ? x : z;
 	return (h & 1 ? -u : u) + (h & 2 ? -v : v);

@@ -137,19 +137,22 @@ def _brick(constants, data, x, y, *_):
     return [tint, 0 if inside >= mortar else t * t * (3 - 2 * t)]
 
 
-def _hash(*cell):
-    def turned(x, k):
-        return (x << k | x >> (32 - k)) % 2 ** 32
+def _turned(x, k):
+    return (x << k | x >> (32 - k)) % 2 ** 32
 
-    a, b, c = ((0xdeadbeef + 12 + 13 + k) % 2 ** 32 for k in cell)
-    for which, k in ((0, 14), (1, 11), (2, 25), (0, 16), (1, 4), (2, 14), (0, 24)):
-        if which == 0:
-            c = ((c ^ b) - turned(b, k)) % 2 ** 32
-        elif which == 1:
-            a = ((a ^ c) - turned(c, k)) % 2 ** 32
-        else:
-            b = ((b ^ a) - turned(a, k)) % 2 ** 32
-    return c
+
+def _hash(*words):
+    """Jenkins' lookup3 of two to four numbers."""
+    a, b, c = ((0xdeadbeef + 4 * len(words) + 13 + k) % 2 ** 32 for k in (*words, 0)[:3])
+    if len(words) == 4:
+        for k in (4, 6, 8, 16, 19, 4):  # a by c, b by a, c by b, and so on
+            a, c = (a - c) % 2 ** 32 ^ _turned(c, k), (c + b) % 2 ** 32
+            a, b, c = b, c, a
+        a = (a + words[3]) % 2 ** 32
+    for k in (14, 11, 25, 16, 4, 14, 24):  # c by b, a by c, b by a, and so on
+        c = ((c ^ b) - _turned(b, k)) % 2 ** 32
+        a, b, c = b, c, a
+    return b
 
 
 def _perlin(place):
@@ -175,6 +178,79 @@ def _noise(constants, data, x, y, z, rough, *_):
     return 0.5 * (even + part * (sums[-1] / most[-1] - even)) + 0.5
 
 
+def _pcg(*words):
+    """PCG of two or three numbers, as signed ones of 32 bits."""
+    def signed(x):
+        return (x + 2 ** 31) % 2 ** 32 - 2 ** 31
+
+    v, last = [signed(k * 1664525 + 1013904223) for k in words], len(words) - 1
+    for turn in range(2):
+        for k in range(len(v)):
+            v[k] = signed(v[k] + (v[k - 2] * v[k - 1] if last == 2 else v[1 - k] * 1664525))
+        if turn == 0:
+            v = [signed(x ^ x >> 16) for x in v]
+    return np.array([x % 2 ** 31 for x in v]) / 2 ** 31
+
+
+def _chances(cell, by_pcg):
+    """(colour of a cube, where in it its point is)."""
+    wide = len(cell)
+    if by_pcg:
+        numbers = [int(k) for k in cell]
+        return _pcg(*(numbers + [0])[:3]), _pcg(*numbers)
+    words, more = ([int(word) for word in np.array(k, np.float32).view(np.uint32)] for k in (cell, (1, 2)))
+    color = np.array([_hash(*words), *(_hash(*words, word) for word in more)]) / 2 ** 32
+    return color, color[:wide]
+
+
+def _cubes(place, random, kind, far=1):
+    """The way from a place to the point of each cube about it, and the colour of that cube."""
+    wide, found = 2 if kind & 1 else 3, []
+    cell = np.floor(place[:wide])
+    for by in np.ndindex(*(2 * far + 1,) * wide):
+        by = np.array(by[::-1]) - far
+        color, point = _chances(cell + by + 0.0, kind & 2)
+        found.append((by + random * point - (place[:wide] - cell), color))
+    return found
+
+
+def _size(way, metric):
+    return np.linalg.norm(way, (2, 1, np.inf)[metric])
+
+
+def _voronoi(rank):
+    def run(_constants, data, x, y, z, random, *_):
+        place, (metric, kind) = np.array([x, y, z]), data
+        ways = _cubes(place, np.clip(random, 0, 1), kind)
+        way, chances = sorted(ways, key=lambda w: _size(w[0], metric))[rank]
+        return [_size(way, metric), *chances, *(place[:len(way)] + way), *[0] * (3 - len(way))]
+    return run
+
+
+def _voronoi_smooth(_constants, data, x, y, z, random, smooth, *_):
+    place, (metric, kind), smooth = np.array([x, y, z]), data, np.clip(smooth, 1e-6, 0.5)
+    out = np.array([8.0] + 6 * [0.0])
+    for way, chances in _cubes(place, np.clip(random, 0, 1), kind, 2):
+        size = _size(way, metric)
+        t = np.clip(0.5 + 0.5 * (out[0] - size) / smooth, 0, 1)
+        share = t * t * (3 - 2 * t)
+        less = smooth * share * (1 - share)
+        point = np.zeros(3)
+        point[:len(way)] = place[:len(way)] - np.floor(place[:len(way)]) + way
+        out += share * (np.array([size, *chances, *point]) - out)
+        out -= less * np.array([1] + 6 * [1 / (1 + 3 * smooth)])
+    out[4:] += np.floor(place)
+    out[6] *= 1 - (kind & 1)
+    return out
+
+
+def _voronoi_edge(_constants, data, x, y, z, random, *_):
+    ways = [way for way, _ in _cubes(np.array([x, y, z]), np.clip(random, 0, 1), data[1])]
+    own = min(ways, key=np.linalg.norm)
+    others = [way for way in ways if np.sum((way - own) ** 2) > 1e-4]
+    return min([(own + way) / 2 @ (way - own) / np.linalg.norm(way - own) for way in others])
+
+
 def _power(a, b):
     if a < 0 and b != np.floor(b) or a == 0 > b:
         return 0.0
@@ -196,4 +272,6 @@ OPERATIONS = {
     "angle": _each(lambda a, b: np.arctan2(a, b)), "power": _each(_power), "ramp": _ramp,
     "steps": lambda constants, data, value, *_: (lambda stops, k: stops[k, 1:])(*_stops(constants, data, value)),
     "curve": _curve, "to_hsv": _to_hsv, "from_hsv": _from_hsv, "checker": _checker, "brick": _brick, "noise": _noise,
+    "voronoi": _voronoi(0), "voronoi_second": _voronoi(1), "voronoi_smooth": _voronoi_smooth,
+    "voronoi_edge": _voronoi_edge,
 }

@@ -19,7 +19,8 @@ CONSTANTS = np.array([0.1, 0.5, 0.9, -2.5, 3.25, 0.75,  # and for bricks:
                       2, 0.4,  # three stops:
                       0.1, 1, 0.2, 0, 1, 0.4, 0, 0.5, 1, 0.5, 0.8, 0.3, 0.3, 0.9, 1], np.float32)
 DATA = {"constant": (3,), "channel": (1,), "thing": (1,), "footprint": (0, 0), "texture": (0,), "ramp": (17, 3),
-        "steps": (17, 3), "curve": (0, 6), "brick": (6,), "noise": (15,)}
+        "steps": (17, 3), "curve": (0, 6), "brick": (6,), "noise": (15,),
+        "voronoi": (0, 0), "voronoi_second": (1, 0), "voronoi_smooth": (2, 2), "voronoi_edge": (0, 0)}
 
 
 def row(name, out, inputs=(), data=None):
@@ -109,7 +110,7 @@ def compare(made, given, projection=perspective, few=1e-9, seed=0):
     return whole
 
 
-JUMPS = ("checker", "brick", "floor", "noise", "steps", "less")
+JUMPS = ("checker", "brick", "floor", "noise", "steps", "less", "voronoi", "voronoi_second")
 
 
 @pytest.mark.parametrize("projection", [aside(perspective), aside(orthographic)])
@@ -158,6 +159,23 @@ def test_noise_of_so_many_octaves(octaves, part):
                      np.array([octaves, part, 0.9], np.float32))
     given["object"][:] = 1
     compare(made, given, few=1e-9 if octaves < 10 else 0.3)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name.startswith("voronoi")])
+@pytest.mark.parametrize("metric", range(3))
+@pytest.mark.parametrize("kind", range(4))
+def test_cells_of_any_kind(name, metric, kind):
+    """All seven results, with points that are everywhere, hardly anywhere but in corners, and in these."""
+    rng = np.random.default_rng(8)
+    operations = [row("channel", 0, data=(0,)), row("channel", 1, data=(1,)), row("channel", 2, data=(2,)),
+                  row("constant", 3, data=(0,)), row("constant", 4, data=(1,)), row(name, 6, range(5), (metric, kind))]
+    operations[-1][2 + OPERATIONS[name][1]:10] = [0] * (8 - OPERATIONS[name][1])
+    outputs = OPERATIONS[name][2]
+    for random, smooth in ((1, 0.5), (0.7, 0.1), (0.2, 0.3)):
+        made = Materials([Program(np.array(operations, np.int32), 6 + outputs,
+                                  [6 + min(k, outputs - 1) for k in range(abi.RESULTS)])], (),
+                         np.array([random, smooth], np.float32))
+        compare(made, maps(rng, 9, 7, 1), few=0.01)
 
 
 @pytest.mark.parametrize("name", ["ramp", "steps"])

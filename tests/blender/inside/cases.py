@@ -24,6 +24,7 @@ import geometry  # noqa: E402
 import keeping  # noqa: E402
 import lit  # noqa: E402
 import painting  # noqa: E402
+import patterns  # noqa: E402
 import pictures  # noqa: E402
 import quick  # noqa: E402
 import staged  # noqa: E402
@@ -31,7 +32,7 @@ import supersampling  # noqa: E402
 import surfaces  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
-                                  keeping, surfaces, lit, painting, quick, anchors, distances, staged)
+                                  keeping, surfaces, lit, painting, patterns, quick, anchors, distances, staged)
          for name, case in vars(topic).items()}
 
 
