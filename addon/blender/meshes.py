@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..pen.job import Mesh
-from . import attributes, mirrors, properties, trees
+from . import attributes, hair, mirrors, properties, trees
 from .patterns import hashed
 from .triangles import MESHABLE, read_lines, read_triangles
 
@@ -92,8 +92,8 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     """The Objects that the camera can see. `line_numbers`: what overrides.pass_indices() gave, None if it was
     not called. `light`: a lamps.Light that takes them, and what only throws shadows. `kept`: a Kept; with it normals
     are read. `visible`: whether an original object is, None: all are. `looks`: the materials.Looks whose programs will
-    read attributes, after the controls. `anchored`: whether to tell where surfaces rest; `unwrapped`: which
-    way their UV maps lie.
+    read attributes, after the controls; with them there is hair. `anchored`: whether to tell where surfaces rest;
+    `unwrapped`: which way their UV maps lie.
     """
     meshes, shown, owners, numbers, catchers, things = [], [], [0], [0], [False], [(0,) * 18]
     running, materials = {}, _Materials(depsgraph.scene_eval)
@@ -101,7 +101,9 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     first_free = 0 if line_numbers is None else len(line_numbers)
     for instance in depsgraph.object_instances:
         obj = instance.object
-        if obj.type not in MESHABLE or not instance.show_self:
+        meshable = obj.type in MESHABLE and instance.show_self
+        strands = hair.of(instance, depsgraph.mode == "RENDER") if looks else ()
+        if not meshable and not strands:
             continue
         top = instance.parent if instance.is_instance else obj
         if visible and not visible(top.original):
@@ -114,36 +116,41 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         maps = light.maps(obj) if light else ()
         read = _read_by(obj, looks) if seen else frozenset()
         names = {block_name(block) for block in (obj, top, obj.data)}
-        if obj.encre.mark and seen:
+        if obj.encre.mark and seen and meshable:
             lines = kept.get(("lines", obj.data.as_pointer(), own), names, functools.partial(read_lines, obj))
             if lines is not None:
                 meshes.append(Mesh(*lines, kind="lines", model=np.array(instance.matrix_world, np.float64)))
                 shown.append(None)
                 continue
-        key = obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps, read, anchored, unwrapped
-        triangles = kept.get(key, names, functools.partial(read_triangles, obj, smooth, maps, read, anchored,
-                                                            unwrapped))
-        if triangles is None:
-            continue
+        made = []
+        if meshable:
+            key = (obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps, read, anchored,
+                   unwrapped)
+            made.append((key, kept.get(key, names, functools.partial(read_triangles, obj, smooth, maps, read, anchored,
+                                                                     unwrapped))))
+        made += [(key, kept.get(key, names | set(map(block_name, blocks)), make)) for key, blocks, make in strands]
+        made = [(key, triangles) for key, triangles in made if triangles is not None]
         if light:
-            light.place(obj, key, triangles, instance.matrix_world, seen)
-        if not seen:
+            for key, triangles in made:
+                light.place(obj, key, triangles, instance.matrix_world, seen)
+        if not seen or not made:
             continue
         number = len(owners)
-        parts = range(first_free + number, first_free + number + triangles.n_parts)
+        parts = range(first_free + number, first_free + number + made[0][1].n_parts)
         owners += [obj.pass_index] * len(parts)
         catchers += [obj.is_shadow_catcher] * len(parts)
         things += [_thing(instance, obj)] * len(parts) if looks else []
         numbers.append(_line_number(instance, obj, automatic, line_numbers, running, parts[0]))
         numbers += [own if automatic else -own for own in parts[1:]]  # negative: no pass index is
-        mesh, read = _mesh(triangles, obj, materials, instance.matrix_world, number, looks,
-                           _copy_seed(instance, obj))
-        meshes.append(mesh)
-        shown.append(read)
-        if len(triangles.marked):
-            meshes.append(Mesh(triangles.points, triangles.marked, kind="lines",
-                                    model=np.array(instance.matrix_world, np.float64)))
-            shown.append(None)
+        for _, triangles in made:  # hair has the number of what it grows on, as in Cycles
+            mesh, read = _mesh(triangles, obj, materials, instance.matrix_world, number, looks,
+                               _copy_seed(instance, obj))
+            meshes.append(mesh)
+            shown.append(read)
+            if len(triangles.marked):
+                meshes.append(Mesh(triangles.points, triangles.marked, kind="lines",
+                                   model=np.array(instance.matrix_world, np.float64)))
+                shown.append(None)
     kept.tidy()
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
                    line_numbers if automatic else None, automatic, np.array(catchers),

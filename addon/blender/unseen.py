@@ -3,7 +3,7 @@
 
 from . import trees
 
-_THINGS = {"CURVES": "hair curves", "POINTCLOUD": "a point cloud", "VOLUME": "a volume"}
+_THINGS = {"POINTCLOUD": "a point cloud", "VOLUME": "a volume"}
 _CURE = "choose Cycles for Layers to see them"
 # Inputs of shaders, and of a material's output.
 _TURNED = ("Normal", "Coat Normal", "Clearcoat Normal")
@@ -26,10 +26,6 @@ def of_things(depsgraph, visible=None):
             continue
         if obj.type in _THINGS and instance.show_self:
             found[f"{obj.name} ({_THINGS[obj.type]})"] = None
-        if instance.show_particles:
-            for system in obj.particle_systems:
-                if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
-                    found[f"{obj.name} (particle hair {system.name})"] = None
     return [f"not shown, as only Cycles can show it: {', '.join(found)}; {_CURE}"] if found else []
 
 

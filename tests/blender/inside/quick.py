@@ -7,6 +7,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from encre.blender import hair as strands
 from encre.blender.engine import pass_names
 from encre.blender.properties import PASSES
 from encre.pen import library
@@ -275,7 +276,7 @@ def flat_mirror(out):
 
 
 def what_is_not_shown(out):
-    """A bump in a group, displacement, fog, a volume, particle hair and hair curves; and what has all that unseen."""
+    """A bump in a group, displacement, fog, a volume and a bump that nothing reads; and a volume that is unseen."""
     scene = stage()
     tree = bpy.data.materials["Red"].node_tree
     group = tree.nodes.new("ShaderNodeGroup")
@@ -294,16 +295,55 @@ def what_is_not_shown(out):
     tree.links.new(_new(tree, "VolumeScatter").outputs[0], end.inputs["Volume"])
     idle = bpy.data.materials["Grey"].node_tree  # a bump that nothing reads
     idle.links.new(_new(idle, "Bump").outputs[0], _new(idle, "BsdfDiffuse").inputs["Normal"])
-    fog = bpy.data.objects.new("Fog", bpy.data.volumes.new("Fog"))
-    scene.collection.objects.link(fog)
-    for name, seen in (("Fur", True), ("Hidden", False)):
-        ball = sphere(name)
-        ball.visible_camera = seen
-        ball.modifiers.new("Hair", "PARTICLE_SYSTEM")
-        ball.particle_systems[0].settings.type = "HAIR"
-        ball.particle_systems[0].name = "Hair"
+    for name, seen in (("Fog", True), ("Hidden", False)):
+        fog = link(name, bpy.data.volumes.new(name))
+        fog.visible_camera = seen
     scene.encre.layer_source = "ENCRE"
     shoot(out, "less")
+
+
+def hair(out):
+    """Particle hair with children, of the second slot, on a ball that is moved and scaled, and instanced; hair curves;
+    by both. Then bald."""
+    scene = stage(480, 270, 8)
+    cube_, ball = (bpy.data.objects[name] for name in ("Cube", "Ball"))
+    bpy.data.objects.remove(cube_)
+    ball.scale, ball.encre.line_group = (0.7, 0.7, 0.9), "Balls"
+    ball.data.materials.append(bpy.data.materials["Red"])
+    ball.modifiers.new("Hair", "PARTICLE_SYSTEM")
+    system = ball.particle_systems[0]
+    particles, system.seed = system.settings, 1
+    particles.type, particles.count, particles.hair_length, particles.render_step = "HAIR", 30, 0.7, 2
+    particles.child_type, particles.rendered_child_count = "SIMPLE", 5
+    particles.radius_scale, particles.root_radius, particles.tip_radius, particles.shape = 0.08, 0.9, 0.3, 0.3
+    particles.use_close_tip, particles.material = False, 2
+    bpy.ops.object.curves_random_add()
+    curves = bpy.context.object
+    curves.name, curves.location, curves.scale = "Curves", (-1.6, 0, -0.4), (0.7, 0.7, 0.7)
+    curves.data.materials.append(bpy.data.materials["Red"])
+    count, steps = len(curves.data.curves), curves.data.curves[0].points_length
+    way, t = np.random.default_rng(1).normal(size=(count, 1, 3)), np.linspace(0, 1, steps)[:, None]
+    points = way / np.linalg.norm(way, axis=2, keepdims=True) * (0.5 + t) - np.array([0, 0, 0.7]) * t ** 2
+    curves.data.attributes["position"].data.foreach_set("vector", points.astype(np.float32).ravel())
+    thick = np.tile(0.04 * (1 - t), count).T.astype(np.float32)
+    curves.data.attributes["radius"].data.foreach_set("value", thick.ravel())
+    placed, collection = bpy.data.objects.new("Placed", None), bpy.data.collections.new("Collection")
+    collection.objects.link(ball)
+    placed.instance_type, placed.instance_collection, placed.location = "COLLECTION", collection, (-0.9, 2, 0.6)
+    scene.collection.objects.link(placed)
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width, scene.cycles.max_bounces = "BOX", 0.01, 0
+    scene.encre.save_layers = "ON"
+    shoot(out, "cycles")
+    scene.encre.layer_source = "ENCRE"
+    shoot(out, "encre")
+    ball.modifiers["Hair"].show_render = False
+    shoot(out, "bald")
+    counts = np.array([1, 2, 5, 1, 3])  # a point alone is no strand, nor are two in one place
+    first, points = np.cumsum(counts) - counts, np.zeros((12, 3), np.float32)
+    points[:, 0], points[1:3, 0] = [k for count in counts for k in range(count)], 7
+    made = strands.tubes(points, np.full(12, 0.1, np.float32), first, counts)
+    fact("along", made.points[made.corners][..., 0].tolist())
+    fact("across", np.linalg.norm(made.points[made.corners][..., 1:], axis=2).tolist())
 
 
 def highlights(out):
