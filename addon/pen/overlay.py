@@ -105,7 +105,8 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
         """Of each pixel whose object was not drawn nearby, as where a leaf's clear part hides it, what most have of it:
         else there would be borders of materials around nothing."""
         at = np.flatnonzero(np.isin(index, own) & (index == owners[instance]))
-        (things, values), count = np.unique((index.reshape(-1)[at], picture.reshape(-1)[at]), axis=1, return_counts=True)
+        both = index.reshape(-1)[at], picture.reshape(-1)[at]
+        (things, values), count = np.unique(both, axis=1, return_counts=True)
         order = np.lexsort((-values, count))  # the last of each thing is its most frequent, of those the least
         most = dict(zip(things[order], values[order], strict=True))
         return np.array([most.get(thing, 0) for thing in own], np.float32).reshape(-1, 1)
