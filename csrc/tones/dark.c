@@ -109,11 +109,39 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 /* How the light passes a threshold: never, in one step, or by and by. */
 enum { ALL, STEP, SLOPE };
 
-KERNEL float past(float x, const int how, float threshold, float rate)
+/* steep: 1 / how much the light differs from a pixel to the next, so that a step's edge is as smooth as a line's; 0: it
+ * does not. */
+KERNEL float past(float x, const int how, float threshold, float rate, float steep)
 {
 	if (how == SLOPE)
 		return clamp01((x - threshold) * rate + 0.5f);
-	return how == STEP && x > threshold ? 1 : 0;
+	float edge = clamp01((x - threshold) * steep + 0.5f), hard = x > threshold ? 1 : 0;
+	return how != STEP ? 0 : steep > 0 ? edge : hard;
+}
+
+/* The less of the differences to both sides: what a contour alone makes is none of the light's own. */
+static inline float differs(float before, float at, float after)
+{
+	static const float most = 1e6f; /* what shows nothing has light without end */
+	float x = min(at, most);
+	return min(fabsf(x - min(before, most)), fabsf(min(after, most) - x));
+}
+
+static void steep_row(const frame *f, const encre_params *p, int y, int x, int n, const float *restrict light,
+		      float *restrict steep)
+{
+	float above[TONE_CHUNK], below[TONE_CHUNK], row[TONE_CHUNK + 2];
+	int last = x + n;
+	light_row(f, p, y > 0 ? y - 1 : min(1, f->height - 1), x, n, above);
+	light_row(f, p, y + 1 < f->height ? y + 1 : max(y - 1, 0), x, n, below);
+	light_row(f, p, y, x > 0 ? x - 1 : min(1, f->width - 1), 1, row);
+	light_row(f, p, y, last < f->width ? last : max(last - 2, 0), 1, row + n + 1);
+	memcpy(row + 1, light, (size_t)n * sizeof *row);
+	for (int i = 0; i < n; i++) {
+		float across = differs(row[i], light[i], row[i + 2]), down = differs(above[i], light[i], below[i]);
+		float most = sqrtf(across * across + down * down);
+		steep[i] = most > 1e-4f ? 1 / most : 0;
+	}
 }
 
 typedef struct band_of_light {
@@ -122,24 +150,30 @@ typedef struct band_of_light {
 } band_of_light;
 
 KERNEL void want_band(const band_of_light *b, const int enters, const int leaves, int n, const float *restrict light,
-		      const float *restrict added, float *restrict share, float *restrict sum)
+		      const float *restrict steep, const float *restrict added, float *restrict share,
+		      float *restrict sum)
 {
 	for (int i = 0; i < n; i++) {
-		float x = light[i], entered = enters == ALL ? 1 : past(x, enters, b->in, b->in_rate);
-		float here = positive(entered - past(x, leaves, b->out, b->out_rate));
+		float x = light[i], entered = enters == ALL ? 1 : past(x, enters, b->in, b->in_rate, steep[i]);
+		float here = positive(entered - past(x, leaves, b->out, b->out_rate, steep[i]));
 		share[i] += here;
 		sum[i] += here * clamp01(b->base - b->fall * clamp01((x - b->start) * b->along) + added[i]);
 	}
 }
 
-/* Levels are at most two at a pixel: their transitions don't overlap. */
+static bool is_step(const encre_level *l)
+{
+	return !(l->transition > 1e-30f);
+}
+
 static void want_level(const encre_params *p, int level, float gradient, int n, const float *restrict light,
-		       const float *restrict added, float *restrict share, float *restrict sum)
+		       const float *restrict steep, const float *restrict added, float *restrict share,
+		       float *restrict sum)
 {
 	const encre_level *own = p->shade_levels.level + level, *next = own + 1;
 	bool last = level == p->shade_levels.count - 1;
-	int enters = level == 0 ? ALL : own->transition > 1e-30f ? SLOPE : STEP;
-	int leaves = last ? ALL : next->transition > 1e-30f ? SLOPE : STEP;
+	int enters = level == 0 ? ALL : is_step(own) ? STEP : SLOPE;
+	int leaves = last ? ALL : is_step(next) ? STEP : SLOPE;
 	float start = level == 0 ? 0 : own->threshold, span = last ? 0 : next->threshold - start;
 	band_of_light b = {
 		.in = start,
@@ -153,7 +187,7 @@ static void want_level(const encre_params *p, int level, float gradient, int n, 
 	};
 #define CASE(in, out)                                                                                                  \
 	if (enters == in && leaves == out)                                                                             \
-		want_band(&b, in, out, n, light, added, share, sum);
+		want_band(&b, in, out, n, light, steep, added, share, sum);
 	CASE(ALL, ALL)
 	CASE(ALL, STEP)
 	CASE(ALL, SLOPE)
@@ -179,9 +213,14 @@ static void finish(const float *restrict depth, int n, float *restrict share, fl
 
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w)
 {
-	float light[TONE_CHUNK], added[TONE_CHUNK], none[TONE_CHUNK] = {0};
+	float light[TONE_CHUNK], added[TONE_CHUNK], none[TONE_CHUNK] = {0}, steep[TONE_CHUNK] = {0};
+	bool steps = false;
 	const float *controls = controls_at(f, x, y), *depth = layer_row(f, ENCRE_LAYER_DEPTH, y) + x;
 	light_row(f, p, y, x, n, light);
+	for (int level = 1; level < p->shade_levels.count; level++)
+		steps |= is_step(p->shade_levels.level + level) && !p->tone_crisp;
+	if (steps)
+		steep_row(f, p, y, x, n, light, steep);
 	for (int i = 0; i < n; i++)
 		added[i] = controls ? controls[CONTROL_COUNT * i + CONTROL_HATCHING] : 0;
 	for (int k = 0; k < TONE_SLOTS; k++)
@@ -196,8 +235,8 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 			memset(w->dark[k], 0, sizeof w->dark[k]);
 		}
 		w->any[k] = true;
-		want_level(p, level, own->gradient, n, light, own->kind == tone_1_GRAIN ? none : added, w->share[k],
-			   w->dark[k]);
+		want_level(p, level, own->gradient, n, light, steep, own->kind == tone_1_GRAIN ? none : added,
+			   w->share[k], w->dark[k]);
 	}
 	for (int k = 0; k < TONE_SLOTS; k++) {
 		if (!w->any[k])

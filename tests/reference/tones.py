@@ -225,6 +225,17 @@ def _glazed(layers):
     return share * clamp01(50 * value(layers.color) / np.maximum(1 - mirrors, 0.05))
 
 
+def _steep(light):
+    """How much it differs from a pixel to the next; the less of both sides."""
+    def along(axis):
+        n = light.shape[axis]
+        before, after = (np.take(light, np.abs(np.arange(n) - 1).clip(0, n - 1), axis),
+                         np.take(light, np.where(np.arange(n) < n - 1, np.arange(n) + 1, max(n - 2, 0)), axis))
+        return np.minimum(np.abs(light - before), np.abs(after - light))
+
+    return np.hypot(along(0), along(1))
+
+
 def _dark(layers, levels, of, look):
     """(share, darkness) of a tone at each pixel."""
     end = levels[1][1] + max(levels[1][2] / 2, 1e-3) if len(levels) > 1 else 0.0
@@ -248,6 +259,7 @@ def _dark(layers, levels, of, look):
                  & ((_glazed(layers) <= 0.5) | ~itself & (value(layers.gloss) >= 0.7)))
         light = np.where(shows, np.maximum(light, np.where(nothing, np.inf, lit)), light)
     added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
+    steep = 0 if of("tone_crisp") else _steep(np.minimum(light, 1e6))
     share, total = np.zeros(light.shape), np.zeros(light.shape)
     for k, level in enumerate(levels):
         if _looks(of)[min(k, SLOTS - 1)] != look:
@@ -256,7 +268,7 @@ def _dark(layers, levels, of, look):
         def passed(steps):
             if steps[2] > 1e-30:
                 return clamp01((light - steps[1]) / steps[2] + 0.5)
-            return (light > steps[1]).astype(float)
+            return np.where(steep > 1e-4, clamp01((light - steps[1]) / np.maximum(steep, 1e-30) + 0.5), light > steps[1])
 
         here = (passed(level) if k else 1.0) - (passed(levels[k + 1]) if k < len(levels) - 1 else 0.0)
         here = np.maximum(here, 0) * np.ones(light.shape)
