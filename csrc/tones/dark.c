@@ -132,10 +132,10 @@ static void steep_row(const frame *f, const encre_params *p, int y, int x, int n
 {
 	float above[TONE_CHUNK], below[TONE_CHUNK], row[TONE_CHUNK + 2];
 	int last = x + n;
-	light_row(f, p, y > 0 ? y - 1 : min(1, f->height - 1), x, n, above);
-	light_row(f, p, y + 1 < f->height ? y + 1 : max(y - 1, 0), x, n, below);
-	light_row(f, p, y, x > 0 ? x - 1 : min(1, f->width - 1), 1, row);
-	light_row(f, p, y, last < f->width ? last : max(last - 2, 0), 1, row + n + 1);
+	light_row(f, p, y > 0 ? y - 1 : clamp_index(1, f->height), x, n, above);
+	light_row(f, p, y + 1 < f->height ? y + 1 : clamp_index(y - 1, f->height), x, n, below);
+	light_row(f, p, y, x > 0 ? x - 1 : clamp_index(1, f->width), 1, row);
+	light_row(f, p, y, last < f->width ? last : clamp_index(last - 2, f->width), 1, row + n + 1);
 	memcpy(row + 1, light, (size_t)n * sizeof *row);
 	for (int i = 0; i < n; i++) {
 		float across = differs(row[i], light[i], row[i + 2]), down = differs(above[i], light[i], below[i]);
@@ -213,7 +213,7 @@ static void finish(const float *restrict depth, int n, float *restrict share, fl
 
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w)
 {
-	float light[TONE_CHUNK], added[TONE_CHUNK], none[TONE_CHUNK] = {0}, steep[TONE_CHUNK] = {0};
+	float light[TONE_CHUNK] = {0}, added[TONE_CHUNK], none[TONE_CHUNK] = {0}, steep[TONE_CHUNK] = {0};
 	bool steps = false;
 	const float *controls = controls_at(f, x, y), *depth = layer_row(f, ENCRE_LAYER_DEPTH, y) + x;
 	light_row(f, p, y, x, n, light);

@@ -143,7 +143,7 @@ def spurs(t, shape):
 def short(t, least, shape):
     """Sites of chains that begin and end in the open and are shorter than `least`, by site, at their first end;
     outlines and marks are none, but for contours that the mesh alone tells; and of what goes round a colour, some of it
-    weak, and is shorter than twice that at a weak one; unsure."""
+    weak, and is shorter than twice that at a weak one, or round light and four times; unsure."""
     gone, unsure = set(), set()
     meant = ((t.rank == 0) & (t.site["told"] == 0)) | (t.family == NUMBER["mark"])
 
@@ -164,12 +164,14 @@ def short(t, least, shape):
         if length < least[i]:
             gone |= set(run)
     for run in chains(t):
-        if run[0] != run[-1] or any(len(t.links[i]) != 2 for i in run) or not (t.rank[run] == 2).all():
+        rank = t.rank[run[0]]
+        if run[0] != run[-1] or any(len(t.links[i]) != 2 for i in run) or rank not in (2, 3) or (
+                t.rank[run] != rank).any():
             continue
         length = sum(t.apart(i, j) for i, j in zip(run, run[1:]))  # noqa: B905
-        weak = [i for i in run[1:] if t.site["weak"][i]]
-        if any(abs(length - 2 * least[i]) < CLOSE * len(run) for i in weak):
+        weak, times = [i for i in run[1:] if t.site["weak"][i] or rank == 3], 2 if rank == 2 else 4
+        if any(abs(length - times * least[i]) < CLOSE * len(run) for i in weak):
             unsure |= set(run)
-        if any(length < 2 * least[i] for i in weak):
+        if any(length < times * least[i] for i in weak):
             gone |= set(run)
     return gone, unsure

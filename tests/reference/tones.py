@@ -268,7 +268,8 @@ def _dark(layers, levels, of, look):
         def passed(steps):
             if steps[2] > 1e-30:
                 return clamp01((light - steps[1]) / steps[2] + 0.5)
-            return np.where(steep > 1e-4, clamp01((light - steps[1]) / np.maximum(steep, 1e-30) + 0.5), light > steps[1])
+            edge = clamp01((light - steps[1]) / np.maximum(steep, 1e-30) + 0.5)
+            return np.where(steep > 1e-4, edge, light > steps[1])
 
         here = (passed(level) if k else 1.0) - (passed(levels[k + 1]) if k < len(levels) - 1 else 0.0)
         here = np.maximum(here, 0) * np.ones(light.shape)

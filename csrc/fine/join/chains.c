@@ -64,14 +64,21 @@ static bool is_lone(const fine *n, uint32_t i)
 	return s->placed.told && links_at(n, i) == 0 && least_length(n->f, s) > 0 && !at_border(n->f, s);
 }
 
-/* Drops what goes round a little of a colour, from a weak site of it on, if that is less than twice the least
- * length: of joints between bricks far away, one here and there is strong enough. */
+/* Whether a line that goes round little may begin there: of a colour where it is weak, for of joints between bricks far
+ * away one here and there is strong enough; of light anywhere, for each stone has its brightest spot. */
+static bool may_go_round(const site *s)
+{
+	return !s->linked.dropped && ((rank_of(s) == RANK_COLOR && s->placed.weak) || rank_of(s) == RANK_LIGHT);
+}
+
+/* Drops what goes round less than twice the least length of a colour, or four times that of light. */
 static void drop_ring(const fine *n, uint32_t i)
 {
-	float most = 2 * least_length(n->f, n->site + i), length = 0;
+	int rank = rank_of(n->site + i);
+	float most = (rank == RANK_LIGHT ? 4 : 2) * least_length(n->f, n->site + i), length = 0;
 	uint32_t from = UINT32_MAX, at = i, sites = 0, next;
 	do {
-		if (rank_of(n->site + at) != RANK_COLOR || links_at(n, at) != 2)
+		if (rank_of(n->site + at) != rank || links_at(n, at) != 2)
 			return;
 		next = from == UINT32_MAX ? n->to[n->at[i]] : next_of(n, from, at);
 		length += sqrtf(apart2(n->site + at, n->site + next));
@@ -97,7 +104,7 @@ int32_t ISA(fine_drop_short)(fine *n)
 		code = at_step(n, i);
 		if (is_lone(n, i))
 			n->site[i].linked.dropped = true;
-		if (n->site[i].placed.weak && !n->site[i].linked.dropped)
+		if (may_go_round(n->site + i))
 			drop_ring(n, i);
 		if (!ISA(leads_nowhere)(n, i))
 			continue;
