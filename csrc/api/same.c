@@ -26,10 +26,11 @@ static void put(writer *w, const void *from, size_t size)
 #define COLOR BOOL
 #define LEVELS BOOL
 
-/* What edges read of a style: their own rows and, of light, those of its levels. */
+/* What edges read of a style: their own rows, what is too short for a line, and of light the rows of its levels. */
 static void put_style(writer *w, const encre_params *p, bool light)
 {
 #include "edges/edges.rows.h"
+	put(w, &p->line_min_length, sizeof p->line_min_length);
 	if (light) {
 #include "surface/shade.rows.h"
 	}

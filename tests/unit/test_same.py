@@ -97,7 +97,11 @@ def test_edges_are_found_once_for_what_is_the_same(look):
     for change in (dict(line_thickness=9.0), dict(paper_roughness=0.1), dict(shade_strength=0.3),
                    dict(use_hatching=False)):
         assert lines(draw(behind, layers, {**look, **change}, 1)) > many / 2, change
-    assert lines(draw(behind, layers, {**look, "edge_threshold": 0.4}, 1)) == 0  # found anew
+    for found_anew in dict(edge_threshold=0.4), dict(line_min_length=30.0):
+        layers = layers_of()
+        assert lines(draw(behind, layers, look, 3)) == many
+        blank(layers)
+        assert lines(draw(behind, layers, {**look, **found_anew}, 3)) == 0, found_anew
     layers = layers_of()
     assert lines(draw(behind, layers, look, 1)) == many
     blank(layers)
