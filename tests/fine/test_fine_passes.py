@@ -173,7 +173,8 @@ def drop(check):
     check.alike("spurs", gone, dropped(beside, last), unsure)
     params, style = check.c.view.params, check.c.view.layers.style
     least = params.at("line_min_length", style[last.site["near_y"], last.site["near_x"]])
-    gone, unsure = chains.short(last, least * check.scale, check.shape)
+    numbers = view.layers.object if "object" in view.given else None
+    gone, unsure = chains.short(last, least * check.scale, check.shape, numbers)
     check.count["short"] += len(gone)
     check.alike("short", gone, dropped(last, check.tables("drop short")[0]), unsure)
 

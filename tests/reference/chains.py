@@ -4,7 +4,7 @@ short. As in passes.py."""
 
 import numpy as np
 
-from .passes import CLOSE, FAMILIES, NUMBER
+from .passes import CLOSE, COLUMN, FAMILIES, NUMBER, ROW
 
 
 def chains(t):
@@ -140,12 +140,17 @@ def spurs(t, shape):
     return gone, unsure
 
 
-def short(t, least, shape):
+def short(t, least, shape, numbers):
     """Sites of chains that begin and end in the open and are shorter than `least`, by site, at their first end;
-    outlines and marks are none, but for contours that the mesh alone tells; and of what goes round a colour, some of it
-    weak, and is shorter than twice that at a weak one, or round light and four times; unsure."""
+    outlines, between `numbers` of things, and marks are none, but for contours that the mesh alone tells; and of what
+    goes round a colour, some of it weak, and is shorter than twice that at a weak one, or round light and four times;
+    unsure."""
     gone, unsure = set(), set()
-    meant = ((t.rank == 0) & (t.site["told"] == 0)) | (t.family == NUMBER["mark"])
+    row, column = t.site["row"], t.site["column"]
+    beyond = ((row + (t.site["axis"] != ROW)).clip(0, shape[0] - 1),
+              (column + (t.site["axis"] != COLUMN)).clip(0, shape[1] - 1))
+    bounds = True if numbers is None else numbers[row, column] != numbers[beyond]
+    meant = ((t.rank == 0) & (t.site["told"] == 0) & bounds) | (t.family == NUMBER["mark"])
 
     def free(i):
         return i not in gone and t.is_end(i) and not t.at_border(i, shape)

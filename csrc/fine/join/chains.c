@@ -46,10 +46,21 @@ int32_t ISA(fine_cut_spurs)(fine *n)
 
 /* ---- specks ---------------------------------------------------------------------------------------------- */
 
-/* However short: an outline, or what is drawn by hand. A contour within a body is a ripple's, if it is short. */
-static bool is_meant(const site *s)
+/* Whether another thing is on the other side; without numbers of things all are. */
+static bool bounds_thing(const frame *f, const found *at)
 {
-	return (rank_of(s) == RANK_SHAPE && !s->placed.told) || s->found.family == FAMILY_MARK;
+	int x = clamp_index(at->column + (at->axis != AXIS_COLUMN), f->width),
+	    y = clamp_index(at->row + (at->axis != AXIS_ROW), f->height);
+	const float *one = layer_row(f, ENCRE_LAYER_OBJECT, at->row), *other = layer_row(f, ENCRE_LAYER_OBJECT, y);
+	return !one || one[at->column] != other[x];
+}
+
+/* However short: an outline, or what is drawn by hand. A contour within a body is a ripple's, if it is short, and a
+ * jump within a thing that of ground at a grazing angle. */
+static bool is_meant(const fine *n, const site *s)
+{
+	return (rank_of(s) == RANK_SHAPE && !s->placed.told && bounds_thing(n->f, &s->found)) ||
+	       s->found.family == FAMILY_MARK;
 }
 
 static float least_length(const frame *f, const site *s)
@@ -110,13 +121,13 @@ int32_t ISA(fine_drop_short)(fine *n)
 			continue;
 		float least = least_length(n->f, n->site + i), length = 0;
 		uint32_t from = UINT32_MAX, at = i;
-		bool meant = is_meant(n->site + i);
+		bool meant = is_meant(n, n->site + i);
 		while (!meant && length < least && (from == UINT32_MAX || links_at(n, at) == 2)) {
 			uint32_t next = from == UINT32_MAX ? n->to[n->at[i]] : next_of(n, from, at);
 			length += sqrtf(apart2(n->site + at, n->site + next));
 			from = at;
 			at = next;
-			meant = is_meant(n->site + at);
+			meant = is_meant(n, n->site + at);
 		}
 		if (meant || length >= least || !ISA(leads_nowhere)(n, at))
 			continue;
