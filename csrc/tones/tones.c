@@ -144,7 +144,7 @@ static void draw_row(const tone_slot *s, int n, const float *restrict ink, const
 		for (int c = 0; c < 3; c++)
 			surface[4 * i + c] = blend(surface[4 * i + c], bounded(s->color[c] * alpha), t);
 		for (int c = 0; c < 4 && tones; c++)
-			tones[4 * i + c] = blend(tones[4 * i + c], (c < 3 ? s->color[c] : 1) * alpha, t);
+			tones[4 * i + c] = blend(tones[4 * i + c], bounded((c < 3 ? s->color[c] : 1) * alpha), t);
 	}
 }
 
