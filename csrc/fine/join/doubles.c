@@ -119,17 +119,13 @@ static void add(beside *b, uint32_t first, uint32_t second)
 	c.loose += ISA(leads_nowhere)(n, last);
 	c.wiggle = count > 1 ? squares / (float)count - sum * sum / (float)(count * count) : 0;
 	c.closed = last == first && links_at(n, first) == 2;
-	if (b->list)
-		b->list[b->count] = c;
-	b->count++;
+	b->list[b->count++] = c;
 }
 
-/* Lists them, or counts them while there is no memory for that. */
 static int32_t find_chains(beside *b)
 {
 	const fine *n = b->n;
 	int32_t code = ENCRE_OK;
-	b->count = 0;
 	for (uint32_t i = 0; i < n->count; i++)
 		b->chain[i] = NONE;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
@@ -223,17 +219,12 @@ int32_t ISA(fine_drop_beside)(fine *n)
 {
 	beside b = {.n = n,
 		    .beside = late_take(&n->f->late, n->count, sizeof *b.beside),
-		    .chain = late_take(&n->f->late, n->count, sizeof *b.chain)};
-	if (!b.beside || !b.chain)
+		    .chain = late_take(&n->f->late, n->count, sizeof *b.chain),
+		    .list = late_take(&n->f->late, n->at[n->count] / 2, sizeof *b.list)}; /* each has a link */
+	if (!b.beside || !b.chain || !b.list)
 		return ENCRE_ERROR_MEMORY;
 	memset(b.beside, 0, n->count * sizeof *b.beside);
 	int32_t code = find_chains(&b);
-	if (code)
-		return code;
-	b.list = late_take(&n->f->late, b.count, sizeof *b.list);
-	if (!b.list)
-		return ENCRE_ERROR_MEMORY;
-	code = find_chains(&b);
 	if (code)
 		return code;
 	qsort(b.list, b.count, sizeof *b.list, by_weight);

@@ -312,6 +312,27 @@ static int32_t find_ends(ends *all)
 	return code;
 }
 
+/* Sites behind all others, and with them all cells. */
+static int32_t add_sites(fine *n, const site *from, uint32_t count)
+{
+	if (!count)
+		return ENCRE_OK;
+	site *sites = late_take(&n->f->late, n->count + count, sizeof *sites);
+	if (!sites)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < n->count + count; i++) {
+		code = at_step(n, i);
+		sites[i] = i < n->count ? n->site[i] : from[i - n->count];
+	}
+	if (code)
+		return code;
+	late_drop(&n->f->late, n->site);
+	n->site = sites;
+	n->count += count;
+	return ISA(fine_sort)(n);
+}
+
 static int32_t round_of(fine *n)
 {
 	ends all = {.n = n};
@@ -328,28 +349,17 @@ static int32_t round_of(fine *n)
 		pairs += all.end[i].pairs;
 	}
 	all.pair = late_take(&n->f->late, pairs, sizeof *all.pair);
-	added to = {.link = late_take(&n->f->late, all.count, sizeof *to.link)};
-	site *sites = late_take(&n->f->late, n->count + all.count, sizeof *sites);
-	if (!all.pair || !to.link || !sites)
+	added to = {.link = late_take(&n->f->late, all.count, sizeof *to.link),
+		    .site = late_take(&n->f->late, all.count, sizeof *to.site)};
+	if (!all.pair || !to.link || !to.site)
 		return ENCRE_ERROR_MEMORY;
 	code = bands_run(n->f->bands, (int)all.count, CHUNK, fill_pairs, &all);
 	if (code)
 		return code;
 	qsort(all.pair, pairs, sizeof *all.pair, by_cost);
-	to.site = sites + n->count;
 	code = join_ends(&all, pairs, &to);
-	if (code)
-		return code;
-	for (uint32_t i = 0; !code && i < n->count; i++) {
-		code = at_step(n, i);
-		sites[i] = n->site[i];
-	}
-	if (code)
-		return code;
-	late_drop(&n->f->late, n->site);
-	n->site = sites;
-	n->count += to.sites;
-	code = ISA(fine_sort)(n);
+	if (!code)
+		code = add_sites(n, to.site, to.sites);
 	if (!code)
 		code = ISA(fine_add_links)(n, to.link, to.count);
 	late_drop(&n->f->late, all.end);
@@ -358,6 +368,7 @@ static int32_t round_of(fine *n)
 	late_drop(&n->f->late, all.member);
 	late_drop(&n->f->late, all.pair);
 	late_drop(&n->f->late, to.link);
+	late_drop(&n->f->late, to.site);
 	return code;
 }
 

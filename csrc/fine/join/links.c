@@ -210,6 +210,8 @@ int32_t ISA(fine_smooth)(fine *n)
 
 int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count)
 {
+	if (!count)
+		return ENCRE_OK;
 	uint32_t *at = late_take(&n->f->late, n->count + 1, sizeof *at),
 		 *to = late_take(&n->f->late, n->at[n->known] + 2 * count, sizeof *to);
 	if (!at || !to)
