@@ -66,7 +66,8 @@ class Library:
         block = (c.c_char * self.lib.encre_params_size())()
         self.lib.encre_params_init(block)
         for id_, value in values.items():
-            abi.put(self.params[id_], c.addressof(block), value)
+            if value != self.params[id_].default:  # which is there: most values of most frames
+                abi.put(self.params[id_], c.addressof(block), value)
         return block, [abi.put_image(self.params[id_], c.addressof(block), pixels) for id_, pixels in images.items()]
 
     def check(self, values: Mapping[str, Any],
@@ -210,8 +211,8 @@ class Library:
                 job.outputs[i] = abi.image(images[name])
         for name in sorted(set(outputs) - self.outputs.keys()):
             raise EncreError(unknown("output", name, self.outputs))
-        read: dict[Chosen, np.ndarray] = {}
-        for one in dict.fromkeys(each for style in self.images(every) for each in style):
+        wanted, read = self.images(every), dict[Chosen, np.ndarray]()
+        for one in dict.fromkeys(each for style in wanted for each in style):
             if not image:
                 raise EncreError(f"{one.id}: {one.name} is to be read, and nothing that can read it is given; "
                                  "pass `image`")
@@ -219,7 +220,7 @@ class Library:
             # Tones that look alike flow into each other, and where their images lie is by what the library tells.
             read[one] = next((known for known in read.values() if np.array_equal(known, pixels, True)), pixels)
         blocks = [self.pack(v, {each.id: read[each] for each in style})
-                  for v, style in zip(every, self.images(every), strict=True)]
+                  for v, style in zip(every, wanted, strict=True)]
         block = b"".join(bytes(b) for b, _ in blocks)
         keep += [b for _, b in blocks] + [block]
         job.params = c.cast(c.c_char_p(block), c.c_void_p)

@@ -319,10 +319,9 @@ def chosen(stages: Sequence[Stage], every: Sequence[Mapping]) -> list[list[Chose
     and none is given."""
     found: list[list[Chosen]] = [[] for _ in every]
     for one in stages:
-        drawn = [_draws(one, values) for values in every]
-        for p in one.params:
-            if p.type != "image":
-                continue
+        images = [p for p in one.params if p.type == "image"]
+        drawn = [_draws(one, values) for values in every] if images else []
+        for p in images:
             # an image of the frame is in the scene's block, whichever style reads it
             reading = drawn if p.scope == "surface" else [any(drawn)]
             for values, style, reads in zip(every, found, reading, strict=False):

@@ -148,7 +148,9 @@ class Runs:
         self.from_, self.to = (np.ones(most * BYTES // 4, np.float32) for _ in range(2))
 
     def memory(self, shape):
-        return self.target.setdefault(shape, np.zeros(shape, np.float32))
+        if shape not in self.target:
+            self.target[shape] = np.zeros(shape, np.float32)
+        return self.target[shape]
 
     def least(self, rounds, threads):
         """{case: (ratio to the copy of its pixels, seconds)}."""
