@@ -40,6 +40,7 @@
 #include "surface/hatch.rows.h"
 #include "tones/tones.rows.h"
 #include "surface/rim.rows.h"
+#include "surface/specks.rows.h"
 #include "ink/lines.rows.h"
 #include "ink/pen.rows.h"
 

@@ -31,7 +31,7 @@
  * alone, as clang does, would make one for all of them that is not vectorised. */
 #define KERNEL static inline __attribute__((always_inline))
 
-#define STAGES(X) X(edges) X(shade) X(example) X(smudge) X(paper) X(wash) X(hatch) X(tones) X(rim) X(lines)
+#define STAGES(X) X(edges) X(shade) X(example) X(smudge) X(paper) X(wash) X(hatch) X(tones) X(rim) X(specks) X(lines)
 
 /* ---- frame: what stages read and make -------------------------------------------------------------------- */
 
@@ -106,6 +106,7 @@ typedef struct frame {
 			  NULL: it finds out itself */
 	void *wash;    /* wash: colours blurred along rows */
 	void *rim;     /* rim: sites along silhouettes */
+	void *specks;  /* specks: what is no black */
 	void *tones;   /* tones: those of each style, and ink of strokes */
 	void *fine;    /* sites and links of detector FINE (fine.h), else NULL; then edge, strength and near are NULL */
 	late *late;
@@ -294,6 +295,8 @@ void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *he
 /* hatch.c: of a style's pixels x..x+n-1 of row y, their brightness 0..1 becomes the pencil's cover. False, and nothing
  * is written, where the pencil reaches none of them. */
 bool ISA(hatch_cover)(const frame *f, const encre_params *p, int y, int x, int n, float *bright);
+/* specks.c: fills specks in the picture, in `ink` as well unless its data is NULL. */
+int32_t ISA(specks_fill)(frame *f, bool drawn, plane ink);
 /* nearest.c: exact Euclidean nearest edge pixels; ties: least distance, row, column. plan is called by the stages
  * that read frame.nearest (twice is once); run fills it if it isn't filled. Edges farther than `reach` pixels may be
  * reported as none. */

@@ -375,6 +375,8 @@ static int32_t run(frame *f)
 								   : ISA(search_run)(f, &l->search);
 	if (!code)
 		code = bands_run(f->bands, f->height, BAND, lines_rows, l);
+	if (!code && f->any.use_lines)
+		code = ISA(specks_fill)(f, true, f->output[ENCRE_OUTPUT_LINES]);
 	ISA(discs_free)(&l->discs);
 	return code;
 }

@@ -31,7 +31,7 @@ INTER_COLOR = dict(edge_threshold=0.01, edge_color=1.0, line_contrast=1.0, line_
                    line_gain=0.5, line_intensity=2.0, line_paper=0.0, use_shading=False, use_smudging=False,
                    use_hatching=False)
 ALL_OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=False,
-               use_rim=False, use_wash=False)
+               use_rim=False, use_specks=False, use_wash=False)
 DOG, SOBEL, FINE = ({"edge_detector": name} for name in ("DOG", "SOBEL", "FINE"))
 ALL_SOURCES = dict(edge_color=3.0, edge_light=4.0)
 # case: its settings, the ratios that are aimed at on one thread and on two, and what is drawn
@@ -52,6 +52,7 @@ STAGES = {
     "hatching": (ALL_OFF | dict(use_hatching=True), "Combined"),
     "wash": (ALL_OFF | dict(use_wash=True), "Combined"),
     "rim light": (ALL_OFF | dict(use_rim=True), "Combined"),
+    "specks": (ALL_OFF | dict(use_specks=True), "Combined"),
     "lines, DOG": (ALL_OFF | DOG | dict(use_lines=True), "Combined"),
     "lines, FINE": (ALL_OFF | FINE | dict(use_lines=True), "Combined"),
 }

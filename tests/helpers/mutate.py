@@ -39,7 +39,8 @@ TESTS = (
     ("csrc/ink/", "stages/test_lines.py", "fine/test_fine_ink.py"),
     ("csrc/surface/paper", "stages/test_paper.py", "stages/test_surface.py"),
     *((f"csrc/surface/{name}", f"stages/test_{test}.py")
-      for name, test in (("ball", "example"), ("example", "example"), ("rim", "rim"), ("wash", "wash"))),
+      for name, test in (("ball", "example"), ("example", "example"), ("rim", "rim"), ("specks", "specks"),
+                         ("wash", "wash"))),
     ("csrc/surface/", "stages/test_surface.py", "stages/test_paper.py"),
     *((f"csrc/tones/{name}.", "stages/test_strokes.py -k 'not ink'", "stages/test_strokes.py -k ink",
        "stages/test_tones.py") for name in ("scatter", "strokes", "ways")),

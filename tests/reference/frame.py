@@ -4,7 +4,7 @@
 import numpy as np
 
 from . import edges as edge_stage
-from . import example, hatch, lines, paper, rim, shade, smudge, tones, wash
+from . import example, hatch, lines, paper, rim, shade, smudge, specks, tones, wash
 from .params import SWITCHES, Params
 
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching", "light")
@@ -91,6 +91,7 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
     surface, hatch_doubtful = hatch.hatch(layers, params, surface, hatch_paper)
     surface, tone_ink = tones.fill(layers, params, surface, hatch_paper)
     surface, rim_doubtful = rim.light(layers, params, surface)
+    surface, _ = specks.fill(layers, params, surface)
 
     rgb, alpha = surface[..., :3], surface[..., 3:]
     active = np.any([params.at(switch, layers.style) for switch in SWITCHES], axis=0)[..., None]
@@ -99,9 +100,12 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
     t, ink, line_doubtful = lines.draw(layers, params, edges, line_paper)
     t = t[..., None]
     drawn = np.concatenate([rgb * (1 - t) + ink * t, alpha + t - alpha * t], axis=-1)
+    line_ink = np.concatenate([ink * t, t], axis=-1)
+    if any(table["use_lines"] for table in params.tables):
+        drawn, line_ink = specks.fill(layers, params, drawn, line_ink)
     passes = {
         "Combined": drawn,
-        "Encre Lines": np.concatenate([ink * t, t], axis=-1),
+        "Encre Lines": line_ink,
         "Encre Surface": np.concatenate([rgb, alpha], axis=-1),
         "Encre Edges": edges.strength,
         "Encre Light": light,

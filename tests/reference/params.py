@@ -69,13 +69,16 @@ DEFAULTS = {
     "use_rim": False, "rim_width": 8.0, "rim_turn": 0.8, "rim_space": "PICTURE",
     "rim_angle": 135.0, "rim_elevation": 30.0, "rim_spread": 180.0, "rim_depth": 0.05,
     "rim_softness": 0.0, "rim_color": (1.0, 1.0, 1.0), "rim_tint": 0.0, "rim_strength": 1.0,
+    # specks
+    "use_specks": False, "speck_size": 4.0,
     # read before the layers reach the stages
     "object_index": "AUTO", "shade_light": "ALL", "layer_source": "CYCLES", "light_source": "CYCLES",
     "light_denoise": "OIDN", "save_layers": "AUTO", "save_anchor": "AUTO",
 }
 
 ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "light_denoise", "save_layers", "save_anchor"}
-SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_tones", "use_rim", "use_wash")
+SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_tones", "use_rim", "use_wash",
+            "use_specks")
 
 _WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light", "mark")}
 _CREASES = {"crease_angle", "crease_smooth", "edge_bump"}
@@ -93,7 +96,7 @@ def is_surface(name):
         return True
     return name in _WEIGHTS | _CREASES or name.startswith(
         ("width_", "line_", "pen_", "ink_", "shade_", "hatch_", "smudge_", "tone_", "rim_", "wash_", "example_",
-         "use_"))
+         "speck_", "use_"))
 
 
 class Params:
