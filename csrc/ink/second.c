@@ -14,6 +14,10 @@ static const float evened = 4, swells = 8, least_evened = 2, least_swells = 6;
 /* A point is so much wider than its share of the ink, before that is full. */
 static const float blunt = 8;
 
+/* Pixels: the second ink is not there where a line would be no wider, and as wide as it is from a pixel on. What is
+ * between is drawn as grey, and many such lines, as of far leaves, would veil the black. */
+static const float hair = 0.4f;
+
 typedef struct second {
 	const frame *f;
 	const fine *n;
@@ -172,6 +176,7 @@ static void take_ink(void *data, int first, int end, int thread)
 		float full = c->dark[i], share = p->ink_on_dark;
 		for (int k = 0; k < 3; k++)
 			c->ink[i][k] = blend(c->ink[i][k], p->ink_dark_color[k], share * min(1, blunt * full));
+		full *= clamp01((2 * e->out * full - hair) / (1 - hair));
 		e->out *= mix(1, full, share); /* its reach is no less */
 		e->fade *= mix(1, full, share);
 	}

@@ -69,3 +69,11 @@ def test_white_goes_on_where_lines_cross():
     lines = library.render(layers, PEN, outputs=("Encre Lines",)).images["Encre Lines"]
     width = lines[..., 0].sum(1)
     assert width[:60].max() == 0 and np.abs(np.diff(width[70:])).max() < 0.5 and np.abs(width[105:115] - 6).max() < 0.1
+
+
+def test_what_is_thinner_than_a_pixel_leaves_the_black_black():
+    """Lines that stand close, as those of far leaves, thin out, and hairs of white were a grey veil over the black."""
+    value = ground((0, HEIGHT))
+    width = [whites(value, line_thickness=thick)[100:140].mean() for thick in (0.35, 0.6, 1.0, 2.0)]
+    assert width[0] == 0 and 0 < width[1] < 0.3
+    np.testing.assert_allclose(width[2:], [1, 2], atol=0.05)

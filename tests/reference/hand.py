@@ -264,6 +264,9 @@ def _shape(layers, site, height, width, source):
     return "outline" if far >= 0.0065 else "contact"
 
 
+HAIR = 0.4  # pixels that the second ink is wider than
+
+
 def inks(t, layers, params, ink, half, picture):
     """Each site's ink (n, 3), and the factor on its width `half`: `ink` is what it is without light, dark and kinds;
     `picture` lies under the lines."""
@@ -279,7 +282,8 @@ def inks(t, layers, params, ink, half, picture):
     ink = mix(ink, params.at("line_lit_color", style), (params.at("line_lit", style) * lit)[:, None])
     share = params.at("ink_on_dark", style)
     second = _second(t, _dark(t, layers, params, half, picture), half, params.pixels(layers.full_height))
-    factor = np.where(second > 0, mix(1, second, share), 1)
+    wide = second * clamp01((2 * half * second - HAIR) / (1 - HAIR))
+    factor = np.where(second > 0, mix(1, wide, share), 1)
     return mix(ink, params.at("ink_dark_color", style), (share * np.minimum(1, 8 * second))[:, None]), factor
 
 
