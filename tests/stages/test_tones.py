@@ -7,7 +7,7 @@ import hands
 import numpy as np
 import pytest
 import sticks
-from encre.pen import library
+from encre.pen import library, presets
 from encre.pen.job import Camera, Frame
 from reference import render as reference
 from reference.tones import thresholds
@@ -213,6 +213,17 @@ def test_a_step_s_edge_is_as_smooth_as_a_line_s():
                 assert set(np.unique(ink)) == {0, 1}
             else:
                 assert np.abs(ink - edge).max() < 0.25 and np.abs(ink.sum(1) - edge.sum(1)).max() < 0.15, (wide, slope)
+
+
+def test_what_the_sun_shines_on_has_no_spots():
+    """Ground under a sun 35 degrees high, which is lit by .57 of it, had them all over. What the sun but grazes has
+    some, and the shade many."""
+    values, one, ink = presets.find("Stippled").values | dict(use_lines=False), np.ones((64, 64, 3), np.float32), []
+    for light in (0.57, 0.3, 0.05):
+        layers = dict(combined=np.dstack([0.3 * light * one, one[..., :1]]), color=0.3 * one, diffuse=light * one,
+                      depth=5 * one[..., :1], normal=one * np.float32((0, 0, 1)))
+        ink.append(library.render(layers, values, outputs=["Encre Tones"]).images["Encre Tones"][..., 3].mean())
+    assert ink[0] == 0 < 0.03 < ink[1] < ink[2] - 0.2, ink
 
 
 @pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
