@@ -252,7 +252,10 @@ static void finish_pens(void *data, int first, int end, int thread)
 	}
 }
 
-/* A stroke's end beyond a corner, where the pen is lifted: never farther than half the line before it is long. */
+/* A stroke's end beyond a corner, where the pen is lifted: never farther than this share of the stroke, or what is tiny
+ * bristles. */
+static const float most_beyond = 0.2f;
+
 static void go_on(const gather *g, uint32_t k)
 {
 	static const float lifted = 0.35f;
@@ -260,7 +263,7 @@ static void go_on(const gather *g, uint32_t k)
 	size_t from = (size_t)g->stroke * g->n->count + s->site, to = spur_end(g->all, &g->turns, g->stroke, k);
 	pen_end *e = g->all->end + to;
 	*e = g->all->end[from];
-	float far = min(g->farther[s->site], 0.5f * s->room);
+	float far = min(g->farther[s->site], most_beyond * s->room);
 	if (g->n->site[s->site].linked.dropped || !(far > 0.5f) || !(e->reach > 0)) {
 		e->reach = 0;
 		return;

@@ -119,6 +119,23 @@ static bool is_corner(const finding *g, uint32_t i)
 	return true;
 }
 
+/* How long the stroke is that ends at i and comes over `first`: back to where others meet it, or to its corner before.
+ * Round a nail a line may go on for long, and yet each stroke of it is short. */
+static float room_of(const finding *g, uint32_t i, uint32_t first)
+{
+	const site *s = g->n->site;
+	float length = 0;
+	for (uint32_t before = i, at = first, next; length < g->room; before = at, at = next) {
+		if (at == UINT32_MAX || at == i || s[at].linked.dropped)
+			break;
+		length += sqrtf(apart2(s + before, s + at));
+		if (is_corner(g, at))
+			break;
+		next = next_of(g->n, before, at);
+	}
+	return min(length, g->room);
+}
+
 /* The strokes that end at a site where others meet them; stored from `at` on unless that is NULL. */
 static uint32_t spurs_at(const finding *g, uint32_t i, spur *at)
 {
@@ -141,8 +158,7 @@ static uint32_t spurs_at(const finding *g, uint32_t i, spur *at)
 		if (!ends)
 			continue;
 		if (at)
-			at[count] = (spur){i, way[k].last, -way[k].dx, -way[k].dy,
-					   walk(n, i, n->to[n->at[i] + k], g->room, NULL).length};
+			at[count] = (spur){i, way[k].last, -way[k].dx, -way[k].dy, room_of(g, i, n->to[n->at[i] + k])};
 		count++;
 	}
 	return count;

@@ -168,7 +168,7 @@ def _beyond(spurs, farther, at, columns, color, numbers, bristles, strips):
     """Likewise, with ends beyond corners behind the others, and the pairs that these make."""
     pairs = []
     for i, last, way, length in spurs:
-        far = min(farther[i], length / 2)
+        far = min(farther[i], 0.2 * length)
         if far > 0.5:
             pairs.append((i, len(at)))
             at = np.vstack([at, at[i] + far * way])

@@ -107,8 +107,14 @@ def _is_corner(t, i, turn):
     return True
 
 
+def _room(t, i, first, turn):
+    """The length of the line up to its corner before."""
+    sites, along, _, length = _walk(t, i, first, np.inf)
+    return next((far for at, far in zip(sites, along, strict=True) if _is_corner(t, at, turn)), length)
+
+
 def spurs(t, turn):
-    """[(site, the last site of its arm, way, length of the line before it)] where a stroke ends and others go on."""
+    """[(site, the last site of its arm, way, length of the stroke)] where a stroke ends and others go on."""
     out = []
     for i in range(len(t)):
         links = t.links[i]
@@ -118,7 +124,7 @@ def spurs(t, turn):
         for k, (way, whole, last) in enumerate(arms):
             if whole and all(j == k or other is None or 1 + way @ other > CORNER
                              for j, (other, _, _) in enumerate(arms)):
-                out.append((i, last, -way, _walk(t, i, links[k], np.inf)[3]))
+                out.append((i, last, -way, _room(t, i, links[k], turn)))
     return out
 
 
