@@ -228,6 +228,9 @@ int ISA(hand_steps)(const fine *n, const found *at);
 /* creases.c: marks in the cracks of a row where edges of meshes pass that bend enough. */
 void ISA(crease_row)(const fine *n, int y);
 bool ISA(crease_site)(const fine *n, const found *at, placed *s);
+/* Whether an edge that is a line passes on the way between the pixels of a crack, or on one to a neighbour of theirs.
+ */
+bool ISA(crease_beside)(const fine *n, const found *at);
 /* The weight of a crease that the normals show at a pixel: where a mesh tells of creases, it is a bump. */
 float ISA(crease_weight)(const fine *n, int x, int y, int style);
 /* Whether anywhere in a row one may be more than that. */

@@ -123,11 +123,12 @@ def test_borders_and_threads_give_the_same_bytes(threads):
 def picture(mesh, **values):
     """The lines of a mesh under pixels(40, 30), with normals as Cycles would have them where nothing bends."""
     maps = library.raster([mesh], *pixels(40, 30), Frame(40, 30), (40, 30), 0.1, outputs=(
-        "depth", "normal", "object", "creases"))
+        "depth", "normal", "object", "creases", "marks"))
     creases = np.concatenate([maps["creases"], bends(maps["normal"])[..., None]], 2)
     grey = np.full((30, 40, 3), 0.5, np.float32)
     layers = dict(combined=np.dstack([grey, np.ones((30, 40), np.float32)]), color=grey, diffuse=grey,
-                  depth=maps["depth"], normal=np.zeros_like(grey), object=maps["object"], creases=creases)
+                  depth=maps["depth"], normal=np.zeros_like(grey), object=maps["object"], creases=creases,
+                  marks=maps["marks"])
     scene = dict(edge_detector="FINE", line_thickness=3.0, length_unit="PIXELS", line_softness=0.0, line_paper=0.0,
                  line_gain=0.5, line_intensity=2.0, width_normal=1.0)
     camera = Camera(orthographic=True, height=30.0)
@@ -167,6 +168,21 @@ def test_a_smooth_edge_goes_on_beside_one_that_bends_enough(below, goes_on):
     np.testing.assert_allclose(ink[7:13], 3, atol=0.3)
     np.testing.assert_allclose(ink[18:23], 0.4 * 3 * goes_on, atol=0.15)
     assert not picture(two_folds(below, below), crease_smooth=30.0)[8:22, 16:25].any(), "beside nothing it is none"
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_a_face_narrower_than_a_pixel_leaves_one_line(own):
+    """A board before another, and between both a face that every third pixel's centre lies in: the others see a jump.
+    own: it shares its corners with the board behind, or ends there."""
+    rows = [(lambda x: 4, 28), (lambda x: 13.2 + 0.1 * x, 28), (lambda x: 13.55 + 0.1 * x, 30)]
+    rows += ([] if own else rows[2:]) + [(lambda x: 27, 30)]
+    points = np.float32([(x, y(x), -z) for y, z in rows for x in (3, 37)])
+    faces = [(k, k + 1, k + 3, k + 2) for k in range(0, len(points) - 2, 2) if own or k != 4]
+    board = Mesh(points, np.int32([f for a, b, c, d in faces for f in ((a, b, c), (a, c, d))]))
+    ink = picture(board, width_depth=3.0)[8:24, 6:34]
+    np.testing.assert_allclose(ink.sum(0), 3, atol=1.3 if own else 0.5)
+    middle = (ink * np.arange(8, 24)[:, None]).sum(0) / ink.sum(0) - (12.7 + 0.1 * np.arange(6.5, 34.5))
+    assert abs(middle).max() < (0.7 if own else 0.4)
 
 
 def test_bends_between_faces():

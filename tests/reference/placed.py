@@ -53,8 +53,24 @@ def _crossing(layers, axis):
     return (seen * t + 2) / (seen + 4)
 
 
-def cracks(view):
-    """{(family, row, column, axis): Place} of depth and indices, all that may be."""
+def _beside(view, bends, axis):
+    """(H, W - 1): an edge that is a line passes on the way between both pixels, or on one to a neighbour of theirs;
+    whether that is unsure."""
+    sure, may = np.zeros((2, 2, *view.shape), bool)
+    for (_, row, column, way), site in bends.items():
+        unsure = site.doubtful or abs(site.margin) < SURE
+        may[way, row, column] = unsure or (site.margin >= 0 and not site.weak)
+        sure[way, row, column] = may[way, row, column] and not unsure
+    found = []
+    for passes in (sure, may):
+        own, across = (np.pad(turn(axis, passes[way]), 1) for way in (axis, 1 - axis))
+        ends = across[:-2, 1:-1] | across[1:-1, 1:-1]
+        found.append(own[1:-1, :-3] | own[1:-1, 1:-2] | own[1:-1, 2:-1] | ends[:, :-1] | ends[:, 1:])
+    return found[1], found[0] != found[1]
+
+
+def cracks(view, bends):
+    """{(family, row, column, axis): Place} of depth and indices, all that may be; bends: of edges of meshes."""
     layers, found = view.layers, {}
     for axis in (ROW, COLUMN):
         jump = clamp01((_jump(view, axis) - 0.003) / 0.007)
@@ -67,10 +83,14 @@ def cracks(view):
         beside[:, 1:-1] = (object_[:, :-3] != object_[:, 1:-2]) | (object_[:, 2:-1] != object_[:, 3:])
         same = object_[:, 1:] == object_[:, :-1]
         jump = np.where(beside & same & (marks[:, :-1] >= 0) & view.meshes, 0, jump)
+        bend, unsure = _beside(view, bends, axis)
+        told = view.meshes and "marks" in view.given
+        bend, unsure = (a & same & (steps == 0) & (jump > 0) & told for a in (bend, unsure))
+        jump = np.where(bend, 0, jump)
         gone = there[:, 1:] != there[:, :-1]
         strengths = {"object": gone | (object_[:, 1:] != object_[:, :-1]),
                      "material": material[:, 1:] != material[:, :-1], "depth": jump}
-        for i, k in np.argwhere(np.any([*strengths.values(), steps], axis=0)):
+        for i, k in np.argwhere(np.any([*strengths.values(), steps, unsure], axis=0)):
             known = float(min(marks[i, k], 1))
             t = -known if known < 0 else known if known > 0 and not (jump[i, k] > 0 or gone[i, k]) else cross[i, k]
             row, column = (k, i) if axis else (i, k)
@@ -85,6 +105,7 @@ def cracks(view):
                 site.doubtful |= abs(seen.margin) < 1e-4
             if jump[i, k] > 0 and known > 0 and jump[i, k] < 1e-3:
                 site.doubtful = True  # whether there is a jump at all decides whose place counts
+            site.doubtful |= bool(unsure[i, k])
             found["crack", row, column, axis] = site
     return found
 
@@ -161,10 +182,11 @@ def marks(view):
 
 
 def creases(view):
-    """Those that bend as much as asked, but the lesser of two that pass a pixel on both sides and do not turn there."""
-    found, (height, width), layer = {}, view.shape, view.layers.creases
+    """{(family, row, column, axis): Place} of those that bend, by what is asked of them; and which of them are the
+    lesser of two that pass a pixel on both sides and do not turn there."""
+    found, lesser, (height, width), layer = {}, set(), view.shape, view.layers.creases
     if not view.meshes:
-        return found
+        return found, lesser
     place, bend = layer[..., [0, 2]], np.abs(layer[..., [1, 3]])
     spread = bend > 360  # over several faces
     bend = np.where(spread, bend - 360, bend)
@@ -188,7 +210,7 @@ def creases(view):
 
     for row, column, axis in np.argwhere(place > 0):
         if gives_way(row, column, axis):
-            continue
+            lesser.add(("crease", row, column, axis))
         t = place[row, column, axis]
         at = (column, row + t) if axis else (column + t, row)
         style = view.layers.style[view.near(*at, column, row, "crease", axis)]
@@ -203,7 +225,7 @@ def creases(view):
         site.doubtful |= abs(more_) < 1e-4
         site.margin = min(site.margin, least if least >= 0 else -1.0)
         found["crease", row, column, axis] = site
-    return found
+    return found, lesser
 
 
 # Light: where it crosses a threshold between two pixels
@@ -297,14 +319,15 @@ def light(view, cracked):
 
 def find(view):
     """{(family, row, column, axis): Place} of everything that may be a site."""
-    found = cracks(view)
+    bent, lesser = creases(view)
+    found = cracks(view, bent)
     cracked = crack_masks(view, found)
     light_ = light(view, cracked) if view.weights[SOURCES.index("light")].any() else {}
     thin(view, found)
     junctions(found, "crack", view.shape)
     own = marks(view)
     junctions(own, "mark", view.shape)
-    bent = creases(view)
+    bent = {key: site for key, site in bent.items() if key not in lesser}
     junctions(bent, "crease", view.shape)
     junctions(light_, "light", view.shape)
     mixed = cracked[ROW] | cracked[COLUMN]

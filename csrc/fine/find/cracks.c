@@ -105,6 +105,18 @@ static bool on_ledge(const fine *n, const found *s)
 	return o[0] == o[step] && (o[-step] != o[0] || o[step] != o[2 * step]) && !(ISA(hand_place)(n, s) < 0);
 }
 
+/* A jump within a thing beside an edge that bends, where no contour passes that lies before anything: the face beyond
+ * the edge is narrower than a pixel, and whether a pixel's centre lies in it or it is jumped over changes from one
+ * pixel to the next. It is the edge's line. */
+static bool is_bend(const fine *n, const found *s)
+{
+	plane object = n->f->layer[ENCRE_LAYER_OBJECT];
+	if (!knows_contours(n) || ISA(hand_steps)(n, s) > 0)
+		return false;
+	const float *o = object.data ? object.data + s->row * object.row + s->column : NULL;
+	return (!o || o[0] == o[s->axis == AXIS_ROW ? 1 : object.row]) && ISA(crease_beside)(n, s);
+}
+
 static float depth_strength(const fine *n, const found *s)
 {
 	const frame *f = n->f;
@@ -117,7 +129,7 @@ static float depth_strength(const fine *n, const found *s)
 		return 0;
 	float top = max(max(u[0], u[1]), max(u[2], u[3]));
 	float j = n->e->ortho ? jump_ortho(u[0], u[1], u[2], u[3]) : top > 0 ? jump(u[0], u[1], u[2], u[3]) / top : 0;
-	return clamp01((j - jump_from) / jump_ramp);
+	return j > jump_from && !is_bend(n, s) ? clamp01((j - jump_from) / jump_ramp) : 0;
 }
 
 /* Share of the way from pixel p to q at which the averaged layers pass from one side's colours and normals to the
@@ -236,6 +248,17 @@ static void unmark(const fine *n, int y, uint8_t *mark)
 	unmark_ledges(o, marks + 1, width, CRACK_DOWN, mark);
 }
 
+/* Takes back the jumps in a row that are bends. */
+static void unmark_bends(const fine *n, int y, uint8_t *mark)
+{
+	for (int x = 0; x < n->f->width; x++)
+		for (int axis = 0; mark[x] && axis < 2; axis++) {
+			found at = {(uint16_t)x, (uint16_t)y, FAMILY_CRACK, (uint8_t)axis};
+			if ((mark[x] & CRACK_RIGHT << axis) && is_bend(n, &at))
+				mark[x] &= (uint8_t) ~(CRACK_RIGHT << axis);
+		}
+}
+
 static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const *level)
 {
 	const frame *f = n->f;
@@ -252,6 +275,8 @@ static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const
 		mark_jumps(e->ortho, u[0], u[1], u[2], u[3], width, least, CRACK_DOWN, mark);
 	if (knows_contours(n) && f->layer[ENCRE_LAYER_OBJECT].data)
 		unmark(n, y, mark);
+	if (knows_contours(n))
+		unmark_bends(n, y, mark);
 	if (knows_contours(n) && least < INFINITY)
 		mark_contours(layer_row(f, ENCRE_LAYER_MARKS, y), width, below, mark);
 	if (least_strength(e, SOURCE_OBJECT) <= 1) {

@@ -75,6 +75,29 @@ bool ISA(crease_site)(const fine *n, const found *at, placed *s)
 	return ISA(fine_weigh)(n, s, style, SOURCE_NORMAL, 1);
 }
 
+/* Whether a line by itself passes a way between two pixels. */
+static bool passes(const fine *n, int x, int y, int axis)
+{
+	placed s;
+	found at = {(uint16_t)x, (uint16_t)y, FAMILY_CREASE, (uint8_t)axis};
+	return x >= 0 && y >= 0 && x + !axis < n->f->width && y + axis < n->f->height &&
+	       passing_at(n, x, y, axis).place > 0 && ISA(crease_site)(n, &at, &s) && !s.weak;
+}
+
+bool ISA(crease_beside)(const fine *n, const found *at)
+{
+	int x = at->column, y = at->row, axis = at->axis, dx = axis == AXIS_ROW, dy = !dx;
+	if (!n->e->creases || !n->e->on[SOURCE_NORMAL])
+		return false;
+	for (int k = -1; k <= 1; k++)
+		if (passes(n, x + k * dx, y + k * dy, axis))
+			return true;
+	for (int k = 0; k < 4; k++) /* across, from both pixels to both sides */
+		if (passes(n, x + (k & 1) * dx - (k >> 1) * dy, y + (k & 1) * dy - (k >> 1) * dx, !axis))
+			return true;
+	return false;
+}
+
 /* Two lines pass a pixel on both sides, closer than they can be told apart: that which bends less gives way, but not
  * where they are one that turns about the pixel. */
 static bool gives_way(const fine *n, int x, int y, int axis)
