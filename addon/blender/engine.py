@@ -9,7 +9,7 @@ from bpy.app.handlers import persistent
 
 from ..pen import library
 from ..pen.errors import Cancelled, EncreError
-from . import ENGINE, early, frame, handlers, live, redraw, wanted
+from . import ENGINE, early, frame, handlers, lamps, live, redraw, wanted
 
 _said = set()
 
@@ -21,6 +21,9 @@ def _begins(*_):
 
 @persistent
 def _ends(*_):
+    if wanted.series:
+        return
+    lamps.forget()
     with contextlib.suppress(EncreError):  # there may be no library
         library.load().forget()  # what frames have kept for the next: hundreds of MB
 

@@ -23,8 +23,9 @@ class Kept:
     Of a new Scene and an older one that share it only the new one may be drawn.
     """
 
-    def __init__(self):
-        self.meshes, self.light, self.images = meshes.Kept(), lamps.Kept(), pictures.Images()
+    def __init__(self, light=None):
+        """light: the lamps.Kept that it is to share."""
+        self.meshes, self.light, self.images = meshes.Kept(), light or lamps.Kept(), pictures.Images()
 
     def update(self, depsgraph):
         """Forgets what has another shape since the last evaluation. (An engine that has just been made is told of

@@ -11,7 +11,7 @@ from ..pen.around import Window
 from ..pen.errors import Cancelled, EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
-from . import cameras, fast, images, memory, versions, wanted
+from . import cameras, fast, images, lamps, memory, versions, wanted
 
 # What Cycles would have written: pass -> picture of fast.Scene.pictures().
 _PASSES = {"Depth": "depth", "Normal": "normal", "DiffDir": "diffuse", "DiffCol": "color", "GlossCol": "gloss",
@@ -73,7 +73,8 @@ class FastFrames:
                 pictures.shown = self._ink(depsgraph, settings, read, view, place, pictures.passes, pictures.maps)
             return
         self.engine.update_stats("Encre", "reading the scene")
-        scene = fast.read(depsgraph, settings, (camera.data.clip_start, camera.data.clip_end), camera=camera)
+        scene = fast.read(depsgraph, settings, (camera.data.clip_start, camera.data.clip_end),
+                          fast.Kept(lamps.between(self.engine, depsgraph)), camera)
         for note in scene.notes:
             self.engine.say("WARNING", note)
         if settings.active and memory.wanted(self.engine, depsgraph.scene):

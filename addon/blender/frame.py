@@ -167,7 +167,8 @@ class Frames:
         """The lamps.Light to be drawn; None: Cycles' light is taken."""
         if not settings.draws_light:
             return None
-        light = lamps.Light(depsgraph, (camera.data.clip_start, camera.data.clip_end))
+        light = lamps.Light(depsgraph, (camera.data.clip_start, camera.data.clip_end),
+                            lamps.between(self.engine, depsgraph))
         if light.unknown:
             self.engine.say("WARNING", f"drawn light leaves out {', '.join(light.unknown)}: only Cycles can read it")
         if not light.dark:
@@ -187,6 +188,8 @@ class Frames:
         if settings.active or asked or keeps:
             objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers, light,
                                      anchored=settings.wants_anchor, unwrapped=settings.wants_tangent)
+            if light:
+                light.tidy()
             drawn = ["object", "material", "style", "marks", "coincident"]
             if settings.wants_edges:
                 drawn += ["normal", "creases"]

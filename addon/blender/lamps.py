@@ -7,7 +7,7 @@ import numpy as np
 
 from ..pen.job import EVERY_SET, Bend, Lamp
 from ..pen.scene import Scene
-from . import cutouts, trees, versions, worlds
+from . import cutouts, trees, versions, wanted, worlds
 
 _KINDS = {"SUN": "sun", "POINT": "point", "SPOT": "spot", "SQUARE": "rectangle", "RECTANGLE": "rectangle",
           "DISK": "ellipse", "ELLIPSE": "ellipse"}
@@ -19,12 +19,29 @@ class Kept:
     """What the library keeps of a scene from one Light to the next: trees of triangles that are still the same."""
 
     scene: Scene = field(default_factory=Scene)
-    geometry: dict = field(default_factory=dict)  # key -> (number in the scene, triangles, number of their change)
-    changes: int = 0
+    geometry: dict = field(default_factory=dict)  # (shape of triangles, how solid) -> number in the scene
     textures: dict = field(default_factory=dict)  # Cutout -> number in the scene
+    told: set = field(default_factory=set)        # of the textures: those that the scene need not be told again
     numbered: int = 0                             # geometries so far
     placed: int = 0                               # instances in the scene
     lamps: int = 0
+
+
+_between = {}  # (scene, view layer) -> Kept, from one frame to the next
+
+
+def between(engine, depsgraph):
+    """The Kept of a view layer that its next frame gets, too; None: it is rendered once."""
+    if not (engine.is_animation or wanted.series):
+        return None
+    kept = _between.setdefault((depsgraph.scene.name_full, depsgraph.view_layer.name), Kept())
+    kept.told.clear()  # nobody says which images have changed
+    return kept
+
+
+def forget():
+    """Frees what frames have kept for the next."""
+    _between.clear()
 
 
 class Light:
@@ -64,6 +81,7 @@ class Light:
         self.said.append([getattr(lamp, of.name) if of.name not in ("color", "model")
                           else np.asarray(getattr(lamp, of.name)).tobytes() for of in fields(lamp)])
         self.lamps += 1
+        self.kept.lamps = max(self.kept.lamps, self.lamps)
 
     def _add_bend(self, instance):
         obj = instance.object
@@ -74,22 +92,22 @@ class Light:
         self.bends.append(Bend(model, obj.encre.bend_light, obj.encre.bend_fade))
         self.said.append((model.tobytes(), obj.encre.bend_light, obj.encre.bend_fade))
 
-    def place(self, obj, key, triangles, matrix, seen):
-        """An instance of triangles.Triangles; key: what instances of the same triangles share."""
+    def place(self, obj, triangles, matrix, seen):
+        """An instance of triangles.Triangles."""
         solid, kept = self._solid(obj), self.kept
-        key = key, solid
+        key = triangles.shape, solid
         self.used.add(key)
-        number, before, change = kept.geometry.get(key, (kept.numbered, None, 0))
-        if before is not triangles:
-            kept.geometry[key] = number, triangles, change
-        if before is None or not before.same_shape(triangles):
-            kept.numbered, kept.changes = max(kept.numbered, number + 1), kept.changes + 1
-            kept.geometry[key] = number, triangles, kept.changes
+        if key not in kept.geometry:
+            number, kept.numbered = kept.numbered, kept.numbered + 1
             self._geometry(number, triangles, solid)
-        light_sets, shadow_sets = self.sets.of(obj)
+            kept.geometry[key] = number
+        for cutout in solid:
+            if isinstance(cutout, cutouts.Cutout) and cutout.uv_map in triangles.uvs:
+                self._texture(cutout)
+        number, light_sets, shadow_sets = kept.geometry[key], *self.sets.of(obj)
         matrix, shadow_sets = np.array(matrix, np.float64), shadow_sets if obj.visible_shadow else 0
         self.scene.instance(self.placed, number, matrix, seen, light_sets, shadow_sets)
-        self.said.append((kept.geometry[key][2], matrix.tobytes(), seen, light_sets, shadow_sets))
+        self.said.append((number, matrix.tobytes(), seen, light_sets, shadow_sets))
         self.placed += 1
         kept.placed = max(kept.placed, self.placed)
 
@@ -127,11 +145,12 @@ class Light:
 
     def _texture(self, cutout):
         """Its key in the scene."""
-        textures = self.kept.textures
-        if cutout not in textures:
-            textures[cutout] = len(textures)
-            self.scene.texture(textures[cutout], cutout.alpha(), cutout.extension, cutout.closest)
-        return textures[cutout]
+        kept = self.kept
+        number = kept.textures.setdefault(cutout, len(kept.textures))
+        if cutout not in kept.told:
+            self.scene.texture(number, cutout.alpha(), cutout.extension, cutout.closest)
+            kept.told.add(cutout)
+        return number
 
     def tidy(self):
         """After all is placed: what the last Light had and this one has not is no longer kept."""
@@ -141,7 +160,7 @@ class Light:
         for number in range(self.lamps, kept.lamps):
             self.scene.lamp(number, None)
         for key in kept.geometry.keys() - self.used:
-            self.scene.geometry(kept.geometry.pop(key)[0], None)
+            self.scene.geometry(kept.geometry.pop(key), None)
         kept.placed, kept.lamps = self.placed, self.lamps
 
     def same(self, other):

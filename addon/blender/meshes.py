@@ -131,8 +131,8 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         made += [(key, kept.get(key, names | set(map(block_name, blocks)), make)) for key, blocks, make in strands]
         made = [(key, triangles) for key, triangles in made if triangles is not None]
         if light:
-            for key, triangles in made:
-                light.place(obj, key, triangles, instance.matrix_world, seen)
+            for _, triangles in made:
+                light.place(obj, triangles, instance.matrix_world, seen)
         if not seen or not made:
             continue
         number = len(owners)

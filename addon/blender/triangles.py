@@ -2,6 +2,8 @@
 """One evaluated object -> its triangles, with all that lies on them: slots of materials, painted controls, parts, kinds
 of creases, marked edges, normals, UV maps."""
 
+import functools
+import hashlib
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -33,12 +35,16 @@ class Triangles:
     uv: np.ndarray | None        # (triangles, 3, 2) at the corners, of the map that renders use; None: nobody asks
     shown: dict = field(default_factory=dict)  # what attributes.by_slot() made of them, by the layouts
 
-    def same_shape(self, other):
-        """Whether light falls on others as it does on these."""
-        return (self.uvs.keys() == other.uvs.keys()
-                and all(np.array_equal(uvs, other.uvs[name]) for name, uvs in self.uvs.items())
-                and all(np.array_equal(getattr(self, name), getattr(other, name))
-                        for name in ("points", "corners", "normals", "material")))
+    @functools.cached_property
+    def shape(self):
+        """What is equal, but for chance, of those on which light falls alike."""
+        digest = hashlib.blake2b(digest_size=16)
+        parts = {name: getattr(self, name) for name in ("points", "corners", "normals", "material")}
+        for name, array in (parts | self.uvs).items():
+            digest.update(repr((name, None if array is None else array.shape)).encode())
+            if array is not None:
+                digest.update(np.ascontiguousarray(array))
+        return digest.digest()
 
 
 def read_triangles(obj, light, maps, sources, anchored, unwrapped):

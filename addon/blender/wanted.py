@@ -7,6 +7,7 @@ from ..pen import layers, metadata, saved
 from ..pen.errors import EncreError
 from . import images, properties, versions
 
+series = False  # whether `encre render` may render another frame in this process
 stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
 
 

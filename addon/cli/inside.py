@@ -191,6 +191,9 @@ class Amiss:
 
 def render(job, scene, line, amiss):
     """Renders each frame that comes on the line, until the line says that it is the last."""
+    from ..blender import wanted
+
+    wanted.series = True
     while frame := line.hear():
         with line.watched():
             event, more = render_frame(job, scene, frame["frame"], frame["stamp"], amiss)

@@ -151,3 +151,11 @@ def test_an_edge_of_cycles_light_is_where_the_shadow_ends(render):
         if spread[1] < 0.1 * spread[0]:  # else a corner is near
             off.append(abs((place - near.mean(0)) @ axes[1]))
     assert len(off) > 60 and np.percentile(off, 95) < 0.2
+
+
+def test_frames_of_an_animation_share_what_has_not_changed(render):
+    facts = render("from_frame_to_frame").facts
+    (told,), (same,), (moves,) = facts["told"], facts["same"], facts["moves"]
+    assert told.count(1) >= 3 and not {2, 3} & set(told)  # it moves, and is the same triangles
+    assert same == [True, True, True] and moves == [True, True]
+    assert facts["left"] == [0]

@@ -5,9 +5,11 @@ from math import pi, radians
 
 import bpy
 import numpy as np
+from encre.blender import lamps as light
 from encre.blender import properties
+from encre.pen.scene import Scene
 from mathutils import Vector
-from studio import cube, fact, link, material, passes_on, plane, register, shoot, sphere
+from studio import cube, exr, fact, link, material, passes_on, plane, register, shoot, sphere
 
 LAMPS = {
     "sun": ("SUN", dict(energy=3, angle=0)),
@@ -202,3 +204,48 @@ def kept(out):
     bpy.data.objects.remove(empty)
     scene.encre.supersample = 2
     shoot(out, "large")
+
+
+def from_frame_to_frame(out):
+    """A cube moves, a lamp goes and an image changes: in an animation, then in each frame by itself."""
+    scene = _stage(1)
+    _lamp("SUN", energy=3, angle=0)
+    other = _lamp("POINT", energy=400, shadow_soft_size=0)
+    tree, node = _leaf("Leaf", (0.9, -1.0, 1.2), 0.12)
+    tree.links.new(node.outputs["Alpha"], tree.nodes["Principled BSDF"].inputs["Alpha"])
+    scene.frame_start, scene.frame_end = 1, 3
+    small = bpy.data.objects["Small"]
+    for frame in (1, 3):
+        small.location.x += 0.3
+        small.keyframe_insert("location", frame=frame)
+        other.hide_render = frame == 3
+        other.keyframe_insert("hide_render", frame=frame)
+    told, drawn, seen = [], [], {}
+    geometry, draw = Scene.geometry, light.Light.draw
+
+    def tell(self, key, points, *more):
+        told.append(scene.frame_current if points is not None else 0)
+        geometry(self, key, points, *more)
+
+    def watch(self, depth, normal, *more):
+        depth, normal = seen.setdefault(scene.frame_current, (depth.copy(), normal.copy()))  # Cycles' differ in bits
+        drawn.append(draw(self, depth, normal, *more))
+        return drawn[-1]
+
+    def change(scene, *_):
+        image = bpy.data.images["Leaf"]
+        image.pixels.foreach_set(np.full(len(image.pixels), scene.frame_current != 2, np.float32))
+        image.update()
+
+    Scene.geometry, light.Light.draw = tell, watch
+    bpy.app.handlers.frame_change_post.append(change)
+    exr(scene, f"{out}/moved-")
+    bpy.ops.render.render(animation=True)
+    fact("told", told[:])
+    fact("left", len(light._between))
+    for frame in (1, 2, 3):
+        scene.frame_set(frame)
+        bpy.ops.render.render()
+    bpy.app.handlers.frame_change_post.remove(change)
+    fact("same", [one.tobytes() == two.tobytes() for one, two in zip(drawn[:3], drawn[3:], strict=True)])
+    fact("moves", [one.tobytes() != two.tobytes() for one, two in zip(drawn[:2], drawn[1:3], strict=True)])
