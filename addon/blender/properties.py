@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..pen import layers, library
+from ..pen import layers, library, slots
 from ..pen.settings import Settings, switches
-from . import versions
+from . import pens, versions
 from .languages import OURS
 
 LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
@@ -44,6 +44,8 @@ def _property(p):
         return bpy.props.FloatProperty(default=p.default, subtype=LENGTHS.get(p.unit, "NONE"), precision=3,
                                        **_limits(p), **_common(p))
     if p.type == "enum":
+        if p.id.startswith("line_pen_"):  # items that change want a number
+            return bpy.props.EnumProperty(items=pens.items(p), default=p.number[p.default], **_common(p))
         items = [(x.id, x.label, x.help, x.number) for x in p.items]
         return bpy.props.EnumProperty(items=items, default=p.default, **_common(p))
     if p.type == "color":
@@ -154,6 +156,17 @@ def _keep(self, _context):
         memory.forget()
 
 
+def _lists():
+    """What the lists of pens and tones have of a scene. A list wants a collection, and that of an enum's items is there
+    in every scene, touched or not; nobody sets the enum."""
+    found = {}
+    for kind, every in slots.KINDS.items():
+        items = [(slot.id, slot.label, "") for slot in every()]
+        found[f"{kind}_slots"] = bpy.props.EnumProperty(items=items, options={"HIDDEN"}, update=_changed)
+        found[f"active_{kind}"] = bpy.props.IntProperty(options={"HIDDEN"}, update=_changed, min=0)
+    return found
+
+
 @functools.cache  # 3.4 never lets go of a class that was registered: the same ones, then, each time
 def _classes():
     """{owner: its class}, and what these are made of before them, in the order in which they register."""
@@ -167,6 +180,8 @@ def _classes():
         **{p.id: _property(p) for p in params},
         "styles": bpy.props.CollectionProperty(type=style, name="Styles"),
         "active_style": bpy.props.IntProperty(options={"HIDDEN"}, update=_changed),
+        **pens.definitions(_changed),
+        **_lists(),
         "ink_early": bpy.props.BoolProperty(
             name="Ink While Rendering", default=True, update=_changed, **OURS,
             description="In a window, show the picture inked as it grows, of one sample that is rendered ahead and "
@@ -251,12 +266,18 @@ def levels(group):
     return [(rows[0][0], 0.0, 0.0, *rows[0][3:]), *rows[1:]] if rows else library.params()["shade_levels"].default
 
 
+def level_count(group):
+    """How many levels of light a scene or style has."""
+    return len(group.shade_levels) or len(library.params()["shade_levels"].default)
+
+
 def image_key(image):
     """How settings name a Blender image: its file, or its name where it has none."""
     return bpy.path.abspath(image.filepath, library=image.library) if image.filepath else image.name
 
 
-def _value(group, p):
+def value_of(group, p):
+    """The value of one parameter of a scene's or a style's group."""
     value = getattr(group, p.id)
     if p.type == "color":
         return tuple(value)
@@ -267,7 +288,7 @@ def _value(group, p):
 
 def scene_values(scene):
     """{id: value} of every parameter of the scene."""
-    values = {p.id: _value(scene.encre, p) for p in library.params().values()}
+    values = {p.id: value_of(scene.encre, p) for p in library.params().values()}
     lamp = scene.encre.rim_lamp
     if lamp and _shines_one_way(None, lamp):
         x, y, z = lamp.matrix_world.to_3x3().col[2].normalized()  # it shines along -z
@@ -290,12 +311,12 @@ def _own_params(group):
 
 def stored(group):
     """{id: value} of what a style changes or a scene has had set."""
-    return {p.id: _value(group, p) for p in _own_params(group) if stores(group, p)}
+    return {p.id: value_of(group, p) for p in _own_params(group) if stores(group, p)}
 
 
 def has(group, p, value):
     """Whether a parameter has this value, as the single floats that are kept."""
-    mine = _value(group, p)
+    mine = value_of(group, p)
     if p.type not in ("float", "color", "levels"):
         return mine == value
     if p.type == "levels":  # all numbers of each, of the first no threshold and transition

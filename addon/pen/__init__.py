@@ -5,13 +5,14 @@ In: numpy arrays of float32, row 0 at the top, as Cycles or a saved file gives t
 Out: arrays again; values checked; one sentence (errors.EncreError) for what the user can mend.
 
 library binds the C functions, abi has their structures, scene is what drawn light falls on, params has their table of
-parameters, job what they take and give. settings checks values once and tells what they ask for; layers and overlay put
-layers together from passes; saved packs them for a file and unpacks them, slim for little room; stored tells what a
-file's channels are, exr reads them where no library is at hand; metadata and presets write and read values; installed
-tells where the library's file lies, background has works that go on beside Python, around what a part of a frame needs
-about it, shown pictures of how one comes about. denoise, supersample, unwrap and colour are pictures' arithmetic, even
-takes what is left of noise out of light, through makes surfaces whole that let some light through, irradiance and sky
-are the light of a world, program what a material computes.
+parameters, slots which of these are whose pen's and tone's, job what they take and give. settings checks values once
+and tells what they ask for; layers and overlay put layers together from passes; saved packs them for a file and unpacks
+them, slim for little room; stored tells what a file's channels are, exr reads them where no library is at hand;
+metadata and presets write and read values; installed tells where the library's file lies, background has works that go
+on beside Python, around what a part of a frame needs about it, shown pictures of how one comes about. denoise,
+supersample, unwrap and colour are pictures' arithmetic, even takes what is left of noise out of light, through makes
+surfaces whole that let some light through, irradiance and sky are the light of a world, program what a material
+computes.
 
 To add: what the engine and the command line both need comes here, if it can do without Blender; numpy only. C's structs
 stand in abi alone, after encre.h; no parameter's default, range or label stands here, as the table tells them.

@@ -2,11 +2,12 @@
 """Presets: named values of some of the scene's parameters, one JSON file each: Encre's own in the folder `presets`,
 a user's where Blender keeps its user's files.
 
-A file holds {"name", "description", "values": {id: value}}, values in the JSON form of `encre params --json`, a user's
-also the version of the "settings", of which it has all that are a matter of looks; a PNG of the same name beside it is
-its picture. Adding a preset = adding a file. A preset sets the parameters that it lists and
-leaves all others as they are; but what any of Encre's own lists, the others set to its default, so that each looks the
-same whichever was chosen before. It is data from strangers: nothing in it is run, and it opens no other file.
+A file holds {"name", "description", "values": {id: value}}, values in the JSON form of `encre params --json`, perhaps
+"pens": {"pen_2": what it is called}, a user's also the version of the "settings", of which it has all that are a matter
+of looks; a PNG of the same name beside it is its picture. Adding a preset = adding a file. A preset sets the parameters
+that it lists and leaves all others as they are; but what any of Encre's own lists, the others set to its default, so
+that each looks the same whichever was chosen before. It is data from strangers: nothing in it is run, and it opens no
+other file.
 """
 
 import functools
@@ -16,9 +17,10 @@ import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
-from . import library, settings
+from . import library, settings, slots
 from .errors import EncreError, unknown
 from .params import tidy
 
@@ -33,6 +35,7 @@ class Preset:
     description: str
     values: dict
     listed: tuple  # the ids that its file lists
+    pens: dict  # {pen: its name} of those of which it sets a row; "": it has none
 
     @property
     def id(self) -> str:
@@ -102,12 +105,20 @@ def _read(path, _changed):
         if refused := [id_ for id_ in values if not _holds(id_)]:
             raise EncreError(f"{refused[0]}: presets hold no images")
         set_ = {**_set_by_any(), **values} if path.parent == FOLDER else values
-        return Preset(path, data["name"], data["description"], library.check(set_), tuple(values))
+        named = {pen.id: _named(data, pen) for pen in slots.pens() if any(p.id in set_ for p in pen.rows.values())}
+        return Preset(path, data["name"], data["description"], library.check(set_), tuple(values), named)
     except EncreError as error:
         raise EncreError(f"the preset file {path} can't be used: {error}; repair or remove it") from None
     except (TypeError, ValueError, AttributeError):
         raise EncreError(f"the preset file {path} can't be used: what it holds is no preset; repair or remove it") \
             from None
+
+
+def _named(data, pen):
+    name = data.get("pens", {}).get(pen.id, "")
+    if not isinstance(name, str):
+        raise EncreError(f"its pens' name {name!r} is no text")
+    return name.strip()[:63]
 
 
 @functools.cache
@@ -128,11 +139,11 @@ def _data(path):
     except ValueError as error:
         raise EncreError(f"it is no JSON ({error})") from None
     kinds = {"name": (str, "text"), "description": (str, "text"), "values": (dict, "object of settings"),
-             "settings": (int, "whole number")}
+             "settings": (int, "whole number"), "pens": (dict, "object of names")}
     if not isinstance(data, dict):
         raise EncreError(f"it is no JSON object with {', '.join(list(kinds)[:3])}")
     for key, (kind, words) in kinds.items():
-        if key not in data and key != "settings":
+        if key not in data and key not in ("settings", "pens"):
             raise EncreError(f"it has no {key}")
         if not isinstance(data.get(key, kind()), kind) or key == "name" and not data[key].strip():
             raise EncreError(f"its {key} is no {words}")
@@ -157,11 +168,14 @@ def of(values: Mapping[str, Any]) -> dict[str, Any]:
     return kept
 
 
-def write(path: Path, name: str, description: str, values: Mapping[str, Any]) -> None:
-    """Writes a preset's file, whole or not at all. EncreError: it can't be written."""
+def write(path: Path, name: str, description: str, values: Mapping[str, Any],
+          pens: Mapping[str, str] = MappingProxyType({})) -> None:
+    """Writes a preset's file, whole or not at all; `pens`: names of those that have one. EncreError: it can't be
+    written."""
     values = {id_: _short(value) for id_, value in library.check(values).items()}
-    text = json.dumps({"name": name, "description": description, "settings": settings.VERSION, "values": values},
-                      indent=2)
+    named = {"pens": dict(pens)} if pens else {}
+    text = json.dumps({"name": name, "description": description, "settings": settings.VERSION, **named,
+                       "values": values}, indent=2)
     _store(path, lambda part: part.write_text(text + "\n", encoding="utf-8"))
 
 

@@ -4,7 +4,7 @@
  *
  * Pens are alike, in groups of rows that one macro makes, and each kind of line says which draws it. What the first is
  * for a tool the rows line_... tell, the others have that of their own. One more: a STAGE with both groups here, an item
- * in KIND_PEN, and PENS in pen.h. */
+ * in KIND_PEN, PENS in pen.h, and PENS in pen/params.py, after which the list in the panel has it. */
 #ifndef PEN_ROWS
 #define PEN_RULE "use_lines&edge_detector=FINE"
 /* The hand. What is random in it is noise where a line is on its thing. */

@@ -32,8 +32,14 @@ def test_no_panel_fails_to_draw(shot):
 
 
 def test_every_stage_has_its_panel(shot):
-    assert set(fact(shot, "panels")) == {"ENCRE_PT_encre", "ENCRE_PT_styles"} | {
-        f"ENCRE_PT_{stage.id}" for stage in library.stages()}
+    in_lists = {"pen_2", "pen_3"}
+    assert set(fact(shot, "panels")) == {f"ENCRE_PT_{id_}" for id_ in (
+        "encre", "styles", "pen_rest", "tones_rest", *{stage.id for stage in library.stages()} - in_lists)}
+
+
+def test_lists_show_pens_and_tones_and_names_are_undone(shot):
+    assert fact(shot, "listed") == {"pens": [0, 1, 2], "tones": [0, 1, 2]}
+    assert shot.facts["pen"] == ["Pen", "Sketch", "Pen", "Sketch"]
 
 
 def test_encres_panel_stands_under_the_engines_row(shot):

@@ -13,7 +13,7 @@ import json
 import sys
 from pathlib import Path
 
-from encre.pen import layers, library, presets
+from encre.pen import layers, library, presets, slots
 
 ADDON = Path(__file__).resolve().parents[2] / "addon"
 FOLDER = ADDON / "languages"
@@ -29,6 +29,8 @@ def said():
             labels[p.label], tips[p.help] = 0, 0
             for item in p.items:
                 labels[item.label], tips[item.help] = 0, 0
+    for tone in slots.tones():
+        labels.update({tone.row_label(p): 0 for p in tone.rows.values()})
     for control in library.controls().values():
         labels[control.label] = 0
     for name in layers.DRAWN:
@@ -36,6 +38,7 @@ def said():
         tips[help_[0].upper() + help_[1:]] = 0
     for preset in presets.presets():
         tips[preset.description] = 0
+        labels.update({name: 0 for name in preset.pens.values()})
     for path in sorted((ADDON / "blender").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             for kind, text in _texts(node):

@@ -4,10 +4,11 @@
 In: the properties of scene, object and material (properties.py), the library's table of parameters and its stages. Out:
 what Blender's user sees in the properties editor, the sidebar and the menus. A panel computes nothing.
 
-stages makes one panel for each stage from the table, rows greyed out by enabled_if; so a new parameter or stage needs
-nothing here. scene, styles, blocks (objects, materials) and passes have the rest of the properties, presets and
-settings what is done with many at once, paint, marks and pin the tools of the sidebar and of Edit Mode, levels the list
-of light levels, view what the 3D view shows, cycles Cycles' own panels, shown for Encre too.
+stages makes one panel for each stage from the table by rows, which greys them out by enabled_if; so a new parameter or
+stage needs nothing here. lists shows pens and tones, scene, styles, blocks (objects, materials) and passes have the
+rest of the properties, presets and settings what is done with many at once, paint, marks and pin the tools of the
+sidebar and of Edit Mode, levels the list of light levels, view what the 3D view shows, cycles Cycles' own panels, shown
+for Encre too.
 
 To add: a panel to the file of its group, after base.EncrePanel and in its CLASSES; a group as a file, named below.
 """
@@ -15,13 +16,13 @@ To add: a panel to the file of its group, after base.EncrePanel and in its CLASS
 import bpy
 
 from .. import languages, thumbnails
-from . import blocks, cycles, levels, marks, paint, passes, pin, presets, scene, settings, stages, styles, view
+from . import blocks, cycles, levels, lists, marks, paint, passes, pin, presets, scene, settings, stages, styles, view
 
 _registered = []
 
 
 def register():
-    for cls in (*levels.CLASSES, *presets.CLASSES, *settings.CLASSES, *scene.CLASSES, *stages.classes(),
+    for cls in (*levels.CLASSES, *lists.CLASSES, *presets.CLASSES, *settings.CLASSES, *scene.CLASSES, *stages.classes(),
                 *styles.CLASSES, *blocks.CLASSES, *passes.CLASSES, *view.CLASSES):
         bpy.utils.register_class(cls)
         _registered.append(cls)

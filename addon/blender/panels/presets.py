@@ -5,9 +5,9 @@ from pathlib import Path
 
 import bpy
 
-from ...pen import library, presets
+from ...pen import library, presets, slots
 from ...pen.errors import EncreError
-from .. import ENGINE, properties, thumbnails, versions
+from .. import ENGINE, pens, properties, thumbnails, versions
 from ..languages import CONTEXT, iface_, tip_
 
 
@@ -74,6 +74,8 @@ class ENCRE_OT_preset(_PresetOperator, bpy.types.Operator):
         preset = presets.find(self.preset, folder())
         for id_, value in preset.values.items():
             properties.set_value(context.scene.encre, id_, value)
+        for pen, name in preset.pens.items():
+            pens.rename(context.scene.encre, slots.find(pen), iface_(name, CONTEXT) if preset.own and name else name)
         context.scene.encre.preset = preset.id
 
 
@@ -96,7 +98,7 @@ class ENCRE_OT_preset_save(_PresetOperator, bpy.types.Operator):
     def do(self, context):
         path = folder() / presets.file_name(self.name)
         values = presets.of(properties.scene_values(context.scene))
-        presets.write(path, self.name.strip(), self.description.strip(), values)
+        presets.write(path, self.name.strip(), self.description.strip(), values, pens.names(context.scene.encre))
         path.with_suffix(".png").unlink(missing_ok=True)
         thumbnails.save(context.scene, path.with_suffix(".png"))
         context.scene.encre.preset = path.stem

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...pen import library
-from .. import ENGINE, properties
+from ...pen import library, slots
+from .. import ENGINE, pens, properties
 from ..languages import tip_
 from . import presets
 
@@ -17,6 +17,7 @@ class _Copied:
 
     values: dict
     styles: dict | None
+    pens: dict  # a scene's names of pens
 
 
 _copied = None
@@ -60,8 +61,9 @@ class ENCRE_OT_settings_copy(_SettingsOperator, bpy.types.Operator):
         group = self.group(context)
         if group is None:
             return {"CANCELLED"}
-        _copied = _Copied(properties.stored(group), None)
+        _copied = _Copied(properties.stored(group), None, {})
         if self.path == "scene":
+            _copied.pens = pens.names(group)
             _copied.styles = {style.name: properties.stored(style) for style in group.styles}
         return {"FINISHED"}
 
@@ -92,6 +94,8 @@ class ENCRE_OT_settings_paste(_SettingsOperator, bpy.types.Operator):
             missing += properties.set_values(group, _copied.values)
         else:
             missing += properties.replace(group, _copied.values)
+            for pen in slots.pens():
+                pens.rename(group, pen, _copied.pens.get(pen.id, ""))
             for name, values in _copied.styles.items():
                 style = group.styles.get(name) or group.styles.add()
                 style.name = name

@@ -3,12 +3,12 @@
 
 import bpy
 
-from ...pen import library
-from .. import properties
+from ...pen import library, slots
+from .. import pens, properties
 from ..languages import CONTEXT, iface_
 from . import settings
 from .base import EncrePanel
-from .stages import draw_params
+from .rows import draw_params
 
 
 class ENCRE_UL_styles(bpy.types.UIList):
@@ -53,8 +53,15 @@ class ENCRE_OT_style_remove(bpy.types.Operator):
 _offered = []  # Blender wants the texts that it shows to be kept
 
 
-def _surface_params(_self, _context):
-    _offered[:] = [(p.id, ": ".join(iface_(label, CONTEXT) for label in (stage.label, p.label)), p.help)
+def _label(scene, p, of=""):
+    """What a row is called where all are beside each other: of which pen, or else which stage, it is."""
+    pen = slots.of(p.id)
+    of = pens.name(scene, pen) if pen and pen.kind == "pen" else iface_(of, CONTEXT) if of else ""
+    return f"{of}: {iface_(p.label, CONTEXT)}" if of else iface_(p.label, CONTEXT)
+
+
+def _surface_params(_self, context):
+    _offered[:] = [(p.id, _label((context or bpy.context).scene.encre, p, stage.label), p.help)
                    for stage in library.stages() for p in stage.params if p.scope == "surface"]
     return _offered
 
@@ -115,7 +122,7 @@ class ENCRE_PT_styles(EncrePanel, bpy.types.Panel):
         for p in library.params().values():
             if p.scope == "surface" and properties.stores(style, p):
                 row = layout.row()
-                draw_params(row.column(), style, (p,), "style")
+                draw_params(row.column(), style, (p,), "style", lambda p: _label(scene, p))
                 row.operator("encre.style_forget", text="", icon="X", emboss=False).param = p.id
         layout.operator("encre.style_store", icon="ADD")
 

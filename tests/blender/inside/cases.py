@@ -27,12 +27,14 @@ import painting  # noqa: E402
 import patterns  # noqa: E402
 import pictures  # noqa: E402
 import quick  # noqa: E402
+import slotted  # noqa: E402
 import staged  # noqa: E402
 import supersampling  # noqa: E402
 import surfaces  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
-                                  keeping, surfaces, lit, painting, patterns, quick, anchors, distances, staged)
+                                  keeping, surfaces, lit, painting, patterns, quick, anchors, distances, slotted,
+                                  staged)
          for name, case in vars(topic).items()}
 
 

@@ -74,14 +74,14 @@ def _threads(scene, out):
 
 def _rules(scene):
     """Whether Full Contrast can be set: where Local Contrast is off."""
-    from encre.blender.panels import stages
+    from encre.blender.panels import rows
     from encre.pen import library
 
     rule = library.params()["contrast_max"].enabled_if
     settings = scene.encre
     for detector, auto in (("CONTRAST", False), ("CONTRAST", True), ("DOG", False)):
         settings.color_detector, settings.contrast_auto = detector, auto
-        fact("enabled", [rule, detector, auto, stages.enabled(settings, rule)])
+        fact("enabled", [rule, detector, auto, rows.enabled(settings, rule)])
 
 
 def _blots(scene):

@@ -164,6 +164,42 @@ def presets():
     window().event_simulate(type="ESC", value="RELEASE")
 
 
+def lists():
+    """The lists of pens and of tones, as pop-overs; a name is undone, and done again."""
+    drawn = {"pens": set(), "tones": set()}
+    for name, rows in drawn.items():
+        kind = getattr(bpy.types, f"ENCRE_UL_{name}")
+        kind.draw_item = _noting(kind.draw_item, rows)
+    for panel in ("pen", "tones", "kinds"):
+        with override("PROPERTIES"):
+            bpy.ops.wm.call_panel(name=f"ENCRE_PT_{panel}")
+        yield
+        yield
+        screenshot(panel)
+        window().event_simulate(type="ESC", value="PRESS")
+        yield
+        window().event_simulate(type="ESC", value="RELEASE")
+    studio.fact("listed", {name: sorted(rows) for name, rows in drawn.items()})
+    for step in (lambda: bpy.ops.ed.undo_push(message="Before"), _rename, bpy.ops.ed.undo, bpy.ops.ed.redo):
+        with override("PROPERTIES"):
+            step()
+        yield
+        studio.fact("pen", bpy.context.scene.encre.pen_called)
+
+
+def _noting(draw, rows):
+    def noted(self, context, layout, data, item, icon, active_data, active, index=0, flag=0):
+        rows.add(index)
+        draw(self, context, layout, data, item, icon, active_data, active, index, flag)
+
+    return noted
+
+
+def _rename():
+    bpy.context.scene.encre.pen_called = "Sketch"
+    bpy.ops.ed.undo_push(message="Rename")
+
+
 def languages():
     """Encre's panels where Blender speaks German and French, and English again."""
     view, translations = bpy.context.preferences.view, bpy.app.translations
@@ -303,4 +339,4 @@ def _leave(code):
 
 
 if __name__ == "__main__":
-    start(each(choose, panels, tabs, presets, languages, edit_mode, paint_mode, stroke, f12, viewport))
+    start(each(choose, panels, tabs, presets, lists, languages, edit_mode, paint_mode, stroke, f12, viewport))

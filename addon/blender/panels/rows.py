@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rows of parameters, as panels of stages, lists and styles show them."""
+
+from ...pen.params import terms
+from ..languages import CONTEXT, iface_
+from . import presets, settings
+from .levels import draw_levels
+
+
+def enabled(group, rule):
+    """Whether a parameter's `enabled_if` holds for the values of a group; parameters that it lacks count as on."""
+    return all(terms(rule, lambda id_: getattr(group, id_, True)).values())
+
+
+def draw_params(layout, group, params, path, label=lambda p: iface_(p.label, CONTEXT)):
+    """A row for each parameter; label(p): what it is called there, in the language that Blender speaks."""
+    layout.use_property_split = True
+    layout.use_property_decorate = path != "style"
+    preset = presets.current(group.id_data)
+    for p in params:
+        line = layout.row(align=True)
+        row = line.column()
+        row.active = enabled(group, p.enabled_if)
+        if p.type == "levels":
+            draw_levels(row, group, path)
+        elif p.type == "image":
+            row.template_ID(group, p.id, open="image.open", text=label(p))
+        else:
+            row.prop(group, p.id, text=label(p), translate=False)
+        if path == "scene":
+            settings.draw_reset(line, group, p, preset)

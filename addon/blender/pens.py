@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What artists call their pens. A name is the scene's, beside the settings: nothing that is drawn depends on it."""
+
+import bpy
+
+from ..pen import slots
+from .languages import CONTEXT, OURS, iface_
+
+
+def _own(pen):
+    """What a pen is called as long as nobody has named it."""
+    return iface_(pen.label, CONTEXT)
+
+
+def names(settings):
+    """{pen: its name} of the pens that have one; `settings` are a scene's."""
+    return {pen.id: name for pen in slots.pens() if (name := getattr(settings, f"{pen.id}_name"))}
+
+
+def name(settings, pen):
+    """What a pen is called in a scene."""
+    return getattr(settings, f"{pen.id}_name") or _own(pen)
+
+
+def rename(settings, pen, new):
+    """Calls a pen so; by an empty name, or its own, as nobody had named it."""
+    new = new.strip()
+    setattr(settings, f"{pen.id}_name", "" if new == _own(pen) else new)
+
+
+def definitions(update):
+    """{id: bpy.props definition} of what a scene has of pens' names: as they are kept, and as they are shown."""
+    found = {}
+    for pen in slots.pens():
+        found[f"{pen.id}_name"] = bpy.props.StringProperty(options={"HIDDEN"}, update=update)
+        found[f"{pen.id}_called"] = _shown(pen)
+    return found
+
+
+def _shown(pen):
+    def read(settings):
+        return name(settings, pen)
+
+    def write(settings, new):
+        rename(settings, pen, new)
+
+    return bpy.props.StringProperty(name="Name", description="What this pen is called here; Kinds of Line shows it",
+                                    get=read, set=write, **OURS)
+
+
+def items(p):
+    """What gives the items of a kind of line's pen their names."""
+    kept = {}  # Blender wants the texts that it shows to be kept
+
+    def called(self, _context):
+        settings = self.id_data.encre  # a style's pens are its scene's
+        now = tuple(name(settings, pen) for pen in slots.pens())
+        if now not in kept:
+            kept[now] = [(x.id, text, x.help, x.number) for x, text in zip(p.items, now, strict=True)]
+        return kept[now]
+
+    return called

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pens and tones as slots: groups of rows that are alike, one for each pen and one for each level of light.
+
+The table has them as rows like all others, so that styles, presets and files know nothing of slots; here is which rows
+are whose. One more: what csrc/ink/pen.rows.h and csrc/tones/tones.rows.h say.
+"""
+
+import functools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from . import library
+from .params import PENS, TONES, Param
+
+NOTHING = ("NONE", "SAME")  # a tone that has no look of its own
+
+
+@dataclass(frozen=True)
+class Slot:
+    """`rows`: {what a row says of any such slot: the row}, in the order in which they are shown."""
+
+    id: str
+    kind: str  # "pen" or "tone"
+    label: str
+    rows: Mapping[str, Param]
+
+    def row_label(self, p: Param) -> str:
+        """What one of its rows is called where it is clear whose it is: Pitch, not Pitch 2."""
+        number = self.id.rpartition("_")[2]
+        return p.label.removesuffix(f" {number}") if self.kind == "tone" else p.label
+
+
+@functools.cache
+def pens() -> tuple[Slot, ...]:
+    """The pens, each with its tool before its hand."""
+    rows = {pen: {id_.removeprefix(f"{pen}_"): p for id_, p in library.params().items()
+                  if p.stage == pen and id_.startswith(f"{pen}_")} for pen in PENS.values()}
+    first, second, *_ = PENS.values()
+    # what only the second has is its tool; the first pen's is that of lines
+    tool = {what: library.params().get(f"line_{what}") for what in rows[second] if what not in rows[first]}
+    rows[first] |= {what: p for what, p in tool.items() if p}
+    labels = {item.id: item.label for item in library.params()["line_pen_outline"].items}
+
+    def shown(pen):
+        order = list(rows[pen])  # an image follows what wants it
+        return {what: rows[pen][what] for what in sorted(order, key=lambda what: (
+            what not in tool, order.index(what.removesuffix("_image"))))}
+
+    return tuple(Slot(pen, "pen", labels[item], shown(pen)) for item, pen in PENS.items())
+
+
+@functools.cache
+def tones() -> tuple[Slot, ...]:
+    """The tones of the levels of light, the darkest first; their first row says what they are."""
+    params = library.params()
+    return tuple(Slot(tone, "tone", params[tone].label, {
+        id_.removeprefix(tone).lstrip("_"): p for id_, p in params.items() if f"{id_}_".startswith(f"{tone}_")})
+        for tone in TONES)
+
+
+KINDS = {"pen": pens, "tone": tones}
+
+
+@functools.cache
+def _owners():
+    return {p.id: slot for slot in (*pens(), *tones()) for p in slot.rows.values() if p.id.startswith(slot.id)}
+
+
+def of(id_: str) -> Slot | None:
+    """The slot that a row is of, None if it is of none; tools of lines are of lines."""
+    return _owners().get(id_)
+
+
+def find(id_: str) -> Slot:
+    """The slot with this id."""
+    return next(slot for slot in (*pens(), *tones()) if slot.id == id_)
+
+
+def copied(source: Slot, target: Slot, value: Callable[[Param], Any]) -> dict[str, Any]:
+    """{id: value} with which `target` is as `source` is, whose values value(row) tells."""
+    if source.kind == "tone":
+        while value(source.rows[""]) == "SAME":  # the first is none
+            source = tones()[tones().index(source) - 1]
+    return {p.id: value(source.rows[what]) if what in source.rows else p.default for what, p in target.rows.items()}

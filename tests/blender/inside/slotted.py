@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cases of pens and tones in lists: names, what they are saved in, what is copied from one to another."""
+
+import json
+import os
+
+import bpy
+from studio import fact, stage
+
+
+def _pens(scene):
+    """What is shown and what is kept of pens."""
+    settings = scene.encre
+    return [[settings.pen_called, settings.pen_2_called, settings.pen_3_called], settings.line_pen_crease,
+            settings.is_property_set("line_pen_crease")]
+
+
+def pens(out):
+    """Pens are named, saved, opened and undone."""
+    from encre.blender import pens as named
+    from encre.blender import properties
+    from encre.pen import library
+
+    scene, path = stage(16, 16, 1), os.path.join(out, "pens.blend")
+    row = library.params()["line_pen_crease"]
+    fact("first", _pens(scene))
+    scene.encre.pen_2_called, scene.encre.line_pen_crease = " Sketch ", "PEN_2"
+    fact("offered", [list(item) for item in named.items(row)(scene.encre, None)])
+    scene.encre.styles.add().line_pen_mark = "PEN_3"
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    scene = bpy.context.scene
+    fact("opened", _pens(scene))
+    fact("values", [properties.scene_values(scene)["line_pen_crease"], properties.styles(scene)])
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    fact("evaluated", _pens(depsgraph.scene_eval))
+    scene.encre.pen_2_called = ""
+    fact("unnamed", _pens(scene)[0])
+    scene.encre.line_pen_crease = "PEN"
+    bpy.ops.encre.reset(param="line_pen_crease")
+    fact("reset", _pens(scene)[2])
+
+
+def pens_in_presets(_out):
+    """A preset names the pens that it sets."""
+    from encre.blender.panels import presets
+
+    scene = stage(16, 16, 1)
+    scene.encre.pen_2_called = "Mine"
+    bpy.ops.encre.preset(preset="brush_ink")
+    fact("brush", _pens(scene)[0])
+    bpy.ops.encre.preset_save(name="Named", description="")
+    fact("file", json.loads((presets.folder() / "named.json").read_text(encoding="utf-8"))["pens"])
+    scene.encre.pen_2_called = "Other"
+    bpy.ops.encre.preset(preset="ink_only")
+    fact("ink only", _pens(scene)[0])
+    bpy.ops.encre.preset(preset="named")
+    fact("named", _pens(scene)[0])
+    bpy.ops.encre.settings_copy(path="scene")
+    other = bpy.data.scenes.new("Other")
+    other.render.engine, bpy.context.window.scene = "ENCRE", other
+    bpy.ops.encre.settings_paste(path="scene")
+    fact("pasted", _pens(other)[0])
+
+
+def slots(_out):
+    """A pen and a tone take all that another has."""
+    scene = stage(16, 16, 1)
+    settings = scene.encre
+    settings.line_softness, settings.pen_wobble, settings.pen_2_width, settings.active_pen = 0.25, 3, 0.5, 1
+    bpy.ops.encre.slot_copy(source="pen")
+    fact("pen", [settings.pen_2_softness, settings.pen_2_wobble, settings.pen_2_width])
+    settings.pen_3_paper, settings.pen_3_seed, settings.active_pen = 0.125, 7, 0
+    bpy.ops.encre.slot_copy(source="pen_3")
+    fact("first pen", [settings.line_paper, settings.pen_seed, settings.line_thickness])
+    for _ in range(3):
+        bpy.ops.encre.level_add()  # the six of six tones
+    image = bpy.data.images.new("Tile", 4, 4)
+    settings.tone_4, settings.tone_4_pitch, settings.tone_4_image, settings.active_tone = "IMAGE", 150, image, 1
+    bpy.ops.encre.slot_copy(source="tone_6")  # which is as the fourth
+    fact("tone", [settings.tone_2, settings.tone_2_pitch, settings.tone_2_image == image])

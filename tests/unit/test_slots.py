@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which rows of the table are whose: pens and tones as slots."""
+
+import json
+
+import pytest
+from encre.pen import library, presets, slots
+from encre.pen.errors import EncreError
+from encre.pen.params import PENS, TONES
+
+
+def test_pens_are_alike_and_the_firsts_tool_is_that_of_lines():
+    first, *others = slots.pens()
+    assert [pen.id for pen in (first, *others)] == list(PENS.values())
+    for pen in others:
+        assert list(pen.rows) == ["width", *first.rows]
+        assert {p.id for p in pen.rows.values()} == {p.id for p in library.params().values() if p.stage == pen.id}
+    assert [first.rows[what].id for what in ("taper", "paper", "wobble")] == ["line_taper", "line_paper", "pen_wobble"]
+
+
+def test_tones_are_alike():
+    for n, tone in enumerate(slots.tones(), 1):
+        assert tone.id == TONES[n - 1] and [tone.row_label(p) for p in tone.rows.values()] == [
+            "Tone", "Image", "Pitch", "Angle", "Space", "Gradient", "Color"]
+
+
+def test_rows_know_their_slot():
+    assert slots.of("pen_2_wobble").id == "pen_2" and slots.of("tone_3").id == slots.of("tone_3_pitch").id == "tone_3"
+    assert slots.of("line_softness") is slots.of("ink_on_dark") is slots.of("tone_darkness") is None
+
+
+@pytest.mark.parametrize("pens, words", [({"pen": 3}, "no text"), (["Brush"], "no object of names")])
+def test_presets_names_of_pens_are_checked(tmp_path, pens, words):
+    path = tmp_path / "x.json"
+    path.write_text(json.dumps({"name": "X", "description": "", "pens": pens, "values": {"pen_wobble": 1}}))
+    with pytest.raises(EncreError, match=words):
+        presets.read(path)
+
+
+def test_a_preset_names_only_the_pens_that_it_sets(tmp_path):
+    path = tmp_path / "x.json"
+    presets.write(path, "X", "", {"pen_wobble": 1}, {"pen": "Nib", "pen_2": "Other"})
+    assert presets.read(path).pens == {"pen": "Nib"}
+    presets.write(path, "X", "", {"line_color": (0, 0, 0)}, {"pen": "Nib"})
+    assert presets.read(path).pens == {}
