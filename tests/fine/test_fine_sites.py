@@ -109,6 +109,26 @@ def test_the_unit_of_length_does_not_matter(name):
     assert len(far) > 20 and [name for name in far.dtype.names if not np.array_equal(far[name], close[name])] == []
 
 
+@pytest.mark.parametrize(("share", "what", "drawn"), [
+    (0.75, "thing", False), (0.85, "thing", True), (0.75, "told", True), (0.75, "two", True), (0.75, "layers", True)])
+def test_within_a_thing_a_grazing_slope_is_no_jump(share, what, drawn):
+    """Beside a step of 0.5 depth goes on by so much less a pixel; meshes tell of no contour there, unless they do."""
+    columns = np.arange(24.0)
+    depth = 20 - 0.5 * (1 - share) * columns - 0.5 * share * (columns > 11)
+    shape = 20, 24
+    layers = dict(combined=np.ones((*shape, 4)), depth=np.broadcast_to(depth, shape), object=np.ones(shape),
+                  creases=np.zeros((*shape, 5)), marks=np.zeros((*shape, 2)),
+                  **{name: np.full((*shape, 3), 0.5) for name in ("color", "albedo", "diffuse", "normal")})
+    if what == "told":
+        layers["marks"][:, 11, 0] = -(0.5 + 2 * 4)
+    if what == "two":
+        layers["object"][:, 12:] = 2
+    scene = dict(crease_source="LAYERS" if what == "layers" else "AUTO", edge_color=0.0)
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    site = passes.run(layers, scene, camera=Camera(orthographic=True, height=20.0))[1][-1].site
+    assert (site["dropped"] == 0).sum() == 20 * drawn
+
+
 @functools.cache
 def sites_moved_to(moved, turn=1, width=60):
     """Sites of a small picture in a wider one; a wire in one column of centres, a lone line by hand, a spot, a blade

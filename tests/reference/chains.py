@@ -142,9 +142,9 @@ def spurs(t, shape):
 
 def short(t, least, shape, numbers):
     """Sites of chains that begin and end in the open and are shorter than `least`, by site, at their first end;
-    outlines, between `numbers` of things, and marks are none, but for contours that the mesh alone tells; and of what
-    goes round a colour, some of it weak, and is shorter than twice that at a weak one, or round light and four times;
-    unsure."""
+    outlines, between `numbers` of things, and marks are none, but for contours that the mesh alone tells; cracks by
+    themselves likewise; and of what goes round a colour, some of it weak, and is shorter than twice that at a weak one,
+    or round light and four times; unsure."""
     gone, unsure = set(), set()
     row, column = t.site["row"], t.site["column"]
     beyond = ((row + (t.site["axis"] != ROW)).clip(0, shape[0] - 1),
@@ -156,7 +156,8 @@ def short(t, least, shape, numbers):
         return i not in gone and t.is_end(i) and not t.at_border(i, shape)
 
     for i in range(len(t)):
-        if t.site["told"][i] and not t.links[i] and not t.dropped[i] and least[i] > 0 and not t.at_border(i, shape):
+        lone = t.family[i] == NUMBER["crack"] and not meant[i] and not t.links[i] and not t.dropped[i]
+        if lone and least[i] > 0 and not t.at_border(i, shape):
             gone.add(i)
         if not free(i):
             continue

@@ -17,25 +17,29 @@ from .view import SEEN, SURE, Place, along, level_of, levels_apart, turn
 
 
 def _jump(view, axis):
-    """(H, W - 1): what each side's straight continuation misses at the other; its margin over nothing."""
+    """(2, H, W - 1): what each side's straight continuation misses at the other, relative to the nearest, and to the
+    whole step from one to the other."""
     layers = view.layers
     z, there = turn(axis, layers.depth), turn(axis, layers.there)
     safe = np.where(there, z, 1)
     u = np.where(there, -safe / layers.height, -np.inf) if layers.orthographic else np.where(there, 1 / safe, 0)
-    found = np.zeros((u.shape[0], u.shape[1] - 1))
+    found = np.zeros((2, u.shape[0], u.shape[1] - 1))
     if u.shape[1] < 4:
         return found
     four = np.stack([u[:, k:u.shape[1] - 3 + k] for k in range(4)])
+    with np.errstate(invalid="ignore"):
+        step = np.nan_to_num(np.abs(four[2] - four[1]), nan=np.inf)
     if layers.orthographic:  # nothing there lies a frame's height behind the farthest
         behind = np.where(np.isfinite(four), four, np.inf).min(0) - 1
         four = np.maximum(four, np.where(np.isfinite(behind), behind, 0))
     a, p, q, b = four
     left, right = q - 2 * p + a, p - 2 * q + b
     jump = np.maximum(0, np.maximum(np.minimum(left, -right), np.minimum(-left, right)))
+    found[1, :, 1:-1] = np.where(step > 0, jump / np.where(step > 0, step, 1), 0)
     if not layers.orthographic:
         most = four.max(0)
         jump = np.where(most > 0, jump / np.where(most > 0, most, 1), 0)
-    found[:, 1:-1] = jump
+    found[0, :, 1:-1] = jump
     return found
 
 
@@ -73,7 +77,8 @@ def cracks(view, bends):
     """{(family, row, column, axis): Place} of depth and indices, all that may be; bends: of edges of meshes."""
     layers, found = view.layers, {}
     for axis in (ROW, COLUMN):
-        jump = clamp01((_jump(view, axis) - 0.003) / 0.007)
+        jump, share = _jump(view, axis)
+        jump = clamp01((jump - 0.003) / 0.007)
         cross = _crossing(layers, axis)
         there, object_, material = (turn(axis, a) for a in (layers.there, layers.object, layers.material))
         marks = turn(axis, layers.marks[..., axis])
@@ -84,9 +89,11 @@ def cracks(view, bends):
         same = object_[:, 1:] == object_[:, :-1]
         jump = np.where(beside & same & (marks[:, :-1] >= 0) & view.meshes, 0, jump)
         bend, unsure = _beside(view, bends, axis)
-        told = view.meshes and "marks" in view.given
-        bend, unsure = (a & same & (steps == 0) & (jump > 0) & told for a in (bend, unsure))
-        jump = np.where(bend, 0, jump)
+        told = (jump > 0) & same & (there[:, 1:] == there[:, :-1]) & view.meshes & ("marks" in view.given)
+        bend, unsure = (a & (steps == 0) & told for a in (bend, unsure))
+        slope = told & (marks[:, :-1] == 0)
+        unsure = (unsure | (slope & (np.abs(share - 0.8) < 1e-4))) & ~(slope & (share < 0.8 - 1e-4))
+        jump = np.where(bend | (slope & (share < 0.8)), 0, jump)
         gone = there[:, 1:] != there[:, :-1]
         strengths = {"object": gone | (object_[:, 1:] != object_[:, :-1]),
                      "material": material[:, 1:] != material[:, :-1], "depth": jump}

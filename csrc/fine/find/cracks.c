@@ -4,11 +4,17 @@
  * 0 on planes, curved surfaces and beside a jump, so nothing has to be thinned. */
 #include "fine/near.h"
 
+#include <string.h>
+
 enum { ROWS = 4 };
 
 /* Of a jump in depth, relative to the nearest of the four pixels: from where it counts, and from there to full
  * strength. */
 static const float jump_from = 0.003f, jump_ramp = 0.007f; /* test_fine_sites */
+
+/* Of the whole step from one pixel to the next: what slopes do not explain is a jump from so much on where meshes tell
+ * of no contour. */
+static const float least_of_step = 0.8f; /* test_fine_sites */
 
 /* A contour that a mesh tells is a line by itself from so many steps on; below, only where such a one goes on, and it
  * thins out, by so many 255ths of its width a step. */
@@ -105,16 +111,36 @@ static bool on_ledge(const fine *n, const found *s)
 	return o[0] == o[step] && (o[-step] != o[0] || o[step] != o[2 * step]) && !(ISA(hand_place)(n, s) < 0);
 }
 
-/* A jump within a thing beside an edge that bends, where no contour passes that lies before anything: the face beyond
- * the edge is narrower than a pixel, and whether a pixel's centre lies in it or it is jumped over changes from one
- * pixel to the next. It is the edge's line. */
-static bool is_bend(const fine *n, const found *s)
+/* Whether nothing is on one side of it alone. */
+static bool is_outline(const frame *f, const found *at)
+{
+	return (depth_at(f, at->column, at->row) == INFINITY) !=
+	       (depth_at(f, at->column + (at->axis == AXIS_ROW), at->row + (at->axis == AXIS_COLUMN)) == INFINITY);
+}
+
+/* Whether both pixels show one thing; without numbers of things all are one. */
+static bool same_thing(const fine *n, const found *s)
 {
 	plane object = n->f->layer[ENCRE_LAYER_OBJECT];
-	if (!knows_contours(n) || ISA(hand_steps)(n, s) > 0)
-		return false;
 	const float *o = object.data ? object.data + s->row * object.row + s->column : NULL;
-	return (!o || o[0] == o[s->axis == AXIS_ROW ? 1 : object.row]) && ISA(crease_beside)(n, s);
+	return !o || o[0] == o[s->axis == AXIS_ROW ? 1 : object.row];
+}
+
+/* Whether what is found within a thing, of which no contour tells that it lies before anything, is no jump. What is
+ * seen at a grazing angle, ground or a cloth, bends as much as a small one would: `step` is what depth changes by in
+ * all, of which `j` is no slope's. At what alpha cuts out nearly all is. Or an edge that bends passes beside it, and
+ * the face beyond that is narrower than a pixel: whether a pixel's centre lies in it or it is jumped over changes from
+ * one pixel to the next, and it is the edge's line. */
+static bool is_none(const fine *n, const found *s, float step, float j)
+{
+	bool slope = ISA(hand_place)(n, s) == 0 && step < INFINITY && j < least_of_step * step;
+	return slope || ISA(crease_beside)(n, s);
+}
+
+/* Whether that is asked. */
+static bool is_untold(const fine *n, const found *s)
+{
+	return knows_contours(n) && !(ISA(hand_steps)(n, s) > 0) && same_thing(n, s) && !is_outline(n->f, s);
 }
 
 static float depth_strength(const fine *n, const found *s)
@@ -128,8 +154,11 @@ static float depth_strength(const fine *n, const found *s)
 	if (!inside || on_ledge(n, s))
 		return 0;
 	float top = max(max(u[0], u[1]), max(u[2], u[3]));
-	float j = n->e->ortho ? jump_ortho(u[0], u[1], u[2], u[3]) : top > 0 ? jump(u[0], u[1], u[2], u[3]) / top : 0;
-	return j > jump_from && !is_bend(n, s) ? clamp01((j - jump_from) / jump_ramp) : 0;
+	float j = n->e->ortho ? jump_ortho(u[0], u[1], u[2], u[3]) : jump(u[0], u[1], u[2], u[3]);
+	float share = n->e->ortho ? j : top > 0 ? j / top : 0;
+	if (!(share > jump_from) || (is_untold(n, s) && is_none(n, s, fabsf(u[2] - u[1]), j)))
+		return 0;
+	return clamp01((share - jump_from) / jump_ramp);
 }
 
 /* Share of the way from pixel p to q at which the averaged layers pass from one side's colours and normals to the
@@ -160,13 +189,6 @@ static float crossing(const frame *f, const found *s)
 		return 0.5f;
 	float t = unbiased(clamp01(clamp01(first / weight) + clamp01(second / weight) - 0.5f));
 	return (weight * t + 2) / (weight + 4);
-}
-
-/* Whether nothing is on one side of it alone. */
-static bool is_outline(const frame *f, const found *at)
-{
-	return (depth_at(f, at->column, at->row) == INFINITY) !=
-	       (depth_at(f, at->column + (at->axis == AXIS_ROW), at->row + (at->axis == AXIS_COLUMN)) == INFINITY);
 }
 
 bool ISA(crack_weigh)(const fine *n, const found *at, int style, placed *s)
@@ -248,15 +270,23 @@ static void unmark(const fine *n, int y, uint8_t *mark)
 	unmark_ledges(o, marks + 1, width, CRACK_DOWN, mark);
 }
 
-/* Takes back the jumps in a row that are bends. */
-static void unmark_bends(const fine *n, int y, uint8_t *mark)
+/* Takes back the jumps in a row, within a thing, that are none. */
+static void unmark_jumps(const fine *n, int y, uint8_t *mark)
 {
-	for (int x = 0; x < n->f->width; x++)
+	int width = n->f->width;
+	for (int x = 0; x < width; x++) {
+		uint64_t eight;
+		if (x + 8 <= width && (memcpy(&eight, mark + x, 8), eight == 0)) {
+			x += 7;
+			continue;
+		}
 		for (int axis = 0; mark[x] && axis < 2; axis++) {
 			found at = {(uint16_t)x, (uint16_t)y, FAMILY_CRACK, (uint8_t)axis};
-			if ((mark[x] & CRACK_RIGHT << axis) && is_bend(n, &at))
-				mark[x] &= (uint8_t) ~(CRACK_RIGHT << axis);
+			uint8_t bit = (uint8_t)(CRACK_RIGHT << axis);
+			if ((mark[x] & bit) && is_untold(n, &at) && !(depth_strength(n, &at) > 0))
+				mark[x] &= (uint8_t)~bit;
 		}
+	}
 }
 
 static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const *level)
@@ -276,7 +306,7 @@ static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const
 	if (knows_contours(n) && f->layer[ENCRE_LAYER_OBJECT].data)
 		unmark(n, y, mark);
 	if (knows_contours(n))
-		unmark_bends(n, y, mark);
+		unmark_jumps(n, y, mark);
 	if (knows_contours(n) && least < INFINITY)
 		mark_contours(layer_row(f, ENCRE_LAYER_MARKS, y), width, below, mark);
 	if (least_strength(e, SOURCE_OBJECT) <= 1) {
