@@ -11,6 +11,8 @@ enum { CHUNK = 1024 };
 
 /* In half widths: over which darkness is evened each way, and over which a line swells; and the least of both in px. */
 static const float evened = 4, swells = 8, least_evened = 2, least_swells = 6;
+/* Of the width that a line round a thin thing may have: bright ones before black have no more. */
+static const float spared = 0.25f;
 /* A point is so much wider than its share of the ink, before that is full. */
 static const float blunt = 8;
 
@@ -24,6 +26,7 @@ typedef struct second {
 	pen_end *end;
 	float (*ink)[3];
 	float *dark, *even; /* by site: how dark the picture is about it, then how far it has swollen; evened */
+	float *bare;        /* how much it bounds a thin bright thing that is before black; -1: nothing tells */
 } second;
 
 /* Of eight places beyond the rim the mean of the mean and the brightest; or of fewer, if one alone makes it that of no
@@ -44,6 +47,29 @@ static float about(const frame *f, const placed *s, float half, float threshold)
 	return most < light ? 0.5f * (sum / 8 + most) : INFINITY;
 }
 
+static float value_at(const frame *f, int x, int y)
+{
+	const float *rgba = output_row(f, ENCRE_OUTPUT_COMBINED, clamp_index(y, f->height)) +
+			    (ptrdiff_t)4 * clamp_index(x, f->width);
+	return max(0, bounded(max3(rgba[0], rgba[1], rgba[2])));
+}
+
+/* Light on the side of a thin thing, and black beyond the rim on the other: a contour there would but take of it what
+ * little there is, as the black shows where it ends. */
+static float bare_at(const frame *f, const site *made, float half, float threshold)
+{
+	const found *at = &made->found;
+	if (!(made->linked.crowd > 0) || at->family != FAMILY_CRACK || at->axis > AXIS_COLUMN)
+		return -1;
+	int dx = at->axis == AXIS_ROW, dy = 1 - dx, x = at->column, y = at->row;
+	bool ahead = depth_at(f, x + dx, y + dy) < depth_at(f, x, y); /* the thing is */
+	float far = (ahead ? -1 : 1) * (1.42f * half + 2);            /* slanted lines are cut aslant */
+	float own = value_at(f, x + ahead * dx, y + ahead * dy),
+	      beyond = value_at(f, (int)floorf(made->placed.x + far * (float)dx + 0.5f),
+				(int)floorf(made->placed.y + far * (float)dy + 0.5f));
+	return clamp01(3 - 2 * beyond / threshold) * clamp01(own / threshold - 1.7f);
+}
+
 static void find_dark(void *data, int first, int end, int thread)
 {
 	(void)thread;
@@ -51,10 +77,13 @@ static void find_dark(void *data, int first, int end, int thread)
 	for (int i = first; i < end; i++) {
 		const site *made = c->n->site + i;
 		const encre_params *p = params_at(c->f, made->placed.near_x, made->placed.near_y);
+		float threshold = p->ink_dark_threshold, half = c->end[i].out;
 		c->dark[i] = 0;
-		if (!made->linked.dropped && p->use_lines && p->ink_on_dark > 0 && p->ink_dark_threshold > 0)
-			c->dark[i] = clamp01(3 - 2 * about(c->f, &made->placed, c->end[i].out, p->ink_dark_threshold) /
-							 p->ink_dark_threshold);
+		c->bare[i] = -1;
+		if (made->linked.dropped || !p->use_lines || !(p->ink_on_dark > 0) || !(threshold > 0))
+			continue;
+		c->dark[i] = clamp01(3 - 2 * about(c->f, &made->placed, half, threshold) / threshold);
+		c->bare[i] = bare_at(c->f, made, half, threshold);
 	}
 }
 
@@ -101,25 +130,26 @@ static int32_t find_changes(const second *c)
 	return code;
 }
 
-/* The mean along the line, each way, with weights that fall to 0 at `reach`. */
-static float mean_along(const second *c, uint32_t i, float reach)
+/* The mean along the line of what is told, each way, with weights that fall to 0 at `reach`. */
+static float mean_along(const second *c, const float *values, uint32_t i, float reach)
 {
 	const fine *n = c->n;
-	float sum = c->dark[i], weights = 1;
+	float told = values[i] >= 0 ? 1 : 0, sum = told * values[i], weights = told;
 	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
 		uint32_t from = i, at = n->to[k];
 		for (float along = 0; goes_on(n, i, at);) {
 			along += sqrtf(apart2(n->site + from, n->site + at));
 			if (along >= reach)
 				break;
-			sum += (1 - along / reach) * c->dark[at];
-			weights += 1 - along / reach;
+			told = values[at] >= 0 ? 1 - along / reach : 0;
+			sum += told * values[at];
+			weights += told;
 			uint32_t next = ISA(onward)(n, from, at);
 			from = at;
 			at = next;
 		}
 	}
-	return sum / weights;
+	return weights > 0 ? sum / weights : 0;
 }
 
 static void even_dark(void *data, int first, int end, int thread)
@@ -129,7 +159,7 @@ static void even_dark(void *data, int first, int end, int thread)
 	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
 		float dark = c->dark[i];
 		if (dark > 0 && c->even[i] > 0)
-			dark = mean_along(c, i, reach_of(c, i, evened, least_evened));
+			dark = mean_along(c, c->dark, i, reach_of(c, i, evened, least_evened));
 		c->even[i] = c->dark[i] > 0 ? clamp01(2 * dark - 1) : 0;
 	}
 }
@@ -163,16 +193,30 @@ static int32_t swell(const second *c)
 	return code;
 }
 
+/* Leaves most of thin bright things. */
+static void spare(const second *c, uint32_t i, const encre_params *p, pen_end *e)
+{
+	const site *made = c->n->site + i;
+	if (!(made->linked.crowd > 0) || made->linked.dropped || !(e->out > 0) || !(p->ink_on_dark > 0))
+		return;
+	float bare = clamp01(1.5f * mean_along(c, c->bare, i, reach_of(c, i, evened, least_evened)));
+	float most = spared * (1 - made->placed.thin) / made->linked.crowd, out = min(e->out, most);
+	out = mix(e->out, out, bare * (1 - c->even[i]) * p->ink_on_dark);
+	e->fade *= out / e->out;
+	e->out = out;
+}
+
 static void take_ink(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const second *c = data;
 	for (int i = first; i < end; i++) {
-		if (!(c->even[i] > 0))
-			continue;
 		const placed *s = &c->n->site[i].placed;
 		const encre_params *p = params_at(c->f, s->near_x, s->near_y);
 		pen_end *e = c->end + i;
+		spare(c, (uint32_t)i, p, e);
+		if (!(c->even[i] > 0))
+			continue;
 		float full = c->dark[i], share = p->ink_on_dark;
 		for (int k = 0; k < 3; k++)
 			c->ink[i][k] = blend(c->ink[i][k], p->ink_dark_color[k], share * min(1, blunt * full));
@@ -190,9 +234,10 @@ bool ISA(takes_second)(const encre_params *p)
 int32_t ISA(second_ink)(frame *f, pen_end *end, float (*ink)[3])
 {
 	const fine *n = f->fine;
-	second c = {f, n, end, ink, late_take(&f->late, n->count, sizeof *c.dark), NULL};
+	second c = {f, n, end, ink, late_take(&f->late, n->count, sizeof *c.dark), NULL, NULL};
 	c.even = c.dark ? late_take(&f->late, n->count, sizeof *c.even) : NULL;
-	if (!c.even)
+	c.bare = c.even ? late_take(&f->late, n->count, sizeof *c.bare) : NULL;
+	if (!c.bare)
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, find_dark, &c);
 	if (!code)
@@ -205,5 +250,6 @@ int32_t ISA(second_ink)(frame *f, pen_end *end, float (*ink)[3])
 		code = bands_run(f->bands, (int)n->count, CHUNK, take_ink, &c);
 	late_drop(&f->late, c.dark);
 	late_drop(&f->late, c.even);
+	late_drop(&f->late, c.bare);
 	return code;
 }

@@ -58,6 +58,7 @@ PENS = {  # the case, what it is drawn with
                                 pen_wobble=0.6, pen_overshoot=6.0)),
     "thicket": ("wires", dict(line_thickness=2.0, line_density=0.2)),
     "on dark": ("rods", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.4)),
+    "bright before dark": ("wires", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.1)),
     "first": ("stroke", dict(line_thickness=5.0, line_taper=5.0)),
     "not hidden": ("things", dict(line_thickness=4.0, line_occlude=False, width_light=2.0, line_max_thickness=5.0)),
 }

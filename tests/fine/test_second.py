@@ -77,3 +77,23 @@ def test_what_is_thinner_than_a_pixel_leaves_the_black_black():
     width = [whites(value, line_thickness=thick)[100:140].mean() for thick in (0.35, 0.6, 1.0, 2.0)]
     assert width[0] == 0 and 0 < width[1] < 0.3
     np.testing.assert_allclose(width[2:], [1, 2], atol=0.05)
+
+
+def test_a_bright_rope_before_black_stays_bright():
+    """Its contours, which would be black on black, took most of it."""
+    y, x = np.mgrid[:80, :80].astype(float)
+    for width in (3.0, 5.0, 8.0):
+        for slant in (0.0, 0.3, 0.8):
+            off = (x - 40.3) * np.cos(slant) + (y - 40) * np.sin(slant)
+            rope, flat = (np.abs(off) < width / 2)[..., None], np.ones((80, 80, 3))
+            layers = dict(combined=np.concatenate([rope * flat, flat[..., :1]], -1), color=0.5 * flat, diffuse=flat,
+                          normal=np.where(rope, (0, 0, 1.0), (0, 1, 0)), depth=np.where(rope, 4.0, 9.0),
+                          object=np.where(rope, 2.0, 1.0))
+            layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+            pen = PEN | dict(line_thickness=5.0)
+            white = library.render(layers, pen, outputs=("Combined",)).images["Combined"][20:60, ..., 0].sum(1)
+            across = white.mean() * np.cos(slant)
+            assert 0.7 * width < across < width + 1, (width, slant)
+            layers["combined"][..., :3] = np.where(rope, 1, 0.9)  # before what is light it has contours
+            ink = library.render(layers, pen, outputs=("Encre Lines",)).images["Encre Lines"][20:60, ..., 3].sum(1)
+            assert ink.mean() * np.cos(slant) > 3, (width, slant)

@@ -281,9 +281,13 @@ def inks(t, layers, params, ink, half, picture):
     lit = clamp01(exposed(layers, params)[owner])
     ink = mix(ink, params.at("line_lit_color", style), (params.at("line_lit", style) * lit)[:, None])
     share = params.at("ink_on_dark", style)
-    second = _second(t, _dark(t, layers, params, half, picture), half, params.pixels(layers.full_height))
-    wide = second * clamp01((2 * half * second - HAIR) / (1 - HAIR))
-    factor = np.where(second > 0, mix(1, wide, share), 1)
+    unit = params.pixels(layers.full_height)
+    even, second = _second(t, _dark(t, layers, params, half, picture), half, unit)
+    spared = np.minimum(half, 0.25 * (1 - site["thin"]) / np.maximum(site["crowd"], 1e-12))
+    bare = clamp01(1.5 * _evened(t, _bare(t, layers, params, half, picture), half, unit)) * (site["crowd"] > 0)
+    spared = mix(half, spared, bare * (1 - even) * share)
+    wide = second * clamp01((2 * spared * second - HAIR) / (1 - HAIR))
+    factor = np.where(second > 0, mix(1, wide, share), 1) * spared / np.maximum(half, 1e-12)
     return mix(ink, params.at("ink_dark_color", style), (share * np.minimum(1, 8 * second))[:, None]), factor
 
 
@@ -302,26 +306,54 @@ def _dark(t, layers, params, half, picture):
     return np.where(asked & ~t.dropped, dark, 0)
 
 
-def _second(t, dark, half, unit):
-    """How far each site's line has swollen since it took the second ink: what is dark is evened over two widths of it
-    each way, and no line gets wider than its full width over four."""
-    def along(i, step):
-        for first in t.links[i]:
-            before, at, far = i, first, 0.0
-            while at is not None and at != i and not t.dropped[at]:
-                far += step(before, at)
-                if far >= 1:
-                    break
-                yield at, far
-                before, at = at, onward(t, before, at)
+def _bare(t, layers, params, half, picture):
+    """Where a thin thing is light and what is beyond the rim, along the axis, black; NaN where that is not told."""
+    out, v, (height, width) = np.full(len(t), np.nan), value(picture[..., :3]), layers.depth.shape
+    for i in range(len(t)):
+        site = t.site[i]
+        threshold = params.at("ink_dark_threshold", layers.style[site["near_y"], site["near_x"]])
+        if t.dropped[i] or site["crowd"] <= 0 or t.family[i] != NUMBER["crack"] or site["axis"] > 1 or threshold <= 0:
+            continue
+        step = np.array((1, 0) if site["axis"] == 0 else (0, 1))
+        one = np.array((site["column"], site["row"]))
+        ahead = layers.depth[tuple((one + step)[::-1])] < layers.depth[tuple(one[::-1])]
+        x, y = np.floor(t.at[i] + (-1 if ahead else 1) * (1.42 * half[i] + 2) * step + 0.5).astype(int)
+        beyond = max(0, v[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)])
+        own = max(0, v[tuple((one + ahead * step)[::-1])])
+        out[i] = clamp01(3 - 2 * beyond / threshold) * clamp01(own / threshold - 1.7)
+    return out
 
-    even, full = np.zeros(len(t)), np.maximum(8 * half, 6 * unit)
-    for i in np.flatnonzero(dark):
+
+def _along(t, i, step):
+    """(site, how far on) each way from i, by steps up to a sum of 1."""
+    for first in t.links[i]:
+        before, at, far = i, first, 0.0
+        while at is not None and at != i and not t.dropped[at]:
+            far += step(before, at)
+            if far >= 1:
+                break
+            yield at, far
+            before, at = at, onward(t, before, at)
+
+
+def _evened(t, values, half, unit):
+    """The mean of what is told along each line, over two widths of it each way."""
+    even = np.zeros(len(t))
+    for i in np.flatnonzero(~t.dropped):
         reach = max(4 * half[i], 2 * unit)
-        near = [(i, 0.0), *along(i, lambda a, b, reach=reach: t.apart(a, b) / reach)]
-        even[i] = clamp01(2 * np.average([dark[k] for k, _ in near], weights=[1 - far for _, far in near]) - 1)
+        near = [(i, 0.0), *_along(t, i, lambda a, b, reach=reach: t.apart(a, b) / reach)]
+        near = [(values[k], 1 - far) for k, far in near if not np.isnan(values[k])]
+        even[i] = np.average([v for v, _ in near], weights=[w for _, w in near]) if near else 0
+    return even
+
+
+def _second(t, dark, half, unit):
+    """How dark it is along each line, and how far that has swollen since it took the second ink: what is dark is evened
+    over two widths of it each way, and no line gets wider than its full width over four."""
+    full = np.maximum(8 * half, 6 * unit)
+    even = np.where(dark > 0, clamp01(2 * _evened(t, dark, half, unit) - 1), 0)
     swollen = even.copy()
     for i in np.flatnonzero(~t.dropped):
-        for at, far in along(i, lambda a, b: 2 * t.apart(a, b) / (full[a] + full[b])):
+        for at, far in _along(t, i, lambda a, b: 2 * t.apart(a, b) / (full[a] + full[b])):
             swollen[at] = min(swollen[at], even[i] + far)
-    return swollen
+    return even, swollen
