@@ -10,8 +10,9 @@ without Cycles. It reads settings by properties, objects by meshes with triangle
 switches off in the evaluated scene what lines can't do with; subframes has Cycles render larger layers; early inks a
 picture that grows, escape after a break; memory keeps the last render's layers, or those of a file that is opened,
 which redraw draws again, and instant while a setting is dragged; live inks rendered 3D views: eye tells what they look
-at, screen draws in them; threads holds what Python needs on a render's thread and beside one. bake draws into textures;
-panels shows it all, with thumbnails of presets, in other languages by languages; pens has what artists call theirs.
+at, unread when nothing of the scene has changed, screen draws in them; threads holds what Python needs on a render's
+thread and beside one. bake draws into textures; panels shows it all, with thumbnails of presets, in other languages by
+languages; pens has what artists call theirs.
 
 wanted asks a view layer for passes, known is what of one is known before. fast reads a scene once and draws its layers
 from any side: materials compiles node trees, by nodes, patterns and values, with trees to follow links and attributes

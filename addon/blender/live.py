@@ -24,7 +24,7 @@ from ..pen import library, shown
 from ..pen.background import Background
 from ..pen.errors import Cancelled, EncreError
 from ..pen.shown import Drawing, Wish
-from . import eye, fast, images, properties
+from . import eye, fast, images, properties, unread
 
 _BUDGET = 1 / 15  # seconds that a picture may take while something moves
 _SMALLER = (1, 1 / 2, 1 / 4)
@@ -106,7 +106,8 @@ class View:
 
     def __init__(self, engine, threads):
         self.engine = weakref.ref(engine)
-        self.kept, self.stale = fast.Kept(), True
+        self.kept, self.stale = fast.Kept(), True  # stale: something has changed since it was read
+        self.changed, self.beside = True, None     # whether that is more than settings; unread.beside() as it was read
         self.scene = self.settings = self.failure = None
         self.images = {}  # that the settings read
         self.failed = None              # the _Now that could not be drawn
@@ -122,7 +123,7 @@ class View:
     def update(self, depsgraph):
         """Notes what has changed. It is read when it is drawn: there may be several changes until then."""
         self.kept.update(depsgraph)
-        self.stale = True
+        self.stale, self.changed = True, self.changed or not unread.settings_alone(depsgraph)
         self.redraw()  # a change by a script brings none
 
     def draw(self, context, depsgraph):
@@ -169,7 +170,8 @@ class View:
         if self.look is None:
             self.texture = None
             return
-        self.stale |= before != self.look.through_camera  # a camera's focus counts
+        if before != self.look.through_camera:  # a camera's focus counts
+            self.stale = self.changed = True
         if self.picture and self.picture.scale > self._quick() and (self.stale or self.picture.now != self._now()):
             self.picture.cancel()
         if self.picture:
@@ -195,19 +197,23 @@ class View:
         space, layer, scene = context.space_data, context.view_layer, depsgraph.scene_eval
         try:
             settings = properties.settings(scene)
-            read_images = images.load(settings)
-            read = fast.read(depsgraph, settings, self.look.clip, self.kept, camera,
-                             lambda obj: obj.visible_get(view_layer=layer, viewport=space))
+            read_images, read = images.load(settings), self.scene
+            beside = unread.beside(context, depsgraph, settings, camera)
+            if self.changed or beside != self.beside:
+                self.changed = True  # until it is read
+                read = fast.read(depsgraph, settings, self.look.clip, self.kept, camera,
+                                 lambda obj: obj.visible_get(view_layer=layer, viewport=space))
         except Exception as error:
             self.settings, self.failure = None, sentence(error)
             return
         if self.settings is None or settings.every != self.settings.every or \
                 not images.same(read_images, self.images):
             self.settings_number += 1
-        if self.scene is None or not self.scene.same(read):
+        if self.scene is not read and (self.scene is None or not self.scene.same(read)):
             self.read_number += 1
             self.layers.clear()
         self.settings, self.images, self.scene, self.failure = settings, read_images, read, None
+        self.changed, self.beside = False, beside
 
     def _now(self):
         return _Now(self.read_number, self.settings_number, self.look.key, self.wish)

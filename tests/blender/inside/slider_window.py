@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in a Blender with a window: `slider_window.py -- slider FOLDER` changes settings and what depends on them, and
+tells how often the rendered 3D view reads the scene for it."""
+
+import os
+import sys
+
+import bpy
+
+sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+import studio  # noqa: E402
+import window  # noqa: E402
+from watch import rest, space, uploaded, views  # noqa: E402
+from watch import spy as spy_uploads  # noqa: E402
+
+READS = []
+
+
+def build():
+    """The stage, and copies of a cube by a collection; the view from the camera."""
+    scene = studio.stage(320, 180)
+    from encre.blender import fast
+
+    read = fast.read
+    fast.read = lambda *args, **named: READS.append(1) or read(*args, **named)
+    bricks = bpy.data.collections.new("Bricks")
+    studio.cube("Brick", size=0.3, collection=bricks)
+    studio.link("Copies", None, (0, -1, 0)).instance_type = "COLLECTION"
+    bpy.data.objects["Copies"].instance_collection = bricks
+    own = bpy.data.collections.new("Ball's")
+    own.objects.link(bpy.data.objects["Ball"])
+    scene.collection.children.link(own)
+    scene.collection.objects.unlink(bpy.data.objects["Ball"])
+    scene.encre.layer_source = "ENCRE"
+    scene.world = bpy.data.worlds.new("Sky")
+    space().overlay.show_overlays = False
+    spy_uploads()
+    space().shading.type, space().region_3d.view_perspective = "RENDERED", "CAMERA"
+    yield from rest()
+    studio.fact("at first", len(READS))
+
+
+def changed(name, *values):
+    """Sets values in one evaluation. FACT name: how often the scene was read for it, whether the picture is another,
+    and whether a view that reads all anew finds the scene as it is shown."""
+    yield from rest()
+    view, count, before = views()[0], len(READS), uploaded[-1][1]
+    for block, attribute, value in values:
+        block(attribute, value) if callable(block) else setattr(block, attribute, value)
+    yield from rest()
+    reads, number, another = len(READS) - count, view.read_number, (uploaded[-1][1] != before).any()
+    view.stale = view.changed = True
+    view.redraw()
+    yield from rest()
+    studio.fact(name, [reads, bool(another), view.read_number == number, len(READS) - count - reads])
+
+
+def hide(obj, hidden):
+    bpy.data.objects[obj].hide_set(hidden)
+
+
+def settings():
+    encre = bpy.context.scene.encre
+    yield from changed("slider", (encre, "line_thickness", 20))
+    yield from changed("colour", (encre, "line_color", (0.5, 0, 0)))
+    yield from changed("what rests", (encre, "pen_wobble", 0.5))
+    yield from changed("style", (encre, "use_smudging", True), (lambda *_: encre.styles.add(), "", None))
+    bpy.data.objects["Ball"].encre.style = "Quiet"
+    encre.styles[0].line_thickness = 0
+    yield from changed("name of a style", (encre.styles[0], "name", "Quiet"))
+
+
+def beside():
+    """What scripts change in one evaluation with a setting."""
+    scene, balls = bpy.context.scene, bpy.context.view_layer.layer_collection.children["Ball's"]
+    encre = scene.encre
+    yield from changed("hidden", (encre, "line_thickness", 21), (hide, "Ball", True))
+    yield from changed("there again", (encre, "line_thickness", 20), (hide, "Ball", False))
+    yield from changed("world", (encre, "line_thickness", 21), (scene, "world", bpy.data.worlds.new("Night")))
+    yield from changed("film", (encre, "line_thickness", 20), (scene.render, "film_transparent", True))
+    yield from changed("moved", (encre, "line_thickness", 21), (bpy.data.objects["Cube"], "location", (-1, 0, 0)))
+    yield from changed("indirect only", (encre, "line_thickness", 20), (balls, "indirect_only", True))
+    yield from changed("direct", (encre, "line_thickness", 21), (balls, "indirect_only", False))
+    yield from changed("excluded", (encre, "line_thickness", 20), (balls, "exclude", True))
+    balls.exclude = False
+    yield from changed("hidden alone", (hide, "Ball", True))
+
+
+def driven():
+    """What follows a setting by a driver, a copy of it too, and by a handler of Python's."""
+    encre = bpy.context.scene.encre
+    for name in ("Cube", "Copies"):
+        driver = bpy.data.objects[name].driver_add("location", 2).driver
+        target = driver.variables.new().targets[0]
+        target.id_type, target.id, target.data_path = "SCENE", bpy.context.scene, "encre.line_max_thickness"
+        driver.expression = "var / 100"
+    yield from changed("driver", (encre, "line_max_thickness", 60))
+    vertex = bpy.data.objects["Cube"].data.vertices[6].co
+
+    def follow(scene, _depsgraph):
+        if abs(vertex.z - scene.encre.line_max_thickness / 50) > 1e-3:
+            vertex.z = scene.encre.line_max_thickness / 50
+            bpy.data.objects["Cube"].data.update()
+
+    bpy.app.handlers.depsgraph_update_post.append(follow)
+    yield from changed("handler", (encre, "line_max_thickness", 30))
+    bpy.app.handlers.depsgraph_update_post.remove(follow)
+
+
+def animated():
+    encre, scene = bpy.context.scene.encre, bpy.context.scene
+    bpy.data.objects["Copies"].driver_remove("location", 2)
+    for frame in (1, 10):
+        encre.line_thickness = 4 * frame
+        encre.keyframe_insert("line_thickness", frame=frame)
+        bpy.data.objects["Copies"].location.x = frame / 10
+        bpy.data.objects["Copies"].keyframe_insert("location", frame=frame)
+    scene.frame_set(1)
+    yield from changed("frame", (lambda _name, frame: scene.frame_set(frame), "", 8))
+
+
+if __name__ == "__main__":
+    window.start(window.each(build, settings, beside, driven, animated), persistent=True)

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the rendered 3D view reads when a setting changes (blender/inside/slider_window.py changes them)."""
+
+from pathlib import Path
+
+import blenders
+import pytest
+
+
+@pytest.fixture(scope="module")
+def shot(tmp_path_factory):
+    return blenders.window(Path(__file__).parent / "inside" / "slider_window.py", "slider",
+                           tmp_path_factory.mktemp("slider"), (800, 600))
+
+
+def found(shot, name):
+    """(how often the scene was read, whether the picture is another); what is shown is the scene as it is."""
+    reads, another, right, anew = shot.facts[name][0]
+    assert right and anew == 1, name
+    return reads, another
+
+
+def test_a_setting_reads_nothing(shot):
+    assert shot.facts["finished"][0] and "Traceback" not in shot.output, shot.output[-3000:]
+    assert shot.facts["at first"][0] >= 1
+    for name in ("slider", "colour"):
+        assert found(shot, name) == (0, True), name
+
+
+def test_what_a_setting_asks_of_the_scene_is_read(shot):
+    for name in ("what rests", "style", "name of a style"):
+        assert found(shot, name)[0] == 1, name
+
+
+@pytest.mark.parametrize("name", ["hidden", "there again", "world", "film", "moved", "indirect only", "direct",
+                                  "excluded", "hidden alone", "driver", "handler", "frame"])
+def test_what_changes_beside_a_setting_is_seen(shot, name):
+    reads, another = found(shot, name)
+    assert reads >= 1 and another
