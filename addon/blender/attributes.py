@@ -3,6 +3,9 @@
 
 import numpy as np
 
+from ..pen.tangents import tangents
+from . import versions
+
 
 def get(collection, name, dtype, width=1):
     """A property of all items, (n,) or (n, width)."""
@@ -20,8 +23,8 @@ def read(mesh, wanted, points, loops, corners, face):
         elif kind == "generated":
             found[kind, name] = _generated(mesh, points)[corners]
         elif kind == "tangent":
-            if (values := _tangents(mesh, name)) is not None:
-                found[kind, name] = values[loops]
+            if (values := _tangents(mesh, name, points, loops, corners, face)) is not None:
+                found[kind, name] = values
         else:
             values = (_uv if kind == "uv" else _attribute)(mesh, name, loops, corners, face)
             if values is not None:
@@ -37,15 +40,22 @@ def _uv(mesh, name, loops, _corners, _face):
 MIRRORED = 4  # how long tangents are where the UV map is mirrored
 
 
-def _tangents(mesh, name):
-    """(n, 3) of the loops: where U grows, as normal maps are made for."""
+def _tangents(mesh, name, points, loops, corners, face):
+    """(t, 3, 3): where U grows, as normal maps are made for."""
     layer = mesh.uv_layers.get(name) or next((u for u in mesh.uv_layers if u.active_render), None)
-    try:
-        mesh.calc_tangents(uvmap=layer.name if layer else "")
-    except RuntimeError:  # it has no UV map, or faces of more than four corners
+    if layer is None:
         return None
-    sign = get(mesh.loops, "bitangent_sign", np.float32)
-    return get(mesh.loops, "tangent", np.float32, 3) * np.where(sign < 0, np.float32(MIRRORED), np.float32(1))[:, None]
+    if get(mesh.polygons, "loop_total", np.int32).max() > 4:  # of such a mesh Blender knows none
+        normals = versions.corner_normals(mesh)
+        normals = (get(mesh.polygons, "normal", np.float32, 3)[face][:, None].repeat(3, 1) if normals is None
+                   else normals[loops])
+        along, mirrored = tangents(points[corners], normals, get(layer.data, "uv", np.float32, 2)[loops], corners)
+        mirrored = mirrored[:, None]
+    else:
+        mesh.calc_tangents(uvmap=layer.name)
+        along = get(mesh.loops, "tangent", np.float32, 3)[loops]
+        mirrored = get(mesh.loops, "bitangent_sign", np.float32)[loops] < 0
+    return along * np.where(mirrored, np.float32(MIRRORED), np.float32(1))[..., None]
 
 
 def _attribute(mesh, name, loops, corners, face):

@@ -5,12 +5,15 @@ import os
 import resource
 from pathlib import Path
 
+import bmesh
 import bpy
 import numpy as np
+from encre.blender import attributes, versions
 from encre.blender import hair as strands
 from encre.blender.engine import pass_names
 from encre.blender.properties import PASSES
 from encre.pen import library
+from encre.pen.tangents import tangents
 from mathutils import Vector
 from studio import cube, fact, link, plane, shoot, sphere, stage
 
@@ -388,8 +391,14 @@ def highlights(out):
 
 
 def normal_maps(out):
-    """A map of waves on a ball, its mirror image and a cube that is turned, by both; and without it."""
+    """A map of waves on a ball, its mirror image, a cube that is turned and a tile of six corners, by both; and without
+    it."""
     scene = stage(240, 120, 48)
+    mesh = bpy.data.meshes.new("Tile")
+    rim = [(0.6 * np.cos(k * np.pi / 3), y, 0.6 * np.sin(k * np.pi / 3)) for y in (-0.1, 0.1) for k in range(6)]
+    mesh.from_pydata(rim, [], [tuple(range(6)), (11, 10, 9, 8, 7, 6),
+                               *((k, k + 6, (k + 1) % 6 + 6, (k + 1) % 6) for k in range(6))])
+    link("Tile", mesh, (-2.2, 0, 0.2), bpy.data.materials["Green"])
     n = 64
     x, y = np.meshgrid(np.arange(n) * 8 * np.pi / n, np.arange(n) * 8 * np.pi / n)
     steep = np.stack([0.5 * np.sin(x) * np.cos(y), 0.5 * np.cos(x) * np.sin(y), np.ones((n, n))], 2)
@@ -406,7 +415,7 @@ def normal_maps(out):
         tree.links.new(texture.outputs["Color"], turn.inputs["Color"])
         tree.links.new(turn.outputs[0], surface.inputs["Normal"])
         tree.links.new(surface.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
-    for name in ("Cube", "Ball", "Ground"):
+    for name in ("Cube", "Ball", "Ground", "Tile"):
         mesh = bpy.data.objects[name].data
         points, corners = np.empty(3 * len(mesh.vertices), np.float32), np.empty(len(mesh.loops), np.int32)
         mesh.vertices.foreach_get("co", points)
@@ -418,6 +427,7 @@ def normal_maps(out):
     ball = bpy.data.objects["Ball"]
     ball.data.polygons.foreach_set("use_smooth", [True] * len(ball.data.polygons))
     link("Mirrored", ball.data, (0.2, -1.5, 0.2)).scale = (-0.6, 0.6, 0.6)
+    fact("tangents", _tangents_apart(ball.data.copy()))
     scene.cycles.max_bounces = 0
     scene.encre.save_layers = "ON"
     shoot(out, "cycles")
@@ -427,6 +437,26 @@ def normal_maps(out):
         for turn in [node for node in mat.node_tree.nodes if node.bl_idname == "ShaderNodeNormalMap"]:
             turn.inputs["Strength"].default_value = 0
     shoot(out, "flat")
+
+
+def _tangents_apart(mesh):
+    """(how many tangents, on how many sides of the map; how far pen.tangents is from Blender's own, at most)."""
+    shape = bmesh.new()
+    shape.from_mesh(mesh)
+    bmesh.ops.triangulate(shape, faces=shape.faces)
+    shape.to_mesh(mesh)
+    loops = np.arange(len(mesh.loops)).reshape(-1, 3)
+    corners = attributes.get(mesh.loops, "vertex_index", np.int32)[loops]
+    points = attributes.get(mesh.vertices, "co", np.float32, 3)[corners]
+    normals = versions.corner_normals(mesh)[loops]
+    along, mirrored = tangents(points, normals, attributes.get(mesh.uv_layers[0].data, "uv", np.float32, 2)[loops],
+                               corners)
+    mesh.calc_tangents()
+    theirs, sign = (attributes.get(mesh.loops, name, np.float32, width)[loops] for name, width in
+                    (("tangent", 3), ("bitangent_sign", 1)))
+    told = np.linalg.norm(along, axis=2) > 0.5
+    return [int(told.sum()), len(np.unique(sign)), float(abs(along - theirs)[told].max()),
+            bool((mirrored[:, None] == (sign < 0))[told].all())]
 
 
 def noise_in_colours(out):
