@@ -13,8 +13,6 @@ from typing import Any
 from . import library
 from .params import PENS, TONES, Param
 
-NOTHING = ("NONE", "SAME")  # a tone that has no look of its own
-
 
 @dataclass(frozen=True)
 class Slot:

@@ -4,7 +4,7 @@
 import bpy
 
 from ...pen import slots
-from ...pen.params import LINES, PENS, TONES
+from ...pen.params import LINES, PENS, TONES, terms
 from .. import ENGINE, pens, properties
 from ..languages import CONTEXT, iface_
 from .rows import draw_params
@@ -115,12 +115,17 @@ def draw_pens(layout, scene):
 
 
 def draw_tones(layout, scene):
-    """What each level of light is filled with, and how the chosen one's tone looks, if it has a look of its own."""
+    """What each level of light is filled with, and how that of the chosen one looks."""
     _draw(layout, scene, "tone", min(max(properties.level_count(scene), 2), len(TONES)))
     tone = chosen(scene, "tone")
-    rows = list(tone.rows.values())
-    draw_params(layout, scene, rows[:1] if getattr(scene, tone.id) in slots.NOTHING else rows, "scene",
+    draw_params(layout, scene, [p for p in tone.rows.values() if _has(scene, tone, p)], "scene",
                 lambda p: iface_(tone.row_label(p), CONTEXT))
+
+
+def _has(scene, tone, p):
+    """Whether what fills a level has a row at all: dots have no image, and what is none no pitch."""
+    return all(of for term, of in terms(p.enabled_if, lambda id_: getattr(scene, id_)).items()
+               if term.startswith(f"{tone.id}="))
 
 
 CLASSES = (ENCRE_UL_pens, ENCRE_UL_tones, ENCRE_OT_slot_copy, ENCRE_MT_pen_copy, ENCRE_MT_tone_copy)
