@@ -86,6 +86,9 @@ class Passes(Mapping):
 
     pop = __getitem__
 
+    def __contains__(self, name):  # a Mapping would read the pass to say so
+        return name in self.there
+
     def __iter__(self):
         return iter(self.there)
 

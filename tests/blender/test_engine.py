@@ -21,6 +21,8 @@ def test_picture(render):
     found = shot.passes("picture")
     assert found.keys() >= layers.CYCLES.keys() | layers.DRAWN.keys() | saved.passes(False, False).keys()
     assert "Unknown pass" not in shot.output and shot.facts["aovs"] == [0]
+    (read,) = shot.facts["read"]
+    assert read and len(set(read)) == len(read), f"passes are read more than once: {read}"
     assert found["Encre Lines"][..., 3].max() > 0.9  # there is ink
     assert np.abs(over(found["Encre Lines"], found["Encre Surface"]) - found["Combined"]).max() < 1e-6
     assert np.abs(found["Combined"] - found["Encre Source"]).max() > 0.1

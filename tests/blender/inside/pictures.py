@@ -11,7 +11,13 @@ def picture(out):
     scene = stage()
     scene.view_layers[0].use_pass_object_index = True
     bpy.data.objects["Cube"].pass_index = 7
+    from encre.blender import known
+
+    read, real = [], known.versions.read_pass
+    known.versions.read_pass = lambda one, *size: read.append(one.name) or real(one, *size)
     shoot(out, "picture")
+    known.versions.read_pass = real
+    fact("read", read)
     fact("pass_index", [o.pass_index for o in scene.objects])
     fact("aovs", len(scene.view_layers[0].aovs))
 
