@@ -48,27 +48,26 @@ static void noise_row(const frame *f, uint32_t seed, float length, const float t
 		      float *restrict noise)
 {
 	uint32_t key = mix_bits(seed + (uint32_t)f->params->wash_seed * 0x9e3779b9u);
-	float corner[4][CHUNK], s[CHUNK], t[CHUNK], down = (float)(f->place.y + y) + 0.5f;
+	float s[CHUNK], t[CHUNK], down = (float)(f->place.y + y) + 0.5f, c = turn[0], d = turn[1];
 	int32_t column[CHUNK], row[CHUNK], first = f->place.x + x;
-	float c = turn[0], d = turn[1];
 	for (int i = 0; i < n; i++) {
 		float across = (float)(first + i) + 0.5f;
 		column[i] = cell_of((across * c + down * d) / length, s + i);
 		row[i] = cell_of((down * c - across * d) / length, t + i);
+		s[i] = eased(s[i]);
+		t[i] = eased(t[i]);
 	}
-	for (int i = 0; i < n; i++) {
-		bool same = i > 0 && column[i] == column[i - 1] && row[i] == row[i - 1];
+	for (int i = 0, end; i < n; i = end) {
+		float corner[4];
+		for (end = i + 1; end < n && column[end] == column[i] && row[end] == row[i];)
+			end++;
 		for (uint32_t k = 0; k < 4; k++) {
-			uint32_t at = 0;
-			if (!same)
-				at = mix_bits(mix_bits(key + (uint32_t)column[i] + (k & 1)) + (uint32_t)row[i] +
-					      (k >> 1));
-			corner[k][i] = same ? corner[k][i - 1] : (float)(at >> 8) * (2.0f / 16777216) - 1;
+			uint32_t at =
+				mix_bits(mix_bits(key + (uint32_t)column[i] + (k & 1)) + (uint32_t)row[i] + (k >> 1));
+			corner[k] = (float)(at >> 8) * (2.0f / 16777216) - 1;
 		}
-	}
-	for (int i = 0; i < n; i++) {
-		float u = eased(s[i]);
-		noise[i] = mix(mix(corner[0][i], corner[1][i], u), mix(corner[2][i], corner[3][i], u), eased(t[i]));
+		for (int k = i; k < end; k++)
+			noise[k] = mix(mix(corner[0], corner[1], s[k]), mix(corner[2], corner[3], s[k]), t[k]);
 	}
 }
 
