@@ -5,7 +5,7 @@
 #include "base/pixel.h"
 #include "base/stage.h"
 
-enum { NEAR = 2 /* pixels about the end of a surface whose normals count */ };
+enum { NEAR = 2 /* pixels about the end of a surface whose normals count */, CHUNK = 256 };
 
 typedef struct rim_site {
 	float x, y;      /* of its contour, in pixels */
@@ -20,7 +20,8 @@ typedef struct rim {
 	float *cover;    /* per thread a row: how much of a pixel is covered; and one more, see reach_over() */
 	int32_t *chosen; /* likewise: the site that does, by its number in the list */
 	rim_site *sites;
-	int reach; /* pixels */
+	float least; /* of rim_depth, in all styles */
+	int reach;   /* pixels */
 } rim;
 
 /* ---- sites ------------------------------------------------------------------------------------------------- */
@@ -112,27 +113,52 @@ static bool make_site(const frame *f, int x, int y, int dx, int dy, float place,
 	return s->width > 0;
 }
 
-/* The sites on the ways from the pixels of a row to the right and down; into `out` unless it is NULL. */
-static size_t sites_of_row(const frame *f, int y, rim_site *out)
+/* The site on the way from a pixel to the right, or down. One that is none reaches nowhere. */
+static rim_site site_between(const frame *f, int x, int y, int down)
 {
-	size_t n = 0;
-	rim_site s;
 	const float *marks = layer_row(f, ENCRE_LAYER_MARKS, y);
-	for (int x = 0; x < f->width; x++)
-		for (int down = 0; down < 2; down++) {
-			int dx = !down, dy = down;
-			if (x + dx >= f->width || y + dy >= f->height)
+	float mark = marks ? marks[2 * x + down] : 0, place = mark < 0 ? contour_place(mark) : 0.5f;
+	int dx = !down, dy = down;
+	rim_site s;
+	bool found = depth_at(f, x, y) < depth_at(f, x + dx, y + dy)
+			     ? make_site(f, x, y, dx, dy, place, &s)
+			     : make_site(f, x + dx, y + dy, -dx, -dy, 1 - place, &s);
+	return found ? s : (rim_site){.y = INFINITY};
+}
+
+/* Sets `bit` where one of two surfaces may end before the other: most need no second look. */
+static void mark_ends(const rim *r, const float *restrict z, const float *restrict beside, int n, uint8_t bit,
+		      uint8_t *restrict ends)
+{
+	const frame *f = r->f;
+	float least = r->least;
+	for (int i = 0; i < n; i++) {
+		float one = depth_of(z[i]), other = depth_of(beside[i]), front = min(one, other);
+		ends[i] |= max(one, other) - front > least * span_of(f, front) ? bit : 0;
+	}
+}
+
+/* How many sites there may be on the ways from the pixels of a row to the right and down; these, unless `out` is NULL.
+ */
+static size_t sites_of_row(const rim *r, int y, rim_site *out)
+{
+	const frame *f = r->f;
+	size_t n = 0;
+	const float *depth = layer_row(f, ENCRE_LAYER_DEPTH, y);
+	for (int x0 = 0; x0 < f->width; x0 += CHUNK) {
+		uint8_t ends[CHUNK] = {0};
+		int some = f->width - x0 < CHUNK ? f->width - x0 : CHUNK;
+		mark_ends(r, depth + x0, depth + x0 + 1, some - (x0 + some == f->width), 1, ends);
+		if (y + 1 < f->height)
+			mark_ends(r, depth + x0, layer_row(f, ENCRE_LAYER_DEPTH, y + 1) + x0, some, 2, ends);
+		for (int i = 0; i < 2 * some; i++) {
+			if (!(ends[i / 2] >> i % 2 & 1))
 				continue;
-			float one = depth_at(f, x, y), other = depth_at(f, x + dx, y + dy);
-			if (one == other)
-				continue;
-			float mark = marks ? marks[2 * x + down] : 0, place = mark < 0 ? contour_place(mark) : 0.5f;
-			bool found = one < other ? make_site(f, x, y, dx, dy, place, &s)
-						 : make_site(f, x + dx, y + dy, -dx, -dy, 1 - place, &s);
-			if (found && out)
-				out[n] = s;
-			n += found;
+			if (out)
+				out[n] = site_between(f, x0 + i / 2, y, i % 2);
+			n++;
 		}
+	}
 	return n;
 }
 
@@ -141,7 +167,7 @@ static void count_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	rim *r = data;
 	for (int y = y0; y < y1; y++)
-		r->first[y] = sites_of_row(r->f, y, NULL);
+		r->first[y] = sites_of_row(r, y, NULL);
 }
 
 static void find_rows(void *data, int y0, int y1, int thread)
@@ -149,7 +175,7 @@ static void find_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	rim *r = data;
 	for (int y = y0; y < y1; y++)
-		sites_of_row(r->f, y, r->sites + r->first[y]);
+		sites_of_row(r, y, r->sites + r->first[y]);
 }
 
 /* ---- pixels ------------------------------------------------------------------------------------------------ */
@@ -256,10 +282,15 @@ static void plan(frame *f, arena *a)
 	rim *r = arena_take(a, 1, sizeof *r), made = {.f = f,
 						      .first = arena_take(a, (size_t)f->height + 1, sizeof *made.first),
 						      .cover = arena_take(a, 2 * n, sizeof *made.cover),
-						      .chosen = arena_take(a, n, sizeof *made.chosen)};
-	for (int i = 0; i < f->n_styles; i++)
-		if (f->params[i].use_rim)
-			made.reach = (int)max((float)made.reach, min(f->params[i].rim_width * f->scale, 1e6f) + 2);
+						      .chosen = arena_take(a, n, sizeof *made.chosen),
+						      .least = INFINITY};
+	for (int i = 0; i < f->n_styles; i++) {
+		const encre_params *p = f->params + i;
+		if (!p->use_rim)
+			continue;
+		made.least = min(made.least, p->rim_depth);
+		made.reach = (int)max((float)made.reach, min(p->rim_width * f->scale, 1e6f) + 2);
+	}
 	if (r)
 		*r = made;
 	f->rim = r;
