@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where U grows along a surface, as normal maps are made for: after Mikkelsen, Simulation of Wrinkled Surfaces Revisited
-(2008), whose code (MikkTSpace) renderers and bakers share."""
+"""Where U grows along a surface, as normal maps are made for: after Mikkelsen, Simulation of Wrinkled Surfaces
+Revisited (2008), whose code (MikkTSpace) renderers and bakers share."""
 
 import numpy as np
 
