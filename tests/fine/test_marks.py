@@ -279,6 +279,20 @@ def test_lines_that_cross_or_meet_hang_together():
     assert np.abs(off_the_line(t[:, :39], *corner[:2])[0]).max() < 0.3
 
 
+@pytest.mark.parametrize("rise", [0.0, 0.05, 0.31, 0.6, -0.4])
+@pytest.mark.parametrize("down", [False, True])
+def test_of_two_marks_side_by_side_one_gives_way(rise, down):
+    """The left, or upper, one is drawn whole, and no rungs lie between both."""
+    def drawn(*gaps):
+        ends = [(x, 30.3 + rise * (x - 40) + gap * np.hypot(1, rise)) for gap in gaps for x in (4.2, 75.4)]
+        return ink(wall(80, 80, ends=[end[::-1] for end in ends] if down else ends), line_thickness=3.0)[10:70, 10:70]
+    alone = drawn(0)
+    assert drawn(0, 4.5).sum() == pytest.approx(2 * alone.sum(), rel=0.03)
+    for gap in (0.5, 0.7, 1.0, 1.3):
+        assert 0.95 < drawn(0, gap).sum() / alone.sum() < 1.2
+    assert np.abs(drawn(0, 1.3) - alone).max() < 0.2
+
+
 def test_a_mark_on_a_contour_or_a_crease_is_one_line():
     a, b = (40.3, -3.0), (37.1, 63.0)
     layers = wall(ends=(a, b))

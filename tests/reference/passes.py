@@ -332,6 +332,9 @@ def give_way(t, scale):
     def way(i):
         ends = [*t.links[i], i][:2]
         return (t.at[ends[1]] - t.at[ends[0]]) * (-1 if len(t.links[i]) == 1 else 1)
+
+    def own(i):
+        return {j for first in t.links[i] for j in along_from(t, i, first)}
     wide = px(scale) * np.where(t.family == NUMBER["mark"], 3, 4)
     room, bound, doubt = 1.0 * wide, np.zeros(len(t)), set()
     edge = np.isin(t.family, (NUMBER["mark"], NUMBER["crease"]))
@@ -341,13 +344,21 @@ def give_way(t, scale):
             continue
         x, y = way(i) / np.linalg.norm(way(i))
         for j in lines:
-            if not (t.family[j] < t.family[i] if edge[i] else t.rank[j] < 3):
+            hands = t.family[i] == t.family[j] == NUMBER["mark"]
+            if not (hands or (t.family[j] < t.family[i] if edge[i] else t.rank[j] < 3)):
                 continue
             gap, other = t.at[j] - t.at[i], way(j) / np.linalg.norm(way(j))
-            along, aside, level = abs(gap @ (x, y)), abs(gap @ (y, -x)), abs(other @ (x, y))
-            if aside < wide[i] and min(abs(along - 1), abs(level - 0.95)) < CLOSE:
+            along, aside, level = abs(gap @ (x, y)), gap @ (y, -x), abs(other @ (x, y))
+            least, sure = (0.985 if hands else 0.95), True
+            if hands:  # the left, or upper, one
+                aside = -aside if (y > 0 if abs(y) > abs(x) else x < 0) else aside
+                if j in own(i) or aside < 0.7 - CLOSE and abs(abs(x) - abs(y)) > CLOSE:
+                    continue
+                sure = aside > 0.7 + CLOSE and abs(abs(x) - abs(y)) > CLOSE
+            aside = abs(aside)
+            if aside < wide[i] and (not sure or min(abs(along - 1), abs(level - least)) < CLOSE):
                 doubt.add(i)
-            elif along <= 1 and level >= 0.95:
+            elif along <= 1 and level >= least:
                 room[i] = min(room[i], aside)
     unsure = set()
     for i in range(len(t)):
@@ -356,9 +367,14 @@ def give_way(t, scale):
         arms = [along_from(t, i, j) for j in t.links[i]] if len(t.links[i]) == 2 else [[]]
         both = min(len(arm) for arm in arms)
         group = [i, *(j for arm in arms for j in arm[:both])]
+        if t.family[i] == NUMBER["mark"]:  # all between two places where lines meet
+            group = [i, *(j for arm in arms for j in arm if len(t.links[j]) <= 2)]
+        mean = float(np.mean(room[group]))
+        if len(t.links[i]) > 2:  # the line that goes through with most room
+            group = t.links[i]
+            mean = sorted(room[group])[-2]
         if doubt & set(group):
             unsure.add(i)
-        mean = float(np.mean(room[group]))
         closed = px(scale) * (1.5 if edge[i] else 0.5)
         bound[i] = max(0, 1 - mean / wide[i]) / (0.25 * max(mean - closed, 1e-6))
     return bound, unsure

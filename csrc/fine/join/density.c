@@ -6,7 +6,7 @@
  * would be a ladder, or come and go. */
 #include "fine/near.h"
 
-enum { CHUNK = 2048, EVENED = 12 /* sites each way along a line */ };
+enum { CHUNK = 2048, EVENED = 12, OWN = 12 /* sites each way along a line */ };
 
 /* In px, which in small frames are whole pixels: closer lines these can't part, and in large ones no more than 8. Next
  * lines are looked for so far away, and their distance is averaged over so much each way. */
@@ -166,7 +166,8 @@ int32_t ISA(fine_crowd)(fine *n)
 /* Px beside an older line that runs along, up to where and within which it counts; as above, and pixels along. */
 static const float wide = 4, wide_mark = 3, along = 1;
 static const float closed_crease = 1.5f, closed_light = 0.5f; /* light keeps 1.5 pixels clear by itself */
-static const float level = 0.95f;                             /* cosine */
+static const float least_aside = 0.7f;                        /* pixels */
+static const float level = 0.95f, level_hand = 0.985f;        /* cosines; lines by hand may cross at an angle */
 
 typedef struct rooms {
 	fine *n;
@@ -190,6 +191,29 @@ static float widest(const site *s)
 	return s->found.family == FAMILY_MARK ? wide_mark : wide;
 }
 
+/* Of two lines by hand that run along each other the left, or upper, one is as an outline to the other: so it is all
+ * along them. What lies nearer is the same line, beyond a place where lines meet. */
+static bool is_before(const site *s, const site *t, const float way[2])
+{
+	float x = t->placed.x - s->placed.x, y = t->placed.y - s->placed.y, aside = x * way[1] - y * way[0];
+	bool down = fabsf(way[1]) > fabsf(way[0]), back = down ? way[1] > 0 : way[0] < 0;
+	return (back ? -aside : aside) > least_aside * sqrtf(way[0] * way[0] + way[1] * way[1]);
+}
+
+/* Whether a site is among those that follow on another either way. */
+static bool is_own(const fine *n, uint32_t i, uint32_t site)
+{
+	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
+		for (uint32_t from = i, at = n->to[k], links = 0; at != UINT32_MAX && links < OWN; links++) {
+			if (at == site)
+				return true;
+			uint32_t next = next_of(n, from, at);
+			from = at;
+			at = next;
+		}
+	return false;
+}
+
 static void find_rooms(void *data, int first, int end, int thread)
 {
 	(void)thread;
@@ -205,36 +229,61 @@ static void find_rooms(void *data, int first, int end, int thread)
 		near_sites of = near_site(n, s, room + along);
 		for (uint32_t j; near_next(n, &of, &j);) {
 			const site *t = n->site + j;
+			bool hands = s->found.family == FAMILY_MARK && t->found.family == FAMILY_MARK;
 			bool older = is_edge(s) ? t->found.family < s->found.family : rank_of(t) < RANK_LIGHT;
-			if (!older || t->linked.dropped || !way_of(n, j, other))
+			if ((hands ? !is_before(s, t, way) || is_own(n, i, j) : !older) || t->linked.dropped ||
+			    !way_of(n, j, other))
 				continue;
 			float x = t->placed.x - s->placed.x, y = t->placed.y - s->placed.y,
 			      aside = fabsf(x * way[1] - y * way[0]), dot = way[0] * other[0] + way[1] * other[1];
 			if (fabsf(x * way[0] + y * way[1]) <= along * length && aside < room * length &&
-			    dot * dot > level * level * square * (other[0] * other[0] + other[1] * other[1]))
+			    dot * dot > (hands ? level_hand * level_hand : level * level) * square *
+						(other[0] * other[0] + other[1] * other[1]))
 				room = aside / length;
 		}
 		r->room[i] = room / r->px;
 	}
 }
 
+/* Where lines meet, that of the line that goes through with most of it. */
+static float through_room(const rooms *r, uint32_t i)
+{
+	float most[2] = {0, 0};
+	for (uint32_t k = r->n->at[i]; k < r->n->at[i + 1]; k++) {
+		float room = r->room[r->n->to[k]];
+		most[1] = max(most[1], min(most[0], room));
+		most[0] = max(most[0], room);
+	}
+	return most[1];
+}
+
 /* The mean along the line, as far both ways as it goes: what stands beside it in a row, as windows do at a house's
- * corner, would cut it to dashes. Where an older line comes nearer steadily, the mean is the place's own. */
+ * corner, would cut it to dashes. Where an older line comes nearer steadily, the mean is the place's own. Two lines by
+ * hand that meet again and again would be a ladder: their mean is that of all that lies between two such places. */
 static float even_room(const rooms *r, uint32_t i)
 {
 	const fine *n = r->n;
 	float sum = r->room[i], count = 1;
+	bool all = n->site[i].found.family == FAMILY_MARK;
+	if (links_at(n, i) > 2)
+		return through_room(r, i);
 	if (links_at(n, i) != 2)
 		return sum;
 	uint32_t from[2] = {i, i}, at[2] = {n->to[n->at[i]], n->to[n->at[i] + 1]};
-	for (int k = 0; k < EVENED && at[0] != UINT32_MAX && at[1] != UINT32_MAX && at[0] != i; k++)
+	for (int k = 0; k < EVENED && at[0] != i && at[1] != i; k++) {
+		if (at[0] == UINT32_MAX || at[1] == UINT32_MAX ? !all : 0)
+			break;
 		for (int side = 0; side < 2; side++) {
+			if (at[side] == UINT32_MAX)
+				continue;
 			uint32_t next = next_of(n, from[side], at[side]);
-			sum += r->room[at[side]];
-			count++;
+			float counts = !all || links_at(n, at[side]) <= 2;
+			sum += counts * r->room[at[side]];
+			count += counts;
 			from[side] = at[side];
 			at[side] = next;
 		}
+	}
 	return sum / count;
 }
 
