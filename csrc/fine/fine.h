@@ -228,6 +228,8 @@ int ISA(hand_steps)(const fine *n, const found *at);
 /* creases.c: marks in the cracks of a row where edges of meshes pass that bend enough. */
 void ISA(crease_row)(const fine *n, int y);
 bool ISA(crease_site)(const fine *n, const found *at, placed *s);
+/* Whether pieces of meshes pass through each other there. */
+bool ISA(crease_through)(const frame *f, const found *at);
 /* Whether an edge that is a line passes on the way between the pixels of a crack, or on one to a neighbour of theirs.
  */
 bool ISA(crease_beside)(const fine *n, const found *at);

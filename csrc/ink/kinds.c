@@ -12,8 +12,6 @@
 static const float least_jump = 0.0065f;
 /* Links each way over which an outline goes on. */
 enum { BRIDGE = 24 };
-/* Pieces that pass through each other bend by so many degrees. */
-static const float through = 180;
 
 /* ---- kinds ----------------------------------------------------------------------------------------------- */
 
@@ -110,16 +108,6 @@ static bool goes_on(const frame *f, uint32_t i)
 	return sides == 2;
 }
 
-static bool passes_through(const frame *f, const found *at)
-{
-	const float *row = layer_row(f, ENCRE_LAYER_CREASES, at->row);
-	if (!row || at->axis > AXIS_COLUMN)
-		return false;
-	const float *way = row + (ptrdiff_t)5 * at->column + 2 * (at->axis == AXIS_COLUMN);
-	float bend = fabsf(way[1]);
-	return way[0] != 0 && (bend == through || bend == through + crease_spread);
-}
-
 enum line ISA(line_of)(const frame *f, const site *s)
 {
 	const fine *n = f->fine;
@@ -131,7 +119,7 @@ enum line ISA(line_of)(const frame *f, const site *s)
 	case SOURCE_DEPTH:
 		shape = shape_of(f, &s->found, (enum source)s->placed.source);
 		return shape == LINE_CONTACT && goes_on(f, i) ? LINE_OUTLINE : shape;
-	case SOURCE_NORMAL: return passes_through(f, &s->found) ? LINE_INTERSECTION : LINE_CREASE;
+	case SOURCE_NORMAL: return ISA(crease_through)(f, &s->found) ? LINE_INTERSECTION : LINE_CREASE;
 	case SOURCE_MATERIAL: return LINE_MATERIAL;
 	case SOURCE_COLOR: return LINE_COLOR;
 	case SOURCE_LIGHT: return LINE_LIGHT;

@@ -149,6 +149,22 @@ def test_a_line_s_width_eases_where_what_it_is_made_of_changes():
     assert (np.diff(width[10:80]) < 0.3).all() and np.abs(np.diff(width[10:80])).max() < 2.0
 
 
+@pytest.mark.parametrize("between", [0, 2])
+def test_a_contour_goes_on_where_pieces_meet(between):
+    """At an eye's corner the rasteriser knows neither for some pixels, or both here and there."""
+    layers = flat(60, 40)
+    layers["color"][:, 20:] = 0.2
+    layers["normal"][:, 20:] = 0.6, 0, 0.8
+    marks, creases = np.zeros((60, 40, 2), np.float32), np.zeros((60, 40, 5), np.float32)
+    marks[:25, 19, 0] = -(0.5 + 2 * 4)
+    for first, end in ((31 + 4 * (between > 0), 60), (29, 29 + between)):
+        creases[first:end, 19, :2] = 0.5, 180
+        marks[first:end, 19, 0] = -0.5
+    t = ink({**layers, "marks": marks, "creases": creases}, edge_color=0.0, line_thickness=2.0, width_normal=1.0)
+    assert t[3:57, 18:22].max(1).min() > 0.4
+    assert not t[:, :16].any() and not t[:, 24:].any()
+
+
 def test_a_lone_pixel_does_not_end_a_line():
     """A ledge that rises from a wall and goes back into it; pixels on its edge are as far as neither side of it."""
     def widths(lone):

@@ -56,7 +56,7 @@ def claim(check):
         t.dropped[list(gone)] = True
         weak, held = twin.weak(t, family)
         t.dropped[list(weak)] = True
-        crumbs = twin.crumbs(t, family)
+        crumbs = twin.crumbs(t, family) - twin.through(t, check.c.view.layers.creases)
         check.alike("held", held, np.flatnonzero(own & (after.site["held"] > 0)))
         check.alike("crumbs", crumbs, np.flatnonzero(own & (after.site["crumb"] > 0)))
         check.alike("claimed", gone | weak | crumbs, np.flatnonzero(own & after.dropped))

@@ -156,7 +156,7 @@ def short(t, least, shape, numbers):
         return i not in gone and t.is_end(i) and not t.at_border(i, shape)
 
     for i in range(len(t)):
-        lone = t.family[i] == NUMBER["crack"] and not meant[i] and not t.links[i] and not t.dropped[i]
+        lone = t.family[i] in (NUMBER["crack"], NUMBER["crease"]) and not (meant[i] or t.links[i] or t.dropped[i])
         if lone and least[i] > 0 and not t.at_border(i, shape):
             gone.add(i)
         if not free(i):

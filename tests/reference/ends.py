@@ -123,9 +123,9 @@ def _join(t, a, b, picture, doubt):
     if (low != high and high > 1) or not 0 < length <= 8:
         return None
     straight = min(a.way @ gap, -(b.way @ gap)) / length - 0.94
-    if abs(straight) < CLOSE or abs(length - 3) < CLOSE or abs(length - 6) < CLOSE:
+    if abs(straight) < CLOSE or abs(length - 3) < CLOSE:
         doubt.update((i, j))
-    if length <= 6 and straight >= 0:
+    if straight >= 0:
         agrees = 1.0 if length <= 3 else picture.agrees(t.rank[i], t.at[i], t.at[j])
         if abs(agrees) < CLOSE:
             doubt.update((i, j))

@@ -121,6 +121,14 @@ def weak(t, family):
     return own - kept, kept - strong
 
 
+def through(t, layer):
+    """Sites of edges at which pieces of meshes pass through each other."""
+    site, axis = t.site, t.site["axis"].clip(0, COLUMN)
+    bend = np.abs(layer[site["row"], site["column"], 1 + 2 * axis]) % 360
+    place = layer[site["row"], site["column"], 2 * axis]
+    return set(np.flatnonzero((t.family == NUMBER["crease"]) & (t.axis <= COLUMN) & (place != 0) & (bend == 180)))
+
+
 def crumbs(t, family):
     """Which sites are too few that hang together, to be a line."""
     least = (9 if FAMILIES[family] == "seen_depth" else 4 if FAMILIES[family].startswith("seen") or family in BANDS

@@ -13,6 +13,9 @@ static const float ease[2] = {4, 20}, least_width[2] = {0.4f, 0.2f};
  * down to this share of the angle. */
 static const float least_smooth = 5 / 6.0f;
 
+/* Pieces that pass through each other bend by so many degrees. */
+static const float through = 180;
+
 typedef struct passing {
 	float place, bend;
 	bool spread; /* over several faces */
@@ -96,6 +99,16 @@ bool ISA(crease_beside)(const fine *n, const found *at)
 		if (passes(n, x + (k & 1) * dx - (k >> 1) * dy, y + (k & 1) * dy - (k >> 1) * dx, !axis))
 			return true;
 	return false;
+}
+
+bool ISA(crease_through)(const frame *f, const found *at)
+{
+	const float *row = layer_row(f, ENCRE_LAYER_CREASES, at->row);
+	if (!row || at->axis > AXIS_COLUMN)
+		return false;
+	const float *way = row + (ptrdiff_t)5 * at->column + 2 * (at->axis == AXIS_COLUMN);
+	float bend = fabsf(way[1]);
+	return way[0] != 0 && (bend == through || bend == through + crease_spread);
 }
 
 /* Two lines pass a pixel on both sides, closer than they can be told apart: that which bends less gives way, but not

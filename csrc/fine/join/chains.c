@@ -68,12 +68,12 @@ static float least_length(const frame *f, const site *s)
 	return params_at(f, s->placed.near_x, s->placed.near_y)->line_min_length * f->scale;
 }
 
-/* A place of a contour, or of a jump within a thing, by itself. */
+/* A place of a contour, of a jump within a thing or of pieces that meet, by itself. */
 static bool is_lone(const fine *n, uint32_t i)
 {
 	const site *s = n->site + i;
-	return s->found.family == FAMILY_CRACK && links_at(n, i) == 0 && !is_meant(n, s) && least_length(n->f, s) > 0 &&
-	       !at_border(n->f, s);
+	bool lone = s->found.family == FAMILY_CRACK || s->found.family == FAMILY_CREASE;
+	return lone && links_at(n, i) == 0 && !is_meant(n, s) && least_length(n->f, s) > 0 && !at_border(n->f, s);
 }
 
 /* Whether a line that goes round little may begin there: of a colour where it is weak, for of joints between bricks far

@@ -155,7 +155,8 @@ static void find_crumbs(void *data, int first, int end, int thread)
 	for (int k = first; k < end && !stopped_at(t->n, k); k++) {
 		uint32_t i = t->first + (uint32_t)k;
 		linked *s = &t->n->site[i].linked;
-		s->crumb = !s->dropped && is_crumb(t->n, i, t->is->crumb);
+		bool sure = t->is == families + FAMILY_CREASE && ISA(crease_through)(t->n->f, &t->n->site[i].found);
+		s->crumb = !s->dropped && !sure && is_crumb(t->n, i, t->is->crumb);
 	}
 }
 

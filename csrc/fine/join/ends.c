@@ -91,7 +91,7 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 	float one = (dx * a->dx + dy * a->dy) / length, two = -(dx * b->dx + dy * b->dy) / length;
 	p->corner = false;
 	p->cost = 0.5f * length;
-	if (length <= far_reach && one >= far_cosine && two >= far_cosine)
+	if (one >= far_cosine && two >= far_cosine)
 		return length <= near_reach || ISA(picture_agrees)(n, s, t);
 	float sine = a->dx * b->dy - a->dy * b->dx;
 	if (!(fabsf(sine) >= wedge_sine))
