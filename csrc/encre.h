@@ -64,7 +64,8 @@ enum encre_layer {
 				 0 = nowhere; -place: no line, but a contour passes there, if any; less by 2 for
 				 each step that what it bounds lies before what is behind it, at most 7: the first
 				 is 1/4320 of the frame's height, as large as it is there, each further one twice as
-				 far. From the first on it is a line (absent: 0) */
+				 far. From the first on it is a line; -18 - place: the middle of what passes there and
+				 covers the centre of neither; -16 - place: nothing that counts (absent: 0) */
 	/* What the eye sees: in a mirror the thing mirrored, through clear glass the thing behind it, else the surface
 	   itself; averaged over the pixel. FINE draws lines in it if seen_color and seen_normal are there. */
 	ENCRE_LAYER_SEEN_COLOR,  /* 3: unlit colour */
@@ -314,7 +315,9 @@ typedef struct encre_raster_job {
 				   between the same pixels the first; where none does, of the contours of triangles:
 				   edges, found by the indices of corners, at which a surface ends or turns away or
 				   numbers change; of several of them the outermost of the surface in front. Where a
-				   surface folds it lies before what is behind it by a step at least */
+				   surface folds it lies before what is behind it by a step at least. Where two contours
+				   pass in front of what is at both pixels, -18 less the middle between them; of one
+				   alone -16 less its place */
 	encre_image creases;    /* out, 4: the layer `creases`: of edges between two triangles of a mesh, by the indices
 				   of corners, that bend by 5 degrees or more and can be seen; of several that pass
 				   between the same pixels the one that bends most; and with a bend of 180 where pieces of

@@ -49,9 +49,13 @@ def _anchor(name, picture, factor):
     return picture
 
 
+_BETWEEN = -16  # from there down: what passes between two centres and covers none
+
+
 def _marks(picture, factor):
     """Places of marks between the pixels that remain: on each way there are `factor` of the old ways, and as in the
-    rasteriser lines come before contours, which are negative and tell steps of 2 besides, and then the first."""
+    rasteriser lines come before contours, which are negative and tell steps of 2 besides, these before what passes
+    between, and then the first."""
     first = factor // 2
     marks = np.zeros_like(picture[first::factor, first::factor])
     marks[..., 2] = picture[first::factor, first::factor, 2]
@@ -61,7 +65,8 @@ def _marks(picture, factor):
             steps = np.where(part < 0, 2 * np.floor(-part / 2), 0)
             place = np.where(part, np.copysign((k + np.abs(part) - steps) / factor + steps, part), 0)
             old = marks[:part.shape[0], :part.shape[1], axis]
-            old[...] = np.where((part > 0) | ((part < 0) & (old <= 0)), place, old)
+            contour = (part < 0) & (old <= 0) & ((part > _BETWEEN) | (old == 0) | (old <= _BETWEEN))
+            old[...] = np.where((part > 0) | contour, place, old)
     return marks
 
 

@@ -124,6 +124,22 @@ static const float crease_spread = 360;
 enum { MOST_CONTOUR_STEPS = 7 };
 static const float least_contour_step = 0.25f;
 
+/* From `between_first` down: a thing passes between both centres and covers none. First the place of one of its
+ * contours is known, and from `between_both` down the middle of two. */
+static const float between_first = -16, between_both = -18;
+
+/* What the layer tells of a contour or of a line by hand; 0: nothing. */
+static inline float contour_mark(float mark)
+{
+	return mark > between_first ? mark : 0;
+}
+
+/* The middle of what passes between; below 0: nothing does. */
+static inline float between_place(float mark)
+{
+	return mark <= between_both && mark >= between_both - 1 ? between_both - mark : -1;
+}
+
 static inline float contour_value(float place, int steps)
 {
 	return -(place + 2 * (float)steps);
@@ -131,13 +147,13 @@ static inline float contour_value(float place, int steps)
 
 static inline int contour_steps(float mark)
 {
-	float steps = mark < 0 ? floorf(-0.5f * mark) : 0;
+	float steps = mark < 0 ? floorf(-0.5f * contour_mark(mark)) : 0;
 	return steps < MOST_CONTOUR_STEPS ? (int)steps : MOST_CONTOUR_STEPS;
 }
 
 static inline float contour_place(float mark)
 {
-	float place = -mark - 2 * (float)contour_steps(mark);
+	float place = -contour_mark(mark) - 2 * (float)contour_steps(mark);
 	return place > 0 ? place < 1 ? place : 1 : 0;
 }
 

@@ -79,7 +79,7 @@ static float turn_between(const bends *s, int x, int y, int axis)
 	if (*pixel_at(&s->job->object, x, y) != *pixel_at(&s->job->object, qx, qy) ||
 	    (n[0] == 0 && n[1] == 0 && n[2] == 0) || (m[0] == 0 && m[1] == 0 && m[2] == 0) ||
 	    pixel_at(&s->job->creases, x, y)[2 * axis + 1] >= 180 ||
-	    (s->job->marks.data && pixel_at(&s->job->marks, x, y)[axis] < 0))
+	    (s->job->marks.data && contour_mark(pixel_at(&s->job->marks, x, y)[axis]) < 0))
 		return closed;
 	if (n[0] == m[0] && n[1] == m[1] && n[2] == m[2])
 		return 0;

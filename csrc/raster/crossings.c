@@ -114,6 +114,21 @@ static float contour_told(const marking *m, bool down, float share, const surfac
 	return m->side == CONTOUR_BOTH ? -share : contour_value(share, steps);
 }
 
+/* Whether a contour runs in front of what is at both pixels, of which none shows its surface. */
+static bool passes_between(const marking *m, const surface_at *p, const surface_at *q)
+{
+	return m->side != CONTOUR_BOTH && p->part != m->own && q->part != m->own && !hides(p) && !hides(q);
+}
+
+/* Of the contours of a thing that is narrower than the way from a pixel to the next; of a second thing nothing. */
+static void between_told(float *out, float share)
+{
+	if (*out == 0)
+		*out = between_first - share;
+	else if (*out <= between_first && *out > between_both)
+		*out = between_both - 0.5f * (between_first - *out + share);
+}
+
 static void mark(void *user, const crossing *c)
 {
 	marking *m = user;
@@ -131,6 +146,8 @@ static void mark(void *user, const crossing *c)
 		*out = (float)share;
 	else if (m->own && bounds(m, c->down, (float)share, -contour_place(*out), &p, &q))
 		*out = contour_told(m, c->down, (float)share, &p, &q);
+	else if (m->own && passes_between(m, &p, &q))
+		between_told(out, (float)share);
 }
 
 /* Whether one of both pixels shows two surfaces that coincide. */
@@ -165,7 +182,7 @@ static void crease(void *user, const crossing *c)
 		return;
 	/* the earlier surface ends there, though the mesh goes on behind the later one */
 	float *contour = pixel_at(&r->job->marks, x - r->room.x0, y - r->room.y0) + c->down;
-	*contour = *contour == 0 ? -out[0] : *contour;
+	*contour = contour_mark(*contour) == 0 ? -out[0] : *contour;
 }
 
 static void clear_rows(const encre_image *image, int y0, int rows)

@@ -142,7 +142,7 @@ static void settle(const raster *r, int i, const band *b, meets *room, uint32_t 
 		crease[0] = share;
 		crease[1] = through;
 		float *mark = r->job->marks.data ? pixel_at(&r->job->marks, x, y) + m->down : NULL;
-		if (mark && *mark == 0)
+		if (mark && contour_mark(*mark) == 0)
 			*mark = -share;
 	}
 }

@@ -117,7 +117,7 @@ static bool make_site(const frame *f, int x, int y, int dx, int dy, float place,
 static rim_site site_between(const frame *f, int x, int y, int down)
 {
 	const float *marks = layer_row(f, ENCRE_LAYER_MARKS, y);
-	float mark = marks ? marks[2 * x + down] : 0, place = mark < 0 ? contour_place(mark) : 0.5f;
+	float mark = marks ? contour_mark(marks[2 * x + down]) : 0, place = mark < 0 ? contour_place(mark) : 0.5f;
 	int dx = !down, dy = down;
 	rim_site s;
 	bool found = depth_at(f, x, y) < depth_at(f, x + dx, y + dy)

@@ -158,6 +158,29 @@ def test_the_same_however_the_work_is_cut_up():
     assert all(np.array_equal(plain[name], mixed[name]) for name in others)  # no surface notices lines
 
 
+@pytest.mark.parametrize("turn", [0.0, 0.03, 0.4, 0.8, 1.3])
+@pytest.mark.parametrize("wide", [0.1, 0.4, 0.9])
+def test_what_passes_between_centres_is_told(turn, wide):
+    """A rod thinner than a pixel, of three sides, covers a centre in every row or column, or is told between two."""
+    frame, p = Frame(61, 53), orthographic(61, 53)
+    pixel = 2 / (abs(p[0, 0]) * 61)
+    angle, along = np.arange(3) * 2.1 + 0.3, np.array((np.cos(turn), np.sin(turn), 0))
+    ring = np.stack([-np.sin(turn) * np.cos(angle), np.cos(turn) * np.cos(angle), np.sin(angle)], -1) * wide * pixel / 2
+    points = np.concatenate([ring - 99 * pixel * along, ring + 99 * pixel * along]) + (0.011, 0.017, -5)
+    sides = [(0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4), (2, 0, 3), (2, 3, 5), (0, 2, 1), (3, 4, 5)]
+    mesh = Mesh(points.astype(np.float32), np.array(sides, np.int32))
+    wall = Mesh(np.float32([(-99, -99, -9), (99, -99, -9), (0, 199, -9)]), np.array([(0, 1, 2)], np.int32))
+    maps = library.raster([wall, mesh], np.eye(4), p, frame, (61, 53), 0.1, outputs=("depth", "marks"))
+    down = turn < 0.8  # ways down cross it
+    told = (maps["marks"] <= -18)[..., int(down)] | (maps["depth"] < 7)
+    assert told.any(0 if down else 1)[1:-1].all()
+    place = -18 - maps["marks"][..., int(down)]
+    y, x = np.mgrid[:53, :61].astype(float)
+    y, x = (y + place, x) if down else (y, x + place)
+    middle = ((x - 30 - 0.011 / pixel) * np.sin(turn) + (y - 26 + 0.017 / pixel) * np.cos(turn))[place >= 0]
+    assert place.max() < 1 and np.abs(middle).max(initial=0) < 0.5
+
+
 @pytest.mark.parametrize("size", [1e-30, 1e6, 3e38, np.nan, np.inf])
 def test_any_length_gives_clean_places(size):
     rng = np.random.default_rng(6)
@@ -168,6 +191,8 @@ def test_any_length_gives_clean_places(size):
     mesh.points[7] = mesh.points[6]
     for p in (perspective(33, 17), orthographic(33, 17)):
         got = passing([mesh, soup(rng, 5), ball], looking(rng), p, Frame(33, 17))
+        between = (got <= -16) & (got >= -19) & (-got % 2 >= 1 / 1024)
+        got = np.where(between, 0, got)
         place = np.where(got < 0, place_of(got), got)
         assert ((got == 0) | ((place >= 1 / 1024) & (place <= 1))).all() and (steps_of(got) <= 7).all()
 

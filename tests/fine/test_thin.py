@@ -103,6 +103,35 @@ def test_a_level_wire_is_as_wide_all_along(level):
             assert not hand or width > 3 or np.ptp(middle) < 0.25, width
 
 
+@pytest.mark.parametrize("slant", [0, 4, 10, 30, 45, 80, 87])
+@pytest.mark.parametrize("width", [0.2, 0.5, 0.8])
+def test_what_passes_between_all_pixels_is_whole_where_the_mesh_tells(width, slant):
+    """At a sample a pixel nothing but the mesh tells of a wire that covers no centre: it was a row of dashes."""
+    slant, least = np.radians(slant), []
+    for step in range(5):
+        layers, off = rod(width, slant, step / 5, 9.0, samples=1)
+        broken = ink(layers)
+        layers["creases"], layers["marks"] = (np.zeros((*off.shape, n), np.float32) for n in (5, 2))
+        for axis in (0, 1):
+            near, far = (off[:-1], off[1:]) if axis else (off[:, :-1], off[:, 1:])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                edges = [(near - side) / (near - far) for side in (-width / 2, width / 2)]
+                between = np.where((near * far < 0) & (np.abs(near) > width / 2) & (np.abs(far) > width / 2),
+                                   -18 - near / (near - far), 0)
+            inside = [(edge > 0) & (edge <= 1) for edge in edges]
+            contour = np.where(inside[0] ^ inside[1], -14 - np.where(inside[0], *edges), between)
+            layers["marks"][:contour.shape[0], :contour.shape[1], axis] = contour
+        t = ink(layers)
+        along = 2 if slant < 0.8 else 1
+        across, was = (inner(drawn)[None].sum(along) * max(np.cos(slant), np.sin(slant)) for drawn in (t, broken))
+        assert across.min() > 1.4 and across.max() < 3.2, step
+        least.append(was.min())
+        assert inner(t)[np.abs(inner(off)) > width / 2 + 2].max() < 0.05
+        for how in (dict(threads=3), dict(threads=1, simd=0)):
+            assert np.array_equal(t, ink(layers, **how))
+    assert width > 0.5 or 0.1 < slant < 1.5 or min(least) < 0.1
+
+
 def test_a_ledge_a_pixel_high_has_no_comb():
     """The sill below a window's frame, before which it lies: how steep it is one pixel does not tell, the mesh does."""
     z = np.full((24, 32, 1), 4.02)

@@ -113,6 +113,9 @@ WIRES = {  # for the sites of thin things
     f"rough wires {k}": (dict(seed=60 + k, size=(16, 20), count=3, noise=0.04),
                          dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
     for k in range(4)} | {
+    f"told wires {k}": (dict(seed=81 + k, size=(36, 40), count=3, between=True, noise=0.02 * (k % 3 == 2)),
+                        dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
+    for k in range(6)} | {
     "wires that end": (dict(seed=5517, size=(37, 19)), dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (),
                        ORTHO)}
 

@@ -191,8 +191,9 @@ def sweeps(seed, size=(20, 60)):
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
 
 
-def wires(seed, size=(40, 52), count=4, without=(), noise=0.0):
-    """Wires of every width and contrast before a wall that a step divides, some of them just before it."""
+def wires(seed, size=(40, 52), count=4, without=(), noise=0.0, between=False):
+    """Wires of every width and contrast before a wall that a step divides, some of them just before it. between: thin
+    ones, of which is told where they pass between centres, and half of which only centres show."""
     rng = np.random.default_rng(seed)
     height, width = size
     fy, fx = (np.mgrid[:height * FINER, :width * FINER] + 0.5) / FINER - 0.5
@@ -202,26 +203,33 @@ def wires(seed, size=(40, 52), count=4, without=(), noise=0.0):
     value = np.tile(np.r_[np.full(3, 0.5), 0, 0, 0.9], (*size, 1))
     marks = np.zeros((*size, 2))
     for k in range(count):
-        turn, broad = rng.uniform(0, np.pi), rng.uniform(0.3, 3.6)
+        turn, broad = rng.uniform(0, np.pi), rng.uniform(0.3, 1.2 if between else 3.6)
         at = rng.uniform(0.15, 0.85, 2) * size
 
-        def off(y, x, turn=turn, at=at):
-            return np.abs((x - at[1]) * np.cos(turn) + (y - at[0]) * np.sin(turn))
+        def side(y, x, turn=turn, at=at):
+            return (x - at[1]) * np.cos(turn) + (y - at[0]) * np.sin(turn)
+
+        def off(y, x, side=side):
+            return np.abs(side(y, x))
         share = (off(fy, fx) < broad / 2).reshape(height, FINER, width, FINER).mean((1, 3))[..., None]
         own = value.mean((0, 1)) + rng.standard_normal(6) * np.repeat(rng.choice([0.03, 0.08, 0.3], 2), 3)
-        value = share * own + (1 - share) * value
+        seen = share * own + (1 - share) * value
         hit = off(y, x) < broad / 2
+        value = np.where(hit[..., None], own, value) if between and k % 2 else seen
         for axis in (0, 1):  # where its contours pass, as the rasteriser tells
             a, b = off(y, x)[:-1, :-1] - broad / 2, off(y + axis, x + 1 - axis)[:-1, :-1] - broad / 2
             with np.errstate(divide="ignore", invalid="ignore"):
                 marks[:-1, :-1, axis] = np.where((a < 0) != (b < 0), -np.clip(a / (a - b), 0.01, 1),
                                                  marks[:-1, :-1, axis])
+                one, other = side(y, x)[:-1, :-1], side(y + axis, x + 1 - axis)[:-1, :-1]
+                passes = between & (one * other < 0) & (a > 0) & (b > 0) & (marks[:-1, :-1, axis] == 0)
+                marks[:-1, :-1, axis] = np.where(passes, -18 - one / (one - other), marks[:-1, :-1, axis])
         object_ = np.where(hit & (rng.random() < 0.7), k + 1, object_)
         depth = np.where(hit, np.minimum(depth, 5 * rng.choice([0.5, 0.9, rng.uniform(0.985, 0.993)])), depth)
     value = value + noise * rng.standard_normal(value.shape)
     layers = dict(combined=np.ones((*size, 4)), color=value[..., :3], diffuse=np.ones((*size, 3)), depth=depth,
                   object=object_, normal=value[..., 3:])
-    if seed % 2:
+    if seed % 2 or between:
         layers["marks"] = marks
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items() if name not in without}
 

@@ -20,7 +20,7 @@ def _turn(maps, y, x, axis):
     n, m = (maps["normal"][at].astype(float) for at in (p, q))
     if maps["object"][p] != maps["object"][q] or not n.any() or not m.any():
         return -1.0
-    if maps["creases"][p][2 * axis + 1] >= 180 or maps["marks"][p][axis] < 0:
+    if maps["creases"][p][2 * axis + 1] >= 180 or -16 < maps["marks"][p][axis] < 0:
         return -1.0
     return _degrees(n, m)
 

@@ -4,7 +4,7 @@
 import numpy as np
 
 from . import edges as edge_stage
-from . import example, hatch, lines, paper, rim, shade, smudge, specks, tones, wash
+from . import example, hatch, lines, marks, paper, rim, shade, smudge, specks, tones, wash
 from .params import SWITCHES, Params
 
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching", "light")
@@ -46,7 +46,8 @@ class Layers:
         self.background = None if layers.get("background") is None else data["background"]
         self.albedo = self.color if layers.get("albedo") is None else data["albedo"]
         self.object, self.material = data["object"][..., 0], data["material"][..., 0]
-        self.marks, self.creases = data["marks"], data["creases"]
+        self.marks, self.between = marks.told(data["marks"]), marks.between_of(data["marks"])
+        self.creases = data["creases"]
         self.anchor = None if layers.get("anchor") is None else data["anchor"]
         self.tangent = data["tangent"]
         z = data["depth"][..., 0]

@@ -132,13 +132,23 @@ def _walk(meshes, view, projection, frame, size, clip_start):
     return crossed
 
 
+def told(mark):
+    """What the layer says of contours and lines by hand: from -16 down, it is of what passes between both centres."""
+    return np.where(np.asarray(mark) > -16, mark, 0)
+
+
 def place_of(mark):
     """The place 0..1 of a contour in the layer, which also says in steps how far before what is behind it it lies."""
-    return np.clip(-mark - 2 * steps_of(mark), 0, 1)
+    return np.clip(-told(mark) - 2 * steps_of(mark), 0, 1)
 
 
 def steps_of(mark):
-    return np.where(np.asarray(mark) < 0, np.minimum(np.floor(-np.asarray(mark) / 2), 7), 0)
+    return np.where(told(mark) < 0, np.minimum(np.floor(-told(mark) / 2), 7), 0)
+
+
+def between_of(mark):
+    """The middle of what passes between both centres; NaN where nothing does."""
+    return np.where((mark <= -18) & (mark >= -19), -18 - np.asarray(mark, float), np.nan)
 
 
 def marks(lines, meshes, view, projection, frame, size, clip_start):
@@ -164,13 +174,23 @@ def marks(lines, meshes, view, projection, frame, size, clip_start):
                 unsure[way] |= close
                 first = right == (along[0] < 0 if way[2] else along[1] > 0)  # whether it bounds what is at p
                 own, other = there if first else there[::-1]
-                if out[way] > 0 or own[0] != number or other[1] > other[2]:
+                if out[way] > 0:
                     continue
-                known = place_of(out[way])
+                if right != left and all(n != number and behind <= allowed for n, behind, allowed, _ in there):
+                    if out[way] == 0:
+                        out[way] = -16 - share
+                    elif -18 < out[way] <= -16:
+                        out[way] = -18 - (-16 - out[way] + share) / 2
+                    else:
+                        unsure[way] |= out[way] <= -18  # of three, the order tells
+                    continue
+                if own[0] != number or other[1] > other[2]:
+                    continue
+                known, nothing = place_of(out[way]), told(out[way]) == 0
                 if right and left:
-                    if other[0] == number and own[1] <= own[2] and out[way] == 0:
+                    if other[0] == number and own[1] <= own[2] and nothing:
                         out[way] = -share
-                elif own[1] >= -own[2] and (out[way] == 0 or (share > known if first else share < known)):
+                elif own[1] >= -own[2] and (nothing or (share > known if first else share < known)):
                     before = (-other[1] - (other[3] / 2 if cut else 0)) / (pixel * frame.height / 1080)
                     least = 0.25 * 2.0 ** np.arange(fold, 7)
                     unsure[way] |= np.any(np.abs(before - least) < 1e-2 * (1 + least))

@@ -33,6 +33,7 @@ class Slice:
     hits: int = 0
     width: float = 0.0
     trust: float = 0.0
+    told: bool = False  # by the mesh alone
 
 
 @dataclass
@@ -51,7 +52,8 @@ class Thing:
     def half(self):
         """Half the width along the axis: by the areas, within what pixel centres allow."""
         low, high = max(s.low for s in self.slices), min(s.high for s in self.slices)
-        half = 0.5 * sum(s.area for s in self.slices) / (len(self.slices) * max(s.peak for s in self.slices))
+        seen = [s for s in self.slices if not s.told]
+        half = 0.5 * sum(s.area for s in seen) / (len(seen) * max(s.peak for s in seen)) if seen else 0
         return (low + high) / 2 if low > high else min(max(half, low), high)
 
     @property
@@ -137,9 +139,20 @@ class Things:
             s.middle = first - 1 + before + s.width / 2
         return s
 
+    def told(self, axis, across, at):
+        """What passes between the centres about a pixel and covers none, as the layer of marks says."""
+        if not 0 <= across < (self.shape[1] if axis else self.shape[0]):
+            return None
+        places = self._line(self.layers.between[..., axis], axis, across)
+        for first in (at, at - 1, at + 1, at - 2):
+            if 0 <= first < len(places) - 1 and not np.isnan(place := places[first]):
+                ground = self._line(self.layers.object, axis, across)[first]
+                return Slice(first, ground, middle=first + place, high=min(place, 1 - place), trust=1.0, told=True)
+        return None
+
     def about(self, axis, across, at):
         """The slice about a pixel, as narrow as it can be."""
-        if (s := self.over(axis, across, at)) is not None:
+        if (s := self.over(axis, across, at)) is not None or (s := self.told(axis, across, at)) is not None:
             return s
         s = self.between(axis, across, at - 2, 5)
         return s if s is not None and s.area <= 2.05 * s.peak else self.between(axis, across, at - 3, 7)
@@ -154,8 +167,9 @@ class Things:
             while k <= (6 if thing.hits else 16):
                 thing.unsure |= halfway(middle)
                 s = self.about(axis, across + way * k, int(np.floor(middle + 0.5)))
-                if s is None or not s.stands @ own.stands > 0 or abs(s.middle - middle) > 1.5 \
-                        or s.ground != own.ground or abs(s.hits - own.hits) > 1:
+                if s is None or abs(s.middle - middle) > 1.5 or abs(s.hits - own.hits) > 1:
+                    break
+                if not (s.told or own.told) and (not s.stands @ own.stands > 0 or s.ground != own.ground):
                     break
                 thing.slices.append(s)
                 thing.steps += 1
@@ -175,6 +189,8 @@ class Things:
             s = self.over(0, y, x) or self.over(1, x, y)
             if s is not None:
                 found[y, x // 16] |= 2 if s.ground == self.layers.object[y, x] else 1
+        for y, x in np.argwhere((~np.isnan(self.layers.between)).any(-1)):
+            found[y, x // 16] |= 2
         return found
 
     def place(self, axis, x, y, was):
@@ -216,8 +232,14 @@ class Things:
                 if row is None and column is None:
                     continue
                 unsure = any(s is not None and halfway(s.middle) for s in (row, column))
-                axis = int(column is not None and (row is None or column.area < row.area))
-                own = column if axis else row
-                thing = self.along(axis, x if axis else y, own)
-                if thing.hits and thing.steps >= 3:
-                    yield x, y, axis, own.middle, thing.half * thing.square, hits, thing.unsure or unsure
+                both = row is not None and column is not None
+                narrower = both and (column.area < row.area if row.told == column.told else row.told)
+                axis = int(column is not None and (row is None or narrower))
+                ways = [axis, 1 - axis] if both and (row.told or column.told) else [axis]
+                for axis in ways:
+                    own = column if axis else row
+                    thing = self.along(axis, x if axis else y, own)
+                    unsure |= thing.unsure
+                    if (thing.hits or sum(s.told for s in thing.slices) >= 16) and thing.steps >= 3:
+                        yield x, y, axis, own.middle, thing.half * thing.square, hits, unsure
+                        break

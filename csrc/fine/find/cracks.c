@@ -70,15 +70,17 @@ static void unmark_ledges(const float *const *o, const float *marks, int n, uint
 {
 	const float *a = o[0], *b = o[1], *c = o[2], *d = o[3];
 	for (int i = 0; i < n; i++)
-		out[i] &= (uint8_t)(b[i] == c[i] && (a[i] != b[i] || c[i] != d[i]) && !(marks[2 * i] < 0) ? ~bit : 255);
+		out[i] &= (uint8_t)(b[i] == c[i] && (a[i] != b[i] || c[i] != d[i]) && !(contour_mark(marks[2 * i]) < 0)
+					    ? ~bit
+					    : 255);
 }
 
 /* Contours that the meshes tell, and something lies behind. */
 static void mark_contours(const float *marks, int n, bool below, uint8_t *restrict out)
 {
 	for (int i = 0; i < n; i++) {
-		out[i] |= i + 1 < n && marks[2 * i] <= -2 ? CRACK_RIGHT : 0;
-		out[i] |= below && marks[2 * i + 1] <= -2 ? CRACK_DOWN : 0;
+		out[i] |= i + 1 < n && contour_mark(marks[2 * i]) <= -2 ? CRACK_RIGHT : 0;
+		out[i] |= below && contour_mark(marks[2 * i + 1]) <= -2 ? CRACK_DOWN : 0;
 	}
 }
 

@@ -6,7 +6,7 @@
 static float mark_at(const fine *n, int x, int y, int axis)
 {
 	plane marks = n->f->layer[ENCRE_LAYER_MARKS];
-	return marks.data[y * marks.row + (ptrdiff_t)2 * x + axis];
+	return contour_mark(marks.data[y * marks.row + (ptrdiff_t)2 * x + axis]);
 }
 
 float ISA(hand_place)(const fine *n, const found *at)

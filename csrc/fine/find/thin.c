@@ -43,6 +43,7 @@ typedef struct slice {
 	float ground;         /* the object behind it */
 	float width;          /* from contour to contour; 0: not known */
 	float trust;          /* in the above, 0 to 1 */
+	bool told;            /* by the mesh alone: it passes between pixels, and nothing else is known of it */
 } slice;
 
 /* 0 up to `from`, 1 from `to` on. */
@@ -170,7 +171,7 @@ static bool slice_at(const fine *n, int axis, int across, int at, slice *s)
 typedef struct run {
 	float area, peak, low, high;
 	float ends[2]; /* of its middle */
-	int slices, hits, steps;
+	int slices, hits, steps, told;
 } run;
 
 static void add(run *r, const slice *s)
@@ -180,13 +181,40 @@ static void add(run *r, const slice *s)
 	r->low = max(r->low, s->low);
 	r->high = min(r->high, s->high);
 	r->hits += s->hits;
-	r->slices++;
+	r->slices += !s->told;
+	r->told += s->told;
+}
+
+/* What passes between the centres about a pixel, where the mesh tells it. */
+static bool slice_told(const fine *n, int axis, int across, int at, slice *s)
+{
+	static const int ways[4] = {0, -1, 1, -2};
+	const frame *f = n->f;
+	int size = axis ? f->height : f->width;
+	if (!f->layer[ENCRE_LAYER_MARKS].data || across < 0 || across >= (axis ? f->width : f->height))
+		return false;
+	for (int k = 0; k < 4; k++) {
+		int first = at + ways[k];
+		if (first < 0 || first + 1 >= size)
+			continue;
+		const float *row = layer_row(f, ENCRE_LAYER_MARKS, axis ? first : across);
+		float place = between_place(row[2 * (axis ? across : first) + axis]);
+		if (place < 0)
+			continue;
+		*s = (slice){.middle = (float)first + place,
+			     .high = min(place, 1 - place),
+			     .ground = axis ? object_at(f, across, first) : object_at(f, first, across),
+			     .trust = 1,
+			     .told = true};
+		return true;
+	}
+	return false;
 }
 
 /* The slice about a pixel, as narrow as it can be. */
 static bool slice_about(const fine *n, int axis, int across, int at, slice *s)
 {
-	return slice_at(n, axis, across, at, s) ||
+	return slice_at(n, axis, across, at, s) || slice_told(n, axis, across, at, s) ||
 	       (slice_of(n, axis, across, at - 2, 5, s) && s->area <= narrow * s->peak) ||
 	       slice_of(n, axis, across, at - 3, 7, s);
 }
@@ -205,8 +233,9 @@ static run follow(const fine *n, int axis, int across, const slice *from)
 				break;
 			for (int c = 0; c < PLANES; c++)
 				along += next.stands[c] * from->stands[c];
-			if (!(along > 0) || fabsf(next.middle - middle) > steepest || next.ground != from->ground ||
-			    abs(next.hits - from->hits) > 1)
+			bool told = next.told || from->told;
+			if (!(along > 0 || told) || fabsf(next.middle - middle) > steepest ||
+			    !(next.ground == from->ground || told) || abs(next.hits - from->hits) > 1)
 				break;
 			add(&r, &next);
 			middle = next.middle;
@@ -221,7 +250,7 @@ static run follow(const fine *n, int axis, int across, const slice *from)
  * pixel centres it covers and which it does not tells that. */
 static float half_of(const run *r)
 {
-	float half = 0.5f * r->area / ((float)r->slices * r->peak);
+	float half = r->peak > 0 ? 0.5f * r->area / ((float)r->slices * r->peak) : 0;
 	if (r->low > r->high)
 		return 0.5f * (r->low + r->high);
 	return half < r->low ? r->low : half > r->high ? r->high : half;
@@ -257,7 +286,11 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 	const frame *f = n->f;
 	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		uint8_t *hit = n->hit + (ptrdiff_t)y * n->spans;
+		const float *marks = layer_row(f, ENCRE_LAYER_MARKS, y);
 		memset(hit, 0, (size_t)n->spans);
+		for (int x = 0; marks && x < f->width; x++)
+			if (max(between_place(marks[2 * x]), between_place(marks[2 * x + 1])) >= 0)
+				hit[x / THIN_SPAN] |= HIT_DEPTH;
 		for (int x = 0; x < f->width; x++) {
 			slice s;
 			if (none_ahead(n, x, y)) {
@@ -334,7 +367,7 @@ bool ISA(thin_site)(const fine *n, const found *at, placed *s)
 	if (!hits || !slice_between(n, at->axis, x, y, &own))
 		return false;
 	run r = follow(n, at->axis, at->axis ? x : y, &own);
-	if (r.hits == 0 || r.steps < (int)shortest)
+	if ((r.hits == 0 && r.told < REACH) || r.steps < (int)shortest)
 		return false;
 	s->thin = 1;
 	s->half = half_of(&r) * squareness(&r);
@@ -350,7 +383,7 @@ void ISA(thin_mark)(const fine *n, int y, uint8_t *hits, uint16_t *ridge)
 {
 	hits_about(n, y, hits);
 	for (int x = 0; x < n->f->width; x++) {
-		slice row, column;
+		slice row = {0}, column = {0};
 		int at = x / THIN_SPAN;
 		if (!(hits[at > 0 ? at - 1 : 0] | hits[at] | hits[at + 1 < n->spans ? at + 1 : at])) {
 			x += THIN_SPAN - 1;
@@ -359,10 +392,18 @@ void ISA(thin_mark)(const fine *n, int y, uint8_t *hits, uint16_t *ridge)
 		/* the axis that crosses it more squarely, along which it is narrower */
 		bool in_row = slice_between(n, AXIS_ROW, x, y, &row),
 		     in_column = slice_between(n, AXIS_COLUMN, x, y, &column);
-		int axis = in_column && (!in_row || column.area < row.area) ? AXIS_COLUMN : AXIS_ROW;
+		bool narrower = row.told == column.told ? column.area < row.area : row.told;
+		int axis = in_column && (!in_row || narrower) ? AXIS_COLUMN : AXIS_ROW;
 		found between = {(uint16_t)x, (uint16_t)y, FAMILY_THIN, (uint8_t)axis};
 		placed s = {0};
-		if ((in_row || in_column) && ISA(thin_site)(n, &between, &s))
+		bool either = (in_row && row.told) || (in_column && column.told),
+		     lies = (in_row || in_column) && ISA(thin_site)(n, &between, &s);
+		if (!lies && either && in_row &&
+		    in_column) { /* of one that runs aslant, the way along which it goes on */
+			between.axis = (uint8_t)(axis = !axis);
+			lies = ISA(thin_site)(n, &between, &s);
+		}
+		if (lies)
 			ridge[x] |= mark_of(FAMILY_THIN, axis);
 	}
 }
