@@ -3,6 +3,8 @@
 
 import contextlib
 
+import bpy
+
 from ..pen import layers, metadata, saved
 from ..pen.errors import EncreError
 from . import images, properties, versions
@@ -42,6 +44,11 @@ def _others_read(scene):
     return keeps(scene) or multilayer or versions.compositor(scene) is not None
 
 
+def _drawn_once(scene, view_layer):
+    """Whether nobody gets at what is rendered but the stages, with the settings of now."""
+    return bpy.app.background and not _others_read(scene) and "Encre Light" not in asked(view_layer)
+
+
 def own(scene, view_layer, seen, anchor, tangent):
     """{name: channel names} of the passes that the stages fill; seen, anchor, tangent: as saved.passes() has them."""
     return {**{name: layers.DRAWN[name] for name in asked(view_layer)},
@@ -59,6 +66,8 @@ def passes(scene, view_layer):
                 wanted = {"Combined": layers.CYCLES["Combined"]}
             else:
                 wanted |= {**(layers.BEHIND if settings.wants_parts else {}), **(layers.SEEN if seen else {})}
+                if _drawn_once(scene, view_layer):
+                    wanted = {name: letters for name, letters in wanted.items() if name not in settings.unread}
             wanted |= own(scene, view_layer, seen, settings.wants_anchor, settings.wants_tangent)
     for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")

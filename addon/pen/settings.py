@@ -135,6 +135,12 @@ class Settings:
                                         "line_light")
 
     @cached_property
+    def unread(self) -> set[str]:
+        """Those of Cycles' passes that nothing looks at, by their classic names."""
+        return {*(() if self.wants_specular else ("GlossDir", "GlossInd")),
+                *(() if self.wants_light or not self.active else ("DiffInd",))}
+
+    @cached_property
     def fast(self) -> bool:
         """Whether the layers are drawn from the scene, without a renderer."""
         return self.every[0]["layer_source"] == "ENCRE"

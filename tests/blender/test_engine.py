@@ -16,6 +16,14 @@ def over(lines, surface):
                            surface[..., 3:] + lines[..., 3:] * (1 - surface[..., 3:])], 2)
 
 
+def test_passes_that_nobody_looks_at_are_not_rendered(render):
+    facts = render("drawn_once").facts
+    (once, picture), (every, same) = facts["once"][0], facts["all"][0]
+    assert {layers.classic(name) for name in every} - {layers.classic(name) for name in once} == {
+        "GlossDir", "GlossInd", "DiffInd"}
+    assert picture == same
+
+
 def test_picture(render):
     shot = render("picture")
     found = shot.passes("picture")

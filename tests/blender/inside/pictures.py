@@ -22,6 +22,31 @@ def picture(out):
     fact("aovs", len(scene.view_layers[0].aovs))
 
 
+def drawn_once(out):
+    """Lines alone into a file of one picture, with the passes that are rendered for that, and with all."""
+    import hashlib
+
+    from encre.blender import known, wanted
+
+    scene = stage()
+    set_all(scene, False)
+    scene.encre.use_lines = True
+    passes_on(scene.view_layers[0], False)
+    rendered, begin = [], known.Passes.__init__
+    known.Passes.__init__ = lambda self, there, *rest: rendered.extend(there) or begin(self, there, *rest)
+    for name in ("once", "all"):
+        exr(scene, os.path.join(out, f"{name}.exr"))
+        if hasattr(scene.render.image_settings, "media_type"):
+            scene.render.image_settings.media_type = "IMAGE"
+        scene.render.image_settings.file_format = "OPEN_EXR"
+        rendered.clear()
+        bpy.ops.render.render(write_still=True)
+        picture = bpy.data.images.load(scene.render.filepath)
+        fact(name, [sorted(rendered), hashlib.sha256(str(picture.pixels[:]).encode()).hexdigest()])
+        wanted._drawn_once = lambda *_: False
+    known.Passes.__init__ = begin
+
+
 def spy_on_work():
     """A list that grows by a name at each call of what computes pictures."""
     from encre.blender import frame
