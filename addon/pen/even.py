@@ -5,9 +5,8 @@ What the denoiser leaves are streaks and clouds, some part of the noise that was
 place where it reaches a threshold. How much noise there was is told by neighbours in the light as rendered. Light moves
 towards the mean of two places on either side of it, where they lie on the same surface and that mean differs by no more
 than such noise: so slopes stay as they are, however steep, shadows keep their edges, and what had no noise keeps every
-byte. Two that are alike count most: they lie along a curve of equal light, the others across the bend at a penumbra's
-foot, which noise would hide. Passes at several distances reach far with few places (a transform with holes: Dammertz
-et al. 2010), the farthest first: the last then takes away what lies between their holes.
+byte. Passes at several distances reach far with few places (a transform with holes: Dammertz et al. 2010), the farthest
+first: the last then takes away what lies between their holes.
 
 What is left are islands where light lies flat: levels would be filled and outlined in crumbs. A place that is brighter,
 or darker, than all about it by less than the noise as rendered comes down, or up, to the nearest of those. Only peaks
@@ -21,7 +20,6 @@ import numpy as np
 # Of a pass: pixels, and how many standard deviations of the noise as rendered a mean may differ by. Far places lie on
 # other slopes more often, and of clouds that large the denoiser leaves less.
 _PASSES = (16, 1.5), (8, 1.5), (4, 2), (2, 3), (1, 3)
-_APART = 4  # times that: two places that differ by more tell nothing
 _STEPS = 8, 4, 2, 1  # pixels: how far peaks and pits are looked for
 _AROUND, _ASIDE = 2, 5  # pixels: of the window in which noise is measured, and to the windows beside it
 REACH = sum(step for step, _ in _PASSES) + sum(_STEPS) + 1 + _AROUND + _ASIDE
@@ -134,17 +132,14 @@ def _mean(picture):
 
 
 def _pass(light, most, step, same):
-    """Each pixel and the means of the pairs about it, weighted as a B-spline and by how little they differ, from it and
-    in themselves."""
+    """Each pixel and the means of the pairs about it, weighted as a B-spline and by how little they differ."""
     total, weights = np.zeros_like(light), np.full_like(light, 4)
     around = _pairs(light, step)
     for ahead, weight in zip(_AHEAD, (4, 4, 2, 2), strict=True):
         one, two = around(ahead)
         off = (one + two) * np.float32(0.5) - light
-        known = same[ahead] & (most > 0)
-        share = np.divide(off, most, out=np.ones_like(off), where=known)
-        slope = np.divide(one - two, np.float32(_APART) * most, out=np.ones_like(off), where=known)
-        alike = np.maximum(1 - share * share - slope * slope, 0)
+        share = np.divide(off, most, out=np.ones_like(off), where=same[ahead] & (most > 0))
+        alike = np.maximum(1 - share * share, 0)
         alike *= weight * alike
         weights += alike
         total += alike * off

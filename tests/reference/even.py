@@ -46,9 +46,8 @@ def smoothed(picture, p, step, most):
     for ahead, weight in AHEAD.items():
         one, two, same = picture.pair(p, ahead, step)
         off = (picture.light[one] + picture.light[two]) / 2 - own
-        unlike = math.hypot(off, (picture.light[one] - picture.light[two]) / 4)
-        if same and unlike < most:
-            weight *= (1 - (unlike / most) ** 2) ** 2
+        if same and abs(off) < most:
+            weight *= (1 - (off / most) ** 2) ** 2
             total, weights = total + weight * off, weights + weight
     return own + total / weights
 

@@ -114,16 +114,6 @@ def test_the_edge_of_a_shadow_stays_where_it_is():
     assert np.percentile(off, 95) < 0.05 and off.max() < 0.2
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_much_noise_does_not_move_the_foot_of_a_penumbra(seed):
-    way = np.clip((X - 48 - 0.2 * (Y - 45)) / 24, 0, 1)
-    light = 0.05 + 0.9 * way * way * (3 - 2 * way)
-    left, rendered = noisy(light, seed, 0.01, 0.2)
-    made = even(left, rendered, FACING, FLAT)[..., 0]
-    for level, most in ((0.15, 0.1), (0.25, 0.1), (0.5, 0.1), (0.8, 1)):
-        assert abs((places(made, level) - places(light, level)).mean()) < most
-
-
 def test_nothing_is_mixed_across_an_outline():
     light = np.where(X < 60, 0.5, 0.502)
     left, rendered = noisy(light, 1, 0)
