@@ -148,6 +148,13 @@ static bool is_crumb(const fine *n, uint32_t i, int wanted)
 	return count < wanted;
 }
 
+/* However few: the rasteriser says of two pieces that they meet there. */
+static bool is_told(const fine *n, uint32_t i)
+{
+	const site *s = n->site + i;
+	return s->found.family == FAMILY_CREASE && ISA(crease_through)(n->f, &s->found);
+}
+
 static void find_crumbs(void *data, int first, int end, int thread)
 {
 	(void)thread;
@@ -155,8 +162,7 @@ static void find_crumbs(void *data, int first, int end, int thread)
 	for (int k = first; k < end && !stopped_at(t->n, k); k++) {
 		uint32_t i = t->first + (uint32_t)k;
 		linked *s = &t->n->site[i].linked;
-		bool sure = t->is == families + FAMILY_CREASE && ISA(crease_through)(t->n->f, &t->n->site[i].found);
-		s->crumb = !s->dropped && !sure && is_crumb(t->n, i, t->is->crumb);
+		s->crumb = !s->dropped && is_crumb(t->n, i, t->is->crumb) && !is_told(t->n, i);
 	}
 }
 
