@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 16 };
+enum { ENCRE_API_VERSION = 17 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -92,6 +92,10 @@ enum encre_layer {
 	ENCRE_LAYER_GLOSS,   /* 3: unlit colour of what mirrors: specular without its light (absent: 0) */
 	ENCRE_LAYER_TANGENT, /* 3: the direction on the resting surface in which U of its UV map grows, of length 1; 0:
 				it has none (absent: none has) */
+	ENCRE_LAYER_CARD,    /* 4: of what is at the pixel's centre, its place on a sheet that stands where the object
+				has its origin, faces the eye and rolls with the object's up: 0 and 1 to the right and
+				up, in world units; 2 and 3 by how much they grow per pixel to the right, so that they
+				grow by 3 and less 2 downward; 0 = nothing there (absent: as nothing) */
 	ENCRE_LAYER_COUNT
 };
 
@@ -336,6 +340,8 @@ typedef struct encre_raster_job {
 				face. Derivatives are those of the face in front, exact, of one that is seen on its edge
 				at most 64 spans long */
 	encre_image tangent; /* out, 3: the layer `tangent`, by the meshes' uv; 0 where these do not grow */
+	encre_image card;    /* out, 4: the layer `card`. A sheet stands no nearer along the view axis than a quarter of
+				how far away its origin is, or it would race where that is beside the camera */
 } encre_raster_job;
 
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent

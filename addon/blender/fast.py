@@ -14,7 +14,7 @@ from . import cameras, lamps, materials, meshes, mirrors, pictures, subject, tre
 
 _SHOWS = 0.5         # alpha from which on a surface is there, as Blender's threshold is
 _MOST_BEHIND = 8     # surfaces that are looked through, one after the other
-_NUMBERS = ("depth", "object", "material", "style", "shading", "normal", "anchor", "tangent")
+_NUMBERS = ("depth", "object", "material", "style", "shading", "normal", "anchor", "tangent", "card")
 
 
 class Kept:
@@ -158,13 +158,15 @@ class Scene:
             wanted.append("anchor")
         if settings.wants_tangent:
             wanted.append("tangent")
+        if settings.wants_card:
+            wanted.append("card")
         lit = np.zeros((*size[::-1], 3), np.float32) if self.shines else None
         maps, looks, diffuse, through = yield from self._front(view, projection, frame, size, wanted, clip, sharp, lit)
         instance = maps["object"].astype(np.int32)
         there = instance > 0
         layers = {"normal": maps["shading"], "marks": maps["marks"]}
         layers |= {name: maps[name][..., None] for name in ("depth", "material", "style")}
-        layers |= {name: maps[name] for name in ("anchor", "tangent") if name in maps}
+        layers |= {name: maps[name] for name in ("anchor", "tangent", "card") if name in maps}
         layers["object"], layers["index"] = (of.take(instance, mode="clip")[..., None] for of in
                                                (objects.numbers, objects.owners))
         if self.painted:

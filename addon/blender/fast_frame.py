@@ -116,7 +116,7 @@ class FastFrames:
         out = dict(plain)
         if wanted.keeps(depsgraph.scene):
             seen = _seen(layers, place.camera.view) if settings.wants_seen else {}
-            for name in saved.passes("seen_depth" in seen, "anchor" in layers, "tangent" in layers):
+            for name in saved.passes("seen_depth" in seen, *(name in layers for name in ("anchor", "tangent", "card"))):
                 place.write(out, name, saved.pack(name, layers | seen))
             for name, picture in layering.seen_passes(seen):
                 place.write(out, name, picture)

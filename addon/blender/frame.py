@@ -197,6 +197,8 @@ class Frames:
                 drawn.append("anchor")
             if settings.wants_tangent:
                 drawn.append("tangent")
+            if settings.wants_card:
+                drawn.append("card")
             if any(mesh.attributes is not None for mesh in objects.meshes):
                 drawn.append("attributes")
         solid = objects.solid() if objects and settings.wants_edges else None
@@ -259,7 +261,7 @@ class Frames:
         def take(window, column, row):
             result = self.engine.get_result()
             for render_pass in result.layers[depsgraph.view_layer.name].passes:
-                if render_pass.name in {**layers.DRAWN, **saved.passes(True, True, True)}:
+                if render_pass.name in {**layers.DRAWN, **saved.passes(True, True, True, True)}:
                     continue
                 picture = versions.read_pass(render_pass, result.resolution_x, result.resolution_y)
                 picture = picture[result.resolution_y - window.height:, :window.width]

@@ -77,6 +77,7 @@ class Layer:
             "the list of styles": [name for name, _ in old.styles] != [name for name, _ in new.styles],
             "Lines": new.wants_edges and not old.wants_edges,
             "what sticks to surfaces": new.wants_anchor and not old.wants_anchor,
+            "flat tones": new.wants_card and not old.wants_card,
             "strokes along UV": new.wants_tangent and not old.wants_tangent,
             "what mirrors show": new.wants_seen and not old.wants_seen,
             "Shading": self.denoised and old.shaded != new.shaded,
@@ -118,7 +119,7 @@ class Picture:
 
 def ours(name):
     """Whether the stages fill a pass."""
-    return name in layers.DRAWN or name in saved.passes(True, True, True)
+    return name in layers.DRAWN or name in saved.passes(True, True, True, True)
 
 
 def _size(scene):

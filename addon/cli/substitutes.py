@@ -108,6 +108,8 @@ def switch_off(names, settings):
                     "stick to the picture")
     elif settings.follows_uv and "Encre Tangent" not in names:
         said.append("no directions of UV maps, which save_anchor=ON renders: strokes go along the form")
+    if settings.lies_flat and "Encre Card" not in names:
+        said.append("no sheets of things, which save_anchor=ON renders: flat tones stick to the picture")
     return settings, said
 
 

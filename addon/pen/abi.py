@@ -85,7 +85,7 @@ class RasterJob(c.Structure):
                 ("clip_end", c.c_double), ("frame", Frame), *((n, Image) for n in RASTER_OUTPUTS),
                 ("progress", Progress), ("user", c.c_void_p), ("marks", Image),
                 ("creases", Image), ("coincident", Image), ("shading", Image),
-                ("beyond", Image), ("anchor", Image), ("tangent", Image)]
+                ("beyond", Image), ("anchor", Image), ("tangent", Image), ("card", Image)]
 
 
 class BakeJob(c.Structure):

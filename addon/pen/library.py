@@ -19,7 +19,7 @@ from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work, filled, whole
 from .params import Chosen, Control, Param, Stage, chosen, control, normal, read, stage, text_of
 
-API_VERSION = 16
+API_VERSION = 17
 _ALL = "; `encre params` lists all"
 
 
@@ -240,7 +240,8 @@ class Library:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
         Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
-        (H, W, 2), `creases` (H, W, 4), `coincident`, `shading` (H, W, 3), `anchor` (H, W, 16) and `tangent` (H, W, 3).
+        (H, W, 2), `creases` (H, W, 4), `coincident`, `shading` (H, W, 3), `anchor` (H, W, 16), `tangent` (H, W, 3)
+        and `card` (H, W, 4).
         beyond (H, W): only what lies farther than this is drawn; at 1e10 nothing is.
         """
         work = self.raster_work(meshes, view, projection, frame, size, clip_start, clip_end, channels, outputs, beyond)
@@ -266,7 +267,7 @@ class Library:
         images = {}
         single = dict.fromkeys(("depth", "object", "material", "style", "coincident"), ())
         deep = {**single, "normal": (3,), "attributes": (channels,), "marks": (2,), "creases": (4,), "shading": (3,),
-                "anchor": (self.layers["anchor"],), "tangent": (3,)}
+                "anchor": (self.layers["anchor"],), "tangent": (3,), "card": (4,)}
         for name in outputs:
             if name not in deep:
                 raise EncreError("raster: " + unknown("output", name, deep))

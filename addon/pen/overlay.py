@@ -70,7 +70,7 @@ def compact(maps: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         out["creases"][..., :4] = creases
         out["creases"][..., 4] = bends(normal)
     for name, picture in maps.items():
-        if name not in ("attributes", "marks", "anchor", "tangent"):
+        if name not in ("attributes", "marks", "anchor", "tangent", "card"):
             out[name] = picture.astype(np.min_scalar_type(int(picture.max())))
         elif picture.any():
             out[name] = picture
@@ -83,7 +83,7 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
 
     index: (height, width) object index that Cycles wrote. maps: what compact() gave of the rasteriser's pictures
     `object` (a number per part of an instance, 0 = nothing), `material`, `style`, `attributes` (the controls) and
-    `marks`, `creases`, `anchor` and `tangent`, and `coincident` and `pairs`; each is popped when it is read.
+    `marks`, `creases`, `anchor`, `tangent` and `card`, and `coincident` and `pairs`; each is popped when it is read.
     owners[number]: what Cycles wrote for that instance; numbers[number]: what the object layer says for it.
     strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices.
     """
@@ -122,6 +122,12 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
         _extrapolate(layers["anchor"], pixels[found], sources[found])
     if "tangent" in maps:
         layers["tangent"] = moved(maps.pop("tangent"))
+    if "card" in maps:
+        layers["card"] = card = moved(maps.pop("card"))
+        right, down = _steps(pixels[found], sources[found], card.shape[1])
+        there = card.reshape(-1, card.shape[2])[pixels[found]]
+        there[:, :2] += right * there[:, 2:] + down * there[:, 3:1:-1] * np.array((1, -1), np.float32)
+        card.reshape(-1, card.shape[2])[pixels[found]] = there
     if "marks" in maps:
         layers["marks"] = without(maps.pop("marks"), pixels)
     if "creases" in maps:
@@ -134,10 +140,17 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
 def _extrapolate(anchor, pixels, sources):
     """Puts right the rest positions at `pixels` that were taken from `sources`, flat numbers, as if the surface went on
     evenly: else a pattern would be torn there."""
-    flat, width = anchor.reshape(-1, anchor.shape[2]), anchor.shape[1]
-    down, right = (one - other for one, other in zip(np.divmod(pixels, width), np.divmod(sources, width), strict=True))
-    flat[pixels, _PLACE] += right[:, None].astype(np.float32) * flat[pixels, _RIGHT]
-    flat[pixels, _PLACE] += down[:, None].astype(np.float32) * flat[pixels, _DOWN]
+    flat = anchor.reshape(-1, anchor.shape[2])
+    right, down = _steps(pixels, sources, anchor.shape[1])
+    flat[pixels, _PLACE] += right * flat[pixels, _RIGHT]
+    flat[pixels, _PLACE] += down * flat[pixels, _DOWN]
+
+
+def _steps(pixels, sources, width):
+    """How many pixels to the right and down `pixels` lie of `sources`, flat numbers, (n, 1) each."""
+    rows, columns = (one - other for one, other in zip(np.divmod(pixels, width), np.divmod(sources, width),
+                                                       strict=True))
+    return columns[:, None].astype(np.float32), rows[:, None].astype(np.float32)
 
 
 def complete_anchor(layers: dict[str, np.ndarray], view: np.ndarray, projection: np.ndarray, frame: Frame) -> None:
@@ -181,8 +194,8 @@ def complete_anchor(layers: dict[str, np.ndarray], view: np.ndarray, projection:
 
 # A layer's value where nothing is.
 _NOTHING = {"object": 0, "material": 0, "style": 0, "controls": 0, "depth": 1e10, "normal": 0, "color": 0, "albedo": 0,
-            "diffuse": 0, "specular": 0, "highlights": 0, "gloss": 0, "anchor": 0, "tangent": 0, "seen_color": 0,
-            "seen_normal": 0, "seen_depth": 0}
+            "diffuse": 0, "specular": 0, "highlights": 0, "gloss": 0, "anchor": 0, "tangent": 0, "card": 0,
+            "seen_color": 0, "seen_normal": 0, "seen_depth": 0}
 
 
 def hide(layers: dict[str, np.ndarray], hidden: np.ndarray) -> None:

@@ -159,16 +159,25 @@ def rubs(values: Mapping[str, Any]) -> bool:
         (values["use_hatching"] or fills(values, "GRAIN")) and values["hatch_amount"] > 0)
 
 
+def _fills(values, *spaces):
+    return values["use_tones"] and any(values[f"{id_}_space"] in spaces
+                                       and values[id_] not in ("NONE", "SAME", "SOLID", "GRAIN") for id_ in TONES)
+
+
 def fills_surfaces(values: Mapping[str, Any]) -> bool:
     """Whether any tone sticks to surfaces."""
-    return values["use_tones"] and any(values[f"{id_}_space"] != "SCREEN"
-                                       and values[id_] not in ("NONE", "SAME", "SOLID", "GRAIN") for id_ in TONES)
+    return _fills(values, "SURFACE", "OBJECT")
+
+
+def fills_sheets(values: Mapping[str, Any]) -> bool:
+    """Whether any tone lies on things' sheets."""
+    return _fills(values, "FLAT")
 
 
 def strokes_along_uv(values: Mapping[str, Any]) -> bool:
     """Whether strokes that stick to surfaces follow UV maps."""
     return values["use_tones"] and values["tone_strokes"] == "UV" and any(
-        values[id_] == "HATCH" and values[f"{id_}_space"] != "SCREEN" for id_ in TONES)
+        values[id_] == "HATCH" and values[f"{id_}_space"] in ("SURFACE", "OBJECT") for id_ in TONES)
 
 
 def strokes_pitches(values: Mapping[str, Any]) -> list[float | None]:

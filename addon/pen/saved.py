@@ -8,16 +8,16 @@ import numpy as np
 from . import library
 
 _WHOLE = {"Encre Source": "combined", "Encre Diffuse": "diffuse", "Encre Seen Depth": "seen_depth",
-          "Encre Tangent": "tangent"}
+          "Encre Tangent": "tangent", "Encre Card": "card"}
 _INDEX, _MARKS, _CREASES = "Encre Index", "Encre Marks", "Encre Creases"  # Z of the marks is the creases' fifth channel
 _NUMBERS = ("object", "material", "style")
 ANCHOR = {"Encre Anchor": slice(0, 3), "Encre Anchor Normal": slice(3, 7), "Encre Anchor X": slice(7, 10),
           "Encre Anchor Y": slice(10, 13), "Encre Anchor Form": slice(13, 16)}  # channels of the layer `anchor`
 
 
-def passes(seen: bool, anchor: bool, tangent: bool = False) -> dict[str, str]:
+def passes(seen: bool, anchor: bool, tangent: bool = False, card: bool = False) -> dict[str, str]:
     """{pass: channel letters}. seen: whether there are the layers of what mirrors show; anchor: that of where on the
-    thing a pixel is; tangent: that of which way its UV map lies."""
+    thing a pixel is; tangent: that of which way its UV map lies; card: that of where on the thing's sheet it is."""
     controls = {name: _letters(places) for name, places in control_passes().items()}
     out = {"Encre Source": "RGBA", "Encre Diffuse": "RGB", _INDEX: "XYZ", **controls, _MARKS: "XYZ", _CREASES: "RGBA"}
     if seen:
@@ -26,6 +26,8 @@ def passes(seen: bool, anchor: bool, tangent: bool = False) -> dict[str, str]:
         out.update((name, "XYZ" if at.stop - at.start == 3 else "RGBA") for name, at in ANCHOR.items())
     if tangent:
         out["Encre Tangent"] = "XYZ"
+    if card:
+        out["Encre Card"] = "RGBA"
     return out
 
 

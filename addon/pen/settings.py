@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import colour, library
-from .params import Chosen, fills_surfaces, pens, sticking_pens, strokes_along_uv, strokes_pitches, terms
+from .params import Chosen, fills_sheets, fills_surfaces, pens, sticking_pens, strokes_along_uv, strokes_pitches, terms
 
 _MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
 _STROKE = 4.5  # pitches from a stroke's place to its end, at most
@@ -256,6 +256,16 @@ class Settings:
     def wants_anchor(self) -> bool:
         """Whether anything sticks to surfaces, or is to be able to."""
         return self.every[0]["save_anchor"] == "ON" or self.sticks
+
+    @cached_property
+    def lies_flat(self) -> bool:
+        """Whether tones that are drawn lie on things' sheets."""
+        return any(fills_sheets(values) for values in self.every)
+
+    @cached_property
+    def wants_card(self) -> bool:
+        """Whether tones lie on things' sheets, or are to be able to."""
+        return self.every[0]["save_anchor"] == "ON" or self.lies_flat
 
     @cached_property
     def follows_uv(self) -> bool:

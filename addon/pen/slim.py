@@ -16,7 +16,7 @@ from .job import Camera
 
 MOST_HALF = 65504.0
 # Numbers must stay what they are. And colours: where lines run between them hangs on their last digits.
-_FLOATS = ("DiffCol", "IndexOB", "IndexMA", "Encre Index", "Encre Anchor")
+_FLOATS = ("DiffCol", "IndexOB", "IndexMA", "Encre Index", "Encre Anchor", "Encre Card")
 _BITS = {"Depth": 16, "Encre Seen Depth": 12, "Encre Marks": 14}  # that are kept of a float's 23
 _BRIGHT = 8.0  # from here on halves are off by more than half of 1/255
 _RIM = 0.01    # shorter by more than this, a normal is a mean of several surfaces'
@@ -49,7 +49,7 @@ class Packer:
         self.parts: dict[str, dict[str, str]] = {}
         self.make: dict[str, Any] = {}
         self.camera = camera
-        own = {*layers.CYCLES, *layers.BEHIND, *layers.SEEN, *saved.passes(True, True, True)}
+        own = {*layers.CYCLES, *layers.BEHIND, *layers.SEEN, *saved.passes(True, True, True, True)}
         for layer, eyes in found.items():
             for view, passes in eyes.items():
                 wanted = {*read(passes), "Combined"}

@@ -9,7 +9,7 @@ from .job import Frame
 
 # What can't be averaged: numbers of things, and places, where the mean of near and far is neither.
 _ONE_SAMPLE = {"Depth", "Denoising Depth", "IndexOB", "IndexMA", "Position", "UV", "Vector", "Encre Index",
-               "Encre Seen Depth", "Encre Tangent"}
+               "Encre Seen Depth", "Encre Tangent", "Encre Card"}
 _ANCHOR_PIXEL = 3  # channel of Encre Anchor Normal: the size of a pixel
 
 
@@ -29,6 +29,8 @@ def shrink(name: str, picture: np.ndarray, factor: int) -> np.ndarray:
         return _creases(picture, factor)
     if name in saved.ANCHOR:
         return _anchor(name, picture[factor // 2::factor, factor // 2::factor].copy(), factor)
+    if name == "Encre Card":
+        return picture[factor // 2::factor, factor // 2::factor] * np.array((1, 1, factor, factor), np.float32)
     if _one_sample(name):
         return picture[factor // 2::factor, factor // 2::factor].copy()  # or the large one would stay
     parts = (picture[row::factor, column::factor] for row in range(factor) for column in range(factor))

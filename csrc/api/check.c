@@ -217,15 +217,17 @@ int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char 
 		{"material", "", 1, 0}, {"style", "", 1, 0},   {"attributes", "", job->n_channels, 0},
 		{"marks", "", 2, 0},    {"creases", "", 4, 0}, {"coincident", "", 1, 0},
 		{"shading", "", 3, 0},  {"anchor", "", 16, 0}, {"tangent", "", 3, 0},
+		{"card", "", 4, 0},
 	};
-	const encre_image *images[] = {&job->depth,      &job->normal,     &job->object, &job->material,
-				       &job->style,      &job->attributes, &job->marks,  &job->creases,
-				       &job->coincident, &job->shading,    &job->anchor, &job->tangent};
+	const encre_image *images[] = {&job->depth,      &job->normal,  &job->object,  &job->material,   &job->style,
+				       &job->attributes, &job->marks,   &job->creases, &job->coincident, &job->shading,
+				       &job->anchor,     &job->tangent, &job->card};
 	const encre_image *first = NULL;
 	*clean = *job;
 	encre_image *clean_images[] = {&clean->depth,      &clean->normal,     &clean->object, &clean->material,
 				       &clean->style,      &clean->attributes, &clean->marks,  &clean->creases,
-				       &clean->coincident, &clean->shading,    &clean->anchor, &clean->tangent};
+				       &clean->coincident, &clean->shading,    &clean->anchor, &clean->tangent,
+				       &clean->card};
 	if (job->n_channels < 0 || job->n_channels > ENCRE_MAX_CHANNELS)
 		return refuse(error, size, "attributes: %d channels; give 0 to %d", (int)job->n_channels,
 			      ENCRE_MAX_CHANNELS);

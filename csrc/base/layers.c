@@ -37,6 +37,8 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 		 16, 0},
 	[ENCRE_LAYER_GLOSS] = {"gloss", "unlit colour of what mirrors, as metals do", 3, 0},
 	[ENCRE_LAYER_TANGENT] = {"tangent", "direction on the resting surface in which U grows", 3, 0},
+	[ENCRE_LAYER_CARD] = {"card",
+			      "place on a sheet that goes with the object's origin, and its growth to the right", 4, 0},
 };
 
 #define CONTROL(id, text, lab, most, least, file_pass, place)                                                          \

@@ -68,6 +68,12 @@ enum {
 	ANCHOR_FORM = 13,    /* where it bends most, as long as it bends that way alone, 0..1; 3 */
 	ANCHOR_COUNT = 16
 };
+/* Channels of the layer `card`. */
+enum {
+	CARD_POSITION = 0, /* to the right and up on the sheet, 2 */
+	CARD_RIGHT = 2,    /* its growth to the right neighbour, 2; 0 = nothing there */
+	CARD_COUNT = 4
+};
 _Static_assert((int)CONTROL_COUNT <= (int)ENCRE_MAX_CHANNELS, "encre_raster() draws them in one go");
 
 typedef struct frame {

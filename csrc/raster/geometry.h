@@ -16,8 +16,9 @@ typedef struct part {
 	double turn[9];    /* normals: object -> world space, of any length */
 	float stretch[3];  /* of rest positions: by how much more an axis is scaled than all on average */
 	double span; /* with the output `anchor`: rest units that a world unit is on its surface, 0 where it has none */
-	double shift[3];                 /* likewise: of a copy, added to rest positions there */
-	spot *spots;                     /* of triangles: spots_find()'s, by point */
+	double shift[3]; /* likewise: of a copy, added to rest positions there */
+	double card[4];  /* with the output `card`: its origin on the screen, its growth per pixel to the right */
+	spot *spots;     /* of triangles: spots_find()'s, by point */
 	const struct topology *topology; /* of triangles, with marks or creases only: kept_find()'s, */
 	const uint16_t *bends;           /* and with creases only what contours_bends() says */
 } part;

@@ -11,6 +11,7 @@
 #include "raster/raster.h"
 
 #include "raster/anchors.h"
+#include "raster/cards.h"
 #include "raster/bevels.h"
 #include "raster/contours.h"
 #include "raster/crossings.h"
@@ -233,6 +234,8 @@ static void shade_row(const raster *r, const band *b, int row)
 			anchors_draw(job, any ? &s.anchor : NULL, s.corner, x, y);
 		if (job->tangent.data)
 			memcpy(pixel_at(&job->tangent, x, y), any ? s.tangent : nothing.tangent, sizeof s.tangent);
+		if (job->card.data)
+			cards_draw(job, any ? s.part : NULL, x, y);
 	}
 }
 
@@ -323,6 +326,8 @@ static int32_t run(bands *pool, raster *r, raster_kept **kept)
 	int32_t code;
 	geometry_aim(&r->geometry);
 	bands_span(pool, 0, 0.5);
+	if (r->job->card.data)
+		cards_stand(&r->geometry);
 	if (r->job->anchor.data && (code = anchors_measure(pool, &r->geometry)))
 		return code;
 	if ((code = spots_find(pool, &r->geometry, &r->room, r->spots)))
@@ -351,9 +356,9 @@ static int32_t run(bands *pool, raster *r, raster_kept **kept)
 
 int32_t raster_run(bands *pool, const encre_raster_job *job, raster_kept **kept, char *error, size_t size)
 {
-	const encre_image *images[] = {&job->depth,      &job->normal,     &job->object, &job->material,
-				       &job->style,      &job->attributes, &job->marks,  &job->creases,
-				       &job->coincident, &job->shading,    &job->anchor, &job->tangent};
+	const encre_image *images[] = {&job->depth,      &job->normal,  &job->object,  &job->material,   &job->style,
+				       &job->attributes, &job->marks,   &job->creases, &job->coincident, &job->shading,
+				       &job->anchor,     &job->tangent, &job->card};
 	const encre_image *image = NULL;
 	for (size_t i = 0; i < sizeof images / sizeof *images; i++)
 		if (images[i]->data)

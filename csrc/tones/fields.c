@@ -2,6 +2,8 @@
 /* Where screens lie: coordinates of the picture, or of the thing at rest. */
 #include "tones/tones.h"
 
+#include <string.h>
+
 void ISA(tone_screen_field)(const frame *f, int y, int x, int n, float right, float down, tone_field *field)
 {
 	float row = (float)(f->place.y + y) + 0.5f;
@@ -24,10 +26,33 @@ void ISA(tone_surface_field)(const float *restrict anchor, int n, const float di
 	}
 }
 
-const tone_rest *ISA(tone_rest_fill)(const frame *f, int y, int x, int n, tone_rest *rest)
+/* A sheet stands upright in x and z, as a wall before the eye. */
+const float *ISA(tone_anchor)(const frame *f, const tone_slot *s, int y, int x, int n, float *room)
 {
-	const float *restrict anchor = anchor_at(f, x, y);
+	if (!s || !tone_flat(s))
+		return anchor_at(f, x, y);
+	const float *card = layer_row(f, ENCRE_LAYER_CARD, y);
+	for (int i = 0; card && i < n; i++) {
+		const float *c = card + (ptrdiff_t)CARD_COUNT * (x + i);
+		float right = c[CARD_RIGHT], up = c[CARD_RIGHT + 1];
+		const float sheet[ANCHOR_COUNT] = {[ANCHOR_POSITION] = c[CARD_POSITION],
+						   [ANCHOR_POSITION + 2] = c[CARD_POSITION + 1],
+						   [ANCHOR_NORMAL + 1] = -1,
+						   [ANCHOR_PIXEL] = sqrtf(right * right + up * up),
+						   [ANCHOR_RIGHT] = right,
+						   [ANCHOR_RIGHT + 2] = up,
+						   [ANCHOR_DOWN] = up,
+						   [ANCHOR_DOWN + 2] = -right};
+		memcpy(room + (ptrdiff_t)ANCHOR_COUNT * i, sheet, sizeof sheet);
+	}
+	return card ? room : NULL;
+}
+
+const tone_rest *ISA(tone_rest_fill)(const frame *f, const tone_slot *s, int y, int x, int n, tone_rest *rest)
+{
+	float room[ANCHOR_COUNT * TONE_REST];
 	n = x + n < f->width ? n + 1 : n;
+	const float *restrict anchor = ISA(tone_anchor)(f, s, y, x, n, room);
 	for (int i = 0; anchor && i < n; i++)
 		for (int c = 0; c < ANCHOR_COUNT; c++)
 			rest->at[c][i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + c];

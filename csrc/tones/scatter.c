@@ -184,7 +184,8 @@ static tone_mark mark_at(const frame *f, const tone_marks *m, const tone_slot *s
 	tone_lattice l;
 	tone_rest own;
 	float whole[2], way[2], weight = 1;
-	const float *anchor = tone_sticks(s) ? anchor_at(f, x, y) : NULL;
+	float room[ANCHOR_COUNT];
+	const float *anchor = tone_sticks(s) ? ISA(tone_anchor)(f, s, y, x, 1, room) : NULL;
 	const tone_rest *rest = anchor ? &own : NULL;
 	for (int c = 0; anchor && c < ANCHOR_COUNT; c++)
 		own.at[c][0] = anchor[c];
@@ -246,7 +247,7 @@ static void look_at(const frame *f, const tone_marks *m, const tone_slot *slots,
 		tone_rest own;
 		uint8_t found[TONE_CHUNK] = {0};
 		bool spots = s->kind == tone_1_STIPPLE, stuck = tone_sticks(s);
-		const tone_rest *rest = stuck ? ISA(tone_rest_fill)(f, y, x, n, &own) : NULL;
+		const tone_rest *rest = stuck ? ISA(tone_rest_fill)(f, s, y, x, n, &own) : NULL;
 		ISA(tone_chart)(f, s, rest, y, x, n, chart);
 		ISA(tone_lattice_fill)(s->least, s->most, n, chart, &l);
 		for (int layer = 0; layer < (spots ? 1 : TONE_LAYERS); layer++)

@@ -37,7 +37,7 @@ static void dots(const frame *f, const tone_slot *s, int y, int x, int n, const 
 	bool stuck = tone_sticks(s);
 	tone_field chart[2];
 	tone_rest rest;
-	ISA(tone_chart)(f, s, stuck ? ISA(tone_rest_fill)(f, y, x, n, &rest) : NULL, y, x, n, chart);
+	ISA(tone_chart)(f, s, stuck ? ISA(tone_rest_fill)(f, s, y, x, n, &rest) : NULL, y, x, n, chart);
 	ISA(tone_dots)(s->screen, n, chart, dark, ink);
 }
 
@@ -45,7 +45,7 @@ static void pictures(const frame *f, const tone_slot *s, int y, int x, int n, co
 {
 	tone_field chart[2];
 	tone_rest rest;
-	ISA(tone_chart)(f, s, tone_sticks(s) ? ISA(tone_rest_fill)(f, y, x, n, &rest) : NULL, y, x, n, chart);
+	ISA(tone_chart)(f, s, tone_sticks(s) ? ISA(tone_rest_fill)(f, s, y, x, n, &rest) : NULL, y, x, n, chart);
 	ISA(tone_picture_row)(s, n, chart, dark, ink);
 }
 
@@ -71,7 +71,8 @@ static void lines(const frame *f, const tone_slot *s, int y, int x, int n, const
 	float first[TONE_CHUNK], second[TONE_CHUNK], cut[TONE_CHUNK], more[TONE_CHUNK] = {0};
 	float c = s->across[0], d = s->across[1], per = 1 / max(s->pitch, 2);
 	float along[3] = {d + 0.15f, 0.1f, c}, other[3];
-	const float *anchor = tone_sticks(s) ? anchor_at(f, x, y) : NULL;
+	float room[ANCHOR_COUNT * TONE_CHUNK];
+	const float *anchor = tone_sticks(s) ? ISA(tone_anchor)(f, s, y, x, n, room) : NULL;
 	unit(along);
 	other[0] = along[1] * 0.2f - along[2] * 0.75f;
 	other[1] = along[2] * 0.6f - along[0] * 0.2f;
@@ -130,8 +131,10 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 	case tone_1_IMAGE: pictures(f, s, y, x, n, dark, ink); break;
 	default: lines(f, s, y, x, n, dark, ink);
 	}
-	if (tone_sticks(s) && anchor_at(f, x, y))
-		mean_row(anchor_at(f, x, y), n, dark, ink);
+	float room[ANCHOR_COUNT * TONE_CHUNK];
+	const float *anchor = tone_sticks(s) ? ISA(tone_anchor)(f, s, y, x, n, room) : NULL;
+	if (anchor)
+		mean_row(anchor, n, dark, ink);
 }
 
 /* Ink over the picture, and over what the output has of tones. */
@@ -295,7 +298,7 @@ static void turn_to_light(const frame *f, const encre_params *p, tone_slot *s)
 	const float degree = 0.0174532925f, *view = f->camera.view;
 	float turn = p->tone_light_turn * degree, height = p->tone_light_height * degree, level = pixel_cos(height);
 	float light[3] = {pixel_cos(turn) * level, pixel_sin(turn) * level, pixel_sin(height)};
-	s->by_uv = p->tone_strokes == tone_strokes_UV;
+	s->by_uv = p->tone_strokes == tone_strokes_UV && !tone_flat(s);
 	s->to_light = p->tone_strokes == tone_strokes_LIGHT;
 	for (int c = 0; c < 3; c++)
 		s->light[c] = view[3 * c] * light[0] + view[3 * c + 1] * light[1] + view[3 * c + 2] * light[2];

@@ -105,8 +105,10 @@ void ISA(tone_chart)(const frame *f, const tone_slot *s, const tone_rest *rest, 
 /* dark.c */
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w);
 
-/* fields.c: the anchor of n pixels, NULL where there is none. */
-const tone_rest *ISA(tone_rest_fill)(const frame *f, int y, int x, int n, tone_rest *rest);
+/* fields.c: the layer anchor at n pixels, of a flat slot that of its sheet, written into `room`, which holds as many;
+ * NULL where there is none. And channel by channel; s NULL: of the surfaces. */
+const float *ISA(tone_anchor)(const frame *f, const tone_slot *s, int y, int x, int n, float *room);
+const tone_rest *ISA(tone_rest_fill)(const frame *f, const tone_slot *s, int y, int x, int n, tone_rest *rest);
 /* Of n pixels from x on in row y. A field of the picture along (right, down), in pixels of the full frame; of
  * the thing, its place along a direction in the space in which it rests; the two axes of the thing that its normal is
  * farthest from, turned; and how well planes across a direction cut the surface, 0..1: not where they graze it. */
@@ -134,6 +136,11 @@ void ISA(tone_lines)(const tone_screen *screen, int n, const tone_field *field, 
 static inline bool tone_sticks(const tone_slot *s)
 {
 	return s->space != tone_1_space_SCREEN;
+}
+
+static inline bool tone_flat(const tone_slot *s)
+{
+	return s->space == tone_1_space_FLAT;
 }
 
 /* Whether any of n values is above 0. */

@@ -37,7 +37,8 @@ FLOAT(tone_##n##_angle, SURFACE, 45, -180, 180, 0, 90, "degrees", "use_tones&ton
 ENUM(tone_##n##_space, SURFACE, 0, "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE|IMAGE", "Space " #n, "What dots, lines and strokes keep to", \
      ITEM(tone_##n##_space, SCREEN, 0, "Screen", "The picture, as printed: for stills") \
      ITEM(tone_##n##_space, SURFACE, 1, "Surface", "The things: they move with them, and have the same size at any distance") \
-     ITEM(tone_##n##_space, OBJECT, 2, "Object", "The things, and grow and shrink with them as if painted on: pitches are hundredths of their unit, centimetres")) \
+     ITEM(tone_##n##_space, OBJECT, 2, "Object", "The things, and grow and shrink with them as if painted on: pitches are hundredths of their unit, centimetres") \
+     ITEM(tone_##n##_space, FLAT, 3, "Flat", "A sheet that stands where each thing has its origin: it goes and rolls with the thing, and is even on all of it")) \
 FLOAT(tone_##n##_gradient, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones&tone_" #n "=DOTS|LINES|CROSS|GRAIN|HATCH|STIPPLE|IMAGE", "Gradient " #n, "How far the tone gets brighter within its level, up to what the next level has") \
 COLOR(tone_##n##_color, SURFACE, 0, 0, 0, "use_tones&tone_" #n "=SOLID|DOTS|LINES|CROSS|GRAIN|HATCH|STIPPLE|IMAGE", "Color " #n, "Colour of its ink")
 #define SAME(n) ITEM(tone_##n, SAME, 9, "Same", "As the level before")

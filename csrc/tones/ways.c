@@ -206,8 +206,9 @@ void ISA(tone_ways)(const frame *f, const tone_marks *m, const tone_slot *slots,
 	tone_rest any;
 	for (int i = 0; i < n; i++)
 		own[i] = dark[i] > 0 && whose[i] == k ? 255 : 0;
-	/* a stroke of the screen ends with the surface too */
-	ends_fill(f, rest ? rest : ISA(tone_rest_fill)(f, y, x, n, &any), y, x, n, found);
+	/* strokes of the screen and of sheets end with the surface too */
+	const tone_rest *place = rest && !tone_flat(s) ? rest : ISA(tone_rest_fill)(f, NULL, y, x, n, &any);
+	ends_fill(f, place, y, x, n, found);
 	add_own(own, found, n, bits);
 	bool lit = s->to_light && f->layer[ENCRE_LAYER_NORMAL].data;
 	if (lit)

@@ -89,10 +89,32 @@ def test_tones_stick_to_surfaces_at_f12(render):
     passes = render("anchored").passes("own")
     anchor = layer(passes)
     looks = dict(tone_pitch_unit="LENGTH", tone_crisp=False, tone_hardness=1.0)
-    want = tones._ink(SimpleNamespace(anchor=np.float64(anchor)), looks.__getitem__, ("DOTS", 60.0, 45.0, "SURFACE"),
-                      np.full(anchor.shape[:2], 0.4), 90 / 1080, None, None)
+    want = tones._ink(SimpleNamespace(anchor=np.float64(anchor), card=None), looks.__getitem__,
+                      ("DOTS", 60.0, 45.0, "SURFACE"), np.full(anchor.shape[:2], 0.4), 90 / 1080, None, None)
     there = anchor[..., 6] > 0
     got = passes["Encre Tones"][..., 3]
+    assert not got[~there].any() and want[there].std() > 0.3
+    assert (np.abs(got - want)[there] < 0.1).mean() > 0.9
+
+
+def test_flat_tones_lie_on_the_sheets_of_things(render):
+    """Whoever draws the layers: the place of a thing's origin on its sheet is 0, and a sheet is as large as what is
+    there. At F12 dots are where the file has them."""
+    shot = render("anchored")
+    one, flat = shot.passes("one"), shot.passes("flat")
+    np.testing.assert_allclose(flat["Encre Card"], one["Encre Card"], rtol=1e-4, atol=1e-4)
+    card, index, depth = flat["Encre Card"], one["IndexOB"][..., 0], one["Depth"][..., 0]
+    for number, half in ((1, 0.5), (2, 1.0)):
+        at = index == number
+        size = np.hypot(card[at][:, 2], card[at][:, 3])
+        assert np.ptp(size) < 1e-6 * size.max() and abs(size[0] / np.median(depth[at] * 36 / 50 / 160) - 1) < 0.2
+        place = np.abs(card[at][:, :2])
+        assert np.abs(np.median(card[at][:, :2], 0)).max() < 0.3 * half and place.max() < 2 * half
+    looks = dict(tone_pitch_unit="LENGTH", tone_crisp=False, tone_hardness=1.0)
+    want = tones._ink(SimpleNamespace(anchor=None, card=np.float64(card)), looks.__getitem__,
+                      ("DOTS", 60.0, 45.0, "FLAT"), np.full(card.shape[:2], 0.4), 90 / 1080, None, None)
+    there = card[..., 2:].any(-1)
+    got = flat["Encre Tones"][..., 3]
     assert not got[~there].any() and want[there].std() > 0.3
     assert (np.abs(got - want)[there] < 0.1).mean() > 0.9
 
@@ -125,7 +147,7 @@ def test_nodes_may_write_rest_positions(render):
 def test_files_without_what_sticks_have_no_anchor(render):
     shot = render("anchored")
     assert saved.ANCHOR.keys() <= shot.passes("one").keys()
-    assert not {*saved.ANCHOR, "Encre Tangent"} & shot.passes("without").keys()
+    assert not {*saved.ANCHOR, "Encre Tangent", "Encre Card"} & shot.passes("without").keys()
 
 
 def test_pin_pattern_keeps_rest_positions_where_blender_does_not(render):

@@ -82,12 +82,12 @@ def layers_of(meshes, view, projection, size=SIZE):
     """(layers of white things in the light, the rasteriser's pictures)."""
     width, height = size
     maps = library.raster(meshes, view, projection, Frame(width, height), size, 0.1,
-                          outputs=("depth", "object", "shading", "anchor", "tangent"))
+                          outputs=("depth", "object", "shading", "anchor", "tangent", "card"))
     lit = np.maximum(maps["shading"] @ LIGHT.astype(np.float32), 0)[..., None] * np.float32(SUN)
     one = np.ones((height, width, 3), np.float32)
     layers = {"combined": np.concatenate([one * lit, one[..., :1]], 2), "color": one, "diffuse": one * lit,
               "depth": maps["depth"], "normal": maps["shading"], "object": maps["object"], "anchor": maps["anchor"],
-              "tangent": maps["tangent"]}
+              "tangent": maps["tangent"], "card": maps["card"]}
     return layers, maps
 
 
@@ -120,6 +120,7 @@ SCREENS = {
     "stipple": {**RAMP, **tone("STIPPLE", space="SURFACE", pitch=7.0)},
     "dots painted on": {**RAMP, **tone("DOTS", space="OBJECT", pitch=8.0)},
     "strokes painted on": {**RAMP, **tone("HATCH", space="OBJECT", pitch=8.0, angle=0.0)},
+    "flat dots": {**RAMP, **tone("DOTS", space="FLAT", pitch=7.0)},
     "dots on the screen": {**RAMP, **tone("DOTS", pitch=7.0)},
 }
 MOTIONS = {"pan": [dict(pan=0.0115 * 5.3 * k / 2) for k in range(6)],

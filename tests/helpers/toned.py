@@ -20,12 +20,12 @@ def stuck(width, height, seed=0):
     rng = np.random.default_rng(seed)
     meshes, view, projection = sticks.posed(turn=0.3)
     maps = library.raster(meshes, view, projection, Frame(width, height), (width, height), 0.1,
-                          outputs=("depth", "object", "shading", "anchor", "tangent"))
+                          outputs=("depth", "object", "shading", "anchor", "tangent", "card"))
     color, diffuse = rng.uniform(0, 1, (height, width, 3)), rng.uniform(0, 1.3, (height, width, 3))
     alpha = rng.uniform(0.2, 1, (height, width, 1))
     combined = np.concatenate([color * diffuse + rng.uniform(-0.1, 0.2, color.shape), alpha], 2)
     layers = dict(combined=combined, color=color, diffuse=diffuse, depth=maps["depth"], normal=maps["shading"],
-                  object=maps["object"], anchor=maps["anchor"], tangent=maps["tangent"],
+                  object=maps["object"], anchor=maps["anchor"], tangent=maps["tangent"], card=maps["card"],
                   style=rng.integers(0, 4, (height, width)), specular=rng.uniform(0, 0.4, color.shape))
     # of each control its own numbers, so that one more changes nothing else
     layers["controls"] = np.stack([np.random.default_rng((seed, 1, k)).uniform(-0.5, 0.5, (height, width))
@@ -115,7 +115,7 @@ def without_some(rng, layers, *names):
     return {name: a for name, a in layers.items() if name not in names or rng.random() < 0.7}
 
 
-def flat(dark, size=(444, 444), anchor=None, tile=TILE, **scene):
+def flat(dark, size=(444, 444), anchor=None, tile=TILE, card=None, **scene):
     """Share of ink on a surface that is as dark everywhere."""
     height, width = size
     one = np.ones((height, width, 3), np.float32)
@@ -123,6 +123,8 @@ def flat(dark, size=(444, 444), anchor=None, tile=TILE, **scene):
                   normal=one * np.float32((0, 0, 1)))
     if anchor is not None:
         layers["anchor"] = anchor
+    if card is not None:
+        layers["card"] = card
     ink = library.render(layers, dict(ALONE, shade_levels=[(1 - dark,)], **scene), image=lambda _: tile,
                          outputs=["Encre Tones"])
     return ink.images["Encre Tones"][..., 3]

@@ -10,7 +10,8 @@ from .params import SWITCHES, Params
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching", "light")
 REQUIRED = {"combined": 4, "color": 3, "diffuse": 3, "depth": 1, "normal": 3}
 OPTIONAL = {"albedo": 3, "specular": 3, "object": 1, "material": 1, "style": 1, "controls": len(CONTROLS),
-            "marks": 2, "creases": 5, "highlights": 3, "background": 3, "anchor": 16, "gloss": 3, "tangent": 3}
+            "marks": 2, "creases": 5, "highlights": 3, "background": 3, "anchor": 16, "gloss": 3, "tangent": 3,
+            "card": 4}
 SEEN = {"seen_color": 3, "seen_normal": 3, "seen_depth": 1}
 _LARGEST = float(np.finfo(np.float32).max)
 
@@ -50,6 +51,7 @@ class Layers:
         self.creases = data["creases"]
         self.anchor = None if layers.get("anchor") is None else data["anchor"]
         self.tangent = data["tangent"]
+        self.card = None if layers.get("card") is None else data["card"]
         z = data["depth"][..., 0]
         self.there = (z > 0) & (z < 1e9)
         self.depth = np.where(self.there, z, np.inf)

@@ -59,7 +59,7 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
                           shading=np.zeros((height, width, 3)),
                           object=np.zeros((height, width)), material=np.zeros((height, width)),
                           style=np.zeros((height, width)), anchor=np.zeros((height, width, 16)),
-                          tangent=np.zeros((height, width, 3)),
+                          tangent=np.zeros((height, width, 3)), card=np.zeros((height, width, 4)),
                           attributes=np.zeros((height, width, channels)),
                           unsure=np.zeros((height, width), bool), front=np.full((height, width, 2), -1))
     nearest = np.full((height, width), np.inf)
@@ -110,6 +110,7 @@ def draw(meshes, view, projection, frame, size, clip_start, clip_end=0.0, channe
             out.front[py, px] = number, t
             out.anchor[py, px] = _anchor(mesh, t, corner, share, growth, share @ screen[:, 2], projection, frame)
             out.tangent[py, px] = _tangent(mesh, t, points[corner])
+            out.card[py, px] = _card(view @ mesh.model, projection, frame, columns[px] + 0.5, rows[py] + 0.5)
             out.object[py, px] = mesh.object_index if mesh.object is None else mesh.object[t]
             out.material[py, px] = mesh.material_index if mesh.material is None else mesh.material[t]
             out.style[py, px] = mesh.style_index if mesh.style is None else mesh.style[t]
@@ -189,6 +190,19 @@ def _tangent(mesh, t, corners):
         return np.zeros(3)
     along = np.linalg.solve(grown, rest[1:] - rest[0])[0]
     return along / max(np.linalg.norm(along), 1e-300)
+
+
+def _card(to_eye, projection, frame, x, y):
+    """Where on the sheet of an object places of the full frame are: it stands at the object's origin, upright as that
+    is."""
+    eye, up = to_eye[:, 3], to_eye[:2, 2]
+    clip = projection @ eye
+    far = max(clip[3], np.linalg.norm(eye[:3]) / 4) if projection[3, 2] else clip[3]
+    size = 2 * far / np.sqrt(abs(projection[0, 0] * projection[1, 1]) * frame.width * frame.height)
+    across = size * (np.array((up[1], -up[0])) / np.hypot(*up) if up.any() else np.array((1.0, 0.0)))  # of the screen
+    above = np.array((-across[1], across[0]))
+    away = np.stack([x - (clip[0] / far + 1) / 2 * frame.width, (1 - clip[1] / far) / 2 * frame.height - y], -1)
+    return np.c_[away @ across, away @ above, np.full((len(x), 2), (across[0], above[0]))]
 
 
 def _form(rest, normals):

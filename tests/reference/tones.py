@@ -284,6 +284,16 @@ def _dark(layers, levels, of, look):
     return clamp01(share), clamp01(np.where(share > 0, total / np.maximum(share, 1e-30), 0))
 
 
+def _sheet(card):
+    """What the layer anchor would tell of sheets that stand upright in x and z."""
+    if card is None:
+        return None
+    anchor = np.zeros((*card.shape[:2], 16))
+    anchor[..., (0, 2)], anchor[..., 4], anchor[..., 6] = card[..., :2], -1, np.hypot(*np.moveaxis(card[..., 2:], 2, 0))
+    anchor[..., (7, 9)], anchor[..., 10], anchor[..., 12] = card[..., 2:], card[..., 3], -card[..., 2]
+    return anchor
+
+
 def _light(of):
     if of("tone_strokes") != "LIGHT":
         return None
@@ -307,7 +317,7 @@ def _ink(layers, of, look, dark, scale, paper, own):
         return 0.002 + 0 * pitch if of("tone_crisp") else 1 + (1 - of("tone_hardness")) * pitch / 2
 
     height, width = dark.shape
-    anchor = layers.anchor if space != "SCREEN" else None
+    anchor = {"SCREEN": None, "FLAT": _sheet(layers.card)}.get(space, layers.anchor)
 
     def screen(right, down):
         each = {"HATCH": max(pitch, 3), "STIPPLE": max(pitch / 2, 3)}.get(kind, pitch)
@@ -352,7 +362,7 @@ def _ink(layers, of, look, dark, scale, paper, own):
             bounds = (3, max(40 * scale, 3)) if painted_on else (apart, apart)
             ink = scatter.Drawing(layers, kind, bounds, np.radians(angle), anchor, chart(np.cos(turn), np.sin(turn)),
                                   dark, lattice, of("tone_crisp"), _light(of),
-                                  of("tone_strokes") == "UV").draw(own)
+                                  of("tone_strokes") == "UV" and space != "FLAT").draw(own)
         return ink if anchor is None else np.where(anchor[..., 6] > 0, ink, dark)
     first = 1 - np.sqrt(1 - dark) if kind == "CROSS" else dark
     if anchor is None:

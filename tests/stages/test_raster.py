@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from reference.raster import NOTHING, STEPS, draw
 from views import crowded, jittered, looking, orthographic, perspective, pixels, rotation, same, soup
 
-OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes", "shading", "anchor", "tangent")
+OUTPUTS = ("depth", "normal", "object", "material", "style", "attributes", "shading", "anchor", "tangent",
+           "card")
 
 
 def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=0):
@@ -35,6 +36,8 @@ def compare(meshes, view, projection, frame, size, start=0.1, end=0.0, channels=
         name["bends"] = form[:, :, None] * form[:, None, :]
     np.testing.assert_allclose(got.pop("bends"), want["bends"], atol=1e-3)
     np.testing.assert_allclose(got["tangent"][sure], want["tangent"][sure], atol=1e-5)
+    large = np.abs(want["card"]).max(-1, keepdims=True) + 1e-30
+    np.testing.assert_allclose((got["card"] / large)[sure], (want["card"] / large)[sure], atol=1e-5)
     np.testing.assert_allclose(got["attributes"][sure], want["attributes"][sure], atol=1e-5)
     return got
 

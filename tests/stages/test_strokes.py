@@ -11,7 +11,8 @@ from toned import ALONE, LEVELS, MORE_LEVELS, RAMP, flat, ramped, slanted, stuck
 
 
 @pytest.mark.parametrize("kind, space", [("HATCH", "SCREEN"), ("HATCH", "SURFACE"), ("STIPPLE", "SURFACE"),
-                                         ("HATCH", "OBJECT"), ("STIPPLE", "OBJECT")])
+                                         ("HATCH", "OBJECT"), ("STIPPLE", "OBJECT"), ("HATCH", "FLAT"),
+                                         ("STIPPLE", "FLAT")])
 def test_twin_of_strokes(kind, space):
     """With one style: what a stroke of one meets in another's pixels is not told twice."""
     scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone(kind, space=space, pitch=8.3, angle=20.0))

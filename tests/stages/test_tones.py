@@ -32,7 +32,7 @@ def test_twin_of_what_is_seen_on_its_edge(kind, space):
 
 @pytest.mark.parametrize("kind, space", [*itertools.product(("SOLID", "DOTS", "LINES", "CROSS", "GRAIN"),
                                                             ("SCREEN", "SURFACE")),
-                                         ("DOTS", "OBJECT"), ("CROSS", "OBJECT")])
+                                         *itertools.product(("DOTS", "CROSS"), ("OBJECT", "FLAT"))])
 def test_twin(kind, space):
     scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone(kind, space=space, pitch=7.3, angle=30.0))
     far = kind == "DOTS" and space != "SCREEN"  # towards the horizon of the floor
@@ -72,7 +72,8 @@ def test_twin_of_any_look(seed):
 
 
 @pytest.mark.parametrize("how", [dict(space="SCREEN", pitch=60.0), dict(space="SURFACE", pitch=16.0),
-                                 dict(space="SURFACE", pitch=29.0), dict(space="OBJECT", pitch=60.0)])
+                                 dict(space="SURFACE", pitch=29.0), dict(space="OBJECT", pitch=60.0),
+                                 dict(space="FLAT", pitch=29.0)])
 @pytest.mark.parametrize("crisp", [False, True])
 def test_twin_of_pictures(how, crisp):
     scene = dict(ALONE, shade_levels=LEVELS, tone_crisp=crisp, **sticks.tone("IMAGE", angle=30.0, image="tile", **how))
@@ -159,15 +160,53 @@ def test_the_sky_in_a_dark_sea_does_not_cut_it():
             assert (ink[:3, 14:] == 0).all() and (ink[6:, 18:] == 0).all() and ink[6:, :8].all() != mirrors
 
 
-def test_without_an_anchor_the_screen_is_kept_to():
+def test_without_an_anchor_or_a_card_the_screen_is_kept_to():
     layers = stuck(60, 40)
-    del layers["anchor"]
-    one, two = (library.render(layers, ALONE | sticks.tone("DOTS", space=space)).images["Combined"]
-                for space in ("SCREEN", "SURFACE"))
-    assert one.tobytes() == two.tobytes()
+    del layers["anchor"], layers["card"]
+    screen, *stuck_ = (library.render(layers, ALONE | sticks.tone("DOTS", space=space)).images["Combined"].tobytes()
+                       for space in ("SCREEN", "SURFACE", "FLAT"))
+    assert stuck_ == [screen, screen]
 
 
-@pytest.mark.parametrize("space", ["SCREEN", "SURFACE"])
+@pytest.mark.parametrize("kind, off", [("DOTS", 0.01), ("LINES", 0.01), ("CROSS", 0.01), ("IMAGE", 0.03),
+                                       ("HATCH", 0.03), ("STIPPLE", 0.04)])
+def test_ink_of_flat_tones_is_what_was_asked_for(kind, off):
+    """On a sheet that has rolled, from where a pitch is 2^m on to where it is 2^(m + 1)."""
+    size = 300, 300
+    y, x = np.mgrid[:size[0], :size[1]]
+    for k in range(4):
+        right, up = 0.01 * 2 ** (k / 4) * np.array((np.cos(0.3), np.sin(0.3)))
+        card = np.stack([x * right + y * up, x * up - y * right, 0 * x + right, 0 * x + up], -1).astype(np.float32)
+        for dark in RAMP:
+            ink = flat(dark, size, card=card, **sticks.tone(kind, space="FLAT", angle=20.0, image="tile",
+                                                            pitch=24.0 if kind == "IMAGE" else 8.0))
+            ink = ink[60:-60, 60:-60] if kind in ("HATCH", "STIPPLE") else ink
+            assert abs(ink.mean() - dark) < off, (k, dark, ink.mean())
+
+
+def test_flat_tones_are_alike_wherever_a_thing_is():
+    """A plane that faces the eye, pushed and pulled by whole pixels, rolled by a right angle: its dots go with it."""
+    from encre.pen.job import Mesh
+
+    square = np.array([(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1)], np.float32) * 0.5
+    view, projection = sticks.eye(pitch=0.0)
+    pixel = 2 * 7 / (2.0 * sticks.SIZE[0])
+
+    def drawn(right=0, up=0, turn=0):
+        model = np.eye(4)
+        model[:3, 3] = right * pixel, 0, 0.7 + up * pixel
+        model[(0, 2, 0, 2), (0, 2, 2, 0)] = np.cos(turn), np.cos(turn), np.sin(turn), -np.sin(turn)
+        plane = Mesh(square, np.array([[0, 1, 2], [0, 2, 3]], np.int32), object_index=1, model=model)
+        return sticks.frame([plane], view, projection, sticks.SCREENS["flat dots"])[0]
+
+    ink = drawn()
+    at = np.s_[140:220, 280:360]
+    assert ink[at].std() > 0.2
+    np.testing.assert_allclose(drawn(13, -9)[149:229, 293:373], ink[at], atol=2e-3)
+    np.testing.assert_allclose(drawn(turn=np.pi / 2)[at], np.rot90(ink[at], -1), atol=2e-3)
+
+
+@pytest.mark.parametrize("space", ["SCREEN", "SURFACE", "FLAT"])
 def test_any_width_is_part_of_a_wider_one(space):
     layers, frame, names = stuck(530, 5), Frame(900, 700, 11, 6), ("Combined", "Encre Tones")
     scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("DOTS", space=space), tone_4_pitch=5.0)
@@ -179,7 +218,7 @@ def test_any_width_is_part_of_a_wider_one(space):
         assert all(part[name][inner].tobytes() == whole[name][inner].tobytes() for name in names), width
 
 
-@pytest.mark.parametrize("space", ["SCREEN", "SURFACE"])
+@pytest.mark.parametrize("space", ["SCREEN", "SURFACE", "FLAT"])
 def test_threads_instructions_and_borders_change_nothing(space):
     layers = stuck(97, 61)
     scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone("DOTS", space=space), tone_4_pitch=5.0)
@@ -305,6 +344,7 @@ def test_pictures_stick_to_what_moves(motion, corr, pop):
 @pytest.mark.parametrize("name, motion, corr, pop", [
     ("hatching", "pan", 0.97, 0.004), ("hatching", "zoom", 0.88, 0.006), ("stipple", "turn", 0.97, 0.004),
     ("dots", "pan", 0.985, 0.002), ("dots", "zoom", 0.93, 0.003), ("dots", "turn", 0.97, 0.003),
+    ("flat dots", "zoom", 0.93, 0.003),
     ("lines", "pan", 0.995, 0.001), ("lines", "zoom", 0.95, 0.001), ("lines", "turn", 0.97, 0.001)])
 def test_tones_stick_to_what_moves(name, motion, corr, pop):
     found, pops, ink = sticks.followed(sticks.SCREENS[name], sticks.MOTIONS[motion][:3])
@@ -315,8 +355,9 @@ def test_frames_alone_and_in_sequence_are_the_same_bytes():
     """Every tone, every pen, by example and papers: what a context keeps from the frames before leaves no trace,
     whichever they were."""
     size = 96, 60
-    screens = [sticks.tone(kind, space=space, pitch=8.0, image="tile") for kind, space in itertools.product(
-        ("SOLID", "DOTS", "LINES", "CROSS", "GRAIN", "IMAGE", "HATCH", "STIPPLE"), ("SCREEN", "SURFACE", "OBJECT"))]
+    kinds, spaces = "SOLID DOTS LINES CROSS GRAIN IMAGE HATCH STIPPLE", "SCREEN SURFACE OBJECT FLAT"
+    screens = [sticks.tone(kind, space=space, pitch=8.0, image="tile")
+               for kind, space in itertools.product(kinds.split(), spaces.split())]
     looks = [*(ALONE | sticks.RAMP | screen for screen in screens),
              *(hands.PLAIN | pen | dict(pen_hold=2) for pen in hands.PENS.values()),
              ALONE | dict(use_tones=False, use_example=True, example_ball="IMAGE", example_image="ball"),

@@ -79,3 +79,16 @@ def test_of_a_larger_anchor_one_sample_stays_and_what_is_told_per_pixel_grows():
     want = anchor[1::3, 1::3].copy()
     want[..., 6:13] *= 3
     np.testing.assert_array_equal(made, want)
+    card = anchor[..., :4]
+    grown = card[1::3, 1::3] * np.float32((1, 1, 3, 3))
+    np.testing.assert_array_equal(supersample.shrink("Encre Card", card, 3), grown)
+
+
+def test_where_another_thing_hides_it_a_sheet_goes_on():
+    """What Cycles has of an object beside where the rasteriser drew it."""
+    y, x = np.mgrid[:4, :6].astype(np.float32)
+    card = np.stack([0.3 * x + 0.4 * y, 0.4 * x - 0.3 * y, 0.3 + 0 * x, 0.4 + 0 * x], -1)
+    maps = {"object": np.ones((4, 6), np.int32), "material": 0 * x, "style": 0 * x, "card": card.copy()}
+    maps["object"][1:3, 2:4], maps["card"][1:3, 2:4] = 0, 0
+    made = overlay.rasterised(np.full((4, 6), 5.0, np.float32), maps, np.array([0, 5]), np.array([0, 50]), np.negative)
+    np.testing.assert_allclose(made["card"], card, atol=1e-6)

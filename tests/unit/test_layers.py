@@ -199,7 +199,7 @@ def test_denoised_light_is_put_back(passes):
 
 
 def test_saved_layers_are_preferred(passes):
-    for name, channels in saved.passes(True, True, True).items():
+    for name, channels in saved.passes(True, True, True, True).items():
         passes[name] = np.full((*SHAPE, len(channels)), 0.25, np.float32)
     passes["Encre Index"] += np.arange(3, dtype=np.float32)
     made, _ = assemble(passes, {"shade_light": "DIRECT"}, (), half)
@@ -296,11 +296,11 @@ def test_only_what_is_not_0_is_kept_of_what_was_rasterised():
 def test_files_keep_the_layers():
     random = np.random.default_rng(3)
     names = ("combined", "diffuse", "object", "material", "style", "controls", "marks", "creases", "seen_depth",
-             "anchor", "tangent")
+             "anchor", "tangent", "card")
     made = {name: random.uniform(-1, 1, (*SHAPE, library.LAYERS[name])).astype(np.float32) for name in names}
-    packed = {name: saved.pack(name, made) for name in saved.passes(True, True, True)}
+    packed = {name: saved.pack(name, made) for name in saved.passes(True, True, True, True)}
     assert {name: picture.shape[2] for name, picture in packed.items()} == {
-        name: len(letters) for name, letters in saved.passes(True, True, True).items()}
+        name: len(letters) for name, letters in saved.passes(True, True, True, True).items()}
     again = saved.unpack(packed)
     assert again.keys() == made.keys() and all(np.array_equal(again[name], made[name]) for name in names)
     few = {name: made[name] for name in ("combined", "diffuse", "object", "material")}

@@ -54,6 +54,8 @@ def anchored(out):
     properties.set_value(scene.encre, "shade_levels", [(0.6,)])
     scene.encre.use_tones, scene.encre.tone_1_space, scene.encre.tone_1_pitch = True, "SURFACE", 60
     shoot(out, "own")
+    scene.encre.tone_1_space = "FLAT"
+    shoot(out, "flat")
     scene.encre.use_tones, scene.encre.save_anchor = False, "AUTO"
     shoot(out, "without")
     _pinned(twisted)
