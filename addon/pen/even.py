@@ -10,19 +10,22 @@ first: the last then takes away what lies between their holes.
 
 What is left are islands where light lies flat: levels would be filled and outlined in crumbs. A place that is brighter,
 or darker, than all about it by less than the noise as rendered comes down, or up, to the nearest of those. Only peaks
-and pits change, no slope and no ridge.
+and pits change, no slope and no ridge. Last, curves of equal light are made calm (along.py), also where shadows' edges
+hide from neighbours how much noise there was: what the denoiser took away tells it.
 """
 
 from collections.abc import Callable
 
 import numpy as np
 
+from . import along
+
 # Of a pass: pixels, and how many standard deviations of the noise as rendered a mean may differ by. Far places lie on
 # other slopes more often, and of clouds that large the denoiser leaves less.
 _PASSES = (16, 1.5), (8, 1.5), (4, 2), (2, 3), (1, 3)
 _STEPS = 8, 4, 2, 1  # pixels: how far peaks and pits are looked for
 _AROUND, _ASIDE = 2, 5  # pixels: of the window in which noise is measured, and to the windows beside it
-REACH = sum(step for step, _ in _PASSES) + sum(_STEPS) + 1 + _AROUND + _ASIDE
+REACH = sum(step for step, _ in _PASSES) + sum(_STEPS) + 1 + _AROUND + _ASIDE + along.REACH
 _ABOUT = 3  # of _AHEAD: directions in which what is about a place must be known, to call it a peak
 _NIL = 1 / 3000  # of the light: less is no noise
 _BEND, _TURN = 0.003, 0.2  # of 1/depth, and of the normal: more is another surface, or a relief that light shows
@@ -56,14 +59,29 @@ def even(light: np.ndarray, rendered: np.ndarray, normal: np.ndarray, depth: np.
 
 def _strip(value, rendered, surface):
     """`value`, evened out; at its first and last rows REACH of them are not as in a larger picture."""
-    noise = _noise(rendered, surface.same(1)) - np.float32(_NIL) * value
+    nil = np.float32(_NIL) * value
+    noise = _noise(rendered, surface.same(1)) - nil
     if noise.max() > 0:
+        taken = 2 * np.sqrt(_mean((rendered - value) ** 2)) - nil
         same = {step: surface.same(step) for step, _ in _PASSES}
         for step, most in _PASSES:
             value = _pass(value, np.float32(most) * noise, step, same[step])
         for step in _STEPS:
             value = _levelled(value, noise, step, same[step])
+        value = along.calm(value, taken, _whole(same[1]), _slope(value, same[1]), _mean)
     return value
+
+
+def _whole(same):
+    """Whether all that lies about a pixel is of one surface."""
+    return np.logical_and.reduce([same[ahead] for ahead in _AHEAD])
+
+
+def _slope(light, same):
+    """Of light, (down, right); 0 where a place on either side is of another surface."""
+    around = _pairs(light, 1)
+    return tuple(np.where(same[axis], (one - two) * np.float32(0.5), 0)
+                 for axis, (one, two) in ((axis, around(axis)) for axis in (_DOWN, _ACROSS)))
 
 
 def _pairs(picture: np.ndarray, step: int) -> _Pairs:
@@ -107,11 +125,10 @@ class _Surface:
 def _noise(light, same):
     """Its standard deviation: by what slopes and folds do not explain (Immerkær 1996), least of the windows about a
     pixel: edges of shadows are not noise."""
-    whole, rest, around = np.ones(light.shape, bool), 4 * light, _pairs(light, 1)
+    whole, rest, around = _whole(same), 4 * light, _pairs(light, 1)
     for ahead, weight in zip(_AHEAD, (-2, -2, 1, 1), strict=True):
         one, two = around(ahead)
         rest += weight * (one + two)
-        whole &= same[ahead]
     rest *= whole
     square, share = _mean(rest * rest / 36), _mean(whole.astype(np.float32))
     found = np.divide(square, share, out=np.full_like(square, np.inf), where=share > 0.2)

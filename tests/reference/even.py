@@ -15,10 +15,14 @@ def even(light, rendered, normal, depth, number):
     own = Picture(light.max(2), normal, depth, number)
     noise = spread(Picture(rendered.max(2), normal, depth, number))
     most = {p: noise[p] - own.light[p] / 3000 for p in noise}
+    given = Picture(rendered.max(2), normal, depth, number).light
+    rest = {p: (given[p] - own.light[p]) ** 2 for p in noise}
+    taken = {p: 2 * math.sqrt(mean(own, rest, p)) - own.light[p] / 3000 for p in noise}
     for step, times in PASSES.items():
         own.light = {p: smoothed(own, p, step, times * most[p]) for p in most}
     for step in STEPS:
         own.light = {p: levelled(own, p, step, most[p]) for p in most}
+    own.light = calmed(own, taken)
     factor = np.array([own.light[p] / max(light[p].max(), 1e-30) for p in np.ndindex(depth.shape)]).reshape(depth.shape)
     return light * factor[..., None]
 
@@ -61,6 +65,52 @@ def levelled(picture, p, step, most):
         return own
     near = min(max(own, min(about)), max(about))
     return near if abs(near - own) < most else own
+
+
+def mean(picture, values, p):
+    return sum(values[picture.at(p, (y, x), 1)] for y in range(-2, 3) for x in range(-2, 3)) / 25
+
+
+def calmed(picture, most):
+    """Light averaged along curves of equal light, 6 pixels to both sides."""
+    slopes, whole = {}, {}
+    for p in picture.light:
+        pairs = {ahead: picture.pair(p, ahead, 1) for ahead in AHEAD}
+        whole[p] = all(same for _, _, same in pairs.values())
+        slopes[p] = [(picture.light[one] - picture.light[two]) / 2 if same else 0.0
+                     for one, two, same in (pairs[1, 0], pairs[0, 1])]
+    ways, steep, out = {}, {}, {}
+    for p in picture.light:
+        a, b, c = (mean(picture, {q: s[i] * s[j] for q, s in slopes.items()}, p) for i, j in ((0, 0), (0, 1), (1, 1)))
+        values, vectors = np.linalg.eigh([[a, b], [b, c]])
+        if whole[p] and values[1] - values[0] > 0.5 * (a + c):
+            ways[p] = vectors[:, 0]
+        steep[p] = a + c > (most[p] / 16) ** 2
+    for p, own in picture.light.items():
+        total, weights = 0.0, 1.0
+        asked = p in ways and steep[p] and most[p] > 0
+        walks = [list(walk(picture, ways, p, side)) if asked else [] for side in (1, -1)]
+        for pace, (one, two) in enumerate(zip(*walks, strict=False), 1):
+            off = (one + two) / 2 - own
+            weight = 2 * (1 - (pace / 7) ** 2) * max(0, 1 - (off / most[p]) ** 2) ** 2
+            total, weights = total + weight * off, weights + weight
+        out[p] = own + total / weights
+    return out
+
+
+def walk(picture, ways, p, side):
+    """Light at each pace from p, as far as there is a way."""
+    place, way = np.array(p, float), side * ways[p]
+    for _ in range(6):
+        place = place + way
+        corner = np.floor(place)
+        share = place - corner
+        corners = {(y, x): picture.at(tuple(corner.astype(int)), (y, x), 1) for y in (0, 1) for x in (0, 1)}
+        nearest = corners[tuple((share >= 0.5).astype(int))]
+        if nearest not in ways:
+            return
+        yield sum(picture.light[q] * np.prod(np.where(k, share, 1 - share)) for k, q in corners.items())
+        way = ways[nearest] * (-1 if ways[nearest] @ way < 0 else 1)
 
 
 def spread(picture):

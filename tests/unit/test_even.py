@@ -114,6 +114,23 @@ def test_the_edge_of_a_shadow_stays_where_it_is():
     assert np.percentile(off, 95) < 0.05 and off.max() < 0.2
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_level_in_a_noisy_penumbra_is_a_calm_curve(seed):
+    light = 0.1 + 0.8 * np.clip((60.3 + 0.3 * (Y - 45) + 4 * np.sin(Y / 12) - X) / 8 + 0.5, 0, 1)
+    noisy_there = (light - 0.1) * (0.9 - light) / 0.16  # where all or nothing of a lamp is seen there is no noise
+    left, rendered = (grey(light * (1 + noisy_there * (factor - 1)))
+                      for factor in noise.of_light(light.shape, seed, 0.04, 0.2))
+    off = (places(even(left, rendered, FACING, FLAT)[..., 0], 0.5) - places(light, 0.5))[8:-8]
+    assert np.std(np.diff(off)) < 0.05 and np.percentile(np.abs(off), 95) < 0.4
+
+
+@pytest.mark.parametrize("dark", [abs(X - 50 - 0.3 * (Y - 45)) < 1.5, (abs(X - 60) < 0.12 * (Y - 20)) & (Y > 20)],
+                         ids=["rail", "tip"])
+def test_shadows_of_thin_things_keep_their_shape(dark):
+    left, rendered = noisy(np.where(dark, 0.2, 0.8), 1, 0.01, 0.1)
+    assert np.array_equal(even(left, rendered, FACING, FLAT)[..., 0] < 0.5, dark)
+
+
 def test_nothing_is_mixed_across_an_outline():
     light = np.where(X < 60, 0.5, 0.502)
     left, rendered = noisy(light, 1, 0)
