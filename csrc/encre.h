@@ -471,7 +471,7 @@ ENCRE_API int32_t encre_light(encre_context *context, encre_light_job *job);
 /* What surfaces look like without light, computed for each pixel by small programs: a node tree, compiled. They work on
  * registers of one number. */
 
-enum { ENCRE_MAX_REGISTERS = 512, ENCRE_INPUTS = 8, ENCRE_DATA = 2 };
+enum { ENCRE_MAX_REGISTERS = 1024, ENCRE_INPUTS = 8, ENCRE_DATA = 2 };
 
 typedef struct encre_operation_description {
 	const char *name; /* static storage */
@@ -535,7 +535,7 @@ typedef struct encre_material_job {
 	encre_image color, gloss, emission;          /* out, 3: scene-linear, at least 0; 0 where nothing is */
 	encre_image surface;                         /* out, 2: alpha and roughness, 0 to 1 */
 	encre_image shine;       /* out, 6: of highlights the colour and roughness, of a coat's how bright and rough */
-	encre_image turned;      /* out, 3: normals of normal maps, 0 where there is none */
+	encre_image turned;      /* out, 3: normals of normal maps and bumps, 0 where there are none */
 	encre_progress progress; /* may be NULL */
 	void *user;
 } encre_material_job;

@@ -47,7 +47,9 @@ class Compiler(Patterns):
         self.images, self.build, self.sources = images, Builder(pool), []
         self.through = False  # whether light goes through it, as through glass
         self.lost = []  # nodes that change what it looks like, and are not shown
-        self._known, self._groups = {}, []  # outputs of nodes by (groups around them, node); nodes of open groups
+        # Outputs of nodes by (groups around them, node, where they are looked at); nodes of open groups.
+        self._known, self._groups = {}, []
+        self.beside = None  # where: None: at the pixel; (0 or 1, part): that part of one to the right, or below
 
     # What becomes of it
 
@@ -77,7 +79,7 @@ class Compiler(Patterns):
 
     def _output(self, node, socket):
         """The value of an output: a number, a tuple of three or four, or a Surface."""
-        key = (tuple(group.name for group in self._groups), node.name)
+        key = (tuple(group.name for group in self._groups), node.name, self.beside)
         if node.mute:
             raise trees.Unknown(node.name)
         if node.bl_idname == "ShaderNodeGroup":
@@ -104,14 +106,20 @@ class Compiler(Patterns):
     def _turn(self, node, values):
         """Has the surfaces that a shader gives face where it is told to, or notes that they should."""
         for into, (by, _) in unseen.turned(node):
+            known, read = dict(self._known), len(self.sources)
             try:
                 if into.name != "Normal":
                     raise trees.Unknown(by.name)
+                with self.build.in_half():  # what it looks like matters more
+                    turned = self.three(into)
                 for surface in values.values():
-                    surface.turned = self.three(into)
-            except trees.Unknown as e:
-                if str(e) not in self.lost:
-                    self.lost.append(str(e))
+                    surface.turned = turned
+            except (trees.Unknown, TooLong) as e:
+                self._known = known
+                del self.sources[read:]
+                name = by.name if isinstance(e, TooLong) else str(e)
+                if name not in self.lost:
+                    self.lost.append(name)
 
     def _group(self, node, socket):
         tree = node.node_tree
@@ -199,6 +207,13 @@ class Compiler(Patterns):
         if not isinstance(vector, Straight):
             return vector
         channels = [self.build.run("channel", data=(3 * vector.source + k,))[0] for k in range(3)]
+        if self.beside:
+            way, part = self.beside
+            by = self.build.pool.place((1, 0, 0, 0, 1, 0)), self.build.pool.place((0, 0, 1, 0, 0, 1))
+            first, last = (self.build.run("footprint", data=(3 * vector.source, at)) for at in by)
+            steps = *first[2 * way:2 * way + 2], last[2 * way]
+            channels = [self.build.add(c, self.build.multiply(step, part))
+                        for c, step in zip(channels, steps, strict=True)]
         return tuple(self.build.add(self._dot(channels, row[:3]), float(row[3])) for row in vector.rows)
 
     # Shaders
@@ -333,7 +348,12 @@ class Compiler(Patterns):
         return {"UV": self._mesh("uv", node.uv_map)}
 
     def _NewGeometry(self, node):
-        return {"Position": self.build.run("place"), "Normal": self.build.run("normal")}
+        place = self.build.run("place")
+        if self.beside:
+            way, part = self.beside
+            place = tuple(self.build.add(x, self.build.multiply(step, part)) for x, step in
+                          zip(place, self.build.run("beside")[3 * way:3 * way + 3], strict=True))
+        return {"Position": place, "Normal": self.build.run("normal")}
 
     def _VertexColor(self, node):
         return {"Color": self._scalars(self._mesh("color", node.layer_name))}

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shader nodes that mix colours and numbers, and normal maps -> operations, a part of nodes.Compiler."""
+"""Shader nodes that mix colours and numbers, normal maps and bumps -> operations, a part of nodes.Compiler."""
 
 import functools
 
 import numpy as np
 
+from ..pen.program import Register
 from . import attributes, trees
 
 
@@ -231,6 +232,50 @@ class Values:
         else:
             raise trees.Unknown(node.name)
         return {"Normal": self._unit(self._mixed(normal, self._unit(way), strength))}
+
+    def _Bump(self, node):
+        """Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU (2010), as in Cycles: the normal leans against the
+        slope of the height, which is looked at beside the pixel, too. Cycles looks a part of a pixel away, many times
+        in each; so a step, as at joints, is in that part of it alone, wherever it lies."""
+        build, inputs = self.build, node.inputs
+        normal = self.three(inputs["Normal"]) if trees.source_of(inputs["Normal"]) else build.run("normal")
+        part = self.number(inputs["Filter Width"]) if "Filter Width" in inputs else 0.1
+        if isinstance(part, Register) or self.beside or part <= 0:
+            raise trees.Unknown(node.name)
+        part = min(part, 0.5)
+        strength, far = build.maximum(self.number(inputs["Strength"]), 0.0), self.number(inputs["Distance"])
+        far = build.subtract(0.0, far) if node.invert else far
+        even, steep = zip(*(self._slopes(inputs["Height"], way, part) for way in (0, 1)), strict=True)
+        leaning = [self._leant(normal, slopes, far) for slopes in (even, steep)]
+        return {"Normal": self._unit(self._mixed(normal, self._unit(self._mixed(*leaning, part)), strength))}
+
+    def _slopes(self, socket, way, part):
+        """How much a height grows in a pixel right (0) or down (1) of here: in most of it, and in a part of it."""
+        build, heights = self.build, []
+        try:
+            for self.beside in ((way, at) for at in (-0.5, -part / 2, part / 2, 0.5)):
+                heights.append(self.number(socket))
+        finally:
+            self.beside = None
+        even = self._least(*(build.divide(build.subtract(heights[k + 1], heights[k]), (1 - part) / 2) for k in (0, 2)))
+        whole = build.subtract(heights[3], heights[0])
+        return even, build.add(even, build.divide(build.subtract(whole, even), part))
+
+    def _least(self, a, b):
+        """Of two slopes the lesser, which is no step; where they differ in sign there are two, up and down: 0."""
+        build = self.build
+        least = build.mix(a, b, build.less(*(build.apply("absolute", x) for x in (b, a))))
+        return build.multiply(least, build.less(0.0, build.multiply(a, b)))
+
+    def _leant(self, normal, slopes, far):
+        """A normal over slopes to the right and down."""
+        build, steps = self.build, self.build.run("beside")
+        across = self._cross(steps[3:], normal), self._cross(normal, steps[:3])
+        size = self._dot_of(steps[:3], across[0])
+        slope = self._each(build.add, *(tuple(build.multiply(rise, x) for x in way)
+                                        for rise, way in zip(slopes, across, strict=True)))
+        return self._unit(tuple(build.subtract(n, build.multiply(far, build.divide(x, size)))
+                                for n, x in zip(normal, slope, strict=True)))
 
     def _turned_with_it(self, way):
         """A way in the thing's space, in the world."""

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from . import library
 from .errors import EncreError
 from .job import Picture, Program
 
-MOST_REGISTERS = 512
+MOST_REGISTERS = 1024
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,19 @@ class Builder:
             self._rows.append([code, out, *pad, *data, *[0] * (2 - len(data))])
             self._known[key] = tuple(Register(out + k) for k in range(outputs))
         return self._known[key]
+
+    @contextlib.contextmanager
+    def in_half(self) -> Iterator[None]:
+        """Drops what is made meanwhile where it fails, or leaves less than half of the registers: TooLong."""
+        before = len(self._rows), self._count, dict(self._known)
+        try:
+            yield
+            if 2 * self._count > MOST_REGISTERS:
+                raise TooLong("it is too long")
+        except BaseException:
+            del self._rows[before[0]:]
+            self._count, self._known = before[1:]
+            raise
 
     def _register(self, x):
         return x if isinstance(x, Register) else self.run("constant", data=(self.pool.place([x]),))[0]

@@ -10,6 +10,8 @@
 
 enum { BAND = 16 }; /* rows whose pixels are sorted together */
 
+static const float STRAIGHT = 0.9f; /* cosine from which on neighbours face alike */
+
 typedef struct pixel {
 	uint16_t x, row; /* row of the band */
 } pixel;
@@ -36,38 +38,74 @@ static inline int32_t material_at(const drawing *d, int x, int y)
 	return number >= 0 && number < (float)d->materials->n_programs ? (int32_t)number : -1;
 }
 
-/* By how much the attributes change to a neighbour of the same surface: to that of both sides which is nearer, because
- * across a seam the other is far. */
-static void steps_along(const drawing *d, int x, int y, int dx, int dy, int n, float out[ENCRE_MAX_CHANNELS])
+/* On which side along a way, 1 or -1, the neighbour of the same surface lies to which n attributes change least, or
+ * else the depth, because across a seam the other is far; 0: there is none. For bumps none is taken that faces
+ * elsewhere, as beyond a crease, if the other does not. */
+static int side_along(const drawing *d, int x, int y, int dx, int dy, int n, bool bumps)
 {
 	const encre_material_job *job = d->job;
-	memset(out, 0, sizeof(float) * ENCRE_MAX_CHANNELS);
-	if (!n)
-		return;
-	const float *own = pixel_at(&job->attributes, x, y);
+	const float *own = n ? pixel_at(&job->attributes, x, y) : pixel_at(&job->depth, x, y);
 	float least = INFINITY;
+	bool turned = true; /* what was found */
+	int found = 0;
 	for (int side = -1; side <= 1; side += 2) {
 		int px = x + side * dx, py = y + side * dy;
 		if (px < 0 || py < 0 || px >= d->width || py >= d->height ||
 		    *pixel_at(&job->object, px, py) != *pixel_at(&job->object, x, y) ||
 		    *pixel_at(&job->material, px, py) != *pixel_at(&job->material, x, y))
 			continue;
-		const float *other = pixel_at(&job->attributes, px, py);
+		const float *other = n ? pixel_at(&job->attributes, px, py) : pixel_at(&job->depth, px, py);
 		float sum = 0;
-		for (int c = 0; c < n; c++)
+		for (int c = 0; c < (n ? n : 1); c++)
 			sum += fabsf(other[c] - own[c]);
-		if (sum < least) {
-			least = sum;
-			for (int c = 0; c < n; c++)
-				out[c] = (float)side * (other[c] - own[c]);
+		bool elsewhere = false;
+		if (bumps) {
+			const float *one = pixel_at(&job->normal, x, y), *two = pixel_at(&job->normal, px, py);
+			elsewhere = one[0] * two[0] + one[1] * two[1] + one[2] * two[2] < STRAIGHT;
 		}
+		if (sum < INFINITY && (elsewhere < turned || (elsewhere == turned && sum < least))) {
+			least = sum;
+			turned = elsewhere;
+			found = side;
+		}
+	}
+	return found;
+}
+
+/* The point of the world that a pixel shows. */
+static void place_at(const drawing *d, int x, int y, double out[3])
+{
+	double z = (double)*pixel_at(&d->job->depth, x, y), wide = d->straight ? 1 : z;
+	double px = d->job->frame.x + x + 0.5, py = d->job->frame.y + y + 0.5;
+	for (int c = 0; c < 3; c++) {
+		const double *m = d->inverse + c;
+		out[c] = wide * (m[0] * px + m[3] * py) + z * m[6] + m[9];
 	}
 }
 
 /* What a program of its operations reads. */
 typedef struct reads {
-	bool channels, steps, place, normal;
+	bool channels, steps, place, normal, beside;
 } reads;
+
+/* By how much attributes and the place change along a way. */
+static void step_along(const drawing *d, block *b, int i, int x, int y, int down, int channels, const reads *r)
+{
+	int dx = !down, dy = down;
+	int side = side_along(d, x, y, dx, dy, channels, r->beside);
+	float (*to)[MATERIAL_BLOCK] = down ? b->down : b->right;
+	const float *own = channels ? pixel_at(&d->job->attributes, x, y) : NULL;
+	const float *other = channels ? pixel_at(&d->job->attributes, x + side * dx, y + side * dy) : NULL;
+	for (int c = 0; c < channels; c++)
+		to[c][i] = (float)side * (other[c] - own[c]);
+	if (r->beside) {
+		double here[3], there[3];
+		place_at(d, x, y, here);
+		place_at(d, x + side * dx, y + side * dy, there);
+		for (int c = 0; c < 3; c++)
+			b->beside[3 * down + c][i] = (float)(side * (there[c] - here[c]));
+	}
+}
 
 static void load(const drawing *d, block *b, const pixel *pixels, int n, int y0, const reads *r)
 {
@@ -80,26 +118,16 @@ static void load(const drawing *d, block *b, const pixel *pixels, int n, int y0,
 		if (r->channels)
 			for (int c = 0; c < channels; c++)
 				b->channel[c][i] = pixel_at(&job->attributes, x, y)[c];
-		if (r->steps) {
-			float right[ENCRE_MAX_CHANNELS], down[ENCRE_MAX_CHANNELS];
-			steps_along(d, x, y, 1, 0, channels, right);
-			steps_along(d, x, y, 0, 1, channels, down);
-			for (int c = 0; c < channels; c++) {
-				b->right[c][i] = right[c];
-				b->down[c][i] = down[c];
-			}
-		}
+		for (int down = 0; (r->steps || r->beside) && down < 2; down++)
+			step_along(d, b, i, x, y, down, channels, r);
 		if (r->normal)
 			for (int c = 0; c < 3; c++)
 				b->normal[c][i] = pixel_at(&job->normal, x, y)[c];
 		if (r->place) {
-			double z = (double)*pixel_at(&job->depth, x, y), wide = d->straight ? 1 : z;
-			double px = job->frame.x + x + 0.5, py = job->frame.y + y + 0.5;
-			for (int c = 0; c < 3; c++) {
-				const double *m = d->inverse + c;
-				double ray = m[0] * px + m[3] * py;
-				b->place[c][i] = (float)(wide * ray + z * m[6] + m[9]);
-			}
+			double place[3];
+			place_at(d, x, y, place);
+			for (int c = 0; c < 3; c++)
+				b->place[c][i] = (float)place[c];
 		}
 	}
 }
@@ -125,6 +153,7 @@ static reads reads_of(const encre_program *p)
 		r.steps |= !strcmp(name, "footprint");
 		r.place |= !strcmp(name, "place");
 		r.normal |= !strcmp(name, "normal");
+		r.beside |= !strcmp(name, "beside");
 	}
 	return r;
 }

@@ -73,6 +73,13 @@ RUN(normal)
 		memcpy(out[c], b->normal[c], sizeof b->normal[c]);
 }
 
+RUN(beside)
+{
+	(void)in, (void)o;
+	for (int c = 0; c < 6; c++)
+		memcpy(out[c], b->beside[c], sizeof b->beside[c]);
+}
+
 RUN(thing)
 {
 	(void)in;

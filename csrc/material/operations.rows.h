@@ -13,7 +13,8 @@
  * the first of two: whole octaves, and the share of the next; of voronoi and its like, how lengths are measured (0:
  * Euclidean, 1: Manhattan, 2: Chebychev), and the sum of 1 where the third coordinate does not count and 2 where chances
  * are PCG's (Blender 5), not Jenkins'. These take a place, how random the points are and how smooth, and give a
- * distance, a colour and a point. No guard: included once per use, which defines EACH and OPERATION. */
+ * distance, a colour and a point. beside is by how much the place grows to the pixels right and down, for bumps. No
+ * guard: included once per use, which defines EACH and OPERATION. */
 OPERATION(constant, 0, 1)
 OPERATION(channel, 0, 1)
 OPERATION(place, 0, 3)
@@ -50,5 +51,6 @@ OPERATION(voronoi, 4, 7)
 OPERATION(voronoi_second, 4, 7)
 OPERATION(voronoi_smooth, 5, 7)
 OPERATION(voronoi_edge, 4, 1)
+OPERATION(beside, 0, 6)
 #undef EACH
 #undef OPERATION

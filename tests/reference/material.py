@@ -6,12 +6,12 @@ import numpy as np
 
 def run(program, names, pixel, constants, textures, things):
     """The registers that a program leaves. names: of the operations, by their codes; pixel: a namespace with `channel`,
-    `right`, `down`, `place`, `normal` and `thing`."""
+    `right`, `down`, `place`, `beside`, `normal` and `thing`."""
     reg = np.zeros(program.registers)
     for code, out, *more in program.operations:
         inputs, data = more[:8], more[8:]
         name = names[code]
-        if name in ("constant", "channel", "thing", "place", "normal", "footprint"):
+        if name in ("constant", "channel", "thing", "place", "beside", "normal", "footprint"):
             values = _given(name, data, pixel, constants, things)
         elif name == "texture":
             values = texture(textures[data[0]], *(reg[k] for k in inputs[:6]))

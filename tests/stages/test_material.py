@@ -65,15 +65,32 @@ def place_at(view, projection, frame, x, y, z):
     return np.linalg.inv(view)[:3] @ [*camera, -z, 1]
 
 
-def step(given, x, y, dx, dy):
-    """By how much the attributes change to the nearer neighbour of the same surface."""
-    found = [np.zeros(given["attributes"].shape[2])]
-    for side in (-1, 1):
-        px, py = x + side * dx, y + side * dy
+def side(given, x, y, dx, dy, bumps=False):
+    """On which side the neighbour of the same surface is nearer, by attributes; 0: there is none. For bumps one that
+    faces elsewhere is taken where there is no other."""
+    found = {}
+    for k in (-1, 1):
+        px, py = x + k * dx, y + k * dy
         if 0 <= px < given["object"].shape[1] and 0 <= py < given["object"].shape[0] and all(
                 given[name][py, px] == given[name][y, x] for name in ("object", "material")):
-            found.append(side * (given["attributes"][py, px].astype(float) - given["attributes"][y, x]))
-    return min(found[1:], key=lambda step: np.abs(step).sum(), default=found[0])
+            away = np.abs(given["attributes"][py, px].astype(float) - given["attributes"][y, x]).sum()
+            found[k] = (bumps and given["normal"][py, px] @ given["normal"][y, x] < 0.9), away
+    return min(found, key=found.get, default=0)
+
+
+def step(given, x, y, dx, dy, bumps=False):
+    """By how much the attributes change to that neighbour."""
+    k = side(given, x, y, dx, dy, bumps)
+    return k * (given["attributes"][y + k * dy, x + k * dx].astype(float) - given["attributes"][y, x])
+
+
+def beside(given, x, y, place):
+    """By how much place(x, y) grows to the right and down."""
+    grown = []
+    for dx, dy in ((1, 0), (0, 1)):
+        k = side(given, x, y, dx, dy, True)
+        grown += [*(k * (place(x + k * dx, y + k * dy) - place(x, y)))]
+    return grown
 
 
 def expected(made, given, view, projection, frame):
@@ -81,10 +98,14 @@ def expected(made, given, view, projection, frame):
     out = np.zeros((height, width, abi.RESULTS))
     for y, x in zip(*np.nonzero(given["object"]), strict=True):
         used = made.programs[int(given["material"][y, x])]
-        pixel = SimpleNamespace(channel=given["attributes"][y, x].astype(float), right=step(given, x, y, 1, 0),
-                                down=step(given, x, y, 0, 1), normal=given["normal"][y, x].astype(float),
-                                thing=int(given["object"][y, x]),
-                                place=place_at(view, projection, frame, x, y, float(given["depth"][y, x])))
+        bumps = NAMES.index("beside") in [o[0] for o in used.operations]
+
+        def place(x, y):
+            return place_at(view, projection, frame, x, y, float(given["depth"][y, x]))
+
+        pixel = SimpleNamespace(channel=given["attributes"][y, x].astype(float), right=step(given, x, y, 1, 0, bumps),
+                                down=step(given, x, y, 0, 1, bumps), normal=given["normal"][y, x].astype(float),
+                                thing=int(given["object"][y, x]), place=place(x, y), beside=beside(given, x, y, place))
         reg = run(used, NAMES, pixel, np.asarray(made.constants, float), made.textures, made.things)
         out[y, x] = reg[list(used.result)]
     out[..., :-3] = np.maximum(out[..., :-3], 0)

@@ -8,7 +8,7 @@ from encre.pen import abi
 from encre.pen.library import API_VERSION, load
 from jobs import Job
 
-MOST_TEXELS, MOST_REGISTERS = 32768, 512
+MOST_TEXELS, MOST_REGISTERS = 32768, 1024
 
 
 def refused_if(wrong, job, words):
@@ -22,7 +22,7 @@ def refused_if(wrong, job, words):
 def test_how_many_registers_a_program_has(registers):
     job = Job("material")
     job.block.programs[0].n_registers = registers
-    refused_if(registers in (0, MOST_REGISTERS + 1), job, "^program 0: has .* registers; give 1 to 512")
+    refused_if(registers in (0, MOST_REGISTERS + 1), job, "^program 0: has .* registers; give 1 to 1024")
 
 
 def test_results_are_registers():

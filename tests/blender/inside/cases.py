@@ -16,6 +16,7 @@ import studio  # noqa: E402
 studio.register()  # the package that is tried; a Blender by itself knows none, or another
 import anchors  # noqa: E402
 import baking  # noqa: E402
+import bumps  # noqa: E402
 import cycles_light  # noqa: E402
 import details  # noqa: E402
 import distances  # noqa: E402
@@ -34,7 +35,7 @@ import surfaces  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
                                   keeping, surfaces, lit, painting, patterns, quick, anchors, distances, slotted,
-                                  staged)
+                                  staged, bumps)
          for name, case in vars(topic).items()}
 
 

@@ -279,7 +279,8 @@ def flat_mirror(out):
 
 
 def what_is_not_shown(out):
-    """A bump in a group, displacement, fog, a volume and a bump that nothing reads; and a volume that is unseen."""
+    """A bump by what is unknown in a group, displacement, fog, a volume and a bump that nothing reads; and a volume
+    that is unseen."""
     scene = stage()
     tree = bpy.data.materials["Red"].node_tree
     group = tree.nodes.new("ShaderNodeGroup")
@@ -290,6 +291,7 @@ def what_is_not_shown(out):
     else:
         inner.outputs.new("NodeSocketShader", kinds[0])
     bump, surface = _new(inner, "Bump"), _new(inner, "BsdfDiffuse")
+    inner.links.new(_new(inner, "Wavelength").outputs[0], bump.inputs["Height"])  # which only Cycles knows
     inner.links.new(bump.outputs[0], surface.inputs["Normal"])
     inner.links.new(surface.outputs[0], inner.nodes.new("NodeGroupOutput").inputs[0])
     end = tree.nodes["Material Output"]
