@@ -184,9 +184,11 @@ static void sort(const drawing *d, int y0, int y1, pixel *sorted, uint32_t *from
 
 static void clear(const encre_image *image, int y0, int y1)
 {
+	size_t pixel = (size_t)image->channels * sizeof(float);
+	bool dense = image->pixel_stride == (int64_t)pixel;
 	for (int y = y0; image->data && y < y1; y++)
-		for (int x = 0; x < image->width; x++)
-			memset(pixel_at(image, x, y), 0, (size_t)image->channels * sizeof(float));
+		for (int x = 0; x < (dense ? 1 : image->width); x++)
+			memset(pixel_at(image, x, y), 0, dense ? (size_t)image->width * pixel : pixel);
 }
 
 static void draw_band(const drawing *d, int y0, int y1, int thread)
