@@ -21,7 +21,7 @@ def read(mesh, wanted, points, loops, corners, face):
         if kind == "object":
             found[kind, name] = points[corners]
         elif kind == "generated":
-            found[kind, name] = _generated(mesh, points)[corners]
+            found[kind, name] = _generated(mesh)[corners]
         elif kind == "tangent":
             if (values := _tangents(mesh, name, points, loops, corners, face)) is not None:
                 found[kind, name] = values
@@ -85,8 +85,10 @@ def _values(attribute):
     return _three(get(attribute.data, "vector", np.float32, widths[attribute.data_type]))
 
 
-def _generated(mesh, points):
-    """0 to 1 across the texture space of the mesh."""
+def _generated(mesh):
+    """0 to 1 across the texture space of the mesh, of where its points are before modifiers deform it, as far as
+    Blender keeps that: in renders."""
+    points = get(mesh.vertices, "undeformed_co", np.float32, 3)
     size, middle = (np.array(value, np.float32) for value in (mesh.texspace_size, mesh.texspace_location))
     return (points - middle) / np.where(size != 0, 2 * size, 1) + np.float32(0.5)
 

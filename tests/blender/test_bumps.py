@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bumps in layers that Encre draws without Cycles."""
+"""Bumps, and where patterns lie on what modifiers deform, in layers that Encre draws without Cycles."""
 
 import numpy as np
 
@@ -25,3 +25,11 @@ def test_bumps_turn_light_as_cycles_has_it(render):
         # What is too long is left out, and the thing is shown as it is without.
         np.testing.assert_array_equal(left, light if number < index.max() else plain)
     assert shot.output.count("materials that show more in Cycles: Cells (") == 1
+
+
+def test_generated_coordinates_are_of_what_no_modifier_has_deformed(render):
+    theirs, ours = (render("generated").passes(name) for name in ("CYCLES", "ENCRE"))
+    index = ours["Encre Index"][..., 0]
+    where = (index == 1) & inside(index)
+    color, wanted = (p["DiffCol"][where][:, 0] for p in (ours, theirs))
+    assert len(color) > 200 and abs(color - wanted).mean() < 0.02 < 0.1 < np.ptp(wanted)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bumps by Cycles and by Encre alone."""
+"""Bumps, and patterns on a deformed thing, by Cycles and by Encre alone."""
 
 import bpy
 from quick import _new as new
@@ -44,3 +44,19 @@ def bumps(out):
         for bump in [node for node in mat.node_tree.nodes if node.bl_idname == "ShaderNodeBump"]:
             mat.node_tree.nodes.remove(bump)
     shoot(out, "flat")
+
+
+def generated(out):
+    """Noise by generated coordinates on a cube that modifiers make a ball, by both."""
+    scene, cube = stage(120, 68, 16), bpy.data.objects["Cube"]
+    cube.modifiers.new("Finer", "SUBSURF").render_levels = 3
+    cast = cube.modifiers.new("Round", "CAST")
+    cast.factor, cast.size, cast.use_radius_as_size = 1, 1, False
+    tree = bpy.data.materials["Red"].node_tree
+    noise, surface = new(tree, "TexNoise", Scale=4.0, Detail=0.0), new(tree, "BsdfDiffuse")
+    tree.links.new(noise.outputs[0], surface.inputs["Color"])
+    tree.links.new(surface.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    scene.cycles.max_bounces, scene.encre.save_layers = 0, "ON"
+    for source in ("CYCLES", "ENCRE"):
+        scene.encre.layer_source = source
+        shoot(out, source)
