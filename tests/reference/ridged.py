@@ -224,11 +224,20 @@ def _on_threshold(steps, *values):
 
 
 def _crossing(steps, v, low, high, place):
-    """Where the light of five pixels crosses the middle of the thresholds between two of them, nearest to the third."""
+    """Where the light of five pixels crosses the middle of the thresholds between two of them, nearest to the third,
+    right for hard edges about their half, whose middle is at `place`."""
+    def at(level):
+        passed = [k for k in range(4) if (v[k] > level) != (v[k + 1] > level)]
+        return min((k - 2 + (level - v[k]) / (v[k + 1] - v[k]) for k in passed), key=abs, default=None)
+
     over = [step[1] for step in steps[1:] if min(v[low], v[high]) <= step[1] < max(v[low], v[high])]
-    middle = (over[0] + over[-1]) / 2 if over else np.nan
-    found = [k - 2 + (middle - v[k]) / (v[k + 1] - v[k]) for k in range(4) if (v[k] > middle) != (v[k + 1] > middle)]
-    return min(found, key=abs, default=place)
+    threshold = (over[0] + over[-1]) / 2 if over else np.nan
+    found, half, step = at(threshold), at((v[0] + v[4]) / 2), v[4] - v[0]
+    if found is None or half is None or not step:
+        return place if found is None else found
+    slopes = (abs(v[1] - v[0]) + abs(v[4] - v[3])) / abs(step)
+    near = clamp01(1 - 8 * abs((threshold - v[0]) / step - 0.5))
+    return found + float(clamp01(1 - 4 * slopes) * near) * (place - half)
 
 
 def step_site(view, layer, row, column, axis):

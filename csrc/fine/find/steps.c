@@ -92,9 +92,8 @@ static void put(const found *at, float offset, placed *s)
 	s->y = (float)at->row + (at->axis ? offset : 0);
 }
 
-/* Where light steps over a threshold the fill of a level ends: the line runs there, wherever the step has its middle.
- */
-static void put_threshold(const found *at, float (*value)[3], float threshold, placed *s)
+/* Where light passes a threshold between two of five pixels, nearest to the third; INFINITY: it does not. */
+static float passes_at(float (*value)[3], float threshold)
 {
 	float best = INFINITY;
 	for (int k = 0; k < 4; k++) {
@@ -103,8 +102,24 @@ static void put_threshold(const found *at, float (*value)[3], float threshold, p
 		if ((one > 0) != (two > 0) && fabsf(offset) < fabsf(best))
 			best = offset;
 	}
-	if (best < INFINITY)
-		put(at, best, s);
+	return best;
+}
+
+/* Where light steps over a threshold the fill of a level ends: the line runs there, and not in the step's middle. Where
+ * pixels have averaged a hard edge light is not linear between two of them: about its half the place is as far off as
+ * that of its half is from the middle. */
+static void put_threshold(const found *at, float (*value)[3], float threshold, float middle, placed *s)
+{
+	float place = passes_at(value, threshold), step = value[4][0] - value[0][0];
+	float half = passes_at(value, value[0][0] + 0.5f * step);
+	float slopes = fabsf(value[1][0] - value[0][0]) + fabsf(value[4][0] - value[3][0]);
+	if (!(place < INFINITY))
+		return;
+	if (half < INFINITY && fabsf(step) > 0) {
+		float off = fabsf((threshold - value[0][0]) / step - 0.5f);
+		place += clamp01(1 - 4 * slopes / fabsf(step)) * clamp01(1 - 8 * off) * (middle - half);
+	}
+	put(at, place, s);
 }
 
 static bool may_be_weak(const fine *n, const found *at, const placed *s)
@@ -200,6 +215,7 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 	float offset = -1.5f;
 	for (int k = 1; k <= 3; k++)
 		offset += share(value[k], value[low], value[high], planes);
+	float middle = offset;
 	offset = unbiased(offset);
 	put(at, at->family == FAMILY_COLOR ? joint_near(n, at, offset) : offset, s);
 	int style = fine_style(n, at, s);
@@ -238,7 +254,7 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 	if (form == FORM_LIGHT) {
 		const encre_params *own = n->f->params + style;
 		difference = ISA(light_contrast)(n, own, value[low][0], value[high][0]);
-		put_threshold(at, value, ISA(light_threshold)(own, value[low][0], value[high][0]), s);
+		put_threshold(at, value, ISA(light_threshold)(own, value[low][0], value[high][0]), middle, s);
 	} else {
 		const float *a[3] = {value[low], value[low] + 1, value[low] + 2},
 			    *b[3] = {value[high], value[high] + 1, value[high] + 2};
