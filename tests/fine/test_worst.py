@@ -70,8 +70,8 @@ def test_noise_is_at_most_17_times_the_work_of_a_few_balls(polls, name):
 
 @pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallinfo2"), reason="needs glibc's count of memory")
 @pytest.mark.parametrize("picture", [noise.everywhere, noise.textures])
-def test_noise_holds_at_most_190_bytes_a_pixel(picture):
-    assert bench.held_bytes(picture(WIDTH, HEIGHT), SETTINGS) <= 190 * WIDTH * HEIGHT
+def test_noise_holds_at_most_165_bytes_a_pixel(picture):
+    assert bench.held_bytes(picture(WIDTH, HEIGHT), SETTINGS) <= 165 * WIDTH * HEIGHT
 
 
 @pytest.mark.parametrize("picture", [noise.everywhere, noise.textures])

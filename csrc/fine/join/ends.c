@@ -358,15 +358,15 @@ static int32_t round_of(fine *n)
 		return code;
 	qsort(all.pair, pairs, sizeof *all.pair, by_cost);
 	code = join_ends(&all, pairs, &to);
-	if (!code)
-		code = add_sites(n, to.site, to.sites);
-	if (!code)
-		code = ISA(fine_add_links)(n, to.link, to.count);
 	late_drop(&n->f->late, all.end);
 	late_drop(&n->f->late, all.number);
 	late_drop(&n->f->late, all.first);
 	late_drop(&n->f->late, all.member);
 	late_drop(&n->f->late, all.pair);
+	if (!code)
+		code = add_sites(n, to.site, to.sites);
+	if (!code)
+		code = ISA(fine_add_links)(n, to.link, to.count);
 	late_drop(&n->f->late, to.link);
 	late_drop(&n->f->late, to.site);
 	return code;
