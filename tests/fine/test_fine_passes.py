@@ -84,7 +84,8 @@ def tie(check):
 
 
 def eyes(check):
-    before, after = check.tables("slender")[0], check.tables("close eyes")[0]
+    before = (check.tables("give way") or check.tables("crowd") or check.tables("smooth"))[0]
+    after = check.tables("close eyes")[0]
     gone, unsure = twin.eyes(before)
     check.alike("eyes", gone, dropped(before, after), unsure, most=0.3)  # many are even
     kept = {pair: n for pair, n in links_of(before).items() if not after.dropped[list(pair)].any()}
@@ -128,7 +129,7 @@ def give_way(check):
 
 
 def slim(check):
-    before = (check.tables("give way") or check.tables("crowd") or check.tables("smooth"))[0]
+    before = check.tables("join ends")[0]
     crowd, tapers, unsure = slender.slender(before, check.c.view.layers.depth, check.scale)
     after = check.tables("slender")[0].site
     shapes = (before.rank == 0) & ~before.dropped
@@ -163,7 +164,7 @@ def lead(check):
 
 
 def drop(check):
-    joined, beside, last = (check.tables(name)[0] for name in ("join ends", "drop beside", "cut spurs"))
+    joined, beside, last = (check.tables(name)[0] for name in ("slender", "drop beside", "cut spurs"))
     view = check.c.view
     marks = view.layers.marks if view.meshes and "marks" in view.given else None
     gone, unsure = chains.beside(joined, check.shape, marks)

@@ -153,6 +153,24 @@ def test_a_ledge_a_pixel_high_has_no_comb():
         assert t[10:14, 8:-8].max(0).min() > 0.9
 
 
+def test_where_wires_cross_is_no_knot():
+    """Lines of a thin thing are thin; where another one passes it has no contour on the other side there, and a broad
+    pen made a ball of each crossing."""
+    pen = dict(PEN, line_thickness=9.0)
+    for width in (1.5, 2.2, 3.0):
+        for turn in (40, 60, 75):
+            front, off = rod(width, 0.4, 0.2)
+            back, behind = rod(width, 0.4 + np.radians(turn), 0.4)
+            hit = front["object"] == 2
+            both = {name: np.where(hit if a.ndim == 2 else hit[..., None], front[name], a) for name, a in back.items()}
+            both["depth"] += np.where(hit, 0, 0.8).astype(np.float32)
+            both["object"] += ((behind_hit := back["object"] == 2) & ~hit).astype(np.float32)
+            alone, t, near = ink(front, pen=pen), ink(both, pen=pen), np.minimum(np.abs(off), np.abs(behind))
+            reach = inner(np.abs(off))[inner(alone) > 0.3].max()
+            assert behind_hit.any() and reach < 4
+            assert inner(near)[inner(t) > 0.3].max() < reach + 1, (width, turn)
+
+
 def test_threads_and_instructions_change_nothing():
     layers, _ = rod(0.7, 0.3, 0.2)
     one = ink(layers, threads=1)

@@ -7,6 +7,7 @@ from .metric import clamp01, mix
 from .passes import CLOSE, NUMBER, ROW, along_from
 
 WIDEST, SHARE, LEAST, TIP = 16.0, 0.3, 1.25, 0.75  # px, of the thing's width, px, px
+AROUND, MEETINGS = 12, 2  # sites each way along a line, and beyond how many meetings of lines
 
 
 def _ways(t, i):
@@ -72,6 +73,16 @@ def _beside(a, b, dot, gap, unit):
     return beside * _at(wide, sine, unit), clamp01((sine - 0.05) / 0.1)
 
 
+def _beyond(t, i, j, sites, meetings):
+    """The next sites of a line from i over j; where it meets others, also of these."""
+    arm = along_from(t, i, j)[:sites]
+    last, before = arm[-1], (i, *arm)[-2]
+    if len(t.links[last]) > 2 and meetings and len(arm) < sites:
+        return arm + [k for to in t.links[last] if to != before
+                      for k in _beyond(t, last, to, sites - len(arm), meetings - 1)]
+    return arm
+
+
 def slender(t, depth, unit):
     """1 over the greatest radius of each site of a shape, 0 where it is not bounded; how much what it is of tapers;
     unsure. unit: pixels of a px."""
@@ -84,14 +95,9 @@ def slender(t, depth, unit):
         doubt |= {i} if unsure else set()
     unsure = set()
     for i in np.flatnonzero(~t.dropped & (t.rank == 0)):  # at the tip itself there is nothing opposite
-        arms = [along_from(t, i, j)[:6] for j in t.links[i]]
-        if len(arms) > 2:  # where lines meet it goes on in two
-            both = np.sort([found[arm[0]] for arm in arms], axis=0)[-2]
-        else:
-            for arm in arms:
-                before = (i, *arm)[-2]
-                arm += [k for k in t.links[arm[-1]] if k != before] if len(t.links[arm[-1]]) > 2 else []
-            both = np.min([found[arm].max(0) for arm in arms], axis=0) if arms else np.zeros(2)
+        arms = [_beyond(t, i, j, AROUND, MEETINGS) for j in t.links[i]]
+        most = np.sort([found[arm].max(0) for arm in arms], axis=0)
+        both = most[-2 if len(arms) > 1 else -1] if arms else np.zeros(2)  # where lines meet it goes on in two
         result[i] = np.maximum(found[i], both)
         if doubt & {i, *(k for arm in arms for k in arm)}:
             unsure.add(i)

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { CHUNK = 2048, AROUND = 6 /* sites each way along a line */, LONG = 6 };
+enum { CHUNK = 2048, AROUND = 12 /* sites each way along a line */, MEETINGS = 2, LONG = 6 };
 
 /* Px. What is wider is no thin thing, and no line of one is made thinner. */
 static const float widest = 16, least_radius = 1.25f, least_tip = 0.75f; /* test_fine_passes */
@@ -140,41 +140,37 @@ static bound more(bound a, bound b)
 	return (bound){max(a.crowd, b.crowd), max(a.tapers, b.tapers)};
 }
 
-/* Where several lines meet, as it goes on in two of them. */
-static bound met(const slender *w, uint32_t i)
+/* The most on the next so many sites of a line; where it meets others, on these, so many times. */
+static bound beyond(const slender *w, uint32_t from, uint32_t at, int sites, int meetings)
 {
 	const fine *n = w->n;
-	bound most[2] = {0};
-	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
-		bound own = w->bound[n->to[k]];
-		most[1] = (bound){max(most[1].crowd, min(most[0].crowd, own.crowd)),
-				  max(most[1].tapers, min(most[0].tapers, own.tapers))};
-		most[0] = more(most[0], own);
+	uint32_t start = from;
+	bound most = {0};
+	while (sites-- > 0 && at != UINT32_MAX && at != start) {
+		most = more(most, w->bound[at]);
+		for (uint32_t k = n->at[at]; meetings && links_at(n, at) > 2 && k < n->at[at + 1]; k++)
+			if (n->to[k] != from)
+				most = more(most, beyond(w, at, n->to[k], sites, meetings - 1));
+		uint32_t next = next_of(n, from, at);
+		from = at;
+		at = next;
 	}
-	return most[1];
+	return most;
 }
 
-/* Round a tip a line has no opposite, nor where pixels do not show it: it is bound as it is on both sides of there. */
+/* Round a tip a line has no opposite, nor where pixels do not show it, as where thin things cross: it is bound as it is
+ * on both sides of there. Where several lines meet, as it goes on in two of them. */
 static bound closed(const slender *w, uint32_t i)
 {
 	const fine *n = w->n;
-	uint32_t links = links_at(n, i);
-	bound own = w->bound[i], side[2] = {0};
-	if (links > 2)
-		return more(own, met(w, i));
-	for (uint32_t k = 0; k < links; k++) {
-		uint32_t from = i, at = n->to[n->at[i] + k];
-		for (int step = 0; step < AROUND && at != UINT32_MAX && at != i; step++) {
-			side[k] = more(side[k], w->bound[at]);
-			for (uint32_t l = n->at[at]; links_at(n, at) > 2 && l < n->at[at + 1]; l++)
-				side[k] = more(side[k], n->to[l] == from ? (bound){0} : w->bound[n->to[l]]);
-			uint32_t next = next_of(n, from, at);
-			from = at;
-			at = next;
-		}
+	bound most = {0}, both = {0};
+	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
+		bound side = beyond(w, i, n->to[k], AROUND, MEETINGS);
+		both = (bound){max(both.crowd, min(most.crowd, side.crowd)),
+			       max(both.tapers, min(most.tapers, side.tapers))};
+		most = more(most, side);
 	}
-	bound both = {min(side[0].crowd, side[1].crowd), min(side[0].tapers, side[1].tapers)};
-	return more(own, links == 1 ? side[0] : both);
+	return more(w->bound[i], links_at(n, i) == 1 ? most : both);
 }
 
 static void set_bounds(void *data, int first, int end, int thread)
