@@ -26,7 +26,7 @@ def calm(light: np.ndarray, most: np.ndarray, whole: np.ndarray, slope: tuple[np
     most = np.where(mean(slope[0] ** 2 + slope[1] ** 2) > (most * np.float32(_FLAT)) ** 2, most, 0)
     places = np.nonzero(clear & (most > 0))
     own = light[places]
-    one, two = (list(_walk(light, down, right, clear, places, side)) for side in (1, -1))
+    one, two = (_walk(light, down, right, clear, places, side) for side in (1, -1))
     total, weights = np.zeros_like(own), np.ones_like(own)
     for pace, ((a, there), (b, too)) in enumerate(zip(one, two, strict=True), 1):
         off = (a + b) * np.float32(0.5) - own

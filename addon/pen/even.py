@@ -30,6 +30,7 @@ _ABOUT = 3  # of _AHEAD: directions in which what is about a place must be known
 _NIL = 1 / 3000  # of the light: less is no noise
 _BEND, _TURN = 0.003, 0.2  # of 1/depth, and of the normal: more is another surface, or a relief that light shows
 _PIXELS = 1 << 17  # at once: what is around them counts for little, and they stay in the caches
+_CALMED = 64  # rows
 _ACROSS, _DOWN = (0, 1), (1, 0)
 _AHEAD = _ACROSS, _DOWN, (1, 1), (1, -1)  # of two places on either side; the first two count twice
 
@@ -59,17 +60,33 @@ def even(light: np.ndarray, rendered: np.ndarray, normal: np.ndarray, depth: np.
 
 def _strip(value, rendered, surface):
     """`value`, evened out; at its first and last rows REACH of them are not as in a larger picture."""
-    nil = np.float32(_NIL) * value
+    given, nil = value, np.float32(_NIL) * value
     noise = _noise(rendered, surface.same(1)) - nil
     if noise.max() > 0:
-        taken = 2 * np.sqrt(_mean((rendered - value) ** 2)) - nil
-        same = {step: surface.same(step) for step, _ in _PASSES}
+        same = {}
         for step, most in _PASSES:
+            same[step] = surface.same(step)
             value = _pass(value, np.float32(most) * noise, step, same[step])
+            if step not in _STEPS:
+                del same[step]
         for step in _STEPS:
             value = _levelled(value, noise, step, same[step])
-        value = along.calm(value, taken, _whole(same[1]), _slope(value, same[1]), _mean)
+        same = same[1]
+        taken = 2 * np.sqrt(_mean((rendered - given) ** 2)) - nil
+        value = _calmed(value, taken, same)
     return value
+
+
+def _calmed(value, taken, same):
+    """In strips of their own: it needs little about them, and many pictures."""
+    out, height = np.empty_like(value), len(value)
+    for top in range(0, height, _CALMED):
+        first, end = max(0, top - along.REACH), min(height, top + _CALMED)
+        strip = slice(first, end + along.REACH)
+        beside = {ahead: alike[strip] for ahead, alike in same.items()}
+        out[top:end] = along.calm(value[strip], taken[strip], _whole(beside), _slope(value[strip], beside),
+                                  _mean)[top - first:end - first]
+    return out
 
 
 def _whole(same):

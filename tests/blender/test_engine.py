@@ -156,11 +156,11 @@ def test_settings_are_read_once(render):
 
 def test_memory_of_a_frame(render):
     """numpy counts its pictures with Python's memory. At most there are the 16 layers and what they are put together
-    from; pictures that nobody asked for are not made."""
+    from; pictures that nobody asked for are not made. (In one so low the strips of even() are nearly all of it.)"""
     facts = render("memory").facts
     assert all(held < 23 + 4 * len(library.controls()) * painted for painted, held in enumerate(facts["held"]))
     plain, painted = facts["peak"]
-    assert plain <= 174 and painted <= 203, facts
+    assert plain <= 177 and painted <= 205, facts
     assert max(facts["left"]) < 1
 
 
