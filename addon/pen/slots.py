@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import library
+from .errors import EncreError, unknown
 from .params import PENS, TONES, Param
 
 
@@ -71,8 +72,11 @@ def of(id_: str) -> Slot | None:
 
 
 def find(id_: str) -> Slot:
-    """The slot with this id."""
-    return next(slot for slot in (*pens(), *tones()) if slot.id == id_)
+    """The slot with this id. EncreError: there is none."""
+    known = {slot.id: slot for slot in (*pens(), *tones())}
+    if id_ not in known:
+        raise EncreError(unknown("pen or tone", id_, known))
+    return known[id_]
 
 
 def copied(source: Slot, target: Slot, value: Callable[[Param], Any]) -> dict[str, Any]:

@@ -41,3 +41,4 @@ def test_a_slot_takes_all_that_another_has(render):
     assert facts["pen"] == [0.25, 3, 1], "the first pen is as wide as itself"
     assert facts["first pen"] == [0.125, 7, 60], "and has no width beside that of lines"
     assert facts["tone"] == ["IMAGE", 150, True]
+    assert "pen_4: unknown pen or tone; did you mean" in facts["unknown"] and "Traceback" not in facts["unknown"]

@@ -4,6 +4,7 @@
 import bpy
 
 from ...pen import slots
+from ...pen.errors import EncreError
 from ...pen.params import LINES, PENS, TONES, terms
 from .. import ENGINE, pens, properties
 from ..languages import CONTEXT, iface_
@@ -68,7 +69,12 @@ class ENCRE_OT_slot_copy(bpy.types.Operator):
         return context.engine == ENGINE
 
     def execute(self, context):
-        scene, source = context.scene.encre, slots.find(self.source)
+        scene = context.scene.encre
+        try:
+            source = slots.find(self.source)
+        except EncreError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         for id_, value in slots.copied(source, chosen(scene, source.kind),
                                        lambda p: properties.value_of(scene, p)).items():
             properties.set_value(scene, id_, value)

@@ -79,3 +79,7 @@ def slots(_out):
     settings.tone_4, settings.tone_4_pitch, settings.tone_4_image, settings.active_tone = "IMAGE", 150, image, 1
     bpy.ops.encre.slot_copy(source="tone_6")  # which is as the fourth
     fact("tone", [settings.tone_2, settings.tone_2_pitch, settings.tone_2_image == image])
+    try:
+        bpy.ops.encre.slot_copy(source="pen_4")
+    except RuntimeError as error:  # as Blender raises what an operator reports
+        fact("unknown", str(error))
