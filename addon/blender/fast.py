@@ -151,15 +151,7 @@ class Scene:
 
     def _pictures(self, view, projection, frame, size, settings, clip, sharp=False):
         objects = self.objects
-        wanted = ["depth", "object", "material", "style", "marks", "shading"]
-        if settings.wants_edges:
-            wanted += ["normal", "creases"]
-        if settings.wants_anchor:
-            wanted.append("anchor")
-        if settings.wants_tangent:
-            wanted.append("tangent")
-        if settings.wants_card:
-            wanted.append("card")
+        wanted = ["depth", "object", "material", "style", "marks", "shading", *settings.rastered]
         lit = np.zeros((*size[::-1], 3), np.float32) if self.shines else None
         maps, looks, diffuse, through = yield from self._front(view, projection, frame, size, wanted, clip, sharp, lit)
         instance = maps["object"].astype(np.int32)

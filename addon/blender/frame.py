@@ -129,7 +129,7 @@ class Frames:
             self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
         if settings.wants_seen:
             overrides.follow_reflections(depsgraph)
-        overrides.expect(depsgraph, wanted.own(depsgraph.scene, depsgraph.view_layer, True, True, True))
+        overrides.expect(depsgraph, wanted.own(depsgraph.scene, depsgraph.view_layer, True, True, True, True))
         self.overrode = settings.active
         if flat:
             self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other,
@@ -190,15 +190,7 @@ class Frames:
                                      anchored=settings.wants_anchor, unwrapped=settings.wants_tangent)
             if light:
                 light.tidy()
-            drawn = ["object", "material", "style", "marks", "coincident"]
-            if settings.wants_edges:
-                drawn += ["normal", "creases"]
-            if settings.wants_anchor:
-                drawn.append("anchor")
-            if settings.wants_tangent:
-                drawn.append("tangent")
-            if settings.wants_card:
-                drawn.append("card")
+            drawn = ["object", "material", "style", "marks", "coincident", *settings.rastered]
             if any(mesh.attributes is not None for mesh in objects.meshes):
                 drawn.append("attributes")
         solid = objects.solid() if objects and settings.wants_edges else None

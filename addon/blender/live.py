@@ -49,6 +49,7 @@ class _Now:
     scene: int     # numbers of what was read, which grow
     settings: int
     eye: tuple
+    turns: frozenset  # of pens that draw anew while an animation runs
     wish: Wish
 
 
@@ -216,7 +217,8 @@ class View:
         self.changed, self.beside = False, beside
 
     def _now(self):
-        return _Now(self.read_number, self.settings_number, self.look.key, self.wish)
+        turns = self.settings.turns(self.look.number) if self.settings else frozenset()
+        return _Now(self.read_number, self.settings_number, self.look.key, turns, self.wish)
 
     def _quick(self):
         """The scale of pictures while something moves."""
@@ -234,7 +236,7 @@ class View:
 
     def _key(self):
         """Equal for layers that are the same at the same scale."""
-        return self.read_number, self.look.key, self.settings.wants_edges
+        return self.read_number, self.look.key, self.settings.rastered
 
     def _layers(self, scale):
         """The _Layers of this scale, if those that were drawn last are still right."""

@@ -278,6 +278,19 @@ class Settings:
         return self.every[0]["save_anchor"] == "ON" or self.follows_uv
 
     @cached_property
+    def rastered(self) -> tuple[str, ...]:
+        """Names of the pictures of meshes that are drawn only where something wants them."""
+        wanted = {"normal": self.wants_edges, "creases": self.wants_edges, "anchor": self.wants_anchor,
+                  "tangent": self.wants_tangent, "card": self.wants_card}
+        return tuple(name for name, there in wanted.items() if there)
+
+    def turns(self, frame: int) -> frozenset[tuple[int, int]]:
+        """Which drawing of theirs pens have come to that draw lines anew while an animation runs: equal for frames
+        that differ by nothing else and are drawn alike."""
+        holds = {values[f"{pen}_hold"] for values in self.every if values["use_lines"] for pen in pens(values)}
+        return frozenset((hold, frame // hold) for hold in holds if hold)
+
+    @cached_property
     def wants_seen(self) -> bool:
         """Whether lines are drawn in what mirrors and glass show."""
         return self.every[0]["edge_detector"] == "FINE" and self.any("edge_seen") and self.wants_edges

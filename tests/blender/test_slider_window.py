@@ -15,8 +15,8 @@ def shot(tmp_path_factory):
 
 def found(shot, name):
     """(how often the scene was read, whether the picture is another); what is shown is the scene as it is."""
-    reads, another, right, anew = shot.facts[name][0]
-    assert right and anew == 1, name
+    reads, another, right, anew, same = shot.facts[name][0]
+    assert right and anew == 1 and same, name
     return reads, another
 
 
@@ -30,6 +30,16 @@ def test_a_setting_reads_nothing(shot):
 def test_what_a_setting_asks_of_the_scene_is_read(shot):
     for name in ("what rests", "style", "name of a style"):
         assert found(shot, name)[0] == 1, name
+
+
+@pytest.mark.parametrize("name", ["flat tones", "flat tones at once"])
+def test_layers_that_a_setting_asks_for_are_drawn(shot, name):
+    assert found(shot, name)[1]
+
+
+def test_frames_are_drawn_where_pens_draw_anew(shot):
+    """And only there: a still scene is not drawn again while it plays."""
+    assert [found(shot, name)[1] for name in ("still", "still, held", "still, drawn anew")] == [False, False, True]
 
 
 @pytest.mark.parametrize("name", ["hidden", "there again", "world", "film", "moved", "indirect only", "direct",

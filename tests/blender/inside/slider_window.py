@@ -42,17 +42,21 @@ def build():
 
 def changed(name, *values):
     """Sets values in one evaluation. FACT name: how often the scene was read for it, whether the picture is another,
-    and whether a view that reads all anew finds the scene as it is shown."""
+    whether a view that reads all anew finds the scene as it is shown, how often it reads it then, and whether
+    its picture is the same."""
     yield from rest()
     view, count, before = views()[0], len(READS), uploaded[-1][1]
     for block, attribute, value in values:
         block(attribute, value) if callable(block) else setattr(block, attribute, value)
     yield from rest()
-    reads, number, another = len(READS) - count, view.read_number, (uploaded[-1][1] != before).any()
+    reads, number, shown = len(READS) - count, view.read_number, uploaded[-1][1]
     view.stale = view.changed = True
+    view.layers.clear()
+    view.texture = None
     view.redraw()
     yield from rest()
-    studio.fact(name, [reads, bool(another), view.read_number == number, len(READS) - count - reads])
+    studio.fact(name, [reads, bool((shown != before).any()), view.read_number == number, len(READS) - count - reads,
+                       bool((uploaded[-1][1] == shown).all())])
 
 
 def hide(obj, hidden):
@@ -64,6 +68,12 @@ def settings():
     yield from changed("slider", (encre, "line_thickness", 20))
     yield from changed("colour", (encre, "line_color", (0.5, 0, 0)))
     yield from changed("what rests", (encre, "pen_wobble", 0.5))
+    flat = {f"tone_{n}_space": "FLAT" for n in (1, 2)}
+    yield from changed("tones", (encre, "use_tones", True), (encre, "tone_1", "DOTS"), (encre, "tone_2", "DOTS"))
+    yield from changed("flat tones", *((encre, name, value) for name, value in flat.items()))
+    yield from changed("no tones", (encre, "use_tones", False))
+    yield from changed("flat tones at once", (encre, "use_tones", True))
+    encre.use_tones = False
     yield from changed("style", (encre, "use_smudging", True), (lambda *_: encre.styles.add(), "", None))
     bpy.data.objects["Ball"].encre.style = "Quiet"
     encre.styles[0].line_thickness = 0
@@ -119,5 +129,22 @@ def animated():
     yield from changed("frame", (lambda _name, frame: scene.frame_set(frame), "", 8))
 
 
+def drawn_anew():
+    """Frames of a scene in which nothing moves, without pens that draw anew, and with one that does on twos."""
+    encre, scene = bpy.context.scene.encre, bpy.context.scene
+    for owner in (scene, bpy.data.objects["Copies"]):
+        owner.animation_data_clear()
+
+    def shown(_name, frame):
+        scene.frame_set(frame)
+
+    encre.pen_wobble = 6
+    yield from changed("still", (shown, "", 9))
+    encre.pen_hold = 2
+    yield from changed("still on twos", (shown, "", 8))
+    yield from changed("still, held", (shown, "", 9))
+    yield from changed("still, drawn anew", (shown, "", 10))
+
+
 if __name__ == "__main__":
-    window.start(window.each(build, settings, beside, driven, animated), persistent=True)
+    window.start(window.each(build, settings, beside, driven, animated, drawn_anew), persistent=True)
