@@ -33,7 +33,8 @@ def read(mesh, wanted, points, loops, corners, face):
 
 
 def _uv(mesh, name, loops, _corners, _face):
-    layer = mesh.uv_layers.get(name) or next((u for u in mesh.uv_layers if u.active_render), None)
+    """Of a map that is named and not there Cycles knows nothing, either."""
+    layer = mesh.uv_layers.get(name) if name else next((u for u in mesh.uv_layers if u.active_render), None)
     return _three(get(layer.data, "uv", np.float32, 2))[loops] if layer else None
 
 

@@ -64,8 +64,8 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     notes += unseen.of_materials(looks, objects.materials) + unseen.of_things(depsgraph, visible)
     made = looks.programs(objects.materials, objects.things, first)
     return Scene(objects, light, made, sky, scene.render.film_transparent, subject.read(depsgraph, camera, light), clip,
-                 notes, first > 0, looks.through(objects.materials), looks.shine(objects.materials),
-                 looks.turned(objects.materials))
+                 notes, first > 0, first + looks.channels(objects.materials), looks.through(objects.materials),
+                 looks.shine(objects.materials), looks.turned(objects.materials))
 
 
 def _join_attributes(objects):
@@ -111,11 +111,13 @@ def _facing(normal, looks):
 class Scene:
     """What is drawn from: nothing of it is Blender's, so that it stays whatever becomes of the depsgraph."""
 
-    def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted, through, shines, turned):
+    def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted, channels, through, shines,
+                 turned):
         self.objects, self.light, self.materials, self.sky, self.clip = objects, light, made, sky, clip
         self.transparent, self.subject = transparent, about
         self.notes = notes  # sentences about what is missing
         self.painted = painted  # whether the first attributes are controls
+        self.channels = channels  # of attributes; those that a mesh has not are 0
         self.through = through  # by number of material: whether light goes through it
         self.shines = shines and light.lamps > 0  # whether lamps make highlights on anything
         self.turned = turned  # whether a normal map turns anything
@@ -239,11 +241,9 @@ class Scene:
 
     def _works(self, view, projection, frame, size, clip, wanted, beyond):
         """(pictures that the rasteriser fills, the works that do and tell what materials look like)"""
-        meshes = self.objects.meshes
-        channels = max((mesh.attributes.shape[2] for mesh in meshes if mesh.attributes is not None), default=0)
-        width, height = size
+        channels, (width, height) = self.channels, size
         into = {"creases": np.zeros((height, width, 5), np.float32)[..., :4]} if "creases" in wanted else {}
-        raster = library.load().raster_work(meshes, view, projection, frame, size, *clip, channels,
+        raster = library.load().raster_work(self.objects.meshes, view, projection, frame, size, *clip, channels,
                                             [*wanted, "attributes"] if channels else wanted, beyond, into)
         maps = raster.result()  # its arrays, which the others read
         return maps, [raster, library.load().material_work(

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..pen.job import Materials
-from ..pen.program import Pool
+from ..pen.program import Pool, TooLong
 from . import nodes, trees, unseen
 
 _PLAIN = (0.8, 0.8, 0.8)  # what a renderer gives a surface without a material
@@ -36,6 +36,10 @@ class Looks:
             made.append(compiler.finish(surface, first))
         return Materials(made, self.pool.textures, np.array(self.pool.constants, np.float32), things)
 
+    def channels(self, names):
+        """How many channels the programs of the materials read of meshes, whether or not one has them."""
+        return 3 * max((len(self.sources[name]) for name in names), default=0)
+
     def shine(self, names):
         """Whether any of the materials makes highlights."""
         return any(self.known[name][1].shine != (0.0,) * 3 or self.known[name][1].coat != 0.0 for name in names)
@@ -57,7 +61,8 @@ def read(blocks, images):
         compiler = nodes.Compiler(looks.pool, images)
         try:
             surface = _surface(compiler, block)
-        except trees.Unknown as e:
+            compiler.finish(surface, 0)  # its results take room, too
+        except (trees.Unknown, TooLong) as e:
             looks.unknown[name] = str(e)
             compiler = nodes.Compiler(looks.pool, images)
             surface = compiler.matt(tuple(map(float, block.diffuse_color[:3])))

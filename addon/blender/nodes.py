@@ -8,10 +8,11 @@ import numpy as np
 
 from ..pen.job import Program
 from ..pen.program import Builder, TooLong
-from . import trees, unseen, worlds
+from . import trees, unseen
 from .patterns import Patterns
 
 _MOST_SOURCES = 5
+_DEEPEST = 160  # nodes one behind the other: each takes five of the thousand calls that Python has wait for others
 _GREY = (0.2126, 0.7152, 0.0722)
 
 
@@ -48,7 +49,7 @@ class Compiler(Patterns):
         self.through = False  # whether light goes through it, as through glass
         self.lost = []  # nodes that change what it looks like, and are not shown
         # Outputs of nodes by (groups around them, node, where they are looked at); nodes of open groups.
-        self._known, self._groups = {}, []
+        self._known, self._groups, self._deep = {}, [], 0
         self.beside = None  # where: None: at the pixel; (0 or 1, part): that part of one to the right, or below
 
     # What becomes of it
@@ -79,29 +80,38 @@ class Compiler(Patterns):
 
     def _output(self, node, socket):
         """The value of an output: a number, a tuple of three or four, or a Surface."""
-        key = (tuple(group.name for group in self._groups), node.name, self.beside)
-        if node.mute:
-            raise trees.Unknown(node.name)
-        if node.bl_idname == "ShaderNodeGroup":
-            return self._group(node, socket)
-        if node.bl_idname == "NodeGroupInput":
-            return self._outside(socket)
-        make = getattr(self, "_" + node.bl_idname.removeprefix("ShaderNode"), None)
-        if make is None:
-            raise trees.Unknown(node.name)
-        if key not in self._known:
-            try:
-                self._known[key] = values = make(node)
-                if socket.type == "SHADER":
-                    self._turn(node, values)
-            except TooLong:
-                raise trees.Unknown(node.name) from None
-        values = self._known[key]
+        self._deep += 1
+        try:
+            if self._deep > _DEEPEST:
+                raise TooLong
+            if node.mute:
+                raise trees.Unknown(node.name)
+            if node.bl_idname == "ShaderNodeGroup":
+                return self._group(node, socket)
+            if node.bl_idname == "NodeGroupInput":
+                return self._outside(socket)
+            values = self._values(node, socket)
+        except TooLong as e:
+            raise trees.Unknown(str(e)) from None
+        finally:
+            self._deep -= 1
         if socket.identifier in values:
             return values[socket.identifier]
         if socket.name in values:
             return values[socket.name]
         raise trees.Unknown(node.name)
+
+    def _values(self, node, socket):
+        """Those of all its outputs, made once."""
+        key = (tuple(group.name for group in self._groups), node.name, self.beside)
+        if key not in self._known:
+            make = getattr(self, "_" + node.bl_idname.removeprefix("ShaderNode"), None)
+            if make is None:
+                raise trees.Unknown(node.name)
+            self._known[key] = values = make(node)
+            if socket.type == "SHADER":
+                self._turn(node, values)
+        return self._known[key]
 
     def _turn(self, node, values):
         """Has the surfaces that a shader gives face where it is told to, or notes that they should."""
@@ -363,14 +373,6 @@ class Compiler(Patterns):
             raise trees.Unknown(node.name)
         found = self._mesh("color", node.attribute_name)
         return {"Color": self._scalars(found), "Vector": found, "Fac": self._dot(self._scalars(found), (1 / 3,) * 3)}
-
-    def _ObjectInfo(self, node):
-        thing = [self.build.run("thing", data=(k,))[0] for k in range(9)]
-        return {"Color": tuple(thing[:3]), "Alpha": thing[3], "Random": thing[4], "Object Index": thing[5],
-                "Location": tuple(thing[6:9])}
-
-    def _LightPath(self, node):
-        return {socket.name: worlds.SEEN.get(socket.name, 0.0) for socket in node.outputs}
 
     def _Mapping(self, node):
         vector = self.vector(node.inputs["Vector"], lambda: (0.0, 0.0, 0.0))

@@ -23,9 +23,12 @@ def nodes_of(material):
 
 
 def source_of(socket):
-    """(node, its output) that a socket is linked to, past reroutes; None."""
+    """(node, its output) that a socket is linked to, past reroutes; None. Links that close a ring are invalid: as in
+    Cycles they are none."""
     while socket.is_linked:
         link = socket.links[0]
+        if not link.is_valid:
+            break
         if link.from_node.bl_idname != "NodeReroute":
             return link.from_node, link.from_socket
         socket = link.from_node.inputs[0]

@@ -6,7 +6,7 @@ import functools
 import numpy as np
 
 from ..pen.program import Register
-from . import attributes, trees
+from . import attributes, trees, worlds
 
 
 class Values:
@@ -18,6 +18,14 @@ class Values:
 
     def _Value(self, node):
         return {"Value": float(node.outputs[0].default_value)}
+
+    def _ObjectInfo(self, node):
+        thing = [self.build.run("thing", data=(k,))[0] for k in range(9)]
+        return {"Color": tuple(thing[:3]), "Alpha": thing[3], "Random": thing[4], "Object Index": thing[5],
+                "Location": tuple(thing[6:9])}
+
+    def _LightPath(self, node):
+        return {socket.name: worlds.SEEN.get(socket.name, 0.0) for socket in node.outputs}
 
     def _ValToRGB(self, node):
         ramp, share = node.color_ramp, self.number(trees.input_of(node, "Fac"))

@@ -27,6 +27,9 @@ Number = float | Register
 class TooLong(EncreError):
     """A program that the machine has no room for."""
 
+    def __init__(self) -> None:
+        super().__init__("more nodes than there is room for")
+
 
 class Pool:
     """Constants and textures that programs share."""
@@ -71,7 +74,7 @@ class Builder:
             out = self._count
             self._count += outputs
             if self._count > MOST_REGISTERS:
-                raise TooLong("it is too long")
+                raise TooLong
             pad = taken + [0] * (8 - len(taken))
             self._rows.append([code, out, *pad, *data, *[0] * (2 - len(data))])
             self._known[key] = tuple(Register(out + k) for k in range(outputs))
@@ -84,7 +87,7 @@ class Builder:
         try:
             yield
             if 2 * self._count > MOST_REGISTERS:
-                raise TooLong("it is too long")
+                raise TooLong
         except BaseException:
             del self._rows[before[0]:]
             self._count, self._known = before[1:]

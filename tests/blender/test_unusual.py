@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials that are unfinished or larger than usual take no frame away where Encre draws layers without Cycles."""
+
+import numpy as np
+import pytest
+
+
+def inside(labels):
+    """Where a pixel and its neighbours show the same thing."""
+    padded = np.pad(labels, 1, mode="edge")
+    height, width = labels.shape
+    return np.all([padded[y:y + height, x:x + width] == labels for y in range(3) for x in range(3)], 0)
+
+
+@pytest.mark.parametrize(("case", "name", "number"), [("no_map", "none", 2), ("no_map", "other", 2),
+                                                    ("rings", "rings", 3)])
+def test_a_missing_map_and_links_in_a_ring_are_what_cycles_takes_them_for(render, case, name, number):
+    shot = render(case)
+    assert set(shot.facts["failed"]) == {None} and "as only Cycles can show them" not in shot.output
+    theirs, ours = (shot.passes(f"{name} {source}") for source in ("CYCLES", "ENCRE"))
+    index = ours["Encre Index"][..., 0]
+    where = (index > 0) & inside(index)
+    where &= index != number  # which is there for other reasons
+    assert len(np.unique(index[where])) == 2
+    apart = abs(ours["DiffCol"] - theirs["DiffCol"])[where].max(1)
+    assert np.mean(apart > 2e-3) < 0.002  # at the border Cycles' pixels are means
+
+
+def test_rows_of_nodes_without_end_are_left_out(render):
+    shot = render("long_rows")
+    assert shot.facts["failed"] == [None]
+    ours = shot.passes("long")
+    index = ours["Encre Index"][..., 0]
+    for number, color in ((1, (0.25, 0.5, 0.75)), (2, (0.5, 0.25, 0.125))):
+        where = (index == number) & inside(index)
+        np.testing.assert_allclose(ours["DiffCol"][where], np.tile(color, (where.sum(), 1)), atol=1e-5)
+    words = "more nodes than there is room for"
+    assert f"in their viewport colour, as only Cycles can show them: Red ({words})" in shot.output
+    assert f"materials that show more in Cycles: Green ({words});" in shot.output
