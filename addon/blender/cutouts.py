@@ -70,6 +70,7 @@ def of(material):
         return 1.0
 
 
+@trees.bounded
 def _shader(socket):
     source = trees.source_of(socket)
     if source is None:
@@ -92,6 +93,7 @@ def _shader(socket):
     return 1.0
 
 
+@trees.bounded
 def _value(socket):
     """A number or a Cutout."""
     source = trees.source_of(socket)

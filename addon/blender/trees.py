@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node trees, whoever reads them: what a socket gets its value from, and what a Mapping does."""
 
+import functools
+
 import numpy as np
 from mathutils import Euler
+
+_DEEPEST = 60  # nodes one behind the other
 
 
 class Unknown(Exception):
@@ -33,6 +37,23 @@ def source_of(socket):
             return link.from_node, link.from_socket
         socket = link.from_node.inputs[0]
     return None
+
+
+def bounded(read):
+    """read(socket, ...), which calls itself for what lies behind: Unknown, before Python has no room for the calls."""
+    deep = 0
+
+    @functools.wraps(read)
+    def bounded_read(socket, *args):
+        nonlocal deep
+        if deep == _DEEPEST:
+            raise Unknown("more nodes than there is room for")
+        deep += 1
+        try:
+            return read(socket, *args)
+        finally:
+            deep -= 1
+    return bounded_read
 
 
 def input_of(node, identifier):

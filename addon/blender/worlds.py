@@ -58,6 +58,7 @@ def _world(world, asked, kind):
     return kind.constant(np.zeros(3)) if out is None else _shader(out.inputs["Surface"], kind)
 
 
+@trees.bounded
 def _shader(socket, kind):
     source = trees.source_of(socket)
     if source is None:
@@ -84,6 +85,7 @@ def _color(socket, kind):
     return kind.constant(color(socket))
 
 
+@trees.bounded
 def value(socket, ray=_RAY):
     """The number that a socket gets. Unknown: it isn't the same everywhere."""
     source = trees.source_of(socket)

@@ -70,18 +70,18 @@ def rings(out):
     _both(scene, out, "rings")
 
 
-def _row(tree, n):
+def _row(tree, n, operation="SINE"):
     output = new(tree, "TexNoise").outputs[0]
     for _ in range(n):
         sine = new(tree, "Math")
-        sine.operation = "SINE"
+        sine.operation = operation
         tree.links.new(output, sine.inputs[0])
         output = sine.outputs[0]
     return output
 
 
 def long_rows(out):
-    """So many nodes in a row that there is no room for them: of a colour, and of a bump's height."""
+    """So many nodes in a row that there is no room for them: of a colour, of a bump's height, and of alpha."""
     scene = _small()
     bpy.data.materials["Red"].diffuse_color = (0.25, 0.5, 0.75, 1)
     _colour("Red", _row(bpy.data.materials["Red"].node_tree, 400))
@@ -90,5 +90,7 @@ def long_rows(out):
     value.outputs[0].default_value = (0.5, 0.25, 0.125, 1)
     tree.links.new(_row(tree, 400), bump.inputs["Height"])
     tree.links.new(bump.outputs[0], _colour("Green", value.outputs[0]).inputs["Normal"])
+    tree = bpy.data.materials["Grey"].node_tree
+    tree.links.new(_row(tree, 600, "MULTIPLY"), tree.nodes["Principled BSDF"].inputs["Alpha"])
     scene.encre.layer_source = "ENCRE"
     fact("failed", shoot(out, "long"))
