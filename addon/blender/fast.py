@@ -32,6 +32,7 @@ class Kept:
         nothing: it begins with a Kept of its own.)"""
         self.meshes.drop({meshes.block_name(update.id) for update in depsgraph.updates if update.is_updated_geometry})
         self.images.drop({meshes.block_name(update.id) for update in depsgraph.updates})
+        pictures.turn(not len(depsgraph.updates))
 
 
 def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
@@ -41,6 +42,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     is about, None: only the scene's size does; visible: whether an original object is, None: all are.
     """
     kept, scene = kept or Kept(), depsgraph.scene_eval
+    pictures.turn()
     light = lamps.Light(depsgraph, clip, kept.light, visible)
     blocks = [block for block in depsgraph.ids if isinstance(block, bpy.types.Material)]
     looks = materials.read(blocks, kept.images)

@@ -24,7 +24,7 @@ from ..pen import library, shown
 from ..pen.background import Background
 from ..pen.errors import Cancelled, EncreError
 from ..pen.shown import Drawing, Wish
-from . import eye, fast, images, properties, unread
+from . import eye, fast, images, pictures, properties, unread
 
 _BUDGET = 1 / 15  # seconds that a picture may take while something moves
 _SMALLER = (1, 1 / 2, 1 / 4)
@@ -110,7 +110,7 @@ class View:
         self.kept, self.stale = fast.Kept(), True  # stale: something has changed since it was read
         self.changed, self.beside = True, None     # whether that is more than settings; unread.beside() as it was read
         self.scene = self.settings = self.failure = None
-        self.images = {}  # that the settings read
+        self.images, self.turn = {}, None  # that the settings read; pictures.turn() as it was looked at
         self.failed = None              # the _Now that could not be drawn
         self.read_number = self.settings_number = 0
         self.look = self.wish = self.scale = None
@@ -171,7 +171,8 @@ class View:
         if self.look is None:
             self.texture = None
             return
-        if before != self.look.through_camera:  # a camera's focus counts
+        before, self.turn = (before, self.turn), pictures.turn()
+        if before != (self.look.through_camera, self.turn):  # a camera's focus counts
             self.stale = self.changed = True
         if self.picture and self.picture.scale > self._quick() and (self.stale or self.picture.now != self._now()):
             self.picture.cancel()

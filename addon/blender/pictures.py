@@ -1,12 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's images: their values, and pictures that programs of materials look into, with levels of detail."""
 
+import bpy
 import numpy as np
 
 from ..pen.colour import decode_srgb
 from ..pen.job import Picture
 
 _DECODED = decode_srgb(np.arange(256, dtype=np.float32) / 255).astype(np.float32)  # of pictures of 8 bits
+
+
+_states = {}  # full name -> what was found of an image at the last look
+_turns = {}   # full name -> how often it was found to hold something else
+
+
+def turn(tagged=False):
+    """A number that grows whenever an image of the file may hold something else; to be asked before anything reads
+    images, which hides it: Blender tells of hardly any change, but has nothing of an image that it is to load anew.
+    tagged: whether Blender has told that something has changed and not what, as it does of pixels that were set."""
+    for image in bpy.data.images:
+        name, now = image.name_full, (image.has_data, image.is_dirty, image.filepath)
+        before = _states.get(name, now)
+        _states[name] = now
+        if before[1:] != now[1:] or (before[0] and not now[0]) or (tagged and image.is_dirty):
+            _turns[name] = _turns.get(name, 0) + 1
+    return sum(_turns.values())
 
 
 class Images:
@@ -21,9 +39,10 @@ class Images:
     def get(self, image, wrap):
         """The job.Picture of a Blender image."""
         key = image.name_full, image.colorspace_settings.name, tuple(image.size)
-        if key not in self._known:
-            self._known[key] = _levels(_pixels(image))
-        texels, width, height, levels = self._known[key]
+        now = _turns.get(image.name_full, 0)
+        if key not in self._known or self._known[key][0] != now:
+            self._known[key] = now, _levels(_pixels(image))
+        texels, width, height, levels = self._known[key][1]
         return Picture(texels, width, height, levels, wrap)
 
 

@@ -52,6 +52,7 @@ def changed(name, *values):
     reads, number, shown = len(READS) - count, view.read_number, uploaded[-1][1]
     view.stale = view.changed = True
     view.layers.clear()
+    view.kept.images = type(view.kept.images)()
     view.texture = None
     view.redraw()
     yield from rest()
@@ -146,5 +147,53 @@ def drawn_anew():
     yield from changed("still, drawn anew", (shown, "", 10))
 
 
+def pictures():
+    """What scripts do to images of a material and of the world."""
+    material, world = bpy.data.materials["Red"].node_tree, bpy.context.scene.world
+    path, other = (os.path.join(window.FOLDER, f"{name}.png") for name in ("one", "other"))
+
+    def file(path, value):
+        image = bpy.data.images.new("Saved", 4, 4)
+        image.pixels = [value, 0.5, 0.1, 1] * 16
+        image.filepath_raw, image.file_format = path, "PNG"
+        image.save()
+        bpy.data.images.remove(image)
+
+    def reload(path, value):
+        file(path, value)
+        image.reload()
+
+    def pixels(_name, value):
+        image.pixels = [0.1, value, 0.9, 1] * 16
+        image.update()
+        image.update_tag()
+
+    for mesh in bpy.data.meshes:
+        if not mesh.uv_layers:
+            mesh.uv_layers.new()
+    file(path, 0.1)
+    file(other, 0.5)
+    image = bpy.data.images.load(path)
+    look = material.nodes.new("ShaderNodeTexImage")
+    look.image = image
+    material.links.new(look.outputs[0], material.nodes["Principled BSDF"].inputs[0])
+    yield from changed("image", (look, "mute", False))
+    yield from changed("image loaded anew", (reload, path, 0.9))
+    yield from changed("image of another file", (image, "filepath", other))
+    yield from changed("image's pixels", (pixels, "", 0.3))
+    yield from changed("image's pixels again", (pixels, "", 0.8))
+    material.nodes.remove(look)
+    image = bpy.data.images.load(path, check_existing=False)
+    world.use_nodes = True
+    look = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+    look.image = image
+    world.node_tree.links.new(look.outputs[0], world.node_tree.nodes["Background"].inputs[0])
+    bpy.context.scene.render.film_transparent = False
+    yield from changed("sky", (look, "mute", False))
+    yield from changed("sky loaded anew", (reload, path, 0.2))
+    yield from changed("sky of another file", (image, "filepath", other))
+    yield from changed("sky's pixels", (pixels, "", 0.3))
+
+
 if __name__ == "__main__":
-    window.start(window.each(build, settings, beside, driven, animated, drawn_anew), persistent=True)
+    window.start(window.each(build, settings, beside, driven, animated, drawn_anew, pictures), persistent=True)
