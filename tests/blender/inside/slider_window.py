@@ -3,6 +3,7 @@
 tells how often the rendered 3D view reads the scene for it."""
 
 import os
+import shutil
 import sys
 
 import bpy
@@ -150,7 +151,7 @@ def drawn_anew():
 def pictures():
     """What scripts do to images of a material and of the world."""
     material, world = bpy.data.materials["Red"].node_tree, bpy.context.scene.world
-    path, other = (os.path.join(window.FOLDER, f"{name}.png") for name in ("one", "other"))
+    path, other, third = (os.path.join(window.FOLDER, f"{name}.png") for name in ("one", "other", "third"))
 
     def file(path, value):
         image = bpy.data.images.new("Saved", 4, 4)
@@ -159,8 +160,8 @@ def pictures():
         image.save()
         bpy.data.images.remove(image)
 
-    def reload(path, value):
-        file(path, value)
+    def reload(path, source):
+        shutil.copy(source, path)  # to make an image here would tell of a change
         image.reload()
 
     def pixels(_name, value):
@@ -173,16 +174,18 @@ def pictures():
             mesh.uv_layers.new()
     file(path, 0.1)
     file(other, 0.5)
+    file(third, 0.9)
     image = bpy.data.images.load(path)
     look = material.nodes.new("ShaderNodeTexImage")
     look.image = image
     material.links.new(look.outputs[0], material.nodes["Principled BSDF"].inputs[0])
     yield from changed("image", (look, "mute", False))
-    yield from changed("image loaded anew", (reload, path, 0.9))
+    yield from changed("image loaded anew", (reload, path, third))
     yield from changed("image of another file", (image, "filepath", other))
     yield from changed("image's pixels", (pixels, "", 0.3))
     yield from changed("image's pixels again", (pixels, "", 0.8))
     material.nodes.remove(look)
+    file(path, 0.1)
     image = bpy.data.images.load(path, check_existing=False)
     world.use_nodes = True
     look = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
@@ -190,7 +193,7 @@ def pictures():
     world.node_tree.links.new(look.outputs[0], world.node_tree.nodes["Background"].inputs[0])
     bpy.context.scene.render.film_transparent = False
     yield from changed("sky", (look, "mute", False))
-    yield from changed("sky loaded anew", (reload, path, 0.2))
+    yield from changed("sky loaded anew", (reload, path, third))
     yield from changed("sky of another file", (image, "filepath", other))
     yield from changed("sky's pixels", (pixels, "", 0.3))
 
