@@ -40,11 +40,24 @@ static void light_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-/* Whether an island may begin at a pixel that is not at the frame's rim. */
+/* Nothing is beyond the picture. */
+static bool is_light(const specks *s, int x, int y)
+{
+	return x >= 0 && x < s->f->width && y >= 0 && s->light[(ptrdiff_t)y * s->f->width + x];
+}
+
 static bool begins(const specks *s, int x, int y)
 {
-	const uint8_t *own = s->light + (ptrdiff_t)y * s->f->width + x, *above = own - s->f->width;
-	return own[0] && !own[-1] && !above[-1] && !above[0] && !above[1];
+	return s->light[(ptrdiff_t)y * s->f->width + x] && !is_light(s, x - 1, y) && !is_light(s, x - 1, y - 1) &&
+	       !is_light(s, x, y - 1) && !is_light(s, x + 1, y - 1);
+}
+
+/* Whether a pixel is at a rim of these that is none of the whole frame: what goes on beyond it is not known. */
+static bool is_cut(const frame *f, int x, int y)
+{
+	const encre_frame *p = &f->place;
+	return (x == 0 && p->x > 0) || (y == 0 && p->y > 0) || (x + 1 == f->width && p->x + f->width < p->width) ||
+	       (y + 1 == f->height && p->y + f->height < p->height);
 }
 
 static void add(island *of, int x, int y)
@@ -56,16 +69,16 @@ static void add(island *of, int x, int y)
 	of->bottom = y > of->bottom ? y : of->bottom;
 }
 
-/* The neighbours of its i-th pixel: more of it, or what is around it. False where it goes on too far, or beyond the
- * frame for all that is known, or before where it began. */
+/* The neighbours of its i-th pixel: more of it, or what is around it. False where it goes on too far, or beyond what is
+ * known of the frame, or before where it began. */
 static bool grow(const specks *s, uint8_t *seen, int most, int i, island *of)
 {
 	const frame *f = s->f;
 	int x = of->x[i], y = of->y[i];
-	if (x < 1 || y < 1 || x + 1 >= f->width || y + 1 >= f->height)
+	if (is_cut(f, x, y))
 		return false;
-	for (int v = y - 1; v <= y + 1; v++)
-		for (int u = x - 1; u <= x + 1; u++) {
+	for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v < f->height; v++)
+		for (int u = x > 0 ? x - 1 : 0; u <= x + 1 && u < f->width; u++) {
 			if (!s->light[(ptrdiff_t)v * f->width + u]) {
 				const float *c = output_row(f, ENCRE_OUTPUT_COMBINED, v) + (ptrdiff_t)4 * u;
 				for (int k = 0; k < 3; k++)
@@ -119,7 +132,7 @@ static bool is_speck(const specks *s, const island *of, float size)
 {
 	int wide = of->right - of->left + 1, tall = of->bottom - of->y[0] + 1;
 	float length = s->drawn ? 0 : (float)(wide > tall ? wide : tall);
-	return (float)of->count <= max(size * size, narrow * size * length);
+	return of->count_around > 0 && (float)of->count <= max(size * size, narrow * size * length);
 }
 
 static void fill(const specks *s, const island *of, int y0, int y1)
@@ -148,8 +161,8 @@ static void fill_rows(void *data, int y0, int y1, int thread)
 		int most = most_of(s, size_of(f, f->params + i));
 		farthest = most > farthest ? most : farthest;
 	}
-	for (int y = y0 - farthest > 1 ? y0 - farthest : 1; y < y1 && !bands_stopped(f->bands); y++)
-		for (int x = 1; x + 1 < f->width; x++) {
+	for (int y = y0 - farthest > 0 ? y0 - farthest : 0; y < y1 && !bands_stopped(f->bands); y++)
+		for (int x = 0; x < f->width; x++) {
 			if (!begins(s, x, y))
 				continue;
 			island of;

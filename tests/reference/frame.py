@@ -66,7 +66,7 @@ class Layers:
         self.view = np.reshape(camera.get("view", np.eye(3)), (3, 3))
         self.height = float(camera.get("height", 1.0))
         self.distance = float(camera.get("distance", 0.0))
-        self.full_height = frame.get("height", height)
+        self.full_width, self.full_height = frame.get("width", width), frame.get("height", height)
         self.x, self.y, self.number = (frame.get(key, 0) for key in ("x", "y", "number"))
 
 

@@ -8,15 +8,21 @@ from .metric import value
 BLACK, MOST, NARROW = 0.03, 128, 0.5
 
 
-def _island(light, start):
-    """Its pixels, or None if it reaches the rim of the frame."""
+def _about(light, y, x):
+    height, width = light.shape
+    return [(v, u) for v in range(y - 1, y + 2) for u in range(x - 1, x + 2) if 0 <= v < height and 0 <= u < width]
+
+
+def _island(light, start, layers):
+    """Its pixels, or None if it reaches a rim beyond which the frame goes on."""
     found, todo = {start}, [start]
     height, width = light.shape
     while todo:
         y, x = todo.pop()
-        if not (0 < y < height - 1 and 0 < x < width - 1):
+        if (y == 0 < layers.y or x == 0 < layers.x or y == height - 1 < layers.full_height - 1 - layers.y
+                or x == width - 1 < layers.full_width - 1 - layers.x):
             return None
-        near = {(v, u) for v in range(y - 1, y + 2) for u in range(x - 1, x + 2) if light[v, u]} - found
+        near = {at for at in _about(light, y, x) if light[at]} - found
         found |= near
         todo += near
     return sorted(found)
@@ -30,7 +36,7 @@ def fill(layers, params, picture, ink=None):
     for start in map(tuple, np.argwhere(light)):
         if not left[start]:
             continue
-        island = _island(light, start)
+        island = _island(light, start, layers)
         if island is None:
             continue
         rows, columns = np.array(island).T
@@ -41,9 +47,10 @@ def fill(layers, params, picture, ink=None):
         length = 0 if ink is not None else max(np.ptp(rows), np.ptp(columns)) + 1
         if not size or len(island) > min(max(size**2, NARROW * size * length), MOST):
             continue
-        around = np.mean([picture[v, u, :3] for y, x in island for v in range(y - 1, y + 2)
-                          for u in range(x - 1, x + 2) if not light[v, u]], axis=0)
+        beside = [picture[at][:3] for y, x in island for at in _about(light, y, x) if not light[at]]
+        if not beside:
+            continue
         for image in (picture, ink):
             if image is not None:
-                image[rows, columns] = [*around, 1]
+                image[rows, columns] = [*np.mean(beside, axis=0), 1]
     return picture, ink

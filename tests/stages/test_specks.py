@@ -4,6 +4,7 @@
 import masks
 import numpy as np
 import pytest
+from encre.pen.job import Frame
 from randomly import random_layers
 from reference import render as reference
 
@@ -86,11 +87,23 @@ def test_a_slit_is_filled_however_long_and_a_wider_one_is_light():
 
 
 def test_ink_that_is_not_closed_around_it_makes_no_speck():
-    assert not filled(light((0, 20))) and not filled(light((10, 59)))
     layers = light((10, 20))
     layers["combined"][9, 19, 3] = 0.5  # clear: the page shows white there
-    layers["combined"][:9, 19, :3] = 1
+    layers["combined"][:9, 15:20, :3] = 1
     assert not filled(layers)
+
+
+def test_at_the_frame_s_own_rim_specks_are_filled_and_where_it_goes_on_they_are_not():
+    rims = dict(y=0, x=20), dict(y=39, x=20), dict(y=20, x=0), dict(y=20, x=59)
+    for at in rims:
+        layers = light((at["y"], at["x"]))
+        assert filled(layers)
+        part = dict(width=62, height=42, x=1, y=1)
+        np.testing.assert_array_equal(draw(layers, SPECKS, frame=Frame(**part)), layers["combined"])
+        for frame in (None, part):
+            want = reference(layers, SPECKS, frame=frame)["Combined"]
+            np.testing.assert_allclose(draw(layers, SPECKS, frame=frame and Frame(**frame)), want, atol=1e-6)
+    assert (draw(page(1, 2) | dict(combined=np.ones((1, 2, 4), np.float32)), SPECKS) == 1).all(), "nothing is around"
 
 
 def test_it_takes_the_colour_around_it():
