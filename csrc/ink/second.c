@@ -29,6 +29,13 @@ typedef struct second {
 	float *bare;        /* how much it bounds a thin bright thing that is before black; -1: nothing tells */
 } second;
 
+static float value_at(const frame *f, int x, int y)
+{
+	const float *rgba = output_row(f, ENCRE_OUTPUT_COMBINED, clamp_index(y, f->height)) +
+			    (ptrdiff_t)4 * clamp_index(x, f->width);
+	return max(0, bounded(max3(rgba[0], rgba[1], rgba[2])));
+}
+
 /* Of eight places beyond the rim the mean of the mean and the brightest; or of fewer, if one alone makes it that of no
  * dark area: it is nine sixteenths of the brightest at least, and most lines run through light. */
 static float about(const frame *f, const placed *s, float half, float threshold)
@@ -37,21 +44,12 @@ static float about(const frame *f, const placed *s, float half, float threshold)
 					{-1, 0}, {-0.707f, -0.707f}, {0, -1}, {0.707f, -0.707f}};
 	float sum = 0, most = 0, far = half + 2, light = 2.7f * threshold;
 	for (int k = 0; k < 8 && most < light; k++) {
-		int x = clamp_index((int)floorf(s->x + far * way[k][0] + 0.5f), f->width),
-		    y = clamp_index((int)floorf(s->y + far * way[k][1] + 0.5f), f->height);
-		const float *rgba = output_row(f, ENCRE_OUTPUT_COMBINED, y) + (ptrdiff_t)4 * x;
-		float v = max(0, bounded(max3(rgba[0], rgba[1], rgba[2])));
-		sum += min(v, 1);
-		most = max(most, min(v, 1));
+		float v = min(1, value_at(f, (int)floorf(s->x + far * way[k][0] + 0.5f),
+					  (int)floorf(s->y + far * way[k][1] + 0.5f)));
+		sum += v;
+		most = max(most, v);
 	}
 	return most < light ? 0.5f * (sum / 8 + most) : INFINITY;
-}
-
-static float value_at(const frame *f, int x, int y)
-{
-	const float *rgba = output_row(f, ENCRE_OUTPUT_COMBINED, clamp_index(y, f->height)) +
-			    (ptrdiff_t)4 * clamp_index(x, f->width);
-	return max(0, bounded(max3(rgba[0], rgba[1], rgba[2])));
 }
 
 /* Light on the side of a thin thing, and black beyond the rim on the other: a contour there would but take of it what

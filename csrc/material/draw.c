@@ -10,7 +10,7 @@
 
 enum { BAND = 16 }; /* rows whose pixels are sorted together */
 
-static const float STRAIGHT = 0.9f; /* cosine from which on neighbours face alike */
+static const float alike = 0.9f; /* cosine from which on neighbours face alike */
 
 typedef struct pixel {
 	uint16_t x, row; /* row of the band */
@@ -61,7 +61,7 @@ static int side_along(const drawing *d, int x, int y, int dx, int dy, int n, boo
 		bool elsewhere = false;
 		if (bumps) {
 			const float *one = pixel_at(&job->normal, x, y), *two = pixel_at(&job->normal, px, py);
-			elsewhere = one[0] * two[0] + one[1] * two[1] + one[2] * two[2] < STRAIGHT;
+			elsewhere = one[0] * two[0] + one[1] * two[1] + one[2] * two[2] < alike;
 		}
 		if (sum < INFINITY && (elsewhere < turned || (elsewhere == turned && sum < least))) {
 			least = sum;
