@@ -27,7 +27,7 @@ def draw(engine, layer, view_id, passes, write, go_on, shown=None, hasty=False):
     images, nonfinite = _layers(layer, name, view_id, passes, write, go_on, hasty)
     # What is stored leaves as soon as it is there: while the library draws, nothing else is held.
     if layer.keeps:
-        for one in saved.passes(*(name in images for name in ("seen_depth", "anchor", "tangent", "card"))):
+        for one in saved.passes(images):
             write(one, saved.pack(one, images))
     if not layer.outputs:
         return nonfinite

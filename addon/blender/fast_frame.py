@@ -116,8 +116,9 @@ class FastFrames:
         out = dict(plain)
         if wanted.keeps(depsgraph.scene):
             seen = _seen(layers, place.camera.view) if settings.wants_seen else {}
-            for name in saved.passes("seen_depth" in seen, *(name in layers for name in ("anchor", "tangent", "card"))):
-                place.write(out, name, saved.pack(name, layers | seen))
+            drawn = layers | seen
+            for name in saved.passes(drawn):
+                place.write(out, name, saved.pack(name, drawn))
             for name, picture in layering.seen_passes(seen):
                 place.write(out, name, picture)
         asked = [*(["Combined"] if settings.active else []), *wanted.asked(depsgraph.view_layer)]

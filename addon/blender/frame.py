@@ -129,7 +129,7 @@ class Frames:
             self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
         if settings.wants_seen:
             overrides.follow_reflections(depsgraph)
-        overrides.expect(depsgraph, wanted.own(depsgraph.scene, depsgraph.view_layer, True, True, True, True))
+        overrides.expect(depsgraph, wanted.own(depsgraph.scene, depsgraph.view_layer))
         self.overrode = settings.active
         if flat:
             self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other,
@@ -253,7 +253,7 @@ class Frames:
         def take(window, column, row):
             result = self.engine.get_result()
             for render_pass in result.layers[depsgraph.view_layer.name].passes:
-                if render_pass.name in {**layers.DRAWN, **saved.passes(True, True, True, True)}:
+                if render_pass.name in {**layers.DRAWN, **saved.passes()}:
                     continue
                 picture = versions.read_pass(render_pass, result.resolution_x, result.resolution_y)
                 picture = picture[result.resolution_y - window.height:, :window.width]

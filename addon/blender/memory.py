@@ -119,7 +119,7 @@ class Picture:
 
 def ours(name):
     """Whether the stages fill a pass."""
-    return name in layers.DRAWN or name in saved.passes(True, True, True, True)
+    return name in layers.DRAWN or name in saved.passes()
 
 
 def _size(scene):

@@ -49,10 +49,10 @@ def _drawn_once(scene, view_layer):
     return bpy.app.background and not _others_read(scene) and "Encre Light" not in asked(view_layer)
 
 
-def own(scene, view_layer, seen, *parts):
-    """{name: channel names} of the passes that the stages fill; seen, parts: as saved.passes() has them."""
+def own(scene, view_layer, parts=saved.PARTS):
+    """{name: channel names} of the passes that the stages fill; parts: as saved.passes() has them."""
     return {**{name: layers.DRAWN[name] for name in asked(view_layer)},
-            **(saved.passes(seen, *parts) if keeps(scene) else {})}
+            **(saved.passes(parts) if keeps(scene) else {})}
 
 
 def passes(scene, view_layer):
@@ -68,8 +68,7 @@ def passes(scene, view_layer):
                 wanted |= {**(layers.BEHIND if settings.wants_parts else {}), **(layers.SEEN if seen else {})}
                 if _drawn_once(scene, view_layer):
                     wanted = {name: letters for name, letters in wanted.items() if name not in settings.unread}
-            wanted |= own(scene, view_layer, seen, settings.wants_anchor, settings.wants_tangent,
-                          settings.wants_card)
+            wanted |= own(scene, view_layer, (*settings.rastered, *(["seen_depth"] if seen else [])))
     for name, channels in wanted.items():
         kind = {"X": "VALUE", "Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
         yield versions.pass_name(name), channels, kind

@@ -3,10 +3,13 @@
 three or four channels, which Blender's compositor can show. Only files have these passes; all else has layers.
 """
 
+from collections.abc import Container
+
 import numpy as np
 
 from . import library
 
+PARTS = "seen_depth", "anchor", "tangent", "card"  # layers that a frame has only where something reads them
 _WHOLE = {"Encre Source": "combined", "Encre Diffuse": "diffuse", "Encre Seen Depth": "seen_depth",
           "Encre Tangent": "tangent", "Encre Card": "card"}
 _INDEX, _MARKS, _CREASES = "Encre Index", "Encre Marks", "Encre Creases"  # Z of the marks is the creases' fifth channel
@@ -15,18 +18,17 @@ ANCHOR = {"Encre Anchor": slice(0, 3), "Encre Anchor Normal": slice(3, 7), "Encr
           "Encre Anchor Y": slice(10, 13), "Encre Anchor Form": slice(13, 16)}  # channels of the layer `anchor`
 
 
-def passes(seen: bool, anchor: bool, tangent: bool = False, card: bool = False) -> dict[str, str]:
-    """{pass: channel letters}. seen: whether there are the layers of what mirrors show; anchor: that of where on the
-    thing a pixel is; tangent: that of which way its UV map lies; card: that of where on the thing's sheet it is."""
+def passes(parts: Container[str] = PARTS) -> dict[str, str]:
+    """{pass: channel letters}. parts: names of layers that are there, of which those in PARTS count."""
     controls = {name: _letters(places) for name, places in control_passes().items()}
     out = {"Encre Source": "RGBA", "Encre Diffuse": "RGB", _INDEX: "XYZ", **controls, _MARKS: "XYZ", _CREASES: "RGBA"}
-    if seen:
+    if "seen_depth" in parts:
         out["Encre Seen Depth"] = "X"
-    if anchor:
+    if "anchor" in parts:
         out.update((name, "XYZ" if at.stop - at.start == 3 else "RGBA") for name, at in ANCHOR.items())
-    if tangent:
+    if "tangent" in parts:
         out["Encre Tangent"] = "XYZ"
-    if card:
+    if "card" in parts:
         out["Encre Card"] = "RGBA"
     return out
 

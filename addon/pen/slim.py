@@ -49,7 +49,7 @@ class Packer:
         self.parts: dict[str, dict[str, str]] = {}
         self.make: dict[str, Any] = {}
         self.camera = camera
-        own = {*layers.CYCLES, *layers.BEHIND, *layers.SEEN, *saved.passes(True, True, True, True)}
+        own = {*layers.CYCLES, *layers.BEHIND, *layers.SEEN, *saved.passes()}
         for layer, eyes in found.items():
             for view, passes in eyes.items():
                 wanted = {*read(passes), "Combined"}

@@ -14,7 +14,7 @@ _BARE = {**dict.fromkeys("RGBA", "Combined"), "Z": "Depth"}
 
 def known() -> dict[str, str]:
     """{classic pass name: channel letters} of all that is read."""
-    return {**layers.CYCLES, **layers.BEHIND, "IndexMA": "X", **saved.passes(True, True, True, True),
+    return {**layers.CYCLES, **layers.BEHIND, "IndexMA": "X", **saved.passes(),
             **layers.SEEN, **slim.PASSES}
 
 

@@ -27,7 +27,7 @@ def test_passes_that_nobody_looks_at_are_not_rendered(render):
 def test_picture(render):
     shot = render("picture")
     found = shot.passes("picture")
-    assert found.keys() >= layers.CYCLES.keys() | layers.DRAWN.keys() | saved.passes(False, False).keys()
+    assert found.keys() >= layers.CYCLES.keys() | layers.DRAWN.keys() | saved.passes(()).keys()
     assert "Unknown pass" not in shot.output and shot.facts["aovs"] == [0]
     (read,) = shot.facts["read"]
     assert read and len(set(read)) == len(read), f"passes are read more than once: {read}"
@@ -58,7 +58,7 @@ def test_all_off_is_cycles(render):
     for found in (asked, kept):
         assert found["Combined"].tobytes() == cycles["Combined"].tobytes()
     assert asked["Encre Surface"].tobytes() == asked["Combined"].tobytes() and asked["Encre Lines"].max() == 0
-    assert kept.keys() >= saved.passes(False, False).keys() and not kept.keys() & layers.DRAWN.keys()
+    assert kept.keys() >= saved.passes(()).keys() and not kept.keys() & layers.DRAWN.keys()
     assert len(np.unique(kept["Encre Index"][..., 0])) == 4
 
 
@@ -361,9 +361,9 @@ def test_compositor(render):
 
 def test_save_layers(render):
     shot = render("saved")
-    assert shot.passes("on").keys() >= saved.passes(False, False).keys()
-    assert shot.passes("auto").keys() >= saved.passes(False, False).keys()
-    assert not shot.passes("off").keys() & saved.passes(False, False).keys()
+    assert shot.passes("on").keys() >= saved.passes(()).keys()
+    assert shot.passes("auto").keys() >= saved.passes(()).keys()
+    assert not shot.passes("off").keys() & saved.passes(()).keys()
     assert json.loads(shot.metadata("off")["encre.params"])["scene"]["save_layers"] == "OFF"
 
 

@@ -33,7 +33,7 @@ def kept(street):
 
 
 def test_the_file_has_all_passes_and_gives_the_picture_again(street, tmp_path):
-    for name in (*layers.DRAWN, *saved.passes(False, False)):
+    for name in (*layers.DRAWN, *saved.passes(())):
         assert exr.part(street, f"ViewLayer.{name}").shape[:2] == (270, 480)
     blenders.encre("bpy", tmp_path, "composite", street, "-o", tmp_path / "again.exr")
     picture = exr.part(street, "ViewLayer.Combined")

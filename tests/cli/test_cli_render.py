@@ -33,7 +33,7 @@ def png(path):
 def test_exr_and_back(cube, tmp_path):
     """The file holds all passes, and composite without options gives its Combined again."""
     works(encre("render", cube, "-o", tmp_path / "out.exr", ALL, "--passes=all"))
-    for name in ("Depth", "Normal", *layers.DRAWN, *saved.passes(False, False)):
+    for name in ("Depth", "Normal", *layers.DRAWN, *saved.passes(())):
         assert exr.part(tmp_path / "out.exr", f"ViewLayer.{name}").shape[:2] == (36, 64)
     assert works(encre("composite", tmp_path / "out.exr", "-o", tmp_path / "again.exr")) == ""
     picture = exr.part(tmp_path / "out.exr", "ViewLayer.Combined")

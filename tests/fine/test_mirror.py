@@ -105,7 +105,7 @@ def test_passes_are_there_only_where_they_are_needed(tmp_path):
                        "--set", change)
         with multilayer.Exr(str(tmp_path / "off.exr")) as file:
             found = {name for name in composite.view_layers(file.channels)["ViewLayer"][""]}
-        assert not found & {*layers.SEEN, "Encre Seen Depth"} and {*saved.passes(False, False)} <= found
+        assert not found & {*layers.SEEN, "Encre Seen Depth"} and {*saved.passes(())} <= found
 
 
 @pytest.mark.parametrize("blender", blenders.params())

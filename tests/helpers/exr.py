@@ -6,7 +6,7 @@ import OpenImageIO as oiio
 from encre.pen import layers
 from encre.pen import saved as kept
 
-LETTERS = {**layers.CYCLES, **layers.DRAWN, **kept.passes(True, True, True), **layers.SEEN, "IndexMA": "X"}
+LETTERS = {**layers.CYCLES, **layers.DRAWN, **kept.passes(), **layers.SEEN, "IndexMA": "X"}
 LAYOUTS = ("classic", "parts", "bare")  # Blender 3.4 to 4.x; 5.x; a file without a view layer
 
 

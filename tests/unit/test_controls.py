@@ -16,7 +16,7 @@ def test_files_keep_them_where_they_always_did():
     assert places == {"thickness": (line, 0), "intensity": (line, 1), "color_edge": (line, 2),
                       "smudge_range": (surface, 0), "smudge_falloff": (surface, 1), "hatching": (surface, 2),
                       "light": (light, 0)}
-    assert list(saved.passes(False, False).items()) == [
+    assert list(saved.passes(()).items()) == [
         ("Encre Source", "RGBA"), ("Encre Diffuse", "RGB"), ("Encre Index", "XYZ"), (line, "XYZ"), (surface, "XYZ"),
         (light, "X"), ("Encre Marks", "XYZ"), ("Encre Creases", "RGBA")]
 

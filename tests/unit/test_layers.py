@@ -199,7 +199,7 @@ def test_denoised_light_is_put_back(passes):
 
 
 def test_saved_layers_are_preferred(passes):
-    for name, channels in saved.passes(True, True, True, True).items():
+    for name, channels in saved.passes().items():
         passes[name] = np.full((*SHAPE, len(channels)), 0.25, np.float32)
     passes["Encre Index"] += np.arange(3, dtype=np.float32)
     made, _ = assemble(passes, {"shade_light": "DIRECT"}, (), half)
@@ -298,20 +298,20 @@ def test_files_keep_the_layers():
     names = ("combined", "diffuse", "object", "material", "style", "controls", "marks", "creases", "seen_depth",
              "anchor", "tangent", "card")
     made = {name: random.uniform(-1, 1, (*SHAPE, library.LAYERS[name])).astype(np.float32) for name in names}
-    packed = {name: saved.pack(name, made) for name in saved.passes(True, True, True, True)}
+    packed = {name: saved.pack(name, made) for name in saved.passes()}
     assert {name: picture.shape[2] for name, picture in packed.items()} == {
-        name: len(letters) for name, letters in saved.passes(True, True, True, True).items()}
+        name: len(letters) for name, letters in saved.passes().items()}
     again = saved.unpack(packed)
     assert again.keys() == made.keys() and all(np.array_equal(again[name], made[name]) for name in names)
     few = {name: made[name] for name in ("combined", "diffuse", "object", "material")}
-    again = saved.unpack({name: saved.pack(name, few) for name in saved.passes(False, False)})
+    again = saved.unpack({name: saved.pack(name, few) for name in saved.passes(())})
     assert all(np.array_equal(again.pop(name), few[name]) for name in few)
     assert (again.pop("creases") == (0, 0, 0, 0, -1)).all(), "no mesh tells of any pixel"
     assert again.keys() == {"style", "controls", "marks"} and not any(picture.any() for picture in again.values())
 
 
 def test_a_picture_from_its_bands(passes):
-    for name, letters in saved.passes(False, False).items():
+    for name, letters in saved.passes(()).items():
         passes[name] = np.zeros((*SHAPE, len(letters)), np.float32)
     passes["Encre Index"][4:, :, 2] = passes["Encre Marks"][5:, :, 0] = 1
     del passes["Encre Source"], passes["Encre Diffuse"]
