@@ -259,7 +259,7 @@ def processor():
 def tables(found):
     """Markdown of what `make bench` measured."""
     text, table = [], None
-    if found["load"] > 1.5:  # its own is 1
+    if found["load"] > 1.5:
         text.append(f"The machine was busy while it ran, with a load of {found['load']:.0f}. Processor time, in which "
                     "one thread is measured,\nbears that but for what others take of the caches; time by the clock, in "
                     "which two are, is too long.")
