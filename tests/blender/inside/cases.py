@@ -23,6 +23,7 @@ import distances  # noqa: E402
 import failures  # noqa: E402
 import geometry  # noqa: E402
 import keeping  # noqa: E402
+import kinds  # noqa: E402
 import lit  # noqa: E402
 import painting  # noqa: E402
 import patterns  # noqa: E402
@@ -36,7 +37,7 @@ import unusual  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
                                   keeping, surfaces, lit, painting, patterns, quick, anchors, distances, slotted,
-                                  staged, bumps, unusual)
+                                  staged, bumps, unusual, kinds)
          for name, case in vars(topic).items()}
 
 
