@@ -153,6 +153,13 @@ def test_an_edge_of_cycles_light_is_where_the_shadow_ends(render):
     assert len(off) > 60 and np.percentile(off, 95) < 0.2
 
 
+def test_drawn_light_needs_no_denoiser(render):
+    facts = render("cleaned").facts
+    if not facts["denoiser"][0]:
+        pytest.skip("no Open Image Denoise beside this Blender")
+    assert facts["CYCLES"] == [1] and facts["DRAWN"] == [0]
+
+
 def test_frames_of_an_animation_share_what_has_not_changed(render):
     facts = render("from_frame_to_frame").facts
     (told,), (same,), (moves,) = facts["told"], facts["same"], facts["moves"]

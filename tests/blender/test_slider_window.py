@@ -23,8 +23,9 @@ def found(shot, name):
 def test_a_setting_reads_nothing(shot):
     assert shot.facts["finished"][0] and "Traceback" not in shot.output, shot.output[-3000:]
     assert shot.facts["at first"][0] >= 1
-    for name in ("slider", "colour"):
+    for name in ("slider", "colour", "angle that none has"):
         assert found(shot, name) == (0, True), name
+    assert found(shot, "angle of creases") == (0, False)  # which are of 90 degrees
 
 
 def test_what_a_setting_asks_of_the_scene_is_read(shot):

@@ -144,6 +144,15 @@ def test_half_a_degree_decides(angle):
     np.testing.assert_allclose(picture(fold(angle + 4.1), crease_angle=angle)[8:22, 16:25].sum(1), 3, atol=0.15)
 
 
+def test_an_edge_that_bends_more_and_more_does_not_pop():
+    """As an elbow's does: the line comes as less than half of what it grows to in 4 degrees, evenly."""
+    inks = np.array([picture(fold(32 + off), crease_angle=32.0)[8:22, 16:25].sum()
+                     for off in (-0.1, *np.arange(0.1, 4.5, 0.2))])
+    steps = np.diff(inks) / inks[-1]
+    assert inks[0] == 0 and steps[0] < 0.46
+    assert steps[1:].min() > -0.01 and steps[1:].max() < 0.08
+
+
 def test_meshes_or_normals():
     assert not picture(fold(60), crease_source="LAYERS")[8:22, 16:25].any(), "the normals show none"
     smooth = edge_kinds(np.full((4, 3), EDGES["smooth"]))

@@ -206,6 +206,24 @@ def kept(out):
     shoot(out, "large")
 
 
+def cleaned(out):
+    """How often the denoiser is asked for light that is cut into levels, by where that comes from."""
+    from encre.blender import versions
+    from encre.pen import denoise
+
+    asked, steps = [], denoise.steps
+    denoise.steps = lambda *args, **more: asked.append(1) or steps(*args, **more)
+    scene = _stage(1)
+    _lamp("SUN", energy=3, angle=0)
+    scene.encre.use_shading = True
+    fact("denoiser", denoise.available(versions.home()))
+    for source in ("CYCLES", "DRAWN"):
+        scene.encre.light_source = source
+        asked.clear()
+        shoot(out, source)
+        fact(source, len(asked))
+
+
 def from_frame_to_frame(out):
     """A cube moves, a lamp goes and an image changes: in an animation, then in each frame by itself."""
     scene = _stage(1)

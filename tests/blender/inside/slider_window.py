@@ -69,6 +69,8 @@ def settings():
     encre = bpy.context.scene.encre
     yield from changed("slider", (encre, "line_thickness", 20))
     yield from changed("colour", (encre, "line_color", (0.5, 0, 0)))
+    yield from changed("angle of creases", (encre, "crease_angle", 2 * encre.crease_angle))
+    yield from changed("angle that none has", (encre, "crease_angle", 1.6 * encre.crease_angle))
     yield from changed("what rests", (encre, "pen_wobble", 0.5))
     flat = {f"tone_{n}_space": "FLAT" for n in (1, 2)}
     yield from changed("tones", (encre, "use_tones", True), (encre, "tone_1", "DOTS"), (encre, "tone_2", "DOTS"))
