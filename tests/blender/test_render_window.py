@@ -127,6 +127,19 @@ def test_a_setting_is_drawn_from_memory_as_f12_draws_it(redraw):
             assert np.array_equal(read(redraw, f"{name}-back"), read(redraw, "before")), name
 
 
+def test_the_button_redraws_where_nothing_does_by_itself(redraw):
+    assert redraw.facts["pressed"] == [[]]
+    assert np.array_equal(read(redraw, "left alone"), read(redraw, "before"))
+    assert np.abs(read(redraw, "pressed") - read(redraw, "thick-fresh")).max() <= 1 / 255
+
+
+def test_other_passes_and_the_compositor_go_on_from_a_redraw(redraw):
+    again, fresh, before = (read(redraw, f"nodes-{when}") for when in ("again", "fresh", "before"))
+    assert redraw.facts["redrawn for nodes"] == [True]
+    assert np.abs(again - fresh).max() <= 1 / 255 and np.abs(again - before).max() > 0.1
+    assert np.abs(fresh - read(redraw, "thick-fresh")).mean() > 0.1
+
+
 def test_what_is_dragged_is_seen_at_once(redraw):
     """And is what is drawn when it rests; nothing of it stays in the file."""
     for name in ("drag", "quick_drag"):

@@ -106,6 +106,55 @@ def settings():
             picture(f"{name}-back")
 
 
+def pressed():
+    """The button, where changes draw nothing by themselves."""
+    scene = bpy.context.scene
+    scene.encre.auto_redraw = False
+    yield from rendering()
+    scene.encre.line_thickness, before = 50, len(rendered)
+    scene.update_tag()
+    for _ in range(20):
+        yield
+    picture("left alone")
+    ended.clear()
+    with window.override("IMAGE_EDITOR"):
+        bpy.ops.encre.redraw("INVOKE_DEFAULT")
+    while not ended or bpy.app.is_job_running("RENDER"):
+        yield
+    yield
+    picture("pressed")
+    studio.fact("pressed", rendered[before:])
+    scene.encre.line_thickness, scene.encre.auto_redraw = 20, True
+
+
+def composited():
+    """Nodes that put a pass of Cycles' and one of Encre's over what the picture's opposite is."""
+    scene = bpy.context.scene
+    layer, scene.use_nodes = scene.view_layers[0], True
+    layer.use_pass_normal = layer.encre.use_pass_lines = True
+    tree = scene.node_tree
+    source, end = (next(node for node in tree.nodes if node.type == kind) for kind in ("R_LAYERS", "COMPOSITE"))
+    opposite = tree.nodes.new("CompositorNodeInvert")
+    tree.links.new(source.outputs["Image"], opposite.inputs["Color"])
+    last = opposite.outputs[0]
+    for name in ("Normal", "Encre Lines"):
+        mix = tree.nodes.new("CompositorNodeMixRGB")
+        mix.blend_type = "ADD"
+        tree.links.new(last, mix.inputs[1])
+        tree.links.new(source.outputs[name], mix.inputs[2])
+        last = mix.outputs[0]
+    tree.links.new(last, end.inputs["Image"])
+    yield from rendering()
+    picture("nodes-before")
+    scene.encre.line_thickness, scene.encre.line_color = 50, (0.6, 0, 0)
+    studio.fact("redrawn for nodes", (yield from redrawn()))
+    picture("nodes-again")
+    yield from rendering()
+    picture("nodes-fresh")
+    scene.encre.line_thickness, scene.encre.line_color, scene.use_nodes = 20, (0, 0, 0), False
+    layer.use_pass_normal = layer.encre.use_pass_lines = False
+
+
 def undrawn():
     """What layers in memory can't show is not drawn, and F12 after a redraw renders."""
     from encre.blender import memory
@@ -290,6 +339,8 @@ def steps():
     yield from settings()
     yield from border()
     yield from quick()
+    yield from pressed()
+    yield from composited()
     yield from undrawn()
     yield from dragged()
     yield from gives_way()
