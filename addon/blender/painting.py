@@ -109,16 +109,25 @@ def brush_kind():
 
 
 def set_brush(kind, strength=None):
-    """What a stroke does to a control: at full strength ADD and SUBTRACT change it by 1, NEUTRAL wipes it. False
-    without a brush."""
+    """What a stroke does to a control: at full strength ADD and SUBTRACT change it by 1, NEUTRAL wipes it. In Vertex
+    Paint only; a brush is made where there is none."""
+    if _owners()[2] is None:
+        _make_brush()
     color, owner, brush = _owners()
-    if brush is None:
-        return False
     brush.blend = BRUSHES[kind]
     color.color = (_brush_grey(),) * 3  # bytes are blended as they are encoded: half of white is a step of 1
     if strength is not None:
         owner.strength = strength
-    return True
+
+
+def _make_brush():
+    """Builds from 4.3 on that come without Blender's assets, as Debian's do, have no brush at all."""
+    made = bpy.data.brushes.new("Encre", mode="VERTEX_PAINT")
+    if "asset_activate" in dir(bpy.ops.brush):  # brushes are assets, and one that is none does not last
+        made.asset_mark()
+        bpy.ops.brush.asset_activate(asset_library_type="LOCAL", relative_asset_identifier=f"Brush/{made.name}")
+    else:
+        bpy.context.tool_settings.vertex_paint.brush = made
 
 
 def _brush_grey():

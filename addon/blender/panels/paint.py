@@ -79,8 +79,8 @@ class ENCRE_OT_paint(_PaintOperator, bpy.types.Operator):
             obj.data.color_attributes.active_color = painting.new(obj.data, self.chosen)
         if mode != "PAINT_VERTEX":
             bpy.ops.object.mode_set(mode="VERTEX_PAINT")
-        if painting.brush_kind() is None and not painting.set_brush("ADD", painting.STRENGTH):
-            self.report({"WARNING"}, "Vertex Paint has no brush; choose one")
+        if painting.brush_kind() is None:
+            painting.set_brush("ADD", painting.STRENGTH)
         return {"FINISHED"}
 
 

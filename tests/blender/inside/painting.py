@@ -41,17 +41,15 @@ def painting(_out):
     bpy.ops.encre.paint(control="thickness")
     fact("made", [_values(one), _values(other), one.mode, one.data.color_attributes.active_color.name,
                   paint.painted(bpy.context).name])
-    fact("has brush", ours.strength_owner() is not None)
-    if ours.strength_owner():
-        fact("first brush", [ours.brush_kind(), ours.strength_owner().strength])
-        for kind in ours.BRUSHES:
-            bpy.ops.encre.brush(kind=kind, strength=0.25)
-            fact("brush", [kind, ours.brush_kind(), ours.strength_owner().strength])
-        ours.strength_owner().strength = 0.75
-        bpy.ops.encre.brush(kind="ADD")
-        fact("kept strength", ours.strength_owner().strength)
-        bpy.context.tool_settings.vertex_paint.brush.blend = "DARKEN"
-        fact("other brush", ours.brush_kind())
+    fact("first brush", [ours.brush_kind(), ours.strength_owner().strength])
+    for kind in ours.BRUSHES:
+        bpy.ops.encre.brush(kind=kind, strength=0.25)
+        fact("brush", [kind, ours.brush_kind(), ours.strength_owner().strength])
+    ours.strength_owner().strength = 0.75
+    bpy.ops.encre.brush(kind="ADD")
+    fact("kept strength", ours.strength_owner().strength)
+    bpy.context.tool_settings.vertex_paint.brush.blend = "DARKEN"
+    fact("other brush", ours.brush_kind())
     bpy.ops.encre.paint(control="thickness")
     fact("left", [one.mode, paint.painted(bpy.context)])
 
