@@ -206,6 +206,10 @@ static inline void crack_place(const found *at, float share, placed *s)
 	s->y = (float)at->row + (at->axis == AXIS_COLUMN ? share : 0);
 }
 
+/* contacts.c: the place of a crack where two surfaces touch, as their depths tell it; else `place`, which averages
+ * tell, the better the more of each other's surface both pixels hold. */
+float ISA(contact_place)(const fine *n, const found *at, float place, float mixed);
+
 /* light.c */
 void ISA(light_plan)(fine *n, const edges *e, arena *a);
 /* Into how many levels the light of each pixel rises. */

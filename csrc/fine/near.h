@@ -27,6 +27,14 @@ static inline bool closed_at(const fine *n, int s, int x, int y)
 	return mixed_at(n, x, y) || (s >= SOURCE_SEEN && !n->through[(ptrdiff_t)y * n->f->width + x]);
 }
 
+/* What depths are compared in: it is linear on planes on screen. Nothing there is 0, under an orthographic camera
+ * -INFINITY. */
+static inline float depth_sample(const edges *e, float z)
+{
+	z = depth_of(z);
+	return e->ortho ? -z / max(e->f->camera.height, 1e-20f) : 1 / z;
+}
+
 /* How far b and c are apart beyond what the slopes from a and to d explain. */
 static inline float jump(float a, float b, float c, float d)
 {

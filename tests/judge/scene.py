@@ -175,7 +175,8 @@ class Scene:
 
     def layers(self, filter="box", noise=0.0, seed=0, one_index=False):
         """The layers, float32 (rows, columns, channels): depth and index exact at the pixel centres; normal, colour and
-        light averaged by a "box" of one pixel or by "blackman" (Blackman-Harris, 1.5 pixels wide), 64 samples a pixel.
+        light averaged by a "box" of one pixel or by "blackman" (Blackman-Harris, 1.5 pixels wide), 64 samples a pixel,
+        or of one at its "centre".
 
         noise: 1 is 3 % of white noise in the light and 1 % in normal and colour. one_index: all is one object."""
         h, w = self.size
@@ -203,6 +204,8 @@ class Scene:
         if filter in self._averages:
             return self._averages[filter]
         soft = self._averages[filter] = _measured(self._centres)
+        if filter == "centre":
+            return soft
         truth, (h, w) = self.truth, self.size
         busy = np.zeros(self.size, bool)
         for dy in range(-2, 3):

@@ -44,17 +44,49 @@ def _jump(view, axis):
 
 
 def _crossing(layers, axis):
-    """(H, W - 1): the share of p's surface in p and q tells how far it reaches, where there is something to see."""
+    """(H, W - 1): the share of p's surface in p and q tells how far it reaches, where there is something to see; and
+    how much of each other's both hold."""
     v = np.concatenate([turn(axis, clamp01(layers.albedo)), turn(axis, layers.normal) / 2], -1)
     p, q, a, b = v[:, :-1], v[:, 1:], along(v, -1)[:, :-1], along(v, 1)[:, 1:]
     a2, b2 = along(v, -2)[:, :-1], along(v, 2)[:, 1:]
     weight = 1 / (0.02**2 + (a - a2) ** 2 + (b2 - b) ** 2)
     seen = (weight * (a - b) ** 2).sum(-1)
     safe = np.where(seen > 0, seen, 1)
-    share = sum(clamp01((weight * (x - b) * (a - b)).sum(-1) / safe) for x in (p, q))
-    t = clamp01(share - 0.5)
+    first, second = (clamp01((weight * (x - b) * (a - b)).sum(-1) / safe) for x in (p, q))
+    t = clamp01(first + second - 0.5)
     t = t - 0.06 * np.sin(2 * np.pi * t)
-    return (seen * t + 2) / (seen + 4)
+    known = seen > 0
+    return (seen * t + 2) / (seen + 4), known * seen * (1 - first + second) / (seen + 4)
+
+
+def _contact(view, axis, place, mixed):
+    """(H, W - 1): the place where two surfaces touch, each followed from its own side by its depths; else `place`."""
+    layers = view.layers
+    number = turn(axis, layers.object)
+    if "object" not in view.given or number.shape[1] < 4:
+        return place
+    z, there = turn(axis, layers.depth), turn(axis, layers.there)
+    safe = np.where(there, z, 1)
+    u = np.where(there, -safe / layers.height, -np.inf) if layers.orthographic else np.where(there, 1 / safe, 0)
+    found, end = place.copy(), place.shape[1]
+    for i, k in np.argwhere(number[:, 1:] != number[:, :-1]):
+        if k < 1 or k + 2 > end or number[i, k - 1] != number[i, k] or number[i, k + 2] != number[i, k + 1]:
+            continue
+        a, p, q, b = u[i, k - 1:k + 3]
+        if not np.isfinite(u[i, k - 1:k + 3]).all():
+            continue
+        at_p, at_q = p - 2 * q + b, q - 2 * p + a  # how far each lies before the other's plane
+        bent_p = at_p - (q - 2 * b + u[i, k + 3] if k + 3 <= end and number[i, k + 3] == number[i, k + 1] else 0)
+        bent_q = at_q - (p - 2 * a + u[i, k - 2] if k >= 2 and number[i, k - 2] == number[i, k] else 0)
+        if not (np.isfinite(bent_p + bent_q) and at_p + at_q and bent_p + bent_q):
+            continue
+        straight, bent = at_p / (at_p + at_q), bent_p / (bent_p + bent_q)
+        trust = clamp01((abs(bent_p + bent_q) / np.abs((a, p, q, b)).max() - 2e-5) / 2e-5)
+        trust *= clamp01(2 - abs(straight - bent) / 0.125) * clamp01(2 - max(-bent, bent - 1, 0) / 0.05)
+        bent = clamp01(bent)
+        trust *= 1 - clamp01((mixed[i, k] - 0.05) / 0.1) * clamp01((abs(bent - place[i, k]) - 0.15) / 0.1)
+        found[i, k] += trust * (bent - place[i, k])
+    return found
 
 
 def _beside(view, bends, axis):
@@ -79,7 +111,7 @@ def cracks(view, bends):
     for axis in (ROW, COLUMN):
         jump, share = _jump(view, axis)
         jump = clamp01((jump - 0.003) / 0.007)
-        cross = _crossing(layers, axis)
+        cross = _contact(view, axis, *_crossing(layers, axis))
         there, object_, material = (turn(axis, a) for a in (layers.there, layers.object, layers.material))
         marks = turn(axis, layers.marks[..., axis])
         steps = lines.steps_of(marks)[:, :-1] * view.meshes

@@ -22,19 +22,11 @@ enum { SURE_STEPS = 3, EASE_STEP = 64 };
 
 /* ---- depth ----------------------------------------------------------------------------------------------- */
 
-/* What depths are compared in: it is linear on planes on screen. Nothing there is 0, under an orthographic camera
- * -INFINITY. */
-static inline float sample(const edges *e, float z)
-{
-	z = depth_of(z);
-	return e->ortho ? -z / max(e->f->camera.height, 1e-20f) : 1 / z;
-}
-
 static void sample_row(const edges *e, const float *restrict z, int n, float *restrict u)
 {
 	if (e->ortho)
 		for (int i = 0; i < n; i++)
-			u[i] = sample(e, z[i]);
+			u[i] = depth_sample(e, z[i]);
 	else
 		for (int i = 0; i < n; i++)
 			u[i] = 1 / depth_of(z[i]);
@@ -152,7 +144,8 @@ static float depth_strength(const fine *n, const found *s)
 	int dx = s->axis == AXIS_ROW, dy = 1 - dx;
 	bool inside = dx ? s->column >= 1 && s->column + 2 < f->width : s->row >= 1 && s->row + 2 < f->height;
 	for (int k = 0; inside && k < 4; k++)
-		u[k] = sample(n->e, layer_row(f, ENCRE_LAYER_DEPTH, s->row + (k - 1) * dy)[s->column + (k - 1) * dx]);
+		u[k] = depth_sample(n->e,
+				    layer_row(f, ENCRE_LAYER_DEPTH, s->row + (k - 1) * dy)[s->column + (k - 1) * dx]);
 	if (!inside || on_ledge(n, s))
 		return 0;
 	float top = max(max(u[0], u[1]), max(u[2], u[3]));
@@ -164,8 +157,9 @@ static float depth_strength(const fine *n, const found *s)
 }
 
 /* Share of the way from pixel p to q at which the averaged layers pass from one side's colours and normals to the
- * other's. */
-static float crossing(const frame *f, const found *s)
+ * other's. mixed: how much of each other's both pixels hold; nothing, where the line passes halfway, or there is one
+ * sample a pixel. */
+static float crossing(const frame *f, const found *s, float *mixed)
 {
 	float v[6][6]; /* of pixels p - 2 to q + 2 */
 	int dx = s->axis == AXIS_ROW, dy = 1 - dx;
@@ -187,9 +181,13 @@ static float crossing(const frame *f, const found *s)
 		first += w * (v[2][c] - b);
 		second += w * (v[3][c] - b);
 	}
+	*mixed = 0;
 	if (!(weight > 0 && weight < FLT_MAX))
 		return 0.5f;
-	float t = unbiased(clamp01(clamp01(first / weight) + clamp01(second / weight) - 0.5f));
+	first = clamp01(first / weight);
+	second = clamp01(second / weight);
+	*mixed = weight * (1 - first + second) / (weight + 4);
+	float t = unbiased(clamp01(first + second - 0.5f));
 	return (weight * t + 2) / (weight + 4);
 }
 
@@ -215,12 +213,18 @@ bool ISA(crack_weigh)(const fine *n, const found *at, int style, placed *s)
 	return edge;
 }
 
+static float averaged(const fine *n, const found *at)
+{
+	float mixed, place = crossing(n->f, at, &mixed);
+	return ISA(contact_place)(n, at, place, mixed);
+}
+
 bool ISA(crack_site)(const fine *n, const found *at, placed *s)
 {
 	float known = ISA(hand_place)(n, at);
 	/* a line that was drawn where there is a contour as well is not the contour */
 	bool drawn = known > 0 && !(depth_strength(n, at) > 0 || is_outline(n->f, at));
-	crack_place(at, known < 0 ? -known : drawn ? known : crossing(n->f, at), s);
+	crack_place(at, known < 0 ? -known : drawn ? known : averaged(n, at), s);
 	return ISA(crack_weigh)(n, at, fine_style(n, at, s), s);
 }
 
