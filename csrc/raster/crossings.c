@@ -59,6 +59,7 @@ typedef struct marking {
 /* What is in front at a pixel, how far a line that passes close by lies behind it, how far it may and be on it. */
 typedef struct surface_at {
 	const part *part; /* NULL: nothing */
+	uint32_t number;
 	double behind, allowed, step, pixel;
 } surface_at;
 
@@ -74,12 +75,18 @@ static surface_at look(marking *m, const crossing *c, int x, int y)
 	geometry_corners(m->part, number - m->part->first, corner);
 	double z = outline_depth(corner, c->x + 0.5, c->y + 0.5, &step);
 	pixel *= r->job->projection[14] != 0 ? c->z : 1; /* in scene units, where the line is */
-	return (surface_at){m->part, c->z - z, 0.5 * (step + pixel), step, pixel};
+	return (surface_at){m->part, number, c->z - z, 0.5 * (step + pixel), step, pixel};
 }
 
 static bool hides(const surface_at *s)
 {
 	return s->behind > s->allowed;
+}
+
+/* Whether what a contour bounds is at the first of both pixels. */
+static bool bounds_first(const marking *m, bool down)
+{
+	return (m->side == CONTOUR_RIGHT) == (down ? m->left : m->down);
 }
 
 /* Whether a contour bounds what is in front at one of both pixels, before what is there at the other: of contours of
@@ -88,17 +95,38 @@ static bool bounds(const marking *m, bool down, float share, float there, const 
 {
 	if (m->side == CONTOUR_BOTH)
 		return there == 0 && p->part == m->own && q->part == m->own && !hides(p) && !hides(q);
-	bool first = (m->side == CONTOUR_RIGHT) == (down ? m->left : m->down);
+	bool first = bounds_first(m, down);
 	const surface_at *own = first ? p : q, *other = first ? q : p;
 	return own->part == m->own && own->behind >= -own->allowed && !hides(other) &&
 	       (there == 0 || (first ? share > -there : share < -there));
+}
+
+/* The place where what a contour bounds ends. Sunk into the other surface by so little that the contour still is on it,
+ * it ends where the two meet. */
+static double ends_at(const marking *m, const crossing *c, double share, const surface_at *p, const surface_at *q)
+{
+	bool first = bounds_first(m, c->down);
+	const surface_at *own = first ? p : q, *other = first ? q : p;
+	if (m->side == CONTOUR_BOTH || own->part != m->own || !other->part || !(other->behind > 0) || hides(other))
+		return share;
+	corner mine[3], its[3];
+	geometry_corners(own->part, own->number - own->part->first, mine);
+	geometry_corners(other->part, other->number - other->part->first, its);
+	double x = c->column + (first || c->down ? 0 : 1) + 0.5, y = c->row + (first || !c->down ? 0 : 1) + 0.5;
+	double one[2] = {outline_plane(mine, x, y), c->z};
+	double two[2] = {outline_plane(its, x, y), outline_plane(its, c->x + 0.5, c->y + 0.5)};
+	double slack = 4 * ((double)m->r->close + fabs(c->z) * 0x1p-20); /* less, and they coincide */
+	if (!(two[0] > one[0] && one[1] > two[1] && two[0] - one[0] + one[1] - two[1] > slack))
+		return share;
+	double part = outline_cross(one, two, m->r->job->projection[14] != 0);
+	return first ? share * part : 1 - (1 - share) * part;
 }
 
 /* How a contour's place is told: with it, how far the surface that it bounds lies before the other. Where it folds it
  * does, however little. */
 static float contour_told(const marking *m, bool down, float share, const surface_at *p, const surface_at *q)
 {
-	bool first = (m->side == CONTOUR_RIGHT) == (down ? m->left : m->down);
+	bool first = bounds_first(m, down);
 	const surface_at *other = first ? q : p;
 	double before = -other->behind - (m->cut ? 0.5 * other->step : 0);
 	double next = (double)least_contour_step * other->pixel * m->r->job->frame.height / 1080;
@@ -140,7 +168,8 @@ static void mark(void *user, const crossing *c)
 	if (*out > 0)
 		return;
 	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
-	double share = c->share > LEAST_SHARE ? c->share : LEAST_SHARE;
+	double share = m->own ? ends_at(m, c, c->share, &p, &q) : c->share;
+	share = share > LEAST_SHARE ? share : LEAST_SHARE;
 	share = share < 1 ? share : 1;
 	if (!m->own && !(hides(&p) && hides(&q)))
 		*out = (float)share;

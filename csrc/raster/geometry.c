@@ -166,6 +166,12 @@ const part *geometry_part(const geometry *g, const part *last, uint32_t number)
 	return g->parts + low;
 }
 
+float geometry_object(const part *part, uint32_t number)
+{
+	const encre_mesh *mesh = part->mesh;
+	return (float)(mesh->object ? mesh->object[number - part->first] : mesh->object_index);
+}
+
 static int64_t number_of(const encre_mesh *mesh, uint32_t primitive, int k)
 {
 	int64_t c = corners_of(mesh) * (int64_t)primitive + k;

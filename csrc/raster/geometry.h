@@ -38,6 +38,8 @@ int32_t geometry_check(geometry *g, char *error, size_t size);
 void geometry_aim(geometry *g);
 /* The part that a primitive belongs to; `last` (may be NULL), that of the primitive before, is most often right. */
 const part *geometry_part(const geometry *g, const part *last, uint32_t number);
+/* The number of the object that a primitive of a part is of. */
+float geometry_object(const part *part, uint32_t number);
 /* A point in object space on the screen. */
 corner geometry_corner(const part *part, const float *point);
 /* Corners of primitive `i` of a part, whose spots are there: three, of a line two. */

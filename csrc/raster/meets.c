@@ -2,7 +2,8 @@
 /* Lines where pieces pass through each other. Between two pixels that show different pieces one of two things happens:
  * the one in front ends, and there is a contour, or it goes on behind the other, and so does the other behind it. That
  * is looked up: each of the two pieces is drawn alone at the pixel that the other one hides it at. Where both are
- * found, and their depths follow from those that can be seen, the line passes where the four depths cross. */
+ * found, and their depths follow from those that can be seen, the line passes where the four depths cross. Where a
+ * piece ends before the next pixel, the planes of what can be seen tell. */
 #include "raster/meets.h"
 
 #include <math.h>
@@ -99,29 +100,44 @@ static run follow(const raster *r, uint32_t first, uint32_t last, place p, place
 	return (run){at_p, at_q, ahead > back ? ahead : back};
 }
 
+/* Where on the way from the first pixel to the second surfaces of these depths cross; 0: they coincide. */
+static double share_of(const raster *r, const band *b, const double one[2], const double other[2])
+{
+	if (!(other[0] - one[0] + one[1] - other[1] > 4 * ((double)b->close + fabs(one[0]) * 0x1p-20)))
+		return 0;
+	double share = outline_cross(one, other, r->job->projection[14] != 0);
+	return share > LEAST_SHARE ? share : LEAST_SHARE;
+}
+
 /* Where on the way from the first pixel to the second the two surfaces cross; 0: nowhere. */
 static double crossing_of(const raster *r, const band *b, const meeting *m, const alone *at_other, const alone *at_one)
 {
 	if (at_other->number == NOTHING || at_one->number == NOTHING)
 		return 0;
-	bool perspective = r->job->projection[14] != 0;
 	place p = centre_of(m->x, m->y), q = centre_of(m->x + !m->down, m->y + m->down);
 	run one = follow(r, m->one, at_other->number, p, q), other = follow(r, at_one->number, m->other, p, q);
+	bool perspective = r->job->projection[14] != 0;
 	double pixel = 2 / (fabs(r->job->projection[5]) * r->job->frame.height) * (perspective ? one.from : 1);
 	if (!(fabs(one.to - one.from) <= one.explained + pixel &&
 	      fabs(other.to - other.from) <= other.explained + pixel))
 		return 0; /* of what is another part of the piece */
-	double first = other.from - one.from, second = one.to - other.to;
-	if (!(first + second > 4 * ((double)b->close + fabs(one.from) * 0x1p-20)))
-		return 0; /* they coincide */
-	if (perspective) {
-		first /= one.from * other.from;
-		second /= one.to * other.to;
-	}
-	first = first > 0 ? first : 0;
-	second = second > 0 ? second : 0;
-	double share = first / (first + second);
-	return share > LEAST_SHARE ? share : LEAST_SHARE;
+	return share_of(r, b, (double[]){one.from, one.to}, (double[]){other.from, other.to});
+}
+
+/* Where one of both pieces turns away or ends soon after it has gone on behind the other, none is found there. Between
+ * two objects there is a line anyhow: it runs where the planes of what can be seen cross. */
+static double planes_cross(const raster *r, const band *b, const meeting *m)
+{
+	if (geometry_object(geometry_part(&r->geometry, NULL, m->one), m->one) ==
+	    geometry_object(geometry_part(&r->geometry, NULL, m->other), m->other))
+		return 0;
+	place p = centre_of(m->x, m->y), q = centre_of(m->x + !m->down, m->y + m->down);
+	corner a[3], c[3];
+	corners_of(r, m->one, a);
+	corners_of(r, m->other, c);
+	double one[2] = {outline_plane(a, p.x, p.y), outline_plane(a, q.x, q.y)};
+	double other[2] = {outline_plane(c, p.x, p.y), outline_plane(c, q.x, q.y)};
+	return other[0] >= one[0] && one[1] >= other[1] ? share_of(r, b, one, other) : 0;
 }
 
 static void settle(const raster *r, int i, const band *b, meets *room, uint32_t n)
@@ -135,15 +151,18 @@ static void settle(const raster *r, int i, const band *b, meets *room, uint32_t 
 	for (uint32_t k = 0; k < n; k++) {
 		const meeting *m = room->way + k;
 		float share = (float)crossing_of(r, b, m, look + m->at_other, look + m->at_one);
-		if (!(share > 0))
-			continue;
 		int x = m->x - r->room.x0, y = m->y - r->room.y0;
-		float *crease = pixel_at(&r->job->creases, x, y) + 2 * m->down;
-		crease[0] = share;
-		crease[1] = through;
+		if (share > 0) {
+			float *crease = pixel_at(&r->job->creases, x, y) + 2 * m->down;
+			crease[0] = share;
+			crease[1] = through;
+		}
 		float *mark = r->job->marks.data ? pixel_at(&r->job->marks, x, y) + m->down : NULL;
-		if (mark && contour_mark(*mark) == 0)
-			*mark = -share;
+		if (!mark || contour_mark(*mark) != 0)
+			continue;
+		if (share == 0)
+			share = (float)planes_cross(r, b, m);
+		*mark = share > 0 ? -share : *mark;
 	}
 }
 

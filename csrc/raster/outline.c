@@ -354,3 +354,15 @@ double outline_plane(const corner c[3], double x, double y)
 	depth_plane p = plane_of(c, x, y);
 	return plane_depth(&p, 0, 0);
 }
+
+double outline_cross(const double one[2], const double other[2], bool perspective)
+{
+	double first = other[0] - one[0], second = one[1] - other[1];
+	if (perspective) { /* 1 / z is even along the way */
+		first /= one[0] * other[0];
+		second /= one[1] * other[1];
+	}
+	first = first > 0 ? first : 0;
+	second = second > 0 ? second : 0;
+	return first / (first + second);
+}

@@ -77,6 +77,9 @@ double outline_depth(const corner corner[3], double x, double y, double *step);
 /* Depth of the triangle's plane at a place in pixels of the full frame; any number, or none, of one seen on its edge.
  */
 double outline_plane(const corner corner[3], double x, double y);
+/* Depths at two places of two surfaces, the first of which is before the other at the first place and behind it at the
+ * second, give the share of the way after which they cross. */
+double outline_cross(const double one[2], const double other[2], bool perspective);
 /* Whether the planes of two triangles, at a place in pixels of the full frame and a pixel beside it, are at most
  * `close` apart along the view axis. */
 bool outline_same_plane(const corner one[3], const corner other[3], double x, double y, double close);

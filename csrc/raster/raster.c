@@ -128,17 +128,11 @@ typedef struct surface {
 	double side; /* 1: the eye sees the side of the normals, -1: the other */
 } surface;
 
-static float object_of(const part *part, uint32_t number)
-{
-	const encre_mesh *mesh = part->mesh;
-	return (float)(mesh->object ? mesh->object[number - part->first] : mesh->object_index);
-}
-
 /* The object of a primitive that coincides with the one in front; 0 if it is of the same. */
 static float object_beside(const raster *r, uint32_t front, uint32_t twin)
 {
-	float own = object_of(geometry_part(&r->geometry, NULL, front), front);
-	float other = object_of(geometry_part(&r->geometry, NULL, twin), twin);
+	float own = geometry_object(geometry_part(&r->geometry, NULL, front), front);
+	float other = geometry_object(geometry_part(&r->geometry, NULL, twin), twin);
 	return own != other ? other : 0;
 }
 
@@ -147,7 +141,7 @@ static void load_surface(const raster *r, uint32_t number, surface *s)
 	s->part = geometry_part(&r->geometry, s->part, number);
 	const encre_mesh *mesh = s->part->mesh;
 	uint32_t i = number - s->part->first;
-	s->object = object_of(s->part, number);
+	s->object = geometry_object(s->part, number);
 	s->material = (float)(mesh->material ? mesh->material[i] : mesh->material_index);
 	s->style = (float)(mesh->style ? mesh->style[i] : mesh->style_index);
 	s->attributes = mesh->attributes && mesh->n_channels

@@ -159,3 +159,46 @@ def test_borders_and_threads_give_the_same_bytes(threads):
     part = library.raster(meshes, *camera, Frame(*SIZE, 17, 23), (50, 40), 0.1, outputs=("creases", "marks"), threads=1)
     for name in part:
         np.testing.assert_array_equal(part[name][:-1, :-1], whole[name][23:62, 17:66])
+
+
+def at_the_foot(sunk, down):
+    """(place told, exact) of the ways down on which a box ends that is sunk into the ground by so much, seen from so
+    many degrees above: where its front face meets the ground."""
+    ground = Mesh(np.float32([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]), np.int32([(0, 1, 2), (0, 2, 3)]))
+    block, view, projection = box((0, 0, 0.3 - sunk), (1.5, 1.1, 0.6)), looking(down), perspective(*SIZE, 2.2)
+    turn = np.array([(np.cos(0.35), -np.sin(0.35), 0), (np.sin(0.35), np.cos(0.35), 0), (0, 0, 1)])
+    block = Mesh((block.points @ turn.T).astype(np.float32), block.corners, object_index=1)
+    _, maps = found([ground, block], view, projection, outputs=("object", "creases", "marks"))
+    ends = []
+    for corner in (-0.75, 0.75):
+        x, y, z = view[:3, :3] @ turn @ (corner, -0.55, 0) + view[:3, 3]
+        ends.append((SIZE[0] * (1 - projection[0, 0] * x / z) / 2, SIZE[1] * (1 + projection[1, 1] * y / z) / 2))
+    (x0, y0), (x1, y1) = np.array(ends) - 0.5
+    changes, told = np.diff(maps["object"], axis=0) != 0, []
+    for column in range(int(x0) + 2, int(x1) - 1):
+        exact = y0 + (y1 - y0) * (column - x0) / (x1 - x0)
+        row = int(np.floor(exact))
+        if 0.02 < exact - row < 0.98:
+            assert changes[row, column]
+            told.append((-maps["marks"][row, column, 1] % 2, exact - row))
+    return np.array(told)
+
+
+@pytest.mark.parametrize("sunk", [0.0, 1e-3, 4e-3, 0.01, 0.03])
+@pytest.mark.parametrize("down", [12, 30, 55])
+def test_what_is_sunk_a_little_ends_where_it_meets_the_ground(sunk, down):
+    """Also where its own edge lies less than a pixel below it."""
+    told = at_the_foot(sunk, down)
+    assert len(told) > 20
+    assert np.abs(told[:, 0] - told[:, 1]).max() < 2e-3
+
+
+def test_a_wall_seen_at_a_grazing_angle_ends_where_it_meets_the_ground():
+    """A pixel farther on it would be deep below the ground, where it has ended."""
+    ground = Mesh(np.float32([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]), np.int32([(0, 1, 2), (0, 2, 3)]))
+    block = Mesh(box((0, 0, 0.25), (1.4, 1, 0.6)).points, box((0, 0, 0), (1, 1, 1)).corners, object_index=1)
+    _, maps = found([ground, block], looking(78), perspective(*SIZE, 2.2))
+    for axis, change in ((0, maps["object"][:, 1:] != maps["object"][:, :-1]),
+                         (1, maps["object"][1:] != maps["object"][:-1])):
+        told = maps["marks"][:, :-1, 0] if axis == 0 else maps["marks"][:-1, :, 1]
+        assert (told[change] < 0).all()

@@ -115,19 +115,22 @@ def _walk(meshes, view, projection, frame, size, clip_start):
     scale = 2 / (abs(projection[1, 1]) * frame.height)
 
     def crossed(screen):
-        """(way, whether close to another, share, (number, behind, allowed, slope) at both its pixels, the size of a
-        pixel there)"""
+        """(way, whether close to another, share, (number, behind, allowed, slope, triangle on the screen) at both its
+        pixels, the size of a pixel there, (x, y, z) where the line is)"""
         for column, row, axis, share, x, y, z in crossings(screen):
             p, q = (row - frame.y, column - frame.x), (row - frame.y + axis, column - frame.x + 1 - axis)
             if min(*p) < 0 or q[0] >= height or q[1] >= width:
                 continue
             pixel = scale * (z if projection[3, 2] else 1)
-            there = [(number, *((-np.inf, 0, 0) if number < 0 else _look(
-                _corners(meshes[number], triangles(meshes[number])[t], view, projection, frame),
-                x + 0.5, y + 0.5, z, pixel))) for number, t in (front[p], front[q])]
+            there = []
+            for number, t in (front[p], front[q]):
+                triangle = None if number < 0 else _corners(meshes[number], triangles(meshes[number])[t], view,
+                                                            projection, frame)
+                looked = (-np.inf, 0, 0) if number < 0 else _look(triangle, x + 0.5, y + 0.5, z, pixel)
+                there.append((number, *looked, triangle))
             close = min(share, 1 - share) < 1e-6 or min(
-                abs(abs(behind) - allowed) for _, behind, allowed, _ in there) < 1e-4 * z
-            yield (*p, axis), close, max(share, 1 / 1024), there, pixel
+                abs(abs(behind) - allowed) for _, behind, allowed, *_ in there) < 1e-4 * z
+            yield (*p, axis), close, max(share, 1 / 1024), there, pixel, (x + 0.5, y + 0.5, z)
 
     return crossed
 
@@ -151,6 +154,21 @@ def between_of(mark):
     return np.where((mark <= -18) & (mark >= -19), -18 - np.asarray(mark, float), np.nan)
 
 
+def _ends_at(way, share, first, own, other, place, frame, perspective):
+    """The share, and whether that is not sure, at which a surface ends whose contour lies a little below the other."""
+    x, y, z = place
+    beyond = 0 if first else 1
+    own_x, own_y = way[1] + frame.x + 0.5 + beyond * (way[2] == 0), way[0] + frame.y + 0.5 + beyond * (way[2] == 1)
+    one = np.array((_plane(own[4], own_x, own_y), z))
+    two = np.array((_plane(other[4], own_x, own_y), _plane(other[4], x, y)))
+    apart = two - one
+    if not (apart[0] > 0 > apart[1] and apart[0] - apart[1] > 4e-6 * z):
+        return share, min(abs(apart)) < 1e-6 * z or abs(apart[0] - apart[1] - 4e-6 * z) < 1e-6 * z
+    a, b = np.abs(apart / (one * two) if perspective else apart)
+    part = a / (a + b)
+    return max(share * part if first else 1 - (1 - share) * part, 1 / 1024), min(a, b) < 1e-4 * (a + b)
+
+
 def marks(lines, meshes, view, projection, frame, size, clip_start):
     """The output `marks`, and where it is not sure: lines within rounding of a centre, or of where they are hidden,
     contours as far before what is behind them as one step more.
@@ -162,21 +180,21 @@ def marks(lines, meshes, view, projection, frame, size, clip_start):
     crossed = _walk(meshes, view, projection, frame, size, clip_start)
     for mesh in lines:
         for corner in mesh.corners:
-            for way, close, share, there, _ in crossed(_corners(mesh, corner, view, projection, frame)):
+            for way, close, share, there, *_ in crossed(_corners(mesh, corner, view, projection, frame)):
                 unsure[way] |= close
-                if out[way] == 0 and any(behind <= allowed for _, behind, allowed, _ in there):
+                if out[way] == 0 and any(behind <= allowed for _, behind, allowed, *_ in there):
                     out[way] = share
     for number, mesh in enumerate(meshes):
         for corner, right, left, fold, cut in contours(mesh, view, projection, frame):
             screen = _corners(mesh, corner, view, projection, frame)
             along = np.diff(screen[:, :2] / screen[:, 2:3], axis=0)[0]
-            for way, close, share, there, pixel in crossed(screen):
+            for way, close, share, there, pixel, place in crossed(screen):
                 unsure[way] |= close
                 first = right == (along[0] < 0 if way[2] else along[1] > 0)  # whether it bounds what is at p
                 own, other = there if first else there[::-1]
                 if out[way] > 0:
                     continue
-                if right != left and all(n != number and behind <= allowed for n, behind, allowed, _ in there):
+                if right != left and all(n != number and behind <= allowed for n, behind, allowed, *_ in there):
                     if out[way] == 0:
                         out[way] = -16 - share
                     elif -18 < out[way] <= -16:
@@ -187,6 +205,9 @@ def marks(lines, meshes, view, projection, frame, size, clip_start):
                 if own[0] != number or other[1] > other[2]:
                     continue
                 known, nothing = place_of(out[way]), told(out[way]) == 0
+                if right != left and other[1] > 0:
+                    share, doubt = _ends_at(way, share, first, own, other, place, frame, bool(projection[3, 2]))
+                    unsure[way] |= doubt
                 if right and left:
                     if other[0] == number and own[1] <= own[2] and nothing:
                         out[way] = -share
@@ -270,9 +291,9 @@ def creases(meshes, view, projection, frame, size, clip_start):
     crossed = _walk(meshes, view, projection, frame, size, clip_start)
     for mesh in meshes:
         for corner, degrees, smooth in bends(mesh):
-            for way, close, share, there, _ in crossed(_corners(mesh, corner, view, projection, frame)):
+            for way, close, share, there, *_ in crossed(_corners(mesh, corner, view, projection, frame)):
                 unsure[way] |= close or (out[way][0] > 0 and abs(degrees - abs(out[way][1])) < 0.02)
-                if degrees > abs(out[way][1]) and any(behind <= allowed for _, behind, allowed, _ in there):
+                if degrees > abs(out[way][1]) and any(behind <= allowed for _, behind, allowed, *_ in there):
                     out[way] = share, -degrees if smooth else degrees
     found, doubtful = meets(meshes, view, projection, frame, size, clip_start)
     for way, share in found.items():
