@@ -236,6 +236,17 @@ static inline uint32_t next_of(const fine *n, uint32_t from, uint32_t i)
 	return links_at(n, i) != 2 ? UINT32_MAX : to[0] == from ? to[1] : to[0];
 }
 
+/* Whether of the lines that meet at site i the one over j is younger than two others, which go on through it. */
+static inline bool branches_off(const fine *n, uint32_t i, uint32_t j)
+{
+	if (links_at(n, i) < 3 || rank_of(n->site + j) <= rank_of(n->site + i))
+		return false;
+	int older = 0;
+	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
+		older += !n->site[n->to[k]].linked.dropped && rank_of(n->site + n->to[k]) < rank_of(n->site + j);
+	return older > 1;
+}
+
 /* A site of a thin thing that covers no pixel centre there lies between sites where it covers some again. */
 typedef struct between {
 	int hits; /* how many are known */

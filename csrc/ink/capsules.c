@@ -147,10 +147,29 @@ static strip_link strip_of(const capsules *all, const capsule *e, const uint32_t
 	return l;
 }
 
-static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32_t b)
+/* What branches off an older line is as wide where it meets that as it is beside it. */
+static void meet(const fine *n, capsule *c, const capsules *all, pen_end *met)
+{
+	uint32_t a = c->one % all->count, b = c->two % all->count;
+	if (c->two >= all->ends || a == b)
+		return;
+	const pen_end **wide = branches_off(n, a, b) ? &c->a : branches_off(n, b, a) ? &c->b : NULL;
+	const pen_end *own = wide == &c->a ? c->b : c->a;
+	if (!wide || (*wide)->out <= own->out)
+		return;
+	*met = **wide;
+	met->out = own->out;
+	met->fade = own->fade;
+	met->reach = own->reach;
+	*wide = met;
+}
+
+/* met: where an end may be kept that is another than the line's that it meets. */
+static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32_t b, pen_end *met)
 {
 	capsule c = {.a = all->end + a, .b = all->end + b, .one = a, .two = b};
 	uint32_t stroke = a / all->count;
+	meet(n, &c, all, met);
 	if (all->dry && (c.a->bristles || c.b->bristles)) {
 		c.dry[0] = all->dry[a];
 		c.dry[1] = all->dry[b];
@@ -380,7 +399,8 @@ void ISA(capsules_draw)(const capsules *all, canvas *c)
 			lay(c);
 			stroke = ends[0] / all->count;
 		}
-		capsule e = capsule_of(c->f->fine, all, ends[0], ends[1]);
+		pen_end met;
+		capsule e = capsule_of(c->f->fine, all, ends[0], ends[1], &met);
 		draw_capsule(&e, c);
 	}
 	if (c->laid)

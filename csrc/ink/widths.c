@@ -56,7 +56,8 @@ typedef struct mean {
 	float most, sum, weights;
 } mean;
 
-/* Adds what lies along the line up to `reach`, or to where it meets others, with weights that fall to 0 there. */
+/* Adds what lies along the line up to `reach`, or to where it meets others, with weights that fall to 0 there. What
+ * branches off an older line has nothing of the width of that: a faint one would be a thorn on it. */
 static void add_along(const widths *w, uint32_t i, float reach, mean *m)
 {
 	const fine *n = w->n;
@@ -64,7 +65,7 @@ static void add_along(const widths *w, uint32_t i, float reach, mean *m)
 		uint32_t from = i, at = n->to[k];
 		for (float along = 0; at != UINT32_MAX && at != i && !n->site[at].linked.dropped;) {
 			along += sqrtf(apart2(n->site + from, n->site + at));
-			if (along >= reach)
+			if (along >= reach || branches_off(n, at, from))
 				break;
 			float weight = 1 - along / reach;
 			m->sum += weight * w->own[at];

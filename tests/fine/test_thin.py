@@ -171,6 +171,17 @@ def test_where_wires_cross_is_no_knot():
             assert inner(near)[inner(t) > 0.3].max() < reach + 1, (width, turn)
 
 
+def test_faint_lines_are_no_thorns_on_a_pole():
+    """Streaks of a wall that are too faint to be seen grew to the width of the pole's line where they meet it."""
+    pen = dict(PEN, edge_threshold=0.01, edge_color=1.0, line_contrast=1.0, line_thickness=5.0)
+    for width in (2.0, 4.0, 6.0):
+        layers, off = rod(width, 0.1, 0.2, 9.0)
+        streaky = {**layers, "color": layers["color"].copy()}
+        streaky["color"][(off > width / 2) & (np.indices(off.shape)[0] % 8 < 4)] *= 0.9
+        plain, t = (inner(ink(a, pen=pen)) for a in (layers, streaky))
+        assert plain.max() > 0.9 and (t - plain).max() < 0.15, width
+
+
 def test_threads_and_instructions_change_nothing():
     layers, _ = rod(0.7, 0.3, 0.2)
     one = ink(layers, threads=1)

@@ -37,10 +37,16 @@ def free_lengths(t, shape):
     return found
 
 
+def branches_off(t, i, j):
+    """Whether of the lines that meet at site i the one over j is younger than the site and two that go on from it."""
+    older = [k for k in t.links[i] if not t.dropped[k] and t.rank[k] < t.rank[j]]
+    return len(t.links[i]) > 2 and t.rank[j] > t.rank[i] and len(older) > 1
+
+
 def evened(t, radius, shape):
-    """Half the widths, each the mean along its line, up to where that meets others, by weights that fall to 0 at the
-    width, which counts as 2 to 8 pixels, of the widest of the line within 8 pixels; where near by, by cells of 4, the
-    radius changes by more than 0.2 from a site to the next."""
+    """Half the widths, each the mean along its line, up to where that meets others, without that place where it only
+    branches off these, by weights that fall to 0 at the width, which counts as 2 to 8 pixels, of the widest of the line
+    within 8 pixels; where near by, by cells of 4, the radius changes by more than 0.2 from a site to the next."""
     found = radius.copy()
 
     def along(i, reach):
@@ -48,7 +54,7 @@ def evened(t, radius, shape):
             before, at, way = i, first, 0.0
             while at is not None and at != i and not t.dropped[at]:
                 way += t.apart(before, at)
-                if way >= reach:
+                if way >= reach or branches_off(t, at, before):
                     break
                 yield radius[at], 1 - way / reach
                 before, at = at, t.next(before, at)
@@ -229,7 +235,11 @@ def _stroke(t, each, pieces, layers, paper):
         box = np.s_[low[1]:high[1], low[0]:high[0]]
         s = clamp01(((x[box] - a[0]) * way[0] + (y[box] - a[1]) * way[1]) / max(way @ way, 1e-12))
         d = np.hypot(x[box] - mix(a[0], at[j, 0], s), y[box] - mix(a[1], at[j, 1], s))
-        out, fade, gain, ease, bias, rough, limit = (mix(columns[i, k], columns[j, k], s) for k in range(7))
+        rows = columns[[i, j]]
+        for one, two in ((0, 1), (1, 0)):  # what branches off is as wide where it meets the others as beside that
+            if i != j and j < len(t) and branches_off(t, (i, j)[one], (i, j)[two]) and rows[one, 0] > rows[two, 0]:
+                rows[one, :2] = rows[two, :2]
+        out, fade, gain, ease, bias, rough, limit = (mix(rows[0, k], rows[1, k], s) for k in range(7))
         dark = darkness(d, out, fade, gain, ease, bias, 1 + rough * (paper[box] - 1))
         striped = any(strips[k] != End() for k in (i, j))
         ends_ = _beside(t, i, j) if i != j and j < len(t) else (i, j)
