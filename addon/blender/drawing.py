@@ -78,7 +78,7 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
     """(layers of a view as the library draws on them, how many values were read as 0); write gets what the stages do
     not draw. clean(picture, steps): gives what denoise.steps() would return of a picture; None: it is waited for."""
     settings, objects = layer.settings, layer.objects
-    _, maps, view, projection = layer.views[name]
+    eye, maps, view, projection = layer.views[name]
     kept = None
     if layer.kept:
         kept = layer.kept.views[view_id]
@@ -118,7 +118,8 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
     images, nonfinite = layers.assemble(passes, settings, known, denoiser, layer.denoise_other, illuminate)
     material = known["material"]
     known.clear()
-    if "seen_normal" in images and layers.unmirror(images, material, objects.blurred, layer.views[name][0].view):
+    if "seen_normal" in images and layers.unmirror(images, material, objects.blurred, eye.view) | _clean_seen(
+            images, eye.view, _seen_cleaner(layer, kept, go_on, hasty or clean, at_once)):
         for one, picture in layers.seen_passes(images):
             write(versions.pass_name(one), picture)  # as drawing the file again reads it
     del material
@@ -128,6 +129,33 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
         for layer_name, name in (("depth", "Depth"), ("normal", "Normal"), ("color", "DiffCol")):
             write(versions.pass_name(name), images[layer_name])  # as drawing the file again reads them
     return images, nonfinite
+
+
+def _clean_seen(images, view, clean):
+    """Takes noise out of what mirrors and glass show; whether there is anything that they show."""
+    where = layers.sees_through(images, view) if clean else np.zeros(0, bool)
+    if not where.any():
+        return False
+    images["seen_color"] = clean("albedo", images["seen_color"], where)
+    images["seen_normal"] = clean("normal", images["seen_normal"], where)
+    return True
+
+
+def _seen_cleaner(layer, kept, go_on, hasty, at_once):
+    """Function of (what it is, picture, where) that gives what mirrors show without noise; None: it keeps it."""
+    if hasty or layer.early == "Encre Lines" or not layer.settings.cleans_seen \
+            or not denoise.available(versions.home()):
+        return None
+    at = frame_of(layer)
+
+    def clean(kind, picture, where):
+        return denoise.seen(picture, where, kind, layer.threads, go_on, versions.home(), (at.x, at.y))
+
+    if not kept:
+        return clean
+    if at_once:
+        return lambda _kind, *given: kept.nearest(*given)
+    return lambda kind, *given: kept.once(kind, functools.partial(clean, kind), *given)
 
 
 def _denoiser(layer, go_on, hasty, also, clean):

@@ -234,8 +234,10 @@ class Frames:
         """How many pixels around a border are rendered too."""
         if not subframes.possible(self.engine):
             return 0
-        denoises = (settings.denoises or denoise_other) and denoise.available(versions.home())
-        return settings.reach(height) + (denoise.REACH if denoises else 0)
+        if not denoise.available(versions.home()):
+            return settings.reach(height)
+        denoises = settings.denoises or denoise_other
+        return settings.reach(height) + (denoise.REACH if denoises else denoise.OVERLAP if settings.cleans_seen else 0)
 
     def _go_on(self, _fraction=0):
         if self.again and redraw.gives_way():

@@ -15,7 +15,7 @@ from ..pen.errors import EncreError
 from ..pen.settings import Settings
 from . import cameras, properties, versions
 
-_MOST_FOUND = 4  # pictures of a view that are kept besides its passes
+_MOST_FOUND = 6  # pictures of a view that are kept besides its passes
 
 _kept = {}  # scene's name -> Picture
 
@@ -27,7 +27,7 @@ class View:
     passes: dict  # what the stages read, by classic names
     shown: dict   # what the render result has, by the names in this Blender
     maps: dict    # what the rasteriser drew
-    found: dict = field(default_factory=dict)  # light that was denoised or drawn, by what it was made of
+    found: dict = field(default_factory=dict)  # what was denoised, and light that was drawn, by what it was made of
 
     def again(self, changing):
         """The passes, to be popped. changing: whether their pixels will be changed."""

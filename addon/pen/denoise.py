@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Open Image Denoise, Blender's or the system's, by its C functions: light without Monte-Carlo noise."""
+"""Open Image Denoise, Blender's or the system's, by its C functions: light, and what mirrors and glass show, without
+Monte-Carlo noise."""
 
 import ctypes as c
 import ctypes.util
@@ -18,8 +19,8 @@ from .job import Work
 
 _CPU, _FLOAT3 = 1, 3
 _PAD = 32  # mirrored pixels beyond the frame: less lets stripes along it through
-_OVERLAP = 80  # how far its network sees, on its grid
-REACH = _OVERLAP + even.REACH  # with what evens out what it leaves
+OVERLAP = 80  # how far its network sees, on its grid
+REACH = OVERLAP + even.REACH  # with what evens out what it leaves
 _GRID = 16  # on which the network halves pictures: places on it give the same in every part of a frame
 _ROWS, _PIXELS = 34 * _GRID, 1 << 20  # of a strip, one or the other: between two of them it can be cancelled
 _FAST, _FAST_SINCE = 4, 20300
@@ -93,28 +94,48 @@ def steps(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads: 
           surface: Sequence[np.ndarray] = ()) -> background.Steps:
     """The steps of denoise(): the denoiser's work can go on in the background."""
     out = np.array(picture, np.float32)
-    height, width = out.shape[:2]
     there = albedo.any(2) | normal.any(2)
     if also:
         there[also.y:also.y + also.height, also.x:also.x + also.width] = True
+    images = {"color": picture, "albedo": albedo, "normal": normal}
+    yield from _clean(out, images, there, threads, home, at, scale, fast)
+    if surface and there.any():
+        even.even(out, picture, normal, *surface)
+    return out
+
+
+def seen(picture: np.ndarray, where: np.ndarray, kind: str, threads: int = 0, keep_on: Callable[[], bool] | None = None,
+         home: str | None = None, at: tuple[int, int] = (0, 0)) -> np.ndarray:
+    """`picture` (height, width, 3), the "albedo" or the "normal" that mirrors and glass show, without noise `where`
+    (height, width) they show it. threads, keep_on, home, at: as in denoise(). EncreError: the denoiser failed."""
+    def steps():
+        out = np.array(picture, np.float32)
+        yield from _clean(out, {kind: picture}, where, threads, home, at)
+        out[~where] = picture[~where]
+        return out
+
+    return background.run(steps(), 1, keep_on and (lambda _: keep_on()))
+
+
+def _clean(out, images, there, threads, home, at, scale=1.0, fast=False):
+    """Steps to the first of the images {what it is: picture} without noise, guided by the others, in `out`: in the
+    bounding box of `there`."""
+    height, width = there.shape
     rows, columns = np.flatnonzero(there.any(1)), np.flatnonzero(there.any(0))
     if not rows.size:
-        return out
+        return
     across = _reach(columns[0], columns[-1] + 1, _PAD, _PAD, at[0])
     device = _Device(_library(home), threads)
     for first, last in _strips(rows[0], rows[-1] + 1, len(across)):
-        down = _reach(first, last, _PAD if first == rows[0] else _OVERLAP,
-                      _PAD if last == rows[-1] + 1 else _OVERLAP, at[1])
+        down = _reach(first, last, _PAD if first == rows[0] else OVERLAP,
+                      _PAD if last == rows[-1] + 1 else OVERLAP, at[1])
         place = np.ix_(_mirrored(down, height), _mirrored(across, width))
-        cut = [image[place] for image in (picture, albedo, normal)]
+        cut = {name: image[place] for name, image in images.items()}
         (clean,) = yield [_Filter(device, cut, scale, fast).work()]
         top, left = first - down[0], columns[0] - across[0]
         out[first:last, columns[0]:columns[-1] + 1] = clean[
             top:top + last - first, left:left + columns[-1] + 1 - columns[0]]
         del cut, clean  # pictures of a frame each
-    if surface:
-        even.even(out, picture, normal, *surface)
-    return out
 
 
 def _reach(first, last, before, after, offset):
@@ -152,19 +173,20 @@ class _Device:
 
 
 class _Filter:
-    """Cleans the first of the images (height, width, 3) into `output`. Its work keeps it, which may still go on when
-    nobody waits for it any more."""
+    """Cleans the first of the images {what it is: (height, width, 3)} into `output`. Its work keeps it, which may still
+    go on when nobody waits for it any more."""
 
     def __init__(self, device, images, scale, fast):
         self.device, library = device, device.library
-        self.images = [np.ascontiguousarray(image, np.float32) for image in images]
-        self.output = np.empty_like(self.images[0])
+        self.images = {name: np.ascontiguousarray(image, np.float32) for name, image in images.items()}
+        self.output = np.empty_like(next(iter(self.images.values())))
         self.handle = library.oidnNewFilter(device.handle, b"RT")
-        for name, image in zip((b"color", b"albedo", b"normal", b"output"), (*self.images, self.output), strict=True):
-            library.oidnSetSharedFilterImage(self.handle, name, image.ctypes.data, _FLOAT3, *image.shape[1::-1],
-                                             0, 0, 0)
-        library.oidnSetFilterBool(self.handle, b"hdr", True)
-        library.oidnSetFilterFloat(self.handle, b"inputScale", scale)
+        for name, image in (*self.images.items(), ("output", self.output)):
+            library.oidnSetSharedFilterImage(self.handle, name.encode(), image.ctypes.data, _FLOAT3,
+                                             *image.shape[1::-1], 0, 0, 0)
+        if "color" in self.images:
+            library.oidnSetFilterBool(self.handle, b"hdr", True)
+            library.oidnSetFilterFloat(self.handle, b"inputScale", scale)
         if fast and library.oidnGetDeviceInt(device.handle, b"version") >= _FAST_SINCE:
             library.oidnSetFilterInt(self.handle, b"quality", _FAST)
         library.oidnCommitFilter(self.handle)

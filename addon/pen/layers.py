@@ -41,6 +41,9 @@ _TOWARDS = np.array((1, 1, -1), np.float32)  # Cycles' camera looks along +z
 # Its pass of what the world shows behind everything.
 BEHIND = {"Env": "RGB"}
 _BAND = 64  # rows of a picture that are held twice
+# By how much normals and depths, as a share, differ where something else is seen than the surface; where normals do,
+# colours or directions must, too: of lamps and of what is black the passes hold less. Pixels about it are read as well.
+_OTHER_NORMAL, _OTHER_DEPTH, _READ_ABOUT = 0.1, 0.02, 6
 # The pictures that the library draws beside Combined.
 DRAWN = {"Encre Lines": "RGBA", "Encre Surface": "RGBA", "Encre Edges": "X", "Encre Light": "RGB",
          "Encre Tones": "RGBA"}
@@ -115,6 +118,40 @@ def unmirror(layers: dict[str, np.ndarray], materials: np.ndarray, which: np.nda
                 if name in band:
                     np.copyto(band[name], own, where=where)
     return any_such
+
+
+def sees_through(layers: dict[str, np.ndarray], view: np.ndarray) -> np.ndarray:
+    """Where (height, width) lines are looked for in what mirrors and clear glass show, and what is read for them.
+    view: as in unmirrored."""
+    where = np.zeros(layers["depth"].shape[:2], bool)
+    deep = where.copy()
+    for rows in range(0, len(where), _BAND):
+        band = {name: picture[rows:rows + _BAND] for name, picture in layers.items()}
+        own = unmirrored(band, view)
+        there = own["seen_depth"][..., 0] > 0
+        off = _square(band["seen_normal"] - own["seen_normal"])
+        share = np.clip(np.sum(band["seen_normal"] * own["seen_normal"], 2)
+                        / np.maximum(_square(own["seen_normal"]), 1e-12), 0, 1)[..., None]
+        aside = _square(band["seen_normal"] - share * own["seen_normal"])
+        tint = _square(np.clip(band["seen_color"], 0, 1) - np.clip(own["seen_color"], 0, 1))
+        where[rows:rows + _BAND] = there & (off > _OTHER_NORMAL ** 2) & (np.maximum(aside, tint) > _OTHER_NORMAL ** 2)
+        if "seen_depth" in band:
+            far, front = band["seen_depth"][..., 0], own["seen_depth"][..., 0]
+            deep[rows:rows + _BAND] = there & (far > 0) & (np.abs(far - front) > _OTHER_DEPTH * front)
+    return _grown(where | ~_grown(~deep, 1), _READ_ABOUT)
+
+
+def _square(vectors):
+    return np.sum(vectors * vectors, 2)
+
+
+def _grown(where, pixels):
+    """What is true, grown by so many pixels to all sides."""
+    for axis in (0, 1):
+        wide = np.pad(where, [(pixels, pixels) if axis == a else (0, 0) for a in (0, 1)])
+        where = np.logical_or.reduce([np.take(wide, range(k, k + where.shape[axis]), axis)
+                                      for k in range(2 * pixels + 1)])
+    return where
 
 
 class _Passes:

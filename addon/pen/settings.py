@@ -172,7 +172,7 @@ class Settings:
     @cached_property
     def of_layers(self) -> tuple:
         """Equal for settings by which layers.assemble() makes the same of the same passes, but for noise."""
-        return (self.denoises, self.wants_parts, self.wants_specular, self.wants_gloss,
+        return (self.denoises, self.cleans_seen, self.wants_parts, self.wants_specular, self.wants_gloss,
                 [(values["use_shading"], values["shade_light"]) for values in self.every])
 
     @cached_property
@@ -294,6 +294,11 @@ class Settings:
     def wants_seen(self) -> bool:
         """Whether lines are drawn in what mirrors and glass show."""
         return self.every[0]["edge_detector"] == "FINE" and self.any("edge_seen") and self.wants_edges
+
+    @cached_property
+    def cleans_seen(self) -> bool:
+        """Whether what mirrors and glass show is to be denoised, where it is rendered."""
+        return self.every[0]["seen_denoise"] == "OIDN" and self.wants_seen
 
     def idle(self, pictures: Mapping[str, np.ndarray]) -> dict[str, str]:
         """{weight: why} of the sources of edges that are asked for and find nothing in the layers of a picture."""

@@ -16,6 +16,9 @@ ENUM(light_source, FRAME, 0, "layer_source=CYCLES", "Light", "What the light is 
 ENUM(light_denoise, FRAME, 0, "use_shading&light_source=CYCLES&layer_source=CYCLES", "Denoise Light", "How Monte-Carlo noise is taken out of the light before it is cut into levels",
      ITEM(light_denoise, OIDN, 0, "Open Image Denoise", "Denoise the light with the albedo and the normal as guides, where the library is there")
      ITEM(light_denoise, NONE, 1, "None", "Use the light as it was rendered"))
+ENUM(seen_denoise, FRAME, 0, "edge_detector=FINE&layer_source=CYCLES", "Denoise Mirrored", "How Monte-Carlo noise is taken out of what mirrors and clear glass show before lines are looked for in it",
+     ITEM(seen_denoise, OIDN, 0, "Open Image Denoise", "Denoise the colours and normals seen there, where the library is there")
+     ITEM(seen_denoise, NONE, 1, "None", "Look for lines in what was rendered"))
 ENUM(save_layers, FRAME, 0, "", "Save Layers", "Write the layers that restyling a saved frame needs into the file",
      ITEM(save_layers, AUTO, 0, "Automatic", "When the output is a multilayer OpenEXR file; with encre render as Slim")
      ITEM(save_layers, ON, 1, "Always", "Always")

@@ -73,10 +73,11 @@ DEFAULTS = {
     "use_specks": False, "speck_size": 4.0,
     # read before the layers reach the stages
     "object_index": "AUTO", "shade_light": "ALL", "layer_source": "CYCLES", "light_source": "CYCLES",
-    "light_denoise": "OIDN", "save_layers": "AUTO", "save_anchor": "AUTO",
+    "light_denoise": "OIDN", "seen_denoise": "OIDN", "save_layers": "AUTO", "save_anchor": "AUTO",
 }
 
-ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "light_denoise", "save_layers", "save_anchor"}
+ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "light_denoise", "seen_denoise",
+          "save_layers", "save_anchor"}
 SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_tones", "use_rim", "use_wash",
             "use_specks")
 

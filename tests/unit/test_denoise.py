@@ -112,3 +112,22 @@ def test_scale_and_draft():
     assert wrong(scale=0.5) < 1.3 * good and wrong(fast=True) < 2 * good
     dark = [given[0] * np.float32(1e-3), *given[1:]]
     assert np.abs(1e3 * denoise.denoise(*dark, 2, home=HOME, scale=1e3) - light).mean() < 1.1 * good
+
+
+def test_what_mirrors_show_is_clean_where_they_are():
+    rng = np.random.default_rng(4)
+    normal = np.zeros((120, 160, 3), np.float32)
+    normal[..., 2] = 1
+    normal[:, 80:] = (0, 0.6, 0.8)
+    noisy = np.where(rng.random((120, 160, 1)) < 0.3, np.float32((0.8, 0, 0.6)), normal).astype(np.float32)
+    truth = 0.7 * normal + 0.3 * np.float32((0.8, 0, 0.6))
+    where = np.zeros(noisy.shape[:2], bool)
+    where[20:100, 30:130] = True
+    clean = denoise.seen(noisy, where, "normal", 2, home=HOME)
+    assert np.array_equal(clean[~where], noisy[~where])
+    wrong = np.abs(clean - truth).mean(2)
+    assert wrong[where].mean() < 0.2 * np.abs(noisy - truth).mean(2)[where].mean()
+    assert wrong[30:90, 78:82].mean() < 0.1, "the edge between two faces stays"
+    with pytest.raises(Cancelled):
+        denoise.seen(noisy, where, "albedo", 2, lambda: False, HOME)
+    assert np.array_equal(denoise.seen(noisy, where & False, "albedo", 2, home=HOME), noisy)

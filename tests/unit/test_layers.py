@@ -74,6 +74,32 @@ def test_what_is_seen(passes):
     assert np.array_equal(made["seen_depth"], more["Encre Seen Depth"])
 
 
+def test_where_something_else_is_seen():
+    view = (1, 0, 0, 0, 0, 1, 0, -1, 0)  # world -> camera
+    flat = {"color": np.full((40, 50, 3), 0.5, np.float32), "depth": np.full((40, 50, 1), 4, np.float32),
+            "normal": np.tile(np.float32((0, -1, 0)), (40, 50, 1))}
+    own = {name: np.array(picture) for name, picture in layers.unmirrored(flat, view).items()}
+
+    def seen(**changed):
+        pictures = {name: np.array(picture) for name, picture in own.items()}
+        for name, (place, value) in changed.items():
+            pictures[name][place] = value
+        return layers.sees_through({**flat, **pictures}, view)
+
+    block = np.s_[20:24, 10:13]
+    grown = np.zeros((40, 50), bool)
+    grown[14:30, 4:19] = True
+    assert not seen().any()
+    assert np.array_equal(seen(seen_normal=(block, (0.6, 0, 0.8))), grown)
+    grown[[14, 29]] = grown[:, [4, 18]] = False
+    assert np.array_equal(seen(seen_depth=(block, 4.2)), grown), "in all of a 3x3"
+    assert not seen(seen_depth=(block, 4.05)).any() and not seen(seen_depth=(np.s_[20:22], 8)).any(), "outlines"
+    assert not seen(seen_normal=(block, 0)).any(), "a lamp"
+    assert seen(seen_normal=(block, 0), seen_color=(block, 1)).any(), "a mirrored sky"
+    flat["depth"][:] = 1e10
+    assert not seen(seen_normal=(block, (0.6, 0, 0.8))).any()
+
+
 @pytest.mark.parametrize("orthographic", [False, True])
 def test_depth_of_what_is_seen(orthographic):
     """A wall across the view axis, through a shifted lens, in a border of the frame."""
