@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What artists call their pens. A name is the scene's, beside the settings: nothing that is drawn depends on it."""
 
+import itertools
+
 import bpy
 
 from ..pen import slots
@@ -23,9 +25,24 @@ def name(settings, pen):
 
 
 def rename(settings, pen, new):
-    """Calls a pen so; by an empty name, or its own, as nobody had named it."""
-    new = new.strip()
-    setattr(settings, f"{pen.id}_name", "" if new == _own(pen) else new)
+    """Calls a pen so; by an empty name, or its own, as nobody had named it. A name that another pen has gets a number,
+    as Blender's data have."""
+    taken = {name(settings, other) for other in slots.pens() if other.id != pen.id}
+    own, new = _own(pen), new.strip()[:slots.LONGEST_NAME].rstrip() or _own(pen)
+    if new in taken:
+        stem, _, digits = new.rpartition(".")
+        stem = stem if stem and digits.isdecimal() else new
+        numbered = (f"{stem[:slots.LONGEST_NAME - 4]}.{k:03}" for k in itertools.count(1))
+        new = next(text for text in numbered if text not in taken)
+    setattr(settings, f"{pen.id}_name", "" if new == own else new)
+
+
+def rename_all(settings, new):
+    """Likewise for {pen: name}; what these pens were called before is free."""
+    for id_ in new:
+        setattr(settings, f"{id_}_name", "")
+    for id_, called in new.items():
+        rename(settings, slots.find(id_), called)
 
 
 def definitions(update):

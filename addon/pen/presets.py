@@ -105,7 +105,9 @@ def _read(path, _changed):
         if refused := [id_ for id_ in values if not _holds(id_)]:
             raise EncreError(f"{refused[0]}: presets hold no images")
         set_ = {**_set_by_any(), **values} if path.parent == FOLDER else values
-        named = {pen.id: _named(data, pen) for pen in slots.pens() if any(p.id in set_ for p in pen.rows.values())}
+        names = _names(data.get("pens", {}))
+        named = {pen.id: names.get(pen.id, "") for pen in slots.pens()
+                 if any(p.id in set_ for p in pen.rows.values())}
         return Preset(path, data["name"], data["description"], library.check(set_), tuple(values), named)
     except EncreError as error:
         raise EncreError(f"the preset file {path} can't be used: {error}; repair or remove it") from None
@@ -114,11 +116,22 @@ def _read(path, _changed):
             from None
 
 
-def _named(data, pen):
-    name = data.get("pens", {}).get(pen.id, "")
-    if not isinstance(name, str):
-        raise EncreError(f"its pens' name {name!r} is no text")
-    return name.strip()[:63]
+def _names(said):
+    """{pen: its name} of what a file says of pens' names."""
+    known = [pen.id for pen in slots.pens()]
+    names: dict[str, str] = {}
+    for pen, name in said.items():
+        if pen not in known:
+            raise EncreError(unknown("pen", pen, known))
+        if not isinstance(name, str):
+            raise EncreError(f"its pens' name {name!r} is no text")
+        name = name.strip()
+        if len(name) > slots.LONGEST_NAME:
+            raise EncreError(f"its pens' name {name[:20]!r}... is longer than {slots.LONGEST_NAME} letters")
+        if name and name in names.values():
+            raise EncreError(f"two of its pens are called {name!r}")
+        names[pen] = name
+    return names
 
 
 @functools.cache

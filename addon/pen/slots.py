@@ -14,6 +14,8 @@ from . import library
 from .errors import EncreError, unknown
 from .params import PENS, TONES, Param
 
+LONGEST_NAME = 63  # letters of a pen's name, as Blender's data have
+
 
 @dataclass(frozen=True)
 class Slot:

@@ -21,6 +21,14 @@ def test_pens_have_names_and_files_keep_them(pens):
     assert pens["unnamed"] == OWN
 
 
+def test_no_two_pens_are_called_alike_or_at_length(pens):
+    long, numbered = ("Very" * 30)[:63], ("Very" * 30)[:59] + ".001"
+    assert pens["unique"] == [
+        ["Pen", "Pen.001", "Pen 3"], ["Pen", "Pen.001", "Pen.002"], ["Pen.003", "Pen.001", "Pen.002"],
+        ["Pen.003", long, "Pen.002"], ["Pen.003", long, numbered], ["Pen", long, numbered], ["Pen", "Pen 2", numbered],
+        OWN]
+
+
 def test_kinds_of_line_offer_pens_by_name_under_their_old_identifiers_and_numbers(pens):
     assert [[id_, name, number] for id_, name, _, number in pens["offered"]] == [
         ["PEN", "Pen", 0], ["PEN_2", "Sketch", 1], ["PEN_3", "Pen 3", 2]]
@@ -33,7 +41,7 @@ def test_presets_name_the_pens_that_they_set(render):
     assert facts["brush"] == ["Brush", "Mine", "Pen 3"]
     assert facts["file"] == {"pen": "Brush", "pen_2": "Mine"}
     assert facts["ink only"] == ["Pen", "Other", "Pen 3"], "Encre's own presets leave the second pen as it is"
-    assert facts["named"] == facts["pasted"] == ["Brush", "Mine", "Pen 3"]
+    assert facts["named"] == facts["swapped"] == facts["pasted"] == ["Brush", "Mine", "Pen 3"]
 
 
 def test_a_slot_takes_all_that_another_has(render):

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import bpy
 
-from ...pen import library, presets, slots
+from ...pen import library, presets
 from ...pen.errors import EncreError
 from .. import ENGINE, pens, properties, thumbnails, versions
 from ..languages import CONTEXT, iface_, tip_
@@ -74,8 +74,8 @@ class ENCRE_OT_preset(_PresetOperator, bpy.types.Operator):
         preset = presets.find(self.preset, folder())
         for id_, value in preset.values.items():
             properties.set_value(context.scene.encre, id_, value)
-        for pen, name in preset.pens.items():
-            pens.rename(context.scene.encre, slots.find(pen), iface_(name, CONTEXT) if preset.own and name else name)
+        pens.rename_all(context.scene.encre, {pen: iface_(name, CONTEXT) if preset.own and name else name
+                                              for pen, name in preset.pens.items()})
         context.scene.encre.preset = preset.id
 
 

@@ -94,8 +94,7 @@ class ENCRE_OT_settings_paste(_SettingsOperator, bpy.types.Operator):
             missing += properties.set_values(group, _copied.values)
         else:
             missing += properties.replace(group, _copied.values)
-            for pen in slots.pens():
-                pens.rename(group, pen, _copied.pens.get(pen.id, ""))
+            pens.rename_all(group, {pen.id: _copied.pens.get(pen.id, "") for pen in slots.pens()})
             for name, values in _copied.styles.items():
                 style = group.styles.get(name) or group.styles.add()
                 style.name = name

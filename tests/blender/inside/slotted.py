@@ -36,6 +36,12 @@ def pens(out):
     fact("evaluated", _pens(depsgraph.scene_eval))
     scene.encre.pen_2_called = ""
     fact("unnamed", _pens(scene)[0])
+    found = []
+    for pen, text in (("pen_2", "Pen"), ("pen_3", "Pen"), ("pen", "Pen.001"), ("pen_2", "Very" * 30),
+                      ("pen_3", "Very" * 30), ("pen", "Pen"), ("pen_2", ""), ("pen_3", "")):
+        setattr(scene.encre, f"{pen}_called", text)
+        found.append(_pens(scene)[0])
+    fact("unique", found)
     scene.encre.line_pen_crease = "PEN"
     bpy.ops.encre.reset(param="line_pen_crease")
     fact("reset", _pens(scene)[2])
@@ -56,6 +62,9 @@ def pens_in_presets(_out):
     fact("ink only", _pens(scene)[0])
     bpy.ops.encre.preset(preset="named")
     fact("named", _pens(scene)[0])
+    scene.encre.pen_called, scene.encre.pen_2_called = "Else", "Brush"
+    bpy.ops.encre.preset(preset="named")
+    fact("swapped", _pens(scene)[0])
     bpy.ops.encre.settings_copy(path="scene")
     other = bpy.data.scenes.new("Other")
     other.render.engine, bpy.context.window.scene = "ENCRE", other
