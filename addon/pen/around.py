@@ -4,6 +4,8 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
+CELL = 4  # pixels each way: FINE gathers what lies in one (csrc/fine/fine.h), and a part's cells are those of the frame
+
 
 class Window(NamedTuple):
     """A part of a frame."""
@@ -14,8 +16,9 @@ class Window(NamedTuple):
     height: int
 
     def grown(self, reach: int, width: int, height: int) -> "Window":
-        """With `reach` pixels more on each side, as far as a frame of this size has them."""
-        left, top = max(0, self.x - reach), max(0, self.y - reach)
+        """With `reach` pixels more on each side, and what fills the first cells, as far as a frame of this size has
+        them."""
+        left, top = (max(0, start - reach) // CELL * CELL if reach else start for start in self[:2])
         right, bottom = min(width, self.x + self.width + reach), min(height, self.y + self.height + reach)
         return Window(left, top, right - left, bottom - top)
 

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What lies around a part of a frame, and how far what is drawn reaches."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from encre.pen import library
-from encre.pen.around import Window, pieces
+from encre.pen.around import CELL, Window, pieces
 from encre.pen.job import Frame
 from encre.pen.settings import Settings
+from noise import textures
 
 
 @pytest.mark.parametrize("inner", [(40, 30, 50, 20), (0, 0, 20, 60), (99, 0, 1, 1), (3, 70, 97, 5), (0, 0, 100, 75)])
@@ -17,10 +20,27 @@ def test_pieces_cover_what_is_around(inner, reach):
     for x, y, width, height in [*pieces(inner, outer), inner]:
         assert 0 < width <= inner.width and 0 < height <= inner.height
         count[y:y + height, x:x + width] += 1
+    top, left = (max(0, start - reach) for start in (inner.y, inner.x))
+    if reach:
+        top, left = top - top % CELL, left - left % CELL
     wanted = np.zeros_like(count)
-    wanted[max(0, inner.y - reach):inner.y + inner.height + reach,
-           max(0, inner.x - reach):inner.x + inner.width + reach] = 1
+    wanted[top:inner.y + inner.height + reach, left:inner.x + inner.width + reach] = 1
     assert np.array_equal(count, wanted)
+
+
+def test_cells_of_a_part_are_those_of_the_frame():
+    """Lines between colours thin out by what their cells hold: by other ones in a part that begins elsewhere."""
+    assert f"enum {{ CELL = {CELL} }};" in (Path(__file__).parents[2] / "csrc" / "fine" / "fine.h").read_text()
+    layers, scene = textures(160, 120), {"edge_detector": "FINE", "edge_color": 1.0, "length_unit": "PIXELS"}
+    layers["color"] = np.ascontiguousarray(layers["color"][::8, ::8].repeat(8, 0).repeat(8, 1))
+    whole = library.render(layers, scene, outputs=["Encre Lines"]).images["Encre Lines"]
+    differ = []
+    for x in range(1, CELL + 1):
+        part = {name: np.ascontiguousarray(layer[:, x:]) for name, layer in layers.items()}
+        drawn = library.render(part, scene, frame=Frame(160, 120, x, 0), outputs=["Encre Lines"])
+        differ.append(np.abs(drawn.images["Encre Lines"] - whole[:, x:])[:, 60:].max())
+    assert min(differ[:-1]) > 1e-3 and differ[-1] < 1e-6
+    assert Window(61, 50, 30, 20).grown(13, 160, 120)[:2] == (48, 36)
 
 
 def test_reach_follows_the_settings():
