@@ -186,6 +186,12 @@ def strokes_pitches(values: Mapping[str, Any]) -> list[float | None]:
             if values["use_tones"] and values[id_] in ("HATCH", "STIPPLE")]
 
 
+def screens_pitches(values: Mapping[str, Any]) -> list[float]:
+    """The pitches of tones that are dots and lines of a size on the screen."""
+    return [values[f"{id_}_pitch"] for id_ in TONES if values["use_tones"]
+            and values[id_] in ("DOTS", "LINES", "CROSS") and values[f"{id_}_space"] != "OBJECT"]
+
+
 def _levels(levels):
     """encre_levels -> list of tuples (i,), (i, t, w) or (i, t, w, r, g, b)."""
     out = []

@@ -8,7 +8,17 @@ from typing import Any
 import numpy as np
 
 from . import colour, library
-from .params import Chosen, fills_sheets, fills_surfaces, pens, sticking_pens, strokes_along_uv, strokes_pitches, terms
+from .params import (
+    Chosen,
+    fills_sheets,
+    fills_surfaces,
+    pens,
+    screens_pitches,
+    sticking_pens,
+    strokes_along_uv,
+    strokes_pitches,
+    terms,
+)
 
 _MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
 _STROKE = 4.5  # pitches from a stroke's place to its end, at most
@@ -196,6 +206,8 @@ class Settings:
                 most = max(most, 2 * values["wash_wobble"] + max(scene["wash_pool_width"], scene["wash_bleed_width"]))
             if values["use_rim"]:
                 most = max(most, values["rim_width"] + 2)
+            if values["use_tones"]:
+                most = max(most, 2 * scene["tone_detail"])
         if scene["contrast_auto"] and self.any("edge_color"):
             most += scene["contrast_window"] / 2
         scale = {"RELATIVE": height / 1080, "MM": height / scene["page_height"], "PIXELS": 1}[scene["length_unit"]]
@@ -203,7 +215,10 @@ class Settings:
         inch = 25.4 * height / scene["page_height"]
         strokes = [_WIDEST * scale if pitch is None else inch / pitch if counted else pitch * scale
                    for values in self.every for pitch in strokes_pitches(values)]
-        far = max(most * scale, *(_STROKE * max(pitch, 3) for pitch in strokes), 0)
+        screens = [inch / pitch if counted else pitch * scale for values in self.every
+                   for pitch in screens_pitches(values)]
+        most = most * scale + scene["tone_least"] * max(screens, default=0)
+        far = max(most, *(_STROKE * max(pitch, 3) for pitch in strokes), 0)
         return int(np.ceil(far) + np.ceil(_WINDOW * max(1, scale))) if self.active else 0
 
     @cached_property

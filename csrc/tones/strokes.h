@@ -87,14 +87,6 @@ static inline float tone_step(float reach)
 	return max(TONE_LEAST_STEP, reach / (TONE_PLACES_OUT - 2));
 }
 
-/* The nearest of `size` pixels: where the frame ends its last pixel stands for what lies beyond, or strokes ended there
- * and left a pale edge. */
-static inline int tone_within(int pixel, int size)
-{
-	pixel = pixel < size ? pixel : size - 1;
-	return pixel > 0 ? pixel : 0;
-}
-
 static inline float *tone_ink(const tone_marks *m, int y)
 {
 	return m->ink + (size_t)y * (size_t)m->width;

@@ -111,6 +111,12 @@ static void mean_row(const float *anchor, int n, const float *restrict dark, flo
 		ink[i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + ANCHOR_PIXEL] > 0 ? ink[i] : dark[i];
 }
 
+static void fit(const uint8_t *restrict room, int n, float *restrict ink)
+{
+	for (int i = 0; i < n; i++)
+		ink[i] = room[i] == TONE_ROOM ? ink[i] : room[i] == TONE_NO_ROOM ? 1 : 0;
+}
+
 static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, int y, int x, int n, const float *dark,
 		    float *ink)
 {
@@ -135,6 +141,9 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 	const float *anchor = tone_sticks(s) ? ISA(tone_anchor)(f, s, y, x, n, room) : NULL;
 	if (anchor)
 		mean_row(anchor, n, dark, ink);
+	const uint8_t *fits = ((const tone_frame *)f->tones)->detail.room;
+	if (fits && s->kind != tone_1_IMAGE)
+		fit(fits + (ptrdiff_t)y * f->width + x, n, ink);
 }
 
 /* Ink over the picture, and over what the output has of tones. */
@@ -245,6 +254,11 @@ static bool marked(const frame *f)
 	return found;
 }
 
+static bool works(const frame *f)
+{
+	return marked(f) || tone_fitted(f);
+}
+
 static void plan(frame *f, arena *a)
 {
 	f->tones = NULL;
@@ -252,6 +266,7 @@ static void plan(frame *f, arena *a)
 		return;
 	tone_frame *t = arena_take(a, 1, sizeof *t);
 	tone_frame own = {.styles = arena_take(a, (size_t)f->n_styles, sizeof *own.styles)};
+	ISA(tone_detail_plan)(f, &own.detail, a);
 	if (marked(f)) {
 		tone_marks *m = own.marks = arena_take(a, 1, sizeof *m);
 		tone_marks planes = {
@@ -361,6 +376,7 @@ static void fill_slots(const frame *f, const encre_params *p, tone_style *t)
 			ISA(tone_screen_fill)(t->screen + k, s, p->tone_hardness);
 	}
 	t->only = only_marks(t);
+	t->room = ISA(tone_room)(f->params, t);
 }
 
 static int32_t prepare(frame *f)
@@ -382,8 +398,11 @@ static int32_t prepare(frame *f)
 static int32_t run(frame *f)
 {
 	tone_frame *t = f->tones;
-	return t && t->marks ? ISA(tone_marks_run)(f, t->marks) : ENCRE_OK;
+	int32_t code = t && t->detail.keep ? ISA(tone_detail_run)(f, &t->detail) : ENCRE_OK;
+	if (!code && t && t->detail.room)
+		code = ISA(tone_room_run)(f, &t->detail, t->styles);
+	return !code && t && t->marks ? ISA(tone_marks_run)(f, t->marks) : code;
 }
 
 const stage STAGE_SYMBOL(tones) = {
-	.id = "tones", .plan = plan, .prepare = prepare, .run = run, .rows = tone_rows, .draws = marked};
+	.id = "tones", .plan = plan, .prepare = prepare, .run = run, .rows = tone_rows, .draws = works};

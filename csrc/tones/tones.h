@@ -12,7 +12,9 @@ enum {
 	TONE_BIRTHS = 11,
 	TONE_STEPS = 33,
 	TONE_SLOTS = 6,
-	TONE_LAYERS = 3 /* of strokes */
+	TONE_LAYERS = 3 /* of strokes */,
+	TONE_DETAIL_MOST = 32 /* pixels */,
+	TONE_ROOM_MOST = 60
 };
 
 #define TONE_EACH(X) X(1) X(2) X(3) X(4) X(5) X(6)
@@ -71,7 +73,19 @@ typedef struct tone_style {
 	int only; /* the slot of strokes or spots that looks as all others that draw, -1 where there is none */
 	tone_screen screen[TONE_SLOTS];
 	tone_picture picture[TONE_SLOTS];
+	float room; /* pixels: half of how wide dots and lines are at least */
 } tone_style;
+
+/* What a screen has at a pixel: TONE_NO_ROOM is ink, TONE_BESIDE_INK paper. */
+enum { TONE_ROOM, TONE_NO_ROOM, TONE_BESIDE_INK };
+
+/* What tones are kept clear of, by pixel. */
+typedef struct tone_detail {
+	int reach;     /* pixels to both sides of a pixel that a fine thing may have */
+	uint8_t *keep; /* 255ths of the tones that are left; NULL: all */
+	uint8_t *room; /* NULL: there is room */
+	uint8_t *value, *light, *thin, *dark, *raw, *scratch;
+} tone_detail;
 
 /* What there is to draw in a chunk: of each slot its share of the pixel and its darkness there. */
 typedef struct tone_wanted {
@@ -96,11 +110,18 @@ typedef struct tone_marks tone_marks; /* strokes.h */
 typedef struct tone_frame {
 	tone_style *styles;
 	tone_marks *marks;
+	tone_detail detail;
 } tone_frame;
 
 /* tones.c: the coordinates of a slot's dots, spots and strokes; on the screen without `rest`. */
 void ISA(tone_chart)(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n,
 		     tone_field chart[2]);
+
+/* detail.c, room.c: fill keep and room. */
+void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a);
+int32_t ISA(tone_detail_run)(frame *f, const tone_detail *d);
+int32_t ISA(tone_room_run)(frame *f, const tone_detail *d, const tone_style *styles);
+float ISA(tone_room)(const encre_params *p, const tone_style *style);
 
 /* dark.c */
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w);
@@ -133,6 +154,14 @@ void ISA(tone_dots)(const tone_screen *screen, int n, const tone_field field[2],
 void ISA(tone_lines)(const tone_screen *screen, int n, const tone_field *field, const float *restrict dark,
 		     float *restrict ink);
 
+/* The nearest of `size` pixels: where the frame ends its last pixel stands for what lies beyond, or strokes ended there
+ * and left a pale edge. */
+static inline int tone_within(int pixel, int size)
+{
+	pixel = pixel < size ? pixel : size - 1;
+	return pixel > 0 ? pixel : 0;
+}
+
 static inline bool tone_sticks(const tone_slot *s)
 {
 	return s->space != tone_1_space_SCREEN;
@@ -141,6 +170,11 @@ static inline bool tone_sticks(const tone_slot *s)
 static inline bool tone_flat(const tone_slot *s)
 {
 	return s->space == tone_1_space_FLAT;
+}
+
+static inline bool tone_fitted(const frame *f)
+{
+	return f->any.use_tones && (f->params->tone_detail > 0 || f->params->tone_least > 0);
 }
 
 /* Whether any of n values is above 0. */

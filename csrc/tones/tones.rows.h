@@ -6,6 +6,8 @@ FLOAT(tone_darkness, SURFACE, 0, -1, 1, -1, 1, "", "use_tones", "Darkness", "Add
 FLOAT(tone_black, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Spotted Blacks", "Colours darker than this are in the darkest level, whatever their light")
 FLOAT(tone_local, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones", "Local Values", "How far light colours keep out of the darkest level; at 1 white does down to half of the light")
 BOOL(tone_mirrors, SURFACE, 0, "use_tones", "Through Mirrors", "What mirrors and clear glass show has the tones of the things shown, and none where they show the sky")
+FLOAT(tone_detail, FRAME, 0, 0, 4096, 0, 40, "px", "use_tones", "Clear Detail", "Letters, eyes and bars whose strokes are no wider stay clear of tones, light ones and what is about dark ones; 0: tones go over all")
+FLOAT(tone_least, FRAME, 0, 0, 100, 0, 4, "", "use_tones", "Least Width", "Dots and lines that have less room, in pitches, are ink, or paper beside ink; 0: they have any")
 FLOAT(tone_hardness, SURFACE, 1, 0, 1, 0, 1, "factor", "use_tones", "Hardness", "1: dots and lines have an edge; 0: they fade over half their distance")
 BOOL(tone_crisp, SURFACE, 0, "use_tones", "Crisp", "Ink or none at every pixel, without grey edges, and dots and lines of the screen at whole pixels: for print at 600 dots an inch and more")
 ENUM(tone_strokes, SURFACE, 0, "use_tones", "Strokes", "Which way the strokes of hatching go",

@@ -3,11 +3,13 @@
 
 import numpy as np
 
-from . import hatch, scatter
+from . import cleared, hatch, scatter
 from .metric import clamp01, mix, value
 from .shade import other, painted
+from .tiles import pictured, thresholds
 
 SLOTS = 6
+SCREENS = ("DOTS", "LINES", "CROSS")
 BIRTHS, STEPS, RADII, SAMPLES = 11, 33, 40, 12
 
 
@@ -144,62 +146,6 @@ def lines(field, dark, least, most, fade):
     return clamp01(ink / soft)
 
 
-def scrambled(n):
-    n = (n ^ n >> 16) * 0x7feb352d & 0xffffffff
-    n = (n ^ n >> 15) * 0x846ca68b & 0xffffffff
-    return n ^ n >> 16
-
-
-def thresholds(image, pitch):
-    """The darkness (H, W) from which on each texel of a tile is inked: its rank among all."""
-    image = np.asarray(image, np.float64)
-    image = np.clip(np.nan_to_num(image[..., None] if image.ndim == 2 else image, nan=0.0), 0, 1)
-    grey = image[..., :3] @ (0.2126, 0.7152, 0.0722) if image.shape[2] > 2 else image[..., 0]
-    height, width = grey.shape
-    shrink = 1
-    while (shrink + 1 <= width / pitch or max(grey.shape) // shrink > 1024) and shrink < min(grey.shape):
-        shrink += 1
-    height, width = height // shrink, width // shrink
-    grey = grey[:height * shrink, :width * shrink].reshape(height, shrink, width, shrink).mean((1, 3))
-    level = np.floor(grey.ravel() * 65535 + 0.5)
-    order = np.sort(level)
-    below = np.searchsorted(order, level)
-    same = np.searchsorted(order, level, "right") - below
-    n = scrambled(np.arange(level.size))  # those of one level in any order, by a hash
-    within = (n >> 8) / 2**24
-    return ((below + within * same) / level.size).reshape(height, width)
-
-
-def pictured(tile, fields, dark, bounds, crisp):
-    """Ink of a tile of thresholds: what a pixel covers of inked texels."""
-    at, _, grown, step, flat, _ = lattice(fields, *bounds)
-    height, width = tile.shape
-
-    pieces = [np.floor(np.clip(a * 12, -1e9, 1e9)).astype(np.int64) & 0xffffffff for a in at]
-    n = scrambled(scrambled(pieces[0]) ^ pieces[1])
-    first, second = (clamp01((g * (4 - g) / 3 - 0.3 * (n & 0xffff) / 65536) / 0.7) for g in grown)
-    both = np.minimum(first, second)
-    shares = {(0, 0): 1 - np.maximum(first, second), (1, 0): first - both, (0, 1): second - both, (1, 1): both}
-
-    def texels(place, n, size):
-        u = (place - np.floor(place)) * n - 0.5
-        first, s = np.floor(u).astype(int), u - np.floor(u)
-        s = (s >= 0.5).astype(float) if crisp else clamp01((s - 0.5) * np.maximum(size / n, 1) + 0.5)
-        return first % n, (first + 1) % n, s
-
-    def inked(row, column):
-        return (tile[row, column] < dark).astype(float)
-
-    ink = np.zeros(dark.shape)
-    for (i, j), share in shares.items():
-        u, v = 1 + i, (1 + j) * width / height
-        left, right, s = texels(at[0] * u, width, np.hypot(*step[0]) / u)
-        above, below, t = texels(at[1] * v, height, np.hypot(*step[1]) / v)
-        ink += share * mix(mix(inked(above, left), inked(above, right), s),
-                           mix(inked(below, left), inked(below, right), s), t)
-    return np.where(flat, dark, ink)
-
-
 def _both(one, two):
     return one + two - one * two
 
@@ -303,14 +249,9 @@ def _light(of):
 
 def _ink(layers, of, look, dark, scale, paper, own):
     kind, pitch, angle, space = look[:4]
-    counted, painted_on = of("tone_pitch_unit") == "LPI", space == "OBJECT"
+    painted_on = space == "OBJECT"
     unit = 0.01 * pitch * (0.5 if kind == "STIPPLE" else 1) if painted_on else 1  # of a field on the thing
-    pitch = 25.4 * layers.full_height / (of("page_height") * pitch) if counted else pitch * scale
-    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-    if of("tone_crisp") and space == "SCREEN" and kind in ("DOTS", "LINES", "CROSS"):  # whole pixels
-        whole = np.round(pitch * c), np.round(pitch * s)
-        pitch = np.hypot(*whole)
-        c, s = whole[0] / pitch, whole[1] / pitch
+    pitch, c, s = _pitch(of, look, layers, scale)
     pitch = max(2.0, pitch)
 
     def soft(pitch):
@@ -355,7 +296,7 @@ def _ink(layers, of, look, dark, scale, paper, own):
             image = next(of(f"tone_{n}_image") for n in range(1, SLOTS + 1) if id(of(f"tone_{n}_image")) == look[5])
             tile = thresholds(image, pitch)
             bounds = (tile.shape[1], 1e6) if painted_on else (pitch, pitch)
-            ink = pictured(tile, chart(c, s), dark, bounds, of("tone_crisp"))
+            ink = pictured(tile, lattice(chart(c, s), *bounds), dark, of("tone_crisp"))
         else:
             turn = np.radians(angle) + (np.arctan2(0.3511234, 0.9363292) if kind == "HATCH" else 0)
             apart = max(pitch * (0.5 if kind == "STIPPLE" else 1), 3)
@@ -380,10 +321,48 @@ def _ink(layers, of, look, dark, scale, paper, own):
     return np.where(anchor[..., 6] > 0, ink, dark)
 
 
+def _pitch(of, look, layers, scale):
+    """Pixels, at any size; and the screen's cosine and sine."""
+    kind, pitch, angle, space = look[:4]
+    pitch = 25.4 * layers.full_height / (of("page_height") * pitch) if of("tone_pitch_unit") == "LPI" else pitch * scale
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    if of("tone_crisp") and space == "SCREEN" and kind in SCREENS and np.hypot(*np.round((pitch * c, pitch * s))) >= 2:
+        whole = np.round(pitch * c), np.round(pitch * s)  # pixels
+        pitch = np.hypot(*whole)
+        c, s = whole[0] / pitch, whole[1] / pitch
+    return pitch, c, s
+
+
+def _rooms(layers, params, keep, scale):
+    """What screens have at each pixel."""
+    if not params["tone_least"] > 0:
+        return np.zeros(keep.shape, int)
+    screens, solid, radius = (np.zeros(keep.shape) for _ in range(3))
+    for number, table in enumerate(params.tables):
+        of, own = table.__getitem__, layers.style == number
+        if not of("use_tones"):
+            continue
+        looks = _looks(of)
+        screen = [look[0] in SCREENS and look[3] != "OBJECT" for look in looks]
+        pitch = max((_pitch(of, look, layers, scale)[0] for look, is_one in zip(looks, screen, strict=True) if is_one),
+                    default=0)
+        radius = np.where(own, min(0.5 * params["tone_least"] * pitch, 60), radius)
+        for look in {look for look, is_one in zip(looks, screen, strict=True) if is_one or look[0] == "SOLID"}:
+            share, dark = _dark(layers, of("shade_levels"), of, look)
+            (solid if look[0] == "SOLID" else screens)[own] += np.where(dark > 0, share * keep, 0)[own]
+    return cleared.rooms(screens, solid, keep, radius)
+
+
+def _fitted(ink, rooms):
+    return np.where(rooms == cleared.ROOM, ink, np.where(rooms == cleared.NO_ROOM, 1, 0))
+
+
 def fill(layers, params, surface, paper):
     """(the surface (H, W, 4) with its tones, these alone). paper: as for hatching."""
     drawn, alone = surface.copy(), np.zeros(surface.shape)
     scale = params.pixels(layers.full_height)
+    keep = cleared.kept(layers, params)
+    rooms = _rooms(layers, params, keep, scale)
     for number, table in enumerate(params.tables):
         of, own = table.__getitem__, layers.style == number
         if not of("use_tones"):
@@ -395,7 +374,9 @@ def fill(layers, params, surface, paper):
             share, dark = _dark(layers, of("shade_levels"), of, look)
             if not (dark > 0).any():
                 continue
-            t = np.where(own, _ink(layers, of, look, dark, scale, paper, own) * share, 0)[..., None]
+            ink = _ink(layers, of, look, dark, scale, paper, own)
+            ink = _fitted(ink, rooms) if look[0] in SCREENS else ink
+            t = np.where(own, ink * share * keep, 0)[..., None]
             t = np.where(t >= 0.5, 1.0, 0.0) if of("tone_crisp") else t
             alpha = surface[..., 3:]
             drawn[..., :3] = mix(drawn[..., :3], np.array(look[4]) * alpha, t)

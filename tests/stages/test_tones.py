@@ -10,7 +10,7 @@ import sticks
 from encre.pen import library, presets
 from encre.pen.job import Camera, Frame
 from reference import render as reference
-from reference.tones import thresholds
+from reference.tiles import thresholds
 from toned import ALONE, LEVELS, MORE_LEVELS, RAMP, TILE, flat, ramped, slanted, steep, stuck, tile, twins, without_some
 
 STYLES = [dict(tone_1="CROSS", tone_2="GRAIN", tone_3="GRAIN", tone_4="DOTS", tone_1_space="SURFACE",

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What tones leave clear: letters, eyes and bars that are finer than a tone shows, light ones and what is about dark
+ * ones, stay paper. A thing is fine where a run along the row or the column is no longer than `tone_detail` until
+ * colours change. */
+#include "tones/tones.h"
+
+#include <string.h>
+
+/* Square roots of luminance, which are near how light colours look, by 255: so much must a fine thing differ from what
+ * it lies on, and from there on it is wholly clear. */
+static const float least_contrast = 0.3f * 255, sure_contrast = 0.34f * 255;
+static const float alike = 0.08f * 255;
+/* Of the depth: what lies farther behind a dark thing is not what it lies on. */
+static const float same_depth = 0.005f;
+
+/* Pixels more than the reach: where strokes meet neither is short, nor what is beside these. */
+enum { beyond = 2 };
+
+typedef struct work {
+	const frame *f;
+	const tone_detail *d;
+	bool dark; /* dark things on light ones are looked for */
+} work;
+
+static uint8_t *row_of(const work *w, uint8_t *plane, int y)
+{
+	return plane + (ptrdiff_t)y * w->f->width;
+}
+
+/* The least by pixel, of the negative the most. */
+static void least_of(bool negative, int n, const uint8_t *restrict a, uint8_t *restrict to)
+{
+	if (negative)
+		for (int i = 0; i < n; i++)
+			to[i] = a[i] > to[i] ? a[i] : to[i];
+	else
+		for (int i = 0; i < n; i++)
+			to[i] = a[i] < to[i] ? a[i] : to[i];
+}
+
+/* Of each of n pixels the least of the `reach` before it, itself, and as many after it; `line` begins so many before
+ * the first. */
+static void least_along(bool negative, int n, int reach, const uint8_t *line, uint8_t *to)
+{
+	memcpy(to, line, (size_t)n);
+	for (int k = 1; k <= 2 * reach; k++)
+		least_of(negative, n, line + k, to);
+}
+
+/* The same down n columns of a plane; as if its outermost rows went on. */
+static void least_down(const work *w, bool negative, uint8_t *plane, int y, int x, int n, uint8_t *to)
+{
+	int height = w->f->height;
+	memcpy(to, row_of(w, plane, y) + x, (size_t)n);
+	for (int k = -w->d->reach; k <= w->d->reach; k++)
+		least_of(negative, n, row_of(w, plane, tone_within(y + k, height)) + x, to);
+}
+
+/* Pixels from x on of a row, whose outermost go on. */
+static void row_part(const work *w, uint8_t *plane, int y, int x, int n, uint8_t *to)
+{
+	const uint8_t *row = row_of(w, plane, y);
+	for (int i = 0; i < n; i++)
+		to[i] = row[tone_within(x + i, w->f->width)];
+}
+
+/* The least along a row, from `reach` pixels before x to as many after the n pixels; `line` begins 2 reach before x. */
+static void narrow_part(const work *w, bool negative, const uint8_t *line, int x, int n, uint8_t *to)
+{
+	int reach = w->d->reach, first = reach - x, last = reach + w->f->width - 1 - x;
+	least_along(negative, n + 2 * reach, reach, line, to);
+	for (int i = 0; i < first; i++)
+		to[i] = to[first];
+	for (int i = last + 1; i < n + 2 * reach; i++)
+		to[i] = to[last];
+}
+
+static int chunk_at(const work *w, int x)
+{
+	return w->f->width - x < TONE_CHUNK ? w->f->width - x : TONE_CHUNK;
+}
+
+static void value_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1; y++) {
+		const float *c = layer_row(w->f, ENCRE_LAYER_ALBEDO, y);
+		uint8_t *to = row_of(w, w->d->value, y);
+		for (int i = 0; i < w->f->width; i++, c += 3) {
+			float luminance = clamp01(0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2]);
+			to[i] = (uint8_t)(int)(255 * sqrtf(luminance) + 0.5f);
+		}
+	}
+}
+
+static void narrow_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1; y++)
+		least_down(w, w->dark, w->d->value, y, 0, w->f->width, row_of(w, w->d->scratch, y));
+}
+
+/* The least of squares, and of these the most of rows. */
+static void square_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	int reach = w->d->reach;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0, n; x < w->f->width; x += n) {
+			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_MOST], narrow[TONE_CHUNK + 2 * TONE_DETAIL_MOST];
+			n = chunk_at(w, x);
+			row_part(w, w->d->scratch, y, x - 2 * reach, n + 4 * reach, line);
+			narrow_part(w, false, line, x, n, narrow);
+			least_along(true, n, reach, narrow, row_of(w, w->d->dark, y) + x);
+		}
+}
+
+/* By how much pixels differ from what is left of them where what is as long as the reach lets through is taken away
+ * along the row or the column; of light ones also where squares are. */
+static void differ_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	int reach = w->d->reach;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0, n; x < w->f->width; x += n) {
+			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_MOST], narrow[TONE_CHUNK + 2 * TONE_DETAIL_MOST];
+			uint8_t across[TONE_CHUNK], down[TONE_CHUNK], square[TONE_CHUNK];
+			n = chunk_at(w, x);
+			row_part(w, w->d->value, y, x - 2 * reach, n + 4 * reach, line);
+			narrow_part(w, w->dark, line, x, n, narrow);
+			least_along(!w->dark, n, reach, narrow, across);
+			least_down(w, !w->dark, w->d->scratch, y, x, n, down);
+			least_of(w->dark, n, across, down);
+			const uint8_t *own = line + 2 * reach;
+			uint8_t *to = row_of(w, w->d->raw, y) + x;
+			for (int i = 0; i < n; i++)
+				to[i] = (uint8_t)(w->dark ? down[i] - own[i] : own[i] - down[i]);
+			if (w->dark)
+				continue;
+			least_down(w, true, w->d->dark, y, x, n, square);
+			for (int i = 0; i < n; i++)
+				row_of(w, w->d->light, y)[x + i] = (uint8_t)(own[i] - square[i]);
+		}
+}
+
+/* Whether what is as light or as dark beside a pixel is as fine: at rims of large things it is not, though rendered
+ * pixels there differ from one to the next. */
+static bool is_fine(const work *w, int x, int y)
+{
+	float own = row_of(w, w->d->value, y)[x];
+	for (int k = 0; k < 9; k++) {
+		int v = tone_within(y + k / 3 - 1, w->f->height), u = tone_within(x + k % 3 - 1, w->f->width);
+		float other = row_of(w, w->d->value, v)[u], more = w->dark ? own - other : other - own;
+		if (more > -alike && row_of(w, w->d->raw, v)[u] < 0.5f * least_contrast)
+			return false;
+	}
+	return true;
+}
+
+static void fine_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1; y++) {
+		const uint8_t *raw = row_of(w, w->d->raw, y);
+		uint8_t *to = row_of(w, w->dark ? w->d->dark : w->d->thin, y);
+		for (int x = 0; x < w->f->width; x++)
+			to[x] = raw[x] > least_contrast && is_fine(w, x, y) ? raw[x] : 0;
+	}
+}
+
+static float sure(float contrast)
+{
+	return clamp01((contrast - least_contrast) / (sure_contrast - least_contrast));
+}
+
+/* Whether what is darker about a light pixel is what it lies on. */
+static bool lies_on(const work *w, int x, int y)
+{
+	int reach = w->d->reach + 1, left = tone_within(x - reach, w->f->width);
+	float own = row_of(w, w->d->value, y)[x], depth = depth_at(w->f, x, y);
+	for (int v = tone_within(y - reach, w->f->height); v <= y + reach && v < w->f->height; v++) {
+		const uint8_t *value = row_of(w, w->d->value, v);
+		for (int u = left; u <= x + reach && u < w->f->width; u++)
+			if (own - (float)value[u] > least_contrast &&
+			    fabsf(depth_at(w->f, u, v) - depth) <= same_depth * depth)
+				return true;
+	}
+	return false;
+}
+
+/* How much a pixel is of a fine light thing: at its rim by how light it is. */
+static float of_light(const work *w, int x, int y)
+{
+	float most = 0, own = row_of(w, w->d->light, y)[x];
+	for (int k = 0; own > 0 && k < 9; k++) {
+		const uint8_t *row = row_of(w, w->d->light, tone_within(y + k / 3 - 1, w->f->height));
+		most = max(most, row[tone_within(x + k % 3 - 1, w->f->width)]);
+	}
+	float share = own > 0 ? sure(most) * clamp01(2 * own / most - 0.9f) : 0;
+	return share > 0 && lies_on(w, x, y) ? share : 0;
+}
+
+/* How much a fine dark thing within the reach lies on what this pixel shows. */
+static float about_dark(const work *w, int x, int y)
+{
+	int reach = w->d->reach, left = tone_within(x - reach, w->f->width);
+	float best = 0, own = row_of(w, w->d->value, y)[x], depth = depth_at(w->f, x, y);
+	for (int v = tone_within(y - reach, w->f->height); v <= y + reach && v < w->f->height; v++) {
+		const uint8_t *dark = row_of(w, w->d->dark, v), *value = row_of(w, w->d->value, v);
+		for (int u = left; u <= x + reach && u < w->f->width; u++) {
+			float contrast = min(dark[u], own - (float)value[u]);
+			if (contrast <= least_contrast || !(fabsf(depth_at(w->f, u, v) - depth) <= same_depth * depth))
+				continue;
+			float far = sqrtf((float)((u - x) * (u - x) + (v - y) * (v - y)));
+			best = max(best, sure(contrast) * clamp01((float)reach + 0.5f - far));
+		}
+	}
+	return best;
+}
+
+/* The most of a square about each of n pixels. */
+static void most_about(const work *w, int reach, uint8_t *plane, int y, int x, int n, uint8_t *to)
+{
+	uint8_t line[TONE_CHUNK + 2 * TONE_DETAIL_MOST + 2 * beyond] = {0}, part[sizeof line];
+	for (int k = -reach; k <= reach; k++) {
+		row_part(w, plane, tone_within(y + k, w->f->height), x - reach, n + 2 * reach, part);
+		least_of(true, n + 2 * reach, part, line);
+	}
+	least_along(true, n, reach, line, to);
+}
+
+static void keep_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0, n; x < w->f->width; x += n) {
+			uint8_t light[TONE_CHUNK], dark[TONE_CHUNK], *keep = row_of(w, w->d->keep, y) + x;
+			n = chunk_at(w, x);
+			most_about(w, w->d->reach + beyond, w->d->thin, y, x, n, light);
+			most_about(w, w->d->reach, w->d->dark, y, x, n, dark);
+			for (int i = 0; i < n; i++) {
+				float clear = light[i] > least_contrast ? sure(light[i]) * of_light(w, x + i, y) : 0;
+				if (dark[i] > least_contrast)
+					clear = max(clear, about_dark(w, x + i, y));
+				keep[i] = (uint8_t)(int)(255 * (1 - clear) + 0.5f);
+			}
+		}
+}
+
+void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a)
+{
+	size_t pixels = (size_t)f->width * (size_t)f->height;
+	if (!tone_fitted(f))
+		return;
+	d->reach = (int)min(0.5f * f->params->tone_detail * f->scale, TONE_DETAIL_MOST); /* 2 reach + 1, rounded */
+	d->reach = d->reach > 0 ? d->reach : 1;
+	uint8_t **plane[] = {&d->value, &d->scratch, &d->light, &d->thin, &d->dark, &d->raw};
+	for (int k = 0; k < 6; k++)
+		*plane[k] = arena_take(a, pixels, 1);
+	d->keep = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
+	d->room = f->params->tone_least > 0 ? arena_take(a, pixels, 1) : NULL;
+}
+
+int32_t ISA(tone_detail_run)(frame *f, const tone_detail *d)
+{
+	work w = {f, d, false};
+	int32_t code = bands_run(f->bands, f->height, 0, value_rows, &w);
+	for (int dark = 0; !code && dark < 2; dark++) {
+		w.dark = dark != 0;
+		code = bands_run(f->bands, f->height, 0, narrow_rows, &w);
+		if (!code && !dark)
+			code = bands_run(f->bands, f->height, 0, square_rows, &w);
+		code = code ? code : bands_run(f->bands, f->height, 0, differ_rows, &w);
+		code = code ? code : bands_run(f->bands, f->height, 0, fine_rows, &w);
+	}
+	return code ? code : bands_run(f->bands, f->height, 0, keep_rows, &w);
+}

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What tones leave clear of fine things, and screens that have no room, against tests/reference/cleared.py."""
+
+import numpy as np
+import pytest
+from encre.pen import library
+from encre.pen.job import Frame
+from toned import ALONE, twins
+
+BLACK = dict(ALONE, shade_levels=[(0.0,), (0.65, 0.25, 0.0), (1.0, 0.55, 0.0)], tone_1="SOLID", tone_2="DOTS",
+             tone_2_pitch=6.0, tone_2_space="SCREEN", tone_3="NONE")
+
+
+def shaded(height, width, light=0.4, color=0.8):
+    """Layers of a wall of one colour in one light; a test draws on them."""
+    one = np.ones((height, width, 3))
+    return dict(combined=np.ones((height, width, 4)), color=one * color, diffuse=one * light, normal=one,
+                depth=np.full((height, width), 5.0))
+
+
+def whole(layers):
+    layers["combined"][..., :3] = layers["color"] * layers["diffuse"]
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+def crowded(seed, height=70, width=110):
+    """Bars and crumbs of many sizes and colours, on and before a wall, in shadows of many widths."""
+    rng = np.random.default_rng(seed)
+    layers = shaded(height, width)
+    for name, count, choices in (("color", 50, (0.01, 0.05, 0.3, 0.9)), ("diffuse", 40, (0.1, 0.4, 0.4, 0.9))):
+        for _ in range(count):
+            y, x, (h, w) = rng.integers(height), rng.integers(width), rng.integers(1, [12, 40])[rng.permutation(2)]
+            layers[name][y:y + h, x:x + w] = rng.choice(choices)
+            if name == "color" and rng.random() < 0.3:
+                layers["depth"][y:y + h, x:x + w] = rng.choice([4.8, 4.99])
+    layers["depth"][:6, -30:] = 0
+    layers["style"] = (np.arange(width) > 80) * np.ones((height, 1))
+    return whole(layers)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_twin(seed):
+    scene = dict(BLACK, tone_detail=(0.0, 5.0, 9.0, 7.0)[seed], tone_least=(1.5, 0.0, 1.2, 2.5)[seed])
+    style = dict(tone_2="LINES", tone_2_pitch=4.0, tone_1="STIPPLE" if seed == 3 else "SOLID")
+    got = twins(crowded(seed), scene, [style], Frame(200, 160, 31, 20), few=2e-3, wrong=2e-3)
+    plain = library.render(crowded(seed), dict(scene, tone_detail=0.0, tone_least=0.0), [style],
+                           frame=Frame(200, 160, 31, 20), outputs=("Encre Tones",)).images
+    assert (np.abs(got["Encre Tones"] - plain["Encre Tones"]).max(-1) > 0.5).mean() > 0.02
+
+
+def ink(layers, **scene):
+    return library.render(whole(layers), dict(BLACK, **scene), outputs=("Encre Tones",)).images["Encre Tones"][..., 3]
+
+
+def test_letters_are_read_in_black():
+    light, dark = shaded(60, 60, 0.1, 0.02), shaded(60, 60, 0.1, 0.8)
+    for layers, color in ((light, 0.8), (dark, 0.02)):
+        layers["color"][20:40, 20:23] = layers["color"][36:39, 20:34] = color
+    assert (ink(light) == 1).all() and (ink(dark) == 1).all()
+    light, dark = ink(light, tone_detail=5.0), ink(dark, tone_detail=5.0)
+    assert (light[22:36, 20:23] == 0).all() and (light[36:39, 20:30] == 0).all() and light[22:36, 24:].all()
+    assert (dark[20:40, 20:23] == 1).all() and (dark[22:34, [19, 23]] == 0).all() and dark[:, 30:].any()
+
+
+def test_what_is_large_or_farther_behind_is_no_letter():
+    layers = shaded(60, 60, 0.1, 0.8)
+    layers["color"][20:40, 20:40] = 0.02
+    assert (ink(layers, tone_detail=5.0) == 1).all()
+    layers["color"][:, 50:53], layers["depth"][:, 50:53] = 0.02, 4.0
+    assert (ink(layers, tone_detail=5.0) == 1).all()
+
+
+def test_rims_that_were_rendered_with_noise_are_no_letters():
+    layers = shaded(60, 60, 0.1, 0.8)
+    layers["color"][30:] = 0.02
+    layers["color"][29] = np.random.default_rng(1).choice([0.02, 0.2, 0.5], (60, 1))
+    assert (ink(layers, tone_detail=5.0) == 1).all()
+
+
+def test_a_thin_shadow_is_ink_along_all_of_it():
+    """Of 6 pixels from dot to dot: what is 5 wide, and in places 9, is one row of dots now and two then."""
+    layers = shaded(60, 120, 0.9)
+    layers["diffuse"][20:25] = layers["diffuse"][20:29, 50:70] = 0.4
+    layers["diffuse"][40:55] = 0.4
+    drawn = ink(layers, tone_least=1.5)
+    assert (drawn[20:25] == 1).all() and (drawn[20:29, 52:68] == 1).all()
+    assert np.array_equal(drawn[40:55], ink(layers)[40:55]) and 0.2 < drawn[41:54].mean() < 0.5
+    assert not drawn[:20].any()
+
+
+def test_a_slit_in_ink_is_paper():
+    layers = shaded(60, 60, 0.1)
+    layers["diffuse"][:, 30:34] = 0.4
+    assert ink(layers)[:, 30:34].any() and not ink(layers, tone_least=1.5)[:, 30:34].any()
