@@ -3,7 +3,7 @@
 
 import bpy
 import numpy as np
-from studio import fact, register
+from studio import fact, register, world
 
 
 def distances(_out):
@@ -57,16 +57,15 @@ def distances(_out):
     fact("point", light)
     lamp.data.type, lamp.data.energy = "SUN", 4.0
     fact("sun", read()[1])
-    scene.world = bpy.data.worlds.new("World")
-    scene.world.color = 0.25, 0.5, 0.125
+    world(scene, (0.25, 0.5, 0.125))
     fact("sun and world", read()[1])
     fact("street", reached())
     roof = cube((0, 0, 9), 30)
     roof.scale.z = 0.1
-    scene.world.color = 0.01, 0.02, 0.02
+    world(scene, (0.01, 0.02, 0.02))
     fact("room", [read()[1], reached()])
     bpy.data.objects.remove(roof)
-    scene.world.color = 0.25, 0.5, 0.125
+    world(scene, (0.25, 0.5, 0.125))
     bpy.data.objects.remove(lamp)
     fact("world", read()[1])
     cube((0, 0, -5000), 10000)

@@ -9,7 +9,7 @@ from encre.blender import lamps as light
 from encre.blender import properties
 from encre.pen.scene import Scene
 from mathutils import Vector
-from studio import cube, exr, fact, link, material, passes_on, plane, register, shoot, sphere
+from studio import cube, exr, fact, link, material, passes_on, plane, register, shoot, sphere, world
 
 LAMPS = {
     "sun": ("SUN", dict(energy=3, angle=0)),
@@ -107,8 +107,7 @@ def scene_rules(out):
     scatter = tree.nodes.new("ShaderNodeVolumePrincipled")
     scatter.inputs["Density"].default_value = 0
     tree.links.new(scatter.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
-    scene.world = bpy.data.worlds.new("World")
-    scene.world.color = (0, 0, 0)
+    world(scene, (0, 0, 0))
     shoot(out, "rules")
 
 
@@ -157,8 +156,7 @@ def cut_leaves(out):
     _leaf("Pane", (0.2, -1.2, 0.7), 0.03)[0].nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.01
     for name in ("One", "Other", "Pane"):
         bpy.data.objects[name].visible_camera = False
-    scene.world = bpy.data.worlds.new("World")
-    scene.world.color = (0, 0, 0)
+    world(scene, (0, 0, 0))
     shoot(out, "cut_leaves")
 
 

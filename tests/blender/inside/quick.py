@@ -15,7 +15,7 @@ from encre.blender.properties import PASSES
 from encre.pen import library
 from encre.pen.tangents import tangents
 from mathutils import Vector
-from studio import cube, fact, link, plane, shoot, sphere, stage
+from studio import cube, fact, link, multilayer, plane, shoot, sphere, stage
 
 
 def _matt(name, make):
@@ -231,8 +231,11 @@ def _readers(scene):
     note("lines")
     scene.encre.save_layers = "ON"
     note("kept")
-    scene.encre.save_layers, image.file_format = "OFF", "OPEN_EXR_MULTILAYER"
+    scene.encre.save_layers = "OFF"
+    multilayer(image)
     note("file")
+    if hasattr(image, "media_type"):
+        image.media_type = "IMAGE"
     image.file_format = "PNG"
     if hasattr(scene, "compositing_node_group"):
         scene.compositing_node_group = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")

@@ -105,12 +105,25 @@ def passes_on(view_layer, on=True):
             setattr(view_layer.encre, switch, on)
 
 
-def exr(scene, path):
-    settings = scene.render.image_settings
+def world(scene, color):
+    """The same colour from everywhere: from Blender 5.0 on all worlds have nodes, beside which their own counts for
+    nothing."""
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.color = color
+    if scene.world.node_tree:
+        scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (*color, 1)
+
+
+def multilayer(settings):
+    """Lets a file hold passes."""
     if hasattr(settings, "media_type"):
         settings.media_type = "MULTI_LAYER_IMAGE"
     settings.file_format = "OPEN_EXR_MULTILAYER"
-    settings.color_depth = "32"
+
+
+def exr(scene, path):
+    multilayer(scene.render.image_settings)
+    scene.render.image_settings.color_depth = "32"
     scene.render.filepath = path
 
 
