@@ -7,6 +7,7 @@ import blenders
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+from encre.pen import colour
 
 WINDOW = Path(__file__).parent / "inside" / "view_window.py"
 
@@ -47,6 +48,25 @@ def test_the_view_of_the_camera_is_the_final_frame(shot):
     assert np.abs(view[:small.shape[0] * 2].reshape(small.shape[0], 2, -1, 2, 4).mean((1, 3)) - small).mean() < 0.01
 
 
+def screenshot(shot, name):
+    return oiio.ImageBuf(str(shot.folder / f"{name}.png")).get_pixels(oiio.FLOAT)[..., :3]
+
+
+def test_the_screen_shows_the_picture_in_the_scene_s_colours(shot):
+    """And overlays above it."""
+    rows, columns = (slice(*pair) for pair in np.reshape(fact(shot, "frame on screen"), (2, 2)))
+    shown, over, darker = (screenshot(shot, name)[rows, columns] for name in ("camera", "overlays", "exposure"))
+    view = picture(shot, "camera")[..., :3]
+    assert abs(shown.shape[0] - view.shape[0]) <= 1 and abs(shown.shape[1] - view.shape[1]) <= 1
+    height, width = (min(sizes) for sizes in zip(shown.shape[:2], view.shape[:2], strict=True))
+    for seen, gain in ((shown, 1), (darker, 0.5)):
+        wanted = colour.encode_srgb(np.clip(view[:height, :width] * gain, 0, 1))
+        away = np.abs(seen[:height, :width] - wanted).max(-1)
+        assert np.median(away) < 2 / 255 and (away > 6 / 255).mean() < 0.05, gain
+    drawn_over = (np.abs(over - shown).max(-1) > 0.05).mean()
+    assert 0.001 < drawn_over < 0.3
+
+
 def test_a_border_is_its_part_of_the_frame(shot):
     view, border = picture(shot, "camera"), picture(shot, "border")
     height, width = view.shape[:2]
@@ -62,6 +82,11 @@ def test_a_view_that_turns_reads_nothing(shot):
     assert len(np.unique(ortho.reshape(-1, 4)[:, :3].round(1), axis=0)) > 3  # the cube, the ball, the ground
 
 
+def test_what_takes_too_long_is_smaller_while_it_moves(shot):
+    heights, at_rest = fact(shot, "smaller")
+    assert heights and heights[0] <= at_rest / 4 + 1 and at_rest == picture(shot, "ortho").shape[0]
+
+
 def test_a_slider_draws_and_reads_nothing(shot):
     ink = [(picture(shot, name)[..., :3].max(-1) < 0.05).sum() for name in ("thick", "thin", "style")]
     assert fact(shot, "slider read") and ink[1] < ink[0] - 1000 and ink[2] < ink[1] - 100
@@ -75,6 +100,7 @@ def test_ink_grows_under_the_brush_and_nowhere_else(shot):
     far = np.hypot(np.maximum(np.maximum(left - columns, columns - right), 0), rows - y) - radius
     changed, face = apart(before, after), before.shape[0] / 48
     assert changed.sum() > 50 and fact(shot, "while painting") > 0
+    assert fact(shot, "read for a stroke") == ["Cube"]
     assert far[changed].max() < face + 128 / 1080 * before.shape[0] / 2  # Maximum Thickness
     assert (after[changed][:, :3].max(-1) < 0.05).mean() > 0.3 > (before[changed][:, :3].max(-1) < 0.05).mean()
     painted = red[..., 0] > 2 * red[..., 1]

@@ -44,6 +44,15 @@ def build():
     yield from rest()
 
 
+def on_screen():
+    """The rows and columns of a screenshot in which the picture is, from the top left."""
+    region = next(r for r in window.area("VIEW_3D").regions if r.type == "WINDOW")
+    left, bottom, right, top = views()[0].look.place
+    columns = [region.x + (x + 1) / 2 * region.width for x in (left, right)]
+    rows = [window.window().height - region.y - (y + 1) / 2 * region.height for y in (top, bottom)]
+    return [round(at) for at in rows + columns]
+
+
 def camera():
     """The camera's view, and what F12 makes of the same frame."""
     region = space().region_3d
@@ -52,6 +61,15 @@ def camera():
     yield from rest()
     picture("camera")
     window.screenshot("camera")
+    studio.fact("frame on screen", on_screen())
+    space().overlay.show_overlays = True
+    yield from rest()
+    window.screenshot("overlays")
+    space().overlay.show_overlays = False
+    bpy.context.scene.view_settings.exposure = -1.0
+    yield from rest()
+    window.screenshot("exposure")
+    bpy.context.scene.view_settings.exposure = 0.0
     height, width, _ = uploaded[-1][1].shape
     scene = bpy.context.scene
     before = scene.render.resolution_x, scene.render.resolution_y
@@ -79,18 +97,30 @@ def border():
 
 
 def orbit():
-    """The view turns for a while: pictures come, and nothing is read."""
+    """The view turns for a while: pictures come, and nothing is read; and again, where pictures take too long."""
+    from encre.blender import live
+
     region = space().region_3d
     region.view_perspective, region.view_distance = "PERSP", 6
     yield from rest()
     known, begin = reads(), time.perf_counter()
-    for _ in range(12):
-        turn = region.view_rotation.copy()
-        turn.rotate(type(turn)((0, 0, 1), radians(6)))
-        region.view_rotation = turn
-        yield
+
+    def turns():
+        for _ in range(12):
+            turn = region.view_rotation.copy()
+            turn.rotate(type(turn)((0, 0, 1), radians(6)))
+            region.view_rotation = turn
+            yield
+
+    yield from turns()
     studio.fact("orbit", [sum(at > begin for at, _ in uploaded), reads() == known])
     yield from rest()
+    budget, live._BUDGET, begin = live._BUDGET, 1e-5, time.perf_counter()  # as where a picture takes too long
+    yield from turns()
+    heights = {picture.shape[0] for at, picture in uploaded if at > begin}
+    yield from rest()
+    studio.fact("smaller", [sorted(heights), uploaded[-1][1].shape[0]])
+    live._BUDGET = budget
     region.view_perspective = "ORTHO"
     yield from rest()
     picture("ortho")
@@ -121,6 +151,8 @@ def slider():
 
 def stroke():
     """Vertex Paint: ink changes while the brush is down."""
+    from encre.blender import meshes
+
     with window.override("VIEW_3D"):
         bpy.ops.encre.paint(control="thickness")
         bpy.ops.encre.brush(kind="ADD", strength=1.0)
@@ -139,6 +171,8 @@ def stroke():
     at = [x + dx - (left + 1) / 2 * region.width for dx in (0, 40)]
     studio.fact("stroke", [*at, height - (y - (bottom + 1) / 2 * region.height), BRUSH])
     begin, move = time.perf_counter(), window.window().event_simulate
+    read, real = set(), meshes.read_triangles
+    meshes.read_triangles = lambda obj, *args: read.add(obj.name) or real(obj, *args)
     move(type="MOUSEMOVE", value="NOTHING", x=region.x + x, y=region.y + y)
     yield
     move(type="LEFTMOUSE", value="PRESS", x=region.x + x, y=region.y + y)
@@ -150,6 +184,8 @@ def stroke():
     studio.fact("while painting", sum(at > begin for at, _ in uploaded))
     move(type="LEFTMOUSE", value="RELEASE", x=region.x + x + 40, y=region.y + y)
     yield from rest()
+    studio.fact("read for a stroke", sorted(read))
+    meshes.read_triangles = real
     picture("painted")
     window.screenshot("painted")
     with window.override("VIEW_3D"):
