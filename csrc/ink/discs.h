@@ -128,10 +128,6 @@ void ISA(capsules_draw)(const capsules *all, canvas *c);
 /* widths.c: evens half the widths at all sites along their lines; another block of memory takes the place of theirs. */
 int32_t ISA(capsules_even)(frame *f, float **radius);
 
-struct pen_end;
-/* thickets.c: thins the ends of all strokes, by how much of what is about them those of the first cover. */
-int32_t ISA(thickets_thin)(frame *f, uint32_t strokes, struct pen_end *end);
-
 /* search.c: the other ways name one edge for every pixel. */
 typedef struct search {
 	uint16_t *held,

@@ -27,6 +27,7 @@ ENUM(line_depth_unit, SURFACE, 0, "line_depth_distance", "Distance Unit", "What 
 FLOAT(line_depth_most, SURFACE, 4, 0, FLT_MAX, 1, 4, "factor", "line_depth_distance", "Most Near By", "So many times their thickness lines get at most as they come near")
 FLOAT(line_depth_least, SURFACE, 0, 0, 4096, 0, 8, "px", "line_depth_distance", "Least Outline", "No outline gets thinner than this, however far away, that has this width near by")
 FLOAT(line_density, SURFACE, 1, 0.01, 1, 0.1, 1, "factor", "use_lines&edge_detector=FINE", "Density", "Share of the picture that lines cover at most: where they would more, as far away, they thin out; 1: no bound")
+FLOAT(line_fewer, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE", "Fewer Lines", "Where lines would cover more than Density allows, how far the lesser of them are left out; 0: all of them thin out alike")
 BOOL(line_occlude, FRAME, 1, "use_lines", "Occlude", "Wide lines of far objects stay behind near ones")
 ENUM(line_search, FRAME, 0, "use_lines", "Search", "Which edge inks a pixel",
      ITEM(line_search, EXACT, 0, "Strongest", "The edge that inks it most, at any thickness")

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Thickets: where lines would cover more of the picture than they may, far away, they thin out together. */
+/* Thickets: where lines would cover more of the picture than they may, far away, they thin out together, or the lesser
+ * of them are left out. */
+#include "ink/thickets.h"
 #include "ink/discs.h"
 #include "ink/tips.h"
 #include "fine/near.h"
@@ -7,11 +9,16 @@
 /* Px from node to node of the grid on which ink is weighed; at least 2 pixels. */
 static const float node = 16, least_node = 2;
 
+enum { PLANES = 64 };
+
 typedef struct grid {
 	int across, tall;
 	float step;   /* pixels from node to node */
 	float x, y;   /* of the picture's corner from the first node: nodes are the full frame's */
-	float *share; /* of what is about a node lines cover */
+	float *share; /* of what is about a node lines cover, by how little these matter: one plane after the other */
+	float *mine;  /* by axis and node: of what is about it the frame shows */
+	int planes;
+	const float *matters; /* by site: 0..1; NULL: all do alike */
 } grid;
 
 /* The node above and left of a place, and how far on it lies; nodes reach one beyond the frame. */
@@ -47,21 +54,35 @@ static float left_of(const site *s, float radius)
 	return radius * s->linked.crowd > 1 ? 1 / s->linked.crowd : radius;
 }
 
+/* The plane of a site, and how far on it lies from there to the next, which matters more. */
+static int plane_of(const grid *g, uint32_t i, float *on)
+{
+	float at = g->matters ? g->matters[i] * (float)g->planes : 0;
+	int plane = clamp_index((int)at, g->planes);
+	*on = clamp01(at - (float)plane);
+	return plane;
+}
+
+static size_t nodes_of(const grid *g)
+{
+	return (size_t)g->across * (size_t)g->tall;
+}
+
 static int32_t weigh(const fine *n, const grid *g, const pen_end *end)
 {
 	int32_t code = ENCRE_OK;
 	float area = g->step * g->step;
-	memset(g->share, 0, (size_t)g->across * (size_t)g->tall * sizeof *g->share);
+	memset(g->share, 0, nodes_of(g) * (size_t)g->planes * sizeof *g->share);
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		int x, y;
-		float u, v;
+		float u, v, on;
 		code = at_step(n, i);
 		if (n->site[i].linked.dropped || !(end[i].out > 0))
 			continue;
 		place_on(g, &n->site[i].placed, &x, &y, &u, &v);
 		float radius = left_of(n->site + i, end[i].out);
 		float ink = wide(n->site + i, radius) * length_at(n, i, radius) / area,
-		      *at = g->share + y * g->across + x;
+		      *at = g->share + (size_t)plane_of(g, i, &on) * nodes_of(g) + y * g->across + x;
 		at[0] += (1 - u) * (1 - v) * ink;
 		at[1] += u * (1 - v) * ink;
 		at[g->across] += (1 - u) * v * ink;
@@ -81,41 +102,144 @@ static void blur_line(float *at, int n, ptrdiff_t step)
 	}
 }
 
-static void blur(const grid *g)
+static void blur(const grid *g, float *share)
 {
 	for (int y = 0; y < g->tall; y++)
-		blur_line(g->share + y * g->across, g->across, 1);
+		blur_line(share + y * g->across, g->across, 1);
 	for (int x = 0; x < g->across; x++)
-		blur_line(g->share + x, g->tall, g->across);
+		blur_line(share + x, g->tall, g->across);
 }
 
-int32_t ISA(thickets_thin)(frame *f, uint32_t strokes, pen_end *end)
+/* Of what is about a node, evened as ink is: beyond the rim of the frame lies no ink, which is not to say that there is
+ * bare paper. */
+static void show(float *mine, int n, float from, int size, float step)
+{
+	for (int k = 0; k < n; k++)
+		mine[k] = 0;
+	for (int at = 0; at < size; at++) {
+		float on = (from + (float)at + 0.5f) / step;
+		int k = clamp_index((int)on, n - 1);
+		on = clamp01(on - (float)k);
+		mine[k] += (1 - on) / step;
+		mine[k + 1] += on / step;
+	}
+	blur_line(mine, n, 1);
+	blur_line(mine, n, 1);
+}
+
+/* Each plane holds what matters at least as much. */
+static void even_out(const grid *g)
+{
+	for (int k = g->planes - 1; k >= 0; k--) {
+		float *share = g->share + (size_t)k * nodes_of(g), *more = share + nodes_of(g);
+		blur(g, share);
+		blur(g, share);
+		for (int y = 0; y < g->tall; y++)
+			for (int x = 0; x < g->across; x++, share++, more++) {
+				*share /= max(g->mine[x] * g->mine[g->across + y], 1e-6f);
+				if (k + 1 < g->planes)
+					*share += *more;
+			}
+	}
+}
+
+static float share_at(const grid *g, const placed *s, int plane)
+{
+	int x, y;
+	float u, v;
+	if (plane >= g->planes)
+		return 0;
+	place_on(g, s, &x, &y, &u, &v);
+	const float *at = g->share + (size_t)plane * nodes_of(g) + y * g->across + x;
+	return mix(mix(at[0], at[1], u), mix(at[g->across], at[g->across + 1], u), v);
+}
+
+/* Share of what may be covered, over which lines that matter less and less fade away: so none pops. */
+static const float fades = 0.5f;
+
+/* How much is left of a line when those that matter more have had their part of what may be covered: the more lines
+ * there are, the less of it, so that a thing gets lighter as it goes away. */
+static float kept_of(const grid *g, uint32_t i, const placed *s, const encre_params *p)
+{
+	float on, most = p->line_density, share = share_at(g, s, 0);
+	int plane = plane_of(g, i, &on);
+	if (!(share > most && most < 1 && p->line_fewer > 0))
+		return 1;
+	float more = mix(share_at(g, s, plane), share_at(g, s, plane + 1), on),
+	      may = mix(share, most * most / share, p->line_fewer);
+	return clamp01(1 - (more - may) / (fades * may));
+}
+
+/* Half the width down to which lines get thinner before some of them are left out: in px, and in pixels, at least, for
+ * what is thinner than one is grey. */
+static const float thinnest = 0.8f, crisp = 0.6f;
+
+static int32_t share_out(const fine *n, grid *g, const pen_end *end)
+{
+	int32_t code = weigh(n, g, end);
+	even_out(g);
+	return code;
+}
+
+/* Where some may be left out, all get thinner only as long as they are crisp. */
+static void thin(const frame *f, const grid *g, uint32_t i, uint32_t strokes, pen_end *end)
 {
 	const fine *n = f->fine;
-	grid g = {.step = max(node * f->scale, least_node)};
+	const placed *s = &n->site[i].placed;
+	const encre_params *p = params_at(f, s->near_x, s->near_y);
+	float most = p->line_density, share = share_at(g, s, 0),
+	      least = p->line_fewer * max(thinnest * f->scale, crisp);
+	for (uint32_t k = 0; share > most && most < 1 && k < strokes; k++) {
+		float *out = &end[(size_t)k * n->count + i].out, left = left_of(n->site + i, *out);
+		*out = max(left * most / share, min(left, least));
+	}
+}
+
+static int32_t leave_out(frame *f, grid *g, const spots *at, const pen_end *end, float *kept)
+{
+	const fine *n = f->fine;
+	float *matters = late_take(&f->late, n->count, sizeof *matters),
+	      *left = late_take(&f->late, n->count, sizeof *left);
+	if (!matters || !left)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = ISA(lines_matter)(f, at, matters);
+	g->matters = matters;
+	g->planes = PLANES;
+	if (!code)
+		code = share_out(n, g, end);
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		const placed *s = &n->site[i].placed;
+		const encre_params *p = params_at(f, s->near_x, s->near_y);
+		left[i] = n->site[i].linked.dropped ? 0 : kept_of(g, i, s, p);
+	}
+	if (!code)
+		code = ISA(lines_decide)(f, left, kept);
+	late_drop(&f->late, left);
+	late_drop(&f->late, matters);
+	return code;
+}
+
+int32_t ISA(thickets_thin)(frame *f, uint32_t strokes, const spots *at, pen_end *end, float *kept)
+{
+	const fine *n = f->fine;
+	grid g = {.step = max(node * f->scale, least_node), .planes = 1};
 	g.x = (float)f->place.x - floorf((float)f->place.x / g.step) * g.step;
 	g.y = (float)f->place.y - floorf((float)f->place.y / g.step) * g.step;
 	g.across = (int)(((float)f->width + g.x) / g.step) + 2;
 	g.tall = (int)(((float)f->height + g.y) / g.step) + 2;
-	g.share = late_take(&f->late, (size_t)g.across * (size_t)g.tall, sizeof *g.share);
-	if (!g.share)
+	g.share = late_take(&f->late, nodes_of(&g) * (kept ? PLANES : 1), sizeof *g.share);
+	g.mine = late_take(&f->late, (size_t)g.across + (size_t)g.tall, sizeof *g.mine);
+	if (!g.share || !g.mine)
 		return ENCRE_ERROR_MEMORY;
-	int32_t code = weigh(n, &g, end);
-	blur(&g);
-	blur(&g);
-	for (uint32_t i = 0; !code && i < n->count; i++) {
-		const placed *s = &n->site[i].placed;
-		int x, y;
-		float u, v, most = params_at(f, s->near_x, s->near_y)->line_density;
-		if (n->site[i].linked.dropped)
-			continue;
-		place_on(&g, s, &x, &y, &u, &v);
-		const float *at = g.share + y * g.across + x;
-		float share = mix(mix(at[0], at[1], u), mix(at[g.across], at[g.across + 1], u), v);
-		for (uint32_t k = 0; share > most && most < 1 && k < strokes; k++)
-			end[(size_t)k * n->count + i].out =
-				left_of(n->site + i, end[(size_t)k * n->count + i].out) * most / share;
-	}
+	show(g.mine, g.across, g.x, f->width, g.step);
+	show(g.mine + g.across, g.tall, g.y, f->height, g.step);
+	int32_t code = share_out(n, &g, end);
+	for (uint32_t i = 0; !code && i < n->count; i++)
+		if (!n->site[i].linked.dropped)
+			thin(f, &g, i, strokes, end);
+	if (!code && kept)
+		code = leave_out(f, &g, at, end, kept);
+	late_drop(&f->late, g.mine);
 	late_drop(&f->late, g.share);
 	return code;
 }

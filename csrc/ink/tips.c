@@ -4,6 +4,7 @@
 #include "ink/tips.h"
 #include "ink/pen.h"
 #include "ink/strips.h"
+#include "ink/thickets.h"
 #include "ink/turns.h"
 #include "fine/near.h"
 
@@ -23,6 +24,7 @@ typedef struct gather {
 	bool varied;    /* some hand's noise is asked for */
 	bool second;    /* lines have another ink in the dark */
 	bool bounded;   /* lines may cover so much of the picture only */
+	bool fewer;     /* for that, some of them are left out */
 	uint32_t strokes;
 	spots at;    /* of all sites; NULL without noise */
 	turns turns; /* no corners are looked for where no pen asks */
@@ -31,6 +33,7 @@ typedef struct gather {
 	const strip *(*strips)[PENS]; /* by style */
 	float *farther;               /* by site: pixels that a stroke goes on beyond a corner; NULL: no pen does */
 	float *length;                /* to the nearest free end, by site; NULL where no line tapers */
+	float *kept;                  /* by site: what of its line is not left out; NULL: all */
 	float *radius;                /* by site: evened along its line, before it tapers or is crowded */
 } gather;
 
@@ -91,8 +94,8 @@ static float dashed(const frame *f, const hand *h, const beat *b, float radius)
 
 /* `radius`: evened along the line. t: what the hand does to it, or NULL. Whether a thing's two lines are one is asked
  * of an even hand that presses as hard as this one: or a wire would be one line here and two hairs there. */
-static void finish(const frame *f, const site *made, const hand *h, float radius, float length, const touch *t,
-		   const beat *b, pen_end *e)
+static void finish(const frame *f, const site *made, const hand *h, float radius, float length, float kept,
+		   const touch *t, const beat *b, pen_end *e)
 {
 	const placed *s = &made->placed;
 	float crowd = made->linked.crowd, even = e->out, lift = 1;
@@ -111,6 +114,8 @@ static void finish(const frame *f, const site *made, const hand *h, float radius
 	}
 	if (radius * crowd > 1)
 		radius = 1 / crowd;
+	radius *= kept;
+	lift *= kept;
 	if (even * crowd > 1)
 		even = 1 / crowd;
 	float filled = filled_by(made, even);
@@ -238,8 +243,8 @@ static void finish_pens(void *data, int first, int end, int thread)
 				beat = ISA(beat_of)(g->n, &g->at, (uint32_t)(i + k),
 						    (h->pen_dash + h->pen_dash_space) * g->f->scale);
 			if (drawn)
-				finish(g->f, made, h, g->radius[i + k], g->length ? g->length[i + k] : INFINITY, t,
-				       &beat, g->end + i + k);
+				finish(g->f, made, h, g->radius[i + k], g->length ? g->length[i + k] : INFINITY,
+				       g->kept ? g->kept[i + k] : 1, t, &beat, g->end + i + k);
 			if (g->farther)
 				g->farther[i + k] = t && drawn ? t->farther * h->pen_overshoot * g->f->scale : 0;
 			if (g->all->dry && t)
@@ -314,13 +319,15 @@ static int32_t make_strokes(gather *g)
 		g->at = (spots){at, at + count, at + 2 * count, at + 3 * count};
 	}
 	g->whose = late_take(&f->late, g->n->count, sizeof *g->whose);
-	if (!g->whose)
+	g->kept = g->fewer ? late_take(&f->late, g->n->count, sizeof *g->kept) : NULL;
+	if (!g->whose || (g->fewer && !g->kept))
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(f->bands, (int)g->n->count, CHUNK, make_pens, g);
 	if (!code && g->bounded)
-		code = ISA(thickets_thin)(f, g->strokes, g->all->end);
+		code = ISA(thickets_thin)(f, g->strokes, &g->at, g->all->end, g->kept);
 	for (uint32_t k = 0; !code && k < g->strokes; k++)
 		code = make_stroke(g, k);
+	late_drop(&f->late, g->kept);
 	late_drop(&f->late, g->whose);
 	late_drop(&f->late, g->at.x);
 	late_drop(&f->late, g->pens);
@@ -340,7 +347,9 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 	for (int i = 0; i < f->n_styles; i++) {
 		g.pens[i] = ISA(pens_of)(f, f->params + i);
 		uint32_t strokes = ISA(pens_strokes)(g.pens + i);
-		g.bounded |= f->params[i].use_lines && f->params[i].line_density < 1;
+		bool bounded = f->params[i].use_lines && f->params[i].line_density < 1;
+		g.bounded |= bounded;
+		g.fewer |= bounded && f->params[i].line_fewer > 0;
 		g.second |= ISA(takes_second)(f->params + i);
 		for (int k = 0; f->params[i].use_lines && k < PENS; k++) {
 			const hand *h = g.pens[i].hand + k;
@@ -357,6 +366,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 			curved |= h->pen_curve != 0;
 		}
 	}
+	g.varied |= g.fewer;
 	int32_t code = farther > 0 || pooled ? ISA(turns_find)(f, 6 * farther, &g.turns) : ENCRE_OK;
 	if (!code && curved)
 		code = ISA(bends_find)(f, &g.turns);

@@ -57,6 +57,10 @@ PENS = {  # the case, what it is drawn with
     "thin strip": ("rods", dict(line_thickness=2.0, pen_strip=1.0, pen_strip_length=6.0, pen_strip_image="strip",
                                 pen_wobble=0.6, pen_overshoot=6.0)),
     "thicket": ("wires", dict(line_thickness=2.0, line_density=0.2)),
+    "fewer": ("wires", dict(line_thickness=2.0, line_density=0.2, line_fewer=1.0)),
+    "partly fewer": ("faces", dict(line_thickness=3.0, line_density=0.1, line_fewer=0.6)),
+    "fewer of all": ("things", dict(line_thickness=3.0, line_density=0.3, line_fewer=1.0, pen_pressure=0.3,
+                                    pen_pressure_length=25.0)),
     "on dark": ("rods", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.4)),
     "bright before dark": ("wires", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.1)),
     "first": ("stroke", dict(line_thickness=5.0, line_taper=5.0)),
@@ -70,7 +74,8 @@ STRIP = np.random.default_rng(3).random((6, 37, 4))
 @pytest.mark.parametrize("name", PENS)
 def test_lines_are_the_union_of_discs_along_links(name):
     case, pen = PENS[name]
-    assert compared(case, pen, 0.02 if "strip" in name else 0) > 0.05  # rounding tells one of two as good ways
+    rounded = "strip" in name or "fewer" in name  # which tells one of two as good ways
+    assert compared(case, pen, 0.02 if rounded else 0) > 0.03
 
 
 @pytest.mark.parametrize("k", range(1, 18, 2))
@@ -191,6 +196,35 @@ def test_a_part_of_a_frame_is_as_dense_as_the_frame():
     inner = np.s_[60:-60, 60:-60]
     assert (ink[inner] > 0.5).sum() > 100
     assert np.abs(ink - whole[y:y + height, x:x + width])[inner].max() < 1e-3
+
+
+def palisade():
+    """Bars of two pixels every four, before what is far behind them."""
+    shape = 90, 160
+    bar = np.broadcast_to(np.arange(shape[1]) // 2 % 2, shape)[..., None] > 0
+    flat = np.ones((*shape, 3))
+    layers = dict(combined=np.ones((*shape, 4)), color=np.where(bar, 0.2, 0.7) * flat, diffuse=flat,
+                  depth=np.where(bar, 4.0, 20.0), normal=flat * (0, 0, 1), object=bar + 1)
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+def sparse(**values):
+    values = {**hands.PLAIN, "length_unit": "PIXELS", "line_thickness": 1.6, "line_density": 0.3, **values}
+    return library.render(palisade(), values, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
+
+
+def test_of_too_many_lines_some_are_left_out_and_the_others_black():
+    thin, few = (sparse(line_fewer=fewer)[10:-10, 10:-10] for fewer in (0.0, 1.0))
+    assert thin.max() < 0.4 and thin.min() > 0.2  # a grey haze
+    black = few > 0.9
+    assert 0.02 < black.mean() < 0.2 and (few < 0.1).mean() > 0.8
+    assert (few[1:][black[:-1]] > 0.5).mean() > 0.9  # strokes, not crumbs
+
+
+def test_lines_are_as_dense_at_the_rim_of_the_frame():
+    ink = sparse()
+    assert ink[:, :16].mean() == pytest.approx(ink[:, 60:100].mean(), rel=0.15)
+    assert ink[:12, 60:100].mean() == pytest.approx(ink[30:60, 60:100].mean(), rel=0.15)
 
 
 def test_a_hand_draws_anew_when_its_frames_are_over():

@@ -33,7 +33,8 @@ TESTS = (
     ("csrc/fine/", "fine/test_fine_passes.py", "fine/test_fine_sites.py", "fine/test_fine_ink.py"),
     ("csrc/edges/", "stages/test_edges.py", "fine/test_fine_sites.py"),
     *((f"csrc/ink/{name}.", "fine/test_fine_ink.py", "fine/test_fine.py -k 'not calm and not still'")
-      for name in ("capsules", "hands", "kinds", "noise", "pen", "reached", "thickets", "tips", "turns", "widths")),
+      for name in ("capsules", "hands", "kinds", "matters", "noise", "pen", "reached", "thickets", "tips", "turns",
+                   "widths")),
     ("csrc/ink/nearest.c", "stages/test_lines.py -k 'nearest or sizes'", "stages/test_surface.py -k smudg",
      "fine/test_fine_ink.py"),
     ("csrc/ink/", "stages/test_lines.py", "fine/test_fine_ink.py"),

@@ -19,7 +19,7 @@ DEFAULTS = {
     "line_depth_unit": "RELATIVE", "line_depth_most": 4.0, "line_depth_least": 0.0,
     "line_light": 0.0, "line_taper": 0.0, "line_min_length": 12.0,
     "line_softness": 0.9, "line_occlude": True, "line_paper": 0.6, "line_intensity": 1.0, "line_gain": 4.0,
-    "line_search": "EXACT", "line_density": 1.0, "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0,
+    "line_search": "EXACT", "line_density": 1.0, "line_fewer": 0.0, "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0,
     "line_tint_value": 0.35, "width_contact": 1.0, "width_intersection": 1.0,
     **{pen + name: value for pen in ("pen_", "pen_2_", "pen_3_") for name, value in {
         "pressure": 0.0, "pressure_length": 210.0, "curve": 0.0, "wobble": 0.0, "wobble_length": 135.0,

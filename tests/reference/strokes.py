@@ -9,10 +9,10 @@ import numpy as np
 from .hand import KINDS, Hand, across_at, inks, kinds, left_by
 from .lines import Pen
 from .metric import clamp01, mix
-from .passes import NUMBER
 from .strips import End
 from .strips import ends as strip_ends
 from .strips import left as strip_left
+from .thickets import filled_by, thinned
 from .turns import bends, dashed, spurs, turned
 
 
@@ -80,41 +80,6 @@ def evened(t, radius, shape):
     return found
 
 
-def filled_by(t, radius):
-    """How much a thing not much wider than its lines lets no paper between them: they are one, from its middle. At a
-    tip they go so far there that the middle has the ink of both."""
-    half = t.site["half"]
-    one = clamp01(1 - 2 * (half - radius))
-    spread = np.where(half > 0, clamp01((0.5 + radius - half) / np.where(half > 0, 2 * half, 1)), one)
-    return t.site["thin"] * mix(one, spread, t.site["tapers"])
-
-
-def _thinned(t, half, most, unit, shape):
-    """Half the widths where lines cover at most such a share of what is about them: ink is weighed on the nodes of a
-    grid, and evened over their neighbours twice."""
-    step = max(16 * unit, 2)
-    share = np.zeros([int(side / step) + 2 for side in shape])
-    where = np.maximum(t.at + 0.5, 0) / step
-    x, y = np.minimum(np.floor(where).astype(int), np.array(share.shape[::-1]) - 2).T
-    u, v = clamp01(where - np.stack([x, y], -1)).T
-    corners = [(y, x, (1 - u) * (1 - v)), (y, x + 1, u * (1 - v)), (y + 1, x, (1 - u) * v), (y + 1, x + 1, u * v)]
-    room = 1 / np.maximum(t.site["crowd"], 1e-12)
-    used = np.where(room < half, room, half)
-    length = np.array([sum(t.apart(i, j) / 2 for j in t.links[i] if not t.dropped[j]) if t.links[i] else 2 * used[i]
-                       for i in range(len(t))])
-    # each of a thing's lines that are one covers half of it, and one along its middle all
-    whole = 2 * (t.site["half"] + used) / np.where(t.family == NUMBER["thin"], 1, 2)
-    ink = np.where(t.dropped, 0, mix(2 * used, whole, filled_by(t, used)) * length / step**2)
-    for row, column, weight in corners:
-        np.add.at(share, (row, column), weight * ink)
-    for _ in range(2):
-        for axis in (0, 1):
-            wide = np.pad(share, [(1, 1) if axis == k else (0, 0) for k in (0, 1)])
-            share = (np.delete(wide, (-2, -1), axis) + 2 * share + np.delete(wide, (0, 1), axis)) / 4
-    about = sum(weight * share[row, column] for row, column, weight in corners)
-    return np.where((about > most) & (most < 1), used * most / np.maximum(about, 1e-12), half)
-
-
 def ends(t, layers, params, paper, stroke, pictures):
     """What each site gives the links that end at it in one stroke, as columns; its ink; its bristles; where it lies in
     the picture along its line."""
@@ -133,7 +98,7 @@ def ends(t, layers, params, paper, stroke, pictures):
     half = half * hand.at("width", np.ones(len(t)))
     most = 0.5 * params["line_max_thickness"] * params.pixels(layers.full_height)
     half = np.minimum(half, most) * (1 - site["eased"] / 255)
-    half = _thinned(t, half * used, params.at("line_density", style), params.pixels(layers.full_height), shape)
+    half, kept = thinned(t, hand, layers, half * used, params.at("line_density", style), params.at("line_fewer", style))
     used = used & hand.drawn  # how dense lines are is weighed once, before that
     half = half * used
     even = half
@@ -148,7 +113,8 @@ def ends(t, layers, params, paper, stroke, pictures):
     radius = radius * np.where(taper > 0, clamp01(free_lengths(t, shape) / np.where(taper > 0, taper, 1)), 1)
     lift = np.where(whole > 0, radius / np.where(whole > 0, whole, 1), 0)
     crowd = np.where(site["crowd"] > 0, 1 / np.maximum(site["crowd"], 1e-12), np.inf)
-    radius = np.minimum(radius, crowd)
+    radius = np.minimum(radius, crowd) * kept
+    lift = lift * kept
     # as if the pen were always pressed hard, or a wire would be one line here and two there
     even = even * (1 + hand.at("pressure")) + hand.fray(even)
     filled = filled_by(t, np.minimum(even, crowd))

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where lines would cover more of the picture than they may: they get thinner, and the lesser are left out."""
+
+import numpy as np
+
+from .hand import solid
+from .metric import clamp01, mix
+from .passes import FAMILIES, NUMBER
+
+PLANES = 64
+SEED = 0x6d617373
+
+
+class Grid:
+    """Of nodes on which ink is weighed, by how much lines matter."""
+
+    def __init__(self, t, unit, shape):
+        self.t, self.step = t, max(16 * unit, 2)
+        self.shape = [int(side / self.step) + 2 for side in shape]
+        where = np.maximum(t.at + 0.5, 0) / self.step
+        x, y = np.minimum(np.floor(where).astype(int), np.array(self.shape[::-1]) - 2).T
+        u, v = clamp01(where - np.stack([x, y], -1)).T
+        self.corners = [(y, x, (1 - u) * (1 - v)), (y, x + 1, u * (1 - v)), (y + 1, x, (1 - u) * v),
+                        (y + 1, x + 1, u * v)]
+        self.shown = np.outer(*(self._shown(nodes, side) for nodes, side in zip(self.shape, shape, strict=True)))
+
+    def _shown(self, nodes, side):
+        """Of what is about a node, which share lies in the frame."""
+        on = (np.arange(side) + 0.5) / self.step
+        found = np.zeros(nodes)
+        low = np.minimum(on.astype(int), nodes - 2)
+        np.add.at(found, low, (1 - clamp01(on - low)) / self.step)
+        np.add.at(found, low + 1, clamp01(on - low) / self.step)
+        return _blurred(_blurred(found, 0), 0)
+
+    def weigh(self, half, plane, planes):
+        """Shares of what matters at least as much as each plane; a plane of nothing is the last."""
+        t = self.t
+        length = np.array([sum(t.apart(i, j) / 2 for j in t.links[i] if not t.dropped[j]) if t.links[i]
+                           else 2 * half[i] for i in range(len(t))])
+        # each of a thing's lines that are one covers half of it, and one along its middle all
+        whole = 2 * (t.site["half"] + half) / np.where(t.family == NUMBER["thin"], 1, 2)
+        ink = np.where(t.dropped | (half <= 0), 0, mix(2 * half, whole, filled_by(t, half)) * length / self.step**2)
+        share = np.zeros((planes + 1, *self.shape))
+        for row, column, weight in self.corners:
+            np.add.at(share, (plane, row, column), weight * ink)
+        for axis in (1, 2, 1, 2):
+            share = _blurred(share, axis)
+        return np.cumsum((share / np.maximum(self.shown, 1e-6))[::-1], 0)[::-1]
+
+    def at(self, share, plane):
+        return sum(weight * share[plane, row, column] for row, column, weight in self.corners)
+
+
+def _blurred(share, axis):
+    wide = np.pad(share, [(1, 1) if axis == k else (0, 0) for k in range(share.ndim)])
+    return (np.delete(wide, (-2, -1), axis) + 2 * share + np.delete(wide, (0, 1), axis)) / 4
+
+
+def filled_by(t, radius):
+    """How much a thing not much wider than its lines lets no paper between them: they are one, from its middle. At a
+    tip they go so far there that the middle has the ink of both."""
+    half = t.site["half"]
+    one = clamp01(1 - 2 * (half - radius))
+    spread = np.where(half > 0, clamp01((0.5 + radius - half) / np.where(half > 0, 2 * half, 1)), one)
+    return t.site["thin"] * mix(one, spread, t.site["tapers"])
+
+
+def thinned(t, hand, layers, half, most, fewer):
+    """Half the widths where lines cover at most such a share of what is about them, and how much of each is left."""
+    unit, grid = hand.scale, Grid(t, hand.scale, layers.depth.shape)
+    crowd = 1 / np.maximum(t.site["crowd"], 1e-12)
+    used = np.where(crowd < half, crowd, half)
+    first = np.zeros(len(t), int)
+    share = grid.at(grid.weigh(used, first, 1), first)
+    least = np.minimum(used, fewer * max(0.8 * unit, 0.6))
+    thin = np.where((share > most) & (most < 1), np.maximum(used * most / np.maximum(share, 1e-12), least), half)
+    if not ((fewer > 0) & (most < 1)).any():
+        return thin, np.ones(len(t))
+    matters = _matters(t, hand, layers) * PLANES
+    plane = np.clip(matters.astype(int), 0, PLANES - 1)
+    used = np.where(crowd < thin, crowd, thin)
+    shares = grid.weigh(used, plane, PLANES)
+    share = grid.at(shares, first)
+    more = mix(grid.at(shares, plane), grid.at(shares, plane + 1), clamp01(matters - plane))
+    may = mix(share, most**2 / np.maximum(share, 1e-12), fewer)
+    bound = (share > most) & (most < 1) & (fewer > 0)
+    left = np.where(bound, clamp01(1 - (more - may) / (0.5 * may + 1e-30)), 1.0)
+    mean = np.array([_along(t, left, i, 10)[0] for i in range(len(t))])
+    return thin, _joined(t, clamp01(0.5 + 4 * (mean - 0.5)), True)
+
+
+def _matters(t, hand, layers):
+    own = 0.45 * np.array([_stands_out(layers, site) for site in t.site])
+    own = own + 0.3 * clamp01(0.5 + 0.5 * solid(hand.p, hand.unit * 24, SEED))
+    found = [_along(t, own, i, 32) for i in range(len(t))]
+    mean, length = np.array(found).T
+    return _joined(t, mean + 0.25 * np.minimum(1, length / (48 * hand.scale)), False)
+
+
+def _stands_out(layers, site):
+    family = FAMILIES[site["family"]]
+    if family == "mark":
+        return 1.0
+    if family not in ("crack", "thin"):
+        return 0.0
+    height, width = layers.depth.shape
+    row, aside = site["axis"] != 1, np.arange(-2, 3)
+    y = np.clip(site["row"] + (0 if row else aside), 0, height - 1)
+    x = np.clip(site["column"] + (aside if row else 0), 0, width - 1)
+    depth, number = layers.depth[y, x], layers.object[y, x]
+    jump = 1.0 if np.isinf(depth).any() else clamp01(1 - depth.min() / depth.max()) if depth.max() > 0 else 0
+    return (jump + (number != number[0]).any()) / 2
+
+
+def _along(t, values, i, most):
+    """The mean along the line, at most so many sites each way, straight on where it meets others; and how long that
+    is."""
+    total, count, length = values[i], 1, 0.0
+    for first in t.links[i] if len(t.links[i]) <= 2 else ():
+        trail, at = [i] * 3, first
+        for _ in range(most):
+            if at is None or at == i:
+                break
+            length += t.apart(trail[0], at)
+            total, count = total + values[at], count + 1
+            trail, at = [at, *trail[:2]], _ahead(t, trail, at)
+    return total / count, length
+
+
+def _ahead(t, trail, at):
+    if len(t.links[at]) <= 2:
+        return t.next(trail[0], at)
+    way, best, most = t.at[at] - t.at[trail[2]], None, 0.8
+    for one in t.links[at]:
+        beyond = t.next(at, one)
+        step = t.at[one if beyond is None else beyond] - t.at[at]
+        lengths = np.sqrt((step @ step) * (way @ way))
+        if one != trail[0] and lengths > 0 and way @ step / lengths > most:
+            best, most = one, way @ step / lengths
+    return best
+
+
+def _joined(t, values, none):
+    """Where lines meet, as much as that which has most."""
+    out = np.where(t.dropped, 0.0, values)
+    for i in range(len(t)):
+        if len(t.links[i]) > 2 and not t.dropped[i]:
+            out[i] = max(0 if none else out[i], *(values[j] if len(t.links[j]) <= 2 else 0 for j in t.links[i]))
+    return out
