@@ -8,7 +8,7 @@ import numpy as np
 
 from ..pen.job import Program
 from ..pen.program import Builder, TooLong
-from . import trees, unseen
+from . import pictures, trees, unseen
 from .patterns import Patterns
 
 _MOST_SOURCES = 5
@@ -390,8 +390,8 @@ class Compiler(Patterns):
             raise trees.Unknown(node.name)
         if node.image is None:
             return {"Color": (0.0, 0.0, 0.0), "Alpha": 0.0}
-        if node.image.source not in ("FILE", "GENERATED"):
-            raise trees.Unknown(node.name)
+        if not pictures.is_still(node.image):
+            raise trees.Unknown(f"{node.name}: {pictures.KINDS.get(node.image.source, node.image.source)}")
         number = self.build.pool.texture(self.images.get(node.image, wraps[node.extension]))
         vector = self.vector(node.inputs["Vector"], self._uv)
         u, v, _ = self._scalars(vector)

@@ -27,6 +27,15 @@ def turn(tagged=False):
     return sum(_turns.values())
 
 
+KINDS = {"SEQUENCE": "a sequence of images", "MOVIE": "a movie", "TILED": "an image of tiles",
+         "VIEWER": "a render or viewer"}
+
+
+def is_still(image):
+    """Whether Blender gives what it holds; of others only the frame or tile that was last seen somewhere."""
+    return image.source in ("FILE", "GENERATED")
+
+
 class Images:
     """Pictures as programs look into them, kept from one reading of the scene to the next."""
 

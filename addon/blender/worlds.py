@@ -122,7 +122,8 @@ def color(socket):
 
 def _environment(node, kind):
     image = node.image
-    if node.projection != "EQUIRECTANGULAR" or image is None or not all(image.size):
+    known = image is not None and pictures.is_still(image) and all(image.size)
+    if node.projection != "EQUIRECTANGULAR" or not known:
         raise trees.Unknown(node.name)
     return kind.picture(pictures.colors(pictures.values(image))[::-1], _rotation(node))
 

@@ -246,8 +246,19 @@ def _readers(scene):
 
 
 def what_only_cycles_can_show(out):
-    """A node that can't be read, and no lamp."""
+    """A node that can't be read, pictures that move, and no lamp."""
     scene = stage()
+    for name, source in (("Green", "SEQUENCE"), ("Grey", "MOVIE")):
+        tree = bpy.data.materials[name].node_tree
+        texture = _new(tree, "TexImage")
+        texture.image = bpy.data.images.new(name, 4, 4)
+        texture.image.source = source
+        tree.links.new(texture.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    world = bpy.data.worlds.new("Sky")
+    scene.world, world.use_nodes = world, True
+    texture = _new(world.node_tree, "TexEnvironment")
+    texture.image = bpy.data.images["Green"]
+    world.node_tree.links.new(texture.outputs[0], world.node_tree.nodes["Background"].inputs["Color"])
     bpy.data.objects.remove(bpy.data.objects["Sun"])
     mat = bpy.data.materials["Red"]
     mat.diffuse_color = (0.2, 0.3, 0.4, 1)
