@@ -11,13 +11,6 @@ static const size_t held_most = (size_t)1 << 28;
 
 /* ---- rows -------------------------------------------------------------------------------------------------- */
 
-static void place_rows(void *data, int y0, int y1, int thread)
-{
-	(void)thread;
-	for (int y = y0; y < y1; y++)
-		ISA(place_row)(data, y);
-}
-
 static void add_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -121,7 +114,7 @@ static int32_t run(light *l)
 {
 	const store *lamps = &l->job->scene->lamps;
 	bands_span(l->bands, 0.1, 0.3);
-	int32_t code = bands_run(l->bands, l->height, 0, place_rows, l);
+	int32_t code = ISA(place_run)(l);
 	if (!code)
 		code = bands_run(l->bands, l->height, 0, world_rows, l);
 	if (!code && l->job->specular.data)

@@ -39,6 +39,7 @@ typedef struct light {
 	world world;
 	int width, height;  /* with the margin */
 	double inverse[16]; /* clip -> world */
+	double farthest;    /* depth up to which something is looked for beyond the images */
 	surface *surfaces;
 	uint8_t *state;
 	float *plain;    /* light without shadows */
@@ -59,21 +60,27 @@ typedef struct light {
 	int n_bends;
 } light;
 
-/* A triangle in the world, as place.c found it last: neighbours mostly show the same. */
+/* A triangle in the world. */
 typedef struct facet {
-	int32_t instance, triangle; /* negative: none yet */
+	int32_t count, triangle; /* of instances up to its own; 0: none yet */
 	double corner[3][3], first[3], second[3], across[3];
 	vec side, normal[3]; /* of length 1; normals of the corners, where it is smooth */
 } facet;
-#define FACET_NONE ((facet){.instance = -1})
+
+/* Those that place.c found last, by the last bits of their numbers: neighbours mostly show the same. */
+enum { FACETS = 64 };
+typedef struct facets {
+	facet of[FACETS];
+} facets;
+#define FACETS_NONE ((facets){{{0}}})
 
 /* What rays that go to a lamp remember of each other. `shaft` may be NULL. */
 typedef struct rays {
 	hint hint;
 	shaft *shaft;
-	facet facet;
+	facets facets;
 } rays;
-#define RAYS(shaft) ((rays){HINT_NONE, shaft, FACET_NONE})
+#define RAYS(shaft) ((rays){HINT_NONE, shaft, FACETS_NONE})
 
 /* bend.c: reads the job's ellipsoids; bends a surface's normal; what share of a way from a place lies in ellipsoids
  * that hold the place. */
@@ -81,11 +88,11 @@ void ISA(bend_make)(light *l);
 void ISA(bend_normal)(const light *l, surface *s);
 float ISA(bend_free)(const light *l, vec at, vec way);
 
-/* place.c: fills the surfaces of a row. */
-void ISA(place_row)(light *l, int y);
+/* place.c: fills the surfaces. */
+int32_t ISA(place_run)(light *l);
 /* What the way of sight through a place in pixels of the picture with its margin meets on the surface that the centre
  * of another pixel shows; *inside: whether it is still the same triangle. */
-surface ISA(place_on)(const light *l, facet *known, const surface *near, float x, float y, bool *inside);
+surface ISA(place_on)(const light *l, facets *known, const surface *near, float x, float y, bool *inside);
 /* Where in the full frame a place is, in pixels; far outside if it is behind the camera. */
 void ISA(place_pixel)(const light *l, vec at, double out[2]);
 

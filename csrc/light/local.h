@@ -85,6 +85,17 @@ static inline void meet(const triangle_leaf *leaf, const local *l, meeting *m)
 	}
 }
 
+/* The ray between two points that are known better than in floats. */
+static inline bool local_between(const instance *in, const double from[3], const double to[3], local *l)
+{
+	double a[3], b[3];
+	transform_point(in->inverse, from, a);
+	transform_point(in->inverse, to, b);
+	*l = (local){.from = {(float)a[0], (float)a[1], (float)a[2]}, .far = 1};
+	l->way = (vec){(float)(b[0] - a[0]), (float)(b[1] - a[1]), (float)(b[2] - a[2])};
+	return aim(l);
+}
+
 static inline bool leaf_blocks(const world *w, const shape *s, int32_t number, const local *l, int32_t skip)
 {
 	const triangle_leaf *leaf = s->leaves + number;
@@ -104,8 +115,21 @@ static inline bool leaf_blocks(const world *w, const shape *s, int32_t number, c
 
 static inline bool casts(const instance *in, int set)
 {
-	return in->there && in->shadow_sets >> set & 1;
+	return in->there && (set == SET_SEEN ? in->camera : in->shadow_sets >> set & 1);
 }
+
+/* What is looked for: what lies nearest to a share of the way. */
+typedef struct search {
+	float share;
+	int32_t skip;          /* a triangle that does not count */
+	const store *textures; /* NULL: holes don't count */
+	hit best;
+} search;
+#define SEARCH(share, skip, textures) ((search){share, skip, textures, {-1, -1, INFINITY}})
+
+/* Looks in a leaf, or below a node, of the tree of an instance's shape. */
+void ISA(leaf_nearest)(const shape *s, int32_t leaf, const local *l, int32_t instance, search *f);
+void ISA(shape_nearest)(const shape *s, int32_t from, const local *l, int32_t instance, search *f);
 
 /* Whether a ray is stopped below a node of a shape's tree; *h: by what. */
 bool ISA(shape_blocks)(const world *w, const shape *s, int32_t from, const local *l, int32_t skip, hint *h);

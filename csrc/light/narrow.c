@@ -62,7 +62,7 @@ static bool faces(const light *l, const surface *s)
 }
 
 /* How many pixels wide the penumbra is that an edge has, by what throws it; SOFT if more, or if it can't be told. */
-static float width_of(const light *l, facet *known, int x, int y, const edge_line *e)
+static float width_of(const light *l, facets *known, int x, int y, const edge_line *e)
 {
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
 	bool across = fabsf(e->a) <= fabsf(e->b), inside;
@@ -117,7 +117,7 @@ static void width_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	light *l = data;
 	edge_line e;
-	facet known = FACET_NONE;
+	facets known = FACETS_NONE;
 	for (int y = y0; y < y1; y++)
 		for (int x = 0; x < l->width; x++)
 			l->share[(ptrdiff_t)y * l->width + x] = !ISA(edge_at)(l, x, y, &e) ? -1

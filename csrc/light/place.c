@@ -6,6 +6,7 @@
 
 /* By how much a depth may differ from the triangle's. */
 static const double slack = 1e-3;
+static const float about = 0.06f; /* so much of a depth those of pixels differ that share a shaft, at most */
 
 /* Two points on the way of sight through a place in pixels of the picture. */
 static void sight(const light *l, double x, double y, double from[3], double to[3])
@@ -87,14 +88,14 @@ static vec world_normal(const instance *in, vec n)
 	return direction(out);
 }
 
-/* Reads a triangle, unless it is the one that was read last. */
-static void load(const light *l, int32_t number, int32_t triangle, facet *known)
+static const facet *load(const light *l, int32_t number, int32_t triangle, facets *all)
 {
-	if (known->instance == number && known->triangle == triangle)
-		return;
+	facet *known = all->of + (triangle & (FACETS - 1));
+	if (known->count == number + 1 && known->triangle == triangle)
+		return known;
 	const instance *in = l->world.instances[number];
 	const int32_t *corners = in->shape->corners + 3 * (ptrdiff_t)triangle;
-	known->instance = number;
+	known->count = number + 1;
 	known->triangle = triangle;
 	for (int k = 0; k < 3; k++) {
 		const float *point = in->shape->points + 3 * (ptrdiff_t)corners[k];
@@ -108,6 +109,7 @@ static void load(const light *l, int32_t number, int32_t triangle, facet *known)
 	subtract(known->corner[2], known->corner[0], known->second);
 	product(known->first, known->second, known->across);
 	known->side = times(direction(known->across), in->mirrored ? -1 : 1);
+	return known;
 }
 
 /* Between the corners of a smooth surface: its normal, and how far above it rays begin that must not meet its own
@@ -131,12 +133,12 @@ static void smooth(const facet *of, float u, float v, bool away, surface *s)
 }
 
 /* Where the way of sight from a to b meets the plane of a triangle. */
-static surface meet_plane(const light *l, facet *known, int32_t number, int32_t triangle, const double a[3],
+static surface meet_plane(const light *l, facets *all, int32_t number, int32_t triangle, const double a[3],
 			  const double b[3], bool *inside)
 {
 	const instance *in = l->world.instances[number];
+	const facet *known = load(l, number, triangle, all);
 	double way[3], to[3], p[3], q[3], at[3];
-	load(l, number, triangle, known);
 	subtract(b, a, way);
 	subtract(a, known->corner[0], to);
 	product(way, known->second, p);
@@ -155,7 +157,7 @@ static surface meet_plane(const light *l, facet *known, int32_t number, int32_t 
 	return s;
 }
 
-surface ISA(place_on)(const light *l, facet *known, const surface *near, float x, float y, bool *inside)
+surface ISA(place_on)(const light *l, facets *known, const surface *near, float x, float y, bool *inside)
 {
 	double a[3], b[3];
 	sight(l, (double)x, (double)y, a, b);
@@ -194,48 +196,71 @@ static surface stray(const encre_image *normals, int x, int y, const double at[3
 	return (surface){.at = narrow(at), .normal = n, .across = n, .instance = SURFACE_STRAY};
 }
 
-/* The nearest that the camera sees, beyond the images. */
-static surface look(const light *l, facet *known, const double a[3], const double b[3])
-{
-	const world *w = &l->world;
-	const encre_light_job *job = l->job;
-	double near = job->clip_start, far = near, from[3], to[3];
-	for (int c = 0; c < 8; c++) {
-		double p[3] = {(double)(c & 1 ? w->high : w->low)[0], (double)(c & 2 ? w->high : w->low)[1],
-			       (double)(c & 4 ? w->high : w->low)[2]};
-		far = fmax(far, depth_at_point(l, p));
-	}
-	far = 1.001 * far;
-	far = job->clip_end > job->clip_start ? fmin(far, job->clip_end) : far;
-	hit h;
-	bool inside;
-	at_depth(l, a, b, near, from);
-	at_depth(l, a, b, far, to);
-	if (!(far > near) || !ISA(ray_nearest)(w, from, to, 0, &h))
-		return (surface){.instance = SURFACE_NOTHING};
-	return meet_plane(l, known, h.instance, h.triangle, a, b, &inside);
-}
+/* A way of sight, and between which of its points something is looked for. */
+typedef struct gaze {
+	double a[3], b[3], from[3], to[3];
+	float depth; /* 0: it is not known, beyond the images, and what lies nearest counts */
+	bool beyond;
+} gaze;
 
-static surface place_at(const light *l, facet *known, int x, int y)
+/* False where nothing is to be seen. */
+static bool gaze_at(const light *l, int x, int y, gaze *g)
 {
 	const encre_image *depth = &l->job->depth;
-	double a[3], b[3], from[3], to[3];
-	sight(l, x + 0.5, y + 0.5, a, b);
+	double near = l->job->clip_start, far = l->farthest;
+	sight(l, x + 0.5, y + 0.5, g->a, g->b);
 	x -= LIGHT_MARGIN;
 	y -= LIGHT_MARGIN;
-	if (x < 0 || y < 0 || x >= depth->width || y >= depth->height)
-		return look(l, known, a, b);
-	float z = depth_of(*pixel_at(depth, x, y));
-	if (!(z < INFINITY))
-		return (surface){.instance = SURFACE_NOTHING};
+	g->beyond = x < 0 || y < 0 || x >= depth->width || y >= depth->height;
+	g->depth = g->beyond ? 0 : depth_of(*pixel_at(depth, x, y));
+	if (!g->beyond) {
+		near = (double)g->depth * (1 - slack);
+		far = (double)g->depth * (1 + slack);
+	}
+	at_depth(l, g->a, g->b, near, g->from);
+	at_depth(l, g->a, g->b, far, g->to);
+	return g->beyond ? far > near : g->depth < INFINITY;
+}
+
+/* Of the pixels `left` those that lie about as deep as the first, and a shaft along their ways of sight. */
+static uint64_t gaze_group(const light *l, const gaze *all, uint64_t left, shaft *along)
+{
+	const gaze *one = all + __builtin_ctzll(left);
+	shaft_starts from = {.within = {narrow(one->from), narrow(one->from)}, .instance = -1};
+	box to = {narrow(one->to), narrow(one->to)};
+	uint64_t group = 0;
+	for (; left; left &= left - 1) {
+		const gaze *g = all + __builtin_ctzll(left);
+		if (g != one && (g->beyond != one->beyond || fabsf(g->depth - one->depth) > about * one->depth))
+			continue;
+		group |= left & -left;
+		box_add(&from.within, narrow(g->from));
+		box_add(&to, narrow(g->to));
+	}
+	along->usable = false;
+	if (__builtin_popcountll(group) < SHAFT_FEW)
+		return group;
+	box *const ends[] = {&from.within, &to};
+	for (int k = 0; k < 2; k++) { /* what floats leave of places */
+		float off = 3e-7f * max(largest(ends[k]->low), largest(ends[k]->high));
+		ends[k]->low = minus(ends[k]->low, (vec){off, off, off});
+		ends[k]->high = plus(ends[k]->high, (vec){off, off, off});
+	}
+	ISA(shaft_make)(along, &l->world, &from, to, 1, SET_SEEN);
+	return group;
+}
+
+static surface surface_at(const light *l, facets *known, const gaze *g, const shaft *along, int x, int y)
+{
 	hit h;
 	bool inside;
-	at_depth(l, a, b, (double)z * (1 - slack), from);
-	at_depth(l, a, b, (double)z * (1 + slack), to);
-	if (ISA(ray_nearest)(&l->world, from, to, 0.5f, &h))
-		return meet_plane(l, known, h.instance, h.triangle, a, b, &inside);
-	at_depth(l, a, b, (double)z, to);
-	return stray(&l->job->normal, x, y, to, from);
+	double at[3];
+	if (ISA(shaft_nearest)(along, &l->world, g->from, g->to, g->beyond ? 0 : 0.5f, &h))
+		return meet_plane(l, known, h.instance, h.triangle, g->a, g->b, &inside);
+	if (g->beyond)
+		return (surface){.instance = SURFACE_NOTHING};
+	at_depth(l, g->a, g->b, (double)g->depth, at);
+	return stray(&l->job->normal, x - LIGHT_MARGIN, y - LIGHT_MARGIN, at, g->from);
 }
 
 static bool finite_place(const surface *s)
@@ -257,17 +282,56 @@ static void turn(const light *l, surface *s, int x, int y)
 	s->normal = s->turned ? unit(n) : s->normal;
 }
 
-void ISA(place_row)(light *l, int y)
+static void place(light *l, facets *known, const gaze *g, const shaft *along, int x, int y)
 {
-	surface *row = l->surfaces + (ptrdiff_t)y * l->width;
-	facet known = FACET_NONE;
-	for (int x = 0; x < l->width; x++) {
-		row[x] = place_at(l, &known, x, y);
-		if (!finite_place(row + x))
-			row[x] = (surface){.instance = SURFACE_NOTHING};
-		if (row[x].instance == SURFACE_NOTHING)
-			continue;
-		ISA(bend_normal)(l, row + x);
-		turn(l, row + x, x - LIGHT_MARGIN, y - LIGHT_MARGIN);
+	surface s = surface_at(l, known, g, along, x, y);
+	if (s.instance == SURFACE_NOTHING || !finite_place(&s))
+		return;
+	ISA(bend_normal)(l, &s);
+	turn(l, &s, x - LIGHT_MARGIN, y - LIGHT_MARGIN);
+	l->surfaces[(ptrdiff_t)y * l->width + x] = s;
+}
+
+/* By squares, whose pixels show few triangles. */
+static void place_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	light *l = data;
+	facets known = FACETS_NONE;
+	gaze all[SHAFT_SIDE * SHAFT_SIDE];
+	shaft along;
+	for (int y = y0; y < y1; y += SHAFT_SIDE)
+		for (int x = 0; x < l->width; x += SHAFT_SIDE) {
+			uint64_t left = 0;
+			for (int k = 0; k < SHAFT_SIDE * SHAFT_SIDE; k++) {
+				int u = x + k % SHAFT_SIDE, v = y + k / SHAFT_SIDE;
+				if (u >= l->width || v >= y1)
+					continue;
+				l->surfaces[(ptrdiff_t)v * l->width + u] = (surface){.instance = SURFACE_NOTHING};
+				left |= (uint64_t)gaze_at(l, u, v, all + k) << k;
+			}
+			while (left) {
+				uint64_t group = gaze_group(l, all, left, &along);
+				left &= ~group;
+				for (; group; group &= group - 1) {
+					int k = __builtin_ctzll(group);
+					place(l, &known, all + k, &along, x + k % SHAFT_SIDE, y + k / SHAFT_SIDE);
+				}
+			}
+		}
+}
+
+int32_t ISA(place_run)(light *l)
+{
+	const world *w = &l->world;
+	const encre_light_job *job = l->job;
+	double far = job->clip_start;
+	for (int c = 0; c < 8; c++) {
+		double p[3] = {(double)(c & 1 ? w->high : w->low)[0], (double)(c & 2 ? w->high : w->low)[1],
+			       (double)(c & 4 ? w->high : w->low)[2]};
+		far = fmax(far, depth_at_point(l, p));
 	}
+	far = 1.001 * far;
+	l->farthest = job->clip_end > job->clip_start ? fmin(far, job->clip_end) : far;
+	return bands_run(l->bands, l->height, 0, place_rows, l);
 }

@@ -83,34 +83,30 @@ static bool nearer(float share, const hit *a, const hit *b)
 	return a->instance != b->instance ? a->instance < b->instance : a->triangle < b->triangle;
 }
 
-typedef struct search {
-	float share;
-	int32_t skip;          /* a triangle that does not count */
-	const store *textures; /* NULL: holes don't count */
-	hit best;
-} search;
+void ISA(leaf_nearest)(const shape *s, int32_t leaf, const local *l, int32_t instance, search *f)
+{
+	meeting m;
+	meet(s->leaves + leaf, l, &m);
+	for (int i = 0; i < LEAF; i++) {
+		hit found = {instance, s->leaves[leaf].item[i], m.t[i]};
+		if (m.t[i] > 0 && found.triangle != f->skip && nearer(f->share, &found, &f->best) &&
+		    (!f->textures || !s->uvs || solid_at(f->textures, s, found.triangle, m.u[i], m.v[i])))
+			f->best = found;
+	}
+}
 
-static void look_in(const shape *s, const local *l, int32_t number, search *f)
+void ISA(shape_nearest)(const shape *s, int32_t from, const local *l, int32_t instance, search *f)
 {
 	int32_t stack[TREE_STACK], top = 1;
-	stack[0] = 0;
+	stack[0] = from;
 	while (top) {
 		const tree_node *n = s->tree.nodes + stack[--top];
 		for (unsigned bits = entered(n, l); bits; bits &= bits - 1) {
 			int32_t child = n->child[__builtin_ctz(bits)];
-			if (child >= 0) {
+			if (child >= 0)
 				stack[top++] = child;
-				continue;
-			}
-			meeting m;
-			meet(s->leaves + ~child, l, &m);
-			for (int i = 0; i < LEAF; i++) {
-				hit found = {number, s->leaves[~child].item[i], m.t[i]};
-				if (m.t[i] > 0 && found.triangle != f->skip && nearer(f->share, &found, &f->best) &&
-				    (!f->textures || !s->uvs ||
-				     solid_at(f->textures, s, found.triangle, m.u[i], m.v[i])))
-					f->best = found;
-			}
+			else
+				ISA(leaf_nearest)(s, ~child, l, instance, f);
 		}
 	}
 }
@@ -156,20 +152,13 @@ bool ISA(ray_nearest)(const world *w, const double from[3], const double to[3], 
 {
 	ray r = {.from = {(float)from[0], (float)from[1], (float)from[2]}, .far = 1};
 	r.way = (vec){(float)(to[0] - from[0]), (float)(to[1] - from[1]), (float)(to[2] - from[2])};
-	search f = {share, -1, NULL, {-1, -1, INFINITY}};
+	search f = SEARCH(share, -1, NULL);
 	walk k;
 	walk_from(&k, w, &r);
 	for (int32_t number; (number = walk_on(&k)) >= 0;) {
-		const instance *in = w->instances[number];
-		if (!in->camera)
-			continue;
-		double a[3], b[3];
-		transform_point(in->inverse, from, a);
-		transform_point(in->inverse, to, b);
-		local l = {.from = {(float)a[0], (float)a[1], (float)a[2]}, .far = 1};
-		l.way = (vec){(float)(b[0] - a[0]), (float)(b[1] - a[1]), (float)(b[2] - a[2])};
-		if (aim(&l))
-			look_in(in->shape, &l, number, &f);
+		local l;
+		if (w->instances[number]->camera && local_between(w->instances[number], from, to, &l))
+			ISA(shape_nearest)(w->instances[number]->shape, 0, &l, number, &f);
 	}
 	*found = f.best;
 	return found->instance >= 0;
@@ -177,7 +166,7 @@ bool ISA(ray_nearest)(const world *w, const double from[3], const double to[3], 
 
 bool ISA(ray_stops)(const world *w, const ray *r, float *share)
 {
-	search f = {0, -1, w->textures, {-1, -1, INFINITY}};
+	search f = SEARCH(0, -1, w->textures);
 	walk k;
 	walk_from(&k, w, r);
 	for (int32_t number; (number = walk_on(&k)) >= 0;) {
@@ -186,7 +175,7 @@ bool ISA(ray_stops)(const world *w, const ray *r, float *share)
 		if (!casts(in, r->set) || !local_of(in, r, &l))
 			continue;
 		f.skip = number == r->instance ? r->triangle : -1;
-		look_in(in->shape, &l, number, &f);
+		ISA(shape_nearest)(in->shape, 0, &l, number, &f);
 	}
 	*share = f.best.share;
 	return f.best.instance >= 0;

@@ -7,6 +7,8 @@
 #include "base/stage.h"
 #include "light/scene.h"
 
+enum { SET_SEEN = -1 /* in the place of a set of shadows: of what the camera sees */ };
+
 typedef struct ray {
 	vec from, way; /* world space; it goes to from + far * way */
 	float far;

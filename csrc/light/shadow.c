@@ -5,7 +5,7 @@
  * where the edge is. */
 #include "light/light.h"
 
-enum { HALVINGS = 7, FEW = 4 /* pixels that a shaft is not worth while for */ };
+enum { HALVINGS = 7 };
 
 /* How much of its lift a ray takes: all where it would go into the facet, none where it leaves that at more than a few
  * degrees, for a tall lift passes by what throws a shadow. Cycles' rule. */
@@ -104,7 +104,7 @@ uint64_t ISA(shadow_group)(const light *l, int x, int y, uint64_t left, int apro
 	from.within = (box){minus(from.within.low, more), plus(from.within.high, more)};
 	from.count = from.instance >= 0 ? from.count : 0;
 	to->usable = false;
-	if (l->lamp.shadows && __builtin_popcountll(group) >= FEW)
+	if (l->lamp.shadows && __builtin_popcountll(group) >= SHAFT_FEW)
 		ISA(shaft_make)(to, &l->world, &from, l->lamp.goal, l->lamp.type == ENCRE_SUN ? lamp_far : 1,
 				l->lamp.shadow_set);
 	return group;
@@ -202,9 +202,9 @@ static float find_edge(const light *l, int x, int y, bool down, rays *from)
 		float middle = 0.5f * (low + high), all = 0, seen = 0;
 		float u = (float)x + 0.5f + (down ? 0 : middle), v = (float)y + 0.5f + (down ? middle : 0);
 		bool inside, inside_other;
-		surface s = ISA(place_on)(l, &from->facet, one, u, v, &inside);
+		surface s = ISA(place_on)(l, &from->facets, one, u, v, &inside);
 		if (!inside && (one->instance != other->instance || one->triangle != other->triangle)) {
-			surface t = ISA(place_on)(l, &from->facet, other, u, v, &inside_other);
+			surface t = ISA(place_on)(l, &from->facets, other, u, v, &inside_other);
 			s = inside_other ? t : s;
 		}
 		ISA(shadow_ask)(l, &s, &l->points.middle, &all, &seen, from);

@@ -330,3 +330,34 @@ bool ISA(shaft_blocks)(shaft *s, const world *w, const ray *r, hint *h)
 		}
 	return false;
 }
+
+bool ISA(shaft_nearest)(const shaft *s, const world *w, const double from[3], const double to[3], float share,
+			hit *found)
+{
+	local all = {.from = {(float)from[0], (float)from[1], (float)from[2]}, .far = 1};
+	all.way = (vec){(float)(to[0] - from[0]), (float)(to[1] - from[1]), (float)(to[2] - from[2])};
+	if (!s->usable || !within(&s->from, all.from) ||
+	    !within(&s->to, (vec){(float)to[0], (float)to[1], (float)to[2]}))
+		return ISA(ray_nearest)(w, from, to, share, found);
+	search f = SEARCH(share, -1, NULL);
+	const bool good = aim(&all);
+	for (int k = 0; good && k < s->n_parts; k++) {
+		const shaft_part *p = s->part + k;
+		const instance *in = w->instances[p->instance];
+		local l;
+		if (!(entered(w->tree.nodes + p->node, &all) >> p->slot & 1) || !local_between(in, from, to, &l))
+			continue;
+		for (int e = p->first; e < p->end; e++) {
+			const tree_node *n = in->shape->tree.nodes + s->entry[e].node;
+			for (unsigned bits = entered(n, &l) & s->entry[e].mask; bits; bits &= bits - 1) {
+				int32_t child = n->child[__builtin_ctz(bits)];
+				if (child < 0)
+					ISA(leaf_nearest)(in->shape, ~child, &l, p->instance, &f);
+				else
+					ISA(shape_nearest)(in->shape, child, &l, p->instance, &f);
+			}
+		}
+	}
+	*found = f.best;
+	return found->instance >= 0;
+}

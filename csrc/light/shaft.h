@@ -7,6 +7,7 @@
 #include "light/rays.h"
 
 enum { SHAFT_PARTS = 16, SHAFT_ENTRIES = 64, SHAFT_SIDE = 8 /* pixels of a square whose rays may share one */ };
+enum { SHAFT_FEW = 4 /* pixels that one is not worth while for */ };
 
 #define SHAFT_ALL (~(uint64_t)0) /* starts */
 
@@ -56,5 +57,8 @@ static inline bool shaft_free(const shaft *s)
 
 /* As ray_blocked(). */
 bool ISA(shaft_blocks)(shaft *s, const world *w, const ray *r, hint *h);
+/* As ray_nearest(), through a shaft of SET_SEEN. */
+bool ISA(shaft_nearest)(const shaft *s, const world *w, const double from[3], const double to[3], float share,
+			hit *found);
 
 #endif

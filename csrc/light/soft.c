@@ -65,7 +65,7 @@ static bool goes_on(const light *l, int x, int y, int u, int v)
 
 /* What a place shows between the centres of pixels i and j. Beyond a triangle its plane runs under the next one where
  * the surface is hollow, and what is not there would lie in its shadow: then it is what the centre of i shows. */
-static surface place_within(const light *l, facet *known, ptrdiff_t i, ptrdiff_t j, float x, float y)
+static surface place_within(const light *l, facets *known, ptrdiff_t i, ptrdiff_t j, float x, float y)
 {
 	bool inside;
 	surface s = ISA(place_on)(l, known, l->surfaces + j, x, y, &inside);
@@ -90,7 +90,7 @@ static void ask_points(const light *l, int x, int y, int first, int end, float *
 		ptrdiff_t i = (ptrdiff_t)y * l->width + x, j = (ptrdiff_t)v * l->width + u;
 		surface s = l->surfaces[i];
 		if (u == x || v == y || goes_on(l, x, y, u, v))
-			s = place_within(l, &from->facet, i, j, (float)x + 0.5f + a, (float)y + 0.5f + b);
+			s = place_within(l, &from->facets, i, j, (float)x + 0.5f + a, (float)y + 0.5f + b);
 		ISA(shadow_ask)(l, &s, q, all, seen, from);
 	}
 }
