@@ -108,7 +108,8 @@ static bool has_seen(const fine *n)
 
 static bool gives_way(const fine *n)
 {
-	return (n->e->creases && n->e->on[SOURCE_NORMAL]) || n->e->on[SOURCE_LIGHT] || n->e->on[SOURCE_MARK];
+	return (n->e->creases && n->e->on[SOURCE_NORMAL]) || n->e->on[SOURCE_LIGHT] || n->e->on[SOURCE_MARK] ||
+	       n->e->on[SOURCE_DEPTH];
 }
 
 static bool is_colored(const fine *n)
@@ -157,7 +158,8 @@ static const pass passes[] = {
 	{"smooth", NULL, ISA(fine_smooth), LINKS | KEPT | PLACED, PLACED, NULL},
 	{"sort again", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
 	{"crowd", is_colored, ISA(fine_crowd), FOUND | PLACED | CELLS | KEPT, KEPT, BROKEN(crowd)},
-	{"give way", gives_way, ISA(fine_give_way), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, BROKEN(crowd)},
+	{"give way", gives_way, ISA(fine_give_way), LAYERS | FOUND | PLACED | CELLS | KEPT | LINKS, KEPT,
+	 BROKEN(crowd)},
 	{"close eyes", NULL, ISA(fine_close_eyes), PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"join ends", NULL, ISA(fine_join_ends), LAYERS | FOUND | PLACED | CELLS | KEPT | LINKS,
 	 FOUND | PLACED | CELLS | LINKS, BROKEN(joined)},

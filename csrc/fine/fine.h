@@ -308,7 +308,7 @@ int32_t ISA(fine_tie)(fine *n);
 int32_t ISA(fine_close_eyes)(fine *n);
 /* density.c: bounds the radius of lines between colours by the room they have. */
 int32_t ISA(fine_crowd)(fine *n);
-/* Likewise of edges of meshes, lines by hand, and light, beside older lines. */
+/* rooms.c: likewise of edges of meshes, lines by hand, light, and contours within a thing, beside older lines. */
 int32_t ISA(fine_give_way)(fine *n);
 /* slender.c: bounds the radius of lines of thin things, and at tips. */
 int32_t ISA(fine_slender)(fine *n);

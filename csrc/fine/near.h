@@ -186,6 +186,13 @@ static inline float clear_from(const site *s, const site *older)
 	return turns ? clear_of_turn : clear_of_older;
 }
 
+/* Pixels in a px of room between lines: in small frames a whole one, closer lines these can't part, and in large ones
+ * no more than 8. */
+static inline float room_px(const fine *n)
+{
+	return min(max(n->f->scale, 1), 8);
+}
+
 /* ---- order ----------------------------------------------------------------------------------------------- */
 
 /* For qsort(): below, at or above 0. */

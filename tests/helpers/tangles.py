@@ -113,7 +113,7 @@ class _Tangle:
         site = np.zeros(len(at), SITE)
         site["x"], site["y"] = at.T
         site["strength"] = 1.0
-        site["column"], site["row"] = np.clip(np.floor(at + 0.5), 0, (width - 1, height - 1)).T
+        site["column"], site["row"] = np.clip(np.floor(at + 0.5), 0, (width - 2, height - 2)).T  # between two pixels
         site["family"], site["axis"] = self.family, rng.integers(0, 2, len(at))
         site["step"] = np.clip(self.step, -127, 127) * (np.array([name.endswith("band") or name in (
             "crack", "thin", "mark", "crease", "light") for name in FAMILIES])[self.family, None] == 0)

@@ -331,63 +331,6 @@ def crowd(t, shape, scale):
     return bound, doubt
 
 
-# Edges of meshes, and of light, beside older lines: the room that they have, in the mean of up to 12 sites each way
-
-
-def give_way(t, scale):
-    """1 over the greatest radius of sites on edges of meshes, lines by hand or of light, 0 where it is not bounded;
-    unsure."""
-    def way(i):
-        ends = [*t.links[i], i][:2]
-        return (t.at[ends[1]] - t.at[ends[0]]) * (-1 if len(t.links[i]) == 1 else 1)
-
-    def own(i):
-        return {j for first in t.links[i] for j in along_from(t, i, first)}
-    wide = px(scale) * np.where(t.family == NUMBER["mark"], 3, 4)
-    room, bound, doubt = 1.0 * wide, np.zeros(len(t)), set()
-    edge = np.isin(t.family, (NUMBER["mark"], NUMBER["crease"]))
-    lines = [i for i in range(len(t)) if not t.dropped[i] and len(t.links[i]) in (1, 2) and np.any(way(i))]
-    for i in lines:
-        if not edge[i] and t.rank[i] != 3:
-            continue
-        x, y = way(i) / np.linalg.norm(way(i))
-        for j in lines:
-            hands = t.family[i] == t.family[j] == NUMBER["mark"]
-            if not (hands or (t.family[j] < t.family[i] if edge[i] else t.rank[j] < 3)):
-                continue
-            gap, other = t.at[j] - t.at[i], way(j) / np.linalg.norm(way(j))
-            along, aside, level = abs(gap @ (x, y)), gap @ (y, -x), abs(other @ (x, y))
-            least, sure = (0.985 if hands else 0.95), True
-            if hands:  # the left, or upper, one
-                aside = -aside if (y > 0 if abs(y) > abs(x) else x < 0) else aside
-                if j in own(i) or aside < 0.7 - CLOSE and abs(abs(x) - abs(y)) > CLOSE:
-                    continue
-                sure = aside > 0.7 + CLOSE and abs(abs(x) - abs(y)) > CLOSE
-            aside = abs(aside)
-            if aside < wide[i] and (not sure or min(abs(along - 1), abs(level - least)) < CLOSE):
-                doubt.add(i)
-            elif along <= 1 and level >= least:
-                room[i] = min(room[i], aside)
-    unsure = set()
-    for i in range(len(t)):
-        if t.dropped[i] or not (edge[i] or t.rank[i] == 3):
-            continue
-        arms = [along_from(t, i, j) for j in t.links[i]] if len(t.links[i]) == 2 else [[]]
-        both = min(len(arm) for arm in arms)
-        group = [i, *(j for arm in arms for j in arm[:both])]
-        if t.family[i] == NUMBER["mark"]:  # all between two places where lines meet
-            group = [i, *(j for arm in arms for j in arm if len(t.links[j]) <= 2)]
-        mean = float(np.mean(room[group]))
-        if len(t.links[i]) > 2:  # the line that goes through with most room
-            group = t.links[i]
-            mean = sorted(room[group])[-2]
-        if doubt & set(group):
-            unsure.add(i)
-        closed = px(scale) * (1.5 if edge[i] else 0.5)
-        bound[i] = max(0, 1 - mean / wide[i]) / (0.25 * max(mean - closed, 1e-6))
-    return bound, unsure
-
-
 def along_from(t, i, j):
     """Up to 12 sites of a line from i by way of j; once round at most."""
     out, before = [], i

@@ -203,7 +203,7 @@ static float length_beside(const beside *b, const chain *c)
 static void choose(beside *b, const chain *c)
 {
 	const fine *n = b->n;
-	/* light thins out beside what is older (density.c) */
+	/* light thins out beside what is older (rooms.c) */
 	bool drop = c->rank != RANK_LIGHT && c->loose && length_beside(b, c) > most_beside * c->length;
 	drop |= c->rank > RANK_SHAPE && c->wiggle > (c->rank == RANK_LIGHT ? most_wiggle_light : most_wiggle);
 	float least = c->rank == RANK_LIGHT ? least_light : c->rank == RANK_SEEN ? least_seen : 0;

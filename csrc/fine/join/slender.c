@@ -182,7 +182,7 @@ static void set_bounds(void *data, int first, int end, int thread)
 		if (s->dropped || rank_of(w->n->site + i) != RANK_SHAPE)
 			continue;
 		bound b = closed(w, (uint32_t)i);
-		s->crowd = b.crowd;
+		s->crowd = max(s->crowd, b.crowd);
 		s->tapers = b.tapers;
 	}
 }

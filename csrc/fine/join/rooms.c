@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What gives way to a line that runs beside it. Edges of meshes beside an outline, and of light beside what is older:
+ * where they were cut off at some distance, what runs about there would be a ladder, or come and go. And contours
+ * within a thing beside another of it: the rim of an eyelid is one line from afar. */
+#include "fine/near.h"
+
+enum { CHUNK = 2048, EVENED = 12, OWN = 12 /* sites each way along a line */ };
+
+static const float share = 0.25f; /* of the room beyond what closes, which a line's half may take; test_fine_passes */
+
+/* Px beside an older line that runs along, up to where and within which it counts; and pixels along. */
+static const float wide = 4, wide_mark = 3, wide_fold = 5, along = 1;
+static const float closed_crease = 1.5f, closed_light = 0.5f; /* light keeps 1.5 pixels clear by itself */
+static const float closed_fold = 3;
+static const float least_aside = 0.7f;                 /* pixels */
+static const float level = 0.95f, level_hand = 0.985f; /* cosines; lines by hand may cross at an angle */
+
+typedef struct rooms {
+	fine *n;
+	float px;
+	float *room;       /* by site: px to the next older line that runs along, at most as far as that counts */
+	const float *open; /* by site: how much of it stays; NULL as long as it is not known */
+	float *left;       /* likewise, to be filled */
+} rooms;
+
+/* An edge of a mesh: one that bends, or a line by hand. */
+static bool is_edge(const site *s)
+{
+	return s->found.family == FAMILY_CREASE || s->found.family == FAMILY_MARK;
+}
+
+/* What a contour bounds: its number, and which way from it that lies along the axis; 0 where depths do not tell. */
+typedef struct front {
+	float object, other;
+	int way;
+} front;
+
+static front front_of(const fine *n, const site *s)
+{
+	int x = s->found.column, y = s->found.row, dx = s->found.axis == AXIS_ROW, dy = 1 - dx;
+	if (s->found.family != FAMILY_CRACK || s->found.axis > AXIS_COLUMN || !n->f->layer[ENCRE_LAYER_OBJECT].data)
+		return (front){0};
+	float a = depth_at(n->f, x, y), b = depth_at(n->f, x + dx, y + dy),
+	      one = layer_row(n->f, ENCRE_LAYER_OBJECT, y)[x],
+	      two = layer_row(n->f, ENCRE_LAYER_OBJECT, y + dy)[x + dx];
+	return a < b ? (front){one, two, -1} : (front){two, one, a > b};
+}
+
+/* A contour behind which the same thing goes on. */
+static bool is_fold(const fine *n, const site *s)
+{
+	front of = front_of(n, s);
+	return of.way && of.object == of.other && depth_at(n->f, s->found.column, s->found.row) < INFINITY;
+}
+
+/* Where contours meet the place is as those that go through it. */
+static bool is_meeting(const site *s)
+{
+	return s->found.family == FAMILY_CRACK && s->found.axis == AXIS_JUNCTION;
+}
+
+static bool may_give_way(const fine *n, const site *s)
+{
+	return !s->linked.dropped && (is_edge(s) || rank_of(s) == RANK_LIGHT || is_meeting(s) || is_fold(n, s));
+}
+
+static float widest(const site *s)
+{
+	return s->found.family == FAMILY_MARK ? wide_mark : rank_of(s) == RANK_SHAPE ? wide_fold : wide;
+}
+
+/* Of two lines by hand that run along each other the left, or upper, one is as an outline to the other: so it is all
+ * along them. What lies nearer is the same line, beyond a place where lines meet. */
+static bool is_before(const site *s, const site *t, const float way[2])
+{
+	float x = t->placed.x - s->placed.x, y = t->placed.y - s->placed.y, aside = x * way[1] - y * way[0];
+	bool down = fabsf(way[1]) > fabsf(way[0]), back = down ? way[1] > 0 : way[0] < 0;
+	return (back ? -aside : aside) > least_aside * sqrtf(way[0] * way[0] + way[1] * way[1]);
+}
+
+/* Whether a site is among those that follow on another either way. */
+static bool is_own(const fine *n, uint32_t i, uint32_t site)
+{
+	if (i == site)
+		return true;
+	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
+		for (uint32_t from = i, at = n->to[k], links = 0; at != UINT32_MAX && links < OWN; links++) {
+			if (at == site)
+				return true;
+			uint32_t next = next_of(n, from, at);
+			from = at;
+			at = next;
+		}
+	return false;
+}
+
+/* Whether a contour lies the way that another bounds. */
+static bool faces(const front *of, const site *s, const site *t)
+{
+	float ahead = s->found.axis == AXIS_ROW ? t->placed.x - s->placed.x : t->placed.y - s->placed.y;
+	return (float)of->way * ahead > 0;
+}
+
+static float front_depth(const fine *n, const site *s, const front *of)
+{
+	int dx = s->found.axis == AXIS_ROW;
+	return depth_at(n->f, s->found.column + (of->way > 0 && dx), s->found.row + (of->way > 0 && !dx));
+}
+
+/* Whether a contour within a thing is a double of another one of it: the rim between them is hardly to be seen, or what
+ * lies behind. Outlines stay, then what is no faint contour, then what lies before. Where a thing ends both ways it is
+ * thin: both are needed. */
+static bool is_double(const fine *n, const site *s, const site *t, const float way[2])
+{
+	front own = front_of(n, s), other = front_of(n, t);
+	if (!other.way || other.object != own.object)
+		return false;
+	bool out = faces(&own, s, t), back = faces(&other, t, s);
+	if (out && back)
+		return false;
+	if (other.object != other.other)
+		return true;
+	if (!s->placed.eased != !t->placed.eased)
+		return s->placed.eased;
+	return out == back ? is_before(s, t, way) : front_depth(n, t, &other) < front_depth(n, s, &own);
+}
+
+static void find_rooms(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const rooms *r = data;
+	const fine *n = r->n;
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
+		const site *s = n->site + i;
+		float way[2], other[2], far = widest(s) * r->px, room = far;
+		if (r->open && !(r->room[i] < widest(s))) /* the second time it has no less */
+			continue;
+		r->room[i] = widest(s);
+		if (is_meeting(s) || !may_give_way(n, s) || !way_of(n, i, way))
+			continue;
+		bool fold = s->found.family == FAMILY_CRACK;
+		float square = way[0] * way[0] + way[1] * way[1], length = sqrtf(square);
+		if (!(length > 0))
+			continue;
+		float across = (fabsf(way[0]) * along + fabsf(way[1]) * far) / length,
+		      down = (fabsf(way[1]) * along + fabsf(way[0]) * far) / length, x0 = s->placed.x, y0 = s->placed.y;
+		near_sites of = near_box(n, x0 - across, y0 - down, x0 + across, y0 + down);
+		for (uint32_t j; near_next(n, &of, &j);) {
+			const site *t = n->site + j;
+			float x = t->placed.x - s->placed.x, y = t->placed.y - s->placed.y,
+			      aside = fabsf(x * way[1] - y * way[0]);
+			if (t->linked.dropped || (fold && t->found.family != FAMILY_CRACK) ||
+			    fabsf(x * way[0] + y * way[1]) > along * length || aside >= room * length ||
+			    !way_of(n, j, other))
+				continue;
+			bool hands = s->found.family == FAMILY_MARK && t->found.family == FAMILY_MARK;
+			bool older = hands        ? is_before(s, t, way)
+				     : fold       ? is_double(n, s, t, way)
+				     : is_edge(s) ? t->found.family < s->found.family
+						  : rank_of(t) < RANK_LIGHT;
+			float dot = way[0] * other[0] + way[1] * other[1];
+			if (older && !((hands || fold) && is_own(n, i, j)) &&
+			    dot * dot > (hands ? level_hand * level_hand : level * level) * square *
+						(other[0] * other[0] + other[1] * other[1]))
+				room = min(room, mix(far, aside / length, r->open ? r->open[j] : 1));
+		}
+		r->room[i] = room / r->px;
+	}
+}
+
+/* Where lines meet, that of the line that goes through with most of it. */
+static float through_room(const rooms *r, uint32_t i)
+{
+	float most[2] = {0, 0};
+	for (uint32_t k = r->n->at[i]; k < r->n->at[i + 1]; k++) {
+		float room = r->room[r->n->to[k]];
+		most[1] = max(most[1], min(most[0], room));
+		most[0] = max(most[0], room);
+	}
+	return most[1];
+}
+
+/* The mean along the line, as far both ways as it goes: what stands beside it in a row, as windows do at a house's
+ * corner, would cut it to dashes. Where an older line comes nearer steadily, the mean is the place's own. Two lines by
+ * hand that meet again and again would be a ladder: their mean is that of all that lies between two such places. */
+static float even_room(const rooms *r, uint32_t i)
+{
+	const fine *n = r->n;
+	float sum = r->room[i], count = 1;
+	bool all = n->site[i].found.family == FAMILY_MARK;
+	if (links_at(n, i) > 2)
+		return through_room(r, i);
+	if (links_at(n, i) != 2)
+		return sum;
+	uint32_t from[2] = {i, i}, at[2] = {n->to[n->at[i]], n->to[n->at[i] + 1]};
+	for (int k = 0; k < EVENED && at[0] != i && at[1] != i; k++) {
+		if (at[0] == UINT32_MAX || at[1] == UINT32_MAX ? !all : 0)
+			break;
+		for (int side = 0; side < 2; side++) {
+			if (at[side] == UINT32_MAX)
+				continue;
+			uint32_t next = next_of(n, from[side], at[side]);
+			float counts = !all || links_at(n, at[side]) <= 2;
+			sum += counts * r->room[at[side]];
+			count += counts;
+			from[side] = at[side];
+			at[side] = next;
+		}
+	}
+	return sum / count;
+}
+
+static void find_open(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const rooms *r = data;
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
+		const site *s = r->n->site + i;
+		bool fold = s->found.family == FAMILY_CRACK && !s->linked.dropped && is_fold(r->n, s);
+		r->left[i] = fold ? clamp01((even_room(r, i) - closed_fold) / (wide_fold - closed_fold)) : 1;
+	}
+}
+
+static void give_way(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const rooms *r = data;
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
+		site *s = r->n->site + i;
+		if (!may_give_way(r->n, s))
+			continue;
+		float room = even_room(r, i), far = widest(s),
+		      closed = is_edge(s)                 ? closed_crease
+			       : rank_of(s) == RANK_SHAPE ? closed_fold
+							  : closed_light;
+		if (room < far)
+			s->linked.crowd =
+				max(s->linked.crowd, (1 - room / far) / (share * max((room - closed) * r->px, 1e-6f)));
+	}
+}
+
+/* Of contours the one that another gives way to may itself give way to a third, or a little farther on to that same
+ * one: as much as it does, the other stays. So they are looked at twice. */
+int32_t ISA(fine_give_way)(fine *n)
+{
+	float *open = late_take(&n->f->late, n->count, sizeof *open);
+	rooms r = {.n = n, .px = room_px(n), .room = late_take(&n->f->late, n->count, sizeof *r.room), .left = open};
+	if (!r.room || !open)
+		return ENCRE_ERROR_MEMORY;
+	const bands_kernel work[] = {find_rooms, find_open, find_rooms, give_way};
+	int32_t code = ENCRE_OK;
+	for (int k = 0; !code && k < 4; k++) {
+		r.open = k < 2 ? NULL : open;
+		code = bands_run(n->f->bands, (int)n->count, CHUNK, work[k], &r);
+	}
+	late_drop(&n->f->late, r.room);
+	late_drop(&n->f->late, open);
+	return code;
+}
