@@ -13,6 +13,13 @@ static inline int pixel_of(float at, int n)
 	return clamp_index((int)floorf(at + 0.5f), n);
 }
 
+/* The number of what a pixel shows; 0 where none is known. */
+static inline float object_at(const frame *f, int x, int y)
+{
+	plane p = f->layer[ENCRE_LAYER_OBJECT];
+	return p.data ? p.data[y * p.row + x] : 0;
+}
+
 /* Pixels beside a crack hold two surfaces. */
 static inline bool mixed_at(const fine *n, int x, int y)
 {

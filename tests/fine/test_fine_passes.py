@@ -132,7 +132,7 @@ def give_way(check):
 
 def slim(check):
     before = check.tables("join ends")[0]
-    crowd, tapers, unsure = slender.slender(before, check.c.view.layers.depth, check.scale)
+    crowd, tapers, unsure = slender.slender(before, check.c.view.layers, check.scale)
     crowd = np.maximum(crowd, before.site["crowd"])
     after = check.tables("slender")[0].site
     shapes = (before.rank == 0) & ~before.dropped

@@ -331,10 +331,10 @@ def crowd(t, shape, scale):
     return bound, doubt
 
 
-def along_from(t, i, j):
-    """Up to 12 sites of a line from i by way of j; once round at most."""
+def along_from(t, i, j, most=12):
+    """So many sites of a line from i by way of j; once round at most."""
     out, before = [], i
-    while len(out) < 12 and j != i:
+    while len(out) < most and j != i:
         out.append(j)
         if len(t.links[j]) != 2:
             break

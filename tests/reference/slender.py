@@ -7,7 +7,7 @@ from .metric import clamp01, mix
 from .passes import CLOSE, NUMBER, ROW, along_from
 
 WIDEST, SHARE, LEAST, TIP = 16.0, 0.3, 1.25, 0.75  # px, of the thing's width, px, px
-AROUND, MEETINGS = 12, 2  # sites each way along a line, and beyond how many meetings of lines
+AROUND, MEETINGS = 16, 4  # sites each way along a line, and beyond how many meetings of lines
 
 
 def _ways(t, i):
@@ -24,24 +24,39 @@ def _ways(t, i):
     return ways, unsure
 
 
-def _opposite(t, i, depth, cracks, reach):
-    """The contour at which the thing ends that the one at site i bounds; None: it is far, or the thing lies behind."""
-    axis, at = t.axis[i], np.array([t.site["row"][i], t.site["column"][i]])
+def _opposite(t, i, layers, cracks, reach):
+    """(the contour at which the thing ends that the one at site i bounds; None: it is far, covered, or dropped; pixels
+    to where another thing begins behind it, 0: not known)."""
+    depth, axis, at = layers.depth, t.axis[i], np.array([t.site["row"][i], t.site["column"][i]])
     step = np.array((0, 1) if axis == ROW else (1, 0))
     one, other = depth[tuple(at)], depth[tuple(at + step)]
     if one == other:
-        return None
-    way = -1 if one < other else 1
+        return None, 0
+    way, thing = -1 if one < other else 1, None
+    own = tuple(at if one < other else at + step)
     for k in range(1, reach + 1):
         there = at + way * k * step
         if (there < 0).any() or (there + step >= depth.shape).any():
-            return None
+            return None, 0
         if (*there, axis) in cracks:
-            pair = depth[tuple(there)], depth[tuple(there + step)]
+            pair = tuple(there), tuple(there + step)
             inside, outside = pair if way > 0 else pair[::-1]
-            j = cracks[(*there, axis)]
-            return j if inside < outside and not t.dropped[j] else None
-    return None
+            far = k * int(layers.object[outside] != layers.object[own])
+            if thing is None and depth[inside] < depth[outside]:
+                j = cracks[(*there, axis)]
+                return None if t.dropped[j] else j, far
+            thing = depth[inside] if thing is None else thing
+            if depth[outside] > thing:
+                return None, far
+    return None, 0
+
+
+def _within(t, i, far, unit):
+    """Of a thing whose other contour is covered or dropped, so many pixels wide along the axis; 0: not known."""
+    ways, unsure = _ways(t, i)
+    thin = _thin(t, i, unit)[0]
+    aside = abs((ways[1] if ways[1].any() else ways[0])[1 if t.axis[i] == ROW else 0])
+    return max(thin, _at(far * aside, 0.0, unit) if far * aside > 0 else 0.0), 0.0, unsure or 0 < aside < 1e-6
 
 
 def _at(wide, sine, unit):
@@ -75,7 +90,7 @@ def _beside(a, b, dot, gap, unit):
 
 def _beyond(t, i, j, sites, meetings):
     """The next sites of a line from i over j; where it meets others, also of these."""
-    arm = along_from(t, i, j)[:sites]
+    arm = along_from(t, i, j, sites)
     last, before = arm[-1], (i, *arm)[-2]
     if len(t.links[last]) > 2 and meetings and len(arm) < sites:
         return arm + [k for to in t.links[last] if to != before
@@ -83,15 +98,15 @@ def _beyond(t, i, j, sites, meetings):
     return arm
 
 
-def slender(t, depth, unit):
+def slender(t, layers, unit):
     """1 over the greatest radius of each site of a shape, 0 where it is not bounded; how much what it is of tapers;
     unsure. unit: pixels of a px."""
     found, doubt, result = np.zeros((len(t), 2)), set(), np.zeros((len(t), 2))
     contour = (t.family == NUMBER["crack"]) & (t.axis <= 1)
     cracks = {(t.site["row"][i], t.site["column"][i], t.axis[i]): i for i in np.flatnonzero(contour)}
     for i in np.flatnonzero(~t.dropped & (t.rank == 0)):
-        j = _opposite(t, i, depth, cracks, int(WIDEST * unit)) if contour[i] else None
-        *found[i], unsure = (*_thin(t, i, unit), False) if j is None else _bound(t, i, j, unit)
+        j, far = _opposite(t, i, layers, cracks, int(WIDEST * unit)) if contour[i] else (None, 0)
+        *found[i], unsure = _within(t, i, far, unit) if j is None else _bound(t, i, j, unit)
         doubt |= {i} if unsure else set()
     unsure = set()
     for i in np.flatnonzero(~t.dropped & (t.rank == 0)):  # at the tip itself there is nothing opposite

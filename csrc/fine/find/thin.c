@@ -20,12 +20,6 @@ static const float least_step =
 	0.01f;                      /* of a depth before what lies behind: a crack of full strength; test_fine_sites */
 static const float steepest = 1.5f; /* pixels that its middle moves from a row to the next; test_fine_sites */
 
-static float object_at(const frame *f, int x, int y)
-{
-	plane p = f->layer[ENCRE_LAYER_OBJECT];
-	return p.data ? p.data[y * p.row + x] : 0;
-}
-
 /* What depths are compared in: even on planes. */
 static float nearness(const fine *n, float z)
 {

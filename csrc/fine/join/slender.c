@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { CHUNK = 2048, AROUND = 12 /* sites each way along a line */, MEETINGS = 2, LONG = 6 };
+enum { CHUNK = 2048, AROUND = 16 /* sites each way along a line */, MEETINGS = 4, LONG = 6 };
 
 /* Px. What is wider is no thin thing, and no line of one is made thinner. */
 static const float widest = 16, least_radius = 1.25f, least_tip = 0.75f; /* test_fine_passes */
@@ -59,32 +59,47 @@ static void ways_from(const fine *n, uint32_t i, float way[2][2])
 	}
 }
 
-/* Number of the contour on the other side of the thing that the one at site i is of; n->count: it is far, or something
- * lies before the thing there. */
-static uint32_t opposite(const slender *w, const site *s)
+/* The other side of a thing. */
+typedef struct side {
+	uint32_t contour; /* its number; n->count: it is far, covered, or dropped */
+	int far;          /* pixels to where another thing begins behind it; 0: not known */
+} side;
+
+/* What is opposite the contour at site i. Where something lies before the thing, its own contour is covered, if behind
+ * that is neither the thing nor what is nearer. */
+static side opposite(const slender *w, const site *s)
 {
 	const fine *n = w->n;
 	const frame *f = n->f;
+	side none = {n->count, 0};
 	int axis = s->found.axis, dx = axis == AXIS_ROW, dy = 1 - dx, x = s->found.column, y = s->found.row;
-	float own = depth_at(f, x, y), its = depth_at(f, x + dx, y + dy);
+	float own = depth_at(f, x, y), its = depth_at(f, x + dx, y + dy), thing = 0; /* where it is last seen */
 	if (own == its)
-		return n->count;
+		return none;
 	int way = own < its ? -1 : 1, size = axis ? f->height : f->width, at = axis ? y : x;
+	float object = own < its ? object_at(f, x, y) : object_at(f, x + dx, y + dy);
 	ptrdiff_t step = axis ? f->width : 1;
 	const uint8_t *crack = n->crack + (ptrdiff_t)y * f->width + x;
 	uint8_t mark = mark_of(FAMILY_CRACK, axis) & 255;
+	bool covered = false;
 	for (int k = 1; k <= w->reach; k++) {
 		int to = at + way * k;
 		if (to < 0 || to + 1 >= size)
 			break;
 		if (!(crack[way * k * step] & mark))
 			continue;
-		int cx = x + way * k * dx, cy = y + way * k * dy;
-		float inside = depth_at(f, way < 0 ? cx + dx : cx, way < 0 ? cy + dy : cy),
-		      outside = depth_at(f, way < 0 ? cx : cx + dx, way < 0 ? cy : cy + dy);
-		return inside < outside ? ISA(crack_number)(n, FAMILY_CRACK, cx, cy, axis) : n->count;
+		int cx = x + way * k * dx, cy = y + way * k * dy, on = way > 0;
+		float inside = depth_at(f, on ? cx : cx + dx, on ? cy : cy + dy),
+		      outside = depth_at(f, on ? cx + dx : cx, on ? cy + dy : cy);
+		int far = object_at(f, on ? cx + dx : cx, on ? cy + dy : cy) != object ? k : 0;
+		if (!covered && inside < outside)
+			return (side){ISA(crack_number)(n, FAMILY_CRACK, cx, cy, axis), far};
+		thing = covered ? thing : inside;
+		covered = true;
+		if (outside > thing)
+			return (side){n->count, far};
 	}
-	return n->count;
+	return none;
 }
 
 /* Where the contours of a thing so wide are one beside the other, at an angle of this sine. */
@@ -95,10 +110,27 @@ static float bound_at(const slender *w, float wide, float sine)
 	return 1 / max(share * wide / max(1 - far * far, 1e-6f), least);
 }
 
+static bound more(bound a, bound b)
+{
+	return (bound){max(a.crowd, b.crowd), max(a.tapers, b.tapers)};
+}
+
 /* What pixels alone say of a thin thing, where its contours have no way of their own. */
 static bound thin_bound(const slender *w, const placed *s)
 {
 	return (bound){s->thin * bound_at(w, 2 * s->half, 0), 0};
+}
+
+/* A thing whose other contour is covered or dropped is at most so wide along the axis; 0: not known. */
+static bound within(const slender *w, uint32_t i, float far)
+{
+	const site *s = w->n->site + i;
+	float way[2][2];
+	ways_from(w->n, i, way);
+	const float *along = way[way[1][0] != 0 || way[1][1] != 0];
+	float aside = fabsf(s->found.axis == AXIS_ROW ? along[1] : along[0]);
+	bound thin = thin_bound(w, &s->placed);
+	return far * aside > 0 ? more(thin, (bound){bound_at(w, far * aside, 0), 0}) : thin;
 }
 
 static bound bound_of(const slender *w, uint32_t i)
@@ -107,10 +139,11 @@ static bound bound_of(const slender *w, uint32_t i)
 	const site *s = n->site + i;
 	if (s->linked.dropped || rank_of(s) != RANK_SHAPE)
 		return (bound){0};
-	uint32_t j = is_contour(s) ? opposite(w, s) : n->count;
-	if (j >= n->count)
-		return thin_bound(w, &s->placed);
+	side to = is_contour(s) ? opposite(w, s) : (side){n->count, 0};
+	uint32_t j = to.contour;
 	float own[2][2], other[2][2], dot[2];
+	if (j >= n->count)
+		return within(w, i, (float)to.far);
 	ways_from(n, i, own);
 	ways_from(n, j, other);
 	for (int k = 0; k < 2; k++)
@@ -133,11 +166,6 @@ static void find_bounds(void *data, int first, int end, int thread)
 	const slender *w = data;
 	for (int i = first; i < end && !stopped_at(w->n, i); i++)
 		w->bound[i] = bound_of(w, (uint32_t)i);
-}
-
-static bound more(bound a, bound b)
-{
-	return (bound){max(a.crowd, b.crowd), max(a.tapers, b.tapers)};
 }
 
 /* The most on the next so many sites of a line; where it meets others, on these, so many times. */
