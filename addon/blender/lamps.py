@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
+from ..pen.irradiance import polynomials
 from ..pen.job import EVERY_SET, Bend, Lamp
 from ..pen.scene import Scene
 from . import cutouts, trees, versions, wanted, worlds
@@ -47,9 +48,9 @@ def forget():
 class Light:
     """The light of one view layer: made before Cycles frees the scene, drawn after it."""
 
-    def __init__(self, depsgraph, clip, kept=None, shown=None):
+    def __init__(self, depsgraph, clip, kept=None, shown=None, shadowed=False):
         """clip: the camera's (start, end); kept: the Kept of the Light before this one, which must not be drawn any
-        more; shown: as meshes.extract() takes it."""
+        more; shown: as meshes.extract() takes it; shadowed: whether things keep the world's light from each other."""
         self.kept, self.clip, self.unknown = kept or Kept(), clip, []
         self.scene = self.kept.scene
         self.sets, self.materials = _Sets(), {}
@@ -60,6 +61,10 @@ class Light:
             self.world = worlds.light(depsgraph.scene_eval.world)
         except trees.Unknown as e:
             self.unknown.append(f"the world's node {e}")
+        self.free = None if shadowed else self.world  # of the world's light what nothing is in the way of
+        if shadowed and self.world is not None:
+            for lamp in _halves(self.world):
+                self._add(lamp)
         for instance in depsgraph.object_instances:
             kind = instance.object.type
             if kind in ("LIGHT", "EMPTY") and instance.show_self and (
@@ -77,6 +82,9 @@ class Light:
         if lamp is None:
             return
         lamp.light_set, lamp.shadow_set = self.sets.numbers(obj)
+        self._add(lamp)
+
+    def _add(self, lamp):
         self.scene.lamp(self.lamps, lamp)
         self.said.append([getattr(lamp, of.name) if of.name not in ("color", "model")
                           else np.asarray(getattr(lamp, of.name)).tobytes() for of in fields(lamp)])
@@ -165,21 +173,35 @@ class Light:
 
     def same(self, other):
         """Whether another Light of the same Kept would draw the same."""
-        return self.said == other.said and np.array_equal(self.world, other.world)
+        return self.said == other.said and np.array_equal(self.free, other.free)
 
     def work(self, depth, normal, view, projection, frame, clip, sharp=False, **more):
         """The Work that draws the layer `diffuse`; clip: as the Light was made with, of what looks at it now; sharp and
         more: as light_work() takes them."""
-        return self.scene.light_work(depth, normal, view, projection, frame, *clip, self.world, self.bends, sharp,
+        return self.scene.light_work(depth, normal, view, projection, frame, *clip, self.free, self.bends, sharp,
                                      **more)
 
     def draw(self, depth, normal, view, projection, frame, threads, progress):
         """The layer `diffuse`."""
-        return self.scene.light(depth, normal, view, projection, frame, *self.clip, self.world, threads,
+        return self.scene.light(depth, normal, view, projection, frame, *self.clip, self.free, threads,
                                 progress=progress, bends=self.bends)
 
 
 # Lamps
+
+def _halves(world):
+    """The Lamps that give the light from all sides, (9, 3), each half of it: suns that fill half of the sky. Each is as
+    bright all over as is what falls on a surface that faces it, and they part the sky where it changes most: exact for
+    one colour, for a picture of the world about it."""
+    axis = world[1:4].sum(1)
+    axis = axis / np.linalg.norm(axis) if np.linalg.norm(axis) > 1e-3 * np.abs(world[0]).sum() else np.eye(3)[2]
+    across = np.linalg.svd(axis[None])[2][1:]
+    for side in (axis, -axis):
+        model = np.eye(4)
+        model[:3, :3] = np.column_stack([*across, side])
+        color = np.pi * np.maximum(polynomials(side) @ world, 0)
+        yield Lamp("sun", color, width=np.pi, matt=True, model=model)
+
 
 def told(obj, matrix, unknown=None):
     """The Lamp that an object is; None: it lights no surface, or has nodes that can't be told, which go to `unknown`.

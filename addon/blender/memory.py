@@ -71,6 +71,7 @@ class Layer:
             "Layers": new.fast != old.fast,
             "Supersample": old.factor != new.factor,
             "Light": old.draws_light != new.draws_light and not new.fast,
+            "World Shadows": (new.draws_light or new.fast) and old.shadows_world != new.shadows_world,
             "Object Index": old.every[0]["object_index"] != new.every[0]["object_index"],
         } if not self.opened else {}
         changed |= {

@@ -20,7 +20,8 @@ def beside(context, depsgraph, settings, camera):
     """All that fast.read() reads of the settings, the scene and its view layer: equal where one evaluation that has
     changed settings has not changed any of these, too."""
     scene, layer, space = depsgraph.scene_eval, context.view_layer, context.space_data
-    return (settings.every[0]["object_index"], settings.rastered, [style.name for style in scene.encre.styles],
+    return (settings.every[0]["object_index"], settings.rastered, settings.shadows_world,
+            [style.name for style in scene.encre.styles],
             scene.world and scene.world.name_full, scene.render.film_transparent, camera and camera.name_full,
             [(obj.visible_get(view_layer=layer, viewport=space), obj.indirect_only_get(view_layer=layer))
              for obj in layer.objects])

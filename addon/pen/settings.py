@@ -161,6 +161,11 @@ class Settings:
         return self.every[0]["light_source"] == "DRAWN" and self.active
 
     @cached_property
+    def shadows_world(self) -> bool:
+        """Whether things keep the world's light from each other, where light is drawn."""
+        return bool(self.every[0]["world_shadows"])
+
+    @cached_property
     def denoises(self) -> bool:
         """Whether the light is to be denoised, where it is rendered."""
         return self.every[0]["light_denoise"] == "OIDN" and self.wants_light

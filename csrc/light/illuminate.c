@@ -126,7 +126,10 @@ static int32_t run(light *l)
 		const encre_lamp *given = lamps->items[i];
 		if (!lamp_make(given, &l->lamp))
 			continue;
-		l->soft = l->lamp.soft && !l->job->sharp;
+		/* what fills half of the sky has no middle where a sharp shadow would end */
+		bool wide = l->lamp.type == ENCRE_SUN && l->lamp.open > 0.99f;
+		l->soft = l->lamp.soft && (wide || !l->job->sharp);
+		l->lamp.shadows &= !(wide && l->job->sharp);
 		l->shines = l->job->specular.data && l->job->shine.data && !given->matt;
 		code = ISA(shadow_run)(l);
 		if (!code)

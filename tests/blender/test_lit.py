@@ -55,6 +55,16 @@ def test_shadows_of_what_throws_them(rules):
     assert difference[calm].mean() < apart(rules) and (difference[calm] > 0.1).mean() < 0.002
 
 
+def test_the_world_s_light_is_kept_from_corners_as_in_cycles(render):
+    shot = render("world")
+    shadowed, plain = shot.passes("shadowed"), shot.passes("open")
+    difference, calm = compared(shadowed)
+    assert difference[calm].mean() < 0.02 and np.percentile(difference[calm], 95) < 0.07  # Cycles' noise at 64 samples
+    assert compared(plain)[0][calm].mean() > 0.04
+    lit = plain["DiffCol"].any(2)
+    assert np.abs(plain["Encre Diffuse"][lit] - np.float32((0.3, 0.5, 0.8))).max() < 1e-4
+
+
 def test_leaves_that_images_cut_out_throw_their_own_shadows(render):
     shot = render("cut_leaves")
     passes = shot.passes("cut_leaves")

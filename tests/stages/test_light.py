@@ -175,6 +175,15 @@ def test_sharp_shadows_are_those_of_a_lamp_without_a_size():
     assert (stage.light(hard, depth=depth, sharp=True) == expected).all()
 
 
+def test_half_of_the_sky_has_no_sharp_shadows():
+    stage, sky = Stage(64, 48, smooth=True), Lamp("sun", (1, 1, 1), width=np.pi, matt=True)
+    depth = stage.depth()
+    soft, sharp = stage.light(sky, depth=depth), stage.light(sky, depth=depth, sharp=True)
+    open_sky = stage.light(replace(sky, shadows=False), depth=depth)
+    assert (sharp == open_sky).all()
+    assert (soft < 0.7 * open_sky).mean() > 0.02
+
+
 # ---- the scene
 
 

@@ -90,6 +90,17 @@ def unlit(out):
     shoot(out, "unlit")
 
 
+def world(out):
+    """Light from all sides alone: with what is in its way, and without."""
+    scene = _stage(64)
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.color = (0.3, 0.5, 0.8)
+    scene.encre.world_shadows = True
+    shoot(out, "shadowed")
+    scene.encre.world_shadows = False
+    shoot(out, "open")
+
+
 def scene_rules(out):
     """What the camera does not see throws shadows, what throws none does not, and light is linked."""
     scene = _stage(16)
