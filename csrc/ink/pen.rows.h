@@ -27,6 +27,7 @@ FLOAT(pen##_strip, SURFACE, 0, 0, 1, 0, 1, "factor", PEN_RULE, "Strip", "How muc
 FLOAT(pen##_strip_length, SURFACE, 300, 1, 16384, 20, 1000, "px", PEN_RULE "&" #pen "_strip", "Strip Length", "Length of the line along which the picture lies, about, then it begins anew") \
 INT(pen##_strokes, SURFACE, 1, 1, 4, 1, 4, "", PEN_RULE, "Strokes", "How many times each line is drawn, every time with another wobble") \
 FLOAT(pen##_overshoot, SURFACE, 0, 0, 1024, 0, 60, "px", PEN_RULE, "Overshoot", "How far strokes go on beyond corners, about") \
+FLOAT(pen##_overshoot_color, SURFACE, 1, 0, 1, 0, 1, "factor", PEN_RULE "&" #pen "_overshoot", "Overshoot of Colors", "Share of it by which lines between colours and materials go on: bricks and letters bristle at 1") \
 FLOAT(pen##_pool, SURFACE, 0, 0, 4, 0, 1, "factor", PEN_RULE, "Pooling", "How much wider lines are where they turn back, where ink gathers") \
 INT(pen##_seed, SURFACE, 0, 0, 2147483647, 0, 1000, "", PEN_RULE, "Seed", "Another hand") \
 INT(pen##_hold, SURFACE, 0, 0, 10000, 0, 8, "", PEN_RULE, "Hold", "Frames for which a line stays as it is drawn, then it is drawn anew: 2 is on twos; 0: lines are drawn once for all frames") \
@@ -54,6 +55,7 @@ STRIP_ROW(pen)
 FLOAT(ink_on_dark, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE", "Ink on Dark", "How far lines that run through dark areas take the second ink, so that they are seen there")
 COLOR(ink_dark_color, SURFACE, 1, 1, 1, "use_lines&edge_detector=FINE&ink_on_dark", "Second Ink", "Colour of lines that run through dark areas")
 FLOAT(ink_dark_threshold, SURFACE, 0.03, 0, FLT_MAX, 0, 0.5, "", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Threshold", "Pictures darker than this on both sides of a line are dark areas")
+FLOAT(ink_dark_width, SURFACE, 1, 0, 1, 0.2, 1, "factor", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Width", "How wide lines through dark areas are, as a share of their width: what is light looks wider than what is dark")
 FLOAT(line_lit, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE", "Ink in Light", "How far lines in the light take the ink of the light")
 COLOR(line_lit_color, SURFACE, 0.5, 0.25, 0.1, "use_lines&edge_detector=FINE&line_lit", "Ink of the Light", "Colour of lines in the light")
 STAGE(pen_2, "Pen 2", "A second pen, for the kinds of line that name it")

@@ -215,9 +215,10 @@ static void take_ink(void *data, int first, int end, int thread)
 		spare(c, (uint32_t)i, p, e);
 		if (!(c->even[i] > 0))
 			continue;
-		float full = c->dark[i], share = p->ink_on_dark;
+		float full = c->dark[i], share = p->ink_on_dark, wide = p->ink_dark_width;
 		for (int k = 0; k < 3; k++)
 			c->ink[i][k] = blend(c->ink[i][k], p->ink_dark_color[k], share * min(1, blunt * full));
+		full *= e->out > 0 ? max(wide, min(1, 0.5f / e->out)) : 1; /* none gets thinner than a pixel */
 		full *= clamp01((2 * e->out * full - hair) / (1 - hair));
 		e->out *= mix(1, full, share); /* its reach is no less */
 		e->fade *= mix(1, full, share);

@@ -220,6 +220,13 @@ static strip_end strip_end_of(const gather *g, uint32_t i, const hand *h)
 	return e;
 }
 
+/* How far strokes of a line go on beyond corners. */
+static float overshoot_of(const site *s, const hand *h)
+{
+	bool colored = s->placed.source == SOURCE_COLOR || s->placed.source == SOURCE_MATERIAL;
+	return h->pen_overshoot * (colored ? h->pen_overshoot_color : 1);
+}
+
 static void finish_pens(void *data, int first, int end, int thread)
 {
 	(void)thread;
@@ -246,7 +253,7 @@ static void finish_pens(void *data, int first, int end, int thread)
 				finish(g->f, made, h, g->radius[i + k], g->length ? g->length[i + k] : INFINITY,
 				       g->kept ? g->kept[i + k] : 1, t, &beat, g->end + i + k);
 			if (g->farther)
-				g->farther[i + k] = t && drawn ? t->farther * h->pen_overshoot * g->f->scale : 0;
+				g->farther[i + k] = t && drawn ? t->farther * overshoot_of(made, h) * g->f->scale : 0;
 			if (g->all->dry && t)
 				memcpy(g->all->dry[at], t->ink, sizeof t->ink);
 			if (g->all->strip)

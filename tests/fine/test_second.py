@@ -97,3 +97,12 @@ def test_a_bright_rope_before_black_stays_bright():
             layers["combined"][..., :3] = np.where(rope, 1, 0.9)  # before what is light it has contours
             ink = library.render(layers, pen, outputs=("Encre Lines",)).images["Encre Lines"][20:60, ..., 3].sum(1)
             assert ink.mean() * np.cos(slant) > 3, (width, slant)
+
+
+@pytest.mark.parametrize("wide", [0.5, 0.75])
+def test_white_lines_are_as_thin_as_asked_but_no_hairs(wide):
+    """Six pixels wide on black, and one."""
+    value = np.zeros((HEIGHT, WIDTH))
+    assert np.abs(whites(value, ink_dark_width=wide)[100:140] - 6 * wide).max() < 0.1
+    thin = dict(line_thickness=1.0)
+    assert np.abs(whites(value, ink_dark_width=wide, **thin) - whites(value, **thin))[100:140].max() < 0.02

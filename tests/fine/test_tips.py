@@ -124,16 +124,17 @@ def test_a_joint_of_two_materials_runs_where_the_mesh_says(slant):
         assert np.abs(place[6:-6][inner]).max() < 0.2
 
 
-def reach_of_overshoot(size):
-    """Pixels that the strokes round a square go on beyond it, of a pen that would by 12."""
+def reach_of_overshoot(size, painted=False, **more):
+    """Pixels that the strokes round a square go on beyond it, of a pen that would by 12; it is a thing, or a colour."""
     object_ = np.zeros((96, 96, 1), np.float32)
-    object_[40:40 + size, 40:40 + size] = 1
     flat = np.ones((96, 96, 3), np.float32)
+    (flat if painted else object_)[40:40 + size, 40:40 + size] = 0 if painted else 1
     anchor = np.zeros((96, 96, 16), np.float32)  # where nothing is hidden, and noise is somewhere
     anchor[..., :2], anchor[..., 6] = np.indices((96, 96)).T, 1
-    layers = dict(combined=np.ones((96, 96, 4), np.float32), color=flat, diffuse=flat, normal=flat,
-                  depth=5 * flat[..., :1], object=object_, anchor=anchor)
-    pen = dict(PEN, line_thickness=2.0, pen_overshoot=12.0)
+    one = np.ones_like(flat)
+    layers = dict(combined=np.ones((96, 96, 4), np.float32), color=flat, diffuse=one, normal=one,
+                  depth=5 * one[..., :1], object=object_, anchor=anchor)
+    pen = dict(PEN, line_thickness=2.0, pen_overshoot=12.0, edge_color=float(painted), **more)
     t = library.render(layers, pen, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
     rows = np.flatnonzero(t.max(1) > 0.1)
     return max(40 - rows[0], rows[-1] - 39 - size)
@@ -144,3 +145,9 @@ def test_what_is_tiny_does_not_bristle():
     for size in (8, 14, 20):
         assert reach_of_overshoot(size) <= 0.2 * size + 2, size
     assert reach_of_overshoot(50) > 6
+
+
+def test_lines_between_colours_bristle_less_if_asked():
+    assert reach_of_overshoot(50, True) > 6
+    assert reach_of_overshoot(50, True, pen_overshoot_color=0.0) < 2
+    assert reach_of_overshoot(50, pen_overshoot_color=0.0) > 6

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from .edges import SOURCES
 from .metric import clamp01, mix, value
 from .passes import COLUMN, CRACKS, FAMILIES, NUMBER, ROW, hits, told_by
 from .shade import exposed
@@ -97,6 +98,7 @@ class Hand:
     def __init__(self, t, layers, params, stroke):
         site = t.site
         self.style = layers.style[site["near_y"], site["near_x"]]
+        self.colored = np.isin(site["source"], [SOURCES.index("color"), SOURCES.index("material")])
         self.params, self.stroke = params, stroke
         self.scale = params.pixels(layers.full_height)
         x, y = ((t.at[:, k] + corner + 0.5) / self.scale for k, corner in ((0, layers.x), (1, layers.y)))
@@ -136,7 +138,8 @@ class Hand:
     def farther(self):
         """Pixels that a stroke goes on beyond a corner, were there room."""
         far = self.at("overshoot")
-        return far * self.scale * np.maximum(0, 1 + self.noise(np.maximum(far, 1e-9), FARTHER) / 2)
+        share = np.where(self.colored, self.at("overshoot_color"), 1)
+        return share * far * self.scale * np.maximum(0, 1 + self.noise(np.maximum(far, 1e-9), FARTHER) / 2)
 
     def pressure(self):
         noise = self.noise(self.at("pressure_length"), PRESSURE)
@@ -286,7 +289,8 @@ def inks(t, layers, params, ink, half, picture):
     spared = np.minimum(half, 0.25 * (1 - site["thin"]) / np.maximum(site["crowd"], 1e-12))
     bare = clamp01(1.5 * _evened(t, _bare(t, layers, params, half, picture), half, unit)) * (site["crowd"] > 0)
     spared = mix(half, spared, bare * (1 - even) * share)
-    wide = second * clamp01((2 * spared * second - HAIR) / (1 - HAIR))
+    wide = second * np.maximum(params.at("ink_dark_width", style), np.minimum(1, 0.5 / np.maximum(spared, 1e-12)))
+    wide = wide * clamp01((2 * spared * wide - HAIR) / (1 - HAIR))
     factor = np.where(second > 0, mix(1, wide, share), 1) * spared / np.maximum(half, 1e-12)
     return mix(ink, params.at("ink_dark_color", style), (share * np.minimum(1, 8 * second))[:, None]), factor
 

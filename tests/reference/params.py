@@ -25,10 +25,11 @@ DEFAULTS = {
         "pressure": 0.0, "pressure_length": 210.0, "curve": 0.0, "wobble": 0.0, "wobble_length": 135.0,
         "rough": 0.0, "rough_length": 12.0, "gaps": 0.0, "gaps_length": 90.0,
         "dry": 0.0, "dry_length": 33.0, "bristles": 6, "strokes": 1, "seed": 0, "hold": 0, "boil": 1.0,
-        "strip": 0.0, "strip_length": 300.0, "dash": 0.0, "dash_space": 10.0, "overshoot": 0.0, "pool": 0.0}.items()},
+        "strip": 0.0, "strip_length": 300.0, "dash": 0.0, "dash_space": 10.0, "overshoot": 0.0, "overshoot_color": 1.0,
+        "pool": 0.0}.items()},
     **{pen + name: value for pen in ("pen_2_", "pen_3_") for name, value in {
         "width": 1.0, "taper": 0.0, "softness": 0.9, "intensity": 1.0, "gain": 4.0, "paper": 0.6}.items()},
-    "ink_on_dark": 0.0, "ink_dark_color": (1.0, 1.0, 1.0), "ink_dark_threshold": 0.03,
+    "ink_on_dark": 0.0, "ink_dark_color": (1.0, 1.0, 1.0), "ink_dark_threshold": 0.03, "ink_dark_width": 1.0,
     "line_lit": 0.0, "line_lit_color": (0.5, 0.25, 0.1), "line_color_by_kind": False,
     **{"line_" + what + kind: value for what, value in (("color_", (0.0, 0.0, 0.0)), ("pen_", "PEN")) for kind in
        ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")},
