@@ -108,8 +108,8 @@ static bool has_seen(const fine *n)
 
 static bool gives_way(const fine *n)
 {
-	return (n->e->creases && n->e->on[SOURCE_NORMAL]) || n->e->on[SOURCE_LIGHT] || n->e->on[SOURCE_MARK] ||
-	       n->e->on[SOURCE_DEPTH];
+	return (n->e->creases && (n->e->on[SOURCE_NORMAL] || n->e->on[SOURCE_DEPTH])) || n->e->on[SOURCE_LIGHT] ||
+	       n->e->on[SOURCE_MARK];
 }
 
 static bool is_colored(const fine *n)

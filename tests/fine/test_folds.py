@@ -18,6 +18,7 @@ def forms(width, slant, depths, behind=1.0, size=(60, 60)):
     depth = np.where(strip, depths[1], np.where(off < 0, depths[0], depths[2]))
     flat = np.ones((*size, 3))
     layers = dict(combined=np.ones((*size, 4)), color=0.5 * flat, diffuse=flat, normal=flat * (0, 0, 1), depth=depth,
+                  creases=np.zeros((*size, 5)), marks=np.zeros((*size, 2)),
                   object=np.where((off > 0) & ~strip, behind, 1.0))
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}, off
 

@@ -46,10 +46,10 @@ static front front_of(const fine *n, const site *s)
 	return a < b ? (front){one, two, -1} : (front){two, one, a > b};
 }
 
-/* A contour behind which the same thing goes on. */
+/* A contour behind which the same thing goes on. Without meshes a number may be that of many things. */
 static bool is_fold(const fine *n, const site *s)
 {
-	front of = front_of(n, s);
+	front of = n->e->creases ? front_of(n, s) : (front){0};
 	return of.way && of.object == of.other && depth_at(n->f, s->found.column, s->found.row) < INFINITY;
 }
 
