@@ -4,17 +4,17 @@
 #include "ink/thickets.h"
 #include "fine/near.h"
 
-enum { CHUNK = 1024, ALONG = 32 /* sites each way along a line */, DECIDED = 10 };
+enum { CHUNK = 1024, ALONG = 24 /* sites each way along a line */, DECIDED = 10 };
 
 /* Sites back along a line from which its way is told. */
 enum { BACK = 3 };
 
 /* How much a line matters is the sum of these shares: of what stands out before what is far behind, of what is long,
  * and of chance: where all are alike, as bars of a railing, some are left out. */
-static const float by_chance = 0.3f, by_length = 0.25f;
+static const float by_chance = 0.3f, by_length = 0.2f;
 static const float longest = 48, wavelength = 24; /* px */
 static const float straight = 0.8f;               /* a cosine: so a line goes on where it meets others */
-static const float steep = 4;                     /* how clearly most of a line decides */
+static const float steep = 3;                     /* how clearly most of a line decides */
 static const uint32_t seed = 0x6d617373;
 
 /* Pixels each way at a site whose depths tell how far what is behind it lies. */

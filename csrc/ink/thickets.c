@@ -154,11 +154,9 @@ static float share_at(const grid *g, const placed *s, int plane)
 	return mix(mix(at[0], at[1], u), mix(at[g->across], at[g->across + 1], u), v);
 }
 
-/* Share of what may be covered, over which lines that matter less and less fade away: so none pops. */
-static const float fades = 0.5f;
-
 /* How much is left of a line when those that matter more have had their part of what may be covered: the more lines
- * there are, the less of it, so that a thing gets lighter as it goes away. */
+ * there are, the less of it, so that a thing gets lighter as it goes away. Those
+ * that matter less and less fade, so that none pops. */
 static float kept_of(const grid *g, uint32_t i, const placed *s, const encre_params *p)
 {
 	float on, most = p->line_density, share = share_at(g, s, 0);
@@ -167,7 +165,7 @@ static float kept_of(const grid *g, uint32_t i, const placed *s, const encre_par
 		return 1;
 	float more = mix(share_at(g, s, plane), share_at(g, s, plane + 1), on),
 	      may = mix(share, most * most / share, p->line_fewer);
-	return clamp01(1 - (more - may) / (fades * may));
+	return clamp01(2 - more / may);
 }
 
 /* Half the width down to which lines get thinner before some of them are left out: in px, and in pixels, at least, for

@@ -85,17 +85,17 @@ def thinned(t, hand, layers, half, most, fewer):
     more = mix(grid.at(shares, plane), grid.at(shares, plane + 1), clamp01(matters - plane))
     may = mix(share, most**2 / np.maximum(share, 1e-12), fewer)
     bound = (share > most) & (most < 1) & (fewer > 0)
-    left = np.where(bound, clamp01(1 - (more - may) / (0.5 * may + 1e-30)), 1.0)
+    left = np.where(bound, clamp01(2 - more / np.maximum(may, 1e-30)), 1.0)
     mean = np.array([_along(t, left, i, 10)[0] for i in range(len(t))])
-    return thin, _joined(t, clamp01(0.5 + 4 * (mean - 0.5)), True)
+    return thin, _joined(t, clamp01(0.5 + 3 * (mean - 0.5)), True)
 
 
 def _matters(t, hand, layers):
-    own = 0.45 * np.array([_stands_out(layers, site) for site in t.site])
+    own = 0.5 * np.array([_stands_out(layers, site) for site in t.site])
     own = own + 0.3 * clamp01(0.5 + 0.5 * solid(hand.p, hand.unit * 24, SEED))
-    found = [_along(t, own, i, 32) for i in range(len(t))]
+    found = [_along(t, own, i, 24) for i in range(len(t))]
     mean, length = np.array(found).T
-    return _joined(t, mean + 0.25 * np.minimum(1, length / (48 * hand.scale)), False)
+    return _joined(t, mean + 0.2 * np.minimum(1, length / (48 * hand.scale)), False)
 
 
 def _stands_out(layers, site):
