@@ -56,6 +56,7 @@ FLOAT(ink_on_dark, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FI
 COLOR(ink_dark_color, SURFACE, 1, 1, 1, "use_lines&edge_detector=FINE&ink_on_dark", "Second Ink", "Colour of lines that run through dark areas")
 FLOAT(ink_dark_threshold, SURFACE, 0.03, 0, FLT_MAX, 0, 0.5, "", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Threshold", "Pictures darker than this on both sides of a line are dark areas")
 FLOAT(ink_dark_width, SURFACE, 1, 0, 1, 0.2, 1, "factor", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Width", "How wide lines through dark areas are, as a share of their width: what is light looks wider than what is dark")
+FLOAT(ink_dark_colors, SURFACE, 1, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Colors", "How wide, of that, lines between colours and materials are in the dark; 0: patterns are not drawn there")
 FLOAT(line_lit, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE", "Ink in Light", "How far lines in the light take the ink of the light")
 COLOR(line_lit_color, SURFACE, 0.5, 0.25, 0.1, "use_lines&edge_detector=FINE&line_lit", "Ink of the Light", "Colour of lines in the light")
 STAGE(pen_2, "Pen 2", "A second pen, for the kinds of line that name it")

@@ -223,8 +223,7 @@ static strip_end strip_end_of(const gather *g, uint32_t i, const hand *h)
 /* How far strokes of a line go on beyond corners. */
 static float overshoot_of(const site *s, const hand *h)
 {
-	bool colored = s->placed.source == SOURCE_COLOR || s->placed.source == SOURCE_MATERIAL;
-	return h->pen_overshoot * (colored ? h->pen_overshoot_color : 1);
+	return h->pen_overshoot * (is_colored(s) ? h->pen_overshoot_color : 1);
 }
 
 static void finish_pens(void *data, int first, int end, int thread)

@@ -18,6 +18,12 @@ typedef struct pen_end {
 	uint32_t bristles; /* 0: none is dry */
 } pen_end;
 
+/* Whether its line is between colours or materials, and so lies on a surface. */
+static inline bool is_colored(const site *s)
+{
+	return s->placed.source == SOURCE_COLOR || s->placed.source == SOURCE_MATERIAL;
+}
+
 /* A thing not much wider than its lines lets no paper between them: they are one, from its middle. How much they are,
  * where each is `radius` pixels wide to each side. Where it tapers they spread towards the middle so much only that
  * there is as much ink as both together leave of paper, for of what darkens a pixel the most counts and not the sum. */

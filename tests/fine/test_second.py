@@ -11,14 +11,15 @@ PEN = dict(edge_detector="FINE", edge_color=0.0, edge_light=0.0, edge_normal=0.0
 HEIGHT, WIDTH = 240, 60
 
 
-def whites(value, **values):
-    """The width of what is white along an upright line of 6 pixels, by row, on a ground of so much light (H, W)."""
+def whites(value, painted=False, **values):
+    """The width of what is white along an upright line of 6 pixels, by row, on a ground of so much light (H, W); it is
+    between two things, or colours."""
     object_ = np.zeros((HEIGHT, WIDTH, 1), np.float32)
-    object_[:, WIDTH // 2:] = 1
-    flat = np.ones((HEIGHT, WIDTH, 3), np.float32)
+    flat, color = np.ones((2, HEIGHT, WIDTH, 3), np.float32)
+    (color if painted else object_)[:, WIDTH // 2:] = 0 if painted else 1
     ground = np.ones((HEIGHT, WIDTH, 4), np.float32)
     ground[..., :3] = value[..., None]
-    layers = {"combined": ground, "color": flat, "diffuse": flat, "normal": flat, "depth": 5 * flat[..., :1],
+    layers = {"combined": ground, "color": color, "diffuse": flat, "normal": flat, "depth": 5 * flat[..., :1],
               "object": object_}
     lines = library.render(layers, {**PEN, **values}, outputs=("Encre Lines",)).images["Encre Lines"]
     return lines[..., 0].sum(1)
@@ -106,3 +107,10 @@ def test_white_lines_are_as_thin_as_asked_but_no_hairs(wide):
     assert np.abs(whites(value, ink_dark_width=wide)[100:140] - 6 * wide).max() < 0.1
     thin = dict(line_thickness=1.0)
     assert np.abs(whites(value, ink_dark_width=wide, **thin) - whites(value, **thin))[100:140].max() < 0.02
+
+
+def test_patterns_can_be_left_out_of_the_dark():
+    value, colored = np.zeros((HEIGHT, WIDTH)), dict(edge_color=1.0, width_color=1.0)
+    assert np.abs(whites(value, True, **colored)[100:140] - 6).max() < 0.1
+    assert whites(value, True, ink_dark_colors=0.0, **colored).max() == 0
+    assert np.abs(whites(value, ink_dark_colors=0.0, **colored)[100:140] - 6).max() < 0.1

@@ -92,13 +92,17 @@ def _between(layers, t, hits):
     return mix(spots[0], spots[1], share)
 
 
+def colored(site):
+    return np.isin(site["source"], [SOURCES.index("color"), SOURCES.index("material")])
+
+
 class Hand:
     """What one stroke of the pen does to sites; arrays by site."""
 
     def __init__(self, t, layers, params, stroke):
         site = t.site
         self.style = layers.style[site["near_y"], site["near_x"]]
-        self.colored = np.isin(site["source"], [SOURCES.index("color"), SOURCES.index("material")])
+        self.colored = colored(site)
         self.params, self.stroke = params, stroke
         self.scale = params.pixels(layers.full_height)
         x, y = ((t.at[:, k] + corner + 0.5) / self.scale for k, corner in ((0, layers.x), (1, layers.y)))
@@ -290,6 +294,7 @@ def inks(t, layers, params, ink, half, picture):
     bare = clamp01(1.5 * _evened(t, _bare(t, layers, params, half, picture), half, unit)) * (site["crowd"] > 0)
     spared = mix(half, spared, bare * (1 - even) * share)
     wide = second * np.maximum(params.at("ink_dark_width", style), np.minimum(1, 0.5 / np.maximum(spared, 1e-12)))
+    wide = wide * np.where(colored(site), params.at("ink_dark_colors", style), 1)
     wide = wide * clamp01((2 * spared * wide - HAIR) / (1 - HAIR))
     factor = np.where(second > 0, mix(1, wide, share), 1) * spared / np.maximum(half, 1e-12)
     return mix(ink, params.at("ink_dark_color", style), (share * np.minimum(1, 8 * second))[:, None]), factor

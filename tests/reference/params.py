@@ -30,6 +30,7 @@ DEFAULTS = {
     **{pen + name: value for pen in ("pen_2_", "pen_3_") for name, value in {
         "width": 1.0, "taper": 0.0, "softness": 0.9, "intensity": 1.0, "gain": 4.0, "paper": 0.6}.items()},
     "ink_on_dark": 0.0, "ink_dark_color": (1.0, 1.0, 1.0), "ink_dark_threshold": 0.03, "ink_dark_width": 1.0,
+    "ink_dark_colors": 1.0,
     "line_lit": 0.0, "line_lit_color": (0.5, 0.25, 0.1), "line_color_by_kind": False,
     **{"line_" + what + kind: value for what, value in (("color_", (0.0, 0.0, 0.0)), ("pen_", "PEN")) for kind in
        ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")},
