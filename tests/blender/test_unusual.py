@@ -22,7 +22,10 @@ def test_a_missing_map_and_links_in_a_ring_are_what_cycles_takes_them_for(render
     where = (index > 0) & inside(index)
     where &= index != number  # which is there for other reasons
     assert len(np.unique(index[where])) == 2
-    apart = abs(ours["DiffCol"] - theirs["DiffCol"])[where].max(1)
+    color = theirs["DiffCol"]
+    if case == "rings" and not theirs["Combined"][..., :3].any():  # Cycles of Blender 5: nothing, and no error
+        color = np.where(index == 1, 1.5, 0.5)[..., None]  # as all Cycles before
+    apart = abs(ours["DiffCol"] - color)[where].max(1)
     assert np.mean(apart > 2e-3) < 0.002  # at the border Cycles' pixels are means
 
 
