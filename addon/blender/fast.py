@@ -195,6 +195,9 @@ class Scene:
             combined[..., :3] += layers["emission"]
         shown = yield from self._mirrored(layers, maps, looks, view, projection, frame, size, clip,
                                           sharp)
+        if not settings.wants_seen:  # nor do files have it then
+            for name in ("seen_color", "seen_depth", "seen_normal"):
+                layers.pop(name, None)
         self._gloss(layers, normal, mirrors, looks["surface"][..., 1], view, projection, frame, shown)
         if lit is not None:
             layers["specular"] = layers["specular"] + lit if "specular" in layers else lit.copy()

@@ -27,22 +27,27 @@ def name(settings, pen):
 def rename(settings, pen, new):
     """Calls a pen so; by an empty name, or its own, as nobody had named it. A name that another pen has gets a number,
     as Blender's data have."""
-    taken = {name(settings, other) for other in slots.pens() if other.id != pen.id}
-    own, new = _own(pen), new.strip()[:slots.LONGEST_NAME].rstrip() or _own(pen)
-    if new in taken:
-        stem, _, digits = new.rpartition(".")
-        stem = stem if stem and digits.isdecimal() else new
-        numbered = (f"{stem[:slots.LONGEST_NAME - 4]}.{k:03}" for k in itertools.count(1))
-        new = next(text for text in numbered if text not in taken)
-    setattr(settings, f"{pen.id}_name", "" if new == own else new)
+    rename_all(settings, {pen.id: new})
 
 
 def rename_all(settings, new):
     """Likewise for {pen: name}; what these pens were called before is free."""
-    for id_ in new:
-        setattr(settings, f"{id_}_name", "")
+    taken = {name(settings, pen) for pen in slots.pens() if pen.id not in new}
     for id_, called in new.items():
-        rename(settings, slots.find(id_), called)
+        own = _own(slots.find(id_))
+        called = _free(called.strip()[:slots.LONGEST_NAME].rstrip() or own, taken)
+        taken.add(called)
+        setattr(settings, f"{id_}_name", "" if called == own else called)
+
+
+def _free(called, taken):
+    """The name, or one with a number that is not taken."""
+    if called not in taken:
+        return called
+    stem, _, digits = called.rpartition(".")
+    stem = stem if stem and digits.isdecimal() else called
+    numbered = (f"{stem[:slots.LONGEST_NAME - 4]}.{k:03}" for k in itertools.count(1))
+    return next(text for text in numbered if text not in taken)
 
 
 def definitions(update):

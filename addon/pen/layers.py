@@ -45,6 +45,7 @@ _BAND = 64  # rows of a picture that are held twice
 # By how much normals and depths, as a share, differ where something else is seen than the surface; where normals do,
 # colours or directions must, too: of lamps and of what is black the passes hold less. Pixels about it are read as well.
 _OTHER_NORMAL, _OTHER_DEPTH, _READ_ABOUT = 0.1, 0.02, 6
+_SAME = 1e-3  # within which nothing else is seen, so that there is no noise
 # The pictures that the library draws beside Combined.
 DRAWN = {"Encre Lines": "RGBA", "Encre Surface": "RGBA", "Encre Edges": "X", "Encre Light": "RGB",
          "Encre Tones": "RGBA"}
@@ -122,10 +123,10 @@ def unmirror(layers: dict[str, np.ndarray], materials: np.ndarray, which: np.nda
 
 
 def sees_through(layers: dict[str, np.ndarray], view: np.ndarray) -> np.ndarray:
-    """Where (height, width) lines are looked for in what mirrors and clear glass show, and what is read for them.
-    view: as in unmirrored."""
+    """Where (height, width) lines are looked for in what mirrors and clear glass show, and what is read for them, but
+    for pixels that show nothing but their own surface. view: as in unmirrored."""
     where = np.zeros(layers["depth"].shape[:2], bool)
-    deep = where.copy()
+    deep, bare = where.copy(), where.copy()
     for rows in range(0, len(where), _BAND):
         band = {name: picture[rows:rows + _BAND] for name, picture in layers.items()}
         own = unmirrored(band, view)
@@ -136,10 +137,11 @@ def sees_through(layers: dict[str, np.ndarray], view: np.ndarray) -> np.ndarray:
         aside = _square(band["seen_normal"] - share * own["seen_normal"])
         tint = _square(np.clip(band["seen_color"], 0, 1) - np.clip(own["seen_color"], 0, 1))
         where[rows:rows + _BAND] = there & (off > _OTHER_NORMAL ** 2) & (np.maximum(aside, tint) > _OTHER_NORMAL ** 2)
+        bare[rows:rows + _BAND] = np.maximum(off, tint) < _SAME ** 2
         if "seen_depth" in band:
             far, front = band["seen_depth"][..., 0], own["seen_depth"][..., 0]
             deep[rows:rows + _BAND] = there & (far > 0) & (np.abs(far - front) > _OTHER_DEPTH * front)
-    return _grown(where | ~_grown(~deep, 1), _READ_ABOUT)
+    return _grown(where | ~_grown(~deep, 1), _READ_ABOUT) & ~bare
 
 
 def _square(vectors):

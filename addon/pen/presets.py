@@ -14,6 +14,7 @@ import functools
 import json
 import os
 import shutil
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -126,6 +127,8 @@ def _names(said):
         if not isinstance(name, str):
             raise EncreError(f"its pens' name {name!r} is no text")
         name = name.strip()
+        if any(unicodedata.category(letter) in ("Cc", "Cs") for letter in name):
+            raise EncreError(f"its pens' name {name[:20]!r} has letters that can't be shown")
         if len(name) > slots.LONGEST_NAME:
             raise EncreError(f"its pens' name {name[:20]!r}... is longer than {slots.LONGEST_NAME} letters")
         if name and name in names.values():

@@ -54,7 +54,8 @@ static void glazed_row(const frame *f, int y, int x, int n, float (*restrict col
 }
 
 /* Mirrors and glass have no light of their own: it becomes that of the thing they show, and without end where they show
- * none. What mirrors black is as dark as it looks. Glazed things are mirrors where they show another thing clearly. */
+ * none, as where nothing is, whether it is known what they show or not. What mirrors black is as dark as it looks.
+ * Glazed things are mirrors where they show another thing clearly. */
 static void mirrored_row(const frame *f, const encre_params *p, int y, int x, int n, const float *restrict other,
 			 float (*restrict color)[TONE_CHUNK], const float *restrict glazed, float *restrict light)
 {
@@ -62,6 +63,10 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 	const float *front = layer_row(f, ENCRE_LAYER_DEPTH, y), *gloss = layer_row(f, ENCRE_LAYER_GLOSS, y);
 	float exposure = exposure_of(f, p), least = max(p->tone_black, 0.05f);
 	spared own = spared_of(p);
+	for (int i = 0; !seen && front && i < n; i++) {
+		bool nothing = !(depth_of(front[x + i]) < INFINITY);
+		light[i] = nothing && max3(color[0][i], color[1][i], color[2][i]) < 0.05f ? INFINITY : light[i];
+	}
 	for (int i = 0; seen && i < n; i++) {
 		const float *s = seen + (ptrdiff_t)3 * (x + i);
 		float bright = max3(s[0], s[1], s[2]), lit = bounded(other[i] / max(bright, least)) * exposure;

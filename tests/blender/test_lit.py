@@ -56,7 +56,7 @@ def test_shadows_of_what_throws_them(rules):
 
 
 def test_the_world_s_light_is_kept_from_corners_as_in_cycles(render):
-    shot = render("world")
+    shot = render("under_the_world")
     shadowed, plain = shot.passes("shadowed"), shot.passes("open")
     difference, calm = compared(shadowed)
     assert difference[calm].mean() < 0.02 and np.percentile(difference[calm], 95) < 0.07  # Cycles' noise at 64 samples

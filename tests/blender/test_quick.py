@@ -3,8 +3,10 @@
 
 import re
 
+import exr
 import numpy as np
 import pytest
+from encre.cli import main
 from encre.pen.layers import classic
 
 
@@ -43,6 +45,14 @@ def test_as_cycles_has_them(shots):
     assert light.mean() < 0.001
     picture = abs(ours["Encre Source"] - theirs["Encre Source"]).max(2)[same]
     assert picture.mean() < 0.02
+
+
+@pytest.mark.parametrize("name", ["bare", "seen 1", "seen 0"])
+def test_a_file_with_tones_draws_the_same_picture_again(render, tmp_path, name):
+    shot = render("toned")
+    assert not main.main(["composite", str(shot.folder / f"{name}.exr"), "-o", str(tmp_path / "again.exr")])
+    picture, again = (exr.picture(path) for path in (shot.folder / f"{name}.exr", tmp_path / "again.exr"))
+    assert picture[..., :3].std() > 0.1 and np.array_equal(picture, again)
 
 
 def test_a_thing_has_the_random_number_that_cycles_gives_it(render):

@@ -74,12 +74,13 @@ DEFAULTS = {
     # specks
     "use_specks": False, "speck_size": 4.0,
     # read before the layers reach the stages
-    "object_index": "AUTO", "shade_light": "ALL", "layer_source": "CYCLES", "light_source": "CYCLES", "world_shadows": False,
-    "light_denoise": "OIDN", "seen_denoise": "OIDN", "save_layers": "AUTO", "save_anchor": "AUTO",
+    "object_index": "AUTO", "shade_light": "ALL", "layer_source": "CYCLES", "light_source": "CYCLES",
+    "world_shadows": False, "light_denoise": "OIDN", "seen_denoise": "OIDN",
+    "save_layers": "AUTO", "save_anchor": "AUTO",
 }
 
-ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "world_shadows", "light_denoise", "seen_denoise",
-          "save_layers", "save_anchor"}
+ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "world_shadows", "light_denoise",
+          "seen_denoise", "save_layers", "save_anchor"}
 SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_tones", "use_rim", "use_wash",
             "use_specks")
 

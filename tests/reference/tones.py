@@ -194,7 +194,9 @@ def _dark(layers, levels, of, look):
     rest = value(other(layers))
     light = np.where(value(layers.color) < of("tone_black"), np.maximum(rest - _glazed(layers), -1),
                      np.maximum(lit, rest))
-    if of("tone_mirrors") and layers.seen_color is not None:
+    if of("tone_mirrors") and layers.seen_color is None:
+        light = np.where((value(layers.color) < 0.05) & ~((layers.depth > 0) & (layers.depth < 1e9)), np.inf, light)
+    elif of("tone_mirrors"):
         least = max(of("tone_black"), 0.05)
         seen = value(layers.seen_color)
         lit = spared(value(other(layers)) / np.maximum(seen, least) * of("shade_exposure"), layers.seen_color)

@@ -79,6 +79,7 @@ def test_where_something_else_is_seen():
     flat = {"color": np.full((40, 50, 3), 0.5, np.float32), "depth": np.full((40, 50, 1), 4, np.float32),
             "normal": np.tile(np.float32((0, -1, 0)), (40, 50, 1))}
     own = {name: np.array(picture) for name, picture in layers.unmirrored(flat, view).items()}
+    own["seen_color"][:, :40] += 0.01  # all but the last columns show a little else
 
     def seen(**changed):
         pictures = {name: np.array(picture) for name, picture in own.items()}
@@ -91,6 +92,7 @@ def test_where_something_else_is_seen():
     grown[14:30, 4:19] = True
     assert not seen().any()
     assert np.array_equal(seen(seen_normal=(block, (0.6, 0, 0.8))), grown)
+    assert seen(seen_normal=(np.s_[20:24, 33:36], (0.6, 0, 0.8)))[:, 27:].sum(1).max() == 40 - 27, "but no bare surface"
     grown[[14, 29]] = grown[:, [4, 18]] = False
     assert np.array_equal(seen(seen_depth=(block, 4.2)), grown), "in all of a 3x3"
     assert not seen(seen_depth=(block, 4.05)).any() and not seen(seen_depth=(np.s_[20:22], 8)).any(), "outlines"

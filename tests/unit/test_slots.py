@@ -32,7 +32,8 @@ def test_rows_know_their_slot():
 @pytest.mark.parametrize("pens, words", [
     ({"pen": 3}, "name 3 is no text"), (["Brush"], "no object of names"), ({"pen_2": None}, "None is no text"),
     ({"pen_9": "Brush"}, "pen_9: unknown pen"), ({"pen": "Very" * 16}, "'VeryVery.*longer than 63 letters"),
-    ({"pen": "Brush", "pen_3": " Brush "}, "two of its pens are called 'Brush'")])
+    ({"pen": "Brush", "pen_3": " Brush "}, "two of its pens are called 'Brush'"),
+    ({"pen": "a\0b"}, "letters that can't be shown"), ({"pen": "\ud800"}, "letters that can't be shown")])
 def test_presets_names_of_pens_are_checked(tmp_path, pens, words):
     path = tmp_path / "x.json"
     path.write_text(json.dumps({"name": "X", "description": "", "pens": pens, "values": {"pen_wobble": 1}}))

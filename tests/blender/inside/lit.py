@@ -90,7 +90,7 @@ def unlit(out):
     shoot(out, "unlit")
 
 
-def world(out):
+def under_the_world(out):
     """Light from all sides alone: with what is in its way, and without."""
     scene = _stage(64)
     scene.world = bpy.data.worlds.new("World")

@@ -178,6 +178,27 @@ def layer_sources(out):
     shoot(out, "transparent")
 
 
+def toned(out):
+    """Tones before a black sky, with a flat mirror and without lines in it: by layers that the file keeps."""
+    scene = stage(ground=False)
+    from encre.blender import properties
+    from encre.pen import presets
+
+    for id_, value in presets.find("manga").values.items():
+        properties.set_value(scene.encre, id_, value)
+    silver = bpy.data.materials.new("Silver")
+    silver.use_nodes = True
+    shine = _new(silver.node_tree, "BsdfGlossy", Roughness=0.0)
+    silver.node_tree.links.new(shine.outputs[0], silver.node_tree.nodes["Material Output"].inputs["Surface"])
+    scene.encre.layer_source, scene.encre.save_layers = "ENCRE", "ON"
+    shoot(out, "bare")
+    plane("Mirror", silver, 1.0, 0.0).location = (0, -0.8, 0.3)
+    bpy.data.objects["Mirror"].rotation_euler = (1.6, 0.05, 0.3)
+    for weight in (1.0, 0.0):
+        scene.encre.edge_seen = weight
+        shoot(out, f"seen {weight:.0f}")
+
+
 def named(out):
     """Things that have the same material, whose colour is the thing's random number; the last one is an instance."""
     scene = stage(64, 16, 1, ground=False)

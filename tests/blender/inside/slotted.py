@@ -70,6 +70,12 @@ def pens_in_presets(_out):
     other.render.engine, bpy.context.window.scene = "ENCRE", other
     bpy.ops.encre.settings_paste(path="scene")
     fact("pasted", _pens(other)[0])
+    for name, called in (("pen_2", "X"), ("pen", "Pen 2"), ("pen_2", "Pen")):
+        setattr(other.encre, f"{name}_called", called)
+    fact("each other's", _pens(other)[0])
+    bpy.ops.encre.settings_copy(path="scene")
+    bpy.ops.encre.settings_paste(path="scene")
+    fact("pasted again", _pens(other)[0])
 
 
 def slots(_out):
