@@ -179,6 +179,25 @@ def test_a_smooth_edge_goes_on_beside_one_that_bends_enough(below, goes_on):
     assert not picture(two_folds(below, below), crease_smooth=30.0)[8:22, 16:25].any(), "beside nothing it is none"
 
 
+def leaving(angle, left, bend=50.0):
+    """A sheet with a fold that leaves the upper corner of its left outline by so many degrees."""
+    aside = np.tan(np.radians(angle)) * 22
+    down = -22 * np.sin(np.radians(angle)) * np.tan(np.radians(bend))
+    points = [(left, 4, 0), (left, 26, down), (left + aside, 26, 0), (36, 26, 0), (36, 4, 0)]
+    return Mesh(np.float32(points) - np.float32((0, 0, 30)), np.int32([(0, 1, 2), (0, 2, 3), (0, 3, 4)]))
+
+
+@pytest.mark.parametrize("angle", [13, 15])
+def test_a_fold_that_leaves_an_outline_at_an_angle_has_no_gap(angle):
+    """Beside the outline it would thin out, were it along it."""
+    for left in np.arange(10, 11, 0.2):
+        t = picture(leaving(angle, left), line_thickness=1.0)
+        rows = np.arange(12, 22)
+        fold = left + np.tan(np.radians(angle)) * (rows + 0.5 - 4) - 0.5
+        ink = np.take_along_axis(t[rows], np.rint(fold).astype(int)[:, None] + (-1, 0, 1), 1).sum(1)
+        assert ink[fold > left + 1.2].min() > 0.95
+
+
 @pytest.mark.parametrize("own", [True, False])
 def test_a_face_narrower_than_a_pixel_leaves_one_line(own):
     """A board before another, and between both a face that every third pixel's centre lies in: the others see a jump.

@@ -102,7 +102,8 @@ def give_way(t, scale, depth, number=None):
                 if unsure or min(abs(along - 1), abs(level - (0.985 if hands else 0.95))) < CLOSE:
                     doubt.add(i)
                 elif along <= 1 and level >= (0.985 if hands else 0.95):
-                    room[i] = min(room[i], wide[i] + (aside - wide[i]) * stays[j])
+                    turned = np.clip((level - 0.95) / 0.035, 0, 1) if edge[i] and not hands else 1
+                    room[i] = min(room[i], wide[i] + (aside - wide[i]) * stays[j] * turned)
                     if j in doubt and fold[j]:
                         doubt.add(i)
         if not again:

@@ -12,8 +12,11 @@ static const float share = 0.25f; /* of the room beyond what closes, which a lin
 static const float wide = 4, wide_mark = 3, wide_fold = 5, along = 1;
 static const float closed_crease = 1.5f, closed_light = 0.5f; /* light keeps 1.5 pixels clear by itself */
 static const float closed_fold = 3;
-static const float least_aside = 0.7f;                 /* pixels */
-static const float level = 0.95f, level_hand = 0.985f; /* cosines; lines by hand may cross at an angle */
+static const float least_aside = 0.7f; /* pixels */
+
+/* Cosines, from which on lines run along each other. An edge of a mesh gives way in full from that of lines by hand on,
+ * which may cross at an angle: what leaves a corner at 15 degrees would have a gap there. */
+static const float level = 0.95f, level_hand = 0.985f;
 
 typedef struct rooms {
 	fine *n;
@@ -158,11 +161,15 @@ static void find_rooms(void *data, int first, int end, int thread)
 				     : fold       ? is_double(n, s, t, way)
 				     : is_edge(s) ? t->found.family < s->found.family
 						  : rank_of(t) < RANK_LIGHT;
-			float dot = way[0] * other[0] + way[1] * other[1];
-			if (older && !((hands || fold) && is_own(n, i, j)) &&
-			    dot * dot > (hands ? level_hand * level_hand : level * level) * square *
-						(other[0] * other[0] + other[1] * other[1]))
-				room = min(room, mix(far, aside / length, r->open ? r->open[j] : 1));
+			float dot = way[0] * other[0] + way[1] * other[1],
+			      both = square * (other[0] * other[0] + other[1] * other[1]),
+			      least = hands ? level_hand : level;
+			if (!older || !(dot * dot > least * least * both) || ((hands || fold) && is_own(n, i, j)))
+				continue;
+			float counts = r->open ? r->open[j] : 1;
+			if (is_edge(s) && !hands)
+				counts *= clamp01((sqrtf(dot * dot / both) - level) / (level_hand - level));
+			room = min(room, mix(far, aside / length, counts));
 		}
 		r->room[i] = room / r->px;
 	}
