@@ -11,7 +11,14 @@
 enum { CHUNK = 1024 };
 
 /* Of half a line's width the rim is frayed by this share at most, or thin lines would come to pieces. */
-static const float most_frayed = 0.2f;
+static const float most_frayed = 0.08f;
+
+/* How much of that is left of a line in its room: none where it takes half of that, or beside another it would be
+ * beads. */
+static float frayed_in(float crowd, float radius)
+{
+	return clamp01(2 - 4 * radius * crowd);
+}
 
 /* ---- pens ------------------------------------------------------------------------------------------------ */
 
@@ -103,7 +110,8 @@ static void finish(const frame *f, const site *made, const hand *h, float radius
 		return;
 	float taper = h->pen_taper * f->scale;
 	if (t) {
-		float whole = max(radius + t->rough * min(t->fray, most_frayed * radius), 0);
+		float frayed = frayed_in(crowd, max(radius, even)),
+		      whole = max(radius + frayed * t->rough * min(t->fray, most_frayed * radius), 0);
 		radius = dashed(f, h, b, whole * t->left);
 		lift = whole > 0 ? radius / whole : 0;
 		even += h->pen_pressure * even + min(t->fray, most_frayed * even);

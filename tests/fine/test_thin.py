@@ -83,6 +83,26 @@ def test_a_rod_ends_where_it_ends():
     assert t[26:].max() == 0
 
 
+def anchored(layers, near):
+    """Where on its thing a pixel lies; `near`: how large one is on the rod, a third of one on the wall."""
+    anchor = np.zeros((*layers["depth"].shape, 16), np.float32)
+    anchor[..., 6] = np.where(layers["object"] == 2, near, 3 * near)
+    anchor[..., :2] = np.indices(anchor.shape[1::-1]).T * anchor[..., 6:7]
+    anchor[..., 2] = layers["depth"]
+    return anchor
+
+
+@pytest.mark.parametrize("width", [12, 14])
+def test_the_sides_of_a_pole_are_no_beads(width):
+    """Of a brush whose rim is frayed and whose lines have room for a part of their width: it varies slowly."""
+    pen = dict(PEN, line_thickness=10.0, pen_rough=0.45, pen_pressure=0.32)
+    layers, off = rod(width, np.radians(97), 0.2, 9.0, (120, 600))
+    t = ink({**layers, "anchor": anchored(layers, 0.01)}, pen=pen)
+    for side in off < 0, off > 0:
+        across = np.where(side, t, 0).sum(0)[100:-100]
+        assert np.mean([across[k:k + 10].std() for k in range(0, 390, 5)]) < 0.26, "over 10 pixels each"
+
+
 @pytest.mark.parametrize("level", [0, 0.5, 1, 3, 10, 45])
 def test_a_level_wire_is_as_wide_all_along(level):
     """Also where it covers no pixel centre, before a wall that is far away and drawn with other widths; and drawn by a
@@ -91,14 +111,11 @@ def test_a_level_wire_is_as_wide_all_along(level):
     pressed = dict(pen_pressure=0.5, pen_pressure_length=60.0, line_thickness=1.6)
     for width in (0.7, 1.0, 1.5, 2.0, 3.0, 4.0):
         layers, off = rod(width, np.radians(90 - level), 0.2, 9.0, (40, 96))
-        anchor = np.zeros((*off.shape, 16), np.float32)
-        anchor[..., 6] = np.where(layers["object"] == 2, 0.1, 0.3)
-        anchor[..., :2] = np.indices(off.shape[::-1]).T * anchor[..., 6:7]
-        anchor[..., 2] = layers["depth"]
+        layers["anchor"] = anchored(layers, 0.1)
         for hand in ({}, pressed):
             pen = dict(PEN, width_contact=0.4, line_depth_distance=4.0, **{"line_thickness": 2.0, **hand})
-            t = library.render({**layers, "anchor": anchor}, pen, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
-            across = np.convolve(t.sum(0, dtype=float)[near] * np.cos(np.radians(level)), np.ones(3) / 3, "valid")
+            t = ink(layers, pen=pen)
+            across = np.convolve(t.sum(0)[near] * np.cos(np.radians(level)), np.ones(3) / 3, "valid")
             middle = np.where(np.abs(off) < 0.5, t, 0).max(0)[near]
             assert np.abs(across[4:] - across[:-4]).max() < 0.5, (width, hand)
             assert hand or np.ptp(across) < 0.7, width

@@ -151,11 +151,11 @@ class Hand:
 
     def fray(self, radius):
         return np.minimum(self.at("rough") * self.scale * clamp01(self.at("rough_length") * self.scale - 1),
-                          0.2 * radius)
+                          0.08 * radius)
 
-    def radius(self, radius):
-        """Half the widths with frayed rims, and what gaps leave of them."""
-        rough = self.fray(radius) * self.noise(self.at("rough_length"), ROUGH)
+    def radius(self, radius, frayed):
+        """Half the widths with frayed rims, each to its share, and what gaps leave of them."""
+        rough = frayed * self.fray(radius) * self.noise(self.at("rough_length"), ROUGH)
         gaps = self.at("gaps")
         x = 2 * gaps - 1
         left = clamp01(4 * (self.noise(self.at("gaps_length"), GAPS) - x * (1.15 + 0.75 * x**4)) + 0.5)

@@ -108,7 +108,8 @@ def ends(t, layers, params, paper, stroke, pictures):
     curved = hand.at("curve") * bends(t, hand.scale) if (hand.at("curve") != 0).any() else 0 * pooled
     wider = hand.pressure() * (1 + pooled) * (1 + curved)
     half = np.where((hand.at("pressure") > 0) | (pooled > 0) | (curved != 0), np.minimum(half * wider, most), half)
-    whole, left = hand.radius(evened(t, np.where(used & ~t.dropped, half, 0.0), shape))
+    half = evened(t, np.where(used & ~t.dropped, half, 0.0), shape)
+    whole, left = hand.radius(half, clamp01(2 - 4 * np.maximum(half, even) * site["crowd"]))
     radius = dashed(t, hand, whole * left)
     radius = radius * np.where(taper > 0, clamp01(free_lengths(t, shape) / np.where(taper > 0, taper, 1)), 1)
     lift = np.where(whole > 0, radius / np.where(whole > 0, whole, 1), 0)
