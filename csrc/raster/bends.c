@@ -55,7 +55,7 @@ typedef struct run {
 typedef struct lane {
 	turning *turning; /* BAND lanes of them */
 	run *best;        /* of the runs that have an edge */
-	bend *row;
+	bend *told;       /* by pixel */
 } lane;
 
 static const float *normal_at(const bends *s, int x, int y)
@@ -72,30 +72,24 @@ static float degrees_between(const float *n, const float *m)
 	return 114.591559f * pixel_atan2(half, sqrtf(max(0, 1 - half * half)));
 }
 
-static float turn_between(const bends *s, int x, int y, int axis)
-{
-	int qx = x + !axis, qy = y + axis;
-	const float *n = normal_at(s, x, y), *m = normal_at(s, qx, qy);
-	if (*pixel_at(&s->job->object, x, y) != *pixel_at(&s->job->object, qx, qy) ||
-	    (n[0] == 0 && n[1] == 0 && n[2] == 0) || (m[0] == 0 && m[1] == 0 && m[2] == 0) ||
-	    pixel_at(&s->job->creases, x, y)[2 * axis + 1] >= 180 ||
-	    (s->job->marks.data && contour_mark(pixel_at(&s->job->marks, x, y)[axis]) < 0))
-		return closed;
-	if (n[0] == m[0] && n[1] == m[1] && n[2] == m[2])
-		return 0;
-	return degrees_between(n, m);
-}
-
-/* Adds the way from a pixel to the next along the axis, if anything happens there; returns how many it makes. */
+/* Adds the way from a pixel to the next along the axis, if anything happens there; returns how many it makes. Of ends
+ * of the surface in a row the first and the last tell all. */
 static int note(const bends *s, int x, int y, int axis, turning *list, int count)
 {
-	float turn = turn_between(s, x, y, axis);
+	unsigned what = s->way[(ptrdiff_t)y * s->width + x] >> WAY_BITS * axis & (WAY_TURNS | WAY_CLOSED);
+	int way = axis ? y : x;
+	if (what == 0)
+		return count;
+	if (what == WAY_CLOSED) {
+		count -= count > 1 && list[count - 1].turn < 0 && list[count - 2].turn < 0;
+		list[count] = (turning){0.5f, closed, 0, way};
+		return count + 1;
+	}
+	float turn = degrees_between(normal_at(s, x, y), normal_at(s, x + !axis, y + axis));
 	if (turn == 0)
 		return count;
-	int way = axis ? y : x;
 	const float *crease = pixel_at(&s->job->creases, x, y) + 2 * axis;
-	bool placed = turn > 0 && crease[0] > 0;
-	list[count] = (turning){placed ? crease[0] : 0.5f, turn, turn > 0 ? crease[1] : 0, way};
+	list[count] = (turning){crease[0] > 0 ? crease[0] : 0.5f, turn, crease[1], way};
 	return count + 1;
 }
 
@@ -113,8 +107,7 @@ typedef struct looking {
 	const turning *list;
 	run *best;
 	int count, axis, number, size; /* number: which row or column it is */
-	bend *out;                     /* of its first pixel, */
-	ptrdiff_t step;                /* from one to the next */
+	bend *out;                     /* of its pixels; none is told of any to begin with */
 } looking;
 
 /* How much `reach` pixels beside an end of a bend turn; less is known where the surface ends: -1 where too little is,
@@ -264,7 +257,7 @@ static void tell(const looking *l, const run *r)
 	from = from < one->way ? from : one->way; /* where it is, no other line goes by */
 	to = to > other->way + 1 ? to : other->way + 1;
 	for (int k = from > 0 ? from : 0; k <= to && k < l->size; k++) {
-		bend *out = l->out + k * l->step;
+		bend *out = l->out + k;
 		b.off = (float)(k - of.from) - middle;
 		b.first = (int8_t)(one->way - k);
 		bool its = fabsf(b.off) <= noted || (k >= one->way && k <= other->way + 1);
@@ -273,10 +266,10 @@ static void tell(const looking *l, const run *r)
 	}
 }
 
-static void look_through(const looking *l)
+/* Whether there is any. */
+static bool look_through(const looking *l)
 {
-	for (int k = 0; k < l->size; k++)
-		l->out[k * l->step].most = 0;
+	bool any = false;
 	for (int k = 0; k < l->count; k++)
 		l->best[k] = (run){0};
 	for (int first = 0; first < l->count; first++) {
@@ -297,7 +290,9 @@ static void look_through(const looking *l)
 			own = l->best[k].first == first && l->best[k].last == r->last;
 		if (own)
 			tell(l, r);
+		any |= own;
 	}
+	return any;
 }
 
 static int longer_of(const bends *s)
@@ -310,13 +305,24 @@ static void find_columns(void *data, int x0, int x1, int thread)
 	const bends *s = data;
 	const lane *own = s->lane + thread;
 	int count[BAND] = {0};
+	memset(own->told, 0, (size_t)longer_of(s) * sizeof *own->told);
 	for (int y = 0; y + 1 < s->height; y++)
 		for (int x = x0; x < x1; x++)
 			count[x - x0] =
 				note(s, x, y, 1, own->turning + (ptrdiff_t)(x - x0) * longer_of(s), count[x - x0]);
-	for (int x = x0; x < x1; x++)
-		look_through(&(looking){s, own->turning + (ptrdiff_t)(x - x0) * longer_of(s), own->best, count[x - x0],
-					1, x, s->height, s->bend + x, s->width});
+	for (int x = x0; x < x1; x++) {
+		if (!look_through(&(looking){s, own->turning + (ptrdiff_t)(x - x0) * longer_of(s), own->best,
+					     count[x - x0], 1, x, s->height, own->told}))
+			continue;
+		for (int y = 0; y < s->height; y++) {
+			ptrdiff_t at = (ptrdiff_t)y * s->width + x;
+			if (!(own->told[y].most > 0))
+				continue;
+			s->way[at] |= WAY_TOLD;
+			s->bend[at] = own->told[y];
+			own->told[y].most = 0;
+		}
+	}
 }
 
 /* How much a bend still counts that is so many pixels wide. */
@@ -351,13 +357,25 @@ static void find_rows(void *data, int y0, int y1, int thread)
 {
 	const bends *s = data;
 	const lane *own = s->lane + thread;
+	memset(own->told, 0, (size_t)longer_of(s) * sizeof *own->told);
 	for (int y = y0; y < y1; y++) {
 		int count = 0;
 		for (int x = 0; x + 1 < s->width; x++)
 			count = note(s, x, y, 0, own->turning, count);
-		look_through(&(looking){s, own->turning, own->best, count, 0, y, s->width, own->row, 1});
-		for (int x = 0; x < s->width; x++)
-			unite(s, s->bend + (ptrdiff_t)y * s->width + x, own->row + x);
+		look_through(&(looking){s, own->turning, own->best, count, 0, y, s->width, own->told});
+		s->told[y] = false;
+		for (int x = 0; x < s->width; x++) {
+			ptrdiff_t at = (ptrdiff_t)y * s->width + x;
+			bool by_column = s->way[at] & WAY_TOLD;
+			if (!by_column && !(own->told[x].most > 0))
+				continue;
+			if (!by_column)
+				s->bend[at] = (bend){.wide = 1};
+			unite(s, s->bend + at, own->told + x);
+			s->way[at] |= WAY_TOLD;
+			s->told[y] = true;
+			own->told[x].most = 0;
+		}
 	}
 }
 
@@ -370,12 +388,14 @@ void bends_plan(bends *b, const encre_raster_job *job, int threads, arena *a)
 	b->height = job->creases.height;
 	b->narrow = min(max(narrow * (float)job->frame.height, 1), most_narrow);
 	b->longest = longest * b->narrow;
+	b->way = arena_take(a, (size_t)b->width * (size_t)b->height, sizeof *b->way);
+	b->told = arena_take(a, (size_t)b->height, sizeof *b->told);
 	b->bend = arena_take(a, (size_t)b->width * (size_t)b->height, sizeof *b->bend);
 	b->lane = arena_take(a, (size_t)threads, sizeof *b->lane);
 	for (int i = 0; i < threads; i++) {
 		lane own = {arena_take(a, (size_t)BAND * (size_t)longer_of(b), sizeof *own.turning),
 			    arena_take(a, (size_t)longer_of(b), sizeof *own.best),
-			    arena_take(a, (size_t)b->width, sizeof *own.row)};
+			    arena_take(a, (size_t)longer_of(b), sizeof *own.told)};
 		if (a->base)
 			b->lane[i] = own;
 	}
@@ -383,6 +403,8 @@ void bends_plan(bends *b, const encre_raster_job *job, int threads, arena *a)
 
 int32_t bends_find(bands *pool, bends *b)
 {
-	int32_t code = bands_run(pool, b->width, BAND, find_columns, b);
+	int32_t code = bands_run(pool, b->height, BAND, neighbours_rows, b);
+	if (!code)
+		code = bands_run(pool, b->width, BAND, find_columns, b);
 	return code ? code : bands_run(pool, b->height, BAND, find_rows, b);
 }

@@ -16,15 +16,21 @@ typedef struct bend {
 	uint8_t axis : 1, smooth : 1;
 } bend;
 
+/* Of a pixel: what happens on the way to its right and, WAY_BITS further, to its lower neighbour; and WAY_TOLD, where
+ * it is told of a bend. */
+enum { WAY_TURNS = 1, WAY_CLOSED = 2 /* the surface ends */, WAY_BITS = 2, WAY_TOLD = 16 };
+
 /* Pixels from a pixel, that a line that goes by it may be away. */
 static const float goes_by_within = 1.25f;
 
 typedef struct bends {
 	const encre_raster_job *job;
 	int width, height;
-	float narrow;  /* pixels, within which what bends counts in full */
-	float longest; /* pixels: nothing wider is a bend */
-	bend *bend;
+	float narrow;      /* pixels, within which what bends counts in full */
+	float longest;     /* pixels: nothing wider is a bend */
+	uint8_t *way;      /* of each pixel */
+	bool *told;        /* of each row: whether a pixel of it is */
+	bend *bend;        /* of each pixel that is told of one; of others it is not written */
 	struct lane *lane; /* bends.c's, for each thread */
 } bends;
 
@@ -32,9 +38,17 @@ typedef struct bends {
 void bends_plan(bends *b, const encre_raster_job *job, int threads, arena *a);
 int32_t bends_find(bands *pool, bends *b);
 
+/* neighbours.c: fills `way` of these rows, of bends, when all other pictures are drawn. */
+void neighbours_rows(void *bends, int y0, int y1, int thread);
+
 static inline const bend *bend_at(const bends *b, int x, int y)
 {
 	return b->bend + (ptrdiff_t)y * b->width + x;
+}
+
+static inline bool is_told(const bends *b, int x, int y)
+{
+	return b->way[(ptrdiff_t)y * b->width + x] & WAY_TOLD;
 }
 
 #endif

@@ -16,10 +16,15 @@ static const float own_ahead = 16;
 typedef struct lines {
 	bends bends;
 	int even;    /* pixels along a line to each side, over which it is */
-	float *most; /* of each pixel: degrees, along the line */
+	float *most; /* of each pixel that is told of a bend: degrees, along the line */
 } lines;
 
 /* ---- evenness -------------------------------------------------------------------------------------------- */
+
+static float most_at(const lines *l, int x, int y)
+{
+	return is_told(&l->bends, x, y) ? l->most[(ptrdiff_t)y * l->bends.width + x] : 0;
+}
 
 static bool goes_by(const bend *b)
 {
@@ -50,7 +55,8 @@ static int follow(const lines *l, int x, int y, int way, float *sum)
 			if (px < 0 || py < 0 || px >= s->width || py >= s->height)
 				continue;
 			const bend *other = bend_at(s, px, py);
-			if (!goes_by(other) || !parallel(b, other) || (next && fabsf(next->off) <= fabsf(other->off)))
+			if (!is_told(s, px, py) || !goes_by(other) || !parallel(b, other) ||
+			    (next && fabsf(next->off) <= fabsf(other->off)))
 				continue;
 			next = other;
 			next_x = px;
@@ -74,6 +80,8 @@ static void even_rows(void *data, int y0, int y1, int thread)
 	const bends *s = &l->bends;
 	for (int y = y0; y < y1; y++)
 		for (int x = 0; x < s->width; x++) {
+			if (!is_told(s, x, y))
+				continue;
 			const bend *b = bend_at(s, x, y);
 			float *most = l->most + (ptrdiff_t)y * s->width + x, sum = b->most;
 			int length = 1;
@@ -101,14 +109,51 @@ static bool is_part(const lines *l, float px, float py, float bend_of_it)
 			for (int i = (int)along - reach; i <= (int)along + reach; i++) {
 				if (i < 0 || j < 0 || i >= size || j >= across || fabsf(aside - (float)j) > 0.5f)
 					continue;
-				const bend *b = axis ? bend_at(s, j, i) : bend_at(s, i, j);
+				int x = axis ? j : i, y = axis ? i : j;
+				if (!(most_at(l, x, y) > bend_of_it))
+					continue;
+				const bend *b = bend_at(s, x, y);
 				float from = (float)(i + b->first);
-				if (l->most[b - s->bend] > bend_of_it && b->axis == axis && fabsf(b->off) <= 0.75f &&
-				    along >= from && along <= from + (float)b->ways)
+				if (b->axis == axis && fabsf(b->off) <= 0.75f && along >= from &&
+				    along <= from + (float)b->ways)
 					return true;
 			}
 	}
 	return false;
+}
+
+/* Whether lines may be drawn in a row, or take the place of edges there. */
+static bool any_near(const lines *l, int y)
+{
+	const bends *s = &l->bends;
+	int reach = (int)s->longest + 3, end = y + reach < s->height - 1 ? y + reach : s->height - 1;
+	for (int row = y > reach ? y - reach : 0; row <= end; row++)
+		if (s->told[row])
+			return true;
+	return false;
+}
+
+static void draw_way(const lines *l, int x, int y, int axis)
+{
+	const bends *s = &l->bends;
+	float *crease = pixel_at(&s->job->creases, x, y) + 2 * axis;
+	float degrees = min(most_at(l, x, y), most_at(l, x + !axis, y + axis));
+	if (degrees > fabsf(crease[1])) {
+		const bend *p = bend_at(s, x, y), *q = bend_at(s, x + !axis, y + axis);
+		int dot = 0;
+		for (int c = 0; c < 3; c++)
+			dot += p->across[c] * q->across[c];
+		float one = p->off, two = dot > 0 ? q->off : -q->off;
+		if (dot != 0 && one != two && (one <= 0) != (two <= 0)) {
+			crease[0] = (float)fmax((double)(fabsf(one) / (fabsf(one) + fabsf(two))), LEAST_SHARE);
+			crease[1] = p->smooth && q->smooth ? -degrees - crease_spread : degrees + crease_spread;
+			return;
+		}
+	}
+	float own = fabsf(crease[1]) > 0 ? fabsf(crease[1]) + own_ahead : 0;
+	if (crease[0] > 0 && fabsf(crease[1]) < 180 &&
+	    is_part(l, (float)x + (axis ? 0 : crease[0]), (float)y + (axis ? crease[0] : 0), own))
+		crease[0] = crease[1] = 0;
 }
 
 static void draw_rows(void *data, int y0, int y1, int thread)
@@ -117,29 +162,10 @@ static void draw_rows(void *data, int y0, int y1, int thread)
 	const lines *l = data;
 	const bends *s = &l->bends;
 	for (int y = y0; y < y1; y++)
-		for (int x = 0; x < s->width; x++)
-			for (int axis = 0; axis < 2; axis++) {
-				int qx = x + !axis, qy = y + axis;
-				if (qx >= s->width || qy >= s->height)
-					continue;
-				float *crease = pixel_at(&s->job->creases, x, y) + 2 * axis;
-				const bend *p = bend_at(s, x, y), *q = bend_at(s, qx, qy);
-				float degrees = min(l->most[p - s->bend], l->most[q - s->bend]);
-				float own = fabsf(crease[1]) > 0 ? fabsf(crease[1]) + own_ahead : 0;
-				int dot = 0;
-				for (int c = 0; c < 3 && degrees > 0; c++)
-					dot += p->across[c] * q->across[c];
-				float one = p->off, two = dot > 0 ? q->off : -q->off;
-				if (degrees > fabsf(crease[1]) && dot != 0 && one != two && (one <= 0) != (two <= 0)) {
-					crease[0] = (float)fmax((double)(fabsf(one) / (fabsf(one) + fabsf(two))),
-								LEAST_SHARE);
-					crease[1] = p->smooth && q->smooth ? -degrees - crease_spread
-									   : degrees + crease_spread;
-				} else if (crease[0] > 0 && fabsf(crease[1]) < 180 &&
-					   is_part(l, (float)x + (axis ? 0 : crease[0]),
-						   (float)y + (axis ? crease[0] : 0), own))
-					crease[0] = crease[1] = 0;
-			}
+		for (int x = 0, end = any_near(l, y) ? s->width : 0; x < end; x++)
+			for (int axis = 0; axis < 2; axis++)
+				if (x + !axis < s->width && y + axis < s->height)
+					draw_way(l, x, y, axis);
 }
 
 /* ---- all of them ------------------------------------------------------------------------------------------- */

@@ -48,6 +48,7 @@ TESTS = (
     ("csrc/tones/", "stages/test_tones.py -k twin", "stages/test_tones.py -k 'not twin and not ink'",
      "stages/test_tones.py -k 'ink and not twin'", "stages/test_strokes.py"),
     ("csrc/raster/be", "fine/test_bevels.py", "fine/test_creases.py"),  # bends, bevels
+    ("csrc/raster/neighbours", "fine/test_bevels.py", "fine/test_creases.py"),
     ("csrc/raster/meets", "fine/test_meets.py", "fine/test_creases.py"),
     ("csrc/raster/pieces", "fine/test_meets.py", "fine/test_creases.py"),
     ("csrc/raster/geometry", RASTER, "unit/test_limits.py", "fine/test_creases.py"),
