@@ -8,12 +8,15 @@
 #include "raster/outline.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 enum {
 	GUARD = OUTLINE_GUARD,
 	SUB_BITS = 12,
 	SUB = 1 << SUB_BITS, /* steps of the grid to a pixel: frame and guard are 2^17 pixels, 2^29 steps wide */
+	FEW = 4,             /* columns, of which each is asked whether it is inside */
+	SOON = 64,           /* pixels, of which each is asked whether it hides */
 };
 
 enum clip_plane { CLIP_START, CLIP_END, CLIP_EYE, CLIP_LEFT, CLIP_RIGHT, CLIP_TOP, CLIP_BOTTOM, CLIP_COUNT };
@@ -238,6 +241,36 @@ static void draw_span(const band *b, const depth_plane *plane, const outline *o,
 	}
 }
 
+/* The columns of a row, from *left on up to *right, that lie inside. Of few columns each is asked: it is done sooner
+ * than dividing. */
+static inline void span_of(const band *b, const outline *o, const int64_t k[3], const int64_t dy[3], int64_t *left,
+			   int64_t *right)
+{
+	int64_t from = o->x0 > b->x0 ? o->x0 : b->x0, end = o->x1 < b->x1 ? o->x1 : b->x1;
+	*left = b->x0;
+	*right = b->x1 - 1;
+	if (end - from <= FEW) {
+		while (from < end && ((k[0] - dy[0] * from) | (k[1] - dy[1] * from) | (k[2] - dy[2] * from)) < 0)
+			from++;
+		while (end > from &&
+		       ((k[0] - dy[0] * (end - 1)) | (k[1] - dy[1] * (end - 1)) | (k[2] - dy[2] * (end - 1))) < 0)
+			end--;
+		*left = from;
+		*right = end - 1;
+		return;
+	}
+	for (int i = 0; i < 3; i++) {
+		if (dy[i] > 0) {
+			int64_t q = floor_divide(k[i], dy[i]);
+			*right = q < *right ? q : *right;
+		} else if (dy[i] < 0) {
+			int64_t q = -floor_divide(k[i], -dy[i]);
+			*left = q > *left ? q : *left;
+		} else if (k[i] < 0)
+			*right = *left - 1;
+	}
+}
+
 /* Draws the triangle of the outline's corners 0, j, j + 1. A centre at column x is inside an edge from a to b where
  * dx (y - ya) - dy (x - xa) >= 0, and > 0 unless the edge is a left or a top one. In whole pixels that is
  * k >= dy x, and k grows by dx a row: each edge bounds the row's span on one side. */
@@ -258,26 +291,39 @@ static void draw_triangle(const band *b, const outline *o, int j, const depth_pl
 		k[i] = e >> SUB_BITS; /* rounds down: all compilers shift arithmetically */
 	}
 	for (int row = y0; row < y1; row++) {
-		int64_t left = b->x0, right = b->x1 - 1;
-		for (int i = 0; i < 3; i++) {
-			if (dy[i] > 0) {
-				int64_t q = floor_divide(k[i], dy[i]);
-				right = q < right ? q : right;
-			} else if (dy[i] < 0) {
-				int64_t q = -floor_divide(k[i], -dy[i]);
-				left = q > left ? q : left;
-			} else if (k[i] < 0)
-				right = left - 1;
+		int64_t left, right;
+		span_of(b, o, k, dy, &left, &right);
+		for (int i = 0; i < 3; i++)
 			k[i] += dx[i];
-		}
 		if (left > right)
 			continue;
 		draw_span(b, plane, o, (int)left, row, (int)(right - left + 1), number);
 	}
 }
 
+/* Whether all of its box is hidden, where that is soon told. */
+static bool is_hidden(const outline *o, const band *b)
+{
+	int x0 = o->x0 > b->x0 ? o->x0 : b->x0, x1 = o->x1 < b->x1 ? o->x1 : b->x1;
+	int y0 = o->y0 > b->y0 ? o->y0 : b->y0, y1 = o->y1 < b->y1 ? o->y1 : b->y1;
+	double most = fmax(fabs(o->nearest), fabs(o->farthest));
+	if ((int64_t)(x1 - x0) * (y1 - y0) > SOON || !(most < 1e30)) /* as a float it might be infinite */
+		return false;
+	/* twice what draw_span() takes for close, as that is rounded */
+	float before = (float)(o->nearest - 2 * ((double)b->close + most * 0x1p-20));
+	for (int y = y0; y < y1; y++) {
+		const float *depth = b->depth + (ptrdiff_t)(y - b->y0) * (b->x1 - b->x0);
+		for (int x = x0; x < x1; x++)
+			if (!(depth[x - b->x0] < before))
+				return false;
+	}
+	return true;
+}
+
 void outline_draw(const outline *o, uint32_t number, const band *b)
 {
+	if (is_hidden(o, b))
+		return;
 	/* from the outline's box, not from the images: a border gets the full frame's bits */
 	depth_plane plane = plane_of(o->corner, o->x0 - GUARD + 0.5, o->y0 - GUARD + 0.5);
 	for (int j = 1; j + 1 < o->n; j++)
