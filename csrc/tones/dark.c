@@ -243,12 +243,13 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 		want_level(p, level, own->gradient, n, light, steep, own->kind == tone_1_GRAIN ? none : added,
 			   w->share[k], w->dark[k]);
 	}
-	const uint8_t *keep = ((const tone_frame *)f->tones)->detail.keep;
+	const tone_detail *detail = &((const tone_frame *)f->tones)->detail;
 	for (int k = 0; k < TONE_SLOTS; k++) {
 		if (!w->any[k])
 			continue;
 		finish(depth, n, w->share[k], w->dark[k]);
-		for (int i = 0; keep && i < n; i++)
+		const uint8_t *keep = slots[k].kind == tone_1_SOLID ? detail->ink : detail->keep;
+		for (int i = 0; detail->keep && i < n; i++)
 			w->share[k][i] *= (float)keep[(ptrdiff_t)y * f->width + x + i] * (1.0f / 255);
 		w->any[k] = tone_any(w->dark[k], n);
 	}

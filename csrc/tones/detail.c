@@ -205,10 +205,10 @@ static float of_light(const work *w, int x, int y)
 	return share > 0 && lies_on(w, x, y) ? share : 0;
 }
 
-/* How much a fine dark thing within the reach lies on what this pixel shows. */
-static float about_dark(const work *w, int x, int y)
+/* How much a fine dark thing within so many pixels lies on what this pixel shows. */
+static float about_dark(const work *w, int reach, int x, int y)
 {
-	int reach = w->d->reach, left = tone_within(x - reach, w->f->width);
+	int left = tone_within(x - reach, w->f->width);
 	float best = 0, own = row_of(w, w->d->value, y)[x], depth = depth_at(w->f, x, y);
 	for (int v = tone_within(y - reach, w->f->height); v <= y + reach && v < w->f->height; v++) {
 		const uint8_t *dark = row_of(w, w->d->dark, v), *value = row_of(w, w->d->value, v);
@@ -234,21 +234,28 @@ static void most_about(const work *w, int reach, uint8_t *plane, int y, int x, i
 	least_along(true, n, reach, line, to);
 }
 
+static uint8_t share_left(float clear)
+{
+	return (uint8_t)(int)(255 * (1 - clear) + 0.5f);
+}
+
 static void keep_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
 	for (int y = y0; y < y1; y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
-			uint8_t light[TONE_CHUNK], dark[TONE_CHUNK], *keep = row_of(w, w->d->keep, y) + x;
+			uint8_t light[TONE_CHUNK], dark[TONE_CHUNK], *keep = row_of(w, w->d->keep, y) + x,
+								     *ink = row_of(w, w->d->ink, y) + x;
 			n = chunk_at(w, x);
 			most_about(w, w->d->reach + beyond, w->d->thin, y, x, n, light);
 			most_about(w, w->d->reach, w->d->dark, y, x, n, dark);
 			for (int i = 0; i < n; i++) {
 				float clear = light[i] > least_contrast ? sure(light[i]) * of_light(w, x + i, y) : 0;
-				if (dark[i] > least_contrast)
-					clear = max(clear, about_dark(w, x + i, y));
-				keep[i] = (uint8_t)(int)(255 * (1 - clear) + 0.5f);
+				float wide = dark[i] > least_contrast ? about_dark(w, w->d->reach, x + i, y) : 0;
+				float rim = wide > 0 ? about_dark(w, (w->d->reach + 2) / 3, x + i, y) : 0;
+				keep[i] = share_left(max(clear, wide));
+				ink[i] = share_left(max(clear, rim));
 			}
 		}
 }
@@ -264,6 +271,7 @@ void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a)
 	for (int k = 0; k < 6; k++)
 		*plane[k] = arena_take(a, pixels, 1);
 	d->keep = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
+	d->ink = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
 	d->room = f->params->tone_least > 0 ? arena_take(a, pixels, 1) : NULL;
 }
 

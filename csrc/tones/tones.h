@@ -83,6 +83,8 @@ enum { TONE_ROOM, TONE_NO_ROOM, TONE_BESIDE_INK };
 typedef struct tone_detail {
 	int reach;     /* pixels to both sides of a pixel that a fine thing may have */
 	uint8_t *keep; /* 255ths of the tones that are left; NULL: all */
+	uint8_t *ink;  /* likewise of solid ink, which has no margin about dark things: they would look out of it as
+			  masks */
 	uint8_t *room; /* NULL: there is room */
 	uint8_t *value, *light, *thin, *dark, *raw, *scratch;
 } tone_detail;

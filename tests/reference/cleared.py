@@ -46,10 +46,10 @@ def _fine(value, reach, sign):
 
 
 def kept(layers, params):
-    """Share of the tones that is left at each pixel."""
+    """Shares of the tones, and of solid ink, that are left at each pixel."""
     size = params["tone_detail"]
     if not size > 0:
-        return np.ones(layers.depth.shape)
+        return np.ones((2, *layers.depth.shape))
     reach = max(1, int(min(0.5 * size * params.pixels(layers.full_height), 32)))
     value = np.floor(255 * np.sqrt(clamp01(layers.albedo @ (0.2126, 0.7152, 0.0722))) + 0.5)
     inside = np.pad(np.ones(value.shape, bool), reach + 1)
@@ -68,11 +68,15 @@ def kept(layers, params):
     most = _about(square, 1, np.max)
     clear = np.where(lies & (square > 0), _sure(_about(thin, reach + 2, np.max)) * _sure(most)
                      * clamp01(2 * square / np.maximum(most, 1) - 0.9), 0)
-    for v, u in _places(reach):
-        contrast = np.minimum(_shifted(dark, v, u), value - _shifted(value, v, u))
-        clear = np.maximum(clear, np.where((contrast > LEAST) & there(v, u),
-                                           _sure(contrast) * clamp01(reach + 0.5 - np.hypot(v, u)), 0))
-    return np.floor(255 * (1 - clear) + 0.5) / 255
+    found = []
+    for far in (reach, (reach + 2) // 3):
+        about = clear
+        for v, u in _places(far):
+            contrast = np.minimum(_shifted(dark, v, u), value - _shifted(value, v, u))
+            about = np.maximum(about, np.where((contrast > LEAST) & there(v, u),
+                                               _sure(contrast) * clamp01(far + 0.5 - np.hypot(v, u)), 0))
+        found.append(about)
+    return np.floor(255 * (1 - np.stack(found)) + 0.5) / 255
 
 
 def _near(sought, radius):

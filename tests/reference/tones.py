@@ -338,8 +338,8 @@ def _pitch(of, look, layers, scale):
 def _rooms(layers, params, keep, scale):
     """What screens have at each pixel."""
     if not params["tone_least"] > 0:
-        return np.zeros(keep.shape, int)
-    screens, solid, radius = (np.zeros(keep.shape) for _ in range(3))
+        return np.zeros(keep[0].shape, int)
+    screens, solid, radius = (np.zeros(keep[0].shape) for _ in range(3))
     for number, table in enumerate(params.tables):
         of, own = table.__getitem__, layers.style == number
         if not of("use_tones"):
@@ -351,8 +351,9 @@ def _rooms(layers, params, keep, scale):
         radius = np.where(own, min(0.5 * params["tone_least"] * pitch, 60), radius)
         for look in {look for look, is_one in zip(looks, screen, strict=True) if is_one or look[0] == "SOLID"}:
             share, dark = _dark(layers, of("shade_levels"), of, look)
-            (solid if look[0] == "SOLID" else screens)[own] += np.where(dark > 0, share * keep, 0)[own]
-    return cleared.rooms(screens, solid, keep, radius)
+            is_solid = look[0] == "SOLID"
+            (solid if is_solid else screens)[own] += np.where(dark > 0, share * keep[int(is_solid)], 0)[own]
+    return cleared.rooms(screens, solid, keep[0], radius)
 
 
 def _fitted(ink, rooms):
@@ -378,7 +379,7 @@ def fill(layers, params, surface, paper):
                 continue
             ink = _ink(layers, of, look, dark, scale, paper, own)
             ink = _fitted(ink, rooms) if look[0] in SCREENS else ink
-            t = np.where(own, ink * share * keep, 0)[..., None]
+            t = np.where(own, ink * share * keep[int(look[0] == "SOLID")], 0)[..., None]
             t = np.where(t >= 0.5, 1.0, 0.0) if of("tone_crisp") else t
             alpha = surface[..., 3:]
             drawn[..., :3] = mix(drawn[..., :3], np.array(look[4]) * alpha, t)
