@@ -163,6 +163,7 @@ static const pass passes[] = {
 	{"close eyes", NULL, ISA(fine_close_eyes), PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"join ends", NULL, ISA(fine_join_ends), LAYERS | FOUND | PLACED | CELLS | KEPT | LINKS,
 	 FOUND | PLACED | CELLS | LINKS, BROKEN(joined)},
+	{"drop rungs", gives_way, ISA(fine_drop_rungs), LAYERS | FOUND | KEPT | LINKS, KEPT, BROKEN(crowd)},
 	{"slender", NULL, ISA(fine_slender), LAYERS | CRACKS | FOUND | PLACED | KEPT | LINKS, KEPT, BROKEN(crowd)},
 	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, NULL},
 	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},

@@ -12,7 +12,7 @@ from reference import passes as twin
 from reference.passes import NUMBER, Table
 
 LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, links=6000, ties=40, eyes=40, smooth=4000, crowded=1300,
-             parted=30, folds=30, slender=300, tapers=50, led=1000, corners=100, beside=150, rounds=30,
+             parted=30, folds=30, rungs=30, slender=300, tapers=50, led=1000, corners=100, beside=150, rounds=30,
              spurs=80,
              short=20)  # found over all cases
 
@@ -130,8 +130,19 @@ def give_way(check):
     check.count["parted"] += int((bound > 0).sum())
 
 
+def drop_rungs(check):
+    before, after = (check.tables(name) for name in ("join ends", "drop rungs"))
+    if not after:
+        return
+    view = check.c.view
+    bound, may = rooms.rungs(before[0], view.layers.depth,
+                             view.layers.object if view.meshes and "object" in view.given else None)
+    assert np.array_equal(after[0].site["crowd"], np.maximum(before[0].site["crowd"], bound.astype(np.float32)))
+    check.count["rungs"] += int((bound > before[0].site["crowd"]).sum())
+
+
 def slim(check):
-    before = check.tables("join ends")[0]
+    before = (check.tables("drop rungs") or check.tables("join ends"))[0]
     crowd, tapers, unsure = slender.slender(before, check.c.view.layers, check.scale)
     crowd = np.maximum(crowd, before.site["crowd"])
     after = check.tables("slender")[0].site
@@ -186,7 +197,7 @@ def drop(check):
 @functools.cache
 def compare(name):
     check = Check(passes.case(name))
-    last = crowd, give_way, eyes, lead, drop
+    last = crowd, give_way, eyes, lead, drop_rungs, drop
     for each in last if name in passes.TANGLES else (claim, link, tie, smooth, slim, *last):
         each(check)
     return check.count

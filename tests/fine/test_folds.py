@@ -48,6 +48,18 @@ def test_a_thin_thing_keeps_both_its_sides(width, slant):
         assert inked(width, slant, (NEAR, RIM, far), behind=2.0)[1] == pytest.approx(width / 2, abs=0.4)
 
 
+@pytest.mark.parametrize(("width", "slant"), [(3.0, 0.0), (2.6, 0.2)])
+def test_no_rungs_stay_of_a_ladder(width, slant):
+    """What crosses a strip whose farther side gives way, every 8 pixels."""
+    plain, off = forms(width, slant, (NEAR, RIM, FAR))
+    y, x = np.mgrid[:60, :60]
+    behind = ((y - 29.6) * np.cos(slant) - (x - 29.3) * np.sin(slant)) % 16 < 8
+    rungs = dict(plain, depth=plain["depth"] + np.float32(0.7) * ((np.abs(off) < width / 2) & behind))
+    ink = [library.render(layers, LINE, outputs=["Encre Lines"]).images["Encre Lines"][10:50, 10:50, 3].sum()
+           for layers in (plain, rungs)]
+    assert ink[1] < 1.05 * ink[0]
+
+
 def test_a_fold_thins_out_as_it_comes_nearer():
     inks = [inked(width, 0.4, (NEAR, RIM, FAR))[0] for width in np.arange(2.6, 6.4, 0.2)]
     steps = np.diff(inks)

@@ -62,7 +62,7 @@ def give_way(t, scale, depth, number=None):
         """The mean along the line; of which sites."""
         arms = [along_from(t, i, j) for j in t.links[i]] if len(t.links[i]) == 2 else [[]]
         both = min(len(arm) for arm in arms)
-        group = [i, *(j for arm in arms for j in arm[:both])]
+        group = [i, *(j for arm in arms for j in arm[:both] if not meeting[j])]
         if t.family[i] == NUMBER["mark"]:  # all between two places where lines meet
             group = [i, *(j for arm in arms for j in arm if len(t.links[j]) <= 2)]
         if len(t.links[i]) > 2:  # the line that goes through with most room
@@ -118,3 +118,19 @@ def give_way(t, scale, depth, number=None):
             unsure.add(i)
         bound[i] = max(0, 1 - mean / wide[i]) / (0.25 * max(mean - closed[i], 1e-6))
     return bound, give, unsure
+
+
+def rungs(t, depth, number):
+    """1 over the greatest radius of sites on short folds, by that of what these meet; which sites may be such."""
+    fronts = [_front(t, i, depth, number) for i in range(len(t))]
+    fold = np.array([f is not None and f[0] == f[1] and np.isfinite(depth[r, c])
+                     for f, r, c in zip(fronts, t.site["row"], t.site["column"], strict=True)], bool)
+    may = ~t.dropped & (fold | (t.family == NUMBER["crack"]) & (t.axis == JUNCTION))
+    bound = np.zeros(len(t))
+    for i in np.flatnonzero(may):
+        if len(t.links[i]) != 2:
+            continue
+        arms = [[i, *along_from(t, i, j, 8)] for j in t.links[i]]
+        if all(len(t.links[arm[-1]]) > 2 for arm in arms) and sum(map(len, arms)) - 4 <= 6:
+            bound[i] = max(min(t.site["crowd"][j] for j in t.links[arm[-1]] if j != arm[-2]) for arm in arms)
+    return bound, may

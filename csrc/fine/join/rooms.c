@@ -4,7 +4,7 @@
  * within a thing beside another of it: the rim of an eyelid is one line from afar. */
 #include "fine/near.h"
 
-enum { CHUNK = 2048, EVENED = 12, OWN = 12 /* sites each way along a line */ };
+enum { CHUNK = 2048, EVENED = 12, OWN = 12 /* sites each way along a line */, RUNG = 6 };
 
 static const float share = 0.25f; /* of the room beyond what closes, which a line's half may take; test_fine_passes */
 
@@ -188,8 +188,9 @@ static float through_room(const rooms *r, uint32_t i)
 }
 
 /* The mean along the line, as far both ways as it goes: what stands beside it in a row, as windows do at a house's
- * corner, would cut it to dashes. Where an older line comes nearer steadily, the mean is the place's own. Two lines by
- * hand that meet again and again would be a ladder: their mean is that of all that lies between two such places. */
+ * corner, would cut it to dashes. Where contours meet, no room is known. Where an older line comes nearer steadily, the
+ * mean is the place's own. Two lines by hand that meet again and again would be a ladder: their mean is that of all
+ * that lies between two such places. */
 static float even_room(const rooms *r, uint32_t i)
 {
 	const fine *n = r->n;
@@ -207,7 +208,7 @@ static float even_room(const rooms *r, uint32_t i)
 			if (at[side] == UINT32_MAX)
 				continue;
 			uint32_t next = next_of(n, from[side], at[side]);
-			float counts = !all || links_at(n, at[side]) <= 2;
+			float counts = all ? links_at(n, at[side]) <= 2 : !is_meeting(n->site + at[side]);
 			sum += counts * r->room[at[side]];
 			count += counts;
 			from[side] = at[side];
@@ -262,5 +263,65 @@ int32_t ISA(fine_give_way)(fine *n)
 	}
 	late_drop(&n->f->late, r.room);
 	late_drop(&n->f->late, open);
+	return code;
+}
+
+/* Where lines meet: of those but the one over site `from` the least bound. */
+static float least_bound(const fine *n, uint32_t i, uint32_t from)
+{
+	float least = INFINITY;
+	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
+		if (n->to[k] != from)
+			least = min(least, n->site[n->to[k]].linked.crowd);
+	return least;
+}
+
+/* A short fold is no more to be seen than what it meets at each end: a rung of what would be a ladder goes with its
+ * rail. */
+static float rung_crowd(const fine *n, uint32_t i)
+{
+	float most = 0;
+	if (links_at(n, i) != 2 || !(is_meeting(n->site + i) || is_fold(n, n->site + i)))
+		return 0;
+	for (uint32_t side = 0, sites = 0; side < 2; side++) {
+		uint32_t from = i, at = n->to[n->at[i] + side];
+		for (; links_at(n, at) == 2 && sites < RUNG; sites++) {
+			uint32_t next = next_of(n, from, at);
+			from = at;
+			at = next;
+		}
+		if (links_at(n, at) <= 2)
+			return 0;
+		most = max(most, least_bound(n, at, from));
+	}
+	return most;
+}
+
+static void find_rungs(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const rooms *r = data;
+	for (int i = first; i < end; i++)
+		r->left[i] = r->n->site[i].linked.dropped ? 0 : rung_crowd(r->n, (uint32_t)i);
+}
+
+static void drop_rungs(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const rooms *r = data;
+	for (int i = first; i < end; i++)
+		r->n->site[i].linked.crowd = max(r->n->site[i].linked.crowd, r->left[i]);
+}
+
+/* Once loose ends are led on: many a rung was one. */
+int32_t ISA(fine_drop_rungs)(fine *n)
+{
+	rooms r = {.n = n, .left = late_take(&n->f->late, n->count, sizeof *r.left)};
+	if (!r.left)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_rungs, &r);
+	if (!code)
+		code = bands_run(n->f->bands, (int)n->count, CHUNK, drop_rungs, &r);
+	late_drop(&n->f->late, r.left);
 	return code;
 }
