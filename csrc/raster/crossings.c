@@ -214,11 +214,14 @@ static void crease(void *user, const crossing *c)
 	*contour = contour_mark(*contour) == 0 ? -out[0] : *contour;
 }
 
-static void clear_rows(const encre_image *image, int y0, int rows)
+/* With a constant number of channels: else a function is called for each pixel. */
+KERNEL void clear_rows(const encre_image *image, const size_t channels, int y0, int rows)
 {
-	for (int y = y0; image->data && y < y0 + rows; y++)
+	for (int y = y0; image->data && y < y0 + rows; y++) {
+		char *row = (char *)pixel_at(image, 0, y);
 		for (int x = 0; x < image->width; x++)
-			memset(pixel_at(image, x, y), 0, (size_t)image->channels * sizeof(float));
+			memset(row + x * image->pixel_stride, 0, channels * sizeof(float));
+	}
 }
 
 void crossings_draw(const raster *r, int i, const band *b, int end)
@@ -226,8 +229,8 @@ void crossings_draw(const raster *r, int i, const band *b, int end)
 	marking m = {.r = r, .b = b};
 	const part *part = NULL;
 	int x0 = b->x0 - OUTLINE_GUARD, y0 = b->y0 - OUTLINE_GUARD, rows = end - b->y0;
-	clear_rows(&r->job->marks, b->y0 - r->room.y0, rows);
-	clear_rows(&r->job->creases, b->y0 - r->room.y0, rows);
+	clear_rows(&r->job->marks, 2, b->y0 - r->room.y0, rows);
+	clear_rows(&r->job->creases, 4, b->y0 - r->room.y0, rows);
 	for (size_t n = r->list[i]; n < r->list[i + 1]; n++) {
 		segment s;
 		int from, to;
