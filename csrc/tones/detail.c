@@ -206,8 +206,9 @@ static float of_light(const work *w, int x, int y)
 }
 
 /* How much a fine dark thing within so many pixels lies on what this pixel shows. */
-static float about_dark(const work *w, int reach, int x, int y)
+static float about_dark(const work *w, float far, int x, int y)
 {
+	int reach = w->d->reach;
 	int left = tone_within(x - reach, w->f->width);
 	float best = 0, own = row_of(w, w->d->value, y)[x], depth = depth_at(w->f, x, y);
 	for (int v = tone_within(y - reach, w->f->height); v <= y + reach && v < w->f->height; v++) {
@@ -216,8 +217,8 @@ static float about_dark(const work *w, int reach, int x, int y)
 			float contrast = min(dark[u], own - (float)value[u]);
 			if (contrast <= least_contrast || !(fabsf(depth_at(w->f, u, v) - depth) <= same_depth * depth))
 				continue;
-			float far = sqrtf((float)((u - x) * (u - x) + (v - y) * (v - y)));
-			best = max(best, sure(contrast) * clamp01((float)reach + 0.5f - far));
+			float away = sqrtf((float)((u - x) * (u - x) + (v - y) * (v - y)));
+			best = max(best, sure(contrast) * clamp01(far + 0.5f - away));
 		}
 	}
 	return best;
@@ -252,8 +253,8 @@ static void keep_rows(void *data, int y0, int y1, int thread)
 			most_about(w, w->d->reach, w->d->dark, y, x, n, dark);
 			for (int i = 0; i < n; i++) {
 				float clear = light[i] > least_contrast ? sure(light[i]) * of_light(w, x + i, y) : 0;
-				float wide = dark[i] > least_contrast ? about_dark(w, w->d->reach, x + i, y) : 0;
-				float rim = wide > 0 ? about_dark(w, (w->d->reach + 2) / 3, x + i, y) : 0;
+				float wide = dark[i] > least_contrast ? about_dark(w, (float)w->d->reach, x + i, y) : 0;
+				float rim = wide > 0 ? about_dark(w, 0.5f * (float)w->d->reach, x + i, y) : 0;
 				keep[i] = share_left(max(clear, wide));
 				ink[i] = share_left(max(clear, rim));
 			}

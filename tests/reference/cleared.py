@@ -69,9 +69,9 @@ def kept(layers, params):
     clear = np.where(lies & (square > 0), _sure(_about(thin, reach + 2, np.max)) * _sure(most)
                      * clamp01(2 * square / np.maximum(most, 1) - 0.9), 0)
     found = []
-    for far in (reach, (reach + 2) // 3):
+    for far in (reach, 0.5 * reach):
         about = clear
-        for v, u in _places(far):
+        for v, u in _places(reach):
             contrast = np.minimum(_shifted(dark, v, u), value - _shifted(value, v, u))
             about = np.maximum(about, np.where((contrast > LEAST) & there(v, u),
                                                _sure(contrast) * clamp01(far + 0.5 - np.hypot(v, u)), 0))

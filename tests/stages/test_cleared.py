@@ -59,7 +59,7 @@ def test_letters_are_read_in_black():
     assert (ink(light) == 1).all() and (ink(dark) == 1).all()
     light, dark = ink(light, tone_detail=5.0), ink(dark, tone_detail=5.0)
     assert (light[22:36, 20:23] == 0).all() and (light[36:39, 20:30] == 0).all() and light[22:36, 24:].all()
-    assert (dark[20:40, 20:23] == 1).all() and (dark[22:34, [19, 23]] == 0).all() and dark[:, 30:].any()
+    assert (dark[20:40, 20:23] == 1).all() and (dark[22:34, [19, 23]] < 0.6).all() and dark[:, 30:].any()
 
 
 def test_what_is_large_or_farther_behind_is_no_letter():
