@@ -125,9 +125,9 @@ def unmirror(layers: dict[str, np.ndarray], materials: np.ndarray, which: np.nda
 def sees_through(layers: dict[str, np.ndarray], view: np.ndarray) -> np.ndarray:
     """Where (height, width) lines are looked for in what mirrors and clear glass show, and what is read for them, but
     for pixels that show nothing but their own surface. view: as in unmirrored."""
-    where = np.zeros(layers["depth"].shape[:2], bool)
-    deep, bare = where.copy(), where.copy()
-    for rows in range(0, len(where), _BAND):
+    found = np.zeros(layers["depth"].shape[:2], np.uint8)
+    other, deep, bare = 1, 2, 4  # what is found
+    for rows in range(0, len(found), _BAND):
         band = {name: picture[rows:rows + _BAND] for name, picture in layers.items()}
         own = unmirrored(band, view)
         there = own["seen_depth"][..., 0] > 0
@@ -136,12 +136,17 @@ def sees_through(layers: dict[str, np.ndarray], view: np.ndarray) -> np.ndarray:
                         / np.maximum(_square(own["seen_normal"]), 1e-12), 0, 1)[..., None]
         aside = _square(band["seen_normal"] - share * own["seen_normal"])
         tint = _square(np.clip(band["seen_color"], 0, 1) - np.clip(own["seen_color"], 0, 1))
-        where[rows:rows + _BAND] = there & (off > _OTHER_NORMAL ** 2) & (np.maximum(aside, tint) > _OTHER_NORMAL ** 2)
-        bare[rows:rows + _BAND] = np.maximum(off, tint) < _SAME ** 2
+        here = found[rows:rows + _BAND]
+        here[there & (off > _OTHER_NORMAL ** 2) & (np.maximum(aside, tint) > _OTHER_NORMAL ** 2)] = other
+        here[np.maximum(off, tint) < _SAME ** 2] |= bare
         if "seen_depth" in band:
             far, front = band["seen_depth"][..., 0], own["seen_depth"][..., 0]
-            deep[rows:rows + _BAND] = there & (far > 0) & (np.abs(far - front) > _OTHER_DEPTH * front)
-    return _grown(where | ~_grown(~deep, 1), _READ_ABOUT) & ~bare
+            here[there & (far > 0) & (np.abs(far - front) > _OTHER_DEPTH * front)] |= deep
+    where = ~_grown(found & deep == 0, 1)
+    where |= found & other > 0
+    where = _grown(where, _READ_ABOUT)
+    where &= found & bare == 0
+    return where
 
 
 def _square(vectors):

@@ -40,9 +40,9 @@ static void find_row(const bends *s, int y, int axis)
 	for (int x = 0; x < end; x++) {
 		const float *n = in_row(&normals, x), *m = in_row(&next, x + ahead);
 		float mark = contour_mark(*in_row(&marks, x));
-		bool closed = (*in_row(&objects, x) != *in_row(&beside, x + ahead)) | !there(n) | !there(m) |
-			      (*in_row(&creases, x) >= 180) | (mark < 0);
-		bool turns = (n[0] != m[0]) | (n[1] != m[1]) | (n[2] != m[2]);
+		bool closed = *in_row(&objects, x) != *in_row(&beside, x + ahead) || !there(n) || !there(m) ||
+			      *in_row(&creases, x) >= 180 || mark < 0;
+		bool turns = n[0] != m[0] || n[1] != m[1] || n[2] != m[2];
 		way[x] |= (uint8_t)((closed ? WAY_CLOSED : turns ? WAY_TURNS : 0) << WAY_BITS * axis);
 	}
 }

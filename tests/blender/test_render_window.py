@@ -96,6 +96,16 @@ def test_papers_are_loaded_on_the_main_thread(shot):
     assert (read(shot, "paper").max(-1) < 0.1).sum() > 100
 
 
+def test_grease_pencil_comes_on_top(shot):
+    if not (shot.folder / "stroke ENCRE.png").exists():
+        return  # a Blender with another Grease Pencil
+    green = {}
+    for source in ("CYCLES", "ENCRE"):
+        red, bright, blue = np.moveaxis(read(shot, f"stroke {source}")[..., :3], 2, 0)
+        green[source] = (bright > 0.5) & (red < 0.5 * bright) & (blue < 0.5 * bright)
+    assert green["ENCRE"].sum() > 100 and np.array_equal(green["ENCRE"], green["CYCLES"])
+
+
 def test_esc_inks_what_is_rendered(esc):
     assert esc.facts["finished"] and "Traceback" not in esc.output
     assert esc.facts["once"][0] > 3 and (read(esc, "once").max(-1) < 0.1).sum() > 200

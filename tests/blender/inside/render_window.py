@@ -61,6 +61,29 @@ def paper():
     images._read = read  # and what grows has this paper, too
 
 
+def grease_pencil():
+    """A green stroke before the cube, on layers of either source. Not where Blender has another Grease Pencil."""
+    if bpy.app.version >= (4, 3):
+        return
+    scene, data = bpy.context.scene, bpy.data.grease_pencils.new("Stroke")
+    stroke = data.layers.new("Layer").frames.new(scene.frame_current).strokes.new()
+    stroke.display_mode, stroke.line_width = "3DSPACE", 200
+    stroke.points.add(2)
+    for point, x in zip(stroke.points, (-2, 2), strict=True):
+        point.co, point.pressure, point.strength = (x, -1.5, 0.5), 1, 1
+    green = bpy.data.materials.new("Green")
+    bpy.data.materials.create_gpencil_data(green)
+    green.grease_pencil.color = (0, 1, 0, 1)
+    data.materials.append(green)
+    studio.link("Stroke", data)
+    for source in ("CYCLES", "ENCRE"):
+        scene.encre.layer_source = source
+        yield from rendering()
+        picture(f"stroke {source}")
+    scene.encre.layer_source = "CYCLES"
+    bpy.data.objects.remove(bpy.data.objects["Stroke"])
+
+
 def with_denoiser():
     """This Blender gets the denoiser of another, if the test has named one."""
     from encre.pen import denoise
@@ -122,4 +145,4 @@ def growing():
 
 
 if __name__ == "__main__":
-    window.start(window.each(build, paper, growing))
+    window.start(window.each(build, paper, grease_pencil, growing))
