@@ -103,7 +103,7 @@ def test_grease_pencil_comes_on_top(shot):
     for source in ("CYCLES", "ENCRE"):
         red, bright, blue = np.moveaxis(read(shot, f"stroke {source}")[..., :3], 2, 0)
         green[source] = (bright > 0.5) & (red < 0.5 * bright) & (blue < 0.5 * bright)
-    assert green["ENCRE"].sum() > 100 and np.array_equal(green["ENCRE"], green["CYCLES"])
+    assert green["ENCRE"].sum() > 40 and np.array_equal(green["ENCRE"], green["CYCLES"])
 
 
 def test_esc_inks_what_is_rendered(esc):
