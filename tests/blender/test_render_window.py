@@ -97,13 +97,10 @@ def test_papers_are_loaded_on_the_main_thread(shot):
 
 
 def test_grease_pencil_comes_on_top(shot):
-    if not (shot.folder / "stroke ENCRE.png").exists():
+    if not (shot.folder / "stroke.png").exists():
         return  # a Blender with another Grease Pencil
-    green = {}
-    for source in ("CYCLES", "ENCRE"):
-        red, bright, blue = np.moveaxis(read(shot, f"stroke {source}")[..., :3], 2, 0)
-        green[source] = (bright > 0.5) & (red < 0.5 * bright) & (blue < 0.5 * bright)
-    assert green["ENCRE"].sum() > 40 and np.array_equal(green["ENCRE"], green["CYCLES"])
+    red, bright, blue = np.moveaxis(read(shot, "stroke")[..., :3], 2, 0)
+    assert 40 < ((bright > 0.5) & (red < 0.5 * bright) & (blue < 0.5 * bright)).sum() < 1000
 
 
 def test_esc_inks_what_is_rendered(esc):

@@ -62,7 +62,7 @@ def paper():
 
 
 def grease_pencil():
-    """A green stroke before the cube, on layers of either source. Not where Blender has another Grease Pencil."""
+    """A green stroke before the cube, on Encre's own layers. Not where Blender has another Grease Pencil."""
     if bpy.app.version >= (4, 3):
         return
     scene, data = bpy.context.scene, bpy.data.grease_pencils.new("Stroke")
@@ -76,10 +76,9 @@ def grease_pencil():
     green.grease_pencil.color = (0, 1, 0, 1)
     data.materials.append(green)
     studio.link("Stroke", data)
-    for source in ("CYCLES", "ENCRE"):
-        scene.encre.layer_source = source
-        yield from rendering()
-        picture(f"stroke {source}")
+    scene.encre.layer_source = "ENCRE"
+    yield from rendering()
+    picture("stroke")
     scene.encre.layer_source = "CYCLES"
     bpy.data.objects.remove(bpy.data.objects["Stroke"])
 
