@@ -195,7 +195,8 @@ def _halves(world):
     one colour, for a picture of the world about it."""
     axis = world[1:4].sum(1)
     axis = axis / np.linalg.norm(axis) if np.linalg.norm(axis) > 1e-3 * np.abs(world[0]).sum() else np.eye(3)[2]
-    across = np.linalg.svd(axis[None])[2][1:]
+    first = np.cross(np.eye(3)[np.argmin(np.abs(axis))], axis)  # any turn about it does
+    across = first / np.linalg.norm(first), np.cross(axis, first / np.linalg.norm(first))
     for side in (axis, -axis):
         model = np.eye(4)
         model[:3, :3] = np.column_stack([*across, side])

@@ -104,8 +104,8 @@ def switch_off(names, settings):
         if name not in names:
             said.append(sentence)
     if settings.sticks and "Encre Anchor" not in names:
-        said.append("no rest positions, which save_anchor=ON renders: tones, the paint of balls, the hand of lines and "
-                    "which of too many are left out stick to the picture")
+        said.append("no rest positions, which save_anchor=ON renders: tones, the paint of balls and the hand of lines "
+                    "stick to the picture")
     elif settings.follows_uv and "Encre Tangent" not in names:
         said.append("no directions of UV maps, which save_anchor=ON renders: strokes go along the form")
     if settings.lies_flat and "Encre Card" not in names:

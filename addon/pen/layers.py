@@ -156,9 +156,10 @@ def _square(vectors):
 def _grown(where, pixels):
     """What is true, grown by so many pixels to all sides."""
     for axis in (0, 1):
-        wide = np.pad(where, [(pixels, pixels) if axis == a else (0, 0) for a in (0, 1)])
-        where = np.logical_or.reduce([np.take(wide, range(k, k + where.shape[axis]), axis)
-                                      for k in range(2 * pixels + 1)])
+        wide, grown = np.pad(where, [(pixels, pixels) if axis == a else (0, 0) for a in (0, 1)]), where.copy()
+        for k in range(2 * pixels + 1):
+            grown |= wide[k:][:len(where)] if axis == 0 else wide[:, k:][:, :where.shape[1]]
+        where = grown
     return where
 
 

@@ -143,9 +143,13 @@ def pens(values: Mapping[str, Any]) -> set[str]:
 
 
 def sticking_pens(values: Mapping[str, Any]) -> bool:
-    """Whether a hand that draws lines sticks to surfaces, or which of many it draws."""
-    return values["use_lines"] and ((values["line_density"] < 1 and values["line_fewer"] > 0) or any(
-        values[f"{pen}_{what}"] for pen in pens(values) for what in _VARIES))
+    """Whether a hand that draws lines sticks to surfaces."""
+    return values["use_lines"] and any(values[f"{pen}_{what}"] for pen in pens(values) for what in _VARIES)
+
+
+def leaves_out_lines(values: Mapping[str, Any]) -> bool:
+    """Whether lines are left out where there are too many: by chance that sticks to surfaces, where they are known."""
+    return values["use_lines"] and values["line_density"] < 1 and values["line_fewer"] > 0
 
 
 def fills(values: Mapping[str, Any], *tones: str) -> bool:

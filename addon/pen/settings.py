@@ -12,6 +12,7 @@ from .params import (
     Chosen,
     fills_sheets,
     fills_surfaces,
+    leaves_out_lines,
     pens,
     screens_pitches,
     sticking_pens,
@@ -274,8 +275,10 @@ class Settings:
 
     @cached_property
     def wants_anchor(self) -> bool:
-        """Whether anything sticks to surfaces, or is to be able to."""
-        return self.every[0]["save_anchor"] == "ON" or self.sticks
+        """Whether anything sticks to surfaces, if only which lines are left out, or is to be able to."""
+        fine = self.every[0]["edge_detector"] == "FINE"
+        return (self.every[0]["save_anchor"] == "ON" or self.sticks
+                or (fine and any(leaves_out_lines(values) for values in self.every)))
 
     @cached_property
     def lies_flat(self) -> bool:

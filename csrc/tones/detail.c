@@ -75,6 +75,17 @@ static void narrow_part(const work *w, bool negative, const uint8_t *line, int x
 		to[i] = to[last];
 }
 
+/* What is no longer than the reach lets through is taken away along a row: the least, and of these the most, at n
+ * pixels; of the negative the other way round. `line` gets what is there, from 2 reach before x on. */
+static void open_part(const work *w, bool negative, uint8_t *plane, int y, int x, int n, uint8_t *line, uint8_t *to)
+{
+	int reach = w->d->reach;
+	uint8_t narrow[TONE_CHUNK + 2 * TONE_DETAIL_MOST];
+	row_part(w, plane, y, x - 2 * reach, n + 4 * reach, line);
+	narrow_part(w, negative, line, x, n, narrow);
+	least_along(!negative, n, reach, narrow, to);
+}
+
 static int chunk_at(const work *w, int x)
 {
 	return w->f->width - x < TONE_CHUNK ? w->f->width - x : TONE_CHUNK;
@@ -107,14 +118,11 @@ static void square_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	int reach = w->d->reach;
 	for (int y = y0; y < y1; y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
-			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_MOST], narrow[TONE_CHUNK + 2 * TONE_DETAIL_MOST];
+			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_MOST];
 			n = chunk_at(w, x);
-			row_part(w, w->d->scratch, y, x - 2 * reach, n + 4 * reach, line);
-			narrow_part(w, false, line, x, n, narrow);
-			least_along(true, n, reach, narrow, row_of(w, w->d->dark, y) + x);
+			open_part(w, false, w->d->scratch, y, x, n, line, row_of(w, w->d->dark, y) + x);
 		}
 }
 
@@ -127,12 +135,10 @@ static void differ_rows(void *data, int y0, int y1, int thread)
 	int reach = w->d->reach;
 	for (int y = y0; y < y1; y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
-			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_MOST], narrow[TONE_CHUNK + 2 * TONE_DETAIL_MOST];
+			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_MOST];
 			uint8_t across[TONE_CHUNK], down[TONE_CHUNK], square[TONE_CHUNK];
 			n = chunk_at(w, x);
-			row_part(w, w->d->value, y, x - 2 * reach, n + 4 * reach, line);
-			narrow_part(w, w->dark, line, x, n, narrow);
-			least_along(!w->dark, n, reach, narrow, across);
+			open_part(w, w->dark, w->d->value, y, x, n, line, across);
 			least_down(w, !w->dark, w->d->scratch, y, x, n, down);
 			least_of(w->dark, n, across, down);
 			const uint8_t *own = line + 2 * reach;

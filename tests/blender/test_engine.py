@@ -160,7 +160,7 @@ def test_memory_of_a_frame(render):
     facts = render("memory").facts
     assert all(held < 23 + 4 * len(library.controls()) * painted for painted, held in enumerate(facts["held"]))
     plain, painted = facts["peak"]
-    assert plain <= 178 and painted <= 206, facts
+    assert plain <= 177 and painted <= 205, facts
     assert max(facts["left"]) < 1
 
 

@@ -51,8 +51,7 @@ def test_slim_files_hold_what_restyling_reads(tmp_path, more):
     assert slim.stat().st_size < 0.45 * whole.stat().st_size
     name = "ViewLayer.Combined.right" if "multiview" in more else "ViewLayer.Combined"
     for options in [], ["--preset=ink_only", "--set=light_source=CYCLES", "--set=line_thickness=9"]:
-        said = works(encre("composite", slim, "-o", tmp_path / "a.exr", *options)).splitlines()
-        assert len(said) == bool(options) and all("no rest positions" in line for line in said)
+        assert works(encre("composite", slim, "-o", tmp_path / "a.exr", *options)) == ""
         works(encre("composite", whole, "-o", tmp_path / "b.exr", *options))
         a, b = (exr.part(tmp_path / f"{name_}.exr", name) for name_ in "ab")
         assert (np.abs(a - b).max(2) <= 1 / 255).mean() >= 0.9995
