@@ -135,8 +135,8 @@ def _math(node):
 
 
 def _image(node, output):
-    image = node.image
-    known = (image is not None and pictures.is_still(image) and all(image.size)
+    image = pictures.still(node)
+    known = (image is not None and all(image.size)
              and node.projection == "FLAT" and node.extension in _EXTENSIONS)
     if not known:
         raise trees.Unknown(node.name)

@@ -388,11 +388,10 @@ class Compiler(Patterns):
         wraps = {"REPEAT": "repeat", "EXTEND": "extend", "CLIP": "clip"}
         if node.projection != "FLAT" or node.extension not in wraps:
             raise trees.Unknown(node.name)
-        if node.image is None:
+        image = pictures.still(node)
+        if image is None:
             return {"Color": (0.0, 0.0, 0.0), "Alpha": 0.0}
-        if not pictures.is_still(node.image):
-            raise trees.Unknown(f"{node.name}: {pictures.KINDS.get(node.image.source, node.image.source)}")
-        number = self.build.pool.texture(self.images.get(node.image, wraps[node.extension]))
+        number = self.build.pool.texture(self.images.get(image, wraps[node.extension]))
         vector = self.vector(node.inputs["Vector"], self._uv)
         u, v, _ = self._scalars(vector)
         steps = (0.0,) * 4

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..pen.colour import decode_srgb
 from ..pen.job import Picture
+from . import trees
 
 _DECODED = decode_srgb(np.arange(256, dtype=np.float32) / 255).astype(np.float32)  # of pictures of 8 bits
 
@@ -27,13 +28,17 @@ def turn(tagged=False):
     return sum(_turns.values())
 
 
-KINDS = {"SEQUENCE": "a sequence of images", "MOVIE": "a movie", "TILED": "an image of tiles",
-         "VIEWER": "a render or viewer"}
+_MOVING = {"SEQUENCE": "a sequence of images", "MOVIE": "a movie", "TILED": "an image of tiles",
+           "VIEWER": "a render or viewer"}
 
 
-def is_still(image):
-    """Whether Blender gives what it holds; of others only the frame or tile that was last seen somewhere."""
-    return image.source in ("FILE", "GENERATED")
+def still(node):
+    """The image of a node, None if it has none. Unknown: one of which Blender gives only the frame or tile that was
+    last seen somewhere."""
+    image = node.image
+    if image is not None and image.source not in ("FILE", "GENERATED"):
+        raise trees.Unknown(f"{node.name}: {_MOVING.get(image.source, image.source)}")
+    return image
 
 
 class Images:

@@ -121,9 +121,8 @@ def color(socket):
 
 
 def _environment(node, kind):
-    image = node.image
-    known = image is not None and pictures.is_still(image) and all(image.size)
-    if node.projection != "EQUIRECTANGULAR" or not known:
+    image = pictures.still(node)
+    if node.projection != "EQUIRECTANGULAR" or image is None or not all(image.size):
         raise trees.Unknown(node.name)
     return kind.picture(pictures.colors(pictures.values(image))[::-1], _rotation(node))
 

@@ -174,7 +174,7 @@ def test_what_only_cycles_can_show_is_said_in_one_line(render):
     assert shot.output.count("in their viewport colour, as only Cycles can show them: ") == 1
     for words in ("Red (Wavelength)", "Green (Image Texture: a sequence of images)", "Grey (Image Texture: a movie)"):
         assert words in shot.output
-    assert "Environment Texture" in shot.output
+    assert "show its node Environment Texture: a sequence of images" in shot.output
     assert "a lamp shines from the camera" in shot.output
     passes = shot.passes("unknown")
     color = passes["DiffCol"].reshape(-1, 3)
