@@ -82,22 +82,28 @@ class Frames:
             return
         if self.again:
             self._remember(depsgraph)
-            return
+        else:
+            self._by_cycles(cycles, depsgraph)
+        if self._go_on():  # now, because Blender then puts Grease Pencil over what is in the result
+            self._finish()
+
+    def _by_cycles(self, cycles, depsgraph):
         self._before(depsgraph)
         layer = self.known.get(depsgraph.view_layer.name)
-        if not layer or (layer.factor == 1 and layer.own == layer.place):
-            if layer and early.output(layer) and early.possible(self.engine, depsgraph.scene_eval):
-                early.sample(self.engine, cycles, depsgraph)
-                if self._go_on():
-                    self.ink = early.picture(self.engine.get_result(), layer, self._draw)
-                    self.growth = early.Growth(self.engine, layer, self._show)
-            if self._go_on():  # else what the sample left is drawn
-                cycles.render(self.engine, depsgraph)
-            if self.growth:
-                self.growth.end()
-                self.growth = None
-        else:
+        if layer and (layer.factor > 1 or layer.own != layer.place):
             layer.drawn = self._in_parts(cycles, depsgraph, layer)
+            return
+        if layer and early.output(layer) and early.possible(self.engine, depsgraph.scene_eval):
+            early.sample(self.engine, cycles, depsgraph)
+            if self._go_on():
+                self.ink = early.picture(self.engine.get_result(), layer, self._draw)
+                self.growth = early.Growth(self.engine, layer, self._show)
+        if self._go_on():  # else what the sample left is drawn
+            cycles.render(self.engine, depsgraph)
+            cycles.render_frame_finish(self.engine)  # a tiled picture is on the disk until now
+        if self.growth:
+            self.growth.end()
+            self.growth = None
 
     def _show(self, ink):
         self.ink = ink
@@ -279,19 +285,18 @@ class Frames:
     # After Cycles
 
     def after(self):
-        """Runs the stages on every view layer and view that was rendered; a still that a window's user has stopped is
-        drawn as far as it has come. EncreError: they can't; Cancelled."""
+        """Ends the frame. A still that a window's user has stopped is drawn as far as it has come. EncreError: it
+        can't be; Cancelled."""
         if self.fast:
             self.fast.after()
         elif self.again and redraw.gives_way():
             raise Cancelled("the redraw gave way")
-        elif self._go_on():
-            self._after()
-        elif not bpy.app.background and not self.engine.is_animation:
+        elif self.known and not bpy.app.background and not self.engine.is_animation:
             with escape.Esc() as self.esc:
-                self._after()
+                self._finish()
 
-    def _after(self):
+    def _finish(self):
+        """Runs the stages on every view and view layer that was rendered and is not drawn yet."""
         known, self.known = self.known, {}
         for key, text in wanted.stamped.items():
             self.engine.get_result().stamp_data_add_field(key, text)

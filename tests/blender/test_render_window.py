@@ -97,10 +97,16 @@ def test_papers_are_loaded_on_the_main_thread(shot):
 
 
 def test_grease_pencil_comes_on_top(shot):
-    if not (shot.folder / "stroke.png").exists():
+    def strokes(name):
+        red, green, blue = np.moveaxis(read(shot, name)[..., :3], 2, 0)
+        return (green > 0.3) & (red < 0.5 * green) & (blue < 0.5 * green)
+
+    if not (shot.folder / "stroke ENCRE.png").exists():
         return  # a Blender with another Grease Pencil
-    red, bright, blue = np.moveaxis(read(shot, "stroke")[..., :3], 2, 0)
-    assert 40 < ((bright > 0.5) & (red < 0.5 * bright) & (blue < 0.5 * bright)).sum() < 1000
+    whole = strokes("stroke ENCRE")
+    assert 40 < whole.sum() < 1000
+    for name in "stroke CYCLES", "stroke again":  # also where the cube is behind it
+        assert (strokes(name) != whole).sum() < 0.02 * whole.sum(), name
 
 
 def test_esc_inks_what_is_rendered(esc):

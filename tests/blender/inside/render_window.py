@@ -25,11 +25,11 @@ def build():
     scene.encre.auto_redraw = False  # F12 does nothing while a redraw runs
 
 
-def rendering():
+def rendering(begin=lambda: window.press("F12")):
     """Until the render that F12 starts has ended, which a small one may have before the next look."""
     ended = []
     bpy.app.handlers.render_complete.append(lambda *_: ended.append(1))
-    window.press("F12")
+    begin()
     while not ended or bpy.app.is_job_running("RENDER"):
         yield
     bpy.app.handlers.render_complete.pop()
@@ -62,7 +62,8 @@ def paper():
 
 
 def grease_pencil():
-    """A green stroke before the cube, on Encre's own layers. Not where Blender has another Grease Pencil."""
+    """A green stroke before the cube, on Encre's own layers and on Cycles', and when these are drawn anew. Not where
+    Blender has another Grease Pencil."""
     if bpy.app.version >= (4, 3):
         return
     scene, data = bpy.context.scene, bpy.data.grease_pencils.new("Stroke")
@@ -76,10 +77,13 @@ def grease_pencil():
     green.grease_pencil.color = (0, 1, 0, 1)
     data.materials.append(green)
     studio.link("Stroke", data)
-    scene.encre.layer_source = "ENCRE"
-    yield from rendering()
-    picture("stroke")
-    scene.encre.layer_source = "CYCLES"
+    scene.cycles.use_denoising = False  # for which Cycles alone stops where there is no denoiser
+    for source in "ENCRE", "CYCLES":
+        scene.encre.layer_source = source
+        yield from rendering()
+        picture(f"stroke {source}")
+    yield from rendering(lambda: bpy.ops.encre.redraw("INVOKE_DEFAULT"))
+    picture("stroke again")
     bpy.data.objects.remove(bpy.data.objects["Stroke"])
 
 

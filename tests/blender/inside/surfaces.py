@@ -6,7 +6,7 @@ from math import radians
 
 import bpy
 from mathutils import Matrix, Vector
-from studio import cube, link, material, shoot, stage
+from studio import cube, fact, link, material, shoot, stage
 
 
 def _bare(scene):
@@ -91,8 +91,10 @@ def smoke(out):
     scatter.inputs["Density"].default_value = 0.8
     nodes.links.new(scatter.outputs[0], nodes.nodes["Material Output"].inputs["Volume"])
     shoot(out, "clean")
-    from encre.blender import volumes
+    from encre.blender import versions, volumes
+    from encre.pen import denoise
 
+    fact("denoiser", denoise.available(versions.home()))
     volumes.corners = lambda _depsgraph: ()
     shoot(out, "noisy")
 
