@@ -36,8 +36,9 @@ static inline float max(float a, float b)
 }
 
 /* Bounds whose values the compiler is not to see (pixel.c). A select by a comparison with a number that it knows, gcc
- * 12 takes apart, and two in a row into nine instructions; with one that it does not know each is one. */
-extern const float pixel_zero, pixel_half, pixel_one, pixel_most;
+ * 12 takes apart, and two in a row into nine instructions; with one that it does not know each is one. Sums and
+ * squares of what is no greater than pixel_great stay finite. */
+extern const float pixel_zero, pixel_half, pixel_one, pixel_most, pixel_great;
 
 /* A bijective hash. */
 static inline uint32_t mix_bits(uint32_t n)

@@ -39,18 +39,21 @@ gaussians ISA(gaussians_of)(float sigma)
 /* First down the columns, of differences from their sample in the centre row. Then across: with c the centre, u a
  * sample of its row and u + v that sample's blurred column, the blur less c is the weighted sum of (u - c) + v. Called
  * with a constant reach each time: the taps become straight code over whole rows. */
-KERNEL void dog(const gaussians *g, const int reach, const float *const *row, int n, float *restrict response)
+KERNEL void dog(const gaussians *g, const int reach, const int step, const float *const *row, int n,
+		float *restrict response)
 {
-	float narrow[TILE + 2 * MAX_REACH], wide[TILE + 2 * MAX_REACH];
-	const float *above[MAX_REACH + 1], *below[MAX_REACH + 1], *restrict centre = row[reach] - reach;
+	enum { MOST = TILE + 2 * 3 * MAX_REACH };
+	float narrow[MOST], wide[MOST];
+	const int before = reach * step;
+	const float *above[MAX_REACH + 1], *below[MAX_REACH + 1], *restrict centre = row[reach] - before;
 	float a[MAX_REACH + 1], b[MAX_REACH + 1];
 	for (int k = 0; k <= reach; k++) {
-		above[k] = row[reach - k] - reach;
-		below[k] = row[reach + k] - reach;
+		above[k] = row[reach - k] - before;
+		below[k] = row[reach + k] - before;
 		a[k] = g->narrow[k];
 		b[k] = g->wide[k];
 	}
-	for (int i = 0; i < n + 2 * reach; i++) {
+	for (int i = 0; i < n + 2 * before; i++) {
 		float u = 0, v = 0;
 		for (int k = 1; k <= reach; k++) {
 			float d = (above[k][i] - centre[i]) + (below[k][i] - centre[i]);
@@ -61,29 +64,38 @@ KERNEL void dog(const gaussians *g, const int reach, const float *const *row, in
 		wide[i] = v;
 	}
 	for (int i = 0; i < n; i++) {
-		int c = i + reach;
+		int c = i + before;
 		float sum = a[0] * narrow[c] - b[0] * wide[c];
 		for (int k = 1; k <= reach; k++) {
-			float d = (centre[c - k] - centre[c]) + (centre[c + k] - centre[c]);
-			sum += (a[k] - b[k]) * d +
-			       (a[k] * (narrow[c - k] + narrow[c + k]) - b[k] * (wide[c - k] + wide[c + k]));
+			int l = c - k * step, r = c + k * step;
+			float d = (centre[l] - centre[c]) + (centre[r] - centre[c]);
+			sum += (a[k] - b[k]) * d + (a[k] * (narrow[l] + narrow[r]) - b[k] * (wide[l] + wide[r]));
 		}
 		response[i] = sum;
 	}
 }
 
-void ISA(detect_dog)(const gaussians *g, const float *const *row, int n, float *restrict response)
+/* The same with a constant step each time. */
+KERNEL void dog_of(const gaussians *g, const int step, const float *const *row, int n, float *restrict response)
 {
 	switch (g->reach) {
-	case 1: dog(g, 1, row, n, response); break;
-	case 2: dog(g, 2, row, n, response); break;
-	case 3: dog(g, 3, row, n, response); break;
-	case 4: dog(g, 4, row, n, response); break;
-	case 5: dog(g, 5, row, n, response); break;
-	case 6: dog(g, 6, row, n, response); break;
-	case 7: dog(g, 7, row, n, response); break;
-	default: dog(g, MAX_REACH, row, n, response);
+	case 1: dog(g, 1, step, row, n, response); break;
+	case 2: dog(g, 2, step, row, n, response); break;
+	case 3: dog(g, 3, step, row, n, response); break;
+	case 4: dog(g, 4, step, row, n, response); break;
+	case 5: dog(g, 5, step, row, n, response); break;
+	case 6: dog(g, 6, step, row, n, response); break;
+	case 7: dog(g, 7, step, row, n, response); break;
+	default: dog(g, MAX_REACH, step, row, n, response);
 	}
+}
+
+void ISA(detect_dog)(const gaussians *g, const float *const *row, int step, int n, float *restrict response)
+{
+	if (step == 1)
+		dog_of(g, 1, row, n, response);
+	else
+		dog_of(g, 3, row, n, response);
 }
 
 /* ---- 3x3 windows ----------------------------------------------------------------------------------------- */
@@ -94,27 +106,27 @@ typedef struct window9 {
 	const float *at[3][3];
 } window9;
 
-static inline window9 window_of(const float *const *row)
+static inline window9 window_of(const float *const *row, int step)
 {
 	window9 w;
 	for (int k = 0; k < 3; k++)
 		for (int i = 0; i < 3; i++) {
-			w.at[k][i] = row[k] + i - 1;
+			w.at[k][i] = row[k] + (i - 1) * step;
 			__asm__("" : "+r"(w.at[k][i]));
 		}
 	return w;
 }
 
 /* Names them: a, b, c from the upper row down, l, m, r from the left. */
-#define WINDOW(row)                                                                                                    \
-	window9 w = window_of(row);                                                                                    \
+#define WINDOW(row, step)                                                                                              \
+	window9 w = window_of(row, step);                                                                              \
 	const float *restrict al = w.at[0][0], *restrict am = w.at[0][1], *restrict ar = w.at[0][2];                   \
 	const float *restrict bl = w.at[1][0], *restrict bm = w.at[1][1], *restrict br = w.at[1][2];                   \
 	const float *restrict cl = w.at[2][0], *restrict cm = w.at[2][1], *restrict cr = w.at[2][2]
 
-void ISA(detect_slope)(const float *const *row, int n, float *restrict response)
+void ISA(detect_slope)(const float *const *row, int step, int n, float *restrict response)
 {
-	WINDOW(row);
+	WINDOW(row, step);
 	(void)bm;
 	for (int i = 0; i < n; i++) {
 		float gx = (ar[i] - al[i]) + 2 * (br[i] - bl[i]) + (cr[i] - cl[i]);
@@ -125,7 +137,7 @@ void ISA(detect_slope)(const float *const *row, int n, float *restrict response)
 
 void ISA(detect_bend)(const float *const *row, int n, float *restrict response)
 {
-	WINDOW(row);
+	WINDOW(row, 1);
 	for (int i = 0; i < n; i++) {
 		float a = am[i], b = bm[i], c = cm[i], left = bl[i], right = br[i];
 		float lx = ((al[i] - a) + (ar[i] - a)) + 2 * ((left - b) + (right - b)) + ((cl[i] - c) + (cr[i] - c));
@@ -137,7 +149,7 @@ void ISA(detect_bend)(const float *const *row, int n, float *restrict response)
 
 void ISA(detect_change)(const float *const *row, int n, float *restrict response)
 {
-	WINDOW(row);
+	WINDOW(row, 1);
 	for (int i = 0; i < n; i++) {
 		float own = bm[i];
 		int same = (al[i] == own) & (am[i] == own) & (ar[i] == own) & (bl[i] == own) & (br[i] == own) &

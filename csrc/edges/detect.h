@@ -20,12 +20,13 @@ typedef struct gaussians {
 gaussians ISA(gaussians_of)(float sigma);
 
 /* row[k] points to sample x of row y - reach + k, with at least `reach` samples before it and n + reach from it on; the
- * response to (x + i, y) goes to response[i]. 0 < n <= TILE; 3x3 windows have reach 1. */
+ * response to (x + i, y) goes to response[i]. 0 < n <= TILE; 3x3 windows have reach 1. step: 1, or 3 where samples of
+ * three channels lie beside each other: then of each float on its own, and there are three times as many about. */
 
 /* Difference of Gaussians, signed: positive where the centre stands out upwards. */
-void ISA(detect_dog)(const gaussians *g, const float *const *row, int n, float *restrict response);
+void ISA(detect_dog)(const gaussians *g, const float *const *row, int step, int n, float *restrict response);
 /* Length of the gradient, by Sobel's 1 2 1 kernels. */
-void ISA(detect_slope)(const float *const *row, int n, float *restrict response);
+void ISA(detect_slope)(const float *const *row, int step, int n, float *restrict response);
 /* The same with second differences: 0 on planes. */
 void ISA(detect_bend)(const float *const *row, int n, float *restrict response);
 /* 1 where another sample of the window differs from the centre. */

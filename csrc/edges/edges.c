@@ -203,7 +203,7 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 			float *row = e->difference[s] + (ptrdiff_t)y * width;
 			ISA(ring_fill)(&r, y);
 			for (int x0 = 0; x0 < width; x0 += TILE)
-				ISA(source_difference)(&r, y, x0, width - x0 < TILE ? width - x0 : TILE, row + x0);
+				ISA(source_difference)(&r, x0, width - x0 < TILE ? width - x0 : TILE, row + x0);
 			ISA(window_row)(&e->window, row, thread, e->full[s] + (ptrdiff_t)y * width);
 		}
 	}
@@ -282,7 +282,7 @@ static void plan(frame *f, arena *a)
 	e.plane_samples = (f->width + 2 * MAX_REACH + 15) & ~15;
 	for (int s = 0; s < SAMPLE_COUNT; s++) {
 		e.ring_at[s] = e.thread_samples;
-		e.thread_samples += e.on[s] ? (2 * e.reach[s] + 1) * planes_of((enum source)s) * e.plane_samples : 0;
+		e.thread_samples += e.on[s] ? (2 * e.reach[s] + 1) * channels_of((enum source)s) * e.plane_samples : 0;
 		if (e.on[s] && is_color(s) && e.contrast && e.p->contrast_auto) {
 			e.full[s] = arena_take(a, pixels, sizeof *e.full[s]);
 			e.difference[s] = e.fine ? e.full[s] : arena_take(a, pixels, sizeof *e.difference[s]);

@@ -7,9 +7,6 @@
 #include "edges/detect.h"
 #include "edges/window.h"
 
-/* 1/z and normals beyond this are cut, so that sums and squares of them stay finite. */
-static const float most_sample = 1e15f;
-
 enum { MAX_ROWS = 2 * MAX_REACH + 1 };
 
 /* What is sampled: each source, SOURCE_SEEN in three ways, of which its own name stands for the normal. */
@@ -44,12 +41,15 @@ typedef struct ring {
 	const edges *e;
 	enum source source;
 	int reach, planes;
+	int step; /* floats from a pixel to the next: the channels of the only plane, or 1 */
 	float *data;
-	int held[MAX_ROWS]; /* which row lies in the slot; -1 = none */
+	int held[MAX_ROWS];   /* which row lies in the slot; -1 = none */
+	int y;                /* the row about which it has the window; -1 = none */
+	float *row[MAX_ROWS]; /* plane 0, sample 0 of its rows; outside the frame of the nearest */
 } ring;
 
-/* Channels that are compared: planes of a ring. */
-static inline int planes_of(enum source s)
+/* Channels that are compared. */
+static inline int channels_of(enum source s)
 {
 	return (s >= SOURCE_NORMAL && s <= SOURCE_LIGHT) || s == SOURCE_SEEN || (int)s == SAMPLE_SEEN_COLOR ? 3 : 1;
 }
@@ -74,29 +74,23 @@ static inline float full_contrast(const edges *e, int s, int x, int y)
 /* What distances of what is seen are compared in: linear on planes on screen. 0 or less: nothing there. */
 static inline float seen_sample(const edges *e, float z)
 {
-	const float most = 1e15f; /* squares stay finite */
-	float height = e->f->camera.height, u = e->ortho ? (z > 0 ? -z / height : -most) : z > 0 ? 1 / z : 0;
-	return u < -most ? -most : u > most ? most : u;
-}
-
-/* Sample 0 of row y; `reach` more lie before it and after the last. */
-static inline float *ring_row(const ring *r, int y, int plane)
-{
-	int slot = y % (2 * r->reach + 1);
-	return r->data + (slot * r->planes + plane) * r->e->plane_samples + r->reach;
+	float most = pixel_great, height = e->f->camera.height;
+	float u = e->ortho ? (z > 0 ? -z / height : -most) : z > 0 ? 1 / z : 0;
+	return min(max(u, -most), most);
 }
 
 /* An empty ring in the memory of a thread. */
 ring ISA(ring_of)(const edges *e, enum source s, int thread);
-/* Makes the rows of the window about row y that it does not hold yet. */
+/* Makes the rows of the window about row y that it does not hold yet. `reach` pixels more lie before the first of a row
+ * and after the last. */
 void ISA(ring_fill)(ring *r, int y);
-/* Pointers to sample x0 of the rows about y, as detect.h wants them; outside the frame the nearest row. */
-void ISA(ring_window)(const ring *r, int y, int x0, int plane, const float **row);
+/* Pointers to pixel x0 of a plane of these rows, as detect.h wants them. */
+void ISA(ring_window)(const ring *r, int x0, int plane, const float **row);
 
 /* Strength of the ring's source at n <= TILE pixels from (x0, y); negative = none. The ring has the window about y. */
 void ISA(source_strength)(const ring *r, int y, int x0, int n, float *restrict strength);
 /* Largest colour difference across these pixels. */
-void ISA(source_difference)(const ring *r, int y, int x0, int n, float *restrict difference);
+void ISA(source_difference)(const ring *r, int x0, int n, float *restrict difference);
 
 /* The detector FINE, which lies above this room (fine/fine.c): planned with what the stage will keep in frame.edges.
  */

@@ -20,6 +20,13 @@ KERNEL void split(const float *restrict in, const int channels, int n, float low
 }
 
 /* 1/z is linear on planes on screen, under an orthographic camera z is: there -z, -INFINITY where nothing is. */
+/* Channels stay as they lie: what is taken across them is so in the end alone. */
+static void normal_samples(const float *restrict normal, int n, float *restrict out)
+{
+	for (int i = 0; i < 3 * n; i++)
+		out[i] = min(max(normal[i], -pixel_great), pixel_great);
+}
+
 static void depth_samples(const edges *e, const float *restrict z, int n, float *restrict out)
 {
 	float near = e->p->depth_near, far = e->p->depth_far;
@@ -34,7 +41,7 @@ static void depth_samples(const edges *e, const float *restrict z, int n, float 
 	else
 		for (int i = 0; i < n; i++) {
 			float u = 1 / depth_of(z[i]);
-			out[i] = u < most_sample ? u : most_sample;
+			out[i] = min(u, pixel_great);
 		}
 }
 
@@ -52,18 +59,23 @@ static void mark_samples(const edges *e, int y, float *restrict out)
 }
 
 /* Row y, inside the frame, of plane 0; other planes follow e->plane_samples apart. */
-static void sample_row(const edges *e, enum source s, int y, float *out)
+static void sample_row(const ring *r, int y, float *out)
 {
+	const edges *e = r->e;
 	int n = e->f->width;
 	float *second = out + e->plane_samples, *third = second + e->plane_samples;
 	bool lit = e->p->color_layer == color_layer_LIT;
-	switch ((int)s) {
+	switch ((int)r->source) {
 	case SOURCE_OBJECT: memcpy(out, layer_row(e->f, ENCRE_LAYER_OBJECT, y), (size_t)n * sizeof *out); return;
 	case SOURCE_MATERIAL: memcpy(out, layer_row(e->f, ENCRE_LAYER_MATERIAL, y), (size_t)n * sizeof *out); return;
 	case SOURCE_MARK: mark_samples(e, y, out); return;
 	case SOURCE_DEPTH: depth_samples(e, layer_row(e->f, ENCRE_LAYER_DEPTH, y), n, out); return;
 	case SOURCE_NORMAL:
-		split(layer_row(e->f, ENCRE_LAYER_NORMAL, y), 3, n, -most_sample, most_sample, out, second, third);
+		if (r->step == 3)
+			normal_samples(layer_row(e->f, ENCRE_LAYER_NORMAL, y), n, out);
+		else
+			split(layer_row(e->f, ENCRE_LAYER_NORMAL, y), 3, n, -pixel_great, pixel_great, out, second,
+			      third);
 		return;
 	case SOURCE_COLOR:
 		if (lit)
@@ -73,7 +85,7 @@ static void sample_row(const edges *e, enum source s, int y, float *out)
 			split(layer_row(e->f, ENCRE_LAYER_ALBEDO, y), 3, n, pixel_zero, pixel_one, out, second, third);
 		break;
 	case SOURCE_SEEN:
-		split(layer_row(e->f, ENCRE_LAYER_SEEN_NORMAL, y), 3, n, -most_sample, most_sample, out, second, third);
+		split(layer_row(e->f, ENCRE_LAYER_SEEN_NORMAL, y), 3, n, -pixel_great, pixel_great, out, second, third);
 		return;
 	case SAMPLE_SEEN_COLOR:
 		split(layer_row(e->f, ENCRE_LAYER_SEEN_COLOR, y), 3, n, pixel_zero, pixel_one, out, second, third);
@@ -98,34 +110,45 @@ static void sample_row(const edges *e, enum source s, int y, float *out)
 
 ring ISA(ring_of)(const edges *e, enum source s, int thread)
 {
-	ring r = {.e = e, .source = s, .reach = e->reach[s], .planes = planes_of(s)};
+	int channels = channels_of(s), step = s == SOURCE_NORMAL && !e->fine ? channels : 1;
+	ring r = {.e = e, .source = s, .reach = e->reach[s], .planes = channels / step, .step = step, .y = -1};
 	r.data = e->samples + thread * e->thread_samples + e->ring_at[s];
 	for (int i = 0; i < MAX_ROWS; i++)
 		r.held[i] = -1;
 	return r;
 }
 
+static void pad(const ring *r, float *row)
+{
+	float *last = row + (ptrdiff_t)r->step * (r->e->f->width - 1);
+	for (int j = 1; j <= r->reach; j++)
+		for (int c = 0; c < r->step; c++) {
+			row[c - j * r->step] = row[c];
+			last[c + j * r->step] = last[c];
+		}
+}
+
 void ISA(ring_fill)(ring *r, int y)
 {
-	int width = r->e->f->width, height = r->e->f->height;
-	for (int i = clamp_index(y - r->reach, height); i <= clamp_index(y + r->reach, height); i++) {
-		int slot = i % (2 * r->reach + 1);
+	int rows = 2 * r->reach + 1, height = r->e->f->height;
+	ptrdiff_t plane = r->step * r->e->plane_samples;
+	if (r->y == y)
+		return;
+	r->y = y;
+	for (int k = 0; k < rows; k++) {
+		int i = clamp_index(y - r->reach + k, height), slot = i % rows;
+		r->row[k] = r->data + slot * r->planes * plane + (ptrdiff_t)r->reach * r->step;
 		if (r->held[slot] == i)
 			continue;
 		r->held[slot] = i;
-		sample_row(r->e, r->source, i, ring_row(r, i, 0));
-		for (int k = 0; k < r->planes; k++) {
-			float *row = ring_row(r, i, k);
-			for (int j = 1; j <= r->reach; j++) {
-				row[-j] = row[0];
-				row[width - 1 + j] = row[width - 1];
-			}
-		}
+		sample_row(r, i, r->row[k]);
+		for (int p = 0; p < r->planes; p++)
+			pad(r, r->row[k] + p * plane);
 	}
 }
 
-void ISA(ring_window)(const ring *r, int y, int x0, int plane, const float **row)
+void ISA(ring_window)(const ring *r, int x0, int plane, const float **row)
 {
-	for (int k = -r->reach; k <= r->reach; k++)
-		row[k + r->reach] = ring_row(r, clamp_index(y + k, r->e->f->height), plane) + x0;
+	for (int k = 0; k <= 2 * r->reach; k++)
+		row[k] = r->row[k] + plane * r->e->plane_samples + (ptrdiff_t)x0 * r->step;
 }

@@ -13,7 +13,7 @@ static void divide_by_nearest(const ring *r, int y, int x0, int n, float *restri
 	to = to < width - x0 + reach ? to : width - x0 + reach;
 	memset(most, 0, sizeof most);
 	for (int i = clamp_index(y - reach, height); i <= clamp_index(y + reach, height); i++) {
-		const float *restrict row = ring_row(r, i, 0) + x0 - reach;
+		const float *restrict row = r->row[i - y + reach] + x0 - reach;
 		for (int k = from; k < to; k++)
 			most[k] = most[k] > row[k] ? most[k] : row[k];
 	}
@@ -61,7 +61,7 @@ static float response_alone(const ring *r, int y, int x)
 	float farthest = INFINITY;
 	for (int i = top; i <= bottom; i++)
 		for (int j = left; j <= right; j++) {
-			float u = ring_row(r, i, 0)[j];
+			float u = r->row[i - y + reach][j];
 			farthest = u > -INFINITY && u < farthest ? u : farthest;
 		}
 	if (farthest == INFINITY)
@@ -70,7 +70,7 @@ static float response_alone(const ring *r, int y, int x)
 	for (int i = top; i <= bottom; i++) {
 		double *out = patch[i - y + reach];
 		for (int j = left; j <= right; j++) {
-			float u = ring_row(r, i, 0)[j];
+			float u = r->row[i - y + reach][j];
 			out[at + j] = u > -INFINITY ? (double)u : (double)farthest - (double)e->f->camera.height;
 		}
 		for (int j = x - reach; j < 0; j++)
@@ -110,13 +110,13 @@ static void depth_strength(const ring *r, int y, int x0, int n, float *restrict 
 {
 	const edges *e = r->e;
 	const float *row[MAX_ROWS];
-	ISA(ring_window)(r, y, x0, 0, row);
+	ISA(ring_window)(r, x0, 0, row);
 	if (e->dog)
-		ISA(detect_dog)(&e->gauss, row, n, response);
+		ISA(detect_dog)(&e->gauss, row, 1, n, response);
 	else if (e->inverse)
 		ISA(detect_bend)(row, n, response);
 	else
-		ISA(detect_slope)(row, n, response);
+		ISA(detect_slope)(row, 1, n, response);
 	if (e->inverse) {
 		bool outside = y < r->reach || y >= e->f->height - r->reach || x0 < r->reach ||
 			       x0 + n > e->f->width - r->reach;
@@ -132,38 +132,42 @@ static void depth_strength(const ring *r, int y, int x0, int n, float *restrict 
 	}
 }
 
-static void normal_strength(const ring *r, int y, int x0, int n, float *restrict response)
+/* Of each channel, where it lies beside the others: n floats are a third of the pixels. */
+static void normal_responses(const ring *r, int x0, int n, float *restrict each)
 {
-	const encre_params *p = r->e->p;
 	const float *row[MAX_ROWS];
-	float one[TILE];
-	for (int i = 0; i < n; i++)
-		response[i] = 0;
+	ISA(ring_window)(r, x0, 0, row);
 	for (int c = 0; c < 3; c++) {
-		ISA(ring_window)(r, y, x0, c, row);
-		if (r->e->dog) {
-			ISA(detect_dog)(&r->e->gauss, row, n, one);
-			for (int i = 0; i < n; i++)
-				response[i] = one[i] > response[i] ? one[i] : response[i];
-		} else {
-			ISA(detect_slope)(row, n, one);
-			for (int i = 0; i < n; i++)
-				response[i] += one[i];
-		}
-	}
-	float least = p->sobel_shape_threshold;
-	for (int i = 0; i < n; i++) {
-		float peak = 5 * response[i], shape = 0.05f * response[i]; /* a tenth, of components 1/2 + n/2 */
-		response[i] = r->e->dog ? 50 * peak * sqrtf(peak) : shape < least ? 0 : shape;
+		if (r->e->dog)
+			ISA(detect_dog)(&r->e->gauss, row, 3, n, each + (ptrdiff_t)c * n);
+		else
+			ISA(detect_slope)(row, 3, n, each + (ptrdiff_t)c * n);
+		for (int k = 0; k <= 2 * r->reach; k++)
+			row[k] += n;
 	}
 }
 
-void ISA(source_difference)(const ring *r, int y, int x0, int n, float *restrict difference)
+/* A tenth, of components 1/2 + n/2. */
+static void normal_strength(const ring *r, int x0, int n, float *restrict response)
+{
+	float each[3 * TILE], least = r->e->p->sobel_shape_threshold;
+	normal_responses(r, x0, n, each);
+	for (int i = 0; r->e->dog && i < n; i++) {
+		float peak = 5 * max(each[3 * i + 2], max(each[3 * i + 1], positive(each[3 * i])));
+		response[i] = 50 * peak * sqrtf(peak);
+	}
+	for (int i = 0; !r->e->dog && i < n; i++) {
+		float shape = 0.05f * (each[3 * i] + each[3 * i + 1] + each[3 * i + 2]);
+		response[i] = shape < least ? 0 : shape;
+	}
+}
+
+void ISA(source_difference)(const ring *r, int x0, int n, float *restrict difference)
 {
 	const float *row[3][3];
 	for (int c = 0; c < 3; c++) {
 		const float *plane[3];
-		ISA(ring_window)(r, y, x0, c, plane);
+		ISA(ring_window)(r, x0, c, plane);
 		for (int k = 0; k < 3; k++)
 			row[k][c] = plane[k];
 	}
@@ -179,8 +183,8 @@ static void color_strength(const ring *r, int y, int x0, int n, float *restrict 
 		for (int i = 0; i < n; i++)
 			response[i] = 0;
 		for (int c = 0; c < 3; c++) {
-			ISA(ring_window)(r, y, x0, c, row);
-			ISA(detect_dog)(&e->gauss, row, n, most);
+			ISA(ring_window)(r, x0, c, row);
+			ISA(detect_dog)(&e->gauss, row, 1, n, most);
 			for (int i = 0; i < n; i++)
 				response[i] = 50 * most[i] > response[i] ? 50 * most[i] : response[i];
 		}
@@ -190,7 +194,7 @@ static void color_strength(const ring *r, int y, int x0, int n, float *restrict 
 		ptrdiff_t at = (ptrdiff_t)y * e->f->width + x0;
 		memcpy(response, e->difference[r->source] + at, (size_t)n * sizeof *response);
 	} else
-		ISA(source_difference)(r, y, x0, n, response);
+		ISA(source_difference)(r, x0, n, response);
 	for (int i = 0; i < n; i++)
 		most[i] = full_contrast(e, r->source, x0 + i, y);
 	float least = e->p->contrast_threshold;
@@ -198,10 +202,10 @@ static void color_strength(const ring *r, int y, int x0, int n, float *restrict 
 		response[i] = metric_strength(response[i], least, most[i]);
 }
 
-static void index_strength(const ring *r, int y, int x0, int n, float *restrict response)
+static void index_strength(const ring *r, int x0, int n, float *restrict response)
 {
 	const float *row[3];
-	ISA(ring_window)(r, y, x0, 0, row);
+	ISA(ring_window)(r, x0, 0, row);
 	ISA(detect_change)(row, n, response);
 }
 
@@ -209,10 +213,10 @@ void ISA(source_strength)(const ring *r, int y, int x0, int n, float *restrict s
 {
 	switch (r->source) {
 	case SOURCE_DEPTH: depth_strength(r, y, x0, n, strength); break;
-	case SOURCE_NORMAL: normal_strength(r, y, x0, n, strength); break;
+	case SOURCE_NORMAL: normal_strength(r, x0, n, strength); break;
 	case SOURCE_COLOR:
 	case SOURCE_LIGHT: color_strength(r, y, x0, n, strength); break;
-	case SOURCE_MARK: memcpy(strength, ring_row(r, y, 0) + x0, (size_t)n * sizeof *strength); break;
-	default: index_strength(r, y, x0, n, strength);
+	case SOURCE_MARK: memcpy(strength, r->row[r->reach] + x0, (size_t)n * sizeof *strength); break;
+	default: index_strength(r, x0, n, strength);
 	}
 }

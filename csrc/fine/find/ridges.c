@@ -160,7 +160,7 @@ static bool peaks(const window *w, int x, int axis)
 	if (stripe_of((const float (*)[3])v, w->is.planes, w->n->floor[w->is.band], families[w->is.band].faint, &b))
 		return true;
 	for (int k = 0; k < 5 * w->is.planes; k++) /* what is cut is asked of the layer itself */
-		if (!(fabsf(v[k / w->is.planes][k % w->is.planes]) < most_sample))
+		if (!(fabsf(v[k / w->is.planes][k % w->is.planes]) < pixel_great))
 			return true;
 	return false;
 }
@@ -392,7 +392,7 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 			w.is = samples[s];
 			w.least_contrast = s == SOURCE_COLOR ? n->least_contrast : 0;
 			for (int c = 0; c < w.is.planes; c++)
-				ISA(ring_window)(rings + s, y, 0, c, w.row[c]);
+				ISA(ring_window)(rings + s, 0, c, w.row[c]);
 			for (int x0 = 0; x0 < f->width; x0 += TILE)
 				ridge_tile(&w, y, x0, f->width - x0 < TILE ? f->width - x0 : TILE, ridge);
 		}
