@@ -20,38 +20,42 @@ enum { GROUP = 32 /* pixels that are passed over if none is an edge */ };
  * they can be. */
 KERNEL void places_of(const frame *f, int y, int x0, const int n, const int from, const int to, uint8_t *restrict place)
 {
-	static const int order[] = {0, -1, 1, -2, 2}; /* keys grow: of equals in a column the first counts */
-	float column[TILE + 4], least[TILE];
+	static const int beside[] = {-1, 1, -2, 2}; /* keys grow: of equals in a column the first counts */
+	const float *restrict own = layer_row(f, ENCRE_LAYER_DEPTH, y) + x0 - 2, *row[4];
+	float column[TILE + 4];
 	int32_t column_key[TILE + 4], key[TILE];
+	for (int k = 0; k < 4; k++) { /* what lies outside the frame is never less */
+		bool inside = y + beside[k] >= 0 && y + beside[k] < f->height;
+		row[k] = layer_row(f, ENCRE_LAYER_DEPTH, inside ? y + beside[k] : y) + x0 - 2;
+	}
 	for (int i = 0; i < n + 4; i++) {
 		column[i] = INFINITY;
 		column_key[i] = INT32_MAX / 2;
 	}
-	for (int at = 0; at < 5; at++) {
-		int dy = order[at];
-		if (y + dy < 0 || y + dy >= f->height)
-			continue;
-		const float *restrict row = layer_row(f, ENCRE_LAYER_DEPTH, y + dy) + x0 - 2;
-		int32_t k = 32 * dy * dy + (dy + 2) * 5 + 2;
-		for (int i = from; i < to; i++) {
-			float z = depth_of(row[i]);
-			int nearer = (z < column[i]) | (dy == 0);
-			column[i] = nearer ? z : column[i];
-			column_key[i] = nearer ? k : column_key[i];
+	for (int i = from; i < to; i++) {
+		float least = depth_of(own[i]);
+		int32_t least_key = 12;
+		for (int k = 0; k < 4; k++) {
+			float z = depth_of(row[k][i]);
+			int32_t at = 32 * beside[k] * beside[k] + (beside[k] + 2) * 5 + 2;
+			least_key = z < least ? at : least_key;
+			least = min(z, least);
 		}
+		column[i] = least;
+		column_key[i] = least_key;
 	}
 	for (int i = 0; i < n; i++) {
-		least[i] = column[i + 2];
-		key[i] = column_key[i + 2];
-	}
-	for (int dx = -2; dx <= 2; dx++)
-		for (int i = 0; dx != 0 && i < n; i++) {
-			float z = column[i + 2 + dx];
-			int32_t k = column_key[i + 2 + dx] + 32 * dx * dx + dx;
-			int nearer = (z < least[i]) | ((z == least[i]) & (k < key[i]));
-			least[i] = nearer ? z : least[i];
-			key[i] = nearer ? k : key[i];
+		float least = column[i + 2];
+		int32_t least_key = column_key[i + 2];
+		for (int k = 0; k < 4; k++) {
+			float z = column[i + 2 + beside[k]];
+			int32_t at = column_key[i + 2 + beside[k]] + 32 * beside[k] * beside[k] + beside[k];
+			int nearer = (z < least) | ((z == least) & (at < least_key));
+			least_key = nearer ? at : least_key;
+			least = min(z, least);
 		}
+		key[i] = least_key;
+	}
 	for (int i = 0; i < n; i++)
 		place[i] = (uint8_t)(key[i] & 31);
 }
