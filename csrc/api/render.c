@@ -132,13 +132,17 @@ static void plan(work *w, arena *a, arena *edges)
 }
 
 /* What is not finite is none of the numbers. */
-static void style_row(const work *w, int y)
+static void style_rows(void *data, int y0, int y1, int thread)
 {
+	(void)thread;
+	const work *w = data;
 	plane p = w->f.layer[ENCRE_LAYER_STYLE];
-	uint8_t *out = w->style + (size_t)y * (size_t)w->f.width;
-	for (int x = 0; x < w->f.width; x++) {
-		float v = p.data ? p.data[y * p.row + x] : 0;
-		out[x] = v >= 1 && v < (float)w->f.n_styles ? (uint8_t)v : 0;
+	for (int y = y0; y < y1; y++) {
+		uint8_t *out = w->style + (size_t)y * (size_t)w->f.width;
+		for (int x = 0; x < w->f.width; x++) {
+			float v = p.data ? p.data[y * p.row + x] : 0;
+			out[x] = v >= 1 && v < (float)w->f.n_styles ? (uint8_t)v : 0;
+		}
 	}
 }
 
@@ -163,8 +167,6 @@ static void first_rows(void *data, int y0, int y1, int thread)
 		end = y1 - y < NEAR_ROWS ? y1 : y + NEAR_ROWS;
 		if (!w->looked)
 			look_at(w, y, end);
-		for (int i = y; w->style && i < end; i++)
-			style_row(w, i);
 		for (int s = 0; s < w->early && !atomic_load(&w->any_unclean) && !bands_stopped(w->f.bands); s++)
 			if (stages[s]->rows)
 				stages[s]->rows(&w->f, y, end, thread);
@@ -212,6 +214,7 @@ static int32_t read_again(work *w)
 	}
 	stand_in(w);
 	w->looked = true;
+	f->reading++;
 	atomic_store(&w->any_unclean, false);
 	return code ? code : bands_run(f->bands, f->height, 0, first_rows, w);
 }
@@ -230,6 +233,8 @@ static int32_t first(work *w)
 	while (w->early < N_STAGES &&
 	       (!stages[w->early]->run || (stages[w->early]->draws && !stages[w->early]->draws(f))))
 		w->early++;
+	if (!code && w->style)
+		code = bands_run(f->bands, f->height, 0, style_rows, w);
 	if (!code)
 		code = bands_run(f->bands, f->height, 0, first_rows, w);
 	w->job->nonfinite += atomic_load(&w->bad);

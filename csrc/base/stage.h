@@ -88,6 +88,7 @@ typedef struct frame {
 	const encre_params *params; /* [n_styles]; [0] is the scene's */
 	const uint8_t *style;       /* width * height, < n_styles; NULL when n_styles is 1 */
 	bool want_edges;            /* someone reads edges: lines, smudging or the output */
+	int reading;                /* grows when layers are read anew, as some were not clean */
 	bool edges_kept; /* what the stage of edges has made of the same layers before is there again, where it plans */
 	switches any;    /* the switch is on in some style */
 	bands *bands;
@@ -275,7 +276,8 @@ typedef struct stage {
 	int32_t (*run)(frame *f);
 	/* Draws rows of the picture, given the frame, and reads the same rows of layers and picture alone. So it runs
 	 * where these are in the cache: with the look at the layers that says whether they are clean, if no stage with
-	 * run() draws before, and then once more where they were not; else after run(). */
+	 * run() draws before, and then once more where they were not; else after run(). What draws nothing may read
+	 * rows of layers beside them, too. */
 	bands_kernel rows;
 	/* Whether run() changes the picture, or makes what rows() needs. NULL: it does. */
 	bool (*draws)(const frame *f);

@@ -179,15 +179,23 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 	}
 }
 
+/* The rings of a thread, which go on from one call to the next where the rows do. */
+typedef struct held_rings {
+	ring ring[SOURCE_SEEN];
+	int next, reading; /* the row after the last, and of which reading of the layers that is */
+} held_rings;
+
 static void edge_rows(void *data, int y0, int y1, int thread)
 {
 	const edges *e = data;
-	ring rings[SOURCE_SEEN];
-	for (int s = 0; s < SOURCE_SEEN; s++)
-		rings[s] = ISA(ring_of)(e, (enum source)s, thread);
+	held_rings *h = e->rings + thread;
+	for (int s = 0; s < SOURCE_SEEN && (h->next != y0 || h->reading != e->f->reading); s++)
+		h->ring[s] = ISA(ring_of)(e, (enum source)s, thread);
+	h->next = y1;
+	h->reading = e->f->reading;
 	for (int y = y0; y < y1; y++)
 		for (int x0 = 0; x0 < e->f->width && !bands_stopped(e->f->bands); x0 += TILE)
-			edge_tile(e, rings, y, x0, e->f->width - x0 < TILE ? e->f->width - x0 : TILE);
+			edge_tile(e, h->ring, y, x0, e->f->width - x0 < TILE ? e->f->width - x0 : TILE);
 }
 
 /* ---- contrast_auto: the strongest difference nearby gives a full line ------------------------------------ */
@@ -297,6 +305,7 @@ static void plan(frame *f, arena *a)
 		e.window = ISA(window_plan)(a, f->bands, f->width, f->height, e.p->contrast_window * f->scale, false,
 					    false);
 	e.samples = arena_take(a, threads * (size_t)e.thread_samples, sizeof *e.samples);
+	e.rings = arena_take(a, threads, sizeof *e.rings);
 	f->edges = arena_take(a, 1, sizeof e);
 	edges *made = f->edges;
 	if (made && !f->edges_kept)
@@ -305,6 +314,8 @@ static void plan(frame *f, arena *a)
 		made->f = f;
 		made->p = f->params;
 	}
+	for (size_t i = 0; made && i < threads; i++)
+		made->rings[i].next = -1;
 	if (e.fine)
 		ISA(fine_plan)(f, &e, a);
 }
@@ -315,10 +326,23 @@ static bool draws_nothing(const frame *f)
 	return false;
 }
 
+/* Whether all is found with the first reading of the layers: nothing of the whole frame must be known before. */
+static bool found_at_once(const edges *e)
+{
+	return !e->fine && !e->window.each;
+}
+
+static void first_rows(void *data, int y0, int y1, int thread)
+{
+	const frame *f = data;
+	if (f->want_edges && !f->edges_kept && found_at_once(f->edges))
+		edge_rows(f->edges, y0, y1, thread);
+}
+
 static int32_t run(frame *f)
 {
 	edges *e = f->edges;
-	if (!f->want_edges || f->edges_kept)
+	if (!f->want_edges || f->edges_kept || found_at_once(e))
 		return ENCRE_OK;
 	int32_t code = ENCRE_OK;
 	if (e->window.each) {
@@ -332,4 +356,5 @@ static int32_t run(frame *f)
 	return e->fine ? ISA(fine_run)(f) : bands_run(f->bands, f->height, 0, edge_rows, e);
 }
 
-const stage STAGE_SYMBOL(edges) = {.id = "edges", .check = check, .plan = plan, .run = run, .draws = draws_nothing};
+const stage STAGE_SYMBOL(edges) = {
+	.id = "edges", .check = check, .plan = plan, .run = run, .rows = first_rows, .draws = draws_nothing};

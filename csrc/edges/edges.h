@@ -27,7 +27,8 @@ typedef struct edges {
 	float bump[UINT8_MAX + 1];
 	int reach[SAMPLE_COUNT];
 
-	float *samples; /* rings of all sources, for each thread */
+	struct held_rings *rings; /* for each thread */
+	float *samples;           /* rings of all sources, for each thread */
 	ptrdiff_t thread_samples, plane_samples;
 	ptrdiff_t ring_at[SAMPLE_COUNT];
 	/* width * height, of colours with contrast_auto: how much they differ there, and at most nearby; FINE knows the
