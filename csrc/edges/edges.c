@@ -136,6 +136,16 @@ static bool any_edge(const float *restrict strength, const int32_t *restrict win
 	return any;
 }
 
+/* Lines go on below: what is written there would wait for the memory, and all that is written after it. */
+static void fetch_below(const frame *f, int y, ptrdiff_t at, int n)
+{
+	if (y + 1 >= f->height)
+		return;
+	__builtin_prefetch(f->near + at + f->width, 1);
+	for (int i = 0; i < n; i += 16)
+		__builtin_prefetch(f->strength + at + i + f->width, 1);
+}
+
 static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 {
 	const frame *f = e->f;
@@ -176,6 +186,7 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 		memcpy(f->strength + at + i, strength + i, (size_t)m * sizeof *strength);
 		if (!f->style)
 			nearest_places(f, y, x0 + i, m, f->near + at + i);
+		fetch_below(f, y, at + i, m);
 	}
 }
 
