@@ -48,15 +48,55 @@ const float *ISA(tone_anchor)(const frame *f, const tone_slot *s, int y, int x, 
 	return card ? room : NULL;
 }
 
-const tone_rest *ISA(tone_rest_fill)(const frame *f, const tone_slot *s, int y, int x, int n, tone_rest *rest)
+static float size_on_sheet(const float *card)
 {
-	float room[ANCHOR_COUNT * TONE_REST];
-	n = x + n < f->width ? n + 1 : n;
-	const float *restrict anchor = ISA(tone_anchor)(f, s, y, x, n, room);
-	for (int i = 0; anchor && i < n; i++)
+	return sqrtf(card[CARD_RIGHT] * card[CARD_RIGHT] + card[CARD_RIGHT + 1] * card[CARD_RIGHT + 1]);
+}
+
+bool ISA(tone_sizes)(const frame *f, const tone_slot *s, int y, int x, int n, float *restrict size)
+{
+	const float *anchor = anchor_at(f, x, y), *card = layer_row(f, ENCRE_LAYER_CARD, y);
+	if (!(tone_flat(s) ? card : anchor))
+		return false;
+	for (int i = 0; tone_flat(s) && i < n; i++)
+		size[i] = size_on_sheet(card + (ptrdiff_t)CARD_COUNT * (x + i));
+	for (int i = 0; !tone_flat(s) && i < n; i++)
+		size[i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + ANCHOR_PIXEL];
+	return true;
+}
+
+/* As tone_anchor() tells a sheet. */
+static const tone_rest *sheet_fill(const float *restrict card, int n, tone_rest *rest)
+{
+	memset(rest, 0, sizeof *rest);
+	for (int i = 0; i < n; i++) {
+		const float *c = card + (ptrdiff_t)CARD_COUNT * i;
+		rest->at[ANCHOR_POSITION][i] = c[CARD_POSITION];
+		rest->at[ANCHOR_POSITION + 2][i] = c[CARD_POSITION + 1];
+		rest->at[ANCHOR_NORMAL + 1][i] = -1;
+		rest->at[ANCHOR_PIXEL][i] = size_on_sheet(c);
+		rest->at[ANCHOR_RIGHT][i] = c[CARD_RIGHT];
+		rest->at[ANCHOR_RIGHT + 2][i] = rest->at[ANCHOR_DOWN][i] = c[CARD_RIGHT + 1];
+		rest->at[ANCHOR_DOWN + 2][i] = -c[CARD_RIGHT];
+	}
+	return rest;
+}
+
+static const tone_rest *surface_fill(const float *restrict anchor, int n, tone_rest *restrict rest)
+{
+	for (int i = 0; i < n; i++)
 		for (int c = 0; c < ANCHOR_COUNT; c++)
 			rest->at[c][i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + c];
-	return anchor ? rest : NULL;
+	return rest;
+}
+
+const tone_rest *ISA(tone_rest_fill)(const frame *f, const tone_slot *s, int y, int x, int n, tone_rest *rest)
+{
+	n = x + n < f->width ? n + 1 : n;
+	const float *anchor = anchor_at(f, x, y), *card = layer_row(f, ENCRE_LAYER_CARD, y);
+	if (!s || !tone_flat(s))
+		return anchor ? surface_fill(anchor, n, rest) : NULL;
+	return card ? sheet_fill(card + (ptrdiff_t)CARD_COUNT * x, n, rest) : NULL;
 }
 
 void ISA(tone_surface_chart)(const tone_rest *rest, int n, float cosine, float sine, tone_field field[2])

@@ -105,10 +105,10 @@ static void lines(const frame *f, const tone_slot *s, int y, int x, int n, const
 }
 
 /* Surfaces of which no place is known have their mean. */
-static void mean_row(const float *anchor, int n, const float *restrict dark, float *restrict ink)
+static void mean_row(const float *restrict size, int n, const float *restrict dark, float *restrict ink)
 {
 	for (int i = 0; i < n; i++)
-		ink[i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + ANCHOR_PIXEL] > 0 ? ink[i] : dark[i];
+		ink[i] = size[i] > 0 ? ink[i] : dark[i];
 }
 
 static void fit(const uint8_t *restrict room, int n, float *restrict ink)
@@ -137,10 +137,9 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 	case tone_1_IMAGE: pictures(f, s, y, x, n, dark, ink); break;
 	default: lines(f, s, y, x, n, dark, ink);
 	}
-	float room[ANCHOR_COUNT * TONE_CHUNK];
-	const float *anchor = tone_sticks(s) ? ISA(tone_anchor)(f, s, y, x, n, room) : NULL;
-	if (anchor)
-		mean_row(anchor, n, dark, ink);
+	float size[TONE_CHUNK];
+	if (tone_sticks(s) && ISA(tone_sizes)(f, s, y, x, n, size))
+		mean_row(size, n, dark, ink);
 	const uint8_t *fits = ((const tone_frame *)f->tones)->detail.room;
 	if (fits && s->kind != tone_1_IMAGE)
 		fit(fits + (ptrdiff_t)y * f->width + x, n, ink);

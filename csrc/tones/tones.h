@@ -132,6 +132,8 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
  * NULL where there is none. And channel by channel; s NULL: of the surfaces. */
 const float *ISA(tone_anchor)(const frame *f, const tone_slot *s, int y, int x, int n, float *room);
 const tone_rest *ISA(tone_rest_fill)(const frame *f, const tone_slot *s, int y, int x, int n, tone_rest *rest);
+/* How large pixels are on the thing, 0 where no place on it is known; false: nowhere is one. */
+bool ISA(tone_sizes)(const frame *f, const tone_slot *s, int y, int x, int n, float *size);
 /* Of n pixels from x on in row y. A field of the picture along (right, down), in pixels of the full frame; of
  * the thing, its place along a direction in the space in which it rests; the two axes of the thing that its normal is
  * farthest from, turned; and how well planes across a direction cut the surface, 0..1: not where they graze it. */
