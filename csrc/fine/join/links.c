@@ -2,7 +2,6 @@
 /* Links between sites: cracks join the two that cut a square of four pixel centres, ridges what is close. */
 #include "fine/near.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { CHUNK = 2048, FEW = 4, EVEN_ROUNDS = 2 };
@@ -12,54 +11,93 @@ static const float most_uneven = 0.3f; /* test_fine_passes */
 
 /* ---- who is linked --------------------------------------------------------------------------------------- */
 
+/* Whether in the order of a row a site lies before what is on an axis at column x. */
+static bool before(const site *s, int x, int axis)
+{
+	return s->found.column < x || (s->found.column == x && s->found.axis < axis);
+}
+
+static bool has_crack(const fine *n, int family, int x, int y, int axis)
+{
+	return axis == AXIS_JUNCTION || (n->crack[(ptrdiff_t)y * n->f->width + x] & mark_of(family, axis));
+}
+
+/* `at`: the first of the row that lies not before it. */
+static uint32_t kept_number(const fine *n, uint32_t at, uint32_t end, int x, int axis)
+{
+	const site *s = n->site + at;
+	return at < end && s->found.column == x && s->found.axis == axis && !s->linked.dropped ? at : n->count;
+}
+
 uint32_t ISA(crack_number)(const fine *n, int family, int x, int y, int axis)
 {
-	if (axis != AXIS_JUNCTION && !(n->crack[(ptrdiff_t)y * n->f->width + x] & mark_of(family, axis)))
+	if (!has_crack(n, family, x, y, axis))
 		return n->count;
 	const uint32_t *first = n->first + family * n->f->height + y;
 	uint32_t low = first[0], high = first[1];
 	while (low < high) {
 		uint32_t middle = low + (high - low) / 2;
-		const site *s = n->site + middle;
-		if (s->found.column < x || (s->found.column == x && s->found.axis < axis))
+		if (before(n->site + middle, x, axis))
 			low = middle + 1;
 		else
 			high = middle;
 	}
-	const site *s = n->site + low;
-	return low < first[1] && s->found.column == x && s->found.axis == axis && !s->linked.dropped ? low : n->count;
+	return kept_number(n, low, first[1], x, axis);
+}
+
+enum { ROWS = 3 };
+
+/* Where the last search in a row, by its number modulo ROWS, has ended: sites are linked in their order, and what they
+ * may be linked to lies next to that. */
+typedef struct fingers {
+	uint32_t at[ROWS];
+} fingers;
+
+/* As crack_number(). */
+static uint32_t number_near(const fine *n, fingers *f, int family, int x, int y, int axis)
+{
+	if (!has_crack(n, family, x, y, axis))
+		return n->count;
+	const uint32_t *first = n->first + family * n->f->height + y;
+	uint32_t *finger = f->at + y % ROWS, at = *finger;
+	at = at >= first[0] && at <= first[1] ? at : first[0];
+	while (at < first[1] && before(n->site + at, x, axis))
+		at++;
+	while (at > first[0] && !before(n->site + at - 1, x, axis))
+		at--;
+	*finger = at;
+	return kept_number(n, at, first[1], x, axis);
 }
 
 /* Cracks on the sides of the square of pixel centres from (x, y). */
-static int sides(const fine *n, int family, int x, int y, uint32_t *side)
+static int sides(const fine *n, fingers *f, int family, int x, int y, uint32_t *side)
 {
 	int found = 0;
 	if (x < 0 || y < 0 || x + 1 >= n->f->width || y + 1 >= n->f->height)
 		return 0;
 	const uint32_t all[4] = {
-		ISA(crack_number)(n, family, x, y, AXIS_ROW), ISA(crack_number)(n, family, x, y + 1, AXIS_ROW),
-		ISA(crack_number)(n, family, x, y, AXIS_COLUMN), ISA(crack_number)(n, family, x + 1, y, AXIS_COLUMN)};
+		number_near(n, f, family, x, y, AXIS_ROW), number_near(n, f, family, x, y + 1, AXIS_ROW),
+		number_near(n, f, family, x, y, AXIS_COLUMN), number_near(n, f, family, x + 1, y, AXIS_COLUMN)};
 	for (int i = 0; i < 4; i++)
 		if (all[i] < n->count)
 			side[found++] = all[i];
 	return found;
 }
 
-static int crack_links(const fine *n, uint32_t i, uint32_t *to)
+static int crack_links(const fine *n, fingers *f, uint32_t i, uint32_t *to)
 {
 	const site *s = n->site + i;
 	uint32_t side[4];
-	int found = 0;
+	int found = 0, family = s->found.family;
 	if (s->found.axis == AXIS_JUNCTION)
-		return (found = sides(n, s->found.family, s->found.column, s->found.row, to)) > 2 ? found : 0;
+		return (found = sides(n, f, family, s->found.column, s->found.row, to)) > 2 ? found : 0;
 	for (int k = 0; k < 2; k++) { /* the squares on both sides of the pair */
 		int x = s->found.column - (s->found.axis == AXIS_COLUMN && k),
 		    y = s->found.row - (s->found.axis == AXIS_ROW && k);
-		int count = sides(n, s->found.family, x, y, side);
+		int count = sides(n, f, family, x, y, side);
 		if (count == 2)
 			to[found++] = side[0] == i ? side[1] : side[0];
-		else if (count > 2 &&
-			 (to[found] = ISA(crack_number)(n, s->found.family, x, y, AXIS_JUNCTION)) < n->count)
+		else if (count > 2 && (to[found] = number_near(n, f, family, x, y, AXIS_JUNCTION)) < n->count)
 			found++;
 	}
 	return found;
@@ -108,17 +146,23 @@ static int ridge_links(const fine *n, uint32_t i, uint32_t *to)
 	return found;
 }
 
-static int links_of(const fine *n, uint32_t i, uint32_t *to)
+static int links_of(const fine *n, fingers *f, uint32_t i, uint32_t *to)
 {
 	const site *s = n->site + i;
-	return s->linked.dropped ? 0 : is_crack(s->found.family) ? crack_links(n, i, to) : ridge_links(n, i, to);
+	return s->linked.dropped ? 0 : is_crack(s->found.family) ? crack_links(n, f, i, to) : ridge_links(n, i, to);
 }
 
 /* ---- all links ------------------------------------------------------------------------------------------- */
 
-static int ascending(const void *a, const void *b)
+/* They are few. */
+static void ascend(uint32_t *to, uint32_t count)
 {
-	return order_of(*(const uint32_t *)a, *(const uint32_t *)b);
+	for (uint32_t i = 1; i < count; i++)
+		for (uint32_t k = i; k > 0 && to[k - 1] > to[k]; k--) {
+			uint32_t other = to[k];
+			to[k] = to[k - 1];
+			to[k - 1] = other;
+		}
 }
 
 typedef struct linking {
@@ -131,17 +175,18 @@ static void link_sites(void *data, int first, int end, int thread)
 	(void)thread;
 	const linking *l = data;
 	const fine *n = l->n;
+	fingers f = {{0}};
 	uint32_t own[ROOM];
 	for (int i = first; i < end && !stopped_at(n, i); i++) {
 		uint32_t count = n->to ? n->at[i + 1] - n->at[i] : 0, *to = n->to && count <= FEW ? l->few[i] : own;
 		if (to == own)
-			count = (uint32_t)links_of(n, (uint32_t)i, own);
+			count = (uint32_t)links_of(n, &f, (uint32_t)i, own);
 		if (!n->to) {
 			n->at[i + 1] = count;
 			memcpy(l->few[i], own, (count < FEW ? count : FEW) * sizeof *own);
 			continue;
 		}
-		qsort(to, count, sizeof *to, ascending);
+		ascend(to, count);
 		memcpy(n->to + n->at[i], to, count * sizeof *to);
 	}
 }

@@ -21,11 +21,17 @@ typedef struct bound {
 	float crowd, tapers;
 } bound;
 
+/* What is read of a site on the way, close together. */
+typedef struct stop {
+	bound bound;
+	uint32_t to[2]; /* UINT32_MAX but where a line has two links */
+} stop;
+
 typedef struct slender {
 	fine *n;
-	bound *bound; /* by site */
-	float unit;   /* pixels of a px */
-	int reach;    /* pixels */
+	stop *stop; /* by site */
+	float unit; /* pixels of a px */
+	int reach;  /* pixels */
 } slender;
 
 static bool is_contour(const site *s)
@@ -65,6 +71,20 @@ typedef struct side {
 	int far;          /* pixels to where another thing begins behind it; 0: not known */
 } side;
 
+/* The first of pixels from .. most, `step` apart, with a mark; beyond most where none has it. Most have none: four at
+ * once tell. */
+static int next_mark(const uint8_t *crack, ptrdiff_t step, uint8_t mark, int from, int most)
+{
+	for (; from + 3 <= most; from += 4) {
+		const uint8_t *c = crack + from * step;
+		if ((c[0] | c[step] | c[2 * step] | c[3 * step]) & mark)
+			break;
+	}
+	while (from <= most && !(crack[from * step] & mark))
+		from++;
+	return from;
+}
+
 /* What is opposite the contour at site i. Where something lies before the thing, its own contour is covered, if behind
  * that is neither the thing nor what is nearer. */
 static side opposite(const slender *w, const site *s)
@@ -82,12 +102,9 @@ static side opposite(const slender *w, const site *s)
 	const uint8_t *crack = n->crack + (ptrdiff_t)y * f->width + x;
 	uint8_t mark = mark_of(FAMILY_CRACK, axis) & 255;
 	bool covered = false;
-	for (int k = 1; k <= w->reach; k++) {
-		int to = at + way * k;
-		if (to < 0 || to + 1 >= size)
-			break;
-		if (!(crack[way * k * step] & mark))
-			continue;
+	int room = way > 0 ? size - 2 - at : at, most = room < w->reach ? room : w->reach;
+	for (int k = next_mark(crack, way * step, mark, 1, most); k <= most;
+	     k = next_mark(crack, way * step, mark, k + 1, most)) {
 		int cx = x + way * k * dx, cy = y + way * k * dy, on = way > 0;
 		float inside = depth_at(f, on ? cx : cx + dx, on ? cy : cy + dy),
 		      outside = depth_at(f, on ? cx + dx : cx, on ? cy + dy : cy);
@@ -126,6 +143,8 @@ static bound within(const slender *w, uint32_t i, float far)
 {
 	const site *s = w->n->site + i;
 	float way[2][2];
+	if (!(far > 0))
+		return thin_bound(w, &s->placed);
 	ways_from(w->n, i, way);
 	const float *along = way[way[1][0] != 0 || way[1][1] != 0];
 	float aside = fabsf(s->found.axis == AXIS_ROW ? along[1] : along[0]);
@@ -164,8 +183,11 @@ static void find_bounds(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const slender *w = data;
-	for (int i = first; i < end && !stopped_at(w->n, i); i++)
-		w->bound[i] = bound_of(w, (uint32_t)i);
+	for (int i = first; i < end && !stopped_at(w->n, i); i++) {
+		const uint32_t *to = w->n->to + w->n->at[i];
+		bool two = links_at(w->n, (uint32_t)i) == 2;
+		w->stop[i] = (stop){bound_of(w, (uint32_t)i), {two ? to[0] : UINT32_MAX, two ? to[1] : UINT32_MAX}};
+	}
 }
 
 /* The most on the next so many sites of a line; where it meets others, on these, so many times. */
@@ -174,12 +196,16 @@ static bound beyond(const slender *w, uint32_t from, uint32_t at, int sites, int
 	const fine *n = w->n;
 	uint32_t start = from;
 	bound most = {0};
-	while (sites-- > 0 && at != UINT32_MAX && at != start) {
-		most = more(most, w->bound[at]);
-		for (uint32_t k = n->at[at]; meetings && links_at(n, at) > 2 && k < n->at[at + 1]; k++)
-			if (n->to[k] != from)
-				most = more(most, beyond(w, at, n->to[k], sites, meetings - 1));
-		uint32_t next = next_of(n, from, at);
+	while (sites-- > 0 && at != start) {
+		const stop *s = w->stop + at;
+		most = more(most, s->bound);
+		if (s->to[0] == UINT32_MAX) {
+			for (uint32_t k = n->at[at]; meetings && k < n->at[at + 1]; k++)
+				if (n->to[k] != from)
+					most = more(most, beyond(w, at, n->to[k], sites, meetings - 1));
+			break;
+		}
+		uint32_t next = s->to[s->to[0] == from];
 		from = at;
 		at = next;
 	}
@@ -198,7 +224,7 @@ static bound closed(const slender *w, uint32_t i)
 			       max(both.tapers, min(most.tapers, side.tapers))};
 		most = more(most, side);
 	}
-	return more(w->bound[i], links_at(n, i) == 1 ? most : both);
+	return more(w->stop[i].bound, links_at(n, i) == 1 ? most : both);
 }
 
 static void set_bounds(void *data, int first, int end, int thread)
@@ -217,13 +243,13 @@ static void set_bounds(void *data, int first, int end, int thread)
 
 int32_t ISA(fine_slender)(fine *n)
 {
-	slender w = {.n = n, .unit = n->f->scale, .bound = late_take(&n->f->late, n->count, sizeof *w.bound)};
-	if (!w.bound)
+	slender w = {.n = n, .unit = n->f->scale, .stop = late_take(&n->f->late, n->count, sizeof *w.stop)};
+	if (!w.stop)
 		return ENCRE_ERROR_MEMORY;
 	w.reach = (int)(widest * w.unit);
 	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_bounds, &w);
 	if (!code)
 		code = bands_run(n->f->bands, (int)n->count, CHUNK, set_bounds, &w);
-	late_drop(&n->f->late, w.bound);
+	late_drop(&n->f->late, w.stop);
 	return code;
 }
