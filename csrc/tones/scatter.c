@@ -133,10 +133,10 @@ static dyadic dyadic_of(float whole, float scale)
 	return (dyadic){n, exponent};
 }
 
-static int main_axis(const tone_rest *rest)
+static int main_axis(const tone_rest *rest, int i)
 {
 	const float (*normal)[TONE_REST] = rest->at + ANCHOR_NORMAL;
-	float x = fabsf(normal[0][0]), y = fabsf(normal[1][0]), z = fabsf(normal[2][0]);
+	float x = fabsf(normal[0][i]), y = fabsf(normal[1][i]), z = fabsf(normal[2][i]);
 	return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
 }
 
@@ -177,26 +177,50 @@ static float shift_of(const float way[2], float row_x, float row_y)
 	return mix(jitter, 1, clamp01(2 - sine / beside_rows));
 }
 
-/* The mark whose place is in pixel x. */
-static tone_mark mark_at(const frame *f, const tone_marks *m, const tone_slot *s, int layer, int x, int y)
+/* Of some pixels of a row what tells the marks whose places are in them. */
+typedef struct places {
+	const tone_slot *s;
+	const tone_rest *rest; /* NULL: they are the screen's */
+	tone_rest own;
+	tone_lattice lattice;
+} places;
+
+/* columns: of n pixels from x to x + TONE_CHUNK - 1, ascending. */
+static void places_fill(const frame *f, const tone_slot *s, int y, int x, const int *columns, int n, places *p)
 {
 	tone_field chart[2];
-	tone_lattice l;
-	tone_rest own;
+	p->s = s;
+	p->rest = NULL;
+	for (int i = 0; tone_sticks(s) && i < n; i++) {
+		float room[ANCHOR_COUNT];
+		const float *anchor = ISA(tone_anchor)(f, s, y, columns[i], 1, room);
+		for (int c = 0; anchor && c < ANCHOR_COUNT; c++)
+			p->own.at[c][i] = anchor[c];
+		p->rest = anchor ? &p->own : NULL;
+	}
+	ISA(tone_chart)(f, s, p->rest, y, x, p->rest ? n : columns[n - 1] - x + 1, chart);
+	for (int k = 0; k < 2 && !p->rest; k++)
+		for (int i = 0; i < n; i++) {
+			chart[k].at[i] = chart[k].at[columns[i] - x];
+			chart[k].right[i] = chart[k].right[columns[i] - x];
+			chart[k].down[i] = chart[k].down[columns[i] - x];
+		}
+	ISA(tone_lattice_fill)(s->least, s->most, n, chart, &p->lattice);
+}
+
+/* The mark whose place is in the i-th of these, pixel x. */
+static tone_mark mark_at(const frame *f, const tone_marks *m, const places *p, int i, int layer, int x, int y)
+{
+	const tone_slot *s = p->s;
+	const tone_rest *rest = p->rest;
+	const tone_lattice *l = &p->lattice;
 	float whole[2], way[2], weight = 1;
-	float room[ANCHOR_COUNT];
-	const float *anchor = tone_sticks(s) ? ISA(tone_anchor)(f, s, y, x, 1, room) : NULL;
-	const tone_rest *rest = anchor ? &own : NULL;
-	for (int c = 0; anchor && c < ANCHOR_COUNT; c++)
-		own.at[c][0] = anchor[c];
-	ISA(tone_chart)(f, s, rest, y, x, 1, chart);
-	ISA(tone_lattice_fill)(s->least, s->most, 1, chart, &l);
-	nearest_point(&l, layer, 0, whole, way);
-	uint32_t h = stir(0x9e3779b9u, (uint32_t)(TONE_LAYERS * (rest ? main_axis(rest) : 0) + layer));
+	nearest_point(l, layer, i, whole, way);
+	uint32_t h = stir(0x9e3779b9u, (uint32_t)(TONE_LAYERS * (rest ? main_axis(rest, i) : 0) + layer));
 	dyadic place[2];
 	for (int k = 0; k < 2; k++) {
-		weight *= (int32_t)whole[k] & 1 ? l.grown[k][0] : 1;
-		place[k] = dyadic_of(whole[k], l.scale[k][0]);
+		weight *= (int32_t)whole[k] & 1 ? l->grown[k][i] : 1;
+		place[k] = dyadic_of(whole[k], l->scale[k][i]);
 		h = stir(h, (uint32_t)place[k].exponent);
 	}
 	/* A rank of low discrepancy among those of an octave, so that few are spread as evenly as many. */
@@ -205,14 +229,14 @@ static tone_mark mark_at(const frame *f, const tone_marks *m, const tone_slot *s
 	bool stroke = s->kind == tone_1_HATCH;
 	const float *along = m->way[tone_bytes(m, TONE_WAY + layer, y)[x]];
 	for (int k = 0; k < 2; k++) {
-		float length = sqrtf(l.across[k][0] * l.across[k][0] + l.up[k][0] * l.up[k][0]);
-		float shift = stroke ? shift_of(along, l.across[1 - k][0], l.up[1 - k][0]) : jitter;
+		float length = sqrtf(l->across[k][i] * l->across[k][i] + l->up[k][i] * l->up[k][i]);
+		float shift = stroke ? shift_of(along, l->across[1 - k][i], l->up[1 - k][i]) : jitter;
 		h = stir(h, 1);
-		float aside = (share_of(h) - 0.5f) * shift * l.pitch[k][0] / max(length, 1e-6f);
-		way[0] += aside * l.across[k][0];
-		way[1] += aside * l.up[k][0];
+		float aside = (share_of(h) - 0.5f) * shift * l->pitch[k][i] / max(length, 1e-6f);
+		way[0] += aside * l->across[k][i];
+		way[1] += aside * l->up[k][i];
 	}
-	float size = sqrtf(weight), turn, length = 0, pitch = sqrtf(l.pitch[0][0] * l.pitch[1][0]);
+	float size = sqrtf(weight), turn, length = 0, pitch = sqrtf(l->pitch[0][i] * l->pitch[1][i]);
 	h = stir(h, 2);
 	turn = (share_of(h) - 0.5f) * 0.1f;
 	h = stir(h, 3);
@@ -285,9 +309,15 @@ int ISA(tone_marks_look)(const frame *f, const tone_marks *m, int y)
 	return n;
 }
 
+static const tone_slot *slot_at(const frame *f, const tone_marks *m, const uint8_t *whose, int x, int y)
+{
+	return m->styles[style_at(f, x, y)].slot + whose[x];
+}
+
 void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark *marks)
 {
 	const uint8_t *bits = tone_bytes(m, TONE_BITS, y), *whose = tone_bytes(m, TONE_WHOSE, y);
+	places p;
 	for (int x0 = 0; x0 < f->width; x0 += TONE_CHUNK) {
 		int end = f->width - x0 > TONE_CHUNK ? x0 + TONE_CHUNK : f->width, n = 0, columns[TONE_CHUNK];
 		for (int x = x0; x < end; x++)
@@ -298,12 +328,19 @@ void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark 
 			__builtin_prefetch(anchor_at(f, columns[i], y));
 			__builtin_prefetch(anchor_at(f, columns[i], y) + ANCHOR_COUNT - 1);
 		}
-		for (int i = 0; i < n; i++) {
+		for (int i = 0, from = 0; i < n; i++) {
 			int x = columns[i];
-			const tone_slot *s = m->styles[style_at(f, x, y)].slot + whose[x];
+			const tone_slot *s = slot_at(f, m, whose, x, y);
+			if (i == 0 || s != p.s) {
+				int same = 1;
+				while (i + same < n && s == slot_at(f, m, whose, columns[i + same], y))
+					same++;
+				from = i;
+				places_fill(f, s, y, x0, columns + i, same, &p);
+			}
 			for (int layer = 0; layer < TONE_LAYERS; layer++)
 				if (bits[x] / TONE_FOUND >> layer & 1)
-					*marks++ = mark_at(f, m, s, layer, x, y);
+					*marks++ = mark_at(f, m, &p, i - from, layer, x, y);
 		}
 	}
 }
