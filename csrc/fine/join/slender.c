@@ -27,9 +27,19 @@ typedef struct stop {
 	uint32_t to[2]; /* UINT32_MAX but where a line has two links */
 } stop;
 
+/* What bounds lines on the ways that a link leads, over so many meetings, and how many sites the longest of them has;
+ * TOO_LONG: more than count. By link; only of those that meetings have. */
+typedef struct ways {
+	bound *most;
+	uint8_t *sites;
+} ways;
+
+enum { TOO_LONG = UINT8_MAX };
+
 typedef struct slender {
 	fine *n;
 	stop *stop; /* by site */
+	ways known, next;
 	float unit; /* pixels of a px */
 	int reach;  /* pixels */
 } slender;
@@ -190,7 +200,39 @@ static void find_bounds(void *data, int first, int end, int thread)
 	}
 }
 
-/* The most on the next so many sites of a line; where it meets others, on these, so many times. */
+/* The ways from site i by its link k, over one meeting more than is known. */
+static void find_ways(const slender *w, uint32_t i, uint32_t k)
+{
+	const fine *n = w->n;
+	bound most = {0};
+	int sites = 0, longest = 0;
+	for (uint32_t from = i, at = n->to[k]; at != UINT32_MAX && at != i && sites + longest <= AROUND; sites++) {
+		most = more(most, w->stop[at].bound);
+		for (uint32_t l = n->at[at]; w->known.most && links_at(n, at) > 2 && l < n->at[at + 1]; l++)
+			if (n->to[l] != from) {
+				most = more(most, w->known.most[l]);
+				longest = w->known.sites[l] > longest ? w->known.sites[l] : longest;
+			}
+		uint32_t next = next_of(n, from, at);
+		from = at;
+		at = next;
+	}
+	w->next.most[k] = most;
+	w->next.sites[k] = (uint8_t)(sites + longest <= AROUND ? sites + longest : TOO_LONG);
+}
+
+static void find_all_ways(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const slender *w = data;
+	const fine *n = w->n;
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++)
+		for (uint32_t k = n->at[i]; links_at(n, i) > 2 && k < n->at[i + 1]; k++)
+			find_ways(w, i, k);
+}
+
+/* The most on the next so many sites of a line; where it meets others, on these, so many times. The ways over all
+ * meetings but one are known: they are many where lines are a net. */
 static bound beyond(const slender *w, uint32_t from, uint32_t at, int sites, int meetings)
 {
 	const fine *n = w->n;
@@ -200,9 +242,11 @@ static bound beyond(const slender *w, uint32_t from, uint32_t at, int sites, int
 		const stop *s = w->stop + at;
 		most = more(most, s->bound);
 		if (s->to[0] == UINT32_MAX) {
-			for (uint32_t k = n->at[at]; meetings && k < n->at[at + 1]; k++)
+			for (uint32_t k = n->at[at]; meetings && links_at(n, at) > 2 && k < n->at[at + 1]; k++)
 				if (n->to[k] != from)
-					most = more(most, beyond(w, at, n->to[k], sites, meetings - 1));
+					most = more(most, meetings == MEETINGS && w->known.sites[k] <= sites
+								  ? w->known.most[k]
+								  : beyond(w, at, n->to[k], sites, meetings - 1));
 			break;
 		}
 		uint32_t next = s->to[s->to[0] == from];
@@ -241,6 +285,28 @@ static void set_bounds(void *data, int first, int end, int thread)
 	}
 }
 
+/* Of all ways from meetings, over no other, one, and so on. */
+static int32_t know_ways(slender *w)
+{
+	fine *n = w->n;
+	ways every[2];
+	for (int i = 0; i < 2; i++) {
+		every[i].most = late_take(&n->f->late, n->at[n->count], sizeof *every[i].most);
+		every[i].sites = late_take(&n->f->late, n->at[n->count], sizeof *every[i].sites);
+		if (!every[i].most || !every[i].sites)
+			return ENCRE_ERROR_MEMORY;
+	}
+	int32_t code = ENCRE_OK;
+	for (int i = 0; !code && i < MEETINGS; i++) {
+		w->next = every[i % 2];
+		code = bands_run(n->f->bands, (int)n->count, CHUNK, find_all_ways, w);
+		w->known = w->next;
+	}
+	late_drop(&n->f->late, every[MEETINGS % 2].most);
+	late_drop(&n->f->late, every[MEETINGS % 2].sites);
+	return code;
+}
+
 int32_t ISA(fine_slender)(fine *n)
 {
 	slender w = {.n = n, .unit = n->f->scale, .stop = late_take(&n->f->late, n->count, sizeof *w.stop)};
@@ -249,7 +315,11 @@ int32_t ISA(fine_slender)(fine *n)
 	w.reach = (int)(widest * w.unit);
 	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_bounds, &w);
 	if (!code)
+		code = know_ways(&w);
+	if (!code)
 		code = bands_run(n->f->bands, (int)n->count, CHUNK, set_bounds, &w);
+	late_drop(&n->f->late, w.known.most);
+	late_drop(&n->f->late, w.known.sites);
 	late_drop(&n->f->late, w.stop);
 	return code;
 }
