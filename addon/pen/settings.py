@@ -204,7 +204,7 @@ class Settings:
             if values["use_lines"]:
                 strays = max(4 * (values[f"{pen}_wobble"] + values[f"{pen}_rough"]) + 3 * values[f"{pen}_overshoot"]
                              for pen in pens(values))
-                weighed = 48 if values["line_density"] < 1 else 0  # three nodes of its grid
+                weighed = 60 if values["line_density"] < 1 else 0  # three nodes of its grid
                 most = max(most, min(scene["line_max_thickness"], _widest(values)) / 2 + strays + weighed)
             if values["use_smudging"]:
                 most = max(most, 2 * values["smudge_range"] + values["smudge_pick"])

@@ -4,17 +4,17 @@
 #include "ink/thickets.h"
 #include "fine/near.h"
 
-enum { CHUNK = 1024, ALONG = 24 /* sites each way along a line */, DECIDED = 10 };
+enum { CHUNK = 1024, ALONG = 6 /* sites each way along a line */, DECIDED = 10 };
 
 /* Sites back along a line from which its way is told. */
 enum { BACK = 3 };
 
-/* How much a line matters is the sum of these shares: of what stands out before what is far behind, of what is long,
- * and of chance: where all are alike, as bars of a railing, some are left out. */
-static const float by_chance = 0.3f, by_length = 0.2f;
-static const float longest = 48, wavelength = 24; /* px */
-static const float straight = 0.8f;               /* a cosine: so a line goes on where it meets others */
-static const float steep = 3;                     /* how clearly most of a line decides */
+/* How much a line matters is half what stands out before what is far behind, and half chance: where all are alike, as
+ * bars of a railing, some are left out. Nothing is told by how long it is, which changes with every crossing. */
+static const float by_chance = 0.5f;
+static const float wavelength = 24; /* px */
+static const float straight = 0.8f; /* a cosine: so a line goes on where it meets others */
+static const float steep = 3;       /* how clearly most of a line decides */
 static const uint32_t seed = 0x6d617373;
 
 /* Pixels each way at a site whose depths tell how far what is behind it lies. */
@@ -60,8 +60,8 @@ static void find_own(void *data, int first, int end, int thread)
 		if (c->n->site[i].linked.dropped)
 			continue;
 		ISA(solid_row)(&at, 1, &length, &seed, &noise);
-		c->own[i] = (1 - by_length - by_chance) * stands_out(c->f, c->n->site + i) +
-			    by_chance * clamp01(0.5f + 0.5f * noise);
+		c->own[i] =
+			(1 - by_chance) * stands_out(c->f, c->n->site + i) + by_chance * clamp01(0.5f + 0.5f * noise);
 	}
 }
 
@@ -88,17 +88,17 @@ static uint32_t ahead_of(const fine *n, const uint32_t *trail, uint32_t at)
 	return best;
 }
 
-/* The mean along the line, at most so many sites each way, and how long that is. */
-static float mean_along(const fine *n, const float *value, uint32_t i, int most, float *length)
+/* The mean along the line, fewer than so many sites each way. What is far counts less, or all would jump when a
+ * crossing comes or goes. */
+static float mean_along(const fine *n, const float *value, uint32_t i, int most)
 {
-	float sum = value[i], count = 1;
-	*length = 0;
+	float sum = value[i], weights = 1;
 	for (uint32_t k = n->at[i]; links_at(n, i) <= 2 && k < n->at[i + 1]; k++) {
 		uint32_t trail[BACK] = {i, i, i}, at = n->to[k];
-		for (int step = 0; step < most && at != UINT32_MAX && at != i; step++) {
-			*length += sqrtf(apart2(n->site + trail[0], n->site + at));
-			sum += value[at];
-			count++;
+		for (int step = 1; step < most && at != UINT32_MAX && at != i; step++) {
+			float weight = 1 - (float)step / (float)most;
+			sum += weight * value[at];
+			weights += weight;
 			uint32_t next = ahead_of(n, trail, at);
 			trail[2] = trail[1];
 			trail[1] = trail[0];
@@ -106,7 +106,7 @@ static float mean_along(const fine *n, const float *value, uint32_t i, int most,
 			at = next;
 		}
 	}
-	return sum / count;
+	return sum / weights;
 }
 
 /* So that all of a line is drawn or none. */
@@ -114,13 +114,9 @@ static void even_lines(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const chances *c = data;
-	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
-		float length, mean;
-		if (c->n->site[i].linked.dropped)
-			continue;
-		mean = mean_along(c->n, c->own, i, ALONG, &length);
-		c->matters[i] = mean + by_length * min(1, length / (longest * c->f->scale));
-	}
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++)
+		if (!c->n->site[i].linked.dropped)
+			c->matters[i] = mean_along(c->n, c->own, i, ALONG);
 }
 
 /* Where lines meet, as much as that which does most. */
@@ -157,10 +153,9 @@ static void decide(void *data, int first, int end, int thread)
 	(void)thread;
 	const chances *c = data;
 	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
-		float length;
 		if (c->n->site[i].linked.dropped)
 			continue;
-		float mean = mean_along(c->n, c->own, i, DECIDED, &length);
+		float mean = mean_along(c->n, c->own, i, DECIDED);
 		c->matters[i] = links_at(c->n, i) > 2 ? 0 : clamp01(0.5f + steep * (mean - 0.5f));
 	}
 }

@@ -7,7 +7,7 @@
 #include "fine/near.h"
 
 /* Px from node to node of the grid on which ink is weighed; at least 2 pixels. */
-static const float node = 16, least_node = 2;
+static const float node = 20, least_node = 2;
 
 enum { PLANES = 64 };
 
@@ -57,7 +57,7 @@ static float left_of(const site *s, float radius)
 /* The plane of a site, and how far on it lies from there to the next, which matters more. */
 static int plane_of(const grid *g, uint32_t i, float *on)
 {
-	float at = g->matters ? g->matters[i] * (float)g->planes : 0;
+	float at = g->matters ? min(g->matters[i], 1) * (float)(g->planes - 1) : 0;
 	int plane = clamp_index((int)at, g->planes);
 	*on = clamp01(at - (float)plane);
 	return plane;
@@ -68,6 +68,16 @@ static size_t nodes_of(const grid *g)
 	return (size_t)g->across * (size_t)g->tall;
 }
 
+/* Shared out among four nodes. */
+static void put(const grid *g, float *at, float u, float v, float ink)
+{
+	at[0] += (1 - u) * (1 - v) * ink;
+	at[1] += u * (1 - v) * ink;
+	at[g->across] += (1 - u) * v * ink;
+	at[g->across + 1] += u * v * ink;
+}
+
+/* Between two planes ink is shared out, too: what matters a little more or less is no other ink. */
 static int32_t weigh(const fine *n, const grid *g, const pen_end *end)
 {
 	int32_t code = ENCRE_OK;
@@ -81,12 +91,12 @@ static int32_t weigh(const fine *n, const grid *g, const pen_end *end)
 			continue;
 		place_on(g, &n->site[i].placed, &x, &y, &u, &v);
 		float radius = left_of(n->site + i, end[i].out);
-		float ink = wide(n->site + i, radius) * length_at(n, i, radius) / area,
-		      *at = g->share + (size_t)plane_of(g, i, &on) * nodes_of(g) + y * g->across + x;
-		at[0] += (1 - u) * (1 - v) * ink;
-		at[1] += u * (1 - v) * ink;
-		at[g->across] += (1 - u) * v * ink;
-		at[g->across + 1] += u * v * ink;
+		float ink = wide(n->site + i, radius) * length_at(n, i, radius) / area;
+		int plane = plane_of(g, i, &on);
+		float *at = g->share + (size_t)plane * nodes_of(g) + y * g->across + x;
+		put(g, at, u, v, (1 - on) * ink);
+		if (on > 0)
+			put(g, at + nodes_of(g), u, v, on * ink);
 	}
 	return code;
 }

@@ -15,7 +15,7 @@ class Grid:
     """Of nodes on which ink is weighed, by how much lines matter."""
 
     def __init__(self, t, unit, shape):
-        self.t, self.step = t, max(16 * unit, 2)
+        self.t, self.step = t, max(20 * unit, 2)
         self.shape = [int(side / self.step) + 2 for side in shape]
         where = np.maximum(t.at + 0.5, 0) / self.step
         x, y = np.minimum(np.floor(where).astype(int), np.array(self.shape[::-1]) - 2).T
@@ -33,8 +33,9 @@ class Grid:
         np.add.at(found, low + 1, clamp01(on - low) / self.step)
         return _blurred(_blurred(found, 0), 0)
 
-    def weigh(self, half, plane, planes):
-        """Shares of what matters at least as much as each plane; a plane of nothing is the last."""
+    def weigh(self, half, place, planes):
+        """Shares of what matters at least as much as each plane, of lines that lie at a place among them; a plane of
+        nothing is the last."""
         t = self.t
         length = np.array([sum(t.apart(i, j) / 2 for j in t.links[i] if not t.dropped[j]) if t.links[i]
                            else 2 * half[i] for i in range(len(t))])
@@ -42,8 +43,10 @@ class Grid:
         whole = 2 * (t.site["half"] + half) / np.where(t.family == NUMBER["thin"], 1, 2)
         ink = np.where(t.dropped | (half <= 0), 0, mix(2 * half, whole, filled_by(t, half)) * length / self.step**2)
         share = np.zeros((planes + 1, *self.shape))
-        for row, column, weight in self.corners:
-            np.add.at(share, (plane, row, column), weight * ink)
+        low = place.astype(int)
+        for plane, part in ((low, 1 - place + low), (low + 1, place - low)):
+            for row, column, weight in self.corners:
+                np.add.at(share, (plane, row, column), weight * part * ink)
         for axis in (1, 2, 1, 2):
             share = _blurred(share, axis)
         return np.cumsum((share / np.maximum(self.shown, 1e-6))[::-1], 0)[::-1]
@@ -77,25 +80,23 @@ def thinned(t, hand, layers, half, most, fewer):
     thin = np.where((share > most) & (most < 1), np.maximum(used * most / np.maximum(share, 1e-12), least), half)
     if not ((fewer > 0) & (most < 1)).any():
         return thin, np.ones(len(t))
-    matters = _matters(t, hand, layers) * PLANES
-    plane = np.clip(matters.astype(int), 0, PLANES - 1)
+    matters = np.minimum(_matters(t, hand, layers), 1) * (PLANES - 1)
+    plane = matters.astype(int)
     used = np.where(crowd < thin, crowd, thin)
-    shares = grid.weigh(used, plane, PLANES)
+    shares = grid.weigh(used, matters, PLANES)
     share = grid.at(shares, first)
-    more = mix(grid.at(shares, plane), grid.at(shares, plane + 1), clamp01(matters - plane))
+    more = mix(grid.at(shares, plane), grid.at(shares, plane + 1), matters - plane)
     may = mix(share, most**2 / np.maximum(share, 1e-12), fewer)
     bound = (share > most) & (most < 1) & (fewer > 0)
     left = np.where(bound, clamp01(2 - more / np.maximum(may, 1e-30)), 1.0)
-    mean = np.array([_along(t, left, i, 10)[0] for i in range(len(t))])
+    mean = np.array([_along(t, left, i, 10) for i in range(len(t))])
     return thin, _joined(t, clamp01(0.5 + 3 * (mean - 0.5)), True)
 
 
 def _matters(t, hand, layers):
     own = 0.5 * np.array([_stands_out(layers, site) for site in t.site])
-    own = own + 0.3 * clamp01(0.5 + 0.5 * solid(hand.p, hand.unit * 24, SEED))
-    found = [_along(t, own, i, 24) for i in range(len(t))]
-    mean, length = np.array(found).T
-    return _joined(t, mean + 0.2 * np.minimum(1, length / (48 * hand.scale)), False)
+    own = own + 0.5 * clamp01(0.5 + 0.5 * solid(hand.p, hand.unit * 24, SEED))
+    return _joined(t, np.array([_along(t, own, i, 6) for i in range(len(t))]), False)
 
 
 def _stands_out(layers, site):
@@ -114,18 +115,17 @@ def _stands_out(layers, site):
 
 
 def _along(t, values, i, most):
-    """The mean along the line, at most so many sites each way, straight on where it meets others; and how long that
-    is."""
-    total, count, length = values[i], 1, 0.0
+    """The mean along the line, fewer than so many sites each way, by weights that fall to 0; straight on where it
+    meets others."""
+    total, weights = values[i], 1.0
     for first in t.links[i] if len(t.links[i]) <= 2 else ():
         trail, at = [i] * 3, first
-        for _ in range(most):
+        for step in range(1, most):
             if at is None or at == i:
                 break
-            length += t.apart(trail[0], at)
-            total, count = total + values[at], count + 1
+            total, weights = total + (1 - step / most) * values[at], weights + 1 - step / most
             trail, at = [at, *trail[:2]], _ahead(t, trail, at)
-    return total / count, length
+    return total / weights
 
 
 def _ahead(t, trail, at):
