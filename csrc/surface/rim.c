@@ -151,12 +151,17 @@ static size_t sites_of_row(const rim *r, int y, rim_site *out)
 		mark_ends(r, depth + x0, depth + x0 + 1, some - (x0 + some == f->width), 1, ends);
 		if (y + 1 < f->height)
 			mark_ends(r, depth + x0, layer_row(f, ENCRE_LAYER_DEPTH, y + 1) + x0, some, 2, ends);
-		for (int i = 0; i < 2 * some; i++) {
-			if (!(ends[i / 2] >> i % 2 & 1))
+		for (int i = 0; !out && i < CHUNK; i++)
+			n += (ends[i] & 1) + (ends[i] >> 1);
+		for (int i = 0; out && i < some; i++) {
+			uint64_t eight;
+			if (i % 8 == 0 && (memcpy(&eight, ends + i, 8), eight == 0)) {
+				i += 7;
 				continue;
-			if (out)
-				out[n] = site_between(f, x0 + i / 2, y, i % 2);
-			n++;
+			}
+			for (int down = 0; down < 2; down++)
+				if (ends[i] >> down & 1)
+					out[n++] = site_between(f, x0 + i, y, down);
 		}
 	}
 	return n;
