@@ -5,6 +5,7 @@
 #include "base/bands.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #if !defined _WIN32
@@ -12,6 +13,9 @@
 #endif
 
 enum { LEAST_BANDS = 16 }; /* so that none is a twentieth of a frame */
+/* Times that others get a turn before a thread sleeps. One job mostly follows another at once, and to wake up takes as
+ * long as many jobs do. */
+enum { TURNS = 64 };
 
 typedef struct worker {
 	bands *pool;
@@ -23,8 +27,8 @@ struct bands {
 	int threads; /* that work: the calling one and those started */
 	pthread_mutex_t lock;
 	pthread_cond_t start, done;
-	unsigned round; /* grows with each job: a worker that has seen it has had it */
-	int busy;
+	atomic_uint round; /* grows with each job: a worker that has seen it has had it */
+	atomic_int busy;
 	bool quit;
 
 	/* the job: */
@@ -69,8 +73,10 @@ static void *worker_main(void *argument)
 	worker *self = argument;
 	bands *pool = self->pool;
 	unsigned seen = 0;
-	pthread_mutex_lock(&pool->lock);
 	for (;;) {
+		for (int k = 0; k < TURNS && atomic_load(&pool->round) == seen; k++)
+			sched_yield();
+		pthread_mutex_lock(&pool->lock);
 		while (pool->round == seen && !pool->quit)
 			pthread_cond_wait(&pool->start, &pool->lock);
 		if (pool->quit)
@@ -81,6 +87,7 @@ static void *worker_main(void *argument)
 		pthread_mutex_lock(&pool->lock);
 		if (--pool->busy == 0)
 			pthread_cond_signal(&pool->done);
+		pthread_mutex_unlock(&pool->lock);
 	}
 	pthread_mutex_unlock(&pool->lock);
 	return NULL;
@@ -177,6 +184,8 @@ int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *
 	}
 	pthread_mutex_unlock(&pool->lock);
 	work(pool, 0);
+	for (int k = 0; k < TURNS && atomic_load(&pool->busy); k++)
+		sched_yield();
 	pthread_mutex_lock(&pool->lock);
 	while (pool->busy)
 		pthread_cond_wait(&pool->done, &pool->lock);
