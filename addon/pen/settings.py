@@ -213,7 +213,7 @@ class Settings:
             if values["use_rim"]:
                 most = max(most, values["rim_width"] + 2)
             if values["use_tones"]:
-                most = max(most, 2 * scene["tone_detail"])
+                most = max(most, 4 * scene["tone_detail"])
         if scene["contrast_auto"] and self.any("edge_color"):
             most += scene["contrast_window"] / 2
         scale = {"RELATIVE": height / 1080, "MM": height / scene["page_height"], "PIXELS": 1}[scene["length_unit"]]

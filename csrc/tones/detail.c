@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What tones leave clear: letters, eyes and bars that are finer than a tone shows, light ones and what is about dark
  * ones, stay paper. A thing is fine where a run along the row or the column is no longer than `tone_detail` until
- * colours change. */
+ * colours change; half as long again is fine if words.c finds that what is beside it is. */
 #include "tones/tones.h"
 
 #include <string.h>
@@ -19,6 +19,8 @@ enum { beyond = 2 };
 typedef struct work {
 	const frame *f;
 	const tone_detail *d;
+	int reach; /* to which a thing is fine */
+	bool sure; /* so fine that it stays clear whatever is about it */
 	bool dark; /* dark things on light ones are looked for */
 } work;
 
@@ -52,7 +54,7 @@ static void least_down(const work *w, bool negative, uint8_t *plane, int y, int 
 {
 	int height = w->f->height;
 	memcpy(to, row_of(w, plane, y) + x, (size_t)n);
-	for (int k = -w->d->reach; k <= w->d->reach; k++)
+	for (int k = -w->reach; k <= w->reach; k++)
 		least_of(negative, n, row_of(w, plane, tone_within(y + k, height)) + x, to);
 }
 
@@ -67,7 +69,7 @@ static void row_part(const work *w, uint8_t *plane, int y, int x, int n, uint8_t
 /* The least along a row, from `reach` pixels before x to as many after the n pixels; `line` begins 2 reach before x. */
 static void narrow_part(const work *w, bool negative, const uint8_t *line, int x, int n, uint8_t *to)
 {
-	int reach = w->d->reach, first = reach - x, last = reach + w->f->width - 1 - x;
+	int reach = w->reach, first = reach - x, last = reach + w->f->width - 1 - x;
 	least_along(negative, n + 2 * reach, reach, line, to);
 	for (int i = 0; i < first; i++)
 		to[i] = to[first];
@@ -79,8 +81,8 @@ static void narrow_part(const work *w, bool negative, const uint8_t *line, int x
  * pixels; of the negative the other way round. `line` gets what is there, from 2 reach before x on. */
 static void open_part(const work *w, bool negative, uint8_t *plane, int y, int x, int n, uint8_t *line, uint8_t *to)
 {
-	int reach = w->d->reach;
-	uint8_t narrow[TONE_CHUNK + 2 * TONE_DETAIL_MOST];
+	int reach = w->reach;
+	uint8_t narrow[TONE_CHUNK + 2 * TONE_DETAIL_FAR];
 	row_part(w, plane, y, x - 2 * reach, n + 4 * reach, line);
 	narrow_part(w, negative, line, x, n, narrow);
 	least_along(!negative, n, reach, narrow, to);
@@ -120,7 +122,7 @@ static void square_rows(void *data, int y0, int y1, int thread)
 	const work *w = data;
 	for (int y = y0; y < y1; y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
-			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_MOST];
+			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_FAR];
 			n = chunk_at(w, x);
 			open_part(w, false, w->d->scratch, y, x, n, line, row_of(w, w->d->dark, y) + x);
 		}
@@ -132,10 +134,10 @@ static void differ_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	int reach = w->d->reach;
+	int reach = w->reach;
 	for (int y = y0; y < y1; y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
-			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_MOST];
+			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_FAR];
 			uint8_t across[TONE_CHUNK], down[TONE_CHUNK], square[TONE_CHUNK];
 			n = chunk_at(w, x);
 			open_part(w, w->dark, w->d->value, y, x, n, line, across);
@@ -145,7 +147,7 @@ static void differ_rows(void *data, int y0, int y1, int thread)
 			uint8_t *to = row_of(w, w->d->raw, y) + x;
 			for (int i = 0; i < n; i++)
 				to[i] = (uint8_t)(w->dark ? down[i] - own[i] : own[i] - down[i]);
-			if (w->dark)
+			if (w->dark || w->sure)
 				continue;
 			least_down(w, true, w->d->dark, y, x, n, square);
 			for (int i = 0; i < n; i++)
@@ -173,9 +175,14 @@ static void fine_rows(void *data, int y0, int y1, int thread)
 	const work *w = data;
 	for (int y = y0; y < y1; y++) {
 		const uint8_t *raw = row_of(w, w->d->raw, y);
-		uint8_t *to = row_of(w, w->dark ? w->d->dark : w->d->thin, y);
-		for (int x = 0; x < w->f->width; x++)
-			to[x] = raw[x] > least_contrast && is_fine(w, x, y) ? raw[x] : 0;
+		uint8_t *to = row_of(w, w->dark ? w->d->dark : w->d->thin, y), *seed = row_of(w, w->d->seed, y);
+		for (int x = 0; x < w->f->width; x++) {
+			bool fine = raw[x] > least_contrast && is_fine(w, x, y);
+			if (w->sure)
+				seed[x] = (uint8_t)((w->dark ? seed[x] : 0) | (fine ? tone_seed(w->dark) : 0));
+			else
+				to[x] = fine ? raw[x] : 0;
+		}
 	}
 }
 
@@ -187,7 +194,7 @@ static float sure(float contrast)
 /* Whether what is darker about a light pixel is what it lies on. */
 static bool lies_on(const work *w, int x, int y)
 {
-	int reach = w->d->reach + 1, left = tone_within(x - reach, w->f->width);
+	int reach = w->d->far + 1, left = tone_within(x - reach, w->f->width);
 	float own = row_of(w, w->d->value, y)[x], depth = depth_at(w->f, x, y);
 	for (int v = tone_within(y - reach, w->f->height); v <= y + reach && v < w->f->height; v++) {
 		const uint8_t *value = row_of(w, w->d->value, v);
@@ -233,7 +240,7 @@ static float about_dark(const work *w, float far, int x, int y)
 /* The most of a square about each of n pixels. */
 static void most_about(const work *w, int reach, uint8_t *plane, int y, int x, int n, uint8_t *to)
 {
-	uint8_t line[TONE_CHUNK + 2 * TONE_DETAIL_MOST + 2 * beyond] = {0}, part[sizeof line];
+	uint8_t line[TONE_CHUNK + 2 * TONE_DETAIL_FAR + 2 * beyond] = {0}, part[sizeof line];
 	for (int k = -reach; k <= reach; k++) {
 		row_part(w, plane, tone_within(y + k, w->f->height), x - reach, n + 2 * reach, part);
 		least_of(true, n + 2 * reach, part, line);
@@ -252,17 +259,19 @@ static void keep_rows(void *data, int y0, int y1, int thread)
 	const work *w = data;
 	for (int y = y0; y < y1; y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
-			uint8_t light[TONE_CHUNK], dark[TONE_CHUNK], *keep = row_of(w, w->d->keep, y) + x,
-								     *ink = row_of(w, w->d->ink, y) + x;
+			uint8_t light[TONE_CHUNK], dark[TONE_CHUNK];
+			uint8_t *keep = row_of(w, w->d->keep, y) + x, *ink = row_of(w, w->d->ink, y) + x;
+			uint8_t *margin = row_of(w, w->d->scratch, y) + x, *narrow = row_of(w, w->d->seed, y) + x;
 			n = chunk_at(w, x);
-			most_about(w, w->d->reach + beyond, w->d->thin, y, x, n, light);
+			most_about(w, w->d->far + beyond, w->d->thin, y, x, n, light);
 			most_about(w, w->d->reach, w->d->dark, y, x, n, dark);
 			for (int i = 0; i < n; i++) {
 				float clear = light[i] > least_contrast ? sure(light[i]) * of_light(w, x + i, y) : 0;
 				float wide = dark[i] > least_contrast ? about_dark(w, (float)w->d->reach, x + i, y) : 0;
 				float rim = wide > 0 ? about_dark(w, 0.5f * (float)w->d->reach, x + i, y) : 0;
-				keep[i] = share_left(max(clear, wide));
-				ink[i] = share_left(max(clear, rim));
+				keep[i] = ink[i] = share_left(max(clear, wide));
+				narrow[i] = share_left(max(clear, rim));
+				margin[i] = wide >= 0.5f;
 			}
 		}
 }
@@ -274,25 +283,35 @@ void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a)
 		return;
 	d->reach = (int)min(0.5f * f->params->tone_detail * f->scale, TONE_DETAIL_MOST); /* 2 reach + 1, rounded */
 	d->reach = d->reach > 0 ? d->reach : 1;
-	uint8_t **plane[] = {&d->value, &d->scratch, &d->light, &d->thin, &d->dark, &d->raw};
-	for (int k = 0; k < 6; k++)
+	d->far = d->reach + d->reach / 2 + 1;
+	uint8_t **plane[] = {&d->value, &d->scratch, &d->light, &d->thin, &d->dark, &d->raw, &d->seed};
+	for (int k = 0; k < 7; k++)
 		*plane[k] = arena_take(a, pixels, 1);
 	d->keep = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
 	d->ink = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
 	d->room = f->params->tone_least > 0 ? arena_take(a, pixels, 1) : NULL;
 }
 
+static int32_t seek(work *w, bool sure, bool dark)
+{
+	bands *pool = w->f->bands;
+	w->sure = sure;
+	w->dark = dark;
+	w->reach = sure ? w->d->reach : w->d->far;
+	int32_t code = bands_run(pool, w->f->height, 0, narrow_rows, w);
+	if (!code && !dark && !sure)
+		code = bands_run(pool, w->f->height, 0, square_rows, w);
+	code = code ? code : bands_run(pool, w->f->height, 0, differ_rows, w);
+	return code ? code : bands_run(pool, w->f->height, 0, fine_rows, w);
+}
+
 int32_t ISA(tone_detail_run)(frame *f, const tone_detail *d)
 {
-	work w = {f, d, false};
+	work w = {.f = f, .d = d};
 	int32_t code = bands_run(f->bands, f->height, 0, value_rows, &w);
-	for (int dark = 0; !code && dark < 2; dark++) {
-		w.dark = dark != 0;
-		code = bands_run(f->bands, f->height, 0, narrow_rows, &w);
-		if (!code && !dark)
-			code = bands_run(f->bands, f->height, 0, square_rows, &w);
-		code = code ? code : bands_run(f->bands, f->height, 0, differ_rows, &w);
-		code = code ? code : bands_run(f->bands, f->height, 0, fine_rows, &w);
-	}
-	return code ? code : bands_run(f->bands, f->height, 0, keep_rows, &w);
+	for (int k = 0; !code && k < 4; k++)
+		code = seek(&w, k < 2, k % 2 != 0);
+	code = code ? code : ISA(tone_words_run)(f, d);
+	code = code ? code : bands_run(f->bands, f->height, 0, keep_rows, &w);
+	return code ? code : ISA(tone_ground_run)(f, d);
 }

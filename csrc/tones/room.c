@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { LIGHT, SCREEN, APART }; /* what pixels are; APART: ink, and what is kept clear of tones */
+enum { LIGHT, SCREEN, APART, CLEARED }; /* what pixels are; APART: ink; CLEARED: kept clear of tones */
 enum { CORE = 1, MAYBE = 255 };
 
 /* Of the least width: what is narrower has no room, what is wider has. */
@@ -64,8 +64,8 @@ static void look_at_run(const work *w, const encre_params *p, int y, int x, int 
 			sum[i] += wanted.dark[k][i] > 0 ? wanted.share[k][i] : 0;
 	}
 	for (int i = 0; i < n; i++) {
-		int apart = (solid[i] > 0.5f) | (keep && keep[i] < 128);
-		what[i] = apart ? APART : screens[i] > 0.5f ? SCREEN : LIGHT;
+		int clear = keep && keep[i] < 128, other = screens[i] > 0.5f ? SCREEN : LIGHT;
+		what[i] = (uint8_t)(solid[i] > 0.5f ? APART : clear ? CLEARED : other);
 	}
 }
 
@@ -122,7 +122,7 @@ static void core_rows(void *data, int y0, int y1, int thread)
 	const work *w = data;
 	for (int y = y0; y < y1; y++) {
 		const uint8_t *what = row_of(w, w->d->value, y);
-		uint8_t *sure = row_of(w, w->d->dark, y), *core = row_of(w, w->d->light, y);
+		uint8_t *sure = row_of(w, w->d->thin, y), *core = row_of(w, w->d->light, y);
 		for (int x = 0; x < w->f->width; x++) {
 			float radius = radius_of(w, x, y);
 			bool screen = what[x] == SCREEN;
@@ -157,7 +157,7 @@ static int32_t join(const work *w)
 	if (!open)
 		return ENCRE_ERROR_MEMORY;
 	for (size_t i = 0; i < pixels; i++)
-		if (w->d->dark[i] && room[i] == MAYBE) {
+		if (w->d->thin[i] && room[i] == MAYBE) {
 			room[i] = TONE_ROOM;
 			open[count++] = (uint32_t)i;
 		}
@@ -175,6 +175,26 @@ static int32_t join(const work *w)
 	return ENCRE_OK;
 }
 
+/* Whether a fine dark thing is there: in a tone it is ink. */
+static bool is_detail(const work *w, int x, int y)
+{
+	return w->d->keep && row_of(w, w->d->dark, y)[x];
+}
+
+/* Between letters and beside eyes what has no room is paper, or would underline them. */
+static void cleared_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1; y++) {
+		uint8_t *room = row_of(w, w->d->room, y);
+		for (int x = 0; x < w->f->width; x++)
+			if ((room[x] == MAYBE || room[x] == TONE_NO_ROOM) && !is_detail(w, x, y) &&
+			    is_near(w, x, y, radius_of(w, x, y)))
+				room[x] = TONE_BESIDE_INK;
+	}
+}
+
 static void light_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -182,9 +202,10 @@ static void light_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1; y++) {
 		uint8_t *room = row_of(w, w->d->room, y);
 		for (int x = 0; x < w->f->width; x++)
-			if (room[x] == MAYBE || room[x] == TONE_NO_ROOM)
-				room[x] =
-					is_near(w, x, y, beside * radius_of(w, x, y)) ? TONE_NO_ROOM : TONE_BESIDE_INK;
+			if (room[x] == MAYBE || room[x] == TONE_NO_ROOM) {
+				bool ink = is_detail(w, x, y) || is_near(w, x, y, beside * radius_of(w, x, y));
+				room[x] = ink ? TONE_NO_ROOM : TONE_BESIDE_INK;
+			}
 	}
 }
 
@@ -208,5 +229,7 @@ int32_t ISA(tone_room_run)(frame *f, const tone_detail *d, const tone_style *sty
 	code = code ? code : seek(&w, d->value, SCREEN, true, core_rows);
 	code = code ? code : seek(&w, d->light, CORE, false, room_rows);
 	code = code ? code : join(&w);
+	if (!code && d->keep)
+		code = seek(&w, d->value, CLEARED, false, cleared_rows);
 	return code ? code : seek(&w, d->value, LIGHT, false, light_rows);
 }

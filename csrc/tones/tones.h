@@ -14,6 +14,7 @@ enum {
 	TONE_SLOTS = 6,
 	TONE_LAYERS = 3 /* of strokes */,
 	TONE_DETAIL_MOST = 32 /* pixels */,
+	TONE_DETAIL_FAR = TONE_DETAIL_MOST + TONE_DETAIL_MOST / 2 + 1,
 	TONE_ROOM_MOST = 60
 };
 
@@ -82,11 +83,12 @@ enum { TONE_ROOM, TONE_NO_ROOM, TONE_BESIDE_INK };
 /* What tones are kept clear of, by pixel. */
 typedef struct tone_detail {
 	int reach;     /* pixels to both sides of a pixel that a fine thing may have */
+	int far;       /* the same of what is clear if what it hangs together with is */
 	uint8_t *keep; /* 255ths of the tones that are left; NULL: all */
-	uint8_t *ink;  /* likewise of solid ink, which has no margin about dark things: they would look out of it as
-			  masks */
+	uint8_t *ink;  /* likewise of solid ink, which has narrow margins about what is dark in small faces: it would
+			  look out of them as masks */
 	uint8_t *room; /* NULL: there is room */
-	uint8_t *value, *light, *thin, *dark, *raw, *scratch;
+	uint8_t *value, *light, *thin, *dark, *raw, *scratch, *seed; /* dark: fine dark things, for room.c, too */
 } tone_detail;
 
 /* What there is to draw in a chunk: of each slot its share of the pixel and its darkness there. */
@@ -119,9 +121,11 @@ typedef struct tone_frame {
 void ISA(tone_chart)(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n,
 		     tone_field chart[2]);
 
-/* detail.c, room.c: fill keep and room. */
+/* detail.c, words.c, room.c: fill keep and room. */
 void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a);
 int32_t ISA(tone_detail_run)(frame *f, const tone_detail *d);
+int32_t ISA(tone_words_run)(frame *f, const tone_detail *d);
+int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d);
 int32_t ISA(tone_room_run)(frame *f, const tone_detail *d, const tone_style *styles);
 float ISA(tone_room)(const encre_params *p, const tone_style *style);
 
@@ -174,6 +178,12 @@ static inline bool tone_sticks(const tone_slot *s)
 static inline bool tone_flat(const tone_slot *s)
 {
 	return s->space == tone_1_space_FLAT;
+}
+
+/* The bit of tone_detail's `seed` of fine light things, and of dark ones. */
+static inline int tone_seed(bool dark)
+{
+	return dark ? 2 : 1;
 }
 
 static inline bool tone_fitted(const frame *f)

@@ -6,6 +6,7 @@ import numpy as np
 from .metric import clamp01
 
 LEAST, SURE, ALIKE, SAME_DEPTH = 0.3 * 255, 0.34 * 255, 0.08 * 255, 0.005
+GROUND, MANY, SOME, SMALL = 20, 3, 10, 7
 NARROW, WIDE, BESIDE = 0.7, 1.4, 2
 ROOM, NO_ROOM, BESIDE_INK = range(3)
 
@@ -45,38 +46,126 @@ def _fine(value, reach, sign):
     return np.where(fine, thin, 0), light - opened((0, 1))
 
 
+def _grown(mask, within, links):
+    """A mask that spreads from pixel to neighbour where it may; `links`: whether it does rightwards, and downwards."""
+    mask = mask & within
+    right, down = links
+    while True:
+        more = mask.copy()
+        for to, of, link in ((np.s_[:, 1:], np.s_[:, :-1], right), (np.s_[1:], np.s_[:-1], down)):
+            more[to] |= mask[of] & link
+            more[of] |= mask[to] & link
+        more &= within
+        if (more == mask).all():
+            return mask
+        mask = more
+
+
+def _links(whether):
+    """whether(one, other) by slices, of pixels beside each other and of those below each other."""
+    return whether(np.s_[:, 1:], np.s_[:, :-1]), whether(np.s_[1:], np.s_[:-1])
+
+
+def _labels(links):
+    """Of each pixel the last of all that hang together with it."""
+    labels = np.arange(links[0].shape[0] * links[1].shape[1]).reshape(links[0].shape[0], links[1].shape[1])
+    while True:
+        more = labels.copy()
+        for to, of, link in ((np.s_[:, 1:], np.s_[:, :-1], links[0]), (np.s_[1:], np.s_[:-1], links[1])):
+            for one, other in ((to, of), (of, to)):
+                more[one] = np.where(link, np.maximum(more[one], more[other]), more[one])
+        if (more == labels).all():
+            return labels
+        labels = more
+
+
+def _survey(marks, labels, stroke):
+    """Of what hangs together and has marks: whether it has many, is small and has some, has not many."""
+    count, marked = np.bincount(labels.flat), np.bincount(labels.flat, marks.flat)
+    many = (MANY * marked >= count) & (marked > 0)
+    some = (count <= (SMALL * stroke) ** 2) & (SOME * marked >= count) & (marked > 0) & ~many
+    return many[labels], some[labels], ((marked > 0) & ~many)[labels]
+
+
+def _whole(value, fine, many):
+    """What is fine and a whole: at a rim by what stands out most about it."""
+    best, at = value.copy(), fine.astype(bool) & many
+    for v, u in _places(1):
+        other = _shifted(value, v, u)
+        at = np.where(other > best, _shifted((fine > 0) & many, v, u), at)
+        best = np.maximum(best, other)
+    return np.where(best - value > GROUND, at, (fine > 0) & many)
+
+
+def _hang_together(layers, value):
+    """From pixel to pixel: whether the same thing goes on. What is of one colour, too, is labelled."""
+    depth, numbers = np.where(layers.there, layers.depth, 1e30), layers.object
+
+    def goes_on(one, other):
+        least = np.minimum(depth[one], depth[other])
+        return layers.there[one] & layers.there[other] & (np.abs(depth[one] - depth[other]) <= SAME_DEPTH * least)
+
+    def alike(one, other):
+        return goes_on(one, other) & (np.abs(value[one] - value[other]) <= GROUND) & (numbers[one] == numbers[other])
+    return _links(goes_on), _labels(_links(alike))
+
+
+def _with_rims(value, ground):
+    """With pixels beside it that show it, too."""
+    beside = [_shifted(ground, v, u) & (np.abs(_shifted(value, v, u) - value) <= 2 * GROUND)
+              for v, u in ((0, 1), (0, -1), (1, 0), (-1, 0))]
+    return np.any([ground, *beside], axis=0)
+
+
+def _kept_share(clear):
+    return np.floor(255 * (1 - clear) + 0.5) / 255
+
+
 def kept(layers, params):
-    """Shares of the tones, and of solid ink, that are left at each pixel."""
+    """Shares of the tones, and of solid ink, that are left at each pixel, and where fine dark things are."""
     size = params["tone_detail"]
     if not size > 0:
-        return np.ones((2, *layers.depth.shape))
+        return np.ones(layers.depth.shape), np.ones(layers.depth.shape), np.zeros(layers.depth.shape, bool)
     reach = max(1, int(min(0.5 * size * params.pixels(layers.full_height), 32)))
+    wide, stroke = reach + reach // 2 + 1, 2 * reach + 1
     value = np.floor(255 * np.sqrt(clamp01(layers.albedo @ (0.2126, 0.7152, 0.0722))) + 0.5)
-    inside = np.pad(np.ones(value.shape, bool), reach + 1)
+    inside = np.pad(np.ones(value.shape, bool), wide + 1)
     height, width = value.shape
     depth = np.where(layers.there, layers.depth, 1e30)
-    thin, square = _fine(value, reach, 1)
-    dark, _ = _fine(value, reach, -1)
+    goes_on, labels = _hang_together(layers, value)
+    found = []
+    for sign in (1, -1):
+        fine, square = _fine(value, wide, sign)
+        many, _, few = _survey(fine > 0, labels, stroke)
+        square = np.where(few, 0, square)
+        whole = _whole(sign * value, fine, many)
+        sure = whole & (_fine(value, reach, sign)[0] > 0)
+        reached = _grown(sure, _about(whole, stroke, np.max), goes_on)
+        found.append((np.where(whole & reached, fine, 0), square))
+    (thin, square), (dark, _) = found
 
     def there(v, u):
-        own = inside[reach + 1 + v:, reach + 1 + u:][:height, :width]
+        own = inside[wide + 1 + v:, wide + 1 + u:][:height, :width]
         return own & layers.there & (np.abs(_shifted(depth, v, u) - depth) <= SAME_DEPTH * depth)
 
     lies = np.zeros(value.shape, bool)
-    for v, u in _places(reach + 1):
+    for v, u in _places(wide + 1):
         lies |= (value - _shifted(value, v, u) > LEAST) & there(v, u)
     most = _about(square, 1, np.max)
-    clear = np.where(lies & (square > 0), _sure(_about(thin, reach + 2, np.max)) * _sure(most)
+    clear = np.where(lies & (square > 0), _sure(_about(thin, wide + 2, np.max)) * _sure(most)
                      * clamp01(2 * square / np.maximum(most, 1) - 0.9), 0)
     found = []
     for far in (reach, 0.5 * reach):
-        about = clear
+        about = np.zeros(value.shape)
         for v, u in _places(reach):
             contrast = np.minimum(_shifted(dark, v, u), value - _shifted(value, v, u))
             about = np.maximum(about, np.where((contrast > LEAST) & there(v, u),
                                                _sure(contrast) * clamp01(far + 0.5 - np.hypot(v, u)), 0))
         found.append(about)
-    return np.floor(255 * (1 - np.stack(found)) + 0.5) / 255
+    many, some, _ = _survey(found[0] >= 0.5, labels, stroke)
+    keep, narrow = (_kept_share(np.maximum(about, clear)) for about in found)
+    many, some = _with_rims(value, many), _with_rims(value, some)
+    return np.where(many | some, 0, keep), np.where(many, 0, np.where(some, narrow, keep)), dark > 0
 
 
 def _near(sought, radius):
@@ -89,22 +178,14 @@ def _near(sought, radius):
     return found
 
 
-def rooms(screens, solid, keep, radius):
+def rooms(screens, solid, keep, dark, radius):
     """What screens have at each pixel; `radius`: half of how wide they are at least."""
     apart = (solid > 0.5) | (keep < 0.5)
     screen = ~apart & (screens > 0.5)
     core = screen & ~_near(~screen, NARROW * radius)
     wide = core & ~_near(~screen, WIDE * radius)
     maybe = screen & _near(core, NARROW * radius)
-    joined = maybe & wide
-    while True:
-        grown = joined.copy()
-        for (to, of) in ((np.s_[1:], np.s_[:-1]), (np.s_[:-1], np.s_[1:])):
-            grown[to] |= joined[of]
-            grown[:, to] |= joined[:, of]
-        grown &= maybe
-        if (grown == joined).all():
-            break
-        joined = grown
-    light = ~apart & ~screen
-    return np.where(screen & ~joined, np.where(_near(light, BESIDE * radius), NO_ROOM, BESIDE_INK), ROOM)
+    joined = _grown(wide, maybe, (True, True))
+    light, cleared = ~apart & ~screen, apart & ~(solid > 0.5)
+    ink = dark | _near(light, BESIDE * radius) & ~_near(cleared, radius)
+    return np.where(screen & ~joined, np.where(ink, NO_ROOM, BESIDE_INK), ROOM)

@@ -353,7 +353,7 @@ def _rooms(layers, params, keep, scale):
             share, dark = _dark(layers, of("shade_levels"), of, look)
             is_solid = look[0] == "SOLID"
             (solid if is_solid else screens)[own] += np.where(dark > 0, share * keep[int(is_solid)], 0)[own]
-    return cleared.rooms(screens, solid, keep[0], radius)
+    return cleared.rooms(screens, solid, keep[0], keep[2], radius)
 
 
 def _fitted(ink, rooms):

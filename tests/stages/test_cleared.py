@@ -62,6 +62,51 @@ def test_letters_are_read_in_black():
     assert (dark[20:40, 20:23] == 1).all() and (dark[22:34, [19, 23]] < 0.6).all() and dark[:, 30:].any()
 
 
+def test_a_word_is_all_one_way():
+    """Strokes of 4 pixels are fine and such of 7 nearly: beside one that is, but not alone, nor such of 12."""
+    layers = shaded(60, 160, 0.1, 0.02)
+    for x, wide in ((20, 7), (32, 4), (42, 6), (55, 7), (100, 7), (130, 12)):
+        layers["color"][20:40, x:x + wide] = 0.8
+    drawn = ink(layers, tone_detail=5.0)
+    assert not any(drawn[22:38, x:x + wide].any() for x, wide in ((20, 7), (32, 4), (42, 6), (55, 7)))
+    assert drawn[:, 70:].all()
+
+
+def test_between_dark_letters_it_is_as_around_them():
+    layers = shaded(60, 100, 0.1, 0.8)
+    for x in (30, 41):
+        layers["color"][20:40, x:x + 4] = 0.02
+    drawn = ink(layers, tone_detail=5.0)[22:38]
+    assert (drawn[:, [29, 34, 40, 45]] < 0.1).all() and drawn[:, 36:39].all() and drawn[:, :27].all()
+
+
+def test_a_small_face_has_no_dots_and_a_page_no_ink():
+    layers = shaded(90, 150, 0.4, 0.8)
+    face, page = np.s_[30:54, 20:44], np.s_[20:70, 90:130]
+    layers["color"][:] = 0.35
+    layers["color"][face] = layers["color"][page] = 0.8
+    for x in (26, 35):
+        layers["color"][38:42, x:x + 3] = layers["color"][20:24, x + 30:x + 33] = 0.02
+    for x in range(93, 127, 6):
+        layers["color"][24:66, x:x + 2] = 0.02
+    dots = ink(layers, tone_detail=5.0, tone_black=0.05)
+    light = layers["color"][..., 0] > 0.5
+    assert not dots[face][light[face]].any() and dots[38:42, 26:29].all() and dots[20:24, 56:59].all()
+    assert dots[5:15, 50:80].mean() > 0.2 and not dots[page][light[page]].any()
+    layers["diffuse"][:] = 0.1
+    black = ink(layers, tone_detail=5.0)
+    assert not black[page][light[page]].any() and black[face].mean() > 0.7 and black[60:, 45:88].all()
+
+
+def test_a_thin_shadow_does_not_underline_letters():
+    layers = shaded(60, 160, 0.9)
+    layers["diffuse"][20:29] = 0.4
+    for x in range(60, 100, 8):
+        layers["color"][12:24, x:x + 3] = 0.02
+    drawn = ink(layers, tone_detail=5.0, tone_least=1.5)
+    assert drawn[20:29, 10:40].all() and not drawn[26:30, 60:96].any()
+
+
 def test_what_is_large_or_farther_behind_is_no_letter():
     layers = shaded(60, 60, 0.1, 0.8)
     layers["color"][20:40, 20:40] = 0.02

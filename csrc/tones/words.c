@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is clear as a whole: a letter or none of it, the letters of a word all one way though one stroke is a little
+ * wider than the next, and small grounds, faces and pages, of which details leave no more than patches to tones. */
+#include "tones/tones.h"
+
+#include <string.h>
+
+/* What pixels are in `raw`: nothing asked, open to what spreads; of what is alike and hangs together with them few
+ * pixels are marked, some and it is small, or many; reached. */
+enum { NOTHING, OPEN, FEW, SOME, MANY, REACHED };
+
+static const float same_depth = 0.005f;  /* of the depth: from a pixel to the next of one thing */
+static const int alike = 20;             /* 0.08 * 255: from a pixel to the next of one colour */
+static const size_t many = 3, some = 10; /* one in so many pixels */
+static const size_t small = 7; /* as wide as so many strokes: a face in which dots would be as large as eyes */
+
+typedef struct work {
+	const frame *f;
+	const tone_detail *d;
+	uint32_t *open; /* pixels whose neighbours have not been looked at */
+	bool dark;      /* dark details are looked at */
+	int gap;        /* half of what may lie between letters */
+} work;
+
+static uint8_t *row_of(const work *w, uint8_t *plane, int y)
+{
+	return plane + (ptrdiff_t)y * w->f->width;
+}
+
+static uint8_t *details(const work *w)
+{
+	return w->dark ? w->d->dark : w->d->thin;
+}
+
+static size_t pixels_of(const work *w)
+{
+	return (size_t)w->f->width * (size_t)w->f->height;
+}
+
+typedef struct spot {
+	int x, y;
+	size_t i; /* of its pixel in a plane */
+} spot;
+
+static spot spot_of(const work *w, uint32_t i)
+{
+	uint32_t width = (uint32_t)w->f->width, y = i / width;
+	return (spot){(int)(i - y * width), (int)y, i};
+}
+
+/* The neighbours of a pixel in the frame; returns how many. */
+static int beside(const work *w, spot s, spot to[4])
+{
+	size_t width = (size_t)w->f->width;
+	int n = 0;
+	if (s.x > 0)
+		to[n++] = (spot){s.x - 1, s.y, s.i - 1};
+	if (s.x + 1 < w->f->width)
+		to[n++] = (spot){s.x + 1, s.y, s.i + 1};
+	if (s.y > 0)
+		to[n++] = (spot){s.x, s.y - 1, s.i - width};
+	if (s.y + 1 < w->f->height)
+		to[n++] = (spot){s.x, s.y + 1, s.i + width};
+	return n;
+}
+
+/* Whether the same thing goes on from a pixel to its neighbour. */
+static bool goes_on(const frame *f, spot s, spot t)
+{
+	float a = depth_at(f, s.x, s.y), b = depth_at(f, t.x, t.y);
+	return fabsf(a - b) <= same_depth * min(a, b);
+}
+
+static bool is_alike(const work *w, spot s, spot t)
+{
+	const float *one = layer_row(w->f, ENCRE_LAYER_OBJECT, s.y), *other = layer_row(w->f, ENCRE_LAYER_OBJECT, t.y);
+	int step = w->d->value[s.i] - w->d->value[t.i];
+	return step <= alike && step >= -alike && (!one || one[s.x] == other[t.x]) && goes_on(w->f, s, t);
+}
+
+/* What is alike and hangs together with a pixel, into `open`; returns how many pixels. */
+static size_t gather(const work *w, size_t from)
+{
+	uint8_t *state = w->d->raw;
+	size_t count = 1;
+	spot to[4];
+	w->open[0] = (uint32_t)from;
+	state[from] = OPEN;
+	for (size_t k = 0; k < count; k++) {
+		spot s = spot_of(w, w->open[k]);
+		for (int n = beside(w, s, to) - 1; n >= 0; n--)
+			if (state[to[n].i] == NOTHING && is_alike(w, s, to[n])) {
+				state[to[n].i] = OPEN;
+				w->open[count++] = (uint32_t)to[n].i;
+			}
+	}
+	return count;
+}
+
+/* Whether many pixels of what marked ones hang together with are marked. */
+static void survey(const work *w, const uint8_t *marks)
+{
+	uint8_t *state = w->d->raw;
+	size_t stroke = 2 * (size_t)w->d->reach + 1;
+	memset(state, NOTHING, pixels_of(w));
+	for (size_t i = 0; i < pixels_of(w); i++) {
+		if (!marks[i] || state[i] != NOTHING)
+			continue;
+		size_t count = gather(w, i), marked = 0;
+		for (size_t k = 0; k < count; k++)
+			marked += marks[w->open[k]] != 0;
+		bool is_small = count <= small * small * stroke * stroke && some * marked >= count;
+		for (size_t k = 0; k < count; k++)
+			state[w->open[k]] = many * marked >= count ? MANY : is_small ? SOME : FEW;
+	}
+}
+
+/* What a detail's rim, which shows two things, belongs to: the pixel about it that stands out most. */
+static size_t stands_out(const work *w, int x, int y)
+{
+	size_t own = (size_t)y * (size_t)w->f->width + (size_t)x, best = own;
+	const uint8_t *value = w->d->value;
+	for (int k = 0; k < 9; k++) {
+		int v = tone_within(y + k / 3 - 1, w->f->height), u = tone_within(x + k % 3 - 1, w->f->width);
+		size_t i = (size_t)v * (size_t)w->f->width + (size_t)u;
+		if (w->dark ? value[i] < value[best] : value[i] > value[best])
+			best = i;
+	}
+	int more = value[best] - value[own];
+	return more > alike || more < -alike ? best : own;
+}
+
+/* Slits between letters, where what these lie on is seen, are not fine. */
+static void whole_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	const uint8_t *own = details(w), *state = w->d->raw;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0; x < w->f->width; x++) {
+			size_t i = (size_t)y * (size_t)w->f->width + (size_t)x, at = own[i] ? stands_out(w, x, y) : i;
+			w->d->scratch[i] = own[at] && state[at] == MANY ? own[i] : 0;
+			if (!w->dark && (state[i] == FEW || state[i] == SOME))
+				w->d->light[i] = 0;
+		}
+}
+
+/* Takes details from `scratch`, and leaves there what is within the gap along the row. */
+static void along_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	int width = w->f->width;
+	for (int y = y0; y < y1; y++) {
+		uint8_t *own = row_of(w, details(w), y), *to = row_of(w, w->d->scratch, y);
+		int last = -w->gap - 1;
+		memcpy(own, to, (size_t)width);
+		for (int x = 0; x < width; x++) {
+			last = own[x] ? x : last;
+			to[x] = x - last <= w->gap ? OPEN : NOTHING;
+		}
+		last = width + w->gap;
+		for (int x = width - 1; x >= 0; x--) {
+			last = own[x] ? x : last;
+			to[x] |= last - x <= w->gap ? OPEN : NOTHING;
+		}
+	}
+}
+
+static void down_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	int width = w->f->width, height = w->f->height;
+	for (int y = y0; y < y1; y++) {
+		uint8_t *restrict to = row_of(w, w->d->raw, y);
+		memset(to, NOTHING, (size_t)width);
+		for (int v = tone_within(y - w->gap, height); v <= y + w->gap && v < height; v++) {
+			const uint8_t *restrict from = row_of(w, w->d->scratch, v);
+			for (int i = 0; i < width; i++)
+				to[i] |= from[i];
+		}
+	}
+}
+
+/* From what is surely fine over what is open. */
+static void spread(const work *w)
+{
+	uint8_t *state = w->d->raw;
+	size_t count = 0;
+	for (size_t i = 0; i < pixels_of(w); i++)
+		if (details(w)[i] && w->d->seed[i] & tone_seed(w->dark)) {
+			state[i] = REACHED;
+			w->open[count++] = (uint32_t)i;
+		}
+	while (count) {
+		spot s = spot_of(w, w->open[--count]), to[4];
+		for (int k = beside(w, s, to) - 1; k >= 0; k--)
+			if (state[to[k].i] == OPEN && goes_on(w->f, s, to[k])) {
+				state[to[k].i] = REACHED;
+				w->open[count++] = (uint32_t)to[k].i;
+			}
+	}
+}
+
+static void reached_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1; y++) {
+		const uint8_t *state = row_of(w, w->d->raw, y);
+		uint8_t *own = row_of(w, details(w), y);
+		for (int x = 0; x < w->f->width; x++)
+			own[x] = state[x] == REACHED ? own[x] : 0;
+	}
+}
+
+/* Of what is fine that remains which is whole, and hangs together with what surely is. */
+static int32_t choose(work *w, bool dark)
+{
+	bands *pool = w->f->bands;
+	w->dark = dark;
+	survey(w, details(w));
+	int32_t code = bands_run(pool, w->f->height, 0, whole_rows, w);
+	code = code ? code : bands_run(pool, w->f->height, 0, along_rows, w);
+	code = code ? code : bands_run(pool, w->f->height, 0, down_rows, w);
+	if (!code)
+		spread(w);
+	return code ? code : bands_run(pool, w->f->height, 0, reached_rows, w);
+}
+
+int32_t ISA(tone_words_run)(frame *f, const tone_detail *d)
+{
+	work w = {.f = f, .d = d, .gap = 2 * d->reach + 1};
+	w.open = late_take(&f->late, pixels_of(&w), sizeof *w.open);
+	if (!w.open)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = choose(&w, false);
+	code = code ? code : choose(&w, true);
+	late_drop(&f->late, w.open);
+	return code;
+}
+
+static void ground_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0; x < w->f->width; x++) {
+			spot s = {x, y, (size_t)y * (size_t)w->f->width + (size_t)x}, to[4];
+			const uint8_t *state = w->d->raw, *value = w->d->value;
+			int most = state[s.i];
+			for (int n = beside(w, s, to) - 1; n >= 0; n--) { /* its rim shows it, too */
+				int step = value[s.i] - value[to[n].i], own = state[to[n].i];
+				most = step <= 2 * alike && step >= -2 * alike && own > most ? own : most;
+			}
+			w->d->keep[s.i] = most == SOME || most == MANY ? 0 : w->d->keep[s.i];
+			w->d->ink[s.i] = most == MANY ? 0 : most == SOME ? w->d->seed[s.i] : w->d->ink[s.i];
+		}
+}
+
+/* Grounds that details' margins, in `scratch`, leave little of are clear. The small ones have solid ink but for narrow
+ * margins, in `seed`: eyes in a face would look out of it as masks. */
+int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d)
+{
+	work w = {.f = f, .d = d};
+	w.open = late_take(&f->late, pixels_of(&w), sizeof *w.open);
+	if (!w.open)
+		return ENCRE_ERROR_MEMORY;
+	survey(&w, d->scratch);
+	late_drop(&f->late, w.open);
+	return bands_run(f->bands, f->height, 0, ground_rows, &w);
+}
