@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lines as presets have them, on layers by formula."""
+
+import numpy as np
+import pytest
+from encre.pen import library, presets
+
+HEIGHT, WIDTH = 1080, 120
+
+
+def drawn(name, seed=0, **own):
+    """The ink of a preset's lines over a plain wall, and over what is given of it."""
+    one = np.ones((HEIGHT, WIDTH, 3), np.float32)
+    layers = dict(combined=np.ones((HEIGHT, WIDTH, 4), np.float32), color=0.8 * one, diffuse=one, normal=one,
+                  depth=5 * one[..., 0], object=one[..., 0])
+    layers = {**layers, **{id_: np.float32(a) for id_, a in own.items()}}
+    values = presets.find(name).values | dict(use_tones=False, pen_seed=seed)
+    return library.render(layers, values, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
+
+
+def parted(one, other, channels=0):
+    """One value left of the middle, another right of it."""
+    halves = np.where(np.arange(WIDTH) < WIDTH // 2, one, other) * np.ones((HEIGHT, 1))
+    return np.repeat(halves[..., None], channels, -1) if channels else halves
+
+
+@pytest.mark.parametrize("name", ["Ink only", "Pencil"])
+def test_borders_of_shade_are_thin_and_broken(name):
+    """Beside contours, which are whole."""
+    shade = drawn(name, diffuse=parted(1, 0.1, 3)).sum(1)[20:-20]
+    contour = drawn(name, object=parted(1, 2), depth=parted(5, 9)).sum(1)[20:-20]
+    assert (contour > 0.2).all() and 0.15 < (shade < 0.05).mean() < 0.6
+    assert 0.1 < shade.mean() < 0.35 * contour.mean()
+
+
+@pytest.mark.parametrize("name", ["Stippled", "Hatched", "Manga", "Heavy blacks", "Coloured blacks"])
+def test_no_part_of_a_contour_is_lost(name):
+    """However a hand presses: small heads lay in a light place of it, and had none."""
+    wide = [drawn(name, seed, object=parted(1, 2), depth=parted(5, 9)).sum(1)[20:-20] for seed in range(10)]
+    assert np.min(wide) > 0.22 * np.median(wide), np.min(wide) / np.median(wide)
+
+
+def test_paving_is_no_net():
+    """Of courses that are 24 px high lines cover a quarter."""
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+    joint = ((rows % 24 < 3) | ((columns + 20 * (rows // 24 % 2)) % 40 < 3))[..., None]
+    ink = drawn("Clear line", color=np.where(joint, 0.1, 0.6) * np.ones(3))
+    assert 0.1 < ink[40:-40, 10:-10].mean() < 0.3
