@@ -49,7 +49,7 @@ static void pictures(const frame *f, const tone_slot *s, int y, int x, int n, co
 	ISA(tone_picture_row)(s, n, chart, dark, ink);
 }
 
-/* What strokes.c has drawn. */
+/* What strokes.c has drawn; letters and eyes, which they would only tell by chance, are ink where it is dark. */
 static void marks(const frame *f, int y, int x, int n, const float *restrict dark, float *restrict ink)
 {
 	const tone_marks *m = ((const tone_frame *)f->tones)->marks;
@@ -61,6 +61,10 @@ static void marks(const frame *f, int y, int x, int n, const float *restrict dar
 		lost |= bits[i];
 	for (int i = 0; lost & TONE_LOST && i < n; i++)
 		ink[i] = bits[i] & TONE_LOST ? dark[i] : ink[i];
+	const tone_detail *detail = &((const tone_frame *)f->tones)->detail;
+	const uint8_t *fine = detail->keep ? detail->dark + (ptrdiff_t)y * f->width + x : NULL;
+	for (int i = 0; fine && i < n; i++)
+		ink[i] = fine[i] && dark[i] > 0.5f ? 1 : ink[i];
 }
 
 /* Two families of lines, of which the second has what the first leaves of the darkness. */

@@ -107,6 +107,15 @@ def test_a_thin_shadow_does_not_underline_letters():
     assert drawn[20:29, 10:40].all() and not drawn[26:30, 60:96].any()
 
 
+@pytest.mark.parametrize("kind", ["STIPPLE", "HATCH"])
+def test_dark_letters_are_ink_among_spots_and_strokes(kind):
+    layers = shaded(60, 60, 0.2, 0.8)
+    layers["color"][20:40, 20:23] = layers["color"][20:40, 40:58] = 0.02
+    marks = dict(tone_1=kind, tone_black=0.05, shade_levels=[(0.3,), (0.65, 0.25, 0.0)])
+    plain, drawn = ink(layers, **marks), ink(layers, tone_detail=5.0, **marks)
+    assert drawn[20:40, 20:23].all() and plain[20:40, 20:23].mean() < 0.98 and drawn[20:40, 40:58].mean() < 0.98
+
+
 def test_what_is_large_or_farther_behind_is_no_letter():
     layers = shaded(60, 60, 0.1, 0.8)
     layers["color"][20:40, 20:40] = 0.02
