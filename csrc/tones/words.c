@@ -6,11 +6,12 @@
 #include <string.h>
 
 /* What pixels are in `raw`: nothing asked, open to what spreads; of what is alike and hangs together with them few
- * pixels are marked, some and it is small, or many; reached. */
-enum { NOTHING, OPEN, FEW, SOME, MANY, REACHED };
+ * pixels are marked, some and it is small, many, or most; reached. */
+enum { NOTHING, OPEN, FEW, SOME, MANY, MOST, REACHED };
 
 static const float same_depth = 0.005f;  /* of the depth: from a pixel to the next of one thing */
 static const int alike = 20;             /* 0.08 * 255: from a pixel to the next of one colour */
+static const uint8_t filled = 88;        /* contrast of what is fine because most of its thing is: it counts in full */
 static const size_t many = 3, some = 10; /* one in so many pixels */
 static const size_t small = 7; /* as wide as so many strokes: a face in which dots would be as large as eyes */
 
@@ -109,9 +110,11 @@ static void survey(const work *w, const uint8_t *marks)
 		size_t count = gather(w, i), marked = 0;
 		for (size_t k = 0; k < count; k++)
 			marked += marks[w->open[k]] != 0;
-		bool is_small = count <= small * small * stroke * stroke && some * marked >= count;
+		int rest = count <= small * small * stroke * stroke && some * marked >= count ? SOME : FEW;
 		for (size_t k = 0; k < count; k++)
-			state[w->open[k]] = many * marked >= count ? MANY : is_small ? SOME : FEW;
+			state[w->open[k]] = (uint8_t)(2 * marked >= count      ? MOST
+						      : many * marked >= count ? MANY
+									       : rest);
 	}
 }
 
@@ -130,7 +133,12 @@ static size_t stands_out(const work *w, int x, int y)
 	return more > alike || more < -alike ? best : own;
 }
 
-/* Slits between letters, where what these lie on is seen, are not fine. */
+static bool is_many(uint8_t state)
+{
+	return state == MANY || state == MOST;
+}
+
+/* Slits between letters, where what these lie on is seen, are not fine. Where strokes of a letter meet, it is. */
 static void whole_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -139,7 +147,8 @@ static void whole_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1; y++)
 		for (int x = 0; x < w->f->width; x++) {
 			size_t i = (size_t)y * (size_t)w->f->width + (size_t)x, at = own[i] ? stands_out(w, x, y) : i;
-			w->d->scratch[i] = own[at] && state[at] == MANY ? own[i] : 0;
+			bool whole = state[at] == MOST || (state[at] == MANY && own[at]);
+			w->d->scratch[i] = whole ? own[i] ? own[i] : filled : 0;
 			if (!w->dark && (state[i] == FEW || state[i] == SOME))
 				w->d->light[i] = 0;
 		}
@@ -254,8 +263,8 @@ static void ground_rows(void *data, int y0, int y1, int thread)
 				int step = value[s.i] - value[to[n].i], own = state[to[n].i];
 				most = step <= 2 * alike && step >= -2 * alike && own > most ? own : most;
 			}
-			w->d->keep[s.i] = most == SOME || most == MANY ? 0 : w->d->keep[s.i];
-			w->d->ink[s.i] = most == MANY ? 0 : most == SOME ? w->d->seed[s.i] : w->d->ink[s.i];
+			w->d->keep[s.i] = most == SOME || is_many((uint8_t)most) ? 0 : w->d->keep[s.i];
+			w->d->ink[s.i] = is_many((uint8_t)most) ? 0 : most == SOME ? w->d->seed[s.i] : w->d->ink[s.i];
 		}
 }
 

@@ -6,7 +6,7 @@ import numpy as np
 from .metric import clamp01
 
 LEAST, SURE, ALIKE, SAME_DEPTH = 0.3 * 255, 0.34 * 255, 0.08 * 255, 0.005
-GROUND, MANY, SOME, SMALL = 20, 3, 10, 7
+GROUND, MANY, SOME, SMALL, FILLED = 20, 3, 10, 7, 88
 NARROW, WIDE, BESIDE = 0.7, 1.4, 2
 ROOM, NO_ROOM, BESIDE_INK = range(3)
 
@@ -80,21 +80,24 @@ def _labels(links):
 
 
 def _survey(marks, labels, stroke):
-    """Of what hangs together and has marks: whether it has many, is small and has some, has not many."""
+    """Of what hangs together and has marks: whether it has many, is small and has some, has not many, has most."""
     count, marked = np.bincount(labels.flat), np.bincount(labels.flat, marks.flat)
     many = (MANY * marked >= count) & (marked > 0)
     some = (count <= (SMALL * stroke) ** 2) & (SOME * marked >= count) & (marked > 0) & ~many
-    return many[labels], some[labels], ((marked > 0) & ~many)[labels]
+    most = (2 * marked >= count) & many
+    return many[labels], some[labels], ((marked > 0) & ~many)[labels], most[labels]
 
 
-def _whole(value, fine, many):
-    """What is fine and a whole: at a rim by what stands out most about it."""
-    best, at = value.copy(), fine.astype(bool) & many
+def _whole(value, fine, many, most):
+    """What is fine and a whole, or in most of one: at a rim by what stands out most about it."""
+    own = (fine > 0) & many | most
+    best, at = value.copy(), own
     for v, u in _places(1):
         other = _shifted(value, v, u)
-        at = np.where(other > best, _shifted((fine > 0) & many, v, u), at)
+        at = np.where(other > best, _shifted(own, v, u), at)
         best = np.maximum(best, other)
-    return np.where(best - value > GROUND, at, (fine > 0) & many)
+    whole = np.where((best - value > GROUND) & (fine > 0), at, own)
+    return np.where(whole, np.where(fine > 0, fine, FILLED), 0)
 
 
 def _hang_together(layers, value):
@@ -136,12 +139,12 @@ def kept(layers, params):
     found = []
     for sign in (1, -1):
         fine, square = _fine(value, wide, sign)
-        many, _, few = _survey(fine > 0, labels, stroke)
+        many, _, few, most = _survey(fine > 0, labels, stroke)
         square = np.where(few, 0, square)
-        whole = _whole(sign * value, fine, many)
-        sure = whole & (_fine(value, reach, sign)[0] > 0)
-        reached = _grown(sure, _about(whole, stroke, np.max), goes_on)
-        found.append((np.where(whole & reached, fine, 0), square))
+        whole = _whole(sign * value, fine, many, most)
+        sure = (whole > 0) & (_fine(value, reach, sign)[0] > 0)
+        reached = _grown(sure, _about(whole > 0, stroke, np.max), goes_on)
+        found.append((np.where(reached, whole, 0), square))
     (thin, square), (dark, _) = found
 
     def there(v, u):
@@ -162,7 +165,7 @@ def kept(layers, params):
             about = np.maximum(about, np.where((contrast > LEAST) & there(v, u),
                                                _sure(contrast) * clamp01(far + 0.5 - np.hypot(v, u)), 0))
         found.append(about)
-    many, some, _ = _survey(found[0] >= 0.5, labels, stroke)
+    many, some, _, _ = _survey(found[0] >= 0.5, labels, stroke)
     keep, narrow = (_kept_share(np.maximum(about, clear)) for about in found)
     many, some = _with_rims(value, many), _with_rims(value, some)
     return np.where(many | some, 0, keep), np.where(many, 0, np.where(some, narrow, keep)), dark > 0

@@ -116,6 +116,15 @@ def test_dark_letters_are_ink_among_spots_and_strokes(kind):
     assert drawn[20:40, 20:23].all() and plain[20:40, 20:23].mean() < 0.98 and drawn[20:40, 40:58].mean() < 0.98
 
 
+def test_an_eye_is_ink_where_it_is_widest_too():
+    layers = shaded(60, 60, 0.2, 0.8)
+    for y, half in enumerate((1, 2, 2, 3, 3, 4, 4, 4, 5, 5, 5, 5, 5, 5, 4, 4, 4, 3, 3, 2, 2, 1)):
+        layers["color"][20 + y, 30 - half:30 + half] = 0.02
+    eye = layers["color"][..., 0] < 0.1
+    marks = dict(tone_1="STIPPLE", tone_black=0.05, shade_levels=[(0.3,), (0.65, 0.25, 0.0)])
+    assert ink(layers, tone_detail=5.0, **marks)[eye].all()
+
+
 def test_what_is_large_or_farther_behind_is_no_letter():
     layers = shaded(60, 60, 0.1, 0.8)
     layers["color"][20:40, 20:40] = 0.02
