@@ -72,6 +72,28 @@ def test_a_word_is_all_one_way():
     assert drawn[:, 70:].all()
 
 
+def word(stroke, shift, height=90, width=200, fine=8):
+    """How far letters of uneven strokes cover pixels."""
+    covered, x = np.zeros((height * fine, width * fine)), (20 + shift) * fine
+    for wide in (1, 1.15, 0.9, 1.25):
+        left, right = (round(x + k * stroke * fine) for k in (wide, 3))
+        covered[20 * fine:round(20 + 6 * stroke) * fine, round(x):left] = 1
+        covered[20 * fine:round((20 + 0.8 * stroke) * fine), round(x):right] = 1
+        x += 4.2 * stroke * fine
+    return covered.reshape(height, fine, width, fine).mean((1, 3))
+
+
+def test_a_word_that_grows_is_filled_at_once():
+    clear = []
+    for stroke in np.arange(3, 9, 0.5):
+        for shift in (0, 0.4):
+            letters = word(stroke, shift)
+            layers = shaded(*letters.shape, 0.1, 1)
+            layers["color"] *= 0.02 + 0.78 * letters[..., None]
+            clear.append(1 - ink(layers, tone_detail=5.5)[letters > 0.95].mean())
+    assert set(np.round(clear, 3)) == {0, 1} and (np.diff(clear) < 0.001).all(), clear
+
+
 def test_between_dark_letters_it_is_as_around_them():
     layers = shaded(60, 100, 0.1, 0.8)
     for x in (30, 41):
