@@ -129,49 +129,60 @@ static int bound(const disc *e, const disc *n, float lead, int equal, float near
 	return k > equal ? k : equal;
 }
 
-static const disc *at(const disc *row, const disc *end, int x)
+/* Row y modulo three, with a pixel to spare on either side. */
+static uint32_t *places(const frame *f, const discs *all, int y, int thread)
 {
-	return row < end && row->x == x ? row : NULL;
+	return all->place + (size_t)(3 * thread + (y + 3) % 3) * ((size_t)f->width + 2) + 1;
 }
 
-static void bound_row(const frame *f, discs *all, int y)
+static void place_row(const frame *f, const discs *all, int y, uint32_t *place)
 {
-	disc *row = all->disc + all->first[y], *end = row + all->count[y];
-	const disc *beside[2] = {end, end}, *beside_end[2] = {end, end}; /* the row above, the row below; or none */
-	for (int i = 0; i < 2; i++)
-		if (y + 2 * i - 1 >= 0 && y + 2 * i - 1 < f->height) {
-			beside[i] = all->disc + all->first[y + 2 * i - 1];
-			beside_end[i] = beside[i] + all->count[y + 2 * i - 1];
-		}
+	memset(place - 1, 0, ((size_t)f->width + 2) * sizeof *place);
+	if (y < 0 || y >= f->height)
+		return;
+	const disc *row = all->disc + all->first[y];
+	for (uint32_t i = 0; i < all->count[y]; i++)
+		place[row[i].x] = i + 1;
+}
+
+static const disc *placed(const disc *row, const uint32_t *place, int x)
+{
+	return place[x] ? row + place[x] - 1 : NULL;
+}
+
+static void bound_row(const frame *f, discs *all, int y, int thread)
+{
 	const float *tiles = all->nearest + (size_t)(y / TILE) * (size_t)((f->width - 1) / TILE + 1);
-	for (disc *e = row; e < end; e++) {
-		float nearest = f->params->line_occlude ? tiles[e->x / TILE] : INFINITY;
-		e->left = (uint16_t)bound(e, e > row ? at(e - 1, end, e->x - 1) : NULL, 0.5f, 0, nearest);
-		e->right = (uint16_t)bound(e, at(e + 1, end, e->x + 1), 0.5f, 0, nearest);
-		uint16_t *straight[2] = {&e->up, &e->down};
+	const disc *row[3];
+	const uint32_t *place[3];
+	for (int i = 0; i < 3; i++) { /* outside the frame none is placed */
+		row[i] = all->disc + all->first[clamp_index(y + i - 1, f->height)];
+		place[i] = places(f, all, y + i - 1, thread);
+	}
+	for (uint32_t k = 0; k < all->count[y]; k++) {
+		disc *e = all->disc + all->first[y] + k;
+		int x = e->x;
+		float nearest = f->params->line_occlude ? tiles[x / TILE] : INFINITY;
+		e->left = (uint16_t)bound(e, placed(row[1], place[1], x - 1), 0.5f, 0, nearest);
+		e->right = (uint16_t)bound(e, placed(row[1], place[1], x + 1), 0.5f, 0, nearest);
+		e->up = (uint16_t)bound(e, placed(row[0], place[0], x), 0.5f, 0, nearest);
+		e->down = (uint16_t)bound(e, placed(row[2], place[2], x), 0.5f, 0, nearest);
 		for (int i = 0; i < 2; i++) {
-			const disc *n = beside[i];
-			while (n < beside_end[i] && n->x + 1 < e->x)
-				n++;
-			beside[i] = n;
-			const disc *l = at(n, beside_end[i], e->x - 1);
-			n += l != NULL;
-			const disc *m = at(n, beside_end[i], e->x);
-			n += m != NULL;
-			const disc *r = at(n, beside_end[i], e->x + 1);
-			*straight[i] = (uint16_t)bound(e, m, 0.5f, 0, nearest);
-			e->corner[i][0] = (uint16_t)bound(e, l, 1, i, nearest);
-			e->corner[i][1] = (uint16_t)bound(e, r, 1, i, nearest);
+			e->corner[i][0] = (uint16_t)bound(e, placed(row[2 * i], place[2 * i], x - 1), 1, i, nearest);
+			e->corner[i][1] = (uint16_t)bound(e, placed(row[2 * i], place[2 * i], x + 1), 1, i, nearest);
 		}
 	}
 }
 
 static void bound_rows(void *data, int y0, int y1, int thread)
 {
-	(void)thread;
 	const gather *g = data;
-	for (int y = y0; y < y1 && !bands_stopped(g->f->bands); y++)
-		bound_row(g->f, g->all, y);
+	for (int y = y0 - 1; y <= y0; y++)
+		place_row(g->f, g->all, y, places(g->f, g->all, y, thread));
+	for (int y = y0; y < y1 && !bands_stopped(g->f->bands); y++) {
+		place_row(g->f, g->all, y + 1, places(g->f, g->all, y + 1, thread));
+		bound_row(g->f, g->all, y, thread);
+	}
 }
 
 static bool same(const disc *a, const disc *b)
@@ -338,6 +349,7 @@ discs ISA(discs_plan)(const frame *f, arena *a)
 		.down = arena_take(a, rows, sizeof(uint16_t)),
 		.nearest = arena_take(a, across * tall, sizeof(float)),
 		.row_nearest = arena_take(a, across > tall ? across : tall, sizeof(float)),
+		.place = arena_take(a, 3 * (size_t)bands_threads(f->bands) * ((size_t)f->width + 2), sizeof(uint32_t)),
 	};
 }
 

@@ -98,6 +98,7 @@ typedef struct discs {
 	int reach;           /* the largest of them */
 	float *nearest;      /* least depth about each tile */
 	float *row_nearest;  /* scratch */
+	uint32_t *place;     /* per thread, by pixel of three rows: 1 + which disc of its row that is; 0: none */
 	disc *disc;          /* allocated when they are counted */
 } discs;
 
