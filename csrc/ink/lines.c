@@ -200,7 +200,7 @@ static void finish_row(const lines *l, const canvas *c, int y)
 	if (f->output[ENCRE_OUTPUT_LINES].data)
 		lines = memset(output_row(f, ENCRE_OUTPUT_LINES, y), 0, bytes);
 	if (c->open[y - c->y0])
-		ink_row(c, y, (const float (*)[3])l->capsules.ink, l->color, rgba, lines);
+		ink_row(c, y, (const float(*)[3])l->capsules.ink, l->color, rgba, lines);
 }
 
 /* ---- bands ----------------------------------------------------------------------------------------------- */
@@ -257,6 +257,11 @@ void ISA(canvas_open)(canvas *c, int y, uint64_t blocks)
 		}
 		if (inside <= 0)
 			continue;
+		if (y + 1 < f->height) { /* lines go on below */
+			const float *below = layer_row(f, ENCRE_LAYER_DEPTH, y + 1) + x0;
+			for (int i = 0; i < inside; i += 16)
+				__builtin_prefetch(below + i);
+		}
 		ISA(paper_row)(f, y, x0, x0 + inside, 1, c->grain + at);
 		open_pixels(inside, depth + x0, c->depth + at, c->grain + at);
 	}
