@@ -4,7 +4,7 @@
 #include "base/pixel.h"
 #include "base/stage.h"
 
-enum { CHUNK = 256 };
+enum { CHUNK = 256, PIECE = 128 /* pixels that are passed over if the pencil reaches none */ };
 
 /* ---- row kernels ----------------------------------------------------------------------------------------- */
 
@@ -142,7 +142,7 @@ static void hatch_rows(void *data, int y0, int y1, int thread)
 	const frame *f = data;
 	for (int y = y0; f->any.use_hatching && y < y1; y++)
 		for (int x = 0, end; x < f->width; x = end) {
-			const encre_params *p = style_run(f, y, x, f->width - x > CHUNK ? x + CHUNK : f->width, &end);
+			const encre_params *p = style_run(f, y, x, f->width - x > PIECE ? x + PIECE : f->width, &end);
 			if (p->use_hatching)
 				hatch_run(f, p, y, x, end - x, thread);
 		}
