@@ -54,8 +54,9 @@ KERNEL void dog(const gaussians *g, const int reach, const int step, const float
 		b[k] = g->wide[k];
 	}
 	for (int i = 0; i < n + 2 * before; i++) {
-		float u = 0, v = 0;
-		for (int k = 1; k <= reach; k++) {
+		float first = (above[1][i] - centre[i]) + (below[1][i] - centre[i]);
+		float u = a[1] * first, v = b[1] * first;
+		for (int k = 2; k <= reach; k++) {
 			float d = (above[k][i] - centre[i]) + (below[k][i] - centre[i]);
 			u += a[k] * d;
 			v += b[k] * d;

@@ -110,30 +110,47 @@ static bool weigh(const edges *e, enum source s, int y, int x0, int n, const uin
 	return any;
 }
 
-/* Where the source is the strongest, it wins. Weights: of each pixel, or NULL and one of all. */
-KERNEL void weigh_in(int number, int n, const float *restrict weights, float one, const float *restrict own,
-		     float *restrict strength, int32_t *restrict winner)
+/* own becomes weighed, strength the most of all. Weights: of each pixel, or NULL and one of all. */
+KERNEL void weigh_in(int n, const float *restrict weights, float one, float *restrict own, float *restrict strength)
 {
 	for (int i = 0; i < n; i++) {
 		float w = (weights ? weights[i] : one) * own[i];
-		w = min(w, pixel_most);
-		winner[i] = w > strength[i] ? number : winner[i];
-		strength[i] = w > strength[i] ? w : strength[i];
+		own[i] = min(w, pixel_most);
+		strength[i] = max(own[i], strength[i]);
 	}
 }
 
 /* ---- rows ------------------------------------------------------------------------------------------------ */
 
-static bool any_edge(const float *restrict strength, const int32_t *restrict winner, int n, float threshold,
-		     uint8_t *restrict edge)
+static bool any_edge(const float *restrict strength, int n, float threshold)
 {
 	int any = 0;
-	for (int i = 0; i < n; i++) {
-		int source = strength[i] >= threshold ? winner[i] : 0; /* 0 where the strength is */
-		edge[i] = (uint8_t)source;
-		any |= source;
-	}
+	for (int i = 0; i < n; i++)
+		any |= (strength[i] >= threshold) & (strength[i] > 0);
 	return any;
+}
+
+/* What the sources of a tile give, those that have weight there, in their order. */
+typedef struct rivals {
+	int count, number[SOURCE_SEEN];
+	float strength[SOURCE_SEEN][TILE];
+} rivals;
+
+/* Of n pixels from x on: the first of the strongest sources wins. */
+static void mark_edges(const rivals *r, const float *restrict strength, int x, int n, float threshold,
+		       uint8_t *restrict edge)
+{
+	int32_t winner[GROUP];
+	for (int i = 0; i < n; i++)
+		winner[i] = 0;
+	for (int k = r->count; k-- > 0;) {
+		const float *restrict own = r->strength[k] + x;
+		int32_t number = r->number[k];
+		for (int i = 0; i < n; i++)
+			winner[i] = own[i] == strength[i] ? number : winner[i];
+	}
+	for (int i = 0; i < n; i++)
+		edge[i] = (uint8_t)((strength[i] >= threshold) & (strength[i] > 0) ? winner[i] : 0);
 }
 
 /* Lines go on below: what is written there would wait for the memory, and all that is written after it. */
@@ -150,13 +167,12 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 {
 	const frame *f = e->f;
 	ptrdiff_t at = (ptrdiff_t)y * f->width + x0;
-	float strength[TILE], one[TILE], weight[TILE];
-	int32_t winner[TILE];
+	rivals r;
+	float strength[TILE], weight[TILE];
 	uint8_t style[TILE];
-	for (int i = 0; i < n; i++) {
+	r.count = 0;
+	for (int i = 0; i < n; i++)
 		strength[i] = 0;
-		winner[i] = 0;
-	}
 	if (f->style) {
 		nearest_places(f, y, x0, n, f->near + at);
 		for (int i = 0; i < n; i++)
@@ -169,11 +185,13 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 				       : !(e->weight[s][0] > 0)))
 			continue;
 		ISA(ring_fill)(rings + s, y);
-		ISA(source_strength)(rings + s, y, x0, n, one);
+		float *own = r.strength[r.count];
+		ISA(source_strength)(rings + s, y, x0, n, own);
 		if (each)
-			weigh_in(1 + s, n, weight, 0, one, strength, winner);
+			weigh_in(n, weight, 0, own, strength);
 		else
-			weigh_in(1 + s, n, NULL, e->weight[s][0], one, strength, winner);
+			weigh_in(n, NULL, e->weight[s][0], own, strength);
+		r.number[r.count++] = 1 + s;
 	}
 	plane out = f->output[ENCRE_OUTPUT_EDGES];
 	if (out.data)
@@ -181,8 +199,11 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 	uint8_t *restrict edge = f->edge + at;
 	for (int i = 0; i < n; i += GROUP) {
 		int m = n - i < GROUP ? n - i : GROUP;
-		if (!any_edge(strength + i, winner + i, m, e->p->edge_threshold, edge + i))
+		if (!any_edge(strength + i, m, e->p->edge_threshold)) {
+			memset(edge + i, 0, (size_t)m);
 			continue;
+		}
+		mark_edges(&r, strength + i, i, m, e->p->edge_threshold, edge + i);
 		memcpy(f->strength + at + i, strength + i, (size_t)m * sizeof *strength);
 		if (!f->style)
 			nearest_places(f, y, x0 + i, m, f->near + at + i);
