@@ -129,7 +129,7 @@ static inline float scale_of(const encre_params *scene, int height)
 	return (float)height / (scene->length_unit == length_unit_MM ? scene->page_height : 1080);
 }
 
-enum { NEAR_ROWS = 4 /* of all layers, looked at and drawn together: that many stay in the cache */ };
+enum { NEAR_ROWS = 8 /* of all layers, looked at and drawn together: that many stay in the cache */ };
 
 static inline float *bright_row(const frame *f, int y, int thread)
 {

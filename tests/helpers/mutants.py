@@ -40,7 +40,7 @@ CUTS = (  # the file, what stands there once, what it becomes
      "band = height / (pool->threads * 3 > LEAST_BANDS ? pool->threads * 3 : LEAST_BANDS);"),
     ("csrc/base/bands.c", "band = band < 8 ? 8 : band > 64 ? 64 : band;",
      "band = band < 3 ? 3 : band > 29 ? 29 : band;"),
-    ("csrc/base/stage.h", "NEAR_ROWS = 4", "NEAR_ROWS = 3"),
+    ("csrc/base/stage.h", "NEAR_ROWS = 8", "NEAR_ROWS = 7"),
     ("csrc/base/metric.c", "RUN = 8", "RUN = 4"),
     ("csrc/edges/detect.h", "TILE = 256", "TILE = 64"),
     ("csrc/edges/edges.c", "GROUP = 32", "GROUP = 7"),
