@@ -100,6 +100,17 @@ CASES = {
 }
 
 
+@pytest.mark.parametrize("row", [8, 12, 100])  # where bands of rows begin, and within one
+def test_rows_of_an_unclean_reading_are_forgotten(row):
+    """Threads find edges as they look at the layers, and go on below where their last rows end."""
+    layers = drawn(200, 40, 0, "drawn")
+    bad, clean = (layers | dict(normal=layers["normal"].copy()) for _ in range(2))
+    bad["normal"][row, 10:30], clean["normal"][row, 10:30] = np.inf, 0
+    want = strengths(clean, CASES["normal"] | dict(edge_detector="DOG"))
+    for threads in [1, 2, 3] * 20:
+        assert (strengths(bad, CASES["normal"] | dict(edge_detector="DOG"), threads=threads) == want).all()
+
+
 @pytest.mark.parametrize("detector", ["DOG", "SOBEL"])
 @pytest.mark.parametrize("name", CASES)
 def test_strength(name, detector):
