@@ -253,9 +253,12 @@ static void keep_levels(const encre_levels *levels, const float *const *v, int n
 		bits[i] &= ~(((step[i] ? 0 : STEP) | (band[i] ? 0 : BAND)) << axis);
 }
 
-/* Where a step or a band may be along which axis. Beside a crack a step is what it is up to there. */
+/* Where a step or a band may be along which axis. Beside a crack a step across two pixels is what it is up to there,
+ * and across the crack is none. */
 static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 {
+	const uint8_t *mixed = w->mixed[REACH] + x0, *above = w->mixed[REACH - 1] + x0,
+		      *below = w->mixed[REACH + 1] + x0;
 	float step[TILE], wide[TILE], bulge[TILE];
 	int32_t bits[TILE];
 	float least = w->n->floor[w->is.step], band = w->is.band ? w->n->floor[w->is.band] : INFINITY,
@@ -277,19 +280,18 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 			int own = (is_step ? STEP << axis : 0) | (is_band ? BAND << axis : 0);
 			bits[i] = axis ? bits[i] | own : own;
 		}
-		for (int i = 0; far_too && i < n; i++)
-			bits[i] &= wide[i] > contrast * contrast ? -1 : ~(STEP << axis);
+		for (int i = 0; far_too && i < n; i++) {
+			int beside = mixed[i - 1] | mixed[i + 1] | above[i] | below[i];
+			bits[i] &= (wide[i] > contrast * contrast) | (beside != 0) ? -1 : ~(STEP << axis);
+		}
 		for (int i = 0; w->source == SOURCE_LIGHT && !w->n->f->style && i < n; i += SHORT) {
 			const float *const at[] = {v[0][0] + i, v[1][0] + i, v[2][0] + i, v[3][0] + i, v[4][0] + i};
 			keep_levels(&w->n->e->p->shade_levels, at, n - i < SHORT ? n - i : SHORT, axis, bits + i);
 		}
 	}
-	const uint8_t *mixed = w->mixed[REACH] + x0, *above = w->mixed[REACH - 1] + x0,
-		      *below = w->mixed[REACH + 1] + x0;
 	for (int i = 0; i < n; i++) {
-		uint8_t beside = mixed[i - 1] | mixed[i + 1] | above[i] | below[i];
-		uint8_t all = (uint8_t)((uint8_t)bits[i] | (beside ? STEP | STEP << 1 : 0));
-		out[i] = mixed[i] ? 0 : all;
+		int open = (mixed[i - 1] | mixed[i + 1] ? 0 : STEP) | (above[i] | below[i] ? 0 : STEP << 1);
+		out[i] = mixed[i] ? 0 : (uint8_t)(bits[i] & (open | BAND | BAND << 1));
 	}
 }
 
