@@ -8,7 +8,7 @@
 #include "ink/turns.h"
 #include "fine/near.h"
 
-enum { CHUNK = 1024 };
+enum { CHUNK = 1024, AHEAD = 16 };
 
 /* Of half a line's width the rim is frayed by this share at most, or thin lines would come to pieces. */
 static const float most_frayed = 0.08f;
@@ -151,6 +151,10 @@ static void make_pens(void *data, int first, int end, int thread)
 	const gather *g = data;
 	for (int i = first; i < end; i++) {
 		const site *made = g->n->site + i;
+		if (i + AHEAD < end) {
+			const placed *next = &made[AHEAD].placed;
+			__builtin_prefetch(layer_row(g->f, ENCRE_LAYER_DEPTH, next->near_y) + next->near_x);
+		}
 		if (made->linked.dropped) {
 			g->whose[i] = 0;
 			continue;
