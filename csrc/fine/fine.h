@@ -292,6 +292,9 @@ int32_t ISA(fine_claim)(fine *n);
 /* links.c: the kept sites of its family that a site may be linked to; at most ROOM. */
 enum { ROOM = 64 };
 int ISA(close_sites)(const fine *n, uint32_t i, uint32_t *to);
+/* Of four pixels from (x, y) on with cracks between all: two that lie aslant show one thing, which goes on between the
+ * others. 1: the first and the last; 2: the other two; 0: neither do. */
+int ISA(crack_passage)(const fine *n, int x, int y);
 /* Number of the kept site of a crack at a pixel, or n->count. */
 uint32_t ISA(crack_number)(const fine *n, int family, int x, int y, int axis);
 /* Fills at and to, ascending. */

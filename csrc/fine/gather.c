@@ -56,11 +56,13 @@ static void walk_row(walk *w, int y, int x, int end)
 		}
 		bool inside = x + 1 < width && y + 1 < n->f->height;
 		walk_marks(w, x, y, WORD_CRACK, crack[x]);
-		for (int bit = 0; crack[x] && inside && bit < 8; bit += 2)
-			if (sides(crack, below, x, (uint8_t)(1 << bit)) > 2) {
+		for (int bit = 0; crack[x] && inside && bit < 8; bit += 2) {
+			int count = sides(crack, below, x, (uint8_t)(1 << bit));
+			if (count == 3 || (count == 4 && !(bit == 0 && ISA(crack_passage)(n, x, y)))) {
 				found at = {(uint16_t)x, (uint16_t)y, marked_family[WORD_CRACK][bit], AXIS_JUNCTION};
 				w->visit(w, &at, SLOT_JUNCTION + bit / 2);
 			}
+		}
 		walk_marks(w, x, y, WORD_RIDGE, ridge[x] & ~RIDGE_SEEN);
 		if (ridge[x] & RIDGE_SEEN)
 			walk_marks(w, x, y, WORD_SEEN, n->seen[(ptrdiff_t)y * width + x]);

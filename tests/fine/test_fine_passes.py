@@ -66,7 +66,7 @@ def claim(check):
 
 def link(check):
     before, after = check.tables("claim")[0], check.tables("link")[0]
-    cracks, single = twin.crack_links(before)
+    cracks, single = twin.crack_links(before, check.c.view.layers)
     ridges, unsure = twin.ridge_links(before)
     check.alike("links", cracks | ridges, links_of(after), unsure)
     assert all(count == 1 for count in links_of(after).values())

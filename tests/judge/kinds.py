@@ -12,7 +12,7 @@ from .meshes import box as hull
 from .meshes import quad
 from .scene import Light, Scene
 from .scenes import COLORS, SUN, turned
-from .shapes import Cone, HalfSpace, Solid, across, box, ground, polygon, unit
+from .shapes import Cone, HalfSpace, Solid, across, box, cone, ground, polygon, unit
 from .told import Told, bevelled, grown, joined, prism, rock, tube
 
 CROWD = 10  # pixels between boundaries of colours, below which their lines thin out
@@ -31,6 +31,13 @@ def between(a, b, thick):
     along = unit(b - a)
     one, two = across(along)
     return box((thick, thick, np.linalg.norm(b - a)), (a + b) / 2, np.stack([one, two, along], 1))
+
+
+def column(foot, way, radius, height, collars):
+    """A round column with collars, each (how far up, how wide, how far it stands out)."""
+    foot, way = np.asarray(foot, float), unit(way)
+    return [cone(foot, way, radius, radius, height),
+            *(cone(foot + way * at, way, radius + out, radius + out, wide) for at, wide, out in collars)]
 
 
 class Crowded(Scene):

@@ -145,16 +145,44 @@ def crumbs(t, family):
     return gone if family > NUMBER["mark"] else set()
 
 
-def crack_links(t):
-    """Pairs (i, j), each once: a square's two cracks, or each of three or four and their junction."""
+def passage(layers, row, column):
+    """Of a square of four pixels with cracks between all: 1 if the first and the last show one thing, which goes on
+    between the others; 2 for the other two; 0 for neither. Of two such things the one that fewer of the 4x4 about them
+    show, else the nearer. A wire that shows on no more than four of these has no two sides."""
+    square = slice(row, row + 2), slice(column, column + 2)
+    (a, b), (c, d) = layers.object[square]
+    if {a, d} & {b, c} or (a != d and b != c):
+        return 0
+    about = layers.object[max(0, row - 1):row + 3, max(0, column - 1):column + 3]
+    one, two = ((about == own).sum() if own == other else np.inf for own, other in ((a, d), (b, c)))
+    z = layers.depth[square]
+    own, other = min(z[0, 0], z[1, 1]), min(z[0, 1], z[1, 0])
+    if one == two and own == other:
+        return 0
+    first = own < other if one == two else one < two
+    ahead = 0 if own == other else other - own if first else own - other
+    wire = ahead > 0.01 * (layers.height if layers.orthographic else min(own, other))
+    return 0 if min(one, two) <= 4 and wire else 1 if first else 2
+
+
+def crack_links(t, layers):
+    """Pairs (i, j), each once: a square's two cracks, or each of three or four and their junction; where a thing goes
+    on aslant, the two round each pixel beside it."""
     number = {(t.family[i], t.site["row"][i], t.site["column"][i], t.axis[i]): i for i in range(len(t))
               if not t.dropped[i] and FAMILIES[t.family[i]] in CRACKS}
     pairs, single = set(), set()
     squares = {(f, r - (a == ROW and k), c - (a == COLUMN and k)) for f, r, c, a in number for k in (0, 1)
                if a != JUNCTION} | {key[:3] for key in number if key[3] == JUNCTION}
+    marked = {(s["row"], s["column"], s["axis"]) for s in t.site[t.family == NUMBER["crack"]]}
     for f, r, c in squares:
-        sides = [number.get(key) for key in ((f, r, c, ROW), (f, r + 1, c, ROW), (f, r, c, COLUMN),
-                                             (f, r, c + 1, COLUMN))]
+        keys = (r, c, ROW), (r + 1, c, ROW), (r, c, COLUMN), (r, c + 1, COLUMN)
+        sides = [number.get((f, *key)) for key in keys]
+        way = passage(layers, r, c) if f == NUMBER["crack"] and marked.issuperset(keys) else 0
+        if way:
+            pairs |= {tuple(sorted((sides[i], sides[j]))) for i, j in (((0, 3), (1, 2)) if way == 1 else
+                                                                       ((0, 2), (1, 3)))
+                      if sides[i] is not None and sides[j] is not None}
+            continue
         sides = [i for i in sides if i is not None]
         hub = number.get((f, r, c, JUNCTION))
         if len(sides) == 2:

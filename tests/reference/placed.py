@@ -7,7 +7,7 @@ from . import marks as lines
 from . import metric
 from .edges import SOURCES
 from .metric import clamp01
-from .passes import COLUMN, JUNCTION, ROW
+from .passes import COLUMN, JUNCTION, ROW, passage
 from .ridged import ridges, through
 from .shade import painted
 from .slices import Things
@@ -109,8 +109,8 @@ def cracks(view, bends):
     """{(family, row, column, axis): Place} of depth and indices, all that may be; bends: of edges of meshes."""
     layers, found = view.layers, {}
     for axis in (ROW, COLUMN):
-        jump, share = _jump(view, axis)
-        jump = clamp01((jump - 0.003) / 0.007)
+        height, share = _jump(view, axis)
+        jump = clamp01((height - 0.003) / 0.007)
         cross = _contact(view, axis, *_crossing(layers, axis))
         there, object_, material = (turn(axis, a) for a in (layers.there, layers.object, layers.material))
         marks = turn(axis, layers.marks[..., axis])
@@ -119,7 +119,8 @@ def cracks(view, bends):
         beside = np.zeros(jump.shape, bool)  # a side's slope would be read off another object
         beside[:, 1:-1] = (object_[:, :-3] != object_[:, 1:-2]) | (object_[:, 2:-1] != object_[:, 3:])
         same = object_[:, 1:] == object_[:, :-1]
-        jump = np.where(beside & same & (marks[:, :-1] >= 0) & view.meshes, 0, jump)
+        ledge = 0 if view.meshes else clamp01((height - 0.013) / 0.007)
+        jump = np.where(beside & same & ((marks[:, :-1] >= 0) | (not view.meshes)), ledge, jump)
         bend, unsure = _beside(view, bends, axis)
         told = (jump > 0) & same & (there[:, 1:] == there[:, :-1]) & view.meshes & ("marks" in view.given)
         bend, unsure = (a & (steps == 0) & told for a in (bend, unsure))
@@ -162,15 +163,16 @@ def crack_masks(view, found):
     return marks
 
 
-def junctions(found, family, shape):
-    """Of the cracks on three or four sides of a square: their mean, with the strongest's strength."""
+def junctions(found, family, shape, layers=None):
+    """Of the cracks on three or four sides of a square: their mean, with the strongest's strength. layers: where a
+    thing goes on aslant there is none."""
     here = on(found)
     for row in range(shape[0] - 1):
         for column in range(shape[1] - 1):
             keys = [(family, row, column, ROW), (family, row + 1, column, ROW), (family, row, column, COLUMN),
                     (family, row, column + 1, COLUMN)]
             sides = [here[key] for key in keys if key in here]
-            if len(sides) > 2:
+            if len(sides) > 2 and not (layers and len(sides) == 4 and passage(layers, row, column)):
                 first = max(sides, key=lambda s: s.strength)
                 x, y = np.mean([(s.x, s.y) for s in sides], axis=0)
                 strengths = sorted((s.strength for s in sides if s.source != first.source), reverse=True)
@@ -363,7 +365,7 @@ def find(view):
     cracked = crack_masks(view, found)
     light_ = light(view, cracked) if view.weights[SOURCES.index("light")].any() else {}
     thin(view, found)
-    junctions(found, "crack", view.shape)
+    junctions(found, "crack", view.shape, view.layers)
     own = marks(view)
     junctions(own, "mark", view.shape)
     bent = {key: site for key, site in bent.items() if key not in lesser}

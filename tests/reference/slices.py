@@ -113,7 +113,7 @@ class Things:
             jump = abs(near[0] - near[-1])
             if at[-1] - at[0] + 1 != s.hits or s.hits > 4 or jump > 0.5 * (near[hit].max() - behind):
                 return None
-        return s
+        return s if s.hits or (object_ == object_[0]).all() else None  # a centre is covered, however little that is
 
     def cracked(self, axis, across, at):
         return self._line(self.cracks[axis], axis, across)[at]

@@ -12,6 +12,10 @@ enum { ROWS = 4 };
  * strength. */
 static const float jump_from = 0.003f, jump_ramp = 0.007f; /* test_fine_sites */
 
+/* Likewise, of a jump within a thing beside a pixel that is all there is of a side, where no meshes tell more: a ledge
+ * that is seen flat would be one. */
+static const float ledge_from = 0.013f; /* test_fine_sites */
+
 /* Of the whole step from one pixel to the next: what slopes do not explain is a jump from so much on where meshes tell
  * of no contour. */
 static const float least_of_step = 0.8f; /* test_fine_sites */
@@ -98,11 +102,12 @@ static bool knows_contours(const fine *n)
 static bool on_ledge(const fine *n, const found *s)
 {
 	plane object = n->f->layer[ENCRE_LAYER_OBJECT];
-	if (!knows_contours(n) || !object.data)
+	if (!object.data)
 		return false;
 	ptrdiff_t step = s->axis == AXIS_ROW ? 1 : object.row;
 	const float *o = object.data + s->row * object.row + s->column;
-	return o[0] == o[step] && (o[-step] != o[0] || o[step] != o[2 * step]) && !(ISA(hand_place)(n, s) < 0);
+	return o[0] == o[step] && (o[-step] != o[0] || o[step] != o[2 * step]) &&
+	       !(knows_contours(n) && ISA(hand_place)(n, s) < 0);
 }
 
 /* Whether nothing is on one side of it alone. */
@@ -146,14 +151,16 @@ static float depth_strength(const fine *n, const found *s)
 	for (int k = 0; inside && k < 4; k++)
 		u[k] = depth_sample(n->e,
 				    layer_row(f, ENCRE_LAYER_DEPTH, s->row + (k - 1) * dy)[s->column + (k - 1) * dx]);
-	if (!inside || on_ledge(n, s))
+	bool ledge = inside && on_ledge(n, s);
+	if (!inside || (ledge && knows_contours(n)))
 		return 0;
 	float top = max(max(u[0], u[1]), max(u[2], u[3]));
 	float j = n->e->ortho ? jump_ortho(u[0], u[1], u[2], u[3]) : jump(u[0], u[1], u[2], u[3]);
 	float share = n->e->ortho ? j : top > 0 ? j / top : 0;
-	if (!(share > jump_from) || (is_untold(n, s) && is_none(n, s, fabsf(u[2] - u[1]), j)))
+	float from = ledge ? ledge_from : jump_from;
+	if (!(share > from) || (is_untold(n, s) && is_none(n, s, fabsf(u[2] - u[1]), j)))
 		return 0;
-	return clamp01((share - jump_from) / jump_ramp);
+	return clamp01((share - from) / jump_ramp);
 }
 
 /* Share of the way from pixel p to q at which the averaged layers pass from one side's colours and normals to the
@@ -276,8 +283,8 @@ static void unmark(const fine *n, int y, uint8_t *mark)
 	unmark_ledges(o, marks + 1, width, CRACK_DOWN, mark);
 }
 
-/* Takes back the jumps in a row, within a thing, that are none. */
-static void unmark_jumps(const fine *n, int y, uint8_t *mark)
+/* Takes back the jumps in a row, within a thing, that are none; of ledges those of less than the least strength. */
+static void unmark_jumps(const fine *n, int y, float least, uint8_t *mark)
 {
 	int width = n->f->width;
 	for (int x = 0; x < width; x++) {
@@ -289,7 +296,11 @@ static void unmark_jumps(const fine *n, int y, uint8_t *mark)
 		for (int axis = 0; mark[x] && axis < 2; axis++) {
 			found at = {(uint16_t)x, (uint16_t)y, FAMILY_CRACK, (uint8_t)axis};
 			uint8_t bit = (uint8_t)(CRACK_RIGHT << axis);
-			if ((mark[x] & bit) && is_untold(n, &at) && !(depth_strength(n, &at) > 0))
+			bool untold = (mark[x] & bit) && is_untold(n, &at);
+			if (!untold && !((mark[x] & bit) && !knows_contours(n) && on_ledge(n, &at)))
+				continue;
+			float strength = depth_strength(n, &at);
+			if (!(strength > 0) || (!untold && strength < least))
 				mark[x] &= (uint8_t)~bit;
 		}
 	}
@@ -311,8 +322,8 @@ static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const
 		mark_jumps(e->ortho, u[0], u[1], u[2], u[3], width, least, CRACK_DOWN, mark);
 	if (knows_contours(n) && f->layer[ENCRE_LAYER_OBJECT].data)
 		unmark(n, y, mark);
-	if (knows_contours(n))
-		unmark_jumps(n, y, mark);
+	if (knows_contours(n) || f->layer[ENCRE_LAYER_OBJECT].data)
+		unmark_jumps(n, y, depth, mark);
 	if (knows_contours(n) && least < INFINITY)
 		mark_contours(layer_row(f, ENCRE_LAYER_MARKS, y), width, below, mark);
 	if (least_strength(e, SOURCE_OBJECT) <= 1) {

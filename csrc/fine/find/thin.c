@@ -108,8 +108,10 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 	if (!(s->trust > 0))
 		return false;
 	int from = count, to = -1;
+	bool other = false; /* something covers a centre, however little it lies before the ground */
 	for (int k = 0; k < count; k++) {
 		float apart = fabsf((float)(first + k) - s->middle);
+		other |= (axis ? object_at(f, across, first + k) : object_at(f, first + k, across)) != s->ground;
 		if (near[k] - behind > least_step * (n->e->ortho ? f->camera.height : near[k])) {
 			s->low = max(s->low, apart);
 			nearest = max(nearest, near[k]);
@@ -120,7 +122,7 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 			s->high = min(s->high, apart);
 	}
 	if (s->hits == 0)
-		return true;
+		return !other;
 	return s->hits == to - from + 1 && s->hits <= MOST_HIT &&
 	       fabsf(near[0] - near[count - 1]) <= most_of_step * (nearest - behind);
 }

@@ -84,6 +84,59 @@ static int sides(const fine *n, fingers *f, int family, int x, int y, uint32_t *
 	return found;
 }
 
+/* Of the 4x4 pixels about a square: what shows on no more, and lies so far before the others, of the depth, is a wire
+ * narrower than a pixel: its sides are one there. */
+static const int hardly = 4;
+static const float least_ahead = 0.01f; /* test_fine_passes */
+
+/* How many of the 4x4 pixels about a square show a thing. */
+static int pixels_of(const fine *n, int x, int y, float object)
+{
+	int count = 0;
+	for (int j = y - 1; j <= y + 2; j++)
+		for (int i = x - 1; i <= x + 2; i++)
+			count += i >= 0 && j >= 0 && i < n->f->width && j < n->f->height &&
+				 object_at(n->f, i, j) == object;
+	return count;
+}
+
+int ISA(crack_passage)(const fine *n, int x, int y)
+{
+	if (!n->f->layer[ENCRE_LAYER_OBJECT].data)
+		return 0;
+	float a = object_at(n->f, x, y), b = object_at(n->f, x + 1, y), c = object_at(n->f, x, y + 1),
+	      d = object_at(n->f, x + 1, y + 1);
+	if (a == b || a == c || d == b || d == c || (a != d && b != c))
+		return 0;
+	int one = a == d ? pixels_of(n, x, y, a) : 0, two = b == c ? pixels_of(n, x, y, b) : 0;
+	float own = min(depth_at(n->f, x, y), depth_at(n->f, x + 1, y + 1)),
+	      its = min(depth_at(n->f, x + 1, y), depth_at(n->f, x, y + 1));
+	bool alike = one == two, first = alike ? own < its : one && (!two || one < two);
+	if (alike && own == its)
+		return 0;
+	float ahead = first ? its - own : own - its,
+	      least = least_ahead * (n->e->ortho ? n->f->camera.height : min(own, its));
+	return (first ? one : two) <= hardly && ahead > least ? 0 : first ? 1 : 2;
+}
+
+static int passage_at(const fine *n, int family, int x, int y)
+{
+	const uint8_t *crack = n->crack + (ptrdiff_t)y * n->f->width + x, *below = crack + n->f->width;
+	bool inside = family == FAMILY_CRACK && x >= 0 && y >= 0 && x + 1 < n->f->width && y + 1 < n->f->height;
+	bool all = inside && (crack[0] & CRACK_RIGHT) && (crack[0] & CRACK_DOWN) && (crack[1] & CRACK_DOWN) &&
+		   (below[0] & CRACK_RIGHT);
+	return all ? ISA(crack_passage)(n, x, y) : 0;
+}
+
+/* The other crack round a pixel that the thing that passes leaves aside; n->count: there is none, or it has no site. */
+static uint32_t beside_passage(const fine *n, fingers *f, const found *at, int x, int y, int passage)
+{
+	static const uint8_t side[4][3] = {
+		{0, 0, AXIS_ROW}, {0, 1, AXIS_ROW}, {0, 0, AXIS_COLUMN}, {1, 0, AXIS_COLUMN}};
+	int own = at->axis == AXIS_ROW ? at->row - y : 2 + at->column - x, other = passage == 2 ? own ^ 2 : 3 - own;
+	return number_near(n, f, at->family, x + side[other][0], y + side[other][1], side[other][2]);
+}
+
 static int crack_links(const fine *n, fingers *f, uint32_t i, uint32_t *to)
 {
 	const site *s = n->site + i;
@@ -94,7 +147,12 @@ static int crack_links(const fine *n, fingers *f, uint32_t i, uint32_t *to)
 	for (int k = 0; k < 2; k++) { /* the squares on both sides of the pair */
 		int x = s->found.column - (s->found.axis == AXIS_COLUMN && k),
 		    y = s->found.row - (s->found.axis == AXIS_ROW && k);
-		int count = sides(n, f, family, x, y, side);
+		int passage = passage_at(n, family, x, y), count;
+		if (passage) {
+			found += (to[found] = beside_passage(n, f, &s->found, x, y, passage)) < n->count;
+			continue;
+		}
+		count = sides(n, f, family, x, y, side);
 		if (count == 2)
 			to[found++] = side[0] == i ? side[1] : side[0];
 		else if (count > 2 && (to[found] = number_near(n, f, family, x, y, AXIS_JUNCTION)) < n->count)

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Two contours a pixel or two apart: a collar's lower rim and its upper one, with a ledge between. They stay two lines,
+and nothing leads from one to the other."""
+
+import numpy as np
+import passes
+import pytest
+from judge import verdict
+from judge.camera import look
+from judge.kinds import FLAT, coloured, column
+from judge.scene import Scene
+from reference import near
+
+COLUMNS = {  # foot, way, radius, height, collars: where, how wide, how far they stand out
+    "lying": ((0.8, 0.9, 0.4), (1, 0.15, 0.45), 0.28, 1.6,
+              ((0.2, 0.06, 0.05), (0.5, 0.03, 0.03), (0.9, 0.1, 0.05), (1.3, 0.05, 0.01))),
+    "standing": ((-1.7, 0, 0), (0, 1, 0), 0.42, 2.1,
+                 ((0.2, 0.03, 0.02), (0.5, 0.06, 0.06), (0.9, 0.1, 0.03), (1.25, 0.04, 0.04), (1.7, 0.12, 0.07)))}
+
+
+def left(layers, **how):
+    """The sites that are left, and how many links each has."""
+    every = passes.run(layers, verdict.PARAMS | how)[1]
+    last = next(s for s in every if s.name == "drop short")
+    kept = last.site["dropped"] == 0
+    return last.site[kept], np.bincount(last.link[:, 0], minlength=len(kept))[kept]
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_nothing_leads_from_a_rim_of_a_collar_to_the_other(name):
+    scene = Scene(look([0.1, 1.8, 6.0], [0, 0.95, 0]), coloured(column(*COLUMNS[name])), FLAT)
+    site, links = left(scene.layers("blackman"))
+    at, true = np.stack([site["x"], site["y"]], 1), np.stack([scene.truth.x, scene.truth.y], 1)
+    assert set(near.pairs(at, true[::2], 0.9)[0]) == set(range(len(site)))
+    assert not site["family"].any()
+    assert (links > 2).sum() < 32  # about where a rim meets the outline: four a collar, and a few more
+
+
+@pytest.mark.parametrize("turn", [20, 35, 45, 60])
+@pytest.mark.parametrize("depth", [3.98, 4.0, 4.03])
+def test_the_sides_of_a_stripe_aslant_never_meet(turn, depth):
+    """Whether it is inlaid, or lies a little before or behind what is beside it."""
+    y, x = np.mgrid[:48, :64]
+    off = (x - 31.3) * np.sin(np.radians(turn)) + (y - 23.7) * np.cos(np.radians(turn))
+    stripe = np.abs(off) < 0.55
+    flat = np.ones((48, 64, 3), np.float32)
+    layers = dict(combined=np.ones((48, 64, 4)), color=flat, diffuse=flat, normal=flat * (0, 0, 1),
+                  albedo=np.where(stripe[..., None], 0.3, flat), depth=np.where(stripe, depth, 4.0),
+                  object=np.where(stripe, 2, 1))
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    site, links = left(layers, edge_color=0.0)
+    assert len(site) > 60 and links.max() == 2
