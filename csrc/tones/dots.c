@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Dots at the whole numbers of two fields, as many to the unit along each as keep them a pitch or up to two apart on
- * the screen; those half-way between along one or both have grown to their share (ruled.c tells why). A level for each
- * axis keeps them round, of one size and evenly spread on slanted ground up to the horizon. How large they must be for
- * the ink that is asked for, overlaps and soft edges and all, is found by trying. */
+/* Dots: discs of one size on the screen, as spread.c tells where, or ellipses as if painted on, at the whole numbers of
+ * two fields, as many to the unit along each as keep them apart. Those half-way between have grown to their share
+ * (ruled.c tells why). How large they must be for the ink that is asked for, overlaps and soft edges and all, is found
+ * by trying. */
 #include "tones/tones.h"
 
 #include <string.h>
 
-enum { RADII = 40, SAMPLES = 12 };
+enum { RADII = 40, TRIES = 377, ACROSS = 233 /* Fibonacci numbers: all over a cell */, YOUNG = 4 };
 
 /* Ink of a disc of radius r whose edge fades over `soft`, at a distance: small ones must not be too dark, for a disc
  * smaller than a pixel has an edge on all sides of it, so that r' = sqrt(r^2 - 1/12) is drawn, or cbrt(3 r^2) - 1/2. */
@@ -24,28 +24,36 @@ static inline float true_radius(float r)
 	return r > small_radius ? large : small;
 }
 
-static inline float disc(float radius, float distance, float soft, float share)
+/* How far it is from places all over half of a cell to the nearest dot of each birth, in a lattice of rows that are
+ * `high` apart, each shifted by so many dots along the one before. */
+static void distances(float wide, float high, float slant, float (*restrict distance)[TRIES])
 {
-	return clamp01((true_radius(radius * share) * soft - distance) * share + 0.5f);
+	for (int n = 0; n < TRIES; n++) {
+		float x = (float)(n * ACROSS % TRIES) / TRIES, y = ((float)n + 0.5f) / (2 * TRIES);
+		for (int k = 0; k < YOUNG; k++) {
+			float best = 1e30f, off = k >> 1 ? y + 0.5f : y;
+			for (int j = 0; j < 2; j++, off -= 1) {
+				float along = x - 0.5f * (float)(k & 1) + off * slant;
+				along = (along - floorf(along + 0.5f)) * wide;
+				best = min(best, along * along + off * high * (off * high));
+			}
+			distance[k][n] = sqrtf(best);
+		}
+	}
 }
 
-/* Mean ink over a cell: dots are grown to squares of h along the axes, and old ones 1 + h^2 pitches apart. */
-static float mean_ink(float pitch, float soft, float h0, float h1, float radius)
+/* Mean ink over a cell whose full-grown dots have this radius. root: of young ones' share. */
+static float mean_ink(float (*restrict distance)[TRIES], const float root[YOUNG], float soft, float radius)
 {
-	float sum = 0, share = 1 / soft, size[2] = {pitch * (1 + h0 * h0), pitch * (1 + h1 * h1)};
-	for (int j = 0; j < SAMPLES; j++)
-		for (int i = 0; i < SAMPLES; i++) {
-			float turn = 0.618034f * (float)j, x = ((float)i + turn - floorf(turn)) / (2 * SAMPLES);
-			float y = ((float)j + 0.5f) / (2 * SAMPLES), most = 0;
-			for (int k = 0; k < 4; k++) {
-				float dx = (x - 0.5f * (float)(k & 1)) * size[0],
-				      dy = (y - 0.5f * (float)(k >> 1)) * size[1];
-				float grown = (k & 1 ? h0 : 1) * (k >> 1 ? h1 : 1);
-				most = max(most, disc(radius * grown, sqrtf(dx * dx + dy * dy), soft, share));
-			}
-			sum += most;
-		}
-	return sum / (SAMPLES * SAMPLES);
+	float ink[TRIES] = {0}, share = 1 / soft, sum = 0;
+	for (int k = 0; k < YOUNG; k++) {
+		float reach = true_radius(radius * root[k] * share) + 0.5f;
+		for (int n = 0; n < TRIES; n++)
+			ink[n] = max(ink[n], clamp01(reach - distance[k][n] * share));
+	}
+	for (int n = 0; n < TRIES; n++)
+		sum += ink[n];
+	return sum / TRIES;
 }
 
 float ISA(tone_true_radius)(float r)
@@ -61,25 +69,36 @@ static inline float even(float dark)
 	return dark < 0.5f ? low : high;
 }
 
-static void fill_radii(tone_screen *s, int b0, int b1)
+/* About the logarithm of 1 + grown. */
+static inline float halfway(float grown)
 {
-	float h0 = (float)b0 / (TONE_BIRTHS - 1), h1 = (float)b1 / (TONE_BIRTHS - 1);
+	return grown * (4 - grown) * (1.0f / 3);
+}
+
+static void fill_radii(tone_screen *s, int shear, int b0, int b1)
+{
+	float h0 = 2 - sqrtf(4 - 3 * (float)b0 / (TONE_BIRTHS - 1)),
+	      h1 = 2 - sqrtf(4 - 3 * (float)b1 / (TONE_BIRTHS - 1));
+	float slant = (float)shear / (TONE_SHEARS - 1), share[YOUNG] = {1}, distance[YOUNG][TRIES];
 	float ink[RADII + 1], soft = s->soft + s->more_soft * s->pitch, most = 1.1f * s->pitch + soft;
+	tone_births(h0, h1, share + 1);
+	for (int k = 1; k < YOUNG; k++)
+		share[k] = sqrtf(share[k]);
+	distances(s->pitch * (1 + h0), s->pitch * (1 + h1), slant, distance);
 	ink[0] = 0;
 	for (int k = 1; k <= RADII; k++)
-		ink[k] = ink[k - 1] < 1 ? mean_ink(s->pitch, soft, h0, h1, most * (float)k / RADII) : 1;
+		ink[k] = ink[k - 1] < 1 ? mean_ink(distance, share, soft, most * (float)k / RADII) : 1;
 	for (int t = 0, k = 1; t < TONE_STEPS; t++) {
 		float step = (float)t / (TONE_STEPS - 1);
 		while (k < RADII && even(ink[k]) < step)
 			k++;
 		float before = even(ink[k - 1]), after = even(ink[k]);
-		float share = after > before ? (step - before) / (after - before) : 1;
-		float radius = most * ((float)(k - 1) + clamp01(share)) / RADII;
-		s->radius[b0][b1][t] = s->radius[b1][b0][t] = radius;
+		float part = after > before ? (step - before) / (after - before) : 1;
+		s->radius[shear][b0][b1][t] = most * ((float)(k - 1) + clamp01(part)) / RADII;
 	}
 }
 
-enum { TRIED = 9 /* pixels of pitch */ };
+enum { TRIED = 8 /* pixels of pitch */ };
 
 void ISA(tone_screen_fill)(tone_screen *s, const tone_slot *slot, float hardness)
 {
@@ -90,9 +109,10 @@ void ISA(tone_screen_fill)(tone_screen *s, const tone_slot *slot, float hardness
 	s->most = own ? 1e6f : s->pitch;
 	s->soft = slot->crisp ? 0.002f : 1;
 	s->more_soft = fade;
-	for (int b0 = 0; b0 < TONE_BIRTHS && slot->kind == tone_1_DOTS; b0++)
-		for (int b1 = 0; b1 <= b0; b1++)
-			fill_radii(s, b0, b1);
+	for (int shear = 0; shear < (own ? 1 : TONE_SHEARS) && slot->kind == tone_1_DOTS; shear++)
+		for (int b0 = 0; b0 < TONE_BIRTHS; b0++)
+			for (int b1 = 0; b1 < TONE_BIRTHS; b1++)
+				fill_radii(s, shear, b0, b1);
 }
 
 /* Where a value of n steps lies between two of them. */
@@ -104,28 +124,43 @@ static inline int32_t step_at(float at, int n, float *rest)
 	return i;
 }
 
-/* A table's values don't come in vectors: what is asked of it is told before, and what it says is mixed behind. */
-static void radii_at(const tone_screen *s, int n, const float *restrict h0, const float *restrict h1,
+/* A table's values don't come in vectors: what is asked of it is told before, and what it says is mixed behind. Between
+ * births by threes, as they are others beside the diagonal than on it. */
+static void radii_at(const tone_screen *s, int n, const float *restrict slant, float (*restrict grown)[TONE_CHUNK],
 		     const float *restrict dark, float *restrict radius)
 {
-	enum { ROW = TONE_STEPS, PLANE = TONE_BIRTHS * ROW };
-	const float *table = s->radius[0][0];
-	int32_t at[TONE_CHUNK];
-	float a[TONE_CHUNK], b[TONE_CHUNK], t[TONE_CHUNK], low[4][TONE_CHUNK], high[4][TONE_CHUNK];
-	for (int i = 0; i < n; i++)
-		at[i] = step_at(h0[i] * (TONE_BIRTHS - 1), TONE_BIRTHS, a + i) * PLANE +
-			step_at(h1[i] * (TONE_BIRTHS - 1), TONE_BIRTHS, b + i) * ROW +
+	enum { ROW = TONE_STEPS, PLANE = TONE_BIRTHS * ROW, SHEAR = TONE_BIRTHS * PLANE, CORNERS = 3 };
+	const float *table = s->radius[0][0][0];
+	int32_t at[TONE_CHUNK], next[TONE_CHUNK];
+	float a[TONE_CHUNK], b[TONE_CHUNK], x[TONE_CHUNK], t[TONE_CHUNK], low[2 * CORNERS][TONE_CHUNK],
+		high[2 * CORNERS][TONE_CHUNK];
+	for (int i = 0; i < n; i++) {
+		at[i] = step_at(halfway(grown[0][i]) * (TONE_BIRTHS - 1), TONE_BIRTHS, a + i) * PLANE +
+			step_at(halfway(grown[1][i]) * (TONE_BIRTHS - 1), TONE_BIRTHS, b + i) * ROW +
 			step_at(even(dark[i]) * (TONE_STEPS - 1), TONE_STEPS, t + i);
+		next[i] = a[i] > b[i] ? PLANE : ROW;
+	}
 	for (int i = 0; i < n; i++)
-		for (int k = 0; k < 4; k++) {
-			const float *from = table + at[i] + (k >> 1) * PLANE + (k & 1) * ROW;
-			low[k][i] = from[0];
-			high[k][i] = from[1];
+		at[i] += step_at(fabsf(slant[i]) * (TONE_SHEARS - 1), TONE_SHEARS, x + i) * SHEAR;
+	for (int i = 0; i < n; i++)
+		for (int k = 0; k < 2; k++) {
+			const float *from = table + at[i] + k * SHEAR;
+			low[CORNERS * k][i] = from[0];
+			high[CORNERS * k][i] = from[1];
+			low[CORNERS * k + 1][i] = from[next[i]];
+			high[CORNERS * k + 1][i] = from[next[i] + 1];
+			low[CORNERS * k + 2][i] = from[PLANE + ROW];
+			high[CORNERS * k + 2][i] = from[PLANE + ROW + 1];
 		}
 	for (int i = 0; i < n; i++) {
-		float one = mix(mix(low[0][i], high[0][i], t[i]), mix(low[1][i], high[1][i], t[i]), b[i]);
-		float other = mix(mix(low[2][i], high[2][i], t[i]), mix(low[3][i], high[3][i], t[i]), b[i]);
-		radius[i] = mix(one, other, a[i]);
+		float less = min(a[i], b[i]), more = max(a[i], b[i]), sum[2];
+		for (int k = 0; k < 2; k++) {
+			float none = mix(low[CORNERS * k][i], high[CORNERS * k][i], t[i]);
+			float one = mix(low[CORNERS * k + 1][i], high[CORNERS * k + 1][i], t[i]);
+			float both = mix(low[CORNERS * k + 2][i], high[CORNERS * k + 2][i], t[i]);
+			sum[k] = (1 - more) * none + (more - less) * one + less * both;
+		}
+		radius[i] = mix(sum[0], sum[1], x[i]);
 	}
 }
 
@@ -160,42 +195,9 @@ void ISA(tone_lattice_fill)(float least, float most, int n, const tone_field fie
 	}
 }
 
-/* Squared distances on the screen by steps along both axes. */
-typedef struct metric {
-	float first, both, second;
-} metric;
-
-/* As it is; and, as dots begin to overlap, as if rows met at right angles and dots had the same area: only so they
- * overlap by as much as was tried. The holes between dark ones, all that is seen of them, lie as slanted as the rows.
- */
-static inline metric metric_at(const tone_lattice *l, int i, float pitch, float dark)
-{
-	float x0 = l->across[0][i], y0 = l->up[0][i], x1 = l->across[1][i], y1 = l->up[1][i];
-	float size0 = pitch * (1 + l->grown[0][i]), size1 = pitch * (1 + l->grown[1][i]),
-	      square = clamp01(5 * dark - 2);
-	float first = mix(x0 * x0 + y0 * y0, size0 * size0, square),
-	      second = mix(x1 * x1 + y1 * y1, size1 * size1, square), both = (x0 * x1 + y0 * y1) * (1 - square);
-	float area = size0 * size1, even = area / sqrtf(max(first * second - both * both, 1e-3f * area * area));
-	even = square > 0 ? even : 1;
-	return (metric){first * even, 2 * both * even, second * even};
-}
-
-/* The squared distance of the nearest of the four dots about a pixel that are off by these parts of a step. */
-static inline float nearest(const tone_lattice *l, const metric *m, int i, float off0, float off1)
-{
-	float f0 = l->at[0][i] - off0, f1 = l->at[1][i] - off1, best = 1e30f;
-	f0 -= floorf(f0);
-	f1 -= floorf(f1);
-	for (int k = 0; k < 4; k++) {
-		float e0 = (k & 1 ? 1.0f : 0.0f) - f0, e1 = (k & 2 ? 1.0f : 0.0f) - f1;
-		best = min(best, e0 * e0 * m->first + e0 * e1 * m->both + e1 * e1 * m->second);
-	}
-	return max(best, 0);
-}
-
 /* Of the dots of one birth the radius and a pixel's distance, by the width of their edge. */
 typedef struct births {
-	float radius[4][TONE_CHUNK], distance[4][TONE_CHUNK];
+	float radius[YOUNG][TONE_CHUNK], distance[YOUNG][TONE_CHUNK];
 } births;
 
 enum { BLOCK = 32 };
@@ -214,7 +216,7 @@ static void cover_row(float soft, float share, int n, const births *b, const flo
 		      const float *restrict dark, float *restrict ink)
 {
 	memset(ink, 0, (size_t)n * sizeof *ink);
-	for (int k = 0; k < 4; k++)
+	for (int k = 0; k < YOUNG; k++)
 		for (int x = 0; x < n; x += BLOCK) {
 			const float *radius = b->radius[k] + x, *distance = b->distance[k] + x;
 			int end = n - x < BLOCK ? n - x : BLOCK, any = 0;
@@ -254,7 +256,7 @@ static inline float from_whole(float at)
 }
 
 static void painted(const tone_screen *s, int n, const tone_field field[2], const tone_lattice *l,
-		    float (*restrict root)[TONE_CHUNK], const float *restrict radius, births *restrict b)
+		    const float *restrict radius, births *restrict b)
 {
 	for (int i = 0; i < n; i++) {
 		float soft = s->soft + s->more_soft * sqrtf(l->pitch[0][i] * l->pitch[1][i]);
@@ -268,48 +270,55 @@ static void painted(const tone_screen *s, int n, const tone_field field[2], cons
 		g.area = sqrtf(fabsf(g.right0 * g.down1 - g.down0 * g.right1));
 		float x = size0 * from_whole(l->at[0][i]), x_between = size0 * from_whole(l->at[0][i] - 0.5f);
 		float y = size1 * from_whole(l->at[1][i]), y_between = size1 * from_whole(l->at[1][i] - 0.5f);
-		float r = radius[i], h0 = root[0][i], h1 = root[1][i];
+		float r = radius[i], share[3];
+		tone_births(l->grown[0][i], l->grown[1][i], share);
 		painted_dot(r, soft, x, y, &g, b->radius[0] + i, b->distance[0] + i);
-		painted_dot(r * h0, soft, x_between, y, &g, b->radius[1] + i, b->distance[1] + i);
-		painted_dot(r * h1, soft, x, y_between, &g, b->radius[2] + i, b->distance[2] + i);
-		painted_dot(r * (h0 * h1), soft, x_between, y_between, &g, b->radius[3] + i, b->distance[3] + i);
+		painted_dot(r * sqrtf(share[0]), soft, x_between, y, &g, b->radius[1] + i, b->distance[1] + i);
+		painted_dot(r * sqrtf(share[1]), soft, x, y_between, &g, b->radius[2] + i, b->distance[2] + i);
+		painted_dot(r * sqrtf(share[2]), soft, x_between, y_between, &g, b->radius[3] + i, b->distance[3] + i);
 	}
 }
 
-static void of_one_size(const tone_screen *s, float share, int n, const tone_lattice *l,
-			float (*restrict root)[TONE_CHUNK], const float *restrict radius, const float *restrict dark,
-			births *restrict b)
+static void of_one_size(float per, int n, const tone_spread *l, const float *restrict radius, births *restrict b)
 {
 	for (int i = 0; i < n; i++) {
-		float h0 = root[0][i], h1 = root[1][i], r = radius[i];
-		metric m = metric_at(l, i, s->pitch, dark[i]);
-		b->radius[0][i] = r * share;
-		b->radius[1][i] = r * h0 * share;
-		b->radius[2][i] = r * h1 * share;
-		b->radius[3][i] = r * h0 * h1 * share;
-		b->distance[0][i] = sqrtf(nearest(l, &m, i, 0, 0));
-		b->distance[1][i] = sqrtf(nearest(l, &m, i, 0.5f, 0));
-		b->distance[2][i] = sqrtf(nearest(l, &m, i, 0, 0.5f));
-		b->distance[3][i] = sqrtf(nearest(l, &m, i, 0.5f, 0.5f));
+		float r = radius[i] * per, wide = l->apart[0][i], high = l->apart[1][i];
+		b->radius[0][i] = r;
+		for (int k = 0; k < 3; k++)
+			b->radius[k + 1][i] = r * sqrtf(l->share[k][i]);
+		/* the nearest dot is in one of the two rows beside a pixel */
+		for (int young = 0; young < 2; young++) {
+			float off = l->at[1][i] - 0.5f * (float)young, best = 1e30f, best_between = 1e30f;
+			off -= floorf(off);
+			for (int k = 0; k < 2; k++, off -= 1) {
+				float along = fabsf(from_whole(l->at[0][i] + off * l->slant[i]));
+				float x = along * wide, between = (0.5f - along) * wide, y = off * high;
+				best = min(best, x * x + y * y);
+				best_between = min(best_between, between * between + y * y);
+			}
+			b->distance[2 * young][i] = sqrtf(best);
+			b->distance[2 * young + 1][i] = sqrtf(best_between);
+		}
 	}
 }
 
 void ISA(tone_dots)(const tone_screen *s, int n, const tone_field field[2], const float *restrict dark,
 		    float *restrict ink)
 {
-	tone_lattice l;
 	births b;
-	float root[2][TONE_CHUNK], radius[TONE_CHUNK], soft = s->soft + s->more_soft * s->pitch, share = 1 / soft;
-	ISA(tone_lattice_fill)(s->least, s->most, n, field, &l);
-	for (int k = 0; k < 2; k++)
-		for (int i = 0; i < n; i++)
-			root[k][i] = sqrtf(l.grown[k][i]);
-	radii_at(s, n, root[0], root[1], dark, radius);
+	float radius[TONE_CHUNK], soft = s->soft + s->more_soft * s->pitch;
 	if (s->least < s->most) {
-		painted(s, n, field, &l, root, radius, &b);
+		tone_lattice l;
+		ISA(tone_lattice_fill)(s->least, s->most, n, field, &l);
+		const float upright[TONE_CHUNK] = {0};
+		radii_at(s, n, upright, l.grown, dark, radius);
+		painted(s, n, field, &l, radius, &b);
 		cover_row(1, 1, n, &b, l.flat, dark, ink);
 	} else {
-		of_one_size(s, share, n, &l, root, radius, dark, &b);
-		cover_row(soft, share, n, &b, l.flat, dark, ink);
+		tone_spread l;
+		ISA(tone_spread_fill)(s->pitch, n, field, &l);
+		radii_at(s, n, l.slant, l.grown, dark, radius);
+		of_one_size(1 / soft, n, &l, radius, &b);
+		cover_row(soft, 1 / soft, n, &b, l.flat, dark, ink);
 	}
 }

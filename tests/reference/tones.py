@@ -10,7 +10,8 @@ from .tiles import pictured, thresholds
 
 SLOTS = 6
 SCREENS = ("DOTS", "LINES", "CROSS")
-BIRTHS, STEPS, RADII, SAMPLES = 11, 33, 40, 12
+SHEARS, BIRTHS, STEPS, RADII = 5, 7, 33, 40
+TRIES, ACROSS = 377, 233
 
 
 def even(dark):
@@ -29,38 +30,105 @@ def octave(x):
     return scale, x / scale
 
 
+def halfway(grown):
+    return grown * (4 - grown) / 3
+
+
+def births(grown):
+    """Areas of young dots half-way to the next dot, to the next row, to both."""
+    same = np.minimum(*grown) * (1 - np.maximum(*grown)) / 3
+    areas = grown[0] - same, grown[1] - same, grown[0] * grown[1] + 2 * same
+    return [area * (0.8 + 0.2 * area) for area in areas]
+
+
+def away(at, apart, slant, young):
+    """Pixels to the nearest dot of a birth, which is in one of the two rows beside."""
+    row = at[1] - young[1] / 2
+    best = np.inf
+    for off in (row - np.floor(row), row - np.floor(row) - 1):
+        along = at[0] - young[0] / 2 + off * slant
+        best = np.minimum(best, np.hypot((along - np.round(along)) * apart[0], off * apart[1]))
+    return best
+
+
+YOUNG = (0, 0), (1, 0), (0, 1), (1, 1)
+
+
 def radii(pitch, soft):
-    """Radius of whole dots by how grown the young ones along both axes are, and by darkness: tried out on a cell."""
-    out = np.zeros((BIRTHS, BIRTHS, STEPS))
+    """Radius of whole dots by how slanted rows lie, by how grown the young ones are, and by darkness: tried out on a
+    cell."""
+    out = np.zeros((SHEARS, BIRTHS, BIRTHS, STEPS))
     tried = np.linspace(0, 1.1 * pitch + soft, RADII + 1)
-    number = np.arange(SAMPLES)
-    down = np.repeat((number[:, None] + 0.5) / (2 * SAMPLES), SAMPLES, 1)
-    across = (number + (0.618034 * number[:, None]) % 1) / (2 * SAMPLES)  # rows are shifted against each other
-    for i, h0 in enumerate(np.linspace(0, 1, BIRTHS)):
-        for j, h1 in enumerate(np.linspace(0, 1, BIRTHS)):
-            x, y = across * pitch * (1 + h0**2), down * pitch * (1 + h1**2)
-            ink = np.zeros((RADII + 1, SAMPLES, SAMPLES))
-            for dx, w0 in ((0, 1), (0.5 * pitch * (1 + h0**2), h0)):
-                for dy, w1 in ((0, 1), (0.5 * pitch * (1 + h1**2), h1)):
-                    distance = np.hypot(x - dx, y - dy)
-                    ink = np.maximum(ink, disc(tried[:, None, None] * w0 * w1, distance, soft))
-            mean = even(ink.mean((1, 2)))
-            mean[0] = 0
-            out[i, j] = np.interp(np.linspace(0, 1, STEPS), np.maximum.accumulate(mean) + 1e-12 * np.arange(RADII + 1),
-                                  tried)
+    number = np.arange(TRIES)
+    across, down = number * ACROSS % TRIES / TRIES, (number + 0.5) / (2 * TRIES)
+    grown = 2 - np.sqrt(4 - 3 * np.linspace(0, 1, BIRTHS))
+    for place in np.ndindex(SHEARS, BIRTHS, BIRTHS):
+        slant, g0, g1 = place[0] / (SHEARS - 1), grown[place[1]], grown[place[2]]
+        ink = np.zeros((RADII + 1, TRIES))
+        for young, share in zip(YOUNG, (1, *births((g0, g1))), strict=True):
+            distance = away((across, down), (pitch * (1 + g0), pitch * (1 + g1)), slant, young)
+            ink = np.maximum(ink, disc(tried[:, None] * np.sqrt(share), distance, soft))
+        mean = even(ink.mean(1))
+        mean[0] = 0
+        out[place] = np.interp(np.linspace(0, 1, STEPS), np.maximum.accumulate(mean) + 1e-12 * np.arange(RADII + 1),
+                               tried)
     return out
 
 
-def looked_up(table, h0, h1, dark):
+def looked_up(table, slant, grown, dark):
+    """Between births by threes: along the diagonal they are others than beside it."""
+    axes = (slant, SHEARS), (halfway(grown[0]), BIRTHS), (halfway(grown[1]), BIRTHS), (even(dark), STEPS)
+    places = [np.clip(x, 0, 1) * (n - 1) for x, n in axes]
+    low = [np.minimum(np.floor(p).astype(int), n - 2) for p, (_, n) in zip(places, axes, strict=True)]
+    x, a, b, t = (p - at for p, at in zip(places, low, strict=True))
+    less, more, first = np.minimum(a, b), np.maximum(a, b), a > b
     out = 0.0
-    places = [np.clip(x, 0, 1) * (n - 1) for x, n in ((h0, BIRTHS), (h1, BIRTHS), (even(dark), STEPS))]
-    low = [np.minimum(np.floor(p).astype(int), n - 2) for p, n in zip(places, table.shape, strict=True)]
-    for corner in np.ndindex(2, 2, 2):
-        weight = 1.0
-        for c, p, a in zip(corner, places, low, strict=True):
-            weight = weight * (p - a if c else 1 - (p - a))
-        out = out + weight * table[tuple(a + c for a, c in zip(low, corner, strict=True))]
+    for shear, step in np.ndindex(2, 2):
+        weight = (x if shear else 1 - x) * (t if step else 1 - t)
+        for part, i, j in ((1 - more, 0, 0), (more - less, first + 0, 1 - first), (less, 1, 1)):
+            out = out + weight * part * table[low[0] + shear, low[1] + i, low[2] + j, low[3] + step]
     return out
+
+
+def reduced(fields):
+    """The shortest steps from dot to dot, the first the shorter: (by whole numbers of both axes, on the screen) each,
+    and where none show, as they are seen on their edge."""
+    (_, a, b), (_, c, d) = fields
+    cross = a * d - b * c
+    flat = ~(cross**2 > 1e-6 * (a * a + b * b) * (c * c + d * d))
+    cross, none, one = np.where(flat, 1, cross), np.zeros(cross.shape), np.ones(cross.shape)
+    first = np.stack([one, none]), np.where(flat, np.stack([one, none]), np.stack([d / cross, -c / cross]))
+    second = np.stack([none, one]), np.where(flat, np.stack([none, one]), np.stack([-b / cross, a / cross]))
+    for _ in range(10):
+        slant = (first[1] * second[1]).sum(0) / (first[1] ** 2).sum(0)
+        whole = np.where(np.abs(slant) > 0.5001, np.round(slant), 0)
+        second = [other - whole * one for one, other in zip(first, second, strict=True)]
+        swap = (second[1] ** 2).sum(0) < (first[1] ** 2).sum(0)
+        first, second = ([np.where(swap, two, one) for one, two in zip(first, second, strict=True)],
+                         [np.where(swap, one, two) for one, two in zip(first, second, strict=True)])
+    return first, second, flat
+
+
+def spread(fields, pitch):
+    """Dots as even on the screen as may be, in rows: (place in full-grown ones along rows and across, pixels between
+    them, how slanted rows lie, how grown the young are, their areas, where none show)."""
+    ((p, q), a), ((r, t), b), flat = reduced(fields)
+    sign, square, area = p * t - q * r, (a**2).sum(0), np.abs(a[0] * b[1] - a[1] * b[0])
+    back = np.floor(sign * (p * r + q * t) / (p * p + q * q) + 0.5)
+    r, t, slant = sign * r - back * p, sign * t - back * q, sign * (a * b).sum(0) / square - back
+    stretched = np.maximum(area / square, 1)
+    m0, grown0 = octave(np.sqrt(area / stretched) / pitch)
+    m1, grown1 = octave(np.sqrt(area * stretched) / pitch)
+    slant = slant * m0 / m1
+    turns = np.floor(slant / 2 + 0.5)
+    slant = slant - 2 * turns
+    rare = np.minimum(m0, m1)
+    u, v = (field[0] * rare - np.floor(field[0] * rare) for field in fields)
+    across = (v * p - u * q) * m1 / rare
+    at = (u * t - v * r) * m0 / rare + 2 * turns * across, across
+    grown = np.maximum(grown0 - 1, 0), np.maximum(grown1 - 1, 0)
+    shares = births(grown)
+    return at, (np.sqrt(square) / m0, area / np.sqrt(square) / m1), slant, grown, shares, flat
 
 
 def lattice(fields, least, most):
@@ -81,52 +149,33 @@ def lattice(fields, least, most):
             [s / m for s, m in zip(steps, scale, strict=True)], flat, pitch)
 
 
-TRIED, LEAST = 9, 5
+TRIED, LEAST = 8, 5
 
 
 def grown_dots(fields, dark, soft):
     """Dots as if painted on the thing. soft(pitch): pixels over which edges fade."""
     at, scale, grown, _, flat, pitch = lattice(fields, LEAST, 1e6)
-    root = [np.sqrt(g) for g in grown]
-    r = looked_up(radii(TRIED, soft(TRIED)), root[0], root[1], dark)
+    r = looked_up(radii(TRIED, soft(TRIED)), np.zeros(dark.shape), grown, dark)
     fade = soft(np.sqrt(pitch[0] * pitch[1]))
     size = [TRIED * (1 + g) for g in grown]
     slopes = [np.stack(fields[k][1:]) * size[k] * scale[k] for k in range(2)]
     even_slope = np.sqrt(np.abs(slopes[0][0] * slopes[1][1] - slopes[0][1] * slopes[1][0]))
     ink = np.zeros(dark.shape)
-    for i, j in np.ndindex(2, 2):
-        weight = (root[0] if i else 1) * (root[1] if j else 1)
-        away = [size[k] * (at[k] - half / 2 - np.round(at[k] - half / 2)) for k, half in enumerate((i, j))]
-        distance = np.hypot(*away)
-        slope = np.hypot(*(away[0] * slopes[0] + away[1] * slopes[1])) / np.maximum(distance, 1e-6)
+    for young, share in zip(YOUNG, (1, *births(grown)), strict=True):
+        to = [size[k] * (at[k] - half / 2 - np.round(at[k] - half / 2)) for k, half in enumerate(young)]
+        distance = np.hypot(*to)
+        slope = np.hypot(*(to[0] * slopes[0] + to[1] * slopes[1])) / np.maximum(distance, 1e-6)
         slope = np.maximum(np.maximum(np.where(distance > 1e-6, slope, 0), 0.25 * even_slope) * fade, 1e-30)
-        ink = np.maximum(ink, disc(r * weight / slope, distance / slope, 1))
+        ink = np.maximum(ink, disc(r * np.sqrt(share) / slope, distance / slope, 1))
     return np.where(flat, dark, ink)
 
 
 def dots(fields, dark, pitch, soft):
-    at, _, grown, step, flat, _ = lattice(fields, pitch, pitch)
-    root = [np.sqrt(g) for g in grown]
-    r = looked_up(radii(pitch, soft), root[0], root[1], dark)
-    # inner products of the steps; of dots that overlap, as if these met at right angles, the area of a cell the same
-    size = [pitch * (1 + g) for g in grown]
-    upright = clamp01(5 * dark - 2)
-    product = {(i, j): mix((step[i] * step[j]).sum(0), size[i] ** 2 if i == j else 0, upright)
-               for i in range(2) for j in range(2)}
-    area = np.sqrt(np.maximum(product[0, 0] * product[1, 1] - product[0, 1] ** 2, 1e-3 * (size[0] * size[1]) ** 2))
-    even_area = np.where(upright > 0, size[0] * size[1] / area, 1)
+    at, apart, slant, grown, shares, flat = spread(fields, pitch)
+    r = looked_up(radii(pitch, soft), np.abs(slant), grown, dark)
     ink = np.zeros(dark.shape)
-    for half0 in (0, 0.5):
-        for half1 in (0, 0.5):
-            part = [at[0] - half0, at[1] - half1]
-            part = [p - np.floor(p) for p in part]
-            best = np.full(dark.shape, np.inf)
-            for corner in np.ndindex(2, 2):
-                way = [c - p for c, p in zip(corner, part, strict=True)]
-                square = sum(way[i] * way[j] * product[i, j] for i in range(2) for j in range(2)) * even_area
-                best = np.minimum(best, np.sqrt(np.maximum(square, 0)))
-            weight = (root[0] if half0 else 1) * (root[1] if half1 else 1)
-            ink = np.maximum(ink, disc(r * weight, best, soft))
+    for young, share in zip(YOUNG, (1, *shares), strict=True):
+        ink = np.maximum(ink, disc(r * np.sqrt(share), away(at, apart, slant, young), soft))
     return np.where(flat, dark, ink)
 
 
