@@ -91,13 +91,19 @@ bool lamp_make(const encre_lamp *given, lamp *l)
 	return (l->color[0] || l->color[1] || l->color[2]) && dot(l->way, l->way) > 0.5f && finite_lamp(l);
 }
 
-/* Reversed bits of i as a fraction, and its twin by which pairs fill the square evenly (Sobol). */
-static float sobol(uint32_t i, bool second)
+/* Point i of Sobol's sequence in four dimensions (Joe and Kuo 2008): the first two fill a square evenly, and the others
+ * do whatever the first are. */
+static float sobol(uint32_t i, int dimension)
 {
-	uint32_t sum = 0, direction = 1u << 31;
-	for (; i; i >>= 1) {
-		sum ^= i & 1 ? direction : 0;
-		direction = second ? direction ^ direction >> 1 : direction >> 1;
+	uint32_t sum = 0, v[32] = {1u << 31, dimension ? 3u << 30 : 1u << 30, 1u << 29};
+	for (int k = 0; i >> k; k++) {
+		if (k > 1 && dimension < 2)
+			v[k] = dimension ? v[k - 1] ^ v[k - 1] >> 1 : v[k - 1] >> 1;
+		else if (k > 1 && dimension == 2)
+			v[k] = v[k - 1] ^ v[k - 2] ^ v[k - 2] >> 2;
+		else if (k > 2)
+			v[k] = v[k - 2] ^ v[k - 3] ^ v[k - 3] >> 3;
+		sum ^= i >> k & 1 ? v[k] : 0;
 	}
 	return (float)(sum >> 8) * (1.0f / (1 << 24));
 }
@@ -112,17 +118,16 @@ static void disc_of(float a, float b, float out[2])
 	out[1] = r * pixel_sin(angle);
 }
 
-/* Point i of a set of n, moved from its cell's corner to the middle; its place is that of a set of m. */
-static void point_of(uint32_t i, uint32_t n, uint32_t m, lamp_point *p)
+/* Point i of a set of n, moved from its cell's corner to the middle. Were its place in the pixel tied to that on the
+ * lamp, edges would be found beside where they are. */
+static void point_of(uint32_t i, uint32_t n, lamp_point *p)
 {
-	float half = 0.5f / (float)n, half_place = 0.5f / (float)m;
-	p->square[0] = sobol(i, false) + half;
-	p->square[1] = sobol(i, true) + half;
+	float half = 0.5f / (float)n;
+	p->square[0] = sobol(i, 0) + half;
+	p->square[1] = sobol(i, 1) + half;
 	disc_of(p->square[0], p->square[1], p->disc);
-	/* another order of the same set: where on the lamp, and where in the pixel, must not be alike */
-	uint32_t j = (i * 37 + 11) % m;
-	p->place[0] = 2 * (sobol(j, true) + half_place) - 1;
-	p->place[1] = 2 * (sobol(j, false) + half_place) - 1;
+	for (int c = 0; c < 2; c++)
+		p->place[c] = 2 * (sobol(i, 2 + c) + half) - 1;
 }
 
 /* Bits of column and row in turns: what stands together in a square of 2, 4 ... pixels follows each other. */
@@ -140,13 +145,13 @@ void lamp_points_make(lamp_points *p)
 	for (uint32_t y = 0; y < LAMP_TILE; y++)
 		for (uint32_t x = 0; x < LAMP_TILE; x++)
 			for (uint32_t k = 0; k < LAMP_POINTS; k++)
-				point_of(woven(x, y) * LAMP_POINTS + k, n, LAMP_POINTS, &p->of[y][x][k]);
+				point_of(woven(x, y) * LAMP_POINTS + k, n, &p->of[y][x][k]);
 	for (uint32_t y = 0; y < LAMP_WIDE; y++)
 		for (uint32_t x = 0; x < LAMP_WIDE; x++)
 			for (uint32_t k = 0; k < LAMP_DEALT; k++)
-				point_of(woven(x, y) * LAMP_DEALT + k, m, LAMP_DEALT, &p->first[y][x][k]);
+				point_of(woven(x, y) * LAMP_DEALT + k, m, &p->first[y][x][k]);
 	for (uint32_t k = 0; k < LAMP_PLAIN; k++)
-		point_of(k, LAMP_PLAIN, LAMP_PLAIN, &p->plain[k]);
+		point_of(k, LAMP_PLAIN, &p->plain[k]);
 	p->middle = (lamp_point){.square = {0.5f, 0.5f}};
 	p->rim[0] = (lamp_point){.square = {1, 0.5f}, .disc = {1, 0}};
 	p->rim[1] = (lamp_point){.square = {0.5f, 1}, .disc = {0, 1}};

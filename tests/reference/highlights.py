@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from .lamps import Lit, asked, disc, dot, sobol, unit
+from .lamps import Lit, asked, dot, unit
 from .light import surfaces
 
 
@@ -12,8 +12,7 @@ def draw(world, lamp, look, view, projection, width, height, points=4096):
     roughness, a coat's brightness and roughness, by what mirrors."""
     triangle, at, normal, _ = surfaces(world, view, projection, width, height)
     eye, lit, total = unit(np.linalg.inv(view)[:3, 3] - at), Lit(lamp), 0
-    q = asked(points, points)
-    q.square, q.disc = sobol(points) + 0.5 / points, disc(sobol(points) + 0.5 / points)
+    q = asked(points)
     for k in range(points):
         _, way = lit(at, normal, q[[k]])
         way = unit(way)

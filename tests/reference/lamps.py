@@ -31,15 +31,18 @@ class Asked:
 
 
 def sobol(n):
-    """The first n points of Sobol's sequence in the square; n is a power of two."""
-    first, second = [0.0], [0]
-    for k in range(n.bit_length() - 1):  # each half is the one before, moved
-        first += [x + 0.5 ** (k + 1) for x in first]
-        row = 0
-        for j in range(k + 1):  # Pascal's triangle, odd or even
-            row |= (k & j == j) << (31 - j)
-        second += [y ^ row for y in second]
-    return np.stack([first, np.array(second) / 2 ** 32], 1)
+    """The first n points of Sobol's sequence in four dimensions, by its polynomials (Joe and Kuo 2008)."""
+    out = np.zeros((n, 4), np.uint64)
+    for axis, (inner, first) in enumerate((((), ()), ((), (1,)), ((1,), (1, 3)), ((0, 1), (1, 3, 1)))):
+        m, degree = list(first) or [1], len(first)
+        while len(m) < (n - 1).bit_length():
+            new = m[-degree] << degree ^ m[-degree] if degree else 1
+            for k, factor in enumerate(inner, 1):
+                new ^= factor * m[-k] << k
+            m.append(new)
+        for k, value in enumerate(m):
+            out[np.arange(n) >> k & 1 == 1, axis] ^= np.uint64(value << 31 - k)
+    return out / 2 ** 32
 
 
 def disc(square):
@@ -52,19 +55,19 @@ def disc(square):
 
 
 @functools.cache
-def asked(n, m):
-    """n points, whose places come again after m."""
-    square, k = sobol(n) + 0.5 / n, np.arange(n)
-    return Asked(square, disc(square), 2 * (sobol(m)[(37 * k + 11) % m][:, ::-1] + 0.5 / m) - 1)
+def asked(n):
+    """n points."""
+    at = sobol(n) + 0.5 / n
+    return Asked(at[:, :2], disc(at[:, :2]), 2 * at[:, 2:] - 1)
 
 
 @functools.cache
-def dealt(side, each, m):
+def dealt(side, each):
     """Which points those pixels ask, (side, side, each), by row and column."""
     number = np.zeros((side, side), int)
     for y, x in np.ndindex(side, side):
         number[y, x] = sum((x >> k & 1) << 2 * k | (y >> k & 1) << 2 * k + 1 for k in range(3))
-    return asked(side * side * each, m), number[..., None] * each + np.arange(each)
+    return asked(side * side * each), number[..., None] * each + np.arange(each)
 
 
 def one(square=(0.5, 0.5), disc=(0, 0)):

@@ -163,13 +163,13 @@ class Picture:
         world, s, n = self.world, self.shown, len(self.x)
         falls = (s.triangle == STRAY) | ((s.triangle >= 0) & world.lit_by(lit.lamp.light_set)[s.triangle])
         middle = one()
-        plain_points = asked(PLAIN, PLAIN) if lit.soft else middle
+        plain_points = asked(PLAIN) if lit.soft else middle
         plain = sum(lit(s.at, s.normal, plain_points[k:k + 1])[0] for k in range(len(plain_points.square)))
         plain = lit.mean(s.at, s.normal, plain / len(plain_points.square))
         plain = np.where(falls & (s.triangle != NOTHING), plain, 0)
         there = plain > 0
         columns, rows = self.x + self.corner[0] - 1, self.y + self.corner[1] - 1
-        points, numbers = dealt(WIDE, DEALT, WIDE * WIDE * DEALT)
+        points, numbers = dealt(WIDE, DEALT)
         mine = numbers[rows % WIDE, columns % WIDE]
         all_, seen = np.zeros(n), np.zeros(n)
         for k in range(DEALT if lit.soft else 1):
@@ -247,7 +247,7 @@ class Picture:
         return self.levelled(fine, exact, there)
 
     def full_share(self, lit, i, there):
-        points, numbers = dealt(TILE, POINTS, POINTS)
+        points, numbers = dealt(TILE, POINTS)
         x, y = self.x[i], self.y[i]
         mine = numbers[(y + self.corner[1] - 1) % TILE, (x + self.corner[0] - 1) % TILE]
         columns = [self.goes_on(i, x + k, y, there) for k in (-1, 1)]
@@ -277,7 +277,7 @@ class Picture:
         all_, seen = first + sum(share(k) for k in range(FIRST, POINTS))
         none = all_ == 0
         for k in range(PLAIN):
-            value, comes = self.ask(lit, self.shown[i], asked(PLAIN, PLAIN)[k:k + 1])
+            value, comes = self.ask(lit, self.shown[i], asked(PLAIN)[k:k + 1])
             all_, seen = all_ + none * value, seen + none * comes
         rest = np.where(all_ > 0, seen / np.where(all_ > 0, all_, 1), 0)
         return np.where((lit_near & dark_near)[i], rest, first[1] > 0)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Drawn light: where shadows end against geometry, and that soft light is clean."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from encre.pen import library
@@ -66,6 +68,54 @@ def test_a_cubes_shadow_ends_where_geometry_says(width, most):
     found = np.concatenate(found)
     assert len(found) > 800
     assert np.percentile(found, 95) <= most
+
+
+def seen_share(lamp, places):
+    """What of a lamp that is high above the plane is seen from places on it, past the cube: by very many points."""
+    n = 96
+    i, m = np.arange(n * n), np.asarray(lamp.model)
+    r, turn = np.sqrt((i + 0.5) / n**2), i * 2.39996323
+    disc = np.stack([r * np.cos(turn), r * np.sin(turn)], 1)
+    square = np.stack([i % n, i // n], 1) / n + 0.5 / n - 0.5
+    out = []
+    for place in places:
+        to = m[:3, 3] - place
+        if lamp.kind == "rectangle":
+            way = to + square @ (m[:3, :2] * (lamp.width, lamp.height)).T
+            weight = way[:, 2] * (way @ m[:3, 2]) / np.linalg.norm(way, axis=1)**4
+        else:
+            axis = m[:3, 2] if lamp.kind == "sun" else reference.unit(to)
+            half = lamp.width / 2 if lamp.kind == "sun" else np.arcsin(lamp.width / np.linalg.norm(to))
+            down = 1 - (1 - np.cos(half)) * r**2
+            u = reference.unit(np.cross(axis, (0, 0, 1)))
+            rise = np.sqrt(1 - down**2)[:, None] * disc / r[:, None]
+            way = down[:, None] * axis + rise @ np.stack([u, np.cross(axis, u)])
+            weight = way[:, 2]
+        ends = (np.stack([(-1, -1, 0.001), (1, 1, 2.001)])[:, None] - place) / way
+        free = ends.min(0).max(1) > ends.max(0).min(1)
+        out.append((weight * free).sum() / weight.sum())
+    return np.array(out)
+
+
+@pytest.mark.parametrize("lamp, most", [
+    (Lamp("sun", width=0.12, model=look((3, 1.2, 5), (0, 0, 0.3))), 0.03),
+    (Lamp("point", width=0.5, model=look((-4, -2, 3), (0, 0, 0.3))), 0.012),
+    (Lamp("rectangle", width=1, height=1, model=look((-4, -2, 3), (0, 0, 0.3))), 0.012)],
+    ids=["sun", "ball", "rectangle"])
+def test_half_of_a_wide_lamps_light_is_where_an_integral_says(lamp, most):
+    stage = Stage(320, 180, eye=(-7, -6, 8))
+    light, plain = (stage.light(replace(lamp, shadows=k))[..., 0] for k in (True, False))
+    share = light / np.maximum(plain, 1e-9)
+    wide = np.hypot(*np.gradient(share)) < 0.15  # what is narrower has a ramp of two pixels
+    y, x = np.nonzero((abs(share - 0.5) < 0.2) & (stage.objects() == 1) & wide)
+    chosen = np.random.default_rng(0).permutation(len(x))[:150]
+    y, x = y[chosen], x[chosen]
+    ends = [np.stack([x / 160 - 1 + 1 / 320, 1 - y / 90 - 1 / 180, 0 * x + z, 0 * x + 1], 1)
+            @ np.linalg.inv(stage.projection @ stage.view).T for z in (-1.0, 1.0)]
+    a, b = (end[:, :3] / end[:, 3:] for end in ends)
+    places = a - (b - a) * (a[:, 2:] / (b[:, 2:] - a[:, 2:]))
+    off = share[y, x] - seen_share(lamp, places)
+    assert np.percentile(abs(off), 95) <= most
 
 
 def windows(picture):
