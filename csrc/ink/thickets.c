@@ -6,8 +6,9 @@
 #include "ink/tips.h"
 #include "fine/near.h"
 
-/* Px from node to node of the grid on which ink is weighed; at least 2 pixels. */
-static const float node = 20, least_node = 2;
+/* Px from node to node of the grids on which ink is weighed, at least 2 pixels: where lines get thinner, as about a
+ * small eye, and where some of a mass are left out, which would come and go with fewer of them to a node. */
+static const float dense = 8, sparse = 20, least_node = 2;
 
 enum { PLANES = 64 };
 
@@ -189,17 +190,22 @@ static int32_t share_out(const fine *n, grid *g, const pen_end *end)
 	return code;
 }
 
+/* What a line by itself covers of what is about it, times its width in nodes: at most 3/8 on a node, and more where it
+ * bends. */
+static const float by_itself = 0.5f;
+
 /* Where some may be left out, all get thinner only as long as they are crisp. */
 static void thin(const frame *f, const grid *g, uint32_t i, uint32_t strokes, pen_end *end)
 {
 	const fine *n = f->fine;
 	const placed *s = &n->site[i].placed;
 	const encre_params *p = params_at(f, s->near_x, s->near_y);
-	float most = p->line_density, share = share_at(g, s, 0),
-	      least = p->line_fewer * max(thinnest * f->scale, crisp);
-	for (uint32_t k = 0; share > most && most < 1 && k < strokes; k++) {
-		float *out = &end[(size_t)k * n->count + i].out, left = left_of(n->site + i, *out);
-		*out = max(left * most / share, min(left, least));
+	float share = share_at(g, s, 0), least = p->line_fewer * max(thinnest * f->scale, crisp);
+	for (uint32_t k = 0; p->line_density < 1 && k < strokes; k++) {
+		float *out = &end[(size_t)k * n->count + i].out, left = left_of(n->site + i, *out),
+		      most = max(p->line_density, by_itself * 2 * left / g->step);
+		if (share > most)
+			*out = max(left * most / share, min(left, least));
 	}
 }
 
@@ -212,7 +218,6 @@ static int32_t leave_out(frame *f, grid *g, const spots *at, const pen_end *end,
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = ISA(lines_matter)(f, at, matters);
 	g->matters = matters;
-	g->planes = PLANES;
 	if (!code)
 		code = share_out(n, g, end);
 	for (uint32_t i = 0; !code && i < n->count; i++) {
@@ -227,27 +232,45 @@ static int32_t leave_out(frame *f, grid *g, const spots *at, const pen_end *end,
 	return code;
 }
 
+/* A grid of nodes so many px apart, and room for its planes. */
+static bool grid_make(frame *f, float node, int planes, grid *g)
+{
+	*g = (grid){.step = max(node * f->scale, least_node), .planes = planes};
+	g->x = (float)f->place.x - floorf((float)f->place.x / g->step) * g->step;
+	g->y = (float)f->place.y - floorf((float)f->place.y / g->step) * g->step;
+	g->across = (int)(((float)f->width + g->x) / g->step) + 2;
+	g->tall = (int)(((float)f->height + g->y) / g->step) + 2;
+	g->share = late_take(&f->late, nodes_of(g) * (size_t)planes, sizeof *g->share);
+	g->mine = late_take(&f->late, (size_t)g->across + (size_t)g->tall, sizeof *g->mine);
+	if (!g->share || !g->mine)
+		return false;
+	show(g->mine, g->across, g->x, f->width, g->step);
+	show(g->mine + g->across, g->tall, g->y, f->height, g->step);
+	return true;
+}
+
+static void grid_drop(frame *f, grid *g)
+{
+	late_drop(&f->late, g->mine);
+	late_drop(&f->late, g->share);
+}
+
 int32_t ISA(thickets_thin)(frame *f, uint32_t strokes, const spots *at, pen_end *end, float *kept)
 {
 	const fine *n = f->fine;
-	grid g = {.step = max(node * f->scale, least_node), .planes = 1};
-	g.x = (float)f->place.x - floorf((float)f->place.x / g.step) * g.step;
-	g.y = (float)f->place.y - floorf((float)f->place.y / g.step) * g.step;
-	g.across = (int)(((float)f->width + g.x) / g.step) + 2;
-	g.tall = (int)(((float)f->height + g.y) / g.step) + 2;
-	g.share = late_take(&f->late, nodes_of(&g) * (kept ? PLANES : 1), sizeof *g.share);
-	g.mine = late_take(&f->late, (size_t)g.across + (size_t)g.tall, sizeof *g.mine);
-	if (!g.share || !g.mine)
+	grid g;
+	if (!grid_make(f, dense, 1, &g))
 		return ENCRE_ERROR_MEMORY;
-	show(g.mine, g.across, g.x, f->width, g.step);
-	show(g.mine + g.across, g.tall, g.y, f->height, g.step);
 	int32_t code = share_out(n, &g, end);
 	for (uint32_t i = 0; !code && i < n->count; i++)
 		if (!n->site[i].linked.dropped)
 			thin(f, &g, i, strokes, end);
-	if (!code && kept)
-		code = leave_out(f, &g, at, end, kept);
-	late_drop(&f->late, g.mine);
-	late_drop(&f->late, g.share);
+	grid_drop(f, &g);
+	if (code || !kept)
+		return code;
+	if (!grid_make(f, sparse, PLANES, &g))
+		return ENCRE_ERROR_MEMORY;
+	code = leave_out(f, &g, at, end, kept);
+	grid_drop(f, &g);
 	return code;
 }

@@ -223,6 +223,25 @@ def test_of_too_many_lines_some_are_left_out_and_the_others_black():
     assert (few[1:][black[:-1]] > 0.5).mean() > 0.9  # strokes, not crumbs
 
 
+def beside(*columns, **values):
+    """The ink of a row in the middle, where one body borders on the next at these columns."""
+    shape = 160, 160
+    body = np.broadcast_to((np.arange(shape[1])[:, None] >= columns).sum(1), shape)[..., None]
+    flat = np.ones((*shape, 3))
+    layers = dict(combined=np.ones((*shape, 4)), color=flat, diffuse=flat, depth=4.0 + 8 * body,
+                  normal=flat * (0, 0, 1), object=body + 1)
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    values = {**hands.PLAIN, "length_unit": "PIXELS", **values}
+    return library.render(layers, values, outputs=["Encre Lines"]).images["Encre Lines"][80, :, 3]
+
+
+def test_four_lines_close_by_leave_paper_between_them_and_a_broad_one_is_alone():
+    values = dict(line_thickness=6.0, line_density=0.4)
+    rings = beside(69, 77, 85, 93, **values)
+    assert all(rings[column] > 0.9 for column in (69, 77, 85, 93)) and rings[72:90].mean() < 0.5
+    assert beside(80, **{**values, "line_thickness": 24.0}).sum() == pytest.approx(24, abs=0.3)
+
+
 def test_lines_are_as_dense_at_the_rim_of_the_frame():
     ink = sparse()
     assert ink[:, :16].mean() == pytest.approx(ink[:, 60:100].mean(), rel=0.15)

@@ -12,10 +12,10 @@ SEED = 0x6d617373
 
 
 class Grid:
-    """Of nodes on which ink is weighed, by how much lines matter."""
+    """Of nodes, so many px apart, on which ink is weighed, by how much lines matter."""
 
-    def __init__(self, t, unit, shape):
-        self.t, self.step = t, max(20 * unit, 2)
+    def __init__(self, t, unit, shape, node):
+        self.t, self.step = t, max(node * unit, 2)
         self.shape = [int(side / self.step) + 2 for side in shape]
         where = np.maximum(t.at + 0.5, 0) / self.step
         x, y = np.minimum(np.floor(where).astype(int), np.array(self.shape[::-1]) - 2).T
@@ -71,18 +71,19 @@ def filled_by(t, radius):
 
 def thinned(t, hand, layers, half, most, fewer):
     """Half the widths where lines cover at most such a share of what is about them, and how much of each is left."""
-    unit, grid = hand.scale, Grid(t, hand.scale, layers.depth.shape)
+    unit, grid = hand.scale, Grid(t, hand.scale, layers.depth.shape, 8)
     crowd = 1 / np.maximum(t.site["crowd"], 1e-12)
     used = np.where(crowd < half, crowd, half)
     first = np.zeros(len(t), int)
     share = grid.at(grid.weigh(used, first, 1), first)
     least = np.minimum(used, fewer * max(0.8 * unit, 0.6))
-    thin = np.where((share > most) & (most < 1), np.maximum(used * most / np.maximum(share, 1e-12), least), half)
+    here = np.maximum(most, used / grid.step)  # a line by itself stays as it is
+    thin = np.where((share > here) & (most < 1), np.maximum(used * here / np.maximum(share, 1e-12), least), half)
     if not ((fewer > 0) & (most < 1)).any():
         return thin, np.ones(len(t))
     matters = np.minimum(_matters(t, hand, layers), 1) * (PLANES - 1)
     plane = matters.astype(int)
-    used = np.where(crowd < thin, crowd, thin)
+    used, grid = np.where(crowd < thin, crowd, thin), Grid(t, unit, layers.depth.shape, 20)
     shares = grid.weigh(used, matters, PLANES)
     share = grid.at(shares, first)
     more = mix(grid.at(shares, plane), grid.at(shares, plane + 1), matters - plane)
