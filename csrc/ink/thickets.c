@@ -8,7 +8,7 @@
 
 /* Px from node to node of the grids on which ink is weighed, at least 2 pixels: where lines get thinner, as about a
  * small eye, and where some of a mass are left out, which would come and go with fewer of them to a node. */
-static const float dense = 8, sparse = 20, least_node = 2;
+static const float dense = 12, sparse = 20, least_node = 2;
 
 enum { PLANES = 64 };
 
