@@ -265,6 +265,8 @@ void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *he
 		if (p->scale == 1) { /* every pixel has a texel of its own */
 			int32_t i = p->column[x];
 			n = p->width - i < x1 - x ? p->width - i : x1 - x;
+			for (int k = 0; k < n; k += 16) /* what is drawn goes on in the next row */
+				__builtin_prefetch(below + i + k);
 			copied_row(n, above + i, p->roughness, height + (x - x0));
 		} else {
 			n = x1 - x;
