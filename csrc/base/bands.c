@@ -12,7 +12,7 @@
 #include <unistd.h>
 #endif
 
-enum { LEAST_BANDS = 16 }; /* so that none is a twentieth of a frame */
+enum { LEAST_BANDS = 16 /* so that none is a twentieth of a frame */, LEAST_ROWS = 8 };
 /* Times that others get a turn before a thread sleeps. One job mostly follows another at once, and to wake up takes as
  * long as many jobs do. */
 enum { TURNS = 64 };
@@ -34,7 +34,7 @@ struct bands {
 	/* the job: */
 	bands_kernel kernel;
 	void *data;
-	int height, band, bands;
+	int height, band, whole, last, bands; /* so many whole bands, then smaller ones of so many rows */
 	atomic_int next, finished;
 
 	encre_progress call;
@@ -52,11 +52,19 @@ bool bands_stopped(const bands *pool)
 	       (pool->stop && atomic_load_explicit(pool->stop, memory_order_relaxed));
 }
 
+/* The first row of a band. */
+static int row_of(const bands *pool, int i)
+{
+	int whole = i < pool->whole ? i : pool->whole;
+	int64_t y = (int64_t)whole * pool->band + (int64_t)(i - whole) * pool->last;
+	return y < pool->height ? (int)y : pool->height;
+}
+
 static void work(bands *pool, int thread)
 {
 	int i;
 	while ((i = atomic_fetch_add(&pool->next, 1)) < pool->bands) {
-		int y0 = i * pool->band, y1 = pool->height - y0 < pool->band ? pool->height : y0 + pool->band;
+		int y0 = row_of(pool, i), y1 = row_of(pool, i + 1);
 		if (!bands_stopped(pool))
 			pool->kernel(pool->data, y0, y1, thread);
 		int finished = atomic_fetch_add(&pool->finished, 1) + 1;
@@ -163,9 +171,15 @@ int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *
 		return ENCRE_ERROR_CANCELLED;
 	if (height <= 0)
 		return ENCRE_OK;
-	if (band <= 0) { /* small enough to share evenly and to cancel soon, large enough to keep rows in cache */
+	bool even = band <= 0 && pool->threads > 1;
+	if (band <= 0) { /* small enough to cancel soon, large enough to keep rows in cache */
 		band = height / (pool->threads * 8 > LEAST_BANDS ? pool->threads * 8 : LEAST_BANDS);
-		band = band < 8 ? 8 : band > 64 ? 64 : band;
+		band = band < LEAST_ROWS ? LEAST_ROWS : band > 64 ? 64 : band;
+	}
+	int whole = height / band, last = band;
+	if (even) { /* the last ones are smaller, or of 17 one thread had 9 and waited for it */
+		whole = whole > pool->threads ? whole - pool->threads : 0;
+		last = band / 4 > LEAST_ROWS ? band / 4 : LEAST_ROWS;
 	}
 	pthread_mutex_lock(&pool->lock);
 	pool->kernel = kernel;
@@ -174,7 +188,9 @@ int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *
 	pool->band = band;
 	/* how many runs a stage makes is not known here: each takes half of what is left of the stage's share */
 	pool->middle = (pool->from + pool->to) / 2;
-	pool->bands = (height - 1) / band + 1;
+	pool->whole = whole;
+	pool->last = last;
+	pool->bands = whole + (height - whole * band + last - 1) / last;
 	atomic_store(&pool->next, 0);
 	atomic_store(&pool->finished, 0);
 	if (pool->threads > 1 && pool->bands > 1) {
