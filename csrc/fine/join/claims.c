@@ -3,7 +3,7 @@
  * together with weak sites alone, nothing that is too short to be a line. */
 #include "fine/near.h"
 
-enum { CHUNK = 2048 };
+enum { CHUNK = 512 };
 
 static const uint32_t long_contour = 24; /* sites that hang together: however faint, it is a line */
 /* Pixels that a step keeps from the stripes in its own layer, and within which one holds it; test_fine_passes */

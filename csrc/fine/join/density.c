@@ -4,7 +4,7 @@
  * thinner as the next lines on both sides come near, and are gone before that is all there is to see. */
 #include "fine/near.h"
 
-enum { CHUNK = 2048 };
+enum { CHUNK = 512 };
 
 /* In px: next lines are looked for so far away, and their distance is averaged over so much each way. */
 static const float reach = 10, spread = 20; /* test_fine_passes */

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { CHUNK = 2048, FEW = 4, EVEN_ROUNDS = 2 };
+enum { CHUNK = 512, FEW = 4, EVEN_ROUNDS = 2 };
 
 static const float link_reach = 1.6f;  /* pixels; test_fine_passes */
 static const float most_uneven = 0.3f; /* test_fine_passes */

@@ -4,7 +4,7 @@
  * within a thing beside another of it: the rim of an eyelid is one line from afar. */
 #include "fine/near.h"
 
-enum { CHUNK = 2048, EVENED = 12, OWN = 12 /* sites each way along a line */, RUNG = 6 };
+enum { CHUNK = 512, EVENED = 12, OWN = 12 /* sites each way along a line */, RUNG = 6 };
 
 static const float share = 0.25f; /* of the room beyond what closes, which a line's half may take; test_fine_passes */
 

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { CHUNK = 2048, AROUND = 16 /* sites each way along a line */, MEETINGS = 4, LONG = 6 };
+enum { CHUNK = 512, AROUND = 16 /* sites each way along a line */, MEETINGS = 4, LONG = 6 };
 
 /* Px. What is wider is no thin thing, and no line of one is made thinner. */
 static const float widest = 16, least_radius = 1.25f, least_tip = 0.75f; /* test_fine_passes */
