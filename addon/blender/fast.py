@@ -6,7 +6,7 @@ import dataclasses
 import bpy
 import numpy as np
 
-from ..pen import abi, background, library, overlay, rims
+from ..pen import abi, background, library, overlay
 from ..pen.irradiance import polynomials
 from ..pen.job import Camera
 from ..pen.sky import Sky, directions
@@ -186,9 +186,6 @@ class Scene:
         yield []
         normal = _facing(layers["normal"], looks)
         layers["diffuse"] = self._from_camera(normal, view) if diffuse is None else diffuse
-        if diffuse is not None and not sharp:
-            rims.hold(diffuse, layers["object"])
-            yield []
         layers["combined"] = combined = np.empty((*there.shape, 4), np.float32)
         np.multiply(layers["color"], layers["diffuse"], out=combined[..., :3])
         if glows:

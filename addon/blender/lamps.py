@@ -179,12 +179,12 @@ class Light:
         """The Work that draws the layer `diffuse`; clip: as the Light was made with, of what looks at it now; sharp and
         more: as light_work() takes them."""
         return self.scene.light_work(depth, normal, view, projection, frame, *clip, self.free, self.bends, sharp,
-                                     **more)
+                                     rims=not sharp, **more)
 
     def draw(self, depth, normal, view, projection, frame, threads, progress):
         """The layer `diffuse`."""
         return self.scene.light(depth, normal, view, projection, frame, *self.clip, self.free, threads,
-                                progress=progress, bends=self.bends)
+                                progress=progress, bends=self.bends, rims=True)
 
 
 # Lamps

@@ -11,7 +11,7 @@ them, slim for little room; stored tells what a file's channels are, exr reads t
 metadata and presets write and read values; installed tells where the library's file lies, background has works that go
 on beside Python, around what a part of a frame needs about it, shown pictures of how one comes about. denoise,
 supersample, unwrap and colour are pictures' arithmetic, even takes what is left of noise out of light, along makes
-its curves calm and rims its rims, through makes surfaces whole that let some light through, irradiance and sky are the
+its curves calm, through makes surfaces whole that let some light through, irradiance and sky are the
 light of a world, program what a material computes, tangents where U grows along a surface.
 
 To add: what the engine and the command line both need comes here, if it can do without Blender; numpy only. C's structs

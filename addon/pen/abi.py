@@ -126,6 +126,7 @@ class LightJob(c.Structure):
                 ("normal", Image), ("diffuse", Image), ("shine", Image), ("turned", Image),
                 ("specular", Image),
                 ("world", c.c_float * 27), ("n_bends", c.c_int32), ("bends", c.c_void_p), ("sharp", c.c_bool),
+                ("rims", c.c_bool),
                 ("progress", Progress), ("user", c.c_void_p)]
 
 

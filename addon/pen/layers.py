@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from . import rims
 from .errors import EncreError
 from .job import Frame
 from .settings import Settings
@@ -277,8 +276,6 @@ def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str,
     if illuminate:
         # A surface without a diffuse colour has no diffuse light.
         layers["diffuse"] = illuminate(layers["depth"], layers["normal"]) * layers["color"].any(2, keepdims=True)
-        if "object" in layers:
-            rims.hold(layers["diffuse"], layers["object"])
     _light(read, layers, settings, denoise, denoise_other)
     if "Denoising Albedo" in read and "Denoising Normal" in read:
         layers["seen_color"] = read.raw("Denoising Albedo")

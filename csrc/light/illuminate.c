@@ -85,11 +85,13 @@ static void write_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1; y++)
 		for (int x = 0; x < out->width; x++) {
 			ptrdiff_t i = (ptrdiff_t)(y + LIGHT_MARGIN) * l->width + x + LIGHT_MARGIN;
-			float rgb[3] = {l->sum[3 * i], l->sum[3 * i + 1], l->sum[3 * i + 2]};
+			float rgb[3] = {l->sum[3 * i], l->sum[3 * i + 1], l->sum[3 * i + 2]}, keep = 1;
 			if (l->surfaces[i].instance == SURFACE_NOTHING)
 				borrow(l, x + LIGHT_MARGIN, y + LIGHT_MARGIN, rgb);
+			else if (l->job->rims)
+				keep = ISA(lone_rim)(l, x + LIGHT_MARGIN, y + LIGHT_MARGIN);
 			for (int c = 0; c < 3; c++)
-				rgb[c] = min(max(rgb[c], 0), FLT_MAX);
+				rgb[c] = min(max(keep * rgb[c], 0), FLT_MAX);
 			memcpy((char *)out->data + y * out->row_stride + x * out->pixel_stride, rgb, sizeof rgb);
 		}
 }

@@ -102,6 +102,10 @@ int32_t ISA(soft_run)(light *l);
 /* narrow.c: puts the edges of narrow penumbrae into `spare` and `exact`, and looks NARROW_REACH pixels far for them. */
 enum { NARROW_REACH = 4 };
 int32_t ISA(narrow_run)(light *l);
+/* lone.c: what a pixel's share lacks so that grain does not let it stand out from all about it; what of the light of
+ * all lamps a pixel within the margin keeps. */
+float ISA(lone_grain)(const light *l, const float *share, int x, int y);
+float ISA(lone_rim)(const light *l, int x, int y);
 /* Adds a point's light to *all, and to *seen if nothing is in its way. */
 void ISA(shadow_ask)(const light *l, const surface *s, const lamp_point *q, float *all, float *seen, rays *from);
 /* A bit for each pixel of the square from (x, y) on, above row `end`, that is wanted, row by row of SHAFT_SIDE;
@@ -143,6 +147,14 @@ static inline bool one_surface(const surface *a, const surface *b)
 	vec d = minus(b->at, a->at);
 	float near = 0.3f * sqrtf(dot(d, d));
 	return dot(a->across, b->across) > 0.5f && fabsf(dot(d, a->across)) <= near && fabsf(dot(d, b->across)) <= near;
+}
+
+/* Whether a place shows the surface of another pixel, and some of the lamp's light may come there. */
+static inline bool goes_on(const light *l, int x, int y, int u, int v)
+{
+	ptrdiff_t i = (ptrdiff_t)y * l->width + x, j = (ptrdiff_t)v * l->width + u;
+	return u >= 0 && v >= 0 && u < l->width && v < l->height && l->state[j] &&
+	       one_surface(l->surfaces + i, l->surfaces + j);
 }
 
 #endif

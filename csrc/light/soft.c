@@ -18,14 +18,12 @@ enum {
 	TAPS = LAMP_TILE - 1,
 	FARTHEST = 8,                /* pixels: to the places of a pair; then by halves */
 	REACH = TAPS + 2 * FARTHEST, /* pixels: of the means and what levels them together */
-	ABOUT = 5,                   /* of eight neighbours: how many must be known to call a pixel a speck */
 };
 _Static_assert(NEAR + NARROW_REACH + REACH + 2 <= LIGHT_MARGIN - 2,
 	       "beyond the images surfaces are known in the margin only");
 
 /* Shares that differ by more are on two sides of an edge: of the places of a tile; of pairs, a pixel apart. */
 static const float alike_dealt = 0.35f, alike_pairs = 0.04f;
-static const float most_speck = 0.1f; /* by so much a share may stand out from all about it by chance */
 
 /* Whether there is light and shadow near a square at all, on whatever surfaces. */
 static bool mixed_about(const light *l, int x, int y)
@@ -54,13 +52,6 @@ static bool mixed_near(const light *l, int x, int y)
 				return true;
 		}
 	return false;
-}
-
-static bool goes_on(const light *l, int x, int y, int u, int v)
-{
-	ptrdiff_t i = (ptrdiff_t)y * l->width + x, j = (ptrdiff_t)v * l->width + u;
-	return u >= 0 && v >= 0 && u < l->width && v < l->height && l->state[j] &&
-	       one_surface(l->surfaces + i, l->surfaces + j);
 }
 
 /* What a place shows between the centres of pixels i and j. Beyond a triangle its plane runs under the next one where
@@ -263,26 +254,6 @@ static void pair_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
-/* The nearest share between the least and the largest of those about a pixel on its surface, less its own. */
-static float off_speck(const smoothing *m, int x, int y)
-{
-	const light *l = m->light;
-	const ptrdiff_t i = (ptrdiff_t)y * l->width + x;
-	float low = 1, high = 0;
-	int known = 0;
-	for (int v = y - 1; v <= y + 1; v++)
-		for (int u = x - 1; u <= x + 1; u++) {
-			if ((u == x && v == y) || !goes_on(l, x, y, u, v))
-				continue;
-			const float share = m->from[(ptrdiff_t)v * l->width + u];
-			low = min(low, share);
-			high = max(high, share);
-			known++;
-		}
-	const float off = known < ABOUT ? 0 : min(max(m->from[i], low), high) - m->from[i];
-	return fabsf(off) < most_speck ? off : 0;
-}
-
 static void level_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -293,7 +264,7 @@ static void level_rows(void *data, int y0, int y1, int thread)
 			float exact = m->light->exact[i];
 			m->to[i] = m->from[i];
 			if (exact >= 0 && exact < 1)
-				m->to[i] += (1 - exact) * off_speck(m, x, y);
+				m->to[i] += (1 - exact) * ISA(lone_grain)(m->light, m->from, x, y);
 		}
 }
 

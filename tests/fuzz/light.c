@@ -177,6 +177,7 @@ task random_light(void)
 	if (chance(0.01))
 		job.world[whole(0, 26)] = weird();
 	job.sharp = chance(0.3);
+	job.rims = chance(0.5);
 	static encre_bend bends[4];
 	job.bends = bends;
 	job.n_bends = chance(0.5) ? whole(0, 4) : 0;

@@ -382,7 +382,19 @@ class Picture:
 
     # ---- all
 
-    def light(self, lamps, polynomials=None, world=None):
+    def kept_at_rims(self, level, there):
+        """What pixels beside another thing keep of their light: what lies within that of their own about."""
+        thing = np.where(self.shown.triangle >= 0, np.append(self.world.owner, 0)[self.shown.triangle], -2)
+        low, high, rim = np.full(len(level), np.inf), np.full(len(level), -np.inf), np.zeros(len(level), bool)
+        for a, b, j, within in self.neighbours(1):
+            same = within & there[j] & (thing[j] == thing)
+            rim |= (abs(a) + abs(b) == 1) & ~same
+            ok = same & bool(a or b)
+            low, high = np.where(ok, np.minimum(low, level[j]), low), np.where(ok, np.maximum(high, level[j]), high)
+        held = there & rim & (low <= high) & (level > 0)
+        return np.where(held, np.clip(level, low, high) / np.where(held, level, 1), 1)
+
+    def light(self, lamps, polynomials=None, world=None, rims=False):
         """The layer (H, W, 3)."""
         total = np.zeros((len(self.x), 3))
         there = self.shown.triangle != NOTHING
@@ -398,7 +410,8 @@ class Picture:
                 ok = (a * a + b * b == far) & within & there[j] & (nearest >= far)
                 nearest[ok], count[ok] = far, count[ok] + 1
                 sums[ok] += total[j[ok]]
-        lent = ~there & (count > 0)
+        lent, keep = ~there & (count > 0), self.kept_at_rims(total.max(1), there)
         total[lent] = sums[lent] / count[lent][:, None]
+        total *= keep[:, None] if rims else 1
         whole = total.reshape(self.height, self.width, 3)
         return whole[MARGIN:-MARGIN, MARGIN:-MARGIN]

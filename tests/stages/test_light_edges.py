@@ -157,6 +157,27 @@ def test_soft_light_is_clean(lamp):
     assert specks(light, objects).max() < 0.01
 
 
+@pytest.mark.parametrize("frame", [Frame(160, 90), Frame(160, 90, 70, 31)], ids=["whole", "part"])
+def test_at_rims_light_is_within_that_of_the_same_thing_about(frame):
+    stage = Stage(160, 90, smooth=True)
+    lamp, part = Lamp("sun", (1.0, 0.5, 0.25), model=look((1, 5, 1.5), (0, 0, 0))), np.s_[frame.y:, frame.x:]
+    light = stage.light(lamp, depth=stage.depth()[part], frame=frame, rims=True)
+    level, thing = (np.pad(a, 1, constant_values=np.nan) for a in (light.max(2), stage.objects()[part]))
+    held, rims = 0, 0
+    for y, x in np.argwhere(thing > 0):
+        same = thing[y - 1:y + 2, x - 1:x + 2] == thing[y, x]
+        same[1, 1] = False
+        if np.isnan(thing[y - 1:y + 2, x - 1:x + 2]).any() or same[::2, 1].all() & same[1, ::2].all() or not same.any():
+            continue
+        about = level[y - 1:y + 2, x - 1:x + 2][same]
+        assert about.min() * 0.9999 <= level[y, x] <= about.max() * 1.0001
+        rims, held = rims + 1, held + (level[y, x] in about)
+    assert rims > 100 and held > 5
+    assert (light == stage.light(lamp, rims=True)[part]).all() and (light != stage.light(lamp)[part]).any()
+    lit = light.max(2) > 0
+    np.testing.assert_allclose(light[lit] / light.max(2)[lit][:, None], [(1, 0.5, 0.25)] * lit.sum(), rtol=1e-5)
+
+
 def waves(n=40):
     """(points, corners, normals) of a smooth surface with hollows."""
     x, y = np.meshgrid(np.linspace(-1, 1, n), np.linspace(-1, 1, n))

@@ -51,8 +51,8 @@ def alike(got, want, within=3e-6):
 class Case:
     """A scene with lamps, its layers, and what the twin draws. Nothing here calls the library."""
 
-    def __init__(self, lamps, stage=None, frame=None, world=None, hidden=np.s_[:0], bends=(), off=1):
-        self.lamps, self.stage, self.by, self.bends = lamps, stage or scene(), world, bends
+    def __init__(self, lamps, stage=None, frame=None, world=None, hidden=np.s_[:0], bends=(), off=1, rims=False):
+        self.lamps, self.stage, self.by, self.bends, self.rims = lamps, stage or scene(), world, bends, rims
         self.frame = frame or Frame(WIDTH, HEIGHT)
         part = np.s_[self.frame.y:self.frame.y + HEIGHT, self.frame.x:self.frame.x + WIDTH]
         self.depth, self.normal = (layer[part].copy() for layer in layers(self.stage))
@@ -60,11 +60,11 @@ class Case:
         self.depth *= np.float32(off)
         twin = Picture(self.stage.world, self.stage.view, self.stage.projection, (self.frame.width, self.frame.height),
                        0.1, self.depth, self.normal, (self.frame.x, self.frame.y), bends)
-        self.want = twin.light(lamps, irradiance.polynomials, world)
+        self.want = twin.light(lamps, irradiance.polynomials, world, rims)
 
     def got(self):
         return self.stage.light(*self.lamps, depth=self.depth, normal=self.normal, frame=self.frame, world=self.by,
-                                bends=self.bends)
+                                bends=self.bends, rims=self.rims)
 
 
 MORE = {
@@ -157,6 +157,8 @@ def with_holes(extension, closest):
 ALL = {**{name: functools.partial(Case, [lamp]) for name, lamp in {**LAMPS, **MORE}.items()},
        **{f"bends, {name}": functools.partial(with_bends, lamp) for name, lamp in
           (("sun", LAMPS["sun"]), ("point", LAMPS["point"]), ("small rectangle", MORE["small rectangle"]))},
+       **{f"rims, {name}": functools.partial(Case, [LAMPS["sun"], LAMPS[name]], rims=True)
+          for name in ("point", "ball")},
        "rough": functools.partial(rough, 8), "rougher": functools.partial(rough, 1),
        "between": between, "sets": with_sets, "orthographic": straight,
        "holes": functools.partial(with_holes, "REPEAT", False),
