@@ -129,11 +129,11 @@ static inline int32_t step_at(float at, int n, float *rest)
 static void radii_at(const tone_screen *s, int n, const float *restrict slant, float (*restrict grown)[TONE_CHUNK],
 		     const float *restrict dark, float *restrict radius)
 {
-	enum { ROW = TONE_STEPS, PLANE = TONE_BIRTHS * ROW, SHEAR = TONE_BIRTHS * PLANE, CORNERS = 3 };
+	enum { ROW = TONE_STEPS, PLANE = TONE_BIRTHS * ROW, SHEAR = TONE_BIRTHS * PLANE };
 	const float *table = s->radius[0][0][0];
 	int32_t at[TONE_CHUNK], next[TONE_CHUNK];
-	float a[TONE_CHUNK], b[TONE_CHUNK], x[TONE_CHUNK], t[TONE_CHUNK], low[2 * CORNERS][TONE_CHUNK],
-		high[2 * CORNERS][TONE_CHUNK];
+	float a[TONE_CHUNK], b[TONE_CHUNK], x[TONE_CHUNK], t[TONE_CHUNK];
+	float none[2][TONE_CHUNK], one[2][TONE_CHUNK], both[2][TONE_CHUNK];
 	for (int i = 0; i < n; i++) {
 		at[i] = step_at(halfway(grown[0][i]) * (TONE_BIRTHS - 1), TONE_BIRTHS, a + i) * PLANE +
 			step_at(halfway(grown[1][i]) * (TONE_BIRTHS - 1), TONE_BIRTHS, b + i) * ROW +
@@ -145,21 +145,14 @@ static void radii_at(const tone_screen *s, int n, const float *restrict slant, f
 	for (int i = 0; i < n; i++)
 		for (int k = 0; k < 2; k++) {
 			const float *from = table + at[i] + k * SHEAR;
-			low[CORNERS * k][i] = from[0];
-			high[CORNERS * k][i] = from[1];
-			low[CORNERS * k + 1][i] = from[next[i]];
-			high[CORNERS * k + 1][i] = from[next[i] + 1];
-			low[CORNERS * k + 2][i] = from[PLANE + ROW];
-			high[CORNERS * k + 2][i] = from[PLANE + ROW + 1];
+			none[k][i] = mix(from[0], from[1], t[i]);
+			one[k][i] = mix(from[next[i]], from[next[i] + 1], t[i]);
+			both[k][i] = mix(from[PLANE + ROW], from[PLANE + ROW + 1], t[i]);
 		}
 	for (int i = 0; i < n; i++) {
 		float less = min(a[i], b[i]), more = max(a[i], b[i]), sum[2];
-		for (int k = 0; k < 2; k++) {
-			float none = mix(low[CORNERS * k][i], high[CORNERS * k][i], t[i]);
-			float one = mix(low[CORNERS * k + 1][i], high[CORNERS * k + 1][i], t[i]);
-			float both = mix(low[CORNERS * k + 2][i], high[CORNERS * k + 2][i], t[i]);
-			sum[k] = (1 - more) * none + (more - less) * one + less * both;
-		}
+		for (int k = 0; k < 2; k++)
+			sum[k] = (1 - more) * none[k][i] + (more - less) * one[k][i] + less * both[k][i];
 		radius[i] = mix(sum[0], sum[1], x[i]);
 	}
 }
