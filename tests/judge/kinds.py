@@ -7,13 +7,14 @@ from functools import cached_property
 import numpy as np
 from reference import near
 
+from . import shapes
 from .camera import look
 from .meshes import box as hull
 from .meshes import quad
 from .scene import Light, Scene
 from .scenes import COLORS, SUN, turned
-from .shapes import Cone, HalfSpace, Solid, across, box, cone, ground, polygon, unit
-from .told import Told, bevelled, grown, joined, prism, rock, tube
+from .shapes import Cone, HalfSpace, Solid, across, ball, box, cone, ground, polygon, unit
+from .told import Told, bevelled, grid, grown, joined, prism, rock, tube, wheel, zigzag
 
 CROWD = 10  # pixels between boundaries of colours, below which their lines thin out
 FLAT = Light(SUN, sun=0.0, ambient=0.7)
@@ -134,6 +135,81 @@ def railing(**more):
     return Scene(look([0.3, 1.3, 5.5], [0, 0.6, 0], **more), coloured([ground(0.0), *bars, rail]), FLAT)
 
 
+def collars(**more):
+    """Columns with collars two to eight pixels wide that stand out by half a pixel to four."""
+    columns = [((-1.7, 0, 0), (0, 1, 0), 0.42, 2.1, ((0.2, 0.03, 0.02), (0.5, 0.06, 0.06), (0.9, 0.1, 0.03),
+                                                     (1.25, 0.04, 0.04), (1.33, 0.04, 0.04), (1.7, 0.12, 0.07))),
+               ((0, 0, -0.3), (0.15, 1, 0.1), 0.3, 2.2, ((0.3, 0.05, 0.01), (0.8, 0.05, 0.03), (1.3, 0.05, 0.05),
+                                                         (1.8, 0.05, 0.09))),
+               ((0.8, 0.9, 0.4), (1, 0.15, 0.45), 0.28, 1.6, ((0.2, 0.06, 0.05), (0.5, 0.03, 0.03), (0.9, 0.1, 0.05),
+                                                              (1.3, 0.05, 0.01)))]
+    return Scene(look([0.1, 1.8, 6.0], [0, 0.95, 0], **more),
+                 coloured([ground(0.0), *(solid for one in columns for solid in column(*one))]), FLAT)
+
+
+def louvres(**more):
+    """Upright slats in a row that runs away from the eye, under a rail: gaps of eight pixels to none."""
+    slats = [box((0.5, 1.9, 0.03), (-1.9 + 0.16 * k, 1.05, 1.4 - 0.42 * k), turned(0.9 + 0.01 * k)) for k in range(17)]
+    rail = box((0.08, 0.08, 9), (-0.5, 2.05, -2.0), turned(-0.364))
+    return Scene(look([-0.9, 1.5, 6.0], [-0.4, 1.0, 0], **more), coloured([ground(0.0), *slats, rail]), FLAT)
+
+
+def spiral(**more):
+    """Wedges three to seven pixels high about a column."""
+    turns = np.arange(8) * np.pi / 4
+    solids = [ground(0.0), shapes.prism(0.14 * np.stack([np.cos(turns), np.sin(turns)], 1), 2.6, (0, 1.3, 0),
+                                        turned(0, np.pi / 2))]
+    wedge = [(0.02, -0.05), (1.15, -0.2), (1.15, 0.2), (0.02, 0.05)]
+    solids += [shapes.prism(wedge, 0.07, (0, 0.12 + 0.12 * k, 0), turned(0.35 * k + 0.3) @ turned(0, np.pi / 2))
+               for k in range(20)]
+    return Scene(look([0.2, 2.6, 6.0], [0, 1.1, 0], **more), coloured(solids), FLAT)
+
+
+def discs(**more):
+    """Round plates close before one another, whose rims leave crescents of one to four pixels."""
+    solids, z = [box((6, 4, 0.1), (0, 1.2, -1.6), turned(0))], -1.0
+    for x, y, radius, before in ((-1.2, 1.2, 0.9, 0), (-1.16, 1.22, 0.9, 0.2), (-0.9, 1.0, 0.6, 0.1),
+                                 (-0.85, 1.03, 0.6, 0.02), (0.9, 1.5, 0.7, 0.3), (0.95, 1.46, 0.66, 0.03),
+                                 (1.0, 1.4, 0.6, 0.2), (0.3, 0.5, 0.5, 0.3), (0.9, 0.45, 0.5, 0.02),
+                                 (0, 2.0, 0.4, 0.15), (0.05, 2.0, 0.37, 0.1)):
+        z += before + 0.015
+        solids.append(cone((x, y, z - 0.015), (0, 0, 1), radius, radius, 0.015))
+    return Scene(look([0.15, 1.25, 6.0], [0, 1.2, 0], roll=0.05, **more), coloured(solids), FLAT)
+
+
+def tips(**more):
+    """Cones, blunt to like a needle, that point at the eye, aside and away."""
+    cones = [cone((x, y, 0), unit(way), radius, 0.0, tall) for x, y, way, radius, tall in (
+        (-2, 0.5, (0.1, 1, 0.3), 0.5, 0.9), (-0.9, 0.6, (0.2, 0.3, 1), 0.6, 0.7),
+        (0.3, 0.5, (-0.2, 0.25, 0.8), 0.45, 1.3), (1.2, 0.4, (0.3, 1, -0.4), 0.4, 1.2),
+        (2.5, 0.7, (-1, 0.4, 0.1), 0.25, 0.85), (-1.7, 1.9, (1, -0.25, 0.2), 0.35, 1.2),
+        (0.1, 2.1, (0.1, -1, 0.1), 0.4, 0.8), (1.4, 1.9, (0, -0.2, 1), 0.55, 0.25))]
+    return Scene(look([0.1, 1.4, 6.0], [0, 1.1, 0], **more), coloured([ground(-0.3), *cones]), FLAT)
+
+
+def balls(**more):
+    """Balls that touch one another, and sink into the floor and a wall."""
+    places = ((-1.9, 0.1, 0.3, 0.5), (-1.2, 0.25, 0.8, 0.4), (-0.55, 0.35, 0.35, 0.45), (0.2, -0.2, 0.6, 0.6),
+              (0.75, 0.5, -0.6, 0.5), (1.35, 0.4, 0.2, 0.4), (1.35, 1.15, 0.2, 0.35), (2.1, 0.05, 0.9, 0.35),
+              (-0.9, 1.25, -0.7, 0.4), (-1.6, 1.0, -0.6, 0.3))
+    return Scene(look([0.2, 2.3, 6.0], [0, 0.55, 0], **more),
+                 coloured([ground(0.0), box((5.6, 1.2, 0.4), (0, 0.6, -0.9), turned(0.08)),
+                           *(ball(place[:3], place[3]) for place in places)]), FLAT)
+
+
+def basalt(**more):
+    """Columns of six sides and of one colour side by side, whose tops differ by up to ten pixels."""
+    turns, rng, solids = np.arange(6) * np.pi / 3, np.random.default_rng(3), []
+    for i in range(-4, 5):
+        for j in range(4):
+            tall = 0.5 + 0.45 * rng.random() - 0.12 * j
+            ring = 0.2991 * np.stack([np.cos(turns), np.sin(turns)], 1)
+            solids.append(shapes.prism(ring, tall, (0.45 * i, tall / 2, np.sqrt(3) * 0.3 * (j + 0.5 * (i % 2)) - 0.8),
+                                       turned(0, np.pi / 2)))
+            solids[-1].color = np.array([0.5, 0.48, 0.45])
+    return Scene(look([0.3, 2.6, 5.6], [0, 0.5, 0], **more), solids, FLAT)
+
+
 # Of meshes
 
 
@@ -208,7 +284,36 @@ def bolts(**more):
     return Told(look([0.5, 3.0, 5.6], [0.1, 0.3, 0], **more), coloured([plate, *heads, ring]), FLAT)
 
 
-ANALYTIC = {f.__name__: f for f in (tops, shadows, wires, hairs, city, stairs, railing)}
-MESHES = {f.__name__: f for f in (leaves, bevels, facets, elbow, through, coincident, bolts)}
-MOVED = {*MESHES, "tops", "shadows"}
+def gears(**more):
+    """Toothed wheels with a hole, that nearly mesh; their teeth are eight to fourteen pixels wide."""
+    turn = turned(0.25, 0.15)
+    wheels = [wheel(14, 1.1, 0.16, 0.3, (-0.75, 1.2, 0), turn),
+              wheel(9, 0.72, 0.16, 0.3, np.array((-0.75, 1.2, 0)) + turn @ (1.72, 0.05, 0), turn, np.pi / 9),
+              wheel(20, 0.9, 0.12, 0.2, (1.0, 1.7, -1.3), turned(-0.3, 0.2))]
+    return Told(look([0.1, 1.5, 6.0], [0, 1.2, 0], **more), coloured(wheels), FLAT)
+
+
+def lattice(**more):
+    """The bars of windows, three to six pixels wide, that cross in one plane, and a box behind."""
+    grids = [grid(2.2, 2.0, 5, 4, 0.06, (-1.0, 1.2, 0.2), turned(0.5, 0.1, 0.1)),
+             grid(2.0, 1.9, 4, 6, 0.09, (1.3, 1.3, -0.4), turned(-0.7, -0.1, -0.05))]
+    return Told(look([0.1, 1.4, 6.0], [0, 1.2, 0], **more),
+                coloured([*grids, hull((1.5, 1.2, 0.6), (-0.2, 1.1, -1.6), turned(0.3, 0.2))]), FLAT)
+
+
+def corrugated(**more):
+    """Sheets folded to and fro by 35 to 80 degrees, with folds five to twelve pixels apart."""
+    sheets = [zigzag(10, 0.42, 60, 1.0, (-1.3, 1.8, 0), turned(0.3, -0.35)),
+              zigzag(14, 0.27, 50, 1.0, (1.2, 1.8, -0.2), turned(-0.3, -0.3, 0.1)),
+              zigzag(12, 0.34, 35, 0.9, (-1.1, 0.5, 0.3), turned(0.2, -0.4)),
+              zigzag(18, 0.2, 80, 0.9, (1.2, 0.5, 0.3), turned(-0.15, -0.5, -0.06))]
+    return Told(look([0.1, 1.5, 6.0], [0, 1.2, 0], **more), coloured(sheets), FLAT)
+
+
+ANALYTIC = {f.__name__: f for f in (tops, shadows, wires, hairs, city, stairs, railing, collars, louvres, spiral, discs,
+                                    tips, balls, basalt)}
+MESHES = {f.__name__: f for f in (leaves, bevels, facets, elbow, through, coincident, bolts, gears, lattice,
+                                  corrugated)}
+MOVED = {"leaves", "bevels", "facets", "elbow", "through", "coincident", "bolts", "tops", "shadows", "collars",
+         "louvres"}
 SHIFTS = (0.0, 0.0), (0.25, 0.375), (0.5, 0.125), (0.71, 0.62)  # pixels

@@ -113,11 +113,12 @@ def whole(t, truth):
     return shares
 
 
-def stray(t, truth, asked=1.0, slack=1.0):
+def stray(t, truth, asked=1.0, slack=0.25):
     """The share of pixels that have ink, and no contour (not even a faint one) within the line's reach plus `slack`."""
     h, w = truth.size
     spots = np.argwhere(t > STRAY)
-    every = np.stack([truth.y, truth.x], 1)[::2]
+    every = np.stack([truth.y, truth.x], 1)
+    every = np.concatenate([every, every[:0] if truth.faint is None else truth.faint[:, ::-1]])[::2]
     i, _ = near.pairs(spots, every, max(asked / 2 + 0.5, 1) + slack)
     return float((len(spots) - len(np.unique(i))) / (h * w))
 

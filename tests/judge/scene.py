@@ -48,9 +48,10 @@ class Truth:
     narrow: np.ndarray  # may be left out: a crease beside a face less than 3 pixels wide, crowded colours
     size: tuple  # rows, columns
     clear: dict = field(init=False, default_factory=dict)  # what measure.py has found of these points
+    faint: np.ndarray | None = field(init=False, default=None)  # (n, 2): x, y of more that may be inked
 
     def take(self, where):
-        arrays = {k: v[where] for k, v in vars(self).items() if k not in ("size", "clear")}
+        arrays = {k: v[where] for k, v in vars(self).items() if k not in ("size", "clear", "faint")}
         return Truth(size=self.size, **arrays)
 
     def visible(self):

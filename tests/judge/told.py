@@ -102,8 +102,10 @@ class ToldMeshes(_Telling, MeshScene):
         dropped[crease[i[level]]] = truth.narrow[crease[i[level]]]
         middles = [self._strip(truth, dropped, mesh, strip) for mesh in self.solids for strip in mesh.strips]
         arrays = [truth.take(~dropped), *(m for m in middles if m is not None)]
-        return Truth(size=self.size, **{name: np.concatenate([getattr(a, name) for a in arrays])
-                                        for name in vars(truth) if name not in ("size", "clear")})
+        found = Truth(size=self.size, **{name: np.concatenate([getattr(a, name) for a in arrays])
+                                         for name in vars(truth) if name not in ("size", "clear", "faint")})
+        found.faint = np.stack([truth.x, truth.y], 1)[dropped]
+        return found
 
     def _strip(self, truth, dropped, mesh, strip):
         """Marks points of a bevel's edges that are no lines by themselves; gives its middle if it is one itself."""
@@ -279,6 +281,54 @@ def grown(sides, radius, inner, height, foot):
     faces = [[sides * a + k, sides * a + (k + 1) % sides, sides * b + (k + 1) % sides, sides * b + k]
              for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)) for k in range(sides)]
     return outward(Mesh(np.concatenate(rings), faces))
+
+
+def wheel(teeth, radius, depth, thick, centre, turn, phase=0.0, hole=0.3):
+    """A toothed wheel with a hole of as many sides."""
+    corners = [(phase + 2 * np.pi * (k + at) / teeth, radius - short) for k in range(teeth)
+               for at, short in ((-0.3, depth), (-0.17, 0), (0.17, 0), (0.3, depth))]
+    angle, out = np.array(corners).T
+    m = len(angle)
+    rings = [np.stack([r * np.cos(angle), r * np.sin(angle), 0 * angle + z], 1)
+             for z in (thick / 2, -thick / 2) for r in (out, np.full(m, hole * radius))]
+    faces = [face for k in range(m) for p in [(k + 1) % m] for face in
+             ([k, p, m + p, m + k], [2 * m + k, 3 * m + k, 3 * m + p, 2 * m + p], [k, 2 * m + k, 2 * m + p, p],
+              [m + k, m + p, 3 * m + p, 3 * m + k])]
+    return outward(Mesh(np.asarray(centre, float) + np.concatenate(rings) @ turn.T, faces))
+
+
+def grid(wide, tall, columns, rows, bar, centre, turn, thick=0.05):
+    """A plate with so many square holes."""
+    xs, ys = (np.sort([k * (size - bar) / n + o for k in range(n + 1) for o in (0, bar)]) - size / 2
+              for size, n in ((wide, columns), (tall, rows)))
+    w, h = len(xs), len(ys)
+    points = np.array([(x, y, z) for z in (thick / 2, -thick / 2) for y in ys for x in xs])
+
+    def full(i, j):
+        return 0 <= i < w - 1 and 0 <= j < h - 1 and (i % 2 == 0 or j % 2 == 0)
+
+    faces, below = [], w * h
+    for i, j in ((i, j) for i in range(w - 1) for j in range(h - 1) if full(i, j)):
+        a, b, c, d = j * w + i, j * w + i + 1, (j + 1) * w + i + 1, (j + 1) * w + i
+        faces += [[a, b, c, d], [below + a, below + d, below + c, below + b]]
+        faces += [[p, below + p, below + q, q] for p, q, other in ((a, b, (i, j - 1)), (b, c, (i + 1, j)),
+                                                                   (c, d, (i, j + 1)), (d, a, (i - 1, j)))
+                  if not full(*other)]
+    return Mesh(np.asarray(centre, float) + points @ turn.T, faces)
+
+
+def zigzag(folds, period, bend, tall, centre, turn, thick=0.15):
+    """A sheet folded to and fro by so many degrees."""
+    x = (np.arange(folds + 1) - folds / 2) * period / 2
+    z = np.where(np.arange(folds + 1) % 2, period / 2 * np.tan(np.radians(bend / 2)), 0)
+    m = folds + 1
+    points = np.array([(x[k], y, z[k] - o) for o in (0, thick) for y in (-tall / 2, tall / 2) for k in range(m)])
+    faces = [[0, m, 3 * m, 2 * m], [folds, 2 * m + folds, 3 * m + folds, m + folds]]
+    for a in range(folds):
+        b, c, d = a + 1, m + a + 1, m + a
+        faces += [[a, b, c, d], [2 * m + a, 2 * m + d, 2 * m + c, 2 * m + b], [a, 2 * m + a, 2 * m + b, b],
+                  [d, c, 2 * m + c, 2 * m + d]]
+    return Mesh(np.asarray(centre, float) + points @ turn.T, faces)
 
 
 def outward(mesh):
