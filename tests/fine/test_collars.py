@@ -36,17 +36,30 @@ def test_nothing_leads_from_a_rim_of_a_collar_to_the_other(name):
     assert (links > 2).sum() < 32  # about where a rim meets the outline: four a collar, and a few more
 
 
-@pytest.mark.parametrize("turn", [20, 35, 45, 60])
-@pytest.mark.parametrize("depth", [3.98, 4.0, 4.03])
-def test_the_sides_of_a_stripe_aslant_never_meet(turn, depth):
-    """Whether it is inlaid, or lies a little before or behind what is beside it."""
+def aslant(turn, half, depth):
+    """Layers of a stripe before, in or behind a wall that is 4 away, half as many pixels wide as it says."""
     y, x = np.mgrid[:48, :64]
     off = (x - 31.3) * np.sin(np.radians(turn)) + (y - 23.7) * np.cos(np.radians(turn))
-    stripe = np.abs(off) < 0.55
+    stripe = np.abs(off) < half
     flat = np.ones((48, 64, 3), np.float32)
     layers = dict(combined=np.ones((48, 64, 4)), color=flat, diffuse=flat, normal=flat * (0, 0, 1),
                   albedo=np.where(stripe[..., None], 0.3, flat), depth=np.where(stripe, depth, 4.0),
                   object=np.where(stripe, 2, 1))
-    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
-    site, links = left(layers, edge_color=0.0)
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+@pytest.mark.parametrize("turn", [20, 35, 45, 60])
+@pytest.mark.parametrize("depth", [3.98, 4.0, 4.03])
+def test_the_sides_of_a_stripe_aslant_never_meet(turn, depth):
+    """Whether it is inlaid, or lies a little before or behind what is beside it."""
+    site, links = left(aslant(turn, 0.55, depth), edge_color=0.0)
     assert len(site) > 60 and links.max() == 2
+
+
+@pytest.mark.parametrize("turn, half, depth, meet", [
+    (45, 0.4, 3.955, 35), (45, 0.4, 3.965, 0), (60, 0.5, 3.9, 4)])  # of the last, other places show on five
+def test_those_of_a_wire_do_where_it_is_narrower_than_a_pixel(turn, half, depth, meet):
+    """It lies 0.01 of its depth before the others, and shows on four of the 4x4 pixels about the place."""
+    site, links = left(aslant(turn, half, depth), edge_color=0.0)
+    inner = (np.abs(site["x"] - 31.5) < 26) & (np.abs(site["y"] - 23.5) < 18)
+    assert (links[inner] > 2).sum() == meet

@@ -86,8 +86,8 @@ static int sides(const fine *n, fingers *f, int family, int x, int y, uint32_t *
 
 /* Of the 4x4 pixels about a square: what shows on no more, and lies so far before the others, of the depth, is a wire
  * narrower than a pixel: its sides are one there. */
-static const int hardly = 4;
-static const float least_ahead = 0.01f; /* test_fine_passes */
+static const int hardly = 4;            /* test_collars */
+static const float least_ahead = 0.01f; /* test_collars */
 
 /* How many of the 4x4 pixels about a square show a thing. */
 static int pixels_of(const fine *n, int x, int y, float object)
