@@ -30,7 +30,8 @@ TESTS = (
     ("csrc/fine/sites.c", "fine/test_fine_sites.py", "fine/test_bound.py", "fine/test_fine_passes.py"),
     ("csrc/fine/near.h", "fine/test_fine_passes.py", "fine/test_bound.py", "fine/test_fine_sites.py"),
     ("csrc/fine/fine.", "fine/test_fine_sites.py", "fine/test_bound.py", "fine/test_fine_passes.py"),
-    ("csrc/fine/", "fine/test_fine_passes.py", "fine/test_fine_sites.py", "fine/test_fine_ink.py"),
+    ("csrc/fine/", "fine/test_fine_passes.py", "fine/test_fine_sites.py", "fine/test_fine_ink.py",
+     "fine/test_collars.py"),
     ("csrc/edges/", "stages/test_edges.py", "fine/test_fine_sites.py"),
     *((f"csrc/ink/{name}.", "fine/test_fine_ink.py", "fine/test_fine.py -k 'not calm and not still'")
       for name in ("capsules", "hands", "kinds", "matters", "noise", "pen", "reached", "thickets", "tips", "turns",
