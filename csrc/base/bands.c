@@ -12,7 +12,7 @@
 #include <unistd.h>
 #endif
 
-enum { LEAST_BANDS = 16 /* so that none is a twentieth of a frame */, LEAST_ROWS = 8 };
+enum { LEAST_BANDS = 16 }; /* so that none is a twentieth of a frame */
 /* Times that others get a turn before a thread sleeps. One job mostly follows another at once, and to wake up takes as
  * long as many jobs do. */
 enum { TURNS = 64 };
@@ -174,12 +174,12 @@ int32_t bands_run(bands *pool, int height, int band, bands_kernel kernel, void *
 	bool even = band <= 0 && pool->threads > 1;
 	if (band <= 0) { /* small enough to cancel soon, large enough to keep rows in cache */
 		band = height / (pool->threads * 8 > LEAST_BANDS ? pool->threads * 8 : LEAST_BANDS);
-		band = band < LEAST_ROWS ? LEAST_ROWS : band > 64 ? 64 : band;
+		band = band < 8 ? 8 : band > 64 ? 64 : band;
 	}
 	int whole = height / band, last = band;
 	if (even) { /* the last ones are smaller, or of 17 one thread had 9 and waited for it */
 		whole = whole > pool->threads ? whole - pool->threads : 0;
-		last = band / 4 > LEAST_ROWS ? band / 4 : LEAST_ROWS;
+		last = band / 4 > 8 ? band / 4 : 8;
 	}
 	pthread_mutex_lock(&pool->lock);
 	pool->kernel = kernel;

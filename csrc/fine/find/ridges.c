@@ -291,7 +291,8 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 	}
 	for (int i = 0; i < n; i++) {
 		int open = (mixed[i - 1] | mixed[i + 1] ? 0 : STEP) | (above[i] | below[i] ? 0 : STEP << 1);
-		out[i] = mixed[i] ? 0 : (uint8_t)(bits[i] & (open | BAND | BAND << 1));
+		uint8_t all = (uint8_t)(bits[i] & (open | BAND | BAND << 1));
+		out[i] = mixed[i] ? 0 : all;
 	}
 }
 
