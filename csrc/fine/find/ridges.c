@@ -282,7 +282,8 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 		}
 		for (int i = 0; far_too && i < n; i++) {
 			int beside = mixed[i - 1] | mixed[i + 1] | above[i] | below[i];
-			bits[i] &= (wide[i] > contrast * contrast) | (beside != 0) ? -1 : ~(STEP << axis);
+			int may = (wide[i] > contrast * contrast) | (beside != 0);
+			bits[i] &= may ? -1 : ~(STEP << axis);
 		}
 		for (int i = 0; w->source == SOURCE_LIGHT && !w->n->f->style && i < n; i += SHORT) {
 			const float *const at[] = {v[0][0] + i, v[1][0] + i, v[2][0] + i, v[3][0] + i, v[4][0] + i};
