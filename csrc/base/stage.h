@@ -291,17 +291,17 @@ STAGES(DECLARE)
 void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone);
 /* shade.c: light as levels are compared with it, V times exposure, of row y. */
 void ISA(shade_exposed)(const frame *f, int y, float *light);
-/* hatch.c: brightness that keeps the pencil away from n <= 256 pixels, at most 1. Planes of the layers, 256 floats
- * apart, light as levels are compared with it, and I of discrete shading. */
-void ISA(hatch_bright)(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
-		       const float *restrict diffuse, const float *restrict exposed, const float *restrict tone,
-		       float *restrict bright);
+/* hatch.c: brightness that keeps the pencil away from n <= 256 pixels, at most 1. Planes of the layers, `apart` floats
+ * from one to the next, light as levels are compared with it, and I of discrete shading. */
+void ISA(hatch_bright)(const encre_params *p, int n, ptrdiff_t apart, const float *restrict combined,
+		       const float *restrict color, const float *restrict diffuse, const float *restrict exposed,
+		       const float *restrict tone, float *restrict bright);
 /* paper.c: heights h of the paper (after roughness, 0..1) for pixels x0..x1-1 of row y; `none` where there is no
  * paper (lines see 1, hatching 0.5). Coordinates are of this frame's images; the sheet starts at the full frame's
  * top left. */
 void ISA(paper_row)(const frame *f, int y, int x0, int x1, float none, float *height);
-/* hatch.c: of a style's pixels x..x+n-1 of row y, their brightness 0..1 becomes the pencil's cover. False, and nothing
- * is written, where the pencil reaches none of them. */
+/* hatch.c: of n <= 256 pixels of a style, from x on of row y, their brightness 0..1 becomes the pencil's cover. False,
+ * and nothing is written, where the pencil reaches none of them. */
 bool ISA(hatch_cover)(const frame *f, const encre_params *p, int y, int x, int n, float *bright);
 /* specks.c: fills specks in the picture, in `ink` as well unless its data is NULL. */
 int32_t ISA(specks_fill)(frame *f, bool drawn, plane ink);

@@ -26,16 +26,16 @@ static bool lightens(const encre_params *p)
 
 /* The lesser of colour's and light's brightness, each as a share of its threshold. A part of what a colour lacks stays
  * where light falls on it. What shines or reflects is bright in both. */
-void ISA(hatch_bright)(const encre_params *p, int n, const float *restrict combined, const float *restrict color,
-		       const float *restrict diffuse, const float *restrict exposed, const float *restrict tone,
-		       float *restrict bright)
+void ISA(hatch_bright)(const encre_params *p, int n, ptrdiff_t apart, const float *restrict combined,
+		       const float *restrict color, const float *restrict diffuse, const float *restrict exposed,
+		       const float *restrict tone, float *restrict bright)
 {
 	float color_threshold = p->hatch_color_threshold, light_threshold = p->hatch_light_threshold, own[CHUNK],
 	      lit[CHUNK], left[CHUNK];
 	for (int i = 0; i < n; i++) {
-		float pixel[] = {combined[i], combined[CHUNK + i], combined[2 * CHUNK + i], 1},
-		      c[] = {color[i], color[CHUNK + i], color[2 * CHUNK + i]},
-		      l[] = {diffuse[i], diffuse[CHUNK + i], diffuse[2 * CHUNK + i]}, other = other_light(pixel, c, l);
+		float pixel[] = {combined[i], combined[apart + i], combined[2 * apart + i], 1},
+		      c[] = {color[i], color[apart + i], color[2 * apart + i]},
+		      l[] = {diffuse[i], diffuse[apart + i], diffuse[2 * apart + i]}, other = other_light(pixel, c, l);
 		own[i] = max(max3(c[0], c[1], c[2]), other);
 		lit[i] = max(exposed[i], other);
 		bright[i] = 1;
@@ -125,7 +125,7 @@ static void find_bright(const frame *f, const encre_params *p, int y, int x, int
 		exposed[i] += painted_light(controls, i);
 	if (lightens(p))
 		ISA(shade_tones)(f, y, x, x + n, tone);
-	ISA(hatch_bright)(p, n, combined[0], color[0], diffuse[0], exposed, tone, bright);
+	ISA(hatch_bright)(p, n, CHUNK, combined[0], color[0], diffuse[0], exposed, tone, bright);
 }
 
 static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n, int thread)

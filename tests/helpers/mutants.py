@@ -77,7 +77,7 @@ CUTS = (  # the file, what stands there once, what it becomes
     ("csrc/raster/raster.h", "BAND = 16", "BAND = 7"),
     ("csrc/surface/hatch.c", "CHUNK = 256", "CHUNK = 37"),
     ("csrc/surface/hatch.c", "PIECE = 128", "PIECE = 29"),
-    ("csrc/surface/shade.c", "CHUNK = 256", "CHUNK = 37"),
+    ("csrc/surface/shade.c", "CHUNK = 128", "CHUNK = 37"),
     ("csrc/texture/bake.c", "PIECE = 64", "PIECE = 9"),
     ("csrc/texture/bake.h", "LANES = 8", "LANES = 4"),
     ("csrc/texture/bake.h", "SHEET = 64", "SHEET = 13"),
