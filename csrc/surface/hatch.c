@@ -4,7 +4,10 @@
 #include "base/pixel.h"
 #include "base/stage.h"
 
-enum { CHUNK = 256, PIECE = 128 /* pixels that are passed over if the pencil reaches none */ };
+enum {
+	CHUNK = 256, /* as many tones ask for, too */
+	PIECE = 128, /* pixels that are passed over if the pencil reaches none */
+};
 
 /* ---- row kernels ----------------------------------------------------------------------------------------- */
 

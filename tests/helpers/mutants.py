@@ -75,7 +75,6 @@ CUTS = (  # the file, what stands there once, what it becomes
     ("csrc/raster/raster.c", "MAX_CHUNKS = 256", "MAX_CHUNKS = 5"),
     ("csrc/raster/meets.h", "MEETS_WAYS = 2048", "MEETS_WAYS = 64"),
     ("csrc/raster/raster.h", "BAND = 16", "BAND = 7"),
-    ("csrc/surface/hatch.c", "CHUNK = 256", "CHUNK = 37"),
     ("csrc/surface/hatch.c", "PIECE = 128", "PIECE = 29"),
     ("csrc/surface/shade.c", "CHUNK = 128", "CHUNK = 37"),
     ("csrc/texture/bake.c", "PIECE = 64", "PIECE = 9"),
