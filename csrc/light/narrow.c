@@ -15,6 +15,7 @@ enum {
 };
 _Static_assert(BESIDE + THIN <= NARROW_REACH, "soft.c counts on it");
 
+static const float level = 0.05f; /* of the distance: so far two things lie apart where they make one plane, at most */
 static const float opposite = -0.5f; /* cosine of the ways to the light of two sides of something thin, at most */
 
 /* Whether light comes from the lamp's middle. */
@@ -125,6 +126,15 @@ static void width_rows(void *data, int y0, int y1, int thread)
 										    : width_of(l, &known, x, y, &e);
 }
 
+/* Whether an edge on what one pixel shows is one on what another does: also of another thing, unless that lies a little
+ * deeper, with the shadow of this one on it. */
+static bool edge_goes_on(const surface *a, const surface *b)
+{
+	vec d = minus(b->at, a->at);
+	return one_surface(a, b) &&
+	       (a->instance == b->instance || fabsf(dot(d, a->across)) <= level * sqrtf(dot(d, d)));
+}
+
 /* The pixel nearest to one, on its surface, beside which an edge passes; negative: none, or one of something thin. */
 static ptrdiff_t edge_near(const light *l, int x, int y, int *column, int *row)
 {
@@ -135,7 +145,7 @@ static ptrdiff_t edge_near(const light *l, int x, int y, int *column, int *row)
 			int far = (u - x) * (u - x) + (v - y) * (v - y);
 			ptrdiff_t j = (ptrdiff_t)v * l->width + u;
 			if (u < 0 || v < 0 || u >= l->width || v >= l->height || l->share[j] < 0 ||
-			    (j != i && !one_surface(l->surfaces + i, l->surfaces + j)))
+			    (j != i && !edge_goes_on(l->surfaces + i, l->surfaces + j)))
 				continue;
 			if (l->share[j] == NARROW)
 				return -1;

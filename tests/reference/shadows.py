@@ -329,8 +329,11 @@ class Picture:
     def narrow(self, edge, width, full, bright, dark, fine, exact):
         """Puts ramps where penumbrae are narrow, in place."""
         nearest, chosen, thin = np.full(len(self.x), 9), np.full(len(self.x), -1), np.zeros(len(self.x), bool)
+        thing = self.things()
         for a, b, j, within in self.neighbours(2):
-            free = (a == 0 and b == 0) | self.shown.one_surface(self.number, j)
+            way = self.shown.at[j] - self.shown.at
+            even = abs(dot(way, self.shown.across)) <= 0.05 * np.linalg.norm(way, axis=1)
+            free = self.shown.one_surface(self.number, j) & ((thing == thing[j]) | even) | (a == 0 and b == 0)
             ok = within & ~np.isnan(width[j]) & free & (a * a + b * b < nearest)
             nearest[ok], chosen[ok] = a * a + b * b, j[ok]
             thin |= within & free & np.isinf(width[j])
@@ -382,9 +385,12 @@ class Picture:
 
     # ---- all
 
+    def things(self):
+        return np.where(self.shown.triangle >= 0, np.append(self.world.owner, 0)[self.shown.triangle], -2)
+
     def kept_at_rims(self, level, there):
         """What pixels beside another thing keep of their light: what lies within that of their own about."""
-        thing = np.where(self.shown.triangle >= 0, np.append(self.world.owner, 0)[self.shown.triangle], -2)
+        thing = self.things()
         low, high, rim = np.full(len(level), np.inf), np.full(len(level), -np.inf), np.zeros(len(level), bool)
         for a, b, j, within in self.neighbours(1):
             same = within & there[j] & (thing[j] == thing)

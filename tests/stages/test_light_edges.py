@@ -178,6 +178,31 @@ def test_at_rims_light_is_within_that_of_the_same_thing_about(frame):
     np.testing.assert_allclose(light[lit] / light.max(2)[lit][:, None], [(1, 0.5, 0.25)] * lit.sum(), rtol=1e-5)
 
 
+@pytest.mark.parametrize("shift", [0.2, 0.5, 0.8])
+def test_the_shadow_of_a_bar_on_what_holds_it_throws_none_on_the_bar(shift):
+    """Posts whose fronts lie a little behind that of a bar across them."""
+    stage = Stage(640, 360, eye=(2.2, -6.0, 2.6), at=(-0.2, 0.6, 0.8))
+    for key in range(2):
+        stage.scene.instance(key, None)
+    stage.meshes.clear()
+    for k in range(8):
+        size, at = (0.02, 0.02, 0.75), (-2.4 + 0.13 * k, 1.8, 0.75)
+        if k == 7:
+            size, at = (0.5, 0.03, 0.03), (-2.0, 1.8, 1.5)
+        model = np.diag([*size, 1.0])
+        model[:3, 3] = at
+        stage.add(CUBE, CUBE_CORNERS, model)
+    stage.projection[:2] *= 2 / 2.6
+    part, found = Frame(640, 360, 180, 80), []
+    for k in range(4):
+        stage.projection[:2, 2] = (shift + k / 4) / 320, (shift + k / 4) / 180
+        depth, bar = stage.depth(part, (100, 30)), stage.objects()[80:110, 180:280]
+        light = stage.light(Lamp("point", width=0.5, model=moved(1.2, -2.2, 3.4)), depth=depth, frame=part)[..., 0]
+        others = 9 + np.arange(bar.size).reshape(bar.shape)
+        found.append(specks(light, np.where(bar == 8, 8, others)).max())
+    assert max(found) < 0.1
+
+
 def waves(n=40):
     """(points, corners, normals) of a smooth surface with hollows."""
     x, y = np.meshgrid(np.linspace(-1, 1, n), np.linspace(-1, 1, n))
