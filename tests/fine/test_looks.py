@@ -25,12 +25,12 @@ def parted(one, other, channels=0):
 
 
 @pytest.mark.parametrize("name", ["Ink only", "Pencil"])
-def test_borders_of_shade_are_thin_and_broken(name):
-    """Beside contours, which are whole."""
+def test_borders_of_shade_are_thin_and_whole(name):
+    """Beside contours. Broken ones looked like errors, and wide ones like contours."""
     shade = drawn(name, diffuse=parted(1, 0.1, 3)).sum(1)[20:-20]
     contour = drawn(name, object=parted(1, 2), depth=parted(5, 9)).sum(1)[20:-20]
-    assert (contour > 0.2).all() and 0.15 < (shade < 0.05).mean() < 0.6
-    assert 0.1 < shade.mean() < 0.35 * contour.mean()
+    assert (contour > 0.2).all() and (shade > 0.05).all()
+    assert 0.1 < shade.mean() < 0.45 * contour.mean()
 
 
 @pytest.mark.parametrize("name", ["Stippled", "Hatched", "Manga", "Heavy blacks", "Coloured blacks"])
