@@ -116,7 +116,7 @@ class View:
         self.look = self.wish = self.scale = None
         self.behind = Background(threads)
         self.picture = self.texture = self.what = None  # what: the _Picture that the texture shows
-        self.layers = {}                # scale -> _Layers
+        self.layers = {}                # (scale, whether shadows have hard edges) -> _Layers
         self.costs = {}                 # (scale, whether layers are drawn) -> seconds of the last such picture
 
     # By Blender's hooks
@@ -237,11 +237,11 @@ class View:
 
     def _key(self):
         """Equal for layers that are the same at the same scale."""
-        return self.read_number, self.look.key, self.settings.rastered
+        return self.read_number, self.look.key, self.settings.rastered, self.settings.wants_seen
 
     def _layers(self, scale):
-        """The _Layers of this scale, if those that were drawn last are still right."""
-        known = self.layers.get(scale)
+        """The _Layers of this scale now, if those that were drawn last are still right."""
+        known = self.layers.get((scale, scale < self.scale))
         return known if known and self.settings and known.key == self._key() else None
 
     def _begin(self):
@@ -264,11 +264,11 @@ class View:
 
     def _draw(self, scale, key, known, where, wish, scene, settings, pictures):
         begun, (frame, size), whole = time.perf_counter(), where.frame(scale), known is None
+        sharp = scale < self.scale
         if whole:
-            drawn = yield from scene.steps(where.view, where.projection, frame, size, settings, where.clip,
-                                           scale < self.scale)
+            drawn = yield from scene.steps(where.view, where.projection, frame, size, settings, where.clip, sharp)
             self.layers = {of: kept for of, kept in self.layers.items() if kept.key == key}
-            known = self.layers[scale] = _Layers(key, drawn, next(_numbers))
+            known = self.layers[scale, sharp] = _Layers(key, drawn, next(_numbers))
         image = yield from shown.picture(Drawing(*known.drawn, frame, settings, pictures, known.same), wish)
         self.costs[scale, whole] = time.perf_counter() - begun
         return image

@@ -150,7 +150,7 @@ static void mark_edges(const rivals *r, const float *restrict strength, int x, i
 			winner[i] = own[i] == strength[i] ? number : winner[i];
 	}
 	for (int i = 0; i < n; i++)
-		edge[i] = (uint8_t)((strength[i] >= threshold) & (strength[i] > 0) ? winner[i] : 0);
+		edge[i] = (uint8_t)(((strength[i] >= threshold) & (strength[i] > 0)) ? winner[i] : 0);
 }
 
 /* Lines go on below: what is written there would wait for the memory, and all that is written after it. */

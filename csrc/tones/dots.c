@@ -113,6 +113,8 @@ void ISA(tone_screen_fill)(tone_screen *s, const tone_slot *slot, float hardness
 		for (int b0 = 0; b0 < TONE_BIRTHS; b0++)
 			for (int b1 = 0; b1 < TONE_BIRTHS; b1++)
 				fill_radii(s, shear, b0, b1);
+	if (own) /* radii_at() reads the next shear, too, though of none of it is taken */
+		memcpy(s->radius[1], s->radius[0], sizeof s->radius[0]);
 }
 
 /* Where a value of n steps lies between two of them. */
