@@ -62,7 +62,7 @@ static void marks(const frame *f, int y, int x, int n, const float *restrict dar
 	for (int i = 0; lost & TONE_LOST && i < n; i++)
 		ink[i] = bits[i] & TONE_LOST ? dark[i] : ink[i];
 	const tone_detail *detail = &((const tone_frame *)f->tones)->detail;
-	const uint8_t *fine = detail->keep ? detail->dark + (ptrdiff_t)y * f->width + x : NULL;
+	const uint8_t *fine = detail->keep ? detail->seed + (ptrdiff_t)y * f->width + x : NULL;
 	for (int i = 0; fine && i < n; i++)
 		ink[i] = fine[i] && dark[i] > 0.5f ? 1 : ink[i];
 }

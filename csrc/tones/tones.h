@@ -89,7 +89,8 @@ typedef struct tone_detail {
 	uint8_t *ink;  /* likewise of solid ink, which has narrow margins about what is dark in small faces: it would
 			  look out of them as masks */
 	uint8_t *room; /* NULL: there is room */
-	uint8_t *value, *light, *thin, *dark, *raw, *scratch, *seed; /* dark: fine dark things, for room.c, too */
+	uint8_t *value, *light, *thin, *dark, *raw, *scratch, *seed; /* dark: fine dark things, for
+			  room.c, too; seed: in the end which of these are print, on light ground */
 } tone_detail;
 
 /* What there is to draw in a chunk: of each slot its share of the pixel and its darkness there. */

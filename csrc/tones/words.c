@@ -15,6 +15,10 @@ static const uint8_t filled = 88;        /* contrast of what is fine because mos
 static const size_t many = 3, some = 10; /* one in so many pixels */
 static const size_t small = 7; /* as wide as so many strokes: a face in which dots would be as large as eyes */
 
+/* So many reaches about a dark pixel its ground is looked for, in so many rows of so many places. */
+enum { reaches = 3, looks = 13 };
+static const int least_contrast = 76; /* 0.3 * 255 */
+
 typedef struct work {
 	const frame *f;
 	const tone_detail *d;
@@ -268,8 +272,46 @@ static void ground_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
+/* Whether what a dark pixel lies on is lighter than it: of what is about it neither dark details are the ground, nor,
+ * for they lie on it as well, light ones. */
+static bool on_light(const work *w, spot s)
+{
+	const tone_detail *d = w->d;
+	int lighter = 0;
+	for (int k = 0; k < looks * looks; k++) {
+		int v = s.y + reaches * d->reach * (k / looks - looks / 2) / (looks / 2);
+		int u = s.x + reaches * d->reach * (k % looks - looks / 2) / (looks / 2);
+		size_t i = (size_t)tone_within(v, w->f->height) * (size_t)w->f->width +
+			   (size_t)tone_within(u, w->f->width);
+		bool more = d->value[i] - d->value[s.i] > least_contrast && !d->thin[i];
+		lighter += d->dark[i] ? 0 : more ? 1 : -1;
+	}
+	return lighter > 0;
+}
+
+static void print_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1; y++)
+		for (int x = 0; x < w->f->width; x++) {
+			spot s = {x, y, (size_t)y * (size_t)w->f->width + (size_t)x};
+			w->d->scratch[s.i] = w->d->dark[s.i] && on_light(w, s);
+		}
+}
+
+/* The ground between light letters, and their holes, are no print. */
+static void print_of_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	size_t width = (size_t)w->f->width;
+	for (size_t i = (size_t)y0 * width; i < (size_t)y1 * width; i++)
+		w->d->seed[i] = w->d->dark[i] && w->d->raw[i] == MOST;
+}
+
 /* Grounds that details' margins, in `scratch`, leave little of are clear. The small ones have solid ink but for narrow
- * margins, in `seed`: eyes in a face would look out of it as masks. */
+ * margins, in `seed`: eyes in a face would look out of it as masks. Leaves there what is print. */
 int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d)
 {
 	work w = {.f = f, .d = d};
@@ -277,6 +319,10 @@ int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d)
 	if (!w.open)
 		return ENCRE_ERROR_MEMORY;
 	survey(&w, d->scratch);
+	int32_t code = bands_run(f->bands, f->height, 0, ground_rows, &w);
+	code = code ? code : bands_run(f->bands, f->height, 0, print_rows, &w);
+	if (!code)
+		survey(&w, d->scratch);
 	late_drop(&f->late, w.open);
-	return bands_run(f->bands, f->height, 0, ground_rows, &w);
+	return code ? code : bands_run(f->bands, f->height, 0, print_of_rows, &w);
 }

@@ -120,15 +120,24 @@ def _with_rims(value, ground):
     return np.any([ground, *beside], axis=0)
 
 
+def _on_light(value, dark, thin, reach):
+    """Whether most of the ground in sight, which is no detail, is lighter."""
+    lighter, steps = np.zeros(value.shape), [int(np.fix(3 * reach * k / 6)) for k in range(-6, 7)]
+    for v, u in ((v, u) for v in steps for u in steps):
+        more = (_shifted(value, v, u) - value > LEAST) & ~_shifted(thin, v, u)
+        lighter += np.where(_shifted(dark, v, u), 0, np.where(more, 1, -1))
+    return lighter > 0
+
+
 def _kept_share(clear):
     return np.floor(255 * (1 - clear) + 0.5) / 255
 
 
 def kept(layers, params):
-    """Shares of the tones, and of solid ink, that are left at each pixel, and where fine dark things are."""
+    """Shares of the tones, and of solid ink, that are left at each pixel, fine dark things, and which are print."""
     size = params["tone_detail"]
     if not size > 0:
-        return np.ones(layers.depth.shape), np.ones(layers.depth.shape), np.zeros(layers.depth.shape, bool)
+        return np.ones(layers.depth.shape), np.ones(layers.depth.shape), *np.zeros((2, *layers.depth.shape), bool)
     reach = max(1, int(min(0.5 * size * params.pixels(layers.full_height), 32)))
     wide, stroke = reach + reach // 2 + 1, 2 * reach + 1
     value = np.floor(255 * np.sqrt(clamp01(layers.albedo @ (0.2126, 0.7152, 0.0722))) + 0.5)
@@ -168,7 +177,8 @@ def kept(layers, params):
     many, some, _, _ = _survey(found[0] >= 0.5, labels, stroke)
     keep, narrow = (_kept_share(np.maximum(about, clear)) for about in found)
     many, some = _with_rims(value, many), _with_rims(value, some)
-    return np.where(many | some, 0, keep), np.where(many, 0, np.where(some, narrow, keep)), dark > 0
+    printed = _survey((dark > 0) & _on_light(value, dark > 0, thin > 0, reach), labels, stroke)[3] & (dark > 0)
+    return np.where(many | some, 0, keep), np.where(many, 0, np.where(some, narrow, keep)), dark > 0, printed
 
 
 def _near(sought, radius):

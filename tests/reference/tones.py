@@ -428,7 +428,7 @@ def fill(layers, params, surface, paper):
                 continue
             ink = _ink(layers, of, look, dark, scale, paper, own)
             ink = _fitted(ink, rooms) if look[0] in SCREENS else ink
-            ink = np.where(keep[2] & (dark > 0.5), 1, ink) if look[0] in ("HATCH", "STIPPLE") else ink
+            ink = np.where(keep[3] & (dark > 0.5), 1, ink) if look[0] in ("HATCH", "STIPPLE") else ink
             t = np.where(own, ink * share * keep[int(look[0] == "SOLID")], 0)[..., None]
             t = np.where(t >= 0.5, 1.0, 0.0) if of("tone_crisp") else t
             alpha = surface[..., 3:]

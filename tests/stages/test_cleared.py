@@ -138,6 +138,17 @@ def test_dark_letters_are_ink_among_spots_and_strokes(kind):
     assert drawn[20:40, 20:23].all() and plain[20:40, 20:23].mean() < 0.98 and drawn[20:40, 40:58].mean() < 0.98
 
 
+@pytest.mark.parametrize("kind", ["STIPPLE", "HATCH"])
+def test_holes_of_light_letters_are_no_ink_and_those_of_dark_ones_no_ground(kind):
+    chalk, printed = shaded(60, 60, 0.2, 0.02), shaded(60, 60, 0.2, 0.8)
+    for layers, color, hole in ((chalk, 0.8, 0.02), (printed, 0.02, 0.8)):
+        layers["color"][20:50, 20:29], layers["color"][23:47, 23:26] = color, hole
+    marks = dict(tone_1=kind, tone_black=0.05, shade_levels=[(0.3,), (0.65, 0.25, 0.0)], tone_detail=5.0)
+    chalk, printed = ink(chalk, **marks), ink(printed, **marks)
+    assert chalk[23:47, 23:26].mean() < 0.98 and not chalk[24:46, 20:22].any()
+    assert printed[20:50, 20:23].all() and printed[20:23, 20:29].all()
+
+
 def test_an_eye_is_ink_where_it_is_widest_too():
     layers = shaded(60, 60, 0.2, 0.8)
     for y, half in enumerate((1, 2, 2, 3, 3, 4, 4, 4, 5, 5, 5, 5, 5, 5, 4, 4, 4, 3, 3, 2, 2, 1)):
