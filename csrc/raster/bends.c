@@ -43,6 +43,7 @@ typedef struct turning {
 	float turn;  /* degrees, or `closed` */
 	float edge;  /* the bend of the edge there, as in the layer */
 	int32_t way;
+	bool sliver; /* only some rows or columns of pixels see the face between it and where the surface ends */
 } turning;
 
 /* Edges one after the other, as which something is clearest. */
@@ -72,6 +73,26 @@ static float degrees_between(const float *n, const float *m)
 	return 114.591559f * pixel_atan2(half, sqrtf(max(0, 1 - half * half)));
 }
 
+/* Where a surface ends on a way: at a contour of a mesh, if one is known there. Were it always half way, what is seen
+ * of the surface beside a bend would change by up to a pixel as a straight outline passes pixel after pixel, and what
+ * counts as one bend with it: the bend's line would be a row of scallops. */
+static float end_place(const bends *s, int x, int y, int axis)
+{
+	float mark = s->job->marks.data ? contour_mark(pixel_at(&s->job->marks, x, y)[axis]) : 0;
+	return mark < 0 ? contour_place(mark) : 0.5f;
+}
+
+/* From the pixel `from` to where a turning is. In this way the bits do not depend on where the images begin. */
+static float along(const turning *t, int from)
+{
+	return (float)(t->way - from) + t->share;
+}
+
+static bool is_sliver(const turning *edge, const turning *end)
+{
+	return edge->edge != 0 && end->turn < 0 && fabsf(along(end, edge->way) - edge->share) < 1;
+}
+
 /* Adds the way from a pixel to the next along the axis, if anything happens there; returns how many it makes. Of ends
  * of the surface in a row the first and the last tell all. */
 static int note(const bends *s, int x, int y, int axis, turning *list, int count)
@@ -82,21 +103,19 @@ static int note(const bends *s, int x, int y, int axis, turning *list, int count
 		return count;
 	if (what == WAY_CLOSED) {
 		count -= count > 1 && list[count - 1].turn < 0 && list[count - 2].turn < 0;
-		list[count] = (turning){0.5f, closed, 0, way};
+		list[count] = (turning){end_place(s, x, y, axis), closed, 0, way, false};
+		for (int k = count - 1; k >= 0 && list[k].way + 1 >= way; k--)
+			list[k].sliver |= is_sliver(list + k, list + count);
 		return count + 1;
 	}
 	float turn = degrees_between(normal_at(s, x, y), normal_at(s, x + !axis, y + axis));
 	if (turn == 0)
 		return count;
 	const float *crease = pixel_at(&s->job->creases, x, y) + 2 * axis;
-	list[count] = (turning){crease[0] > 0 ? crease[0] : 0.5f, turn, crease[1], way};
+	list[count] = (turning){crease[0] > 0 ? crease[0] : 0.5f, turn, crease[1], way, false};
+	for (int k = count - 1; k >= 0 && list[k].way + 1 >= way; k--)
+		list[count].sliver |= is_sliver(list + count, list + k);
 	return count + 1;
-}
-
-/* From the pixel `from` to where a turning is. In this way the bits do not depend on where the images begin. */
-static float along(const turning *t, int from)
-{
-	return (float)(t->way - from) + t->share;
 }
 
 /* ---- bends ----------------------------------------------------------------------------------------------- */
@@ -110,12 +129,18 @@ typedef struct looking {
 	bend *out;                     /* of its pixels; none is told of any to begin with */
 } looking;
 
+/* What the surface turns beside a bend, and without what only some rows or columns see: which edges are one bend must
+ * not depend on that, or its line would jump to and fro. */
+typedef struct sides {
+	float all, sure;
+} sides;
+
 /* How much `reach` pixels beside an end of a bend turn; less is known where the surface ends: -1 where too little is,
  * INFINITY if the other side may tell, as at the images' border and from `guessed` pixels on. */
-static float beside(const looking *l, int i, int way, float reach, float guessed)
+static sides beside(const looking *l, int i, int way, float reach, float guessed)
 {
 	const turning *own = l->list + i;
-	float at = own->share, sum = 0, seen = way < 0 ? along(own, 0) : (float)(l->size - 1 - own->way) - at;
+	float at = own->share, sum = 0, sure = 0, seen = way < 0 ? along(own, 0) : (float)(l->size - 1 - own->way) - at;
 	bool border = true;
 	for (int k = i + way; k >= 0 && k < l->count; k += way) {
 		float away = fabsf(along(l->list + k, own->way) - at);
@@ -126,11 +151,12 @@ static float beside(const looking *l, int i, int way, float reach, float guessed
 			border = false;
 			break;
 		}
-		sum += l->list[k].turn * most_one(2 - 2 * away / reach);
+		float turn = l->list[k].turn * most_one(2 - 2 * away / reach);
+		sum += turn;
+		sure += l->list[k].sliver ? 0 : turn;
 	}
-	if (seen < least_seen)
-		return border || seen >= guessed ? INFINITY : closed;
-	return seen < reach ? sum * reach / seen : sum;
+	float none = border || seen >= guessed ? INFINITY : closed, grown = seen < reach ? reach / seen : 1;
+	return seen < least_seen ? (sides){none, none} : (sides){sum + sure * (grown - 1), sure * grown};
 }
 
 /* What edges are together, one after the other. */
@@ -171,10 +197,10 @@ static float wide_of(const sum *s)
 static sum sum_around(const looking *l, int first, int last, float reach)
 {
 	int from = first, to = last;
-	while (from > 0 && l->list[from - 1].turn >= 0 &&
+	while (from > 0 && l->list[from - 1].turn >= 0 && !l->list[from - 1].sliver &&
 	       along(l->list + first, l->list[from - 1].way) - l->list[from - 1].share < reach)
 		from--;
-	while (to < l->count - 1 && l->list[to + 1].turn >= 0 &&
+	while (to < l->count - 1 && l->list[to + 1].turn >= 0 && !l->list[to + 1].sliver &&
 	       along(l->list + to + 1, l->list[last].way) - l->list[last].share < reach)
 		to++;
 	sum all = sum_from(l->list + from);
@@ -212,16 +238,16 @@ static void weigh(const looking *l, int first, int last, const sum *of)
 		any |= of->turn > l->best[k].clear * blunt;
 	if (!any)
 		return;
-	float reach = max(stretch * wide, s->narrow), guess = wide <= narrower * s->narrow ? guessed : INFINITY,
-	      before = beside(l, first, -1, reach, guess), after = beside(l, last, 1, reach, guess);
-	if (before < 0 || after < 0 || (before == INFINITY && after == INFINITY))
+	float reach = max(stretch * wide, s->narrow), guess = wide <= narrower * s->narrow ? guessed : INFINITY;
+	sides before = beside(l, first, -1, reach, guess), after = beside(l, last, 1, reach, guess);
+	if (before.all < 0 || after.all < 0 || (before.all == INFINITY && after.all == INFINITY))
 		return;
-	before = before < INFINITY ? before : 2 * after;
-	after = after < INFINITY ? after : 2 * before;
-	float goes_on = min(before, after) / of->turn,
+	before = before.all < INFINITY ? before : (sides){2 * after.all, 2 * after.sure};
+	after = after.all < INFINITY ? after : (sides){2 * before.all, 2 * before.sure};
+	float goes_on = min(before.all, after.all) / of->turn,
 	      alone = clamp01((beside_to - goes_on) / (beside_to - beside_from));
-	run r = {.clear = alone * (of->turn - max(before, after)) / blunt,
-		 .bends = alone * (of->turn - 0.5f * (before + after)),
+	run r = {.clear = alone * (of->turn - max(before.sure, after.sure)) / blunt,
+		 .bends = alone * (of->turn - 0.5f * (before.sure + after.sure)),
 		 .first = first,
 		 .last = last};
 	if (!(r.bends >= least_bend && r.clear > 0) || has_own_line(l, first, last, of) ||

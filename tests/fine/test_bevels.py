@@ -101,6 +101,21 @@ def test_a_narrow_bevel_is_one_line(segments, width):
         assert np.abs(middle - want).max() < 0.6 + 0.1 * width, (degrees, np.abs(middle - want).max())
 
 
+@pytest.mark.parametrize("degrees", [0, 90])
+@pytest.mark.parametrize("sliver", [0.1, 0.6])
+@pytest.mark.parametrize("beyond", [1.7, 2.1])
+def test_it_is_straight_beside_an_outline_that_pixels_cut_to_steps(degrees, sliver, beyond):
+    """A chair's seat: two bevels, of which the lower ends in a face narrower than a pixel that few rows see."""
+    heading = np.radians(np.cumsum([-78, 22.5, 45, 22.5, 22.5, 45]))
+    mesh = folded(heading, np.array([30, 1.86, 2.74, 3.36, beyond, sliver]) / np.cos(heading), degrees + 8)
+    axis, creases = degrees // 90, drawn(mesh)["creases"]
+    y, x = np.nonzero(np.abs(creases[..., 2 * axis + 1]) > SPREAD)
+    at, along = (y, x) if axis else (x, y)
+    place = at + creases[y, x, 2 * axis]
+    assert len(np.unique(along)) == len(along) > 40
+    assert np.abs(place - np.polyval(np.polyfit(along, place, 1), along)).max() < 0.1
+
+
 @pytest.mark.parametrize("order", [1, -1])
 def test_a_face_along_an_axis_is_no_end_of_the_surface(order):
     """Its normal has two zeros, where that of nothing has three; whichever axis it is, the bend is the same."""

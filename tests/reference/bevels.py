@@ -25,8 +25,13 @@ def _turn(maps, y, x, axis):
     return _degrees(n, m)
 
 
+def _end(mark):
+    """Where a surface ends on a way: at a contour of a mesh, if one is known there."""
+    return -mark - 2 * min(np.floor(-mark / 2), 7) if -16 < mark < 0 else 0.5
+
+
 def _lane(maps, number, axis):
-    """Where a row (axis 0) or a column turns: (place, degrees, bend of the edge there, way)."""
+    """Where a row (axis 0) or a column turns: (place, degrees, bend of an edge there, way, whether some miss it)."""
     height, width = maps["object"].shape
     found = []
     for way in range((height if axis else width) - 1):
@@ -34,10 +39,11 @@ def _lane(maps, number, axis):
         turn = _turn(maps, y, x, axis)
         place, edge = maps["creases"][y, x, 2 * axis:2 * axis + 2].astype(float)
         if turn < 0:
-            found.append((way + 0.5, -1.0, 0.0, way))
+            found.append((way + _end(float(maps["marks"][y, x, axis])), -1.0, 0.0, way))
         elif turn > 0:
             found.append((way + (place if place > 0 else 0.5), turn, edge, way))
-    return found
+    ends = [e[0] for e in found if e[1] < 0]
+    return [(*e, e[1] >= 0 and e[2] != 0 and any(abs(e[0] - end) < 1 for end in ends)) for e in found]
 
 
 def _shape(edges):
@@ -49,19 +55,19 @@ def _shape(edges):
 
 
 def _beside(lane, i, way, reach, border, narrow):
-    """What goes on beside an edge; None: the surface ends, infinite: the other side tells."""
-    total, seen, cut = 0.0, abs(border - lane[i][0]), True
+    """What goes on beside an edge, and without slivers; None: the surface ends, infinite: the other side tells."""
+    total, seen, cut = np.zeros(2), abs(border - lane[i][0]), True
     k = i + way
     while 0 <= k < len(lane) and abs(lane[k][0] - lane[i][0]) < reach:
         away = abs(lane[k][0] - lane[i][0])
         if lane[k][1] < 0:
             seen, cut = away, False
             break
-        total += lane[k][1] * min(1, 2 - 2 * away / reach)
+        total += lane[k][1] * min(1, 2 - 2 * away / reach) * np.array([1, not lane[k][4]])
         k += way
     if seen < 2:
-        return np.inf if cut or (narrow and seen >= 1) else None
-    return total * reach / seen if seen < reach else total
+        return np.full(2, np.inf) if cut or (narrow and seen >= 1) else None
+    return total + total[1] * (max(reach / seen, 1) - 1)
 
 
 def _run(lane, i, j, narrow, size, normal):
@@ -76,10 +82,10 @@ def _run(lane, i, j, narrow, size, normal):
                      for k, way, border in ((i, -1, 0), (j, 1, size - 1)))
     if before is None or after is None or np.isinf([before, after]).all():
         return None
-    before, after = 2 * after if np.isinf(before) else before, 2 * before if np.isinf(after) else after
-    alone = np.clip((0.25 - min(before, after) / turn) / 0.13, 0, 1)
-    bends = alone * (turn - (before + after) / 2)
-    clear = alone * (turn - max(before, after)) / (1 + (wide / (3 * narrow)) ** 2)
+    before, after = 2 * after if np.isinf(before[0]) else before, 2 * before if np.isinf(after[0]) else after
+    alone = np.clip((0.25 - min(before[0], after[0]) / turn) / 0.13, 0, 1)
+    bends = alone * (turn - (before[1] + after[1]) / 2)
+    clear = alone * (turn - max(before[1], after[1])) / (1 + (wide / (3 * narrow)) ** 2)
     own = any(abs(e[2]) > (0.36 if abs(e[0] - middle) > 1.6 else 0.6) * turn for e in edges)
     straight = _degrees(normal(lane[i][3]), normal(lane[j][3] + 1)) >= 0.8 * bends
     return (clear, bends) if bends >= 20 and clear > 0 and not own and straight else None
@@ -109,9 +115,10 @@ def _bends(maps, number, axis, narrow):
             continue
         edges, (first, last) = lane[i:run[3] + 1], (lane[i][3], lane[run[3]][3] + 1)
         reach, near, far = 0.5 * _shape(edges)[2], i, run[3]
-        while near > 0 and lane[near - 1][1] >= 0 and lane[i][0] - lane[near - 1][0] < reach:
+        while near > 0 and lane[near - 1][1] >= 0 and not lane[near - 1][4] and lane[i][0] - lane[near - 1][0] < reach:
             near -= 1
-        while far + 1 < len(lane) and lane[far + 1][1] >= 0 and lane[far + 1][0] - lane[run[3]][0] < reach:
+        while (far + 1 < len(lane) and lane[far + 1][1] >= 0 and not lane[far + 1][4]
+               and lane[far + 1][0] - lane[run[3]][0] < reach):
             far += 1
         _, middle, wide = _shape(lane[near:far + 1])
         across = np.trunc(63 * (normal(last) - normal(first)))
