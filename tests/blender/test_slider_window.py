@@ -38,6 +38,11 @@ def test_layers_that_a_setting_asks_for_are_drawn(shot, name):
     assert found(shot, name)[1]
 
 
+@pytest.mark.parametrize("name", ["lines in mirrors", "smaller at rest"])
+def test_layers_are_drawn_anew_that_others_were_drawn_for(shot, name):
+    assert found(shot, name)[1]
+
+
 def test_frames_are_drawn_where_pens_draw_anew(shot):
     """And only there: a still scene is not drawn again while it plays."""
     assert [found(shot, name)[1] for name in ("still", "still, held", "still, drawn anew")] == [False, False, True]

@@ -7,6 +7,7 @@ import shutil
 import sys
 
 import bpy
+import numpy as np
 
 sys.path.append(os.path.dirname(os.path.abspath(__file__)))
 import studio  # noqa: E402
@@ -57,8 +58,8 @@ def changed(name, *values):
     view.texture = None
     view.redraw()
     yield from rest()
-    studio.fact(name, [reads, bool((shown != before).any()), view.read_number == number, len(READS) - count - reads,
-                       bool((uploaded[-1][1] == shown).all())])
+    studio.fact(name, [reads, not np.array_equal(shown, before), view.read_number == number,
+                       len(READS) - count - reads, np.array_equal(uploaded[-1][1], shown)])
 
 
 def hide(obj, hidden):
@@ -200,5 +201,26 @@ def pictures():
     yield from changed("sky's pixels", (pixels, "", 0.3))
 
 
+def layers():
+    """What layers are kept for: lines in a mirror, which they have only where these are asked for, and a view at rest
+    of the size of pictures while something moves, whose shadows have hard edges."""
+    from encre.blender import live
+
+    encre, budget = bpy.context.scene.encre, live._BUDGET
+    silver = studio.material("Silver", (0.9, 0.9, 0.9))
+    for name, value in ("Metallic", 1), ("Roughness", 0):
+        silver.node_tree.nodes["Principled BSDF"].inputs[name].default_value = value
+    mirror = studio.cube("Mirror", (0, 2, 0), 4, silver)
+    encre.edge_detector, encre.edge_seen = "FINE", 0
+    yield from changed("lines in mirrors", (encre, "edge_seen", 1))
+    bpy.data.objects.remove(mirror)
+    for lamp in bpy.data.lights:
+        lamp.angle = 0.3
+    live._BUDGET = 1e-5
+    yield from changed("smaller while it moves", (encre, "line_thickness", 24))
+    yield from changed("smaller at rest", (encre, "viewport_scale", 25))
+    live._BUDGET, encre.viewport_scale = budget, 100
+
+
 if __name__ == "__main__":
-    window.start(window.each(build, settings, beside, driven, animated, drawn_anew, pictures), persistent=True)
+    window.start(window.each(build, settings, beside, driven, animated, drawn_anew, pictures, layers), persistent=True)
