@@ -151,7 +151,7 @@ class EncreEngine(bpy.types.RenderEngine):
             self.free()
             return
         if not self.frames or self.frames.by_cycles:
-            _cycles().render_frame_finish(self)  # only now are all tiles there
+            _cycles().render_frame_finish(self)  # of a bake, or what was stopped: else it has been done
         with _Refusing(self):
             if self.frames:
                 self.frames.after()

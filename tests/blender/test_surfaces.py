@@ -51,9 +51,10 @@ def test_what_lets_light_through_at_random_leaves_no_crumbs(render):
 def test_smoke_is_denoised_where_no_surface_is(render):
     """Its own pixels lie beside the cube's box; but for them nothing changes."""
     shot = render("smoke")
-    if not shot.facts["denoiser"][0]:
-        pytest.skip("no Open Image Denoise beside this Blender")
     clean, noisy = (shot.passes(name)["Combined"][..., :3] for name in ("clean", "noisy"))
+    if not shot.facts["denoiser"][0]:
+        np.testing.assert_array_equal(clean, noisy)
+        return
     smoke = np.s_[20:60, 100:125]
     rough = [np.abs(np.diff(picture[smoke], axis=1)).mean() for picture in (clean, noisy)]
     assert rough[0] < 0.5 * rough[1], rough
