@@ -32,7 +32,8 @@ typedef struct work {
 	bool copy[ENCRE_LAYER_COUNT]; /* stages read one */
 	uint8_t *style;
 	const cleaner *clean;
-	int early; /* stages up to this one draw, if at all, with the first reading */
+	int early;          /* stages up to this one draw, if at all, with the first reading */
+	const stage *later; /* the one that draws after it */
 	bool looked;
 	atomic_bool unclean[ENCRE_LAYER_COUNT], any_unclean;
 	atomic_llong bad;
@@ -173,6 +174,14 @@ static void first_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
+/* What was not drawn at first, a few rows at a time: between these it can be cancelled. */
+static void later_rows(void *data, int y0, int y1, int thread)
+{
+	work *w = data;
+	for (int y = y0; y < y1 && !bands_stopped(w->f.bands); y += NEAR_ROWS)
+		w->later->rows(&w->f, y, y1 - y < NEAR_ROWS ? y1 : y + NEAR_ROWS, thread);
+}
+
 static void export_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -258,8 +267,9 @@ static int32_t run(work *w)
 			w->context->edges.late = f->late;
 			f->late = before;
 		}
-		if (!code && stages[s]->rows && s >= w->early)
-			code = bands_run(f->bands, f->height, 0, stages[s]->rows, f);
+		w->later = stages[s];
+		if (!code && w->later->rows && s >= w->early)
+			code = bands_run(f->bands, f->height, 0, later_rows, w);
 	}
 	bands_span(f->bands, (N_STAGES + 1.5) / (N_STAGES + 2), 1);
 	return code ? code : bands_run(f->bands, f->height, 0, export_rows, w);

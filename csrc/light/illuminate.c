@@ -15,12 +15,13 @@ static void add_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	light *l = data;
-	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width; i++)
-		for (int c = 0; c < 3; c++)
-			l->sum[3 * i + c] += l->plain[i] * l->share[i] * l->lamp.color[c];
-	for (int y = y0; l->shines && y < y1; y++)
-		if (y >= LIGHT_MARGIN && y < l->height - LIGHT_MARGIN)
+	for (int y = y0; y < y1 && !bands_stopped(l->bands); y++) {
+		for (ptrdiff_t i = (ptrdiff_t)y * l->width; i < (ptrdiff_t)(y + 1) * l->width; i++)
+			for (int c = 0; c < 3; c++)
+				l->sum[3 * i + c] += l->plain[i] * l->share[i] * l->lamp.color[c];
+		if (l->shines && y >= LIGHT_MARGIN && y < l->height - LIGHT_MARGIN)
 			ISA(shine_row)(l, y - LIGHT_MARGIN);
+	}
 }
 
 /* Light from all sides, by the normal. */
@@ -29,6 +30,8 @@ static void world_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	light *l = data;
 	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width; i++) {
+		if (i % l->width == 0 && bands_stopped(l->bands))
+			return;
 		if (l->surfaces[i].instance == SURFACE_NOTHING) {
 			for (int c = 0; c < 3; c++)
 				l->sum[3 * i + c] = 0;
@@ -82,7 +85,7 @@ static void write_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const light *l = data;
 	const encre_image *out = &l->job->diffuse;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(l->bands); y++)
 		for (int x = 0; x < out->width; x++) {
 			ptrdiff_t i = (ptrdiff_t)(y + LIGHT_MARGIN) * l->width + x + LIGHT_MARGIN;
 			float rgb[3] = {l->sum[3 * i], l->sum[3 * i + 1], l->sum[3 * i + 2]}, keep = 1;

@@ -28,6 +28,8 @@ static void core_rows(void *data, int y0, int y1, int thread)
 		float all = 0, seen = 0;
 		if (l->exact[i] < 0)
 			continue;
+		if (bands_stopped(l->bands))
+			return;
 		ISA(shadow_ask)(l, l->surfaces + i, &l->points.middle, &all, &seen, &from);
 		if (all > 0)
 			l->state[i] |= (uint8_t)((seen > 0 ? LIT : DARK) << CORE_SHIFT);
@@ -119,7 +121,7 @@ static void width_rows(void *data, int y0, int y1, int thread)
 	light *l = data;
 	edge_line e;
 	facets known = FACETS_NONE;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(l->bands); y++)
 		for (int x = 0; x < l->width; x++)
 			l->share[(ptrdiff_t)y * l->width + x] = !ISA(edge_at)(l, x, y, &e) ? -1
 								: thin(l, x, y, &e) ? NARROW
@@ -165,7 +167,7 @@ static void narrow_rows(void *data, int y0, int y1, int thread)
 	light *l = data;
 	edge_line e;
 	int u = 0, v = 0;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(l->bands); y++)
 		for (int x = 0; x < l->width; x++) {
 			ptrdiff_t i = (ptrdiff_t)y * l->width + x, j;
 			int own = core_at(l, i);

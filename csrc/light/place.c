@@ -301,7 +301,7 @@ static void place_rows(void *data, int y0, int y1, int thread)
 	gaze all[SHAFT_SIDE * SHAFT_SIDE];
 	shaft along;
 	for (int y = y0; y < y1; y += SHAFT_SIDE)
-		for (int x = 0; x < l->width; x += SHAFT_SIDE) {
+		for (int x = 0; x < l->width && !bands_stopped(l->bands); x += SHAFT_SIDE) {
 			uint64_t left = 0;
 			for (int k = 0; k < SHAFT_SIDE * SHAFT_SIDE; k++) {
 				int u = x + k % SHAFT_SIDE, v = y + k / SHAFT_SIDE;

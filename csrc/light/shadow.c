@@ -177,7 +177,7 @@ static void centre_rows(void *data, int y0, int y1, int thread)
 	shaft s;
 	rays from = RAYS(&s);
 	for (int y = y0; y < y1; y += SHAFT_SIDE)
-		for (int x = 0; x < l->width; x += SHAFT_SIDE) {
+		for (int x = 0; x < l->width && !bands_stopped(l->bands); x += SHAFT_SIDE) {
 			uint64_t left = square_of(l, x, y, y1, lit_without_shadows);
 			while (left) {
 				uint64_t group = ISA(shadow_group)(l, x, y, left, 0, &s);
@@ -221,7 +221,7 @@ void ISA(edge_rows)(void *data, int y0, int y1, int thread)
 	(void)thread;
 	light *l = data;
 	rays from = RAYS(NULL);
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(l->bands); y++)
 		for (int x = 0; x < l->width; x++)
 			for (int down = 0; down < 2; down++) {
 				ptrdiff_t i = (ptrdiff_t)y * l->width + x, j = down ? i + l->width : i + 1;
@@ -265,7 +265,7 @@ static void ramp_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	light *l = data;
 	edge_line e;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(l->bands); y++)
 		for (int x = 0; x < l->width; x++) {
 			ptrdiff_t i = (ptrdiff_t)y * l->width + x;
 			if (!ISA(edge_at)(l, x, y, &e))

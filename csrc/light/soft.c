@@ -89,10 +89,10 @@ static void ask_points(const light *l, int x, int y, int first, int end, float *
 /* Asks for all pixels of a square of which a bit is set. */
 static void ask_square(light *l, int x, int y, uint64_t left, int first, int end, rays *from)
 {
-	while (left) {
+	while (left && !bands_stopped(l->bands)) {
 		uint64_t group = ISA(shadow_group)(l, x, y, left, 1, from->shaft);
 		left &= ~group;
-		for (; group; group &= group - 1) {
+		for (; group && !bands_stopped(l->bands); group &= group - 1) {
 			int k = __builtin_ctzll(group), u = x + k % SHAFT_SIDE, v = y + k / SHAFT_SIDE;
 			ptrdiff_t i = (ptrdiff_t)v * l->width + u;
 			float seen = first ? l->asked[2 * i] : 0, all = first ? l->asked[2 * i + 1] : 0;
@@ -211,7 +211,7 @@ static void dealt_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const smoothing *m = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(m->light->bands); y++)
 		for (int x = 0; x < m->light->width; x++) {
 			ptrdiff_t i = (ptrdiff_t)y * m->light->width + x;
 			float exact = m->light->exact[i];
@@ -239,7 +239,7 @@ static void pair_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const smoothing *m = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(m->light->bands); y++)
 		for (int x = 0; x < m->light->width; x++) {
 			ptrdiff_t i = (ptrdiff_t)y * m->light->width + x;
 			float exact = m->light->exact[i], sum = 0, weights = 2;
@@ -258,7 +258,7 @@ static void level_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const smoothing *m = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(m->light->bands); y++)
 		for (int x = 0; x < m->light->width; x++) {
 			ptrdiff_t i = (ptrdiff_t)y * m->light->width + x;
 			float exact = m->light->exact[i];

@@ -18,6 +18,7 @@ typedef struct pixel {
 
 typedef struct drawing {
 	const encre_material_job *job;
+	const bands *pool;
 	const encre_materials *materials;
 	int width, height, most_registers;
 	double inverse[12]; /* pixel and depth -> world: right, down, ahead, origin */
@@ -206,7 +207,7 @@ static void draw_band(const drawing *d, int y0, int y1, int thread)
 	for (int m = 0; m < d->materials->n_programs; m++) {
 		const encre_program *p = b->program = d->materials->programs + m;
 		reads r = from[m] < from[m + 1] ? reads_of(p) : (reads){0};
-		for (uint32_t k = from[m]; k < from[m + 1]; k += MATERIAL_BLOCK) {
+		for (uint32_t k = from[m]; k < from[m + 1] && !bands_stopped(d->pool); k += MATERIAL_BLOCK) {
 			uint32_t n = from[m + 1] - k < MATERIAL_BLOCK ? from[m + 1] - k : MATERIAL_BLOCK;
 			load(d, b, sorted + k, (int)n, y0, &r);
 			memset(b->reg, 0, (size_t)p->n_registers * MATERIAL_BLOCK * sizeof *b->reg);
@@ -260,7 +261,11 @@ static void plan(drawing *d, int threads, arena *a)
 
 int32_t ISA(material_draw)(bands *pool, const encre_material_job *job)
 {
-	drawing d = {.job = job, .materials = job->materials, .width = job->object.width, .height = job->object.height};
+	drawing d = {.job = job,
+		     .pool = pool,
+		     .materials = job->materials,
+		     .width = job->object.width,
+		     .height = job->object.height};
 	for (int m = 0; m < d.materials->n_programs; m++)
 		if (d.materials->programs[m].n_registers > d.most_registers)
 			d.most_registers = d.materials->programs[m].n_registers;

@@ -231,7 +231,7 @@ void crossings_draw(const raster *r, int i, const band *b, int end)
 	int x0 = b->x0 - OUTLINE_GUARD, y0 = b->y0 - OUTLINE_GUARD, rows = end - b->y0;
 	clear_rows(&r->job->marks, 2, b->y0 - r->room.y0, rows);
 	clear_rows(&r->job->creases, 4, b->y0 - r->room.y0, rows);
-	for (size_t n = r->list[i]; n < r->list[i + 1]; n++) {
+	for (size_t n = r->list[i]; n < r->list[i + 1] && !bands_stopped(r->pool); n++) {
 		segment s;
 		int from, to;
 		part = geometry_part(&r->geometry, part, r->entry[n]);

@@ -183,7 +183,7 @@ static bool may_meet(const raster *r, uint32_t one, uint32_t other, place p, pla
 void meets_draw(const raster *r, int i, const band *b, int end, meets *room)
 {
 	uint32_t n = 0;
-	for (int y = b->y0; y < end; y++)
+	for (int y = b->y0; y < end && !bands_stopped(r->pool); y++)
 		for (int x = b->x0; x < b->x1; x++)
 			for (int down = 0; down < 2; down++) {
 				int qx = x + !down, qy = y + down;

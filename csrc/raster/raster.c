@@ -278,7 +278,7 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 			b.front[k] = b.twin[k] = NOTHING;
 		}
 		const part *part = NULL;
-		for (size_t k = r->list[i]; k < r->list[i + 1]; k++) {
+		for (size_t k = r->list[i]; k < r->list[i + 1] && !bands_stopped(r->pool); k++) {
 			outline o;
 			part = geometry_part(&r->geometry, part, r->entry[k]);
 			if (part->mesh->kind == ENCRE_TRIANGLES &&
@@ -286,7 +286,7 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 				outline_draw(&o, r->entry[k], &b);
 		}
 		clear_twins(r, &b);
-		for (int row = b.y0; row < end; row++)
+		for (int row = b.y0; row < end && !bands_stopped(r->pool); row++)
 			shade_row(r, &b, row);
 		if (r->edges)
 			crossings_draw(r, i, &b, end);
@@ -358,6 +358,7 @@ int32_t raster_run(bands *pool, const encre_raster_job *job, raster_kept **kept,
 		if (images[i]->data)
 			image = images[i];
 	raster r = {.job = job,
+		    .pool = pool,
 		    .geometry = {.job = job},
 		    .width = image->width,
 		    .height = image->height,

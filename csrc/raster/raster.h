@@ -12,6 +12,7 @@ typedef struct band_range {
 
 typedef struct raster {
 	const encre_raster_job *job;
+	const bands *pool;
 	geometry geometry;
 	int width, height; /* of the images */
 	room room;

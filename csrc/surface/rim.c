@@ -171,7 +171,7 @@ static void count_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	rim *r = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(r->f->bands); y++)
 		r->first[y] = sites_of_row(r, y, NULL);
 }
 
@@ -179,7 +179,7 @@ static void find_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	rim *r = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(r->f->bands); y++)
 		sites_of_row(r, y, r->sites + r->first[y]);
 }
 
@@ -256,7 +256,7 @@ static void draw_rows(void *data, int y0, int y1, int thread)
 	const frame *f = r->f;
 	float *cover = r->cover + (size_t)thread * 2 * (size_t)f->width, *ends = cover + f->width;
 	int32_t *chosen = r->chosen + (size_t)thread * (size_t)f->width;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		int above = y - r->reach - 1, below = y + r->reach + 1; /* a site lies up to a pixel below its row */
 		size_t from = r->first[above > 0 ? above : 0], end = r->first[below < f->height ? below : f->height];
 		for (int x = 0; x < f->width; x++)

@@ -30,7 +30,7 @@ static void light_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const specks *s = data;
 	const frame *f = s->f;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		const float *rgba = output_row(f, ENCRE_OUTPUT_COMBINED, y);
 		uint8_t *light = s->light + (ptrdiff_t)y * f->width;
 		for (int x = 0; x < f->width; x++) {

@@ -100,7 +100,7 @@ static void stray_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const wash *w = data;
 	const frame *f = w->f;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		float *out = w->strayed + (ptrdiff_t)4 * f->width * y;
 		for (int x = 0, end; x < f->width; x = end) {
 			const encre_params *p = style_run(f, y, x, f->width - x > CHUNK ? x + CHUNK : f->width, &end);
@@ -159,7 +159,7 @@ static void blur_rows(void *data, int y0, int y1, int thread)
 	const wash *w = data;
 	int width = w->f->width, room = w->most + 1;
 	uint16_t *line = w->line + (size_t)thread * 4 * (size_t)(width + 2 * room) + (ptrdiff_t)4 * room;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		count_line(width, strayed_row(w, y), line);
 		for (int k = 1; k <= room; k++) {
 			memcpy(line - (ptrdiff_t)4 * k, line, 4 * sizeof *line);
@@ -293,7 +293,7 @@ static void wash_rows(void *data, int y0, int y1, int thread)
 		if (w->reach[k])
 			begin_sums(w, k, y0, sums[k]);
 	}
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		for (int x = 0, end; x < f->width; x = end) {
 			const encre_params *p = style_run(f, y, x, f->width - x > CHUNK ? x + CHUNK : f->width, &end);
 			if (p->use_wash)

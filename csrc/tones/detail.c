@@ -97,7 +97,7 @@ static void value_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		const float *c = layer_row(w->f, ENCRE_LAYER_ALBEDO, y);
 		uint8_t *to = row_of(w, w->d->value, y);
 		for (int i = 0; i < w->f->width; i++, c += 3) {
@@ -111,7 +111,7 @@ static void narrow_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		least_down(w, w->dark, w->d->value, y, 0, w->f->width, row_of(w, w->d->scratch, y));
 }
 
@@ -120,7 +120,7 @@ static void square_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
 			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_FAR];
 			n = chunk_at(w, x);
@@ -135,7 +135,7 @@ static void differ_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const work *w = data;
 	int reach = w->reach;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
 			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_FAR];
 			uint8_t across[TONE_CHUNK], down[TONE_CHUNK], square[TONE_CHUNK];
@@ -173,7 +173,7 @@ static void fine_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		const uint8_t *raw = row_of(w, w->d->raw, y);
 		uint8_t *to = row_of(w, w->dark ? w->d->dark : w->d->thin, y), *seed = row_of(w, w->d->seed, y);
 		for (int x = 0; x < w->f->width; x++) {
@@ -257,7 +257,7 @@ static void keep_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
 			uint8_t light[TONE_CHUNK], dark[TONE_CHUNK];
 			uint8_t *keep = row_of(w, w->d->keep, y) + x, *ink = row_of(w, w->d->ink, y) + x;

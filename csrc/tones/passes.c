@@ -14,7 +14,7 @@ static void look_at_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		w->m->first[y] = ISA(tone_marks_look)(w->f, w->m, y);
 }
 
@@ -91,7 +91,7 @@ static void look_ahead_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const work *w = data;
 	int width = w->f->width;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0; x < width; x += TONE_CHUNK)
 			look_ahead(w->m, w->f->height, y, x, width - x < TONE_CHUNK ? width - x : TONE_CHUNK);
 }
@@ -100,7 +100,7 @@ static void find_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		ISA(tone_marks_find)(w->f, w->m, y, w->m->marks + w->m->first[y]);
 }
 

@@ -73,7 +73,7 @@ static void look_at_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		uint8_t *what = row_of(w, w->d->value, y);
 		memset(what, LIGHT, (size_t)w->f->width);
 		for (int x = 0, end; x < w->f->width; x = end) {
@@ -91,7 +91,7 @@ static void column_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const work *w = data;
 	int width = w->f->width;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		uint8_t *restrict far = row_of(w, w->d->scratch, y);
 		memset(far, w->reach + 1, (size_t)width);
 		for (int v = tone_within(y - w->reach, w->f->height); v <= y + w->reach && v < w->f->height; v++) {
@@ -120,7 +120,7 @@ static void core_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		const uint8_t *what = row_of(w, w->d->value, y);
 		uint8_t *sure = row_of(w, w->d->thin, y), *core = row_of(w, w->d->light, y);
 		for (int x = 0; x < w->f->width; x++) {
@@ -136,7 +136,7 @@ static void room_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		const uint8_t *what = row_of(w, w->d->value, y);
 		uint8_t *room = row_of(w, w->d->room, y);
 		for (int x = 0; x < w->f->width; x++) {
@@ -186,7 +186,7 @@ static void cleared_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		uint8_t *room = row_of(w, w->d->room, y);
 		for (int x = 0; x < w->f->width; x++)
 			if ((room[x] == MAYBE || room[x] == TONE_NO_ROOM) && !is_detail(w, x, y) &&
@@ -199,7 +199,7 @@ static void light_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		uint8_t *room = row_of(w, w->d->room, y);
 		for (int x = 0; x < w->f->width; x++)
 			if (room[x] == MAYBE || room[x] == TONE_NO_ROOM) {

@@ -300,7 +300,7 @@ void ISA(tone_marks_draw)(const frame *f, const tone_marks *m, int reach, int y0
 {
 	brush b = {f, m, y0, y1, f->layer[ENCRE_LAYER_OBJECT].data != NULL};
 	int from = y0 - reach > 0 ? y0 - reach : 0, to = y1 + reach < f->height ? y1 + reach : f->height;
-	for (int y = from; y < to; y++)
+	for (int y = from; y < to && !bands_stopped(f->bands); y++)
 		for (int64_t i = m->first[y]; i < m->first[y + 1]; i++) {
 			/* the next one's middle lies elsewhere */
 			if (i + 1 < m->first[y + 1])

@@ -148,7 +148,7 @@ static void whole_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const work *w = data;
 	const uint8_t *own = details(w), *state = w->d->raw;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0; x < w->f->width; x++) {
 			size_t i = (size_t)y * (size_t)w->f->width + (size_t)x, at = own[i] ? stands_out(w, x, y) : i;
 			bool whole = state[at] == MOST || (state[at] == MANY && own[at]);
@@ -164,7 +164,7 @@ static void along_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const work *w = data;
 	int width = w->f->width;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		uint8_t *own = row_of(w, details(w), y), *to = row_of(w, w->d->scratch, y);
 		int last = -w->gap - 1;
 		memcpy(own, to, (size_t)width);
@@ -185,7 +185,7 @@ static void down_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const work *w = data;
 	int width = w->f->width, height = w->f->height;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		uint8_t *restrict to = row_of(w, w->d->raw, y);
 		memset(to, NOTHING, (size_t)width);
 		for (int v = tone_within(y - w->gap, height); v <= y + w->gap && v < height; v++) {
@@ -220,7 +220,7 @@ static void reached_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++) {
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		const uint8_t *state = row_of(w, w->d->raw, y);
 		uint8_t *own = row_of(w, details(w), y);
 		for (int x = 0; x < w->f->width; x++)
@@ -258,7 +258,7 @@ static void ground_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0; x < w->f->width; x++) {
 			spot s = {x, y, (size_t)y * (size_t)w->f->width + (size_t)x}, to[4];
 			const uint8_t *state = w->d->raw, *value = w->d->value;
@@ -293,7 +293,7 @@ static void print_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0; x < w->f->width; x++) {
 			spot s = {x, y, (size_t)y * (size_t)w->f->width + (size_t)x};
 			w->d->scratch[s.i] = w->d->dark[s.i] && on_light(w, s);

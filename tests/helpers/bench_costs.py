@@ -13,10 +13,12 @@ import sys
 import time
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parents[1]))  # of what the lamps are held to
 import bench
 import hands
+import lamps
 import numpy as np
-from bench import ALL_OFF, BYTES, CELL, DOG, FINE, SOURCES, THREADS, balls, copy_seconds, held_bytes, sites, size_of
+from bench import ALL_OFF, BYTES, CELL, DOG, FINE, SOURCES, THREADS, balls, copy_seconds, held_bytes, sites
 from encre.pen import background, library
 from encre.pen.errors import Cancelled
 
@@ -80,11 +82,8 @@ def pens(rounds, width, height):
     return found
 
 
-def light(rounds, width, height):
-    """Three lamps over a cube, a ball and 64 balls of 3,200 triangles each; trees are built in the first round."""
-    sys.path.insert(0, str(Path(__file__).parents[1]))
-    import lamps  # it knows the reference
-
+def many(width, height):
+    """A cube, a ball and 64 balls of 3,200 triangles each."""
     stage = lamps.Stage(width, height, smooth=True)
     points, corners, normals = lamps.ball(40)
     stage.scene.geometry(9, points, corners, normals)
@@ -92,6 +91,12 @@ def light(rounds, width, height):
         model = lamps.moved(k % 8 - 4.0, k // 8 - 3.0, 2.5, 0.25)
         stage.scene.instance(9 + k, 9, model)
         stage.meshes.append(lamps.Mesh(points, corners, model=model, object_index=9 + k))
+    return stage
+
+
+def light(rounds, width, height):
+    """Three lamps; trees are built in the first round."""
+    stage = many(width, height)
     depth, copy = stage.depth(), copy_seconds(width * height * BYTES)
     print(f"\nlight by rays, one thread, {width} x {height}; processor seconds, and as a ratio to the copy")
     cases = {"hard lamps": ("sun", "point", "spot"), "soft lamps": ("wide sun", "ball", "rectangle")}
@@ -124,12 +129,26 @@ def bake(rounds, side):
             print(f"{case:18}{threads or 'all':>8}{best / copy:8.2f}{best:8.3f} s")
 
 
-def cancelled(layers):
+def works(width, height):
+    """{case: Work}"""
+    layers = balls(width, height, CELL["default sources"] * height // 1080)
+    lib, stage = library.load(), many(width, height)
+    seen = stage.view, stage.projection, lamps.Frame(width, height)
+    made = {"rasteriser": lib.raster_work(stage.meshes, *seen, (width, height), 0.1)}
+    for name, settings in {"DOG": DOG, "FINE": FINE}.items():
+        made[name] = lib.draw_work(layers, lib.complete(lib.check(settings)))
+    for name in "sun", "wide sun":
+        own = many(width, height)
+        own.scene.lamp(0, lamps.LAMPS[name])
+        made[name] = own.scene.light_work(own.depth(), None, *seen, 0.1)
+    return made
+
+
+def cancelled(width, height):
     """Work in the background that is cancelled at 40 moments: what all threads still do until it has ended."""
-    print(f"\ncancelled after the fact, {'x'.join(map(str, size_of(layers)))}; processor milliseconds until the end")
+    print(f"\ncancelled after the fact, {width} x {height}; processor milliseconds until the end")
     print(f"{'':18}{'threads':>8}{'median':>9}{'9 of 10':>9}")
-    for case, settings in {"DOG": DOG, "FINE": FINE}.items():
-        work = library.load().draw_work(layers, library.complete(library.check(settings)))
+    for case, work in works(width, height).items():
         for threads in THREADS:
             behind, spent = background.Background(threads), []
             behind.start([work])
@@ -158,7 +177,7 @@ def main():
     bench.add("costs", pens(args.rounds, width, height))
     light(args.rounds, width, height)
     bake(args.rounds, args.side)
-    cancelled(balls(width, height, CELL["default sources"] * height // 1080))
+    cancelled(width, height)
 
 
 if __name__ == "__main__":
