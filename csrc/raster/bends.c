@@ -23,8 +23,10 @@ static const float beside_from = 0.12f, beside_to = 0.25f; /* share of a bend th
 							     turns less may turn: else it goes on there */
 static const float stretch = 1.6f;        /* times as wide as a bend is what is looked at on either side */
 static const float least_straight = 0.8f; /* of all that it turns: it goes one way round */
-static const float least_seen = 2;        /* pixels beside a bend that must be seen to tell whether it goes on */
+static const float least_seen = 2;        /* pixels beside a bend that must be seen to tell whether it goes on, */
+static const float least_share = 0.5f;    /* and of its width */
 static const float guessed = 1;           /* likewise, from which on the other side tells of a narrow one */
+static const float as_other = 2;          /* times what the other side turns is what is not seen taken to */
 static const float narrower = 0.8f;       /* times `narrow`, up to which it is one */
 static const float noted = 2.6f;          /* pixels from its line within which pixels are told of a bend */
 static const float most_bare = 0.55f;     /* share of a bend's width in which nothing bends */
@@ -93,6 +95,15 @@ static bool is_sliver(const turning *edge, const turning *end)
 	return edge->edge != 0 && end->turn < 0 && fabsf(along(end, edge->way) - edge->share) < 1;
 }
 
+/* Where a way turns: at its edge. What turns more than that has others, on the longer side of it. */
+static float turn_place(const float *crease, float turn)
+{
+	float place = crease[0], own = min(fabsf(crease[1]) / turn, 1);
+	if (!(place > 0))
+		return 0.5f;
+	return mix(place < 0.5f ? 0.5f * (1 + place) : 0.5f * place, place, own);
+}
+
 /* Adds the way from a pixel to the next along the axis, if anything happens there; returns how many it makes. Of ends
  * of the surface in a row the first and the last tell all. */
 static int note(const bends *s, int x, int y, int axis, turning *list, int count)
@@ -112,7 +123,7 @@ static int note(const bends *s, int x, int y, int axis, turning *list, int count
 	if (turn == 0)
 		return count;
 	const float *crease = pixel_at(&s->job->creases, x, y) + 2 * axis;
-	list[count] = (turning){crease[0] > 0 ? crease[0] : 0.5f, turn, crease[1], way, false};
+	list[count] = (turning){turn_place(crease, turn), turn, crease[1], way, false};
 	for (int k = count - 1; k >= 0 && list[k].way + 1 >= way; k--)
 		list[count].sliver |= is_sliver(list + count, list + k);
 	return count + 1;
@@ -129,19 +140,21 @@ typedef struct looking {
 	bend *out;                     /* of its pixels; none is told of any to begin with */
 } looking;
 
-/* What the surface turns beside a bend, and without what only some rows or columns see: which edges are one bend must
- * not depend on that, or its line would jump to and fro. */
+/* What the surface turns beside a bend as far as it is seen, and without what only some rows or columns see: which
+ * edges are one bend must not depend on that, or its line would jump to and fro. */
 typedef struct sides {
 	float all, sure;
+	float seen; /* share of what is to be looked at; `closed`: too little */
 } sides;
 
-/* How much `reach` pixels beside an end of a bend turn; less is known where the surface ends: -1 where too little is,
- * INFINITY if the other side may tell, as at the images' border and from `guessed` pixels on. */
-static sides beside(const looking *l, int i, int way, float reach, float guessed)
+/* How much `reach` pixels beside an end of a bend turn; less counts from half of that on. Unless `enough` can be seen
+ * nothing is known, but at the images' border, and from `guessed` pixels on. */
+static sides beside(const looking *l, int i, int way, float reach, float enough, float guessed)
 {
 	const turning *own = l->list + i;
-	float at = own->share, sum = 0, sure = 0, seen = way < 0 ? along(own, 0) : (float)(l->size - 1 - own->way) - at;
+	float at = own->share, seen = way < 0 ? along(own, 0) : (float)(l->size - 1 - own->way) - at;
 	bool border = true;
+	sides found = {0};
 	for (int k = i + way; k >= 0 && k < l->count; k += way) {
 		float away = fabsf(along(l->list + k, own->way) - at);
 		if (away >= reach)
@@ -152,11 +165,23 @@ static sides beside(const looking *l, int i, int way, float reach, float guessed
 			break;
 		}
 		float turn = l->list[k].turn * most_one(2 - 2 * away / reach);
-		sum += turn;
-		sure += l->list[k].sliver ? 0 : turn;
+		found.all += turn;
+		found.sure += l->list[k].sliver ? 0 : turn;
 	}
-	float none = border || seen >= guessed ? INFINITY : closed, grown = seen < reach ? reach / seen : 1;
-	return seen < least_seen ? (sides){none, none} : (sides){sum + sure * (grown - 1), sure * grown};
+	if (seen < enough)
+		return (sides){.seen = border || seen >= guessed ? 0 : closed};
+	found.seen = most_one(seen / reach);
+	return found;
+}
+
+/* With what cannot be seen: it goes on as what is seen, or as the other side. */
+static sides whole_side(const sides *own, const sides *other)
+{
+	if (own->seen >= 1)
+		return *own;
+	float going = own->seen > 0 ? own->sure * (1 / own->seen - 1) : 0,
+	      more = max(going, (1 - own->seen) * as_other * other->sure);
+	return (sides){own->all + more, own->sure + more, 1};
 }
 
 /* What edges are together, one after the other. */
@@ -238,12 +263,12 @@ static void weigh(const looking *l, int first, int last, const sum *of)
 		any |= of->turn > l->best[k].clear * blunt;
 	if (!any)
 		return;
-	float reach = max(stretch * wide, s->narrow), guess = wide <= narrower * s->narrow ? guessed : INFINITY;
-	sides before = beside(l, first, -1, reach, guess), after = beside(l, last, 1, reach, guess);
-	if (before.all < 0 || after.all < 0 || (before.all == INFINITY && after.all == INFINITY))
+	float reach = max(stretch * wide, s->narrow), enough = max(least_seen, least_share * wide),
+	      guess = wide <= narrower * s->narrow ? guessed : INFINITY;
+	sides one = beside(l, first, -1, reach, enough, guess), other = beside(l, last, 1, reach, enough, guess);
+	if (one.seen < 0 || other.seen < 0 || one.seen + other.seen < 1) /* neither tells */
 		return;
-	before = before.all < INFINITY ? before : (sides){2 * after.all, 2 * after.sure};
-	after = after.all < INFINITY ? after : (sides){2 * before.all, 2 * before.sure};
+	sides before = whole_side(&one, &other), after = whole_side(&other, &one);
 	float goes_on = min(before.all, after.all) / of->turn,
 	      alone = clamp01((beside_to - goes_on) / (beside_to - beside_from));
 	run r = {.clear = alone * (of->turn - max(before.sure, after.sure)) / blunt,

@@ -44,13 +44,14 @@ def folded(heading, chord, degrees=0.0, kind="flat"):
     return Mesh(turned(points, degrees), corners.astype(np.int32), edges=kinds)
 
 
-def wheel(sides, radius, around=0.0, kind="flat"):
+def wheel(sides, radius, around=0.0, kind="flat", degrees=25.0):
     """A cylinder that lies across the picture, of so many sides; half of it is seen."""
     a = np.arange(sides + 1) * 2 * np.pi / sides + around
     points = np.concatenate([np.c_[radius * np.cos(a), np.full(len(a), y), radius * np.sin(a)] for y in (-60, 60)])
     k = np.arange(sides)
     corners = np.concatenate([np.c_[k, k + 1, k + 2 + sides], np.c_[k, k + 2 + sides, k + 1 + sides]])
-    return Mesh(turned(points, 25), corners.astype(np.int32), edges=edge_kinds(np.full((len(corners), 3), EDGES[kind])))
+    kinds = edge_kinds(np.full((len(corners), 3), EDGES[kind]))
+    return Mesh(turned(points, degrees), corners.astype(np.int32), edges=kinds)
 
 
 def ball(rings, radius):
@@ -154,6 +155,15 @@ def test_what_is_round_has_no_line(kind):
                 assert (inner % SPREAD).max() < 32, (radius, sides)
         for rings in (12, 16):
             assert not picture(ball(rings, radius))[2:-2, 2:-2].any(), (radius, rings)
+
+
+@pytest.mark.parametrize("sides, radius", [(24, 3.5), (24, 7), (36, 6)])
+def test_nor_has_a_nearly_level_rod(sides, radius):
+    """Faces beside its outlines are narrower than a pixel: rows see other ones, or two edges as one."""
+    for degrees in (90, 90.25, 90.75):
+        for around in (0, 0.05, 0.1):
+            creases = drawn(wheel(sides, radius, around, degrees=degrees))["creases"]
+            assert (np.abs(creases[4:-4, 4:-4, [1, 3]]) % SPREAD).max() < 32, (degrees, around)
 
 
 def test_smooth_ones_need_the_angle_of_smooth_edges():

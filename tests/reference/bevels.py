@@ -30,6 +30,13 @@ def _end(mark):
     return -mark - 2 * min(np.floor(-mark / 2), 7) if -16 < mark < 0 else 0.5
 
 
+def _place(place, own):
+    """Where a way turns of which an edge at a place has a share: the others are on the longer side of it."""
+    if not place > 0:
+        return 0.5
+    return own * place + (1 - own) * ((1 + place) / 2 if place < 0.5 else place / 2)
+
+
 def _lane(maps, number, axis):
     """Where a row (axis 0) or a column turns: (place, degrees, bend of an edge there, way, whether some miss it)."""
     height, width = maps["object"].shape
@@ -41,7 +48,7 @@ def _lane(maps, number, axis):
         if turn < 0:
             found.append((way + _end(float(maps["marks"][y, x, axis])), -1.0, 0.0, way))
         elif turn > 0:
-            found.append((way + (place if place > 0 else 0.5), turn, edge, way))
+            found.append((way + _place(place, min(abs(edge) / turn, 1)), turn, edge, way))
     ends = [e[0] for e in found if e[1] < 0]
     return [(*e, e[1] >= 0 and e[2] != 0 and any(abs(e[0] - end) < 1 for end in ends)) for e in found]
 
@@ -54,8 +61,8 @@ def _shape(edges):
     return turn.sum(), middle, max(min(wide, place[-1] - place[0]), 0.25)
 
 
-def _beside(lane, i, way, reach, border, narrow):
-    """What goes on beside an edge, and without slivers; None: the surface ends, infinite: the other side tells."""
+def _beside(lane, i, way, reach, border, wide, narrow):
+    """What goes on beside an edge, and without slivers, and the share of it that is seen; None: the surface ends."""
     total, seen, cut = np.zeros(2), abs(border - lane[i][0]), True
     k = i + way
     while 0 <= k < len(lane) and abs(lane[k][0] - lane[i][0]) < reach:
@@ -65,9 +72,15 @@ def _beside(lane, i, way, reach, border, narrow):
             break
         total += lane[k][1] * min(1, 2 - 2 * away / reach) * np.array([1, not lane[k][4]])
         k += way
-    if seen < 2:
-        return np.full(2, np.inf) if cut or (narrow and seen >= 1) else None
-    return total + total[1] * (max(reach / seen, 1) - 1)
+    if seen < max(2, wide / 2):
+        return (np.zeros(2), 0) if cut or (wide <= 0.8 * narrow and seen >= 1) else None
+    return total, min(1, seen / reach)
+
+
+def _whole(own, other):
+    """With what is not seen of a side, which goes on as what is, or twice as the other side."""
+    (total, seen), (beyond, _) = own, other
+    return total + max(total[1] * (1 / seen - 1) if seen else 0, 2 * (1 - seen) * beyond[1])
 
 
 def _run(lane, i, j, narrow, size, normal):
@@ -78,11 +91,10 @@ def _run(lane, i, j, narrow, size, normal):
     if max(np.diff(places), default=0) > max(0.55 * (places[-1] - places[0]), 1.25 * narrow):
         return None
     reach = max(1.6 * wide, narrow)
-    before, after = (_beside(lane, k, way, reach, border, wide <= 0.8 * narrow)
-                     for k, way, border in ((i, -1, 0), (j, 1, size - 1)))
-    if before is None or after is None or np.isinf([before, after]).all():
+    sides = [_beside(lane, k, way, reach, border, wide, narrow) for k, way, border in ((i, -1, 0), (j, 1, size - 1))]
+    if None in sides or sides[0][1] + sides[1][1] < 1:
         return None
-    before, after = 2 * after if np.isinf(before[0]) else before, 2 * before if np.isinf(after[0]) else after
+    before, after = _whole(*sides), _whole(*sides[::-1])
     alone = np.clip((0.25 - min(before[0], after[0]) / turn) / 0.13, 0, 1)
     bends = alone * (turn - (before[1] + after[1]) / 2)
     clear = alone * (turn - max(before[1], after[1])) / (1 + (wide / (3 * narrow)) ** 2)
