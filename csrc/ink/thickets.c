@@ -255,6 +255,26 @@ static void grid_drop(frame *f, grid *g)
 	late_drop(&f->late, g->share);
 }
 
+/* Px from node to node where it is weighed how many lines are about one, and the share of what they may cover up to
+ * which a hand presses as it likes. */
+static const float about = 40, as_it_likes = 0.5f;
+
+int32_t ISA(thickets_press)(frame *f, const pen_end *end, float *press)
+{
+	const fine *n = f->fine;
+	grid g;
+	if (!grid_make(f, about, 1, &g))
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = share_out(n, &g, end);
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		const placed *s = &n->site[i].placed;
+		float most = params_at(f, s->near_x, s->near_y)->line_density;
+		press[i] = most < 1 ? clamp01((1 - share_at(&g, s, 0) / most) / (1 - as_it_likes)) : 1;
+	}
+	grid_drop(f, &g);
+	return code;
+}
+
 int32_t ISA(thickets_thin)(frame *f, uint32_t strokes, const spots *at, pen_end *end, float *kept)
 {
 	const fine *n = f->fine;

@@ -32,6 +32,7 @@ typedef struct gather {
 	bool second;    /* lines have another ink in the dark */
 	bool bounded;   /* lines may cover so much of the picture only */
 	bool fewer;     /* for that, some of them are left out */
+	bool pressed;   /* and hands press more here and less there */
 	uint32_t strokes;
 	spots at;    /* of all sites; NULL without noise */
 	turns turns; /* no corners are looked for where no pen asks */
@@ -41,6 +42,7 @@ typedef struct gather {
 	float *farther;               /* by site: pixels that a stroke goes on beyond a corner; NULL: no pen does */
 	float *length;                /* to the nearest free end, by site; NULL where no line tapers */
 	float *kept;                  /* by site: what of its line is not left out; NULL: all */
+	float *press;                 /* by site: how much of its hand's pressure varies; NULL: all */
 	float *radius;                /* by site: evened along its line, before it tapers or is crowded */
 } gather;
 
@@ -205,6 +207,8 @@ static void press_pens(void *data, int first, int end, int thread)
 			factor[k] = 1;
 		if (g->at.x)
 			ISA(pen_pressures)(&s, n, factor);
+		for (int k = 0; g->press && k < n; k++)
+			factor[k] = mix(1, factor[k], g->press[i + k]);
 		for (int k = 0; k < n; k++) {
 			g->radius[i + k] = g->n->site[i + k].linked.dropped ? 0 : g->end[i + k].out;
 			float swell = swollen(g, (uint32_t)(i + k), s.hand[k]);
@@ -338,13 +342,17 @@ static int32_t make_strokes(gather *g)
 	}
 	g->whose = late_take(&f->late, g->n->count, sizeof *g->whose);
 	g->kept = g->fewer ? late_take(&f->late, g->n->count, sizeof *g->kept) : NULL;
-	if (!g->whose || (g->fewer && !g->kept))
+	g->press = g->pressed ? late_take(&f->late, g->n->count, sizeof *g->press) : NULL;
+	if (!g->whose || (g->fewer && !g->kept) || (g->pressed && !g->press))
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(f->bands, (int)g->n->count, CHUNK, make_pens, g);
+	if (!code && g->pressed)
+		code = ISA(thickets_press)(f, g->all->end, g->press);
 	if (!code && g->bounded)
 		code = ISA(thickets_thin)(f, g->strokes, &g->at, g->all->end, g->kept);
 	for (uint32_t k = 0; !code && k < g->strokes; k++)
 		code = make_stroke(g, k);
+	late_drop(&f->late, g->press);
 	late_drop(&f->late, g->kept);
 	late_drop(&f->late, g->whose);
 	late_drop(&f->late, g->at.x);
@@ -375,6 +383,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 				continue;
 			g.strokes = strokes > g.strokes ? strokes : g.strokes;
 			g.varied |= ISA(pen_varies)(h);
+			g.pressed |= bounded && h->pen_pressure > 0;
 			dry |= h->pen_dry > 0;
 			striped |= h->pen_strip > 0;
 			moved |= h->pen_wobble > 0;

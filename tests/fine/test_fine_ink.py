@@ -283,6 +283,22 @@ def test_pressure_swells_a_line_by_the_noise_where_it_runs():
     assert np.abs(ink - 6 * np.clip(1 + 0.4 * noise, 0.12, 3)).max() < 0.15
 
 
+def test_a_hand_presses_evenly_where_lines_are_many():
+    """Small things side by side, each shorter than a swelling: none is bold beside faint ones. By itself one is."""
+    side, count = 14, 16
+    flat = np.ones((side * count, side * count, 3), np.float32)
+    apart, scene = [], {**BARE, "edge_detector": "FINE", "line_thickness": 5.0, "line_density": 0.3,
+                        "pen_pressure": 0.4, "pen_pressure_length": 60.0}
+    for every in (1, 4):
+        place = np.arange(side * count) // (every * side)
+        layers = {"combined": np.ones((*flat.shape[:2], 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
+                  "depth": 5 * flat[..., :1], "object": np.float32(place[:, None] * 99 + place)[..., None]}
+        ink = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
+        cells = ink.reshape(count // every, every * side, count // every, every * side).mean((1, 3))[1:-1, 1:-1]
+        apart.append(cells.std() / cells.mean())
+    assert apart[0] < 0.06 < 0.12 < apart[1]
+
+
 def test_noise_is_of_one_thing_where_two_touch():
     """An upright line between two things of which now this one is nearer, now that one, by a thousandth."""
     height, width = 400, 40

@@ -12,7 +12,7 @@ from .metric import clamp01, mix
 from .strips import End
 from .strips import ends as strip_ends
 from .strips import left as strip_left
-from .thickets import filled_by, thinned
+from .thickets import filled_by, pressed, thinned
 from .turns import bends, dashed, spurs, turned
 
 
@@ -98,6 +98,7 @@ def ends(t, layers, params, paper, stroke, pictures):
     half = half * hand.at("width", np.ones(len(t)))
     most = 0.5 * params["line_max_thickness"] * params.pixels(layers.full_height)
     half = np.minimum(half, most) * (1 - site["eased"] / 255)
+    pressure = mix(1, hand.pressure(), pressed(t, hand, layers, half * used, params.at("line_density", style)))
     half, kept = thinned(t, hand, layers, half * used, params.at("line_density", style), params.at("line_fewer", style))
     used = used & hand.drawn  # how dense lines are is weighed once, before that
     half = half * used
@@ -106,7 +107,7 @@ def ends(t, layers, params, paper, stroke, pictures):
     turn = turned(t) if turns else np.zeros(len(t))
     pooled = hand.at("pool") * clamp01(turn - 0.5)
     curved = hand.at("curve") * bends(t, hand.scale) if (hand.at("curve") != 0).any() else 0 * pooled
-    wider = hand.pressure() * (1 + pooled) * (1 + curved)
+    wider = pressure * (1 + pooled) * (1 + curved)
     half = np.where((hand.at("pressure") > 0) | (pooled > 0) | (curved != 0), np.minimum(half * wider, most), half)
     half = evened(t, np.where(used & ~t.dropped, half, 0.0), shape)
     whole, left = hand.radius(half, clamp01(2 - 4 * np.maximum(half, even) * site["crowd"]))

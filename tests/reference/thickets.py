@@ -69,6 +69,14 @@ def filled_by(t, radius):
     return t.site["thin"] * mix(one, spread, t.site["tapers"])
 
 
+def pressed(t, hand, layers, half, most):
+    """How much of a hand's pressure is left: less where lines are many, none where they cover what they may."""
+    grid, first = Grid(t, hand.scale, layers.depth.shape, 40), np.zeros(len(t), int)
+    crowd = 1 / np.maximum(t.site["crowd"], 1e-12)
+    share = grid.at(grid.weigh(np.minimum(crowd, half), first, 1), first)
+    return np.where(most < 1, clamp01(2 - 2 * share / most), 1)
+
+
 def thinned(t, hand, layers, half, most, fewer):
     """Half the widths where lines cover at most such a share of what is about them, and how much of each is left."""
     unit, grid = hand.scale, Grid(t, hand.scale, layers.depth.shape, 12)
