@@ -104,6 +104,14 @@ static void find_rows(void *data, int y0, int y1, int thread)
 		ISA(tone_marks_find)(w->f, w->m, y, w->m->marks + w->m->first[y]);
 }
 
+static void sift_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1; y++)
+		ISA(tone_marks_sift)(w->f, w->m, y);
+}
+
 static void draw_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -139,6 +147,7 @@ int32_t ISA(tone_marks_run)(frame *f, tone_marks *m)
 	join_blocks(f, m);
 	code = bands_run(f->bands, f->height, 0, look_ahead_rows, &w);
 	code = code ? code : bands_run(f->bands, f->height, 0, find_rows, &w);
+	code = code ? code : bands_run(f->bands, f->height, 0, sift_rows, &w);
 	/* strokes are traced in each band that they reach */
 	int band = f->height / (4 * bands_threads(f->bands));
 	band = band < 64 ? 64 : band < 256 ? band : 256;

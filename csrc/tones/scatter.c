@@ -8,6 +8,11 @@
 
 #include <string.h>
 
+/* "px": so far from its middle along row and column a pixel holds a place. Where the surface bends a pixel and the next
+ * tell otherwise where a place between them is; were it only half a pixel, some had none, and came and went. */
+static const float held_within = 0.6f;
+/* 255ths: so much brighter than its layer wants a stroke's middle may lie, for it goes to where it is darker. */
+enum { DARKER_BESIDE = 32 };
 static const float jitter = 0.6f;       /* pitches */
 static const float beside_rows = 0.08f; /* sine of the angle up to which a stroke goes along a row of its lattice */
 
@@ -162,8 +167,8 @@ static void hold(const tone_lattice *l, int layer, int n, uint8_t *restrict bits
 	for (int i = 0; i < n; i++) {
 		float whole[2], way[2];
 		nearest_point(l, layer, i, whole, way);
-		int holds = (way[0] >= -0.5f) & (way[0] < 0.5f) & (way[1] >= -0.5f) & (way[1] < 0.5f) &
-			    (l->flat[i] <= 0) & (max(fabsf(whole[0]), fabsf(whole[1])) < 1e9f);
+		int holds = (max(fabsf(way[0]), fabsf(way[1])) <= held_within) & (l->flat[i] <= 0) &
+			    (max(fabsf(whole[0]), fabsf(whole[1])) < 1e9f);
 		bits[i] = (uint8_t)(bits[i] | (holds ? TONE_FOUND << layer : 0));
 	}
 }
@@ -226,6 +231,8 @@ static tone_mark mark_at(const frame *f, const tone_marks *m, const places *p, i
 	/* A rank of low discrepancy among those of an octave, so that few are spread as evenly as many. */
 	uint32_t rank = h + (uint32_t)place[0].odd * 3242174889u + (uint32_t)place[1].odd * 2447445413u;
 	h = stir(stir(h, (uint32_t)place[0].odd), (uint32_t)place[1].odd);
+	uint32_t name = h;
+	int32_t off = (int32_t)(256 * (way[0] * way[0] + way[1] * way[1]) + 0.5f);
 	bool stroke = s->kind == tone_1_HATCH;
 	const float *along = m->way[tone_bytes(m, TONE_WAY + layer, y)[x]];
 	for (int k = 0; k < 2; k++) {
@@ -252,6 +259,8 @@ static tone_mark mark_at(const frame *f, const tone_marks *m, const places *p, i
 		.turn = turn,
 		.slot = s,
 		.column = x,
+		.name = name,
+		.off = off,
 		.layer = (uint8_t)layer,
 	};
 }
@@ -281,7 +290,8 @@ static void look_at(const frame *f, const tone_marks *m, const tone_slot *slots,
 		for (int i = 0; rest && i < n; i++)
 			found[i] = rest->at[ANCHOR_PIXEL][i] > 0 ? found[i] : TONE_LOST;
 		for (int i = 0; i < n; i++) {
-			unsigned wanted = TONE_LOST | m->layers[spots][dark[i]];
+			int most = dark[i] == 0 ? 0 : dark[i] + DARKER_BESIDE < 255 ? dark[i] + DARKER_BESIDE : 255;
+			unsigned wanted = TONE_LOST | m->layers[spots][most];
 			bits[i] = (uint8_t)(bits[i] | (whose[i] == k ? found[i] & wanted : 0));
 		}
 	}
@@ -341,6 +351,23 @@ void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark 
 			for (int layer = 0; layer < TONE_LAYERS; layer++)
 				if (bits[x] / TONE_FOUND >> layer & 1)
 					*marks++ = mark_at(f, m, &p, i - from, layer, x, y);
+		}
+	}
+}
+
+void ISA(tone_marks_sift)(const frame *f, const tone_marks *m, int y)
+{
+	for (int row = tone_within(y - 1, f->height); row <= tone_within(y + 1, f->height); row++) {
+		int64_t from = m->first[row], end = m->first[row + 1];
+		for (int64_t i = m->first[y]; i < m->first[y + 1]; i++) {
+			tone_mark *mark = m->marks + i;
+			while (from < end && m->marks[from].column < mark->column - 1)
+				from++;
+			for (int64_t k = from; k < end && m->marks[k].column <= mark->column + 1; k++) {
+				const tone_mark *beside = m->marks + k;
+				bool nearer = beside->off < mark->off || (beside->off == mark->off && k < i);
+				mark->other |= nearer && beside->name == mark->name && beside->layer == mark->layer;
+			}
 		}
 	}
 }

@@ -6,6 +6,8 @@
 
 enum { LANES = 8, ROWS = 8 };
 
+static const float least_on = 0.25f; /* cosine between a step and the next */
+
 /* ---- drawing ----------------------------------------------------------------------------------------------- */
 
 typedef struct brush {
@@ -202,6 +204,21 @@ typedef struct tracing {
 	place *places;
 } tracing;
 
+/* How much of a step stays on its surface, in eighths: a stroke that ended with the last whole step would be seen to
+ * come and go as its surface turns. */
+static inline float part_of_step(const brush *b, const tracing *t)
+{
+	float part = 1, on = 0;
+	for (float half = 0.5f; on < 1 && half > 0.05f; half *= 0.5f) {
+		int x = tone_within(pixel_of(t->x + part * t->along, b->f->place.x), b->f->width),
+		    y = tone_within(pixel_of(t->y + part * t->down, b->f->place.y), b->f->height);
+		bool goes = gets_to(b, t->column, t->row, x, y);
+		on = goes ? part : on;
+		part += goes ? half : -half;
+	}
+	return on;
+}
+
 /* The next place of a stroke. */
 static inline void trace(const brush *b, const tone_mark *mark, const tone_width *widths, float wide, float step,
 			 bool parted, tracing *t)
@@ -209,16 +226,18 @@ static inline void trace(const brush *b, const tone_mark *mark, const tone_width
 	const int way = TONE_WAY + mark->layer;
 	const float *there = b->m->way[tone_bytes(b->m, way, t->row)[t->column]];
 	float u = there[0] - mark->turn * there[1], v = there[1] + mark->turn * there[0];
-	float turn = t->count == 0 ? t->step : u * t->along + v * t->down < 0 ? -step : step;
+	float on = u * t->along + v * t->down, turn = t->count == 0 ? t->step : on < 0 ? -step : step;
 	t->along = u * turn;
 	t->down = v * turn;
-	t->x += t->along;
-	t->y += t->down;
-	int tx = pixel_of(t->x, b->f->place.x), ty = pixel_of(t->y, b->f->place.y);
-	int nx = tone_within(tx, b->f->width), ny = tone_within(ty, b->f->height);
-	t->goes = gets_to(b, t->column, t->row, nx, ny);
+	/* over an edge beyond which strokes lie across it there is no way on */
+	float part = t->count == 0 || fabsf(on) > least_on * step ? part_of_step(b, t) : 0;
+	t->goes = part > 0;
 	if (!t->goes)
 		return;
+	t->x += part * t->along;
+	t->y += part * t->down;
+	int tx = pixel_of(t->x, b->f->place.x), ty = pixel_of(t->y, b->f->place.y);
+	int nx = tone_within(tx, b->f->width), ny = tone_within(ty, b->f->height);
 	t->column = nx;
 	t->row = ny;
 	/* it is drawn only when all of it is known */
@@ -226,10 +245,10 @@ static inline void trace(const brush *b, const tone_mark *mark, const tone_width
 	if (parted)
 		__builtin_prefetch(layer_row(b->f, ENCRE_LAYER_OBJECT, ny) + nx);
 	int dark = tone_bytes(b->m, TONE_DARK, ny)[nx];
-	float far = step / mark->reach * (float)(t->count + 1);
+	float far = step / mark->reach * ((float)t->count + part);
 	t->places[t->count++] =
 		(place){t->x, t->y, dark ? half_at(widths, mark->rank, wide, dark) * max(1 - far * far, 0) : 0};
-	t->goes = far < 1 && dark && tx == nx && ty == ny && t->count < TONE_PLACES_OUT;
+	t->goes = part == 1 && far < 1 && dark && tx == nx && ty == ny && t->count < TONE_PLACES_OUT;
 }
 
 /* Begins to read what the middle of a mark will ask. */
@@ -244,6 +263,8 @@ static void fetch(const brush *b, const tone_mark *mark)
 
 static void draw_mark(const brush *b, const tone_mark *mark, int row)
 {
+	if (mark->other)
+		return;
 	float step = tone_step(mark->reach), far = max(mark->reach + step, mark->pitch) + 2;
 	int x = tone_within(pixel_of(mark->x, b->f->place.x), b->f->width),
 	    y = tone_within(pixel_of(mark->y, b->f->place.y), b->f->height);
@@ -288,9 +309,9 @@ static void draw_mark(const brush *b, const tone_mark *mark, int row)
 		places[k].half = min(places[k].half, places[k - 1].half + point);
 	for (int k = after - 1; k >= -before; k--)
 		places[k].half = min(places[k].half, places[k + 1].half + point);
-	float over = 1 / (step * sqrtf(1 + mark->turn * mark->turn));
 	for (int k = -before; k < after; k++) {
-		part g = {places[k], places[k + 1], over, object};
+		float x1 = places[k + 1].x - places[k].x, y1 = places[k + 1].y - places[k].y;
+		part g = {places[k], places[k + 1], 1 / sqrtf(x1 * x1 + y1 * y1), object};
 		if (max(g.from.half, g.to.half) > 0.02f)
 			(mark->slot->crisp ? draw_crisp : draw_soft)(b, &g, parted);
 	}

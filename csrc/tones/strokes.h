@@ -42,7 +42,11 @@ typedef struct tone_mark {
 	float turn;  /* radians by which it strays */
 	const tone_slot *slot;
 	int32_t column; /* of this frame's pixel that holds its place on the lattice */
+	uint32_t name;  /* of the place */
+	int32_t off;    /* 256ths of the square of the way from its middle to the place, in pixels: so that of a place
+			   half-way between two pixels any rounding tells the same */
 	uint8_t layer;
+	bool other; /* a pixel beside holds it, too, and rather */
 } tone_mark;
 
 /* Which ranks are drawn, and how large. */
@@ -121,6 +125,8 @@ bool ISA(tone_marks_wanted)(const encre_params *p);
 void ISA(tone_marks_tables)(tone_marks *m);
 int ISA(tone_marks_look)(const frame *f, const tone_marks *m, int y);
 void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark *marks);
+/* And which of these pixels beside it hold rather. */
+void ISA(tone_marks_sift)(const frame *f, const tone_marks *m, int y);
 /* strokes.c: the ink that rows have of marks whose places are at most `reach` rows away. */
 void ISA(tone_marks_draw)(const frame *f, const tone_marks *m, int reach, int y0, int y1);
 /* passes.c: ink of all, from darkness on. */

@@ -7,6 +7,7 @@ from .metric import clamp01, mix
 
 LENGTH, JITTER, FULL, STRAY, STEPS = 5.0, 0.6, np.log(2), 0.1, 6
 ROWS = 0.08  # sine of the angle up to which a stroke goes along a row of its lattice
+HELD, DARKER, LEAST_ON = 0.6, 32, 0.25
 BESIDE = 0, 0.381966, 0.763932
 TURNED = 0, np.radians(45), np.radians(-60)
 AXES = np.array([(0.148, 0.0986, 0.984), (0.148, 0.984, 0.0986)])
@@ -149,28 +150,43 @@ class Drawing:
         """The pixel of the frame that is nearest to a place: the last stands for what lies beyond."""
         return [min(max(int(np.floor(v)), 0), size - 1) for v, size in zip(place, self.dark.shape[::-1], strict=True)]
 
+    def part(self, place, step, x, y):
+        """How much of a step stays on its surface: eighths, found by halving."""
+        part, on = 1, 0
+        for half in (0.5, 0.25, 0.125, 0):
+            if self.gets_to(x, y, *self.within(place + part * step)):
+                on = part
+                if part == 1:
+                    break
+                part += half
+            else:
+                part -= half
+        return on
+
     def trace(self, layer, rank, size, reach, turn, sign, step, place, x, y):
         found, last = [], None
-        place = np.array(place)
+        place, part = np.array(place), 1
         while len(found) < STEPS + 2:
             way = self.way(layer, x, y)
             way = way + turn * np.array((-way[1], way[0]))
-            last = way * (sign if last is None else -1 if way @ last < 0 else 1)
-            place = place + step * last
-            nx, ny = self.within(place)
-            if not self.gets_to(x, y, nx, ny):
+            if last is not None and abs(way @ last) <= LEAST_ON:
                 break
-            x, y = nx, ny
-            gone = step * (len(found) + 1)  # of a stroke without length even the first step is its end
+            last = way * (sign if last is None else -1 if way @ last < 0 else 1)
+            part = self.part(place, step * last, x, y)
+            if part == 0:
+                break
+            place = place + part * step * last
+            x, y = self.within(place)
+            gone = step * (len(found) + part)  # of a stroke without length even the first step is its end
             over = gone >= reach
             half = 0 if over or not self.byte[y, x] else self.half(layer, rank, size, x, y) * (1 - (gone / reach)**2)
             found.append([*place, half])
-            if over or not self.byte[y, x] or (np.floor(place) != (x, y)).any():
+            if part < 1 or over or not self.byte[y, x] or (np.floor(place) != (x, y)).any():
                 break
         return found
 
     def mark(self, layer, x, y, whole, way, fields):
-        """Draws the mark whose place is in pixel (x, y)."""
+        """(name, far, what draws it) of the mark whose place is in pixel (x, y)."""
         normal = None if self.anchor is None else np.abs(self.anchor[y, x, 3:6])
         h = stir(0x9e3779b9, 3 * (0 if normal is None else int(np.argmax(normal))) + layer)
         odds, weight = [], 1.0
@@ -183,6 +199,9 @@ class Drawing:
             h = stir(h, exponent if n else 0)
         rank = share(h + odds[0] * RANKS[0] + odds[1] * RANKS[1] & WORD)
         h = stir(stir(h, odds[0]), odds[1])
+        return h, int(256 * (way @ way) + 0.5), lambda: self.put(layer, x, y, h, rank, weight, way, fields)
+
+    def put(self, layer, x, y, h, rank, weight, way, fields):
         along = None if self.spots else self.way(layer, x, y)
         for k in range(2):
             h = stir(h, 1)
@@ -221,15 +240,21 @@ class Drawing:
         """own: pixels that hold the places of marks."""
         lattice = [self.lattice([(u + BESIDE[layer], *g) for u, *g in self.chart], *self.bounds)
                    for layer in range(1 if self.spots else 3)]
+        held = {}
         for y, x in zip(*np.nonzero(own & (self.byte > 0)), strict=True):
             for layer, (at, scale, grown, step, flat, pitch) in enumerate(lattice):
-                if flat[y, x] or self.tables[self.byte[y, x], layer, 0] <= 0:
+                if flat[y, x] or self.tables[min(self.byte[y, x] + DARKER, 255), layer, 0] <= 0:
                     continue
                 steps = [s[:, y, x] for s in step]
                 whole = [np.floor(2 * u[y, x] + 0.5) for u in at]
                 way = sum(0.5 * (n - 2 * u[y, x]) * s for n, u, s in zip(whole, at, steps, strict=True))
-                if (way >= -0.5).all() and (way < 0.5).all():
-                    self.mark(layer, x, y, whole, way, {"scale": [s[y, x] for s in scale], "step": steps,
-                                                        "grown": [g[y, x] for g in grown],
-                                                        "pitch": [p[y, x] for p in pitch]})
+                if (np.abs(way) <= HELD).all():
+                    held[y, x, layer] = self.mark(layer, x, y, whole, way, {
+                        "scale": [s[y, x] for s in scale], "step": steps, "grown": [g[y, x] for g in grown],
+                        "pitch": [p[y, x] for p in pitch]})
+        for (y, x, layer), (name, far, draw) in held.items():
+            beside = [(y + v, x + u) for v in (-1, 0, 1) for u in (-1, 0, 1)]
+            same = [(held[at + (layer,)][1], at) for at in beside if held.get(at + (layer,), (None,))[0] == name]
+            if min(same) == (far, (y, x)):
+                draw()
         return self.ink

@@ -37,11 +37,12 @@ def test_twin_of_strokes_over_what_is_torn():
     twins(layers, dict(ALONE, shade_levels=LEVELS, **sticks.tone("HATCH", space="SURFACE", pitch=6.0, angle=20.0)))
 
 
-def test_strokes_toward_the_light():
-    """Down the ball from there; and as the reference has them."""
+@pytest.mark.parametrize("size", [(70, 50), (80, 54)])
+def test_strokes_toward_the_light(size):
+    """Down the ball from there, and as the reference has them; over the edges of the box none turns to lie along it."""
     scene = dict(ALONE, shade_levels=LEVELS, tone_strokes="LIGHT", tone_light_turn=-120.0, tone_light_height=50.0,
                  **sticks.tone("HATCH", space="SURFACE", pitch=8.3, angle=0.0))
-    twins(ramped(70, 50), scene)
+    twins(ramped(*size), scene)
 
 
 def test_strokes_along_uv():
@@ -157,3 +158,10 @@ def test_ink_of_strokes_is_what_was_asked_for_whichever_way_they_go(turn):
         ink = flat(dark, (340, 340), tone_1="HATCH", tone_1_pitch=8.0, tone_1_angle=0.0, tone_strokes="LIGHT",
                    tone_light_turn=turn, tone_light_height=0)[70:-70, 70:-70]
         assert abs(ink.mean() - dark) < 0.03, (dark, ink.mean())
+
+
+@pytest.mark.parametrize("kind, most", [("hatching", 0.025), ("stipple", 0.0275)])
+def test_strokes_of_one_who_walks_do_not_pop(kind, most):
+    """Strokes go as far as their surface does, not to the last whole step; and where the surface bends each mark has a
+    pixel that holds it."""
+    assert sticks.followed(sticks.SCREENS[kind], sticks.MOTIONS["walk"][:4])[1] < most
