@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#if defined __linux__
+#define _DEFAULT_SOURCE /* madvise() */
+#include <sys/mman.h>
+#endif
 #include "base/arena.h"
 
 #include <stdint.h>
@@ -49,6 +53,22 @@ void *arena_take(arena *a, size_t count, size_t size)
 	return a->base + at;
 }
 
+/* Asks the system for its large pages where a whole one fits: of small ones a frame has more than the processor keeps
+ * the places of. It may refuse, and nothing but time depends on it. */
+static void *with_large_pages(char *memory, size_t size)
+{
+#if defined __linux__ && defined MADV_HUGEPAGE
+	enum { LARGE = 1 << 21 };
+	uintptr_t from = ((uintptr_t)memory + LARGE - 1) & ~(uintptr_t)(LARGE - 1),
+		  end = ((uintptr_t)memory + size) & ~(uintptr_t)(LARGE - 1);
+	if (memory && from < end)
+		madvise((void *)from, end - from, MADV_HUGEPAGE);
+#else
+	(void)size;
+#endif
+	return memory;
+}
+
 static void *begin_in(arena *a, char *memory)
 {
 	*a = (arena){memory ? memory + (64 - (uintptr_t)memory % 64) : NULL, 0};
@@ -57,7 +77,8 @@ static void *begin_in(arena *a, char *memory)
 
 void *arena_make(arena *a)
 {
-	return begin_in(a, a->used <= SIZE_MAX - 64 ? malloc(a->used + 64) : NULL);
+	size_t size = a->used <= SIZE_MAX - 64 ? a->used + 64 : 0;
+	return begin_in(a, size ? with_large_pages(malloc(size), size) : NULL);
 }
 
 void *arena_hold(arena *a, arena_held *held)
