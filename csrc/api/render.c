@@ -120,6 +120,17 @@ static void plan(work *w, arena *a, arena *edges)
 		else if (w->out[i].data || i == ENCRE_OUTPUT_COMBINED)
 			f->output[i] = (plane){arena_take(a, n, 4 * (size_t)encre_output_info(i)->channels),
 					       (ptrdiff_t)f->width * encre_output_info(i)->channels};
+	f->reads = 0;
+	for (int i = 0; i < ENCRE_LAYER_COUNT; i++)
+		if (f->layer[i].data && !w->copy[i] && w->in[i].data) {
+			f->read[f->reads].from = f->layer[i];
+			f->read[f->reads++].channels = encre_layer_info(i)->channels;
+		}
+	f->read[f->reads].from = f->output[ENCRE_OUTPUT_COMBINED];
+	f->read[f->reads++].channels = encre_output_info(ENCRE_OUTPUT_COMBINED)->channels;
+	f->ahead = arena_take(a, (size_t)bands_threads(f->bands), sizeof *f->ahead);
+	for (int i = 0; f->ahead && i < bands_threads(f->bands); i++)
+		f->ahead[i] = (ahead){0};
 	w->style = f->n_styles > 1 ? arena_take(a, n, 1) : NULL;
 	f->style = w->style;
 	const stage *const *stages = stages_of(w->context);
@@ -168,6 +179,7 @@ static void first_rows(void *data, int y0, int y1, int thread)
 		end = y1 - y < NEAR_ROWS ? y1 : y + NEAR_ROWS;
 		if (!w->looked)
 			look_at(w, y, end);
+		w->f.ahead[thread] = (ahead){.y = end, .end = y1 - end < NEAR_ROWS ? y1 : end + NEAR_ROWS};
 		for (int s = 0; s < w->early && !atomic_load(&w->any_unclean) && !bands_stopped(w->f.bands); s++)
 			if (stages[s]->rows)
 				stages[s]->rows(&w->f, y, end, thread);

@@ -76,6 +76,11 @@ enum {
 };
 _Static_assert((int)CONTROL_COUNT <= (int)ENCRE_MAX_CHANNELS, "encre_raster() draws them in one go");
 
+/* The pixel that a thread asks for next, and where its rows end. Each in a line of the cache of its own. */
+typedef struct ahead {
+	int x, y, end, apart[13];
+} ahead;
+
 typedef struct frame {
 	int width, height;
 	plane layer[ENCRE_LAYER_COUNT]; /* finite values, controls within -1..1, ALBEDO never absent; depth as given */
@@ -87,8 +92,15 @@ typedef struct frame {
 	int n_styles;
 	const encre_params *params; /* [n_styles]; [0] is the scene's */
 	const uint8_t *style;       /* width * height, < n_styles; NULL when n_styles is 1 */
-	bool want_edges;            /* someone reads edges: lines, smudging or the output */
-	int reading;                /* grows when layers are read anew, as some were not clean */
+	/* render: what the first reading reads, and the picture that it draws; how far each thread has asked for it */
+	struct {
+		plane from;
+		int channels;
+	} read[ENCRE_LAYER_COUNT + 1];
+	int reads;
+	ahead *ahead;
+	bool want_edges; /* someone reads edges: lines, smudging or the output */
+	int reading;     /* grows when layers are read anew, as some were not clean */
 	bool edges_kept; /* what the stage of edges has made of the same layers before is there again, where it plans */
 	switches any;    /* the switch is on in some style */
 	bands *bands;
@@ -129,7 +141,7 @@ static inline float scale_of(const encre_params *scene, int height)
 	return (float)height / (scene->length_unit == length_unit_MM ? scene->page_height : 1080);
 }
 
-enum { NEAR_ROWS = 8 /* of all layers, looked at and drawn together: that many stay in the cache */ };
+enum { NEAR_ROWS = 2 /* of all layers, looked at and drawn together: that many stay in the cache */ };
 
 static inline float *bright_row(const frame *f, int y, int thread)
 {
@@ -165,6 +177,31 @@ static inline encre_image with_strides(encre_image image)
 static inline float *pixel_at(const encre_image *image, int x, int y)
 {
 	return (float *)((char *)image->data + y * image->row_stride + x * image->pixel_stride);
+}
+
+/* Asks the memory for pixels x..end - 1 of a row, which are wanted soon, between other work: that goes on meanwhile. */
+static inline void fetch(plane p, int channels, int y, int x, int end)
+{
+	enum { LINE = 16 };
+	const float *row = p.data + y * p.row;
+	for (ptrdiff_t i = (ptrdiff_t)channels * x; i < (ptrdiff_t)channels * end; i += LINE)
+		__builtin_prefetch(row + i, 0, 2);
+	__asm__ volatile(""); /* or the compiler takes it for nothing */
+}
+
+/* Likewise some of the rows that the thread looks at next. Who draws with the first reading calls it now and then,
+ * about as often as AHEAD pixels are drawn. */
+static inline void fetch_ahead(const frame *f, int thread)
+{
+	enum { AHEAD = 32 };
+	ahead *a = f->ahead + thread;
+	if (a->y >= a->end)
+		return;
+	int end = f->width - a->x < AHEAD ? f->width : a->x + AHEAD;
+	for (int i = 0; i < f->reads; i++)
+		fetch(f->read[i].from, f->read[i].channels, a->y, a->x, end);
+	a->x = end < f->width ? end : 0;
+	a->y += end == f->width;
 }
 
 /* NULL where it is absent. */

@@ -163,7 +163,7 @@ static void fetch_below(const frame *f, int y, ptrdiff_t at, int n)
 		__builtin_prefetch(f->strength + at + i + f->width, 1);
 }
 
-static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
+static void edge_tile(const edges *e, ring *rings, int y, int x0, int n, int thread)
 {
 	const frame *f = e->f;
 	ptrdiff_t at = (ptrdiff_t)y * f->width + x0;
@@ -184,8 +184,10 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n)
 		if (!e->on[s] || (each ? !weigh(e, (enum source)s, y, x0, n, f->style ? style : NULL, weight)
 				       : !(e->weight[s][0] > 0)))
 			continue;
+		fetch_ahead(f, thread);
 		ISA(ring_fill)(rings + s, y);
 		float *own = r.strength[r.count];
+		fetch_ahead(f, thread);
 		ISA(source_strength)(rings + s, y, x0, n, own);
 		if (each)
 			weigh_in(n, weight, 0, own, strength);
@@ -227,7 +229,7 @@ static void edge_rows(void *data, int y0, int y1, int thread)
 	h->reading = e->f->reading;
 	for (int y = y0; y < y1; y++)
 		for (int x0 = 0; x0 < e->f->width && !bands_stopped(e->f->bands); x0 += TILE)
-			edge_tile(e, h->ring, y, x0, e->f->width - x0 < TILE ? e->f->width - x0 : TILE);
+			edge_tile(e, h->ring, y, x0, e->f->width - x0 < TILE ? e->f->width - x0 : TILE, thread);
 }
 
 /* ---- contrast_auto: the strongest difference nearby gives a full line ------------------------------------ */

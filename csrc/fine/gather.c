@@ -231,29 +231,22 @@ static void make_site(walk *w, const found *at, int slot)
 
 enum { AROUND = 3 /* rows about it that a site reads */, DENSE = 128 /* pixels a site, from which on rows are read */ };
 
-/* Reads a row of each layer, a float of each line of the cache. Sites read here and there, and wait for the memory each
- * time; what it gives in one go is there sooner. */
-static void read_row(const fine *n, int y)
+/* Pixels x..end - 1 of a row of each layer. Sites read here and there, and would wait for the memory each time. */
+static void fetch_layers(const fine *n, int y, int x, int end)
 {
-	enum { LINE = 16 };
 	static const int layers[] = {ENCRE_LAYER_DEPTH, ENCRE_LAYER_OBJECT, ENCRE_LAYER_NORMAL, ENCRE_LAYER_ALBEDO,
 				     ENCRE_LAYER_DIFFUSE};
 	int some = (int)(sizeof layers / sizeof *layers) - !n->e->on[SOURCE_LIGHT];
-	int32_t read = 0;
-	for (int i = 0; i < some; i++) {
-		const float *row = layer_row(n->f, (enum encre_layer)layers[i], y);
-		int end = row ? n->f->width * encre_layer_info(layers[i])->channels : 0;
-		for (int x = 0; x < end; x += LINE)
-			read |= float_bits(row[x]);
-	}
-	__asm__ volatile("" : : "r"(read)); /* the compiler is not to leave it out */
+	for (int i = 0; i < some; i++)
+		if (n->f->layer[layers[i]].data)
+			fetch(n->f->layer[layers[i]], encre_layer_info(layers[i])->channels, y, x, end);
 }
 
 static void make_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const fine *n = data;
-	int height = n->f->height, read = y0 - AROUND;
+	int width = n->f->width, height = n->f->height, across = tiles_of(width), fetched = y0 - AROUND;
 	for (int y = y0; y < y1 && !bands_stopped(n->f->bands); y++) {
 		walk w = {.n = n, .visit = make_site};
 		uint32_t sites = 0;
@@ -261,10 +254,18 @@ static void make_rows(void *data, int y0, int y1, int thread)
 			w.number[k] = n->first[k * height + y];
 			sites += n->first[k * height + y + 1] - w.number[k];
 		}
-		read = read > y - AROUND ? read : y - AROUND;
-		for (; sites * DENSE > (uint32_t)n->f->width && read <= y + AROUND; read++)
-			read_row(n, clamp_index(read, height));
-		walk_row(&w, y, 0, n->f->width);
+		bool dense = sites * DENSE > (uint32_t)width, next = dense && y + AROUND + 1 < height;
+		fetched = fetched > y - AROUND ? fetched : y - AROUND;
+		for (; dense && fetched <= y + AROUND; fetched++)
+			fetch_layers(n, clamp_index(fetched, height), 0, width);
+		for (int i = 0; i < across; i++) {
+			int x = tile_from(i, width), end = tile_from(i + 1, width);
+			if (next)
+				fetch_layers(n, y + AROUND + 1, x, end);
+			if (n->marks[(ptrdiff_t)y * across + i])
+				walk_row(&w, y, x, end);
+		}
+		fetched += next;
 	}
 }
 

@@ -78,60 +78,56 @@ KERNEL void level_color_row(const encre_levels *levels, int c, int n, const floa
 	}
 }
 
-/* What the channels of light have in common. */
+/* What levels make of light. */
 typedef struct lit {
-	float value[CHUNK], exposed[CHUNK], tone[CHUNK], hue[CHUNK], share[CHUNK];
+	float exposed[CHUNK], tone[CHUNK];
 } lit;
 
 static void lit_row(const frame *f, const encre_params *p, int n, float (*restrict diffuse)[CHUNK],
 		    const float *restrict controls, lit *restrict l)
 {
-	float weight = p->shade_tint_weight, hued = p->light_hue, exposure = exposure_of(f, p);
-	for (int i = 0; i < n; i++) {
-		float v = max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]);
-		l->value[i] = v;
-		l->exposed[i] = v * exposure;
-		l->hue[i] = v > 0 ? hued / max(v, 0.02f) : 0;
-	}
+	float exposure = exposure_of(f, p);
+	for (int i = 0; i < n; i++)
+		l->exposed[i] = max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]) * exposure;
 	for (int i = 0; controls && i < n; i++)
 		l->exposed[i] += painted_light(controls, i);
 	tone_row(&p->shade_levels, n, l->exposed, l->tone);
+}
+
+/* light: the colours of the levels in, the discrete and tinted light out. The hue of dark light fades to white, or
+ * noise would shine: mix(1, diffuse/V, V/0.02) is 1 + (diffuse - V)/max(V, 0.02). Likewise (D + w tint)/(1 + w) is a
+ * mix. */
+KERNEL void light_row(const encre_params *p, int n, const float *restrict tone, float (*restrict diffuse)[CHUNK],
+		      float (*restrict light)[CHUNK])
+{
+	float weight = p->shade_tint_weight, hued = p->light_hue;
+	float tint[] = {p->shade_tint[0], p->shade_tint[1], p->shade_tint[2]};
 	for (int i = 0; i < n; i++) {
-		float shade = 1 - l->tone[i], w = positive(shade) * weight;
-		l->share[i] = w / (1 + w);
+		float v = max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]);
+		float hue = v > 0 ? hued / max(v, 0.02f) : 0;
+		float shade = 1 - tone[i], w = positive(shade) * weight, share = w / (1 + w);
+		for (int c = 0; c < 3; c++)
+			light[c][i] =
+				bounded(mix((1 + (diffuse[c][i] - v) * hue) * tone[i] * light[c][i], tint[c], share));
 	}
 }
 
-/* light: the colour of the level in, the discrete and tinted light out. The hue of dark light fades to white, or noise
- * would shine: mix(1, diffuse/V, V/0.02) is 1 + (diffuse - V)/max(V, 0.02). Likewise (D + w tint)/(1 + w) is a mix. */
-static void light_row(const lit *restrict l, float tint, int n, const float *restrict diffuse, float *restrict light)
+/* combined: as rendered in, as drawn out. */
+KERNEL void shaded_row(const encre_params *p, float other_light, int n, const float *restrict tone,
+		       float (*restrict color)[CHUNK], float (*restrict diffuse)[CHUNK], float (*restrict light)[CHUNK],
+		       float (*restrict combined)[CHUNK])
 {
-	for (int i = 0; i < n; i++)
-		light[i] = bounded(
-			mix((1 + (diffuse[i] - l->value[i]) * l->hue[i]) * l->tone[i] * light[i], tint, l->share[i]));
-}
-
-/* The saturation that is kept goes to kept, the colour's value to value. */
-static void kept_row(float grey, int n, const float *restrict tone, float (*restrict color)[CHUNK],
-		     float *restrict value, float *restrict kept)
-{
+	float grey = 1 - clamp01(p->shade_saturation), strength = p->shade_strength;
 	for (int i = 0; i < n; i++) {
-		float shade = 1 - tone[i];
-		value[i] = max3(color[0][i], color[1][i], color[2][i]);
-		kept[i] = 1 - positive(shade) * grey;
-	}
-}
-
-/* One channel. */
-static void shaded_row(float strength, float other_light, int n, const float *restrict alpha,
-		       const float *restrict color, const float *restrict value, const float *restrict kept,
-		       const float *restrict diffuse, const float *restrict light, float *restrict combined)
-{
-	for (int i = 0; i < n; i++) {
-		float rendered = combined[i], diffused = bounded(color[i] * diffuse[i]);
-		float flat = bounded((value[i] - (value[i] - color[i]) * kept[i]) * light[i]);
-		float drawn = drawable(blend(diffused, flat, strength) + other_light * bounded(rendered - diffused));
-		combined[i] = alpha[i] == 0 ? rendered : drawn;
+		float shade = 1 - tone[i], value = max3(color[0][i], color[1][i], color[2][i]);
+		float kept = 1 - positive(shade) * grey; /* of the saturation */
+		for (int c = 0; c < 3; c++) {
+			float rendered = combined[c][i], diffused = bounded(color[c][i] * diffuse[c][i]);
+			float flat = bounded((value - (value - color[c][i]) * kept) * light[c][i]);
+			float drawn =
+				drawable(blend(diffused, flat, strength) + other_light * bounded(rendered - diffused));
+			combined[c][i] = combined[3][i] == 0 ? rendered : drawn;
+		}
 	}
 }
 
@@ -275,6 +271,7 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	float weighed[4 * CHUNK], other_light = f->params->other_light;
 	float lights[3][CHUNK], diffuses[3][CHUNK], colors[3][CHUNK], rendered[4][CHUNK];
 	lit l;
+	fetch_ahead(f, thread);
 	if (want_light || shades || hatches) {
 		split(diffuse, 3, n, diffuses);
 		lit_row(f, p, n, diffuses, controls_at(f, x, y), &l);
@@ -297,10 +294,13 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 		combined = weighed;
 		split(combined, 4, n, rendered);
 	}
-	for (int c = 0; (want_light || shades) && c < 3; c++) {
+	fetch_ahead(f, thread);
+	for (int c = 0; (want_light || shades) && c < 3; c++)
 		level_color_row(&p->shade_levels, c, n, l.exposed, lights[c]);
-		light_row(&l, p->shade_tint[c], n, diffuses[c], lights[c]);
-	}
+	fetch_ahead(f, thread);
+	if (want_light || shades)
+		light_row(p, n, l.tone, diffuses, lights);
+	fetch_ahead(f, thread);
 	if (want_light)
 		join(lights, 3, n, output_row(f, ENCRE_OUTPUT_LIGHT, y) + 3 * x);
 	if (!p->use_shading)
@@ -308,13 +308,10 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	else if (bare)
 		bare_row(f->params->paper_color, n, combined, color, diffuse, other_light, surface);
 	else {
-		float value[CHUNK], kept[CHUNK];
-		kept_row(1 - clamp01(p->shade_saturation), n, l.tone, colors, value, kept);
-		for (int c = 0; c < 3; c++)
-			shaded_row(p->shade_strength, other_light, n, rendered[3], colors[c], value, kept, diffuses[c],
-				   lights[c], rendered[c]);
+		shaded_row(p, other_light, n, l.tone, colors, diffuses, lights, rendered);
 		join(rendered, 4, n, surface);
 	}
+	fetch_ahead(f, thread);
 }
 
 static void shade_rows(void *data, int y0, int y1, int thread)

@@ -252,7 +252,7 @@ static inline void trace(const brush *b, const tone_mark *mark, const tone_width
 }
 
 /* Begins to read what the middle of a mark will ask. */
-static void fetch(const brush *b, const tone_mark *mark)
+static void fetch_mark(const brush *b, const tone_mark *mark)
 {
 	int x = tone_within(pixel_of(mark->x, b->f->place.x), b->f->width),
 	    y = tone_within(pixel_of(mark->y, b->f->place.y), b->f->height);
@@ -325,7 +325,7 @@ void ISA(tone_marks_draw)(const frame *f, const tone_marks *m, int reach, int y0
 		for (int64_t i = m->first[y]; i < m->first[y + 1]; i++) {
 			/* the next one's middle lies elsewhere */
 			if (i + 1 < m->first[y + 1])
-				fetch(&b, m->marks + i + 1);
+				fetch_mark(&b, m->marks + i + 1);
 			draw_mark(&b, m->marks + i, y);
 		}
 }

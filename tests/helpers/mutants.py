@@ -43,7 +43,7 @@ CUTS = (  # the file, what stands there once, what it becomes
     ("csrc/base/bands.c", "whole = whole > pool->threads ? whole - pool->threads : 0;", "whole = 1;"),
     ("csrc/base/bands.c", "last = band / 4 > 8 ? band / 4 : 8;", "last = 5;"),
     ("csrc/base/bands.c", "TURNS = 64", "TURNS = 2"),
-    ("csrc/base/stage.h", "NEAR_ROWS = 8", "NEAR_ROWS = 7"),
+    ("csrc/base/stage.h", "NEAR_ROWS = 2", "NEAR_ROWS = 3"),
     ("csrc/base/metric.c", "RUN = 8", "RUN = 4"),
     ("csrc/edges/detect.h", "TILE = 256", "TILE = 64"),
     ("csrc/edges/edges.c", "GROUP = 32", "GROUP = 7"),

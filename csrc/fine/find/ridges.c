@@ -397,8 +397,14 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 			w.least_contrast = s == SOURCE_COLOR ? n->least_contrast : 0;
 			for (int c = 0; c < w.is.planes; c++)
 				ISA(ring_window)(rings + s, 0, c, w.row[c]);
-			for (int x0 = 0; x0 < f->width; x0 += TILE)
-				ridge_tile(&w, y, x0, f->width - x0 < TILE ? f->width - x0 : TILE, ridge);
+			plane layer = f->layer[w.is.layer];
+			for (int x0 = 0; x0 < f->width; x0 += TILE) {
+				int size = f->width - x0 < TILE ? f->width - x0 : TILE;
+				if (y + REACH + 1 < f->height) /* what the ring takes next */
+					fetch(layer, encre_layer_info(w.is.layer)->channels, y + REACH + 1, x0,
+					      x0 + size);
+				ridge_tile(&w, y, x0, size, ridge);
+			}
 		}
 	}
 }
