@@ -108,7 +108,7 @@ static void sift_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1; y++)
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		ISA(tone_marks_sift)(w->f, w->m, y);
 }
 
