@@ -84,7 +84,7 @@ def tie(check):
 
 
 def eyes(check):
-    before = (check.tables("give way") or check.tables("crowd") or check.tables("smooth"))[0]
+    before = (check.tables("crowd") or check.tables("smooth"))[0]
     after = check.tables("close eyes")[0]
     gone, unsure = twin.eyes(before)
     check.alike("eyes", gone, dropped(before, after), unsure, most=0.3)  # many are even
@@ -115,8 +115,7 @@ def crowd(check):
 def give_way(check):
     if not check.tables("give way"):
         return
-    before = (check.tables("crowd") or check.tables("smooth"))[0]
-    view = check.c.view
+    before, view = check.tables("close eyes")[0], check.c.view
     bound, give, unsure = rooms.give_way(before, check.scale, view.layers.depth,
                                         view.layers.object if view.meshes and "object" in view.given else None)
     check.count["folds"] += int((bound[before.rank == 0] > 0).sum())
@@ -197,7 +196,7 @@ def drop(check):
 @functools.cache
 def compare(name):
     check = Check(passes.case(name))
-    last = crowd, give_way, eyes, lead, drop_rungs, drop
+    last = crowd, eyes, give_way, lead, drop_rungs, drop
     for each in last if name in passes.TANGLES else (claim, link, tie, smooth, slim, *last):
         each(check)
     return check.count

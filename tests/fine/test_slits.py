@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Slits between two things, as of boards: one line of one width where they are narrow, two where they are not."""
+
+import numpy as np
+import passes
+import pytest
+from encre.pen import library
+from encre.pen.job import EDGES, Camera, Frame, Mesh, edge_kinds
+from reference import rooms
+from reference.passes import Table
+from views import pixels
+
+SIZE, HIGH = (64, 150), 720
+FACES = np.array([(0, 1, 2, 3), (7, 6, 5, 4), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)])
+
+
+def board(left, right, slope, number):
+    """Upright, of so much of the picture, leaning."""
+    points = [(x + slope * y, y, z) for z in (-60, -80) for x, y in ((left, -40), (right, -40), (right, 190),
+                                                                     (left, 190))]
+    corners = np.concatenate([FACES[:, [0, 1, 2]], FACES[:, [0, 2, 3]]]).astype(np.int32)
+    kinds = edge_kinds(np.full((len(corners), 3), EDGES["flat"]))
+    return Mesh(np.array(points, np.float32), corners, edges=kinds, object_index=number)
+
+
+def layers_of(*boards, slope):
+    wall = Mesh(np.array([(-90, -90, -99), (190, -90, -99), (190, 190, -99), (-90, 190, -99)], np.float32),
+                np.array([(0, 1, 2), (0, 2, 3)], np.int32), object_index=9)
+    meshes = [*(board(*sides, slope, k + 1) for k, sides in enumerate(boards)), wall]
+    maps = library.raster(meshes, *pixels(1280, HIGH), Frame(1280, HIGH), SIZE, 0.1, outputs=(
+        "depth", "object", "marks", "creases"))
+    grey = np.full((*SIZE[::-1], 3), 0.5, np.float32)
+    creases = np.concatenate([maps["creases"], np.zeros((*SIZE[::-1], 1), np.float32)], 2)
+    return dict(combined=np.dstack([grey, np.ones(SIZE[::-1], np.float32)]), color=grey, diffuse=grey,
+                depth=maps["depth"], normal=np.zeros_like(grey), object=maps["object"], marks=maps["marks"],
+                creases=creases)
+
+
+SCENE = dict(edge_detector="FINE", line_thickness=3.0, line_softness=0.0, line_paper=0.0, line_gain=0.5,
+             line_intensity=2.0)
+
+
+def drawn(*boards, slope):
+    out = library.render(layers_of(*boards, slope=slope), {**SCENE, "length_unit": "PIXELS"}, frame=Frame(1280, HIGH),
+                         camera=Camera(orthographic=True, height=float(HIGH)), outputs=("Encre Lines",))
+    return out.images["Encre Lines"][8:-8, 4:-4, 3]
+
+
+@pytest.mark.parametrize("slope", [0.004, 0.02, -0.013, 0.06])
+def test_a_narrow_slit_is_one_line_as_wide_everywhere(slope):
+    """Whether rows see what is behind it or not."""
+    for gap in (0.2, 0.5, 0.8, 1.2):
+        rows = drawn((-80, 30.3), (30.3 + gap, 140), slope=slope).sum(1)
+        assert np.abs(rows - 3).max() < 0.35, (gap, rows.min(), rows.max())
+
+
+def test_a_wide_one_has_two_and_what_comes_between_is_between():
+    narrow, half, wide = (drawn((-80, 30.3), (30.3 + gap, 140), slope=0.02).sum(1).mean() for gap in (1, 2.1, 3.5))
+    assert narrow < 3.1 < 3.6 < half < 4.6 < 5.8 < wide
+
+
+def test_bars_keep_both_their_sides():
+    bars = [(x, x + 1.4) for x in np.arange(-4, 70, 2.8)]
+    layers = layers_of(*bars, slope=0.02)
+    _, every = passes.run(layers, {**passes.ALL, **SCENE})
+    site = next(s.site for s in every if s.name == "give way")
+    assert len(site) > 2000 and not (site["crowd"] > 0).any()
+
+
+@pytest.mark.parametrize("gap", [0.6, 1.3, 2.0])
+def test_against_the_reference(gap):
+    layers = layers_of((-80, 30.3), (30.3 + gap, 140), slope=-0.013)
+    _, every = passes.run(layers, {**passes.ALL, **SCENE})
+    before, after = (next(s for s in every if s.name == name) for name in ("close eyes", "give way"))
+    table = Table(before.site, before.link)
+    depth, number = (layers[name].reshape(SIZE[::-1]) for name in ("depth", "object"))
+    bound, give, unsure = rooms.give_way(table, SIZE[1] / 1080, depth, number)
+    sure = [i for i in np.flatnonzero(give) if i not in unsure]
+    assert len(sure) > 60 and (bound[sure] > 0).any()
+    np.testing.assert_allclose(np.minimum(after.site["crowd"][sure], 1e3), np.minimum(bound[sure], 1e3), rtol=1e-2)
