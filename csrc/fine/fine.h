@@ -258,6 +258,9 @@ ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */
 void ISA(ridge_rows)(void *data, int y0, int y1, int thread);
 
 /* steps.c */
+/* Of the pixels about a site of colours, along its axis, the share at which these turn back. Where that is much, they
+ * hold more lines than they can show. */
+float ISA(color_turns)(const fine *n, const found *at);
 bool ISA(ridge_site)(const fine *n, const found *at, placed *s);
 /* Strength, not weighted, of a site between colours of a sample, or levels of light, that differ this much. */
 float ISA(color_strength)(const fine *n, const found *at, int sample, float difference);

@@ -81,7 +81,7 @@ static const float most_against = 0.1f; /* share of a band that a pixel of it ma
 
 /* How the middle three of five values differ, in sum, from the line between the outer two. */
 typedef struct stripe {
-	float base[3], e[3], area, offset; /* offset: of its middle, in pixels */
+	float base[3], e[3], area, peak, offset; /* offset: of its middle, in pixels */
 	bool weak;
 } stripe;
 
@@ -102,6 +102,7 @@ static inline bool stripe_of(const float (*value)[3], int planes, float floor, b
 		for (int k = 0; k < planes; k++)
 			c[i] += (value[i + 1][k] - mix(value[0][k], value[4][k], 0.25f * (float)(i + 1))) * b->e[k] /
 				b->area;
+	b->peak = c[1];
 	float against = -most_against * b->area;
 	b->weak = faint && b->area > widest_band * c[1];
 	b->offset = (c[2] - c[0]) / b->area;
@@ -193,11 +194,11 @@ static inline float clear_from(const site *s, const site *older)
 	return turns ? clear_of_turn : clear_of_older;
 }
 
-/* Pixels in a px of room between lines: in small frames a whole one, closer lines these can't part, and in large ones
- * no more than 8. */
-static inline float room_px(const fine *n)
+/* Pixels in a px of room between lines: in small frames at least so many, closer lines these can't part, and in large
+ * ones no more than 8. */
+static inline float room_px(const fine *n, float least)
 {
-	return min(max(n->f->scale, 1), 8);
+	return min(max(n->f->scale, least), 8);
 }
 
 /* ---- order ----------------------------------------------------------------------------------------------- */

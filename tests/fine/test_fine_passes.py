@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 import passes
 import pytest
-from reference import chains, ends, rooms, slender
+from reference import chains, ends, ridged, rooms, slender
 from reference import passes as twin
 from reference.passes import NUMBER, Table
 
@@ -101,11 +101,25 @@ def smooth(check):
     check.count["smooth"] += int((after.at != before.at).any(1).sum())
 
 
+def mixed(check):
+    """Pixels beside a crack, but where sites by chance have taken the place of those found."""
+    at, after = check.tables("gather")[0], check.tables("smooth")[0]
+    if len(at) != len(after):
+        return np.zeros(check.shape, bool)
+    found = np.zeros(np.add(check.shape, 1), bool)
+    for axis in (twin.ROW, twin.COLUMN):
+        crack = at.site[(at.family == NUMBER["crack"]) & (at.axis == axis)]
+        found[crack["row"], crack["column"]] = True
+        found[crack["row"] + axis, crack["column"] + 1 - axis] = True
+    return found[:-1, :-1]
+
+
 def crowd(check):
     if not check.tables("crowd"):
         return
     before, after = check.tables("smooth")[0], check.tables("crowd")[0]
-    bound, unsure = twin.crowd(before, check.shape, check.scale)
+    layer = next(layer for layer in ridged.layers_of(check.c.view, mixed(check), None) if layer.name == "color")
+    bound, unsure = twin.crowd(before, check.shape, check.scale, functools.partial(ridged.turns, layer))
     if unsure:  # one says something of all about
         return
     assert after.site["crowd"] == pytest.approx(bound, rel=1e-3, abs=1e-5)

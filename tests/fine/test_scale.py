@@ -83,15 +83,16 @@ def test_ink_and_lines_are_the_same_at_every_size(name):
 
 
 @pytest.mark.parametrize("name", relative())
-def test_crowded_ink_and_lines_are_the_same_in_large_frames(name):
-    """In smaller ones pixels can't part what is farthest away, but they draw nothing else instead."""
+def test_crowded_ink_and_lines_are_the_same_at_every_size(name):
+    """Where colours differ by about what makes an edge it takes little to make a line, or none."""
     ink = inked(crowd(), name)
+    faint = preset(name)["edge_color"] == 1.0 and preset(name)["edge_threshold"] == 0.3
     change = {size: abs(a.mean() / ink[100].mean() - 1) for size, a in ink.items()}
-    assert change[200] < 0.05 and change[50] < 0.15, change
+    assert change[200] < 0.05 and change[50] < (0.1 if faint else 0.05), change
     more, less = ({size: alone(*pair) for size, pair in pairs.items()} for pairs in (
         {size: (a, ink[100]) for size, a in ink.items()}, {size: (ink[100], a) for size, a in ink.items()}))
     assert more[200] < 0.04 and less[200] < 0.06, (more, less)  # weak joints live where a neighbour is strong
-    assert more[50] < 0.06 and less[50] < 0.13, (more, less)
+    assert more[50] < (0.06 if faint else 0.03) and less[50] < (0.13 if faint else 0.03), (more, less)
 
 
 def slanted(rows=60, columns=200):

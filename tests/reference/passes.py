@@ -317,14 +317,15 @@ def smooth(t):
 # Room between lines of colours
 
 
-def px(scale):
+def px(scale, least=1.0):
     """Pixels in a px of room, of a frame with so many."""
-    return min(max(scale, 1.0), 8.0)
+    return min(max(scale, least), 8.0)
 
 
-def crowd(t, shape, scale):
-    """1 over the greatest radius of each site, 0 where it is not bounded; unsure."""
-    reach, spread, gone = px(scale) * np.array([10.0, 20.0, 2.5])
+def crowd(t, shape, scale, turns):
+    """1 over the greatest radius of each site, 0 where it is not bounded; unsure. turns: by row, column and axis, at
+    which share of the pixels about colours turn back, and whether that is sure."""
+    reach, spread, gone = px(scale, 0.6) * np.array([10.0, 20.0, 2.5])
     counts = [i for i in range(len(t)) if t.rank[i] == 2 and (not t.dropped[i] or t.site["crumb"][i])]
     near, doubt = {}, set()
     for i in counts:
@@ -341,6 +342,9 @@ def crowd(t, shape, scale):
                 nexts[int(ahead > 0)] = min(nexts[int(ahead > 0)], abs(ahead))
         room = max(nexts)
         near[i] = 1 / (room / (2 - room / reach) if FAMILIES[t.family[i]] == "color_band" else room)
+        back, open_ = turns(*(int(t.site[name][i]) for name in ("row", "column", "axis")))
+        near[i] = max(near[i], min(max((back - 0.25) / 0.2, 0.0), 1.0))
+        doubt |= {i} if open_ else set()
     cells = {}
     for i in counts:  # of 4 pixels each way
         pixel = np.clip(np.floor(t.at[i] + 0.5), 0, (shape[1] - 1, shape[0] - 1)).astype(int) // 4

@@ -132,18 +132,18 @@ def band_margins(layer):
     return np.array([np.minimum(margin[0], preferred + tie), np.minimum(margin[1], -preferred)])
 
 
-def _five(layer, image, row, column, axis):
-    """Values (5, C) at -2…2, held where a pixel is closed, and how far they go on both sides."""
+def _read(layer, image, row, column, axis, reach=2):
+    """Values (2·reach + 1, C) along the axis, held where a pixel is closed, and how far they go on both sides."""
     image, shut = turn(axis, image), turn(axis, layer.closed)
     i, k = (column, row) if axis else (row, column)
-    at, far = [k] * 5, []
+    at, far = [k] * (2 * reach + 1), []
     for way in (-1, 1):
         held = 0
-        while held < 2 and not shut[i, np.clip(k + way * (held + 1), 0, shut.shape[1] - 1)]:
+        while held < reach and not shut[i, np.clip(k + way * (held + 1), 0, shut.shape[1] - 1)]:
             held += 1
         far.append(held)
-        for n in (1, 2):
-            at[2 + way * n] = np.clip(k + way * min(n, held), 0, shut.shape[1] - 1)
+        for n in range(1, reach + 1):
+            at[reach + way * n] = np.clip(k + way * min(n, held), 0, shut.shape[1] - 1)
     return image[i, at], far
 
 
@@ -169,9 +169,41 @@ def _put(row, column, axis, offset):
     return (column, row + offset) if axis else (column + offset, row)
 
 
+def _ground(value, way):
+    """Where what lies beyond a side of a stripe begins and ends, in pixels from its middle; its ground is at ±2."""
+    middle = len(value) // 2
+    base = (value[middle - 2] + value[middle + 2]) / 2
+    along = value[middle] - base
+    t = (value[middle::way] - base) @ along - along @ along / 2
+    over = np.flatnonzero((t[1:] < 0) != (t[:-1] < 0))[:2]
+    return [float(k + t[k] / (t[k] - t[k + 1])) for k in over] + [np.inf] * (2 - len(over))
+
+
+def _among_alike(layer, row, column, axis):
+    """Positive where what lies on both sides of a stripe is less than 1.5 times as wide as itself."""
+    value, _ = _read(layer, layer.linear, row, column, axis, 6)
+    one, other = _ground(value, -1), _ground(value, 1)
+    width = one[0] + other[0]
+    if not np.isfinite([*one, *other]).all():
+        return -1.0
+    return min(more(1.5 * width, ground[1] - ground[0]) for ground in (one, other))
+
+
+def turns(layer, row, column, axis):
+    """(the share of the pixels up to 8 away at which colours turn back, by .3 of what changes within 2 pixels on both
+    sides; whether rounding may tell otherwise)."""
+    value, far = _read(layer, layer.linear, row, column, axis, 8)
+    least = 0.09 * norm2(value[6:11] - value[8]).max()
+    step = np.diff(value, axis=0)
+    dot, square = (step[1:] * step[:-1]).sum(-1), norm2(step)
+    back = np.minimum(-dot, np.minimum(square[1:], square[:-1]) - least)
+    size = np.maximum(square[1:], square[:-1])
+    return float((back > 0).sum() / (sum(far) + 1)), bool((np.abs(back) < SURE * size).any())
+
+
 def band_site(view, layer, row, column, axis):
     """A stripe so narrow that its two boundaries are one line; None if it is none at all."""
-    v, far = _five(layer, layer.signal, row, column, axis)
+    v, far = _read(layer, layer.signal, row, column, axis)
     if far != [2, 2]:
         return None
     base, e = (v[0] + v[4]) / 2, v[1:4].sum(0) - 1.5 * (v[0] + v[4])
@@ -184,6 +216,8 @@ def band_site(view, layer, row, column, axis):
     margin = min(more(area, layer.band), more(c[1], c[0]), more(c[1], c[2]),
                  more((2.9 if weak else 2.05) * c[1], area), (c[0] + 0.1 * area) / area, (c[2] + 0.1 * area) / area,
                  more(c[1], 1.5 * np.linalg.norm(v[4] - v[0])))
+    if layer.name.endswith("color"):
+        margin = min(margin, -_among_alike(layer, row, column, axis))
     if margin < -SURE:
         return None
     family = layer.name + "_band"
@@ -199,7 +233,9 @@ def band_site(view, layer, row, column, axis):
         doubtful |= _on_threshold(table["shade_levels"], near, far)
         strength = view.contrast(levels_apart(view, table["shade_levels"], near, far))
     else:
-        strength = view.contrast(view.difference(base + e, base))
+        px = 1 / view.params.pixels(view.layers.full_height)
+        gain = max(px, 0.667) if px < 1 else max(1, min(px, 2 * c[1] / area))
+        strength = view.contrast(view.difference(base + gain * e, base))
     clear, unclear = clarity(layer, row, column, axis)
     site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear},
                       weights=view.normal_weights(row, column) if layer.name == "normal" else None)
@@ -241,7 +277,7 @@ def _crossing(steps, v, low, high, place):
 
 
 def step_site(view, layer, row, column, axis):
-    (linear, far), (v, _) = _five(layer, layer.linear, row, column, axis), _five(layer, layer.signal, row, column, axis)
+    (linear, far), (v, _) = _read(layer, layer.linear, row, column, axis), _read(layer, layer.signal, row, column, axis)
     inner = norm2(linear[1] - linear[3]) > norm2(linear[0] - linear[4])
     low, high = (1, 3) if inner else (0, 4)
     doubtful = abs(more(norm2(linear[1] - linear[3]), norm2(linear[0] - linear[4]))) < SURE and \

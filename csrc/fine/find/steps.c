@@ -6,6 +6,9 @@
 
 static const float least_of_step = 0.4f; /* share of a step that slopes beside it may not explain; test_fine_sites */
 static const float crease_ramp = 0.37f;  /* of the difference of normals at crease_angle; test_fine_sites */
+static const float alike = 1.5f; /* times the width of a stripe, the most of what is one beside it; test_fine_sites */
+static const float least_gain = 0.667f; /* test_scale */
+static const float least_turn = 0.3f;   /* of what changes near a site, on both sides of a pixel; test_fine_passes */
 static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth; test_fine_sites */
 
 /* A pixel's value in linear terms. */
@@ -27,20 +30,21 @@ static void read(const fine *n, int source, int x, int y, float *value)
 		value[0] = bounded(exposed_at(f, params_at(f, x, y), x, y));
 }
 
-/* Values at -2..2 along the axis of a site, read outwards up to where a pixel holds two surfaces: so far they go. */
-static void read_along(const fine *n, int source, const found *at, float (*value)[3], int *far)
+/* Values at -reach..reach along the axis of a site, read outwards up to where a pixel holds two surfaces: so far they
+ * go. */
+static void read_along(const fine *n, int source, const found *at, int reach, float (*value)[3], int *far)
 {
 	for (int side = -1; side <= 1; side += 2) {
 		int held = 0;
-		for (int k = 1; k <= 2 && held == k - 1; k++) {
+		for (int k = 1; k <= reach && held == k - 1; k++) {
 			int x = clamp_index(at->column + (at->axis ? 0 : side * k), n->f->width);
 			int y = clamp_index(at->row + (at->axis ? side * k : 0), n->f->height);
 			held += !closed_at(n, source, x, y);
 		}
-		for (int k = 0; k <= 2; k++) {
+		for (int k = 0; k <= reach; k++) {
 			int off = side * (k < held ? k : held);
 			read(n, source, clamp_index(at->column + (at->axis ? 0 : off), n->f->width),
-			     clamp_index(at->row + (at->axis ? off : 0), n->f->height), value[2 + side * k]);
+			     clamp_index(at->row + (at->axis ? off : 0), n->f->height), value[reach + side * k]);
 		}
 		far[side > 0] = held;
 	}
@@ -122,6 +126,25 @@ static void put_threshold(const found *at, float (*value)[3], float threshold, f
 	put(at, place, s);
 }
 
+float ISA(color_turns)(const fine *n, const found *at)
+{
+	enum { LOOK = 8, NEAR = 2 };
+	float value[2 * LOOK + 1][3], most = 0, turns = 0;
+	int far[2];
+	read_along(n, families[at->family].sample, at, LOOK, value, far);
+	for (int k = LOOK - NEAR; k <= LOOK + NEAR; k++)
+		most = max(most, distance2(value[k], value[LOOK], 3));
+	float least = least_turn * least_turn * most;
+	for (int k = 1; k < 2 * LOOK; k++) {
+		const float *a = value[k - 1], *b = value[k], *c = value[k + 1];
+		float dot = 0;
+		for (int i = 0; i < 3; i++)
+			dot += (b[i] - a[i]) * (c[i] - b[i]);
+		turns += dot < 0 && distance2(a, b, 3) > least && distance2(b, c, 3) > least;
+	}
+	return turns / (float)(far[0] + far[1] + 1);
+}
+
 static bool may_be_weak(const fine *n, const found *at, const placed *s)
 {
 	return families[at->family].faint && s->strength > 0 && s->strength >= least_faint * n->e->p->edge_threshold;
@@ -150,6 +173,45 @@ static bool weigh_weak(const fine *n, const found *at, placed *s, int style, flo
 	return edge || may_be_weak(n, at, s);
 }
 
+/* Whether what lies on both sides of a stripe is about as narrow as itself: of checks neither colour is a ground, and
+ * each boundary is a line. Boundaries are where values are halfway between stripe and ground. */
+static bool among_alike(const fine *n, int source, const found *at)
+{
+	enum { LOOK = 6 };
+	float value[2 * LOOK + 1][3], base[3], along[3], square = 0,
+							 edge[2][2] = {{INFINITY, INFINITY}, {INFINITY, INFINITY}};
+	int far[2];
+	read_along(n, source, at, LOOK, value, far);
+	for (int c = 0; c < 3; c++) {
+		base[c] = 0.5f * (value[LOOK - 2][c] + value[LOOK + 2][c]);
+		along[c] = value[LOOK][c] - base[c];
+		square += along[c] * along[c];
+	}
+	for (int side = 0; side < 2; side++) {
+		float before = 0.5f * square;
+		for (int k = 1, found = 0; k <= LOOK && found < 2; k++) {
+			const float *v = value[LOOK + (side ? k : -k)];
+			float beyond = -0.5f * square;
+			for (int c = 0; c < 3; c++)
+				beyond += (v[c] - base[c]) * along[c];
+			if ((beyond < 0) != (before < 0))
+				edge[side][found++] = (float)k - beyond / (beyond - before);
+			before = beyond;
+		}
+	}
+	float most = alike * (edge[0][0] + edge[1][0]);
+	return edge[0][1] - edge[0][0] < most && edge[1][1] - edge[1][0] < most;
+}
+
+/* Of how many pixels a stripe's strength is the sum: in px, so that it is a line at all sizes of the frame or at none.
+ * In small frames that is at most twice what the pixel in its middle shows, and in large ones two thirds at least of
+ * what it would be in pixels: what is clear there is no hair. */
+static float stripe_gain(const fine *n, const stripe *b)
+{
+	float in_px = 1 / n->f->scale;
+	return in_px < 1 ? max(in_px, least_gain) : max(1, min(in_px, 2 * b->peak / b->area));
+}
+
 /* A stripe, narrow enough that its two boundaries are one line. */
 static bool band_site(const fine *n, const found *at, placed *s, float (*value)[3])
 {
@@ -159,6 +221,8 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 	if (form == FORM_COLOR)
 		encode(n, value);
 	if (!stripe_of((const float (*)[3])value, planes, n->floor[at->family], is->faint, &b))
+		return false;
+	if (form == FORM_COLOR && among_alike(n, is->sample, at))
 		return false;
 	s->weak = b.weak;
 	put(at, b.offset, s);
@@ -172,7 +236,8 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 		      near = rise * value[0][0] > rise * value[4][0] ? value[0][0] : value[4][0];
 		difference = ISA(light_contrast)(n, n->f->params + style, near, near + 2 * b.e[0]);
 	} else {
-		float peak[3] = {b.base[0] + b.e[0], b.base[1] + b.e[1], b.base[2] + b.e[2]};
+		float gain = stripe_gain(n, &b);
+		float peak[3] = {b.base[0] + gain * b.e[0], b.base[1] + gain * b.e[1], b.base[2] + gain * b.e[2]};
 		const float *a[3] = {peak, peak + 1, peak + 2}, *low[3] = {b.base, b.base + 1, b.base + 2};
 		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, low, &difference);
 	}
@@ -208,7 +273,7 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 	int far[2], low = 0, high = 4;
 	if (form == FORM_LIGHT && is_nothing(n, at->column, at->row))
 		return false;
-	read_along(n, source, at, value, far);
+	read_along(n, source, at, 2, value, far);
 	if (families[at->family].kind == KIND_BAND)
 		return far[0] == 2 && far[1] == 2 && band_site(n, at, s, value);
 	sides(value, planes, &low, &high);

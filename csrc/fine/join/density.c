@@ -11,7 +11,11 @@ static const float reach = 10, spread = 20; /* test_fine_passes */
 /* In pixels: another site is on a line of its own that lies so far ahead and no farther to the side: of lines that part
  * other colours, and of those that part the same colours the other way round. */
 static const float ahead_other = 1.75f, aside_other = 1.5f, ahead_back = 1, aside_back = 4; /* test_fine_passes */
-static const float gone = 2.5f;   /* px: lines that are so close are not drawn; test_fine_passes */
+static const float gone = 2.5f; /* px: lines that are so close are not drawn; test_fine_passes */
+/* Pixels in a px of room at least: lines that are nearer than 1.5 pixels these can't part. */
+static const float least_px = 0.6f; /* test_scale */
+/* Of pixels, at which colours turn back: from so many on, and in full, there is a line on each; test_fine_passes */
+static const float turns_from = 0.25f, turns_full = 0.45f;
 static const float share = 0.25f; /* of the room beyond that, which a line's half may take; test_fine_passes */
 
 typedef struct crowd {
@@ -84,8 +88,11 @@ static void find_next(void *data, int first, int end, int thread)
 	(void)thread;
 	const crowd *c = data;
 	for (int i = first; i < end && !stopped_at(c->n, i); i++)
-		if (counts(c->n->site + i))
-			c->near[i] = 1 / distance_to_next(c, c->n->site + i);
+		if (counts(c->n->site + i)) {
+			float turns = ISA(color_turns)(c->n, &c->n->site[i].found);
+			c->near[i] = max(1 / distance_to_next(c, c->n->site + i),
+					 clamp01((turns - turns_from) / (turns_full - turns_from)));
+		}
 }
 
 static void sum_cells(void *data, int first, int end, int thread)
@@ -137,7 +144,7 @@ static void bound(void *data, int first, int end, int thread)
 int32_t ISA(fine_crowd)(fine *n)
 {
 	int cells = n->across * n->tall;
-	float px = room_px(n);
+	float px = room_px(n, least_px);
 	crowd c = {.n = n,
 		   .reach = reach * px,
 		   .spread = spread * px,

@@ -86,7 +86,7 @@ static bool is_slit(const fine *n, const site *s)
 		return false;
 	bool row = s->found.axis == AXIS_ROW;
 	int x = s->found.column + (row && of.way < 0), y = s->found.row + (!row && of.way < 0),
-	    reach = (int)(wide_slit * room_px(n)) + 1;
+	    reach = (int)(wide_slit * room_px(n, 1)) + 1;
 	return (begins(n, x, y, -1, 0, reach) && begins(n, x, y, 1, 0, reach)) ||
 	       (begins(n, x, y, 0, -1, reach) && begins(n, x, y, 0, 1, reach));
 }
@@ -347,7 +347,7 @@ int32_t ISA(fine_give_way)(fine *n)
 {
 	float *open = late_take(&n->f->late, n->count, sizeof *open);
 	rooms r = {.n = n,
-		   .px = room_px(n),
+		   .px = room_px(n, 1),
 		   .room = late_take(&n->f->late, n->count, sizeof *r.room),
 		   .side = late_take(&n->f->late, n->count, sizeof *r.side),
 		   .left = open};
