@@ -92,6 +92,14 @@ def anchored(layers, near):
     return anchor
 
 
+@pytest.mark.parametrize("width", [6, 8, 12])
+def test_half_of_a_limb_stays_clear(width):
+    """Of fingers and thin arms under a fat brush."""
+    layers, off = rod(width, 0.3, 0.2, 9.0, (80, 96))
+    t = inner(ink(layers, pen=dict(PEN, line_thickness=10.0)))
+    assert 0.4 < 1 - t[np.abs(inner(off)) < width / 2].mean() < 0.6
+
+
 @pytest.mark.parametrize("width", [12, 14])
 def test_the_sides_of_a_pole_are_no_beads(width):
     """Of a brush whose rim is frayed and whose lines have room for a part of their width: it varies slowly."""

@@ -6,7 +6,7 @@ import numpy as np
 from .metric import clamp01, mix
 from .passes import CLOSE, NUMBER, ROW, along_from
 
-WIDEST, SHARE, LEAST, TIP = 16.0, 0.3, 1.25, 0.75  # px, of the thing's width, px, px
+WIDEST, SHARE, LEAST, TIP = 24.0, 0.25, 1.25, 0.75  # px, of the thing's width, px, px
 AROUND, MEETINGS = 16, 4  # sites each way along a line, and beyond how many meetings of lines
 
 
@@ -61,7 +61,7 @@ def _within(t, i, far, unit):
 
 def _at(wide, sine, unit):
     least = max(mix(LEAST, TIP, clamp01((sine - 0.15) / 0.15)) * unit, 0.5)
-    return 1 / max(SHARE * wide / max(1 - (wide / (WIDEST * unit)) ** 2, 1e-6), least)
+    return 1 / max(SHARE * wide / max(1 - (wide / (WIDEST * unit)) ** 4, 1e-6), least)
 
 
 def _thin(t, i, unit):

@@ -8,9 +8,9 @@
 enum { CHUNK = 512, AROUND = 16 /* sites each way along a line */, MEETINGS = 4, LONG = 6 };
 
 /* Px. What is wider is no thin thing, and no line of one is made thinner. */
-static const float widest = 16, least_radius = 1.25f, least_tip = 0.75f; /* test_fine_passes */
+static const float widest = 24, least_radius = 1.25f, least_tip = 0.75f; /* test_fine_passes */
 static const float least_pixels = 0.5f;
-static const float share = 0.3f;                /* of the thing, that half a line of it may take; test_fine_passes */
+static const float share = 0.25f;               /* of the thing, that half a line of it may take; test_fine_passes */
 static const float parted = 0.5f, along = 0.8f; /* cosines of contours that have nothing to do with each other, and that
 						   run along each other; test_fine_passes */
 static const float level = 0.05f, tapered = 0.15f,
@@ -134,6 +134,7 @@ static float bound_at(const slender *w, float wide, float sine)
 {
 	float far = wide / (widest * w->unit), sharp = clamp01((sine - tapered) / (acute - tapered)),
 	      least = max(mix(least_radius, least_tip, sharp) * w->unit, least_pixels);
+	far *= far;
 	return 1 / max(share * wide / max(1 - far * far, 1e-6f), least);
 }
 
