@@ -293,6 +293,11 @@ def step_site(view, layer, row, column, axis):
     before = v[2] - v[1] if far[0] < 2 else v[1] - v[0]
     after = v[3] - v[2] if far[1] < 2 else v[4] - v[3]
     bend, step = np.linalg.norm(way - before - after), np.linalg.norm(way)
+    if (far[0] < 2) != (far[1] < 2):  # but not so much faster than on the other side
+        toward = -share if far[0] < 2 else share
+        doubtful |= abs(toward - 0.47) < SURE
+        if toward < 0.47:
+            bend = max(bend, step - 2.5 * np.linalg.norm(v[4] - v[3] if far[0] < 2 else v[1] - v[0]))
     margin = min(more(bend, 0.4 * step), more(bend, layer.floor) if layer.floor else 1.0)
     if margin < -SURE:
         return None

@@ -5,10 +5,13 @@
 #include "base/metric.h"
 
 static const float least_of_step = 0.4f; /* share of a step that slopes beside it may not explain; test_fine_sites */
-static const float crease_ramp = 0.37f;  /* of the difference of normals at crease_angle; test_fine_sites */
 static const float alike = 1.5f; /* times the width of a stripe, the most of what is one beside it; test_fine_sites */
 static const float least_gain = 0.667f; /* test_scale */
 static const float least_turn = 0.3f;   /* of what changes near a site, on both sides of a pixel; test_fine_passes */
+/* Where a step has one pixel beside it up to what holds two surfaces: so many times what changes beyond its other side
+ * is a surface that turns away, and so far from its middle the last pixel is of one face; test_fine_sites */
+static const float turns_away = 2.5f, clear_of_last = 0.47f;
+static const float crease_ramp = 0.37f; /* of the difference of normals at crease_angle; test_fine_sites */
 static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth; test_fine_sites */
 
 /* A pixel's value in linear terms. */
@@ -301,6 +304,10 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 		s->step[c] = (int8_t)(way > -127 ? way < 127 ? way : 127 : -127); /* or no number: squares overflow */
 	}
 	bend = sqrtf(bend);
+	if (from + 4 - to == 1 && (from ? -middle : middle) < clear_of_last) { /* but not so much faster than beyond */
+		float beyond = distance2(value[from ? 4 : 1], value[from ? 3 : 0], planes);
+		bend = max(bend, sqrtf(step) - turns_away * sqrtf(beyond));
+	}
 	if (!(bend > least_of_step * sqrtf(step) && bend > n->floor[at->family]))
 		return false;
 	if (form == FORM_VECTOR)
