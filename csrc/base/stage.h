@@ -48,7 +48,8 @@ enum source {
 	SOURCE_COLOR,
 	SOURCE_LIGHT,
 	SOURCE_MARK,
-	SOURCE_SEEN, /* FINE's only */
+	SOURCE_SEEN, /* this and what follows: FINE's only */
+	SOURCE_SUGGESTIVE,
 	SOURCE_COUNT
 };
 

@@ -83,6 +83,7 @@ static float weight_in(const encre_params *p, enum source s)
 	case SOURCE_COLOR: return p->edge_color;
 	case SOURCE_MARK: return p->edge_mark;
 	case SOURCE_SEEN: return p->edge_seen;
+	case SOURCE_SUGGESTIVE: return p->edge_suggestive;
 	default: return p->edge_light;
 	}
 }
@@ -307,6 +308,7 @@ static edges setup(const frame *f)
 	e.on[SOURCE_MARK] &= f->layer[ENCRE_LAYER_MARKS].data != NULL;
 	e.on[SOURCE_COLOR] |= f->layer[ENCRE_LAYER_CONTROLS].data != NULL;
 	e.on[SOURCE_SEEN] &= e.fine && f->layer[ENCRE_LAYER_SEEN_COLOR].data && f->layer[ENCRE_LAYER_SEEN_NORMAL].data;
+	e.on[SOURCE_SUGGESTIVE] &= e.fine;
 	e.on[SAMPLE_SEEN_COLOR] = e.on[SOURCE_SEEN];
 	e.on[SAMPLE_SEEN_DEPTH] = e.on[SOURCE_SEEN] && f->layer[ENCRE_LAYER_SEEN_DEPTH].data;
 	e.reach[SAMPLE_SEEN_COLOR] = e.reach[SAMPLE_SEEN_DEPTH] = e.reach[SOURCE_SEEN];

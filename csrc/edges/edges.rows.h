@@ -30,6 +30,9 @@ ENUM(color_layer, FRAME, 0, "", "Color Layer", "The colours that are compared",
 FLOAT(edge_light, SURFACE, 0, 0, FLT_MAX, 0, 4, "", "", "Light", "Weight of boundaries between levels of discrete light")
 FLOAT(edge_mark, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "", "Marked Edges", "Weight of edges of meshes that are marked by hand, as Freestyle edges")
 FLOAT(edge_seen, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "edge_detector=FINE", "Seen", "Weight of lines in what mirrors and clear glass show")
+FLOAT(edge_suggestive, SURFACE, 0, 0, FLT_MAX, 0, 4, "", "edge_detector=FINE", "Suggestive Contours", "Weight of lines where a smooth form nearly turns away: a nose, lips and folds seen from the front")
+FLOAT(suggestive_scale, FRAME, 6, 1, 64, 2, 24, "px", "edge_suggestive&edge_detector=FINE", "Form Scale", "How far forms are blurred before such lines are sought in them; what is finer has none")
+FLOAT(suggestive_length, SURFACE, 48, 0, 4096, 0, 128, "px", "edge_suggestive&edge_detector=FINE", "Form Length", "Such lines that are shorter than this, in all that hangs together, are thinner, the more so the shorter they are")
 ENUM(color_detector, FRAME, 1, "edge_detector=DOG", "Color Detector", "How colour and light are compared",
      ITEM(color_detector, DOG, 0, "Difference of Gaussians", "As the other layers")
      ITEM(color_detector, CONTRAST, 1, "Contrast", "Contrast of opposing neighbours in the chosen metric"))

@@ -12,6 +12,7 @@ const family_info families[FAMILY_COUNT] = {
 
 #define FOUND_CRACK(id, sample)
 #define FOUND_THIN(id, sample)
+#define FOUND_VALLEY(id, sample)
 #define FOUND_BAND(id, sample) [sample].band = FAMILY_##id,
 #define FOUND_STEP(id, sample) [sample].step = FAMILY_##id,
 #define SAMPLE(id, from, count, as) [id].layer = ENCRE_LAYER_##from, [id].planes = (count), [id].form = FORM_##as,
@@ -30,6 +31,7 @@ const uint8_t marked_family[WORD_COUNT][16] = {
 
 #define STEP_OF_CRACK(id, sample)
 #define STEP_OF_THIN(id, sample)
+#define STEP_OF_VALLEY(id, sample)
 #define STEP_OF_BAND(id, sample)
 #define STEP_OF_STEP(id, sample) STEP_IN_##sample = FAMILY_##id,
 #define FAMILY(id, kind, sample, ...) STEP_OF_##kind(id, sample)
@@ -39,13 +41,15 @@ enum { /* one each, or the compiler refuses */
 
 #define CHECK_CRACK(id, sample)
 #define CHECK_THIN(id, sample)
+#define CHECK_VALLEY(id, sample)
 #define CHECK_BAND(id, sample)                                                                                         \
 	_Static_assert(FAMILY_##id + 1 == STEP_IN_##sample, #id ": a band stands before the step of its sample");
 #define CHECK_STEP(id, sample)
 #define FAMILY(id, kind, sample, rank, floor, unit, faint, crumb, word, bit)                                           \
 	_Static_assert((KIND_##kind == KIND_CRACK) == (WORD_##word == WORD_CRACK),                                     \
 		       #id ": cracks have marks of their own");                                                        \
-	_Static_assert(((int)(sample) >= SOURCE_SEEN && (int)(sample) < NO_SAMPLE) == (WORD_##word == WORD_SEEN),      \
+	_Static_assert(KIND_##kind == KIND_VALLEY || ((int)(sample) >= SOURCE_SEEN && (int)(sample) < NO_SAMPLE) ==    \
+							     (WORD_##word == WORD_MORE),                               \
 		       #id ": what is seen has marks of its own");                                                     \
 	_Static_assert((bit) + 1 < (WORD_##word == WORD_CRACK   ? 8                                                    \
 				    : WORD_##word == WORD_RIDGE ? 14                                                   \

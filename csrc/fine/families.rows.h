@@ -10,6 +10,7 @@
  *   THIN_FAMILY(id, rank, crumb, bit) between pixel centres has its middle
  *   BAND_FAMILY(id, sample, rank, floor, unit, faint, crumb, word, bit) is a thin stripe of a sample
  *   STEP_FAMILY(id, sample, rank, floor, unit, faint, crumb, word, bit) is a boundary in it
+ *   VALLEY_FAMILY(id, rank, faint, crumb, bit) is where forms are dark that are lit from the eye
  * A use of all defines FAMILY(id, kind, sample, rank, floor, unit, faint, crumb, word, bit).
  *   rank    what it is made of; of two lines the older rank owns the place
  *   floor   of what is a step or a band at all, in units of the sample (ONE) or of the difference of two normals at
@@ -27,6 +28,7 @@
 #define THIN_FAMILY(id, rank, crumb, bit) FAMILY(id, THIN, NO_SAMPLE, rank, 0, ONE, SURE, crumb, RIDGE, bit)
 #define BAND_FAMILY(id, ...) FAMILY(id, BAND, __VA_ARGS__)
 #define STEP_FAMILY(id, ...) FAMILY(id, STEP, __VA_ARGS__)
+#define VALLEY_FAMILY(id, rank, faint, crumb, bit) FAMILY(id, VALLEY, NO_SAMPLE, rank, 0, ONE, faint, crumb, MORE, bit)
 
 SAMPLE(SOURCE_NORMAL,     NORMAL,      3, VECTOR)
 SAMPLE(SOURCE_COLOR,      ALBEDO,      3, COLOR)
@@ -43,14 +45,15 @@ BAND_FAMILY(NORMAL_BAND,      SOURCE_NORMAL,       CREASE, 0.42f,  CREASE, SURE,
 STEP_FAMILY(NORMAL,           SOURCE_NORMAL,       CREASE, 0.35f,  CREASE, FAINT, 3,    RIDGE, 4)
 BAND_FAMILY(COLOR_BAND,       SOURCE_COLOR,        COLOR,  0.012f, ONE,    FAINT, 4,    RIDGE, 6)
 STEP_FAMILY(COLOR,            SOURCE_COLOR,        COLOR,  0.01f,  ONE,    FAINT, 3,    RIDGE, 8)
+VALLEY_FAMILY(VALLEY,                              FORM,                   FAINT, 4,           10)
 BAND_FAMILY(LIGHT_BAND,       SOURCE_LIGHT,        LIGHT,  0.1f,   ONE,    SURE,  4,    RIDGE, 10)
 STEP_FAMILY(LIGHT_STEP,       SOURCE_LIGHT,        LIGHT,  0.02f,  ONE,    SURE,  3,    RIDGE, 12)
 CRACK_FAMILY(LIGHT,                                LIGHT,                  SURE,  3,           2)
-BAND_FAMILY(SEEN_NORMAL_BAND, SOURCE_SEEN,         SEEN,   0.72f,  CREASE, SURE,  4,    SEEN,  0)
-STEP_FAMILY(SEEN_NORMAL,      SOURCE_SEEN,         SEEN,   0.6f,   CREASE, FAINT, 4,    SEEN,  2)
-BAND_FAMILY(SEEN_COLOR_BAND,  SAMPLE_SEEN_COLOR,   SEEN,   0.012f, ONE,    SURE,  4,    SEEN,  4)
-STEP_FAMILY(SEEN_COLOR,       SAMPLE_SEEN_COLOR,   SEEN,   0.01f,  ONE,    FAINT, 4,    SEEN,  6)
-STEP_FAMILY(SEEN_DEPTH,       SAMPLE_SEEN_DEPTH,   SEEN,   0,      ONE,    FAINT, 9,    SEEN,  8)
+BAND_FAMILY(SEEN_NORMAL_BAND, SOURCE_SEEN,         SEEN,   0.72f,  CREASE, SURE,  4,    MORE,  0)
+STEP_FAMILY(SEEN_NORMAL,      SOURCE_SEEN,         SEEN,   0.6f,   CREASE, FAINT, 4,    MORE,  2)
+BAND_FAMILY(SEEN_COLOR_BAND,  SAMPLE_SEEN_COLOR,   SEEN,   0.012f, ONE,    SURE,  4,    MORE,  4)
+STEP_FAMILY(SEEN_COLOR,       SAMPLE_SEEN_COLOR,   SEEN,   0.01f,  ONE,    FAINT, 4,    MORE,  6)
+STEP_FAMILY(SEEN_DEPTH,       SAMPLE_SEEN_DEPTH,   SEEN,   0,      ONE,    FAINT, 9,    MORE,  8)
 
 #undef SAMPLE
 #undef FAMILY
@@ -58,3 +61,4 @@ STEP_FAMILY(SEEN_DEPTH,       SAMPLE_SEEN_DEPTH,   SEEN,   0,      ONE,    FAINT
 #undef THIN_FAMILY
 #undef BAND_FAMILY
 #undef STEP_FAMILY
+#undef VALLEY_FAMILY

@@ -48,14 +48,16 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 	made.kept = arena_take(a, tiles, sizeof *made.kept);
 	made.colored = arena_take(a, (size_t)f->height, sizeof *made.colored);
 	made.cell = arena_take(a, (size_t)made.across * (size_t)made.tall + 1, sizeof *made.cell);
+	if (e->on[SOURCE_SEEN] || e->on[SOURCE_SUGGESTIVE])
+		made.more = arena_take(a, pixels, sizeof *made.more);
 	if (e->on[SOURCE_SEEN]) {
-		made.seen = arena_take(a, pixels, sizeof *made.seen);
 		made.through = arena_take(a, pixels, sizeof *made.through);
 		made.glimpse = arena_take(a, (size_t)f->height, sizeof *made.glimpse);
 	}
 	ISA(light_plan)(&made, e, a);
-	ptrdiff_t scratch[] = {ISA(crack_scratch)(f), ISA(ridge_scratch)(f)};
-	for (int i = 0; i < 2; i++)
+	ISA(valley_plan)(&made, e, a);
+	ptrdiff_t scratch[] = {ISA(crack_scratch)(f), ISA(ridge_scratch)(f), ISA(valley_scratch)(&made)};
+	for (int i = 0; i < 3; i++)
 		made.thread_scratch = scratch[i] > made.thread_scratch ? scratch[i] : made.thread_scratch;
 	made.scratch =
 		arena_take(a, (size_t)bands_threads(f->bands) * (size_t)made.thread_scratch, sizeof *made.scratch);
@@ -103,7 +105,12 @@ static int32_t show_strength(fine *n)
 
 static bool has_seen(const fine *n)
 {
-	return n->seen != NULL;
+	return n->through != NULL;
+}
+
+static bool has_forms(const fine *n)
+{
+	return n->lit != NULL;
 }
 
 static bool gives_way(const fine *n)
@@ -149,6 +156,7 @@ static const pass passes[] = {
 	{"mark hits", NULL, mark_hits, LAYERS | CRACKS, HITS, NULL},
 	{"see through", has_seen, ISA(seen_run), LAYERS, THROUGH, NULL},
 	{"mark ridges", NULL, mark_ridges, LAYERS | CRACKS | HITS | THROUGH, RIDGES, BROKEN(ridges)},
+	{"mark valleys", has_forms, ISA(valley_run), LAYERS | CRACKS | RIDGES, RIDGES, BROKEN(ridges)},
 	{"bound", NULL, ISA(fine_bound), MARKS, BOUND, NULL},
 	{"gather", NULL, ISA(fine_gather), MARKS | BOUND, FOUND | PLACED, BROKEN(sites)},
 	{"sort", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
@@ -168,6 +176,7 @@ static const pass passes[] = {
 	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, NULL},
 	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"drop short", NULL, ISA(fine_drop_short), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
+	{"ease forms", has_forms, ISA(fine_ease_forms), FOUND | PLACED | KEPT | LINKS, PLACED | KEPT, NULL},
 	{"show strength", NULL, show_strength, PLACED | KEPT, 0, NULL},
 };
 

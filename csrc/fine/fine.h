@@ -23,14 +23,15 @@ enum family {
 	FAMILY_COUNT
 };
 
-enum kind { KIND_CRACK, KIND_THIN, KIND_BAND, KIND_STEP };
+enum kind { KIND_CRACK, KIND_THIN, KIND_BAND, KIND_STEP, KIND_VALLEY };
 
-/* What a family is made of: shapes, creases, colours, light, what is seen in mirrors. Older ones come first. */
-enum rank { RANK_SHAPE, RANK_CREASE, RANK_COLOR, RANK_LIGHT, RANK_SEEN, RANK_COUNT };
+/* What a family is made of: shapes, creases, colours, forms, light, what is seen in mirrors. Older ones come
+ * first. */
+enum rank { RANK_SHAPE, RANK_CREASE, RANK_COLOR, RANK_FORM, RANK_LIGHT, RANK_SEEN, RANK_COUNT };
 
-/* Of a floor; and the marks of a pixel: in fine.crack, fine.ridge, fine.seen. */
+/* Of a floor; and the marks of a pixel: in fine.crack, fine.ridge, fine.more. */
 enum unit { UNIT_ONE, UNIT_CREASE };
-enum word { WORD_CRACK, WORD_RIDGE, WORD_SEEN, WORD_COUNT };
+enum word { WORD_CRACK, WORD_RIDGE, WORD_MORE, WORD_COUNT };
 
 enum { NO_SAMPLE = SAMPLE_COUNT, LONE = 1, FAINT_SURE = 0, FAINT_FAINT = 1 };
 
@@ -59,21 +60,21 @@ typedef struct sample_info {
 } sample_info;
 extern const sample_info samples[SAMPLE_COUNT];
 
-/* The family whose mark in a word a bit is; FAMILY_CRACK in fine.ridge and fine.seen for none. */
+/* The family whose mark in a word a bit is; FAMILY_CRACK in fine.ridge and fine.more for none. */
 extern const uint8_t marked_family[WORD_COUNT][16];
 
 /* Marks of a pixel in fine.crack: CRACK_RIGHT, CRACK_DOWN, MARK_..., LIGHT_... */
 #define MARKS_CRACK(id, bit) id##_RIGHT = 1 << (bit), id##_DOWN = 2 << (bit),
 #define MARKS_RIDGE(id, bit)
-#define MARKS_SEEN(id, bit)
+#define MARKS_MORE(id, bit)
 #define FAMILY(id, kind, sample, rank, floor, unit, faint, crumb, word, bit) MARKS_##word(id, bit)
 enum {
 #include "fine/families.rows.h"
-	RIDGE_SEEN = 1 << 14 /* in fine.ridge: the pixel has marks in fine.seen */
+	RIDGE_MORE = 1 << 14 /* in fine.ridge: the pixel has marks in fine.more */
 };
 #undef MARKS_CRACK
 #undef MARKS_RIDGE
-#undef MARKS_SEEN
+#undef MARKS_MORE
 
 static inline uint16_t mark_of(int family, int axis)
 {
@@ -161,9 +162,12 @@ typedef struct fine {
 	uint8_t *hit;              /* spans * height: of THIN_SPAN pixels of a row */
 	int spans;
 	uint16_t *ridge;  /* width * height */
-	uint16_t *seen;   /* width * height; NULL: nothing is known of it */
-	uint8_t *through; /* width * height: the eye passes through or off the surface here; NULL likewise */
+	uint16_t *more;   /* width * height; NULL: no family is sought that has marks there */
+	uint8_t *through; /* width * height: the eye passes through or off the surface here; NULL: nothing is seen */
 	uint8_t *glimpse; /* by row: there are such pixels */
+	/* Of forms: where they are dark that are lit from the eye. width * height each, NULL: it is not asked. */
+	float *lit_rows, *lit;
+	float form_sigma; /* pixels */
 	uint32_t *marks;  /* by row, and in it by tile: how many marks are kept */
 	/* By tile, where it has too many marks, those that are kept, a bit each, by pixel of the tile; NULL: all. */
 	uint64_t **kept, *dense; /* dense: the memory of these */
@@ -237,6 +241,8 @@ bool ISA(crease_through)(const frame *f, const found *at);
 /* Whether an edge that is a line passes on the way between the pixels of a crack, or on one to a neighbour of theirs.
  */
 bool ISA(crease_beside)(const fine *n, const found *at);
+/* Whether an edge of faces that are shaded flat passes a way between two pixels, however little they bend. */
+bool ISA(crease_flat)(const fine *n, int x, int y, int axis);
 /* The weight of a crease that the normals show at a pixel: where a mesh tells of creases, it is a bump. */
 float ISA(crease_weight)(const fine *n, int x, int y, int style);
 /* Whether anywhere in a row one may be more than that. */
@@ -252,6 +258,12 @@ bool ISA(thin_site)(const fine *n, const found *at, placed *s);
 int32_t ISA(seen_run)(fine *n);
 /* How clearly a ridge of what is sampled from `s` stands out of its surroundings: 0..1. */
 float ISA(seen_clarity)(const fine *n, const found *at, int s);
+
+/* valleys.c: how bright forms are that are lit from the eye, and marks where that has valleys. */
+void ISA(valley_plan)(fine *n, const edges *e, arena *a);
+ptrdiff_t ISA(valley_scratch)(const fine *n); /* floats a thread */
+int32_t ISA(valley_run)(fine *n);
+bool ISA(valley_site)(const fine *n, const found *at, placed *s);
 
 /* ridges.c */
 ptrdiff_t ISA(ridge_scratch)(const frame *f); /* floats a thread */
@@ -328,6 +340,9 @@ int32_t ISA(fine_drop_beside)(fine *n);
  */
 bool ISA(picture_agrees)(const fine *n, const site *a, const site *b);
 bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, float x, float y);
+
+/* forms.c: thins lines of forms out that are short or faint, as wholes. */
+int32_t ISA(fine_ease_forms)(fine *n);
 
 /* chains.c: whether a line ends at a site, tied to nothing and not cut off by the frame; drops what branches off a line
  * and ends at once, and what is too short. */

@@ -21,8 +21,8 @@ struct walk {
 };
 
 /* The marks of a pixel have a bit each in fine.kept: those of cracks, their junctions beside them, ridges. */
-enum { BLOCK = 2, SLOT_JUNCTION = 8, SLOT_RIDGE = 16, SLOT_SEEN = 32 };
-static const uint8_t slots[WORD_COUNT] = {[WORD_RIDGE] = SLOT_RIDGE, [WORD_SEEN] = SLOT_SEEN};
+enum { BLOCK = 2, SLOT_JUNCTION = 8, SLOT_RIDGE = 16, SLOT_MORE = 32 };
+static const uint8_t slots[WORD_COUNT] = {[WORD_RIDGE] = SLOT_RIDGE, [WORD_MORE] = SLOT_MORE};
 
 static void walk_marks(walk *w, int x, int y, enum word word, int marks)
 {
@@ -63,9 +63,9 @@ static void walk_row(walk *w, int y, int x, int end)
 				w->visit(w, &at, SLOT_JUNCTION + bit / 2);
 			}
 		}
-		walk_marks(w, x, y, WORD_RIDGE, ridge[x] & ~RIDGE_SEEN);
-		if (ridge[x] & RIDGE_SEEN)
-			walk_marks(w, x, y, WORD_SEEN, n->seen[(ptrdiff_t)y * width + x]);
+		walk_marks(w, x, y, WORD_RIDGE, ridge[x] & ~RIDGE_MORE);
+		if (ridge[x] & RIDGE_MORE)
+			walk_marks(w, x, y, WORD_MORE, n->more[(ptrdiff_t)y * width + x]);
 	}
 }
 

@@ -35,11 +35,11 @@ const char *broken_ridges(const fine *n)
 	for (int k = 0; k < FAMILY_COUNT; k++)
 		all[families[k].word] |= mark_of(k, AXIS_ROW) | mark_of(k, AXIS_COLUMN);
 	for (ptrdiff_t i = 0; i < (ptrdiff_t)n->f->width * n->f->height; i++) {
-		bool seen = n->ridge[i] & RIDGE_SEEN;
-		if (n->ridge[i] & ~(all[WORD_RIDGE] | RIDGE_SEEN) || (seen && n->seen[i] & ~all[WORD_SEEN]))
+		bool seen = n->ridge[i] & RIDGE_MORE;
+		if (n->ridge[i] & ~(all[WORD_RIDGE] | RIDGE_MORE) || (seen && n->more[i] & ~all[WORD_MORE]))
 			return "every mark of a ridge is a family's";
-		if (n->seen && seen != (n->seen[i] != 0))
-			return "a pixel is marked as seen where something is";
+		if (n->more && seen != (n->more[i] != 0))
+			return "a pixel has marks in both words or in none";
 	}
 	return NULL;
 }

@@ -51,7 +51,7 @@ int ISA(fine_controls)(const fine *n, const found *at, placed *s)
 	float least = INFINITY, least_its = INFINITY;
 	owner_of(n, at, &own_x, &own_y);
 	bool any = !object.data || at->family == FAMILY_THIN;
-	bool seen = families[at->family].word == WORD_SEEN; /* it lies in the mirror, whatever stands before that */
+	bool seen = families[at->family].rank == RANK_SEEN; /* it lies in the mirror, whatever stands before that */
 	const float *z = depth.data + y * depth.row + x, *number = any ? z : object.data + y * object.row + x;
 	float own = any ? 0 : object.data[own_y * object.row + own_x];
 	for (int i = 0; !seen && i < 25; i++) {
@@ -146,6 +146,7 @@ void ISA(fine_place)(const fine *n, const found *at, placed *s)
 	case KIND_THIN: ISA(thin_site)(n, at, s); break;
 	case KIND_BAND:
 	case KIND_STEP: ISA(ridge_site)(n, at, s); break;
+	case KIND_VALLEY: ISA(valley_site)(n, at, s); break;
 	}
 }
 

@@ -124,6 +124,7 @@ enum line ISA(line_of)(const frame *f, const site *s)
 	case SOURCE_COLOR: return LINE_COLOR;
 	case SOURCE_LIGHT: return LINE_LIGHT;
 	case SOURCE_SEEN: return LINE_SEEN;
+	case SOURCE_SUGGESTIVE: return LINE_SUGGESTIVE;
 	default: return LINE_MARK;
 	}
 }

@@ -27,10 +27,15 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 	float pressed = 1 + (controls ? controls[CONTROL_INTENSITY] : 0);
 	float z = depth_at(f, nx, ny);
 	const float widths[SOURCE_COUNT] = {
-		[SOURCE_OBJECT] = p->width_object, [SOURCE_MATERIAL] = p->width_material,
-		[SOURCE_DEPTH] = p->width_depth,   [SOURCE_NORMAL] = p->width_normal,
-		[SOURCE_COLOR] = p->width_color,   [SOURCE_LIGHT] = p->width_light,
-		[SOURCE_MARK] = p->width_mark,     [SOURCE_SEEN] = p->width_seen,
+		[SOURCE_OBJECT] = p->width_object,
+		[SOURCE_MATERIAL] = p->width_material,
+		[SOURCE_DEPTH] = p->width_depth,
+		[SOURCE_NORMAL] = p->width_normal,
+		[SOURCE_COLOR] = p->width_color,
+		[SOURCE_LIGHT] = p->width_light,
+		[SOURCE_MARK] = p->width_mark,
+		[SOURCE_SEEN] = p->width_seen,
+		[SOURCE_SUGGESTIVE] = p->width_suggestive,
 	};
 
 	/* bounded before anything that may be 0 is multiplied in: infinity times 0 is no number */
@@ -200,7 +205,7 @@ static void finish_row(const lines *l, const canvas *c, int y)
 	if (f->output[ENCRE_OUTPUT_LINES].data)
 		lines = memset(output_row(f, ENCRE_OUTPUT_LINES, y), 0, bytes);
 	if (c->open[y - c->y0])
-		ink_row(c, y, (const float (*)[3])l->capsules.ink, l->color, rgba, lines);
+		ink_row(c, y, (const float(*)[3])l->capsules.ink, l->color, rgba, lines);
 }
 
 /* ---- bands ----------------------------------------------------------------------------------------------- */

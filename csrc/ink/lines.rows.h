@@ -42,6 +42,7 @@ FLOAT(width_color, SURFACE, 0.6, 0, FLT_MAX, 0, 4, "", "use_lines", "Color Width
 FLOAT(width_light, SURFACE, 0.5, 0, FLT_MAX, 0, 4, "", "use_lines", "Light Width", "Relative thickness of boundaries between light levels")
 FLOAT(width_mark, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "use_lines", "Marked Edge Width", "Relative thickness of edges that are marked by hand")
 FLOAT(width_seen, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "use_lines&edge_detector=FINE", "Seen Width", "Relative thickness of lines in mirrors and through glass")
+FLOAT(width_suggestive, SURFACE, 0.6, 0, FLT_MAX, 0, 4, "", "use_lines&edge_detector=FINE&edge_suggestive", "Suggestive Width", "Relative thickness of suggestive contours")
 FLOAT(width_contact, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "use_lines&edge_detector=FINE", "Contact Width", "Thickness of boundaries between objects that touch, as a share of Object Width")
 FLOAT(width_intersection, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "use_lines&edge_detector=FINE", "Intersection Width", "Thickness of lines where pieces of a mesh pass through each other, as a share of Normal Width")
 FLOAT(surface_fade, FRAME, 0, 0, 1, 0, 1, "factor", "", "Fade Surface", "Fade everything but the lines towards white")

@@ -10,6 +10,7 @@
  * has factors on that. OUTLINE       a jump in depth to another object, or to nothing CONTACT       another object at
  * continuous depth (times width_contact) INNER         a jump in depth within an object CREASE        a bend
  *   INTERSECTION  where pieces of a mesh pass through each other (times width_intersection)
+ *   SUGGESTIVE    where a smooth form nearly turns away
  * An outline that only its depth tells (edge_object 0) reads width_depth. */
 #define LINES(LINE)                                                                                                    \
 	LINE(OUTLINE, outline, object)                                                                                 \
@@ -21,6 +22,7 @@
 	LINE(COLOR, color, color)                                                                                      \
 	LINE(LIGHT, light, light)                                                                                      \
 	LINE(SEEN, seen, seen)                                                                                         \
+	LINE(SUGGESTIVE, suggestive, suggestive)                                                                       \
 	LINE(MARK, mark, mark)
 
 #define LINE(kind, ...) LINE_##kind,

@@ -10,7 +10,8 @@ from views import pixels
 
 ROWS, COLUMNS, MIDDLE = 40, 60, 30
 PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_light=4.0, edge_seen=3.0, width_seen=1.0, width_light=1.0,
-           width_color=1.0, width_material=1.0, edge_material=1.0, line_thickness=2.0, line_color_by_kind=True)
+           width_color=1.0, width_material=1.0, edge_material=1.0, edge_suggestive=1.0,
+           width_suggestive=1.0, line_thickness=2.0, line_color_by_kind=True)
 
 
 def wall():
@@ -84,9 +85,16 @@ def mark():
     return rastered(faces(square(-9, COLUMNS + 9, (30, 30)), object_index=1), line)
 
 
+def suggestive():
+    layers = right("normal", 1)()
+    turned = 0.9 * np.exp(-((np.arange(COLUMNS) - MIDDLE) / 6) ** 2)
+    layers["normal"] = np.broadcast_to(np.stack([turned, 0 * turned, np.sqrt(1 - turned**2)], -1), (ROWS, COLUMNS, 3))
+    return layers
+
+
 KINDS = {"outline": outline, "contact": right("object", 2), "inner": right("depth", 9), "crease": crease,
          "intersection": intersection, "material": material, "color": right("albedo", 0.1), "seen": seen,
-         "light": right("diffuse", 0.1), "mark": mark}
+         "light": right("diffuse", 0.1), "mark": mark, "suggestive": suggestive}
 
 
 def lines(layers, **values):

@@ -4,7 +4,7 @@ short. As in passes.py."""
 
 import numpy as np
 
-from .passes import CLOSE, COLUMN, FAMILIES, NUMBER, ROW
+from .passes import CLOSE, COLOR, COLUMN, FAMILIES, LIGHT, NUMBER, ROW, SEEN
 
 
 def chains(t):
@@ -87,11 +87,11 @@ def beside(t, shape, marks):
     def weight(k):
         run = runs[k]
         its = [0 if FAMILIES[t.family[i]] == "mark" else t.rank[i] for i in run if len(t.links[i]) <= 2]
-        return min([*its, 5]), -sum(t.apart(i, j) for i, j in zip(run, run[1:])), run[0], run[1]  # noqa: B905
+        return min([*its, SEEN + 1]), -sum(t.apart(i, j) for i, j in zip(run, run[1:])), run[0], run[1]  # noqa: B905
 
     weights = sorted((weight(k), k) for k in range(len(runs)))
     marked = {}
-    for rank in (1, 2, 3, 4):
+    for rank in range(1, SEEN + 1):
         # what an older rank dropped is gone for the next, but not what the same one drops
         left = [i for i in np.flatnonzero(~t.dropped & (t.rank == rank)) if i not in gone]
         marked |= {i: along(i) for i in left}
@@ -106,10 +106,10 @@ def beside(t, shape, marks):
             closed = run[0] == run[-1] and len(t.links[run[0]]) == 2
             loose = sum(t.is_end(i) and not t.at_border(i, shape) for i in (run[0], run[-1]))
             whole = max(length, 1e-9)
-            margins = [-1 if rank == 3 or not loose else of_all / whole - 0.5,
-                       _turns(t, run) - (0.3 if rank == 3 else 0.12)]
-            if rank > 2 and (loose == 2 or closed):
-                least = 6 if rank == 3 else 9
+            margins = [-1 if rank == LIGHT or not loose else of_all / whole - 0.5,
+                       _turns(t, run) - (0.3 if rank == LIGHT else 0.12)]
+            if rank >= LIGHT and (loose == 2 or closed):
+                least = 6 if rank == LIGHT else 9
                 margins.append((least - length) / least)
             if min(abs(m) for m in margins) < 1e-4 or doubt[0]:
                 unsure |= set(run)
@@ -171,11 +171,11 @@ def short(t, least, shape, numbers):
             gone |= set(run)
     for run in chains(t):
         rank = t.rank[run[0]]
-        if run[0] != run[-1] or any(len(t.links[i]) != 2 for i in run) or rank not in (2, 3) or (
+        if run[0] != run[-1] or any(len(t.links[i]) != 2 for i in run) or rank not in (COLOR, LIGHT) or (
                 t.rank[run] != rank).any():
             continue
         length = sum(t.apart(i, j) for i, j in zip(run, run[1:]))  # noqa: B905
-        weak, times = [i for i in run[1:] if t.site["weak"][i] or rank == 3], 2 if rank == 2 else 4
+        weak, times = [i for i in run[1:] if t.site["weak"][i] or rank == LIGHT], 2 if rank == COLOR else 4
         if any(abs(length - times * least[i]) < CLOSE * len(run) for i in weak):
             unsure |= set(run)
         if any(length < times * least[i] for i in weak):

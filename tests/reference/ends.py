@@ -7,7 +7,7 @@ import numpy as np
 
 from . import metric
 from .metric import clamp01
-from .passes import BANDS, CLOSE
+from .passes import BANDS, CLOSE, COLOR, FORM, LIGHT
 
 WHOLE = slice(None)
 
@@ -19,26 +19,27 @@ class Picture:
         lit = params["color_layer"] == "LIT"
         color = metric.encode(clamp01(layers.combined[..., :3] if lit else layers.albedo))
         self.of = [(layers.normal, 0.12, WHOLE), (layers.normal, 0.12, WHOLE), (color, 0.02, WHOLE),
-                   (layers.diffuse, 0.05, WHOLE)]
-        self.linear = [layers.normal, layers.normal, layers.combined[..., :3] if lit else layers.albedo, layers.diffuse]
+                   (layers.normal, 0.12, WHOLE), (layers.diffuse, 0.05, WHOLE)]
+        self.linear = [layers.normal, layers.normal, layers.combined[..., :3] if lit else layers.albedo, layers.normal,
+                       layers.diffuse]
         self.seen = layers.seen_color, layers.seen_normal
 
     def look(self, rank, at):
         """(values, values of a second layer), between pixels."""
-        if rank <= 3:
+        if rank <= LIGHT:
             value = _bilinear(self.linear[rank], at)
-            return (metric.encode(clamp01(value)) if rank == 2 else value), np.zeros(3)
+            return (metric.encode(clamp01(value)) if rank == COLOR else value), np.zeros(3)
         return metric.encode(clamp01(_bilinear(self.seen[0], at))), _bilinear(self.seen[1], at)
 
     def margin(self, rank, one, two):
         """0 or more: they differ."""
         (a, c), (b, d) = self.look(rank, one), self.look(rank, two)
-        least = (0.12, 0.12, 0.02, 0.05, 0.02)[rank]
+        least = (0.12, 0.12, 0.02, 0.12, 0.05, 0.02)[rank]
         return max(np.linalg.norm(a - b) - least, np.linalg.norm(c - d) - 0.2)
 
     def agrees(self, rank, a, b):
         """Whether at a quarter, half and three quarters of the way what lies 1.5 pixels to either side differs."""
-        if rank == 3:
+        if rank in (FORM, LIGHT):
             return 1.0
         side = _beside(a, b)
         return min(self.margin(rank, p + side, p - side) for p in (a + (b - a) * k / 4 for k in (1, 2, 3)))
@@ -120,16 +121,19 @@ def _join(t, a, b, picture, doubt):
     low, high = sorted((t.rank[i], t.rank[j]))
     gap = t.at[j] - t.at[i]
     length = np.hypot(*gap)
-    if (low != high and high > 1) or not 0 < length <= 8:
+    form = (low, high) == (0, FORM)
+    if (low != high and high > 1 and not form) or not 0 < length <= 8:
         return None
     straight = min(a.way @ gap, -(b.way @ gap)) / length - 0.94
     if abs(straight) < CLOSE or abs(length - 3) < CLOSE:
         doubt.update((i, j))
     if straight >= 0:
-        agrees = 1.0 if length <= 3 else picture.agrees(t.rank[i], t.at[i], t.at[j])
+        agrees = 1.0 if length <= 3 or form else picture.agrees(t.rank[i], t.at[i], t.at[j])
         if abs(agrees) < CLOSE:
             doubt.update((i, j))
         return (length / 2, None) if agrees >= 0 else None
+    if form:
+        return None
     sine = a.way[0] * b.way[1] - a.way[1] * b.way[0]
     if abs(sine) < 0.25:
         return None

@@ -6,8 +6,8 @@ which answers float32 may give another: where two numbers are closer than roundi
 
 import numpy as np
 
-FAMILIES = ("crack", "thin", "mark", "crease", "normal_band", "normal", "color_band", "color", "light_band",
-            "light_step", "light", "seen_normal_band", "seen_normal", "seen_color_band", "seen_color",
+FAMILIES = ("crack", "thin", "mark", "crease", "normal_band", "normal", "color_band", "color", "valley",
+            "light_band", "light_step", "light", "seen_normal_band", "seen_normal", "seen_color_band", "seen_color",
             "seen_depth")  # older first
 CRACKS = {"crack", "mark", "crease", "light"}
 ROW, COLUMN, JUNCTION = 0, 1, 2
@@ -17,7 +17,8 @@ SITE = np.dtype([*((name, np.float32) for name in ("x", "y", "strength", "thin",
                  ("step", np.int32, 3)])
 CLOSE = 1e-5  # pixels: lengths that differ by less may come out either way
 NUMBER = {name: k for k, name in enumerate(FAMILIES)}
-RANK = np.array([0, 0, 1, 1, 1, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4])
+RANK = np.array([0, 0, 1, 1, 1, 1, 2, 2, 3, 4, 4, 4, 5, 5, 5, 5, 5])
+COLOR, FORM, LIGHT, SEEN = 2, 3, 4, 5
 BANDS = [k for k, name in enumerate(FAMILIES) if name.endswith("band")]
 
 
@@ -98,8 +99,8 @@ def close_sites(t, i, reach=1.6):
 def weak(t, family):
     """(which weak sites of colours, of normals, what is seen, edges of meshes or contours hang together with no other,
     which with one that is not weak, a step with a stripe of its layer within 3 pixels, or with 23 of a contour)."""
-    if FAMILIES[family] not in ("color_band", "color", "normal", "crease", "crack", "seen_normal", "seen_color",
-                                "seen_depth"):
+    if FAMILIES[family] not in ("color_band", "color", "normal", "crease", "crack", "valley", "seen_normal",
+                                "seen_color", "seen_depth"):
         return set(), set()
     own = {int(i) for i in np.flatnonzero((t.family == family) & ~t.dropped)}
     strong = {i for i in own if not t.site["weak"][i]}
@@ -131,8 +132,8 @@ def through(t, layer):
 
 def crumbs(t, family):
     """Which sites are too few that hang together, to be a line."""
-    least = (9 if FAMILIES[family] == "seen_depth" else 4 if FAMILIES[family].startswith("seen") or family in BANDS
-             else 3)
+    few = FAMILIES[family].startswith(("seen", "valley")) or family in BANDS
+    least = 9 if FAMILIES[family] == "seen_depth" else 4 if few else 3
     gone = set()
     for i in np.flatnonzero((t.family == family) & ~t.dropped):
         found = [i]
@@ -326,7 +327,7 @@ def crowd(t, shape, scale, turns):
     """1 over the greatest radius of each site, 0 where it is not bounded; unsure. turns: by row, column and axis, at
     which share of the pixels about colours turn back, and whether that is sure."""
     reach, spread, gone = px(scale, 0.6) * np.array([10.0, 20.0, 2.5])
-    counts = [i for i in range(len(t)) if t.rank[i] == 2 and (not t.dropped[i] or t.site["crumb"][i])]
+    counts = [i for i in range(len(t)) if t.rank[i] == COLOR and (not t.dropped[i] or t.site["crumb"][i])]
     near, doubt = {}, set()
     for i in counts:
         ahead_axis = 1 if t.axis[i] == COLUMN else 0

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from .passes import CLOSE, COLUMN, JUNCTION, NUMBER, ROW, along_from, px
+from .passes import CLOSE, COLUMN, JUNCTION, LIGHT, NUMBER, ROW, along_from, px
 
 
 def _front(t, i, depth, number):
@@ -124,7 +124,7 @@ def give_way(t, scale, depth, number=None):
     def goes_on(i):
         return 1 + sum(len([k for k in along_from(t, i, j, 6) if len(t.links[k]) == 2]) for j in t.links[i]) >= 6
 
-    edge, light = np.isin(t.family, (NUMBER["mark"], NUMBER["crease"])), t.rank == 3
+    edge, light = np.isin(t.family, (NUMBER["mark"], NUMBER["crease"])), t.rank == LIGHT
     fronts = [_front(t, i, depth, number) for i in range(len(t))]
     fold = np.array([f is not None and f[0] == f[1] and np.isfinite(depth[r, c])
                      for f, r, c in zip(fronts, t.site["row"], t.site["column"], strict=True)], bool)
@@ -155,7 +155,7 @@ def give_way(t, scale, depth, number=None):
                 elif fold[i] or slit[i]:
                     older, unsure = _double(t, i, j, ways[i], fronts)
                 else:
-                    older = t.family[j] < t.family[i] if edge[i] else t.rank[j] < 3
+                    older = t.family[j] < t.family[i] if edge[i] else t.rank[j] < LIGHT
                 if not (older or unsure) or (hands or fold[i] or slit[i]) and j in own(i):
                     continue
                 if unsure or min(abs(along - most), abs(level - (0.985 if hands else 0.95))) < CLOSE:

@@ -111,6 +111,12 @@ bool ISA(crease_through)(const frame *f, const found *at)
 	return way[0] != 0 && (bend == through || bend == through + crease_spread);
 }
 
+bool ISA(crease_flat)(const fine *n, int x, int y, int axis)
+{
+	passing at = passing_at(n, x, y, axis);
+	return at.place > 0 && at.bend > 0;
+}
+
 /* Two lines pass a pixel on both sides, closer than they can be told apart: that which bends less gives way, but not
  * where they are one that turns about the pixel. */
 static bool gives_way(const fine *n, int x, int y, int axis)

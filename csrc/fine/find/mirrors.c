@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* In fine.seen, until ridges.c marks its sites there. */
+/* In fine.more, until ridges.c marks its sites there. */
 enum { OTHER_NORMAL = 1, OTHER_DEPTH = 2 };
 enum { GROWN = 2 }; /* pixels that what is found grows by */
 enum { WINDOW = 4, SIDE = 2 * WINDOW + 1 };
@@ -37,7 +37,7 @@ static void differ_rows(void *data, int y0, int y1, int thread)
 		const float *color = layer_row(f, ENCRE_LAYER_SEEN_COLOR, y),
 			    *albedo = layer_row(f, ENCRE_LAYER_ALBEDO, y);
 		const float *far = deep ? layer_row(f, ENCRE_LAYER_SEEN_DEPTH, y) : z;
-		uint16_t *restrict out = n->seen + (ptrdiff_t)y * f->width;
+		uint16_t *restrict out = n->more + (ptrdiff_t)y * f->width;
 		for (int x = 0; x < f->width; x++) {
 			const float *a = normal + (ptrdiff_t)3 * x, *b = seen + (ptrdiff_t)3 * x;
 			const float *c = color + (ptrdiff_t)3 * x, *d = albedo + (ptrdiff_t)3 * x;
@@ -71,7 +71,7 @@ static void begin_row(const fine *n, int y, uint8_t *restrict out)
 	int width = n->f->width;
 	const uint16_t *row[3];
 	for (int k = -1; k <= 1; k++)
-		row[k + 1] = n->seen + (ptrdiff_t)clamp_index(y + k, n->f->height) * width;
+		row[k + 1] = n->more + (ptrdiff_t)clamp_index(y + k, n->f->height) * width;
 	for (int x = 0; x < width; x++)
 		out[x] = (uint8_t)(row[0][x] & row[1][x] & row[2][x] & OTHER_DEPTH);
 	for (int x = 0, before = out[0]; x < width; x++) {

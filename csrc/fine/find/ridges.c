@@ -157,7 +157,7 @@ static bool peaks(const window *w, int x, int axis)
 	if (!(dot[1] > dot[0] && dot[1] > dot[2]))
 		return false;
 	stripe b;
-	if (stripe_of((const float (*)[3])v, w->is.planes, w->n->floor[w->is.band], families[w->is.band].faint, &b))
+	if (stripe_of((const float(*)[3])v, w->is.planes, w->n->floor[w->is.band], families[w->is.band].faint, &b))
 		return true;
 	for (int k = 0; k < 5 * w->is.planes; k++) /* what is cut is asked of the layer itself */
 		if (!(fabsf(v[k / w->is.planes][k % w->is.planes]) < pixel_great))
@@ -317,8 +317,8 @@ static void mark(const window *w, int x, int y, int family, int axis, uint16_t *
 		ridge[x] |= mark_of(family, axis);
 		return;
 	}
-	ridge[x] |= RIDGE_SEEN;
-	w->n->seen[(ptrdiff_t)y * w->n->f->width + x] |= mark_of(family, axis);
+	ridge[x] |= RIDGE_MORE;
+	w->n->more[(ptrdiff_t)y * w->n->f->width + x] |= mark_of(family, axis);
 }
 
 static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
@@ -376,8 +376,8 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 			w.mixed[k] = at;
 		}
 		ISA(thin_mark)(n, y, hits, ridge);
-		if (n->seen)
-			memset(n->seen + (ptrdiff_t)y * f->width, 0, (size_t)f->width * sizeof *n->seen);
+		if (n->more)
+			memset(n->more + (ptrdiff_t)y * f->width, 0, (size_t)f->width * sizeof *n->more);
 		for (int s = SOURCE_NORMAL; s < SAMPLE_COUNT; s++) {
 			bool wanted = n->e->on[s] && samples[s].step && (s < SOURCE_SEEN || n->glimpse[y]);
 			if (s == SOURCE_COLOR)

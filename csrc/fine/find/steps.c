@@ -162,7 +162,7 @@ static bool weigh(const fine *n, const found *at, placed *s, int style, float st
 					  strength);
 	enum source source = is->sample < SOURCE_SEEN ? is->sample : SOURCE_SEEN;
 	bool edge = ISA(fine_weigh)(n, s, style, source, strength);
-	if (is->word != WORD_SEEN || !(edge || may_be_weak(n, at, s)))
+	if (is->word != WORD_MORE || !(edge || may_be_weak(n, at, s)))
 		return edge;
 	s->strength = 0;
 	return ISA(fine_weigh)(n, s, style, source, strength * ISA(seen_clarity)(n, at, is->sample));
@@ -223,7 +223,7 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 	stripe b;
 	if (form == FORM_COLOR)
 		encode(n, value);
-	if (!stripe_of((const float (*)[3])value, planes, n->floor[at->family], is->faint, &b))
+	if (!stripe_of((const float(*)[3])value, planes, n->floor[at->family], is->faint, &b))
 		return false;
 	if (form == FORM_COLOR && among_alike(n, is->sample, at))
 		return false;

@@ -233,7 +233,7 @@ int32_t ISA(fine_drop_beside)(fine *n)
 		choose_round(&b, b.list + i);
 		code = at_step(n, i);
 	}
-	for (b.rank = RANK_CREASE; !code && b.rank <= RANK_SEEN; b.rank++) {
+	for (b.rank = RANK_CREASE; !code && b.rank < RANK_COUNT; b.rank++) {
 		code = bands_run(n->f->bands, (int)n->count, CHUNK, find_near, &b);
 		for (; !code && i < b.count && b.list[i].rank <= b.rank; i++)
 			if (b.list[i].rank == b.rank) {

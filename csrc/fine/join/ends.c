@@ -85,14 +85,17 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 	const site *s = n->site + a->site, *t = n->site + b->site;
 	float dx = t->placed.x - s->placed.x, dy = t->placed.y - s->placed.y, length = sqrtf(dx * dx + dy * dy);
 	int rank = rank_of(s) > rank_of(t) ? rank_of(s) : rank_of(t), other = rank_of(s) + rank_of(t) - rank;
-	/* a silhouette that fades may go on as a crease */
-	if ((other != rank && rank > RANK_CREASE) || !(length > 0) || length > wedge_apart)
+	/* a silhouette that fades may go on as a crease, or as a valley that straight on */
+	bool form = rank == RANK_FORM && other == RANK_SHAPE;
+	if ((other != rank && rank > RANK_CREASE && !form) || !(length > 0) || length > wedge_apart)
 		return false;
 	float one = (dx * a->dx + dy * a->dy) / length, two = -(dx * b->dx + dy * b->dy) / length;
 	p->corner = false;
 	p->cost = 0.5f * length;
 	if (one >= far_cosine && two >= far_cosine)
-		return length <= near_reach || ISA(picture_agrees)(n, s, t);
+		return length <= near_reach || form || ISA(picture_agrees)(n, s, t);
+	if (form)
+		return false;
 	float sine = a->dx * b->dy - a->dy * b->dx;
 	if (!(fabsf(sine) >= wedge_sine))
 		return false;

@@ -19,6 +19,11 @@ static void bilinear(const frame *f, enum encre_layer layer, int channels, float
 
 enum { VALUES = 6 };
 
+static bool bends(int rank)
+{
+	return rank <= RANK_CREASE || rank == RANK_FORM;
+}
+
 /* The layer that shows an edge of that rank, as it is compared; the last three are of a second one. */
 static void look(const fine *n, int rank, float x, float y, float *value)
 {
@@ -26,7 +31,7 @@ static void look(const fine *n, int rank, float x, float y, float *value)
 	if (seen) {
 		bilinear(n->f, ENCRE_LAYER_SEEN_COLOR, 3, x, y, value);
 		bilinear(n->f, ENCRE_LAYER_SEEN_NORMAL, 3, x, y, value + 3);
-	} else if (rank <= RANK_CREASE)
+	} else if (bends(rank))
 		bilinear(n->f, ENCRE_LAYER_NORMAL, 3, x, y, value);
 	else if (rank == RANK_COLOR)
 		bilinear(n->f, lit ? ENCRE_LAYER_COMBINED : ENCRE_LAYER_ALBEDO, lit ? 4 : 3, x, y, value);
@@ -38,21 +43,19 @@ static void look(const fine *n, int rank, float x, float y, float *value)
 
 static bool differ(const float *a, const float *b, int rank)
 {
-	float least = rank <= RANK_CREASE  ? 0.12f
-		      : rank == RANK_LIGHT ? 0.05f
-					   : 0.02f,
-	      least_seen = 0.2f; /* of a normal */
+	float least = bends(rank) ? 0.12f : rank == RANK_LIGHT ? 0.05f : 0.02f, least_seen = 0.2f; /* of a normal */
 	return distance2(a, b, 3) >= least * least ||
 	       (rank == RANK_SEEN && distance2(a + 3, b + 3, 3) >= least_seen * least_seen);
 }
 
-/* Over a longer gap a line goes on only if what lies to either side of it differs. Light says too little. */
+/* Over a longer gap a line goes on only if what lies to either side of it differs. Light says too little; a
+ * valley is alike on both. */
 bool ISA(picture_agrees)(const fine *n, const site *a, const site *b)
 {
 	int rank = rank_of(a);
 	float dx = b->placed.x - a->placed.x, dy = b->placed.y - a->placed.y, length = sqrtf(dx * dx + dy * dy),
 	      ox = -beside * dy / length, oy = beside * dx / length;
-	for (int k = 1; k <= 3 && rank != RANK_LIGHT; k++) {
+	for (int k = 1; k <= 3 && rank != RANK_LIGHT && rank != RANK_FORM; k++) {
 		float x = a->placed.x + 0.25f * (float)k * dx, y = a->placed.y + 0.25f * (float)k * dy, one[VALUES],
 		      two[VALUES];
 		look(n, rank, x + ox, y + oy, one);

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lines of forms come and go as a form turns: each that hangs together is as wide as it is long and clear, so that none
+ * comes at once. */
+#include "fine/near.h"
+
+#include <string.h>
+
+static const float counts_from = 1, counts_ramp = 1; /* of edge_threshold: so strong counts, and in full; test_forms */
+static const float least_share = 0.1f;               /* of its width: less is not drawn; test_forms */
+
+static bool is_form(const site *s)
+{
+	return s->found.family == FAMILY_VALLEY && !s->linked.dropped;
+}
+
+static float clear_at(const fine *n, uint32_t i)
+{
+	float threshold = n->e->p->edge_threshold, strength = n->site[i].placed.strength;
+	return threshold > 0 ? clamp01((strength / threshold - counts_from) / counts_ramp) : 1;
+}
+
+/* Collects what hangs together with open[0]; the length of what is clear of it, and how clear the clearest is. */
+static float collect(const fine *n, uint8_t *known, uint32_t *open, uint32_t *count, float *most)
+{
+	float length = 0;
+	*most = clear_at(n, open[0]);
+	for (uint32_t at = 0; at < *count; at++)
+		for (uint32_t i = open[at], k = n->at[i]; k < n->at[i + 1]; k++) {
+			uint32_t j = n->to[k];
+			if (!is_form(n->site + j))
+				continue;
+			length += 0.25f * sqrtf(apart2(n->site + i, n->site + j)) * (clear_at(n, i) + clear_at(n, j));
+			if (!known[j]) {
+				known[j] = 1;
+				*most = max(*most, clear_at(n, j));
+				open[(*count)++] = j;
+			}
+		}
+	return length;
+}
+
+int32_t ISA(fine_ease_forms)(fine *n)
+{
+	uint8_t *known = late_take(&n->f->late, n->count + 1, sizeof *known);
+	uint32_t *open = late_take(&n->f->late, n->count + 1, sizeof *open);
+	if (!known || !open)
+		return ENCRE_ERROR_MEMORY;
+	memset(known, 0, n->count);
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < n->count; i++) {
+		code = at_step(n, i);
+		if (known[i] || !is_form(n->site + i))
+			continue;
+		uint32_t count = 1;
+		open[0] = i;
+		known[i] = 1;
+		const placed *own = &n->site[i].placed;
+		float full = params_at(n->f, own->near_x, own->near_y)->suggestive_length * n->f->scale;
+		float most, length = collect(n, known, open, &count, &most);
+		float share = full > 0 ? min(most, length / full) : most;
+		for (uint32_t k = 0; k < count; k++) {
+			site *s = n->site + open[k];
+			s->placed.eased = (uint8_t)(255 - share * (float)(255 - s->placed.eased) + 0.5f);
+			s->linked.dropped |= share < least_share;
+		}
+	}
+	late_drop(&n->f->late, open);
+	late_drop(&n->f->late, known);
+	return code;
+}

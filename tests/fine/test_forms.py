@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Suggestive contours: lines on smooth forms that nearly turn away, drawn from layers that formulas give."""
+
+import numpy as np
+import pytest
+from encre.pen import library
+from encre.pen.job import Camera
+from judge import verdict
+
+ROWS, COLUMNS, MIDDLE = 96, 128, 60.3
+PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_light=0.0, edge_seen=0.0, edge_color=0.0, edge_suggestive=1.0,
+           length_unit="PIXELS", suggestive_scale=3.0, suggestive_length=30.0, line_thickness=4.0, width_suggestive=1.0)
+ALONE = dict(edge_depth=0.0, edge_normal=0.0, edge_object=0.0)
+Y, X = np.mgrid[:ROWS, :COLUMNS].astype(float)
+
+
+def layers(height):
+    """Of a surface `height` pixels before a wall, seen from the front by parallel rays."""
+    down, right = np.gradient(height)
+    normal = np.stack([-right, down, np.ones_like(height)], -1)
+    flat = np.ones((ROWS, COLUMNS, 3))
+    made = {"combined": np.ones((ROWS, COLUMNS, 4)), "color": flat * 0.5, "albedo": flat * 0.5, "diffuse": flat,
+            "depth": (300 - height)[..., None], "normal": normal / np.linalg.norm(normal, axis=-1, keepdims=True),
+            "object": flat[..., :1]}
+    return made
+
+
+def slope(steepness, width=5.0, middle=MIDDLE):
+    """From one level to another, as the side of a nose."""
+    return steepness * width * np.tanh((X - middle) / width)
+
+
+def ink(made, threads=0, styles=(), **values):
+    made = {name: np.ascontiguousarray(a, np.float32) for name, a in made.items()}
+    drawn = library.render(made, {**PEN, **values}, styles, Camera(orthographic=True, height=ROWS), threads=threads,
+                           outputs=("Encre Lines",))
+    return drawn.images["Encre Lines"][..., 3]
+
+
+def test_a_line_goes_where_a_slope_is_steepest_from_border_to_border():
+    drawn = ink(layers(slope(1.0)))
+    np.testing.assert_allclose((drawn * X).sum(1) / drawn.sum(1), MIDDLE, atol=0.05)
+    np.testing.assert_allclose(drawn.sum(1), 4, atol=0.1)
+
+
+def test_none_is_drawn_by_default():
+    assert ink(layers(slope(1.0)), edge_suggestive=0.0).max() == 0
+
+
+@pytest.mark.parametrize("angle", (20, 45, 70))
+def test_it_is_even_at_any_angle(angle):
+    a = np.radians(angle)
+    off = (X - 64) * np.cos(a) + (Y - 48) * np.sin(a)
+    drawn = ink(layers(5 * np.tanh(off / 5)))
+    near = drawn * (np.hypot(X - 64, Y - 48) < 40)
+    assert np.abs((near * off).sum() / near.sum()) < 0.05
+    assert np.sqrt((near * off**2).sum() / near.sum()) == pytest.approx(4 / np.sqrt(12), abs=0.1)
+    assert near.sum() == pytest.approx(4 * 80, rel=0.03)
+
+
+def test_it_comes_with_the_steepness_and_not_at_once():
+    widths = [ink(layers(slope(s)))[48].sum() for s in np.arange(0.2, 1.21, 0.02)]
+    assert widths[0] == 0 and widths[-1] == pytest.approx(4, abs=0.1)
+    assert (np.diff(widths) >= -1e-3).all() and np.diff(widths).max() < 0.8
+
+
+def test_short_ones_are_thin_and_grow_wider_with_their_length():
+    sums = []
+    for half in range(8, 40, 2):
+        made = layers(slope(0.0))
+        turned = 0.9 * np.exp(-((X - MIDDLE) / 4) ** 2) / (1 + np.exp((np.abs(Y - 48) - half) / 2))
+        made["normal"] = np.stack([turned, 0 * turned, np.sqrt(1 - turned**2)], -1)
+        sums.append(ink(made, suggestive_length=90.0, **ALONE)[48].sum())
+    assert sums[0] < 1.8 and sums[-1] > 3.8
+    assert (np.diff(sums) > -0.05).all() and np.diff(sums).max() < 0.6
+
+
+def test_planes_and_round_things_have_none():
+    ball = np.sqrt(np.maximum(50**2 - (X - 64) ** 2 - (Y - 48) ** 2, 0.0))
+    made = layers(ball)
+    made["object"] = (ball > 0).astype(float)[..., None]
+    outline = ink(made, edge_suggestive=0.0)
+    assert outline.max() == 1
+    np.testing.assert_array_equal(ink(made), outline)
+    assert ink(layers(0.8 * X)).max() == 0
+
+
+def test_what_is_rough_has_none():
+    rng = np.random.default_rng(5)
+    rough = rng.normal(size=(ROWS, COLUMNS))
+    for _ in range(2):
+        rough = sum(np.roll(rough, shift, axis) for shift in (-1, 0, 1) for axis in (0, 1)) / 6
+    rough *= 1.2 / rough.std()
+    assert ink(layers(rough), **ALONE).sum() < 0.01 * ink(layers(slope(1.0))).sum()
+    assert ink(layers(slope(1.0) + 0.02 * rough), **ALONE).sum() == pytest.approx(4 * ROWS, rel=0.05)
+
+
+def test_what_is_shaded_flat_has_none():
+    made = layers(slope(1.0))
+    made["normal"] = np.where((np.abs(X - MIDDLE) < 4)[..., None], (0.5, 0, 0.8660254), (0.0, 0, 1))
+    assert ink(made, **ALONE).sum() > 3 * ROWS
+    bends = np.zeros((ROWS, COLUMNS, 5))
+    bends[:, [56, 64], 0], bends[:, [56, 64], 1] = 0.5, 30.0
+    assert ink({**made, "creases": bends}, crease_angle=40.0).max() == 0
+    bends[..., 1] *= -1  # of faces that are shaded smoothly
+    assert ink({**made, "creases": bends}, crease_angle=40.0).sum() > 3 * ROWS
+
+
+@pytest.mark.parametrize("apart", (2, 3, 4))
+def test_it_doubles_no_outline(apart):
+    made = layers(slope(1.0))
+    made["object"] = 1 + (MIDDLE + apart < X).astype(float)[..., None]
+    outline = ink(made, edge_suggestive=0.0)
+    assert outline.max() == 1
+    np.testing.assert_array_equal(ink(made), outline)
+
+
+def test_it_goes_on_from_where_a_contour_ends():
+    gap = 40 * np.clip((40 - Y) / 30, 0, 1) * (X > MIDDLE)
+    drawn = ink(layers(slope(1.0) + gap), line_taper=12.0)
+    assert (drawn.sum(1) > 1).all()
+    assert ink(layers(slope(1.0) + gap), line_taper=12.0, edge_suggestive=0.0)[60:].max() == 0
+
+
+def test_forms_smaller_than_the_scale_have_none():
+    small = slope(1.0, width=1.2)
+    assert ink(layers(small), suggestive_scale=12.0, **ALONE).max() == 0 < ink(layers(small), **ALONE).max()
+
+
+def test_a_style_has_its_own_weight():
+    made = layers(slope(1.0))
+    made["style"] = (Y > 48).astype(float)[..., None]
+    drawn = ink(made, styles=({"edge_suggestive": 0.0},))
+    assert (drawn[:45].sum(1) > 3).all() and drawn[52:].max() == 0
+
+
+def test_threads_draw_the_same():
+    made = layers(slope(0.6) + 6 * np.sin(X / 9) * np.cos(Y / 11))
+    one = ink(made, threads=1)
+    assert one.max() > 0
+    for threads in (2, 3):
+        np.testing.assert_array_equal(ink(made, threads=threads), one)
