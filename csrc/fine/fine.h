@@ -328,6 +328,7 @@ int32_t ISA(fine_close_eyes)(fine *n);
 int32_t ISA(fine_crowd)(fine *n);
 /* rooms.c: likewise of edges of meshes, lines by hand, light, and contours within a thing, beside older lines. */
 int32_t ISA(fine_give_way)(fine *n);
+/* rungs.c: and short folds by what they meet. */
 int32_t ISA(fine_drop_rungs)(fine *n);
 /* slender.c: bounds the radius of lines of thin things, and at tips. */
 int32_t ISA(fine_slender)(fine *n);

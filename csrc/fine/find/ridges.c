@@ -157,7 +157,7 @@ static bool peaks(const window *w, int x, int axis)
 	if (!(dot[1] > dot[0] && dot[1] > dot[2]))
 		return false;
 	stripe b;
-	if (stripe_of((const float(*)[3])v, w->is.planes, w->n->floor[w->is.band], families[w->is.band].faint, &b))
+	if (stripe_of((const float (*)[3])v, w->is.planes, w->n->floor[w->is.band], families[w->is.band].faint, &b))
 		return true;
 	for (int k = 0; k < 5 * w->is.planes; k++) /* what is cut is asked of the layer itself */
 		if (!(fabsf(v[k / w->is.planes][k % w->is.planes]) < pixel_great))

@@ -223,7 +223,7 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 	stripe b;
 	if (form == FORM_COLOR)
 		encode(n, value);
-	if (!stripe_of((const float(*)[3])value, planes, n->floor[at->family], is->faint, &b))
+	if (!stripe_of((const float (*)[3])value, planes, n->floor[at->family], is->faint, &b))
 		return false;
 	if (form == FORM_COLOR && among_alike(n, is->sample, at))
 		return false;

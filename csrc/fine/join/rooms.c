@@ -3,9 +3,9 @@
  * where they were cut off at some distance, what runs about there would be a ladder, or come and go. And contours
  * within a thing beside another of it: the rim of an eyelid is one line from afar. And of the two sides of a slit
  * between things one: pixels miss it here and hit it there. */
-#include "fine/near.h"
+#include "fine/join/fronts.h"
 
-enum { CHUNK = 512, EVENED = 12, OWN = 12 /* sites each way along a line */, RUNG = 6, RUN = 6 };
+enum { CHUNK = 512, EVENED = 12, OWN = 12 /* sites each way along a line */, RUN = 6 };
 
 static const float share = 0.25f; /* of the room beyond what closes, which a line's half may take; test_fine_passes */
 
@@ -38,30 +38,6 @@ static bool is_edge(const site *s)
 	return s->found.family == FAMILY_CREASE || s->found.family == FAMILY_MARK;
 }
 
-/* What a contour bounds: its number, and which way from it that lies along the axis; 0 where depths do not tell. */
-typedef struct front {
-	float object, other;
-	int way;
-} front;
-
-static front front_of(const fine *n, const site *s)
-{
-	int x = s->found.column, y = s->found.row, dx = s->found.axis == AXIS_ROW, dy = 1 - dx;
-	if (s->found.family != FAMILY_CRACK || s->found.axis > AXIS_COLUMN || !n->f->layer[ENCRE_LAYER_OBJECT].data)
-		return (front){0};
-	float a = depth_at(n->f, x, y), b = depth_at(n->f, x + dx, y + dy),
-	      one = layer_row(n->f, ENCRE_LAYER_OBJECT, y)[x],
-	      two = layer_row(n->f, ENCRE_LAYER_OBJECT, y + dy)[x + dx];
-	return a < b ? (front){one, two, -1} : (front){two, one, a > b};
-}
-
-/* A contour behind which the same thing goes on. Without meshes a number may be that of many things. */
-static bool is_fold(const fine *n, const site *s)
-{
-	front of = n->e->creases ? front_of(n, s) : (front){0};
-	return of.way && of.object == of.other && depth_at(n->f, s->found.column, s->found.row) < INFINITY;
-}
-
 /* Whether from a pixel behind two things one begins so few pixels along an axis, and is no bar. */
 static bool begins(const fine *n, int x, int y, int dx, int dy, int reach)
 {
@@ -89,12 +65,6 @@ static bool is_slit(const fine *n, const site *s)
 	    reach = (int)(wide_slit * room_px(n, 1)) + 1;
 	return (begins(n, x, y, -1, 0, reach) && begins(n, x, y, 1, 0, reach)) ||
 	       (begins(n, x, y, 0, -1, reach) && begins(n, x, y, 0, 1, reach));
-}
-
-/* Where contours meet the place is as those that go through it. */
-static bool is_meeting(const site *s)
-{
-	return s->found.family == FAMILY_CRACK && s->found.axis == AXIS_JUNCTION;
 }
 
 static bool may_give_way(const fine *n, const site *s)
@@ -362,65 +332,5 @@ int32_t ISA(fine_give_way)(fine *n)
 	late_drop(&n->f->late, r.side);
 	late_drop(&n->f->late, r.room);
 	late_drop(&n->f->late, open);
-	return code;
-}
-
-/* Where lines meet: of those but the one over site `from` the least bound. */
-static float least_bound(const fine *n, uint32_t i, uint32_t from)
-{
-	float least = INFINITY;
-	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
-		if (n->to[k] != from)
-			least = min(least, n->site[n->to[k]].linked.crowd);
-	return least;
-}
-
-/* A short fold is no more to be seen than what it meets at each end: a rung of what would be a ladder goes with its
- * rail. */
-static float rung_crowd(const fine *n, uint32_t i)
-{
-	float most = 0;
-	if (links_at(n, i) != 2 || !(is_meeting(n->site + i) || is_fold(n, n->site + i)))
-		return 0;
-	for (uint32_t side = 0, sites = 0; side < 2; side++) {
-		uint32_t from = i, at = n->to[n->at[i] + side];
-		for (; links_at(n, at) == 2 && sites < RUNG; sites++) {
-			uint32_t next = next_of(n, from, at);
-			from = at;
-			at = next;
-		}
-		if (links_at(n, at) <= 2)
-			return 0;
-		most = max(most, least_bound(n, at, from));
-	}
-	return most;
-}
-
-static void find_rungs(void *data, int first, int end, int thread)
-{
-	(void)thread;
-	const rooms *r = data;
-	for (int i = first; i < end; i++)
-		r->left[i] = r->n->site[i].linked.dropped ? 0 : rung_crowd(r->n, (uint32_t)i);
-}
-
-static void drop_rungs(void *data, int first, int end, int thread)
-{
-	(void)thread;
-	const rooms *r = data;
-	for (int i = first; i < end; i++)
-		r->n->site[i].linked.crowd = max(r->n->site[i].linked.crowd, r->left[i]);
-}
-
-/* Once loose ends are led on: many a rung was one. */
-int32_t ISA(fine_drop_rungs)(fine *n)
-{
-	rooms r = {.n = n, .left = late_take(&n->f->late, n->count, sizeof *r.left)};
-	if (!r.left)
-		return ENCRE_ERROR_MEMORY;
-	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_rungs, &r);
-	if (!code)
-		code = bands_run(n->f->bands, (int)n->count, CHUNK, drop_rungs, &r);
-	late_drop(&n->f->late, r.left);
 	return code;
 }

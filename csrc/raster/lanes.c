@@ -1,0 +1,306 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Along a row or a column of pixels the surface turns at its edges, whose places the layer of creases has. Edges in a
+ * row are one bend if what they turn is much more than what a wider stretch on either side does: so what is round has
+ * none, be it made of few faces or of many. How wide a bend is comes from how its edges scatter, so that it hardly
+ * changes along a bevel; it counts less and less as it gets wider. */
+#include "raster/lanes.h"
+
+#include "base/pixel.h"
+
+static const float least_bend = 20;    /* degrees, below which nothing is looked for */
+static const float close_by = 3;       /* times `narrow`, at which a bend weighs half as much as a sharper one */
+static const float most_of_one = 0.6f; /* share of a bend that one edge may have: else it is drawn by itself */
+static const float own_line = 0.36f;   /* share from which on an edge is seen by itself, unless it is so close: */
+static const float too_close = 1.6f;   /* pixels */
+static const float beside_from = 0.12f, beside_to = 0.25f; /* share of a bend that as wide a stretch on the side that
+							     turns less may turn: else it goes on there */
+static const float stretch = 1.6f;        /* times as wide as a bend is what is looked at on either side */
+static const float least_straight = 0.8f; /* of all that it turns: it goes one way round */
+static const float least_seen = 2;        /* pixels beside a bend that must be seen to tell whether it goes on, */
+static const float least_share = 0.5f;    /* and of its width */
+static const float guessed = 1;           /* likewise, from which on the other side tells of a narrow one */
+static const float as_other = 2;          /* times what the other side turns is what is not seen taken to */
+static const float narrower = 0.8f;       /* times `narrow`, up to which it is one */
+static const float noted = 2.6f;          /* pixels from its line within which pixels are told of a bend */
+static const float most_bare = 0.55f;     /* share of a bend's width in which nothing bends */
+static const float most_apart = 1.25f;    /* times `narrow`, that is always bridged */
+static const float least_wide = 0.25f;    /* pixels: of edges that all pass at one place */
+
+/* What a way turns, or that there is an end of the surface between. */
+static const float closed = -1;
+
+enum { MOST_EDGES = 64 };
+
+static const float *normal_at(const bends *s, int x, int y)
+{
+	return pixel_at(&s->job->normal, x, y);
+}
+
+static float degrees_between(const float *n, const float *m)
+{
+	float square = 0;
+	for (int c = 0; c < 3; c++)
+		square += (n[c] - m[c]) * (n[c] - m[c]);
+	float half = 0.5f * sqrtf(square);
+	return 114.591559f * pixel_atan2(half, sqrtf(max(0, 1 - half * half)));
+}
+
+/* Where a surface ends on a way: at a contour of a mesh, if one is known there. Were it always half way, what is seen
+ * of the surface beside a bend would change by up to a pixel as a straight outline passes pixel after pixel, and what
+ * counts as one bend with it: the bend's line would be a row of scallops. */
+static float end_place(const bends *s, int x, int y, int axis)
+{
+	float mark = s->job->marks.data ? contour_mark(pixel_at(&s->job->marks, x, y)[axis]) : 0;
+	return mark < 0 ? contour_place(mark) : 0.5f;
+}
+
+/* From the pixel `from` to where a turning is. In this way the bits do not depend on where the images begin. */
+static float along(const turning *t, int from)
+{
+	return (float)(t->way - from) + t->share;
+}
+
+static bool is_sliver(const turning *edge, const turning *end)
+{
+	return edge->edge != 0 && end->turn < 0 && fabsf(along(end, edge->way) - edge->share) < 1;
+}
+
+/* Where a way turns: at its edge. What turns more than that has others, on the longer side of it. */
+static float turn_place(const float *crease, float turn)
+{
+	float place = crease[0], own = min(fabsf(crease[1]) / turn, 1);
+	if (!(place > 0))
+		return 0.5f;
+	return mix(place < 0.5f ? 0.5f * (1 + place) : 0.5f * place, place, own);
+}
+
+int lane_note(const bends *s, int x, int y, int axis, turning *list, int count)
+{
+	unsigned what = s->way[(ptrdiff_t)y * s->width + x] >> WAY_BITS * axis & (WAY_TURNS | WAY_CLOSED);
+	int way = axis ? y : x;
+	if (what == 0)
+		return count;
+	if (what == WAY_CLOSED) {
+		/* of ends of the surface in a row the first and the last tell all */
+		count -= count > 1 && list[count - 1].turn < 0 && list[count - 2].turn < 0;
+		list[count] = (turning){end_place(s, x, y, axis), closed, 0, way, false};
+		for (int k = count - 1; k >= 0 && list[k].way + 1 >= way; k--)
+			list[k].sliver |= is_sliver(list + k, list + count);
+		return count + 1;
+	}
+	float turn = degrees_between(normal_at(s, x, y), normal_at(s, x + !axis, y + axis));
+	if (turn == 0)
+		return count;
+	const float *crease = pixel_at(&s->job->creases, x, y) + 2 * axis;
+	list[count] = (turning){turn_place(crease, turn), turn, crease[1], way, false};
+	for (int k = count - 1; k >= 0 && list[k].way + 1 >= way; k--)
+		list[count].sliver |= is_sliver(list + count, list + k);
+	return count + 1;
+}
+
+/* ---- bends ----------------------------------------------------------------------------------------------- */
+
+/* What the surface turns beside a bend as far as it is seen, and without what only some rows or columns see: which
+ * edges are one bend must not depend on that, or its line would jump to and fro. */
+typedef struct sides {
+	float all, sure;
+	float seen; /* share of what is to be looked at; `closed`: too little */
+} sides;
+
+/* How much `reach` pixels beside an end of a bend turn; less counts from half of that on. Unless `enough` can be seen
+ * nothing is known, but at the images' border, and from `guessed` pixels on. */
+static sides beside(const looking *l, int i, int way, float reach, float enough, float guessed)
+{
+	const turning *own = l->list + i;
+	float at = own->share, seen = way < 0 ? along(own, 0) : (float)(l->size - 1 - own->way) - at;
+	bool border = true;
+	sides found = {0};
+	for (int k = i + way; k >= 0 && k < l->count; k += way) {
+		float away = fabsf(along(l->list + k, own->way) - at);
+		if (away >= reach)
+			break;
+		if (l->list[k].turn < 0) {
+			seen = away;
+			border = false;
+			break;
+		}
+		float turn = l->list[k].turn * most_one(2 - 2 * away / reach);
+		found.all += turn;
+		found.sure += l->list[k].sliver ? 0 : turn;
+	}
+	if (seen < enough)
+		return (sides){.seen = border || seen >= guessed ? 0 : closed};
+	found.seen = most_one(seen / reach);
+	return found;
+}
+
+/* With what cannot be seen: it goes on as what is seen, or as the other side. */
+static sides whole_side(const sides *own, const sides *other)
+{
+	if (own->seen >= 1)
+		return *own;
+	float going = own->seen > 0 ? own->sure * (1 / own->seen - 1) : 0,
+	      more = max(going, (1 - own->seen) * as_other * other->sure);
+	return (sides){own->all + more, own->sure + more, 1};
+}
+
+/* What edges are together, one after the other. */
+typedef struct sum {
+	int from; /* pixel */
+	float least, span, gap, turn, along, square;
+} sum;
+
+static void sum_add(sum *s, const turning *t)
+{
+	float at = along(t, s->from);
+	s->gap = s->turn > 0 ? max(s->gap, at - s->span) : 0;
+	s->turn += t->turn;
+	s->along += t->turn * at;
+	s->square += t->turn * at * at;
+	s->span = at;
+}
+
+static sum sum_from(const turning *t)
+{
+	return (sum){.from = t->way, .least = t->share};
+}
+
+/* Pixels from its first pixel. */
+static float middle_of(const sum *s)
+{
+	return s->along / s->turn;
+}
+
+/* As wide as what turns evenly and scatters as much; two edges alone would be wider than they are apart. */
+static float wide_of(const sum *s)
+{
+	float middle = middle_of(s), wide = sqrtf(12 * max(0, s->square / s->turn - middle * middle));
+	return max(min(wide, s->span - s->least), least_wide);
+}
+
+/* Of what goes on beside, too: where a bend is wider than what is taken for it its middle would jump to and fro. */
+static sum sum_around(const looking *l, int first, int last, float reach)
+{
+	int from = first, to = last;
+	while (from > 0 && l->list[from - 1].turn >= 0 && !l->list[from - 1].sliver &&
+	       along(l->list + first, l->list[from - 1].way) - l->list[from - 1].share < reach)
+		from--;
+	while (to < l->count - 1 && l->list[to + 1].turn >= 0 && !l->list[to + 1].sliver &&
+	       along(l->list + to + 1, l->list[last].way) - l->list[last].share < reach)
+		to++;
+	sum all = sum_from(l->list + from);
+	for (int k = from; k <= to; k++)
+		sum_add(&all, l->list + k);
+	return all;
+}
+
+/* Whether an edge of them would be seen beside the bend's line, or is that line itself. */
+static bool has_own_line(const looking *l, int first, int last, const sum *of)
+{
+	for (int k = first; k <= last; k++) {
+		const turning *t = l->list + k;
+		float away = fabsf(along(t, of->from) - middle_of(of));
+		if (fabsf(t->edge) > (away > too_close ? own_line : most_of_one) * of->turn)
+			return true;
+	}
+	return false;
+}
+
+static const float *normal_along(const looking *l, int at)
+{
+	return normal_at(l->s, l->axis ? l->number : at, l->axis ? at : l->number);
+}
+
+/* Notes these edges as a bend, if they are one and none that has one of them is as clear. */
+static void weigh(const looking *l, int first, int last, const sum *of)
+{
+	const bends *s = l->s;
+	float wide = wide_of(of), sharp = wide / (close_by * s->narrow), blunt = 1 + sharp * sharp;
+	if (of->gap > max(most_bare * (of->span - of->least), most_apart * s->narrow)) /* two, one beside the other */
+		return;
+	bool any = false;
+	for (int k = first; k <= last; k++)
+		any |= of->turn > l->best[k].clear * blunt;
+	if (!any)
+		return;
+	float reach = max(stretch * wide, s->narrow), enough = max(least_seen, least_share * wide),
+	      guess = wide <= narrower * s->narrow ? guessed : INFINITY;
+	sides one = beside(l, first, -1, reach, enough, guess), other = beside(l, last, 1, reach, enough, guess);
+	if (one.seen < 0 || other.seen < 0 || one.seen + other.seen < 1) /* neither tells */
+		return;
+	sides before = whole_side(&one, &other), after = whole_side(&other, &one);
+	float goes_on = min(before.all, after.all) / of->turn,
+	      alone = clamp01((beside_to - goes_on) / (beside_to - beside_from));
+	run r = {.clear = alone * (of->turn - max(before.sure, after.sure)) / blunt,
+		 .bends = alone * (of->turn - 0.5f * (before.sure + after.sure)),
+		 .first = first,
+		 .last = last};
+	if (!(r.bends >= least_bend && r.clear > 0) || has_own_line(l, first, last, of) ||
+	    !(degrees_between(normal_along(l, l->list[first].way), normal_along(l, l->list[last].way + 1)) >=
+	      least_straight * r.bends))
+		return;
+	for (int k = first; k <= last; k++)
+		if (r.clear > l->best[k].clear)
+			l->best[k] = r;
+}
+
+/* Tells the pixels about its middle of a bend. */
+static void tell(const looking *l, const run *r)
+{
+	const turning *one = l->list + r->first, *other = l->list + r->last;
+	const float *n = normal_along(l, one->way), *m = normal_along(l, other->way + 1);
+	sum of = sum_from(one);
+	bool flat = false;
+	for (int k = r->first; k <= r->last; k++) {
+		sum_add(&of, l->list + k);
+		flat |= l->list[k].edge > 0;
+	}
+	of = sum_around(l, r->first, r->last, 0.5f * wide_of(&of));
+	float middle = middle_of(&of);
+	bend b = {.wide = wide_of(&of),
+		  .most = r->bends,
+		  .ways = (uint8_t)(other->way + 1 - one->way),
+		  .axis = (uint8_t)l->axis,
+		  .smooth = !flat};
+	for (int c = 0; c < 3; c++)
+		b.across[c] = (int8_t)(63 * (m[c] - n[c]));
+	int from = of.from + (int)(middle - noted), to = of.from + (int)(middle + noted) + 1;
+	from = from < one->way ? from : one->way; /* where it is, no other line goes by */
+	to = to > other->way + 1 ? to : other->way + 1;
+	for (int k = from > 0 ? from : 0; k <= to && k < l->size; k++) {
+		bend *out = l->out + k;
+		b.off = (float)(k - of.from) - middle;
+		b.first = (int8_t)(one->way - k);
+		bool its = fabsf(b.off) <= noted || (k >= one->way && k <= other->way + 1);
+		if (its && !(out->most > 0 && fabsf(out->off) <= fabsf(b.off)))
+			*out = b;
+	}
+}
+
+bool lane_look(const looking *l)
+{
+	bool any = false;
+	for (int k = 0; k < l->count; k++)
+		l->best[k] = (run){0};
+	for (int first = 0; first < l->count; first++) {
+		sum all = sum_from(l->list + first);
+		for (int last = first; last < l->count && last - first < MOST_EDGES; last++) {
+			const turning *t = l->list + last;
+			if (t->turn < 0 || along(t, all.from) - all.least > l->s->longest)
+				break;
+			sum_add(&all, t);
+			if (all.turn >= least_bend)
+				weigh(l, first, last, &all);
+		}
+	}
+	for (int first = 0; first < l->count; first++) {
+		const run *r = l->best + first;
+		bool own = r->clear > 0 && r->first == first;
+		for (int k = first + 1; own && k <= r->last; k++)
+			own = l->best[k].first == first && l->best[k].last == r->last;
+		if (own)
+			tell(l, r);
+		any |= own;
+	}
+	return any;
+}
