@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #if defined __linux__
-#define _DEFAULT_SOURCE /* madvise() */
+#define _DEFAULT_SOURCE /* madvise(); NOLINT(bugprone-reserved-identifier) */
 #include <sys/mman.h>
 #endif
 #include "base/arena.h"

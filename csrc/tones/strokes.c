@@ -208,15 +208,17 @@ typedef struct tracing {
  * come and go as its surface turns. */
 static inline float part_of_step(const brush *b, const tracing *t)
 {
-	float part = 1, on = 0;
-	for (float half = 0.5f; on < 1 && half > 0.05f; half *= 0.5f) {
+	enum { WHOLE = 16 };
+	int at = WHOLE, on = 0;
+	for (int half = WHOLE / 2; on < WHOLE && half > 0; half /= 2) {
+		float part = (float)at / WHOLE;
 		int x = tone_within(pixel_of(t->x + part * t->along, b->f->place.x), b->f->width),
 		    y = tone_within(pixel_of(t->y + part * t->down, b->f->place.y), b->f->height);
 		bool goes = gets_to(b, t->column, t->row, x, y);
-		on = goes ? part : on;
-		part += goes ? half : -half;
+		on = goes ? at : on;
+		at += goes ? half : -half;
 	}
-	return on;
+	return (float)on / WHOLE;
 }
 
 /* The next place of a stroke. */

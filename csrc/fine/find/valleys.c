@@ -207,13 +207,15 @@ static float lit_between(const fine *n, float x, float y)
 /* How far it rises on one side, and of its width how much the line has by the room there. */
 static float rise_of(const fine *n, const placed *s, const valley *v, float side, float *share)
 {
-	float far = flank * n->form_sigma, open = 0;
-	for (; open < room * far; open++) {
-		float x = s->x + side * (open + 1) * v->dx, y = s->y + side * (open + 1) * v->dy;
+	float far = flank * n->form_sigma;
+	int steps = 0;
+	for (; (float)steps < room * far; steps++) {
+		float x = s->x + side * (float)(steps + 1) * v->dx, y = s->y + side * (float)(steps + 1) * v->dy;
 		float light = lit_at(n, (int)floorf(x + 0.5f), (int)floorf(y + 0.5f));
 		if (!(light == light))
 			break;
 	}
+	float open = (float)steps;
 	*share = min(*share, clamp01((open - far) / ((room - 1) * far)));
 	return open > far ? lit_between(n, s->x + side * far * v->dx, s->y + side * far * v->dy) - v->floor : 0;
 }
