@@ -42,13 +42,14 @@ typedef struct light {
 	double farthest;    /* depth up to which something is looked for beyond the images */
 	surface *surfaces;
 	uint8_t *state;
-	float *plain;    /* light without shadows */
-	float *share;    /* what of it comes */
-	float *cut;      /* two each: where on the ways to the right and down an edge passes, negative: nowhere */
-	float *asked;    /* the same place: of the first points, how much is seen of how much */
-	float *spare;    /* shares while they are smoothed */
-	float *exact;    /* 1: the share is that of an edge whose place is known; negative: not all points were asked */
-	float *sum;      /* three each: the light of all lamps so far */
+	float *plain; /* light without shadows */
+	float *share; /* what of it comes */
+	float *cut;   /* two each: where on the ways to the right and down an edge passes, negative: nowhere */
+	float *asked; /* of lamps with a size: what the first points of a pixel say, see soft.c */
+	float *spare; /* shares while they are smoothed */
+	float *exact; /* 1: the share is that of an edge whose place is known; by_line; negative: few points were asked
+		       */
+	float *sum;   /* three each: the light of all lamps so far */
 	double clip[16]; /* world -> clip */
 	lamp lamp;
 	bool soft;   /* whether its shadows are */
@@ -99,13 +100,20 @@ void ISA(place_pixel)(const light *l, vec at, double out[2]);
 /* shadow.c: the shares of light of one lamp; soft.c: of one with a size. */
 int32_t ISA(shadow_run)(light *l);
 int32_t ISA(soft_run)(light *l);
-/* narrow.c: puts the edges of narrow penumbrae into `spare` and `exact`, and looks NARROW_REACH pixels far for them. */
+/* narrow.c: puts what the edges of narrow penumbrae leave into `spare`, where all points are asked, and how much that
+ * counts into `exact`; narrow_thin where there are edges of something thin. It looks NARROW_REACH pixels far. */
 enum { NARROW_REACH = 4 };
+static const float narrow_thin = -1;
+static const float by_line = 2; /* `exact` where straight.c knows the share */
 int32_t ISA(narrow_run)(light *l);
 /* lone.c: what a pixel's share lacks so that grain does not let it stand out from all about it; what of the light of
  * all lamps a pixel within the margin keeps. */
 float ISA(lone_grain)(const light *l, const float *share, int x, int y);
 float ISA(lone_rim)(const light *l, int x, int y);
+/* straight.c: the share of a lamp's light that comes to a place if one line parts it, by its LAMP_FIRST points, of
+ * which each gives `value`, and those whose bits are set, but not all, are seen. False if it is no line. */
+bool ISA(straight_share)(const light *l, const surface *s, const lamp_point *points, const float *value, uint32_t seen,
+			 rays *from, float *share);
 /* Adds a point's light to *all, and to *seen if nothing is in its way. */
 void ISA(shadow_ask)(const light *l, const surface *s, const lamp_point *q, float *all, float *seen, rays *from);
 /* A bit for each pixel of the square from (x, y) on, above row `end`, that is wanted, row by row of SHAFT_SIDE;

@@ -10,8 +10,9 @@ enum {
 	BESIDE = 2, /* pixels: how far an edge reaches */
 	THIN = 2,   /* pixels: to the other edge of what is thin */
 	SHARP = 2,
-	SOFT = 4, /* pixels: a penumbra of less is an edge with a ramp, one of more is asked for point by point */
-	NARROW    /* in the place of a width: of an edge that has another one close to it */
+	SOFT = 4,    /* pixels: a penumbra of less is an edge with a ramp, one of more is asked for point by point */
+	NARROW,      /* in the place of a width: of an edge that has another one close to it */
+	BY_THIN = -2 /* in the place of a pixel */
 };
 _Static_assert(BESIDE + THIN <= NARROW_REACH, "soft.c counts on it");
 
@@ -137,7 +138,7 @@ static bool edge_goes_on(const surface *a, const surface *b)
 	       (a->instance == b->instance || fabsf(dot(d, a->across)) <= level * sqrtf(dot(d, d)));
 }
 
-/* The pixel nearest to one, on its surface, beside which an edge passes; negative: none, or one of something thin. */
+/* The pixel nearest to one, on its surface, beside which an edge passes; negative: none, or BY_THIN. */
 static ptrdiff_t edge_near(const light *l, int x, int y, int *column, int *row)
 {
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x, found = -1;
@@ -150,7 +151,7 @@ static ptrdiff_t edge_near(const light *l, int x, int y, int *column, int *row)
 			    (j != i && !edge_goes_on(l->surfaces + i, l->surfaces + j)))
 				continue;
 			if (l->share[j] == NARROW)
-				return -1;
+				return BY_THIN;
 			if (far >= nearest)
 				continue;
 			nearest = far;
@@ -171,8 +172,15 @@ static void narrow_rows(void *data, int y0, int y1, int thread)
 		for (int x = 0; x < l->width; x++) {
 			ptrdiff_t i = (ptrdiff_t)y * l->width + x, j;
 			int own = core_at(l, i);
-			if (l->exact[i] < 0 || !own || (j = edge_near(l, x, y, &u, &v)) < 0)
+			if (l->exact[i] < 0)
 				continue;
+			l->spare[i] = 0;
+			if (!own)
+				continue;
+			if ((j = edge_near(l, x, y, &u, &v)) < 0) {
+				l->spare[i] = j == BY_THIN ? narrow_thin : 0;
+				continue;
+			}
 			ISA(edge_at)(l, u, v, &e);
 			float away = e.x * (float)(x - u) + e.y * (float)(y - v) - e.far, width = max(l->share[j], 2);
 			float lit = (core_at(l, j) == LIT) == (e.far < 0) ? away : -away;
@@ -180,7 +188,7 @@ static void narrow_rows(void *data, int y0, int y1, int thread)
 			/* another edge may lie between the two */
 			ramp = own == LIT ? max(ramp, 0.5f) : min(ramp, 0.5f);
 			l->exact[i] = clamp01((SOFT - width) / (SOFT - SHARP));
-			l->spare[i] += l->exact[i] * (ramp - l->spare[i]);
+			l->spare[i] = ramp;
 		}
 }
 

@@ -2,11 +2,11 @@
 /* How much of the light of a lamp with a size comes to what each pixel shows.
  *
  * Each pixel asks the few points that its place in a square of the full frame deals to it. Where these disagree, there
- * or nearby, it asks more, each from another place in the 2 x 2 pixels about it, and many where those disagree. No two
- * pixels of a tile ask the same points: what would be bands is grain, which a mean of such neighbours on the same
- * surface as have much the same share takes away, and then the means of pairs on either side: far pairs where a
- * penumbra is wide. Those leave slopes as they are. Last, no pixel is left a little brighter, or darker, than all about
- * it: cut into tones it would be a speck.
+ * or nearby, it asks more, and where those disagree and one line parts the lamp, straight.c tells the share. Else it
+ * asks many, each from another place in the 2 x 2 pixels about it. No two pixels of a tile ask the same points: what
+ * would be bands is grain, which a mean of such neighbours on the same surface as have much the same share takes away,
+ * and then the means of pairs on either side: far pairs where a penumbra is wide. Those leave slopes as they are. Last,
+ * no pixel is left a little brighter, or darker, than all about it: cut into tones it would be a speck.
  *
  * Narrow penumbrae are the matter of narrow.c. */
 #include "light/light.h"
@@ -14,13 +14,18 @@
 #include <stdlib.h>
 
 enum {
-	NEAR = 4, /* pixels: how far disagreement reaches */
+	ABOUT = 2,  /* pixels: about one for which a line parts the lamp, */
+	SELDOM = 8, /* no more than a share of 1 in so many may be such for which none does */
+	BESIDE = 1, /* pixels: so near to where its surface ends, points are counted */
+	NEAR = 4,   /* pixels: how far disagreement reaches */
 	TAPS = LAMP_TILE - 1,
 	FARTHEST = 8,                /* pixels: to the places of a pair; then by halves */
 	REACH = TAPS + 2 * FARTHEST, /* pixels: of the means and what levels them together */
 };
 _Static_assert(NEAR + NARROW_REACH + REACH + 2 <= LIGHT_MARGIN - 2,
 	       "beyond the images surfaces are known in the margin only");
+
+static const float thin_share = 0.008f; /* by so much a line's share differs by chance from those on either side */
 
 /* Shares that differ by more are on two sides of an edge: of the places of a tile; of pairs, a pixel apart. */
 static const float alike_dealt = 0.35f, alike_pairs = 0.04f;
@@ -86,42 +91,80 @@ static void ask_points(const light *l, int x, int y, int first, int end, float *
 	}
 }
 
+/* In `asked`: how much of the light of a pixel's first points comes, 2 more for each kind; PARTED: of all of the lamp's
+ * light. */
+enum { COUNTED, PARTED, CROOKED, UNASKED = -1 };
+
+static int kind_of(float asked)
+{
+	return (int)(0.5f * asked);
+}
+
+static bool asks_if(light *l, int x, int y, bool full)
+{
+	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+	l->exact[i] = full ? 0 : -1;
+	l->asked[i] = UNASKED;
+	l->spare[i] = l->share[i];
+	return full;
+}
+
+static bool asks_first(light *l, int x, int y)
+{
+	return asks_if(l, x, y, l->state[(ptrdiff_t)y * l->width + x] && mixed_near(l, x, y));
+}
+
+static bool asks_none(light *l, int x, int y)
+{
+	return asks_if(l, x, y, false);
+}
+
+/* From the pixel's centre, so that a line may part the points. */
+static void ask_first(light *l, int x, int y, rays *from)
+{
+	const encre_frame *f = &l->job->frame;
+	const lamp_point *points =
+		l->points.of[(f->y + y - DEALT_FROM) & (LAMP_TILE - 1)][(f->x + x - DEALT_FROM) & (LAMP_TILE - 1)];
+	const ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+	const surface *s = l->surfaces + i;
+	float value[LAMP_FIRST], all = 0, seen = 0, share;
+	uint32_t bits = 0;
+	for (int k = 0; k < LAMP_FIRST; k++) {
+		float before = all, had = seen;
+		ISA(shadow_ask)(l, s, points + k, &all, &seen, from);
+		value[k] = all - before;
+		bits |= (uint32_t)(seen > had) << k;
+	}
+	l->asked[i] = all > 0 ? seen / all : 0;
+	if (!(seen > 0 && seen < all))
+		return;
+	bool parted = ISA(straight_share)(l, s, points, value, bits, from, &share);
+	l->asked[i] = parted ? 2 * PARTED + min(max(share, 1e-3f), 1 - 1e-3f) : 2 * CROOKED + l->asked[i];
+}
+
+static void ask_rest(light *l, int x, int y, rays *from)
+{
+	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+	float all = 0, seen = 0;
+	ask_points(l, x, y, 0, LAMP_POINTS, &all, &seen, from);
+	int more = all > 0 ? 0 : LAMP_PLAIN; /* of its own none gives light */
+	for (int k = 0; k < more; k++)
+		ISA(shadow_ask)(l, l->surfaces + i, l->points.plain + k, &all, &seen, from);
+	l->spare[i] += (1 - l->exact[i]) * (all > 0 ? seen / all : 0);
+}
+
 /* Asks for all pixels of a square of which a bit is set. */
-static void ask_square(light *l, int x, int y, uint64_t left, int first, int end, rays *from)
+static void ask_square(light *l, int x, int y, uint64_t left, void (*ask)(light *l, int x, int y, rays *from),
+		       rays *from)
 {
 	while (left && !bands_stopped(l->bands)) {
 		uint64_t group = ISA(shadow_group)(l, x, y, left, 1, from->shaft);
 		left &= ~group;
 		for (; group && !bands_stopped(l->bands); group &= group - 1) {
-			int k = __builtin_ctzll(group), u = x + k % SHAFT_SIDE, v = y + k / SHAFT_SIDE;
-			ptrdiff_t i = (ptrdiff_t)v * l->width + u;
-			float seen = first ? l->asked[2 * i] : 0, all = first ? l->asked[2 * i + 1] : 0;
-			ask_points(l, u, v, first, end, &all, &seen, from);
-			int more = all > 0 || !first ? 0 : LAMP_PLAIN; /* of its own none gives light */
-			for (k = 0; k < more; k++)
-				ISA(shadow_ask)(l, l->surfaces + i, l->points.plain + k, &all, &seen, from);
-			if (first) {
-				l->spare[i] = all > 0 ? seen / all : 0;
-			} else {
-				l->asked[2 * i] = seen;
-				l->asked[2 * i + 1] = all;
-			}
+			int k = __builtin_ctzll(group);
+			ask(l, x + k % SHAFT_SIDE, y + k / SHAFT_SIDE, from);
 		}
 	}
-}
-
-static bool asks_first(light *l, int x, int y)
-{
-	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
-	bool full = l->state[i] && mixed_near(l, x, y);
-	l->exact[i] = full ? 0 : -1;
-	return full;
-}
-
-static bool asks_none(light *l, int x, int y)
-{
-	l->exact[(ptrdiff_t)y * l->width + x] = -1;
-	return false;
 }
 
 static void first_rows(void *data, int y0, int y1, int thread)
@@ -132,32 +175,92 @@ static void first_rows(void *data, int y0, int y1, int thread)
 	rays from = RAYS(&s);
 	for (int y = y0; y < y1; y += SHAFT_SIDE)
 		for (int x = 0; x < l->width; x += SHAFT_SIDE)
-			ask_square(l, x, y, square_of(l, x, y, y1, mixed_about(l, x, y) ? asks_first : asks_none), 0,
-				   LAMP_FIRST, &from);
+			ask_square(l, x, y, square_of(l, x, y, y1, mixed_about(l, x, y) ? asks_first : asks_none),
+				   ask_first, &from);
 }
 
-/* Whether the first points of a pixel and of those about it, as far as these were asked, see the same. */
-static bool agree(const light *l, int x, int y)
+/* Whether the first points of a pixel and of those about it, as far as these were asked, see the same; *sharp: whether
+ * there are pixels about of which all see light, and such of which none does. */
+static bool agree(const light *l, int x, int y, bool *sharp)
 {
-	bool lit = false, dark = false;
+	bool lit = false, dark = false, all = false, none = false;
 	for (int v = y ? y - 1 : 0; v <= y + 1 && v < l->height; v++)
 		for (int u = x ? x - 1 : 0; u <= x + 1 && u < l->width; u++) {
-			ptrdiff_t i = (ptrdiff_t)v * l->width + u;
-			if (l->exact[i] < 0)
+			float asked = l->asked[(ptrdiff_t)v * l->width + u];
+			if (asked == UNASKED)
 				continue;
-			lit |= l->asked[2 * i] > 0;
-			dark |= l->asked[2 * i] < l->asked[2 * i + 1] || !(l->asked[2 * i + 1] > 0);
+			lit |= asked > 0;
+			dark |= asked != 1;
+			none |= asked == 0;
+			all |= asked == 1;
 		}
+	*sharp = all && none;
 	return !(lit && dark);
 }
 
-/* Into `spare`: others read what the centres found. */
+static float asked_share(const light *l, int x, int y)
+{
+	if (x < 0 || y < 0 || x >= l->width || y >= l->height)
+		return UNASKED;
+	float asked = l->asked[(ptrdiff_t)y * l->width + x];
+	return asked == UNASKED ? asked : asked - (float)(2 * kind_of(asked));
+}
+
+/* Whether a pixel is darker than two on either side of it, or brighter: what is thinner than a pixel is missed, or
+ * fills it, by a centre. */
+static bool stands_out(const light *l, int x, int y)
+{
+	const float own = asked_share(l, x, y);
+	for (int k = 0; k < 4; k++) {
+		int u = k == 1 ? 0 : k == 3 ? -1 : 1, v = k > 0;
+		float a = asked_share(l, x + u, y + v), b = asked_share(l, x - u, y - v);
+		if (a != UNASKED && b != UNASKED && (min(a, b) - own > thin_share || own - max(a, b) > thin_share))
+			return true;
+	}
+	return false;
+}
+
+/* Whether one line parts the lamp for a pixel well within its surface, and for nearly all about it: few points may miss
+ * a bar. */
+static bool parted_about(const light *l, int x, int y)
+{
+	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+	if (kind_of(l->asked[i]) != PARTED)
+		return false;
+	int crooked = 0, parted = 0;
+	for (int v = y < ABOUT ? 0 : y - ABOUT; v <= y + ABOUT && v < l->height; v++)
+		for (int u = x < ABOUT ? 0 : x - ABOUT; u <= x + ABOUT && u < l->width; u++) {
+			ptrdiff_t j = (ptrdiff_t)v * l->width + u;
+			if (!one_surface(l->surfaces + i, l->surfaces + j)) {
+				if (abs(u - x) <= BESIDE && abs(v - y) <= BESIDE)
+					return false;
+				continue;
+			}
+			if (l->asked[j] < 2)
+				continue;
+			crooked += kind_of(l->asked[j]) == CROOKED;
+			parted += kind_of(l->asked[j]) == PARTED;
+		}
+	return SELDOM * crooked <= parted;
+}
+
+/* Into `spare`, beside what narrow.c knows. */
 static bool asks_rest(light *l, int x, int y)
 {
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
-	bool few = l->exact[i] < 0;
-	l->spare[i] = few ? l->share[i] : l->asked[2 * i] > 0;
-	return !few && !agree(l, x, y);
+	float *exact = l->exact + i, *to = l->spare + i;
+	if (*exact < 0)
+		return false;
+	bool thin = *to == narrow_thin, sharp;
+	*to *= *exact;
+	if (*exact >= 1)
+		return false;
+	bool same = agree(l, x, y, &sharp);
+	if (!same && (thin || (sharp && !(*exact > 0)) || !parted_about(l, x, y) || stands_out(l, x, y)))
+		return true;
+	*to += (1 - *exact) * (same ? l->asked[i] > 0 : l->asked[i] - 2 * PARTED);
+	*exact = same ? *exact : by_line;
+	return false;
 }
 
 static void rest_rows(void *data, int y0, int y1, int thread)
@@ -168,7 +271,7 @@ static void rest_rows(void *data, int y0, int y1, int thread)
 	rays from = RAYS(&s);
 	for (int y = y0; y < y1; y += SHAFT_SIDE)
 		for (int x = 0; x < l->width; x += SHAFT_SIDE)
-			ask_square(l, x, y, square_of(l, x, y, y1, asks_rest), LAMP_FIRST, LAMP_POINTS, &from);
+			ask_square(l, x, y, square_of(l, x, y, y1, asks_rest), ask_rest, &from);
 }
 
 /* ---- means ------------------------------------------------------------------------------------------------- */
@@ -185,8 +288,8 @@ typedef struct smoothing {
 static bool takes_part(const light *l, ptrdiff_t i, int u, int v)
 {
 	ptrdiff_t j = (ptrdiff_t)v * l->width + u;
-	return u >= 0 && v >= 0 && u < l->width && v < l->height && l->state[j] && !(l->exact[j] > 0) &&
-	       (j == i || one_surface(l->surfaces + i, l->surfaces + j));
+	return u >= 0 && v >= 0 && u < l->width && v < l->height && l->state[j] &&
+	       !(l->exact[j] > 0 && l->exact[j] <= 1) && (j == i || one_surface(l->surfaces + i, l->surfaces + j));
 }
 
 /* The mean of a neighbourhood in which the places of a square weigh the same, less the share itself. */
@@ -244,6 +347,8 @@ static void pair_rows(void *data, int y0, int y1, int thread)
 			ptrdiff_t i = (ptrdiff_t)y * m->light->width + x;
 			float exact = m->light->exact[i], sum = 0, weights = 2;
 			m->to[i] = m->from[i];
+			if (exact == by_line && m->step == 1) /* chords leave a little chance, too */
+				exact = 0;
 			if (exact < 0 || exact >= 1)
 				continue;
 			pair_up(m, x, y, 1, 0, 2, &sum, &weights);
@@ -263,8 +368,8 @@ static void level_rows(void *data, int y0, int y1, int thread)
 			ptrdiff_t i = (ptrdiff_t)y * m->light->width + x;
 			float exact = m->light->exact[i];
 			m->to[i] = m->from[i];
-			if (exact >= 0 && exact < 1)
-				m->to[i] += (1 - exact) * ISA(lone_grain)(m->light, m->from, x, y);
+			if (exact >= 0 && exact != 1)
+				m->to[i] += (exact < 1 ? 1 - exact : 1) * ISA(lone_grain)(m->light, m->from, x, y);
 		}
 }
 
@@ -272,9 +377,9 @@ int32_t ISA(soft_run)(light *l)
 {
 	int32_t code = bands_run(l->bands, l->height, 0, first_rows, l);
 	if (!code)
-		code = bands_run(l->bands, l->height, 0, rest_rows, l);
-	if (!code)
 		code = ISA(narrow_run)(l);
+	if (!code)
+		code = bands_run(l->bands, l->height, 0, rest_rows, l);
 	smoothing m = {l, l->spare, l->share, 1, alike_dealt};
 	if (!code)
 		code = bands_run(l->bands, l->height, 0, dealt_rows, &m);
@@ -283,11 +388,9 @@ int32_t ISA(soft_run)(light *l)
 		m = (smoothing){l, m.to, odd ? l->spare : l->share, step, alike_pairs / (float)step};
 		code = bands_run(l->bands, l->height, 0, pair_rows, &m);
 	}
-	float *last = l->share;
-	m = (smoothing){.light = l, .from = last, .to = l->spare};
-	if (!code)
+	for (int k = 0; !code && k < 2; k++) { /* what stood beside a speck may be one then */
+		m = (smoothing){.light = l, .from = k ? l->spare : l->share, .to = k ? l->share : l->spare};
 		code = bands_run(l->bands, l->height, 0, level_rows, &m);
-	l->share = m.to;
-	l->spare = last;
+	}
 	return code;
 }

@@ -7,6 +7,7 @@ import numpy as np
 from .lamps import Lit, asked, dealt, dot, one, unit
 from .light import bent, leaves
 from .shown import NOTHING, STRAY, Edges, Shown
+from .straight import parted
 
 MARGIN, TILE, POINTS, FIRST, WIDE, DEALT, PLAIN = 31, 4, 64, 16, 8, 4, 16
 
@@ -231,30 +232,76 @@ class Picture:
         for _, _, j, within in self.neighbours(4):
             other = (bright[j] & ~bright) | (dark[j] & ~dark)
             full |= there & within & other & self.shown.one_surface(self.number, j)
-        fine = share.copy()
         pixels = np.flatnonzero(full)
-        fine[pixels] = self.full_share(lit, pixels, there)
+        first, kind = self.first(lit, pixels)
         core = self.ask(lit, self.shown[pixels], one())
         bright, dark = np.zeros_like(there), np.zeros_like(there)
         bright[pixels], dark[pixels] = (core[0] > 0) & (core[1] > 0), (core[0] > 0) & (core[1] == 0)
         edge = self.edges(self.cuts(lit, bright, dark))
-        exact = np.where(full, 0.0, np.nan)
         width = np.where(self.thin(edge, bright), np.inf, self.widths(lit, edge, bright))
-        self.narrow(edge, width, full, bright, dark, fine, exact)
+        ramp, exact, thin = self.narrow(edge, width, full, bright, dark)
+        fine = np.where(full, exact * ramp, share)
+        exact = np.where(full, exact, np.nan)
+        some, same, line = self.told(full, first, kind, thin, exact)
+        left = full & (exact < 1)
+        rest = np.flatnonzero(left & ~same & ~line)
+        some[rest] = self.rest(lit, rest, there)
+        fine[left] += ((1 - exact) * some)[left]
+        exact[left & ~same & line] = 2
         fine = self.dealt_mean(fine, exact, there)
         for step in (8, 4, 2, 1):
             fine = self.paired(fine, exact, there, step)
-        return self.levelled(fine, exact, there)
+        return self.levelled(self.levelled(fine, exact, there), exact, there)
 
-    def full_share(self, lit, i, there):
+    def dealt(self, i):
+        """The points that pixels ask."""
         points, numbers = dealt(TILE, POINTS)
         x, y = self.x[i], self.y[i]
         mine = numbers[(y + self.corner[1] - 1) % TILE, (x + self.corner[0] - 1) % TILE]
+        return [points[mine[:, k]] for k in range(POINTS)]
+
+    def first(self, lit, i):
+        """Of all pixels (the share that pixels i see of their first points, or that a line leaves of the lamp; 0, 1
+        where it does, 2 where those disagree and none does)."""
+        points = self.dealt(i)[:FIRST]
+        value, comes = np.array([self.ask(lit, self.shown[i], q) for q in points]).transpose(1, 2, 0)
+        all_, seen = value.sum(1), comes > 0
+        some = np.where(all_ > 0, comes.sum(1) / np.where(all_ > 0, all_, 1), 0)
+        mixed = seen.any(1) & (seen < (value > 0)).any(1)
+        some = np.where(mixed | ~seen.any(1), some, 1)
+        share, found = parted(self, lit, i, points, value, seen)
+        first, kind = np.zeros(len(self.x)), np.zeros(len(self.x), int)
+        first[i] = np.where(found, np.clip(share, 1e-3, 1 - 1e-3), some)
+        kind[i] = np.where(found, 1, np.where(mixed, 2, 0))
+        return first, kind
+
+    def told(self, full, first, kind, thin, exact):
+        """(shares by first points, where those of the pixels about see the same, where a line's is taken)."""
+        near = np.zeros((4, len(self.x)), bool)  # some light, some dark, all light, all dark
+        for _, _, j, within in self.neighbours(1):
+            near |= within & full[j] & np.stack([first[j] > 0, first[j] < 1, first[j] == 1, first[j] == 0])
+        count = np.zeros((3, len(self.x)), int)
+        out = np.zeros(len(self.x), bool)
+        for a, b, j, within in self.neighbours(2):
+            on = self.shown.one_surface(self.number, j)
+            count[kind[j], self.number] += within & full[j] & on
+            if max(abs(a), abs(b)) == 1:
+                out |= within & ~on
+        for a, b in ((1, 0), (0, 1), (1, 1), (-1, 1)):
+            (i, known), (j, within) = (self.moved(self.x + k * a, self.y + k * b) for k in (1, -1))
+            off = np.maximum(np.minimum(first[i], first[j]) - first, first - np.maximum(first[i], first[j]))
+            out |= known & within & full[i] & full[j] & (off > 0.008)
+        line = (kind == 1) & ~out & (8 * count[2] <= count[1]) & ~thin & ~(near[2] & near[3] & (exact == 0))
+        same = ~(near[0] & near[1])
+        return np.where(same, first > 0, first), same, line
+
+    def rest(self, lit, i, there):
+        """The share that comes of all points of pixels."""
+        points, x, y = self.dealt(i), self.x[i], self.y[i]
         columns = [self.goes_on(i, x + k, y, there) for k in (-1, 1)]
         rows = [self.goes_on(i, x, y + k, there) for k in (-1, 1)]
 
-        def share(k):
-            q = points[mine[:, k]]
+        def share(q):
             a = np.where(np.where(q.place[:, 0] > 0, columns[1], columns[0]), q.place[:, 0], 0)
             b = np.where(np.where(q.place[:, 1] > 0, rows[1], rows[0]), q.place[:, 1], 0)
             u, v = x + np.floor(0.5 + a).astype(int), y + np.floor(0.5 + b).astype(int)
@@ -266,21 +313,12 @@ class Picture:
             s = s.where(inside, own).where(moved & (inside | inside_own), self.shown[i])
             return np.array(self.ask(lit, s, q))
 
-        first = sum(share(k) for k in range(FIRST))
-        # Where these, and those of the pixels about it, see the same, the rest would, too.
-        lit_there, dark_there = np.zeros((2, len(self.x)), bool)
-        lit_there[i], dark_there[i] = first[1] > 0, (first[1] < first[0] * (1 - 1e-9)) | (first[0] == 0)
-        lit_near, dark_near = np.zeros((2, len(self.x)), bool)
-        for _, _, j, within in self.neighbours(1):
-            lit_near |= within & lit_there[j]
-            dark_near |= within & dark_there[j]
-        all_, seen = first + sum(share(k) for k in range(FIRST, POINTS))
+        all_, seen = sum(share(q) for q in points)
         none = all_ == 0
         for k in range(PLAIN):
             value, comes = self.ask(lit, self.shown[i], asked(PLAIN)[k:k + 1])
             all_, seen = all_ + none * value, seen + none * comes
-        rest = np.where(all_ > 0, seen / np.where(all_ > 0, all_, 1), 0)
-        return np.where((lit_near & dark_near)[i], rest, first[1] > 0)
+        return np.where(all_ > 0, seen / np.where(all_ > 0, all_, 1), 0)
 
     def widths(self, lit, edge, bright):
         """How many pixels wide penumbrae are, by what throws them; 4 if more; NaN where no edge passes."""
@@ -326,8 +364,8 @@ class Picture:
             found |= within & edge.there[j] & (cosine < -0.5) & self.shown.one_surface(self.number, j)
         return edge.there & found
 
-    def narrow(self, edge, width, full, bright, dark, fine, exact):
-        """Puts ramps where penumbrae are narrow, in place."""
+    def narrow(self, edge, width, full, bright, dark):
+        """(what comes where penumbrae are narrow, how much that counts, where there is something thin)."""
         nearest, chosen, thin = np.full(len(self.x), 9), np.full(len(self.x), -1), np.zeros(len(self.x), bool)
         thing = self.things()
         for a, b, j, within in self.neighbours(2):
@@ -343,8 +381,9 @@ class Picture:
         wide = np.maximum(width[j], 2)
         ramp = np.clip(0.5 + np.where(bright[j] == (edge.far[j] < 0), away, -away) / wide, 0, 1)
         ramp = np.where(bright[i], np.maximum(ramp, 0.5), np.minimum(ramp, 0.5))
-        exact[i] = np.clip((4 - wide) / 2, 0, 1)
-        fine[i] += exact[i] * (ramp - fine[i])
+        out, exact = np.zeros((2, len(self.x)))
+        out[i], exact[i] = ramp, np.clip((4 - wide) / 2, 0, 1)
+        return out, exact, full & (bright | dark) & thin
 
     def dealt_mean(self, share, exact, there):
         """Each pixel's mean with those of the 7x7 around it that differ little."""
@@ -365,7 +404,7 @@ class Picture:
             off = (share[i] + share[j]) / 2 - share
             weight = ok * strength * np.maximum(1 - (off * step / 0.04) ** 2, 0) ** 2
             total, weights = total + weight * off, weights + weight
-        return self.moved_by(share, exact, total / weights)
+        return self.moved_by(share, np.where((exact == 2) & (step == 1), 0, exact), total / weights)
 
     def levelled(self, share, exact, there):
         """A pixel that stands out by less than 0.1 from all about it on its surface is as the nearest of them."""
@@ -375,10 +414,12 @@ class Picture:
             low, high = (np.where(ok, pick(to, share[j]), to) for pick, to in ((np.minimum, low), (np.maximum, high)))
             known += ok
         off = np.where(known >= 5, np.minimum(np.maximum(share, low), high) - share, 0)
-        return self.moved_by(share, exact, np.where(abs(off) < 0.1, off, 0))
+        off = np.where(abs(off) < 0.1, off, 0)
+        return np.where(exact == 2, share + off, self.moved_by(share, exact, off))
 
     def takes_part(self, exact, there, j, within):
-        return within & there[j] & ~(exact[j] > 0) & ((j == self.number) | self.shown.one_surface(self.number, j))
+        own = (j == self.number) | self.shown.one_surface(self.number, j)
+        return within & there[j] & ~((exact[j] > 0) & (exact[j] <= 1)) & own
 
     def moved_by(self, share, exact, mean):
         return np.where((exact >= 0) & (exact < 1), np.clip(share + (1 - exact) * mean, 0, 1), share)

@@ -98,9 +98,9 @@ def seen_share(lamp, places):
 
 
 @pytest.mark.parametrize("lamp, most", [
-    (Lamp("sun", width=0.12, model=look((3, 1.2, 5), (0, 0, 0.3))), 0.03),
-    (Lamp("point", width=0.5, model=look((-4, -2, 3), (0, 0, 0.3))), 0.012),
-    (Lamp("rectangle", width=1, height=1, model=look((-4, -2, 3), (0, 0, 0.3))), 0.012)],
+    (Lamp("sun", width=0.12, model=look((3, 1.2, 5), (0, 0, 0.3))), (0.004, 0.03)),
+    (Lamp("point", width=0.5, model=look((-4, -2, 3), (0, 0, 0.3))), (0.0024, 0.006)),
+    (Lamp("rectangle", width=1, height=1, model=look((-4, -2, 3), (0, 0, 0.3))), (0.003, 0.012))],
     ids=["sun", "ball", "rectangle"])
 def test_half_of_a_wide_lamps_light_is_where_an_integral_says(lamp, most):
     stage = Stage(320, 180, eye=(-7, -6, 8))
@@ -115,7 +115,8 @@ def test_half_of_a_wide_lamps_light_is_where_an_integral_says(lamp, most):
     a, b = (end[:, :3] / end[:, 3:] for end in ends)
     places = a - (b - a) * (a[:, 2:] / (b[:, 2:] - a[:, 2:]))
     off = share[y, x] - seen_share(lamp, places)
-    assert np.percentile(abs(off), 95) <= most
+    # where one edge parts the lamp, and also round corners
+    assert (np.percentile(abs(off), (75, 95)) <= most).all()
 
 
 def windows(picture):
@@ -155,6 +156,21 @@ def test_soft_light_is_clean(lamp):
     light, objects = stage.light(lamp)[..., 0], stage.objects()
     assert singles(light, objects) <= 4
     assert specks(light, objects).max() < 0.01
+
+
+@pytest.mark.parametrize("width", [0.00925, 0.035])
+def test_light_through_a_fence_is_clean(width):
+    """Gaps of light thinner than a pixel, of a centre in which an edge parts the sun; tops of bars of a pixel's height.
+    """
+    stage = Stage(480, 270, eye=(5, -7, 2.4), at=(0, 0, 0.7))
+    bars = [((-3 + 0.4 * k, -1.6, 0.5), (0.07, 0.02, 0.5)) for k in range(16)]
+    bars += [((0, -1.65, z), (3.2, 0.02, 0.05)) for z in (0.3, 0.8)]
+    for at, size in bars:
+        model = np.diag([*size, 1.0])
+        model[:3, 3] = at
+        stage.add(CUBE, CUBE_CORNERS, model)
+    light = stage.light(Lamp("sun", width=width, model=ways()), rims=True)[..., 0]
+    assert specks(light, stage.objects()).max() < 0.1
 
 
 @pytest.mark.parametrize("frame", [Frame(160, 90), Frame(160, 90, 70, 31)], ids=["whole", "part"])
