@@ -7,14 +7,14 @@ from collections import Counter
 import numpy as np
 import passes
 import pytest
-from reference import chains, ends, ridged, rooms, slender
+from reference import chains, ends, forms, ridged, rooms, slender
 from reference import passes as twin
 from reference.passes import NUMBER, Table
 
 LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, links=6000, ties=40, eyes=40, smooth=4000, crowded=1300,
              parted=30, folds=30, rungs=30, slender=300, tapers=50, led=1000, corners=100, beside=150, rounds=30,
              spurs=80,
-             short=20)  # found over all cases
+             short=20, eased=350, thinned=80)  # found over all cases
 
 
 class Check:
@@ -95,7 +95,7 @@ def eyes(check):
 def smooth(check):
     before, after = check.tables("tie")[0], check.tables("smooth")[0]
     at, unsure = twin.smooth(before)
-    off = np.abs(at - after.at).max(1)
+    off = np.abs(at - after.at).max(1) / np.maximum(1, np.abs(at).max(1) / 200)  # single floats
     off[list(unsure)] = 0
     assert off.max(initial=0) < 2e-5
     check.count["smooth"] += int((after.at != before.at).any(1).sum())
@@ -207,16 +207,28 @@ def drop(check):
     check.alike("short", gone, dropped(last, check.tables("drop short")[0]), unsure)
 
 
+def ease(check):
+    if not check.tables("ease forms"):
+        return
+    before, after = check.tables("drop short")[0], check.tables("ease forms")[0]
+    view = check.c.view
+    share = forms.ease(before, view.params, view.layers.style, check.scale)
+    assert after.site["eased"] == pytest.approx(255 - share * (255 - before.site["eased"]), abs=0.51)
+    check.alike("thinned", np.flatnonzero(share < 0.1), dropped(before, after),
+                np.flatnonzero(np.abs(share - 0.1) < 1e-5))
+    check.count["eased"] += int(((share < 1) & ~after.dropped).sum())
+
+
 @functools.cache
 def compare(name):
     check = Check(passes.case(name))
-    last = crowd, eyes, give_way, lead, drop_rungs, drop
+    last = crowd, eyes, give_way, lead, drop_rungs, drop, ease
     for each in last if name in passes.TANGLES else (claim, link, tie, smooth, slim, *last):
         each(check)
     return check.count
 
 
-ALL = [*passes.TINY, *passes.TANGLES, *passes.CASES, *passes.MORE, *passes.SWEEPS, *passes.CUTS]
+ALL = [*passes.TINY, *passes.TANGLES, *passes.CASES, *passes.MORE, *passes.FORMS, *passes.SWEEPS, *passes.CUTS]
 
 
 @pytest.mark.parametrize("name", ALL)

@@ -189,8 +189,34 @@ MORE = {  # for the passes alone: many lines beside one another
                     dict(edge_color=1.0, edge_light=0.0, contrast_threshold=0.0, edge_threshold=0.09), (), None)
     for k in range(3)}
 
+FORM = dict(edge_color=0.0, edge_light=0.0, edge_normal=1.0, edge_suggestive=1.0, length_unit="PIXELS",
+            suggestive_scale=2.0, suggestive_length=20.0, crease_angle=50.0)
+TURNED = Camera(view=(0.8, 0.6, 0, -0.48, 0.64, 0.6, 0.36, -0.48, 0.8))
+FORMS = {  # smooth hills with valleys between
+    "form": (dict(seed=1), {}, (), None),
+    "steep forms": (dict(seed=2, steep=3.0, bumps=12, size=(44, 60)), dict(suggestive_scale=1.5), (), ORTHO),
+    "wide forms": (dict(seed=3, size=(60, 70)), dict(suggestive_scale=5.5), (), None),
+    "finest forms": (dict(seed=12, steep=2.0, bumps=12), dict(suggestive_scale=1.0), (), None),
+    "things on forms": (dict(seed=4, things=3, wires=1, bumps=9), {}, (), None),
+    "edges on forms": (dict(seed=5, bent=9, bumps=9, size=(44, 60)), dict(crease_smooth=70.0), (), None),
+    "many edges on forms": (dict(seed=6, bent=60, bumps=9), {}, (), None),
+    "styles on forms": (dict(seed=7, styles=2, bumps=12, painted=3, size=(44, 60)), dict(edge_suggestive=0.7),
+                        [dict(edge_suggestive=3.0, suggestive_length=5.0), dict(edge_suggestive=0.2)], None),
+    "lengths of forms": (dict(seed=901, styles=2, bumps=12, size=(44, 60)), {},
+                         [dict(suggestive_length=90.0), dict(suggestive_length=4.0)], None),
+    "rough forms": (dict(seed=8, rough=0.05, bumps=9, size=(44, 60)), dict(suggestive_scale=4.0), (), None),
+    "rougher forms": (dict(seed=9, rough=0.3), dict(edge_threshold=0.0, crease_angle=100.0), (), ORTHO),
+    "turned forms": (dict(seed=10, bumps=12), dict(edge_threshold=0.5), (), TURNED),
+    "forms in glass": (dict(seed=11, mirror=True, bumps=9), {}, (), None)} | {
+    f"small form {k}": (dict(seed=800 + k, size=size, steep=2.0), dict(edge_threshold=(0.1, 0.0)[k % 2]), (), None)
+    for k, size in enumerate(((1, 1), (1, 2), (2, 1), (2, 2), (1, 40), (40, 1), (3, 500), (500, 3), (3, 3), (4, 5)))
+    } | {
+    f"form cut {k}": (dict(seed=820 + k, size=(36, 44), cut=(8, 6), things=k % 3, bent=9 * (k % 2), steep=1.5),
+                      dict(edge_threshold=0.1 * (k % 3)), (), (None, ORTHO)[k % 2])
+    for k in range(6)}
 
-EVERY = {**CASES, **TINY, **MORE, **WIRES, **LIGHTS, **SWEEPS, **CUTS, **ROWS}
+
+EVERY = {**FORMS, **CASES, **TINY, **MORE, **WIRES, **LIGHTS, **SWEEPS, **CUTS, **ROWS}
 TANGLES = {  # for the passes after smoothing: chains by chance in the place of those that are found
     f"tangle {k}": (k, dict(color_layer=("ALBEDO", "LIT")[k % 2])) for k in range(22)}
 
@@ -208,10 +234,10 @@ class Case:
 @functools.cache
 def given(name):
     how, scene, styles, camera = EVERY[name]
-    draw = next((draw for draw, names in ((shapes.wires, WIRES), (shapes.dapples, LIGHTS), (shapes.sweeps, SWEEPS))
-                 if name in names), shapes.shapes)
+    kinds = (shapes.forms, FORMS), (shapes.wires, WIRES), (shapes.dapples, LIGHTS), (shapes.sweeps, SWEEPS)
+    draw = next((draw for draw, names in kinds if name in names), shapes.shapes)
     layers = draw(**how)
-    scene, camera = {**ALL, **scene}, camera or Camera()
+    scene, camera = {**ALL, **(FORM if name in FORMS else {}), **scene}, camera or Camera()
     told = vars(camera)
     own = Layers(layers, len(styles), told, None)
     return layers, scene, View(own, Params(scene, styles), tuple(layers), scene["crease_angle"])

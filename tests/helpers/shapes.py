@@ -164,6 +164,27 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
     return {name: np.ascontiguousarray(a[inner], np.float32) for name, a in layers.items() if name not in without}
 
 
+def forms(seed, size=(30, 44), steep=1.0, bumps=6, rough=0.0, cut=(0, 0), without=(), **how):
+    """Smooth hills and dents all over, from the front; what shapes() has no faces for, with these before it."""
+    rng = np.random.default_rng(seed)
+    layers = shapes(seed, size, busy=False, **how)
+    y, x = np.mgrid[:size[0], :size[1]].astype(float)
+    tilt = np.zeros((2, *size))
+    for _ in range(bumps):
+        turn, wide, long = rng.uniform(0, np.pi), rng.uniform(1.5, 6), rng.uniform(4, 60)
+        middle = rng.uniform(0, 1, 2) * size
+        off = (x - middle[1]) * np.cos(turn) + (y - middle[0]) * np.sin(turn)
+        by = (y - middle[0]) * np.cos(turn) - (x - middle[1]) * np.sin(turn)
+        much = rng.choice((-1, 1)) * steep * rng.uniform(0.2, 1.5) * np.exp(-(off / wide)**2 - (by / long)**2)
+        tilt += much * np.array([np.cos(turn), np.sin(turn)])[:, None, None]
+    tilt += rough * rng.standard_normal(tilt.shape)
+    normal = np.stack([-tilt[0], tilt[1], np.ones(size)], -1)
+    bare = np.linalg.norm(layers["normal"], axis=-1, keepdims=True) > 0
+    layers["normal"] = bare * normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+    inner = tuple(slice(n, size[k] - n) for k, n in enumerate(cut))
+    return {name: np.ascontiguousarray(a[inner], np.float32) for name, a in layers.items() if name not in without}
+
+
 def sweeps(seed, size=(20, 60)):
     """Stripes and steps side by side, of all averaged layers but light, that grow from row to row from what is none to
     three times as much; what stands for a mirror shows them, too."""

@@ -34,7 +34,8 @@ DEFAULTS = {
     "ink_dark_colors": 1.0,
     "line_lit": 0.0, "line_lit_color": (0.5, 0.25, 0.1), "line_color_by_kind": False,
     **{"line_" + what + kind: value for what, value in (("color_", (0.0, 0.0, 0.0)), ("pen_", "PEN")) for kind in
-       ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")},
+       ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark",
+        "suggestive")},
     "surface_fade": 0.0, "length_unit": "RELATIVE", "supersample": 1.0,
     # shading
     "use_shading": True, "shade_levels": [(0.5,), (0.7, 0.5, 0.025), (1.1, 0.9, 0.025)],
@@ -85,7 +86,8 @@ ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "world_
 SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_tones", "use_rim", "use_wash",
             "use_specks")
 
-_WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light", "mark")}
+_WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light", "mark",
+                                        "suggestive")} | {"suggestive_length"}
 _CREASES = {"crease_angle", "crease_smooth", "edge_bump"}
 _PARTS = {"light_hue", "other_highlights", "other_reflections", "other_glow", "reflection_tones", "highlight_shape",
           "highlight_threshold", "highlight_transition", "highlight_color"}

@@ -3,8 +3,8 @@
 
 import numpy as np
 
+from . import forms, metric
 from . import marks as lines
-from . import metric
 from .edges import SOURCES
 from .metric import clamp01
 from .passes import COLUMN, JUNCTION, ROW, passage
@@ -369,6 +369,7 @@ def find(view):
     own = marks(view)
     junctions(own, "mark", view.shape)
     bent = {key: site for key, site in bent.items() if key not in lesser}
+    found |= forms.valleys(view, found, bent)
     junctions(bent, "crease", view.shape)
     junctions(light_, "light", view.shape)
     mixed = cracked[ROW] | cracked[COLUMN]

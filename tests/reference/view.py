@@ -13,7 +13,7 @@ from .edges import SOURCES
 from .metric import clamp01
 from .passes import COLUMN, CRACKS, ROW
 
-SEEN = len(SOURCES)
+SEEN, SUGGESTIVE = len(SOURCES), len(SOURCES) + 1
 SURE = 2e-5  # of numbers of size 1
 
 
@@ -31,6 +31,7 @@ class Place:
     near: tuple = ()
     eased: float = 0.0  # 255ths of its width that it lacks
     doubtful: bool = False  # what its strength is made of is two things at once
+    loose: float = 1.0  # times as far off as others it may be: by what it is divided is so little
 
 
 def turn(axis, image):
@@ -61,7 +62,7 @@ class View:
         self.bend = 2 * np.sin(np.radians(crease_angle) / 2)
         self.metric = params["contrast_metric"]
         self.weights = {k: params.at("edge_" + name, np.arange(len(params.tables)))
-                        for k, name in enumerate((*SOURCES, "seen"))}
+                        for k, name in enumerate((*SOURCES, "seen", "suggestive"))}
 
     def normal_weights(self, row, column):
         """By style, of a crease that the normals show at a pixel: that of bumps where a mesh tells of creases."""

@@ -114,7 +114,7 @@ bool ISA(crease_through)(const frame *f, const found *at)
 bool ISA(crease_flat)(const fine *n, int x, int y, int axis)
 {
 	passing at = passing_at(n, x, y, axis);
-	return at.place > 0 && at.bend > 0;
+	return x + !axis < n->f->width && y + axis < n->f->height && at.place > 0 && at.bend > 0;
 }
 
 /* Two lines pass a pixel on both sides, closer than they can be told apart: that which bends less gives way, but not

@@ -54,12 +54,12 @@ int32_t ISA(fine_ease_forms)(fine *n)
 		uint32_t count = 1;
 		open[0] = i;
 		known[i] = 1;
-		const placed *own = &n->site[i].placed;
-		float full = params_at(n->f, own->near_x, own->near_y)->suggestive_length * n->f->scale;
 		float most, length = collect(n, known, open, &count, &most);
-		float share = full > 0 ? min(most, length / full) : most;
 		for (uint32_t k = 0; k < count; k++) {
 			site *s = n->site + open[k];
+			const encre_params *own = params_at(n->f, s->placed.near_x, s->placed.near_y);
+			float full = own->suggestive_length * n->f->scale;
+			float share = full > 0 ? min(most, length / full) : most;
 			s->placed.eased = (uint8_t)(255 - share * (float)(255 - s->placed.eased) + 0.5f);
 			s->linked.dropped |= share < least_share;
 		}
