@@ -216,6 +216,8 @@ class Settings:
                 most = max(most, 4 * scene["tone_detail"])
         if scene["contrast_auto"] and self.any("edge_color"):
             most += scene["contrast_window"] / 2
+        if self.any("edge_suggestive"):  # blurred light, the room beside a valley, and all of what is short
+            most += 5 * scene["suggestive_scale"] + max(values["suggestive_length"] for values in self.every)
         scale = {"RELATIVE": height / 1080, "MM": height / scene["page_height"], "PIXELS": 1}[scene["length_unit"]]
         counted = scene["tone_pitch_unit"] == "LPI"
         inch = 25.4 * height / scene["page_height"]

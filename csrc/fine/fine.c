@@ -176,7 +176,8 @@ static const pass passes[] = {
 	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, NULL},
 	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"drop short", NULL, ISA(fine_drop_short), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
-	{"ease forms", has_forms, ISA(fine_ease_forms), FOUND | PLACED | KEPT | LINKS, PLACED | KEPT, NULL},
+	{"ease forms", has_forms, ISA(fine_ease_forms), FOUND | PLACED | KEPT | LINKS, PLACED | KEPT | LINKS,
+	 BROKEN(links)},
 	{"show strength", NULL, show_strength, PLACED | KEPT, 0, NULL},
 };
 

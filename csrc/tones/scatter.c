@@ -167,9 +167,9 @@ static void hold(const tone_lattice *l, int layer, int n, uint8_t *restrict bits
 	for (int i = 0; i < n; i++) {
 		float whole[2], way[2];
 		nearest_point(l, layer, i, whole, way);
-		int holds = (max(fabsf(way[0]), fabsf(way[1])) <= held_within) & (l->flat[i] <= 0) &
-			    (max(fabsf(whole[0]), fabsf(whole[1])) < 1e9f);
-		bits[i] = (uint8_t)(bits[i] | (holds ? TONE_FOUND << layer : 0));
+		int near = max(fabsf(way[0]), fabsf(way[1])) <= held_within, known = l->flat[i] <= 0,
+		    counts = max(fabsf(whole[0]), fabsf(whole[1])) < 1e9f;
+		bits[i] = (uint8_t)(bits[i] | (near & known & counts ? TONE_FOUND << layer : 0));
 	}
 }
 

@@ -217,6 +217,7 @@ def ease(check):
     check.alike("thinned", np.flatnonzero(share < 0.1), dropped(before, after),
                 np.flatnonzero(np.abs(share - 0.1) < 1e-5))
     check.count["eased"] += int(((share < 1) & ~after.dropped).sum())
+    assert not any(after.dropped[i] for to in after.links for i in to)  # or pens ask of what nobody has filled
 
 
 @functools.cache

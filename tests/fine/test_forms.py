@@ -4,7 +4,9 @@
 import numpy as np
 import pytest
 from encre.pen import library
-from encre.pen.job import Camera
+from encre.pen.around import Window
+from encre.pen.job import Camera, Frame
+from encre.pen.settings import Settings
 from judge import verdict
 
 ROWS, COLUMNS, MIDDLE = 96, 128, 60.3
@@ -14,12 +16,12 @@ ALONE = dict(edge_depth=0.0, edge_normal=0.0, edge_object=0.0)
 Y, X = np.mgrid[:ROWS, :COLUMNS].astype(float)
 
 
-def layers(height):
+def of(height):
     """Of a surface `height` pixels before a wall, seen from the front by parallel rays."""
     down, right = np.gradient(height)
     normal = np.stack([-right, down, np.ones_like(height)], -1)
-    flat = np.ones((ROWS, COLUMNS, 3))
-    made = {"combined": np.ones((ROWS, COLUMNS, 4)), "color": flat * 0.5, "albedo": flat * 0.5, "diffuse": flat,
+    flat = np.ones((*height.shape, 3))
+    made = {"combined": np.ones((*height.shape, 4)), "color": flat * 0.5, "albedo": flat * 0.5, "diffuse": flat,
             "depth": (300 - height)[..., None], "normal": normal / np.linalg.norm(normal, axis=-1, keepdims=True),
             "object": flat[..., :1]}
     return made
@@ -38,20 +40,20 @@ def ink(made, threads=0, styles=(), **values):
 
 
 def test_a_line_goes_where_a_slope_is_steepest_from_border_to_border():
-    drawn = ink(layers(slope(1.0)))
+    drawn = ink(of(slope(1.0)))
     np.testing.assert_allclose((drawn * X).sum(1) / drawn.sum(1), MIDDLE, atol=0.05)
     np.testing.assert_allclose(drawn.sum(1), 4, atol=0.1)
 
 
 def test_none_is_drawn_by_default():
-    assert ink(layers(slope(1.0)), edge_suggestive=0.0).max() == 0
+    assert ink(of(slope(1.0)), edge_suggestive=0.0).max() == 0
 
 
 @pytest.mark.parametrize("angle", (20, 45, 70))
 def test_it_is_even_at_any_angle(angle):
     a = np.radians(angle)
     off = (X - 64) * np.cos(a) + (Y - 48) * np.sin(a)
-    drawn = ink(layers(5 * np.tanh(off / 5)))
+    drawn = ink(of(5 * np.tanh(off / 5)))
     near = drawn * (np.hypot(X - 64, Y - 48) < 40)
     assert np.abs((near * off).sum() / near.sum()) < 0.05
     assert np.sqrt((near * off**2).sum() / near.sum()) == pytest.approx(4 / np.sqrt(12), abs=0.1)
@@ -59,7 +61,7 @@ def test_it_is_even_at_any_angle(angle):
 
 
 def test_it_comes_with_the_steepness_and_not_at_once():
-    widths = [ink(layers(slope(s)))[48].sum() for s in np.arange(0.2, 1.21, 0.02)]
+    widths = [ink(of(slope(s)))[48].sum() for s in np.arange(0.2, 1.21, 0.02)]
     assert widths[0] == 0 and widths[-1] == pytest.approx(4, abs=0.1)
     assert (np.diff(widths) >= -1e-3).all() and np.diff(widths).max() < 0.8
 
@@ -67,7 +69,7 @@ def test_it_comes_with_the_steepness_and_not_at_once():
 def test_short_ones_are_thin_and_grow_wider_with_their_length():
     sums = []
     for half in range(8, 40, 2):
-        made = layers(slope(0.0))
+        made = of(slope(0.0))
         turned = 0.9 * np.exp(-((X - MIDDLE) / 4) ** 2) / (1 + np.exp((np.abs(Y - 48) - half) / 2))
         made["normal"] = np.stack([turned, 0 * turned, np.sqrt(1 - turned**2)], -1)
         sums.append(ink(made, suggestive_length=90.0, **ALONE)[48].sum())
@@ -77,12 +79,12 @@ def test_short_ones_are_thin_and_grow_wider_with_their_length():
 
 def test_planes_and_round_things_have_none():
     ball = np.sqrt(np.maximum(50**2 - (X - 64) ** 2 - (Y - 48) ** 2, 0.0))
-    made = layers(ball)
+    made = of(ball)
     made["object"] = (ball > 0).astype(float)[..., None]
     outline = ink(made, edge_suggestive=0.0)
     assert outline.max() == 1
     np.testing.assert_array_equal(ink(made), outline)
-    assert ink(layers(0.8 * X)).max() == 0
+    assert ink(of(0.8 * X)).max() == 0
 
 
 def test_what_is_rough_has_none():
@@ -91,12 +93,12 @@ def test_what_is_rough_has_none():
     for _ in range(2):
         rough = sum(np.roll(rough, shift, axis) for shift in (-1, 0, 1) for axis in (0, 1)) / 6
     rough *= 1.2 / rough.std()
-    assert ink(layers(rough), **ALONE).sum() < 0.01 * ink(layers(slope(1.0))).sum()
-    assert ink(layers(slope(1.0) + 0.02 * rough), **ALONE).sum() == pytest.approx(4 * ROWS, rel=0.05)
+    assert ink(of(rough), **ALONE).sum() < 0.01 * ink(of(slope(1.0))).sum()
+    assert ink(of(slope(1.0) + 0.02 * rough), **ALONE).sum() == pytest.approx(4 * ROWS, rel=0.05)
 
 
 def test_what_is_shaded_flat_has_none():
-    made = layers(slope(1.0))
+    made = of(slope(1.0))
     made["normal"] = np.where((np.abs(X - MIDDLE) < 4)[..., None], (0.5, 0, 0.8660254), (0.0, 0, 1))
     assert ink(made, **ALONE).sum() > 3 * ROWS
     bends = np.zeros((ROWS, COLUMNS, 5))
@@ -108,7 +110,7 @@ def test_what_is_shaded_flat_has_none():
 
 @pytest.mark.parametrize("apart", (2, 3, 4))
 def test_it_doubles_no_outline(apart):
-    made = layers(slope(1.0))
+    made = of(slope(1.0))
     made["object"] = 1 + (MIDDLE + apart < X).astype(float)[..., None]
     outline = ink(made, edge_suggestive=0.0)
     assert outline.max() == 1
@@ -117,26 +119,52 @@ def test_it_doubles_no_outline(apart):
 
 def test_it_goes_on_from_where_a_contour_ends():
     gap = 40 * np.clip((40 - Y) / 30, 0, 1) * (X > MIDDLE)
-    drawn = ink(layers(slope(1.0) + gap), line_taper=12.0)
+    drawn = ink(of(slope(1.0) + gap), line_taper=12.0)
     assert (drawn.sum(1) > 1).all()
-    assert ink(layers(slope(1.0) + gap), line_taper=12.0, edge_suggestive=0.0)[60:].max() == 0
+    assert ink(of(slope(1.0) + gap), line_taper=12.0, edge_suggestive=0.0)[60:].max() == 0
 
 
 def test_forms_smaller_than_the_scale_have_none():
     small = slope(1.0, width=1.2)
-    assert ink(layers(small), suggestive_scale=12.0, **ALONE).max() == 0 < ink(layers(small), **ALONE).max()
+    assert ink(of(small), suggestive_scale=12.0, **ALONE).max() == 0 < ink(of(small), **ALONE).max()
 
 
 def test_a_style_has_its_own_weight():
-    made = layers(slope(1.0))
+    made = of(slope(1.0))
     made["style"] = (Y > 48).astype(float)[..., None]
     drawn = ink(made, styles=({"edge_suggestive": 0.0},))
     assert (drawn[:45].sum(1) > 3).all() and drawn[52:].max() == 0
 
 
 def test_threads_draw_the_same():
-    made = layers(slope(0.6) + 6 * np.sin(X / 9) * np.cos(Y / 11))
+    made = of(slope(0.6) + 6 * np.sin(X / 9) * np.cos(Y / 11))
     one = ink(made, threads=1)
     assert one.max() > 0
     for threads in (2, 3):
         np.testing.assert_array_equal(ink(made, threads=threads), one)
+
+
+def test_a_border_is_drawn_as_in_the_whole_frame():
+    """Unless a piece of all that hangs together is clearer than any within reach."""
+    rng, y, x = np.random.default_rng(3), *np.mgrid[:300, :400].astype(float)
+    height = np.zeros_like(x)
+    for across, down, wide, high in rng.uniform((0, 0, 6, -2.5), (400, 300, 20, 2.5), (80, 4)):
+        height += high * wide * np.exp(-((x - across) ** 2 + (y - down) ** 2) / (2 * wide * wide))
+    made = {name: np.ascontiguousarray(a, np.float32) for name, a in of(height).items()}
+    values = {**PEN, "suggestive_scale": 6.0, "suggestive_length": 48.0}
+    inner = Window(150, 120, 60, 50)
+    outer = inner.grown(Settings(values).reach(300), 400, 300)
+    assert outer.width < 400
+
+    def drawn(window):
+        cut = {name: np.ascontiguousarray(a[window.y:window.y + window.height, window.x:window.x + window.width])
+               for name, a in made.items()}
+        return library.render(cut, values, camera=Camera(orthographic=True, height=300),
+                              frame=Frame(400, 300, window.x, window.y), outputs=("Encre Lines",)
+                              ).images["Encre Lines"][..., 3]
+
+    def within(picture, window):
+        return picture[inner.y - window.y:, inner.x - window.x:][:inner.height, :inner.width]
+
+    whole, part = within(drawn(Window(0, 0, 400, 300)), Window(0, 0, 400, 300)), within(drawn(outer), outer)
+    assert (whole > 0.5).sum() > 20 and np.abs(whole - part).max() < 0.03

@@ -66,5 +66,5 @@ int32_t ISA(fine_ease_forms)(fine *n)
 	}
 	late_drop(&n->f->late, open);
 	late_drop(&n->f->late, known);
-	return code;
+	return code ? code : ISA(fine_unlink_dropped)(n); /* what a contour was led on to may be gone */
 }
