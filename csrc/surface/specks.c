@@ -139,7 +139,7 @@ static void fill(const specks *s, const island *of, int y0, int y1)
 {
 	float inked[4] = {0, 0, 0, 1};
 	for (int k = 0; k < 3; k++)
-		inked[k] = of->around[k] / (float)of->count_around;
+		inked[k] = bounded(of->around[k] / (float)of->count_around);
 	for (int i = 0; i < of->count; i++) {
 		ptrdiff_t x = (ptrdiff_t)4 * of->x[i], y = of->y[i];
 		if (y < y0 || y >= y1)

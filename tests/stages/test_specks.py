@@ -123,3 +123,12 @@ def test_threads_and_instructions_change_nothing():
     layers = crumbs(0.2, 300, 90)
     one = draw(layers, SPECKS, [{}], threads=1, simd=0)
     assert draw(layers, SPECKS, [{}], threads=3, simd=1).tobytes() == one.tobytes()
+
+
+def test_what_is_around_is_a_number_where_its_pixels_are_the_largest():
+    """A picture whose alpha is as large as its light counts as black."""
+    layers = page()
+    layers["combined"][:] = 3e38
+    layers["combined"][10:12, 10:12] = 0.5, 0.5, 0.5, 1
+    got = draw(layers, SPECKS)
+    assert np.isfinite(got).all() and (got[10:12, 10:12, :3] > 1e38).all()
