@@ -100,6 +100,19 @@ def test_half_of_a_limb_stays_clear(width):
     assert 0.4 < 1 - t[np.abs(inner(off)) < width / 2].mean() < 0.6
 
 
+@pytest.mark.parametrize("radius", [2.5, 3.0, 3.4])
+def test_an_eye_does_not_blink(radius):
+    """A small round thing before another, as it moves: its line has no ways that tell how wide the thing is."""
+    flat, drawn = np.ones((40, 40, 3)), []
+    for k in range(12):
+        y, x = np.mgrid[:40, :40] - np.array((20 + 0.21 * k % 1, 20 + 0.37 * k % 1))[:, None, None]
+        hit = np.hypot(x, y) < radius
+        layers = dict(combined=np.ones((40, 40, 4)), color=flat, diffuse=flat, normal=flat * (0, 0, 1),
+                      depth=np.where(hit, 4.9, 5.0), object=np.where(hit, 2.0, 1.0))
+        drawn.append(ink({name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}).sum())
+    assert np.std(drawn) < 0.07 * np.mean(drawn)
+
+
 @pytest.mark.parametrize("width", [12, 14])
 def test_the_sides_of_a_pole_are_no_beads(width):
     """Of a brush whose rim is frayed and whose lines have room for a part of their width: it varies slowly."""

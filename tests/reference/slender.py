@@ -69,8 +69,39 @@ def _thin(t, i, unit):
     return t.site["thin"][i] * _at(2.0 * t.site["half"][i], 0.0, unit), 0.0
 
 
+def _round(t, i, j):
+    """(how wide what a loop of at most 32 sites bounds is, by its length and area; how much that counts)."""
+    loop = [i]
+    while len(t.links[loop[-1]]) == 2 and len(loop) <= 32:
+        one, other = t.links[loop[-1]]
+        following = one if len(loop) == 1 or other == loop[-2] else other
+        if following == i:
+            break
+        loop.append(following)
+    else:
+        return 0.0, 0.0
+    if j not in loop or len(loop) > 32 or len(t.links[loop[-1]]) != 2:
+        return 0.0, 0.0
+    corners = t.at[loop]
+    after = np.roll(corners, -1, 0)
+    length = np.hypot(*(after - corners).T).sum()
+    area = abs((corners[:, 0] * after[:, 1] - corners[:, 1] * after[:, 0]).sum()) / 2
+    rest = length**2 / 16 - area
+    wide = length / 4 + (0.524 * np.sqrt(-rest) if rest < 0 else -np.sqrt(rest))
+    return wide, clamp01(2 - area / wide**2)
+
+
 def _bound(t, i, j, unit):
     """(1 / half the width, how much it tapers, unsure) where contours i and j are of one thing."""
+    wide, part = _round(t, i, j)
+    crowd, tapers, unsure = _between(t, i, j, unit)
+    if not part:
+        return crowd, tapers, unsure
+    return max(_thin(t, i, unit)[0], mix(crowd, _at(wide, 0.0, unit), part)), mix(tapers, 0, part), unsure and part < 1
+
+
+def _between(t, i, j, unit):
+    """Likewise, by their ways."""
     (own, doubt), (other, more) = _ways(t, i), _ways(t, j)
     dots, gap = (own * other).sum(1), t.at[j] - t.at[i]
     first = int(dots[1] > dots[0])

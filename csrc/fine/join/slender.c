@@ -5,11 +5,12 @@
 
 #include <string.h>
 
-enum { CHUNK = 512, AROUND = 16 /* sites each way along a line */, MEETINGS = 4, LONG = 6 };
+enum { CHUNK = 512, AROUND = 16 /* sites each way along a line */, MEETINGS = 4, LONG = 6, LOOP = 32 };
 
 /* Px. What is wider is no thin thing, and no line of one is made thinner. */
 static const float widest = 24, least_radius = 1.25f, least_tip = 0.75f; /* test_fine_passes */
 static const float least_pixels = 0.5f;
+static const float rounder = 0.524f;            /* so that a disc is as wide as it is */
 static const float share = 0.25f;               /* of the thing, that half a line of it may take; test_fine_passes */
 static const float parted = 0.5f, along = 0.8f; /* cosines of contours that have nothing to do with each other, and that
 						   run along each other; test_fine_passes */
@@ -163,17 +164,43 @@ static bound within(const slender *w, uint32_t i, float far)
 	return far * aside > 0 ? more(thin, (bound){bound_at(w, far * aside, 0), 0}) : thin;
 }
 
-static bound bound_of(const slender *w, uint32_t i)
+/* Round a thing of a few pixels a line has no ways: over some sites it turns about. How wide the thing is by the length
+ * of the loop that holds both contours, and its area: as a rectangle or, where it is rounder, a disc; 0: there is none.
+ * Of what is twice as long as wide, `part` is 0, and contours tell. */
+static float round_width(const fine *n, uint32_t i, uint32_t j, float *part)
+{
+	const placed *p = &n->site[i].placed, *q = &n->site[j].placed;
+	uint32_t from = i, at = links_at(n, i) == 2 ? n->to[n->at[i]] : UINT32_MAX;
+	float x = 0, y = 0, length = 0, area = 0;
+	bool holds = false;
+	for (int sites = 0; fabsf(p->x - q->x) + fabsf(p->y - q->y) < LOOP / 2.0f && at != UINT32_MAX && sites < LOOP;
+	     sites++) {
+		float dx = n->site[at].placed.x - p->x - x, dy = n->site[at].placed.y - p->y - y;
+		length += sqrtf(dx * dx + dy * dy);
+		area += 0.5f * (x * dy - y * dx);
+		x += dx;
+		y += dy;
+		holds |= at == j;
+		if (at == i)
+			break;
+		uint32_t next = next_of(n, from, at);
+		from = at;
+		at = next;
+	}
+	float rest = 0.0625f * length * length - fabsf(area),
+	      wide = 0.25f * length + (rest < 0 ? rounder * sqrtf(-rest) : -sqrtf(rest));
+	if (at != i || !holds || !(wide > 0))
+		return 0;
+	*part = clamp01(2 - fabsf(area) / (wide * wide));
+	return wide;
+}
+
+/* By the ways of two contours of one thing. */
+static bound by_their_ways(const slender *w, uint32_t i, uint32_t j)
 {
 	const fine *n = w->n;
 	const site *s = n->site + i;
-	if (s->linked.dropped || rank_of(s) != RANK_SHAPE)
-		return (bound){0};
-	side to = is_contour(s) ? opposite(w, s) : (side){n->count, 0};
-	uint32_t j = to.contour;
 	float own[2][2], other[2][2], dot[2];
-	if (j >= n->count)
-		return within(w, i, (float)to.far);
 	ways_from(n, i, own);
 	ways_from(n, j, other);
 	for (int k = 0; k < 2; k++)
@@ -188,6 +215,23 @@ static bound bound_of(const slender *w, uint32_t i)
 	      sine = fabsf(a[0] * b[1] - a[1] * b[0]);
 	return (bound){beside * bound_at(w, fabsf(x * way[1] - y * way[0]) / length, sine),
 		       clamp01((sine - level) / (tapered - level))};
+}
+
+static bound bound_of(const slender *w, uint32_t i)
+{
+	const fine *n = w->n;
+	const site *s = n->site + i;
+	if (s->linked.dropped || rank_of(s) != RANK_SHAPE)
+		return (bound){0};
+	side to = is_contour(s) ? opposite(w, s) : (side){n->count, 0};
+	uint32_t j = to.contour;
+	if (j >= n->count)
+		return within(w, i, (float)to.far);
+	float part = 0, wide = round_width(n, i, j, &part);
+	bound by_ways = part < 1 ? by_their_ways(w, i, j) : (bound){0}, thin = thin_bound(w, &s->placed);
+	if (!(part > 0))
+		return by_ways;
+	return more(thin, (bound){mix(by_ways.crowd, bound_at(w, wide, 0), part), mix(by_ways.tapers, 0, part)});
 }
 
 static void find_bounds(void *data, int first, int end, int thread)
