@@ -45,7 +45,7 @@ def settled(index: np.ndarray, drawn: np.ndarray, where: np.ndarray, pairs: np.n
     index, drawn: (height, width) object numbers; where: bool, the pixels at which the rasteriser says that two
     coincide; pairs: (n, 2) numbers of those that do somewhere.
     """
-    alike = np.arange(int(max(index.max(), drawn.max())) + 1)
+    alike = np.arange(int(max(index.max(), drawn.max(), pairs.max(initial=0))) + 1)  # one may never lie in front
     for one, other in pairs.astype(np.intp):
         alike[alike == alike[other]] = alike[one]
     grown = np.pad(where, 1)  # a centre on the edge of one of them

@@ -411,3 +411,10 @@ def test_settings_say_when_they_ask_for_other_layers(passes):
             same += 1
     assert same > 100
     assert Settings({"use_shading": False}).of_layers != before.of_layers
+
+
+def test_one_of_those_that_coincide_may_never_lie_in_front():
+    """It has a number that no pixel of the picture has."""
+    index, drawn = np.array([[3, 4], [4, 3]]), np.array([[3, 3], [3, 3]])
+    got = overlay.settled(index, drawn, np.ones((2, 2), bool), np.array([(3, 11), (11, 4)]))
+    assert (got == 3).all()
