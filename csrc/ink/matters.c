@@ -54,7 +54,7 @@ static void find_own(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const chances *c = data;
-	for (int i = first; i < end; i++) {
+	for (int i = first; i < end && !stopped_at(c->n, i); i++) {
 		float noise = 0, length = wavelength;
 		spots at = spots_from(c->at, (size_t)i);
 		if (c->n->site[i].linked.dropped)
@@ -114,7 +114,7 @@ static void even_lines(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const chances *c = data;
-	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++)
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end && !stopped_at(c->n, (int)i); i++)
 		if (!c->n->site[i].linked.dropped)
 			c->matters[i] = mean_along(c->n, c->own, i, ALONG);
 }
@@ -125,7 +125,7 @@ static void join(void *data, int first, int end, int thread)
 	(void)thread;
 	const chances *c = data;
 	const fine *n = c->n;
-	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++)
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end && !stopped_at(n, (int)i); i++)
 		for (uint32_t k = n->at[i]; links_at(n, i) > 2 && k < n->at[i + 1]; k++)
 			if (links_at(n, n->to[k]) <= 2 && !n->site[i].linked.dropped)
 				c->matters[i] = max(c->matters[i], c->matters[n->to[k]]);
@@ -152,7 +152,7 @@ static void decide(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const chances *c = data;
-	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end && !stopped_at(c->n, (int)i); i++) {
 		if (c->n->site[i].linked.dropped)
 			continue;
 		float mean = mean_along(c->n, c->own, i, DECIDED);

@@ -72,7 +72,7 @@ static void find_dark(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const second *c = data;
-	for (int i = first; i < end; i++) {
+	for (int i = first; i < end && !stopped_at(c->n, i); i++) {
 		const site *made = c->n->site + i;
 		const encre_params *p = params_at(c->f, made->placed.near_x, made->placed.near_y);
 		float threshold = p->ink_dark_threshold, half = c->end[i].out;
@@ -154,7 +154,7 @@ static void even_dark(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const second *c = data;
-	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end && !stopped_at(c->n, (int)i); i++) {
 		float dark = c->dark[i];
 		if (dark > 0 && c->even[i] > 0)
 			dark = mean_along(c, c->dark, i, reach_of(c, i, evened, least_evened));
@@ -208,7 +208,7 @@ static void take_ink(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const second *c = data;
-	for (int i = first; i < end; i++) {
+	for (int i = first; i < end && !stopped_at(c->n, i); i++) {
 		const placed *s = &c->n->site[i].placed;
 		const encre_params *p = params_at(c->f, s->near_x, s->near_y);
 		pen_end *e = c->end + i;

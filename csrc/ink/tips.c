@@ -151,7 +151,7 @@ static void make_pens(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const gather *g = data;
-	for (int i = first; i < end; i++) {
+	for (int i = first; i < end && !stopped_at(g->n, i); i++) {
 		const site *made = g->n->site + i;
 		if (i + AHEAD < end) {
 			const placed *next = &made[AHEAD].placed;
@@ -200,7 +200,7 @@ static void press_pens(void *data, int first, int end, int thread)
 	(void)thread;
 	const gather *g = data;
 	float most = 0.5f * g->f->params->line_max_thickness * g->f->scale, factor[SPAN];
-	for (int i = first, n; i < end; i += n) {
+	for (int i = first, n; i < end && !bands_stopped(g->f->bands); i += n) {
 		strokes s;
 		n = hands_from(g, i, end, &s);
 		for (int k = 0; k < n; k++)
@@ -247,7 +247,7 @@ static void finish_pens(void *data, int first, int end, int thread)
 	(void)thread;
 	const gather *g = data;
 	touch touches[SPAN];
-	for (int i = first, n; i < end; i += n) {
+	for (int i = first, n; i < end && !bands_stopped(g->f->bands); i += n) {
 		strokes s;
 		n = hands_from(g, i, end, &s);
 		if (g->at.x)

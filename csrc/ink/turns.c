@@ -93,7 +93,7 @@ static void turn_rows(void *data, int first, int end, int thread)
 	(void)thread;
 	const finding *g = data;
 	const fine *n = g->n;
-	for (int i = first; i < end; i++) {
+	for (int i = first; i < end && !stopped_at(n, i); i++) {
 		g->turn[i] = 0;
 		if (n->site[i].linked.dropped || links_at(n, (uint32_t)i) != 2)
 			continue;
@@ -214,7 +214,7 @@ static void stop_rows(void *data, int first, int end, int thread)
 	(void)thread;
 	const bending *g = data;
 	const fine *n = g->n;
-	for (int i = first; i < end; i++) {
+	for (int i = first; i < end && !stopped_at(n, i); i++) {
 		const placed *s = &n->site[i].placed;
 		const uint32_t *to = n->to + n->at[i];
 		float turn = g->turn[i], bent = 0;

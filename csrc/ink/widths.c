@@ -94,7 +94,7 @@ static void even_out(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const widths *w = data;
-	for (int i = first; i < end; i++)
+	for (int i = first; i < end && !stopped_at(w->n, i); i++)
 		w->even[i] = evened(w, (uint32_t)i);
 }
 

@@ -44,6 +44,29 @@ def test_rooms_of_c_include_what_lies_below_them():
     assert wrong == []
 
 
+RUN = re.compile(r"bands_run\([^;]*?, CHUNK, (\w+)(?:\[k\])?,")
+LIST = re.compile(r"const bands_kernel (\w+)\[\] = \{([^}]*)\}")
+
+
+def kernels_of_pieces(text):
+    """Names of what bands_run() calls in a file with pieces of CHUNK, as it is or out of a list."""
+    lists = {name: re.findall(r"\w+", names) for name, names in LIST.findall(text)}
+    return {kernel for name in RUN.findall(text) for kernel in lists.get(name, [name])}
+
+
+def test_kernels_of_long_pieces_ask_whether_they_were_stopped():
+    # A piece takes up to half a millisecond, and a frame that nobody wants any more is to end within that of a row.
+    silent, found = [], 0
+    for path in sorted(CSRC.rglob("*.c")):
+        text = path.read_text(encoding="utf-8")
+        for name in sorted(kernels_of_pieces(text)):
+            body = re.search(rf"^static void {name}\(.*?^}}", text, re.MULTILINE | re.DOTALL).group()
+            found += 1
+            if "stopped" not in body:
+                silent.append((path.name, name))
+    assert silent == [] and found > 30
+
+
 @pytest.mark.parametrize("folder", sorted({path.parent for path in CSRC.rglob("*.c")}), ids=lambda p: p.name)
 def test_a_room_of_c_names_its_files(folder):
     text = (folder / "README.md").read_text(encoding="utf-8")

@@ -170,7 +170,7 @@ static void drop_crumbs(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const turn *t = data;
-	for (int k = first; k < end; k++) {
+	for (int k = first; k < end && !stopped_at(t->n, k); k++) {
 		linked *s = &t->n->site[t->first + (uint32_t)k].linked;
 		s->dropped |= s->crumb;
 	}

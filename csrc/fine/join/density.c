@@ -99,7 +99,7 @@ static void sum_cells(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const crowd *c = data;
-	for (int cell = first; cell < end; cell++) {
+	for (int cell = first; cell < end && !stopped_at(c->n, cell); cell++) {
 		float *sum = c->sum[cell];
 		sum[0] = sum[1] = 0;
 		for (uint32_t k = c->n->cell[cell]; k < c->n->cell[cell + 1]; k++)

@@ -71,7 +71,7 @@ static void find_near(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const beside *b = data;
-	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++)
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end && !stopped_at(b->n, (int)i); i++)
 		if (!b->n->site[i].linked.dropped && rank_of(b->n->site + i) == b->rank)
 			b->beside[i] = runs_along(b, i);
 }

@@ -175,7 +175,7 @@ static void aim(void *data, int first, int last, int thread)
 {
 	(void)thread;
 	const ends *all = data;
-	for (int i = first; i < last; i++) {
+	for (int i = first; i < last && !stopped_at(all->n, i); i++) {
 		const fine *n = all->n;
 		end *e = all->end + i;
 		const site *s = n->site + e->site;
@@ -199,7 +199,7 @@ static void count_pairs(void *data, int first, int last, int thread)
 {
 	(void)thread;
 	const ends *all = data;
-	for (int i = first; i < last; i++)
+	for (int i = first; i < last && !stopped_at(all->n, i); i++)
 		all->end[i].pairs = pairs_of(all, (uint32_t)i, NULL);
 }
 
@@ -207,7 +207,7 @@ static void fill_pairs(void *data, int first, int last, int thread)
 {
 	(void)thread;
 	const ends *all = data;
-	for (int i = first; i < last; i++)
+	for (int i = first; i < last && !stopped_at(all->n, i); i++)
 		pairs_of(all, (uint32_t)i, all->pair + all->end[i].first);
 }
 

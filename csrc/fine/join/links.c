@@ -269,7 +269,7 @@ static void find_even(void *data, int first, int end, int thread)
 	(void)thread;
 	const smooth *m = data;
 	const fine *n = m->n;
-	for (int i = first; i < end; i++) {
+	for (int i = first; i < end && !stopped_at(n, i); i++) {
 		const site *s = n->site + i;
 		m->moved[i][0] = s->placed.x;
 		m->moved[i][1] = s->placed.y;
@@ -290,7 +290,7 @@ static void move_even(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const smooth *m = data;
-	for (int i = first; i < end; i++) {
+	for (int i = first; i < end && !stopped_at(m->n, i); i++) {
 		m->n->site[i].placed.x = m->moved[i][0];
 		m->n->site[i].placed.y = m->moved[i][1];
 	}

@@ -170,7 +170,7 @@ static void find_rooms(void *data, int first, int end, int thread)
 	(void)thread;
 	const rooms *r = data;
 	const fine *n = r->n;
-	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end && !stopped_at(n, (int)i); i++) {
 		const site *s = n->site + i;
 		float way[2], other[2], far = widest(s) * r->px, room = far;
 		if (r->open && !(r->room[i] < widest(s))) /* the second time it has no less */
@@ -286,7 +286,7 @@ static void find_open(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const rooms *r = data;
-	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end && !stopped_at(r->n, (int)i); i++) {
 		const site *s = r->n->site + i;
 		bool fold = s->found.family == FAMILY_CRACK && !s->linked.dropped && (r->side[i] || is_fold(r->n, s));
 		r->left[i] = fold ? clamp01((even_room(r, i) - closed_fold) / (wide_fold - closed_fold)) : 1;
@@ -297,7 +297,7 @@ static void give_way(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const rooms *r = data;
-	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++) {
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end && !stopped_at(r->n, (int)i); i++) {
 		site *s = r->n->site + i;
 		if (!may_give_way(r->n, s) && (s->linked.dropped || !is_side(r, i)))
 			continue;

@@ -44,7 +44,7 @@ static void find_rungs(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const rungs *r = data;
-	for (int i = first; i < end; i++)
+	for (int i = first; i < end && !stopped_at(r->n, i); i++)
 		r->crowd[i] = r->n->site[i].linked.dropped ? 0 : rung_crowd(r->n, (uint32_t)i);
 }
 
@@ -52,7 +52,7 @@ static void drop_rungs(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const rungs *r = data;
-	for (int i = first; i < end; i++)
+	for (int i = first; i < end && !stopped_at(r->n, i); i++)
 		r->n->site[i].linked.crowd = max(r->n->site[i].linked.crowd, r->crowd[i]);
 }
 

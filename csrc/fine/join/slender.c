@@ -271,7 +271,7 @@ static void find_all_ways(void *data, int first, int end, int thread)
 	(void)thread;
 	const slender *w = data;
 	const fine *n = w->n;
-	for (uint32_t i = (uint32_t)first; i < (uint32_t)end; i++)
+	for (uint32_t i = (uint32_t)first; i < (uint32_t)end && !stopped_at(n, (int)i); i++)
 		for (uint32_t k = n->at[i]; links_at(n, i) > 2 && k < n->at[i + 1]; k++)
 			find_ways(w, i, k);
 }
