@@ -34,43 +34,67 @@ static void owner_of(const fine *n, const found *s, int *x, int *y)
 		}
 }
 
+/* Of a 5x5, by distance, then row, then column: of equal depths the first counts. */
+enum { PLACES = 25 };
+static const int window[PLACES][2] = {
+	{0, 0},  {0, -1}, {-1, 0}, {1, 0},   {0, 1},   {-1, -1}, {1, -1},  {-1, 1}, {1, 1},
+	{0, -2}, {-2, 0}, {2, 0},  {0, 2},   {-1, -2}, {1, -2},  {-2, -1}, {2, -1}, {-2, 1},
+	{2, 1},  {-1, 2}, {1, 2},  {-2, -2}, {2, -2},  {-2, 2},  {2, 2},
+};
+
+static int64_t least_of(const int64_t *key)
+{
+	int64_t least = key[0];
+	for (int i = 1; i < PLACES; i++)
+		least = key[i] < least ? key[i] : least;
+	return least;
+}
+
+/* The place of the least depth about a pixel, of those whose object is `own`, if one is, or NULL for any. What lies
+ * beyond the frame is as what is nearer, and so counts after it. */
+static int least_near(const frame *f, int x, int y, const float *own)
+{
+	plane object = f->layer[ENCRE_LAYER_OBJECT], depth = f->layer[ENCRE_LAYER_DEPTH];
+	const float *depths[5], *numbers[5], number = own ? *own : 0;
+	int column[5];
+	float z[PLACES], other[PLACES];
+	int64_t here[PLACES], its[PLACES];
+	for (int k = 0; k < 5; k++) {
+		ptrdiff_t row = clamp_index(y + k - 2, f->height);
+		column[k] = clamp_index(x + k - 2, f->width);
+		depths[k] = depth.data + row * depth.row;
+		numbers[k] = own ? object.data + row * object.row : depths[k];
+	}
+	for (int i = 0; i < PLACES; i++) {
+		int at = column[window[i][0] + 2], row = window[i][1] + 2;
+		z[i] = depths[row][at];
+		other[i] = numbers[row][at];
+	}
+	for (int i = 0; i < PLACES; i++) {
+		/* from 0 on, floats order as their bits do */
+		int there = (z[i] > 0) & (z[i] < depth_end), counts = !own | (other[i] == number);
+		here[i] = (int64_t)float_bits(there ? z[i] : INFINITY) * 32 + i;
+		its[i] = counts ? here[i] : INT64_MAX;
+	}
+	int64_t least = least_of(its); /* a corner may lie farther from what it belongs to */
+	return (int)((least < INT64_MAX ? least : least_of(here)) % 32);
+}
+
 /* The least depth of the 5x5 among pixels of the object that the line bounds: at the foot of a blade of grass the
  * ground before it is nearer, and has other controls. A thin thing's line may pass where no pixel is its own. */
 int ISA(fine_controls)(const fine *n, const found *at, placed *s)
 {
-	/* by distance, then row, then column: of equal depths the first counts */
-	static const int window[25][2] = {
-		{0, 0},  {0, -1}, {-1, 0}, {1, 0},   {0, 1},   {-1, -1}, {1, -1},  {-1, 1}, {1, 1},
-		{0, -2}, {-2, 0}, {2, 0},  {0, 2},   {-1, -2}, {1, -2},  {-2, -1}, {2, -1}, {-2, 1},
-		{2, 1},  {-1, 2}, {1, 2},  {-2, -2}, {2, -2},  {-2, 2},  {2, 2},
-	};
 	const frame *f = n->f;
-	plane object = f->layer[ENCRE_LAYER_OBJECT], depth = f->layer[ENCRE_LAYER_DEPTH];
+	plane object = f->layer[ENCRE_LAYER_OBJECT];
 	int x = pixel_of(s->x, f->width), y = pixel_of(s->y, f->height), own_x = at->column, own_y = at->row;
-	int near = -1, its = -1, left = -x, right = f->width - 1 - x, above = -y, below = f->height - 1 - y;
-	float least = INFINITY, least_its = INFINITY;
+	int near = 0;
 	owner_of(n, at, &own_x, &own_y);
 	bool any = !object.data || at->family == FAMILY_THIN;
 	bool seen = families[at->family].rank == RANK_SEEN; /* it lies in the mirror, whatever stands before that */
-	const float *z = depth.data + y * depth.row + x, *number = any ? z : object.data + y * object.row + x;
-	float own = any ? 0 : object.data[own_y * object.row + own_x];
-	for (int i = 0; !seen && i < 25; i++) {
-		int dx = window[i][0], dy = window[i][1];
-		if (dx < left || dx > right || dy < above || dy > below)
-			continue;
-		float here = depth_of(z[dy * depth.row + dx]);
-		if (here < least || near < 0) {
-			least = here;
-			near = i;
-		}
-		if ((any || number[dy * object.row + dx] == own) && (here < least_its || its < 0)) {
-			least_its = here;
-			its = i;
-		}
-	}
-	near = its >= 0 ? its : near; /* a corner may lie farther from what it belongs to */
-	s->near_x = (uint16_t)(x + (near >= 0 ? window[near][0] : 0));
-	s->near_y = (uint16_t)(y + (near >= 0 ? window[near][1] : 0));
+	if (!seen)
+		near = any ? least_near(f, x, y, NULL) : least_near(f, x, y, object.data + own_y * object.row + own_x);
+	s->near_x = (uint16_t)(x + window[near][0]);
+	s->near_y = (uint16_t)(y + window[near][1]);
 	return style_at(f, s->near_x, s->near_y);
 }
 
@@ -167,12 +191,6 @@ float ISA(fine_strength)(const fine *n, const found *at)
 }
 
 /* ---- cells ----------------------------------------------------------------------------------------------- */
-
-static size_t cell_of(const fine *n, const site *s)
-{
-	int x = pixel_of(s->placed.x, n->f->width) / CELL, y = pixel_of(s->placed.y, n->f->height) / CELL;
-	return (size_t)y * (size_t)n->across + (size_t)x;
-}
 
 int32_t ISA(fine_sort)(fine *n)
 {

@@ -97,7 +97,8 @@ static void drop_ring(const fine *n, uint32_t i)
 		sites++;
 		from = at;
 		at = next;
-	} while (at != i && length < most);
+		/* what goes round is twice as long as it is far across, but for rounding */
+	} while (at != i && length < most && apart2(n->site + i, n->site + at) < 0.26f * most * most);
 	if (at != i || length >= most)
 		return;
 	for (; sites > 0; sites--) {

@@ -3,6 +3,7 @@
 #include "fine/near.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { CHUNK = 256, ROUNDS = 2, OWN = 8 };
 
@@ -282,36 +283,32 @@ static int32_t find_ends(ends *all)
 	fine *n = all->n;
 	int32_t code = ENCRE_OK;
 	all->count = 0;
+	all->number = late_take(&n->f->late, n->count, sizeof *all->number);
+	if (!all->number)
+		return ENCRE_ERROR_MEMORY;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
-		all->count += is_end(n, i);
+		all->number[i] = is_end(n, i) ? all->count++ : UINT32_MAX;
 	}
-	if (code)
-		return code;
-	all->end = late_take(&n->f->late, all->count, sizeof *all->end);
-	all->number = late_take(&n->f->late, n->count, sizeof *all->number);
 	size_t cells = (size_t)n->across * (size_t)n->tall;
+	all->end = late_take(&n->f->late, all->count, sizeof *all->end);
 	all->first = late_take(&n->f->late, cells + 1, sizeof *all->first);
 	all->member = late_take(&n->f->late, all->count, sizeof *all->member);
-	if (!all->end || !all->number || !all->first || !all->member)
-		return ENCRE_ERROR_MEMORY;
-	for (uint32_t i = 0, k = 0; !code && i < n->count; i++) {
+	if (code || !all->end || !all->first || !all->member)
+		return code ? code : ENCRE_ERROR_MEMORY;
+	memset(all->first, 0, (cells + 1) * sizeof *all->first);
+	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
-		all->number[i] = UINT32_MAX;
-		if (is_end(n, i)) {
-			all->end[k] = (end){.site = i};
-			all->number[i] = k++;
-		}
+		if (all->number[i] == UINT32_MAX)
+			continue;
+		all->end[all->number[i]] = (end){.site = i};
+		all->first[cell_of(n, n->site + i)]++;
 	}
-	uint32_t k = 0;
-	for (size_t i = 0; !code && i < cells; i++) {
-		code = at_step(n, (uint32_t)i);
-		all->first[i] = k;
-		for (uint32_t j = n->cell[i]; j < n->cell[i + 1]; j++)
-			if (all->number[n->member[j]] != UINT32_MAX)
-				all->member[k++] = all->number[n->member[j]];
-	}
-	all->first[cells] = k;
+	for (size_t i = 1; i <= cells; i++)
+		all->first[i] += all->first[i - 1];
+	/* from the last: each finds its cell's end and moves it down */
+	for (uint32_t k = all->count; !code && k-- > 0;)
+		all->member[--all->first[cell_of(n, n->site + all->end[k].site)]] = k;
 	return code;
 }
 
@@ -336,10 +333,12 @@ static int32_t add_sites(fine *n, const site *from, uint32_t count)
 	return ISA(fine_sort)(n);
 }
 
-static int32_t round_of(fine *n)
+/* more: whether any end was led on. */
+static int32_t round_of(fine *n, bool *more)
 {
 	ends all = {.n = n};
 	int32_t code = find_ends(&all);
+	*more = false;
 	if (!code)
 		code = bands_run(n->f->bands, (int)all.count, CHUNK, aim, &all);
 	if (!code)
@@ -361,6 +360,7 @@ static int32_t round_of(fine *n)
 		return code;
 	qsort(all.pair, pairs, sizeof *all.pair, by_cost);
 	code = join_ends(&all, pairs, &to);
+	*more = to.count > 0;
 	late_drop(&n->f->late, all.end);
 	late_drop(&n->f->late, all.number);
 	late_drop(&n->f->late, all.first);
@@ -378,7 +378,8 @@ static int32_t round_of(fine *n)
 int32_t ISA(fine_join_ends)(fine *n)
 {
 	int32_t code = ENCRE_OK;
-	for (int i = 0; !code && i < ROUNDS; i++)
-		code = round_of(n);
+	bool more = true;
+	for (int i = 0; !code && more && i < ROUNDS; i++)
+		code = round_of(n, &more);
 	return code;
 }
