@@ -257,6 +257,14 @@ static inline uint32_t next_of(const fine *n, uint32_t from, uint32_t i)
 	return links_at(n, i) != 2 ? UINT32_MAX : to[0] == from ? to[1] : to[0];
 }
 
+/* The two sites that site i is linked to, each of which the other one takes out of it (^); UINT32_MAX: there are not
+ * two. */
+static inline uint32_t both_of(const fine *n, uint32_t i)
+{
+	const uint32_t *to = n->to + n->at[i];
+	return links_at(n, i) == 2 ? to[0] ^ to[1] : UINT32_MAX;
+}
+
 /* Whether of the lines that meet at site i the one over j is younger than two others, which go on through it. */
 static inline bool branches_off(const fine *n, uint32_t i, uint32_t j)
 {

@@ -197,8 +197,8 @@ static const float half_bent = 60;
 /* What is read of a site on the way, close together. */
 typedef struct stop {
 	float x, y;
-	uint32_t to[2]; /* UINT32_MAX but where a line has two links */
-	float runs;     /* 0 at a corner, else up to 1; below 0 where it is dropped */
+	uint32_t both; /* as both_of() */
+	float runs;    /* 0 at a corner, else up to 1; below 0 where it is dropped */
 } stop;
 
 typedef struct bending {
@@ -216,16 +216,11 @@ static void stop_rows(void *data, int first, int end, int thread)
 	const fine *n = g->n;
 	for (int i = first; i < end && !stopped_at(n, i); i++) {
 		const placed *s = &n->site[i].placed;
-		const uint32_t *to = n->to + n->at[i];
 		float turn = g->turn[i], bent = 0;
-		bool two = links_at(n, (uint32_t)i) == 2;
 		for (uint32_t k = n->at[i]; turn > 0.1f && k < n->at[i + 1]; k++)
 			bent = max(bent, walk(n, (uint32_t)i, n->to[k], g->arm, g->turn).least);
 		float corner = turn > 0.1f ? clamp01((turn - 0.1f) / 0.15f) * clamp01(4.5f - 5 * bent / turn) : 0;
-		g->stop[i] = (stop){s->x,
-				    s->y,
-				    {two ? to[0] : UINT32_MAX, two ? to[1] : UINT32_MAX},
-				    n->site[i].linked.dropped ? -1 : 1 - corner};
+		g->stop[i] = (stop){s->x, s->y, both_of(n, (uint32_t)i), n->site[i].linked.dropped ? -1 : 1 - corner};
 	}
 }
 
@@ -248,9 +243,7 @@ static flank flank_of(const bending *g, uint32_t i, uint32_t first, float reach)
 		to.share += weight * step;
 		along += step;
 		runs = min(runs, b->runs);
-		uint32_t next = b->to[b->to[0] == from];
-		if (next == UINT32_MAX)
-			next = ISA(onward)(g->n, from, at);
+		uint32_t next = b->both != UINT32_MAX ? b->both ^ from : ISA(onward)(g->n, from, at);
 		from = at;
 		at = next;
 	}

@@ -25,7 +25,7 @@ typedef struct bound {
 /* What is read of a site on the way, close together. */
 typedef struct stop {
 	bound bound;
-	uint32_t to[2]; /* UINT32_MAX but where a line has two links */
+	uint32_t both; /* as both_of() */
 } stop;
 
 /* What bounds lines on the ways that a link leads, over so many meetings, and how many sites the longest of them has;
@@ -239,9 +239,7 @@ static void find_bounds(void *data, int first, int end, int thread)
 	(void)thread;
 	const slender *w = data;
 	for (int i = first; i < end && !stopped_at(w->n, i); i++) {
-		const uint32_t *to = w->n->to + w->n->at[i];
-		bool two = links_at(w->n, (uint32_t)i) == 2;
-		w->stop[i] = (stop){bound_of(w, (uint32_t)i), {two ? to[0] : UINT32_MAX, two ? to[1] : UINT32_MAX}};
+		w->stop[i] = (stop){bound_of(w, (uint32_t)i), both_of(w->n, (uint32_t)i)};
 	}
 }
 
@@ -286,7 +284,7 @@ static bound beyond(const slender *w, uint32_t from, uint32_t at, int sites, int
 	while (sites-- > 0 && at != start) {
 		const stop *s = w->stop + at;
 		most = more(most, s->bound);
-		if (s->to[0] == UINT32_MAX) {
+		if (s->both == UINT32_MAX) {
 			for (uint32_t k = n->at[at]; meetings && links_at(n, at) > 2 && k < n->at[at + 1]; k++)
 				if (n->to[k] != from)
 					most = more(most, meetings == MEETINGS && w->known.sites[k] <= sites
@@ -294,7 +292,7 @@ static bound beyond(const slender *w, uint32_t from, uint32_t at, int sites, int
 								  : beyond(w, at, n->to[k], sites, meetings - 1));
 			break;
 		}
-		uint32_t next = s->to[s->to[0] == from];
+		uint32_t next = s->both ^ from;
 		from = at;
 		at = next;
 	}
