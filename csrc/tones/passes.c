@@ -149,7 +149,7 @@ int32_t ISA(tone_marks_run)(frame *f, tone_marks *m)
 	code = code ? code : bands_run(f->bands, f->height, 0, find_rows, &w);
 	code = code ? code : bands_run(f->bands, f->height, 0, sift_rows, &w);
 	/* strokes are traced in each band that they reach */
-	int band = f->height / (4 * bands_threads(f->bands));
-	band = band < 64 ? 64 : band < 256 ? band : 256;
+	int band = f->height / (2 * bands_threads(f->bands));
+	band = band < 64 ? 64 : band;
 	return code ? code : bands_run(f->bands, f->height, band, draw_rows, &w);
 }

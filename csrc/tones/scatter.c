@@ -133,9 +133,8 @@ static dyadic dyadic_of(float whole, float scale)
 	int32_t n = (int32_t)whole, exponent = -(float_bits(scale) >> 23);
 	if (n == 0)
 		return (dyadic){0, 0};
-	for (; (n & 1) == 0; exponent++)
-		n /= 2;
-	return (dyadic){n, exponent};
+	int twos = __builtin_ctz((unsigned)n);
+	return (dyadic){n / (1 << twos), exponent + twos};
 }
 
 static int main_axis(const tone_rest *rest, int i)

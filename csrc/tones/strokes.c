@@ -272,12 +272,10 @@ static void draw_mark(const brush *b, const tone_mark *mark, int row)
 	    y = tone_within(pixel_of(mark->y, b->f->place.y), b->f->height);
 	if ((float)y + 1 + far < (float)b->y0 || (float)y - far > (float)b->y1)
 		return;
-	if (!gets_to(b, mark->column, row, x, y))
-		return;
 	const tone_width *widths = b->m->widths[mark->slot->kind == tone_1_STIPPLE ? TONE_SPOTS : mark->layer];
 	const tone_block *about = b->m->blocks + y / TONE_BLOCK * tone_blocks(b->f->width) + x / TONE_BLOCK;
 	bool known = far < TONE_BLOCK;
-	if (known && !(widths[about->darkest].shown > mark->rank))
+	if ((known && !(widths[about->darkest].shown > mark->rank)) || !gets_to(b, mark->column, row, x, y))
 		return;
 	bool parted = b->parted && !(known && !about->parted);
 	int dark = tone_bytes(b->m, TONE_DARK, y)[x];

@@ -81,8 +81,8 @@ CUTS = (  # the file, what stands there once, what it becomes
     ("csrc/texture/bake.h", "LANES = 8", "LANES = 4"),
     ("csrc/texture/bake.h", "SHEET = 64", "SHEET = 13"),
     ("csrc/tones/strokes.c", "LANES = 8, ROWS = 8", "LANES = 4, ROWS = 3"),
-    ("csrc/tones/passes.c", "int band = f->height / (4 * bands_threads(f->bands));", "int band = 23;"),
-    ("csrc/tones/passes.c", "band = band < 64 ? 64 : band < 256 ? band : 256;", "band = 23;"),
+    ("csrc/tones/passes.c", "int band = f->height / (2 * bands_threads(f->bands));", "int band = 23;"),
+    ("csrc/tones/passes.c", "band = band < 64 ? 64 : band;", "band = 23;"),
 )
 # Functions that say where work may be saved. No byte depends on that, either: the test lets all of them save nothing.
 # That they leave out too much is for the twins.
