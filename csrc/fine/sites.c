@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+enum { CHUNK = 4096 };
+
 static const float touching = 0.02f; /* of the depth, apart at most; test_fine_sites */
 
 /* ---- one site -------------------------------------------------------------------------------------------- */
@@ -192,18 +194,32 @@ float ISA(fine_strength)(const fine *n, const found *at)
 
 /* ---- cells ----------------------------------------------------------------------------------------------- */
 
+typedef struct sorting {
+	const fine *n;
+	uint32_t *cell; /* by site */
+} sorting;
+
+static void find_cells(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const sorting *s = data;
+	for (int i = first; i < end && !stopped_at(s->n, i); i++)
+		s->cell[i] = (uint32_t)cell_of(s->n, s->n->site + i);
+}
+
 int32_t ISA(fine_sort)(fine *n)
 {
 	size_t cells = (size_t)n->across * (size_t)n->tall;
 	late_drop(&n->f->late, n->member);
 	n->member = late_take(&n->f->late, n->count, sizeof *n->member);
-	if (!n->member)
+	sorting s = {n, late_take(&n->f->late, n->count, sizeof *s.cell)};
+	if (!n->member || !s.cell)
 		return ENCRE_ERROR_MEMORY;
 	memset(n->cell, 0, cells * sizeof *n->cell);
-	int32_t code = ENCRE_OK;
+	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_cells, &s);
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
-		n->cell[cell_of(n, n->site + i)]++;
+		n->cell[s.cell[i]]++;
 	}
 	uint32_t end = 0;
 	for (size_t i = 0; i <= cells; i++)
@@ -211,7 +227,8 @@ int32_t ISA(fine_sort)(fine *n)
 	for (uint32_t i = n->count;
 	     !code && i-- > 0;) { /* from the last: each finds its cell's end and moves it down */
 		code = at_step(n, i);
-		n->member[--n->cell[cell_of(n, n->site + i)]] = i;
+		n->member[--n->cell[s.cell[i]]] = i;
 	}
+	late_drop(&n->f->late, s.cell);
 	return code;
 }

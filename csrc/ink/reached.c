@@ -7,6 +7,8 @@
 
 #include <string.h>
 
+enum { CHUNK = 4096 };
+
 /* Adds a capsule to the lists of the bands that it reaches into; counts while there are no lists. */
 static void enter(const frame *f, const capsules *all, uint32_t a, uint32_t b, uint32_t *next)
 {
@@ -24,43 +26,73 @@ static void enter(const frame *f, const capsules *all, uint32_t a, uint32_t b, u
 	}
 }
 
-static int32_t enter_stroke(const frame *f, const turns *t, uint32_t stroke, const capsules *all, uint32_t *next)
+/* Strokes are cut into pieces of CHUNK sites, and each has its own places in the lists: in the order of strokes and
+ * sites, whatever the threads. */
+typedef struct listing {
+	const frame *f;
+	const turns *t;
+	const capsules *all;
+	size_t bands;
+	uint32_t pieces; /* of a stroke */
+	uint32_t *next;  /* by piece and band: how many reach there, and then where the next one is put */
+} listing;
+
+static void enter_pieces(void *data, int first, int end, int thread)
 {
-	const fine *n = f->fine;
-	uint32_t from = stroke * n->count, spur = 0;
-	int32_t code = ENCRE_OK;
-	for (uint32_t i = 0; !code && i < n->count; i++) {
-		code = at_step(n, i);
-		for (; spur < t->spurs && t->spur[spur].site == i; spur++)
-			if (all->end[spur_end(all, t, stroke, spur)].reach > 0)
-				enter(f, all, from + i, (uint32_t)spur_end(all, t, stroke, spur), next);
-		if (n->site[i].linked.dropped)
-			continue;
-		if (n->at[i] == n->at[i + 1])
-			enter(f, all, from + i, from + i, next);
-		for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
-			if (n->to[k] > i && !n->site[n->to[k]].linked.dropped)
-				enter(f, all, from + i, from + n->to[k], next);
+	(void)thread;
+	const listing *l = data;
+	const fine *n = l->f->fine;
+	for (uint32_t p = (uint32_t)first; p < (uint32_t)end; p++) {
+		uint32_t stroke = p / l->pieces, from = stroke * n->count, i = p % l->pieces * CHUNK, spur = 0,
+			 last = n->count - i < CHUNK ? n->count : i + CHUNK, *next = l->next + p * l->bands;
+		while (spur < l->t->spurs && l->t->spur[spur].site < i)
+			spur++;
+		for (; i < last && !stopped_at(n, (int)i); i++) {
+			for (; spur < l->t->spurs && l->t->spur[spur].site == i; spur++) {
+				uint32_t to = (uint32_t)spur_end(l->all, l->t, stroke, spur);
+				if (l->all->end[to].reach > 0)
+					enter(l->f, l->all, from + i, to, next);
+			}
+			if (n->site[i].linked.dropped)
+				continue;
+			if (n->at[i] == n->at[i + 1])
+				enter(l->f, l->all, from + i, from + i, next);
+			for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
+				if (n->to[k] > i && !n->site[n->to[k]].linked.dropped)
+					enter(l->f, l->all, from + i, from + n->to[k], next);
+		}
 	}
-	return code;
 }
 
 int32_t ISA(capsules_list)(frame *f, const turns *t, uint32_t strokes, capsules *all)
 {
-	size_t bands = (size_t)(f->height - 1) / BAND + 1;
-	int32_t code = ENCRE_OK;
-	memset(all->first, 0, (bands + 2) * sizeof *all->first);
-	/* counted two places on: summed up, and filled, they end where they belong */
-	for (uint32_t k = 0; !code && k < strokes; k++)
-		code = enter_stroke(f, t, k, all, all->first + 2);
-	if (code)
-		return code;
-	for (size_t k = 2; k < bands + 2; k++)
-		all->first[k] += all->first[k - 1];
-	all->list = late_take(&f->late, all->first[bands + 1], sizeof *all->list);
-	if (!all->list)
+	const fine *n = f->fine;
+	listing l = {.f = f,
+		     .t = t,
+		     .all = all,
+		     .bands = (size_t)(f->height - 1) / BAND + 1,
+		     .pieces = (n->count + CHUNK - 1) / CHUNK};
+	size_t pieces = (size_t)strokes * l.pieces;
+	l.next = late_take(&f->late, pieces * l.bands, sizeof *l.next);
+	if (!l.next)
 		return ENCRE_ERROR_MEMORY;
-	for (uint32_t k = 0; !code && k < strokes; k++)
-		code = enter_stroke(f, t, k, all, all->first + 1);
+	memset(l.next, 0, pieces * l.bands * sizeof *l.next);
+	int32_t code = bands_run(f->bands, (int)pieces, 1, enter_pieces, &l);
+	uint32_t sum = 0;
+	for (size_t k = 0; !code && k < l.bands; k++) {
+		all->first[k] = sum;
+		for (size_t p = 0; p < pieces; p++) {
+			uint32_t *next = l.next + p * l.bands + k, own = *next;
+			*next = sum;
+			sum += own;
+		}
+	}
+	all->first[l.bands] = sum;
+	all->list = code ? NULL : late_take(&f->late, sum, sizeof *all->list);
+	if (!code && !all->list)
+		return ENCRE_ERROR_MEMORY;
+	if (!code)
+		code = bands_run(f->bands, (int)pieces, 1, enter_pieces, &l);
+	late_drop(&f->late, l.next);
 	return code;
 }

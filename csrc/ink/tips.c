@@ -413,7 +413,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 	all->ink = inked ? late_take(&f->late, ends, sizeof *all->ink) : NULL;
 	all->dry = dry ? late_take(&f->late, ends, sizeof *all->dry) : NULL;
 	all->strip = striped ? late_take(&f->late, ends, sizeof *all->strip) : NULL;
-	all->first = late_take(&f->late, bands + 2, sizeof *all->first);
+	all->first = late_take(&f->late, bands + 1, sizeof *all->first);
 	if (!all->end || !all->first || (g.turns.spurs && !g.farther) || (inked && !all->ink) || (dry && !all->dry) ||
 	    (striped && !all->strip))
 		return ENCRE_ERROR_MEMORY;

@@ -65,6 +65,8 @@ CUTS = (  # the file, what stands there once, what it becomes
     ("csrc/ink/search.c", "PART = 256", "PART = 37"),
     ("csrc/ink/turns.c", "CHUNK = 1024", "CHUNK = 37"),
     ("csrc/ink/widths.c", "CHUNK = 1024", "CHUNK = 37"),
+    ("csrc/ink/reached.c", "CHUNK = 4096", "CHUNK = 37"),
+    ("csrc/fine/sites.c", "CHUNK = 4096", "CHUNK = 37"),
     ("csrc/light/light.h", "FACETS = 64", "FACETS = 2"),
     ("csrc/light/place.c", "about = 0.06f", "about = 0.5f"),
     ("csrc/light/shaft.h", "SHAFT_FEW = 4", "SHAFT_FEW = 9"),
