@@ -9,7 +9,7 @@ import crowds
 import numpy as np
 import pytest
 from encre.pen import library
-from encre.pen.job import Camera
+from encre.pen.job import Camera, Frame
 from judge import scenes
 
 PRESETS = Path(library.__file__).parents[1] / "presets"
@@ -93,6 +93,23 @@ def test_crowded_ink_and_lines_are_the_same_at_every_size(name):
         {size: (a, ink[100]) for size, a in ink.items()}, {size: (ink[100], a) for size, a in ink.items()}))
     assert more[200] < 0.04 and less[200] < 0.06, (more, less)  # weak joints live where a neighbour is strong
     assert more[50] < (0.06 if faint else 0.03) and less[50] < (0.13 if faint else 0.03), (more, less)
+
+
+def striped(apart, lean, side=80, fine=5):
+    """Stripes of two colours, so many pixels wide straight across, that go `lean` pixels up for each to the right."""
+    y, x = np.mgrid[:side * fine, :side * fine] / fine
+    share = sized(np.floor((y + lean * x) / (apart * np.hypot(1, lean))) % 2, (side, side))[..., None]
+    flat = np.ones((side, side, 3))
+    layers = dict(combined=np.ones((side, side, 4)), color=share * (0.75, 0.7, 0.6) + (1 - share) * (0.25, 0.3, 0.4),
+                  diffuse=flat, normal=flat * (0, 0, 1), depth=flat[..., :1] * 4, object=flat[..., :1])
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+def test_lines_between_colours_fade_at_the_same_distance_at_all_slants():
+    for apart in (3.5, 5.0):
+        ink = [darkness(striped(apart, lean), frame=Frame(1440, 1080, 100, 100), **preset("ink_only"))[15:-15, 15:-15]
+               .mean() for lean in (0.0, 0.5, 1.0)]
+        assert min(ink) > 0.15 and max(ink) < 1.15 * min(ink), (apart, ink)
 
 
 def slanted(rows=60, columns=200):

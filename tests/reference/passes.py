@@ -323,6 +323,18 @@ def px(scale, least=1.0):
     return min(max(scale, least), 8.0)
 
 
+def _lean(t, i, axis):
+    """Pixels to the other side for each along an axis, straight across the line of a site, up to 45 degrees."""
+    if len(t.links[i]) not in (1, 2):
+        return 0.0
+    first, last = t.links[i][0], t.links[i][1] if len(t.links[i]) == 2 else i
+    way = t.at[last] - t.at[first]
+    if way[axis] == 0:
+        return 0.0
+    return -way[axis] / way[1 - axis] if abs(way[1 - axis]) > abs(way[axis]) else -np.sign(
+        way[axis]) * (-1 if way[1 - axis] < 0 else 1)
+
+
 def crowd(t, shape, scale, turns):
     """1 over the greatest radius of each site, 0 where it is not bounded; unsure. turns: by row, column and axis, at
     which share of the pixels about colours turn back, and whether that is sure."""
@@ -331,10 +343,11 @@ def crowd(t, shape, scale, turns):
     near, doubt = {}, set()
     for i in counts:
         ahead_axis = 1 if t.axis[i] == COLUMN else 0
-        nexts = [reach, reach]
+        nexts, lean = [reach, reach], _lean(t, i, ahead_axis)
         for j in counts:
             gap = t.at[j] - t.at[i]
-            ahead, aside = gap[ahead_axis], gap[1 - ahead_axis]
+            aside = gap[1 - ahead_axis]
+            ahead = (gap[ahead_axis] + lean * aside) / np.hypot(1, lean)
             back = t.axis[i] == t.axis[j] and t.step[i] @ t.step[j] < 0
             least, most = (1, 4) if back else (1.75, 1.5)
             if 0 < abs(abs(ahead) - least) < CLOSE or 0 < abs(abs(aside) - most) < CLOSE:

@@ -8,8 +8,8 @@ enum { CHUNK = 512 };
 
 /* In px: next lines are looked for so far away, and their distance is averaged over so much each way. */
 static const float reach = 10, spread = 20; /* test_fine_passes */
-/* In pixels: another site is on a line of its own that lies so far ahead and no farther to the side: of lines that part
- * other colours, and of those that part the same colours the other way round. */
+/* In pixels: another site is on a line of its own that lies so far ahead, across this line, and no farther beside its
+ * axis: of lines that part other colours, and of those that part the same colours the other way round. */
 static const float ahead_other = 1.75f, aside_other = 1.5f, ahead_back = 1, aside_back = 4; /* test_fine_passes */
 static const float gone = 2.5f; /* px: lines that are so close are not drawn; test_fine_passes */
 /* Pixels in a px of room at least: lines that are nearer than 1.5 pixels these can't part. */
@@ -38,9 +38,24 @@ static bool is_next(const site *s, const site *other, float ahead, float aside)
 	return ahead * ahead > least * least && aside * aside <= most * most;
 }
 
+/* Lines are as far apart as they are straight across: `lean` pixels aside for each along the axis, up to 45 degrees
+ * where a line tells, and `along` of each of these. */
 typedef struct gap {
-	float before, after;
+	float lean, along, before, after;
 } gap;
+
+static gap gap_at(const fine *n, uint32_t i, float reach)
+{
+	gap g = {.along = 1, .before = reach, .after = reach};
+	float way[2];
+	if (way_of(n, i, way)) {
+		bool down = n->site[i].found.axis == AXIS_COLUMN;
+		float back = -way[down], aside = way[!down];
+		g.lean = fabsf(aside) > fabsf(back) ? back / aside : back == 0 ? 0 : (back < 0) != (aside < 0) ? -1 : 1;
+		g.along = 1 / sqrtf(1 + g.lean * g.lean);
+	}
+	return g;
+}
 
 /* Takes what is next among the sites of a strip of cells. */
 static void look_in(const fine *n, const site *s, near_sites strip, gap *g)
@@ -48,8 +63,8 @@ static void look_in(const fine *n, const site *s, near_sites strip, gap *g)
 	for (uint32_t i; near_next(n, &strip, &i);) {
 		const site *other = n->site + i;
 		bool down = s->found.axis == AXIS_COLUMN;
-		float x = other->placed.x - s->placed.x, y = other->placed.y - s->placed.y, ahead = down ? y : x,
-		      aside = down ? x : y;
+		float x = other->placed.x - s->placed.x, y = other->placed.y - s->placed.y, aside = down ? x : y,
+		      ahead = ((down ? y : x) + g->lean * aside) * g->along;
 		if (!is_next(s, other, ahead, aside) || !counts(other))
 			continue;
 		if (ahead > 0)
@@ -60,11 +75,13 @@ static void look_in(const fine *n, const site *s, near_sites strip, gap *g)
 }
 
 /* Strip by strip of cells outwards, as long as one may hold something nearer. */
-static float distance_to_next(const crowd *c, const site *s)
+static float distance_to_next(const crowd *c, uint32_t i)
 {
 	const fine *n = c->n;
-	gap g = {c->reach, c->reach};
-	near_sites of = near_site(n, s, c->reach), narrow = near_site(n, s, aside_back);
+	const site *s = n->site + i;
+	gap g = gap_at(n, i, c->reach);
+	float nearer = fabsf(g.lean) * aside_back;
+	near_sites of = near_site(n, s, c->reach / g.along + nearer), narrow = near_site(n, s, aside_back);
 	bool down = s->found.axis == AXIS_COLUMN;
 	float at = down ? s->placed.y : s->placed.x;
 	int own = pixel_of(at, down ? n->f->height : n->f->width) / CELL, first = down ? of.row : of.x0,
@@ -72,7 +89,8 @@ static float distance_to_next(const crowd *c, const site *s)
 	for (int way = -1; way <= 1; way += 2)
 		for (int k = way < 0 ? own : own + 1; k >= first && k <= last; k += way) {
 			float edge = (float)(way < 0 ? (k + 1) * CELL : k * CELL) - 0.5f;
-			if (k != own && (way < 0 ? at - edge >= g.before : edge - at >= g.after))
+			float least = (fabsf(at - edge) - nearer) * g.along;
+			if (k != own && least >= (way < 0 ? g.before : g.after))
 				break;
 			look_in(n, s,
 				down ? (near_sites){.row = k, .last = k, .x0 = narrow.x0, .x1 = narrow.x1}
@@ -90,7 +108,7 @@ static void find_next(void *data, int first, int end, int thread)
 	for (int i = first; i < end && !stopped_at(c->n, i); i++)
 		if (counts(c->n->site + i)) {
 			float turns = ISA(color_turns)(c->n, &c->n->site[i].found);
-			c->near[i] = max(1 / distance_to_next(c, c->n->site + i),
+			c->near[i] = max(1 / distance_to_next(c, (uint32_t)i),
 					 clamp01((turns - turns_from) / (turns_full - turns_from)));
 		}
 }
