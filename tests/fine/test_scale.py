@@ -88,7 +88,7 @@ def test_crowded_ink_and_lines_are_the_same_at_every_size(name):
     ink = inked(crowd(), name)
     faint = preset(name)["edge_color"] == 1.0 and preset(name)["edge_threshold"] == 0.3
     change = {size: abs(a.mean() / ink[100].mean() - 1) for size, a in ink.items()}
-    assert change[200] < 0.06 and change[50] < (0.1 if faint else 0.05), change
+    assert change[200] < 0.05 and change[50] < (0.1 if faint else 0.05), change
     more, less = ({size: alone(*pair) for size, pair in pairs.items()} for pairs in (
         {size: (a, ink[100]) for size, a in ink.items()}, {size: (ink[100], a) for size, a in ink.items()}))
     assert more[200] < 0.04 and less[200] < 0.06, (more, less)  # weak joints live where a neighbour is strong
@@ -110,6 +110,22 @@ def test_lines_between_colours_fade_at_the_same_distance_at_all_slants():
         ink = [darkness(striped(apart, lean), frame=Frame(1440, 1080, 100, 100), **preset("ink_only"))[15:-15, 15:-15]
                .mean() for lean in (0.0, 0.5, 1.0)]
         assert min(ink) > 0.15 and max(ink) < 1.15 * min(ink), (apart, ink)
+
+
+@pytest.mark.parametrize("lines", [1080, 2160])
+def test_a_rail_is_as_wide_above_its_posts(lines):
+    """Where a post goes down from it, nothing says that it is thin but what lies on both sides."""
+    unit = lines // 1080
+    y, x = np.mgrid[:60 * unit, :160 * unit] // unit
+    thing = ((y >= 20) & (y < 36) | (y >= 20) & (np.abs(x % 50 - 25) < 7))[..., None]
+    flat = np.ones((*thing.shape[:2], 3))
+    layers = dict(combined=np.ones((*thing.shape[:2], 4)), color=flat * 0.5, diffuse=flat, normal=flat * (0, 0, 1),
+                  depth=np.where(thing, 4.0, 20.0), object=thing + 1)
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    values = dict(preset("ink_only"), line_thickness=14, line_density=1)
+    wide = darkness(layers, frame=Frame(lines * 4 // 3, lines, 100, 100), **values)[5 * unit:28 * unit].sum(0)
+    wide = wide[25 * unit:-25 * unit]
+    assert wide.min() > 3 * unit and wide.max() < 1.03 * wide.min(), (wide.min(), wide.max())
 
 
 def slanted(rows=60, columns=200):

@@ -4,7 +4,7 @@
 import numpy as np
 
 from .metric import clamp01, mix
-from .passes import CLOSE, NUMBER, ROW, along_from
+from .passes import CLOSE, NUMBER, ROW, along_from, px
 
 WIDEST, SHARE, LEAST, TIP = 24.0, 0.25, 1.25, 0.75  # px, of the thing's width, px, px
 AROUND, MEETINGS = 16, 4  # sites each way along a line, and beyond how many meetings of lines
@@ -141,7 +141,7 @@ def slender(t, layers, unit):
         doubt |= {i} if unsure else set()
     unsure = set()
     for i in np.flatnonzero(~t.dropped & (t.rank == 0)):  # at the tip itself there is nothing opposite
-        arms = [_beyond(t, i, j, AROUND, MEETINGS) for j in t.links[i]]
+        arms = [_beyond(t, i, j, int(AROUND * px(unit)), MEETINGS) for j in t.links[i]]
         most = np.sort([found[arm].max(0) for arm in arms], axis=0)
         both = most[-2 if len(arms) > 1 else -1] if arms else np.zeros(2)  # where lines meet it goes on in two
         result[i] = np.maximum(found[i], both)

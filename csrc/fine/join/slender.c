@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { CHUNK = 512, AROUND = 16 /* sites each way along a line */, MEETINGS = 4, LONG = 6, LOOP = 32 };
+enum { CHUNK = 512, AROUND = 16 /* sites in a px of room each way along a line */, MEETINGS = 4, LONG = 6, LOOP = 32 };
 
 /* Px. What is wider is no thin thing, and no line of one is made thinner. */
 static const float widest = 24, least_radius = 1.25f, least_tip = 0.75f; /* test_fine_passes */
@@ -43,6 +43,7 @@ typedef struct slender {
 	ways known, next;
 	float unit; /* pixels of a px */
 	int reach;  /* pixels */
+	int around; /* sites each way along a line */
 } slender;
 
 static bool is_contour(const site *s)
@@ -249,7 +250,7 @@ static void find_ways(const slender *w, uint32_t i, uint32_t k)
 	const fine *n = w->n;
 	bound most = {0};
 	int sites = 0, longest = 0;
-	for (uint32_t from = i, at = n->to[k]; at != UINT32_MAX && at != i && sites + longest <= AROUND; sites++) {
+	for (uint32_t from = i, at = n->to[k]; at != UINT32_MAX && at != i && sites + longest <= w->around; sites++) {
 		most = more(most, w->stop[at].bound);
 		for (uint32_t l = n->at[at]; w->known.most && links_at(n, at) > 2 && l < n->at[at + 1]; l++)
 			if (n->to[l] != from) {
@@ -261,7 +262,7 @@ static void find_ways(const slender *w, uint32_t i, uint32_t k)
 		at = next;
 	}
 	w->next.most[k] = most;
-	w->next.sites[k] = (uint8_t)(sites + longest <= AROUND ? sites + longest : TOO_LONG);
+	w->next.sites[k] = (uint8_t)(sites + longest <= w->around ? sites + longest : TOO_LONG);
 }
 
 static void find_all_ways(void *data, int first, int end, int thread)
@@ -306,7 +307,7 @@ static bound closed(const slender *w, uint32_t i)
 	const fine *n = w->n;
 	bound most = {0}, both = {0};
 	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++) {
-		bound side = beyond(w, i, n->to[k], AROUND, MEETINGS);
+		bound side = beyond(w, i, n->to[k], w->around, MEETINGS);
 		both = (bound){max(both.crowd, min(most.crowd, side.crowd)),
 			       max(both.tapers, min(most.tapers, side.tapers))};
 		most = more(most, side);
@@ -356,6 +357,7 @@ int32_t ISA(fine_slender)(fine *n)
 	if (!w.stop)
 		return ENCRE_ERROR_MEMORY;
 	w.reach = (int)(widest * w.unit);
+	w.around = (int)(AROUND * room_px(n, 1));
 	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_bounds, &w);
 	if (!code)
 		code = know_ways(&w);
