@@ -186,6 +186,13 @@ def test_a_hand_sticks_to_one_who_walks():
     assert max(abs(share - 1) for share in hands.sizes(hands.PENS["brush"])) < 0.1
 
 
+@pytest.mark.parametrize("wobble", [0.6, 1.3, 3.0])
+def test_two_strokes_are_as_dark_at_a_quarter_of_the_size(wobble):
+    """Thin ones, that overlap in most pixels, or hardly do."""
+    values = {**hands.PENS["pencil"], "line_thickness": 4.0, "pen_wobble": wobble}
+    assert hands.sizes(values, (180,))[0] == pytest.approx(1, abs=0.1)
+
+
 def test_a_part_of_a_frame_is_as_dense_as_the_frame():
     """Farther from its rim than anything is looked at: ink is weighed on nodes of the full frame."""
     view, projection = hands.sticks.eye()

@@ -191,10 +191,10 @@ def motions():
     return {name: [sticks.posed(**pose) for pose in poses] for name, poses in sticks.MOTIONS.items()}
 
 
-def sizes(values):
+def sizes(values, heights=(540, 360, 180)):
     """Ink of lines, as a share of the picture, by the picture's height, to that at 720."""
     shares = []
-    for height in (720, 540, 360, 180):
+    for height in (720, *heights):
         size = height * 16 // 9, height
         layers, _ = sticks.layers_of(sticks.scene(), *sticks.eye(), size)
         shares.append(drawn(layers, sticks.eye()[0], values)[0].mean())
