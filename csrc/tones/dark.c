@@ -37,6 +37,13 @@ static inline float spare(spared s, float lit, float bright)
 	return max(lit, min(more, s.end));
 }
 
+/* What is compared with tone_black. */
+static inline float lightness(const encre_params *p, float r, float g, float b)
+{
+	bool seen = p->tone_black_by == tone_black_by_LUMINANCE;
+	return seen ? 0.2126f * r + 0.7152f * g + 0.0722f * b : max3(r, g, b);
+}
+
 static const float clear_from = 0.7f; /* share of light that a glazed thing mirrors from which on it is a mirror */
 
 /* How far what a pixel mirrors lies over a colour of its own, as on the sea, wet stone or lacquer: 0 for metals, which
@@ -73,7 +80,7 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 		lit = spare(own, lit, bright);
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
-		lit = nothing ? INFINITY : bright >= least ? lit : -1;
+		lit = nothing ? INFINITY : lightness(p, s[0], s[1], s[2]) >= least ? lit : -1;
 		if (glazed[i] > 0.5f) {
 			float own_depth = depth_of(front[x + i]);
 			bool itself = depth && fabsf(depth[x + i] - own_depth) <= 0.02f * own_depth;
@@ -105,7 +112,8 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 		float bright = max3(a[0][i], a[1][i], a[2][i]);
 		float lit = spare(own, max3(d[0][i], d[1][i], d[2][i]) * exposure, bright) + painted[i];
 		rest[i] = max3(e[0][i] - a[0][i] * d[0][i], e[1][i] - a[1][i] * d[1][i], e[2][i] - a[2][i] * d[2][i]);
-		light[i] = bright < black ? max(rest[i] - glazed[i], -1) : max(lit, rest[i]);
+		light[i] = lightness(p, a[0][i], a[1][i], a[2][i]) < black ? max(rest[i] - glazed[i], -1)
+									   : max(lit, rest[i]);
 	}
 	if (p->tone_mirrors)
 		mirrored_row(f, p, y, x, n, rest, a, glazed, light);

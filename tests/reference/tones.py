@@ -213,6 +213,10 @@ def _looks(of):
              tuple(of(f"tone_{n}_color")), id(of(f"tone_{n}_image"))) for n in (_number(of, k) for k in range(SLOTS))]
 
 
+def _luminance(color):
+    return color @ np.array([0.2126, 0.7152, 0.0722])
+
+
 def _glazed(layers):
     """How far what is mirrored lies over a colour of its own."""
     mirrors = value(layers.gloss)
@@ -241,7 +245,8 @@ def _dark(layers, levels, of, look):
 
     lit = spared(value(layers.diffuse) * of("shade_exposure"), layers.color) + painted(layers)
     rest = value(other(layers))
-    light = np.where(value(layers.color) < of("tone_black"), np.maximum(rest - _glazed(layers), -1),
+    lightness = _luminance if of("tone_black_by") == "LUMINANCE" else value
+    light = np.where(lightness(layers.color) < of("tone_black"), np.maximum(rest - _glazed(layers), -1),
                      np.maximum(lit, rest))
     if of("tone_mirrors") and layers.seen_color is None:
         light = np.where((value(layers.color) < 0.05) & ~((layers.depth > 0) & (layers.depth < 1e9)), np.inf, light)
@@ -249,7 +254,7 @@ def _dark(layers, levels, of, look):
         least = max(of("tone_black"), 0.05)
         seen = value(layers.seen_color)
         lit = spared(value(other(layers)) / np.maximum(seen, least) * of("shade_exposure"), layers.seen_color)
-        lit = np.where(seen >= least, lit, -1)
+        lit = np.where(lightness(layers.seen_color) >= least, lit, -1)
         nothing = ~((layers.seen_depth > 0) & (layers.seen_depth < 1e9))
         itself = np.abs(layers.seen_depth - layers.depth) <= 0.02 * layers.depth
         shows = ((value(layers.color) < 0.05)

@@ -52,6 +52,7 @@ def test_twin_of_dots_of_all_sizes(pitch, hardness):
 
 def look(rng, kinds):
     own = dict(tone_hardness=rng.choice([1, rng.random()]), tone_black=rng.choice([0, rng.random()]),
+               tone_black_by=str(rng.choice(["VALUE", "LUMINANCE"])),
                tone_local=rng.choice([0, rng.random()]), tone_darkness=rng.choice([0, rng.uniform(-0.5, 0.5)]))
     for n in range(1, 7):
         own |= {f"tone_{n}": str(rng.choice([*kinds, *["SAME"] * (n > 4)])),
@@ -133,6 +134,23 @@ def test_mirrors_have_the_tones_of_what_they_show():
     blue = dots | dict(tone_mirrors=True), layers | dict(color=zero + np.float32((0, 0, 0.06)))  # is no mirror
     got = library.render(blue[1], blue[0], outputs=["Encre Tones"]).images["Encre Tones"]
     assert (got[:, 24:] == (0, 0, 0, 1)).all()
+
+
+def test_blacks_are_what_the_eye_sees_as_dark():
+    """By the brightest channel navy is lighter than a green sea; by luminance it is darker. So it is in mirrors."""
+    navy, sea = np.float32((0.05, 0.09, 0.22)), np.float32((0.03, 0.15, 0.17))
+    color = np.repeat(np.stack([navy, sea])[None], 6, 0).repeat(6, 1)
+    zero, one = np.zeros_like(color), np.ones((6, 12, 1), np.float32)
+    layers = dict(color=color, combined=np.concatenate([color, one], 2), diffuse=zero + 1, depth=one, normal=zero + 1)
+    seen = dict(color=zero, diffuse=zero, seen_color=color, seen_normal=zero + 1, seen_depth=one)
+    scene = dict(ALONE, tone_1="SOLID", tone_2="NONE", tone_3="NONE", tone_mirrors=True,
+                 shade_levels=[(0.0,), (1, 0.3, 0)])
+    for held in layers, layers | seen:
+        for by, black, inked in ("VALUE", 0.2, (0, 1)), ("LUMINANCE", 0.1, (1, 0)):
+            params = scene | dict(tone_black=black, tone_black_by=by)
+            ink = library.render(held, params, outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
+            np.testing.assert_allclose(ink, reference(held, params)["Encre Tones"][..., 3], atol=2e-5)
+            assert (ink[:, :6] == inked[0]).all() and (ink[:, 6:] == inked[1]).all(), (by, black)
 
 
 def test_the_sky_in_a_dark_sea_does_not_cut_it():
