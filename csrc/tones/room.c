@@ -1,15 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Where a screen has no room: a piece of it that is narrower than `tone_least` pitches would be a row of dots. It is
- * ink, or beside ink, as between bars and inside letters, paper. */
+ * ink, or beside ink, as between bars and inside letters, paper. With the room dots grow to ink, or shrink to paper, so
+ * that nothing jumps as the camera moves. */
 #include "tones/tones.h"
 
 #include <string.h>
 
 enum { LIGHT, SCREEN, APART, CLEARED }; /* what pixels are; APART: ink; CLEARED: kept clear of tones */
-enum { CORE = 1, MAYBE = 255 };
+enum { ALL = 255 };                     /* of the room that a screen wants */
+static const uint32_t NONE = UINT32_MAX;
 
-/* Of the least width: what is narrower has no room, what is wider has. */
+/* Of the least width: what is narrower has no room, what is wider has all, and between it has some. */
 static const float narrow = 0.7f, wide = 1.4f;
+/* What is by a quarter of that wider than narrow lets all through. */
+enum { necks = 4 };
 /* Of half the least width: as far light is looked for beside a narrow piece. */
 static const float beside = 2;
 
@@ -64,7 +68,7 @@ static void look_at_run(const work *w, const encre_params *p, int y, int x, int 
 			sum[i] += wanted.dark[k][i] > 0 ? wanted.share[k][i] : 0;
 	}
 	for (int i = 0; i < n; i++) {
-		int clear = keep && keep[i] < 128, other = screens[i] > 0.5f ? SCREEN : LIGHT;
+		int clear = keep && keep[i]<128, other = screens[i]> 0.5f ? SCREEN : LIGHT;
 		what[i] = (uint8_t)(solid[i] > 0.5f ? APART : clear ? CLEARED : other);
 	}
 }
@@ -105,74 +109,156 @@ static void column_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-/* Whether what was sought is so near. */
-static bool is_near(const work *w, int x, int y, float radius)
+/* The square of how far away the nearest of what was sought is, as far as `radius`; else more than that of it. */
+static float nearest(const work *w, int x, int y, float radius)
 {
 	const uint8_t *far = row_of(w, w->d->scratch, y);
 	int reach = (int)radius, last = x + reach < w->f->width ? x + reach : w->f->width - 1;
-	for (int u = tone_within(x - reach, w->f->width); u <= last; u++)
-		if ((float)((u - x) * (u - x) + far[u] * far[u]) <= radius * radius)
-			return true;
-	return false;
+	int least = (reach + 1) * (reach + 1);
+	for (int u = tone_within(x - reach, w->f->width); u <= last; u++) {
+		int square = (u - x) * (u - x) + far[u] * far[u];
+		least = square < least ? square : least;
+	}
+	return (float)least;
 }
 
-static void core_rows(void *data, int y0, int y1, int thread)
+static bool is_near(const work *w, int x, int y, float radius)
+{
+	return nearest(w, x, y, radius) <= radius * radius;
+}
+
+/* How far pixels of a screen are from its end: 255ths of half of the width that is enough. */
+static void depth_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		const uint8_t *what = row_of(w, w->d->value, y);
-		uint8_t *sure = row_of(w, w->d->thin, y), *core = row_of(w, w->d->light, y);
+		uint8_t *depth = row_of(w, w->d->raw, y);
 		for (int x = 0; x < w->f->width; x++) {
-			float radius = radius_of(w, x, y);
+			float enough = wide * radius_of(w, x, y);
 			bool screen = what[x] == SCREEN;
-			core[x] = screen && !is_near(w, x, y, narrow * radius) ? CORE : 0;
-			sure[x] = core[x] && !is_near(w, x, y, wide * radius) ? CORE : 0;
+			float part = screen ? min(sqrtf(nearest(w, x, y, enough)) / max(enough, FLT_MIN), 1) : 0;
+			depth[x] = (uint8_t)(int)(255 * part + 0.5f);
 		}
 	}
+}
+
+/* How wide a piece is, at its middle: 0 where it is narrow, 255 where it is wide. Of four pixels the mean, or pieces of
+ * seven pixels would be as wide as of eight. */
+static void width_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
+		const uint8_t *rows[3];
+		for (int k = 0; k < 3; k++)
+			rows[k] = row_of(w, w->d->raw, tone_within(y + k - 1, w->f->height));
+		for (int x = 0; x < w->f->width; x++) {
+			int before = tone_within(x - 1, w->f->width), after = tone_within(x + 1, w->f->width), most = 0;
+			for (int k = 0; k < 2; k++) {
+				const uint8_t *above = rows[k], *below = rows[k + 1];
+				int own = above[x] + below[x], left = own + above[before] + below[before];
+				int right = own + above[after] + below[after];
+				most = left > most ? left : most;
+				most = right > most ? right : most;
+			}
+			most = rows[1][x] ? most : 0;
+			row_of(w, w->d->light, y)[x] = (uint8_t)(most > 2 * 255 ? (most - 2 * 255 + 1) / 2 : 0);
+		}
+	}
+}
+
+/* The most of what is near enough to be of the same piece. */
+static int widest_near(const work *w, int x, int y)
+{
+	float radius = narrow * radius_of(w, x, y);
+	int reach = (int)radius, most = row_of(w, w->d->light, y)[x];
+	for (int v = tone_within(y - reach, w->f->height); v <= y + reach && v < w->f->height; v++) {
+		const uint8_t *row = row_of(w, w->d->light, v);
+		for (int u = tone_within(x - reach, w->f->width); u <= x + reach && u < w->f->width; u++) {
+			if (most == 255)
+				return most;
+			bool within = (float)((u - x) * (u - x) + (v - y) * (v - y)) <= radius * radius;
+			most = within && row[u] > most ? row[u] : most;
+		}
+	}
+	return most;
 }
 
 static void room_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
-		const uint8_t *what = row_of(w, w->d->value, y);
-		uint8_t *room = row_of(w, w->d->room, y);
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0; x < w->f->width; x++) {
-			bool fits = what[x] == SCREEN && is_near(w, x, y, narrow * radius_of(w, x, y));
-			room[x] = fits ? MAYBE : what[x] == SCREEN ? TONE_NO_ROOM : TONE_ROOM;
+			bool screen = row_of(w, w->d->value, y)[x] == SCREEN;
+			row_of(w, w->d->room, y)[x] = (uint8_t)(screen ? widest_near(w, x, y) : ALL);
 		}
-	}
 }
 
-/* What is neither wide nor narrow is as what it hangs together with is, if that is wide: else dots would come and go
- * along a shadow. */
+/* Pixels by how much room they have, and the next of the same. */
+typedef struct heap {
+	uint32_t first[ALL + 1], *next; /* NONE ends a list */
+} heap;
+
+static void put(heap *h, uint8_t level, uint32_t i)
+{
+	h->next[i] = h->first[level];
+	h->first[level] = i;
+}
+
+/* So much of the room of a piece as is there goes through a neck. */
+static uint8_t through(uint8_t neck, uint8_t room)
+{
+	int most = neck > ALL / necks ? ALL : necks * neck;
+	return (uint8_t)(most < room ? most : room);
+}
+
+/* A piece is as what it hangs together with is, by the way with the widest necks, or dots would come and go along a
+ * shadow. Those with most room go first, so each pixel gets more but once. */
+static void spread(const work *w, heap *own, heap *got)
+{
+	uint32_t width = (uint32_t)w->f->width, pixels = width * (uint32_t)w->f->height;
+	uint8_t *room = w->d->room, *neck = w->d->thin;
+	memcpy(neck, room, pixels);
+	for (uint32_t i = 0; i < pixels; i++)
+		if (w->d->value[i] == SCREEN && room[i])
+			put(own, room[i], i);
+	for (int level = ALL; level > 0; level--)
+		for (int k = 0; k < 2; k++)
+			for (heap *h = k ? got : own; h->first[level] != NONE;) {
+				uint32_t i = h->first[level], x = i % width;
+				h->first[level] = h->next[i];
+				if (room[i] != level)
+					continue; /* has got more */
+				const uint32_t to[] = {x > 0 ? i - 1 : i, x + 1 < width ? i + 1 : i,
+						       i >= width ? i - width : i, i + width < pixels ? i + width : i};
+				for (int n = 0; n < 4; n++) {
+					uint8_t more = through(neck[to[n]], (uint8_t)level);
+					if (w->d->value[to[n]] != SCREEN || more <= room[to[n]])
+						continue;
+					room[to[n]] = more;
+					put(got, more, to[n]);
+				}
+			}
+}
+
 static int32_t join(const work *w)
 {
-	int width = w->f->width, height = w->f->height;
-	size_t pixels = (size_t)width * (size_t)height, count = 0;
-	uint8_t *room = w->d->room;
-	uint32_t *open = late_take(w->late, pixels, sizeof *open);
-	if (!open)
-		return ENCRE_ERROR_MEMORY;
-	for (size_t i = 0; i < pixels; i++)
-		if (w->d->thin[i] && room[i] == MAYBE) {
-			room[i] = TONE_ROOM;
-			open[count++] = (uint32_t)i;
-		}
-	while (count) {
-		uint32_t i = open[--count], x = i % (uint32_t)width;
-		const ptrdiff_t to[] = {x > 0 ? -1 : 0, x + 1 < (uint32_t)width ? 1 : 0,
-					i >= (uint32_t)width ? -width : 0, i + (size_t)width < pixels ? width : 0};
-		for (int k = 0; k < 4; k++)
-			if (room[i + to[k]] == MAYBE) {
-				room[i + to[k]] = TONE_ROOM;
-				open[count++] = (uint32_t)(i + to[k]);
-			}
-	}
-	late_drop(w->late, open);
-	return ENCRE_OK;
+	size_t pixels = (size_t)w->f->width * (size_t)w->f->height;
+	heap own, got;
+	memset(own.first, 0xff, sizeof own.first);
+	memset(got.first, 0xff, sizeof got.first);
+	own.next = late_take(w->late, pixels, sizeof *own.next);
+	got.next = own.next ? late_take(w->late, pixels, sizeof *got.next) : NULL;
+	if (got.next)
+		spread(w, &own, &got);
+	if (got.next)
+		late_drop(w->late, got.next);
+	if (own.next)
+		late_drop(w->late, own.next);
+	return got.next ? ENCRE_OK : ENCRE_ERROR_MEMORY;
 }
 
 /* Whether a fine dark thing is there: in a tone it is ink. */
@@ -187,11 +273,11 @@ static void cleared_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const work *w = data;
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
-		uint8_t *room = row_of(w, w->d->room, y);
+		const uint8_t *room = row_of(w, w->d->room, y);
+		uint8_t *paper = row_of(w, w->d->raw, y);
 		for (int x = 0; x < w->f->width; x++)
-			if ((room[x] == MAYBE || room[x] == TONE_NO_ROOM) && !is_detail(w, x, y) &&
-			    is_near(w, x, y, radius_of(w, x, y)))
-				room[x] = TONE_BESIDE_INK;
+			paper[x] = w->d->keep && room[x] < ALL && !is_detail(w, x, y) &&
+				   is_near(w, x, y, radius_of(w, x, y));
 	}
 }
 
@@ -200,12 +286,13 @@ static void light_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const work *w = data;
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
+		const uint8_t *paper = row_of(w, w->d->raw, y);
 		uint8_t *room = row_of(w, w->d->room, y);
-		for (int x = 0; x < w->f->width; x++)
-			if (room[x] == MAYBE || room[x] == TONE_NO_ROOM) {
-				bool ink = is_detail(w, x, y) || is_near(w, x, y, beside * radius_of(w, x, y));
-				room[x] = ink ? TONE_NO_ROOM : TONE_BESIDE_INK;
-			}
+		for (int x = 0; x < w->f->width; x++) {
+			bool ink = room[x] == ALL || is_detail(w, x, y) ||
+				   (!paper[x] && is_near(w, x, y, beside * radius_of(w, x, y)));
+			room[x] = (uint8_t)(room[x] / 2 | (ink ? 0 : TONE_PAPER));
+		}
 	}
 }
 
@@ -226,10 +313,10 @@ int32_t ISA(tone_room_run)(frame *f, const tone_detail *d, const tone_style *sty
 		most = max(most, f->params[i].use_tones ? styles[i].room : 0);
 	w.reach = (int)(beside * most) + 1;
 	int32_t code = bands_run(f->bands, f->height, 0, look_at_rows, &w);
-	code = code ? code : seek(&w, d->value, SCREEN, true, core_rows);
-	code = code ? code : seek(&w, d->light, CORE, false, room_rows);
+	code = code ? code : seek(&w, d->value, SCREEN, true, depth_rows);
+	code = code ? code : bands_run(f->bands, f->height, 0, width_rows, &w);
+	code = code ? code : bands_run(f->bands, f->height, 0, room_rows, &w);
 	code = code ? code : join(&w);
-	if (!code && d->keep)
-		code = seek(&w, d->value, CLEARED, false, cleared_rows);
+	code = code ? code : seek(&w, d->value, CLEARED, false, cleared_rows);
 	return code ? code : seek(&w, d->value, LIGHT, false, light_rows);
 }

@@ -115,15 +115,29 @@ static void mean_row(const float *restrict size, int n, const float *restrict da
 		ink[i] = size[i] > 0 ? ink[i] : dark[i];
 }
 
-static void fit(const uint8_t *restrict room, int n, float *restrict ink)
+/* What has less room than a screen wants is nearer to ink, or to paper. */
+static void fit(const uint8_t *restrict room, int n, const float *restrict dark, float *restrict to)
 {
-	for (int i = 0; i < n; i++)
-		ink[i] = room[i] == TONE_ROOM ? ink[i] : room[i] == TONE_NO_ROOM ? 1 : 0;
+	for (int i = 0; i < n; i++) {
+		float left = (float)(room[i] & TONE_ROOM) * (1.0f / TONE_ROOM), aim = room[i] & TONE_PAPER ? 0 : 1;
+		to[i] = (room[i] & TONE_ROOM) == TONE_ROOM ? dark[i] : aim + (dark[i] - aim) * left;
+	}
+}
+
+static bool is_screen(const tone_slot *s)
+{
+	return s->kind == tone_1_DOTS || s->kind == tone_1_LINES || s->kind == tone_1_CROSS;
 }
 
 static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, int y, int x, int n, const float *dark,
 		    float *ink)
 {
+	float fitted[TONE_CHUNK];
+	const uint8_t *room = ((const tone_frame *)f->tones)->detail.room;
+	if (room && is_screen(s)) {
+		fit(room + (ptrdiff_t)y * f->width + x, n, dark, fitted);
+		dark = fitted;
+	}
 	switch (s->kind) {
 	case tone_1_SOLID:
 		for (int i = 0; i < n; i++)
@@ -144,9 +158,6 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 	float size[TONE_CHUNK];
 	if (tone_sticks(s) && ISA(tone_sizes)(f, s, y, x, n, size))
 		mean_row(size, n, dark, ink);
-	const uint8_t *fits = ((const tone_frame *)f->tones)->detail.room;
-	if (fits && s->kind != tone_1_IMAGE)
-		fit(fits + (ptrdiff_t)y * f->width + x, n, ink);
 }
 
 /* Ink over the picture, and over what the output has of tones. */

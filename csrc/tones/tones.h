@@ -78,8 +78,8 @@ typedef struct tone_style {
 	float room; /* pixels: half of how wide dots and lines are at least */
 } tone_style;
 
-/* What a screen has at a pixel: TONE_NO_ROOM is ink, TONE_BESIDE_INK paper. */
-enum { TONE_ROOM, TONE_NO_ROOM, TONE_BESIDE_INK };
+/* How much room a screen has at a pixel: 0 none, it is ink; TONE_ROOM enough. With TONE_PAPER it is paper for ink. */
+enum { TONE_ROOM = 127, TONE_PAPER = 128 };
 
 /* What tones are kept clear of, by pixel. */
 typedef struct tone_detail {

@@ -8,7 +8,6 @@ from .metric import clamp01
 LEAST, SURE, ALIKE, SAME_DEPTH = 0.3 * 255, 0.34 * 255, 0.08 * 255, 0.005
 GROUND, MANY, SOME, SMALL, FILLED = 20, 3, 10, 7, 88
 NARROW, WIDE, BESIDE = 0.7, 1.4, 2
-ROOM, NO_ROOM, BESIDE_INK = range(3)
 
 
 def _sure(contrast):
@@ -191,14 +190,43 @@ def _near(sought, radius):
     return found
 
 
+def _depth(screen, radius):
+    """How far pixels of a screen are from its end, at most `radius`."""
+    most = int(radius.max())
+    wide, far = np.pad(screen, most, constant_values=True), np.full(screen.shape, np.inf)
+    height, width = screen.shape
+    for v, u in _places(most):
+        there = wide[most + v:, most + u:][:height, :width]
+        far = np.where(there, far, np.minimum(far, np.hypot(v, u)))
+    return np.where(screen, np.minimum(far, radius), 0)
+
+
 def rooms(screens, solid, keep, dark, radius):
-    """What screens have at each pixel; `radius`: half of how wide they are at least."""
+    """(the room that screens have at each pixel, of what they want; what they are without it); `radius`: half of how
+    wide they are at least."""
     apart = (solid > 0.5) | (keep < 0.5)
     screen = ~apart & (screens > 0.5)
-    core = screen & ~_near(~screen, NARROW * radius)
-    wide = core & ~_near(~screen, WIDE * radius)
-    maybe = screen & _near(core, NARROW * radius)
-    joined = _grown(wide, maybe, (True, True))
+    enough = WIDE * radius
+    part = np.floor(255 * _depth(screen, enough) / np.maximum(enough, 1e-30) + 0.5)
+    high, wide = screen.shape
+    edged = np.pad(part, 1, mode="edge")
+    fours = [edged[y:, x:][:high + 1, :wide + 1] for y in (0, 1) for x in (0, 1)]
+    fours = sum(fours)  # of the corners of pixels
+    most = np.max([fours[y:, x:][:high, :wide] for y in (0, 1) for x in (0, 1)], axis=0)
+    middle = np.where((part > 0) & (most > 510), np.floor((most - 509) / 2), 0)
+    own, reach = middle, int(NARROW * radius.max())
+    around = np.pad(middle, reach)
+    for v, u in _places(reach):
+        there = around[reach + v:, reach + u:][:high, :wide]
+        own = np.where(v * v + u * u <= (NARROW * radius) ** 2, np.maximum(own, there), own)
+    own = np.where(screen, own, 0)
+    neck, room = np.minimum(4 * own, 255), own
+    while True:
+        edged, before = np.pad(room, 1), room
+        for way in (edged[1:-1, :-2], edged[1:-1, 2:], edged[:-2, 1:-1], edged[2:, 1:-1]):
+            room = np.maximum(room, np.minimum(way, neck))
+        if (room == before).all():
+            break
     light, cleared = ~apart & ~screen, apart & ~(solid > 0.5)
     ink = dark | _near(light, BESIDE * radius) & ~_near(cleared, radius)
-    return np.where(screen & ~joined, np.where(ink, NO_ROOM, BESIDE_INK), ROOM)
+    return np.where(screen, np.floor(room / 2) / 127, 1), ink

@@ -392,7 +392,7 @@ def _pitch(of, look, layers, scale):
 def _rooms(layers, params, keep, scale):
     """What screens have at each pixel."""
     if not params["tone_least"] > 0:
-        return np.zeros(keep[0].shape, int)
+        return np.ones(keep[0].shape), True
     screens, solid, radius = (np.zeros(keep[0].shape) for _ in range(3))
     for number, table in enumerate(params.tables):
         of, own = table.__getitem__, layers.style == number
@@ -410,8 +410,10 @@ def _rooms(layers, params, keep, scale):
     return cleared.rooms(screens, solid, keep[0], keep[2], radius)
 
 
-def _fitted(ink, rooms):
-    return np.where(rooms == cleared.ROOM, ink, np.where(rooms == cleared.NO_ROOM, 1, 0))
+def _fitted(dark, rooms):
+    """With less room than they want screens grow to ink, or shrink to paper."""
+    room, ink = rooms
+    return mix(np.where(ink, 1.0, 0.0), dark, room)
 
 
 def fill(layers, params, surface, paper):
@@ -431,8 +433,8 @@ def fill(layers, params, surface, paper):
             share, dark = _dark(layers, of("shade_levels"), of, look)
             if not (dark > 0).any():
                 continue
+            dark = _fitted(dark, rooms) if look[0] in SCREENS else dark
             ink = _ink(layers, of, look, dark, scale, paper, own)
-            ink = _fitted(ink, rooms) if look[0] in SCREENS else ink
             ink = np.where(keep[3] & (dark > 0.5), 1, ink) if look[0] in ("HATCH", "STIPPLE") else ink
             t = np.where(own, ink * share * keep[int(look[0] == "SOLID")], 0)[..., None]
             t = np.where(t >= 0.5, 1.0, 0.0) if of("tone_crisp") else t

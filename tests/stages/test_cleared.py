@@ -122,11 +122,11 @@ def test_a_small_face_has_no_dots_and_a_page_no_ink():
 
 def test_a_thin_shadow_does_not_underline_letters():
     layers = shaded(60, 160, 0.9)
-    layers["diffuse"][20:29] = 0.4
+    layers["diffuse"][20:26] = 0.4
     for x in range(60, 100, 8):
         layers["color"][12:24, x:x + 3] = 0.02
     drawn = ink(layers, tone_detail=5.0, tone_least=1.5)
-    assert drawn[20:29, 10:40].all() and not drawn[26:30, 60:96].any()
+    assert drawn[20:26, 10:40].all() and not drawn[24:30, 60:96].any()
 
 
 @pytest.mark.parametrize("kind", ["STIPPLE", "HATCH"])
@@ -173,15 +173,31 @@ def test_rims_that_were_rendered_with_noise_are_no_letters():
     assert (ink(layers, tone_detail=5.0) == 1).all()
 
 
-def test_a_thin_shadow_is_ink_along_all_of_it():
-    """Of 6 pixels from dot to dot: what is 5 wide, and in places 9, is one row of dots now and two then."""
+def test_a_thin_shadow_is_ink_and_a_wide_one_a_screen():
+    """Of 6 pixels from dot to dot: what is 6 wide is one row of dots."""
     layers = shaded(60, 120, 0.9)
-    layers["diffuse"][20:25] = layers["diffuse"][20:29, 50:70] = 0.4
-    layers["diffuse"][40:55] = 0.4
+    layers["diffuse"][20:26] = layers["diffuse"][40:55] = 0.4
     drawn = ink(layers, tone_least=1.5)
-    assert (drawn[20:25] == 1).all() and (drawn[20:29, 52:68] == 1).all()
+    assert (drawn[20:26] == 1).all() and not drawn[:20].any()
     assert np.array_equal(drawn[40:55], ink(layers)[40:55]) and 0.2 < drawn[41:54].mean() < 0.5
-    assert not drawn[:20].any()
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("joined", "most"), [(False, 0.2), (True, 0.4)])
+def test_a_shadow_that_widens_turns_from_ink_to_a_screen_by_and_by(turned, joined, most):
+    """Alone, and faster where it leads to a larger one."""
+    shares = []
+    for wide in range(5, 16):
+        layers = shaded(60, 120, 0.9)
+        layers["diffuse"][10:10 + wide, 10:90] = 0.4
+        if joined:
+            layers["diffuse"][10:50, 80:110] = 0.4
+        if turned:
+            layers = {name: np.swapaxes(a, 0, 1) for name, a in layers.items()}
+        drawn = ink(layers, tone_least=1.5)
+        shares.append((drawn.T if turned else drawn)[10:10 + wide, 20:60].mean())
+    assert shares[0] == 1 and shares[-1] < 0.5
+    assert np.diff(shares).min() > -most and np.diff(shares).max() < 0.05, shares
 
 
 def test_a_slit_in_ink_is_paper():
