@@ -169,6 +169,31 @@ static bool is_fine(const work *w, int x, int y)
 	return true;
 }
 
+/* How far a dark thing goes on from a pixel, at most 2 reach + 1; more where a nearer thing or the frame cuts it off.
+ */
+static int goes_on(const work *w, int x, int y, int right, int down)
+{
+	int most = 2 * w->reach + 1, own = row_of(w, w->d->value, y)[x], k = 1;
+	float depth = depth_at(w->f, x, y) * (1 - same_depth);
+	for (; k <= most; k++) {
+		int u = x + k * right, v = y + k * down;
+		if (u < 0 || v < 0 || u >= w->f->width || v >= w->f->height || depth_at(w->f, u, v) < depth)
+			return most + 1;
+		if ((float)(row_of(w, w->d->value, v)[u] - own) > alike)
+			break;
+	}
+	int u = tone_within(x + (k + 1) * right, w->f->width), v = tone_within(y + (k + 1) * down, w->f->height);
+	return depth_at(w->f, u, v) < depth ? most + 1 : k - 1; /* the last one may show both */
+}
+
+/* Whether a dark thing is short by itself: windows of which a rope leaves no more than a strip are no letters. */
+static bool is_whole(const work *w, int x, int y)
+{
+	int most = 2 * w->reach;
+	return goes_on(w, x, y, -1, 0) + goes_on(w, x, y, 1, 0) <= most ||
+	       goes_on(w, x, y, 0, -1) + goes_on(w, x, y, 0, 1) <= most;
+}
+
 static void fine_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -178,6 +203,7 @@ static void fine_rows(void *data, int y0, int y1, int thread)
 		uint8_t *to = row_of(w, w->dark ? w->d->dark : w->d->thin, y), *seed = row_of(w, w->d->seed, y);
 		for (int x = 0; x < w->f->width; x++) {
 			bool fine = raw[x] > least_contrast && is_fine(w, x, y);
+			fine = fine && !(w->sure && w->dark && !is_whole(w, x, y));
 			if (w->sure)
 				seed[x] = (uint8_t)((w->dark ? seed[x] : 0) | (fine ? tone_seed(w->dark) : 0));
 			else

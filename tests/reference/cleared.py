@@ -45,6 +45,33 @@ def _fine(value, reach, sign):
     return np.where(fine, thin, 0), light - opened((0, 1))
 
 
+def _whole_runs(value, depth, reach):
+    """Where what is dark is short, along the row or the column, and neither a nearer thing nor the frame cuts it off."""
+    most, out = 2 * reach + 1, np.zeros(value.shape, bool)
+    wide = most + 2
+    values, depths = np.pad(value, wide, mode="edge"), np.pad(depth, wide, constant_values=-1)
+    beyond = np.pad(depth, wide, mode="edge")
+    height, width = value.shape
+
+    def at(plane, k, way):
+        return plane[wide + k * way[0]:, wide + k * way[1]:][:height, :width]
+
+    def run(way):
+        length, ended, cut = np.zeros(value.shape, int), np.zeros(value.shape, bool), np.zeros(value.shape, bool)
+        for k in range(1, most + 1):
+            cut |= ~ended & (at(depths, k, way) < depth * (1 - SAME_DEPTH))
+            now = ~ended & ~cut & (at(values, k, way) - value > ALIKE)
+            cut |= now & (at(beyond, k + 1, way) < depth * (1 - SAME_DEPTH))
+            ended |= now
+            length += ~ended & ~cut
+        cut |= ~ended & (at(beyond, most + 2, way) < depth * (1 - SAME_DEPTH))
+        return np.where(cut, most + 1, length)
+
+    for axis in ((0, 1), (1, 0)):
+        out |= run(axis) + run(tuple(-a for a in axis)) <= 2 * reach
+    return out
+
+
 def _grown(mask, within, links):
     """A mask that spreads from pixel to neighbour where it may; `links`: whether it does rightwards, and downwards."""
     mask = mask & within
@@ -151,6 +178,7 @@ def kept(layers, params):
         square = np.where(few, 0, square)
         whole = _whole(sign * value, fine, many, most)
         sure = (whole > 0) & (_fine(value, reach, sign)[0] > 0)
+        sure &= (sign > 0) | _whole_runs(value, depth, reach)
         reached = _grown(sure, _about(whole > 0, stroke, np.max), goes_on)
         found.append((np.where(reached, whole, 0), square))
     (thin, square), (dark, _) = found

@@ -149,6 +149,17 @@ def test_holes_of_light_letters_are_no_ink_and_those_of_dark_ones_no_ground(kind
     assert printed[20:50, 20:23].all() and printed[20:23, 20:29].all()
 
 
+@pytest.mark.parametrize("nearer", [True, False])
+def test_a_window_that_a_rope_cuts_is_as_the_one_beside(nearer):
+    """Windows of 12 pixels are no letters: nor is what a rope before one leaves of it; but what a bar in it does."""
+    layers = shaded(60, 90, 0.2, 0.8)
+    layers["color"][20:34, 20:32] = layers["color"][20:34, 60:72] = 0.02
+    layers["color"][:, 66:70], layers["depth"][:, 66:70] = 0.5, 3.0 if nearer else 5.0
+    marks = dict(tone_1="STIPPLE", tone_black=0.05, shade_levels=[(0.3,), (0.65, 0.25, 0.0)], tone_detail=5.0)
+    drawn = ink(layers, **marks)
+    assert drawn[20:34, 20:32].mean() < 0.98 and (drawn[21:33, 60:66].mean() < 0.98) == nearer
+
+
 def test_an_eye_is_ink_where_it_is_widest_too():
     layers = shaded(60, 60, 0.2, 0.8)
     for y, half in enumerate((1, 2, 2, 3, 3, 4, 4, 4, 5, 5, 5, 5, 5, 5, 4, 4, 4, 3, 3, 2, 2, 1)):
