@@ -256,9 +256,8 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 		if (!w->any[k])
 			continue;
 		finish(depth, n, w->share[k], w->dark[k]);
-		const uint8_t *keep = slots[k].kind == tone_1_SOLID ? detail->ink : detail->keep;
 		for (int i = 0; detail->keep && i < n; i++)
-			w->share[k][i] *= (float)keep[(ptrdiff_t)y * f->width + x + i] * (1.0f / 255);
+			w->share[k][i] *= (float)detail->keep[(ptrdiff_t)y * f->width + x + i] * (1.0f / 255);
 		w->any[k] = tone_any(w->dark[k], n);
 	}
 }

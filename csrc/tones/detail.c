@@ -244,8 +244,8 @@ static float of_light(const work *w, int x, int y)
 	return share > 0 && lies_on(w, x, y) ? share : 0;
 }
 
-/* How much a fine dark thing within so many pixels lies on what this pixel shows. */
-static float about_dark(const work *w, float far, int x, int y)
+/* How much a fine dark thing within the reach lies on what this pixel shows. */
+static float about_dark(const work *w, int x, int y)
 {
 	int reach = w->d->reach;
 	int left = tone_within(x - reach, w->f->width);
@@ -257,7 +257,7 @@ static float about_dark(const work *w, float far, int x, int y)
 			if (contrast <= least_contrast || !(fabsf(depth_at(w->f, u, v) - depth) <= same_depth * depth))
 				continue;
 			float away = sqrtf((float)((u - x) * (u - x) + (v - y) * (v - y)));
-			best = max(best, sure(contrast) * clamp01(far + 0.5f - away));
+			best = max(best, sure(contrast) * clamp01((float)reach + 0.5f - away));
 		}
 	}
 	return best;
@@ -286,17 +286,14 @@ static void keep_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
 			uint8_t light[TONE_CHUNK], dark[TONE_CHUNK];
-			uint8_t *keep = row_of(w, w->d->keep, y) + x, *ink = row_of(w, w->d->ink, y) + x;
-			uint8_t *margin = row_of(w, w->d->scratch, y) + x, *narrow = row_of(w, w->d->seed, y) + x;
+			uint8_t *keep = row_of(w, w->d->keep, y) + x, *margin = row_of(w, w->d->scratch, y) + x;
 			n = chunk_at(w, x);
 			most_about(w, w->d->far + beyond, w->d->thin, y, x, n, light);
 			most_about(w, w->d->reach, w->d->dark, y, x, n, dark);
 			for (int i = 0; i < n; i++) {
 				float clear = light[i] > least_contrast ? sure(light[i]) * of_light(w, x + i, y) : 0;
-				float wide = dark[i] > least_contrast ? about_dark(w, (float)w->d->reach, x + i, y) : 0;
-				float rim = wide > 0 ? about_dark(w, 0.5f * (float)w->d->reach, x + i, y) : 0;
-				keep[i] = ink[i] = share_left(max(clear, wide));
-				narrow[i] = share_left(max(clear, rim));
+				float wide = dark[i] > least_contrast ? about_dark(w, x + i, y) : 0;
+				keep[i] = share_left(max(clear, wide));
 				margin[i] = wide >= 0.5f;
 			}
 		}
@@ -314,7 +311,6 @@ void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a)
 	for (int k = 0; k < 7; k++)
 		*plane[k] = arena_take(a, pixels, 1);
 	d->keep = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
-	d->ink = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
 	d->room = f->params->tone_least > 0 ? arena_take(a, pixels, 1) : NULL;
 }
 

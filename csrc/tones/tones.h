@@ -86,8 +86,6 @@ typedef struct tone_detail {
 	int reach;     /* pixels to both sides of a pixel that a fine thing may have */
 	int far;       /* the same of what is clear if what it hangs together with is */
 	uint8_t *keep; /* 255ths of the tones that are left; NULL: all */
-	uint8_t *ink;  /* likewise of solid ink, which has narrow margins about what is dark in small faces: it would
-			  look out of them as masks */
 	uint8_t *room; /* NULL: there is room */
 	uint8_t *value, *light, *thin, *dark, *raw, *scratch, *seed; /* dark: fine dark things, for
 			  room.c, too; seed: in the end which of these are print, on light ground */

@@ -268,7 +268,6 @@ static void ground_rows(void *data, int y0, int y1, int thread)
 				most = step <= 2 * alike && step >= -2 * alike && own > most ? own : most;
 			}
 			w->d->keep[s.i] = most == SOME || is_many((uint8_t)most) ? 0 : w->d->keep[s.i];
-			w->d->ink[s.i] = is_many((uint8_t)most) ? 0 : most == SOME ? w->d->seed[s.i] : w->d->ink[s.i];
 		}
 }
 
@@ -310,8 +309,7 @@ static void print_of_rows(void *data, int y0, int y1, int thread)
 		w->d->seed[i] = w->d->dark[i] && w->d->raw[i] == MOST;
 }
 
-/* Grounds that details' margins, in `scratch`, leave little of are clear. The small ones have solid ink but for narrow
- * margins, in `seed`: eyes in a face would look out of it as masks. Leaves there what is print. */
+/* Grounds that details' margins, in `scratch`, leave little of are clear. Leaves in `seed` what is print. */
 int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d)
 {
 	work w = {.f = f, .d = d};

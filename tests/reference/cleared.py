@@ -160,10 +160,10 @@ def _kept_share(clear):
 
 
 def kept(layers, params):
-    """Shares of the tones, and of solid ink, that are left at each pixel, fine dark things, and which are print."""
+    """Shares of the tones that are left at each pixel, fine dark things, and which are print."""
     size = params["tone_detail"]
     if not size > 0:
-        return np.ones(layers.depth.shape), np.ones(layers.depth.shape), *np.zeros((2, *layers.depth.shape), bool)
+        return np.ones(layers.depth.shape), *np.zeros((2, *layers.depth.shape), bool)
     reach = max(1, int(min(0.5 * size * params.pixels(layers.full_height), 32)))
     wide, stroke = reach + reach // 2 + 1, 2 * reach + 1
     value = np.floor(255 * np.sqrt(clamp01(layers.albedo @ (0.2126, 0.7152, 0.0722))) + 0.5)
@@ -193,19 +193,16 @@ def kept(layers, params):
     most = _about(square, 1, np.max)
     clear = np.where(lies & (square > 0), _sure(_about(thin, wide + 2, np.max)) * _sure(most)
                      * clamp01(2 * square / np.maximum(most, 1) - 0.9), 0)
-    found = []
-    for far in (reach, 0.5 * reach):
-        about = np.zeros(value.shape)
-        for v, u in _places(reach):
-            contrast = np.minimum(_shifted(dark, v, u), value - _shifted(value, v, u))
-            about = np.maximum(about, np.where((contrast > LEAST) & there(v, u),
-                                               _sure(contrast) * clamp01(far + 0.5 - np.hypot(v, u)), 0))
-        found.append(about)
-    many, some, _, _ = _survey(found[0] >= 0.5, labels, stroke)
-    keep, narrow = (_kept_share(np.maximum(about, clear)) for about in found)
+    about = np.zeros(value.shape)
+    for v, u in _places(reach):
+        contrast = np.minimum(_shifted(dark, v, u), value - _shifted(value, v, u))
+        about = np.maximum(about, np.where((contrast > LEAST) & there(v, u),
+                                           _sure(contrast) * clamp01(reach + 0.5 - np.hypot(v, u)), 0))
+    many, some, _, _ = _survey(about >= 0.5, labels, stroke)
+    keep = _kept_share(np.maximum(about, clear))
     many, some = _with_rims(value, many), _with_rims(value, some)
     printed = _survey((dark > 0) & _on_light(value, dark > 0, thin > 0, reach), labels, stroke)[3] & (dark > 0)
-    return np.where(many | some, 0, keep), np.where(many, 0, np.where(some, narrow, keep)), dark > 0, printed
+    return np.where(many | some, 0, keep), dark > 0, printed
 
 
 def _near(sought, radius):

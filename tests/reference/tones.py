@@ -405,9 +405,8 @@ def _rooms(layers, params, keep, scale):
         radius = np.where(own, min(0.5 * params["tone_least"] * pitch, 60), radius)
         for look in {look for look, is_one in zip(looks, screen, strict=True) if is_one or look[0] == "SOLID"}:
             share, dark = _dark(layers, of("shade_levels"), of, look)
-            is_solid = look[0] == "SOLID"
-            (solid if is_solid else screens)[own] += np.where(dark > 0, share * keep[int(is_solid)], 0)[own]
-    return cleared.rooms(screens, solid, keep[0], keep[2], radius)
+            (solid if look[0] == "SOLID" else screens)[own] += np.where(dark > 0, share * keep[0], 0)[own]
+    return cleared.rooms(screens, solid, keep[0], keep[1], radius)
 
 
 def _fitted(dark, rooms):
@@ -435,8 +434,8 @@ def fill(layers, params, surface, paper):
                 continue
             dark = _fitted(dark, rooms) if look[0] in SCREENS else dark
             ink = _ink(layers, of, look, dark, scale, paper, own)
-            ink = np.where(keep[3] & (dark > 0.5), 1, ink) if look[0] in ("HATCH", "STIPPLE") else ink
-            t = np.where(own, ink * share * keep[int(look[0] == "SOLID")], 0)[..., None]
+            ink = np.where(keep[2] & (dark > 0.5), 1, ink) if look[0] in ("HATCH", "STIPPLE") else ink
+            t = np.where(own, ink * share * keep[0], 0)[..., None]
             t = np.where(t >= 0.5, 1.0, 0.0) if of("tone_crisp") else t
             alpha = surface[..., 3:]
             drawn[..., :3] = mix(drawn[..., :3], np.array(look[4]) * alpha, t)
