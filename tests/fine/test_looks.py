@@ -24,13 +24,25 @@ def parted(one, other, channels=0):
     return np.repeat(halves[..., None], channels, -1) if channels else halves
 
 
-@pytest.mark.parametrize("name", ["Ink only", "Pencil"])
-def test_borders_of_shade_are_thin_and_whole(name):
-    """Beside contours. Broken ones looked like errors, and wide ones like contours."""
-    shade = drawn(name, diffuse=parted(1, 0.1, 3)).sum(1)[20:-20]
-    contour = drawn(name, object=parted(1, 2), depth=parted(5, 9)).sum(1)[20:-20]
-    assert (contour > 0.2).all() and (shade > 0.05).all()
-    assert 0.1 < shade.mean() < 0.45 * contour.mean()
+def shade_and_contour(name):
+    """The ink of each row, of a border of shade and of a contour."""
+    return (drawn(name, **layers).sum(1)[20:-20]
+            for layers in (dict(diffuse=parted(1, 0.1, 3)), dict(object=parted(1, 2), depth=parted(5, 9))))
+
+
+def test_ink_dots_borders_of_shade():
+    """Whole lines looked like contours, and gaps here and there like errors: dots are even."""
+    shade, contour = shade_and_contour("Ink only")
+    assert (contour > 0.2).all() and 0.05 < shade.mean() < 0.2 * contour.mean()
+    white = np.flatnonzero(shade < 0.05)
+    dots = np.diff(white)[np.diff(white) > 1]
+    assert len(dots) > 60 and dots.max() < 12 and np.diff(np.flatnonzero(shade > 0.05)).max() < 16
+
+
+def test_pencils_borders_of_shade_are_faint_and_whole():
+    shade, contour = shade_and_contour("Pencil")
+    assert (contour > 0.2).all() and (shade > 0.03).all()
+    assert 0.05 < shade.mean() < 0.2 * contour.mean()
 
 
 @pytest.mark.parametrize("name", ["Stippled", "Hatched", "Manga", "Heavy blacks", "Coloured blacks"])
