@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..pen.around import Window
+from ..pen.errors import EncreError
 
 
 def border(render):
@@ -18,15 +19,25 @@ def border(render):
     return full_width, full_height, Window(x0, full_height - y1, x1 - x0, y1 - y0)
 
 
+def view(camera):
+    """World -> camera, 4 x 4, whatever the scale of an evaluated camera. EncreError: it is scaled to nothing."""
+    placed = camera.matrix_world.normalized()
+    if not placed.determinant():
+        raise EncreError(f"camera {camera.name}: it or a parent of it has a scale of 0, so that it looks nowhere; give "
+                         "them another scale")
+    return np.array(placed.inverted())
+
+
 def views(engine, depsgraph, camera, width, height):
     """{view name: (world -> camera, camera -> clip)}, 4 x 4; the only name is "" unless stereo is on."""
     render = depsgraph.scene_eval.render
     projection = np.array(camera.calc_matrix_camera(
         depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y))
+    seen = view(camera)
     if not render.use_multiview:
-        return {"": (np.array(camera.matrix_world.normalized().inverted()), projection)}
+        return {"": (seen, projection)}
     names = (("left", "right") if render.views_format == "STEREO_3D"
-             else [view.name for view in render.views if view.use])
+             else [one.name for one in render.views if one.use])
     found, before = {}, engine.active_view_get()
     for name in names:
         engine.active_view_set(name)

@@ -8,6 +8,7 @@ import numpy as np
 from ..pen.around import Window
 from ..pen.errors import EncreError
 from ..pen.job import Frame
+from . import cameras
 
 
 @dataclass
@@ -47,7 +48,7 @@ def look(context, depsgraph):
     view, projection = np.array(seen.view_matrix, np.float64), np.array(seen.window_matrix, np.float64)
     if camera := _camera(space, seen, depsgraph):
         frame = _camera_frame(camera, depsgraph.scene_eval, projection, width, height)
-        view = np.array(camera.matrix_world.normalized().inverted())
+        view = cameras.view(camera)
         clip = camera.data.clip_start, camera.data.clip_end
         projection = np.array(camera.calc_matrix_camera(depsgraph, x=max(frame.width, 1), y=max(frame.height, 1)))
         border = _border(frame, render, "border") if render.use_border else frame

@@ -15,6 +15,7 @@ from . import meter
 from .triangles import MESHABLE
 
 _FILLS = 3.2  # sizes in the height of the frame; by eye, between rooms, streets and single things
+_NOWHERE = 1e18  # scene units from which on something is broken: their squares are no numbers in single precision
 _SHAPES_MOVE = {"ARMATURE", "CLOTH", "DYNAMIC_PAINT", "EXPLODE", "FLUID", "HOOK", "LATTICE", "MESH_CACHE",
                 "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "OCEAN", "SOFT_BODY", "SURFACE_DEFORM", "WAVE"}
 
@@ -65,6 +66,8 @@ class _Things:
                 self.lamps.append((obj, matrix))
                 continue
             box = np.array(obj.bound_box, np.float64)
+            if not (np.isfinite(matrix).all() and np.abs(box).max() < _NOWHERE):
+                continue
             half = (box[6] - box[0]) / 2
             boxes.append([matrix[:3, :3] @ box.mean(0) + matrix[:3, 3], *(matrix[:3, :3] * half).T])
             owner = (instance.parent if instance.is_instance else obj).original

@@ -14,6 +14,8 @@ def test_refused(render):
         sentence = shot.facts[name][0]
         assert sentence and word in sentence and "Traceback" not in sentence, (name, sentence)
         assert not shot.wrote(name.replace(" ", "-")), name
+    assert len(shot.facts["flat camera"]) == 2 and all("scale of 0" in said for said in shot.facts["flat camera"])
+    assert not shot.wrote("flat-camera")
     assert "Traceback" not in shot.output
     assert shot.facts["panoramic off"] == [None] and shot.wrote("panoramic-off")
 

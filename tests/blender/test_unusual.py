@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials that are unfinished or larger than usual take no frame away where Encre draws layers without Cycles."""
+"""Materials that are unfinished or larger than usual, and things that are nowhere, take no frame away where Encre draws
+layers without Cycles."""
 
 import numpy as np
 import pytest
@@ -40,3 +41,10 @@ def test_rows_of_nodes_without_end_are_left_out(render):
     words = "more nodes than there is room for"
     assert f"in their viewport colour, as only Cycles can show them: Red ({words}), Grey ({words})" in shot.output
     assert f"materials that show more in Cycles: Green ({words});" in shot.output
+
+
+def test_what_is_nowhere_changes_nothing(render):
+    shot = render("nowhere")
+    assert shot.facts["failed"] == [None] * 3 and "Warning" not in shot.output
+    before, scale = (shot.passes(name)["Combined"] for name in ("without", "scale"))
+    np.testing.assert_array_equal(before, scale)

@@ -34,6 +34,12 @@ def refused(out):
     fact("panoramic off", shoot(out, "panoramic-off"))
     set_all(scene, True)
     cam.data.type = "PERSP"
+    cam.scale = 0, 1, 1
+    for source in ("CYCLES", "ENCRE"):
+        scene.encre.layer_source = source
+        fact("flat camera", shoot(out, "flat-camera"))
+    scene.encre.layer_source = "CYCLES"
+    cam.scale = 1, 1, 1
     scene.camera = None
     fact("no camera", shoot(out, "no-camera"))
     scene.camera = cam

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials that are unfinished or larger than usual, by Cycles and by Encre alone."""
+"""Materials that are unfinished or larger than usual, by Cycles and by Encre alone, and things that are nowhere."""
 
 import bpy
 import numpy as np
 from quick import _new as new
-from studio import fact, shoot, stage
+from studio import cube, fact, shoot, stage
 
 
 def _both(scene, out, name):
@@ -94,3 +94,18 @@ def long_rows(out):
     tree.links.new(_row(tree, 600, "MULTIPLY"), tree.nodes["Principled BSDF"].inputs["Alpha"])
     scene.encre.layer_source = "ENCRE"
     fact("failed", shoot(out, "long"))
+
+
+def nowhere(out):
+    """A thing whose scale is no number, and a vertex at infinity, far outside of the picture."""
+    scene = _small()
+    scene.encre.layer_source = "ENCRE"
+    fact("failed", shoot(out, "without"))
+    lost = cube("Lost", (0, 0, -50))
+    for name in "vertex", "scale":
+        if name == "scale":
+            lost.scale.y = float("nan")
+        else:
+            lost.data.vertices[0].co = float("inf"), float("nan"), 0
+            lost.data.update()
+        fact("failed", shoot(out, name))
