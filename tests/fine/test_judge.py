@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from judge import measure, meshes, scenes, shapes, verdict
+from judge import kinds, measure, meshes, scenes, shapes, thin, verdict
 from judge.camera import look
 from judge.scene import Light, Scene
 from reference import near
@@ -92,6 +92,29 @@ def test_widened_ink_has_another_width(contours):
     for asked in (1, 2, 4, 8):
         width = measure.width(measure.ideal(contours, asked + 0.2), contours, asked)
         assert width == pytest.approx(asked + 0.2, abs=0.03)
+
+
+def test_a_line_of_something_thin_is_as_wide_as_half_of_that_allows():
+    """What covers a bar is too wide, and what would be too wide elsewhere is not."""
+    bar = shapes.box((0.19, 2.4, 0.05), (0.1, 0.3, 0.2), scenes.turned(0.0, 0.0, 0.3))
+    scene = Scene(look([0, 0.3, 6], [0, 0.3, 0]), [bar, shapes.box((20, 20, 0.1), (0, 0.3, -1), scenes.turned(0.0))],
+                  kinds.FLAT, (300, 400))
+    truth, wide = scene.truth, 0.19 * 1.2 * 300 / (6 - 0.225)
+    points = measure._clear(truth, 8 + 2.5)
+    found = thin.widest(scene, points, 8)
+    assert points.x.size > 200 and found == pytest.approx(0.5 * wide / (1 - (wide / 24) ** 4), abs=0.01)
+    for asked, kept in (8, False), (found.mean(), True):
+        t = measure.ideal(truth, asked)
+        width = measure.width(t, truth, 8, lambda at, asked: thin.widest(scene, at, asked))
+        assert verdict.kept("width 8", width) == kept, width
+
+
+def test_a_line_of_a_ball_is_as_wide_as_half_of_that_allows():
+    scene = Scene(look([0, 0, 6], [0, 0, 0]), [shapes.ball((0.01, 0.02, 0), 0.1)], kinds.FLAT, (300, 400))
+    wide = 2 * 0.1 * 1.2 * 300 / 6
+    points = measure._clear(scene.truth, 4 + 2.5)
+    assert points.x.size > 50
+    assert thin.widest(scene, points, 8) == pytest.approx(0.5 * wide / (1 - (wide / 24) ** 4), abs=0.02)
 
 
 def test_beads_are_uneven(contours):

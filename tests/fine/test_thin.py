@@ -113,6 +113,19 @@ def test_an_eye_does_not_blink(radius):
     assert np.std(drawn) < 0.07 * np.mean(drawn)
 
 
+@pytest.mark.parametrize("wide", [9.0, 11.0, 12.6])
+def test_half_of_a_ball_stays_clear_as_of_a_bar(wide):
+    """Contours of what is round lie aslant of each other along rows: half of it, not of a chord of it."""
+    y, x = np.mgrid[:64, :64] - np.array((31.3, 32.6))[:, None, None]
+    flat, hit = np.ones((64, 64, 3)), np.hypot(x, y) < wide / 2
+    layers = dict(combined=np.ones((64, 64, 4)), color=flat, diffuse=flat, normal=flat * (0, 0, 1),
+                  depth=np.where(hit, 4.0, 9.0), object=np.where(hit, 2.0, 1.0))
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    t = ink(layers, pen=dict(PEN, line_thickness=10.0))
+    half = 0.25 * wide / (1 - (wide / 24) ** 4)  # of the line, as of a bar so wide
+    assert np.sqrt((hit * (1 - t)).sum() / np.pi) == pytest.approx(wide / 2 - half, abs=0.35)
+
+
 @pytest.mark.parametrize("width", [12, 14])
 def test_the_sides_of_a_pole_are_no_beads(width):
     """Of a brush whose rim is frayed and whose lines have room for a part of their width: it varies slowly."""

@@ -69,11 +69,13 @@ def place(t, truth):
         if seen.any() else {"p95": 0.0, "max": 0.0, "count": 0}
 
 
-def width(t, truth, asked):
-    """The median of the ink across the contour, pixels, for lines of the asked width; nan where none is alone."""
+def width(t, truth, asked, widest=None):
+    """The median of the ink across the contour, pixels, for lines of the asked width; nan where none is alone. Where
+    `widest`, of points, is less than `asked`, what is missing there is added."""
     points = _clear(truth, asked + 2.5)
     s, ink = _profiles(t, points, asked / 2 + 2)
-    return float(np.median(ink.sum(1) * 0.125)) if len(ink) else float("nan")
+    missing = asked - widest(points, asked) if widest else 0
+    return float(np.median(ink.sum(1) * 0.125 + missing)) if len(ink) else float("nan")
 
 
 def evenness(t, truth):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import measure
+from . import measure, thin
 from .scenes import sphere
 
 PARAMS = {
@@ -51,7 +51,7 @@ def widths(draw, scene, layers):
     found = {}
     for asked in (1, 2, 4, 8):
         t = draw(layers, scene.camera_settings, **PARAMS | {"line_thickness": float(asked)})
-        found[f"width {asked}"] = measure.width(t, scene.truth, asked)
+        found[f"width {asked}"] = measure.width(t, scene.truth, asked, functools.partial(thin.widest, scene))
     return found
 
 

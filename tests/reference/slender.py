@@ -56,17 +56,18 @@ def _within(t, i, far, unit):
     ways, unsure = _ways(t, i)
     thin = _thin(t, i, unit)[0]
     aside = abs((ways[1] if ways[1].any() else ways[0])[1 if t.axis[i] == ROW else 0])
-    return max(thin, _at(far * aside, 0.0, unit) if far * aside > 0 else 0.0), 0.0, unsure or 0 < aside < 1e-6
+    return max(thin, crowd_of(far * aside, 0.0, unit) if far * aside > 0 else 0.0), 0.0, unsure or 0 < aside < 1e-6
 
 
-def _at(wide, sine, unit):
-    least = max(mix(LEAST, TIP, clamp01((sine - 0.15) / 0.15)) * unit, 0.5)
-    return 1 / max(SHARE * wide / max(1 - (wide / (WIDEST * unit)) ** 4, 1e-6), least)
+def crowd_of(wide, sine, unit):
+    """1 over half the width that the lines of a thing so wide may have, whose contours are at an angle of this sine."""
+    least = np.maximum(mix(LEAST, TIP, clamp01((sine - 0.15) / 0.15)) * unit, 0.5)
+    return 1 / np.maximum(SHARE * wide / np.maximum(1 - (wide / (WIDEST * unit)) ** 4, 1e-6), least)
 
 
 def _thin(t, i, unit):
     """Where contours have no way of their own."""
-    return t.site["thin"][i] * _at(2.0 * t.site["half"][i], 0.0, unit), 0.0
+    return t.site["thin"][i] * crowd_of(2.0 * t.site["half"][i], 0.0, unit), 0.0
 
 
 def _round(t, i, j):
@@ -97,7 +98,8 @@ def _bound(t, i, j, unit):
     crowd, tapers, unsure = _between(t, i, j, unit)
     if not part:
         return crowd, tapers, unsure
-    return max(_thin(t, i, unit)[0], mix(crowd, _at(wide, 0.0, unit), part)), mix(tapers, 0, part), unsure and part < 1
+    crowd = max(_thin(t, i, unit)[0], mix(crowd, crowd_of(wide, 0.0, unit), part))
+    return crowd, mix(tapers, 0, part), unsure and part < 1
 
 
 def _between(t, i, j, unit):
@@ -105,9 +107,19 @@ def _between(t, i, j, unit):
     (own, doubt), (other, more) = _ways(t, i), _ways(t, j)
     dots, gap = (own * other).sum(1), t.at[j] - t.at[i]
     first = int(dots[1] > dots[0])
-    found = [_beside(own[k], other[k], dots[k], gap, unit) or _thin(t, i, unit) for k in (first, 1 - first)]
+    narrower = _aslant(own, other)
+    found = [_beside(own[k], other[k], dots[k], gap / narrower, unit) or _thin(t, i, unit) for k in (first, 1 - first)]
+    doubt |= any(abs(ways[0] @ ways[1] + 0.3) < CLOSE for ways in (own, other))
     tie = abs(dots[1] - dots[0]) < 1e-5 and not np.allclose(*found, atol=1e-4)
     return *found[0], doubt or more or tie or abs(dots[first] - 0.5) < 1e-5
+
+
+def _aslant(own, other):
+    """Of what is round: how much narrower it is between two points that lie aslant; 1 where a contour has a corner."""
+    if own[0] @ own[1] > -0.3 or other[0] @ other[1] > -0.3:
+        return 1.0
+    one, two = ((ways[1] - ways[0]) / np.hypot(*(ways[1] - ways[0])) for ways in (own, other))
+    return max(np.hypot(*(one + two)) / 2, 0.5)
 
 
 def _beside(a, b, dot, gap, unit):
@@ -116,7 +128,7 @@ def _beside(a, b, dot, gap, unit):
         return None
     way, sine = a + b, abs(a[0] * b[1] - a[1] * b[0])
     wide = abs(gap[0] * way[1] - gap[1] * way[0]) / np.hypot(*way)
-    return beside * _at(wide, sine, unit), clamp01((sine - 0.05) / 0.1)
+    return beside * crowd_of(wide, sine, unit), clamp01((sine - 0.05) / 0.1)
 
 
 def _beyond(t, i, j, sites, meetings):

@@ -14,6 +14,7 @@ static const float rounder = 0.524f;            /* so that a disc is as wide as 
 static const float share = 0.25f;               /* of the thing, that half a line of it may take; test_fine_passes */
 static const float parted = 0.5f, along = 0.8f; /* cosines of contours that have nothing to do with each other, and that
 						   run along each other; test_fine_passes */
+static const float corner = 0.3f;               /* cosine of what a line turns by that is none; test_thin */
 static const float level = 0.05f, tapered = 0.15f,
 		   acute = 0.3f; /* sines of contours of a rod, and of a tip; test_fine_passes */
 
@@ -196,6 +197,20 @@ static float round_width(const fine *n, uint32_t i, uint32_t j, float *part)
 	return wide;
 }
 
+/* The cosine of half the angle between two contours where both run on, else 1: so much narrower is what is round
+ * between two points that lie aslant, or what tapers across its middle. */
+static float aslant(float own[2][2], float other[2][2])
+{
+	float a[2] = {own[1][0] - own[0][0], own[1][1] - own[0][1]},
+	      b[2] = {other[1][0] - other[0][0], other[1][1] - other[0][1]};
+	float one = sqrtf(a[0] * a[0] + a[1] * a[1]), two = sqrtf(b[0] * b[0] + b[1] * b[1]);
+	if (own[0][0] * own[1][0] + own[0][1] * own[1][1] > -corner ||
+	    other[0][0] * other[1][0] + other[0][1] * other[1][1] > -corner)
+		return 1;
+	float x = a[0] / one + b[0] / two, y = a[1] / one + b[1] / two;
+	return max(0.5f * sqrtf(x * x + y * y), parted);
+}
+
 /* By the ways of two contours of one thing. */
 static bound by_their_ways(const slender *w, uint32_t i, uint32_t j)
 {
@@ -213,9 +228,9 @@ static bound by_their_ways(const slender *w, uint32_t i, uint32_t j)
 	const float *a = own[down], *b = other[down];
 	float way[2] = {a[0] + b[0], a[1] + b[1]}, x = n->site[j].placed.x - s->placed.x,
 	      y = n->site[j].placed.y - s->placed.y, length = sqrtf(way[0] * way[0] + way[1] * way[1]),
-	      sine = fabsf(a[0] * b[1] - a[1] * b[0]);
-	return (bound){beside * bound_at(w, fabsf(x * way[1] - y * way[0]) / length, sine),
-		       clamp01((sine - level) / (tapered - level))};
+	      sine = fabsf(a[0] * b[1] - a[1] * b[0]),
+	      wide = fabsf(x * way[1] - y * way[0]) / length / aslant(own, other);
+	return (bound){beside * bound_at(w, wide, sine), clamp01((sine - level) / (tapered - level))};
 }
 
 static bound bound_of(const slender *w, uint32_t i)
