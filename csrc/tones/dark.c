@@ -47,8 +47,10 @@ static inline float lightness(const encre_params *p, float r, float g, float b)
 static const float clear_from = 0.7f; /* share of light that a glazed thing mirrors from which on it is a mirror */
 
 /* How far what a pixel mirrors lies over a colour of its own, as on the sea, wet stone or lacquer: 0 for metals, which
- * have none, and where nothing tells what mirrors. The colour is that without the share that mirroring takes of it. */
-static void glazed_row(const frame *f, int y, int x, int n, float (*restrict color)[TONE_CHUNK], float *restrict glazed)
+ * have none, and where nothing tells what mirrors. The colour is that without the share that mirroring takes of it;
+ * left: what that leaves. */
+static void glazed_row(const frame *f, int y, int x, int n, float (*restrict color)[TONE_CHUNK], float *restrict glazed,
+		       float *restrict left)
 {
 	const float *gloss = layer_row(f, ENCRE_LAYER_GLOSS, y), *albedo = layer_row(f, ENCRE_LAYER_ALBEDO, y);
 	for (int i = 0; gloss && i < n; i++) {
@@ -57,6 +59,7 @@ static void glazed_row(const frame *f, int y, int x, int n, float (*restrict col
 		float all = max3(a[0] - color[0][i], a[1] - color[1][i], a[2] - color[2][i]);
 		float share = clamp01(mirrors / max(max(all, mirrors), FLT_MIN));
 		glazed[i] = share * clamp01(50 * bright / max(1 - mirrors, 0.05f));
+		left[i] = max(1 - mirrors * glazed[i], 0.05f);
 	}
 }
 
@@ -98,22 +101,26 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 {
 	const float *controls = controls_at(f, x, y);
 	float e[4][TONE_CHUNK], a[3][TONE_CHUNK], d[3][TONE_CHUNK], painted[TONE_CHUNK] = {0}, rest[TONE_CHUNK];
-	float glazed[TONE_CHUNK] = {0};
+	float glazed[TONE_CHUNK] = {0}, left[TONE_CHUNK];
 	float exposure = exposure_of(f, p), black = p->tone_black;
+	bool seen = p->tone_black_by == tone_black_by_LUMINANCE;
 	spared own = spared_of(p);
 	split(layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x, 4, n, e);
 	split(layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x, 3, n, a);
 	split(layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x, 3, n, d);
 	for (int i = 0; controls && i < n; i++)
 		painted[i] = painted_light(controls, i);
+	for (int i = 0; i < n; i++)
+		left[i] = 1;
 	if (black > 0)
-		glazed_row(f, y, x, n, a, glazed);
+		glazed_row(f, y, x, n, a, glazed, left);
 	for (int i = 0; i < n; i++) {
 		float bright = max3(a[0][i], a[1][i], a[2][i]);
 		float lit = spare(own, max3(d[0][i], d[1][i], d[2][i]) * exposure, bright) + painted[i];
 		rest[i] = max3(e[0][i] - a[0][i] * d[0][i], e[1][i] - a[1][i] * d[1][i], e[2][i] - a[2][i] * d[2][i]);
-		light[i] = lightness(p, a[0][i], a[1][i], a[2][i]) < black ? max(rest[i] - glazed[i], -1)
-									   : max(lit, rest[i]);
+		float own_black = seen ? black * left[i] : black;
+		light[i] = lightness(p, a[0][i], a[1][i], a[2][i]) < own_black ? max(rest[i] - glazed[i], -1)
+									       : max(lit, rest[i]);
 	}
 	if (p->tone_mirrors)
 		mirrored_row(f, p, y, x, n, rest, a, glazed, light);

@@ -46,7 +46,7 @@ def _fine(value, reach, sign):
 
 
 def _whole_runs(value, depth, reach):
-    """Where what is dark is short, along the row or the column, and neither a nearer thing nor the frame cuts it off."""
+    """Where what is dark is short, along the row or the column, and no nearer thing nor the frame cuts it off."""
     most, out = 2 * reach + 1, np.zeros(value.shape, bool)
     wide = most + 2
     values, depths = np.pad(value, wide, mode="edge"), np.pad(depth, wide, constant_values=-1)

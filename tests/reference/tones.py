@@ -246,7 +246,8 @@ def _dark(layers, levels, of, look):
     lit = spared(value(layers.diffuse) * of("shade_exposure"), layers.color) + painted(layers)
     rest = value(other(layers))
     lightness = _luminance if of("tone_black_by") == "LUMINANCE" else value
-    light = np.where(lightness(layers.color) < of("tone_black"), np.maximum(rest - _glazed(layers), -1),
+    left = np.maximum(1 - value(layers.gloss) * _glazed(layers), 0.05) if of("tone_black_by") == "LUMINANCE" else 1
+    light = np.where(lightness(layers.color) < of("tone_black") * left, np.maximum(rest - _glazed(layers), -1),
                      np.maximum(lit, rest))
     if of("tone_mirrors") and layers.seen_color is None:
         light = np.where((value(layers.color) < 0.05) & ~((layers.depth > 0) & (layers.depth < 1e9)), np.inf, light)

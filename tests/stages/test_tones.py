@@ -151,6 +151,14 @@ def test_blacks_are_what_the_eye_sees_as_dark():
             ink = library.render(held, params, outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
             np.testing.assert_allclose(ink, reference(held, params)["Encre Tones"][..., 3], atol=2e-5)
             assert (ink[:, :6] == inked[0]).all() and (ink[:, 6:] == inked[1]).all(), (by, black)
+    gloss = zero + np.float32(0.5)  # as dark as under no mirror
+    held = layers | dict(color=color / 2, combined=np.concatenate([color / 2, one], 2), gloss=gloss,
+                         albedo=color / 2 + gloss)
+    for by, black, inked in ("VALUE", 0.12, (1, 1)), ("LUMINANCE", 0.1, (1, 0)):
+        params = scene | dict(tone_black=black, tone_black_by=by)
+        ink = library.render(held, params, outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
+        np.testing.assert_allclose(ink, reference(held, params)["Encre Tones"][..., 3], atol=2e-5)
+        assert (ink[:, :6] == inked[0]).all() and (ink[:, 6:] == inked[1]).all(), (by, black)
 
 
 def test_the_sky_in_a_dark_sea_does_not_cut_it():
