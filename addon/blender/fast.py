@@ -207,6 +207,10 @@ class Scene:
             caught = objects.catchers[instance]
             overlay.hide(layers, caught)
             self._background(layers, caught, view, projection, frame)
+        if objects.holdouts.any():
+            held = objects.holdouts[instance]
+            overlay.hide(layers, held)
+            combined[held] = 0
         return layers
 
     def _front(self, view, projection, frame, size, wanted, clip, sharp, lit):

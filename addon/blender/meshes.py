@@ -25,6 +25,7 @@ class Objects:
     indices: np.ndarray | None  # by Cycles' index: what the layer says where nothing was drawn; None: see strays()
     automatic: bool
     catchers: np.ndarray  # which show nothing but shadows
+    holdouts: np.ndarray  # which are holes in the picture
     clear: np.ndarray  # by number of material: which may let light through
     blurred: np.ndarray  # likewise: which show nothing clearly, neither mirrored nor through them
     materials: list    # by their numbers, full names; None: of what has none
@@ -95,7 +96,8 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     read attributes, after the controls; with them there is hair. `anchored`: whether to tell where surfaces rest;
     `unwrapped`: which way their UV maps lie.
     """
-    meshes, shown, owners, numbers, catchers, things = [], [], [0], [0], [False], [(0,) * 18]
+    meshes, shown, owners, numbers, things = [], [], [0], [0], [(0,) * 18]
+    catchers, holdouts = [False], [False]
     running, materials = {}, _Materials(depsgraph.scene_eval)
     smooth, kept = bool(light) or kept is not None, kept or Kept()
     first_free = 0 if line_numbers is None else len(line_numbers)
@@ -139,6 +141,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         parts = range(first_free + number, first_free + number + made[0][1].n_parts)
         owners += [obj.pass_index] * len(parts)
         catchers += [obj.is_shadow_catcher] * len(parts)
+        holdouts += [top.original.holdout_get(view_layer=depsgraph.view_layer)] * len(parts)
         things += [_thing(instance, obj)] * len(parts) if looks else []
         numbers.append(_line_number(instance, obj, automatic, line_numbers, running, parts[0]))
         numbers += [own if automatic else -own for own in parts[1:]]  # negative: no pass index is
@@ -153,7 +156,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
                 shown.append(None)
     kept.tidy()
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
-                   line_numbers if automatic else None, automatic, np.array(catchers),
+                   line_numbers if automatic else None, automatic, np.array(catchers), np.array(holdouts),
                    *(np.array([known[k] for known in materials.known.values()]) for k in (3, 4)),
                    list(materials.known),
                    np.array(things, np.float32), shown)

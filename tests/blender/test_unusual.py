@@ -48,3 +48,14 @@ def test_what_is_nowhere_changes_nothing(render):
     assert shot.facts["failed"] == [None] * 3 and "Warning" not in shot.output
     before, scale = (shot.passes(name)["Combined"] for name in ("without", "scale"))
     np.testing.assert_array_equal(before, scale)
+
+
+def test_what_is_held_out_is_a_hole_without_lines_of_its_own(render):
+    shot = render("holes")
+    assert shot.facts["failed"] == [None] * 2
+    theirs, ours = (shot.passes(f"holes {source}") for source in ("CYCLES", "ENCRE"))
+    clear = [passes["Combined"][..., 3] < 0.5 for passes in (theirs, ours)]
+    assert clear[1].mean() > 0.05 and (clear[0] != clear[1]).mean() < 0.01
+    assert not ours["Encre Index"][..., 0][clear[1]].any()
+    inks = [passes["Encre Lines"][..., 3] > 0.5 for passes in (theirs, ours)]
+    assert (inks[0] != inks[1]).mean() < 0.02 and inks[1].any()

@@ -109,3 +109,14 @@ def nowhere(out):
             lost.data.vertices[0].co = float("inf"), float("nan"), 0
             lost.data.update()
         fact("failed", shoot(out, name))
+
+
+def holes(out):
+    """A ball that is held out, and one whose collection is, by Cycles and by Encre."""
+    scene = _small()
+    own = bpy.data.collections.new("Held")
+    scene.collection.children.link(own)
+    cube("Other", (-0.9, -0.5, 0.4), 0.4, collection=own)
+    layer = bpy.context.view_layer.layer_collection
+    layer.children["Held"].holdout = bpy.data.objects["Ball"].is_holdout = True
+    _both(scene, out, "holes")
