@@ -3,6 +3,9 @@
 
 import ctypes.util
 import importlib.util
+import os
+import shutil
+import subprocess
 from pathlib import Path
 
 import blenders
@@ -22,12 +25,14 @@ def drive(script, folder, *options, **environment):
 def shot(tmp_path_factory):
     """With the denoiser of the module bpy, if there is one, and the threads that it was made for."""
     folder, environment = tmp_path_factory.mktemp("window"), {}
-    module = importlib.util.find_spec("bpy")
+    module = shutil.which("blender") and importlib.util.find_spec("bpy")
     libraries = module and Path(module.origin).parent / "lib"
     if libraries and (libraries / DENOISER).exists() and (libraries / "libtbb.so.12").exists():
         beside = tmp_path_factory.mktemp("threads")
         (beside / "libtbb.so.12").symlink_to(libraries / "libtbb.so.12")
         environment = {"ENCRE_OIDN": str(libraries / DENOISER), "LD_LIBRARY_PATH": str(beside)}
+        if subprocess.run(["blender", "--version"], capture_output=True, env={**os.environ, **environment}).returncode:
+            environment = {}  # a Blender that needs threads of its own
     return drive("render_window.py", folder, "--enable-event-simulate", **environment)
 
 

@@ -96,7 +96,7 @@ def slowly(then):
     real = drawing.library.draw
 
     def slow(*args, progress=None, **more):
-        end = time.time() + 3
+        end = time.time() + 60
         while begun == [True] and progress(0) and time.time() < end:
             time.sleep(0.02)
         return real(*args, progress=progress, **more)
@@ -114,11 +114,14 @@ def slowly(then):
 
 
 def menu():
-    """Render Image of the menu; no redraw begins while that is open."""
+    """Render Image of the menu: the redraw ends, and none begins while that is open."""
     keys.point(200, 300)
     yield
     with window.override("IMAGE_EDITOR"):
         bpy.ops.wm.call_menu(name="TOPBAR_MT_render")
+    end = time.time() + 30
+    while bpy.app.is_job_running("RENDER") and time.time() < end:
+        yield
     bpy.context.scene.encre.line_thickness = 40
     end = time.time() + 0.4
     while time.time() < end:

@@ -125,6 +125,7 @@ def growing():
     scene.cycles.use_adaptive_sampling = False
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 320, 180, 200
     scene.cycles.use_denoising, scene.encre.line_thickness, scene.encre.line_color = False, 40, (0, 1, 0)
+    scene.view_settings.view_transform = "Standard"  # from 4.0 on that of a new file makes green pale
     for name in ("early", "late", "shaded", *(["cleaned"] if "ENCRE_OIDN" in os.environ else [])):
         scene.encre.ink_early = name != "late"
         if name == "shaded":

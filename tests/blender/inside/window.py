@@ -14,6 +14,7 @@ import traceback
 import bpy
 
 sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+import screens  # noqa: E402
 import studio  # noqa: E402
 
 FOLDER = sys.argv[-1]
@@ -68,8 +69,7 @@ def resize(width, height):
 
 
 def screenshot(name):
-    with bpy.context.temp_override(window=window(), screen=window().screen):
-        bpy.ops.screen.screenshot(filepath=os.path.join(FOLDER, f"{name}.png"))
+    screens.save(os.path.join(FOLDER, f"{name}.png"))
 
 
 def choose():
