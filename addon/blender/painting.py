@@ -20,18 +20,23 @@ def attribute(mesh, control):
     return mesh.color_attributes.get(control.attribute)
 
 
-def new(mesh, control):
-    """The mesh's colour attribute of a control; made, and neutral, where it is missing. EncreError: it can't be."""
+def check(mesh, control):
+    """EncreError: a control can't be painted on the mesh."""
     if mesh.library:
         raise EncreError(f"{mesh.name}: the mesh is linked and can't be painted; make it local, or set the object's "
                          "own value")
     if not mesh.polygons:
         raise EncreError(f"{mesh.name}: the mesh has no faces to paint on; choose another object")
+    if attribute(mesh, control) is None and control.attribute in mesh.attributes:
+        raise EncreError(f"{mesh.name}: its attribute {control.attribute} is not a colour and can't be painted; remove "
+                         "it under Object Data, Attributes")
+
+
+def new(mesh, control):
+    """The mesh's colour attribute of a control; made, and neutral, where it is missing. EncreError: it can't be."""
+    check(mesh, control)
     found = attribute(mesh, control)
     if found is None:
-        if control.attribute in mesh.attributes:
-            raise EncreError(f"{mesh.name}: its attribute {control.attribute} is not a colour and can't be painted; "
-                             "remove it under Object Data, Attributes")
         found = mesh.color_attributes.new(control.attribute, "BYTE_COLOR", "CORNER")
         _write(found, slice(None), 0.0)
     return found

@@ -75,6 +75,8 @@ class ENCRE_OT_paint(_PaintOperator, bpy.types.Operator):
         if painted(context) == self.chosen:
             bpy.ops.object.mode_set(mode="OBJECT")
             return {"FINISHED"}
+        for obj in objects:  # before one is made, as what is refused can't be undone
+            painting.check(obj.data, self.chosen)
         for obj in objects:
             obj.data.color_attributes.active_color = painting.new(obj.data, self.chosen)
         if mode != "PAINT_VERTEX":

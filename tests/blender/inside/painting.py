@@ -108,6 +108,8 @@ def _wrong(one):
     fact("after", one.mode)
     _select(_bare())
     fact("bare", _refused(bpy.ops.encre.paint, control="thickness"))
+    _select(one, bpy.context.object)
+    fact("beside bare", [_refused(bpy.ops.encre.paint, control="light"), _values(one, "light")])
 
 
 def _bare():
