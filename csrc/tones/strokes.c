@@ -242,6 +242,9 @@ static inline void trace(const brush *b, const tone_mark *mark, const tone_width
 	int nx = tone_within(tx, b->f->width), ny = tone_within(ty, b->f->height);
 	t->column = nx;
 	t->row = ny;
+	/* the other way is traced meanwhile */
+	__builtin_prefetch(tone_bytes(b->m, way, ny) + nx);
+	__builtin_prefetch(tone_bytes(b->m, TONE_NEAR, ny) + nx);
 	/* it is drawn only when all of it is known */
 	__builtin_prefetch(tone_ink(b->m, ny) + nx);
 	if (parted)

@@ -333,12 +333,10 @@ static int32_t add_sites(fine *n, const site *from, uint32_t count)
 	return ISA(fine_sort)(n);
 }
 
-/* more: whether any end was led on. */
-static int32_t round_of(fine *n, bool *more)
+static int32_t round_of(fine *n)
 {
 	ends all = {.n = n};
 	int32_t code = find_ends(&all);
-	*more = false;
 	if (!code)
 		code = bands_run(n->f->bands, (int)all.count, CHUNK, aim, &all);
 	if (!code)
@@ -360,7 +358,6 @@ static int32_t round_of(fine *n, bool *more)
 		return code;
 	qsort(all.pair, pairs, sizeof *all.pair, by_cost);
 	code = join_ends(&all, pairs, &to);
-	*more = to.count > 0;
 	late_drop(&n->f->late, all.end);
 	late_drop(&n->f->late, all.number);
 	late_drop(&n->f->late, all.first);
@@ -378,8 +375,7 @@ static int32_t round_of(fine *n, bool *more)
 int32_t ISA(fine_join_ends)(fine *n)
 {
 	int32_t code = ENCRE_OK;
-	bool more = true;
-	for (int i = 0; !code && more && i < ROUNDS; i++)
-		code = round_of(n, &more);
+	for (int i = 0; !code && i < ROUNDS; i++)
+		code = round_of(n);
 	return code;
 }
