@@ -185,6 +185,19 @@ def test_the_two_edges_of_a_chamfer_are_one_line_where_they_are_close():
     assert np.diff(np.flatnonzero(apart)).max() > 5
 
 
+@pytest.mark.parametrize("turn", [3, 40, 86])
+@pytest.mark.parametrize("period", [6.3, 8.4])
+def test_of_edges_too_close_to_be_told_apart_one_is_a_line(turn, period):
+    """Folds of a cloth, each of several edges that bend enough, two pixels apart; they met in knots and ladders."""
+    strips = np.arange(18)
+    heading = np.radians(60 * np.cos(2 * np.pi * strips / period + 0.4))
+    t = picture(folded(heading, np.full(18, 2.0), turn), crease_angle=20.0, line_thickness=1.0)
+    ink = t.sum(0)[14:-14] if turn > 45 else t.sum(1)[8:-8]
+    assert np.ptp(ink) < 0.5
+    if turn != 40:
+        assert ink.mean() == pytest.approx(2 * 18 / period, abs=0.5), "a line for each fold"
+
+
 @pytest.mark.parametrize("width", [2.5, 3.1, 3.4])
 def test_a_line_has_no_gaps_where_an_edge_of_its_bevel_goes_by(width):
     """Seen from below, where the bevel's last faces are narrow: one of its edges, which is no line, comes into the

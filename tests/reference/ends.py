@@ -115,6 +115,18 @@ def _aims(t, end, picture, doubt):
     end.aims = sorted(found)[:2]
 
 
+def _barred(t, i, corner):
+    """More than 0: a line that is no younger crosses the way from an end to a corner, 1.5 pixels from both."""
+    way = corner - t.at[i]
+    length = np.hypot(*way)
+    if length <= 3:
+        return length - 3
+    off = t.at - t.at[i]
+    along, aside = off @ way / length, np.abs(off[:, 0] * way[1] - off[:, 1] * way[0]) / length
+    margin = np.min([along - 1.5, length - 1.5 - along, 0.75 - aside], axis=0)
+    return margin[~t.dropped & (t.rank <= t.rank[i])].max()
+
+
 def _join(t, a, b, picture, doubt):
     """(cost, corner or None) of joining two ends; None if they don't belong together."""
     i, j = a.site, b.site
@@ -144,7 +156,7 @@ def _join(t, a, b, picture, doubt):
         return None
     plain = min(4 - cost, abs(sine) - 0.34)
     margin = min(max(plain, plain if plain > CLOSE else picture.wedge(high, t.at[i], t.at[j], corner)),
-                 min(u, v) + 0.5, 10 - cost)
+                 min(u, v) + 0.5, 10 - cost, -_barred(t, i, corner), -_barred(t, j, corner))
     if abs(margin) < 10 * CLOSE:
         doubt.update((i, j))
     return (cost, corner) if margin >= 0 else None

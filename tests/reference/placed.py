@@ -222,10 +222,83 @@ def marks(view):
 # Edges of meshes
 
 
+class _Lanes:
+    """Edges of meshes as they pass rows, or columns: [lane, way]."""
+
+    def __init__(self, place, bend, spread, axis, asked):
+        turn = (lambda a: a[..., axis].T) if axis else (lambda a: a[..., axis])
+        self.share, self.bend, self.spread = (turn(a) for a in (np.minimum(place, np.float32(0.998)), bend, spread))
+        self.asked = (lambda lane, way: asked(way, lane, 1)) if axis else (lambda lane, way: asked(lane, way, 0))
+
+    def near(self, lane, place, reach):
+        """[(way, place)] of what passes within reach."""
+        if not 0 <= lane < len(self.share):
+            return []
+        ways = range(max(0, int(place - reach) - 1), min(self.share.shape[1], int(place + reach) + 2))
+        found = [(way, way + float(self.share[lane, way])) for way in ways if self.share[lane, way] > 0]
+        return [(way, at) for way, at in found if abs(at - place) <= reach]
+
+    def follow(self, lane, place, bend, spread):
+        """Where the same line passes another lane, or None."""
+        best = None
+        for way, at in self.near(lane, place, 1.05):
+            like = min(self.bend[lane, way], bend) / max(self.bend[lane, way], bend)
+            far = abs(at - place) + 4 * (1 - like)
+            if self.spread[lane, way] == spread and like >= (0.8 if spread else 0.99) and (not best or far < best[0]):
+                best = far, way, at
+        return best and best[1:]
+
+    def slope(self, lane, way):
+        place = way + float(self.share[lane, way])
+        own = float(self.bend[lane, way]), self.spread[lane, way]
+        sides = [(side, self.follow(lane + side, place, *own)) for side in (-1, 1)]
+        steps = [side * (found[1] - place) for side, found in sides if found]
+        return sum(steps) / len(steps) if steps else None
+
+    def yields(self, lane, way, to_edges=False):
+        """To a parallel line less than 2 pixels away that bends more, or as much and is the later one."""
+        slope, place = self.slope(lane, way), way + float(self.share[lane, way])
+        if slope is None:
+            return False
+        for other, at in self.near(lane, place, 2 * np.hypot(1, slope)):
+            more = (self.bend[lane, other], other) > (self.bend[lane, way], way)
+            if other == way or not more or abs(at - place) < 0.25 or (to_edges and self.spread[lane, other]):
+                continue
+            its = self.slope(lane, other)
+            if its is not None and abs(its - slope) <= 0.5 and self.asked(lane, other) >= 0:
+                return True
+        return False
+
+    def yields_along(self, lane, way):
+        """Where a bend over several faces is near, also if an edge yields to another one within 12 lanes."""
+        if self.yields(lane, way):
+            return True
+        own, place = (float(self.bend[lane, way]), self.spread[lane, way]), way + float(self.share[lane, way])
+        if own[1] or not any(self.spread[lane, other] for other, _ in self.near(lane, place, 3.5)):
+            return False
+        for side in (-1, 1):
+            at = place
+            for k in range(1, 13):
+                found = self.follow(lane + side * k, at, *own)
+                if found is None:
+                    break
+                if self.yields(lane + side * k, found[0], True):
+                    return True
+                at = found[1]
+        return False
+
+    def gives_way(self, lane, way, across):
+        if self.slope(lane, way) is not None:
+            return self.yields_along(lane, way)
+        lanes, own = across(), (float(self.bend[lane, way]), self.spread[lane, way])
+        found = [(way + side, lanes.follow(way + side, lane, *own)) for side in (0, 1)]
+        return any(at is not None and lanes.yields_along(other, at[0]) for other, at in found)
+
+
 def creases(view):
     """{(family, row, column, axis): Place} of those that bend, by what is asked of them; and which of them are the
-    lesser of two that pass a pixel on both sides and do not turn there."""
-    found, lesser, (height, width), layer = {}, set(), view.shape, view.layers.creases
+    lesser of two parallel ones that can't be told apart."""
+    found, lesser, layer = {}, set(), view.layers.creases
     if not view.meshes:
         return found, lesser
     place, bend = layer[..., [0, 2]], np.abs(layer[..., [1, 3]])
@@ -234,23 +307,19 @@ def creases(view):
     place = np.minimum(place, 1.0)
     place[:, -1, ROW] = place[-1, :, COLUMN] = 0  # ways out of the frame
 
-    def gives_way(row, column, axis):
-        for side in (-1, 1):
-            other = (row + side * axis, column + side * (1 - axis))
-            if not (0 <= other[0] < height and 0 <= other[1] < width) or not place[other][axis] > 0:
-                continue
-            own, its = bend[row, column, axis], bend[other][axis]
-            if its < own or (side > 0 and its == own):
-                continue
-            between = max((row, column), other)  # the pixel that both ways end at
-            across = 1 - axis
-            before = (between[0] - across, between[1] - (1 - across))
-            if not (place[between][across] > 0 or (min(before) >= 0 and place[before][across] > 0)):
-                return True
-        return False
+    def asked(row, column, axis):
+        """By how many degrees it bends more than it must."""
+        at = (column, row + place[row, column, axis]) if axis else (column + place[row, column, axis], row)
+        table = view.params.tables[view.layers.style[view.near(*at, column, row, "crease", axis)]]
+        return bend[row, column, axis] - table["crease_smooth" if layer[row, column, 1 + 2 * axis] < 0
+                                               else "crease_angle"]
+
+    def yields_to(row, column, axis):
+        return _Lanes(place, bend, spread, axis, asked).gives_way(*((column, row) if axis else (row, column)),
+                                                                  lambda: _Lanes(place, bend, spread, 1 - axis, asked))
 
     for row, column, axis in np.argwhere(place > 0):
-        if gives_way(row, column, axis):
+        if yields_to(row, column, axis):
             lesser.add(("crease", row, column, axis))
         t = place[row, column, axis]
         at = (column, row + t) if axis else (column + t, row)

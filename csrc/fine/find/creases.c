@@ -117,25 +117,118 @@ bool ISA(crease_flat)(const fine *n, int x, int y, int axis)
 	return x + !axis < n->f->width && y + axis < n->f->height && at.place > 0 && at.bend > 0;
 }
 
-/* Two lines pass a pixel on both sides, closer than they can be told apart: that which bends less gives way, but not
- * where they are one that turns about the pixel. */
+/* Parallel lines closer than this cannot be told apart, and would knot: that which bends less gives way. Lines that
+ * meet in a corner are not parallel, and go on into it. */
+static const float too_close = 2;            /* pixels, across */
+static const float parallel = 0.5f;          /* pixels from lane to lane by which their places may part */
+static const float same = 0.25f;             /* pixels along a lane, below which two are drawn at one place */
+static const float aside = 1.05f;            /* pixels by which a line may lie aside in the next lane, */
+static const float alike[2] = {0.99f, 0.8f}; /* share of what it bends that it bends there: an edge, what is spread; */
+static const float unlike = 4;               /* and pixels that all of it counts as */
+static const float replaced = 3.5f;          /* pixels from an edge where a bend has the place of another one */
+enum { along = 12 };                         /* lanes to each side, where that may be seen */
+static const float nowhere = -9, before_next = 0.998f;
+
+/* Of a way of a lane, which is a row (AXIS_ROW) or a column. */
+static passing passing_along(const fine *n, int lane, int at, int axis)
+{
+	int x = axis == AXIS_ROW ? at : lane, y = axis == AXIS_ROW ? lane : at;
+	if (x < 0 || y < 0 || x + (axis == AXIS_ROW) >= n->f->width || y + (axis != AXIS_ROW) >= n->f->height)
+		return (passing){0};
+	passing p = passing_at(n, x, y, axis);
+	p.place = min(p.place, before_next);
+	return p;
+}
+
+/* Where a line passes a lane that passes the next one at `place`; `nowhere`: it does not. */
+static float same_line(const fine *n, int lane, int axis, float place, const passing *own)
+{
+	float best = nowhere, least = INFINITY;
+	for (int at = (int)(place - aside); (float)at <= place + aside; at++) {
+		passing p = passing_along(n, lane, at, axis);
+		float one = fabsf(p.bend), two = fabsf(own->bend), off = fabsf((float)at + p.place - place),
+		      like = min(one, two) / max(one, two), far = off + unlike * (1 - like);
+		if (!(p.place > 0) || p.spread != own->spread ||
+		    !(off <= aside && like >= alike[own->spread] && far < least))
+			continue;
+		least = far;
+		best = (float)at + p.place;
+	}
+	return best;
+}
+
+/* By how many pixels a line goes aside from lane to lane; `nowhere`: it lies along the lane, if it is a line at all. */
+static float slope_of(const fine *n, int lane, int axis, float place, const passing *own)
+{
+	float before = same_line(n, lane - 1, axis, place, own), after = same_line(n, lane + 1, axis, place, own);
+	if (before < -1 && after < -1)
+		return nowhere;
+	return before < -1 ? after - place : after < -1 ? place - before : 0.5f * (after - before);
+}
+
+/* Whether in a lane that the line crosses a parallel one is too close that bends more; of such as bend alike the first
+ * has to yield. */
+static bool yields(const fine *n, int lane, int axis, int at, bool to_edges)
+{
+	passing own = passing_along(n, lane, at, axis);
+	float place = (float)at + own.place, slope = slope_of(n, lane, axis, place, &own);
+	if (slope == nowhere)
+		return false;
+	float reach = too_close * sqrtf(1 + slope * slope); /* along the lane */
+	for (int k = (int)(place - reach); (float)k <= place + reach; k++) {
+		passing other = passing_along(n, lane, k, axis);
+		float there = (float)k + other.place, away = fabsf(there - place);
+		if (k == at || !(other.place > 0) || (to_edges && other.spread) || away >= reach || away < same ||
+		    fabsf(other.bend) < fabsf(own.bend) || (fabsf(other.bend) == fabsf(own.bend) && k < at))
+			continue;
+		float its = slope_of(n, lane, axis, there, &other);
+		if (its != nowhere && fabsf(its - slope) <= parallel &&
+		    passes(n, axis == AXIS_ROW ? k : lane, axis == AXIS_ROW ? lane : k, axis))
+			return true;
+	}
+	return false;
+}
+
+/* Whether the line of a bend over several faces passes close by, which may have the place of an edge. */
+static bool bend_near(const fine *n, int lane, int axis, float place)
+{
+	for (int at = (int)(place - replaced); (float)at <= place + replaced; at++) {
+		passing p = passing_along(n, lane, at, axis);
+		if (p.place > 0 && p.spread && fabsf((float)at + p.place - place) < replaced)
+			return true;
+	}
+	return false;
+}
+
+/* Where a bend over several faces has the place of an edge, what yields to that edge elsewhere does so here. */
+static bool yields_along(const fine *n, int lane, int axis, float place, const passing *own)
+{
+	if (yields(n, lane, axis, (int)place, false))
+		return true;
+	bool any = !own->spread && bend_near(n, lane, axis, place);
+	for (int way = -1; any && way <= 1; way += 2) {
+		float at = place;
+		for (int k = 1; k <= along; k++) {
+			at = same_line(n, lane + way * k, axis, at, own);
+			if (at < 0)
+				break;
+			if (yields(n, lane + way * k, axis, (int)at, true))
+				return true;
+		}
+	}
+	return false;
+}
+
 static bool gives_way(const fine *n, int x, int y, int axis)
 {
-	int dx = axis == AXIS_ROW, dy = !dx;
-	float own = fabsf(passing_at(n, x, y, axis).bend);
-	for (int side = -1; side <= 1; side += 2) {
-		int ox = x + side * dx, oy = y + side * dy; /* the way on the other side of the pixel between */
-		int px = side > 0 ? ox : x, py = side > 0 ? oy : y;
-		if (ox < 0 || oy < 0 || ox >= n->f->width - dx || oy >= n->f->height - dy)
-			continue;
-		passing other = passing_at(n, ox, oy, axis);
-		if (!(other.place > 0) || fabsf(other.bend) < own || (fabsf(other.bend) == own && side > 0))
-			continue;
-		int bx = px - dy, by = py - dx; /* across: the ways to the pixel's neighbours on the other axis */
-		bool turns =
-			(px < n->f->width - dy && py < n->f->height - dx && passing_at(n, px, py, !axis).place > 0) ||
-			(bx >= 0 && by >= 0 && passing_at(n, bx, by, !axis).place > 0);
-		if (!turns)
+	int lane = axis == AXIS_ROW ? y : x, at = axis == AXIS_ROW ? x : y;
+	passing own = passing_along(n, lane, at, axis);
+	float place = (float)at + own.place;
+	if (slope_of(n, lane, axis, place, &own) != nowhere)
+		return yields_along(n, lane, axis, place, &own);
+	for (int side = 0; side < 2; side++) { /* it crosses the lanes of the other axis */
+		float there = same_line(n, at + side, !axis, (float)lane, &own);
+		if (there >= 0 && yields_along(n, at + side, !axis, there, &own))
 			return true;
 	}
 	return false;
@@ -152,8 +245,8 @@ void ISA(crease_row)(const fine *n, int y)
 			found at = {(uint16_t)x, (uint16_t)y, FAMILY_CREASE, (uint8_t)axis};
 			placed s = {0};
 			bool inside = axis ? y + 1 < n->f->height : x + 1 < width;
-			if (inside && row[5 * (ptrdiff_t)x + 2 * axis] > 0 && !gives_way(n, x, y, axis) &&
-			    ISA(crease_site)(n, &at, &s))
+			if (inside && row[5 * (ptrdiff_t)x + 2 * axis] > 0 && ISA(crease_site)(n, &at, &s) &&
+			    !gives_way(n, x, y, axis))
 				n->crack[(ptrdiff_t)y * width + x] |= (uint8_t)mark_of(FAMILY_CREASE, axis);
 		}
 }

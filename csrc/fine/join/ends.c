@@ -15,7 +15,9 @@ static const float ray_from = -0.5f, ray_to = 4,
 		   least_sine = 0.34f; /* pixels ahead of both ends at which their lines may meet; test_fine_passes */
 static const float wedge_apart = 8, wedge_to = 10,
 		   wedge_sine = 0.25f; /* likewise, if the picture shows an acute corner there; test_fine_passes */
-static const float margin = 0.25f;     /* by how much something else must be nearer to come first; test_fine_passes */
+static const float clear_of = 1.5f,
+		   on_it = 0.75f;  /* pixels from both ends of a way, and from it, where a line bars it */
+static const float margin = 0.25f; /* by how much something else must be nearer to come first; test_fine_passes */
 
 typedef struct end {
 	uint32_t site;
@@ -80,6 +82,25 @@ static bool is_stripe_of(const site *s, const site *other)
 	return is->kind == KIND_STEP && its->kind == KIND_BAND && its->sample == is->sample;
 }
 
+/* Whether a line that is no younger crosses the way from an end to a corner. */
+static bool barred(const fine *n, const site *s, float x, float y)
+{
+	float dx = x - s->placed.x, dy = y - s->placed.y, length = sqrtf(dx * dx + dy * dy);
+	if (!(length > 2 * clear_of))
+		return false;
+	near_sites of = near_box(n, min(x, s->placed.x) - on_it, min(y, s->placed.y) - on_it,
+				 max(x, s->placed.x) + on_it, max(y, s->placed.y) + on_it);
+	for (uint32_t j; near_next(n, &of, &j);) {
+		const site *t = n->site + j;
+		float px = t->placed.x - s->placed.x, py = t->placed.y - s->placed.y,
+		      along = (px * dx + py * dy) / length;
+		if (!t->linked.dropped && rank_of(t) <= rank_of(s) && along > clear_of && along < length - clear_of &&
+		    fabsf(px * dy - py * dx) < on_it * length)
+			return true;
+	}
+	return false;
+}
+
 /* How two ends may be joined. */
 static bool join(const fine *n, const end *a, const end *b, pair *p)
 {
@@ -107,7 +128,8 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 	p->y = s->placed.y + u * a->dy;
 	if (u < ray_from || v < ray_from || p->cost > wedge_to)
 		return false;
-	return (p->cost <= ray_to && fabsf(sine) >= least_sine) || ISA(picture_wedge)(n, s, t, rank, p->x, p->y);
+	return ((p->cost <= ray_to && fabsf(sine) >= least_sine) || ISA(picture_wedge)(n, s, t, rank, p->x, p->y)) &&
+	       !barred(n, s, p->x, p->y) && !barred(n, t, p->x, p->y);
 }
 
 /* The cells in which an end may find something to tie to. */
