@@ -130,6 +130,18 @@ def test_stray_ink_is_found(contours):
     assert broken(t, contours) == {"stray"}
 
 
+def test_rungs_knots_and_gaps_are_not_steady(contours):
+    """Each every 24 pixels, but where they have bent the line itself."""
+    ideal, every = measure.ideal(contours), np.arange(contours.x.size) % 192
+    assert measure.steady(ideal, contours) == 1
+    rung = [replace(contours, x=contours.x + k * contours.nx, y=contours.y + k * contours.ny).take(every < 4)
+            for k in np.arange(0, 4, 0.5)]
+    ladder = np.max([ideal, *(measure.ideal(points) for points in rung)], axis=0)
+    knots = np.maximum(ideal, measure.ideal(contours.take(every < 4), 4))
+    gaps = measure.ideal(contours.take(every > 16))
+    assert max(measure.steady(t, contours) for t in (ladder, knots, gaps)) < 0.97
+
+
 def test_popping_ink_is_not_still():
     moving = [scene.truth for scene in verdict.moving()]
     assert measure.stillness([measure.ideal(truth) for truth in moving], moving) == 1

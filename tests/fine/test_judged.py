@@ -3,7 +3,7 @@
 
 import pages
 import pytest
-from judge import kinds, scenes, verdict
+from judge import kinds, measure, scenes, verdict
 
 
 @pytest.fixture(scope="module")
@@ -50,3 +50,11 @@ def test_fine_breaks_no_more_on_scenes_of_other_kinds_than_the_page_says(name):
     said = pages.table(text, 2)[name]["breaks"]
     found = pages.judged_kinds("FINE", (name,), (0,) if name in SHORT else None, full=name not in SHORT)
     assert {promise for promise in verdict.broken(found) if promise not in said} == set()
+
+
+@pytest.mark.long
+def test_no_rungs_join_the_folds_of_a_cloth():
+    """Of its edges all but one of a fold may be left out, so that no promise of whole lines sees knots and ladders."""
+    cloth = kinds.MESHES["cloth"]()
+    t = pages.drawer("FINE")(cloth.layers("centre"), cloth.camera_settings, **verdict.PARAMS)
+    assert measure.steady(t, cloth.truth) > 0.98

@@ -39,10 +39,11 @@ Drawn after the last constant of FINE was chosen (`tests/judge/kinds.py`): slabs
 wires, crossing hairs, the windows of a city, stairs, railings, columns with collars, louvres, spiral stairs, plates
 close before one another, tips, balls that touch, columns of basalt, leaves cut out by alpha, bevels near and far, rocks
 with faces of all bends, pipes that bend, meshes that stand in each other, boxes that share planes, bolts, gears, window
-bars, corrugated sheets; for FINE eleven of them are also moved by three fractions of a pixel. Of the last ten our
-rasteriser tells what bends and ends, as it does in Blender. The filter is Blackman and Harris's. A bend within 2.5
-pixels is one; lines between colours that lie closer than 10 pixels may thin out. Faults that these scenes showed were
-cured since: on rocks and pipes folds close beside an outline were dashed, and the two rims of a collar met in knots.
+bars, corrugated sheets, cloths of narrow strips; for FINE eleven of them are also moved by three fractions of a pixel.
+Of the last eleven our rasteriser tells what bends and ends, as it does in Blender. The filter is Blackman and Harris's.
+A bend within 2.5 pixels is one; lines between colours that lie closer than 10 pixels may thin out. Faults that these
+scenes showed were cured since: on rocks and pipes folds close beside an outline were dashed, and the two rims of a
+collar met in knots.
 
 """
 WORST = """

@@ -14,7 +14,7 @@ from .meshes import quad
 from .scene import Light, Scene
 from .scenes import COLORS, SUN, turned
 from .shapes import Cone, HalfSpace, Solid, across, ball, box, cone, ground, polygon, unit
-from .told import Told, bevelled, grid, grown, joined, prism, rock, tube, wheel, zigzag
+from .told import Told, bevelled, grid, grown, hung, joined, prism, rock, tube, wheel, zigzag
 
 CROWD = 10  # pixels between boundaries of colours, below which their lines thin out
 FLAT = Light(SUN, sun=0.0, ambient=0.7)
@@ -310,10 +310,20 @@ def corrugated(**more):
     return Told(look([0.1, 1.5, 6.0], [0, 1.2, 0], **more), coloured(sheets), FLAT)
 
 
+def cloth(**more):
+    """Cloths of strips one to four pixels wide, whose folds run upright and aslant."""
+    def waves(strips, wide, *waves):
+        u = np.linspace(0, 1, strips + 1)
+        return (u - 0.5) * wide, sum(deep * np.sin(often * u + at) for deep, often, at in waves)
+    cloths = [hung(*waves(70, 2.0, (0.05, 45, 0)), 1.7, (-1.2, 1.25, 0), turned(0.3, -0.15), 0.01),
+              hung(*waves(60, 2.1, (0.07, 30, 0.6), (0.02, 67, 0)), 1.3, (1.2, 1.25, 0), turned(0.1, 0, 0.7), 0.01)]
+    return Told(look([0.1, 1.5, 6.0], [0, 1.25, 0], **more), coloured(cloths), FLAT)
+
+
 ANALYTIC = {f.__name__: f for f in (tops, shadows, wires, hairs, city, stairs, railing, collars, louvres, spiral, discs,
                                     tips, balls, basalt)}
 MESHES = {f.__name__: f for f in (leaves, bevels, facets, elbow, through, coincident, bolts, gears, lattice,
-                                  corrugated)}
+                                  corrugated, cloth)}
 MOVED = {"leaves", "bevels", "facets", "elbow", "through", "coincident", "bolts", "tops", "shadows", "collars",
          "louvres"}
 SHIFTS = (0.0, 0.0), (0.25, 0.375), (0.5, 0.125), (0.71, 0.62)  # pixels

@@ -95,6 +95,31 @@ def once(t, truth):
     return float(1 - second.mean()) if len(ink) else 1.0
 
 
+def _among_parallels(truth, reach):
+    """Points, half a pixel apart, of straight contours that have no others within `reach` but such as run along it."""
+    if "parallels" not in truth.clear:
+        points = truth.take(np.arange(0, truth.x.size, 4))
+        h, w = truth.size
+        inside = (np.minimum(points.x, points.y) > reach) & (points.x < w - 1 - reach) & (points.y < h - 1 - reach)
+        i, j = near.pairs(*2 * (np.stack([points.x, points.y], 1),), reach)
+        inside[i[np.abs(points.nx[i] * points.ny[j] - points.ny[i] * points.nx[j]) > 0.15]] = False
+        truth.clear["parallels"] = points.take(inside)
+    return truth.clear["parallels"]
+
+
+def steady(t, truth):
+    """Hairline: the share of straight contours with ink about them where it goes on along them, at least one way: no
+    rung from one to the next, no knot, no gap."""
+    points = _among_parallels(truth, 4)
+    if not points.x.size:
+        return 1.0
+    before, here, after = (sum(_profiles(t, points, 2.5, step=0.25, along=(at,))[1][:, k:k + 17] for k in range(5)) / 4
+                           for at in (-3, 0, 3))
+    alone, gap = here - np.maximum(before, after), np.minimum(before, after) - here
+    drawn = np.max([before, here, after], axis=(0, 2)) > INKED
+    return float(1 - (np.maximum(alone, gap).max(1) > 0.3)[drawn].mean()) if drawn.any() else 1.0
+
+
 def inked(t, truth):
     """Hairline: which contour points have ink within 0.8 pixel."""
     _, ink = _profiles(t, truth, 0.8, step=0.2)

@@ -321,7 +321,13 @@ def zigzag(folds, period, bend, tall, centre, turn, thick=0.15):
     """A sheet folded to and fro by so many degrees."""
     x = (np.arange(folds + 1) - folds / 2) * period / 2
     z = np.where(np.arange(folds + 1) % 2, period / 2 * np.tan(np.radians(bend / 2)), 0)
-    m = folds + 1
+    return hung(x, z, tall, centre, turn, thick)
+
+
+def hung(x, z, tall, centre, turn, thick):
+    """A cloth of upright strips between the places x, z."""
+    m = len(x)
+    folds = m - 1
     points = np.array([(x[k], y, z[k] - o) for o in (0, thick) for y in (-tall / 2, tall / 2) for k in range(m)])
     faces = [[0, m, 3 * m, 2 * m], [folds, 2 * m + folds, 3 * m + folds, m + folds]]
     for a in range(folds):
