@@ -6,7 +6,9 @@ import pytest
 from encre.pen import library
 from encre.pen.even import even
 from encre.pen.library import Frame, Mesh
-from judge import verdict
+from judge import kinds, measure, verdict
+from judge.camera import look
+from judge.scene import Scene
 from views import perspective
 
 CONTROLS = len(library.controls())
@@ -163,6 +165,15 @@ def test_a_contour_goes_on_where_pieces_meet(between):
     t = ink({**layers, "marks": marks, "creases": creases}, edge_color=0.0, line_thickness=2.0, width_normal=1.0)
     assert t[3:57, 18:22].max(1).min() > 0.4
     assert not t[:, :16].any() and not t[:, 24:].any()
+
+
+def test_a_narrow_ledge_leads_no_line_over_to_the_contour_above():
+    """The underside of a rail, seen at a grazing angle, and the sky are 1.5 pixels from a way between both."""
+    camera = look([-0.9, 1.5, 6.0], [-0.4, 1.0, 0], focal=7.5, shift=(18.25, 59.375))
+    scene = Scene(camera, kinds.louvres().solids, kinds.FLAT, (48, 64))
+    t = library.render(scene.layers("blackman"), PEN, camera=library.Camera(**scene.camera_settings),
+                       outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
+    assert measure.stray(t, scene.truth) == 0 and measure.place(t, scene.truth)["max"] < 0.25
 
 
 def test_a_lone_pixel_does_not_end_a_line():

@@ -38,10 +38,11 @@ class Picture:
         return max(np.linalg.norm(a - b) - least, np.linalg.norm(c - d) - 0.2)
 
     def agrees(self, rank, a, b):
-        """Whether at a quarter, half and three quarters of the way what lies 1.5 pixels to either side differs."""
+        """Whether at a quarter, half and three quarters of the way what lies 1.5 pixels to either side differs, of
+        shapes and creases a pixel."""
         if rank in (FORM, LIGHT):
             return 1.0
-        side = _beside(a, b)
+        side = _beside(a, b) / (1.5 if rank < COLOR else 1)
         return min(self.margin(rank, p + side, p - side) for p in (a + (b - a) * k / 4 for k in (1, 2, 3)))
 
     def wedge(self, rank, a, b, corner):

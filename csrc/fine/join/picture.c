@@ -2,7 +2,9 @@
 /* Whether the picture shows an edge where a loose end would be led on. */
 #include "fine/near.h"
 
-static const float beside = 1.5f; /* pixels to either side of a line where the picture is looked at; test_fine_passes */
+/* Pixels to either side of a line where the picture is looked at; less along a way between shapes, beside which others
+ * lie closer; test_fine_passes */
+static const float beside = 1.5f, beside_shape = 1;
 
 static void bilinear(const frame *f, enum encre_layer layer, int channels, float x, float y, float *value)
 {
@@ -53,8 +55,9 @@ static bool differ(const float *a, const float *b, int rank)
 bool ISA(picture_agrees)(const fine *n, const site *a, const site *b)
 {
 	int rank = rank_of(a);
+	float aside = bends(rank) ? beside_shape : beside;
 	float dx = b->placed.x - a->placed.x, dy = b->placed.y - a->placed.y, length = sqrtf(dx * dx + dy * dy),
-	      ox = -beside * dy / length, oy = beside * dx / length;
+	      ox = -aside * dy / length, oy = aside * dx / length;
 	for (int k = 1; k <= 3 && rank != RANK_LIGHT && rank != RANK_FORM; k++) {
 		float x = a->placed.x + 0.25f * (float)k * dx, y = a->placed.y + 0.25f * (float)k * dy, one[VALUES],
 		      two[VALUES];
