@@ -117,6 +117,28 @@ def test_a_line_of_a_ball_is_as_wide_as_half_of_that_allows():
     assert thin.widest(scene, points, 8) == pytest.approx(0.5 * wide / (1 - (wide / 24) ** 4), abs=0.02)
 
 
+@pytest.mark.parametrize("deep, asked", [(0.24, False), (0.45, True)])
+def test_a_fold_beside_a_strip_of_less_than_three_pixels_may_be_left_out(deep, asked):
+    """Of a step: its top is 2.4 or 4.5 pixels high before the next, and wider where that does not stand on it."""
+    slabs = [shapes.box((1.4, 0.3, 0.8), (0, 0, 0), scenes.turned(0.0)),
+             shapes.box((1.3, 0.6, 0.8 - deep), (0.1, 0.4, -deep / 2), scenes.turned(0.0))]
+    for k, slab in enumerate(slabs):
+        slab.color = np.array((0.3 + 0.3 * k, 0.4, 0.5))
+    scene = Scene(look([0, 1.0, 6], [0, 0, 0]), slabs, kinds.FLAT, (300, 200))
+    truth, edge = scene.truth, scene.camera.project(np.array([-0.55, 0.15, 0.4 - deep]), scene.size)[0]
+    fold = (truth.angle > 80) & (np.abs(truth.ny) > 0.9) & (truth.x > edge + 1) & (truth.x < edge + 20) & ~truth.outline
+    assert fold.sum() > 100 and truth.required("crease")[fold].any() == asked
+
+
+def test_a_contour_beside_a_faint_one_is_not_alone(contours):
+    k = measure._drawn(contours).take(measure._alone(contours, measure._drawn(contours), 3.5))
+    x, y, nx, ny = (float(getattr(k, name)[0]) for name in ("x", "y", "nx", "ny"))
+    other = replace(contours)
+    other.faint = np.array([[x + 3 * nx, y + 3 * ny]] * 2)
+    points = other.take(np.flatnonzero((other.x == x) & (other.y == y)))
+    assert measure._alone(contours, points, 3.5).all() and not measure._alone(other, points, 3.5).any()
+
+
 def test_beads_are_uneven(contours):
     bead = 1 + 0.5 * np.sin(np.arange(contours.x.size) * 0.125 * 2 * np.pi / 8)
     t = np.max([measure.ideal(contours.take(np.abs(bead - w) < 0.13), w) for w in np.arange(0.5, 1.6, 0.25)], axis=0)
@@ -196,5 +218,6 @@ def test_the_contours_of_meshes_are_those_of_the_formulas():
     for kind in ("outline", "crease"):
         one, two = (truth.take(truth.required(kind)) for truth in (formulas, shown))
         for points, others in (one, two), (two, one):
-            found, _ = near.pairs(np.stack([points.x, points.y], 1), np.stack([others.x, others.y], 1), 0.09)
+            found, _ = near.pairs(np.stack([points.x, points.y], 1), np.stack([others.x, others.y], 1),
+                                   0.13)  # ends fall between points, which are an eighth of a pixel apart
             assert len(np.unique(found)) == points.x.size > 300

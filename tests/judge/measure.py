@@ -27,14 +27,21 @@ def _profiles(t, truth, reach, step=0.125, along=(0.0,)):
     return s, ink / len(along)
 
 
+def _every(truth):
+    """x, y of all that may be inked."""
+    every = np.stack([truth.x, truth.y], 1)
+    return np.concatenate([every, every[:0] if truth.faint is None else truth.faint])[::2]
+
+
 def _alone(truth, points, reach):
-    """Which of `points` have no other contour within `reach` across or 3 pixels along, nor the frame's border."""
+    """Which of `points` have no other contour, not even a faint one, within `reach` across or 3 pixels along, nor the
+    frame's border."""
     h, w = truth.size
     border = reach + 1
     inside = (points.x > border) & (points.x < w - 1 - border) & (points.y > border) & (points.y < h - 1 - border)
-    every = truth.take(np.arange(0, truth.x.size, 2))
-    i, j = near.pairs(np.stack([points.x, points.y], 1), np.stack([every.x, every.y], 1), np.hypot(reach, 3))
-    dx, dy = every.x[j] - points.x[i], every.y[j] - points.y[i]
+    every = _every(truth)
+    i, j = near.pairs(np.stack([points.x, points.y], 1), every, np.hypot(reach, 3))
+    dx, dy = every[j, 0] - points.x[i], every[j, 1] - points.y[i]
     across = np.abs(dx * points.nx[i] + dy * points.ny[i])
     along = np.abs(dy * points.nx[i] - dx * points.ny[i])
     # a circle of 5 pixels' radius stays within 0.1 + along²/10 of its tangent
@@ -144,9 +151,7 @@ def stray(t, truth, asked=1.0, slack=0.25):
     """The share of pixels that have ink, and no contour (not even a faint one) within the line's reach plus `slack`."""
     h, w = truth.size
     spots = np.argwhere(t > STRAY)
-    every = np.stack([truth.y, truth.x], 1)
-    every = np.concatenate([every, every[:0] if truth.faint is None else truth.faint[:, ::-1]])[::2]
-    i, _ = near.pairs(spots, every, max(asked / 2 + 0.5, 1) + slack)
+    i, _ = near.pairs(spots, _every(truth)[:, ::-1], max(asked / 2 + 0.5, 1) + slack)
     return float((len(spots) - len(np.unique(i))) / (h * w))
 
 

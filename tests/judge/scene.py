@@ -16,6 +16,8 @@ NOTHING = 1e10
 STEP = 0.125  # pixels between two points of a contour
 CREASE = 20  # degrees of a bend that must be inked
 OUTLINE = 0.02  # step of depth, relative, that must be inked
+STUB = 6.0  # pixels: a line is not asked for where so little of it would be drawn
+ENDS = 2.0  # pixels to where it may end, at most
 _SIDE = 0.004  # pixels: how far to either side of a contour its two sides are looked at
 _GRID = 8  # samples a pixel and axis
 
@@ -321,12 +323,14 @@ class Scene:
         light = np.abs(GREYS[levels[0]] - GREYS[levels[1]])
         crease, narrow = (angle >= CREASE) & (depth < OUTLINE), np.zeros(x.shape, bool)
         faces = [s["solid"][crease].astype(np.int32) * 64 + s["part"][crease] for s in (one, two)]
-        narrow[crease] = self._narrow(x[crease], y[crease], faces)
+        narrow[crease] = self._narrow(x[crease], y[crease], nx[crease], ny[crease], faces)
+        narrow |= _stubs(x, y, number, crease, narrow)
         truth = Truth(x, y, nx, ny, number, depth, index, angle, color, light, narrow, self.size)
         return truth.visible()
 
-    def _narrow(self, x, y, faces):
-        """Whether one of the faces beside the point has no disc of 3 pixels within 3 pixels of it."""
+    def _narrow(self, x, y, nx, ny, faces):
+        """Whether one of the faces beside the point has no disc of 3 pixels within 3 pixels of it, or is a strip there:
+        less than 3 pixels across, as it is 1.5 pixels on, however wide it is where the strip ends."""
         if not x.size:
             return False
         h, w = self.size
@@ -360,4 +364,39 @@ class Scene:
                 wide[todo[hit]] = True
                 todo = todo[~hit]
             narrow |= ~wide
+            narrow |= _strip(label, face, x * fine + 3 * fine, y * fine + 3 * fine, nx * fine, ny * fine)
         return narrow
+
+
+def _stubs(x, y, number, crease, narrow):
+    """Ends of creases that may be left out all but for less than STUB pixels, of which the other end is a corner; and
+    the ENDS of others, beside what may be left out."""
+    kind = np.where(crease, 1 + narrow, 0)
+    turns = (np.diff(kind) != 0) | (np.diff(number) != 0) | (np.hypot(np.diff(x), np.diff(y)) > 4 * STEP)
+    run = np.append(0, np.cumsum(turns))
+    first = np.flatnonzero(np.append(True, turns))
+    length, of, curve = np.bincount(run) * STEP, kind[first], number[first]
+    stub, place = np.zeros(x.size, bool), (np.arange(x.size) - first[run]) * STEP
+    for side, beyond in (-1, place), (1, length[run] - place):
+        beside = np.clip(np.arange(of.size) + side, 0, of.size - 1)
+        goes_on = (of == 1) & (of[beside] == 2) & (curve[beside] == curve)
+        stub |= goes_on[run] & (beyond <= ENDS)
+        stub |= (goes_on & (length < STUB) & (length[beside] > length))[run]
+    return stub
+
+
+def _strip(label, face, x, y, nx, ny):
+    """Where a face is a strip, on a grid of labels; (nx, ny): three times a pixel's length, across."""
+    span = np.arange(0.25, 3, 0.25)
+
+    def across(along):
+        found = np.zeros(x.size)
+        for side in (1, -1):
+            h, w = label.shape
+            column = np.rint(x[:, None] - along * ny[:, None] + side * nx[:, None] * span).astype(int).clip(0, w - 1)
+            row = np.rint(y[:, None] + along * nx[:, None] + side * ny[:, None] * span).astype(int).clip(0, h - 1)
+            inside = label[row, column] == face[:, None]
+            found = np.maximum(found, inside[:, :2].any(1) * inside.sum(1) * 0.25)
+        return found
+    own, one, two = (across(along) for along in (0, -1.5, 1.5))
+    return (own < 2.75) & (np.abs(one - two) < 1.5) & (np.minimum(one, two) > 0) & (np.maximum(one, two) < 2.75)

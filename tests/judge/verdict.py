@@ -85,9 +85,20 @@ def moving():
     return [sphere(shift=k / 8, size=(150, 200)) for k in range(9)]
 
 
-def still(draw, filter="box"):
-    frames = [draw(scene.layers(filter), scene.camera_settings, **PARAMS) for scene in moving()]
-    return {"still": measure.stillness(frames, [scene.truth for scene in moving()])}
+def panned(make, size=(150, 200), steps=5):
+    """The scene of make(shift=…) as the camera moves by an eighth of a pixel aside and an eleventh up from frame to
+    frame, in a small frame: for still()."""
+    scenes = [make(shift=(k / 8, k / 11)) for k in range(steps)]
+    for scene in scenes:
+        scene.size = size
+    return scenes
+
+
+def still(draw, filter="box", scenes=None):
+    """`scenes`: those of a pan, by default moving()."""
+    scenes = scenes or moving()
+    frames = [draw(scene.layers(filter), scene.camera_settings, **PARAMS) for scene in scenes]
+    return {"still": measure.stillness(frames, [scene.truth for scene in scenes])}
 
 
 @dataclass
