@@ -256,17 +256,10 @@ static bool asks_rest(light *l, int x, int y)
 	if (*exact >= 1)
 		return false;
 	bool same = agree(l, x, y, &sharp);
-	if (!same && (thin || (sharp && !(*exact > 0)) || !parted_about(l, x, y) || stands_out(l, x, y))) {
-		if (kind_of(l->asked[i]) == CROOKED)
-			*to = *exact = 0;
+	if (!same && (thin || (sharp && !(*exact > 0)) || !parted_about(l, x, y) || stands_out(l, x, y)))
 		return true;
-	}
-	if (same) {
-		*to += (1 - *exact) * (l->asked[i] > 0);
-		return false;
-	}
-	*to = l->asked[i] - 2 * PARTED;
-	*exact = by_line;
+	*to += (1 - *exact) * (same ? l->asked[i] > 0 : l->asked[i] - 2 * PARTED);
+	*exact = same ? *exact : by_line;
 	return false;
 }
 
