@@ -110,8 +110,8 @@ int32_t ISA(narrow_run)(light *l);
  * all lamps a pixel within the margin keeps. */
 float ISA(lone_grain)(const light *l, const float *share, int x, int y);
 float ISA(lone_rim)(const light *l, int x, int y);
-/* straight.c: the share of a lamp's light that comes to a place if one line parts it, by its LAMP_FIRST points, of
- * which each gives `value`, and those whose bits are set, but not all, are seen. False if it is no line. */
+/* straight.c: the share of a lamp's light that comes to a place if a line or corner parts it, by its LAMP_FIRST points,
+ * of which each gives `value`, and those whose bits are set, but not all, are seen. False if none does. */
 bool ISA(straight_share)(const light *l, const surface *s, const lamp_point *points, const float *value, uint32_t seen,
 			 rays *from, float *share);
 /* Adds a point's light to *all, and to *seen if nothing is in its way. */

@@ -2,11 +2,11 @@
 /* How much of the light of a lamp with a size comes to what each pixel shows.
  *
  * Each pixel asks the few points that its place in a square of the full frame deals to it. Where these disagree, there
- * or nearby, it asks more, and where those disagree and one line parts the lamp, straight.c tells the share. Else it
- * asks many, each from another place in the 2 x 2 pixels about it. No two pixels of a tile ask the same points: what
- * would be bands is grain, which a mean of such neighbours on the same surface as have much the same share takes away,
- * and then the means of pairs on either side: far pairs where a penumbra is wide. Those leave slopes as they are. Last,
- * no pixel is left a little brighter, or darker, than all about it: cut into tones it would be a speck.
+ * or nearby, it asks more, and where those disagree and a line or a corner parts the lamp, straight.c tells the share.
+ * Else it asks many, each from another place in the 2 x 2 pixels about it. No two pixels of a tile ask the same points:
+ * what would be bands is grain, which a mean of such neighbours on the same surface as have much the same share takes
+ * away, and then the means of pairs on either side: far pairs where a penumbra is wide. Those leave slopes as they are.
+ * Last, no pixel is left a little brighter, or darker, than all about it: cut into tones it would be a speck.
  *
  * Narrow penumbrae are the matter of narrow.c. */
 #include "light/light.h"
@@ -14,8 +14,8 @@
 #include <stdlib.h>
 
 enum {
-	ABOUT = 2,  /* pixels: about one for which a line parts the lamp, */
-	SELDOM = 8, /* no more than a share of 1 in so many may be such for which none does */
+	ABOUT = 2,  /* pixels: about one for which a line or corner parts the lamp, */
+	SELDOM = 3, /* there are at least so many of these for one for which none does */
 	BESIDE = 1, /* pixels: so near to where its surface ends, points are counted */
 	NEAR = 4,   /* pixels: how far disagreement reaches */
 	TAPS = LAMP_TILE - 1,
@@ -203,7 +203,8 @@ static float asked_share(const light *l, int x, int y)
 	if (x < 0 || y < 0 || x >= l->width || y >= l->height)
 		return UNASKED;
 	float asked = l->asked[(ptrdiff_t)y * l->width + x];
-	return asked == UNASKED ? asked : asked - (float)(2 * kind_of(asked));
+	bool known = asked != UNASKED && kind_of(asked) != CROOKED; /* points alone may be that far off */
+	return known ? asked - (float)(2 * kind_of(asked)) : UNASKED;
 }
 
 /* Whether a pixel is darker than two on either side of it, or brighter: what is thinner than a pixel is missed, or
@@ -256,9 +257,12 @@ static bool asks_rest(light *l, int x, int y)
 	if (*exact >= 1)
 		return false;
 	bool same = agree(l, x, y, &sharp);
-	if (!same && (thin || (sharp && !(*exact > 0)) || !parted_about(l, x, y) || stands_out(l, x, y)))
+	if (!same && (thin || (sharp && !(*exact > 0)) || !parted_about(l, x, y) || stands_out(l, x, y))) {
+		if (kind_of(l->asked[i]) == CROOKED) /* half of the light is not where the lamp's middle goes */
+			*to = *exact = 0;
 		return true;
-	*to += (1 - *exact) * (same ? l->asked[i] > 0 : l->asked[i] - 2 * PARTED);
+	}
+	*to = same ? *to + (1 - *exact) * (l->asked[i] > 0) : l->asked[i] - 2 * PARTED;
 	*exact = same ? *exact : by_line;
 	return false;
 }
