@@ -185,8 +185,8 @@ static void narrow_rows(void *data, int y0, int y1, int thread)
 			float away = e.x * (float)(x - u) + e.y * (float)(y - v) - e.far, width = max(l->share[j], 2);
 			float lit = (core_at(l, j) == LIT) == (e.far < 0) ? away : -away;
 			float ramp = clamp01(0.5f + lit / width);
-			/* another edge may lie between the two */
-			ramp = own == LIT ? max(ramp, 0.5f) : min(ramp, 0.5f);
+			if (own == LIT ? ramp < 0.5f : ramp > 0.5f) /* another edge lies between the two */
+				continue;
 			l->exact[i] = clamp01((SOFT - width) / (SOFT - SHARP));
 			l->spare[i] = ramp;
 		}

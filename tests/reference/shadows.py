@@ -380,9 +380,9 @@ class Picture:
         away = edge.x[j] * (self.x[i] - self.x[j]) + edge.y[j] * (self.y[i] - self.y[j]) - edge.far[j]
         wide = np.maximum(width[j], 2)
         ramp = np.clip(0.5 + np.where(bright[j] == (edge.far[j] < 0), away, -away) / wide, 0, 1)
-        ramp = np.where(bright[i], np.maximum(ramp, 0.5), np.minimum(ramp, 0.5))
+        own = np.where(bright[i], ramp >= 0.5, ramp <= 0.5)
         out, exact = np.zeros((2, len(self.x)))
-        out[i], exact[i] = ramp, np.clip((4 - wide) / 2, 0, 1)
+        out[i], exact[i] = own * ramp, own * np.clip((4 - wide) / 2, 0, 1)
         return out, exact, full & (bright | dark) & thin
 
     def dealt_mean(self, share, exact, there):

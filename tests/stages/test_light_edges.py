@@ -184,6 +184,28 @@ def test_light_through_a_fence_is_clean(width):
     assert specks(light, stage.objects()).max() < 0.1
 
 
+def tube(stage, a, b, radius, n):
+    a, b = np.array(a), np.array(b)
+    way, turn, k = reference.unit(b - a), np.arange(n) * 2 * np.pi / n, np.arange(n)
+    u = reference.unit(np.cross(way, (0.3, 0.5, 0.8)))
+    ring = np.cos(turn)[:, None] * u + np.sin(turn)[:, None] * np.cross(way, u)
+    corners = np.concatenate([np.stack([k, (k + 1) % n, (k + 1) % n + n], 1), np.stack([k, (k + 1) % n + n, k + n], 1)])
+    points = np.concatenate([a + radius * ring, b + radius * ring]).astype(np.float32)
+    stage.add(points, corners.astype(np.int32), np.eye(4), np.concatenate([ring, ring])[corners].astype(np.float32))
+
+
+def test_a_pixel_that_no_edge_parts_is_not_half_lit():
+    """Rails of a ladder, of which rungs shade one side: an edge two pixels away gave what is lit a half."""
+    stage = Stage(480, 270, eye=(3, -6, 1.5), at=(-0.5, -1, 0.9))
+    for x in (-1.2, -0.7):
+        tube(stage, (x, -2.2, 0), (x, -1.02, 2.1), 0.035, 12)
+    for k in range(8):
+        y, z = (k + 0.7) / 8.5 * 1.18 - 2.2, (k + 0.7) / 8.5 * 2.1
+        tube(stage, (-1.2, y, z), (-0.7, y, z), 0.02, 10)
+    light, things = stage.light(Lamp("sun", width=0.035, model=ways()), rims=True)[..., 0], stage.objects()
+    assert specks(light, np.where(things > 2, things, np.arange(things.size).reshape(things.shape) + 99)).max() < 0.1
+
+
 @pytest.mark.parametrize("frame", [Frame(160, 90), Frame(160, 90, 70, 31)], ids=["whole", "part"])
 def test_at_rims_light_is_within_that_of_the_same_thing_about(frame):
     stage = Stage(160, 90, smooth=True)
