@@ -354,7 +354,7 @@ static void draw_capsule(const capsule *e, canvas *c)
 
 /* How far the lesser of two strokes that cover a pixel in part lies within the other, as where both have their rim in
  * it, and not by chance; test_two_strokes_are_as_dark_at_a_quarter_of_the_size */
-static const float within = 0.6f;
+static const float within = 0.4f;
 
 /* The pixels at..end - 1 of one row: what this stroke left of them white, the next may darken. */
 static void lay_span(const canvas *c, size_t at, size_t end)

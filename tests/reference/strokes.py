@@ -175,7 +175,7 @@ def draw(t, layers, params, paper, pictures=()):
     pieces += [(i, i) for i in range(len(t)) if not t.links[i] and not t.dropped[i]]
     for k in range(int(max(params.at(pen + "strokes", 0) for pen in ("pen_", "pen_2_", "pen_3_")))):
         dark, own, doubtful = _stroke(t, ends(t, layers, params, paper, k, dict(pictures)), pieces, layers, paper)
-        laid = laid + dark - mix(laid * dark, np.minimum(laid, dark), 0.6)  # what one leaves white the next may darken
+        laid = laid + dark - mix(laid * dark, np.minimum(laid, dark), 0.4)  # what one leaves white the next may darken
         differ = np.abs(own - ink).max(-1) > 1e-4
         unsure |= doubtful | (np.abs(dark - darkest) < 1e-4) & (dark > 0) & differ
         wins = dark > darkest
