@@ -40,7 +40,7 @@ def test_presets_name_the_pens_that_they_set(render):
     facts = one(render("pens_in_presets").facts)
     assert facts["brush"] == ["Brush", "Mine", "Pen 3"]
     assert facts["file"] == {"pen": "Brush", "pen_2": "Mine"}
-    assert facts["ink only"] == ["Pen", "Other", "Pen 3"], "Encre's own presets leave the second pen as it is"
+    assert facts["ink only"] == ["Pen", "Other", "Dots"], "Encre's own presets leave the second pen as it is"
     assert facts["named"] == facts["swapped"] == facts["pasted"] == ["Brush", "Mine", "Pen 3"]
     assert facts["each other's"] == facts["pasted again"] == ["Pen 2", "Pen", "Pen 3"]
 
