@@ -11,6 +11,8 @@
 #include <math.h>
 #include <string.h>
 
+static const double least_cover = 0.25; /* pixels by which a surface lies over an edge that is not seen; test_creases */
+
 /* A line, or the edge of a triangle from corner k to the next. */
 static bool segment_of(const raster *r, const part *part, uint32_t primitive, int k, segment *s, int *y0, int *y1)
 {
@@ -81,6 +83,12 @@ static surface_at look(marking *m, const crossing *c, int x, int y)
 static bool hides(const surface_at *s)
 {
 	return s->behind > s->allowed;
+}
+
+/* Whether what is at a pixel covers an edge, by however little it may and be taken for what is beside the edge. */
+static bool covers(const marking *m, const surface_at *s)
+{
+	return s->part && s->part != m->own && s->behind > least_cover * s->pixel;
 }
 
 /* Whether what a contour bounds is at the first of both pixels. */
@@ -199,7 +207,7 @@ static void crease(void *user, const crossing *c)
 	if (fabsf(m->bend) <= fabsf(out[1]))
 		return;
 	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
-	if (hides(&p) && hides(&q))
+	if ((hides(&p) && hides(&q)) || (covers(m, &p) && covers(m, &q)))
 		return;
 	bool twins = at_twins(m, c);
 	if (twins && p.part != m->own && q.part != m->own)

@@ -68,7 +68,7 @@ static void look_at_run(const work *w, const encre_params *p, int y, int x, int 
 			sum[i] += wanted.dark[k][i] > 0 ? wanted.share[k][i] : 0;
 	}
 	for (int i = 0; i < n; i++) {
-		int clear = keep && keep[i]<128, other = screens[i]> 0.5f ? SCREEN : LIGHT;
+		int clear = keep && keep[i] < 128, other = screens[i] > 0.5f ? SCREEN : LIGHT;
 		what[i] = (uint8_t)(solid[i] > 0.5f ? APART : clear ? CLEARED : other);
 	}
 }

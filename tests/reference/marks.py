@@ -5,6 +5,7 @@ import numpy as np
 
 from . import raster
 
+COVER = 0.25  # of a pixel: an edge so far below what other meshes show at both pixels is not seen
 
 def _corners(mesh, corner, view, projection, frame):
     """Corners of a primitive on the screen, (n, 4) as raster.on_screen() has them."""
@@ -289,11 +290,15 @@ def creases(meshes, view, projection, frame, size, clip_start):
     width, height = size
     out, unsure = np.zeros((height, width, 2, 2)), np.zeros((height, width, 2), bool)
     crossed = _walk(meshes, view, projection, frame, size, clip_start)
-    for mesh in meshes:
+    for own, mesh in enumerate(meshes):
         for corner, degrees, smooth in bends(mesh):
-            for way, close, share, there, *_ in crossed(_corners(mesh, corner, view, projection, frame)):
-                unsure[way] |= close or (out[way][0] > 0 and abs(degrees - abs(out[way][1])) < 0.02)
-                if degrees > abs(out[way][1]) and any(behind <= allowed for _, behind, allowed, *_ in there):
+            for way, close, share, there, pixel, _ in crossed(_corners(mesh, corner, view, projection, frame)):
+                covers = [behind - COVER * pixel for number, behind, *_ in there if number != own]
+                covered = len(covers) == 2 and min(covers) > 0
+                unsure[way] |= close or any(abs(cover) < 1e-4 * pixel for cover in covers) or (
+                    out[way][0] > 0 and abs(degrees - abs(out[way][1])) < 0.02)
+                if degrees > abs(out[way][1]) and not covered and any(
+                        behind <= allowed for _, behind, allowed, *_ in there):
                     out[way] = share, -degrees if smooth else degrees
     found, doubtful = meets(meshes, view, projection, frame, size, clip_start)
     for way, share in found.items():
