@@ -176,6 +176,17 @@ def test_a_narrow_ledge_leads_no_line_over_to_the_contour_above():
     assert measure.stray(t, scene.truth) == 0 and measure.place(t, scene.truth)["max"] < 0.25
 
 
+def test_a_ball_that_touches_another_thing_has_one_line_there():
+    """Of one object: its normals turn ever faster up to the fold, and back beyond it."""
+    scene = kinds.balls()
+    scene.size = 90, 120
+    t = library.render(scene.layers("blackman", one_index=True), PEN, camera=library.Camera(**scene.camera_settings),
+                       outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
+    truth = scene.truth.one_index()
+    assert measure.evenness(t, truth) > 0.99 and measure.place(t, truth)["p95"] < 0.25
+    assert measure.whole(t, truth)["crease"][0] > 0.995
+
+
 def test_a_lone_pixel_does_not_end_a_line():
     """A ledge that rises from a wall and goes back into it; pixels on its edge are as far as neither side of it."""
     def widths(lone):

@@ -276,6 +276,19 @@ def _crossing(steps, v, low, high, place):
     return found + float(clamp01(1 - 4 * slopes) * near) * (place - half)
 
 
+def _outdone(layer, row, column, axis):
+    """On which sides of a step of normals one within two pixels goes back and is greater; whether that is close."""
+    v, far = _read(layer, layer.signal, row, column, axis, 3)
+    step = v[2:] - v[:-2]  # from two pixels before to two after
+    own, found, doubtful = norm2(step[2]), [False, False], False
+    for side, way in enumerate((-1, 1)):
+        for other in (step[2 + way * k] for k in range(1, far[side])):
+            dot, gain = other @ step[2], more(norm2(other), own)
+            found[side] |= bool(dot < 0 and gain > 0)
+            doubtful |= bool(min(-dot / max(own, 1e-30), gain) > -SURE and (abs(dot) < SURE * own or abs(gain) < SURE))
+    return found, doubtful
+
+
 def step_site(view, layer, row, column, axis):
     (linear, far), (v, _) = _read(layer, layer.linear, row, column, axis), _read(layer, layer.signal, row, column, axis)
     inner = norm2(linear[1] - linear[3]) > norm2(linear[0] - linear[4])
@@ -289,6 +302,10 @@ def step_site(view, layer, row, column, axis):
         doubtful |= unsure
     place = _put(row, column, axis, offset)
     way = v[3] - v[1]
+    if layer.name.endswith("normal"):  # what goes back lies past another edge
+        back, unsure = _outdone(layer, row, column, axis)
+        far = [min(k, 1) if gone else k for k, gone in zip(far, back, strict=True)]
+        doubtful |= unsure
     # the slope up to the last pixel goes on at least as steeply
     before = v[2] - v[1] if far[0] < 2 else v[1] - v[0]
     after = v[3] - v[2] if far[1] < 2 else v[4] - v[3]

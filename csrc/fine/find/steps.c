@@ -269,6 +269,27 @@ static float joint_near(const fine *n, const found *at, float offset)
 	return best;
 }
 
+/* Which sides of a step of normals have a greater one within two pixels that goes back, as bits: the rim of a ball
+ * turns so up to where it touches something. */
+static int outdone(const fine *n, int source, const found *at)
+{
+	enum { LOOK = 3 };
+	float value[2 * LOOK + 1][3];
+	int far[2], sides = 0;
+	read_along(n, source, at, LOOK, value, far);
+	const float(*v)[3] = (const float(*)[3])value + LOOK;
+	float own = distance2(v[1], v[-1], 3);
+	for (int side = 0; side < 2; side++)
+		for (int k = 1; k < far[side]; k++) {
+			int off = side ? k : -k;
+			float dot = 0;
+			for (int c = 0; c < 3; c++)
+				dot += (v[off + 1][c] - v[off - 1][c]) * (v[1][c] - v[-1][c]);
+			sides |= (dot < 0 && distance2(v[off + 1], v[off - 1], 3) > own) << side;
+		}
+	return sides;
+}
+
 bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 {
 	float value[5][3], difference = 0, bend = 0, step = 0;
@@ -290,9 +311,10 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 
 	if (form == FORM_COLOR)
 		encode(n, value);
-	/* where a surface turns away it turns ever faster: the slope up to the last pixel goes on at least as steeply
-	 */
-	int from = far[0] < 2, to = 4 - (far[1] < 2);
+	/* where a surface turns away it turns ever faster: the slope up to the last pixel, or to what goes back, goes
+	 * on at least as steeply */
+	int back = form == FORM_VECTOR ? outdone(n, source, at) : 0;
+	int from = far[0] < 2 || back & 1, to = 4 - (far[1] < 2 || back & 2);
 	for (int c = 0; c < planes; c++) {
 		float d = value[3][c] - value[1][c],
 		      j = d - (value[from + 1][c] - value[from][c]) - (value[to][c] - value[to - 1][c]);
