@@ -75,9 +75,12 @@ static inline float distance2(const float *a, const float *b, int planes)
 /* ---- stripes --------------------------------------------------------------------------------------------- */
 
 /* pixels; and where it goes on beside one that is narrow enough, and as strong as an edge */
-static const float widest_band = 2.05f, widest_weak = 2.9f; /* test_fine_sites */
-static const float least_of_peak = 1.5f;                    /* times the step across a band; test_fine_sites */
-static const float most_against = 0.1f; /* share of a band that a pixel of it may lie the other way; test_fine_sites */
+static const float widest_band = 2.05f, widest_weak = 3.1f; /* test_fine_sites */
+/* Three pixels that nothing has averaged have no peak: how far off the pixel's their middle may lie, in pixels. Where
+ * it lies farther off the next pixel has a peak; test_fine_sites */
+static const float most_off = 0.2f;
+static const float least_of_peak = 1.5f; /* times the step across a band; test_fine_sites */
+static const float most_against = 0.1f;  /* share of a band that a pixel of it may lie the other way; test_fine_sites */
 
 /* How the middle three of five values differ, in sum, from the line between the outer two. */
 typedef struct stripe {
@@ -106,8 +109,9 @@ static inline bool stripe_of(const float (*value)[3], int planes, float floor, b
 	float against = -most_against * b->area;
 	b->weak = faint && b->area > widest_band * c[1];
 	b->offset = (c[2] - c[0]) / b->area;
-	return c[1] > c[0] && c[1] > c[2] && b->area <= (b->weak ? widest_weak : widest_band) * c[1] &&
-	       c[0] > against && c[2] > against && c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes));
+	bool peak = (c[1] > c[0] && c[1] > c[2]) || (b->weak && fabsf(b->offset) < most_off);
+	return peak && b->area <= (b->weak ? widest_weak : widest_band) * c[1] && c[0] > against && c[2] > against &&
+	       c[1] > least_of_peak * sqrtf(distance2(value[0], value[4], planes));
 }
 
 /* ---- tiles ------------------------------------------------------------------------------------------------ */

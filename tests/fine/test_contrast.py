@@ -99,6 +99,19 @@ def bricks(joint, wide, rows=120, columns=160, ground=0.5):
     return made
 
 
+@pytest.mark.parametrize("high", [2.3, 2.6])
+def test_a_joint_that_nothing_has_averaged_is_one_line(high):
+    """Two pixels high here and three there, between bricks of two colours: it was a string of beads."""
+    layers = bricks(0.2, 2, 40, 160)
+    y, x = np.indices((40, 160))
+    up = y - 0.06 * x - 12
+    grey = np.where(up < 0, 0.5, np.where(up < high, 0.2, 0.56))
+    layers["albedo"] = np.ascontiguousarray(np.repeat(grey[..., None], 3, 2), np.float32)
+    ink = load().render(layers, SCENE | {"edge_color": 1.0}, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
+    drawn = ink[:, 10:150] > 0.25
+    assert (np.diff(drawn.astype(int), axis=0) > 0).sum(0).tolist() == [1] * 140
+
+
 @pytest.mark.parametrize(("joint", "drawn"), [(0.4, True), (0.46, False)])
 def test_joints_between_bricks_are_whole_or_not_there(joint, drawn):
     """Those that look wide have two sides, each half as strong as the one line of a narrow one."""

@@ -94,7 +94,6 @@ FILTERS = (  # the file, the function, what stands there once, what lets everyth
      "if (x >= 0)"),
     ("csrc/fine/find/ridges.c", "keep_levels", "", ""),  # of candidates()
     ("csrc/fine/find/ridges.c", "measure", "", ""),  # likewise
-    ("csrc/fine/find/ridges.c", "peaks", "if (!(dot[1] > dot[0] && dot[1] > dot[2]))", "if (false)"),
     ("csrc/fine/find/ridges.c", "candidates", "out[i] = mixed[i] ? 0 : all;",
      "out[i] = mixed[i] ? 0 : (uint8_t)(all | 3 * STEP | 3 * BAND);"),
     ("csrc/fine/find/thin.c", "none_ahead", "return ((own | above) & cracks) == 0;", "return own != own;"),

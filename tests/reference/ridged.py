@@ -115,7 +115,7 @@ def step_margins(layer):
 
 
 def band_margins(layer):
-    """(2, H, W): how surely a pixel lies farthest of the three from the line between the two beyond them."""
+    """(2, H, W): how surely a pixel lies farthest of three from the line between the two beyond them, or amid them."""
     signal, closed = _padded(layer.signal), _padded(layer.closed)
     margin, bulge = [], []
     for axis in (ROW, COLUMN):
@@ -124,7 +124,10 @@ def band_margins(layer):
         raw = {k: along(v, k) for k in range(-2, 3)}
         e = raw[-1] + raw[0] + raw[1] - 1.5 * (raw[-2] + raw[2])
         dot = {k: ((raw[k] - (raw[-2] * (2 - k) + raw[2] * (2 + k)) / 4) * e).sum(-1) for k in (-1, 0, 1)}
-        m = np.where(r.open[2] & r.open[-2] & ~shut, np.minimum(more(dot[0], dot[-1]), more(dot[0], dot[1])), -1)
+        square = np.maximum(norm2(e), 1e-30)
+        flat = np.where((layer.name == "color") & (square > 2.05 * dot[0]), 0.2 - abs(dot[1] - dot[-1]) / square, -1)
+        m = np.maximum(np.minimum(more(dot[0], dot[-1]), more(dot[0], dot[1])), flat)
+        m = np.where(r.open[2] & r.open[-2] & ~shut, m, -1)
         margin.append(_inner(axis, m))
         bulge.append(_inner(axis, turn(axis, _sum3(turn(axis, np.sqrt(norm2(e)))))))
     preferred = more(bulge[0], bulge[1])
@@ -213,8 +216,11 @@ def band_site(view, layer, row, column, axis):
     c = np.array([(v[k] - (v[0] * (4 - k) + v[4] * k) / 4) @ e / area for k in (1, 2, 3)])
     color = layer.name == "color"
     weak = color and area > 2.05 * c[1]
-    margin = min(more(area, layer.band), more(c[1], c[0]), more(c[1], c[2]),
-                 more((2.9 if weak else 2.05) * c[1], area), (c[0] + 0.1 * area) / area, (c[2] + 0.1 * area) / area,
+    peak = min(more(c[1], c[0]), more(c[1], c[2]))
+    if weak:
+        peak = max(peak, 0.2 - abs(c[2] - c[0]) / area)
+    margin = min(more(area, layer.band), peak, more((3.1 if weak else 2.05) * c[1], area),
+                 (c[0] + 0.1 * area) / area, (c[2] + 0.1 * area) / area,
                  more(c[1], 1.5 * np.linalg.norm(v[4] - v[0])))
     if layer.name.endswith("color"):
         margin = min(margin, -_among_alike(layer, row, column, axis))

@@ -140,22 +140,16 @@ static float bulge2(const window *w, int x, int k, int axis)
 	return sum;
 }
 
-/* Whether the pixel at x is the one of a band that lies farthest from that line, and the band is as one must be. */
+/* Whether the pixel at x is the middle one of a band, and the band is as one must be. */
 static bool peaks(const window *w, int x, int axis)
 {
-	float v[5][3], dot[3] = {0, 0, 0};
+	float v[5][3];
 	for (int k = -2; k <= 2; k++)
 		if (k && mixed_along(w, x, axis, k))
 			return false;
-	for (int c = 0; c < w->is.planes; c++) {
+	for (int c = 0; c < w->is.planes; c++)
 		for (int k = 0; k < 5; k++)
 			v[k][c] = value_at(w, c, x, axis, k - 2);
-		float e = (v[1][c] + v[2][c] + v[3][c]) - 1.5f * (v[0][c] + v[4][c]);
-		for (int i = 0; i < 3; i++)
-			dot[i] += (v[i + 1][c] - mix(v[0][c], v[4][c], 0.25f * (float)(i + 1))) * e;
-	}
-	if (!(dot[1] > dot[0] && dot[1] > dot[2]))
-		return false;
 	stripe b;
 	if (stripe_of((const float (*)[3])v, w->is.planes, w->n->floor[w->is.band], families[w->is.band].faint, &b))
 		return true;
