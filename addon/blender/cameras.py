@@ -23,8 +23,8 @@ def view(camera):
     """World -> camera, 4 x 4, whatever the scale of an evaluated camera. EncreError: it is scaled to nothing."""
     placed = camera.matrix_world.normalized()
     if not placed.determinant():
-        raise EncreError(f"camera {camera.name}: it or a parent of it has a scale of 0, or of no number, so that it looks nowhere; "
-                         "give them another")
+        raise EncreError(f"camera {camera.name}: it or a parent of it has a scale of 0, or of no number, so that it "
+                         "looks nowhere; give them another scale")
     return np.array(placed.inverted())
 
 
