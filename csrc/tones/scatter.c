@@ -13,6 +13,7 @@
 static const float held_within = 0.6f;
 /* 255ths: so much brighter than its layer wants a stroke's middle may lie, for it goes to where it is darker. */
 enum { DARKER_BESIDE = 32 };
+static const float most_ahead = 0.3f;   /* no seam is so near */
 static const float jitter = 0.6f;       /* pitches */
 static const float beside_rows = 0.08f; /* sine of the angle up to which a stroke goes along a row of its lattice */
 
@@ -144,6 +145,41 @@ static int main_axis(const tone_rest *rest, int i)
 	return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
 }
 
+/* By how much a normal's largest part is above the next. */
+static float lead_of(const float *normal)
+{
+	float x = fabsf(normal[0]), y = fabsf(normal[1]), z = fabsf(normal[2]), most = max(max(x, y), z);
+	return 2 * most - (x + y + z - min(min(x, y), z));
+}
+
+/* Where a surface turns from one axis to the next lies a seam of two lattices, and whether a place there lies before or
+ * behind it is told by pixels: marks begin there from nothing within one of them, and are larger for two more, so that
+ * there is as much ink. */
+static float grown_beside_seam(const frame *f, const tone_slot *s, const tone_rest *rest, int i, int x, int y)
+{
+	float own[3], room[ANCHOR_COUNT], steep = 0;
+	for (int k = 0; k < 3; k++)
+		own[k] = rest->at[ANCHOR_NORMAL + k][i];
+	float here = lead_of(own);
+	if (here > most_ahead)
+		return 1;
+	for (int axis = 0; axis < 2; axis++) {
+		float least = 1;
+		for (int side = -1; side < 2; side += 2) {
+			int column = tone_within(axis ? x : x + side, f->width),
+			    row = tone_within(axis ? y + side : y, f->height);
+			const float *there = ISA(tone_anchor)(f, s, row, column, 1, room) + ANCHOR_NORMAL;
+			float turn = 0;
+			for (int k = 0; k < 3; k++)
+				turn = max(turn, fabsf(there[k] - own[k]));
+			least = min(least, turn);
+		}
+		steep += least;
+	}
+	float away = here / max(2 * steep, 1e-6f);
+	return clamp01(away) * (1 + clamp01((3 - away) / 2) / 3);
+}
+
 /* The layers' lattices lie beside each other. */
 static const float beside[TONE_LAYERS] = {0, 0.381966f, 0.763932f};
 
@@ -242,12 +278,13 @@ static tone_mark mark_at(const frame *f, const tone_marks *m, const places *p, i
 		way[0] += aside * l->across[k][i];
 		way[1] += aside * l->up[k][i];
 	}
+	weight *= rest ? grown_beside_seam(f, s, rest, i, x, y) : 1;
 	float size = sqrtf(weight), turn, length = 0, pitch = sqrtf(l->pitch[0][i] * l->pitch[1][i]);
 	h = stir(h, 2);
 	turn = (share_of(h) - 0.5f) * 0.1f;
 	h = stir(h, 3);
 	if (stroke)
-		length = stroke_length * pitch * size * (0.7f + 0.6f * share_of(h));
+		length = stroke_length * pitch * min(size * (0.7f + 0.6f * share_of(h)), 1.3f);
 	return (tone_mark){
 		.x = (float)(f->place.x + x) + 0.5f + way[0],
 		.y = (float)(f->place.y + y) + 0.5f + way[1],

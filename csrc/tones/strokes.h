@@ -35,7 +35,7 @@ static const float full_cover = 0.69314718f; /* area of all marks of a layer, ab
 /* A stroke or spot: pixels of the full frame, so that its numbers are the same in any part of it. */
 typedef struct tone_mark {
 	float x, y;  /* its middle */
-	float size;  /* 0..1, how far it is grown along and across */
+	float size;  /* how far it is grown along and across; beside a seam of lattices a little above 1 */
 	float rank;  /* 0..1, by which few or many are drawn */
 	float pitch; /* pixels */
 	float reach; /* half of its length; 0 of spots */

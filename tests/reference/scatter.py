@@ -8,6 +8,7 @@ from .metric import clamp01, mix
 LENGTH, JITTER, FULL, STRAY, STEPS = 5.0, 0.6, np.log(2), 0.1, 6
 ROWS = 0.08  # sine of the angle up to which a stroke goes along a row of its lattice
 HELD, DARKER, LEAST_ON = 0.6, 32, 0.25
+MOST_AHEAD = 0.3
 BESIDE = 0, 0.381966, 0.763932
 TURNED = 0, np.radians(45), np.radians(-60)
 AXES = np.array([(0.148, 0.0986, 0.984), (0.148, 0.984, 0.0986)])
@@ -201,7 +202,22 @@ class Drawing:
         h = stir(stir(h, odds[0]), odds[1])
         return h, int(256 * (way @ way) + 0.5), lambda: self.put(layer, x, y, h, rank, weight, way, fields)
 
+    def beside_seam(self, x, y):
+        """The area that marks have where another axis than the normal's largest is about to be that, by pixels."""
+        def normal(x, y):
+            height, width = self.dark.shape
+            return self.anchor[min(max(y, 0), height - 1), min(max(x, 0), width - 1), 3:6]
+
+        _, second, first = np.sort(np.abs(normal(x, y)))
+        if first - second > MOST_AHEAD:
+            return 1
+        turns = [[np.abs(normal(x + side * (1 - axis), y + side * axis) - normal(x, y)).max() for side in (-1, 1)]
+                 for axis in (0, 1)]
+        away = (first - second) / max(2 * sum(min(1, *turn) for turn in turns), 1e-6)
+        return clamp01(away) * (1 + clamp01((3 - away) / 2) / 3)
+
     def put(self, layer, x, y, h, rank, weight, way, fields):
+        weight *= 1 if self.anchor is None else self.beside_seam(x, y)
         along = None if self.spots else self.way(layer, x, y)
         for k in range(2):
             h = stir(h, 1)
@@ -214,7 +230,8 @@ class Drawing:
         h = stir(h, 2)
         turn = (share(h) - 0.5) * STRAY
         h = stir(h, 3)
-        size = np.sqrt(weight) * np.sqrt(fields["pitch"][0] * fields["pitch"][1])
+        pitch = np.sqrt(fields["pitch"][0] * fields["pitch"][1])
+        size = np.sqrt(weight) * pitch
         place = x + 0.5 + way[0], y + 0.5 + way[1]
         px, py = self.within(place)
         if not self.gets_to(x, y, px, py):
@@ -224,7 +241,7 @@ class Drawing:
             if half > 0:
                 self.between([*place, half], [*place, half], px, py)
             return
-        reach = 0.5 * LENGTH * size * (0.7 + 0.6 * share(h))
+        reach = 0.5 * LENGTH * min(size * (0.7 + 0.6 * share(h)), 1.3 * pitch)
         step = max(4, reach / STEPS)
         forth, back = (self.trace(layer, rank, size, reach, turn, sign, step, place, px, py) for sign in (1, -1))
         places = [*back[::-1], [*place, half], *forth]
