@@ -153,8 +153,8 @@ static float lead_of(const float *normal)
 }
 
 /* Where a surface turns from one axis to the next lies a seam of two lattices, and whether a place there lies before or
- * behind it is told by pixels: marks begin there from nothing within one of them, and are larger for two more, so that
- * there is as much ink. */
+ * behind it is told by pixels: strokes begin there from nothing within one of them, and are larger for two more, so
+ * that there is as much ink. Spots would leave a row of paper along it. */
 static float grown_beside_seam(const frame *f, const tone_slot *s, const tone_rest *rest, int i, int x, int y)
 {
 	float own[3], room[ANCHOR_COUNT], steep = 0;
@@ -278,7 +278,7 @@ static tone_mark mark_at(const frame *f, const tone_marks *m, const places *p, i
 		way[0] += aside * l->across[k][i];
 		way[1] += aside * l->up[k][i];
 	}
-	weight *= rest ? grown_beside_seam(f, s, rest, i, x, y) : 1;
+	weight *= rest && stroke ? grown_beside_seam(f, s, rest, i, x, y) : 1;
 	float size = sqrtf(weight), turn, length = 0, pitch = sqrtf(l->pitch[0][i] * l->pitch[1][i]);
 	h = stir(h, 2);
 	turn = (share_of(h) - 0.5f) * 0.1f;

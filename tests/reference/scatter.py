@@ -203,7 +203,7 @@ class Drawing:
         return h, int(256 * (way @ way) + 0.5), lambda: self.put(layer, x, y, h, rank, weight, way, fields)
 
     def beside_seam(self, x, y):
-        """The area that marks have where another axis than the normal's largest is about to be that, by pixels."""
+        """The area that strokes have where another axis than the normal's largest is about to be that, by pixels."""
         def normal(x, y):
             height, width = self.dark.shape
             return self.anchor[min(max(y, 0), height - 1), min(max(x, 0), width - 1), 3:6]
@@ -217,7 +217,7 @@ class Drawing:
         return clamp01(away) * (1 + clamp01((3 - away) / 2) / 3)
 
     def put(self, layer, x, y, h, rank, weight, way, fields):
-        weight *= 1 if self.anchor is None else self.beside_seam(x, y)
+        weight *= 1 if self.anchor is None or self.spots else self.beside_seam(x, y)
         along = None if self.spots else self.way(layer, x, y)
         for k in range(2):
             h = stir(h, 1)
