@@ -95,8 +95,7 @@ def test_hidden_behind_another_surface():
 
 @pytest.mark.parametrize("below, seen", [(0.2, True), (0.3, False), (0.6, False)])
 def test_covered_by_another_surface_it_is_not_seen(below, seen):
-    """As the rim of a plate is that lies under the next: on a surface that is seen aslant, its depth at a pixel's centre
-    tells less."""
+    """As the rim of a plate under the next: on a surface seen aslant, its depth at the centre of a pixel tells less."""
     cover = Mesh(np.float32([(-50, -50, 70), (90, -50, -70), (20, 120, 0)]) - np.float32((0, 0, 29.7)))
     got = passing([fold(98, 30 + below), cover], *pixels(40, 30), Frame(40, 30))
     assert got[10:20, 19, 1].any() == seen

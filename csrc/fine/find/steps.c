@@ -277,7 +277,7 @@ static int outdone(const fine *n, int source, const found *at)
 	float value[2 * LOOK + 1][3];
 	int far[2], sides = 0;
 	read_along(n, source, at, LOOK, value, far);
-	const float(*v)[3] = (const float(*)[3])value + LOOK;
+	const float (*v)[3] = (const float (*)[3])value + LOOK;
 	float own = distance2(v[1], v[-1], 3);
 	for (int side = 0; side < 2; side++)
 		for (int k = 1; k < far[side]; k++) {
