@@ -37,7 +37,7 @@ demo: build
 gallery: build
 	$(RUN) scenes/gallery.py build/gallery $(wildcard ../shared/data/suzanne.blend)
 
-# The pages and tables of docs/ that are computed without Blender: two minutes.
+# The pages and tables of docs/ that are computed without Blender: a quarter of an hour and more.
 docs: build
 	$(RUN) tests/helpers/pages.py
 
