@@ -50,7 +50,8 @@ def test_slim_files_hold_what_restyling_reads(tmp_path, more):
     works(encre("render", path, "-o", slim, "--size", "320x180"))
     assert slim.stat().st_size < 0.45 * whole.stat().st_size
     name = "ViewLayer.Combined.right" if "multiview" in more else "ViewLayer.Combined"
-    for options in [], ["--preset=ink_only", "--set=light_source=CYCLES", "--set=line_thickness=9"]:
+    for options in [], ["--preset=ink_only", "--set=light_source=CYCLES", "--set=line_thickness=9",
+                    "--set=line_pen_light=PEN"]:
         assert works(encre("composite", slim, "-o", tmp_path / "a.exr", *options)) == ""
         works(encre("composite", whole, "-o", tmp_path / "b.exr", *options))
         a, b = (exr.part(tmp_path / f"{name_}.exr", name) for name_ in "ab")
@@ -159,7 +160,8 @@ def test_settings_reach_the_engine(cube, tmp_path):
     assert settings.scene["shade_levels"][1] == pytest.approx((1, 0.5, 0.1, 1, 0, 0))
     assert exr.metadata(first)["cycles.ViewLayer.samples"] == "3"
     # A frame restyled equals a frame rendered in the new style.
-    err = works(encre("render", cube, "-o", second, ALL, "--samples", "3", "--set=sobel_shape_threshold=.5"))
+    err = works(encre("render", cube, "-o", second, ALL, "--samples", "3", "--set=save_anchor=ON",
+                      "--set=sobel_shape_threshold=.5"))
     assert "changes nothing here: sobel_shape_threshold (it needs edge_detector=SOBEL)" in err
     err = works(encre("composite", second, "-o", tmp_path / "c.exr", "--preset", "Ink only",
                       "--set", "line_color=1,0,0", "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0",
