@@ -150,9 +150,9 @@ static inline int step_dot(const site *a, const site *b)
 	return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
 }
 
-static inline size_t cell_of(const fine *n, const site *s)
+static inline size_t cell_of(const fine *n, const placed *s)
 {
-	int x = pixel_of(s->placed.x, n->f->width) / CELL, y = pixel_of(s->placed.y, n->f->height) / CELL;
+	int x = pixel_of(s->x, n->f->width) / CELL, y = pixel_of(s->y, n->f->height) / CELL;
 	return (size_t)y * (size_t)n->across + (size_t)x;
 }
 

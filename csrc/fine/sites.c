@@ -204,7 +204,7 @@ static void find_cells(void *data, int first, int end, int thread)
 	(void)thread;
 	const sorting *s = data;
 	for (int i = first; i < end && !stopped_at(s->n, i); i++)
-		s->cell[i] = (uint32_t)cell_of(s->n, s->n->site + i);
+		s->cell[i] = (uint32_t)cell_of(s->n, &s->n->site[i].placed);
 }
 
 int32_t ISA(fine_sort)(fine *n)

@@ -20,8 +20,7 @@ typedef struct widths {
 
 static void vary(const widths *w, uint32_t i)
 {
-	const placed *s = &w->n->site[i].placed;
-	w->varied[pixel_of(s->y, w->f->height) / CELL * w->n->across + pixel_of(s->x, w->f->width) / CELL] = 1;
+	w->varied[cell_of(w->n, &w->n->site[i].placed)] = 1;
 }
 
 /* Most lines are as wide all along, and are not walked. */

@@ -34,6 +34,18 @@ typedef struct view {
 	float cut[CHORDS], chord[CHORDS]; /* where the line crosses, and where along it */
 } view;
 
+/* How far the lamp goes along the line, to either side. */
+static float half_length(const view *w)
+{
+	return w->square ? fabsf(w->along[0]) + fabsf(w->along[1]) : 1;
+}
+
+/* Where a point is on the lamp, in its own coordinates. */
+static float on_lamp(const view *w, const lamp_point *q, int c)
+{
+	return w->square ? 2 * q->square[c] - 1 : q->disc[c];
+}
+
 /* From where to where on a chord the lamp is. */
 static void chord_ends(const view *w, float along, float *low, float *high)
 {
@@ -127,9 +139,7 @@ static void turn_to(view *w, const float across[2], const lamp_point *points, ui
 	w->along[0] = -across[1];
 	w->along[1] = across[0];
 	for (int k = 0; k < LAMP_FIRST; k++) {
-		const lamp_point *q = points + k;
-		float x = w->square ? 2 * q->square[0] - 1 : q->disc[0];
-		float y = w->square ? 2 * q->square[1] - 1 : q->disc[1];
+		float x = on_lamp(w, points + k, 0), y = on_lamp(w, points + k, 1);
 		w->point[k][0] = across[0] * x + across[1] * y;
 		w->point[k][1] = across[0] * y - across[1] * x;
 		sum[seen >> k & 1] += w->point[k][1];
@@ -146,7 +156,7 @@ static bool way_to_seen(const view *w, const lamp_point *points, uint32_t seen, 
 	for (int k = 0; k < LAMP_FIRST; k++) {
 		float *to = sum[seen >> k & 1];
 		for (int c = 0; c < 2; c++)
-			to[c] += w->square ? 2 * points[k].square[c] - 1 : points[k].disc[c];
+			to[c] += on_lamp(w, points + k, c);
 		to[2]++;
 	}
 	for (int c = 0; c < 2; c++)
@@ -235,7 +245,7 @@ static float light_beyond(const view *w, const float *value)
 		}
 		grow[c] /= square[c];
 	}
-	float all = 0, comes = 0, wide = w->square ? fabsf(w->along[0]) + fabsf(w->along[1]) : 1;
+	float all = 0, comes = 0, wide = half_length(w);
 	for (int k = 0; k < ROWS; k++) {
 		float along = wide * ((2 * (float)k + 1) / ROWS - 1), first, last;
 		chord_ends(w, along, &first, &last);
@@ -310,7 +320,7 @@ static bool fold(view *w, int first, int right, int last)
 static bool cross_fold(view *w, float few)
 {
 	enum { LOW, FIRST, NEXT, MIDDLE, BEFORE, LAST, HIGH };
-	float wide = w->square ? fabsf(w->along[0]) + fabsf(w->along[1]) : 1;
+	float wide = half_length(w);
 	w->enough = enough_fold;
 	if (!cross_chord(w, MIDDLE, few, 0, 2))
 		return false;
@@ -336,7 +346,7 @@ static bool cross_fold(view *w, float few)
 /* Whether the line goes on to where the lamp ends: few points may miss what is in the way there. */
 static bool ends_hold(const view *w)
 {
-	float wide = w->square ? fabsf(w->along[0]) + fabsf(w->along[1]) : 1;
+	float wide = half_length(w);
 	for (int side = -1; side <= 1; side += 2) {
 		float along = (float)side * near_end * wide, at = line_at(w, along), low, high;
 		chord_ends(w, along, &low, &high);

@@ -40,17 +40,16 @@ static float radius_of(const work *w, int x, int y)
 	return w->styles[style_at(w->f, x, y)].room;
 }
 
-static bool is_screen(const tone_slot *s)
+static bool wants_room(const tone_slot *s)
 {
-	return (s->kind == tone_1_DOTS || s->kind == tone_1_LINES || s->kind == tone_1_CROSS) &&
-	       s->space != tone_1_space_OBJECT;
+	return tone_is_screen(s) && s->space != tone_1_space_OBJECT;
 }
 
 float ISA(tone_room)(const encre_params *p, const tone_style *style)
 {
 	float pitch = 0;
 	for (int k = 0; k < TONE_SLOTS; k++)
-		if (is_screen(style->slot + k))
+		if (wants_room(style->slot + k))
 			pitch = max(pitch, style->slot[k].pitch);
 	return min(0.5f * p->tone_least * pitch, TONE_ROOM_MOST);
 }
@@ -63,7 +62,7 @@ static void look_at_run(const work *w, const encre_params *p, int y, int x, int 
 	tone_wanted wanted;
 	ISA(tone_want)(w->f, p, slots, y, x, n, &wanted);
 	for (int k = 0; k < TONE_SLOTS; k++) {
-		float *sum = is_screen(slots + k) ? screens : slots[k].kind == tone_1_SOLID ? solid : NULL;
+		float *sum = wants_room(slots + k) ? screens : slots[k].kind == tone_1_SOLID ? solid : NULL;
 		for (int i = 0; sum && wanted.any[k] && i < n; i++)
 			sum[i] += wanted.dark[k][i] > 0 ? wanted.share[k][i] : 0;
 	}
@@ -276,8 +275,7 @@ static void cleared_rows(void *data, int y0, int y1, int thread)
 		const uint8_t *room = row_of(w, w->d->room, y);
 		uint8_t *paper = row_of(w, w->d->raw, y);
 		for (int x = 0; x < w->f->width; x++)
-			paper[x] = w->d->keep && room[x] < ALL && !is_detail(w, x, y) &&
-				   is_near(w, x, y, radius_of(w, x, y));
+			paper[x] = room[x] < ALL && !is_detail(w, x, y) && is_near(w, x, y, radius_of(w, x, y));
 	}
 }
 
@@ -289,8 +287,9 @@ static void light_rows(void *data, int y0, int y1, int thread)
 		const uint8_t *paper = row_of(w, w->d->raw, y);
 		uint8_t *room = row_of(w, w->d->room, y);
 		for (int x = 0; x < w->f->width; x++) {
+			bool cleared = w->d->keep && paper[x];
 			bool ink = room[x] == ALL || is_detail(w, x, y) ||
-				   (!paper[x] && is_near(w, x, y, beside * radius_of(w, x, y)));
+				   (!cleared && is_near(w, x, y, beside * radius_of(w, x, y)));
 			room[x] = (uint8_t)(room[x] / 2 | (ink ? 0 : TONE_PAPER));
 		}
 	}
@@ -317,6 +316,7 @@ int32_t ISA(tone_room_run)(frame *f, const tone_detail *d, const tone_style *sty
 	code = code ? code : bands_run(f->bands, f->height, 0, width_rows, &w);
 	code = code ? code : bands_run(f->bands, f->height, 0, room_rows, &w);
 	code = code ? code : join(&w);
-	code = code ? code : seek(&w, d->value, CLEARED, false, cleared_rows);
+	if (!code && d->keep)
+		code = seek(&w, d->value, CLEARED, false, cleared_rows);
 	return code ? code : seek(&w, d->value, LIGHT, false, light_rows);
 }

@@ -124,17 +124,12 @@ static void fit(const uint8_t *restrict room, int n, const float *restrict dark,
 	}
 }
 
-static bool is_screen(const tone_slot *s)
-{
-	return s->kind == tone_1_DOTS || s->kind == tone_1_LINES || s->kind == tone_1_CROSS;
-}
-
 static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, int y, int x, int n, const float *dark,
 		    float *ink)
 {
 	float fitted[TONE_CHUNK];
 	const uint8_t *room = ((const tone_frame *)f->tones)->detail.room;
-	if (room && is_screen(s)) {
+	if (room && tone_is_screen(s)) {
 		fit(room + (ptrdiff_t)y * f->width + x, n, dark, fitted);
 		dark = fitted;
 	}

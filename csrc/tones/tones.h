@@ -187,6 +187,12 @@ static inline bool tone_sticks(const tone_slot *s)
 	return s->space != tone_1_space_SCREEN;
 }
 
+/* Whether dots or lines fill it. */
+static inline bool tone_is_screen(const tone_slot *s)
+{
+	return s->kind == tone_1_DOTS || s->kind == tone_1_LINES || s->kind == tone_1_CROSS;
+}
+
 static inline bool tone_flat(const tone_slot *s)
 {
 	return s->space == tone_1_space_FLAT;

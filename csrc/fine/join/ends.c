@@ -324,13 +324,13 @@ static int32_t find_ends(ends *all)
 		if (all->number[i] == UINT32_MAX)
 			continue;
 		all->end[all->number[i]] = (end){.site = i};
-		all->first[cell_of(n, n->site + i)]++;
+		all->first[cell_of(n, &n->site[i].placed)]++;
 	}
 	for (size_t i = 1; i <= cells; i++)
 		all->first[i] += all->first[i - 1];
 	/* from the last: each finds its cell's end and moves it down */
 	for (uint32_t k = all->count; !code && k-- > 0;)
-		all->member[--all->first[cell_of(n, n->site + all->end[k].site)]] = k;
+		all->member[--all->first[cell_of(n, &n->site[all->end[k].site].placed)]] = k;
 	return code;
 }
 
