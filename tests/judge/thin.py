@@ -66,14 +66,14 @@ def _bounds(scene, points):
     return bound
 
 
-def _arms(at, start, links):
+def _arms(start, links):
     """What hangs together of the points within AROUND of one along contours, without it: a set for each way from it.
     A pixel's two sides count as a line crosses them: that is how many sites it has there."""
     far, growing = {start: 0.0}, [start]
     while growing:
         i = growing.pop(0)
-        for j in links[i]:
-            length = far[i] + np.abs(at[j] - at[i]).sum()
+        for j, step in links[i].items():
+            length = far[i] + step
             if length <= AROUND and length < far.get(j, np.inf) - 1e-9:
                 far[j] = length
                 growing.append(j)
@@ -99,12 +99,14 @@ def widest(scene, points, asked):
     _, some = near.pairs(places, np.stack([outline.x, outline.y], 1), AROUND)
     outline = outline.take(np.unique(some))
     at, bound, own = np.stack([outline.x, outline.y], 1), _bounds(scene, outline), _bounds(scene, points)
-    links = [[] for _ in at]
-    for i, j in zip(*near.pairs(at, at, 0.2 * COARSE), strict=True):
-        links[i] += [j] if i != j else []
+    links = [{} for _ in at]
+    i, j = near.pairs(at, at, 0.2 * COARSE)
+    for one, other, step in zip(i.tolist(), j.tolist(), np.abs(at[j] - at[i]).sum(1).tolist(), strict=True):
+        if one != other:
+            links[one][other] = step
     thin = np.unique(near.pairs(places, at[bound > 2 / asked], AROUND)[0])
     i, j = near.pairs(places[thin], at, 0.1 * COARSE)
     for k, start in dict(zip(thin[i], j, strict=True)).items():
-        most = sorted(bound[arm].max() for arm in _arms(at, start, links))
+        most = sorted(bound[arm].max() for arm in _arms(start, links))
         own[k] = max(own[k], most[-2] if len(most) > 1 else most[-1] if most else 0)
     return np.minimum(2 / np.maximum(own, 1e-9), asked)
