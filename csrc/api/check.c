@@ -231,37 +231,25 @@ int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char 
 	if (job->n_channels < 0 || job->n_channels > ENCRE_MAX_CHANNELS)
 		return refuse(error, size, "attributes: %d channels; give 0 to %d", (int)job->n_channels,
 			      ENCRE_MAX_CHANNELS);
-	for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
-		if (!images[i]->data)
-			continue;
-		if (!first)
-			first = images[i];
-		int32_t code = check_image(images[i], what + i, first->width, first->height, error, size);
-		if (code)
-			return code;
-		*clean_images[i] = with_strides(*images[i]);
-		code = check_apart_from_meshes(job, what[i].name, clean_images[i], error, size);
-		for (size_t k = 0; !code && k < i; k++)
-			if (images[k]->data)
-				code = check_apart(what[i].name, clean_images[i], what[k].name,
-						   grid_of(clean_images[k]), error, size);
-		if (code)
-			return code;
-	}
+	enum { IMAGES = sizeof images / sizeof *images };
+	for (int i = 0; !first && i < IMAGES; i++)
+		first = images[i]->data ? images[i] : NULL;
 	if (!first)
 		return refuse(error, size, "raster: no output is given; give at least one image to draw into");
-	if (job->beyond.data) {
+	int32_t code = check_images(IMAGES, 0, what, images, clean_images, first->width, first->height, error, size);
+	for (int i = 0; !code && i < IMAGES; i++)
+		if (images[i]->data)
+			code = check_apart_from_meshes(job, what[i].name, clean_images[i], error, size);
+	if (!code && job->beyond.data) {
 		const encre_layer_description beyond = {"beyond", "", 1, 0};
-		int32_t code = check_image(&job->beyond, &beyond, first->width, first->height, error, size);
+		code = check_image(&job->beyond, &beyond, first->width, first->height, error, size);
 		clean->beyond = with_strides(job->beyond);
-		for (size_t k = 0; !code && k < sizeof images / sizeof *images; k++)
+		for (int k = 0; !code && k < IMAGES; k++)
 			if (images[k]->data)
 				code = check_apart(what[k].name, clean_images[k], "beyond", grid_of(&clean->beyond),
 						   error, size);
-		if (code)
-			return code;
 	}
-	return check_frame(&job->frame, first->width, first->height, error, size);
+	return code ? code : check_frame(&job->frame, first->width, first->height, error, size);
 }
 
 int32_t check_bake(const encre_bake_job *job, encre_bake_job *clean, char *error, size_t size)
@@ -277,14 +265,9 @@ int32_t check_bake(const encre_bake_job *job, encre_bake_job *clean, char *error
 	const encre_image *images[] = {&job->texture, &job->form, &job->output};
 	*clean = *job;
 	encre_image *clean_images[] = {&clean->texture, &clean->form, &clean->output};
-	for (int i = 0; i < 3; i++) {
-		int32_t code =
-			images[i]->data ? check_image(images[i], what + i, width, height, error, size) : ENCRE_OK;
-		if (code)
-			return code;
-		*clean_images[i] = with_strides(*images[i]);
-	}
-	int32_t code = check_params(job->params, 1, error, size);
+	int32_t code = check_images(3, 2, what, images, clean_images, width, height, error, size);
+	if (!code)
+		code = check_params(job->params, 1, error, size);
 	const struct {
 		const char *name;
 		int32_t value;
@@ -292,10 +275,6 @@ int32_t check_bake(const encre_bake_job *job, encre_bake_job *clean, char *error
 	for (int i = 0; !code && i < 3; i++)
 		if (flags[i].value < 0 || flags[i].value > 1)
 			return refuse(error, size, "%s: is %d; give 0 or 1", flags[i].name, (int)flags[i].value);
-	for (int i = 0; !code && i < 2 && job->output.data; i++)
-		if (images[i]->data)
-			code = check_apart("output", &clean->output, what[i].name, grid_of(clean_images[i]), error,
-					   size);
 	if (!code && job->output.data)
 		code = check_apart("output", &clean->output, "the parameters",
 				   grid_of_bytes(job->params, sizeof(encre_params)), error, size);

@@ -137,18 +137,8 @@ int32_t check_light(const encre_light_job *job, encre_light_job *clean, char *er
 					&clean->turned, &clean->diffuse, &clean->specular};
 	int width = job->diffuse.width, height = job->diffuse.height;
 	int32_t code = check_scene(job->scene, error, size);
-	for (int i = 0; !code && i < IMAGES; i++) {
-		if (!images[i]->data && what[i].required)
-			return refuse(error, size, "%s: this image is missing and required; give it", what[i].name);
-		if (!images[i]->data)
-			continue;
-		code = check_image(images[i], what + i, width, height, error, size);
-		*cleaned[i] = with_strides(*images[i]);
-		for (int k = 0; !code && i >= INPUTS && k < i; k++)
-			if (images[k]->data)
-				code = check_apart(what[i].name, cleaned[i], what[k].name, grid_of(cleaned[k]), error,
-						   size);
-	}
+	if (!code)
+		code = check_images(IMAGES, INPUTS, what, images, cleaned, width, height, error, size);
 	if (!code)
 		code = check_frame(&job->frame, width, height, error, size);
 	if (!code)

@@ -136,19 +136,7 @@ int32_t check_material(const encre_material_job *job, encre_material_job *clean,
 					&clean->surface,    &clean->shine,    &clean->turned};
 	if (job->attributes.data && (channels < 1 || channels > ENCRE_MAX_CHANNELS))
 		return refuse(error, size, "attributes: %d channels; give 1 to %d", channels, ENCRE_MAX_CHANNELS);
-	int32_t code = ENCRE_OK;
-	for (int i = 0; !code && i < IMAGES; i++) {
-		if (!images[i]->data && what[i].required)
-			return refuse(error, size, "%s: this image is missing and required; give it", what[i].name);
-		if (!images[i]->data)
-			continue;
-		code = check_image(images[i], what + i, width, height, error, size);
-		*cleaned[i] = with_strides(*images[i]);
-		for (int k = 0; !code && i >= INPUTS && k < i; k++)
-			if (images[k]->data)
-				code = check_apart(what[i].name, cleaned[i], what[k].name, grid_of(cleaned[k]), error,
-						   size);
-	}
+	int32_t code = check_images(IMAGES, INPUTS, what, images, cleaned, width, height, error, size);
 	if (!code)
 		code = check_frame(&job->frame, width, height, error, size);
 	if (!code)

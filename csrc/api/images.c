@@ -119,3 +119,22 @@ int32_t check_apart(const char *name, const encre_image *output, const char *oth
 		return ENCRE_OK;
 	return refuse(error, size, "%s: shares memory with %s; give every output memory of its own", name, other);
 }
+
+int32_t check_images(int n, int inputs, const encre_layer_description *what, const encre_image *const *given,
+		     encre_image *const *clean, int width, int height, char *error, size_t size)
+{
+	int32_t code = ENCRE_OK;
+	for (int i = 0; !code && i < n; i++) {
+		if (!given[i]->data && what[i].required)
+			return refuse(error, size, "%s: this image is missing and required; give it", what[i].name);
+		if (!given[i]->data)
+			continue;
+		code = check_image(given[i], what + i, width, height, error, size);
+		*clean[i] = with_strides(*given[i]);
+		for (int k = 0; !code && i >= inputs && k < i; k++)
+			if (given[k]->data)
+				code = check_apart(what[i].name, clean[i], what[k].name, grid_of(clean[k]), error,
+						   size);
+	}
+	return code;
+}

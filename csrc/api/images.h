@@ -26,5 +26,9 @@ grid grid_of_bytes(const void *from, size_t bytes);
 /* An output, which has strides, and something else. */
 int32_t check_apart(const char *name, const encre_image *output, const char *other, grid taken, char *error,
 		    size_t size);
+/* Of n images those that are there, of which the first `inputs` are only read: checked as `what` says, written to
+ * `clean` with strides, every output apart from all before it. */
+int32_t check_images(int n, int inputs, const encre_layer_description *what, const encre_image *const *given,
+		     encre_image *const *clean, int width, int height, char *error, size_t size);
 
 #endif
