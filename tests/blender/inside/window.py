@@ -306,7 +306,8 @@ _REFUSALS = "in this context is not allowed", "can't modify blend data in this s
 
 def start(todo, **options):
     """Runs the steps. Each in a getter: with one flag for all threads, Blender may let Python write nowhere else once a
-    render has begun while a panel was drawn."""
+    render has begun while a panel was drawn. None beside a preview of a material: while its engine is in Python, the
+    main thread looks into an overridden context without the interpreter's lock, and 3.4 crashes."""
     bpy.context.preferences.view.show_splash = False
     seconds = _LIMIT * (10 if "ENCRE_REDRAWS" in os.environ else 1)
     end = time.monotonic() + seconds
@@ -315,7 +316,8 @@ def start(todo, **options):
         try:
             if time.monotonic() > end:
                 todo.throw(TimeoutError(f"not done after {seconds} s"))  # the traceback tells where it waits
-            next(todo)
+            if not bpy.app.is_job_running("RENDER_PREVIEW"):
+                next(todo)
         except StopIteration:
             studio.fact("finished", True)
             _leave(0)
