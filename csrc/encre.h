@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 18 };
+enum { ENCRE_API_VERSION = 19 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -500,8 +500,9 @@ enum encre_result {
 	ENCRE_RESULT_SHINE_ROUGHNESS = 14,
 	ENCRE_RESULT_COAT = 15, /* of highlights of a coat above it, which is colourless, and its roughness */
 	ENCRE_RESULT_COAT_ROUGHNESS = 16,
-	ENCRE_RESULT_TURNED = 17, /* 3: the way in which light takes the surface to face; 0: its normal */
-	ENCRE_RESULTS = 20
+	ENCRE_RESULT_TURNED = 17,  /* 3: the way in which light takes the surface to face; 0: its normal */
+	ENCRE_RESULT_HOLDOUT = 20, /* the share that is a hole in the picture, of what does not show through */
+	ENCRE_RESULTS = 21
 };
 
 typedef struct encre_program {
@@ -537,6 +538,7 @@ typedef struct encre_material_job {
 	encre_image surface;                         /* out, 2: alpha and roughness, 0 to 1 */
 	encre_image shine;       /* out, 6: of highlights the colour and roughness, of a coat's how bright and rough */
 	encre_image turned;      /* out, 3: normals of normal maps and bumps, 0 where there are none */
+	encre_image holdout;     /* out, 1: the share that is a hole, at least 0 */
 	encre_progress progress; /* may be NULL */
 	void *user;
 } encre_material_job;

@@ -67,7 +67,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     made = looks.programs(objects.materials, objects.things, first)
     return Scene(objects, light, made, sky, scene.render.film_transparent, subject.read(depsgraph, camera, light), clip,
                  notes, first > 0, first + looks.channels(objects.materials), looks.through(objects.materials),
-                 looks.shine(objects.materials), looks.turned(objects.materials))
+                 looks.shine(objects.materials), looks.turned(objects.materials), looks.holdout(objects.materials))
 
 
 def _join_attributes(objects):
@@ -114,7 +114,7 @@ class Scene:
     """What is drawn from: nothing of it is Blender's, so that it stays whatever becomes of the depsgraph."""
 
     def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted, channels, through, shines,
-                 turned):
+                 turned, holes):
         self.objects, self.light, self.materials, self.sky, self.clip = objects, light, made, sky, clip
         self.transparent, self.subject = transparent, about
         self.notes = notes  # sentences about what is missing
@@ -124,7 +124,7 @@ class Scene:
         self.shines = shines and light.lamps > 0  # whether lamps make highlights on anything
         self.turned = turned  # whether a normal map turns anything
         self._looks = [name for name in abi.MATERIAL_OUTPUTS
-                       if {"shine": self.shines, "turned": turned}.get(name, True)]
+                       if {"shine": self.shines, "turned": turned, "holdout": holes}.get(name, True)]
 
     def camera(self, view, projection):
         orthographic = projection[3, 3] == 1
@@ -207,10 +207,12 @@ class Scene:
             caught = objects.catchers[instance]
             overlay.hide(layers, caught)
             self._background(layers, caught, view, projection, frame)
-        if objects.holdouts.any():
-            held = objects.holdouts[instance]
-            overlay.hide(layers, held)
-            combined[held] = 0
+        if objects.holdouts.any() or "holdout" in looks:
+            holes = objects.holdouts[instance].astype(np.float32)
+            if "holdout" in looks:
+                np.maximum(holes, np.minimum(looks["holdout"][..., 0], 1), out=holes)
+            overlay.hide(layers, holes >= _SHOWS)
+            combined *= 1 - holes[..., None]
         return layers
 
     def _front(self, view, projection, frame, size, wanted, clip, sharp, lit):
@@ -240,7 +242,7 @@ class Scene:
                     overlay.without(maps[name], pixels)
         if clear:
             alpha = np.maximum(looks["surface"][..., :1], np.float32(_SHOWS))
-            for name in ("color", "gloss", "emission", *(("shine",) if self.shines else ())):
+            for name in ("color", "gloss", "emission", *({"shine", "holdout"} & looks.keys())):
                 if name == "shine":
                     looks[name][..., (0, 1, 2, 4)] /= alpha
                 else:

@@ -48,6 +48,10 @@ class Looks:
         """Whether any of the materials has a normal map."""
         return any(self.known[name][1].turned != (0.0,) * 3 for name in names)
 
+    def holdout(self, names):
+        """Whether any of the materials is a hole in the picture, or partly one."""
+        return any(self.known[name][1].holdout != 0.0 for name in names)
+
     def through(self, names):
         """Whether light goes through each material: bool (n,)."""
         return np.array([self.known[name][0].through for name in names], bool)

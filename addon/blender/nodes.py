@@ -31,6 +31,7 @@ class Surface:
     coat: object = 0.0               # likewise, of what lies above it
     coat_roughness: object = 0.0
     turned: tuple = (0.0, 0.0, 0.0)  # where light takes it to face; 0: where the mesh does
+    holdout: object = 0.0            # the share that is a hole in the picture
 
 
 @dataclass
@@ -64,7 +65,7 @@ class Compiler(Patterns):
         """The job.Program; first: the first of the attributes' channels that are its."""
         made = self.build.program([*surface.color, *surface.gloss, *surface.emission, surface.alpha,
                                    surface.roughness, *surface.shine, surface.shine_roughness, surface.coat,
-                                   surface.coat_roughness, *surface.turned])
+                                   surface.coat_roughness, *surface.turned, surface.holdout])
         codes = [self.build.code(name) for name in ("channel", "footprint")]
         operations = made.operations.copy()
         operations[np.isin(operations[:, 0], codes), 10] += first
@@ -266,7 +267,7 @@ class Compiler(Patterns):
         return {"BSDF": Surface(alpha=0.0)}
 
     def _Holdout(self, node):
-        return {"Holdout": Surface()}
+        return {"Holdout": Surface(holdout=1.0)}
 
     def _Emission(self, node):
         strength = self.number(node.inputs["Strength"])
@@ -314,7 +315,7 @@ class Compiler(Patterns):
                                   *(mix(getattr(a, name), getattr(b, name), share) for name in ("alpha", "roughness")),
                                   self._mixed(a.shine, b.shine, share), self._of_both(a, b, "shine", share),
                                   mix(a.coat, b.coat, share), self._of_both(a, b, "coat", share),
-                                  self._turned(a, b, share))}
+                                  self._turned(a, b, share), mix(a.holdout, b.holdout, share))}
 
     def _turned(self, a, b, share=0.5):
         """Where both shaders together face: those that show nothing do not count."""
@@ -340,7 +341,8 @@ class Compiler(Patterns):
                                   self.build.clamp(add(a.alpha, b.alpha)),
                                   self.build.minimum(a.roughness, b.roughness),
                                   self._each(add, a.shine, b.shine), self._of_both(a, b, "shine"),
-                                  add(a.coat, b.coat), self._of_both(a, b, "coat"), self._turned(a, b))}
+                                  add(a.coat, b.coat), self._of_both(a, b, "coat"), self._turned(a, b),
+                                  self.build.clamp(add(a.holdout, b.holdout)))}
 
     # Where
 

@@ -138,7 +138,7 @@ class Operation(c.Structure):
     _fields_ = [("code", c.c_int32), ("out", c.c_int32), ("in", c.c_int32 * 8), ("data", c.c_int32 * 2)]
 
 
-RESULTS = 20
+RESULTS = 21
 
 
 class Program(c.Structure):
@@ -158,7 +158,8 @@ class Materials(c.Structure):
 
 
 MATERIAL_INPUTS = {"object": 1, "material": 1, "depth": 1, "normal": 3}  # channels
-MATERIAL_OUTPUTS = {"color": 3, "gloss": 3, "emission": 3, "surface": 2, "shine": 6, "turned": 3}
+MATERIAL_OUTPUTS = {"color": 3, "gloss": 3, "emission": 3, "surface": 2, "shine": 6, "turned": 3,
+                    "holdout": 1}
 
 
 class MaterialJob(c.Structure):

@@ -19,7 +19,7 @@ from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work, filled, whole
 from .params import Chosen, Control, Param, Stage, chosen, control, normal, read, stage, text_of
 
-API_VERSION = 18
+API_VERSION = 19
 _ALL = "; `encre params` lists all"
 
 
@@ -281,8 +281,9 @@ class Library:
                  frame: Frame, threads: int = 0, simd: int = 1,
                  progress: Callable[[float], bool] | None = None) -> dict[str, np.ndarray]:
         """What surfaces look like without light: `color`, `gloss` and `emission` (H, W, 3), `surface` (H, W, 2), alpha
-        and roughness, `shine` (H, W, 6), what makes highlights, and `turned` (H, W, 3), normals of normal maps. maps:
-        object, material and depth (H, W), normal (H, W, 3) and perhaps attributes (H, W, n), as raster() gives them.
+        and roughness, `shine` (H, W, 6), what makes highlights, `turned` (H, W, 3), normals of normal maps, and
+        `holdout` (H, W, 1), how far it is a hole. maps: object, material and depth (H, W), normal (H, W, 3) and perhaps
+        attributes (H, W, n), as raster() gives them.
         """
         return self.run(self.material_work(materials, maps, view, projection, frame), threads, simd, progress)
 

@@ -114,7 +114,7 @@ static int32_t check_materials(const encre_materials *m, int channels, char *err
 
 int32_t check_material(const encre_material_job *job, encre_material_job *clean, char *error, size_t size)
 {
-	enum { INPUTS = 5, IMAGES = 11 };
+	enum { INPUTS = 5, IMAGES = 12 };
 	int width = job->object.width, height = job->object.height, channels = job->attributes.channels;
 	const encre_layer_description what[IMAGES] = {{"object", "", 1, 1},
 						      {"material", "", 1, 1},
@@ -126,14 +126,15 @@ int32_t check_material(const encre_material_job *job, encre_material_job *clean,
 						      {"emission", "", 3, 0},
 						      {"surface", "", 2, 0},
 						      {"shine", "", 6, 0},
-						      {"turned", "", 3, 0}};
-	const encre_image *images[IMAGES] = {&job->object,     &job->material, &job->depth, &job->normal,
-					     &job->attributes, &job->color,    &job->gloss, &job->emission,
-					     &job->surface,    &job->shine,    &job->turned};
+						      {"turned", "", 3, 0},
+						      {"holdout", "", 1, 0}};
+	const encre_image *images[IMAGES] = {&job->object,     &job->material, &job->depth,  &job->normal,
+					     &job->attributes, &job->color,    &job->gloss,  &job->emission,
+					     &job->surface,    &job->shine,    &job->turned, &job->holdout};
 	*clean = *job;
-	encre_image *cleaned[IMAGES] = {&clean->object,     &clean->material, &clean->depth, &clean->normal,
-					&clean->attributes, &clean->color,    &clean->gloss, &clean->emission,
-					&clean->surface,    &clean->shine,    &clean->turned};
+	encre_image *cleaned[IMAGES] = {&clean->object,     &clean->material, &clean->depth,  &clean->normal,
+					&clean->attributes, &clean->color,    &clean->gloss,  &clean->emission,
+					&clean->surface,    &clean->shine,    &clean->turned, &clean->holdout};
 	if (job->attributes.data && (channels < 1 || channels > ENCRE_MAX_CHANNELS))
 		return refuse(error, size, "attributes: %d channels; give 1 to %d", channels, ENCRE_MAX_CHANNELS);
 	int32_t code = check_images(IMAGES, INPUTS, what, images, cleaned, width, height, error, size);

@@ -200,7 +200,8 @@ static void draw_band(const drawing *d, int y0, int y1, int thread)
 	uint32_t *from = d->from + (size_t)thread * ((size_t)d->materials->n_programs + 1);
 	b->materials = d->materials;
 	b->reg = d->reg + (size_t)thread * (size_t)d->most_registers * MATERIAL_BLOCK;
-	const encre_image *all[] = {&job->color, &job->gloss, &job->emission, &job->surface, &job->shine, &job->turned};
+	const encre_image *all[] = {&job->color, &job->gloss,  &job->emission, &job->surface,
+				    &job->shine, &job->turned, &job->holdout};
 	for (size_t k = 0; k < sizeof all / sizeof *all; k++)
 		clear(all[k], y0, y1);
 	sort(d, y0, y1, sorted, from);
@@ -218,6 +219,7 @@ static void draw_band(const drawing *d, int y0, int y1, int thread)
 			store(&job->surface, 2, 0, b, p->result + ENCRE_RESULT_ALPHA, sorted + k, y0);
 			store(&job->shine, 6, 0, b, p->result + ENCRE_RESULT_SHINE, sorted + k, y0);
 			store(&job->turned, 3, -FLT_MAX, b, p->result + ENCRE_RESULT_TURNED, sorted + k, y0);
+			store(&job->holdout, 1, 0, b, p->result + ENCRE_RESULT_HOLDOUT, sorted + k, y0);
 		}
 	}
 }

@@ -108,7 +108,9 @@ def expected(made, given, view, projection, frame):
                                 thing=int(given["object"][y, x]), place=place(x, y), beside=beside(given, x, y, place))
         reg = run(used, NAMES, pixel, np.asarray(made.constants, float), made.textures, made.things)
         out[y, x] = reg[list(used.result)]
-    out[..., :-3] = np.maximum(out[..., :-3], 0)
+    least = np.zeros(abi.RESULTS)
+    least[17:20] = -np.inf  # normals
+    out = np.maximum(out, least)
     return out
 
 
@@ -125,7 +127,7 @@ def compare(made, given, projection=perspective, few=1e-9, seed=0):
     view, frame = looking(np.random.default_rng(seed)), Frame(40, 50, 9, 4)
     got = load().material(made, given, view, projection(40, 50), frame)
     want = expected(made, given, view, projection(40, 50), frame)
-    whole = np.concatenate([got[k] for k in ("color", "gloss", "emission", "surface", "shine", "turned")], 2)
+    whole = np.concatenate([got[k] for k in ("color", "gloss", "emission", "surface", "shine", "turned", "holdout")], 2)
     apart = np.abs(whole - want) / np.maximum(1, np.abs(want))
     assert np.mean(apart > 3e-5) < few, np.mean(apart > 3e-5)
     return whole

@@ -81,7 +81,7 @@ def pictures(library):
     made += front.values()
     operations = [library.operations[name][0] for name in ("place", "noise", "normal")]
     program = Program(np.array([[code, 3 * k, *[0] * 10] for k, code in enumerate(operations)], np.int32), 9,
-                      [3, 6, 7, 0, 1, 2, 3, 3, 3, 3, 3, 3, 4, 5, 3, 4, 5, 6, 7, 8])
+                      [3, 6, 7, 0, 1, 2, 3, 3, 3, 3, 3, 3, 4, 5, 3, 4, 5, 6, 7, 8, 4])
     maps = {name: front[name] for name in ("depth", "normal", "object")} | {"material": 0 * front["object"]}
     made += library.material(Materials([program], (), np.ones(2, np.float32)), maps, np.eye(4), projection,
                              Frame(120, 90)).values()

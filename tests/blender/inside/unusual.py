@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 from quick import _new as new
-from studio import cube, fact, shoot, stage
+from studio import cube, fact, material, shoot, stage
 
 
 def _both(scene, out, name):
@@ -111,9 +111,23 @@ def nowhere(out):
         fact("failed", shoot(out, name))
 
 
+def _hole(box, share):
+    """A share of the box is the shader Holdout."""
+    made = material("Hole", (0.2, 0.6, 0.3))
+    tree = made.node_tree
+    mix, hole = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeHoldout")
+    mix.inputs[0].default_value = share
+    tree.links.new(tree.nodes["Principled BSDF"].outputs[0], mix.inputs[1])
+    tree.links.new(hole.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL").inputs[0])
+    box.data.materials.append(made)
+
+
 def holes(out):
-    """A ball that is held out, and one whose collection is, by Cycles and by Encre."""
+    """A ball that is held out, one whose collection is, and a box whose material is, by Cycles and by Encre."""
     scene = _small()
+    _hole(cube("Shaded", (0.9, -0.5, 0.4), 0.4), 1.0)
+    _hole(cube("Half", (0.9, -0.5, -0.4), 0.4), 0.25)
     own = bpy.data.collections.new("Held")
     scene.collection.children.link(own)
     cube("Other", (-0.9, -0.5, 0.4), 0.4, collection=own)
