@@ -34,6 +34,7 @@ typedef struct lamp_points {
 	lamp_point of[LAMP_TILE][LAMP_TILE][LAMP_POINTS]; /* by row and column */
 	lamp_point first[LAMP_WIDE][LAMP_WIDE][LAMP_DEALT];
 	lamp_point plain[LAMP_PLAIN];     /* for light without shadows */
+	float disc[2][LAMP_PLAIN];        /* of these, side by side */
 	lamp_point middle, rim[LAMP_RIM]; /* where the lamp ends: ahead along its two axes, and behind */
 } lamp_points;
 
@@ -75,27 +76,50 @@ static inline float area_light(const lamp *l, vec to, vec normal, const lamp_poi
 	return value;
 }
 
+static const float ball_share = 1 / (4 * pi * pi);
+
+/* A ball as a place outside of it sees it. */
+typedef struct ball {
+	vec w, u, v; /* the way to its middle, of length 1, and across */
+	float distance, radius, open;
+} ball;
+
+static inline ball ball_from(const lamp *l, vec to, float distance)
+{
+	ball b = {.w = times(to, 1 / distance), .distance = distance, .radius = l->radius};
+	lamp_across(l, b.w, &b.u, &b.v);
+	float sine = b.radius * b.radius / (distance * distance);
+	b.open = sine / (1 + sqrtf(1 - sine));
+	return b;
+}
+
+/* By a point of the disc: what is seen of the sphere, evenly over the angle that it fills. */
+static inline float ball_point(const ball *b, vec normal, float x, float y, vec *way)
+{
+	float part = (x * x + y * y) * b->open, z = 1 - part, k = sqrtf(b->open * (2 - part));
+	*way = plus(times(b->w, z), plus(times(b->u, k * x), times(b->v, k * y)));
+	float value = ball_share / (b->radius * b->radius) * 2 * b->open * max(dot(normal, *way), 0);
+	float inside = b->radius * b->radius - b->distance * b->distance * part * (1 + z);
+	*way = times(*way, b->distance * z - sqrtf(max(inside, 0)));
+	return value;
+}
+
+/* Likewise of a disc that faces the place. */
+static inline float disc_point(const ball *b, vec to, vec normal, float x, float y, vec *way)
+{
+	*way = plus(to, plus(times(b->u, x * b->radius), times(b->v, y * b->radius)));
+	float square = dot(*way, *way), length = sqrtf(square);
+	return ball_share * dot(*way, b->w) / length * max(dot(normal, *way), 0) / (square * length);
+}
+
 static inline float ball_light(const lamp *l, vec to, float distance, vec normal, const lamp_point *q, vec *way)
 {
-	vec w = times(to, 1 / distance), u, v;
-	float radius = l->radius, share = 1 / (4 * pi * pi), x = q->disc[0], y = q->disc[1];
+	float x = q->disc[0], y = q->disc[1];
 	*way = to;
-	if (!l->soft || distance <= radius)
-		return share * max(dot(normal, w), 0) / (distance * distance);
-	lamp_across(l, w, &u, &v);
-	if (l->flat) {
-		*way = plus(to, plus(times(u, x * radius), times(v, y * radius)));
-		float square = dot(*way, *way), length = sqrtf(square);
-		return share * dot(*way, w) / length * max(dot(normal, *way), 0) / (square * length);
-	}
-	/* what is seen of the sphere, evenly over the angle that it fills */
-	float sine = radius * radius / (distance * distance), open = sine / (1 + sqrtf(1 - sine));
-	float part = (x * x + y * y) * open, z = 1 - part, k = sqrtf(open * (2 - part));
-	*way = plus(times(w, z), plus(times(u, k * x), times(v, k * y)));
-	float value = share / (radius * radius) * 2 * open * max(dot(normal, *way), 0);
-	float inside = radius * radius - distance * distance * part * (1 + z);
-	*way = times(*way, distance * z - sqrtf(max(inside, 0)));
-	return value;
+	if (!l->soft || distance <= l->radius)
+		return ball_share * max(dot(normal, times(to, 1 / distance)), 0) / (distance * distance);
+	ball b = ball_from(l, to, distance);
+	return l->flat ? disc_point(&b, to, normal, x, y, way) : ball_point(&b, normal, x, y, way);
 }
 
 static inline float spot_share(const lamp *l, vec way)
@@ -106,16 +130,24 @@ static inline float spot_share(const lamp *l, vec way)
 	return t * t * (3 - 2 * t);
 }
 
-/* Of a sun, or a ball, all of which is above the horizon: the mean over its points. */
+/* Of a sun, or a ball, all of which is above the horizon, or of any but a rectangle that is below it: the mean over its
+ * points. */
 static inline bool lamp_mean(const lamp *l, vec at, vec normal, float *value)
 {
+	const float most = 1e-4f; /* what is left of an angle by floats is less */
+	if (l->type == ENCRE_RECTANGLE || l->type == ENCRE_ELLIPSE)
+		return false;
 	if (l->type == ENCRE_SUN) {
-		float slope = -dot(l->way, normal);
-		*value = slope / pi;
-		return slope > sqrtf(l->open * (2 - l->open));
+		float slope = -dot(l->way, normal), half = sqrtf(l->open * (2 - l->open));
+		*value = slope < 0 ? 0 : slope / pi;
+		return fabsf(slope) > half + (slope < 0 ? most : 0);
 	}
 	vec to = minus(l->at, at);
 	float square = dot(to, to), slope = dot(to, normal);
+	if (slope < -l->radius - most * sqrtf(square)) {
+		*value = 0;
+		return true;
+	}
 	*value = slope / (4 * pi * pi * square * sqrtf(square));
 	return l->type == ENCRE_POINT && !l->flat && square > l->radius * l->radius && slope > l->radius;
 }

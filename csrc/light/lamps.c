@@ -150,8 +150,11 @@ void lamp_points_make(lamp_points *p)
 		for (uint32_t x = 0; x < LAMP_WIDE; x++)
 			for (uint32_t k = 0; k < LAMP_DEALT; k++)
 				point_of(woven(x, y) * LAMP_DEALT + k, m, &p->first[y][x][k]);
-	for (uint32_t k = 0; k < LAMP_PLAIN; k++)
+	for (uint32_t k = 0; k < LAMP_PLAIN; k++) {
 		point_of(k, LAMP_PLAIN, &p->plain[k]);
+		for (int c = 0; c < 2; c++)
+			p->disc[c][k] = p->plain[k].disc[c];
+	}
 	p->middle = (lamp_point){.square = {0.5f, 0.5f}};
 	p->rim[0] = (lamp_point){.square = {1, 0.5f}, .disc = {1, 0}};
 	p->rim[1] = (lamp_point){.square = {0.5f, 1}, .disc = {0, 1}};

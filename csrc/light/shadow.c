@@ -117,6 +117,21 @@ static bool lights(const light *l, const surface *s)
 	return s->instance == SURFACE_STRAY || l->world.instances[s->instance]->light_sets >> l->lamp.light_set & 1;
 }
 
+/* What the plain points of a ball or disc give that is seen from outside. */
+static void ball_values(const light *l, const surface *s, vec to, float distance, float value[LAMP_PLAIN])
+{
+	const lamp *a = &l->lamp;
+	const ball b = ball_from(a, to, distance);
+	const float *x = l->points.disc[0], *y = l->points.disc[1];
+	vec way[LAMP_PLAIN];
+	for (int k = 0; a->flat && k < LAMP_PLAIN; k++)
+		value[k] = disc_point(&b, to, s->normal, x[k], y[k], way + k);
+	for (int k = 0; !a->flat && k < LAMP_PLAIN; k++)
+		value[k] = ball_point(&b, s->normal, x[k], y[k], way + k);
+	for (int k = 0; a->type == ENCRE_SPOT && k < LAMP_PLAIN; k++)
+		value[k] *= spot_share(a, way[k]);
+}
+
 /* Light without shadows. */
 static float plain_light(const light *l, const surface *s)
 {
@@ -128,10 +143,13 @@ static float plain_light(const light *l, const surface *s)
 	} else if (!lamp_mean(a, s->at, s->normal, &sum)) {
 		sum = 0;
 		float value[LAMP_PLAIN];
+		vec to = minus(a->at, s->at);
+		float distance = sqrtf(dot(to, to));
 		if (a->type == ENCRE_RECTANGLE || a->type == ENCRE_ELLIPSE) {
-			vec to = minus(a->at, s->at);
 			for (int k = 0; k < LAMP_PLAIN; k++)
 				value[k] = area_light(a, to, s->normal, l->points.plain + k, &way);
+		} else if (a->type != ENCRE_SUN && distance > a->radius) {
+			ball_values(l, s, to, distance, value);
 		} else {
 			for (int k = 0; k < LAMP_PLAIN; k++)
 				value[k] = lamp_light(a, s->at, s->normal, l->points.plain + k, &way, &far);
