@@ -56,6 +56,7 @@ typedef struct marking {
 	enum contour_side side; /* of a contour */
 	bool left, down;        /* where it goes on the screen */
 	float bend;             /* of a crease: degrees, negative for one that is shaded smoothly */
+	uint32_t piece;         /* likewise: of its mesh, raster.piece */
 } marking;
 
 /* What is in front at a pixel, how far a line that passes close by lies behind it, how far it may and be on it. */
@@ -88,7 +89,7 @@ static bool hides(const surface_at *s)
 /* Whether what is at a pixel covers an edge, by however little it may and be taken for what is beside the edge. */
 static bool covers(const marking *m, const surface_at *s)
 {
-	return s->part && s->part != m->own && s->behind > least_cover * s->pixel;
+	return s->part && m->r->piece[s->number] != m->piece && s->behind > least_cover * s->pixel;
 }
 
 /* Whether what a contour bounds is at the first of both pixels. */
@@ -259,6 +260,7 @@ void crossings_draw(const raster *r, int i, const band *b, int end)
 			size_t corner = (size_t)3 * (r->entry[n] - part->first) + (size_t)k;
 			uint16_t bend = part->bends ? part->bends[corner] : 0;
 			m.bend = bend_degrees(bend);
+			m.piece = bend ? r->piece[r->entry[n]] : NOTHING;
 			if (bend)
 				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, crease, &m);
 		}

@@ -7,7 +7,7 @@ from encre.pen import library
 from encre.pen.job import EDGES, Camera, Frame, Mesh, edge_kinds
 from encre.pen.overlay import bends
 from reference.marks import creases
-from views import crumpled, looking, orthographic, perspective, pixels, rotation, soup
+from views import crumpled, joined, looking, orthographic, perspective, pixels, rotation, soup
 
 
 def passing(meshes, view, projection, frame, size=None, start=0.1, **how):
@@ -93,12 +93,17 @@ def test_hidden_behind_another_surface():
     assert not passing([fold(60), front], *pixels(40, 30), Frame(40, 30)).any()
 
 
+@pytest.mark.parametrize("one_mesh", [False, True])
 @pytest.mark.parametrize("below, seen", [(0.2, True), (0.3, False), (0.6, False)])
-def test_covered_by_another_surface_it_is_not_seen(below, seen):
+def test_covered_by_another_surface_it_is_not_seen(below, seen, one_mesh):
     """As the rim of a plate under the next: on a surface seen aslant, its depth at the centre of a pixel tells less."""
-    cover = Mesh(np.float32([(-50, -50, 70), (90, -50, -70), (20, 120, 0)]) - np.float32((0, 0, 29.7)))
-    got = passing([fold(98, 30 + below), cover], *pixels(40, 30), Frame(40, 30))
+    over = np.float32([(-50, -50, 70), (90, -50, -70), (20, 120, 0)]) - np.float32((0, 0, 29.7))
+    meshes = [fold(98, 30 + below), Mesh(over, np.int32([(0, 1, 2)]))]
+    camera = *pixels(40, 30), Frame(40, 30)
+    got = passing([joined(*meshes)] if one_mesh else meshes, *camera)
     assert got[10:20, 19, 1].any() == seen
+    want, unsure = creases([joined(*meshes)] if one_mesh else meshes, *camera, (40, 30), 0.1)
+    np.testing.assert_allclose(got[~unsure], want[~unsure], atol=0.01)
 
 
 def test_where_one_of_two_that_coincide_folds_away_it_ends():

@@ -6,17 +6,10 @@ import numpy as np
 import pytest
 from encre.pen import library
 from encre.pen.job import Frame, Mesh
-from views import orthographic, perspective, pixels
+from views import joined, orthographic, perspective, pixels
 
 SIZE = 96, 72
 THROUGH = 180
-
-
-def joined(*meshes):
-    """One mesh of all their pieces."""
-    starts = np.cumsum([0, *(len(mesh.points) for mesh in meshes)])
-    return Mesh(np.concatenate([mesh.points for mesh in meshes]),
-                np.concatenate([mesh.corners + start for mesh, start in zip(meshes, starts, strict=False)]))
 
 
 def box(at, size):

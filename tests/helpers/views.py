@@ -5,6 +5,13 @@ import numpy as np
 from encre.pen.job import Mesh
 
 
+def joined(*meshes):
+    """One mesh of all their pieces."""
+    starts = np.cumsum([0, *(len(mesh.points) for mesh in meshes)])
+    return Mesh(np.concatenate([mesh.points for mesh in meshes]),
+                np.concatenate([mesh.corners + start for mesh, start in zip(meshes, starts, strict=False)]))
+
+
 def pixels(width, height):
     """An orthographic camera under which points are (column, row, -depth) in pixels of the frame."""
     projection = np.diag([2 / width, -2 / height, -1e-3, 1.0])

@@ -116,8 +116,8 @@ def _walk(meshes, view, projection, frame, size, clip_start):
     scale = 2 / (abs(projection[1, 1]) * frame.height)
 
     def crossed(screen):
-        """(way, whether close to another, share, (number, behind, allowed, slope, triangle on the screen) at both its
-        pixels, the size of a pixel there, (x, y, z) where the line is)"""
+        """(way, whether close to another, share, (number, behind, allowed, slope, triangle on the screen, its number)
+        at both its pixels, the size of a pixel there, (x, y, z) where the line is)"""
         for column, row, axis, share, x, y, z in crossings(screen):
             p, q = (row - frame.y, column - frame.x), (row - frame.y + axis, column - frame.x + 1 - axis)
             if min(*p) < 0 or q[0] >= height or q[1] >= width:
@@ -128,7 +128,7 @@ def _walk(meshes, view, projection, frame, size, clip_start):
                 triangle = None if number < 0 else _corners(meshes[number], triangles(meshes[number])[t], view,
                                                             projection, frame)
                 looked = (-np.inf, 0, 0) if number < 0 else _look(triangle, x + 0.5, y + 0.5, z, pixel)
-                there.append((number, *looked, triangle))
+                there.append((number, *looked, triangle, t))
             close = min(share, 1 - share) < 1e-6 or min(
                 abs(abs(behind) - allowed) for _, behind, allowed, *_ in there) < 1e-4 * z
             yield (*p, axis), close, max(share, 1 / 1024), there, pixel, (x + 0.5, y + 0.5, z)
@@ -234,17 +234,22 @@ def pieces(mesh):
     return found
 
 
+def hanging(meshes):
+    """[(mesh, its triangles)] of the pieces of all meshes, and {(mesh, triangle): its piece}"""
+    found = [(number, own) for number, mesh in enumerate(meshes) for own in pieces(mesh)]
+    return found, {(number, t): k for k, (number, own) in enumerate(found) for t in own}
+
+
 def meets(meshes, view, projection, frame, size, clip_start):
     """{way: share} where pieces pass through each other, and the ways that are not sure: each piece is drawn alone."""
     width, height = size
     front = raster.draw(meshes, view, projection, frame, size, clip_start)["front"]
-    alone, piece = [], {}
-    for number, mesh in enumerate(meshes):
-        for own in pieces(mesh):
-            part = type(mesh)(mesh.points, triangles(mesh)[own], model=mesh.model)
-            piece.update({(number, t): len(alone) for t in own})
-            drawn = raster.draw([part], view, projection, frame, size, clip_start)["front"][..., 1]
-            alone.append(np.where(drawn < 0, -1, np.array(own)[drawn]))
+    found, piece = hanging(meshes)
+    alone = []
+    for number, own in found:
+        part = type(meshes[number])(meshes[number].points, triangles(meshes[number])[own], model=meshes[number].model)
+        drawn = raster.draw([part], view, projection, frame, size, clip_start)["front"][..., 1]
+        alone.append(np.where(drawn < 0, -1, np.array(own)[drawn]))
 
     def plane(triangle, at):
         mesh = meshes[triangle[0]]
@@ -290,10 +295,13 @@ def creases(meshes, view, projection, frame, size, clip_start):
     width, height = size
     out, unsure = np.zeros((height, width, 2, 2)), np.zeros((height, width, 2), bool)
     crossed = _walk(meshes, view, projection, frame, size, clip_start)
+    _, piece = hanging(meshes)
     for own, mesh in enumerate(meshes):
+        at_point = {point: piece[own, t] for t, corner in enumerate(triangles(mesh).tolist()) for point in corner}
         for corner, degrees, smooth in bends(mesh):
             for way, close, share, there, pixel, _ in crossed(_corners(mesh, corner, view, projection, frame)):
-                covers = [behind - COVER * pixel for number, behind, *_ in there if number != own]
+                covers = [behind - COVER * pixel for number, behind, *_, t in there
+                          if piece.get((number, t)) != at_point[corner[0]]]
                 covered = len(covers) == 2 and min(covers) > 0
                 unsure[way] |= close or any(abs(cover) < 1e-4 * pixel for cover in covers) or (
                     out[way][0] > 0 and abs(degrees - abs(out[way][1])) < 0.02)
