@@ -8,6 +8,7 @@ import pytest
 from judge import kinds, measure, meshes, scenes, shapes, thin, verdict
 from judge.camera import look
 from judge.scene import Light, Scene
+from judge.told import ToldMeshes, joined
 from reference import near
 
 LONG = {"sphere", "boxes", "roof", "horizon", "patches", 12}  # what the others show too
@@ -221,3 +222,23 @@ def test_the_contours_of_meshes_are_those_of_the_formulas():
             found, _ = near.pairs(np.stack([points.x, points.y], 1), np.stack([others.x, others.y], 1),
                                    0.13)  # ends fall between points, which are an eighth of a pixel apart
             assert len(np.unique(found)) == points.x.size > 300
+
+
+def board(left, right, depth):
+    """From one column of a frame of 60 x 80 to another."""
+    return meshes.box(((right - left) / 100, 0.4, 0.02), ((left + right - 79) / 200, 0, -depth), np.eye(3))
+
+
+@pytest.mark.parametrize("boards, columns, faint", [
+    ([joined(board(20, 48, 1), board(24, 45.5, 0))], [20, 24, 48], [45.5]),  # a fold beside an outline of its thing
+    ([joined(board(20, 48, 1), board(24, 44, 0))], [20, 24, 44, 48], []),
+    ([board(20, 48, 1), board(24, 45.5, 0)], [20, 24, 45.5, 48], []),  # of two things
+    ([board(20, 40, 0), board(41.5, 60, 0.1), board(10, 70, 1)], [10, 20, 40, 60, 70], [41.5]),  # a slit
+    ([board(20, 40, 0), board(42.5, 60, 0.1), board(10, 70, 1)], [10, 20, 40, 42.5, 60, 70], []),
+    ([joined(board(20, 40, 0), board(41.5, 60, 0.1))], [20, 40, 60], [41.5]),  # of one thing, behind it nothing
+    ([board(40, 41.5, 0), board(10, 70, 1)], [10, 40, 41.5, 70], [])])  # a thin thing
+def test_of_contours_close_together_one_may_be_left_out(boards, columns, faint):
+    truth = ToldMeshes(look([0, 0, 5], [0, 0, 0], height=0.6), boards, (60, 80)).truth
+    asked = truth.take(truth.required("all"))
+    for (x, y), want in ((np.stack([asked.x, asked.y]), columns), (truth.faint.T, faint)):
+        assert np.allclose(np.unique(x[abs(y - 29) < 3].round(2)), want)

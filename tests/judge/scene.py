@@ -18,7 +18,7 @@ CREASE = 20  # degrees of a bend that must be inked
 OUTLINE = 0.02  # step of depth, relative, that must be inked
 STUB = 6.0  # pixels: a line is not asked for where so little of it would be drawn
 ENDS = 2.0  # pixels to where it may end, at most
-_SIDE = 0.004  # pixels: how far to either side of a contour its two sides are looked at
+SIDE = 0.004  # pixels: how far to either side of a contour its two sides are looked at
 _GRID = 8  # samples a pixel and axis
 
 
@@ -310,7 +310,7 @@ class Scene:
         found = [self._points(curve) for curve in self._curves()]
         number = np.concatenate([np.full(p.shape[1], k) for k, p in enumerate(found)])
         x, y, nx, ny = np.concatenate(found, axis=1)
-        one, two = (self.trace(x + side * nx, y + side * ny) for side in (-_SIDE, _SIDE))
+        one, two = (self.trace(x + side * nx, y + side * ny) for side in (-SIDE, SIDE))
         none = [~np.isfinite(s["depth"]) for s in (one, two)]
         a, b = (np.where(n, 1.0, s["depth"]) for n, s in zip(none, (one, two), strict=True))
         scale = self.camera.height or np.minimum(a, b)

@@ -10,13 +10,14 @@ from encre.pen import job, library, overlay
 from reference import near
 
 from .meshes import Mesh, MeshScene
-from .scene import CREASE, Scene, Truth
+from .scene import CREASE, SIDE, STEP, Scene, Truth
 from .shapes import across, segment, unit
 
 FULL = 4  # degrees over which a crease gets its full width
 ONE = 2.5  # pixels: what bends within them is one bend
 APART = 3.5  # from which on two edges are two for certain
-BESIDE = 2.0  # pixels: of a crease and an outline closer than this the crease may be left out
+BESIDE = 2.0  # pixels: of a crease and an outline closer than this the crease may be left out, of a slit's sides one
+FOLD = 3.4  # likewise, where a thing goes on behind its own contour: from 3 on it is thin, here half a hairline is seen
 
 
 def matrices_of(camera, size):
@@ -100,11 +101,41 @@ class ToldMeshes(_Telling, MeshScene):
         level = np.abs(truth.nx[crease[i]] * outline.nx[j] + truth.ny[crease[i]] * outline.ny[j]) > 0.95
         dropped = np.zeros(truth.x.size, bool)
         dropped[crease[i[level]]] = truth.narrow[crease[i[level]]]
+        dropped[np.flatnonzero(truth.outline)[self._gives_way(outline)]] = True
         middles = [self._strip(truth, dropped, mesh, strip) for mesh in self.solids for strip in mesh.strips]
         arrays = [truth.take(~dropped), *(m for m in middles if m is not None)]
         found = Truth(size=self.size, **{name: np.concatenate([getattr(a, name) for a in arrays])
                                          for name in vars(truth) if name not in ("size", "clear", "faint")})
         found.faint = np.stack([truth.x, truth.y], 1)[dropped]
+        return found
+
+    def _gives_way(self, outline):
+        """Which points may be left out, as another contour runs close along them: a fold, behind which the same thing
+        goes on, beside a contour of that thing that is none or lies before it; of a slit's sides that of the later
+        thing, or the right or lower one. The sides of a thin thing are neither."""
+        points = np.stack([outline.x, outline.y], 1)
+        i, j = near.pairs(points, points, FOLD)
+        dx, dy = (points[j] - points[i]).T
+        nx, ny = outline.nx[i], outline.ny[i]
+        across, along = dx * nx + dy * ny, np.abs(dy * nx - dx * ny)
+        beside = (along < STEP) & (np.abs(across) > 4 * STEP)
+        beside &= np.abs(nx * outline.nx[j] + ny * outline.ny[j]) > 0.95
+        i, j, across = i[beside], j[beside], across[beside]
+        sides = [self.trace(outline.x + side * outline.nx, outline.y + side * outline.ny) for side in (-SIDE, SIDE)]
+        solid, depth = (np.stack([side[name] for side in sides]) for name in ("solid", "depth"))
+        front = (depth[1] < depth[0]).astype(int)  # on which side the nearer surface lies
+        every = np.arange(points.shape[0])
+        own, behind, before = solid[front, every], solid[1 - front, every], depth[front, every]
+        folds = (own == behind)[i] & ((own[i] == own[j]) | (own[i] == behind[j]))
+        folds &= outline.index[j] | (before[j] < before[i])
+        there = np.sign(across)  # of j from i, and of i from j, along the normal of each
+        turned = np.sign(outline.nx[i] * outline.nx[j] + outline.ny[i] * outline.ny[j])
+        slits = outline.index[i] & outline.index[j] & (np.abs(across) < BESIDE) & (behind[i] == behind[j])
+        slits &= (there == 1 - 2 * front[i]) & (-there * turned == 1 - 2 * front[j])
+        later = np.where(outline.nx[i] + outline.ny[i] > 0, there, -there) < 0
+        slits &= (own[i] > own[j]) | ((own[i] == own[j]) & later)
+        found = np.zeros(len(points), bool)
+        found[i[folds | slits]] = True
         return found
 
     def _strip(self, truth, dropped, mesh, strip):
