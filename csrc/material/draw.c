@@ -8,7 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BAND = 16 }; /* rows whose pixels are sorted together */
+enum {
+	BAND = 16,    /* rows whose pixels are sorted together */
+	SAMPLES = 13, /* of a pixel of a pattern with jumps */
+};
 
 static const float alike = 0.9f; /* cosine from which on neighbours face alike */
 
@@ -20,14 +23,16 @@ typedef struct drawing {
 	const encre_material_job *job;
 	const bands *pool;
 	const encre_materials *materials;
-	int width, height, most_registers;
+	int width, height, most_registers, most_operations;
 	double inverse[12]; /* pixel and depth -> world: right, down, ahead, origin */
 	bool straight;      /* rays of an orthographic camera */
 	/* per thread */
 	block *blocks;
 	float *reg;
-	pixel *sorted;  /* BAND x width */
-	uint32_t *from; /* n_programs + 1 */
+	float (*results)[MATERIAL_BLOCK]; /* ENCRE_RESULTS */
+	uint8_t *wanted;                  /* most_operations */
+	pixel *sorted;                    /* BAND x width */
+	uint32_t *from;                   /* n_programs + 1 */
 } drawing;
 
 /* The material of what a pixel shows; -1: nothing. */
@@ -87,6 +92,7 @@ static void place_at(const drawing *d, int x, int y, double out[3])
 /* What a program of its operations reads. */
 typedef struct reads {
 	bool channels, steps, place, normal, beside;
+	bool jumps; /* whether what it computes jumps from place to place */
 } reads;
 
 /* By how much attributes and the place change along a way. */
@@ -99,12 +105,12 @@ static void step_along(const drawing *d, block *b, int i, int x, int y, int down
 	const float *other = channels ? pixel_at(&d->job->attributes, x + side * dx, y + side * dy) : NULL;
 	for (int c = 0; c < channels; c++)
 		to[c][i] = (float)side * (other[c] - own[c]);
-	if (r->beside) {
+	if (r->beside || (r->place && r->jumps)) {
 		double here[3], there[3];
 		place_at(d, x, y, here);
 		place_at(d, x + side * dx, y + side * dy, there);
 		for (int c = 0; c < 3; c++)
-			b->beside[3 * down + c][i] = (float)(side * (there[c] - here[c]));
+			b->beside[down][c][i] = (float)(side * (there[c] - here[c]));
 	}
 }
 
@@ -119,7 +125,7 @@ static void load(const drawing *d, block *b, const pixel *pixels, int n, int y0,
 		if (r->channels)
 			for (int c = 0; c < channels; c++)
 				b->channel[c][i] = pixel_at(&job->attributes, x, y)[c];
-		for (int down = 0; (r->steps || r->beside) && down < 2; down++)
+		for (int down = 0; (r->steps || r->beside || r->jumps) && down < 2; down++)
 			step_along(d, b, i, x, y, down, channels, r);
 		if (r->normal)
 			for (int c = 0; c < 3; c++)
@@ -133,17 +139,81 @@ static void load(const drawing *d, block *b, const pixel *pixels, int n, int y0,
 	}
 }
 
-static void store(const encre_image *image, int channels, float least, const block *b, const int32_t *result,
+/* Runs a block's program for the middle of its pixels. */
+static void run(block *b, uint8_t *wanted, float results[][MATERIAL_BLOCK])
+{
+	memset(wanted, 1, (size_t)b->program->n_operations);
+	b->wanted = wanted;
+	b->aside[0] = b->aside[1] = 0;
+	ISA(material_run)(b);
+	for (int c = 0; c < ENCRE_RESULTS; c++)
+		memcpy(results[c], b->reg + (size_t)b->program->result[c] * MATERIAL_BLOCK, sizeof results[c]);
+}
+
+/* Which operations lead to other results than normals: bumps look at places beside the pixel by themselves. */
+static void want(const encre_program *p, uint8_t *wanted)
+{
+	bool read[ENCRE_MAX_REGISTERS] = {false};
+	for (int c = 0; c < ENCRE_RESULT_TURNED; c++)
+		read[p->result[c]] = true;
+	for (int k = p->n_operations - 1; k >= 0; k--) {
+		const encre_operation *o = p->operations + k;
+		const encre_operation_description *what = operation_info(o->code);
+		wanted[k] = 0;
+		for (int i = 0; i < what->outputs; i++) {
+			wanted[k] |= read[o->out + i];
+			read[o->out + i] = false;
+		}
+		for (int i = 0; wanted[k] && i < what->inputs; i++)
+			read[o->in[i]] = true;
+	}
+}
+
+/* The mean over pixels of what run() gave, normals aside: a joint narrower than a pixel is faint, and not there at some
+ * pixels only. The places lie on a lattice, a thirteenth of a pixel apart in rows and in columns. What is there at the
+ * middle of a pixel fills it, so that a cut-out has no fringe: places that are less or more dense don't count. */
+static void average(block *b, uint8_t *wanted, float results[][MATERIAL_BLOCK])
+{
+	float count[MATERIAL_BLOCK];
+	for (int i = 0; i < MATERIAL_BLOCK; i++)
+		count[i] = 1;
+	want(b->program, wanted);
+	for (int k = 1; k < SAMPLES; k++) {
+		b->aside[0] = (float)(k - (k > SAMPLES / 2 ? SAMPLES : 0)) / SAMPLES;
+		int row = 5 * k % SAMPLES;
+		b->aside[1] = (float)(row - (row > SAMPLES / 2 ? SAMPLES : 0)) / SAMPLES;
+		ISA(material_run)(b);
+		const int32_t *from = b->program->result;
+		float share[MATERIAL_BLOCK];
+		for (int i = 0; i < MATERIAL_BLOCK; i++) {
+			float alpha = b->reg[(size_t)from[ENCRE_RESULT_ALPHA] * MATERIAL_BLOCK + (size_t)i];
+			share[i] = alpha == results[ENCRE_RESULT_ALPHA][i] ? 1 : 0;
+			count[i] += share[i];
+		}
+		for (int c = 0; c < ENCRE_RESULT_TURNED; c++) {
+			const float *value = b->reg + (size_t)from[c] * MATERIAL_BLOCK;
+			for (int i = 0; c != ENCRE_RESULT_ALPHA && i < MATERIAL_BLOCK; i++)
+				results[c][i] += share[i] > 0 ? value[i] : 0;
+		}
+	}
+	for (int c = 0; c < ENCRE_RESULT_TURNED; c++)
+		for (int i = 0; c != ENCRE_RESULT_ALPHA && i < MATERIAL_BLOCK; i++)
+			results[c][i] /= count[i];
+}
+
+static void store(const encre_image *image, int channels, float least, int n, float results[][MATERIAL_BLOCK],
 		  const pixel *pixels, int y0)
 {
 	if (!image->data)
 		return;
-	for (int i = 0; i < b->n; i++)
+	for (int i = 0; i < n; i++)
 		for (int c = 0; c < channels; c++) {
-			float value = b->reg[(size_t)result[c] * MATERIAL_BLOCK + (size_t)i];
+			float value = results[c][i];
 			pixel_at(image, pixels[i].x, y0 + pixels[i].row)[c] = min(max(value, least), FLT_MAX);
 		}
 }
+
+static const char *const jumping[] = {"checker", "brick", "steps", "less", "greater", "floor"};
 
 static reads reads_of(const encre_program *p)
 {
@@ -155,6 +225,8 @@ static reads reads_of(const encre_program *p)
 		r.place |= !strcmp(name, "place");
 		r.normal |= !strcmp(name, "normal");
 		r.beside |= !strcmp(name, "beside");
+		for (size_t i = 0; i < sizeof jumping / sizeof *jumping; i++)
+			r.jumps |= !strcmp(name, jumping[i]);
 	}
 	return r;
 }
@@ -198,6 +270,8 @@ static void draw_band(const drawing *d, int y0, int y1, int thread)
 	block *b = d->blocks + thread;
 	pixel *sorted = d->sorted + (size_t)thread * BAND * (size_t)d->width;
 	uint32_t *from = d->from + (size_t)thread * ((size_t)d->materials->n_programs + 1);
+	float (*results)[MATERIAL_BLOCK] = d->results + (size_t)thread * ENCRE_RESULTS;
+	uint8_t *wanted = d->wanted + (size_t)thread * (size_t)d->most_operations;
 	b->materials = d->materials;
 	b->reg = d->reg + (size_t)thread * (size_t)d->most_registers * MATERIAL_BLOCK;
 	const encre_image *all[] = {&job->color, &job->gloss,  &job->emission, &job->surface,
@@ -211,15 +285,16 @@ static void draw_band(const drawing *d, int y0, int y1, int thread)
 		for (uint32_t k = from[m]; k < from[m + 1] && !bands_stopped(d->pool); k += MATERIAL_BLOCK) {
 			uint32_t n = from[m + 1] - k < MATERIAL_BLOCK ? from[m + 1] - k : MATERIAL_BLOCK;
 			load(d, b, sorted + k, (int)n, y0, &r);
-			memset(b->reg, 0, (size_t)p->n_registers * MATERIAL_BLOCK * sizeof *b->reg);
-			ISA(material_run)(b);
-			store(&job->color, 3, 0, b, p->result + ENCRE_RESULT_COLOR, sorted + k, y0);
-			store(&job->gloss, 3, 0, b, p->result + ENCRE_RESULT_GLOSS, sorted + k, y0);
-			store(&job->emission, 3, 0, b, p->result + ENCRE_RESULT_EMISSION, sorted + k, y0);
-			store(&job->surface, 2, 0, b, p->result + ENCRE_RESULT_ALPHA, sorted + k, y0);
-			store(&job->shine, 6, 0, b, p->result + ENCRE_RESULT_SHINE, sorted + k, y0);
-			store(&job->turned, 3, -FLT_MAX, b, p->result + ENCRE_RESULT_TURNED, sorted + k, y0);
-			store(&job->holdout, 1, 0, b, p->result + ENCRE_RESULT_HOLDOUT, sorted + k, y0);
+			run(b, wanted, results);
+			if (r.jumps)
+				average(b, wanted, results);
+			store(&job->color, 3, 0, b->n, results + ENCRE_RESULT_COLOR, sorted + k, y0);
+			store(&job->gloss, 3, 0, b->n, results + ENCRE_RESULT_GLOSS, sorted + k, y0);
+			store(&job->emission, 3, 0, b->n, results + ENCRE_RESULT_EMISSION, sorted + k, y0);
+			store(&job->surface, 2, 0, b->n, results + ENCRE_RESULT_ALPHA, sorted + k, y0);
+			store(&job->shine, 6, 0, b->n, results + ENCRE_RESULT_SHINE, sorted + k, y0);
+			store(&job->turned, 3, -FLT_MAX, b->n, results + ENCRE_RESULT_TURNED, sorted + k, y0);
+			store(&job->holdout, 1, 0, b->n, results + ENCRE_RESULT_HOLDOUT, sorted + k, y0);
 		}
 	}
 }
@@ -257,6 +332,8 @@ static void plan(drawing *d, int threads, arena *a)
 	size_t n = (size_t)threads;
 	d->blocks = arena_take(a, n, sizeof *d->blocks);
 	d->reg = arena_take(a, n * (size_t)d->most_registers * MATERIAL_BLOCK, sizeof *d->reg);
+	d->results = arena_take(a, n * ENCRE_RESULTS, sizeof *d->results);
+	d->wanted = arena_take(a, n * (size_t)d->most_operations, sizeof *d->wanted);
 	d->sorted = arena_take(a, n * BAND * (size_t)d->width, sizeof *d->sorted);
 	d->from = arena_take(a, n * ((size_t)d->materials->n_programs + 1), sizeof *d->from);
 }
@@ -268,9 +345,11 @@ int32_t ISA(material_draw)(bands *pool, const encre_material_job *job)
 		     .materials = job->materials,
 		     .width = job->object.width,
 		     .height = job->object.height};
-	for (int m = 0; m < d.materials->n_programs; m++)
-		if (d.materials->programs[m].n_registers > d.most_registers)
-			d.most_registers = d.materials->programs[m].n_registers;
+	for (int m = 0; m < d.materials->n_programs; m++) {
+		const encre_program *p = d.materials->programs + m;
+		d.most_registers = p->n_registers > d.most_registers ? p->n_registers : d.most_registers;
+		d.most_operations = p->n_operations > d.most_operations ? p->n_operations : d.most_operations;
+	}
 	aim(&d);
 	arena a = {0};
 	plan(&d, bands_threads(pool), &a);

@@ -53,17 +53,30 @@ RUN(constant)
 	fill(out[0], b->materials->constants[o->data[0]]);
 }
 
+/* What is `own` in the middle of the pixels, where they are looked at. */
+static void look(const block *b, const float *restrict own, const float *restrict right, const float *restrict down,
+		 float *restrict to)
+{
+	if (b->aside[0] == 0 && b->aside[1] == 0) { /* how it grows may be unknown */
+		memcpy(to, own, MATERIAL_BLOCK * sizeof *to);
+		return;
+	}
+	for (int i = 0; i < MATERIAL_BLOCK; i++)
+		to[i] = own[i] + b->aside[0] * right[i] + b->aside[1] * down[i];
+}
+
 RUN(channel)
 {
 	(void)in;
-	memcpy(out[0], b->channel[o->data[0]], sizeof b->channel[0]);
+	int c = o->data[0];
+	look(b, b->channel[c], b->right[c], b->down[c], out[0]);
 }
 
 RUN(place)
 {
 	(void)in, (void)o;
 	for (int c = 0; c < 3; c++)
-		memcpy(out[c], b->place[c], sizeof b->place[c]);
+		look(b, b->place[c], b->beside[0][c], b->beside[1][c], out[c]);
 }
 
 RUN(normal)
@@ -77,7 +90,7 @@ RUN(beside)
 {
 	(void)in, (void)o;
 	for (int c = 0; c < 6; c++)
-		memcpy(out[c], b->beside[c], sizeof b->beside[c]);
+		memcpy(out[c], b->beside[c / 3][c % 3], sizeof b->beside[0][0]);
 }
 
 RUN(thing)
@@ -191,7 +204,10 @@ static const entry entries[] = {
 void ISA(material_run)(block *b)
 {
 	const encre_program *p = b->program;
+	memset(b->reg, 0, (size_t)p->n_registers * MATERIAL_BLOCK * sizeof *b->reg);
 	for (int k = 0; k < p->n_operations; k++) {
+		if (!b->wanted[k])
+			continue;
 		const encre_operation *o = p->operations + k;
 		const entry *e = entries + o->code;
 		const float *in[ENCRE_INPUTS];

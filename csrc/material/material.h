@@ -14,13 +14,15 @@ enum {
 typedef struct block {
 	const encre_materials *materials;
 	const encre_program *program;
-	int n;      /* of MATERIAL_BLOCK; what lies beyond is computed, and means nothing */
-	float *reg; /* program->n_registers x MATERIAL_BLOCK */
+	const uint8_t *wanted; /* by operation: whether it is to be run */
+	int n;                 /* of MATERIAL_BLOCK; what lies beyond is computed, and means nothing */
+	float aside[2];        /* from the middle of a pixel to where it is looked at, right and down, in pixels */
+	float *reg;            /* program->n_registers x MATERIAL_BLOCK */
 	float channel[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK];
 	float right[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK]; /* by how much it grows from a pixel to the next */
 	float down[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK];
 	float place[3][MATERIAL_BLOCK], normal[3][MATERIAL_BLOCK];
-	float beside[6][MATERIAL_BLOCK]; /* by how much the place grows, right and down */
+	float beside[2][3][MATERIAL_BLOCK]; /* by how much the place grows, right and down */
 	int32_t thing[MATERIAL_BLOCK];
 } block;
 
@@ -31,7 +33,7 @@ typedef void (*operation_run)(const block *b, const encre_operation *o, const fl
 const encre_operation_description *operation_info(int32_t code);
 int operation_count(void);
 
-/* Runs a block's program. */
+/* Runs a block's program: of its operations those that are wanted. */
 void ISA(material_run)(block *b);
 /* Computes a job's outputs. Returns ENCRE_OK, ENCRE_ERROR_MEMORY or ENCRE_ERROR_CANCELLED. */
 int32_t ISA(material_draw)(bands *pool, const encre_material_job *job);
