@@ -40,6 +40,21 @@ static int sides(const uint8_t *crack, const uint8_t *below, int x, uint8_t righ
 	return !!(crack[x] & right) + !!(below[x] & right) + !!(crack[x] & down) + !!(crack[x + 1] & down);
 }
 
+/* The first of pixels x..end - 1 of a row that has a mark, or end. */
+static int next_pixel(const uint8_t *crack, const uint16_t *ridge, int x, int end)
+{
+	for (; x + 8 <= end; x += 8) {
+		uint64_t cracks, ridges[2];
+		memcpy(&cracks, crack + x, 8);
+		memcpy(ridges, ridge + x, 16);
+		if (cracks | ridges[0] | ridges[1])
+			break;
+	}
+	while (x < end && !(crack[x] | ridge[x]))
+		x++;
+	return x;
+}
+
 /* Pixels x..end - 1 of a row. */
 static void walk_row(walk *w, int y, int x, int end)
 {
@@ -47,13 +62,7 @@ static void walk_row(walk *w, int y, int x, int end)
 	int width = n->f->width;
 	const uint8_t *crack = n->crack + (ptrdiff_t)y * width, *below = crack + width;
 	const uint16_t *ridge = n->ridge + (ptrdiff_t)y * width;
-	for (; x < end; x++) {
-		uint64_t cracks, ridges[2];
-		if (x + 8 <= end && (memcpy(&cracks, crack + x, 8), memcpy(ridges, ridge + x, 16),
-				     (cracks | ridges[0] | ridges[1]) == 0)) {
-			x += 7;
-			continue;
-		}
+	for (x = next_pixel(crack, ridge, x, end); x < end; x = next_pixel(crack, ridge, x + 1, end)) {
 		bool inside = x + 1 < width && y + 1 < n->f->height;
 		walk_marks(w, x, y, WORD_CRACK, crack[x]);
 		for (int bit = 0; crack[x] && inside && bit < 8; bit += 2) {

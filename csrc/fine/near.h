@@ -34,6 +34,17 @@ static inline bool closed_at(const fine *n, int s, int x, int y)
 	return mixed_at(n, x, y) || (s >= SOURCE_SEEN && !n->through[(ptrdiff_t)y * n->f->width + x]);
 }
 
+/* The first of bytes x..end - 1 that is not 0, or end. Nearly all are. */
+static inline int next_marked(const uint8_t *marks, int x, int end)
+{
+	uint64_t eight;
+	while (x + 8 <= end && (memcpy(&eight, marks + x, 8), eight == 0))
+		x += 8;
+	while (x < end && !marks[x])
+		x++;
+	return x;
+}
+
 /* What depths are compared in: it is linear on planes on screen. Nothing there is 0, under an orthographic camera
  * -INFINITY. */
 static inline float depth_sample(const edges *e, float z)

@@ -36,50 +36,58 @@ static void owner_of(const fine *n, const found *s, int *x, int *y)
 		}
 }
 
-/* Of a 5x5, by distance, then row, then column: of equal depths the first counts. */
+/* The places of a 5x5 in the order in which equal depths count: by distance, then row, then column; and the turn of
+ * each of them, row by row. */
 enum { PLACES = 25 };
 static const int window[PLACES][2] = {
 	{0, 0},  {0, -1}, {-1, 0}, {1, 0},   {0, 1},   {-1, -1}, {1, -1},  {-1, 1}, {1, 1},
 	{0, -2}, {-2, 0}, {2, 0},  {0, 2},   {-1, -2}, {1, -2},  {-2, -1}, {2, -1}, {-2, 1},
 	{2, 1},  {-1, 2}, {1, 2},  {-2, -2}, {2, -2},  {-2, 2},  {2, 2},
 };
+static const int32_t turn[PLACES] = {21, 13, 9,  14, 22, 15, 5,  1,  6,  16, 10, 2, 0,
+				     3,  11, 17, 7,  4,  8,  18, 23, 19, 12, 20, 24};
 
-static int64_t least_of(const int64_t *key)
+/* The 5x5 values about pixel x of rows, one after the other. */
+static void values_about(plane p, const ptrdiff_t *row, int x, int width, float *value)
 {
-	int64_t least = key[0];
-	for (int i = 1; i < PLACES; i++)
-		least = key[i] < least ? key[i] : least;
-	return least;
+	for (int k = 0; k < 5; k++) {
+		const float *from = p.data + row[k] * p.row;
+		if (x >= 2 && x + 2 < width)
+			memcpy(value + 5 * k, from + x - 2, 5 * sizeof *value);
+		else
+			for (int i = 0; i < 5; i++)
+				value[5 * k + i] = from[clamp_index(x + i - 2, width)];
+	}
 }
 
 /* The place of the least depth about a pixel, of those whose object is `own`, if one is, or NULL for any. What lies
  * beyond the frame is as what is nearer, and so counts after it. */
 static int least_near(const frame *f, int x, int y, const float *own)
 {
-	plane object = f->layer[ENCRE_LAYER_OBJECT], depth = f->layer[ENCRE_LAYER_DEPTH];
-	const float *depths[5], *numbers[5], number = own ? *own : 0;
-	int column[5];
-	float z[PLACES], other[PLACES];
-	int64_t here[PLACES], its[PLACES];
-	for (int k = 0; k < 5; k++) {
-		ptrdiff_t row = clamp_index(y + k - 2, f->height);
-		column[k] = clamp_index(x + k - 2, f->width);
-		depths[k] = depth.data + row * depth.row;
-		numbers[k] = own ? object.data + row * object.row : depths[k];
-	}
+	float z[PLACES], object[PLACES];
+	int32_t key[PLACES], least = INT32_MAX, first = PLACES;
+	ptrdiff_t row[5];
+	int any = 0;
+	for (int k = 0; k < 5; k++)
+		row[k] = clamp_index(y + k - 2, f->height);
+	values_about(f->layer[ENCRE_LAYER_DEPTH], row, x, f->width, z);
+	if (own)
+		values_about(f->layer[ENCRE_LAYER_OBJECT], row, x, f->width, object);
+	for (int i = 0; own && i < PLACES; i++)
+		any |= object[i] == *own;
 	for (int i = 0; i < PLACES; i++) {
-		int at = column[window[i][0] + 2], row = window[i][1] + 2;
-		z[i] = depths[row][at];
-		other[i] = numbers[row][at];
+		int there = (z[i] > 0) & (z[i] < depth_end);
+		key[i] = float_bits(there ? z[i] : INFINITY); /* from 0 on, floats order as their bits do */
 	}
+	for (int i = 0; any && i < PLACES; i++) /* a corner may lie farther from what it belongs to */
+		key[i] = object[i] == *own ? key[i] : INT32_MAX;
+	for (int i = 0; i < PLACES; i++)
+		least = key[i] < least ? key[i] : least;
 	for (int i = 0; i < PLACES; i++) {
-		/* from 0 on, floats order as their bits do */
-		int there = (z[i] > 0) & (z[i] < depth_end), counts = !own | (other[i] == number);
-		here[i] = (int64_t)float_bits(there ? z[i] : INFINITY) * 32 + i;
-		its[i] = counts ? here[i] : INT64_MAX;
+		int32_t its = key[i] == least ? turn[i] : PLACES;
+		first = its < first ? its : first;
 	}
-	int64_t least = least_of(its); /* a corner may lie farther from what it belongs to */
-	return (int)((least < INT64_MAX ? least : least_of(here)) % 32);
+	return first;
 }
 
 /* The least depth of the 5x5 among pixels of the object that the line bounds: at the foot of a blade of grass the

@@ -287,12 +287,7 @@ static void unmark(const fine *n, int y, uint8_t *mark)
 static void unmark_jumps(const fine *n, int y, float least, uint8_t *mark)
 {
 	int width = n->f->width;
-	for (int x = 0; x < width; x++) {
-		uint64_t eight;
-		if (x + 8 <= width && (memcpy(&eight, mark + x, 8), eight == 0)) {
-			x += 7;
-			continue;
-		}
+	for (int x = next_marked(mark, 0, width); x < width; x = next_marked(mark, x + 1, width))
 		for (int axis = 0; mark[x] && axis < 2; axis++) {
 			found at = {(uint16_t)x, (uint16_t)y, FAMILY_CRACK, (uint8_t)axis};
 			uint8_t bit = (uint8_t)(CRACK_RIGHT << axis);
@@ -303,7 +298,6 @@ static void unmark_jumps(const fine *n, int y, float least, uint8_t *mark)
 			if (!(strength > 0) || (!untold && strength < least))
 				mark[x] &= (uint8_t)~bit;
 		}
-	}
 }
 
 static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const *level)

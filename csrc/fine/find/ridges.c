@@ -153,10 +153,11 @@ static bool peaks(const window *w, int x, int axis)
 	stripe b;
 	if (stripe_of((const float (*)[3])v, w->is.planes, w->n->floor[w->is.band], families[w->is.band].faint, &b))
 		return true;
-	for (int k = 0; k < 5 * w->is.planes; k++) /* what is cut is asked of the layer itself */
-		if (!(fabsf(v[k / w->is.planes][k % w->is.planes]) < pixel_great))
-			return true;
-	return false;
+	bool cut = false; /* what is cut is asked of the layer itself */
+	for (int c = 0; c < w->is.planes; c++)
+		for (int k = 0; k < 5; k++)
+			cut |= !(fabsf(v[k][c]) < pixel_great);
+	return cut;
 }
 
 static int bulging(const window *w, int x)
@@ -317,16 +318,9 @@ static void mark(const window *w, int x, int y, int family, int axis, uint16_t *
 
 static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
 {
-	uint8_t candidate[TILE + 8];
+	uint8_t candidate[TILE];
 	candidates(w, x0, n, candidate);
-	memset(candidate + n, 0, 8);
-	for (int i = 0; i < n; i++) {
-		uint64_t eight;
-		memcpy(&eight, candidate + i, 8);
-		if (!eight) {
-			i += 7;
-			continue;
-		}
+	for (int i = next_marked(candidate, 0, n); i < n; i = next_marked(candidate, i + 1, n)) {
 		int x = x0 + i, axis;
 		for (axis = 0; axis < 2; axis++)
 			if ((candidate[i] & BAND << axis) && peaks(w, x, axis) && bulging(w, x) == axis)

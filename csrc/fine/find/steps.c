@@ -14,40 +14,40 @@ static const float turns_away = 2.5f, clear_of_last = 0.47f;
 static const float crease_ramp = 0.37f; /* of the difference of normals at crease_angle; test_fine_sites */
 static const float seen_jump_from = 0.1f, seen_jump_ramp = 0.03f; /* of a depth; test_fine_sites */
 
-/* A pixel's value in linear terms. */
-static void read(const fine *n, int source, int x, int y, float *value)
+/* The value of pixel x, y, which lies at `in`, in linear terms. */
+static inline void read(const fine *n, enum form form, const float *in, int x, int y, float *value)
 {
-	const frame *f = n->f;
-	const sample_info *is = samples + source;
-	int layer =
-		source == SOURCE_COLOR && n->e->p->color_layer == color_layer_LIT ? ENCRE_LAYER_COMBINED : is->layer;
-	if (is->form == FORM_DISTANCE) {
-		plane depth = f->layer[layer];
-		value[0] = seen_sample(n->e, depth.data[y * depth.row + x]);
-		return;
-	}
-	const float *in = layer_row(f, layer, y) + (ptrdiff_t)(layer == ENCRE_LAYER_COMBINED ? 4 : 3) * x;
-	for (int c = 0; c < 3; c++)
-		value[c] = is->form == FORM_COLOR ? clamp01(in[c]) : bounded(in[c]);
-	if (is->form == FORM_LIGHT)
-		value[0] = bounded(exposed_at(f, params_at(f, x, y), x, y));
+	if (form == FORM_DISTANCE)
+		value[0] = seen_sample(n->e, in[0]);
+	else if (form == FORM_LIGHT)
+		value[0] = bounded(exposed_at(n->f, params_at(n->f, x, y), x, y));
+	else
+		for (int c = 0; c < 3; c++)
+			value[c] = form == FORM_COLOR ? clamp01(in[c]) : bounded(in[c]);
 }
 
 /* Values at -reach..reach along the axis of a site, read outwards up to where a pixel holds two surfaces: so far they
  * go. */
 static void read_along(const fine *n, int source, const found *at, int reach, float (*value)[3], int *far)
 {
+	const frame *f = n->f;
+	const sample_info *is = samples + source;
+	bool lit = source == SOURCE_COLOR && n->e->p->color_layer == color_layer_LIT;
+	plane from = f->layer[lit ? ENCRE_LAYER_COMBINED : is->layer];
+	int channels = lit ? 4 : is->form == FORM_DISTANCE ? 1 : 3, x = at->column, y = at->row;
+	read(n, is->form, from.data + y * from.row + (ptrdiff_t)channels * x, x, y, value[reach]);
 	for (int side = -1; side <= 1; side += 2) {
 		int held = 0;
-		for (int k = 1; k <= reach && held == k - 1; k++) {
-			int x = clamp_index(at->column + (at->axis ? 0 : side * k), n->f->width);
-			int y = clamp_index(at->row + (at->axis ? side * k : 0), n->f->height);
-			held += !closed_at(n, source, x, y);
-		}
-		for (int k = 0; k <= reach; k++) {
-			int off = side * (k < held ? k : held);
-			read(n, source, clamp_index(at->column + (at->axis ? 0 : off), n->f->width),
-			     clamp_index(at->row + (at->axis ? off : 0), n->f->height), value[reach + side * k]);
+		for (int k = 1; k <= reach; k++) {
+			x = at->axis ? x : clamp_index(at->column + side * k, f->width);
+			y = at->axis ? clamp_index(at->row + side * k, f->height) : y;
+			held += held == k - 1 && !closed_at(n, source, x, y);
+			if (held == k)
+				read(n, is->form, from.data + y * from.row + (ptrdiff_t)channels * x, x, y,
+				     value[reach + side * k]);
+			else
+				memcpy(value[reach + side * k], value[reach + side * held],
+				       (size_t)is->planes * sizeof **value);
 		}
 		far[side > 0] = held;
 	}
@@ -270,14 +270,10 @@ static float joint_near(const fine *n, const found *at, float offset)
 }
 
 /* Which sides of a step of normals have a greater one within two pixels that goes back, as bits: the rim of a ball
- * turns so up to where it touches something. */
-static int outdone(const fine *n, int source, const found *at)
+ * turns so up to where it touches something. v: of the site, which are known as far as `far` on both sides. */
+static int outdone(const float (*v)[3], const int *far)
 {
-	enum { LOOK = 3 };
-	float value[2 * LOOK + 1][3];
-	int far[2], sides = 0;
-	read_along(n, source, at, LOOK, value, far);
-	const float (*v)[3] = (const float (*)[3])value + LOOK;
+	int sides = 0;
 	float own = distance2(v[1], v[-1], 3);
 	for (int side = 0; side < 2; side++)
 		for (int k = 1; k < far[side]; k++) {
@@ -292,13 +288,16 @@ static int outdone(const fine *n, int source, const found *at)
 
 bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 {
-	float value[5][3], difference = 0, bend = 0, step = 0;
+	float around[7][3], difference = 0, bend = 0, step = 0;
 	int source = families[at->family].sample, planes = samples[source].planes, form = samples[source].form;
+	bool band = families[at->family].kind == KIND_BAND;
 	int far[2], low = 0, high = 4;
+	int reach = form == FORM_VECTOR && !band ? 3 : 2; /* what outdoes a step is looked for farther */
 	if (form == FORM_LIGHT && is_nothing(n, at->column, at->row))
 		return false;
-	read_along(n, source, at, 2, value, far);
-	if (families[at->family].kind == KIND_BAND)
+	read_along(n, source, at, reach, around, far);
+	float (*value)[3] = around + reach - 2;
+	if (band)
 		return far[0] == 2 && far[1] == 2 && band_site(n, at, s, value);
 	sides(value, planes, &low, &high);
 	float offset = -1.5f;
@@ -313,7 +312,7 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 		encode(n, value);
 	/* where a surface turns away it turns ever faster: the slope up to the last pixel, or to what goes back, goes
 	 * on at least as steeply */
-	int back = form == FORM_VECTOR ? outdone(n, source, at) : 0;
+	int back = form == FORM_VECTOR ? outdone((const float (*)[3])around + reach, far) : 0;
 	int from = far[0] < 2 || back & 1, to = 4 - (far[1] < 2 || back & 2);
 	for (int c = 0; c < planes; c++) {
 		float d = value[3][c] - value[1][c],
@@ -321,7 +320,7 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 		bend += j * j;
 		step += d * d;
 	}
-	for (int c = 0; c < planes; c++) {
+	for (int c = 0; c < 3 && c < planes; c++) {
 		float way = 127 * (value[3][c] - value[1][c]) / (step > 0 ? 1.001f * sqrtf(step) : 1);
 		s->step[c] = (int8_t)(way > -127 ? way < 127 ? way : 127 : -127); /* or no number: squares overflow */
 	}

@@ -289,7 +289,7 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 				hit[x / THIN_SPAN] |= HIT_DEPTH;
 		for (int x = 0; x < f->width; x++) {
 			slice s;
-			if (none_ahead(n, x, y)) {
+			if (x % 8 == 0 && none_ahead(n, x, y)) {
 				x += 7;
 				continue;
 			}
