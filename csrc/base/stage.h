@@ -194,7 +194,7 @@ static inline void fetch(plane p, int channels, int y, int x, int end)
  * about as often as AHEAD pixels are drawn. */
 static inline void fetch_ahead(const frame *f, int thread)
 {
-	enum { AHEAD = 32 };
+	enum { AHEAD = 8 };
 	ahead *a = f->ahead + thread;
 	if (a->y >= a->end)
 		return;

@@ -195,6 +195,7 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n, int thr
 		else
 			weigh_in(n, NULL, e->weight[s][0], own, strength);
 		r.number[r.count++] = 1 + s;
+		fetch_ahead(f, thread);
 	}
 	plane out = f->output[ENCRE_OUTPUT_EDGES];
 	if (out.data)

@@ -136,8 +136,10 @@ static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n
 	float own[CHUNK], *bright = f->bright ? bright_row(f, y, thread) + x : own;
 	if (!f->bright)
 		find_bright(f, p, y, x, n, bright);
+	fetch_ahead(f, thread);
 	if (ISA(hatch_cover)(f, p, y, x, n, bright))
 		draw_row(p->hatch_color, n, bright, output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * (ptrdiff_t)x);
+	fetch_ahead(f, thread);
 }
 
 static void hatch_rows(void *data, int y0, int y1, int thread)

@@ -274,12 +274,16 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	fetch_ahead(f, thread);
 	if (want_light || shades || hatches) {
 		split(diffuse, 3, n, diffuses);
+		fetch_ahead(f, thread);
 		lit_row(f, p, n, diffuses, controls_at(f, x, y), &l);
 	}
+	fetch_ahead(f, thread);
 	if (shades || hatches) {
 		split(color, 3, n, colors);
+		fetch_ahead(f, thread);
 		split(combined, 4, n, rendered);
 	}
+	fetch_ahead(f, thread);
 	if (hatches)
 		ISA(hatch_bright)(p, n, CHUNK, rendered[0], colors[0], diffuses[0], l.exposed, l.tone,
 				  bright_row(f, y, thread) + x);
@@ -295,9 +299,10 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 		split(combined, 4, n, rendered);
 	}
 	fetch_ahead(f, thread);
-	for (int c = 0; (want_light || shades) && c < 3; c++)
+	for (int c = 0; (want_light || shades) && c < 3; c++) {
 		level_color_row(&p->shade_levels, c, n, l.exposed, lights[c]);
-	fetch_ahead(f, thread);
+		fetch_ahead(f, thread);
+	}
 	if (want_light || shades)
 		light_row(p, n, l.tone, diffuses, lights);
 	fetch_ahead(f, thread);
@@ -309,6 +314,7 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 		bare_row(f->params->paper_color, n, combined, color, diffuse, other_light, surface);
 	else {
 		shaded_row(p, other_light, n, l.tone, colors, diffuses, lights, rendered);
+		fetch_ahead(f, thread);
 		join(rendered, 4, n, surface);
 	}
 	fetch_ahead(f, thread);
