@@ -14,15 +14,15 @@ void ISA(tone_screen_field)(const frame *f, int y, int x, int n, float right, fl
 	}
 }
 
-void ISA(tone_surface_field)(const float *restrict anchor, int n, const float direction[3], float per,
-			     tone_field *field)
+void ISA(tone_surface_field)(const tone_rest *rest, int n, const float direction[3], float per, tone_field *field)
 {
+	static const int from[3] = {ANCHOR_POSITION, ANCHOR_RIGHT, ANCHOR_DOWN};
 	float along[3] = {direction[0] * per, direction[1] * per, direction[2] * per};
-	for (int i = 0; i < n; i++) {
-		const float *a = anchor + (ptrdiff_t)ANCHOR_COUNT * i, *r = a + ANCHOR_RIGHT, *d = a + ANCHOR_DOWN;
-		field->at[i] = a[0] * along[0] + a[1] * along[1] + a[2] * along[2];
-		field->right[i] = r[0] * along[0] + r[1] * along[1] + r[2] * along[2];
-		field->down[i] = d[0] * along[0] + d[1] * along[1] + d[2] * along[2];
+	for (int k = 0; k < 3; k++) {
+		const float (*v)[TONE_REST] = rest->at + from[k];
+		float *restrict to = k == 0 ? field->at : k == 1 ? field->right : field->down;
+		for (int i = 0; i < n; i++)
+			to[i] = v[0][i] * along[0] + v[1][i] * along[1] + v[2][i] * along[2];
 	}
 }
 
@@ -53,18 +53,6 @@ static float size_on_sheet(const float *card)
 	return sqrtf(card[CARD_RIGHT] * card[CARD_RIGHT] + card[CARD_RIGHT + 1] * card[CARD_RIGHT + 1]);
 }
 
-bool ISA(tone_sizes)(const frame *f, const tone_slot *s, int y, int x, int n, float *restrict size)
-{
-	const float *anchor = anchor_at(f, x, y), *card = layer_row(f, ENCRE_LAYER_CARD, y);
-	if (!(tone_flat(s) ? card : anchor))
-		return false;
-	for (int i = 0; tone_flat(s) && i < n; i++)
-		size[i] = size_on_sheet(card + (ptrdiff_t)CARD_COUNT * (x + i));
-	for (int i = 0; !tone_flat(s) && i < n; i++)
-		size[i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + ANCHOR_PIXEL];
-	return true;
-}
-
 /* As tone_anchor() tells a sheet. */
 static const tone_rest *sheet_fill(const float *restrict card, int n, tone_rest *rest)
 {
@@ -82,9 +70,64 @@ static const tone_rest *sheet_fill(const float *restrict card, int n, tone_rest 
 	return rest;
 }
 
+#if defined __has_builtin
+#if __has_builtin(__builtin_shufflevector)
+#define SHUFFLES
+#endif
+#endif
+
+/* Pixels that are told together, and of which channels. */
+enum { LANES = 8, GROUP = 4 };
+
+#ifdef SHUFFLES
+typedef float four __attribute__((vector_size(GROUP * sizeof(float))));
+typedef float eight __attribute__((vector_size(LANES * sizeof(float))));
+
+/* A pixel's channels beside those of the pixel four on, as instructions keep to halves. */
+#define PIXELS(k)                                                                                                      \
+	memcpy(&low, anchor + (ptrdiff_t)ANCHOR_COUNT * (k), sizeof low);                                              \
+	memcpy(&high, anchor + (ptrdiff_t)ANCHOR_COUNT * ((k) + GROUP), sizeof high);                                  \
+	const eight pixels##k = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+#define CHANNEL(c, a, b, ...)                                                                                          \
+	channel = __builtin_shufflevector(a, b, __VA_ARGS__);                                                          \
+	memcpy(to[c], &channel, sizeof channel);
+#endif
+
+/* Some channels of some pixels: compilers make twice as many shuffles of the plain loop. */
+KERNEL void group_fill(const float *restrict anchor, float (*restrict to)[TONE_REST])
+{
+#ifdef SHUFFLES
+	four low, high;
+	eight channel;
+	PIXELS(0)
+	PIXELS(1)
+	PIXELS(2)
+	PIXELS(3)
+	const eight a = __builtin_shufflevector(pixels0, pixels1, 0, 8, 1, 9, 4, 12, 5, 13),
+		    b = __builtin_shufflevector(pixels2, pixels3, 0, 8, 1, 9, 4, 12, 5, 13),
+		    c = __builtin_shufflevector(pixels0, pixels1, 2, 10, 3, 11, 6, 14, 7, 15),
+		    d = __builtin_shufflevector(pixels2, pixels3, 2, 10, 3, 11, 6, 14, 7, 15);
+	CHANNEL(0, a, b, 0, 1, 8, 9, 4, 5, 12, 13)
+	CHANNEL(1, a, b, 2, 3, 10, 11, 6, 7, 14, 15)
+	CHANNEL(2, c, d, 0, 1, 8, 9, 4, 5, 12, 13)
+	CHANNEL(3, c, d, 2, 3, 10, 11, 6, 7, 14, 15)
+#else
+	for (int c = 0; c < GROUP; c++)
+		for (int k = 0; k < LANES; k++)
+			to[c][k] = anchor[(ptrdiff_t)ANCHOR_COUNT * k + c];
+#endif
+}
+
+#undef CHANNEL
+#undef PIXELS
+
 static const tone_rest *surface_fill(const float *restrict anchor, int n, tone_rest *restrict rest)
 {
-	for (int i = 0; i < n; i++)
+	int i = 0;
+	for (; i + LANES <= n; i += LANES)
+		for (int c = 0; c < ANCHOR_COUNT; c += GROUP)
+			group_fill(anchor + (ptrdiff_t)ANCHOR_COUNT * i + c, (float (*)[TONE_REST])(rest->at[c] + i));
+	for (; i < n; i++)
 		for (int c = 0; c < ANCHOR_COUNT; c++)
 			rest->at[c][i] = anchor[(ptrdiff_t)ANCHOR_COUNT * i + c];
 	return rest;
@@ -117,11 +160,11 @@ void ISA(tone_surface_chart)(const tone_rest *rest, int n, float cosine, float s
 	}
 }
 
-void ISA(tone_cut)(const float *restrict anchor, int n, const float along[3], float *restrict cut)
+void ISA(tone_cut)(const tone_rest *rest, int n, const float along[3], float *restrict cut)
 {
+	const float (*normal)[TONE_REST] = rest->at + ANCHOR_NORMAL;
 	for (int i = 0; i < n; i++) {
-		const float *normal = anchor + (ptrdiff_t)ANCHOR_COUNT * i + ANCHOR_NORMAL;
-		float dot = normal[0] * along[0] + normal[1] * along[1] + normal[2] * along[2];
+		float dot = normal[0][i] * along[0] + normal[1][i] * along[1] + normal[2][i] * along[2];
 		cut[i] = clamp01((sqrtf(max(1 - dot * dot, 0)) - 0.3f) / 0.12f);
 	}
 }

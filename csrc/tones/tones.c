@@ -32,20 +32,19 @@ void ISA(tone_chart)(const frame *f, const tone_slot *s, const tone_rest *rest, 
 	}
 }
 
-static void dots(const frame *f, const tone_slot *s, int y, int x, int n, const float *dark, float *ink)
+static void dots(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n, const float *dark,
+		 float *ink)
 {
-	bool stuck = tone_sticks(s);
 	tone_field chart[2];
-	tone_rest rest;
-	ISA(tone_chart)(f, s, stuck ? ISA(tone_rest_fill)(f, s, y, x, n, &rest) : NULL, y, x, n, chart);
+	ISA(tone_chart)(f, s, rest, y, x, n, chart);
 	ISA(tone_dots)(s->screen, n, chart, dark, ink);
 }
 
-static void pictures(const frame *f, const tone_slot *s, int y, int x, int n, const float *dark, float *ink)
+static void pictures(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n, const float *dark,
+		     float *ink)
 {
 	tone_field chart[2];
-	tone_rest rest;
-	ISA(tone_chart)(f, s, tone_sticks(s) ? ISA(tone_rest_fill)(f, s, y, x, n, &rest) : NULL, y, x, n, chart);
+	ISA(tone_chart)(f, s, rest, y, x, n, chart);
 	ISA(tone_picture_row)(s, n, chart, dark, ink);
 }
 
@@ -68,15 +67,14 @@ static void marks(const frame *f, int y, int x, int n, const float *restrict dar
 }
 
 /* Two families of lines, of which the second has what the first leaves of the darkness. */
-static void lines(const frame *f, const tone_slot *s, int y, int x, int n, const float *dark, float *ink)
+static void lines(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n, const float *dark,
+		  float *ink)
 {
 	bool cross = s->kind == tone_1_CROSS;
 	tone_field field;
 	float first[TONE_CHUNK], second[TONE_CHUNK], cut[TONE_CHUNK], more[TONE_CHUNK] = {0};
 	float c = s->across[0], d = s->across[1], per = 1 / max(s->pitch, 2);
 	float along[3] = {d + 0.15f, 0.1f, c}, other[3];
-	float room[ANCHOR_COUNT * TONE_CHUNK];
-	const float *anchor = tone_sticks(s) ? ISA(tone_anchor)(f, s, y, x, n, room) : NULL;
 	unit(along);
 	other[0] = along[1] * 0.2f - along[2] * 0.75f;
 	other[1] = along[2] * 0.6f - along[0] * 0.2f;
@@ -86,9 +84,9 @@ static void lines(const frame *f, const tone_slot *s, int y, int x, int n, const
 		first[i] = cross ? 1 - sqrtf(1 - dark[i]) : dark[i];
 		cut[i] = 1;
 	}
-	if (anchor) {
-		ISA(tone_surface_field)(anchor, n, along, 1 / s->unit, &field);
-		ISA(tone_cut)(anchor, n, along, cut);
+	if (rest) {
+		ISA(tone_surface_field)(rest, n, along, 1 / s->unit, &field);
+		ISA(tone_cut)(rest, n, along, cut);
 	} else
 		ISA(tone_screen_field)(f, y, x, n, d * per, c * per, &field);
 	for (int i = 0; i < n; i++) {
@@ -99,8 +97,8 @@ static void lines(const frame *f, const tone_slot *s, int y, int x, int n, const
 	ISA(tone_lines)(s->screen, n, &field, first, ink);
 	if (!tone_any(second, n))
 		return;
-	if (anchor)
-		ISA(tone_surface_field)(anchor, n, other, 1 / s->unit, &field);
+	if (rest)
+		ISA(tone_surface_field)(rest, n, other, 1 / s->unit, &field);
 	else
 		ISA(tone_screen_field)(f, y, x, n, c * per, -d * per, &field);
 	ISA(tone_lines)(s->screen, n, &field, second, more);
@@ -146,13 +144,13 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 		return;
 	case tone_1_HATCH:
 	case tone_1_STIPPLE: marks(f, y, x, n, dark, ink); return;
-	case tone_1_DOTS: dots(f, s, y, x, n, dark, ink); break;
-	case tone_1_IMAGE: pictures(f, s, y, x, n, dark, ink); break;
-	default: lines(f, s, y, x, n, dark, ink);
+	default: break;
 	}
-	float size[TONE_CHUNK];
-	if (tone_sticks(s) && ISA(tone_sizes)(f, s, y, x, n, size))
-		mean_row(size, n, dark, ink);
+	tone_rest own;
+	const tone_rest *rest = tone_sticks(s) ? ISA(tone_rest_fill)(f, s, y, x, n, &own) : NULL;
+	(s->kind == tone_1_DOTS ? dots : s->kind == tone_1_IMAGE ? pictures : lines)(f, s, rest, y, x, n, dark, ink);
+	if (rest)
+		mean_row(rest->at[ANCHOR_PIXEL], n, dark, ink);
 }
 
 /* Ink over the picture, and over what the output has of tones. */

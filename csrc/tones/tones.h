@@ -147,15 +147,13 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
  * NULL where there is none. And channel by channel; s NULL: of the surfaces. */
 const float *ISA(tone_anchor)(const frame *f, const tone_slot *s, int y, int x, int n, float *room);
 const tone_rest *ISA(tone_rest_fill)(const frame *f, const tone_slot *s, int y, int x, int n, tone_rest *rest);
-/* How large pixels are on the thing, 0 where no place on it is known; false: nowhere is one. */
-bool ISA(tone_sizes)(const frame *f, const tone_slot *s, int y, int x, int n, float *size);
 /* Of n pixels from x on in row y. A field of the picture along (right, down), in pixels of the full frame; of
  * the thing, its place along a direction in the space in which it rests; the two axes of the thing that its normal is
  * farthest from, turned; and how well planes across a direction cut the surface, 0..1: not where they graze it. */
 void ISA(tone_screen_field)(const frame *f, int y, int x, int n, float right, float down, tone_field *field);
-void ISA(tone_surface_field)(const float *restrict anchor, int n, const float along[3], float per, tone_field *field);
+void ISA(tone_surface_field)(const tone_rest *rest, int n, const float along[3], float per, tone_field *field);
 void ISA(tone_surface_chart)(const tone_rest *rest, int n, float cosine, float sine, tone_field field[2]);
-void ISA(tone_cut)(const float *restrict anchor, int n, const float along[3], float *restrict cut);
+void ISA(tone_cut)(const tone_rest *rest, int n, const float along[3], float *restrict cut);
 
 /* pictures.c: a tile for a pitch, without memory yet; its thresholds; ink of n pixels. */
 tone_picture ISA(tone_picture_of)(const encre_image *image, float pitch);
