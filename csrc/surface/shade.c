@@ -272,6 +272,10 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	float lights[3][CHUNK], diffuses[3][CHUNK], colors[3][CHUNK], rendered[4][CHUNK];
 	lit l;
 	fetch_ahead(f, thread);
+	if (!p->use_shading && !want_light && !hatches) { /* nothing goes on meanwhile: later stages ask for the rest */
+		memcpy(surface, combined, (size_t)n * 4 * sizeof *surface);
+		return;
+	}
 	if (want_light || shades || hatches) {
 		split(diffuse, 3, n, diffuses);
 		fetch_ahead(f, thread);

@@ -175,7 +175,7 @@ static const tone_style *tones_of(const frame *f, const encre_params *p)
 }
 
 /* The darkest level's ink comes last. */
-static void tone_run(const frame *f, const encre_params *p, int y, int x, int n)
+static void tone_run(const frame *f, const encre_params *p, int y, int x, int n, int thread)
 {
 	float ink[TONE_CHUNK];
 	tone_wanted w;
@@ -195,18 +195,21 @@ static void tone_run(const frame *f, const encre_params *p, int y, int x, int n)
 		draw_row(slots + style->only, n, ink, w.share[0], surface, tones);
 		return;
 	}
+	fetch_ahead(f, thread);
 	ISA(tone_want)(f, p, slots, y, x, n, &w);
+	fetch_ahead(f, thread);
 	for (int k = TONE_SLOTS - 1; k >= 0; k--) {
 		if (!w.any[k])
 			continue;
 		ink_row(f, p, slots + k, y, x, n, w.dark[k], ink);
+		fetch_ahead(f, thread);
 		draw_row(slots + k, n, ink, w.share[k], surface, tones);
+		fetch_ahead(f, thread);
 	}
 }
 
 static void tone_rows(void *data, int y0, int y1, int thread)
 {
-	(void)thread;
 	const frame *f = data;
 	for (int y = y0; y < y1; y++) {
 		float *tones = output_row(f, ENCRE_OUTPUT_TONES, y);
@@ -216,7 +219,7 @@ static void tone_rows(void *data, int y0, int y1, int thread)
 			int most = f->width - x > TONE_CHUNK ? x + TONE_CHUNK : f->width;
 			const encre_params *p = style_run(f, y, x, most, &end);
 			if (p->use_tones)
-				tone_run(f, p, y, x, end - x);
+				tone_run(f, p, y, x, end - x, thread);
 		}
 	}
 }
