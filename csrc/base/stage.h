@@ -191,7 +191,7 @@ static inline void fetch(plane p, int channels, int y, int x, int end)
 }
 
 /* Likewise some of the rows that the thread looks at next. Who draws with the first reading calls it now and then,
- * about as often as AHEAD pixels are drawn. */
+ * about as often as AHEAD pixels are drawn: so few that the memory's queue holds what is asked for, or it waits. */
 static inline void fetch_ahead(const frame *f, int thread)
 {
 	enum { AHEAD = 8 };
