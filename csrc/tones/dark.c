@@ -231,6 +231,18 @@ static void finish(const float *restrict depth, int n, float *restrict share, fl
 	}
 }
 
+/* What is cleared as a whole has smaller dots and fewer strokes until it has none. What can't be less dark without
+ * being grey is there or not. */
+static void clear(const uint8_t *restrict keep, const uint8_t *restrict ease, bool eases, int n, float *restrict share,
+		  float *restrict dark)
+{
+	for (int i = 0; i < n; i++) {
+		float left = (float)ease[i] * (1.0f / 255), whole = ease[i] > 127 ? 1 : 0;
+		dark[i] *= eases ? left : 1;
+		share[i] *= (float)keep[i] * (1.0f / 255) * (eases ? 1 : whole);
+	}
+}
+
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w)
 {
 	float light[TONE_CHUNK] = {0}, added[TONE_CHUNK], none[TONE_CHUNK] = {0}, steep[TONE_CHUNK] = {0};
@@ -259,12 +271,14 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 			   w->share[k], w->dark[k]);
 	}
 	const tone_detail *detail = &((const tone_frame *)f->tones)->detail;
+	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
 	for (int k = 0; k < TONE_SLOTS; k++) {
 		if (!w->any[k])
 			continue;
 		finish(depth, n, w->share[k], w->dark[k]);
-		for (int i = 0; detail->keep && i < n; i++)
-			w->share[k][i] *= (float)detail->keep[(ptrdiff_t)y * f->width + x + i] * (1.0f / 255);
+		if (detail->keep)
+			clear(detail->keep + at, detail->ease + at, tone_is_screen(slots + k) || tone_marked(slots + k),
+			      n, w->share[k], w->dark[k]);
 		w->any[k] = tone_any(w->dark[k], n);
 	}
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What tones leave clear: letters, eyes and bars that are finer than a tone shows, light ones and what is about dark
  * ones, stay paper. A thing is fine where a run along the row or the column is no longer than `tone_detail` until
- * colours change; half as long again is fine if words.c finds that what is beside it is. */
+ * colours change, and less and less where it is longer; half as long again is fine if words.c finds that what is
+ * beside it is. */
 #include "tones/tones.h"
 
 #include <string.h>
@@ -9,7 +10,7 @@
 /* Square roots of luminance, which are near how light colours look, by 255: so much must a fine thing differ from what
  * it lies on, and from there on it is wholly clear. */
 static const float least_contrast = 0.3f * 255, sure_contrast = 0.34f * 255;
-static const float alike = 0.08f * 255;
+static const int alike = 20; /* 0.08 * 255 */
 /* Of the depth: what lies farther behind a dark thing is not what it lies on. */
 static const float same_depth = 0.005f;
 
@@ -19,8 +20,6 @@ enum { beyond = 2 };
 typedef struct work {
 	const frame *f;
 	const tone_detail *d;
-	int reach; /* to which a thing is fine */
-	bool sure; /* so fine that it stays clear whatever is about it */
 	bool dark; /* dark things on light ones are looked for */
 } work;
 
@@ -54,7 +53,7 @@ static void least_down(const work *w, bool negative, uint8_t *plane, int y, int 
 {
 	int height = w->f->height;
 	memcpy(to, row_of(w, plane, y) + x, (size_t)n);
-	for (int k = -w->reach; k <= w->reach; k++)
+	for (int k = -w->d->far; k <= w->d->far; k++)
 		least_of(negative, n, row_of(w, plane, tone_within(y + k, height)) + x, to);
 }
 
@@ -69,7 +68,7 @@ static void row_part(const work *w, uint8_t *plane, int y, int x, int n, uint8_t
 /* The least along a row, from `reach` pixels before x to as many after the n pixels; `line` begins 2 reach before x. */
 static void narrow_part(const work *w, bool negative, const uint8_t *line, int x, int n, uint8_t *to)
 {
-	int reach = w->reach, first = reach - x, last = reach + w->f->width - 1 - x;
+	int reach = w->d->far, first = reach - x, last = reach + w->f->width - 1 - x;
 	least_along(negative, n + 2 * reach, reach, line, to);
 	for (int i = 0; i < first; i++)
 		to[i] = to[first];
@@ -81,7 +80,7 @@ static void narrow_part(const work *w, bool negative, const uint8_t *line, int x
  * pixels; of the negative the other way round. `line` gets what is there, from 2 reach before x on. */
 static void open_part(const work *w, bool negative, uint8_t *plane, int y, int x, int n, uint8_t *line, uint8_t *to)
 {
-	int reach = w->reach;
+	int reach = w->d->far;
 	uint8_t narrow[TONE_CHUNK + 2 * TONE_DETAIL_FAR];
 	row_part(w, plane, y, x - 2 * reach, n + 4 * reach, line);
 	narrow_part(w, negative, line, x, n, narrow);
@@ -101,8 +100,7 @@ static void value_rows(void *data, int y0, int y1, int thread)
 		const float *c = layer_row(w->f, ENCRE_LAYER_ALBEDO, y);
 		uint8_t *to = row_of(w, w->d->value, y);
 		for (int i = 0; i < w->f->width; i++, c += 3) {
-			float luminance = clamp01(0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2]);
-			to[i] = (uint8_t)(int)(255 * sqrtf(luminance) + 0.5f);
+			to[i] = (uint8_t)(int)(255 * sqrtf(clamp01(luminance(c[0], c[1], c[2]))) + 0.5f);
 		}
 	}
 }
@@ -134,7 +132,7 @@ static void differ_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	int reach = w->reach;
+	int reach = w->d->far;
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
 			uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_FAR];
@@ -147,7 +145,7 @@ static void differ_rows(void *data, int y0, int y1, int thread)
 			uint8_t *to = row_of(w, w->d->raw, y) + x;
 			for (int i = 0; i < n; i++)
 				to[i] = (uint8_t)(w->dark ? down[i] - own[i] : own[i] - down[i]);
-			if (w->dark || w->sure)
+			if (w->dark)
 				continue;
 			least_down(w, true, w->d->dark, y, x, n, square);
 			for (int i = 0; i < n; i++)
@@ -163,35 +161,43 @@ static bool is_fine(const work *w, int x, int y)
 	for (int k = 0; k < 9; k++) {
 		int v = tone_within(y + k / 3 - 1, w->f->height), u = tone_within(x + k % 3 - 1, w->f->width);
 		float other = row_of(w, w->d->value, v)[u], more = w->dark ? own - other : other - own;
-		if (more > -alike && row_of(w, w->d->raw, v)[u] < 0.5f * least_contrast)
+		if (more >= -alike && row_of(w, w->d->raw, v)[u] < 0.5f * least_contrast)
 			return false;
 	}
 	return true;
 }
 
-/* How far a dark thing goes on from a pixel, at most 2 reach + 1; more where a nearer thing or the frame cuts it off.
- */
-static int goes_on(const work *w, int x, int y, int right, int down)
+/* How long what is fine is at a pixel along the row or the column, in pixels of the contrast that it has at most: what
+ * its ends cover of a pixel counts as such, or it would be now longer, now shorter as the camera moves. Without end
+ * where it is longer than any that is fine, or the frame, of what is dark a nearer thing too, cuts it off. */
+static float length_of(const work *w, int x, int y, int right, int down)
 {
-	int most = 2 * w->reach + 1, own = row_of(w, w->d->value, y)[x], k = 1;
-	float depth = depth_at(w->f, x, y) * (1 - same_depth);
-	for (; k <= most; k++) {
-		int u = x + k * right, v = y + k * down;
-		if (u < 0 || v < 0 || u >= w->f->width || v >= w->f->height || depth_at(w->f, u, v) < depth)
-			return most + 1;
-		if ((float)(row_of(w, w->d->value, v)[u] - own) > alike)
-			break;
-	}
-	int u = tone_within(x + (k + 1) * right, w->f->width), v = tone_within(y + (k + 1) * down, w->f->height);
-	return depth_at(w->f, u, v) < depth ? most + 1 : k - 1; /* the last one may show both */
+	int most = 2 * w->d->far + 1, own = row_of(w, w->d->value, y)[x], sign = w->dark ? -1 : 1;
+	int ground = own - sign * row_of(w, w->d->raw, y)[x], sum = sign * (own - ground), best = sum;
+	float nearer = w->dark ? depth_at(w->f, x, y) * (1 - same_depth) : 0;
+	for (int way = -1; way <= 1; way += 2)
+		for (int k = 1, more = best; more >= alike; k++) {
+			int u = x + k * way * right, v = y + k * way * down;
+			if (k > most || u < 0 || v < 0 || u >= w->f->width || v >= w->f->height)
+				return INFINITY;
+			more = sign * (row_of(w, w->d->value, v)[u] - ground);
+			sum += more > 0 ? more : 0;
+			best = more > best ? more : best;
+			/* the last one may show both */
+			int next_u = tone_within(more < alike ? u + way * right : u, w->f->width);
+			int next_v = tone_within(more < alike ? v + way * down : v, w->f->height);
+			if (depth_at(w->f, u, v) < nearer || depth_at(w->f, next_u, next_v) < nearer)
+				return INFINITY;
+		}
+	return (float)sum / (float)best;
 }
 
-/* Whether a dark thing is short by itself: windows of which a rope leaves no more than a strip are no letters. */
-static bool is_whole(const work *w, int x, int y)
+/* How surely a thing is fine, 255ths: windows of which a rope leaves no more than a strip are no letters. */
+static uint8_t sureness(const work *w, int x, int y)
 {
-	int most = 2 * w->reach;
-	return goes_on(w, x, y, -1, 0) + goes_on(w, x, y, 1, 0) <= most ||
-	       goes_on(w, x, y, 0, -1) + goes_on(w, x, y, 0, 1) <= most;
+	float length = min(length_of(w, x, y, 1, 0), length_of(w, x, y, 0, 1));
+	float full = (float)(2 * w->d->reach + 1), fades = (float)(w->d->far - w->d->reach);
+	return (uint8_t)(int)(255 * clamp01((full - length) / fades + 0.5f) + 0.5f);
 }
 
 static void fine_rows(void *data, int y0, int y1, int thread)
@@ -200,14 +206,11 @@ static void fine_rows(void *data, int y0, int y1, int thread)
 	const work *w = data;
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		const uint8_t *raw = row_of(w, w->d->raw, y);
-		uint8_t *to = row_of(w, w->dark ? w->d->dark : w->d->thin, y), *seed = row_of(w, w->d->seed, y);
+		uint8_t *to = row_of(w, w->dark ? w->d->dark : w->d->thin, y), *how = row_of(w, w->d->sure[w->dark], y);
 		for (int x = 0; x < w->f->width; x++) {
 			bool fine = raw[x] > least_contrast && is_fine(w, x, y);
-			fine = fine && !(w->sure && w->dark && !is_whole(w, x, y));
-			if (w->sure)
-				seed[x] = (uint8_t)((w->dark ? seed[x] : 0) | (fine ? tone_seed(w->dark) : 0));
-			else
-				to[x] = fine ? raw[x] : 0;
+			to[x] = fine ? raw[x] : 0;
+			how[x] = fine ? sureness(w, x, y) : 0;
 		}
 	}
 }
@@ -244,20 +247,22 @@ static float of_light(const work *w, int x, int y)
 	return share > 0 && lies_on(w, x, y) ? share : 0;
 }
 
-/* How much a fine dark thing within the reach lies on what this pixel shows. */
-static float about_dark(const work *w, int x, int y)
+/* How much a fine dark thing within so many pixels, or a light one, lies on what this pixel shows. */
+static float about(const work *w, bool seek_dark, int reach, int x, int y)
 {
-	int reach = w->d->reach;
+	int sign = seek_dark ? -1 : 1, own = row_of(w, w->d->value, y)[x];
 	int left = tone_within(x - reach, w->f->width);
-	float best = 0, own = row_of(w, w->d->value, y)[x], depth = depth_at(w->f, x, y);
+	float best = 0, depth = depth_at(w->f, x, y);
 	for (int v = tone_within(y - reach, w->f->height); v <= y + reach && v < w->f->height; v++) {
-		const uint8_t *dark = row_of(w, w->d->dark, v), *value = row_of(w, w->d->value, v);
+		const uint8_t *thing = row_of(w, seek_dark ? w->d->dark : w->d->thin, v);
+		const uint8_t *value = row_of(w, w->d->value, v), *how = row_of(w, w->d->sure[seek_dark], v);
 		for (int u = left; u <= x + reach && u < w->f->width; u++) {
-			float contrast = min(dark[u], own - (float)value[u]);
+			float contrast = min(thing[u], (float)(sign * (value[u] - own)));
 			if (contrast <= least_contrast || !(fabsf(depth_at(w->f, u, v) - depth) <= same_depth * depth))
 				continue;
 			float away = sqrtf((float)((u - x) * (u - x) + (v - y) * (v - y)));
-			best = max(best, sure(contrast) * clamp01((float)reach + 0.5f - away));
+			float wide = ((float)reach + 0.5f) * ((float)how[u] / 255); /* it grows: no tone is grey */
+			best = max(best, sure(contrast) * clamp01(wide - away));
 		}
 	}
 	return best;
@@ -285,16 +290,35 @@ static void keep_rows(void *data, int y0, int y1, int thread)
 	const work *w = data;
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
-			uint8_t light[TONE_CHUNK], dark[TONE_CHUNK];
+			uint8_t light[TONE_CHUNK], dark[TONE_CHUNK], how[TONE_CHUNK];
 			uint8_t *keep = row_of(w, w->d->keep, y) + x, *margin = row_of(w, w->d->scratch, y) + x;
 			n = chunk_at(w, x);
 			most_about(w, w->d->far + beyond, w->d->thin, y, x, n, light);
+			most_about(w, w->d->far + beyond, w->d->sure[0], y, x, n, how);
 			most_about(w, w->d->reach, w->d->dark, y, x, n, dark);
 			for (int i = 0; i < n; i++) {
-				float clear = light[i] > least_contrast ? sure(light[i]) * of_light(w, x + i, y) : 0;
-				float wide = dark[i] > least_contrast ? about_dark(w, x + i, y) : 0;
+				float share = sure(light[i]) * (float)how[i] * (1.0f / 255);
+				float clear = share > 0 ? share * of_light(w, x + i, y) : 0;
+				float wide = dark[i] > least_contrast ? about(w, true, w->d->reach, x + i, y) : 0;
 				keep[i] = share_left(max(clear, wide));
-				margin[i] = wide >= 0.5f;
+				margin[i] = (uint8_t)(255 - share_left(most_one(2 * wide))); /* as wide as it looks */
+			}
+		}
+}
+
+/* How much pixels are what light letters lie on, into `light`. */
+static void around_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
+		for (int x = 0, n; x < w->f->width; x += n) {
+			uint8_t light[TONE_CHUNK], *to = row_of(w, w->d->light, y) + x;
+			n = chunk_at(w, x);
+			most_about(w, w->d->far, w->d->thin, y, x, n, light);
+			for (int i = 0; i < n; i++) {
+				float own = light[i] > least_contrast ? about(w, false, w->d->far, x + i, y) : 0;
+				to[i] = (uint8_t)(255 - share_left(own));
 			}
 		}
 }
@@ -307,21 +331,21 @@ void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a)
 	d->reach = (int)min(0.5f * f->params->tone_detail * f->scale, TONE_DETAIL_MOST); /* 2 reach + 1, rounded */
 	d->reach = d->reach > 0 ? d->reach : 1;
 	d->far = d->reach + d->reach / 2 + 1;
-	uint8_t **plane[] = {&d->value, &d->scratch, &d->light, &d->thin, &d->dark, &d->raw, &d->seed};
-	for (int k = 0; k < 7; k++)
+	uint8_t **plane[] = {&d->value, &d->scratch, &d->light, &d->thin, &d->dark, &d->raw, d->sure, d->sure + 1};
+	for (int k = 0; k < 8; k++)
 		*plane[k] = arena_take(a, pixels, 1);
+	d->print = d->sure[0];
 	d->keep = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
+	d->ease = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
 	d->room = f->params->tone_least > 0 ? arena_take(a, pixels, 1) : NULL;
 }
 
-static int32_t seek(work *w, bool sure, bool dark)
+static int32_t seek(work *w, bool dark)
 {
 	bands *pool = w->f->bands;
-	w->sure = sure;
 	w->dark = dark;
-	w->reach = sure ? w->d->reach : w->d->far;
 	int32_t code = bands_run(pool, w->f->height, 0, narrow_rows, w);
-	if (!code && !dark && !sure)
+	if (!code && !dark)
 		code = bands_run(pool, w->f->height, 0, square_rows, w);
 	code = code ? code : bands_run(pool, w->f->height, 0, differ_rows, w);
 	return code ? code : bands_run(pool, w->f->height, 0, fine_rows, w);
@@ -331,9 +355,10 @@ int32_t ISA(tone_detail_run)(frame *f, const tone_detail *d)
 {
 	work w = {.f = f, .d = d};
 	int32_t code = bands_run(f->bands, f->height, 0, value_rows, &w);
-	for (int k = 0; !code && k < 4; k++)
-		code = seek(&w, k < 2, k % 2 != 0);
+	code = code ? code : seek(&w, false);
+	code = code ? code : seek(&w, true);
 	code = code ? code : ISA(tone_words_run)(f, d);
 	code = code ? code : bands_run(f->bands, f->height, 0, keep_rows, &w);
+	code = code ? code : bands_run(f->bands, f->height, 0, around_rows, &w);
 	return code ? code : ISA(tone_ground_run)(f, d);
 }

@@ -58,6 +58,7 @@ static void look_at_run(const work *w, const encre_params *p, int y, int x, int 
 {
 	const tone_slot *slots = w->styles[p - w->f->params].slot;
 	const uint8_t *keep = w->d->keep ? row_of(w, w->d->keep, y) + x : NULL;
+	const uint8_t *ease = w->d->keep ? row_of(w, w->d->ease, y) + x : NULL;
 	float screens[TONE_CHUNK] = {0}, solid[TONE_CHUNK] = {0};
 	tone_wanted wanted;
 	ISA(tone_want)(w->f, p, slots, y, x, n, &wanted);
@@ -67,7 +68,7 @@ static void look_at_run(const work *w, const encre_params *p, int y, int x, int 
 			sum[i] += wanted.dark[k][i] > 0 ? wanted.share[k][i] : 0;
 	}
 	for (int i = 0; i < n; i++) {
-		int clear = keep && keep[i] < 128, other = screens[i] > 0.5f ? SCREEN : LIGHT;
+		int clear = keep && (keep[i] < 128 || ease[i] < 128), other = screens[i] > 0.5f ? SCREEN : LIGHT;
 		what[i] = (uint8_t)(solid[i] > 0.5f ? APART : clear ? CLEARED : other);
 	}
 }
@@ -263,7 +264,7 @@ static int32_t join(const work *w)
 /* Whether a fine dark thing is there: in a tone it is ink. */
 static bool is_detail(const work *w, int x, int y)
 {
-	return w->d->keep && row_of(w, w->d->dark, y)[x];
+	return w->d->keep && row_of(w, w->d->dark, y)[x] && row_of(w, w->d->sure[1], y)[x] > 127;
 }
 
 /* Between letters and beside eyes what has no room is paper, or would underline them. */

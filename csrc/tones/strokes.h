@@ -105,11 +105,6 @@ static inline uint8_t tone_way_of(float x, float y)
 	return (uint8_t)(int)(128.5f - 128 * along);
 }
 
-static inline bool tone_marked(const tone_slot *s)
-{
-	return s->kind == tone_1_HATCH || s->kind == tone_1_STIPPLE;
-}
-
 /* From mark to mark of constant size, about; a pixel holds one place of each layer at most. */
 static inline float tone_mark_pitch(const tone_slot *s)
 {

@@ -61,9 +61,9 @@ static void marks(const frame *f, int y, int x, int n, const float *restrict dar
 	for (int i = 0; lost & TONE_LOST && i < n; i++)
 		ink[i] = bits[i] & TONE_LOST ? dark[i] : ink[i];
 	const tone_detail *detail = &((const tone_frame *)f->tones)->detail;
-	const uint8_t *fine = detail->keep ? detail->seed + (ptrdiff_t)y * f->width + x : NULL;
-	for (int i = 0; fine && i < n; i++)
-		ink[i] = fine[i] && dark[i] > 0.5f ? 1 : ink[i];
+	const uint8_t *print = detail->keep ? detail->print + (ptrdiff_t)y * f->width + x : NULL;
+	for (int i = 0; print && i < n; i++)
+		ink[i] = dark[i] > 0.5f ? max(ink[i], (float)print[i] * (1.0f / 255)) : ink[i];
 }
 
 /* Two families of lines, of which the second has what the first leaves of the darkness. */

@@ -86,9 +86,11 @@ typedef struct tone_detail {
 	int reach;     /* pixels to both sides of a pixel that a fine thing may have */
 	int far;       /* the same of what is clear if what it hangs together with is */
 	uint8_t *keep; /* 255ths of the tones that are left; NULL: all */
+	uint8_t *ease; /* 255ths of the darkness that is left of what is cleared as a whole */
 	uint8_t *room; /* NULL: there is room */
-	uint8_t *value, *light, *thin, *dark, *raw, *scratch, *seed; /* dark: fine dark things, for
-			  room.c, too; seed: in the end which of these are print, on light ground */
+	uint8_t *value, *light, *thin, *dark, *raw, *scratch; /* dark: fine dark things, for room.c, too */
+	uint8_t *sure[2]; /* 255ths by which what is thin, and what is dark, is fine */
+	uint8_t *print;   /* in the end, in the place of sure[0]: how far fine dark things are print, on light ground */
 } tone_detail;
 
 /* What there is to draw in a chunk: of each slot its share of the pixel and its darkness there. */
@@ -191,15 +193,15 @@ static inline bool tone_is_screen(const tone_slot *s)
 	return s->kind == tone_1_DOTS || s->kind == tone_1_LINES || s->kind == tone_1_CROSS;
 }
 
+/* Whether strokes or spots do. */
+static inline bool tone_marked(const tone_slot *s)
+{
+	return s->kind == tone_1_HATCH || s->kind == tone_1_STIPPLE;
+}
+
 static inline bool tone_flat(const tone_slot *s)
 {
 	return s->space == tone_1_space_FLAT;
-}
-
-/* The bit of tone_detail's `seed` of fine light things, and of dark ones. */
-static inline int tone_seed(bool dark)
-{
-	return dark ? 2 : 1;
 }
 
 static inline bool tone_fitted(const frame *f)

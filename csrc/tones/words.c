@@ -5,15 +5,16 @@
 
 #include <string.h>
 
-/* What pixels are in `raw`: nothing asked, open to what spreads; of what is alike and hangs together with them few
- * pixels are marked, some and it is small, many, or most; reached. */
-enum { NOTHING, OPEN, FEW, SOME, MANY, MOST, REACHED };
+/* What pixels are in `raw`: nothing asked, or open to what spreads; of what is alike and hangs together with them few
+ * pixels are marked, many, or most. */
+enum { NOTHING, OPEN, FEW, MANY, MOST };
 
 static const float same_depth = 0.005f;  /* of the depth: from a pixel to the next of one thing */
 static const int alike = 20;             /* 0.08 * 255: from a pixel to the next of one colour */
 static const uint8_t filled = 88;        /* contrast of what is fine because most of its thing is: it counts in full */
 static const size_t many = 3, some = 10; /* one in so many pixels */
-static const size_t small = 7; /* as wide as so many strokes: a face in which dots would be as large as eyes */
+static const float small = 7; /* as wide as so many strokes: a face in which dots would be as large as eyes */
+static const float whole = 6; /* of a word one in so many pixels, surely fine, is enough */
 
 /* So many reaches about a dark pixel its ground is looked for, in so many rows of so many places. */
 enum { reaches = 3, looks = 13 };
@@ -102,23 +103,47 @@ static size_t gather(const work *w, size_t from)
 	return count;
 }
 
-/* Whether many pixels of what marked ones hang together with are marked. */
-static void survey(const work *w, const uint8_t *marks)
+/* What to tell of `count` pixels that hang together, so many of which are marked, by such a sum of 255ths. */
+typedef uint8_t (*judge)(const work *w, size_t count, size_t marked, size_t sum);
+
+static uint8_t letter(const work *w, size_t count, size_t marked, size_t sum)
+{
+	(void)w;
+	(void)sum;
+	return 2 * marked >= count ? MOST : many * marked >= count ? MANY : FEW;
+}
+
+/* What is asked is half of it: it comes by and by. */
+static float most_of(float share)
+{
+	return clamp01(4 * share - 3.5f);
+}
+
+/* How far margins leave no more than patches of it: OPEN where they do not, 255 where wholly. */
+static uint8_t ground(const work *w, size_t count, size_t marked, size_t sum)
+{
+	(void)marked;
+	float share = (float)sum / (255 * (float)count), wide = small * (float)(2 * w->d->reach + 1);
+	float patch = most_of((float)some * share) * most_of(wide * wide / (float)count);
+	return (uint8_t)(OPEN + (int)((255 - OPEN) * max(most_of((float)many * share), patch) + 0.5f));
+}
+
+/* What is to be told of what marked pixels hang together with. */
+static void survey(const work *w, const uint8_t *marks, judge told)
 {
 	uint8_t *state = w->d->raw;
-	size_t stroke = 2 * (size_t)w->d->reach + 1;
 	memset(state, NOTHING, pixels_of(w));
 	for (size_t i = 0; i < pixels_of(w); i++) {
 		if (!marks[i] || state[i] != NOTHING)
 			continue;
-		size_t count = gather(w, i), marked = 0;
-		for (size_t k = 0; k < count; k++)
+		size_t count = gather(w, i), marked = 0, sum = 0;
+		for (size_t k = 0; k < count; k++) {
 			marked += marks[w->open[k]] != 0;
-		int rest = count <= small * small * stroke * stroke && some * marked >= count ? SOME : FEW;
+			sum += marks[w->open[k]];
+		}
+		uint8_t own = told(w, count, marked, sum);
 		for (size_t k = 0; k < count; k++)
-			state[w->open[k]] = (uint8_t)(2 * marked >= count      ? MOST
-						      : many * marked >= count ? MANY
-									       : rest);
+			state[w->open[k]] = own;
 	}
 }
 
@@ -137,11 +162,6 @@ static size_t stands_out(const work *w, int x, int y)
 	return more > alike || more < -alike ? best : own;
 }
 
-static bool is_many(uint8_t state)
-{
-	return state == MANY || state == MOST;
-}
-
 /* Slits between letters, where what these lie on is seen, are not fine. Where strokes of a letter meet, it is. */
 static void whole_rows(void *data, int y0, int y1, int thread)
 {
@@ -151,9 +171,9 @@ static void whole_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0; x < w->f->width; x++) {
 			size_t i = (size_t)y * (size_t)w->f->width + (size_t)x, at = own[i] ? stands_out(w, x, y) : i;
-			bool whole = state[at] == MOST || (state[at] == MANY && own[at]);
-			w->d->scratch[i] = whole ? own[i] ? own[i] : filled : 0;
-			if (!w->dark && (state[i] == FEW || state[i] == SOME))
+			bool counts = state[at] == MOST || (state[at] == MANY && own[at]);
+			w->d->scratch[i] = counts ? own[i] ? own[i] : filled : 0;
+			if (!w->dark && state[i] == FEW)
 				w->d->light[i] = 0;
 		}
 }
@@ -196,35 +216,53 @@ static void down_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-/* From what is surely fine over what is open. */
-static void spread(const work *w)
+/* How surely what hangs together over what is open is a word: wholly from half of the sureness on that its pixels have,
+ * each of which counts as much as it is sure, for where strokes meet they are long; less where hardly any are, as of
+ * bars that folds cut to pieces. */
+static uint8_t sureness(const work *w, const uint8_t *sure, size_t count)
 {
-	uint8_t *state = w->d->raw;
-	size_t count = 0;
-	for (size_t i = 0; i < pixels_of(w); i++)
-		if (details(w)[i] && w->d->seed[i] & tone_seed(w->dark)) {
-			state[i] = REACHED;
-			w->open[count++] = (uint32_t)i;
-		}
-	while (count) {
-		spot s = spot_of(w, w->open[--count]), to[4];
-		for (int k = beside(w, s, to) - 1; k >= 0; k--)
-			if (state[to[k].i] == OPEN && goes_on(w->f, s, to[k])) {
-				state[to[k].i] = REACHED;
-				w->open[count++] = (uint32_t)to[k].i;
-			}
+	size_t all = 0;
+	uint64_t sum = 0, squares = 0;
+	for (size_t k = 0; k < count; k++) {
+		bool counts = details(w)[w->open[k]] != 0;
+		uint64_t own = counts ? sure[w->open[k]] : 0;
+		all += counts;
+		sum += own;
+		squares += own * own;
 	}
+	if (sum == 0)
+		return 0;
+	float mean = (float)sum / (255 * (float)all), own = (float)squares / (float)sum;
+	return (uint8_t)(int)(min(2 * own * most_one(whole * mean), 255) + 0.5f);
 }
 
-static void reached_rows(void *data, int y0, int y1, int thread)
+static void spread(const work *w)
 {
-	(void)thread;
-	const work *w = data;
-	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
-		const uint8_t *state = row_of(w, w->d->raw, y);
-		uint8_t *own = row_of(w, details(w), y);
-		for (int x = 0; x < w->f->width; x++)
-			own[x] = state[x] == REACHED ? own[x] : 0;
+	uint8_t *state = w->d->raw, *sure = w->d->sure[w->dark];
+	for (size_t i = 0; i < pixels_of(w); i++) {
+		if (!details(w)[i]) {
+			sure[i] = 0;
+			continue;
+		}
+		if (state[i] != OPEN)
+			continue;
+		size_t count = 1;
+		w->open[0] = (uint32_t)i;
+		state[i] = NOTHING;
+		for (size_t k = 0; k < count; k++) {
+			spot s = spot_of(w, w->open[k]), to[4];
+			for (int n = beside(w, s, to) - 1; n >= 0; n--)
+				if (state[to[n].i] == OPEN && goes_on(w->f, s, to[n])) {
+					state[to[n].i] = NOTHING;
+					w->open[count++] = (uint32_t)to[n].i;
+				}
+		}
+		uint8_t all = sureness(w, sure, count);
+		for (size_t k = 0; k < count; k++)
+			if (details(w)[w->open[k]]) {
+				sure[w->open[k]] = all;
+				details(w)[w->open[k]] = all ? details(w)[w->open[k]] : 0;
+			}
 	}
 }
 
@@ -233,13 +271,13 @@ static int32_t choose(work *w, bool dark)
 {
 	bands *pool = w->f->bands;
 	w->dark = dark;
-	survey(w, details(w));
+	survey(w, details(w), letter);
 	int32_t code = bands_run(pool, w->f->height, 0, whole_rows, w);
 	code = code ? code : bands_run(pool, w->f->height, 0, along_rows, w);
 	code = code ? code : bands_run(pool, w->f->height, 0, down_rows, w);
 	if (!code)
 		spread(w);
-	return code ? code : bands_run(pool, w->f->height, 0, reached_rows, w);
+	return code;
 }
 
 int32_t ISA(tone_words_run)(frame *f, const tone_detail *d)
@@ -267,7 +305,8 @@ static void ground_rows(void *data, int y0, int y1, int thread)
 				int step = value[s.i] - value[to[n].i], own = state[to[n].i];
 				most = step <= 2 * alike && step >= -2 * alike && own > most ? own : most;
 			}
-			w->d->keep[s.i] = most == SOME || is_many((uint8_t)most) ? 0 : w->d->keep[s.i];
+			bool lighter = value[s.i] > least_contrast; /* than anything: else no dark thing lies on it */
+			w->d->ease[s.i] = (uint8_t)(most > OPEN && lighter ? 255 - most : 255);
 		}
 }
 
@@ -305,22 +344,24 @@ static void print_of_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const work *w = data;
 	size_t width = (size_t)w->f->width;
-	for (size_t i = (size_t)y0 * width; i < (size_t)y1 * width; i++)
-		w->d->seed[i] = w->d->dark[i] && w->d->raw[i] == MOST;
+	for (size_t i = (size_t)y0 * width; i < (size_t)y1 * width; i++) {
+		uint8_t own = w->d->dark[i] && w->d->raw[i] == MOST ? w->d->sure[1][i] : 0;
+		w->d->print[i] = own > w->d->light[i] ? own : w->d->light[i];
+	}
 }
 
-/* Grounds that details' margins, in `scratch`, leave little of are clear. Leaves in `seed` what is print. */
+/* Grounds that details' margins, in `scratch`, leave little of are clear. Leaves in `print` what is. */
 int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d)
 {
 	work w = {.f = f, .d = d};
 	w.open = late_take(&f->late, pixels_of(&w), sizeof *w.open);
 	if (!w.open)
 		return ENCRE_ERROR_MEMORY;
-	survey(&w, d->scratch);
+	survey(&w, d->scratch, ground);
 	int32_t code = bands_run(f->bands, f->height, 0, ground_rows, &w);
 	code = code ? code : bands_run(f->bands, f->height, 0, print_rows, &w);
 	if (!code)
-		survey(&w, d->scratch);
+		survey(&w, d->scratch, letter);
 	late_drop(&f->late, w.open);
 	return code ? code : bands_run(f->bands, f->height, 0, print_of_rows, &w);
 }

@@ -6,7 +6,7 @@ import numpy as np
 from .metric import clamp01
 
 LEAST, SURE, ALIKE, SAME_DEPTH = 0.3 * 255, 0.34 * 255, 0.08 * 255, 0.005
-GROUND, MANY, SOME, SMALL, FILLED = 20, 3, 10, 7, 88
+GROUND, MANY, SOME, SMALL, WHOLE, FILLED = 20, 3, 10, 7, 6, 88
 NARROW, WIDE, BESIDE = 0.7, 1.4, 2
 
 
@@ -45,46 +45,36 @@ def _fine(value, reach, sign):
     return np.where(fine, thin, 0), light - opened((0, 1))
 
 
-def _whole_runs(value, depth, reach):
-    """Where what is dark is short, along the row or the column, and no nearer thing nor the frame cuts it off."""
-    most, out = 2 * reach + 1, np.zeros(value.shape, bool)
+def _lengths(value, fine, depth, reach, sign):
+    """How long what differs by `fine` from its ground is along the row or the column, in pixels of its most contrast;
+    infinite where it is longer than is looked for, or cut off by the frame or, of what is dark, by a nearer thing."""
+    most = 2 * reach + 1
     wide = most + 2
-    values, depths = np.pad(value, wide, mode="edge"), np.pad(depth, wide, constant_values=-1)
-    beyond = np.pad(depth, wide, mode="edge")
+    values, depths = np.pad(sign * value, wide, mode="edge"), np.pad(depth, wide, mode="edge")
+    inside, ground = np.pad(np.ones(value.shape, bool), wide), sign * value - fine
     height, width = value.shape
 
     def at(plane, k, way):
         return plane[wide + k * way[0]:, wide + k * way[1]:][:height, :width]
 
-    def run(way):
-        length, ended, cut = np.zeros(value.shape, int), np.zeros(value.shape, bool), np.zeros(value.shape, bool)
-        for k in range(1, most + 1):
-            cut |= ~ended & (at(depths, k, way) < depth * (1 - SAME_DEPTH))
-            now = ~ended & ~cut & (at(values, k, way) - value > ALIKE)
-            cut |= now & (at(beyond, k + 1, way) < depth * (1 - SAME_DEPTH))
-            ended |= now
-            length += ~ended & ~cut
-        cut |= ~ended & (at(beyond, most + 2, way) < depth * (1 - SAME_DEPTH))
-        return np.where(cut, most + 1, length)
+    def nearer(k, way):
+        return (sign < 0) & (at(depths, k, way) < depth * (1 - SAME_DEPTH))
 
-    for axis in ((0, 1), (1, 0)):
-        out |= run(axis) + run(tuple(-a for a in axis)) <= 2 * reach
-    return out
+    def along(way):
+        total, best, lost = fine.astype(float), fine.astype(float), np.zeros(value.shape, bool)
+        for side in (way, tuple(-a for a in way)):
+            goes = np.ones(value.shape, bool)
+            for k in range(1, most + 1):
+                more = at(values, k, side) - ground
+                total += np.where(goes, np.maximum(more, 0), 0)
+                best = np.where(goes, np.maximum(best, more), best)
+                ends = goes & (more < GROUND)
+                lost |= goes & (~at(inside, k, side) | nearer(k, side)) | ends & nearer(k + 1, side)
+                goes &= ~ends
+            lost |= goes
+        return np.where(lost, np.inf, total / np.maximum(best, 1))
 
-
-def _grown(mask, within, links):
-    """A mask that spreads from pixel to neighbour where it may; `links`: whether it does rightwards, and downwards."""
-    mask = mask & within
-    right, down = links
-    while True:
-        more = mask.copy()
-        for to, of, link in ((np.s_[:, 1:], np.s_[:, :-1], right), (np.s_[1:], np.s_[:-1], down)):
-            more[to] |= mask[of] & link
-            more[of] |= mask[to] & link
-        more &= within
-        if (more == mask).all():
-            return mask
-        mask = more
+    return np.minimum(along((0, 1)), along((1, 0)))
 
 
 def _links(whether):
@@ -105,13 +95,25 @@ def _labels(links):
         labels = more
 
 
-def _survey(marks, labels, stroke):
-    """Of what hangs together and has marks: whether it has many, is small and has some, has not many, has most."""
-    count, marked = np.bincount(labels.flat), np.bincount(labels.flat, marks.flat)
-    many = (MANY * marked >= count) & (marked > 0)
-    some = (count <= (SMALL * stroke) ** 2) & (SOME * marked >= count) & (marked > 0) & ~many
-    most = (2 * marked >= count) & many
-    return many[labels], some[labels], ((marked > 0) & ~many)[labels], most[labels]
+def _survey(marks, labels):
+    """(how many pixels hang together with each, share of them that is marked, by 0..1), where any is; else NaN."""
+    count, marked, total = (np.bincount(labels.flat, by.flat) for by in (np.ones(marks.shape), marks > 0, marks))
+    return (np.where(marked > 0, count, np.nan)[labels],
+            *(np.where(marked > 0, by / np.maximum(count, 1), np.nan)[labels] for by in (marked, total)))
+
+
+def _most(share):
+    return clamp01(4 * share - 3.5)
+
+
+def _words(details, sure, around, goes_on):
+    """How surely each detail is one: twice the mean over its word of how surely pixels are, weighted by itself."""
+    labels = _labels(tuple(link & around[to] & around[of] for link, to, of in zip(
+        goes_on, (np.s_[:, 1:], np.s_[1:]), (np.s_[:, :-1], np.s_[:-1]), strict=True)))
+    count, total, squares = (np.bincount(labels.flat, by.flat) for by in (
+        details.astype(float), np.where(details, sure, 0), np.where(details, sure, 0) ** 2))
+    own = 2 * squares / np.maximum(total, 1e-9) * np.minimum(1, WHOLE * total / np.maximum(255 * count, 1))
+    return np.where(details, np.floor(np.minimum(own, 255) + 0.5)[labels], 0)
 
 
 def _whole(value, fine, many, most):
@@ -141,9 +143,9 @@ def _hang_together(layers, value):
 
 def _with_rims(value, ground):
     """With pixels beside it that show it, too."""
-    beside = [_shifted(ground, v, u) & (np.abs(_shifted(value, v, u) - value) <= 2 * GROUND)
+    beside = [np.where(np.abs(_shifted(value, v, u) - value) <= 2 * GROUND, _shifted(ground, v, u), 0)
               for v, u in ((0, 1), (0, -1), (1, 0), (-1, 0))]
-    return np.any([ground, *beside], axis=0)
+    return np.max([ground, *beside], axis=0)
 
 
 def _on_light(value, dark, thin, reach):
@@ -160,10 +162,11 @@ def _kept_share(clear):
 
 
 def kept(layers, params):
-    """Shares of the tones that are left at each pixel, fine dark things, and which are print."""
+    """Shares of the tones that are left at each pixel, and of their darkness; fine dark things, and how far they are
+    print."""
     size = params["tone_detail"]
     if not size > 0:
-        return np.ones(layers.depth.shape), *np.zeros((2, *layers.depth.shape), bool)
+        return *np.ones((2, *layers.depth.shape)), *np.zeros((2, *layers.depth.shape), bool)
     reach = max(1, int(min(0.5 * size * params.pixels(layers.full_height), 32)))
     wide, stroke = reach + reach // 2 + 1, 2 * reach + 1
     value = np.floor(255 * np.sqrt(clamp01(layers.albedo @ (0.2126, 0.7152, 0.0722))) + 0.5)
@@ -174,14 +177,14 @@ def kept(layers, params):
     found = []
     for sign in (1, -1):
         fine, square = _fine(value, wide, sign)
-        many, _, few, most = _survey(fine > 0, labels, stroke)
-        square = np.where(few, 0, square)
-        whole = _whole(sign * value, fine, many, most)
-        sure = (whole > 0) & (_fine(value, reach, sign)[0] > 0)
-        sure &= (sign > 0) | _whole_runs(value, depth, reach)
-        reached = _grown(sure, _about(whole > 0, stroke, np.max), goes_on)
-        found.append((np.where(reached, whole, 0), square))
-    (thin, square), (dark, _) = found
+        length = _lengths(value, fine, depth, wide, sign)
+        sure = np.where(fine > 0, np.floor(255 * clamp01((stroke - length) / (wide - reach) + 0.5) + 0.5), 0)
+        _, share, _ = _survey(fine, labels)
+        square = np.where(MANY * share < 1, 0, square)
+        whole = _whole(sign * value, fine, MANY * share >= 1, 2 * share >= 1)
+        sure = _words(whole > 0, sure, _about(whole > 0, stroke, np.max), goes_on)
+        found.append((np.where(sure > 0, whole, 0), sure / 255, square))
+    (thin, light_sure, square), (dark, dark_sure, _) = found
 
     def there(v, u):
         own = inside[wide + 1 + v:, wide + 1 + u:][:height, :width]
@@ -191,18 +194,27 @@ def kept(layers, params):
     for v, u in _places(wide + 1):
         lies |= (value - _shifted(value, v, u) > LEAST) & there(v, u)
     most = _about(square, 1, np.max)
-    clear = np.where(lies & (square > 0), _sure(_about(thin, wide + 2, np.max)) * _sure(most)
+    near, sure = (_about(of, wide + 2, np.max) for of in (thin, light_sure))
+    clear = np.where(lies & (square > 0), _sure(near) * sure * _sure(most)
                      * clamp01(2 * square / np.maximum(most, 1) - 0.9), 0)
-    about = np.zeros(value.shape)
-    for v, u in _places(reach):
-        contrast = np.minimum(_shifted(dark, v, u), value - _shifted(value, v, u))
-        about = np.maximum(about, np.where((contrast > LEAST) & there(v, u),
-                                           _sure(contrast) * clamp01(reach + 0.5 - np.hypot(v, u)), 0))
-    many, some, _, _ = _survey(about >= 0.5, labels, stroke)
-    keep = _kept_share(np.maximum(about, clear))
-    many, some = _with_rims(value, many), _with_rims(value, some)
-    printed = _survey((dark > 0) & _on_light(value, dark > 0, thin > 0, reach), labels, stroke)[3] & (dark > 0)
-    return np.where(many | some, 0, keep), dark > 0, printed
+
+    def around(things, sure, sign, reach):
+        best = np.zeros(value.shape)
+        for v, u in _places(reach):
+            contrast = np.minimum(_shifted(things, v, u), sign * (_shifted(value, v, u) - value))
+            best = np.maximum(best, np.where((contrast > LEAST) & there(v, u), _sure(contrast) * clamp01(
+                (reach + 0.5) * _shifted(sure, v, u) - np.hypot(v, u)), 0))
+        return best
+
+    about = around(dark, dark_sure, -1, reach)
+    count, _, share = _survey(1 - _kept_share(np.minimum(1, 2 * about)), labels)
+    patch = _most(SOME * share) * _most((SMALL * stroke) ** 2 / count)
+    ground = np.nan_to_num(np.floor(254 * np.maximum(_most(MANY * share), patch) + 0.5))
+    ground = np.where(ground > 0, ground + 1, 0) / 255
+    keep, ease = _kept_share(np.maximum(about, clear)), 1 - np.where(value > 76, _with_rims(value, ground), 0)
+    printed = 2 * _survey((dark > 0) & _on_light(value, dark > 0, thin > 0, reach), labels)[1] >= 1
+    return keep, ease, dark_sure > 127 / 255, np.maximum(
+        np.where((dark > 0) & printed, dark_sure, 0), 1 - _kept_share(around(thin, light_sure, 1, wide)))
 
 
 def _near(sought, radius):
@@ -226,10 +238,10 @@ def _depth(screen, radius):
     return np.where(screen, np.minimum(far, radius), 0)
 
 
-def rooms(screens, solid, keep, dark, radius):
+def rooms(screens, solid, clear, dark, radius):
     """(the room that screens have at each pixel, of what they want; what they are without it); `radius`: half of how
     wide they are at least."""
-    apart = (solid > 0.5) | (keep < 0.5)
+    apart = (solid > 0.5) | clear
     screen = ~apart & (screens > 0.5)
     enough = WIDE * radius
     part = np.floor(255 * _depth(screen, enough) / np.maximum(enough, 1e-30) + 0.5)

@@ -405,9 +405,15 @@ def _rooms(layers, params, keep, scale):
                     default=0)
         radius = np.where(own, min(0.5 * params["tone_least"] * pitch, 60), radius)
         for look in {look for look, is_one in zip(looks, screen, strict=True) if is_one or look[0] == "SOLID"}:
-            share, dark = _dark(layers, of("shade_levels"), of, look)
-            (solid if look[0] == "SOLID" else screens)[own] += np.where(dark > 0, share * keep[0], 0)[own]
-    return cleared.rooms(screens, solid, keep[0], keep[1], radius)
+            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look), look[0], keep)
+            (solid if look[0] == "SOLID" else screens)[own] += np.where(dark > 0, share, 0)[own]
+    return cleared.rooms(screens, solid, np.minimum(keep[0], keep[1]) < 0.5, keep[2], radius)
+
+
+def _eased(share, dark, kind, keep):
+    """With what is left of them of what is cleared: dots and strokes of the darkness, of others all or nothing."""
+    eases = kind in SCREENS or kind in ("HATCH", "STIPPLE")
+    return share * keep[0] * (1 if eases else keep[1] > 127 / 255), dark * (keep[1] if eases else 1)
 
 
 def _fitted(dark, rooms):
@@ -430,13 +436,13 @@ def fill(layers, params, surface, paper):
         for k, look in reversed(list(enumerate(looks))):
             if look[0] == "NONE" or look in looks[:k]:
                 continue
-            share, dark = _dark(layers, of("shade_levels"), of, look)
+            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look), look[0], keep)
             if not (dark > 0).any():
                 continue
             dark = _fitted(dark, rooms) if look[0] in SCREENS else dark
             ink = _ink(layers, of, look, dark, scale, paper, own)
-            ink = np.where(keep[2] & (dark > 0.5), 1, ink) if look[0] in ("HATCH", "STIPPLE") else ink
-            t = np.where(own, ink * share * keep[0], 0)[..., None]
+            ink = np.where(dark > 0.5, np.maximum(keep[3], ink), ink) if look[0] in ("HATCH", "STIPPLE") else ink
+            t = np.where(own, ink * share, 0)[..., None]
             t = np.where(t >= 0.5, 1.0, 0.0) if of("tone_crisp") else t
             alpha = surface[..., 3:]
             drawn[..., :3] = mix(drawn[..., :3], np.array(look[4]) * alpha, t)
