@@ -8,6 +8,9 @@ enum { MOST = 128 /* pixels of an island */, BAND = 128, ROW = 2 * MOST + 1 };
 
 /* What is brighter is no black; what is clear shows white. */
 static const float black = 0.03f;
+/* How much lighter a mark is than what it lies on, of square roots of luminance; how far from it, and how far behind,
+ * of the depth: for what it lies on may be hollow. */
+static const float contrast = 0.3f, same_depth = 0.005f, behind = 0.001f;
 /* Of `speck_size`: what is as long as it will, but narrower. After lines that would be lines of the second ink. */
 static const float narrow = 0.5f;
 
@@ -23,6 +26,7 @@ typedef struct island {
 	int x[MOST], y[MOST], count; /* the first is the upper one, and of these the left one */
 	int left, right, bottom, count_around;
 	float around[3];
+	float own_depth, depth, lightest, light; /* without its light: the most of its own, and the sum around it */
 } island;
 
 static void light_rows(void *data, int y0, int y1, int thread)
@@ -60,8 +64,17 @@ static bool is_cut(const frame *f, int x, int y)
 	       (y + 1 == f->height && p->y + f->height < p->height);
 }
 
-static void add(island *of, int x, int y)
+/* How light a surface is without its light. */
+static float lightness(const frame *f, int x, int y)
 {
+	const float *c = layer_row(f, ENCRE_LAYER_ALBEDO, y) + (ptrdiff_t)3 * x;
+	return sqrtf(clamp01(luminance(c[0], c[1], c[2])));
+}
+
+static void add(const frame *f, island *of, int x, int y)
+{
+	of->own_depth += depth_at(f, x, y);
+	of->lightest = max(of->lightest, lightness(f, x, y));
 	of->x[of->count] = x;
 	of->y[of->count++] = y;
 	of->left = x < of->left ? x : of->left;
@@ -83,6 +96,8 @@ static bool grow(const specks *s, uint8_t *seen, int most, int i, island *of)
 				const float *c = output_row(f, ENCRE_OUTPUT_COMBINED, v) + (ptrdiff_t)4 * u;
 				for (int k = 0; k < 3; k++)
 					of->around[k] += c[k];
+				of->depth += depth_at(f, u, v);
+				of->light += lightness(f, u, v);
 				of->count_around++;
 				continue;
 			}
@@ -94,7 +109,7 @@ static bool grow(const specks *s, uint8_t *seen, int most, int i, island *of)
 			if (of->count == most)
 				return false;
 			*was = 1;
-			add(of, u, v);
+			add(f, of, u, v);
 		}
 	return true;
 }
@@ -106,9 +121,10 @@ static bool find(const specks *s, uint8_t *seen, int most, int x, int y, island 
 	of->count = of->count_around = 0;
 	of->left = of->right = x;
 	of->bottom = y;
+	of->own_depth = of->depth = of->lightest = of->light = 0;
 	memset(of->around, 0, sizeof of->around);
 	seen[MOST] = 1;
-	add(of, x, y);
+	add(s->f, of, x, y);
 	for (int i = 0; whole && i < of->count; i++)
 		whole = grow(s, seen, most, i, of);
 	for (int i = 0; i < of->count; i++)
@@ -133,6 +149,15 @@ static bool is_speck(const specks *s, const island *of, float size)
 	int wide = of->right - of->left + 1, tall = of->bottom - of->y[0] + 1;
 	float length = s->drawn ? 0 : (float)(wide > tall ? wide : tall);
 	return of->count_around > 0 && (float)of->count <= max(size * size, narrow * size * length);
+}
+
+/* A point of a price, a star on a coat: light by its own colour, on what is around it, and not seen behind it as skin
+ * is between hair. */
+static bool is_mark(const island *of)
+{
+	float n = (float)of->count_around, depth = of->depth / n, own = of->own_depth / (float)of->count;
+	return of->lightest - of->light / n > contrast && own - depth <= behind * depth &&
+	       depth - own <= same_depth * depth;
 }
 
 static void fill(const specks *s, const island *of, int y0, int y1)
@@ -168,7 +193,7 @@ static void fill_rows(void *data, int y0, int y1, int thread)
 			island of;
 			float size = size_of(f, params_at(f, x, y));
 			int most = most_of(s, size);
-			if (most > 0 && find(s, seen, most, x, y, &of) && is_speck(s, &of, size))
+			if (most > 0 && find(s, seen, most, x, y, &of) && is_speck(s, &of, size) && !is_mark(&of))
 				fill(s, &of, y0, y1);
 		}
 }

@@ -6,6 +6,7 @@ import numpy as np
 from .metric import value
 
 BLACK, MOST, NARROW = 0.03, 128, 0.5
+CONTRAST, SAME_DEPTH, BEHIND = 0.3, 0.005, 0.001
 
 
 def _about(light, y, x):
@@ -32,6 +33,7 @@ def fill(layers, params, picture, ink=None):
     """The picture (H, W, 4) with its specks filled, and the ink of lines, if these are drawn."""
     bright = value(picture[..., :3]) + 1 - picture[..., 3]
     light, left = bright > BLACK, bright > BLACK
+    lightness = np.sqrt(np.clip(layers.albedo @ (0.2126, 0.7152, 0.0722), 0, 1))
     picture, ink = picture.copy(), None if ink is None else ink.copy()
     for start in map(tuple, np.argwhere(light)):
         if not left[start]:
@@ -47,10 +49,14 @@ def fill(layers, params, picture, ink=None):
         length = 0 if ink is not None else max(np.ptp(rows), np.ptp(columns)) + 1
         if not size or len(island) > min(max(size**2, NARROW * size * length), MOST):
             continue
-        beside = [picture[at][:3] for y, x in island for at in _about(light, y, x) if not light[at]]
-        if not beside:
+        around = [at for y, x in island for at in _about(light, y, x) if not light[at]]
+        if not around:
+            continue
+        own, ground = layers.depth[rows, columns].mean(), np.mean([layers.depth[at] for at in around])
+        lighter = lightness[rows, columns].max() - np.mean([lightness[at] for at in around])
+        if lighter > CONTRAST and -SAME_DEPTH * ground <= own - ground <= BEHIND * ground:
             continue
         for image in (picture, ink):
             if image is not None:
-                image[rows, columns] = [*np.mean(beside, axis=0), 1]
+                image[rows, columns] = [*np.mean([picture[at][:3] for at in around], axis=0), 1]
     return picture, ink

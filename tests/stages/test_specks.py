@@ -112,6 +112,17 @@ def test_it_takes_the_colour_around_it():
     np.testing.assert_allclose(draw(layers, SPECKS)[10, 20], (0.02, 0.01, 0, 1), atol=1e-6)
 
 
+@pytest.mark.parametrize("color, depth, stays", [(0.8, 4.0, True), (0.8, 3.99, True), (0.8, 4.02, False),
+                                                 (0.8, 3.9, False), (0.1, 4.0, False)])
+def test_a_point_that_is_printed_stays_and_a_crumb_of_light_and_what_is_behind_go(color, depth, stays):
+    layers = page()
+    layers["color"][:], layers["combined"][20:22, 30:32, :3] = 0.05, 0.7
+    layers["color"][20:22, 30:32], layers["depth"][20:22, 30:32] = color, depth
+    got = draw(layers, SPECKS)
+    assert got[20:22, 30:32, :3].any() == stays
+    np.testing.assert_allclose(got, reference(layers, SPECKS)["Combined"], atol=1e-6)
+
+
 def test_without_specks_no_bit_changes():
     layers = random_layers(40, 64)
     layers["style"][:, :30], layers["style"][:, 30:] = 1, 0
