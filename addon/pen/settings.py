@@ -257,7 +257,7 @@ class Settings:
         """Whether metals and what is glazed are treated apart."""
         return any((values["use_example"] and values["example_gloss"])
                    or (values["use_shading"] and values["reflection_tones"])
-                   or (values["use_tones"] and values["tone_black"]) for values in self.every)
+                   or (values["use_tones"] and max(values["tone_black"], values["tone_dark"])) for values in self.every)
 
     @cached_property
     def wants_parts(self) -> bool:

@@ -44,6 +44,14 @@ static inline float lightness(const encre_params *p, float r, float g, float b)
 	return seen ? 0.2126f * r + 0.7152f * g + 0.0722f * b : max3(r, g, b);
 }
 
+/* Of its light, the share that a colour has that is no black: none just above one, or a shaded one would be as black as
+ * black in any light and the next as white as white. */
+static inline float light_left(float bright, float black, float dark)
+{
+	float span = dark - black;
+	return span > 0 ? clamp01((bright - black) / max(span, FLT_MIN)) : 1;
+}
+
 static const float clear_from = 0.7f; /* share of light that a glazed thing mirrors from which on it is a mirror */
 
 /* How far what a pixel mirrors lies over a colour of its own, as on the sea, wet stone or lacquer: 0 for metals, which
@@ -71,7 +79,7 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 {
 	const float *seen = layer_row(f, ENCRE_LAYER_SEEN_COLOR, y), *depth = layer_row(f, ENCRE_LAYER_SEEN_DEPTH, y);
 	const float *front = layer_row(f, ENCRE_LAYER_DEPTH, y), *gloss = layer_row(f, ENCRE_LAYER_GLOSS, y);
-	float exposure = exposure_of(f, p), least = max(p->tone_black, 0.05f);
+	float exposure = exposure_of(f, p), least = max(p->tone_black, 0.05f), dark = p->tone_dark;
 	spared own = spared_of(p);
 	for (int i = 0; !seen && front && i < n; i++) {
 		bool nothing = !(depth_of(front[x + i]) < INFINITY);
@@ -83,7 +91,8 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 		lit = spare(own, lit, bright);
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
-		lit = nothing ? INFINITY : lightness(p, s[0], s[1], s[2]) >= least ? lit : -1;
+		float shown = lightness(p, s[0], s[1], s[2]);
+		lit = nothing ? INFINITY : shown >= least ? lit * light_left(shown, least, dark) : -1;
 		if (glazed[i] > 0.5f) {
 			float own_depth = depth_of(front[x + i]);
 			bool itself = depth && fabsf(depth[x + i] - own_depth) <= 0.02f * own_depth;
@@ -102,7 +111,7 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 	const float *controls = controls_at(f, x, y);
 	float e[4][TONE_CHUNK], a[3][TONE_CHUNK], d[3][TONE_CHUNK], painted[TONE_CHUNK] = {0}, rest[TONE_CHUNK];
 	float glazed[TONE_CHUNK] = {0}, left[TONE_CHUNK];
-	float exposure = exposure_of(f, p), black = p->tone_black;
+	float exposure = exposure_of(f, p), black = p->tone_black, dark = p->tone_dark;
 	bool seen = p->tone_black_by == tone_black_by_LUMINANCE;
 	spared own = spared_of(p);
 	split(layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x, 4, n, e);
@@ -112,15 +121,16 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 		painted[i] = painted_light(controls, i);
 	for (int i = 0; i < n; i++)
 		left[i] = 1;
-	if (black > 0)
+	if (max(black, dark) > 0)
 		glazed_row(f, y, x, n, a, glazed, left);
 	for (int i = 0; i < n; i++) {
 		float bright = max3(a[0][i], a[1][i], a[2][i]);
 		float lit = spare(own, max3(d[0][i], d[1][i], d[2][i]) * exposure, bright) + painted[i];
 		rest[i] = max3(e[0][i] - a[0][i] * d[0][i], e[1][i] - a[1][i] * d[1][i], e[2][i] - a[2][i] * d[2][i]);
-		float own_black = seen ? black * left[i] : black;
-		light[i] = lightness(p, a[0][i], a[1][i], a[2][i]) < own_black ? max(rest[i] - glazed[i], -1)
-									       : max(lit, rest[i]);
+		float own_black = seen ? black * left[i] : black, own_dark = seen ? dark * left[i] : dark;
+		float own_bright = lightness(p, a[0][i], a[1][i], a[2][i]);
+		lit *= light_left(own_bright, own_black, own_dark);
+		light[i] = own_bright < own_black ? max(rest[i] - glazed[i], -1) : max(lit, rest[i]);
 	}
 	if (p->tone_mirrors)
 		mirrored_row(f, p, y, x, n, rest, a, glazed, light);

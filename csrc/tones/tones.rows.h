@@ -4,6 +4,7 @@ STAGE(tones, "Tones", "Dots, lines or ink that fill the levels of light")
 SWITCH(use_tones, SURFACE, 0, "", "Tones", "Fill the levels of light with dots, lines or ink")
 FLOAT(tone_darkness, SURFACE, 0, -1, 1, -1, 1, "", "use_tones", "Darkness", "Added to how dark a level is, which is 1 less its intensity")
 FLOAT(tone_black, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Spotted Blacks", "Colours darker than this are in the darkest level, whatever their light")
+FLOAT(tone_dark, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Dark Colours", "Colours darker than this have the less light the nearer they are to spotted blacks; 0: all have theirs")
 ENUM(tone_black_by, SURFACE, 0, "use_tones", "Blacks By", "What tells how dark a colour is",
      ITEM(tone_black_by, VALUE, 0, "Brightest Channel", "The most of red, green and blue: deep blues are lighter than greys")
      ITEM(tone_black_by, LUMINANCE, 1, "Luminance", "How dark the eye sees it: navy is as dark as a dark grey"))

@@ -58,7 +58,7 @@ DEFAULTS = {
     "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
     "paper_seed": 0,
     # tones
-    "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0, "tone_black_by": "VALUE",
+    "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0, "tone_dark": 0.0, "tone_black_by": "VALUE",
     "tone_local": 0.0, "tone_mirrors": False, "tone_detail": 0.0, "tone_least": 0.0, "tone_hardness": 1.0,
     "tone_crisp": False, "tone_pitch_unit": "LENGTH",
     "tone_strokes": "FORM", "tone_light_turn": 135.0, "tone_light_height": 45.0,

@@ -247,15 +247,22 @@ def _dark(layers, levels, of, look):
     rest = value(other(layers))
     lightness = _luminance if of("tone_black_by") == "LUMINANCE" else value
     left = np.maximum(1 - value(layers.gloss) * _glazed(layers), 0.05) if of("tone_black_by") == "LUMINANCE" else 1
-    light = np.where(lightness(layers.color) < of("tone_black") * left, np.maximum(rest - _glazed(layers), -1),
-                     np.maximum(lit, rest))
+
+    def kept(bright, black, dark):
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(dark > black, clamp01((bright - black) / (dark - black)), 1)
+
+    bright, black = lightness(layers.color), of("tone_black") * left
+    lit = lit * kept(bright, black, of("tone_dark") * left)
+    light = np.where(bright < black, np.maximum(rest - _glazed(layers), -1), np.maximum(lit, rest))
     if of("tone_mirrors") and layers.seen_color is None:
         light = np.where((value(layers.color) < 0.05) & ~((layers.depth > 0) & (layers.depth < 1e9)), np.inf, light)
     elif of("tone_mirrors"):
         least = max(of("tone_black"), 0.05)
         seen = value(layers.seen_color)
         lit = spared(value(other(layers)) / np.maximum(seen, least) * of("shade_exposure"), layers.seen_color)
-        lit = np.where(lightness(layers.seen_color) >= least, lit, -1)
+        shown = lightness(layers.seen_color)
+        lit = np.where(shown >= least, lit * kept(shown, least, of("tone_dark")), -1)
         nothing = ~((layers.seen_depth > 0) & (layers.seen_depth < 1e9))
         itself = np.abs(layers.seen_depth - layers.depth) <= 0.02 * layers.depth
         shows = ((value(layers.color) < 0.05)

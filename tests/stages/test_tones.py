@@ -52,7 +52,7 @@ def test_twin_of_dots_of_all_sizes(pitch, hardness):
 
 def look(rng, kinds):
     own = dict(tone_hardness=rng.choice([1, rng.random()]), tone_black=rng.choice([0, rng.random()]),
-               tone_black_by=str(rng.choice(["VALUE", "LUMINANCE"])),
+               tone_black_by=str(rng.choice(["VALUE", "LUMINANCE"])), tone_dark=rng.choice([0, rng.random()]),
                tone_local=rng.choice([0, rng.random()]), tone_darkness=rng.choice([0, rng.uniform(-0.5, 0.5)]))
     for n in range(1, 7):
         own |= {f"tone_{n}": str(rng.choice([*kinds, *["SAME"] * (n > 4)])),
@@ -159,6 +159,28 @@ def test_blacks_are_what_the_eye_sees_as_dark():
         ink = library.render(held, params, outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
         np.testing.assert_allclose(ink, reference(held, params)["Encre Tones"][..., 3], atol=2e-5)
         assert (ink[:, :6] == inked[0]).all() and (ink[:, 6:] == inked[1]).all(), (by, black)
+
+
+def test_dark_colours_have_tones_in_the_light_and_are_black_in_the_shade():
+    """From black in any light to as white as white by and by, on things and in mirrors; brown skin has its tone."""
+    bright = np.linspace(0.02, 0.18, 33)
+    color = np.tile(bright[None, :, None], (40, 1, 3)).astype(np.float32)
+    light = np.tile(np.linspace(0.02, 1, 40)[:, None, None], (1, 33, 3)).astype(np.float32)
+    zero, one = np.zeros_like(color), np.ones((40, 33, 1), np.float32)
+    layers = dict(color=color, combined=np.concatenate([color * light, one], 2), diffuse=light, depth=one,
+                  normal=zero + 1)
+    seen = dict(color=zero, diffuse=zero, seen_color=color, seen_normal=zero + 1, seen_depth=one)
+    scene = dict(ALONE, tone_1="SOLID", tone_2="SOLID", tone_2_color=(0, 1, 0), tone_3="NONE", tone_mirrors=True,
+                 tone_black=0.05, tone_dark=0.15, shade_levels=[(0.0,), (0.5, 0.25, 0), (1, 0.55, 0)])
+    for held in layers, layers | seen:
+        ink = library.render(held, scene, outputs=["Encre Tones"]).images["Encre Tones"]
+        np.testing.assert_allclose(ink, reference(held, scene)["Encre Tones"], atol=1e-4)
+        black, paper = (ink[..., 3] > 0.5) & (ink[..., 1] < 0.1), ink[..., 3] < 0.5
+        assert black[:, bright < 0.05].all()
+        rows = black.sum(0)[bright > 0.05]
+        assert (np.diff(rows) <= 0).all() and np.abs(np.diff(rows)).max() < 12 and 8 < rows[-1] < 12
+        skin = np.argmin(np.abs(bright - 0.09))
+        assert not black[-1, skin] and not paper[-1, skin] and black[15, skin] and paper[-1, -1]
 
 
 def test_the_sky_in_a_dark_sea_does_not_cut_it():
