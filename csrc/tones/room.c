@@ -34,10 +34,11 @@ static uint8_t *row_of(const work *w, uint8_t *plane, int y)
 	return plane + (ptrdiff_t)y * w->f->width;
 }
 
-/* Half of how wide a screen is at least. */
-static float radius_of(const work *w, int x, int y)
+/* The end of a run of pixels from x on that are told together, and half of how wide a screen is at least there. */
+static float radius_of_run(const work *w, int y, int x, int *end)
 {
-	return w->styles[style_at(w->f, x, y)].room;
+	int most = w->f->width - x > TONE_TOGETHER ? x + TONE_TOGETHER : w->f->width;
+	return w->styles[style_run(w->f, y, x, most, end) - w->f->params].room;
 }
 
 static bool wants_room(const tone_slot *s)
@@ -109,22 +110,22 @@ static void column_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-/* The square of how far away the nearest of what was sought is, as far as `radius`; else more than that of it. */
-static float nearest(const work *w, int x, int y, float radius)
+/* The squares of how far away the nearest of what was sought is, as far as `radius`; else more than that of it. */
+static void nearest_row(const work *w, int y, int x, int n, float radius, uint16_t *restrict least)
 {
 	const uint8_t *far = row_of(w, w->d->scratch, y);
-	int reach = (int)radius, last = x + reach < w->f->width ? x + reach : w->f->width - 1;
-	int least = (reach + 1) * (reach + 1);
-	for (int u = tone_within(x - reach, w->f->width); u <= last; u++) {
-		int square = (u - x) * (u - x) + far[u] * far[u];
-		least = square < least ? square : least;
+	int reach = (int)radius;
+	for (int i = 0; i < n; i++)
+		least[i] = (uint16_t)((reach + 1) * (reach + 1));
+	for (int aside = -reach; aside <= reach; aside++) {
+		const uint8_t *restrict there = far + x;
+		int from = x + aside < 0 ? -x - aside : 0, end = w->f->width - x - aside;
+		end = end < n ? end : n;
+		for (int i = from; i < end; i++) {
+			uint16_t square = (uint16_t)(aside * aside + there[i + aside] * there[i + aside]);
+			least[i] = square < least[i] ? square : least[i];
+		}
 	}
-	return (float)least;
-}
-
-static bool is_near(const work *w, int x, int y, float radius)
-{
-	return nearest(w, x, y, radius) <= radius * radius;
 }
 
 /* How far pixels of a screen are from its end: 255ths of half of the width that is enough. */
@@ -135,11 +136,17 @@ static void depth_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		const uint8_t *what = row_of(w, w->d->value, y);
 		uint8_t *depth = row_of(w, w->d->raw, y);
-		for (int x = 0; x < w->f->width; x++) {
-			float enough = wide * radius_of(w, x, y);
-			bool screen = what[x] == SCREEN;
-			float part = screen ? min(sqrtf(nearest(w, x, y, enough)) / max(enough, FLT_MIN), 1) : 0;
-			depth[x] = (uint8_t)(int)(255 * part + 0.5f);
+		memset(depth, 0, (size_t)w->f->width);
+		for (int x = 0, end; x < w->f->width; x = end) {
+			uint16_t square[TONE_TOGETHER];
+			float enough = wide * radius_of_run(w, y, x, &end);
+			if (!memchr(what + x, SCREEN, (size_t)(end - x)))
+				continue;
+			nearest_row(w, y, x, end - x, enough, square);
+			for (int i = x; i < end; i++) {
+				float part = min(sqrtf(square[i - x]) / max(enough, FLT_MIN), 1);
+				depth[i] = (uint8_t)(int)(what[i] == SCREEN ? 255 * part + 0.5f : 0);
+			}
 		}
 	}
 }
@@ -169,32 +176,57 @@ static void width_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-/* The most of what is near enough to be of the same piece. */
-static int widest_near(const work *w, int x, int y)
+static void most_of(int n, const uint8_t *restrict a, const uint8_t *restrict b, uint8_t *restrict to)
 {
-	float radius = narrow * radius_of(w, x, y);
-	int reach = (int)radius, most = row_of(w, w->d->light, y)[x];
+	for (int i = 0; i < n; i++)
+		to[i] = a[i] > b[i] ? a[i] : b[i];
+}
+
+/* The most of what is near enough to be of the same piece: in a disc, row by row. In a row it is the most of two spans,
+ * each a power of 2 long, from both ends; and that of a span the most of its halves. */
+static void widest_row(const work *w, int y, int x, int n, float radius, uint8_t *most)
+{
+	int reach = (int)radius;
 	for (int v = tone_within(y - reach, w->f->height); v <= y + reach && v < w->f->height; v++) {
-		const uint8_t *row = row_of(w, w->d->light, v);
-		for (int u = tone_within(x - reach, w->f->width); u <= x + reach && u < w->f->width; u++) {
-			if (most == 255)
-				return most;
-			bool within = (float)((u - x) * (u - x) + (v - y) * (v - y)) <= radius * radius;
-			most = within && row[u] > most ? row[u] : most;
+		uint8_t lines[2][TONE_TOGETHER + 2 * TONE_ROOM_MOST] = {{0}}, *line = lines[0], *other = lines[1];
+		int half = reach, span = 1;
+		while ((float)(half * half + (v - y) * (v - y)) > radius * radius)
+			half--;
+		int from = tone_within(x - half, w->f->width), end = x + n + half;
+		end = end < w->f->width ? end : w->f->width;
+		memcpy(line + (from - x + half), row_of(w, w->d->light, v) + from, (size_t)(end - from));
+		for (int all = n + 2 * half; 2 * span <= 2 * half + 1; span *= 2) {
+			uint8_t *longer = other;
+			all -= span;
+			most_of(all, line, line + span, longer);
+			other = line;
+			line = longer;
 		}
+		most_of(n, line, line + (2 * half + 1 - span), other);
+		for (int i = 0; i < n; i++)
+			most[i] = other[i] > most[i] ? other[i] : most[i];
 	}
-	return most;
 }
 
 static void room_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
-		for (int x = 0; x < w->f->width; x++) {
-			bool screen = row_of(w, w->d->value, y)[x] == SCREEN;
-			row_of(w, w->d->room, y)[x] = (uint8_t)(screen ? widest_near(w, x, y) : ALL);
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
+		const uint8_t *what = row_of(w, w->d->value, y);
+		uint8_t *room = row_of(w, w->d->room, y);
+		for (int x = 0, end; x < w->f->width; x = end) {
+			float radius = narrow * radius_of_run(w, y, x, &end);
+			uint8_t least = ALL;
+			memcpy(room + x, row_of(w, w->d->light, y) + x, (size_t)(end - x));
+			for (int i = x; i < end; i++)
+				least = what[i] == SCREEN && room[i] < least ? room[i] : least;
+			if (least < ALL)
+				widest_row(w, y, x, end - x, radius, room + x);
+			for (int i = x; i < end; i++)
+				room[i] = what[i] == SCREEN ? room[i] : ALL;
 		}
+	}
 }
 
 /* Pixels by how much room they have, and the next of the same. */
@@ -267,16 +299,35 @@ static bool is_detail(const work *w, int x, int y)
 	return w->d->keep && row_of(w, w->d->dark, y)[x] && row_of(w, w->d->sure[1], y)[x] > 127;
 }
 
+/* Which of n pixels have no room and lie within some radii of what was sought. */
+static void near_row(const work *w, int y, int x, int n, float radius, uint8_t *near)
+{
+	const uint8_t *room = row_of(w, w->d->room, y) + x;
+	uint16_t square[TONE_TOGETHER];
+	uint8_t least = ALL;
+	memset(near, 0, (size_t)n);
+	for (int i = 0; i < n; i++)
+		least = room[i] < least ? room[i] : least;
+	if (least == ALL)
+		return;
+	nearest_row(w, y, x, n, radius, square);
+	for (int i = 0; i < n; i++)
+		near[i] = room[i] < ALL && square[i] <= radius * radius;
+}
+
 /* Between letters and beside eyes what has no room is paper, or would underline them. */
 static void cleared_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
-		const uint8_t *room = row_of(w, w->d->room, y);
 		uint8_t *paper = row_of(w, w->d->raw, y);
-		for (int x = 0; x < w->f->width; x++)
-			paper[x] = room[x] < ALL && !is_detail(w, x, y) && is_near(w, x, y, radius_of(w, x, y));
+		for (int x = 0, end; x < w->f->width; x = end) {
+			float radius = radius_of_run(w, y, x, &end);
+			near_row(w, y, x, end - x, radius, paper + x);
+			for (int i = x; i < end; i++)
+				paper[i] = paper[i] && !is_detail(w, i, y);
+		}
 	}
 }
 
@@ -287,11 +338,15 @@ static void light_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
 		const uint8_t *paper = row_of(w, w->d->raw, y);
 		uint8_t *room = row_of(w, w->d->room, y);
-		for (int x = 0; x < w->f->width; x++) {
-			bool cleared = w->d->keep && paper[x];
-			bool ink = room[x] == ALL || is_detail(w, x, y) ||
-				   (!cleared && is_near(w, x, y, beside * radius_of(w, x, y)));
-			room[x] = (uint8_t)(room[x] / 2 | (ink ? 0 : TONE_PAPER));
+		for (int x = 0, end; x < w->f->width; x = end) {
+			uint8_t near[TONE_TOGETHER];
+			float radius = radius_of_run(w, y, x, &end);
+			near_row(w, y, x, end - x, beside * radius, near);
+			for (int i = x; i < end; i++) {
+				bool cleared = w->d->keep && paper[i];
+				bool ink = room[i] == ALL || is_detail(w, i, y) || (!cleared && near[i - x]);
+				room[i] = (uint8_t)(room[i] / 2 | (ink ? 0 : TONE_PAPER));
+			}
 		}
 	}
 }

@@ -174,8 +174,6 @@ static const tone_style *tones_of(const frame *f, const encre_params *p)
 	return ((const tone_frame *)f->tones)->styles + (p - f->params);
 }
 
-enum { TOGETHER = 64 /* pixels: what is made of them stays in the nearest cache */ };
-
 /* The darkest level's ink comes last. */
 static void tone_run(const frame *f, const encre_params *p, int y, int x, int n, int thread)
 {
@@ -218,7 +216,7 @@ static void tone_rows(void *data, int y0, int y1, int thread)
 		if (tones)
 			memset(tones, 0, (size_t)f->width * 4 * sizeof *tones);
 		for (int x = 0, end; f->any.use_tones && x < f->width; x = end) {
-			int most = f->width - x > TOGETHER ? x + TOGETHER : f->width;
+			int most = f->width - x > TONE_TOGETHER ? x + TONE_TOGETHER : f->width;
 			const encre_params *p = style_run(f, y, x, most, &end);
 			if (p->use_tones)
 				tone_run(f, p, y, x, end - x, thread);

@@ -8,6 +8,7 @@
 
 enum {
 	TONE_CHUNK = 256,
+	TONE_TOGETHER = 64 /* pixels: what is made of them stays in the nearest cache */,
 	TONE_GREYS = 65536,
 	TONE_SHEARS = 5,
 	TONE_BIRTHS = 7,

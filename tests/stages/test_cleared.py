@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What tones leave clear of fine things, and screens that have no room, against tests/reference/cleared.py."""
 
+import time
+
 import numpy as np
 import pytest
 from encre.pen import library
@@ -38,9 +40,9 @@ def crowded(seed, height=70, width=110):
     return whole(layers)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(5))
 def test_twin(seed):
-    scene = dict(BLACK, tone_detail=(0.0, 5.0, 9.0, 7.0)[seed], tone_least=(1.5, 0.0, 1.2, 2.5)[seed])
+    scene = dict(BLACK, tone_detail=(0.0, 5.0, 9.0, 7.0, 0.0)[seed], tone_least=(1.5, 0.0, 1.2, 2.5, 9.0)[seed])
     style = dict(tone_2="LINES", tone_2_pitch=4.0, tone_1="STIPPLE" if seed == 3 else "SOLID")
     got = twins(crowded(seed), scene, [style], Frame(200, 160, 31, 20), few=2e-3, wrong=2e-3)
     plain = library.render(crowded(seed), dict(scene, tone_detail=0.0, tone_least=0.0), [style],
@@ -239,6 +241,15 @@ def test_a_shadow_that_widens_turns_from_ink_to_a_screen_by_and_by(turned, joine
         shares.append((drawn.T if turned else drawn)[10:10 + wide, 20:60].mean())
     assert shares[0] == 1 and shares[-1] < 0.5
     assert np.diff(shares).min() > -most and np.diff(shares).max() < 0.05, shares
+
+
+def test_a_large_least_width_takes_no_more_than_a_few_times_as_long():
+    layers, least = whole(crowded(1, 360, 640)), {}
+    for wide in (1.5, 30.0) * 3:
+        start = time.process_time()
+        library.render(layers, dict(BLACK, tone_least=wide), threads=1, outputs=("Encre Tones",))
+        least[wide] = min(least.get(wide, 1e9), time.process_time() - start)
+    assert least[30.0] < 8 * least[1.5], least
 
 
 def test_a_slit_in_ink_is_paper():
