@@ -156,7 +156,7 @@ static const pass passes[] = {
 	{"mark hits", NULL, mark_hits, LAYERS | CRACKS, HITS, NULL},
 	{"see through", has_seen, ISA(seen_run), LAYERS, THROUGH, NULL},
 	{"mark ridges", NULL, mark_ridges, LAYERS | CRACKS | HITS | THROUGH, RIDGES, BROKEN(ridges)},
-	{"mark valleys", has_forms, ISA(valley_run), LAYERS | CRACKS | RIDGES, RIDGES, BROKEN(ridges)},
+	{"mark valleys", has_forms, ISA(valley_run), LAYERS | CRACKS | RIDGES, CRACKS | RIDGES, BROKEN(ridges)},
 	{"bound", NULL, ISA(fine_bound), MARKS, BOUND, NULL},
 	{"gather", NULL, ISA(fine_gather), MARKS | BOUND, FOUND | PLACED, BROKEN(sites)},
 	{"sort", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},

@@ -243,6 +243,8 @@ bool ISA(crease_through)(const frame *f, const found *at);
 bool ISA(crease_beside)(const fine *n, const found *at);
 /* Whether an edge of faces that are shaded flat passes a way between two pixels, however little they bend. */
 bool ISA(crease_flat)(const fine *n, int x, int y, int axis);
+/* Whether what passes there is a hollow between faces that are shaded smoothly. */
+bool ISA(crease_hollow)(const fine *n, int x, int y, int axis);
 /* The weight of a crease that the normals show at a pixel: where a mesh tells of creases, it is a bump. */
 float ISA(crease_weight)(const fine *n, int x, int y, int style);
 /* Whether anywhere in a row one may be more than that. */
@@ -263,6 +265,8 @@ float ISA(seen_clarity)(const fine *n, const found *at, int s);
 void ISA(valley_plan)(fine *n, const edges *e, arena *a);
 ptrdiff_t ISA(valley_scratch)(const fine *n); /* floats a thread */
 int32_t ISA(valley_run)(fine *n);
+/* How far a hollow of a round form gives way to valleys beside it: 0..1. */
+float ISA(valley_beside)(const fine *n, const found *at, const placed *s);
 bool ISA(valley_site)(const fine *n, const found *at, placed *s);
 
 /* ridges.c */

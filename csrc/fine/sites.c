@@ -130,7 +130,10 @@ static void crack_of(const fine *n, const found *at, placed *s)
 {
 	switch ((enum family)at->family) {
 	case FAMILY_MARK: ISA(hand_site)(n, at, s); break;
-	case FAMILY_CREASE: ISA(crease_site)(n, at, s); break;
+	case FAMILY_CREASE:
+		ISA(crease_site)(n, at, s);
+		s->eased = (uint8_t)(255 - (1 - ISA(valley_beside)(n, at, s)) * (float)(255 - s->eased) + 0.5f);
+		break;
 	case FAMILY_LIGHT: ISA(light_site)(n, at, s); break;
 	default: ISA(crack_site)(n, at, s); ISA(thin_place)(n, at, s);
 	}

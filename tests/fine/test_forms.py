@@ -108,6 +108,30 @@ def test_what_is_shaded_flat_has_none():
     assert ink({**made, "creases": bends}, crease_angle=40.0).sum() > 3 * ROWS
 
 
+def bent(column, degrees=-70.0):
+    """An edge of faces that are shaded smoothly: on a slope a hollow before its middle, and behind it a rim."""
+    bends = np.zeros((ROWS, COLUMNS, 5))
+    bends[:, column, 0], bends[:, column, 1] = 0.5, degrees
+    return {"creases": bends}
+
+
+def test_it_takes_the_place_of_a_hollow_beside_it():
+    made = of(slope(1.0))
+    np.testing.assert_array_equal(ink(made | bent(56)), ink(made))
+    dashes = bent(56)
+    dashes["creases"][30:60] = 0
+    np.testing.assert_array_equal(ink(made | dashes), ink(made))
+    rim = ink(made | bent(64))
+    np.testing.assert_allclose((rim * X).sum(1) / rim.sum(1), 64.5, atol=0.05)
+
+
+def test_a_hollow_does_not_go_at_once():
+    widths = [ink(of(slope(s)) | bent(56), edge_depth=0.0, line_thickness=2.0)[48] for s in np.arange(0.2, 1.21, 0.02)]
+    hollow, form = (np.array([w[part].sum() for w in widths]) for part in (np.s_[:58], np.s_[58:]))
+    assert hollow[0] == pytest.approx(2, abs=0.1) and hollow[-1] == form[0] == 0 and form[-1] > 1.9
+    assert np.abs(np.diff(hollow)).max() < 0.4 and np.abs(np.diff(form)).max() < 0.4
+
+
 @pytest.mark.parametrize("apart", (2, 3, 4))
 def test_it_doubles_no_outline(apart):
     made = of(slope(1.0))

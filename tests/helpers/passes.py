@@ -199,7 +199,7 @@ FORMS = {  # smooth hills with valleys between
     "finest forms": (dict(seed=12, steep=2.0, bumps=12), dict(suggestive_scale=1.0), (), None),
     "things on forms": (dict(seed=4, things=3, wires=1, bumps=9), {}, (), None),
     "edges on forms": (dict(seed=5, bent=9, bumps=9, size=(44, 60)), dict(crease_smooth=70.0), (), None),
-    "many edges on forms": (dict(seed=6, bent=60, bumps=9), {}, (), None),
+    "many edges on forms": (dict(seed=26, bent=45, bumps=9), {}, (), None),
     "styles on forms": (dict(seed=7, styles=2, bumps=12, painted=3, size=(44, 60)), dict(edge_suggestive=0.7),
                         [dict(edge_suggestive=3.0, suggestive_length=5.0), dict(edge_suggestive=0.2)], None),
     "lengths of forms": (dict(seed=901, styles=2, bumps=12, size=(44, 60)), {},

@@ -10,6 +10,20 @@ from .view import SUGGESTIVE, SURE, turn
 FLANK = 1.5  # of the blur's deviation
 
 
+def _sigma(view):
+    return float(np.clip(view.params["suggestive_scale"] * view.params.pixels(view.layers.full_height), 1.5, 64))
+
+
+def _hollow(view, row, column, axis):
+    """How far normals turn over a bend between faces that are shaded smoothly, above 0 where it is a hollow; else 0."""
+    if not view.layers.creases[row, column, 1 + 2 * axis] < 0:
+        return 0.0
+    (height, width), (dy, dx) = view.shape, (axis, 1 - axis)
+    one = view.layers.normal[max(row - 2 * dy, 0), max(column - 2 * dx, 0)]
+    two = view.layers.normal[min(row + 3 * dy, height - 1), min(column + 3 * dx, width - 1)]
+    return float((two - one) @ view.layers.view[axis]) * (1 if axis else -1)
+
+
 def _cut(view, cracks, bent):
     """(H, W), twice: pixels beside a crack, a crease or an edge of faces that are shaded flat; and that may be."""
     masks = np.zeros((2, *view.shape), bool)
@@ -21,8 +35,10 @@ def _cut(view, cracks, bent):
                 mask[row, column] = mask[far] = True
 
     for (family, row, column, axis), site in [*cracks.items(), *bent.items()]:
-        if family in ("crack", "crease") and axis in (ROW, COLUMN) and (site.margin > -SURE or site.doubtful):
-            beside(row, column, axis, site.margin > SURE and not site.doubtful)
+        turns = _hollow(view, row, column, axis) if family == "crease" and axis in (ROW, COLUMN) else 0
+        may = site.margin > -SURE or site.doubtful
+        if family in ("crack", "crease") and axis in (ROW, COLUMN) and turns < 1e-5 and may:
+            beside(row, column, axis, site.margin > SURE and not site.doubtful and (not turns or turns < -1e-5))
     for axis in (ROW, COLUMN) if view.meshes else ():
         flat = (view.layers.creases[..., 2 * axis] > 0) & (view.layers.creases[..., 2 * axis + 1] > 0)
         for row, column in np.argwhere(flat):
@@ -138,8 +154,7 @@ def valleys(view, cracks, bent):
     """{(family, row, column, axis): Place} of all that may be; cracks, and creases that give way to no other."""
     if not view.weights[SUGGESTIVE].any():
         return {}
-    sigma = float(np.clip(view.params["suggestive_scale"] * view.params.pixels(view.layers.full_height), 1.5, 64))
-    light = view.layers.normal @ view.layers.view[2]
+    sigma, light = _sigma(view), view.layers.normal @ view.layers.view[2]
     found, cuts = [], _cut(view, cracks, bent)
     for cut in cuts if (cuts[0] != cuts[1]).any() else cuts[:1]:
         soft = _fitted(np.where(cut, np.nan, light), sigma)
@@ -157,6 +172,27 @@ def valleys(view, cracks, bent):
         if one is None or other is None or one != other:
             sure.setdefault(key, other).doubtful = True
     return sure
+
+
+def beside(view, bent, found):
+    """Creases without the hollows of round forms that give way to a valley; some do so by a part of their width."""
+    far, threshold, left = FLANK * _sigma(view), view.threshold, {}
+    own = [site for key, site in found.items() if key[0] == "valley" and site.margin > -SURE]
+    at = np.array([(site.x, site.y) for site in own]).reshape(-1, 2)
+    clear = np.array([clamp01(2 * site.strength / threshold - 1) if threshold > 0 else 1 for site in own])
+    for key, site in bent.items():
+        shares = np.zeros(1)
+        if own and (turns := _hollow(view, *key[1:])) and turns > -1e-5:
+            shares = clear * clamp01(2 - np.hypot(*(at - (site.x, site.y)).T) / far)
+            site.doubtful |= any(own[i].doubtful or own[i].margin < SURE for i in np.flatnonzero(shares > 0.004))
+            site.doubtful |= bool(abs(shares.max() - 1) < 1e-4 or (turns < 1e-5 and shares.max() > 0))
+        site.eased = 255 - (1 - shares.max()) * (255 - np.floor(site.eased + 0.5))  # it is kept in whole numbers
+        if shares.max() < 1:
+            left[key] = site
+        elif site.doubtful:
+            site.margin = 0.0
+            left[key] = site
+    return left
 
 
 # Once all is linked: each that hangs together is as wide as it is clear and long

@@ -180,7 +180,7 @@ def junctions(found, family, shape, layers=None):
                 found[family, row, column, JUNCTION] = Place(
                     x, y, first.strength, first.source, float(all(s.margin for s in sides)),
                     all(s.weak for s in sides), all(s.told for s in sides),
-                    eased=first.eased, doubtful=close)
+                    eased=first.eased, doubtful=close or (family == "crease" and any(s.doubtful for s in sides)))
 
 
 def thin(view, found):
@@ -438,7 +438,9 @@ def find(view):
     own = marks(view)
     junctions(own, "mark", view.shape)
     bent = {key: site for key, site in bent.items() if key not in lesser}
-    found |= forms.valleys(view, found, bent)
+    valleys = forms.valleys(view, found, bent)
+    bent = forms.beside(view, bent, valleys)
+    found |= valleys
     junctions(bent, "crease", view.shape)
     junctions(light_, "light", view.shape)
     mixed = cracked[ROW] | cracked[COLUMN]

@@ -117,6 +117,24 @@ bool ISA(crease_flat)(const fine *n, int x, int y, int axis)
 	return x + !axis < n->f->width && y + axis < n->f->height && at.place > 0 && at.bend > 0;
 }
 
+enum { beyond = 2 }; /* pixels farther on each way than those of a bend: there normals tell which way it goes */
+
+bool ISA(crease_hollow)(const fine *n, int x, int y, int axis)
+{
+	if (!(passing_at(n, x, y, axis).bend < 0))
+		return false;
+	int dx = axis == AXIS_ROW, dy = !dx, width = n->f->width, height = n->f->height;
+	const float *one = layer_row(n->f, ENCRE_LAYER_NORMAL, clamp_index(y - beyond * dy, height)) +
+			   (ptrdiff_t)3 * clamp_index(x - beyond * dx, width);
+	const float *two = layer_row(n->f, ENCRE_LAYER_NORMAL, clamp_index(y + (beyond + 1) * dy, height)) +
+			   (ptrdiff_t)3 * clamp_index(x + (beyond + 1) * dx, width);
+	const float *way = n->f->camera.view + (dx ? 0 : 3); /* right, or up */
+	float turns = 0;
+	for (int c = 0; c < 3; c++)
+		turns += way[c] * (bounded(two[c]) - bounded(one[c]));
+	return dx ? turns < 0 : turns > 0;
+}
+
 /* Parallel lines closer than this cannot be told apart, and would knot: that which bends less gives way. Lines that
  * meet in a corner are not parallel, and go on into it. */
 static const float too_close = 2;            /* pixels, across */

@@ -35,13 +35,14 @@ void ISA(valley_plan)(fine *n, const edges *e, arena *a)
 }
 
 /* Whether two surfaces meet on the way between two pixels, or one bends there. What is shaded flat bends at its edges
- * alone, however little: there it has no valley. */
+ * alone, however little: there it has no valley. Hollows of round forms have one beside them. */
 static bool parts(const fine *n, int x, int y, int axis)
 {
 	if (x < 0 || y < 0)
 		return false;
-	int cracks = mark_of(FAMILY_CRACK, axis) | mark_of(FAMILY_CREASE, axis);
-	return (n->crack[(ptrdiff_t)y * n->f->width + x] & cracks) ||
+	int marks = n->crack[(ptrdiff_t)y * n->f->width + x];
+	return (marks & mark_of(FAMILY_CRACK, axis)) ||
+	       ((marks & mark_of(FAMILY_CREASE, axis)) && !ISA(crease_hollow)(n, x, y, axis)) ||
 	       (n->e->creases && ISA(crease_flat)(n, x, y, axis));
 }
 
@@ -289,11 +290,71 @@ static void mark_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
+/* ---- bends beside them ----------------------------------------------------------------------------------- */
+
+/* How clear the valley of a pixel is, and how near: in full within a flank, beyond two not at all. */
+static float clear_near(const fine *n, int column, int row, float x, float y)
+{
+	float threshold = n->e->p->edge_threshold, most = 0;
+	for (int axis = 0; axis < 2; axis++) {
+		found at = {(uint16_t)column, (uint16_t)row, FAMILY_VALLEY, (uint8_t)axis};
+		placed its = {0};
+		bool marked = n->more[(ptrdiff_t)row * n->f->width + column] & mark_of(FAMILY_VALLEY, axis);
+		if (!marked || !ISA(valley_site)(n, &at, &its))
+			continue;
+		float clear = threshold > 0 ? clamp01(2 * its.strength / threshold - 1) : 1;
+		float away = sqrtf((its.x - x) * (its.x - x) + (its.y - y) * (its.y - y));
+		most = max(most, clear * clamp01(2 - away / (flank * n->form_sigma)));
+	}
+	return most;
+}
+
+/* A hollow of a round form beside a valley is one side of the same fold: the valley is whole, and the bend comes and
+ * goes with how faces lie. */
+float ISA(valley_beside)(const fine *n, const found *at, const placed *s)
+{
+	if (!n->lit || !ISA(crease_hollow)(n, at->column, at->row, at->axis))
+		return 0;
+	int reach = (int)(2 * flank * n->form_sigma) + 2, width = n->f->width;
+	int left = clamp_index(at->column - reach, width), right = clamp_index(at->column + reach, width);
+	int top = clamp_index(at->row - reach, n->f->height), last = clamp_index(at->row + reach, n->f->height);
+	float most = 0;
+	for (int y = top; y <= last; y++)
+		for (int x = left; x <= right && most < 1; x++) {
+			const uint16_t *ridge = n->ridge + (ptrdiff_t)y * width + x;
+			uint64_t four;
+			if (x + 4 <= right && (memcpy(&four, ridge, sizeof four), four == 0))
+				x += 3;
+			else if (*ridge & RIDGE_MORE)
+				most = max(most, clear_near(n, x, y, s->x, s->y));
+		}
+	return most;
+}
+
+static void clear_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const fine *n = data;
+	int width = n->f->width;
+	for (int y = y0; y < y1 && !bands_stopped(n->f->bands); y++)
+		for (int x = 0; x < width; x++)
+			for (int axis = 0; axis < 2; axis++) {
+				found at = {(uint16_t)x, (uint16_t)y, FAMILY_CREASE, (uint8_t)axis};
+				placed s = {0};
+				uint8_t *marks = n->crack + (ptrdiff_t)y * width + x,
+					own = (uint8_t)mark_of(FAMILY_CREASE, axis);
+				if ((*marks & own) && ISA(crease_site)(n, &at, &s) &&
+				    !(ISA(valley_beside)(n, &at, &s) < 1))
+					*marks &= (uint8_t)~own;
+			}
+}
+
 int32_t ISA(valley_run)(fine *n)
 {
 	int32_t code = bands_run(n->f->bands, n->f->height, 0, blur_rows, n);
 	code = code ? code : bands_run(n->f->bands, n->f->height, 0, blur_columns, n);
-	return code ? code : bands_run(n->f->bands, n->f->height, 0, mark_rows, n);
+	code = code ? code : bands_run(n->f->bands, n->f->height, 0, mark_rows, n);
+	return code ? code : bands_run(n->f->bands, n->f->height, 0, clear_rows, n);
 }
 
 ptrdiff_t ISA(valley_scratch)(const fine *n)
