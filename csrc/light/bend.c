@@ -11,10 +11,13 @@ void ISA(bend_make)(light *l)
 	for (int k = 0; k < l->job->n_bends; k++) {
 		const encre_bend *given = l->job->bends + k;
 		bend *b = l->bends + l->n_bends;
-		double inverse[16];
+		double inverse[16], own[3];
 		if (!(given->amount > 0) || !camera_inverse(same, given->model, inverse))
 			continue; /* flat ones have no inside */
 		memcpy(b->inverse, inverse, sizeof b->inverse);
+		transform_point(b->inverse, l->origin, own);
+		for (int r = 0; r < 3; r++)
+			b->inverse[4 * r + 3] = own[r];
 		b->amount = given->amount;
 		b->fade = given->fade;
 		l->n_bends++;

@@ -128,19 +128,40 @@ static int32_t run(light *l)
 	for (int32_t i = 0; !code && i < lamps->count; i++) {
 		double share = 0.7 / lamps->count;
 		bands_span(l->bands, 0.3 + share * i, 0.3 + share * (i + 1));
-		const encre_lamp *given = lamps->items[i];
-		if (!lamp_make(given, &l->lamp))
+		encre_lamp given = *(const encre_lamp *)lamps->items[i];
+		for (int k = 0; k < 3; k++)
+			given.model[4 * k + 3] -= l->origin[k];
+		if (!lamp_make(&given, &l->lamp))
 			continue;
 		/* what fills half of the sky has no middle where a sharp shadow would end */
 		bool wide = l->lamp.type == ENCRE_SUN && l->lamp.open > 0.99f;
 		l->soft = l->lamp.soft && (wide || !l->job->sharp);
 		l->lamp.shadows &= !(wide && l->job->sharp);
-		l->shines = l->job->specular.data && l->job->shine.data && !given->matt;
+		l->shines = l->job->specular.data && l->job->shine.data && !given.matt;
 		code = ISA(shadow_run)(l);
 		if (!code)
 			code = bands_run(l->bands, l->height, 0, add_rows, l);
 	}
 	return code ? code : bands_run(l->bands, l->job->diffuse.height, 0, write_rows, l);
+}
+
+/* Far from 0 floats lie further apart than pixels: so the world is moved until the eye stands near it, by steps that
+ * are longer than what is seen. A scene about 0 is not moved. */
+static void find_origin(light *l)
+{
+	const double *v = l->job->view;
+	double far = l->job->clip_end > l->job->clip_start ? l->job->clip_end : INFINITY, step = 1;
+	memcpy(l->view, v, sizeof l->view);
+	while (step < far && step < 1e30)
+		step *= 2;
+	while (step > 2 * far && step > 1e-30)
+		step /= 2;
+	for (int c = 0; c < 3; c++) {
+		double eye = -(v[c] * v[3] + v[4 + c] * v[7] + v[8 + c] * v[11]);
+		l->origin[c] = fabs(eye) < 1e30 ? step * floor(eye / step + 0.5) : 0;
+		for (int r = 0; r < 3; r++)
+			l->view[4 * r + 3] += v[4 * r + c] * l->origin[c];
+	}
 }
 
 /* Where the camera stands, or how far ones look. */
@@ -166,12 +187,13 @@ int32_t ISA(light_run)(bands *pool, const encre_light_job *job, arena_held *held
 		   .bands = pool,
 		   .width = job->diffuse.width + 2 * LIGHT_MARGIN,
 		   .height = job->diffuse.height + 2 * LIGHT_MARGIN};
-	camera_inverse(job->view, job->projection, l.inverse);
-	camera_product(job->view, job->projection, l.clip);
+	find_origin(&l);
+	camera_inverse(l.view, job->projection, l.inverse);
+	camera_product(l.view, job->projection, l.clip);
 	find_eye(&l);
 	ISA(bend_make)(&l);
 	bands_span(pool, 0, 0.1);
-	int32_t code = world_make(&l.world, job->scene, pool);
+	int32_t code = world_make(&l.world, job->scene, l.origin, pool);
 	arena a = {0};
 	plan(&l, &a);
 	if (!code && !arena_hold(&a, held))

@@ -38,6 +38,8 @@ typedef struct light {
 	bands *bands;
 	world world;
 	int width, height;  /* with the margin */
+	double origin[3];   /* of the scene, which is 0 in the world */
+	double view[16];    /* world -> camera */
 	double inverse[16]; /* clip -> world */
 	double farthest;    /* depth up to which something is looked for beyond the images */
 	surface *surfaces;

@@ -37,7 +37,7 @@ void ISA(place_pixel)(const light *l, vec at, double out[2])
 
 static double depth_at_point(const light *l, const double p[3])
 {
-	const double *v = l->job->view + 8;
+	const double *v = l->view + 8;
 	return -(v[0] * p[0] + v[1] * p[1] + v[2] * p[2] + v[3]);
 }
 

@@ -30,7 +30,7 @@ int32_t ISA(reach_run)(bands *pool, const encre_scene *scene, int32_t n, const f
 		       int set, uint8_t *reached)
 {
 	world w;
-	int32_t code = world_make(&w, scene, pool);
+	int32_t code = world_make(&w, scene, (const double[3]){0, 0, 0}, pool);
 	reach r = {&w, places, ways, set, reached};
 	if (!code)
 		code = bands_run(pool, n, 0, reach_rows, &r);

@@ -294,10 +294,35 @@ static bool world_box(const instance *in, tree_box *box)
 	return size < 1e30;
 }
 
-int32_t world_make(world *w, const encre_scene *scene, bands *pool)
+/* Has the world show instances of its own, moved. False without memory. */
+static bool move_instances(world *w, const double origin[3])
+{
+	size_t n = (size_t)w->n_instances;
+	w->moved = malloc(n * (sizeof *w->moved + sizeof *w->instances) + 1);
+	if (!w->moved)
+		return false;
+	const instance **all = (const instance **)(void *)(w->moved + n);
+	for (size_t i = 0; i < n; i++) {
+		instance *in = w->moved + i;
+		double own[3]; /* where the origin is in its space */
+		*in = *w->instances[i];
+		transform_point(in->inverse, origin, own);
+		for (int k = 0; k < 3; k++) {
+			in->model[4 * k + 3] -= origin[k];
+			in->inverse[4 * k + 3] = own[k];
+		}
+		all[i] = in;
+	}
+	w->instances = all;
+	return true;
+}
+
+int32_t world_make(world *w, const encre_scene *scene, const double origin[3], bands *pool)
 {
 	*w = (world){.n_instances = scene->instances.count, .textures = &scene->textures};
 	w->instances = (const instance *const *)(void *const *)scene->instances.items;
+	if ((origin[0] != 0 || origin[1] != 0 || origin[2] != 0) && !move_instances(w, origin))
+		return ENCRE_ERROR_MEMORY;
 	builder b = {.shapes = &scene->shapes};
 	atomic_init(&b.failed, false);
 	int32_t code = bands_run(pool, scene->shapes.count, 1, build_shapes, &b);
@@ -323,4 +348,5 @@ void world_free(world *w)
 {
 	tree_free(&w->tree);
 	free(w->boxes);
+	free(w->moved);
 }

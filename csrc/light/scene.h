@@ -65,7 +65,8 @@ struct encre_scene {
 typedef struct world {
 	const instance *const *instances;
 	int32_t n_instances;
-	tree tree; /* over instances, one to a leaf */
+	instance *moved; /* of which they are, if the world is moved */
+	tree tree;       /* over instances, one to a leaf */
 	tree_box *boxes;
 	float low[3], high[3]; /* of all */
 	const store *textures;
@@ -74,8 +75,9 @@ typedef struct world {
 /* Whether a triangle of a shape with textures is solid there, by how far it is along its two edges. */
 bool solid_at(const store *textures, const shape *s, int32_t triangle, float u, float v);
 
-/* Builds the trees that are missing, and the world. world_free() whatever it returns. */
-int32_t world_make(world *w, const encre_scene *scene, bands *pool);
+/* Builds the trees that are missing, and the world, in which `origin` of the scene is 0. world_free() whatever it
+ * returns. */
+int32_t world_make(world *w, const encre_scene *scene, const double origin[3], bands *pool);
 void world_free(world *w);
 
 #endif

@@ -81,6 +81,24 @@ def test_triangles_in_a_cloud_are_lit_where_ways_are_free(seed):
     assert (abs(found - plain)[lit] > 0.01).mean() < 0.01 and (found[none] > 0.01).mean() < 0.01
 
 
+@pytest.mark.parametrize("name", ["sun", "point", "rectangle"])
+def test_light_far_from_the_origin_is_as_clean_as_near_it(name):
+    """A million away floats lie as far apart as pixels do here."""
+    near, far, lamp = Stage(90, 60, smooth=True), Stage(90, 60, smooth=True), LAMPS[name]
+    away = moved(1e6, -3e5, 2e4)
+    far.view = near.view @ np.linalg.inv(away)
+    for thing in far.meshes:
+        thing.model = away @ thing.model
+    far._given = [(*first, away @ model, seen) for *first, model, seen in far._given]
+    depth = near.depth()
+    bend = Bend(moved(2.6, -0.6, 0.8), 1, 0.2)
+    one, other = (stage.light(replace(lamp, model=at @ lamp.model), depth=depth, clip_end=100,
+                              bends=[replace(bend, model=at @ bend.model)])
+                  for stage, at in ((near, np.eye(4)), (far, away)))
+    apart = abs(one - other).max(2) / one.max()
+    assert (apart > 0.01).mean() < 1e-3 and apart.mean() < 1e-4
+
+
 def squashed(at, size):
     """A ball of radius 1 -> an ellipsoid about a place, turned."""
     turn = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
