@@ -19,8 +19,8 @@ static void add_rows(void *data, int y0, int y1, int thread)
 		for (ptrdiff_t i = (ptrdiff_t)y * l->width; i < (ptrdiff_t)(y + 1) * l->width; i++)
 			for (int c = 0; c < 3; c++)
 				l->sum[3 * i + c] += l->plain[i] * l->share[i] * l->lamp.color[c];
-		if (l->shines && y >= LIGHT_MARGIN && y < l->height - LIGHT_MARGIN)
-			ISA(shine_row)(l, y - LIGHT_MARGIN);
+		if (l->shines && y >= l->margin && y < l->height - l->margin)
+			ISA(shine_row)(l, y - l->margin);
 	}
 }
 
@@ -87,12 +87,12 @@ static void write_rows(void *data, int y0, int y1, int thread)
 	const encre_image *out = &l->job->diffuse;
 	for (int y = y0; y < y1 && !bands_stopped(l->bands); y++)
 		for (int x = 0; x < out->width; x++) {
-			ptrdiff_t i = (ptrdiff_t)(y + LIGHT_MARGIN) * l->width + x + LIGHT_MARGIN;
+			ptrdiff_t i = (ptrdiff_t)(y + l->margin) * l->width + x + l->margin;
 			float rgb[3] = {l->sum[3 * i], l->sum[3 * i + 1], l->sum[3 * i + 2]}, keep = 1;
 			if (l->surfaces[i].instance == SURFACE_NOTHING)
-				borrow(l, x + LIGHT_MARGIN, y + LIGHT_MARGIN, rgb);
+				borrow(l, x + l->margin, y + l->margin, rgb);
 			else if (l->job->rims)
-				keep = ISA(lone_rim)(l, x + LIGHT_MARGIN, y + LIGHT_MARGIN);
+				keep = ISA(lone_rim)(l, x + l->margin, y + l->margin);
 			for (int c = 0; c < 3; c++)
 				rgb[c] = min(max(keep * rgb[c], 0), FLT_MAX);
 			memcpy((char *)out->data + y * out->row_stride + x * out->pixel_stride, rgb, sizeof rgb);
@@ -115,6 +115,31 @@ static void plan(light *l, arena *a)
 	l->sum = arena_take(a, 3 * n, sizeof *l->sum);
 }
 
+/* Makes a lamp of the scene the one that is drawn; false where it gives no light. */
+static bool take_lamp(light *l, int32_t i)
+{
+	encre_lamp given = *(const encre_lamp *)l->job->scene->lamps.items[i];
+	for (int k = 0; k < 3; k++)
+		given.model[4 * k + 3] -= l->origin[k];
+	if (!lamp_make(&given, &l->lamp))
+		return false;
+	/* what fills half of the sky has no middle where a sharp shadow would end */
+	bool wide = l->lamp.type == ENCRE_SUN && l->lamp.open > 0.99f;
+	l->soft = l->lamp.soft && (wide || !l->job->sharp);
+	l->lamp.shadows &= !(wide && l->job->sharp);
+	l->shines = l->job->specular.data && l->job->shine.data && !given.matt;
+	return true;
+}
+
+static void find_size(light *l)
+{
+	l->margin = LIGHT_MARGIN_HARD;
+	for (int32_t i = 0; i < l->job->scene->lamps.count; i++)
+		l->margin = take_lamp(l, i) && l->soft ? LIGHT_MARGIN : l->margin;
+	l->width = l->job->diffuse.width + 2 * l->margin;
+	l->height = l->job->diffuse.height + 2 * l->margin;
+}
+
 static int32_t run(light *l)
 {
 	const store *lamps = &l->job->scene->lamps;
@@ -128,16 +153,8 @@ static int32_t run(light *l)
 	for (int32_t i = 0; !code && i < lamps->count; i++) {
 		double share = 0.7 / lamps->count;
 		bands_span(l->bands, 0.3 + share * i, 0.3 + share * (i + 1));
-		encre_lamp given = *(const encre_lamp *)lamps->items[i];
-		for (int k = 0; k < 3; k++)
-			given.model[4 * k + 3] -= l->origin[k];
-		if (!lamp_make(&given, &l->lamp))
+		if (!take_lamp(l, i))
 			continue;
-		/* what fills half of the sky has no middle where a sharp shadow would end */
-		bool wide = l->lamp.type == ENCRE_SUN && l->lamp.open > 0.99f;
-		l->soft = l->lamp.soft && (wide || !l->job->sharp);
-		l->lamp.shadows &= !(wide && l->job->sharp);
-		l->shines = l->job->specular.data && l->job->shine.data && !given.matt;
 		code = ISA(shadow_run)(l);
 		if (!code)
 			code = bands_run(l->bands, l->height, 0, add_rows, l);
@@ -183,11 +200,9 @@ static void find_eye(light *l)
 
 int32_t ISA(light_run)(bands *pool, const encre_light_job *job, arena_held *held)
 {
-	light l = {.job = job,
-		   .bands = pool,
-		   .width = job->diffuse.width + 2 * LIGHT_MARGIN,
-		   .height = job->diffuse.height + 2 * LIGHT_MARGIN};
+	light l = {.job = job, .bands = pool};
 	find_origin(&l);
+	find_size(&l);
 	camera_inverse(l.view, job->projection, l.inverse);
 	camera_product(l.view, job->projection, l.clip);
 	find_eye(&l);

@@ -7,8 +7,8 @@
 #include "light/shaft.h"
 
 /* Pixels around the images that are drawn, too: where a shadow is soft, a pixel of the border takes part in what is
- * done with others as far away as that. */
-enum { LIGHT_MARGIN = 31 };
+ * done with others as far away as that; where all are hard, the line of an edge goes through places beside it. */
+enum { LIGHT_MARGIN = 31, LIGHT_MARGIN_HARD = 7 };
 
 /* Of the squares of the full frame over which points are dealt the first begins so far within the margin: pictures stay
  * as they are when the margin grows. */
@@ -37,6 +37,7 @@ typedef struct light {
 	const encre_light_job *job;
 	bands *bands;
 	world world;
+	int margin;
 	int width, height;  /* with the margin */
 	double origin[3];   /* of the scene, which is 0 in the world */
 	double view[16];    /* world -> camera */

@@ -13,7 +13,7 @@ static void sight(const light *l, double x, double y, double from[3], double to[
 {
 	const encre_frame *f = &l->job->frame;
 	const double *m = l->inverse;
-	double u = 2 * (x + f->x - LIGHT_MARGIN) / f->width - 1, v = 1 - 2 * (y + f->y - LIGHT_MARGIN) / f->height;
+	double u = 2 * (x + f->x - l->margin) / f->width - 1, v = 1 - 2 * (y + f->y - l->margin) / f->height;
 	double *out[] = {from, to};
 	for (int k = 0; k < 2; k++) {
 		double c[4];
@@ -209,8 +209,8 @@ static bool gaze_at(const light *l, int x, int y, gaze *g)
 	const encre_image *depth = &l->job->depth;
 	double near = l->job->clip_start, far = l->farthest;
 	sight(l, x + 0.5, y + 0.5, g->a, g->b);
-	x -= LIGHT_MARGIN;
-	y -= LIGHT_MARGIN;
+	x -= l->margin;
+	y -= l->margin;
 	g->beyond = x < 0 || y < 0 || x >= depth->width || y >= depth->height;
 	g->depth = g->beyond ? 0 : depth_of(*pixel_at(depth, x, y));
 	if (!g->beyond) {
@@ -260,7 +260,7 @@ static surface surface_at(const light *l, facets *known, const gaze *g, const sh
 	if (g->beyond)
 		return (surface){.instance = SURFACE_NOTHING};
 	at_depth(l, g->a, g->b, (double)g->depth, at);
-	return stray(&l->job->normal, x - LIGHT_MARGIN, y - LIGHT_MARGIN, at, g->from);
+	return stray(&l->job->normal, x - l->margin, y - l->margin, at, g->from);
 }
 
 static bool finite_place(const surface *s)
@@ -288,7 +288,7 @@ static void place(light *l, facets *known, const gaze *g, const shaft *along, in
 	if (s.instance == SURFACE_NOTHING || !finite_place(&s))
 		return;
 	ISA(bend_normal)(l, &s);
-	turn(l, &s, x - LIGHT_MARGIN, y - LIGHT_MARGIN);
+	turn(l, &s, x - l->margin, y - l->margin);
 	l->surfaces[(ptrdiff_t)y * l->width + x] = s;
 }
 

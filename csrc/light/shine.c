@@ -192,7 +192,7 @@ void ISA(shine_row)(const light *l, int y)
 {
 	const encre_light_job *job = l->job;
 	for (int x = 0; x < job->specular.width; x++) {
-		ptrdiff_t i = (ptrdiff_t)(y + LIGHT_MARGIN) * l->width + x + LIGHT_MARGIN;
+		ptrdiff_t i = (ptrdiff_t)(y + l->margin) * l->width + x + l->margin;
 		const float *look = pixel_at(&job->shine, x, y);
 		if (l->plain[i] * l->share[i] > 0 && max3(look[0], look[1], look[2]) + look[4] > 0)
 			shine(l, l->surfaces + i, l->share[i], look, pixel_at(&job->specular, x, y));
