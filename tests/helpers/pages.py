@@ -24,8 +24,9 @@ LINES = """# How good the lines are
 
 `tests/judge` draws scenes whose contours are known by formula, with a box filter and with Cycles' 1.5-pixel
 Blackman-Harris filter, and judges the ink of each detector: is it where the contour is, as wide as asked, even, single,
-whole, and nowhere else; does it stand still when the scene moves by an eighth of a pixel, turn when the frame turns,
-and stay calm under noise? `make docs` writes this page. A number is the worst of all
+whole, and nowhere else; does it run on without a rung, a knot or a gap where contours run side by side (*steady*),
+stand still when the scene moves by an eighth of a pixel, turn when the frame turns, and stay calm under noise? `make
+docs` writes this page. A number is the worst of all
 drawings, and of what must be inked the share of all contours; what breaks a promise is bold. Beside what is
 thinner than 24 pixels a width is the one by which [FINE's rule](stages.md#from-sites-to-lines) leaves half of it clear,
 for a thing as wide as rays find it: what a line lacks of that, or has too much, counts as elsewhere.

@@ -21,7 +21,7 @@ PARAMS = {
 # promise: (least, most)
 LIMITS = {
     "place p95": (None, 0.25), "place max": (None, 0.8), "evenness": (0.98, None), "once": (0.995, None),
-    "whole outline": (0.999, None), "whole crease": (0.995, None),
+    "steady": (0.96, None), "whole outline": (0.999, None), "whole crease": (0.995, None),
     "whole color": (0.995, None), "whole light": (0.995, None),
     "stray": (None, 0.0002), "width 1": (0.9, 1.1), "width 2": (1.9, 2.1), "width 4": (3.9, 4.1), "width 8": (7.9, 8.1),
     "still": (None, 1.1), "fair": (None, 0.002), "calm": (None, 0.0005),
@@ -42,7 +42,7 @@ def _lines(t, truth):
     """{promise: (value, contour points that it is about)}."""
     place, whole = measure.place(t, truth), measure.whole(t, truth)
     found = {"place p95": place["p95"], "place max": place["max"], "evenness": measure.evenness(t, truth),
-             "once": measure.once(t, truth), "stray": measure.stray(t, truth)}
+             "once": measure.once(t, truth), "steady": measure.steady(t, truth), "stray": measure.stray(t, truth)}
     found = {promise: (value, 1) for promise, value in found.items()}
     return found | {"whole " + kind: share for kind, share in whole.items()}
 
