@@ -238,6 +238,8 @@ void ISA(crease_row)(const fine *n, int y);
 bool ISA(crease_site)(const fine *n, const found *at, placed *s);
 /* Whether pieces of meshes pass through each other there. */
 bool ISA(crease_through)(const frame *f, const found *at);
+/* Whether any edge of a mesh passes on the way between the pixels of a crack, or on that before or behind it. */
+bool ISA(crease_between)(const fine *n, const found *at);
 /* Whether an edge that is a line passes on the way between the pixels of a crack, or on one to a neighbour of theirs.
  */
 bool ISA(crease_beside)(const fine *n, const found *at);

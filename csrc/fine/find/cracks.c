@@ -127,13 +127,14 @@ static bool same_thing(const fine *n, const found *s)
 
 /* Whether what is found within a thing, of which no contour tells that it lies before anything, is no jump. What is
  * seen at a grazing angle, ground or a cloth, bends as much as a small one would: `step` is what depth changes by in
- * all, of which `j` is no slope's. At what alpha cuts out nearly all is. Or an edge that bends passes beside it, and
- * the face beyond that is narrower than a pixel: whether a pixel's centre lies in it or it is jumped over changes from
- * one pixel to the next, and it is the edge's line. */
+ * all, of which `j` is no slope's. At what alpha cuts out nearly all is. Or an edge of the mesh passes there, however
+ * little it bends: the surface goes on. Or an edge that bends passes beside it, and the face beyond that is narrower
+ * than a pixel: whether a pixel's centre lies in it or it is jumped over changes from one pixel to the next, and it is
+ * the edge's line. */
 static bool is_none(const fine *n, const found *s, float step, float j)
 {
-	bool slope = ISA(hand_place)(n, s) == 0 && step < INFINITY && j < least_of_step * step;
-	return slope || ISA(crease_beside)(n, s);
+	bool slope = step < INFINITY && j < least_of_step * step;
+	return (ISA(hand_place)(n, s) == 0 && (slope || ISA(crease_between)(n, s))) || ISA(crease_beside)(n, s);
 }
 
 /* Whether that is asked. */

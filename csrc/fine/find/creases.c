@@ -21,6 +21,8 @@ typedef struct passing {
 	bool spread; /* over several faces */
 } passing;
 
+static const float before_next = 0.998f;
+
 static passing passing_at(const fine *n, int x, int y, int axis)
 {
 	plane creases = n->f->layer[ENCRE_LAYER_CREASES];
@@ -31,6 +33,17 @@ static passing passing_at(const fine *n, int x, int y, int axis)
 			 : at[1] < 0 ? at[1] + crease_spread
 				     : at[1] - crease_spread,
 			 spread};
+}
+
+/* Of a way of a lane, which is a row (AXIS_ROW) or a column. */
+static passing passing_along(const fine *n, int lane, int at, int axis)
+{
+	int x = axis == AXIS_ROW ? at : lane, y = axis == AXIS_ROW ? lane : at;
+	if (x < 0 || y < 0 || x + (axis == AXIS_ROW) >= n->f->width || y + (axis != AXIS_ROW) >= n->f->height)
+		return (passing){0};
+	passing p = passing_at(n, x, y, axis);
+	p.place = min(p.place, before_next);
+	return p;
 }
 
 static float faces_at(const fine *n, int x, int y)
@@ -85,6 +98,15 @@ static bool passes(const fine *n, int x, int y, int axis)
 	found at = {(uint16_t)x, (uint16_t)y, FAMILY_CREASE, (uint8_t)axis};
 	return x >= 0 && y >= 0 && x + !axis < n->f->width && y + axis < n->f->height &&
 	       passing_at(n, x, y, axis).place > 0 && ISA(crease_site)(n, &at, &s) && !s.weak;
+}
+
+bool ISA(crease_between)(const fine *n, const found *at)
+{
+	int lane = at->axis == AXIS_ROW ? at->row : at->column, way = at->axis == AXIS_ROW ? at->column : at->row;
+	for (int k = way - 1; n->e->creases && k <= way + 1; k++)
+		if (passing_along(n, lane, k, at->axis).place > 0)
+			return true;
+	return false;
 }
 
 bool ISA(crease_beside)(const fine *n, const found *at)
@@ -145,18 +167,7 @@ static const float alike[2] = {0.99f, 0.8f}; /* share of what it bends that it b
 static const float unlike = 4;               /* and pixels that all of it counts as */
 static const float replaced = 3.5f;          /* pixels from an edge where a bend has the place of another one */
 enum { along = 12 };                         /* lanes to each side, where that may be seen */
-static const float nowhere = -9, before_next = 0.998f;
-
-/* Of a way of a lane, which is a row (AXIS_ROW) or a column. */
-static passing passing_along(const fine *n, int lane, int at, int axis)
-{
-	int x = axis == AXIS_ROW ? at : lane, y = axis == AXIS_ROW ? lane : at;
-	if (x < 0 || y < 0 || x + (axis == AXIS_ROW) >= n->f->width || y + (axis != AXIS_ROW) >= n->f->height)
-		return (passing){0};
-	passing p = passing_at(n, x, y, axis);
-	p.place = min(p.place, before_next);
-	return p;
-}
+static const float nowhere = -9;
 
 /* Where a line passes a lane that passes the next one at `place`; `nowhere`: it does not. */
 static float same_line(const fine *n, int lane, int axis, float place, const passing *own)
