@@ -238,7 +238,11 @@ static void make_site(walk *w, const found *at, int slot)
 	ISA(fine_controls)(w->n, at, &s->placed);
 }
 
-enum { AROUND = 3 /* rows about it that a site reads */, DENSE = 128 /* pixels a site, from which on rows are read */ };
+enum {
+	AROUND = 3,  /* rows about it that a site reads */
+	DENSE = 128, /* pixels a site, from which on rows are read */
+	FETCHED = 32 /* pixels that are asked for at once: more would wait */
+};
 
 /* Pixels x..end - 1 of a row of each layer. Sites read here and there, and would wait for the memory each time. */
 static void fetch_layers(const fine *n, int y, int x, int end)
@@ -255,7 +259,7 @@ static void make_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const fine *n = data;
-	int width = n->f->width, height = n->f->height, across = tiles_of(width), fetched = y0 - AROUND;
+	int width = n->f->width, height = n->f->height, fetched = y0 - AROUND;
 	for (int y = y0; y < y1 && !bands_stopped(n->f->bands); y++) {
 		walk w = {.n = n, .visit = make_site};
 		uint32_t sites = 0;
@@ -267,12 +271,11 @@ static void make_rows(void *data, int y0, int y1, int thread)
 		fetched = fetched > y - AROUND ? fetched : y - AROUND;
 		for (; dense && fetched <= y + AROUND; fetched++)
 			fetch_layers(n, clamp_index(fetched, height), 0, width);
-		for (int i = 0; i < across; i++) {
-			int x = tile_from(i, width), end = tile_from(i + 1, width);
+		for (int x = 0; x < width; x += FETCHED) {
+			int end = width - x < FETCHED ? width : x + FETCHED;
 			if (next)
 				fetch_layers(n, y + AROUND + 1, x, end);
-			if (n->marks[(ptrdiff_t)y * across + i])
-				walk_row(&w, y, x, end);
+			walk_row(&w, y, x, end);
 		}
 		fetched += next;
 	}

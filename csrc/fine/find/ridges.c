@@ -4,7 +4,12 @@
  * and no read along a direction goes past them. */
 #include "fine/near.h"
 
-enum { REACH = 3, SPAN = 2 * REACH + 1, SHORT = 32 };
+enum {
+	REACH = 3,
+	SPAN = 2 * REACH + 1,
+	SHORT = 32,
+	SLICE = 64 /* pixels that are worked on together, and asked for in the next row: more would wait */
+};
 
 /* Rows about the one worked on: sample 0 of each, REACH more before it and after the last. */
 typedef struct window {
@@ -254,8 +259,8 @@ static void candidates(const window *w, int x0, int n, uint8_t *restrict out)
 {
 	const uint8_t *mixed = w->mixed[REACH] + x0, *above = w->mixed[REACH - 1] + x0,
 		      *below = w->mixed[REACH + 1] + x0;
-	float step[TILE], wide[TILE], bulge[TILE];
-	int32_t bits[TILE];
+	float step[SLICE], wide[SLICE], bulge[SLICE];
+	int32_t bits[SLICE];
 	float least = w->n->floor[w->is.step], band = w->is.band ? w->n->floor[w->is.band] : INFINITY,
 	      contrast = w->least_contrast;
 	for (int axis = 0; axis < 2; axis++) {
@@ -318,7 +323,7 @@ static void mark(const window *w, int x, int y, int family, int axis, uint16_t *
 
 static void ridge_tile(const window *w, int y, int x0, int n, uint16_t *ridge)
 {
-	uint8_t candidate[TILE];
+	uint8_t candidate[SLICE];
 	candidates(w, x0, n, candidate);
 	for (int i = next_marked(candidate, 0, n); i < n; i = next_marked(candidate, i + 1, n)) {
 		int x = x0 + i, axis;
@@ -386,8 +391,8 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 			for (int c = 0; c < w.is.planes; c++)
 				ISA(ring_window)(rings + s, 0, c, w.row[c]);
 			plane layer = f->layer[w.is.layer];
-			for (int x0 = 0; x0 < f->width; x0 += TILE) {
-				int size = f->width - x0 < TILE ? f->width - x0 : TILE;
+			for (int x0 = 0; x0 < f->width; x0 += SLICE) {
+				int size = f->width - x0 < SLICE ? f->width - x0 : SLICE;
 				if (y + REACH + 1 < f->height) /* what the ring takes next */
 					fetch(layer, encre_layer_info(w.is.layer)->channels, y + REACH + 1, x0,
 					      x0 + size);
