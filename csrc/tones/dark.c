@@ -255,16 +255,20 @@ static void clear(const uint8_t *restrict keep, const uint8_t *restrict ease, bo
 
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w)
 {
-	float light[TONE_CHUNK] = {0}, added[TONE_CHUNK], none[TONE_CHUNK] = {0}, steep[TONE_CHUNK] = {0};
+	float light[TONE_CHUNK], added[TONE_CHUNK], none[TONE_CHUNK], steep[TONE_CHUNK];
 	bool steps = false;
 	const float *controls = controls_at(f, x, y), *depth = layer_row(f, ENCRE_LAYER_DEPTH, y) + x;
 	light_row(f, p, y, x, n, light);
 	for (int level = 1; level < p->shade_levels.count; level++)
 		steps |= is_step(p->shade_levels.level + level) && !p->tone_crisp;
+	for (int i = 0; i < n; i++)
+		steep[i] = 0;
 	if (steps)
 		steep_row(f, p, y, x, n, light, steep);
 	for (int i = 0; i < n; i++)
-		added[i] = controls ? controls[CONTROL_COUNT * i + CONTROL_HATCHING] : 0;
+		added[i] = none[i] = 0;
+	for (int i = 0; controls && i < n; i++)
+		added[i] = controls[CONTROL_COUNT * i + CONTROL_HATCHING];
 	for (int k = 0; k < TONE_SLOTS; k++)
 		w->any[k] = false;
 	for (int level = 0; level < p->shade_levels.count; level++) {
@@ -273,8 +277,8 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 		if (own->kind == tone_1_NONE)
 			continue;
 		if (!w->any[k]) {
-			memset(w->share[k], 0, sizeof w->share[k]);
-			memset(w->dark[k], 0, sizeof w->dark[k]);
+			memset(w->share[k], 0, (size_t)n * sizeof *w->share[k]);
+			memset(w->dark[k], 0, (size_t)n * sizeof *w->dark[k]);
 		}
 		w->any[k] = true;
 		want_level(p, level, own->gradient, n, light, steep, own->kind == tone_1_GRAIN ? none : added,

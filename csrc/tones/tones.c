@@ -122,8 +122,8 @@ static void fit(const uint8_t *restrict room, int n, const float *restrict dark,
 	}
 }
 
-static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, int y, int x, int n, const float *dark,
-		    float *ink)
+static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, int y, int x, int n, int thread,
+		    const float *dark, float *ink)
 {
 	float fitted[TONE_CHUNK];
 	const uint8_t *room = ((const tone_frame *)f->tones)->detail.room;
@@ -148,6 +148,7 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 	}
 	tone_rest own;
 	const tone_rest *rest = tone_sticks(s) ? ISA(tone_rest_fill)(f, s, y, x, n, &own) : NULL;
+	fetch_ahead(f, thread);
 	(s->kind == tone_1_DOTS ? dots : s->kind == tone_1_IMAGE ? pictures : lines)(f, s, rest, y, x, n, dark, ink);
 	if (rest)
 		mean_row(rest->at[ANCHOR_PIXEL], n, dark, ink);
@@ -201,10 +202,9 @@ static void tone_run(const frame *f, const encre_params *p, int y, int x, int n,
 	for (int k = TONE_SLOTS - 1; k >= 0; k--) {
 		if (!w.any[k])
 			continue;
-		ink_row(f, p, slots + k, y, x, n, w.dark[k], ink);
+		ink_row(f, p, slots + k, y, x, n, thread, w.dark[k], ink);
 		fetch_ahead(f, thread);
 		draw_row(slots + k, n, ink, w.share[k], surface, tones);
-		fetch_ahead(f, thread);
 	}
 }
 

@@ -213,10 +213,10 @@ static inline bool tone_fitted(const frame *f)
 /* Whether any of n values is above 0. */
 static inline bool tone_any(const float *values, int n)
 {
-	float most = 0;
+	int any = 0;
 	for (int i = 0; i < n; i++)
-		most = max(most, values[i]);
-	return most > 0;
+		any |= values[i] > 0;
+	return any;
 }
 
 /* 2^floor(log2 x) and, in *rest, x divided by it, of 2^-60 <= x <= 2^60; others are moved there. */
