@@ -183,6 +183,9 @@ static void first_rows(void *data, int y0, int y1, int thread)
 		for (int s = 0; s < w->early && !atomic_load(&w->any_unclean) && !bands_stopped(w->f.bands); s++)
 			if (stages[s]->rows)
 				stages[s]->rows(&w->f, y, end, thread);
+		for (int s = 0; s < N_STAGES && !atomic_load(&w->any_unclean) && !bands_stopped(w->f.bands); s++)
+			if (stages[s]->first_rows)
+				stages[s]->first_rows(&w->f, y, end, thread);
 		while (w->f.ahead[thread].y < w->f.ahead[thread].end) /* what no stage has asked for by now */
 			fetch_ahead(&w->f, thread);
 	}

@@ -310,6 +310,9 @@ typedef struct stage {
 	/* These return ENCRE_OK, ENCRE_ERROR_CANCELLED or ENCRE_ERROR_MEMORY. Each may be NULL; not all. */
 	/* What needs parameters alone. Called when planned, before any layer may be read. */
 	int32_t (*prepare)(frame *f);
+	/* Reads rows of layers, and the rows beside them, with the look that says whether they are clean, and once more
+	 * where they were not: what run() would read again. May be NULL. */
+	bands_kernel first_rows;
 	/* Called in order. */
 	int32_t (*run)(frame *f);
 	/* Draws rows of the picture, given the frame, and reads the same rows of layers and picture alone. So it runs

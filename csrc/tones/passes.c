@@ -10,12 +10,16 @@ typedef struct work {
 	int reach; /* rows */
 } work;
 
+void ISA(tone_marks_rows)(const frame *f, const tone_marks *m, int y0, int y1, int thread)
+{
+	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++)
+		m->first[y] = ISA(tone_marks_look)(f, m, y, thread);
+}
+
 static void look_at_rows(void *data, int y0, int y1, int thread)
 {
-	(void)thread;
 	const work *w = data;
-	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
-		w->m->first[y] = ISA(tone_marks_look)(w->f, w->m, y);
+	ISA(tone_marks_rows)(w->f, w->m, y0, y1, thread);
 }
 
 /* Whether surfaces end within the next few pixels: strokes ask it at each step. */
@@ -119,7 +123,7 @@ static void draw_rows(void *data, int y0, int y1, int thread)
 	ISA(tone_marks_draw)(w->f, w->m, w->reach, y0, y1);
 }
 
-int32_t ISA(tone_marks_run)(frame *f, tone_marks *m)
+int32_t ISA(tone_marks_run)(frame *f, tone_marks *m, bool looked)
 {
 	work w = {f, m, 0};
 	float pitch = 0;
@@ -129,7 +133,7 @@ int32_t ISA(tone_marks_run)(frame *f, tone_marks *m)
 				pitch = max(pitch, m->styles[i].slot[k].most);
 	float reach = 0.65f * stroke_length * pitch;
 	w.reach = (int)min(reach + tone_step(reach) + pitch, (float)f->height) + 3;
-	int32_t code = bands_run(f->bands, f->height, 0, look_at_rows, &w);
+	int32_t code = looked ? ENCRE_OK : bands_run(f->bands, f->height, 0, look_at_rows, &w);
 	if (code)
 		return code;
 	int64_t sum = 0;

@@ -303,7 +303,8 @@ static tone_mark mark_at(const frame *f, const tone_marks *m, const places *p, i
 
 /* ---- passes ------------------------------------------------------------------------------------------------ */
 
-static void look_at(const frame *f, const tone_marks *m, const tone_slot *slots, unsigned any, int y, int x, int n)
+static void look_at(const frame *f, const tone_marks *m, const tone_slot *slots, unsigned any, int y, int x, int n,
+		    int thread)
 {
 	uint8_t *dark = tone_bytes(m, TONE_DARK, y) + x, *bits = tone_bytes(m, TONE_BITS, y) + x;
 	const uint8_t *whose = tone_bytes(m, TONE_WHOSE, y) + x;
@@ -317,12 +318,15 @@ static void look_at(const frame *f, const tone_marks *m, const tone_slot *slots,
 		uint8_t found[TONE_CHUNK] = {0};
 		bool spots = s->kind == tone_1_STIPPLE, stuck = tone_sticks(s);
 		const tone_rest *rest = stuck ? ISA(tone_rest_fill)(f, s, y, x, n, &own) : NULL;
+		fetch_ahead(f, thread);
 		ISA(tone_chart)(f, s, rest, y, x, n, chart);
 		ISA(tone_lattice_fill)(s->least, s->most, n, chart, &l);
+		fetch_ahead(f, thread);
 		for (int layer = 0; layer < (spots ? 1 : TONE_LAYERS); layer++)
 			hold(&l, layer, n, found);
 		if (!spots)
 			ISA(tone_ways)(f, m, slots, k, rest, y, x, n);
+		fetch_ahead(f, thread);
 		for (int i = 0; rest && i < n; i++)
 			found[i] = rest->at[ANCHOR_PIXEL][i] > 0 ? found[i] : TONE_LOST;
 		for (int i = 0; i < n; i++) {
@@ -333,22 +337,23 @@ static void look_at(const frame *f, const tone_marks *m, const tone_slot *slots,
 	}
 }
 
-int ISA(tone_marks_look)(const frame *f, const tone_marks *m, int y)
+int ISA(tone_marks_look)(const frame *f, const tone_marks *m, int y, int thread)
 {
 	uint8_t *dark = tone_bytes(m, TONE_DARK, y), *bits = tone_bytes(m, TONE_BITS, y);
 	int n = 0;
 	memset(dark, 0, (size_t)TONE_BYTES * (size_t)f->width);
 	memset(tone_ink(m, y), 0, (size_t)f->width * sizeof *m->ink);
 	for (int x = 0, end; x < f->width; x = end) {
-		int most = f->width - x > TONE_CHUNK ? x + TONE_CHUNK : f->width;
+		int most = f->width - x > TONE_TOGETHER ? x + TONE_TOGETHER : f->width;
 		const encre_params *p = style_run(f, y, x, most, &end);
 		const tone_slot *slots = m->styles[p - f->params].slot;
 		unsigned any = ISA(tone_marks_wanted)(p)
 				       ? darken(f, p, slots, y, x, end - x, dark + x, tone_bytes(m, TONE_WHOSE, y) + x,
 						tone_bytes(m, TONE_SHARE, y) + x)
 				       : 0;
+		fetch_ahead(f, thread);
 		if (any)
-			look_at(f, m, slots, any, y, x, end - x);
+			look_at(f, m, slots, any, y, x, end - x, thread);
 	}
 	for (int x = 0; x < f->width; x++)
 		n += (bits[x] >> 4 & 1) + (bits[x] >> 5 & 1) + (bits[x] >> 6 & 1);

@@ -118,13 +118,14 @@ void ISA(tone_ways)(const frame *f, const tone_marks *m, const tone_slot *slots,
  * it; and these, in the order of columns and layers. */
 bool ISA(tone_marks_wanted)(const encre_params *p);
 void ISA(tone_marks_tables)(tone_marks *m);
-int ISA(tone_marks_look)(const frame *f, const tone_marks *m, int y);
+int ISA(tone_marks_look)(const frame *f, const tone_marks *m, int y, int thread);
 void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark *marks);
 /* And which of these pixels beside it hold rather. */
 void ISA(tone_marks_sift)(const frame *f, const tone_marks *m, int y);
 /* strokes.c: the ink that rows have of marks whose places are at most `reach` rows away. */
 void ISA(tone_marks_draw)(const frame *f, const tone_marks *m, int reach, int y0, int y1);
-/* passes.c: ink of all, from darkness on. */
-int32_t ISA(tone_marks_run)(frame *f, tone_marks *m);
+/* passes.c: what strokes need of rows; and ink of all, where `looked` from there on. */
+void ISA(tone_marks_rows)(const frame *f, const tone_marks *m, int y0, int y1, int thread);
+int32_t ISA(tone_marks_run)(frame *f, tone_marks *m, bool looked);
 
 #endif

@@ -405,14 +405,33 @@ static int32_t prepare(frame *f)
 	return code;
 }
 
+/* Whether strokes are told by layers alone, without what is clear of them. */
+static bool looks_first(const tone_frame *t)
+{
+	return t && t->marks && !t->detail.keep;
+}
+
+static void first_rows(void *data, int y0, int y1, int thread)
+{
+	const frame *f = data;
+	const tone_frame *t = f->tones;
+	if (looks_first(t))
+		ISA(tone_marks_rows)(f, t->marks, y0, y1, thread);
+}
+
 static int32_t run(frame *f)
 {
 	tone_frame *t = f->tones;
 	int32_t code = t && t->detail.keep ? ISA(tone_detail_run)(f, &t->detail) : ENCRE_OK;
 	if (!code && t && t->detail.room)
 		code = ISA(tone_room_run)(f, &t->detail, t->styles);
-	return !code && t && t->marks ? ISA(tone_marks_run)(f, t->marks) : code;
+	return !code && t && t->marks ? ISA(tone_marks_run)(f, t->marks, looks_first(t)) : code;
 }
 
-const stage STAGE_SYMBOL(tones) = {
-	.id = "tones", .plan = plan, .prepare = prepare, .run = run, .rows = tone_rows, .draws = works};
+const stage STAGE_SYMBOL(tones) = {.id = "tones",
+				   .plan = plan,
+				   .prepare = prepare,
+				   .first_rows = first_rows,
+				   .run = run,
+				   .rows = tone_rows,
+				   .draws = works};

@@ -125,6 +125,20 @@ def test_strokes_lie_alike_in_every_band_and_part():
     assert ring < 60 and np.array_equal(part[ring:, ring:-ring], whole[20 + ring:, 10 + ring:150 - ring])
 
 
+@pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
+def test_values_that_are_none_leave_strokes_as_clean_ones_do(kind):
+    """Strokes are told with the reading that finds such values, and then once more."""
+    layers, rng = ramped(120, 90), np.random.default_rng(2)
+    layers = {name: np.array(a, np.float32) for name, a in layers.items()}
+    for name in "diffuse", "anchor":
+        flat_ = layers[name].reshape(-1)
+        flat_[rng.integers(flat_.size, size=9)] = np.nan
+    scene = dict(ALONE, shade_levels=LEVELS, **sticks.tone(kind, space="SURFACE", pitch=6.0))
+    clean = {name: np.nan_to_num(a) for name, a in layers.items()}
+    got, wanted = (library.render(x, scene, outputs=["Encre Tones"]).images["Encre Tones"] for x in (layers, clean))
+    assert np.array_equal(got, wanted) and got[..., 3].std() > 0.2
+
+
 @pytest.mark.parametrize("pitch", [3.0, 6.0, 40.0])
 def test_strokes_reach_as_far_in_any_band(pitch):
     """Upright ones, of which the last part ends beyond their length: bands of 64 rows and of 130."""
