@@ -168,15 +168,16 @@ static bool is_fine(const work *w, int x, int y)
 }
 
 /* How long what is fine is at a pixel along the row or the column, in pixels of the contrast that it has at most: what
- * its ends cover of a pixel counts as such, or it would be now longer, now shorter as the camera moves. Without end
- * where it is longer than any that is fine, or the frame, of what is dark a nearer thing too, cuts it off. */
+ * its ends cover of a pixel counts as such, or it would be now longer, now shorter as the camera moves. It ends where
+ * half of that contrast is not there. Without end where it is longer than any that is fine, or the frame, of what is
+ * dark a nearer thing too, cuts it off. */
 static float length_of(const work *w, int x, int y, int right, int down)
 {
 	int most = 2 * w->d->far + 1, own = row_of(w, w->d->value, y)[x], sign = w->dark ? -1 : 1;
 	int ground = own - sign * row_of(w, w->d->raw, y)[x], sum = sign * (own - ground), best = sum;
 	float nearer = w->dark ? depth_at(w->f, x, y) * (1 - same_depth) : 0;
 	for (int way = -1; way <= 1; way += 2)
-		for (int k = 1, more = best; more >= alike; k++) {
+		for (int k = 1, more = best; 2 * more >= best; k++) {
 			int u = x + k * way * right, v = y + k * way * down;
 			if (k > most || u < 0 || v < 0 || u >= w->f->width || v >= w->f->height)
 				return INFINITY;
@@ -184,8 +185,8 @@ static float length_of(const work *w, int x, int y, int right, int down)
 			sum += more > 0 ? more : 0;
 			best = more > best ? more : best;
 			/* the last one may show both */
-			int next_u = tone_within(more < alike ? u + way * right : u, w->f->width);
-			int next_v = tone_within(more < alike ? v + way * down : v, w->f->height);
+			int next_u = tone_within(2 * more < best ? u + way * right : u, w->f->width);
+			int next_v = tone_within(2 * more < best ? v + way * down : v, w->f->height);
 			if (depth_at(w->f, u, v) < nearer || depth_at(w->f, next_u, next_v) < nearer)
 				return INFINITY;
 		}
@@ -306,14 +307,14 @@ static void keep_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
-/* How much pixels are what light letters lie on, into `light`. */
+/* How much pixels are what light print lies on. */
 static void around_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
-			uint8_t light[TONE_CHUNK], *to = row_of(w, w->d->light, y) + x;
+			uint8_t light[TONE_CHUNK], *to = row_of(w, w->d->around, y) + x;
 			n = chunk_at(w, x);
 			most_about(w, w->d->far, w->d->thin, y, x, n, light);
 			for (int i = 0; i < n; i++) {
@@ -331,10 +332,10 @@ void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a)
 	d->reach = (int)min(0.5f * f->params->tone_detail * f->scale, TONE_DETAIL_MOST); /* 2 reach + 1, rounded */
 	d->reach = d->reach > 0 ? d->reach : 1;
 	d->far = d->reach + d->reach / 2 + 1;
-	uint8_t **plane[] = {&d->value, &d->scratch, &d->light, &d->thin, &d->dark, &d->raw, d->sure, d->sure + 1};
-	for (int k = 0; k < 8; k++)
+	uint8_t **plane[] = {&d->value, &d->scratch, &d->light,   &d->thin,  &d->dark,
+			     &d->raw,   d->sure,     d->sure + 1, &d->print, &d->around};
+	for (size_t k = 0; k < sizeof plane / sizeof *plane; k++)
 		*plane[k] = arena_take(a, pixels, 1);
-	d->print = d->sure[0];
 	d->keep = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
 	d->ease = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
 	d->room = f->params->tone_least > 0 ? arena_take(a, pixels, 1) : NULL;
@@ -359,6 +360,6 @@ int32_t ISA(tone_detail_run)(frame *f, const tone_detail *d)
 	code = code ? code : seek(&w, true);
 	code = code ? code : ISA(tone_words_run)(f, d);
 	code = code ? code : bands_run(f->bands, f->height, 0, keep_rows, &w);
-	code = code ? code : bands_run(f->bands, f->height, 0, around_rows, &w);
-	return code ? code : ISA(tone_ground_run)(f, d);
+	code = code ? code : ISA(tone_ground_run)(f, d);
+	return code ? code : bands_run(f->bands, f->height, 0, around_rows, &w);
 }

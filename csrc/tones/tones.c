@@ -48,7 +48,11 @@ static void pictures(const frame *f, const tone_slot *s, const tone_rest *rest, 
 	ISA(tone_picture_row)(s, n, chart, dark, ink);
 }
 
-/* What strokes.c has drawn; letters and eyes, which they would only tell by chance, are ink where it is dark. */
+/* Where it is darker three layers of strokes cross, or begin to: light letters would be but more gaps. */
+static const float crossed = 2.0f / 3;
+
+/* What strokes.c has drawn; letters and eyes, which they would only tell by chance, are ink where it is dark, and so is
+ * what light letters lie on. */
 static void marks(const frame *f, int y, int x, int n, const float *restrict dark, float *restrict ink)
 {
 	const tone_marks *m = ((const tone_frame *)f->tones)->marks;
@@ -61,9 +65,12 @@ static void marks(const frame *f, int y, int x, int n, const float *restrict dar
 	for (int i = 0; lost & TONE_LOST && i < n; i++)
 		ink[i] = bits[i] & TONE_LOST ? dark[i] : ink[i];
 	const tone_detail *detail = &((const tone_frame *)f->tones)->detail;
-	const uint8_t *print = detail->keep ? detail->print + (ptrdiff_t)y * f->width + x : NULL;
-	for (int i = 0; print && i < n; i++)
-		ink[i] = dark[i] > 0.5f ? max(ink[i], (float)print[i] * (1.0f / 255)) : ink[i];
+	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
+	for (int i = 0; detail->keep && i < n; i++) {
+		uint8_t print = dark[i] > 0.5f ? detail->print[at + (size_t)i] : 0;
+		uint8_t around = dark[i] > crossed ? detail->around[at + (size_t)i] : 0;
+		ink[i] = max(ink[i], (float)(print > around ? print : around) * (1.0f / 255));
+	}
 }
 
 /* Two families of lines, of which the second has what the first leaves of the darkness. */

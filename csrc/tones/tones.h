@@ -91,7 +91,8 @@ typedef struct tone_detail {
 	uint8_t *room; /* NULL: there is room */
 	uint8_t *value, *light, *thin, *dark, *raw, *scratch; /* dark: fine dark things, for room.c, too */
 	uint8_t *sure[2]; /* 255ths by which what is thin, and what is dark, is fine */
-	uint8_t *print;   /* in the end, in the place of sure[0]: how far fine dark things are print, on light ground */
+	uint8_t *print;   /* 255ths by which fine dark things are print, on light ground */
+	uint8_t *around;  /* and by which dark ground has light print on it */
 } tone_detail;
 
 /* What there is to draw in a chunk: of each slot its share of the pixel and its darkness there. */

@@ -310,21 +310,22 @@ static void ground_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
-/* Whether what a dark pixel lies on is lighter than it: of what is about it neither dark details are the ground, nor,
- * for they lie on it as well, light ones. */
-static bool on_light(const work *w, spot s)
+/* Whether what a pixel of a dark detail lies on is lighter than it, of a light one darker: of what is about it details
+ * of its kind are not the ground, nor, for they lie on it as well, those of the other. */
+static bool lies_on(const work *w, spot s)
 {
 	const tone_detail *d = w->d;
-	int lighter = 0;
+	const uint8_t *own = details(w), *others = w->dark ? d->thin : d->dark;
+	int apart = 0, sign = w->dark ? 1 : -1;
 	for (int k = 0; k < looks * looks; k++) {
 		int v = s.y + reaches * d->reach * (k / looks - looks / 2) / (looks / 2);
 		int u = s.x + reaches * d->reach * (k % looks - looks / 2) / (looks / 2);
 		size_t i = (size_t)tone_within(v, w->f->height) * (size_t)w->f->width +
 			   (size_t)tone_within(u, w->f->width);
-		bool more = d->value[i] - d->value[s.i] > least_contrast && !d->thin[i];
-		lighter += d->dark[i] ? 0 : more ? 1 : -1;
+		bool more = sign * (d->value[i] - d->value[s.i]) > alike && !others[i];
+		apart += own[i] ? 0 : more ? 1 : -1;
 	}
-	return lighter > 0;
+	return apart > 0;
 }
 
 static void print_rows(void *data, int y0, int y1, int thread)
@@ -334,7 +335,7 @@ static void print_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0; x < w->f->width; x++) {
 			spot s = {x, y, (size_t)y * (size_t)w->f->width + (size_t)x};
-			w->d->scratch[s.i] = w->d->dark[s.i] && on_light(w, s);
+			w->d->scratch[s.i] = details(w)[s.i] && lies_on(w, s);
 		}
 }
 
@@ -344,13 +345,23 @@ static void print_of_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	const work *w = data;
 	size_t width = (size_t)w->f->width;
-	for (size_t i = (size_t)y0 * width; i < (size_t)y1 * width; i++) {
-		uint8_t own = w->d->dark[i] && w->d->raw[i] == MOST ? w->d->sure[1][i] : 0;
-		w->d->print[i] = own > w->d->light[i] ? own : w->d->light[i];
-	}
+	uint8_t *to = w->dark ? w->d->print : w->d->sure[0];
+	for (size_t i = (size_t)y0 * width; i < (size_t)y1 * width; i++)
+		to[i] = details(w)[i] && w->d->raw[i] == MOST ? w->d->sure[w->dark][i] : 0;
 }
 
-/* Grounds that details' margins, in `scratch`, leave little of are clear. Leaves in `print` what is. */
+static int32_t find_print(work *w, bool dark)
+{
+	bands *pool = w->f->bands;
+	w->dark = dark;
+	int32_t code = bands_run(pool, w->f->height, 0, print_rows, w);
+	if (!code)
+		survey(w, w->d->scratch, letter);
+	return code ? code : bands_run(pool, w->f->height, 0, print_of_rows, w);
+}
+
+/* Grounds that details' margins, in `scratch`, leave little of are clear. Leaves what is print in `print`, of light
+ * things in sure[0]. */
 int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d)
 {
 	work w = {.f = f, .d = d};
@@ -359,9 +370,8 @@ int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d)
 		return ENCRE_ERROR_MEMORY;
 	survey(&w, d->scratch, ground);
 	int32_t code = bands_run(f->bands, f->height, 0, ground_rows, &w);
-	code = code ? code : bands_run(f->bands, f->height, 0, print_rows, &w);
-	if (!code)
-		survey(&w, d->scratch, letter);
+	code = code ? code : find_print(&w, false);
+	code = code ? code : find_print(&w, true);
 	late_drop(&f->late, w.open);
-	return code ? code : bands_run(f->bands, f->height, 0, print_of_rows, &w);
+	return code;
 }

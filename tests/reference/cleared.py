@@ -68,7 +68,7 @@ def _lengths(value, fine, depth, reach, sign):
                 more = at(values, k, side) - ground
                 total += np.where(goes, np.maximum(more, 0), 0)
                 best = np.where(goes, np.maximum(best, more), best)
-                ends = goes & (more < GROUND)
+                ends = goes & (2 * more < best)
                 lost |= goes & (~at(inside, k, side) | nearer(k, side)) | ends & nearer(k + 1, side)
                 goes &= ~ends
             lost |= goes
@@ -148,13 +148,13 @@ def _with_rims(value, ground):
     return np.max([ground, *beside], axis=0)
 
 
-def _on_light(value, dark, thin, reach):
-    """Whether most of the ground in sight, which is no detail, is lighter."""
+def _prints(value, own, others, reach, sign):
+    """Whether most of the ground in sight, which is no detail, is lighter, for sign −1 darker."""
     lighter, steps = np.zeros(value.shape), [int(np.fix(3 * reach * k / 6)) for k in range(-6, 7)]
     for v, u in ((v, u) for v in steps for u in steps):
-        more = (_shifted(value, v, u) - value > LEAST) & ~_shifted(thin, v, u)
-        lighter += np.where(_shifted(dark, v, u), 0, np.where(more, 1, -1))
-    return lighter > 0
+        more = (sign * (_shifted(value, v, u) - value) > GROUND) & ~_shifted(others, v, u)
+        lighter += np.where(_shifted(own, v, u), 0, np.where(more, 1, -1))
+    return own & (lighter > 0)
 
 
 def _kept_share(clear):
@@ -162,11 +162,11 @@ def _kept_share(clear):
 
 
 def kept(layers, params):
-    """Shares of the tones that are left at each pixel, and of their darkness; fine dark things, and how far they are
-    print."""
+    """Shares of the tones that are left at each pixel, and of their darkness; fine dark things, how far they are print,
+    and how far what is about light print."""
     size = params["tone_detail"]
     if not size > 0:
-        return *np.ones((2, *layers.depth.shape)), *np.zeros((2, *layers.depth.shape), bool)
+        return *np.ones((2, *layers.depth.shape)), *np.zeros((3, *layers.depth.shape), bool)
     reach = max(1, int(min(0.5 * size * params.pixels(layers.full_height), 32)))
     wide, stroke = reach + reach // 2 + 1, 2 * reach + 1
     value = np.floor(255 * np.sqrt(clamp01(layers.albedo @ (0.2126, 0.7152, 0.0722))) + 0.5)
@@ -212,9 +212,10 @@ def kept(layers, params):
     ground = np.nan_to_num(np.floor(254 * np.maximum(_most(MANY * share), patch) + 0.5))
     ground = np.where(ground > 0, ground + 1, 0) / 255
     keep, ease = _kept_share(np.maximum(about, clear)), 1 - np.where(value > 76, _with_rims(value, ground), 0)
-    printed = 2 * _survey((dark > 0) & _on_light(value, dark > 0, thin > 0, reach), labels)[1] >= 1
-    return keep, ease, dark_sure > 127 / 255, np.maximum(
-        np.where((dark > 0) & printed, dark_sure, 0), 1 - _kept_share(around(thin, light_sure, 1, wide)))
+    printed, chalked = (np.where((own > 0) & (2 * _survey(_prints(value, own > 0, others > 0, reach, sign),
+                                                           labels)[1] >= 1), sure, 0)
+                        for own, others, sure, sign in ((dark, thin, dark_sure, 1), (thin, dark, light_sure, -1)))
+    return keep, ease, dark_sure > 127 / 255, printed, 1 - _kept_share(around(thin, chalked, 1, wide))
 
 
 def _near(sought, radius):

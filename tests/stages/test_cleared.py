@@ -181,6 +181,14 @@ def test_about_light_letters_all_is_ink_and_holes_of_dark_ones_are_no_ground(kin
     assert printed[20:50, 20:23].all() and printed[20:23, 20:29].all()
 
 
+@pytest.mark.parametrize("darkness, inked", [(0.8, True), (0.6, False)])
+def test_about_light_letters_all_is_ink_only_where_strokes_cross_thrice(darkness, inked):
+    layers = shaded(60, 60, 0.2, 0.02)
+    layers["color"][10:50, 28:31] = 0.8
+    drawn = ink(layers, tone_1="HATCH", tone_detail=5.0, shade_levels=[(1 - darkness,), (0.65, 0.25, 0.0)])
+    assert drawn[14:46, [26, 27, 31, 32]].all() == inked and not drawn[14:46, 29].any()
+
+
 @pytest.mark.parametrize("nearer", [True, False])
 def test_a_window_that_a_rope_cuts_is_as_the_one_beside(nearer):
     """Windows of 12 pixels are no letters: nor is what a rope before one leaves of it; but what a bar in it does."""
