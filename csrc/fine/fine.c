@@ -113,6 +113,14 @@ static bool has_forms(const fine *n)
 	return n->lit != NULL;
 }
 
+static bool has_lengths(const fine *n)
+{
+	bool light = false;
+	for (int i = 0; i < n->f->n_styles; i++)
+		light |= n->e->on[SOURCE_LIGHT] && n->f->params[i].light_length > 0;
+	return has_forms(n) || light;
+}
+
 static bool gives_way(const fine *n)
 {
 	return (n->e->creases && (n->e->on[SOURCE_NORMAL] || n->e->on[SOURCE_DEPTH])) || n->e->on[SOURCE_LIGHT] ||
@@ -176,7 +184,7 @@ static const pass passes[] = {
 	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, NULL},
 	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"drop short", NULL, ISA(fine_drop_short), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
-	{"ease forms", has_forms, ISA(fine_ease_forms), FOUND | PLACED | KEPT | LINKS, PLACED | KEPT | LINKS,
+	{"ease forms", has_lengths, ISA(fine_ease_forms), FOUND | PLACED | KEPT | LINKS, PLACED | KEPT | LINKS,
 	 BROKEN(links)},
 	{"show strength", NULL, show_strength, PLACED | KEPT, 0, NULL},
 };

@@ -148,6 +148,20 @@ def test_it_goes_on_from_where_a_contour_ends():
     assert ink(of(slope(1.0) + gap), line_taper=12.0, edge_suggestive=0.0)[60:].max() == 0
 
 
+def test_a_small_patch_of_shade_has_no_border_and_a_large_one_has_by_degrees():
+    scene = dict(ALONE, edge_suggestive=0.0, edge_light=1.0, width_light=1.0, line_thickness=2.0, use_shading=True,
+                 shade_levels=[(0.0,), (1.0, 0.5, 0.0)], light_length=120.0)
+    far, shares = np.hypot(X - 64, Y - 48), []
+    for radius in np.arange(8, 25, 0.5):
+        made = of(slope(0.0))
+        made["diffuse"] = np.repeat((np.clip((far - radius) / 4 + 0.5, 0, 1))[..., None], 3, 2)
+        whole = ink(made, **{**scene, "light_length": 0.0}).sum()
+        assert whole == pytest.approx(2 * 2 * np.pi * radius, rel=0.05)
+        shares.append(ink(made, **scene).sum() / whole)
+    assert shares[0] == 0 and shares[-1] == pytest.approx(1, abs=1e-3)
+    assert np.diff(shares).min() > -0.01 and np.diff(shares).max() < 0.2
+
+
 def test_forms_smaller_than_the_scale_have_none():
     small = slope(1.0, width=1.2)
     assert ink(of(small), suggestive_scale=12.0, **ALONE).max() == 0 < ink(of(small), **ALONE).max()

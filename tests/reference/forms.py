@@ -4,7 +4,7 @@
 import numpy as np
 
 from .metric import clamp01
-from .passes import COLUMN, NUMBER, ROW
+from .passes import COLUMN, LIGHT, NUMBER, ROW
 from .view import SUGGESTIVE, SURE, turn
 
 FLANK = 1.5  # of the blur's deviation
@@ -199,22 +199,24 @@ def beside(view, bent, found):
 
 
 def ease(t, params, style, scale):
-    """(shares of the width that sites have left, 1 of other lines)."""
+    """(shares of the width that sites of forms and of light have left, 1 of other lines)."""
     threshold, share = params["edge_threshold"], np.ones(len(t))
-    form = (t.family == NUMBER["valley"]) & ~t.dropped
     q = t.site["strength"].astype(float) / threshold if threshold > 0 else np.full(len(t), np.inf)
-    clear = clamp01(q - 1)
-    least = params.at("suggestive_length", style[t.site["near_y"], t.site["near_x"]]) * scale
     known = set()
-    for first in np.flatnonzero(form):
-        if first in known:
-            continue
-        run = [int(first)]
-        for i in run:
-            run += [j for j in set(t.links[i]) if form[j] and j not in run]
-        known |= set(run)
-        ways = {tuple(sorted((i, j))) for i in run for j in t.links[i] if form[j]}
-        length = sum(t.apart(i, j) * (clear[i] + clear[j]) / 2 for i, j in ways)
-        for i in run:
-            share[i] = min(clear[run].max(), length / least[i] if least[i] > 0 else 1)
+    for light, lines in enumerate(((t.family == NUMBER["valley"]) & ~t.dropped, (t.rank == LIGHT) & ~t.dropped)):
+        clear = np.ones(len(t)) if light else clamp01(q - 1)
+        name = "light_length" if light else "suggestive_length"
+        least = params.at(name, style[t.site["near_y"], t.site["near_x"]]) * scale
+        for first in np.flatnonzero(lines):
+            if first in known:
+                continue
+            run = [int(first)]
+            for i in run:
+                run += [j for j in set(t.links[i]) if lines[j] and j not in run]
+            known |= set(run)
+            ways = {tuple(sorted((i, j))) for i in run for j in t.links[i] if lines[j]}
+            length = sum(t.apart(i, j) * (clear[i] + clear[j]) / 2 for i, j in ways)
+            for i in run:
+                long_ = length / least[i] if least[i] > 0 else 1.0
+                share[i] = min(clear[run].max(), clamp01(2 * long_ - 1) if light and least[i] > 0 else long_)
     return share

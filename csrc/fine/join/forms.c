@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines of forms come and go as a form turns: each that hangs together is as wide as it is long and clear, so that none
- * comes at once. */
+ * comes at once. So are borders of light, whose short ones are patches that belong to nothing. */
 #include "fine/near.h"
 
 #include <string.h>
@@ -8,15 +8,18 @@
 static const float counts_from = 1, counts_ramp = 1; /* of edge_threshold: so strong counts, and in full; test_forms */
 static const float least_share = 0.1f;               /* of its width: less is not drawn; test_forms */
 
-static bool is_form(const site *s)
+/* RANK_FORM, RANK_LIGHT; RANK_COUNT: it is neither, or dropped. */
+static enum rank kind_of(const site *s)
 {
-	return s->found.family == FAMILY_VALLEY && !s->linked.dropped;
+	enum rank rank = (enum rank)rank_of(s);
+	return !s->linked.dropped && (rank == RANK_FORM || rank == RANK_LIGHT) ? rank : RANK_COUNT;
 }
 
 static float clear_at(const fine *n, uint32_t i)
 {
 	float threshold = n->e->p->edge_threshold, strength = n->site[i].placed.strength;
-	return threshold > 0 ? clamp01((strength / threshold - counts_from) / counts_ramp) : 1;
+	bool form = rank_of(n->site + i) == RANK_FORM;
+	return form && threshold > 0 ? clamp01((strength / threshold - counts_from) / counts_ramp) : 1;
 }
 
 /* Collects what hangs together with open[0]; the length of what is clear of it, and how clear the clearest is. */
@@ -27,7 +30,7 @@ static float collect(const fine *n, uint8_t *known, uint32_t *open, uint32_t *co
 	for (uint32_t at = 0; at < *count; at++)
 		for (uint32_t i = open[at], k = n->at[i]; k < n->at[i + 1]; k++) {
 			uint32_t j = n->to[k];
-			if (!is_form(n->site + j))
+			if (kind_of(n->site + j) != kind_of(n->site + i))
 				continue;
 			length += 0.25f * sqrtf(apart2(n->site + i, n->site + j)) * (clear_at(n, i) + clear_at(n, j));
 			if (!known[j]) {
@@ -37,6 +40,18 @@ static float collect(const fine *n, uint8_t *known, uint32_t *open, uint32_t *co
 			}
 		}
 	return length;
+}
+
+/* Of the width, by how clear the clearest is and by the length of all. Of borders of light below half the length asked
+ * none is left: they close, and a patch would stay as a spot. */
+static float share_of(const fine *n, const site *s, float most, float length)
+{
+	const encre_params *own = params_at(n->f, s->placed.near_x, s->placed.near_y);
+	bool form = rank_of(s) == RANK_FORM;
+	float full = (form ? own->suggestive_length : own->light_length) * n->f->scale;
+	if (!(full > 0))
+		return most;
+	return min(most, form ? length / full : clamp01(2 * length / full - 1));
 }
 
 int32_t ISA(fine_ease_forms)(fine *n)
@@ -49,7 +64,7 @@ int32_t ISA(fine_ease_forms)(fine *n)
 	int32_t code = ENCRE_OK;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
-		if (known[i] || !is_form(n->site + i))
+		if (known[i] || kind_of(n->site + i) == RANK_COUNT)
 			continue;
 		uint32_t count = 1;
 		open[0] = i;
@@ -57,9 +72,7 @@ int32_t ISA(fine_ease_forms)(fine *n)
 		float most, length = collect(n, known, open, &count, &most);
 		for (uint32_t k = 0; k < count; k++) {
 			site *s = n->site + open[k];
-			const encre_params *own = params_at(n->f, s->placed.near_x, s->placed.near_y);
-			float full = own->suggestive_length * n->f->scale;
-			float share = full > 0 ? min(most, length / full) : most;
+			float share = share_of(n, s, most, length);
 			s->placed.eased = (uint8_t)(255 - share * (float)(255 - s->placed.eased) + 0.5f);
 			s->linked.dropped |= share < least_share;
 		}
