@@ -56,7 +56,7 @@ typedef struct marking {
 	enum contour_side side; /* of a contour */
 	bool left, down;        /* where it goes on the screen */
 	float bend;             /* of a crease: degrees, negative for one that is shaded smoothly */
-	uint32_t piece;         /* likewise: of its mesh, raster.piece */
+	uint32_t piece;         /* of its mesh: raster.piece */
 } marking;
 
 /* What is in front at a pixel, how far a line that passes close by lies behind it, how far it may and be on it. */
@@ -86,6 +86,12 @@ static bool hides(const surface_at *s)
 	return s->behind > s->allowed;
 }
 
+/* Whether the piece of a mesh that an edge is of is at a pixel; where triangles hang together with none, the mesh. */
+static bool shows(const marking *m, const surface_at *s)
+{
+	return s->part == m->own && (m->cut || m->r->piece[s->number] == m->piece);
+}
+
 /* Whether what is at a pixel covers an edge, by however little it may and be taken for what is beside the edge. */
 static bool covers(const marking *m, const surface_at *s)
 {
@@ -106,7 +112,7 @@ static bool bounds(const marking *m, bool down, float share, float there, const 
 		return there == 0 && p->part == m->own && q->part == m->own && !hides(p) && !hides(q);
 	bool first = bounds_first(m, down);
 	const surface_at *own = first ? p : q, *other = first ? q : p;
-	return own->part == m->own && own->behind >= -own->allowed && !hides(other) &&
+	return shows(m, own) && own->behind >= -own->allowed && !hides(other) &&
 	       (there == 0 || (first ? share > -there : share < -there));
 }
 
@@ -246,6 +252,7 @@ void crossings_draw(const raster *r, int i, const band *b, int end)
 		part = geometry_part(&r->geometry, part, r->entry[n]);
 		bool line = part->mesh->kind != ENCRE_TRIANGLES;
 		m.own = line ? NULL : part;
+		m.piece = r->piece[r->entry[n]];
 		for (int k = 0; k < (line ? 1 : 3); k++) {
 			if ((!line && !is_drawn(r, part, r->entry[n] - part->first, k)) ||
 			    !segment_of(r, part, r->entry[n] - part->first, k, &s, &from, &to))
@@ -260,7 +267,6 @@ void crossings_draw(const raster *r, int i, const band *b, int end)
 			size_t corner = (size_t)3 * (r->entry[n] - part->first) + (size_t)k;
 			uint16_t bend = part->bends ? part->bends[corner] : 0;
 			m.bend = bend_degrees(bend);
-			m.piece = bend ? r->piece[r->entry[n]] : NOTHING;
 			if (bend)
 				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, crease, &m);
 		}

@@ -290,7 +290,7 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 			shade_row(r, &b, row);
 		if (r->edges)
 			crossings_draw(r, i, &b, end);
-		if (r->piece)
+		if (r->meets)
 			meets_draw(r, i, &b, end, r->meets + thread);
 	}
 }
@@ -307,7 +307,7 @@ static void plan(raster *r, int threads, arena *a)
 	r->spots = arena_take(a, r->geometry.n_points, sizeof *r->spots);
 	r->edges = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->edges) : NULL;
 	r->faces = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->faces) : NULL;
-	r->piece = r->job->creases.data ? arena_take(a, r->geometry.n_primitives, sizeof *r->piece) : NULL;
+	r->piece = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->piece) : NULL;
 	r->meets = r->job->creases.data ? arena_take(a, (size_t)threads, sizeof *r->meets) : NULL;
 	r->depth = arena_take(a, band, sizeof *r->depth);
 	r->beyond = r->job->beyond.data ? arena_take(a, band, sizeof *r->beyond) : NULL;

@@ -32,8 +32,8 @@ typedef struct raster {
 	spot *spots;         /* of the points of triangles */
 	uint8_t *faces;      /* of each triangle: contours_find()'s; with marks or creases only */
 	uint16_t *edges;     /* of each triangle: what contours_find() says; with marks or creases only */
-	uint32_t *piece;     /* of each primitive: the first that it hangs together with; with creases only */
-	struct meets *meets; /* for each thread, likewise */
+	uint32_t *piece;     /* of each primitive: the first that it hangs together with; with marks or creases only */
+	struct meets *meets; /* for each thread; with creases only */
 } raster;
 
 enum { BAND = 16 };              /* rows that are drawn at once */

@@ -6,8 +6,8 @@ import pytest
 from encre.pen import library
 from encre.pen.library import Frame, Mesh
 from judge import verdict
-from reference.marks import marks, place_of, steps_of
-from views import crumpled, looking, orthographic, perspective, pixels, rotation, soup
+from reference.marks import marks, place_of, steps_of, told
+from views import crumpled, joined, looking, orthographic, perspective, pixels, rotation, soup
 
 PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_color=0.0, edge_light=0.0, line_thickness=1.0)
 
@@ -394,3 +394,17 @@ def test_ripples_make_no_specks():
     assert not ink(layers, line_min_length=9.0).any() and ink(layers, line_min_length=4.0).any()
     layers["object"][:, 33:] = 1  # what has an outline in it is no ripple
     assert ink(layers, line_min_length=9.0)[:, 31:35].any()
+
+
+@pytest.mark.parametrize("below, seen", [(-0.6, True), (0.6, False)])
+@pytest.mark.parametrize("one_mesh", [False, True])
+def test_the_rim_of_a_piece_under_another_is_no_contour(below, seen, one_mesh):
+    """Both lie aslant, so that from pixel to pixel depth changes by more than what parts them."""
+    x, y = (v.ravel() for v in np.meshgrid((4, 12, 20.3), (2, 8, 22, 28)))
+    corners = [(k, k + 1, k + 4, k, k + 4, k + 3) for k in (0, 1, 3, 4, 6, 7)]
+    rim = Mesh(np.stack([x, y, 20 - x - 29.7 - below], 1).astype(np.float32), np.int32(corners).reshape(-1, 3))
+    over = np.float32([(-50, -50, 70), (90, -50, -70), (20, 120, 0)]) - np.float32((0, 0, 29.7))
+    meshes = [rim, Mesh(over, np.int32([(0, 1, 2)]))]
+    got = library.raster([joined(*meshes)] if one_mesh else meshes, *pixels(40, 30), Frame(40, 30), (40, 30), 0.1,
+                         outputs=("depth", "marks"))["marks"]
+    assert told(got[10:20, 18:22, 0]).any() == seen

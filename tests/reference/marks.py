@@ -185,7 +185,9 @@ def marks(lines, meshes, view, projection, frame, size, clip_start):
                 unsure[way] |= close
                 if out[way] == 0 and any(behind <= allowed for _, behind, allowed, *_ in there):
                     out[way] = share
+    _, piece = hanging(meshes)
     for number, mesh in enumerate(meshes):
+        at_point = _piece_at_points(number, mesh, piece)
         for corner, right, left, fold, cut in contours(mesh, view, projection, frame):
             screen = _corners(mesh, corner, view, projection, frame)
             along = np.diff(screen[:, :2] / screen[:, 2:3], axis=0)[0]
@@ -204,6 +206,8 @@ def marks(lines, meshes, view, projection, frame, size, clip_start):
                         unsure[way] |= out[way] <= -18  # of three, the order tells
                     continue
                 if own[0] != number or other[1] > other[2]:
+                    continue
+                if right != left and not cut and piece[number, own[5]] != at_point[corner[0]]:
                     continue
                 known, nothing = place_of(out[way]), told(out[way]) == 0
                 if right != left and other[1] > 0:
@@ -238,6 +242,10 @@ def hanging(meshes):
     """[(mesh, its triangles)] of the pieces of all meshes, and {(mesh, triangle): its piece}"""
     found = [(number, own) for number, mesh in enumerate(meshes) for own in pieces(mesh)]
     return found, {(number, t): k for k, (number, own) in enumerate(found) for t in own}
+
+
+def _piece_at_points(number, mesh, piece):
+    return {point: piece[number, t] for t, corner in enumerate(triangles(mesh).tolist()) for point in corner}
 
 
 def meets(meshes, view, projection, frame, size, clip_start):
@@ -297,7 +305,7 @@ def creases(meshes, view, projection, frame, size, clip_start):
     crossed = _walk(meshes, view, projection, frame, size, clip_start)
     _, piece = hanging(meshes)
     for own, mesh in enumerate(meshes):
-        at_point = {point: piece[own, t] for t, corner in enumerate(triangles(mesh).tolist()) for point in corner}
+        at_point = _piece_at_points(own, mesh, piece)
         for corner, degrees, smooth in bends(mesh):
             for way, close, share, there, pixel, _ in crossed(_corners(mesh, corner, view, projection, frame)):
                 covers = [behind - COVER * pixel for number, behind, *_, t in there
