@@ -104,12 +104,52 @@ int lane_note(const bends *s, int x, int y, int axis, turning *list, int count)
  * edges are one bend must not depend on that, or its line would jump to and fro. */
 typedef struct sides {
 	float all, sure;
+	float same; /* of `sure` what goes on turning the same way */
 	float seen; /* share of what is to be looked at; `closed`: too little */
 } sides;
 
+static const float *normal_along(const looking *l, int at)
+{
+	return normal_at(l->s, l->axis ? l->number : at, l->axis ? at : l->number);
+}
+
+/* By how much the normals change from one pixel of a lane to another. */
+static void change_along(const looking *l, int from, int to, float change[3])
+{
+	const float *n = normal_along(l, from), *m = normal_along(l, to);
+	for (int c = 0; c < 3; c++)
+		change[c] = m[c] - n[c];
+}
+
+static float dot_of(const float a[3], const float b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Rather than aside: on what is regular much is at right angles to what it turns by elsewhere. */
+static bool turns_back(const looking *l, const turning *t, const float across[3])
+{
+	float change[3];
+	change_along(l, t->way, t->way + 1, change);
+	float dot = dot_of(change, across);
+	return dot < 0 && 2 * dot * dot > dot_of(change, change) * dot_of(across, across);
+}
+
+/* Whether a bend from one pixel to another is a ridge, not a valley: which way the line in which both faces meet runs
+ * on the screen, up or down, tells. */
+static bool is_ridge(const looking *l, int from, int to)
+{
+	const double *v = l->s->job->view + (l->axis ? 0 : 4); /* right, or up */
+	const double *p = l->s->job->projection;
+	const float *n = normal_along(l, from), *m = normal_along(l, to);
+	double along = v[0] * (n[1] * m[2] - n[2] * m[1]) + v[1] * (n[2] * m[0] - n[0] * m[2]) +
+		       v[2] * (n[0] * m[1] - n[1] * m[0]);
+	return (along > 0) == (p[l->axis ? 5 : 0] > 0); /* else the picture is mirrored */
+}
+
 /* How much `reach` pixels beside an end of a bend turn; less counts from half of that on. Unless `enough` can be seen
  * nothing is known, but at the images' border, and from `guessed` pixels on. */
-static sides beside(const looking *l, int i, int way, float reach, float enough, float guessed)
+static sides beside(const looking *l, int i, int way, const float across[3], float reach, float enough, float guessed)
 {
 	const turning *own = l->list + i;
 	float at = own->share, seen = way < 0 ? along(own, 0) : (float)(l->size - 1 - own->way) - at;
@@ -127,6 +167,7 @@ static sides beside(const looking *l, int i, int way, float reach, float enough,
 		float turn = l->list[k].turn * most_one(2 - 2 * away / reach);
 		found.all += turn;
 		found.sure += l->list[k].sliver ? 0 : turn;
+		found.same += l->list[k].sliver || turns_back(l, l->list + k, across) ? 0 : turn;
 	}
 	if (seen < enough)
 		return (sides){.seen = border || seen >= guessed ? 0 : closed};
@@ -141,7 +182,7 @@ static sides whole_side(const sides *own, const sides *other)
 		return *own;
 	float going = own->seen > 0 ? own->sure * (1 / own->seen - 1) : 0,
 	      more = max(going, (1 - own->seen) * as_other * other->sure);
-	return (sides){own->all + more, own->sure + more, 1};
+	return (sides){own->all + more, own->sure + more, own->same + more, 1};
 }
 
 /* What edges are together, one after the other. */
@@ -182,10 +223,14 @@ static float wide_of(const sum *s)
 static sum sum_around(const looking *l, int first, int last, float reach)
 {
 	int from = first, to = last;
+	float across[3];
+	change_along(l, l->list[first].way, l->list[last].way + 1, across);
 	while (from > 0 && l->list[from - 1].turn >= 0 && !l->list[from - 1].sliver &&
+	       !turns_back(l, l->list + from - 1, across) &&
 	       along(l->list + first, l->list[from - 1].way) - l->list[from - 1].share < reach)
 		from--;
 	while (to < l->count - 1 && l->list[to + 1].turn >= 0 && !l->list[to + 1].sliver &&
+	       !turns_back(l, l->list + to + 1, across) &&
 	       along(l->list + to + 1, l->list[last].way) - l->list[last].share < reach)
 		to++;
 	sum all = sum_from(l->list + from);
@@ -206,11 +251,6 @@ static bool has_own_line(const looking *l, int first, int last, const sum *of)
 	return false;
 }
 
-static const float *normal_along(const looking *l, int at)
-{
-	return normal_at(l->s, l->axis ? l->number : at, l->axis ? at : l->number);
-}
-
 /* Notes these edges as a bend, if they are one and none that has one of them is as clear. */
 static void weigh(const looking *l, int first, int last, const sum *of)
 {
@@ -225,13 +265,19 @@ static void weigh(const looking *l, int first, int last, const sum *of)
 		return;
 	float reach = max(stretch * wide, s->narrow), enough = max(least_seen, least_share * wide),
 	      guess = wide <= narrower * s->narrow ? guessed : INFINITY;
-	sides one = beside(l, first, -1, reach, enough, guess), other = beside(l, last, 1, reach, enough, guess);
+	float across[3];
+	change_along(l, l->list[first].way, l->list[last].way + 1, across);
+	sides one = beside(l, first, -1, across, reach, enough, guess),
+	      other = beside(l, last, 1, across, reach, enough, guess);
 	if (one.seen < 0 || other.seen < 0 || one.seen + other.seen < 1) /* neither tells */
 		return;
 	sides before = whole_side(&one, &other), after = whole_side(&other, &one);
 	float goes_on = min(before.all, after.all) / of->turn,
 	      alone = clamp01((beside_to - goes_on) / (beside_to - beside_from));
-	run r = {.clear = alone * (of->turn - max(before.sure, after.sure)) / blunt,
+	bool ridge = is_ridge(l, l->list[first].way,
+			      l->list[last].way + 1); /* which has a line rather than the valley close beside it */
+	run r = {.clear = alone * (of->turn - (ridge ? max(before.same, after.same) : max(before.sure, after.sure))) /
+			  blunt,
 		 .bends = alone * (of->turn - 0.5f * (before.sure + after.sure)),
 		 .first = first,
 		 .last = last};

@@ -246,7 +246,8 @@ def test_folds_by_chance_are_what_the_reference_makes_of_them(seed):
     meshes = folds(rng, high)
     got, without = (library.raster(meshes, *pixels(960, high), frame, size, 0.1, outputs=("marks", "creases", *more))
                     for more in (("object", "normal"), ()))
-    np.testing.assert_allclose(got["creases"], spread({**got, "creases": without["creases"]}, high), atol=1e-3)
+    want = spread({**got, "creases": without["creases"]}, high)
+    np.testing.assert_allclose(got["creases"], want, atol=1e-3)
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.long) for k in range(1, 6))])

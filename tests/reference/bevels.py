@@ -61,19 +61,26 @@ def _shape(edges):
     return turn.sum(), middle, max(min(wide, place[-1] - place[0]), 0.25)
 
 
-def _beside(lane, i, way, reach, border, wide, narrow):
-    """What goes on beside an edge, and without slivers, and the share of it that is seen; None: the surface ends."""
-    total, seen, cut = np.zeros(2), abs(border - lane[i][0]), True
+def _turns_back(edge, across, normal):
+    change = normal(edge[3] + 1) - normal(edge[3])
+    return change @ across < -np.sqrt(0.5) * np.linalg.norm(change) * np.linalg.norm(across)
+
+
+def _beside(lane, i, way, reach, border, wide, narrow, back):
+    """What goes on beside an edge, and without slivers, and also without what turns back, and the share of it that is
+    seen; None: the surface ends."""
+    total, seen, cut = np.zeros(3), abs(border - lane[i][0]), True
     k = i + way
     while 0 <= k < len(lane) and abs(lane[k][0] - lane[i][0]) < reach:
         away = abs(lane[k][0] - lane[i][0])
         if lane[k][1] < 0:
             seen, cut = away, False
             break
-        total += lane[k][1] * min(1, 2 - 2 * away / reach) * np.array([1, not lane[k][4]])
+        sure = not lane[k][4]
+        total += lane[k][1] * min(1, 2 - 2 * away / reach) * np.array([1, sure, sure and not back(lane[k])])
         k += way
     if seen < max(2, wide / 2):
-        return (np.zeros(2), 0) if cut or (wide <= 0.8 * narrow and seen >= 1) else None
+        return (np.zeros(3), 0) if cut or (wide <= 0.8 * narrow and seen >= 1) else None
     return total, min(1, seen / reach)
 
 
@@ -83,7 +90,7 @@ def _whole(own, other):
     return total + max(total[1] * (1 / seen - 1) if seen else 0, 2 * (1 - seen) * beyond[1])
 
 
-def _run(lane, i, j, narrow, size, normal):
+def _run(lane, i, j, narrow, size, normal, aside):
     """What the edges from i to j are as a bend: (how clear, degrees), or None."""
     edges = lane[i:j + 1]
     turn, middle, wide = _shape(edges)
@@ -91,20 +98,25 @@ def _run(lane, i, j, narrow, size, normal):
     if max(np.diff(places), default=0) > max(0.55 * (places[-1] - places[0]), 1.25 * narrow):
         return None
     reach = max(1.6 * wide, narrow)
-    sides = [_beside(lane, k, way, reach, border, wide, narrow) for k, way, border in ((i, -1, 0), (j, 1, size - 1))]
+    across = normal(lane[j][3] + 1) - normal(lane[i][3])
+    sides = [_beside(lane, k, way, reach, border, wide, narrow, lambda edge: _turns_back(edge, across, normal))
+             for k, way, border in ((i, -1, 0), (j, 1, size - 1))]
     if None in sides or sides[0][1] + sides[1][1] < 1:
         return None
     before, after = _whole(*sides), _whole(*sides[::-1])
     alone = np.clip((0.25 - min(before[0], after[0]) / turn) / 0.13, 0, 1)
     bends = alone * (turn - (before[1] + after[1]) / 2)
-    clear = alone * (turn - max(before[1], after[1])) / (1 + (wide / (3 * narrow)) ** 2)
+    faces = np.cross(normal(lane[i][3]), normal(lane[j][3] + 1))  # they meet along that
+    counts = 2 if faces @ aside > 0 else 1  # a ridge outdoes the valley beside it
+    clear = alone * (turn - max(before[counts], after[counts])) / (1 + (wide / (3 * narrow)) ** 2)
     own = any(abs(e[2]) > (0.36 if abs(e[0] - middle) > 1.6 else 0.6) * turn for e in edges)
     straight = _degrees(normal(lane[i][3]), normal(lane[j][3] + 1)) >= 0.8 * bends
     return (clear, bends) if bends >= 20 and clear > 0 and not own and straight else None
 
 
-def _bends(maps, number, axis, narrow):
-    """The bend of each pixel of a lane, if there is one."""
+def _bends(maps, number, axis, narrow, aside):
+    """The bend of each pixel of a lane, if there is one. aside: the way on the screen across the
+    lane along which faces meet that are a ridge."""
     height, width = maps["object"].shape
     size, lane = height if axis else width, _lane(maps, number, axis)
 
@@ -117,7 +129,7 @@ def _bends(maps, number, axis, narrow):
             if lane[j][1] < 0 or lane[j][0] - lane[i][0] > 4 * narrow:
                 break
             if sum(e[1] for e in lane[i:j + 1]) >= 20:
-                found = _run(lane, i, j, narrow, size, normal)
+                found = _run(lane, i, j, narrow, size, normal, aside)
                 for k in range(i, j + 1):
                     if found and found[0] > best[k][0]:
                         best[k] = *found, i, j
@@ -127,13 +139,15 @@ def _bends(maps, number, axis, narrow):
             continue
         edges, (first, last) = lane[i:run[3] + 1], (lane[i][3], lane[run[3]][3] + 1)
         reach, near, far = 0.5 * _shape(edges)[2], i, run[3]
-        while near > 0 and lane[near - 1][1] >= 0 and not lane[near - 1][4] and lane[i][0] - lane[near - 1][0] < reach:
+        across = normal(last) - normal(first)
+        while (near > 0 and lane[near - 1][1] >= 0 and not lane[near - 1][4] and lane[i][0] - lane[near - 1][0] < reach
+               and not _turns_back(lane[near - 1], across, normal)):
             near -= 1
         while (far + 1 < len(lane) and lane[far + 1][1] >= 0 and not lane[far + 1][4]
-               and lane[far + 1][0] - lane[run[3]][0] < reach):
+               and lane[far + 1][0] - lane[run[3]][0] < reach and not _turns_back(lane[far + 1], across, normal)):
             far += 1
         _, middle, wide = _shape(lane[near:far + 1])
-        across = np.trunc(63 * (normal(last) - normal(first)))
+        across = np.trunc(63 * across)
         for k in range(size):
             off = k - middle
             if (abs(off) <= 2.6 or first <= k <= last) and not (out[k] and abs(out[k].off) <= abs(off)):
@@ -174,13 +188,14 @@ def _even(bends, y, x, narrow):
 
 
 def spread(maps, frame_height):
-    """The output `creases` with bends over several faces; maps: object, normal, marks, and creases without them."""
+    """The output `creases` with bends over several faces, as views.pixels() sees them; maps: object, normal, marks, and
+    creases without them."""
     height, width = maps["object"].shape
     narrow = float(np.clip(frame_height * 2.5 / 540, 1, 12))
-    columns = [_bends(maps, x, 1, narrow) for x in range(width)]
+    columns = [_bends(maps, x, 1, narrow, np.array([-1, 0, 0])) for x in range(width)]
     bends = {}
     for y in range(height):
-        row = _bends(maps, y, 0, narrow)
+        row = _bends(maps, y, 0, narrow, np.array([0, 1, 0]))
         bends |= {(y, x): _united(columns[x][y], row[x], narrow) for x in range(width) if columns[x][y] or row[x]}
     most = {at: _even(bends, *at, narrow) for at, bend in bends.items() if abs(bend.off) <= BY}
 
