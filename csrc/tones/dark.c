@@ -255,7 +255,7 @@ static void clear(const uint8_t *restrict keep, const uint8_t *restrict ease, bo
 
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w)
 {
-	float light[TONE_CHUNK], added[TONE_CHUNK], none[TONE_CHUNK], steep[TONE_CHUNK];
+	float light[TONE_CHUNK] = {0}, added[TONE_CHUNK], none[TONE_CHUNK], steep[TONE_CHUNK];
 	bool steps = false;
 	const float *controls = controls_at(f, x, y), *depth = layer_row(f, ENCRE_LAYER_DEPTH, y) + x;
 	light_row(f, p, y, x, n, light);
