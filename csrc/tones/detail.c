@@ -361,5 +361,5 @@ int32_t ISA(tone_detail_run)(frame *f, const tone_detail *d)
 	code = code ? code : ISA(tone_words_run)(f, d);
 	code = code ? code : bands_run(f->bands, f->height, 0, keep_rows, &w);
 	code = code ? code : ISA(tone_ground_run)(f, d);
-	return code ? code : bands_run(f->bands, f->height, 0, around_rows, &w);
+	return code || !tone_has_marks(f) ? code : bands_run(f->bands, f->height, 0, around_rows, &w);
 }

@@ -132,6 +132,11 @@ typedef struct tone_frame {
 	tone_detail detail;
 } tone_frame;
 
+static inline bool tone_has_marks(const frame *f)
+{
+	return ((const tone_frame *)f->tones)->marks != NULL;
+}
+
 /* tones.c: the coordinates of a slot's dots, spots and strokes; on the screen without `rest`. */
 void ISA(tone_chart)(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n,
 		     tone_field chart[2]);

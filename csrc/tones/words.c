@@ -360,8 +360,8 @@ static int32_t find_print(work *w, bool dark)
 	return code ? code : bands_run(pool, w->f->height, 0, print_of_rows, w);
 }
 
-/* Grounds that details' margins, in `scratch`, leave little of are clear. Leaves what is print in `print`, of light
- * things in sure[0]. */
+/* Grounds that details' margins, in `scratch`, leave little of are clear. Leaves for strokes and spots what is
+ * print in `print`, of light things in sure[0]. */
 int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d)
 {
 	work w = {.f = f, .d = d};
@@ -370,8 +370,8 @@ int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d)
 		return ENCRE_ERROR_MEMORY;
 	survey(&w, d->scratch, ground);
 	int32_t code = bands_run(f->bands, f->height, 0, ground_rows, &w);
-	code = code ? code : find_print(&w, false);
-	code = code ? code : find_print(&w, true);
+	for (int dark = 0; !code && tone_has_marks(f) && dark < 2; dark++)
+		code = find_print(&w, dark != 0);
 	late_drop(&f->late, w.open);
 	return code;
 }
