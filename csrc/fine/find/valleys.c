@@ -292,7 +292,13 @@ static void mark_rows(void *data, int y0, int y1, int thread)
 
 /* ---- bends beside them ----------------------------------------------------------------------------------- */
 
-/* How clear the valley of a pixel is, and how near: in full within a flank, beyond two not at all. */
+/* 1 within a flank, 0 beyond two; of what may lie `loose` nearer. */
+static float nearness(const fine *n, float dx, float dy, float loose)
+{
+	return clamp01(2 - (sqrtf(dx * dx + dy * dy) - loose) / (flank * n->form_sigma));
+}
+
+/* How clear the valley of a pixel is, and how near. */
 static float clear_near(const fine *n, int column, int row, float x, float y)
 {
 	float threshold = n->e->p->edge_threshold, most = 0;
@@ -303,8 +309,7 @@ static float clear_near(const fine *n, int column, int row, float x, float y)
 		if (!marked || !ISA(valley_site)(n, &at, &its))
 			continue;
 		float clear = threshold > 0 ? clamp01(2 * its.strength / threshold - 1) : 1;
-		float away = sqrtf((its.x - x) * (its.x - x) + (its.y - y) * (its.y - y));
-		most = max(most, clear * clamp01(2 - away / (flank * n->form_sigma)));
+		most = max(most, clear * nearness(n, its.x - x, its.y - y, 0));
 	}
 	return most;
 }
@@ -325,7 +330,7 @@ float ISA(valley_beside)(const fine *n, const found *at, const placed *s)
 			uint64_t four;
 			if (x + 4 <= right && (memcpy(&four, ridge, sizeof four), four == 0))
 				x += 3;
-			else if (*ridge & RIDGE_MORE)
+			else if ((*ridge & RIDGE_MORE) && nearness(n, (float)x - s->x, (float)y - s->y, 0.5f) > most)
 				most = max(most, clear_near(n, x, y, s->x, s->y));
 		}
 	return most;
