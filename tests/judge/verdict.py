@@ -21,7 +21,7 @@ PARAMS = {
 # promise: (least, most)
 LIMITS = {
     "place p95": (None, 0.25), "place max": (None, 0.8), "evenness": (0.98, None), "once": (0.995, None),
-    "steady": (0.96, None), "whole outline": (0.999, None), "whole crease": (0.995, None),
+    "steady": (0.95, None), "whole outline": (0.999, None), "whole crease": (0.995, None),
     "whole color": (0.995, None), "whole light": (0.995, None),
     "stray": (None, 0.0002), "width 1": (0.9, 1.1), "width 2": (1.9, 2.1), "width 4": (3.9, 4.1), "width 8": (7.9, 8.1),
     "still": (None, 1.1), "fair": (None, 0.002), "calm": (None, 0.0005),
