@@ -124,9 +124,12 @@ def cracks(view, bends):
         bend, unsure = _beside(view, bends, axis)
         told = (jump > 0) & same & (there[:, 1:] == there[:, :-1]) & view.meshes & ("marks" in view.given)
         bend, unsure = (a & (steps == 0) & told for a in (bend, unsure))
-        slope = told & (marks[:, :-1] == 0)
-        unsure = (unsure | (slope & (np.abs(share - 0.8) < 1e-4))) & ~(slope & (share < 0.8 - 1e-4))
-        jump = np.where(bend | (slope & (share < 0.8)), 0, jump)
+        free = told & (marks[:, :-1] == 0)
+        edges = np.pad(turn(axis, layers.creases[..., 2 * axis])[:, :-1] > 0, ((0, 0), (1, 1)))
+        goes_on = free & (edges[:, :-2] | edges[:, 1:-1] | edges[:, 2:])
+        slope = free & ~goes_on
+        unsure = (unsure | (slope & (np.abs(share - 0.8) < 1e-4))) & ~goes_on & ~(slope & (share < 0.8 - 1e-4))
+        jump = np.where(bend | goes_on | (slope & (share < 0.8)), 0, jump)
         gone = there[:, 1:] != there[:, :-1]
         strengths = {"object": gone | (object_[:, 1:] != object_[:, :-1]),
                      "material": material[:, 1:] != material[:, :-1], "depth": jump}
