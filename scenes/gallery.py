@@ -100,13 +100,14 @@ def table(what, pictures):
 
 
 def by_every_preset(folder, size):
-    """The scene that is rendered with each preset; its part of the page."""
-    pictures = []
+    """The scene that is drawn with each preset, from one frame; its part of the page."""
+    frame, pictures = folder / f"{SHOWN}-fast.exr", []
+    encre("render", ROOT / "scenes" / f"{SHOWN}.py", "-o", frame, "--size", size, "--preset", "ink_only", "--set",
+          "layer_source=ENCRE", "--set", "save_layers=ON", "--set", "save_anchor=ON", "--resume")
     for preset in presets():
         picture = f"{SHOWN}-{preset.id.replace('_', '-')}-fast"
         full = folder / f"{picture}.png"
-        encre("render", ROOT / "scenes" / f"{SHOWN}.py", "-o", full, "--size", size, "--preset", preset.id, "--set",
-              "layer_source=ENCRE")
+        encre("composite", frame, "-o", full, "--preset", preset.id)
         shrink(full, ROOT / "docs" / "scenes" / f"{picture}.jpg")
         pictures.append((preset.name, picture))
     return EVERY.format(scene=SHOWN, size=size.replace("x", "×")) + table(SCENES[SHOWN], pictures)
