@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..pen.around import Window
+from .triangles import MESHABLE
 
 
 def corners(depsgraph):
@@ -11,10 +12,15 @@ def corners(depsgraph):
     if _scatters(depsgraph.scene_eval.world):
         return np.full((1, 8, 3), np.inf)
     found = [(np.array(instance.matrix_world), np.array(instance.object.bound_box))
-             for instance in depsgraph.object_instances if instance.show_self
-             and (instance.object.type == "VOLUME"
-                  or any(_scatters(slot.material) for slot in instance.object.material_slots))]
+             for instance in depsgraph.object_instances if instance.show_self and _fills(instance.object)]
     return np.array([box @ matrix[:3, :3].T + matrix[:3, 3] for matrix, box in found]).reshape(-1, 8, 3)
+
+
+def _fills(obj):
+    """Whether an evaluated object fills space. Blender 3.4 crashes when it is asked for the slots of an empty."""
+    if obj.type not in MESHABLE:
+        return obj.type == "VOLUME"
+    return any(_scatters(slot.material) for slot in obj.material_slots)
 
 
 def _scatters(block):

@@ -236,7 +236,8 @@ def parser():
     command.add_argument("-o", "--output", metavar="OUT", required=True, type=_ending(".png"), help=(
         "a .png twice as wide and high as the frame; # in the name stands for digits of the frame number"))
     command.add_argument("--seed", metavar="N", type=int, default=0, help="chooses which of the two is on the left")
-    command.add_argument("-f", "--frame", metavar="N", type=_frame, help="the frame (default: the scene's current one)")
+    command.add_argument("-f", "--frame", metavar="N", type=_frame_list, help=(
+        "the frame, or a list such as 1-100x5,7 (default: the scene's current one)"))
     command.add_argument("-s", "--start", metavar="A", type=_frame, help="first frame of an animation")
     command.add_argument("-e", "--end", metavar="B", type=_frame, help="last frame of an animation")
     command.add_argument("--uniform", action="store_true", help="bake lines that are equally wide on the surface")

@@ -76,6 +76,7 @@ def copied(render):
 
 
 def test_settings_are_copied_between_scenes_and_styles(copied):
+    assert not copied["offered without a style"]
     scene, style = copied["first"]
     assert {"edge_detector", "paper_image", "shade_levels", "line_color"} <= scene.keys()
     assert style == {"hatch_amount": 0.25} and copied["paste"] == ["FINISHED"]

@@ -110,6 +110,12 @@ def test_seed_chooses_the_side(stripes, tmp_path):
     assert one[1].mean() > 0.7 and np.abs(one[1] - other[1]).max() > 0.5  # the caption says which is where
 
 
+def test_one_frame_by_a_distance_relative_to_the_scene(stripes, tmp_path):
+    scene = ("--set", "line_depth_unit=RELATIVE", "--set", "line_depth_distance=1")
+    works(encre(stripes, "-o", tmp_path / "out.png", *FLAT, *scene, "--size", "120x68", "-f", 2, "--samples", 1))
+    assert split(tmp_path / "out.png")[2].min() < 0.2  # the dynamic lines
+
+
 def test_frames_crops_and_blenders_lines(stripes, tmp_path):
     err = works(encre(stripes, "-o", tmp_path / "new" / "c_##.png", *FLAT[:-1], "--size", "120x68", "-s", 3, "-e", 4,
                       "--samples", 1))

@@ -193,7 +193,7 @@ def full_distance(scene):
     if distance and scene.encre.line_depth_unit == "RELATIVE":
         camera = scene.camera.evaluated_get(depsgraph)
         view = np.array(camera.matrix_world.normalized().inverted())
-        distance *= subject.distance(depsgraph, camera, view, projection_of(scene)[0])
+        distance *= subject.read(depsgraph, camera).distance(view, projection_of(scene)[0])
     return distance
 
 

@@ -76,6 +76,10 @@ class ENCRE_OT_style_store(bpy.types.Operator):
 
     param: bpy.props.EnumProperty(name="Setting", items=_surface_params)
 
+    @classmethod
+    def poll(cls, context):
+        return bool(context.scene.encre.styles)
+
     def invoke(self, context, _event):
         context.window_manager.invoke_search_popup(self)
         return {"RUNNING_MODAL"}

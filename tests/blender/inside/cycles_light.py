@@ -11,6 +11,7 @@ def denoised(out):
     """A noisy lamp, with the light denoised and not; the user's own denoiser is on."""
     scene = stage(samples=4)
     bpy.data.lights["Sun"].angle = 3.0
+    scene.collection.objects.link(bpy.data.objects.new("Empty", None))  # Blender 3.4 has no slots of it to ask for
     scene.world = bpy.data.worlds.new("World")
     scene.cycles.use_denoising = True
     scene.encre.use_lines = scene.encre.use_hatching = False

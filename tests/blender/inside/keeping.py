@@ -137,6 +137,7 @@ def settings(_out):
     mine = scene.encre
     mine.line_color, mine.edge_detector, mine.paper_image = (0.1, 0.2, 0.3), "DOG", bpy.data.images.new("Sheet", 4, 4)
     bpy.ops.encre.level_add()
+    fact("offered without a style", bpy.ops.encre.style_store.poll())
     bpy.ops.encre.style_add()
     bpy.ops.encre.style_store(param="hatch_amount")
     mine.styles[0].hatch_amount = 0.25
