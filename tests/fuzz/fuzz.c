@@ -20,7 +20,7 @@
 #include <unistd.h>
 
 enum {
-	MOST_BLOCKS = 512,
+	MOST_BLOCKS = 1024,
 	LONGEST = 120, /* seconds of a job: more is a hang */
 	LEAST = 8      /* jobs, however busy the machine */
 };
@@ -267,7 +267,7 @@ static int32_t run_job(const task *t, uint64_t *hash)
 
 /* ---- all jobs ---------------------------------------------------------------------------------------------- */
 
-enum { KINDS = 4, MOST_NAMES = 32, OF_TEN = 10, RENDERS = 5, RASTERS = 2, BAKES = 1 };
+enum { KINDS = 5, MOST_NAMES = 32, OF_TEN = 10, RENDERS = 5, RASTERS = 2 };
 
 /* Sums of hashes by name; the names are literals and the library's own. */
 static struct drawn {
@@ -290,11 +290,12 @@ static int32_t run_seed(int *kind)
 {
 	uint64_t of_ten = seed % OF_TEN;
 	state = seed * 0x2545f4914f6cdd1du;
-	*kind = of_ten < RENDERS ? 0 : of_ten < RENDERS + RASTERS ? 1 : of_ten < RENDERS + RASTERS + BAKES ? 2 : 3;
+	*kind = of_ten < RENDERS ? 0 : of_ten < RENDERS + RASTERS ? 1 : (int)of_ten + 2 - RENDERS - RASTERS;
 	task t = *kind == 0   ? random_render(seed / OF_TEN * RENDERS + of_ten)
 		 : *kind == 1 ? random_raster()
 		 : *kind == 2 ? random_bake()
-			      : random_light();
+		 : *kind == 3 ? random_light()
+			      : random_material();
 	uint64_t hash;
 	int32_t code = run_job(&t, &hash);
 	if (!cancel_at)
@@ -319,7 +320,7 @@ int main(int n, char **arguments)
 	uint64_t first = strtoull(arguments[1], NULL, 10), step = strtoull(arguments[2], NULL, 10),
 		 most = n > 4 ? strtoull(arguments[4], NULL, 10) : UINT64_MAX, done = 0;
 	double begin = seconds(), end = begin + strtod(arguments[3], NULL);
-	static const char *const names[KINDS] = {"render", "raster", "bake", "light"};
+	static const char *const names[KINDS] = {"render", "raster", "bake", "light", "material"};
 	unsigned long done_well[KINDS] = {0}, refused[KINDS] = {0}, cancelled = 0;
 	signal(SIGALRM, hang);
 	if (__sanitizer_set_death_callback)

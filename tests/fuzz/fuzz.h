@@ -93,5 +93,6 @@ task random_render(uint64_t k);
 task random_raster(void);
 task random_bake(void);
 task random_light(void);
+task random_material(void);
 
 #endif
