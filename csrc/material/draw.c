@@ -28,7 +28,7 @@ typedef struct drawing {
 	bool straight;      /* rays of an orthographic camera */
 	/* per thread */
 	block *blocks;
-	float *reg;
+	float *reg, *reach;
 	float (*results)[MATERIAL_BLOCK]; /* ENCRE_RESULTS */
 	uint8_t *wanted;                  /* most_operations */
 	pixel *sorted;                    /* BAND x width */
@@ -140,44 +140,47 @@ static void load(const drawing *d, block *b, const pixel *pixels, int n, int y0,
 }
 
 /* Runs a block's program for the middle of its pixels. */
-static void run(block *b, uint8_t *wanted, float results[][MATERIAL_BLOCK])
+static void run(block *b, float *reach, float results[][MATERIAL_BLOCK])
 {
-	memset(wanted, 1, (size_t)b->program->n_operations);
-	b->wanted = wanted;
+	b->wants = LEADS;
+	b->reach = reach;
 	b->aside[0] = b->aside[1] = 0;
+	memset(b->jump, 0, sizeof b->jump);
 	ISA(material_run)(b);
 	for (int c = 0; c < ENCRE_RESULTS; c++)
 		memcpy(results[c], b->reg + (size_t)b->program->result[c] * MATERIAL_BLOCK, sizeof results[c]);
 }
 
-/* Which operations lead to other results than normals: bumps look at places beside the pixel by themselves. */
+/* What operations are there for. Bumps look at places beside the pixel by themselves. */
 static void want(const encre_program *p, uint8_t *wanted)
 {
-	bool read[ENCRE_MAX_REGISTERS] = {false};
-	for (int c = 0; c < ENCRE_RESULT_TURNED; c++)
-		read[p->result[c]] = true;
+	uint8_t read[ENCRE_MAX_REGISTERS] = {0};
+	for (int c = 0; c < ENCRE_RESULTS; c++)
+		read[p->result[c]] |= c < ENCRE_RESULT_TURNED ? LEADS | LEADS_ASIDE : LEADS;
 	for (int k = p->n_operations - 1; k >= 0; k--) {
 		const encre_operation *o = p->operations + k;
 		const encre_operation_description *what = operation_info(o->code);
-		wanted[k] = 0;
+		uint8_t leads = 0;
 		for (int i = 0; i < what->outputs; i++) {
-			wanted[k] |= read[o->out + i];
-			read[o->out + i] = false;
+			leads |= read[o->out + i];
+			read[o->out + i] = 0;
 		}
-		for (int i = 0; wanted[k] && i < what->inputs; i++)
-			read[o->in[i]] = true;
+		for (int i = 0; i < what->inputs; i++)
+			read[o->in[i]] |= leads;
+		wanted[k] = leads | (leads & LEADS_ASIDE && operation_jumps(o->code) ? JUMPS : 0);
 	}
 }
 
 /* The mean over pixels of what run() gave, normals aside: a joint narrower than a pixel is faint, and not there at some
  * pixels only. The places lie on a lattice, a thirteenth of a pixel apart in rows and in columns. What is there at the
  * middle of a pixel fills it, so that a cut-out has no fringe: places that are less or more dense don't count. */
-static void average(block *b, uint8_t *wanted, float results[][MATERIAL_BLOCK])
+static void average(block *b, float results[][MATERIAL_BLOCK])
 {
 	float count[MATERIAL_BLOCK];
 	for (int i = 0; i < MATERIAL_BLOCK; i++)
 		count[i] = 1;
-	want(b->program, wanted);
+	b->wants = LEADS_ASIDE;
+	b->reach = NULL;
 	for (int k = 1; k < SAMPLES; k++) {
 		b->aside[0] = (float)(k - (k > SAMPLES / 2 ? SAMPLES : 0)) / SAMPLES;
 		int row = 5 * k % SAMPLES;
@@ -213,20 +216,17 @@ static void store(const encre_image *image, int channels, float least, int n, fl
 		}
 }
 
-static const char *const jumping[] = {"checker", "brick", "steps", "less", "greater", "floor"};
-
-static reads reads_of(const encre_program *p)
+static reads reads_of(const encre_program *p, const uint8_t *wanted)
 {
 	reads r = {0};
 	for (int k = 0; k < p->n_operations; k++) {
 		const char *name = operation_info(p->operations[k].code)->name;
-		r.channels |= !strcmp(name, "channel");
-		r.steps |= !strcmp(name, "footprint");
-		r.place |= !strcmp(name, "place");
-		r.normal |= !strcmp(name, "normal");
-		r.beside |= !strcmp(name, "beside");
-		for (size_t i = 0; i < sizeof jumping / sizeof *jumping; i++)
-			r.jumps |= !strcmp(name, jumping[i]);
+		r.channels |= wanted[k] && !strcmp(name, "channel");
+		r.steps |= wanted[k] && !strcmp(name, "footprint");
+		r.place |= wanted[k] && !strcmp(name, "place");
+		r.normal |= wanted[k] && !strcmp(name, "normal");
+		r.beside |= wanted[k] && !strcmp(name, "beside");
+		r.jumps |= wanted[k] & JUMPS;
 	}
 	return r;
 }
@@ -264,15 +264,48 @@ static void clear(const encre_image *image, int y0, int y1)
 			memset(pixel_at(image, x, y), 0, dense ? (size_t)image->width * pixel : pixel);
 }
 
+/* Draws n pixels of one material, by their middles, or, `aside`, by the mean. Begins the list with those in which the
+ * program may jump, and returns how many. A block of such pixels alone is drawn by the mean at once. */
+static uint32_t draw_pixels(const drawing *d, block *b, const reads *r, pixel *pixels, uint32_t n, int y0, int thread,
+			    bool aside)
+{
+	const encre_material_job *job = d->job;
+	float (*results)[MATERIAL_BLOCK] = d->results + (size_t)thread * ENCRE_RESULTS;
+	float *reach = d->reach + (size_t)thread * (size_t)d->most_registers * MATERIAL_BLOCK;
+	uint32_t left = 0;
+	for (uint32_t k = 0; k < n && !bands_stopped(d->pool); k += MATERIAL_BLOCK) {
+		pixel *from = pixels + k;
+		int jumping = 0;
+		load(d, b, from, (int)(n - k < MATERIAL_BLOCK ? n - k : MATERIAL_BLOCK), y0, r);
+		run(b, r->jumps && !aside ? reach : NULL, results);
+		for (int i = 0; i < b->n; i++)
+			jumping += b->jump[i];
+		bool whole = aside || jumping == b->n;
+		if (whole)
+			average(b, results);
+		store(&job->color, 3, 0, b->n, results + ENCRE_RESULT_COLOR, from, y0);
+		store(&job->gloss, 3, 0, b->n, results + ENCRE_RESULT_GLOSS, from, y0);
+		store(&job->emission, 3, 0, b->n, results + ENCRE_RESULT_EMISSION, from, y0);
+		store(&job->surface, 2, 0, b->n, results + ENCRE_RESULT_ALPHA, from, y0);
+		store(&job->shine, 6, 0, b->n, results + ENCRE_RESULT_SHINE, from, y0);
+		store(&job->turned, 3, -FLT_MAX, b->n, results + ENCRE_RESULT_TURNED, from, y0);
+		store(&job->holdout, 1, 0, b->n, results + ENCRE_RESULT_HOLDOUT, from, y0);
+		for (int i = 0; !whole && i < b->n; i++)
+			if (b->jump[i])
+				pixels[left++] = from[i];
+	}
+	return left;
+}
+
 static void draw_band(const drawing *d, int y0, int y1, int thread)
 {
 	const encre_material_job *job = d->job;
 	block *b = d->blocks + thread;
 	pixel *sorted = d->sorted + (size_t)thread * BAND * (size_t)d->width;
 	uint32_t *from = d->from + (size_t)thread * ((size_t)d->materials->n_programs + 1);
-	float (*results)[MATERIAL_BLOCK] = d->results + (size_t)thread * ENCRE_RESULTS;
 	uint8_t *wanted = d->wanted + (size_t)thread * (size_t)d->most_operations;
 	b->materials = d->materials;
+	b->wanted = wanted;
 	b->reg = d->reg + (size_t)thread * (size_t)d->most_registers * MATERIAL_BLOCK;
 	const encre_image *all[] = {&job->color, &job->gloss,  &job->emission, &job->surface,
 				    &job->shine, &job->turned, &job->holdout};
@@ -280,22 +313,14 @@ static void draw_band(const drawing *d, int y0, int y1, int thread)
 		clear(all[k], y0, y1);
 	sort(d, y0, y1, sorted, from);
 	for (int m = 0; m < d->materials->n_programs; m++) {
-		const encre_program *p = b->program = d->materials->programs + m;
-		reads r = from[m] < from[m + 1] ? reads_of(p) : (reads){0};
-		for (uint32_t k = from[m]; k < from[m + 1] && !bands_stopped(d->pool); k += MATERIAL_BLOCK) {
-			uint32_t n = from[m + 1] - k < MATERIAL_BLOCK ? from[m + 1] - k : MATERIAL_BLOCK;
-			load(d, b, sorted + k, (int)n, y0, &r);
-			run(b, wanted, results);
-			if (r.jumps)
-				average(b, wanted, results);
-			store(&job->color, 3, 0, b->n, results + ENCRE_RESULT_COLOR, sorted + k, y0);
-			store(&job->gloss, 3, 0, b->n, results + ENCRE_RESULT_GLOSS, sorted + k, y0);
-			store(&job->emission, 3, 0, b->n, results + ENCRE_RESULT_EMISSION, sorted + k, y0);
-			store(&job->surface, 2, 0, b->n, results + ENCRE_RESULT_ALPHA, sorted + k, y0);
-			store(&job->shine, 6, 0, b->n, results + ENCRE_RESULT_SHINE, sorted + k, y0);
-			store(&job->turned, 3, -FLT_MAX, b->n, results + ENCRE_RESULT_TURNED, sorted + k, y0);
-			store(&job->holdout, 1, 0, b->n, results + ENCRE_RESULT_HOLDOUT, sorted + k, y0);
-		}
+		if (from[m] == from[m + 1])
+			continue;
+		b->program = d->materials->programs + m;
+		want(b->program, wanted);
+		reads r = reads_of(b->program, wanted);
+		pixel *pixels = sorted + from[m];
+		uint32_t jumping = draw_pixels(d, b, &r, pixels, from[m + 1] - from[m], y0, thread, false);
+		draw_pixels(d, b, &r, pixels, jumping, y0, thread, true);
 	}
 }
 
@@ -332,6 +357,7 @@ static void plan(drawing *d, int threads, arena *a)
 	size_t n = (size_t)threads;
 	d->blocks = arena_take(a, n, sizeof *d->blocks);
 	d->reg = arena_take(a, n * (size_t)d->most_registers * MATERIAL_BLOCK, sizeof *d->reg);
+	d->reach = arena_take(a, n * (size_t)d->most_registers * MATERIAL_BLOCK, sizeof *d->reach);
 	d->results = arena_take(a, n * ENCRE_RESULTS, sizeof *d->results);
 	d->wanted = arena_take(a, n * (size_t)d->most_operations, sizeof *d->wanted);
 	d->sorted = arena_take(a, n * BAND * (size_t)d->width, sizeof *d->sorted);

@@ -23,7 +23,7 @@ static inline float far_from_nothing(float x)
 	return size > 1e-30f ? min(max(x, -1e30f), 1e30f) : 0;
 }
 
-#define EACH(name, inputs, value)                                                                                      \
+#define EACH(name, inputs, value, jumps, reach)                                                                        \
 	void ISA(run_##name)(const block *k, const encre_operation *o, const float *const in[], float *const out[])    \
 	{                                                                                                              \
 		(void)k, (void)o;                                                                                      \
@@ -34,8 +34,22 @@ static inline float far_from_nothing(float x)
 			(void)b, (void)c;                                                                              \
 			to[i] = value;                                                                                 \
 		}                                                                                                      \
+	}                                                                                                              \
+	static void reach_##name(const block *k, const encre_operation *o, const float *const in[],                    \
+				 const float *const by[], float *const out[])                                          \
+	{                                                                                                              \
+		(void)k, (void)o;                                                                                      \
+		const float *restrict first = in[0], *restrict second = in[1], *restrict third = in[2];                \
+		const float *restrict one = by[0], *restrict two = by[1], *restrict three = by[2];                     \
+		float *restrict to = out[0];                                                                           \
+		for (int i = 0; i < MATERIAL_BLOCK; i++) {                                                             \
+			float a = first[i], b = second[i], c = third[i], da = one[i], db = two[i], dc = three[i];      \
+			(void)a, (void)b, (void)c, (void)da, (void)db, (void)dc;                                       \
+			float most = reach;                                                                            \
+			to[i] = most >= 0 ? most : INFINITY;                                                           \
+		}                                                                                                      \
 	}
-#define OPERATION(name, inputs, outputs)
+#define OPERATION(name, inputs, outputs, jumps, reach)
 #include "material/operations.rows.h"
 
 static void fill(float *to, float value)
@@ -46,6 +60,28 @@ static void fill(float *to, float value)
 
 #define RUN(name)                                                                                                      \
 	void ISA(run_##name)(const block *b, const encre_operation *o, const float *const in[], float *const out[])
+#define REACH(name)                                                                                                    \
+	void ISA(reach_##name)(const block *b, const encre_operation *o, const float *const in[],                      \
+			       const float *const by[], float *const out[])
+
+REACH(same)
+{
+	(void)b, (void)in, (void)by;
+	for (int k = 0; k < operation_info(o->code)->outputs; k++)
+		fill(out[k], 0);
+}
+
+REACH(unknown)
+{
+	(void)b, (void)in;
+	const encre_operation_description *what = operation_info(o->code);
+	float most[MATERIAL_BLOCK] = {0};
+	for (int k = 0; k < what->inputs; k++)
+		for (int i = 0; i < MATERIAL_BLOCK; i++)
+			most[i] = by[k][i] > 0 ? INFINITY : most[i];
+	for (int k = 0; k < what->outputs; k++)
+		memcpy(out[k], most, sizeof most);
+}
 
 RUN(constant)
 {
@@ -65,6 +101,15 @@ static void look(const block *b, const float *restrict own, const float *restric
 		to[i] = own[i] + b->aside[0] * right[i] + b->aside[1] * down[i];
 }
 
+/* By how much that differs within the pixels. */
+static void look_about(const float *restrict right, const float *restrict down, float *restrict to)
+{
+	for (int i = 0; i < MATERIAL_BLOCK; i++) {
+		float most = 0.5f * (fabsf(right[i]) + fabsf(down[i]));
+		to[i] = most >= 0 ? most : INFINITY;
+	}
+}
+
 RUN(channel)
 {
 	(void)in;
@@ -72,11 +117,24 @@ RUN(channel)
 	look(b, b->channel[c], b->right[c], b->down[c], out[0]);
 }
 
+REACH(channel)
+{
+	(void)in, (void)by;
+	look_about(b->right[o->data[0]], b->down[o->data[0]], out[0]);
+}
+
 RUN(place)
 {
 	(void)in, (void)o;
 	for (int c = 0; c < 3; c++)
 		look(b, b->place[c], b->beside[0][c], b->beside[1][c], out[c]);
+}
+
+REACH(place)
+{
+	(void)o, (void)in, (void)by;
+	for (int c = 0; c < 3; c++)
+		look_about(b->beside[0][c], b->beside[1][c], out[c]);
 }
 
 RUN(normal)
@@ -123,14 +181,21 @@ static const float *stop_at(const float *stops, int k)
 	return stops + (size_t)5 * (size_t)k;
 }
 
+/* The last of n stops that comes before x. */
+static int stop_before(const float *stops, int n, float x)
+{
+	int k = 0;
+	while (k + 1 < n && x >= stop_at(stops, k + 1)[0])
+		k++;
+	return k;
+}
+
 RUN(ramp)
 {
 	const float *stops = b->materials->constants + o->data[0];
 	int n = o->data[1];
 	for (int i = 0; i < b->n; i++) {
-		int k = 0;
-		while (k + 1 < n && in[0][i] >= stop_at(stops, k + 1)[0])
-			k++;
+		int k = stop_before(stops, n, in[0][i]);
 		const float *from = stop_at(stops, k), *to = stop_at(stops, k + 1 < n ? k + 1 : k);
 		float wide = to[0] - from[0], t = wide > 0 ? clamp01((in[0][i] - from[0]) / wide) : 0;
 		for (int c = 0; c < 4; c++)
@@ -142,11 +207,21 @@ RUN(steps)
 {
 	const float *stops = b->materials->constants + o->data[0];
 	for (int i = 0; i < b->n; i++) {
-		int k = 0;
-		while (k + 1 < o->data[1] && in[0][i] >= stop_at(stops, k + 1)[0])
-			k++;
+		int k = stop_before(stops, o->data[1], in[0][i]);
 		for (int c = 0; c < 4; c++)
 			out[c][i] = stop_at(stops, k)[1 + c];
+	}
+}
+
+REACH(steps)
+{
+	const float *stops = b->materials->constants + o->data[0];
+	int n = o->data[1];
+	for (int i = 0; i < b->n; i++) {
+		float x = in[0][i], d = by[0][i];
+		bool same = stop_before(stops, n, x - d) == stop_before(stops, n, x + d);
+		for (int c = 0; c < 4; c++)
+			out[c][i] = same ? 0 : INFINITY;
 	}
 }
 
@@ -193,20 +268,40 @@ RUN(from_hsv)
 typedef struct entry {
 	encre_operation_description what;
 	operation_run run;
+	operation_reach reach;
 } entry;
 
 static const entry entries[] = {
-#define EACH(name, inputs, value) {{#name, inputs, 1}, ISA(run_##name)},
-#define OPERATION(name, inputs, outputs) {{#name, inputs, outputs}, ISA(run_##name)},
+#define EACH(name, inputs, value, jumps, reach) {{#name, inputs, 1}, ISA(run_##name), reach_##name},
+#define OPERATION(name, inputs, outputs, jumps, reach) {{#name, inputs, outputs}, ISA(run_##name), ISA(reach_##reach)},
 #include "material/operations.rows.h"
 };
+
+/* By how much what operation k gives differs within the pixels, before it is run: it may be put where its inputs are.
+ */
+static void reach(block *b, int k, const float *const in[])
+{
+	const encre_operation *o = b->program->operations + k;
+	const entry *e = entries + o->code;
+	const float *by[ENCRE_INPUTS];
+	float *out[MATERIAL_OUTPUTS];
+	for (int i = 0; i < ENCRE_INPUTS; i++)
+		by[i] = b->reach + (in[i] - b->reg);
+	for (int i = 0; i < e->what.outputs; i++)
+		out[i] = b->reach + (size_t)(o->out + i) * MATERIAL_BLOCK;
+	e->reach(b, o, in, by, out);
+	for (int i = 0; b->wanted[k] & JUMPS && i < MATERIAL_BLOCK; i++)
+		b->jump[i] |= out[0][i] > 0;
+}
 
 void ISA(material_run)(block *b)
 {
 	const encre_program *p = b->program;
 	memset(b->reg, 0, (size_t)p->n_registers * MATERIAL_BLOCK * sizeof *b->reg);
+	if (b->reach)
+		memset(b->reach, 0, (size_t)p->n_registers * MATERIAL_BLOCK * sizeof *b->reach);
 	for (int k = 0; k < p->n_operations; k++) {
-		if (!b->wanted[k])
+		if (!(b->wanted[k] & b->wants))
 			continue;
 		const encre_operation *o = p->operations + k;
 		const entry *e = entries + o->code;
@@ -216,6 +311,8 @@ void ISA(material_run)(block *b)
 			in[i] = b->reg + (size_t)(i < e->what.inputs ? o->in[i] : o->in[0]) * MATERIAL_BLOCK;
 		for (int i = 0; i < e->what.outputs; i++)
 			out[i] = b->reg + (size_t)(o->out + i) * MATERIAL_BLOCK;
+		if (b->reach && b->wanted[k] & LEADS_ASIDE)
+			reach(b, k, in);
 		e->run(b, o, in, out);
 	}
 }

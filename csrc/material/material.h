@@ -10,14 +10,24 @@ enum {
 	MATERIAL_OUTPUTS = 7, /* the most that an operation has */
 };
 
+/* What an operation of a program is there for. */
+enum {
+	LEADS = 1,       /* to a result */
+	LEADS_ASIDE = 2, /* to another result than normals */
+	JUMPS = 4,       /* as operations.rows.h tells, and leads aside */
+};
+
 /* Pixels of one material, and what programs read of them. */
 typedef struct block {
 	const encre_materials *materials;
 	const encre_program *program;
-	const uint8_t *wanted; /* by operation: whether it is to be run */
-	int n;                 /* of MATERIAL_BLOCK; what lies beyond is computed, and means nothing */
-	float aside[2];        /* from the middle of a pixel to where it is looked at, right and down, in pixels */
-	float *reg;            /* program->n_registers x MATERIAL_BLOCK */
+	const uint8_t *wanted;     /* by operation: LEADS, LEADS_ASIDE and JUMPS */
+	uint8_t wants;             /* those of which one is to be run */
+	int n;                     /* of MATERIAL_BLOCK; what lies beyond is computed, and means nothing */
+	float aside[2];            /* from the middle of a pixel to where it is looked at, right and down, in pixels */
+	float *reg;                /* program->n_registers x MATERIAL_BLOCK */
+	float *reach;              /* by how much these differ within the pixel, at most; NULL: not asked for */
+	bool jump[MATERIAL_BLOCK]; /* with reach: whether an operation of JUMPS does within the pixel */
 	float channel[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK];
 	float right[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK]; /* by how much it grows from a pixel to the next */
 	float down[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK];
@@ -29,11 +39,16 @@ typedef struct block {
 /* in[k] and out[k]: registers, MATERIAL_BLOCK numbers each. */
 typedef void (*operation_run)(const block *b, const encre_operation *o, const float *const in[], float *const out[]);
 
+/* by[k]: by how much in[k] differs within a pixel; out[k]: by how much what operation_run() gives does. */
+typedef void (*operation_reach)(const block *b, const encre_operation *o, const float *const in[],
+				const float *const by[], float *const out[]);
+
 /* How many numbers an operation takes and gives; NULL: there is none of that code. */
 const encre_operation_description *operation_info(int32_t code);
 int operation_count(void);
+bool operation_jumps(int32_t code);
 
-/* Runs a block's program: of its operations those that are wanted. */
+/* Runs a block's program: of its operations those that are wanted. With `reach` the middle's, and tells of jumps. */
 void ISA(material_run)(block *b);
 /* Computes a job's outputs. Returns ENCRE_OK, ENCRE_ERROR_MEMORY or ENCRE_ERROR_CANCELLED. */
 int32_t ISA(material_draw)(bands *pool, const encre_material_job *job);
@@ -42,9 +57,11 @@ int32_t material_draw_base(bands *pool, const encre_material_job *job);
 int32_t material_draw_v3(bands *pool, const encre_material_job *job);
 #endif
 
-#define EACH(name, inputs, value)
-#define OPERATION(name, inputs, outputs)                                                                               \
-	void ISA(run_##name)(const block *b, const encre_operation *o, const float *const in[], float *const out[]);
+#define EACH(name, inputs, value, jumps, reach)
+#define OPERATION(name, inputs, outputs, jumps, reach)                                                                 \
+	void ISA(run_##name)(const block *b, const encre_operation *o, const float *const in[], float *const out[]);   \
+	void ISA(reach_##reach)(const block *b, const encre_operation *o, const float *const in[],                     \
+				const float *const by[], float *const out[]);
 #include "material/operations.rows.h"
 
 #endif

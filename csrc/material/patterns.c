@@ -8,6 +8,9 @@
 
 #define RUN(name)                                                                                                      \
 	void ISA(run_##name)(const block *b, const encre_operation *o, const float *const in[], float *const out[])
+#define REACH(name)                                                                                                    \
+	void ISA(reach_##name)(const block *b, const encre_operation *o, const float *const in[],                      \
+			       const float *const by[], float *const out[])
 
 /* A whole number; far from 0 they are all alike. */
 static inline int32_t whole(float x)
@@ -15,14 +18,29 @@ static inline int32_t whole(float x)
 	return (int32_t)min(max(floorf(x), -1e9f), 1e9f);
 }
 
+/* The field of a checker along an axis: places on a boundary are inside, whatever rounding does. */
+static inline int32_t field_at(float x)
+{
+	return whole((x + 0.000001f) * 0.999999f);
+}
+
 RUN(checker)
 {
-	(void)o;
-	for (int i = 0; i < b->n; i++) {
-		int32_t odd = 0;
-		for (int c = 0; c < 3; c++) /* places on a boundary are inside, whatever rounding does */
-			odd ^= whole((in[c][i] + 0.000001f) * 0.999999f);
+	(void)b, (void)o;
+	for (int i = 0; i < MATERIAL_BLOCK; i++) {
+		int32_t odd = field_at(in[0][i]) ^ field_at(in[1][i]) ^ field_at(in[2][i]);
 		out[0][i] = odd & 1 ? 1 : 0;
+	}
+}
+
+REACH(checker)
+{
+	(void)b, (void)o;
+	for (int i = 0; i < MATERIAL_BLOCK; i++) {
+		int32_t apart = 0;
+		for (int c = 0; c < 3; c++)
+			apart |= field_at(in[c][i] - by[c][i]) ^ field_at(in[c][i] + by[c][i]);
+		out[0][i] = apart ? INFINITY : 0;
 	}
 }
 
@@ -34,33 +52,72 @@ static float chance_of(uint32_t n)
 	n = (n + 1013) & 0x7fffffff;
 	n = (n >> 13) ^ n;
 	n = (n * (n * n * 60493 + 19990303) + 1376312589) & 0x7fffffff;
-	return 0.5f * ((float)n / 1073741824.0f);
+	return 0.5f * ((float)(int32_t)n / 1073741824.0f);
 }
 
-static inline bool every(int32_t row, float frequency)
+typedef struct wall {
+	float offset, squash, mortar, smooth, bias, width, height;
+	int32_t offset_every, squash_every; /* rows; 0: none */
+} wall;
+
+static wall wall_of(const block *b, const encre_operation *o)
 {
-	int32_t n = whole(frequency);
-	return n > 0 && row % n == 0;
+	const float *p = b->materials->constants + o->data[0];
+	bool uneven = p[1] >= 1 && p[3] >= 1;
+	return (wall){p[0], p[2], p[4], p[5], p[6], p[7], p[8], uneven ? whole(p[1]) : 0, uneven ? whole(p[3]) : 0};
+}
+
+/* Whether a row is one of every n: doubles tell it as well as integers, and in vectors. */
+static inline bool every(int32_t row, int32_t n)
+{
+	double turn = (double)row / (double)n;
+	return n > 0 && turn == floor(turn);
+}
+
+/* How wide the bricks of a row are, and how far left of 0 one of them begins. */
+static inline float width_in(const wall *w, int32_t row)
+{
+	return w->width * (every(row, w->squash_every) ? w->squash : 1);
+}
+
+static inline float shift_in(const wall *w, int32_t row, float width)
+{
+	return every(row, w->offset_every) ? width * w->offset : 0;
 }
 
 RUN(brick)
 {
-	const float *p = b->materials->constants + o->data[0];
-	float offset = p[0], offset_every = p[1], squash = p[2], squash_every = p[3], mortar = p[4], smooth = p[5],
-	      bias = p[6], wide = p[7], high = p[8];
-	for (int i = 0; i < b->n; i++) {
-		float width = wide, shift = 0;
-		int32_t row = whole(in[1][i] / high);
-		if (offset_every >= 1 && squash_every >= 1) {
-			width *= every(row, squash_every) ? squash : 1;
-			shift = every(row, offset_every) ? width * offset : 0;
-		}
-		int32_t number = whole((in[0][i] + shift) / width);
-		float x = in[0][i] + shift - width * (float)number, y = in[1][i] - high * (float)row;
-		float inside = min(min(x, y), min(width - x, high - y));
-		out[0][i] = clamp01(chance_of(((uint32_t)row << 16) + ((uint32_t)number & 0xffff)) + bias);
-		float t = smooth > 0 ? clamp01((mortar - inside) / (mortar * smooth)) : 1;
-		out[1][i] = inside >= mortar ? 0 : t * t * (3 - 2 * t);
+	const wall w = wall_of(b, o);
+	const float *restrict u = in[0], *restrict v = in[1];
+	float *restrict tint = out[0], *restrict joint = out[1];
+	const float slope = w.smooth > 0 ? w.mortar * w.smooth : 0;
+	for (int i = 0; i < MATERIAL_BLOCK; i++) {
+		int32_t row = whole(v[i] / w.height);
+		float width = width_in(&w, row), shift = shift_in(&w, row, width);
+		int32_t number = whole((u[i] + shift) / width);
+		float x = u[i] + shift - width * (float)number, y = v[i] - w.height * (float)row;
+		float inside = min(min(x, y), min(width - x, w.height - y));
+		tint[i] = clamp01(chance_of(((uint32_t)row << 16) + ((uint32_t)number & 0xffff)) + w.bias);
+		float t = clamp01((w.mortar - inside) / slope); /* 1 of a slope of 0 */
+		joint[i] = inside >= w.mortar ? 0 : t * t * (3 - 2 * t);
+	}
+}
+
+/* Nothing jumps within one brick, where all is joint or nothing is. Smooth joints don't jump, but may as well. */
+REACH(brick)
+{
+	const wall w = wall_of(b, o);
+	const float *restrict u = in[0], *restrict v = in[1], *restrict du = by[0], *restrict dv = by[1];
+	for (int i = 0; i < MATERIAL_BLOCK; i++) {
+		int32_t row = whole((v[i] - dv[i]) / w.height);
+		float width = width_in(&w, row), shift = shift_in(&w, row, width);
+		int32_t number = whole((u[i] - du[i] + shift) / width);
+		bool one = row == whole((v[i] + dv[i]) / w.height) && number == whole((u[i] + du[i] + shift) / width);
+		float x = u[i] + shift - width * (float)number, y = v[i] - w.height * (float)row;
+		float across = min(x, width - x), up = min(y, w.height - y);
+		bool brick = min(across - du[i], up - dv[i]) >= w.mortar;
+		bool joint = min(across + du[i], up + dv[i]) < w.mortar - w.mortar * positive(w.smooth);
+		out[0][i] = out[1][i] = (one && (brick || joint)) || du[i] + dv[i] == 0 ? 0 : INFINITY;
 	}
 }
 

@@ -11,7 +11,7 @@ ALPHA, TURNED = 9, 17  # results
 
 def mean(program, names, pixel, *rest):
     """The results of a program at a pixel; of one that jumps from place to place, their mean over thirteen places that
-    are as dense as the middle, but for normals."""
+    are as dense as the middle, but for normals. The library looks at the middle alone where nothing can jump."""
     def results(right, down):
         ways = np.array([right, down])
         moved = {"channel": pixel.channel + ways @ [pixel.right, pixel.down],

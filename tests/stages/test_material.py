@@ -170,6 +170,52 @@ def test_bricks_of_any_kind(seed):
     compare(Materials([program("brick", (0,))], [picture(rng)], constants), maps(rng, 17, 17, 1), few=0.01)
 
 
+SLOPES = {  # on a plane of which a pixel is a small part
+    "add": (0, 1), "subtract": (0, 1), "multiply": (1, 3), "divide": (0, 3), "minimum": (0, 1), "maximum": (0, 1),
+    "mix": (0, 1, 2), "absolute": (0,), "root": (0,), "clamp": (0,), "sine": (0,), "cosine": (0,), "angle": (0, 1),
+    "power": (0, 3), "noise": (0, 1, 2, 3), "ramp": (0,), "floor": (0,), "checker": (0, 1, 2), "brick": (0, 1),
+    "steps": (0,), "place": ()}
+
+
+@pytest.mark.parametrize(("name", "last"), [*((name, "less") for name in SLOPES), ("add", "greater"), ("add", "floor"),
+                                            ("add", "steps")])
+def test_no_jump_within_a_pixel_is_missed(name, last):
+    """Thirteen places are looked at only where something may jump: the pictures are those of thirteen everywhere."""
+    rng = np.random.default_rng(len(name))
+    given = plane(rng, 10, 8)
+    wide = OPERATIONS[name][2]
+    rows = [row("channel", 0, data=(0,)), row("channel", 1, data=(1,)), row("channel", 2, data=(2,)),
+            row("constant", 3, data=(4,)), row(name, 6, SLOPES[name]), row("multiply", 4, (6, 3)),
+            row("constant", 5, data=(0,)), row(last, 6 + wide, (4, 5)[:OPERATIONS[last][1]])]
+    result = [6 + wide] * abi.RESULTS
+    result[9] = 5  # alpha
+    made = Program(np.array(rows, np.int32), 6 + wide + OPERATIONS[last][2], result)
+    compare(Materials([made], [picture(rng)], CONSTANTS), given, few=0.01)
+
+
+def plane(rng, width, height):
+    """Of one thing, whose attributes and place grow evenly."""
+    given = maps(rng, width, height, 1)
+    given["object"][:], given["material"][:], given["depth"][:] = 1, 0, 3
+    x, y = np.meshgrid(np.arange(width) - 0.45 * width, np.arange(height) - 0.55 * height)
+    given["attributes"][:] = np.stack([0.06 * x + 0.026 * y, 0.042 * y - 0.034 * x, 0.02 * (x + y), 0 * x], 2)
+    return given
+
+
+def test_where_nothing_jumps_the_middle_counts():
+    """A square beside a step far off is what its pixel's middle is, and not the mean."""
+    given = plane(np.random.default_rng(0), 30, 6)
+    given["attributes"][..., 0] = np.arange(30)
+    rows = [row("channel", 0, data=(0,)), row("constant", 1, data=(0,)), row("less", 2, (0, 1)),
+            row("multiply", 3, (0, 0)), row("add", 4, (2, 3)), row("constant", 5, data=(0,))]
+    result = [4] * abi.RESULTS
+    result[9] = 5  # alpha
+    made = Materials([Program(np.array(rows, np.int32), 6, result)], [], np.array([17.1], np.float32))
+    got = load().material(made, given, np.eye(4), perspective(30, 6), Frame(30, 6))["color"][0, :, 0]
+    off = got - np.arange(30) ** 2 - (np.arange(30) < 17.1)
+    assert np.flatnonzero(off).tolist() == [17], off
+
+
 def test_joints_narrower_than_a_pixel_are_whole():
     """Half a pixel wide and hardly aslant: as much of it in each column, to two of thirteen places."""
     given = maps(np.random.default_rng(0), 60, 13, 1)
