@@ -145,7 +145,6 @@ static void run(block *b, float *reach, float results[][MATERIAL_BLOCK])
 	b->wants = LEADS;
 	b->reach = reach;
 	b->aside[0] = b->aside[1] = 0;
-	memset(b->jump, 0, sizeof b->jump);
 	ISA(material_run)(b);
 	for (int c = 0; c < ENCRE_RESULTS; c++)
 		memcpy(results[c], b->reg + (size_t)b->program->result[c] * MATERIAL_BLOCK, sizeof results[c]);
@@ -171,9 +170,10 @@ static void want(const encre_program *p, uint8_t *wanted)
 	}
 }
 
-/* The mean over pixels of what run() gave, normals aside: a joint narrower than a pixel is faint, and not there at some
- * pixels only. The places lie on a lattice, a thirteenth of a pixel apart in rows and in columns. What is there at the
- * middle of a pixel fills it, so that a cut-out has no fringe: places that are less or more dense don't count. */
+/* The mean over pixels that may jump of what run() gave, normals aside: a joint narrower than a pixel is faint, and not
+ * there at some pixels only. The places lie on a lattice, a thirteenth of a pixel apart in rows and in columns. What is
+ * there at the middle of a pixel fills it, so that a cut-out has no fringe: places that are less or more dense don't
+ * count. */
 static void average(block *b, float results[][MATERIAL_BLOCK])
 {
 	float count[MATERIAL_BLOCK];
@@ -190,7 +190,7 @@ static void average(block *b, float results[][MATERIAL_BLOCK])
 		float share[MATERIAL_BLOCK];
 		for (int i = 0; i < MATERIAL_BLOCK; i++) {
 			float alpha = b->reg[(size_t)from[ENCRE_RESULT_ALPHA] * MATERIAL_BLOCK + (size_t)i];
-			share[i] = alpha == results[ENCRE_RESULT_ALPHA][i] ? 1 : 0;
+			share[i] = b->jump[i] && alpha == results[ENCRE_RESULT_ALPHA][i] ? 1 : 0;
 			count[i] += share[i];
 		}
 		for (int c = 0; c < ENCRE_RESULT_TURNED; c++) {
@@ -265,7 +265,8 @@ static void clear(const encre_image *image, int y0, int y1)
 }
 
 /* Draws n pixels of one material, by their middles, or, `aside`, by the mean. Begins the list with those in which the
- * program may jump, and returns how many. A block of such pixels alone is drawn by the mean at once. */
+ * program may jump, and returns how many. A block with more of them than others is drawn by the mean at once: to load
+ * them again takes longer than to run the others along. */
 static uint32_t draw_pixels(const drawing *d, block *b, const reads *r, pixel *pixels, uint32_t n, int y0, int thread,
 			    bool aside)
 {
@@ -277,10 +278,11 @@ static uint32_t draw_pixels(const drawing *d, block *b, const reads *r, pixel *p
 		pixel *from = pixels + k;
 		int jumping = 0;
 		load(d, b, from, (int)(n - k < MATERIAL_BLOCK ? n - k : MATERIAL_BLOCK), y0, r);
+		memset(b->jump, aside, sizeof b->jump);
 		run(b, r->jumps && !aside ? reach : NULL, results);
 		for (int i = 0; i < b->n; i++)
 			jumping += b->jump[i];
-		bool whole = aside || jumping == b->n;
+		bool whole = 2 * jumping > b->n;
 		if (whole)
 			average(b, results);
 		store(&job->color, 3, 0, b->n, results + ENCRE_RESULT_COLOR, from, y0);

@@ -27,7 +27,7 @@ typedef struct block {
 	float aside[2];            /* from the middle of a pixel to where it is looked at, right and down, in pixels */
 	float *reg;                /* program->n_registers x MATERIAL_BLOCK */
 	float *reach;              /* by how much these differ within the pixel, at most; NULL: not asked for */
-	bool jump[MATERIAL_BLOCK]; /* with reach: whether an operation of JUMPS does within the pixel */
+	bool jump[MATERIAL_BLOCK]; /* whether something may within the pixel; reach adds to it by operations of JUMPS */
 	float channel[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK];
 	float right[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK]; /* by how much it grows from a pixel to the next */
 	float down[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK];
