@@ -155,7 +155,8 @@ static void want(const encre_program *p, uint8_t *wanted)
 {
 	uint8_t read[ENCRE_MAX_REGISTERS] = {0};
 	for (int c = 0; c < ENCRE_RESULTS; c++)
-		read[p->result[c]] |= c < ENCRE_RESULT_TURNED ? LEADS | LEADS_ASIDE : LEADS;
+		read[p->result[c]] |=
+			c < ENCRE_RESULT_TURNED || c == ENCRE_RESULT_HOLDOUT ? LEADS | LEADS_ASIDE : LEADS;
 	for (int k = p->n_operations - 1; k >= 0; k--) {
 		const encre_operation *o = p->operations + k;
 		const encre_operation_description *what = operation_info(o->code);
@@ -170,10 +171,17 @@ static void want(const encre_program *p, uint8_t *wanted)
 	}
 }
 
+/* Whether a place, as the block has just been run, is as dense as the middle of pixel i, and as much of a hole. */
+static bool same_cut(const block *b, float results[][MATERIAL_BLOCK], int i)
+{
+	const float *alpha = b->reg + (size_t)b->program->result[ENCRE_RESULT_ALPHA] * MATERIAL_BLOCK;
+	const float *hole = b->reg + (size_t)b->program->result[ENCRE_RESULT_HOLDOUT] * MATERIAL_BLOCK;
+	return alpha[i] == results[ENCRE_RESULT_ALPHA][i] && hole[i] == results[ENCRE_RESULT_HOLDOUT][i];
+}
+
 /* The mean over pixels that may jump of what run() gave, normals aside: a joint narrower than a pixel is faint, and not
  * there at some pixels only. The places lie on a lattice, a thirteenth of a pixel apart in rows and in columns. What is
- * there at the middle of a pixel fills it, so that a cut-out has no fringe: places that are less or more dense don't
- * count. */
+ * there at the middle of a pixel fills it, so that a cut-out has no fringe: other places don't count. */
 static void average(block *b, float results[][MATERIAL_BLOCK])
 {
 	float count[MATERIAL_BLOCK];
@@ -189,8 +197,7 @@ static void average(block *b, float results[][MATERIAL_BLOCK])
 		const int32_t *from = b->program->result;
 		float share[MATERIAL_BLOCK];
 		for (int i = 0; i < MATERIAL_BLOCK; i++) {
-			float alpha = b->reg[(size_t)from[ENCRE_RESULT_ALPHA] * MATERIAL_BLOCK + (size_t)i];
-			share[i] = b->jump[i] && alpha == results[ENCRE_RESULT_ALPHA][i] ? 1 : 0;
+			share[i] = b->jump[i] && same_cut(b, results, i) ? 1 : 0;
 			count[i] += share[i];
 		}
 		for (int c = 0; c < ENCRE_RESULT_TURNED; c++) {

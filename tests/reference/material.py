@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 JUMPS = "checker", "brick", "steps", "less", "greater", "floor"
-ALPHA, TURNED = 9, 17  # results
+ALPHA, TURNED, HOLDOUT = 9, 17, 20  # results
 
 
 def mean(program, names, pixel, *rest):
@@ -22,7 +22,8 @@ def mean(program, names, pixel, *rest):
     if not {names[code] for code, *_ in program.operations} & {*JUMPS}:
         return middle
     places = [(k / 13, ((5 * k + 6) % 13 - 6) / 13) for k in range(-6, 7)]
-    seen = [found for found in (results(*place) for place in places) if found[ALPHA] == middle[ALPHA]]
+    cut = [ALPHA, HOLDOUT]
+    seen = [found for found in (results(*place) for place in places) if (found[cut] == middle[cut]).all()]
     return np.concatenate([np.mean(seen, 0)[:TURNED], middle[TURNED:]])
 
 

@@ -9,7 +9,7 @@ from encre.pen import abi, library
 from encre.pen.errors import Cancelled, EncreError
 from encre.pen.job import Frame, Materials, Picture, Program
 from encre.pen.library import load
-from reference.material import mean, run
+from reference.material import ALPHA, HOLDOUT, mean, run
 from views import crowded, looking, orthographic, perspective
 
 OPERATIONS = load().operations
@@ -188,7 +188,7 @@ def test_no_jump_within_a_pixel_is_missed(name, last):
             row("constant", 3, data=(4,)), row(name, 6, SLOPES[name]), row("multiply", 4, (6, 3)),
             row("constant", 5, data=(0,)), row(last, 6 + wide, (4, 5)[:OPERATIONS[last][1]])]
     result = [6 + wide] * abi.RESULTS
-    result[9] = 5  # alpha
+    result[ALPHA] = result[HOLDOUT] = 5
     made = Program(np.array(rows, np.int32), 6 + wide + OPERATIONS[last][2], result)
     compare(Materials([made], [picture(rng)], CONSTANTS), given, few=0.01)
 
@@ -209,7 +209,7 @@ def test_where_nothing_jumps_the_middle_counts():
     rows = [row("channel", 0, data=(0,)), row("constant", 1, data=(0,)), row("less", 2, (0, 1)),
             row("multiply", 3, (0, 0)), row("add", 4, (2, 3)), row("constant", 5, data=(0,))]
     result = [4] * abi.RESULTS
-    result[9] = 5  # alpha
+    result[ALPHA] = result[HOLDOUT] = 5
     made = Materials([Program(np.array(rows, np.int32), 6, result)], [], np.array([17.1], np.float32))
     got = load().material(made, given, np.eye(4), perspective(30, 6), Frame(30, 6))["color"][0, :, 0]
     off = got - np.arange(30) ** 2 - (np.arange(30) < 17.1)
@@ -225,20 +225,23 @@ def test_joints_narrower_than_a_pixel_are_whole():
     made = program("brick", (0,))
     mortar, one = 7, 8
     results = [mortar] * abi.RESULTS
-    results[9] = one
+    results[ALPHA] = results[HOLDOUT] = one
     made = Program(np.array([*made.operations, row("constant", one, data=(9,))], np.int32), 9, results)
     joints = np.array([0, 0, 1, 0, 0.25 / 20, 0, 0, 1000, 1, 1], np.float32)
     got = load().material(Materials([made], [], joints), given, np.eye(4), perspective(60, 13), Frame(60, 13, 0, 0))
     assert np.abs(got["color"][..., 0].sum(0) - 0.5).max() < 2 / 13
 
 
-def test_a_cut_out_has_no_fringe():
+@pytest.mark.parametrize("cut", [ALPHA, HOLDOUT])
+def test_a_cut_out_has_no_fringe(cut):
     """What is there at the middle of a pixel has the colour of what is there, not of the hole beside it."""
     given = maps(np.random.default_rng(0), 30, 5, 1)
     given["attributes"][..., 0] = 0.1 * np.arange(30)
     given["object"][:], given["material"][:] = 1, 0
+    results = [1] * abi.RESULTS
+    results[:3], results[cut] = [2] * 3, 2
     made = Program(np.array([row("constant", 1, data=(0,)), row("channel", 0, data=(0,)), row("less", 2, (0, 1))],
-                            np.int32), 3, [2] * abi.RESULTS)
+                            np.int32), 3, results)
     got = load().material(Materials([made], [], np.array([1.23], np.float32)), given, np.eye(4), perspective(30, 5),
                           Frame(30, 5, 0, 0))
     assert np.array_equal(got["color"][..., 0], np.broadcast_to(0.1 * np.arange(30) < 1.23, (5, 30)))
