@@ -141,6 +141,10 @@ static inline bool tone_has_marks(const frame *f)
 void ISA(tone_chart)(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n,
 		     tone_field chart[2]);
 
+/* slots.c: pixels from dot to dot; a style's tones. */
+float ISA(tone_pitch)(const frame *f, float pitch);
+void ISA(tone_style_fill)(const frame *f, const encre_params *p, tone_style *t);
+
 /* detail.c, words.c, room.c: fill keep and room. */
 void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a);
 int32_t ISA(tone_detail_run)(frame *f, const tone_detail *d);
