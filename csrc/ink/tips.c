@@ -396,7 +396,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 	g.varied |= g.fewer;
 	int32_t code = farther > 0 || pooled ? ISA(turns_find)(f, 6 * farther, &g.turns) : ENCRE_OK;
 	if (!code && curved)
-		code = ISA(bends_find)(f, &g.turns);
+		code = ISA(curves_find)(f, &g.turns);
 	if (!code && striped)
 		code = ISA(strips_make)(f, g.pens, &g.strips);
 	if (code)

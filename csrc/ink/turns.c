@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How lines turn: where ink gathers, where pens press harder, and where strokes go on beyond corners. And how far along
- * them a site is, by the place on its thing. */
+/* How lines turn: where ink gathers, and where strokes go on beyond corners. And how far along them a site is, by the
+ * place on its thing. */
 #include "ink/turns.h"
 
 #include "base/stage.h"
@@ -83,9 +83,8 @@ uint32_t ISA(onward)(const fine *n, uint32_t from, uint32_t i)
 
 typedef struct finding {
 	const fine *n;
-	turns *t;
 	float *turn;
-	float room, arm;
+	float room;
 } finding;
 
 static void turn_rows(void *data, int first, int end, int thread)
@@ -98,7 +97,7 @@ static void turn_rows(void *data, int first, int end, int thread)
 		if (n->site[i].linked.dropped || links_at(n, (uint32_t)i) != 2)
 			continue;
 		const uint32_t *to = n->to + n->at[i];
-		reached a = walk(n, (uint32_t)i, to[0], g->arm, NULL), b = walk(n, (uint32_t)i, to[1], g->arm, NULL);
+		reached a = walk(n, (uint32_t)i, to[0], arm, NULL), b = walk(n, (uint32_t)i, to[1], arm, NULL);
 		if (unit_of(&a) && unit_of(&b) && a.length >= least_arm && b.length >= least_arm)
 			g->turn[i] = 1 + a.dx * b.dx + a.dy * b.dy;
 	}
@@ -168,7 +167,7 @@ int32_t ISA(turns_find)(frame *f, float room, turns *t)
 {
 	const fine *n = f->fine;
 	t->turn = late_take(&f->late, n->count, sizeof *t->turn);
-	finding g = {n, t, t->turn, room, arm};
+	finding g = {n, t->turn, room};
 	if (!t->turn)
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, turn_rows, &g);
@@ -184,116 +183,6 @@ int32_t ISA(turns_find)(frame *f, float room, turns *t)
 		if (!t->spur)
 			return ENCRE_ERROR_MEMORY;
 	}
-	return code;
-}
-
-/* ---- bends ----------------------------------------------------------------------------------------------- */
-
-/* Along the line each way, over which its way is told: in units, and in pixels at least; and corners. */
-static const float side = 28, least_side = 12, corner_arm = 12;
-/* Units: a bend of this radius is half of the most. */
-static const float half_bent = 60;
-
-/* What is read of a site on the way, close together. */
-typedef struct stop {
-	float x, y;
-	uint32_t both; /* as both_of() */
-	float runs;    /* 0 at a corner, else up to 1; below 0 where it is dropped */
-} stop;
-
-typedef struct bending {
-	const fine *n;
-	float *turn, *bend;
-	stop *stop; /* by site */
-	float arm;
-} bending;
-
-/* Corners are those where strokes end, but none begins from one frame to the next. */
-static void stop_rows(void *data, int first, int end, int thread)
-{
-	(void)thread;
-	const bending *g = data;
-	const fine *n = g->n;
-	for (int i = first; i < end && !stopped_at(n, i); i++) {
-		const placed *s = &n->site[i].placed;
-		float turn = g->turn[i], bent = 0;
-		for (uint32_t k = n->at[i]; turn > 0.1f && k < n->at[i + 1]; k++)
-			bent = max(bent, walk(n, (uint32_t)i, n->to[k], g->arm, g->turn).least);
-		float corner = turn > 0.1f ? clamp01((turn - 0.1f) / 0.15f) * clamp01(4.5f - 5 * bent / turn) : 0;
-		g->stop[i] = (stop){s->x, s->y, both_of(n, (uint32_t)i), n->site[i].linked.dropped ? -1 : 1 - corner};
-	}
-}
-
-typedef struct flank {
-	float x, y, share; /* its way, of any length; and how much of it there is */
-} flank;
-
-/* The mean way from i over `first`. The place of i tells little of it, and the last: each jitters. Corners end it. */
-static flank flank_of(const bending *g, uint32_t i, uint32_t first, float reach)
-{
-	flank to = {0};
-	float along = 0, runs = g->stop[i].runs, shorter = 1 / reach;
-	uint32_t from = i, at = first;
-	while (at != UINT32_MAX && at != i && along < reach && runs > 0 && g->stop[at].runs >= 0) {
-		const stop *a = g->stop + from, *b = g->stop + at;
-		float x = b->x - a->x, y = b->y - a->y, step = sqrtf(x * x + y * y),
-		      part = (along + 0.5f * step) * shorter, weight = part < 1 ? part * (1 - part) * runs : 0;
-		to.x += weight * x;
-		to.y += weight * y;
-		to.share += weight * step;
-		along += step;
-		runs = min(runs, b->runs);
-		uint32_t next = b->both != UINT32_MAX ? b->both ^ from : ISA(onward)(g->n, from, at);
-		from = at;
-		at = next;
-	}
-	to.share *= 6 * shorter;
-	return to;
-}
-
-/* k / (k + 1) of a curvature k, as if lines went straight on beyond their ends: so nothing jumps where one grows. */
-static float bend_of(const bending *g, uint32_t i)
-{
-	const uint32_t *to = g->n->to + g->n->at[i];
-	float unit = g->n->f->scale, reach = max(side * unit, least_side);
-	flank a = flank_of(g, i, to[0], reach), b = flank_of(g, i, to[1], reach);
-	float across = fabsf(a.x * b.y - a.y * b.x), along = -(a.x * b.x + a.y * b.y),
-	      both = sqrtf((a.x * a.x + a.y * a.y) * (b.x * b.x + b.y * b.y));
-	/* twice the tangent of half the angle, over the way from the middle of one side to that of the other */
-	float bent = 2 * half_bent * unit * across * a.share * b.share;
-	return bent > 0 ? bent / (bent + reach * max(0, both + along)) : 0;
-}
-
-static void bend_rows(void *data, int first, int end, int thread)
-{
-	(void)thread;
-	const bending *g = data;
-	const fine *n = g->n;
-	for (int i = first; i < end; i++) {
-		if (stopped_at(n, i))
-			return;
-		/* where lines meet it may be another's: discs beside it cover it */
-		bool told = !n->site[i].linked.dropped && links_at(n, (uint32_t)i) == 2;
-		g->bend[i] = told ? bend_of(g, (uint32_t)i) : 0;
-	}
-}
-
-int32_t ISA(bends_find)(frame *f, turns *t)
-{
-	const fine *n = f->fine;
-	float reach = max(corner_arm * f->scale, arm);
-	bending g = {n, late_take(&f->late, n->count, sizeof *g.turn), late_take(&f->late, n->count, sizeof *g.bend),
-		     late_take(&f->late, n->count, sizeof *g.stop), reach};
-	t->bend = g.bend;
-	if (!g.turn || !g.bend || !g.stop)
-		return ENCRE_ERROR_MEMORY;
-	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, turn_rows, &(finding){n, t, g.turn, 0, reach});
-	if (!code)
-		code = bands_run(f->bands, (int)n->count, CHUNK, stop_rows, &g);
-	if (!code)
-		code = bands_run(f->bands, (int)n->count, CHUNK, bend_rows, &g);
-	late_drop(&f->late, g.turn);
-	late_drop(&f->late, g.stop);
 	return code;
 }
 

@@ -28,7 +28,7 @@ int32_t ISA(turns_find)(frame *f, float room, turns *t);
 uint32_t ISA(onward)(const fine *n, uint32_t from, uint32_t i);
 
 /* How lines bend, over several of their widths. */
-int32_t ISA(bends_find)(frame *f, turns *t);
+int32_t ISA(curves_find)(frame *f, turns *t);
 
 /* Where the end of a stroke's k-th spur is among all ends: behind those of sites. */
 static inline size_t spur_end(const capsules *all, const turns *t, uint32_t stroke, uint32_t k)
