@@ -30,8 +30,7 @@ static enum contour_side facing(const part *part, uint32_t i)
 		     *c = &part->spots[topology_point(part->mesh, 3 * i + 2)].corner;
 	if (same_place(a, b) || same_place(b, c) || same_place(c, a))
 		return CONTOUR_BOTH;
-	double volume = a->x * (b->y * c->w - c->y * b->w) + b->x * (c->y * a->w - a->y * c->w) +
-			c->x * (a->y * b->w - b->y * a->w);
+	double volume = outline_turn(a, b, c);
 	return volume > 0 ? CONTOUR_RIGHT : volume < 0 ? CONTOUR_LEFT : CONTOUR_NONE;
 }
 

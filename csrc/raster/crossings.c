@@ -22,6 +22,13 @@ static bool segment_of(const raster *r, const part *part, uint32_t primitive, in
 	return segment_make(&r->room, (const corner[2]){c[line ? 0 : k], c[line ? 1 : (k + 1) % 3]}, s, y0, y1);
 }
 
+static double turn_of(const part *part, uint32_t number)
+{
+	corner c[3];
+	geometry_corners(part, number - part->first, c);
+	return outline_turn(c, c + 1, c + 2);
+}
+
 /* Whether an edge of a triangle can be a contour or a crease. */
 static bool is_drawn(const raster *r, const part *part, uint32_t primitive, int k)
 {
@@ -57,13 +64,14 @@ typedef struct marking {
 	bool left, down;        /* where it goes on the screen */
 	float bend;             /* of a crease: degrees, negative for one that is shaded smoothly */
 	uint32_t piece;         /* of its mesh: raster.piece */
+	double turn;            /* outline_turn() of its triangle, if the surface goes on in that of the other side */
 } marking;
 
 /* What is in front at a pixel, how far a line that passes close by lies behind it, how far it may and be on it. */
 typedef struct surface_at {
 	const part *part; /* NULL: nothing */
 	uint32_t number;
-	double behind, allowed, step, pixel;
+	double behind, allowed, step, pixel, turn;
 } surface_at;
 
 static surface_at look(marking *m, const crossing *c, int x, int y)
@@ -78,7 +86,13 @@ static surface_at look(marking *m, const crossing *c, int x, int y)
 	geometry_corners(m->part, number - m->part->first, corner);
 	double z = outline_depth(corner, c->x + 0.5, c->y + 0.5, &step);
 	pixel *= r->job->projection[14] != 0 ? c->z : 1; /* in scene units, where the line is */
-	return (surface_at){m->part, number, c->z - z, 0.5 * (step + pixel), step, pixel};
+	return (surface_at){m->part,
+			    number,
+			    c->z - z,
+			    0.5 * (step + pixel),
+			    step,
+			    pixel,
+			    outline_turn(corner, corner + 1, corner + 2)};
 }
 
 static bool hides(const surface_at *s)
@@ -92,10 +106,12 @@ static bool shows(const marking *m, const surface_at *s)
 	return s->part == m->own && (m->cut || m->r->piece[s->number] == m->piece);
 }
 
-/* Whether what is at a pixel covers an edge, by however little it may and be taken for what is beside the edge. */
+/* Whether what is at a pixel covers an edge, by however little it may and be taken for what is beside the edge: another
+ * piece, or of a thin thing the side that is turned the other way. */
 static bool covers(const marking *m, const surface_at *s)
 {
-	return s->part && m->r->piece[s->number] != m->piece && s->behind > least_cover * s->pixel;
+	return s->part && (m->r->piece[s->number] != m->piece || s->turn * m->turn < 0) &&
+	       s->behind > least_cover * s->pixel;
 }
 
 /* Whether what a contour bounds is at the first of both pixels. */
@@ -267,6 +283,7 @@ void crossings_draw(const raster *r, int i, const band *b, int end)
 			size_t corner = (size_t)3 * (r->entry[n] - part->first) + (size_t)k;
 			uint16_t bend = part->bends ? part->bends[corner] : 0;
 			m.bend = bend_degrees(bend);
+			m.turn = bend && m.side == CONTOUR_NONE ? turn_of(part, r->entry[n]) : 0;
 			if (bend)
 				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, crease, &m);
 		}

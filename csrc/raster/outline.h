@@ -18,6 +18,14 @@ typedef struct corner {
 	double x, y, w, z;
 } corner;
 
+/* Which way round the corners of a triangle go on the screen, also where one lies behind the eye: above 0, below 0, or
+ * 0 of what is seen from its edge. */
+static inline double outline_turn(const corner *a, const corner *b, const corner *c)
+{
+	return a->x * (b->y * c->w - c->y * b->w) + b->x * (c->y * a->w - a->y * c->w) +
+	       c->x * (a->y * b->w - b->y * a->w);
+}
+
 /* A corner, and where it is on the sub-pixel grid unless it lies outside. */
 typedef struct spot {
 	corner corner;

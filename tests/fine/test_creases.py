@@ -271,3 +271,18 @@ def test_bumps_are_whole_lines_where_they_are_asked_for(noise):
     assert np.abs((drawn * columns).sum(1) / drawn.sum(1) - middle).max() < 0.4
     assert not drawn[np.abs(columns - middle[:, None]) > 4].any()
     assert not ink(0.0).any()
+
+
+def test_the_back_of_a_thin_thing_is_not_seen():
+    """A sheet with a ridge, steep on its left, and its back .8 pixels under it: less than what depth changes there."""
+    front = [(4, -97.8), (20.3, 0), (36, 15.7)]
+    points = np.float32([(x + dx, y, z + dz - 30) for dx, dz in ((0, 0), (1.6, 0.8)) for x, z in front
+                         for y in (4, 26)])
+    front = [f for k in (0, 2) for f in ((k, k + 1, k + 3), (k, k + 3, k + 2))]
+    back = [tuple(6 + k for k in f[::-1]) for f in front]
+    mesh = Mesh(points, np.int32([*front, *back, (0, 6, 7), (0, 7, 1)]))
+    camera = *pixels(40, 30), Frame(40, 30)
+    got = passing([mesh], *camera)
+    assert (got[10:20, 19, 1] > 30).all() and not got[10:20, 20:24, 1].any()
+    want, unsure = creases([mesh], *camera, (40, 30), 0.1)
+    np.testing.assert_allclose(got[~unsure], want[~unsure], atol=0.01)

@@ -14,6 +14,11 @@ def _corners(mesh, corner, view, projection, frame):
     return raster.on_screen(np.c_[camera, np.ones(len(camera))] @ projection.T, camera, frame)
 
 
+def _turn(screen):
+    """Which way round the corners of a triangle go, by sign."""
+    return np.linalg.det(screen[:, :3])
+
+
 def _plane(screen, x, y):
     """Depth of a triangle's plane at a place on the screen."""
     system = np.stack([screen[:, 0] - x * screen[:, 2], screen[:, 1] - y * screen[:, 2], np.ones(3)])
@@ -53,7 +58,7 @@ def contours(mesh, view, projection, frame):
     number = np.stack([np.zeros(len(corners)) if n is None else n for n in (mesh.object, mesh.material)], 1)
     edges = {}
     for t, corner in enumerate(corners):
-        volume = np.linalg.det(_corners(mesh, corner, view, projection, frame)[:, :3])
+        volume = _turn(_corners(mesh, corner, view, projection, frame))
         if len(np.unique(np.asarray(mesh.points)[corner], axis=0)) < 3:  # it parts nothing
             continue
         for a, b in zip(same[corner], same[np.roll(corner, -1)], strict=True):
@@ -86,7 +91,8 @@ def triangles(mesh):
 
 
 def bends(mesh):
-    """(corners, degrees, smooth) of each edge that two triangles or more share and that may be a crease."""
+    """(corners, degrees, smooth, the first of its triangles) of each edge that two or more share and that may be a
+    crease."""
     corners = triangles(mesh)
     world = np.asarray(mesh.points, np.float32).astype(float) @ mesh.model[:3, :3].T + mesh.model[:3, 3]
     across = np.cross(world[corners[:, 1]] - world[corners[:, 0]], world[corners[:, 2]] - world[corners[:, 0]])
@@ -106,7 +112,7 @@ def bends(mesh):
             if degrees > most:
                 most, smooth = min(degrees, 180), min(first[2], other[2]) == 1
         if most >= 5:
-            yield np.array(edge), most, smooth
+            yield np.array(edge), most, smooth, first[0]
 
 
 def _walk(meshes, view, projection, frame, size, clip_start):
@@ -306,10 +312,13 @@ def creases(meshes, view, projection, frame, size, clip_start):
     _, piece = hanging(meshes)
     for own, mesh in enumerate(meshes):
         at_point = _piece_at_points(own, mesh, piece)
-        for corner, degrees, smooth in bends(mesh):
+        ends = {tuple(edge) for edge, *_ in contours(mesh, view, projection, frame)}
+        for corner, degrees, smooth, first in bends(mesh):
+            turn = _turn(_corners(mesh, triangles(mesh)[first], view, projection, frame))
+            turn *= tuple(corner) not in ends  # what lies on both sides of a contour is turned either way
             for way, close, share, there, pixel, _ in crossed(_corners(mesh, corner, view, projection, frame)):
-                covers = [behind - COVER * pixel for number, behind, *_, t in there
-                          if piece.get((number, t)) != at_point[corner[0]]]
+                covers = [behind - COVER * pixel for number, behind, *_, screen, t in there if number >= 0 and (
+                    piece[number, t] != at_point[corner[0]] or _turn(screen) * turn < 0)]
                 covered = len(covers) == 2 and min(covers) > 0
                 unsure[way] |= close or any(abs(cover) < 1e-4 * pixel for cover in covers) or (
                     out[way][0] > 0 and abs(degrees - abs(out[way][1])) < 0.02)
