@@ -273,6 +273,21 @@ def test_bumps_are_whole_lines_where_they_are_asked_for(noise):
     assert not ink(0.0).any()
 
 
+def ribbon(width, slant):
+    """A strip so many pixels wide between two faces, from which both bend away by 40 degrees, aslant."""
+    far = 12 - width / 2
+    points = [(20.3 + a * np.cos(slant) - v * np.sin(slant), 15.2 + a * np.sin(slant) + v * np.cos(slant), z - 30)
+              for a, z in ((-12, -0.84 * far), (-width / 2, 0), (width / 2, 0), (12, -0.84 * far)) for v in (-12, 12)]
+    return Mesh(np.float32(points), np.int32([f for k in (0, 2, 4) for f in ((k, k + 1, k + 3), (k, k + 3, k + 2))]))
+
+
+@pytest.mark.parametrize("slant", [-1.2, -0.79, -np.pi / 4, -0.4, 0.0, np.pi / 4, 1.2])
+def test_of_two_edges_that_bend_alike_one_stays_whichever_way_they_go(slant):
+    """As of a chamfer. Rows gave way to the one and columns to the other: at 45 degrees nothing stayed."""
+    ink = picture(ribbon(1.4, slant), line_thickness=1.0)[9:22, 14:27].sum()
+    assert ink * max(np.cos(slant), abs(np.sin(slant))) == pytest.approx(13, rel=0.15)
+
+
 def test_the_back_of_a_thin_thing_is_not_seen():
     """A sheet with a ridge, steep on its left, and its back .8 pixels under it: less than what depth changes there."""
     front = [(4, -97.8), (20.3, 0), (36, 15.7)]

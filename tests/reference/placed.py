@@ -232,6 +232,7 @@ class _Lanes:
         turn = (lambda a: a[..., axis].T) if axis else (lambda a: a[..., axis])
         self.share, self.bend, self.spread = (turn(a) for a in (np.minimum(place, np.float32(0.998)), bend, spread))
         self.asked = (lambda lane, way: asked(way, lane, 1)) if axis else (lambda lane, way: asked(lane, way, 0))
+        self.axis = axis
 
     def near(self, lane, place, reach):
         """[(way, place)] of what passes within reach."""
@@ -259,16 +260,17 @@ class _Lanes:
         return sum(steps) / len(steps) if steps else None
 
     def yields(self, lane, way, to_edges=False):
-        """To a parallel line less than 2 pixels away that bends more, or as much and is the later one."""
+        """To a parallel line less than 2 pixels away that bends more, or as much and lies right of it."""
         slope, place = self.slope(lane, way), way + float(self.share[lane, way])
         if slope is None:
             return False
         for other, at in self.near(lane, place, 2 * np.hypot(1, slope)):
-            more = (self.bend[lane, other], other) > (self.bend[lane, way], way)
-            if other == way or not more or abs(at - place) < 0.25 or (to_edges and self.spread[lane, other]):
+            if other == way or abs(at - place) < 0.25 or (to_edges and self.spread[lane, other]):
                 continue
             its = self.slope(lane, other)
-            if its is not None and abs(its - slope) <= 0.5 and self.asked(lane, other) >= 0:
+            right = 1 if self.axis == ROW or slope + (its or 0) <= 0 else -1
+            more = (self.bend[lane, other], right * other) > (self.bend[lane, way], right * way)
+            if more and its is not None and abs(its - slope) <= 0.5 and self.asked(lane, other) >= 0:
                 return True
         return False
 

@@ -195,8 +195,8 @@ static float slope_of(const fine *n, int lane, int axis, float place, const pass
 	return before < -1 ? after - place : after < -1 ? place - before : 0.5f * (after - before);
 }
 
-/* Whether in a lane that the line crosses a parallel one is too close that bends more; of such as bend alike the first
- * has to yield. */
+/* Whether in a lane that the line crosses a parallel one is too close that bends more; of such as bend alike the left
+ * one has to yield, whichever lanes they cross. */
 static bool yields(const fine *n, int lane, int axis, int at, bool to_edges)
 {
 	passing own = passing_along(n, lane, at, axis);
@@ -208,9 +208,12 @@ static bool yields(const fine *n, int lane, int axis, int at, bool to_edges)
 		passing other = passing_along(n, lane, k, axis);
 		float there = (float)k + other.place, away = fabsf(there - place);
 		if (k == at || !(other.place > 0) || (to_edges && other.spread) || away >= reach || away < same ||
-		    fabsf(other.bend) < fabsf(own.bend) || (fabsf(other.bend) == fabsf(own.bend) && k < at))
+		    fabsf(other.bend) < fabsf(own.bend))
 			continue;
 		float its = slope_of(n, lane, axis, there, &other);
+		bool level = axis != AXIS_ROW && its + slope > 0; /* of a column the left one is the lower one */
+		if (fabsf(other.bend) == fabsf(own.bend) && (k < at) != level)
+			continue;
 		if (its != nowhere && fabsf(its - slope) <= parallel &&
 		    passes(n, axis == AXIS_ROW ? k : lane, axis == AXIS_ROW ? lane : k, axis))
 			return true;
