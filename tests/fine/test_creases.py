@@ -301,3 +301,19 @@ def test_the_back_of_a_thin_thing_is_not_seen():
     assert (got[10:20, 19, 1] > 30).all() and not got[10:20, 20:24, 1].any()
     want, unsure = creases([mesh], *camera, (40, 30), 0.1)
     np.testing.assert_allclose(got[~unsure], want[~unsure], atol=0.01)
+
+
+def roof(aside, ends=(8, 22)):
+    """A sheet whose only edge runs down so many pixels beside its left outline and ends in the open."""
+    points = [(10.2, 3, 0), (36, 3, 0), (36, 27, 0), (10.2, 27, 0), *((10.2 + aside, y, 2) for y in ends)]
+    faces = np.int32([(0, 4, 5), (0, 5, 3), (1, 2, 5), (1, 5, 4), (0, 1, 4), (3, 5, 2)])
+    kinds = np.full((6, 3), EDGES["none"])
+    kinds[0, 1] = kinds[3, 1] = EDGES["flat"]
+    return Mesh(np.float32(points) - np.float32((0, 0, 30)), faces, edges=edge_kinds(kinds))
+
+
+@pytest.mark.parametrize("aside", [2.8, 3.3])
+def test_an_edge_beside_an_outline_that_has_room_is_drawn(aside):
+    """What gives way to the outline thins out; it was dropped, as what the layers find beside one, if it was loose."""
+    ink = picture(roof(aside), line_thickness=1.0)[10:20, int(11.5 + aside / 2):20].sum(1)
+    np.testing.assert_allclose(ink, 1, atol=0.2)

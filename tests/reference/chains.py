@@ -106,16 +106,17 @@ def beside(t, shape, marks):
             closed = run[0] == run[-1] and len(t.links[run[0]]) == 2
             loose = sum(t.is_end(i) and not t.at_border(i, shape) for i in (run[0], run[-1]))
             whole = max(length, 1e-9)
-            margins = [-1 if rank == LIGHT or not loose else of_all / whole - 0.5,
+            members = [i for i in run if len(t.links[i]) <= 2]
+            edge = bool(members) and (t.family[members] == NUMBER["crease"]).all()
+            margins = [-1 if rank == LIGHT or edge or not loose else of_all / whole - 0.5,
                        _turns(t, run) - (0.3 if rank == LIGHT else 0.12)]
             if rank >= LIGHT and (loose == 2 or closed):
                 least = 6 if rank == LIGHT else 9
                 margins.append((least - length) / least)
             if min(abs(m) for m in margins) < 1e-4 or doubt[0]:
                 unsure |= set(run)
-            members = {i for i in run if len(t.links[i]) <= 2}
             if max(margins) > 0:
-                gone |= members
+                gone |= set(members)
     return gone, unsure
 
 

@@ -24,10 +24,10 @@ static const float least_round = 9;
 typedef struct chain {
 	uint32_t first, second; /* its first sites */
 	float length;
-	int rank;     /* of its oldest part */
-	float wiggle; /* variance of the sines of half the angles by which it turns, pixel by pixel */
-	int loose;    /* how many of its ends lead nowhere */
-	bool closed;
+	int rank;          /* of its oldest part */
+	float wiggle;      /* variance of the sines of half the angles by which it turns, pixel by pixel */
+	int loose;         /* how many of its ends lead nowhere */
+	bool closed, edge; /* edge: of a mesh, all of it */
 } chain;
 
 static const uint32_t NONE = UINT32_MAX; /* an enumerator is an int */
@@ -86,7 +86,11 @@ static uint32_t following(const fine *n, const chain *c, uint32_t from, uint32_t
 static void add(beside *b, uint32_t first, uint32_t second)
 {
 	const fine *n = b->n;
-	chain c = {.first = first, .second = second, .rank = RANK_COUNT, .loose = ISA(leads_nowhere)(n, first)};
+	chain c = {.first = first,
+		   .second = second,
+		   .rank = RANK_COUNT,
+		   .edge = true,
+		   .loose = ISA(leads_nowhere)(n, first)};
 	uint32_t last = first, anchor = first;
 	float way[2] = {0}, sum = 0, squares = 0;
 	int count = 0;
@@ -112,6 +116,7 @@ static void add(beside *b, uint32_t first, uint32_t second)
 		if (links_at(n, at) > 2)
 			continue;
 		b->chain[at] = b->count;
+		c.edge &= n->site[at].found.family == FAMILY_CREASE;
 		/* what is drawn by hand is meant */
 		int rank = n->site[at].found.family == FAMILY_MARK ? RANK_SHAPE : rank_of(n->site + at);
 		c.rank = rank < c.rank ? rank : c.rank;
@@ -203,8 +208,8 @@ static float length_beside(const beside *b, const chain *c)
 static void choose(beside *b, const chain *c)
 {
 	const fine *n = b->n;
-	/* light thins out beside what is older (rooms.c) */
-	bool drop = c->rank != RANK_LIGHT && c->loose && length_beside(b, c) > most_beside * c->length;
+	/* light and edges of meshes thin out beside what is older (rooms.c) */
+	bool drop = c->rank != RANK_LIGHT && !c->edge && c->loose && length_beside(b, c) > most_beside * c->length;
 	drop |= c->rank > RANK_SHAPE && c->wiggle > (c->rank == RANK_LIGHT ? most_wiggle_light : most_wiggle);
 	float least = c->rank == RANK_LIGHT ? least_light : c->rank == RANK_SEEN ? least_seen : 0;
 	drop |= c->length < least && (c->loose == 2 || c->closed);
