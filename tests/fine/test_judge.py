@@ -174,6 +174,17 @@ def test_popping_ink_is_not_still():
     assert measure.stillness(late, moving) > 1.1
 
 
+def test_what_need_not_be_inked_may_move_but_not_pop():
+    moving = [scene.truth for scene in verdict.moving()]
+    narrow = [replace(truth, index=truth.index & (truth.y < 75), depth=np.where(truth.y < 75, truth.depth, 0),
+                      angle=np.where(truth.y < 75, truth.angle, 90), narrow=truth.y >= 75) for truth in moving]
+    every = [measure.ideal(truth) for truth in moving]
+    assert measure.stillness(every, narrow) == 1
+    needed = [measure.ideal(truth) for truth in narrow]
+    assert measure.stillness(needed, narrow) == pytest.approx(1, abs=0.03)
+    assert measure.stillness([*every[:4], *needed[4:]], narrow) > 1.1
+
+
 def test_unfair_ink_differs(contours):
     t = measure.ideal(contours)
     for symmetry in measure.SYMMETRIES:

@@ -155,9 +155,10 @@ def stray(t, truth, asked=1.0, slack=0.25):
     return float((len(spots) - len(np.unique(i))) / (h * w))
 
 
-def ideal(truth, asked=1.0, kind="all"):
-    """The ink of a perfect detector: T of a line of the asked width along the contours that must be inked."""
-    points = truth.take(truth.required(kind))
+def ideal(truth, asked=1.0, kind="all", drawn=False):
+    """The ink of a perfect detector: T of a line of the asked width along the contours that must be inked, and such as
+    are `drawn`, by point."""
+    points = truth.take(truth.required(kind) | drawn)
     h, w = truth.size
     r = asked / 2
     reach = max(r, 0.5) + 0.5
@@ -174,10 +175,12 @@ def ideal(truth, asked=1.0, kind="all"):
 
 
 def stillness(frames, truths):
-    """Root mean square of T_t − T_{t−1} over the frames, over that of the ideal ink's."""
+    """Root mean square of T_t − T_{t−1} over the frames, over that of the ideal ink's. A contour that need not be inked
+    but is, in any frame, moves like others: the ideal has it in all."""
     def flicker(sequence):
         return np.sqrt(np.mean(np.diff(np.array(sequence), axis=0) ** 2))
-    return float(flicker(frames) / flicker([ideal(truth) for truth in truths]))
+    ever = np.max(frames, axis=0)
+    return float(flicker(frames) / flicker([ideal(truth, drawn=inked(ever, truth)) for truth in truths]))
 
 
 # The eight ways to rotate and mirror a frame
