@@ -118,7 +118,7 @@ static bool has_lengths(const fine *n)
 	bool light = false;
 	for (int i = 0; i < n->f->n_styles; i++)
 		light |= n->e->on[SOURCE_LIGHT] && n->f->params[i].light_length > 0;
-	return has_forms(n) || light;
+	return has_forms(n) || light || (n->e->creases && n->e->on[SOURCE_NORMAL]);
 }
 
 static bool gives_way(const fine *n)

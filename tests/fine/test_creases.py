@@ -317,3 +317,36 @@ def test_an_edge_beside_an_outline_that_has_room_is_drawn(aside):
     """What gives way to the outline thins out; it was dropped, as what the layers find beside one, if it was loose."""
     ink = picture(roof(aside), line_thickness=1.0)[10:20, int(11.5 + aside / 2):20].sum(1)
     np.testing.assert_allclose(ink, 1, atol=0.2)
+
+
+def bolt(radius, shift):
+    """A column of six sides from above, moved aside and down."""
+    turn = np.arange(6) * np.pi / 3 + 0.2
+    ring = np.stack([radius * np.cos(turn), 0.6 * radius * np.sin(turn)], 1) + (19.8 + shift, 13.6 + 0.73 * shift)
+    points = [(x, y + dy, 0.8 * y + z - 40) for dy, z in ((0, 0), (0.6 * radius, -0.8 * radius)) for x, y in ring]
+    sides = [f for k in range(6) for m in [(k + 1) % 6] for f in ((k, 6 + k, 6 + m), (k, 6 + m, m))]
+    return Mesh(np.float32(points), np.int32([*((0, k, k + 1) for k in range(1, 5)), *sides]))
+
+
+def button(side):
+    """A square that stands out of a wall, towards the eye."""
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    rings = (side / 2, 0), (side / 2 + 0.05, -2), (13, -2)
+    points = [(20.2 + r * x, 15.1 + r * y, z - 30) for r, z in rings for x, y in corners]
+    sides = [f for a in (0, 4) for k in range(4) for m in [(k + 1) % 4]
+             for f in ((a + k, a + m, a + 4 + m), (a + k, a + 4 + m, a + 4 + k))]
+    return Mesh(np.float32(points), np.int32([(0, 1, 2), (0, 2, 3), *sides]))
+
+
+def test_the_edges_of_a_small_thing_do_not_come_and_go():
+    """Its outline has the place of most, now of these, now of those: the rest is thin."""
+    ink = [picture(bolt(4, k / 8), line_thickness=1.0).sum() for k in range(12)]
+    assert np.sqrt((np.diff(ink) ** 2).mean()) < 0.5 and min(ink) > 25
+    whole = picture(bolt(4, 0), line_thickness=1.0, line_min_length=0.0).sum()
+    assert ink[0] < 0.93 * whole
+
+
+@pytest.mark.parametrize("side", [6, 9])
+def test_a_small_thing_that_edges_alone_show_is_whole(side):
+    ink = picture(button(side), line_thickness=1.0)[8:23, 13:28].sum()
+    assert ink == pytest.approx(4 * side, rel=0.1)

@@ -199,7 +199,7 @@ def beside(view, bent, found):
 
 
 def ease(t, params, style, scale):
-    """(shares of the width that sites of forms and of light have left, 1 of other lines)."""
+    """(shares of the width that sites of forms, of light and of edges of meshes have left, 1 of other lines)."""
     threshold, share = params["edge_threshold"], np.ones(len(t))
     q = t.site["strength"].astype(float) / threshold if threshold > 0 else np.full(len(t), np.inf)
     known = set()
@@ -219,4 +219,25 @@ def ease(t, params, style, scale):
             for i in run:
                 long_ = length / least[i] if least[i] > 0 else 1.0
                 share[i] = min(clear[run].max(), clamp01(2 * long_ - 1) if light and least[i] > 0 else long_)
+    return _ease_edges(t, params, style, scale, share)
+
+
+def _ease_edges(t, params, style, scale, share):
+    """Of edges of meshes by how far all that hang together go, and by how much of these older lines have the place."""
+    edge = (t.family == NUMBER["crease"]) & ~(t.dropped & (t.site["weak"] > 0))
+    full = 2 * params.at("line_min_length", style[t.site["near_y"], t.site["near_x"]]) * scale
+    known = set()
+    for first in np.flatnonzero(edge & ~t.dropped):
+        if first in known:
+            continue
+        run = [int(first)]
+        for i in run:
+            run += [j for j in set(t.links[i]) if edge[j] and not t.dropped[j] and j not in run]
+        known |= set(run)
+        net = list(run)
+        for i in net:
+            net += [j for j, d in t.within(i, 1.5) if edge[j] and d <= 1.5 and j not in net]
+        across = np.hypot(*np.ptp(t.at[net], axis=0))
+        if across < full[first]:
+            share[run] = 1 - t.dropped[net].mean() * (1 - across / full[first])
     return share

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines of forms come and go as a form turns: each that hangs together is as wide as it is long and clear, so that none
- * comes at once. So are borders of light, whose short ones are patches that belong to nothing. */
+ * comes at once. So are borders of light, whose short ones are patches that belong to nothing, and the edges of a small
+ * thing, most of which its outline has the place of, now of these, now of those. */
 #include "fine/near.h"
 
 #include <string.h>
@@ -8,11 +9,16 @@
 static const float counts_from = 1, counts_ramp = 1; /* of edge_threshold: so strong counts, and in full; test_forms */
 static const float least_share = 0.1f;               /* of its width: less is not drawn; test_forms */
 
-/* RANK_FORM, RANK_LIGHT; RANK_COUNT: it is neither, or dropped. */
+enum { KNOWN = 1, NEAR = 2 };
+static const float hangs = 1.5f;    /* pixels from place to place of an edge, or where edges meet; test_creases */
+static const float full_across = 2; /* of line_min_length: edges that go so far are as wide as others; test_creases */
+
+/* RANK_FORM, RANK_LIGHT, RANK_CREASE of edges of meshes; RANK_COUNT: it is none, or dropped. */
 static enum rank kind_of(const site *s)
 {
 	enum rank rank = (enum rank)rank_of(s);
-	return !s->linked.dropped && (rank == RANK_FORM || rank == RANK_LIGHT) ? rank : RANK_COUNT;
+	bool any = rank == RANK_FORM || rank == RANK_LIGHT || s->found.family == FAMILY_CREASE;
+	return !s->linked.dropped && any ? rank : RANK_COUNT;
 }
 
 static float clear_at(const fine *n, uint32_t i)
@@ -34,12 +40,49 @@ static float collect(const fine *n, uint8_t *known, uint32_t *open, uint32_t *co
 				continue;
 			length += 0.25f * sqrtf(apart2(n->site + i, n->site + j)) * (clear_at(n, i) + clear_at(n, j));
 			if (!known[j]) {
-				known[j] = 1;
+				known[j] = KNOWN;
 				*most = max(*most, clear_at(n, j));
 				open[(*count)++] = j;
 			}
 		}
 	return length;
+}
+
+/* Whether a site is of an edge of a mesh, also where an older line has its place. */
+static bool is_edge(const site *s)
+{
+	return s->found.family == FAMILY_CREASE && !(s->placed.weak && s->linked.dropped);
+}
+
+/* Of the width of edges, by how far they go, corner to corner of the box about all that hang together, and by how much
+ * of these an older line has the place: small things are drawn by their outlines, buttons and boxes on a wall by edges
+ * alone. Takes what it finds into `open`, which begins with `count` of them. */
+static float share_of_edges(const fine *n, uint8_t *known, uint32_t *open, uint32_t count)
+{
+	const placed *first = &n->site[open[0]].placed;
+	float full = full_across * params_at(n->f, first->near_x, first->near_y)->line_min_length * n->f->scale;
+	float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, across = 0;
+	uint32_t end = count, owned = 0;
+	for (uint32_t k = 0; k < count; k++)
+		known[open[k]] |= NEAR;
+	for (uint32_t k = 0; k < end && across < full; k++) {
+		const site *s = n->site + open[k];
+		owned += s->linked.dropped;
+		low[0] = min(low[0], s->placed.x);
+		low[1] = min(low[1], s->placed.y);
+		high[0] = max(high[0], s->placed.x);
+		high[1] = max(high[1], s->placed.y);
+		across = sqrtf((high[0] - low[0]) * (high[0] - low[0]) + (high[1] - low[1]) * (high[1] - low[1]));
+		near_sites of = near_site(n, s, hangs);
+		for (uint32_t j; near_next(n, &of, &j);)
+			if (!(known[j] & NEAR) && is_edge(n->site + j) && apart2(s, n->site + j) <= hangs * hangs) {
+				known[j] |= NEAR;
+				open[end++] = j;
+			}
+	}
+	for (uint32_t k = 0; k < end; k++)
+		known[open[k]] &= (uint8_t)~NEAR;
+	return across < full ? 1 - (float)owned / (float)end * (1 - across / full) : 1;
 }
 
 /* Of the width, by how clear the clearest is and by the length of all. Of borders of light below half the length asked
@@ -68,11 +111,13 @@ int32_t ISA(fine_ease_forms)(fine *n)
 			continue;
 		uint32_t count = 1;
 		open[0] = i;
-		known[i] = 1;
+		known[i] = KNOWN;
 		float most, length = collect(n, known, open, &count, &most);
+		bool edge = kind_of(n->site + i) == RANK_CREASE;
+		float edges = edge ? share_of_edges(n, known, open, count) : 0;
 		for (uint32_t k = 0; k < count; k++) {
 			site *s = n->site + open[k];
-			float share = share_of(n, s, most, length);
+			float share = edge ? edges : share_of(n, s, most, length);
 			s->placed.eased = (uint8_t)(255 - share * (float)(255 - s->placed.eased) + 0.5f);
 			s->linked.dropped |= share < least_share;
 		}
