@@ -10,7 +10,9 @@ static const float most_narrow = 12;          /* pixels */
 static const float fading[2] = {0.5f, 0.15f}; /* of what bends is lost for each time that it is as wide again: of flat
 						faces, of smooth ones, which must bend more */
 static const float longest = 4;               /* times `narrow`: nothing wider is a bend */
-static const float whole = 0.85f;             /* of what a column says a row must say to have found the same */
+static const float least_longest = 5;         /* pixels: two edges, 3.5 px apart across, along a diagonal */
+static const float clearly = 1.001f; /* times: of a diagonal rounding would choose now the row, now the column */
+static const float whole = 0.85f;    /* of what a column says a row must say to have found the same */
 
 static int longer_of(const bends *s)
 {
@@ -42,10 +44,10 @@ static void find_columns(void *data, int x0, int x1, int thread)
 	}
 }
 
-/* How much a bend still counts that is so many pixels wide. */
+/* How much a bend still counts that is so many pixels wide. A chamfer's edges part instead. */
 static float faded(const bends *s, const bend *b, float wide)
 {
-	return b->most / (1 + fading[b->smooth] * max(0, wide / s->narrow - 1));
+	return b->chamfer ? b->most : b->most / (1 + fading[b->smooth] * max(0, wide / s->narrow - 1));
 }
 
 /* Of what a row and a column say of a pixel makes one, measured across the line. */
@@ -60,7 +62,7 @@ static void unite(const bends *s, bend *column, const bend *row)
 	bool same = min(column->most, row->most) > whole * max(column->most, row->most),
 	     both = same && 2.0f * (float)dot * (float)dot > (float)one * (float)other;
 	float u = 1 / column->wide, v = 1 / row->wide;
-	if (same ? v > u : row->most > column->most)
+	if (same ? v > clearly * u : row->most > column->most)
 		*column = *row;
 	if (!(column->most > 0))
 		return;
@@ -104,7 +106,7 @@ void bends_plan(bends *b, const encre_raster_job *job, int threads, arena *a)
 	b->width = job->creases.width;
 	b->height = job->creases.height;
 	b->narrow = min(max(narrow * (float)job->frame.height, 1), most_narrow);
-	b->longest = longest * b->narrow;
+	b->longest = max(longest * b->narrow, least_longest);
 	b->way = arena_take(a, (size_t)b->width * (size_t)b->height, sizeof *b->way);
 	b->told = arena_take(a, (size_t)b->height, sizeof *b->told);
 	b->bend = arena_take(a, (size_t)b->width * (size_t)b->height, sizeof *b->bend);

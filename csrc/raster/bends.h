@@ -7,13 +7,16 @@
 
 /* Of a pixel, by which the line of such a bend may go. */
 typedef struct bend {
-	float off;  /* where the pixel lies from the line's middle, along the axis; when united, across the line */
-	float wide; /* pixels, likewise */
-	float most; /* degrees; 0: there is none */
+	float off;     /* where the pixel lies from the line's middle, along the axis; when united, across the line */
+	float wide;    /* pixels, likewise */
+	float most;    /* degrees; 0: there is none */
+	float own;     /* how far one of its edges is a line by itself, from 0 to 1, */
+	float parting; /* how far along the axis that is from the line's middle, */
+	float second;  /* and from the pixel */
 	int8_t across[3]; /* how its normals change, along the axis */
 	int8_t first;     /* its ways begin there, from the pixel, */
 	uint8_t ways;     /* and are so many */
-	uint8_t axis : 1, smooth : 1;
+	uint8_t axis : 1, smooth : 1, chamfer : 1;
 } bend;
 
 /* Of a pixel: what happens on the way to its right and, WAY_BITS further, to its lower neighbour; and WAY_TOLD, where
@@ -22,6 +25,10 @@ enum { WAY_TURNS = 1, WAY_CLOSED = 2 /* the surface ends */, WAY_BITS = 2, WAY_T
 
 /* Pixels from a pixel, that a line that goes by it may be away. */
 static const float goes_by_within = 1.25f;
+
+/* Degrees by which a bend must bend more than an edge that is part of it to have its place: an edge has its full width
+ * sooner. Between the same two pixels it must only bend more, or its line would have a gap there. */
+static const float own_ahead = 16;
 
 typedef struct bends {
 	const encre_raster_job *job;

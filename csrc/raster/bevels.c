@@ -9,9 +9,7 @@
 
 #include <stdlib.h>
 
-/* Degrees by which a bend must bend more than an edge that is part of it to have its place: an edge has its full width
- * sooner. Between the same two pixels it must only bend more, or its line would have a gap there. */
-static const float own_ahead = 16;
+static const float least_part = 1; /* degrees, that are seen beside `crease_spread` in half floats, too */
 
 typedef struct lines {
 	bends bends;
@@ -97,11 +95,13 @@ static void even_rows(void *data, int y0, int y1, int thread)
 
 /* ---- lines ----------------------------------------------------------------------------------------------- */
 
-/* Whether an edge at a place in pixels is part of a bend whose line passes close by. */
-static bool is_part(const lines *l, float px, float py, float bend_of_it)
+/* Of an edge at a place in pixels that is part of a bend whose line passes close by: how far it is a line by itself.
+ * 1: it is part of none. */
+static float own_part(const lines *l, float px, float py, float bend_of_it)
 {
 	const bends *s = &l->bends;
 	int reach = (int)s->longest + 1;
+	float own = 1;
 	for (int axis = 0; axis < 2; axis++) {
 		float aside = axis ? px : py, along = axis ? py : px;
 		int size = axis ? s->height : s->width, across = axis ? s->width : s->height;
@@ -114,12 +114,14 @@ static bool is_part(const lines *l, float px, float py, float bend_of_it)
 					continue;
 				const bend *b = bend_at(s, x, y);
 				float from = (float)(i + b->first);
-				if (b->axis == axis && fabsf(b->off) <= 0.75f && along >= from &&
-				    along <= from + (float)b->ways)
-					return true;
+				if (b->axis != axis || fabsf(b->off) > 0.75f || along < from ||
+				    along > from + (float)b->ways)
+					continue;
+				float away = along - (float)i - b->second;
+				own = min(own, fabsf(away) < fabsf(away + b->parting) ? b->own : 0);
 			}
 	}
-	return false;
+	return own;
 }
 
 /* Whether lines may be drawn in a row, or take the place of edges there. */
@@ -151,9 +153,16 @@ static void draw_way(const lines *l, int x, int y, int axis)
 		}
 	}
 	float own = fabsf(crease[1]) > 0 ? fabsf(crease[1]) + own_ahead : 0;
-	if (crease[0] > 0 && fabsf(crease[1]) < 180 &&
-	    is_part(l, (float)x + (axis ? 0 : crease[0]), (float)y + (axis ? crease[0] : 0), own))
+	if (!(crease[0] > 0 && fabsf(crease[1]) < 180))
+		return;
+	float left = own_part(l, (float)x + (axis ? 0 : crease[0]), (float)y + (axis ? crease[0] : 0), own);
+	if (left == 1)
+		return;
+	crease[1] *= left;
+	if (fabsf(crease[1]) < least_part)
 		crease[0] = crease[1] = 0;
+	else
+		crease[1] += crease[1] < 0 ? -crease_spread : crease_spread;
 }
 
 static void draw_rows(void *data, int y0, int y1, int thread)

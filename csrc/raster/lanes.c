@@ -10,8 +10,9 @@
 static const float least_bend = 20;    /* degrees, below which nothing is looked for */
 static const float close_by = 3;       /* times `narrow`, at which a bend weighs half as much as a sharper one */
 static const float most_of_one = 0.6f; /* share of a bend that one edge may have: else it is drawn by itself */
-static const float own_line = 0.36f;   /* share from which on an edge is seen by itself, unless it is so close: */
-static const float too_close = 1.6f;   /* pixels */
+static const float own_line = 0.36f;   /* share from which on an edge is seen by itself, unless it is close: */
+static const float one_to = 1.25f, two_from = 1.75f; /* pixels across, from the middle: up to which there is one line,
+							and from which on two */
 static const float beside_from = 0.12f, beside_to = 0.25f; /* share of a bend that as wide a stretch on the side that
 							     turns less may turn: else it goes on there */
 static const float stretch = 1.6f;        /* times as wide as a bend is what is looked at on either side */
@@ -135,16 +136,33 @@ static bool turns_back(const looking *l, const turning *t, const float across[3]
 	return dot < 0 && 2 * dot * dot > dot_of(change, change) * dot_of(across, across);
 }
 
-/* Whether a bend from one pixel to another is a ridge, not a valley: which way the line in which both faces meet runs
- * on the screen, up or down, tells. */
-static bool is_ridge(const looking *l, int from, int to)
+/* How a lane crosses the line in which the faces of two of its pixels meet. */
+typedef struct crossed {
+	bool ridge;  /* rather than a valley */
+	float slant; /* pixels across the line for each along the lane */
+} crossed;
+
+static crossed crossed_between(const looking *l, int from, int to)
 {
-	const double *v = l->s->job->view + (l->axis ? 0 : 4); /* right, or up */
-	const double *p = l->s->job->projection;
+	const encre_raster_job *job = l->s->job;
+	const double *v = job->view, *p = job->projection;
 	const float *n = normal_along(l, from), *m = normal_along(l, to);
-	double along = v[0] * (n[1] * m[2] - n[2] * m[1]) + v[1] * (n[2] * m[0] - n[0] * m[2]) +
-		       v[2] * (n[0] * m[1] - n[1] * m[0]);
-	return (along > 0) == (p[l->axis ? 5 : 0] > 0); /* else the picture is mirrored */
+	double along[3] = {n[1] * m[2] - n[2] * m[1], n[2] * m[0] - n[0] * m[2], n[0] * m[1] - n[1] * m[0]}, seen[3];
+	for (int k = 0; k < 3; k++)
+		seen[k] = v[4 * k] * along[0] + v[4 * k + 1] * along[1] + v[4 * k + 2] * along[2];
+	double at = 0.5 * (from + to) + 0.5, aside = l->number + 0.5, nearer = 0,
+	       x = 2 * (job->frame.x + (l->axis ? aside : at)) / job->frame.width - 1,
+	       y = 1 - 2 * (job->frame.y + (l->axis ? at : aside)) / job->frame.height, right = 0, up = 0;
+	for (int k = 0; k < 3; k++) {
+		nearer += p[12 + k] * seen[k];
+		right += p[k] * seen[k];
+		up += p[4 + k] * seen[k];
+	}
+	right = (right - x * nearer) * job->frame.width;
+	up = (up - y * nearer) * job->frame.height;
+	double length = sqrt(right * right + up * up), lengthwise = l->axis ? right : up;
+	bool mirrored = p[0] * p[5] < 0;
+	return (crossed){(lengthwise > 0) != mirrored, length > 0 ? (float)(fabs(lengthwise) / length) : 1};
 }
 
 /* How much `reach` pixels beside an end of a bend turn; less counts from half of that on. Unless `enough` can be seen
@@ -239,16 +257,33 @@ static sum sum_around(const looking *l, int first, int last, float reach)
 	return all;
 }
 
-/* Whether an edge of them would be seen beside the bend's line, or is that line itself. */
-static bool has_own_line(const looking *l, int first, int last, const sum *of)
+/* How far an edge is a line by itself rather than a part of the bend, from 0 to 1. `slant`: pixels across the bend for
+ * each along the lane. */
+static float own_of(const turning *t, const sum *of, float slant)
 {
-	for (int k = first; k <= last; k++) {
-		const turning *t = l->list + k;
-		float away = fabsf(along(t, of->from) - middle_of(of));
-		if (fabsf(t->edge) > (away > too_close ? own_line : most_of_one) * of->turn)
+	float share = fabsf(t->edge) / of->turn, away = slant * fabsf(along(t, of->from) - middle_of(of));
+	return share > most_of_one ? 1 : share > own_line ? clamp01((away - one_to) / (two_from - one_to)) : 0;
+}
+
+static bool any_own_line(const looking *l, int first, int last, const sum *of, float slant)
+{
+	for (int k = first; k <= last; k++)
+		if (own_of(l->list + k, of, slant) >= 1)
 			return true;
-	}
 	return false;
+}
+
+/* Its edges are one line, or two by themselves. */
+static bool is_chamfer(const turning *first, const turning *last, float turn)
+{
+	float least = min(fabsf(first->edge), fabsf(last->edge));
+	return least > own_line * turn && least >= least_bend;
+}
+
+/* What a bend over several faces must bend to be as wide a line as an edge: no more where that may be none. */
+static float as_bend(float edge)
+{
+	return edge + min(max(edge - least_bend, 0), own_ahead);
 }
 
 /* Notes these edges as a bend, if they are one and none that has one of them is as clear. */
@@ -256,7 +291,8 @@ static void weigh(const looking *l, int first, int last, const sum *of)
 {
 	const bends *s = l->s;
 	float wide = wide_of(of), sharp = wide / (close_by * s->narrow), blunt = 1 + sharp * sharp;
-	if (of->gap > max(most_bare * (of->span - of->least), most_apart * s->narrow)) /* two, one beside the other */
+	if (of->gap > max(most_bare * (of->span - of->least), most_apart * s->narrow) &&
+	    !is_chamfer(l->list + first, l->list + last, of->turn)) /* two, one beside the other */
 		return;
 	bool any = false;
 	for (int k = first; k <= last; k++)
@@ -271,23 +307,32 @@ static void weigh(const looking *l, int first, int last, const sum *of)
 	      other = beside(l, last, 1, across, reach, enough, guess);
 	if (one.seen < 0 || other.seen < 0 || one.seen + other.seen < 1) /* neither tells */
 		return;
+	crossed c = crossed_between(l, l->list[first].way, l->list[last].way + 1);
 	sides before = whole_side(&one, &other), after = whole_side(&other, &one);
 	float goes_on = min(before.all, after.all) / of->turn,
 	      alone = clamp01((beside_to - goes_on) / (beside_to - beside_from));
-	bool ridge = is_ridge(l, l->list[first].way,
-			      l->list[last].way + 1); /* which has a line rather than the valley close beside it */
-	run r = {.clear = alone * (of->turn - (ridge ? max(before.same, after.same) : max(before.sure, after.sure))) /
+	/* a ridge has a line rather than the valley close beside it */
+	run r = {.clear = alone * (of->turn - (c.ridge ? max(before.same, after.same) : max(before.sure, after.sure))) /
 			  blunt,
 		 .bends = alone * (of->turn - 0.5f * (before.sure + after.sure)),
+		 .slant = c.slant,
 		 .first = first,
 		 .last = last};
-	if (!(r.bends >= least_bend && r.clear > 0) || has_own_line(l, first, last, of) ||
+	if (!(r.bends >= least_bend && r.clear > 0) || any_own_line(l, first, last, of, c.slant) ||
 	    !(degrees_between(normal_along(l, l->list[first].way), normal_along(l, l->list[last].way + 1)) >=
 	      least_straight * r.bends))
 		return;
 	for (int k = first; k <= last; k++)
 		if (r.clear > l->best[k].clear)
 			l->best[k] = r;
+}
+
+/* Which edge the line of a bend comes from as its faces part, in which its edges become lines by themselves: any, but
+ * along all of it, and from frame to frame, the same. */
+static bool from_first(const float *n, const float *m)
+{
+	static const float rather[3] = {0.31f, 0.43f, 0.85f};
+	return dot_of(n, rather) > dot_of(m, rather);
 }
 
 /* Tells the pixels about its middle of a bend. */
@@ -301,22 +346,30 @@ static void tell(const looking *l, const run *r)
 		sum_add(&of, l->list + k);
 		flat |= l->list[k].edge > 0;
 	}
+	bool chamfer = is_chamfer(one, other, of.turn);
+	bool ahead = from_first(n, m);
+	const turning *kept = ahead ? one : other, *second = ahead ? other : one;
+	float own = own_of(second, &of, r->slant), shift = own_of(kept, &of, r->slant);
 	of = sum_around(l, r->first, r->last, 0.5f * wide_of(&of));
-	float middle = middle_of(&of);
+	float middle = middle_of(&of), line = mix(middle, along(kept, of.from), shift);
 	bend b = {.wide = wide_of(&of),
-		  .most = r->bends,
+		  .most = mix(r->bends, min(as_bend(fabsf(kept->edge)), r->bends), shift),
+		  .own = own,
+		  .parting = along(second, of.from) - line,
 		  .ways = (uint8_t)(other->way + 1 - one->way),
 		  .axis = (uint8_t)l->axis,
-		  .smooth = !flat};
+		  .smooth = !flat,
+		  .chamfer = chamfer};
 	for (int c = 0; c < 3; c++)
 		b.across[c] = (int8_t)(63 * (m[c] - n[c]));
-	int from = of.from + (int)(middle - noted), to = of.from + (int)(middle + noted) + 1;
+	int from = of.from + (int)(line - noted), to = of.from + (int)(line + noted) + 1;
 	from = from < one->way ? from : one->way; /* where it is, no other line goes by */
 	to = to > other->way + 1 ? to : other->way + 1;
 	for (int k = from > 0 ? from : 0; k <= to && k < l->size; k++) {
 		bend *out = l->out + k;
-		b.off = (float)(k - of.from) - middle;
+		b.off = (float)(k - of.from) - line;
 		b.first = (int8_t)(one->way - k);
+		b.second = along(second, k);
 		bool its = fabsf(b.off) <= noted || (k >= one->way && k <= other->way + 1);
 		if (its && !(out->most > 0 && fabsf(out->off) <= fabsf(b.off)))
 			*out = b;

@@ -17,6 +17,7 @@ typedef struct turning {
 /* Edges one after the other, as which something is clearest. */
 typedef struct run {
 	float clear, bends; /* degrees; 0: none */
+	float slant;        /* pixels across its line for each along the lane */
 	int first, last;
 } run;
 

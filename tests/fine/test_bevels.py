@@ -185,6 +185,18 @@ def test_the_two_edges_of_a_chamfer_are_one_line_where_they_are_close():
     assert np.diff(np.flatnonzero(apart)).max() > 5
 
 
+@pytest.mark.parametrize("degrees", [3, 20, 45, 88])
+def test_a_chamfer_goes_from_one_line_to_two_by_degrees(degrees):
+    """They flipped where its edges were 3.1 pixels apart along a row, which is 2.2 across a diagonal."""
+    apart, (high, wide) = np.arange(2.4, 3.7, 0.05), SIZE[::-1]
+    y, x = np.mgrid[:high, :wide] + 0.5
+    inner = np.abs((y - 24.1) * np.cos(np.radians(degrees)) - (x - 32.2) * np.sin(np.radians(degrees))) < 10
+    ink = np.array([picture(bevel(1, w, degrees), line_thickness=1.0)[inner].sum() / 20 for w in apart])
+    np.testing.assert_allclose(ink[[0, -1]], (1, 2), atol=0.2)
+    assert np.diff(ink).max() < 0.4 and np.diff(ink).min() > -0.1
+    assert 2.9 < apart[np.argmax(ink > 1.5)] < 3.5, "whichever way it runs"
+
+
 @pytest.mark.parametrize("turn", [3, 40, 86])
 @pytest.mark.parametrize("period", [6.3, 8.4])
 def test_of_edges_too_close_to_be_told_apart_one_is_a_line(turn, period):

@@ -6,6 +6,9 @@ from types import SimpleNamespace as Bag
 import numpy as np
 
 SPREAD = 360
+AHEAD = 16  # degrees by which a bend must bend more than an edge that is part of it
+RATHER = np.array([0.31, 0.43, 0.85])  # where the line of a bend comes from as its faces part
+ONE, TWO = 1.25, 1.75  # pixels across, from its middle: up to which edges are one line, and from which on two
 BY = 1.25  # pixels from a pixel, that a line that goes by it may be away
 
 
@@ -90,12 +93,33 @@ def _whole(own, other):
     return total + max(total[1] * (1 / seen - 1) if seen else 0, 2 * (1 - seen) * beyond[1])
 
 
+def _own(edge, edges, slant):
+    """How far an edge of a bend is a line by itself."""
+    turn, middle, _ = _shape(edges)
+    share = abs(edge[2]) / turn
+    if not 0.36 < share <= 0.6:
+        return float(share > 0.6)
+    return float(np.clip((slant * abs(edge[0] - middle) - ONE) / (TWO - ONE), 0, 1))
+
+
+def _is_chamfer(edges):
+    least = min(abs(edges[0][2]), abs(edges[-1][2]))
+    return least > 0.36 * _shape(edges)[0] and least >= 20
+
+
+def _slant(n, m, aside):
+    """Pixels across a bend for each along the lane, and whether it is a ridge; seen from afar along z."""
+    line = np.cross(n, m)
+    return abs(line @ aside) / (np.hypot(*line[:2]) or 1), line @ aside > 0
+
+
 def _run(lane, i, j, narrow, size, normal, aside):
-    """What the edges from i to j are as a bend: (how clear, degrees), or None."""
+    """What the edges from i to j are as a bend: (how clear, degrees, slant), or None."""
     edges = lane[i:j + 1]
     turn, middle, wide = _shape(edges)
     places = [e[0] for e in edges]
-    if max(np.diff(places), default=0) > max(0.55 * (places[-1] - places[0]), 1.25 * narrow):
+    slant, ridge = _slant(normal(lane[i][3]), normal(lane[j][3] + 1), aside)
+    if max(np.diff(places), default=0) > max(0.55 * (places[-1] - places[0]), 1.25 * narrow) and not _is_chamfer(edges):
         return None
     reach = max(1.6 * wide, narrow)
     across = normal(lane[j][3] + 1) - normal(lane[i][3])
@@ -106,12 +130,11 @@ def _run(lane, i, j, narrow, size, normal, aside):
     before, after = _whole(*sides), _whole(*sides[::-1])
     alone = np.clip((0.25 - min(before[0], after[0]) / turn) / 0.13, 0, 1)
     bends = alone * (turn - (before[1] + after[1]) / 2)
-    faces = np.cross(normal(lane[i][3]), normal(lane[j][3] + 1))  # they meet along that
-    counts = 2 if faces @ aside > 0 else 1  # a ridge outdoes the valley beside it
+    counts = 2 if ridge else 1  # a ridge outdoes the valley beside it
     clear = alone * (turn - max(before[counts], after[counts])) / (1 + (wide / (3 * narrow)) ** 2)
-    own = any(abs(e[2]) > (0.36 if abs(e[0] - middle) > 1.6 else 0.6) * turn for e in edges)
+    own = any(_own(e, edges, slant) == 1 for e in edges)
     straight = _degrees(normal(lane[i][3]), normal(lane[j][3] + 1)) >= 0.8 * bends
-    return (clear, bends) if bends >= 20 and clear > 0 and not own and straight else None
+    return (clear, bends, slant) if bends >= 20 and clear > 0 and not own and straight else None
 
 
 def _bends(maps, number, axis, narrow, aside):
@@ -126,7 +149,7 @@ def _bends(maps, number, axis, narrow, aside):
     best = [(0.0,)] * len(lane)
     for i in range(len(lane)):
         for j in range(i, len(lane)):
-            if lane[j][1] < 0 or lane[j][0] - lane[i][0] > 4 * narrow:
+            if lane[j][1] < 0 or lane[j][0] - lane[i][0] > max(4 * narrow, 5):
                 break
             if sum(e[1] for e in lane[i:j + 1]) >= 20:
                 found = _run(lane, i, j, narrow, size, normal, aside)
@@ -135,24 +158,31 @@ def _bends(maps, number, axis, narrow, aside):
                         best[k] = *found, i, j
     out = [None] * size
     for i, run in enumerate(best):
-        if len(run) == 1 or run[2] != i or any(best[k] != run for k in range(i, run[3] + 1)):
+        if len(run) == 1 or run[3] != i or any(best[k] != run for k in range(i, run[4] + 1)):
             continue
-        edges, (first, last) = lane[i:run[3] + 1], (lane[i][3], lane[run[3]][3] + 1)
-        reach, near, far = 0.5 * _shape(edges)[2], i, run[3]
+        end = run[4]
+        edges, (first, last) = lane[i:end + 1], (lane[i][3], lane[end][3] + 1)
+        reach, near, far = 0.5 * _shape(edges)[2], i, end
         across = normal(last) - normal(first)
         while (near > 0 and lane[near - 1][1] >= 0 and not lane[near - 1][4] and lane[i][0] - lane[near - 1][0] < reach
                and not _turns_back(lane[near - 1], across, normal)):
             near -= 1
         while (far + 1 < len(lane) and lane[far + 1][1] >= 0 and not lane[far + 1][4]
-               and lane[far + 1][0] - lane[run[3]][0] < reach and not _turns_back(lane[far + 1], across, normal)):
+               and lane[far + 1][0] - lane[end][0] < reach and not _turns_back(lane[far + 1], across, normal)):
             far += 1
         _, middle, wide = _shape(lane[near:far + 1])
+        ahead = (normal(first) - normal(last)) @ RATHER > 0
+        kept, second = edges[0 if ahead else -1], edges[-1 if ahead else 0]
+        shift, own = (_own(e, edges, run[2]) for e in (kept, second))
+        line = middle + shift * (kept[0] - middle)
+        most = run[1] + shift * (min(abs(kept[2]) + np.clip(abs(kept[2]) - 20, 0, AHEAD), run[1]) - run[1])
         across = np.trunc(63 * across)
         for k in range(size):
-            off = k - middle
+            off = k - line
             if (abs(off) <= 2.6 or first <= k <= last) and not (out[k] and abs(out[k].off) <= abs(off)):
-                out[k] = Bag(off=off, wide=wide, most=run[1], across=across, first=first, last=last, axis=axis,
-                             smooth=not any(e[2] > 0 for e in edges))
+                out[k] = Bag(off=off, wide=wide, most=most, across=across, first=first, last=last, axis=axis,
+                             smooth=not any(e[2] > 0 for e in edges), chamfer=_is_chamfer(edges), own=own, line=line,
+                             second=second[0])
     return out
 
 
@@ -161,11 +191,11 @@ def _united(column, row, narrow):
     out, wide = row or column, (row or column).wide
     if row and column:
         same = min(row.most, column.most) > 0.85 * max(row.most, column.most)
-        out = (row if row.wide < column.wide else column) if same else max(column, row, key=lambda b: b.most)
+        out = (row if 1.001 * row.wide < column.wide else column) if same else max(column, row, key=lambda b: b.most)
         dot = row.across @ column.across
         parallel = 2 * dot * dot > (row.across @ row.across) * (column.across @ column.across)
         wide = (row.wide ** -2 + column.wide ** -2) ** -0.5 if same and parallel else out.wide
-    most = out.most / (1 + (0.15 if out.smooth else 0.5) * max(0, wide / narrow - 1))
+    most = out.most / (1 if out.chamfer else 1 + (0.15 if out.smooth else 0.5) * max(0, wide / narrow - 1))
     return Bag(**{**vars(out), "off": out.off * wide / out.wide, "wide": wide, "most": most})
 
 
@@ -202,7 +232,7 @@ def spread(maps, frame_height):
     out = maps["creases"].astype(float)
     for y, x, axis in np.ndindex(height, width, 2):
         way, p, q = out[y, x, 2 * axis:2 * axis + 2], (y, x), (y + axis, x + 1 - axis)
-        own = abs(way[1]) + 16 if way[1] else 0
+        own = abs(way[1]) + AHEAD if way[1] else 0
         bend = min(most.get(p, 0), most.get(q, 0))
         if bend > abs(way[1]):
             dot = bends[p].across @ bends[q].across
@@ -213,11 +243,16 @@ def spread(maps, frame_height):
                 continue
         if way[0] > 0 and abs(way[1]) < 180:
             place = (y, x + way[0]) if axis == 0 else (y + way[0], x)
-            if any(_has_part(bends[at], at, place) for at, degrees in most.items() if degrees > own):
-                way[:] = 0
+            left = min([_own_part(bends[at], at, place) for at, degrees in most.items() if degrees > own] or [1])
+            bend = left * abs(way[1])
+            if left < 1:
+                way[:] = (way[0], np.copysign(bend + SPREAD, way[1])) if bend >= 1 else 0
     return out
 
 
-def _has_part(bend, at, place):
+def _own_part(bend, at, place):
+    """How far an edge there is a line by itself; 1: it is no part of the bend."""
     along, aside = (place[0], place[1] - at[1]) if bend.axis else (place[1], place[0] - at[0])
-    return abs(bend.off) <= 0.75 and abs(aside) <= 0.5 and bend.first <= along <= bend.last
+    if abs(bend.off) > 0.75 or abs(aside) > 0.5 or not bend.first <= along <= bend.last:
+        return 1
+    return bend.own if abs(along - bend.second) < abs(along - bend.line) else 0
