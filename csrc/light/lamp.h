@@ -3,6 +3,7 @@
 #ifndef ENCRE_LAMP_H
 #define ENCRE_LAMP_H
 
+#include "base/stage.h"
 #include "light/vector.h"
 #include "encre.h"
 
@@ -42,38 +43,35 @@ typedef struct lamp_points {
 void lamp_points_make(lamp_points *p);
 
 static const float pi = 3.14159265f;
-static const float lamp_far = 1e30f; /* of a way that does not end */
+static const float lamp_far = 1e30f;     /* of a way that does not end */
+static const float lamp_near = 0.99999f; /* likewise, of one that ends at the lamp */
 
 /* Two directions across w. */
-static inline void lamp_across(const lamp *l, vec w, vec *u, vec *v)
+KERNEL void lamp_across(const lamp *l, vec w, vec *u, vec *v)
 {
-	vec a = fabsf(dot(l->u, w)) > 0.9f ? l->v : l->u;
+	const bool along = fabsf(dot(l->u, w)) > 0.9f;
+	vec a = {along ? l->v.x : l->u.x, along ? l->v.y : l->u.y, along ? l->v.z : l->u.z};
 	*u = unit(minus(a, times(w, dot(a, w))));
 	*v = cross(w, *u);
 }
 
-static inline float sun_light(const lamp *l, vec normal, const lamp_point *q, vec *way)
+KERNEL float sun_light(const lamp *l, vec normal, const lamp_point *q, vec *way)
 {
 	float x = q->disc[0], y = q->disc[1], part = (x * x + y * y) * l->open, k = sqrtf(l->open * (2 - part));
 	*way = plus(times(l->way, part - 1), plus(times(l->u, k * x), times(l->v, k * y)));
 	return 2 / (2 - l->open) * max(dot(normal, *way), 0) / pi;
 }
 
-static inline float area_light(const lamp *l, vec to, vec normal, const lamp_point *q, vec *way)
+KERNEL float area_light(const lamp *l, vec to, vec normal, const lamp_point *q, vec *way)
 {
-	float a = q->square[0] - 0.5f, b = q->square[1] - 0.5f;
-	if (l->type == ENCRE_ELLIPSE) {
-		a = 0.5f * q->disc[0];
-		b = 0.5f * q->disc[1];
-	}
+	const bool round = l->type == ENCRE_ELLIPSE;
+	float a = round ? 0.5f * q->disc[0] : q->square[0] - 0.5f, b = round ? 0.5f * q->disc[1] : q->square[1] - 0.5f;
 	*way = plus(to, plus(times(l->u, a), times(l->v, b)));
 	float square = dot(*way, *way), length = sqrtf(square), front = -dot(*way, l->way) / length;
-	if (!(front > 0))
-		return 0;
 	float value = front * max(dot(normal, *way), 0) / (square * length) / (pi * pi);
 	if (l->spread > 0)
 		value *= l->gain * max(l->spread - sqrtf(max(1 - front * front, 0)) / front, 0);
-	return value;
+	return front > 0 ? value : 0;
 }
 
 static const float ball_share = 1 / (4 * pi * pi);
@@ -84,7 +82,7 @@ typedef struct ball {
 	float distance, radius, open;
 } ball;
 
-static inline ball ball_from(const lamp *l, vec to, float distance)
+KERNEL ball ball_from(const lamp *l, vec to, float distance)
 {
 	ball b = {.w = times(to, 1 / distance), .distance = distance, .radius = l->radius};
 	lamp_across(l, b.w, &b.u, &b.v);
@@ -94,7 +92,7 @@ static inline ball ball_from(const lamp *l, vec to, float distance)
 }
 
 /* By a point of the disc: what is seen of the sphere, evenly over the angle that it fills. */
-static inline float ball_point(const ball *b, vec normal, float x, float y, vec *way)
+KERNEL float ball_point(const ball *b, vec normal, float x, float y, vec *way)
 {
 	float part = (x * x + y * y) * b->open, z = 1 - part, k = sqrtf(b->open * (2 - part));
 	*way = plus(times(b->w, z), plus(times(b->u, k * x), times(b->v, k * y)));
@@ -105,24 +103,26 @@ static inline float ball_point(const ball *b, vec normal, float x, float y, vec 
 }
 
 /* Likewise of a disc that faces the place. */
-static inline float disc_point(const ball *b, vec to, vec normal, float x, float y, vec *way)
+KERNEL float disc_point(const ball *b, vec to, vec normal, float x, float y, vec *way)
 {
 	*way = plus(to, plus(times(b->u, x * b->radius), times(b->v, y * b->radius)));
 	float square = dot(*way, *way), length = sqrtf(square);
 	return ball_share * dot(*way, b->w) / length * max(dot(normal, *way), 0) / (square * length);
 }
 
-static inline float ball_light(const lamp *l, vec to, float distance, vec normal, const lamp_point *q, vec *way)
+KERNEL float ball_light(const lamp *l, vec to, float distance, vec normal, const lamp_point *q, vec *way)
 {
 	float x = q->disc[0], y = q->disc[1];
-	*way = to;
-	if (!l->soft || distance <= l->radius)
-		return ball_share * max(dot(normal, times(to, 1 / distance)), 0) / (distance * distance);
+	float lone = ball_share * max(dot(normal, times(to, 1 / distance)), 0) / (distance * distance);
+	vec there;
 	ball b = ball_from(l, to, distance);
-	return l->flat ? disc_point(&b, to, normal, x, y, way) : ball_point(&b, normal, x, y, way);
+	float value = l->flat ? disc_point(&b, to, normal, x, y, &there) : ball_point(&b, normal, x, y, &there);
+	const bool inside = !l->soft | (distance <= l->radius);
+	*way = (vec){inside ? to.x : there.x, inside ? to.y : there.y, inside ? to.z : there.z};
+	return inside ? lone : value;
 }
 
-static inline float spot_share(const lamp *l, vec way)
+KERNEL float spot_share(const lamp *l, vec way)
 {
 	vec k = unit(
 		(vec){dot(way, l->u) / l->scale[0], dot(way, l->v) / l->scale[1], -dot(way, l->way) / l->scale[2]});
@@ -153,18 +153,23 @@ static inline bool lamp_mean(const lamp *l, vec at, vec normal, float *value)
 }
 
 /* Light from one point of the lamp, what is in the way aside, for a lamp of colour 1: the mean over its points is what
- * falls. way, *far: the ray to that point. */
-static inline float lamp_light(const lamp *l, vec at, vec normal, const lamp_point *q, vec *way, float *far)
+ * falls. way, *far: the ray to that point. In loops over rays of a lamp whose type the compiler knows. */
+KERNEL float lamp_ray(const lamp *l, vec at, vec normal, const lamp_point *q, vec *way, float *far)
 {
-	*far = lamp_far;
+	*far = l->type == ENCRE_SUN ? lamp_far : lamp_near;
 	if (l->type == ENCRE_SUN)
 		return sun_light(l, normal, q, way);
-	*far = 0.99999f;
 	vec to = minus(l->at, at);
 	if (l->type == ENCRE_RECTANGLE || l->type == ENCRE_ELLIPSE)
 		return area_light(l, to, normal, q, way);
 	float distance = sqrtf(dot(to, to)), value = ball_light(l, to, distance, normal, q, way);
 	return l->type == ENCRE_SPOT ? value * spot_share(l, *way) : value;
+}
+
+/* Elsewhere. */
+static inline float lamp_light(const lamp *l, vec at, vec normal, const lamp_point *q, vec *way, float *far)
+{
+	return lamp_ray(l, at, normal, q, way, far);
 }
 
 #endif

@@ -4,7 +4,7 @@
 #define ENCRE_LIGHT_H
 
 #include "light/lamp.h"
-#include "light/shaft.h"
+#include "light/pack.h"
 
 /* Pixels around the images that are drawn, too: where a shadow is soft, a pixel of the border takes part in what is
  * done with others as far away as that; where all are hard, the line of an edge goes through places beside it. */
@@ -117,8 +117,40 @@ float ISA(lone_rim)(const light *l, int x, int y);
  * of which each gives `value`, and those whose bits are set, but not all, are seen. False if none does. */
 bool ISA(straight_share)(const light *l, const surface *s, const lamp_point *points, const float *value, uint32_t seen,
 			 rays *from, float *share);
-/* Adds a point's light to *all, and to *seen if nothing is in its way. */
-void ISA(shadow_ask)(const light *l, const surface *s, const lamp_point *q, float *all, float *seen, rays *from);
+/* ask.c: adds a point's light to *all, and to *seen if nothing is in its way. */
+void ISA(ask_point)(const light *l, const surface *s, const lamp_point *q, float *all, float *seen, rays *from);
+
+/* Points of a lamp that are asked from places at once, side by side. */
+typedef struct asking {
+	int count;
+	vecs at, normal, lift, across;
+	float off[PACK];
+	float square[2][PACK], disc[2][PACK];
+	pack rays;
+	surface first; /* once more, where there are no more */
+	lamp_point first_point;
+	float value[PACK]; /* of those that were asked last; 0 where none would come */
+} asking;
+
+/* Adds a point to fewer than PACK; start: as of a shaft. */
+void ISA(ask_add)(asking *a, const surface *s, const lamp_point *q, int start);
+/* Empties it: the bits of those, of at least one, whose light comes. */
+unsigned ISA(ask_all)(const light *l, asking *a, rays *from);
+/* Sums what `count` points that were asked last give, as ask_point() does. */
+static inline void ask_sum(const asking *a, unsigned comes, int first, int count, float *all, float *seen)
+{
+	for (int k = first; k < first + count; k++) {
+		*all += a->value[k];
+		*seen += comes >> k & 1 ? a->value[k] : 0;
+	}
+}
+
+/* Of the pixels `left`, a bit each from (x, y) on, row by row of SHAFT_SIDE, those that lie on one surface, and a shaft
+ * from them and, with `apron`, from the pixels about them. */
+uint64_t ISA(ask_group)(const light *l, int x, int y, uint64_t left, int apron, shaft *to);
+/* What is nearest on the way to the lamp's middle; false if nothing is. */
+bool ISA(ask_thrower)(const light *l, const surface *s, vec *place);
+
 /* A bit for each pixel of the square from (x, y) on, above row `end`, that is wanted, row by row of SHAFT_SIDE;
  * wanted() is called for all, and may fill what they have. */
 static inline uint64_t square_of(light *l, int x, int y, int end, bool (*wanted)(light *l, int x, int y))
@@ -130,13 +162,8 @@ static inline uint64_t square_of(light *l, int x, int y, int end, bool (*wanted)
 	return bits;
 }
 
-/* Of the pixels `left`, a bit each from (x, y) on, row by row of SHAFT_SIDE, those that lie on one surface, and a shaft
- * from them and, with `apron`, from the pixels about them. */
-uint64_t ISA(shadow_group)(const light *l, int x, int y, uint64_t left, int apron, shaft *to);
 /* shine.c: adds the lamp's highlights to a row of the picture. */
 void ISA(shine_row)(const light *l, int y);
-/* What is nearest on the way to the lamp's middle; false if nothing is. */
-bool ISA(shadow_thrower)(const light *l, const surface *s, vec *place);
 /* Fills `cut`. */
 void ISA(edge_rows)(void *light, int y0, int y1, int thread);
 

@@ -85,6 +85,23 @@ typedef struct meeting {
 	float t[LEAF], u[LEAF], v[LEAF]; /* t: 0 where it meets nothing */
 } meeting;
 
+/* Where a ray meets the plane of a triangle, by a corner and the two edges from it. */
+typedef struct crossing {
+	float t, u, v; /* along the ray, and along the edges */
+} crossing;
+
+static inline crossing crosses(vec c, vec e, vec f, vec from, vec way)
+{
+	vec p = cross(way, f), to = minus(from, c), q = cross(to, e);
+	float r = 1 / dot(e, p);
+	return (crossing){dot(f, q) * r, dot(to, p) * r, dot(way, q) * r};
+}
+
+static inline bool inside(crossing x, float far)
+{
+	return (x.u >= -edge) & (x.v >= -edge) & (x.u + x.v <= 1 + edge) & (x.t > 0) & (x.t < far);
+}
+
 /* Where a ray meets the triangles of a leaf. */
 static inline void meet(const triangle_leaf *leaf, const local *l, meeting *m)
 {
@@ -92,13 +109,11 @@ static inline void meet(const triangle_leaf *leaf, const local *l, meeting *m)
 		vec e = {leaf->first[0][i], leaf->first[1][i], leaf->first[2][i]};
 		vec f = {leaf->second[0][i], leaf->second[1][i], leaf->second[2][i]};
 		vec c = {leaf->corner[0][i], leaf->corner[1][i], leaf->corner[2][i]};
-		vec p = cross(l->way, f), to = minus(l->from, c), q = cross(to, e);
-		float r = 1 / dot(e, p), u = dot(to, p) * r, v = dot(l->way, q) * r, at = dot(f, q) * r;
-		bool in = (u >= -edge) & (v >= -edge) & (u + v <= 1 + edge) & (at > 0) & (at < l->far) &
-			  (leaf->item[i] >= 0);
-		m->t[i] = in ? at : 0;
-		m->u[i] = u;
-		m->v[i] = v;
+		crossing x = crosses(c, e, f, l->from, l->way);
+		bool in = inside(x, l->far) & (leaf->item[i] >= 0);
+		m->t[i] = in ? x.t : 0;
+		m->u[i] = x.u;
+		m->v[i] = x.v;
 	}
 }
 
@@ -147,8 +162,5 @@ typedef struct search {
 /* Looks in a leaf, or below a node, of the tree of an instance's shape. */
 void ISA(leaf_nearest)(const shape *s, int32_t leaf, const local *l, int32_t instance, search *f);
 void ISA(shape_nearest)(const shape *s, int32_t from, const local *l, int32_t instance, search *f);
-
-/* Whether a ray is stopped below a node of a shape's tree; *h: by what. */
-bool ISA(shape_blocks)(const world *w, const shape *s, int32_t from, const local *l, int32_t skip, hint *h);
 
 #endif

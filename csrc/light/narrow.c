@@ -31,7 +31,7 @@ static void core_rows(void *data, int y0, int y1, int thread)
 			continue;
 		if (bands_stopped(l->bands))
 			return;
-		ISA(shadow_ask)(l, l->surfaces + i, &l->points.middle, &all, &seen, &from);
+		ISA(ask_point)(l, l->surfaces + i, &l->points.middle, &all, &seen, &from);
 		if (all > 0)
 			l->state[i] |= (uint8_t)((seen > 0 ? LIT : DARK) << CORE_SHIFT);
 	}
@@ -79,7 +79,7 @@ static float width_of(const light *l, facets *known, int x, int y, const edge_li
 		s = ISA(place_on)(l, known, l->surfaces + (far > 0 ? i + side : i - side), u, v, &inside);
 	}
 	vec place;
-	if (!inside || !faces(l, &s) || !ISA(shadow_thrower)(l, &s, &place))
+	if (!inside || !faces(l, &s) || !ISA(ask_thrower)(l, &s, &place))
 		return SOFT;
 	float a = moves(l, &s, place, l->points.rim, e), b = moves(l, &s, place, l->points.rim + 1, e);
 	float half = l->lamp.type == ENCRE_RECTANGLE ? fabsf(a) + fabsf(b) : sqrtf(a * a + b * b);

@@ -3,10 +3,11 @@
  */
 #include "light/local.h"
 
-bool ISA(shape_blocks)(const world *w, const shape *s, int32_t from, const local *l, int32_t skip, hint *h)
+/* Whether a ray is stopped by a shape; *h: by what. */
+static bool shape_blocks(const world *w, const shape *s, const local *l, int32_t skip, hint *h)
 {
 	int32_t stack[TREE_STACK], top = 1;
-	stack[0] = from;
+	stack[0] = 0;
 	while (top) {
 		int32_t at = stack[--top];
 		const tree_node *n = s->tree.nodes + at;
@@ -62,7 +63,7 @@ bool ISA(ray_blocked)(const world *w, const ray *r, hint *h)
 			local l;
 			if (!casts(in, r->set) || !local_of(in, r, &l))
 				continue;
-			if (ISA(shape_blocks)(w, in->shape, 0, &l, number == r->instance ? r->triangle : -1, h)) {
+			if (shape_blocks(w, in->shape, &l, number == r->instance ? r->triangle : -1, h)) {
 				h->instance = number;
 				h->top_node = at;
 				h->top_slot = slot;

@@ -7,109 +7,6 @@
 
 enum { HALVINGS = 7 };
 
-/* How much of its lift a ray takes: all where it would go into the facet, none where it leaves that at more than a few
- * degrees, for a tall lift passes by what throws a shadow. Cycles' rule. */
-static float lifted(const surface *s, vec way)
-{
-	const float graze = 0.1f;
-	float rate = 1 / (graze * sqrtf(max(dot(way, way), 1e-30f)));
-	float facet = dot(s->across, way) * rate, shaded = dot(s->normal, way) * rate;
-	return clamp01(shaded < 1 ? 2 - facet - shaded : 1 - facet);
-}
-
-/* How far above a surface rays begin. */
-static float ray_off(const surface *s)
-{
-	return (largest(s->at) + 1) * (s->instance >= 0 ? 1e-6f : 1e-3f);
-}
-
-/* far: how much of the way belongs to it. */
-static ray ray_to(const light *l, const surface *s, vec way, float far)
-{
-	vec from = plus(s->at, times(s->across, ray_off(s)));
-	if (dot(s->lift, s->lift) > 0)
-		from = plus(from, times(s->lift, lifted(s, way)));
-	ray r = {.from = from,
-		 .way = way,
-		 .far = far,
-		 .instance = s->instance,
-		 .triangle = s->triangle,
-		 .set = l->lamp.shadow_set};
-	if (far < lamp_far)
-		r.way = plus(way, minus(s->at, r.from));
-	float free = l->n_bends ? ISA(bend_free)(l, s->at, r.way) : 0;
-	if (free > 0) {
-		free = far < lamp_far ? min(free, 0.999f) : free;
-		r.from = plus(r.from, times(r.way, free));
-		r.way = far < lamp_far ? times(r.way, 1 - free) : r.way;
-	}
-	return r;
-}
-
-bool ISA(shadow_thrower)(const light *l, const surface *s, vec *place)
-{
-	vec way;
-	float far, share;
-	if (!(lamp_light(&l->lamp, s->at, s->normal, &l->points.middle, &way, &far) > 0))
-		return false;
-	ray r = ray_to(l, s, way, far);
-	if (!ISA(ray_stops)(&l->world, &r, &share))
-		return false;
-	*place = plus(r.from, times(r.way, share));
-	return true;
-}
-
-void ISA(shadow_ask)(const light *l, const surface *s, const lamp_point *q, float *all, float *seen, rays *from)
-{
-	vec way;
-	float far, value = lamp_light(&l->lamp, s->at, s->normal, q, &way, &far);
-	if (!(value > 0 && value <= FLT_MAX))
-		return;
-	*all += value;
-	ray r = ray_to(l, s, way, far);
-	if (!l->lamp.shadows || !(from->shaft ? ISA(shaft_blocks)(from->shaft, &l->world, &r, &from->hint)
-					      : ISA(ray_blocked)(&l->world, &r, &from->hint)))
-		*seen += value;
-}
-
-uint64_t ISA(shadow_group)(const light *l, int x, int y, uint64_t left, int apron, shaft *to)
-{
-	const int first = __builtin_ctzll(left);
-	const surface *one = l->surfaces + (ptrdiff_t)(y + first / SHAFT_SIDE) * l->width + x + first % SHAFT_SIDE;
-	uint64_t group = 0;
-	float off = 0;
-	shaft_starts from = {.within = {one->at, one->at}, .instance = one->instance};
-	for (int v = -apron; v < SHAFT_SIDE + apron; v++)
-		for (int u = -apron; u < SHAFT_SIDE + apron; u++) {
-			bool own = u >= 0 && v >= 0 && u < SHAFT_SIDE && v < SHAFT_SIDE;
-			uint64_t bit = own ? (uint64_t)1 << (v * SHAFT_SIDE + u) & left : 0;
-			if ((!bit && !apron) || x + u < 0 || y + v < 0 || x + u >= l->width || y + v >= l->height)
-				continue;
-			const surface *s = l->surfaces + (ptrdiff_t)(y + v) * l->width + x + u;
-			if (s->instance == SURFACE_NOTHING || (s != one && !one_surface(one, s)))
-				continue;
-			group |= bit;
-			box_add(&from.within, s->at);
-			box_add(&from.within, plus(s->at, s->lift));
-			off = max(off, ray_off(s));
-			if (apron || from.instance != s->instance) {
-				from.instance = -1;
-				continue;
-			}
-			from.at[0][from.count] = plus(s->at, times(s->across, ray_off(s)));
-			from.at[1][from.count] = plus(from.at[0][from.count], s->lift);
-			from.triangle[from.count++] = s->triangle;
-		}
-	const vec more = {2 * off, 2 * off, 2 * off};
-	from.within = (box){minus(from.within.low, more), plus(from.within.high, more)};
-	from.count = from.instance >= 0 ? from.count : 0;
-	to->usable = false;
-	if (l->lamp.shadows && __builtin_popcountll(group) >= SHAFT_FEW)
-		ISA(shaft_make)(to, &l->world, &from, l->lamp.goal, l->lamp.type == ENCRE_SUN ? lamp_far : 1,
-				l->lamp.shadow_set);
-	return group;
-}
-
 static bool lights(const light *l, const surface *s)
 {
 	if (s->instance == SURFACE_NOTHING)
@@ -161,21 +58,65 @@ static float plain_light(const light *l, const surface *s)
 	return sum > 0 && sum <= FLT_MAX ? sum : 0;
 }
 
-/* What the few points of a pixel say. */
-static void ask_centre(light *l, int x, int y, rays *from)
+/* What the few points of a pixel say: how much their light is, and how much of it comes. */
+static void tell_centre(light *l, ptrdiff_t i, float all, float seen)
 {
-	const encre_frame *f = &l->job->frame;
-	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
-	const lamp_point *first = l->soft ? l->points.first[(f->y + y - DEALT_FROM) & (LAMP_WIDE - 1)]
-							   [(f->x + x - DEALT_FROM) & (LAMP_WIDE - 1)]
-					  : &l->points.middle;
-	int dealt = l->soft ? LAMP_DEALT : 1;
-	float all = 0, seen = 0;
-	bool free = shaft_free(from->shaft); /* all of it comes: is there any? */
-	for (int k = 0; k < dealt && !(free && all > 0); k++)
-		ISA(shadow_ask)(l, l->surfaces + i, first + k, &all, &seen, from);
 	l->state[i] = !(all > 0) ? MIXED : (uint8_t)((seen > 0 ? LIT : 0) | (seen < all ? DARK : 0));
 	l->share[i] = all > 0 ? seen / all : !l->soft; /* sharp, of a lamp whose middle is below the horizon */
+}
+
+/* The points that a pixel is dealt. */
+static const lamp_point *dealt_to(const light *l, int x, int y)
+{
+	const encre_frame *f = &l->job->frame;
+	return l->soft ? l->points.first[(f->y + y - DEALT_FROM) & (LAMP_WIDE - 1)]
+					[(f->x + x - DEALT_FROM) & (LAMP_WIDE - 1)]
+		       : &l->points.middle;
+}
+
+/* Where all of the light comes that there is. */
+static void centre_free(light *l, int x, int y)
+{
+	const ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+	const surface *s = l->surfaces + i;
+	const lamp_point *q = dealt_to(l, x, y);
+	float all = 0;
+	for (int k = 0; k < (l->soft ? LAMP_DEALT : 1) && !(all > 0); k++) {
+		vec way;
+		float far, value = lamp_light(&l->lamp, s->at, s->normal, q + k, &way, &far);
+		all = value > 0 && value <= FLT_MAX ? value : 0;
+	}
+	tell_centre(l, i, all, all);
+}
+
+/* Pixels whose points are asked at once. */
+typedef struct centres {
+	asking ask;
+	ptrdiff_t pixel[PACK];
+	int count;
+} centres;
+
+static void centres_end(light *l, centres *c, rays *from)
+{
+	const int dealt = l->soft ? LAMP_DEALT : 1;
+	unsigned comes = c->count ? ISA(ask_all)(l, &c->ask, from) : 0;
+	for (int k = 0; k < c->count; k++) {
+		float all = 0, seen = 0;
+		ask_sum(&c->ask, comes, k * dealt, dealt, &all, &seen);
+		tell_centre(l, c->pixel[k], all, seen);
+	}
+	c->count = 0;
+}
+
+static void centres_add(light *l, centres *c, int x, int y, int start, rays *from)
+{
+	const lamp_point *q = dealt_to(l, x, y);
+	c->pixel[c->count] = (ptrdiff_t)y * l->width + x;
+	for (int k = 0; k < (l->soft ? LAMP_DEALT : 1); k++)
+		ISA(ask_add)(&c->ask, l->surfaces + c->pixel[c->count], q + k, start);
+	c->count++;
+	if (c->ask.count == PACK)
+		centres_end(l, c, from);
 }
 
 static bool lit_without_shadows(light *l, int x, int y)
@@ -194,16 +135,22 @@ static void centre_rows(void *data, int y0, int y1, int thread)
 	light *l = data;
 	shaft s;
 	rays from = RAYS(&s);
+	centres c;
+	c.count = c.ask.count = 0;
 	for (int y = y0; y < y1; y += SHAFT_SIDE)
 		for (int x = 0; x < l->width && !bands_stopped(l->bands); x += SHAFT_SIDE) {
 			uint64_t left = square_of(l, x, y, y1, lit_without_shadows);
 			while (left) {
-				uint64_t group = ISA(shadow_group)(l, x, y, left, 0, &s);
+				uint64_t group = ISA(ask_group)(l, x, y, left, 0, &s);
 				left &= ~group;
-				for (; group; group &= group - 1, s.start++) {
-					int k = __builtin_ctzll(group);
-					ask_centre(l, x + k % SHAFT_SIDE, y + k / SHAFT_SIDE, &from);
+				for (int start = 0; group; group &= group - 1, start++) {
+					int k = __builtin_ctzll(group), u = x + k % SHAFT_SIDE, v = y + k / SHAFT_SIDE;
+					if (shaft_free(&s, start))
+						centre_free(l, u, v);
+					else
+						centres_add(l, &c, u, v, start, &from);
 				}
+				centres_end(l, &c, &from);
 			}
 		}
 }
@@ -225,7 +172,7 @@ static float find_edge(const light *l, int x, int y, bool down, rays *from)
 			surface t = ISA(place_on)(l, &from->facets, other, u, v, &inside_other);
 			s = inside_other ? t : s;
 		}
-		ISA(shadow_ask)(l, &s, &l->points.middle, &all, &seen, from);
+		ISA(ask_point)(l, &s, &l->points.middle, &all, &seen, from);
 		if ((seen > 0) == (core_at(l, i) == LIT))
 			low = middle;
 		else

@@ -139,7 +139,7 @@ static void places_of(const shaft_starts *from, const instance *in, places *p)
 /* From which places rays along the ways, or to the box, may meet a triangle, is added to `met`. Where a ray meets its
  * plane, by Moeller and Trumbore, is told by products that are linear in its way, and in how far above the place it
  * begins: where one of them has the wrong sign for all ways, at both heights, the ray passes on that side. */
-static void meets(const triangle_leaf *leaf, int i, const places *p, box to, bool ways, int *restrict met)
+static void may_meet(const triangle_leaf *leaf, int i, const places *p, box to, bool ways, int *restrict met)
 {
 	const float c[3] = {leaf->corner[0][i], leaf->corner[1][i], leaf->corner[2][i]};
 	const float e[3] = {leaf->first[0][i], leaf->first[1][i], leaf->first[2][i]};
@@ -189,7 +189,7 @@ static uint64_t meet_leaf(const triangle_leaf *leaf, const places *p, box to, bo
 	uint64_t bits = 0;
 	for (int i = 0; i < LEAF; i++)
 		if (leaf->item[i] >= 0)
-			meets(leaf, i, p, to, ways, met);
+			may_meet(leaf, i, p, to, ways, met);
 	for (int j = 0; j < p->count; j++)
 		bits |= (uint64_t)met[j] << j;
 	return bits;
@@ -244,7 +244,7 @@ void ISA(shaft_make)(shaft *s, const world *w, const shaft_starts *from, box to,
 	s->from = from->within;
 	s->to = to;
 	s->far = far;
-	s->n_parts = s->start = 0;
+	s->n_parts = 0;
 	s->usable = finite_box(from->within) && finite_box(to);
 	stack[0] = 0;
 	beam all = beam_of(from->within, to, far);
@@ -279,65 +279,12 @@ void ISA(shaft_make)(shaft *s, const world *w, const shaft_starts *from, box to,
 	}
 }
 
-static bool within(const box *b, vec p)
-{
-	return (p.x >= b->low.x) & (p.x <= b->high.x) & (p.y >= b->low.y) & (p.y <= b->high.y) & (p.z >= b->low.z) &
-	       (p.z <= b->high.z);
-}
-
-static bool entry_blocks(const world *w, const shape *s, const shaft_entry *e, const local *l, int32_t skip)
-{
-	const tree_node *n = s->tree.nodes + e->node;
-	for (unsigned bits = entered(n, l) & e->mask; bits; bits &= bits - 1) {
-		int32_t child = n->child[__builtin_ctz(bits)];
-		hint any;
-		if (child < 0 ? leaf_blocks(w, s, ~child, l, skip) : ISA(shape_blocks)(w, s, child, l, skip, &any))
-			return true;
-	}
-	return false;
-}
-
-static bool part_blocks(shaft *s, const shaft_part *p, const world *w, const ray *r, const local *all)
-{
-	const instance *in = w->instances[p->instance];
-	local l;
-	if (!(entered(w->tree.nodes + p->node, all) >> p->slot & 1) || !local_of(in, r, &l))
-		return false;
-	int32_t skip = p->instance == r->instance ? r->triangle : -1;
-	for (int e = p->first; e < p->end; e++)
-		if (entry_blocks(w, in->shape, s->entry + e, &l, skip)) {
-			shaft_entry found = s->entry[e];
-			s->entry[e] = s->entry[p->first];
-			s->entry[p->first] = found;
-			return true;
-		}
-	return false;
-}
-
-bool ISA(shaft_blocks)(shaft *s, const world *w, const ray *r, hint *h)
-{
-	if (!s->usable || !within(&s->from, r->from) || !within(&s->to, s->far >= 2 ? r->way : plus(r->from, r->way)))
-		return ISA(ray_blocked)(w, r, h);
-	local all = {.from = r->from, .way = r->way, .far = r->far};
-	if (shaft_free(s) || !aim(&all))
-		return false;
-	for (int k = 0; k < s->n_parts; k++)
-		if (s->part[k].starts >> s->start & 1 && part_blocks(s, s->part + k, w, r, &all)) {
-			shaft_part found = s->part[k];
-			s->part[k] = s->part[0];
-			s->part[0] = found;
-			return true;
-		}
-	return false;
-}
-
 bool ISA(shaft_nearest)(const shaft *s, const world *w, const double from[3], const double to[3], float share,
 			hit *found)
 {
 	local all = {.from = {(float)from[0], (float)from[1], (float)from[2]}, .far = 1};
 	all.way = (vec){(float)(to[0] - from[0]), (float)(to[1] - from[1]), (float)(to[2] - from[2])};
-	if (!s->usable || !within(&s->from, all.from) ||
-	    !within(&s->to, (vec){(float)to[0], (float)to[1], (float)to[2]}))
+	if (!s->usable || !holds(&s->from, all.from) || !holds(&s->to, (vec){(float)to[0], (float)to[1], (float)to[2]}))
 		return ISA(ray_nearest)(w, from, to, share, found);
 	search f = SEARCH(share, -1, NULL);
 	const bool good = aim(&all);

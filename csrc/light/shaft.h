@@ -27,7 +27,7 @@ typedef struct shaft {
 	bool usable; /* false: each ray looks for itself */
 	box from, to;
 	float far;
-	int n_parts, start;           /* the number of the one from which the next rays go, if starts were counted */
+	int n_parts;
 	shaft_part part[SHAFT_PARTS]; /* what stopped the last ray first; entries likewise */
 	shaft_entry entry[SHAFT_ENTRIES];
 } shaft;
@@ -44,19 +44,17 @@ typedef struct shaft_starts {
 
 /* To a box with `far` 1, or along ways of that box with lamp_far. */
 void ISA(shaft_make)(shaft *s, const world *w, const shaft_starts *from, box to, float far, int set);
-/* Whether it is usable, and nothing is in the way of rays from its `start`. */
-static inline bool shaft_free(const shaft *s)
+/* Whether it is usable, and nothing is in the way of rays from one of its starts. */
+static inline bool shaft_free(const shaft *s, int start)
 {
 	if (!s->usable) /* nothing else of it is set then */
 		return false;
 	uint64_t parts = 0;
 	for (int k = 0; k < s->n_parts; k++)
 		parts |= s->part[k].starts;
-	return !(parts >> s->start & 1);
+	return !(parts >> start & 1);
 }
 
-/* As ray_blocked(). */
-bool ISA(shaft_blocks)(shaft *s, const world *w, const ray *r, hint *h);
 /* As ray_nearest(), through a shaft of SET_SEEN. */
 bool ISA(shaft_nearest)(const shaft *s, const world *w, const double from[3], const double to[3], float share,
 			hit *found);

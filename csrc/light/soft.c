@@ -13,6 +13,8 @@
 
 #include <stdlib.h>
 
+_Static_assert(LAMP_POINTS % PACK == 0 && LAMP_FIRST % PACK == 0, "no point is left over");
+
 enum {
 	ABOUT = 2,  /* pixels: about one for which a line or corner parts the lamp, */
 	SELDOM = 3, /* there are at least so many of these for one for which none does */
@@ -72,14 +74,16 @@ static surface place_within(const light *l, facets *known, ptrdiff_t i, ptrdiff_
 
 /* Asks points of a pixel. Places are looked at from within the surface: beside where it ends from the pixel's own
  * column or row. */
-static void ask_points(const light *l, int x, int y, int first, int end, float *all, float *seen, rays *from)
+static void ask_points(const light *l, int x, int y, float *all, float *seen, rays *from)
 {
 	const encre_frame *f = &l->job->frame;
 	const lamp_point *points =
 		l->points.of[(f->y + y - DEALT_FROM) & (LAMP_TILE - 1)][(f->x + x - DEALT_FROM) & (LAMP_TILE - 1)];
 	bool columns[2] = {goes_on(l, x, y, x - 1, y), goes_on(l, x, y, x + 1, y)};
 	bool rows[2] = {goes_on(l, x, y, x, y - 1), goes_on(l, x, y, x, y + 1)};
-	for (int k = first; k < end; k++) {
+	asking ask;
+	ask.count = 0;
+	for (int k = 0; k < LAMP_POINTS; k++) {
 		const lamp_point *q = points + k;
 		float a = columns[q->place[0] > 0] ? q->place[0] : 0, b = rows[q->place[1] > 0] ? q->place[1] : 0;
 		int u = x + (int)floorf(0.5f + a), v = y + (int)floorf(0.5f + b);
@@ -87,7 +91,9 @@ static void ask_points(const light *l, int x, int y, int first, int end, float *
 		surface s = l->surfaces[i];
 		if (u == x || v == y || goes_on(l, x, y, u, v))
 			s = place_within(l, &from->facets, i, j, (float)x + 0.5f + a, (float)y + 0.5f + b);
-		ISA(shadow_ask)(l, &s, q, all, seen, from);
+		ISA(ask_add)(&ask, &s, q, 0);
+		if (ask.count == PACK)
+			ask_sum(&ask, ISA(ask_all)(l, &ask, from), 0, PACK, all, seen);
 	}
 }
 
@@ -129,11 +135,18 @@ static void ask_first(light *l, int x, int y, rays *from)
 	const surface *s = l->surfaces + i;
 	float value[LAMP_FIRST], all = 0, seen = 0, share;
 	uint32_t bits = 0;
-	for (int k = 0; k < LAMP_FIRST; k++) {
-		float before = all, had = seen;
-		ISA(shadow_ask)(l, s, points + k, &all, &seen, from);
-		value[k] = all - before;
-		bits |= (uint32_t)(seen > had) << k;
+	asking ask;
+	ask.count = 0;
+	for (int first = 0; first < LAMP_FIRST; first += PACK) {
+		for (int k = 0; k < PACK; k++)
+			ISA(ask_add)(&ask, s, points + first + k, 0);
+		unsigned comes = ISA(ask_all)(l, &ask, from);
+		bits |= comes << first;
+		for (int k = 0; k < PACK; k++) {
+			float before = all;
+			ask_sum(&ask, comes, k, 1, &all, &seen);
+			value[first + k] = all - before; /* as the sum has it */
+		}
 	}
 	l->asked[i] = all > 0 ? seen / all : 0;
 	if (!(seen > 0 && seen < all))
@@ -146,10 +159,10 @@ static void ask_rest(light *l, int x, int y, rays *from)
 {
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
 	float all = 0, seen = 0;
-	ask_points(l, x, y, 0, LAMP_POINTS, &all, &seen, from);
+	ask_points(l, x, y, &all, &seen, from);
 	int more = all > 0 ? 0 : LAMP_PLAIN; /* of its own none gives light */
 	for (int k = 0; k < more; k++)
-		ISA(shadow_ask)(l, l->surfaces + i, l->points.plain + k, &all, &seen, from);
+		ISA(ask_point)(l, l->surfaces + i, l->points.plain + k, &all, &seen, from);
 	l->spare[i] += (1 - l->exact[i]) * (all > 0 ? seen / all : 0);
 }
 
@@ -158,7 +171,7 @@ static void ask_square(light *l, int x, int y, uint64_t left, void (*ask)(light 
 		       rays *from)
 {
 	while (left && !bands_stopped(l->bands)) {
-		uint64_t group = ISA(shadow_group)(l, x, y, left, 1, from->shaft);
+		uint64_t group = ISA(ask_group)(l, x, y, left, 1, from->shaft);
 		left &= ~group;
 		for (; group && !bands_stopped(l->bands); group &= group - 1) {
 			int k = __builtin_ctzll(group);

@@ -60,18 +60,56 @@ static void chord_ends(const view *w, float along, float *low, float *high)
 	}
 }
 
-static bool sees(const view *w, float across, float along)
+/* A place by where it is across and along. */
+typedef struct spot {
+	float across, along;
+} spot;
+
+/* The bits of places that are seen, of at most PACK. */
+static unsigned sees(const view *w, const spot *of, int count)
 {
-	float x = w->across[0] * across + w->along[0] * along, y = w->across[1] * across + w->along[1] * along;
-	lamp_point q = {.square = {0.5f + 0.5f * x, 0.5f + 0.5f * y}, .disc = {x, y}};
-	float all = 0, seen = 0;
-	ISA(shadow_ask)(w->light, w->at, &q, &all, &seen, w->from);
-	return seen > 0;
+	asking ask;
+	ask.count = 0;
+	for (int k = 0; k < count; k++) {
+		float x = w->across[0] * of[k].across + w->along[0] * of[k].along;
+		float y = w->across[1] * of[k].across + w->along[1] * of[k].along;
+		lamp_point q = {.square = {0.5f + 0.5f * x, 0.5f + 0.5f * y}, .disc = {x, y}};
+		ISA(ask_add)(&ask, w->at, &q, 0);
+	}
+	return ISA(ask_all)(w->light, &ask, w->from);
 }
 
-/* Finds where on a chord what is hidden ends, most likely within `wide` of `guess`; false if nowhere. */
+/* Where halving looks, whatever it finds: into at[1] first, then, from at[k], at[2 k] or at[2 k + 1]. */
+static void halves(float low, float high, float along, int count, spot *at)
+{
+	float from[2 * PACK], to[2 * PACK];
+	from[1] = low;
+	to[1] = high;
+	for (int k = 1; k < count; k++) {
+		at[k] = (spot){0.5f * (from[k] + to[k]), along};
+		from[2 * k] = from[k];
+		to[2 * k] = from[2 * k + 1] = at[k].across;
+		to[2 * k + 1] = to[k];
+	}
+}
+
+/* Halves until what is seen ends within `enough`, or is to be looked for beyond these places. */
+static void halve(const view *w, const spot *at, int count, unsigned seen, float *low, float *high)
+{
+	for (int k = 1; k < count && *high - *low > w->enough;) {
+		bool lit = seen >> k & 1;
+		*(lit ? high : low) = at[k].across;
+		k = 2 * k + !lit;
+	}
+}
+
+/* Finds where on a chord what is hidden ends, most likely within `wide` of `guess`; false if nowhere. Its places are
+ * asked together, also such as turn out not to matter. */
 static bool cross_chord(view *w, int k, float along, float guess, float wide)
 {
+	enum { FEW = 4 }; /* places of two halvings */
+	enum { LOW = FEW, HIGH, FIRST, LAST, ALL };
+	_Static_assert((int)ALL == (int)PACK, "at[0] is free");
 	float first, last;
 	chord_ends(w, along, &first, &last);
 	float low = max(guess - wide, first), high = min(guess + wide, last), rim = 0.015f * (last - first);
@@ -79,28 +117,35 @@ static bool cross_chord(view *w, int k, float along, float guess, float wide)
 		low = first;
 		high = last;
 	}
-	bool lit = sees(w, high, along), dark = !sees(w, low, along);
-	if (!dark && low > first) {
-		high = low;
-		lit = true;
-		low = first;
-		dark = !sees(w, low, along);
-	} else if (!lit && high < last) {
-		low = high;
-		dark = true;
-		high = last;
-		lit = sees(w, high, along);
-	}
-	if (!dark || !lit)
+	spot at[PACK] = {[0] = {high, along},
+			 [LOW] = {low, along},
+			 [HIGH] = {high, along},
+			 [FIRST] = {first + rim, along},
+			 [LAST] = {last - rim, along}};
+	halves(low, high, along, FEW, at);
+	unsigned seen = sees(w, at, PACK);
+	if (seen >> FIRST & 1 || !(seen >> LAST & 1))
 		return false;
+	const bool lit = seen >> HIGH & 1, dark = !(seen >> LOW & 1), beyond = !lit || !dark;
+	if (beyond) {
+		const bool below = !dark && low > first;
+		if (!below && (lit || high >= last))
+			return false;
+		float from = below ? first : high;
+		high = below ? low : last;
+		low = from;
+		at[0] = (spot){below ? low : high, along};
+		halves(low, high, along, PACK, at);
+		seen = sees(w, at, PACK);
+		if ((seen & 1) == below)
+			return false;
+	}
+	halve(w, at, beyond ? PACK : FEW, seen, &low, &high);
 	while (high - low > w->enough) {
-		float middle = 0.5f * (low + high);
-		bool seen = sees(w, middle, along);
-		low = seen ? low : middle;
-		high = seen ? middle : high;
+		at[0] = (spot){high, along};
+		halves(low, high, along, PACK, at);
+		halve(w, at, PACK, sees(w, at, PACK), &low, &high);
 	}
-	if (sees(w, first + rim, along) || !sees(w, last - rim, along))
-		return false;
 	w->chord[k] = along;
 	w->cut[k] = 0.5f * (low + high);
 	return true;
@@ -347,14 +392,16 @@ static bool cross_fold(view *w, float few)
 static bool ends_hold(const view *w)
 {
 	float wide = half_length(w);
-	for (int side = -1; side <= 1; side += 2) {
-		float along = (float)side * near_end * wide, at = line_at(w, along), low, high;
+	spot at[4];
+	unsigned dark = 0, asked = 0; /* bits: places that must be, and such as are on the lamp */
+	for (int k = 0; k < 4; k++) {
+		float along = (k & 2 ? near_end : -near_end) * wide, here = line_at(w, along), low, high;
 		chord_ends(w, along, &low, &high);
-		if ((at - aside > low && at - aside < high && sees(w, at - aside, along)) ||
-		    (at + aside < high && at + aside > low && !sees(w, at + aside, along)))
-			return false;
+		at[k] = (spot){k & 1 ? here + aside : here - aside, along};
+		asked |= (unsigned)(at[k].across > low && at[k].across < high) << k;
+		dark |= (unsigned)!(k & 1) << k;
 	}
-	return true;
+	return !asked || ((sees(w, at, 4) ^ ~dark) & asked) == 0;
 }
 
 bool ISA(straight_share)(const light *l, const surface *s, const lamp_point *points, const float *value, uint32_t seen,

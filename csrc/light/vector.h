@@ -5,6 +5,8 @@
 
 #include "base/pixel.h"
 
+#include <stdbool.h>
+
 typedef struct vec {
 	float x, y, z;
 } vec;
@@ -52,6 +54,12 @@ static inline void box_add(box *b, vec p)
 {
 	b->low = (vec){min(b->low.x, p.x), min(b->low.y, p.y), min(b->low.z, p.z)};
 	b->high = (vec){max(b->high.x, p.x), max(b->high.y, p.y), max(b->high.z, p.z)};
+}
+
+static inline bool holds(const box *b, vec p)
+{
+	return (p.x >= b->low.x) & (p.x <= b->high.x) & (p.y >= b->low.y) & (p.y <= b->high.y) & (p.z >= b->low.z) &
+	       (p.z <= b->high.z);
 }
 
 static inline vec absolute(vec a)
