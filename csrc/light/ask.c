@@ -133,7 +133,7 @@ static unsigned ask_lamp_of(const light *l, asking *a)
 	}
 }
 
-unsigned ISA(ask_all)(const light *l, asking *a, rays *from)
+unsigned ISA(ask_all)(const light *l, asking *a, shaft *through)
 {
 	const unsigned own = (1u << a->count) - 1;
 	while (a->count < PACK)
@@ -149,7 +149,7 @@ unsigned ISA(ask_all)(const light *l, asking *a, rays *from)
 		put_lane(&a->rays.way, k, way);
 	}
 	a->rays.set = l->lamp.shadow_set;
-	return some & ~ISA(pack_blocked)(from->shaft, &l->world, &a->rays, some, &from->hint);
+	return some & ~ISA(pack_blocked)(through, &l->world, &a->rays, some);
 }
 
 uint64_t ISA(ask_group)(const light *l, int x, int y, uint64_t left, int apron, shaft *to)

@@ -78,7 +78,7 @@ typedef struct facets {
 } facets;
 #define FACETS_NONE ((facets){{{0}}})
 
-/* What rays that go to a lamp remember of each other. `shaft` may be NULL. */
+/* What rays that go to a lamp remember of each other. `shaft`, for such as are asked at once, may be NULL. */
 typedef struct rays {
 	hint hint;
 	shaft *shaft;
@@ -134,8 +134,8 @@ typedef struct asking {
 
 /* Adds a point to fewer than PACK; start: as of a shaft. */
 void ISA(ask_add)(asking *a, const surface *s, const lamp_point *q, int start);
-/* Empties it: the bits of those, of at least one, whose light comes. */
-unsigned ISA(ask_all)(const light *l, asking *a, rays *from);
+/* Empties it: the bits of those, of at least one, whose light comes. through: may be NULL. */
+unsigned ISA(ask_all)(const light *l, asking *a, shaft *through);
 /* Sums what `count` points that were asked last give, as ask_point() does. */
 static inline void ask_sum(const asking *a, unsigned comes, int first, int count, float *all, float *seen)
 {

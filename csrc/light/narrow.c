@@ -19,22 +19,32 @@ _Static_assert(BESIDE + THIN <= NARROW_REACH, "soft.c counts on it");
 static const float level = 0.05f; /* of the distance: so far two things lie apart where they make one plane, at most */
 static const float opposite = -0.5f; /* cosine of the ways to the light of two sides of something thin, at most */
 
-/* Whether light comes from the lamp's middle. */
+/* Whether light comes from the lamp's middle to pixels that are asked at once. */
+static void tell_cores(light *l, asking *ask, const ptrdiff_t *pixel)
+{
+	const int count = ask->count;
+	unsigned comes = count ? ISA(ask_all)(l, ask, NULL) : 0;
+	for (int k = 0; k < count; k++)
+		if (ask->value[k] > 0)
+			l->state[pixel[k]] |= (uint8_t)((comes >> k & 1 ? LIT : DARK) << CORE_SHIFT);
+}
+
 static void core_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	light *l = data;
-	rays from = RAYS(NULL);
-	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width; i++) {
-		float all = 0, seen = 0;
+	asking ask;
+	ptrdiff_t pixel[PACK] = {0};
+	ask.count = 0;
+	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width && !bands_stopped(l->bands); i++) {
 		if (l->exact[i] < 0)
 			continue;
-		if (bands_stopped(l->bands))
-			return;
-		ISA(ask_point)(l, l->surfaces + i, &l->points.middle, &all, &seen, &from);
-		if (all > 0)
-			l->state[i] |= (uint8_t)((seen > 0 ? LIT : DARK) << CORE_SHIFT);
+		pixel[ask.count] = i;
+		ISA(ask_add)(&ask, l->surfaces + i, &l->points.middle, 0);
+		if (ask.count == PACK)
+			tell_cores(l, &ask, pixel);
 	}
+	tell_cores(l, &ask, pixel);
 }
 
 /* By how many pixels the shadow of a place moves across an edge when the light comes from a lamp's rim and not from its

@@ -130,19 +130,24 @@ static unsigned stopped_below(const asked *a, int32_t node, unsigned boxes, unsi
 	return stopped;
 }
 
+/* Takes rays into the space of an instance: the bits of those of `left` that are finite there. */
+static unsigned ask_instance(asked *a, const world *w, int32_t number, const pack *p, const lanes *all, unsigned left)
+{
+	a->w = w;
+	a->shape = w->instances[number]->shape;
+	for (int k = 0; k < PACK; k++)
+		a->skip[k] = p->instance[k] == number ? p->triangle[k] : -1;
+	return lanes_of(w->instances[number], all, &a->rays) & left;
+}
+
+/* The bits of those of `left` that a part of a shaft stops. */
 static unsigned part_stops(shaft *s, const shaft_part *part, const world *w, const pack *p, const lanes *all,
 			   unsigned left)
 {
 	asked a;
 	unsigned stopped = 0;
-	a.w = w;
-	a.shape = w->instances[part->instance]->shape;
 	left &= enter(w->tree.nodes + part->node, part->slot, all);
-	if (!left)
-		return 0;
-	left &= lanes_of(w->instances[part->instance], all, &a.rays);
-	for (int k = 0; k < PACK; k++)
-		a.skip[k] = p->instance[k] == part->instance ? p->triangle[k] : -1;
+	left = left ? ask_instance(&a, w, part->instance, p, all, left) : 0;
 	for (int e = part->first; e < part->end && left; e++) {
 		shaft_entry own = s->entry[e];
 		unsigned found = stopped_below(&a, own.node, own.mask, left);
@@ -152,6 +157,35 @@ static unsigned part_stops(shaft *s, const shaft_part *part, const world *w, con
 		s->entry[part->first] = own;
 		left &= ~found;
 		stopped |= found;
+	}
+	return stopped;
+}
+
+/* The bits of those of `left` that anything stops. */
+static unsigned world_stops(const world *w, const pack *p, const lanes *all, unsigned left)
+{
+	int32_t stack[TREE_STACK], top = w->tree.n_nodes > 0;
+	unsigned stopped = 0;
+	stack[0] = 0;
+	while (top && left) {
+		const tree_node *n = w->tree.nodes + stack[--top];
+		for (int slot = 0; slot < TREE_WIDE && left; slot++) {
+			unsigned in = enter(n, slot, all) & left;
+			if (!in)
+				continue;
+			if (n->child[slot] >= 0) {
+				stack[top++] = n->child[slot];
+				continue;
+			}
+			asked a;
+			int32_t number = w->boxes[w->tree.leaves[~n->child[slot]].from].item;
+			if (!casts(w->instances[number], p->set))
+				continue;
+			in = ask_instance(&a, w, number, p, all, in);
+			unsigned found = stopped_below(&a, 0, (1u << TREE_WIDE) - 1, in);
+			left &= ~found;
+			stopped |= found;
+		}
 	}
 	return stopped;
 }
@@ -177,25 +211,19 @@ static unsigned starts_at(const shaft_part *part, const pack *p)
 	return bits;
 }
 
-unsigned ISA(pack_blocked)(shaft *s, const world *w, const pack *p, unsigned asked, hint *h)
+unsigned ISA(pack_blocked)(shaft *s, const world *w, const pack *p, unsigned asked)
 {
-	unsigned through = s && s->usable ? within(s, p) & asked : 0, stopped = 0;
-	for (unsigned left = asked & ~through; left; left &= left - 1) {
-		int k = __builtin_ctz(left);
-		ray r = {lane(&p->from, k), lane(&p->way, k), p->far, p->instance[k], p->triangle[k], p->set};
-		stopped |= (unsigned)ISA(ray_blocked)(w, &r, h) << k;
-	}
-	if (!through || !s->n_parts)
-		return stopped;
 	lanes all;
 	all.from = p->from;
 	all.way = p->way;
 	all.far = p->far;
-	through &= aim_lanes(&all);
-	for (int k = 0; k < s->n_parts && through; k++) {
+	asked &= aim_lanes(&all);
+	unsigned through = s && s->usable ? within(s, p) & asked : 0;
+	unsigned stopped = asked & ~through ? world_stops(w, p, &all, asked & ~through) : 0;
+	for (int k = 0; through && k < s->n_parts; k++) {
 		shaft_part own = s->part[k];
-		unsigned asks = starts_at(&own, p) & through;
-		unsigned found = asks ? part_stops(s, &own, w, p, &all, asks) : 0;
+		unsigned left = starts_at(&own, p) & through;
+		unsigned found = left ? part_stops(s, &own, w, p, &all, left) : 0;
 		if (!found)
 			continue;
 		s->part[k] = s->part[0];

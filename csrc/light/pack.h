@@ -19,8 +19,9 @@ typedef struct pack {
 	int set;
 } pack;
 
-/* As ray_blocked() of each ray of which `asked` has a bit: the bits of those that are. s may be NULL. */
-unsigned ISA(pack_blocked)(shaft *s, const world *w, const pack *p, unsigned asked, hint *h);
+/* As ray_blocked() of each ray of which `asked` has a bit: the bits of those that are. s, through which rays go
+ * where they fit, may be NULL. */
+unsigned ISA(pack_blocked)(shaft *s, const world *w, const pack *p, unsigned asked);
 
 static inline vec lane(const vecs *of, int k)
 {

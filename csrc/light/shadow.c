@@ -96,10 +96,10 @@ typedef struct centres {
 	int count;
 } centres;
 
-static void centres_end(light *l, centres *c, rays *from)
+static void centres_end(light *l, centres *c, shaft *through)
 {
 	const int dealt = l->soft ? LAMP_DEALT : 1;
-	unsigned comes = c->count ? ISA(ask_all)(l, &c->ask, from) : 0;
+	unsigned comes = c->count ? ISA(ask_all)(l, &c->ask, through) : 0;
 	for (int k = 0; k < c->count; k++) {
 		float all = 0, seen = 0;
 		ask_sum(&c->ask, comes, k * dealt, dealt, &all, &seen);
@@ -108,7 +108,7 @@ static void centres_end(light *l, centres *c, rays *from)
 	c->count = 0;
 }
 
-static void centres_add(light *l, centres *c, int x, int y, int start, rays *from)
+static void centres_add(light *l, centres *c, int x, int y, int start, shaft *through)
 {
 	const lamp_point *q = dealt_to(l, x, y);
 	c->pixel[c->count] = (ptrdiff_t)y * l->width + x;
@@ -116,7 +116,7 @@ static void centres_add(light *l, centres *c, int x, int y, int start, rays *fro
 		ISA(ask_add)(&c->ask, l->surfaces + c->pixel[c->count], q + k, start);
 	c->count++;
 	if (c->ask.count == PACK)
-		centres_end(l, c, from);
+		centres_end(l, c, through);
 }
 
 static bool lit_without_shadows(light *l, int x, int y)
@@ -134,7 +134,6 @@ static void centre_rows(void *data, int y0, int y1, int thread)
 	(void)thread;
 	light *l = data;
 	shaft s;
-	rays from = RAYS(&s);
 	centres c;
 	c.count = c.ask.count = 0;
 	for (int y = y0; y < y1; y += SHAFT_SIDE)
@@ -148,9 +147,9 @@ static void centre_rows(void *data, int y0, int y1, int thread)
 					if (shaft_free(&s, start))
 						centre_free(l, u, v);
 					else
-						centres_add(l, &c, u, v, start, &from);
+						centres_add(l, &c, u, v, start, &s);
 				}
-				centres_end(l, &c, &from);
+				centres_end(l, &c, &s);
 			}
 		}
 }

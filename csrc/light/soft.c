@@ -93,7 +93,7 @@ static void ask_points(const light *l, int x, int y, float *all, float *seen, ra
 			s = place_within(l, &from->facets, i, j, (float)x + 0.5f + a, (float)y + 0.5f + b);
 		ISA(ask_add)(&ask, &s, q, 0);
 		if (ask.count == PACK)
-			ask_sum(&ask, ISA(ask_all)(l, &ask, from), 0, PACK, all, seen);
+			ask_sum(&ask, ISA(ask_all)(l, &ask, from->shaft), 0, PACK, all, seen);
 	}
 }
 
@@ -140,7 +140,7 @@ static void ask_first(light *l, int x, int y, rays *from)
 	for (int first = 0; first < LAMP_FIRST; first += PACK) {
 		for (int k = 0; k < PACK; k++)
 			ISA(ask_add)(&ask, s, points + first + k, 0);
-		unsigned comes = ISA(ask_all)(l, &ask, from);
+		unsigned comes = ISA(ask_all)(l, &ask, from->shaft);
 		bits |= comes << first;
 		for (int k = 0; k < PACK; k++) {
 			float before = all;

@@ -76,7 +76,7 @@ static unsigned sees(const view *w, const spot *of, int count)
 		lamp_point q = {.square = {0.5f + 0.5f * x, 0.5f + 0.5f * y}, .disc = {x, y}};
 		ISA(ask_add)(&ask, w->at, &q, 0);
 	}
-	return ISA(ask_all)(w->light, &ask, w->from);
+	return ISA(ask_all)(w->light, &ask, w->from->shaft);
 }
 
 /* Where halving looks, whatever it finds: into at[1] first, then, from at[k], at[2 k] or at[2 k + 1]. */
