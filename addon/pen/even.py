@@ -11,7 +11,8 @@ first: the last then takes away what lies between their holes.
 What is left are islands where light lies flat: levels would be filled and outlined in crumbs. A place that is brighter,
 or darker, than all about it by less than the noise as rendered comes down, or up, to the nearest of those. Only peaks
 and pits change, no slope and no ridge. Last, curves of equal light are made calm (along.py), also where shadows' edges
-hide from neighbours how much noise there was: what the denoiser took away tells it.
+hide from neighbours how much noise there was: what the denoiser took away tells it. Where light is the border of a soft
+shadow none of this is done, which would move it: there it is averaged along the border alone.
 """
 
 from collections.abc import Callable
@@ -26,6 +27,7 @@ _PASSES = (16, 1.5), (8, 1.5), (4, 2), (2, 3), (1, 3)
 _STEPS = 8, 4, 2, 1  # pixels: how far peaks and pits are looked for
 _AROUND, _ASIDE = 2, 5  # pixels: of the window in which noise is measured, and to the windows beside it
 REACH = sum(step for step, _ in _PASSES) + sum(_STEPS) + 1 + _AROUND + _ASIDE + along.REACH
+assert along.REACH_FAR <= REACH
 _ABOUT = 3  # of _AHEAD: directions in which what is about a place must be known, to call it a peak
 _NIL = 1 / 3000  # of the light: less is no noise
 _BEND, _TURN = 0.003, 0.2  # of 1/depth, and of the normal: more is another surface, or a relief that light shows
@@ -73,7 +75,9 @@ def _strip(value, rendered, surface):
             value = _levelled(value, noise, step, same[step])
         same = same[1]
         taken = 2 * np.sqrt(_mean((rendered - given) ** 2)) - nil
+        border, sure = along.border(given, taken, _whole(same), _slope(given, same), _mean)
         value = _calmed(value, taken, same)
+        value += sure * (border - value)
     return value
 
 
@@ -154,12 +158,12 @@ def _noise(light, same):
     return np.sqrt(np.where(np.isfinite(found), found, 0))
 
 
-def _mean(picture):
-    """Of the window about each pixel."""
+def _mean(picture, apart=1):
+    """Of the window about each pixel, or of as many places farther apart."""
     for axis in (_DOWN, _ACROSS):
         total = picture.copy()
         for step in range(1, _AROUND + 1):
-            for other in _pairs(picture, step)(axis):
+            for other in _pairs(picture, apart * step)(axis):
                 total += other
         picture = total / (2 * _AROUND + 1)
     return picture

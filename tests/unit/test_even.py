@@ -61,6 +61,17 @@ def test_as_the_reference_has_it(numbers):
     np.testing.assert_allclose(even(light, rendered, normal, depth, number), wanted, rtol=1e-3, atol=1e-5)
 
 
+def test_the_border_of_a_shadow_as_the_reference_has_it():
+    light, _ = round_shadow()
+    left, rendered = (p[32:50, 24:52].copy() for p in noisy(0.1 + 0.8 * light, 1, 0.01, 0.2))
+    normal, depth = FACING[:18, :28], FLAT[:18, :28].copy()
+    depth[:3, :4] = 9
+    picture = reference.Picture(left.max(2).astype(float), normal, depth[..., 0], np.zeros((18, 28)))
+    assert sum(sure > 0.5 for _, sure in reference.bordered(picture, dict.fromkeys(picture.light, 0.1)).values()) > 60
+    wanted = reference.even(left.astype(float), rendered.astype(float), normal, depth[..., 0], np.zeros((18, 28)))
+    np.testing.assert_allclose(even(left, rendered, normal, depth), wanted, rtol=1e-3, atol=1e-5)
+
+
 def test_light_without_noise_keeps_every_byte():
     ball = np.maximum(0, 1 - ((X - 50) / 70) ** 2 - ((Y - 40) / 60) ** 2)
     for light in (grey(ball), grey(shadow()), grey(0.3 + 0.001 * X), np.zeros((HEIGHT, WIDTH, 3), np.float32)):
@@ -122,6 +133,26 @@ def test_a_level_in_a_noisy_penumbra_is_a_calm_curve(seed):
                       for factor in noise.of_light(light.shape, seed, 0.04, 0.2))
     off = (places(even(left, rendered, FACING, FLAT)[..., 0], 0.5) - places(light, 0.5))[8:-8]
     assert np.std(np.diff(off)) < 0.05 and np.percentile(np.abs(off), 95) < 0.4
+
+
+def round_shadow():
+    """Of a ball, its border 24 pixels wide, and the noise that a lamp with a size makes there; how far from its middle
+    each pixel is, too."""
+    far = np.hypot(X - 60.2, Y - 44.7)
+    share = np.clip((far - 15) / 24, 0, 1)
+    return share * share * (3 - 2 * share), far
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_border_of_a_soft_shadow_is_not_moved(seed):
+    share, far = round_shadow()
+    light = 0.1 + 0.8 * share
+    left, rendered = (grey(light * (1 + 4 * share * (1 - share) * (factor - 1)))
+                      for factor in noise.of_light(light.shape, seed, 0.02, 0.25))
+    made = even(left, rendered, FACING, FLAT)[..., 0]
+    at = np.abs(far - far[light > 0.3].min()) < 1.5
+    off = (made - light)[at] / np.hypot(*np.gradient(light))[at]
+    assert np.percentile(np.abs(off), 95) < 0.22
 
 
 @pytest.mark.parametrize("dark", [abs(X - 50 - 0.3 * (Y - 45)) < 1.5, (abs(X - 60) < 0.12 * (Y - 20)) & (Y > 20)],
