@@ -5,8 +5,10 @@ It comes from lamps and where things stand, never from what a frame shows: a fra
 brighter, and tiles, borders and frames of a farm must agree. Sums over all things change by and by while lamps and
 things move, so that levels don't jump.
 
-It is not much more than what most things have: a sun that only comes in by a window does not make night of the
-room, while in a street, where it reaches what faces it, shade stays as dark beside it as it is.
+Of a lamp near by a thing tells by how large it looks from there: the windows of a town across the bay are hundreds, and
+no night gets light because nothing reaches them. Nor does shade make much less of it than what most things have: a sun
+that only comes in by a window does not make night of the room, while in a street, where it reaches what faces it, shade
+stays as dark beside it as it is.
 """
 
 import numpy as np
@@ -15,10 +17,11 @@ from ..pen import irradiance
 from . import lamps, trees, worlds
 
 _NEAREST = 0.25  # of the scene's size: what hangs nearer to a lamp has no more light than there, or a lampshade counted
-_MOST = 1.5  # times what most things have: they lie above the thresholds of presets, .55 at most
+_MOST = 1.5  # times what shadows leave to most things: they lie above the thresholds of presets, .55 at most
+_LARGE = 0.03  # steradians: a figure at five paces. What looks larger from its lamp is one thing among others, too
 _DARK = 0.005  # of full light: what has about so little is meant to be dark
 _THINGS = 1000  # so many tell what most have
-_WEAK = 0.2  # of the strongest lamp at a thing: whether weaker ones reach it makes no difference
+_WEAK = 0.2  # of the strongest lamp at a thing: whether weaker ones reach it makes no difference, but for a sun
 _FACES = np.array([(side * x, side * y, side * z) for x, y, z in np.eye(3) for side in (-1, 1)])
 _SPOTS = np.array([(a, b) for a in (-0.5, 0.5) for b in (-0.5, 0.5)])  # of a face
 _SIDES = np.array([(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z], np.float64)
@@ -33,35 +36,66 @@ def light(scene, found, boxes, size, drawn=None):
     """
     told = [(obj, lamp) for obj, matrix in found if (lamp := lamps.told(obj, matrix)) is not None]
     n = max(len(boxes), 1)
-    falls = [np.broadcast_to(_falls(lamp, boxes[:, 0], _NEAREST * size), n) for _, lamp in told]
-    each = np.max([np.zeros(n), *falls], 0)
+    falls = np.array([np.broadcast_to(_falls(lamp, boxes[:, 0], _NEAREST * size), n) for _, lamp in told])
+    each = np.max(falls, 0) if told else np.zeros(n)
     around, brightest = _world(scene.world)
-    mean = float(np.mean(np.sqrt(each)) ** 2)
-    if mean > 0:
-        counts = each / (each + mean)
-        mean = float(np.exp(counts @ np.log(np.maximum(each, 1e-30)) / counts.sum()))
-    full = max(mean + around if mean else 0.0, brightest)
-    if drawn and mean > 0 and len(boxes):
-        full = max(min(full, _MOST * _usual(drawn, told, falls, boxes, around, full)), brightest)
-    return full if np.isfinite(full) else 0.0
+    if not (np.any(each > 0) and len(boxes)):
+        full = np.max(each) + around if np.any(each > 0) else 0.0
+        return _finite(max(full, brightest))
+    some = slice(None, None, -(-n // _THINGS)) if drawn else slice(None)
+    boxes, falls, each = boxes[some], falls[:, some], each[some]
+    reached = _all_reached(drawn, told, falls, boxes)
+    votes = _votes(told, falls, reached if drawn else None, boxes)
+    mean = float(votes @ np.sqrt(each) / votes.sum()) ** 2
+    counts = votes * each / (each + mean)
+    full = float(np.exp(counts @ np.log(np.maximum(each, 1e-30)) / counts.sum())) + around
+    shaded = _usual(np.max(falls * reached, 0) + around, votes, full) / _usual(each + around, votes, full)
+    return _finite(max(full * min(1.0, _MOST * shaded), brightest))
 
 
-def _usual(drawn, told, falls, boxes, around, full):
-    """What most things have of the lamps that reach them, and of the world: nearer to the dark than to the bright ones.
+def _finite(full):
+    return float(full) if np.isfinite(full) else 0.0
+
+
+def _votes(told, falls, reached, boxes):
+    """(n,): how much each thing tells: by how large it looks from the near lamp that it has most of, at most 1. What
+    has a sun's light counts in full where no sun comes to what lamps light, as to a room in the daylight; where one
+    does, it is a moon, and what it alone lights counts as the lamps say. reached: of lamps, None: nobody knows.
     """
-    some = slice(None, None, -(-len(boxes) // _THINGS))
-    boxes, falls = boxes[some], [fall[some] for fall in falls]
-    strongest, has = np.max(falls, 0), np.zeros(len(boxes))
-    for (obj, lamp), fall in zip(told, falls, strict=True):
-        counts = fall > _WEAK * strongest
-        if counts.any():
-            share = _reached(drawn, lamp, drawn.sets.numbers(obj)[1], boxes[counts]) if lamp.shadows else 1.0
-            has[counts] = np.maximum(has[counts], fall[counts] * share)
-    has += around
-    counts = has / (has + _DARK * full)
-    if not counts.any():
-        return full
-    return float(counts.sum() / (counts @ np.maximum(has, 1e-30) ** -0.5)) ** 2
+    suns = np.array([lamp.kind == "sun" for _, lamp in told])
+    if suns.all():
+        return np.ones(len(boxes))
+    near, sun = falls[~suns], falls[suns] * (1 if reached is None else reached[suns])
+    places = np.array([lamp.model[:3, 3] for _, lamp in told])[~suns][np.argmax(near, 0)]
+    a, b, c = np.linalg.norm(boxes[:, 1:], axis=2).T
+    area = 2 * (a * b + b * c + c * a)  # of a box, the mean from all sides: a quarter of its faces
+    looks = area / np.maximum(_LARGE * np.sum((boxes[:, 0] - places) ** 2, 1), area + 1e-30)
+    lit = np.max(near, 0)
+    lit = lit / np.maximum(lit + np.max(sun, 0, initial=0), 1e-30)
+    outside = 0.0
+    if suns.any() and reached is not None:
+        share = reached[suns][np.argmax(np.max(falls[suns], 1))]
+        there, most = looks * lit, max(float(share.mean()), 1e-30)
+        outside = min(1.0, float(there @ share) / max(there.sum(), 1e-30) / most)
+    votes = lit * looks + (1 - lit) * (1 + outside * (looks - 1))
+    return votes if votes.sum() > 0 else np.ones(len(boxes))
+
+
+def _usual(has, votes, full):
+    """What most things have: nearer to the dark than to the bright ones."""
+    counts = votes * has / (has + _DARK * full)
+    return float(counts.sum() / max(counts @ np.maximum(has, 1e-30) ** -0.5, 1e-30)) ** 2
+
+
+def _all_reached(drawn, told, falls, boxes):
+    """(lamps, n): what share of each thing's sides lamps reach; 1 where shadows make no difference, or nobody knows."""
+    reached = np.ones(falls.shape)
+    strongest = np.max(falls, 0)
+    for k, (obj, lamp) in enumerate(told if drawn else []):
+        counts = (falls[k] > _WEAK * strongest) | (lamp.kind == "sun")
+        if counts.any() and lamp.shadows:
+            reached[k, counts] = _reached(drawn, lamp, drawn.sets.numbers(obj)[1], boxes[counts])
+    return reached
 
 
 def _reached(drawn, lamp, shadow_set, boxes):

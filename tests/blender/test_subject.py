@@ -16,10 +16,16 @@ def test_the_distance_of_what_the_picture_is_about(render):
     assert facts["no focus"] and facts["focus"] == 7 and facts["focus object"] == pytest.approx(20)
     assert facts["behind"] > 0
     assert facts["dark"] == 0
-    falls = 400 / (2 * np.pi) ** 2 / (144 + np.array([36, 9, 0, 9, 36.0]))
-    counts = falls / (falls + np.mean(falls**0.5) ** 2)
+    away = 144 + np.array([36, 9, 0, 9, 36.0])
+    falls, votes = 400 / (2 * np.pi) ** 2 / away, np.minimum(1.5 / (0.03 * away), 1)
+    counts = votes * falls / (falls + (votes @ falls**0.5 / votes.sum()) ** 2)
     mean = np.exp(counts @ np.log(falls) / counts.sum())
     assert facts["point"] == pytest.approx([mean] * 2), "of the things, wherever the camera is"
+    alone, town, moon, moonlit = facts["night"]
+    assert town == pytest.approx(alone, rel=0.1), "a far town tells little"
+    assert moon == pytest.approx(alone, rel=0.3) and moonlit == pytest.approx(alone, rel=0.3), "nor does the moon"
+    before, after = facts["lamp in a room"]
+    assert after == pytest.approx(before, rel=0.1), "of a sunlit town what is in a room tells little"
     assert facts["sun"] == pytest.approx(4 / np.pi)
     assert facts["sun and world"] == pytest.approx(4 / np.pi + 0.5) and facts["world"] == pytest.approx(0.5)
     assert facts["street"] == pytest.approx(facts["sun and world"]), "the sun reaches the cubes"

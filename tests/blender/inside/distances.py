@@ -55,6 +55,7 @@ def distances(_out):
     light.append(read()[1])
     scene.camera.location.x = 0
     fact("point", light)
+    night(scene, lamp, cube, reached)
     lamp.data.type, lamp.data.energy = "SUN", 4.0
     fact("sun", read()[1])
     world(scene, (0.25, 0.5, 0.125))
@@ -96,3 +97,35 @@ def distances(_out):
     camera.dof.focus_object = None
     camera.dof.use_dof = False
     fact("all move", distance())
+
+
+def night(scene, lamp, cube, reached):
+    """Full light of cubes below a lamp; with a town far away; in moonlight; of a sunlit town with a lamp in a room."""
+    before = lamp.location.z
+    lamp.location.z = 3
+    moon = bpy.data.objects.new("Moon", bpy.data.lights.new("Moon", "SUN"))
+    moon.data.energy = 0.1
+    alone = [reached()]
+    town = [cube((x, y, 0), 2) for x in range(150, 250, 5) for y in range(-50, 50, 5)]
+    alone.append(reached())
+    scene.collection.objects.link(moon)
+    alone.append(reached())
+    for thing in town[:200]:
+        thing.scale = 0.5, 0.5, 0.5
+    alone.append(reached())
+    fact("night", alone)
+    moon.data.energy = 4.0
+    lamp.hide_render = lamp.hide_viewport = True
+    day = [reached()]
+    lamp.hide_render = lamp.hide_viewport = False
+    room = [cube((0, 0, 5), 20), cube((0, 0, 4), 20)]
+    room[0].scale.z = room[1].scale.z = 0.05
+    room[1].location.z = -1.5
+    for x, y in (-9, 0), (9, 0), (0, -9), (0, 9):
+        room.append(cube((x, y, 2), 20))
+        room[-1].scale = (0.05, 1, 0.5) if x else (1, 0.05, 0.5)
+    day.append(reached())
+    fact("lamp in a room", day)
+    for thing in (*town, *room, moon):
+        bpy.data.objects.remove(thing)
+    lamp.location.z = before
