@@ -44,12 +44,14 @@ static inline float lightness(const encre_params *p, float r, float g, float b)
 	return seen ? 0.2126f * r + 0.7152f * g + 0.0722f * b : max3(r, g, b);
 }
 
-/* Of its light, the share that a colour has that is no black: none just above one, or a shaded one would be as black as
- * black in any light and the next as white as white. */
-static inline float light_left(float bright, float black, float dark)
+/* The light that a colour has that is no black: none just above one, or a shaded one would be as black as black in any
+ * light and the next as white as white. In the shade it loses less than in the light, or the shaded side of dark skin,
+ * features and all, would be black as soon as its lit side has a tone. */
+static inline float light_left(float lit, float bright, float black, float dark)
 {
-	float span = dark - black;
-	return span > 0 ? clamp01((bright - black) / max(span, FLT_MIN)) : 1;
+	float span = dark - black, left = span > 0 ? clamp01((bright - black) / max(span, FLT_MIN)) : 1;
+	float shade = 1 - most_one(positive(lit));
+	return lit * left / max(mix(1, left, shade * sqrtf(shade)), FLT_MIN);
 }
 
 static const float clear_from = 0.7f; /* share of light that a glazed thing mirrors from which on it is a mirror */
@@ -92,7 +94,7 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
 		float shown = lightness(p, s[0], s[1], s[2]);
-		lit = nothing ? INFINITY : shown >= least ? lit * light_left(shown, least, dark) : -1;
+		lit = nothing ? INFINITY : shown >= least ? light_left(lit, shown, least, dark) : -1;
 		if (glazed[i] > 0.5f) {
 			float own_depth = depth_of(front[x + i]);
 			bool itself = depth && fabsf(depth[x + i] - own_depth) <= 0.02f * own_depth;
@@ -129,7 +131,7 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 		rest[i] = max3(e[0][i] - a[0][i] * d[0][i], e[1][i] - a[1][i] * d[1][i], e[2][i] - a[2][i] * d[2][i]);
 		float own_black = seen ? black * left[i] : black, own_dark = seen ? dark * left[i] : dark;
 		float own_bright = lightness(p, a[0][i], a[1][i], a[2][i]);
-		lit *= light_left(own_bright, own_black, own_dark);
+		lit = light_left(lit, own_bright, own_black, own_dark);
 		light[i] = own_bright < own_black ? max(rest[i] - glazed[i], -1) : max(lit, rest[i]);
 	}
 	if (p->tone_mirrors)

@@ -339,6 +339,7 @@ void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a)
 	d->keep = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
 	d->ease = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
 	d->room = f->params->tone_least > 0 ? arena_take(a, pixels, 1) : NULL;
+	d->aim = f->params->tone_least > 0 ? arena_take(a, pixels, 1) : NULL;
 }
 
 static int32_t seek(work *w, bool dark)

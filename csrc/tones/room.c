@@ -1,32 +1,34 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a screen has no room: a piece of it that is narrower than `tone_least` pitches would be a row of dots. It is
- * ink, or beside ink, as between bars and inside letters, paper. With the room dots grow to ink, or shrink to paper, so
- * that nothing jumps as the camera moves. */
+/* Where a screen has no room: a thing in a screen that is narrower than `tone_least` pitches would be a row of dots. It
+ * is ink, or beside ink, as between bars and inside letters, paper. With the room dots grow to ink, or shrink to paper,
+ * so that nothing jumps as the camera moves. A shadow on a surface that goes on beside it stays a screen until it is no
+ * wider than a line, or cheeks and noses would have black scars. */
 #include "tones/tones.h"
 
 #include <string.h>
 
-enum { LIGHT, SCREEN, APART, CLEARED }; /* what pixels are; APART: ink; CLEARED: kept clear of tones */
-enum { ALL = 255 };                     /* of the room that a screen wants */
+enum { LIGHT, SCREEN, APART, CLEARED };   /* what pixels are; APART: ink; CLEARED: kept clear of tones */
+enum { AT_LIGHT, AT_DARK, WITHIN, ENDS }; /* ends of a screen; WITHIN: of both kinds, on one surface */
+enum { ALL = 255 };                       /* of the room that a screen wants */
 static const uint32_t NONE = UINT32_MAX;
 
 /* Of the least width: what is narrower has no room, what is wider has all, and between it has some. */
 static const float narrow = 0.7f, wide = 1.4f;
 /* What is by a quarter of that wider than narrow lets all through. */
 enum { necks = 4 };
-/* Of half the least width: as far light is looked for beside a narrow piece. */
+/* Of half the least width: what is beside so far counts for a narrow piece. */
 static const float beside = 2;
+/* Of the least width: a line that the light draws is half as wide as narrow; from three quarters on it is none. */
+static const float fine[] = {0.5f * 0.7f, 0.75f * 0.7f};
+static const float same_depth = 0.005f; /* of the depth: from a pixel to the next of one surface */
 
 typedef struct work {
 	const frame *f;
 	const tone_detail *d;
 	const tone_style *styles;
 	late **late;
-	int reach; /* pixels that any pixel looks as far as */
-	/* what one pass looks for in a plane: what is `sought`, or all else */
-	const uint8_t *plane;
-	uint8_t sought;
-	bool other;
+	int reach;           /* pixels that any pixel looks as far as */
+	uint8_t *ends[ENDS]; /* how many pixels end a screen, of those along the row */
 } work;
 
 static uint8_t *row_of(const work *w, uint8_t *plane, int y)
@@ -90,7 +92,7 @@ static void look_at_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-/* How far what is sought is along the column, or one more than anyone looks. */
+/* How far the end of a screen is along the column, or one more than anyone looks. */
 static void column_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -100,17 +102,17 @@ static void column_rows(void *data, int y0, int y1, int thread)
 		uint8_t *restrict far = row_of(w, w->d->scratch, y);
 		memset(far, w->reach + 1, (size_t)width);
 		for (int v = tone_within(y - w->reach, w->f->height); v <= y + w->reach && v < w->f->height; v++) {
-			const uint8_t *restrict from = w->plane + (ptrdiff_t)v * width;
-			uint8_t own = (uint8_t)(v < y ? y - v : v - y), sought = w->sought, other = w->other;
+			const uint8_t *restrict from = row_of(w, w->d->value, v);
+			uint8_t own = (uint8_t)(v < y ? y - v : v - y);
 			for (int i = 0; i < width; i++) {
-				uint8_t here = (from[i] == sought) != other ? own : UINT8_MAX;
+				uint8_t here = from[i] == SCREEN ? UINT8_MAX : own;
 				far[i] = here < far[i] ? here : far[i];
 			}
 		}
 	}
 }
 
-/* The squares of how far away the nearest of what was sought is, as far as `radius`; else more than that of it. */
+/* The squares of how far away the nearest end is, as far as `radius`; else more than that of it. */
 static void nearest_row(const work *w, int y, int x, int n, float radius, uint16_t *restrict least)
 {
 	const uint8_t *far = row_of(w, w->d->scratch, y);
@@ -138,7 +140,7 @@ static void depth_rows(void *data, int y0, int y1, int thread)
 		uint8_t *depth = row_of(w, w->d->raw, y);
 		memset(depth, 0, (size_t)w->f->width);
 		for (int x = 0, end; x < w->f->width; x = end) {
-			uint16_t square[TONE_TOGETHER];
+			uint16_t square[TONE_TOGETHER] = {0};
 			float enough = wide * radius_of_run(w, y, x, &end);
 			if (!memchr(what + x, SCREEN, (size_t)(end - x)))
 				continue;
@@ -176,7 +178,7 @@ static void width_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-static void most_of(int n, const uint8_t *restrict a, const uint8_t *restrict b, uint8_t *restrict to)
+static void greater_of(int n, const uint8_t *restrict a, const uint8_t *restrict b, uint8_t *restrict to)
 {
 	for (int i = 0; i < n; i++)
 		to[i] = a[i] > b[i] ? a[i] : b[i];
@@ -184,7 +186,7 @@ static void most_of(int n, const uint8_t *restrict a, const uint8_t *restrict b,
 
 /* The most of what is near enough to be of the same piece: in a disc, row by row. In a row it is the most of two spans,
  * each a power of 2 long, from both ends; and that of a span the most of its halves. */
-static void widest_row(const work *w, int y, int x, int n, float radius, uint8_t *most)
+static void widest_row(const work *w, uint8_t *plane, int y, int x, int n, float radius, uint8_t *most)
 {
 	int reach = (int)radius;
 	for (int v = tone_within(y - reach, w->f->height); v <= y + reach && v < w->f->height; v++) {
@@ -194,15 +196,15 @@ static void widest_row(const work *w, int y, int x, int n, float radius, uint8_t
 			half--;
 		int from = tone_within(x - half, w->f->width), end = x + n + half;
 		end = end < w->f->width ? end : w->f->width;
-		memcpy(line + (from - x + half), row_of(w, w->d->light, v) + from, (size_t)(end - from));
+		memcpy(line + (from - x + half), row_of(w, plane, v) + from, (size_t)(end - from));
 		for (int all = n + 2 * half; 2 * span <= 2 * half + 1; span *= 2) {
 			uint8_t *longer = other;
 			all -= span;
-			most_of(all, line, line + span, longer);
+			greater_of(all, line, line + span, longer);
 			other = line;
 			line = longer;
 		}
-		most_of(n, line, line + (2 * half + 1 - span), other);
+		greater_of(n, line, line + (2 * half + 1 - span), other);
 		for (int i = 0; i < n; i++)
 			most[i] = other[i] > most[i] ? other[i] : most[i];
 	}
@@ -222,7 +224,7 @@ static void room_rows(void *data, int y0, int y1, int thread)
 			for (int i = x; i < end; i++)
 				least = what[i] == SCREEN && room[i] < least ? room[i] : least;
 			if (least < ALL)
-				widest_row(w, y, x, end - x, radius, room + x);
+				widest_row(w, w->d->light, y, x, end - x, radius, room + x);
 			for (int i = x; i < end; i++)
 				room[i] = what[i] == SCREEN ? room[i] : ALL;
 		}
@@ -240,11 +242,12 @@ static void put(heap *h, uint8_t level, uint32_t i)
 	h->first[level] = i;
 }
 
-/* So much of the room of a piece as is there goes through a neck. */
-static uint8_t through(uint8_t neck, uint8_t room)
+/* So much of the room of a piece as is there goes through a neck; and what tapers off keeps some of it for a while. */
+static uint8_t through(const work *w, uint8_t neck, int room)
 {
-	int most = neck > ALL / necks ? ALL : necks * neck;
-	return (uint8_t)(most < room ? most : room);
+	int most = neck > ALL / necks ? ALL : necks * neck, left = room - ALL / w->reach;
+	most = most < room ? most : room;
+	return (uint8_t)(most > left ? most : left);
 }
 
 /* A piece is as what it hangs together with is, by the way with the widest necks, or dots would come and go along a
@@ -267,7 +270,7 @@ static void spread(const work *w, heap *own, heap *got)
 				const uint32_t to[] = {x > 0 ? i - 1 : i, x + 1 < width ? i + 1 : i,
 						       i >= width ? i - width : i, i + width < pixels ? i + width : i};
 				for (int n = 0; n < 4; n++) {
-					uint8_t more = through(neck[to[n]], (uint8_t)level);
+					uint8_t more = through(w, neck[to[n]], level);
 					if (w->d->value[to[n]] != SCREEN || more <= room[to[n]])
 						continue;
 					room[to[n]] = more;
@@ -293,86 +296,132 @@ static int32_t join(const work *w)
 	return got.next ? ENCRE_OK : ENCRE_ERROR_MEMORY;
 }
 
+/* Whether the same surface goes on from a pixel to one beside it. */
+static bool goes_on(const work *w, int x, int y, int u, int v)
+{
+	const float *one = layer_row(w->f, ENCRE_LAYER_OBJECT, y), *other = layer_row(w->f, ENCRE_LAYER_OBJECT, v);
+	float a = depth_at(w->f, x, y), b = depth_at(w->f, u, v);
+	return (one && one[x] == other[u]) || fabsf(a - b) <= same_depth * min(a, b);
+}
+
+/* A piece without room is told from what it lies beside: ink beside light, and paper beside ink and what is clear. */
+static void ends_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	int width = w->f->width, height = w->f->height;
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
+		uint8_t *ends[ENDS];
+		const uint8_t *what = row_of(w, w->d->value, y);
+		for (int k = 0; k < ENDS; k++) {
+			ends[k] = row_of(w, w->ends[k], y);
+			memset(ends[k], 0, (size_t)width);
+		}
+		for (int x = 0; x < width; x++)
+			for (int k = 0; what[x] == SCREEN && k < 4; k++) {
+				int u = tone_within(x + (k == 1) - (k == 0), width);
+				int v = tone_within(y + (k == 3) - (k == 2), height);
+				int other = row_of(w, w->d->value, v)[u];
+				if (other == SCREEN)
+					continue;
+				ends[other == LIGHT ? AT_LIGHT : AT_DARK][x] = 1;
+				ends[WITHIN][x] |= other != CLEARED && goes_on(w, x, y, u, v);
+			}
+	}
+}
+
+/* The sum of so many pixels to both sides of each. */
+static void sum_along(int n, int reach, const uint8_t *restrict from, uint8_t *restrict to)
+{
+	int sum = 0;
+	for (int x = -reach; x < n; x++) {
+		sum += x + reach < n ? from[x + reach] : 0;
+		sum -= x - reach > 0 ? from[x - reach - 1] : 0;
+		if (x >= 0)
+			to[x] = (uint8_t)sum;
+	}
+}
+
+static void along_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
+		for (int k = 0; k < ENDS; k++) {
+			uint8_t *own = row_of(w, w->ends[k], y), *copy = row_of(w, w->d->scratch, y);
+			memcpy(copy, own, (size_t)w->f->width);
+			sum_along(w->f->width, w->reach, copy, own);
+		}
+}
+
+/* The sums of n pixels down their columns. */
+static void sum_down(const work *w, const uint8_t *plane, int y, int x, int n, uint16_t *restrict sum)
+{
+	memset(sum, 0, (size_t)n * sizeof *sum);
+	for (int v = tone_within(y - w->reach, w->f->height); v <= y + w->reach && v < w->f->height; v++) {
+		const uint8_t *restrict from = plane + (ptrdiff_t)v * w->f->width + x;
+		for (int i = 0; i < n; i++)
+			sum[i] = (uint16_t)(sum[i] + from[i]);
+	}
+}
+
 /* Whether a fine dark thing is there: in a tone it is ink. */
 static bool is_detail(const work *w, int x, int y)
 {
 	return w->d->keep && row_of(w, w->d->dark, y)[x] && row_of(w, w->d->sure[1], y)[x] > 127;
 }
 
-/* Which of n pixels have no room and lie within some radii of what was sought. */
-static void near_row(const work *w, int y, int x, int n, float radius, uint8_t *near)
+/* Nearly all or nothing: in between narrow pieces would be beads. */
+static float most_of(float share)
 {
-	const uint8_t *room = row_of(w, w->d->room, y) + x;
-	uint16_t square[TONE_TOGETHER];
-	uint8_t least = ALL;
-	memset(near, 0, (size_t)n);
-	for (int i = 0; i < n; i++)
-		least = room[i] < least ? room[i] : least;
-	if (least == ALL)
-		return;
-	nearest_row(w, y, x, n, radius, square);
-	for (int i = 0; i < n; i++)
-		near[i] = room[i] < ALL && square[i] <= radius * radius;
+	return clamp01(8 * share - 5);
 }
 
-/* Between letters and beside eyes what has no room is paper, or would underline them. */
-static void cleared_rows(void *data, int y0, int y1, int thread)
+static void aim_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
-		uint8_t *paper = row_of(w, w->d->raw, y);
+		uint8_t *room = row_of(w, w->d->room, y), *aim = row_of(w, w->d->aim, y);
+		memset(aim, 0, (size_t)w->f->width);
 		for (int x = 0, end; x < w->f->width; x = end) {
+			uint16_t sum[ENDS][TONE_TOGETHER];
+			uint8_t least = ALL, widest[TONE_TOGETHER] = {0};
 			float radius = radius_of_run(w, y, x, &end);
-			near_row(w, y, x, end - x, radius, paper + x);
 			for (int i = x; i < end; i++)
-				paper[i] = paper[i] && !is_detail(w, i, y);
-		}
-	}
-}
-
-static void light_rows(void *data, int y0, int y1, int thread)
-{
-	(void)thread;
-	const work *w = data;
-	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
-		const uint8_t *paper = row_of(w, w->d->raw, y);
-		uint8_t *room = row_of(w, w->d->room, y);
-		for (int x = 0, end; x < w->f->width; x = end) {
-			uint8_t near[TONE_TOGETHER];
-			float radius = radius_of_run(w, y, x, &end);
-			near_row(w, y, x, end - x, beside * radius, near);
-			for (int i = x; i < end; i++) {
-				bool cleared = w->d->keep && paper[i];
-				bool ink = room[i] == ALL || is_detail(w, i, y) || (!cleared && near[i - x]);
-				room[i] = (uint8_t)(room[i] / 2 | (ink ? 0 : TONE_PAPER));
+				least = room[i] < least ? room[i] : least;
+			if (least == ALL)
+				continue;
+			for (int k = 0; k < ENDS; k++)
+				sum_down(w, w->ends[k], y, x, end - x, sum[k]);
+			widest_row(w, w->d->raw, y, x, end - x, narrow * radius, widest);
+			for (int i = 0; i < end - x; i++) {
+				float light = sum[AT_LIGHT][i], all = max(light + (float)sum[AT_DARK][i], 1);
+				float half = (float)widest[i] * wide / ALL, left = (float)room[x + i] / ALL;
+				float line = clamp01((fine[1] - half) / (fine[1] - fine[0]));
+				float less = (1 - left) * mix(1, line, clamp01(4 * (float)sum[WITHIN][i] / all - 2));
+				float ink = is_detail(w, x + i, y) ? 1 : most_of(light / all);
+				aim[x + i] = (uint8_t)(int)(ALL * ink * less + 0.5f);
+				room[x + i] = (uint8_t)(int)(ALL * (1 - less) + 0.5f);
 			}
 		}
 	}
 }
 
-static int32_t seek(work *w, const uint8_t *plane, int sought, bool other, bands_kernel kernel)
-{
-	w->plane = plane;
-	w->sought = (uint8_t)sought;
-	w->other = other;
-	int32_t code = bands_run(w->f->bands, w->f->height, 0, column_rows, w);
-	return code ? code : bands_run(w->f->bands, w->f->height, 0, kernel, w);
-}
-
 int32_t ISA(tone_room_run)(frame *f, const tone_detail *d, const tone_style *styles)
 {
-	work w = {.f = f, .d = d, .styles = styles, .late = &f->late};
+	work w = {.f = f, .d = d, .styles = styles, .late = &f->late, .ends = {d->light, d->thin, d->sure[0]}};
 	float most = 0;
 	for (int i = 0; i < f->n_styles; i++)
 		most = max(most, f->params[i].use_tones ? styles[i].room : 0);
 	w.reach = (int)(beside * most) + 1;
 	int32_t code = bands_run(f->bands, f->height, 0, look_at_rows, &w);
-	code = code ? code : seek(&w, d->value, SCREEN, true, depth_rows);
+	code = code ? code : bands_run(f->bands, f->height, 0, column_rows, &w);
+	code = code ? code : bands_run(f->bands, f->height, 0, depth_rows, &w);
 	code = code ? code : bands_run(f->bands, f->height, 0, width_rows, &w);
 	code = code ? code : bands_run(f->bands, f->height, 0, room_rows, &w);
 	code = code ? code : join(&w);
-	if (!code && d->keep)
-		code = seek(&w, d->value, CLEARED, false, cleared_rows);
-	return code ? code : seek(&w, d->value, LIGHT, false, light_rows);
+	code = code ? code : bands_run(f->bands, f->height, 0, ends_rows, &w);
+	code = code ? code : bands_run(f->bands, f->height, 0, along_rows, &w);
+	return code ? code : bands_run(f->bands, f->height, 0, aim_rows, &w);
 }

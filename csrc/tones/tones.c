@@ -120,22 +120,22 @@ static void mean_row(const float *restrict size, int n, const float *restrict da
 		ink[i] = size[i] > 0 ? ink[i] : dark[i];
 }
 
-/* What has less room than a screen wants is nearer to ink, or to paper. */
-static void fit(const uint8_t *restrict room, int n, const float *restrict dark, float *restrict to)
+/* What has less room than a screen wants is nearer to what it is without. */
+static void fit(const uint8_t *restrict room, const uint8_t *restrict aims, int n, const float *restrict dark,
+		float *restrict to)
 {
-	for (int i = 0; i < n; i++) {
-		float left = (float)(room[i] & TONE_ROOM) * (1.0f / TONE_ROOM), aim = room[i] & TONE_PAPER ? 0 : 1;
-		to[i] = (room[i] & TONE_ROOM) == TONE_ROOM ? dark[i] : aim + (dark[i] - aim) * left;
-	}
+	for (int i = 0; i < n; i++)
+		to[i] = most_one((dark[i] * (float)room[i] + (float)aims[i]) * (1.0f / 255));
 }
 
 static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, int y, int x, int n, int thread,
 		    const float *dark, float *ink)
 {
 	float fitted[TONE_CHUNK];
-	const uint8_t *room = ((const tone_frame *)f->tones)->detail.room;
-	if (room && tone_is_screen(s)) {
-		fit(room + (ptrdiff_t)y * f->width + x, n, dark, fitted);
+	const tone_detail *d = &((const tone_frame *)f->tones)->detail;
+	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
+	if (d->room && tone_is_screen(s)) {
+		fit(d->room + at, d->aim + at, n, dark, fitted);
 		dark = fitted;
 	}
 	switch (s->kind) {

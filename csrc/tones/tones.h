@@ -79,16 +79,14 @@ typedef struct tone_style {
 	float room; /* pixels: half of how wide dots and lines are at least */
 } tone_style;
 
-/* How much room a screen has at a pixel: 0 none, it is ink; TONE_ROOM enough. With TONE_PAPER it is paper for ink. */
-enum { TONE_ROOM = 127, TONE_PAPER = 128 };
-
 /* What tones are kept clear of, by pixel. */
 typedef struct tone_detail {
 	int reach;     /* pixels to both sides of a pixel that a fine thing may have */
 	int far;       /* the same of what is clear if what it hangs together with is */
 	uint8_t *keep; /* 255ths of the tones that are left; NULL: all */
 	uint8_t *ease; /* 255ths of the darkness that is left of what is cleared as a whole */
-	uint8_t *room; /* NULL: there is room */
+	uint8_t *room; /* 255ths of its darkness that a screen has where it has little room; NULL: there is room */
+	uint8_t *aim;  /* and how much is added to that */
 	uint8_t *value, *light, *thin, *dark, *raw, *scratch; /* dark: fine dark things, for room.c, too */
 	uint8_t *sure[2]; /* 255ths by which what is thin, and what is dark, is fine */
 	uint8_t *print;   /* 255ths by which fine dark things are print, on light ground */

@@ -8,6 +8,7 @@ from .metric import clamp01
 LEAST, SURE, ALIKE, SAME_DEPTH = 0.3 * 255, 0.34 * 255, 0.08 * 255, 0.005
 GROUND, MANY, SOME, SMALL, WHOLE, FILLED = 20, 3, 10, 7, 6, 88
 NARROW, WIDE, BESIDE = 0.7, 1.4, 2
+FINE = 0.35, 0.525
 
 
 def _sure(contrast):
@@ -218,14 +219,13 @@ def kept(layers, params):
     return keep, ease, dark_sure > 127 / 255, printed, 1 - _kept_share(around(thin, chalked, 1, wide))
 
 
-def _near(sought, radius):
-    """Whether any of what is sought is so near; `radius` by pixel."""
-    most = int(radius.max())
-    wide, found = np.pad(sought, most), np.zeros(sought.shape, bool)
-    height, width = sought.shape
-    for v, u in _places(most):
-        found |= (v * v + u * u <= radius * radius) & wide[most + v:, most + u:][:height, :width]
-    return found
+def _sum(values, reach):
+    """Of the pixels so far about each, in a square; beyond the frame is none."""
+    for axis in (0, 1):
+        ends = np.cumsum(np.pad(values, [(reach + 1, reach) if k == axis else (0, 0) for k in (0, 1)]), axis)
+        n = values.shape[axis]
+        values = np.take(ends, np.arange(n) + 2 * reach + 1, axis) - np.take(ends, np.arange(n), axis)
+    return values
 
 
 def _depth(screen, radius):
@@ -239,11 +239,22 @@ def _depth(screen, radius):
     return np.where(screen, np.minimum(far, radius), 0)
 
 
-def rooms(screens, solid, clear, dark, radius):
-    """(the room that screens have at each pixel, of what they want; what they are without it); `radius`: half of how
-    wide they are at least."""
-    apart = (solid > 0.5) | clear
-    screen = ~apart & (screens > 0.5)
+def _widest(values, radius, reach):
+    """The most within a radius by pixel, at most `reach`."""
+    high, wide = values.shape
+    around, most = np.pad(values, reach), values
+    for v, u in _places(reach):
+        there = around[reach + v:, reach + u:][:high, :wide]
+        most = np.where(v * v + u * u <= radius * radius, np.maximum(most, there), most)
+    return most
+
+
+def rooms(layers, screens, solid, clear, dark, radius):
+    """(how much of its darkness a screen keeps at each pixel; how much is added to it); `radius`: half of how wide they
+    are at least."""
+    inked = solid > 0.5
+    screen = ~inked & ~clear & (screens > 0.5)
+    light = ~inked & ~clear & ~screen
     enough = WIDE * radius
     part = np.floor(255 * _depth(screen, enough) / np.maximum(enough, 1e-30) + 0.5)
     high, wide = screen.shape
@@ -252,19 +263,31 @@ def rooms(screens, solid, clear, dark, radius):
     fours = sum(fours)  # of the corners of pixels
     most = np.max([fours[y:, x:][:high, :wide] for y in (0, 1) for x in (0, 1)], axis=0)
     middle = np.where((part > 0) & (most > 510), np.floor((most - 509) / 2), 0)
-    own, reach = middle, int(NARROW * radius.max())
-    around = np.pad(middle, reach)
-    for v, u in _places(reach):
-        there = around[reach + v:, reach + u:][:high, :wide]
-        own = np.where(v * v + u * u <= (NARROW * radius) ** 2, np.maximum(own, there), own)
-    own = np.where(screen, own, 0)
+    own = np.where(screen, _widest(middle, NARROW * radius, int(NARROW * radius.max())), 0)
     neck, room = np.minimum(4 * own, 255), own
+    step = 255 // (int(BESIDE * radius.max()) + 1)
     while True:
         edged, before = np.pad(room, 1), room
         for way in (edged[1:-1, :-2], edged[1:-1, 2:], edged[:-2, 1:-1], edged[2:, 1:-1]):
-            room = np.maximum(room, np.minimum(way, neck))
+            room = np.where(screen, np.maximum(room, np.maximum(np.minimum(way, neck), way - step)), 0)
         if (room == before).all():
             break
-    light, cleared = ~apart & ~screen, apart & ~(solid > 0.5)
-    ink = dark | _near(light, BESIDE * radius) & ~_near(cleared, radius)
-    return np.where(screen, np.floor(room / 2) / 127, 1), ink
+    depth = np.where(layers.there, layers.depth, 1e30)
+    at_light, at_dark, within = (np.zeros(screen.shape, int) for _ in range(3))
+    for v, u in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+        other, near = (_shifted(plane, v, u) for plane in (depth, clear & ~inked))
+        same = ((_shifted(layers.object, v, u) == layers.object)
+                | (np.abs(other - depth) <= SAME_DEPTH * np.minimum(other, depth)))
+        ends = screen & ~_shifted(screen, v, u)
+        at_light |= ends & _shifted(light, v, u)
+        at_dark |= ends & ~_shifted(light, v, u)
+        within |= ends & ~near & same
+    reach = int(BESIDE * radius.max()) + 1
+    at_light, at_dark, within = (_sum(plane, reach) for plane in (at_light, at_dark, within))
+    ends = np.maximum(at_light + at_dark, 1)
+    half = _widest(part, NARROW * radius, int(NARROW * radius.max())) * WIDE / 255
+    line = clamp01((FINE[1] - half) / (FINE[1] - FINE[0]))
+    less = (1 - room / 255) * (1 + (line - 1) * clamp01(4 * within / ends - 2))
+    ink = np.where(dark, 1, clamp01(8 * at_light / ends - 5))
+    less = np.where(screen & (room < 255), less, 0)
+    return np.floor(255 * (1 - less) + 0.5) / 255, np.floor(255 * ink * less + 0.5) / 255

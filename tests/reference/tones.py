@@ -248,12 +248,13 @@ def _dark(layers, levels, of, look):
     lightness = _luminance if of("tone_black_by") == "LUMINANCE" else value
     left = np.maximum(1 - value(layers.gloss) * _glazed(layers), 0.05) if of("tone_black_by") == "LUMINANCE" else 1
 
-    def kept(bright, black, dark):
+    def kept(lit, bright, black, dark):
         with np.errstate(invalid="ignore", divide="ignore"):
-            return np.where(dark > black, clamp01((bright - black) / (dark - black)), 1)
+            left = np.where(dark > black, clamp01((bright - black) / (dark - black)), 1)
+        return lit * left / np.maximum(mix(1, left, (1 - clamp01(lit)) ** 1.5), 1e-30)
 
     bright, black = lightness(layers.color), of("tone_black") * left
-    lit = lit * kept(bright, black, of("tone_dark") * left)
+    lit = kept(lit, bright, black, of("tone_dark") * left)
     light = np.where(bright < black, np.maximum(rest - _glazed(layers), -1), np.maximum(lit, rest))
     if of("tone_mirrors") and layers.seen_color is None:
         light = np.where((value(layers.color) < 0.05) & ~((layers.depth > 0) & (layers.depth < 1e9)), np.inf, light)
@@ -262,7 +263,7 @@ def _dark(layers, levels, of, look):
         seen = value(layers.seen_color)
         lit = spared(value(other(layers)) / np.maximum(seen, least) * of("shade_exposure"), layers.seen_color)
         shown = lightness(layers.seen_color)
-        lit = np.where(shown >= least, lit * kept(shown, least, of("tone_dark")), -1)
+        lit = np.where(shown >= least, kept(lit, shown, least, of("tone_dark")), -1)
         nothing = ~((layers.seen_depth > 0) & (layers.seen_depth < 1e9))
         itself = np.abs(layers.seen_depth - layers.depth) <= 0.02 * layers.depth
         shows = ((value(layers.color) < 0.05)
@@ -400,7 +401,7 @@ def _pitch(of, look, layers, scale):
 def _rooms(layers, params, keep, scale):
     """What screens have at each pixel."""
     if not params["tone_least"] > 0:
-        return np.ones(keep[0].shape), True
+        return np.ones(keep[0].shape), 0
     screens, solid, radius = (np.zeros(keep[0].shape) for _ in range(3))
     for number, table in enumerate(params.tables):
         of, own = table.__getitem__, layers.style == number
@@ -414,7 +415,7 @@ def _rooms(layers, params, keep, scale):
         for look in {look for look, is_one in zip(looks, screen, strict=True) if is_one or look[0] == "SOLID"}:
             share, dark = _eased(*_dark(layers, of("shade_levels"), of, look), look[0], keep)
             (solid if look[0] == "SOLID" else screens)[own] += np.where(dark > 0, share, 0)[own]
-    return cleared.rooms(screens, solid, np.minimum(keep[0], keep[1]) < 0.5, keep[2], radius)
+    return cleared.rooms(layers, screens, solid, np.minimum(keep[0], keep[1]) < 0.5, keep[2], radius)
 
 
 def _eased(share, dark, kind, keep):
@@ -425,8 +426,8 @@ def _eased(share, dark, kind, keep):
 
 def _fitted(dark, rooms):
     """With less room than they want screens grow to ink, or shrink to paper."""
-    room, ink = rooms
-    return mix(np.where(ink, 1.0, 0.0), dark, room)
+    room, more = rooms
+    return np.minimum(1, dark * room + more)
 
 
 def fill(layers, params, surface, paper):

@@ -29,12 +29,14 @@ def crowded(seed, height=70, width=110):
     """Bars and crumbs of many sizes and colours, on and before a wall, in shadows of many widths."""
     rng = np.random.default_rng(seed)
     layers = shaded(height, width)
+    layers["object"] = np.zeros((height, width))
     for name, count, choices in (("color", 50, (0.01, 0.05, 0.3, 0.9)), ("diffuse", 40, (0.1, 0.4, 0.4, 0.9))):
-        for _ in range(count):
+        for number in range(count):
             y, x, (h, w) = rng.integers(height), rng.integers(width), rng.integers(1, [12, 40])[rng.permutation(2)]
             layers[name][y:y + h, x:x + w] = rng.choice(choices)
             if name == "color" and rng.random() < 0.3:
                 layers["depth"][y:y + h, x:x + w] = rng.choice([4.8, 4.99])
+                layers["object"][y:y + h, x:x + w] = number % 3
     layers["depth"][:6, -30:] = 0
     layers["style"] = (np.arange(width) > 80) * np.ones((height, 1))
     return whole(layers)
@@ -47,7 +49,7 @@ def test_twin(seed):
     got = twins(crowded(seed), scene, [style], Frame(200, 160, 31, 20), few=2e-3, wrong=2e-3)
     plain = library.render(crowded(seed), dict(scene, tone_detail=0.0, tone_least=0.0), [style],
                            frame=Frame(200, 160, 31, 20), outputs=("Encre Tones",)).images
-    assert (np.abs(got["Encre Tones"] - plain["Encre Tones"]).max(-1) > 0.5).mean() > 0.02
+    assert (np.abs(got["Encre Tones"] - plain["Encre Tones"]).max(-1) > 0.5).mean() > 0.003
 
 
 def ink(layers, **scene):
@@ -153,11 +155,11 @@ def test_small_faces_and_pages_have_neither_dots_nor_ink():
 
 def test_a_thin_shadow_does_not_underline_letters():
     layers = shaded(60, 160, 0.9)
-    layers["diffuse"][20:26] = 0.4
+    layers["diffuse"][20:22] = layers["diffuse"][22:26, 52:] = 0.4
     for x in range(60, 100, 8):
         layers["color"][12:24, x:x + 3] = 0.02
     drawn = ink(layers, tone_detail=5.0, tone_least=1.5)
-    assert drawn[20:26, 10:40].all() and not drawn[24:30, 60:96].any()
+    assert drawn[20:22, 10:40].all() and not drawn[24:30, 60:96].any()
 
 
 @pytest.mark.parametrize("kind", ["STIPPLE", "HATCH"])
@@ -224,31 +226,53 @@ def test_rims_that_were_rendered_with_noise_are_no_letters():
     assert (ink(layers, tone_detail=5.0) == 1).all()
 
 
-def test_a_thin_shadow_is_ink_and_a_wide_one_a_screen():
-    """Of 6 pixels from dot to dot: what is 6 wide is one row of dots."""
+def barred(wide, least=1.5, ahead=False, joined=False, turned=False):
+    """The ink of a bar in the shade, so many pixels wide, of 6 from dot to dot: a shadow, or a thing ahead of a wall;
+    perhaps with a larger one at its end."""
     layers = shaded(60, 120, 0.9)
-    layers["diffuse"][20:26] = layers["diffuse"][40:55] = 0.4
+    layers["diffuse"][10:10 + wide, 10:90] = 0.4
+    if joined:
+        layers["diffuse"][10:50, 80:110] = 0.4
+    if ahead:
+        layers["depth"][layers["diffuse"][..., 0] < 0.9] = 4
+    if turned:
+        layers = {name: np.swapaxes(a, 0, 1) for name, a in layers.items()}
+    drawn = ink(layers, tone_least=least)
+    return (drawn.T if turned else drawn)[10:10 + wide, 10:]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_shadow_as_thin_as_a_line_is_ink_and_a_wider_one_a_screen(turned):
+    """Cheeks and noses would have black scars."""
+    assert (barred(2, turned=turned)[:, :80] == 1).all()
+    for wide in (8, 9, 15):
+        assert np.abs(barred(wide, turned=turned) - barred(wide, least=0.0, turned=turned)).max() < 1e-5
+
+
+def test_a_shadow_that_tapers_off_ends_in_dots():
+    layers = shaded(60, 120, 0.9)
+    for x in range(20, 80):
+        layers["diffuse"][30 - (80 - x) // 3:30 + (80 - x) // 3, x] = 0.4
     drawn = ink(layers, tone_least=1.5)
-    assert (drawn[20:26] == 1).all() and not drawn[:20].any()
-    assert np.array_equal(drawn[40:55], ink(layers)[40:55]) and 0.2 < drawn[41:54].mean() < 0.5
+    assert (np.abs(drawn - ink(layers)) > 0.3).sum() < 6
 
 
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(("joined", "most"), [(False, 0.2), (True, 0.4)])
-def test_a_shadow_that_widens_turns_from_ink_to_a_screen_by_and_by(turned, joined, most):
+def test_a_thing_that_widens_turns_from_ink_to_a_screen_by_and_by(turned, joined, most):
     """Alone, and faster where it leads to a larger one."""
-    shares = []
-    for wide in range(5, 16):
-        layers = shaded(60, 120, 0.9)
-        layers["diffuse"][10:10 + wide, 10:90] = 0.4
-        if joined:
-            layers["diffuse"][10:50, 80:110] = 0.4
-        if turned:
-            layers = {name: np.swapaxes(a, 0, 1) for name, a in layers.items()}
-        drawn = ink(layers, tone_least=1.5)
-        shares.append((drawn.T if turned else drawn)[10:10 + wide, 20:60].mean())
+    shares = [barred(wide, ahead=True, joined=joined, turned=turned)[:, 10:50].mean() for wide in range(5, 16)]
     assert shares[0] == 1 and shares[-1] < 0.5
     assert np.diff(shares).min() > -most and np.diff(shares).max() < 0.05, shares
+
+
+def test_dark_skin_has_a_tone_in_the_shade_too():
+    """Its darkest quarter is ink, as of all that is lit; what has half of the light is none, but for black things."""
+    def inked(light, color, **of):
+        return ink(shaded(20, 20, light, color), tone_black=0.03, tone_dark=0.14, **of).mean()
+
+    assert [inked(light, 0.073) for light in (0.2, 1.0)] == [1, inked(1.0, 0.073)] and inked(1.0, 0.073) < 0.5
+    assert inked(0.55, 0.073) < 0.5 and inked(0.4, 0.073) == 1 and inked(0.55, 0.04) == 1
 
 
 def test_a_large_least_width_takes_no_more_than_a_few_times_as_long():
@@ -262,5 +286,5 @@ def test_a_large_least_width_takes_no_more_than_a_few_times_as_long():
 
 def test_a_slit_in_ink_is_paper():
     layers = shaded(60, 60, 0.1)
-    layers["diffuse"][:, 30:34] = 0.4
-    assert ink(layers)[:, 30:34].any() and not ink(layers, tone_least=1.5)[:, 30:34].any()
+    layers["diffuse"][:, 30:32] = 0.4
+    assert ink(layers)[:, 30:32].any() and not ink(layers, tone_least=1.5)[:, 30:32].any()
