@@ -27,10 +27,12 @@ FLOAT(edge_color, SURFACE, 0, 0, FLT_MAX, 0, 4, "", "", "Color", "Weight of boun
 ENUM(color_layer, FRAME, 0, "", "Color Layer", "The colours that are compared",
      ITEM(color_layer, ALBEDO, 0, "Albedo", "Unlit colours: lines do not move with the light")
      ITEM(color_layer, LIT, 1, "Lit", "The rendered image"))
+FLOAT(color_length, SURFACE, 0, 0, 4096, 0, 512, "px", "edge_detector=FINE", "Color Length", "Such lines that are shorter than this, in all that hangs together, are thinner, and below half of it gone; clear ones count for several times their length; 0: all stay")
 FLOAT(edge_light, SURFACE, 0, 0, FLT_MAX, 0, 4, "", "", "Light", "Weight of boundaries between levels of discrete light")
 FLOAT(light_length, SURFACE, 0, 0, 4096, 0, 512, "px", "edge_light&edge_detector=FINE", "Light Length", "Such lines that are shorter than this, in all that hangs together, are thinner, and below half of it gone; 0: all stay")
 FLOAT(edge_mark, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "", "Marked Edges", "Weight of edges of meshes that are marked by hand, as Freestyle edges")
 FLOAT(edge_seen, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "edge_detector=FINE", "Seen", "Weight of lines in what mirrors and clear glass show")
+FLOAT(seen_length, SURFACE, 0, 0, 4096, 0, 512, "px", "edge_seen&edge_detector=FINE", "Seen Length", "Such lines that are shorter than this, in all that hangs together, are thinner, and below half of it gone; 0: all stay")
 FLOAT(edge_suggestive, SURFACE, 0, 0, FLT_MAX, 0, 4, "", "edge_detector=FINE", "Suggestive Contours", "Weight of lines where a smooth form nearly turns away: a nose, lips and folds seen from the front")
 FLOAT(suggestive_scale, FRAME, 6, 1, 64, 2, 24, "px", "edge_suggestive&edge_detector=FINE", "Form Scale", "How far forms are blurred before such lines are sought in them; what is finer has none")
 FLOAT(suggestive_length, SURFACE, 48, 0, 4096, 0, 128, "px", "edge_suggestive&edge_detector=FINE", "Form Length", "Such lines that are shorter than this, in all that hangs together, are thinner, the more so the shorter they are")

@@ -115,10 +115,14 @@ static bool has_forms(const fine *n)
 
 static bool has_lengths(const fine *n)
 {
-	bool light = false;
-	for (int i = 0; i < n->f->n_styles; i++)
-		light |= n->e->on[SOURCE_LIGHT] && n->f->params[i].light_length > 0;
-	return has_forms(n) || light || (n->e->creases && n->e->on[SOURCE_NORMAL]);
+	bool any = has_forms(n) || (n->e->creases && n->e->on[SOURCE_NORMAL]);
+	for (int i = 0; i < n->f->n_styles; i++) {
+		const encre_params *p = n->f->params + i;
+		any |= n->e->on[SOURCE_LIGHT] && p->light_length > 0;
+		any |= n->e->on[SOURCE_COLOR] && p->color_length > 0;
+		any |= n->e->on[SOURCE_SEEN] && p->seen_length > 0;
+	}
+	return any;
 }
 
 static bool gives_way(const fine *n)

@@ -162,6 +162,29 @@ def test_a_small_patch_of_shade_has_no_border_and_a_large_one_has_by_degrees():
     assert np.diff(shares).min() > -0.01 and np.diff(shares).max() < 0.2
 
 
+def coloured(length, contrast, wide=6):
+    """A bar of another colour on a wall, so many pixels long."""
+    made = of(slope(0.0))
+    across = np.clip(length / 2 + 0.5 - np.abs(X - 64), 0, 1) * np.clip(wide / 2 + 0.5 - np.abs(Y - 48), 0, 1)
+    made["color"] = made["albedo"] = made["color"] + contrast * across[..., None]
+    return made
+
+
+def test_short_faint_lines_between_colours_go_by_degrees_and_strong_ones_stay():
+    """Round bars that are just an edge the border's length counts about once, round dark ones many times and more."""
+    scene = dict(edge_suggestive=0.0, edge_color=2.5, width_color=1.0, edge_threshold=0.3, line_thickness=2.0)
+    shares = []
+    for length in np.arange(8, 70, 2.0):
+        faint = coloured(length, 0.25)
+        whole = ink(faint, **scene).sum()
+        assert whole > 2 * length
+        shares.append(ink(faint, **scene, color_length=96.0).sum() / whole)
+    assert shares[0] == 0 and shares[-1] == pytest.approx(1, abs=1e-3)
+    assert np.diff(shares).min() > -0.01 and np.diff(shares).max() < 0.2
+    strong = coloured(6, -0.45)
+    np.testing.assert_array_equal(ink(strong, **scene, color_length=96.0), ink(strong, **scene))
+
+
 def test_forms_smaller_than_the_scale_have_none():
     small = slope(1.0, width=1.2)
     assert ink(of(small), suggestive_scale=12.0, **ALONE).max() == 0 < ink(of(small), **ALONE).max()

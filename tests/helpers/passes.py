@@ -218,7 +218,8 @@ FORMS = {  # smooth hills with valleys between
 
 EVERY = {**FORMS, **CASES, **TINY, **MORE, **WIRES, **LIGHTS, **SWEEPS, **CUTS, **ROWS}
 TANGLES = {  # for the passes after smoothing: chains by chance in the place of those that are found
-    f"tangle {k}": (k, dict(color_layer=("ALBEDO", "LIT")[k % 2], light_length=15.0 * (k % 3))) for k in range(22)}
+    f"tangle {k}": (k, dict(color_layer=("ALBEDO", "LIT")[k % 2], light_length=15.0 * (k % 3),
+                         color_length=40.0 * (k % 2), seen_length=15.0 * (k % 2))) for k in range(22)}
 
 
 @dataclass

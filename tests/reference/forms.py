@@ -4,7 +4,7 @@
 import numpy as np
 
 from .metric import clamp01
-from .passes import COLUMN, LIGHT, NUMBER, ROW
+from .passes import COLOR, COLUMN, LIGHT, NUMBER, ROW, SEEN
 from .view import SUGGESTIVE, SURE, turn
 
 FLANK = 1.5  # of the blur's deviation
@@ -199,14 +199,15 @@ def beside(view, bent, found):
 
 
 def ease(t, params, style, scale):
-    """(shares of the width that sites of forms, of light and of edges of meshes have left, 1 of other lines)."""
+    """(shares of the width that sites of forms, light, colours, what is seen and edges of meshes have left, else 1)."""
     threshold, share = params["edge_threshold"], np.ones(len(t))
     q = t.site["strength"].astype(float) / threshold if threshold > 0 else np.full(len(t), np.inf)
+    kinds = {"suggestive": (t.family == NUMBER["valley"], clamp01(q - 1)), "light": (t.rank == LIGHT, np.ones(len(t))),
+             "color": (t.rank == COLOR, np.clip(2 * q - 1, 0, 100)), "seen": (t.rank == SEEN, np.ones(len(t)))}
     known = set()
-    for light, lines in enumerate(((t.family == NUMBER["valley"]) & ~t.dropped, (t.rank == LIGHT) & ~t.dropped)):
-        clear = np.ones(len(t)) if light else clamp01(q - 1)
-        name = "light_length" if light else "suggestive_length"
-        least = params.at(name, style[t.site["near_y"], t.site["near_x"]]) * scale
+    for name, (lines, clear) in kinds.items():
+        lines = lines & ~t.dropped
+        least = params.at(name + "_length", style[t.site["near_y"], t.site["near_x"]]) * scale
         for first in np.flatnonzero(lines):
             if first in known:
                 continue
@@ -218,7 +219,7 @@ def ease(t, params, style, scale):
             length = sum(t.apart(i, j) * (clear[i] + clear[j]) / 2 for i, j in ways)
             for i in run:
                 long_ = length / least[i] if least[i] > 0 else 1.0
-                share[i] = min(clear[run].max(), clamp01(2 * long_ - 1) if light and least[i] > 0 else long_)
+                share[i] = min(clear[run].max(), long_) if name == "suggestive" else clamp01(2 * long_ - 1)
     return _ease_edges(t, params, style, scale, share)
 
 

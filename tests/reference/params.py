@@ -9,7 +9,8 @@ DEFAULTS = {
     "edge_threshold": 0.5, "edge_sigma": 1.0, "depth_near": 0.1, "depth_far": 100.0,
     "edge_depth": 1.0, "edge_normal": 1.0, "edge_object": 1.0, "edge_material": 0.0, "edge_color": 0.0,
     "edge_seen": 1.0, "edge_light": 0.0, "edge_mark": 1.0, "edge_suggestive": 0.0,
-    "suggestive_scale": 6.0, "suggestive_length": 48.0, "light_length": 0.0, "sobel_shape_threshold": 0.25,
+    "suggestive_scale": 6.0, "suggestive_length": 48.0, "light_length": 0.0, "color_length": 0.0, "seen_length": 0.0,
+    "sobel_shape_threshold": 0.25,
     "crease_angle": 32.0, "crease_smooth": 60.0, "crease_source": "AUTO", "edge_bump": 0.0,
     "contrast_metric": "RGB", "contrast_threshold": 0.01, "contrast_max": 1.0,
     "contrast_auto": False, "contrast_window": 64.0,
@@ -88,7 +89,8 @@ SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_ton
             "use_specks")
 
 _WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light", "mark",
-                                        "suggestive")} | {"suggestive_length", "light_length"}
+                                        "suggestive")} | {
+    name + "_length" for name in ("suggestive", "light", "color", "seen")}
 _CREASES = {"crease_angle", "crease_smooth", "edge_bump"}
 _PARTS = {"light_hue", "other_highlights", "other_reflections", "other_glow", "reflection_tones", "highlight_shape",
           "highlight_threshold", "highlight_transition", "highlight_color"}

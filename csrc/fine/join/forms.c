@@ -1,31 +1,41 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines of forms come and go as a form turns: each that hangs together is as wide as it is long and clear, so that none
- * comes at once. So are borders of light, whose short ones are patches that belong to nothing, and the edges of a small
- * thing, most of which its outline has the place of, now of these, now of those. */
+ * comes at once. So are borders of light, whose short ones are patches that belong to nothing, what mirrors show of
+ * rough water, and lines between colours: of paving far away, where joints are hardly to be seen, bits are left. And the
+ * edges of a small thing, most of which its outline has the place of, now of these, now of those. */
 #include "fine/near.h"
 
 #include <string.h>
 
 static const float counts_from = 1, counts_ramp = 1; /* of edge_threshold: so strong counts, and in full; test_forms */
+static const float clearest = 100;                   /* times its length counts at most, or it might have no bound */
 static const float least_share = 0.1f;               /* of its width: less is not drawn; test_forms */
 
 enum { KNOWN = 1, NEAR = 2 };
 static const float hangs = 1.5f;    /* pixels from place to place of an edge, or where edges meet; test_creases */
 static const float full_across = 2; /* of line_min_length: edges that go so far are as wide as others; test_creases */
 
-/* RANK_FORM, RANK_LIGHT, RANK_CREASE of edges of meshes; RANK_COUNT: it is none, or dropped. */
+/* One that is thinned; RANK_COUNT: it is none, or dropped. */
 static enum rank kind_of(const site *s)
 {
 	enum rank rank = (enum rank)rank_of(s);
-	bool any = rank == RANK_FORM || rank == RANK_LIGHT || s->found.family == FAMILY_CREASE;
-	return !s->linked.dropped && any ? rank : RANK_COUNT;
+	bool own = rank == RANK_FORM || rank == RANK_LIGHT || rank == RANK_COLOR || rank == RANK_SEEN ||
+		   s->found.family == FAMILY_CREASE;
+	return own && !s->linked.dropped ? rank : RANK_COUNT;
 }
 
+/* How much of a site's length counts. Of colours all where they are just an edge, and more where they are clearer:
+ * letters and eyes are small, and no scraps. */
 static float clear_at(const fine *n, uint32_t i)
 {
 	float threshold = n->e->p->edge_threshold, strength = n->site[i].placed.strength;
-	bool form = rank_of(n->site + i) == RANK_FORM;
-	return form && threshold > 0 ? clamp01((strength / threshold - counts_from) / counts_ramp) : 1;
+	enum rank rank = (enum rank)rank_of(n->site + i);
+	if (rank == RANK_FORM && threshold > 0)
+		return clamp01((strength / threshold - counts_from) / counts_ramp);
+	if (rank == RANK_COLOR)
+		return threshold > 0 ? min(clearest, max(0, (strength / threshold - least_faint) / (1 - least_faint)))
+				     : clearest;
+	return 1;
 }
 
 /* Collects what hangs together with open[0]; the length of what is clear of it, and how clear the clearest is. */
@@ -85,16 +95,22 @@ static float share_of_edges(const fine *n, uint8_t *known, uint32_t *open, uint3
 	return across < full ? 1 - (float)owned / (float)end * (1 - across / full) : 1;
 }
 
-/* Of the width, by how clear the clearest is and by the length of all. Of borders of light below half the length asked
+static float full_length(const encre_params *p, enum rank rank)
+{
+	return rank == RANK_FORM    ? p->suggestive_length
+	       : rank == RANK_LIGHT ? p->light_length
+	       : rank == RANK_COLOR ? p->color_length
+				    : p->seen_length;
+}
+
+/* Of the width, of forms by how clear the clearest is, and by the length of all. Of others below half the length asked
  * none is left: they close, and a patch would stay as a spot. */
 static float share_of(const fine *n, const site *s, float most, float length)
 {
-	const encre_params *own = params_at(n->f, s->placed.near_x, s->placed.near_y);
-	bool form = rank_of(s) == RANK_FORM;
-	float full = (form ? own->suggestive_length : own->light_length) * n->f->scale;
-	if (!(full > 0))
-		return most;
-	return min(most, form ? length / full : clamp01(2 * length / full - 1));
+	enum rank rank = (enum rank)rank_of(s);
+	float full = full_length(params_at(n->f, s->placed.near_x, s->placed.near_y), rank) * n->f->scale;
+	float share = !(full > 0) ? 1 : rank == RANK_FORM ? length / full : clamp01(2 * length / full - 1);
+	return rank == RANK_FORM ? min(most, share) : share;
 }
 
 int32_t ISA(fine_ease_forms)(fine *n)
