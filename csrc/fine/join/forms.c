@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines of forms come and go as a form turns: each that hangs together is as wide as it is long and clear, so that none
  * comes at once. So are borders of light, whose short ones are patches that belong to nothing, what mirrors show of
- * rough water, and lines between colours: of paving far away, where joints are hardly to be seen, bits are left. And the
- * edges of a small thing, most of which its outline has the place of, now of these, now of those. */
+ * rough water, and lines between colours: of paving far away, where joints are hardly to be seen, bits are left. And
+ * the edges of a small thing, most of which its outline has the place of, now of these, now of those. */
 #include "fine/near.h"
 
 #include <string.h>
