@@ -46,7 +46,7 @@ STEP_FAMILY(NORMAL,           SOURCE_NORMAL,       CREASE, 0.35f,  CREASE, FAINT
 BAND_FAMILY(COLOR_BAND,       SOURCE_COLOR,        COLOR,  0.012f, ONE,    FAINT, 4,    RIDGE, 6)
 STEP_FAMILY(COLOR,            SOURCE_COLOR,        COLOR,  0.01f,  ONE,    FAINT, 3,    RIDGE, 8)
 VALLEY_FAMILY(VALLEY,                              FORM,                   FAINT, 4,           10)
-BAND_FAMILY(LIGHT_BAND,       SOURCE_LIGHT,        LIGHT,  0.1f,   ONE,    SURE,  4,    RIDGE, 10)
+BAND_FAMILY(LIGHT_BAND,       SOURCE_LIGHT,        LIGHT,  0.1f,   ONE,    FAINT, 4,    RIDGE, 10)
 STEP_FAMILY(LIGHT_STEP,       SOURCE_LIGHT,        LIGHT,  0.02f,  ONE,    SURE,  3,    RIDGE, 12)
 CRACK_FAMILY(LIGHT,                                LIGHT,                  SURE,  3,           2)
 BAND_FAMILY(SEEN_NORMAL_BAND, SOURCE_SEEN,         SEEN,   0.72f,  CREASE, SURE,  4,    MORE,  0)

@@ -78,3 +78,28 @@ def test_against_the_reference(gap):
     sure = [i for i in np.flatnonzero(give) if i not in unsure]
     assert len(sure) > 60 and (bound[sure] > 0).any()
     np.testing.assert_allclose(np.minimum(after.site["crowd"][sure], 1e3), np.minimum(bound[sure], 1e3), rtol=1e-2)
+
+
+def lines_of_shadow(width, slope, tapers=0.0):
+    """By column, how much ink there is of a nearly level shadow that is so many pixels high, by a few noisy samples."""
+    y, x = np.mgrid[:40, :160].astype(float)
+    off = np.add.outer(np.arange(64) / 64 - 0.5, y - 20 - slope * (x - 80))
+    dark = (2 * np.abs(off) < width + tapers * (x / 160 - 0.5)).mean(0)
+    dark += 0.03 * np.random.default_rng(1).standard_normal(dark.shape) * ((dark > 0) & (dark < 1))
+    grey, light = np.full((40, 160, 3), 0.5, np.float32), np.float32(np.repeat((1 - 0.8 * dark)[..., None], 3, 2))
+    layers = dict(combined=np.dstack([grey, np.ones((40, 160), np.float32)]), color=grey, diffuse=light,
+                  depth=np.full((40, 160), 5, np.float32), normal=np.tile(np.float32((0, 0, 1)), (40, 160, 1)))
+    settings = {**SCENE, "line_thickness": 1.0, "length_unit": "PIXELS", "edge_light": 4.0, "width_light": 1.0}
+    out = library.render(layers, settings, frame=Frame(160, 40), camera=Camera(orthographic=True, height=5.0),
+                         outputs=("Encre Lines",))
+    return out.images["Encre Lines"][:, 8:-8, 3].sum(0)
+
+
+@pytest.mark.parametrize("slope", [0.02, 0.05])
+def test_a_narrow_shadow_is_one_line_or_two_from_end_to_end(slope):
+    for width in (1.8, 2.0, 2.1):
+        assert np.abs(lines_of_shadow(width, slope) - 1).max() < 0.3
+    for width in (2.3, 2.8):
+        assert np.abs(lines_of_shadow(width, slope) - 2).max() < 0.4
+    two = lines_of_shadow(2.1, slope, tapers=0.8) > 1.5
+    assert (two[1:] != two[:-1]).sum() == 1

@@ -68,7 +68,8 @@ class Table:
         return float(np.hypot(*(self.at[i] - self.at[j])))
 
 
-# What a family may keep: what is clear of the older ones by 1.5 pixels, a step by 2 of a band in the same layer
+# What a family may keep: what is clear of the older ones by 1.5 pixels, a step by 2 of a band in the same layer, a
+# crossing of a threshold of light by 2 across a band
 
 
 def owned(t, family):
@@ -78,7 +79,12 @@ def owned(t, family):
     clear = np.where((t.family == family - 1) & np.isin(t.family, BANDS), 2.0, 1.5)
     for i in np.flatnonzero(t.family == family):
         turns = (FAMILIES[family] == "light") & (t.family == NUMBER["light_step"]) & (t.axis != t.axis[i])
-        margin = (np.where(turns, 0.75, clear) - np.hypot(*(t.at - t.at[i]).T))[old]
+        margin = np.where(turns, 0.75, clear) - np.hypot(*(t.at - t.at[i]).T)
+        if FAMILIES[family] == "light":
+            along, across = np.abs(t.at - t.at[i]).T[::1 if t.axis[i] == COLUMN else -1]
+            stripe = (t.family == NUMBER["light_band"]) & (t.axis == t.axis[i])
+            margin = np.where(stripe, np.maximum(margin, np.minimum(1 - along, 2 - across)), margin)
+        margin = margin[old]
         gone |= {int(i)} if (margin > 0).any() else set()
         unsure |= abs(margin.max(initial=-1)) < CLOSE
     return gone, unsure
@@ -97,10 +103,11 @@ def close_sites(t, i, reach=1.6):
 
 
 def weak(t, family):
-    """(which weak sites of colours, of normals, what is seen, edges of meshes or contours hang together with no other,
-    which with one that is not weak, a step with a stripe of its layer within 3 pixels, or with 23 of a contour)."""
-    if FAMILIES[family] not in ("color_band", "color", "normal", "crease", "crack", "valley", "seen_normal",
-                                "seen_color", "seen_depth"):
+    """(which weak sites of colours, of normals, of stripes of light, what is seen, edges of meshes or contours hang
+    together with no other, which with one that is not weak, a step with a stripe of its layer within 3 pixels, or with
+    23 of a contour)."""
+    if FAMILIES[family] not in ("color_band", "color", "normal", "crease", "crack", "valley", "light_band",
+                                "seen_normal", "seen_color", "seen_depth"):
         return set(), set()
     own = {int(i) for i in np.flatnonzero((t.family == family) & ~t.dropped)}
     strong = {i for i in own if not t.site["weak"][i]}

@@ -114,6 +114,9 @@ def step_margins(layer):
     return np.array([np.minimum(margin[0], preferred + tie), np.minimum(margin[1], -preferred)])
 
 
+FAINT_BANDS = "color", "light"  # stripes that may go on a little wider
+
+
 def band_margins(layer):
     """(2, H, W): how surely a pixel lies farthest of three from the line between the two beyond them, or amid them."""
     signal, closed = _padded(layer.signal), _padded(layer.closed)
@@ -125,7 +128,8 @@ def band_margins(layer):
         e = raw[-1] + raw[0] + raw[1] - 1.5 * (raw[-2] + raw[2])
         dot = {k: ((raw[k] - (raw[-2] * (2 - k) + raw[2] * (2 + k)) / 4) * e).sum(-1) for k in (-1, 0, 1)}
         square = np.maximum(norm2(e), 1e-30)
-        flat = np.where((layer.name == "color") & (square > 2.05 * dot[0]), 0.2 - abs(dot[1] - dot[-1]) / square, -1)
+        wide = (square > 2.05 * dot[0]) & (layer.name in FAINT_BANDS)
+        flat = np.where(wide, 0.2 - abs(dot[1] - dot[-1]) / square, -1)
         m = np.maximum(np.minimum(more(dot[0], dot[-1]), more(dot[0], dot[1])), flat)
         m = np.where(r.open[2] & r.open[-2] & ~shut, m, -1)
         margin.append(_inner(axis, m))
@@ -204,18 +208,27 @@ def turns(layer, row, column, axis):
     return float((back > 0).sum() / (sum(far) + 1)), bool((np.abs(back) < SURE * size).any())
 
 
+def _light_width(v, way):
+    """How wide a stripe of light is in pixels, by seven values: the outer two of five may be a part of it."""
+    v = v[:, 0] * way
+    base = [min(v[near], v[far]) if v[near] < v[inner] else v[near] for inner, near, far in ((2, 1, 0), (4, 5, 6))]
+    ground = np.interp(np.arange(7), (0, 6), base)
+    return (v - ground)[1:6].sum() / (v - ground)[3]
+
+
 def band_site(view, layer, row, column, axis):
     """A stripe so narrow that its two boundaries are one line; None if it is none at all."""
-    v, far = _read(layer, layer.signal, row, column, axis)
-    if far != [2, 2]:
+    seven, far = _read(layer, layer.signal, row, column, axis, 3)
+    v = seven[1:6]
+    if min(far) < 2:
         return None
     base, e = (v[0] + v[4]) / 2, v[1:4].sum(0) - 1.5 * (v[0] + v[4])
     area = np.linalg.norm(e)
     if not area > 0:
         return None
     c = np.array([(v[k] - (v[0] * (4 - k) + v[4] * k) / 4) @ e / area for k in (1, 2, 3)])
-    color = layer.name == "color"
-    weak = color and area > 2.05 * c[1]
+    faint = layer.name in FAINT_BANDS
+    weak = faint and area > 2.05 * c[1]
     peak = min(more(c[1], c[0]), more(c[1], c[2]))
     if weak:
         peak = max(peak, 0.2 - abs(c[2] - c[0]) / area)
@@ -224,11 +237,14 @@ def band_site(view, layer, row, column, axis):
                  more(c[1], 1.5 * np.linalg.norm(v[4] - v[0])))
     if layer.name.endswith("color"):
         margin = min(margin, -_among_alike(layer, row, column, axis))
+    width = _light_width(seven, 1 if e[0] > 0 else -1) if layer.name == "light" and margin >= -SURE else 0
+    margin = min(margin, more(2.25, width))
     if margin < -SURE:
         return None
     family = layer.name + "_band"
     place = _put(row, column, axis, (c[2] - c[0]) / area)
-    doubtful = color and abs(more(area, 2.05 * c[1])) < SURE
+    doubtful = faint and min(abs(more(area, 2.05 * c[1])), abs(more(width, 2.05))) < SURE
+    weak |= width > 2.05
     if layer.name.endswith("normal"):
         strength = float(clamp01((area - layer.floor) / (0.37 * view.bend)))
     elif layer.name == "light":
@@ -245,7 +261,7 @@ def band_site(view, layer, row, column, axis):
     clear, unclear = clarity(layer, row, column, axis)
     site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear},
                       weights=view.normal_weights(row, column) if layer.name == "normal" else None)
-    if color:
+    if faint:
         weak |= _is_weak(view, site)
     site.weak = weak
     site.doubtful |= doubtful or unclear

@@ -215,7 +215,26 @@ static float stripe_gain(const fine *n, const stripe *b)
 	return in_px < 1 ? max(in_px, least_gain) : max(1, min(in_px, 2 * b->peak / b->area));
 }
 
-/* A stripe, narrow enough that its two boundaries are one line. */
+/* How much wider than the widest a stripe of light is one line, too, where it goes on beside one that is narrow enough:
+ * so much samples of a pixel are off by. */
+static const float light_slack = 0.2f; /* test_fine_sites */
+
+/* How wide a stripe of light is, by what it lies on beyond the outer two of five values. value: of seven pixels. */
+static float light_width(float (*value)[3], const stripe *b)
+{
+	float way = b->e[0] > 0 ? 1 : -1, base[2];
+	for (int side = 0; side < 2; side++) {
+		float inner = way * value[side ? 4 : 2][0], near = way * value[side ? 5 : 1][0],
+		      far = way * value[side ? 6 : 0][0];
+		base[side] = near < inner ? min(near, far) : near;
+	}
+	float area = 0;
+	for (int k = 1; k < 6; k++)
+		area += way * value[k][0] - mix(base[0], base[1], (float)k / 6);
+	return area / (way * value[3][0] - 0.5f * (base[0] + base[1]));
+}
+
+/* A stripe, narrow enough that its two boundaries are one line. value: of five pixels, of light of seven. */
 static bool band_site(const fine *n, const found *at, placed *s, float (*value)[3])
 {
 	const family_info *is = families + at->family;
@@ -227,6 +246,12 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 		return false;
 	if (form == FORM_COLOR && among_alike(n, is->sample, at))
 		return false;
+	if (form == FORM_LIGHT) {
+		float width = light_width(value - 1, &b);
+		b.weak |= width > widest_band;
+		if (width > widest_band + light_slack)
+			return false;
+	}
 	s->weak = b.weak;
 	put(at, b.offset, s);
 	int style = fine_style(n, at, s);
@@ -292,13 +317,14 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 	int source = families[at->family].sample, planes = samples[source].planes, form = samples[source].form;
 	bool band = families[at->family].kind == KIND_BAND;
 	int far[2], low = 0, high = 4;
-	int reach = form == FORM_VECTOR && !band ? 3 : 2; /* what outdoes a step is looked for farther */
+	/* what outdoes a step is looked for farther, and what a stripe of light lies on */
+	int reach = (form == FORM_VECTOR && !band) || (form == FORM_LIGHT && band) ? 3 : 2;
 	if (form == FORM_LIGHT && is_nothing(n, at->column, at->row))
 		return false;
 	read_along(n, source, at, reach, around, far);
 	float (*value)[3] = around + reach - 2;
 	if (band)
-		return far[0] == 2 && far[1] == 2 && band_site(n, at, s, value);
+		return far[0] >= 2 && far[1] >= 2 && band_site(n, at, s, value);
 	sides(value, planes, &low, &high);
 	float offset = -1.5f;
 	for (int k = 1; k <= 3; k++)

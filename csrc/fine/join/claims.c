@@ -17,6 +17,17 @@ typedef struct turn {
 
 /* ---- keeping clear --------------------------------------------------------------------------------------- */
 
+/* Whether light passes a level there on one side of its stripe. */
+static bool is_side(const site *s, const site *stripe)
+{
+	if (s->found.family != FAMILY_LIGHT || stripe->found.family != FAMILY_LIGHT_BAND ||
+	    s->found.axis != stripe->found.axis)
+		return false;
+	bool down = s->found.axis == AXIS_COLUMN;
+	float x = fabsf(s->placed.x - stripe->placed.x), y = fabsf(s->placed.y - stripe->placed.y);
+	return (down ? x : y) < 1 && (down ? y : x) < clear_of_band;
+}
+
 static bool owned(const fine *n, const site *s)
 {
 	const family_info *is = families + s->found.family;
@@ -27,7 +38,7 @@ static bool owned(const fine *n, const site *s)
 		if (other->found.family >= s->found.family || other->linked.dropped) /* its own are being dropped now */
 			continue;
 		float clear = other->found.family == band ? clear_of_band : clear_from(s, other);
-		if (apart2(s, other) < clear * clear)
+		if (apart2(s, other) < clear * clear || is_side(s, other))
 			return true;
 	}
 	return false;
