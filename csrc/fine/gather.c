@@ -26,11 +26,11 @@ static const uint8_t slots[WORD_COUNT] = {[WORD_RIDGE] = SLOT_RIDGE, [WORD_MORE]
 
 static void walk_marks(walk *w, int x, int y, enum word word, int marks)
 {
-	for (int bit = 0; marks; marks >>= 1, bit++)
-		if (marks & 1) {
-			found at = {(uint16_t)x, (uint16_t)y, marked_family[word][bit], (uint8_t)(bit % 2)};
-			w->visit(w, &at, slots[word] + bit);
-		}
+	for (; marks; marks &= marks - 1) {
+		int bit = __builtin_ctz((unsigned)marks);
+		found at = {(uint16_t)x, (uint16_t)y, marked_family[word][bit], (uint8_t)(bit % 2)};
+		w->visit(w, &at, slots[word] + bit);
+	}
 }
 
 /* Of the four cracks between the pixels from x on: `crack`, `below` are rows of marks. */
@@ -47,8 +47,11 @@ static int next_pixel(const uint8_t *crack, const uint16_t *ridge, int x, int en
 		uint64_t cracks, ridges[2];
 		memcpy(&cracks, crack + x, 8);
 		memcpy(ridges, ridge + x, 16);
-		if (cracks | ridges[0] | ridges[1])
-			break;
+		if (!(cracks | ridges[0] | ridges[1]))
+			continue;
+		int crack_at = first_byte(cracks),
+		    ridge_at = (ridges[0] ? first_byte(ridges[0]) : 8 + first_byte(ridges[1])) / 2;
+		return x + (crack_at < ridge_at ? crack_at : ridge_at);
 	}
 	while (x < end && !(crack[x] | ridge[x]))
 		x++;

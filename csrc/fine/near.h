@@ -34,12 +34,21 @@ static inline bool closed_at(const fine *n, int s, int x, int y)
 	return mixed_at(n, x, y) || (s >= SOURCE_SEEN && !n->through[(ptrdiff_t)y * n->f->width + x]);
 }
 
+/* Which of eight bytes in a word is the first that is not 0, or 8. All platforms are little-endian. */
+static inline int first_byte(uint64_t eight)
+{
+	return eight ? __builtin_ctzll(eight) / 8 : 8;
+}
+
 /* The first of bytes x..end - 1 that is not 0, or end. Nearly all are. */
 static inline int next_marked(const uint8_t *marks, int x, int end)
 {
-	uint64_t eight;
-	while (x + 8 <= end && (memcpy(&eight, marks + x, 8), eight == 0))
-		x += 8;
+	for (; x + 8 <= end; x += 8) {
+		uint64_t eight;
+		memcpy(&eight, marks + x, 8);
+		if (eight)
+			return x + first_byte(eight);
+	}
 	while (x < end && !marks[x])
 		x++;
 	return x;
