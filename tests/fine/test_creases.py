@@ -134,8 +134,9 @@ def test_borders_and_threads_give_the_same_bytes(threads):
 
 
 def picture(mesh, **values):
-    """The lines of a mesh under pixels(40, 30), with normals as Cycles would have them where nothing bends."""
-    maps = library.raster([mesh], *pixels(40, 30), Frame(40, 30), (40, 30), 0.1, outputs=(
+    """The lines of meshes under pixels(40, 30), with normals as Cycles would have them where nothing bends."""
+    meshes = mesh if isinstance(mesh, list) else [mesh]
+    maps = library.raster(meshes, *pixels(40, 30), Frame(40, 30), (40, 30), 0.1, outputs=(
         "depth", "normal", "object", "creases", "marks"))
     creases = np.concatenate([maps["creases"], bends(maps["normal"])[..., None]], 2)
     grey = np.full((30, 40, 3), 0.5, np.float32)
@@ -344,6 +345,15 @@ def test_the_edges_of_a_small_thing_do_not_come_and_go():
     assert np.sqrt((np.diff(ink) ** 2).mean()) < 0.5 and min(ink) > 25
     whole = picture(bolt(4, 0), line_thickness=1.0, line_min_length=0.0).sum()
     assert ink[0] < 0.93 * whole
+
+
+def test_a_small_thing_is_thin_beside_others():
+    """What another one has of edges close by is no part of it."""
+    far = bolt(9, 0)
+    far.points = far.points + np.float32((-12.3, 0.4, 0.2))
+    far.object_index = 2
+    inside = [picture(mesh, line_thickness=1.0)[11:17, 18:22].sum() for mesh in (bolt(4, 0), [bolt(4, 0), far])]
+    assert inside[1] < 1.1 * inside[0]
 
 
 @pytest.mark.parametrize("side", [6, 9])

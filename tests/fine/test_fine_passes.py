@@ -212,7 +212,8 @@ def ease(check):
         return
     before, after = check.tables("drop short")[0], check.tables("ease forms")[0]
     view = check.c.view
-    share = forms.ease(before, view.params, view.layers.style, check.scale)
+    layers = view.layers
+    share = forms.ease(before, view.params, layers.style, layers.object, check.scale)
     assert after.site["eased"] == pytest.approx(255 - share * (255 - before.site["eased"]), abs=0.51)
     check.alike("thinned", np.flatnonzero(share < 0.1), dropped(before, after),
                 np.flatnonzero(np.abs(share - 0.1) < 1e-5))

@@ -198,7 +198,7 @@ def beside(view, bent, found):
 # Once all is linked: each that hangs together is as wide as it is clear and long
 
 
-def ease(t, params, style, scale):
+def ease(t, params, style, number, scale):
     """(shares of the width that sites of forms, light, colours, what is seen and edges of meshes have left, else 1)."""
     threshold, share = params["edge_threshold"], np.ones(len(t))
     q = t.site["strength"].astype(float) / threshold if threshold > 0 else np.full(len(t), np.inf)
@@ -220,11 +220,13 @@ def ease(t, params, style, scale):
             for i in run:
                 long_ = length / least[i] if least[i] > 0 else 1.0
                 share[i] = min(clear[run].max(), long_) if name == "suggestive" else clamp01(2 * long_ - 1)
-    return _ease_edges(t, params, style, scale, share)
+    return _ease_edges(t, params, style, number, scale, share)
 
 
-def _ease_edges(t, params, style, scale, share):
-    """Of edges of meshes by how far all that hang together go, and by how much of these older lines have the place."""
+def _ease_edges(t, params, style, number, scale, share):
+    """Of edges of meshes by how far all of the same thing go that hang together, and by how much of these older lines
+    have the place. number: of objects."""
+    of = number[t.site["near_y"], t.site["near_x"]]
     edge = (t.family == NUMBER["crease"]) & ~(t.dropped & (t.site["weak"] > 0))
     full = 2 * params.at("line_min_length", style[t.site["near_y"], t.site["near_x"]]) * scale
     known = set()
@@ -233,11 +235,13 @@ def _ease_edges(t, params, style, scale, share):
             continue
         run = [int(first)]
         for i in run:
-            run += [j for j in set(t.links[i]) if edge[j] and not t.dropped[j] and j not in run]
+            run += [j for j in set(t.links[i])
+                    if edge[j] and of[j] == of[i] and not t.dropped[j] and j not in run]
         known |= set(run)
         net = list(run)
         for i in net:
-            net += [j for j, d in t.within(i, 1.5) if edge[j] and d <= 1.5 and j not in net]
+            net += [j for j, d in t.within(i, 1.5)
+                    if edge[j] and of[j] == of[first] and d <= 1.5 and j not in net]
         across = np.hypot(*np.ptp(t.at[net], axis=0))
         if across < full[first]:
             share[run] = 1 - t.dropped[net].mean() * (1 - across / full[first])

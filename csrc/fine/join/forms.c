@@ -24,6 +24,19 @@ static enum rank kind_of(const site *s)
 	return own && !s->linked.dropped ? rank : RANK_COUNT;
 }
 
+/* Of which object is what a line is of. */
+static float object_of(const fine *n, const site *s)
+{
+	return object_at(n->f, s->placed.near_x, s->placed.near_y);
+}
+
+/* Whether two sites that are linked hang together: edges of two things, one of which leads to the other's, do not. */
+static bool is_alike(const fine *n, const site *s, const site *t)
+{
+	enum rank kind = kind_of(s);
+	return kind == kind_of(t) && (kind != RANK_CREASE || object_of(n, s) == object_of(n, t));
+}
+
 /* How much of a site's length counts. Of colours all where they are just an edge, and more where they are clearer:
  * letters and eyes are small, and no scraps. */
 static float clear_at(const fine *n, uint32_t i)
@@ -46,7 +59,7 @@ static float collect(const fine *n, uint8_t *known, uint32_t *open, uint32_t *co
 	for (uint32_t at = 0; at < *count; at++)
 		for (uint32_t i = open[at], k = n->at[i]; k < n->at[i + 1]; k++) {
 			uint32_t j = n->to[k];
-			if (kind_of(n->site + j) != kind_of(n->site + i))
+			if (!is_alike(n, n->site + i, n->site + j))
 				continue;
 			length += 0.25f * sqrtf(apart2(n->site + i, n->site + j)) * (clear_at(n, i) + clear_at(n, j));
 			if (!known[j]) {
@@ -58,10 +71,10 @@ static float collect(const fine *n, uint8_t *known, uint32_t *open, uint32_t *co
 	return length;
 }
 
-/* Whether a site is of an edge of a mesh, also where an older line has its place. */
-static bool is_edge(const site *s)
+/* Whether a site is of an edge of an object, also where an older line has its place. */
+static bool is_edge_of(const fine *n, const site *s, float object)
 {
-	return s->found.family == FAMILY_CREASE && !(s->placed.weak && s->linked.dropped);
+	return s->found.family == FAMILY_CREASE && !(s->placed.weak && s->linked.dropped) && object_of(n, s) == object;
 }
 
 /* Of the width of edges, by how far they go, corner to corner of the box about all that hang together, and by how much
@@ -71,7 +84,8 @@ static float share_of_edges(const fine *n, uint8_t *known, uint32_t *open, uint3
 {
 	const placed *first = &n->site[open[0]].placed;
 	float full = full_across * params_at(n->f, first->near_x, first->near_y)->line_min_length * n->f->scale;
-	float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, across = 0;
+	float object = object_of(n, n->site + open[0]), across = 0;
+	float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
 	uint32_t end = count, owned = 0;
 	for (uint32_t k = 0; k < count; k++)
 		known[open[k]] |= NEAR;
@@ -85,7 +99,8 @@ static float share_of_edges(const fine *n, uint8_t *known, uint32_t *open, uint3
 		across = sqrtf((high[0] - low[0]) * (high[0] - low[0]) + (high[1] - low[1]) * (high[1] - low[1]));
 		near_sites of = near_site(n, s, hangs);
 		for (uint32_t j; near_next(n, &of, &j);)
-			if (!(known[j] & NEAR) && is_edge(n->site + j) && apart2(s, n->site + j) <= hangs * hangs) {
+			if (!(known[j] & NEAR) && is_edge_of(n, n->site + j, object) &&
+			    apart2(s, n->site + j) <= hangs * hangs) {
 				known[j] |= NEAR;
 				open[end++] = j;
 			}
