@@ -73,7 +73,15 @@ static void glazed_row(const frame *f, int y, int x, int n, float (*restrict col
 	}
 }
 
-/* Mirrors and glass have no light of their own: it becomes that of the thing they show, and without end where they show
+/* Light of the sky, that is seen or mirrored: without end, or as bright as it looks. Nothing is seen of a transparent
+ * film. */
+static inline float sky_light(const frame *f, float exposure, float other, float alpha)
+{
+	float sky = f->params->tone_sky;
+	return sky > 0 && alpha > 0 ? min(max(other, 0) * exposure * sky, FLT_MAX) : INFINITY;
+}
+
+/* Mirrors and glass have no light of their own: it becomes that of the thing they show, and the sky's where they show
  * none, as where nothing is, whether it is known what they show or not. What mirrors black is as dark as it looks.
  * Glazed things are mirrors where they show another thing clearly. */
 static void mirrored_row(const frame *f, const encre_params *p, int y, int x, int n, const float *restrict other,
@@ -81,11 +89,13 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 {
 	const float *seen = layer_row(f, ENCRE_LAYER_SEEN_COLOR, y), *depth = layer_row(f, ENCRE_LAYER_SEEN_DEPTH, y);
 	const float *front = layer_row(f, ENCRE_LAYER_DEPTH, y), *gloss = layer_row(f, ENCRE_LAYER_GLOSS, y);
+	const float *combined = layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x;
 	float exposure = exposure_of(f, p), least = max(p->tone_black, 0.05f), dark = p->tone_dark;
 	spared own = spared_of(p);
 	for (int i = 0; !seen && front && i < n; i++) {
 		bool nothing = !(depth_of(front[x + i]) < INFINITY);
-		light[i] = nothing && max3(color[0][i], color[1][i], color[2][i]) < 0.05f ? INFINITY : light[i];
+		float sky = sky_light(f, exposure, other[i], combined[4 * i + 3]);
+		light[i] = nothing && max3(color[0][i], color[1][i], color[2][i]) < 0.05f ? sky : light[i];
 	}
 	for (int i = 0; seen && i < n; i++) {
 		const float *s = seen + (ptrdiff_t)3 * (x + i);
@@ -94,14 +104,16 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
 		float shown = lightness(p, s[0], s[1], s[2]);
-		lit = nothing ? INFINITY : shown >= least ? light_left(lit, shown, least, dark) : -1;
+		lit = shown >= least ? light_left(lit, shown, least, dark) : -1;
 		if (glazed[i] > 0.5f) {
 			float own_depth = depth_of(front[x + i]);
 			bool itself = depth && fabsf(depth[x + i] - own_depth) <= 0.02f * own_depth;
 			const float *g = gloss + (ptrdiff_t)3 * (x + i);
 			shows = shows && !itself && max3(g[0], g[1], g[2]) >= clear_from;
 		}
-		light[i] = shows ? max(light[i], lit) : light[i];
+		if (nothing)
+			lit = sky_light(f, exposure, other[i], combined[4 * i + 3]);
+		light[i] = !shows ? light[i] : nothing ? lit : max(light[i], lit);
 	}
 }
 
@@ -232,15 +244,19 @@ static void want_level(const encre_params *p, int level, float gradient, int n, 
 #undef CASE
 }
 
-/* The mean darkness of what is there, from sums. */
-static void finish(const float *restrict depth, int n, float *restrict share, float *restrict dark)
+/* The mean darkness of what is there, from sums. sky: it is there, too; solid: as ink or paper, for no tone has where
+ * to stick to. */
+static void finish(const float *restrict depth, bool sky, bool solid, int n, float *restrict share,
+		   float *restrict dark)
 {
 	for (int i = 0; i < n; i++) {
-		int there = (depth[i] > 0) & (depth[i] < depth_end);
+		int there = sky | ((depth[i] > 0) & (depth[i] < depth_end));
 		float own = there ? share[i] : 0;
 		dark[i] = own > 0 ? clamp01(dark[i] / max(own, FLT_MIN)) : 0;
 		share[i] = most_one(own);
 	}
+	for (int i = 0; sky && solid && i < n; i++)
+		dark[i] = depth_of(depth[i]) < INFINITY ? dark[i] : dark[i] >= 0.5f ? 1 : 0;
 }
 
 /* What is cleared as a whole has smaller dots and fewer strokes until it has none. What can't be less dark without
@@ -291,7 +307,8 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 	for (int k = 0; k < TONE_SLOTS; k++) {
 		if (!w->any[k])
 			continue;
-		finish(depth, n, w->share[k], w->dark[k]);
+		finish(depth, p->tone_mirrors && f->params->tone_sky > 0, tone_sticks(slots + k), n, w->share[k],
+		       w->dark[k]);
 		if (detail->keep)
 			clear(detail->keep + at, detail->ease + at, tone_is_screen(slots + k) || tone_marked(slots + k),
 			      n, w->share[k], w->dark[k]);

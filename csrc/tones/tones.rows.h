@@ -10,6 +10,7 @@ ENUM(tone_black_by, SURFACE, 0, "use_tones", "Blacks By", "What tells how dark a
      ITEM(tone_black_by, LUMINANCE, 1, "Luminance", "How dark the eye sees it: navy is as dark as a dark grey"))
 FLOAT(tone_local, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones", "Local Values", "How far light colours keep out of the darkest level; at 1 white does down to half of the light")
 BOOL(tone_mirrors, SURFACE, 0, "use_tones", "Through Mirrors", "What mirrors and clear glass show has the tones of the things shown, and none where they show the sky")
+FLOAT(tone_sky, FRAME, 0, 0, FLT_MAX, 0, 4, "", "use_tones&tone_mirrors", "Sky", "How far the sky's own brightness counts as light: 1 is as bright as it is, more is lighter; 0: it is bare paper, by night, too")
 FLOAT(tone_detail, FRAME, 0, 0, 4096, 0, 40, "px", "use_tones", "Clear Detail", "Letters, eyes and bars whose strokes are no wider stay clear of tones, light ones and what is about dark ones; 0: tones go over all")
 FLOAT(tone_least, FRAME, 0, 0, 100, 0, 4, "", "use_tones", "Least Width", "Dots and lines that have less room, in pitches, are ink, or paper beside ink; 0: they have any")
 FLOAT(tone_hardness, SURFACE, 1, 0, 1, 0, 1, "factor", "use_tones", "Hardness", "1: dots and lines have an edge; 0: they fade over half their distance")

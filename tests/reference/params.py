@@ -60,8 +60,8 @@ DEFAULTS = {
     "paper_seed": 0,
     # tones
     "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0, "tone_dark": 0.0, "tone_black_by": "VALUE",
-    "tone_local": 0.0, "tone_mirrors": False, "tone_detail": 0.0, "tone_least": 0.0, "tone_hardness": 1.0,
-    "tone_crisp": False, "tone_pitch_unit": "LENGTH",
+    "tone_local": 0.0, "tone_mirrors": False, "tone_sky": 0.0, "tone_detail": 0.0, "tone_least": 0.0,
+    "tone_hardness": 1.0, "tone_crisp": False, "tone_pitch_unit": "LENGTH",
     "tone_strokes": "FORM", "tone_light_turn": 135.0, "tone_light_height": 45.0,
     "page_height": 257.0,
     **{f"tone_{n}": kind for n, kind in enumerate(("DOTS", "DOTS", "NONE", "NONE", "SAME", "SAME"), 1)},
@@ -94,7 +94,7 @@ _WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material",
 _CREASES = {"crease_angle", "crease_smooth", "edge_bump"}
 _PARTS = {"light_hue", "other_highlights", "other_reflections", "other_glow", "reflection_tones", "highlight_shape",
           "highlight_threshold", "highlight_transition", "highlight_color"}
-_FRAMES = {"shade_meter", "tone_detail", "tone_least", "line_search", "line_max_thickness", "line_occlude",
+_FRAMES = {"shade_meter", "tone_sky", "tone_detail", "tone_least", "line_search", "line_max_thickness", "line_occlude",
            "wash_pool_width", "wash_bleed_width", "wash_size", "wash_seed"}
 
 

@@ -256,8 +256,12 @@ def _dark(layers, levels, of, look):
     bright, black = lightness(layers.color), of("tone_black") * left
     lit = kept(lit, bright, black, of("tone_dark") * left)
     light = np.where(bright < black, np.maximum(rest - _glazed(layers), -1), np.maximum(lit, rest))
+    sky = np.full(light.shape, np.inf)
+    if of("tone_sky") > 0:
+        bright = np.maximum(rest, 0) * of("shade_exposure") * of("tone_sky")
+        sky = np.where(layers.combined[..., 3] > 0, bright, np.inf)
     if of("tone_mirrors") and layers.seen_color is None:
-        light = np.where((value(layers.color) < 0.05) & ~((layers.depth > 0) & (layers.depth < 1e9)), np.inf, light)
+        light = np.where((value(layers.color) < 0.05) & ~((layers.depth > 0) & (layers.depth < 1e9)), sky, light)
     elif of("tone_mirrors"):
         least = max(of("tone_black"), 0.05)
         seen = value(layers.seen_color)
@@ -268,7 +272,7 @@ def _dark(layers, levels, of, look):
         itself = np.abs(layers.seen_depth - layers.depth) <= 0.02 * layers.depth
         shows = ((value(layers.color) < 0.05)
                  & ((_glazed(layers) <= 0.5) | ~itself & (value(layers.gloss) >= 0.7)))
-        light = np.where(shows, np.maximum(light, np.where(nothing, np.inf, lit)), light)
+        light = np.where(shows, np.where(nothing, sky, np.maximum(light, lit)), light)
     added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
     steep = 0 if of("tone_crisp") else _steep(np.minimum(light, 1e6))
     share, total = np.zeros(light.shape), np.zeros(light.shape)
@@ -291,8 +295,12 @@ def _dark(layers, levels, of, look):
             brighter = mix(level[0], levels[k + 1][0], of(f"tone_{_number(of, k)}_gradient") * along)
         share += here
         total += here * clamp01(1 - brighter + of("tone_darkness") + added)
-    share = np.where(layers.there, share, 0)
-    return clamp01(share), clamp01(np.where(share > 0, total / np.maximum(share, 1e-30), 0))
+    shows_sky = of("tone_mirrors") and of("tone_sky") > 0
+    share = np.where(layers.there | shows_sky, share, 0)
+    dark = clamp01(np.where(share > 0, total / np.maximum(share, 1e-30), 0))
+    if shows_sky and look[3] != "SCREEN":
+        dark = np.where(layers.there, dark, dark >= 0.5)
+    return clamp01(share), dark
 
 
 def _sheet(card):

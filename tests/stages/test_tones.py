@@ -183,6 +183,35 @@ def test_dark_colours_have_tones_in_the_light_and_are_black_in_the_shade():
         assert not black[-1, skin] and not paper[-1, skin] and black[15, skin] and paper[-1, -1]
 
 
+@pytest.mark.parametrize("space", ["SCREEN", "SURFACE"])
+def test_a_dark_sky_has_tones_where_asked(space):
+    """By its own brightness, seen and mirrored; what shines in it is light, and so is a transparent film."""
+    size = 8, 40
+    zero, one = np.zeros((*size, 3), np.float32), np.ones((*size, 1), np.float32)
+    sky = zero + np.linspace(0.02, 0.9, 40, dtype=np.float32)[None, :, None]
+    sky[:3, :8] = 3  # the moon
+    alpha = one.copy()
+    alpha[6:] = 0
+    layers = dict(combined=np.concatenate([sky * alpha, alpha], 2), color=zero, diffuse=zero, normal=zero,
+                  depth=one * np.float32(1e10))
+    seen = dict(seen_color=zero, seen_normal=zero, seen_depth=one * 0)
+    mirror = layers | seen | dict(depth=one, normal=zero + 1)
+    scene = dict(ALONE, tone_1="SOLID", tone_2="DOTS", tone_2_space=space, tone_3="NONE", tone_mirrors=True,
+                 tone_black=0.03, shade_levels=[(0.0,), (0.45, 0.2, 0), (1, 0.5, 0)])
+    for held, shown in (layers, 1e10), (layers | seen, 1e10), (mirror, 1):
+        for amount, exposure in (0, 1), (1, 1), (2, 0.25):
+            params = scene | dict(tone_sky=amount, shade_exposure=exposure)
+            ink = library.render(held, params, outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
+            np.testing.assert_allclose(ink, reference(held, params)["Encre Tones"][..., 3], atol=2e-5)
+            bright, night = sky[4, :, 0] * amount * exposure, ink[3:6]
+            assert amount or not ink.any()
+            assert not ink[:2, :8].any() and not ink[6:].any() and not night[:, bright > 0.52].any()
+            assert (night[:, bright < 0.19] == 1).all() or not amount
+            dots = night[:, (bright > 0.21) & (bright < 0.49)]
+            sticks = space == "SURFACE" and shown > 1  # to nothing
+            assert not amount or (dots == 1).all() or not sticks and 0.3 < dots.mean() < 0.8
+
+
 def test_the_sky_in_a_dark_sea_does_not_cut_it():
     """At any angle, from where it mirrors little to where it mirrors nearly all. What lamps throw back is seen, and so
     is the sky in black metal and, by the layers of what is seen, where the sea is a mirror."""
