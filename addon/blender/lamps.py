@@ -205,14 +205,18 @@ def _halves(world):
 
 
 def told(obj, matrix, unknown=None):
-    """The Lamp that an object is; None: it lights no surface, or has nodes that can't be told, which go to `unknown`.
-    """
+    """The Lamp that an object is; None: it lights no surface, or has nodes that can't be told or a strength that is no
+    number in single precision, which go to `unknown`."""
     if not obj.visible_diffuse or (obj.data.type == "AREA" and obj.data.cycles.is_portal):
         return None
     try:
         lamp = _lamp(obj.data, matrix)
         lamp.matt = not obj.visible_glossy
-        return lamp
+        if np.abs(lamp.color).max() <= np.finfo(np.float32).max:
+            return lamp
+        if unknown is not None:
+            unknown.append(f"lamp {obj.name}, whose strength is not finite")
+        return None
     except trees.Unknown as e:
         if unknown is not None:
             unknown.append(f"the node {e} of lamp {obj.name}")

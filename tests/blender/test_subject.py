@@ -21,6 +21,7 @@ def test_the_distance_of_what_the_picture_is_about(render):
     counts = votes * falls / (falls + (votes @ falls**0.5 / votes.sum()) ** 2)
     mean = np.exp(counts @ np.log(falls) / counts.sum())
     assert facts["point"] == pytest.approx([mean] * 2), "of the things, wherever the camera is"
+    assert facts["endless"] == [["lamp Lamp, whose strength is not finite"], 0], "told by its name"
     alone, town, moon, moonlit = facts["night"]
     assert town == pytest.approx(alone, rel=0.1), "a far town tells little"
     assert moon == pytest.approx(alone, rel=0.3) and moonlit == pytest.approx(alone, rel=0.3), "nor does the moon"

@@ -55,6 +55,10 @@ def distances(_out):
     light.append(read()[1])
     scene.camera.location.x = 0
     fact("point", light)
+    lamp.data.color[0], lamp.data.energy = 1e38, 3e38
+    light = lamps.Light(bpy.context.evaluated_depsgraph_get(), (0.1, 100))
+    fact("endless", [light.unknown, light.lamps])
+    lamp.data.color[0], lamp.data.energy = 1, 400
     night(scene, lamp, cube, reached)
     lamp.data.type, lamp.data.energy = "SUN", 4.0
     fact("sun", read()[1])
