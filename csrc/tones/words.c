@@ -5,9 +5,9 @@
 
 #include <string.h>
 
-/* What pixels are in `raw`: nothing asked, or open to what spreads; of what is alike and hangs together with them few
- * pixels are marked, many, or most. */
-enum { NOTHING, OPEN, FEW, MANY, MOST };
+/* What pixels are in `raw`: nothing asked, or open to what spreads, and told no more; above, to so many 254ths what was
+ * asked of what is alike and hangs together with them. */
+enum { NOTHING, OPEN, ALL = 255 };
 
 static const float same_depth = 0.005f;  /* of the depth: from a pixel to the next of one thing */
 static const int alike = 20;             /* 0.08 * 255: from a pixel to the next of one colour */
@@ -106,11 +106,23 @@ static size_t gather(const work *w, size_t from)
 /* What to tell of `count` pixels that hang together, so many of which are marked, by such a sum of 255ths. */
 typedef uint8_t (*judge)(const work *w, size_t count, size_t marked, size_t sum);
 
+static uint8_t level(float share)
+{
+	return (uint8_t)(OPEN + (int)((ALL - OPEN) * share + 0.5f));
+}
+
+static float share_of_level(uint8_t level)
+{
+	return level > OPEN ? (float)(level - OPEN) * (1.0f / (ALL - OPEN)) : 0;
+}
+
+/* By and by, from a quarter of it on: what is seen behind a rail changes as the camera moves, and so does how
+ * much of the rail stands out from it. */
 static uint8_t letter(const work *w, size_t count, size_t marked, size_t sum)
 {
 	(void)w;
 	(void)sum;
-	return 2 * marked >= count ? MOST : many * marked >= count ? MANY : FEW;
+	return level(clamp01(6 * (float)marked / (float)count - 1.5f));
 }
 
 /* What is asked is half of it: it comes by and by. */
@@ -125,7 +137,7 @@ static uint8_t ground(const work *w, size_t count, size_t marked, size_t sum)
 	(void)marked;
 	float share = (float)sum / (255 * (float)count), wide = small * (float)(2 * w->d->reach + 1);
 	float patch = most_of((float)some * share) * most_of(wide * wide / (float)count);
-	return (uint8_t)(OPEN + (int)((255 - OPEN) * max(most_of((float)many * share), patch) + 0.5f));
+	return level(max(most_of((float)many * share), patch));
 }
 
 /* What is to be told of what marked pixels hang together with. */
@@ -171,9 +183,11 @@ static void whole_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0; x < w->f->width; x++) {
 			size_t i = (size_t)y * (size_t)w->f->width + (size_t)x, at = own[i] ? stands_out(w, x, y) : i;
-			bool counts = state[at] == MOST || (state[at] == MANY && own[at]);
-			w->d->scratch[i] = counts ? own[i] ? own[i] : filled : 0;
-			if (!w->dark && state[i] == FEW)
+			float whole = share_of_level(state[at]);
+			uint8_t *sure = w->d->sure[w->dark] + i;
+			w->d->scratch[i] = own[i] && whole > 0 ? own[i] : whole >= 1 ? filled : 0;
+			*sure = (uint8_t)(int)((float)*sure * whole + 0.5f);
+			if (!w->dark && state[i] == OPEN)
 				w->d->light[i] = 0;
 		}
 }
@@ -346,8 +360,10 @@ static void print_of_rows(void *data, int y0, int y1, int thread)
 	const work *w = data;
 	size_t width = (size_t)w->f->width;
 	uint8_t *to = w->dark ? w->d->print : w->d->sure[0];
-	for (size_t i = (size_t)y0 * width; i < (size_t)y1 * width; i++)
-		to[i] = details(w)[i] && w->d->raw[i] == MOST ? w->d->sure[w->dark][i] : 0;
+	for (size_t i = (size_t)y0 * width; i < (size_t)y1 * width; i++) {
+		float own = (float)w->d->sure[w->dark][i] * share_of_level(w->d->raw[i]);
+		to[i] = details(w)[i] ? (uint8_t)(int)(own + 0.5f) : 0;
+	}
 }
 
 static int32_t find_print(work *w, bool dark)

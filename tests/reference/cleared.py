@@ -117,16 +117,20 @@ def _words(details, sure, around, goes_on):
     return np.where(details, np.floor(np.minimum(own, 255) + 0.5)[labels], 0)
 
 
-def _whole(value, fine, many, most):
-    """What is fine and a whole, or in most of one: at a rim by what stands out most about it."""
-    own = (fine > 0) & many | most
-    best, at = value.copy(), own
+def _level(share):
+    """How far so many are enough: from a quarter on, in 254ths."""
+    return np.nan_to_num(np.floor(254 * clamp01(6 * share - 1.5) + 0.5)) / 254
+
+
+def _whole(value, fine, whole):
+    """(What is fine and of a whole; how far that is one): at a rim by what stands out most about it."""
+    best, at = value.copy(), whole
     for v, u in _places(1):
         other = _shifted(value, v, u)
-        at = np.where(other > best, _shifted(own, v, u), at)
+        at = np.where(other > best, _shifted(whole, v, u), at)
         best = np.maximum(best, other)
-    whole = np.where((best - value > GROUND) & (fine > 0), at, own)
-    return np.where(whole, np.where(fine > 0, fine, FILLED), 0)
+    whole = np.where((best - value > GROUND) & (fine > 0), at, whole)
+    return np.where((fine > 0) & (whole > 0), fine, np.where(whole >= 1, FILLED, 0)), whole
 
 
 def _hang_together(layers, value):
@@ -181,9 +185,9 @@ def kept(layers, params):
         length = _lengths(value, fine, depth, wide, sign)
         sure = np.where(fine > 0, np.floor(255 * clamp01((stroke - length) / (wide - reach) + 0.5) + 0.5), 0)
         _, share, _ = _survey(fine, labels)
-        square = np.where(MANY * share < 1, 0, square)
-        whole = _whole(sign * value, fine, MANY * share >= 1, 2 * share >= 1)
-        sure = _words(whole > 0, sure, _about(whole > 0, stroke, np.max), goes_on)
+        square = np.where(_level(share) + np.isnan(share) > 0, square, 0)
+        whole, level = _whole(sign * value, fine, _level(share))
+        sure = _words(whole > 0, np.floor(sure * level + 0.5), _about(whole > 0, stroke, np.max), goes_on)
         found.append((np.where(sure > 0, whole, 0), sure / 255, square))
     (thin, light_sure, square), (dark, dark_sure, _) = found
 
@@ -213,8 +217,8 @@ def kept(layers, params):
     ground = np.nan_to_num(np.floor(254 * np.maximum(_most(MANY * share), patch) + 0.5))
     ground = np.where(ground > 0, ground + 1, 0) / 255
     keep, ease = _kept_share(np.maximum(about, clear)), 1 - np.where(value > 76, _with_rims(value, ground), 0)
-    printed, chalked = (np.where((own > 0) & (2 * _survey(_prints(value, own > 0, others > 0, reach, sign),
-                                                           labels)[1] >= 1), sure, 0)
+    printed, chalked = (np.where(own > 0, _kept_share(1 - sure * _level(
+        _survey(_prints(value, own > 0, others > 0, reach, sign), labels)[1])), 0)
                         for own, others, sure, sign in ((dark, thin, dark_sure, 1), (thin, dark, light_sure, -1)))
     return keep, ease, dark_sure > 127 / 255, printed, 1 - _kept_share(around(thin, chalked, 1, wide))
 

@@ -191,6 +191,18 @@ def test_about_light_letters_all_is_ink_only_where_strokes_cross_thrice(darkness
     assert drawn[14:46, [26, 27, 31, 32]].all() == inked and not drawn[14:46, 29].any()
 
 
+def test_a_rail_turns_from_strokes_to_ink_by_and_by_as_the_light_behind_it_gets_wider():
+    inked = []
+    for wide in range(10, 91, 4):
+        layers = shaded(40, 100, 0.2, 0.02)
+        layers["color"][:, :wide] = 0.8
+        layers["color"][20:23] = 0.06
+        layers["depth"][20:23] = 4
+        inked.append(ink(layers, tone_1="HATCH", tone_black=0.05, shade_levels=[(0.4,), (0.65, 0.25, 0.0)],
+                         tone_detail=5.0)[20:23].mean())
+    assert inked[-1] > 0.9 and np.diff(inked).max() < 0.7, inked
+
+
 @pytest.mark.parametrize("nearer", [True, False])
 def test_a_window_that_a_rope_cuts_is_as_the_one_beside(nearer):
     """Windows of 12 pixels are no letters: nor is what a rope before one leaves of it; but what a bar in it does."""
