@@ -361,8 +361,8 @@ static void print_of_rows(void *data, int y0, int y1, int thread)
 	size_t width = (size_t)w->f->width;
 	uint8_t *to = w->dark ? w->d->print : w->d->sure[0];
 	for (size_t i = (size_t)y0 * width; i < (size_t)y1 * width; i++) {
-		float own = (float)w->d->sure[w->dark][i] * share_of_level(w->d->raw[i]);
-		to[i] = details(w)[i] ? (uint8_t)(int)(own + 0.5f) : 0;
+		float own = (float)w->d->sure[w->dark][i] * (1.0f / 255) * share_of_level(w->d->raw[i]);
+		to[i] = (uint8_t)(int)(details(w)[i] ? 255 * own + 0.5f : 0);
 	}
 }
 
