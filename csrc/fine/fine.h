@@ -204,8 +204,16 @@ bool ISA(crack_site)(const fine *n, const found *at, placed *s);
 /* Only its strength; the place tells the style. */
 bool ISA(crack_weigh)(const fine *n, const found *at, int style, placed *s);
 ptrdiff_t ISA(crack_scratch)(const frame *f); /* floats a thread */
+/* A place on the grid on which all sites lie: there float is exact in frames up to 4096 pixels, so that a part of a
+ * frame, whose pixels have other numbers, has the bytes of the whole. `off`: pixels from a pixel, or from a site. */
+static inline float on_grid(float off)
+{
+	return floorf(off * 4096 + 0.5f) / 4096;
+}
+
 static inline void crack_place(const found *at, float share, placed *s)
 {
+	share = on_grid(share);
 	s->x = (float)at->column + (at->axis == AXIS_ROW ? share : 0);
 	s->y = (float)at->row + (at->axis == AXIS_COLUMN ? share : 0);
 }

@@ -161,8 +161,8 @@ static void junction_site(const fine *n, const found *at, placed *s)
 		if (!(n->crack[(ptrdiff_t)one.row * n->f->width + one.column] & mark_of(one.family, one.axis)))
 			continue;
 		crack_of(n, &one, &its);
-		x += its.x;
-		y += its.y;
+		x += its.x - (float)at->column;
+		y += its.y - (float)at->row;
 		count++;
 		s->weak &= its.weak;
 		s->told &= its.told;
@@ -172,8 +172,8 @@ static void junction_site(const fine *n, const found *at, placed *s)
 			s->eased = its.eased;
 		}
 	}
-	s->x = x / (float)count;
-	s->y = y / (float)count;
+	s->x = (float)at->column + on_grid(x / (float)count);
+	s->y = (float)at->row + on_grid(y / (float)count);
 }
 
 void ISA(fine_place)(const fine *n, const found *at, placed *s)

@@ -82,7 +82,7 @@ def test_the_same_again_and_in_parts(shots):
     for name in ("Combined", "Encre Index", "Depth", "DiffCol"):
         own = part[name]
         there = whole[name][top:top + own.shape[0], left:left + own.shape[1]]
-        np.testing.assert_allclose(own, there, atol=2e-5, err_msg=name)  # the matrices of a part round otherwise
+        np.testing.assert_allclose(own, there, atol=1e-5, err_msg=name)  # the matrices of a part round otherwise
 
 
 def test_larger_and_averaged_down(shots):

@@ -97,7 +97,7 @@ def smooth(check):
     at, unsure = twin.smooth(before)
     off = np.abs(at - after.at).max(1) / np.maximum(1, np.abs(at).max(1) / 200)  # single floats
     off[list(unsure)] = 0
-    assert off.max(initial=0) < 2e-5
+    assert off.max(initial=0) < 3 * 0.5 / 4096  # two rounds, each to the nearest place of the grid
     check.count["smooth"] += int((after.at != before.at).any(1).sum())
 
 

@@ -18,7 +18,8 @@ from reference.view import SURE, View
 
 CONTROLS = len(library.controls())
 
-OFF = dict(x=2e-5, y=2e-5, strength=5e-5, thin=1e-4, half=5e-5, inside=5e-5)  # single floats, and divisions of them
+GRID = 0.5 / 4096  # pixels: half a step of that on which places lie
+OFF = dict(x=2 * GRID + 2e-5, y=2 * GRID + 2e-5, strength=5e-5, thin=1e-4, half=5e-5, inside=GRID + 5e-5)
 LEAST = dict(crack=4000, thin=50, mark=250, crease=250, normal_band=150, normal=800, color_band=300, color=1000,
              valley=1300, light_band=40, light_step=250, light=900, seen_normal_band=25, seen_normal=200,
              seen_color_band=20, seen_color=140, seen_depth=80)  # compared over all cases

@@ -95,8 +95,8 @@ static void sides(float (*value)[3], int planes, int *low, int *high)
 static void put(const found *at, float offset, placed *s)
 {
 	offset = offset < -1 ? -1 : offset > 1 ? 1 : offset;
-	s->x = (float)at->column + (at->axis ? 0 : offset);
-	s->y = (float)at->row + (at->axis ? offset : 0);
+	s->x = (float)at->column + (at->axis ? 0 : on_grid(offset));
+	s->y = (float)at->row + (at->axis ? on_grid(offset) : 0);
 }
 
 /* Where light passes a threshold between two of five pixels, nearest to the third; INFINITY: it does not. */

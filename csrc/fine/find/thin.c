@@ -367,8 +367,9 @@ bool ISA(thin_site)(const fine *n, const found *at, placed *s)
 		return false;
 	s->thin = 1;
 	s->half = half_of(&r) * squareness(&r);
-	s->x = at->axis ? (float)x : own.middle;
-	s->y = at->axis ? own.middle : (float)y;
+	float off = on_grid(own.middle - (float)(at->axis ? y : x));
+	s->x = (float)x + (at->axis ? 0 : off);
+	s->y = (float)y + (at->axis ? off : 0);
 	s->strength = 0;
 	int style = fine_style(n, at, s);
 	ISA(fine_weigh)(n, s, style, SOURCE_OBJECT, hits & HIT_OBJECT ? 1 : 0);

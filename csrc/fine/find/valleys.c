@@ -261,6 +261,7 @@ bool ISA(valley_site)(const fine *n, const found *at, placed *s)
 	float share = 1, left = rise_of(n, s, &v, -1, &share), right = rise_of(n, s, &v, 1, &share);
 	float strength = clamp01(min(left, right) / full_rise);
 	strength *= strength > 0 ? smoothness(n, s, &v) : 0;
+	crack_place(at, v.offset, s);
 	int style = fine_style(n, at, s);
 	bool edge = ISA(fine_weigh)(n, s, style, SOURCE_SUGGESTIVE, strength);
 	float least = least_faint * n->e->p->edge_threshold;

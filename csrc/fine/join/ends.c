@@ -279,8 +279,8 @@ static int32_t join_ends(ends *all, uint32_t pairs, added *to)
 			continue;
 		}
 		site corner = n->site[a->site];
-		corner.placed.x = p->x;
-		corner.placed.y = p->y;
+		corner.placed.x += on_grid(p->x - corner.placed.x);
+		corner.placed.y += on_grid(p->y - corner.placed.y);
 		corner.found.axis = AXIS_CORNER;
 		ISA(fine_controls)(n, &corner.found, &corner.placed);
 		to->site[to->sites] = corner;

@@ -281,8 +281,8 @@ static void find_even(void *data, int first, int end, int thread)
 			    (square > 0.01f ? square : 0.01f);
 		if (off * off * square > most_uneven * most_uneven)
 			continue;
-		m->moved[i][0] = s->placed.x - 0.5f * off * dy;
-		m->moved[i][1] = s->placed.y + 0.5f * off * dx;
+		m->moved[i][0] = s->placed.x - on_grid(0.5f * off * dy);
+		m->moved[i][1] = s->placed.y + on_grid(0.5f * off * dx);
 	}
 }
 
