@@ -6,9 +6,9 @@
  * the light beyond the curve of the second degree through these three places, without the chance of points. Where that
  * fails, up to six chords across a corner tell its two sides. Where one of the points lies on its wrong side, or a side
  * does not go on to the end of the lamp, more is in the way. */
-#include "light/light.h"
+#include "light/chords.h"
 
-enum { CHORDS = 7 /* at most */, ROWS = 16 /* of the sum over the lamp */ };
+enum { ROWS = 16 /* of the sum over the lamp */ };
 
 /* All in parts of the lamp's half width. */
 static const float overlap = 0.3f; /* so far points of both kinds may lie in each other's half, at most */
@@ -21,19 +21,6 @@ static const float near_end = 0.94f, aside = 0.08f; /* of the lamp, along the li
 static const float steep = 1.5f;                    /* a corner's sides are no steeper along the chords */
 static const float level = 0.02f;                   /* three places on a side of a corner lie off one line by less */
 
-/* A lamp as a square, or disc, of half width 1 about 0: `across` goes to where it is seen, `along` runs with the line.
- */
-typedef struct view {
-	const light *light;
-	const surface *at;
-	rays *from;
-	float across[2], along[2]; /* in the lamp's own coordinates */
-	bool square, folded; /* folded: it is two straight lines, by place and slope at `corner`, not one that bends */
-	float enough, corner[2], slope[2];
-	float point[LAMP_FIRST][2];       /* across and along */
-	float cut[CHORDS], chord[CHORDS]; /* where the line crosses, and where along it */
-} view;
-
 /* How far the lamp goes along the line, to either side. */
 static float half_length(const view *w)
 {
@@ -44,111 +31,6 @@ static float half_length(const view *w)
 static float on_lamp(const view *w, const lamp_point *q, int c)
 {
 	return w->square ? 2 * q->square[c] - 1 : q->disc[c];
-}
-
-/* From where to where on a chord the lamp is. */
-static void chord_ends(const view *w, float along, float *low, float *high)
-{
-	*high = w->square ? 2 : sqrtf(max(1 - along * along, 0));
-	*low = -*high;
-	for (int c = 0; c < 2 && w->square; c++) {
-		if (fabsf(w->across[c]) < 1e-3f)
-			continue;
-		float middle = -w->along[c] * along / w->across[c], half = fabsf(1 / w->across[c]);
-		*low = max(*low, middle - half);
-		*high = max(*low, min(*high, middle + half));
-	}
-}
-
-/* A place by where it is across and along. */
-typedef struct spot {
-	float across, along;
-} spot;
-
-/* The bits of places that are seen, of at most PACK. */
-static unsigned sees(const view *w, const spot *of, int count)
-{
-	asking ask;
-	ask.count = 0;
-	for (int k = 0; k < count; k++) {
-		float x = w->across[0] * of[k].across + w->along[0] * of[k].along;
-		float y = w->across[1] * of[k].across + w->along[1] * of[k].along;
-		lamp_point q = {.square = {0.5f + 0.5f * x, 0.5f + 0.5f * y}, .disc = {x, y}};
-		ISA(ask_add)(&ask, w->at, &q, 0);
-	}
-	return ISA(ask_all)(w->light, &ask, w->from->shaft);
-}
-
-/* Where halving looks, whatever it finds: into at[1] first, then, from at[k], at[2 k] or at[2 k + 1]. */
-static void halves(float low, float high, float along, int count, spot *at)
-{
-	float from[2 * PACK], to[2 * PACK];
-	from[1] = low;
-	to[1] = high;
-	for (int k = 1; k < count; k++) {
-		at[k] = (spot){0.5f * (from[k] + to[k]), along};
-		from[2 * k] = from[k];
-		to[2 * k] = from[2 * k + 1] = at[k].across;
-		to[2 * k + 1] = to[k];
-	}
-}
-
-/* Halves until what is seen ends within `enough`, or is to be looked for beyond these places. */
-static void halve(const view *w, const spot *at, int count, unsigned seen, float *low, float *high)
-{
-	for (int k = 1; k < count && *high - *low > w->enough;) {
-		bool lit = seen >> k & 1;
-		*(lit ? high : low) = at[k].across;
-		k = 2 * k + !lit;
-	}
-}
-
-/* Finds where on a chord what is hidden ends, most likely within `wide` of `guess`; false if nowhere. Its places are
- * asked together, also such as turn out not to matter. */
-static bool cross_chord(view *w, int k, float along, float guess, float wide)
-{
-	enum { FEW = 4 }; /* places of two halvings */
-	enum { LOW = FEW, HIGH, FIRST, LAST, ALL };
-	_Static_assert((int)ALL == (int)PACK, "at[0] is free");
-	float first, last;
-	chord_ends(w, along, &first, &last);
-	float low = max(guess - wide, first), high = min(guess + wide, last), rim = 0.015f * (last - first);
-	if (low >= high) {
-		low = first;
-		high = last;
-	}
-	spot at[PACK] = {[0] = {high, along},
-			 [LOW] = {low, along},
-			 [HIGH] = {high, along},
-			 [FIRST] = {first + rim, along},
-			 [LAST] = {last - rim, along}};
-	halves(low, high, along, FEW, at);
-	unsigned seen = sees(w, at, PACK);
-	if (seen >> FIRST & 1 || !(seen >> LAST & 1))
-		return false;
-	const bool lit = seen >> HIGH & 1, dark = !(seen >> LOW & 1), beyond = !lit || !dark;
-	if (beyond) {
-		const bool below = !dark && low > first;
-		if (!below && (lit || high >= last))
-			return false;
-		float from = below ? first : high;
-		high = below ? low : last;
-		low = from;
-		at[0] = (spot){below ? low : high, along};
-		halves(low, high, along, PACK, at);
-		seen = sees(w, at, PACK);
-		if ((seen & 1) == below)
-			return false;
-	}
-	halve(w, at, beyond ? PACK : FEW, seen, &low, &high);
-	while (high - low > w->enough) {
-		at[0] = (spot){high, along};
-		halves(low, high, along, PACK, at);
-		halve(w, at, PACK, sees(w, at, PACK), &low, &high);
-	}
-	w->chord[k] = along;
-	w->cut[k] = 0.5f * (low + high);
-	return true;
 }
 
 /* Where the line is. */
@@ -252,7 +134,7 @@ static bool cross_three(view *w, float guess, float slope, float wide, float few
 	if (!(high - low > 0.1f))
 		return false;
 	few = min(max(few, low + 0.05f), high - 0.05f);
-	if (!cross_chord(w, 1, few, guess + slope * few, wide))
+	if (!ISA(cross_chord)(w, 1, few, guess + slope * few, wide))
 		return false;
 	for (int k = 0; k < 3; k += 2) {
 		float step = 0.7f * ((k ? high : low) - few);
@@ -260,7 +142,7 @@ static bool cross_three(view *w, float guess, float slope, float wide, float few
 		if (k)
 			slope = (w->cut[1] - w->cut[0]) / (w->chord[1] - w->chord[0]);
 		for (int tries = 0; tries < 3 && !found; tries++, step *= 0.5f)
-			found = cross_chord(w, k, few + step, w->cut[1] + slope * step, k ? 0.5f * turn : turn);
+			found = ISA(cross_chord)(w, k, few + step, w->cut[1] + slope * step, k ? 0.5f * turn : turn);
 		if (!found)
 			return false;
 	}
@@ -293,7 +175,7 @@ static float light_beyond(const view *w, const float *value)
 	float all = 0, comes = 0, wide = half_length(w);
 	for (int k = 0; k < ROWS; k++) {
 		float along = wide * ((2 * (float)k + 1) / ROWS - 1), first, last;
-		chord_ends(w, along, &first, &last);
+		ISA(chord_ends)(w, along, &first, &last);
 		float from = min(max(line_at(w, along), first), last);
 		float value_here = sum - grow[0] * middle[0] + grow[1] * (along - middle[1]);
 		all += (last - first) * (value_here + 0.5f * grow[0] * (first + last));
@@ -367,24 +249,26 @@ static bool cross_fold(view *w, float few)
 	enum { LOW, FIRST, NEXT, MIDDLE, BEFORE, LAST, HIGH };
 	float wide = half_length(w);
 	w->enough = enough_fold;
-	if (!cross_chord(w, MIDDLE, few, 0, 2))
+	if (!ISA(cross_chord)(w, MIDDLE, few, 0, 2))
 		return false;
 	for (int side = -1; side <= 1; side += 2) {
 		float step = (float)side * 0.6f * (wide - (float)side * few);
 		const int outer = MIDDLE + 2 * side;
 		bool found = false;
 		for (int tries = 0; tries < 3 && !found; tries++, step *= 0.5f)
-			found = cross_chord(w, outer, few + step, w->cut[MIDDLE], fabsf(step));
+			found = ISA(cross_chord)(w, outer, few + step, w->cut[MIDDLE], fabsf(step));
 		step = 0.5f * (w->chord[outer] - few);
-		if (!found || !cross_chord(w, MIDDLE + side, few + step, 0.5f * (w->cut[MIDDLE] + w->cut[outer]), turn))
+		if (!found ||
+		    !ISA(cross_chord)(w, MIDDLE + side, few + step, 0.5f * (w->cut[MIDDLE] + w->cut[outer]), turn))
 			return false;
 	}
 	w->folded = true;
 	if (fold(w, FIRST, MIDDLE, LAST) || fold(w, FIRST, BEFORE, LAST))
 		return true;
-	if (cross_chord(w, LOW, 0.3f * w->chord[FIRST] - 0.7f * wide, w->cut[FIRST], 0.5f) && fold(w, LOW, NEXT, LAST))
+	if (ISA(cross_chord)(w, LOW, 0.3f * w->chord[FIRST] - 0.7f * wide, w->cut[FIRST], 0.5f) &&
+	    fold(w, LOW, NEXT, LAST))
 		return true;
-	return cross_chord(w, HIGH, 0.3f * w->chord[LAST] + 0.7f * wide, w->cut[LAST], 0.5f) &&
+	return ISA(cross_chord)(w, HIGH, 0.3f * w->chord[LAST] + 0.7f * wide, w->cut[LAST], 0.5f) &&
 	       fold(w, FIRST, LAST, HIGH);
 }
 
@@ -396,12 +280,12 @@ static bool ends_hold(const view *w)
 	unsigned dark = 0, asked = 0; /* bits: places that must be, and such as are on the lamp */
 	for (int k = 0; k < 4; k++) {
 		float along = (k & 2 ? near_end : -near_end) * wide, here = line_at(w, along), low, high;
-		chord_ends(w, along, &low, &high);
+		ISA(chord_ends)(w, along, &low, &high);
 		at[k] = (spot){k & 1 ? here + aside : here - aside, along};
 		asked |= (unsigned)(at[k].across > low && at[k].across < high) << k;
 		dark |= (unsigned)!(k & 1) << k;
 	}
-	return !asked || ((sees(w, at, 4) ^ ~dark) & asked) == 0;
+	return !asked || ((ISA(spots_seen)(w, at, 4) ^ ~dark) & asked) == 0;
 }
 
 bool ISA(straight_share)(const light *l, const surface *s, const lamp_point *points, const float *value, uint32_t seen,
