@@ -46,10 +46,13 @@ static inline float lightness(const encre_params *p, float r, float g, float b)
 
 /* The light that a colour has that is no black: none just above one, or a shaded one would be as black as black in any
  * light and the next as white as white. In the shade it loses less than in the light, or the shaded side of dark skin,
- * features and all, would be black as soon as its lit side has a tone. */
-static inline float light_left(float lit, float bright, float black, float dark)
+ * features and all, would be black as soon as its lit side has a tone. What is mirrored over
+ * it and outshines it (mirrored: its lightness, 0 for none) gives light back: a sea under a light sky is no black. */
+static inline float light_left(float lit, float bright, float mirrored, float black, float dark)
 {
 	float span = dark - black, left = span > 0 ? clamp01((bright - black) / max(span, FLT_MIN)) : 1;
+	float own = bright / max3(bright, mirrored, FLT_MIN);
+	left /= max(mix(own * own, 1, left), FLT_MIN);
 	float shade = 1 - most_one(positive(lit));
 	return lit * left / max(mix(1, left, shade * sqrtf(shade)), FLT_MIN);
 }
@@ -104,7 +107,7 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
 		float shown = lightness(p, s[0], s[1], s[2]);
-		lit = shown >= least ? light_left(lit, shown, least, dark) : -1;
+		lit = shown >= least ? light_left(lit, shown, 0, least, dark) : -1;
 		if (glazed[i] > 0.5f) {
 			float own_depth = depth_of(front[x + i]);
 			bool itself = depth && fabsf(depth[x + i] - own_depth) <= 0.02f * own_depth;
@@ -140,10 +143,12 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 	for (int i = 0; i < n; i++) {
 		float bright = max3(a[0][i], a[1][i], a[2][i]);
 		float lit = spare(own, max3(d[0][i], d[1][i], d[2][i]) * exposure, bright) + painted[i];
-		rest[i] = max3(e[0][i] - a[0][i] * d[0][i], e[1][i] - a[1][i] * d[1][i], e[2][i] - a[2][i] * d[2][i]);
+		float r = e[0][i] - a[0][i] * d[0][i], g = e[1][i] - a[1][i] * d[1][i], b = e[2][i] - a[2][i] * d[2][i];
+		float mirrored = glazed[i] * clamp01(lightness(p, r, g, b));
+		rest[i] = max3(r, g, b);
 		float own_black = seen ? black * left[i] : black, own_dark = seen ? dark * left[i] : dark;
 		float own_bright = lightness(p, a[0][i], a[1][i], a[2][i]);
-		lit = light_left(lit, own_bright, own_black, own_dark);
+		lit = light_left(lit, own_bright, mirrored, own_black, own_dark);
 		light[i] = own_bright < own_black ? max(rest[i] - glazed[i], -1) : max(lit, rest[i]);
 	}
 	if (p->tone_mirrors)

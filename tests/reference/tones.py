@@ -248,13 +248,16 @@ def _dark(layers, levels, of, look):
     lightness = _luminance if of("tone_black_by") == "LUMINANCE" else value
     left = np.maximum(1 - value(layers.gloss) * _glazed(layers), 0.05) if of("tone_black_by") == "LUMINANCE" else 1
 
-    def kept(lit, bright, black, dark):
+    def kept(lit, bright, black, dark, mirrored=0):
         with np.errstate(invalid="ignore", divide="ignore"):
             left = np.where(dark > black, clamp01((bright - black) / (dark - black)), 1)
+        own = bright / np.maximum(np.maximum(bright, mirrored), 1e-30)
+        left = left / np.maximum(mix(own ** 2, 1, left), 1e-30)
         return lit * left / np.maximum(mix(1, left, (1 - clamp01(lit)) ** 1.5), 1e-30)
 
     bright, black = lightness(layers.color), of("tone_black") * left
-    lit = kept(lit, bright, black, of("tone_dark") * left)
+    mirrored = clamp01(lightness(other(layers))) * _glazed(layers)
+    lit = kept(lit, bright, black, of("tone_dark") * left, mirrored)
     light = np.where(bright < black, np.maximum(rest - _glazed(layers), -1), np.maximum(lit, rest))
     sky = np.full(light.shape, np.inf)
     if of("tone_sky") > 0:

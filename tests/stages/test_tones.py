@@ -237,6 +237,31 @@ def test_the_sky_in_a_dark_sea_does_not_cut_it():
             assert (ink[:3, 14:] == 0).all() and (ink[6:, 18:] == 0).all() and ink[6:, :8].all() != mirrors
 
 
+def test_a_dark_sea_is_as_light_as_the_sky_in_it():
+    """By day paper and by night black, while what is near black is black, and what mirrors less than it shows itself is
+    as dark as under no mirror; nothing is cut where a colour passes into black or a sky into night."""
+    size, mirrors, names = (50, 40), np.float32(0.3), dict(outputs=["Encre Tones"])
+    zero, one = np.zeros((*size, 3), np.float32), np.ones((*size, 1), np.float32)
+    sky = np.linspace(0, 1, 50, dtype=np.float32)[:, None, None]
+    blue = np.linspace(0, 0.06, 40, dtype=np.float32)[None, :, None]
+    color = (1 - mirrors) * (zero + blue * np.float32((0.4, 1, 2)))
+    layers = dict(color=color, diffuse=zero + 1, depth=one, normal=zero + 1)
+    scene = dict(ALONE, tone_1="SOLID", tone_2="NONE", tone_3="NONE", tone_black=0.03, tone_dark=0.12,
+                 tone_black_by="LUMINANCE", shade_levels=[(0.0,), (1, 0.5, 0.9)])  # all shades between
+    over = layers | dict(gloss=zero + mirrors, albedo=color + mirrors)
+    inks = []
+    for held, light in (layers, 0), (over, mirrors * sky):
+        held = held | dict(combined=np.concatenate([color + light * np.float32((0.6, 0.7, 1)), one], 2))
+        inks.append(library.render(held, scene, **names).images["Encre Tones"][..., 3])
+        np.testing.assert_allclose(inks[-1], reference(held, scene)["Encre Tones"][..., 3], atol=2e-5)
+    matt, sea = inks
+    bright = (color @ np.float32((0.2126, 0.7152, 0.0722)))[0] / (1 - mirrors)
+    daylit, dark = bright > 0.045, (bright > 0.01) & (bright < 0.029)  # below is metal
+    assert (sea[40:, daylit] < 0.25).all() and (sea[:5, daylit] > 0.6).all() and (sea[:, dark] == 1).all()
+    assert (np.diff(sea, axis=0) < 1e-6).all() and np.diff(sea[:, bright > 0.01], axis=0).min() > -0.15
+    assert matt[0, daylit].min() > 0.3
+
+
 def test_without_an_anchor_or_a_card_the_screen_is_kept_to():
     layers = stuck(60, 40)
     del layers["anchor"], layers["card"]
