@@ -70,7 +70,8 @@ def read(blocks, images):
             looks.unknown[name] = str(e)
             compiler = nodes.Compiler(looks.pool, images)
             surface = compiler.matt(tuple(map(float, block.diffuse_color[:3])))
-        looks.known[name], looks.lost[name] = (compiler, surface), compiler.lost
+        looks.known[name] = compiler, surface
+        looks.lost[name] = [*compiler.lost, *([unseen.BEHIND] if compiler.through else [])]
         looks.sources[name] = compiler.sources
     return looks
 

@@ -4,6 +4,7 @@
 from . import trees
 
 _THINGS = {"POINTCLOUD": "a point cloud", "VOLUME": "a volume"}
+BEHIND = "what is behind it"  # of what light goes through
 _CURE = "choose Cycles for Layers to see them"
 # Inputs of shaders, and of a material's output.
 _TURNED = ("Normal", "Coat Normal", "Clearcoat Normal")

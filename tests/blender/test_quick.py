@@ -109,6 +109,7 @@ def test_flat_mirrors_show_what_stands_before_them(render):
     assert away.mean() < 0.015 and (away > 0.05).mean() < 0.08
     assert sky.std() < 0.01
     assert not np.array_equal(ours["Encre Lines"][mirror], glass["Encre Lines"][mirror])  # what is seen is inked
+    assert shot.output.count("materials that show more in Cycles: Silver (what is behind it);") == 1  # of glass alone
 
 
 def measured(light, where):
