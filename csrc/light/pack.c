@@ -197,7 +197,8 @@ static unsigned within(const shaft *s, const pack *p)
 	const bool ways = s->far >= 2;
 	for (int k = 0; k < PACK; k++) {
 		vec from = lane(&p->from, k), way = lane(&p->way, k);
-		in[k] = -(holds(&s->from, from) & holds(&s->to, ways ? way : plus(from, way)));
+		int32_t begins = holds(&s->from, from), ends = holds(&s->to, ways ? way : plus(from, way));
+		in[k] = -(begins & ends);
 	}
 	return negative(in);
 }
