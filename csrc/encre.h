@@ -439,7 +439,8 @@ typedef struct encre_light_job {
 	int32_t n_bends; /* 0..ENCRE_MAX_BENDS */
 	const encre_bend *bends;
 	bool sharp; /* shadows are those of lamps without a size, which takes a half to a third of the time */
-	bool rims;  /* beside other things light is bounded by what the same one has about: no single pixels in tones */
+	bool rims;  /* beside other things light is that of half a pixel within, and bounded by what the same one has
+		     * about: no dashes nor single pixels in tones */
 	encre_progress progress; /* may be NULL */
 	void *user;
 } encre_light_job;

@@ -15,10 +15,13 @@ static void add_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	light *l = data;
+	rays from = RAYS(NULL);
 	for (int y = y0; y < y1 && !bands_stopped(l->bands); y++) {
-		for (ptrdiff_t i = (ptrdiff_t)y * l->width; i < (ptrdiff_t)(y + 1) * l->width; i++)
+		for (ptrdiff_t i = (ptrdiff_t)y * l->width; i < (ptrdiff_t)(y + 1) * l->width; i++) {
+			float comes = l->silhouette[i] ? ISA(silhouette_light)(l, &from, i) : l->plain[i] * l->share[i];
 			for (int c = 0; c < 3; c++)
-				l->sum[3 * i + c] += l->plain[i] * l->share[i] * l->lamp.color[c];
+				l->sum[3 * i + c] += comes * l->lamp.color[c];
+		}
 		if (l->shines && y >= l->margin && y < l->height - l->margin)
 			ISA(shine_row)(l, y - l->margin);
 	}
@@ -29,6 +32,7 @@ static void world_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	light *l = data;
+	facets known = FACETS_NONE;
 	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width; i++) {
 		if (i % l->width == 0 && bands_stopped(l->bands))
 			return;
@@ -37,7 +41,7 @@ static void world_rows(void *data, int y0, int y1, int thread)
 				l->sum[3 * i + c] = 0;
 			continue;
 		}
-		vec n = l->surfaces[i].normal;
+		vec n = l->silhouette[i] ? ISA(silhouette_place)(l, &known, i).normal : l->surfaces[i].normal;
 		const float by[9] = {
 			1, n.x, n.y, n.z, n.x * n.y, n.y * n.z, 3 * n.z * n.z - 1, n.x * n.z, n.x * n.x - n.y * n.y};
 		for (int c = 0; c < 3; c++) {
@@ -106,6 +110,7 @@ static void plan(light *l, arena *a)
 	size_t n = (size_t)l->width * (size_t)l->height;
 	l->surfaces = arena_take(a, n, sizeof *l->surfaces);
 	l->state = arena_take(a, n, sizeof *l->state);
+	l->silhouette = arena_take(a, n, sizeof *l->silhouette);
 	l->plain = arena_take(a, n, sizeof *l->plain);
 	l->share = arena_take(a, n, sizeof *l->share);
 	l->cut = arena_take(a, 2 * n, sizeof *l->cut);
@@ -145,6 +150,8 @@ static int32_t run(light *l)
 	const store *lamps = &l->job->scene->lamps;
 	bands_span(l->bands, 0.1, 0.3);
 	int32_t code = ISA(place_run)(l);
+	if (!code)
+		code = ISA(silhouette_run)(l);
 	if (!code)
 		code = bands_run(l->bands, l->height, 0, world_rows, l);
 	if (!code && l->job->specular.data)

@@ -44,9 +44,9 @@ typedef struct light {
 	double inverse[16]; /* clip -> world */
 	double farthest;    /* depth up to which something is looked for beyond the images */
 	surface *surfaces;
-	uint8_t *state;
-	float *plain; /* light without shadows */
-	float *share; /* what of it comes */
+	uint8_t *state, *silhouette; /* silhouette: where it passes, 0: nowhere, see silhouette.c */
+	float *plain;                /* light without shadows */
+	float *share;                /* what of it comes */
 	float *cut;   /* two each: where on the ways to the right and down an edge passes, negative: nowhere */
 	float *asked; /* of lamps with a size: what the first points of a pixel say, see soft.c */
 	float *spare; /* shares while they are smoothed */
@@ -97,10 +97,20 @@ int32_t ISA(place_run)(light *l);
 /* What the way of sight through a place in pixels of the picture with its margin meets on the surface that the centre
  * of another pixel shows; *inside: whether it is still the same triangle. */
 surface ISA(place_on)(const light *l, facets *known, const surface *near, float x, float y, bool *inside);
+/* What lies nearest of an instance at a place in pixels of the picture with its margin. */
+surface ISA(place_of)(const light *l, facets *known, int32_t number, double x, double y);
+/* silhouette.c: finds silhouettes, if the job asks for rims; what the light of pixel i is that of; the lamp's light
+ * there.
+ */
+int32_t ISA(silhouette_run)(light *l);
+surface ISA(silhouette_place)(const light *l, facets *known, ptrdiff_t i);
+float ISA(silhouette_light)(const light *l, rays *from, ptrdiff_t i);
 /* Where in the full frame a place is, in pixels; far outside if it is behind the camera. */
 void ISA(place_pixel)(const light *l, vec at, double out[2]);
 
-/* shadow.c: the shares of light of one lamp; soft.c: of one with a size. */
+/* shadow.c: the shares of light of one lamp; soft.c: of one with a size. shadow_plain: its light on a surface, what is
+ * in the way aside. */
+float ISA(shadow_plain)(const light *l, const surface *s);
 int32_t ISA(shadow_run)(light *l);
 int32_t ISA(soft_run)(light *l);
 /* narrow.c: puts what the edges of narrow penumbrae leave into `spare`, where all points are asked, and how much that

@@ -3,6 +3,7 @@
  * is met exactly decides the rest. In double: a float of the world, less another, would lose what tells a surface from
  * its own shadow. */
 #include "light/light.h"
+#include "light/local.h"
 
 /* By how much a depth may differ from the triangle's. */
 static const double slack = 1e-3;
@@ -290,6 +291,27 @@ static void place(light *l, facets *known, const gaze *g, const shaft *along, in
 	ISA(bend_normal)(l, &s);
 	turn(l, &s, x - l->margin, y - l->margin);
 	l->surfaces[(ptrdiff_t)y * l->width + x] = s;
+}
+
+surface ISA(place_of)(const light *l, facets *known, int32_t number, double x, double y)
+{
+	const instance *in = l->world.instances[number];
+	double a[3], b[3], from[3], to[3];
+	search f = SEARCH(0, -1, NULL);
+	local way;
+	bool inside;
+	sight(l, x, y, a, b);
+	at_depth(l, a, b, l->job->clip_start, from);
+	at_depth(l, a, b, l->farthest, to);
+	if (local_between(in, from, to, &way))
+		ISA(shape_nearest)(in->shape, 0, &way, number, &f);
+	if (f.best.instance < 0)
+		return (surface){.instance = SURFACE_NOTHING};
+	surface s = meet_plane(l, known, number, f.best.triangle, a, b, &inside);
+	if (!finite_place(&s))
+		return (surface){.instance = SURFACE_NOTHING};
+	ISA(bend_normal)(l, &s);
+	return s;
 }
 
 /* By squares, whose pixels show few triangles. */

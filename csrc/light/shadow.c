@@ -58,6 +58,11 @@ static float plain_light(const light *l, const surface *s)
 	return sum > 0 && sum <= FLT_MAX ? sum : 0;
 }
 
+float ISA(shadow_plain)(const light *l, const surface *s)
+{
+	return lights(l, s) ? plain_light(l, s) : 0;
+}
+
 /* What the few points of a pixel say: how much their light is, and how much of it comes. */
 static void tell_centre(light *l, ptrdiff_t i, float all, float seen)
 {
@@ -124,7 +129,7 @@ static bool lit_without_shadows(light *l, int x, int y)
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
 	const surface *at = l->surfaces + i;
 	l->state[i] = 0;
-	l->plain[i] = lights(l, at) ? plain_light(l, at) : 0;
+	l->plain[i] = ISA(shadow_plain)(l, at);
 	l->share[i] = l->plain[i] > 0;
 	return l->plain[i] > 0;
 }

@@ -19,7 +19,7 @@ class Picture:
     def __init__(self, world, view, projection, size, start, depth, normal, corner=(0, 0), bends=()):
         self.bends = [bend for bend in bends if bend.amount > 0]
         self.world, self.view, self.size, self.corner = world, view, size, corner
-        self.clip = projection @ view
+        self.clip, self.start = projection @ view, start
         self.inverse = np.linalg.inv(self.clip)
         self.height, self.width = depth.shape[0] + 2 * MARGIN, depth.shape[1] + 2 * MARGIN
         self.y, self.x = (a.ravel() for a in np.mgrid[:self.height, :self.width])
@@ -69,6 +69,64 @@ class Picture:
         for array in (shown.at, shown.normal, shown.lift, shown.across):
             array[nothing] = 0
         return shown
+
+    def seen(self, thing, x, y):
+        """Shown at places of the picture, of one thing each."""
+        a, b = self.sight(x, y)
+        seen = np.flatnonzero(self.world.seen)
+        t = self.world.meet(a, b - a, seen)[0]
+        with np.errstate(all="ignore"):
+            z = self.depth(a)[:, None] + t * (self.depth(b) - self.depth(a))[:, None]
+        z[~(z >= self.start) | (self.world.owner[seen] != thing[:, None])] = np.inf
+        found = np.isfinite(z.min(1))
+        shown = self.on(np.where(found, seen[z.argmin(1)], 0), a, b)[0]
+        shown.triangle[~found] = NOTHING
+        shown.normal = bent(self.bends, shown.at, shown.normal)
+        return shown
+
+    def centred(self):
+        """What pixels show, but those beside another thing what lies half a pixel from where their own ends."""
+        thing, sides = self.things(self.shown), ((-1, 0), (1, 0), (0, -1), (0, 1))
+        near = [self.moved(self.x + a, self.y + b) for a, b in sides]
+        within = np.all([there for _, there in near], 0) & (self.shown.triangle >= 0)
+        same = [thing[j] == thing for j, _ in near]
+        best, side = np.full(len(thing), np.inf), np.zeros((len(thing), 2))
+        for k, way in enumerate(sides):
+            i = np.flatnonzero(within & ~same[k] & same[k ^ 1])
+            x, y = self.x[i] + 0.5, self.y[i] + 0.5
+            goes_on = [self.things(self.seen(thing[i], x + f * way[0], y + f * way[1])) == thing[i]
+                       for f in np.arange(1, 9) / 8]
+            far = np.zeros(len(i))
+            for step in (4, 2, 1):
+                far += step * np.array(goes_on)[(far + step).astype(int) - 1, np.arange(len(i))]
+            far = np.where((far == 7) & goes_on[7], np.inf, far / 8 + 1 / 16)
+            nearer = far < best[i]
+            best[i[nearer]], side[i[nearer]] = far[nearer], way
+        i = np.flatnonzero(best <= 1)
+        x, y = (c[i] + 0.5 + (best[i] - 0.5) * side[i, k] for k, c in enumerate((self.x, self.y)))
+        moved, out = self.seen(thing[i], x, y), self.shown[self.number]
+        held = self.things(moved) == thing[i]
+        for mine, its in zip(vars(out).values(), vars(moved).values(), strict=True):
+            mine[i[held]] = its[held]
+        return out
+
+    def plain(self, lit, s):
+        """Light without shadows of a lamp of colour 1 at places."""
+        falls = (s.triangle == STRAY) | ((s.triangle >= 0) & self.world.lit_by(lit.lamp.light_set)[s.triangle])
+        points = asked(PLAIN) if lit.soft else one()
+        plain = sum(lit(s.at, s.normal, points[k:k + 1])[0] for k in range(len(points.square)))
+        plain = lit.mean(s.at, s.normal, plain / len(points.square))
+        return np.where(falls & (s.triangle != NOTHING), plain, 0)
+
+    def comes(self, lit, s):
+        """What comes of the light of a lamp of colour 1 to places s of the pixels, with the shares of their centres."""
+        own, share = self.share(lit)
+        plain = self.plain(lit, s)
+        i = np.flatnonzero((own <= 0) & (plain > 0))
+        points = asked(PLAIN) if lit.soft else one()
+        asks = [self.ask(lit, s[i], points[k:k + 1]) for k in range(len(points.square))]
+        share[i] = sum(seen for _, seen in asks) / sum(value for value, _ in asks)
+        return plain * share
 
     def on(self, triangle, a, b):
         """(Shown where the ways from a to b meet the planes of triangles, whether within them)."""
@@ -161,13 +219,8 @@ class Picture:
 
     def share(self, lit):
         """(light without shadows, the share of it that comes) of a lamp of colour 1."""
-        world, s, n = self.world, self.shown, len(self.x)
-        falls = (s.triangle == STRAY) | ((s.triangle >= 0) & world.lit_by(lit.lamp.light_set)[s.triangle])
-        middle = one()
-        plain_points = asked(PLAIN) if lit.soft else middle
-        plain = sum(lit(s.at, s.normal, plain_points[k:k + 1])[0] for k in range(len(plain_points.square)))
-        plain = lit.mean(s.at, s.normal, plain / len(plain_points.square))
-        plain = np.where(falls & (s.triangle != NOTHING), plain, 0)
+        s, n, middle = self.shown, len(self.x), one()
+        plain = self.plain(lit, s)
         there = plain > 0
         columns, rows = self.x + self.corner[0] - 1, self.y + self.corner[1] - 1
         points, numbers = dealt(WIDE, DEALT)
@@ -249,7 +302,7 @@ class Picture:
         fine[left] += ((1 - exact) * some)[left]
         exact[left & ~same & line] = 2
         fine = self.dealt_mean(fine, exact, there)
-        for step in (8, 4, 2, 1):
+        for step in (4, 2, 1):
             fine = self.paired(fine, exact, there, step)
         return self.levelled(self.levelled(fine, exact, there), exact, there)
 
@@ -367,7 +420,7 @@ class Picture:
     def narrow(self, edge, width, full, bright, dark):
         """(what comes where penumbrae are narrow, how much that counts, where there is something thin)."""
         nearest, chosen, thin = np.full(len(self.x), 9), np.full(len(self.x), -1), np.zeros(len(self.x), bool)
-        thing = self.things()
+        thing = self.things(self.shown)
         for a, b, j, within in self.neighbours(2):
             way = self.shown.at[j] - self.shown.at
             even = abs(dot(way, self.shown.across)) <= 0.05 * np.linalg.norm(way, axis=1)
@@ -426,12 +479,12 @@ class Picture:
 
     # ---- all
 
-    def things(self):
-        return np.where(self.shown.triangle >= 0, np.append(self.world.owner, 0)[self.shown.triangle], -2)
+    def things(self, shown):
+        return np.where(shown.triangle >= 0, np.append(self.world.owner, 0)[shown.triangle], -2)
 
     def kept_at_rims(self, level, there):
         """What pixels beside another thing keep of their light: what lies within that of their own about."""
-        thing = self.things()
+        thing = self.things(self.shown)
         low, high, rim = np.full(len(level), np.inf), np.full(len(level), -np.inf), np.zeros(len(level), bool)
         for a, b, j, within in self.neighbours(1):
             same = within & there[j] & (thing[j] == thing)
@@ -443,13 +496,13 @@ class Picture:
 
     def light(self, lamps, polynomials=None, world=None, rims=False):
         """The layer (H, W, 3)."""
+        by = self.centred() if rims else self.shown
         total = np.zeros((len(self.x), 3))
         there = self.shown.triangle != NOTHING
         if world is not None:
-            total[there] = np.maximum(polynomials(self.shown.normal[there]) @ world, 0)
+            total[there] = np.maximum(polynomials(by.normal[there]) @ world, 0)
         for lamp in lamps:
-            plain, share = self.share(Lit(lamp))
-            total += (plain * share)[:, None] * np.array(lamp.color, float)
+            total += self.comes(Lit(lamp), by)[:, None] * np.array(lamp.color, float)
         # Beside a thing what shows nothing takes the mean of what is nearest.
         nearest, sums, count = np.full(len(self.x), 9), np.zeros_like(total), np.zeros(len(self.x))
         for far in sorted({a * a + b * b for a in range(3) for b in range(3)}):

@@ -206,6 +206,25 @@ def test_a_pixel_that_no_edge_parts_is_not_half_lit():
     assert specks(light, np.where(things > 2, things, np.arange(things.size).reshape(things.shape) + 99)).max() < 0.1
 
 
+@pytest.mark.parametrize("thick, shown", [(0.025, 0), (0.055, 1)])
+def test_a_face_narrower_than_a_pixel_is_lit_from_end_to_end_or_not_at_all(thick, shown):
+    """The top of a board that leans to one side, brighter than its front."""
+    stage = Stage(320, 180, eye=(0, -9, 4.4), at=(0, 0, 2.6))
+    turn = look((0, 0, 0), (0, 1, 0))[:3, :3] @ np.array([[1, 0.06, 0], [-0.06, 1, 0], [0, 0, 1]])
+    board = moved(0, 0, 2.6)
+    board[:3, :3] = turn * (2.0, 0.4, thick)
+    stage.add(CUBE, CUBE_CORNERS, board)
+    lamp = Lamp("sun", width=0.00925, model=ways(0, -2))
+    board, tops = stage.objects() == 3, []
+    columns = np.flatnonzero(board.any(0))[8:-8]
+    for rims in (False, True):
+        light = stage.light(lamp, rims=rims)[..., 0]
+        top = light[board.argmax(0)[columns], columns]
+        tops.append((top > 1.2 * np.median(light[board])).mean())
+    assert 0.1 < tops[0] < 0.9
+    assert tops[1] == shown
+
+
 @pytest.mark.parametrize("frame", [Frame(160, 90), Frame(160, 90, 70, 31)], ids=["whole", "part"])
 def test_at_rims_light_is_within_that_of_the_same_thing_about(frame):
     stage = Stage(160, 90, smooth=True)
