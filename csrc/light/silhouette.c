@@ -5,7 +5,7 @@
  */
 #include "light/light.h"
 
-enum { PARTS = 8 }; /* of a pixel, in one of which the silhouette is found */
+enum { PARTS = 16 }; /* of a pixel, in one of which the silhouette is found */
 static const int sides[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
 
 static surface beside(const light *l, facets *known, int x, int y, int side, double far)

@@ -95,11 +95,11 @@ class Picture:
             i = np.flatnonzero(within & ~same[k] & same[k ^ 1])
             x, y = self.x[i] + 0.5, self.y[i] + 0.5
             goes_on = [self.things(self.seen(thing[i], x + f * way[0], y + f * way[1])) == thing[i]
-                       for f in np.arange(1, 9) / 8]
+                       for f in np.arange(1, 17) / 16]
             far = np.zeros(len(i))
-            for step in (4, 2, 1):
+            for step in (8, 4, 2, 1):
                 far += step * np.array(goes_on)[(far + step).astype(int) - 1, np.arange(len(i))]
-            far = np.where((far == 7) & goes_on[7], np.inf, far / 8 + 1 / 16)
+            far = np.where((far == 15) & goes_on[15], np.inf, far / 16 + 1 / 32)
             nearer = far < best[i]
             best[i[nearer]], side[i[nearer]] = far[nearer], way
         i = np.flatnonzero(best <= 1)
@@ -302,7 +302,7 @@ class Picture:
         fine[left] += ((1 - exact) * some)[left]
         exact[left & ~same & line] = 2
         fine = self.dealt_mean(fine, exact, there)
-        for step in (4, 2, 1):
+        for step in (8, 4, 2, 1):
             fine = self.paired(fine, exact, there, step)
         return self.levelled(self.levelled(fine, exact, there), exact, there)
 
