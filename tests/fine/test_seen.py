@@ -60,7 +60,7 @@ def test_a_mirror_shows_the_lines_of_what_is_in_it(name, filter):
     scene = scenes.NAMED[name]()
     t, truth = cut(ink(mirrored(scene, filter), scene), scene.truth)
     found = verdict.lines(t, truth)
-    least = {"evenness": 0.975, "once": 0.97, **{f"whole {kind}": 0.99 for kind in ("outline", "crease", "color")}}
+    least = {"evenness": 0.97, "once": 0.97, **{f"whole {kind}": 0.99 for kind in ("outline", "crease", "color")}}
     assert {k: found[k] for k, v in least.items() if found[k] < v} == {}
     assert found["place p95"] <= 0.25
     assert measure.stray(t, truth, slack=1) <= 0.0005
