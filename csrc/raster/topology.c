@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Edges are filed under their lower points, and found again by the higher; points at which a triangle has no length
- * stand for each other. Pieces of meshes: points are joined by each
- * triangle, with ways to the root that are halved as they are walked. */
+ * stand for each other. What only one triangle has is welded where another such edge lies at its place. Pieces of
+ * meshes: points are joined by each triangle and weld, with ways to the root that are halved as they are walked. */
 #include "raster/topology.h"
 
 #include "base/arena.h"
@@ -133,6 +133,111 @@ static bool find_edges(const encre_mesh *mesh, topology *t)
 	return true;
 }
 
+/* ---- welds ------------------------------------------------------------------------------------------------- */
+
+typedef struct weld_table {
+	uint32_t *one, *other; /* corners of edges at one place: the first two; other: MANY if there are more */
+	size_t mask;
+} weld_table;
+
+enum { MANY = NO_CORNER - 1 };
+
+static inline bool is_alone(const topology *t, uint32_t c)
+{
+	return t->first[c / 3] >> c % 3 & 1 && t->next[c] == NO_CORNER;
+}
+
+/* The ends of an edge, the lesser first by x, then y, then z; whether the edge begins there. */
+static bool places_of(const encre_mesh *mesh, uint32_t c, const float *end[2])
+{
+	const float *a = mesh->points + 3 * (size_t)topology_point(mesh, c);
+	const float *b = mesh->points + 3 * (size_t)topology_point(mesh, c % 3 == 2 ? c - 2 : c + 1);
+	int k = 0;
+	while (k < 2 && a[k] == b[k])
+		k++;
+	bool rises = a[k] <= b[k];
+	end[0] = rises ? a : b;
+	end[1] = rises ? b : a;
+	return rises;
+}
+
+static size_t hash_of(const float *const end[2])
+{
+	uint64_t hash = 0;
+	for (int k = 0; k < 6; k++) {
+		float v = end[k / 3][k % 3] + 0.0f; /* -0 is 0 */
+		uint32_t bits;
+		memcpy(&bits, &v, sizeof bits);
+		hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+		hash ^= hash >> 29;
+	}
+	return (size_t)hash;
+}
+
+static bool same_edge(const encre_mesh *mesh, uint32_t c, const float *const end[2])
+{
+	const float *own[2];
+	places_of(mesh, c, own);
+	for (int k = 0; k < 6; k++)
+		if (own[k / 3][k % 3] != end[k / 3][k % 3])
+			return false;
+	return true;
+}
+
+static void enter(const encre_mesh *mesh, weld_table *w, uint32_t c)
+{
+	const float *end[2];
+	places_of(mesh, c, end);
+	size_t at = hash_of(end) & w->mask;
+	while (w->one[at] != NO_CORNER && !same_edge(mesh, w->one[at], end))
+		at = (at + 1) & w->mask;
+	if (w->one[at] == NO_CORNER)
+		w->one[at] = c;
+	else
+		w->other[at] = w->other[at] == NO_CORNER ? c : MANY;
+}
+
+static void set_rises(const encre_mesh *mesh, topology *t, uint32_t c)
+{
+	const float *end[2];
+	unsigned bit = 8u << c % 3, rises = places_of(mesh, c, end) ? bit : 0;
+	t->first[c / 3] = (uint8_t)((t->first[c / 3] & ~bit) | rises);
+}
+
+/* Of meshes whose points were split, for flat shading or by a file that knows no others, each triangle would stand
+ * alone. Of more than two edges at one place, as of leaves with two sides, none is welded. */
+static bool weld(const encre_mesh *mesh, topology *t)
+{
+	uint32_t corners = 3 * (uint32_t)mesh->n_primitives;
+	size_t alone = 0, room = 1;
+	for (uint32_t c = 0; c < corners; c++)
+		alone += is_alone(t, c);
+	t->by_place |= alone > 0;
+	if (alone < 2)
+		return true;
+	while (room < 2 * alone)
+		room *= 2;
+	weld_table w = {.one = malloc(2 * room * sizeof *w.one), .mask = room - 1};
+	if (!w.one)
+		return false;
+	w.other = w.one + room;
+	memset(w.one, 0xff, 2 * room * sizeof *w.one); /* NO_CORNER */
+	for (uint32_t c = 0; c < corners; c++)
+		if (is_alone(t, c))
+			enter(mesh, &w, c);
+	for (size_t k = 0; k < room; k++) {
+		uint32_t c = w.one[k], d = w.other[k];
+		if (c == NO_CORNER || d >= MANY)
+			continue;
+		t->next[c] = d;
+		t->first[d / 3] &= (uint8_t)~(1u << d % 3);
+		set_rises(mesh, t, c);
+		set_rises(mesh, t, d);
+	}
+	free(w.one);
+	return true;
+}
+
 /* ---- pieces ------------------------------------------------------------------------------------------------ */
 
 static uint32_t root_of(uint32_t *above, uint32_t point)
@@ -142,14 +247,16 @@ static uint32_t root_of(uint32_t *above, uint32_t point)
 	return point;
 }
 
-static bool find_pieces(const encre_mesh *mesh, uint32_t *piece)
+static void unite(uint32_t *above, uint32_t a, uint32_t b)
+{
+	a = root_of(above, a);
+	b = root_of(above, b);
+	above[a > b ? a : b] = a < b ? a : b;
+}
+
+static bool find_pieces(const encre_mesh *mesh, topology *t)
 {
 	uint32_t n = (uint32_t)mesh->n_primitives, points = (uint32_t)mesh->n_points;
-	if (!mesh->corners) {
-		for (uint32_t i = 0; i < n; i++)
-			piece[i] = i;
-		return true;
-	}
 	uint32_t *above = malloc(2 * (size_t)points * sizeof *above), *first = above + points;
 	if (!above)
 		return false;
@@ -157,17 +264,17 @@ static bool find_pieces(const encre_mesh *mesh, uint32_t *piece)
 		above[p] = p;
 		first[p] = UINT32_MAX;
 	}
-	for (uint32_t i = 0; i < n; i++)
-		for (int k = 1; k < 3; k++) {
-			uint32_t a = root_of(above, (uint32_t)mesh->corners[3 * (size_t)i]);
-			uint32_t b = root_of(above, (uint32_t)mesh->corners[3 * (size_t)i + (size_t)k]);
-			above[a > b ? a : b] = a < b ? a : b;
-		}
+	for (uint32_t c = 0; c < 3 * n; c++) {
+		uint32_t point = (uint32_t)topology_point(mesh, c);
+		unite(above, (uint32_t)topology_point(mesh, c / 3 * 3), point);
+		if (t->next[c] != NO_CORNER) /* of a weld one end is enough */
+			unite(above, point, (uint32_t)topology_point(mesh, t->next[c]));
+	}
 	for (uint32_t i = 0; i < n; i++) {
-		uint32_t root = root_of(above, (uint32_t)mesh->corners[3 * (size_t)i]);
+		uint32_t root = root_of(above, (uint32_t)topology_point(mesh, 3 * i));
 		if (first[root] == UINT32_MAX)
 			first[root] = i;
-		piece[i] = first[root];
+		t->piece[i] = first[root];
 	}
 	free(above);
 	return true;
@@ -183,5 +290,5 @@ bool topology_by_place(const encre_mesh *mesh)
 
 bool topology_find(const encre_mesh *mesh, topology *t)
 {
-	return find_edges(mesh, t) && find_pieces(mesh, t->piece);
+	return find_edges(mesh, t) && weld(mesh, t) && find_pieces(mesh, t);
 }

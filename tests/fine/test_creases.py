@@ -42,6 +42,39 @@ def test_against_the_reference(projection, surfaces):
     np.testing.assert_allclose(got[~unsure], want[~unsure], atol=0.01)
 
 
+def split(mesh, whole=0):
+    """The same with points of its own for each triangle from number `whole` on, as many files have them."""
+    own = len(mesh.points) + np.arange(3 * (len(mesh.corners) - whole)).reshape(-1, 3)
+    return Mesh(np.concatenate([mesh.points, mesh.points[mesh.corners[whole:].ravel()]]),
+                np.concatenate([mesh.corners[:whole], own]).astype(np.int32), model=mesh.model,
+                object_index=mesh.object_index)
+
+
+@pytest.mark.parametrize("whole", [0, 7])
+def test_points_that_were_split_make_no_difference(whole):
+    rng = np.random.default_rng(8)
+    camera, frame = (looking(rng), perspective(67, 45)), Frame(67, 45)
+    one, other = crumpled(rng), crumpled(rng)
+
+    def told(*meshes):
+        return library.raster(meshes, *camera, frame, (67, 45), 0.1, outputs=("depth", "creases", "marks"))
+
+    got, want = told(split(one, whole), split(other, whole)), told(one, other)
+    assert np.abs(want["creases"]).sum() > 1000 and (want["marks"] < 0).any()
+    for name, layer in want.items():
+        assert np.array_equal(got[name], layer), name
+    twin, unsure = creases([split(one, whole), split(other, whole)], *camera, frame, (67, 45), 0.1)
+    np.testing.assert_allclose(got["creases"][~unsure], twin[~unsure], atol=0.01)
+
+
+def test_two_sides_of_a_leaf_have_no_edge_between_them():
+    """All of whose points are split: at each edge lie two of the front and two of the back."""
+    points = np.float32([(4, 4, -30), (30, 5, -30), (29, 25, -30), (5, 26, -30)])
+    leaf = split(Mesh(points, np.int32([(0, 1, 2), (0, 2, 3), (0, 2, 1), (0, 3, 2)])))
+    inside = passing([leaf], *pixels(40, 30), Frame(40, 30))[8:22, 9:25]
+    assert not inside.any()
+
+
 @pytest.mark.parametrize("degrees", [4.9, 5.1, 20, 45, 90, 135, 179])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_the_angle_is_the_bend(degrees, sign):

@@ -54,19 +54,12 @@ def contours(mesh, view, projection, frame):
     """(corners, right, left, fold, cut) of each edge that can be a contour: on which sides of it surfaces are, both:
     where numbers change; whether its surface goes on behind; whether a triangle ends there that does so elsewhere."""
     corners = triangles(mesh)
-    same = _same(mesh, corners)
     number = np.stack([np.zeros(len(corners)) if n is None else n for n in (mesh.object, mesh.material)], 1)
-    edges = {}
-    for t, corner in enumerate(corners):
-        volume = _turn(_corners(mesh, corner, view, projection, frame))
-        if len(np.unique(np.asarray(mesh.points)[corner], axis=0)) < 3:  # it parts nothing
-            continue
-        for a, b in zip(same[corner], same[np.roll(corner, -1)], strict=True):
-            right = volume * (1 if a < b else -1) > 0
-            if a != b:
-                edges.setdefault((min(a, b), max(a, b)), []).append((t, right, volume != 0 and not right))
+    volume = [_turn(_corners(mesh, corner, view, projection, frame)) for corner in corners]
     told, ends = [], np.zeros(len(corners), int)
-    for edge, found in edges.items():
+    for edge, shared in _edges(mesh).items():
+        found = [(t, volume[t] * (1 if rises else -1)) for t, _, rises in shared]
+        found = [(t, turn > 0, turn < 0) for t, turn in found]
         right, left = any(f[1] for f in found), any(f[2] for f in found)
         both = len({tuple(number[f[0]]) for f in found}) > 1
         if both or right != left:
@@ -86,6 +79,29 @@ def _same(mesh, corners):
     return np.array([np.flatnonzero(same == k)[0] for k in same], int)
 
 
+def _edges(mesh):
+    """{(from, to): [(triangle, corner, whether it goes that way)]}: by points, of which those stand for each other that
+    a triangle has at one place; and two edges that one triangle each has are one if no third lies at their place."""
+    corners, points = triangles(mesh), np.asarray(mesh.points, np.float32)
+    edges, same, alone = {}, _same(mesh, corners), {}
+    for t, corner in enumerate(corners):
+        if len(np.unique(points[corner], axis=0)) < 3:  # it parts nothing
+            continue
+        for k, (a, b) in enumerate(zip(same[corner], same[np.roll(corner, -1)], strict=True)):
+            if a != b:
+                edges.setdefault((min(a, b), max(a, b)), []).append((t, k, a < b))
+    for (a, b), found in edges.items():
+        if len(found) == 1:
+            ends = tuple((points[a] + 0).tolist()), tuple((points[b] + 0).tolist())
+            alone.setdefault(tuple(sorted(ends)), []).append(((a, b), ends[0] <= ends[1]))
+    for found in alone.values():
+        if len(found) == 2:
+            (one, way), (other, turned) = found
+            t, k, rises = edges.pop(other)[0]
+            edges[one].append((t, k, rises == (way == turned)))
+    return edges
+
+
 def triangles(mesh):
     return np.arange(len(mesh.points)).reshape(-1, 3) if mesh.corners is None else mesh.corners
 
@@ -96,13 +112,8 @@ def bends(mesh):
     corners = triangles(mesh)
     world = np.asarray(mesh.points, np.float32).astype(float) @ mesh.model[:3, :3].T + mesh.model[:3, 3]
     across = np.cross(world[corners[:, 1]] - world[corners[:, 0]], world[corners[:, 2]] - world[corners[:, 0]])
-    edges, same = {}, _same(mesh, corners)
-    for t, corner in enumerate(corners):
-        for k, (a, b) in enumerate(zip(same[corner], same[np.roll(corner, -1)], strict=True)):
-            kind = 0 if mesh.edges is None else mesh.edges[t] >> 2 * k & 3
-            if a != b:
-                edges.setdefault((min(a, b), max(a, b)), []).append((t, a < b, kind))
-    for edge, found in edges.items():
+    for edge, shared in _edges(mesh).items():
+        found = [(t, rises, 0 if mesh.edges is None else mesh.edges[t] >> 2 * k & 3) for t, k, rises in shared]
         first, most, smooth = found[0], 0, False
         for other in found[1:]:
             one, two = across[first[0]], across[other[0]] * (1 if first[1] != other[1] else -1)
@@ -231,8 +242,12 @@ def marks(lines, meshes, view, projection, frame, size, clip_start):
 
 
 def pieces(mesh):
-    """Numbers of the triangles of each part that hangs together by the indices of points."""
+    """Numbers of the triangles of each part that hangs together by points or edges."""
     left, found = {t: set(corner) for t, corner in enumerate(triangles(mesh).tolist())}, []
+    for shared in _edges(mesh).values():
+        for (t, *_), (u, *_) in zip(shared, shared[1:], strict=False):
+            left[t].add((t, u))
+            left[u].add((t, u))
     while left:
         first = min(left)
         own, points = [first], left.pop(first)
