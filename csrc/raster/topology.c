@@ -136,11 +136,11 @@ static bool find_edges(const encre_mesh *mesh, topology *t)
 /* ---- welds ------------------------------------------------------------------------------------------------- */
 
 typedef struct weld_table {
-	uint32_t *one, *other; /* corners of edges at one place: the first two; other: MANY if there are more */
+	uint32_t *one, *other; /* corners of edges at one place: the first two; other: many if there are more */
 	size_t mask;
 } weld_table;
 
-enum { MANY = NO_CORNER - 1 };
+static const uint32_t many = NO_CORNER - 1;
 
 static inline bool is_alone(const topology *t, uint32_t c)
 {
@@ -194,7 +194,7 @@ static void enter(const encre_mesh *mesh, weld_table *w, uint32_t c)
 	if (w->one[at] == NO_CORNER)
 		w->one[at] = c;
 	else
-		w->other[at] = w->other[at] == NO_CORNER ? c : MANY;
+		w->other[at] = w->other[at] == NO_CORNER ? c : many;
 }
 
 static void set_rises(const encre_mesh *mesh, topology *t, uint32_t c)
@@ -227,7 +227,7 @@ static bool weld(const encre_mesh *mesh, topology *t)
 			enter(mesh, &w, c);
 	for (size_t k = 0; k < room; k++) {
 		uint32_t c = w.one[k], d = w.other[k];
-		if (c == NO_CORNER || d >= MANY)
+		if (c == NO_CORNER || d >= many)
 			continue;
 		t->next[c] = d;
 		t->first[d / 3] &= (uint8_t)~(1u << d % 3);
