@@ -60,10 +60,10 @@ int32_t ISA(silhouette_run)(light *l)
 surface ISA(silhouette_place)(const light *l, facets *known, ptrdiff_t i)
 {
 	const surface *own = l->surfaces + i;
-	const int found = l->silhouette[i] - 1, x = (int)(i % l->width), y = (int)(i / l->width);
+	const int found = l->silhouette[i] - 1, part = found / 4, x = (int)(i % l->width), y = (int)(i / l->width);
 	if (found < 0)
 		return *own;
-	surface s = beside(l, known, x, y, found % 4, (found / 4 + 0.5) / PARTS - 0.5);
+	surface s = beside(l, known, x, y, found % 4, (part + 0.5) / PARTS - 0.5);
 	return s.instance == own->instance ? s : *own;
 }
 
