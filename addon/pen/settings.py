@@ -218,7 +218,8 @@ class Settings:
             most += scene["contrast_window"] / 2
         if self.any("edge_suggestive"):  # blurred light, the room beside a valley, and all of what is short
             most += 5 * scene["suggestive_scale"] + max(values["suggestive_length"] for values in self.every)
-        most += max(values[of + "_length"] for values in self.every for of in ("color", "seen", "light"))
+        most += max((values[f"{source}_length"] for source in ("color", "seen", "light") if self.any(f"edge_{source}")
+                     for values in self.every), default=0)
         scale = {"RELATIVE": height / 1080, "MM": height / scene["page_height"], "PIXELS": 1}[scene["length_unit"]]
         counted = scene["tone_pitch_unit"] == "LPI"
         inch = 25.4 * height / scene["page_height"]

@@ -46,8 +46,8 @@ static inline float lightness(const encre_params *p, float r, float g, float b)
 
 /* The light that a colour has that is no black: none just above one, or a shaded one would be as black as black in any
  * light and the next as white as white. In the shade it loses less than in the light, or the shaded side of dark skin,
- * features and all, would be black as soon as its lit side has a tone. What is mirrored over
- * it and outshines it (mirrored: its lightness, 0 for none) gives light back: a sea under a light sky is no black. */
+ * features and all, would be black as soon as its lit side has a tone. What is mirrored over it and outshines it
+ * (mirrored: its lightness, 0 for none) gives light back: a sea under a light sky is no black. */
 static inline float light_left(float lit, float bright, float mirrored, float black, float dark)
 {
 	float span = dark - black, left = span > 0 ? clamp01((bright - black) / max(span, FLT_MIN)) : 1;

@@ -52,6 +52,11 @@ def test_reach_follows_the_settings():
     assert Settings({**wide, "length_unit": "PIXELS"}).reach(2160) == Settings(wide).reach(1080)
     assert Settings(thin, [("Bold", {"line_thickness": 20})]).reach(1080) == Settings(wide).reach(1080)
     assert Settings({**thin, "use_smudging": True, "smudge_range": 100}).reach(1080) > 200
+    for source in ("color", "light", "seen"):  # whether a line is too short tells all of it, of what is drawn
+        off = {**thin, f"edge_{source}": 0.0}
+        short = {**off, f"{source}_length": 200.0}
+        assert Settings(short).reach(1080) == Settings(off).reach(1080)
+        assert Settings({**short, f"edge_{source}": 1.0}).reach(1080) - Settings(off).reach(1080) == 200
 
 
 @pytest.mark.parametrize("detector", ["FINE", "DOG"])
