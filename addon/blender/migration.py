@@ -26,6 +26,8 @@ def migrate(scene):
             for layer in scene.view_layers:
                 for switch in properties.PASSES:
                     setattr(layer.encre, switch, True)
+    for style in settings.styles:
+        style.called = style.called or style.name
     settings.version = VERSION
 
 

@@ -35,13 +35,13 @@ def rename_all(settings, new):
     taken = {name(settings, pen) for pen in slots.pens() if pen.id not in new}
     for id_, called in new.items():
         own = _own(slots.find(id_))
-        called = _free(called.strip()[:slots.LONGEST_NAME].rstrip() or own, taken)
+        called = free(called.strip()[:slots.LONGEST_NAME].rstrip() or own, taken)
         taken.add(called)
         setattr(settings, f"{id_}_name", "" if called == own else called)
 
 
-def _free(called, taken):
-    """The name, or one with a number that is not taken."""
+def free(called, taken):
+    """The name, or, as Blender's data have, one with a number that is not taken."""
     if called not in taken:
         return called
     stem, _, digits = called.rpartition(".")

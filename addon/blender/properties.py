@@ -167,12 +167,27 @@ def _lists():
     return found
 
 
+def _style_renamed(style, context):
+    """No two styles have one name, and what used a style goes on doing so, as with Blender's vertex groups."""
+    free = pens.free(style.name, {other.name for other in style.id_data.encre.styles if other != style})
+    if free != style.name:
+        style.name = free  # which calls this again
+        return
+    was, style.called = style.called, style.name
+    if was and not any(was in scene.encre.styles for scene in bpy.data.scenes):
+        for block in (*bpy.data.objects, *bpy.data.materials):
+            if block.encre.style == was and not block.library:
+                block.encre.style = style.name
+    _changed(style, context)
+
+
 @functools.cache  # 3.4 never lets go of a class that was registered: the same ones, then, each time
 def _classes():
     """{owner: its class}, and what these are made of before them, in the order in which they register."""
     params = library.params().values()
     style = _class("EncreStyle", {
-        "name": bpy.props.StringProperty(name="Name", default="Style", update=_changed),
+        "name": bpy.props.StringProperty(name="Name", default="Style", update=_style_renamed),
+        "called": bpy.props.StringProperty(options={"HIDDEN"}),  # the name that users of the style know
         **{p.id: _property(p) for p in params if p.scope == "surface"},
         "active_level": bpy.props.IntProperty(options={"HIDDEN"}, update=_changed),
     })

@@ -86,6 +86,10 @@ def test_settings_are_copied_between_scenes_and_styles(copied):
     assert copied["style to scene"] == [0.25, 11, "DOG"], "the scene's others stay"
 
 
+def test_a_style_that_is_renamed_keeps_its_users_and_has_a_name_of_its_own(copied):
+    assert copied["renamed"] == [[["Style", "Style.001", "Style.002"], "Style.001", "Lost"], ["Style"]]
+
+
 def test_rows_are_reset_to_the_preset_or_the_default(copied):
     assert copied["reset"] == [[4, 8], [0, 0]]
     assert copied["levels"] == [3, 2], "one more than the preset has, and its own"

@@ -25,9 +25,7 @@ class ENCRE_OT_style_add(bpy.types.Operator):
 
     def execute(self, context):
         scene = context.scene.encre
-        names = {s.name for s in scene.styles}
-        name = next(n for n in ("Style", *(f"Style.{k:03}" for k in range(1, 1000))) if n not in names)
-        scene.styles.add().name = name
+        scene.styles.add().name = "Style"
         scene.active_style = len(scene.styles) - 1
         return {"FINISHED"}
 

@@ -166,6 +166,16 @@ def settings(_out):
     bpy.ops.encre.settings_paste(path="scene")
     fact("style to scene", [other.encre.hatch_amount, other.encre.line_thickness, other.encre.edge_detector])
 
+    user, nobodys = bpy.data.materials.new("User"), bpy.data.objects.new("Nobody's", None)
+    user.encre.style, nobodys.encre.style = "Mine", "Lost"
+    other.encre.styles["Mine"].name = "Skin"
+    other.encre.styles["Skin"].name = "Style"  # which there is
+    bpy.ops.encre.style_add()
+    fact("renamed", [[style.name for style in other.encre.styles], user.encre.style, nobodys.encre.style])
+    fact("renamed", [mine.styles[0].name])
+    while len(other.encre.styles) > 2:
+        bpy.ops.encre.style_remove()
+
     bpy.ops.encre.preset(preset="ink_only")
     params = library.params()
     differs = {id_: 1.5 for id_ in ("line_thickness", "line_tint")}
