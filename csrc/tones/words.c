@@ -3,6 +3,7 @@
  * wider than the next, and small grounds, faces and pages, of which details leave no more than patches to tones. */
 #include "tones/tones.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* What pixels are in `raw`: nothing asked, or open to what spreads, and told no more; above, to so many 254ths what was
@@ -324,6 +325,13 @@ static void ground_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
+/* Whether one may lie on the other, on ground however steep: what is seen past a post is not what it lies on. */
+static bool is_on(const frame *f, spot s, spot t)
+{
+	float a = depth_at(f, s.x, s.y), b = depth_at(f, t.x, t.y), away = max(abs(t.x - s.x), abs(t.y - s.y));
+	return fabsf(a - b) <= same_depth * away * min(a, b);
+}
+
 /* Whether what a pixel of a dark detail lies on is lighter than it, of a light one darker: of what is about it details
  * of its kind are not the ground, nor, for they lie on it as well, those of the other. */
 static bool lies_on(const work *w, spot s)
@@ -334,10 +342,11 @@ static bool lies_on(const work *w, spot s)
 	for (int k = 0; k < looks * looks; k++) {
 		int v = s.y + reaches * d->reach * (k / looks - looks / 2) / (looks / 2);
 		int u = s.x + reaches * d->reach * (k % looks - looks / 2) / (looks / 2);
-		size_t i = (size_t)tone_within(v, w->f->height) * (size_t)w->f->width +
-			   (size_t)tone_within(u, w->f->width);
+		v = tone_within(v, w->f->height);
+		u = tone_within(u, w->f->width);
+		size_t i = (size_t)v * (size_t)w->f->width + (size_t)u;
 		bool more = sign * (d->value[i] - d->value[s.i]) > alike && !others[i];
-		apart += own[i] ? 0 : more ? 1 : -1;
+		apart += own[i] || !is_on(w->f, s, (spot){u, v, i}) ? 0 : more ? 1 : -1;
 	}
 	return apart > 0;
 }

@@ -153,12 +153,15 @@ def _with_rims(value, ground):
     return np.max([ground, *beside], axis=0)
 
 
-def _prints(value, own, others, reach, sign):
-    """Whether most of the ground in sight, which is no detail, is lighter, for sign −1 darker."""
+def _prints(value, depth, own, others, reach, sign):
+    """Whether most of the ground in sight on which it may lie, which is no detail, is lighter, for sign −1 darker."""
     lighter, steps = np.zeros(value.shape), [int(np.fix(3 * reach * k / 6)) for k in range(-6, 7)]
+    rows, columns = np.indices(value.shape)
     for v, u in ((v, u) for v in steps for u in steps):
+        other, away = _shifted(depth, v, u), np.maximum(*(np.abs(_shifted(at, v, u) - at) for at in (rows, columns)))
+        ground = ~_shifted(own, v, u) & (np.abs(other - depth) <= SAME_DEPTH * away * np.minimum(other, depth))
         more = (sign * (_shifted(value, v, u) - value) > GROUND) & ~_shifted(others, v, u)
-        lighter += np.where(_shifted(own, v, u), 0, np.where(more, 1, -1))
+        lighter += np.where(ground, np.where(more, 1, -1), 0)
     return own & (lighter > 0)
 
 
@@ -218,7 +221,7 @@ def kept(layers, params):
     ground = np.where(ground > 0, ground + 1, 0) / 255
     keep, ease = _kept_share(np.maximum(about, clear)), 1 - np.where(value > 76, _with_rims(value, ground), 0)
     printed, chalked = (np.where(own > 0, _kept_share(1 - sure * _level(
-        _survey(_prints(value, own > 0, others > 0, reach, sign), labels)[1])), 0)
+        _survey(_prints(value, depth, own > 0, others > 0, reach, sign), labels)[1])), 0)
                         for own, others, sure, sign in ((dark, thin, dark_sure, 1), (thin, dark, light_sure, -1)))
     return keep, ease, dark_sure > 127 / 255, printed, 1 - _kept_share(around(thin, chalked, 1, wide))
 

@@ -191,16 +191,30 @@ def test_about_light_letters_all_is_ink_only_where_strokes_cross_thrice(darkness
     assert drawn[14:46, [26, 27, 31, 32]].all() == inked and not drawn[14:46, 29].any()
 
 
-def test_a_rail_turns_from_strokes_to_ink_by_and_by_as_the_light_behind_it_gets_wider():
+RAIL = dict(tone_1="HATCH", tone_black=0.05, shade_levels=[(0.4,), (0.65, 0.25, 0.0)], tone_detail=5.0)
+
+
+def test_a_bar_turns_from_strokes_to_ink_by_and_by_as_the_light_behind_it_gets_wider():
     inked = []
     for wide in range(10, 91, 4):
         layers = shaded(40, 100, 0.2, 0.02)
         layers["color"][:, :wide] = 0.8
         layers["color"][20:23] = 0.06
-        layers["depth"][20:23] = 4
-        inked.append(ink(layers, tone_1="HATCH", tone_black=0.05, shade_levels=[(0.4,), (0.65, 0.25, 0.0)],
-                         tone_detail=5.0)[20:23].mean())
+        inked.append(ink(layers, **RAIL)[20:23].mean())
     assert inked[-1] > 0.9 and np.diff(inked).max() < 0.7, inked
+
+
+def test_a_post_has_the_same_strokes_whatever_is_seen_behind_it():
+    """It lies on none of that; letters on the steep wall beside do."""
+    layers = shaded(60, 160, 0.2, 0.8)
+    layers["color"][:, 40:80] = 0.02
+    layers["depth"][:] = 8 * 1.0008 ** np.arange(160)
+    for x in (19, 59):
+        layers["color"][:, x:x + 3], layers["depth"][:, x:x + 3] = 0.06, 4
+    layers["color"][20:40, 120:123] = 0.06
+    drawn = ink(layers, **RAIL)
+    shares = [drawn[:, x:x + 3].mean() for x in (19, 59)]
+    assert max(shares) < 0.9 and abs(shares[0] - shares[1]) < 0.1 and drawn[20:40, 120:123].all(), shares
 
 
 @pytest.mark.parametrize("nearer", [True, False])
