@@ -45,16 +45,17 @@ static inline float lightness(const encre_params *p, float r, float g, float b)
 }
 
 /* The light that a colour has that is no black: none just above one, or a shaded one would be as black as black in any
- * light and the next as white as white. In the shade it loses less than in the light, or the shaded side of dark skin,
- * features and all, would be black as soon as its lit side has a tone. What is mirrored over it and outshines it
- * (mirrored: its lightness, 0 for none) gives light back: a sea under a light sky is no black. */
+ * light and the next as white as white. Lit it has a share of it, and in the shade hardly less than others, or the
+ * shaded half of a dark face, features and all, would be black beside a lit one in a tone: squares of one over each are
+ * added. What is mirrored over it and outshines it (mirrored: its lightness, 0 for none) gives light back: a sea under
+ * a light sky is no black. */
 static inline float light_left(float lit, float bright, float mirrored, float black, float dark)
 {
 	float span = dark - black, left = span > 0 ? clamp01((bright - black) / max(span, FLT_MIN)) : 1;
-	float own = bright / max3(bright, mirrored, FLT_MIN);
+	float own = bright / max3(bright, mirrored, FLT_MIN), shaded = most_one(lit);
 	left /= max(mix(own * own, 1, left), FLT_MIN);
-	float shade = 1 - most_one(positive(lit));
-	return lit * left / max(mix(1, left, shade * sqrtf(shade)), FLT_MIN);
+	float both = shaded * shaded * (1 - left * left) + left * left;
+	return left < 1 && lit > 0 ? lit * left / sqrtf(max(both, FLT_MIN)) : lit;
 }
 
 static const float clear_from = 0.7f; /* share of light that a glazed thing mirrors from which on it is a mirror */

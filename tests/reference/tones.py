@@ -253,7 +253,8 @@ def _dark(layers, levels, of, look):
             left = np.where(dark > black, clamp01((bright - black) / (dark - black)), 1)
         own = bright / np.maximum(np.maximum(bright, mirrored), 1e-30)
         left = left / np.maximum(mix(own ** 2, 1, left), 1e-30)
-        return lit * left / np.maximum(mix(1, left, (1 - clamp01(lit)) ** 1.5), 1e-30)
+        both = np.minimum(lit, 1) ** 2 * (1 - left ** 2) + left ** 2
+        return np.where((left < 1) & (lit > 0), lit * left / np.sqrt(np.maximum(both, 1e-30)), lit)
 
     bright, black = lightness(layers.color), of("tone_black") * left
     mirrored = clamp01(lightness(other(layers))) * _glazed(layers)
