@@ -13,7 +13,6 @@
 static const float held_within = 0.6f;
 /* 255ths: so much brighter than its layer wants a stroke's middle may lie, for it goes to where it is darker. */
 enum { DARKER_BESIDE = 32 };
-static const float most_ahead = 0.3f;   /* no seam is so near */
 static const float jitter = 0.6f;       /* pitches */
 static const float beside_rows = 0.08f; /* sine of the angle up to which a stroke goes along a row of its lattice */
 
@@ -58,7 +57,7 @@ void ISA(tone_marks_tables)(tone_marks *m)
 		for (int layer = 0; layer < TONE_LAYERS; layer++)
 			layers |= m->widths[layer][i].shown > 0 ? TONE_FOUND << layer : 0;
 		m->layers[0][i] = (uint8_t)layers;
-		m->layers[1][i] = m->widths[TONE_SPOTS][i].shown > 0 ? TONE_FOUND : 0;
+		m->layers[1][i] = m->widths[TONE_SPOTS][i].shown > 0 ? TONE_FOUND | TONE_SECOND : 0;
 		float x = 1 - (float)i / 128, y = 1 - fabsf(x), length = sqrtf(x * x + y * y);
 		m->way[i][0] = x / length;
 		m->way[i][1] = y / length;
@@ -138,48 +137,6 @@ static dyadic dyadic_of(float whole, float scale)
 	return (dyadic){n / (1 << twos), exponent + twos};
 }
 
-static int main_axis(const tone_rest *rest, int i)
-{
-	const float (*normal)[TONE_REST] = rest->at + ANCHOR_NORMAL;
-	float x = fabsf(normal[0][i]), y = fabsf(normal[1][i]), z = fabsf(normal[2][i]);
-	return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-}
-
-/* By how much a normal's largest part is above the next. */
-static float lead_of(const float *normal)
-{
-	float x = fabsf(normal[0]), y = fabsf(normal[1]), z = fabsf(normal[2]), most = max(max(x, y), z);
-	return 2 * most - (x + y + z - min(min(x, y), z));
-}
-
-/* Where a surface turns from one axis to the next lies a seam of two lattices, and whether a place there lies before or
- * behind it is told by pixels: strokes begin there from nothing within one of them, and are larger for two more, so
- * that there is as much ink. Spots would leave a row of paper along it. */
-static float grown_beside_seam(const frame *f, const tone_slot *s, const tone_rest *rest, int i, int x, int y)
-{
-	float own[3], room[ANCHOR_COUNT], steep = 0;
-	for (int k = 0; k < 3; k++)
-		own[k] = rest->at[ANCHOR_NORMAL + k][i];
-	float here = lead_of(own);
-	if (here > most_ahead)
-		return 1;
-	for (int axis = 0; axis < 2; axis++) {
-		float least = 1;
-		for (int side = -1; side < 2; side += 2) {
-			int column = tone_within(axis ? x : x + side, f->width),
-			    row = tone_within(axis ? y + side : y, f->height);
-			const float *there = ISA(tone_anchor)(f, s, row, column, 1, room) + ANCHOR_NORMAL;
-			float turn = 0;
-			for (int k = 0; k < 3; k++)
-				turn = max(turn, fabsf(there[k] - own[k]));
-			least = min(least, turn);
-		}
-		steep += least;
-	}
-	float away = here / max(2 * steep, 1e-6f);
-	return clamp01(away) * (1 + clamp01((3 - away) / 2) / 3);
-}
-
 /* The layers' lattices lie beside each other. */
 static const float beside[TONE_LAYERS] = {0, 0.381966f, 0.763932f};
 
@@ -196,15 +153,22 @@ static inline void nearest_point(const tone_lattice *l, int layer, int i, float 
 	}
 }
 
+/* Whether a point of a layer's lattice is in pixel i. */
+static inline int holds(const tone_lattice *l, int layer, int i, float way[2])
+{
+	float whole[2];
+	nearest_point(l, layer, i, whole, way);
+	int near = max(fabsf(way[0]), fabsf(way[1])) <= held_within, known = l->flat[i] <= 0,
+	    counts = max(fabsf(whole[0]), fabsf(whole[1])) < 1e9f;
+	return near & known & counts;
+}
+
 /* Sets a layer's bit of pixels in which a point of its lattice is. */
 static void hold(const tone_lattice *l, int layer, int n, uint8_t *restrict bits)
 {
 	for (int i = 0; i < n; i++) {
-		float whole[2], way[2];
-		nearest_point(l, layer, i, whole, way);
-		int near = max(fabsf(way[0]), fabsf(way[1])) <= held_within, known = l->flat[i] <= 0,
-		    counts = max(fabsf(whole[0]), fabsf(whole[1])) < 1e9f;
-		bits[i] = (uint8_t)(bits[i] | (near & known & counts ? TONE_FOUND << layer : 0));
+		float way[2];
+		bits[i] = (uint8_t)(bits[i] | (holds(l, layer, i, way) ? TONE_FOUND << layer : 0));
 	}
 }
 
@@ -225,8 +189,10 @@ typedef struct places {
 	tone_lattice lattice;
 } places;
 
-/* columns: of n pixels from x to x + TONE_CHUNK - 1, ascending. */
-static void places_fill(const frame *f, const tone_slot *s, int y, int x, const int *columns, int n, places *p)
+/* columns: of n pixels from x to x + TONE_CHUNK - 1, ascending. second: on the lattice of the axis along which their
+ * normal is longest but for one. */
+static void places_fill(const frame *f, const tone_slot *s, int y, int x, const int *columns, int n, bool second,
+			places *p)
 {
 	tone_field chart[2];
 	p->s = s;
@@ -237,6 +203,8 @@ static void places_fill(const frame *f, const tone_slot *s, int y, int x, const 
 		for (int c = 0; anchor && c < ANCHOR_COUNT; c++)
 			p->own.at[c][i] = anchor[c];
 		p->rest = anchor ? &p->own : NULL;
+		if (second && anchor)
+			p->own.at[ANCHOR_NORMAL + tone_axis(&p->own, i)][i] = 0;
 	}
 	ISA(tone_chart)(f, s, p->rest, y, x, p->rest ? n : columns[n - 1] - x + 1, chart);
 	for (int k = 0; k < 2 && !p->rest; k++)
@@ -248,6 +216,29 @@ static void places_fill(const frame *f, const tone_slot *s, int y, int x, const 
 	ISA(tone_lattice_fill)(s->least, s->most, n, chart, &p->lattice);
 }
 
+/* Spots beside the seam of two lattices: of these n pixels, of a row that begins with pixel x, sets the bits anew. A
+ * place is held on its side of the seam by pixels of both. */
+static void hold_beside_seam(const frame *f, const tone_slot *s, const tone_rest *rest, const uint8_t *dark, int y,
+			     int x, int n, uint8_t *restrict bits)
+{
+	int columns[TONE_CHUNK], count = 0;
+	for (int i = 0; i < n; i++)
+		if (dark[i] && ISA(tone_near_seam)(rest, i))
+			columns[count++] = x + i;
+	for (int second = 0; count && second < 2; second++) {
+		places p;
+		places_fill(f, s, y, x, columns, count, second, &p);
+		for (int k = 0; k < count; k++) {
+			int i = columns[k] - x, bit = second ? TONE_SECOND : TONE_FOUND;
+			float way[2];
+			bool own =
+				holds(&p.lattice, 0, k, way) &&
+				ISA(tone_before_seam)(f, s, rest, i, columns[k], y, tone_axis(p.rest, k), second, way);
+			bits[i] = (uint8_t)((bits[i] & ~bit) | (own ? bit : 0));
+		}
+	}
+}
+
 /* The mark whose place is in the i-th of these, pixel x. */
 static tone_mark mark_at(const frame *f, const tone_marks *m, const places *p, int i, int layer, int x, int y)
 {
@@ -256,7 +247,7 @@ static tone_mark mark_at(const frame *f, const tone_marks *m, const places *p, i
 	const tone_lattice *l = &p->lattice;
 	float whole[2], way[2], weight = 1;
 	nearest_point(l, layer, i, whole, way);
-	uint32_t h = stir(0x9e3779b9u, (uint32_t)(TONE_LAYERS * (rest ? main_axis(rest, i) : 0) + layer));
+	uint32_t h = stir(0x9e3779b9u, (uint32_t)(TONE_LAYERS * (rest ? tone_axis(rest, i) : 0) + layer));
 	dyadic place[2];
 	for (int k = 0; k < 2; k++) {
 		weight *= (int32_t)whole[k] & 1 ? l->grown[k][i] : 1;
@@ -278,7 +269,7 @@ static tone_mark mark_at(const frame *f, const tone_marks *m, const places *p, i
 		way[0] += aside * l->across[k][i];
 		way[1] += aside * l->up[k][i];
 	}
-	weight *= rest && stroke ? grown_beside_seam(f, s, rest, i, x, y) : 1;
+	weight *= rest && stroke ? ISA(tone_grown_beside_seam)(f, s, rest, i, x, y) : 1;
 	float size = sqrtf(weight), turn, length = 0, pitch = sqrtf(l->pitch[0][i] * l->pitch[1][i]);
 	h = stir(h, 2);
 	turn = (share_of(h) - 0.5f) * 0.1f;
@@ -324,7 +315,9 @@ static void look_at(const frame *f, const tone_marks *m, const tone_slot *slots,
 		fetch_ahead(f, thread);
 		for (int layer = 0; layer < (spots ? 1 : TONE_LAYERS); layer++)
 			hold(&l, layer, n, found);
-		if (!spots)
+		if (spots && rest)
+			hold_beside_seam(f, s, rest, dark, y, x, n, found);
+		else if (!spots)
 			ISA(tone_ways)(f, m, slots, k, rest, y, x, n);
 		fetch_ahead(f, thread);
 		for (int i = 0; rest && i < n; i++)
@@ -368,7 +361,7 @@ static const tone_slot *slot_at(const frame *f, const tone_marks *m, const uint8
 void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark *marks)
 {
 	const uint8_t *bits = tone_bytes(m, TONE_BITS, y), *whose = tone_bytes(m, TONE_WHOSE, y);
-	places p;
+	places p[2];
 	for (int x0 = 0; x0 < f->width; x0 += TONE_CHUNK) {
 		int end = f->width - x0 > TONE_CHUNK ? x0 + TONE_CHUNK : f->width, n = 0, columns[TONE_CHUNK];
 		for (int x = x0; x < end; x++)
@@ -379,19 +372,18 @@ void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark 
 			__builtin_prefetch(anchor_at(f, columns[i], y));
 			__builtin_prefetch(anchor_at(f, columns[i], y) + ANCHOR_COUNT - 1);
 		}
-		for (int i = 0, from = 0; i < n; i++) {
-			int x = columns[i];
-			const tone_slot *s = slot_at(f, m, whose, x, y);
-			if (i == 0 || s != p.s) {
-				int same = 1;
-				while (i + same < n && s == slot_at(f, m, whose, columns[i + same], y))
-					same++;
-				from = i;
-				places_fill(f, s, y, x0, columns + i, same, &p);
-			}
-			for (int layer = 0; layer < TONE_LAYERS; layer++)
-				if (bits[x] / TONE_FOUND >> layer & 1)
-					*marks++ = mark_at(f, m, &p, i - from, layer, x, y);
+		for (int i = 0, same; i < n; i += same) {
+			const tone_slot *s = slot_at(f, m, whose, columns[i], y);
+			int seam = 0, spots = s->kind == tone_1_STIPPLE;
+			for (same = 0; i + same < n && s == slot_at(f, m, whose, columns[i + same], y); same++)
+				seam |= spots && bits[columns[i + same]] & TONE_SECOND;
+			for (int second = 0; second <= (seam ? 1 : 0); second++)
+				places_fill(f, s, y, x0, columns + i, same, second, p + second);
+			for (int k = 0; k < same; k++)
+				for (int layer = 0, x = columns[i + k]; layer < TONE_LAYERS; layer++)
+					if (bits[x] / TONE_FOUND >> layer & 1)
+						*marks++ = spots ? mark_at(f, m, p + layer, k, 0, x, y)
+								 : mark_at(f, m, p, k, layer, x, y);
 		}
 	}
 }

@@ -24,6 +24,7 @@ enum {
 	TONE_ENDS_RIGHT = 4,
 	TONE_ENDS_DOWN = 8,
 	TONE_FOUND = 16,
+	TONE_SECOND = 2 * TONE_FOUND, /* of spots, which are one layer: on the lattice beyond a seam */
 	TONE_PLACES = TONE_FOUND * ((1 << TONE_LAYERS) - 1),
 	TONE_LOST = 128 /* nobody knows its place: it has the mean */
 };
@@ -111,6 +112,21 @@ static inline float tone_mark_pitch(const tone_slot *s)
 	return max(s->pitch * (s->kind == tone_1_STIPPLE ? 0.5f : 1), 3);
 }
 
+/* The axis along which the normal of the i-th pixel is longest; of equal ones the first. */
+static inline int tone_axis(const tone_rest *rest, int i)
+{
+	const float (*normal)[TONE_REST] = rest->at + ANCHOR_NORMAL;
+	float x = fabsf(normal[0][i]), y = fabsf(normal[1][i]), z = fabsf(normal[2][i]);
+	return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+}
+
+/* seams.c: of pixel x in row y, the i-th of these: whether another axis than its own may begin beside it; the area that
+ * strokes have there; and whether a spot's place so far from its middle, in pixels, lies where no part of the normal is
+ * longer than along `axis`: second: nor as long, for the pixel's own is another. */
+bool ISA(tone_near_seam)(const tone_rest *rest, int i);
+float ISA(tone_grown_beside_seam)(const frame *f, const tone_slot *s, const tone_rest *rest, int i, int x, int y);
+bool ISA(tone_before_seam)(const frame *f, const tone_slot *s, const tone_rest *rest, int i, int x, int y, int axis,
+			   bool second, const float way[2]);
 /* ways.c: of the pixels of a chunk that strokes of slot k fill: their ways, and where the surface ends. */
 void ISA(tone_ways)(const frame *f, const tone_marks *m, const tone_slot *slots, int k, const tone_rest *rest, int y,
 		    int x, int n);

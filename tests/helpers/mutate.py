@@ -45,7 +45,7 @@ TESTS = (
                          ("wash", "wash"))),
     ("csrc/surface/", "stages/test_surface.py", "stages/test_paper.py"),
     *((f"csrc/tones/{name}.", "stages/test_strokes.py -k 'not ink'", "stages/test_strokes.py -k ink",
-       "stages/test_tones.py") for name in ("scatter", "strokes", "ways")),
+       "stages/test_tones.py") for name in ("scatter", "seams", "strokes", "ways")),
     ("csrc/tones/", "stages/test_tones.py -k twin", "stages/test_tones.py -k 'not twin and not ink'",
      "stages/test_tones.py -k 'ink and not twin'", "stages/test_strokes.py"),
     ("csrc/raster/be", "fine/test_bevels.py", "fine/test_creases.py"),  # bends, bevels

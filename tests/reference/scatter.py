@@ -47,15 +47,23 @@ def shown(cover, spots):
     return rank, x / mean if mean > 0 else 0
 
 
-class Drawing:
-    """What a tone's marks are drawn on. chart: two fields (value, right, down) on which their places lie, unturned."""
+def axes(anchor):
+    """(H, W) each: along which axis the rest normal is longest, and next to that; of equal ones the first."""
+    normal = np.abs(anchor[..., 3:6])
+    first = np.argmax(normal, -1)
+    return first, np.argmax(np.where(np.arange(3) == first[..., None], 0, normal), -1)
 
-    def __init__(self, layers, kind, bounds, angle, anchor, chart, dark, lattice, crisp=False,
+
+class Drawing:
+    """What a tone's marks are drawn on. charts: (axis of the rest normal that tells it, two fields of value, right and
+    down) on which their places lie, unturned; of spots two."""
+
+    def __init__(self, layers, kind, bounds, angle, anchor, charts, dark, lattice, crisp=False,
                  light=None, by_uv=False):
         self.layers, self.spots, self.angle, self.anchor, self.dark = layers, kind == "STIPPLE", angle, anchor, dark
         self.light, self.by_uv = light, by_uv  # the direction toward it, if strokes go there; whether along U
         self.bounds = bounds  # pixels between which marks are a unit apart
-        self.chart, self.lattice, self.crisp = chart, lattice, crisp
+        self.charts, self.lattice, self.crisp = charts, lattice, crisp
         self.ink = np.zeros(dark.shape)
         self.byte = np.floor(255 * clamp01(dark) + 0.5).astype(int)
         tables = [shown(covers(k / 255)[layer], False) for k in range(256) for layer in range(3)]
@@ -186,10 +194,9 @@ class Drawing:
                 break
         return found
 
-    def mark(self, layer, x, y, whole, way, fields):
+    def mark(self, layer, axis, x, y, whole, way, fields):
         """(name, far, what draws it) of the mark whose place is in pixel (x, y)."""
-        normal = None if self.anchor is None else np.abs(self.anchor[y, x, 3:6])
-        h = stir(0x9e3779b9, 3 * (0 if normal is None else int(np.argmax(normal))) + layer)
+        h = stir(0x9e3779b9, 3 * axis + layer)
         odds, weight = [], 1.0
         for k in range(2):
             n, exponent = int(whole[k]), -(int(np.log2(fields["scale"][k])) + 127)
@@ -202,19 +209,37 @@ class Drawing:
         h = stir(stir(h, odds[0]), odds[1])
         return h, int(256 * (way @ way) + 0.5), lambda: self.put(layer, x, y, h, rank, weight, way, fields)
 
+    def normal(self, x, y):
+        height, width = self.dark.shape
+        return self.anchor[min(max(y, 0), height - 1), min(max(x, 0), width - 1), 3:6]
+
+    def turns(self, x, y):
+        """Along the row and the column each, on the side where the normal turns less: (by how much, by how much its
+        parts grow to the next pixel)."""
+        here = self.normal(x, y)
+        sides = [[(side, self.normal(x + side * (1 - axis), y + side * axis)) for side in (-1, 1)] for axis in (0, 1)]
+        found = [[(np.abs(there - here).max(), side * (np.abs(there) - np.abs(here))) for side, there in beside]
+                 for beside in sides]
+        return [min((1, np.zeros(3)), *beside, key=lambda turn: turn[0]) for beside in found]
+
     def beside_seam(self, x, y):
         """The area that strokes have where another axis than the normal's largest is about to be that, by pixels."""
-        def normal(x, y):
-            height, width = self.dark.shape
-            return self.anchor[min(max(y, 0), height - 1), min(max(x, 0), width - 1), 3:6]
-
-        _, second, first = np.sort(np.abs(normal(x, y)))
+        _, second, first = np.sort(np.abs(self.normal(x, y)))
         if first - second > MOST_AHEAD:
             return 1
-        turns = [[np.abs(normal(x + side * (1 - axis), y + side * axis) - normal(x, y)).max() for side in (-1, 1)]
-                 for axis in (0, 1)]
-        away = (first - second) / max(2 * sum(min(1, *turn) for turn in turns), 1e-6)
+        away = (first - second) / max(2 * sum(turn for turn, _ in self.turns(x, y)), 1e-6)
         return clamp01(away) * (1 + clamp01((3 - away) / 2) / 3)
+
+    def before_seam(self, k, axis, x, y, way):
+        """Whether a spot's place on the k-th lattice lies where the normal is longest along that one's axis."""
+        if self.anchor is None:
+            return True
+        parts = np.sort(np.abs(self.normal(x, y)))
+        if parts[2] - parts[1] > MOST_AHEAD:
+            return k == 0
+        part = np.abs(self.normal(x, y)) + sum(to * grows for to, (_, grows) in zip(way, self.turns(x, y), strict=True))
+        lead = part[axis] - np.delete(part, axis).max()
+        return lead > 0 or (lead == 0 and k == 0)
 
     def put(self, layer, x, y, h, rank, weight, way, fields):
         weight *= 1 if self.anchor is None or self.spots else self.beside_seam(x, y)
@@ -255,23 +280,25 @@ class Drawing:
 
     def draw(self, own):
         """own: pixels that hold the places of marks."""
-        lattice = [self.lattice([(u + BESIDE[layer], *g) for u, *g in self.chart], *self.bounds)
-                   for layer in range(1 if self.spots else 3)]
+        places = [(0, k, axis, chart) for k, (axis, chart) in enumerate(self.charts)]
+        places = places if self.spots else [(layer, 0, *self.charts[0]) for layer in range(3)]
+        lattices = [self.lattice([(u + BESIDE[layer], *g) for u, *g in chart], *self.bounds)
+                    for layer, _, _, chart in places]
         held = {}
         for y, x in zip(*np.nonzero(own & (self.byte > 0)), strict=True):
-            for layer, (at, scale, grown, step, flat, pitch) in enumerate(lattice):
+            for (layer, k, axes_, _), (at, scale, grown, step, flat, pitch) in zip(places, lattices, strict=True):
                 if flat[y, x] or self.tables[min(self.byte[y, x] + DARKER, 255), layer, 0] <= 0:
                     continue
+                axis = 0 if axes_ is None else axes_[y, x]
                 steps = [s[:, y, x] for s in step]
                 whole = [np.floor(2 * u[y, x] + 0.5) for u in at]
                 way = sum(0.5 * (n - 2 * u[y, x]) * s for n, u, s in zip(whole, at, steps, strict=True))
-                if (np.abs(way) <= HELD).all():
-                    held[y, x, layer] = self.mark(layer, x, y, whole, way, {
+                if (np.abs(way) <= HELD).all() and (not self.spots or self.before_seam(k, axis, x, y, way)):
+                    held[y, x, layer, k] = self.mark(layer, int(axis), x, y, whole, way, {
                         "scale": [s[y, x] for s in scale], "step": steps, "grown": [g[y, x] for g in grown],
                         "pitch": [p[y, x] for p in pitch]})
-        for (y, x, layer), (name, far, draw) in held.items():
-            beside = [(y + v, x + u) for v in (-1, 0, 1) for u in (-1, 0, 1)]
-            same = [(held[at + (layer,)][1], at) for at in beside if held.get(at + (layer,), (None,))[0] == name]
-            if min(same) == (far, (y, x)):
+        for (y, x, layer, _), (name, far, draw) in held.items():
+            beside = [(y + v, x + u, layer, k) for v in (-1, 0, 1) for u in (-1, 0, 1) for k in (0, 1)]
+            if min((held[at][1], at[:2]) for at in beside if held.get(at, (None,))[0] == name) == (far, (y, x)):
                 draw()
         return self.ink

@@ -351,11 +351,10 @@ def _ink(layers, of, look, dark, scale, paper, own):
     if kind == "GRAIN":
         return hatch.cover(layers, of, 1 - dark, paper)
 
-    def chart(c, s):
+    def chart(c, s, axis=None):
         if anchor is None:
             return screen(c, -s), screen(s, c)
-        normal = np.abs(anchor[..., 3:6])
-        axis = np.argmax(normal, -1)  # of equal ones the first
+        axis = scatter.axes(anchor)[0] if axis is None else axis
         first, second = np.where(axis == 0, 1, 0), np.where(axis == 2, 1, 2)
 
         def turned(one, two):
@@ -378,8 +377,10 @@ def _ink(layers, of, look, dark, scale, paper, own):
             turn = np.radians(angle) + (np.arctan2(0.3511234, 0.9363292) if kind == "HATCH" else 0)
             apart = max(pitch * (0.5 if kind == "STIPPLE" else 1), 3)
             bounds = (3, max(40 * scale, 3)) if painted_on else (apart, apart)
-            ink = scatter.Drawing(layers, kind, bounds, np.radians(angle), anchor, chart(np.cos(turn), np.sin(turn)),
-                                  dark, lattice, of("tone_crisp"), _light(of),
+            axes = (None,) if anchor is None else scatter.axes(anchor)[:2 if kind == "STIPPLE" else 1]
+            charts = [(axis, chart(np.cos(turn), np.sin(turn), axis)) for axis in axes]
+            ink = scatter.Drawing(layers, kind, bounds, np.radians(angle), anchor, charts, dark, lattice,
+                                  of("tone_crisp"), _light(of),
                                   of("tone_strokes") == "UV" and space != "FLAT").draw(own)
         return ink if anchor is None else np.where(anchor[..., 6] > 0, ink, dark)
     first = 1 - np.sqrt(1 - dark) if kind == "CROSS" else dark

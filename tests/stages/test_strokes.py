@@ -174,10 +174,10 @@ def test_ink_of_strokes_is_what_was_asked_for_whichever_way_they_go(turn):
         assert abs(ink.mean() - dark) < 0.03, (dark, ink.mean())
 
 
-@pytest.mark.parametrize("kind, most", [("hatching", 0.025), ("stipple", 0.0275)])
+@pytest.mark.parametrize("kind, most", [("hatching", 0.025), ("stipple", 0.0195)])
 def test_strokes_of_one_who_walks_do_not_pop(kind, most):
-    """Strokes go as far as their surface does, not to the last whole step; and where the surface bends each mark has a
-    pixel that holds it."""
+    """Strokes go as far as their surface does, not to the last whole step; where the surface bends each mark has a
+    pixel that holds it; and spots beside a seam of two lattices are told by their places: by pixels 2.5 % popped."""
     assert sticks.followed(sticks.SCREENS[kind], sticks.MOTIONS["walk"][:4])[1] < most
 
 
