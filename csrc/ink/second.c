@@ -36,20 +36,55 @@ static float value_at(const frame *f, int x, int y)
 	return max(0, bounded(max3(rgba[0], rgba[1], rgba[2])));
 }
 
-/* Of eight places beyond the rim the mean of the mean and the brightest; or of fewer, if one alone makes it that of no
- * dark area: it is nine sixteenths of the brightest at least, and most lines run through light. */
+/* At most 1, between pixels. */
+static float value_between(const frame *f, float x, float y)
+{
+	float left = floorf(x), top = floorf(y), v[4];
+	for (int k = 0; k < 4; k++)
+		v[k] = min(1, value_at(f, (int)left + (k & 1), (int)top + (k >> 1)));
+	return mix(mix(v[0], v[1], x - left), mix(v[2], v[3], x - left), y - top);
+}
+
+static float at_way(const frame *f, const placed *s, const float way[2], float far)
+{
+	return value_between(f, s->x + far * way[0], s->y + far * way[1]);
+}
+
+/* How far on from a place of light value v it begins, where half of it is reached: between that and the place `step`
+ * before or, so much after, the next. */
+static float begins(float v, float before, float next, float light, float step, float after)
+{
+	float half = max(light, 0.5f * max(v, next));
+	if (v >= half)
+		return step > 0 ? -step * (v - half) / (v - before) : 0;
+	return after * (half - v) / (next - v);
+}
+
+/* How far it is dark about a site, in eight ways: 0 where light begins within half of two pixels beyond the rim, a half
+ * where it begins there, and 1 from as far again by a half on. */
 static float about(const frame *f, const placed *s, float half, float threshold)
 {
 	static const float way[8][2] = {{1, 0},  {0.707f, 0.707f},   {0, 1},  {-0.707f, 0.707f},
 					{-1, 0}, {-0.707f, -0.707f}, {0, -1}, {0.707f, -0.707f}};
-	float sum = 0, most = 0, far = half + 2, light = 2.7f * threshold;
-	for (int k = 0; k < 8 && most < light; k++) {
-		float v = min(1, value_at(f, (int)floorf(s->x + far * way[k][0] + 0.5f),
-					  (int)floorf(s->y + far * way[k][1] + 0.5f)));
-		sum += v;
-		most = max(most, v);
+	float rim = half + 2, light = 1.5f * threshold, dark = 1;
+	for (int k = 0; k < 8 && dark > 0; k++) {
+		float on = 0, before = 0, step = 0;
+		for (;;) {
+			float v = at_way(f, s, way[k], rim * (on + 0.5f));
+			if (v >= light) {
+				dark = min(dark, on + begins(v, before, at_way(f, s, way[k], rim * (on + 0.5f) + 1),
+							     light, step, 1 / rim));
+				break;
+			}
+			dark = min(dark, 1 - clamp01(2 * v / threshold - 2) * (1 - on));
+			if (on >= dark) /* nothing farther counts */
+				break;
+			before = v;
+			step = min(1 / rim, dark - on);
+			on += step;
+		}
 	}
-	return most < light ? 0.5f * (sum / 8 + most) : INFINITY;
+	return max(dark, 0);
 }
 
 /* Light on the side of a thin thing, and black beyond the rim on the other: a contour there would but take of it what
@@ -80,7 +115,7 @@ static void find_dark(void *data, int first, int end, int thread)
 		c->bare[i] = -1;
 		if (made->linked.dropped || !p->use_lines || !(p->ink_on_dark > 0) || !(threshold > 0))
 			continue;
-		c->dark[i] = clamp01(3 - 2 * about(c->f, &made->placed, half, threshold) / threshold);
+		c->dark[i] = about(c->f, &made->placed, half, threshold);
 		c->bare[i] = bare_at(c->f, made, half, threshold);
 	}
 }

@@ -27,9 +27,9 @@ class Picture:
     def look(self, rank, at):
         """(values, values of a second layer), between pixels."""
         if rank <= LIGHT:
-            value = _bilinear(self.linear[rank], at)
+            value = bilinear(self.linear[rank], at)
             return (metric.encode(clamp01(value)) if rank == COLOR else value), np.zeros(3)
-        return metric.encode(clamp01(_bilinear(self.seen[0], at))), _bilinear(self.seen[1], at)
+        return metric.encode(clamp01(bilinear(self.seen[0], at))), bilinear(self.seen[1], at)
 
     def margin(self, rank, one, two):
         """0 or more: they differ."""
@@ -57,7 +57,7 @@ class Picture:
         return min(margins)
 
 
-def _bilinear(image, at):
+def bilinear(image, at):
     height, width = image.shape[:2]
     x, y = np.clip(at[0], 0, width - 1), np.clip(at[1], 0, height - 1)
     x0, y0 = int(x), int(y)

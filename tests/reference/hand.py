@@ -4,6 +4,7 @@
 import numpy as np
 
 from .edges import SOURCES
+from .ends import bilinear
 from .metric import clamp01, mix, value
 from .passes import COLUMN, CRACKS, FAMILIES, NUMBER, ROW, hits, told_by
 from .shade import exposed
@@ -301,18 +302,37 @@ def inks(t, layers, params, ink, half, picture):
 
 
 def _dark(t, layers, params, half, picture):
-    """How dark the picture is about each site."""
-    owner = t.site["near_y"], t.site["near_x"]
-    style = layers.style[owner]
-    turn = np.arange(8) * np.pi / 4
-    x, y = (np.floor(t.at[:, k, None] + (half[:, None] + 2) * way(turn).round(3) + 0.5).astype(int)
-            for k, way in ((0, np.cos), (1, np.sin)))
-    height, width = layers.depth.shape
-    v = np.clip(value(picture[..., :3])[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)], 0, 1)
-    threshold = params.at("ink_dark_threshold", style)
-    dark = clamp01(3 - (v.mean(1) + v.max(1)) / np.where(threshold > 0, threshold, 1))
-    asked = (threshold > 0) & (params.at("ink_on_dark", style) > 0) & (params.at("use_lines", style) > 0)
-    return np.where(asked & ~t.dropped, dark, 0)
+    """How far it is dark about each site."""
+    v, dark = clamp01(value(picture[..., :3])), np.zeros(len(t))
+    for i in np.flatnonzero(~t.dropped):
+        style = layers.style[t.site[i]["near_y"], t.site[i]["near_x"]]
+        threshold = params.at("ink_dark_threshold", style)
+        if not (threshold > 0 and params.at("ink_on_dark", style) > 0 and params.at("use_lines", style) > 0):
+            continue
+        dark[i] = 1
+        for turn in np.arange(8) * np.pi / 4:
+            way = np.array((np.cos(turn), np.sin(turn))).round(3)
+            dark[i] = min(dark[i], _dark_along(v, t.at[i], way, half[i] + 2, threshold, dark[i]))
+    return dark
+
+
+def _dark_along(v, place, way, rim, threshold, least):
+    """0 where light begins within half of what `rim` is from a place, a half where there, 1 where half as far again or
+    farther; told by steps of a pixel as far as it may be less than `least`."""
+    on, before, step, light = 0.0, 0.0, 0.0, 1.5 * threshold
+    while True:
+        own = bilinear(v, place + rim * (on + 0.5) * way)
+        if own >= light:
+            after = bilinear(v, place + (rim * (on + 0.5) + 1) * way)
+            half = max(light, 0.5 * max(own, after))
+            if own >= half:
+                return max(0, min(least, on - (step * (own - half) / (own - before) if step else 0)))
+            return min(least, on + (half - own) / (after - own) / rim)
+        least = min(least, 1 - clamp01(2 * own / threshold - 2) * (1 - on))
+        if on >= least:
+            return least
+        before, step = own, min(1 / rim, least - on)
+        on += step
 
 
 def _bare(t, layers, params, half, picture):
