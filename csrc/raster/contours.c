@@ -50,20 +50,13 @@ static enum encre_edge edge_at(const encre_mesh *mesh, uint32_t corner)
 	return mesh->edges ? (enum encre_edge)(mesh->edges[corner / 3] >> 2 * (corner % 3) & 3) : ENCRE_EDGE_FLAT;
 }
 
-/* How much the surface bends between the triangles of two corners at which the same edge begins or ends. */
-static uint16_t bend_of(const encre_mesh *mesh, const topology *t, double (*across)[3], uint32_t c, uint32_t d)
+uint16_t contours_bend(const double one[3], const double other[3], float offset)
 {
-	enum encre_edge one = edge_at(mesh, c), other = edge_at(mesh, d), edge = one < other ? one : other;
-	if (one >= ENCRE_EDGE_NONE || other >= ENCRE_EDGE_NONE)
-		return 0;
-	const double *a = across[c / 3], *b = across[d / 3];
 	double along = 0, sine = 0;
-	double turn =
-		topology_rises(t, c) == topology_rises(t, d) ? -1 : 1; /* else they go along it in opposite ways */
 	for (int k = 0; k < 3; k++) {
 		int i = (k + 1) % 3, j = (k + 2) % 3;
-		double s = a[i] * b[j] - a[j] * b[i];
-		along += turn * a[k] * b[k];
+		double s = one[i] * other[j] - one[j] * other[i];
+		along += one[k] * other[k];
 		sine += s * s;
 	}
 	double longest = fmax(sqrt(sine), fabs(along)); /* products of areas: too large or too small for a float */
@@ -71,10 +64,21 @@ static uint16_t bend_of(const encre_mesh *mesh, const topology *t, double (*acro
 		return 0;
 	double degrees =
 		57.29577951308232 * (double)pixel_atan2((float)(sqrt(sine) / longest), (float)(along / longest));
-	double bend = BEND_UNIT * (degrees + (double)mesh->crease_offset) + 0.5;
-	if (!(bend >= BEND_LEAST))
+	double bend = BEND_UNIT * (degrees + (double)offset) + 0.5;
+	return bend >= BEND_LEAST ? bend < BEND_MOST ? (uint16_t)bend : BEND_MOST : 0;
+}
+
+/* How much the surface bends between the triangles of two corners at which the same edge begins or ends. */
+static uint16_t bend_of(const encre_mesh *mesh, const topology *t, double (*across)[3], uint32_t c, uint32_t d)
+{
+	enum encre_edge one = edge_at(mesh, c), other = edge_at(mesh, d), edge = one < other ? one : other;
+	if (one >= ENCRE_EDGE_NONE || other >= ENCRE_EDGE_NONE)
 		return 0;
-	return (uint16_t)((bend < BEND_MOST ? (int)bend : BEND_MOST) | (edge == ENCRE_EDGE_SMOOTH ? BEND_SMOOTH : 0));
+	const double *a = across[c / 3], *b = across[d / 3];
+	/* else they go along it in opposite ways */
+	double turn = topology_rises(t, c) == topology_rises(t, d) ? -1 : 1;
+	uint16_t bend = contours_bend(a, (double[]){turn * b[0], turn * b[1], turn * b[2]}, mesh->crease_offset);
+	return (uint16_t)(bend | (bend && edge == ENCRE_EDGE_SMOOTH ? BEND_SMOOTH : 0));
 }
 
 bool contours_bends(const part *part, const topology *t, uint16_t *bends)

@@ -4,6 +4,7 @@
 #include "raster/crossings.h"
 
 #include "raster/contours.h"
+#include "raster/flush.h"
 #include "raster/segment.h"
 
 #include "base/pixel.h"
@@ -55,7 +56,11 @@ void crossings_rows(const raster *r, const part *part, uint32_t primitive, int *
 
 typedef struct marking {
 	const raster *r;
+	int i; /* the band's number */
 	const band *b;
+	flush *f;               /* ways at which another piece may go on; NULL: none is looked for */
+	uint32_t number;        /* of the primitive */
+	int k;                  /* and its edge */
 	const part *part;       /* of the primitive that was looked at last */
 	const part *own;        /* whose contour it is; NULL: a line */
 	bool fold;              /* its surface goes on there, behind */
@@ -188,25 +193,16 @@ static void between_told(float *out, float share)
 		*out = between_both - 0.5f * (between_first - *out + share);
 }
 
-static void mark(void *user, const crossing *c)
+static void mark(const marking *m, const crossing *c, float *out, const surface_at *p, const surface_at *q)
 {
-	marking *m = user;
-	const raster *r = m->r;
-	int x = c->column + OUTLINE_GUARD, y = c->row + OUTLINE_GUARD;
-	if (x + !c->down >= r->room.x1 || y + c->down >= r->room.y1)
-		return; /* to a pixel outside of the images */
-	float *out = pixel_at(&r->job->marks, x - r->room.x0, y - r->room.y0) + c->down;
-	if (*out > 0)
-		return;
-	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
-	double share = m->own ? ends_at(m, c, c->share, &p, &q) : c->share;
+	double share = m->own ? ends_at(m, c, c->share, p, q) : c->share;
 	share = share > LEAST_SHARE ? share : LEAST_SHARE;
 	share = share < 1 ? share : 1;
-	if (!m->own && !(hides(&p) && hides(&q)))
+	if (!m->own && !(hides(p) && hides(q)))
 		*out = (float)share;
-	else if (m->own && bounds(m, c->down, (float)share, -contour_place(*out), &p, &q))
-		*out = contour_told(m, c->down, (float)share, &p, &q);
-	else if (m->own && passes_between(m, &p, &q))
+	else if (m->own && bounds(m, c->down, (float)share, -contour_place(*out), p, q))
+		*out = contour_told(m, c->down, (float)share, p, q);
+	else if (m->own && passes_between(m, p, q))
 		between_told(out, (float)share);
 }
 
@@ -219,30 +215,119 @@ static bool at_twins(const marking *m, const crossing *c)
 	return b->twin[at] != NOTHING || b->twin[at + (c->down ? (size_t)m->r->width : 1)] != NOTHING;
 }
 
-static void crease(void *user, const crossing *c)
+static void crease_told(float out[2], const crossing *c, float bend)
+{
+	double share = c->share > LEAST_SHARE ? c->share : LEAST_SHARE;
+	out[0] = (float)(share < 1 ? share : 1);
+	out[1] = bend;
+}
+
+static void crease(const marking *m, const crossing *c, float out[2], float *contour, const surface_at *p,
+		   const surface_at *q)
+{
+	if (fabsf(m->bend) <= fabsf(out[1]) || (hides(p) && hides(q)) || (covers(m, p) && covers(m, q)))
+		return;
+	bool twins = at_twins(m, c);
+	if (twins && p->part != m->own && q->part != m->own)
+		return; /* of the later of two surfaces that coincide */
+	crease_told(out, c, m->bend);
+	if (!twins || p->part == q->part || !contour)
+		return;
+	/* the earlier surface ends there, though the mesh goes on behind the later one */
+	*contour = contour_mark(*contour) == 0 ? -out[0] : *contour;
+}
+
+/* Whether another piece of an edge's mesh is at a pixel, at about the depth of the edge. */
+static bool touches(const marking *m, const surface_at *s)
+{
+	return s->part == m->own && !shows(m, s) && fabs(s->behind) <= s->allowed;
+}
+
+/* Where on the way what is told goes; NULL: nowhere. */
+typedef struct told {
+	float *mark, *crease;
+} told;
+
+static told told_at(const raster *r, const crossing *c)
+{
+	int x = c->column + OUTLINE_GUARD - r->room.x0, y = c->row + OUTLINE_GUARD - r->room.y0;
+	return (told){r->job->marks.data ? pixel_at(&r->job->marks, x, y) + c->down : NULL,
+		      r->job->creases.data ? pixel_at(&r->job->creases, x, y) + 2 * c->down : NULL};
+}
+
+static void settle(const raster *r, int i, const band *b, flush *f);
+
+static void pass(void *user, const crossing *c)
 {
 	marking *m = user;
 	const raster *r = m->r;
 	int x = c->column + OUTLINE_GUARD, y = c->row + OUTLINE_GUARD;
 	if (x + !c->down >= r->room.x1 || y + c->down >= r->room.y1)
 		return; /* to a pixel outside of the images */
-	float *out = pixel_at(&r->job->creases, x - r->room.x0, y - r->room.y0) + 2 * c->down;
-	if (fabsf(m->bend) <= fabsf(out[1]))
+	told out = told_at(r, c);
+	bool marks = out.mark && m->side != CONTOUR_NONE && !(*out.mark > 0);
+	bool creases = out.crease && fabsf(m->bend) > fabsf(out.crease[1]);
+	if (!marks && !creases)
 		return;
 	surface_at p = look(m, c, x, y), q = look(m, c, x + !c->down, y + c->down);
-	if ((hides(&p) && hides(&q)) || (covers(m, &p) && covers(m, &q)))
+	if (m->f && m->own && m->side != CONTOUR_BOTH && (touches(m, &p) || touches(m, &q))) {
+		m->f->way[m->f->n++] = (flush_way){.at = *c, .number = m->number, .k = m->k};
+		if (m->f->n == FLUSH_WAYS)
+			settle(r, m->i, m->b, m->f);
 		return;
-	bool twins = at_twins(m, c);
-	if (twins && p.part != m->own && q.part != m->own)
-		return; /* of the later of two surfaces that coincide */
-	double share = c->share > LEAST_SHARE ? c->share : LEAST_SHARE;
-	out[0] = (float)(share < 1 ? share : 1);
-	out[1] = m->bend;
-	if (!twins || p.part == q.part || !r->job->marks.data)
-		return;
-	/* the earlier surface ends there, though the mesh goes on behind the later one */
-	float *contour = pixel_at(&r->job->marks, x - r->room.x0, y - r->room.y0) + c->down;
-	*contour = contour_mark(*contour) == 0 ? -out[0] : *contour;
+	}
+	if (marks)
+		mark(m, c, out.mark, &p, &q);
+	if (creases)
+		crease(m, c, out.crease, out.mark, &p, &q);
+}
+
+/* Gets ready for edge k of a primitive; false: nothing of it can be told. */
+static bool aim(marking *m, uint32_t number, int k, segment *s)
+{
+	const raster *r = m->r;
+	const part *part = geometry_part(&r->geometry, m->own ? m->own : m->part, number);
+	bool line = part->mesh->kind != ENCRE_TRIANGLES;
+	int from, to;
+	uint32_t i = number - part->first;
+	if (line ? k > 0 : !is_drawn(r, part, i, k))
+		return false;
+	if (!segment_of(r, part, i, k, s, &from, &to))
+		return false;
+	uint16_t bend = part->bends ? part->bends[(size_t)3 * i + (size_t)k] : 0;
+	m->own = line ? NULL : part;
+	m->number = number;
+	m->k = k;
+	m->piece = r->piece[number];
+	m->side = line ? CONTOUR_BOTH : contour_side(r->edges[number], k);
+	m->fold = !line && contour_folds(r->edges[number], k);
+	m->cut = !line && !m->fold && contour_ends(r->edges[number]) > 1;
+	m->left = s->x[1] < s->x[0];
+	m->down = s->y[1] > s->y[0];
+	m->bend = bend_degrees(bend);
+	m->turn = bend && m->side == CONTOUR_NONE ? turn_of(part, number) : 0;
+	return true;
+}
+
+/* Where surfaces go on over an edge, they bend there, and not the edge; elsewhere the edge tells. */
+static void settle(const raster *r, int i, const band *b, flush *f)
+{
+	marking m = {.r = r, .b = b};
+	segment s;
+	uint16_t bend;
+	flush_look(r, i, f);
+	for (uint32_t k = 0; k < f->n; k++) {
+		const flush_way *way = f->way + k;
+		enum flush_seen seen = flush_seen(r, way, &bend);
+		if (seen == FLUSH_COVERED || !aim(&m, way->number, way->k, &s))
+			continue;
+		float *crease = told_at(r, &way->at).crease;
+		if (seen == FLUSH_NOT)
+			pass(&m, &way->at);
+		else if (seen == FLUSH_GOES_ON && bend_degrees(bend) > fabsf(crease[1]))
+			crease_told(crease, &way->at, m.bend < 0 ? -bend_degrees(bend) : bend_degrees(bend));
+	}
+	f->n = 0;
 }
 
 /* With a constant number of channels: else a function is called for each pixel. */
@@ -255,37 +340,20 @@ KERNEL void clear_rows(const encre_image *image, const size_t channels, int y0, 
 	}
 }
 
-void crossings_draw(const raster *r, int i, const band *b, int end)
+void crossings_draw(const raster *r, int i, const band *b, int end, flush *f)
 {
-	marking m = {.r = r, .b = b};
-	const part *part = NULL;
+	marking m = {.r = r, .i = i, .b = b, .f = f};
 	int x0 = b->x0 - OUTLINE_GUARD, y0 = b->y0 - OUTLINE_GUARD, rows = end - b->y0;
 	clear_rows(&r->job->marks, 2, b->y0 - r->room.y0, rows);
 	clear_rows(&r->job->creases, 4, b->y0 - r->room.y0, rows);
-	for (size_t n = r->list[i]; n < r->list[i + 1] && !bands_stopped(r->pool); n++) {
-		segment s;
-		int from, to;
-		part = geometry_part(&r->geometry, part, r->entry[n]);
-		bool line = part->mesh->kind != ENCRE_TRIANGLES;
-		m.own = line ? NULL : part;
-		m.piece = r->piece[r->entry[n]];
-		for (int k = 0; k < (line ? 1 : 3); k++) {
-			if ((!line && !is_drawn(r, part, r->entry[n] - part->first, k)) ||
-			    !segment_of(r, part, r->entry[n] - part->first, k, &s, &from, &to))
-				continue;
-			m.side = line ? CONTOUR_BOTH : contour_side(r->edges[r->entry[n]], k);
-			m.fold = !line && contour_folds(r->edges[r->entry[n]], k);
-			m.cut = !line && !m.fold && contour_ends(r->edges[r->entry[n]]) > 1;
-			m.left = s.x[1] < s.x[0];
-			m.down = s.y[1] > s.y[0];
-			if (r->job->marks.data && m.side != CONTOUR_NONE)
-				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, mark, &m);
-			size_t corner = (size_t)3 * (r->entry[n] - part->first) + (size_t)k;
-			uint16_t bend = part->bends ? part->bends[corner] : 0;
-			m.bend = bend_degrees(bend);
-			m.turn = bend && m.side == CONTOUR_NONE ? turn_of(part, r->entry[n]) : 0;
-			if (bend)
-				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, crease, &m);
+	if (f)
+		f->n = 0;
+	for (size_t n = r->list[i]; n < r->list[i + 1] && !bands_stopped(r->pool); n++)
+		for (int k = 0; k < 3; k++) {
+			segment s;
+			if (aim(&m, r->entry[n], k, &s))
+				segment_cross(&s, x0, x0 + r->width, y0, y0 + rows, pass, &m);
 		}
-	}
+	if (f)
+		settle(r, i, b, f);
 }

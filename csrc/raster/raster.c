@@ -15,6 +15,7 @@
 #include "raster/bevels.h"
 #include "raster/contours.h"
 #include "raster/crossings.h"
+#include "raster/flush.h"
 #include "raster/meets.h"
 #include "raster/spots.h"
 
@@ -289,7 +290,7 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 		for (int row = b.y0; row < end && !bands_stopped(r->pool); row++)
 			shade_row(r, &b, row);
 		if (r->edges)
-			crossings_draw(r, i, &b, end);
+			crossings_draw(r, i, &b, end, r->flush ? r->flush + thread : NULL);
 		if (r->meets)
 			meets_draw(r, i, &b, end, r->meets + thread);
 	}
@@ -309,6 +310,7 @@ static void plan(raster *r, int threads, arena *a)
 	r->faces = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->faces) : NULL;
 	r->piece = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->piece) : NULL;
 	r->meets = r->job->creases.data ? arena_take(a, (size_t)threads, sizeof *r->meets) : NULL;
+	r->flush = r->job->creases.data ? arena_take(a, (size_t)threads, sizeof *r->flush) : NULL;
 	r->depth = arena_take(a, band, sizeof *r->depth);
 	r->beyond = r->job->beyond.data ? arena_take(a, band, sizeof *r->beyond) : NULL;
 	r->front = arena_take(a, band, sizeof *r->front);

@@ -34,6 +34,7 @@ typedef struct raster {
 	uint16_t *edges;     /* of each triangle: what contours_find() says; with marks or creases only */
 	uint32_t *piece;     /* of each primitive: the first that it hangs together with; with marks or creases only */
 	struct meets *meets; /* for each thread; with creases only */
+	struct flush *flush; /* likewise */
 } raster;
 
 enum { BAND = 16 };              /* rows that are drawn at once */

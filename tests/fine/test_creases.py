@@ -134,7 +134,7 @@ def test_covered_by_another_surface_it_is_not_seen(below, seen, one_mesh):
     meshes = [fold(98, 30 + below), Mesh(over, np.int32([(0, 1, 2)]))]
     camera = *pixels(40, 30), Frame(40, 30)
     got = passing([joined(*meshes)] if one_mesh else meshes, *camera)
-    assert got[10:20, 19, 1].any() == seen
+    assert got[10:20, 19, 1].any() == (seen and not one_mesh), "what covers it of its own mesh does so however little"
     want, unsure = creases([joined(*meshes)] if one_mesh else meshes, *camera, (40, 30), 0.1)
     np.testing.assert_allclose(got[~unsure], want[~unsure], atol=0.01)
 

@@ -9,12 +9,12 @@ from reference import near
 
 from . import shapes
 from .camera import look
+from .meshes import Mesh, quad
 from .meshes import box as hull
-from .meshes import quad
 from .scene import Light, Scene
 from .scenes import COLORS, SUN, turned
 from .shapes import Cone, HalfSpace, Solid, across, ball, box, cone, ground, polygon, unit
-from .told import Told, bevelled, grid, grown, hung, joined, prism, rock, tube, wheel, zigzag
+from .told import Told, bevelled, grid, grown, hung, joined, outward, prism, rock, tube, wheel, zigzag
 
 CROWD = 10  # pixels between boundaries of colours, below which their lines thin out
 FLAT = Light(SUN, sun=0.0, ambient=0.7)
@@ -320,10 +320,44 @@ def cloth(**more):
     return Told(look([0.1, 1.5, 6.0], [0, 1.25, 0], **more), coloured(cloths), FLAT)
 
 
+def flush(**more):
+    """Pieces of one mesh that share planes: a frame of bars, letters of strokes, steps, a rod through a plate, a row of
+    copies that touch, a tube of two closed halves."""
+    def placed(at, turn, *pieces):
+        mesh = joined(*pieces)
+        points = (np.asarray(at, float) + mesh.points @ turn.T).astype(np.float32)
+        return Mesh(points.astype(float), mesh.faces, piece=mesh.piece)
+
+    def bar(x0, y0, x1, y1, deep=0.16):
+        return hull((x1 - x0, y1 - y0, deep), ((x0 + x1) / 2, (y0 + y1) / 2, 0), np.eye(3))
+
+    def half(sign):
+        a = sign * np.pi * np.arange(6) / 5
+        ring = np.stack([0.4 * np.cos(a), 0 * a, 0.4 * np.sin(a)], 1)
+        n = len(ring)
+        sides = [[k, (k + 1) % n, n + (k + 1) % n, n + k] for k in range(n)]
+        return outward(Mesh(np.concatenate([ring, ring + (0, 0.9, 0)]),
+                            [*sides, [*range(n)][::-1], [*range(n, 2 * n)]]))
+
+    frame = [bar(0, 0, 0.15, 1.1), bar(1.15, 0, 1.3, 1.1), bar(0, 0.2, 1.3, 0.36), bar(-0.1, 0.6, 1.22, 0.74),
+             bar(0.08, 0.95, 1.3, 1.1)]
+    word = [bar(0, 0, 0.17, 0.9), bar(0, 0.73, 0.6, 0.9), bar(0.1, 0.37, 0.5, 0.53), bar(0.75, 0, 0.92, 0.9),
+            bar(1.2, 0, 1.37, 0.9), bar(0.75, 0.37, 1.37, 0.53)]
+    steps = [hull((1.0 - 0.3 * k, 0.3, 0.9), (-0.15 * k, 0.15 + 0.3 * k, 0), np.eye(3)) for k in range(3)]
+    row = [hull((0.22, 0.42 + 0.1 * (k % 2), 0.36), (0.22 * k, 0.21 + 0.05 * (k % 2), 0), np.eye(3)) for k in range(6)]
+    plate = [hull((1.2, 0.14, 0.8), (0, 0.07, 0), np.eye(3)), prism(7, 0.15, 0.7, (-0.3, 0, 0.05), 0.3),
+             prism(9, 0.17, 0.14, (0.28, 0, 0), 0.1)]
+    meshes = [placed((-2.0, 1.3, 0), turned(0.35, -0.1), *frame), placed((0.2, 1.4, -0.3), turned(-0.3, 0.15), *word),
+              placed((-1.5, -0.1, 0.5), turned(0.6), *steps), placed((-0.45, 0.1, 0.9), turned(0.2), *row),
+              placed((1.65, 0.3, 0.3), turned(0.4, 0.3), *plate),
+              placed((0.5, 0.5, -0.5), turned(0.8, 0, 0.1), half(1), half(-1))]
+    return Told(look([0.3, 2.4, 5.8], [0, 0.85, 0], **more), coloured(meshes), FLAT)
+
+
 ANALYTIC = {f.__name__: f for f in (tops, shadows, wires, hairs, city, stairs, railing, collars, louvres, spiral, discs,
                                     tips, balls, basalt)}
 MESHES = {f.__name__: f for f in (leaves, bevels, facets, elbow, through, coincident, bolts, gears, lattice,
-                                  corrugated, cloth)}
+                                  corrugated, cloth, flush)}
 MOVED = {"leaves", "bevels", "facets", "elbow", "through", "coincident", "bolts", "tops", "shadows", "collars",
          "louvres"}
 SHIFTS = (0.0, 0.0), (0.25, 0.375), (0.5, 0.125), (0.71, 0.62)  # pixels

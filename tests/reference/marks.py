@@ -5,6 +5,7 @@ import numpy as np
 
 from . import raster
 
+ASIDE = 1 / 256  # of a pixel: how far beside an edge it is looked what another piece of its mesh shows
 COVER = 0.25  # of a pixel: an edge so far below what other meshes show at both pixels is not seen
 
 def _corners(mesh, corner, view, projection, frame):
@@ -319,6 +320,37 @@ def meets(meshes, view, projection, frame, size, clip_start):
     return found, unsure
 
 
+def _beside(drawn, edge, x, y, z):
+    """[(triangle, how far its surface lies before the edge: 0 goes through it)] of what is in front on both sides of an
+    edge, among the triangles of its mesh that are `drawn` on the screen."""
+    along = np.diff(edge[:, :2] / edge[:, 2:3], axis=0)[0]
+    across, found = ASIDE * np.array((-along[1], along[0])) / np.hypot(*along), []
+    for px, py in ((x, y) + across, (x, y) - across):
+        nearest, which = np.inf, None
+        for t, screen in enumerate(drawn):
+            share = np.linalg.lstsq(screen[:, :3].T, (px, py, 1), rcond=None)[0]
+            if (share >= 0).all() and share @ screen[:, 3] / share.sum() < nearest:
+                nearest, which = share @ screen[:, 3] / share.sum(), t
+        if which is None:
+            found.append((None, -np.inf))
+            continue
+        behind, _, slope = _look(drawn[which], x, y, z, 0)
+        found.append((which, behind if abs(behind) > 2 * (ASIDE * slope + 1e-6 * z) else 0))
+    return found
+
+
+def _bend_seen(mesh, one, two, view, projection):
+    """Degrees between two triangles, by their sides that the eye sees."""
+    world = np.asarray(mesh.points, np.float32).astype(float) @ mesh.model[:3, :3].T + mesh.model[:3, 3]
+    eye, normals = np.linalg.inv(view), []
+    for t in (one, two):
+        a, b, c = world[triangles(mesh)[t]]
+        n = np.cross(b - a, c - a)
+        to = eye[:3, 3] - a if projection[3, 2] else eye[:3, 2]
+        normals.append(n * np.sign(n @ to) / np.linalg.norm(n))
+    return np.degrees(np.arccos(np.clip(normals[0] @ normals[1], -1, 1))) + mesh.crease_offset
+
+
 def creases(meshes, view, projection, frame, size, clip_start):
     """The output `creases`, and where it is not sure, as marks(); also where two edges bend almost alike."""
     width, height = size
@@ -328,10 +360,23 @@ def creases(meshes, view, projection, frame, size, clip_start):
     for own, mesh in enumerate(meshes):
         at_point = _piece_at_points(own, mesh, piece)
         ends = {tuple(edge) for edge, *_ in contours(mesh, view, projection, frame)}
+        drawn = [_corners(mesh, t, view, projection, frame) for t in triangles(mesh)]
         for corner, degrees, smooth, first in bends(mesh):
             turn = _turn(_corners(mesh, triangles(mesh)[first], view, projection, frame))
             turn *= tuple(corner) not in ends  # what lies on both sides of a contour is turned either way
-            for way, close, share, there, pixel, _ in crossed(_corners(mesh, corner, view, projection, frame)):
+            edge = _corners(mesh, corner, view, projection, frame)
+            for way, close, share, there, pixel, place in crossed(edge):
+                if any(number == own and piece[number, t] != at_point[corner[0]] and abs(behind) <= allowed
+                       for number, behind, allowed, _, _, t in there):
+                    (one, before), (two, other) = _beside(drawn, edge, *place)
+                    unsure[way] |= close
+                    if min(before, other) > 0:
+                        continue
+                    if before == other == 0:
+                        seen = _bend_seen(mesh, one, two, view, projection)
+                        if seen >= max(5, abs(out[way][1])):
+                            out[way] = share, -seen if smooth else seen
+                        continue
                 covers = [behind - COVER * pixel for number, behind, *_, screen, t in there if number >= 0 and (
                     piece[number, t] != at_point[corner[0]] or _turn(screen) * turn < 0)]
                 covered = len(covers) == 2 and min(covers) > 0
