@@ -25,7 +25,8 @@ class Kept:
 
     def __init__(self, light=None):
         """light: the lamps.Kept that it is to share."""
-        self.meshes, self.light, self.images = meshes.Kept(), light or lamps.Kept(), pictures.Images()
+        self.meshes, self.light = meshes.Kept(), light or lamps.Kept()
+        self.images = self.light.images
 
     def update(self, depsgraph):
         """Forgets what has another shape since the last evaluation. (An engine that has just been made is told of
@@ -158,7 +159,7 @@ class Scene:
         wanted = ["depth", "object", "material", "style", "marks", "shading", *settings.rastered]
         lit = np.zeros((*size[::-1], 3), np.float32) if self.shines else None
         maps, looks, diffuse, through = yield from self._front(view, projection, frame, size, wanted, clip, sharp, lit)
-        instance = maps["object"].astype(np.int32)
+        instance = maps["object"].astype(np.intp)
         there = instance > 0
         layers = {"normal": maps["shading"], "marks": maps["marks"]}
         layers |= {name: maps[name][..., None] for name in ("depth", "material", "style")}

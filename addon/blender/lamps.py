@@ -8,7 +8,7 @@ import numpy as np
 from ..pen.irradiance import polynomials
 from ..pen.job import EVERY_SET, Bend, Lamp
 from ..pen.scene import Scene
-from . import cutouts, trees, versions, wanted, worlds
+from . import cutouts, pictures, trees, versions, wanted, worlds
 
 _KINDS = {"SUN": "sun", "POINT": "point", "SPOT": "spot", "SQUARE": "rectangle", "RECTANGLE": "rectangle",
           "DISK": "ellipse", "ELLIPSE": "ellipse"}
@@ -17,7 +17,8 @@ _MOST_SETS, _MOST_BENDS = 64, 64
 
 @dataclass
 class Kept:
-    """What the library keeps of a scene from one Light to the next: trees of triangles that are still the same."""
+    """What is kept of a scene from one Light to the next: trees of triangles that are still the same, and the pictures
+    of its materials."""
 
     scene: Scene = field(default_factory=Scene)
     geometry: dict = field(default_factory=dict)  # (shape of triangles, how solid) -> number in the scene
@@ -26,6 +27,7 @@ class Kept:
     numbered: int = 0                             # geometries so far
     placed: int = 0                               # instances in the scene
     lamps: int = 0
+    images: pictures.Images = field(default_factory=pictures.Images)
 
 
 _between = {}  # (scene, view layer) -> Kept, from one frame to the next
@@ -37,6 +39,7 @@ def between(engine, depsgraph):
         return None
     kept = _between.setdefault((depsgraph.scene.name_full, depsgraph.view_layer.name), Kept())
     kept.told.clear()  # nobody says which images have changed
+    kept.images.keep_files()
     return kept
 
 

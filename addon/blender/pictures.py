@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's images: their values, and pictures that programs of materials look into, with levels of detail."""
 
+import hashlib
+import os
+
 import bpy
 import numpy as np
 
@@ -41,6 +44,21 @@ def still(node):
     return image
 
 
+def _origin(image):
+    """By what the pixels of an image are those of its file; None: they may be others, or may change untold."""
+    if image.source != "FILE" or image.is_dirty:
+        return None
+    how = image.colorspace_settings.name, image.alpha_mode
+    if image.packed_file:
+        return *how, hashlib.sha256(image.packed_file.data).digest()
+    path = bpy.path.abspath(image.filepath, library=image.library)
+    try:
+        file = os.stat(path)
+    except OSError:
+        return None
+    return *how, path, file.st_size, file.st_mtime_ns
+
+
 class Images:
     """Pictures as programs look into them, kept from one reading of the scene to the next."""
 
@@ -50,12 +68,18 @@ class Images:
     def drop(self, names):
         self._known = {key: known for key, known in self._known.items() if ("Image", key[0]) not in names}
 
+    def keep_files(self):
+        """Forgets all but images of files that are as they were, where nobody has told what has changed."""
+        now = {image.name_full: image for image in bpy.data.images}
+        self._known = {key: known for key, known in self._known.items()
+                       if known[2] and key[0] in now and known[2] == _origin(now[key[0]])}
+
     def get(self, image, wrap):
         """The job.Picture of a Blender image."""
         key = image.name_full, image.colorspace_settings.name, tuple(image.size)
         now = _turns.get(image.name_full, 0)
         if key not in self._known or self._known[key][0] != now:
-            self._known[key] = now, _levels(_pixels(image))
+            self._known[key] = now, _levels(_pixels(image)), _origin(image)
         texels, width, height, levels = self._known[key][1]
         return Picture(texels, width, height, levels, wrap)
 

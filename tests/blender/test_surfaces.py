@@ -79,3 +79,10 @@ def test_ink_is_of_the_same_colour_in_every_working_space(render):
 
 def picture(path):
     return oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT)[..., :3]
+
+
+def test_frames_share_pictures_of_files_that_are_as_they_were(render):
+    facts = render("pictures_of_files").facts
+    (kept,), (values,) = facts["kept"], facts["values"]
+    assert kept == [False, True, False, False, True, False, False, True]
+    assert values[:2] == [0, 0] and values[2:5] == [1, 1, 1] and values[5:] == [0, 0, 0]

@@ -5,6 +5,8 @@ import os
 from math import radians
 
 import bpy
+import numpy as np
+from encre.blender import pictures
 from mathutils import Matrix, Vector
 from studio import cube, fact, link, material, shoot, stage
 
@@ -115,3 +117,41 @@ def wide(out):
             setattr(owner, name, value)
         scene.render.filepath = os.path.join(out, f"{space}.png")
         bpy.ops.render.render(write_still=True)
+
+
+def pictures_of_files(out):
+    """Of an image: whether its picture is still there for the next frame, and its first value, as it is, painted,
+    saved, written anew by another, and in the file."""
+    image = bpy.data.images.new("Sheet", 4, 4)
+    image.filepath_raw, image.file_format = f"{out}-sheet.png", "PNG"
+    image.save()
+    image.source = "FILE"
+    known, kept, values = pictures.Images(), [], []
+
+    def look():
+        pictures.turn()
+        known.keep_files()
+        kept.append(bool(known._known))
+        values.append(float(known.get(image, "repeat").texels[0, 0]))
+
+    def paint(grey):
+        image.pixels.foreach_set(np.full(4 * 4 * 4, grey, np.float32))
+        image.update()
+
+    look()
+    look()
+    paint(1)
+    look()
+    image.save()
+    look()
+    look()
+    other = image.copy()
+    other.pixels.foreach_set(np.full(4 * 4 * 4, 0, np.float32))
+    other.save()
+    image.reload()
+    look()
+    image.pack()
+    look()
+    look()
+    fact("kept", kept)
+    fact("values", values)
