@@ -41,10 +41,11 @@ wires, crossing hairs, the windows of a city, stairs, railings, columns with col
 close before one another, tips, balls that touch, columns of basalt, leaves cut out by alpha, bevels near and far, rocks
 with faces of all bends, pipes that bend, meshes that stand in each other, boxes that share planes, bolts, gears, window
 bars, corrugated sheets, cloths of narrow strips, flush pieces; for FINE eleven are also moved by three fractions of a
-pixel. Of the last twelve our rasteriser tells what bends and ends, as it does in Blender. The filter is Blackman and Harris's.
-A bend within 2.5 pixels is one; lines between colours that lie closer than 10 pixels may thin out, and a fold beside a
-strip of less than 3 pixels, with less than 6 pixels of it at the end, be left out. So may one side of a slit under 2
-pixels, and the contour behind which the same mesh goes on, where another contour of it runs along it within 3.4 pixels.
+pixel. Of the last twelve our rasteriser tells what bends and ends, as it does in Blender. The filter is Blackman and
+Harris's. A bend within 2.5 pixels is one; lines between colours that lie closer than 10 pixels may thin out, and a fold
+beside a strip of less than 3 pixels, with less than 6 pixels of it at the end, be left out. So may one side of a slit
+under 2 pixels, and the contour behind which the same mesh goes on, where another contour of it runs along it within 3.4
+pixels.
 Faults that these scenes showed were cured since: on rocks and pipes folds close beside an outline were dashed, and the
 two rims of a collar met in knots.
 
