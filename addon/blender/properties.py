@@ -187,7 +187,7 @@ def _classes():
     params = library.params().values()
     style = _class("EncreStyle", {
         "name": bpy.props.StringProperty(name="Name", default="Style", update=_style_renamed),
-        "called": bpy.props.StringProperty(options={"HIDDEN"}, update=_changed),  # the name that users of the style know
+        "called": bpy.props.StringProperty(options={"HIDDEN"}, update=_changed),  # what its users know
         **{p.id: _property(p) for p in params if p.scope == "surface"},
         "active_level": bpy.props.IntProperty(options={"HIDDEN"}, update=_changed),
     })
