@@ -264,13 +264,13 @@ beat ISA(beat_of)(const fine *n, const spots *p, uint32_t i, float length)
 	/* as many on both sides, or the mean lies elsewhere */
 	int each = left < count - 1 - left ? left : count - 1 - left;
 	uint32_t a = on[0], b = on[count - 1];
-	float far = 0, place = 0, best = 0;
-	/* along the one that is nearest, and least unsteady: a straight line has one all along */
+	float far = 0, place = 0, best = -INFINITY;
+	/* along the one that is nearest, and least unsteady: a straight line has one all along, a small ring none */
 	ways w;
 	along_ways(p, on, count, left - each, left + each, &w);
 	for (int k = 0; k < WAYS; k++) {
 		float score = w.net[k] - 2 * (w.all[k] - w.net[k]);
-		if (score > best || !far) {
+		if (score > best) {
 			best = score;
 			far = w.net[k];
 			place = w.sum[k] / (float)(2 * each + 1);
