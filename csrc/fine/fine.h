@@ -355,6 +355,7 @@ int32_t ISA(fine_drop_beside)(fine *n);
  */
 bool ISA(picture_agrees)(const fine *n, const site *a, const site *b);
 bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, float x, float y);
+bool ISA(picture_corner)(const fine *n, const site *a, const site *b, float x, float y);
 
 /* forms.c: thins lines of forms out that are short or faint, as wholes, and edges inside small things. */
 int32_t ISA(fine_ease_forms)(fine *n);

@@ -14,7 +14,7 @@ from reference.passes import NUMBER, Table
 LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, links=6000, ties=40, eyes=40, smooth=4000, crowded=1300,
              parted=30, folds=30, rungs=30, slender=300, tapers=50, led=1000, corners=100, beside=150, rounds=30,
              spurs=80,
-             short=20, eased=350, thinned=80)  # found over all cases
+             short=20, closed=6, eased=350, thinned=80)  # found over all cases
 
 
 class Check:
@@ -202,9 +202,13 @@ def drop(check):
     params, style = check.c.view.params, check.c.view.layers.style
     least = params.at("line_min_length", style[last.site["near_y"], last.site["near_x"]])
     numbers = view.layers.object if "object" in view.given else None
-    gone, unsure = chains.short(last, least * check.scale, check.shape, numbers)
+    gone, unsure, share = chains.short(last, least * check.scale, check.shape, numbers)
+    after = check.tables("drop short")[0]
     check.count["short"] += len(gone)
-    check.alike("short", gone, dropped(last, check.tables("drop short")[0]), unsure)
+    check.alike("short", gone, dropped(last, after), unsure)
+    left = ~after.dropped
+    check.count["closed"] += int((left & (share < 1)).sum())
+    assert after.site["eased"][left] == pytest.approx((255 - share * (255 - last.site["eased"]))[left], abs=0.51)
 
 
 def ease(check):

@@ -253,3 +253,15 @@ def test_of_contours_close_together_one_may_be_left_out(boards, columns, faint):
     asked = truth.take(truth.required("all"))
     for (x, y), want in ((np.stack([asked.x, asked.y]), columns), (truth.faint.T, faint)):
         assert np.allclose(np.unique(x[abs(y - 29) < 3].round(2)), want)
+
+
+@pytest.mark.parametrize("defect", ["none", "gone", "horn"])
+def test_equal_spots_are_drawn_alike(defect):
+    scene = kinds.spots()
+    t = measure.ideal(replace(scene.truth, narrow=np.zeros_like(scene.truth.narrow)))
+    x, y = np.rint(scene.spots[4][0][0]).astype(int)
+    if defect == "gone":
+        t[y - 6:y + 7, x - 6:x + 7] = 0
+    if defect == "horn":
+        t[y + 3:y + 6, x + 2] = 1
+    assert verdict.kept("alike", measure.alike(t, scene.spots)) == (defect == "none")

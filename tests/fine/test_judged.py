@@ -40,7 +40,7 @@ def test_fine_keeps_them_on_scenes_that_it_was_not_tuned_on(first, count):
     assert verdict.broken(verdict.judge(pages.drawer("FINE"), fresh, full=False)) == {}
 
 
-SHORT = {"facets", "through", "collars", "discs"}  # in a second or two each
+SHORT = {"facets", "through", "collars", "discs", "spots"}  # in a second or two each
 
 
 @pytest.mark.parametrize("name", [name if name in SHORT else pytest.param(name, marks=pytest.mark.long)

@@ -36,16 +36,16 @@ for a thing as wide as rays find it: what a line lacks of that, or has too much,
 KINDS = """
 ## Scenes of other kinds
 
-Drawn after the last constant of FINE was chosen (`tests/judge/kinds.py`): slabs three pixels high, thin shadows, level
-wires, crossing hairs, the windows of a city, stairs, railings, columns with collars, louvres, spiral stairs, plates
-close before one another, tips, balls that touch, columns of basalt, leaves cut out by alpha, bevels near and far, rocks
-with faces of all bends, pipes that bend, meshes that stand in each other, boxes that share planes, bolts, gears, window
-bars, corrugated sheets, cloths of narrow strips, flush pieces; for FINE eleven are also moved by three fractions of a
-pixel. Of the last twelve our rasteriser tells what bends and ends, as it does in Blender. The filter is Blackman and
-Harris's. A bend within 2.5 pixels is one; lines between colours that lie closer than 10 pixels may thin out, and a fold
-beside a strip of less than 3 pixels, with less than 6 pixels of it at the end, be left out. So may one side of a slit
-under 2 pixels, and the contour behind which the same mesh goes on, where another contour of it runs along it within 3.4
-pixels.
+Drawn after the last constant of FINE was chosen (`tests/judge/kinds.py`): slabs three pixels high, thin shadows,
+level wires, crossing hairs, the windows of a city, stairs, railings, columns with collars, louvres, spiral stairs,
+plates close before one another, tips, balls that touch, columns of basalt, leaves cut out by alpha, bevels near and
+far, rocks with faces of all bends, pipes that bend, meshes that stand in each other, boxes that share planes, bolts,
+gears, window bars, corrugated sheets, cloths of narrow strips, flush pieces, small round spots; for FINE eleven are
+also moved by three fractions of a pixel. Of the last twelve in the table our rasteriser tells what bends and ends, as
+it does in Blender. The filter is Blackman and Harris's. A bend within 2.5 pixels is one; lines between colours that
+lie closer than 10 pixels may thin out, and a fold beside a strip of less than 3 pixels, with less than 6 pixels of it
+at the end, be left out. So may one side of a slit under 2 pixels, and the contour behind which the same mesh goes on,
+where another contour of it runs along it within 3.4 pixels.
 Faults that these scenes showed were cured since: on rocks and pipes folds close beside an outline were dashed, and the
 two rims of a collar met in knots.
 

@@ -13,7 +13,7 @@ from .meshes import Mesh, quad
 from .meshes import box as hull
 from .scene import Light, Scene
 from .scenes import COLORS, SUN, turned
-from .shapes import Cone, HalfSpace, Solid, across, ball, box, cone, ground, polygon, unit
+from .shapes import Cone, HalfSpace, Solid, across, ball, box, cone, disc, ground, polygon, unit
 from .told import Told, bevelled, grid, grown, hung, joined, outward, prism, rock, tube, wheel, zigzag
 
 CROWD = 10  # pixels between boundaries of colours, below which their lines thin out
@@ -175,6 +175,22 @@ def discs(**more):
         z += before + 0.015
         solids.append(cone((x, y, z - 0.015), (0, 0, 1), radius, radius, 0.015))
     return Scene(look([0.15, 1.25, 6.0], [0, 1.2, 0], roll=0.05, **more), coloured(solids), FLAT)
+
+
+def spots(**more):
+    """Rows of equal round spots, dark and light, each at another place of its pixel."""
+    wall, rng, groups = box((9, 7, 0.2), (0, 0, -0.1), turned(0)), np.random.default_rng(7), []
+    wall.color, front = np.array([0.35, 0.4, 0.3]), max(range(6), key=lambda part: wall.parts[part].n[2])
+    for row, radius in enumerate((1.75, 2.0, 2.5, 3.0, 3.5, 4.0)):
+        for side, color in ((-1, (0.05, 0.05, 0.06)), (1, (0.9, 0.88, 0.8))):
+            middle = [np.array([side * (0.4 + 0.36 * k), 1.9 - 0.75 * row, 0]) for k in range(7)]
+            middle = [at + (*rng.uniform(-0.01, 0.01, 2), 0) for at in middle]
+            groups.append((np.array(middle), radius))
+            for at in middle:
+                disc(wall, front, at, radius / 60, np.array(color))
+    scene = Crowded(look([0, 0, 6], [0, 0, 0], **more), [wall], FLAT)
+    scene.spots = [(np.stack(scene.camera.project(at, scene.size)[:2], 1), radius) for at, radius in groups]
+    return scene
 
 
 def tips(**more):
@@ -355,7 +371,7 @@ def flush(**more):
 
 
 ANALYTIC = {f.__name__: f for f in (tops, shadows, wires, hairs, city, stairs, railing, collars, louvres, spiral, discs,
-                                    tips, balls, basalt)}
+                                    spots, tips, balls, basalt)}
 MESHES = {f.__name__: f for f in (leaves, bevels, facets, elbow, through, coincident, bolts, gears, lattice,
                                   corrugated, cloth, flush)}
 MOVED = {"leaves", "bevels", "facets", "elbow", "through", "coincident", "bolts", "tops", "shadows", "collars",

@@ -183,6 +183,16 @@ def stillness(frames, truths):
     return float(flicker(frames) / flicker([ideal(truth, drawn=inked(ever, truth)) for truth in truths]))
 
 
+def alike(t, spots):
+    """How much the ink of equal spots differs, of its mean: the most of all groups (places in pixels, radius)."""
+    rows, columns = np.indices(t.shape)
+    worst = 0.0
+    for places, radius in spots:
+        ink = [t[np.hypot(columns - x, rows - y) < radius + 4].sum() for x, y in places]
+        worst = max(worst, float((np.max(ink) - np.min(ink)) / max(np.mean(ink), 1e-9)))
+    return worst
+
+
 # The eight ways to rotate and mirror a frame
 SYMMETRIES = [(turn, mirror) for turn in range(4) for mirror in (False, True)]
 

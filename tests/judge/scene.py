@@ -98,6 +98,7 @@ class Scene:
     solids: list
     light: Light
     size: tuple = (300, 400)  # rows, columns
+    spots = ()  # groups of equal ones: (their places in pixels, their radius)
 
     def __post_init__(self):
         self._averages = {}  # by filter

@@ -23,7 +23,8 @@ LIMITS = {
     "place p95": (None, 0.25), "place max": (None, 0.8), "evenness": (0.98, None), "once": (0.995, None),
     "steady": (0.95, None), "whole outline": (0.999, None), "whole crease": (0.995, None),
     "whole color": (0.995, None), "whole light": (0.995, None),
-    "stray": (None, 0.0002), "width 1": (0.9, 1.1), "width 2": (1.9, 2.1), "width 4": (3.9, 4.1), "width 8": (7.9, 8.1),
+    "stray": (None, 0.0002), "alike": (None, 0.15),
+    "width 1": (0.9, 1.1), "width 2": (1.9, 2.1), "width 4": (3.9, 4.1), "width 8": (7.9, 8.1),
     "still": (None, 1.1), "fair": (None, 0.002), "calm": (None, 0.0005),
 }
 
@@ -115,7 +116,10 @@ def judge(draw, scenes, filters=("box", "blackman"), full=True, moves=True):
     for name, scene in scenes.items():
         for filter in filters:
             layers = scene.layers(filter)
-            found = _lines(draw(layers, scene.camera_settings, **PARAMS), scene.truth)
+            t = draw(layers, scene.camera_settings, **PARAMS)
+            found = _lines(t, scene.truth)
+            if scene.spots:
+                found["alike"] = measure.alike(t, scene.spots), 1
             if full:
                 more = widths(draw, scene, layers) | fair(draw, scene, layers) | calm(draw, scene, filter)
                 found |= {promise: (value, 1) for promise, value in more.items()}

@@ -145,8 +145,9 @@ def short(t, least, shape, numbers):
     """Sites of chains that begin and end in the open and are shorter than `least`, by site, at their first end;
     outlines, between `numbers` of things, and marks are none, but for contours that the mesh alone tells; cracks by
     themselves likewise; and of what goes round a colour, some of it weak, and is shorter than twice that at a weak one,
-    or round light and four times; unsure."""
-    gone, unsure = set(), set()
+    or round light and four times, or round a colour and 6.5 pixels; unsure; and of all which share of the width is
+    left: less than 1 where they go round a colour in less than 9.5 pixels."""
+    gone, unsure, share = set(), set(), np.ones(len(t))
     row, column = t.site["row"], t.site["column"]
     beyond = ((row + (t.site["axis"] != ROW)).clip(0, shape[0] - 1),
               (column + (t.site["axis"] != COLUMN)).clip(0, shape[1] - 1))
@@ -179,6 +180,10 @@ def short(t, least, shape, numbers):
         weak, times = [i for i in run[1:] if t.site["weak"][i] or rank == LIGHT], 2 if rank == COLOR else 4
         if any(abs(length - times * least[i]) < CLOSE * len(run) for i in weak):
             unsure |= set(run)
-        if any(length < times * least[i] for i in weak):
+        left = (length - 6.5) / 3 if rank == COLOR else 1
+        if abs(left) < CLOSE * len(run):
+            unsure |= set(run)
+        if left <= 0 or any(length < times * least[i] for i in weak):
             gone |= set(run)
-    return gone, unsure
+        share[run] = min(left, 1)
+    return gone, unsure, share

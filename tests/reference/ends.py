@@ -57,6 +57,16 @@ class Picture:
         return min(margins)
 
 
+    def corner(self, a, b, corner):
+        """0 or more: sides of a colour meet in the corner, for halfway to it from between the ends half of what the
+        wedge is wide there, at most half a pixel, shows what lies within."""
+        middle, way = (a + b) / 2, corner - (a + b) / 2
+        aside = 1.5 * way / np.hypot(*way)
+        inside, outside, between = (bilinear(self.linear[COLOR], middle + off) for off in (-aside, aside, way / 2))
+        least = min(np.hypot(*(b - a)), 2) / 4 * (inside - outside) @ (inside - outside)
+        return (between - outside) @ (inside - outside) - least
+
+
 def bilinear(image, at):
     height, width = image.shape[:2]
     x, y = np.clip(at[0], 0, width - 1), np.clip(at[1], 0, height - 1)
@@ -148,19 +158,36 @@ def _join(t, a, b, picture, doubt):
     if form:
         return None
     sine = a.way[0] * b.way[1] - a.way[1] * b.way[0]
-    if abs(sine) < 0.25:
-        return None
-    u = (gap[0] * b.way[1] - gap[1] * b.way[0]) / sine
-    v = (gap[0] * a.way[1] - gap[1] * a.way[0]) / sine
-    cost, corner = max(u, v), t.at[i] + u * a.way
-    if min(u, v) < -0.5 - CLOSE or cost > 10 + CLOSE:
+    meet = -1.0
+    if abs(sine) >= 1e-9:
+        u = (gap[0] * b.way[1] - gap[1] * b.way[0]) / sine
+        v = (gap[0] * a.way[1] - gap[1] * a.way[0]) / sine
+        cost, corner = max(u, v), t.at[i] + u * a.way
+        meet = min(abs(sine) - 0.25, min(u, v) + 0.5, 10 - cost)
+    if low == high == COLOR and length <= 3:  # what is small and round turns faster than its ends tell
+        shown = min(meet, picture.corner(t.at[i], t.at[j], corner) if meet >= -CLOSE else -1.0)
+        if abs(shown) < CLOSE:
+            doubt.update((i, j))
+        if shown < 0:
+            agrees = picture.agrees(COLOR, t.at[i], t.at[j])
+            around = _around(t, i, j)
+            if abs(agrees) < CLOSE or abs(around - np.pi / 2 * length) < CLOSE:
+                doubt.update((i, j))
+            return (length / 2, None) if agrees >= 0 and around > np.pi / 2 * length else None
+    if meet < -CLOSE:
         return None
     plain = min(4 - cost, abs(sine) - 0.34)
     margin = min(max(plain, plain if plain > CLOSE else picture.wedge(high, t.at[i], t.at[j], corner)),
-                 min(u, v) + 0.5, 10 - cost, -_barred(t, i, corner), -_barred(t, j, corner))
+                 meet, -_barred(t, i, corner), -_barred(t, j, corner))
     if abs(margin) < 10 * CLOSE:
         doubt.update((i, j))
     return (cost, corner) if margin >= 0 else None
+
+
+def _around(t, i, j):
+    """How long the way from one end to another is along their chain; infinite: they are of two."""
+    run = t.walk(i, t.links[i][0])
+    return sum(t.apart(*pair) for pair in zip(run, run[1:])) if run[-1] == j else np.inf  # noqa: B905
 
 
 def lead_on(t, layers, params):

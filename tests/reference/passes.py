@@ -93,13 +93,15 @@ def owned(t, family):
 # Links: cracks join the two that cut a square of four pixel centres, ridges what is within 1.6 pixels and goes its way
 
 
-def _kin(t, i, j, reach):
+def _kin(t, i, j):
+    """Steps of a colour may be 2 pixels apart where one is in a row and the other in a column."""
     along = t.axis[i] == t.axis[j] and t.step[i] @ t.step[j] < 0
+    reach = 2 if t.family[i] == NUMBER["color"] and t.axis[i] != t.axis[j] else 1.6
     return t.family[i] == t.family[j] and not t.dropped[j] and not along and t.apart(i, j) <= reach
 
 
-def close_sites(t, i, reach=1.6):
-    return [j for j, _ in t.within(i, reach) if _kin(t, i, j, reach)]
+def close_sites(t, i):
+    return [j for j, _ in t.within(i, 2) if _kin(t, i, j)]
 
 
 def weak(t, family):
@@ -216,7 +218,8 @@ def ridge_links(t):
                 continue
             detours = [k for k in own if k != j and k in near[j]]
             margins = [t.apart(i, j) - max(t.apart(i, k), t.apart(k, j)) for k in detours]
-            if any(0 < abs(m) < CLOSE for m in margins) or any(abs(t.apart(i, j) - 1.6) < CLOSE for _ in (0,)):
+            margins += [t.apart(i, j) - reach for reach in (1.6, 2)]
+            if any(0 < abs(m) < CLOSE for m in margins):
                 unsure.add((i, j))
             if not any(order(i, k) < order(i, j) and order(k, j) < order(i, j) for k in detours):
                 pairs.add((i, j))

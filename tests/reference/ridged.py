@@ -208,9 +208,9 @@ def turns(layer, row, column, axis):
     return float((back > 0).sum() / (sum(far) + 1)), bool((np.abs(back) < SURE * size).any())
 
 
-def _light_width(v, way):
-    """How wide a stripe of light is in pixels, by seven values: the outer two of five may be a part of it."""
-    v = v[:, 0] * way
+def _width(v, e):
+    """How wide a stripe that stands out by e is, by seven values: the outer two of five may be a part of it."""
+    v = v @ e / np.linalg.norm(e)
     base = [min(v[near], v[far]) if v[near] < v[inner] else v[near] for inner, near, far in ((2, 1, 0), (4, 5, 6))]
     ground = np.interp(np.arange(7), (0, 6), base)
     return (v - ground)[1:6].sum() / (v - ground)[3]
@@ -237,14 +237,15 @@ def band_site(view, layer, row, column, axis):
                  more(c[1], 1.5 * np.linalg.norm(v[4] - v[0])))
     if layer.name.endswith("color"):
         margin = min(margin, -_among_alike(layer, row, column, axis))
-    width = _light_width(seven, 1 if e[0] > 0 else -1) if layer.name == "light" and margin >= -SURE else 0
-    margin = min(margin, more(2.25, width))
+    width = _width(seven, e) if faint and margin >= -SURE else 0
+    if layer.name == "light" or weak:
+        margin = min(margin, more(2.25 if layer.name == "light" else 3.1, width))
     if margin < -SURE:
         return None
     family = layer.name + "_band"
     place = _put(row, column, axis, (c[2] - c[0]) / area)
     doubtful = faint and min(abs(more(area, 2.05 * c[1])), abs(more(width, 2.05))) < SURE
-    weak |= width > 2.05
+    weak |= layer.name == "light" and width > 2.05
     if layer.name.endswith("normal"):
         strength = float(clamp01((area - layer.floor) / (0.37 * view.bend)))
     elif layer.name == "light":

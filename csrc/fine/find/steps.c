@@ -64,16 +64,16 @@ static float share(const float *value, const float *first, const float *second, 
 	return square > 0 ? clamp01(dot / square) : 0.5f;
 }
 
-/* Colours in the space of the metric. */
-static void encode(const fine *n, float (*value)[3])
+/* `count` colours, at most 8, in the space of the metric. */
+static void encode(const fine *n, float (*value)[3], int count)
 {
 	enum { RUN = 8 }; /* as many at once take less time than five */
 	float plane[3][RUN];
 	for (int k = 0; k < RUN; k++)
 		for (int c = 0; c < 3; c++)
-			plane[c][k] = value[k < 5 ? k : 4][c];
+			plane[c][k] = value[k < count ? k : count - 1][c];
 	ISA(metric_space)(n->e->p->contrast_metric, RUN, plane[0], plane[1], plane[2]);
-	for (int k = 0; k < 5; k++)
+	for (int k = 0; k < count; k++)
 		for (int c = 0; c < 3; c++)
 			value[k][c] = plane[c][k];
 }
@@ -219,35 +219,42 @@ static float stripe_gain(const fine *n, const stripe *b)
  * so much samples of a pixel are off by. */
 static const float light_slack = 0.2f; /* test_fine_sites */
 
-/* How wide a stripe of light is, by what it lies on beyond the outer two of five values. value: of seven pixels. */
-static float light_width(float (*value)[3], const stripe *b)
+/* How wide a stripe is, by what it lies on beyond the outer two of five values, which may be a part of it. value: of
+ * seven pixels. */
+static float stripe_width(float (*value)[3], int planes, const stripe *b)
 {
-	float way = b->e[0] > 0 ? 1 : -1, base[2];
+	float along[7] = {0}, base[2];
+	for (int c = 0; c < planes; c++) {
+		float way = b->e[c] / b->area;
+		for (int k = 0; k < 7; k++)
+			along[k] += way * value[k][c];
+	}
 	for (int side = 0; side < 2; side++) {
-		float inner = way * value[side ? 4 : 2][0], near = way * value[side ? 5 : 1][0],
-		      far = way * value[side ? 6 : 0][0];
+		float inner = along[side ? 4 : 2], near = along[side ? 5 : 1], far = along[side ? 6 : 0];
 		base[side] = near < inner ? min(near, far) : near;
 	}
 	float area = 0;
 	for (int k = 1; k < 6; k++)
-		area += way * value[k][0] - mix(base[0], base[1], (float)k / 6);
-	return area / (way * value[3][0] - 0.5f * (base[0] + base[1]));
+		area += along[k] - mix(base[0], base[1], (float)k / 6);
+	return area / (along[3] - 0.5f * (base[0] + base[1]));
 }
 
-/* A stripe, narrow enough that its two boundaries are one line. value: of five pixels, of light of seven. */
+/* A stripe, narrow enough that its two boundaries are one line. value: of five pixels, of light and colours of seven.
+ */
 static bool band_site(const fine *n, const found *at, placed *s, float (*value)[3])
 {
 	const family_info *is = families + at->family;
 	int form = samples[is->sample].form, planes = samples[is->sample].planes;
 	stripe b;
 	if (form == FORM_COLOR)
-		encode(n, value);
+		encode(n, value - 1, 7);
 	if (!stripe_of((const float (*)[3])value, planes, n->floor[at->family], is->faint, &b))
 		return false;
-	if (form == FORM_COLOR && among_alike(n, is->sample, at))
+	if (form == FORM_COLOR &&
+	    ((b.weak && stripe_width(value - 1, planes, &b) > widest_weak) || among_alike(n, is->sample, at)))
 		return false;
 	if (form == FORM_LIGHT) {
-		float width = light_width(value - 1, &b);
+		float width = stripe_width(value - 1, planes, &b);
 		b.weak |= width > widest_band;
 		if (width > widest_band + light_slack)
 			return false;
@@ -318,7 +325,7 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 	bool band = families[at->family].kind == KIND_BAND;
 	int far[2], low = 0, high = 4;
 	/* what outdoes a step is looked for farther, and what a stripe of light lies on */
-	int reach = (form == FORM_VECTOR && !band) || (form == FORM_LIGHT && band) ? 3 : 2;
+	int reach = (form == FORM_VECTOR) != band ? 3 : 2;
 	if (form == FORM_LIGHT && is_nothing(n, at->column, at->row))
 		return false;
 	read_along(n, source, at, reach, around, far);
@@ -335,7 +342,7 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 	int style = fine_style(n, at, s);
 
 	if (form == FORM_COLOR)
-		encode(n, value);
+		encode(n, value, 5);
 	/* where a surface turns away it turns ever faster: the slope up to the last pixel, or to what goes back, goes
 	 * on at least as steeply */
 	int back = form == FORM_VECTOR ? outdone((const float (*)[3])around + reach, far) : 0;

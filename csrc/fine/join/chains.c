@@ -76,19 +76,26 @@ static bool is_lone(const fine *n, uint32_t i)
 	return lone && links_at(n, i) == 0 && !is_meant(n, s) && least_length(n->f, s) > 0 && !at_border(n->f, s);
 }
 
-/* Whether a line that goes round little may begin there: of a colour where it is weak, for of joints between bricks far
- * away one here and there is strong enough; of light anywhere, for each stone has its brightest spot. */
+/* Pixels round: closed lines of that length are as wide as others, and gone; test_spots */
+static const float full_round = 9.5f, least_round = 6.5f;
+
+/* Whether a line that goes round little may begin there: of a colour, where one that is weak goes round more, for of
+ * joints between bricks far away one here and there is strong enough; of light, for each stone has its brightest spot.
+ */
 static bool may_go_round(const site *s)
 {
-	return !s->linked.dropped && ((rank_of(s) == RANK_COLOR && s->placed.weak) || rank_of(s) == RANK_LIGHT);
+	return !s->linked.dropped && (rank_of(s) == RANK_COLOR || rank_of(s) == RANK_LIGHT);
 }
 
-/* Drops what goes round less than twice the least length of a colour, or four times that of light. */
+/* Drops what goes round less than twice the least length of a weak colour, or four times that of light. A colour that
+ * closes within a few pixels, which these may show or miss, comes in by degrees. */
 static void drop_ring(const fine *n, uint32_t i)
 {
 	int rank = rank_of(n->site + i);
-	float most = (rank == RANK_LIGHT ? 4 : 2) * least_length(n->f, n->site + i), length = 0;
-	uint32_t from = UINT32_MAX, at = i, sites = 0, next;
+	float times = rank == RANK_LIGHT ? 4 : n->site[i].placed.weak ? 2 : 0;
+	float least = times * least_length(n->f, n->site + i),
+	      most = rank == RANK_COLOR ? max(least, full_round) : least, length = 0;
+	uint32_t from = UINT32_MAX, at = i, first = i, sites = 0, next;
 	do {
 		if (rank_of(n->site + at) != rank || links_at(n, at) != 2)
 			return;
@@ -97,12 +104,18 @@ static void drop_ring(const fine *n, uint32_t i)
 		sites++;
 		from = at;
 		at = next;
+		first = at < first ? at : first;
 		/* what goes round is twice as long as it is far across, but for rounding */
 	} while (at != i && length < most && apart2(n->site + i, n->site + at) < 0.26f * most * most);
 	if (at != i || length >= most)
 		return;
+	float share = length < least ? 0 : first == i ? (length - least_round) / (full_round - least_round) : 1;
 	for (; sites > 0; sites--) {
-		n->site[at].linked.dropped = true;
+		site *s = n->site + at;
+		if (share <= 0)
+			s->linked.dropped = true;
+		else if (share < 1)
+			s->placed.eased = (uint8_t)(255 - share * (float)(255 - s->placed.eased) + 0.5f);
 		next = next_of(n, from, at);
 		from = at;
 		at = next;

@@ -101,6 +101,20 @@ static bool barred(const fine *n, const site *s, float x, float y)
 	return false;
 }
 
+/* Whether two ends are of one chain that goes round no more than half a circle: it would be drawn twice. */
+static bool goes_straight(const fine *n, uint32_t end, uint32_t other)
+{
+	const float half_round = 1.5707963f; /* times as long as it is across */
+	uint32_t from = end, at = n->to[n->at[end]], next;
+	float along = sqrtf(apart2(n->site + from, n->site + at));
+	while (at != other && (next = next_of(n, from, at)) != UINT32_MAX) {
+		along += sqrtf(apart2(n->site + at, n->site + next));
+		from = at;
+		at = next;
+	}
+	return at == other && along <= half_round * sqrtf(apart2(n->site + end, n->site + other));
+}
+
 /* How two ends may be joined. */
 static bool join(const fine *n, const end *a, const end *b, pair *p)
 {
@@ -119,17 +133,18 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 	if (form)
 		return false;
 	float sine = a->dx * b->dy - a->dy * b->dx;
-	if (!(fabsf(sine) >= wedge_sine))
-		return false;
-	float u = (dx * b->dy - dy * b->dx) / sine, v = (dx * a->dy - dy * a->dx) / sine;
+	float u = (dx * b->dy - dy * b->dx) / sine, v = (dx * a->dy - dy * a->dx) / sine, cost = u > v ? u : v;
+	float x = s->placed.x + u * a->dx, y = s->placed.y + u * a->dy;
+	bool meet = fabsf(sine) >= wedge_sine && u >= ray_from && v >= ray_from && cost <= wedge_to;
+	/* What is small and round turns faster than its ends tell. */
+	if (rank == RANK_COLOR && length <= near_reach && !(meet && ISA(picture_corner)(n, s, t, x, y)))
+		return !goes_straight(n, a->site, b->site) && ISA(picture_agrees)(n, s, t);
 	p->corner = true;
-	p->cost = u > v ? u : v;
-	p->x = s->placed.x + u * a->dx;
-	p->y = s->placed.y + u * a->dy;
-	if (u < ray_from || v < ray_from || p->cost > wedge_to)
-		return false;
-	return ((p->cost <= ray_to && fabsf(sine) >= least_sine) || ISA(picture_wedge)(n, s, t, rank, p->x, p->y)) &&
-	       !barred(n, s, p->x, p->y) && !barred(n, t, p->x, p->y);
+	p->cost = cost;
+	p->x = x;
+	p->y = y;
+	return meet && ((cost <= ray_to && fabsf(sine) >= least_sine) || ISA(picture_wedge)(n, s, t, rank, x, y)) &&
+	       !barred(n, s, x, y) && !barred(n, t, x, y);
 }
 
 /* The cells in which an end may find something to tie to. */

@@ -7,6 +7,7 @@
 enum { CHUNK = 512, FEW = 4, EVEN_ROUNDS = 2 };
 
 static const float link_reach = 1.6f;  /* pixels; test_fine_passes */
+static const float turn_reach = 2.0f;  /* likewise, where the axis changes in which a colour steps; test_fine_passes */
 static const float most_uneven = 0.3f; /* test_fine_passes */
 
 /* ---- who is linked --------------------------------------------------------------------------------------- */
@@ -166,13 +167,14 @@ static bool close(const site *a, const site *b)
 {
 	if (a->found.axis == b->found.axis && step_dot(a, b) < 0)
 		return false;
-	return a->found.family == b->found.family && !b->linked.dropped && apart2(a, b) <= link_reach * link_reach;
+	float reach = a->found.family == FAMILY_COLOR && a->found.axis != b->found.axis ? turn_reach : link_reach;
+	return a->found.family == b->found.family && !b->linked.dropped && apart2(a, b) <= reach * reach;
 }
 
 int ISA(close_sites)(const fine *n, uint32_t i, uint32_t *to)
 {
 	const site *s = n->site + i;
-	near_sites of = near_site(n, s, link_reach);
+	near_sites of = near_site(n, s, turn_reach);
 	int found = 0;
 	for (uint32_t j; found < ROOM && near_next(n, &of, &j);)
 		if (j != i && close(s, n->site + j))

@@ -26,17 +26,23 @@ static bool bends(int rank)
 	return rank <= RANK_CREASE || rank == RANK_FORM;
 }
 
+static void look_at_colors(const fine *n, float x, float y, float *value)
+{
+	bool lit = n->e->p->color_layer == color_layer_LIT;
+	bilinear(n->f, lit ? ENCRE_LAYER_COMBINED : ENCRE_LAYER_ALBEDO, lit ? 4 : 3, x, y, value);
+}
+
 /* The layer that shows an edge of that rank, as it is compared; the last three are of a second one. */
 static void look(const fine *n, int rank, float x, float y, float *value)
 {
-	bool lit = n->e->p->color_layer == color_layer_LIT, seen = rank == RANK_SEEN;
+	bool seen = rank == RANK_SEEN;
 	if (seen) {
 		bilinear(n->f, ENCRE_LAYER_SEEN_COLOR, 3, x, y, value);
 		bilinear(n->f, ENCRE_LAYER_SEEN_NORMAL, 3, x, y, value + 3);
 	} else if (bends(rank))
 		bilinear(n->f, ENCRE_LAYER_NORMAL, 3, x, y, value);
 	else if (rank == RANK_COLOR)
-		bilinear(n->f, lit ? ENCRE_LAYER_COMBINED : ENCRE_LAYER_ALBEDO, lit ? 4 : 3, x, y, value);
+		look_at_colors(n, x, y, value);
 	else
 		bilinear(n->f, ENCRE_LAYER_DIFFUSE, 3, x, y, value);
 	for (int c = 0; (rank == RANK_COLOR || seen) && c < 3; c++)
@@ -87,4 +93,20 @@ bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, f
 			return false;
 	}
 	return true;
+}
+
+/* Two sides of a colour meet in a corner, and do not bend round, only if what they enclose reaches so far. Halfway from
+ * between the ends the wedge is half as wide as there, and a pixel holds so much of it; half of that tells. */
+bool ISA(picture_corner)(const fine *n, const site *a, const site *b, float x, float y)
+{
+	float mx = 0.5f * (a->placed.x + b->placed.x), my = 0.5f * (a->placed.y + b->placed.y), dx = x - mx,
+	      dy = y - my, length = sqrtf(dx * dx + dy * dy), wide = sqrtf(apart2(a, b));
+	float ox = beside * dx / length, oy = beside * dy / length;
+	float inside[3], outside[3], between[3], dot = 0;
+	look_at_colors(n, mx - ox, my - oy, inside);
+	look_at_colors(n, mx + ox, my + oy, outside);
+	look_at_colors(n, mx + 0.5f * dx, my + 0.5f * dy, between);
+	for (int c = 0; c < 3; c++)
+		dot += (between[c] - outside[c]) * (inside[c] - outside[c]);
+	return !(dot < 0.25f * min(wide, 2) * distance2(inside, outside, 3));
 }
