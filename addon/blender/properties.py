@@ -167,7 +167,7 @@ def _lists():
     return found
 
 
-def _style_renamed(style, context):
+def _style_renamed(style, _context):
     """No two styles have one name, and what used a style goes on doing so, as with Blender's vertex groups."""
     free = pens.free(style.name, {other.name for other in style.id_data.encre.styles if other != style})
     if free != style.name:
@@ -178,7 +178,6 @@ def _style_renamed(style, context):
         for block in (*bpy.data.objects, *bpy.data.materials):
             if block.encre.style == was and not block.library:
                 block.encre.style = style.name
-    _changed(style, context)
 
 
 @functools.cache  # 3.4 never lets go of a class that was registered: the same ones, then, each time

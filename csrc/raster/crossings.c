@@ -324,7 +324,7 @@ static void settle(const raster *r, int i, const band *b, flush *f)
 		float *crease = told_at(r, &way->at).crease;
 		if (seen == FLUSH_NOT)
 			pass(&m, &way->at);
-		else if (seen == FLUSH_GOES_ON && bend_degrees(bend) > fabsf(crease[1]))
+		else if (crease && bend_degrees(bend) > fabsf(crease[1])) /* which there is, where f is */
 			crease_told(crease, &way->at, m.bend < 0 ? -bend_degrees(bend) : bend_degrees(bend));
 	}
 	f->n = 0;

@@ -45,7 +45,7 @@ static float turns_by(const frame *f, const tone_slot *s, const tone_rest *rest,
 float ISA(tone_grown_beside_seam)(const frame *f, const tone_slot *s, const tone_rest *rest, int i, int x, int y)
 {
 	float here = lead_of(rest, i), steep = 0, grows[3];
-	if (!ISA(tone_near_seam)(rest, i))
+	if (here > most_ahead)
 		return 1;
 	for (int axis = 0; axis < 2; axis++)
 		steep += turns_by(f, s, rest, i, x, y, axis, grows);
