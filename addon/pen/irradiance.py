@@ -2,6 +2,8 @@
 """Light from all sides -> what falls on a matt surface by its normal: spherical harmonics up to order 2, which leave
 out about a hundredth of it (Ramamoorthi and Hanrahan 2001)."""
 
+import math
+
 import numpy as np
 
 # Of the harmonics in the order of encre_light_job.world: the factor before the polynomial, and the share of its order
@@ -29,12 +31,17 @@ def of_picture(picture: np.ndarray, rotation: np.ndarray | None = None) -> np.nd
     height, width = picture.shape[:2]
     elevation = np.pi * (0.5 - (np.arange(height) + 0.5) / height)
     turn = np.pi - 2 * np.pi * (np.arange(width) + 0.5) / width
-    level = np.cos(elevation)[:, None]
-    direction = np.stack([level * np.cos(turn), level * np.sin(turn),
-                          np.broadcast_to(np.sin(elevation)[:, None], (height, width))], -1)
+    level, rise = _each(math.cos, elevation)[:, None], _each(math.sin, elevation)[:, None]
+    direction = np.stack([level * _each(math.cos, turn), level * _each(math.sin, turn),
+                          np.broadcast_to(rise, (height, width))], -1)
     if rotation is not None:
         direction = direction @ rotation  # its inverse, applied to rows
     weight = level * (2 * np.pi / width) * (2 * np.sin(np.pi / 2 / height))
     color = np.nan_to_num(picture[..., :3].astype(np.float64), posinf=0, neginf=0) * weight[..., None]
     projected = np.einsum("yxk,yxc->kc", polynomials(direction), color)
     return projected * (_FACTOR ** 2 * _SHARE)[:, None]
+
+
+def _each(of, angles):
+    """numpy's own, up to 1.24, have last bits that depend on where an array lies: what is the same would look new."""
+    return np.array([of(angle) for angle in angles])

@@ -176,3 +176,7 @@ def test_frames_of_an_animation_share_what_has_not_changed(render):
     assert told.count(1) >= 3 and not {2, 3} & set(told)  # it moves, and is the same triangles
     assert same == [True, True, True] and moves == [True, True]
     assert facts["left"] == [0]
+
+
+def test_the_world_s_light_is_the_same_wherever_memory_lies(render):
+    assert render("of_the_world").facts["told"] == [1]

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 from encre.blender import lamps as light
 from encre.blender import properties
+from encre.pen import irradiance
 from encre.pen.scene import Scene
 from mathutils import Vector
 from studio import cube, exr, fact, link, material, passes_on, plane, register, shoot, sphere, world
@@ -276,3 +277,13 @@ def from_frame_to_frame(out):
     bpy.app.handlers.frame_change_post.remove(change)
     fact("same", [one.tobytes() == two.tobytes() for one, two in zip(drawn[:3], drawn[3:], strict=True)])
     fact("moves", [one.tobytes() != two.tobytes() for one, two in zip(drawn[:2], drawn[1:3], strict=True)])
+
+
+def of_the_world(_out):
+    """The light of one picture, told again and again while memory lies in other places."""
+    rng = np.random.default_rng(1)
+    picture, other, told = rng.random((64, 128, 4), np.float32), [np.empty(1)] * 50, set()
+    for _ in range(300):
+        other[rng.integers(len(other))] = np.empty(rng.integers(1, 3000))
+        told.add(irradiance.of_picture(picture).tobytes())
+    fact("told", len(told))
