@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ink along links: the union of discs whose centre, radius, darkness and depth run evenly from one site to the next. Of
  * a wide line each link draws only the pixels that lie before its own ends, as its neighbours draw the others. */
-#include "ink/discs.h"
-#include "ink/strips.h"
+#include "ink/capsules.h"
 #include "ink/tips.h"
 #include "ink/pen.h"
 #include "fine/near.h"
@@ -14,32 +13,6 @@
 static const float overlap = 1.0f;
 
 /* ---- drawing --------------------------------------------------------------------------------------------- */
-
-/* Pixels x with way_x * x + way_y * y >= from belong to the link. */
-typedef struct cut {
-	float way_x, way_y, from;
-} cut;
-
-/* Of a link whose line has bristles: across it, and what each bristle gives at its ends, a byte each. */
-typedef struct streaks {
-	float x, y, length; /* the way across times its length; 0 for a link without a way */
-	bool turned;        /* that goes from its second end to its first */
-	float count[2];
-	int last[2];
-	uint64_t ink[2];
-} streaks;
-
-typedef struct capsule {
-	const pen_end *a, *b;
-	uint32_t one, two;     /* their numbers */
-	const uint8_t *dry[2]; /* their bristles; NULL: none is dry */
-	streaks across;        /* if any is, or a picture lies along it */
-	strip_link strip;      /* of NULL: none does */
-	float dx, dy, inverse; /* from a to b; 1 / length^2, 0 for a site alone */
-	float reach;
-	int cuts;
-	cut cut[2];
-} capsule;
 
 static bool unit_of(float *x, float *y)
 {
@@ -117,10 +90,10 @@ static streaks streaks_of(const capsules *all, const capsule *e, const uint32_t 
 	float length = sqrtf(dx * dx + dy * dy);
 	bool turned = dx + steep * dy < 0, way = length > 1e-6f;
 	streaks b = {.x = turned ? -dx : dx, .y = turned ? -dy : dy, .length = way ? length : 0, .turned = turned};
-	for (int k = 0; k < 2; k++) {
+	for (int k = 0; k < 2 && e->dry[0]; k++) {
 		int n = (int)(k ? e->b : e->a)->bristles;
 		for (int i = 0; i < BRISTLES; i++)
-			b.ink[k] |= (uint64_t)(n && e->dry[0] ? e->dry[k][i] : 255) << (8 * i);
+			b.ink[k] |= (uint64_t)(n ? e->dry[k][i] : 255) << (8 * i);
 		b.count[k] = (float)(n ? n : 1);
 		b.last[k] = n ? n - 1 : 0;
 	}
@@ -222,56 +195,33 @@ static void span_of(const capsule *c, int y, int width, int *first, int *end)
 	*end = high < 0 ? 0 : high < (float)(width - 1) ? (int)high + 1 : width;
 }
 
-/* How far a place lies across the link, from one rim to the other. */
-static inline float across_at(const streaks *b, float px, float py, float half)
-{
-	float across = b->x * py - b->y * px, wide = b->length * half;
-	return clamp01(0.5f + 0.5f * (b->length > 0 && half > 0 ? across / wide : 0));
-}
-
-static inline float left_by(const streaks *b, float across, float s)
-{
-	float left[2];
-	for (int k = 0; k < 2; k++) {
-		int at = (int)(across * b->count[k]);
-		at = at < b->last[k] ? at : b->last[k];
-		left[k] = (float)(int32_t)(b->ink[k] >> (8 * at) & 255) / 255;
-	}
-	return mix(left[0], left[1], s);
-}
-
 /* What leaves some of a line white. */
 enum brush { SOLID, BRISTLY, STRIPED };
 
-/* What a strip and bristles leave of LANES pixels of a row, where the link may darken any. */
-static void striped_lanes(const capsule *e, float y, int x, const float *restrict dark, float *restrict left)
+/* Those of LANES pixels of a row that the link would darken more than they are, or as much if equals count. */
+static inline void pick(picked *p, int y, int x, const int32_t *restrict wins, const float *restrict most)
 {
-	float px[LANES], s[LANES], across[LANES], from = e->a->x, py = y - e->a->y, most = e->reach * e->reach;
-	int some = 0;
+	int n = p->n;
 	for (int k = 0; k < LANES; k++) {
-		px[k] = (float)(x + k) - from;
-		s[k] = clamp01((px[k] * e->dx + py * e->dy) * e->inverse);
-		float ex = px[k] - s[k] * e->dx, ey = py - s[k] * e->dy;
-		some |= (ex * ex + ey * ey < most) & (dark[k] < 1);
-		across[k] = across_at(&e->across, px[k], py, mix(e->a->out, e->b->out, s[k]));
+		p->most[n] = most[k];
+		p->place[n] = (uint32_t)y << 16 | (uint32_t)(x + k);
+		n += wins[k];
 	}
-	if (!some) {
-		memset(left, 0, LANES * sizeof *left);
-		return;
-	}
-	strip_left(&e->strip, px, py, s, across, left);
-	for (int k = 0; e->dry[0] && k < LANES; k++)
-		left[k] *= left_by(&e->across, across[k], s[k]);
+	p->n = n;
 }
 
 /* Called with constants each time. Where `owned` is true, who inked is remembered: among equals the nearest; only then
- * distance and owner are read. Where `papered` is false paper is as high as can be. */
-KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const bool owned, const bool papered,
-		     const enum brush brush, float *restrict dark, const float *restrict depth,
-		     const float *restrict grain, float *restrict distance, uint32_t *restrict owner)
+ * distance and owner are read. Where `papered` is false paper is as high as can be. p: of STRIPED alone. */
+KERNEL void ink_span(const capsule *restrict e, const canvas *c, int y, int x, int end, const bool owned,
+		     const bool papered, const enum brush brush, picked *restrict p)
 {
 	const pen_end *a = e->a, *b = e->b;
-	float dx = e->dx, dy = e->dy, py = y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse, from = a->x;
+	size_t at = (size_t)(y - c->y0) * c->stride;
+	float *restrict dark = c->dark + at, *restrict distance = owned ? c->distance + at : NULL;
+	const float *restrict depth = c->depth + at, *restrict grain = c->grain + at;
+	uint32_t *restrict owner = owned ? c->owner + at : NULL;
+	float dx = e->dx, dy = e->dy, py = (float)y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse,
+	      from = a->x;
 	float out = a->out, fade = a->fade, gain = a->gain, ease = a->ease, bias = a->bias, paper = a->paper,
 	      limit = a->limit;
 	float more_out = b->out - out, more_fade = b->fade - fade, more_gain = b->gain - gain,
@@ -279,9 +229,8 @@ KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const b
 	float more_bias = b->bias - bias, more_paper = b->paper - paper, more_limit = b->limit - limit;
 	uint32_t one = e->one, two = e->two;
 	for (; x < end; x += LANES) {
-		float left[LANES];
-		if (brush == STRIPED)
-			striped_lanes(e, y, x, dark + x, left);
+		float might[LANES];
+		int32_t may[LANES], any = 0;
 		for (int k = 0; k < LANES; k++) {
 			float px = (float)(x + k) - from, s = px * ux + uy, before = dark[x + k];
 			s = clamp01(s);
@@ -300,9 +249,13 @@ KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const b
 			t = faint * most * most_one(t);
 			if (brush == BRISTLY)
 				t *= left_by(&e->across, across_at(&e->across, px, py, out + s * more_out), s);
-			if (brush == STRIPED)
-				t *= left[k];
 			t = depth[x + k] >= limit + s * more_limit ? t : 0;
+			if (brush == STRIPED) {
+				might[k] = t;
+				may[k] = owned ? (t > 0) & (t >= before) : t > before;
+				any |= may[k];
+				continue;
+			}
 			if (!owned) {
 				dark[x + k] = t > before ? t : before;
 				continue;
@@ -313,41 +266,44 @@ KERNEL void ink_span(const capsule *restrict e, float y, int x, int end, const b
 			distance[x + k] = wins ? d2 : distance[x + k];
 			owner[x + k] = wins ? (s > 0.5f ? two : one) : owner[x + k];
 		}
+		if (brush == STRIPED && any)
+			pick(p, y, x, may, might);
+		if (brush == STRIPED && p->n > STRIP_PLACES - LANES)
+			ISA(picked_ink)(e, c, p);
 	}
 }
 
 static void draw_capsule(const capsule *e, canvas *c)
 {
 	float top = min(e->a->y, e->b->y) - e->reach, bottom = max(e->a->y, e->b->y) + e->reach;
-	bool papered = e->a->paper > 0 || e->b->paper > 0;
+	bool papered = e->a->paper > 0 || e->b->paper > 0, owned = c->owner;
 	int from = top > (float)c->y0 ? (int)top : c->y0, to = bottom < (float)(c->y1 - 1) ? (int)bottom : c->y1 - 1;
+	picked p;
+	p.n = 0;
 	for (int y = from; y <= to; y++) {
 		int x, end;
 		span_of(e, y, c->f->width, &x, &end);
 		if (x >= end)
 			continue;
 		canvas_touch(c, y, x, end);
-		size_t at = (size_t)(y - c->y0) * c->stride;
-		float *dark = c->dark + at, *depth = c->depth + at, *grain = c->grain + at;
-		float *distance = c->owner ? c->distance + at : NULL;
-		uint32_t *owner = c->owner ? c->owner + at : NULL;
-		if (e->strip.of && owner)
-			ink_span(e, (float)y, x, end, true, true, STRIPED, dark, depth, grain, distance, owner);
+		if (e->strip.of && owned)
+			ink_span(e, c, y, x, end, true, true, STRIPED, &p);
 		else if (e->strip.of)
-			ink_span(e, (float)y, x, end, false, true, STRIPED, dark, depth, grain, NULL, NULL);
-		else if (e->dry[0] && owner)
-			ink_span(e, (float)y, x, end, true, true, BRISTLY, dark, depth, grain, distance, owner);
+			ink_span(e, c, y, x, end, false, true, STRIPED, &p);
+		else if (e->dry[0] && owned)
+			ink_span(e, c, y, x, end, true, true, BRISTLY, NULL);
 		else if (e->dry[0])
-			ink_span(e, (float)y, x, end, false, true, BRISTLY, dark, depth, grain, NULL, NULL);
-		else if (owner && papered)
-			ink_span(e, (float)y, x, end, true, true, SOLID, dark, depth, grain, distance, owner);
-		else if (owner)
-			ink_span(e, (float)y, x, end, true, false, SOLID, dark, depth, grain, distance, owner);
+			ink_span(e, c, y, x, end, false, true, BRISTLY, NULL);
+		else if (owned && papered)
+			ink_span(e, c, y, x, end, true, true, SOLID, NULL);
+		else if (owned)
+			ink_span(e, c, y, x, end, true, false, SOLID, NULL);
 		else if (papered)
-			ink_span(e, (float)y, x, end, false, true, SOLID, dark, depth, grain, NULL, NULL);
+			ink_span(e, c, y, x, end, false, true, SOLID, NULL);
 		else
-			ink_span(e, (float)y, x, end, false, false, SOLID, dark, depth, grain, NULL, NULL);
+			ink_span(e, c, y, x, end, false, false, SOLID, NULL);
 	}
+	ISA(picked_ink)(e, c, &p);
 }
 
 /* ---- strokes --------------------------------------------------------------------------------------------- */

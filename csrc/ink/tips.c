@@ -33,8 +33,10 @@ typedef struct gather {
 	bool bounded;   /* lines may cover so much of the picture only */
 	bool fewer;     /* for that, some of them are left out */
 	bool pressed;   /* and hands press more here and less there */
+	bool parted;    /* dashes or pictures lie along lines */
 	uint32_t strokes;
 	spots at;    /* of all sites; NULL without noise */
+	beats beats; /* unset unless lines are parted */
 	turns turns; /* no corners are looked for where no pen asks */
 	uint32_t stroke;
 	pen_end *end;                 /* of this stroke */
@@ -226,7 +228,7 @@ static strip_end strip_end_of(const gather *g, uint32_t i, const hand *h)
 	if (!e.of)
 		return e;
 	e.left = 1 - h->pen_strip;
-	beat b = ISA(beat_of)(g->n, &g->at, i, 0.70710678f * h->pen_strip_length * g->f->scale);
+	beat b = ISA(beat_of)(&g->beats, i, 0.70710678f * h->pen_strip_length * g->f->scale);
 	e.at = b.at;
 	e.octave = b.octave;
 	e.length = b.length * (1 + b.born);
@@ -262,7 +264,7 @@ static void finish_pens(void *data, int first, int end, int thread)
 				continue;
 			beat beat = {0};
 			if (t && h->pen_dash > 0)
-				beat = ISA(beat_of)(g->n, &g->at, (uint32_t)(i + k),
+				beat = ISA(beat_of)(&g->beats, (uint32_t)(i + k),
 						    (h->pen_dash + h->pen_dash_space) * g->f->scale);
 			if (drawn)
 				finish(g->f, made, h, g->radius[i + k], g->length ? g->length[i + k] : INFINITY,
@@ -350,8 +352,11 @@ static int32_t make_strokes(gather *g)
 		code = ISA(thickets_press)(f, g->all->end, g->press);
 	if (!code && g->bounded)
 		code = ISA(thickets_thin)(f, g->strokes, &g->at, g->all->end, g->kept);
+	if (!code && g->parted)
+		code = ISA(beats_find)(f, &g->at, &g->beats);
 	for (uint32_t k = 0; !code && k < g->strokes; k++)
 		code = make_stroke(g, k);
+	late_drop(&f->late, g->beats.step);
 	late_drop(&f->late, g->press);
 	late_drop(&f->late, g->kept);
 	late_drop(&f->late, g->whose);
@@ -386,6 +391,7 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 			g.pressed |= bounded && h->pen_pressure > 0;
 			dry |= h->pen_dry > 0;
 			striped |= h->pen_strip > 0;
+			g.parted |= h->pen_strip > 0 || h->pen_dash > 0;
 			moved |= h->pen_wobble > 0;
 			taper = max(taper, h->pen_taper * f->scale);
 			farther = max(farther, h->pen_overshoot * f->scale);

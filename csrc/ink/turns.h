@@ -49,7 +49,17 @@ typedef struct beat {
 	int32_t number;    /* of the one before */
 } beat;
 
+/* What beats are told from. step: by link, as `fine` has them, the next one of its line, where that goes on over the
+ * same thing. */
+typedef struct beats {
+	const fine *n;
+	spots at; /* of all sites */
+	uint32_t *step;
+} beats;
+
+/* beats.c. Takes memory of the frame's. */
+int32_t ISA(beats_find)(frame *f, const spots *at, beats *b);
 /* `length`: in pixels, of a dash and what follows it. */
-beat ISA(beat_of)(const fine *n, const spots *all, uint32_t i, float length);
+beat ISA(beat_of)(const beats *b, uint32_t i, float length);
 
 #endif
