@@ -44,6 +44,8 @@ def _elsewhere():
 def register():
     from .pen.errors import EncreError
 
+    if _registered:  # by `encre render`, whose scene enables it
+        return
     if folder := _elsewhere():
         raise EncreError(f"Encre is enabled already, from {folder}: disable that one in Preferences, Add-ons, then "
                          f"enable this, {os.path.dirname(__file__)}")

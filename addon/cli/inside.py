@@ -92,6 +92,7 @@ def register(report=lambda event, **more: None):
     package = sys.modules["encre"] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(package)
     package.register()
+    package.__time__ = os.path.getmtime(package.__file__)  # or it is loaded anew for scripts that enable it
     return package
 
 

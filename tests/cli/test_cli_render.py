@@ -230,6 +230,12 @@ def test_script_runs_as_main_beside_its_modules(tmp_path):
     assert png(tmp_path / "out.png").shape == (30, 40, 4)
 
 
+def test_a_script_may_enable_encre(tmp_path):
+    path = script(tmp_path, "bpy.ops.preferences.addon_enable(module='encre')\nscene.render.engine = 'ENCRE'\n"
+                            "scene.render.resolution_x, scene.render.resolution_y = 40, 30\n")
+    works(encre("render", path, "-o", tmp_path / "out.png"))
+
+
 def test_which_blender(monkeypatch, tmp_path):
     program = tmp_path / "blender"
     program.write_text("#!/bin/sh\n")
