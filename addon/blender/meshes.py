@@ -4,6 +4,7 @@
 import functools
 from dataclasses import dataclass
 
+import bpy
 import numpy as np
 
 from ..pen.job import Mesh
@@ -101,6 +102,10 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     running, materials = {}, _Materials(depsgraph.scene_eval)
     smooth, kept = bool(light) or kept is not None, kept or Kept()
     first_free = 0 if line_numbers is None else len(line_numbers)
+    for block in depsgraph.ids:
+        # What passes for a curve is a copy of it: properties that are made there, as by the first who reads them, leak.
+        if isinstance(block, bpy.types.Object):
+            block.encre  # noqa: B018
     for instance in depsgraph.object_instances:
         obj = instance.object
         meshable = obj.type in MESHABLE and instance.show_self

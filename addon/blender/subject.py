@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import meter
+from .attributes import get
 from .triangles import MESHABLE
 
 _FILLS = 3.2  # sizes in the height of the frame; by eye, between rooms, streets and single things
@@ -51,6 +52,15 @@ def read(depsgraph, camera=None, drawn=None):
     return Subject(size=size, light=light)
 
 
+def _bounds(obj):
+    """The two ends of an evaluated object's box in its own coordinates, of one without points far out."""
+    if obj.type == obj.original.type:
+        box = np.array(obj.bound_box, np.float64)
+        return box[0], box[6]
+    points = get(obj.data.vertices, "co", np.float32, 3)  # Blender never frees the box of what passes for a curve
+    return (points.min(0).astype(np.float64), points.max(0).astype(np.float64)) if len(points) else (2 * _NOWHERE,) * 2
+
+
 class _Things:
     """What stands in a scene. boxes (n, 4, 3): middles and three half axes; places (n, 3), radii (n,); still: whether
     nothing may move it; lamps: (object, matrix) pairs."""
@@ -65,11 +75,10 @@ class _Things:
             if obj.type == "LIGHT":
                 self.lamps.append((obj, matrix))
                 continue
-            box = np.array(obj.bound_box, np.float64)
-            if not (np.isfinite(matrix).all() and np.abs(box).max() < _NOWHERE):
+            low, high = _bounds(obj)
+            if not (np.isfinite(matrix).all() and np.abs([low, high]).max() < _NOWHERE):
                 continue
-            half = (box[6] - box[0]) / 2
-            boxes.append([matrix[:3, :3] @ box.mean(0) + matrix[:3, 3], *(matrix[:3, :3] * half).T])
+            boxes.append([matrix[:3, :3] @ (low + high) / 2 + matrix[:3, 3], *(matrix[:3, :3] * (high - low) / 2).T])
             owner = (instance.parent if instance.is_instance else obj).original
             if owner.name_full not in moving:
                 moving[owner.name_full] = _moves(owner)

@@ -2,9 +2,13 @@
 """The engine in Blender: each case of blender/cases.py is rendered in a process of its own and its pixels looked at."""
 
 import json
+import shutil
+import subprocess
+from pathlib import Path
 
 import exr
 import numpy as np
+import pytest
 from encre.cli import multilayer
 from encre.cli.composite import composite
 from encre.pen import layers, library, metadata, saved
@@ -405,3 +409,13 @@ def test_freestyle_and_bake(render):
     shot = render("bake")
     assert shot.facts["baked"][0] > 0.5
     assert np.array_equal(shot.passes("before")["Combined"], shot.passes("after")["Combined"])
+
+
+def test_nothing_is_left_of_what_passes_for_meshes():
+    blender = shutil.which("blender")
+    if not blender:
+        pytest.skip("needs the program blender")
+    script = Path(__file__).parent / "inside" / "left.py"
+    done = subprocess.run([blender, "-b", "--factory-startup", "--debug-memory", "-P", script], capture_output=True,
+                          text=True, errors="replace", timeout=300, stdin=subprocess.DEVNULL)
+    assert "drawn" in done.stdout and "Not freed" not in done.stdout + done.stderr, done.stdout[-2000:]
