@@ -3,6 +3,7 @@
 
 import hashlib
 import os
+import time
 
 import bpy
 import numpy as np
@@ -13,6 +14,8 @@ from . import trees
 
 _DECODED = decode_srgb(np.arange(256, dtype=np.float32) / 255).astype(np.float32)  # of pictures of 8 bits
 
+
+_BEGUN = time.time_ns()
 
 _states = {}  # full name -> what was found of an image at the last look
 _turns = {}   # full name -> how often it was found to hold something else
@@ -45,7 +48,8 @@ def still(node):
 
 
 def _origin(image):
-    """By what the pixels of an image are those of its file; None: they may be others, or may change untold."""
+    """By what the pixels of an image are those of its file; None: they may be others, or may change untold, as those of
+    a file that has been written since this module was loaded: Blender may have what was in it before."""
     if image.source != "FILE" or image.is_dirty:
         return None
     how = image.colorspace_settings.name, image.alpha_mode
@@ -56,7 +60,7 @@ def _origin(image):
         file = os.stat(path)
     except OSError:
         return None
-    return *how, path, file.st_size, file.st_mtime_ns
+    return (*how, path, file.st_size, file.st_mtime_ns) if file.st_mtime_ns < _BEGUN else None
 
 
 class Images:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Surfaces that a renderer can't tell apart from pixel to pixel, and such as pass through each other."""
 
+import itertools
 import os
 from math import radians
 
@@ -121,12 +122,15 @@ def wide(out):
 
 def pictures_of_files(out):
     """Of an image: whether its picture is still there for the next frame, and its first value, as it is, painted,
-    saved, written anew by another, and in the file."""
+    saved, written anew by another long ago and just now, and in the file."""
     image = bpy.data.images.new("Sheet", 4, 4)
     image.filepath_raw, image.file_format = f"{out}-sheet.png", "PNG"
     image.save()
     image.source = "FILE"
-    known, kept, values = pictures.Images(), [], []
+    known, kept, values, ages = pictures.Images(), [], [], itertools.count(1)
+
+    def age():
+        os.utime(image.filepath_raw, (next(ages), 0))
 
     def look():
         pictures.turn()
@@ -138,17 +142,24 @@ def pictures_of_files(out):
         image.pixels.foreach_set(np.full(4 * 4 * 4, grey, np.float32))
         image.update()
 
+    age()
     look()
     look()
     paint(1)
     look()
     image.save()
+    age()
     look()
     look()
     other = image.copy()
     other.pixels.foreach_set(np.full(4 * 4 * 4, 0, np.float32))
     other.save()
+    age()
     image.reload()
+    look()
+    look()
+    other.save()
+    look()
     look()
     image.pack()
     look()
