@@ -168,8 +168,10 @@ def _lists():
 
 
 def _style_renamed(style, _context):
-    """No two styles have one name, and what used a style goes on doing so, as with Blender's vertex groups."""
-    free = pens.free(style.name, {other.name for other in style.id_data.encre.styles if other != style})
+    """No two styles have one name, none has an empty one, and what used a style goes on doing so, as with Blender's
+    vertex groups."""
+    free = pens.free(style.name.strip() or style.called or "Style",
+                     {other.name for other in style.id_data.encre.styles if other != style})
     if free != style.name:
         style.name = free  # which calls this again
         return

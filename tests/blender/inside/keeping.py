@@ -169,6 +169,7 @@ def settings(_out):
     user, nobodys = bpy.data.materials.new("User"), bpy.data.objects.new("Nobody's", None)
     user.encre.style, nobodys.encre.style = "Mine", "Lost"
     other.encre.styles["Mine"].name = "Skin"
+    other.encre.styles["Skin"].name = "  "  # is none
     other.encre.styles["Skin"].name = "Style"  # which there is
     bpy.ops.encre.style_add()
     fact("renamed", [[style.name for style in other.encre.styles], user.encre.style, nobodys.encre.style])
