@@ -259,7 +259,7 @@ def prepare(path):
 def check_place(path):
     """Finds out whether `path` can be written in its folder, which is there. Raises EncreError."""
     if os.path.isdir(path):
-        raise EncreError(unwritable(path, "it is a folder"))
+        raise EncreError(f"{path}: is a folder; choose another name")
     try:
         with contextlib.suppress(FileNotFoundError):
             os.stat(path)  # fails where the name is too long

@@ -34,7 +34,7 @@ def unknown(kind: str, name: object, names: Iterable[str], listed: str = "") -> 
     else:
         more = len(known) - _MOST_LISTED
         cure = "" if listed else f"; known are {', '.join(known[:_MOST_LISTED])} and {more} more"
-    return f"{name}: unknown {kind}{cure}{listed}"
+    return f"{name or repr(name)}: unknown {kind}{cure}{listed}"
 
 
 def shown(text: str) -> str:

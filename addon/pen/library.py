@@ -136,7 +136,8 @@ class Library:
 
         def forward(_user, fraction):
             try:
-                return progress(fraction) is not False
+                go_on = progress(fraction)
+                return go_on is None or bool(go_on)
             except BaseException as e:  # noqa: BLE001 - it must not be lost in C: raised again below
                 failure.append(e)
                 return False

@@ -233,7 +233,7 @@ def file_name(name: str) -> str:
 def remove(preset: Preset) -> None:
     """Deletes a user's preset and its picture. EncreError: it can't be done."""
     if preset.own:
-        raise EncreError(f"{preset.name} comes with Encre and stays")
+        raise EncreError(f"{preset.name} comes with Encre and stays; choose one of your own")
     try:
         preset.path.unlink(missing_ok=True)
         preset.picture.unlink(missing_ok=True)
