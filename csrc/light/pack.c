@@ -212,6 +212,15 @@ static unsigned starts_at(const shaft_part *part, const pack *p)
 	return bits;
 }
 
+/* The bits of those that begin on a shaft's wall. */
+static unsigned on_wall(const shaft *s, const pack *p)
+{
+	unsigned bits = 0;
+	for (int k = 0; k < PACK; k++)
+		bits |= (unsigned)!shaft_walled(s, p->instance[k], p->triangle[k]) << k;
+	return bits;
+}
+
 unsigned ISA(pack_blocked)(shaft *s, const world *w, const pack *p, unsigned asked)
 {
 	lanes all;
@@ -220,7 +229,11 @@ unsigned ISA(pack_blocked)(shaft *s, const world *w, const pack *p, unsigned ask
 	all.far = p->far;
 	asked &= aim_lanes(&all);
 	unsigned through = s && s->usable ? within(s, p) & asked : 0;
+	const bool walled = through && s->wall[0] >= 0;
+	through &= walled ? ~on_wall(s, p) : ~0u;
 	unsigned stopped = asked & ~through ? world_stops(w, p, &all, asked & ~through) : 0;
+	if (walled)
+		return stopped | through;
 	for (int k = 0; through && k < s->n_parts; k++) {
 		shaft_part own = s->part[k];
 		unsigned left = starts_at(&own, p) & through;

@@ -79,8 +79,8 @@ static const lamp_point *dealt_to(const light *l, int x, int y)
 		       : &l->points.middle;
 }
 
-/* Where all of the light comes that there is. */
-static void centre_free(light *l, int x, int y)
+/* Where all of the light comes that there is, or none. */
+static void centre_whole(light *l, int x, int y, bool comes)
 {
 	const ptrdiff_t i = (ptrdiff_t)y * l->width + x;
 	const surface *s = l->surfaces + i;
@@ -91,7 +91,7 @@ static void centre_free(light *l, int x, int y)
 		float far, value = lamp_light(&l->lamp, s->at, s->normal, q + k, &way, &far);
 		all = value > 0 && value <= FLT_MAX ? value : 0;
 	}
-	tell_centre(l, i, all, all);
+	tell_centre(l, i, all, comes ? all : 0);
 }
 
 /* Pixels whose points are asked at once. */
@@ -149,8 +149,11 @@ static void centre_rows(void *data, int y0, int y1, int thread)
 				left &= ~group;
 				for (int start = 0; group; group &= group - 1, start++) {
 					int k = __builtin_ctzll(group), u = x + k % SHAFT_SIDE, v = y + k / SHAFT_SIDE;
-					if (shaft_free(&s, start))
-						centre_free(l, u, v);
+					const surface *at = l->surfaces + (ptrdiff_t)v * l->width + u;
+					/* where a way is bent it may begin behind the wall */
+					bool dark = !l->n_bends && shaft_walled(&s, at->instance, at->triangle);
+					if (dark || shaft_free(&s, start))
+						centre_whole(l, u, v, !dark);
 					else
 						centres_add(l, &c, u, v, start, &s);
 				}

@@ -27,6 +27,8 @@ typedef struct shaft {
 	bool usable; /* false: each ray looks for itself */
 	box from, to;
 	float far;
+	int32_t wall[2]; /* instance and triangle that stop all its rays but those that begin there; -1: none is known
+			  */
 	int n_parts;
 	shaft_part part[SHAFT_PARTS]; /* what stopped the last ray first; entries likewise */
 	shaft_entry entry[SHAFT_ENTRIES];
@@ -42,17 +44,23 @@ typedef struct shaft_starts {
 	int32_t triangle[SHAFT_SIDE * SHAFT_SIDE];
 } shaft_starts;
 
-/* To a box with `far` 1, or along ways of that box with lamp_far. */
+/* To a box with `far` 1, or along ways of that box with lamp_far. One of SET_SEEN has no wall. */
 void ISA(shaft_make)(shaft *s, const world *w, const shaft_starts *from, box to, float far, int set);
 /* Whether it is usable, and nothing is in the way of rays from one of its starts. */
 static inline bool shaft_free(const shaft *s, int start)
 {
-	if (!s->usable) /* nothing else of it is set then */
+	if (!s->usable || s->wall[0] >= 0) /* if it is not usable nothing else of it is set */
 		return false;
 	uint64_t parts = 0;
 	for (int k = 0; k < s->n_parts; k++)
 		parts |= s->part[k].starts;
 	return !(parts >> start & 1);
+}
+
+/* Whether it is usable, and all rays that begin on a triangle of an instance are stopped. */
+static inline bool shaft_walled(const shaft *s, int32_t instance, int32_t triangle)
+{
+	return s->usable && s->wall[0] >= 0 && !(s->wall[0] == instance && s->wall[1] == triangle);
 }
 
 /* As ray_nearest(), through a shaft of SET_SEEN. */

@@ -54,6 +54,23 @@ def test_what_light_reaches():
         scene.reached(places, ways[:3])
 
 
+@pytest.mark.parametrize("name", ["sun", "wide sun", "point", "ball", "rectangle"])
+def test_a_large_triangle_hides_what_its_parts_hide(name):
+    """All of a lamp from many pixels at once, and part of it from those about the rim."""
+    found = []
+    for n in (1, 32):
+        stage = Stage(96, 64, eye=(1, -9, 7))
+        x, y = np.meshgrid(np.linspace(-2, 3, n + 1), np.linspace(-1, 2, n + 1))
+        k = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+        corners = np.concatenate([np.stack([k, k + 1, k + n + 2], 1), np.stack([k, k + n + 2, k + n + 1], 1)])
+        stage.add(np.stack([x, y, 2.5 + 0 * x], -1).reshape(-1, 3).astype(np.float32), corners.astype(np.int32),
+                  np.eye(4))
+        found.append(stage.light(LAMPS[name])[..., 0])
+    whole, parts = found
+    assert (whole == 0).sum() > 100 and (whole > 0).sum() > 1000
+    assert (whole == parts).mean() > 0.995 and abs(whole - parts).max() < 0.02 * whole.max()
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_triangles_in_a_cloud_are_lit_where_ways_are_free(seed):
     """By a hard sun: pixels of one triangle about which all ways to it are free, or none."""
