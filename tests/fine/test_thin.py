@@ -240,3 +240,22 @@ def test_threads_and_instructions_change_nothing():
     one = ink(layers, threads=1)
     for how in (dict(threads=3), dict(threads=1, simd=0)):
         assert np.array_equal(one, ink(layers, **how))
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_joint_beside_a_corner_is_no_wire(turned):
+    """A drum's corner covers the centre of one pixel; beside it ends a joint that is drawn on the ground."""
+    y, x = np.mgrid[:384, :512] / 8
+    drum = (x > 30.3 + 0.25 * np.abs(y - 19.3))[..., None]
+    ground = np.where((np.abs(y - 20.8) < 0.4)[..., None], 0.3, 0.5) * np.ones(3)
+    fine = dict(color=np.where(drum, (0.9, 0.5, 0.02), ground), normal=np.ones_like(ground) * (0, 0, 1))
+    hit = drum[3::8, 3::8, 0]
+    assert (hit[17:22, 30].sum(), hit[:, 29].sum()) == (1, 0)
+    layers = {name: a.reshape(48, 8, 64, 8, 3).mean((1, 3)) for name, a in fine.items()}
+    layers |= dict(combined=np.ones((48, 64, 4)), diffuse=np.ones((48, 64, 3)), depth=np.where(hit, 4.0, 9.0),
+                   object=np.where(hit, 2.0, 1.0))
+    if turned:
+        layers = {name: a.swapaxes(0, 1) for name, a in layers.items()}
+    drawn = ink({name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()})
+    drawn = drawn.T if turned else drawn
+    assert drawn[:, 28:].max() > 0.9 and not drawn[:, :28].any()

@@ -169,7 +169,8 @@ class Things:
                 s = self.about(axis, across + way * k, int(np.floor(middle + 0.5)))
                 if s is None or abs(s.middle - middle) > 1.5 or abs(s.hits - own.hits) > 1:
                     break
-                if not (s.told or own.told) and (not s.stands @ own.stands > 0 or s.ground != own.ground):
+                if not (s.told or own.told) and (not s.stands @ own.stands > 0.5 * s.area * own.area or
+                                                 s.ground != own.ground):
                     break
                 thing.slices.append(s)
                 thing.steps += 1

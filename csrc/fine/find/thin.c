@@ -18,6 +18,7 @@ static const float most_of_step =
 	0.5f; /* of the step to what lies behind, that may jump from one side to the other; test_fine_sites */
 static const float least_step =
 	0.01f;                      /* of a depth before what lies behind: a crack of full strength; test_fine_sites */
+static const float alike = 0.5f;    /* cosine between how two slices of a thing stand out; test_thin */
 static const float steepest = 1.5f; /* pixels that its middle moves from a row to the next; test_fine_sites */
 
 /* What depths are compared in: even on planes. */
@@ -230,7 +231,7 @@ static run follow(const fine *n, int axis, int across, const slice *from)
 			for (int c = 0; c < PLANES; c++)
 				along += next.stands[c] * from->stands[c];
 			bool told = next.told || from->told;
-			if (!(along > 0 || told) || fabsf(next.middle - middle) > steepest ||
+			if (!(along > alike * from->area * next.area || told) || fabsf(next.middle - middle) > steepest ||
 			    !(next.ground == from->ground || told) || abs(next.hits - from->hits) > 1)
 				break;
 			add(&r, &next);
