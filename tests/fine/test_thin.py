@@ -156,24 +156,30 @@ def test_a_level_wire_is_as_wide_all_along(level):
             assert not hand or width > 3 or np.ptp(middle) < 0.25, width
 
 
+def tell(layers, off, width):
+    """Adds what a mesh tells of a rod."""
+    layers["creases"], layers["marks"] = (np.zeros((*off.shape, n), np.float32) for n in (5, 2))
+    for axis in (0, 1):
+        near, far = (off[:-1], off[1:]) if axis else (off[:, :-1], off[:, 1:])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            edges = [(near - side) / (near - far) for side in (-width / 2, width / 2)]
+            between = np.where((near * far < 0) & (np.abs(near) > width / 2) & (np.abs(far) > width / 2),
+                               -18 - near / (near - far), 0)
+        inside = [(edge > 0) & (edge <= 1) for edge in edges]
+        contour = np.where(inside[0] ^ inside[1], -14 - np.where(inside[0], *edges), between)
+        layers["marks"][:contour.shape[0], :contour.shape[1], axis] = contour
+
+
 @pytest.mark.parametrize("slant", [0, 4, 10, 30, 45, 80, 87])
 @pytest.mark.parametrize("width", [0.2, 0.5, 0.8])
-def test_what_passes_between_all_pixels_is_whole_where_the_mesh_tells(width, slant):
+@pytest.mark.parametrize("wall", [9.0, 4.0064])  # a bar that lies flat on a wall, too
+def test_what_passes_between_all_pixels_is_whole_where_the_mesh_tells(width, slant, wall):
     """At a sample a pixel nothing but the mesh tells of a wire that covers no centre: it was a row of dashes."""
     slant, least = np.radians(slant), []
     for step in range(5):
-        layers, off = rod(width, slant, step / 5, 9.0, samples=1)
+        layers, off = rod(width, slant, step / 5, wall, samples=1)
         broken = ink(layers)
-        layers["creases"], layers["marks"] = (np.zeros((*off.shape, n), np.float32) for n in (5, 2))
-        for axis in (0, 1):
-            near, far = (off[:-1], off[1:]) if axis else (off[:, :-1], off[:, 1:])
-            with np.errstate(divide="ignore", invalid="ignore"):
-                edges = [(near - side) / (near - far) for side in (-width / 2, width / 2)]
-                between = np.where((near * far < 0) & (np.abs(near) > width / 2) & (np.abs(far) > width / 2),
-                                   -18 - near / (near - far), 0)
-            inside = [(edge > 0) & (edge <= 1) for edge in edges]
-            contour = np.where(inside[0] ^ inside[1], -14 - np.where(inside[0], *edges), between)
-            layers["marks"][:contour.shape[0], :contour.shape[1], axis] = contour
+        tell(layers, off, width)
         t = ink(layers)
         along = 2 if slant < 0.8 else 1
         across, was = (inner(drawn)[None].sum(along) * max(np.cos(slant), np.sin(slant)) for drawn in (t, broken))
@@ -183,6 +189,22 @@ def test_what_passes_between_all_pixels_is_whole_where_the_mesh_tells(width, sla
         for how in (dict(threads=3), dict(threads=1, simd=0)):
             assert np.array_equal(t, ink(layers, **how))
     assert width > 0.5 or 0.1 < slant < 1.5 or min(least) < 0.1
+
+
+@pytest.mark.parametrize("wall", [9.0, 4.0064])
+def test_a_short_bar_between_two_things_is_whole_though_it_covers_no_centre(wall):
+    """Of a row of equal bars one was missing. What ends free is a speck as short as that."""
+    layers, off = rod(0.2, 0, 0.3, wall, samples=1)
+    tell(layers, off, 0.2)
+    row = np.arange(48)
+    for end in (48, 30):  # up to which the lower thing goes on
+        held = {name: a.copy() for name, a in layers.items()}
+        before = (row < 18) | (row == 23) | ((row >= 30) & (row < end))
+        held["object"][before], held["depth"][before] = 3, 3.9
+        held["object"][max(30, end):], held["depth"][max(30, end):] = 1, wall
+        held["marks"][before | (row >= 30)] = 0
+        across = ink(held)[20:28, 30:33].max(1)
+        assert across.min() > 0.6 if end == 48 else across[-1] < 0.1
 
 
 def test_a_ledge_a_pixel_high_has_no_comb():

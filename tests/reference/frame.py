@@ -47,6 +47,7 @@ class Layers:
         self.background = None if layers.get("background") is None else data["background"]
         self.albedo = self.color if layers.get("albedo") is None else data["albedo"]
         self.object, self.material = data["object"][..., 0], data["material"][..., 0]
+        self.marked = layers.get("marks") is not None
         self.marks, self.between = marks.told(data["marks"]), marks.between_of(data["marks"])
         self.creases = data["creases"]
         self.anchor = None if layers.get("anchor") is None else data["anchor"]

@@ -42,6 +42,7 @@ class Thing:
     slices: list
     steps: int
     ends: list
+    held: int = 0  # ends at which something lies before it
     unsure: bool = False  # rounding decides which pixel a middle lies in
 
     @property
@@ -50,7 +51,9 @@ class Thing:
 
     @property
     def half(self):
-        """Half the width along the axis: by the areas, within what pixel centres allow."""
+        """Half the width along the axis: by contours, else by the areas, within what pixel centres allow."""
+        if widths := [s.width for s in self.slices if s.width > 0]:
+            return sum(widths) / len(widths) / 2
         low, high = max(s.low for s in self.slices), min(s.high for s in self.slices)
         seen = [s for s in self.slices if not s.told]
         half = 0.5 * sum(s.area for s in seen) / (len(seen) * max(s.peak for s in seen)) if seen else 0
@@ -64,10 +67,10 @@ class Thing:
 
 
 class Things:
-    """Slices of one picture; cracks: (2, H, W), to the right and down."""
+    """Slices of one picture; cracks: (2, H, W), to the right and down; known, steps: likewise, of contours."""
 
-    def __init__(self, layers, cracks, known):
-        self.layers, self.cracks, self.known = layers, cracks, known
+    def __init__(self, layers, cracks, known, steps):
+        self.layers, self.cracks, self.known, self.steps = layers, cracks, known, steps
         self.value = np.concatenate([clamp01(layers.albedo), layers.normal / 2], -1)
         z = layers.depth
         self.near = -np.minimum(z, 1e9) if layers.orthographic else 1 / z
@@ -128,16 +131,30 @@ class Things:
             first -= 1
         while last + 1 < size and last - first < 4 and not self.cracked(axis, across, last):
             last += 1
-        if last - first >= 4:
-            return None
-        s = self.between(axis, across, first - 2, last - first + 5)
-        if s is None or s.hits != last - first + 1:
+        if last - first >= 4 or first == 0 or last + 1 == size:
             return None
         before, after = (max(0, -self._line(self.known[axis], axis, across)[k]) for k in (first - 1, last))
-        if before > 0 and after > 0:  # the layer of marks says where its contours are
+        told = before > 0 and after > 0
+        s = self.between(axis, across, first - 2, last - first + 5)
+        if s is None or s.hits != last - first + 1:
+            s = self.raised(axis, across, first, last) if told else None
+        if s is None:
+            return None
+        if told:  # the layer of marks says where its contours are
             s.width = last - first + 1 + after - before
             s.middle = first - 1 + before + s.width / 2
         return s
+
+    def raised(self, axis, across, first, last):
+        """The slice of what lies before one ground by however little, as a mesh tells both of its contours."""
+        object_, near, steps = (self._line(a, axis, across) for a in (self.layers.object, self.near, self.steps[axis]))
+        ground, own = object_[[first - 1, last + 1]], object_[[first, last]]
+        if (ground != ground[0]).any() or (own != own[0]).any() or own[0] == ground[0]:
+            return None
+        before = near[first] + near[last] > near[first - 1] + near[last + 1]
+        if not (before and steps[first - 1] > 0 and steps[last] > 0):
+            return None
+        return Slice(first, ground[0], hits=last - first + 1, trust=1.0, told=True)
 
     def told(self, axis, across, at):
         """What passes between the centres about a pixel and covers none, as the layer of marks says."""
@@ -155,26 +172,42 @@ class Things:
         if (s := self.over(axis, across, at)) is not None or (s := self.told(axis, across, at)) is not None:
             return s
         s = self.between(axis, across, at - 2, 5)
-        return s if s is not None and s.area <= 2.05 * s.peak else self.between(axis, across, at - 3, 7)
+        if s is not None and s.area <= 2.05 * s.peak:
+            return s
+        s, moved = self.between(axis, across, at - 3, 7), (at - 1, at + 1) if self.layers.marked else ()
+        return next((s for s in (s, *(self.over(axis, across, to) for to in moved)) if s is not None), None)
+
+    def covered(self, axis, across, at, ground):
+        """Whether something else than the ground is at a pixel."""
+        size, other = self.shape if axis else self.shape[::-1]
+        return bool(0 <= at < size and 0 <= across < other
+                    and self._line(self.layers.object, axis, across)[at] != ground)
 
     def along(self, axis, across, own):
         """The slices on both sides that are of the same thing: six if it covers a pixel's centre, else up to sixteen
         to find one that it covers."""
         thing = Thing([own], 0, [own.middle, own.middle])
         for end, way in enumerate((-1, 1)):
-            middle = own.middle
-            k = 1
-            while k <= (6 if thing.hits else 16):
+            middle, before, k = own.middle, 0, 0  # pixels of what lies before it, up to here
+            while (k := k + 1) <= (6 if thing.hits else 16):
                 thing.unsure |= halfway(middle)
-                s = self.about(axis, across + way * k, int(np.floor(middle + 0.5)))
-                if s is None or abs(s.middle - middle) > 1.5 or abs(s.hits - own.hits) > 1:
+                to, at = across + way * k, int(np.floor(middle + 0.5))
+                s = self.about(axis, to, at)
+                if s is None:
+                    covered = own.told and self.covered(axis, to, at, own.ground)
+                    before += covered
+                    if not covered or before > 4:
+                        break
+                    continue
+                if abs(s.middle - middle) > 1.5 * (1 + before) or abs(s.hits - own.hits) > 1:
                     break
                 if not (s.told or own.told) and (not s.stands @ own.stands > 0.5 * s.area * own.area or
                                                  s.ground != own.ground):
                     break
                 thing.slices.append(s)
-                thing.steps += 1
-                middle, k = s.middle, k + 1
+                thing.steps += 1 + before
+                middle, before = s.middle, 0
+            thing.held += before > 0
             thing.ends[end] = middle
         return thing
 
@@ -241,6 +274,7 @@ class Things:
                     own = column if axis else row
                     thing = self.along(axis, x if axis else y, own)
                     unsure |= thing.unsure
-                    if (thing.hits or sum(s.told for s in thing.slices) >= 16) and thing.steps >= 3:
+                    told = sum(s.told for s in thing.slices)
+                    if (thing.hits or thing.held == 2 or told >= 16) and thing.steps >= 3:
                         yield x, y, axis, own.middle, thing.half * thing.square, hits, unsure
                         break

@@ -22,9 +22,21 @@ static const float alike = 0.5f;    /* cosine between how two slices of a thing 
 static const float steepest = 1.5f; /* pixels that its middle moves from a row to the next; test_fine_sites */
 
 /* What depths are compared in: even on planes. */
-static float nearness(const fine *n, float z)
+static float near_at(const fine *n, int axis, int across, int at)
 {
+	float z = axis ? depth_at(n->f, across, at) : depth_at(n->f, at, across);
 	return n->e->ortho ? -min(z, depth_end) : 1 / z;
+}
+
+static float thing_at(const fine *n, int axis, int across, int at)
+{
+	return axis ? object_at(n->f, across, at) : object_at(n->f, at, across);
+}
+
+/* Between a pixel and the next. */
+static found crack_at(int axis, int across, int at)
+{
+	return (found){(uint16_t)(axis ? across : at), (uint16_t)(axis ? at : across), FAMILY_CRACK, (uint8_t)axis};
 }
 
 /* ---- slices ---------------------------------------------------------------------------------------------- */
@@ -38,7 +50,7 @@ typedef struct slice {
 	float ground;         /* the object behind it */
 	float width;          /* from contour to contour; 0: not known */
 	float trust;          /* in the above, 0 to 1 */
-	bool told;            /* by the mesh alone: it passes between pixels, and nothing else is known of it */
+	bool told;            /* by the mesh alone: how it stands out from the ground is not known */
 } slice;
 
 /* 0 up to `from`, 1 from `to` on. */
@@ -97,11 +109,11 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 	if (first < 0 || last >= size || across < 0 || across >= (axis ? f->width : f->height))
 		return false;
 	for (int k = 0; k < count; k++)
-		near[k] = nearness(n, axis ? depth_at(f, across, first + k) : depth_at(f, first + k, across));
+		near[k] = near_at(n, axis, across, first + k);
 	float behind = max(near[0], near[count - 1]), nearest = behind;
 	*s = (slice){.high = INFINITY};
-	s->ground = axis ? object_at(f, across, first) : object_at(f, first, across);
-	if (s->ground != (axis ? object_at(f, across, last) : object_at(f, last, across)))
+	s->ground = thing_at(n, axis, across, first);
+	if (s->ground != thing_at(n, axis, across, last))
 		return false;
 	for (int k = 0; k < count; k++)
 		axis ? read(f, across, first + k, value[k]) : read(f, first + k, across, value[k]);
@@ -112,7 +124,7 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 	bool other = false; /* something covers a centre, however little it lies before the ground */
 	for (int k = 0; k < count; k++) {
 		float apart = fabsf((float)(first + k) - s->middle);
-		other |= (axis ? object_at(f, across, first + k) : object_at(f, first + k, across)) != s->ground;
+		other |= thing_at(n, axis, across, first + k) != s->ground;
 		if (near[k] - behind > least_step * (n->e->ortho ? f->camera.height : near[k])) {
 			s->low = max(s->low, apart);
 			nearest = max(nearest, near[k]);
@@ -137,8 +149,28 @@ static bool cracked(const fine *n, int axis, int across, int at)
 /* Where a contour passes from a pixel to the next, 0 < place <= 1; 0: that is not known. */
 static float contour_at(const fine *n, int axis, int across, int at)
 {
-	found crack = {(uint16_t)(axis ? across : at), (uint16_t)(axis ? at : across), FAMILY_CRACK, (uint8_t)axis};
+	found crack = crack_at(axis, across, at);
 	return max(-ISA(hand_place)(n, &crack), 0);
+}
+
+/* The slice of what lies flat before one ground, whatever the averages say of it: a mesh tells both of its contours,
+ * and that something lies behind them. */
+static bool slice_raised(const fine *n, int axis, int across, int first, int last, slice *s)
+{
+	found from = crack_at(axis, across, first - 1), to = crack_at(axis, across, last);
+	float ground = thing_at(n, axis, across, first - 1), own = thing_at(n, axis, across, first);
+	*s = (slice){.high = INFINITY, .hits = last - first + 1, .ground = ground, .trust = 1, .told = true};
+	return own != ground && own == thing_at(n, axis, across, last) &&
+	       ground == thing_at(n, axis, across, last + 1) && ISA(hand_steps)(n, &from) > 0 &&
+	       ISA(hand_steps)(n, &to) > 0 &&
+	       near_at(n, axis, across, first) + near_at(n, axis, across, last) >
+		       near_at(n, axis, across, first - 1) + near_at(n, axis, across, last + 1);
+}
+
+/* Whether meshes tell of contours. */
+static bool marked(const fine *n)
+{
+	return n->f->layer[ENCRE_LAYER_MARKS].data;
 }
 
 /* The slice across the thing at a pixel: a few pixels between cracks, and two more on each side. */
@@ -151,11 +183,16 @@ static bool slice_at(const fine *n, int axis, int across, int at, slice *s)
 		first--;
 	while (last + 1 < size && last - first < MOST_HIT && !cracked(n, axis, across, last))
 		last++;
-	if (last - first >= MOST_HIT || !slice_of(n, axis, across, first - 2, last - first + 5, s) ||
-	    s->hits != last - first + 1)
+	if (last - first >= MOST_HIT || first == 0 || last + 1 == size)
+		return false;
+	bool stands = slice_of(n, axis, across, first - 2, last - first + 5, s) && s->hits == last - first + 1;
+	if (!stands && !marked(n))
 		return false;
 	float before = contour_at(n, axis, across, first - 1), after = contour_at(n, axis, across, last);
-	if (before > 0 && after > 0) {
+	bool told = before > 0 && after > 0;
+	if (!stands && !(told && slice_raised(n, axis, across, first, last, s)))
+		return false;
+	if (told) {
 		s->width = (float)(last - first + 1) + after - before;
 		s->middle = (float)(first - 1) + before + 0.5f * s->width;
 	}
@@ -167,8 +204,10 @@ static bool slice_at(const fine *n, int axis, int across, int at, slice *s)
 /* What some slices in a row have in common. */
 typedef struct run {
 	float area, peak, low, high;
+	float width;   /* in all, of those of which it is known */
 	float ends[2]; /* of its middle */
-	int slices, hits, steps, told;
+	int slices, hits, steps, told, known;
+	int held; /* at how many ends something lies before it */
 } run;
 
 static void add(run *r, const slice *s)
@@ -180,6 +219,8 @@ static void add(run *r, const slice *s)
 	r->hits += s->hits;
 	r->slices += !s->told;
 	r->told += s->told;
+	r->width += s->width;
+	r->known += s->width > 0;
 }
 
 /* What passes between the centres about a pixel, where the mesh tells it. */
@@ -188,7 +229,7 @@ static bool slice_told(const fine *n, int axis, int across, int at, slice *s)
 	static const int ways[4] = {0, -1, 1, -2};
 	const frame *f = n->f;
 	int size = axis ? f->height : f->width;
-	if (!f->layer[ENCRE_LAYER_MARKS].data || across < 0 || across >= (axis ? f->width : f->height))
+	if (!marked(n) || across < 0 || across >= (axis ? f->width : f->height))
 		return false;
 	for (int k = 0; k < 4; k++) {
 		int first = at + ways[k];
@@ -200,7 +241,7 @@ static bool slice_told(const fine *n, int axis, int across, int at, slice *s)
 			continue;
 		*s = (slice){.middle = (float)first + place,
 			     .high = min(place, 1 - place),
-			     .ground = axis ? object_at(f, across, first) : object_at(f, first, across),
+			     .ground = thing_at(n, axis, across, first),
 			     .trust = 1,
 			     .told = true};
 		return true;
@@ -213,7 +254,15 @@ static bool slice_about(const fine *n, int axis, int across, int at, slice *s)
 {
 	return slice_at(n, axis, across, at, s) || slice_told(n, axis, across, at, s) ||
 	       (slice_of(n, axis, across, at - 2, 5, s) && s->area <= narrow * s->peak) ||
-	       slice_of(n, axis, across, at - 3, 7, s);
+	       slice_of(n, axis, across, at - 3, 7, s) ||
+	       (marked(n) && (slice_at(n, axis, across, at - 1, s) || slice_at(n, axis, across, at + 1, s)));
+}
+
+/* Whether something else than the ground is at a pixel. */
+static bool is_covered(const fine *n, int axis, int across, int at, float ground)
+{
+	int size = axis ? n->f->height : n->f->width, rows = axis ? n->f->width : n->f->height;
+	return at >= 0 && at < size && across >= 0 && across < rows && thing_at(n, axis, across, at) != ground;
 }
 
 /* The slices on both sides of one, as far as they are of the same thing; far on only to find a pixel that it covers. */
@@ -223,30 +272,42 @@ static run follow(const fine *n, int axis, int across, const slice *from)
 	add(&r, from);
 	for (int way = 0; way < 2; way++) {
 		float middle = from->middle;
+		int before = 0; /* pixels of what lies before it, up to here */
 		for (int k = 1; k <= (r.hits ? NEARBY : REACH); k++) {
 			slice next;
 			float along = 0;
-			if (!slice_about(n, axis, way ? across + k : across - k, (int)floorf(middle + 0.5f), &next))
-				break;
+			int to = way ? across + k : across - k, at = (int)floorf(middle + 0.5f);
+			if (!slice_about(n, axis, to, at, &next)) {
+				bool covered = from->told && is_covered(n, axis, to, at, from->ground);
+				before += covered;
+				if (!covered || before > MOST_HIT)
+					break;
+				continue;
+			}
 			for (int c = 0; c < PLANES; c++)
 				along += next.stands[c] * from->stands[c];
 			bool told = next.told || from->told;
-			if (!(along > alike * from->area * next.area || told) || fabsf(next.middle - middle) > steepest ||
+			if (!(along > alike * from->area * next.area || told) ||
+			    fabsf(next.middle - middle) > steepest * (float)(1 + before) ||
 			    !(next.ground == from->ground || told) || abs(next.hits - from->hits) > 1)
 				break;
 			add(&r, &next);
 			middle = next.middle;
-			r.steps++;
+			r.steps += 1 + before;
+			before = 0;
 		}
 		r.ends[way] = middle;
+		r.held += before > 0;
 	}
 	return r;
 }
 
-/* Half the width along the axis. Of a thing narrower than a pixel the averages tell the middle, but no width; which
- * pixel centres it covers and which it does not tells that. */
+/* Half the width along the axis, by contours where they tell it. Of a thing narrower than a pixel the averages tell the
+ * middle, but no width; which pixel centres it covers and which it does not tells that. */
 static float half_of(const run *r)
 {
+	if (r->known > 0)
+		return 0.5f * r->width / (float)r->known;
 	float half = r->peak > 0 ? 0.5f * r->area / ((float)r->slices * r->peak) : 0;
 	if (r->low > r->high)
 		return 0.5f * (r->low + r->high);
@@ -364,7 +425,7 @@ bool ISA(thin_site)(const fine *n, const found *at, placed *s)
 	if (!hits || !slice_between(n, at->axis, x, y, &own))
 		return false;
 	run r = follow(n, at->axis, at->axis ? x : y, &own);
-	if ((r.hits == 0 && r.told < REACH) || r.steps < (int)shortest)
+	if ((r.hits == 0 && r.held < 2 && r.told < REACH) || r.steps < (int)shortest)
 		return false;
 	s->thin = 1;
 	s->half = half_of(&r) * squareness(&r);
