@@ -367,6 +367,16 @@ def test_what_the_sun_shines_on_has_no_spots():
     assert ink[0] == 0 < 0.03 < ink[1] < ink[2] - 0.2, ink
 
 
+def test_hatched_has_fewer_strokes_the_lighter_it_is():
+    """Sunlit ground was as dark as half shade."""
+    values, one, ink = presets.find("Hatched").values | dict(use_lines=False), np.ones((96, 96, 3), np.float32), []
+    for light in (0.45, 0.55, 0.64):
+        layers = dict(combined=np.dstack([0.3 * light * one, one[..., :1]]), color=0.3 * one, diffuse=light * one,
+                      depth=5 * one[..., :1], normal=one * np.float32((0, 0, 1)))
+        ink.append(library.render(layers, values, outputs=["Encre Tones"]).images["Encre Tones"][..., 3].mean())
+    assert ink[0] > 0.1 and ink[1] < 0.8 * ink[0] and ink[2] < 0.25 * ink[0], ink
+
+
 @pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
 @pytest.mark.parametrize("look", [dict(tone_1_pitch=8.0), dict(tone_1_pitch=5.3, tone_1_angle=15.0),
                                   dict(tone_1_pitch=12.0, tone_1_angle=0.0, tone_hardness=0.5),
