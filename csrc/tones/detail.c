@@ -269,10 +269,10 @@ static float about(const work *w, bool seek_dark, int reach, int x, int y)
 	return best;
 }
 
-/* The most of a square about each of n pixels. */
+/* The most of a square about each of n pixels, at most twice as far as details go. */
 static void most_about(const work *w, int reach, uint8_t *plane, int y, int x, int n, uint8_t *to)
 {
-	uint8_t line[TONE_CHUNK + 2 * TONE_DETAIL_FAR + 2 * beyond] = {0}, part[sizeof line];
+	uint8_t line[TONE_CHUNK + 4 * TONE_DETAIL_FAR + 4 * beyond] = {0}, part[sizeof line];
 	for (int k = -reach; k <= reach; k++) {
 		row_part(w, plane, tone_within(y + k, w->f->height), x - reach, n + 2 * reach, part);
 		least_of(true, n + 2 * reach, part, line);
@@ -307,19 +307,24 @@ static void keep_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
-/* How much pixels are what light print lies on. */
+/* How much pixels are what light print lies on. A board is of a colour on which nothing dark is seen; where dark print
+ * is near, the pupil of an eye, it is a face. */
 static void around_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	const work *w = data;
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
-			uint8_t light[TONE_CHUNK], *to = row_of(w, w->d->around, y) + x;
+			uint8_t light[TONE_CHUNK], print[TONE_CHUNK], *to = row_of(w, w->d->around, y) + x;
+			uint8_t *board = row_of(w, w->d->board, y) + x;
 			n = chunk_at(w, x);
 			most_about(w, w->d->far, w->d->thin, y, x, n, light);
+			most_about(w, 2 * (w->d->far + beyond), w->d->print, y, x, n, print);
 			for (int i = 0; i < n; i++) {
 				float own = light[i] > least_contrast ? about(w, false, w->d->far, x + i, y) : 0;
+				bool on_board = row_of(w, w->d->value, y)[x + i] <= least_contrast && print[i] < 128;
 				to[i] = (uint8_t)(255 - share_left(own));
+				board[i] = on_board ? to[i] : 0;
 			}
 		}
 }
@@ -332,8 +337,8 @@ void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a)
 	d->reach = (int)min(0.5f * f->params->tone_detail * f->scale, TONE_DETAIL_MOST); /* 2 reach + 1, rounded */
 	d->reach = d->reach > 0 ? d->reach : 1;
 	d->far = d->reach + d->reach / 2 + 1;
-	uint8_t **plane[] = {&d->value, &d->scratch, &d->light,   &d->thin,  &d->dark,
-			     &d->raw,   d->sure,     d->sure + 1, &d->print, &d->around};
+	uint8_t **plane[] = {&d->value, &d->scratch, &d->light, &d->thin,   &d->dark, &d->raw,
+			     d->sure,   d->sure + 1, &d->print, &d->around, &d->board};
 	for (size_t k = 0; k < sizeof plane / sizeof *plane; k++)
 		*plane[k] = arena_take(a, pixels, 1);
 	d->keep = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;

@@ -68,7 +68,8 @@ static void marks(const frame *f, int y, int x, int n, const float *restrict dar
 	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
 	for (int i = 0; detail->keep && i < n; i++) {
 		uint8_t print = dark[i] > 0.5f ? detail->print[at + (size_t)i] : 0;
-		uint8_t around = dark[i] > crossed ? detail->around[at + (size_t)i] : 0;
+		const uint8_t *lies_on = dark[i] > crossed ? detail->around : dark[i] > 0 ? detail->board : NULL;
+		uint8_t around = lies_on ? lies_on[at + (size_t)i] : 0;
 		ink[i] = max(ink[i], (float)(print > around ? print : around) * (1.0f / 255));
 	}
 }

@@ -91,6 +91,7 @@ typedef struct tone_detail {
 	uint8_t *sure[2]; /* 255ths by which what is thin, and what is dark, is fine */
 	uint8_t *print;   /* 255ths by which fine dark things are print, on light ground */
 	uint8_t *around;  /* and by which dark ground has light print on it */
+	uint8_t *board;   /* and by which that is of so dark a colour that nothing else is seen on it */
 } tone_detail;
 
 /* What there is to draw in a chunk: of each slot its share of the pixel and its darkness there. */

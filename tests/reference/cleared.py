@@ -171,10 +171,10 @@ def _kept_share(clear):
 
 def kept(layers, params):
     """Shares of the tones that are left at each pixel, and of their darkness; fine dark things, how far they are print,
-    and how far what is about light print."""
+    and how far what is about light print, and that on boards."""
     size = params["tone_detail"]
     if not size > 0:
-        return *np.ones((2, *layers.depth.shape)), *np.zeros((3, *layers.depth.shape), bool)
+        return *np.ones((2, *layers.depth.shape)), *np.zeros((4, *layers.depth.shape), bool)
     reach = max(1, int(min(0.5 * size * params.pixels(layers.full_height), 32)))
     wide, stroke = reach + reach // 2 + 1, 2 * reach + 1
     value = np.floor(255 * np.sqrt(clamp01(layers.albedo @ (0.2126, 0.7152, 0.0722))) + 0.5)
@@ -223,7 +223,9 @@ def kept(layers, params):
     printed, chalked = (np.where(own > 0, _kept_share(1 - sure * _level(
         _survey(_prints(value, depth, own > 0, others > 0, reach, sign), labels)[1])), 0)
                         for own, others, sure, sign in ((dark, thin, dark_sure, 1), (thin, dark, light_sure, -1)))
-    return keep, ease, dark_sure > 127 / 255, printed, 1 - _kept_share(around(thin, chalked, 1, wide))
+    ground = 1 - _kept_share(around(thin, chalked, 1, wide))
+    board = (value <= LEAST) & (_about(printed, 2 * (wide + 2), np.max) < 128 / 255)
+    return keep, ease, dark_sure > 127 / 255, printed, ground, board * ground
 
 
 def _sum(values, reach):

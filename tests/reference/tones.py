@@ -463,7 +463,8 @@ def fill(layers, params, surface, paper):
             dark = _fitted(dark, rooms) if look[0] in SCREENS else dark
             ink = _ink(layers, of, look, dark, scale, paper, own)
             if look[0] in ("HATCH", "STIPPLE"):
-                ink = np.maximum(ink, np.maximum((dark > 0.5) * keep[3], (dark > 2 / 3) * keep[4]))
+                chalked = np.where(dark > 2 / 3, keep[4], (dark > 0) * keep[5])
+                ink = np.maximum(ink, np.maximum((dark > 0.5) * keep[3], chalked))
             t = np.where(own, ink * share, 0)[..., None]
             t = np.where(t >= 0.5, 1.0, 0.0) if of("tone_crisp") else t
             alpha = surface[..., 3:]

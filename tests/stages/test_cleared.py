@@ -183,12 +183,21 @@ def test_about_light_letters_all_is_ink_and_holes_of_dark_ones_are_no_ground(kin
     assert printed[20:50, 20:23].all() and printed[20:23, 20:29].all()
 
 
-@pytest.mark.parametrize("darkness, inked", [(0.8, True), (0.6, False)])
-def test_about_light_letters_all_is_ink_only_where_strokes_cross_thrice(darkness, inked):
-    layers = shaded(60, 60, 0.2, 0.02)
+@pytest.mark.parametrize("kind", ["STIPPLE", "HATCH"])
+@pytest.mark.parametrize("darkness, ground, inked", [(0.8, 0.15, True), (0.6, 0.15, False), (0.3, 0.05, True)])
+def test_about_light_letters_all_is_ink_only_where_strokes_cross_thrice_or_on_boards(kind, darkness, ground, inked):
+    layers = shaded(60, 60, 0.2, ground)
     layers["color"][10:50, 28:31] = 0.8
-    drawn = ink(layers, tone_1="HATCH", tone_detail=5.0, shade_levels=[(1 - darkness,), (0.65, 0.25, 0.0)])
+    drawn = ink(layers, tone_1=kind, tone_detail=5.0, shade_levels=[(1 - darkness,), (0.65, 0.25, 0.0)])
     assert drawn[14:46, [26, 27, 31, 32]].all() == inked and not drawn[14:46, 29].any()
+
+
+def test_the_white_of_an_eye_in_a_dark_face_has_no_ink_about_it():
+    layers = shaded(60, 60, 0.2, 0.08)
+    layers["color"][27:32, 22:36] = 0.8
+    layers["color"][27:32, 26:31] = 0.01
+    drawn = ink(layers, tone_1="STIPPLE", tone_detail=11.0, shade_levels=[(0.7,), (0.65, 0.25, 0.0)])
+    assert drawn[20:40, [20, 21, 36, 37]].mean() < 0.7 and not drawn[28:31, [23, 34]].any()
 
 
 RAIL = dict(tone_1="HATCH", tone_black=0.05, shade_levels=[(0.4,), (0.65, 0.25, 0.0)], tone_detail=5.0)
