@@ -316,16 +316,21 @@ static void around_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
 			uint8_t light[TONE_CHUNK], print[TONE_CHUNK], *to = row_of(w, w->d->around, y) + x;
-			uint8_t *board = row_of(w, w->d->board, y) + x;
+			uint8_t *board = row_of(w, w->d->board, y) + x, *value = row_of(w, w->d->value, y) + x;
 			n = chunk_at(w, x);
 			most_about(w, w->d->far, w->d->thin, y, x, n, light);
-			most_about(w, 2 * (w->d->far + beyond), w->d->print, y, x, n, print);
+			bool any = false;
 			for (int i = 0; i < n; i++) {
 				float own = light[i] > least_contrast ? about(w, false, w->d->far, x + i, y) : 0;
-				bool on_board = row_of(w, w->d->value, y)[x + i] <= least_contrast && print[i] < 128;
 				to[i] = (uint8_t)(255 - share_left(own));
-				board[i] = on_board ? to[i] : 0;
+				board[i] = value[i] <= least_contrast ? to[i] : 0;
+				any |= board[i];
 			}
+			if (!any)
+				continue;
+			most_about(w, 2 * (w->d->far + beyond), w->d->print, y, x, n, print);
+			for (int i = 0; i < n; i++)
+				board[i] = print[i] < 128 ? board[i] : 0;
 		}
 }
 
