@@ -12,7 +12,8 @@ from ..pen.colour import decode_srgb
 from ..pen.job import Picture
 from . import trees
 
-_DECODED = decode_srgb(np.arange(256, dtype=np.float32) / 255).astype(np.float32)  # of pictures of 8 bits
+# Of pictures of 8 bits. One by one: last bits of a whole array's depend on where it lies in numpy up to 1.24.
+_DECODED = np.array([decode_srgb(value / 255) for value in range(256)], np.float32)
 
 
 _BEGUN = time.time_ns()
