@@ -14,9 +14,8 @@ from . import trees
 
 # Of pictures of 8 bits. One by one: last bits of a whole array's depend on where it lies in numpy up to 1.24.
 _DECODED = np.array([decode_srgb(value / 255) for value in range(256)], np.float32)
+_BEGUN = time.time_ns()  # when this module was loaded
 
-
-_BEGUN = time.time_ns()
 
 _states = {}  # full name -> what was found of an image at the last look
 _turns = {}   # full name -> how often it was found to hold something else

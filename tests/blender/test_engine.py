@@ -411,11 +411,9 @@ def test_freestyle_and_bake(render):
     assert np.array_equal(shot.passes("before")["Combined"], shot.passes("after")["Combined"])
 
 
+@pytest.mark.skipif(not shutil.which("blender"), reason="needs the program blender")
 def test_nothing_is_left_of_what_passes_for_meshes():
-    blender = shutil.which("blender")
-    if not blender:
-        pytest.skip("needs the program blender")
     script = Path(__file__).parent / "inside" / "left.py"
-    done = subprocess.run([blender, "-b", "--factory-startup", "--debug-memory", "-P", script], capture_output=True,
+    done = subprocess.run(["blender", "-b", "--factory-startup", "--debug-memory", "-P", script], capture_output=True,
                           text=True, errors="replace", timeout=300, stdin=subprocess.DEVNULL)
     assert "drawn" in done.stdout and "Not freed" not in done.stdout + done.stderr, done.stdout[-2000:]
