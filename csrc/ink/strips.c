@@ -243,6 +243,8 @@ void ISA(strip_left)(const strip_link *l, int n, const float *restrict px, const
 	float x = l->x, y = l->y, rate = l->rate, far = l->far, from = l->at[0], to = l->at[1];
 	int wholes = 0, halves = 0;
 	n &= ~(LANES - 1); /* it is such, and no loop has a rest */
+	if (n <= 0)
+		return;
 	for (int i = 0; i < n; i++) {
 		float along = x * px[i] + y * py[i], one = from + rate * along, two = to + rate * (along - far);
 		float jump = s[i] > 0.5f ? 1.0f : 0.0f, share = l->jumps ? jump : s[i];
@@ -251,7 +253,7 @@ void ISA(strip_left)(const strip_link *l, int n, const float *restrict px, const
 		wholes |= born[i] < 1;
 		halves |= born[i] > 0;
 	}
-	if (wholes)
+	if (wholes || !halves)
 		inks(l->of, l->level[0], n, u, v, ink);
 	if (halves) {
 		for (int i = 0; i < n; i++)
@@ -261,7 +263,7 @@ void ISA(strip_left)(const strip_link *l, int n, const float *restrict px, const
 	if (wholes & halves)
 		for (int i = 0; i < n; i++)
 			ink[i] = born[i] < 1 ? mix(ink[i], half[i], born[i]) : half[i];
-	const float *of = wholes ? ink : half;
+	const float *of = wholes || !halves ? ink : half;
 	for (int i = 0; i < n; i++)
 		left[i] = mix(mix(l->left[0], l->left[1], s[i]), 1, of[i]);
 }
