@@ -39,6 +39,13 @@ class _Parser(argparse.ArgumentParser):
         if self.description:
             self.description = textwrap.fill(self.description, 100)
 
+    def parse_known_args(self, args=None, namespace=None):
+        """As argparse's, but a command says itself what it doesn't know, and so names its own help."""
+        found, rest = super().parse_known_args(args, namespace)
+        if rest:
+            self.error(f"unrecognized arguments: {' '.join(rest)}")
+        return found, rest
+
     def error(self, message):
         if re.fullmatch(r"unrecognized arguments: \S.*\.exr", message):  # what a shell makes of in.*.exr
             message += " (of a sequence give one name with # for the number, in quotes: 'in.####.exr')"

@@ -154,6 +154,9 @@ def todo(layers, out, frames):
     if "#" not in os.path.basename(layers):
         if frames is not None:
             raise EncreError(f"{layers}: is one file, not a sequence; put # where the number stands")
+        if "#" in os.path.basename(out):
+            raise EncreError(f"{out}: has # for a frame's number, but {layers} is one file; take it out, or "
+                             "give a sequence")
         return [Frame(None, layers, out)]
     there = sequence.found(layers)
     if isinstance(frames, tuple):

@@ -103,7 +103,8 @@ def test_sequences_by_other_programs_names(run, tmp_path):
     fails(run("composite", tmp_path / "in.%04d.exr", "-o", tmp_path / "o.#.png"), "in.%04d.exr: write #")
     fails(run("composite", tmp_path / "in.#.exr", "-o", tmp_path / "o.%04d.png"), "o.%04d.png: write #")
     fails(run("composite", "in.1.exr", "in.2.exr", "in.3.exr", "-o", "o.png"), "unrecognized arguments: in.2.exr",
-          "in quotes: 'in.####.exr'")
+          "in quotes: 'in.####.exr'", "see encre composite --help")
+    fails(run("composite", "in.1.exr", "-o", tmp_path / "o.##.png"), "has # for a frame's number, but in.1.exr is one")
     fails(run("composite", tmp_path, "-o", tmp_path / "o.png"), "is a folder")
     fails(run("composite", "in.exr", "-o", ""), "'' must be a name that ends in")
 
