@@ -48,6 +48,17 @@ int32_t bends_find(bands *pool, bends *b);
 /* neighbours.c: fills `way` of these rows, of bends, when all other pictures are drawn. */
 void neighbours_rows(void *bends, int y0, int y1, int thread);
 
+/* Leaves a share of what an edge bends, in the layer of creases; returns whether anything is left. Less than a degree
+ * would not be seen beside `crease_spread` in half floats. */
+static inline bool crease_scale(float *crease, float share)
+{
+	crease[1] *= share;
+	if (fabsf(crease[1]) >= 1)
+		return true;
+	crease[0] = crease[1] = 0;
+	return false;
+}
+
 static inline const bend *bend_at(const bends *b, int x, int y)
 {
 	return b->bend + (ptrdiff_t)y * b->width + x;

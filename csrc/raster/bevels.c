@@ -9,8 +9,6 @@
 
 #include <stdlib.h>
 
-static const float least_part = 1; /* degrees, that are seen beside `crease_spread` in half floats, too */
-
 typedef struct lines {
 	bends bends;
 	int even;    /* pixels along a line to each side, over which it is */
@@ -158,10 +156,7 @@ static void draw_way(const lines *l, int x, int y, int axis)
 	float left = own_part(l, (float)x + (axis ? 0 : crease[0]), (float)y + (axis ? crease[0] : 0), own);
 	if (left == 1)
 		return;
-	crease[1] *= left;
-	if (fabsf(crease[1]) < least_part)
-		crease[0] = crease[1] = 0;
-	else
+	if (crease_scale(crease, left))
 		crease[1] += crease[1] < 0 ? -crease_spread : crease_spread;
 }
 

@@ -3,9 +3,8 @@
  * row are one bend if what they turn is much more than what a wider stretch on either side does: so what is round has
  * none, be it made of few faces or of many. How wide a bend is comes from how its edges scatter, so that it hardly
  * changes along a bevel; it counts less and less as it gets wider. */
-#include "raster/lanes.h"
-
 #include "base/pixel.h"
+#include "raster/beside.h"
 
 static const float least_bend = 20;    /* degrees, below which nothing is looked for */
 static const float close_by = 3;       /* times `narrow`, at which a bend weighs half as much as a sharper one */
@@ -13,29 +12,18 @@ static const float most_of_one = 0.6f; /* share of a bend that one edge may have
 static const float own_line = 0.36f;   /* share from which on an edge is seen by itself, unless it is close: */
 static const float one_to = 1.25f, two_from = 1.75f; /* pixels across, from the middle: up to which there is one line,
 							and from which on two */
-static const float beside_from = 0.12f, beside_to = 0.25f; /* share of a bend that as wide a stretch on the side that
-							     turns less may turn: else it goes on there */
-static const float stretch = 1.6f;        /* times as wide as a bend is what is looked at on either side */
-static const float least_straight = 0.8f; /* of all that it turns: it goes one way round */
-static const float least_seen = 2;        /* pixels beside a bend that must be seen to tell whether it goes on, */
-static const float least_share = 0.5f;    /* and of its width */
-static const float guessed = 1;           /* likewise, from which on the other side tells of a narrow one */
-static const float as_other = 2;          /* times what the other side turns is what is not seen taken to */
-static const float narrower = 0.8f;       /* times `narrow`, up to which it is one */
-static const float noted = 2.6f;          /* pixels from its line within which pixels are told of a bend */
-static const float most_bare = 0.55f;     /* share of a bend's width in which nothing bends */
-static const float most_apart = 1.25f;    /* times `narrow`, that is always bridged */
-static const float least_wide = 0.25f;    /* pixels: of edges that all pass at one place */
-
-/* What a way turns, or that there is an end of the surface between. */
-static const float closed = -1;
+static const float stretch = 1.6f;                   /* times as wide as a bend is what is looked at on either side */
+static const float least_straight = 0.8f;            /* of all that it turns: it goes one way round */
+static const float least_seen = 2;     /* pixels beside a bend that must be seen to tell whether it goes on, */
+static const float least_share = 0.5f; /* and of its width */
+static const float guessed = 1;        /* likewise, from which on the other side tells of a narrow one */
+static const float narrower = 0.8f;    /* times `narrow`, up to which it is one */
+static const float noted = 2.6f;       /* pixels from its line within which pixels are told of a bend */
+static const float most_bare = 0.55f;  /* share of a bend's width in which nothing bends */
+static const float most_apart = 1.25f; /* times `narrow`, that is always bridged */
+static const float least_wide = 0.25f; /* pixels: of edges that all pass at one place */
 
 enum { MOST_EDGES = 64 };
-
-static const float *normal_at(const bends *s, int x, int y)
-{
-	return pixel_at(&s->job->normal, x, y);
-}
 
 static float degrees_between(const float *n, const float *m)
 {
@@ -53,12 +41,6 @@ static float end_place(const bends *s, int x, int y, int axis)
 {
 	float mark = s->job->marks.data ? contour_mark(pixel_at(&s->job->marks, x, y)[axis]) : 0;
 	return mark < 0 ? contour_place(mark) : 0.5f;
-}
-
-/* From the pixel `from` to where a turning is. In this way the bits do not depend on where the images begin. */
-static float along(const turning *t, int from)
-{
-	return (float)(t->way - from) + t->share;
 }
 
 static bool is_sliver(const turning *edge, const turning *end)
@@ -101,41 +83,6 @@ int lane_note(const bends *s, int x, int y, int axis, turning *list, int count)
 
 /* ---- bends ----------------------------------------------------------------------------------------------- */
 
-/* What the surface turns beside a bend as far as it is seen, and without what only some rows or columns see: which
- * edges are one bend must not depend on that, or its line would jump to and fro. */
-typedef struct sides {
-	float all, sure;
-	float same; /* of `sure` what goes on turning the same way */
-	float seen; /* share of what is to be looked at; `closed`: too little */
-} sides;
-
-static const float *normal_along(const looking *l, int at)
-{
-	return normal_at(l->s, l->axis ? l->number : at, l->axis ? at : l->number);
-}
-
-/* By how much the normals change from one pixel of a lane to another. */
-static void change_along(const looking *l, int from, int to, float change[3])
-{
-	const float *n = normal_along(l, from), *m = normal_along(l, to);
-	for (int c = 0; c < 3; c++)
-		change[c] = m[c] - n[c];
-}
-
-static float dot_of(const float a[3], const float b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Rather than aside: on what is regular much is at right angles to what it turns by elsewhere. */
-static bool turns_back(const looking *l, const turning *t, const float across[3])
-{
-	float change[3];
-	change_along(l, t->way, t->way + 1, change);
-	float dot = dot_of(change, across);
-	return dot < 0 && 2 * dot * dot > dot_of(change, change) * dot_of(across, across);
-}
-
 /* How a lane crosses the line in which the faces of two of its pixels meet. */
 typedef struct crossed {
 	bool ridge;  /* rather than a valley */
@@ -163,44 +110,6 @@ static crossed crossed_between(const looking *l, int from, int to)
 	double length = sqrt(right * right + up * up), lengthwise = l->axis ? right : up;
 	bool mirrored = p[0] * p[5] < 0;
 	return (crossed){(lengthwise > 0) != mirrored, length > 0 ? (float)(fabs(lengthwise) / length) : 1};
-}
-
-/* How much `reach` pixels beside an end of a bend turn; less counts from half of that on. Unless `enough` can be seen
- * nothing is known, but at the images' border, and from `guessed` pixels on. */
-static sides beside(const looking *l, int i, int way, const float across[3], float reach, float enough, float guessed)
-{
-	const turning *own = l->list + i;
-	float at = own->share, seen = way < 0 ? along(own, 0) : (float)(l->size - 1 - own->way) - at;
-	bool border = true;
-	sides found = {0};
-	for (int k = i + way; k >= 0 && k < l->count; k += way) {
-		float away = fabsf(along(l->list + k, own->way) - at);
-		if (away >= reach)
-			break;
-		if (l->list[k].turn < 0) {
-			seen = away;
-			border = false;
-			break;
-		}
-		float turn = l->list[k].turn * most_one(2 - 2 * away / reach);
-		found.all += turn;
-		found.sure += l->list[k].sliver ? 0 : turn;
-		found.same += l->list[k].sliver || turns_back(l, l->list + k, across) ? 0 : turn;
-	}
-	if (seen < enough)
-		return (sides){.seen = border || seen >= guessed ? 0 : closed};
-	found.seen = most_one(seen / reach);
-	return found;
-}
-
-/* With what cannot be seen: it goes on as what is seen, or as the other side. */
-static sides whole_side(const sides *own, const sides *other)
-{
-	if (own->seen >= 1)
-		return *own;
-	float going = own->seen > 0 ? own->sure * (1 / own->seen - 1) : 0,
-	      more = max(going, (1 - own->seen) * as_other * other->sure);
-	return (sides){own->all + more, own->sure + more, own->same + more, 1};
 }
 
 /* What edges are together, one after the other. */
@@ -303,14 +212,13 @@ static void weigh(const looking *l, int first, int last, const sum *of)
 	      guess = wide <= narrower * s->narrow ? guessed : INFINITY;
 	float across[3];
 	change_along(l, l->list[first].way, l->list[last].way + 1, across);
-	sides one = beside(l, first, -1, across, reach, enough, guess),
-	      other = beside(l, last, 1, across, reach, enough, guess);
+	sides one = beside_of(l, first, -1, across, reach, enough, guess),
+	      other = beside_of(l, last, 1, across, reach, enough, guess);
 	if (one.seen < 0 || other.seen < 0 || one.seen + other.seen < 1) /* neither tells */
 		return;
 	crossed c = crossed_between(l, l->list[first].way, l->list[last].way + 1);
-	sides before = whole_side(&one, &other), after = whole_side(&other, &one);
-	float goes_on = min(before.all, after.all) / of->turn,
-	      alone = clamp01((beside_to - goes_on) / (beside_to - beside_from));
+	sides before = beside_whole(&one, &other), after = beside_whole(&other, &one);
+	float alone = beside_alone(&before, &after, of->turn);
 	/* a ridge has a line rather than the valley close beside it */
 	run r = {.clear = alone * (of->turn - (c.ridge ? max(before.same, after.same) : max(before.sure, after.sure))) /
 			  blunt,
@@ -401,5 +309,6 @@ bool lane_look(const looking *l)
 			tell(l, r);
 		any |= own;
 	}
+	beside_fade(l);
 	return any;
 }

@@ -173,6 +173,18 @@ def test_smooth_ones_need_the_angle_of_smooth_edges():
     assert widths(bevel(4, 3, bend=90, kind="smooth"))[0].min() > 2
 
 
+def ripple(size, kind):
+    """Cloth whose folds go up and down by three edges each, so many pixels from edge to edge."""
+    heading = np.radians(np.tile([-75, -25, 25, 75, 25, -25], 4))
+    return folded(heading, size / np.cos(heading), 20, kind)
+
+
+@pytest.mark.parametrize("size", [0.5, 0.7])
+def test_smooth_cloth_that_folds_everywhere_has_no_line(size):
+    assert not picture(ripple(size, "smooth"), crease_smooth=40.0)[8:-8].any()
+    assert picture(ripple(12, "smooth"), crease_smooth=40.0)[8:-8].any(), "by itself each is one"
+
+
 def test_a_sharp_edge_stays_what_it_is():
     maps = drawn(bevel(0, 0))
     alone = library.raster([bevel(0, 0)], *pixels(960, 540), FRAME, SIZE, 0.1, outputs=("creases",))

@@ -131,7 +131,8 @@ def give_way(check):
         return
     before, view = check.tables("close eyes")[0], check.c.view
     bound, give, unsure = rooms.give_way(before, check.scale, view.layers.depth,
-                                        view.layers.object if view.meshes and "object" in view.given else None)
+                                        view.layers.object if view.meshes and "object" in view.given else None,
+                                        view.layers.creases if view.meshes else None)
     check.count["folds"] += int((bound[before.rank == 0] > 0).sum())
     bound = np.maximum(bound, before.site["crowd"])
     sure = [i for i in np.flatnonzero(give) if i not in unsure]

@@ -69,9 +69,9 @@ def _turns_back(edge, across, normal):
     return change @ across < -np.sqrt(0.5) * np.linalg.norm(change) * np.linalg.norm(across)
 
 
-def _beside(lane, i, way, reach, border, wide, narrow, back):
+def _beside(lane, i, way, reach, border, enough, guessed, back):
     """What goes on beside an edge, and without slivers, and also without what turns back, and the share of it that is
-    seen; None: the surface ends."""
+    seen; None: the surface ends before `enough` is seen, and `guessed`."""
     total, seen, cut = np.zeros(3), abs(border - lane[i][0]), True
     k = i + way
     while 0 <= k < len(lane) and abs(lane[k][0] - lane[i][0]) < reach:
@@ -82,8 +82,8 @@ def _beside(lane, i, way, reach, border, wide, narrow, back):
         sure = not lane[k][4]
         total += lane[k][1] * min(1, 2 - 2 * away / reach) * np.array([1, sure, sure and not back(lane[k])])
         k += way
-    if seen < max(2, wide / 2):
-        return (np.zeros(3), 0) if cut or (wide <= 0.8 * narrow and seen >= 1) else None
+    if seen < enough:
+        return (np.zeros(3), 0) if cut or seen >= guessed else None
     return total, min(1, seen / reach)
 
 
@@ -91,6 +91,27 @@ def _whole(own, other):
     """With what is not seen of a side, which goes on as what is, or twice as the other side."""
     (total, seen), (beyond, _) = own, other
     return total + max(total[1] * (1 / seen - 1) if seen else 0, 2 * (1 - seen) * beyond[1])
+
+
+def _alone(before, after, turn):
+    return np.clip((0.25 - min(before[0], after[0]) / turn) / 0.13, 0, 1)
+
+
+def _fade(maps, out, number, axis, narrow):
+    """What edges of smooth forms bend, in `out`, where the form turns on both sides of them."""
+    height, width = maps["object"].shape
+    size, lane = height if axis else width, _lane(maps, number, axis)
+    for i, (_, turn, edge, way, _) in enumerate(lane):
+        if turn < 0 or edge > -20:
+            continue
+        sides = [_beside(lane, i, step, narrow, border, 1, 1, lambda _: False)
+                 for step, border in ((-1, 0), (1, size - 1))]
+        if sides == [None, None]:
+            continue
+        sides = [side or (np.zeros(3), 0) for side in sides]
+        at = out[(way, number) if axis else (number, way)][2 * axis:2 * axis + 2]
+        at[1] *= _alone(_whole(*sides), _whole(*sides[::-1]), -edge)
+        at[:] = at if abs(at[1]) >= 1 else 0
 
 
 def _own(edge, edges, slant):
@@ -123,12 +144,13 @@ def _run(lane, i, j, narrow, size, normal, aside):
         return None
     reach = max(1.6 * wide, narrow)
     across = normal(lane[j][3] + 1) - normal(lane[i][3])
-    sides = [_beside(lane, k, way, reach, border, wide, narrow, lambda edge: _turns_back(edge, across, normal))
+    guessed = 1 if wide <= 0.8 * narrow else np.inf
+    sides = [_beside(lane, k, way, reach, border, max(2, wide / 2), guessed, lambda e: _turns_back(e, across, normal))
              for k, way, border in ((i, -1, 0), (j, 1, size - 1))]
     if None in sides or sides[0][1] + sides[1][1] < 1:
         return None
     before, after = _whole(*sides), _whole(*sides[::-1])
-    alone = np.clip((0.25 - min(before[0], after[0]) / turn) / 0.13, 0, 1)
+    alone = _alone(before, after, turn)
     bends = alone * (turn - (before[1] + after[1]) / 2)
     counts = 2 if ridge else 1  # a ridge outdoes the valley beside it
     clear = alone * (turn - max(before[counts], after[counts])) / (1 + (wide / (3 * narrow)) ** 2)
@@ -230,6 +252,9 @@ def spread(maps, frame_height):
     most = {at: _even(bends, *at, narrow) for at, bend in bends.items() if abs(bend.off) <= BY}
 
     out = maps["creases"].astype(float)
+    for axis in range(2):
+        for number in range(width if axis else height):
+            _fade(maps, out, number, axis, narrow)
     for y, x, axis in np.ndindex(height, width, 2):
         way, p, q = out[y, x, 2 * axis:2 * axis + 2], (y, x), (y + axis, x + 1 - axis)
         own = abs(way[1]) + AHEAD if way[1] else 0

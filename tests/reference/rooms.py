@@ -87,9 +87,26 @@ def _double(t, i, j, way, fronts):
     return before, unsure or doubt
 
 
-def give_way(t, scale, depth, number=None):
+def _smooth(t, creases):
+    """Which sites are on edges of forms that are shaded smoothly, where they are on edges; creases: the layer."""
+    if creases is None:
+        return np.zeros(len(t), bool)
+    height, width = creases.shape[:2]
+
+    def smooth(axis, row, column):
+        every = [(a, row + k * (a == ROW), column + k * (a != ROW)) for a in (ROW, COLUMN) for k in range(2)]
+        ways = every if axis > COLUMN else [(axis, row, column)]
+        there = [creases[y, x, 2 * a:2 * a + 2] for a, y, x in ways
+                 if y + (a != ROW) < height and x + (a == ROW) < width]
+        bends = [bend for place, bend in there if place > 0]
+        return bool(bends) and max(bends) < 0
+
+    return np.array([smooth(*where) for where in zip(t.axis, t.site["row"], t.site["column"], strict=True)], bool)
+
+
+def give_way(t, scale, depth, number=None, creases=None):
     """1 over the greatest radius of sites on edges of meshes, lines by hand, of light, and contours within a thing, 0
-    where it is not bounded; which these are; unsure. number: of objects."""
+    where it is not bounded; which these are; unsure. number: of objects; creases: the layer."""
     def way(i):
         ends = [*t.links[i], i][:2]
         out = (t.at[ends[1]] - t.at[ends[0]]) * (-1 if len(t.links[i]) == 1 else 1)
@@ -133,8 +150,9 @@ def give_way(t, scale, depth, number=None):
                      _slit(t, i, fronts[i], depth, number, reach) for i in range(len(t))], bool)
     meeting = (t.family == NUMBER["crack"]) & (t.axis == JUNCTION)
     give = ~t.dropped & (edge | light | fold | meeting | slit)
-    wide = px(scale) * np.where(t.family == NUMBER["mark"], 3, np.where(t.rank == 0, 5, 4))
-    closed = px(scale) * np.where(edge, 1.5, np.where(light, 0.5, 3))
+    smooth = (t.family == NUMBER["crease"]) & _smooth(t, creases)
+    wide = px(scale) * np.where(t.family == NUMBER["mark"], 3, np.where((t.rank == 0) | smooth, 5, 4))
+    closed = px(scale) * np.where(edge & ~smooth, 1.5, np.where(light, 0.5, 3))
     stays, doubt = np.ones(len(t)), set()
     ways = np.array([way(i) if len(t.links[i]) in (1, 2) else (0, 0) for i in range(len(t))]).reshape(-1, 2)
     lines = np.flatnonzero(~t.dropped & ways.any(1))

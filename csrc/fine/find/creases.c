@@ -139,6 +139,25 @@ bool ISA(crease_flat)(const fine *n, int x, int y, int axis)
 	return x + !axis < n->f->width && y + axis < n->f->height && at.place > 0 && at.bend > 0;
 }
 
+bool ISA(crease_smooth)(const fine *n, const found *at)
+{
+	if (!n->e->creases || at->family != FAMILY_CREASE)
+		return false;
+	bool any = false;
+	for (int axis = 0; axis < 2; axis++)
+		for (int k = 0; k < 2; k++) {
+			int x = at->column + k * axis, y = at->row + k * !axis;
+			if ((at->axis <= AXIS_COLUMN && (axis != at->axis || k)) || x + !axis >= n->f->width ||
+			    y + axis >= n->f->height)
+				continue;
+			passing way = passing_at(n, x, y, axis);
+			if (way.place > 0 && way.bend > 0)
+				return false;
+			any |= way.place > 0;
+		}
+	return any;
+}
+
 enum { beyond = 2 }; /* pixels farther on each way than those of a bend: there normals tell which way it goes */
 
 bool ISA(crease_hollow)(const fine *n, int x, int y, int axis)

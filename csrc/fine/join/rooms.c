@@ -72,9 +72,19 @@ static bool may_give_way(const fine *n, const site *s)
 	return !s->linked.dropped && (is_edge(s) || rank_of(s) == RANK_LIGHT || is_meeting(s) || is_fold(n, s));
 }
 
-static float widest(const site *s)
+static float widest(const fine *n, const site *s)
 {
-	return s->found.family == FAMILY_MARK ? wide_mark : rank_of(s) == RANK_SHAPE ? wide_fold : wide;
+	return s->found.family == FAMILY_MARK                                 ? wide_mark
+	       : rank_of(s) == RANK_SHAPE || ISA(crease_smooth)(n, &s->found) ? wide_fold
+									      : wide;
+}
+
+/* Beside an outline an edge of a form that is shaded smoothly is the same fold as that, once more. */
+static float closes_at(const fine *n, const site *s)
+{
+	if (is_edge(s))
+		return ISA(crease_smooth)(n, &s->found) ? closed_fold : closed_crease;
+	return rank_of(s) == RANK_SHAPE ? closed_fold : closed_light;
 }
 
 /* Of two lines by hand that run along each other the left, or upper, one is as an outline to the other: so it is all
@@ -172,10 +182,10 @@ static void find_rooms(void *data, int first, int end, int thread)
 	const fine *n = r->n;
 	for (uint32_t i = (uint32_t)first; i < (uint32_t)end && !stopped_at(n, (int)i); i++) {
 		const site *s = n->site + i;
-		float way[2], other[2], far = widest(s) * r->px, room = far;
-		if (r->open && !(r->room[i] < widest(s))) /* the second time it has no less */
+		float way[2], other[2], far = widest(n, s) * r->px, room = far;
+		if (r->open && !(r->room[i] < widest(n, s))) /* the second time it has no less */
 			continue;
-		r->room[i] = widest(s);
+		r->room[i] = widest(n, s);
 		r->side[i] = false;
 		bool slit = !s->linked.dropped && goes_on(n, i, RUN) && is_slit(n, s);
 		if (is_meeting(s) || !(slit || may_give_way(n, s)) || !way_of(n, i, way))
@@ -261,7 +271,7 @@ static float even_room(const rooms *r, uint32_t i)
 	if (links_at(n, i) > 2)
 		return through_room(r, i);
 	if (links_at(n, i) != 2)
-		return count > 0 ? sum : widest(n->site + i);
+		return count > 0 ? sum : widest(n, n->site + i);
 	uint32_t from[2] = {i, i}, at[2] = {n->to[n->at[i]], n->to[n->at[i] + 1]};
 	for (int k = 0; k < EVENED && at[0] != i && at[1] != i; k++) {
 		if (at[0] == UINT32_MAX || at[1] == UINT32_MAX ? !all && count > 0 : 0)
@@ -279,7 +289,7 @@ static float even_room(const rooms *r, uint32_t i)
 			at[way] = next;
 		}
 	}
-	return count > 0 ? sum / count : widest(n->site + i);
+	return count > 0 ? sum / count : widest(n, n->site + i);
 }
 
 static void find_open(void *data, int first, int end, int thread)
@@ -301,10 +311,7 @@ static void give_way(void *data, int first, int end, int thread)
 		site *s = r->n->site + i;
 		if (!may_give_way(r->n, s) && (s->linked.dropped || !is_side(r, i)))
 			continue;
-		float room = even_room(r, i), far = widest(s),
-		      closed = is_edge(s)                 ? closed_crease
-			       : rank_of(s) == RANK_SHAPE ? closed_fold
-							  : closed_light;
+		float room = even_room(r, i), far = widest(r->n, s), closed = closes_at(r->n, s);
 		if (room < far)
 			s->linked.crowd =
 				max(s->linked.crowd, (1 - room / far) / (share * max((room - closed) * r->px, 1e-6f)));
