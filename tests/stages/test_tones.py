@@ -377,6 +377,20 @@ def test_hatched_has_fewer_strokes_the_lighter_it_is():
     assert ink[0] > 0.1 and ink[1] < 0.8 * ink[0] and ink[2] < 0.25 * ink[0], ink
 
 
+def test_about_letters_in_coloured_blacks_their_ground_keeps_its_hue():
+    """What is clear of ink in the shade was mauve, whatever it was."""
+    values = presets.find("Coloured blacks").values | dict(use_lines=False, length_unit="PIXELS")
+    cream = np.float32((0.7, 0.6, 0.4))
+    color, light = cream * np.ones((60, 60, 3), np.float32), np.full((60, 60, 3), 0.1, np.float32)
+    color[20:40, 20:24] = 0.02
+    layers = dict(combined=np.dstack([color * light, light[..., :1] * 10]), color=color, diffuse=light,
+                  depth=light[..., :1] * 50, normal=light * 10)
+    drawn = library.render(layers, values, outputs=["Combined"]).images["Combined"]
+    margin = drawn[24:36, [18, 25], :3]
+    assert np.abs(margin / margin[..., :1] - cream / cream[0]).max() < 0.01 and (0.3 < margin[..., 0]).all()
+    assert not drawn[24:36, [20, 23, 40], :3].any()
+
+
 @pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
 @pytest.mark.parametrize("look", [dict(tone_1_pitch=8.0), dict(tone_1_pitch=5.3, tone_1_angle=15.0),
                                   dict(tone_1_pitch=12.0, tone_1_angle=0.0, tone_hardness=0.5),
