@@ -16,6 +16,9 @@ static const uint8_t filled = 88;        /* contrast of what is fine because mos
 static const size_t many = 3, some = 10; /* one in so many pixels */
 static const float small = 7; /* as wide as so many strokes: a face in which dots would be as large as eyes */
 static const float whole = 6; /* of a word one in so many pixels, surely fine, is enough */
+/* How many times its strokes, laid end to end, are as long as wide: two eyes 10 to 12.5, a letter 10 to 30. */
+static const float two_eyes = 12, word = 15;
+static const float outline = 0.45f; /* of what is about a word: little wider than a line */
 
 /* So many reaches about a dark pixel its ground is looked for, in so many rows of so many places. */
 enum { reaches = 3, looks = 13 };
@@ -251,6 +254,22 @@ static uint8_t sureness(const work *w, const uint8_t *sure, size_t count)
 	return (uint8_t)(int)(min(2 * own * most_one(whole * mean), 255) + 0.5f);
 }
 
+/* How much of what is about light things that hang together is: round ones are eyes, which have an outline. */
+static uint8_t strokes(const work *w, size_t count)
+{
+	size_t area = 0, edge = 0;
+	for (size_t k = 0; k < count; k++) {
+		spot to[4];
+		if (!details(w)[w->open[k]])
+			continue;
+		area++;
+		for (int n = beside(w, spot_of(w, w->open[k]), to) - 1; n >= 0; n--)
+			edge += !details(w)[to[n].i];
+	}
+	float length = (float)edge * (float)edge / (4 * (float)area);
+	return (uint8_t)(int)(255 * mix(outline, 1, clamp01((length - two_eyes) / (word - two_eyes))) + 0.5f);
+}
+
 static void spread(const work *w)
 {
 	uint8_t *state = w->d->raw, *sure = w->d->sure[w->dark];
@@ -272,16 +291,18 @@ static void spread(const work *w)
 					w->open[count++] = (uint32_t)to[n].i;
 				}
 		}
-		uint8_t all = sureness(w, sure, count);
+		uint8_t all = sureness(w, sure, count), lines = w->dark ? 0 : strokes(w, count);
 		for (size_t k = 0; k < count; k++)
 			if (details(w)[w->open[k]]) {
+				w->d->print[w->open[k]] = lines;
 				sure[w->open[k]] = all;
 				details(w)[w->open[k]] = all ? details(w)[w->open[k]] : 0;
 			}
 	}
 }
 
-/* Of what is fine that remains which is whole, and hangs together with what surely is. */
+/* Of what is fine that remains which is whole, and hangs together with what surely is. Of light things `print` gets how
+ * surely they are strokes. */
 static int32_t choose(work *w, bool dark)
 {
 	bands *pool = w->f->bands;
@@ -371,7 +392,8 @@ static void print_of_rows(void *data, int y0, int y1, int thread)
 	uint8_t *to = w->dark ? w->d->print : w->d->sure[0];
 	for (size_t i = (size_t)y0 * width; i < (size_t)y1 * width; i++) {
 		float own = (float)w->d->sure[w->dark][i] * (1.0f / 255) * share_of_level(w->d->raw[i]);
-		to[i] = (uint8_t)(int)(details(w)[i] ? 255 * own + 0.5f : 0);
+		float lines = w->dark ? 1 : (float)w->d->print[i] * (1.0f / 255);
+		to[i] = (uint8_t)(int)(details(w)[i] ? 255 * own * lines + 0.5f : 0);
 	}
 }
 

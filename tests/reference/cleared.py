@@ -7,6 +7,7 @@ from .metric import clamp01
 
 LEAST, SURE, ALIKE, SAME_DEPTH = 0.3 * 255, 0.34 * 255, 0.08 * 255, 0.005
 GROUND, MANY, SOME, SMALL, WHOLE, FILLED = 20, 3, 10, 7, 6, 88
+TWO_EYES, WORD, ROUND = 12, 15, 0.45
 NARROW, WIDE, BESIDE = 0.7, 1.4, 2
 FINE = 0.35, 0.525
 
@@ -108,13 +109,18 @@ def _most(share):
 
 
 def _words(details, sure, around, goes_on):
-    """How surely each detail is one: twice the mean over its word of how surely pixels are, weighted by itself."""
+    """(How sure each detail is: twice the mean over its word of how surely pixels are, weighted by itself; and how
+    surely its word is strokes: by how many times they are as long as wide.)"""
     labels = _labels(tuple(link & around[to] & around[of] for link, to, of in zip(
         goes_on, (np.s_[:, 1:], np.s_[1:]), (np.s_[:, :-1], np.s_[:-1]), strict=True)))
     count, total, squares = (np.bincount(labels.flat, by.flat) for by in (
         details.astype(float), np.where(details, sure, 0), np.where(details, sure, 0) ** 2))
     own = 2 * squares / np.maximum(total, 1e-9) * np.minimum(1, WHOLE * total / np.maximum(255 * count, 1))
-    return np.where(details, np.floor(np.minimum(own, 255) + 0.5)[labels], 0)
+    ends = sum(details & ~_shifted(details, v, u) for v, u in ((0, 1), (0, -1), (1, 0), (-1, 0)))
+    length = np.bincount(labels.flat, ends.flat) ** 2 / np.maximum(4 * count, 1)
+    strokes = ROUND + (1 - ROUND) * clamp01((length - TWO_EYES) / (WORD - TWO_EYES))
+    strokes = np.floor(255 * strokes + 0.5) / 255
+    return np.where(details, np.floor(np.minimum(own, 255) + 0.5)[labels], 0), strokes[labels]
 
 
 def _level(share):
@@ -190,9 +196,9 @@ def kept(layers, params):
         _, share, _ = _survey(fine, labels)
         square = np.where(_level(share) + np.isnan(share) > 0, square, 0)
         whole, level = _whole(sign * value, fine, _level(share))
-        sure = _words(whole > 0, np.floor(sure * level + 0.5), _about(whole > 0, stroke, np.max), goes_on)
-        found.append((np.where(sure > 0, whole, 0), sure / 255, square))
-    (thin, light_sure, square), (dark, dark_sure, _) = found
+        sure, strokes = _words(whole > 0, np.floor(sure * level + 0.5), _about(whole > 0, stroke, np.max), goes_on)
+        found.append((np.where(sure > 0, whole, 0), sure / 255, square, strokes if sign > 0 else 1))
+    (thin, light_sure, square, strokes), (dark, dark_sure, _, one) = found
 
     def there(v, u):
         own = inside[wide + 1 + v:, wide + 1 + u:][:height, :width]
@@ -221,8 +227,9 @@ def kept(layers, params):
     ground = np.where(ground > 0, ground + 1, 0) / 255
     keep, ease = _kept_share(np.maximum(about, clear)), 1 - np.where(value > 76, _with_rims(value, ground), 0)
     printed, chalked = (np.where(own > 0, _kept_share(1 - sure * _level(
-        _survey(_prints(value, depth, own > 0, others > 0, reach, sign), labels)[1])), 0)
-                        for own, others, sure, sign in ((dark, thin, dark_sure, 1), (thin, dark, light_sure, -1)))
+        _survey(_prints(value, depth, own > 0, others > 0, reach, sign), labels)[1]) * lines), 0)
+                        for own, others, sure, lines, sign in (
+                            (dark, thin, dark_sure, one, 1), (thin, dark, light_sure, strokes, -1)))
     ground = 1 - _kept_share(around(thin, chalked, 1, wide))
     board = (value <= LEAST) & (_about(printed, 2 * (wide + 2), np.max) < 128 / 255)
     return keep, ease, dark_sure > 127 / 255, printed, ground, board * ground

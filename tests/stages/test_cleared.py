@@ -200,6 +200,18 @@ def test_the_white_of_an_eye_in_a_dark_face_has_no_ink_about_it():
     assert drawn[20:40, [20, 21, 36, 37]].mean() < 0.7 and not drawn[28:31, [23, 34]].any()
 
 
+@pytest.mark.parametrize("kind", ["STIPPLE", "HATCH"])
+def test_plain_round_eyes_are_no_print_and_letters_as_large_are(kind):
+    layers = shaded(60, 120, 0.2, 0.05)
+    for x in (20, 36):
+        layers["color"][24:34, x + 1:x + 7] = layers["color"][26:32, x:x + 8] = 0.8
+    for x in (80, 88):
+        layers["color"][24:34, x:x + 6], layers["color"][26:32, x + 2:x + 6] = 0.8, 0.05
+    drawn = ink(layers, tone_1=kind, tone_detail=11.0, shade_levels=[(0.7,), (0.65, 0.25, 0.0)])
+    assert drawn[26:32, [15, 31, 32, 48]].mean() < 0.7 and not drawn[26:32, [24, 40]].any()
+    assert drawn[26:32, [74, 83, 87, 99]].all() and not drawn[26:32, 80].any()
+
+
 RAIL = dict(tone_1="HATCH", tone_black=0.05, shade_levels=[(0.4,), (0.65, 0.25, 0.0)], tone_detail=5.0)
 
 
