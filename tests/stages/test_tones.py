@@ -377,6 +377,13 @@ def test_hatched_has_fewer_strokes_the_lighter_it_is():
     assert ink[0] > 0.1 and ink[1] < 0.8 * ink[0] and ink[2] < 0.25 * ink[0], ink
 
 
+def test_dots_of_manga_are_thinner_than_its_inner_contours():
+    """A nose and lips among dots as wide as they were dots themselves."""
+    values = presets.find("Manga").values
+    dot = 2 * values["tone_2_pitch"] * ((1 - values["shade_levels"][1][0]) / np.pi) ** 0.5
+    assert dot < 0.8 * values["line_thickness"] * values["width_depth"]
+
+
 def test_about_letters_in_coloured_blacks_their_ground_keeps_its_hue():
     """What is clear of ink in the shade was mauve, whatever it was."""
     values = presets.find("Coloured blacks").values | dict(use_lines=False, length_unit="PIXELS")
