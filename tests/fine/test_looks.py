@@ -45,6 +45,13 @@ def test_pencils_borders_of_shade_are_faint_and_whole():
     assert 0.05 < shade.mean() < 0.2 * contour.mean()
 
 
+@pytest.mark.parametrize("name", ["Pencil", "Ink only"])
+def test_far_things_are_drawn_lighter(name):
+    """Hills behind a harbour weighed as much as its rail."""
+    near, far = (drawn(name, object=parted(1, 2), depth=parted(z, 2 * z)).sum() for z in (1.5, 30))
+    assert 0.05 * near < far < 0.6 * near, (near, far)
+
+
 @pytest.mark.parametrize("name", ["Stippled", "Hatched", "Manga", "Heavy blacks", "Coloured blacks"])
 def test_no_part_of_a_contour_is_lost(name):
     """However a hand presses: small heads lay in a light place of it, and had none."""
