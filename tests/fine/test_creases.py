@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from encre.pen import library
+from encre.pen import library, presets
 from encre.pen.job import EDGES, Camera, Frame, Mesh, edge_kinds
 from encre.pen.overlay import bends
 from reference.marks import creases
@@ -206,6 +206,14 @@ def test_meshes_or_normals():
     assert not picture(fold(50, edges=smooth))[8:22, 16:25].any()
     assert picture(fold(50, edges=smooth), crease_smooth=40.0)[8:22, 16:25].any()
     assert picture(fold(50), edge_normal=0.0)[8:22, 16:25].any() == np.False_
+
+
+def test_technical_drawings_have_corners_of_smooth_boxes_and_no_scraps_of_cloth():
+    """Where the triangles of a cloth happened to bend by more than 60 degrees it looked torn."""
+    smooth = edge_kinds(np.full((4, 3), EDGES["smooth"]))
+    angle = presets.find("technical_drawing").values["crease_smooth"]
+    assert angle < 90 and not picture(fold(75, edges=smooth), crease_smooth=angle)[8:22, 18:22].any()
+    assert picture(fold(75, edges=smooth))[8:22, 18:22].any()
 
 
 def two_folds(above, below):
