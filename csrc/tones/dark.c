@@ -265,6 +265,14 @@ static void finish(const float *restrict depth, bool sky, bool solid, int n, flo
 		dark[i] = depth_of(depth[i]) < INFINITY ? dark[i] : dark[i] >= 0.5f ? 1 : 0;
 }
 
+/* A stroke here and there shades nothing: on a wall in full light it is rain. */
+static void few(int n, float *restrict dark)
+{
+	static const float none = 0.02f, all = 0.05f;
+	for (int i = 0; i < n; i++)
+		dark[i] *= clamp01((dark[i] - none) * (1 / (all - none)));
+}
+
 /* What is cleared as a whole has smaller dots and fewer strokes until it has none. What can't be less dark without
  * being grey is there or not. */
 static void clear(const uint8_t *restrict keep, const uint8_t *restrict ease, bool eases, int n, float *restrict share,
@@ -315,6 +323,8 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 			continue;
 		finish(depth, p->tone_mirrors && f->params->tone_sky > 0, tone_sticks(slots + k), n, w->share[k],
 		       w->dark[k]);
+		if (slots[k].kind == tone_1_HATCH)
+			few(n, w->dark[k]);
 		if (detail->keep)
 			clear(detail->keep + at, detail->ease + at, tone_is_screen(slots + k) || tone_marked(slots + k),
 			      n, w->share[k], w->dark[k]);

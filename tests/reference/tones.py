@@ -304,6 +304,8 @@ def _dark(layers, levels, of, look):
     dark = clamp01(np.where(share > 0, total / np.maximum(share, 1e-30), 0))
     if shows_sky and look[3] != "SCREEN":
         dark = np.where(layers.there, dark, dark >= 0.5)
+    if look[0] == "HATCH":
+        dark = dark * clamp01((dark - 0.02) / 0.03)
     return clamp01(share), dark
 
 

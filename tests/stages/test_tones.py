@@ -377,6 +377,17 @@ def test_hatched_has_fewer_strokes_the_lighter_it_is():
     assert ink[0] > 0.1 and ink[1] < 0.8 * ink[0] and ink[2] < 0.25 * ink[0], ink
 
 
+def test_where_hardly_any_stroke_would_be_there_is_none():
+    """One here and one there on a white wall was rain."""
+    one = np.ones((120, 160, 3), np.float32)
+    look = dict(use_tones=True, tone_1="HATCH", tone_1_pitch=8.0, tone_1_angle=0.0, length_unit="PIXELS")
+    layers = dict(combined=np.dstack([one, one[..., :1]]), color=one, diffuse=one, depth=5 * one[..., :1],
+                  normal=one * np.float32((0, 0, 1)))
+    none, few, asked = (library.render(layers, dict(look, shade_levels=[(1 - dark,)]), outputs=["Encre Tones"])
+                        .images["Encre Tones"][..., 3].mean() for dark in (0.02, 0.035, 0.05))
+    assert none == 0 and 0.005 < few < 0.03 and abs(asked - 0.05) < 0.02, (none, few, asked)
+
+
 def test_dots_of_manga_are_thinner_than_its_inner_contours():
     """A nose and lips among dots as wide as they were dots themselves."""
     values = presets.find("Manga").values
